@@ -396,7 +396,7 @@ static void relax_all(struct lod_allocation *m)
 	relax_tiles(m);
 	m->p->looks += looks;
 	lod_planner_work(m->p, LOD_WORK_CHOICE * looks
-		+ LOD_WORK_TALLY * m->tallies + (m->price > 0 ? 3 : 1) * LOD_WORK_NODE
+		+ (m->price > 0 ? 3 : 1) * LOD_WORK_NODE
 		* (uint64_t)m->p->visible.node_count + LOD_WORK_SUMMARY * (m->p->gains - gains));
 }
 

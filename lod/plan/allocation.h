@@ -141,24 +141,32 @@ struct lod_use {
 	double count;
 };
 
+struct lod_slot_use { uint32_t node, whole; double count; };      /* the same, by slot */
+
 struct lod_uses {
 	struct lod_use *items;       /* by node */
 	uint32_t *first;             /* per node, and one more: in items */
+	struct lod_slot_use *by_slot;        uint32_t *slot_first;
 	/* of all open tiles: cells, by their whole plants */
 	struct lod_use *cells;       uint32_t cell_count;
 	/* per slot, at the last lambda: the share of whole plants before their gate; what a plant costs in
 	 * the mean, or a cell where it is drawn */
 	double *near;
 	struct lod_cost *each;
+	struct lod_cost *own;        /* per node: what its own plants cost, ... */
+	bool *stale;                 /* ... unless one of its slots costs something else since */
+	/* per slot, as lod_uses_sum_drawn left them: plants in open tiles; the same, times their factors */
+	double *drawn, *seen;
+	bool *moved, *redrawn;       /* near is another one since; while they are summed: so are these */
+	double *reach, *weight;      /* per node: the share of it that is drawn; of that, its plants' */
 };
 
-#define LOD_PRICE_TRIES 64       /* more are not kept */
+#define LOD_PRICE_TRIES 128      /* more are not kept */
 
-/* What came of prices for all bytes alike at one lambda, by falling price. */
+/* What came of prices for all bytes alike. */
 struct lod_price_tries {
-	double lambda;
 	uint32_t count;
-	struct { double octave, bytes; } at[LOD_PRICE_TRIES];        /* log2 of the price */
+	struct { double lambda, octave, bytes; } at[LOD_PRICE_TRIES];        /* log2 of the price */
 };
 
 struct lod_allocation {

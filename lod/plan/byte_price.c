@@ -8,6 +8,7 @@
 
 #include "lod/plan/byte_price_state.h"
 #include "lod/plan/impostor_worth.h"
+#include "lod/plan/plant_uses.h"
 
 #define GROUND_LEAST 0.1         /* share of the ground that shows, at least */
 #define DRAWN_LEAST 1e-9         /* plants, below which nobody draws */
@@ -280,18 +281,16 @@ struct lod_summary_price lod_prices_summary(const struct lod_allocation *m, uint
 
 /* ---- Making ---- */
 
-/* Limits are made of what all choices and tallies come to, as a relaxation is. */
+/* Limits are made of what all choices come to, as a relaxation is. */
 static void work_limits(struct lod_allocation *m)
 {
-	lod_planner_work(m->p, LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count
-		+ LOD_WORK_TALLY * m->tallies);
+	lod_planner_work(m->p, LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count);
 }
 
 enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holdings *kept, double waste,
 	struct eco_error *error)
 {
-	uint32_t slots = m->p->visible.slot_count, nodes = m->p->visible.node_count,
-		plants = m->p->scene->plant_count;
+	uint32_t nodes = m->p->visible.node_count, plants = m->p->scene->plant_count;
 	lod_prices_free(m);
 	struct lod_prices *prices = m->prices = calloc(1, sizeof *prices);
 	if (prices) {
@@ -299,10 +298,7 @@ enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holding
 		prices->kept_lambda = NAN;
 		prices->factor = waste;
 	}
-	bool good = prices && (prices->drawn = malloc((slots + 1u) * sizeof *prices->drawn))
-		&& (prices->seen = malloc((slots + 1u) * sizeof *prices->seen))
-		&& (prices->weight = malloc((nodes + 1u) * sizeof *prices->weight))
-		&& (prices->part = malloc((nodes + 1u) * sizeof *prices->part))
+	bool good = prices && (prices->part = malloc((nodes + 1u) * sizeof *prices->part))
 		&& (prices->organs_off = calloc(plants + 1u, sizeof *prices->organs_off))
 		&& (prices->left_out = calloc(plants + 1u, sizeof *prices->left_out))
 		&& (prices->saved = malloc((plants + 1u) * sizeof *prices->saved))
@@ -333,9 +329,6 @@ void lod_prices_free(struct lod_allocation *m)
 	free(prices->instances);
 	free(prices->instances_waste);
 	free(prices->points);
-	free(prices->drawn);
-	free(prices->seen);
-	free(prices->weight);
 	free(prices->room);
 	free(prices->room_first);
 	free(prices->part);
@@ -350,29 +343,6 @@ void lod_prices_free(struct lod_allocation *m)
 }
 
 /* ---- What is drawn ---- */
-
-static void count_drawn(struct lod_allocation *m)
-{
-	const struct lod_visible_tree *visible = &m->p->visible;
-	struct lod_prices *prices = m->prices;
-	memset(prices->drawn, 0, visible->slot_count * sizeof *prices->drawn);
-	memset(prices->seen, 0, visible->slot_count * sizeof *prices->seen);
-	prices->weight[0] = 1;
-	for (uint32_t n = 0; n < visible->node_count; n++) {
-		const struct lod_node *node = &visible->nodes[n];
-		const struct lod_tile_choice *choice = &m->tile_choices[n];
-		double weight = choice->open ? prices->weight[n] * choice->share : 0;
-		for (uint32_t c = 0; node->expanded && c < node->child_count; c++)
-			prices->weight[node->child_first + c] = weight;
-		for (uint32_t i = m->uses.first[n]; weight > 0 && i < m->uses.first[n + 1]; i++) {
-			const struct lod_use *use = &m->uses.items[i];
-			double count = weight * use->count
-				* (use->whole == use->slot ? 1 : m->uses.near[use->whole]);
-			prices->drawn[use->slot] += count;
-			prices->seen[use->slot] += count * choice->factor;
-		}
-	}
-}
 
 /* The share of a slot's plants that draw a choice. `all`: of a ladder that shows the whole plant, as if no
  * organs were drawn. */
@@ -428,8 +398,8 @@ static double free_position(const struct lod_allocation *m, struct lod_ladder_ch
 static void add_gain(struct lod_allocation *m, struct ladder_price *l, uint32_t id, bool all)
 {
 	struct lod_ladder_choice *choice = &m->ladder_choices[id];
-	double share = lod_prices_share(m, id, all), drawn = m->prices->drawn[choice->slot] * share,
-		seen = m->prices->seen[choice->slot] * share * choice->weight_px;
+	double share = lod_prices_share(m, id, all), drawn = m->uses.drawn[choice->slot] * share,
+		seen = m->uses.seen[choice->slot] * share * choice->weight_px;
 	if (!(seen > 0))
 		return;
 	const struct lod_hull *hull = &choice->hull;
@@ -457,7 +427,7 @@ static double cost_of(const struct ladder_price *l, const struct price *price, u
 void lod_prices_levels(struct lod_allocation *m)
 {
 	work_limits(m);
-	count_drawn(m);
+	lod_uses_sum_drawn(m);
 	lod_images_limit(m);
 }
 
@@ -466,7 +436,7 @@ static void limit_levels(struct lod_allocation *m)
 {
 	lod_images_limit(m);
 	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
-		m->scratch[s] = m->prices->seen[s] * m->slot_choices[s].seen;
+		m->scratch[s] = m->uses.seen[s] * m->slot_choices[s].seen;
 	lod_allocation_set_impostors(m, m->scratch);
 }
 
@@ -541,7 +511,7 @@ static double levels_bytes(const struct lod_allocation *m, const struct ladder_p
 		uint32_t id = m->prices->choices[l->first + i];
 		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
 		if (draws_impostor(choice) && choice->hull.impostor > level
-				&& m->prices->drawn[choice->slot] * lod_prices_share(m, id, false) > DRAWN_LEAST)
+				&& m->uses.drawn[choice->slot] * lod_prices_share(m, id, false) > DRAWN_LEAST)
 			level = choice->hull.impostor;
 	}
 	return level ? lod_prices_missing(m, list, 1, level + 1) : 0;
@@ -556,7 +526,7 @@ static uint32_t find_used(const struct lod_allocation *m, struct ladder_price *l
 		uint32_t id = m->prices->choices[l->first + i];
 		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
 		const struct lod_hull_point *points = choice->hull.points;
-		if (m->prices->drawn[choice->slot] * lod_prices_share(m, id, false) < DRAWN_LEAST)
+		if (m->uses.drawn[choice->slot] * lod_prices_share(m, id, false) < DRAWN_LEAST)
 			continue;
 		uint32_t from = step_of(l, points[(uint32_t)choice->position].vertices),
 			to = step_of(l, points[(uint32_t)ceil(choice->position)].vertices);
@@ -592,7 +562,7 @@ static void judge_organs(struct lod_allocation *m)
 			continue;
 		double near = lod_planner_near(m->p, slot->plant, slot->band),
 			each = m->counts[s] ? choice->near_saved / (double)m->counts[s] : 0;
-		prices->saved[slot->plant] += prices->seen[s] * ((1 - choice->whole_share)
+		prices->saved[slot->plant] += m->uses.seen[s] * ((1 - choice->whole_share)
 			* fmax(0, choice->organs_saved) + near * fmax(0, each));
 	}
 	for (uint32_t i = 0; i < plants; i++)
@@ -647,7 +617,7 @@ void lod_prices_limit(struct lod_allocation *m, bool first, bool last)
 {
 	struct lod_prices *prices = m->prices;
 	work_limits(m);
-	count_drawn(m);
+	lod_uses_sum_drawn(m);
 	if (!m->spares)
 		limit_levels(m);
 	if (!first)
@@ -666,7 +636,7 @@ void lod_prices_limit(struct lod_allocation *m, bool first, bool last)
 void lod_prices_tighten(struct lod_allocation *m)
 {
 	work_limits(m);
-	count_drawn(m);
+	lod_uses_sum_drawn(m);
 	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
 		m->prices->ladders[i].limit = find_used(m, &m->prices->ladders[i]);
 		apply_limit(m, &m->prices->ladders[i]);

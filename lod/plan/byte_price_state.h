@@ -52,9 +52,7 @@ struct lod_prices {
 	uint64_t *vertices;          struct chunks *needs;
 	double *gain;                bool *rests;
 	double *instances, *instances_waste, *points;        /* per node */
-	double *drawn, *seen;        /* per slot: plants in open tiles; the same, times the tiles' factors */
 	double *part;                /* per node: of its tile's bytes, that an occurrence pays */
-	double *weight;              /* per node: the share of it that is drawn */
 	struct lod_hull_point *room; /* for hulls of summaries */
 	uint32_t *room_first;        /* per node */
 	bool *organs_off;            /* per plant */

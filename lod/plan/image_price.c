@@ -118,7 +118,7 @@ static void add_texel_costs(const struct lod_allocation *m, struct ladder_price 
 	for (uint32_t i = 0; i < l->count; i++) {
 		uint32_t id = m->prices->choices[l->first + i];
 		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
-		double seen = m->prices->seen[choice->slot] * lod_prices_share(m, id, false) * choice->weight_px,
+		double seen = m->uses.seen[choice->slot] * lod_prices_share(m, id, false) * choice->weight_px,
 			px = texel_px(m, l, id);
 		for (uint32_t n = levels; n > 0 && seen > 0; n--, px *= 2)
 			costs[n] += seen * lod_texel_cost(px);

@@ -75,7 +75,8 @@ enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error)
 struct fitted {
 	double size, lambda;         /* size: bytes */
 	struct lod_price at;
-	double near;                 /* a price that nearly fits, while `at` is not a number */
+	double near, lowest;         /* a price that nearly fits, while `at` is not a number, and vertices at
+	                              * the lowest lambda there */
 	uint8_t *left_out;           /* per plant, as lod_prices_left_out */
 	const struct eco_holdings *kept;     /* as in lod_prices_make */
 	double wrong;                /* pixels that it leaves */
@@ -116,18 +117,25 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 	struct lod_allocation *m = s->allocation;
 	double low = lod_lambda_at(s->last), high = s->index == LOD_LAMBDA_COUNT ? low
 		: fmax(low, lod_lambda_at(s->index));
-	double least = INFINITY, near = fit->at.tiles, over, top = high;
-	bool again = !isnan(near);
+	bool again = !isnan(fit->at.tiles), both = !again && fit->lowest > (double)budget;
+	double least = INFINITY, near = again ? fit->at.tiles : fit->near, over = near, top = high,
+		lowest = fit->lowest;
 	fit->lambda = again ? fit->lambda : low;
-	lod_price_find(m, fit->lambda, target, again ? near : fit->near, &fit->at, &over);
-	struct within span = { low, high, m->cost.vertices, 0 };
-	bool both = !again && m->cost.vertices > (double)budget;
+	if (!both) {
+		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ near, false }, &fit->at,
+			&over);
+		lowest = m->cost.vertices;
+		both = !again && lowest > (double)budget;
+		near = fit->at.tiles;
+	}
+	struct within span = { low, high, lowest, 0 };
 	for (int i = 0; both && i <= PRICE_LAMBDAS && (!i || span.low < span.high)
 			&& span.under < PRICE_ENOUGH * (double)budget
 			&& !(i && lod_planner_over(m->p, 3)); i++) {
 		double lambda = i ? next_lambda(&span, (double)budget, i == 2) : high, beyond;
 		struct lod_price at;
-		lod_price_find(m, lambda, target, fit->at.tiles, &at, &beyond);
+		lod_price_find(m, lambda, target, &(struct lod_price_near){ near, true }, &at, &beyond);
+		near = at.tiles;
 		bool fits = m->cost.vertices <= (double)budget;
 		*(fits ? &span.high : &span.low) = lambda;
 		*(fits ? &span.under : &span.over) = m->cost.vertices;
@@ -139,11 +147,15 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 		over = beyond;
 	}
 	fit->both |= both;
+	if (both)
+		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->at.tiles, false },
+			&fit->at, &over);
 	double bytes = relax_and_fill(m, fit, target, over);
 	/* where more bytes come, a vertex may have to save more */
 	for (int i = 1; m->cost.vertices > (double)budget && i <= PRICE_RAISES; i++) {
 		fit->lambda = i < PRICE_RAISES ? sqrt(fit->lambda * top) : top;
-		lod_price_find(m, fit->lambda, target, fit->at.tiles, &fit->at, &over);
+		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->at.tiles, false },
+			&fit->at, &over);
 		bytes = relax_and_fill(m, fit, target, over);
 	}
 	memcpy(fit->left_out, lod_prices_left_out(m), m->p->scene->plant_count);
@@ -184,8 +196,12 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 	struct lod_planner *p = m->p;
 	uint32_t plants = p->scene->plant_count;
 	enum eco_code code = ECO_OK;
-	struct fitted now = { .lambda = first->lambda, .at = first->at, .near = first->near, .left_out = room,
-		.kept = best->kept, .beside = first->beside };
+	struct fitted now = *first;
+	now.left_out = room;
+	now.kept = best->kept;
+	now.size = 0;
+	now.wrong = 0;
+	now.both = false;
 	double most = (double)p->input->request->bytes, tried[SIZE_TRIES];
 	for (int i = 0; i < (best->kept ? SIZE_TRIES_MORE : SIZE_TRIES) && !code; i++) {
 		double before = now.size, bytes = tried[i] = find_prices(s, most - now.beside, budget, &now);
@@ -250,7 +266,7 @@ static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budge
 	enum eco_code code = lod_prices_make(s->allocation, NULL, 0, error);
 	if (!code)
 		code = predict_bytes(s, &point, error);
-	const struct fitted unknown = { .at = { NAN, NAN }, .near = point.octave };
+	const struct fitted unknown = { .at = { NAN, NAN }, .near = point.octave, .lowest = point.lowest };
 	if (!code)
 		code = fit_prices(s, budget, &unknown, &alike, room, error);
 	bool twice = !code && !lod_planner_over(s->allocation->p, 3);

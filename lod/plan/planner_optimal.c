@@ -50,6 +50,7 @@
 #define FINER_WORK 4             /* of a finer level, over that of a level */
 #define PASSES_VERTICES 32
 #define PASSES_BYTES 200
+#define UNCHANGED 2              /* one of so many tallies is summed again, for the others nothing changed */
 #define SUMMARY_TRIES 2          /* numbers of points that are tried of each */
 
 double lod_lambda_at(int index)
@@ -531,7 +532,7 @@ static uint64_t expected_work(const struct lod_planner *p)
 	uint64_t nodes = p->visible.node_count, each = LOD_WORK_NODE * nodes
 		+ SLOT_CHOICES * LOD_WORK_CHOICE * (uint64_t)p->visible.slot_count;
 	for (uint32_t n = 0; n < nodes; n++)
-		each += LOD_WORK_TALLY * (uint64_t)p->visible.nodes[n].tally_count;
+		each += LOD_WORK_TALLY * (uint64_t)p->visible.nodes[n].tally_count / UNCHANGED;
 	return each * (bytes ? PASSES_BYTES : PASSES_VERTICES) + SUMMARY_TRIES * LOD_WORK_SUMMARY * nodes;
 }
 

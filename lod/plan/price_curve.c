@@ -6,9 +6,14 @@
 #include "lod/plan/price_search.h"
 
 #define GRID_HIGHEST 12.0        /* octaves: nothing is worth so much a byte; the next is 1 lower */
+#define MIDDLE 0.25              /* of the highest lambda */
 #define GRID_COUNT 24            /* below the last everything is worth its bytes */
 
-struct evaluation { int at; double bytes, vertices, wrong; struct eco_prediction prediction; };
+struct evaluation {
+	int at;
+	double bytes, vertices, wrong, lowest;   /* lowest: vertices at the lowest lambda */
+	struct eco_prediction prediction;
+};
 
 static double octave_at(int at)
 {
@@ -22,13 +27,12 @@ static double within(double value, double least, double most)
 
 static double wrong_of(const struct eco_prediction *prediction) { return prediction->fp + prediction->fn; }
 
-static enum eco_code relax_at(struct lod_allocation *m, double lambda, double octave,
-	struct evaluation *result, struct eco_error *error)
+/* It is remembered for the search of the price. */
+static void relax_at(struct lod_allocation *m, double lambda, double octave, struct evaluation *result)
 {
-	result->bytes = lod_price_relax(m, lambda, &(struct lod_price){ octave, octave });
+	result->bytes = lod_price_relax_alike(m, lambda, octave);
 	result->vertices = m->cost.vertices;
 	result->wrong = lod_price_wrong(m);
-	return lod_allocation_predict(m, &result->prediction, error);
 }
 
 static double part_of(double value, double from, double to)
@@ -43,23 +47,31 @@ static struct eco_prediction between(const struct eco_prediction *a, const struc
 		a->fn + part * (b->fn - a->fn) };
 }
 
-/* Where vertices bind, too, it is what two lambdas come to, in the parts that use them. */
+static enum eco_code predict(struct lod_allocation *m, struct evaluation *at, struct eco_error *error)
+{
+	return lod_allocation_predict(m, &at->prediction, error);
+}
+
+/* Where vertices bind, too, it is what two lambdas come to, in the parts that use them: the highest and one
+ * below it, or that and the lowest. */
 static enum eco_code evaluate(struct lod_allocation *m, const struct lod_price_bounds *bounds, int at,
 	struct evaluation *result, struct eco_error *error)
 {
-	double octave = octave_at(at), middle = sqrt(bounds->low * bounds->high);
+	double octave = octave_at(at);
 	struct evaluation over, under;
-	lod_price_relax_alike(m, bounds->low, octave);   /* remembered for the search of the price */
-	enum eco_code code = relax_at(m, bounds->low, octave, &over, error);
-	*result = over;
+	relax_at(m, bounds->low, octave, result);
 	result->at = at;
-	if (code || over.vertices <= bounds->vertices || !(bounds->high > bounds->low))
-		return code;
-	code = relax_at(m, middle, octave, &under, error);
-	if (!code && under.vertices > bounds->vertices) {
-		over = under;
-		code = relax_at(m, bounds->high, octave, &under, error);
-	}
+	result->lowest = result->vertices;
+	if (result->vertices <= bounds->vertices || !(bounds->high > bounds->low))
+		return predict(m, result, error);
+	relax_at(m, fmax(bounds->low, MIDDLE * bounds->high), octave, &under);
+	enum eco_code code = predict(m, &under, error);
+	bool fits = under.vertices <= bounds->vertices;
+	over = under;
+	struct evaluation *other = fits ? &over : &under;
+	relax_at(m, fits ? bounds->low : bounds->high, octave, other);
+	if (!code)
+		code = predict(m, other, error);
 	double part = part_of(bounds->vertices, under.vertices, over.vertices);
 	result->bytes = under.bytes + part * (over.bytes - under.bytes);
 	result->wrong = under.wrong + part * (over.wrong - under.wrong);
@@ -94,6 +106,7 @@ enum eco_code lod_price_curve(struct lod_allocation *m, const struct lod_price_b
 		*(middle.bytes <= bytes ? &here : &next) = middle;
 	}
 	point->octave = octave_at(here.at);
+	point->lowest = here.lowest;
 	point->prediction = between(&here.prediction, &next.prediction,
 		part_of(bytes, here.bytes, next.bytes));
 	return code;

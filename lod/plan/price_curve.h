@@ -9,7 +9,8 @@
 
 struct lod_price_point {
 	struct eco_prediction prediction;
-	double octave;               /* log2 of a price of the grid whose bytes are at most these */
+	double octave;               /* log2 of a price of the grid whose bytes are at most these, ... */
+	double lowest;               /* ... and vertices at the lowest lambda there */
 };
 
 /* Within so many vertices: at the lambda `low` where they hold what it draws, else between that and `high`,

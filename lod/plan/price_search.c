@@ -2,7 +2,7 @@
 #include "lod/plan/price_search.h"
 
 #include <math.h>
-#include <string.h>
+#include <stdlib.h>
 
 #include "lod/plan/byte_price.h"
 #include "lod/eye.h"
@@ -13,7 +13,8 @@
 #define PRICE_STEP_FIRST 2.0     /* octaves to the next price tried, then twice as far */
 #define LOW_OCTAVES 10           /* no bytes are so far below any */
 #define PRICE_GAPS 4             /* filled after each other */
-#define PRICE_STEP 0.1          /* octaves to which a price is searched */
+#define PRICE_STEP 0.1           /* octaves to which a price is searched */
+#define PRICE_CLOSE 0.45         /* octaves: nearer than that bytes come at once, and are no line */
 #define PRICE_TRIES 5            /* of a search, whatever work is done: the highest price draws nothing */
 
 #define LN_2 0.69314718055994530942
@@ -61,18 +62,11 @@ static bool leaves_out(const struct lod_allocation *m)
 static void remember(struct lod_allocation *m, double lambda, double octave, double bytes)
 {
 	struct lod_price_tries *tries = &m->tries;
-	uint32_t i = 0;
-	if (leaves_out(m))
+	if (leaves_out(m) || tries->count == LOD_PRICE_TRIES)
 		return;
-	if (tries->lambda != lambda)
-		*tries = (struct lod_price_tries){ .lambda = lambda };
-	while (i < tries->count && tries->at[i].octave > octave)
-		i++;
-	if (tries->count == LOD_PRICE_TRIES || (i < tries->count && tries->at[i].octave == octave))
-		return;
-	memmove(&tries->at[i + 1], &tries->at[i], (tries->count++ - i) * sizeof *tries->at);
-	tries->at[i].octave = octave;
-	tries->at[i].bytes = bytes;
+	tries->at[tries->count].lambda = lambda;
+	tries->at[tries->count].octave = octave;
+	tries->at[tries->count++].bytes = bytes;
 }
 
 double lod_price_relax_alike(struct lod_allocation *m, double lambda, double octave)
@@ -82,36 +76,56 @@ double lod_price_relax_alike(struct lod_allocation *m, double lambda, double oct
 	return bytes;
 }
 
-/* Prices between an octave `low`, at which there are too many bytes, and `high`, at which there are at most
- * `target`: regula falsi on bytes, until they are nearly that many or the octaves are close together. `lists`
- * NAN: the same for what plants share. */
-static struct lod_price search_price(struct lod_allocation *m, double lambda, double target, double lists,
-	double *low, double high)
+/* How far bytes are from a target, in octaves. */
+static double beyond(double bytes, double target)
 {
-	double over = 1, under = 1, bytes = 0;
-	int side = 0;
-	for (int tries = 0; high - *low > PRICE_STEP && bytes < target * (1 - LOD_PRICE_SLACK)
+	return bytes > 0 && target > 0 ? fabs(lod_octaves(bytes / target)) : LOW_OCTAVES;
+}
+
+/* The same at a price for all bytes alike; 1 where that was not tried. */
+static double beyond_at(const struct lod_allocation *m, double lambda, double target, double octave)
+{
+	for (uint32_t i = 0; i < m->tries.count; i++)
+		if (m->tries.at[i].lambda == lambda && m->tries.at[i].octave == octave)
+			return beyond(m->tries.at[i].bytes, target);
+	return 1;
+}
+
+/* How closely a price is searched: octaves; share of the bytes that may be left. */
+struct closely { double octaves, slack; };
+static const struct closely roughly = { 0.5, 0.1 }, exactly = { PRICE_STEP, LOD_PRICE_SLACK };
+
+/* Prices between an octave `low`, at which there are too many bytes, and `high`, at which there are at most
+ * `target`: a secant on bytes, or their middle where that moves one end alone, until they are nearly that
+ * many or the octaves are close together. `lists` NAN: the same for what plants share. */
+static struct lod_price search_price(struct lod_allocation *m, double lambda, double target, double lists,
+	const struct closely *closely, double *low, double high)
+{
+	bool alike = isnan(lists);
+	double over = alike ? beyond_at(m, lambda, target, *low) : 1,
+		under = alike ? beyond_at(m, lambda, target, high) : 1, bytes = 0;
+	int side = 0;                    /* tries that moved the same end */
+	for (int tries = 0; high - *low > closely->octaves && bytes < target * (1 - closely->slack)
 			&& (tries < PRICE_TRIES || !lod_planner_over(m->p, 4)); tries++) {
-		double part = over / (over + under);
-		part = part < 0.1 ? 0.1 : part > 0.9 ? 0.9 : part;
-		double middle = *low + part * (high - *low);
-		double now = isnan(lists) ? lod_price_relax_alike(m, lambda, middle)
+		double part = over / (over + under),
+			from = *low < PRICE_LITTLE && high > PRICE_LITTLE + 1 ? PRICE_LITTLE : *low;
+		bool halves = high - *low < PRICE_CLOSE || abs(side) > 1;
+		part = halves ? 0.5 : part < 0.1 ? 0.1 : part > 0.9 ? 0.9 : part;
+		double middle = from + part * (high - from);
+		double now = alike ? lod_price_relax_alike(m, lambda, middle)
 			: lod_price_relax(m, lambda, &(struct lod_price){ lists, middle });
-		double beyond = now > 0 ? fabs(lod_octaves(now / target)) : LOW_OCTAVES;
 		if (now > target) {
 			*low = middle;
-			over = beyond;
-			under = side < 0 ? under / 2 : under;
-			side = -1;
+			over = beyond(now, target);
+			side = side < 0 ? side - 1 : -1;
 		} else {
 			high = middle;
 			bytes = now;
-			under = beyond;
-			over = side > 0 ? over / 2 : over;
-			side = 1;
+			under = beyond(now, target);
+			side = side > 0 ? side + 1 : 1;
 		}
 	}
-	return (struct lod_price){ isnan(lists) ? high : lists, high };
+	return (struct lod_price){ alike ? high : lists, high };
 }
 
 /* Two such prices, by trying, from one that nearly fits. *high <= *low: everything fits at *low, the lowest.
@@ -162,7 +176,7 @@ static bool fill_gap(struct lod_allocation *m, double lambda, double target, str
 	bool better = false;
 	double most = lod_price_relax(m, lambda, &try);
 	if (most > target)
-		try = search_price(m, lambda, target, at->lists, &low, at->tiles);
+		try = search_price(m, lambda, target, at->lists, &exactly, &low, at->tiles);
 	if (most > *bytes)
 		better = is_better(m, lambda, target, &try, wrong, at, bytes);
 	wrong = better ? lod_price_wrong(m) : wrong;
@@ -170,7 +184,7 @@ static bool fill_gap(struct lod_allocation *m, double lambda, double target, str
 	lod_price_relax(m, lambda, &try);
 	if (lod_prices_lists(m) < target) {      /* else nothing that tiles and textures give is enough */
 		low = lists;
-		try = search_price(m, lambda, target, lists, &low, LOD_PRICE_HIGHEST);
+		try = search_price(m, lambda, target, lists, &exactly, &low, LOD_PRICE_HIGHEST);
 		better |= is_better(m, lambda, target, &try, wrong, at, bytes);
 	}
 	if (better && *bytes >= target * (1 - LOD_PRICE_SLACK))
@@ -181,9 +195,10 @@ static bool fill_gap(struct lod_allocation *m, double lambda, double target, str
 	uint32_t plant = lod_prices_leave_out(m);
 	if (plant == ECO_NONE)
 		return false;
-	double high;
-	seek(m, lambda, target, lists, over, &high);
-	try = high > *over ? search_price(m, lambda, target, NAN, over, high)
+	double high = *over = LOD_PRICE_LOWEST;
+	if (lod_price_relax_alike(m, lambda, high) > target)
+		seek(m, lambda, target, lists, over, &high);
+	try = high > *over ? search_price(m, lambda, target, NAN, &exactly, over, high)
 		: (struct lod_price){ high, high };
 	if (is_better(m, lambda, target, &try, wrong, at, bytes))
 		return true;
@@ -191,29 +206,32 @@ static bool fill_gap(struct lod_allocation *m, double lambda, double target, str
 	return false;
 }
 
-/* The highest price tried at which there are too many bytes, and the one tried above it, at which there are
- * not. False where one of both is not known. */
+/* The highest price tried at which there are too many bytes, and the next one tried above it, at which there
+ * are not. False where one of both is not known. */
 static bool recall(const struct lod_allocation *m, double lambda, double target, double *low, double *high)
 {
 	const struct lod_price_tries *tries = &m->tries;
-	uint32_t i = 0;
-	while (i < tries->count && tries->at[i].bytes <= target)
-		i++;
-	if (tries->lambda != lambda || i == 0 || i == tries->count)
-		return false;
-	*high = tries->at[i - 1].octave;
-	*low = tries->at[i].octave;
-	return true;
+	*low = -INFINITY;
+	*high = INFINITY;
+	for (uint32_t i = 0; i < tries->count; i++)
+		if (tries->at[i].lambda == lambda && tries->at[i].bytes > target)
+			*low = fmax(*low, tries->at[i].octave);
+	for (uint32_t i = 0; i < tries->count; i++)
+		if (tries->at[i].lambda == lambda && tries->at[i].octave > *low)
+			*high = fmin(*high, tries->at[i].octave);
+	return *low > -INFINITY && *high < INFINITY;
 }
 
-double lod_price_find(struct lod_allocation *m, double lambda, double target, double near,
-	struct lod_price *at, double *over)
+double lod_price_find(struct lod_allocation *m, double lambda, double target,
+	const struct lod_price_near *near, struct lod_price *at, double *over)
 {
+	const struct closely *closely = near->is_enough ? &roughly : &exactly;
 	double low, high;
 	lod_prices_set_left_out(m, NULL);
 	if (!recall(m, lambda, target, &low, &high))
-		seek(m, lambda, target, near, &low, &high);
-	*at = high > low ? search_price(m, lambda, target, NAN, &low, high) : (struct lod_price){ low, low };
+		seek(m, lambda, target, near->octave, &low, &high);
+	*at = high > low ? search_price(m, lambda, target, NAN, closely, &low, high)
+		: (struct lod_price){ low, low };
 	*over = low;
 	return lod_price_relax(m, lambda, at);
 }

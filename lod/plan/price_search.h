@@ -18,10 +18,14 @@ struct lod_price { double lists, tiles; };
 double lod_price_relax(struct lod_allocation *allocation, double lambda, const struct lod_price *at);
 /* The same at one price for both, with the organs of all plants: it is remembered for lod_price_find. */
 double lod_price_relax_alike(struct lod_allocation *allocation, double lambda, double octave);
-/* Relaxes at one price for both whose bytes are at most `target`, and returns these bytes. `near`: a price
- * that nearly fits; NAN: not known. `over` becomes a price at which there are too many bytes. */
-double lod_price_find(struct lod_allocation *allocation, double lambda, double target, double near,
-	struct lod_price *at, double *over);
+/* Relaxes at one price for both whose bytes are at most `target`, and returns these bytes. `over` becomes a
+ * price at which there are too many bytes. */
+struct lod_price_near {
+	double octave;               /* a price that nearly fits; NAN: not known */
+	bool is_enough;              /* to fit so: within .5 octaves, or a tenth of the bytes */
+};
+double lod_price_find(struct lod_allocation *allocation, double lambda, double target,
+	const struct lod_price_near *near, struct lod_price *at, double *over);
 /* The same where that leaves many bytes: two prices, or without the organs of some plants. */
 double lod_price_fill(struct lod_allocation *allocation, double lambda, double target, struct lod_price *at,
 	double over);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/base/room.h"
+#include "lod/lanes.h"
 
 #define PI 3.14159265358979323846
 #define AROUND 2.5               /* false positives of a plant lie in a box so much wider and higher than its
@@ -395,21 +396,22 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 
 /* ---- Prediction ---- */
 
-/* Probabilities that a point is uncovered: in the reference, as drawn, and in both. */
-struct uncovered { float reference, drawn, either; };
+/* Probabilities that a point is uncovered: in the reference, as drawn, and in both. The fourth lane is for
+ * whole vectors only. */
+enum { REFERENCE, DRAWN, EITHER };
 
-static struct uncovered uncovered_of(double shown, struct lod_wrong wrong)
+static lod_f4 uncovered_of(double shown, struct lod_wrong wrong)
 {
 	double reference = 1 - shown, drawn = 1 - shown * (1 - wrong.fn + wrong.fp),
 		either = 1 - shown * (1 + wrong.fp);
 	/* a point uncovered in both is uncovered in each */
 	drawn = drawn > 0 ? drawn : 0;
 	either = either > 0 ? either : 0;
-	return (struct uncovered){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn) };
+	return (lod_f4){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn), 1 };
 }
 
 static void cover(const struct lod_screen *screen, const struct lod_visibility *visibility,
-	struct lod_wrong wrong, struct uncovered *cells)
+	struct lod_wrong wrong, lod_f4 *cells)
 {
 	struct lod_visibility wide = *visibility;
 	if (visibility->shown > DENSEST) {
@@ -417,33 +419,32 @@ static void cover(const struct lod_screen *screen, const struct lod_visibility *
 		wide.crown_reach_y *= sqrtf((float)(visibility->shown / DENSEST));
 	}
 	struct span across = crown_across(screen, &wide), down = crown_down(screen, &wide);
-	struct uncovered o = uncovered_of(fmin(visibility->shown, DENSEST), wrong);
-	for (int r = down.first; r < down.end; r++)
-		for (int c = across.first; c < across.end; c++) {
-			float part = inside(&across, c) * fmaxf(0, inside(&down, r)) * visibility->before;
-			struct uncovered *cell = &cells[r * (int)screen->columns + c];
-			cell->reference *= 1 - part * (1 - o.reference);
-			cell->drawn *= 1 - part * (1 - o.drawn);
-			cell->either *= 1 - part * (1 - o.either);
-		}
+	lod_f4 one = lod_f4_all(1), covered = one - uncovered_of(fmin(visibility->shown, DENSEST), wrong);
+	for (int r = down.first; r < down.end; r++) {
+		lod_f4 *row = cells + r * (int)screen->columns;
+		float height = fmaxf(0, inside(&down, r));
+		for (int c = across.first; c < across.end; c++)
+			row[c] *= one - covered
+				* lod_f4_all(inside(&across, c) * height * visibility->before);
+	}
 }
 
 enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wrong, void *ctx,
 	struct eco_prediction *prediction, struct eco_error *error)
 {
 	uint32_t count = screen->columns * screen->rows;
-	struct uncovered *cells = malloc(count * sizeof *cells);
+	lod_f4 *cells = malloc(count * sizeof *cells);
 	double tp = 0, fp = 0, fn = 0, pixels = screen->cell_x * screen->cell_y;
 	if (!cells)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a screen of %u cells", count);
 	for (uint32_t i = 0; i < count; i++)
-		cells[i] = (struct uncovered){ 1, 1, 1 };
+		cells[i] = lod_f4_all(1);
 	for (uint32_t i = 0; i < screen->count; i++)
 		if (!screen->visibilities[i].beside)
 			cover(screen, &screen->visibilities[i], wrong(ctx, &screen->visibilities[i]), cells);
 	for (uint32_t i = 0; i < count; i++) {
-		double reference = (double)cells[i].reference, drawn = (double)cells[i].drawn;
-		double either = fmin((double)cells[i].either, fmin(reference, drawn));
+		double reference = (double)cells[i][REFERENCE], drawn = (double)cells[i][DRAWN];
+		double either = fmin((double)cells[i][EITHER], fmin(reference, drawn));
 		fp += reference - either;
 		fn += drawn - either;
 		tp += fmax(0, 1 - reference - drawn + either);
