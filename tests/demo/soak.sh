@@ -1,8 +1,9 @@
 #!/bin/sh
 # make soak [SECONDS=60]: 10,000 damaged models (MUTANTS), then 10,000 random requests and 10^5 damages (REQUESTS, DAMAGES) against a
-# generated forest of 20,000 plants, then sixteen clients that decode and check everything for SECONDS; then faults of memory and disk
-# (FAULTS places of each kind, KILLS kills), what one address can do to others (LEAKS requests that leaked), and the server under the thread
-# sanitizer. Exit 1 at the first violation. tests/README.md has what was seen.
+# generated forest of 20,000 plants, then sixteen clients that decode and check everything for SECONDS; then ENDURE requests of all
+# kinds, over which memory must not grow; then faults of memory and disk (FAULTS places of each kind, KILLS kills), what one address can
+# do to others (LEAKS requests that leaked), and the server under the thread sanitizer. Exit 1 at the first violation.
+# tests/README.md has what was seen.
 set -eu
 BUILD=${BUILD:-build}
 . "$(dirname "$0")/common.sh"
@@ -17,6 +18,11 @@ mutate "$OUT/mutants" "${MUTANTS:-10000}" "${SEED:-1}"
 serve "$OUT/serve.log" "forest=$OUT/forest.eco"
 "$BUILD/ecoload" "$BASE/v1/scenes/forest" --camera "$OUT/forest/camera.json" --clients 16 --seconds "${SECONDS_LONG:-60}" --vertices 200000
 grep -E 'VmRSS|VmHWM' "/proc/$SERVER_PID/status"
+stop_serving
+
+"$BUILD/ecopack" export "$OUT/forest.eco" --static "$OUT/chunks" --quiet
+serve "$OUT/endure.log" "forest=$OUT/forest.eco"
+python3 tests/faults/endure.py "${BASE##*:}" forest $SERVER_PID "$OUT/chunks" "${ENDURE:-200000}"
 stop_serving
 
 FAULTS=${FAULTS:-100} KILLS=${KILLS:-1000} sh tests/faults/test_faults_make.sh

@@ -5,7 +5,7 @@ SECONDS_LONG=${1:-30}
 BUILD=${BUILD:-build}
 DIR=$(mktemp -d)
 server=
-trap 'kill $server 2>/dev/null; rm -rf "$DIR"' EXIT
+trap 'kill $server 2>/dev/null || true; rm -rf "$DIR"' EXIT
 ${MAKE:-make} --no-print-directory config=thread build/thread/ecoserve >/dev/null
 
 printf 'v -0.05 0 0\nv 0.05 0 0\nv 0 0 1\nf 1 2 3\n' >"$DIR/blade.obj"
