@@ -12,7 +12,7 @@
 // and is hidden by them, by the depth buffer of the bound framebuffer; state that is changed is put back.
 import createClient from './eco_client.mjs';
 import { EcoKeep } from './eco_keep.mjs';
-import { aboutScene, EcoError, EcoStream } from './eco_stream.mjs';
+import { aboutScene, EcoError, EcoStream, isOffline } from './eco_stream.mjs';
 
 export { EcoError };
 export const TINTS = { none: 0, kind: 1 };
@@ -39,6 +39,7 @@ const instantiateWasm = (imports, done) => {
 	return {};
 };
 
+const AGAIN_MS = 2000;           // a server that does not answer is asked again after so long
 const TURN = 0.5;                // cosine between ways; who turns by more wants other things next
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -111,7 +112,8 @@ export class EcoLayer {
 	 * first: { about, view, wanted, bytes }, what a page has asked for before it had this module: a Scene, and
 	 * the answer to a first request (or null);
 	 * keep: the browser keeps what comes until the next visit; token: of a scene that is not for all;
-	 * onChange(): there is more to draw; onError(error): an EcoError. */
+	 * onChange(): there is more to draw; onError(error): an EcoError, `offline` if the
+	 * server does not answer and will be asked again. */
 	constructor({ url, gl, vertices = 300000, bytes = -1, firstBytes = 65536, tint = 'none', sky = true,
 		ground = true, scale = 1, memoryBytes, sun = null, shadows = 'none', shadowSize = 0, haze = 0,
 		keep = false, token, first,
@@ -120,6 +122,7 @@ export class EcoLayer {
 			haze, onChange, onError });
 		this.asked = null;              // the view that is held or under way
 		this.loading = false;
+		this.offline = false;           // the server did not answer, and is asked again in a while
 		this.version = 0;               // of what is drawn
 		this.ahead = { asked: 0, aborted: 0 };   // requests that said where the eye will be
 		this.source = { url, memoryBytes, keep, token };
@@ -277,9 +280,12 @@ export class EcoLayer {
 			}
 			await this.stream.fetch(wanted.view, { ...wanted, next, signal, onPart });
 			show();
+			this.offline = false;
 		} catch (error) {
 			if (error.status === 409)
 				await this.reopen().catch((again) => this.onError?.(again));
+			else if (isOffline(error))
+				this.askLater();
 			else if (error.name !== 'AbortError')
 				this.onError?.(error);
 		}
@@ -287,9 +293,19 @@ export class EcoLayer {
 		this.onChange?.();
 	}
 
+	askLater() {
+		this.offline = true;
+		this.onError?.(Object.assign(new EcoError('The server does not answer; trying again'),
+			{ offline: true }));
+		setTimeout(() => {
+			this.asked = null;
+			this.onChange?.();
+		}, AGAIN_MS);
+	}
+
 	/** Whether all of the view that was drawn last is here. */
 	get complete() {
-		return !this.loading && same(this.wanted, this.asked);
+		return !this.loading && !this.offline && same(this.wanted, this.asked);
 	}
 
 	facts() {
@@ -310,6 +326,12 @@ export class EcoLayer {
 	cover() {
 		const [width, height] = this.drawn[1], at = this.module._web_cover(this.stream.web);
 		return this.module.HEAPU8.slice(at, at + width * height);
+	}
+
+	/** Its colours: 3 bytes a pixel, sRGB. */
+	colors() {
+		const [width, height] = this.drawn[1], at = this.module._web_colors(this.stream.web);
+		return this.module.HEAPU8.slice(at, at + 3 * width * height);
 	}
 
 	/** Whose each of its pixels is: 3 bytes of colour, a plant's own; black where there is none. */

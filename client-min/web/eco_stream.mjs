@@ -22,9 +22,14 @@ async function problemOf(url, answer) {
 	return Object.assign(error, { status: answer.status });
 }
 
+/** What fetch throws where there is no answer, or it breaks off. */
+export const isOffline = (error) => error instanceof TypeError;
+
 /** What a scene is: openapi.yaml's Scene. */
 export async function aboutScene(url, token) {
-	const answer = await fetch(url, { headers: access(token) });
+	const answer = await fetch(url, { headers: access(token) }).catch((error) => {
+		throw isOffline(error) ? new EcoError(`${url}: the server does not answer`) : error;
+	});
 	if (!answer.ok)
 		throw await problemOf(url, answer);
 	return answer.json();

@@ -13,7 +13,7 @@ const AHEAD_S = 1;                       // what a moving camera will need so so
 let engine = null, about = null, frame = 0, movedAt = -Infinity, recording = null;
 let token = null;                        // of a scene that is not for all: #scene=NAME&token=TOKEN
 let rows = null;                         // of inventories: viewer_rows.mjs
-let asked = 0, drawn = null, picked = null, view = null, incompleteSince = 0;
+let asked = 0, drawn = null, picked = null, view = null, incompleteSince = 0, wasOffline = false;
 
 const say = (text, error = false) => {
 	$('state').textContent = text;
@@ -123,7 +123,13 @@ function showAll() {
 
 // ---- What the engine says ----
 
-function showProgress({ complete, received }) {
+function showProgress({ complete, offline, received }) {
+	// what a server did not answer is no error any more once it does
+	if (offline)
+		return;
+	if (wasOffline)
+		say('');
+	wasOffline = false;
 	if (complete) {
 		incompleteSince = 0;
 		if (!$('state').classList.contains('error'))
@@ -168,7 +174,10 @@ const heard = {
 			showWhy(why);
 	},
 	saved: ({ blob }) => save(`${settings.scene}.png`, blob),
-	failed: ({ text }) => say(text, true),
+	failed({ text, offline }) {
+		wasOffline = offline;
+		say(text, true);
+	},
 };
 
 // ---- Scenes and settings ----
@@ -318,7 +327,10 @@ async function start() {
 	engine = await startEngine();
 	engine.onmessage = ({ data }) => heard[data.type](data);
 	goToAddress(null);
-	const { scenes } = await (await fetch('/v1/scenes')).json(), names = scenes.map(({ name }) => name);
+	const answer = await fetch('/v1/scenes').catch(() => null);
+	if (!answer?.ok)
+		return say('The server does not answer; reload the page to try again.', true);
+	const { scenes } = await answer.json(), names = scenes.map(({ name }) => name);
 	if (token && !names.includes(settings.scene))
 		names.push(settings.scene);
 	if (!names.length)

@@ -33,8 +33,8 @@ class Engine {
 			this.fail('This browser has no WebGL 2, which the viewer draws with.');
 	}
 
-	fail(text) {
-		this.post({ type: 'failed', text });
+	fail(text, offline = false) {
+		this.post({ type: 'failed', text, offline });
 	}
 
 	redraw() {
@@ -51,7 +51,7 @@ class Engine {
 	async open({ url, token, first }) {
 		this.layer?.free();
 		this.layer = null;
-		const onError = (error) => this.fail(error.message), onChange = () => this.redraw();
+		const onError = (error) => this.fail(error.message, error.offline), onChange = () => this.redraw();
 		const layer = new EcoLayer({ url, token, first, gl: this.gl, keep: !token, onChange,
 			onError });
 		this.opening = layer;
@@ -81,10 +81,10 @@ class Engine {
 		if (moving && there)
 			this.movingScale *= Math.sqrt(between(0.5, MOVING_MS / Math.max(ms, 1), 1.5));
 		this.movingScale = between(MOVING_LEAST, this.movingScale, 1);
-		const { complete, stream, ahead } = layer, { received } = stream;
+		const { complete, offline, stream, ahead } = layer, { received } = stream;
 		const ground = stream.selected ? stream.ground(eye[0], eye[1]) : null;
 		this.post({ type: 'drawn', number, facts: layer.facts(), complete, received, ground,
-			ahead });
+			offline, ahead });
 	}
 
 	async pick({ at }) {

@@ -107,7 +107,7 @@ export function showPicked(picked, origin) {
 export function showRow(found) {
 	const { species, file, row: line, height_m: height } = found ?? {};
 	const text = found ? `${line} of ${file}: ${species}, ${metres(height)}` : 'none stands here';
-	$('card-facts').tBodies[0].append(row(['Row', text]));
+	$('card-facts').append(row(['Row', text]));
 }
 
 export function showReasons(reasons) {

@@ -33,7 +33,8 @@ url=$(sed -n 's/.*ready on \([^ ]*\) .*/\1/p' "$dir/ready")
 
 # seven views of each: near, across, from above, and from among the plants; places in turns of the scene's
 # size about its middle
-look_at() { # NAME VERTICES
+look_at() { # NAME VERTICES [SHADOWS]
+	[ -z "${3-}" ] || echo "$3" >"$dir/$1.shadows"
 	curl -s "$url/v1/scenes/$1" | jq '.bounds as {$low, $high}
 		| [range(3) | ($low[.] + $high[.]) / 2] as $m
 		| ([range(2) | $high[.] - $low[.]] | max) as $size
@@ -44,18 +45,19 @@ look_at() { # NAME VERTICES
 		|| fail "no camera for $1"
 	mkdir "$dir/$1"
 	"$BUILD/ecoview" "$url/v1/scenes/$1" --camera "$dir/$1.json" --size 320x240 --vertices "$2" \
-		--owners --digest -o "$dir/$1" >"$dir/$1/said" || fail "ecoview $1"
+		${3:+--shadows} ${3-} --owners --digest -o "$dir/$1" >"$dir/$1/said" || fail "ecoview $1"
 }
-look_at city 30000
-look_at meadow 100000
+look_at city 30000 perspective
+look_at meadow 100000 standard
 look_at park 300000
 node tests/client/web/compare.mjs "$dir" build/web/site "$chromium" "$url/v1/scenes/city" \
 	"$url/v1/scenes/meadow" "$url/v1/scenes/park" || fail "the browser differs from ecoview"
 # the page, and that ecoview replays what it recorded
 if [ -n "$chromium" ]; then
 	reload="cp $dir/meadow.eco $dir/next.eco && mv $dir/next.eco $dir/city.eco && kill -HUP $server"
+	"$BUILD/ecopack" map "$dir/source-city/scene.json" -o "$dir/plants.geojson" --quiet || fail "no rows"
 	node tests/client/web/viewer.mjs "$url/v1/scenes/city" "$chromium" "$dir/source-city/plants.csv" \
-		"$dir/recorded.json" "$reload" || fail "the viewer"
+		"$dir/plants.geojson" "$dir/recorded.json" "$reload" || fail "the viewer"
 	"$BUILD/ecoview" "$url/v1/scenes/city" --camera "$dir/recorded.json" --size 64x48 --vertices 3000 --glb \
 		--sun 2026-06-21T18:00Z -o "$dir/recorded" >/dev/null \
 		&& [ -s "$dir/recorded/frame-0001.png" ] && [ -s "$dir/recorded/frame-0001.glb" ] \

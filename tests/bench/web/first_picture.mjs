@@ -52,6 +52,8 @@ async function visit(browser, url) {
 	const { drawn, tasks, waits, worker, opened } = await browser.evaluate('seen');
 	const files = await browser.evaluate(`performance.getEntriesByType('resource')
 		.map(({ name, responseEnd, transferSize }) => [name, responseEnd, transferSize])`);
+	const seen = drawn.map(([ms, received]) => `${Math.round(ms)} (${received} B)`);
+	console.log(`pictures at ${seen.join(', ')} ms`);
 	const good = drawn.find(([, received]) => received >= Number(bytes)) ?? drawn.at(-1);
 	return { files: Math.max(...files.map(([, end]) => end)), worker, opened, first: drawn[0]?.[0],
 		first_bytes: drawn[0]?.[1], good: good?.[0], good_bytes: good?.[1], whole: drawn.at(-1)?.[0],

@@ -1,5 +1,5 @@
 // frame.mjs CHROMIUM RUNS URL...: what a frame costs in a browser, beside a page that only draws as many
-// plain primitives of the same kinds. Of each scene's URL: the whole scene as the viewer frames it, 640 x 480,
+// plain primitives of the same kinds. Of each scene's URL: the whole scene as the viewer frames it, 640 x 480
 // from 300,000 vertices on. A plain frame is buffers made beforehand, one draw call a kind, a colour a
 // primitive and a depth test: triangles; lines of a pixel; points for points, ellipsoids, summaries and
 // impostors. Triangles and points are as large as cover together twice what the scene's plants cover. Frames

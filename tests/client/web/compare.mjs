@@ -2,8 +2,9 @@
 // URL, .../NAME, DIR has NAME.json, the camera script, and NAME, ecoview's folder of its frames with
 // --owners, and with --digest's lines in NAME/said. In node: the hashes of what is decoded and drawn are the
 // same. In CHROMIUM (none: ''): those, too, and of each picture's pixels that plants cover, and of those
-// that show the right plant, P and R are at least .995.
-import { readFileSync } from 'node:fs';
+// that show the right plant, P and R are at least .995, and of all pixels as many have ecoview's colours, but
+// for 2 of 255. NAME.shadows, if it is there, says which shadows are cast.
+import { existsSync, readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { Browser } from './browser.mjs';
@@ -27,14 +28,16 @@ function readScene(url) {
 	const digests = [...said.matchAll(/^frame \d+: digest (\S+)$/gm)].map(([, digest]) => digest);
 	if (!digests.length || digests.length !== keyframes.length)
 		throw new Error(`${out}/said has ${digests.length} digests of ${keyframes.length} frames`);
+	const file = (i, kind) => join(out, `frame-${String(i).padStart(4, '0')}.${kind}png`);
+	const shadows = join(dir, `${name}.shadows`);
 	const views = keyframes.map(({ time_s, ...view }, i) => ({
 		what: `${name}, frame ${i}`,
 		view: { up: [0, 0, 1], ...view },
 		wanted: { width, height, vertices: frames[i].budget_vertices, bytes: -1 },
 		digest: digests[i],
-		owners: join(out, `frame-${String(i).padStart(4, '0')}.owners.png`),
+		pictures: [file(i, 'owners.'), file(i, '')],
 	}));
-	return { url, views };
+	return { url, views, shadows: existsSync(shadows) ? readFileSync(shadows, 'utf8').trim() : 'none' };
 }
 
 async function inNode(scenes) {
@@ -60,30 +63,36 @@ async function inNode(scenes) {
 }
 
 // Runs in the page.
-async function openLayer(url) {
+async function openLayer(url, shadows) {
 	const { EcoLayer } = await import('/viewer/eco_layer.mjs');
 	const gl = new OffscreenCanvas(16, 16).getContext('webgl2');
 	const onError = (error) => { globalThis.failed = error.message; };
 	globalThis.tested?.free();
-	globalThis.tested = new EcoLayer({ url, gl, firstBytes: Infinity, onError });
+	globalThis.tested = new EcoLayer({ url, gl, firstBytes: Infinity, shadows, onError });
 	await tested.ready;
 }
 
-async function drawFrame(view, wanted, owners) {
+async function drawFrame(view, wanted, pictures) {
 	const { width, height } = wanted;
 	await tested.load({ view, ...wanted });
 	tested.present(view, [0, 0], width, height);
-	const bitmap = await createImageBitmap(await (await fetch(owners)).blob());
-	const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
-	context.drawImage(bitmap, 0, 0);
-	const theirs = context.getImageData(0, 0, width, height).data, ours = tested.owners();
-	const cover = tested.cover();
-	// pixels of ours, of theirs, of both, of both with one owner, and covered ones without an owner
-	const counts = [0, 0, 0, 0, 0];
+	const pixelsOf = async (picture) => {
+		const bitmap = await createImageBitmap(await (await fetch(picture)).blob());
+		const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+		context.drawImage(bitmap, 0, 0);
+		return context.getImageData(0, 0, width, height).data;
+	};
+	const [theirs, colors] = await Promise.all(pictures.map(pixelsOf));
+	const ours = tested.owners(), cover = tested.cover(), lit = tested.colors();
+	const apart = (i, k) => Math.abs(lit[3 * i + k] - colors[4 * i + k]);
+	// pixels of ours, of theirs, of both, of both with one owner, covered ones without an owner, and those of
+	// another colour
+	const counts = [0, 0, 0, 0, 0, 0];
 	for (let i = 0; i < cover.length; i++) {
 		const owner = ours[3 * i] | ours[3 * i + 1] << 8 | ours[3 * i + 2] << 16;
 		const other = theirs[4 * i] | theirs[4 * i + 1] << 8 | theirs[4 * i + 2] << 16;
-		[owner, other, owner && other, owner && owner === other, !owner !== !cover[i]]
+		[owner, other, owner && other, owner && owner === other, !owner !== !cover[i],
+			[0, 1, 2].some((k) => apart(i, k) > 2)]
 			.forEach((counted, k) => { counts[k] += !!counted; });
 	}
 	return { digest: tested.stream.digest(), counts, failed: globalThis.failed };
@@ -98,19 +107,22 @@ async function inBrowser(scenes) {
 		await browser.until("document.getElementById('picture')?.dataset.complete === 'true'");
 		const said = await browser.evaluate("document.getElementById('state').textContent");
 		expect(said === '', `the page reports an error: ${said}`);
-		for (const { url, views } of scenes) {
-			await call(openLayer, url);
-			for (const { what, view, wanted, digest: theirs, owners } of views) {
-				const data = `data:image/png;base64,${readFileSync(owners).toString('base64')}`;
+		for (const { url, views, shadows } of scenes) {
+			await call(openLayer, url, shadows);
+			for (const { what, view, wanted, digest: theirs, pictures } of views) {
+				const data = pictures.map((file) =>
+					`data:image/png;base64,${readFileSync(file).toString('base64')}`);
 				const { digest, counts, failed } = await call(drawFrame, view, wanted, data);
 				expect(!failed && digest === theirs, `${what}: the page's digest is ${digest} `
 					+ `(${failed ?? 'no error'}), ecoview's ${theirs}`);
-				const [page, ecoview, both, alike, odd] = counts, most = Math.max(page, ecoview);
+				const [page, ecoview, both, alike, odd, other] = counts, most = Math.max(page, ecoview);
 				expect(page > 0 && odd === 0, `${what}: of ${page} pixels ${odd} are covered by none`);
 				console.log(`${what}: ${ecoview} pixels; covered P ${(both / page).toFixed(5)} R `
 					+ `${(both / ecoview).toFixed(5)}, owners P ${(alike / page).toFixed(5)} R `
-					+ (alike / ecoview).toFixed(5));
+					+ `${(alike / ecoview).toFixed(5)}; shadows ${shadows}, ${other} other colours`);
 				expect(alike >= LEAST * most, `${what}: the page's picture differs from ecoview's`);
+				expect(other <= (1 - LEAST) * wanted.width * wanted.height,
+					`${what}: ${other} pixels have other colours than ecoview's`);
 				least = Math.min(least, alike / most);
 				requests++;
 			}

@@ -23,8 +23,8 @@ class Later {
 	}
 }
 
-/** Listens on 127.0.0.1 before `port`; resolves to { port, close }. */
-export function shape(port, bits_per_s, round_trip_ms) {
+/** Listens on 127.0.0.1 before `port`, on any port or `own`; resolves to { port, close }. */
+export function shape(port, bits_per_s, round_trip_ms, own = 0) {
 	const sockets = new Set(), down = new Later();
 	let free = 0;                            // when the line will have sent all that waits
 	const server = createServer({ noDelay: true, allowHalfOpen: true }, (near) => {
@@ -56,7 +56,7 @@ export function shape(port, bits_per_s, round_trip_ms) {
 		});
 		far.on('end', () => down.at(free + round_trip_ms / 2, () => near.end()));
 	});
-	return new Promise((done) => server.listen(0, '127.0.0.1', () => done({
+	return new Promise((done) => server.listen(own, '127.0.0.1', () => done({
 		port: server.address().port,
 		close() {
 			server.close();

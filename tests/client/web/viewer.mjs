@@ -1,13 +1,13 @@
-// viewer.mjs URL CHROMIUM PLANTS.csv SCRIPT.json RELOAD: the page at / as somebody uses it, by pointer and
-// by keyboard. URL is the scene's, PLANTS.csv its inventory (plant, easting, northing, height_m). What was
-// recorded goes to SCRIPT.json. RELOAD is a command that gives the scene a pack of other plants. The server
-// also has a scene named park.
+// viewer.mjs URL CHROMIUM PLANTS.csv PLANTS.geojson SCRIPT.json RELOAD: the page at / as somebody uses it, by
+// pointer and by keyboard. URL is the scene's, PLANTS.csv its inventory (plant, easting, northing, height_m),
+// PLANTS.geojson what ecopack map makes of that. What was recorded goes to SCRIPT.json. RELOAD is a command
+// that gives the scene a pack of other plants. The server also has a scene named park.
 import { execSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { Browser } from './browser.mjs';
 import { shape } from './shape.mjs';
 
-const [url, chromium, inventory, script, reload] = process.argv.slice(2);
+const [url, chromium, inventory, map, script, reload] = process.argv.slice(2);
 const name = url.split('/').pop(), page = new URL(`/#scene=${name}`, url).href;
 const complete = "document.getElementById('picture')?.dataset.complete === 'true'";
 const rows = readFileSync(inventory, 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
@@ -38,11 +38,21 @@ async function click(x, y) {
 function rowAt(easting, northing) {
 	const apart = ([, x, y]) => Math.hypot(x - easting, y - northing);
 	const row = rows.reduce((a, b) => apart(a) < apart(b) ? a : b);
-	return { plant: row[0], height: Number(row[3]), apart: apart(row) };
+	return { plant: row[0], height: Number(row[3]), apart: apart(row), number: rows.indexOf(row) + 1 };
 }
 
-/** A plant that is clicked says its species and height, and stands where its row says. */
+/** Gives the menu the file of rows. */
+const givesRows = () => ask(`{
+	const chosen = new DataTransfer(), input = document.getElementById('rows');
+	chosen.items.add(new File([${JSON.stringify(readFileSync(map, 'utf8'))}], 'plants.geojson'));
+	input.files = chosen.files;
+	input.dispatchEvent(new Event('change'));
+}`);
+
+/** A plant that is clicked says its species and height, stands where its row says, and which row that is. */
 async function picksAPlant() {
+	await givesRows();
+	await browser.until(`document.getElementById('state').textContent.startsWith('${rows.length} rows')`);
 	const { low, high, origin } = await ask(`fetch('${url}').then((a) => a.json())
 		.then(({ bounds, origin }) => ({ ...bounds, origin }))`);
 	const eye = [high[0] + 20, low[1] - 20, high[2] + 5], middle = low.map((v, i) => (v + high[i]) / 2);
@@ -64,7 +74,8 @@ async function picksAPlant() {
 		`it is ${picked.height_m} m high; its row says ${row.height} m`);
 	await browser.until("document.querySelectorAll('#card-why li').length > 0");
 	const said = await text('card');
-	for (const part of [picked.species, (picked.foot[0] + origin.at[0]).toFixed(2), origin.crs, 'Why: '])
+	const at = (picked.foot[0] + origin.at[0]).toFixed(2);
+	for (const part of [picked.species, at, origin.crs, 'Why: ', `Row${row.number} of `])
 		expect(said.includes(part), `what is said of the plant lacks ${part}: ${said}`);
 	await ask("document.getElementById('card-orbit').click()");
 	const [dx, dy] = await ask('viewer.camera.target').then((t) => t.map((v, i) => v - picked.foot[i]));
@@ -187,6 +198,17 @@ async function looksAhead() {
 	await hold('keyDown', 's');
 	await browser.until(`viewer.drawn.ahead.aborted > ${ahead.aborted}`);
 	await hold('keyUp', 's');
+	close();
+	await losesTheServer(port);
+}
+
+/** Who has no server any more is told so, and sees what he asked for once there is one again. */
+async function losesTheServer(port) {
+	await press('w');
+	await browser.until("document.getElementById('state').textContent.includes('does not answer')");
+	expect(!await ask(complete), 'a picture that could not be fetched is said to be complete');
+	const { close } = await shape(new URL(url).port, 1e8, 5, port);
+	await browser.until(`document.getElementById('state').textContent === '' && ${complete}`);
 	close();
 }
 
