@@ -63,6 +63,7 @@ UNIT_TEST(genera_and_forms_are_known_in_several_languages)
 		{ "oak, pin (Quercus "
 		  "palustris)",
 			"quercus", ECO_FORM_BROAD },
+		{ "Laburnum anagyroides", "laburnum", ECO_FORM_BROAD },  /* nearly Viburnum, and none */
 		{ "maples", "acer", ECO_FORM_BROAD }, { "Rotfichte", "picea", ECO_FORM_CONIFER },
 		{ "Populus nigra 'Italica' fastigiata", "populus", ECO_FORM_COLUMN },
 		{ "Betula pendula", "betula", ECO_FORM_WEEPING }, { "palmera", "phoenix", ECO_FORM_PALM },

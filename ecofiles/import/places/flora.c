@@ -90,6 +90,7 @@ static const struct { const char *genus; enum eco_form form; const char *names; 
 	{ "corylus", ECO_FORM_SHRUB, "hazel hasel noisetier avellano nocciolo hazelaar" },
 	{ "syringa", ECO_FORM_SHRUB, "lilac flieder lilas sering" },
 	{ "sambucus", ECO_FORM_SHRUB, "elder elderberry holunder sureau sauco" },
+	{ "laburnum", ECO_FORM_BROAD, "goldregen cytise" },
 	{ "viburnum", ECO_FORM_SHRUB, "viburnum schneeball viorne" },
 	{ "ilex", ECO_FORM_SHRUB, "holly stechpalme houx acebo agrifoglio hulst" },
 	{ "rhododendron", ECO_FORM_SHRUB, "azalea rhododendron" },

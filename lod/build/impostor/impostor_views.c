@@ -118,7 +118,8 @@ enum eco_code impostor_views_make(struct impostor_view **views, enum eco_imposto
 	struct drawing *d = lod_arena_take(arena, 1, sizeof *d);
 	enum eco_code code = ECO_OK;
 	*d = (struct drawing){ .tiles = eco_impostor_tiles(set), .parts = options->each ? PARTS : 1,
-		.body = body, .model = model, .masks = lod_model_masks(model, arena), .rgb = rgb, .radius = eco_impostor_radius(body) };
+		.body = body, .model = model,
+		.masks = lod_model_masks(model, arena), .rgb = rgb, .radius = eco_impostor_radius(body) };
 	*views = d->views = lod_arena_take(arena, d->tiles, sizeof **views);
 	eco_impostor_axes(set, d->axes);
 	for (uint32_t i = 0; i < d->parts && !code; i++) {

@@ -169,7 +169,8 @@ enum eco_code splat_views_make(struct splat_views *views, const struct eco_model
 	if (!bounds(views, model))
 		return ECO_OK;
 	allocate(views, arena);
-	struct drawing d = { views, model, lod_model_masks(model, arena), options->rgb ? options->rgb : lod_model_colors(model, arena),
+	struct drawing d = { views, model, lod_model_masks(model, arena),
+		options->rgb ? options->rgb : lod_model_colors(model, arena),
 		lod_arena_take(arena, parts, sizeof *d.rasters), 0 };
 	enum eco_code code = ECO_OK;
 	while (!code && d.raster_count < parts) {
