@@ -161,6 +161,59 @@ UNIT_TEST(ground_is_predicted_from_its_neighbours)
 	eco_elements_free(&out);
 }
 
+/* Whole rows of samples, by their neighbours: smooth, rough, rounded but for the border, with large values,
+ * of one row or column; and samples that stand in no rows. All come back, and what is cut off is refused. */
+UNIT_TEST(ground_in_rows_comes_back_in_fewer_bits)
+{
+	static const struct { uint32_t columns, rows, rough, rounded; double most_bits; bool bent; }
+		cases[] = {
+		{ 60, 70, 1, 0, 1.2, false }, { 67, 67, 16, 0, 5, false }, { 67, 67, 1, 5, 1.6, false },
+		{ 1, 50, 8, 0, 8, false }, { 50, 1, 8, 0, 8, false }, { 1, 1, 1, 0, 99, false },
+		{ 9, 9, 1u << 28, 0, 34, false }, { 2, 3, 8, 0, 60, false }, { 20, 20, 16, 0, 99, true } };
+	for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+		uint32_t columns = cases[c].columns, count = columns * cases[c].rows, seed = 1;
+		const struct eco_list list = { .kind = ECO_LIST_GROUND, .coder = ECO_CODER_ROWS,
+			.columns = columns };
+		uint8_t *corners = calloc(count, 1), *bytes;
+		int32_t *position = calloc(3 * (size_t)count, sizeof *position);
+		struct eco_elements in = { count, count, count, 0, corners, position, NULL, NULL, NULL }, out;
+		for (uint32_t i = 0; i < count; i++) {
+			uint32_t x = i % columns, y = i / columns, border = x == 0 || y == 0
+				|| x == columns - 1 || y == cases[c].rows - 1;
+			seed = seed * 1664525 + 1013904223;
+			corners[i] = 1;
+			position[3 * i] = (int32_t)(4 * x + (x > 3)) - 30 + (cases[c].bent && i == 33);
+			position[3 * i + 1] = (int32_t)(4 * y) - 7;
+			position[3 * i + 2] = (int32_t)((seed >> 4) % cases[c].rough) - (int32_t)(x * y / 8)
+				- 1000;
+			if (!border)
+				position[3 * i + 2] &= -(1 << cases[c].rounded);
+		}
+		const struct eco_chunk_input input = { &list, &in, 0, count, 0 };
+		struct eco_error error = { 0 };
+		size_t size;
+		assert_ok(eco_chunk_encode(&input, &bytes, &size, NULL, &error), error);
+		assert_true(8.0 * (double)(size - 5) <= cases[c].most_bits * count + 80);
+		assert_int_equal(bytes[0], cases[c].bent ? 1 : 3);
+		struct eco_chunk chunk = { .size_bytes = (uint32_t)size, .element_count = count,
+			.primitive_count = count };
+		assert_ok(eco_chunk_decode(&list, &chunk, 0, bytes, size, &out, &error), error);
+		assert_memory_equal(out.position, position, 12 * count);
+		eco_elements_free(&out);
+		for (size_t cut = 0; cut < size && !cases[c].bent; cut++) {
+			chunk.size_bytes = (uint32_t)cut;
+			uint8_t *exact = malloc(cut + 1);
+			memcpy(exact, bytes, cut);
+			assert_int_equal(eco_chunk_decode(&list, &chunk, 0, exact, cut, &out, NULL),
+				ECO_DAMAGED);
+			free(exact);
+		}
+		free(bytes);
+		free(corners);
+		free(position);
+	}
+}
+
 /* Leaves that all show the whole picture pay nothing for it, but for a few bytes a chunk. */
 UNIT_TEST(equal_texture_coordinates_are_free)
 {

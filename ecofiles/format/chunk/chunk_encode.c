@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk/chunk_columns.h"
+#include "ecofiles/format/chunk/chunk_ground.h"
 #include "ecofiles/format/chunk/chunk_payload.h"
 
 #define KEPT_FIRST 96u           /* a chunk that begins before this element keeps its order */
@@ -195,6 +196,39 @@ static enum eco_code try_packed(struct eco_chunk_rows *rows, struct eco_stream *
 	return ECO_OK;
 }
 
+/* Sets stream->packed, and its bytes, where the rows are samples of ground in rows and columns. */
+static enum eco_code try_ground(const struct eco_chunk_rows *rows, struct eco_stream *stream,
+	struct eco_error *error)
+{
+	uint8_t *bytes;
+	if (!eco_ground_packs(&rows->shape))
+		return ECO_OK;
+	enum eco_code code = eco_ground_encode(rows, &bytes, &stream->size, &stream->zeros, error);
+	stream->bytes = bytes;
+	stream->packed = bytes;
+	return code;
+}
+
+/* As Draco's rows, or as packed ones. */
+static enum eco_code encode_rows(struct eco_chunk_rows *rows, uint8_t coder, struct eco_stream *stream,
+	bool alone, struct eco_error *error)
+{
+	uint8_t *bytes;
+	enum eco_code code = alone ? try_ground(rows, stream, error) : ECO_OK;
+	if (code || stream->packed)
+		return code;
+	code = eco_rows_encode(rows, &bytes, &stream->size, error);
+	if (code)
+		return code;
+	stream->bytes = bytes;
+	stream->wide = rows->shape.wide;
+	stream->uv_shift = rows->shape.uv_shift;
+	stream->predictors = rows->shape.predictors;
+	/* leaves have SHAPES, which finds more in them; ground that is packed is as chunk_ground.h says */
+	bool leaves = rows->shape.corners >= 3 && coder != ECO_CODER_FORM;
+	return alone && !leaves && !eco_ground_packs(&rows->shape) ? try_packed(rows, stream, error) : ECO_OK;
+}
+
 /* Encodes stored elements of one corner count as the payload's next stream; alone: the only one. */
 static enum eco_code add_stream(struct eco_payload *payload, const struct eco_chunk_input *source,
 	const struct stored *stored, uint32_t count, bool alone, struct eco_error *error)
@@ -202,7 +236,6 @@ static enum eco_code add_stream(struct eco_payload *payload, const struct eco_ch
 	const struct eco_elements *e = source->elements;
 	struct eco_stream *stream = &payload->streams[payload->stream_count];
 	struct eco_chunk_rows rows;
-	uint8_t *bytes;
 	*stream = (struct eco_stream){ .corners = stored->corners, .elements = count,
 		.shift = e->exact ? ECO_EXACT_SHIFT : 0 };
 	struct eco_rows_shape shape = eco_payload_shape(source->list, payload->coder, stream);
@@ -219,17 +252,8 @@ static enum eco_code add_stream(struct eco_payload *payload, const struct eco_ch
 
 		eco_rows_put(&rows, i, &row);
 	}
-	code = eco_rows_encode(&rows, &bytes, &stream->size, error);
-	if (!code) {
-		stream->bytes = bytes;
-		stream->wide = rows.shape.wide;
-		stream->uv_shift = rows.shape.uv_shift;
-		stream->predictors = rows.shape.predictors;
-		payload->stream_count++;
-	}
-	/* leaves have SHAPES, which finds more in them */
-	if (!code && alone && (shape.corners < 3 || payload->coder == ECO_CODER_FORM))
-		code = try_packed(&rows, stream, error);
+	code = encode_rows(&rows, payload->coder, stream, alone, error);
+	payload->stream_count += stream->bytes != NULL;
 	eco_rows_free(&rows);
 	return code;
 }

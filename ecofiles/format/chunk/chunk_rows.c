@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk/chunk_columns.h"
+#include "ecofiles/format/chunk/chunk_ground.h"
 
 /* Corner k relative to corner 0 is predicted as the sum of these eighths times corners k-1, k-2, k-3 and
  * k-4 relative to corner 0. */
@@ -431,6 +432,8 @@ enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes,
 		if (predictor_of(rows->shape.predictors, k) >= ECO_ROWS_PREDICTORS)
 			return eco_fail(error, ECO_DAMAGED, "chunk: predictor %u of corner %u is unknown",
 				predictor_of(rows->shape.predictors, k), k);
+	if (rows->shape.packed && eco_ground_packs(&rows->shape))
+		return eco_ground_decode(rows, bytes, size, rows->shape.zeros, error);
 	if (rows->shape.packed)
 		code = eco_columns_decode(rows, bytes, size, rows->shape.zeros, error);
 	else if (rows->shape.wide)
