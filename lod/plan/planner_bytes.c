@@ -147,7 +147,7 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 		over = beyond;
 	}
 	fit->both |= both;
-	if (both)
+	if (both && !lod_planner_over(m->p, 3))
 		lod_price_find(m, fit->lambda, target, &(struct lod_price_near){ fit->at.tiles, false },
 			&fit->at, &over);
 	double bytes = relax_and_fill(m, fit, target, over);
