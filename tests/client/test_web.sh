@@ -23,8 +23,31 @@ make_scene() { # NAME PLANTS [--draft]
 make_scene city 20
 make_scene meadow 12 --draft
 make_scene park 20 --draft
+# a picture on the ground: three grids of numbers as the bands of a virtual raster
+lay_picture() { # NAME: of a scene, 600 m a side about its origin
+	from=$dir/source-$1
+	set -- $(jq -r '.origin // [0, 0] | "\(.[0] - 300) \(.[1] - 300) \(.[1] + 300)"' "$from/scene.json")
+	for band in 1:'10 * x' 2:'10 * y' 3:120; do
+		awk "BEGIN { print \"ncols 24\\nnrows 24\\nxllcorner $1\\nyllcorner $2\\ncellsize 25\"
+			for (y = 0; y < 24; y++) { for (x = 0; x < 24; x++) printf \"%d \", ${band#*:}; print \"\" } }" \
+			>"$from/band${band%%:*}.asc"
+	done
+	{
+		echo "<VRTDataset rasterXSize='24' rasterYSize='24'><GeoTransform>$1,25,0,$3,0,-25</GeoTransform>"
+		for b in 1:Red 2:Green 3:Blue; do
+			echo "<VRTRasterBand dataType='Byte' band='${b%:*}'><ColorInterp>${b#*:}</ColorInterp>" \
+				"<SimpleSource><SourceFilename relativeToVRT='1'>band${b%:*}.asc</SourceFilename>" \
+				"<SourceBand>1</SourceBand></SimpleSource></VRTRasterBand>"
+		done
+		echo '</VRTDataset>'
+	} >"$from/picture.vrt"
+	jq '.ground.image = {file: "picture.vrt"} + (if .crs then {crs} else {} end)' "$from/scene.json" \
+		>"$from/picture.json" || fail "no scene with a picture"
+}
+lay_picture park
+"$BUILD/ecopack" make --draft "$dir/source-park/picture.json" -o "$dir/picture.eco" --quiet || fail "make picture"
 "$BUILD/ecoserve" --listen 127.0.0.1:0 --viewer build/web/site "city=$dir/city.eco" \
-	"$dir/meadow.eco" "$dir/park.eco" >"$dir/ready" &
+	"$dir/meadow.eco" "$dir/park.eco" "picture=$dir/picture.eco" >"$dir/ready" &
 server=$!
 trap 'kill $server 2>/dev/null' EXIT
 for _ in $(seq 100); do grep -q ready "$dir/ready" && break; sleep 0.1; done
@@ -50,8 +73,9 @@ look_at() { # NAME VERTICES [SHADOWS]
 look_at city 30000 perspective
 look_at meadow 100000 standard
 look_at park 300000
+look_at picture 100000
 node tests/client/web/compare.mjs "$dir" build/web/site "$chromium" "$url/v1/scenes/city" \
-	"$url/v1/scenes/meadow" "$url/v1/scenes/park" || fail "the browser differs from ecoview"
+	"$url/v1/scenes/meadow" "$url/v1/scenes/park" "$url/v1/scenes/picture" || fail "the browser differs from ecoview"
 # the page, and that ecoview replays what it recorded
 if [ -n "$chromium" ]; then
 	reload="cp $dir/meadow.eco $dir/next.eco && mv $dir/next.eco $dir/city.eco && kill -HUP $server"
