@@ -67,7 +67,8 @@ static bool read_levels(struct eco_writer *levels, const uint8_t *bytes, size_t 
 	return good && r.at == r.size;
 }
 
-static void keep_levels(struct main_cache *cache, const struct main_cache_key *key, const struct eco_writer *levels)
+static void keep_levels(struct main_cache *cache, const struct main_cache_key *key,
+	const struct eco_writer *levels)
 {
 	struct eco_writer w = { 0 };
 	for (uint32_t i = 0; i < ECO_GROUND_IMAGE_LEVELS; i++) {

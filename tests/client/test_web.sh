@@ -45,7 +45,8 @@ lay_picture() { # NAME: of a scene, 600 m a side about its origin
 		>"$from/picture.json" || fail "no scene with a picture"
 }
 lay_picture park
-"$BUILD/ecopack" make --draft "$dir/source-park/picture.json" -o "$dir/picture.eco" --quiet || fail "make picture"
+"$BUILD/ecopack" make --draft "$dir/source-park/picture.json" -o "$dir/picture.eco" --quiet \
+	|| fail "make picture"
 "$BUILD/ecoserve" --listen 127.0.0.1:0 --viewer build/web/site "city=$dir/city.eco" \
 	"$dir/meadow.eco" "$dir/park.eco" "picture=$dir/picture.eco" >"$dir/ready" &
 server=$!
@@ -75,7 +76,8 @@ look_at meadow 100000 standard
 look_at park 300000
 look_at picture 100000
 node tests/client/web/compare.mjs "$dir" build/web/site "$chromium" "$url/v1/scenes/city" \
-	"$url/v1/scenes/meadow" "$url/v1/scenes/park" "$url/v1/scenes/picture" || fail "the browser differs from ecoview"
+	"$url/v1/scenes/meadow" "$url/v1/scenes/park" "$url/v1/scenes/picture" \
+	|| fail "the browser differs from ecoview"
 # the page, and that ecoview replays what it recorded
 if [ -n "$chromium" ]; then
 	reload="cp $dir/meadow.eco $dir/next.eco && mv $dir/next.eco $dir/city.eco && kill -HUP $server"

@@ -444,8 +444,8 @@ static double inside(int32_t place, uint32_t samples, uint32_t margin)
 }
 
 /* The image and where it lies on the tile, whose positions count from its middle. */
-static enum eco_code lay_image(struct export *x, struct lod_bake *bake, const double low[3], const double high[3],
-	bool is_leaf, const char *texture, bool *is_there)
+static enum eco_code lay_image(struct export *x, struct lod_bake *bake, const double low[3],
+	const double high[3], bool is_leaf, const char *texture, bool *is_there)
 {
 	char name[2 * EXPORT_NAME];
 	snprintf(name, sizeof name, "tiles/%s", texture);

@@ -66,7 +66,8 @@ static enum eco_code paint_level(struct painting *p, const struct eco_list *list
 	while (levels < ECO_GROUND_IMAGE_LEVELS && eco_ground_image_texel_m(list, levels) > SAME * p->texel_m)
 		levels++;
 	double texel_m = eco_ground_image_texel_m(list, levels);
-	enum eco_code code = eco_pack_payload(p->x->pack, list->chunk_first + levels - 1, &bytes, &size, p->x->error);
+	enum eco_code code = eco_pack_payload(p->x->pack, list->chunk_first + levels - 1, &bytes, &size,
+		p->x->error);
 	if (!code)
 		code = eco_texture_read_ground(&part, bytes, size, p->x->error);
 	for (uint32_t y = 0; y < p->height && !code; y++) {

@@ -206,7 +206,8 @@ static const struct eco_option options[] = {
 	{ "separator", 0, ECO_OPTION_TEXT, "S", &given.options.separator, .help = ", ; | or tab" },
 	{ "decimal", 0, ECO_OPTION_TEXT, "S", &given.options.decimal, .help = ". or ," }, { 0 } };
 
-const struct main_command main_command_start = { { "ecopack start", "TREES MODELS [RASTER...] -o DIR [--force] "
+const struct main_command main_command_start = { { "ecopack start",
+	"TREES MODELS [RASTER...] -o DIR [--force] "
 	"[--crs CRS] [--x COLUMN --y COLUMN] [--height-unit U] ...",
 	"Makes a scene of an inventory of plants, a folder of models and perhaps a terrain and a picture of the "
 	"ground (rasters, in any order): finds columns, units, CRS, origin, models for the species and a camera, "

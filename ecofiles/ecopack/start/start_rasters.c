@@ -37,8 +37,8 @@ static enum eco_code sort_raster(struct start *s, const char *path)
 		free(extent);
 		return code;
 	}
-	return start_guess(s, extent->kind == ECO_RASTER_HEIGHTS ? "terrain" : "picture", path, "--dem, --image", "%s",
-		extent->bands);
+	return start_guess(s, extent->kind == ECO_RASTER_HEIGHTS ? "terrain" : "picture", path,
+		"--dem, --image", "%s", extent->bands);
 }
 
 enum eco_code start_rasters(struct start *s)

@@ -13,7 +13,7 @@
 #define SIDE ECO_GROUND_IMAGE_SIDE
 #define CLASS_SAMPLES 2                  /* along each side of a texel */
 #define RANGE_SAMPLES 256                /* along each side of a raster whose range is guessed */
-#define RANGE_CUT 0.005                  /* of its values are darker than black, and so many brighter than white */
+#define RANGE_CUT 0.005                  /* of its values are below black, and so many above white */
 
 /* ---- What it shows ---- */
 
@@ -139,8 +139,8 @@ static enum eco_code guess_range(const struct ground_colors *c, double range[2],
 }
 
 /* Colours are bytes, or three bands of other numbers; one band of them may be heights or classes as well. */
-static enum eco_code find_range(struct ground_colors *c, bool said, double range[2], struct ground_notes *notes,
-	struct eco_error *error)
+static enum eco_code find_range(struct ground_colors *c, bool said, double range[2],
+	struct ground_notes *notes, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	GDALDataType other = GDT_Byte;

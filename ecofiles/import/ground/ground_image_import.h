@@ -12,9 +12,9 @@
  * 1 m from the ground among the plants; so squares far away from all plants have wider ones.
  *
  * Colours are red, green, blue, or grey, with alpha or not. Bytes are taken as they are; of other numbers
- * the scene says which are black and white, or they are guessed from three bands and noted. A raster with a table of colours
- * (palette), or for which the scene gives classes, holds numbers of classes instead: those are never mixed,
- * their colours are. Texels outside the rasters, NODATA, masks and classes without colour are clear; towards
+ * the scene says which are black and white, or they are guessed from three bands and noted. A raster with a
+ * table of colours (palette), or for which the scene gives classes, holds numbers of classes instead: those
+ * are never mixed, their colours are. Texels outside the rasters, NODATA, masks and classes without colour are clear; towards
  * them the image fades within a thirty-second of the root's side. */
 #ifndef ECO_GROUND_IMAGE_IMPORT_H
 #define ECO_GROUND_IMAGE_IMPORT_H
