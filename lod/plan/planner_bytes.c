@@ -44,6 +44,7 @@
 #define SWEEP_FALL_LEAST 1.1     /* bytes of one answer over those of the next */
 #define SWEEP_LAMBDA 0.25        /* fewer bytes draw fewer vertices, which may save less: lambda falls, ... */
 #define SWEEP_VERTICES 0.5       /* ... where no more than this part of the budget is used */
+#define SWEEP_LAST 3u            /* coarser answers yet, once the work is done that a plan may take */
 
 /* What is only looked at has no reasons. */
 static enum eco_code emit_without_reasons(const struct lod_planner *p, struct eco_plan *plan,
@@ -383,6 +384,7 @@ enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, stru
 struct sweep {
 	double lambda, octave, bytes;        /* log2 of the price; bytes of plants */
 	double slope;                        /* octaves of bytes for one of the price: negative */
+	uint32_t last;                       /* not 0: the work is done, and so many answers come yet */
 };
 
 /* Relaxes at a price. A lambda whose vertices are too many there goes up again. */
@@ -404,12 +406,14 @@ static double relax_within(const struct lod_lambda_search *s, struct sweep *swee
 static bool raise_price(const struct lod_lambda_search *s, struct sweep *sweep, double ratio, uint64_t budget)
 {
 	double low = sweep->octave, high = LOD_PRICE_HIGHEST, some = NAN;    /* some: steep, but not empty */
+	const struct lod_allocation *m = s->allocation;
 	double step = lod_octaves(ratio) / -sweep->slope, octave = low + step, bytes = 0, fall = 1;
-	for (int tries = 0; octave < LOD_PRICE_HIGHEST && !lod_planner_over(s->allocation->p, 4);
+	double least = sweep->last ? sqrt(ratio) : SWEEP_FALL_LEAST;
+	for (int tries = 0; octave < LOD_PRICE_HIGHEST && (sweep->last || !lod_planner_over(m->p, 4));
 			tries += high < LOD_PRICE_HIGHEST) {
 		bytes = relax_within(s, sweep, octave, budget);
 		fall = sweep->bytes / fmax(bytes, 1);
-		bool flat = fall < SWEEP_FALL_LEAST, steep = fall > ratio * ratio;
+		bool flat = fall < least, steep = fall > ratio * ratio;
 		if (!flat && !steep)
 			break;
 		some = steep && bytes > 0 ? octave : some;
@@ -452,21 +456,37 @@ static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda,
 	return code;
 }
 
+/* Bytes of an answer over those of the next. Once the work is done the last ones take what is left between
+ * them: who waits for a large answer sees something of it after a little. */
+static double next_ratio(const struct lod_planner *p, struct sweep *sweep)
+{
+	const struct lod_planner_coarser *coarser = p->input->coarser;
+	double all = sweep->bytes / (double)coarser->least;
+	if (!sweep->last && lod_planner_over(p, 3))
+		sweep->last = SWEEP_LAST;
+	for (uint32_t i = 1; i < sweep->last; i++)
+		all = sqrt(all);
+	return sweep->last ? fmax(coarser->ratio, all) : coarser->ratio;
+}
+
 static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	const struct lod_planner_coarser *coarser = m->p->input->coarser;
 	double lowest = lod_lambda_at(s->last);
 	double octave = s->price > 0 ? 2 * lod_octaves(s->price) : LOD_PRICE_LOWEST;
-	struct sweep sweep = { fmax(s->lambda, lowest), fmax(SWEEP_FIRST, octave), 0, SWEEP_SLOPE };
+	struct sweep sweep = { fmax(s->lambda, lowest), fmax(SWEEP_FIRST, octave), 0, SWEEP_SLOPE,
+		lod_planner_over(m->p, 2) ? SWEEP_LAST : 0 };
 	enum eco_code code = ECO_OK;
 	sweep.bytes = lod_price_relax(m, sweep.lambda, &(struct lod_price){ octave, octave });
 	for (uint32_t i = 0; i < coarser->most && !code && sweep.bytes > (double)coarser->least; i++) {
-		if (lod_planner_over(m->p, 3) || !raise_price(s, &sweep, coarser->ratio, budget))
+		if (!raise_price(s, &sweep, next_ratio(m->p, &sweep), budget))
 			break;
 		code = hand_over(s, sweep.lambda, budget, error);
 		if (m->cost.vertices < SWEEP_VERTICES * (double)budget)
 			sweep.lambda = fmax(lowest, SWEEP_LAMBDA * sweep.lambda);
+		if (sweep.last && !--sweep.last)
+			break;
 	}
 	return code;
 }
@@ -476,8 +496,6 @@ enum eco_code lod_bytes_coarser(const struct lod_lambda_search *s, const struct 
 {
 	struct eco_holdings kept;
 	struct lod_planner *p = s->allocation->p;
-	if (lod_planner_over(p, 2))
-		return ECO_OK;
 	enum eco_code code = lod_plan_needs(p->scene, answer, &kept, error);
 	if (!code)
 		code = lod_prices_make(s->allocation, &kept, WASTE_COARSER, error);

@@ -295,16 +295,16 @@ static double unoccluded_share(const struct lod_screen *screen, const struct lod
  * changes at once. */
 static void lower_horizon(const struct lod_screen *screen, struct lod_visibility *visibility, float *horizon)
 {
-	int last = (int)screen->columns - 1, column = (int)floorf(visibility->x - 0.5f);
-	float rows = (float)screen->rows, part = visibility->x - 0.5f - (float)column,
-		foot = fminf(visibility->foot + 1, rows);
-	if (column < -1 || column > last)
-		return;
+	float rows = (float)screen->rows, foot = fminf(visibility->foot + 1, rows), at = visibility->x - 0.5f;
+	if (!(at >= -1 && at < (float)screen->columns))
+		return;                  /* may be farther off than an int says */
+	int last = (int)screen->columns - 1, column = (int)floorf(at);
+	float part = at - (float)column;
 	int left = column < 0 ? 0 : column, right = column < last ? column + 1 : last;
 	float bottom = horizon[left] + part * (horizon[right] - horizon[left]);
 	visibility->bottom = rows + visibility->before * (bottom - rows);
 	for (int c = column - (int)HILL + 1; c <= column + (int)HILL; c++) {
-		float beside = fabsf(visibility->x - 0.5f - (float)c) / HILL;
+		float beside = fabsf(at - (float)c) / HILL;
 		if (c >= 0 && c <= last && beside < 1)
 			horizon[c] =
 				fminf(horizon[c], rows + visibility->before * (1 - beside) * (foot - rows));

@@ -112,6 +112,32 @@ UNIT_TEST(ordinary_views_are_hardly_cut_short)
 }
 
 /* Counted, not timed: the same bytes again, whatever else the machine does. */
+/* Who waits for a large answer sees something of it soon, also where its plan has no work left. */
+UNIT_TEST(what_is_cut_short_comes_in_steps)
+{
+	uint32_t large = 0;
+	for (uint32_t i = 0; i < REQUESTS; i++) {
+		struct srv_stream stream;
+		struct eco_request request;
+		struct eco_error error = { 0 };
+		if (!random_request(&request, &sample->pack->scene, 10, i))
+			continue;
+		if (request.view.width < 100 || request.view.height < 100)
+			continue;        /* where nothing is seen of most plants */
+		request.bytes = ECO_BYTES_UNBOUNDED;
+		assert_ok(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample,
+			.request = &request, .work_max = srv_typical_work(sample) }, &error), error);
+		if (stream.cut_short && stream.body_bytes > 60000) {
+			large++;
+			assert_true(stream.step_count > 1);
+			assert_true(stream.steps[0].plan.vertices > 0);
+		}
+		srv_stream_free(&stream);
+	}
+	print_message("          %u large answers\n", large);
+	assert_true(large > 10);
+}
+
 UNIT_TEST(bounded_answers_are_the_same_each_time)
 {
 	for (uint32_t i = 0; i < 60; i++) {
