@@ -210,6 +210,13 @@ static enum eco_code add_image(const struct lod_planner *p, struct eco_plan *pla
 	return ECO_OK;
 }
 
+/* As it travels. Of more vertices fewer pixels are wrong in all, also once these are rounded. */
+static struct eco_prediction rounded(const struct eco_prediction *exact)
+{
+	double fp = eco_wire_pixels_round(exact->fp), wrong = eco_wire_pixels_round(exact->fp + exact->fn);
+	return (struct eco_prediction){ eco_wire_pixels_round(exact->tp), fp, wrong - fp };
+}
+
 enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
 {
 	uint32_t groups = 0;
@@ -253,8 +260,7 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 	if (code)
 		return code;
 	merge_bands(p, plan);
-	plan->prediction = (struct eco_prediction){ eco_wire_pixels_round(p->prediction.tp),
-		eco_wire_pixels_round(p->prediction.fp), eco_wire_pixels_round(p->prediction.fn) };
+	plan->prediction = rounded(&p->prediction);
 	plan->vertices = p->vertices;
 	plan->visible_plants = p->visible.plants;
 	plan->sample_distance = p->sample_distance;
