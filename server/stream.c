@@ -1,4 +1,4 @@
-/* Longer than 600 lines: steps, byte budgets, ground and the next view are made of one another's. */
+/* Longer than 600 lines: steps, byte budgets and ground are made of one another's. */
 #include "server/stream.h"
 
 #include <assert.h>
@@ -7,6 +7,7 @@
 
 #include "lod/plan/planner.h"
 #include "server/emit.h"
+#include "server/stream_after.h"
 #include "server/trace.h"
 
 #define BODY_MAX_DEFAULT (1ull << 31)
@@ -28,13 +29,6 @@ static void step_free(struct srv_step *step)
 	*step = (struct srv_step){ 0 };
 }
 
-static void drop_next(struct srv_stream *stream)
-{
-	for (uint32_t i = 0; i < stream->next_count; i++)
-		free(stream->next[i].items);
-	stream->next_count = 0;
-}
-
 static void drop_coarser(struct srv_stream *stream)
 {
 	for (uint32_t i = 0; i < stream->coarser_count; i++)
@@ -45,7 +39,7 @@ static void drop_coarser(struct srv_stream *stream)
 void srv_stream_free(struct srv_stream *stream)
 {
 	drop_coarser(stream);
-	drop_next(stream);
+	srv_stream_drop_next(stream);
 	free(stream->wanted.items);
 	free(stream->rest.items);
 	for (uint32_t i = 0; i < stream->step_count; i++)
@@ -77,7 +71,7 @@ enum eco_code srv_holdings_check(const struct eco_scene *scene, const struct eco
 	return ECO_OK;
 }
 
-static uint64_t missing_bytes(const struct eco_scene *scene, const struct eco_holdings *holdings,
+uint64_t srv_missing_bytes(const struct eco_scene *scene, const struct eco_holdings *holdings,
 	const struct eco_holdings *needs)
 {
 	uint64_t sum = 0;
@@ -97,7 +91,7 @@ static enum eco_code needs_of(struct srv_stream *stream, struct srv_step *step, 
 	step->needs = (struct eco_holdings){ 0 };
 	enum eco_code code = lod_plan_needs(scene, &step->plan, &step->needs, error);
 	if (!code)
-		step->missing_bytes = missing_bytes(scene, stream->input.holdings, &step->needs);
+		step->missing_bytes = srv_missing_bytes(scene, stream->input.holdings, &step->needs);
 	return code;
 }
 
@@ -110,8 +104,7 @@ static struct lod_planner_input planner_input(const struct srv_stream_input *inp
 		.ignore_occlusion = input->ignore_occlusion, .work_max = input->work_max };
 }
 
-/* Of the work that the answer may take. */
-static uint64_t work_left(const struct srv_stream *stream)
+uint64_t srv_work_left(const struct srv_stream *stream)
 {
 	uint64_t most = stream->input.work_max;
 	return !most ? UINT64_MAX : most > stream->work ? most - stream->work : 0;
@@ -346,7 +339,7 @@ static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *d
 	ground_px = best->ground_px;
 	*fits = !code && s.low_bytes <= budget_bytes;
 	*bytes = s.low_bytes;
-	for (; !code && *fits && !search_done(&s, budget_bytes) && work_left(stream) > 0; s.tries++) {
+	for (; !code && *fits && !search_done(&s, budget_bytes) && srv_work_left(stream) > 0; s.tries++) {
 		uint64_t vertices = next_try(&s, budget_bytes), size;
 		struct srv_step step;
 		code = make_step(stream, vertices, ground_px, NULL, &step, error);
@@ -445,7 +438,7 @@ static enum eco_code add_coarser(struct srv_stream *stream, uint32_t number, str
 	return ECO_OK;
 }
 
-static enum eco_code size_all(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+enum eco_code srv_size_all(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
 {
 	uint64_t ends[SRV_STEPS_MAX];
 	srv_emit_restart(dry, stream->input.holdings);
@@ -470,7 +463,7 @@ static enum eco_code fit_steps(struct srv_stream *stream, struct srv_emit *dry, 
 			&& stream->steps[0].missing_bytes > STEP_BYTES_LEAST; i++)
 		code = add_coarser(stream, i, error);
 	if (!code)
-		code = size_all(stream, dry, error);
+		code = srv_size_all(stream, dry, error);
 	while (!code && stream->body_bytes > stream->input.request->bytes) {
 		assert(stream->step_count > 1);
 		uint32_t last = --stream->step_count;    /* the finest coarse step goes */
@@ -478,160 +471,12 @@ static enum eco_code fit_steps(struct srv_stream *stream, struct srv_emit *dry, 
 			(unsigned long long)stream->steps[last - 1].plan.vertices);
 		step_free(&stream->steps[last - 1]);
 		stream->steps[last - 1] = stream->steps[last];
-		code = size_all(stream, dry, error);
+		code = srv_size_all(stream, dry, error);
 	}
 	return code;
 }
 
-/* ---- The next view ---- */
-
-/* What the client holds once the answer has come: the longest prefix of each list. */
-static enum eco_code held_then(const struct srv_stream *stream, struct eco_holdings *then,
-	struct eco_error *error)
-{
-	const struct eco_scene *scene = &stream->input.scene->pack->scene;
-	const struct eco_holdings *now = stream->input.holdings;
-	uint32_t *chunks = calloc(scene->list_count + 1u, sizeof *chunks), count = 0;
-	*then = (struct eco_holdings){ .items = malloc((scene->list_count + 1u) * sizeof *then->items) };
-	for (uint32_t i = 0; chunks && now && i < now->count; i++)
-		chunks[now->items[i].list] = now->items[i].chunks;
-	for (uint32_t s = 0; chunks && s < stream->step_count; s++)
-		for (uint32_t i = 0; i < stream->steps[s].needs.count; i++) {
-			const struct eco_holding *need = &stream->steps[s].needs.items[i];
-			if (need->chunks > chunks[need->list])
-				chunks[need->list] = need->chunks;
-		}
-	for (uint32_t n = 0; chunks && n < stream->next_count; n++)
-		for (uint32_t i = 0; i < stream->next[n].count; i++) {
-			const struct eco_holding *need = &stream->next[n].items[i];
-			if (need->chunks > chunks[need->list])
-				chunks[need->list] = need->chunks;
-		}
-	for (uint32_t list = 0; chunks && then->items && list < scene->list_count; list++)
-		if (chunks[list])
-			then->items[count++] = (struct eco_holding){ list, chunks[list] };
-	then->count = count;
-	free(chunks);
-	return chunks && then->items ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory to follow %u lists",
-		scene->list_count);
-}
-
-/* Plans the next view as an answer of its own to a client that holds all of this one. */
-static enum eco_code plan_next(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
-{
-	struct eco_request request = *stream->input.request;
-	struct srv_stream_input input = stream->input;
-	struct srv_stream next;
-	struct eco_holdings then;
-	uint64_t without = stream->body_bytes, ahead = without + ECO_FRAME_HEADER_BYTES;
-	if (stream->input.request->bytes < ahead)
-		return ECO_OK;
-	enum eco_code code = held_then(stream, &then, error);
-	request.view = eco_view_next(stream->input.request);
-	request.next.given = false;
-	if (request.bytes != ECO_BYTES_UNBOUNDED)
-		request.bytes -= ahead;
-	input.request = &request;
-	input.holdings = &then;
-	input.work_max = input.work_max ? work_left(stream) : 0;
-	if (!code)
-		code = srv_stream_plan(&next, &input, error);
-	free(then.items);
-	if (code)
-		return code;
-	stream->work += next.work;
-	stream->cut_short |= next.cut_short;
-	for (uint32_t i = 0; i < next.step_count && next.fits; i++) {
-		stream->next[stream->next_count++] = next.steps[i].needs;
-		next.steps[i].needs = (struct eco_holdings){ 0 };
-	}
-	srv_stream_free(&next);
-	code = size_all(stream, dry, error);
-	if (!code && (stream->body_bytes > stream->input.request->bytes || stream->body_bytes == ahead)) {
-		drop_next(stream);
-		code = size_all(stream, dry, error);
-	}
-	stream->next_bytes = stream->body_bytes - without;
-	return code;
-}
-
-/* ---- The rest of the bytes ---- */
-
-struct lacking { struct eco_holding item; uint32_t held; uint64_t bytes; };
-
-static int by_bytes(const void *a, const void *b)
-{
-	const struct lacking *x = a, *y = b;
-	return x->bytes != y->bytes ? (x->bytes > y->bytes) - (x->bytes < y->bytes)
-		: (x->item.list > y->item.list) - (x->item.list < y->item.list);
-}
-
-/* Of what is wanted, the lists that lack something; returns their number. */
-static uint32_t find_lacking(const struct srv_stream *stream, const struct eco_holdings *held,
-	struct lacking *lacking)
-{
-	const struct eco_scene *scene = &stream->input.scene->pack->scene;
-	uint32_t count = 0;
-	for (uint32_t i = 0; i < stream->wanted.count; i++) {
-		const struct eco_holdings one = { .items = &stream->wanted.items[i], .count = 1 };
-		struct lacking *to = &lacking[count];
-		*to = (struct lacking){ one.items[0], eco_holdings_chunks(held, one.items[0].list),
-			missing_bytes(scene, held, &one) };
-		count += to->bytes > 0;
-	}
-	qsort(lacking, count, sizeof *lacking, by_bytes);
-	return count;
-}
-
-/* As many chunks of these as `room` holds; frames about them are not counted. */
-static void take_chunks(struct srv_stream *stream, const struct lacking *lacking, uint32_t count,
-	uint64_t room)
-{
-	const struct eco_scene *scene = &stream->input.scene->pack->scene;
-	for (uint32_t i = 0; i < count; i++) {
-		uint32_t end = lacking[i].held, first = scene->lists[lacking[i].item.list].chunk_first;
-		const struct eco_chunk *chunks = &scene->chunks[first];
-		for (; end < lacking[i].item.chunks && chunks[end].size_bytes <= room; end++)
-			room -= chunks[end].size_bytes;
-		if (end > lacking[i].held)
-			stream->rest.items[stream->rest.count++]
-				= (struct eco_holding){ lacking[i].item.list, end };
-	}
-}
-
-/* The last chunk of the last list goes until the frames have room, too. */
-static enum eco_code fit_rest(struct srv_stream *stream, struct srv_emit *dry,
-	const struct eco_holdings *held, struct eco_error *error)
-{
-	enum eco_code code = size_all(stream, dry, error);
-	while (!code && stream->body_bytes > stream->input.request->bytes) {
-		struct eco_holding *last = &stream->rest.items[stream->rest.count - 1];
-		if (--last->chunks <= eco_holdings_chunks(held, last->list))
-			stream->rest.count--;
-		code = size_all(stream, dry, error);
-	}
-	return code;
-}
-
-static enum eco_code send_rest(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
-{
-	struct eco_holdings held;
-	uint64_t room = stream->input.request->bytes - stream->body_bytes;
-	if (!stream->wanted.count)
-		return ECO_OK;
-	enum eco_code code = held_then(stream, &held, error);
-	struct lacking *lacking = malloc(stream->wanted.count * sizeof *lacking);
-	stream->rest.items = malloc(stream->wanted.count * sizeof *stream->rest.items);
-	if (!code && (!lacking || !stream->rest.items))
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u lists", stream->wanted.count);
-	if (!code) {
-		take_chunks(stream, lacking, find_lacking(stream, &held, lacking), room);
-		code = fit_rest(stream, dry, &held, error);
-	}
-	free(lacking);
-	free(held.items);
-	return code;
-}
+/* ---- The answer ---- */
 
 /* Deussen's rule knows no bytes: vertices are searched for it. */
 static bool searches(const struct srv_stream *stream)
@@ -711,10 +556,10 @@ static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, s
 	if (code || !stream->fits)
 		return code;
 	code = fit_steps(stream, dry, error);
-	if (!code && request->next.given && work_left(stream) > 0)
-		code = plan_next(stream, dry, error);
+	if (!code && request->next.given && srv_work_left(stream) > 0)
+		code = srv_plan_next(stream, dry, error);
 	if (!code)
-		code = send_rest(stream, dry, error);
+		code = srv_send_rest(stream, dry, error);
 	uint64_t most = stream->input.body_max ? stream->input.body_max : BODY_MAX_DEFAULT;
 	if (!code && stream->body_bytes - stream->named_bytes > most)
 		code = eco_fail(error, ECO_TOO_LARGE, "the response would have %llu bytes; at most %llu are "

@@ -1,0 +1,159 @@
+#include "server/stream_after.h"
+
+#include <stdlib.h>
+
+/* ---- The next view ---- */
+
+void srv_stream_drop_next(struct srv_stream *stream)
+{
+	for (uint32_t i = 0; i < stream->next_count; i++)
+		free(stream->next[i].items);
+	stream->next_count = 0;
+}
+
+/* What the client holds once the answer has come: the longest prefix of each list. */
+static enum eco_code held_then(const struct srv_stream *stream, struct eco_holdings *then,
+	struct eco_error *error)
+{
+	const struct eco_scene *scene = &stream->input.scene->pack->scene;
+	const struct eco_holdings *now = stream->input.holdings;
+	uint32_t *chunks = calloc(scene->list_count + 1u, sizeof *chunks), count = 0;
+	*then = (struct eco_holdings){ .items = malloc((scene->list_count + 1u) * sizeof *then->items) };
+	for (uint32_t i = 0; chunks && now && i < now->count; i++)
+		chunks[now->items[i].list] = now->items[i].chunks;
+	for (uint32_t s = 0; chunks && s < stream->step_count; s++)
+		for (uint32_t i = 0; i < stream->steps[s].needs.count; i++) {
+			const struct eco_holding *need = &stream->steps[s].needs.items[i];
+			if (need->chunks > chunks[need->list])
+				chunks[need->list] = need->chunks;
+		}
+	for (uint32_t n = 0; chunks && n < stream->next_count; n++)
+		for (uint32_t i = 0; i < stream->next[n].count; i++) {
+			const struct eco_holding *need = &stream->next[n].items[i];
+			if (need->chunks > chunks[need->list])
+				chunks[need->list] = need->chunks;
+		}
+	for (uint32_t list = 0; chunks && then->items && list < scene->list_count; list++)
+		if (chunks[list])
+			then->items[count++] = (struct eco_holding){ list, chunks[list] };
+	then->count = count;
+	free(chunks);
+	return chunks && then->items ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory to follow %u lists",
+		scene->list_count);
+}
+
+enum eco_code srv_plan_next(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+{
+	struct eco_request request = *stream->input.request;
+	struct srv_stream_input input = stream->input;
+	struct srv_stream next;
+	struct eco_holdings then;
+	uint64_t without = stream->body_bytes, ahead = without + ECO_FRAME_HEADER_BYTES;
+	if (stream->input.request->bytes < ahead)
+		return ECO_OK;
+	enum eco_code code = held_then(stream, &then, error);
+	request.view = eco_view_next(stream->input.request);
+	request.next.given = false;
+	if (request.bytes != ECO_BYTES_UNBOUNDED)
+		request.bytes -= ahead;
+	input.request = &request;
+	input.holdings = &then;
+	input.work_max = input.work_max ? srv_work_left(stream) : 0;
+	if (!code)
+		code = srv_stream_plan(&next, &input, error);
+	free(then.items);
+	if (code)
+		return code;
+	stream->work += next.work;
+	stream->cut_short |= next.cut_short;
+	for (uint32_t i = 0; i < next.step_count && next.fits; i++) {
+		stream->next[stream->next_count++] = next.steps[i].needs;
+		next.steps[i].needs = (struct eco_holdings){ 0 };
+	}
+	srv_stream_free(&next);
+	code = srv_size_all(stream, dry, error);
+	if (!code && (stream->body_bytes > stream->input.request->bytes || stream->body_bytes == ahead)) {
+		srv_stream_drop_next(stream);
+		code = srv_size_all(stream, dry, error);
+	}
+	stream->next_bytes = stream->body_bytes - without;
+	return code;
+}
+
+/* ---- The rest of the bytes ---- */
+
+struct lacking { struct eco_holding item; uint32_t held; uint64_t bytes; };
+
+static int by_bytes(const void *a, const void *b)
+{
+	const struct lacking *x = a, *y = b;
+	return x->bytes != y->bytes ? (x->bytes > y->bytes) - (x->bytes < y->bytes)
+		: (x->item.list > y->item.list) - (x->item.list < y->item.list);
+}
+
+/* Of what is wanted, the lists that lack something; returns their number. */
+static uint32_t find_lacking(const struct srv_stream *stream, const struct eco_holdings *held,
+	struct lacking *lacking)
+{
+	const struct eco_scene *scene = &stream->input.scene->pack->scene;
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < stream->wanted.count; i++) {
+		const struct eco_holdings one = { .items = &stream->wanted.items[i], .count = 1 };
+		struct lacking *to = &lacking[count];
+		*to = (struct lacking){ one.items[0], eco_holdings_chunks(held, one.items[0].list),
+			srv_missing_bytes(scene, held, &one) };
+		count += to->bytes > 0;
+	}
+	qsort(lacking, count, sizeof *lacking, by_bytes);
+	return count;
+}
+
+/* As many chunks of these as `room` holds; frames about them are not counted. */
+static void take_chunks(struct srv_stream *stream, const struct lacking *lacking, uint32_t count,
+	uint64_t room)
+{
+	const struct eco_scene *scene = &stream->input.scene->pack->scene;
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t end = lacking[i].held, first = scene->lists[lacking[i].item.list].chunk_first;
+		const struct eco_chunk *chunks = &scene->chunks[first];
+		for (; end < lacking[i].item.chunks && chunks[end].size_bytes <= room; end++)
+			room -= chunks[end].size_bytes;
+		if (end > lacking[i].held)
+			stream->rest.items[stream->rest.count++]
+				= (struct eco_holding){ lacking[i].item.list, end };
+	}
+}
+
+/* The last chunk of the last list goes until the frames have room, too. */
+static enum eco_code fit_rest(struct srv_stream *stream, struct srv_emit *dry,
+	const struct eco_holdings *held, struct eco_error *error)
+{
+	enum eco_code code = srv_size_all(stream, dry, error);
+	while (!code && stream->body_bytes > stream->input.request->bytes) {
+		struct eco_holding *last = &stream->rest.items[stream->rest.count - 1];
+		if (--last->chunks <= eco_holdings_chunks(held, last->list))
+			stream->rest.count--;
+		code = srv_size_all(stream, dry, error);
+	}
+	return code;
+}
+
+enum eco_code srv_send_rest(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+{
+	struct eco_holdings held;
+	uint64_t room = stream->input.request->bytes - stream->body_bytes;
+	if (!stream->wanted.count)
+		return ECO_OK;
+	enum eco_code code = held_then(stream, &held, error);
+	struct lacking *lacking = malloc(stream->wanted.count * sizeof *lacking);
+	stream->rest.items = malloc(stream->wanted.count * sizeof *stream->rest.items);
+	if (!code && (!lacking || !stream->rest.items))
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u lists", stream->wanted.count);
+	if (!code) {
+		take_chunks(stream, lacking, find_lacking(stream, &held, lacking), room);
+		code = fit_rest(stream, dry, &held, error);
+	}
+	free(lacking);
+	free(held.items);
+	return code;
+}
