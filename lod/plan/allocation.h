@@ -190,6 +190,7 @@ struct lod_allocation {
 	double lambda;
 	double price;                /* wrong pixels that a byte must save; 0: bytes do not count */
 	bool spares;                 /* the price is for lists alone: levels of textures and impostors stay */
+	int rounds;                  /* of limits at each lambda and price: LOD_PRICE_ROUNDS, or fewer */
 	bool limited;                /* limits stay as they are, whatever the price */
 	/* what the last relaxation was made for; lambda not a number: something has changed since.
 	 * limits: the price that limits were made at */

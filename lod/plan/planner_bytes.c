@@ -44,7 +44,12 @@
 #define SWEEP_FALL_LEAST 1.1     /* bytes of one answer over those of the next */
 #define SWEEP_LAMBDA 0.25        /* fewer bytes draw fewer vertices, which may save less: lambda falls, ... */
 #define SWEEP_VERTICES 0.5       /* ... where no more than this part of the budget is used */
-#define SWEEP_LAST 3u            /* coarser answers yet, once the work is done that a plan may take */
+#define SWEEP_LAST 3u            /* coarser answers yet, once the work is done that a plan may take: ... */
+#define SWEEP_LAST_ROUNDS 1      /* ... of limits, ... */
+#define SWEEP_LAST_TRIES 3       /* ... and prices tried for each, ... */
+#define SWEEP_LAST_LEAST 2       /* ... of an answer of so many times the bytes of the last one */
+#define SWEEP_USUAL 2.8          /* octaves of the price that leaves one byte of a picture of one pixel, ... */
+#define SWEEP_USUAL_SLOPE -1.5   /* ... and for each octave of bytes; by measurement */
 
 /* What is only looked at has no reasons. */
 static enum eco_code emit_without_reasons(const struct lod_planner *p, struct eco_plan *plan,
@@ -384,6 +389,7 @@ enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, stru
 struct sweep {
 	double lambda, octave, bytes;        /* log2 of the price; bytes of plants */
 	double slope;                        /* octaves of bytes for one of the price: negative */
+	double beyond;                       /* octaves of the price above the usual, as the last bytes say */
 	uint32_t last;                       /* not 0: the work is done, and so many answers come yet */
 };
 
@@ -408,12 +414,11 @@ static bool raise_price(const struct lod_lambda_search *s, struct sweep *sweep, 
 	double low = sweep->octave, high = LOD_PRICE_HIGHEST, some = NAN;    /* some: steep, but not empty */
 	const struct lod_allocation *m = s->allocation;
 	double step = lod_octaves(ratio) / -sweep->slope, octave = low + step, bytes = 0, fall = 1;
-	double least = sweep->last ? sqrt(ratio) : SWEEP_FALL_LEAST;
-	for (int tries = 0; octave < LOD_PRICE_HIGHEST && (sweep->last || !lod_planner_over(m->p, 4));
+	for (int tries = 0; octave < LOD_PRICE_HIGHEST && !lod_planner_over(m->p, 4);
 			tries += high < LOD_PRICE_HIGHEST) {
 		bytes = relax_within(s, sweep, octave, budget);
 		fall = sweep->bytes / fmax(bytes, 1);
-		bool flat = fall < least, steep = fall > ratio * ratio;
+		bool flat = fall < SWEEP_FALL_LEAST, steep = fall > ratio * ratio;
 		if (!flat && !steep)
 			break;
 		some = steep && bytes > 0 ? octave : some;
@@ -433,6 +438,39 @@ static bool raise_price(const struct lod_lambda_search *s, struct sweep *sweep, 
 	sweep->slope = fmin(SWEEP_SLOPE_MOST, fmax(SWEEP_SLOPE_LEAST,
 		-lod_octaves(fall) / (octave - sweep->octave)));
 	sweep->octave = octave;
+	sweep->bytes = bytes;
+	return true;
+}
+
+/* Octave of the price at which so many bytes are usually left of a picture of this size. */
+static double usual_octave(const struct lod_allocation *m, double bytes)
+{
+	return SWEEP_USUAL + 2 * (lod_octaves(m->tile_choices[0].pixels)
+		+ SWEEP_USUAL_SLOPE * lod_octaves(bytes));
+}
+
+/* The same by few prices, of which the last is taken that leaves fewer bytes: the usual ones, corrected by
+ * what came of those before. */
+static bool raise_roughly(const struct lod_lambda_search *s, struct sweep *sweep, double ratio,
+	uint64_t budget)
+{
+	double low = sweep->octave, high = LOD_PRICE_HIGHEST, target = sweep->bytes / ratio, some = NAN,
+		octave = low, bytes = 0, enough = sweep->bytes / sqrt(ratio);
+	for (int tries = 0; tries < SWEEP_LAST_TRIES && !(bytes > 0 && bytes <= enough); tries++) {
+		double margin = fmin(0.5, 0.25 * (high - low));
+		octave = fmin(high - margin, fmax(low + margin, usual_octave(s->allocation, target)
+			+ sweep->beyond));
+		bytes = relax_within(s, sweep, octave, budget);
+		some = bytes > 0 ? octave : some;
+		sweep->beyond = bytes > 0 ? octave - usual_octave(s->allocation, bytes)
+			: sweep->beyond - 1;
+		*(bytes > 0 ? &low : &high) = octave;
+	}
+	if (octave != some && some > sweep->octave)
+		bytes = relax_within(s, sweep, some, budget);
+	if (!(bytes > 0) || sweep->bytes < bytes * SWEEP_FALL_LEAST)
+		return false;
+	sweep->octave = some;
 	sweep->bytes = bytes;
 	return true;
 }
@@ -458,12 +496,14 @@ static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda,
 
 /* Bytes of an answer over those of the next. Once the work is done the last ones take what is left between
  * them: who waits for a large answer sees something of it after a little. */
-static double next_ratio(const struct lod_planner *p, struct sweep *sweep)
+static double next_ratio(const struct lod_lambda_search *s, struct sweep *sweep)
 {
+	const struct lod_planner *p = s->allocation->p;
 	const struct lod_planner_coarser *coarser = p->input->coarser;
 	double all = sweep->bytes / (double)coarser->least;
 	if (!sweep->last && lod_planner_over(p, 3))
 		sweep->last = SWEEP_LAST;
+	s->allocation->rounds = sweep->last ? SWEEP_LAST_ROUNDS : LOD_PRICE_ROUNDS;
 	for (uint32_t i = 1; i < sweep->last; i++)
 		all = sqrt(all);
 	return sweep->last ? fmax(coarser->ratio, all) : coarser->ratio;
@@ -475,12 +515,15 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 	const struct lod_planner_coarser *coarser = m->p->input->coarser;
 	double lowest = lod_lambda_at(s->last);
 	double octave = s->price > 0 ? 2 * lod_octaves(s->price) : LOD_PRICE_LOWEST;
-	struct sweep sweep = { fmax(s->lambda, lowest), fmax(SWEEP_FIRST, octave), 0, SWEEP_SLOPE,
-		lod_planner_over(m->p, 2) ? SWEEP_LAST : 0 };
+	uint32_t last = lod_planner_over(m->p, 2) ? SWEEP_LAST : 0;
+	struct sweep sweep = { fmax(s->lambda, lowest), last ? octave : fmax(SWEEP_FIRST, octave), 0,
+		SWEEP_SLOPE, 0, last };
 	enum eco_code code = ECO_OK;
 	sweep.bytes = lod_price_relax(m, sweep.lambda, &(struct lod_price){ octave, octave });
-	for (uint32_t i = 0; i < coarser->most && !code && sweep.bytes > (double)coarser->least; i++) {
-		if (!raise_price(s, &sweep, next_ratio(m->p, &sweep), budget))
+	for (uint32_t i = 0; i < coarser->most && !code
+			&& sweep.bytes > (sweep.last ? SWEEP_LAST_LEAST : 1) * (double)coarser->least; i++) {
+		double ratio = next_ratio(s, &sweep);
+		if (!(sweep.last ? raise_roughly : raise_price)(s, &sweep, ratio, budget))
 			break;
 		code = hand_over(s, sweep.lambda, budget, error);
 		if (m->cost.vertices < SWEEP_VERTICES * (double)budget)
