@@ -18,6 +18,8 @@
 #define SMOOTH_BANDS 3           /* on either side count towards a slot's mean, ... */
 #define SMOOTH_PLANTS 400.0      /* ... but less where there are more plants than this: most plants of many
                                   * are hidden */
+#define CELLS_PART 8             /* of the work of a plan: cells of the screen in each of its passes; ... */
+#define CELLS_LEAST 64u          /* ... a screen of so few stays */
 #define HIDDEN_WOOD 0.2          /* share of wood that still counts where leaves cover it wholly: leaves are
                                   * drawn with holes */
 
@@ -583,6 +585,19 @@ static enum eco_code add_tiles(struct lod_planner *p, struct eco_error *error)
 	return ECO_OK;
 }
 
+/* A picture of a few plants that fill it needs as many cells for each as there are: fewer then tell as much.
+ * Returns those that all need. */
+static uint64_t bound_cells(struct lod_planner *p)
+{
+	uint64_t cells = lod_screen_cells(&p->screen);
+	while (p->input->work_max && cells > p->input->work_max / CELLS_PART / LOD_WORK_CELL
+			&& p->screen.columns * p->screen.rows > CELLS_LEAST) {
+		lod_screen_coarsen(&p->screen);
+		cells = lod_screen_cells(&p->screen);
+	}
+	return cells;
+}
+
 enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *p, struct eco_error *error)
 {
 	const struct eco_scene *scene = p->scene;
@@ -610,6 +625,8 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 			m->tallies += p->visible.nodes[n].tally_count;
 	enum eco_code code = add_tiles(p, error);
 	if (!code)
+		m->cells = bound_cells(p);
+	if (!code)
 		code = lod_screen_shares(&p->screen, !p->input->ignore_occlusion, error);
 	if (code)
 		return code;
@@ -627,7 +644,6 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	if (!code)
 		code = make_tile_choices(m, error);
 	m->few_plants = m->tile_choices[0].plants < FEW_PLANTS;
-	m->cells = lod_screen_cells(&p->screen);
 	lod_planner_work(p, LOD_WORK_VISIBILITY * (uint64_t)p->screen.count
 		+ LOD_WORK_CELL * m->cells + LOD_WORK_TALLY * m->tallies
 		+ 4 * LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count

@@ -503,6 +503,8 @@ static enum eco_code open_level(struct lod_planner *p, int level, struct eco_err
 	for (uint32_t i = 0; i < p->screen.count; i++)
 		if (p->screen.visibilities[i].slot != ECO_NONE)
 			p->screen.visibilities[kept++] = p->screen.visibilities[i];
+	if (kept < p->screen.count)
+		p->screen.shared = 0;
 	p->screen.count = kept;
 	return lod_planner_open(p, TILES_PX * pixel * finer, CELLS_PX * pixel * finer, error);
 }
@@ -522,18 +524,27 @@ static bool complete(const struct lod_planner *p)
 	return true;
 }
 
+static uint64_t passes(const struct lod_planner *p)
+{
+	return p->input->request->bytes != ECO_BYTES_UNBOUNDED ? PASSES_BYTES : PASSES_VERTICES;
+}
+
+static uint64_t work_of_node(const struct lod_planner *p)
+{
+	return LOD_WORK_NODE * passes(p) + SUMMARY_TRIES * LOD_WORK_SUMMARY;
+}
+
 /* Work that the plan of this level is expected to take. Tiles, tallies and choices are gone through once for
  * each lambda, and several times for each price of bytes. Cells of the screen are not counted: a view among
  * plants needs many at any level that shows them. Nothing of this depends on the budget: else a larger one
  * might see a coarser level. */
 static uint64_t expected_work(const struct lod_planner *p)
 {
-	bool bytes = p->input->request->bytes != ECO_BYTES_UNBOUNDED;
-	uint64_t nodes = p->visible.node_count, each = LOD_WORK_NODE * nodes
-		+ SLOT_CHOICES * LOD_WORK_CHOICE * (uint64_t)p->visible.slot_count;
+	uint64_t nodes = p->visible.node_count, each = SLOT_CHOICES * LOD_WORK_CHOICE
+		* (uint64_t)p->visible.slot_count;
 	for (uint32_t n = 0; n < nodes; n++)
 		each += LOD_WORK_TALLY * (uint64_t)p->visible.nodes[n].tally_count / UNCHANGED;
-	return each * (bytes ? PASSES_BYTES : PASSES_VERTICES) + SUMMARY_TRIES * LOD_WORK_SUMMARY * nodes;
+	return each * passes(p) + work_of_node(p) * nodes;
 }
 
 /* Is the plan of this level, or of one so many times as large, expected to take no more work than it may? */
@@ -549,20 +560,30 @@ static uint64_t places_most(const struct lod_planner *p)
 	return !p->input->work_max || most > PLACES_MOST ? PLACES_MOST : most + 1;
 }
 
+/* Tiles that a plan of any level may have, whatever else is in view. */
+static uint64_t nodes_most(const struct lod_planner *p)
+{
+	uint64_t most = p->input->work_max / work_of_node(p);
+	return p->input->work_max && most < p->visible.nodes_max ? most + 1 : p->visible.nodes_max;
+}
+
 /* Opens the finest level from `level` towards coarser ones that is within bounds. At eye height there may be
  * millions of plants up to the horizon, nearly all hidden or smaller than a pixel: their tiles are opened
  * only as far as the bounds allow, of plants and of work. */
 static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco_error *error)
 {
+	const uint64_t nodes_max = p->visible.nodes_max;
 	for (;; --*level) {
 		struct eco_error local = { 0 };
 		bool bound = *level > COARSEST && (p->scene->needs & ECO_NEED_SUMMARIES);
 		p->visible.places_max = bound ? places_most(p) : 0;
+		p->visible.nodes_max = bound ? nodes_most(p) : nodes_max;
 		enum eco_code code = open_level(p, *level, &local);
+		p->visible.nodes_max = nodes_max;
 		bool affordable = code || !bound || is_affordable(p, 1);
 		if ((code != ECO_TOO_LARGE && affordable) || *level <= COARSEST)
 			return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;
-		p->screen.count = 0;
+		p->screen.count = p->screen.shared = 0;
 		code = lod_visible_tree_restart(&p->visible, error);
 		if (code)
 			return code;

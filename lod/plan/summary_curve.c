@@ -45,7 +45,7 @@ double lod_summary_outside(const struct lod_summary_view *view, double n)
 
 /* Share of the tile's part of the picture that its plants cover. What a splat covers there is no false
  * positive: of the plants that it covers beside its own each counts it as covered by the wrong plant. */
-static double crowded(const struct lod_summary_view *view)
+double lod_summary_crowded(const struct lod_summary_view *view)
 {
 	double region = view->wide * view->high;
 	return region > 0 ? 1 - lod_exp_minus(view->covered / region) : 0;
@@ -62,7 +62,7 @@ struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n
 	double inside = inside_box(side, width, width), ring = (width + side) * (width + side) - box;
 	double hit = hit_share(splat * inside, box, each) * inside;
 	double fp = ((box - covered) * hit + ring * hit_share(splat * (1 - inside), ring, each))
-		* (1 - crowded(view));
+		* (1 - view->crowded);
 	/* splats of other plants may hit what its own miss */
 	double missed = (1 - hit) * (1 - filled(view, splat, n));
 	return (struct eco_curve){ .share = (float)(n / view->points), .scale = 1,

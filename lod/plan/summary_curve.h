@@ -16,7 +16,10 @@ struct lod_summary_view {
 	                              * unknown */
 	double weight_px;            /* wrong pixels where nothing is drawn; above 0 where wide and high are
 	                              * known */
+	double crowded;              /* lod_summary_crowded of all these */
 };
+/* Share of the tile's part of the picture that its plants cover. */
+double lod_summary_crowded(const struct lod_summary_view *view);
 /* Error of the first n points, over covered pixels. Splats fall independently on what they stand for; n > 0
  */
 struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n);

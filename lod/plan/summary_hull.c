@@ -13,9 +13,14 @@ static bool is_evaluated(const struct lod_summary_hull *summary, uint32_t i)
 	return summary->evaluated >> i & 1;
 }
 
+static uint64_t vertices_of(const struct lod_summary_hull *summary, uint32_t i)
+{
+	return (uint64_t)summary->view.points >> (summary->count - 1 - i);
+}
+
 static double error_of(const struct lod_summary_hull *summary, uint32_t i)
 {
-	return lod_hull_error(&summary->hull, &summary->samples[i]);
+	return summary->errors[summary->count - 1 - i];
 }
 
 double lod_summary_hull_missed(const struct lod_summary_hull *summary, double fn)
@@ -58,7 +63,7 @@ static double best_scale(const struct lod_summary_hull *summary, uint64_t vertic
 	for (double s = 1; s >= SCALE_LEAST; s /= 2) {
 		struct lod_hull_point sample = at_scale(summary, vertices, s);
 		double error = lod_hull_error(&summary->hull, &sample);
-		if (!(error < least))
+		if (s < 1 && !(error < least))
 			break;
 		least = error;
 		scale = s;
@@ -75,7 +80,8 @@ double lod_summary_hull_scale(const struct lod_summary_hull *summary, uint64_t v
 
 static void evaluate(struct lod_summary_hull *summary, uint32_t i)
 {
-	best_scale(summary, summary->samples[i].vertices, &summary->samples[i]);
+	best_scale(summary, vertices_of(summary, i), &summary->samples[i]);
+	summary->errors[summary->count - 1 - i] = lod_hull_error(&summary->hull, &summary->samples[i]);
 	summary->evaluated |= 1u << i;
 	++*summary->gains;
 }
@@ -99,8 +105,7 @@ void lod_summary_hull_begin(struct lod_summary_hull *summary, const struct lod_s
 		.count = count,
 		.hull = { .points = room + count, .count = 1, .fp_weight = fp_weight },
 		.gains = gains };
-	for (uint32_t i = 0; i < count; i++)
-		room[i] = (struct lod_hull_point){ .vertices = (uint64_t)view->points >> (count - 1 - i) };
+	summary->view.crowded = lod_summary_crowded(view);
 	evaluate(summary, count - 1);
 	make_hull(summary);
 }
@@ -123,12 +128,11 @@ struct gap { double least; uint32_t first, end; };
 static struct gap best_gap(const struct lod_summary_hull *summary, double lambda)
 {
 	struct gap best = { .least = INFINITY };
-	for (uint32_t end = 0, first = 0; end < summary->count; end++) {
-		if (!is_evaluated(summary, end))
-			continue;
+	uint32_t first = 0;
+	for (uint32_t left = summary->evaluated; left; left &= left - 1) {
+		uint32_t end = (uint32_t)__builtin_ctz(left);
 		if (first < end) {
-			double least = error_of(summary, end)
-				+ lambda * (double)summary->samples[first].vertices;
+			double least = error_of(summary, end) + lambda * (double)vertices_of(summary, first);
 			if (least < best.least)
 				best = (struct gap){ least, first, end };
 		}
@@ -171,6 +175,6 @@ void lod_summary_hull_complete(struct lod_summary_hull *summary)
 void lod_summary_hull_lambda_range(const struct lod_summary_hull *summary, double *high, double *low)
 {
 	double saved = fmax(0, 1 - error_of(summary, summary->count - 1));
-	*high = saved / (double)summary->samples[0].vertices;
-	*low = saved / (double)summary->samples[summary->count - 1].vertices / LAST_STEP;
+	*high = saved / (double)vertices_of(summary, 0);
+	*low = saved / (double)vertices_of(summary, summary->count - 1) / LAST_STEP;
 }

@@ -29,7 +29,9 @@ struct lod_summary_hull {
 	double pixels;               /* pixels seen over weight_px, the rest is LOD_ABSENT_WEIGHT's: above 0,
 	                              * at most 1 */
 	struct lod_hull_point *samples;  uint32_t count; /* without the empty one; in ascending vertices */
-	uint32_t evaluated;          /* bit i: samples[i] was computed; the last always is */
+	uint32_t evaluated;          /* bit i: samples[i] is set; the last always is */
+	/* of those, by how many come after: read at each lambda, so they lie together */
+	double errors[LOD_SUMMARY_HULL_SAMPLES_MAX];
 	struct lod_hull hull;        /* of the empty sample and the evaluated ones */
 	uint64_t *gains;             /* counts evaluated samples */
 };

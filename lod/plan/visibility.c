@@ -21,33 +21,46 @@
 
 /* ---- Numbers ---- */
 
+/* 2^exponent, for those of numbers that have all their bits. */
+static double power_of_2(int exponent)
+{
+	uint64_t bits = (uint64_t)(exponent + 1023) << 52;
+	double power;
+	memcpy(&power, &bits, sizeof power);
+	return power;
+}
+
 double lod_exp_minus(double x)
 {
 	if (!(x < 700))
 		return 0;
-	double turns = floor(x * 1.4426950408889634 + 0.5), rest = turns * 0.69314718055994531 - x, sum = 1,
-		term = 1;
-	for (int k = 1; k <= 9; k++) {
-		term *= rest / k;
-		sum += term;
-	}
-	return ldexp(sum, -(int)turns);
+	int turns = (int)(x * 1.4426950408889634 + 0.5);
+	double r = turns * 0.69314718055994531 - x, r2 = r * r, r4 = r2 * r2;
+	double low = 1 + r + r2 * (1.0 / 2 + r * (1.0 / 6)),
+		middle = 1.0 / 24 + r * (1.0 / 120) + r2 * (1.0 / 720 + r * (1.0 / 5040)),
+		high = 1.0 / 40320 + r * (1.0 / 362880);
+	return (low + r4 * (middle + r4 * high)) * power_of_2(-turns);
 }
 
 double lod_log(double x)
 {
-	int exponent;
-	double m = frexp(x, &exponent);
+	uint64_t bits;
+	int exponent = 0;
+	if (x < 1e-300) {
+		x *= 18014398509481984;      /* 2^54: it may lack bits */
+		exponent = -54;
+	}
+	memcpy(&bits, &x, sizeof bits);
+	exponent += (int)(bits >> 52) - 1022;
+	double m = x * power_of_2(1022 - (int)(bits >> 52));
 	if (m < 0.70710678118654752440) {
 		m *= 2;
 		exponent--;
 	}
-	double t = (m - 1) / (m + 1), square = t * t, sum = 0, power = t;
-	for (int k = 1; k <= 13; k += 2) {
-		sum += power / k;
-		power *= square;
-	}
-	return 2 * sum + exponent * 0.69314718055994531;
+	double t = (m - 1) / (m + 1), s = t * t, s2 = s * s;
+	double sum = 1 + s * (1.0 / 3) + s2 * (1.0 / 5 + s * (1.0 / 7))
+		+ s2 * s2 * (1.0 / 9 + s * (1.0 / 11) + s2 * (1.0 / 13));
+	return 2 * t * sum + exponent * 0.69314718055994531;
 }
 
 double lod_octaves(double x) { return x > 0 ? 0.5 * lod_log(x) / 0.69314718055994530942 : 0; }
@@ -348,6 +361,31 @@ uint64_t lod_screen_cells(const struct lod_screen *screen)
 	return sum;
 }
 
+static float scaled(float at, double by) { return (float)((double)at * by); }
+
+void lod_screen_coarsen(struct lod_screen *screen)
+{
+	uint32_t columns = (screen->columns + 1) / 2, rows = (screen->rows + 1) / 2;
+	double across = (double)columns / screen->columns, down = (double)rows / screen->rows;
+	for (uint32_t i = 0; i < screen->count; i++) {
+		struct lod_visibility *v = &screen->visibilities[i];
+		v->x = scaled(v->x, across);
+		v->reach_x = scaled(v->reach_x, across);
+		v->crown_reach_x = scaled(v->crown_reach_x, across);
+		v->y = scaled(v->y, down);
+		v->reach_y = scaled(v->reach_y, down);
+		v->crown_y = scaled(v->crown_y, down);
+		v->crown_reach_y = scaled(v->crown_reach_y, down);
+		v->foot = scaled(v->foot, down);
+		v->bottom = (float)rows;
+	}
+	screen->cell_x /= across;
+	screen->cell_y /= down;
+	screen->columns = columns;
+	screen->rows = rows;
+	screen->shared = 0;
+}
+
 static void finish(const struct lod_screen *screen, struct lod_visibility *visibility,
 	const struct light *light, bool hide)
 {
@@ -369,6 +407,8 @@ static void finish(const struct lod_screen *screen, struct lod_visibility *visib
 enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error)
 {
 	uint32_t cells = screen->columns * screen->rows;
+	if (screen->count && screen->shared == screen->count)
+		return ECO_OK;
 	uint32_t *order = malloc(((size_t)screen->count + 1) * sizeof *order),
 		*spare = malloc(((size_t)screen->count + 1) * sizeof *spare);
 	struct light light = { malloc(cells * sizeof *light.through), malloc(cells * sizeof *light.clear),
@@ -384,6 +424,7 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 			occlude(screen, &screen->visibilities[spare[i]], &light);
 		for (uint32_t i = 0; i < screen->count; i++)
 			finish(screen, &screen->visibilities[i], &light, hide);
+		screen->shared = screen->count;
 	}
 	free(order);
 	free(spare);

@@ -71,6 +71,7 @@ struct lod_screen {
 	double cell_x, cell_y;       /* pixels */
 	bool ground;
 	struct lod_visibility *visibilities;    uint32_t count, capacity;
+	uint32_t shared;             /* of so many the shares are found; a caller that drops any says 0 */
 };
 
 /* `ground`: feet stand on ground that hides. `eye` must outlive the screen. */
@@ -99,7 +100,9 @@ double lod_proxy_shape_opacity(const struct lod_proxy_shape *proxy_shape);
 
 /* Cells that all of them touch, those around each included: the work that they are. */
 uint64_t lod_screen_cells(const struct lod_screen *screen);
-/* Sets shares. Without `hide` only what is outside the picture is not seen. */
+/* Half as many columns and rows, with all that was added. */
+void lod_screen_coarsen(struct lod_screen *screen);
+/* Sets shares, unless they are found. Without `hide` only what is outside the picture is not seen. */
 enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error);
 
 /* Error of a visibility as drawn, over the pixels that it covers: false positives and false negatives; fn at

@@ -281,10 +281,6 @@ static enum eco_code tally_group(struct lod_visible_tree *visible, struct lod_no
 	const struct eco_plant *plant = &scene->plants[g->plant];
 	bool first_time = *done == NOTHING_DONE;
 	visible->places += g->count;
-	visible->places_walked += first_time ? g->count : 0;
-	if (visible->places_max && visible->places_walked > visible->places_max)
-		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail looks at more than %llu "
-			"plants; ask for fewer vertices", (unsigned long long)visible->places_max);
 	uint8_t from = first_time ? 0 : *done;
 	for (uint32_t i = 0; i < g->count; i++) {
 		struct eco_place stored = eco_place_read(scene, g->place_first + i);
@@ -440,19 +436,27 @@ static bool summary_suffices(const struct lod_visible_tree *visible, const struc
 		<= visible->scene->lists[list].primitive_count;
 }
 
-enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sample_distance,
-	const uint32_t *gates, struct eco_error *error)
+/* Plants of the node that would be looked at for the first time count towards their bound. */
+static enum eco_code count_places(struct lod_visible_tree *visible, const struct lod_node *node,
+	struct eco_error *error)
 {
-	forget_counts(visible);
-	for (uint32_t i = 0; i < visible->node_count; i++) {
-		visible->nodes[i].state = LOD_CLOSED;
-		visible->nodes[i].left = 0;
-		visible->nodes[i].points = 0;
-	}
-	/* children follow their parents in `nodes`, so one pass in order is the walk: no stack, no
-	 * recursion */
+	const struct eco_scene *scene = visible->scene;
+	const struct eco_tile *tile = &scene->tiles[node->tile];
+	for (uint32_t i = 0; !node->gate_done && i < tile->group_count; i++)
+		visible->places_walked += scene->groups[tile->group_first + i].count;
+	if (visible->places_max && visible->places_walked > visible->places_max)
+		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail looks at more than %llu "
+			"plants; ask for fewer vertices", (unsigned long long)visible->places_max);
+	return ECO_OK;
+}
+
+/* Children follow their parents in `nodes`, so one pass in order is the walk: no stack, no recursion. */
+static enum eco_code open_tiles(struct lod_visible_tree *visible, double sample_distance,
+	struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
 	visible->nodes[0].state = LOD_OPEN;
-	for (uint32_t i = 0; i < visible->node_count; i++) {
+	for (uint32_t i = 0; i < visible->node_count && !code; i++) {
 		struct lod_node *node = &visible->nodes[i];
 		if (node->state != LOD_OPEN)
 			continue;
@@ -465,17 +469,31 @@ enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sa
 			node->points = 1;
 			continue;
 		}
-		enum eco_code code = node->expanded ? ECO_OK : expand(visible, i, error);
+		code = node->expanded ? ECO_OK : expand(visible, i, error);
 		if (code)
-			return code;
+			break;
 		node = &visible->nodes[i]; /* expand may have moved it */
 		for (uint32_t c = 0; c < node->child_count; c++)
 			visible->nodes[node->child_first + c].state = LOD_OPEN;
-		code = count_plants(visible, node, gates, error);
-		if (code)
-			return code;
+		code = count_places(visible, node, error);
 	}
-	return ECO_OK;
+	return code;
+}
+
+enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sample_distance,
+	const uint32_t *gates, struct eco_error *error)
+{
+	forget_counts(visible);
+	for (uint32_t i = 0; i < visible->node_count; i++) {
+		visible->nodes[i].state = LOD_CLOSED;
+		visible->nodes[i].left = 0;
+		visible->nodes[i].points = 0;
+	}
+	enum eco_code code = open_tiles(visible, sample_distance, error);
+	for (uint32_t i = 0; i < visible->node_count && !code; i++)
+		if (visible->nodes[i].state == LOD_OPEN)
+			code = count_plants(visible, &visible->nodes[i], gates, error);
+	return code;
 }
 
 void lod_visible_tree_each(struct lod_visible_tree *visible, uint32_t plant, const uint32_t *gates,

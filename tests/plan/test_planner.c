@@ -7,6 +7,7 @@
 #include "ecofiles/format/wire.h"
 #include "lod/ladder.h"
 #include "lod/plan/planner.h"
+#include "lod/plan/visible_tree.h"
 #include "lod/eye.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/scene_random.h"
@@ -294,6 +295,30 @@ UNIT_TEST(a_bounded_walk_still_answers)
 		assert_true(plan.vertices <= request.vertices);
 		eco_plan_free(&plan);
 	}
+}
+
+/* Tiles say how many plants they have. */
+UNIT_TEST(a_walk_that_is_too_far_looks_at_no_plant)
+{
+	random_scene_make(&scene, 33, 6);
+	uint32_t *gates = calloc(scene.scene.plant_count + 1u, sizeof *gates);
+	const struct eco_tile *root = &scene.scene.tiles[scene.scene.root];
+	struct eco_view view = { .up = { 0, 1, 0 }, .fov_y_deg = 90, .width = 800, .height = 600 };
+	struct lod_visible_tree visible;
+	struct eco_error error = { 0 };
+	for (int i = 0; i < 3; i++)
+		view.target[i] = view.eye[i] = (root->low[i] + root->high[i]) / 2;
+	view.eye[2] += 2 * (root->high[0] - root->low[0] + root->high[1] - root->low[1]);
+	assert_ok(lod_visible_tree_init(&visible, &scene.scene, &view, 1000000, 100000, &error), error);
+	visible.places_max = 1;
+	assert_int_equal(lod_visible_tree_count(&visible, 0, gates, &error), ECO_TOO_LARGE);
+	assert_int_equal(visible.places, 0);
+	assert_int_equal(lod_visible_tree_restart(&visible, &error), ECO_OK);
+	visible.places_max = 0;
+	assert_int_equal(lod_visible_tree_count(&visible, 0, gates, &error), ECO_OK);
+	assert_true(visible.places > 1);
+	lod_visible_tree_free(&visible);
+	free(gates);
 }
 
 UNIT_TEST(needs_cover_every_cut)

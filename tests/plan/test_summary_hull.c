@@ -30,7 +30,7 @@ static void begin(struct pair *pair, uint64_t *state)
 	pair->view = (struct lod_summary_view){ .plants = plants, .box = plants * box,
 		.covered = plants * box * random_real(state, 0.05, 1),
 		.area = plants * box * random_real(state, 0.1, 4), .points = points,
-		.wide = sqrt(plants * box) * random_real(state, 0.5, 4) };
+		.wide = sqrt(plants * box) * random_real(state, 0.5, 4), .weight_px = 2 * plants * box };
 	pair->view.high = pair->view.wide * random_real(state, 0.05, 1);
 	pair->asked_gains = pair->all_gains = 0;
 	lod_summary_hull_begin(&pair->asked, &pair->view, part, 1, fp_weight, pair->asked_room,

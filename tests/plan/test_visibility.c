@@ -95,6 +95,32 @@ UNIT_TEST(of_a_tree_alone_as_much_is_wrong_as_its_curve_says)
 	}
 }
 
+/* A coarser screen says of trees that fill it what a finer one does, for a fraction of the cells. */
+UNIT_TEST(few_cells_tell_as_much_of_large_trees)
+{
+	static const double feet[3][3] = { { 0, 0, 0 }, { 1, 4, 0 }, { -2, 9, 0 } };
+	const struct eco_view view = { .eye = { 0, -30, 5 }, .target = { 0, 0, 5 }, .up = { 0, 0, 1 },
+		.fov_y_deg = 8, .width = 800, .height = 600 };
+	struct lod_screen screen;
+	struct eco_prediction fine, coarse;
+	float shares[3];
+	look_at_trees(&screen, &view, feet, 3);
+	uint64_t cells = lod_screen_cells(&screen);
+	assert_int_equal(lod_screen_expect(&screen, some_wrong, NULL, &fine, NULL), ECO_OK);
+	for (int i = 0; i < 3; i++)
+		shares[i] = screen.visibilities[i].share;
+	lod_screen_coarsen(&screen);
+	lod_screen_coarsen(&screen);
+	assert_true(10 * lod_screen_cells(&screen) < cells);
+	assert_int_equal(lod_screen_shares(&screen, true, NULL), ECO_OK);
+	assert_int_equal(lod_screen_expect(&screen, some_wrong, NULL, &coarse, NULL), ECO_OK);
+	for (int i = 0; i < 3; i++)
+		assert_float_equal(screen.visibilities[i].share, shares[i], 0.1 * (double)shares[i]);
+	assert_float_equal(coarse.tp / fine.tp, 1, 0.03);
+	assert_float_equal(coarse.fn / fine.fn, 1, 0.05);
+	lod_screen_free(&screen);
+}
+
 /* Past the eye, one and two radii aside, or through it. Most of what stands around the eye is not in the
  * picture, but what the eye is within. */
 UNIT_TEST(what_passes_the_eye_goes_little_by_little)

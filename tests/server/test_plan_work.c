@@ -10,9 +10,9 @@
 #define PATH "build/tmp/test_plan_work.eco"
 #define REQUESTS 400u
 #define TIMES 3u
-/* Nothing is begun any more at the bound, but what has begun ends: an answer at the coarsest level, a price
- * of bytes that fits. */
-#define OVER 6u
+/* Tenths: nothing is begun any more at the bound, but what has begun ends: an answer at the coarsest level, a
+ * price of bytes that fits; and three coarser answers come. */
+#define OVER 16u
 
 static struct srv_store packs;
 static struct srv_scene *sample;
@@ -82,7 +82,7 @@ UNIT_TEST(no_request_costs_much_more_than_it_may)
 	}
 	print_message("          most: %.2f of what a request may cost; %u ended early\n",
 		(double)most / (double)may, cut);
-	assert_true(most <= OVER * may);
+	assert_true(10 * most <= OVER * may);
 	assert_true(bounded > 10);
 }
 
@@ -111,7 +111,6 @@ UNIT_TEST(ordinary_views_are_hardly_cut_short)
 	}
 }
 
-/* Counted, not timed: the same bytes again, whatever else the machine does. */
 /* Who waits for a large answer sees something of it soon, also where its plan has no work left. */
 UNIT_TEST(what_is_cut_short_comes_in_steps)
 {
@@ -138,6 +137,7 @@ UNIT_TEST(what_is_cut_short_comes_in_steps)
 	assert_true(large > 10);
 }
 
+/* Counted, not timed: the same bytes again, whatever else the machine does. */
 UNIT_TEST(bounded_answers_are_the_same_each_time)
 {
 	for (uint32_t i = 0; i < 60; i++) {
