@@ -433,33 +433,40 @@ static struct lod_wrong summary_wrong(const struct lod_tile_choice *choice)
 	return (struct lod_wrong){ cost.fp, fmin(1, lod_summary_hull_missed(&choice->summary, cost.fn)) };
 }
 
+/* Wrong pixels of a plant of the slot, over those that it covers. */
+static void set_slot_wrong(struct lod_allocation *m, uint32_t s)
+{
+	const struct lod_slot *slot = &m->p->visible.slots[s];
+	const struct lod_slot_choice *choice = &m->slot_choices[s];
+	struct lod_slot_wrong *wrong = &m->slot_wrong[s];
+	wrong->near_end = lod_near_end(m->p->gates[slot->plant], slot->band);
+	for (int near = 0; near < 2; near++) {
+		double count = near ? (double)m->counts[s] : 0, weight_px = choice->weight_px[near];
+		struct lod_cost cost = choice->cost[near];
+		if (count > 0) {
+			lod_cost_add(&cost, &choice->cells, 1, 0, 1 / count);
+			weight_px += choice->cells_weight_px / count;
+		}
+		double each = weight_px > 0 ? 1 / weight_px : 0, lost = m->scratch[s] / 2;
+		wrong->at[near] = (struct lod_wrong){ each * (cost.fp + lost), each * (cost.fn + lost) };
+		wrong->above[near] = (struct lod_wrong){ each * cost.above_fp, each * cost.above_fn };
+	}
+}
+
 static struct lod_wrong wrong_of(void *ctx, const struct lod_visibility *visibility)
 {
 	const struct lod_allocation *m = ctx;
-	uint32_t in = m->drawn_by[visibility->node];
-	const struct lod_tile_choice *tile_choice = &m->tile_choices[in];
-	struct lod_cost cost = { .fn = 1 };
-	double weight_px = 1;
-	if (visibility->slot != ECO_NONE && in == visibility->node && tile_choice->opened) {
-		const struct lod_slot *slot = &m->p->visible.slots[visibility->slot];
-		const struct lod_slot_choice *slot_choice = &m->slot_choices[visibility->slot];
-		bool near = eco_gate_place(slot->band, visibility->hash) < m->p->gates[slot->plant];
-		double count = (double)m->counts[visibility->slot];
-		cost = slot_choice->cost[near];
-		weight_px = slot_choice->weight_px[near];
-		if (near && count > 0) {
-			lod_cost_add(&cost, &slot_choice->cells, 1, 0, 1 / count);
-			weight_px += slot_choice->cells_weight_px / count;
-		}
-		cost.fp += m->scratch[visibility->slot] / 2;
-		cost.fn += m->scratch[visibility->slot] / 2;
-		cost.fp += visibility->above * (cost.above_fp - cost.fp);
-		cost.fn += visibility->above * (cost.above_fn - cost.fn);
-	} else if (tile_choice->has_summary) {
-		return tile_choice->wrong;
+	if (visibility->slot == ECO_NONE || !m->drawn_here[visibility->node]) {
+		const struct lod_tile_choice *tile_choice = &m->tile_choices[m->drawn_by[visibility->node]];
+		return tile_choice->has_summary ? tile_choice->wrong : (struct lod_wrong){ .fn = 1 };
 	}
-	return weight_px > 0 ? (struct lod_wrong){ cost.fp / weight_px, fmin(1, cost.fn / weight_px) }
-		: (struct lod_wrong){ 0 };
+	const struct lod_slot_wrong *slot = &m->slot_wrong[visibility->slot];
+	bool near = visibility->hash < slot->near_end;
+	struct lod_wrong wrong = slot->at[near];
+	wrong.fp += (double)visibility->above * (slot->above[near].fp - wrong.fp);
+	wrong.fn += (double)visibility->above * (slot->above[near].fn - wrong.fn);
+	wrong.fn = wrong.fn < 1 ? wrong.fn : 1;
+	return wrong;
 }
 
 /* Sets for each tile the tile whose choice draws it: itself where all tiles above it are open. */
@@ -479,9 +486,14 @@ enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_predic
 {
 	find_drawn_by(m);
 	lod_prices_lost_of(m, m->scratch);
-	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
+	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
+		if (!m->p->visible.slots[s].cell)
+			set_slot_wrong(m, s);
+	for (uint32_t n = 0; n < m->p->visible.node_count; n++) {
+		m->drawn_here[n] = m->drawn_by[n] == n && m->tile_choices[n].opened;
 		if (m->tile_choices[n].has_summary && m->drawn_by[n] == n)
 			m->tile_choices[n].wrong = summary_wrong(&m->tile_choices[n]);
+	}
 	lod_planner_work(m->p, LOD_WORK_VISIBILITY / 4 * (uint64_t)m->p->screen.count
 		+ LOD_WORK_CELL * m->cells / 8);
 	return lod_screen_expect(&m->p->screen, wrong_of, m, prediction, error);

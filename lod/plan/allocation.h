@@ -105,6 +105,10 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	double cells_weight_px;      /* wrong pixels where none of these is drawn */
 };
 
+/* Wrong pixels of a slot's whole plants over those that they cover, while a picture is predicted: [1] of
+ * those with a hash below near_end, which draw cells; seen from the side, and from above. */
+struct lod_slot_wrong { uint32_t near_end; struct lod_wrong at[2], above[2]; };
+
 struct lod_impostor_use {            /* levels of a plant's impostor, lod/plan/impostor_worth.h */
 	uint32_t levels;             /* that some plant may draw */
 	double from_px[ECO_IMPOSTOR_LEVELS]; /* of each, across: it shows plants that are larger */
@@ -177,6 +181,8 @@ struct lod_allocation {
 	struct lod_tile_choice *tile_choices; /* per node */
 	uint64_t tallies, cells;     /* of open tiles; of the screen, as lod_screen_cells */
 	uint32_t *drawn_by;          /* per node: the tile whose choice draws it; set by predict and fix */
+	bool *drawn_here;            /* per node, while a picture is predicted: plants of it are drawn */
+	struct lod_slot_wrong *slot_wrong;   /* per slot, then */
 	uint64_t *counts;            /* per slot: plants if all open tiles are drawn */
 	struct lod_uses uses;        /* lod/plan/plant_uses.h */
 	double *scratch;             /* per slot */

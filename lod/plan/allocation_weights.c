@@ -458,7 +458,7 @@ static void measure_closed(struct lod_allocation *m, const struct lod_visibility
  * plants; with the denser one alone they seem good near by, where they fill all gaps. */
 static double summed_pixels(const struct lod_visibility *visibility)
 {
-	return 0.5 * ((double)visibility->opacity + visibility->shown) * (double)visibility->ellipse;
+	return 0.5 * (double)(visibility->opacity + visibility->shown) * (double)visibility->ellipse;
 }
 
 static void measure_tile_choices(struct lod_allocation *m)
@@ -609,12 +609,15 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	m->counts = calloc(slots + 1, sizeof *m->counts);
 	m->tile_choices = calloc(nodes + 1, sizeof *m->tile_choices);
 	m->drawn_by = calloc(nodes + 1, sizeof *m->drawn_by);
+	m->drawn_here = calloc(nodes + 1, sizeof *m->drawn_here);
+	m->slot_wrong = malloc((slots + 1u) * sizeof *m->slot_wrong);
 	m->slot_of = calloc((size_t)scene->plant_count * ECO_BANDS + 1, sizeof *m->slot_of);
 	m->gates_counted = malloc(scene->plant_count + 1u);
 	m->plant_seen = calloc(scene->plant_count + 1u, sizeof *m->plant_seen);
 	m->impostors = calloc(scene->plant_count + 1u, sizeof *m->impostors);
-	if (!m->slot_choices || !m->scratch || !m->counts || !m->tile_choices || !m->drawn_by || !m->slot_of
-			|| !m->gates_counted || !m->plant_seen || !m->impostors)
+	if (!m->slot_choices || !m->scratch || !m->counts || !m->tile_choices || !m->drawn_by
+			|| !m->drawn_here || !m->slot_wrong || !m->slot_of || !m->gates_counted
+			|| !m->plant_seen || !m->impostors)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", slots);
 	for (uint32_t i = 0; i < scene->plant_count; i++)
 		m->gates_counted[i] = (uint8_t)(p->gates[i] / ECO_SHARE_ONE);
@@ -662,6 +665,8 @@ void lod_allocation_free(struct lod_allocation *m)
 	free(m->counts);
 	free(m->tile_choices);
 	free(m->drawn_by);
+	free(m->drawn_here);
+	free(m->slot_wrong);
 	free(m->ladder_choices);
 	free(m->slot_of);
 	lod_uses_free(&m->uses);

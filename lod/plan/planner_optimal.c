@@ -44,6 +44,7 @@
 #define COARSEST -12
 #define SPARE_REACH 2            /* answers of so many times the bytes may fit without what nobody misses */
 #define PLACES_MOST 100000u      /* plants that one level walks over */
+#define CELLS_WORK 64            /* of a plan, for each cell of a plant, where all are drawn */
 #define WALKS 4                  /* as large as may be, that the work allows */
 /* work of a plan, over that of one pass over all choices: these are how many of a slot, usually */
 #define SLOT_CHOICES 3
@@ -86,7 +87,7 @@ static int index_after(const struct lod_lambda_search *s, int index)
 	return index < s->last ? index + 1 : LOD_LAMBDA_COUNT;
 }
 
-static void find_ends(struct lod_lambda_search *s)
+static void find_range(struct lod_lambda_search *s)
 {
 	double high, low;
 	lod_allocation_lambda_range(s->allocation, &high, &low);
@@ -138,14 +139,26 @@ static int next_to_evaluate(const struct lod_lambda_search *s, const struct lod_
 	return here->at + (bound ? 3 * width / 4 : width / 2);
 }
 
-/* With everything drawn a plant shows all of its organs, where from far away its splats may be less wrong: no
- * end of the grid expects more to be wrong than the last lambda above 0. */
-static enum eco_code find_end(struct lod_lambda_search *s, const struct lod_evaluation *here,
+/* Nothing is chosen at the highest lambda: all that any picture expects to be covered is missed. */
+static struct lod_evaluation evaluate_nothing(const struct lod_lambda_search *s,
+	const struct eco_prediction *any)
+{
+	return (struct lod_evaluation){ s->first - 1, { 0, s->allocation->tile_choices[0].weight_px },
+		{ .fn = any->tp + any->fn } };
+}
+
+/* Both ends of the grid. With everything drawn a plant shows all of its organs, where from far away its
+ * splats may be less wrong: no end of the grid expects more to be wrong than the last lambda above 0. */
+static enum eco_code find_ends(struct lod_lambda_search *s, struct lod_evaluation *here,
 	struct lod_evaluation *next, struct eco_error *error)
 {
-	const struct lod_evaluation everything = { .outcome = { INFINITY, 0 } };
+	const struct lod_evaluation everything = { .outcome = { INFINITY, 0 } }, unknown = {
+		.outcome.wrong = s->allocation->tile_choices[0].weight_px, .prediction.fp = INFINITY };
 	struct lod_evaluation last;
-	enum eco_code code = evaluate(s, s->last, here, &everything, true, &last, error);
+	enum eco_code code = evaluate(s, s->last, &unknown, &everything, true, &last, error);
+	*here = evaluate_nothing(s, &last.prediction);
+	if (wrong_of(&last.prediction) > wrong_of(&here->prediction))
+		last.prediction = here->prediction;
 	if (!code)
 		code = evaluate(s, s->last + 1, here, &everything, true, next, error);
 	next->outcome.wrong = fmin(next->outcome.wrong, last.outcome.wrong);
@@ -159,15 +172,9 @@ static enum eco_code find_end(struct lod_lambda_search *s, const struct lod_eval
  * which take the longest. */
 static enum eco_code search_grid(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
-	const struct lod_evaluation nothing = { .outcome = { 0, s->allocation->tile_choices[0].weight_px },
-		.prediction = { .fp = INFINITY } };
-	const struct lod_evaluation everything = { .outcome = { INFINITY, 0 } };
-	struct lod_evaluation here = nothing, next = everything, middle;
-	find_ends(s);
-	enum eco_code code = evaluate(s, s->first - 1, &nothing, &everything, true, &here, error);
-	here.outcome = nothing.outcome;
-	if (!code)
-		code = find_end(s, &here, &next, error);
+	struct lod_evaluation here, next, middle;
+	find_range(s);
+	enum eco_code code = find_ends(s, &here, &next, error);
 	s->from = here;
 	s->to = next;
 	if (next.outcome.vertices <= (double)budget)
@@ -462,23 +469,30 @@ static enum eco_code fill_budget(struct lod_lambda_search *s, uint64_t budget, s
 
 /* ---- Levels of detail ---- */
 
-/* Plans at one level. A level predicts only if the budget holds everything at the levels before it: so the
- * least wrong pixels predicted by any level do not rise with the budget. */
-static enum eco_code plan_level(struct lod_lambda_search *s, struct lod_planner *p, bool *predicts,
+/* Finds the lambda of one level, and what is predicted. A level predicts only if the budget holds everything
+ * at the levels before it: so the least wrong pixels predicted by any level do not rise with the budget. */
+static enum eco_code search_level(struct lod_lambda_search *s, struct lod_planner *p, bool *predicts,
 	struct eco_error *error)
 {
 	uint64_t budget = p->input->request->vertices;
+	lod_allocation_free(s->allocation);
 	enum eco_code code = lod_allocation_make(s->allocation, p, error);
-	s->price = 0;
-	free(p->texture_levels);
-	p->texture_levels = NULL;
 	if (!code)
 		code = search_grid(s, budget, error);
 	if (!code && *predicts)
 		predict(s, budget);
 	*predicts = *predicts && s->index == LOD_LAMBDA_COUNT;
-	if (!code)
-		code = fill_budget(s, budget, error);
+	return code;
+}
+
+/* Entries at one level, within both budgets. */
+static enum eco_code fill_level(struct lod_lambda_search *s, struct lod_planner *p, struct eco_error *error)
+{
+	uint64_t budget = p->input->request->vertices;
+	s->price = 0;
+	free(p->texture_levels);
+	p->texture_levels = NULL;
+	enum eco_code code = fill_budget(s, budget, error);
 	if (!code && p->input->size)
 		code = lod_bytes_size(p, error);
 	if (!code && p->input->size && p->bytes / SPARE_REACH <= p->input->request->bytes && !is_enough(s))
@@ -495,18 +509,25 @@ static int octaves(int level)
 		: SMALL_STEPS + FINER_OCTAVES * (-level - SMALL_STEPS);
 }
 
+/* Visibilities of tiles are made anew at each level; those of plants stay. */
+static void drop_tiles(struct lod_screen *screen)
+{
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < screen->count; i++)
+		if (screen->visibilities[i].slot != ECO_NONE)
+			screen->visibilities[kept++] = screen->visibilities[i];
+	if (kept < screen->count)
+		screen->shared = 0;
+	screen->count = kept;
+}
+
 static enum eco_code open_level(struct lod_planner *p, int level, struct eco_error *error)
 {
 	double pixel = p->visible.eye.pixel_rad, finer = level >= FINER_TIMES ? 0 : ldexp(1, octaves(level));
-	/* visibilities of tiles are made anew at each level; those of plants come first, and stay */
-	uint32_t kept = 0;
-	for (uint32_t i = 0; i < p->screen.count; i++)
-		if (p->screen.visibilities[i].slot != ECO_NONE)
-			p->screen.visibilities[kept++] = p->screen.visibilities[i];
-	if (kept < p->screen.count)
-		p->screen.shared = 0;
-	p->screen.count = kept;
-	return lod_planner_open(p, TILES_PX * pixel * finer, CELLS_PX * pixel * finer, error);
+	enum eco_code code = lod_planner_open(p, TILES_PX * pixel * finer, CELLS_PX * pixel * finer, error);
+	if (!code)
+		drop_tiles(&p->screen);
+	return code;
 }
 
 /* Is everything open? */
@@ -573,16 +594,19 @@ static uint64_t nodes_most(const struct lod_planner *p)
 static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco_error *error)
 {
 	const uint64_t nodes_max = p->visible.nodes_max;
+	uint64_t most = places_most(p);
 	for (;; --*level) {
 		struct eco_error local = { 0 };
 		bool bound = *level > COARSEST && (p->scene->needs & ECO_NEED_SUMMARIES);
-		p->visible.places_max = bound ? places_most(p) : 0;
+		p->visible.places_max = bound ? most : 0;
 		p->visible.nodes_max = bound ? nodes_most(p) : nodes_max;
 		enum eco_code code = open_level(p, *level, &local);
 		p->visible.nodes_max = nodes_max;
 		bool affordable = code || !bound || is_affordable(p, 1);
 		if ((code != ECO_TOO_LARGE && affordable) || *level <= COARSEST)
 			return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;
+		if (!code && bound)  /* plants of a level that may be affordable */
+			most = p->visible.places_walked * p->input->work_max / expected_work(p) * 5 / 4;
 		p->screen.count = p->screen.shared = 0;
 		code = lod_visible_tree_restart(&p->visible, error);
 		if (code)
@@ -596,23 +620,52 @@ enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, stru
 	return open_level(p, (int)level + COARSEST, error);
 }
 
-/* Plans level by level, until one has steps left or everything is open. */
+/* Opens the next finer level, if it is within bounds; else all is as it was. */
+static enum eco_code open_finer(struct lod_planner *p, int *level, bool *opened, struct eco_error *error)
+{
+	const uint64_t nodes_max = p->visible.nodes_max, plants = p->scene->plant_count;
+	struct eco_error local = { 0 };
+	uint32_t *gates = malloc((plants + 1) * sizeof *gates);
+	if (!gates)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants",
+			p->scene->plant_count);
+	memcpy(gates, p->gates, plants * sizeof *gates);
+	p->visible.places_max = p->scene->needs & ECO_NEED_SUMMARIES
+		? places_most(p) * PASSES_VERTICES / passes(p) : 0;
+	p->visible.nodes_max = p->scene->needs & ECO_NEED_SUMMARIES ? nodes_most(p) : nodes_max;
+	p->visible.cells_max = p->input->work_max / CELLS_WORK * PASSES_VERTICES / passes(p);
+	enum eco_code code = open_level(p, *level + 1, &local);
+	p->visible.nodes_max = nodes_max;
+	p->visible.cells_max = 0;
+	*opened = !code;
+	*level += *opened;
+	if (code == ECO_TOO_LARGE)
+		memcpy(p->gates, gates, plants * sizeof *gates);
+	free(gates);
+	return code && code != ECO_TOO_LARGE ? eco_fail(error, code, "%s", local.text) : ECO_OK;
+}
+
+/* Plans level by level, until one has steps left or everything is open. Where all of a level fits, only the
+ * next one is filled. */
 static enum eco_code plan_levels(struct lod_lambda_search *s, struct lod_planner *p, struct eco_error *error)
 {
-	int level = 0, asked = 0;
-	bool predicts = true;
+	const bool bytes = p->input->request->bytes != ECO_BYTES_UNBOUNDED;
+	int level = 0;
+	bool predicts = true, opened = true;
 	enum eco_code code = open_possible(p, &level, error);
-	while (!code) {
-		bool all = complete(p);
+	while (!code && opened) {
+		bool finer = !complete(p) && level < FINER_TIMES && is_affordable(p, FINER_WORK);
 		p->level = (uint32_t)(level - COARSEST);
-		lod_allocation_free(s->allocation);
-		code = plan_level(s, p, &predicts, error);
-		bool more = p->cheapest == UINT64_MAX && !draws_whole(p) && !(p->price > 0)
-			&& is_affordable(p, FINER_WORK);
-		if (code || all || !more || level < asked || level >= FINER_TIMES)
-			break;
-		asked = ++level;
-		code = open_possible(p, &level, error);
+		code = search_level(s, p, &predicts, error);
+		opened = false;
+		if (!code && finer && !bytes && s->index == LOD_LAMBDA_COUNT) {
+			code = open_finer(p, &level, &opened, error);
+			finer = false;
+		}
+		if (!code && !opened)
+			code = fill_level(s, p, error);
+		if (!code && finer && p->cheapest == UINT64_MAX && !draws_whole(p) && !(p->price > 0))
+			code = open_finer(p, &level, &opened, error);
 	}
 	return code;
 }

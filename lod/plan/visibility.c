@@ -83,13 +83,35 @@ void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const
 void lod_screen_free(struct lod_screen *screen)
 {
 	free(screen->visibilities);
+	free(screen->covers);
 	*screen = (struct lod_screen){ 0 };
+}
+
+/* Layers of leaves across a crown, in the mean, of those that face the eye. */
+static double layers_of(const struct lod_proxy_shape *proxy_shape)
+{
+	double ellipse = PI * proxy_shape->crown_across * proxy_shape->crown_up;
+	return ellipse > 0 ? 0.5 * proxy_shape->area / ellipse : 0;
 }
 
 double lod_proxy_shape_opacity(const struct lod_proxy_shape *proxy_shape)
 {
-	double ellipse = PI * proxy_shape->crown_across * proxy_shape->crown_up;
-	return ellipse > 0 ? 1 - lod_exp_minus(0.5 * proxy_shape->area / ellipse) : 0;
+	return 1 - lod_exp_minus(layers_of(proxy_shape));
+}
+
+/* Leaves are clumped: what is behind is seen as if crowns were so much thinner (Nilson 1971: 0.6 to 0.9 in
+ * forests). And leaves of a crown stand along its twigs: a picture shows less of them than of random leaves
+ * (forests: 0.5 to 0.7). Both are fifths, as is all: one exponential tells each. */
+#define CLUMPING_FIFTHS 4
+#define TWIGS_FIFTHS 3
+
+static void set_opacity(struct lod_visibility *visibility, const struct lod_proxy_shape *seen)
+{
+	double fifth = lod_exp_minus(layers_of(seen) / 5), square = fifth * fifth;
+	_Static_assert(CLUMPING_FIFTHS == 4 && TWIGS_FIFTHS == 3, "powers below");
+	visibility->opacity = (float)(1 - square * square * fifth);
+	visibility->hides = (float)(1 - square * square);
+	visibility->shown = (float)(1 - square * fifth);
 }
 
 struct lod_tilt lod_tilt_at(const struct lod_eye *eye, const double from_eye[3], double closest)
@@ -125,7 +147,7 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 		closest = 0.25 * size;
 	bool beside = ahead <= closest;
 	double before = size > 0 ? fmax(0, fmin(1, ahead / closest - 1)) : 1,
-		within = size > 0 ? lod_exp_minus(apart(d, proxy_shape)) : 0;
+		within = size > 0 && before < 1 ? lod_exp_minus(apart(d, proxy_shape)) : 0;
 	within = !beside ? within + (1 - within) * before : size > 0
 		? within * fmax(0, (ahead + size) / (closest + size)) : 0;
 	struct lod_tilt tilt = lod_tilt_at(eye, d, closest);
@@ -148,21 +170,13 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead,
 		.range = (float)(range > 0 ? range : 0),
 		.foot = (float)(y + proxy_shape->up * tilt.upright * rows),
-		.opacity = (float)lod_proxy_shape_opacity(&seen), .bottom = (float)screen->rows, .share = 1,
+		.bottom = (float)screen->rows, .share = 1,
 		.beside = beside,
 		.within = (float)within, .before = (float)before };
+	set_opacity(visibility, &seen);
 	visibility->ellipse = (float)(PI * proxy_shape->crown_across * high * px * px);
 	visibility->pixels = visibility->opacity * visibility->ellipse;
 	return visibility;
-}
-
-/* Leaves of a crown stand along its twigs: a picture shows less of them than of random leaves (forests: 0.5
- * to 0.7). */
-#define TWIGS 0.6
-
-static double shown_of(double opacity)
-{
-	return opacity < 1 ? 1 - lod_exp_minus(-TWIGS * lod_log(1 - opacity)) : 1;
 }
 
 /* ---- Boxes of cells ---- */
@@ -170,12 +184,13 @@ static double shown_of(double opacity)
 struct span { int first, end; float low, high; };
 
 /* Cells [first, end) that [low, high) touches, inside [0, count). */
-static struct span span_of(double middle, double reach, uint32_t count)
+static struct span span_of(float middle, float reach, uint32_t count)
 {
-	double low = middle - reach, high = middle + reach, all = count;
+	float low = middle - reach, high = middle + reach, all = (float)count;
 	low = low < 0 ? 0 : low > all ? all : low;
 	high = high < 0 ? 0 : high > all ? all : high;
-	return (struct span){ (int)low, (int)ceil(high), (float)low, (float)high };
+	int last = (int)high;
+	return (struct span){ (int)low, last + ((float)last < high), low, high };
 }
 
 /* Length of cell i inside the span. */
@@ -188,39 +203,38 @@ static float inside(const struct span *s, int i)
 
 /* ---- Front to back ---- */
 
-/* A positive float's bits sort like its value. */
-static uint32_t key_of(const struct lod_visibility *visibility, bool by_range)
-{
-	uint32_t bits;
-	memcpy(&bits, by_range ? &visibility->range : &visibility->depth, sizeof bits);
-	return bits;
-}
+struct place { uint32_t key, index; };
 
-/* Indices, nearest first, stable: radix sort of floats' bits in an odd number of passes, so that the result
- * is in `to`. */
-static void sort_visibilities(const struct lod_screen *screen, bool by_range, uint32_t *order, uint32_t *to)
+/* A positive float's bits sort like its value. */
+static void set_keys(const struct lod_screen *screen, bool by_range, struct place *places)
 {
-	uint32_t *spare = to;
-	for (uint32_t i = 0; i < screen->count; i++)
-		order[i] = i;
-	for (int shift = 0; shift < 33; shift += 11) {
-		uint32_t start[2049] = { 0 };
-		for (uint32_t i = 0; i < screen->count; i++)
-			start[(key_of(&screen->visibilities[i], by_range) >> shift & 2047) + 1]++;
-		for (int k = 0; k < 2047; k++)
-			start[k + 1] += start[k];
-		for (uint32_t i = 0; i < screen->count; i++)
-			spare[start[key_of(&screen->visibilities[order[i]], by_range) >> shift & 2047]++] =
-				order[i];
-		uint32_t *swap = order;
-		order = spare;
-		spare = swap;
+	for (uint32_t i = 0; i < screen->count; i++) {
+		const struct lod_visibility *visibility = &screen->visibilities[i];
+		memcpy(&places[i].key, by_range ? &visibility->range : &visibility->depth,
+			sizeof places[i].key);
+		places[i].index = i;
 	}
 }
 
-/* Leaves are clumped: what is behind is seen as if crowns were so much thinner (Nilson 1971: 0.6 to 0.9 in
- * forests). */
-#define CLUMPING 0.8
+/* Nearest first, stable: radix sort of floats' bits in an odd number of passes, so that the result is in
+ * `to`. */
+static void sort_visibilities(const struct lod_screen *screen, bool by_range, struct place *places,
+	struct place *to)
+{
+	set_keys(screen, by_range, places);
+	for (int shift = 0; shift < 33; shift += 11) {
+		uint32_t start[2049] = { 0 };
+		for (uint32_t i = 0; i < screen->count; i++)
+			start[(places[i].key >> shift & 2047) + 1]++;
+		for (int k = 0; k < 2047; k++)
+			start[k + 1] += start[k];
+		for (uint32_t i = 0; i < screen->count; i++)
+			to[start[places[i].key >> shift & 2047]++] = places[i];
+		struct place *swap = places;
+		places = to;
+		to = swap;
+	}
+}
 
 /* Per cell: share of light let through so far, by clumped leaves and by random ones. Per column: first row
  * hidden by ground. */
@@ -261,10 +275,8 @@ static double visible_share(const struct lod_screen *screen, const struct lod_vi
 static void attenuate(const struct lod_screen *screen, const struct lod_visibility *visibility,
 	const struct light *light)
 {
-	float opaque = visibility->opacity < 1
-		? (float)(1 - lod_exp_minus(-CLUMPING * lod_log(1 - (double)visibility->opacity))) : 1;
-	float clear_of = visibility->opacity * visibility->before;
-	opaque *= visibility->before;
+	float opaque = visibility->hides * visibility->before,
+		clear_of = visibility->opacity * visibility->before;
 	struct span across = crown_across(screen, visibility), down = crown_down(screen, visibility);
 	for (int r = down.first; r < down.end; r++) {
 		float *clear = light->clear + r * (int)screen->columns,
@@ -283,8 +295,8 @@ static void attenuate(const struct lod_screen *screen, const struct lod_visibili
 static double unoccluded_share(const struct lod_screen *screen, const struct lod_visibility *visibility,
 	const float *clear)
 {
-	struct span across = span_of(visibility->x, AROUND * visibility->reach_x, screen->columns);
-	struct span down = span_of(visibility->y, AROUND * visibility->reach_y, screen->rows);
+	struct span across = span_of(visibility->x, (float)AROUND * visibility->reach_x, screen->columns);
+	struct span down = span_of(visibility->y, (float)AROUND * visibility->reach_y, screen->rows);
 	struct span crown = crown_across(screen, visibility), high = crown_down(screen, visibility);
 	double seen = 0;
 	down.high = fminf(down.high, visibility->bottom);
@@ -325,13 +337,14 @@ static void lower_horizon(const struct lod_screen *screen, struct lod_visibility
 }
 
 /* Sets the row from which on ground hides each visibility. */
-static void hide_by_ground(const struct lod_screen *screen, float *horizon, uint32_t *order, uint32_t *spare)
+static void hide_by_ground(const struct lod_screen *screen, float *horizon, struct place *order,
+	struct place *spare)
 {
 	for (uint32_t c = 0; c < screen->columns; c++)
 		horizon[c] = (float)screen->rows;
 	sort_visibilities(screen, true, order, spare);
 	for (uint32_t i = 0; i < screen->count; i++) {
-		struct lod_visibility *visibility = &screen->visibilities[spare[i]];
+		struct lod_visibility *visibility = &screen->visibilities[spare[i].index];
 		if (visibility->range > 0 && visibility->before > 0)
 			lower_horizon(screen, visibility, horizon);
 	}
@@ -348,8 +361,8 @@ static void occlude(const struct lod_screen *screen, struct lod_visibility *visi
 
 static uint64_t cells_of(const struct lod_screen *screen, const struct lod_visibility *visibility)
 {
-	struct span across = span_of(visibility->x, AROUND * visibility->reach_x, screen->columns);
-	struct span down = span_of(visibility->y, AROUND * visibility->reach_y, screen->rows);
+	struct span across = span_of(visibility->x, (float)AROUND * visibility->reach_x, screen->columns);
+	struct span down = span_of(visibility->y, (float)AROUND * visibility->reach_y, screen->rows);
 	return (uint64_t)(across.end - across.first) * (uint64_t)(down.end - down.first);
 }
 
@@ -389,7 +402,6 @@ void lod_screen_coarsen(struct lod_screen *screen)
 static void finish(const struct lod_screen *screen, struct lod_visibility *visibility,
 	const struct light *light, bool hide)
 {
-	visibility->shown = shown_of((double)visibility->opacity);
 	double seen = hide ? (double)visibility->share : visible_share(screen, visibility, light->clear);
 	double unoccluded = hide ? unoccluded_share(screen, visibility, light->clear) : seen;
 	/* not more of a plant than the picture holds: where the eye is inside it, SEEN_LEAST may be more than
@@ -404,12 +416,14 @@ static void finish(const struct lod_screen *screen, struct lod_visibility *visib
 		: visibility->share;
 }
 
+static bool make_covers(struct lod_screen *screen);
+
 enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error)
 {
 	uint32_t cells = screen->columns * screen->rows;
 	if (screen->count && screen->shared == screen->count)
 		return ECO_OK;
-	uint32_t *order = malloc(((size_t)screen->count + 1) * sizeof *order),
+	struct place *order = malloc(((size_t)screen->count + 1) * sizeof *order),
 		*spare = malloc(((size_t)screen->count + 1) * sizeof *spare);
 	struct light light = { malloc(cells * sizeof *light.through), malloc(cells * sizeof *light.clear),
 		malloc(screen->columns * sizeof *light.horizon) };
@@ -421,10 +435,11 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 			hide_by_ground(screen, light.horizon, order, spare);
 		sort_visibilities(screen, false, order, spare);
 		for (uint32_t i = 0; hide && i < screen->count; i++)
-			occlude(screen, &screen->visibilities[spare[i]], &light);
+			occlude(screen, &screen->visibilities[spare[i].index], &light);
 		for (uint32_t i = 0; i < screen->count; i++)
 			finish(screen, &screen->visibilities[i], &light, hide);
-		screen->shared = screen->count;
+		good = make_covers(screen);
+		screen->shared = good ? screen->count : 0;
 	}
 	free(order);
 	free(spare);
@@ -451,22 +466,40 @@ static lod_f4 uncovered_of(double shown, struct lod_wrong wrong)
 	return (lod_f4){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn), 1 };
 }
 
-static void cover(const struct lod_screen *screen, const struct lod_visibility *visibility,
-	struct lod_wrong wrong, lod_f4 *cells)
+/* What a crown covers of the screen, as far as it depends on nothing that is drawn. */
+struct lod_cover { struct span across, down; float shown, before; uint32_t of; };
+
+/* Those of all visibilities that are somewhere in the picture; false: no memory. */
+static bool make_covers(struct lod_screen *screen)
 {
-	struct lod_visibility wide = *visibility;
-	if (visibility->shown > DENSEST) {
-		wide.crown_reach_x *= sqrtf((float)(visibility->shown / DENSEST));
-		wide.crown_reach_y *= sqrtf((float)(visibility->shown / DENSEST));
+	free(screen->covers);
+	screen->cover_count = 0;
+	screen->covers = malloc(((size_t)screen->count + 1) * sizeof *screen->covers);
+	for (uint32_t i = 0; screen->covers && i < screen->count; i++) {
+		struct lod_visibility wide = screen->visibilities[i];
+		if (wide.shown > (float)DENSEST) {
+			float wider = sqrtf(wide.shown / (float)DENSEST);
+			wide.crown_reach_x *= wider;
+			wide.crown_reach_y *= wider;
+			wide.shown = (float)DENSEST;
+		}
+		struct lod_cover cover = { crown_across(screen, &wide), crown_down(screen, &wide), wide.shown,
+			wide.before, i };
+		if (!wide.beside && cover.across.first < cover.across.end && cover.down.first < cover.down.end)
+			screen->covers[screen->cover_count++] = cover;
 	}
-	struct span across = crown_across(screen, &wide), down = crown_down(screen, &wide);
-	lod_f4 one = lod_f4_all(1), covered = one - uncovered_of(fmin(visibility->shown, DENSEST), wrong);
-	for (int r = down.first; r < down.end; r++) {
-		lod_f4 *row = cells + r * (int)screen->columns;
-		float height = fmaxf(0, inside(&down, r));
-		for (int c = across.first; c < across.end; c++)
-			row[c] *= one - covered
-				* lod_f4_all(inside(&across, c) * height * visibility->before);
+	return screen->covers;
+}
+
+static void cover_cells(const struct lod_screen *screen, const struct lod_cover *cover, lod_f4 uncovered,
+	lod_f4 *cells)
+{
+	lod_f4 one = lod_f4_all(1), covered = (one - uncovered) * lod_f4_all(cover->before);
+	for (int r = cover->down.first; r < cover->down.end; r++) {
+		lod_f4 *row = cells + r * (int)screen->columns, part = covered
+			* lod_f4_all(fmaxf(0, inside(&cover->down, r)));
+		for (int c = cover->across.first; c < cover->across.end; c++)
+			row[c] *= one - part * lod_f4_all(inside(&cover->across, c));
 	}
 }
 
@@ -480,9 +513,11 @@ enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wr
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a screen of %u cells", count);
 	for (uint32_t i = 0; i < count; i++)
 		cells[i] = lod_f4_all(1);
-	for (uint32_t i = 0; i < screen->count; i++)
-		if (!screen->visibilities[i].beside)
-			cover(screen, &screen->visibilities[i], wrong(ctx, &screen->visibilities[i]), cells);
+	for (uint32_t i = 0; i < screen->cover_count; i++) {
+		const struct lod_cover *cover = &screen->covers[i];
+		cover_cells(screen, cover, uncovered_of((double)cover->shown,
+			wrong(ctx, &screen->visibilities[cover->of])), cells);
+	}
 	for (uint32_t i = 0; i < count; i++) {
 		double reference = (double)cells[i][REFERENCE], drawn = (double)cells[i][DRAWN];
 		double either = fmin((double)cells[i][EITHER], fmin(reference, drawn));

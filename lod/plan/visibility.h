@@ -45,9 +45,9 @@ struct lod_visibility {
 	float depth;                 /* metres in front of the eye */
 	float range;                 /* metres along level ground; 0 if behind, when looking steeply down */
 	float opacity;               /* of its crown, at full detail */
+	float hides, shown;          /* the same of clumped leaves, by which what is behind is hidden; in a
+	                              * picture, with leaves along twigs */
 	float pixels;                /* covered at full detail, seen or not */
-	double shown;                /* set by lod_screen_shares: opacity in a picture, with leaves along
-	                              * twigs */
 	float bottom;                /* set by lod_screen_shares: row from which on ground hides it */
 	float share;                 /* set by lod_screen_shares: part of it in the picture and visible; above
 	                              * 0 */
@@ -71,6 +71,7 @@ struct lod_screen {
 	double cell_x, cell_y;       /* pixels */
 	bool ground;
 	struct lod_visibility *visibilities;    uint32_t count, capacity;
+	struct lod_cover *covers;    uint32_t cover_count;   /* of those that are in the picture */
 	uint32_t shared;             /* of so many the shares are found; a caller that drops any says 0 */
 };
 

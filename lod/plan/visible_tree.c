@@ -480,16 +480,74 @@ static enum eco_code open_tiles(struct lod_visible_tree *visible, double sample_
 	return code;
 }
 
+/* Cells of plants in open tiles, if all plants draw theirs. */
+static enum eco_code count_cells(const struct lod_visible_tree *visible, const uint32_t *gates,
+	struct eco_error *error)
+{
+	const struct eco_scene *scene = visible->scene;
+	uint64_t cells = 0;
+	for (uint32_t i = 0; visible->cells_max && i < visible->node_count; i++) {
+		const struct eco_tile *tile = &scene->tiles[visible->nodes[i].tile];
+		for (uint32_t g = 0; visible->nodes[i].state == LOD_OPEN && g < tile->group_count; g++) {
+			const struct eco_group *group = &scene->groups[tile->group_first + g];
+			uint64_t each = scene->plants[group->plant].anchor_count - 1;
+			if (gates[group->plant] == ECO_BANDS * ECO_SHARE_ONE)
+				cells += group->count * each;
+		}
+	}
+	return cells <= visible->cells_max ? ECO_OK : eco_fail(error, ECO_TOO_LARGE, "this view at this "
+		"detail looks at more than %llu cells of plants; ask for fewer vertices",
+		(unsigned long long)visible->cells_max);
+}
+
+/* What a walk changes of the nodes that are there. */
+struct kept { enum lod_state state; bool expanded; uint32_t left; double points; };
+
+static void keep_nodes(struct lod_visible_tree *visible, struct kept *kept)
+{
+	for (uint32_t i = 0; i < visible->node_count; i++) {
+		struct lod_node *node = &visible->nodes[i];
+		kept[i] = (struct kept){ node->state, node->expanded, node->left, node->points };
+		node->state = LOD_CLOSED;
+		node->left = 0;
+		node->points = 0;
+	}
+}
+
+static void restore_nodes(struct lod_visible_tree *visible, const struct kept *kept, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		struct lod_node *node = &visible->nodes[i];
+		node->state = kept[i].state;
+		node->left = kept[i].left;
+		node->points = kept[i].points;
+		if (!kept[i].expanded && node->expanded)
+			node->child_first = node->child_count = node->expanded = 0;
+	}
+	visible->node_count = count;
+}
+
 enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sample_distance,
 	const uint32_t *gates, struct eco_error *error)
 {
-	forget_counts(visible);
-	for (uint32_t i = 0; i < visible->node_count; i++) {
-		visible->nodes[i].state = LOD_CLOSED;
-		visible->nodes[i].left = 0;
-		visible->nodes[i].points = 0;
-	}
+	const uint32_t nodes = visible->node_count, placements = visible->placement_count;
+	const uint64_t walked = visible->places_walked;
+	struct kept *kept = malloc(nodes * sizeof *kept);
+	if (!kept)
+		return no_memory(error);
+	keep_nodes(visible, kept);
 	enum eco_code code = open_tiles(visible, sample_distance, error);
+	if (!code)
+		code = count_cells(visible, gates, error);
+	if (code) {
+		restore_nodes(visible, kept, nodes);
+		visible->placement_count = placements;
+		visible->places_walked = walked;
+	}
+	free(kept);
+	if (code)
+		return code;
+	forget_counts(visible);
 	for (uint32_t i = 0; i < visible->node_count && !code; i++)
 		if (visible->nodes[i].state == LOD_OPEN)
 			code = count_plants(visible, &visible->nodes[i], gates, error);

@@ -66,6 +66,7 @@ struct lod_visible_tree {
 	uint64_t places;             /* plants walked over, ever */
 	uint64_t places_walked, places_max; /* plants walked over since the start, and their bound; 0: no
 	                                     * bound */
+	uint64_t cells_max;          /* where all plants draw their cells: of all in open tiles; 0: no bound */
 	struct lod_screen *screen;   /* may be NULL; every visible plant is added once, with its node and
 	                              * slot */
 	const struct lod_proxy_shape *proxy_shapes; /* with screen: per plant, at scale 1 */
@@ -83,7 +84,7 @@ double lod_summary_points(const struct lod_node *node, double sample_distance);
 
 /* Walks the tree. A tile whose summary has enough points for `sample_distance` (radians; 0: never) becomes
  * LOD_SUMMARY; other tiles are opened and their plants counted into slots, and cells of plants before
- * gates[plant], a multiple of ECO_SHARE_ONE. ECO_TOO_LARGE beyond the bounds. */
+ * gates[plant], a multiple of ECO_SHARE_ONE. ECO_TOO_LARGE beyond the bounds: all is as it was. */
 enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sample_distance,
 	const uint32_t *gates, struct eco_error *error);
 

@@ -315,8 +315,23 @@ UNIT_TEST(a_walk_that_is_too_far_looks_at_no_plant)
 	assert_int_equal(visible.places, 0);
 	assert_int_equal(lod_visible_tree_restart(&visible, &error), ECO_OK);
 	visible.places_max = 0;
+	assert_int_equal(lod_visible_tree_count(&visible, 1, gates, &error), ECO_OK);
+	uint32_t nodes = visible.node_count;
+	uint64_t plants = visible.plants, places = visible.places;
+	visible.places_max = 1;              /* then all stays as it was */
+	assert_int_equal(lod_visible_tree_count(&visible, 0, gates, &error), ECO_TOO_LARGE);
+	assert_int_equal(visible.node_count, nodes);
+	assert_int_equal(visible.plants, plants);
+	assert_int_equal(visible.places, places);
+	assert_int_equal(visible.nodes[0].state, LOD_SUMMARY);
+	visible.places_max = 0;
 	assert_int_equal(lod_visible_tree_count(&visible, 0, gates, &error), ECO_OK);
-	assert_true(visible.places > 1);
+	assert_true(visible.places > 1 && visible.nodes[0].state == LOD_OPEN);
+	visible.cells_max = 1;
+	for (uint32_t i = 0; i < scene.scene.plant_count; i++)
+		gates[i] = ECO_BANDS * ECO_SHARE_ONE;
+	assert_int_equal(lod_visible_tree_count(&visible, 0, gates, &error), ECO_TOO_LARGE);
+	assert_int_equal(visible.nodes[0].state, LOD_OPEN);
 	lod_visible_tree_free(&visible);
 	free(gates);
 }
