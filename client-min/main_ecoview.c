@@ -1,12 +1,11 @@
 /* ecoview: streams the frames of a camera script, draws them, and scores them against the full-detail
- * reference. Longer than 600 lines: a third of it is its options and their help. */
+ * reference. */
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_cache.h"
 #include "client-min/view_compare.h"
 #include "client-min/view_digest.h"
 #include "client-min/view_explain.h"
@@ -14,6 +13,7 @@
 #include "client-min/draw/view_gl.h"
 #include "client-min/view_glb.h"
 #include "client-min/view_measure.h"
+#include "client-min/view_options.h"
 #include "client-min/view_place.h"
 #include "client-min/view_progress.h"
 #include "client-min/view_reference.h"
@@ -25,25 +25,11 @@
 
 #define RESUMES 8                        /* of an answer that breaks off: for some 15 s */
 #define PATIENCE_MS 60000                /* with a server that has too much to do */
-
-enum engine { ENGINE_NONE, ENGINE_AUTO, ENGINE_CPU, ENGINE_EGL };
-
-struct options {
-	const char *url, *camera, *dir, *explain, *chunks;
-	uint32_t size[2], width, height;
-	uint64_t vertices, bytes, memory;
-	double ground_px, texel_px, ahead_s, sun_s, snap_m;
-	struct view_sky sky;                     /* but for the sun */
-	bool has_frames, compare, digest, owners, glb;
-	uint64_t frame_first, frame_last;
-	enum engine reference;
-	int tint;                                /* enum view_tint */
-	int rule;                                /* of rules */
-	struct view_marks marks;                 /* of --progressive */
-};
+#define REPLACED 409                     /* status: the scene has another pack than what is held, ... */
+#define REPLACED_MOST 3                  /* ... so often for one frame */
 
 struct viewer {                          /* everything that lives as long as the program */
-	struct options options;
+	struct view_options options;
 	struct eco_camera *camera;
 	struct view_fetch *fetch;
 	/* the reference has a store of its own: it must not count as held by the frames */
@@ -61,6 +47,7 @@ struct viewer {                          /* everything that lives as long as the
 	const struct eco_view *view;
 	struct view_frame *frame;
 	uint32_t frame_parts;                    /* drawn of it */
+	bool replaced;                           /* it met another pack than that of what is held */
 	char digest[VIEW_DIGEST_BYTES];          /* of the frame, if it is asked for */
 	/* how far the last eye was below the ground that was drawn; else 0 or less */
 	double under_m;
@@ -73,142 +60,6 @@ static void on_signal(int number)
 {
 	(void)number;
 	interrupted = 1;
-}
-
-/* ---- Command line ---- */
-
-static struct options given = { .bytes = ECO_BYTES_UNBOUNDED, .sun_s = NAN };
-
-static enum eco_code read_frames(const char *text, void *value, struct eco_error *error)
-{
-	struct options *o = value;
-	unsigned long long first = 0, last = 0;
-	int used = 0;
-	if (sscanf(text, "%9llu..%9llu%n", &first, &last, &used) != 2 || text[used] || first > last)
-		return eco_fail(error, ECO_BAD_USAGE, "--frames %.100s: must be A..B", text);
-	o->frame_first = first;
-	o->frame_last = last;
-	o->has_frames = true;
-	return ECO_OK;
-}
-
-static enum eco_code read_reference(const char *text, void *value, struct eco_error *error)
-{
-	enum engine *engine = value;
-	*engine = !text ? ENGINE_AUTO : !strcmp(text, "cpu") ? ENGINE_CPU : !strcmp(text, "egl") ? ENGINE_EGL
-		: ENGINE_NONE;
-	return *engine ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--reference=%.100s: must be one of cpu, "
-		"egl", text);
-}
-
-static enum eco_code read_marks(const char *text, void *value, struct eco_error *error)
-{
-	struct eco_error why = { 0 };
-	return view_marks_read(value, text, &why) ? eco_fail(error, ECO_BAD_USAGE, "--progressive %s",
-		why.text) : ECO_OK;
-}
-
-static const char *const rules[] = { "optimal", "deussen", NULL };
-static const char *const tints[] = { [VIEW_TINT_NONE] = "none", [VIEW_TINT_KIND] = "kind", NULL };
-
-static const struct eco_option option_table[] = {
-	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.url,
-		.help = "of a scene: http://host:port/v1/scenes/NAME", .is_required = true },
-	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA.json", &given.camera, .help = "camera script",
-		.is_required = true },
-	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX, .is_required = true,
-		.help = "of the pictures, in pixels; at most 16384 either way and 2^26 in all" },
-	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.vertices, 0, ECO_VERTICES_MAX, .is_required = true,
-		.help = "budget a frame: points + 2 lines + 3 triangles drawn, instances counted" },
-	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.dir, .is_required = true,
-		.help = "where pictures and report.json go; made if missing" },
-	{ "bytes", 0, ECO_OPTION_COUNT, "M", &given.bytes, 0, INT64_MAX,
-		.help = "budget of each response; none if not given" },
-	{ "memory", 0, ECO_OPTION_READ, "SIZE", &given.memory, .read = view_cache_read_size,
-		.help = "of decoded data held, such as 64M (K, M, G; 8G if not given): what was not needed "
-		"for the longest time goes, and is fetched again where it is needed; not of the reference" },
-	{ "ground-px", 0, ECO_OPTION_NUMBER, "X", &given.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX,
-		.help = "how far the ground may be from where it is, 0.01 to 65536 pixels; 1 if not given" },
-	{ "texel-px", 0, ECO_OPTION_NUMBER, "X", &given.texel_px, ECO_TEXEL_PX_MIN, ECO_TEXEL_PX_MAX,
-		.help = "how wide a texture's texels may be where it has finer, 0.000001 to 65536 pixels; "
-		"0.03125 if not given" },
-	{ "ahead", 0, ECO_OPTION_NUMBER, "S", &given.ahead_s, 0.001, 3600,
-		.help = "also ask for what the script's view so many seconds later will need; it comes last, "
-		"within --bytes, and is not waited for once the script looks elsewhere" },
-	{ "snap", 0, ECO_OPTION_NUMBER, "M", &given.snap_m, 0.001, 1000,
-		.help = "eye and target stand on a grid of so many metres, so that views that are nearly "
-		"alike are answered by one plan; each moves by at most .87 of that" },
-	{ "rule", 0, ECO_OPTION_CHOICE, "NAME", &given.rule, .choices = rules,
-		.help = "how the server spends the budget: optimal (the default), or deussen (Deussen "
-		"2002), to compare with" },
-	{ "reference", 0, ECO_OPTION_READ, "cpu|egl", &given.reference, .read = read_reference,
-		.has_optional_value = true,
-		.help = "also draw everything at full detail, and score; by default with OpenGL on "
-		"hardware, else in software" },
-	{ "digest", 0, ECO_OPTION_FLAG, NULL, &given.digest,
-		.help = "says of each frame by two hashes what was decoded and is drawn, as a browser does" },
-	{ "owners", 0, ECO_OPTION_FLAG, NULL, &given.owners,
-		.help = "also whose each pixel is, as frame-0000.owners.png: a colour for each plant, the "
-		"same in all frames, and black for what is none's" },
-	{ "compare", 0, ECO_OPTION_FLAG, NULL, &given.compare,
-		.help =
-		"with the reference: also ours, full detail and the error that people see (FLIP) side by "
-		"side, with their numbers, as compare-0000.png" },
-	{ "glb", 0, ECO_OPTION_FLAG, NULL, &given.glb,
-		.help = "also writes what is drawn as frame-0000.glb (glTF 2.0) for other programs: plain "
-		"triangles, a node a plant, a camera" },
-	{ "sun", 0, ECO_OPTION_READ, "TIME", &given.sun_s, .read = view_sun_read_time,
-		.help = "where the sun is at that time and the scene's place, such as 2026-06-21T10:00Z" },
-	{ "shadows", 0, ECO_OPTION_READ, "KIND[,SIZE]", &given.sky, .read = view_sky_read_shadows,
-		.help = "plants cast shadows on plants and ground, by a map of SIZE x SIZE texels (1024 if "
-		"not given): standard, of texels of one size, or perspective, with more of them near the "
-		"eye; of plants out of sight those that are held, as nothing is fetched for it" },
-	{ "haze", 0, ECO_OPTION_NUMBER, "M", &given.sky.haze_m, 1, 1e9,
-		.help = "metres after which haze hides all but 1/e, at sea level; 5200 if not given" },
-	{ "tint", 0, ECO_OPTION_CHOICE, "kind", &given.tint, .choices = tints,
-		.help = "colour by representation: green triangles, red lines, blue points, yellow and "
-		"orange blends, violet ellipsoids for whole plants" },
-	{ "chunks", 0, ECO_OPTION_TEXT, "URL", &given.chunks,
-		.help = "fetch chunks of 1024 bytes or more by their names from URL/NAME: the scene's "
-		"URL/chunks, or a static host of what `ecopack export` wrote; others come with the stream" },
-	{ "progressive", 0, ECO_OPTION_READ, "LIST", &given.marks, .read = read_marks,
-		.help = "also draw what is there while an answer comes: after so many bytes or milliseconds, "
-		"such as 20000,50000,200ms; the pictures are the frames of a film" },
-	{ "explain", 0, ECO_OPTION_TEXT, "FILE.csv", &given.explain,
-		.help = "a table of why each cut of each frame is what it is; the server plans twice for "
-		"it" },
-	{ "frames", 0, ECO_OPTION_READ, "A..B", &given, .read = read_frames,
-		.help = "only these frames of the script (inclusive)" }, { 0 } };
-
-static const struct eco_command command = { .name = "ecoview", .options = option_table,
-	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
-	"[--ground-px X] [--ahead S] [--snap M] [--rule NAME] [--reference[=cpu|egl]] [--compare] "
-	"[--tint kind] "
-	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--owners] [--glb] "
-	"[--frames A..B] [--progressive LIST] [--chunks URL] [--explain FILE.csv]",
-	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
-	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "
-	"reference-0000.mask.png and pr-0000.png (light: right, orange: too much, blue: missing).\n\n"
-	"Scores: P and R, Precision and Recall of covered pixels; Q, 1 less the distance of P and R from 1; "
-	"skill, the gain over a picture with all covered; owner_q, Q where only the right plant counts; "
-	"soft_q, Q of how much of each pixel is covered; ceiling, the best Q without the reference's own "
-	"chance; picture_error, what people see of the difference (mean FLIP), 0 to 1.\n" };
-
-static enum eco_code read_line(int argc, char **argv, struct options *o, struct eco_error *error)
-{
-	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, error);
-	*o = given;
-	o->width = given.size[0];
-	o->height = given.size[1];
-	if (!code && o->compare && !o->reference)
-		code = eco_fail(error, ECO_BAD_USAGE, "--compare: needs --reference");
-	if (!code && o->chunks && o->marks.bytes_count + o->marks.ms_count)
-		code = eco_fail(error, ECO_BAD_USAGE, "--progressive: not with --chunks, whose streams are "
-			"drawn once they are whole");
-	if (!code && (uint64_t)o->width * o->height > ECO_PIXELS_MAX)
-		code = eco_fail(error, ECO_BAD_USAGE, "--size %ux%u: a picture has at most %u pixels",
-			o->width, o->height, ECO_PIXELS_MAX);
-	return code;
 }
 
 /* ---- Files ---- */
@@ -344,7 +195,8 @@ static void count_memory(struct viewer *v, const struct view_store_stats *before
 	f->memory_bytes = now.memory_bytes;
 	f->evictions = now.evictions - before->evictions;
 	f->again_bytes = now.again_bytes - before->again_bytes;
-	v->report.memory_peak_bytes = now.memory_peak_bytes;
+	if (now.memory_peak_bytes > v->report.memory_peak_bytes)
+		v->report.memory_peak_bytes = now.memory_peak_bytes;
 	if (v->gl && f->evictions)
 		view_gl_keep(v->gl, stores, v->full ? 2 : 1);
 }
@@ -405,6 +257,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	view_fetch_turn(v->fetch, has_turned, v);
 	v->begun_ms = view_clock_ms();
 	enum eco_code code = view_fetch_stream(v->fetch, v->store, request, &result, error);
+	v->replaced |= result.status == REPLACED;
 	view_fetch_mark(v->fetch, NULL, NULL, NULL);
 	view_fetch_turn(v->fetch, NULL, NULL);
 	if (code)
@@ -462,6 +315,7 @@ static enum eco_code draw_reference(struct viewer *v, const struct eco_request *
 	double start = view_clock_ms();
 	step(v, f->frame, "fetch the reference");
 	enum eco_code code = view_fetch_stream(v->fetch, v->full, &everything, &result, error);
+	v->replaced |= result.status == REPLACED;
 	if (code)
 		return code;
 	step(v, f->frame, "draw the reference");
@@ -501,6 +355,7 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 	struct view_fetch_result asked = { .requests = 0 };
 	if (eco_camera_above_ground(v->camera))
 		code = view_stand(v->fetch, v->store, &request, &asked, error);
+	v->replaced |= asked.status == REPLACED;
 	if (code)
 		return code;
 	eco_view_snap(&request.view, v->options.snap_m);
@@ -515,8 +370,6 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 	if (!code)
 		code = stream_frame(v, &request, &eye, &f, error);
 	if (!code)
-		code = view_explain_frame(&v->explain, v->fetch, number, &request, error);
-	if (!code)
 		code = save(v, "frame-%04u.png", number, v->picture.rgb, 3, error);
 	if (!code && v->options.owners)
 		code = save_owners(v, number, error);
@@ -524,6 +377,8 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 		code = draw_reference(v, &request, &eye, &f, error);
 	if (!code && v->options.reference)
 		code = score_frame(v, &f, error);
+	if (!code)
+		code = view_explain_frame(&v->explain, v->fetch, number, &request, error);
 	if (!code)
 		code = view_report_add(&v->report, &f, error);
 	if (!code) {
@@ -535,9 +390,55 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 	return code;
 }
 
+static enum eco_code open_stores(struct viewer *v, struct eco_error *error)
+{
+	struct view_store_options store = { .images = true, .memory_max = v->options.memory },
+		full = { .images = true };
+	enum eco_code code = view_store_new(&v->store, &store, error);
+	return code || !v->options.reference ? code : view_store_new(&v->full, &full, error);
+}
+
+static void close_stores(struct viewer *v)
+{
+	view_store_free(v->store);
+	view_store_free(v->full);
+	v->store = v->full = NULL;
+}
+
+/* The server has another pack of the scene: of the one before nothing is of use, on the GPU neither. */
+static enum eco_code begin_anew(struct viewer *v, uint32_t frame, struct eco_error *error)
+{
+	view_progress_clear(&v->progress);
+	fprintf(stderr, "ecoview: frame %u: the server has another pack of the scene now: begins anew with it\n",
+		frame);
+	close_stores(v);
+	enum eco_code code = open_stores(v, error);
+	const struct view_store *stores[2] = { v->store, v->full };
+	if (!code && v->gl)
+		view_gl_keep(v->gl, stores, v->full ? 2 : 1);
+	return code;
+}
+
+/* All of a frame is of one pack. */
+static enum eco_code whole_frame(struct viewer *v, uint32_t number, struct eco_error *error)
+{
+	const uint32_t parts = v->report.part_count;
+	struct eco_error one = { 0 };
+	enum eco_code code = one_frame(v, number, &one);
+	for (int i = 0; code && v->replaced && i < REPLACED_MOST; i++) {
+		v->report.part_count = parts;
+		v->replaced = false;
+		one = (struct eco_error){ 0 };
+		code = begin_anew(v, number, &one);
+		if (!code)
+			code = one_frame(v, number, &one);
+	}
+	return code ? eco_fail(error, code, "%s", one.text) : ECO_OK;
+}
+
 static enum eco_code all_frames(struct viewer *v, struct eco_error *error)
 {
-	struct options *o = &v->options;
+	struct view_options *o = &v->options;
 	uint32_t count = eco_camera_frame_count(v->camera);
 	if (!o->has_frames)
 		o->frame_last = count - 1;
@@ -548,7 +449,7 @@ static enum eco_code all_frames(struct viewer *v, struct eco_error *error)
 	enum eco_code code = ECO_OK;
 	for (uint64_t i = o->frame_first; i <= o->frame_last && !code; i++)
 		code = interrupted ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: one_frame(v, (uint32_t)i, error);
+			: whole_frame(v, (uint32_t)i, error);
 	v->report.complete = code == ECO_OK;
 	view_progress_clear(&v->progress);
 	v->report.scene = view_store_scene_name(v->store);
@@ -570,20 +471,20 @@ static enum eco_code open_engine(struct viewer *v, struct eco_error *error)
 {
 	struct view_gl_options options = { v->options.width, v->options.height };
 	struct eco_error why = { 0 };
-	enum engine *engine = &v->options.reference;
-	if (*engine != ENGINE_CPU && view_gl_open(&v->gl, &options, &why)) {
-		if (*engine == ENGINE_EGL)
+	enum view_engine *engine = &v->options.reference;
+	if (*engine != VIEW_ENGINE_CPU && view_gl_open(&v->gl, &options, &why)) {
+		if (*engine == VIEW_ENGINE_EGL)
 			return eco_fail(error, why.code, "--reference=egl: %s", why.text);
 		fprintf(stderr, "ecoview: %s; pictures are drawn in software\n", why.text);
 	}
-	if (*engine == ENGINE_AUTO)
-		*engine = v->gl && view_gl_hardware(v->gl) ? ENGINE_EGL : ENGINE_CPU;
-	if (*engine == ENGINE_CPU) {
+	if (*engine == VIEW_ENGINE_AUTO)
+		*engine = v->gl && view_gl_hardware(v->gl) ? VIEW_ENGINE_EGL : VIEW_ENGINE_CPU;
+	if (*engine == VIEW_ENGINE_CPU) {
 		view_gl_close(v->gl);
 		v->gl = NULL;
 	}
 	v->report.renderer = v->gl ? view_gl_renderer(v->gl) : "software";
-	v->report.reference = *engine == ENGINE_NONE ? NULL : *engine == ENGINE_CPU ? "cpu" : "egl";
+	v->report.reference = *engine == VIEW_ENGINE_NONE ? NULL : *engine == VIEW_ENGINE_CPU ? "cpu" : "egl";
 	v->report.memory_max = v->options.memory;
 	v->report.width = v->options.width;
 	v->report.height = v->options.height;
@@ -592,12 +493,10 @@ static enum eco_code open_engine(struct viewer *v, struct eco_error *error)
 
 static enum eco_code start(struct viewer *v, struct eco_error *error)
 {
-	const struct options *o = &v->options;
+	const struct view_options *o = &v->options;
 	struct view_fetch_options fetch = { .url = o->url, .chunks = o->chunks,
-		.rule = o->rule ? rules[o->rule] : NULL,
+		.rule = o->rule ? view_rules[o->rule] : NULL,
 		.patience_ms = PATIENCE_MS, .resumes = RESUMES, .stop = &interrupted };
-	struct view_store_options store = { .images = true, .memory_max = o->memory },
-		full = { .images = true };
 	enum eco_code code = eco_camera_load(&v->camera, o->camera, error);
 	if (!code)
 		code = view_save_dir(o->dir, error);
@@ -612,9 +511,7 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	if (!code)
 		code = open_engine(v, error);
 	if (!code)
-		code = view_store_new(&v->store, &store, error);
-	if (!code && o->reference)
-		code = view_store_new(&v->full, &full, error);
+		code = open_stores(v, error);
 	if (!code)
 		code = view_picture_init(&v->picture, o->width, o->height, error);
 	if (!code && o->reference)
@@ -634,8 +531,7 @@ static void finish(struct viewer *v)
 	view_gl_close(v->gl);
 	view_report_free(&v->report);
 	view_explain_close(&v->explain, false, NULL);
-	view_store_free(v->store);
-	view_store_free(v->full);
+	close_stores(v);
 	view_fetch_free(v->fetch);
 	eco_camera_free(v->camera);
 }
@@ -653,9 +549,9 @@ int main(int argc, char **argv)
 {
 	static struct viewer viewer;
 	struct eco_error error = { 0 };
-	if (eco_command_answers(&command, argc - 1, argv + 1))
-		return eco_command_end(&command, ECO_OK, &error);
-	enum eco_code code = read_line(argc, argv, &viewer.options, &error);
+	if (eco_command_answers(&view_command, argc - 1, argv + 1))
+		return eco_command_end(&view_command, ECO_OK, &error);
+	enum eco_code code = view_options_read(argc, argv, &viewer.options, &error);
 	view_progress_begin(&viewer.progress, "ecoview");
 	catch_signals();
 	eco_draco_end_without_memory();
@@ -669,5 +565,5 @@ int main(int argc, char **argv)
 	view_fetch_teardown();
 	if (code == ECO_INTERRUPTED)
 		error.text[0] = 0;                   /* all_frames told it */
-	return eco_command_end(&command, code, &error);
+	return eco_command_end(&view_command, code, &error);
 }

@@ -1,0 +1,33 @@
+/* What ecoview is told: its command line.
+ *
+ *   view_options_read(argc, argv, &options, &error); */
+#ifndef VIEW_OPTIONS_H
+#define VIEW_OPTIONS_H
+
+#include "client-min/view_fetch.h"
+#include "client-min/view_sky.h"
+#include "ecofiles/base/options.h"
+
+enum view_engine { VIEW_ENGINE_NONE, VIEW_ENGINE_AUTO, VIEW_ENGINE_CPU, VIEW_ENGINE_EGL };
+
+struct view_options {
+	const char *url, *camera, *dir, *explain, *chunks;
+	uint32_t size[2], width, height;
+	uint64_t vertices, bytes, memory;
+	double ground_px, texel_px, ahead_s, sun_s, snap_m;
+	struct view_sky sky;                     /* but for the sun */
+	bool has_frames, compare, digest, owners, glb;
+	uint64_t frame_first, frame_last;
+	enum view_engine reference;
+	int tint;                                /* enum view_tint */
+	int rule;                                /* of view_rules */
+	struct view_marks marks;                 /* of --progressive */
+};
+
+extern const struct eco_command view_command;
+extern const char *const view_rules[];           /* as the server calls them */
+
+/* ECO_BAD_USAGE says what is wrong. Once in a process. */
+enum eco_code view_options_read(int argc, char **argv, struct view_options *options, struct eco_error *error);
+
+#endif
