@@ -161,6 +161,13 @@ static enum eco_code start_http(struct srv_daemon *daemon, struct eco_error *err
 	return ECO_OK;
 }
 
+/* Before a scene is shown, so that no request waits for it. */
+static void find_typical(const struct srv_store *store)
+{
+	for (uint32_t i = 0; i < store->count; i++)
+		srv_typical_work(store->scenes[i]);
+}
+
 enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config *config,
 	const struct srv_store *store, struct eco_error *error)
 {
@@ -173,6 +180,7 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 	daemon->host.id_seed = (uint64_t)getpid() ^ srv_clock_us() << 20;
 	pthread_mutex_init(&daemon->host.reloading, NULL);
 	fill_defaults(&daemon->host.config);
+	find_typical(store);
 	enum eco_code code = config->endpoint ? ECO_OK
 		: srv_endpoint_open(&daemon->endpoint, config->listen, error);
 	if (!code)
@@ -238,8 +246,8 @@ enum eco_code srv_host_reload(struct srv_host *host, struct srv_reload *report, 
 	struct srv_edition *before = srv_catalog_hold(host->catalog);
 	uint64_t now_us = srv_clock_us(), until_us = now_us + host->config.keep_s * 1000000;
 	enum eco_code code = srv_sources_load(sources, &before->store, &store, report, error);
-	for (uint32_t i = 0; i < store.count && !code; i++)
-		srv_typical_work(store.scenes[i]);       /* now, so that no request waits for it */
+	if (!code)
+		find_typical(&store);
 	if (!code)
 		code = srv_catalog_replace(host->catalog, &store, until_us, now_us, error);
 	srv_store_free(&store);

@@ -482,6 +482,7 @@ UNIT_TEST(it_is_ready_until_it_stops)
 {
 	struct srv_store scenes;
 	struct srv_daemon *daemon = start((struct srv_config){ 0 }, &scenes);
+	assert_true(atomic_load(&scenes.scenes[0]->typical_work) > 0);   /* no request waits for it */
 	assert_int_equal(status_of("GET", "/readyz", ""), 200);
 	srv_daemon_quiesce(daemon);
 	assert_int_equal(status_of("GET", "/readyz", ""), 503);
