@@ -85,6 +85,7 @@ void lod_raster_clear(struct lod_raster *raster)
 		memset(raster->item, 0, pixels * sizeof *raster->item);
 	memset(raster->state->block, 0, blocks * sizeof *raster->state->block);
 	memset(raster->state->stale, 0, blocks);
+	raster->state->ground = false;
 }
 
 /* ---- Camera and object ---- */
@@ -261,6 +262,7 @@ void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from)
 		if (into->item)
 			into->item[i] = from->item[i];
 	}
+	into->state->ground |= from->state->ground;
 	memset(into->state->stale, 1, (size_t)into->state->blocks_x * into->state->blocks_y);
 }
 

@@ -10,6 +10,7 @@
  * Depth is 1/w, linear on the screen, and clamped to the range of the corners: gradients of slivers are
  * mostly rounding, and the coarse depth behind lod_raster_hides relies on no sample being nearer than its
  * triangle's nearest corner. */
+#include "lod/bits.h"
 #include "lod/raster/mask.h"
 #include "lod/raster/raster_state.h"
 
@@ -44,6 +45,27 @@ static inline void paint_four(const struct lod_paint *paint, size_t i, lod_f4 z)
 			(const uint32_t[4]){ paint->item, paint->item, paint->item, paint->item }, 16);
 }
 
+/* Paints `count` pixels from i on where nothing can be nearer. True if one was not covered. */
+static bool paint_plain(const struct lod_paint *paint, size_t i, uint32_t count)
+{
+	float *depth = paint->raster->depth + i;
+	lod_i4 open = lod_i4_all(0);
+	bool any = false;
+	uint32_t k = 0;
+	for (; k + 4 <= count; k += 4) {
+		open |= lod_f4_load(depth + k) < lod_f4_all(INFINITY);
+		lod_f4_store(depth + k, lod_f4_all(INFINITY));
+	}
+	for (; k < count; k++) {
+		any |= depth[k] < INFINITY;
+		depth[k] = INFINITY;
+	}
+	any |= lod_i4_bits(open) != 0;
+	if (any)
+		memset(paint->raster->cover + i, 255, count);
+	return any;
+}
+
 /* The depths of four pixels, the first of them `column` pixels from that at which the depth is `base`. */
 static inline lod_f4 depths_from(const struct slope *slope, float base, float step, uint32_t column)
 {
@@ -60,6 +82,11 @@ static void paint_span(const struct lod_paint *paint, uint32_t y, uint32_t left,
 	const float *depth = paint->raster->depth + row;
 	bool any = false;
 	uint32_t x = first;
+	if (paint->plain && slope->low > 0) {
+		if (paint_plain(paint, row + first, end - first))
+			lod_mark_stale(paint, y, first, end);
+		return;
+	}
 	for (; x + 4 <= end; x += 4) {
 		lod_f4 z = depths_from(slope, base, step, x - left);
 		lod_f4 there = lod_f4_load(depth + x);
@@ -96,30 +123,43 @@ static uint32_t wrap_texel(double at, uint32_t size)
 	return (uint32_t)(texel < 0 ? texel + size : texel);
 }
 
-static bool texture_opaque(const struct texture *texture, const int64_t edge[3])
+/* Bits of the opaque ones of four pixels, of which the first has the edge functions `at`. Sums and products of
+ * edge functions are integers below 2^53, so doubles hold them exactly. */
+static inline __attribute__((always_inline)) unsigned opaque_of_four(const struct texture *texture, const double at[3], const double step[3],
+	unsigned lanes)
 {
-	double u = 0, v = 0, z = 0;
+	lod_d4 u = { 0 }, v = { 0 }, z = { 0 };
 	for (int i = 0; i < 3; i++) {
-		double weight = (double)(edge[i] + texture->bias[i]);
+		lod_d4 weight = at[i] + (lod_d4){ 0, 1, 2, 3 } * step[i];
 		u += weight * texture->u[i];
 		v += weight * texture->v[i];
 		z += weight * texture->z[i];
 	}
-	uint32_t column = wrap_texel(u / z, texture->image->width),
-		row = wrap_texel(v / z, texture->image->height);
-	if (texture->mask)
-		return lod_mask_opaque(texture->mask, column, row);
-	return texture->image->rgba[4 * ((size_t)row * texture->image->width + column) + 3] >= 128;
+	u /= z;
+	v /= z;
+	unsigned opaque = 0;
+	for (; lanes; lanes &= lanes - 1) {
+		unsigned lane = (unsigned)__builtin_ctz(lanes);
+		uint32_t column = wrap_texel(u[lane], texture->image->width),
+			row = wrap_texel(v[lane], texture->image->height);
+		bool is = texture->mask ? lod_mask_opaque(texture->mask, column, row)
+			: texture->image->rgba[4 * ((size_t)row * texture->image->width + column) + 3] >= 128;
+		opaque |= (unsigned)is << lane;
+	}
+	return opaque;
 }
 
 /* Most pixels under the cards of a crown are covered already: four at a time are passed over. */
-static void paint_cutout_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first,
+static inline __attribute__((always_inline)) void paint_cutout_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first,
 	uint32_t end, float base, float step, const struct slope *slope, const struct texture *texture,
 	const int64_t row_edge[3], const struct edge edges[3])
 {
 	size_t row = (size_t)y * paint->raster->width;
 	const float *depth = paint->raster->depth + row;
+	double steps[3];
 	bool any = false;
+	for (int i = 0; i < 3; i++)
+		steps[i] = (double)edges[i].step_x;
 	for (uint32_t x = first; x < end; x += 4) {
 		lod_f4 z = depths_from(slope, base, step, x - left), there = lod_f4_all(INFINITY);
 		if (x + 4 <= end)
@@ -128,13 +168,14 @@ static void paint_cutout_span(const struct lod_paint *paint, uint32_t y, uint32_
 			for (uint32_t lane = 0; x + lane < end; lane++)
 				there[lane] = depth[x + lane];
 		unsigned may_win = lod_i4_bits(z >= there);
-		for (; may_win; may_win &= may_win - 1) {
-			unsigned lane = (unsigned)__builtin_ctz(may_win);
-			int64_t at[3];
-			for (int i = 0; i < 3; i++)
-				at[i] = row_edge[i] + (int64_t)(x + lane - left) * edges[i].step_x;
-			if (texture_opaque(texture, at))
-				any |= lod_paint_pixel(paint, row + x + lane, z[lane]);
+		if (!may_win)
+			continue;
+		double at[3];
+		for (int i = 0; i < 3; i++)
+			at[i] = (double)(row_edge[i] + texture->bias[i] + (int64_t)(x - left) * edges[i].step_x);
+		for (unsigned opaque = opaque_of_four(texture, at, steps, may_win); opaque; opaque &= opaque - 1) {
+			unsigned lane = (unsigned)__builtin_ctz(opaque);
+			any |= lod_paint_pixel(paint, row + x + lane, z[lane]);
 		}
 	}
 	if (any)
@@ -235,7 +276,7 @@ static inline bool box_clamp(struct box *box, const struct lod_raster *raster)
 	return box->left <= box->right && box->top <= box->bottom;
 }
 
-void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner corners[3])
+LOD_CLONES_WIDE void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner corners[3])
 {
 	const struct lod_corner *a = &corners[0], *b = &corners[1], *c = &corners[2];
 	int64_t area = (int64_t)(b->x - a->x) * (c->y - a->y) - (int64_t)(c->x - a->x) * (b->y - a->y);

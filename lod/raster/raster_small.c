@@ -70,6 +70,22 @@ static inline unsigned setup_four(struct setup *setup, const struct lod_four *fo
 	return lod_i4_bits((area != lod_f4_all(0)) & ~(missed & single));
 }
 
+/* Four pixels of a row, where nothing can be nearer; all are in the picture. */
+static inline void paint_plain(const struct lod_paint *paint, unsigned bits, uint32_t x, uint32_t y)
+{
+	static const lod_i4 lanes = { 1, 2, 4, 8 };
+	size_t at = (size_t)y * paint->raster->width + x;
+	lod_f4 there = lod_f4_load(paint->raster->depth + at);
+	lod_i4 open = (there < lod_f4_all(INFINITY)) & ((lod_i4_all((int32_t)bits) & lanes) != 0);
+	unsigned painted = lod_i4_bits(open);
+	if (!painted)
+		return;
+	lod_f4_store(paint->raster->depth + at, lod_f4_select(open, lod_f4_all(INFINITY), there));
+	for (unsigned k = 0; k < 4; k++)
+		paint->raster->cover[at + k] |= (uint8_t)-(painted >> k & 1);
+	lod_mark_stale(paint, y, x, x + 4);
+}
+
 static inline void paint_bits(const struct lod_paint *paint, unsigned bits, uint32_t x, uint32_t y, float z,
 	float step, float low, float high)
 {
@@ -97,9 +113,12 @@ static inline void fill_strip(const struct lod_paint *paint, const struct setup 
 		down[i] = lod_f4_all(setup->step_y[i][lane]);
 	}
 	float z_step = setup->z_step_x[lane], z = setup->z[lane] + (float)column * z_step;
+	bool plain = paint->plain && setup->low[lane] > 0 && x + column + 4 <= paint->raster->width;
 	for (uint32_t row = 0; row < height; row++) {
 		unsigned bits = lod_i4_bits((lod_i4)edge[0] | (lod_i4)edge[1] | (lod_i4)edge[2]) ^ 15;
-		if (bits)
+		if (bits && plain)
+			paint_plain(paint, bits, x + column, y + row);
+		else if (bits)
 			paint_bits(paint, bits, x + column, y + row, z + (float)row * setup->z_step_y[lane],
 				z_step, setup->low[lane], setup->high[lane]);
 		for (int i = 0; i < 3; i++)

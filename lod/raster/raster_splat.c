@@ -66,8 +66,13 @@ bool lod_ball_outline(const struct lod_raster_state *state, const float centre[3
 
 uint32_t lod_outline_from(float at, uint32_t size)
 {
-	float first = ceilf(at + 0.5f * (float)size - 0.5f);
-	return first > 0 ? first < (float)size ? (uint32_t)first : size : 0;
+	at += 0.5f * (float)size - 0.5f;
+	if (!(at > 0))
+		return 0;
+	if (!(at <= (float)size))
+		return size;
+	uint32_t whole = (uint32_t)at;
+	return whole + ((float)whole < at);
 }
 
 /* Where only the cover is wanted, all of it may be at the depth of the centre. */
@@ -82,6 +87,8 @@ static void fill_row(const struct lod_paint *paint, const struct disc *disc, uin
 	size_t first = (size_t)row * paint->raster->width;
 	float left = 0.5f - 0.5f * (float)paint->raster->width - disc->x;
 	for (uint32_t x = from; x < to; x++) {
+		if (paint->silhouette && paint->raster->depth[first + x] == INFINITY)
+			continue;
 		if (disc->opacity < 1 && !lod_splat_covers(disc->salt, x, row, disc->opacity))
 			continue;
 		float w = disc->w + (paint->silhouette ? 0

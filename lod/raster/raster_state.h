@@ -30,7 +30,7 @@ struct lod_raster_state {
 	uint32_t blocks_x, blocks_y;
 	float *block;                    /* lower bound of the depths in a block; exact where not stale */
 	uint8_t *stale;
-	bool silhouette;
+	bool silhouette, ground;         /* ground: some has been drawn */
 };
 
 /* The pixels that a batch paints. */
@@ -42,13 +42,16 @@ struct lod_paint {
 	uint64_t owner;
 	uint8_t cover;
 	bool silhouette;
+	bool plain;                      /* a silhouette without ground: what is there cannot be nearer */
 };
 
 /* The paint of the batch's first primitive. */
 static inline struct lod_paint lod_paint_make(struct lod_raster *raster, const struct lod_raster_batch *batch)
 {
+	raster->state->ground |= !batch->owner;
+	bool silhouette = raster->state->silhouette && batch->owner;
 	return (struct lod_paint){ .raster = raster, .owner = batch->owner, .cover = batch->owner ? 255 : 0,
-		.silhouette = raster->state->silhouette && batch->owner };
+		.silhouette = silhouette, .plain = silhouette && !raster->state->ground };
 }
 
 struct lod_corner { int32_t x, y; float z, u, v; };      /* x, y in 1/256 pixel from the top left; z = 1/w */
