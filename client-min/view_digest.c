@@ -75,6 +75,7 @@ static uint64_t hash_cut(uint64_t h, const struct eco_cut *cut)
 {
 	h = hash_word(h, (uint64_t)cut->list << 32 | cut->anchor);
 	h = hash_word(h, (uint64_t)cut->first << 32 | cut->end);
+	h = hash_word(h, cut->halvings);
 	return hash(h, &cut->scale, sizeof cut->scale);
 }
 

@@ -83,10 +83,11 @@ static void draw_summary(struct worker *w, const struct view_mesh *mesh, struct 
 	const struct view_list *list = mesh->list;
 	uint32_t item = batch.item;
 	for (uint32_t i = 0; i < mesh->batch.count;) {
-		uint32_t end = i + 1;
-		batch.owner = view_summary_owner(list, first + i, path);
-		while (end < mesh->batch.count && view_summary_owner(list, first + end, path) == batch.owner)
-			end++;
+		uint32_t end = i + (1u << mesh->halvings);
+		batch.owner = view_summary_owner(list, first + (i >> mesh->halvings), path);
+		while (end < mesh->batch.count && view_summary_owner(list, first
+				+ (end >> mesh->halvings), path) == batch.owner)
+			end += 1u << mesh->halvings;
 		struct lod_geometry from = lod_geometry_from(&mesh->geometry, &list->list, i);
 		batch.count = end - i;
 		batch.item = item + i;

@@ -184,8 +184,7 @@ static enum eco_code add_pair(struct walk *w, uint32_t cut)
 			sizeof *w->out->cuts))
 		return no_memory(w);
 	w->out->cuts[w->pair_count++] = cut;
-	w->out->vertices +=
-		(uint64_t)(c->end - c->first) * eco_list_vertices(&view_store_list(w->store, c->list)->list);
+	w->out->vertices += eco_cut_vertices(c, &view_store_list(w->store, c->list)->list);
 	w->out->member_first[cut + 1]++;
 	return ECO_OK;
 }

@@ -375,6 +375,13 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 		if (cut->first > cut->end || cut->end > held)
 			return BAD("cut %u of the plan draws [%u,%u) of list %u, "
 				"of which %u are held", i, cut->first, cut->end, cut->list, held);
+		if (cut->halvings && !(list->list.kind == ECO_LIST_POINTS
+				&& list->list.attributes & ECO_ATTR_PLANT))
+			return BAD("cut %u of the plan scatters list %u, which is no summary", i, cut->list);
+		if (eco_cut_primitives(cut) > ECO_CUT_PRIMITIVES_MAX)
+			return BAD("cut %u of the plan draws list %u as %llu points, at most %u are allowed",
+				i, cut->list, (unsigned long long)eco_cut_primitives(cut),
+				ECO_CUT_PRIMITIVES_MAX);
 		if (list->list.kind == ECO_LIST_IMPOSTOR && cut->end != cut->first + 1)
 			return BAD("cut %u of the plan draws %u levels of list %u, an impostor, not one", i,
 				cut->end - cut->first, cut->list);

@@ -10,6 +10,7 @@
 #include "client-min/draw/view_impostor.h"
 #include "client-min/view_record.h"
 #include "client-min/draw/view_shade.h"
+#include "lod/scattered.h"
 
 #define INSTANCE_TEXELS 4
 #define QUADS 16383u                     /* a draw call: 16-bit indices, of which OpenGL ES keeps the last */
@@ -354,15 +355,16 @@ static void set_tint(const struct view_shader *s, enum view_role role)
 
 /* Scale as the vertex shader wants it: of edges, by growth code or of a line or splat, or the radius of a
  * point. */
-static void set_scale(const struct view_shader *s, const struct eco_list *list, float scale)
+static void set_scale(const struct view_shader *s, const struct eco_list *list, const struct eco_cut *cut)
 {
+	float scale = ldexpf(cut->scale, -cut->halvings);
 	float edges[ECO_GROWTHS];
 	for (uint32_t code = 0; code < ECO_GROWTHS; code++)
 		edges[code] = sqrtf(eco_growth(code, scale));
 	glUniform1fv(s->uniform[VIEW_U_EDGES], ECO_GROWTHS, edges);
 	bool ball = list->kind == ECO_LIST_POINTS && !(list->attributes & ECO_ATTR_SPLAT);
 	glUniform1f(s->uniform[VIEW_U_SCALE],
-		ball ? (float)sqrt((double)list->unit_area * scale / 3.14159265358979) : sqrtf(scale));
+		ball ? (float)lod_ball_radius(list, scale) : sqrtf(scale));
 }
 
 static enum eco_code bind_images(struct frame *f, const struct view_list *list)
@@ -460,8 +462,8 @@ static void draw_primitives(const struct frame *f, const struct view_shader *s, 
 	else if (list->list.kind == ECO_LIST_IMPOSTOR)
 		draw_impostors(f, s, list, cut->first, first_member, members);
 	else
-		draw_quads(s, cut->first, cut->end, members);
-	f->picture->vertices += (uint64_t)(cut->end - cut->first) * eco_list_vertices(&list->list) * members;
+		draw_quads(s, cut->first << cut->halvings, cut->end << cut->halvings, members);
+	f->picture->vertices += eco_cut_vertices(cut, &list->list) * members;
 }
 
 static enum eco_code draw_cut(struct frame *f, uint32_t index)
@@ -485,16 +487,19 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 	if (which == VIEW_PROGRAM_TEXTURED && (code = bind_images(f, list)))
 		return code;
 	glUniform1i(s->uniform[VIEW_U_FIRST_MEMBER], (int)first_member);
-	set_scale(s, &list->list, cut->scale);
+	set_scale(s, &list->list, cut);
 	if (list->list.kind == ECO_LIST_POINTS)
 		glUniform1ui(s->uniform[VIEW_U_LEVEL],
 			view_surface_cloud(0, eco_level_share(list->list.level)) >> 16 & 255);
-	if (which == VIEW_PROGRAM_SUMMARY)
+	if (which == VIEW_PROGRAM_SUMMARY) {
 		glUniform1ui(s->uniform[VIEW_U_PATH],
 			view_record_path(selection->instances[selection->members[first_member]].path));
+		glUniform1i(s->uniform[VIEW_U_HALVINGS], cut->halvings);
+		glUniform1f(s->uniform[VIEW_U_REACH], (float)lod_ball_radius(&list->list, cut->scale));
+	}
 	if (f->job->tint == VIEW_TINT_KIND)
 		set_tint(s, selection->roles[index]);
-	if ((uint64_t)cut->end * 4 > INT32_MAX)
+	if (((uint64_t)cut->end << cut->halvings) * 4 > INT32_MAX)
 		return eco_fail(f->error, ECO_TOO_LARGE, "list %u is too long for the graphics driver: use "
 			"--reference=cpu", list->id);
 	draw_primitives(f, s, list, cut, first_member, members);

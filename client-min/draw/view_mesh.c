@@ -9,6 +9,7 @@
 #include "client-min/draw/view_shade.h"
 #include "client-min/draw/view_texture.h"
 #include "lod/light.h"
+#include "lod/scattered.h"
 
 /* ---- Geometry ---- */
 
@@ -55,7 +56,7 @@ enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *st
 	const struct eco_cut *cut, const struct view_plant *plant, struct eco_error *error)
 {
 	const struct view_list *list = mesh->list = view_store_list(store, cut->list);
-	uint32_t count = cut->end - cut->first;
+	uint32_t points = cut->end - cut->first, count = points << cut->halvings;
 	const struct view_list *image = list->list.image == ECO_NONE ? NULL
 		: view_store_list(store, list->list.image);
 	if (list->list.kind == ECO_LIST_IMPOSTOR) {
@@ -71,10 +72,13 @@ enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *st
 		return no_memory(error);
 	uint32_t written = lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale,
 		&mesh->geometry);
-	assert(written == count);
+	assert(written == points);
 	bool cutout = mesh->image && image->cutout;
 	mesh->batch = (struct lod_raster_batch){ .count = count, .cutout = cutout ? &image->image : NULL,
-		.area = list->list.unit_area * cut->scale };
+		.area = ldexpf(list->list.unit_area * cut->scale, -cut->halvings) };
+	mesh->halvings = cut->halvings;
+	lod_scatter(&mesh->geometry, points, cut->first, cut->halvings,
+		lod_ball_radius(&list->list, cut->scale));
 	mesh->by_point = list->list.kind == ECO_LIST_POINTS && list->list.attributes & ECO_ATTR_PLANT;
 	mesh->half_width = plant ? view_shape_of(plant).half_width : 0;
 	bound_sphere(mesh, count * eco_list_vertices(&list->list));

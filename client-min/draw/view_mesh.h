@@ -14,7 +14,8 @@ struct view_mesh {                       /* owns its geometry; zero is empty */
 	const struct lod_impostor *impostor;     /* NULL: none; its cells are primitives */
 	float center[3], radius;         /* of all that is drawn, object space */
 	float half_width;                /* of the plant; 0: a summary's */
-	bool by_point;                   /* a summary: each point has its own owner */
+	bool by_point;                   /* a summary: each point has its own owner ... */
+	unsigned halvings;               /* ... and is 2^halvings primitives */
 };
 
 /* `plant` is whose the cut is; NULL: a summary's. What has been made so far is freed by view_mesh_free. */

@@ -128,6 +128,20 @@ static const char vertex_lines[] =
 /* u_level: eco_level_share, in 1/255. Ellipses as lod/splat.h has them: the quad holds the ellipse, whose
  * pixels the fragment shader tells. */
 static const char vertex_points[] =
+	"#if TEXELS == 2\n"
+	"uniform int u_halvings;         // of scattered points\n"
+	"uniform float u_reach;          // of a point before it is scattered\n"
+	/* lod/scattered.c */
+	"vec3 scatter_offset(uint point, uint part) {\n"
+	"	uint hash = point * 0x9E3779B1u + part * 0x85EBCA77u;\n"
+	"	hash = (hash ^ hash >> 16) * 0x21F0AAADu;\n"
+	"	hash = (hash ^ hash >> 15) * 0x735A2D97u;\n"
+	"	hash ^= hash >> 15;\n"
+	"	ivec3 a = ivec3(uvec3(hash, hash >> 10, hash >> 20) & 31u), b = ivec3(uvec3(hash >> 5, hash "
+	">> 15, hash >> 25) & 31u);\n"
+	"	return vec3(a + b - 31) / 32.0;\n"
+	"}\n"
+	"#endif\n"
 	"uniform float u_sides[" TEXT(ECO_SIZES) "];\n"
 	"uniform uint u_level;\n"
 	"uniform vec2 u_half;            // of the picture, pixels\n"
@@ -138,9 +152,18 @@ static const char vertex_points[] =
 	"flat out uint v_salt;\n"
 	"void main() {\n"
 	"	Plant p = plant_of_member(gl_InstanceID);\n"
-	"	int corner = gl_VertexID & 3, at = ((gl_VertexID >> 2) + u_first) * TEXELS;\n"
+	"	int corner = gl_VertexID & 3, point = (gl_VertexID >> 2) + u_first;\n"
+	"#if TEXELS == 2\n"
+	"	uint scattered = uint(point & ((1 << u_halvings) - 1));\n"
+	"	point >>= u_halvings;\n"
+	"#endif\n"
+	"	int at = point * TEXELS;\n"
 	"	uvec4 t0 = record_at(at);\n"
-	"	vec3 view = view_of(p, xyz(t0));\n"
+	"	vec3 middle_of = xyz(t0);\n"
+	"#if TEXELS == 2\n"
+	"	if (u_halvings > 0) middle_of += u_reach * scatter_offset(uint(point), scattered);\n"
+	"#endif\n"
+	"	vec3 view = view_of(p, middle_of);\n"
 	"	vec2 focal = u_lens.xy * u_half, middle = vec2(view.x, -view.y) * focal / view.z;\n"
 	"	mat3 axes, to_plant = mat3(0.0); // half axes in view space, y down; columns: normals of "
 	"plant space\n"
@@ -336,7 +359,7 @@ static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up"
 	"u_members",
 	"u_alpha", "u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
 	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
-	"u_point_max", "u_surface", "u_shift", "u_first" };
+	"u_point_max", "u_surface", "u_shift", "u_first", "u_halvings", "u_reach" };
 
 static unsigned compile(unsigned type, const char *const *parts, int count, const char *name,
 	struct eco_error *error)

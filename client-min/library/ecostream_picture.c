@@ -7,7 +7,7 @@
 #include "client-min/library/ecostream_client.h"
 #include "client-min/library/ecostream_status.h"
 #include "client-min/view_select.h"
-#include "lod/geometry.h"
+#include "lod/scattered.h"
 
 struct ecostream_picture {
 	const struct view_store *store;
@@ -116,7 +116,7 @@ void ecostream_picture_draw(const struct ecostream_picture *picture, uint32_t dr
 	const struct view_plant *plant = cut->anchor == ECO_NONE ? NULL : view_store_plant(picture->store,
 		list->owner);
 	info->kind = kind_of(list);
-	info->primitives = cut->end - cut->first;
+	info->primitives = (uint32_t)eco_cut_primitives(cut);
 	members_of(picture, draw, &info->places);
 	info->vertices = (uint64_t)info->primitives * info->places * eco_list_vertices(list);
 	if (plant)
@@ -209,14 +209,15 @@ static void put_radii(struct owned *owned, const struct eco_list *list, float sc
 
 static bool make_list(struct owned *owned, const struct view_list *list, const struct eco_cut *cut)
 {
-	uint32_t count = cut->end - cut->first;
+	uint32_t points = cut->end - cut->first, count = points << cut->halvings;
 	owned->rgb = malloc((size_t)count * 3);
 	owned->radii = malloc((size_t)count * sizeof *owned->radii);
 	if (!owned->rgb || !owned->radii || !lod_geometry_make(&owned->made, &list->list, count, false))
 		return false;
 	lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale, &owned->made);
+	lod_scatter(&owned->made, points, cut->first, cut->halvings, lod_ball_radius(&list->list, cut->scale));
 	put_colours(owned, list, count);
-	put_radii(owned, &list->list, cut->scale, count);
+	put_radii(owned, &list->list, ldexpf(cut->scale, -cut->halvings), count);
 	return true;
 }
 

@@ -303,8 +303,7 @@ static void say_roles(struct web *web)
 		const struct eco_cut *cut = &s->plan_cuts[c];
 		const struct view_list *list = view_store_list(web->store, cut->list);
 		if (list)
-			vertices[s->roles[c]] += (uint64_t)(cut->end - cut->first)
-				* eco_list_vertices(&list->list)
+			vertices[s->roles[c]] += eco_cut_vertices(cut, &list->list)
 				* (s->member_first[c + 1] - s->member_first[c]);
 	}
 	eco_write_format(&web->text, "\"roles\":[");

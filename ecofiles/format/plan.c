@@ -54,7 +54,7 @@ static int gate_order(const void *a, const void *b)
 	return compare((uint32_t[2]){ x->plant, x->end }, (uint32_t[2]){ y->plant, y->end }, 2);
 }
 
-#define CUT_KEYS 9
+#define CUT_KEYS 10
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 static void cut_keys(const struct eco_cut *cut, uint32_t keys[CUT_KEYS])
@@ -65,7 +65,7 @@ static void cut_keys(const struct eco_cut *cut, uint32_t keys[CUT_KEYS])
 	/* ECO_NONE + 1 is 0: summaries come first */
 	uint32_t all[CUT_KEYS] = { cut->anchor + 1, summary ? cut->placement : 0, cut->list,
 		summary ? 0 : cut->band_first, summary ? 0 : cut->band_end, summary ? 0 : cut->share_first,
-		cut->first, cut->end, bits };
+		cut->first, cut->end, bits, cut->halvings };
 	memcpy(keys, all, sizeof all);
 }
 
@@ -168,6 +168,8 @@ static enum eco_code check_cut(const struct eco_plan *plan, uint32_t i, struct e
 		return BAD("cut %u of the plan has no list", i);
 	if (!within(cut->scale, 0, 1e12) || signbit(cut->scale))
 		return BAD("cut %u of the plan has a scale outside [0, 1e12]", i);
+	if (cut->halvings > (cut->anchor == ECO_NONE ? ECO_HALVINGS_MAX : 0))
+		return BAD("cut %u of the plan halves its points %u times", i, cut->halvings);
 	if (cut->anchor == ECO_NONE) {
 		if (cut->placement >= plan->placement_count)
 			return BAD("cut %u of the plan lies in placement %u of %u",

@@ -14,8 +14,10 @@
  * tiles of a plan do not overlap and together cover all ground in view. Where tiles of different levels
  * touch, the finer one gives way (lod/ground_choice.h). Ground counts no vertices.
  *
- * Vertices of a plan = sum over cuts of (end - first) * eco_list_vertices(list) * matching instances:
- * exactly those drawn. */
+ * A summary's points may be scattered: each is drawn as 2^halvings points around it, which together have its
+ * area (lod/scattered.h). So few points look like leaves, not like balls, for no bytes.
+ *
+ * Vertices of a plan = sum over cuts of eco_cut_vertices * matching instances: exactly those drawn. */
 #ifndef ECO_PLAN_H
 #define ECO_PLAN_H
 
@@ -36,8 +38,21 @@ struct eco_cut {
 	/* rule: scene's anchor index; ECO_NONE: the list is drawn once, in its placement */
 	uint32_t anchor;
 	uint8_t band_first, band_end;
+	uint8_t halvings;            /* of a summary's points, at most ECO_HALVINGS_MAX; 0 for all others */
 	uint32_t share_first, share_end;     /* of ECO_SHARE_ONE */
 };
+#define ECO_HALVINGS_MAX 6u
+#define ECO_CUT_PRIMITIVES_MAX (1u << 28)
+
+/* Primitives and vertices that a cut of `list` draws for one instance. */
+static inline uint64_t eco_cut_primitives(const struct eco_cut *cut)
+{
+	return (uint64_t)(cut->end - cut->first) << cut->halvings;
+}
+static inline uint64_t eco_cut_vertices(const struct eco_cut *cut, const struct eco_list *list)
+{
+	return eco_cut_primitives(cut) * eco_list_vertices(list);
+}
 
 /* how a nested eco file's coordinates become the scene's: world = at + scale * turn(p) */
 struct eco_placement {

@@ -48,6 +48,7 @@
  *                first band:
  *     owner      1 bit: another anchor: n anchor - before - 1; drawn once: another placement: s
  *     list       1 bit: another: s
+ *     halvings   3 bits; only of cuts drawn once
  *     bands      2 bits: 0: as before   1: from before's end: n count - 1   2: s less before's end (of
  *                another list: less the first band of the first cut of the list before), n count - 1
  *     share      2 bits: first is 0, before's end, before's first, sent; 3 bits: end is all, before's, the
@@ -73,7 +74,7 @@
 #include "ecofiles/format/wire_items.h"
 
 enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_BUNDLE, ECO_FRAME_PLAN, ECO_FRAME_END, ECO_FRAME_AHEAD };
-#define ECO_WIRE_VERSION 19u
+#define ECO_WIRE_VERSION 20u
 #define ECO_FRAME_HEADER_BYTES 16u
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)

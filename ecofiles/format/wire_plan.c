@@ -215,7 +215,8 @@ enum scale_form { SCALE_ONE, SCALE_AGAIN, SCALE_OF_BAND, SCALE_NEAR, SCALE_FLOAT
 #define CONTEXTS 16u
 struct cut_models {
 	struct eco_bit moved[4], other[4], bands[CONTEXTS][4], share[CONTEXTS][4], share_end[CONTEXTS][8],
-		first[CONTEXTS][4], end[CONTEXTS][8], scale[CONTEXTS][8], float_bits;
+		first[CONTEXTS][4], end[CONTEXTS][8], scale[CONTEXTS][8], float_bits,
+		halvings[ECO_HALVINGS_MAX + 1][8];
 	struct number anchor, list[2], band_first[2], band_count[4], first_at, end_at[2], share_bits,
 		scale_step;
 };
@@ -382,7 +383,10 @@ static void code_cut(struct coder *c, struct cut_models *m, struct cut_state *s,
 		cut->band_end = ECO_BANDS;
 		cut->share_first = 0;
 		cut->share_end = ECO_SHARE_ONE;
+		cut->halvings = (uint8_t)code_form(c, m->halvings[s->before.halvings], 3, cut->halvings);
+		c->bad |= cut->halvings > ECO_HALVINGS_MAX;
 	} else {
+		cut->halvings = 0;
 		code_bands(c, m, s, fresh, cut);
 		code_shares(c, m, s, fresh, cut);
 	}

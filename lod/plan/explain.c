@@ -146,8 +146,7 @@ void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry,
 		row.tile = p->visible.nodes[entry->ladder].tile;
 	else
 		row.plant = p->visible.slots[entry->slot].plant;
-	row.vertices = (uint64_t)(cut->end - cut->first) * eco_list_vertices(&p->scene->lists[cut->list])
-		* plants;
+	row.vertices = eco_cut_vertices(cut, &p->scene->lists[cut->list]) * plants;
 	add_row(p->input->explanation, &row);
 }
 

@@ -8,6 +8,7 @@
 #include "ecofiles/format/wire.h"
 #include "lod/ground_choice.h"
 #include "lod/ladder.h"
+#include "lod/plan/halvings.h"
 #include "lod/plan/texture_levels.h"
 
 #define GROWTH 0.6               /* at most so much is added to leaves' areas among other plants */
@@ -76,7 +77,7 @@ static void add_cuts(const struct lod_planner *p, const struct lod_entry *entry,
 }
 
 static void add_summary_cut(const struct lod_planner *p, const struct lod_entry *entry,
-	const uint32_t *placement_in_plan, struct eco_plan *plan)
+	const uint32_t *placement_in_plan, double part_px, struct eco_plan *plan)
 {
 	const struct lod_node *node = &p->visible.nodes[entry->ladder];
 	if (entry->vertices == 0)
@@ -84,11 +85,10 @@ static void add_summary_cut(const struct lod_planner *p, const struct lod_entry 
 	struct eco_cut *cut = &plan->cuts[plan->cut_count++];
 	*cut = (struct eco_cut){
 		.list = p->scene->tiles[node->tile].summary, .end = (uint32_t)entry->vertices,
-		.scale =
-		eco_wire_scale_round((float)((double)entry->full / fmax(entry->wanted,
-		(double)entry->vertices))),
+		.scale = lod_summary_scale(entry), .halvings = lod_halvings(p, entry, part_px),
 		.placement = placement_in_plan[node->placement], .anchor = ECO_NONE,
 		.share_end = ECO_SHARE_ONE };
+	plan->vertices += eco_cut_primitives(cut) - entry->vertices;
 	lod_explain_cut(p, entry, cut, 1);
 }
 
@@ -235,10 +235,12 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 	}
 	add_placements(p, placement_in_plan, plan);
 	add_runs(p, placement_in_plan, plan);
+	double part_px = lod_part_px(p);
+	plan->vertices = p->vertices;
 	for (uint32_t i = 0; i < p->entry_count; i++) {
 		const struct lod_entry *entry = &p->entries[i];
 		if (entry->slot == ECO_NONE) {
-			add_summary_cut(p, entry, placement_in_plan, plan);
+			add_summary_cut(p, entry, placement_in_plan, part_px, plan);
 			continue;
 		}
 		uint32_t from = entry->share ? entry->share : entry->first, between = entry->between
@@ -261,7 +263,6 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 		return code;
 	merge_bands(p, plan);
 	plan->prediction = rounded(&p->prediction);
-	plan->vertices = p->vertices;
 	plan->visible_plants = p->visible.plants;
 	plan->sample_distance = p->sample_distance;
 	return ECO_OK;

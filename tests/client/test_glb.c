@@ -108,7 +108,8 @@ static uint64_t triangles_of(const struct scene_held *h, uint32_t c)
 {
 	const struct view_selection *s = &h->selection;
 	const struct eco_cut *cut = &s->plan_cuts[c];
-	uint64_t members = s->member_first[c + 1] - s->member_first[c], count = cut->end - cut->first;
+	uint64_t members = s->member_first[c + 1] - s->member_first[c],
+		count = eco_cut_primitives(cut);
 	switch (scene.scene.lists[cut->list].kind) {
 	case ECO_LIST_TRIANGLES:
 		return members * count;

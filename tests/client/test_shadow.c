@@ -265,6 +265,7 @@ UNIT_TEST(a_ball_casts_a_disc)
 	struct eco_cut one = l.casters.plan_cuts[cut];
 	uint32_t first[] = { 0, 1 }, member[] = { 0 };
 	one.end = 1;
+	one.halvings = 0;
 	one.scale = 60;
 	struct lod_place *place = &l.casters.instances[at].place;
 	struct view_selection ball = { .instances = &l.casters.instances[at], .instance_count = 1,

@@ -86,6 +86,22 @@ static struct eco_cut rule(uint32_t anchor, uint32_t list, uint8_t band)
 		.share_end = ECO_SHARE_ONE };
 }
 
+UNIT_TEST(only_summaries_are_scattered_and_not_without_end)
+{
+	struct eco_cut cuts[] = { { .list = 9, .end = 4, .scale = 2, .anchor = ECO_NONE }, rule(1, 0, 4) };
+	struct eco_placement placement = { .scale = 1 };
+	struct eco_plan plan = { .cuts = cuts, .cut_count = 2, .placements = &placement, .placement_count = 1 };
+	const struct eco_list list = { .kind = ECO_LIST_POINTS };
+	cuts[0].halvings = ECO_HALVINGS_MAX;
+	assert_int_equal(eco_plan_check(&plan, NULL), ECO_OK);
+	assert_true(eco_cut_vertices(&cuts[0], &list) == 4ull << ECO_HALVINGS_MAX);
+	cuts[0].halvings++;
+	assert_int_equal(eco_plan_check(&plan, NULL), ECO_DAMAGED);
+	cuts[0].halvings = 0;
+	cuts[1].halvings = 1;
+	assert_int_equal(eco_plan_check(&plan, NULL), ECO_DAMAGED);
+}
+
 UNIT_TEST(sorting_puts_summaries_first_then_anchor_list_and_band)
 {
 	struct eco_cut cuts[] = { rule(2, 0, 1), rule(1, 1, 0), rule(1, 0, 5),

@@ -64,6 +64,8 @@ static void check_cuts(const struct eco_plan *plan)
 			assert_true(cut->band_first < cut->band_end && cut->band_end <= ECO_BANDS);
 		else
 			assert_true(cut->placement < plan->placement_count);
+		assert_true(cut->halvings <= (cut->anchor == ECO_NONE && scene.lists[cut->list].kind
+			== ECO_LIST_POINTS ? ECO_HALVINGS_MAX : 0));
 	}
 }
 

@@ -20,9 +20,7 @@ static uint64_t anchor_vertices(const struct eco_scene *scene, const struct eco_
 		const struct eco_cut *cut = &plan->cuts[c];
 		if (cut->anchor == at->anchor && cut->band_first <= at->band && at->band < cut->band_end
 				&& cut->share_first <= hash && hash < cut->share_end)
-			vertices +=
-				(uint64_t)(cut->end - cut->first)
-				* eco_list_vertices(&scene->lists[cut->list]);
+			vertices += eco_cut_vertices(cut, &scene->lists[cut->list]);
 	}
 	return vertices;
 }
@@ -60,8 +58,7 @@ uint64_t plan_twin_vertices(const struct eco_scene *scene, const struct eco_plan
 	lod_eye_make(&eye, view);
 	for (uint32_t c = 0; c < plan->cut_count; c++)
 		if (plan->cuts[c].anchor == ECO_NONE)
-			vertices += (plan->cuts[c].end - plan->cuts[c].first)
-				* eco_list_vertices(&scene->lists[plan->cuts[c].list]);
+			vertices += eco_cut_vertices(&plan->cuts[c], &scene->lists[plan->cuts[c].list]);
 	for (uint32_t r = 0; r < plan->run_count; r++)
 		for (uint32_t g = 0; g < scene->group_count; g++)
 			if (plan->runs[r].list_first <= scene->groups[g].list && scene->groups[g].list

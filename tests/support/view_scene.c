@@ -250,7 +250,8 @@ void scene_plan(const struct scene_builder *b, const struct eco_view *view, doub
 	const uint8_t near = 97, middle = 99, far = ECO_BANDS;            /* about 20 and 28 m */
 	struct eco_cut cuts[] = {
 		{ .list = L_GROUND, .end = 17 * 15, .scale = 1, .anchor = ECO_NONE },
-		{ .list = L_SUMMARY, .end = 300, .scale = 1.3f, .placement = 2, .anchor = ECO_NONE },
+		{ .list = L_SUMMARY, .end = 300, .scale = 1.3f, .placement = 2, .anchor = ECO_NONE,
+			.halvings = 2 },
 		scene_rule(A_TREE, L_WOOD, 0, b->lists[L_WOOD].primitive_count, 1, 0, middle),
 		scene_rule(A_TREE, L_LINES, 0, 24, 1, middle, far),
 		scene_rule(A_TREE, L_LEAVES, 0, (uint32_t)(500 * end_share), 1.6f, 0, near),

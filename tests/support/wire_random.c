@@ -67,6 +67,7 @@ static struct eco_cut wire_random_cut(struct wire_random *r, const struct eco_cu
 		cut.band_end = ECO_BANDS;
 		cut.share_first = 0;
 		cut.share_end = ECO_SHARE_ONE;
+		cut.halvings = (uint8_t)wire_random_below(r, ECO_HALVINGS_MAX + 1);
 	}
 	return cut;
 }
@@ -101,7 +102,7 @@ static bool same_cut(const struct eco_cut *a, const struct eco_cut *b)
 	return a->list == b->list && a->first == b->first && a->end == b->end && a->scale == b->scale
 		&& a->placement == b->placement && a->anchor == b->anchor && a->band_first == b->band_first
 		&& a->band_end == b->band_end && a->share_first == b->share_first
-		&& a->share_end == b->share_end;
+		&& a->share_end == b->share_end && a->halvings == b->halvings;
 }
 
 void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)

@@ -53,7 +53,7 @@ static void count_kinds(const struct view_store *store, const struct view_select
 	const struct eco_plan *plan = view_store_plan(store);
 	for (uint32_t c = 0; c < selection->cut_count; c++) {
 		const struct view_list *list = view_store_list(store, plan->cuts[c].list);
-		double count = (double)(plan->cuts[c].end - plan->cuts[c].first) *
+		double count = (double)eco_cut_primitives(&plan->cuts[c]) *
 			(selection->member_first[c + 1] - selection->member_first[c]);
 		switch (list ? eco_list_vertices(&list->list) : 0) {
 		case 1: drawn->points += count; break;

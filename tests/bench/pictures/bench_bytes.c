@@ -16,9 +16,9 @@
 static const uint64_t budgets[] = { 10000, 20000, 100000, 300000, 1000000, 3000000, 10000000 };
 #define BUDGETS (sizeof budgets / sizeof *budgets)
 
-enum figure { DRAWN, BYTES, QUALITY, SKILL, OWNER, SEEN, PREDICTED, FIGURES };
+enum figure { DRAWN, BYTES, QUALITY, SKILL, OWNER, SEEN, PREDICTED, BALL, FIGURES };
 static const char *const keys[FIGURES] = { "vertices", "bytes", "q", "skill", "owner_q", "picture_error",
-	"predicted_q" };
+	"predicted_q", "widest_ball_px" };
 
 struct start { char scene[32], camera[16]; unsigned long long budget; double figure[FIGURES]; };
 struct study {
@@ -86,7 +86,8 @@ static enum eco_code take(struct bench *bench, struct bench_client *client, cons
 	struct eco_error *error)
 {
 	const double values[FIGURES] = { (double)frame->vertices, (double)frame->bytes, frame->score.q,
-		frame->score.skill, frame->score.owner_q, frame->picture_error, frame->predicted_q };
+		frame->score.skill, frame->score.owner_q, frame->picture_error, frame->predicted_q,
+		frame->widest_ball_px };
 	*row = json_object();
 	for (int f = 0; f < FIGURES; f++)
 		bench_shot_set(*row, keys[f], values[f]);
@@ -100,7 +101,7 @@ static const struct bench_view_shoot shoot = { "bytes", BUDGETS, ask, take };
 
 static void add_row(struct study *s, const char *scene, const char *camera, size_t b, const json_t *rows)
 {
-	static const double none[FIGURES] = { NAN, NAN, NAN, NAN, NAN, NAN, NAN };
+	static const double none[FIGURES] = { NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN };
 	const double *start = start_of(s, scene, camera, budgets[b]);
 	double now[FIGURES], all = bench_shot_number(json_array_get(rows, BUDGETS - 1), "bytes");
 	for (int f = 0; f < FIGURES; f++)
@@ -115,10 +116,10 @@ static void add_row(struct study *s, const char *scene, const char *camera, size
 		s->worse += now[QUALITY] < start[QUALITY] - SAME_Q;
 	}
 	start = start ? start : none;
-	bench_table_row(s->table, "%s,%s,ours,%llu,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f,%.4f,"
+	bench_table_row(s->table, "%s,%s,ours,%llu,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f,%.4f,%.1f,"
 		"%.0f,%.0f,%.4f,%.4f,%.4f,%.4f",
 		scene, camera, (unsigned long long)budgets[b], now[DRAWN], now[BYTES], now[QUALITY],
-		now[SKILL], now[OWNER], now[SEEN], now[PREDICTED], start[DRAWN], start[BYTES],
+		now[SKILL], now[OWNER], now[SEEN], now[PREDICTED], now[BALL], start[DRAWN], start[BYTES],
 		start[QUALITY], start[SKILL], start[OWNER], start[SEEN]);
 }
 
@@ -152,7 +153,7 @@ static void add_beside(struct study *s, const struct bench_view *view, const jso
 		if (chunks && !first)
 			continue;
 		bench_table_row(s->table, "%s,%s,%s: %s,nan,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f,nan,"
-			"nan,nan,nan,nan,nan,nan", view->scene, chunks ? "all" : view->camera, method,
+			"nan,nan,nan,nan,nan,nan,nan", view->scene, chunks ? "all" : view->camera, method,
 			json_string_value(json_object_get(row, "setting")),
 			bench_shot_number(row, "vertices"), bench_shot_number(row, "bytes"),
 			bench_shot_number(row, "q"), bench_shot_number(row, "skill"),
@@ -257,7 +258,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"bytes, drawn and lit in software.", BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT, VERTICES);
 	enum eco_code code = bench_beside_open(&s->beside, bench, error);
 	s->table = bench_table_open(bench, "bytes", "scene,camera,method,budget,vertices,bytes,Q,skill,"
-		"owner_q,picture error,predicted Q,start vertices,start bytes,start Q,start skill,"
+		"owner_q,picture error,predicted Q,widest ball (pixels),start vertices,start bytes,start Q,start skill,"
 		"start owner_q,start picture error", true);
 	if (!code)
 		code = bench_views_each(bench, scenes, BENCH_VIEWS_QUICK, study_view, s, error);

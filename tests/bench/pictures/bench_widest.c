@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "lod/geometry.h"
+#include "lod/scattered.h"
 
 struct look {
 	const struct lod_eye *eye;
@@ -88,22 +88,25 @@ static double widest_of_cut(struct look *look, const struct view_selection *s, u
 }
 
 double bench_widest_px(const struct view_store *store, const struct view_selection *selection,
-	const struct lod_eye *eye, const struct view_picture *picture)
+	const struct lod_eye *eye, const struct view_picture *picture, bool balls)
 {
 	const struct eco_plan *plan = view_store_plan(store);
 	double widest = 0;
 	for (uint32_t c = 0; c < selection->cut_count; c++) {
 		const struct eco_cut *cut = &plan->cuts[c];
 		const struct view_list *list = view_store_list(store, cut->list);
-		if (list->list.kind != ECO_LIST_POINTS)
+		if (list->list.kind != ECO_LIST_POINTS || (balls && list->list.attributes & ECO_ATTR_SPLAT))
 			continue;
 		struct look look = { .eye = eye, .picture = picture, .list = &list->list,
-			.area = list->list.unit_area * cut->scale };
-		if (!lod_geometry_make(&look.points, look.list, cut->end - cut->first, false))
+			.area = ldexpf(list->list.unit_area * cut->scale, -cut->halvings) };
+		uint32_t drawn = (uint32_t)eco_cut_primitives(cut);
+		if (!lod_geometry_make(&look.points, look.list, drawn, false))
 			return NAN;
 		uint32_t points = lod_list_geometry(look.list, &list->elements, cut->first, cut->end,
 			cut->scale, &look.points);
-		widest = fmax(widest, widest_of_cut(&look, selection, c, points));
+		lod_scatter(&look.points, points, cut->first, cut->halvings,
+			lod_ball_radius(look.list, cut->scale));
+		widest = fmax(widest, widest_of_cut(&look, selection, c, drawn));
 		lod_geometry_free(&look.points);
 	}
 	return widest;

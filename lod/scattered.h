@@ -1,0 +1,25 @@
+/* Scattered points of summaries. A ball of one colour, forty pixels wide, looks like no forest; the same area
+ * in many small balls does, and takes no bytes: where they lie follows from the point's number. A cut says
+ * into how many (ecofiles/format/plan.h); those of a point keep its owner and colour, and lie around it as
+ * far as its ball would reach. More of them are the same ones and others (lod/EXPERIMENTS.md, Scattered
+ * points). */
+#ifndef LOD_SCATTERED_H
+#define LOD_SCATTERED_H
+
+#include <stdint.h>
+
+#include "lod/geometry.h"
+
+/* Offset of a part of a point from it along each axis, in radii of the point's ball: in (-1, 1), whole
+ * multiples of 1/32, so that floats hold it and shaders (client-min/draw/view_shader.c) find the same. */
+void lod_scattered_offset(float offset[3], uint32_t point, uint32_t part);
+
+/* Of the ball that a point of the list is at an area factor, metres. */
+double lod_ball_radius(const struct eco_list *list, float scale);
+
+/* Makes `count` points, the first of which is number `first` of its list, 2^halvings as many, in place, where
+ * there is room for so many: positions and colours. radius: of each point's ball, metres. */
+void lod_scatter(struct lod_geometry *geometry, uint32_t count, uint32_t first, unsigned halvings,
+	double radius);
+
+#endif
