@@ -44,6 +44,7 @@
 #define SWEEP_FALL_LEAST 1.1     /* bytes of one answer over those of the next */
 #define SWEEP_LAMBDA 0.25        /* fewer bytes draw fewer vertices, which may save less: lambda falls, ... */
 #define SWEEP_VERTICES 0.5       /* ... where no more than this part of the budget is used */
+#define SWEEP_ROUNDS 2           /* of limits: with three steps are no better */
 #define SWEEP_LAST 3u            /* coarser answers yet, once the work is done that a plan may take: ... */
 #define SWEEP_LAST_ROUNDS 1      /* ... of limits, ... */
 #define SWEEP_LAST_TRIES 3       /* ... and prices tried for each, ... */
@@ -503,7 +504,7 @@ static double next_ratio(const struct lod_lambda_search *s, struct sweep *sweep)
 	double all = sweep->bytes / (double)coarser->least;
 	if (!sweep->last && lod_planner_over(p, 3))
 		sweep->last = SWEEP_LAST;
-	s->allocation->rounds = sweep->last ? SWEEP_LAST_ROUNDS : LOD_PRICE_ROUNDS;
+	s->allocation->rounds = sweep->last ? SWEEP_LAST_ROUNDS : SWEEP_ROUNDS;
 	for (uint32_t i = 1; i < sweep->last; i++)
 		all = sqrt(all);
 	return sweep->last ? fmax(coarser->ratio, all) : coarser->ratio;
