@@ -272,6 +272,14 @@ static bool add_visibility(struct lod_visible_tree *visible, const struct lod_no
 
 #define NOTHING_DONE 0xFF        /* gate_done before the plants themselves are counted */
 
+static bool add_seen(struct lod_visible_tree *visible, uint32_t slot, uint32_t index, uint32_t hash)
+{
+	if (!eco_room(&visible->seen, &visible->seen_capacity, visible->seen_count, sizeof *visible->seen))
+		return false;
+	visible->seen[visible->seen_count++] = (struct lod_seen){ slot, index, (uint16_t)hash };
+	return true;
+}
+
 static enum eco_code tally_group(struct lod_visible_tree *visible, struct lod_node *node, uint32_t group,
 	uint8_t gate, uint8_t *done, struct eco_error *error)
 {
@@ -304,15 +312,44 @@ static enum eco_code tally_group(struct lod_visible_tree *visible, struct lod_no
 				a ? whole : 0, above, &slot, error);
 			if (code)
 				return code;
-			if (a == 0 && visible->screen
+			if (a == 0 && (!add_seen(visible, slot, i, hash) || (visible->screen
 					&& !add_visibility(visible, node, &place, g->plant, slot, hash,
-					above))
+					above))))
 				return eco_fail(error, ECO_NO_MEMORY,
 					"planning: no memory for another plant in view");
 		}
 	}
+	if (first_time)
+		node->seen_end[group - scene->tiles[node->tile].group_first] = visible->seen_count;
 	*done = gate;
 	return ECO_OK;
+}
+
+/* A group's plants in view. */
+struct seen_range { uint32_t first, end; };
+
+static struct seen_range seen_of(const struct lod_node *node, uint32_t group)
+{
+	return (struct seen_range){ group ? node->seen_end[group - 1] : node->seen_first,
+		node->seen_end[group] };
+}
+
+/* Its anchors, into scratch, as lod_instance_anchors finds them; but far plants are where they were counted. */
+static uint32_t find_anchors(const struct lod_visible_tree *visible, const struct lod_node *node,
+	const struct eco_group *group, const struct lod_seen *seen, uint32_t gate)
+{
+	const struct eco_scene *scene = visible->scene;
+	const struct lod_slot *slot = &visible->slots[seen->slot];
+	const struct eco_plant *plant = &scene->plants[group->plant];
+	if (plant->anchor_count < 2 || eco_gate_place(slot->band, seen->hash) >= gate) {
+		visible->scratch[0] = (struct lod_anchor_band){ slot->anchor, slot->band };
+		return 1;
+	}
+	struct eco_place stored = eco_place_read(scene, group->place_first + seen->index);
+	struct lod_place place;
+	lod_place_instance(&place, &visible->placements[node->placement], &scene->lists[group->list], &stored);
+	return lod_instance_anchors(&visible->eye, &place, scene->anchors + plant->anchor_first,
+		plant->anchor_first, plant->anchor_count, gate, seen->hash, visible->scratch);
 }
 
 static void add_counts(struct lod_visible_tree *visible, const struct lod_node *node, const uint32_t *gates)
@@ -347,32 +384,24 @@ static bool is_split(const struct lod_visible_tree *visible, const struct lod_no
 /* As add_counts, plant by plant. */
 static void add_part(struct lod_visible_tree *visible, const struct lod_node *node, const uint32_t *gates)
 {
-	const struct eco_scene *scene = visible->scene;
-	const struct eco_tile *tile = &scene->tiles[node->tile];
-	const struct eco_placement *placement = &visible->placements[node->placement];
-	for (uint32_t g = tile->group_first; g < tile->group_first + tile->group_count; g++) {
-		const struct eco_group *group = &scene->groups[g];
-		const struct eco_plant *plant = &scene->plants[group->plant];
-		for (uint32_t i = 0; i < group->count; i++) {
-			struct eco_place stored = eco_place_read(scene, group->place_first + i);
-			struct lod_place place;
-			uint32_t hash = lod_share_hash(placement->path, group->list, group->first + i);
-			if (lod_open_hash(hash) < node->left)
+	const struct eco_tile *tile = &visible->scene->tiles[node->tile];
+	for (uint32_t g = 0; g < tile->group_count; g++) {
+		const struct eco_group *group = &visible->scene->groups[tile->group_first + g];
+		struct seen_range range = seen_of(node, g);
+		for (uint32_t i = range.first; i < range.end; i++) {
+			const struct lod_seen *seen = &visible->seen[i];
+			if (lod_open_hash(seen->hash) < node->left)
 				continue;
-			lod_place_instance(&place, placement, &scene->lists[group->list], &stored);
-			uint32_t n = lod_instance_anchors(&visible->eye, &place,
-				scene->anchors + plant->anchor_first, plant->anchor_first,
-				plant->anchor_count, gates[group->plant], hash, visible->scratch);
+			uint32_t n = find_anchors(visible, node, group, seen, gates[group->plant]);
 			for (uint32_t a = 0; a < n; a++) {
-				struct lod_slot *slot =
-					&visible->slots[lod_visible_tree_slot(visible,
-					visible->scratch[a].anchor, visible->scratch[a].band)];
-				bool near = eco_gate_place(slot->band, hash) < gates[group->plant];
+				struct lod_slot *slot = &visible->slots[a ? lod_visible_tree_slot(visible,
+					visible->scratch[a].anchor, visible->scratch[a].band) : seen->slot];
+				bool near = eco_gate_place(slot->band, seen->hash) < gates[group->plant];
 				slot->count++;
 				slot->near += a == 0 && near;
-				slot->whole += a == 0 && !near && hash >= slot->whole_from;
+				slot->whole += a == 0 && !near && seen->hash >= slot->whole_from;
 			}
-			visible->plants += n > 0;
+			visible->plants++;
 		}
 	}
 }
@@ -400,7 +429,9 @@ static enum eco_code count_plants(struct lod_visible_tree *visible, struct lod_n
 	const struct eco_tile *tile = &scene->tiles[node->tile];
 	if (!node->gate_done && tile->group_count) {
 		node->gate_done = malloc(tile->group_count);
-		if (!node->gate_done)
+		node->seen_end = malloc(tile->group_count * sizeof *node->seen_end);
+		node->seen_first = visible->seen_count;
+		if (!node->gate_done || !node->seen_end)
 			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a tile of %u species",
 				tile->group_count);
 		memset(node->gate_done, NOTHING_DONE, tile->group_count);
@@ -557,31 +588,19 @@ enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sa
 void lod_visible_tree_each(struct lod_visible_tree *visible, uint32_t plant, const uint32_t *gates,
 	lod_visible_tree_fn fn, void *ctx)
 {
-	const struct eco_scene *scene = visible->scene;
-	const struct eco_plant *p = &scene->plants[plant];
 	for (uint32_t n = 0; n < visible->node_count; n++) {
 		const struct lod_node *node = &visible->nodes[n];
-		const struct eco_tile *tile = &scene->tiles[node->tile];
-		if (node->state != LOD_OPEN)
-			continue;
-		for (uint32_t g = tile->group_first; g < tile->group_first + tile->group_count; g++) {
-			const struct eco_group *group = &scene->groups[g];
+		const struct eco_tile *tile = &visible->scene->tiles[node->tile];
+		for (uint32_t g = 0; node->state == LOD_OPEN && g < tile->group_count; g++) {
+			const struct eco_group *group = &visible->scene->groups[tile->group_first + g];
 			if (group->plant != plant)
 				continue;
-			const struct eco_placement *placement = &visible->placements[node->placement];
-			for (uint32_t i = 0; i < group->count; i++) {
-				struct eco_place stored = eco_place_read(scene, group->place_first + i);
-				struct lod_place place;
-				lod_place_instance(&place, placement, &scene->lists[group->list], &stored);
-				uint32_t hash = lod_share_hash(placement->path, group->list,
-					group->first + i);
-				if (lod_open_hash(hash) < node->left)
-					continue;
-				uint32_t count = lod_instance_anchors(&visible->eye, &place,
-					scene->anchors + p->anchor_first, p->anchor_first, p->anchor_count,
-					gates[plant], hash, visible->scratch);
-				if (count)
-					fn(ctx, visible->scratch, count, plant, hash);
+			struct seen_range range = seen_of(node, g);
+			for (uint32_t i = range.first; i < range.end; i++) {
+				const struct lod_seen *seen = &visible->seen[i];
+				if (lod_open_hash(seen->hash) >= node->left)
+					fn(ctx, visible->scratch, find_anchors(visible, node, group, seen,
+						gates[plant]), plant, seen->hash);
 			}
 		}
 	}
@@ -617,6 +636,7 @@ static void free_nodes(struct lod_visible_tree *visible)
 	for (uint32_t i = 0; i < visible->node_count; i++) {
 		free(visible->nodes[i].tallies);
 		free(visible->nodes[i].gate_done);
+		free(visible->nodes[i].seen_end);
 	}
 	visible->node_count = 0;
 }
@@ -625,7 +645,7 @@ enum eco_code lod_visible_tree_restart(struct lod_visible_tree *visible, struct 
 {
 	free_nodes(visible);
 	visible->placement_count = 1;
-	visible->slot_count = 0;
+	visible->slot_count = visible->seen_count = 0;
 	visible->plants = visible->places_walked = 0;
 	memset(visible->slot_table, 0, visible->slot_table_size * sizeof *visible->slot_table);
 	return add_node(visible, visible->scene->root, 0, error);
@@ -637,6 +657,7 @@ void lod_visible_tree_free(struct lod_visible_tree *visible)
 	free(visible->nodes);
 	free(visible->placements);
 	free(visible->slots);
+	free(visible->seen);
 	free(visible->slot_table);
 	free(visible->scratch);
 	*visible = (struct lod_visible_tree){ 0 };

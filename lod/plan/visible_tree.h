@@ -34,6 +34,7 @@ struct lod_node {                    /* a tile in a placement */
 	struct lod_tally *tallies;   uint32_t tally_count, tally_capacity;
 	uint8_t *gate_done;          /* per group: cells of plants in bands below it were counted */
 	uint64_t plants;
+	uint32_t seen_first, *seen_end;      /* per group, once its plants were counted: those in view */
 	uint32_t left;               /* LOD_OPEN: its own plants with a lod_open_hash below are left to its
 	                              * summary */
 	double points;               /* share of its summary that is drawn: 1 if LOD_SUMMARY, less where it
@@ -53,6 +54,8 @@ struct lod_slot {
 	uint32_t last_node, last_tally; /* where the slot was last counted */
 };
 
+struct lod_seen { uint32_t slot, index; uint16_t hash; };     /* a plant in view; index: in its group */
+
 struct lod_visible_tree {
 	const struct eco_scene *scene;
 	struct lod_eye eye;
@@ -60,6 +63,7 @@ struct lod_visible_tree {
 	struct eco_placement *placements;    uint32_t placement_count, placement_capacity;
 	struct lod_slot *slots;              uint32_t slot_count, slot_capacity;
 	uint32_t *slot_table;                uint32_t slot_table_size; /* open addressing: slot index + 1 */
+	struct lod_seen *seen;               uint32_t seen_count, seen_capacity;   /* by tile and group */
 	struct lod_anchor_band *scratch;
 	uint64_t nodes_max, placements_max;
 	uint64_t plants;             /* visible, at the last count */
