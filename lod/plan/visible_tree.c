@@ -334,7 +334,7 @@ static struct seen_range seen_of(const struct lod_node *node, uint32_t group)
 		node->seen_end[group] };
 }
 
-/* Its anchors, into scratch, as lod_instance_anchors finds them; but far plants are where they were counted. */
+/* Its anchors, into scratch, as lod_instance_anchors finds them; far plants are where they were counted. */
 static uint32_t find_anchors(const struct lod_visible_tree *visible, const struct lod_node *node,
 	const struct eco_group *group, const struct lod_seen *seen, uint32_t gate)
 {
