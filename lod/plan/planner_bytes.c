@@ -48,6 +48,7 @@
 #define SWEEP_LAST 3u            /* coarser answers yet, once the work is done that a plan may take: ... */
 #define SWEEP_LAST_ROUNDS 1      /* ... of limits, ... */
 #define SWEEP_LAST_TRIES 3       /* ... and prices tried for each, ... */
+#define SWEEP_LAST_FALL 1.5      /* ... or this */
 #define SWEEP_LAST_LEAST 2       /* ... of an answer of so many times the bytes of the last one */
 #define SWEEP_USUAL 2.8          /* octaves of the price that leaves one byte of a picture of one pixel, ... */
 #define SWEEP_USUAL_SLOPE -1.5   /* ... and for each octave of bytes; by measurement */
@@ -456,7 +457,8 @@ static bool raise_roughly(const struct lod_lambda_search *s, struct sweep *sweep
 	uint64_t budget)
 {
 	double low = sweep->octave, high = LOD_PRICE_HIGHEST, target = sweep->bytes / ratio, some = NAN,
-		octave = low, bytes = 0, enough = sweep->bytes / sqrt(ratio);
+		octave = low, bytes = 0,
+		enough = sweep->bytes / (sweep->last > 1 ? fmin(SWEEP_LAST_FALL, sqrt(ratio)) : sqrt(ratio));
 	for (int tries = 0; tries < SWEEP_LAST_TRIES && !(bytes > 0 && bytes <= enough); tries++) {
 		double margin = fmin(0.5, 0.25 * (high - low));
 		octave = fmin(high - margin, fmax(low + margin, usual_octave(s->allocation, target)
@@ -520,7 +522,8 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 	struct sweep sweep = { fmax(s->lambda, lowest), last ? octave : fmax(SWEEP_FIRST, octave), 0,
 		SWEEP_SLOPE, 0, last };
 	enum eco_code code = ECO_OK;
-	sweep.bytes = lod_price_relax(m, sweep.lambda, &(struct lod_price){ octave, octave });
+	sweep.bytes = last && m->p->sized ? (double)m->p->bytes
+		: lod_price_relax(m, sweep.lambda, &(struct lod_price){ octave, octave });
 	for (uint32_t i = 0; i < coarser->most && !code
 			&& sweep.bytes > (sweep.last ? SWEEP_LAST_LEAST : 1) * (double)coarser->least; i++) {
 		double ratio = next_ratio(s, &sweep);

@@ -594,19 +594,16 @@ static uint64_t nodes_most(const struct lod_planner *p)
 static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco_error *error)
 {
 	const uint64_t nodes_max = p->visible.nodes_max;
-	uint64_t most = places_most(p);
 	for (;; --*level) {
 		struct eco_error local = { 0 };
 		bool bound = *level > COARSEST && (p->scene->needs & ECO_NEED_SUMMARIES);
-		p->visible.places_max = bound ? most : 0;
+		p->visible.places_max = bound ? places_most(p) : 0;
 		p->visible.nodes_max = bound ? nodes_most(p) : nodes_max;
 		enum eco_code code = open_level(p, *level, &local);
 		p->visible.nodes_max = nodes_max;
 		bool affordable = code || !bound || is_affordable(p, 1);
 		if ((code != ECO_TOO_LARGE && affordable) || *level <= COARSEST)
 			return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;
-		if (!code && bound)  /* plants of a level that may be affordable */
-			most = p->visible.places_walked * p->input->work_max / expected_work(p) * 5 / 4;
 		p->screen.count = p->screen.shared = 0;
 		code = lod_visible_tree_restart(&p->visible, error);
 		if (code)
