@@ -123,10 +123,10 @@ static uint32_t wrap_texel(double at, uint32_t size)
 	return (uint32_t)(texel < 0 ? texel + size : texel);
 }
 
-/* Bits of the opaque ones of four pixels, of which the first has the edge functions `at`. Sums and products of
- * edge functions are integers below 2^53, so doubles hold them exactly. */
-static inline __attribute__((always_inline)) unsigned opaque_of_four(const struct texture *texture, const double at[3], const double step[3],
-	unsigned lanes)
+/* Bits of the opaque ones of four pixels, of which the first has the edge functions `at`. Sums and products
+ * of edge functions are integers below 2^53, so doubles hold them exactly. */
+static inline __attribute__((always_inline)) unsigned opaque_of_four(const struct texture *texture,
+	const double at[3], const double step[3], unsigned lanes)
 {
 	lod_d4 u = { 0 }, v = { 0 }, z = { 0 };
 	for (int i = 0; i < 3; i++) {
@@ -150,9 +150,9 @@ static inline __attribute__((always_inline)) unsigned opaque_of_four(const struc
 }
 
 /* Most pixels under the cards of a crown are covered already: four at a time are passed over. */
-static inline __attribute__((always_inline)) void paint_cutout_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first,
-	uint32_t end, float base, float step, const struct slope *slope, const struct texture *texture,
-	const int64_t row_edge[3], const struct edge edges[3])
+static inline __attribute__((always_inline)) void paint_cutout_span(const struct lod_paint *paint, uint32_t y,
+	uint32_t left, uint32_t first, uint32_t end, float base, float step, const struct slope *slope,
+	const struct texture *texture, const int64_t row_edge[3], const struct edge edges[3])
 {
 	size_t row = (size_t)y * paint->raster->width;
 	const float *depth = paint->raster->depth + row;
@@ -276,7 +276,7 @@ static inline bool box_clamp(struct box *box, const struct lod_raster *raster)
 	return box->left <= box->right && box->top <= box->bottom;
 }
 
-LOD_CLONES_WIDE void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner corners[3])
+LOD_CLONES void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner corners[3])
 {
 	const struct lod_corner *a = &corners[0], *b = &corners[1], *c = &corners[2];
 	int64_t area = (int64_t)(b->x - a->x) * (c->y - a->y) - (int64_t)(c->x - a->x) * (b->y - a->y);

@@ -203,6 +203,10 @@ UNIT_TEST(points_are_squares_that_face_the_eye)
 		for (double edge = 1; edge <= 4; edge *= 2) {
 			uint64_t covered = 0;
 			lod_fan_point(&seen, side * side, eye);
+			struct lod_fan_seen at_once;
+			lod_fan_see_point(&at_once, &fan, side * side, eye);
+			assert_memory_equal(at_once.center, seen.center, sizeof seen.center);
+			assert_memory_equal(at_once.corner, seen.corner, sizeof seen.corner);
 			assert_true(lod_fan_cover(&print, &seen, edge, PIXELS));
 			for (uint32_t i = 0; i < print.rows * print.words; i++)
 				covered += bits_of(print.bits[i]);

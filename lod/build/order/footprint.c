@@ -46,18 +46,24 @@ static inline int way_around(const double (*p)[2], uint32_t corners)
 	return -low * ROUNDING > high ? -1 : high * ROUNDING > -low ? 1 : 0;
 }
 
+/* A corner in units of half pictures, and how far ahead it lies. */
+static inline void see_corner(double to[3], const float p[3], const struct lod_eye *eye, double wide,
+	double tall)
+{
+	double d[3] = { p[0] - eye->at[0], p[1] - eye->at[1], p[2] - eye->at[2] };
+	to[0] = (d[0] * eye->right[0] + d[1] * eye->right[1] + d[2] * eye->right[2]) * wide;
+	to[1] = (d[0] * eye->up[0] + d[1] * eye->up[1] + d[2] * eye->up[2]) * tall;
+	to[2] = d[0] * eye->forward[0] + d[1] * eye->forward[1] + d[2] * eye->forward[2];
+}
+
 void lod_fan_see(struct lod_fan_seen *seen, const struct lod_fan *fan, const struct lod_eye *eye)
 {
 	double sum[3] = { 0, 0, 0 }, at[ECO_CORNERS_MAX][2], wide = 1 / eye->tan_x, tall = -1 / eye->tan_y;
 	bool solid = !fan->cutout || !fan->uv, before = true;
 	seen->fan = *fan;
 	for (uint32_t i = 0; i < fan->corners; i++) {
-		const float *p = fan->corner[i];
-		double d[3] = { p[0] - eye->at[0], p[1] - eye->at[1], p[2] - eye->at[2] },
-			*to = seen->corner[i];
-		to[0] = (d[0] * eye->right[0] + d[1] * eye->right[1] + d[2] * eye->right[2]) * wide;
-		to[1] = (d[0] * eye->up[0] + d[1] * eye->up[1] + d[2] * eye->up[2]) * tall;
-		to[2] = d[0] * eye->forward[0] + d[1] * eye->forward[1] + d[2] * eye->forward[2];
+		double *to = seen->corner[i];
+		see_corner(to, fan->corner[i], eye, wide, tall);
 		before &= to[2] > 0;
 		double scale = to[2] > 0 ? 1 / to[2] : 0;
 		at[i][0] = to[0] * scale;
@@ -71,6 +77,20 @@ void lod_fan_see(struct lod_fan_seen *seen, const struct lod_fan *fan, const str
 	for (uint32_t i = 0; i < fan->corners; i++)
 		for (int k = 0; k < 3; k++)
 			seen->corner[i][k] -= seen->center[k];
+}
+
+void lod_fan_see_point(struct lod_fan_seen *seen, const struct lod_fan *fan, double area,
+	const struct lod_eye *eye)
+{
+	double sum[3] = { 0, 0, 0 }, to[3], wide = 1 / eye->tan_x, tall = -1 / eye->tan_y;
+	for (uint32_t i = 0; i < fan->corners; i++) {
+		see_corner(to, fan->corner[i], eye, wide, tall);
+		for (int k = 0; k < 3; k++)
+			sum[k] += to[k];
+	}
+	for (int k = 0; k < 3; k++)
+		seen->center[k] = sum[k] / fan->corners;
+	lod_fan_point(seen, area, eye);
 }
 
 void lod_fan_point(struct lod_fan_seen *seen, double area, const struct lod_eye *eye)

@@ -38,6 +38,9 @@ void lod_fan_see(struct lod_fan_seen *seen, const struct lod_fan *fan, const str
 /* Replaces the fan by its point: a square that faces the eye, with `area` square metres at edge 1, about the
  * same middle. */
 void lod_fan_point(struct lod_fan_seen *seen, double area, const struct lod_eye *eye);
+/* Both at once, in a part of the time. */
+void lod_fan_see_point(struct lod_fan_seen *seen, const struct lod_fan *fan, double area,
+	const struct lod_eye *eye);
 
 /* Rows y .. y + rows of 64-bit words word .. word + words of a picture. */
 struct lod_footprint {

@@ -90,35 +90,42 @@ static int64_t score_of(const struct ranking *r, uint32_t element, const struct 
 	return sum > 0 ? sum * 12 / triangles : sum * triangles;
 }
 
-/* Scores of codes first .. last. Codes with the same edge share one look. */
-static void look(const struct ranking *r, uint32_t element, uint32_t first, uint32_t last,
+/* Scores of codes first .. last, but for `known` (ECO_NONE: none), whose score is there. Codes with the same
+ * edge share one look. */
+static void look(const struct ranking *r, uint32_t element, uint32_t first, uint32_t last, uint32_t known,
 	int64_t score[ECO_GROWTHS])
 {
 	struct lod_gain gain[ECO_GROWTHS];
 	double edge[ECO_GROWTHS] = { 0 };
-	uint32_t count = 0;
-	for (uint32_t c = first; c <= last; c++)
-		if (c == first || r->edges.step[c] != r->edges.step[c - 1])
+	uint32_t at[ECO_GROWTHS], count = 0;
+	const uint16_t *step = r->edges.step;
+	for (uint32_t c = first; c <= last; c++) {
+		at[c] = ECO_NONE;
+		if (known != ECO_NONE && step[c] == step[known])
+			continue;
+		if (c == first || at[c - 1] == ECO_NONE || step[c] != step[c - 1])
 			edge[count++] = r->edges.edge[c];
-	lod_crown_gain(&r->crown, element, edge, count, r->views, gain);
-	for (uint32_t c = first, at = 0; c <= last; c++) {
-		at += c > first && r->edges.step[c] != r->edges.step[c - 1];
-		score[c] = score_of(r, element, &gain[at]);
+		at[c] = count - 1;
 	}
+	if (count)
+		lod_crown_gain(&r->crown, element, edge, count, r->views, gain);
+	for (uint32_t c = first; c <= last; c++)
+		score[c] = at[c] == ECO_NONE ? score[known] : score_of(r, element, &gain[at[c]]);
 }
 
-/* Climbs from the code that was best at the last look. */
-static void assess(const struct ranking *r, struct candidate *c)
+/* Climbs from the code that was best at the last look. `fresh`: its score is that of now. */
+static void assess(const struct ranking *r, struct candidate *c, bool fresh)
 {
 	int64_t score[ECO_GROWTHS];
 	uint32_t code = c->code, first = code > 0 && !r->options->plain ? code - 1 : code;
 	uint32_t last = code + 1 < ECO_GROWTHS && !r->options->plain ? code + 1 : code;
-	look(r, c->element, first, last, score);
+	score[code] = c->score;
+	look(r, c->element, first, last, fresh ? code : ECO_NONE, score);
 	for (uint32_t next = first; next <= last; next++)
 		if (score[next] > score[code])
 			code = next;
 	for (uint32_t way = code - c->code; way && code > 0 && code + 1 < ECO_GROWTHS; code += way) {
-		look(r, c->element, code + way, code + way, score);
+		look(r, c->element, code + way, code + way, code, score);
 		if (score[code + way] <= score[code])
 			break;
 	}
@@ -161,7 +168,7 @@ static void assess_batch(void *pieces, uint32_t batch)
 	struct ranking *r = pieces;
 	uint32_t end = (batch + 1) * BATCH < r->heap_count ? (batch + 1) * BATCH : r->heap_count;
 	for (uint32_t i = batch * BATCH; i < end; i++)
-		assess(r, &r->heap[i]);
+		assess(r, &r->heap[i], false);
 }
 
 static void run_part(void *pieces, uint32_t i)
@@ -211,17 +218,16 @@ static void make_heap(struct ranking *r)
 		sift_down(r->heap, r->heap_count, i);
 }
 
-/* Whether with its present code the top is no longer the best: then its other codes need no look yet. */
+/* Looks at the top with its present code. Whether it is no longer the best: then its other codes need no look
+ * yet. */
 static bool fades(const struct ranking *r, struct candidate *top)
 {
-	int64_t score[ECO_GROWTHS], next = r->heap_count > 1 ? r->heap[1].score : INT64_MIN;
+	int64_t score[ECO_GROWTHS], known = top->score, next = r->heap_count > 1 ? r->heap[1].score : INT64_MIN;
 	if (r->heap_count > 2 && r->heap[2].score > next)
 		next = r->heap[2].score;
-	look(r, top->element, top->code, top->code, score);
-	if (score[top->code] >= next || score[top->code] >= top->score)
-		return false;
+	look(r, top->element, top->code, top->code, ECO_NONE, score);
 	top->score = score[top->code];
-	return true;
+	return top->score < next && top->score < known;
 }
 
 /* Picks the best until `end` are taken. Lazy: only the element that gained most at its last look is looked at
@@ -235,7 +241,7 @@ static void pick(struct ranking *r, uint32_t end)
 			sift_down(r->heap, r->heap_count, 0);
 			continue;
 		}
-		assess(r, top);
+		assess(r, top, true);
 		if (top->score < known) {
 			struct candidate now = *top;
 			sift_down(r->heap, r->heap_count, 0);

@@ -124,9 +124,10 @@ void lod_crown_see(const struct lod_crown *crown, struct lod_fan_seen *seen, uin
 {
 	const struct lod_eye *eye = &crown->level->sights.eyes[view];
 	struct lod_fan fan = lod_foliage_fan(crown->foliage, element, crown->cutout[element]);
-	lod_fan_see(seen, &fan, eye);
 	if (points)
-		lod_fan_point(seen, crown->foliage->area[element] / 2, eye);
+		lod_fan_see_point(seen, &fan, crown->foliage->area[element] / 2, eye);
+	else
+		lod_fan_see(seen, &fan, eye);
 }
 
 void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views)

@@ -11,7 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lod/bits.h"
 #include "lod/build/splat/splat_descent.h"
+#include "lod/lanes.h"
 #include "lod/sort.h"
 
 #define FIRST_SPREAD 1.6         /* half axes over standard deviations */
@@ -110,10 +112,13 @@ static void first_shape(struct fit *fit, const struct splat_part *part, const st
 	splat->v[SPLAT_OPACITY] = fit->options->opaque ? 1 : 0.8f;
 }
 
+#define FOUR(n) (((n) + 3) / 4 * 4)
+
 struct sharing {
 	const struct splat_params *splats;
 	double (*inverse)[3][3], *price; /* a splat with a high price takes fewer points */
 	double *near;                    /* of a unit of squared distance: x^T C^-1 x is no less */
+	double *at[3], *least;           /* centres; price times near; rounded up to fours */
 	uint32_t count, *taken;
 };
 
@@ -124,27 +129,47 @@ static double cost_of(const struct sharing *s, uint32_t i, const float point[3])
 
 static double square(double x) { return x * x; }
 
+/* Those of four splats that may cost no more than `cost`, a bit each. */
+static inline __attribute__((always_inline)) unsigned may_take(const struct sharing *s, uint32_t i,
+	const double point[3], double cost)
+{
+	lod_d4 away = { 0 }, at, least;
+	for (int k = 0; k < 3; k++) {
+		memcpy(&at, s->at[k] + i, sizeof at);
+		at = point[k] - at;
+		away += at * at;
+	}
+	memcpy(&least, s->least + i, sizeof least);
+	least *= away;
+	unsigned lanes = 0;
+	for (unsigned lane = 0; lane < 4; lane++)
+		lanes |= (unsigned)!(least[lane] > cost) << lane;
+	return lanes;
+}
+
 /* Each point to the splat that holds it most, at its price; of equal ones to the first. The point before lies
  * near: its splat is asked first, and those that are certainly worse are not. */
-static void share_once(const struct fit *fit, struct sharing *s, struct lod_keyed *keyed)
+LOD_CLONES static void share_once(const struct fit *fit, struct sharing *s, struct lod_keyed *keyed)
 {
 	uint32_t best = 0;
 	memset(s->taken, 0, s->count * sizeof *s->taken);
+	for (uint32_t i = 0; i < s->count; i++)
+		s->least[i] = s->price[i] * s->near[i];
 	for (uint32_t p = 0; p < fit->points.count; p++) {
 		const float *point = fit->points.at[p];
+		const double from[3] = { point[0], point[1], point[2] };
 		double least = cost_of(s, best, point);
-		for (uint32_t i = 0, first = best; i < s->count; i++) {
-			const float *at = s->splats[i].v;
-			double away = square((double)point[0] - at[0]) + square((double)point[1] - at[1])
-				+ square((double)point[2] - at[2]);
-			if (i == first || s->price[i] * s->near[i] * away > least)
-				continue;
-			double q = cost_of(s, i, point);
-			if (q < least || (q == least && i < best)) {
-				least = q;
-				best = i;
+		for (uint32_t four = 0, first = best; four < s->count; four += 4)
+			for (unsigned lanes = may_take(s, four, from, least); lanes; lanes &= lanes - 1) {
+				uint32_t i = four + (unsigned)__builtin_ctz(lanes);
+				if (i == first || i >= s->count)
+					continue;
+				double q = cost_of(s, i, point);
+				if (q < least || (q == least && i < best)) {
+					least = q;
+					best = i;
+				}
 			}
-		}
 		keyed[p] = (struct lod_keyed){ best, p };
 		s->taken[best]++;
 	}
@@ -177,11 +202,16 @@ static void share_points(struct fit *fit, uint32_t level)
 	s.price = lod_arena_take(&fit->arena, s.count, sizeof *s.price);
 	s.near = lod_arena_take(&fit->arena, s.count, sizeof *s.near);
 	s.taken = lod_arena_take(&fit->arena, s.count, sizeof *s.taken);
+	for (int k = 0; k < 3; k++)
+		s.at[k] = lod_arena_take(&fit->arena, FOUR(s.count), sizeof **s.at);
+	s.least = lod_arena_take(&fit->arena, FOUR(s.count), sizeof *s.least);
 	struct lod_keyed *keyed = lod_arena_take(&fit->arena, fit->points.count, sizeof *keyed);
 	float (*copy)[3] = lod_arena_take(&fit->arena, fit->points.count, sizeof *copy);
 	for (uint32_t i = 0; i < s.count; i++) {
 		splat_inverse(&s.splats[i], LEAST_HALF, s.inverse[i]);
 		s.near[i] = near_of(&s.splats[i]);
+		for (int k = 0; k < 3; k++)
+			s.at[k][i] = s.splats[i].v[k];
 		s.price[i] = 1;
 	}
 	double mean = (double)fit->points.count / s.count;
