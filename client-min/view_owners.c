@@ -2,7 +2,12 @@
 
 #include <stdlib.h>
 
-static uint32_t slot_of(uint64_t owner) { return (uint32_t)(owner * 0x9E3779B97F4A7C15u >> 32); }
+/* In 32 bits, as a shader looks up owners, too (web/web_light.c). */
+static uint32_t slot_of(uint64_t owner)
+{
+	uint32_t h = ((uint32_t)owner ^ (uint32_t)(owner >> 32) * 0x85EBCA77u) * 0x9E3779B1u;
+	return h ^ h >> 15;
+}
 
 enum eco_code view_owners_make(struct view_owners *owners, const struct view_selection *selection,
 	struct eco_error *error)

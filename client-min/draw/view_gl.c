@@ -44,6 +44,8 @@ static unsigned texture_target(unsigned format, uint32_t width, uint32_t height,
 	glGenTextures(1, &texture);
 	glBindTexture(GL_TEXTURE_2D, texture);
 	glTexStorage2D(GL_TEXTURE_2D, 1, format, (GLsizei)width, (GLsizei)height);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 	glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
 	return texture;
 }
@@ -506,13 +508,14 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 	return ECO_OK;
 }
 
-static enum eco_code read_back(struct frame *f)
+enum eco_code view_gl_read(struct view_gl *gl, struct view_picture *picture, struct eco_error *error)
 {
-	struct view_picture *picture = f->picture;
 	size_t pixels = (size_t)picture->width * picture->height;
 	uint32_t *words = malloc(pixels * 16);
 	if (!words)
-		return eco_fail(f->error, ECO_NO_MEMORY, "no memory for a picture");
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+	view_context_use(&gl->context);
+	glBindFramebuffer(GL_FRAMEBUFFER, gl->framebuffer);
 	glPixelStorei(GL_PACK_ALIGNMENT, 1);
 	glReadBuffer(GL_COLOR_ATTACHMENT0);
 	glReadPixels(0, 0, (GLsizei)picture->width, (GLsizei)picture->height, GL_RGBA, GL_UNSIGNED_BYTE,
@@ -531,7 +534,7 @@ static enum eco_code read_back(struct frame *f)
 	}
 	free(words);
 	GLenum failed = glGetError();
-	return failed ? eco_fail(f->error, ECO_IO, "the graphics driver reports error 0x%x", failed) : ECO_OK;
+	return failed ? eco_fail(error, ECO_IO, "the graphics driver reports error 0x%x", failed) : ECO_OK;
 }
 
 /* All that drawing relies on: a page's context is not ours alone. */
@@ -559,11 +562,10 @@ static void clear(void)
 	glClearBufferfv(GL_DEPTH, 0, (const float[]){ 0 });
 }
 
-enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
+enum eco_code view_gl_record(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
 	struct eco_error *error)
 {
 	struct frame f = { .gl = gl, .job = job, .picture = picture, .error = error };
-	double start = view_clock_ms();
 	if (picture->width != gl->width || picture->height != gl->height)
 		return eco_fail(error, ECO_BAD_USAGE, "the picture is %u x %u, the target %u x %u",
 			picture->width, picture->height, gl->width, gl->height);
@@ -578,8 +580,21 @@ enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, st
 	bind(2, gl->members.texture);
 	for (uint32_t c = 0; c < job->selection->cut_count && !code; c++)
 		code = draw_cut(&f, c);
+	return code;
+}
+
+struct view_gl_target view_gl_target(const struct view_gl *gl)
+{
+	return (struct view_gl_target){ gl->color, gl->seen };
+}
+
+enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
+	struct eco_error *error)
+{
+	double start = view_clock_ms();
+	enum eco_code code = view_gl_record(gl, job, picture, error);
 	if (!code)
-		code = read_back(&f);
+		code = view_gl_read(gl, picture, error);
 	if (!code)
 		code = view_light_picture(&(struct view_light_job){ job->store, job->selection, job->eye,
 			job->tint, 0 }, picture, error);

@@ -47,4 +47,12 @@ struct view_gl_job {
 enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
 	struct eco_error *error);
 
+/* Its parts, for who lights pictures on the GPU (web/web_light.h): records what each pixel shows, which stays
+ * in textures until the next picture or size; reads that, own colours and no light, into `picture`. */
+enum eco_code view_gl_record(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
+	struct eco_error *error);
+enum eco_code view_gl_read(struct view_gl *gl, struct view_picture *picture, struct eco_error *error);
+struct view_gl_target { unsigned color, seen; };         /* RGBA8; RGBA32UI: owner, surface, 1 / distance */
+struct view_gl_target view_gl_target(const struct view_gl *gl);
+
 #endif

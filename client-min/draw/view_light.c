@@ -1,7 +1,9 @@
 #include "client-min/draw/view_light.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "client-min/view_owners.h"
 #include "client-min/draw/view_shade.h"
@@ -10,19 +12,7 @@
 #include "lod/light.h"
 
 #define HAZE_M 5200.0
-#define SHADED 0.14f                     /* of sunlight, that gets through a crown and off its leaves */
-#define GRAIN_M 0.25f                    /* texels so wide hide all grain of the ground */
 #define LEAST_STRAIGHT 0.02              /* a ray that meets the ground flatter is taken to meet it so */
-#define PI 3.1415927f
-#define ALL_DIRECTIONS 0.2122066f        /* 2 / (3 pi): see round_sun */
-
-struct vec { float x, y, z; };
-
-/* Where the sun is, its light and the sky's on surfaces; how bright the sky is, and how red around the sun. */
-struct sunlight { struct vec to, color, sky; float day, glow; };
-static const struct sunlight usual = { { -0.5145f, -0.4287f, 0.7427f }, { 1.55f, 1.42f, 1.18f },
-	{ 0.42f, 0.52f, 0.68f }, 1, 0 };
-static const struct vec EARTH_COLOR = { 0.16f, 0.15f, 0.10f }, LEAF_COLOR = { 1.25f, 1.35f, 0.45f };
 
 const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
 	[VIEW_ROLE_TRIANGLES] = { 26, 158, 41 }, [VIEW_ROLE_LINES] = { 219, 26, 26 },
@@ -32,68 +22,118 @@ const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
 	[VIEW_ROLE_SPLATS] = { 150, 60, 200 }, [VIEW_ROLE_IMPOSTORS] = { 230, 90, 220 },
 	 [VIEW_ROLE_SUMMARY] = { 115, 158, 255 } };
 
-/* ---- Arithmetic ---- */
+/* ---- What view_light.glsl is written in ---- */
 
-static struct vec add(struct vec a, struct vec b) { return (struct vec){ a.x + b.x, a.y + b.y, a.z + b.z }; }
-static struct vec scale(struct vec a, float t) { return (struct vec){ a.x * t, a.y * t, a.z * t }; }
-static struct vec times(struct vec a, struct vec b)
-{
-	return (struct vec){ a.x * b.x, a.y * b.y, a.z * b.z };
-}
-static float dot(struct vec a, struct vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-static float length(struct vec a) { return sqrtf(dot(a, a)); }
-static struct vec unit(struct vec a) { return scale(a, 1 / fmaxf(length(a), 1e-20f)); }
+#define LIGHT static
+typedef struct vec { float x, y, z; } vec3;
+typedef uint32_t uint;
+typedef struct { double x, y; } ground_place;    /* on the ground, from its origin */
+typedef struct sunlight sunlight;
+typedef struct sunny sunny;
+typedef struct crown crown;
+typedef struct plant plant;
+typedef struct face face;
+#define vec3(...) ((struct vec){ __VA_ARGS__ })
+#define sunny(...) ((struct sunny){ __VA_ARGS__ })
+#define crown(...) ((struct crown){ __VA_ARGS__ })
+#define face(...) ((struct face){ __VA_ARGS__ })
+#define real(x) ((float)(x))
+#define abs fabsf
+#define floor floorf
+#define max fmaxf
+#define min fminf
+#define sqrt sqrtf
+
+static vec3 add(vec3 a, vec3 b) { return vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
+static vec3 scale(vec3 a, float t) { return vec3(a.x * t, a.y * t, a.z * t); }
+static vec3 times(vec3 a, vec3 b) { return vec3(a.x * b.x, a.y * b.y, a.z * b.z); }
+static float dot(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static float length(vec3 a) { return sqrtf(dot(a, a)); }
+static vec3 unit(vec3 a) { return scale(a, 1 / fmaxf(length(a), 1e-20f)); }
 static float mix(float a, float b, float t) { return a + (b - a) * t; }
-static struct vec blend(struct vec a, struct vec b, float t)
+static vec3 blend(vec3 a, vec3 b, float t)
 {
-	return (struct vec){ mix(a.x, b.x, t), mix(a.y, b.y, t), mix(a.z, b.z, t) };
+	return vec3(mix(a.x, b.x, t), mix(a.y, b.y, t), mix(a.z, b.z, t));
 }
-static float clamp(float v) { return v > 0 ? v < 1 ? v : 1 : 0; }
 static float smoothstep(float low, float high, float v)
 {
-	float t = clamp((v - low) / (high - low));
+	float t = (v - low) / (high - low);
+	t = t > 0 ? t < 1 ? t : 1 : 0;
 	return t * t * (3 - 2 * t);
 }
 
-/* exp(-x), x >= 0, within 1e-6. */
-static float fade(float x)
+static float noise_at(ground_place at, int which);
+
+#include "client-min/draw/view_light.glsl"
+
+#undef abs
+#undef floor
+#undef max
+#undef min
+#undef sqrt
+
+/* Of each octave the place is turned or not, and stretched and moved. */
+static const struct { bool turned; double x, y, moved; } octaves[VIEW_OCTAVES] = { { false, 9, 9, 0 },
+	{ false, 38, 31, 0 }, { true, 1.3, 1.3, 0 }, { false, 0.47, 0.47, 0 }, { true, 0.045, 0.045, 7 },
+	{ false, 0.13, 0.13, 0 } };
+
+void view_light_octave(int which, const double at[2], double out[2])
 {
-	float y = fminf(x, 64) / 64, e = 1 / (1 + y * (1 + y * (0.5f + y * (1 / 6.0f + y / 24))));
-	for (int i = 0; i < 6; i++)
-		e *= e;
-	return e;
+	double x = at[0], y = at[1];
+	if (octaves[which].turned) {
+		x = 0.8 * at[0] - 0.6 * at[1];
+		y = 0.6 * at[0] + 0.8 * at[1];
+	}
+	out[0] = x * octaves[which].x + octaves[which].moved;
+	out[1] = y * octaves[which].y + octaves[which].moved;
 }
 
-/* Within 7e-5 (Abramowitz and Stegun, 4.4.45). */
-static float arc_cosine(float c)
+static float noise_at(ground_place at, int which)
 {
-	float a = fminf(fabsf(c), 1),
-		arc = sqrtf(1 - a) * (1.5707288f + a * (-0.2121144f + a * (0.0742610f - a * 0.0187293f)));
-	return c < 0 ? PI - arc : arc;
+	double p[2];
+	view_light_octave(which, (const double[2]){ at.x, at.y }, p);
+	if (!(fabs(p[0]) < 1e15 && fabs(p[1]) < 1e15))
+		return 0.5f;
+	int64_t i = (int64_t)p[0], j = (int64_t)p[1];
+	i -= p[0] < (double)i;
+	j -= p[1] < (double)j;
+	return noise_in((uint32_t)i, (uint32_t)j, (float)(p[0] - (double)i), (float)(p[1] - (double)j));
 }
 
 /* ---- The sun ---- */
+
+static const struct sunlight usual = { { -0.5145f, -0.4287f, 0.7427f }, { 1.55f, 1.42f, 1.18f },
+	{ 1.25f, 1.35f, 0.45f }, { 0.42f, 0.52f, 0.68f }, { 0.16f, 0.15f, 0.10f }, 1, 0 };
 
 /* Low it is red and weak; below the horizon the sky goes dark. */
 static struct sunlight sunlight_of(const float sun[3])
 {
 	if (sun[0] == 0 && sun[1] == 0 && sun[2] == 0)
 		return usual;
-	struct sunlight s = { .to = unit((struct vec){ sun[0], sun[1], sun[2] }) };
-	struct vec red = { 1.5f, 0.62f, 0.22f };
+	struct sunlight s = { .to = unit(vec3(sun[0], sun[1], sun[2])) };
+	vec3 red = { 1.5f, 0.62f, 0.22f };
 	s.color = scale(blend(red, usual.color, smoothstep(0, 0.35f, s.to.z)),
 		smoothstep(-0.03f, 0.15f, s.to.z));
+	s.through = times(usual.through, vec3(s.color.x / usual.color.x, s.color.y / usual.color.y,
+		s.color.z / usual.color.z));
 	s.day = mix(0.06f, 1, smoothstep(-0.14f, 0.2f, s.to.z));
 	s.sky = scale(usual.sky, s.day);
+	s.earth = scale(usual.earth, s.day);
 	s.glow = 1 - smoothstep(0.02f, 0.35f, fabsf(s.to.z));
 	return s;
 }
 
-/* What a leaf lets through of its light. */
-static struct vec through_leaf(const struct sunlight *s)
+static float haze_of(const struct view_sky *sky, double eye_z)
 {
-	return times(LEAF_COLOR, (struct vec){ s->color.x / usual.color.x, s->color.y / usual.color.y,
-		s->color.z / usual.color.z });
+	return (float)view_shade_haze_m(sky->haze_m > 0 ? sky->haze_m : HAZE_M, eye_z);
+}
+
+void view_light_sun(const struct view_sky *sky, double eye_z, struct view_light_sun *out)
+{
+	struct sunlight s = sunlight_of(sky->sun);
+	_Static_assert(sizeof s == offsetof(struct view_light_sun, haze_m), "view_light_sun is a sunlight");
+	memcpy(out, &s, sizeof s);
+	out->haze_m = haze_of(sky, eye_z);
 }
 
 /* ---- Surfaces ---- */
@@ -118,231 +158,24 @@ uint32_t view_surface_cloud(double reach, double level)
 	return (uint32_t)VIEW_CLOUD << 30 | (uint32_t)(fmin(fmax(level, 0), 1) * 255 + 0.5) << 16 | whole;
 }
 
-static struct vec direction_of(uint32_t surface)
-{
-	float x = (float)(surface & 32767) / 32767 * 2 - 1;
-	float y = (float)(surface >> 15 & 32767) / 32767 * 2 - 1;
-	float z = 1 - fabsf(x) - fabsf(y), under = z < 0 ? -z : 0;
-	return unit((struct vec){ x + (x < 0 ? under : -under), y + (y < 0 ? under : -under), z });
-}
-
-/* ---- The sky, and what is far ---- */
-
-static struct vec sky(const struct sunlight *s, struct vec ray)
-{
-	float low = 1 - clamp(ray.z), c = fmaxf(dot(ray, s->to), 0), c2 = c * c, c8 = c2 * c2 * c2 * c2;
-	struct vec blue = blend((struct vec){ 0.10f, 0.25f, 0.58f }, (struct vec){ 0.50f, 0.61f, 0.74f },
-		low * low * low);
-	/* low sunlight comes through much air, which leaves its red: most of it near the horizon and the sun */
-	float red = s->glow * low * low * low * (0.35f + 0.65f * c2);
-	blue = blend(blue, (struct vec){ 0.86f, 0.50f, 0.25f }, 0.75f * red);
-	return scale(add(blue, scale((struct vec){ 0.17f, 0.14f, 0.09f }, c8)), s->day);
-}
-
-static struct vec haze(const struct sunlight *s, struct vec color, struct vec to, float distance,
-	float haze_m)
-{
-	struct vec ray = scale(to, 1 / fmaxf(distance, 1e-20f));
-	return blend(sky(s, (struct vec){ ray.x, ray.y, ray.z * 0.2f }), color, fade(distance / haze_m));
-}
-
-static struct vec background(const struct sunlight *light, struct vec ray)
-{
-	if (!(ray.z > 0))
-		return blend(sky(light, (struct vec){ ray.x, ray.y, 0 }), scale((struct vec){ 0.34f, 0.39f,
-			0.41f },
-			light->day),
-			smoothstep(0, 0.9f, -ray.z));
-	float s = fmaxf(dot(ray, light->to), 0), s2 = s * s, s4 = s2 * s2, s8 = s4 * s4, s64 = s8 * s8;
-	s64 *= s64;
-	s64 *= s64;
-	/* s^200 */
-	return add(sky(light, ray), scale((struct vec){ 0.6f, 0.5f, 0.3f }, s64 * s64 * s64 * s8));
-}
-
-/* ---- Plants ---- */
-
-/* Sunlight on what is seen of something, and through it. */
-struct sunny { float on, through; };
-
-/* A facet has one normal; blades and bark around an axis and leaves of all directions have the means over the
- * normals that face the eye, each by the area that it shows: c is the cosine between eye and sun, u = 1/4 for
- * an axis, 2/(3 pi) for all directions. */
-static struct sunny round_sun(float c, float u)
-{
-	c = fminf(fmaxf(c, -1), 1);
-	float sine = sqrtf(fmaxf(1 - c * c, 0)), away = arc_cosine(c);
-	return (struct sunny){ u * (sine + (PI - away) * c), u * (sine - away * c) };
-}
-
-static struct sunny facet_sun(const struct sunlight *s, struct vec n)
-{
-	float c = dot(n, s->to);
-	return (struct sunny){ fmaxf(c, 0), fmaxf(-c, 0) };
-}
-
-static struct sunny axis_sun(const struct sunlight *s, struct vec axis, struct vec n)
-{
-	struct vec across = add(s->to, scale(axis, -dot(s->to, axis)));
-	float l = length(across);
-	return round_sun(dot(n, across) / fmaxf(l, 1e-6f), 0.25f * l);
-}
-
-/* A splat is half a surface and half a cloud: of balls in a crown mostly the outer sides show, and all facet
- * would be too bright there; as a cloud alone it has no form (lod/EXPERIMENTS.md, Light of splats). */
-static struct sunny ball_sun(const struct sunlight *s, struct vec n, struct vec to_eye)
-{
-	struct sunny facet = facet_sun(s, n), all = round_sun(dot(to_eye, s->to), ALL_DIRECTIONS);
-	return (struct sunny){ mix(facet.on, all.on, 0.5f), mix(facet.through, all.through, 0.5f) };
-}
-
-/* level: the share of leaves that lie level, among those of all directions (eco_level_share). Both are
- * weighted by the area that they show. */
-static struct sunny cloud_sun(const struct sunlight *s, float level, struct vec to_eye, float *facing)
-{
-	float lying = level * fabsf(to_eye.z), shows = lying / (lying + fmaxf(0.5f * (1 - level), 1e-3f)),
-		side = to_eye.z < 0 ? -1 : 1;
-	struct sunny all = round_sun(dot(to_eye, s->to), ALL_DIRECTIONS);
-	*facing = mix(0.667f * to_eye.z, side, shows);
-	return (struct sunny){ mix(all.on, fmaxf(side * s->to.z, 0), shows),
-		mix(all.through, fmaxf(-side * s->to.z, 0), shows) };
-}
-
-/* Shares of light that a crown lets through: shade of the sun's, open of the sky's; rise: height of the
- * direction out of the crown. */
-struct crown { float shade, open, rise; };
-
-static struct crown crown_at(const struct sunlight *s, struct vec d, float outer, float height)
-{
-	float shade = mix(0.22f, 1, smoothstep(-0.7f, 0.8f, dot(d, s->to)))
-		* mix(0.25f, 1, smoothstep(0.2f, 0.95f, outer));
-	return (struct crown){ shade, mix(0.45f, 1, outer) * mix(0.65f, 1, height), d.z };
-}
-
-/* The mean over what is seen of a crown: crown_at integrated over ellipsoids full of leaves, on their stems,
- * of which an eye sees 1/e through a sixth of their radius; within 0.05. */
-static struct crown crown_mean(const struct sunlight *s, struct vec to_eye)
-{
-	return (struct crown){ 0.61f + 0.25f * dot(to_eye, s->to), 0.75f + 0.12f * to_eye.z,
-		0.25f + 0.48f * to_eye.z };
-}
-
-/* The plant of a pixel. Summaries' points have no place in a plant: half_height is 0. */
-struct plant { uint64_t owner; struct lod_place place; struct view_shape shape; float hash; };
-
-static struct vec turned(const struct plant *p, struct vec v)
-{
-	float s = (float)p->place.sine, c = (float)p->place.cosine;
-	return (struct vec){ v.x * c - v.y * s, v.x * s + v.y * c, v.z };
-}
-
-/* `t`: the share of a crown that stands in one pixel's surface. */
-static struct crown crown_of(const struct sunlight *s, const struct plant *p, const double world[3],
-	struct vec to_eye, float t)
-{
-	struct crown mean = crown_mean(s, to_eye);
-	if (!(p->shape.half_height > 0))
-		return mean;
-	const struct lod_place *place = &p->place;
-	double x = world[0] - place->at[0], y = world[1] - place->at[1], z = world[2] - place->at[2];
-	struct vec local = { (float)((x * place->cosine + y * place->sine) / place->scale),
-		(float)((y * place->cosine - x * place->sine) / place->scale), (float)(z / place->scale) };
-	struct vec inside = { local.x / p->shape.half_width, local.y / p->shape.half_width,
-		(local.z - p->shape.center_z) / p->shape.half_height };
-	float out = length(inside);
-	struct crown at = crown_at(s, turned(p, scale(inside, 1 / fmaxf(out, 1e-4f))), clamp(out),
-		clamp(local.z / (2 * p->shape.half_height)));
-	return (struct crown){ mix(at.shade, mean.shade, t), mix(at.open, mean.open, t),
-		mix(at.rise, mean.rise, t) };
-}
-
-/* facing: height of the mean normal. */
-static struct vec light_of(const struct sunlight *s, struct sunny sunny, float facing, struct crown crown,
-	float leaf)
-{
-	float up = 0.5f + 0.5f * mix(facing, crown.rise, 0.65f);
-	struct vec ambient = scale(blend(scale(EARTH_COLOR, s->day), s->sky, up), crown.open);
-	struct vec sun = add(scale(s->color, sunny.on * mix(1, 0.95f, leaf)),
-		scale(through_leaf(s), 0.62f * leaf * sunny.through));
-	return add(scale(sun, crown.shade * 1.25f), ambient);
-}
-
-/* ---- Ground ---- */
-
-static float hash_at(int64_t x, int64_t y)
-{
-	uint32_t h = (uint32_t)x * 0x9E3779B1u ^ (uint32_t)y * 0x85EBCA77u;
-	h = (h ^ h >> 15) * 0x2C1B3C6Du;
-	return (float)((h ^ h >> 13) & 65535) / 65535;
-}
-
-static float noise(double x, double y)
-{
-	if (!(fabs(x) < 1e15 && fabs(y) < 1e15))
-		return 0.5f;
-	int64_t i = (int64_t)x, j = (int64_t)y;
-	i -= x < (double)i;
-	j -= y < (double)j;
-	float u = (float)(x - (double)i), v = (float)(y - (double)j);
-	u = u * u * (3 - 2 * u);
-	v = v * v * (3 - 2 * v);
-	float south = mix(hash_at(i, j), hash_at(i + 1, j), u),
-		north = mix(hash_at(i, j + 1), hash_at(i + 1, j + 1), u);
-	return mix(south, north, v);
-}
-
-/* Octaves fade out where a period comes near a pixel, so that far ground does not sparkle. */
-static float octave(double x, double y, float near)
-{
-	return near > 0 ? mix(0.5f, noise(x, y), fminf(near, 1)) : 0.5f;
-}
-
-static struct vec ground_albedo(double x, double y, float up, float distance)
-{
-	double tx = 0.8 * x - 0.6 * y, ty = 0.6 * x + 0.8 * y;
-	float near = 1.2f - distance / 260;
-	float fine = octave(x * 9, y * 9, 1 - distance / 45) * 0.6f
-		+ octave(x * 38, y * 31, 1 - distance / 14) * 0.4f;
-	float mid = 0.6f * octave(tx * 1.3, ty * 1.3, near) + 0.4f * octave(x * 0.47, y * 0.47, near);
-	float wide = 0.65f * noise(tx * 0.045 + 7, ty * 0.045 + 7) + 0.35f * noise(x * 0.13, y * 0.13);
-	struct vec grass = blend((struct vec){ 0.070f, 0.098f, 0.026f },
-		(struct vec){ 0.150f, 0.148f, 0.050f }, clamp(0.55f * wide + 0.45f * mid));
-	grass = scale(grass, 0.72f + 0.38f * mid + 0.7f * (fine - 0.5f));
-	struct vec soil = scale((struct vec){ 0.150f, 0.112f, 0.072f }, 0.75f + 0.5f * mid);
-	return blend(grass, soil, clamp(smoothstep(0.10f, 0.42f, 1 - up)
-		+ 0.28f * smoothstep(0.62f, 0.9f, wide * 0.6f + mid * 0.4f)));
-}
-
 /* Half a pixel on the ground, along the ray and across it. */
-static struct view_image_spot spot_of(const struct lod_eye *eye, struct vec n, struct vec to,
+static struct view_image_spot spot_of(const struct lod_eye *eye, vec3 n, vec3 to,
 	const double world[3])
 {
 	double distance = (double)length(to), half = 0.5 * eye->pixel_rad * distance;
-	struct vec ray = unit(to);
+	vec3 ray = unit(to);
 	float straight = dot(n, ray);
-	struct vec level = add(ray, scale(n, -straight));
+	vec3 level = add(ray, scale(n, -straight));
 	double part =
 		half / (fmax(fabs((double)straight), LEAST_STRAIGHT) * fmax((double)length(level), 1e-6));
 	return (struct view_image_spot){ { world[0], world[1] },
 		{ part * (double)level.x, part * (double)level.y }, half };
 }
 
-/* Grain of the ground, finer than texels that are wide. */
-static float grain(double x, double y, double texel_m, float distance)
-{
-	float fine = octave(x * 9, y * 9, 1 - distance / 45) * 0.6f +
-		octave(x * 38, y * 31, 1 - distance / 14) * 0.4f;
-	return 1 + 0.6f * clamp((float)texel_m / GRAIN_M) * (fine - 0.5f);
-}
-
-static struct vec ground_light(const struct sunlight *s, struct vec n, const float below[2])
-{
-	float sun = 1.1f * fmaxf(dot(n, s->to), 0) * (1 - 0.9f * below[0]);
-	return add(scale(s->color, sun), scale(blend(scale(EARTH_COLOR, s->day), s->sky, 0.5f + 0.5f * n.z),
-		1 - 0.6f * below[1]));
-}
-
 /* ---- Pixels ---- */
+
+/* The last pixel's plant, of which the next one mostly is, too. */
+struct owned { uint64_t owner; struct lod_place place; struct plant plant; };
 
 struct lamp {                            /* of one picture */
 	const struct view_light_job *job;
@@ -353,141 +186,125 @@ struct lamp {                            /* of one picture */
 	struct sunlight sun;
 	uint32_t threads;
 	float haze_m;
-	struct vec right, up, forward;   /* the image plane's half extents, and its middle */
+	vec3 right, up, forward;         /* the image plane's half extents, and its middle */
 	uint8_t bytes[65536];            /* lod_light_byte of every light */
 };
 
-static void find_plant(const struct lamp *lamp, uint64_t owner, struct plant *p)
+void view_light_plant(const struct view_store *store, const struct view_instance *instance, uint64_t owner,
+	struct view_light_plant *out)
 {
-	const struct view_instance *instance = view_owners_find(&lamp->owners, owner);
-	*p = (struct plant){ .owner = owner, .hash = (float)(owner >> 46 & 4095) * 0.61803f };
-	p->hash -= floorf(p->hash);
+	*out = (struct view_light_plant){ .tone = summary_tone((uint32_t)(owner >> 32)) };
 	if (!instance)
 		return;
-	p->place = instance->place;
-	p->shape = view_shape_of(view_store_plant(lamp->job->store, instance->plant));
-	p->hash = (float)(instance->hash / (double)ECO_SHARE_ONE);
+	struct view_shape shape = view_shape_of(view_store_plant(store, instance->plant));
+	*out = (struct view_light_plant){ (float)instance->place.sine, (float)instance->place.cosine,
+		shape.center_z, shape.half_width, shape.half_height,
+		(float)(instance->hash / (double)ECO_SHARE_ONE) };
 }
 
-/* With a shadow map a crown's own shade is what the map has of it, but for what one texel of it, or one
- * primitive, holds: there it stays as it is without a map. Leaves pass light on, so no shadow is black. */
-static void cast_on_plant(const struct lamp *lamp, const struct plant *p, struct vec to, const struct vec *n,
-	float reach, struct crown *crown)
+static void find_plant(const struct lamp *lamp, uint64_t owner, struct owned *p)
 {
-	float texel_m = 0, half_m = p->shape.half_width * (float)p->place.scale;
-	float lit = view_shadow_lit(&lamp->shadow, (const float[3]){ to.x, to.y, to.z },
-		n ? (const float[3]){ n->x, n->y, n->z } : NULL, &texel_m);
-	if (lit < 0)
-		return;
-	float coarse = p->shape.half_height > 0 ? clamp(fmaxf(reach, texel_m / half_m)) : 1;
-	crown->shade = mix(SHADED, 1, lit) * mix(1, crown->shade, coarse);
+	const struct view_instance *instance = view_owners_find(&lamp->owners, owner);
+	struct view_light_plant light;
+	view_light_plant(lamp->job->store, instance, owner, &light);
+	*p = (struct owned){ .owner = owner };
+	_Static_assert(sizeof light == sizeof p->plant, "view_light_plant is struct plant");
+	memcpy(&p->plant, &light, sizeof light);
+	if (instance)
+		p->place = instance->place;
 }
 
-static struct vec plant_color(const struct lamp *lamp, const struct plant *p, size_t pixel, struct vec to,
+static vec3 local_of(const struct lod_place *place, const double world[3])
+{
+	double x = world[0] - place->at[0], y = world[1] - place->at[1], z = world[2] - place->at[2];
+	return vec3((float)((x * place->cosine + y * place->sine) / place->scale),
+		(float)((y * place->cosine - x * place->sine) / place->scale), (float)(z / place->scale));
+}
+
+static struct crown cast_on_plant(const struct lamp *lamp, const struct owned *p, vec3 to,
+	const struct face *seen, struct crown own)
+{
+	float texel_m = 0, half_m = p->plant.half_width * (float)p->place.scale;
+	float lit = view_shadow_lit(&lamp->shadow, (const float[3]){ to.x, to.y, to.z },
+		seen->facet ? (const float[3]){ seen->n.x, seen->n.y, seen->n.z } : NULL, &texel_m);
+	return crown_by_map(p->plant, own, lit, texel_m / half_m, seen->reach);
+}
+
+static vec3 plant_color(const struct lamp *lamp, const struct owned *p, size_t pixel, vec3 to,
 	const double world[3])
 {
-	const struct sunlight *s = &lamp->sun;
-	uint32_t surface = lamp->picture->surface[pixel];
+	const enum view_tint tint = lamp->job->tint;
 	const uint8_t *own = lamp->picture->rgb + 3 * pixel;
-	struct vec to_eye = scale(unit(to), -1), n;
-	struct vec albedo = { lod_light_of[own[0]] / 65535.0f, lod_light_of[own[1]] / 65535.0f,
-		lod_light_of[own[2]] / 65535.0f };
-	struct sunny sunny;
-	float facing, reach = 0;
-	if (surface >> 30 == VIEW_CLOUD) {
-		sunny = cloud_sun(s, (float)(surface >> 16 & 255) / 255, to_eye, &facing);
-		reach = (float)(surface & 65535) / 65535;
-	} else if (surface >> 30 == VIEW_AXIS) {
-		struct vec axis = turned(p, direction_of(surface));
-		n = unit(add(to_eye, scale(axis, -dot(axis, to_eye))));
-		sunny = axis_sun(s, axis, n);
-		facing = 0.785f * n.z;
-	} else {
-		n = turned(p, direction_of(surface));
-		n = dot(n, to_eye) < 0 ? scale(n, -1) : n;
-		bool ball = surface >> 30 == VIEW_BALL;
-		sunny = ball ? ball_sun(s, n, to_eye) : facet_sun(s, n);
-		facing = ball ? mix(n.z, 0.667f * to_eye.z, 0.5f) : n.z;
-	}
-	float green = albedo.y - fmaxf(albedo.x * 0.9f, albedo.z),
-		leaf = smoothstep(0, 0.25f, green / fmaxf(albedo.y, 1e-4f));
-	float tone = p->hash * 16 - floorf(p->hash * 16) - 0.5f, warm = 0.16f * (p->hash - 0.5f) * leaf;
-	struct crown crown = lamp->job->tint == VIEW_TINT_UNSHADED
-		? crown_at(s, unit(add(to_eye, (struct vec){ 0, 0, 0.8f })), 0.88f, 0.75f)
-		: crown_of(s, p, world, to_eye, reach);
-	if (lamp->shadow.top && lamp->job->tint != VIEW_TINT_UNSHADED)
-		cast_on_plant(lamp, p, to, surface >> 30 == VIEW_FACET || surface >> 30 == VIEW_AXIS ? &n : NULL,
-			reach, &crown);
-	struct vec light = light_of(s, sunny, facing, crown, leaf);
-	if (lamp->job->tint == VIEW_TINT_KIND)
-		return times(albedo, blend((struct vec){ 0.75f, 0.75f, 0.75f }, light, 0.35f));
-	albedo = times(scale(albedo, 1 + 0.28f * tone), (struct vec){ 1 + warm, 1 + 0.1f * warm, 1 - warm });
-	return haze(s, times(albedo, light), to, length(to), lamp->haze_m);
-}
-
-static struct vec grey(struct vec c, struct vec weight)
-{
-	float g = dot(c, weight);
-	return blend(c, (struct vec){ g, g, g }, 0.7f);
+	vec3 to_eye = scale(unit(to), -1), albedo = { lod_light_of[own[0]] / 65535.0f,
+		lod_light_of[own[1]] / 65535.0f, lod_light_of[own[2]] / 65535.0f };
+	struct face seen = face_of(lamp->sun, p->plant, lamp->picture->surface[pixel], to_eye);
+	vec3 local = p->plant.half_height > 0 ? local_of(&p->place, world) : vec3(0, 0, 0);
+	struct crown around = tint == VIEW_TINT_UNSHADED ? crown_alone(lamp->sun, to_eye)
+		: crown_of(lamp->sun, p->plant, local, to_eye, seen.reach);
+	if (lamp->shadow.top && tint != VIEW_TINT_UNSHADED)
+		around = cast_on_plant(lamp, p, to, &seen, around);
+	vec3 color = plant_light(lamp->sun, p->plant, albedo, seen.sun, around, tint == VIEW_TINT_KIND);
+	return tint == VIEW_TINT_KIND ? color : haze(lamp->sun, color, to, length(to), lamp->haze_m);
 }
 
 /* near: as view_image_at */
-static struct vec ground_color(const struct lamp *lamp, size_t pixel, struct vec to, const double world[3],
+static vec3 ground_albedo_at(const struct lamp *lamp, vec3 n, vec3 to, const double world[3], uint32_t *near)
+{
+	const struct view_ground *ground = &lamp->job->selection->ground;
+	const struct view_image_spot spot = spot_of(lamp->job->eye, n, to, world);
+	ground_place at = { world[0] - ground->origin[0], world[1] - ground->origin[1] };
+	double texel_m = 0;
+	float distance = length(to);
+	struct view_image_color image = view_image_at(&lamp->job->selection->image, &spot, near, &texel_m);
+	vec3 albedo = { 0, 0, 0 };
+	if (image.alpha < 1)
+		albedo = ground_albedo(at, n.z, distance);
+	if (image.alpha > 0)
+		albedo = blend(albedo, scale(vec3(image.light[0], image.light[1], image.light[2]),
+			grain(at, (float)texel_m, distance)), image.alpha);
+	return albedo;
+}
+
+static vec3 ground_pixel(const struct lamp *lamp, size_t pixel, vec3 to, const double world[3],
 	uint32_t *near)
 {
-	const struct sunlight *s = &lamp->sun;
-	const struct view_ground *ground = &lamp->job->selection->ground;
-	struct vec n = direction_of(lamp->picture->surface[pixel]);
-	float below[2], distance = length(to);
+	vec3 n = direction_of(lamp->picture->surface[pixel]);
+	float below[2];
 	view_shade_at(&lamp->shade, world, below);
 	if (lamp->shadow.top) {
 		float texel_m, lit = view_shadow_lit(&lamp->shadow, (const float[3]){ to.x, to.y, to.z },
 			(const float[3]){ n.x, n.y, n.z }, &texel_m);
 		below[0] = lit < 0 ? below[0] : 1 - lit;
 	}
-	double x = world[0] - ground->origin[0], y = world[1] - ground->origin[1], texel_m = 0;
-	const struct view_image_spot spot = spot_of(lamp->job->eye, n, to, world);
-	struct view_image_color image = view_image_at(&lamp->job->selection->image, &spot, near, &texel_m);
-	struct vec albedo = { 0, 0, 0 };
-	if (image.alpha < 1)
-		albedo = ground_albedo(x, y, n.z, distance);
-	if (image.alpha > 0)
-		albedo = blend(albedo, scale((struct vec){ image.light[0], image.light[1], image.light[2] },
-			grain(x, y, texel_m, distance)), image.alpha);
-	struct vec color = haze(s, times(albedo, ground_light(s, n, below)), to, distance, lamp->haze_m);
-	return lamp->job->tint == VIEW_TINT_KIND ? grey(color, (struct vec){ 0.3f, 0.5f, 0.2f }) : color;
-}
-
-static struct vec sky_color(const struct lamp *lamp, struct vec ray)
-{
-	struct vec color = background(&lamp->sun, unit(ray));
-	return lamp->job->tint == VIEW_TINT_KIND ? grey(color, (struct vec){ 0.34f, 0.34f, 0.34f }) : color;
+	vec3 lit = times(ground_albedo_at(lamp, n, to, world, near),
+		ground_light(lamp->sun, n, below[0], below[1]));
+	return ground_color(lamp->sun, lit, to, lamp->haze_m, lamp->job->tint == VIEW_TINT_KIND);
 }
 
 static uint8_t encode(const struct lamp *lamp, float c)
 {
-	c *= 1.38f;
-	return lamp->bytes[(uint32_t)(65535 * clamp(c * (1 + c * 0.08f) / (1 + c * 0.40f)) + 0.5f)];
+	return lamp->bytes[(uint32_t)(65535 * shown(c) + 0.5f)];
 }
 
-static void light_pixel(const struct lamp *lamp, struct plant *plant, uint32_t *near, uint32_t x, uint32_t y)
+static void light_pixel(const struct lamp *lamp, struct owned *owned, uint32_t *near, uint32_t x,
+	uint32_t y)
 {
 	struct view_picture *picture = lamp->picture;
 	size_t i = (size_t)y * picture->width + x;
 	float depth = picture->depth[i], u = ((float)x + 0.5f) / (float)picture->width * 2 - 1,
 		v = 1 - ((float)y + 0.5f) / (float)picture->height * 2;
-	struct vec ray = add(add(scale(lamp->right, u), scale(lamp->up, v)), lamp->forward), color;
+	vec3 ray = add(add(scale(lamp->right, u), scale(lamp->up, v)), lamp->forward), color;
 	if (depth > 0) {
-		struct vec to = scale(ray, 1 / depth);
+		vec3 to = scale(ray, 1 / depth);
 		const double *eye = lamp->job->eye->at;
 		const double world[3] = { eye[0] + to.x, eye[1] + to.y, eye[2] + to.z };
 		uint64_t owner = picture->owner[i];
-		if (owner && owner != plant->owner)
-			find_plant(lamp, owner, plant);
-		color = owner ? plant_color(lamp, plant, i, to, world) : ground_color(lamp, i, to, world,
+		if (owner && owner != owned->owner)
+			find_plant(lamp, owner, owned);
+		color = owner ? plant_color(lamp, owned, i, to, world) : ground_pixel(lamp, i, to, world,
 			near);
 	} else {
-		color = sky_color(lamp, ray);
+		color = sky_color(lamp->sun, ray, lamp->job->tint == VIEW_TINT_KIND);
 	}
 	picture->rgb[3 * i] = encode(lamp, color.x);
 	picture->rgb[3 * i + 1] = encode(lamp, color.y);
@@ -497,16 +314,16 @@ static void light_pixel(const struct lamp *lamp, struct plant *plant, uint32_t *
 static void light_rows(void *ctx, uint32_t first)
 {
 	const struct lamp *lamp = ctx;
-	struct plant plant = { .owner = 0 };
+	struct owned owned = { .owner = 0 };
 	uint32_t near = 0;
 	for (uint32_t y = first; y < lamp->picture->height; y += lamp->threads)
 		for (uint32_t x = 0; x < lamp->picture->width; x++)
-			light_pixel(lamp, &plant, &near, x, y);
+			light_pixel(lamp, &owned, &near, x, y);
 }
 
-static struct vec axis_of(const double axis[3], double t)
+static vec3 axis_of(const double axis[3], double t)
 {
-	return (struct vec){ (float)(axis[0] * t), (float)(axis[1] * t), (float)(axis[2] * t) };
+	return vec3((float)(axis[0] * t), (float)(axis[1] * t), (float)(axis[2] * t));
 }
 
 static void lamp_init(struct lamp *lamp, const struct view_light_job *job, struct view_picture *picture)
@@ -516,8 +333,7 @@ static void lamp_init(struct lamp *lamp, const struct view_light_job *job, struc
 	lamp->picture = picture;
 	lamp->sun = sunlight_of(job->selection->sky.sun);
 	lamp->threads = view_thread_count(job->threads);
-	double haze_m = job->selection->sky.haze_m;
-	lamp->haze_m = (float)view_shade_haze_m(haze_m > 0 ? haze_m : HAZE_M, eye->at[2]);
+	lamp->haze_m = haze_of(&job->selection->sky, eye->at[2]);
 	lamp->right = axis_of(eye->right, eye->tan_x);
 	lamp->up = axis_of(eye->up, eye->tan_y);
 	lamp->forward = axis_of(eye->forward, 1);

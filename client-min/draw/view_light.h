@@ -46,4 +46,16 @@ struct view_light_job {
 enum eco_code view_light_picture(const struct view_light_job *job, struct view_picture *picture,
 	struct eco_error *error);
 
+/* What the same light takes on the GPU, where view_light.glsl is a part of a shader (web/web_light.h):
+ * sunlight with its haze, plants, and where the octaves of the ground's noise have a place of the ground. */
+struct view_light_sun { float to[3], color[3], through[3], sky[3], earth[3], day, glow, haze_m; };
+void view_light_sun(const struct view_sky *sky, double eye_z, struct view_light_sun *out);
+struct view_light_plant { float sine, cosine, center_z, half_width, half_height, tone; };
+/* instance: NULL for a point of a summary. */
+void view_light_plant(const struct view_store *store, const struct view_instance *instance, uint64_t owner,
+	struct view_light_plant *out);
+#define VIEW_OCTAVES 6
+/* Linear in `at`, metres from the ground's origin. */
+void view_light_octave(int which, const double at[2], double out[2]);
+
 #endif

@@ -312,32 +312,47 @@ export class EcoLayer {
 		return this.stream?.selected ? this.stream.facts() : null;
 	}
 
+	/** What `read` gives, with our context and the page's state put back: it reads what was drawn last from the
+	 * GPU. */
+	reading(read) {
+		const state = stateOf(this.gl);
+		this.module.GL.makeContextCurrent(this.context);
+		try {
+			return read();
+		} finally {
+			state.restore();
+		}
+	}
+
+	/** `perPixel` bytes a pixel of the picture that was drawn last, by one of the client's functions. */
+	pixels(read, perPixel) {
+		const [width, height] = this.drawn[1], at = this.reading(() => read(this.stream.web));
+		this.stream.check(!at);
+		return this.module.HEAPU8.slice(at, at + perPixel * width * height);
+	}
+
 	/** What is seen at a place of the picture that was drawn last (x and y in [0, 1], from the top left),
 	 * or null without one: its `kind` is sky, ground, summary or plant (web_pick.h). */
 	pick(x, y) {
 		if (!this.drawn)
 			return null;
 		const [width, height] = this.drawn[1];
-		return this.stream.pick(x * width, y * height);
+		return this.reading(() => this.stream.pick(x * width, y * height));
 	}
 
 	/** 255 where a plant is, else 0: a byte a pixel of the picture that was drawn last, rows from the
 	 * top. A copy, which is the caller's. */
 	cover() {
-		const [width, height] = this.drawn[1], at = this.module._web_cover(this.stream.web);
-		return this.module.HEAPU8.slice(at, at + width * height);
+		return this.pixels(this.module._web_cover, 1);
 	}
 
 	/** Its colours: 3 bytes a pixel, sRGB. */
 	colors() {
-		const [width, height] = this.drawn[1], at = this.module._web_colors(this.stream.web);
-		return this.module.HEAPU8.slice(at, at + 3 * width * height);
+		return this.pixels(this.module._web_colors, 3);
 	}
 
 	/** Whose each of its pixels is: 3 bytes of colour, a plant's own; black where there is none. */
 	owners() {
-		const [width, height] = this.drawn[1], at = this.module._web_owners(this.stream.web);
-		this.stream.check(!at);
-		return this.module.HEAPU8.slice(at, at + 3 * width * height);
+		return this.pixels(this.module._web_owners, 3);
 	}
 }

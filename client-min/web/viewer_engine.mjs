@@ -25,7 +25,7 @@ class Engine {
 	constructor(canvas, post) {
 		const attributes = { antialias: false, alpha: false, preserveDrawingBuffer: true };
 		this.gl = canvas.getContext('webgl2', attributes);
-		Object.assign(this, { canvas, post, layer: null, wanted: null, frame: false,
+		Object.assign(this, { canvas, post, layer: null, wanted: null, frame: false, stale: false,
 			movingScale: 0.4 });
 		this.gl?.clearColor(0.55, 0.6, 0.65, 1);        // of the page, until there is a picture
 		this.gl?.clear(this.gl.COLOR_BUFFER_BIT);
@@ -37,15 +37,43 @@ class Engine {
 		this.post({ type: 'failed', text, offline });
 	}
 
+	/** Draws soon, and once the picture before is there. */
 	redraw() {
+		this.stale = true;
 		if (this.frame || !this.layer || !this.wanted)
 			return;
 		this.frame = true;
-		nextFrame(() => {
-			this.frame = false;
-			if (this.layer)
-				this.draw();
+		nextFrame(async () => {
+			this.stale = false;
+			try {
+				const since = performance.now();
+				if (this.layer && this.draw()) {
+					await this.finished();
+					this.pace(performance.now() - since);
+				}
+			} finally {
+				this.frame = false;
+				if (this.stale)
+					this.redraw();
+			}
 		});
+	}
+
+	/** Waits until the GPU has drawn. */
+	async finished() {
+		const { gl } = this, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+		gl.flush();
+		do
+			await new Promise((done) => setTimeout(done, 1));
+		while (gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.UNSIGNALED);
+		gl.deleteSync(fence);
+	}
+
+	/** A moving picture has as many pixels as can be drawn in time. */
+	pace(ms) {
+		if (this.wanted.moving)
+			this.movingScale *= Math.sqrt(between(0.5, MOVING_MS / Math.max(ms, 1), 1.5));
+		this.movingScale = between(MOVING_LEAST, this.movingScale, 1);
 	}
 
 	async open({ url, token, first }) {
@@ -63,6 +91,7 @@ class Engine {
 		this.redraw();
 	}
 
+	/** False: nothing is here yet. */
 	draw() {
 		const { layer, gl, canvas, wanted } = this, { number, matrix, eye, next, size, moving } = wanted;
 		const [width, height] = size;
@@ -76,15 +105,12 @@ class Engine {
 		gl.viewport(0, 0, width, height);
 		gl.clearDepth(1);
 		gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-		const since = performance.now();
-		const there = layer.draw(matrix, eye, size, next), ms = performance.now() - since;
-		if (moving && there)
-			this.movingScale *= Math.sqrt(between(0.5, MOVING_MS / Math.max(ms, 1), 1.5));
-		this.movingScale = between(MOVING_LEAST, this.movingScale, 1);
+		const there = layer.draw(matrix, eye, size, next);
 		const { complete, offline, stream, ahead } = layer, { received } = stream;
 		const ground = stream.selected ? stream.ground(eye[0], eye[1]) : null;
 		this.post({ type: 'drawn', number, facts: layer.facts(), complete, received, ground,
 			offline, ahead });
+		return there;
 	}
 
 	async pick({ at }) {

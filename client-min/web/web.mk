@@ -74,6 +74,12 @@ $(W)/include/draco/draco_features.h: $(W)/src/.done
 	cp /usr/include/xxhash.h /usr/include/xxh3.h $(W)/include/
 	mkdir -p $(W)/include/epoxy && echo '#include <GLES3/gl3.h>' >$(W)/include/epoxy/gl.h
 
+# the text of light in GLSL, without its comments, as a string
+$(W)/include/view_light_text.h: client-min/draw/view_light.glsl
+	@mkdir -p $(@D)
+	sed -e '/^[[:blank:]]*\/\*.*\*\/$$/d; /^\/\*/,/\*\/$$/d; /^$$/d; s/\\/\\\\/g; s/"/\\"/g; s/.*/"&\\n"/' $< >$@
+$(W)/obj/client-min/web/web_light.o: $(W)/include/view_light_text.h
+
 $(WEB_OBJECTS): | $(W)/include/draco/draco_features.h
 $(W)/obj/draco/%.o: | $(W)/include/draco/draco_features.h
 	@mkdir -p $(@D)

@@ -8,6 +8,7 @@
 #include "client-min/draw/view_gl.h"
 #include "client-min/view_query.h"
 #include "client-min/view_sun.h"
+#include "client-min/web/web_light.h"
 #include "client-min/web/web_pick.h"
 #include "client-min/web/web_present.h"
 #include "client-min/web/web_text.h"
@@ -22,8 +23,10 @@ struct web {
 	uint64_t evictions;                      /* of the store when it was made */
 	double predicted_q;
 	struct view_gl *gl;
-	struct view_picture picture;
-	uint8_t *owners;                         /* of it, once somebody has asked */
+	struct view_picture picture;             /* that was drawn last, once somebody has asked */
+	bool read;
+	uint8_t *owners;                         /* of it */
+	struct web_light light;
 	struct lod_eye eye;                      /* of the picture */
 	struct view_sky sky;
 	struct web_present present;
@@ -49,8 +52,10 @@ void web_free(struct web *web)
 {
 	if (!web)
 		return;
-	if (web->gl)
+	if (web->gl) {
 		web_present_free(&web->present);
+		web_light_free(&web->light);
+	}
 	view_gl_close(web->gl);
 	view_picture_free(&web->picture);
 	free(web->owners);
@@ -191,6 +196,7 @@ int web_select(struct web *web)
 		return (int)code;
 	view_select_free(&web->selection);
 	web->selection = selection;
+	web_light_forget(&web->light);
 	web->evictions = view_store_stats(web->store).evictions;
 	web->predicted_q = eco_predicted_q(&plan->prediction);
 	return (int)select_casters(web);
@@ -212,6 +218,16 @@ static enum eco_code prepare(struct web *web, uint32_t width, uint32_t height)
 	return code;
 }
 
+/* Shadow maps and images on the ground are made and looked up in memory. */
+static enum eco_code light_in_memory(struct web *web, const struct view_light_job *job)
+{
+	enum eco_code code = view_gl_read(web->gl, &web->picture, &web->error);
+	web->read = !code;
+	if (!code)
+		code = view_light_picture(job, &web->picture, &web->error);
+	return code ? code : web_light_put(&web->light, &web->picture, &web->error);
+}
+
 int web_draw(struct web *web, const double view[10], double width, double height, double tint)
 {
 	struct eco_view v = view_of(view, width, height);
@@ -221,9 +237,24 @@ int web_draw(struct web *web, const double view[10], double width, double height
 	lod_eye_make(&web->eye, &v);
 	web->selection.sky = web->sky;
 	web->selection.sky.casters = web->casters.instance_count ? &web->casters : NULL;
+	web->read = false;
 	double near_m = view_store_near_m(web->store);
-	return (int)view_gl_draw(web->gl, &(struct view_gl_job){ web->store, &web->selection, &web->eye,
-		near_m > 0 ? near_m : 0.1, (enum view_tint)tint }, &web->picture, &web->error);
+	const struct view_light_job light = { web->store, &web->selection, &web->eye, (enum view_tint)tint,
+		0 };
+	enum eco_code code = view_gl_record(web->gl, &(struct view_gl_job){ web->store, &web->selection,
+		&web->eye, near_m > 0 ? near_m : 0.1, light.tint }, &web->picture, &web->error);
+	if (code)
+		return (int)code;
+	return (int)(web_light_can(&light) ? web_light_draw(&web->light, web->gl, &light, v.width, v.height,
+		&web->error) : light_in_memory(web, &light));
+}
+
+/* What was drawn last, in memory; false, with an error: it cannot be read. */
+static bool read_picture(struct web *web)
+{
+	forget_error(web);
+	web->read = web->read || !view_gl_read(web->gl, &web->picture, &web->error);
+	return web->read;
 }
 
 void web_sun(struct web *web, double longitude_deg, double latitude_deg, double convergence_deg,
@@ -255,23 +286,27 @@ int web_present(struct web *web, const double *depth, const double *viewport, do
 		.ground = ground != 0 };
 	for (int i = 0; i < 4; i++)
 		place.viewport[i] = (int)viewport[i];
-	return (int)web_present_draw(&web->present, &web->picture, &place, &web->error);
+	return (int)web_present_draw(&web->present, web->light.lit, view_gl_target(web->gl).seen, &place,
+		&web->error);
 }
 
-const uint8_t *web_colors(const struct web *web)
+const uint8_t *web_colors(struct web *web)
 {
+	if (!read_picture(web) || web_light_read(&web->light, web->picture.rgb, &web->error))
+		return NULL;
 	return web->picture.rgb;
 }
 
-const uint8_t *web_cover(const struct web *web)
+const uint8_t *web_cover(struct web *web)
 {
-	return web->picture.cover;
+	return read_picture(web) ? web->picture.cover : NULL;
 }
 
 const uint8_t *web_owners(struct web *web)
 {
 	size_t size = (size_t)web->picture.width * web->picture.height * 3;
-	forget_error(web);
+	if (!read_picture(web))
+		return NULL;
 	uint8_t *rgb = realloc(web->owners, size);
 	if (!rgb) {
 		eco_fail(&web->error, ECO_NO_MEMORY, "no memory for the owners of a picture");
@@ -374,8 +409,7 @@ double web_ground(const struct web *web, double x, double y)
 const char *web_pick(struct web *web, double x, double y)
 {
 	struct view_owners owners;
-	forget_error(web);
-	if (view_owners_make(&owners, &web->selection, &web->error))
+	if (!read_picture(web) || view_owners_make(&owners, &web->selection, &web->error))
 		return NULL;
 	web->text.size = 0;
 	struct web_pick pick = { web->store, &web->selection, &web->eye, &owners, &web->picture };

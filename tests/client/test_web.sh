@@ -48,7 +48,7 @@ lay_picture park
 "$BUILD/ecopack" make --draft "$dir/source-park/picture.json" -o "$dir/picture.eco" --quiet \
 	|| fail "make picture"
 "$BUILD/ecoserve" --listen 127.0.0.1:0 --viewer build/web/site "city=$dir/city.eco" \
-	"$dir/meadow.eco" "$dir/park.eco" "picture=$dir/picture.eco" >"$dir/ready" &
+	"$dir/meadow.eco" "$dir/park.eco" "dusk=$dir/park.eco" "kinds=$dir/meadow.eco" "picture=$dir/picture.eco" >"$dir/ready" &
 server=$!
 trap 'kill $server 2>/dev/null' EXIT
 for _ in $(seq 100); do grep -q ready "$dir/ready" && break; sleep 0.1; done
@@ -57,8 +57,13 @@ url=$(sed -n 's/.*ready on \([^ ]*\) .*/\1/p' "$dir/ready")
 
 # seven views of each: near, across, from above, and from among the plants; places in turns of the scene's
 # size about its middle
-look_at() { # NAME VERTICES [SHADOWS]
-	[ -z "${3-}" ] || echo "$3" >"$dir/$1.shadows"
+look_at() { # NAME VERTICES [OPTIONS: the layer's, which are ecoview's but for the sun]
+	options=
+	if [ -n "${3-}" ]; then
+		echo "$3" >"$dir/$1.options"
+		options=$(jq -r 'if .sun then .sun |= todate else . end
+			| to_entries[] | "--\(.key) \(.value)"' "$dir/$1.options")
+	fi
 	curl -s "$url/v1/scenes/$1" | jq '.bounds as {$low, $high}
 		| [range(3) | ($low[.] + $high[.]) / 2] as $m
 		| ([range(2) | $high[.] - $low[.]] | max) as $size
@@ -69,14 +74,17 @@ look_at() { # NAME VERTICES [SHADOWS]
 		|| fail "no camera for $1"
 	mkdir "$dir/$1"
 	"$BUILD/ecoview" "$url/v1/scenes/$1" --camera "$dir/$1.json" --size 320x240 --vertices "$2" \
-		${3:+--shadows} ${3-} --owners --digest -o "$dir/$1" >"$dir/$1/said" || fail "ecoview $1"
+		$options --owners --digest -o "$dir/$1" >"$dir/$1/said" || fail "ecoview $1"
 }
-look_at city 30000 perspective
-look_at meadow 100000 standard
+look_at city 30000 '{"shadows": "perspective"}'
+look_at meadow 100000 '{"shadows": "standard"}'
+look_at dusk 100000 '{"haze": 200, "sun": 1782067500}'
+look_at kinds 30000 '{"tint": "kind"}'
 look_at park 300000
 look_at picture 100000
 node tests/client/web/compare.mjs "$dir" build/web/site "$chromium" "$url/v1/scenes/city" \
 	"$url/v1/scenes/meadow" "$url/v1/scenes/park" "$url/v1/scenes/picture" \
+	"$url/v1/scenes/dusk" "$url/v1/scenes/kinds" \
 	|| fail "the browser differs from ecoview"
 # the page, and that ecoview replays what it recorded
 if [ -n "$chromium" ]; then

@@ -4,7 +4,7 @@
 // primitive and a depth test: triangles; lines of a pixel; points for points, ellipsoids, summaries and
 // impostors. Triangles and points are as large as cover together twice what the scene's plants cover. Frames
 // of both alternate, each with a camera of its own, and each ends when a pixel was read. Prints medians and
-// their ratio, and what our frame is made of.
+// their ratio, and what our frames are made of where each part is waited for.
 import { Browser } from '../../client/web/browser.mjs';
 
 const [chromium, runs, ...urls] = process.argv.slice(2);
@@ -99,29 +99,29 @@ function openPlain([width, height], roles, covered) {
 	return counts;
 }
 
-/** Of ours also the parts: until the first pixels are read all is drawn; from when all are read there is
- * light, and then the picture goes to the page's framebuffer. */
+/** Frames of both in turns; then, of as many of ours, the parts: before each framebuffer that is bound waits
+ * for what was drawn into the one before. Those are the records', light's and the page's. */
 function timeFrames(runs) {
-	const times = { ours: [], plain: [], parts: { drawing: [], reading: [], light: [], presenting: [] } };
-	const { gl } = ours, read = gl.readPixels.bind(gl), marks = [];
-	gl.readPixels = (...values) => {
-		marks.push(performance.now());
-		read(...values);
-		marks.push(performance.now());
-	};
+	const times = { ours: [], plain: [], parts: { drawing: [], light: [], presenting: [] } };
 	for (let i = 0; i < runs + 2; i++)
 		for (const who of ['ours', 'plain']) {
 			const since = performance.now();
-			marks.length = 0;
 			globalThis[who].frame(1e-4);
-			if (i < 2)
-				continue;
-			times[who].push(performance.now() - since);
-			const [, drawn, , pixels, lit, end] = marks;
-			if (who === 'ours')
-				[drawn - since, pixels - drawn, lit - pixels, end - lit]
-					.forEach((ms, part) => Object.values(times.parts)[part].push(ms));
+			if (i >= 2)
+				times[who].push(performance.now() - since);
 		}
+	const { gl } = ours, bind = gl.bindFramebuffer.bind(gl), marks = [];
+	gl.bindFramebuffer = (...values) => {
+		gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+		marks.push(performance.now());
+		bind(...values);
+	};
+	for (let i = 0; i < runs; i++) {
+		marks.length = 0;
+		ours.frame(1e-4);
+		const [since, ...ends] = marks;
+		Object.values(times.parts).forEach((part, k) => part.push(ends[k] - (k ? ends[k - 1] : since)));
+	}
 	return times;
 }
 

@@ -3,7 +3,8 @@
 // --owners, and with --digest's lines in NAME/said. In node: the hashes of what is decoded and drawn are the
 // same. In CHROMIUM (none: ''): those, too, and of each picture's pixels that plants cover, and of those
 // that show the right plant, P and R are at least .995, and of all pixels as many have ecoview's colours, but
-// for 2 of 255. NAME.shadows, if it is there, says which shadows are cast.
+// for 2 of 255. NAME.options, if it is there, are the layer's, in JSON. Where no shadow is cast, and no picture
+// lies on the ground (`picture`), no pixel is read for a frame.
 import { existsSync, readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -29,7 +30,7 @@ function readScene(url) {
 	if (!digests.length || digests.length !== keyframes.length)
 		throw new Error(`${out}/said has ${digests.length} digests of ${keyframes.length} frames`);
 	const file = (i, kind) => join(out, `frame-${String(i).padStart(4, '0')}.${kind}png`);
-	const shadows = join(dir, `${name}.shadows`);
+	const options = join(dir, `${name}.options`);
 	const views = keyframes.map(({ time_s, ...view }, i) => ({
 		what: `${name}, frame ${i}`,
 		view: { up: [0, 0, 1], ...view },
@@ -37,7 +38,7 @@ function readScene(url) {
 		digest: digests[i],
 		pictures: [file(i, 'owners.'), file(i, '')],
 	}));
-	return { url, views, shadows: existsSync(shadows) ? readFileSync(shadows, 'utf8').trim() : 'none' };
+	return { url, views, options: existsSync(options) ? JSON.parse(readFileSync(options)) : {} };
 }
 
 async function inNode(scenes) {
@@ -63,19 +64,26 @@ async function inNode(scenes) {
 }
 
 // Runs in the page.
-async function openLayer(url, shadows) {
+async function openLayer(url, options) {
 	const { EcoLayer } = await import('/viewer/eco_layer.mjs');
 	const gl = new OffscreenCanvas(16, 16).getContext('webgl2');
 	const onError = (error) => { globalThis.failed = error.message; };
 	globalThis.tested?.free();
-	globalThis.tested = new EcoLayer({ url, gl, firstBytes: Infinity, shadows, onError });
+	globalThis.tested = new EcoLayer({ url, gl, firstBytes: Infinity, ...options, onError });
 	await tested.ready;
 }
 
 async function drawFrame(view, wanted, pictures) {
 	const { width, height } = wanted;
 	await tested.load({ view, ...wanted });
+	const { gl } = tested;
+	let reads = 0;
+	gl.readPixels = (...values) => {
+		reads++;
+		WebGL2RenderingContext.prototype.readPixels.apply(gl, values);
+	};
 	tested.present(view, [0, 0], width, height);
+	delete gl.readPixels;
 	const pixelsOf = async (picture) => {
 		const bitmap = await createImageBitmap(await (await fetch(picture)).blob());
 		const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
@@ -95,7 +103,7 @@ async function drawFrame(view, wanted, pictures) {
 			[0, 1, 2].some((k) => apart(i, k) > 2)]
 			.forEach((counted, k) => { counts[k] += !!counted; });
 	}
-	return { digest: tested.stream.digest(), counts, failed: globalThis.failed };
+	return { digest: tested.stream.digest(), counts, reads, failed: globalThis.failed };
 }
 
 async function inBrowser(scenes) {
@@ -107,19 +115,21 @@ async function inBrowser(scenes) {
 		await browser.until("document.getElementById('picture')?.dataset.complete === 'true'");
 		const said = await browser.evaluate("document.getElementById('state').textContent");
 		expect(said === '', `the page reports an error: ${said}`);
-		for (const { url, views, shadows } of scenes) {
-			await call(openLayer, url, shadows);
+		for (const { url, views, options } of scenes) {
+			await call(openLayer, url, options);
 			for (const { what, view, wanted, digest: theirs, pictures } of views) {
 				const data = pictures.map((file) =>
 					`data:image/png;base64,${readFileSync(file).toString('base64')}`);
-				const { digest, counts, failed } = await call(drawFrame, view, wanted, data);
+				const { digest, counts, reads, failed } = await call(drawFrame, view, wanted, data);
 				expect(!failed && digest === theirs, `${what}: the page's digest is ${digest} `
 					+ `(${failed ?? 'no error'}), ecoview's ${theirs}`);
 				const [page, ecoview, both, alike, odd, other] = counts, most = Math.max(page, ecoview);
 				expect(page > 0 && odd === 0, `${what}: of ${page} pixels ${odd} are covered by none`);
 				console.log(`${what}: ${ecoview} pixels; covered P ${(both / page).toFixed(5)} R `
 					+ `${(both / ecoview).toFixed(5)}, owners P ${(alike / page).toFixed(5)} R `
-					+ `${(alike / ecoview).toFixed(5)}; shadows ${shadows}, ${other} other colours`);
+					+ `${(alike / ecoview).toFixed(5)}; ${JSON.stringify(options)}, ${other} other colours`);
+				expect(!reads || options.shadows || url.endsWith('/picture'),
+					`${what}: pixels are read ${reads} times for a frame`);
 				expect(alike >= LEAST * most, `${what}: the page's picture differs from ecoview's`);
 				expect(other <= (1 - LEAST) * wanted.width * wanted.height,
 					`${what}: ${other} pixels have other colours than ecoview's`);

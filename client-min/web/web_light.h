@@ -1,0 +1,36 @@
+/* Light on the GPU, as view_light_picture makes it in memory and by the same text (draw/view_light.glsl):
+ * from what view_gl_record has left in textures to the colours of a picture, without reading a pixel.
+ *
+ *   web_light_draw(&light, gl, &job, &error);       `light.lit` is the picture, its first row at the top
+ *   web_light_forget(&light);                       another selection comes */
+#ifndef WEB_LIGHT_H
+#define WEB_LIGHT_H
+
+#include "client-min/draw/view_gl.h"
+#include "client-min/draw/view_gpu.h"
+#include "client-min/draw/view_light.h"
+
+struct web_light {                       /* zero is empty */
+	unsigned lit;                    /* RGBA8 */
+	uint32_t width, height;
+	unsigned program, framebuffer, vertex_array, shade;
+	struct view_gpu gpu;
+	struct view_gpu_texels slots, plants;    /* of view_owners.h; three texels a plant */
+	bool shaded;                     /* `shade` is of this selection and that sun */
+	float sun[3];
+	double low[2], side_m;           /* where `shade` lies: view_shade.h; side_m 0: nowhere */
+};
+
+/* All of the picture that gl has recorded, of the job's selection. No image on the ground, no shadow maps:
+ * web_light_can. */
+bool web_light_can(const struct view_light_job *job);
+enum eco_code web_light_draw(struct web_light *light, const struct view_gl *gl,
+	const struct view_light_job *job, uint32_t width, uint32_t height, struct eco_error *error);
+/* Takes colours that were lit in memory; reads them, 3 bytes a pixel. */
+enum eco_code web_light_put(struct web_light *light, const struct view_picture *picture,
+	struct eco_error *error);
+enum eco_code web_light_read(const struct web_light *light, uint8_t *rgb, struct eco_error *error);
+void web_light_forget(struct web_light *light);
+void web_light_free(struct web_light *light);
+
+#endif

@@ -1,0 +1,80 @@
+#include "client-min/web/web_program.h"
+
+#include <GLES3/gl3.h>
+#include <stddef.h>
+
+#define PARTS_MAX 6
+
+static const char vertex_text[] = "#version 300 es\n"
+	"out vec2 v_at;\n"
+	"void main() {\n"
+	"	vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;\n"
+	"	v_at = vec2(corner.x, 1.0 - corner.y);\n"
+	"	gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);\n"
+	"}\n";
+static const char fragment_head[] = "#version 300 es\n"
+	"precision highp float; precision highp int;\n"
+	"precision highp sampler2D; precision highp usampler2D;\n"
+	"in vec2 v_at;\n";
+
+static unsigned compile(unsigned type, const char *const *parts, int count)
+{
+	unsigned shader = glCreateShader(type);
+	glShaderSource(shader, count, parts, NULL);
+	glCompileShader(shader);
+	return shader;
+}
+
+static void explain(unsigned program, unsigned fragment, const char *what, struct eco_error *error)
+{
+	char log[400] = "";
+	glGetShaderInfoLog(fragment, sizeof log, NULL, log);
+	if (!log[0])
+		glGetProgramInfoLog(program, sizeof log, NULL, log);
+	eco_fail(error, ECO_UNSUPPORTED, "the graphics driver does not compile the shader for %s: %s", what,
+		log);
+}
+
+unsigned web_program(const char *const *parts, int count, const char *what, struct eco_error *error)
+{
+	const char *vertex_parts[] = { vertex_text }, *fragment_parts[PARTS_MAX] = { fragment_head };
+	for (int i = 0; i < count && i + 1 < PARTS_MAX; i++)
+		fragment_parts[i + 1] = parts[i];
+	unsigned vertex = compile(GL_VERTEX_SHADER, vertex_parts, 1),
+		fragment = compile(GL_FRAGMENT_SHADER, fragment_parts, count + 1),
+		program = glCreateProgram();
+	int linked = 0;
+	glAttachShader(program, vertex);
+	glAttachShader(program, fragment);
+	glLinkProgram(program);
+	glGetProgramiv(program, GL_LINK_STATUS, &linked);
+	if (!linked) {
+		explain(program, fragment, what, error);
+		glDeleteProgram(program);
+		program = 0;
+	}
+	glDeleteShader(vertex);
+	glDeleteShader(fragment);
+	return program;
+}
+
+void web_program_fill(unsigned vertex_array, const int viewport[4])
+{
+	glBindVertexArray(vertex_array);
+	glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
+	glDrawArrays(GL_TRIANGLES, 0, 3);
+	glBindVertexArray(0);
+}
+
+unsigned web_texture(unsigned format, uint32_t width, uint32_t height, int filter)
+{
+	unsigned texture;
+	glGenTextures(1, &texture);
+	glBindTexture(GL_TEXTURE_2D, texture);
+	glTexStorage2D(GL_TEXTURE_2D, 1, format, (GLsizei)width, (GLsizei)height);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+	return texture;
+}

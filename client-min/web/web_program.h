@@ -1,0 +1,17 @@
+/* Programs whose fragments are those of one triangle that covers the viewport. */
+#ifndef WEB_PROGRAM_H
+#define WEB_PROGRAM_H
+
+#include <stdint.h>
+
+#include "ecofiles/base/status.h"
+
+/* Of a fragment shader in parts, after its version and precisions; `v_at` is the place in a picture whose
+ * first row is the top, [0, 1]. 0, with *error: the driver refuses it. */
+unsigned web_program(const char *const *parts, int count, const char *what, struct eco_error *error);
+/* viewport: x, y, width, height */
+void web_program_fill(unsigned vertex_array, const int viewport[4]);
+/* A texture without mip levels, which ends at its edges, bound to the unit that is active. */
+unsigned web_texture(unsigned format, uint32_t width, uint32_t height, int filter);
+
+#endif
