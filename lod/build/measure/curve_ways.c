@@ -141,7 +141,7 @@ enum eco_code lod_curve_try_way(const struct lod_curve_organ *curve, double shar
 	double start, bool warm, double most, struct eco_error *error)
 {
 	struct search search = { .curve = curve, .share = share, .reach = way->reach,
-		.stride = curve->probe->views >= 8 ? 2 : 1 };
+		.stride = curve->draft || curve->probe->views >= 8 ? 2 : 1 };
 	for (int i = 0; i < STEPS; i++)
 		search.loss[i] = -1;
 	int best = (int)(start - LOD_CURVE_STEP_LOW + 0.5) + LOD_CURVE_STEP_LOW;

@@ -26,6 +26,7 @@
 #define FEW_POINTS 3u            /* fewer say nothing about a shape */
 #define LEAST_HALF 0.01          /* half an axis, where points are given to splats */
 #define ROUNDS 6u                /* of prices, for levels of at most so many splats */
+#define ROUNDS_DRAFT 2u
 #define PRICED 192u
 #define MOST_SIBLINGS 4u
 
@@ -122,7 +123,8 @@ struct sharing {
 	uint32_t count, *taken;
 };
 
-static double cost_of(const struct sharing *s, uint32_t i, const float point[3])
+static inline __attribute__((always_inline)) double cost_of(const struct sharing *s, uint32_t i,
+	const float point[3])
 {
 	return s->price[i] * splat_distance2(&s->splats[i], (const double (*)[3])s->inverse[i], point);
 }
@@ -215,7 +217,7 @@ static void share_points(struct fit *fit, uint32_t level)
 		s.price[i] = 1;
 	}
 	double mean = (double)fit->points.count / s.count;
-	uint32_t rounds = s.count > PRICED ? 0 : ROUNDS;
+	uint32_t rounds = s.count > PRICED ? 0 : fit->options->draft ? ROUNDS_DRAFT : ROUNDS;
 	for (uint32_t round = 0; round <= rounds; round++) {
 		for (uint32_t i = 0; round && i < s.count; i++)
 			s.price[i] *= (s.taken[i] + mean) / (2 * mean);
