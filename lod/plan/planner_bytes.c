@@ -47,8 +47,8 @@
 #define SWEEP_ROUNDS 2           /* of limits: with three steps are no better */
 #define SWEEP_LAST 3u            /* coarser answers yet, once the work is done that a plan may take: ... */
 #define SWEEP_LAST_ROUNDS 1      /* ... of limits, ... */
-#define SWEEP_LAST_TRIES 3       /* ... and prices tried for each, ... */
-#define SWEEP_LAST_FALL 1.5      /* ... or this */
+#define SWEEP_LAST_TRIES 5       /* ... and prices tried for each, ... */
+#define SWEEP_LAST_FALL 2        /* ... or this */
 #define SWEEP_LAST_LEAST 2       /* ... of an answer of so many times the bytes of the last one */
 #define SWEEP_USUAL 2.8          /* octaves of the price that leaves one byte of a picture of one pixel, ... */
 #define SWEEP_USUAL_SLOPE -1.5   /* ... and for each octave of bytes; by measurement */
