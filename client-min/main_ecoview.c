@@ -423,10 +423,12 @@ static enum eco_code begin_anew(struct viewer *v, uint32_t frame, struct eco_err
 static enum eco_code whole_frame(struct viewer *v, uint32_t number, struct eco_error *error)
 {
 	const uint32_t parts = v->report.part_count;
+	const double part = v->part;
 	struct eco_error one = { 0 };
 	enum eco_code code = one_frame(v, number, &one);
 	for (int i = 0; code && v->replaced && i < REPLACED_MOST; i++) {
 		v->report.part_count = parts;
+		v->part = part;
 		v->replaced = false;
 		one = (struct eco_error){ 0 };
 		code = begin_anew(v, number, &one);

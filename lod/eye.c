@@ -144,6 +144,8 @@ static double blur(uint32_t hash)
 uint8_t lod_eye_band(const struct lod_eye *eye, const double world[3], double scale, uint32_t hash)
 {
 	double d[3] = { world[0] - eye->at[0], world[1] - eye->at[1], world[2] - eye->at[2] };
+	if (!(scale * scale > 0))        /* it is as small as if it were infinitely far away */
+		return (uint8_t)(ECO_BANDS - 1);
 	double square = lod_dot(d, d) / (scale * scale) * blur(hash);
 	if (!(square > 0))
 		return 0;

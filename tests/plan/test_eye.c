@@ -159,3 +159,12 @@ UNIT_TEST(shares_are_spread_evenly)
 	for (int i = 0; i < 16; i++)
 		assert_in_range(count[i], 3700, 4300);
 }
+
+UNIT_TEST(a_plant_without_size_is_as_far_as_can_be)
+{
+	const struct eco_view view = { .target = { 0, 10, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 8,
+		.height = 8 };
+	struct lod_eye eye;
+	lod_eye_make(&eye, &view);
+	assert_int_equal(lod_eye_band(&eye, (const double[3]){ 0, 5, 0 }, 0, 1), ECO_BANDS - 1);
+}
