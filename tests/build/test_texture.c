@@ -7,6 +7,7 @@
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/texture.h"
 #include "lod/build/texture.h"
+#include "lod/build/texture_levels.h"
 #include "tests/support/scene_builder.h"
 #include "tests/support/unit_test.h"
 
@@ -151,6 +152,42 @@ UNIT_TEST(levels_halve_and_cover_as_much)
 		eco_texture_part_free(&outline);
 		eco_texture_part_free(&colors);
 	}
+	lod_texture_free(&texture);
+	free(card.image.rgba);
+}
+
+UNIT_TEST(levels_are_what_payloads_hold)
+{
+	struct card card;
+	struct lod_texture_levels levels;
+	struct eco_error error = { 0 };
+	card_make(&card, leaves(SIDE, SIDE / 2, 30), 2);
+	struct lod_texture texture = make(&card);
+	assert_ok(lod_texture_levels_make(&levels, &card.model, 0, 0, &error), error);
+	assert_int_equal(levels.count, texture.count);
+	assert_true(levels.texel_area == texture.texel_area);
+	for (uint32_t i = 0; i < levels.count; i++) {
+		const struct eco_texture_part *colors = &levels.levels[i].colors,
+			*outline = &levels.levels[i].outline;
+		struct eco_texture_part cut = read_level(&texture, i, true),
+			seen = read_level(&texture, i, false);
+		size_t count = (size_t)colors->width * colors->height;
+		double squares = 0;
+		assert_int_equal(colors->width, seen.width);
+		assert_int_equal(colors->height, seen.height);
+		assert_memory_equal(outline->texels, cut.texels, count);
+		for (size_t k = 0; k < 3 * count; k++)
+			squares += pow(colors->texels[k] - seen.texels[k], 2);
+		assert_true(sqrt(squares / (3 * (double)count)) < 12);
+		struct eco_writer w = { 0 };
+		assert_ok(eco_texture_write_colors(&w, colors, 80, &error), error);
+		assert_int_equal(w.size, texture.colors[i].size);
+		assert_memory_equal(w.bytes, texture.colors[i].bytes, w.size);
+		eco_writer_free(&w);
+		eco_texture_part_free(&cut);
+		eco_texture_part_free(&seen);
+	}
+	lod_texture_levels_free(&levels);
 	lod_texture_free(&texture);
 	free(card.image.rgba);
 }
