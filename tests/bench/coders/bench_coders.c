@@ -249,9 +249,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	if (!code)
 		add_keys(bench, s);
 	close_tables(s);
-	bench_say(bench, "Colours of textures are WebP, their outlines JBIG's template in a range coder, "
-		"impostors a coder of their own: not here. AVIF and JPEG XL are not measured: avifenc and "
-		"cjxl are no packages of ours.");
+	bench_say(bench, "Colours of textures are in the section texels. Their outlines, JBIG's template in a range "
+		"coder, and impostors, a coder of their own, are not here.");
 	free(s);
 	return code;
 }

@@ -1,0 +1,239 @@
+/* Bits of a texel of colours: what packs store, and other coders of pictures at the same error. Each level is
+ * a file of its own, as it is a chunk of its own. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/build/texture_levels.h"
+#include "tests/bench/bench_state.h"
+#include "tests/bench/coders/bench_texels.h"
+
+enum { SMALL, MIDDLE, LARGE, GROUPS };
+static const char *const group_names[GROUPS] = { "up to 64", "65 to 256", "more" };
+
+struct sums { double bytes, head, encode_s, decode_s; };
+struct group { double levels, left_out, texels, squares; struct sums of[TEXELS_CODERS]; };
+struct found { double textures; struct group groups[GROUPS]; };      /* doubles alone: a unit is an array */
+#define FOUND_NUMBERS (sizeof(struct found) / sizeof(double))
+struct study {
+	struct found all, model;             /* model: the one that is being studied */
+	bool there[TEXELS_CODERS];
+	struct texels_trial started[TEXELS_CODERS];      /* what a program takes for next to nothing */
+};
+
+static uint32_t group_of(const struct eco_texture_part *part)
+{
+	uint32_t side = part->width > part->height ? part->width : part->height;
+	return side <= 64 ? SMALL : side <= 256 ? MIDDLE : LARGE;
+}
+
+/* ---- A level ---- */
+
+/* At the error of `stored`; bytes are NaN where no settings lie around it. */
+static enum eco_code measure(struct sums *sums, struct bench *bench, enum texels_coder coder,
+	const struct lod_texture_level *level, double stored, struct eco_error *error)
+{
+	struct texels_trial trials[TEXELS_SETTINGS];
+	uint32_t count = 0, nearest = 0, setting = TEXELS_SETTINGS / 2;
+	double bytes = NAN;
+	while (isnan(bytes) && setting < TEXELS_SETTINGS && count < TEXELS_SETTINGS) {
+		struct texels_trial *trial = &trials[count++];
+		enum eco_code code = texels_code(trial, bench, coder, &level->colors, &level->outline, setting,
+			error);
+		if (code)
+			return code;
+		bytes = texels_bytes_at(trials, count, stored, &nearest);
+		setting += trial->error > stored ? 1u : -1u;         /* finer, or coarser; -1: no more */
+	}
+	*sums = (struct sums){ bytes, trials[nearest].head, trials[nearest].encode_s, trials[nearest].decode_s };
+	return ECO_OK;
+}
+
+static enum eco_code study_level(struct study *s, struct bench *bench, const struct lod_texture_level *level,
+	struct eco_error *error)
+{
+	struct group *group = &s->model.groups[group_of(&level->colors)];
+	struct texels_trial stored;
+	struct sums sums[TEXELS_CODERS];
+	enum eco_code code = texels_code(&stored, bench, TEXELS_WEBP, &level->colors, &level->outline, 0, error);
+	sums[TEXELS_WEBP] = (struct sums){ stored.bytes, 0, stored.encode_s, stored.decode_s };
+	bool all = stored.error > 0;
+	for (enum texels_coder c = TEXELS_SQUARES; c < TEXELS_CODERS && !code && all; c++) {
+		if (s->there[c])
+			code = measure(&sums[c], bench, c, level, stored.error, error);
+		all = !code && (!s->there[c] || sums[c].bytes > 0);
+	}
+	if (code || !all) {
+		group->left_out++;
+		return code;
+	}
+	double texels = (double)level->colors.width * level->colors.height;
+	group->levels++;
+	group->texels += texels;
+	group->squares += texels * stored.error * stored.error;
+	for (enum texels_coder c = 0; c < TEXELS_CODERS; c++)
+		if (s->there[c]) {
+			group->of[c].bytes += sums[c].bytes;
+			group->of[c].head += sums[c].head;
+			group->of[c].encode_s += sums[c].encode_s - s->started[c].encode_s;
+			group->of[c].decode_s += sums[c].decode_s - s->started[c].decode_s;
+		}
+	return ECO_OK;
+}
+
+/* ---- All textures ---- */
+
+static enum eco_code study_model(struct study *s, struct bench *bench, const struct eco_model *model,
+	struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t id = 0; id < model->image_count && !code; id++) {
+		struct lod_texture_levels levels;
+		code = lod_texture_levels_make(&levels, model, id, 0, error);
+		if (code)
+			return code;
+		s->model.textures += levels.texel_area > 0;
+		for (uint32_t i = 0; i < levels.count && levels.texel_area > 0 && !code; i++)
+			code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+				: study_level(s, bench, &levels.levels[i], error);
+		lod_texture_levels_free(&levels);
+	}
+	return code;
+}
+
+static json_t *found_json(const struct found *found)
+{
+	json_t *numbers = json_array();
+	for (size_t i = 0; i < FOUND_NUMBERS; i++)
+		json_array_append_new(numbers, json_real(((const double *)found)[i]));
+	return numbers;
+}
+
+static void found_add(struct found *all, const json_t *unit)
+{
+	for (size_t i = 0; i < FOUND_NUMBERS; i++)
+		((double *)all)[i] += json_number_value(json_array_get(unit, i));
+}
+
+static enum eco_code study_path(struct study *s, struct bench *bench, const struct bench_model *item,
+	struct eco_error *error)
+{
+	char unit[128], stamp[32];
+	struct eco_model model;
+	snprintf(unit, sizeof unit, "texels-%s", item->name);
+	snprintf(stamp, sizeof stamp, "%016llx%d%d", (unsigned long long)bench_file_hash(item->path),
+		s->there[TEXELS_AVIF_420], s->there[TEXELS_JXL]);
+	const json_t *kept = bench_recall(bench, unit, stamp);
+	enum eco_code code = kept ? ECO_OK : bench_model_read(bench, item, &model, error);
+	if (!kept && !code) {
+		s->model = (struct found){ 0 };
+		code = study_model(s, bench, &model, error);
+		eco_model_free(&model);
+		if (!code)
+			kept = bench_keep(bench, unit, stamp, found_json(&s->model));
+	}
+	if (!code)
+		found_add(&s->all, kept);
+	return code;
+}
+
+/* Models of the data folder; generated trees of cards share one image. */
+static enum eco_code study_all(struct study *s, struct bench *bench, struct eco_error *error)
+{
+	struct bench_model *models, cards = { .name = "cards-1" };
+	uint32_t count;
+	char folder[512];
+	snprintf(folder, sizeof folder, "%.440s/scenes/cards", bench->cache);
+	snprintf(cards.path, sizeof cards.path, "%.440s/scenes/cards/models/cards-1.obj", bench->cache);
+	enum eco_code code = bench_folder_make(folder, error);
+	if (!code)
+		code = bench_command(bench, error, "'%s/ecopack' generate city -o '%s' --plants 20 --quiet",
+			bench->build, folder);
+	if (!code)
+		code = bench_models(bench, &models, &count, error);
+	if (code)
+		return code;
+	for (uint32_t i = 0; i < count && !code; i++) {
+		bench_progress(bench, (double)i / (count + 1), models[i].name);
+		if (!models[i].generated)
+			code = study_path(s, bench, &models[i], error);
+	}
+	free(models);
+	return code ? code : study_path(s, bench, &cards, error);
+}
+
+static enum eco_code start_programs(struct study *s, struct bench *bench, struct eco_error *error)
+{
+	uint8_t gray[3 * 64], opaque[64];
+	struct lod_texture_level tiny = { .colors = { 8, 8, 3, gray }, .outline = { 8, 8, 1, opaque } };
+	enum eco_code code = ECO_OK;
+	memset(gray, 128, sizeof gray);
+	memset(opaque, 255, sizeof opaque);
+	for (enum texels_coder c = 0; c < TEXELS_CODERS && !code; c++) {
+		s->there[c] = texels_coder_is_there(c);
+		if (s->there[c] && c >= TEXELS_AVIF_420)
+			code = texels_code(&s->started[c], bench, c, &tiny.colors, &tiny.outline, 3, error);
+	}
+	return code;
+}
+
+/* ---- The report ---- */
+
+static void add_group(struct bench_table *table, const struct study *s, uint32_t g)
+{
+	const struct group *group = &s->all.groups[g];
+	const struct sums *stored = &group->of[TEXELS_WEBP];
+	for (enum texels_coder c = 0; c < TEXELS_CODERS && group->levels > 0; c++) {
+		const struct sums *sums = &group->of[c];
+		double each = g == LARGE ? 1e9 / group->texels : NAN;        /* else it is mostly starting */
+		if (s->there[c])
+			bench_table_row(table, "%s,%s,%.0f,%.0f,%.3f,%.2f,%.3f,%.3f,%.3f,%.1f,%.1f",
+				group_names[g], texels_names[c], group->levels, group->left_out,
+				group->texels / 1e6, sqrt(group->squares / group->texels),
+				8 * sums->bytes / group->texels, sums->bytes / stored->bytes,
+				(sums->bytes - sums->head) / stored->bytes, each * sums->encode_s,
+				each * sums->decode_s);
+	}
+}
+
+static void add_key(struct bench *bench, const struct study *s)
+{
+	const struct group *group = &s->all.groups[LARGE];
+	double best = NAN;
+	for (enum texels_coder c = TEXELS_AVIF_420; c < TEXELS_CODERS; c++)
+		if (s->there[c])
+			best = fmin(best, group->of[c].bytes / group->of[TEXELS_WEBP].bytes);
+	bench_key(bench, "texels_best", best, "bytes of the best other coder over ours, levels of more than "
+		"256 texels a side, at equal error");
+}
+
+static enum eco_code run(struct bench *bench, struct eco_error *error)
+{
+	struct study *s = calloc(1, sizeof *s);
+	if (!s)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for figures");
+	enum eco_code code = start_programs(s, bench, error);
+	for (enum texels_coder c = TEXELS_AVIF_420; c < TEXELS_CODERS && !code; c++)
+		if (!s->there[c])
+			bench_say(bench, "%s is left out: apt-get install %s", texels_names[c],
+				c == TEXELS_JXL ? "libjxl-tools" : "libavif-bin");
+	if (!code)
+		code = study_all(s, bench, error);
+	struct bench_table *table = bench_table_open(bench, "texels", "side,coder,levels,left out,"
+		"megatexels,error,bits of a texel,of stored,without head,encoding ns,decoding ns", true);
+	for (uint32_t g = 0; g < GROUPS && !code; g++)
+		add_group(table, s, g);
+	bench_table_close(table);
+	bench_say(bench, "%.0f textures. Bits of a texel at the error (sRGB bytes, opaque texels) that the stored "
+		"file of the same level has, between two settings of a coder; levels where it has none on both "
+		"sides are left out. Times are of processor, of a texel, at the nearer setting, less what the "
+		"program takes for 8 x 8 texels; programs also read and write an uncompressed picture.",
+		s->all.textures);
+	if (!code)
+		add_key(bench, s);
+	free(s);
+	return code;
+}
+
+const struct bench_section bench_texels = { "texels", "Bits of a texel of colours by several coders", run,
+	.objects = "ecofiles-*.a lod-build.a tests/bench/coders/bench_texels*.o" };
