@@ -381,7 +381,7 @@ static enum eco_code bind_images(struct frame *f, const struct view_list *list)
 	return code;
 }
 
-/* Lines and points: four vertices a primitive, in parts as long as the index buffer. */
+/* Lines: four vertices a primitive, in parts as long as the index buffer. */
 static void draw_quads(const struct view_shader *s, uint32_t first, uint32_t end, uint32_t members)
 {
 	for (uint32_t at = first; at < end; at += QUADS) {
@@ -458,13 +458,14 @@ static void draw_impostors(const struct frame *f, const struct view_shader *s, c
 static void draw_primitives(const struct frame *f, const struct view_shader *s, const struct view_list *list,
 	const struct eco_cut *cut, uint32_t first_member, uint32_t members)
 {
-	if (list->list.kind == ECO_LIST_TRIANGLES)
-		glDrawArraysInstanced(GL_TRIANGLES, (GLint)(cut->first * 3),
-			(GLsizei)((cut->end - cut->first) * 3), (GLsizei)members);
-	else if (list->list.kind == ECO_LIST_IMPOSTOR)
+	uint32_t first = cut->first << cut->halvings, end = cut->end << cut->halvings;
+	if (list->list.kind == ECO_LIST_IMPOSTOR)
 		draw_impostors(f, s, list, cut->first, first_member, members);
+	else if (list->list.kind == ECO_LIST_LINES)
+		draw_quads(s, first, end, members);
 	else
-		draw_quads(s, cut->first << cut->halvings, cut->end << cut->halvings, members);
+		glDrawArraysInstanced(GL_TRIANGLES, (GLint)(first * 3), (GLsizei)((end - first) * 3),
+			(GLsizei)members);
 	f->picture->vertices += eco_cut_vertices(cut, &list->list) * members;
 }
 

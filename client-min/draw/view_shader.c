@@ -125,8 +125,9 @@ static const char vertex_lines[] =
 	"	gl_Position = len2 > 0.0 && half_width > 0.0 ? project(view) : vec4(2.0, 2.0, 2.0, 1.0);\n"
 	"}\n";
 
-/* u_level: eco_level_share, in 1/255. Ellipses as lod/splat.h has them: the quad holds the ellipse, whose
- * pixels the fragment shader tells. */
+/* u_level: eco_level_share, in 1/255. Ellipses as lod/splat.h has them: the least triangle around the ellipse
+ * holds it, whose pixels the fragment shader tells; a quarter of a pixel more, as drivers round vertices. One
+ * triangle takes less than two, and than a square of twice its area (lod/EXPERIMENTS.md, A frame's time). */
 static const char vertex_points[] =
 	"#if TEXELS == 2\n"
 	"uniform int u_halvings;         // of scattered points\n"
@@ -152,7 +153,7 @@ static const char vertex_points[] =
 	"flat out uint v_salt;\n"
 	"void main() {\n"
 	"	Plant p = plant_of_member(gl_InstanceID);\n"
-	"	int corner = gl_VertexID & 3, point = (gl_VertexID >> 2) + u_first;\n"
+	"	int corner = gl_VertexID % 3, point = gl_VertexID / 3;\n"
 	"#if TEXELS == 2\n"
 	"	uint scattered = uint(point & ((1 << u_halvings) - 1));\n"
 	"	point >>= u_halvings;\n"
@@ -203,19 +204,18 @@ static const char vertex_points[] =
 	"	yy = (yy + to_z.y * to_z.y * part) * part;\n"
 	"	middle -= to_z * part;\n"
 	"	float lean = xy / yy, cloud = p.half_width > 0.0 ? min(reach / p.half_width, 1.0) : 1.0;\n"
-	"	vec2 size = vec2(sqrt(xx), sqrt(yy)), sign = vec2(corner == 1 || corner == 2 ? 1.0 : -1.0, "
-	"corner >= 2 ? 1.0 : -1.0);\n"
+	"	float height = sqrt(yy);\n"
 	"	v_ellipse = vec4(middle, lean, sqrt(max(xx - lean * xy, 0.0)));\n"
 	"	vec2 slope = vec2(v_ellipse.w > 0.0 ? (to_z.x - lean * to_z.y) / v_ellipse.w : 0.0, to_z.y "
-	"/ size.y);\n"
+	"/ height);\n"
 	"	float bulge = sqrt(max(zz - dot(slope, slope), 0.0));\n"
 	"	v_near_side = view.z * vec4(1.0, slope, bulge);\n"
-	"	v_shown.x = size.y;\n"
+	"	v_shown.x = height;\n"
 	/* the point at (u, v) of the near side, in a space where the ellipsoid is a ball, is this matrix
 	 * times (u, v, sqrt(1 - u^2 - v^2)); and so is its normal, which `to_plant` takes to plant space */
 	"#if TEXELS == 4\n"
 	"	vec3 e_u = v_ellipse.w > 0.0 ? (across - lean * down) / v_ellipse.w : vec3(0.0), e_v = down "
-	"/ size.y;\n"
+	"/ height;\n"
 	"	vec3 farther = vec3(axes[0].z, axes[1].z, axes[2].z) / view.z - slope.x * e_u - slope.y * "
 	"e_v;\n"
 	"	v_normals = to_plant * mat3(e_u, e_v, farther / -max(bulge, 1e-30));\n"
@@ -224,7 +224,10 @@ static const char vertex_points[] =
 	"	v_seen = uvec4(p.owner, CLOUD << 30 | u_level << 16 | uint(cloud * 65535.0 + 0.5), "
 	"color_of(t0.w));\n"
 	"	gl_Position = project(view);\n"
-	"	gl_Position.xy = (middle + sign * (size + 1.0)) / u_half * gl_Position.w;\n"
+	"	vec2 around = corner == 0 ? vec2(0.0, 2.0) : vec2(corner == 1 ? 1.7320508 : -1.7320508, -1.0);\n"
+	"	around *= vec2(v_ellipse.w, height) + 0.25;\n"
+	"	around.x += lean * around.y;\n"
+	"	gl_Position.xy = (middle + around) / u_half * gl_Position.w;\n"
 	"	if (!there) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);\n"
 	"}\n";
 
