@@ -34,6 +34,7 @@ static const char pixels[] =
 	"uniform float u_haze_m;\n"
 	"uniform vec3 u_right, u_up, u_forward;  // the image plane's half extents, and its middle\n"
 	"uniform bool u_by_kind, u_unshaded;\n"
+	"uniform vec3 u_moved;           // from where feet are told to the eye\n"
 	"uniform uint u_mask;            // of slots\n"
 	"uniform ivec2 u_shift;          // of slots, plants\n"
 	"uniform vec3 u_square;          // of u_shade: its corner from the eye, 1 / its side\n"
@@ -75,7 +76,7 @@ static const char pixels[] =
 	"		vec4 foot = uintBitsToFloat(texel_of(u_plants, u_shift.y, found * 3 + 1));\n"
 	"		vec4 b = uintBitsToFloat(texel_of(u_plants, u_shift.y, found * 3 + 2));\n"
 	"		p = plant(a.z, a.w, b.x, b.y, b.z, b.w);\n"
-	"		vec3 d = (to - foot.xyz) / foot.w;\n"
+	"		vec3 d = (to + u_moved - foot.xyz) / foot.w;\n"
 	"		local = vec3(d.x * p.cosine + d.y * p.sine, d.y * p.cosine - d.x * p.sine, d.z);\n"
 	"	}\n"
 	"	face look = face_of(u_sun, p, seen.z, to_eye);\n"
@@ -90,7 +91,8 @@ static const char pixels[] =
 	"	if (all(greaterThan(at, vec2(0.0))) && all(lessThan(at, vec2(1.0))))\n"
 	"		taken = textureLod(u_shade, at, 0.0).rg;\n"
 	"	vec3 lit = ground_light(u_sun, n, taken.x, taken.y);\n"
-	"	return ground_color(u_sun, ground_albedo(to.xy, n.z, length(to)) * lit, to, u_haze_m, u_by_kind);\n"
+	"	lit *= ground_albedo(to.xy, n.z, length(to));\n"
+	"	return ground_color(u_sun, lit, to, u_haze_m, u_by_kind);\n"
 	"}\n"
 	"void main() {\n"
 	"	uvec4 seen = texelFetch(u_seen, ivec2(gl_FragCoord.xy), 0);\n"
@@ -150,7 +152,7 @@ void web_light_free(struct web_light *light)
 
 void web_light_forget(struct web_light *light)
 {
-	light->shaded = false;
+	light->shaded = light->held = false;
 }
 
 bool web_light_can(const struct view_light_job *job)
@@ -178,20 +180,39 @@ static void put_plant(float *texels, const struct view_light_job *job, const str
 	memcpy(texels + 8, shape, sizeof shape);
 }
 
+static enum eco_code upload_owners(struct web_light *light, const struct view_light_job *job,
+	struct eco_error *error)
+{
+	struct view_owners owners;
+	enum eco_code code = view_owners_make(&owners, job->selection, error);
+	if (!code)
+		code = view_gpu_stream(&light->gpu, &light->slots, 1, owners.slots,
+			(uint64_t)owners.mask + 1, error);
+	light->mask = owners.mask;
+	view_owners_free(&owners);
+	return code;
+}
+
+/* Once a selection: feet are told from where the eye was then. */
 static enum eco_code upload_plants(struct web_light *light, const struct view_light_job *job,
-	struct view_owners *owners, struct eco_error *error)
+	struct eco_error *error)
 {
 	uint32_t count = job->selection->instance_count;
+	if (light->held)
+		return ECO_OK;
 	float *texels = malloc((size_t)count * PLANT_TEXELS * VIEW_TEXEL_BYTES + 1);
 	if (!texels)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the plants in view");
+	memcpy(light->origin, job->eye->at, sizeof light->origin);
 	for (uint32_t i = 0; i < count; i++)
 		put_plant(texels + (size_t)i * PLANT_TEXELS * 4, job, &job->selection->instances[i]);
 	enum eco_code code = view_gpu_stream(&light->gpu, &light->plants, 4, (const uint32_t *)texels,
 		(uint64_t)count * PLANT_TEXELS, error);
 	free(texels);
-	return code ? code : view_gpu_stream(&light->gpu, &light->slots, 1, owners->slots,
-		(uint64_t)owners->mask + 1, error);
+	if (!code)
+		code = upload_owners(light, job, error);
+	light->held = !code;
+	return code;
 }
 
 /* The map of plants' shadows on the ground: it changes with the selection and the sun, not with the eye. */
@@ -281,7 +302,7 @@ static void bind(const struct web_light *light, const char *name, int unit, unsi
 }
 
 static void set_all(const struct web_light *light, const struct view_light_job *job,
-	const struct view_gl_target *target, uint32_t mask)
+	const struct view_gl_target *target)
 {
 	const struct lod_eye *eye = job->eye;
 	glUseProgram(light->program);
@@ -295,9 +316,11 @@ static void set_all(const struct web_light *light, const struct view_light_job *
 	set_axis(light, "u_right", eye->right, eye->tan_x);
 	set_axis(light, "u_up", eye->up, eye->tan_y);
 	set_axis(light, "u_forward", eye->forward, 1);
+	glUniform3f(uniform(light, "u_moved"), (float)(eye->at[0] - light->origin[0]),
+		(float)(eye->at[1] - light->origin[1]), (float)(eye->at[2] - light->origin[2]));
 	glUniform1i(uniform(light, "u_by_kind"), job->tint == VIEW_TINT_KIND);
 	glUniform1i(uniform(light, "u_unshaded"), job->tint == VIEW_TINT_UNSHADED);
-	glUniform1ui(uniform(light, "u_mask"), mask);
+	glUniform1ui(uniform(light, "u_mask"), light->mask);
 	glUniform2i(uniform(light, "u_shift"), (int)light->slots.shift, (int)light->plants.shift);
 	glUniform3f(uniform(light, "u_square"), (float)(light->low[0] - eye->at[0]),
 		(float)(light->low[1] - eye->at[1]), light->side_m > 0 ? (float)(1 / light->side_m) : 0);
@@ -306,23 +329,19 @@ static void set_all(const struct web_light *light, const struct view_light_job *
 enum eco_code web_light_draw(struct web_light *light, const struct view_gl *gl,
 	const struct view_light_job *job, uint32_t width, uint32_t height, struct eco_error *error)
 {
-	struct view_owners owners = { 0 };
 	struct view_gl_target target = view_gl_target(gl);
 	enum eco_code code = prepare(light, error);
 	if (!code)
-		code = view_owners_make(&owners, job->selection, error);
-	if (!code)
-		code = upload_plants(light, job, &owners, error);
+		code = upload_plants(light, job, error);
 	if (!code)
 		code = upload_shade(light, job, error);
-	if (!code) {
-		resize(light, width, height);
-		set_all(light, job, &target, owners.mask);
-		glBindFramebuffer(GL_FRAMEBUFFER, light->framebuffer);
-		web_program_fill(light->vertex_array, (const int[4]){ 0, 0, (int)width, (int)height });
-	}
-	view_owners_free(&owners);
-	return code;
+	if (code)
+		return code;
+	resize(light, width, height);
+	set_all(light, job, &target);
+	glBindFramebuffer(GL_FRAMEBUFFER, light->framebuffer);
+	web_program_fill(light->vertex_array, (const int[4]){ 0, 0, (int)width, (int)height });
+	return ECO_OK;
 }
 
 enum eco_code web_light_put(struct web_light *light, const struct view_picture *picture,

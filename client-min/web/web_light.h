@@ -15,7 +15,11 @@ struct web_light {                       /* zero is empty */
 	uint32_t width, height;
 	unsigned program, framebuffer, vertex_array, shade;
 	struct view_gpu gpu;
-	struct view_gpu_texels slots, plants;    /* of view_owners.h; three texels a plant */
+	/* of the selection, if `held`: view_owners.h; three texels a plant, their feet from `origin` */
+	struct view_gpu_texels slots, plants;
+	uint32_t mask;
+	double origin[3];
+	bool held;
 	bool shaded;                     /* `shade` is of this selection and that sun */
 	float sun[3];
 	double low[2], side_m;           /* where `shade` lies: view_shade.h; side_m 0: nowhere */
