@@ -1,10 +1,12 @@
-/* 3D Tiles: every file that is named is there, volumes hold what is below them, errors only shrink, and each
- * plant stands in each level once. */
+/* 3D Tiles: every file that is named is there, volumes hold what is below them, errors only shrink, each
+ * plant stands in each level once, and compressed triangles are those that --plain writes. */
+#include <glob.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "ecofiles/ecopack/command.h"
@@ -19,20 +21,28 @@
 
 #define ROOT "build/tmp/test_export"
 #define DIR ROOT "/tiles"
+#define PLAIN ROOT "/plain"
 
 static double slope(double x, double y) { return 0.1 * x + sin(0.05 * y); }
+
+static void remove_tiles(const char *dir)
+{
+	static const char *const below[] = { "/plants", "/tiles", "" };
+	for (size_t i = 0; i < sizeof below / sizeof *below; i++) {
+		char path[200];
+		snprintf(path, sizeof path, "%s%s", dir, below[i]);
+		folder_empty(path);
+		rmdir(path);
+	}
+}
 
 static int make_pack(void **state)
 {
 	struct eco_error error = { 0 };
 	struct eco_ground ground = ground_make(90, 70, -8, -8, 8, slope);
 	folder_make(ROOT);
-	folder_empty(DIR "/plants");
-	folder_empty(DIR "/tiles");
-	folder_empty(DIR);
-	rmdir(DIR "/plants");
-	rmdir(DIR "/tiles");
-	rmdir(DIR);
+	remove_tiles(DIR);
+	remove_tiles(PLAIN);
 	main_progress_quiet(true);
 	assert_ok(eco_ground_extend(&ground, &error), error);
 	assert_ok(sample_pack_write_on(ROOT "/sample.eco", &ground, true, &error), error);
@@ -161,6 +171,199 @@ UNIT_TEST(all_plants_are_in_a_tree_of_tiles)
 	assert_true(seen.contents > seen.levels && seen.levels > 0);
 	eco_pack_close(pack);
 	json_decref(json);
+}
+
+/* ---- Compression ---- */
+
+/* Corners of position, colour and texture coordinates. */
+struct triangle { double corner[3][8]; };
+static const size_t position_from = 0, color_from = 3, uv_from = 6;
+
+static void read_column(struct eco_gltf *doc, uint32_t accessor, uint32_t components, size_t at,
+	const uint32_t *index, struct triangle *to, size_t count)
+{
+	struct eco_error error = { 0 };
+	struct eco_gltf_accessor a;
+	assert_ok(eco_gltf_accessor_open(doc, accessor, components, &a, &error), error);
+	for (size_t i = 0; i < count * 3; i++) {
+		double values[4];
+		assert_true(index[i] < a.count);
+		eco_gltf_element(&a, index[i], values);
+		for (size_t k = 0; k < components && k < 3; k++)
+			to[i / 3].corner[i % 3][at + k] = values[k];
+	}
+	eco_gltf_accessor_close(&a);
+}
+
+static size_t read_triangles(const json_t *primitive, struct eco_gltf *doc, struct triangle **out)
+{
+	const json_t *attributes = json_object_get(primitive, "attributes");
+	struct eco_error error = { 0 };
+	struct eco_gltf_accessor a;
+	assert_ok(eco_gltf_accessor_open(doc, eco_gltf_index(primitive, "indices"), 1, &a, &error), error);
+	size_t count = (size_t)a.count / 3;
+	uint32_t *index = malloc((size_t)a.count * sizeof *index);
+	*out = calloc(count, sizeof **out);
+	for (size_t i = 0; i < a.count; i++)
+		index[i] = eco_gltf_element_index(&a, i);
+	eco_gltf_accessor_close(&a);
+	read_column(doc, eco_gltf_index(attributes, "POSITION"), 3, 0, index, *out, count);
+	read_column(doc, eco_gltf_index(attributes, "COLOR_0"), 4, 3, index, *out, count);
+	if (json_object_get(attributes, "TEXCOORD_0"))
+		read_column(doc, eco_gltf_index(attributes, "TEXCOORD_0"), 2, 6, index, *out, count);
+	free(index);
+	return count;
+}
+
+static int by_corners(const void *a, const void *b)
+{
+	return memcmp(a, b, sizeof(struct triangle));
+}
+
+/* The greatest power of two of which all are multiples: to which they were rounded, or a finer one. */
+static double step_of(const struct triangle *t, size_t count, size_t from, size_t end)
+{
+	double step = 65536;
+	for (size_t i = 0; i < count * 3; i++)
+		for (size_t k = from; k < end; k++)
+			while (fmod(t[i / 3].corner[i % 3][k], step) != 0)
+				step /= 2;
+	return step;
+}
+
+/* Returns how far that moves a value. */
+static double round_to(struct triangle *t, size_t count, size_t from, size_t end, double step)
+{
+	double farthest = 0;
+	for (size_t i = 0; i < count * 3; i++)
+		for (size_t k = from; k < end; k++) {
+			double *value = &t[i / 3].corner[i % 3][k],
+				rounded = nearbyint(*value / step) * step + 0.0;
+			farthest = fmax(farthest, fabs(*value - rounded));
+			*value = rounded;
+		}
+	return farthest;
+}
+
+/* Each triangle begins with that corner by which it comes first, and all are sorted. */
+static void sort(struct triangle *t, size_t count)
+{
+	for (size_t i = 0; i < count; i++) {
+		struct triangle first = t[i], turned = t[i];
+		for (size_t turn = 1; turn < 3; turn++) {
+			for (size_t c = 0; c < 3; c++)
+				memcpy(turned.corner[c], t[i].corner[(turn + c) % 3], sizeof(double[8]));
+			first = by_corners(&turned, &first) < 0 ? turned : first;
+		}
+		t[i] = first;
+	}
+	qsort(t, count, sizeof *t, by_corners);
+}
+
+static void assert_bounds(const json_t *accessor, const struct triangle *t, size_t count)
+{
+	for (size_t k = 0; k < 3; k++) {
+		double low = INFINITY, high = -INFINITY;
+		for (size_t i = 0; i < count * 3; i++) {
+			low = fmin(low, t[i / 3].corner[i % 3][k]);
+			high = fmax(high, t[i / 3].corner[i % 3][k]);
+		}
+		assert_true(json_number_value(json_array_get(json_object_get(accessor, "min"), k)) == low);
+		assert_true(json_number_value(json_array_get(json_object_get(accessor, "max"), k)) == high);
+	}
+}
+
+/* The greatest extent of a triangle along an axis. */
+static double largest_of(const struct triangle *t, size_t count)
+{
+	double largest = 0;
+	for (size_t i = 0; i < count; i++)
+		for (size_t k = 0; k < 3; k++)
+			largest = fmax(largest, fabs(t[i].corner[0][k] - t[i].corner[1][k]));
+	return largest;
+}
+
+/* Those of a summary are rounded to a part of their size, all others to a millimetre. */
+static void assert_same_triangles(struct eco_gltf *docs[2], const json_t *primitives[2], bool is_summary)
+{
+	struct triangle *t[2];
+	size_t count = read_triangles(primitives[0], docs[0], &t[0]);
+	assert_int_equal(read_triangles(primitives[1], docs[1], &t[1]), count);
+	double step = step_of(t[1], count, position_from, color_from),
+		uv_step = step_of(t[1], count, uv_from, 8);
+	double most_m = is_summary ? largest_of(t[0], count) / 16 : 1.0 / 2048;
+	assert_bounds(eco_gltf_item(docs[1], "accessors", eco_gltf_index(json_object_get(primitives[1],
+		"attributes"), "POSITION")), t[1], count);
+	for (size_t i = 0; i < 2; i++) {
+		assert_true(round_to(t[i], count, position_from, color_from, step) <= most_m);
+		assert_true(round_to(t[i], count, uv_from, 8, uv_step) <= 1.0 / 32768);
+		sort(t[i], count);
+	}
+	assert_memory_equal(t[0], t[1], count * sizeof *t[0]);
+	free(t[0]);
+	free(t[1]);
+}
+
+static bool requires_meshopt(const struct eco_gltf *doc)
+{
+	const json_t *name;
+	size_t i;
+	json_array_foreach(json_object_get(eco_gltf_json(doc), "extensionsRequired"), i, name)
+		if (strcmp(json_string_value(name), "EXT_meshopt_compression") == 0)
+			return true;
+	return false;
+}
+
+static void assert_same_content(const char *name)
+{
+	static const char *const dirs[2] = { PLAIN, DIR };
+	struct eco_gltf *docs[2];
+	struct eco_error error = { 0 };
+	const json_t *mesh;
+	size_t number, i;
+	for (i = 0; i < 2; i++) {
+		char path[400];
+		snprintf(path, sizeof path, "%s/tiles/%s", dirs[i], name);
+		assert_ok(eco_gltf_open(&docs[i], path, &error), error);
+		assert_int_equal(requires_meshopt(docs[i]), i == 1);
+	}
+	assert_true(json_equal(json_object_get(eco_gltf_json(docs[0]), "nodes"),
+		json_object_get(eco_gltf_json(docs[1]), "nodes")));
+	json_array_foreach(json_object_get(eco_gltf_json(docs[0]), "meshes"), number, mesh) {
+		const json_t *lists[2] = { json_object_get(mesh, "primitives"),
+			json_object_get(eco_gltf_item(docs[1], "meshes", number), "primitives") };
+		assert_int_equal(json_array_size(lists[0]), json_array_size(lists[1]));
+		for (i = 0; i < json_array_size(lists[0]); i++)
+			assert_same_triangles(docs, (const json_t *[]){ json_array_get(lists[0], i),
+				json_array_get(lists[1], i) }, strstr(name, "-s.") != NULL);
+	}
+	eco_gltf_close(docs[0]);
+	eco_gltf_close(docs[1]);
+}
+
+static uint64_t bytes_of(const char *pattern)
+{
+	uint64_t sum = 0;
+	struct stat status;
+	glob_t found;
+	assert_int_equal(glob(pattern, 0, NULL, &found), 0);
+	for (size_t i = 0; i < found.gl_pathc; i++)
+		sum += stat(found.gl_pathv[i], &status) == 0 ? (uint64_t)status.st_size : 0;
+	globfree(&found);
+	return sum;
+}
+
+UNIT_TEST(compressed_triangles_are_the_plain_ones)
+{
+	struct eco_error error;
+	glob_t contents;
+	assert_ok(run(ROOT "/sample.eco --plain --3dtiles " PLAIN, &error), error);
+	assert_int_equal(glob(PLAIN "/tiles/*.gltf", 0, NULL, &contents), 0);
+	assert_true(contents.gl_pathc > 3);
+	for (size_t i = 0; i < contents.gl_pathc; i++)
+		assert_same_content(strrchr(contents.gl_pathv[i], '/') + 1);
+	globfree(&contents);
+	assert_true(bytes_of(DIR "/plants/*.bin") * 2 < bytes_of(PLAIN "/plants/*.bin"));
 }
 
 /* The scene's origin lies where its longitude and latitude say, and its axes are a rotation. */

@@ -110,9 +110,9 @@ static void print_export(const struct export *x, const char *dir)
 	printf("%" PRIu64 " files, %s bytes\n", x->files, eco_phrase_count(x->bytes, text));
 }
 
-enum eco_code export_tiles(struct eco_pack *pack, const char *dir, struct eco_error *error)
+enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain, struct eco_error *error)
 {
-	struct export x = { .error = error, .pack = pack };
+	struct export x = { .error = error, .pack = pack, .is_plain = is_plain };
 	enum eco_code code = make_folders(&x, dir);
 	if (!code)
 		code = write_all(&x);

@@ -4,6 +4,7 @@
  *   export_tiles(...)          3D Tiles 1.1:                                           export.c
  *
  *   export_plant(&x, number)   a plant in up to three levels: plants/N-L.bin           export_plant.c
+ *   export_mesh_compress(...)  its triangles, for EXT_meshopt_compression              export_compress.c
  *   export_instances(...)      where a tile's plants stand: tiles/T.bin                export_content.c
  *   export_level, export_summary, export_ground     contents of tiles: .gltf           export_content.c
  *   export_ground_image(...)   what lies on a tile of ground: tiles/ground-T.png       export_image.c
@@ -31,12 +32,21 @@
 
 #define EXPORT_LEVELS 3u
 
+/* What a part's vertices have: 3 floats, 4 normalized uint16, 2 floats; and 3 uint32 a triangle. */
+enum export_array { EXPORT_POSITION, EXPORT_COLOR, EXPORT_UV, EXPORT_INDEX, EXPORT_ARRAYS };
+
 struct export_part {             /* triangles of one material, in a file */
-	size_t position, color, index, uv;       /* where they begin */
+	size_t at[EXPORT_ARRAYS], packed[EXPORT_ARRAYS]; /* where, and compressed to how many bytes; 0: not */
 	uint32_t vertices, indices, image;       /* image: list of the texture, or ECO_NONE */
 	float low[3], high[3];
 };
-struct export_mesh { struct export_part *parts; uint32_t part_count; size_t bytes; uint64_t triangles; };
+struct export_mesh {
+	struct export_part *parts;
+	uint32_t part_count;
+	size_t bytes;
+	uint64_t triangles;
+	double precision_m;              /* positions may be rounded to; 0: a millimetre, or finer if small */
+};
 
 struct export_plant {            /* levels from coarse to fine; the last has no error */
 	struct export_mesh level[EXPORT_LEVELS];
@@ -47,6 +57,7 @@ struct export_plant {            /* levels from coarse to fine; the last has no 
 struct export {
 	struct eco_error *error;
 	struct eco_pack *pack;
+	bool is_plain;                   /* nothing is compressed */
 	char dir[PATH_MAX];              /* where files are written until all are */
 	struct export_plant *plants;     /* of the scene */
 	uint64_t files, bytes, tiles, instances; /* written; plants of leaf tiles, each once */
@@ -57,16 +68,22 @@ struct export {
 enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64_t from,
 	struct eco_error *error);
 /* Into a folder that is not there yet, which appears complete or not at all. */
-enum eco_code export_tiles(struct eco_pack *pack, const char *dir, struct eco_error *error);
+enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain, struct eco_error *error);
 
 /* Writes DIR/NAME. */
 enum eco_code export_file(struct export *x, const char *name, const void *bytes, size_t size);
 enum eco_code export_json(struct export *x, const char *name,
 	json_t *json);     /* takes json; NULL: no memory */
 
-/* Adds baked triangles to a mesh whose bytes are `file`; the same material is one part. */
-enum eco_code export_mesh_add(struct export_mesh *mesh, struct eco_writer *file, const struct lod_bake *bakes,
-	const uint32_t *images, uint32_t count, struct eco_error *error);
+/* Makes a mesh, whose bytes are `file`, of baked triangles; the same material is one part. */
+enum eco_code export_mesh_make(struct export *x, struct export_mesh *mesh, struct eco_writer *file,
+	const struct lod_bake *bakes, const uint32_t *images, uint32_t count);
+/* Compresses a mesh and its file, both of them anew; which triangles there are stays, their order does not.
+ * On failure only free them. */
+enum eco_code export_mesh_compress(struct export_mesh *mesh, struct eco_writer *file,
+	struct eco_error *error);
+/* Bytes of a part's array that is not compressed. */
+size_t export_array_bytes(const struct export_part *part, enum export_array array);
 void export_mesh_free(struct export_mesh *mesh);
 
 enum eco_code export_plant(struct export *x, uint32_t number);

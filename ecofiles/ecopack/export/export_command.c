@@ -4,7 +4,7 @@
 #include "ecofiles/ecopack/export/export.h"
 #include "ecofiles/format/view.h"
 
-static struct { const char *pack, *chunks, *tiles; uint64_t from; } given;
+static struct { const char *pack, *chunks, *tiles; uint64_t from; bool plain; } given;
 
 static enum eco_code run(int argc, char **argv, struct eco_error *error)
 {
@@ -20,7 +20,7 @@ static enum eco_code run(int argc, char **argv, struct eco_error *error)
 	if (!code && given.chunks)
 		code = export_chunks(pack, given.chunks, given.from, error);
 	if (!code && given.tiles)
-		code = export_tiles(pack, given.tiles, error);
+		code = export_tiles(pack, given.tiles, given.plain, error);
 	eco_pack_close(pack);
 	return code;
 }
@@ -36,10 +36,13 @@ static const struct eco_option options[] = {
 	{ "3dtiles", 0, ECO_OPTION_TEXT, "DIR", &given.tiles,
 		.help = "3D Tiles 1.1 for CesiumJS and others, into a folder that is not there yet; it "
 		"appears complete or not at all" },
+	{ "plain", 0, ECO_OPTION_FLAG, NULL, &given.plain,
+		.help = "3D Tiles without EXT_meshopt_compression, for programs that do not read it; about "
+		"three times the bytes" },
 	{ 0 } };
 
 const struct main_command main_command_export = { { "ecopack export",
-	"OUT.eco [--static DIR [--from N]] [--3dtiles DIR]",
+	"OUT.eco [--static DIR [--from N]] [--3dtiles DIR [--plain]]",
 	"Writes a pack as plain files that any web server or object store can serve.", options, main_common,
 	"Chunks are for a server's answers that only name them: ecoview --chunks URL fetches them there. In "
 	"3D Tiles plants are instances of shared files in three levels of detail, with species and height; "

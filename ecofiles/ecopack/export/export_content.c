@@ -12,18 +12,22 @@
 #include "ecofiles/format/ground_tile.h"
 #include "lod/eye.h"
 
+#define MESHOPT "EXT_meshopt_compression"
 #define SUMMARY_POINTS 2000u
 #define SUMMARY_WIDTHS 4.0
+#define SUMMARY_STEPS 128        /* in a summary's error: it is rounded to an eighth of a pixel, or less */
 
 /* ---- Documents ---- */
 
+/* fallback: the buffer where compressed views would lie if they were not; NULL: none is compressed */
 struct document { json_t *buffers, *views, *accessors, *meshes, *nodes, *materials, *textures, *images,
-	*inner; };
+	*inner, *fallback; json_int_t fallback_at; };
 
 static void document_begin(struct document *d)
 {
 	json_t **arrays[] = { &d->buffers, &d->views, &d->accessors, &d->meshes, &d->nodes, &d->materials,
 		&d->textures, &d->images, &d->inner };
+	d->fallback = NULL;
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
 		*arrays[i] = json_array();
 }
@@ -50,18 +54,59 @@ static json_int_t add_view(struct document *d, json_int_t buffer, size_t from, s
 	return (json_int_t)add(d->views, view);
 }
 
-/* Of bytes that nothing else is in; target 0: not drawn, but read for each instance. */
-static json_int_t add_accessor(struct document *d, json_int_t buffer, size_t from, uint32_t count, int type,
-	const char *shape, int target)
+/* Takes room in the fallback buffer, which no file holds. */
+static json_int_t add_fallback(struct document *d, size_t size)
 {
-	size_t component = type == 5123 ? 2 : 4,
-		values = shape[0] == 'S' ? 1 : (size_t)(shape[3] - '0');
-	json_t *accessor = json_pack("{s:I, s:i, s:s, s:I}", "bufferView", add_view(d, buffer, from,
-		count * component * values, target), "componentType", type, "type", shape, "count",
-		(json_int_t)count);
+	if (!d->fallback) {
+		d->fallback = json_pack("{s:i, s:{s:{s:b}}}", "byteLength", 0, "extensions", MESHOPT,
+			"fallback", 1);
+		d->fallback_at = (json_int_t)add(d->buffers, d->fallback);
+	}
+	json_int_t from = json_integer_value(json_object_get(d->fallback, "byteLength"));
+	json_object_set_new(d->fallback, "byteLength", json_integer(from + (json_int_t)size));
+	return from;
+}
+
+static json_int_t add_packed_view(struct document *d, json_int_t buffer, const struct export_part *part,
+	enum export_array array, int target)
+{
+	size_t size = export_array_bytes(part, array),
+		count = array == EXPORT_INDEX ? part->indices : part->vertices;
+	size_t from = (size_t)add_fallback(d, size);
+	json_int_t view = add_view(d, d->fallback_at, from, size, target);
+	json_t *packed = json_pack("{s:I, s:I, s:I, s:I, s:I, s:s}", "buffer", buffer, "byteOffset",
+		(json_int_t)part->at[array], "byteLength", (json_int_t)part->packed[array], "byteStride",
+		(json_int_t)(size / count), "count", (json_int_t)count, "mode",
+		array == EXPORT_INDEX ? "TRIANGLES" : "ATTRIBUTES");
+	if (array == EXPORT_POSITION || array == EXPORT_UV)
+		json_object_set_new(packed, "filter", json_string("EXPONENTIAL"));
+	json_object_set_new(json_array_get(d->views, (size_t)view), "extensions",
+		json_pack("{s:o}", MESHOPT, packed));
+	return view;
+}
+
+/* Of all that a view holds. */
+static json_int_t add_accessor(struct document *d, json_int_t view, uint32_t count, int type,
+	const char *shape)
+{
+	json_t *accessor = json_pack("{s:I, s:i, s:s, s:I}", "bufferView", view, "componentType", type,
+		"type", shape, "count", (json_int_t)count);
 	if (type == 5123)
 		json_object_set_new(accessor, "normalized", json_true());
 	return (json_int_t)add(d->accessors, accessor);
+}
+
+static json_int_t add_array(struct document *d, json_int_t buffer, const struct export_part *part,
+	enum export_array array)
+{
+	static const struct { int type, target; const char *shape; } kinds[EXPORT_ARRAYS] = {
+		{ 5126, 34962, "VEC3" }, { 5123, 34962, "VEC4" }, { 5126, 34962, "VEC2" },
+		{ 5125, 34963, "SCALAR" } };
+	int target = kinds[array].target;
+	uint32_t count = array == EXPORT_INDEX ? part->indices : part->vertices;
+	json_int_t view = part->packed[array] ? add_packed_view(d, buffer, part, array, target)
+		: add_view(d, buffer, part->at[array], export_array_bytes(part, array), target);
+	return add_accessor(d, view, count, kinds[array].type, kinds[array].shape);
 }
 
 /* uri: of its texture; NULL: none */
@@ -89,9 +134,9 @@ static json_int_t add_mesh(struct document *d, const struct export_mesh *mesh, j
 	json_t *primitives = json_array();
 	for (uint32_t i = 0; i < mesh->part_count; i++) {
 		const struct export_part *p = &mesh->parts[i];
-		json_int_t position = add_accessor(d, buffer, p->position, p->vertices, 5126, "VEC3", 34962),
-			color = add_accessor(d, buffer, p->color, p->vertices, 5123, "VEC4", 34962),
-			index = add_accessor(d, buffer, p->index, p->indices, 5125, "SCALAR", 34963);
+		json_int_t position = add_array(d, buffer, p, EXPORT_POSITION),
+			color = add_array(d, buffer, p, EXPORT_COLOR),
+			index = add_array(d, buffer, p, EXPORT_INDEX);
 		json_t *at = json_array_get(d->accessors, (size_t)position);
 		json_object_set_new(at, "min", json_pack("[f,f,f]", (double)p->low[0], (double)p->low[1],
 			(double)p->low[2]));
@@ -99,9 +144,8 @@ static json_int_t add_mesh(struct document *d, const struct export_mesh *mesh, j
 			(double)p->high[2]));
 		json_t *attributes = json_pack("{s:I, s:I}", "POSITION", position, "COLOR_0", color);
 		if (p->image != ECO_NONE)
-			json_object_set_new(attributes, "TEXCOORD_0", json_integer(add_accessor(d, buffer,
-				p->uv,
-				p->vertices, 5126, "VEC2", 34962)));
+			json_object_set_new(attributes, "TEXCOORD_0", json_integer(add_array(d, buffer, p,
+				EXPORT_UV)));
 		char uri[EXPORT_NAME];
 		snprintf(uri, sizeof uri, "../plants/image-%u.png", p->image);
 		json_int_t material = add_material(d, p->image == ECO_NONE ? NULL : texture ? texture : uri, !texture,
@@ -149,9 +193,15 @@ static enum eco_code document_end(struct export *x, struct document *d, const do
 	set_array(root, "images", d->images);
 	if (extensions)
 		json_object_set_new(root, "extensions", extensions);
-	set_array(root, "extensionsUsed", used);
+	json_t *required = json_array();
 	if (extensions)
-		json_object_set_new(root, "extensionsRequired", json_pack("[s]", "EXT_mesh_gpu_instancing"));
+		json_array_append_new(required, json_string("EXT_mesh_gpu_instancing"));
+	if (d->fallback) {
+		json_array_append_new(required, json_string(MESHOPT));
+		json_array_append_new(used, json_string(MESHOPT));
+	}
+	set_array(root, "extensionsUsed", used);
+	set_array(root, "extensionsRequired", required);
 	return export_json(x, name, root);
 }
 
@@ -288,13 +338,22 @@ static json_t *metadata_of(struct document *d, json_int_t buffer, const struct l
 		table);
 }
 
+static json_int_t add_column(struct document *d, json_int_t buffer, size_t from, uint32_t count,
+	const char *shape)
+{
+	size_t values = shape[0] == 'S' ? 1 : (size_t)(shape[3] - '0');
+	return add_accessor(d, add_view(d, buffer, from, count * values * 4, 0), count, 5126, shape);
+}
+
+/* Not compressed: few plants of a kind stand in a tile, and the JSON of a compressed view outweighs what it
+ * saves. */
 static json_t *instances_of(struct document *d, json_int_t buffer, size_t from, uint32_t count)
 {
 	size_t n = count;
-	json_int_t at = add_accessor(d, buffer, from, count, 5126, "VEC3", 0),
-		turn = add_accessor(d, buffer, from + 12 * n, count, 5126, "VEC4", 0),
-		scale = add_accessor(d, buffer, from + 28 * n, count, 5126, "VEC3", 0),
-		id = add_accessor(d, buffer, from + 40 * n, count, 5126, "SCALAR", 0);
+	json_int_t at = add_column(d, buffer, from, count, "VEC3"),
+		turn = add_column(d, buffer, from + 12 * n, count, "VEC4"),
+		scale = add_column(d, buffer, from + 28 * n, count, "VEC3"),
+		id = add_column(d, buffer, from + 40 * n, count, "SCALAR");
 	return json_pack("{s:{s:{s:I, s:I, s:I, s:I}}, s:{s:[{s:I, s:i, s:i}]}}", "EXT_mesh_gpu_instancing",
 		"attributes", "TRANSLATION", at, "ROTATION", turn, "SCALE", scale, "_FEATURE_ID_0", id,
 		"EXT_instance_features", "featureIds", "featureCount", (json_int_t)count, "attribute", 0,
@@ -348,26 +407,32 @@ enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char
 
 /* ---- Summaries and ground ---- */
 
-/* texture: a file in tiles/ for vertices with uv; NULL: none */
-static enum eco_code write_baked(struct export *x, const struct lod_bake *bake, const double middle[3],
-	const char *texture, bool unlit, const char *stem)
+struct content {
+	const double *middle;
+	const char *texture, *stem;      /* a file in tiles/ for vertices with uv, or NULL; tiles/STEM.gltf */
+	double precision_m;              /* of positions; 0: export_mesh's */
+	bool unlit;
+};
+
+static enum eco_code write_baked(struct export *x, const struct lod_bake *bake, const struct content *c)
 {
-	struct export_mesh mesh = { .parts = NULL };
+	struct export_mesh mesh = { .precision_m = c->precision_m };
 	struct eco_writer file = { 0 };
 	char name[EXPORT_NAME], uri[EXPORT_NAME];
-	const uint32_t image = texture ? 0 : ECO_NONE;
+	const uint32_t image = c->texture ? 0 : ECO_NONE;
 	struct document d;
-	enum eco_code code = export_mesh_add(&mesh, &file, bake, &image, 1, x->error);
-	snprintf(uri, sizeof uri, "%s.bin", stem);
-	snprintf(name, sizeof name, "tiles/%.50s.bin", stem);
+	enum eco_code code = export_mesh_make(x, &mesh, &file, bake, &image, 1);
+	snprintf(uri, sizeof uri, "%s.bin", c->stem);
+	snprintf(name, sizeof name, "tiles/%.50s.bin", c->stem);
 	if (!code)
 		code = export_file(x, name, file.bytes, file.size);
 	if (!code) {
 		document_begin(&d);
-		json_int_t number = add_mesh(&d, &mesh, add_buffer(&d, uri, mesh.bytes), texture, unlit);
+		json_int_t number = add_mesh(&d, &mesh, add_buffer(&d, uri, mesh.bytes), c->texture,
+			c->unlit);
 		add_node(&d, json_pack("{s:I}", "mesh", number));
-		snprintf(name, sizeof name, "tiles/%.50s.gltf", stem);
-		code = document_end(x, &d, middle, NULL, unlit ? json_pack("[s]", "KHR_materials_unlit")
+		snprintf(name, sizeof name, "tiles/%.50s.gltf", c->stem);
+		code = document_end(x, &d, c->middle, NULL, c->unlit ? json_pack("[s]", "KHR_materials_unlit")
 			: json_array(), name);
 	}
 	export_mesh_free(&mesh);
@@ -403,7 +468,8 @@ enum eco_code export_summary(struct export *x, uint32_t tile, char name[EXPORT_N
 	*error_m = SUMMARY_WIDTHS * 2 * sqrt((double)list->unit_area * (double)scale / M_PI);
 	snprintf(stem, sizeof stem, "%u-s", tile);
 	if (!code)
-		code = write_baked(x, &bake, middle, NULL, true, stem);
+		code = write_baked(x, &bake, &(struct content){ .middle = middle, .stem = stem, .unlit = true,
+			.precision_m = *error_m / SUMMARY_STEPS });
 	snprintf(name, EXPORT_NAME, "tiles/%.50s.gltf", stem);
 	lod_bake_free(&bake);
 	lod_geometry_free(&geometry);
@@ -502,7 +568,8 @@ enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_
 		code = lay_image(x, &bake, low, high, !s->ground[ground].child_count, texture, &has_image);
 		fill_ground(&bake, columns, rows, has_image);
 		if (!code)
-			code = write_baked(x, &bake, middle, has_image ? texture : NULL, false, stem);
+			code = write_baked(x, &bake, &(struct content){ .middle = middle, .stem = stem,
+				.texture = has_image ? texture : NULL });
 	}
 	snprintf(name, EXPORT_NAME, is_outside ? "" : "tiles/%.50s.gltf", stem);
 	lod_bake_free(&bake);

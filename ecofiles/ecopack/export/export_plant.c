@@ -19,7 +19,7 @@ static void pad(struct eco_writer *file)
 }
 
 static size_t write_array(struct eco_writer *file, const struct lod_bake *bakes, const uint32_t *images,
-	uint32_t count, uint32_t image, int what)
+	uint32_t count, uint32_t image, enum export_array what)
 {
 	size_t from = file->size;
 	uint32_t before = 0;
@@ -28,13 +28,13 @@ static size_t write_array(struct eco_writer *file, const struct lod_bake *bakes,
 		size_t vertices = b->vertex_count;
 		if (images[i] != image)
 			continue;
-		if (what == 0)
+		if (what == EXPORT_POSITION)
 			eco_write_bytes(file, b->position, vertices * 3 * sizeof *b->position);
-		else if (what == 1)
+		else if (what == EXPORT_COLOR)
 			eco_write_bytes(file, b->color, vertices * 4 * sizeof *b->color);
-		else if (what == 2)
+		else if (what == EXPORT_UV)
 			eco_write_bytes(file, b->uv, vertices * 2 * sizeof *b->uv);
-		for (uint32_t k = 0; what == 3 && k < b->index_count; k++)
+		for (uint32_t k = 0; what == EXPORT_INDEX && k < b->index_count; k++)
 			eco_write_u32(file, before + b->index[k]);
 		before += b->vertex_count;
 	}
@@ -50,12 +50,12 @@ static void bound(struct export_part *part, const struct lod_bake *bake)
 	}
 }
 
-enum eco_code export_mesh_add(struct export_mesh *mesh, struct eco_writer *file, const struct lod_bake *bakes,
-	const uint32_t *images, uint32_t count, struct eco_error *error)
+enum eco_code export_mesh_make(struct export *x, struct export_mesh *mesh, struct eco_writer *file,
+	const struct lod_bake *bakes, const uint32_t *images, uint32_t count)
 {
 	mesh->parts = calloc(count + 1u, sizeof *mesh->parts);
 	if (!mesh->parts)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for triangles");
+		return eco_fail(x->error, ECO_NO_MEMORY, "no memory for triangles");
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t image = images[i], known = 0;
 		for (; known < mesh->part_count && mesh->parts[known].image != image; known++)
@@ -71,14 +71,14 @@ enum eco_code export_mesh_add(struct export_mesh *mesh, struct eco_writer *file,
 	}
 	for (uint32_t i = 0; i < mesh->part_count; i++) {
 		struct export_part *part = &mesh->parts[i];
-		part->position = write_array(file, bakes, images, count, part->image, 0);
-		part->color = write_array(file, bakes, images, count, part->image, 1);
-		if (part->image != ECO_NONE)
-			part->uv = write_array(file, bakes, images, count, part->image, 2);
-		part->index = write_array(file, bakes, images, count, part->image, 3);
+		for (enum export_array what = 0; what < EXPORT_ARRAYS; what++)
+			if (what != EXPORT_UV || part->image != ECO_NONE)
+				part->at[what] = write_array(file, bakes, images, count, part->image, what);
 	}
 	mesh->bytes = file->size;
-	return file->failed ? eco_fail(error, ECO_NO_MEMORY, "no memory for triangles") : ECO_OK;
+	if (file->failed)
+		return eco_fail(x->error, ECO_NO_MEMORY, "no memory for triangles");
+	return x->is_plain ? ECO_OK : export_mesh_compress(mesh, file, x->error);
 }
 
 void export_mesh_free(struct export_mesh *mesh)
@@ -89,21 +89,21 @@ void export_mesh_free(struct export_mesh *mesh)
 
 /* ---- Plants ---- */
 
-static enum eco_code bake(struct export_mesh *mesh, struct eco_writer *file,
-	const struct sheet_drawing *drawing, struct eco_error *error)
+static enum eco_code bake(struct export *x, struct export_mesh *mesh, struct eco_writer *file,
+	const struct sheet_drawing *drawing)
 {
 	struct lod_bake *bakes = calloc(drawing->count + 1u, sizeof *bakes);
 	uint32_t *images = calloc(drawing->count + 1u, sizeof *images);
-	enum eco_code code = bakes && images ? ECO_OK : eco_fail(error, ECO_NO_MEMORY,
+	enum eco_code code = bakes && images ? ECO_OK : eco_fail(x->error, ECO_NO_MEMORY,
 		"no memory for triangles");
 	for (uint32_t i = 0; i < drawing->count && !code; i++) {
 		const struct sheet_batch *b = &drawing->batches[i];
 		images[i] = b->geometry.uv ? b->list->image : ECO_NONE;
 		code = lod_bake_make(&bakes[i], &(struct lod_bake_input){ b->list->list, b->list->palette,
-			&b->geometry, b->impostor, b->count, b->area }, error);
+			&b->geometry, b->impostor, b->count, b->area }, x->error);
 	}
 	if (!code)
-		code = export_mesh_add(mesh, file, bakes, images, drawing->count, error);
+		code = export_mesh_make(x, mesh, file, bakes, images, drawing->count);
 	for (uint32_t i = 0; bakes && i < drawing->count; i++)
 		lod_bake_free(&bakes[i]);
 	free(bakes);
@@ -156,7 +156,7 @@ static enum eco_code write_level(struct export *x, struct sheet_plant *plant, ui
 	enum eco_code code = sheet_drawing_make(&drawing, plant, vertices, x->error);
 	if (code)
 		return code;
-	code = bake(mesh, &file, &drawing, x->error);
+	code = bake(x, mesh, &file, &drawing);
 	snprintf(name, sizeof name, "plants/%u-%u.bin", plant->number, to->levels);
 	if (!code)
 		code = export_file(x, name, file.bytes, file.size);
