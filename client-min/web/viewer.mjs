@@ -242,6 +242,12 @@ function togglePanel() {
 		showFacts(drawn.facts);
 }
 
+/** By its key the menu also takes the focus, and gives it back to the picture. */
+function pressPanel() {
+	togglePanel();
+	($('panel').hidden ? canvas : $('panel')).focus();
+}
+
 /** Colours by representation, with their legend. */
 function showKinds(on) {
 	set('kind', on ? 1 : 0);
@@ -343,13 +349,13 @@ async function start() {
 camera.listen(canvas, moved, pick);
 addEventListener('resize', moved);
 addEventListener('keydown', (event) => {
-	if (withModifier(event) || event.target.matches('select, input:not([type=checkbox])'))
+	const key = event.key.toLowerCase(), typing = event.target.matches('select, input:not([type=checkbox])');
+	if (withModifier(event) || (typing && key !== 'escape'))
 		return;
-	const key = event.key.toLowerCase();
 	if (key === 'escape' && picked)
 		closeCard();
 	else if (key === 'escape')
-		togglePanel();
+		pressPanel();
 	else if (shortcuts[key] && !cameraKeys.has(key))
 		shortcuts[key]();
 });

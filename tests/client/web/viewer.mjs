@@ -29,6 +29,14 @@ async function press(key) {
 	await browser.send('Input.dispatchKeyEvent', { type: 'keyUp', key });
 }
 
+const focused = () => ask('document.activeElement.id');
+
+async function pressTab() {
+	const tab = { key: 'Tab', code: 'Tab', windowsVirtualKeyCode: 9 };
+	await browser.send('Input.dispatchKeyEvent', { type: 'rawKeyDown', ...tab });
+	await browser.send('Input.dispatchKeyEvent', { type: 'keyUp', ...tab });
+}
+
 async function click(x, y) {
 	for (const type of ['mousePressed', 'mouseReleased'])
 		await browser.send('Input.dispatchMouseEvent', { type, x, y, button: 'left', clickCount: 1 });
@@ -77,6 +85,9 @@ async function picksAPlant() {
 	const at = (picked.foot[0] + origin.at[0]).toFixed(2);
 	for (const part of [picked.species, at, origin.crs, 'Why: ', `Row${row.number} of `])
 		expect(said.includes(part), `what is said of the plant lacks ${part}: ${said}`);
+	await ask("document.getElementById('picture').focus()");
+	await pressTab();
+	expect(await focused() === 'card-orbit', `after the picture the focus goes to ${await focused()}`);
 	await ask("document.getElementById('card-orbit').click()");
 	const [dx, dy] = await ask('viewer.camera.target').then((t) => t.map((v, i) => v - picked.foot[i]));
 	expect(Math.hypot(dx, dy) < 1e-6, 'the camera does not look at the plant');
@@ -87,6 +98,7 @@ async function picksAPlant() {
 async function showsItsFigures() {
 	await press('Escape');
 	expect(!await hidden('panel'), 'Escape opens no menu');
+	expect(await focused() === 'panel', `the menu is open, and ${await focused()} has the focus`);
 	await browser.until("document.querySelectorAll('#species li').length > 0");
 	const { facts } = await ask('viewer.drawn');
 	const drawn = facts.roles.filter(({ vertices }) => vertices);
@@ -101,7 +113,10 @@ async function showsItsFigures() {
 	await press('c');
 	expect(await ask('viewer.settings.kind') === 1, 'C does not change colours');
 	await press('c');
+	await pressTab();
+	expect(await focused() === 'vertices', `in the menu the focus goes first to ${await focused()}`);
 	await press('Escape');
+	expect(await hidden('panel') && await focused() === 'picture', 'Escape does not lead out of the menu');
 }
 
 async function movesByKeyboard() {
