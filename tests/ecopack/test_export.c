@@ -3,6 +3,7 @@
 #include <glob.h>
 #include <jansson.h>
 #include <math.h>
+#include <meshoptimizer.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,7 @@
 #include <unistd.h>
 
 #include "ecofiles/ecopack/command.h"
+#include "ecofiles/ecopack/export/export.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/import/ground/ground.h"
@@ -364,6 +366,65 @@ UNIT_TEST(compressed_triangles_are_the_plain_ones)
 		assert_same_content(strrchr(contents.gl_pathv[i], '/') + 1);
 	globfree(&contents);
 	assert_true(bytes_of(DIR "/plants/*.bin") * 2 < bytes_of(PLAIN "/plants/*.bin"));
+}
+
+UNIT_TEST(what_has_no_triangles_is_no_part)
+{
+	struct eco_error error = { 0 };
+	struct export x = { .error = &error };
+	struct export_mesh mesh = { .parts = NULL };
+	struct eco_writer file = { 0 };
+	const struct lod_bake bakes[2] = { { .position = (float[]){ 0, 0, 0, 1, 0, 0, 0, 1, 0 },
+		.color = (uint16_t[12]){ 0 }, .index = (uint32_t[]){ 0, 1, 2 }, .vertex_count = 3,
+		.index_count = 3 }, { .position = NULL } };
+	assert_ok(export_mesh_make(&x, &mesh, &file, bakes, (const uint32_t[]){ ECO_NONE, 7 }, 2), error);
+	assert_int_equal(mesh.part_count, 1);
+	assert_int_equal(mesh.parts[0].indices, 3);
+	assert_true(mesh.parts[0].packed[EXPORT_INDEX] > 0);
+	export_mesh_free(&mesh);
+	eco_writer_free(&file);
+}
+
+#define LOOSE 192u               /* vertices of triangles that share none, each at an x of its own */
+
+static void decode(const struct export_mesh *mesh, const struct eco_writer *file, enum export_array array,
+	void *to, size_t stride)
+{
+	const struct export_part *part = &mesh->parts[0];
+	assert_int_equal(meshopt_decodeVertexBuffer(to, part->vertices, stride, file->bytes + part->at[array],
+		part->packed[array]), 0);
+	if (array != EXPORT_COLOR)
+		meshopt_decodeFilterExp(to, part->vertices, stride);
+}
+
+UNIT_TEST(a_vertex_keeps_its_colour_and_its_place_on_the_texture)
+{
+	static float position[LOOSE][3], uv[LOOSE][2];
+	static uint16_t color[LOOSE][4];
+	static uint32_t index[LOOSE];
+	struct eco_error error = { 0 };
+	struct export x = { .error = &error };
+	struct export_mesh mesh = { .parts = NULL };
+	struct eco_writer file = { 0 };
+	for (uint32_t i = 0; i < LOOSE; i++) {
+		position[i][0] = (float)(index[i] = i * 37 % LOOSE);
+		position[i][1] = (float)(i % 3);
+		color[i][0] = (uint16_t)(position[i][0] * 300);
+		uv[i][1] = position[i][0] / 256;
+	}
+	const struct lod_bake bake = { position[0], color[0], uv[0], index, LOOSE, LOOSE };
+	const uint32_t image = 0;
+	assert_ok(export_mesh_make(&x, &mesh, &file, &bake, &image, 1), error);
+	assert_int_equal(mesh.parts[0].vertices, LOOSE);
+	decode(&mesh, &file, EXPORT_POSITION, position, sizeof *position);
+	decode(&mesh, &file, EXPORT_COLOR, color, sizeof *color);
+	decode(&mesh, &file, EXPORT_UV, uv, sizeof *uv);
+	for (uint32_t i = 0; i < LOOSE; i++) {
+		assert_int_equal(color[i][0], position[i][0] * 300);
+		assert_true(uv[i][1] == position[i][0] / 256);
+	}
+	export_mesh_free(&mesh);
+	eco_writer_free(&file);
 }
 
 /* The scene's origin lies where its longitude and latitude say, and its axes are a rotation. */

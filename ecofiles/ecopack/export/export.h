@@ -75,7 +75,8 @@ enum eco_code export_file(struct export *x, const char *name, const void *bytes,
 enum eco_code export_json(struct export *x, const char *name,
 	json_t *json);     /* takes json; NULL: no memory */
 
-/* Makes a mesh, whose bytes are `file`, of baked triangles; the same material is one part. */
+/* Makes a mesh, whose bytes are `file`, of baked triangles; the same material is one part,
+ * and what has no triangles none. */
 enum eco_code export_mesh_make(struct export *x, struct export_mesh *mesh, struct eco_writer *file,
 	const struct lod_bake *bakes, const uint32_t *images, uint32_t count);
 /* Compresses a mesh and its file, both of them anew; which triangles there are stays, their order does not.

@@ -426,11 +426,14 @@ static enum eco_code write_baked(struct export *x, const struct lod_bake *bake, 
 	snprintf(name, sizeof name, "tiles/%.50s.bin", c->stem);
 	if (!code)
 		code = export_file(x, name, file.bytes, file.size);
-	if (!code) {
+	if (!code)
 		document_begin(&d);
+	if (!code && mesh.part_count) {
 		json_int_t number = add_mesh(&d, &mesh, add_buffer(&d, uri, mesh.bytes), c->texture,
 			c->unlit);
 		add_node(&d, json_pack("{s:I}", "mesh", number));
+	}
+	if (!code) {
 		snprintf(name, sizeof name, "tiles/%.50s.gltf", c->stem);
 		code = document_end(x, &d, c->middle, NULL, c->unlit ? json_pack("[s]", "KHR_materials_unlit")
 			: json_array(), name);

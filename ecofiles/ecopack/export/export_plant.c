@@ -26,7 +26,7 @@ static size_t write_array(struct eco_writer *file, const struct lod_bake *bakes,
 	for (uint32_t i = 0; i < count; i++) {
 		const struct lod_bake *b = &bakes[i];
 		size_t vertices = b->vertex_count;
-		if (images[i] != image)
+		if (images[i] != image || !b->index_count)
 			continue;
 		if (what == EXPORT_POSITION)
 			eco_write_bytes(file, b->position, vertices * 3 * sizeof *b->position);
@@ -58,6 +58,8 @@ enum eco_code export_mesh_make(struct export *x, struct export_mesh *mesh, struc
 		return eco_fail(x->error, ECO_NO_MEMORY, "no memory for triangles");
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t image = images[i], known = 0;
+		if (!bakes[i].index_count)
+			continue;
 		for (; known < mesh->part_count && mesh->parts[known].image != image; known++)
 			;
 		if (known == mesh->part_count)
