@@ -169,7 +169,7 @@ UNIT_TEST(tiles_of_ground_carry_it)
 	size_t size;
 	make("tiles.eco", 2, true, false);
 	assert_ok(eco_pack_open(&pack, in_root("tiles.eco"), &error), error);
-	assert_ok(export_tiles(pack, in_root("tiles"), &error), error);
+	assert_ok(export_tiles(pack, in_root("tiles"), false, &error), error);
 	eco_pack_close(pack);
 	char *gltf = read_all("tiles/tiles/ground-0.gltf", &size);
 	assert_non_null(strstr(gltf, "TEXCOORD_0"));
