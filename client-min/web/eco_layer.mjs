@@ -102,8 +102,8 @@ function stateOf(gl) {
 }
 
 export class EcoLayer {
-	/** vertices, bytes: budgets of a view (bytes -1: none); firstBytes: of a first picture, after which the
-	 * rest comes (Infinity: all comes at once); tint: 'none' or 'kind'; sky: draw one where
+	/** vertices, bytes: budgets of a view (bytes -1: none); firstVertices, firstBytes: of a first picture, after
+	 * which the rest comes (firstBytes Infinity: all comes at once); tint: 'none' or 'kind'; sky: draw one where
 	 * nothing is; ground: draw it, else plants alone, which it still hides; scale: pixels drawn for each
 	 * of the page's, either way; memoryBytes: of decoded data;
 	 * sun: a time, in seconds since 1970, where it is then and there; null: where it usually is;
@@ -114,12 +114,11 @@ export class EcoLayer {
 	 * keep: the browser keeps what comes until the next visit; token: of a scene that is not for all;
 	 * onChange(): there is more to draw; onError(error): an EcoError, `offline` if the
 	 * server does not answer and will be asked again. */
-	constructor({ url, gl, vertices = 300000, bytes = -1, firstBytes = 65536, tint = 'none', sky = true,
-		ground = true, scale = 1, memoryBytes, sun = null, shadows = 'none', shadowSize = 0, haze = 0,
-		keep = false, token, first,
-		onChange, onError }) {
-		Object.assign(this, { gl, vertices, bytes, firstBytes, tint, sky, ground, scale, sun, shadows, shadowSize,
-			haze, onChange, onError });
+	constructor({ url, gl, vertices = 300000, bytes = -1, firstVertices = 80000, firstBytes = 65536,
+		tint = 'none', sky = true, ground = true, scale = 1, memoryBytes, sun = null, shadows = 'none',
+		shadowSize = 0, haze = 0, keep = false, token, first, onChange, onError }) {
+		Object.assign(this, { gl, vertices, bytes, firstVertices, firstBytes, tint, sky, ground, scale, sun, shadows,
+			shadowSize, haze, onChange, onError });
 		this.asked = null;              // the view that is held or under way
 		this.loading = false;
 		this.offline = false;           // the server did not answer, and is asked again in a while
@@ -274,7 +273,8 @@ export class EcoLayer {
 			const { signal } = this.abort;
 			const most = wanted.bytes < 0 ? Infinity : wanted.bytes, bytes = Math.min(most, this.firstBytes);
 			if (!this.stream.selected && bytes < most) {
-				await this.stream.fetch(wanted.view, { ...wanted, signal, onPart, bytes });
+				const vertices = Math.min(wanted.vertices, this.firstVertices);
+				await this.stream.fetch(wanted.view, { ...wanted, signal, onPart, vertices, bytes });
 				show();
 				this.onChange?.();
 			}

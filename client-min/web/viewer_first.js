@@ -1,5 +1,5 @@
 // Begins what takes longest before anything else has come: the worker, with what it loads, and the requests
-// for what a link shows: its scene, and a first answer of EcoLayer's firstBytes, unless the browser keeps
+// for what a link shows: its scene, and a first answer of EcoLayer's first budgets, unless the browser keeps
 // what came of the last visit. viewer.mjs takes them from here. No module, as those wait for the page.
 {
 	const given = new URLSearchParams(location.hash.slice(1)), scene = given.get('scene');
@@ -7,7 +7,8 @@
 	const [width, height] = [innerWidth, innerHeight].map((n) => Math.max(1, Math.round(n * ratio)));
 	const [eye, target] = ['eye', 'target'].map((key) => given.get(key)?.split(',').map(Number));
 	const url = `/v1/scenes/${encodeURIComponent(scene)}`, vertices = Number(given.get('vertices') ?? 300000);
-	const wanted = { width, height, vertices, bytes: Math.min(bytes < 0 ? Infinity : bytes, 65536) };
+	const wanted = { width, height, vertices: Math.min(vertices, 80000),
+		bytes: Math.min(bytes < 0 ? Infinity : bytes, 65536) };
 	const query = `eye=${eye}&target=${target}&fov_y_deg=45&${new URLSearchParams(wanted)}`;
 	const kept = (() => { try { return localStorage.getItem(`kept ${scene}`); } catch { return null; } })();
 	if (HTMLCanvasElement.prototype.transferControlToOffscreen) {
