@@ -40,12 +40,7 @@ struct frame {                           /* of one draw */
 
 static unsigned texture_target(unsigned format, uint32_t width, uint32_t height, unsigned attachment)
 {
-	unsigned texture;
-	glGenTextures(1, &texture);
-	glBindTexture(GL_TEXTURE_2D, texture);
-	glTexStorage2D(GL_TEXTURE_2D, 1, format, (GLsizei)width, (GLsizei)height);
-	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+	unsigned texture = view_gpu_texture(format, width, height, GL_NEAREST);
 	glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
 	return texture;
 }

@@ -67,6 +67,21 @@ void view_gpu_keep(struct view_gpu *gpu, const struct view_store *const *stores,
 	}
 }
 
+/* ---- Textures ---- */
+
+unsigned view_gpu_texture(unsigned format, uint32_t width, uint32_t height, int filter)
+{
+	unsigned texture;
+	glGenTextures(1, &texture);
+	glBindTexture(GL_TEXTURE_2D, texture);
+	glTexStorage2D(GL_TEXTURE_2D, 1, format, (GLsizei)width, (GLsizei)height);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+	return texture;
+}
+
 /* ---- Texels by number ---- */
 
 /* The smallest power of two whose square holds so many texels, and at least 16. */
@@ -85,12 +100,7 @@ static bool make_texels(struct view_gpu_texels *t, uint64_t texels)
 	while (glGetError())
 		;
 	glDeleteTextures(1, &t->texture);
-	glGenTextures(1, &t->texture);
-	glBindTexture(GL_TEXTURE_2D, t->texture);
-	glTexStorage2D(GL_TEXTURE_2D, 1, t->words == 4 ? GL_RGBA32UI : GL_R32UI, (GLsizei)width,
-		(GLsizei)rows);
-	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+	t->texture = view_gpu_texture(t->words == 4 ? GL_RGBA32UI : GL_R32UI, width, rows, GL_NEAREST);
 	t->room = (uint64_t)rows << t->shift;
 	return !glGetError();
 }

@@ -33,6 +33,9 @@ struct view_gpu {                        /* zero is empty */
 	uint64_t bytes;                  /* of all records */
 };
 
+/* A texture without mip levels, which ends at its edges, bound to the unit that is active. */
+unsigned view_gpu_texture(unsigned format, uint32_t width, uint32_t height, int filter);
+
 void view_gpu_init(struct view_gpu *gpu);
 void view_gpu_free(struct view_gpu *gpu);
 /* Frees what is here of lists that none of the stores holds any more, or holds less of. */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "client-min/draw/view_gpu.h"
 #include "client-min/draw/view_shade.h"
 #include "client-min/view_owners.h"
 #include "client-min/view_record.h"
@@ -132,7 +133,7 @@ static void resize(struct web_light *light, uint32_t width, uint32_t height)
 	if (light->lit && light->width == width && light->height == height)
 		return;
 	glDeleteTextures(1, &light->lit);
-	light->lit = web_texture(GL_RGBA8, width, height, GL_LINEAR);
+	light->lit = view_gpu_texture(GL_RGBA8, width, height, GL_LINEAR);
 	light->width = width;
 	light->height = height;
 	glBindFramebuffer(GL_FRAMEBUFFER, light->framebuffer);
@@ -228,7 +229,7 @@ static enum eco_code upload_shade(struct web_light *light, const struct view_lig
 	if (code)
 		return code;
 	if (!light->shade)
-		light->shade = web_texture(GL_RG8, VIEW_SHADE_PIXELS, VIEW_SHADE_PIXELS, GL_LINEAR);
+		light->shade = view_gpu_texture(GL_RG8, VIEW_SHADE_PIXELS, VIEW_SHADE_PIXELS, GL_LINEAR);
 	glBindTexture(GL_TEXTURE_2D, light->shade);
 	glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
 	if (shade.texels)

@@ -11,7 +11,5 @@
 unsigned web_program(const char *const *parts, int count, const char *what, struct eco_error *error);
 /* viewport: x, y, width, height */
 void web_program_fill(unsigned vertex_array, const int viewport[4]);
-/* A texture without mip levels, which ends at its edges, bound to the unit that is active. */
-unsigned web_texture(unsigned format, uint32_t width, uint32_t height, int filter);
 
 #endif

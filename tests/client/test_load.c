@@ -1,5 +1,5 @@
 /* Load tests: their figures against a simple twin; what they make of servers that stall, break off, refuse
- * and lie, by a stub that answers as it is told; and every option against ecoserve. */
+ * and lie, by a server that answers as it is told; and every option against ecoserve. */
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -20,7 +20,7 @@
 #define NONE_FITS "HTTP/1.1 204 No Content\r\n\r\n"
 #define BROKEN "HTTP/1.1 200 OK\r\nContent-Length: 1000\r\n\r\nabc"
 
-static struct stub {
+static struct told {
 	int listener;
 	uint16_t port;
 	const char *answers[4];          /* the first requests get these, all others NONE_FITS; "": none */
@@ -31,26 +31,26 @@ static struct stub {
 	double stall_from_ms, stall_to_ms;
 	pthread_mutex_t lock;
 	pthread_t thread;
-} stub;
+} told;
 
 /* False: the connection is to be closed. */
-static bool stub_answer(int fd, const char *request)
+static bool told_answer(int fd, const char *request)
 {
-	pthread_mutex_lock(&stub.lock);
-	uint32_t number = stub.asked++;
-	const char *text = number < 4 && stub.answers[number] ? stub.answers[number] : NONE_FITS;
-	stub.gets += !strncmp(request, "GET", 3);
-	if (stub.stalls_at && number == stub.stalls_at) {
-		stub.stall_from_ms = view_clock_ms();
-		usleep(stub.stall_ms * 1000);
-		stub.stall_to_ms = view_clock_ms();
+	pthread_mutex_lock(&told.lock);
+	uint32_t number = told.asked++;
+	const char *text = number < 4 && told.answers[number] ? told.answers[number] : NONE_FITS;
+	told.gets += !strncmp(request, "GET", 3);
+	if (told.stalls_at && number == told.stalls_at) {
+		told.stall_from_ms = view_clock_ms();
+		usleep(told.stall_ms * 1000);
+		told.stall_to_ms = view_clock_ms();
 	}
-	pthread_mutex_unlock(&stub.lock);
+	pthread_mutex_unlock(&told.lock);
 	send(fd, text, strlen(text), MSG_NOSIGNAL);
-	return text[0] && !(stub.closes && text != (const char *)NONE_FITS);
+	return text[0] && !(told.closes && text != (const char *)NONE_FITS);
 }
 
-static void *stub_connection(void *ctx)
+static void *told_connection(void *ctx)
 {
 	int fd = (int)(intptr_t)ctx;
 	char request[8192];
@@ -63,42 +63,42 @@ static void *stub_connection(void *ctx)
 			size < (size_t)(end + 4 - request) + (length ? strtoul(length + 15, NULL, 10) : 0))
 			continue;
 		size = 0;
-		if (!stub_answer(fd, request) && stub.closes)
+		if (!told_answer(fd, request) && told.closes)
 			break;
 	}
 	close(fd);
 	return NULL;
 }
 
-static void *stub_run(void *ctx)
+static void *told_run(void *ctx)
 {
-	for (int fd; (fd = accept(stub.listener, NULL, NULL)) >= 0; stub.connections++) {
+	for (int fd; (fd = accept(told.listener, NULL, NULL)) >= 0; told.connections++) {
 		pthread_t thread;
-		assert_int_equal(pthread_create(&thread, NULL, stub_connection, (void *)(intptr_t)fd), 0);
+		assert_int_equal(pthread_create(&thread, NULL, told_connection, (void *)(intptr_t)fd), 0);
 		pthread_detach(thread);
 	}
 	return NULL;
 }
 
-static void stub_start(struct stub given)
+static void told_start(struct told given)
 {
 	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
 	socklen_t size = sizeof at;
-	stub = given;
-	pthread_mutex_init(&stub.lock, NULL);
-	stub.listener = socket(AF_INET, SOCK_STREAM, 0);
-	assert_int_equal(bind(stub.listener, (struct sockaddr *)&at, size), 0);
-	assert_int_equal(listen(stub.listener, 64), 0);
-	getsockname(stub.listener, (struct sockaddr *)&at, &size);
-	stub.port = ntohs(at.sin_port);
-	assert_int_equal(pthread_create(&stub.thread, NULL, stub_run, NULL), 0);
+	told = given;
+	pthread_mutex_init(&told.lock, NULL);
+	told.listener = socket(AF_INET, SOCK_STREAM, 0);
+	assert_int_equal(bind(told.listener, (struct sockaddr *)&at, size), 0);
+	assert_int_equal(listen(told.listener, 64), 0);
+	getsockname(told.listener, (struct sockaddr *)&at, &size);
+	told.port = ntohs(at.sin_port);
+	assert_int_equal(pthread_create(&told.thread, NULL, told_run, NULL), 0);
 }
 
-static void stub_stop(void)
+static void told_stop(void)
 {
-	shutdown(stub.listener, SHUT_RDWR);
-	pthread_join(stub.thread, NULL);
-	close(stub.listener);
+	shutdown(told.listener, SHUT_RDWR);
+	pthread_join(told.thread, NULL);
+	close(told.listener);
 }
 
 /* ---- Runs ---- */
@@ -211,24 +211,24 @@ UNIT_TEST(some_clients_are_spread_over_all)
  * until it ended, though no client had more than one request on its way. A closed loop would not see it. */
 UNIT_TEST(an_open_loop_counts_from_when_requests_were_due)
 {
-	stub_start((struct stub){ .stalls_at = 20, .stall_ms = 600 });
-	struct view_load_options options = options_at(stub.port);
+	told_start((struct told){ .stalls_at = 20, .stall_ms = 600 });
+	struct view_load_options options = options_at(told.port);
 	options.clients = 4;
 	options.rate = 100;
 	options.seconds = 1.2;
 	run_clean(&options);
-	stub_stop();
+	told_stop();
 	uint32_t due_meanwhile = 0, asked_later = 0;
 	for (uint32_t i = 0; i < report.answers.count; i++) {
 		const struct view_answer *a = &report.answers.items[i];
 		double due_ms = report.start_ms + a->due_ms, done_ms = due_ms + (double)a->done_ms;
 		assert_true(fabs(a->due_ms - 10 * i) < 1e-6);
 		assert_true(fabsf(a->asked_ms + a->service_ms - a->done_ms) < 1);
-		if (due_ms <= stub.stall_from_ms || due_ms >= stub.stall_to_ms)
+		if (due_ms <= told.stall_from_ms || due_ms >= told.stall_to_ms)
 			continue;
 		due_meanwhile++;
-		assert_true(done_ms >= stub.stall_to_ms - 1);
-		asked_later += due_ms + (double)a->asked_ms >= stub.stall_to_ms - 1;
+		assert_true(done_ms >= told.stall_to_ms - 1);
+		asked_later += due_ms + (double)a->asked_ms >= told.stall_to_ms - 1;
 	}
 	assert_int_equal(report.answers.count, 120);
 	assert_true(due_meanwhile >= 55);
@@ -237,18 +237,18 @@ UNIT_TEST(an_open_loop_counts_from_when_requests_were_due)
 
 UNIT_TEST(a_closed_loop_asks_when_it_was_answered)
 {
-	stub_start((struct stub){ .stalls_at = 0 });
-	struct view_load_options options = options_at(stub.port);
+	told_start((struct told){ .stalls_at = 0 });
+	struct view_load_options options = options_at(told.port);
 	run_clean(&options);
-	stub_stop();
+	told_stop();
 	for (uint32_t i = 1; i < report.answers.count; i++) {
 		const struct view_answer *before = &report.answers.items[i - 1], *a = before + 1;
 		assert_true(a->due_ms >= before->due_ms + (double)before->done_ms - 1);
 		assert_int_equal(a->frame, i % 2);
 	}
 	assert_int_equal(report.nothing, report.answers.count);
-	assert_int_equal(stub.asked, report.answers.count);
-	assert_int_equal(stub.connections, 1);
+	assert_int_equal(told.asked, report.answers.count);
+	assert_int_equal(told.connections, 1);
 }
 
 UNIT_TEST(what_goes_wrong_is_counted_by_kind)
@@ -274,15 +274,15 @@ UNIT_TEST(what_goes_wrong_is_counted_by_kind)
 		{ { "" }, false, 1, VIEW_LATE, 1, 0 },
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct stub given = { .closes = cases[i].closes };
+		struct told given = { .closes = cases[i].closes };
 		memcpy(given.answers, cases[i].answers, sizeof given.answers);
-		stub_start(given);
-		struct view_load_options options = options_at(stub.port);
+		told_start(given);
+		struct view_load_options options = options_at(told.port);
 		options.resumes = cases[i].resumes;
 		options.deadline_ms = cases[i].outcome == VIEW_LATE ? 100 : 0;
 		options.seconds = 0.5;
 		run(&options);
-		stub_stop();
+		told_stop();
 		if (report.outcomes[cases[i].outcome] != cases[i].failures)
 			fail_msg("case %zu: %s", i, report.first_failure);
 		assert_int_equal(view_load_failures(&report), cases[i].failures);
@@ -290,7 +290,7 @@ UNIT_TEST(what_goes_wrong_is_counted_by_kind)
 		assert_int_equal(view_load_clean(&report), !cases[i].failures);
 		assert_true(report.outcomes[VIEW_ANSWERED] > 0);
 	}
-	struct view_load_options nobody = options_at(stub.port);     /* where none listens any more */
+	struct view_load_options nobody = options_at(told.port);     /* where none listens any more */
 	run(&nobody);
 	assert_int_equal(report.outcomes[VIEW_CONNECTION], report.answers.count);
 	assert_false(view_load_clean(&report));
@@ -299,8 +299,8 @@ UNIT_TEST(what_goes_wrong_is_counted_by_kind)
 UNIT_TEST(random_arrivals_have_their_rate_and_their_seed)
 {
 	double first[2];
-	stub_start((struct stub){ .stalls_at = 0 });
-	struct view_load_options options = options_at(stub.port);
+	told_start((struct told){ .stalls_at = 0 });
+	struct view_load_options options = options_at(told.port);
 	options.clients = 10;
 	options.rate = 500;
 	options.random_arrivals = true;
@@ -312,7 +312,7 @@ UNIT_TEST(random_arrivals_have_their_rate_and_their_seed)
 		if (i < 2)
 			first[i] = report.answers.items[0].due_ms;
 	}
-	stub_stop();
+	told_stop();
 	assert_true(fabs(first[0] - first[1]) < 1e-3);
 	assert_true(fabs(first[0] - report.answers.items[0].due_ms) > 1e-3);
 }
@@ -320,12 +320,12 @@ UNIT_TEST(random_arrivals_have_their_rate_and_their_seed)
 UNIT_TEST(a_stop_ends_it_with_what_there_is)
 {
 	static volatile sig_atomic_t stop = 1;
-	stub_start((struct stub){ .answers = { "" } });
-	struct view_load_options options = options_at(stub.port);
+	told_start((struct told){ .answers = { "" } });
+	struct view_load_options options = options_at(told.port);
 	options.stop = &stop;
 	options.seconds = 1000;
 	run(&options);
-	stub_stop();
+	told_stop();
 	assert_int_equal(view_load_failures(&report), 0);
 	assert_false(view_load_clean(&report));
 }
