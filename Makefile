@@ -27,13 +27,13 @@
 config ?= release
 B := build$(if $(filter-out release,$(config)),/$(config))
 
-PACKAGES := gcc g++ libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev libpng-dev libwebp-dev \
-	libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libmeshoptimizer-dev libxxhash-dev \
+PACKAGES := gcc g++ libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev libjpeg-dev libpng-dev \
+	libwebp-dev libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libmeshoptimizer-dev libxxhash-dev \
 	libseccomp-dev libcairo2-dev fonts-dejavu-core libexpat1-dev libcmocka-dev libzstd-dev pkg-config jq curl \
 	xz-utils help2man python3-jsonschema python3-yaml openapi-specification
 # what of these says by pkg-config where its headers are
-LIBRARIES := gdal freetype2 assimp OpenImageIO draco proj jansson libcurl epoxy egl libmicrohttpd libpng libwebp libxxhash \
-	libseccomp expat cmocka
+LIBRARIES := gdal freetype2 assimp OpenImageIO draco proj jansson libcurl epoxy egl libmicrohttpd libjpeg libpng libwebp \
+	libxxhash libseccomp expat cmocka
 
 # What programs keep from one run to the next stays in here: demonstrations and tests leave the user's own cache alone.
 export XDG_CACHE_HOME := $(CURDIR)/build/cache
@@ -125,12 +125,12 @@ FUZZERS := $(patsubst tests/fuzz/%.c,$(B)/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c)
 LIBS_CORE := -lxxhash -ljansson -lm
 # --wrap: see draco_shim.cpp
 LIBS_DRACO := -Wl,--wrap=_ZN5draco21ComputeShannonEntropyEPKjiiPi -l:libdraco.a -lstdc++
-LIBS_IMPORT := -lmeshoptimizer -lseccomp -lexpat -lpng -lwebp
+LIBS_IMPORT := -lmeshoptimizer -lseccomp -lexpat -ljpeg -lpng -lwebp
 # what programs that test or measure call themselves
 LIBS_CHECK := -lassimp -lcairo -lgdal -lzstd
 # linked in, so that what it reads passes server/request/gate.h
 LIBS_SERVER := -Wl,--wrap=recv -l:libmicrohttpd.a -lgnutls -lseccomp
-LIBS_VIEW := -lcurl -lEGL -lepoxy -lpng -lwebp
+LIBS_VIEW := -lcurl -lEGL -lepoxy -ljpeg -lpng -lwebp
 # In config=fuzz the sanitizer is a library that is linked in, too, and what it puts in place of malloc must be seen by the C library.
 LINK := -Wl,--as-needed $(if $(filter fuzz,$(config)),,-Wl$(comma)--exclude-libs$(comma)ALL) -ldl -pthread
 
@@ -153,7 +153,7 @@ $(B)/ecoimage.so: $(B)/obj/ecofiles/format/image_module.o
 # a module has what it needs of ecofiles for itself; sanitizers leave their own functions open
 $(MODULES): $(B)/eco%.so: $(LIB_ECO)
 	$(LINK_CXX) -shared -o $@ $(filter %.o,$^) $(call group,$(LIB_ECO)) \
-		$(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) $(LIBS_MODULE_$*) -lpng $(LIBS_CORE)
+		$(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) $(LIBS_MODULE_$*) -ljpeg -lpng $(LIBS_CORE)
 
 PACK_LIBS := $(call archive,$(PACK_ROOM)) $(LIB_BUILD) $(call archive,lod/plan) $(LIB_ECO) $(LIB_DRACO)
 $(B)/ecopack: $(B)/obj/ecofiles/ecopack/main_ecopack.o $(PACK_LIBS) | $(MODULES)
@@ -172,7 +172,7 @@ LIBRARY := $(B)/libecostream.so.$(SOVERSION)
 LIBRARY_PARTS := $(call archive,$(VIEW_ROOMS) server server/request lod/raster lod/plan $(CORE_ROOMS)) $(LIB_DRACO)
 $(LIBRARY): $(LIBRARY_ROOM)/ecostream.map $(call objects,$(call sources,$(LIBRARY_ROOM))) $(LIBRARY_PARTS)
 	$(LINK_C) -shared -o $@ -Wl,-soname,$(@F) -Wl,--version-script,$< $(filter %.o,$^) $(call group,$(LIBRARY_PARTS)) \
-		$(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) -lpng -lwebp $(LIBS_DRACO) $(LIBS_CORE)
+		$(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) -ljpeg -lpng -lwebp $(LIBS_DRACO) $(LIBS_CORE)
 	ln -sf $(@F) $(B)/libecostream.so
 all: $(LIBRARY)
 

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "ecofiles/format/image_jpeg.h"
 #include "ecofiles/format/image_png.h"
 #include "ecofiles/base/file_write.h"
 #include "ecofiles/base/module.h"
@@ -59,6 +60,8 @@ enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, 
 			size_bytes, ECO_IMAGE_FILE_MAX);
 	if (eco_png_is(bytes, size_bytes))
 		return eco_png_decode(image, bytes, size_bytes, name, error);
+	if (eco_jpeg_is(bytes, size_bytes) && eco_jpeg_decode(image, bytes, size_bytes))
+		return ECO_OK;
 	enum eco_code code = decode(image, kind ? kind : name, bytes, size_bytes, &inner);
 	return code == ECO_OK ? code : eco_fail(error, code, "%.120s: %.380s", name, inner.text);
 }

@@ -1,8 +1,9 @@
 /* Pictures in and out: textures of models, PNG frames of the viewer.
  *
- * libpng reads and writes PNG. OpenImageIO reads all other formats, in a module (module.h) that is loaded
- * for the first such picture: linking it would cost every program 200 ms and 131 MB at start. Without the
- * module these calls fail with ECO_NOT_FOUND. All functions are thread-safe. */
+ * libpng reads and writes PNG, libjpeg reads JPEG. OpenImageIO reads all other formats and what libjpeg
+ * refuses, in a module (module.h) that is loaded for the first such picture: linking it would cost every
+ * program 200 ms and 131 MB at start. Without the module these calls fail with ECO_NOT_FOUND. All functions
+ * are thread-safe. */
 #ifndef ECO_IMAGE_H
 #define ECO_IMAGE_H
 

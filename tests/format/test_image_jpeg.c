@@ -1,0 +1,146 @@
+/* JPEG: texels are those of OpenImageIO, which is asked only where libjpeg refuses. */
+#include "ecofiles/format/image_jpeg.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <jpeglib.h>
+
+#include "ecofiles/base/module.h"
+#include "tests/support/unit_test.h"
+
+#define WIDTH 37u
+#define HEIGHT 21u
+
+struct kind { const char *name; J_COLOR_SPACE in, stored; int sampling; bool progressive; };
+
+static const struct kind kinds[] = {
+	{ "halved colours", JCS_RGB, JCS_YCbCr, 2, false }, { "full colours", JCS_RGB, JCS_YCbCr, 1, false },
+	{ "progressive", JCS_RGB, JCS_YCbCr, 2, true }, { "gray", JCS_GRAYSCALE, JCS_GRAYSCALE, 1, false },
+	{ "red, green, blue", JCS_RGB, JCS_RGB, 1, false },
+};
+
+static const struct kind inks = { "inks", JCS_CMYK, JCS_YCCK, 1, false };
+
+static void set_up(struct jpeg_compress_struct *jpeg, const struct kind *kind)
+{
+	jpeg->image_width = WIDTH;
+	jpeg->image_height = HEIGHT;
+	jpeg->in_color_space = kind->in;
+	jpeg->input_components = kind->in == JCS_GRAYSCALE ? 1 : kind->in == JCS_CMYK ? 4 : 3;
+	jpeg_set_defaults(jpeg);
+	jpeg_set_colorspace(jpeg, kind->stored);
+	jpeg_set_quality(jpeg, 80, TRUE);
+	jpeg->comp_info[0].h_samp_factor = jpeg->comp_info[0].v_samp_factor = kind->sampling;
+	if (kind->progressive)
+		jpeg_simple_progression(jpeg);
+}
+
+/* *bytes is malloc'ed. */
+static void write_jpeg(const struct kind *kind, uint8_t **bytes, unsigned long *size)
+{
+	struct jpeg_error_mgr errors;
+	struct jpeg_compress_struct jpeg = { .err = jpeg_std_error(&errors) };
+	uint8_t line[WIDTH * 4];
+	*bytes = NULL;
+	*size = 0;
+	jpeg_create_compress(&jpeg);
+	jpeg_mem_dest(&jpeg, bytes, size);
+	set_up(&jpeg, kind);
+	jpeg_start_compress(&jpeg, TRUE);
+	for (uint32_t y = 0; y < HEIGHT; y++) {
+		JSAMPROW row = line;
+		for (uint32_t i = 0; i < sizeof line; i++)
+			line[i] = (uint8_t)(i * i * 3 / 7 + y * 11);
+		jpeg_write_scanlines(&jpeg, &row, 1);
+	}
+	jpeg_finish_compress(&jpeg);
+	jpeg_destroy_compress(&jpeg);
+}
+
+/* The first test: a module once loaded stays. */
+UNIT_TEST(no_module_is_needed)
+{
+	setenv(ECO_MODULES_VARIABLE, "/no/such/folder", 1);
+	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+		struct eco_error error = { .code = ECO_OK };
+		struct eco_image image;
+		uint8_t *bytes;
+		unsigned long size;
+		write_jpeg(&kinds[i], &bytes, &size);
+		assert_ok(eco_image_read_memory(&image, bytes, size, kinds[i].name, &error), error);
+		eco_image_free(&image);
+		free(bytes);
+	}
+	unsetenv(ECO_MODULES_VARIABLE);
+}
+
+UNIT_TEST(texels_are_those_of_openimageio)
+{
+	const struct eco_image_module *module = eco_module(ECO_MODULE_IMAGE, NULL);
+	assert_non_null(module);
+	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+		struct eco_image ours, theirs;
+		uint8_t *bytes;
+		unsigned long size;
+		char text[300] = "";
+		write_jpeg(&kinds[i], &bytes, &size);
+		assert_true(eco_jpeg_decode(&ours, bytes, size));
+		if (module->decode("a.jpg", bytes, size, ECO_PIXELS_MAX, &theirs.width, &theirs.height,
+				&theirs.rgba, text, sizeof text) != 0)
+			fail_msg("%s: %s", kinds[i].name, text);
+		assert_int_equal(ours.width, WIDTH);
+		assert_int_equal(ours.height, HEIGHT);
+		assert_int_equal(theirs.width, WIDTH);
+		if (memcmp(ours.rgba, theirs.rgba, WIDTH * HEIGHT * 4) != 0)
+			fail_msg("%s: other texels", kinds[i].name);
+		eco_image_free(&ours);
+		eco_image_free(&theirs);
+		free(bytes);
+	}
+}
+
+UNIT_TEST(inks_are_left_to_openimageio)
+{
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_image image;
+	uint8_t *bytes;
+	unsigned long size;
+	write_jpeg(&inks, &bytes, &size);
+	assert_false(eco_jpeg_decode(&image, bytes, size));
+	assert_null(image.rgba);
+	assert_ok(eco_image_read_memory(&image, bytes, size, "inks.jpg", &error), error);
+	assert_int_equal(image.width, WIDTH);
+	eco_image_free(&image);
+	free(bytes);
+}
+
+UNIT_TEST(what_is_cut_short_is_left_to_openimageio)
+{
+	uint8_t *bytes;
+	unsigned long size;
+	write_jpeg(&kinds[0], &bytes, &size);
+	for (unsigned long cut = 0; cut < size; cut++) {
+		struct eco_image image;
+		assert_false(eco_jpeg_decode(&image, bytes, cut));
+		assert_null(image.rgba);
+	}
+	free(bytes);
+}
+
+UNIT_TEST(too_many_pixels_are_refused)
+{
+	uint8_t *bytes, *frame = NULL;
+	unsigned long size;
+	struct eco_image image;
+	write_jpeg(&kinds[1], &bytes, &size);
+	for (unsigned long i = 0; i + 9 < size && !frame; i++)
+		if (bytes[i] == 0xFF && bytes[i + 1] == 0xC0)
+			frame = bytes + i;
+	assert_non_null(frame);
+	memset(frame + 5, 0xF0, 4);          /* height and width: 61,680 each */
+	assert_false(eco_jpeg_decode(&image, bytes, size));
+	assert_null(image.rgba);
+	free(bytes);
+}
