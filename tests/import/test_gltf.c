@@ -493,16 +493,26 @@ static enum eco_code ignore_node(void *ctx, uint32_t node, const double world[16
 	return ECO_OK;
 }
 
+/* The first two are seen at once; 32 nodes, each twice below the one before, are 2^32 to visit. */
 UNIT_TEST(a_tree_that_is_none_ends)
 {
-	static const char *const cases[] = { ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1]},"
-		"{\"children\":[0]}]",
-		",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[0,0]}]" };
+	char twice[1024] = ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[";
+	for (int i = 1; i < 32; i++)
+		sprintf(twice + strlen(twice), "{\"children\":[%d,%d]},", i, i);
+	strcat(twice, "{}]");
+	const struct { const char *rest; enum eco_code code; const char *says; } cases[] = {
+		{ ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1]},{\"children\":[0]}]",
+			ECO_DAMAGED, "node 0 or one above it lies below itself" },
+		{ ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[0,0]}]", ECO_DAMAGED,
+			"lies below itself" },
+		{ twice, ECO_TOO_LARGE, "more than 1048576 nodes" } };
 
-	for (size_t i = 0; i < 2; i++) {
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct eco_error error = { 0 };
 		gw_begin();
-		open_good(cases[i]);
-		assert_int_equal(eco_gltf_walk(doc, ignore_node, NULL, NULL), ECO_TOO_LARGE);
+		open_good(cases[i].rest);
+		assert_int_equal(eco_gltf_walk(doc, ignore_node, NULL, &error), cases[i].code);
+		assert_non_null(strstr(error.text, cases[i].says));
 		close_good();
 	}
 }

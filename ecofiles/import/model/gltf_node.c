@@ -117,7 +117,7 @@ enum eco_code eco_gltf_place_node(struct eco_gltf *doc, uint32_t node, const cha
 
 /* ---- The scene ---- */
 
-struct entry { uint32_t node; double world[16]; };
+struct entry { uint32_t node, depth; double world[16]; };
 
 struct walk {
 	struct eco_gltf *doc;
@@ -126,10 +126,15 @@ struct walk {
 	uint64_t seen;
 };
 
-static enum eco_code push(struct walk *w, uint32_t node, const double world[16], struct eco_error *error)
+/* depth: nodes above it */
+static enum eco_code push(struct walk *w, uint32_t node, uint32_t depth, const double world[16],
+	struct eco_error *error)
 {
+	if (depth >= w->doc->node_count)
+		return eco_fail(error, ECO_DAMAGED, "%.300s: node %u or one above it lies below itself: nodes must "
+			"be a tree", w->doc->path, node);
 	if (++w->seen > ECO_GLTF_NODES_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: more than %u nodes, or nodes below themselves",
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: more than %u nodes, as some have several parents",
 			w->doc->path, ECO_GLTF_NODES_MAX);
 	if (w->count == w->capacity) {
 		size_t capacity = 2 * w->capacity + 64;
@@ -141,12 +146,13 @@ static enum eco_code push(struct walk *w, uint32_t node, const double world[16],
 		w->capacity = capacity;
 	}
 	w->stack[w->count].node = node;
+	w->stack[w->count].depth = depth;
 	memcpy(w->stack[w->count++].world, world, 16 * sizeof *world);
 	return ECO_OK;
 }
 
 /* Pushes in reverse, so that the first is popped first. */
-static enum eco_code push_all(struct walk *w, const json_t *nodes, const double world[16],
+static enum eco_code push_all(struct walk *w, const json_t *nodes, uint32_t depth, const double world[16],
 	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
@@ -156,7 +162,7 @@ static enum eco_code push_all(struct walk *w, const json_t *nodes, const double 
 		if (node < 0 || (uint64_t)node >= w->doc->node_count || node >= ECO_NONE)
 			return eco_fail(error, ECO_DAMAGED, "%.300s: names node %lld, which is not there",
 				w->doc->path, (long long)node);
-		code = push(w, (uint32_t)node, world, error);
+		code = push(w, (uint32_t)node, depth, world, error);
 	}
 	return code;
 }
@@ -178,12 +184,12 @@ static enum eco_code push_roots(struct walk *w, struct eco_error *error)
 	const json_t *scene = find_scene(w->doc);
 	enum eco_code code = ECO_OK;
 	if (scene)
-		return push_all(w, json_object_get(scene, "nodes"), identity, error);
+		return push_all(w, json_object_get(scene, "nodes"), 0, identity, error);
 	if (!w->doc->parent && !find_parents(w->doc))
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", w->doc->path);
 	for (size_t i = w->doc->node_count; i-- > 0 && code == ECO_OK;)
 		if (w->doc->parent[i] == ECO_NONE)
-			code = push(w, (uint32_t)i, identity, error);
+			code = push(w, (uint32_t)i, 0, identity, error);
 	return code;
 }
 
@@ -204,7 +210,8 @@ enum eco_code eco_gltf_walk(struct eco_gltf *doc, eco_gltf_visit *visit, void *c
 		eco_gltf_multiply(top.world, top.world, local);
 		code = visit(ctx, top.node, top.world);
 		if (!code)
-			code = push_all(&w, json_object_get(node, "children"), top.world, error);
+			code = push_all(&w, json_object_get(node, "children"), top.depth + 1, top.world,
+				error);
 	}
 	free(w.stack);
 	return code;
