@@ -144,6 +144,9 @@ is '.instances[0] | has("height_m")' false
 # ---- Questions, each with its choices and the option that answers ----
 awk 'BEGIN { print "species,x,y,height_m"; for (i = 0; i < 20; i++) printf "oak,%d,%d,%d\n", 691600 + i, 5334700 + i, 9 + i % 9 }' >"$DIR/zone.csv"
 start 1 'which CRS .* each UTM zone, at latitude 48\.1.*--crs EPSG:32601' zone.csv
+grep -q "or the country's grid, .*UTM" "$DIR/out" && complain "a UTM zone is called a country's grid: $(cat "$DIR/out")"
+sed 1d "$DIR/zone.csv" >"$DIR/bare.csv"
+start 1 'which columns say where.*if that is the first plant, put a line of names before it' bare.csv
 start 0 'as you say' zone.csv --crs EPSG:25832
 is '[.crs, .instances[0].crs]' '["EPSG:25832","EPSG:25832"]'
 start 0 'crs of the scene EPSG:32633 .as you say' zone.csv --crs EPSG:25832 --scene-crs EPSG:32633
@@ -157,7 +160,7 @@ start 2 'the units are m, cm' tall.csv --crs EPSG:25832 --height-unit yards
 start 1 'no such column; there are: species, x, y, height_m' zone.csv --crs EPSG:25832 --species-column kind
 start 1 'the CRS "EPSG:1" is not known' zone.csv --crs EPSG:1
 sed 's/species/what/; s/^oak/7/' "$DIR/zone.csv" >"$DIR/nameless.csv"
-start 1 'which column names the species.*--plant NAME' nameless.csv --crs EPSG:25832
+start 1 'which column names the species.*there are: what.*--plant NAME for one model everywhere .*stieleiche' nameless.csv --crs EPSG:25832
 start 0 'as you say' nameless.csv --crs EPSG:25832 --plant norway_spruce
 is '.instances[0].plant' '"norway_spruce"'
 echo 'a,b' >"$DIR/empty.csv"

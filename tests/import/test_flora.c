@@ -70,6 +70,11 @@ UNIT_TEST(genera_and_forms_are_known_in_several_languages)
 		{ "CommonTree_1", NULL, ECO_FORM_BROAD }, { "Bush_1", NULL, ECO_FORM_SHRUB },
 		{ "Rock_2", NULL, ECO_FORM_NOTHING },
 		{ "Vacant site small (vacant site small)", NULL, ECO_FORM_NOTHING },
+		{ "Pinus pinea :: Italian Stone Pine", "pinus", ECO_FORM_CONIFER },
+		{ "Rock elm", "ulmus", ECO_FORM_BROAD }, { "Oak (removed)", "quercus", ECO_FORM_NOTHING },
+		{ "Tabebuia rosea", NULL, ECO_FORM_UNKNOWN },        /* nearly a rose, and none */
+		{ "Terminalia catappa L.", NULL, ECO_FORM_UNKNOWN },
+		{ "Thespesia populnea (L.) Sol. ex Correa", NULL, ECO_FORM_UNKNOWN },
 		{ "Stump", NULL, ECO_FORM_NOTHING }, { "thing", NULL, ECO_FORM_UNKNOWN },
 		{ "", NULL, ECO_FORM_UNKNOWN } };
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -89,4 +94,5 @@ UNIT_TEST(misspellings_are_told_and_only_where_asked_for)
 	assert_null(eco_flora_of("Qercus robur", false).genus);
 	assert_null(eco_flora_of("Xyzzy plugh", true).genus);
 	assert_string_equal(eco_flora_of("Pseudotsgua menziesii", true).genus, "pseudotsuga");
+	assert_string_equal(eco_flora_of("Norway mapel", true).genus, "acer");
 }

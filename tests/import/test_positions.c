@@ -323,8 +323,8 @@ UNIT_TEST(heights_come_from_the_first_source_that_has_one)
 			"the plant's own is taken (first in line 5: \"-1\")");
 	expect("", csv, "\"plant\":\"oak\",\"height_m\":{\"column\":\"d\",\"unit\":\"cm\"}," XY,
 		"oak 1 1 h3 / oak 2 2 h3 / oak 3 3 h1 / oak 4 4 / oak "
-		"5 5 / oak 6 6 / oak 7 7 / oak 8 8", "5  kept at their plant's own height: no usable one "
-		"(first in line 5)");
+		"5 5 / oak 6 6 / oak 7 7 / oak 8 8", "5  kept at their plant's own height: the row says no "
+		"usable one (first in line 5)");
 	expect("", csv, "\"plant\":\"oak\",\"height_m\":9.5,\"only\":{\"h\":\"0\"}," XY, "oak 8 8 h9.5",
 		"1 plant");
 }
@@ -363,7 +363,7 @@ UNIT_TEST(implausible_sizes_are_said)
 		"\"rate\":0.004}]," XY,
 		"oak 1 1 h200 / oak 2 2 h35 / oak 3 3", "3  kept: a height > 116 m (not used if > 300 m), a "
 		"trunk > 12 m or a crown > 60 m; is \"unit\" "
-			"another? (first in line 2: \"200\")|1  kept at their plant's own height: no usable "
+			"another? (first in line 2: \"200\")|1  kept at their plant's own height: the row says no usable "
 			"one (first in line 4: \"900\")");
 }
 

@@ -57,6 +57,7 @@ static const struct { const char *text, *roles; char decimal;
 		"Longitude|Latitude|Species|-|-|-", '.' },
 	{ "tag,gx,gy,utm17n_e,utm17n_n,sp\n1,3.5,4.5,747375,4308510,quru\n", "utm17n_e|utm17n_n|-|-|-|-",
 		'.' },
+	{ "date,tree_type,lat,lon\n1,Urban Street Tree,45,-123\n", "lon|lat|tree_type|-|-|-", '.' },
 	{ "a,b\n1,2\n", "-|-|-|-|-|-", '.' },
 };
 

@@ -205,8 +205,8 @@ enum eco_code start_look(struct start *s)
 		code = eco_table_read(&s->table, &s->source, s->error);
 	if (code)
 		return code;
-	start_say("%s: %s row%s, %u columns\n", o->table, eco_phrase_count(s->table.rows, rows),
-		s->table.rows == 1 ? "" : "s", s->table.column_count);
+	start_say("%s: %s row%s, %u column%s\n", o->table, eco_phrase_count(s->table.rows, rows),
+		s->table.rows == 1 ? "" : "s", s->table.column_count, s->table.column_count == 1 ? "" : "s");
 	for (uint32_t i = 0; i < s->table.note_count; i++)
 		start_say("  %s\n", s->table.notes[i]);
 	code = find_columns(s);

@@ -224,12 +224,14 @@ static enum eco_code take_plant(struct start *s)
 
 static enum eco_code ask_for_species(struct start *s)
 {
-	char there[250] = "";
+	char there[200] = "", known[120] = "";
 	for (uint32_t i = 0; i < s->table.column_count; i++)
 		eco_phrase_add(there, sizeof there, s->table.columns[i]);
+	for (uint32_t i = 0; i < s->model_count; i++)
+		eco_phrase_add(known, sizeof known, s->models[i].name);
 	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: which column names the species? Give "
-		"--species-column, or "
-		"--plant NAME for one model everywhere; there are: %s", s->options->table, there);
+		"--species-column NAME (there are: %s), or --plant NAME for one model everywhere (%s)",
+		s->options->table, there, known);
 }
 
 enum eco_code start_match_species(struct start *s)

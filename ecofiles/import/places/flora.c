@@ -99,11 +99,13 @@ static const struct { const char *genus; enum eco_form form; const char *names; 
 	{ "rosa", ECO_FORM_SHRUB, "rose rosier rosal" },
 };
 
+/* Words for a place where a plant was, or is to be. */
+#define GONE "vacant stump stumps snag empty removed unbesetzt leer stumpf baumstumpf wurzelstock " \
+	"stubben gefallt souche vide abattu tocon vacio alcorque ceppo vuoto stronk stobbe deadwood"
+
 /* Words for forms, where no genus is named. */
 static const struct { enum eco_form form; const char *words; } forms[] = {
-	{ ECO_FORM_NOTHING, "vacant stump stumps snag empty removed rock stone boulder log unbesetzt leer "
-		"stumpf baumstumpf wurzelstock stubben fels stein gefallt souche vide abattu rocher tocon "
-		"vacio alcorque piedra ceppo vuoto stronk stobbe deadwood" },
+	{ ECO_FORM_NOTHING, GONE " rock stone boulder log fels stein rocher piedra" },
 	{ ECO_FORM_CONIFER, "conifer coniferous evergreen nadelbaum nadelholz conifere conifera naaldboom" },
 	{ ECO_FORM_COLUMN, "columnar fastigiate fastigiata saulenform columnaris pyramidalis" },
 	{ ECO_FORM_WEEPING, "weeping pendula trauer pleureur lloron piangente treur" },
@@ -185,10 +187,34 @@ static bool find_genus(const char *words, struct eco_flora *flora)
 	return false;
 }
 
+static bool ends_in_one_of(const char *word, const char *endings)
+{
+	char ending[ECO_WORD_BYTES];
+	size_t length = strlen(word);
+	while (eco_words_next(&endings, ending)) {
+		size_t own = strlen(ending);
+		if (length > own + 1 && strcmp(word + length - own, ending) == 0)
+			return true;
+	}
+	return false;
+}
+
+/* A Latin genus and what follows it, "Terminalia catappa": by its endings, which names in other languages
+ * rarely have both. */
+static bool is_binomial(const char *words)
+{
+	char genus[ECO_WORD_BYTES], epithet[ECO_WORD_BYTES];
+	return eco_words_next(&words, genus) && eco_words_next(&words, epithet)
+		&& ends_in_one_of(genus, "a us um is on os es as ix ys")
+		&& ends_in_one_of(epithet, "a us um is i ii ae ens ans oides or ior");
+}
+
+/* Of a Latin name, only the first word may be a genus: "rosea" is no rose. */
 static void find_misspelt(const char *words, struct eco_flora *flora)
 {
 	char word[ECO_WORD_BYTES];
-	while (eco_words_next(&words, word))
+	bool latin = is_binomial(words);
+	for (size_t k = 0; eco_words_next(&words, word) && !(latin && k > 0); k++)
 		for (size_t i = 0; strlen(word) >= 5 && i < sizeof genera / sizeof *genera; i++) {
 			const char *meant = nearly(i, word);
 			if (!meant)
@@ -205,12 +231,14 @@ static enum eco_form form_by_word(const char *words, bool after_genus)
 {
 	char word[ECO_WORD_BYTES];
 	for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
-		/* of a known genus, words say no more than that it stands upright, weeps, or is gone */
+		/* of a known genus, words say no more than that it stands upright, weeps, or is gone; a stone
+		 * pine is no stone */
 		if (after_genus && forms[i].form != ECO_FORM_COLUMN && forms[i].form != ECO_FORM_WEEPING
 				&& forms[i].form != ECO_FORM_NOTHING)
 			continue;
+		bool gone = after_genus && forms[i].form == ECO_FORM_NOTHING;
 		for (const char *at = words; eco_words_next(&at, word);)
-			if (listed(forms[i].words, word, true))
+			if (listed(gone ? GONE : forms[i].words, word, true))
 				return forms[i].form;
 	}
 	return ECO_FORM_UNKNOWN;

@@ -9,6 +9,7 @@
 
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/import/places/crs_facts.h"
+#include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/positions_crs.h"
 #include "ecofiles/import/places/speech.h"
 #include "ecofiles/import/places/words.h"
@@ -226,22 +227,40 @@ static bool look_at_web(const struct look *l, struct eco_crs_choice *web)
 	return true;
 }
 
+/* Grids that are no UTM zone's come first; returns how many. */
+static uint32_t sort_zones_last(struct eco_crs_choice *choices, uint32_t found)
+{
+	uint32_t first = 0;
+	for (uint32_t i = 0; i < found; i++) {
+		struct eco_crs_choice choice = choices[i];
+		if (strstr(choice.name, "UTM"))
+			continue;
+		memmove(&choices[first + 1], &choices[first], (i - first) * sizeof *choices);
+		choices[first++] = choice;
+	}
+	return first;
+}
+
 /* Names the few where the columns' language is written; else all UTM zones may be meant. */
-static enum eco_code ask_for_grid(struct look *l, const struct eco_crs_choice *choices, uint32_t found,
+static enum eco_code ask_for_grid(struct look *l, struct eco_crs_choice *choices, uint32_t found,
 	uint32_t spoken)
 {
-	char list[330];
+	char list[330] = "such as EPSG:2154 in France";
 	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
 	struct eco_crs_facts facts;
 	if (may_be_utm(l) && (spoken == 0 || spoken > LISTED)
-			&& eco_crs_look("EPSG:32631", at, &facts, l->error) == ECO_OK)
+			&& eco_crs_look("EPSG:32631", at, &facts, l->error) == ECO_OK) {
+		uint32_t grids = sort_zones_last(choices,
+			found < ECO_CRS_CHOICES_MAX ? found : ECO_CRS_CHOICES_MAX);
+		if (grids > 0)
+			list_choices(choices, grids < 2 ? grids : 2, list, sizeof list);
 		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, "
 			"%.0f is a place in each UTM zone, at latitude %.1f: give the zone of your "
 			"longitude, --crs EPSG:32601 (180 W) to EPSG:32660 (180 E), in the south "
 			"EPSG:32701 to EPSG:32760; or the "
 			"country's grid, %.120s, ...", l->asked->table->path, at[0], at[1], facts.degrees[1],
-			found > 0 ? (list_choices(choices, found < 2 ? found : 2, list, sizeof list), list)
-			: "such as EPSG:2154 in France");
+			list);
+	}
 	list_choices(choices, found, list, sizeof list);
 	return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, %.0f "
 		"%s%s; give it with --crs EPSG:...", l->asked->table->path, at[0], at[1],
@@ -470,6 +489,17 @@ static void guess_dem(struct look *l)
 		snprintf(l->guess->dem_crs, sizeof l->guess->dem_crs, "%s", l->guess->crs);
 }
 
+/* Whether a name of a column is a number: then the first line is a plant's. */
+static bool lacks_header(const struct eco_table *table)
+{
+	double number;
+	for (uint32_t i = 0; i < table->column_count; i++)
+		if (eco_text_number(table->columns[i], '.', &number)
+				|| eco_text_number(table->columns[i], ',', &number))
+			return true;
+	return false;
+}
+
 enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_place_asked *asked,
 	struct eco_error *error)
 {
@@ -486,8 +516,9 @@ enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_pl
 				eco_phrase_add(there, sizeof there, asked->table->columns[i]);
 			return eco_fail(error, ECO_BAD_INPUT, "%.150s: which columns say where a plant "
 				"stands? Give --x (easting or longitude) and --y (northing or latitude); "
-				"there are: %s",
-				asked->table->path, there);
+				"there are: %s%s", asked->table->path, there, lacks_header(asked->table)
+				? "; if that is the first plant, put a line of names before it, such as "
+				"species,longitude,latitude" : "");
 		}
 		l.names[k] = asked->table->columns[columns->of[k]];
 	}

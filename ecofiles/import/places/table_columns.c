@@ -91,6 +91,21 @@ static int points_by_name(enum eco_role role, const char *name)
 	return best > 0 ? best + against : 0;
 }
 
+/* "tree_type", "nom de l'arbre": a plant's word and one for its kind. */
+static int points_by_kind(const char *name)
+{
+	static const char plants[] = "tree baum arbre arbol albero boom plant planta plante pflanze",
+		kinds[] = "name names nom nombre nome naam type typ tipo kind sort";
+	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
+	bool plant = false, kind = false;
+	eco_words_of(name, words, sizeof words);
+	for (const char *at = words; eco_words_next(&at, word);) {
+		plant |= eco_words_have(plants, word);
+		kind |= eco_words_have(kinds, word);
+	}
+	return plant && kind ? 55 : 0;
+}
+
 /* "x", "coord_x", "utm17n_e": one letter at an end of the name. */
 static int points_by_letter(enum eco_role role, const char *name)
 {
@@ -165,6 +180,8 @@ static int points(const struct eco_table *table, enum eco_role role, uint32_t co
 	int by_name = points_by_name(role, name), by_letter = points_by_letter(role, name);
 	int sum = by_name > by_letter ? by_name : by_letter;
 	if (role == ECO_ROLE_SPECIES) {
+		int by_kind = points_by_kind(name);
+		sum = by_kind > sum ? by_kind : sum;
 		bool text = eco_table_numeric(table, column, decimal) < NUMERIC_LEAST;
 		return text ? sum + (int)lround(CONTENT_POINTS * plants_share(table, column)) : 0;
 	}
