@@ -53,11 +53,40 @@ static double bits_each(const struct kind_total *kind)
 	return kind->units ? 8 * (double)kind->bytes / (double)kind->units : 0;
 }
 
+static uint64_t list_bytes(const struct eco_scene *s, const struct eco_list *list)
+{
+	uint64_t bytes = 0;
+	for (uint32_t c = list->chunk_first; c < list->chunk_first + list->chunk_count; c++)
+		bytes += s->chunks[c].size_bytes;
+	return bytes;
+}
+
+/* Bytes of each plant's lists and of the textures that they show; those that plants share count for each.
+ * Lists of a plant are adjacent. */
+static bool count_plants(const struct eco_scene *s, uint64_t *bytes)
+{
+	uint32_t *shown = calloc(s->list_count + 1u, sizeof *shown);         /* by plant shown - 1 */
+	for (uint32_t i = 0; shown && i < s->list_count; i++) {
+		const struct eco_list *list = &s->lists[i];
+		if ((list->attributes & ECO_ATTR_PLANT) || list->kind == ECO_LIST_INSTANCES
+				|| eco_list_has_texels(list) || list->owner >= s->plant_count)
+			continue;
+		bytes[list->owner] += list_bytes(s, list);
+		for (uint32_t k = list->image; k != ECO_NONE && shown[k] != list->owner + 1; k = s->lists[k].image) {
+			shown[k] = list->owner + 1;
+			bytes[list->owner] += list_bytes(s, &s->lists[k]);
+		}
+	}
+	bool good = shown;
+	free(shown);
+	return good;
+}
+
 static enum eco_code count_up(const struct eco_pack *pack, struct totals *t, struct eco_error *error)
 {
 	const struct eco_scene *s = &pack->scene;
 	t->plant_bytes = calloc(s->plant_count + 1u, sizeof *t->plant_bytes);
-	if (!t->plant_bytes)
+	if (!t->plant_bytes || !count_plants(s, t->plant_bytes))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory");
 	for (uint32_t i = 0; i < s->list_count; i++) {
 		const struct eco_list *list = &s->lists[i];
@@ -71,12 +100,7 @@ static enum eco_code count_up(const struct eco_pack *pack, struct totals *t, str
 		kind->units += list->primitive_count;
 		if (eco_list_has_texels(list))
 			kind->units += count_texels(pack, list) - list->primitive_count;
-		for (uint32_t c = 0; c < list->chunk_count; c++) {
-			kind->bytes += s->chunks[list->chunk_first + c].size_bytes;
-			if (!(list->attributes & ECO_ATTR_PLANT) && list->kind != ECO_LIST_INSTANCES
-					&& list->owner < s->plant_count)
-				t->plant_bytes[list->owner] += s->chunks[list->chunk_first + c].size_bytes;
-		}
+		kind->bytes += list_bytes(s, list);
 	}
 	t->leaves = s->tile_count;
 	for (uint32_t i = 0; i < s->tile_count; i++) {

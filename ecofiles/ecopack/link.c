@@ -494,6 +494,8 @@ static enum eco_code run(struct link *l, const struct link_options *options)
 	enum eco_code code = open_parts(l, options);
 	if (!code)
 		code = eco_pack_create(&m->writer, options->pack, m->error);
+	if (!code)
+		code = link_textures(l);
 	for (uint32_t i = l->count; i-- > 0 && !code;) {
 		m->scene.needs |= l->parts[i].pack->scene.needs;
 		code = link_plants(l, &l->parts[i]);
@@ -537,7 +539,7 @@ static void link_free(struct link *l)
 		free(l->parts[i].list_of);
 	}
 	struct make_array *arrays[] = { &l->m.anchors, &l->m.ladders, &l->m.curves, &l->m.tiles, &l->m.groups,
-		&l->m.children, &l->m.lists, &l->m.places, &l->m.palette };
+		&l->m.children, &l->m.lists, &l->m.places, &l->m.palette, &l->m.textures };
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
 		free(arrays[i]->items);
 	eco_pack_abort(l->m.writer);

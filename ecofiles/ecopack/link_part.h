@@ -28,6 +28,8 @@ struct link {
 	json_t *plants;              /* plants in META of the whole */
 };
 
+/* Adds the textures of all parts, once those that are shared (make_textures.h). */
+enum eco_code link_textures(struct link *l);
 /* Adds a part's plants, except those already known. */
 enum eco_code link_plants(struct link *l, struct link_part *part);
 /* The whole's record of a part's list, with references to plants, colours and lists renumbered. */

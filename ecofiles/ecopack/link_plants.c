@@ -16,7 +16,7 @@ struct range { uint32_t first, end; };
 static bool of_plant(const struct eco_list *list, uint32_t plant)
 {
 	return list->owner == plant && list->kind != ECO_LIST_INSTANCES && list->kind != ECO_LIST_GROUND
-		&& !(list->attributes & ECO_ATTR_PLANT);
+		&& !eco_list_has_texels(list) && !(list->attributes & ECO_ATTR_PLANT);
 }
 
 /* A plant's colours are adjacent. */
@@ -58,24 +58,26 @@ static void write_ladder(struct eco_writer *w, const struct eco_scene *s, uint32
 		eco_curve_write(w, &s->curves[ladder->curve_first + i]);
 }
 
-static void write_list(struct eco_writer *w, const struct eco_scene *s, const struct eco_list *list,
+/* Of textures, which are linked before, the whole's numbers. */
+static void write_list(struct eco_writer *w, const struct link_part *part, const struct eco_list *list,
 	uint32_t list_first, uint32_t color_first)
 {
 	struct eco_list l = *list;
 	l.owner = 0;
 	l.palette_first -= l.palette_count ? color_first : 0;
-	l.image = since(l.image, list_first);
+	l.image = l.image == ECO_NONE ? ECO_NONE : part->list_of[l.image];
 	l.partner = since(l.partner, list_first);
 	l.chunk_first = 0;
 	eco_list_write(w, &l);
 	for (uint32_t i = list->chunk_first; i < list->chunk_first + list->chunk_count; i++)
-		eco_write_bytes(w, s->chunks[i].id.bytes, sizeof s->chunks[i].id.bytes);
+		eco_write_bytes(w, part->pack->scene.chunks[i].id.bytes, sizeof(struct eco_chunk_id));
 }
 
 /* Hashes everything of a plant, with numbers relative to its own first ones. */
-static bool fingerprint(const struct eco_scene *s, uint32_t plant, const struct range *colors,
+static bool fingerprint(const struct link_part *part, uint32_t plant, const struct range *colors,
 	struct eco_chunk_id *id)
 {
+	const struct eco_scene *s = &part->pack->scene;
 	struct eco_writer w = { 0 };
 	struct eco_plant p = s->plants[plant];
 	uint32_t list_first = ECO_NONE;
@@ -88,7 +90,7 @@ static bool fingerprint(const struct eco_scene *s, uint32_t plant, const struct 
 		if (!of_plant(&s->lists[i], plant))
 			continue;
 		list_first = list_first == ECO_NONE ? i : list_first;
-		write_list(&w, s, &s->lists[i], list_first, colors->first);
+		write_list(&w, part, &s->lists[i], list_first, colors->first);
 	}
 	for (uint32_t i = 0; i < p.ladder_count; i++)
 		write_ladder(&w, s, plant, &s->ladders[s->plants[plant].ladder_first + i], list_first);
@@ -191,7 +193,7 @@ enum eco_code link_plants(struct link *l, struct link_part *part)
 	for (uint32_t plant = 0; plant < s->plant_count && !code; plant++) {
 		struct range colors = colors_of(s, plant);
 		struct eco_chunk_id id;
-		if (!fingerprint(s, plant, &colors, &id))
+		if (!fingerprint(part, plant, &colors, &id))
 			return eco_fail(l->m.error, ECO_NO_MEMORY, "%s: no memory for plants", part->path);
 		uint32_t same = 0, first = (uint32_t)l->m.palette.count;
 		while (same < l->m.plant_count && memcmp(&l->known[same].id, &id, sizeof id) != 0)

@@ -5,6 +5,7 @@
  *   ground      eco_ground_import, rounded to the pack's grid, cut into tiles                make_ground.c
  *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure     make_plants.c
  *               or taken from the cache of finished plants                                   make_cache.c
+ *   textures    those that plants share, once                                                make_textures.c
  *   places      instances and inventories, put on the ground, scaled to their heights        make_places.c
  *   tiles       lod_tiles_build; instance lists, tables, point summaries       make_tiles.c, make_summaries.c
  *   image       rasters of colours or classes, cut into tiles                                 make_image.c
@@ -52,6 +53,7 @@ struct make_plant {              /* a model on its way into the pack */
 	uint32_t palette_first;      /* in the scene's palette */
 	struct lod_plant built;
 	struct lod_texture *textures;        /* one per built.images */
+	uint32_t *images;            /* the same in the pack: lists, once make_textures is done */
 	bool cutout;
 	double reach, low, high;     /* bounds: within reach of the axis, z from low to high */
 	uint32_t triangles_in, dropped[ECO_DROP_COUNT];
@@ -106,6 +108,7 @@ struct make {
 	struct make_eco *ecos;       /* per source */
 	struct eco_pack_writer *writer;
 	struct make_kept *kept;      /* make_kept.c; NULL: build everything */
+	struct make_array textures;  /* make_textures.h */
 	/* make_tiles.c: plants of one kind in one leaf; each a group and a list */
 	struct make_array stands;
 	/* the scene's tables as they grow */

@@ -1,6 +1,6 @@
 /* Models become plants, several at a time. Source plants of the same files, read in the same way, are one
  * plant. */
-#include "ecofiles/ecopack/make.h"
+#include "ecofiles/ecopack/make_textures.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -396,41 +396,7 @@ static enum eco_code build_plants(struct make *m)
 
 /* ---- Packing ---- */
 
-struct packing { struct make *m; uint32_t id; uint32_t *lists, *images; };
-
-/* Levels of a texture, or of its outline. */
-static enum eco_code pack_levels(struct packing *p, struct eco_list list, const struct eco_writer *levels,
-	uint32_t count, uint32_t *id)
-{
-	struct eco_bytes payloads[ECO_TEXTURE_LEVELS_MAX];
-	for (uint32_t k = 0; k < count; k++)
-		payloads[k] = (struct eco_bytes){ levels[k].bytes, levels[k].size };
-	enum eco_code code = eco_pack_add_bytes(p->m->writer, &list, payloads, count, id, p->m->error);
-	struct eco_list *stored = code ? NULL : make_append(p->m, &p->m->lists, sizeof *stored);
-	if (!stored)
-		return code ? code : ECO_NO_MEMORY;
-	*stored = *eco_pack_list(p->m->writer, *id);
-	return ECO_OK;
-}
-
-static enum eco_code pack_textures(struct packing *p)
-{
-	struct make_plant *plant = &p->m->plants[p->id];
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < plant->built.image_count && !code; i++) {
-		const struct lod_texture *texture = &plant->textures[i];
-		struct eco_list list = { .kind = ECO_LIST_OUTLINE, .coder = ECO_CODER_BYTES, .owner = p->id,
-			.image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 },
-			.unit_area = texture->texel_area, .level = texture->loss };
-		if (texture->outlines)
-			code = pack_levels(p, list, texture->outlines, texture->count, &list.image);
-		list.kind = ECO_LIST_IMAGE;
-		list.level = 0;
-		if (!code)
-			code = pack_levels(p, list, texture->colors, texture->count, &p->images[i]);
-	}
-	return code;
-}
+struct packing { struct make *m; uint32_t id; uint32_t *lists; };
 
 static enum eco_code pack_list(struct packing *p, uint32_t i)
 {
@@ -439,7 +405,7 @@ static enum eco_code pack_list(struct packing *p, uint32_t i)
 	struct eco_list list = draft->list;
 	list.owner = p->id;
 	list.palette_first += list.palette_count ? plant->palette_first : 0;
-	list.image = list.image == ECO_NONE ? ECO_NONE : p->images[list.image];
+	list.image = list.image == ECO_NONE ? ECO_NONE : plant->images[list.image];
 	if (list.partner == ECO_NONE)
 		return make_add_list(p->m, &list, &draft->elements, draft->ends, draft->end_count, NULL,
 			&p->lists[i]);
@@ -497,15 +463,11 @@ static enum eco_code pack_plant(struct make *m, uint32_t id)
 {
 	struct make_plant *plant = &m->plants[id];
 	const struct lod_plant *built = &plant->built;
-	struct packing p = { m, id, calloc(built->list_count + 1u, sizeof *p.lists),
-		calloc(built->image_count + 1u, sizeof *p.images) };
-	enum eco_code code = p.lists && p.images ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory",
-		plant->name);
+	struct packing p = { m, id, calloc(built->list_count + 1u, sizeof *p.lists) };
+	enum eco_code code = p.lists ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory", plant->name);
 	plant->palette_first = (uint32_t)m->palette.count;
 	if (!code)
 		code = make_add(m, &m->palette, built->palette, built->palette_count, 3);
-	if (!code)
-		code = pack_textures(&p);
 	if (!code)
 		code = pack_lists(&p);
 	if (!code)
@@ -516,7 +478,6 @@ static enum eco_code pack_plant(struct make *m, uint32_t id)
 	m->scene.needs |= plant->cutout ? ECO_NEED_CUTOUTS : 0;
 	m->scene.needs |= built->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0;
 	free(p.lists);
-	free(p.images);
 	return code;
 }
 
@@ -531,6 +492,8 @@ enum eco_code make_plants(struct make *m)
 	m->table = code ? NULL : calloc(m->plant_count + 1u, sizeof *m->table);
 	if (!code && !m->table)
 		code = eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
+	if (!code)
+		code = make_textures(m);
 	for (uint32_t i = 0; i < m->plant_count && !code; i++) {
 		if (!main_progress("packing plants", m->plants[i].name, (double)i / m->plant_count))
 			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
@@ -549,6 +512,7 @@ void make_plants_free(struct make *m)
 		for (uint32_t k = 0; plant->textures && k < plant->built.image_count; k++)
 			lod_texture_free(&plant->textures[k]);
 		free(plant->textures);
+		free(plant->images);
 		free(plant->path);
 		free(plant->stood_for);
 		lod_plant_free(&plant->built);
@@ -556,6 +520,7 @@ void make_plants_free(struct make *m)
 	for (uint32_t s = 0; m->plant_of && s < m->sources.count; s++)
 		free(m->plant_of[s]);
 	free(m->plant_of);
+	free(m->textures.items);
 	free(m->plants);
 	free(m->table);
 }

@@ -79,8 +79,8 @@ struct eco_list {
 	                              * their leaves lie (eco_level_share); outlines: ECO_LOSS_ONE times
 	                              * what the level before the last shows wrong, of what is opaque, 0:
 	                              * not known; else 0 */
-	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground and
-	                              * its image */
+	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground, its
+	                              * image, and textures, which plants share */
 	uint32_t group_count;        /* instances: groups of one species each (struct eco_group); else 0 */
 	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground; of
 	                              * its image: the south-west corner of the tile */
