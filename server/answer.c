@@ -168,8 +168,8 @@ void srv_answer_judge(struct srv_answer *answer, const struct srv_conditions *co
 #define SITE_POLICY "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; img-src 'self' blob: data:; " \
 	"connect-src 'self' data:; base-uri 'none'; form-action 'none'"
 
-void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file,
-	enum srv_form form, const struct srv_validators *validators)
+void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file, enum srv_form form,
+	bool immutable, const struct srv_validators *validators)
 {
 	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = file->forms[form].size };
 	answer->response = MHD_create_response_from_buffer(file->forms[form].size, file->forms[form].bytes,
@@ -179,7 +179,14 @@ void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file
 	add_header(answer, MHD_HTTP_HEADER_VARY, MHD_HTTP_HEADER_ACCEPT_ENCODING);
 	add_header(answer, "Content-Security-Policy", SITE_POLICY);
 	add_header(answer, "X-Content-Type-Options", "nosniff");
-	add_validators(answer, validators, "no-cache");
+	add_validators(answer, validators, immutable ? "public, " IMMUTABLE : "no-cache");
+}
+
+void srv_answer_elsewhere(struct srv_answer *answer, const char *location)
+{
+	answer_empty(answer, MHD_HTTP_TEMPORARY_REDIRECT);
+	add_header(answer, MHD_HTTP_HEADER_LOCATION, location);
+	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-cache");
 }
 
 /* ---- Streams ---- */

@@ -68,9 +68,12 @@ struct srv_chunk_terms { bool get, is_private, varies; const char *origin; uint3
 void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
 	const struct srv_conditions *conditions, const struct srv_chunk_terms *terms, const char *instance);
 
-/* A file of the viewer in one of its forms. The site outlives the answer. */
+/* A file of the viewer in one of its forms. The site outlives the answer. `immutable`: its address names its
+ * content. */
 void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file, enum srv_form form,
-	const struct srv_validators *validators);
+	bool immutable, const struct srv_validators *validators);
+/* What is asked for is elsewhere for now. */
+void srv_answer_elsewhere(struct srv_answer *answer, const char *location);
 
 /* The daemon's numbers; takes *text. */
 void srv_answer_metrics(struct srv_answer *answer, struct eco_writer *text);

@@ -164,7 +164,8 @@ static bool find_scene(struct srv_exchange *exchange)
 {
 	char detail[256];
 	const char *name = exchange->variables[0];
-	if (!name || exchange->route == &srv_routes[SRV_VIEWER])
+	if (!name || exchange->route == &srv_routes[SRV_VIEWER]
+			|| exchange->route == &srv_routes[SRV_VIEWER_FILE])
 		return true;
 	exchange->scene =
 		srv_edition_find(exchange->edition, name, exchange->route == &srv_routes[SRV_CHUNK]);

@@ -3,6 +3,7 @@
 
 #include <microhttpd.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "ecofiles/format/chunk/chunk.h"
 #include "server/access.h"
@@ -55,30 +56,40 @@ static void answer_chunk(struct srv_exchange *exchange)
 	srv_exchange_problem(exchange, SRV_PROBLEM_CHUNK, detail, false);
 }
 
-static void answer_file(struct srv_exchange *exchange, const struct srv_site_file *file)
+static void answer_file(struct srv_exchange *exchange, const struct srv_site_file *file, bool immutable)
 {
 	enum srv_form form = srv_site_form(file, srv_exchange_header(exchange,
 		MHD_HTTP_HEADER_ACCEPT_ENCODING));
 	struct eco_chunk_id id = eco_chunk_hash(file->forms[form].bytes, file->forms[form].size);
 	struct srv_validators validators = { .modified_s = 0 };
 	srv_etag_of(validators.etag, &id);
-	srv_answer_file(&exchange->answer, file, form, &validators);
+	srv_answer_file(&exchange->answer, file, form, immutable, &validators);
 	srv_exchange_judge(exchange, &validators);
 }
 
-static void answer_viewer(struct srv_exchange *exchange, const char *name)
+/* `version`: of an address that has one, else NULL: that leads to the one that has. */
+static void answer_viewer(struct srv_exchange *exchange, const char *version, const char *name)
 {
 	const struct srv_site *site = exchange->host->config.site;
 	const struct srv_site_file *file = site ? srv_site_find(site, name) : NULL;
-	if (file)
-		answer_file(exchange, file);
-	else
+	bool page = exchange->route == &srv_routes[SRV_INDEX];
+	char location[SRV_SITE_VERSION_BYTES + SRV_SITE_NAME_BYTES];
+	if (!file) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE,
 			site && site->count
 				? "the viewer has no such file"
 				: "the viewer is not built: say `make web`, then start ecoserve again (or "
 				  "with --viewer DIR); /v1/scenes lists the scenes",
 			false);
+	} else if (version && strcmp(version, site->version) != 0) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE,
+			"the server has another version of the viewer: load the page again", false);
+	} else if (page || version || !site->version[0]) {
+		answer_file(exchange, file, version);
+	} else {
+		snprintf(location, sizeof location, "%s/%s", site->version, name);
+		srv_answer_elsewhere(&exchange->answer, location);
+	}
 }
 
 static void answer_ready(struct srv_exchange *exchange)
@@ -161,10 +172,13 @@ void srv_exchange_answer_direct(struct srv_exchange *exchange)
 		answer_described(exchange, true, &json);
 		break;
 	case SRV_INDEX:
-		answer_viewer(exchange, SRV_SITE_INDEX);
+		answer_viewer(exchange, NULL, SRV_SITE_INDEX);
 		break;
 	case SRV_VIEWER:
-		answer_viewer(exchange, exchange->variables[0]);
+		answer_viewer(exchange, NULL, exchange->variables[0]);
+		break;
+	case SRV_VIEWER_FILE:
+		answer_viewer(exchange, exchange->variables[0], exchange->variables[1]);
 		break;
 	default:
 		answer_chunk(exchange);

@@ -77,6 +77,36 @@ static enum eco_code read_file(struct srv_site *site, const char *dir, const cha
 	return code;
 }
 
+static enum eco_code read_version(struct srv_site *site, const char *dir, struct eco_error *error)
+{
+	char path[4096];
+	uint8_t *bytes = NULL;
+	size_t size = 0;
+	snprintf(path, sizeof path, "%s/%s", dir, SRV_SITE_VERSION);
+	enum eco_code code = read_whole(path, &bytes, &size, error);
+	size_t digits = 0;
+	while (digits < size && memchr("0123456789abcdef", bytes[digits], 16))
+		digits++;
+	bool line = digits + 1 == size && bytes[digits] == '\n';
+	if (!code && line && digits > 0 && digits < SRV_SITE_VERSION_BYTES)
+		memcpy(site->version, bytes, digits);
+	else if (!code)
+		code = eco_fail(error, ECO_BAD_INPUT, "%s: one line of at most %u lower-case hex digits is "
+			"expected; let `make web` make this folder", path, SRV_SITE_VERSION_BYTES - 1);
+	free(bytes);
+	return code;
+}
+
+/* Compressed forms are read with what they are forms of. */
+static enum eco_code read_entry(struct srv_site *site, const char *dir, const char *name,
+	struct eco_error *error)
+{
+	if (name[0] == '.' || ends_with(name, ".gz") || ends_with(name, ".br"))
+		return ECO_OK;
+	return strcmp(name, SRV_SITE_VERSION) == 0 ? read_version(site, dir, error)
+		: read_file(site, dir, name, error);
+}
+
 enum eco_code srv_site_read(struct srv_site *site, const char *dir, struct eco_error *error)
 {
 	*site = (struct srv_site){ .count = 0 };
@@ -85,9 +115,7 @@ enum eco_code srv_site_read(struct srv_site *site, const char *dir, struct eco_e
 		return errno == ENOENT ? ECO_OK : eco_fail(error, ECO_IO, "%s: %s", dir, strerror(errno));
 	enum eco_code code = ECO_OK;
 	for (const struct dirent *entry; !code && (entry = readdir(folder));)
-		if (entry->d_name[0] != '.' && !ends_with(entry->d_name, ".gz")
-				&& !ends_with(entry->d_name, ".br"))
-			code = read_file(site, dir, entry->d_name, error);
+		code = read_entry(site, dir, entry->d_name, error);
 	closedir(folder);
 	if (code)
 		srv_site_free(site);

@@ -1,5 +1,7 @@
 /* The viewer's files (make web): read whole at start into a table by name, so that no request reaches a file
- * system. Each has its compressed forms NAME.gz and NAME.br beside it. */
+ * system. Each has its compressed forms NAME.gz and NAME.br beside it. A file `version` names the content of
+ * all of them: the page's addresses have it (/viewer/VERSION/NAME), so that browsers keep what is there for
+ * good. */
 #ifndef SRV_SITE_H
 #define SRV_SITE_H
 
@@ -12,6 +14,8 @@
 #define SRV_SITE_FILES_MAX 32u
 #define SRV_SITE_NAME_BYTES 48u
 #define SRV_SITE_INDEX "index.html"      /* what / is */
+#define SRV_SITE_VERSION "version"       /* the file of one line: lower-case hex digits */
+#define SRV_SITE_VERSION_BYTES 65u
 
 enum srv_form { SRV_FORM_PLAIN, SRV_FORM_GZIP, SRV_FORM_BROTLI, SRV_FORM_COUNT };
 extern const char *const srv_form_names[SRV_FORM_COUNT];         /* of Content-Encoding; plain: NULL */
@@ -21,7 +25,11 @@ struct srv_site_file {
 	const char *type;                        /* of its content */
 	struct { uint8_t *bytes; size_t size; } forms[SRV_FORM_COUNT];   /* NULL: there is none */
 };
-struct srv_site { struct srv_site_file files[SRV_SITE_FILES_MAX]; uint32_t count; };    /* owns its bytes */
+struct srv_site {                        /* owns its bytes */
+	struct srv_site_file files[SRV_SITE_FILES_MAX];
+	uint32_t count;
+	char version[SRV_SITE_VERSION_BYTES];    /* "": none is known */
+};
 
 /* Reads DIR, whose files have names and extensions that are known. A folder that is not there is an empty
  * site. */

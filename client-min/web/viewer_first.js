@@ -12,7 +12,7 @@
 	const query = `eye=${eye}&target=${target}&fov_y_deg=45&${new URLSearchParams(wanted)}`;
 	const kept = (() => { try { return localStorage.getItem(`kept ${scene}`); } catch { return null; } })();
 	if (HTMLCanvasElement.prototype.transferControlToOffscreen) {
-		globalThis.engine = new Worker('/viewer/viewer_engine.mjs', { type: 'module' });
+		globalThis.engine = new Worker(new URL('viewer_engine.mjs', document.currentScript.src), { type: 'module' });
 		engine.onerror = () => { engine.failed = true; };
 	}
 	if (scene && !given.has('token')) {

@@ -51,7 +51,9 @@ space := $(subst ,, )
 comma_join = $(subst $(space),$(comma),$(strip $(1)))
 
 WEB_PAGE := $(patsubst client-min/web/%,$(W)/site/%,$(filter-out %.md %.mk %.c %.h %.sh %/examples,$(wildcard client-min/web/*)))
-WEB_SITE := $(W)/site/eco_client.mjs $(W)/site/eco_client.wasm $(WEB_PAGE)
+WEB_INDEX := $(W)/site/index.html
+WEB_FILES := $(W)/site/eco_client.mjs $(W)/site/eco_client.wasm $(filter-out $(WEB_INDEX),$(WEB_PAGE))
+WEB_SITE := $(WEB_FILES) $(WEB_INDEX)
 
 .PHONY: web deps-web web-site
 # what `make web` installs, and the browser that tests draw with
@@ -62,7 +64,7 @@ web: deps
 	@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc)) web-site
 	@echo "$(W)/site: $$(cat $(W)/site/*.gz | wc -c) bytes by gzip, $$(cat $(W)/site/*.br | wc -c) by brotli"
 
-web-site: $(WEB_SITE:%=%.gz) $(WEB_SITE:%=%.br)
+web-site: $(WEB_SITE:%=%.gz) $(WEB_SITE:%=%.br) $(W)/site/version
 
 $(W)/src/.done: client-min/web/sources.sh
 	sh $< $(W)/src draco libwebp
@@ -103,9 +105,14 @@ $(W)/eco_client.mjs: $(WEB_OBJECTS) client-min/web/web_client.h
 $(W)/site/eco_client.mjs $(W)/site/eco_client.wasm: $(W)/site/%: $(W)/eco_client.mjs
 	@mkdir -p $(@D)
 	cp $(W)/$* $@
-$(WEB_PAGE): $(W)/site/%: client-min/web/%
+$(filter-out $(WEB_INDEX),$(WEB_PAGE)): $(W)/site/%: client-min/web/%
 	@mkdir -p $(@D)
 	cp $< $@
+# Addresses name what is there, so that browsers need not ask whether it has changed: /viewer/VERSION/NAME.
+$(W)/site/version: $(WEB_FILES) client-min/web/index.html
+	cat $(sort $^) | sha256sum | cut -c 1-16 >$@
+$(WEB_INDEX): client-min/web/index.html $(W)/site/version
+	sed "s|/viewer/|&$$(cat $(W)/site/version)/|" $< >$@
 $(W)/site/%.gz: $(W)/site/%
 	gzip -9 -n -c $< >$@
 $(W)/site/%.br: $(W)/site/%

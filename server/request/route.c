@@ -17,6 +17,7 @@ const struct srv_route srv_routes[SRV_RESOURCE_COUNT] = {
 	[SRV_CHUNK] = { "/v1/scenes/{scene}/chunks/{id}", "GET, HEAD, OPTIONS", READ },
 	[SRV_INDEX] = { "/", "GET, HEAD, OPTIONS", READ },
 	[SRV_VIEWER] = { "/viewer/{file}", "GET, HEAD, OPTIONS", READ },
+	[SRV_VIEWER_FILE] = { "/viewer/{version}/{file}", "GET, HEAD, OPTIONS", READ },
 };
 
 enum srv_method srv_method_of(const char *name)

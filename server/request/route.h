@@ -20,6 +20,7 @@ enum srv_resource {
 	SRV_CHUNK,
 	SRV_INDEX,
 	SRV_VIEWER,
+	SRV_VIEWER_FILE,
 	SRV_RESOURCE_COUNT
 };
 

@@ -425,11 +425,15 @@ UNIT_TEST(every_route_is_described_and_every_description_is_served)
 			|| strstr(operation->path, "/stream") ? "?" VIEW_BY("100") : "");
 		if (strstr(target, "{id}"))
 			strcpy(strstr(target, "{id}"), id);
+		/* without a version it leads to where one is */
+		unsigned status = strcmp(target, "/viewer/{file}") == 0 ? 307 : 200;
+		if (strstr(target, "{version}"))
+			sprintf(strstr(target, "{version}"), "%s/%s", sample_site.version, SRV_SITE_INDEX);
 		if (strstr(target, "{file}"))
 			strcpy(strstr(target, "{file}"), SRV_SITE_INDEX);
 		struct http_answer answer = http_ask(port, operation->method, target, post ? OCTETS : "",
 			post ? "\0\0\0\0" : NULL, post ? 4 : 0);
-		if (answer.status != 200 || !openapi_documents(operation, 200))
+		if (answer.status != status || !openapi_documents(operation, status))
 			fail_msg("%s %s: %u\n%s", operation->method, target, answer.status, answer.body);
 		http_free(&answer);
 	}

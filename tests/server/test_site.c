@@ -50,6 +50,7 @@ UNIT_TEST(a_folder_is_read_with_all_forms_and_types)
 		assert_memory_equal(file->forms[SRV_FORM_GZIP].bytes + strlen(rows[i][0]), ".gz", 3);
 		assert_memory_equal(file->forms[SRV_FORM_BROTLI].bytes + strlen(rows[i][0]), ".br", 3);
 	}
+	assert_string_equal(site.version, "");
 	assert_null(srv_site_find(&site, "a.wasm.gz"));
 	assert_null(srv_site_find(&site, "../index.html"));
 	srv_site_free(&site);
@@ -70,6 +71,25 @@ UNIT_TEST(a_folder_that_is_none_of_ours_is_refused_by_name)
 	error = (struct eco_error){ 0 };
 	assert_int_equal(srv_site_read(&site, DIR, &error), ECO_IO);
 	assert_non_null(strstr(error.text, "index.html.gz"));
+}
+
+UNIT_TEST(a_version_is_a_line_of_hex_digits)
+{
+	static const struct { const char *text; enum eco_code code; } rows[] = { { "0f\n", ECO_OK },
+		{ "", ECO_BAD_INPUT }, { "\n", ECO_BAD_INPUT }, { "0f", ECO_BAD_INPUT },
+		{ "0F\n", ECO_BAD_INPUT }, { "../0f\n", ECO_BAD_INPUT }, { "0f\n\n", ECO_BAD_INPUT },
+		{ "0123456789012345678901234567890123456789012345678901234567890123\n", ECO_OK },
+		{ "01234567890123456789012345678901234567890123456789012345678901234\n", ECO_BAD_INPUT } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct srv_site site;
+		struct eco_error error = { 0 };
+		begin();
+		write_text("version", rows[i].text);
+		assert_int_equal(srv_site_read(&site, DIR, &error), rows[i].code);
+		assert_int_equal(strlen(site.version), rows[i].code ? 0 : strlen(rows[i].text) - 1);
+		assert_true(!rows[i].code || strstr(error.text, DIR "/version"));
+		srv_site_free(&site);
+	}
 }
 
 UNIT_TEST(a_browser_gets_the_smallest_form_that_it_takes)
@@ -96,13 +116,36 @@ UNIT_TEST(the_page_is_at_the_root_and_validated)
 	assert_true(http_header(&answer, "ETag", etag, sizeof etag));
 	http_free(&answer);
 	snprintf(again, sizeof again, "Accept-Encoding: br\r\nIf-None-Match: %s\r\n", etag);
-	answer = http_ask(port, "GET", "/viewer/index.html", again, NULL, 0);
+	answer = http_ask(port, "GET", "/", again, NULL, 0);
 	assert_int_equal(answer.status, 304);
+	assert_header(&answer, "Cache-Control", "no-cache");
 	http_free(&answer);
 	answer = http_get(port, "/");
 	assert_string_equal(answer.body, "<!doctype html>");
 	assert_false(http_header(&answer, "Content-Encoding", etag, sizeof etag));
 	http_free(&answer);
+}
+
+UNIT_TEST(files_are_kept_for_good_at_addresses_that_name_their_content)
+{
+	struct http_answer answer = http_get(port, "/viewer/index.html");
+	assert_int_equal(answer.status, 307);
+	assert_header(&answer, "Location", "0123abcd/index.html");
+	assert_header(&answer, "Cache-Control", "no-cache");
+	http_free(&answer);
+	answer = http_get(port, "/viewer/0123abcd/index.html");
+	assert_int_equal(answer.status, 200);
+	assert_string_equal(answer.body, "<!doctype html>");
+	assert_header(&answer, "Cache-Control", "public, max-age=31536000, immutable");
+	http_free(&answer);
+	static const char *const others[] = { "/viewer/0123abce/index.html", "/viewer/0123abcd/none.mjs",
+		"/viewer/none.mjs" };
+	for (size_t i = 0; i < 3; i++) {
+		answer = http_get(port, others[i]);
+		assert_int_equal(answer.status, 404);
+		assert_header(&answer, "Cache-Control", "no-store");
+		http_free(&answer);
+	}
 }
 
 int main(void)

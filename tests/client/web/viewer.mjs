@@ -197,6 +197,12 @@ async function comesBack() {
 	expect(again.eye.every((v, i) => Math.abs(v - eye[i]) < 0.01),
 		`the link shows ${again.eye}, not ${eye}`);
 	expect(received < 0.2 * facts.bytes, `${received} bytes came again, of ${facts.bytes} that are held`);
+	// by the worker, too: it fetches the modules that the page only asked for ahead
+	const files = await ask(`performance.getEntriesByType('resource')
+		.filter(({ name }) => name.includes('/viewer/')).map(({ name, transferSize }) => [name.split('/').pop(), transferSize])`);
+	const asked = files.filter(([, bytes]) => bytes).map(([file]) => file);
+	expect(files.some(([file]) => file === 'eco_client.wasm') && !asked.length,
+		`the server is asked again for ${asked}, which the browser has`);
 }
 
 /** Who moves on is sent what comes next, until he turns. The line is slow, so that there is something to give
