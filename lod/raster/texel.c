@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/format/list.h"
+#include "lod/lanes.h"
 #include "lod/light.h"
 #include "lod/sort.h"
 
@@ -37,34 +38,34 @@ void lod_texel_tint(const uint8_t *texel, const uint8_t tint[3], uint8_t rgb[3])
 #define LEAST 1e-6                   /* a share below counts as nothing */
 #define SEEN 1024u                   /* cached answers; a power of two */
 
-struct lod_texel_sum { double light[3], opaque, all; };     /* whole numbers in the sums of a row: exact */
+/* Light, and how many texels are opaque; whole numbers in the sums of a row: exact. */
+struct lod_texel_sum { double light[3], opaque; };
 struct lod_texel_seen { int32_t uv[6]; uint8_t rgb[3]; bool used; double share; };
+struct mean { struct lod_texel_sum sum; double all; };
 
-static void add_texel(const struct lod_texels *texels, struct lod_texel_sum *sum, const uint8_t *texel)
+static void add_texels(const struct lod_texels *texels, struct lod_texel_sum *to, const uint8_t *texel,
+	uint32_t count)
 {
-	sum->all++;
-	if (texels->cutout && texel[3] < 128)
-		return;
-	sum->opaque++;
+	uint64_t light[3] = { 0 }, opaque = 0;
+	for (const uint8_t *end = texel + 4 * (size_t)count; texel < end; texel += 4) {
+		if (texels->cutout && texel[3] < 128)
+			continue;
+		opaque++;
+		for (int k = 0; k < 3; k++)
+			light[k] += lod_light_of[texel[k]];
+	}
 	for (int k = 0; k < 3; k++)
-		sum->light[k] += lod_light_of[texel[k]];
+		to->light[k] += (double)light[k];
+	to->opaque += (double)opaque;
 }
 
-static void add_block(const struct lod_texels *texels, struct lod_texel_sum *sum, uint32_t x, uint32_t y)
+static void add_block(const struct lod_texels *texels, struct lod_texel_sum *to, uint32_t x, uint32_t y)
 {
 	const struct eco_image *image = texels->image;
-	uint32_t size = 1u << texels->shift;
+	uint32_t size = 1u << texels->shift, first = x * size, left = image->width - first;
 	for (uint32_t j = y * size; j < (y + 1) * size && j < image->height; j++)
-		for (uint32_t i = x * size; i < (x + 1) * size && i < image->width; i++)
-			add_texel(texels, sum, image->rgba + 4 * ((size_t)j * image->width + i));
-}
-
-static void add_sum(struct lod_texel_sum *to, const struct lod_texel_sum *sum, double times)
-{
-	for (int k = 0; k < 3; k++)
-		to->light[k] += times * sum->light[k];
-	to->opaque += times * sum->opaque;
-	to->all += times * sum->all;
+		add_texels(texels, to, image->rgba + 4 * ((size_t)j * image->width + first),
+			left < size ? left : size);
 }
 
 void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, bool cutout,
@@ -79,71 +80,108 @@ void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, b
 	texels->seen = lod_arena_take(arena, SEEN, sizeof *texels->seen);
 	texels->before = lod_arena_take(arena, (size_t)texels->height * (texels->width + 1),
 		sizeof *texels->before);
-	struct lod_texel_sum all = { .all = 0 };
+	struct lod_texel_sum all = { .opaque = 0 };
 	for (uint32_t y = 0; y < texels->height; y++) {
 		struct lod_texel_sum *row = texels->before + (size_t)y * (texels->width + 1);
 		for (uint32_t x = 0; x < texels->width; x++) {
 			row[x + 1] = row[x];
 			add_block(texels, &row[x + 1], x, y);
 		}
-		add_sum(&all, &row[texels->width], 1);
+		for (int k = 0; k < 3; k++)
+			all.light[k] += row[texels->width].light[k];
+		all.opaque += row[texels->width].opaque;
 	}
 	for (int k = 0; k < 3; k++)
 		texels->rgb[k] = all.opaque > 0 ? lod_light_byte(all.light[k] / all.opaque) : 255;
 }
 
-/* Adds `times` the sum of texels in [0, x) of an endlessly repeating row; blocks that x cuts count in
- * part. */
-static void add_before(const struct lod_texels *texels, struct lod_texel_sum *to,
-	const struct lod_texel_sum *row, double x, double times)
+/* A place in an endlessly repeating row: turns of the whole row, blocks, and the share of the next one. */
+struct place { double turns, part; uint32_t block; };
+
+static struct place place_of(const struct lod_texels *texels, double x)
 {
 	double width = texels->width, turns = floor(x / width), rest = x - turns * width;
-	uint32_t i = rest < width ? (uint32_t)rest : texels->width - 1;
-	double part = rest - i;
-	add_sum(to, &row[texels->width], times * turns);
-	add_sum(to, &row[i], times * (1 - part));
-	add_sum(to, &row[i + 1], times * part);
+	uint32_t block = rest < width ? (uint32_t)rest : texels->width - 1;
+	return (struct place){ turns, rest - block, block };
 }
 
-/* The interval in which the triangle's outline crosses the height y. */
-static void cross(double p[3][2], double y, double *low, double *high)
+static double texels_before(const struct lod_texels *texels, uint32_t block)
 {
-	*low = INFINITY;
-	*high = -INFINITY;
+	uint32_t end = block << texels->shift;
+	return end < texels->image->width ? end : texels->image->width;
+}
+
+/* Texels of the row before the place, without its turns. */
+static double all_before(const struct lod_texels *texels, const struct place *p)
+{
+	return texels_before(texels, p->block) * (1 - p->part) + texels_before(texels, p->block + 1) * p->part;
+}
+
+/* Adds the texels in [from, end) of row y; blocks that are cut count in part. The whole row's sum, which lies
+ * elsewhere in memory, is asked for only where its turns do not cancel. */
+static void add_row(const struct lod_texels *texels, struct mean *mean, uint32_t y, double from, double end)
+{
+	const struct lod_texel_sum *row = texels->before + (size_t)y * (texels->width + 1);
+	const struct place a = place_of(texels, from), b = place_of(texels, end);
+	const double turns = b.turns - a.turns;
+	uint32_t size = 1u << texels->shift, left = texels->image->height - y * size;
+	lod_d4 to, b0, b1, a0, a1, whole;
+	memcpy(&to, &mean->sum, sizeof to);
+	memcpy(&b0, row + b.block, sizeof b0);
+	memcpy(&b1, row + b.block + 1, sizeof b1);
+	memcpy(&a0, row + a.block, sizeof a0);
+	memcpy(&a1, row + a.block + 1, sizeof a1);
+	to = to + b0 * (1 - b.part) + b1 * b.part - a0 * (1 - a.part) - a1 * a.part;
+	if (turns != 0) {
+		memcpy(&whole, row + texels->width, sizeof whole);
+		to += whole * turns;
+	}
+	memcpy(&mean->sum, &to, sizeof to);
+	mean->all += (all_before(texels, &b) - all_before(texels, &a) + turns * texels->image->width)
+		* (left < size ? left : size);
+}
+
+struct edge { double x, y, slope; };
+
+static struct edge edge_of(const double a[2], const double b[2])
+{
+	return (struct edge){ a[0], a[1], b[1] > a[1] ? (b[0] - a[0]) / (b[1] - a[1]) : 0 };
+}
+
+static double edge_at(const struct edge *edge, double y) { return edge->x + (y - edge->y) * edge->slope; }
+
+/* Corners in blocks, by height. */
+static void corners_of(const struct lod_texels *texels, const int32_t uv[6], double p[3][2])
+{
 	for (int k = 0; k < 3; k++) {
-		const double *a = p[k], *b = p[(k + 1) % 3];
-		if ((a[1] <= y) == (b[1] <= y))
-			continue;
-		double x = a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
-		*low = fmin(*low, x);
-		*high = fmax(*high, x);
+		double x = (double)uv[2 * k] * texels->width / ECO_UV_ONE,
+			y = (double)uv[2 * k + 1] * texels->height / ECO_UV_ONE;
+		int at = k;
+		for (; at > 0 && p[at - 1][1] > y; at--)
+			memcpy(p[at], p[at - 1], sizeof *p);
+		p[at][0] = x;
+		p[at][1] = y;
 	}
 }
 
-static void sum_rows(const struct lod_texels *texels, const int32_t uv[6], struct lod_texel_sum *mean)
+static void sum_rows(const struct lod_texels *texels, const int32_t uv[6], struct mean *mean)
 {
-	double p[3][2], low = INFINITY, high = -INFINITY;
-	for (int k = 0; k < 3; k++) {
-		p[k][0] = (double)uv[2 * k] * texels->width / ECO_UV_ONE;
-		p[k][1] = (double)uv[2 * k + 1] * texels->height / ECO_UV_ONE;
-		low = fmin(low, p[k][1]);
-		high = fmax(high, p[k][1]);
-	}
-	int rows = high - low < ROWS_MIN ? ROWS_MIN : high - low < ROWS_MAX ? (int)(high - low) : ROWS_MAX;
-	for (int i = 0; i < rows; i++) {
-		double y = low + (i + 0.5) / rows * (high - low), from, end;
-		cross(p, y, &from, &end);
-		if (!(from < end))
-			continue;
-		const struct lod_texel_sum *row = texels->before + (size_t)wrap(floor(y), texels->height)
-			* (texels->width + 1);
-		add_before(texels, mean, row, end, 1);
-		add_before(texels, mean, row, from, -1);
+	double p[3][2];
+	corners_of(texels, uv, p);
+	const struct edge whole = edge_of(p[0], p[2]), lower = edge_of(p[0], p[1]), upper = edge_of(p[1], p[2]);
+	double low = p[0][1], high = p[2][1], by = high - low;
+	int rows = by < ROWS_MIN ? ROWS_MIN : by < ROWS_MAX ? (int)by : ROWS_MAX;
+	for (int i = 0; i < rows && by > 0; i++) {
+		double y = low + (i + 0.5) / rows * by, from = edge_at(&whole, y),
+			end = edge_at(y < p[1][1] ? &lower : &upper, y);
+		if (from != end)
+			add_row(texels, mean, wrap(floor(y), texels->height), from < end ? from : end,
+				from < end ? end : from);
 	}
 }
 
 /* For triangles that are a line or a point in the texture: samples their longest side. */
-static void sum_line(const struct lod_texels *texels, const int32_t uv[6], struct lod_texel_sum *mean)
+static void sum_line(const struct lod_texels *texels, const int32_t uv[6], struct mean *mean)
 {
 	int from = 0;
 	double longest = -1;
@@ -157,12 +195,11 @@ static void sum_line(const struct lod_texels *texels, const int32_t uv[6], struc
 	}
 	const int32_t *a = uv + 2 * from, *b = uv + 2 * ((from + 1) % 3);
 	for (int i = 0; i < SAMPLES; i++) {
-		struct lod_texel_sum sum = { .all = 0 };
 		double at = (i + 0.5) / SAMPLES;
-		add_texel(texels, &sum,
+		mean->all++;
+		add_texels(texels, &mean->sum,
 			lod_texel_at(texels->image, (a[0] + at * ((double)b[0] - a[0])) / ECO_UV_ONE,
-			(a[1] + at * ((double)b[1] - a[1])) / ECO_UV_ONE));
-		add_sum(mean, &sum, 1);
+			(a[1] + at * ((double)b[1] - a[1])) / ECO_UV_ONE), 1);
 	}
 }
 
@@ -174,18 +211,18 @@ static struct lod_texel_seen *look_up(struct lod_texels *texels, const int32_t u
 	struct lod_texel_seen *seen = &texels->seen[hash & (SEEN - 1)];
 	if (seen->used && memcmp(seen->uv, uv, sizeof seen->uv) == 0)
 		return seen;
-	struct lod_texel_sum mean = { .all = 0 };
+	struct mean mean = { .all = 0 };
 	sum_rows(texels, uv, &mean);
 	if (!(mean.all > 0)) {
-		mean = (struct lod_texel_sum){ .all = 0 };
+		mean = (struct mean){ .all = 0 };
 		sum_line(texels, uv, &mean);
 	}
 	/* Differences of large sums leave a small rest where there is nothing. */
-	bool any = mean.opaque > LEAST * mean.all;
-	*seen = (struct lod_texel_seen){ .used = true, .share = any ? fmin(mean.opaque / mean.all, 1) : 0 };
+	bool any = mean.sum.opaque > LEAST * mean.all;
+	*seen = (struct lod_texel_seen){ .used = true, .share = any ? fmin(mean.sum.opaque / mean.all, 1) : 0 };
 	memcpy(seen->uv, uv, sizeof seen->uv);
 	for (int k = 0; k < 3; k++)
-		seen->rgb[k] = any ? lod_light_byte(mean.light[k] / mean.opaque) : texels->rgb[k];
+		seen->rgb[k] = any ? lod_light_byte(mean.sum.light[k] / mean.sum.opaque) : texels->rgb[k];
 	return seen;
 }
 
