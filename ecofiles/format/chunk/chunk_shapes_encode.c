@@ -61,27 +61,65 @@ static void widen(int32_t low[], int32_t high[], uint32_t k, int32_t v, bool fir
 	high[k] = first || v > high[k] ? v : high[k];
 }
 
-/* About how many bits a sample of the elements takes with the steps in `shapes`. */
-static double cost_of(const struct encoding *c, const struct eco_shapes *shapes, double soup_bits)
+/* A sample of the elements that have a shape, with their poses, which no step changes. */
+struct posed { uint32_t element; bool good; struct eco_pose pose; };
+struct sample { struct posed *items; uint32_t count; double soup_bits; };
+
+static bool take_sample(const struct encoding *c, struct sample *sample)
 {
-	uint32_t step = c->count / UNITS_SAMPLE + 1, placed = 0, left = 0;
-	int32_t low[3], high[3];
-	double width = 2.0 * (shapes->way_bits + 1) + shapes->roll_bits + 2 - 3.0 * shapes->place_shift;
-	for (uint32_t i = 0; i < c->count; i += step) {
-		struct eco_placing p;
+	uint32_t step = c->count / UNITS_SAMPLE + 1;
+	sample->items = malloc((c->count / step + 1) * sizeof *sample->items);
+	for (uint32_t i = 0; sample->items && i < c->count; i += step) {
+		struct posed *posed = &sample->items[sample->count];
 		if (c->of[i] == ECO_SHAPE_NONE)
 			continue;
-		if (!eco_shape_fit(shapes, &shapes->items[c->of[i]], exact_of(c, i), &p)) {
-			left++;
-			continue;
-		}
-		for (uint32_t k = 0; k < 3; k++)
-			widen(low, high, k, p.size[k], placed == 0);
-		placed++;
+		posed->element = i;
+		posed->good = eco_shape_pose(&c->codec.shapes, &c->codec.shapes.items[c->of[i]], exact_of(c, i),
+			&posed->pose);
+		sample->count++;
 	}
-	for (int k = 0; k < 3 && placed > 0; k++)
-		width += log2((double)high[k] - low[k] + 1);
-	return placed * (width + 40) + left * fmax(soup_bits, width + 50);
+	return sample->items;
+}
+
+/* What elements take with the steps in `shapes`. */
+struct cost { double width; uint32_t placed, left; int32_t low[3], high[3]; };
+
+static void add_cost(struct cost *cost, const struct encoding *c, const struct eco_shapes *shapes,
+	const struct posed *posed)
+{
+	struct eco_placing p;
+	bool fits = posed->good && eco_shape_round(shapes, &shapes->items[c->of[posed->element]],
+		exact_of(c, posed->element), &posed->pose, &p);
+	for (uint32_t k = 0; k < 3 && fits; k++)
+		widen(cost->low, cost->high, k, p.size[k], cost->placed == 0);
+	cost->placed += fits;
+	cost->left += !fits;
+}
+
+/* About how many bits, if `more` other elements fit without widening any span. */
+static double bits_of(const struct cost *cost, uint32_t more, double soup_bits)
+{
+	double width = cost->width;
+	for (int k = 0; k < 3 && cost->placed > 0; k++)
+		width += log2((double)cost->high[k] - cost->low[k] + 1);
+	return (cost->placed + more) * (width + 40) + cost->left * fmax(soup_bits, width + 50);
+}
+
+#define BETWEEN 16u              /* elements from one look at the bits so far to the next */
+
+/* About how many bits the sample takes with the steps in `shapes`; INFINITY as soon as that is more than
+ * `least`. */
+static double cost_of(const struct encoding *c, const struct eco_shapes *shapes, const struct sample *sample,
+	double least)
+{
+	struct cost cost = { .width = 2.0 * (shapes->way_bits + 1) + shapes->roll_bits + 2
+		- 3.0 * shapes->place_shift };
+	for (uint32_t i = 0; i < sample->count; i++) {
+		add_cost(&cost, c, shapes, &sample->items[i]);
+		if (i % BETWEEN == 0 && bits_of(&cost, sample->count - 1 - i, sample->soup_bits) > least + 1)
+			return INFINITY;
+	}
+	return bits_of(&cost, 0, sample->soup_bits);
 }
 
 /* Makes one kind of step coarser; false where it is at its limit. */
@@ -102,17 +140,21 @@ static bool coarsen(struct eco_shapes *s, int kind)
 }
 
 /* Coarser steps take fewer bits, but fewer elements fit and the others are stored as corners. Starts from
- * the finest useful steps and makes one kind after the other coarser as long as that pays. */
-static void choose_steps(struct encoding *c, double soup_bits)
+ * the finest useful steps and makes one kind after the other coarser as long as that pays. False: out of
+ * memory. */
+static bool choose_steps(struct encoding *c, double soup_bits)
 {
+	struct sample sample = { .soup_bits = soup_bits };
+	if (!take_sample(c, &sample))
+		return false;
 	struct eco_shapes best = c->codec.shapes;
-	double least = cost_of(c, &best, soup_bits);
+	double least = cost_of(c, &best, &sample, INFINITY);
 	for (bool better = true; better;) {
 		const struct eco_shapes from = best;
 		better = false;
 		for (int kind = 0; kind < 6; kind++) {
 			struct eco_shapes tried = from;
-			double cost = coarsen(&tried, kind) ? cost_of(c, &tried, soup_bits) : INFINITY;
+			double cost = coarsen(&tried, kind) ? cost_of(c, &tried, &sample, least) : INFINITY;
 			if (cost < least) {
 				least = cost;
 				best = tried;
@@ -121,6 +163,8 @@ static void choose_steps(struct encoding *c, double soup_bits)
 		}
 	}
 	c->codec.shapes = best;
+	free(sample.items);
+	return true;
 }
 
 /* Finds the range of first corners on the coarse grid, and whether they are in order along the curve. */
@@ -316,8 +360,9 @@ enum eco_code eco_shapes_encode(const struct eco_chunk_input *input,
 	}
 	if (good) {
 		measure_first(e);
-		if (e->codec.shapes.count > 0)
-			choose_steps(e, soup_bits);
+		good = e->codec.shapes.count == 0 || choose_steps(e, soup_bits);
+	}
+	if (good) {
 		place_all(e);
 		measure_extra(e);
 		good = write_smallest(e, stream);

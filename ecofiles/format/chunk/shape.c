@@ -104,25 +104,25 @@ static void axes_of(const struct eco_shapes *s, const struct eco_placing *p, int
 	}
 }
 
-static bool in_range(const struct eco_shapes *s, const struct eco_placing *p)
+bool eco_shape_axes(const struct eco_shapes *s, const struct eco_placing *p, int64_t axis[3][3])
 {
 	int32_t ways = (int32_t)2 << s->way_bits, rolls = (int32_t)4 << s->roll_bits;
-	for (int i = 0; i < 3; i++)
-		if (p->size[i] > ECO_SHAPE_SIZE_MAX || p->size[i] < -ECO_SHAPE_SIZE_MAX)
-			return false;
-	return p->way[0] >= 0 && p->way[0] < ways && p->way[1] >= 0 && p->way[1] < ways && p->roll >= 0
-		&& p->roll < rolls;
-}
-
-bool eco_shape_turn(const struct eco_shapes *s, const struct eco_shape *shape, const struct eco_placing *p,
-	int32_t *offset)
-{
-	int64_t axis[3][3], size[3];
-	if (!in_range(s, p))
+	if (p->way[0] < 0 || p->way[0] >= ways || p->way[1] < 0 || p->way[1] >= ways || p->roll < 0
+			|| p->roll >= rolls)
 		return false;
 	axes_of(s, p, axis);
-	for (int i = 0; i < 3; i++)
+	return true;
+}
+
+bool eco_shape_offset(const struct eco_shapes *s, const struct eco_shape *shape, const struct eco_placing *p,
+	int64_t axis[3][3], int32_t *offset)
+{
+	int64_t size[3];
+	for (int i = 0; i < 3; i++) {
+		if (p->size[i] > ECO_SHAPE_SIZE_MAX || p->size[i] < -ECO_SHAPE_SIZE_MAX)
+			return false;
 		size[i] = (int64_t)p->size[i] * ((int64_t)1 << s->size_shift[i]);
+	}
 	if (s->stretch == ECO_STRETCH_NONE)
 		size[1] = size[0];
 	if (s->stretch == ECO_STRETCH_NONE || s->stretch == ECO_STRETCH_WIDTH)
@@ -143,6 +143,13 @@ bool eco_shape_turn(const struct eco_shapes *s, const struct eco_shape *shape, c
 		}
 	}
 	return true;
+}
+
+bool eco_shape_turn(const struct eco_shapes *s, const struct eco_shape *shape, const struct eco_placing *p,
+	int32_t *offset)
+{
+	int64_t axis[3][3];
+	return eco_shape_axes(s, p, axis) && eco_shape_offset(s, shape, p, axis, offset);
 }
 
 bool eco_shape_place(const struct eco_shapes *s, const struct eco_placing *p, const int32_t *offset,

@@ -63,6 +63,11 @@ struct eco_placing {
  * value of the placing is out of range. Shapes must be within their bounds. */
 bool eco_shape_turn(const struct eco_shapes *shapes, const struct eco_shape *shape,
 	const struct eco_placing *placing, int32_t *offset);
+/* Its two steps: the axes, of length 2^ECO_AXIS_BITS, from direction and roll, then the corners from the
+ * lengths along them. */
+bool eco_shape_axes(const struct eco_shapes *shapes, const struct eco_placing *placing, int64_t axis[3][3]);
+bool eco_shape_offset(const struct eco_shapes *shapes, const struct eco_shape *shape,
+	const struct eco_placing *placing, int64_t axis[3][3], int32_t *offset);
 
 /* offset + center; false where that is beyond ECO_ROWS_VALUE_MAX. */
 bool eco_shape_place(const struct eco_shapes *shapes, const struct eco_placing *placing,
@@ -94,6 +99,13 @@ uint32_t eco_shapes_keep(struct eco_shapes *shapes, uint32_t *of, uint32_t count
 /* Finds a placing that moves no corner further from `exact` than rounding to the list's grid could. False:
  * there is none. */
 bool eco_shape_fit(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact,
-struct eco_placing *placing);
+	struct eco_placing *placing);
+
+/* Its two steps: the nearest pose, which steps and bits do not change, then its rounding to them. */
+struct eco_pose { double center[3], axis[3][3], size[3]; };
+bool eco_shape_pose(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact,
+	struct eco_pose *pose);
+bool eco_shape_round(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact,
+	const struct eco_pose *pose, struct eco_placing *placing);
 
 #endif

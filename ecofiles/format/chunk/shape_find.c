@@ -138,11 +138,9 @@ static void map_to(const struct model *m, const struct body *b, vector map[3])
 
 /* ---- Poses ---- */
 
-struct pose { vector axis[3], size; };
-
 /* About the nearest pose to the map: the axis that matters most keeps its direction. `misfit`: greatest
  * squared distance of a corner from its place. */
-static bool pose_of(const struct model *m, const struct body *b, uint8_t stretch, struct pose *p,
+static bool pose_of(const struct model *m, const struct body *b, uint8_t stretch, struct eco_pose *p,
 	double *misfit)
 {
 	vector map[3];
@@ -227,12 +225,15 @@ static int32_t round_roll(const struct eco_shapes *s, const struct eco_placing *
 
 struct trial { const struct eco_shapes *shapes; const struct eco_shape *shape; const int32_t *exact; };
 
-static double miss_of(const struct trial *t, const struct eco_placing *p)
+/* A placing with its axes and offsets. */
+struct placed { struct eco_placing p; int64_t axis[3][3]; int32_t offset[3 * ECO_CORNERS_MAX]; };
+
+/* The greatest squared distance of a corner from its place; INFINITY where that is not below `least`. */
+static double miss_of(const struct trial *t, const struct placed *placed, double least)
 {
-	int32_t offset[3 * ECO_CORNERS_MAX], at[3 * ECO_CORNERS_MAX];
+	int32_t at[3 * ECO_CORNERS_MAX];
 	double worst = 0;
-	if (!eco_shape_turn(t->shapes, t->shape, p, offset)
-			|| !eco_shape_place(t->shapes, p, offset, t->shape->corners, at))
+	if (!eco_shape_place(t->shapes, &placed->p, placed->offset, t->shape->corners, at))
 		return INFINITY;
 	for (uint32_t k = 0; k < t->shape->corners; k++) {
 		double d2 = 0;
@@ -240,70 +241,97 @@ static double miss_of(const struct trial *t, const struct eco_placing *p)
 			double d = (double)at[3 * k + (uint32_t)i] - t->exact[3 * k + (uint32_t)i];
 			d2 += d * d;
 		}
-		worst = fmax(worst, d2);
+		if (!(d2 < least))
+			return INFINITY;
+		worst = d2 > worst ? d2 : worst;
 	}
 	return worst;
 }
 
-/* While the worst corner is too far off, moves one value at a time by one step if that brings it nearer. */
-static double improve(const struct trial *t, struct eco_placing *p, double miss)
+/* The values of a placing: those from TURNS on move its axes, those from SIZES on only its offsets. */
+enum { CENTER, TURNS = 3, SIZES = 6, VALUES = 9 };
+
+static int32_t *value_of(struct eco_placing *p, int i)
 {
-	int32_t *value[9] = { &p->center[0], &p->center[1], &p->center[2], &p->way[0], &p->way[1], &p->roll,
-		&p->size[0], &p->size[1], &p->size[2] };
-	const int count = t->shapes->stretch == ECO_STRETCH_NONE ? 7 : t->shapes->stretch == ECO_STRETCH_ALL
-		? 9 : 8;
+	return i < TURNS ? &p->center[i] : i < TURNS + 2 ? &p->way[i - TURNS] : i < SIZES ? &p->roll
+		: &p->size[i - SIZES];
+}
+
+/* Its miss after value i has changed. */
+static double miss_after(const struct trial *t, struct placed *placed, int i, double least)
+{
+	if (i >= TURNS && i < SIZES && !eco_shape_axes(t->shapes, &placed->p, placed->axis))
+		return INFINITY;
+	if (i >= TURNS && !eco_shape_offset(t->shapes, t->shape, &placed->p, placed->axis, placed->offset))
+		return INFINITY;
+	return miss_of(t, placed, least);
+}
+
+/* While the worst corner is too far off, moves one value at a time by one step if that brings it nearer. */
+static double improve(const struct trial *t, struct placed *placed, double miss)
+{
+	const int count = t->shapes->stretch == ECO_STRETCH_NONE ? SIZES + 1
+		: t->shapes->stretch == ECO_STRETCH_ALL ? VALUES : SIZES + 2;
 	for (int moves = 0; moves < MOVES_MAX && miss > room; moves++) {
-		int best = -1, by = 0;
-		for (int i = 0; i < count; i++)
+		const struct placed from = *placed;
+		for (int i = CENTER; i < count; i++)
 			for (int step = -1; step <= 1; step += 2) {
-				*value[i] += step;
-				double m = miss_of(t, p);
-				*value[i] -= step;
+				struct placed tried = from;
+				*value_of(&tried.p, i) += step;
+				double m = miss_after(t, &tried, i, miss);
 				if (m < miss) {
 					miss = m;
-					best = i;
-					by = step;
+					*placed = tried;
 				}
 			}
-		if (best < 0)
+		if (memcmp(&from.p, &placed->p, sizeof from.p) == 0)
 			break;
-		*value[best] += by;
 	}
 	return miss;
 }
 
-static bool fit_model(const struct eco_shapes *shapes, const struct eco_shape *shape, const struct model *m,
-	const int32_t *exact, struct eco_placing *p)
+bool eco_shape_round(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact,
+	const struct eco_pose *pose, struct eco_placing *p)
 {
-	struct body b;
-	struct pose pose;
-	double misfit;
-	if (!body_of(&b, exact, m->corners) || !pose_of(m, &b, shapes->stretch, &pose, &misfit)
-			|| misfit > room)
-		return false;
-	*p = (struct eco_placing){ .roll = 0 };
+	const struct trial t = { shapes, shape, exact };
+	struct placed placed = { .p = { .roll = 0 } };
 	for (int i = 0; i < 3; i++) {
-		double size = ldexp(pose.size[i], -shapes->size_shift[i]);
+		double size = ldexp(pose->size[i], -shapes->size_shift[i]);
 		if (!(fabs(size) <= ECO_SHAPE_SIZE_MAX))
 			return false;
-		p->size[i] = nearest(size);
-		p->center[i] = nearest(ldexp(b.center[i], -shapes->place_shift));
+		placed.p.size[i] = nearest(size);
+		placed.p.center[i] = nearest(ldexp(pose->center[i], -shapes->place_shift));
 	}
 	if (shapes->stretch == ECO_STRETCH_NONE)
-		p->size[1] = p->size[2] = 0;
+		placed.p.size[1] = placed.p.size[2] = 0;
 	else if (shapes->stretch != ECO_STRETCH_ALL)
-		p->size[2] = 0;
-	round_way(shapes, pose.axis[0], p->way);
-	p->roll = round_roll(shapes, p, pose.axis[1]);
-	const struct trial t = { shapes, shape, exact };
-	return improve(&t, p, miss_of(&t, p)) <= room;
+		placed.p.size[2] = 0;
+	round_way(shapes, pose->axis[0], placed.p.way);
+	placed.p.roll = round_roll(shapes, &placed.p, pose->axis[1]);
+	double miss = improve(&t, &placed, miss_after(&t, &placed, TURNS, INFINITY));
+	*p = placed.p;
+	return miss <= room;
+}
+
+bool eco_shape_pose(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact,
+	struct eco_pose *pose)
+{
+	struct model m;
+	struct body b;
+	double misfit;
+	if (!model_of(&m, shape) || !body_of(&b, exact, m.corners)
+			|| !pose_of(&m, &b, shapes->stretch, pose, &misfit) || misfit > room)
+		return false;
+	memcpy(pose->center, b.center, sizeof pose->center);
+	return true;
 }
 
 bool eco_shape_fit(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact,
 	struct eco_placing *placing)
 {
-	struct model m;
-	return model_of(&m, shape) && fit_model(shapes, shape, &m, exact, placing);
+	struct eco_pose pose;
+	return eco_shape_pose(shapes, shape, exact, &pose)
+		&& eco_shape_round(shapes, shape, exact, &pose, placing);
 }
 
 /* ---- Axes ---- */
@@ -418,7 +446,7 @@ static bool same_skin(const struct finder *f, uint32_t a, uint32_t b)
 
 static bool is_of(const struct finder *f, const struct model *m, uint8_t stretch, uint32_t i)
 {
-	struct pose pose;
+	struct eco_pose pose;
 	double misfit;
 	return pose_of(m, &f->bodies[i], stretch, &pose, &misfit) && misfit <= room / 4;
 }
