@@ -13,6 +13,7 @@
 #include "lod/scattered.h"
 
 #define INSTANCE_TEXELS 4
+#define ELLIPSES (1u << 29)              /* a draw call: more than draw_cut allows of one plant */
 #define QUADS 16383u                     /* a draw call: 16-bit indices, of which OpenGL ES keeps the last */
 
 struct view_gl {
@@ -450,12 +451,83 @@ static void draw_impostors(const struct frame *f, const struct view_shader *s, c
 	draw_level(f, s, widest_px(f, impostor, f->job->selection->members + first_member, count) + 4, count);
 }
 
-static void draw_primitives(const struct frame *f, const struct view_shader *s, const struct view_list *list,
-	const struct eco_cut *cut, uint32_t first_member, uint32_t members)
+/* The most that a half axis of these plants' ellipses is of its distance from the eye's plane; INFINITY: it
+ * may be more than half. */
+static double nearest_ellipse(const struct frame *f, const struct view_gpu_list *g,
+	const struct view_list *list, const struct eco_cut *cut, const uint32_t *members, uint32_t count)
+{
+	const struct lod_eye *eye = f->job->eye;
+	bool splats = list->list.attributes & ECO_ATTR_SPLAT;
+	double ball = lod_ball_radius(&list->list, cut->scale), radius = cut->halvings ? 2 * ball : 0;
+	double reach = (double)g->reach * (splats ? sqrt((double)cut->scale) : ball), most = 0;
+	float middle[3], half[3];
+	for (int k = 0; k < 3; k++) {
+		middle[k] = 0.5f * (g->low[k] + g->high[k]);
+		half[k] = 0.5f * (g->high[k] - g->low[k]);
+	}
+	radius += sqrt((double)(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]));
+	for (uint32_t i = 0; i < count; i++) {
+		const struct lod_place *place = &f->job->selection->instances[members[i]].place;
+		double at[3], far = -radius * place->scale;
+		lod_place_point(place, middle, at);
+		for (int k = 0; k < 3; k++)
+			far += (at[k] - eye->at[k]) * eye->forward[k];
+		if (!(far > 2 * reach * place->scale))
+			return INFINITY;
+		most = fmax(most, reach * place->scale / far);
+	}
+	return most;
+}
+
+/* How wide an ellipse may be that touches the picture and whose half axis is such a part of its distance:
+ * 2 / (1 - part^2) <= 8/3 of that, towards the picture's edge and as far beyond it as half the ellipse. */
+static double ellipse_px(const struct frame *f, double part)
+{
+	const struct lod_eye *eye = f->job->eye;
+	return part * 8 / 3 * fmax(0.5 * f->picture->width * (1 + 1 / eye->tan_x),
+		0.5 * f->picture->height * (1 + 1 / eye->tan_y));
+}
+
+/* By which the viewport is larger than the picture while ellipses are points, of which drivers may leave out
+ * those whose middle is beside it; half of the largest point. */
+static int point_margin(const struct view_gl *gl)
+{
+	int most = (int)(0.5f * gl->point_max), across = (gl->viewport_max[0] - (int)gl->width) / 2,
+		down = (gl->viewport_max[1] - (int)gl->height) / 2, fits = across < down ? across : down;
+	return most < fits ? most : fits;
+}
+
+/* All ellipses of all plants at once, but for more than a driver counts. */
+static void draw_ellipses(const struct frame *f, const struct view_shader *s, const struct view_gpu_list *g,
+	const struct view_list *list, const struct eco_cut *cut, uint32_t first_member, uint32_t members)
+{
+	uint32_t count = (cut->end - cut->first) << cut->halvings, most = ELLIPSES / count;
+	int width = (int)f->gl->width, height = (int)f->gl->height, margin = point_margin(f->gl);
+	double part = nearest_ellipse(f, g, list, cut, f->job->selection->members + first_member, members);
+	bool points = ellipse_px(f, part) <= 2 * margin;
+	margin = points ? margin : 0;
+	glUniform1i(s->uniform[VIEW_U_CORNERS], points ? 1 : 3);
+	glUniform1i(s->uniform[VIEW_U_FIRST], (int)(cut->first << cut->halvings));
+	glUniform1i(s->uniform[VIEW_U_COUNT], (int)count);
+	glUniform2f(s->uniform[VIEW_U_WINDOW], 0.5f * (float)width + (float)margin,
+		0.5f * (float)height + (float)margin);
+	glViewport(-margin, -margin, width + 2 * margin, height + 2 * margin);
+	for (uint32_t i = 0, now; i < members; i += now) {
+		now = members - i < most ? members - i : most;
+		glUniform1i(s->uniform[VIEW_U_FIRST_MEMBER], (int)(first_member + i));
+		glDrawArrays(points ? GL_POINTS : GL_TRIANGLES, 0, (GLsizei)(count * now * (points ? 1 : 3)));
+	}
+	glViewport(0, 0, width, height);
+}
+
+static void draw_primitives(const struct frame *f, const struct view_shader *s, const struct view_gpu_list *g,
+	const struct view_list *list, const struct eco_cut *cut, uint32_t first_member, uint32_t members)
 {
 	uint32_t first = cut->first << cut->halvings, end = cut->end << cut->halvings;
 	if (list->list.kind == ECO_LIST_IMPOSTOR)
 		draw_impostors(f, s, list, cut->first, first_member, members);
+	else if (list->list.kind == ECO_LIST_POINTS)
+		draw_ellipses(f, s, g, list, cut, first_member, members);
 	else if (list->list.kind == ECO_LIST_LINES)
 		draw_quads(s, first, end, members);
 	else
@@ -500,7 +572,7 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 	if (((uint64_t)cut->end << cut->halvings) * 4 > INT32_MAX)
 		return eco_fail(f->error, ECO_TOO_LARGE, "list %u is too long for the graphics driver: use "
 			"--reference=cpu", list->id);
-	draw_primitives(f, s, list, cut, first_member, members);
+	draw_primitives(f, s, g, list, cut, first_member, members);
 	return ECO_OK;
 }
 

@@ -1,6 +1,7 @@
 #include "client-min/draw/view_gpu.h"
 
 #include <epoxy/gl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -174,6 +175,27 @@ static enum eco_code reserve(struct view_gpu *gpu, struct view_gpu_list *g, cons
 	return ECO_OK;
 }
 
+static void bound_points(struct view_gpu_list *g, const struct view_list *list, const uint32_t *words,
+	uint64_t texels)
+{
+	uint32_t each = view_record_texels(&list->list);
+	bool splats = list->list.attributes & ECO_ATTR_SPLAT;
+	for (uint64_t i = 0; i < texels; i += each) {
+		bool first = g->texels == 0 && i == 0;
+		float at[3], reach = splats ? 0 : sqrtf(eco_size(words[4 * i + 3] >> 24));
+		memcpy(at, words + 4 * i, sizeof at);
+		for (int k = 0; k < 3; k++) {
+			g->low[k] = first || at[k] < g->low[k] ? at[k] : g->low[k];
+			g->high[k] = first || at[k] > g->high[k] ? at[k] : g->high[k];
+		}
+		for (uint32_t k = 1; k < each && splats; k++) {
+			memcpy(at, words + 4 * (i + k), sizeof at);
+			reach = fmaxf(reach, sqrtf(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]));
+		}
+		g->reach = first || reach > g->reach ? reach : g->reach;
+	}
+}
+
 static enum eco_code upload_chunks(struct view_gpu_list *g, const struct view_list *list, uint32_t first,
 	uint32_t end, struct eco_error *error)
 {
@@ -182,6 +204,8 @@ static enum eco_code upload_chunks(struct view_gpu_list *g, const struct view_li
 	enum eco_code code = words ? view_record_write(list, first, end, words, error)
 		: out_of_memory(list, error);
 	if (!code) {
+		if (list->list.kind == ECO_LIST_POINTS)
+			bound_points(g, list, words, texels);
 		write_texels(&g->records, g->texels, words, texels);
 		g->texels += texels;
 		g->chunks = end;

@@ -21,6 +21,8 @@ struct view_gpu_list {
 	struct view_gpu_texels records;  /* view_record.h, as a usampler2D */
 	uint32_t chunks;                 /* uploaded */
 	uint64_t texels;                 /* of them */
+	/* POINTS: where their centres lie; a splat's longest half axis, or the largest root of eco_size */
+	float low[3], high[3], reach;
 	/* IMAGE: filtered colour with mip levels, and nearest alpha; else 0. As far as it was shown */
 	unsigned color, alpha;
 	uint32_t shown[2];

@@ -47,6 +47,17 @@ static const char common[] =
 	"}\n"
 	"uvec4 record_at(int i) { return texel_of(u_records, u_shift.x, i); }\n";
 
+/* lod_splat_covers */
+static const char splat_common[] =
+	"#ifdef ELLIPSE\n"
+	"bool splat_covers(uint salt, uvec2 pixel, float opacity) {\n"
+	"	uint hash = salt + pixel.x * 0x9E3779B9u + pixel.y * 0x7FEB352Du;\n"
+	"	hash = (hash ^ hash >> 16) * 0x21F0AAADu;\n"
+	"	hash = (hash ^ hash >> 15) * 0x735A2D97u;\n"
+	"	return float(hash >> 24) < opacity * 256.0;\n"
+	"}\n"
+	"#endif\n";
+
 static const char vertex_common[] =
 	"uniform vec4 u_lens;            // 1/tan_x, 1/tan_y, near\n"
 	"vec4 project(vec3 v) {\n"
@@ -61,7 +72,7 @@ static const char vertex_plant[] =
 	"uniform highp usampler2D u_instances, u_members;\n"
 	"flat out uvec4 v_seen;          // owner, surface, colour\n"
 	"uniform int u_first_member;\n"
-	"uniform int u_first;            // of a quad: its primitive is this and gl_VertexID / 4\n"
+	"uniform int u_first;            // the first primitive, where gl_VertexID does not begin with it\n"
 	"uniform float u_scale;\n"
 	"uniform vec4 u_tint;            // rgb, if w is 1: instead of a colour of its own\n"
 	"uniform uint u_path;            // summaries: what the placement adds to the owner\n"
@@ -125,9 +136,11 @@ static const char vertex_lines[] =
 	"	gl_Position = len2 > 0.0 && half_width > 0.0 ? project(view) : vec4(2.0, 2.0, 2.0, 1.0);\n"
 	"}\n";
 
-/* u_level: eco_level_share, in 1/255. Ellipses as lod/splat.h has them: the least triangle around the ellipse
- * holds it, whose pixels the fragment shader tells; a quarter of a pixel more, as drivers round vertices. One
- * triangle takes less than two, and than a square of twice its area (lod/EXPERIMENTS.md, A frame's time). */
+/* u_level: eco_level_share, in 1/255. Ellipses as lod/splat.h has them. Each is a point as large as the
+ * pixels whose middles lie within its sides, of which the fragment shader tells those that it covers; one
+ * that covers none is not drawn. Where some may be larger than the driver's points (u_corners is 3, not 1)
+ * each is the least triangle around its ellipse, and a quarter of a pixel more, as drivers round vertices.
+ * All plants of a cut are one instance: drivers begin anew with each (lod/EXPERIMENTS.md, A frame's time). */
 static const char vertex_points[] =
 	"#if TEXELS == 2\n"
 	"uniform int u_halvings;         // of scattered points\n"
@@ -145,15 +158,23 @@ static const char vertex_points[] =
 	"#endif\n"
 	"uniform float u_sides[" TEXT(ECO_SIZES) "];\n"
 	"uniform uint u_level;\n"
-	"uniform vec2 u_half;            // of the picture, pixels\n"
+	"uniform vec2 u_half, u_window;  // of the picture and of the viewport, pixels\n"
+	"uniform int u_corners, u_count; // of an ellipse; of a plant's ellipses\n"
 	"flat out vec4 v_ellipse;        // x, y of the centre, lean, half\n"
 	"flat out vec2 v_shown;          // height, opacity\n"
 	"flat out vec4 v_near_side;      // of the centre, aside, below, bulge\n"
 	"flat out mat3 v_normals;\n"
 	"flat out uint v_salt;\n"
+	"bool covers_one(vec2 pixel) {        // or nearly so\n"
+	"	vec2 at = pixel + 0.5 - u_half - v_ellipse.xy;\n"
+	"	float v = at.y / v_shown.x, rest = 1.001 - v * v;\n"
+	"	return rest >= 0.0 && abs(at.x - v_ellipse.z * at.y) <= v_ellipse.w * sqrt(rest) + 0.001\n"
+	"		&& splat_covers(v_salt, uvec2(ivec2(pixel)), v_shown.y);\n"
+	"}\n"
 	"void main() {\n"
-	"	Plant p = plant_of_member(gl_InstanceID);\n"
-	"	int corner = gl_VertexID % 3, point = gl_VertexID / 3;\n"
+	"	int corner = gl_VertexID % u_corners, point = gl_VertexID / u_corners;\n"
+	"	Plant p = plant_of_member(point / u_count);\n"
+	"	point = point % u_count + u_first;\n"
 	"#if TEXELS == 2\n"
 	"	uint scattered = uint(point & ((1 << u_halvings) - 1));\n"
 	"	point >>= u_halvings;\n"
@@ -223,12 +244,19 @@ static const char vertex_points[] =
 	"	v_salt = t0.x * 0x9E3779B1u ^ t0.y * 0x85EBCA77u ^ t0.z * 0xC2B2AE3Du;\n"
 	"	v_seen = uvec4(p.owner, CLOUD << 30 | u_level << 16 | uint(cloud * 65535.0 + 0.5), "
 	"color_of(t0.w));\n"
-	"	gl_Position = project(view);\n"
+	/* the first and the last of columns and rows whose middles it may cover */
+	"	vec2 sides = vec2(sqrt(xx), height) + 0.01, from = middle + u_half - 0.5;\n"
+	"	vec2 low = ceil(from - sides), high = floor(from + sides), size = high - low + 1.0;\n"
+	"	there = there && min(size.x, size.y) > 0.0\n"
+	"		&& (max(size.x, size.y) > 1.0 || covers_one(low));\n"
 	"	vec2 around = corner == 0 ? vec2(0.0, 2.0)\n"
 	"		: vec2(corner == 1 ? 1.7320508 : -1.7320508, -1.0);\n"
 	"	around *= vec2(v_ellipse.w, height) + 0.25;\n"
 	"	around.x += lean * around.y;\n"
-	"	gl_Position.xy = (middle + around) / u_half * gl_Position.w;\n"
+	"	vec2 place = u_corners == 1 ? 0.5 * (low + high + 1.0) - u_half : middle + around;\n"
+	"	gl_PointSize = max(size.x, size.y);\n"
+	"	gl_Position = project(view);\n"
+	"	gl_Position.xy = place / u_window * gl_Position.w;\n"
 	"	if (!there) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);\n"
 	"}\n";
 
@@ -279,16 +307,12 @@ static const char fragment_plant[] =
 	"uniform vec2 u_half;\n"
 	"uniform vec4 u_lens;\n"
 	"float shown(inout uint surface) {       // 1 / distance; 0: nothing\n"
-	"	uvec2 pixel = uvec2(gl_FragCoord.xy);\n"
 	"	vec2 at = gl_FragCoord.xy - u_half - v_ellipse.xy;\n"
 	"	float v = at.y / v_shown.x, rest = 1.0 - v * v, x = at.x - v_ellipse.z * at.y;\n"
-	"	uint hash = v_salt + pixel.x * 0x9E3779B9u + pixel.y * 0x7FEB352Du;\n"
-	"	hash = (hash ^ hash >> 16) * 0x21F0AAADu;\n"
-	"	hash = (hash ^ hash >> 15) * 0x735A2D97u;\n"
 	"	float half_row = v_ellipse.w * sqrt(max(rest, 0.0)), u = v_ellipse.w > 0.0 ? x / "
 	"v_ellipse.w : 0.0;\n"
-	"	if (rest < 0.0 || x < -half_row || x >= half_row || float(hash >> 24) >= v_shown.y * 256.0) "
-	"return 0.0;\n"
+	"	if (rest < 0.0 || x < -half_row || x >= half_row\n"
+	"		|| !splat_covers(v_salt, uvec2(gl_FragCoord.xy), v_shown.y)) return 0.0;\n"
 	"#if TEXELS == 4\n"
 	"	surface = surface_direction(BALL, normalize(v_normals * vec3(u, v, sqrt(max(rest - u * u, "
 	"0.0)))));\n"
@@ -363,7 +387,7 @@ static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up"
 	"u_members",
 	"u_alpha", "u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
 	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
-	"u_point_max", "u_surface", "u_shift", "u_first", "u_halvings", "u_reach" };
+	"u_point_max", "u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count" };
 
 static unsigned compile(unsigned type, const char *const *parts, int count, const char *name,
 	struct eco_error *error)
@@ -407,12 +431,12 @@ enum eco_code view_shader_compile(struct view_shader *shader, enum view_program 
 {
 	const char *start = dialect->es ? head_es : head_desktop;
 	const char *depth = dialect->depth_zero_to_one ? "#define ZERO_TO_ONE 1\n" : "";
-	const char *vs[] = { start, depth, programs[which].defines, common, vertex_common,
+	const char *vs[] = { start, depth, programs[which].defines, common, splat_common, vertex_common,
 		programs[which].shared, programs[which].vertex };
-	const char *fs[] = { start, programs[which].defines, common, fragment_common,
+	const char *fs[] = { start, programs[which].defines, common, splat_common, fragment_common,
 		programs[which].fragment };
-	unsigned vertex = compile(GL_VERTEX_SHADER, vs, 7, programs[which].name, error);
-	unsigned fragment = vertex ? compile(GL_FRAGMENT_SHADER, fs, 5, programs[which].name, error) : 0;
+	unsigned vertex = compile(GL_VERTEX_SHADER, vs, 8, programs[which].name, error);
+	unsigned fragment = vertex ? compile(GL_FRAGMENT_SHADER, fs, 6, programs[which].name, error) : 0;
 	enum eco_code code = vertex && fragment ? link(shader, vertex, fragment, programs[which].name, error)
 		: ECO_UNSUPPORTED;
 	glDeleteShader(vertex);

@@ -4,6 +4,7 @@
 
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_shade.h"
+#include "client-min/view_reference.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
@@ -237,6 +238,64 @@ UNIT_TEST(uploads_in_parts_draw_the_same)
 	view_store_free(store);
 	eco_plan_free(&small);
 	eco_plan_free(&large);
+}
+
+/* A plan that draws only the first points of each tree, and the store that holds its stream. */
+static struct scene_held hold_points(const struct eco_view *view, uint32_t count, float scale)
+{
+	struct scene_held h = { .view = *view };
+	struct eco_plan *plan = &h.plan;
+	struct eco_error error = { 0 };
+	lod_eye_make(&h.eye, view);
+	scene_plan(&scene, view, 1, plan);
+	plan->cuts[0] = scene_rule(A_TREE, L_POINTS, 0, count, scale, 0, ECO_BANDS);
+	plan->cut_count = plan->run_count = 1;
+	plan->vertices = plan_twin_vertices(&scene.scene, plan, view, &plan->visible_plants);
+	h.store = scene_store(&scene, plan, &error);
+	assert_string_equal(error.text, "");
+	scene_select(&h);
+	view_ground_free(&h.selection.ground);
+	return h;
+}
+
+/* Pixels that one of software and OpenGL covers and the other does not. */
+static uint32_t differing(const struct scene_held *h, uint32_t *covers)
+{
+	struct view_picture soft, hard;
+	struct view_gl_job job = { h->store, &h->selection, &h->eye, 0.1, VIEW_TINT_NONE };
+	struct view_reference_job reference = { h->store, &h->selection, &h->eye, 0.1, 2, NULL,
+		VIEW_TINT_NONE };
+	uint32_t count = 0;
+	assert_int_equal(view_picture_init(&soft, h->view.width, h->view.height, NULL), ECO_OK);
+	assert_int_equal(view_picture_init(&hard, h->view.width, h->view.height, NULL), ECO_OK);
+	assert_int_equal(view_gl_draw(gl, &job, &hard, NULL), ECO_OK);
+	assert_int_equal(view_reference_draw(&reference, &soft, NULL), ECO_OK);
+	for (uint32_t i = 0; i < soft.width * soft.height; i++)
+		count += soft.owner[i] != hard.owner[i];
+	*covers = covered(&soft);
+	view_picture_free(&soft);
+	view_picture_free(&hard);
+	return count;
+}
+
+/* Of less than a pixel, of some, and wider than a driver's points. */
+UNIT_TEST(points_of_all_sizes_are_those_of_software)
+{
+	static const struct { double near; uint32_t count; float scale; } views[] = { { 8, 280, 1 },
+		{ 1, 280, 1 }, { 0.5, 3, 60 } };
+	if (!gl)
+		skip();
+	for (uint32_t i = 0; i < 3; i++) {
+		struct eco_view view = scene_view();
+		for (int k = 0; k < 3; k++)
+			view.eye[k] = view.target[k] + (view.eye[k] - view.target[k]) * views[i].near;
+		struct scene_held h = hold_points(&view, views[i].count, views[i].scale);
+		uint32_t covers, apart = differing(&h, &covers);
+		print_message("at %g times the distance: %u pixels, %u of other owners\n", views[i].near,
+			covers, apart);
+		assert_true(covers > 100 && apart * 200 <= covers);
+		scene_release(&h);
+	}
 }
 
 UNIT_TEST(repeated_frames_are_the_same)
