@@ -648,7 +648,7 @@ enum eco_code view_gl_record(struct view_gl *gl, const struct view_gl_job *job, 
 	bind(2, gl->members.texture);
 	for (uint32_t c = 0; c < job->selection->cut_count && !code; c++)
 		code = draw_cut(&f, c);
-	return code;
+	return code ? code : view_gpu_check(&gl->gpu, error);
 }
 
 struct view_gl_target view_gl_target(const struct view_gl *gl)

@@ -94,16 +94,22 @@ static uint32_t shift_for(const struct view_gpu *gpu, uint64_t texels)
 	return shift;
 }
 
-/* An empty texture of at least so many texels in place of the one before; false: the driver has no memory. */
-static bool make_texels(struct view_gpu_texels *t, uint64_t texels)
+/* An empty texture of at least so many texels in place of the one before. */
+static void make_texels(struct view_gpu_texels *t, uint64_t texels)
 {
 	uint32_t width = 1u << t->shift, rows = (uint32_t)((texels + width - 1) >> t->shift);
-	while (glGetError())
-		;
 	glDeleteTextures(1, &t->texture);
 	t->texture = view_gpu_texture(t->words == 4 ? GL_RGBA32UI : GL_R32UI, width, rows, GL_NEAREST);
 	t->room = (uint64_t)rows << t->shift;
-	return !glGetError();
+}
+
+/* Whether the driver lacked memory since it was asked last. */
+static bool driver_lacked_memory(void)
+{
+	bool lacked = false;
+	for (GLenum failed; (failed = glGetError());)
+		lacked = lacked || failed == GL_OUT_OF_MEMORY;
+	return lacked;
 }
 
 /* Writes texels from number `at` on: a part of a row, whole rows, a part of a row. */
@@ -136,7 +142,8 @@ enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_texels *stre
 	if (texels > stream->room || !stream->texture) {
 		uint64_t room = texels + texels / 2;
 		*stream = (struct view_gpu_texels){ stream->texture, words, shift_for(gpu, room), 0 };
-		if (!make_texels(stream, room > most ? texels : room + 1))
+		make_texels(stream, room > most ? texels : room + 1);
+		if (driver_lacked_memory())
 			return eco_fail(error, ECO_NO_MEMORY, "the graphics driver has no memory for the "
 				"plants in view");
 	}
@@ -169,8 +176,8 @@ static enum eco_code reserve(struct view_gpu *gpu, struct view_gpu_list *g, cons
 	records->room = 0;
 	g->chunks = 0;
 	g->texels = 0;
-	if (!make_texels(records, room > most ? most : room))
-		return out_of_memory(list, error);
+	make_texels(records, room > most ? most : room);
+	gpu->unchecked = true;
 	gpu->bytes += records->room * VIEW_TEXEL_BYTES;
 	return ECO_OK;
 }
@@ -227,6 +234,20 @@ static enum eco_code extend(struct view_gpu *gpu, struct view_gpu_list *g, const
 		code = upload_chunks(g, list, g->chunks, end, error);
 	}
 	return code;
+}
+
+enum eco_code view_gpu_check(struct view_gpu *gpu, struct eco_error *error)
+{
+	uint32_t side_max = gpu->side_max;
+	if (!gpu->unchecked || !driver_lacked_memory()) {
+		gpu->unchecked = false;
+		return ECO_OK;
+	}
+	unsigned long long bytes = gpu->bytes;
+	view_gpu_free(gpu);
+	gpu->side_max = side_max;
+	return eco_fail(error, ECO_NO_MEMORY, "the graphics driver has no memory for %llu bytes of plants: "
+		"use fewer vertices", bytes);
 }
 
 /* ---- Images ---- */

@@ -33,6 +33,7 @@ struct view_gpu {                        /* zero is empty */
 	struct view_table table;
 	uint32_t side_max;               /* of a texture */
 	uint64_t bytes;                  /* of all records */
+	bool unchecked;                  /* lists have textures that view_gpu_check was not asked about */
 };
 
 /* A texture without mip levels, which ends at its edges, bound to the unit that is active. */
@@ -45,6 +46,9 @@ void view_gpu_keep(struct view_gpu *gpu, const struct view_store *const *stores,
 /* The list with all chunks that the store holds uploaded. The pointer is valid until the next call. */
 enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list,
 	const struct view_gpu_list **out, struct eco_error *error);
+/* Whether the driver had memory for all lists since the last check: it is asked once for all of them, as it is
+ * waited for. If it had not, none is here any more. */
+enum eco_code view_gpu_check(struct view_gpu *gpu, struct eco_error *error);
 
 /* Replaces all texels, for what changes every frame. `words` 4-byte words a texel: 4, or 1. */
 enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_texels *stream, uint32_t words,

@@ -389,22 +389,13 @@ static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up"
 	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
 	"u_point_max", "u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count" };
 
-static unsigned compile(unsigned type, const char *const *parts, int count, const char *name,
-	struct eco_error *error)
+/* Whether it does is said by the program's linking: a browser's driver is waited for once, not three times. */
+static unsigned compile(unsigned type, const char *const *parts, int count)
 {
 	unsigned shader = glCreateShader(type);
 	glShaderSource(shader, count, parts, NULL);
 	glCompileShader(shader);
-	int ok = 0;
-	glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
-	if (ok)
-		return shader;
-	char log[400];
-	glGetShaderInfoLog(shader, sizeof log, NULL, log);
-	glDeleteShader(shader);
-	eco_fail(error, ECO_UNSUPPORTED, "the graphics driver does not compile the shader for %s: %s", name,
-		log);
-	return 0;
+	return shader;
 }
 
 static enum eco_code link(struct view_shader *shader, unsigned vertex, unsigned fragment, const char *name,
@@ -418,11 +409,15 @@ static enum eco_code link(struct view_shader *shader, unsigned vertex, unsigned 
 	glGetProgramiv(shader->program, GL_LINK_STATUS, &ok);
 	if (ok)
 		return ECO_OK;
-	char log[400];
-	glGetProgramInfoLog(shader->program, sizeof log, NULL, log);
+	char log[400] = "";
+	glGetShaderInfoLog(vertex, sizeof log, NULL, log);
+	if (!log[0])
+		glGetShaderInfoLog(fragment, sizeof log, NULL, log);
+	if (!log[0])
+		glGetProgramInfoLog(shader->program, sizeof log, NULL, log);
 	glDeleteProgram(shader->program);
 	shader->program = 0;
-	return eco_fail(error, ECO_UNSUPPORTED, "the graphics driver does not link the program for %s: %s",
+	return eco_fail(error, ECO_UNSUPPORTED, "the graphics driver does not compile the program for %s: %s",
 		name, log);
 }
 
@@ -435,10 +430,8 @@ enum eco_code view_shader_compile(struct view_shader *shader, enum view_program 
 		programs[which].shared, programs[which].vertex };
 	const char *fs[] = { start, programs[which].defines, common, splat_common, fragment_common,
 		programs[which].fragment };
-	unsigned vertex = compile(GL_VERTEX_SHADER, vs, 8, programs[which].name, error);
-	unsigned fragment = vertex ? compile(GL_FRAGMENT_SHADER, fs, 6, programs[which].name, error) : 0;
-	enum eco_code code = vertex && fragment ? link(shader, vertex, fragment, programs[which].name, error)
-		: ECO_UNSUPPORTED;
+	unsigned vertex = compile(GL_VERTEX_SHADER, vs, 8), fragment = compile(GL_FRAGMENT_SHADER, fs, 6);
+	enum eco_code code = link(shader, vertex, fragment, programs[which].name, error);
 	glDeleteShader(vertex);
 	glDeleteShader(fragment);
 	if (code)

@@ -138,7 +138,7 @@ export class EcoLayer {
 		[, this.module, this.about] = await Promise.all([compileClient(), createClient({ instantiateWasm }),
 			first?.about ?? aboutScene(url, token)]);
 		this.context = this.module.GL.registerContext(this.gl,
-			{ majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true });
+			{ majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: false });
 		const stream = await this.openStream();
 		// where it is of no use all is asked for as usual
 		if (first?.bytes && !stream.held)

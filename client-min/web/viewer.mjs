@@ -141,16 +141,22 @@ function showProgress({ complete, offline, received }) {
 		say(`Loading, ${number(received)} bytes so far`);
 }
 
+/** What a scene is: from now on views of it are asked for. */
+function know(said) {
+	about = said;
+	showSettings();
+	document.title = `${about.title ?? settings.scene} – ecostream`;
+	showAll();
+	if (view)
+		camera.look(...view);
+}
+
 const heard = {
 	opened(message) {
-		({ about } = message);
 		if (!token)
 			remember(settings.scene);
-		showSettings();
-		document.title = `${about.title ?? settings.scene} – ecostream`;
-		showAll();
-		if (view)
-			camera.look(...view);
+		if (message.about.id !== about?.id)
+			know(message.about);
 	},
 	drawn(message) {
 		drawn = message;
@@ -183,19 +189,21 @@ const heard = {
 // ---- Scenes and settings ----
 
 /** What the page's head asked for (viewer_first.js), for the engine; null where that is no longer wanted, or
- * went wrong: then the engine asks by itself. */
+ * went wrong: then the engine asks by itself. What the scene is, the page knows before the engine. */
 async function takeFirst(name) {
 	const { scene, about, answer, view, wanted } = globalThis.first ?? {};
 	globalThis.first = null;
 	if (scene !== name || token)
 		return null;
 	try {
-		const [said, came] = await Promise.all([about, answer]);
-		const [since, of] = [said, came].map((one) => one?.headers.get('last-modified'));
+		const said = await about, described = said.ok ? await said.json() : null;
+		if (!described || settings.scene !== name)
+			return null;
+		know(described);
 		// an answer is of the pack that is described, or of no use
+		const came = await answer, [since, of] = [said, came].map((one) => one?.headers.get('last-modified'));
 		const good = came?.status === 200 && since === of;
-		return said.ok ? { about: await said.json(), view, wanted,
-			bytes: good ? new Uint8Array(await came.arrayBuffer()) : null } : null;
+		return { about: described, view, wanted, bytes: good ? new Uint8Array(await came.arrayBuffer()) : null };
 	} catch {
 		return null;
 	}

@@ -11,6 +11,10 @@
 //
 // and from it these answers, 'drawn' with what there is to say of the picture, and 'failed'.
 import { EcoLayer } from './eco_layer.mjs';
+// what that imports, so that all of it is fetched at once
+import './eco_client.mjs';
+import './eco_keep.mjs';
+import './eco_stream.mjs';
 
 const PIXELS_MAX = 1.6e6;
 // a moving picture may take so long; it has fewer pixels for it
@@ -37,20 +41,23 @@ class Engine {
 		this.post({ type: 'failed', text, offline });
 	}
 
-	/** Draws soon, and once the picture before is there. */
+	/** Draws with the next frame, the first picture at once; and once the picture before is there. */
 	redraw() {
 		this.stale = true;
 		if (this.frame || !this.layer || !this.wanted)
 			return;
 		this.frame = true;
-		nextFrame(async () => {
+		(this.drawn ? nextFrame : queueMicrotask)(async () => {
 			this.stale = false;
 			try {
-				const since = performance.now();
-				if (this.layer && this.draw()) {
+				const since = performance.now(), { layer } = this;
+				if (layer && this.draw()) {
+					this.drawn = true;
 					await this.finished();
 					this.pace(performance.now() - since);
 				}
+				if (layer && layer === this.layer)
+					this.tell();
 			} finally {
 				this.frame = false;
 				if (this.stale)
@@ -93,7 +100,7 @@ class Engine {
 
 	/** False: nothing is here yet. */
 	draw() {
-		const { layer, gl, canvas, wanted } = this, { number, matrix, eye, next, size, moving } = wanted;
+		const { layer, gl, canvas, wanted } = this, { matrix, eye, next, size, moving } = wanted;
 		const [width, height] = size;
 		if (canvas.width !== width || canvas.height !== height)
 			Object.assign(canvas, { width, height });
@@ -105,12 +112,16 @@ class Engine {
 		gl.viewport(0, 0, width, height);
 		gl.clearDepth(1);
 		gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-		const there = layer.draw(matrix, eye, size, next);
-		const { complete, offline, stream, ahead } = layer, { received } = stream;
-		const ground = stream.selected ? stream.ground(eye[0], eye[1]) : null;
-		this.post({ type: 'drawn', number, facts: layer.facts(), complete, received, ground,
-			offline, ahead });
+		const there = layer.draw(matrix, eye, size, next), { complete, offline, stream } = layer;
+		this.said = { number: wanted.number, facts: layer.facts(), complete, offline,
+			received: stream.received, ahead: layer.ahead,
+			ground: stream.selected ? stream.ground(eye[0], eye[1]) : null };
 		return there;
+	}
+
+	/** Says of what was drawn that it is there. */
+	tell() {
+		this.post({ type: 'drawn', ...this.said });
 	}
 
 	async pick({ at }) {

@@ -199,10 +199,58 @@ async function comesBack() {
 	expect(received < 0.2 * facts.bytes, `${received} bytes came again, of ${facts.bytes} that are held`);
 	// by the worker, too: it fetches the modules that the page only asked for ahead
 	const files = await ask(`performance.getEntriesByType('resource')
-		.filter(({ name }) => name.includes('/viewer/')).map(({ name, transferSize }) => [name.split('/').pop(), transferSize])`);
+		.filter(({ name }) => name.includes('/viewer/'))
+		.map(({ name, transferSize }) => [name.split('/').pop(), transferSize])`);
 	const asked = files.filter(([, bytes]) => bytes).map(([file]) => file);
 	expect(files.some(([file]) => file === 'eco_client.wasm') && !asked.length,
 		`the server is asked again for ${asked}, which the browser has`);
+}
+
+/** Runs in each page before its own scripts: what passes between page and worker, and which of the page's own
+ * calls would keep it from its input. */
+function watch() {
+	globalThis.passed = [];
+	globalThis.worked = [];
+	for (const name of ['compile', 'compileStreaming', 'instantiate', 'instantiateStreaming']) {
+		const { [name]: own } = WebAssembly;
+		WebAssembly[name] = (...values) => {
+			worked.push(name);
+			return own.apply(WebAssembly, values);
+		};
+	}
+	const { getContext } = HTMLCanvasElement.prototype;
+	HTMLCanvasElement.prototype.getContext = function (...values) {
+		worked.push(values[0]);
+		return getContext.apply(this, values);
+	};
+	const { Worker } = globalThis;
+	globalThis.Worker = class extends Worker {
+		constructor(...values) {
+			super(...values);
+			this.addEventListener('message', ({ data: { type } }) => passed.push(`<${type}`));
+		}
+		postMessage(message, ...values) {
+			passed.push(`>${message.type ?? 'canvas'}`);
+			super.postMessage(message, ...values);
+		}
+	};
+}
+
+/** Decoding and drawing are the worker's alone, whatever comes. A link's view is asked for before the worker
+ * has opened the scene, so that it waits for nothing from the page. */
+async function leavesThePageFree() {
+	const link = await ask('location.href');
+	const { identifier } = await browser.send('Page.addScriptToEvaluateOnNewDocument',
+		{ source: `(${watch})()` });
+	await ask(`new Promise((done) => { const asked = indexedDB.deleteDatabase('ecostream');
+		asked.onsuccess = asked.onerror = asked.onblocked = () => done(1); localStorage.clear(); })`);
+	await browser.open(link, 640, 480);
+	await browser.until(complete);
+	const { received } = await ask('viewer.drawn'), passed = await ask('passed'), worked = await ask('worked');
+	expect(received > 10000 && !worked.length, `of ${received} bytes the page itself works on some: ${worked}`);
+	expect(passed.indexOf('>draw') >= 0 && passed.indexOf('>draw') < passed.indexOf('<opened'),
+		`a link's view is asked for late: ${passed.slice(0, 8)}`);
+	await browser.send('Page.removeScriptToEvaluateOnNewDocument', { identifier });
 }
 
 /** Who moves on is sent what comes next, until he turns. The line is slow, so that there is something to give
@@ -260,6 +308,7 @@ try {
 	await walks();
 	await recordsAndSaves();
 	await comesBack();
+	await leavesThePageFree();
 	await takesAnotherPack();
 	const state = await text('state');
 	expect(state === '', `the page reports: ${state}`);
