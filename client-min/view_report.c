@@ -249,7 +249,7 @@ enum eco_code view_report_write(const struct view_report *report, const char *di
 		return ECO_OK;
 	int saved = errno;
 	unlink(beside);
-	return eco_fail(error, ECO_IO, "%s: %s", path, strerror(saved));
+	return eco_fail_write(error, path, saved);
 }
 
 void view_report_free(struct view_report *report)
@@ -283,7 +283,7 @@ enum eco_code view_save_dir(const char *dir, struct eco_error *error)
 			continue;
 		*at = '\0';
 		if (mkdir(path, 0777) && errno != EEXIST)
-			return eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+			return eco_fail_write(error, path, errno);
 		*at = kept;
 		if (!kept)
 			break;

@@ -18,7 +18,7 @@ static enum eco_code read_token(uint8_t token[SRV_TOKEN_BYTES_MAX], const char *
 	char line[SRV_TOKEN_BYTES_MAX + 3] = "";
 	FILE *file = fopen(path, "r");
 	if (!file)
-		return eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+		return eco_fail_read(error, path, errno);
 	bool has_line = fgets(line, sizeof line, file);
 	fclose(file);
 	size_t size = strcspn(line, "\r\n");

@@ -76,7 +76,7 @@ static enum eco_code load_folder(struct loading *loading, const char *folder, st
 	enum eco_code code = ECO_OK;
 	int count = scandir(folder, &entries, is_pack, alphasort);
 	if (count < 0)
-		return eco_fail(error, ECO_IO, "%s: %s", folder, strerror(errno));
+		return eco_fail_read(error, folder, errno);
 	for (int i = 0; i < count; i++) {
 		snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
 		code = code ? code : load_pack(loading, NULL, path, error);

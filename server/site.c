@@ -36,12 +36,12 @@ static enum eco_code read_whole(const char *path, uint8_t **bytes, size_t *size,
 {
 	FILE *file = fopen(path, "rb");
 	uint8_t *room = malloc(FILE_BYTES_MAX);
-	enum eco_code code = !file ? eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno))
+	enum eco_code code = !file ? eco_fail_read(error, path, errno)
 		: !room ? eco_fail(error, ECO_NO_MEMORY, "no memory for %s", path) : ECO_OK;
 	if (!code) {
 		*size = fread(room, 1, FILE_BYTES_MAX, file);
 		if (ferror(file))
-			code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+			code = eco_fail_read(error, path, errno);
 		else if (*size == FILE_BYTES_MAX)
 			code = eco_fail(error, ECO_TOO_LARGE, "%s: a viewer's file has less than %u "
 				"bytes", path, FILE_BYTES_MAX);
@@ -112,7 +112,7 @@ enum eco_code srv_site_read(struct srv_site *site, const char *dir, struct eco_e
 	*site = (struct srv_site){ .count = 0 };
 	DIR *folder = opendir(dir);
 	if (!folder)
-		return errno == ENOENT ? ECO_OK : eco_fail(error, ECO_IO, "%s: %s", dir, strerror(errno));
+		return errno == ENOENT ? ECO_OK : eco_fail_read(error, dir, errno);
 	enum eco_code code = ECO_OK;
 	for (const struct dirent *entry; !code && (entry = readdir(folder));)
 		code = read_entry(site, dir, entry->d_name, error);

@@ -17,7 +17,7 @@ enum eco_code eco_file_write(const char *path, const void *bytes, size_t size, s
 		good = false;
 	if (good && rename(beside, path) == 0)
 		return ECO_OK;
-	enum eco_code code = eco_fail(error, ECO_IO, "%.400s: %s", path, strerror(errno));
+	enum eco_code code = eco_fail_write(error, path, errno);
 	if (out)
 		unlink(beside);
 	return code;

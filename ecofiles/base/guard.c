@@ -368,7 +368,8 @@ static enum eco_code killed(const struct eco_guard *g, int number, double cpu_s,
 	if (g->shared->no_memory)
 		return no_memory(g, error);
 	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with signal %d (%s): it is damaged, or "
-		"meets a bug in the library that reads it", g->what, number, strsignal(number));
+		"meets a bug in the library that reads it; save it anew with another program, or in another "
+		"format", g->what, number, strsignal(number));
 }
 
 static enum eco_code verdict(struct eco_guard *g, int status, const struct rusage *used,
@@ -383,8 +384,9 @@ static enum eco_code verdict(struct eco_guard *g, int status, const struct rusag
 		return returned(g, error);
 	if (WIFSIGNALED(status))
 		return killed(g, WTERMSIG(status), cpu_s, error);
-	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with exit status %d", g->what,
-		WEXITSTATUS(status));
+	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with exit status %d: it is damaged, or meets "
+		"a bug in the library that reads it; save it anew with another program, or in another format",
+		g->what, WEXITSTATUS(status));
 }
 
 /* Waits for the child's end and gives the verdict. Frees the slot before another process can get the

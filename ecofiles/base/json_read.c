@@ -46,7 +46,11 @@ static const char *other_kind(const struct eco_json_file *file)
 		if (file->size >= strlen(kinds[i].start)
 				&& memcmp(file->text, kinds[i].start, strlen(kinds[i].start)) == 0)
 			return kinds[i].says;
-	return NULL;
+	size_t at = text_start(file);
+	while (at < file->size && memchr(" \t\r\n", file->text[at], 4))
+		at++;
+	return at < file->size && !memchr("{[/#", file->text[at], 4) ? "this is no JSON, which begins with {; "
+		"if it is a table of plants, ecopack start makes a scene of it" : NULL;
 }
 
 /* A hint for the commonest mistakes; `end` is behind the token that the parser refused. */

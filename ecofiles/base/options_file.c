@@ -86,7 +86,7 @@ static enum eco_code add_file(struct adding *adding, const struct eco_command *c
 {
 	char line[LINE_BYTES], where[LINE_BYTES];
 	FILE *file = fopen(path, "r");
-	enum eco_code code = file ? ECO_OK : eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+	enum eco_code code = file ? ECO_OK : eco_fail_read(error, path, errno);
 	for (uint32_t number = 1; !code && fgets(line, sizeof line, file); number++) {
 		snprintf(where, sizeof where, "%.3000s: line %u", path, number);
 		if (strlen(line) == sizeof line - 1)
@@ -95,7 +95,7 @@ static enum eco_code add_file(struct adding *adding, const struct eco_command *c
 		code = code ? code : add_line(adding, command, input, line, where, error);
 	}
 	if (!code && ferror(file))
-		code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+		code = eco_fail_read(error, path, errno);
 	if (file)
 		fclose(file);
 	return code;

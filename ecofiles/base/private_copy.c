@@ -54,7 +54,7 @@ enum eco_code eco_private_copy(int *copy, int file, const char *name, const char
 	struct stat before, after, copied;
 	*copy = -1;
 	if (fstat(file, &before))
-		return eco_fail(error, ECO_IO, "%s: %s", name, strerror(errno));
+		return eco_fail_read(error, name, errno);
 	int made = nameless_file(folder);
 	if (made < 0)
 		return eco_fail(error, ECO_IO, "%s: cannot make a private copy in %s: %s", name, folder,

@@ -2,8 +2,11 @@
 #include "ecofiles/base/status.h"
 
 #include <assert.h>
+#include <errno.h>
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdio.h>
+#include <string.h>
 
 static const struct {
 	const char *name;
@@ -41,6 +44,51 @@ enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *
 	va_end(arguments);
 	tame(error->text);
 	return code;
+}
+
+/* ---- What the system refuses ---- */
+
+#define NO_RIGHT "ask for the right to"
+#define NO_ROOM "; free some space or write elsewhere"
+
+static const struct { int reason; const char *read, *write; } advices[] = {
+	{ ENOENT, "; check its name, and the folder that you are in", "; make its folder first (mkdir -p)" },
+	{ EACCES, "; " NO_RIGHT " read it (chmod, chown)", "; " NO_RIGHT " write there, or write elsewhere" },
+	{ EPERM, "; " NO_RIGHT " read it", "; " NO_RIGHT " write there, or write elsewhere" },
+	{ ENOTDIR, "; a part of its path is a file", "; a part of its path is a file: take another name" },
+	{ EISDIR, "; name a file in it", "; name a file in it" },
+	{ ENAMETOOLONG, "; take a shorter name", "; take a shorter name" },
+	{ EROFS, "", "; write elsewhere" },
+	{ ENOSPC, "", NO_ROOM }, { EDQUOT, "", NO_ROOM }, { EFBIG, "", NO_ROOM },
+	{ EMFILE, "; allow more open files (ulimit -n)", "; allow more open files (ulimit -n)" },
+	{ EIO, "; the disk may be damaged: copy the file anew", "; the disk may be damaged: write elsewhere" },
+};
+
+const char *eco_advice_read(int reason)
+{
+	for (size_t i = 0; i < sizeof advices / sizeof *advices; i++)
+		if (advices[i].reason == reason)
+			return advices[i].read;
+	return "";
+}
+
+const char *eco_advice_write(int reason)
+{
+	for (size_t i = 0; i < sizeof advices / sizeof *advices; i++)
+		if (advices[i].reason == reason)
+			return advices[i].write;
+	return "";
+}
+
+enum eco_code eco_fail_read(struct eco_error *error, const char *path, int reason)
+{
+	return eco_fail(error, reason == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.380s: %s%s", path,
+		strerror(reason), eco_advice_read(reason));
+}
+
+enum eco_code eco_fail_write(struct eco_error *error, const char *path, int reason)
+{
+	return eco_fail(error, ECO_IO, "%.380s: %s%s", path, strerror(reason), eco_advice_write(reason));
 }
 
 const char *eco_code_name(enum eco_code code)

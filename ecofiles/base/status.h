@@ -35,6 +35,14 @@ struct eco_error {
 enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
 
+/* As eco_fail, of a path that the system refused to read or to write for `reason` (an errno): with what the
+ * system says and what to do. The code is ECO_NOT_FOUND for a file to read that is not there, else ECO_IO. */
+enum eco_code eco_fail_read(struct eco_error *error, const char *path, int reason);
+enum eco_code eco_fail_write(struct eco_error *error, const char *path, int reason);
+/* What to do about `reason`, after "; ", or "" where that goes without saying. */
+const char *eco_advice_read(int reason);
+const char *eco_advice_write(int reason);
+
 /* A short lower-case name of the code, such as "damaged"; never NULL. */
 const char *eco_code_name(enum eco_code code);
 

@@ -9,10 +9,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "ecofiles/base/module.h"
+#include "ecofiles/base/phrase.h"
 
 struct eco_chart {
 	const struct eco_cairo_module *cairo;
@@ -186,8 +188,16 @@ static enum eco_code check_folder(const char *path, struct eco_error *error)
 		snprintf(folder, sizeof folder, "%.*s", slash == path ? 1 : (int)(slash - path), path);
 	if (access(folder, W_OK | X_OK) != 0)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO,
-			"%.300s: its folder %.150s: %s", path, folder, strerror(errno));
+			"%.200s: its folder %.130s: %s%s", path, folder, strerror(errno),
+			eco_advice_write(errno));
 	return ECO_OK;
+}
+
+/* Whether a name says PNG, or nothing. */
+static bool names_png(const char *path)
+{
+	const char *dot = strrchr(eco_path_last(path), '.');
+	return !dot || strcasecmp(dot, ".png") == 0;
 }
 
 enum eco_code eco_chart_may_write(const char *path, struct eco_error *error)
@@ -197,9 +207,13 @@ enum eco_code eco_chart_may_write(const char *path, struct eco_error *error)
 	struct stat status;
 	if (!*path || strlen(path) > 4000)
 		return eco_fail(error, ECO_BAD_USAGE, "the name of the picture must have 1 to 4000 bytes");
-	if (stat(path, &status) != 0)
+	bool there = stat(path, &status) == 0;
+	if (!there && !names_png(path))
+		return eco_fail(error, ECO_BAD_USAGE, "%.350s: pictures are PNG, so let its name end in "
+			".png (ecopack map also writes .gpkg and .geojson)", path);
+	if (!there)
 		return errno == ENOENT ? check_folder(path, error)
-			: eco_fail(error, ECO_IO, "%.400s: %s", path, strerror(errno));
+			: eco_fail_write(error, path, errno);
 	int fd = S_ISREG(status.st_mode) ? open(path, O_RDONLY | O_CLOEXEC) : -1;
 	ssize_t got = fd >= 0 ? read(fd, start, sizeof start) : -1;
 	if (fd >= 0)

@@ -234,7 +234,7 @@ static enum eco_code read_file(FILE *file, const char *path, char **text, size_t
 				path, FILE_MAX_BYTES);
 	} while (*size == room);
 	if (ferror(file))
-		return eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+		return eco_fail_read(error, path, errno);
 	return ECO_OK;
 }
 
@@ -245,7 +245,7 @@ enum eco_code eco_camera_load(struct eco_camera **camera, const char *path, stru
 	*camera = NULL;
 	FILE *file = fopen(path, "rb");
 	if (!file)
-		return eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+		return eco_fail_read(error, path, errno);
 	enum eco_code code = read_file(file, path, &text, &size, error);
 	fclose(file);
 	if (!code)

@@ -80,7 +80,7 @@ static enum eco_code read_open(struct eco_image *image, FILE *file, const char *
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
 	size_t size = fread(bytes, 1, (size_t)status.st_size, file);
 	if (ferror(file))
-		code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+		code = eco_fail_read(error, path, errno);
 	else if (eco_png_is(bytes, size) || name_for(bytes, size) || size == 0)
 		code = eco_image_read_memory(image, bytes, size, path, error);
 	else
@@ -95,8 +95,7 @@ enum eco_code eco_image_read(struct eco_image *image, const char *path, struct e
 	FILE *file = fopen(path, "rb");
 	*image = (struct eco_image){ .rgba = NULL };
 	if (!file)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path,
-			strerror(errno));
+		return eco_fail_read(error, path, errno);
 	enum eco_code code = read_open(image, file, path, error);
 	fclose(file);
 	return code;

@@ -81,7 +81,8 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 	uint64_t file_size = eco_read_u64(&r), hash = eco_read_u64(&r), at;
 	enum eco_code code = ECO_OK;
 	if (r.failed || memcmp(magic, ECO_PACK_MAGIC, 8) != 0)
-		return BAD("not a pack: it does not begin with %s", ECO_PACK_MAGIC);
+		return BAD("not a pack: it does not begin with %s; ecopack make SCENE.json -o OUT.eco makes "
+			"one of a scene", ECO_PACK_MAGIC);
 	if (version != ECO_PACK_VERSION)
 		return eco_fail(error, ECO_UNSUPPORTED, "a pack of version %u; this program reads version "
 			"%u: %s", version, ECO_PACK_VERSION, version < ECO_PACK_VERSION ? "build it again "
@@ -264,8 +265,8 @@ static enum eco_code open_file(struct eco_pack **pack, const char *path, const c
 	int copy = -1, file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
 	*pack = NULL;
 	if (file < 0)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: cannot open: %s", path,
-			strerror(errno));
+		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.330s: cannot open: "
+			"%s%s", path, strerror(errno), eco_advice_read(errno));
 	enum eco_code code = map_file(&map, &size, file, &copy, path, copies, error);
 	close(file);
 	if (!code)

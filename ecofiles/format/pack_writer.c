@@ -23,8 +23,9 @@
 
 enum eco_code eco_pack_io_failed(const char *path, const char *what, struct eco_error *error)
 {
-	return eco_fail(error, ECO_IO, "%s: cannot %s: %s%s", path, what, strerror(errno), errno == ENOSPC
-		|| errno == EDQUOT || errno == EFBIG ? "; free some space or write elsewhere" : "");
+	int reason = errno;
+	return eco_fail(error, ECO_IO, "%.330s: cannot %s: %s%s", path, what, strerror(reason),
+		eco_advice_write(reason));
 }
 
 enum eco_code eco_pack_write_all(int file, const char *path, const void *bytes, size_t size,

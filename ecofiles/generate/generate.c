@@ -34,8 +34,9 @@ static enum eco_code make_folder(const char *path, struct eco_error *error)
 		return ECO_OK;
 	if (errno == EEXIST && stat(path, &status) == 0 && S_ISDIR(status.st_mode))
 		return ECO_OK;
-	return eco_fail(error, ECO_IO, "%s: cannot make this folder: %s", path,
-		strerror(errno == EEXIST ? ENOTDIR : errno));
+	int reason = errno == EEXIST ? ENOTDIR : errno;
+	return eco_fail(error, ECO_IO, "%.330s: cannot make this folder: %s%s", path, strerror(reason),
+		eco_advice_write(reason));
 }
 
 enum eco_code eco_generate(const struct eco_generate_options *options, struct eco_error *error)

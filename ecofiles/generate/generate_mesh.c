@@ -283,13 +283,13 @@ enum eco_code gen_file_write(const char *path, const void *bytes, size_t size, s
 		return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", path);
 	FILE *file = fopen(beside, "wb");
 	if (!file)
-		return eco_fail(error, ECO_IO, "%s: %s", beside, strerror(errno));
+		return eco_fail_write(error, path, errno);
 	bool good = fwrite(bytes, 1, size, file) == size;
 	good = fclose(file) == 0 && good;
 	good = good && rename(beside, path) == 0;
 	if (good)
 		return ECO_OK;
-	enum eco_code code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+	enum eco_code code = eco_fail_write(error, path, errno);
 	unlink(beside);
 	return code;
 }

@@ -61,7 +61,7 @@ enum eco_code gen_terrain_write(const struct gen_terrain *terrain, double half_m
 		error) : ECO_NOT_FOUND;
 	free(samples);
 	if (!code && rename(beside, path) != 0)
-		code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+		code = eco_fail_write(error, path, errno);
 	if (code)
 		unlink(beside);
 	return code;

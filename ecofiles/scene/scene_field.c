@@ -76,8 +76,9 @@ bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json
 			"--confine keeps reading", *path);
 	if (!source->on_disk || access(*path, R_OK) == 0)
 		return true;
-	return eco_json_fail(at, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", *path,
-		strerror(errno));
+	return eco_json_fail(at, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s%s", *path,
+		strerror(errno), errno == ENOENT ? "; paths count from the folder of the file that names them"
+		: eco_advice_read(errno));
 }
 
 bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_json *at, const char *what,

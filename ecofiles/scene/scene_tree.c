@@ -178,8 +178,7 @@ static enum eco_code load(struct walk *walk, const char *path)
 	char *real = realpath(path, NULL);
 	uint32_t root;
 	if (!real)
-		return eco_fail(walk->error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path,
-			strerror(errno));
+		return eco_fail_read(walk->error, path, errno);
 	enum eco_code code = add_source(walk, path, real, &root);
 	if (!code)
 		code = walk_source(walk, root);

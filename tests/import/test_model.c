@@ -165,7 +165,7 @@ UNIT_TEST(files_that_are_no_models_are_refused)
 	import_refuses(input_text("model", "empty.obj", ""), ECO_BAD_INPUT, "empty.obj");
 	import_refuses(input_text("model", "points.obj", "v 0 0 0\nv 1 1 1\n"), ECO_BAD_INPUT, "points.obj");
 	import_refuses(input_text("model", "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), ECO_BAD_INPUT,
-		"none of its 1 triangles");
+		"none of its 1 triangles can be drawn (degenerate); is the file whole?");
 	import_refuses(input_text("model", "what.xyz", "v 0 0 0\n"), ECO_UNSUPPORTED, "what.xyz");
 	import_refuses(input_text("model", "stems.csv", "species,x,y\nquru,1,2\n"), ECO_UNSUPPORTED,
 		"stems.csv: models are GLB, glTF, OBJ");

@@ -76,7 +76,7 @@ static enum eco_code make_folders(struct export *x, const char *dir)
 	for (size_t i = 0; i < sizeof below / sizeof *below; i++) {
 		snprintf(path, sizeof path, "%s%s", x->dir, below[i]);
 		if (mkdir(path, 0777))
-			return eco_fail(x->error, ECO_IO, "%s: %s", path, strerror(errno));
+			return eco_fail_write(x->error, dir, errno);
 	}
 	return ECO_OK;
 }
@@ -117,7 +117,7 @@ enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain
 	if (!code)
 		code = write_all(&x);
 	if (!code && rename(x.dir, dir))
-		code = eco_fail(error, ECO_IO, "%s: %s", dir, strerror(errno));
+		code = eco_fail_write(error, dir, errno);
 	main_progress_end();
 	if (code && x.dir[0])
 		remove_all(&x);

@@ -54,7 +54,8 @@ enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64
 	struct counts counts = { 0 };
 	enum eco_code code = ECO_OK;
 	if (mkdir(dir, 0777) && errno != EEXIST)
-		return eco_fail(error, ECO_IO, "--static %.400s: %s", dir, strerror(errno));
+		return eco_fail(error, ECO_IO, "--static %.330s: %s%s", dir, strerror(errno),
+			eco_advice_write(errno));
 	for (uint32_t i = 0; i < scene->chunk_count && !code; i++) {
 		if (scene->chunks[i].size_bytes < from)
 			continue;

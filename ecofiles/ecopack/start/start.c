@@ -78,10 +78,14 @@ void start_free(struct start *s)
 static enum eco_code make_folder(const struct start_options *o, bool *made, struct eco_error *error)
 {
 	static const char *const names[] = { "scene.json", "map.png", "camera.json" };
+	struct stat status;
 	char path[4096];
 	*made = mkdir(o->folder, 0777) == 0;
 	if (!*made && errno != EEXIST)
-		return eco_fail(error, ECO_IO, "%.300s: %s", o->folder, strerror(errno));
+		return eco_fail_write(error, o->folder, errno);
+	if (!*made && stat(o->folder, &status) == 0 && !S_ISDIR(status.st_mode))
+		return eco_fail(error, ECO_BAD_INPUT, "-o %.300s is there and is no folder; it is kept. Take "
+			"another name", o->folder);
 	for (size_t i = 0; i < 3 && !o->force; i++) {
 		snprintf(path, sizeof path, "%.4000s/%s", o->folder, names[i]);
 		if (access(path, F_OK) == 0)

@@ -53,9 +53,11 @@ static enum eco_code walk(struct start *s, struct files *files, const char *fold
 {
 	DIR *open = opendir(folder);
 	enum eco_code code = ECO_OK;
+	if (!open && depth == 0)
+		return eco_fail(s->error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s, the folder of "
+			"models: %s%s", folder, strerror(errno), eco_advice_read(errno));
 	if (!open)
-		return eco_fail(s->error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", folder,
-			strerror(errno));
+		return eco_fail_read(s->error, folder, errno);
 	for (struct dirent *entry; !code && (entry = readdir(open));) {
 		char *path = NULL;
 		struct stat file;

@@ -92,7 +92,7 @@ static enum eco_code give_names(struct writing *w)
 {
 	for (int i = 0; i < FILES; i++)
 		if (rename(w->beside[i], w->path[i]) != 0)
-			return eco_fail(w->start->error, ECO_IO, "%.400s: %s", w->path[i], strerror(errno));
+			return eco_fail_write(w->start->error, w->path[i], errno);
 	return ECO_OK;
 }
 

@@ -63,8 +63,7 @@ static enum eco_code check_files(const struct eco_ground_source *source, struct 
 {
 	for (uint32_t i = 0; i < source->height_count; i++)
 		if (access(source->heights[i], R_OK) != 0)
-			return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s",
-				source->heights[i], strerror(errno));
+			return eco_fail_read(error, source->heights[i], errno);
 	return source->height_count > 0 ? ECO_OK
 		: eco_fail(error, ECO_BAD_INPUT, "the ground names no raster");
 }

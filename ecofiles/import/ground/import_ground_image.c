@@ -31,8 +31,7 @@ static enum eco_code start(struct eco_ground_image_reader *r, const struct eco_g
 	*r = (struct eco_ground_image_reader){ .job = { .options = options, .only_look = only_look } };
 	for (uint32_t i = 0; i < source->file_count; i++)
 		if (access(source->files[i], R_OK) != 0)
-			return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s",
-				source->files[i], strerror(errno));
+			return eco_fail_read(error, source->files[i], errno);
 	return eco_guard_start(&r->guard, work, &r->job, source->files[0], NULL, &r->stream, error);
 }
 

@@ -549,9 +549,11 @@ static enum eco_code read_model(struct eco_model *model, struct eco_model_frame 
 	struct soup soup = { .model = model, .scene = scene, .file = file, .frame = frame, .error = error };
 	enum eco_code code;
 	if (!scene)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: %.280s", file->path, aiGetErrorString());
+		return eco_fail(error, ECO_BAD_INPUT, "%.180s: %.200s; if another program opens it, save it "
+			"there as GLB", file->path, aiGetErrorString());
 	if (!meshes_hold_together(scene))
-		code = eco_fail(error, ECO_DAMAGED, "%.300s: its meshes do not hold together", file->path);
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: faces of its meshes name vertices that are not "
+			"there; if another program opens it, save it there as GLB", file->path);
 	else
 		code = read_scene(&soup, frame, triangles_max, notes);
 	aiReleaseImport(scene);

@@ -88,8 +88,7 @@ static enum eco_code open_regular(const char *path, FILE **file, uint64_t *size,
 	struct stat status;
 	*file = fopen(path, "rb");
 	if (!*file)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.400s: %s", path,
-			strerror(errno));
+		return eco_fail_read(error, path, errno);
 	if (fstat(fileno(*file), &status) == 0 && S_ISREG(status.st_mode)) {
 		*size = (uint64_t)status.st_size;
 		return ECO_OK;
@@ -117,7 +116,7 @@ enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, si
 	else
 		(*bytes)[*size = fread(*bytes, 1, (size_t)length, file)] = 0;
 	if (code == ECO_OK && ferror(file)) {
-		code = eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
+		code = eco_fail_read(error, path, errno);
 		free(*bytes);
 		*bytes = NULL;
 	}
@@ -226,14 +225,13 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 		|| eco_path_ends_with(path, ".usdz");
 	size_t size;
 	if (stat(path, &status) != 0)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.400s: %s", path,
-			strerror(errno));
+		return eco_fail_read(error, path, errno);
 	if (S_ISDIR(status.st_mode))
 		return eco_fail(error, ECO_BAD_INPUT, "%.400s: a folder, not a model", path);
 	if (!S_ISREG(status.st_mode))
 		return eco_fail(error, ECO_IO, "%.400s: not a regular file", path);
 	if (access(path, R_OK) != 0)
-		return eco_fail(error, ECO_IO, "%.400s: %s", path, strerror(errno));
+		return eco_fail_read(error, path, errno);
 	char *head = eco_file_read_head(path, &size);
 	enum eco_code code = !head ? eco_fail(error, ECO_NO_MEMORY, "%.400s: out of memory", path)
 		: eco_file_check_head(path, head, size, holds_zip, "a model", error);

@@ -199,6 +199,17 @@ static void note_dropped(const struct eco_model *m, struct eco_notes *notes)
 			m->dropped[ECO_DROP_NOT_FINITE]);
 }
 
+/* Says why most of them went. */
+static enum eco_code none_left(const struct eco_model *m, const char *what, struct eco_error *error)
+{
+	int most = 0;
+	for (int i = 1; i < ECO_DROP_COUNT; i++)
+		if (m->dropped[i] > m->dropped[most])
+			most = i;
+	return eco_fail(error, ECO_BAD_INPUT, "%.300s: none of its %u triangles can be drawn (%s); is the file "
+		"whole?", what, m->triangles_in, eco_drop_names[most]);
+}
+
 static uint32_t largest(uint32_t a, uint32_t b, uint32_t c)
 {
 	a = a > b ? a : b;
@@ -219,8 +230,7 @@ enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_fr
 	if (!used || !c.place || !eco_model_places(model, c.place) || !drop_triangles(&c))
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", what);
 	else if (model->triangle_count == 0)
-		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: none of its %u triangles can be drawn", what,
-			model->triangles_in);
+		code = none_left(model, what, error);
 	if (!code) {
 		note_dropped(model, notes);
 		code = eco_model_apply_rules(model, c.place, options->rules, options->rule_count, what, notes,

@@ -65,8 +65,7 @@ static enum eco_code read_head(const char *path, struct head *head, struct eco_e
 		*const shapes[] = { "shx", "prj", "cpg", "sbn", "sbx", "qix", NULL };
 	struct stat file;
 	if (stat(path, &file) != 0)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", path,
-			strerror(errno));
+		return eco_fail_read(error, path, errno);
 	if (S_ISDIR(file.st_mode)) {         /* a file geodatabase */
 		head->size = 0;
 		return has_extension(path, (const char *const[]){ "gdb", NULL }) ? ECO_OK
@@ -76,7 +75,7 @@ static enum eco_code read_head(const char *path, struct head *head, struct eco_e
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it is not a file", path);
 	FILE *in = fopen(path, "rb");
 	if (!in)
-		return eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
+		return eco_fail_read(error, path, errno);
 	head->size = fread(head->bytes, 1, HEAD_BYTES, in);
 	head->bytes[head->size] = 0;
 	fclose(in);

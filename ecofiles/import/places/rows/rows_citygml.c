@@ -374,7 +374,7 @@ static enum eco_code walk(struct citygml *c, FILE *file, struct eco_error *error
 		void *buffer = XML_GetBuffer(c->parser, CHUNK_BYTES);
 		size = buffer ? fread(buffer, 1, CHUNK_BYTES, file) : 0;
 		if (ferror(file))
-			return eco_fail(error, ECO_IO, "%.300s: %s", c->path, strerror(errno));
+			return eco_fail_read(error, c->path, errno);
 		if (!buffer || XML_ParseBuffer(c->parser, (int)size, size < CHUNK_BYTES) == XML_STATUS_ERROR)
 			return syntax_error(c, error);
 	}
@@ -455,8 +455,7 @@ static enum eco_code read_citygml(struct citygml *c, struct eco_error *error)
 {
 	FILE *file = fopen(c->path, "rb");
 	if (!file)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", c->path,
-			strerror(errno));
+		return eco_fail_read(error, c->path, errno);
 	XML_SetUserData(c->parser, c);
 	XML_SetElementHandler(c->parser, on_start, on_end);
 	XML_SetCharacterDataHandler(c->parser, on_text);

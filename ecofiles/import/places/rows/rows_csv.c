@@ -190,7 +190,7 @@ static enum eco_code read_row(struct csv *csv, bool *more, struct eco_error *err
 			break;
 	}
 	if (ferror(csv->file))
-		return eco_fail(error, ECO_IO, "%.300s: %s", csv->path, strerror(errno));
+		return eco_fail_read(error, csv->path, errno);
 	return *more ? set_fields(csv, error) : ECO_OK;
 }
 
@@ -370,7 +370,7 @@ static enum eco_code find_points(struct csv *csv, struct eco_error *error)
 	}
 	csv->line = line;
 	if (from < 0 || fseek(csv->file, from, SEEK_SET) != 0)
-		return eco_fail(error, ECO_IO, "%.300s: %s", csv->path, strerror(errno));
+		return eco_fail_read(error, csv->path, errno);
 	return ECO_OK;
 }
 
@@ -454,7 +454,7 @@ static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
 		csv->line_end = '\r';
 	bool good = !ferror(csv->file) && fseek(csv->file, (long)(text - head), SEEK_SET) == 0;
 	free(head);
-	return good ? ECO_OK : eco_fail(error, ECO_IO, "%.300s: %s", csv->path, strerror(errno));
+	return good ? ECO_OK : eco_fail_read(error, csv->path, errno);
 }
 
 static enum eco_code read_header(struct csv *csv, struct eco_error *error)
@@ -498,8 +498,7 @@ enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char s
 	if (!csv->path || !csv->rows.columns || !csv->rows.fields || !csv->start)
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
 	else if (!(csv->file = fopen(path, "rb")))
-		code = eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path,
-			strerror(errno));
+		code = eco_fail_read(error, path, errno);
 	else
 		code = read_header(csv, error);
 	if (!code)
