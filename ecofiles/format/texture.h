@@ -22,6 +22,7 @@
 #include "ecofiles/format/model.h"
 
 #define ECO_TEXTURE_LEVELS_MAX 16u
+#define ECO_TEXTURE_QUALITY 72.0                 /* of colours in packs */
 #define ECO_TEXTURE_SIDE_MAX 16383u              /* texels, of a level: WebP has no more */
 
 /* An outline (channels 1: 255 opaque, 0 clear) or colours (channels 3: sRGB; of the ground's image also 4,

@@ -7,7 +7,6 @@
 #include "lod/light.h"
 
 #define SIDE ECO_GROUND_IMAGE_SIDE
-#define QUALITY 75.0                     /* WebP's */
 
 /* Half as wide and high, into `to` with rows of `stride` texels. */
 static void halve(const uint8_t *from, uint32_t side, uint8_t *to, uint32_t stride)
@@ -60,7 +59,7 @@ static enum eco_code write_level(struct eco_writer *w, uint8_t *rgba, uint32_t s
 	for (size_t i = 0; i < (size_t)side * side && part.channels == 3; i++)
 		memcpy(rgb + 3 * i, rgba + 4 * i, 3);
 	part.texels = rgb;
-	enum eco_code code = eco_texture_write_colors(w, &part, QUALITY, error);
+	enum eco_code code = eco_texture_write_colors(w, &part, ECO_TEXTURE_QUALITY, error);
 	if (rgb != rgba)
 		free(rgb);
 	return code;

@@ -5,8 +5,6 @@
 #include "ecofiles/format/list.h"
 #include "lod/build/texture_levels.h"
 
-#define QUALITY 80.0                     /* WebP's */
-
 /* What a level of half the texels shows wrong of a finer one, for struct lod_texture. */
 static uint8_t loss_of(const struct eco_texture_part *coarse, const struct eco_texture_part *fine)
 {
@@ -33,7 +31,7 @@ static enum eco_code write_levels(struct lod_texture *texture, const struct lod_
 		if (texture->outlines && i)
 			texture->loss = loss_of(&level[-1].outline, &level->outline);
 		if (!code)
-			code = eco_texture_write_colors(&texture->colors[i], &level->colors, QUALITY, error);
+			code = eco_texture_write_colors(&texture->colors[i], &level->colors, ECO_TEXTURE_QUALITY, error);
 	}
 	return code;
 }

@@ -5,7 +5,7 @@
  *   lod_texture_free(&texture);
  *
  * texture_levels.h says which levels there are and what their texels are. Outlines are coded without loss,
- * colours as WebP of quality 80. */
+ * colours as lossy WebP. */
 #ifndef LOD_TEXTURE_H
 #define LOD_TEXTURE_H
 

@@ -59,10 +59,10 @@ UNIT_TEST(webp_is_what_packs_have)
 	memset(cut, 255, sizeof cut);
 	for (size_t i = 0; i < sizeof texels; i++)
 		texels[i] = (uint8_t)(i * i / 97 + i % 3 * 40);
-	assert_ok(eco_texture_write_colors(&w, &colors, 80, &error), error);
+	assert_ok(eco_texture_write_colors(&w, &colors, ECO_TEXTURE_QUALITY, &error), error);
 	assert_ok(texels_code(&stored, NULL, TEXELS_WEBP, &colors, &outline, 0, &error), error);
 	assert_true(stored.bytes == (double)w.size);
-	assert_ok(texels_code(&finest, NULL, TEXELS_SQUARES, &colors, &outline, TEXELS_SETTINGS - 1, &error), error);
+	assert_ok(texels_code(&finest, NULL, TEXELS_PRESET, &colors, &outline, TEXELS_SETTINGS - 1, &error), error);
 	assert_true(finest.error < stored.error && finest.bytes > stored.bytes);
 	eco_writer_free(&w);
 }

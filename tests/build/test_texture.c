@@ -180,7 +180,7 @@ UNIT_TEST(levels_are_what_payloads_hold)
 			squares += pow(colors->texels[k] - seen.texels[k], 2);
 		assert_true(sqrt(squares / (3 * (double)count)) < 12);
 		struct eco_writer w = { 0 };
-		assert_ok(eco_texture_write_colors(&w, colors, 80, &error), error);
+		assert_ok(eco_texture_write_colors(&w, colors, ECO_TEXTURE_QUALITY, &error), error);
 		assert_int_equal(w.size, texture.colors[i].size);
 		assert_memory_equal(w.bytes, texture.colors[i].bytes, w.size);
 		eco_writer_free(&w);

@@ -58,7 +58,7 @@ static enum eco_code study_level(struct study *s, struct bench *bench, const str
 	enum eco_code code = texels_code(&stored, bench, TEXELS_WEBP, &level->colors, &level->outline, 0, error);
 	sums[TEXELS_WEBP] = (struct sums){ stored.bytes, 0, stored.encode_s, stored.decode_s };
 	bool all = stored.error > 0;
-	for (enum texels_coder c = TEXELS_SQUARES; c < TEXELS_CODERS && !code && all; c++) {
+	for (enum texels_coder c = TEXELS_PRESET; c < TEXELS_CODERS && !code && all; c++) {
 		if (s->there[c])
 			code = measure(&sums[c], bench, c, level, stored.error, error);
 		all = !code && (!s->there[c] || sums[c].bytes > 0);

@@ -3,8 +3,7 @@
  *   texels_code(&trial, bench, TEXELS_WEBP, &colors, &outline, 0, &error);       of each setting
  *   bytes = texels_bytes_at(points, count, error_of_what_is_stored);
  *
- * WebP is libwebp's, called as packs are made, or for least squares: without the preset's noise shaping,
- * which costs error. The others are programs of Debian 12 that a child process runs: avifenc and avifdec (package
+ * WebP is libwebp's, called as packs are made, or as its preset for pictures is. The others are programs of Debian 12 that a child process runs: avifenc and avifdec (package
  * libavif-bin; libaom writes, dav1d reads), cjxl and djxl (libjxl-tools). */
 #ifndef TESTS_BENCH_TEXELS_H
 #define TESTS_BENCH_TEXELS_H
@@ -16,7 +15,7 @@
 #include "ecofiles/format/texture.h"
 #include "tests/bench/bench.h"
 
-enum texels_coder { TEXELS_WEBP, TEXELS_SQUARES, TEXELS_AVIF_420, TEXELS_AVIF_444, TEXELS_JXL,
+enum texels_coder { TEXELS_WEBP, TEXELS_PRESET, TEXELS_AVIF_420, TEXELS_AVIF_444, TEXELS_JXL,
 	TEXELS_CODERS };
 extern const char *const texels_names[TEXELS_CODERS];
 #define TEXELS_SETTINGS 7u

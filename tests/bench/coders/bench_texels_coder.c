@@ -10,16 +10,15 @@
 #include "ecofiles/format/image.h"
 #include "tests/bench/bench_state.h"
 
-#define STORED_QUALITY 80.0              /* lod/build/texture.c */
 #define EFFORT 6
 #define PATH 1200
 #define FILE_MOST (256u << 20)      /* bytes */
 
-const char *const texels_names[TEXELS_CODERS] = { "WebP as stored", "WebP for squares", "AVIF 4:2:0",
+const char *const texels_names[TEXELS_CODERS] = { "WebP as stored", "WebP, its preset", "AVIF 4:2:0",
 	"AVIF 4:4:4", "JPEG XL" };
 
 /* WebP's quality, AVIF's quantizer, JPEG XL's distance */
-static const double settings[TEXELS_CODERS][TEXELS_SETTINGS] = { { STORED_QUALITY },
+static const double settings[TEXELS_CODERS][TEXELS_SETTINGS] = { { ECO_TEXTURE_QUALITY },
 	{ 60, 70, 78, 85, 91, 96, 100 }, { 56, 46, 36, 27, 19, 11, 3 }, { 60, 52, 42, 32, 23, 14, 5 },
 	{ 8, 4.5, 2.6, 1.5, 0.8, 0.4, 0.1 } };
 
@@ -70,8 +69,8 @@ size_t texels_avif_head(const uint8_t *bytes, size_t size)
 
 /* ---- WebP ---- */
 
-/* As eco_texture_write_colors, but without the preset's noise shaping. */
-static enum eco_code write_for_squares(struct eco_writer *w, const struct eco_texture_part *colors,
+/* As eco_texture_write_colors, but all as the preset for pictures has it. */
+static enum eco_code write_preset(struct eco_writer *w, const struct eco_texture_part *colors,
 	double quality, struct eco_error *error)
 {
 	WebPConfig config;
@@ -81,7 +80,6 @@ static enum eco_code write_for_squares(struct eco_writer *w, const struct eco_te
 		return eco_fail(error, ECO_UNSUPPORTED, "libwebp has another version than its headers");
 	WebPMemoryWriterInit(&memory);
 	config.method = EFFORT;
-	config.sns_strength = 0;
 	picture.width = (int)colors->width;
 	picture.height = (int)colors->height;
 	picture.writer = WebPMemoryWrite;
@@ -101,7 +99,7 @@ static enum eco_code code_webp(struct texels_trial *trial, enum texels_coder cod
 {
 	struct eco_writer w = { 0 };
 	double start = bench_cpu_s();
-	enum eco_code code = (coder == TEXELS_WEBP ? eco_texture_write_colors : write_for_squares)(&w, colors,
+	enum eco_code code = (coder == TEXELS_WEBP ? eco_texture_write_colors : write_preset)(&w, colors,
 		settings[coder][setting], error);
 	double middle = bench_cpu_s();
 	if (!code)
