@@ -21,18 +21,14 @@ const uint16_t lod_light_of[256] = {
 	63795, 64372, 64952, 65535,
 };
 
+/* The least byte such that the midpoint to the next byte is not below the light. Without branches, as
+ * nobody foresees which way a search goes. */
 uint8_t lod_light_byte(double light)
 {
-	uint32_t low = 0, high = 255;
-	while (low < high) {         /* the least byte such that the midpoint to the next byte is not below
-	                              * the light */
-		uint32_t middle = (low + high) / 2;
-		if (2 * light > (double)lod_light_of[middle] + lod_light_of[middle + 1])
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return (uint8_t)low;
+	uint32_t byte = 0;
+	for (uint32_t step = 128; step; step /= 2)
+		byte += step * (2 * light > (double)(lod_light_of[byte + step - 1] + lod_light_of[byte + step]));
+	return (uint8_t)byte;
 }
 
 void lod_light_mean(const struct lod_light *light, uint8_t rgb[3])

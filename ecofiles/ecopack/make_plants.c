@@ -164,9 +164,7 @@ static bool tell(void *ctx, double share)
 	return main_progress("building plants", detail, sum / work->m->plant_count) && go;
 }
 
-#define DRAFT_TEXELS 512u                /* of a side of a draft's texture */
-
-static enum eco_code keep_textures(struct make_plant *plant, const struct eco_model *model, bool draft,
+static enum eco_code keep_textures(struct make_plant *plant, const struct eco_model *model,
 	struct eco_error *error)
 {
 	plant->textures = calloc(plant->built.image_count + 1u, sizeof *plant->textures);
@@ -174,8 +172,7 @@ static enum eco_code keep_textures(struct make_plant *plant, const struct eco_mo
 		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory for textures", plant->name);
 	for (uint32_t i = 0; i < plant->built.image_count; i++) {
 		uint32_t id = plant->built.images[i];
-		enum eco_code code = lod_texture_make(&plant->textures[i], model, id,
-			draft ? DRAFT_TEXELS : 0, error);
+		enum eco_code code = lod_texture_make(&plant->textures[i], model, id, error);
 		if (code)
 			return code;
 		for (uint32_t k = 0; k < model->material_count; k++)
@@ -298,6 +295,17 @@ enum eco_code make_import(struct make_plant *plant, struct eco_model *model, boo
 		.rule_count = plant->source->part_count, .warn = warns ? warn : NULL, .ctx = plant }, error);
 }
 
+#define DRAFT_TEXELS 512u                /* of a side of a draft's texture */
+
+/* A draft is built of the texels that it keeps. */
+static enum eco_code shrink_images(struct eco_model *model, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < model->image_count && !code; i++)
+		code = lod_texture_shrink(&model->images[i], DRAFT_TEXELS, error);
+	return code;
+}
+
 static enum eco_code build_plant(struct job *job, struct eco_error *error)
 {
 	struct make_plant *plant = &job->work->m->plants[job->plant];
@@ -317,11 +325,15 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	memcpy(plant->dropped, model.dropped, sizeof plant->dropped);
 	memcpy(plant->foot, model.foot, sizeof plant->foot);
 	plant->scale = model.scale;
-	code = build_or_recall(job, &model, error);
+	main_times_stage(MAIN_STAGE_TEXTURES);
+	if (job->work->m->options->draft)
+		code = shrink_images(&model, error);
+	if (!code)
+		code = build_or_recall(job, &model, error);
 	main_times_stage(MAIN_STAGE_NONE);
 	main_times_stage(MAIN_STAGE_TEXTURES);
 	if (!code)
-		code = keep_textures(plant, &model, job->work->m->options->draft, error);
+		code = keep_textures(plant, &model, error);
 	main_times_stage(MAIN_STAGE_NONE);
 	if (!code)
 		measure_body(plant);

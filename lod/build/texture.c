@@ -37,7 +37,7 @@ static enum eco_code write_levels(struct lod_texture *texture, const struct lod_
 }
 
 enum eco_code lod_texture_make(struct lod_texture *texture, const struct eco_model *model, uint32_t id,
-	uint32_t side_most, struct eco_error *error)
+	struct eco_error *error)
 {
 	struct lod_texture_levels levels;
 	bool holes = eco_image_has_holes(&model->images[id]);
@@ -47,7 +47,7 @@ enum eco_code lod_texture_make(struct lod_texture *texture, const struct eco_mod
 		: eco_fail(error, ECO_NO_MEMORY, "no memory for a texture of %u x %u texels",
 		model->images[id].width, model->images[id].height);
 	if (!code)
-		code = lod_texture_levels_make(&levels, model, id, side_most, error);
+		code = lod_texture_levels_make(&levels, model, id, error);
 	if (!code) {
 		texture->texel_area = levels.texel_area;
 		code = write_levels(texture, &levels, error);

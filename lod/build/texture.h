@@ -21,10 +21,13 @@ struct lod_texture {
 	                              * there are outlines of two levels, else 0 */
 };
 
-/* A texture that no triangle shows keeps all its texels; its texel_area is 0. `side_most`: texels of its
- * longer side, at least 32, or 0: ECO_TEXTURE_SIDE_MAX. */
+/* A texture that no triangle shows keeps all its texels; its texel_area is 0. */
 enum eco_code lod_texture_make(struct lod_texture *texture, const struct eco_model *model, uint32_t image,
-	uint32_t side_most, struct eco_error *error);
+	struct eco_error *error);
 void lod_texture_free(struct lod_texture *texture);
+
+/* Halves an image until no side has more than `side_most` texels, at least 1: with the colours and the share
+ * of opaque texels that such a level of its texture has. */
+enum eco_code lod_texture_shrink(struct eco_image *image, uint32_t side_most, struct eco_error *error);
 
 #endif

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "lod/arena.h"
+#include "lod/build/texture.h"
 #include "lod/light.h"
 #include "lod/vector.h"
 
@@ -179,7 +180,7 @@ static double texel_area(const struct eco_model *model, uint32_t id, uint32_t *s
 /* ---- Levels that are kept ---- */
 
 static bool make(struct lod_texture_levels *kept, const struct eco_model *model, uint32_t id,
-	uint32_t side_most, struct lod_arena *arena)
+	struct lod_arena *arena)
 {
 	struct level levels[LEVELS_MAX];
 	uint32_t finest, coarsest = 0, count = make_levels(levels, &model->images[id], arena);
@@ -187,7 +188,7 @@ static bool make(struct lod_texture_levels *kept, const struct eco_model *model,
 	while (levels[coarsest].width > TEXTURE_SMALLEST || levels[coarsest].height > TEXTURE_SMALLEST)
 		coarsest++;
 	finest = finest < coarsest ? finest : coarsest;
-	while (levels[finest].width > side_most || levels[finest].height > side_most)
+	while (levels[finest].width > ECO_TEXTURE_SIDE_MAX || levels[finest].height > ECO_TEXTURE_SIDE_MAX)
 		finest++;
 	assert(coarsest < count && coarsest - finest < ECO_TEXTURE_LEVELS_MAX);
 	kept->texel_area = (float)ldexp(area, (int)(2 * finest));
@@ -198,18 +199,48 @@ static bool make(struct lod_texture_levels *kept, const struct eco_model *model,
 }
 
 enum eco_code lod_texture_levels_make(struct lod_texture_levels *levels, const struct eco_model *model,
-	uint32_t id, uint32_t side_most, struct eco_error *error)
+	uint32_t id, struct eco_error *error)
 {
 	struct lod_arena arena = { 0 };
 	*levels = (struct lod_texture_levels){ 0 };
-	bool good = !setjmp(arena.failed)
-		&& make(levels, model, id, side_most ? side_most : ECO_TEXTURE_SIDE_MAX, &arena);
+	bool good = !setjmp(arena.failed) && make(levels, model, id, &arena);
 	lod_arena_free(&arena);
 	if (good)
 		return ECO_OK;
 	lod_texture_levels_free(levels);
 	return eco_fail(error, ECO_NO_MEMORY, "no memory for a texture of %u x %u texels",
 		model->images[id].width, model->images[id].height);
+}
+
+/* ---- Smaller images ---- */
+
+static void shrink(struct eco_image *image, uint32_t side_most, struct lod_arena *arena)
+{
+	struct level level = first_level(image, arena);
+	while (level.width > side_most || level.height > side_most)
+		level = pull(&level, arena);
+	uint8_t *opaque = lod_arena_take(arena, count_of(&level), 1);
+	diffuse(&level, lod_arena_take(arena, 2 * ((size_t)level.width + 2), sizeof(int32_t)), opaque);
+	image->width = level.width;
+	image->height = level.height;
+	for (size_t i = 0; i < count_of(&level); i++) {
+		for (int k = 0; k < 3; k++)
+			image->rgba[4 * i + (size_t)k] = lod_light_byte(level.texels[i].light[k]);
+		image->rgba[4 * i + 3] = opaque[i];
+	}
+}
+
+enum eco_code lod_texture_shrink(struct eco_image *image, uint32_t side_most, struct eco_error *error)
+{
+	struct lod_arena arena = { 0 };
+	if (image->width <= side_most && image->height <= side_most)
+		return ECO_OK;
+	bool good = !setjmp(arena.failed);
+	if (good)
+		shrink(image, side_most, &arena);
+	lod_arena_free(&arena);
+	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a texture of %u x %u texels",
+		image->width, image->height);
 }
 
 void lod_texture_levels_free(struct lod_texture_levels *levels)

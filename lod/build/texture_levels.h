@@ -1,6 +1,6 @@
 /* The levels of an image of a model, before they are encoded (lod/build/texture.h).
  *
- *   lod_texture_levels_make(&levels, &model, image, 0, &error);
+ *   lod_texture_levels_make(&levels, &model, image, &error);
  *   ... levels.levels[0 .. count), smallest first ...
  *   lod_texture_levels_free(&levels);
  *
@@ -24,9 +24,8 @@ struct lod_texture_levels {
 	float texel_area;            /* as of struct lod_texture; 0: no triangle shows the image */
 };
 
-/* `side_most`: texels of the longer side, at least 32, or 0: ECO_TEXTURE_SIDE_MAX. */
 enum eco_code lod_texture_levels_make(struct lod_texture_levels *levels, const struct eco_model *model,
-	uint32_t image, uint32_t side_most, struct eco_error *error);
+	uint32_t image, struct eco_error *error);
 void lod_texture_levels_free(struct lod_texture_levels *levels);
 
 #endif

@@ -8,6 +8,7 @@
 #include "ecofiles/format/texture.h"
 #include "lod/build/texture.h"
 #include "lod/build/texture_levels.h"
+#include "lod/light.h"
 #include "tests/support/scene_builder.h"
 #include "tests/support/unit_test.h"
 
@@ -63,7 +64,7 @@ static struct lod_texture make(struct card *c)
 {
 	struct lod_texture texture;
 	struct eco_error error = { 0 };
-	assert_ok(lod_texture_make(&texture, &c->model, 0, 0, &error), error);
+	assert_ok(lod_texture_make(&texture, &c->model, 0, &error), error);
 	return texture;
 }
 
@@ -163,7 +164,7 @@ UNIT_TEST(levels_are_what_payloads_hold)
 	struct eco_error error = { 0 };
 	card_make(&card, leaves(SIDE, SIDE / 2, 30), 2);
 	struct lod_texture texture = make(&card);
-	assert_ok(lod_texture_levels_make(&levels, &card.model, 0, 0, &error), error);
+	assert_ok(lod_texture_levels_make(&levels, &card.model, 0, &error), error);
 	assert_int_equal(levels.count, texture.count);
 	assert_true(levels.texel_area == texture.texel_area);
 	for (uint32_t i = 0; i < levels.count; i++) {
@@ -286,4 +287,35 @@ UNIT_TEST(any_shape_and_nothing_opaque)
 			lod_texture_free(&texture);
 			free(image.rgba);
 		}
+}
+
+/* Mean light of the opaque texels, and their share. */
+static double mean_of(const struct eco_image *image, double light[3])
+{
+	double opaque = 0, texels = (double)image->width * image->height;
+	memset(light, 0, 3 * sizeof *light);
+	for (size_t i = 0; i < (size_t)texels; i++)
+		if (image->rgba[4 * i + 3] >= 128) {
+			opaque++;
+			for (int k = 0; k < 3; k++)
+				light[k] += lod_light_of[image->rgba[4 * i + (size_t)k]];
+		}
+	for (int k = 0; k < 3; k++)
+		light[k] /= opaque;
+	return opaque / texels;
+}
+
+UNIT_TEST(a_smaller_image_has_the_same_light_and_as_much_of_it_opaque)
+{
+	struct eco_image image = leaves(SIDE, SIDE / 2, 20);
+	double before[3], after[3], share = mean_of(&image, before);
+	assert_ok(lod_texture_shrink(&image, SIDE, NULL), (struct eco_error){ .code = ECO_OK });
+	assert_int_equal(image.width, SIDE);
+	assert_ok(lod_texture_shrink(&image, 50, NULL), (struct eco_error){ .code = ECO_OK });
+	assert_int_equal(image.width, SIDE / 8);
+	assert_int_equal(image.height, SIDE / 16);
+	assert_true(fabs(mean_of(&image, after) / share - 1) < 0.02);
+	for (int k = 0; k < 3; k++)
+		assert_true(fabs(after[k] / before[k] - 1) < 0.02);
+	free(image.rgba);
 }

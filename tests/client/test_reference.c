@@ -36,7 +36,7 @@ static void make_texture(void)
 			p[0] = 60, p[1] = (uint8_t)(100 + x), p[2] = 40;
 			p[3] = d < 500 && (x / 6 + y / 6) % 5 ? 255 : 0;
 		}
-	assert_ok(lod_texture_make(&texture, &model, 0, 0, &error), error);
+	assert_ok(lod_texture_make(&texture, &model, 0, &error), error);
 	assert_int_equal(texture.count, 2);
 }
 

@@ -89,7 +89,7 @@ static enum eco_code study_model(struct study *s, struct bench *bench, const str
 	enum eco_code code = ECO_OK;
 	for (uint32_t id = 0; id < model->image_count && !code; id++) {
 		struct lod_texture_levels levels;
-		code = lod_texture_levels_make(&levels, model, id, 0, error);
+		code = lod_texture_levels_make(&levels, model, id, error);
 		if (code)
 			return code;
 		s->model.textures += levels.texel_area > 0;
