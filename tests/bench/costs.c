@@ -7,6 +7,7 @@
  * (server/typical.h); else any. --deussen: by that rule. Prints a line a pack; with --each one a request
  * before it, for sort. */
 #include <getopt.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,8 +16,10 @@
 #include "server/typical.h"
 #include "tests/support/random_request.h"
 
+#define SOMETHING 1000u                  /* vertices: half of all random requests see less */
+
 struct run { uint64_t seed, from, count, times; lod_rule *rule; bool each; };
-struct cost { uint64_t number; double ms, q; uint64_t work; uint32_t steps; };
+struct cost { uint64_t number; double ms, q; uint64_t work, vertices; uint32_t steps; };
 
 static double processor_ms(void)
 {
@@ -38,7 +41,7 @@ static void print_request(const struct eco_request *request, const struct cost *
 		cost->ms, (unsigned long long)cost->work, (unsigned long long)cost->number,
 		request->view.width, request->view.height, (unsigned long long)request->vertices,
 		request->bytes == ECO_BYTES_UNBOUNDED ? -1 : (long long)request->bytes,
-		(unsigned long long)stream->steps[stream->step_count - 1].plan.vertices, stream->step_count);
+		(unsigned long long)cost->vertices, stream->step_count);
 }
 
 /* False where the request layer refuses the view. */
@@ -56,11 +59,23 @@ static bool one_request(const struct srv_scene *scene, uint64_t number, uint64_t
 		random_stop("planning", &error);
 	*cost = (struct cost){ .number = number, .ms = processor_ms() - begun, .work = stream.work,
 		.q = eco_predicted_q(&stream.steps[stream.step_count - 1].plan.prediction),
-		.steps = stream.step_count };
+		.vertices = stream.steps[stream.step_count - 1].plan.vertices, .steps = stream.step_count };
 	if (run->each)
 		print_request(&request, cost, &stream);
 	srv_stream_free(&stream);
 	return true;
+}
+
+/* The median of the sorted costs of requests that draw so many vertices; NAN: none does. */
+static double median_ms(const struct cost *costs, uint64_t count, uint64_t vertices, uint64_t *drawing)
+{
+	uint64_t seen = 0, i = 0;
+	*drawing = 0;
+	for (uint64_t k = 0; k < count; k++)
+		*drawing += costs[k].vertices >= vertices;
+	for (; i < count && seen <= *drawing / 2; i++)
+		seen += costs[i].vertices >= vertices;
+	return *drawing ? costs[i - 1].ms : NAN;
 }
 
 static void print_costs(const char *path, struct cost *costs, uint64_t count)
@@ -73,11 +88,14 @@ static void print_costs(const char *path, struct cost *costs, uint64_t count)
 	}
 	qsort(costs, count, sizeof *costs, by_ms);
 	const struct cost *worst = &costs[count - 1];
-	double median = costs[count / 2].ms;
+	uint64_t drawing;
+	double median = costs[count / 2].ms, busy = median_ms(costs, count, SOMETHING, &drawing);
 	printf("%s: %llu requests; plan CPU median %.3f ms, p90 %.3f, p99 %.3f, worst %.3f (request %llu), "
-		"%.1f x the median; mean Q predicted %.4f, in %.2f steps\n", slash ? slash + 1 : path,
+		"%.1f x the median; mean Q predicted %.4f, in %.2f steps; %llu "
+		"draw %u vertices or more, their median %.3f ms, the worst %.1f times that\n", slash ? slash + 1 : path,
 		(unsigned long long)count, median, costs[count * 9 / 10].ms, costs[count * 99 / 100].ms,
-		worst->ms, (unsigned long long)worst->number, worst->ms / median, q, steps);
+		worst->ms, (unsigned long long)worst->number, worst->ms / median, q, steps,
+		(unsigned long long)drawing, SOMETHING, busy, worst->ms / busy);
 	fflush(stdout);
 }
 
