@@ -254,14 +254,29 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 	glUniform1fv(s->uniform[VIEW_U_SIDES], ECO_SIZES, sides);
 }
 
+static enum eco_code compile(struct view_gl *gl, enum view_program which, struct eco_error *error)
+{
+	struct view_shader *s = &gl->shaders[which];
+	return s->program ? ECO_OK : view_shader_compile(s, which, &gl->context.dialect, error);
+}
+
+enum eco_code view_gl_prepare(struct view_gl *gl, uint32_t programs, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	view_context_use(&gl->context);
+	for (int i = 0; i < VIEW_PROGRAM_COUNT && !code; i++)
+		if (programs & 1u << i)
+			code = compile(gl, (enum view_program)i, error);
+	return code;
+}
+
 static enum eco_code use(struct frame *f, enum view_program which, const struct view_shader **out)
 {
 	struct view_shader *s = &f->gl->shaders[which];
 	*out = s;
 	if (f->any_bound && f->bound == which)
 		return ECO_OK;
-	enum eco_code code = s->program ? ECO_OK : view_shader_compile(s, which, &f->gl->context.dialect,
-		f->error);
+	enum eco_code code = compile(f->gl, which, f->error);
 	if (code)
 		return code;
 	glUseProgram(s->program);

@@ -46,8 +46,8 @@ void view_gpu_keep(struct view_gpu *gpu, const struct view_store *const *stores,
 /* The list with all chunks that the store holds uploaded. The pointer is valid until the next call. */
 enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list,
 	const struct view_gpu_list **out, struct eco_error *error);
-/* Whether the driver had memory for all lists since the last check: it is asked once for all of them, as it is
- * waited for. If it had not, none is here any more. */
+/* Whether the driver had memory for all lists since the last check: one question for all of them, as each
+ * waits for the driver. If it had not, none is here any more. */
 enum eco_code view_gpu_check(struct view_gpu *gpu, struct eco_error *error);
 
 /* Replaces all texels, for what changes every frame. `words` 4-byte words a texel: 4, or 1. */

@@ -389,7 +389,7 @@ static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up"
 	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
 	"u_point_max", "u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count" };
 
-/* Whether it does is said by the program's linking: a browser's driver is waited for once, not three times. */
+/* Linking says whether it compiles: so a browser's driver is waited for once, not three times. */
 static unsigned compile(unsigned type, const char *const *parts, int count)
 {
 	unsigned shader = glCreateShader(type);

@@ -109,8 +109,8 @@ export class EcoLayer {
 	 * sun: a time, in seconds since 1970, where it is then and there; null: where it usually is;
 	 * shadows: 'none', 'standard' or 'perspective', by a map of shadowSize texels a side (0: 1024);
 	 * haze: metres after which it hides all but 1/e (0: as usual);
-	 * first: { about, view, wanted, bytes }, what a page has asked for before it had this module: a Scene, and
-	 * the answer to a first request (or null);
+	 * first: { about, view, wanted, body }, what a page has asked for before it had this module: a Scene, and
+	 * the answer to a first request, as a stream or bytes (or null);
 	 * keep: the browser keeps what comes until the next visit; token: of a scene that is not for all;
 	 * onChange(): there is more to draw; onError(error): an EcoError, `offline` if the
 	 * server does not answer and will be asked again. */
@@ -141,9 +141,19 @@ export class EcoLayer {
 			{ majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: false });
 		const stream = await this.openStream();
 		// where it is of no use all is asked for as usual
-		if (first?.bytes && !stream.held)
+		if (first?.body && !stream.held) {
+			this.prepare(stream, first.wanted);
 			await stream.take(first).then(() => stream.select(), () => {});
+		}
 		this.stream = stream;
+	}
+
+	/** Compiles what draws, while an answer is on its way. */
+	prepare({ web }, { width, height }) {
+		const { restore } = stateOf(this.gl);
+		this.module.GL.makeContextCurrent(this.context);
+		this.module._web_prepare(web, width, height);   // what fails will again where it is drawn
+		restore();
 	}
 
 	/** Begins anew: the server has another pack of the scene. */

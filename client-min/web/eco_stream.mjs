@@ -95,13 +95,12 @@ export class EcoStream {
 		return true;
 	}
 
-	/** Takes an answer to a request that somebody else has made, of one who holds nothing. */
-	async take({ view, wanted: { width, height, vertices, bytes: most }, bytes }) {
+	/** Takes an answer, as it comes, to a request that somebody else has made, of one who holds nothing. */
+	async take({ view, wanted: { width, height, vertices, bytes: most }, body }) {
 		const { module, web } = this;
 		this.check(module._web_request(web, this.putView(view), width, height, vertices, most));
 		this.check(!module._web_ask(web));
-		const read = [{ value: bytes }, { done: true }];
-		await this.feed({ read: () => read.shift() });
+		await this.feed(new Response(body).body.getReader());
 		this.check(module._web_finish(web) < 0);
 	}
 

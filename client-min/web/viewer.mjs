@@ -200,12 +200,31 @@ async function takeFirst(name) {
 		if (!described || settings.scene !== name)
 			return null;
 		know(described);
-		// an answer is of the pack that is described, or of no use
-		const came = await answer, [since, of] = [said, came].map((one) => one?.headers.get('last-modified'));
-		const good = came?.status === 200 && since === of;
-		return { about: described, view, wanted, bytes: good ? new Uint8Array(await came.arrayBuffer()) : null };
+		return { about: described, view, wanted, body: answer && streamOf(answer, modifiedOf(said)) };
 	} catch {
 		return null;
+	}
+}
+
+const modifiedOf = (answer) => answer.headers.get('last-modified');
+
+/** An answer's bytes as they come, for the engine; it is of the pack that is described, or fails. */
+function streamOf(answer, modified) {
+	const { readable, writable } = new TransformStream();
+	const fits = (came) => came.status === 200 && modifiedOf(came) === modified;
+	answer.then((came) => fits(came) ? came.body.pipeTo(writable) : writable.abort(), () => writable.abort())
+		.catch(() => {});
+	return readable;
+}
+
+/** Sends the engine what came first; where streams cannot be given away, once all of it has come. */
+async function sendOpen(message) {
+	const { first } = message;
+	try {
+		engine.postMessage(message, first?.body ? [first.body] : []);
+	} catch {
+		const body = await new Response(first.body).arrayBuffer().catch(() => null);
+		engine.postMessage({ ...message, first: { ...first, body } });
 	}
 }
 
@@ -220,7 +239,7 @@ function open(name) {
 	const url = new URL(`/v1/scenes/${name}`, location.href).href, opened = token;
 	takeFirst(name).then((first) => {
 		if (settings.scene === name)
-			engine.postMessage({ type: 'open', url, token: opened, first });
+			sendOpen({ type: 'open', url, token: opened, first });
 	});
 }
 

@@ -6,6 +6,7 @@
 
 #include "client-min/view_digest.h"
 #include "client-min/draw/view_gl.h"
+#include "client-min/draw/view_shader.h"
 #include "client-min/view_query.h"
 #include "client-min/view_sun.h"
 #include "client-min/web/web_light.h"
@@ -216,6 +217,22 @@ static enum eco_code prepare(struct web *web, uint32_t width, uint32_t height)
 	if (!code)
 		view_gl_keep(web->gl, &store, 1);
 	return code;
+}
+
+/* Programs of whole scenes, from where plants are no triangles; of others they are compiled in vain. */
+#define FAR_PROGRAMS (1u << VIEW_PROGRAM_GROUND | 1u << VIEW_PROGRAM_SUMMARY | 1u << VIEW_PROGRAM_SPLATS)
+
+int web_prepare(struct web *web, double width, double height)
+{
+	forget_error(web);
+	enum eco_code code = prepare(web, (uint32_t)width, (uint32_t)height);
+	if (!code)
+		code = view_gl_prepare(web->gl, FAR_PROGRAMS, &web->error);
+	if (!code)
+		code = web_light_prepare(&web->light, &web->error);
+	if (!code)
+		code = web_present_prepare(&web->present, &web->error);
+	return (int)code;
 }
 
 /* Shadow maps and images on the ground are made and looked up in memory. */

@@ -10,6 +10,7 @@
  *                                                   URL/stream?web_query(web); NULL: see web_error
  *           web_feed(web, bytes, size)              as they come
  *   while ((again = web_finish(web)) > 0)           0: all is here; below 0: see web_error
+ *   web_prepare(web, width, height)                 while nothing has come yet: what a view from afar needs
  *   web_select(web)                                 what the plan that has come draws from now on; -1: none
  *                                                   has
  *   web_draw(web, view, width, height, tint)        a picture, by the WebGL context that is current
@@ -41,6 +42,7 @@ size_t web_body_size(const struct web *web);
 int web_feed(struct web *web, const uint8_t *bytes, size_t size);
 int web_finish(struct web *web);
 
+int web_prepare(struct web *web, double width, double height);
 int web_select(struct web *web);
 int web_draw(struct web *web, const double view[10], double width, double height, double tint);
 /* From now on the sun is where it is at a place and time (view_sun.h); NaN: where it usually is. */

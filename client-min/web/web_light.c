@@ -114,7 +114,7 @@ static const char pixels[] =
 
 /* ---- Life ---- */
 
-static enum eco_code prepare(struct web_light *light, struct eco_error *error)
+enum eco_code web_light_prepare(struct web_light *light, struct eco_error *error)
 {
 	if (light->program)
 		return ECO_OK;
@@ -331,7 +331,7 @@ enum eco_code web_light_draw(struct web_light *light, const struct view_gl *gl,
 	const struct view_light_job *job, uint32_t width, uint32_t height, struct eco_error *error)
 {
 	struct view_gl_target target = view_gl_target(gl);
-	enum eco_code code = prepare(light, error);
+	enum eco_code code = web_light_prepare(light, error);
 	if (!code)
 		code = upload_plants(light, job, error);
 	if (!code)
@@ -350,7 +350,7 @@ enum eco_code web_light_put(struct web_light *light, const struct view_picture *
 {
 	size_t count = (size_t)picture->width * picture->height;
 	uint8_t *rgba = calloc(count, 4);
-	enum eco_code code = rgba ? prepare(light, error)
+	enum eco_code code = rgba ? web_light_prepare(light, error)
 		: eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
 	for (size_t i = 0; i < count && !code; i++)
 		memcpy(rgba + 4 * i, picture->rgb + 3 * i, 3);

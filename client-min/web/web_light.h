@@ -28,6 +28,8 @@ struct web_light {                       /* zero is empty */
 /* All of the picture that gl has recorded, of the job's selection. No image on the ground, no shadow maps:
  * web_light_can. */
 bool web_light_can(const struct view_light_job *job);
+/* Compiles what drawing needs, which that else does itself. */
+enum eco_code web_light_prepare(struct web_light *light, struct eco_error *error);
 enum eco_code web_light_draw(struct web_light *light, const struct view_gl *gl,
 	const struct view_light_job *job, uint32_t width, uint32_t height, struct eco_error *error);
 /* Takes colours that were lit in memory; reads them, 3 bytes a pixel. */

@@ -25,15 +25,23 @@ static void bind(unsigned program, const char *name, int unit, unsigned texture)
 	glUniform1i(glGetUniformLocation(program, name), unit);
 }
 
+enum eco_code web_present_prepare(struct web_present *p, struct eco_error *error)
+{
+	if (p->program)
+		return ECO_OK;
+	p->program = web_program((const char *const[]){ fragment_text }, 1, "pictures", error);
+	if (!p->program)
+		return ECO_UNSUPPORTED;
+	glGenVertexArrays(1, &p->vertex_array);
+	return ECO_OK;
+}
+
 enum eco_code web_present_draw(struct web_present *p, unsigned lit, unsigned seen,
 	const struct web_place *place, struct eco_error *error)
 {
-	if (!p->program) {
-		p->program = web_program((const char *const[]){ fragment_text }, 1, "pictures", error);
-		if (!p->program)
-			return ECO_UNSUPPORTED;
-		glGenVertexArrays(1, &p->vertex_array);
-	}
+	enum eco_code code = web_present_prepare(p, error);
+	if (code)
+		return code;
 	glUseProgram(p->program);
 	bind(p->program, "u_lit", 0, lit);
 	bind(p->program, "u_seen", 1, seen);

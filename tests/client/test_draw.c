@@ -4,6 +4,7 @@
 
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_shade.h"
+#include "client-min/draw/view_shader.h"
 #include "client-min/view_reference.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/unit_test.h"
@@ -355,6 +356,20 @@ UNIT_TEST(shadows_fall_to_the_north_east)
 		assert_int_equal(shade.texels[i], 0);
 	view_shade_free(&shade);
 	scene_release(&h);
+}
+
+UNIT_TEST(programs_are_compiled_before_something_is_drawn_by_them)
+{
+	const uint32_t wanted = 1u << VIEW_PROGRAM_GROUND | 1u << VIEW_PROGRAM_SUMMARY;
+	struct view_gl_options options = { 16, 16 };
+	struct view_gl *fresh;
+	if (!gl)
+		skip();
+	assert_int_equal(view_gl_open(&fresh, &options, NULL), ECO_OK);
+	assert_int_equal(view_gl_programs(fresh), 0);
+	assert_int_equal(view_gl_prepare(fresh, wanted, NULL), ECO_OK);
+	assert_int_equal(view_gl_programs(fresh), wanted);
+	view_gl_close(fresh);
 }
 
 int main(void)
