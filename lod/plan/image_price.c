@@ -120,8 +120,8 @@ static void add_texel_costs(const struct lod_allocation *m, struct ladder_price 
 		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
 		double seen = m->uses.seen[choice->slot] * lod_prices_share(m, id, false) * choice->weight_px,
 			px = texel_px(m, l, id);
-		for (uint32_t n = levels; n > 0 && seen > 0; n--, px *= 2)
-			costs[n] += seen * lod_texel_cost(px);
+		for (uint32_t n = levels; n > 0 && seen > 0; n--)
+			costs[n] += seen * lod_texel_loss(px, levels - n);
 		l->textured_px += seen;
 	}
 }

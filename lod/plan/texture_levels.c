@@ -54,6 +54,14 @@ double lod_texel_cost(double px)
 	return COST_BELOW * below + COST_ABOVE * above;
 }
 
+double lod_texel_loss(double px, uint32_t fewer)
+{
+	px = fmin(1, px);
+	while (fewer--)
+		px *= 2;
+	return lod_texel_cost(px);
+}
+
 static int by_list(const void *a, const void *b)
 {
 	const struct eco_cut *x = a, *y = b;

@@ -197,3 +197,14 @@ UNIT_TEST(wider_texels_cost_more)
 	}
 	assert_true(before > 0.3 && lod_texel_cost(INFINITY) == before);
 }
+
+/* A price of bytes, however small, took all levels but one of a plant around the eye. */
+UNIT_TEST(levels_count_where_the_eye_is_within_a_plant)
+{
+	static const double widths[] = { 1e-3, 0.25, 1, 2, 64, INFINITY };
+	for (size_t i = 0; i < sizeof widths / sizeof *widths; i++) {
+		assert_true(lod_texel_loss(widths[i], 0) == lod_texel_cost(fmin(1, widths[i])));
+		for (uint32_t fewer = 1; fewer < LEVELS && widths[i] > 0.1; fewer++)
+			assert_true(lod_texel_loss(widths[i], fewer) > lod_texel_loss(widths[i], fewer - 1) + 0.004);
+	}
+}
