@@ -2,7 +2,6 @@
 
 #include <stdlib.h>
 
-/* In 32 bits, as a shader looks up owners, too (web/web_light.c). */
 static uint32_t slot_of(uint64_t owner)
 {
 	uint32_t h = ((uint32_t)owner ^ (uint32_t)(owner >> 32) * 0x85EBCA77u) * 0x9E3779B1u;

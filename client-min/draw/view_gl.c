@@ -22,10 +22,11 @@ struct view_gl {
 	struct view_gpu gpu;
 	struct view_shader shaders[VIEW_PROGRAM_COUNT];
 	unsigned quads;                  /* index buffer: two triangles of four vertices, QUADS times */
-	unsigned framebuffer, color, seen, depth, vertex_array;
+	unsigned framebuffer, seen, depth, vertex_array;
 	float point_max;                 /* pixels across */
 	int viewport_max[2];
 	struct view_gpu_texels instances, members;
+	uint64_t *owners;                /* of the instances that were recorded */
 };
 
 struct frame {                           /* of one draw */
@@ -55,20 +56,17 @@ static enum eco_code make_target(struct view_gl *gl, struct eco_error *error)
 			"draws at most %d x %d", gl->width, gl->height, most, most);
 	glGenFramebuffers(1, &gl->framebuffer);
 	glBindFramebuffer(GL_FRAMEBUFFER, gl->framebuffer);
-	gl->color = texture_target(GL_RGBA8, gl->width, gl->height, GL_COLOR_ATTACHMENT0);
-	gl->seen = texture_target(GL_RGBA32UI, gl->width, gl->height, GL_COLOR_ATTACHMENT1);
+	gl->seen = texture_target(GL_RGBA32UI, gl->width, gl->height, GL_COLOR_ATTACHMENT0);
 	gl->depth = texture_target(GL_DEPTH_COMPONENT32F, gl->width, gl->height, GL_DEPTH_ATTACHMENT);
-	glDrawBuffers(2, (const GLenum[]){ GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1 });
 	if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-		return eco_fail(error, ECO_UNSUPPORTED, "the graphics driver cannot draw colours and owners "
-			"at once");
+		return eco_fail(error, ECO_UNSUPPORTED, "the graphics driver cannot draw whole numbers");
 	return ECO_OK;
 }
 
 static void free_target(struct view_gl *gl)
 {
-	const unsigned textures[] = { gl->color, gl->seen, gl->depth };
-	glDeleteTextures(3, textures);
+	const unsigned textures[] = { gl->seen, gl->depth };
+	glDeleteTextures(2, textures);
 	glDeleteFramebuffers(1, &gl->framebuffer);
 }
 
@@ -147,6 +145,7 @@ void view_gl_close(struct view_gl *gl)
 		glDeleteVertexArrays(1, &gl->vertex_array);
 		view_context_close(&gl->context);
 	}
+	free(gl->owners);
 	free(gl);
 }
 
@@ -203,10 +202,9 @@ static void put_instance(uint32_t *words, const struct lod_eye *eye, const struc
 		put_float(words++, a[2] * place->scale);
 		put_float(words++, a[0] * offset[0] + a[1] * offset[1] + a[2] * offset[2]);
 	}
-	*words++ = (uint32_t)p->owner;
-	*words++ = (uint32_t)(p->owner >> 32);
 	put_float(words++, place->scale);
-	put_float(words, plant ? view_shape_of(plant).half_width : 0);
+	put_float(words++, plant ? view_shape_of(plant).half_width : 0);
+	memset(words, 0, 2 * sizeof *words);
 }
 
 static enum eco_code upload_selection(struct frame *f)
@@ -214,10 +212,15 @@ static enum eco_code upload_selection(struct frame *f)
 	const struct view_selection *s = f->job->selection;
 	size_t size = (size_t)s->instance_count * INSTANCE_TEXELS * VIEW_TEXEL_BYTES;
 	uint32_t *words = malloc(size + 1);
-	if (!words)
+	uint64_t *owners = realloc(f->gl->owners, s->instance_count * sizeof *owners + 1);
+	f->gl->owners = owners ? owners : f->gl->owners;
+	if (!words || !owners) {
+		free(words);
 		return eco_fail(f->error, ECO_NO_MEMORY, "no memory for the plants in view");
+	}
 	for (uint32_t i = 0; i < s->instance_count; i++) {
 		const struct view_instance *p = &s->instances[i];
+		owners[i] = p->owner;
 		put_instance(words + (size_t)i * INSTANCE_TEXELS * 4, f->job->eye, p,
 			p->plant == ECO_NONE ? NULL : view_store_plant(f->job->store, p->plant));
 	}
@@ -329,7 +332,8 @@ static enum eco_code draw_tile(struct frame *f, const struct view_shader *s,
 	glUniform2i(s->uniform[VIEW_U_INNER], (int)tile->x.inner, (int)tile->y.inner);
 	glUniform4i(s->uniform[VIEW_U_SEAM], coarser[LOD_GROUND_WEST], coarser[LOD_GROUND_EAST],
 		coarser[LOD_GROUND_SOUTH], coarser[LOD_GROUND_NORTH]);
-	glDrawArrays(GL_TRIANGLES, 0, (GLsizei)((tile->x.inner - 1) * (tile->y.inner - 1) * 6));
+	glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, (GLsizei)(2 * tile->x.inner),
+		(GLsizei)(tile->y.inner - 1));
 	return ECO_OK;
 }
 
@@ -519,7 +523,7 @@ static void draw_ellipses(const struct frame *f, const struct view_shader *s, co
 	uint32_t count = (cut->end - cut->first) << cut->halvings, most = ELLIPSES / count;
 	int width = (int)f->gl->width, height = (int)f->gl->height, margin = point_margin(f->gl);
 	double part = nearest_ellipse(f, g, list, cut, f->job->selection->members + first_member, members);
-	bool points = ellipse_px(f, part) <= 2 * margin;
+	bool points = margin > 0 && ellipse_px(f, part) <= 2 * margin;
 	margin = points ? margin : 0;
 	glUniform1i(s->uniform[VIEW_U_CORNERS], points ? 1 : 3);
 	glUniform1i(s->uniform[VIEW_U_FIRST], (int)(cut->first << cut->halvings));
@@ -591,6 +595,20 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 	return ECO_OK;
 }
 
+static void read_pixel(const struct view_gl *gl, const uint32_t words[4], struct view_picture *picture,
+	size_t i)
+{
+	uint32_t whose = words[0], surface = words[1];
+	bool summary = surface >> 24 == VIEW_GL_SUMMARY;
+	picture->owner[i] = summary ? eco_owner_summary(whose >> 16, whose)
+		: whose ? gl->owners[whose - 1] : 0;
+	picture->cover[i] = picture->owner[i] ? 255 : 0;
+	picture->surface[i] = summary ? surface & ~(1u << 24) : surface;
+	memcpy(&picture->depth[i], &words[2], sizeof picture->depth[i]);
+	for (int k = 0; k < 3; k++)
+		picture->rgb[3 * i + (size_t)k] = (uint8_t)(words[3] >> 8 * k);
+}
+
 enum eco_code view_gl_read(struct view_gl *gl, struct view_picture *picture, struct eco_error *error)
 {
 	size_t pixels = (size_t)picture->width * picture->height;
@@ -601,20 +619,10 @@ enum eco_code view_gl_read(struct view_gl *gl, struct view_picture *picture, str
 	glBindFramebuffer(GL_FRAMEBUFFER, gl->framebuffer);
 	glPixelStorei(GL_PACK_ALIGNMENT, 1);
 	glReadBuffer(GL_COLOR_ATTACHMENT0);
-	glReadPixels(0, 0, (GLsizei)picture->width, (GLsizei)picture->height, GL_RGBA, GL_UNSIGNED_BYTE,
-		words);
-	for (size_t i = 0; i < pixels; i++)
-		memcpy(picture->rgb + 3 * i, words + i, 3);
-	glReadBuffer(GL_COLOR_ATTACHMENT1);
 	glReadPixels(0, 0, (GLsizei)picture->width, (GLsizei)picture->height, GL_RGBA_INTEGER,
 		GL_UNSIGNED_INT, words);
-	for (size_t i = 0; i < pixels; i++) {
-		const uint32_t *seen = words + 4 * i;
-		picture->owner[i] = seen[0] | (uint64_t)seen[1] << 32;
-		picture->cover[i] = picture->owner[i] ? 255 : 0;
-		picture->surface[i] = seen[2];
-		memcpy(&picture->depth[i], &seen[3], sizeof picture->depth[i]);
-	}
+	for (size_t i = 0; i < pixels; i++)
+		read_pixel(gl, words + 4 * i, picture, i);
 	free(words);
 	GLenum failed = glGetError();
 	return failed ? eco_fail(error, ECO_IO, "the graphics driver reports error 0x%x", failed) : ECO_OK;
@@ -640,8 +648,7 @@ static void begin(const struct view_gl *gl)
 
 static void clear(void)
 {
-	glClearBufferfv(GL_COLOR, 0, (const float[]){ 0, 0, 0, 1 });
-	glClearBufferuiv(GL_COLOR, 1, (const unsigned[]){ 0, 0, 0, 0 });
+	glClearBufferuiv(GL_COLOR, 0, (const unsigned[]){ 0, 0, 0, 0 });
 	glClearBufferfv(GL_DEPTH, 0, (const float[]){ 0 });
 }
 
@@ -666,9 +673,9 @@ enum eco_code view_gl_record(struct view_gl *gl, const struct view_gl_job *job, 
 	return code ? code : view_gpu_check(&gl->gpu, error);
 }
 
-struct view_gl_target view_gl_target(const struct view_gl *gl)
+unsigned view_gl_target(const struct view_gl *gl)
 {
-	return (struct view_gl_target){ gl->color, gl->seen };
+	return gl->seen;
 }
 
 enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,

@@ -54,7 +54,13 @@ enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, st
 enum eco_code view_gl_record(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
 	struct eco_error *error);
 enum eco_code view_gl_read(struct view_gl *gl, struct view_picture *picture, struct eco_error *error);
-struct view_gl_target { unsigned color, seen; };         /* RGBA8; RGBA32UI: owner, surface, 1 / distance */
-struct view_gl_target view_gl_target(const struct view_gl *gl);
+/* A texture of four words a pixel (RGBA32UI), 0 where nothing is:
+ *   0  1 + the number of the instance that is seen; 0: the ground; of a summary's point, bits 30..61 of its
+ *      owner
+ *   1  its surface, as view_light.h has it; the upper byte is VIEW_GL_SUMMARY where it is a summary's point
+ *   2  1 / distance, a float
+ *   3  its own colour, r | g << 8 | b << 16; the upper byte means nothing */
+unsigned view_gl_target(const struct view_gl *gl);
+#define VIEW_GL_SUMMARY 0x81u            /* a cloud, and bit 24 */
 
 #endif

@@ -7,8 +7,8 @@
  * by the root of their area factor: what each growth code comes to at the cut's scale is a uniform, as is the
  * side of a point of each size code.
  *
- * What is drawn is not a picture yet, but what view_light.h makes one of: a pixel's own colour, and its
- * owner, surface and 1 / distance. */
+ * What is drawn is not a picture yet, but what view_light.h makes one of: of each pixel four words, as
+ * view_gl.h has them. */
 #include "client-min/draw/view_shader.h"
 
 #include <epoxy/gl.h>
@@ -30,7 +30,7 @@ static const char head_es[] = "#version 300 es\n"
 
 /* view_surface_direction; the words are those of view_light.h. */
 static const char common[] =
-	"const uint FACET = 0u, AXIS = 1u, CLOUD = 2u, BALL = 3u;\n"
+	"const uint FACET = 0u, AXIS = 1u, CLOUD = 2u, BALL = 3u, SUMMARY = 1u << 24;\n"
 	"uint surface_direction(uint kind, vec3 d) {\n"
 	"	d /= max(abs(d.x) + abs(d.y) + abs(d.z), 1e-30);\n"
 	"	vec2 at = d.xy;\n"
@@ -50,11 +50,11 @@ static const char common[] =
 /* lod_splat_covers */
 static const char splat_common[] =
 	"#ifdef ELLIPSE\n"
-	"bool splat_covers(uint salt, uvec2 pixel, float opacity) {\n"
-	"	uint hash = salt + pixel.x * 0x9E3779B9u + pixel.y * 0x7FEB352Du;\n"
+	"bool splat_covers(uvec4 seen, uvec2 pixel) {\n"
+	"	uint hash = seen.w + pixel.x * 0x9E3779B9u + pixel.y * 0x7FEB352Du;\n"
 	"	hash = (hash ^ hash >> 16) * 0x21F0AAADu;\n"
 	"	hash = (hash ^ hash >> 15) * 0x735A2D97u;\n"
-	"	return float(hash >> 24) < opacity * 256.0;\n"
+	"	return hash >> 24 < seen.z >> 24 << 4;\n"
 	"}\n"
 	"#endif\n";
 
@@ -70,21 +70,23 @@ static const char vertex_common[] =
 
 static const char vertex_plant[] =
 	"uniform highp usampler2D u_instances, u_members;\n"
-	"flat out uvec4 v_seen;          // owner, surface, colour\n"
+	"flat out uvec4 v_seen;          // whose, surface, colour; of ellipses opacity << 24, salt\n"
 	"uniform int u_first_member;\n"
 	"uniform int u_first;            // the first primitive, where gl_VertexID does not begin with it\n"
 	"uniform float u_scale;\n"
 	"uniform vec4 u_tint;            // rgb, if w is 1: instead of a colour of its own\n"
 	"uniform uint u_path;            // summaries: what the placement adds to the owner\n"
 	"vec3 xyz(uvec4 t) { return uintBitsToFloat(t.xyz); }\n"
-	"struct Plant { vec4 row[3]; uvec2 owner; float scale, half_width; };\n"
+	"struct Plant { vec4 row[3]; uint whose; float scale, half_width; };\n"
 	"Plant plant_of_member(int member) {\n"
-	"	int at = int(texel_of(u_members, u_shift.z, u_first_member + member).x) * 4;\n"
+	"	int number = int(texel_of(u_members, u_shift.z, u_first_member + member).x);\n"
+	"	int at = number * 4;\n"
 	"	Plant p;\n"
 	"	for (int k = 0; k < 3; k++)\n"
 	"		p.row[k] = uintBitsToFloat(texel_of(u_instances, u_shift.y, at + k));\n"
 	"	uvec4 t = texel_of(u_instances, u_shift.y, at + 3);\n"
-	"	p.owner = t.xy; p.scale = uintBitsToFloat(t.z); p.half_width = uintBitsToFloat(t.w);\n"
+	"	p.whose = uint(number) + 1u;\n"
+	"	p.scale = uintBitsToFloat(t.x); p.half_width = uintBitsToFloat(t.y);\n"
 	"	return p;\n"
 	"}\n"
 	"vec3 view_of(Plant p, vec3 a) {\n"
@@ -111,7 +113,7 @@ static const char vertex_triangles[] =
 	"	float edge = u_edges[t0.w >> 24];\n"
 	"	if (edge != 1.0) at_corner = center + (at_corner - center) * edge;\n"
 	"	n /= max(length(n), 1e-20);\n"
-	"	v_seen = uvec4(p.owner, surface_direction(FACET, n), color_of(t0.w));\n"
+	"	v_seen = uvec4(p.whose, surface_direction(FACET, n), color_of(t0.w), 0u);\n"
 	"	v_uv = vec2(0.0);\n"
 	"#if TEXELS == 5\n"
 	"	uvec4 t4 = record_at(at + 4);\n"
@@ -132,7 +134,7 @@ static const char vertex_lines[] =
 	"	vec3 offset = side * (half_width * inversesqrt(max(len2, 1e-38)));\n"
 	"	bool at_b = corner == 1 || corner == 2, plus = corner >= 2;\n"
 	"	vec3 view = (at_b ? vb : va) + (plus ? offset : -offset);\n"
-	"	v_seen = uvec4(p.owner, surface_direction(AXIS, b - a), color_of(t1.w));\n"
+	"	v_seen = uvec4(p.whose, surface_direction(AXIS, b - a), color_of(t1.w), 0u);\n"
 	"	gl_Position = len2 > 0.0 && half_width > 0.0 ? project(view) : vec4(2.0, 2.0, 2.0, 1.0);\n"
 	"}\n";
 
@@ -161,15 +163,14 @@ static const char vertex_points[] =
 	"uniform vec2 u_half, u_window;  // of the picture and of the viewport, pixels\n"
 	"uniform int u_corners, u_count; // of an ellipse; of a plant's ellipses\n"
 	"flat out vec4 v_ellipse;        // x, y of the centre, lean, half\n"
-	"flat out vec2 v_shown;          // height, opacity\n"
+	"flat out float v_height;\n"
 	"flat out vec4 v_near_side;      // of the centre, aside, below, bulge\n"
 	"flat out mat3 v_normals;\n"
-	"flat out uint v_salt;\n"
 	"bool covers_one(vec2 pixel) {        // or nearly so\n"
 	"	vec2 at = pixel + 0.5 - u_half - v_ellipse.xy;\n"
-	"	float v = at.y / v_shown.x, rest = 1.001 - v * v;\n"
+	"	float v = at.y / v_height, rest = 1.001 - v * v;\n"
 	"	return rest >= 0.0 && abs(at.x - v_ellipse.z * at.y) <= v_ellipse.w * sqrt(rest) + 0.001\n"
-	"		&& splat_covers(v_salt, uvec2(ivec2(pixel)), v_shown.y);\n"
+	"		&& splat_covers(v_seen, uvec2(ivec2(pixel)));\n"
 	"}\n"
 	"void main() {\n"
 	"	int corner = gl_VertexID % u_corners, point = gl_VertexID / u_corners;\n"
@@ -197,15 +198,15 @@ static const char vertex_points[] =
 	"u_scale;\n"
 	"		to_plant[k] = h / max(dot(h, h), 1e-30);\n"
 	"	}\n"
-	"	v_shown.y = float(t0.w >> 24) / 16.0;\n"
+	"	uint opacity = t0.w >> 24;\n"
 	"#else\n"
 	"	reach *= u_sides[t0.w >> 24];\n"
 	"	axes = mat3(reach * p.scale);\n"
-	"	v_shown.y = 1.0;\n"
+	"	uint opacity = 16u;\n"
 	"#endif\n"
 	"#if TEXELS == 2\n"
 	"	uvec4 t1 = record_at(at + 1);\n"
-	"	p.owner = uvec2(t1.x, (t1.y & ~t1.z) | ((t1.y + u_path) & t1.z));\n"
+	"	p.whose = t1.x >> 30 | ((t1.y & ~t1.z) | ((t1.y + u_path) & t1.z)) << 2;\n"
 	"#endif\n"
 	"	float xx = 0.0, xy = 0.0, yy = 0.0, zz = 0.0;\n"
 	"	vec2 to_z = vec2(0.0);\n"
@@ -231,7 +232,7 @@ static const char vertex_points[] =
 	"/ height);\n"
 	"	float bulge = sqrt(max(zz - dot(slope, slope), 0.0));\n"
 	"	v_near_side = view.z * vec4(1.0, slope, bulge);\n"
-	"	v_shown.x = height;\n"
+	"	v_height = height;\n"
 	/* the point at (u, v) of the near side, in a space where the ellipsoid is a ball, is this matrix
 	 * times (u, v, sqrt(1 - u^2 - v^2)); and so is its normal, which `to_plant` takes to plant space */
 	"#if TEXELS == 4\n"
@@ -241,13 +242,16 @@ static const char vertex_points[] =
 	"e_v;\n"
 	"	v_normals = to_plant * mat3(e_u, e_v, farther / -max(bulge, 1e-30));\n"
 	"#endif\n"
-	"	v_salt = t0.x * 0x9E3779B1u ^ t0.y * 0x85EBCA77u ^ t0.z * 0xC2B2AE3Du;\n"
-	"	v_seen = uvec4(p.owner, CLOUD << 30 | u_level << 16 | uint(cloud * 65535.0 + 0.5), "
-	"color_of(t0.w));\n"
+	"	v_seen = uvec4(p.whose, CLOUD << 30 | u_level << 16 | uint(cloud * 65535.0 + 0.5), "
+	"color_of(t0.w) | opacity << 24, t0.x * 0x9E3779B1u ^ t0.y * 0x85EBCA77u ^ t0.z * 0xC2B2AE3Du);\n"
+	"#if TEXELS == 2\n"
+	"	v_seen.y |= SUMMARY;\n"
+	"#endif\n"
 	/* the first and the last of columns and rows whose middles it may cover */
 	"	vec2 sides = vec2(sqrt(xx), height) + 0.01, from = middle + u_half - 0.5;\n"
 	"	vec2 low = ceil(from - sides), high = floor(from + sides), size = high - low + 1.0;\n"
 	"	there = there && min(size.x, size.y) > 0.0\n"
+	"		&& min(high.x, high.y) >= 0.0 && low.x < 2.0 * u_half.x && low.y < 2.0 * u_half.y\n"
 	"		&& (max(size.x, size.y) > 1.0 || covers_one(low));\n"
 	"	vec2 around = corner == 0 ? vec2(0.0, 2.0)\n"
 	"		: vec2(corner == 1 ? 1.7320508 : -1.7320508, -1.0);\n"
@@ -257,7 +261,11 @@ static const char vertex_points[] =
 	"	gl_PointSize = max(size.x, size.y);\n"
 	"	gl_Position = project(view);\n"
 	"	gl_Position.xy = place / u_window * gl_Position.w;\n"
-	"	if (!there) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);\n"
+	/* a point that is not drawn lies beside the picture, yet within the viewport: drivers go a long way
+	 * round with points that they have to clip */
+	"	if (there) return;\n"
+	"	gl_PointSize = 1.0;\n"
+	"	gl_Position = u_corners == 1 ? vec4(-1.0, -1.0, 0.0, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);\n"
 	"}\n";
 
 static const char vertex_ground[] =
@@ -273,11 +281,8 @@ static const char vertex_ground[] =
 	"int snapped(int i, int levels, int inner) { return min((i + ((1 << levels) >> 1)) >> levels << "
 	"levels, inner - 1); }\n"
 	"void main() {\n"
-	"	int cell = gl_VertexID / 6, corner = gl_VertexID % 6;\n"
-	"	ivec2 at = ivec2(cell % (u_inner.x - 1), cell / (u_inner.x - 1));\n"
-	/* south-west, south-east, north-east; south-west, north-east, north-west */
-	"	at += ivec2(corner == 1 || corner == 2 || corner == 4, corner == 2 || corner == 4 || corner "
-	"== 5);\n"
+	/* a strip for each row of cells: north-west, south-west, north-east, south-east */
+	"	ivec2 at = ivec2(gl_VertexID >> 1, gl_InstanceID + 1 - (gl_VertexID & 1));\n"
 	"	ivec2 to = at;\n"
 	"	if (at.x == 0) to.y = snapped(to.y, u_seam.x, u_inner.y);\n"
 	"	if (at.x == u_inner.x - 1) to.y = snapped(to.y, u_seam.y, u_inner.y);\n"
@@ -293,33 +298,29 @@ static const char vertex_ground[] =
 	"}\n";
 
 static const char fragment_common[] =
-	"layout(location = 0) out vec4 o_color;\n"
-	"layout(location = 1) out uvec4 o_seen;        // owner, surface, 1 / distance\n";
+	"out uvec4 o_seen;               // view_gl_target\n"
+	"uint color_word(uvec3 c) { return c.r | c.g << 8 | c.b << 16; }\n";
 
 static const char fragment_plant[] =
 	"flat in uvec4 v_seen;\n"
 	"#ifdef ELLIPSE\n"
 	"flat in vec4 v_ellipse;\n"
-	"flat in vec2 v_shown;\n"
+	"flat in float v_height;\n"
 	"flat in vec4 v_near_side;\n"
-	"flat in uint v_salt;\n"
 	"flat in mat3 v_normals;\n"
 	"uniform vec2 u_half;\n"
 	"uniform vec4 u_lens;\n"
 	"float shown(inout uint surface) {       // 1 / distance; 0: nothing\n"
 	"	vec2 at = gl_FragCoord.xy - u_half - v_ellipse.xy;\n"
-	"	float v = at.y / v_shown.x, rest = 1.0 - v * v, x = at.x - v_ellipse.z * at.y;\n"
-	"	float half_row = v_ellipse.w * sqrt(max(rest, 0.0)), u = v_ellipse.w > 0.0 ? x / "
-	"v_ellipse.w : 0.0;\n"
-	"	if (rest < 0.0 || x < -half_row || x >= half_row\n"
-	"		|| !splat_covers(v_salt, uvec2(gl_FragCoord.xy), v_shown.y)) return 0.0;\n"
+	"	float v = at.y / v_height, u = (at.x - v_ellipse.z * at.y) / v_ellipse.w;\n"
+	"	float rest = 1.0 - v * v - u * u;\n"
+	"	if (!(rest >= 0.0) || !splat_covers(v_seen, uvec2(gl_FragCoord.xy))) return 0.0;\n"
+	"	vec3 side = vec3(u, v, sqrt(rest));\n"
 	"#if TEXELS == 4\n"
-	"	surface = surface_direction(BALL, normalize(v_normals * vec3(u, v, sqrt(max(rest - u * u, "
-	"0.0)))));\n"
+	"	surface = surface_direction(BALL, v_normals * side);\n"
 	"#endif\n"
-	"	float far = v_near_side.x + v_near_side.y * u + v_near_side.z * v - v_near_side.w * "
-	"sqrt(max(rest - u * u, "
-	"0.0));\n"
+	"	float far = v_near_side.x + v_near_side.y * u + v_near_side.z * v\n"
+	"		- v_near_side.w * side.z;\n"
 	"	return 1.0 / max(far, u_lens.z);\n"
 	"}\n"
 	"#endif\n"
@@ -334,32 +335,30 @@ static const char fragment_plant[] =
 	"#endif\n"
 	"void main() {\n"
 	"	float nearness = gl_FragCoord.w;\n"
-	"	uint surface = v_seen.z;\n"
+	"	uint surface = v_seen.y, color = v_seen.z;\n"
 	"#ifdef ELLIPSE\n"
 	"	nearness = shown(surface);\n"
 	"	if (nearness == 0.0) discard;\n"
 	"	gl_FragDepth = nearness * u_lens.z;\n"
 	"#endif\n"
-	"	vec3 color = vec3(v_seen.w & 255u, v_seen.w >> 8 & 255u, v_seen.w >> 16 & 255u) / 255.0;\n"
 	"#if TEXELS == 5\n"
 	/* coverage by the nearest texel, as the rasteriser; colour from a filtered copy whose clear texels
 	 * hold their neighbours' colour */
 	"	ivec2 size = textureSize(u_alpha, 0), texel = ivec2(floor(v_uv * vec2(size)));\n"
 	"	texel = clamp(texel - size * ivec2(floor(vec2(texel) / vec2(size))), ivec2(0), size - 1);\n"
-	"	vec3 texture_light = texture(u_texture, v_uv).rgb;\n"
+	"	vec3 own = light_of(vec3(uvec3(color, color >> 8, color >> 16) & 255u) / 255.0);\n"
+	"	own = bytes_of(own * texture(u_texture, v_uv).rgb);\n"
 	"	if (texelFetch(u_alpha, texel, 0).r < 0.5) discard;\n"
-	"	if (u_tint.w == 0.0) color = bytes_of(light_of(color) * texture_light);\n"
+	"	if (u_tint.w == 0.0) color = color_word(uvec3(own * 255.0 + 0.5));\n"
 	"#endif\n"
-	"	o_color = vec4(color, 1.0);\n"
-	"	o_seen = uvec4(v_seen.xy, surface, floatBitsToUint(nearness));\n"
+	"	o_seen = uvec4(v_seen.x, surface, floatBitsToUint(nearness), color);\n"
 	"}\n";
 
 static const char fragment_ground[] =
 	"in vec3 v_normal;\n"
 	"void main() {\n"
-	"	o_color = vec4(0.0, 0.0, 0.0, 1.0);\n"
 	"	uint surface = surface_direction(FACET, v_normal);\n"
-	"	o_seen = uvec4(0u, 0u, surface, floatBitsToUint(gl_FragCoord.w));\n"
+	"	o_seen = uvec4(0u, surface, floatBitsToUint(gl_FragCoord.w), 0u);\n"
 	"}\n";
 
 #define ELLIPSES(texels) "#define TEXELS " #texels "\n#define ELLIPSE 1\n"

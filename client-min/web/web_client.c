@@ -303,7 +303,7 @@ int web_present(struct web *web, const double *depth, const double *viewport, do
 		.ground = ground != 0 };
 	for (int i = 0; i < 4; i++)
 		place.viewport[i] = (int)viewport[i];
-	return (int)web_present_draw(&web->present, web->light.lit, view_gl_target(web->gl).seen, &place,
+	return (int)web_present_draw(&web->present, web->light.lit, view_gl_target(web->gl), &place,
 		&web->error);
 }
 

@@ -7,7 +7,6 @@
 
 #include "client-min/draw/view_gpu.h"
 #include "client-min/draw/view_shade.h"
-#include "client-min/view_owners.h"
 #include "client-min/view_record.h"
 #include "client-min/web/web_program.h"
 
@@ -29,37 +28,30 @@ static const char light_text[] =
 	;
 
 static const char pixels[] =
-	"uniform sampler2D u_own, u_shade;\n"
-	"uniform highp usampler2D u_seen, u_slots, u_plants;\n"
+	"uniform sampler2D u_shade;\n"
+	"uniform highp usampler2D u_seen, u_plants;\n"
 	"uniform sunlight u_sun;\n"
 	"uniform float u_haze_m;\n"
 	"uniform vec3 u_right, u_up, u_forward;  // the image plane's half extents, and its middle\n"
 	"uniform bool u_by_kind, u_unshaded;\n"
 	"uniform vec3 u_moved;           // from where feet are told to the eye\n"
-	"uniform uint u_mask;            // of slots\n"
-	"uniform ivec2 u_shift;          // of slots, plants\n"
+	"uniform int u_shift;            // of plants\n"
 	"uniform vec3 u_square;          // of u_shade: its corner from the eye, 1 / its side\n"
 	/* cell of the eye, where in it, and how much a metre east and north is */
 	"uniform ivec2 u_cell[OCTAVES];\n"
 	"uniform vec2 u_part[OCTAVES];\n"
 	"uniform vec4 u_metre[OCTAVES];\n"
 	"out vec4 o_color;\n"
+	WEB_IS_SUMMARY
 	"float noise_at(vec2 at, int which) {\n"
 	"	vec2 p = u_part[which] + u_metre[which].xy * at.x + u_metre[which].zw * at.y;\n"
 	"	vec2 cell = floor(p);\n"
 	"	uvec2 whole = uvec2(u_cell[which] + ivec2(cell));\n"
 	"	return noise_in(whole.x, whole.y, p.x - cell.x, p.y - cell.y);\n"
 	"}\n"
-	"uvec4 texel_of(highp usampler2D texels, int shift, int i) {\n"
-	"	return texelFetch(texels, ivec2(i & ((1 << shift) - 1), i >> shift), 0);\n"
-	"}\n"
-	/* as view_owners_find; -1: none */
-	"int find_plant(uvec2 owner) {\n"
-	"	uint h = (owner.x ^ owner.y * 0x85EBCA77u) * 0x9E3779B1u;\n"
-	"	for (uint at = (h ^ h >> 15) & u_mask;; at = (at + 1u) & u_mask) {\n"
-	"		int slot = int(texel_of(u_slots, u_shift.x, int(at)).x) - 1;\n"
-	"		if (slot < 0 || texel_of(u_plants, u_shift.y, slot * 3).xy == owner) return slot;\n"
-	"	}\n"
+	"vec4 plant_texel(uint i) {\n"
+	"	ivec2 at = ivec2(int(i) & ((1 << u_shift) - 1), int(i) >> u_shift);\n"
+	"	return uintBitsToFloat(texelFetch(u_plants, at, 0));\n"
 	"}\n"
 	"vec3 light_of_bytes(vec3 c) {\n"
 	"	return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));\n"
@@ -68,19 +60,17 @@ static const char pixels[] =
 	"	return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));\n"
 	"}\n"
 	"vec3 plant_color(uvec4 seen, vec3 to) {\n"
-	"	vec3 own = light_of_bytes(texelFetch(u_own, ivec2(gl_FragCoord.xy), 0).rgb);\n"
-	"	plant p = plant(0.0, 0.0, 0.0, 0.0, 0.0, summary_tone(seen.y));\n"
+	"	vec3 own = light_of_bytes(vec3(uvec3(seen.w, seen.w >> 8, seen.w >> 16) & 255u) / 255.0);\n"
+	"	plant p = plant(0.0, 0.0, 0.0, 0.0, 0.0, summary_tone(seen.x >> 2));\n"
 	"	vec3 local = vec3(0.0), to_eye = -unit(to);\n"
-	"	int found = find_plant(seen.xy);\n"
-	"	if (found >= 0) {\n"
-	"		vec4 a = uintBitsToFloat(texel_of(u_plants, u_shift.y, found * 3));\n"
-	"		vec4 foot = uintBitsToFloat(texel_of(u_plants, u_shift.y, found * 3 + 1));\n"
-	"		vec4 b = uintBitsToFloat(texel_of(u_plants, u_shift.y, found * 3 + 2));\n"
-	"		p = plant(a.z, a.w, b.x, b.y, b.z, b.w);\n"
+	"	if (!is_summary(seen)) {\n"
+	"		uint at = (seen.x - 1u) * 3u;\n"
+	"		vec4 a = plant_texel(at), foot = plant_texel(at + 1u), b = plant_texel(at + 2u);\n"
+	"		p = plant(a.x, a.y, a.z, a.w, b.x, b.y);\n"
 	"		vec3 d = (to + u_moved - foot.xyz) / foot.w;\n"
 	"		local = vec3(d.x * p.cosine + d.y * p.sine, d.y * p.cosine - d.x * p.sine, d.z);\n"
 	"	}\n"
-	"	face look = face_of(u_sun, p, seen.z, to_eye);\n"
+	"	face look = face_of(u_sun, p, seen.y, to_eye);\n"
 	"	crown around = crown_of(u_sun, p, local, to_eye, look.reach);\n"
 	"	if (u_unshaded) around = crown_alone(u_sun, to_eye);\n"
 	"	vec3 color = plant_light(u_sun, p, own, look.sun, around, u_by_kind);\n"
@@ -99,11 +89,11 @@ static const char pixels[] =
 	"	uvec4 seen = texelFetch(u_seen, ivec2(gl_FragCoord.xy), 0);\n"
 	"	vec2 at = gl_FragCoord.xy / vec2(textureSize(u_seen, 0)) * 2.0 - 1.0;\n"
 	"	vec3 ray = u_right * at.x - u_up * at.y + u_forward, color;\n"
-	"	float nearness = uintBitsToFloat(seen.w);\n"
+	"	float nearness = uintBitsToFloat(seen.z);\n"
 	"	if (nearness == 0.0)\n"
 	"		color = sky_color(u_sun, ray, u_by_kind);\n"
-	"	else if (seen.xy == uvec2(0u))\n"
-	"		color = ground_pixel(seen.z, ray / nearness);\n"
+	"	else if (seen.x == 0u && !is_summary(seen))\n"
+	"		color = ground_pixel(seen.y, ray / nearness);\n"
 	"	else\n"
 	"		color = plant_color(seen, ray / nearness);\n"
 	"	o_color = vec4(bytes_of_light(vec3(shown(color.x), shown(color.y), shown(color.z))), 1.0);\n"
@@ -142,8 +132,8 @@ static void resize(struct web_light *light, uint32_t width, uint32_t height)
 
 void web_light_free(struct web_light *light)
 {
-	const unsigned textures[] = { light->lit, light->shade, light->slots.texture, light->plants.texture };
-	glDeleteTextures(4, textures);
+	const unsigned textures[] = { light->lit, light->shade, light->plants.texture };
+	glDeleteTextures(3, textures);
 	glDeleteFramebuffers(1, &light->framebuffer);
 	glDeleteVertexArrays(1, &light->vertex_array);
 	glDeleteProgram(light->program);
@@ -166,32 +156,14 @@ bool web_light_can(const struct view_light_job *job)
 static void put_plant(float *texels, const struct view_light_job *job, const struct view_instance *p)
 {
 	struct view_light_plant light;
-	uint32_t owner[2] = { (uint32_t)p->owner, (uint32_t)(p->owner >> 32) };
-	if (p->plant == ECO_NONE)
-		view_light_plant(job->store, NULL, p->owner, &light);
-	else
-		view_light_plant(job->store, p, p->owner, &light);
-	memcpy(texels, owner, sizeof owner);
-	texels[2] = light.sine;
-	texels[3] = light.cosine;
+	view_light_plant(job->store, p->plant == ECO_NONE ? NULL : p, p->owner, &light);
+	const float a[4] = { light.sine, light.cosine, light.center_z, light.half_width },
+		b[4] = { light.half_height, light.tone };
+	memcpy(texels, a, sizeof a);
 	for (int k = 0; k < 3; k++)
 		texels[4 + k] = (float)(p->place.at[k] - job->eye->at[k]);
 	texels[7] = (float)p->place.scale;
-	const float shape[4] = { light.center_z, light.half_width, light.half_height, light.tone };
-	memcpy(texels + 8, shape, sizeof shape);
-}
-
-static enum eco_code upload_owners(struct web_light *light, const struct view_light_job *job,
-	struct eco_error *error)
-{
-	struct view_owners owners;
-	enum eco_code code = view_owners_make(&owners, job->selection, error);
-	if (!code)
-		code = view_gpu_stream(&light->gpu, &light->slots, 1, owners.slots,
-			(uint64_t)owners.mask + 1, error);
-	light->mask = owners.mask;
-	view_owners_free(&owners);
-	return code;
+	memcpy(texels + 8, b, sizeof b);
 }
 
 /* Once a selection: feet are told from where the eye was then. */
@@ -210,8 +182,6 @@ static enum eco_code upload_plants(struct web_light *light, const struct view_li
 	enum eco_code code = view_gpu_stream(&light->gpu, &light->plants, 4, (const uint32_t *)texels,
 		(uint64_t)count * PLANT_TEXELS, error);
 	free(texels);
-	if (!code)
-		code = upload_owners(light, job, error);
 	light->held = !code;
 	return code;
 }
@@ -303,15 +273,13 @@ static void bind(const struct web_light *light, const char *name, int unit, unsi
 }
 
 static void set_all(const struct web_light *light, const struct view_light_job *job,
-	const struct view_gl_target *target)
+	unsigned seen)
 {
 	const struct lod_eye *eye = job->eye;
 	glUseProgram(light->program);
-	bind(light, "u_own", 0, target->color);
-	bind(light, "u_seen", 1, target->seen);
-	bind(light, "u_slots", 2, light->slots.texture);
-	bind(light, "u_plants", 3, light->plants.texture);
-	bind(light, "u_shade", 4, light->shade);
+	bind(light, "u_seen", 0, seen);
+	bind(light, "u_plants", 1, light->plants.texture);
+	bind(light, "u_shade", 2, light->shade);
 	set_sun(light, job);
 	set_octaves(light, job);
 	set_axis(light, "u_right", eye->right, eye->tan_x);
@@ -321,8 +289,7 @@ static void set_all(const struct web_light *light, const struct view_light_job *
 		(float)(eye->at[1] - light->origin[1]), (float)(eye->at[2] - light->origin[2]));
 	glUniform1i(uniform(light, "u_by_kind"), job->tint == VIEW_TINT_KIND);
 	glUniform1i(uniform(light, "u_unshaded"), job->tint == VIEW_TINT_UNSHADED);
-	glUniform1ui(uniform(light, "u_mask"), light->mask);
-	glUniform2i(uniform(light, "u_shift"), (int)light->slots.shift, (int)light->plants.shift);
+	glUniform1i(uniform(light, "u_shift"), (int)light->plants.shift);
 	glUniform3f(uniform(light, "u_square"), (float)(light->low[0] - eye->at[0]),
 		(float)(light->low[1] - eye->at[1]), light->side_m > 0 ? (float)(1 / light->side_m) : 0);
 }
@@ -330,7 +297,6 @@ static void set_all(const struct web_light *light, const struct view_light_job *
 enum eco_code web_light_draw(struct web_light *light, const struct view_gl *gl,
 	const struct view_light_job *job, uint32_t width, uint32_t height, struct eco_error *error)
 {
-	struct view_gl_target target = view_gl_target(gl);
 	enum eco_code code = web_light_prepare(light, error);
 	if (!code)
 		code = upload_plants(light, job, error);
@@ -339,7 +305,7 @@ enum eco_code web_light_draw(struct web_light *light, const struct view_gl *gl,
 	if (code)
 		return code;
 	resize(light, width, height);
-	set_all(light, job, &target);
+	set_all(light, job, view_gl_target(gl));
 	glBindFramebuffer(GL_FRAMEBUFFER, light->framebuffer);
 	web_program_fill(light->vertex_array, (const int[4]){ 0, 0, (int)width, (int)height });
 	return ECO_OK;

@@ -15,9 +15,8 @@ struct web_light {                       /* zero is empty */
 	uint32_t width, height;
 	unsigned program, framebuffer, vertex_array, shade;
 	struct view_gpu gpu;
-	/* of the selection, if `held`: view_owners.h; three texels a plant, their feet from `origin` */
-	struct view_gpu_texels slots, plants;
-	uint32_t mask;
+	/* of the selection, if `held`: three texels an instance, their feet from `origin` */
+	struct view_gpu_texels plants;
 	double origin[3];
 	bool held;
 	bool shaded;                     /* `shade` is of this selection and that sun */

@@ -4,15 +4,16 @@
 
 #include "client-min/web/web_program.h"
 
-static const char fragment_text[] = "uniform sampler2D u_lit;\n"
+static const char fragment_text[] = WEB_IS_SUMMARY
+	"uniform sampler2D u_lit;\n"
 	"uniform usampler2D u_seen;      // view_gl_target\n"
 	"uniform vec4 u_depth;           // a, b, whether there is a sky and ground\n"
 	"out vec4 o_color;\n"
 	"void main() {\n"
 	"	vec2 size = vec2(textureSize(u_seen, 0));\n"
 	"	uvec4 seen = texelFetch(u_seen, ivec2(min(v_at * size, size - 1.0)), 0);\n"
-	"	float nearness = uintBitsToFloat(seen.w);\n"
-	"	if (u_depth.w == 0.0 && seen.xy == uvec2(0u)) nearness = 0.0;\n"
+	"	float nearness = uintBitsToFloat(seen.z);\n"
+	"	if (u_depth.w == 0.0 && seen.x == 0u && !is_summary(seen)) nearness = 0.0;\n"
 	"	if (nearness == 0.0 && u_depth.z == 0.0) discard;\n"
 	"	gl_FragDepth = nearness == 0.0 ? 1.0 : clamp(u_depth.x + u_depth.y * nearness, 0.0, 1.0);\n"
 	"	o_color = vec4(texture(u_lit, v_at).rgb, 1.0);\n"

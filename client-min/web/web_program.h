@@ -6,6 +6,9 @@
 
 #include "ecofiles/base/status.h"
 
+/* GLSL: whether what is seen (view_gl_target) is a point of a summary. */
+#define WEB_IS_SUMMARY "bool is_summary(uvec4 seen) { return seen.y >> 24 == 129u; }\n"
+
 /* Of a fragment shader in parts, after its version and precisions; `v_at` is the place in a picture whose
  * first row is the top, [0, 1]. 0, with *error: the driver refuses it. */
 unsigned web_program(const char *const *parts, int count, const char *what, struct eco_error *error);
