@@ -67,6 +67,15 @@ static inline void normalize(struct eco_range *r)
 	}
 }
 
+static inline void learn(struct eco_bit *m, bool bit)
+{
+	if (bit)
+		m->zero = (uint16_t)(m->zero - ((uint32_t)(m->zero - LEAST) * share[m->seen] >> 16));
+	else
+		m->zero = (uint16_t)(m->zero + ((65536u - LEAST - m->zero) * share[m->seen] >> 16));
+	m->seen += m->seen < SEEN_MAX;
+}
+
 /* In line: half of the time of decoding leaves is spent here. */
 static inline bool code_bit(struct eco_range *r, struct eco_bit *m, bool bit)
 {
@@ -79,12 +88,10 @@ static inline bool code_bit(struct eco_range *r, struct eco_bit *m, bool bit)
 		else
 			r->code -= bound;
 		r->range -= bound;
-		m->zero = (uint16_t)(m->zero - ((uint32_t)(m->zero - LEAST) * share[m->seen] >> 16));
 	} else {
 		r->range = bound;
-		m->zero = (uint16_t)(m->zero + ((65536u - LEAST - m->zero) * share[m->seen] >> 16));
 	}
-	m->seen += m->seen < SEEN_MAX;
+	learn(m, bit);
 	normalize(r);
 	return bit;
 }
@@ -149,6 +156,44 @@ int32_t eco_range_number(struct eco_range *r, struct eco_bit *models, int32_t va
 	size = 1u << (bits - 1) | (uint32_t)eco_range_raw(r, bits - 1, size & ((1u << (bits - 1)) - 1));
 	return negative ? -(int32_t)size : (int32_t)size;
 }
+
+/* ---- Counting ---- */
+
+#define ENDING 5u                /* shifts of eco_range_end, of which the last byte is not written */
+
+void eco_range_count(struct eco_counted *counted, const struct eco_range *r)
+{
+	*counted = (struct eco_counted){ r->range, r->writer->size - r->start + r->held + r->begun };
+}
+
+static inline void narrow(struct eco_counted *c, uint32_t range)
+{
+	unsigned bytes = (unsigned)__builtin_clz(range) / 8;     /* as normalize, without branches */
+	c->shifts += bytes;
+	c->range = range << 8 * bytes;
+}
+
+void eco_range_count_field(struct eco_counted *counted, unsigned streams, unsigned step,
+	struct eco_bit *models, unsigned bits, uint32_t value)
+{
+	unsigned most = step * (streams - 1), modelled = bits < most ? bits : most;
+	for (unsigned depth = 0, node = 1; depth < modelled; depth++) {
+		bool bit = value >> (bits - 1 - depth) & 1;
+		for (unsigned i = depth / step + 1; i < streams; i++) {
+			uint32_t bound = (counted[i].range >> 16) * models[node].zero;
+			narrow(&counted[i], bit ? counted[i].range - bound : bound);
+		}
+		learn(&models[node], bit);
+		node = node << 1 | bit;
+	}
+	for (unsigned i = 0; i < streams; i++)
+		for (unsigned rest = bits < step * i ? 0 : bits - step * i, take; rest > 0; rest -= take) {
+			take = rest < 16 ? rest : 16;
+			narrow(&counted[i], counted[i].range >> take);
+		}
+}
+
+size_t eco_range_counted(const struct eco_counted *counted) { return counted->shifts + ENDING - 1; }
 
 /* ---- Numbers near their usual size ---- */
 

@@ -55,6 +55,19 @@ uint32_t eco_range_field(struct eco_range *range, struct eco_bit *models, unsign
 #define ECO_RANGE_NUMBER 32u
 int32_t eco_range_number(struct eco_range *range, struct eco_bit *models, int32_t value);
 
+/* How many bytes streams would take that differ in how many bits of their fields are modelled: stream i models
+ * `step` times i. One pass counts them all, as a field's first bits are the same in each, and exactly, as the
+ * coder's range alone decides when a byte is written.
+ *
+ *   eco_range_count(&counted, &range);                    begins where `range` is; a copy for each stream
+ *   eco_range_count_field(counted, streams, step, models, bits, value);
+ *   bytes = eco_range_counted(&counted[i]);               those of writer->size and of eco_range_end */
+struct eco_counted { uint32_t range; size_t shifts; };
+void eco_range_count(struct eco_counted *counted, const struct eco_range *range);
+void eco_range_count_field(struct eco_counted *counted, unsigned streams, unsigned step,
+	struct eco_bit *models, unsigned bits, uint32_t value);
+size_t eco_range_counted(const struct eco_counted *counted);
+
 /* Numbers of many kinds, each kind with a usual size that is learned. A number is coded as its bits more
  * or fewer than usual, then its bits, then its sign. The spread about the usual size is learned from all
  * kinds together, so that each kind has little to learn. */

@@ -65,6 +65,43 @@ UNIT_TEST(what_is_written_is_read)
 	}
 }
 
+/* Fields of `count` numbers; they are written, or counted for streams that model no, two and four bits. */
+static void code_fields(struct eco_range *r, uint32_t modelled, struct eco_counted *counted, uint32_t count)
+{
+	struct eco_bit models[16];
+	uint32_t state = count, bits = count % 20;
+	eco_bits_start(models, 16);
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t value = (next(&state) & next(&state)) % (1u << bits);
+		if (counted)
+			eco_range_count_field(counted, 3, 2, models, bits, value);
+		else
+			eco_range_field(r, models, modelled, bits, value);
+	}
+}
+
+UNIT_TEST(counted_bytes_are_those_that_are_written)
+{
+	for (uint32_t count = 0; count < 400; count++) {
+		struct eco_counted counted[3];
+		for (uint32_t i = 0; i < 3; i++) {
+			struct eco_writer w = { 0 };
+			struct eco_range r;
+			eco_write_u8(&w, 7);
+			eco_range_write(&r, &w);
+			eco_range_raw(&r, count % 64, count % 3 ? 0 : (1ull << count % 64) - 1);
+			for (uint32_t k = 0; i == 0 && k < 3; k++)
+				eco_range_count(&counted[k], &r);
+			if (i == 0)
+				code_fields(NULL, 0, counted, count);
+			code_fields(&r, 2 * i, NULL, count);
+			uint32_t zeros = eco_range_end(&r);
+			assert_int_equal(eco_range_counted(&counted[i]), w.size - 1 + zeros);
+			eco_writer_free(&w);
+		}
+	}
+}
+
 /* Within 3 % and some bytes of the entropy. */
 UNIT_TEST(bits_take_what_they_are_worth)
 {

@@ -202,8 +202,38 @@ static struct head head_of(const struct component *c, bool difference)
 	return h;
 }
 
+/* What VALUES or DIFFERENCES take, by how many bits are modelled. */
+static void field_sizes(const struct columns *columns, uint32_t index, struct head h,
+	size_t sizes[MODELLED_STEPS])
+{
+	const struct component *c = &columns->items[index];
+	struct eco_writer w = { 0 };
+	struct eco_range range;
+	struct eco_counted counted[MODELLED_STEPS];
+	struct eco_bit models[MODELS];
+	eco_range_write(&range, &w);
+	code_head(&range, index, &h);
+	for (uint32_t i = 0; i < MODELLED_STEPS; i++)
+		eco_range_count(&counted[i], &range);
+	columns->range.writer->failed |= w.failed;       /* else want of memory would choose another way */
+	eco_writer_free(&w);
+	eco_bits_start(models, MODELS);
+	for (uint32_t i = h.way == DIFFERENCES; i < c->rows; i++)
+		eco_range_count_field(counted, MODELLED_STEPS, MODELLED_STEP, models, h.bits,
+			(value_at(c, i, h.way == DIFFERENCES) - h.low) >> h.shift);
+	for (uint32_t i = 0; i < MODELLED_STEPS; i++)
+		sizes[i] = eco_range_counted(&counted[i]);
+}
+
 /* Keeps the way that takes fewer bytes. Coding leaves the values as they are, so all can be tried. */
 struct choice { struct head best; size_t least; };
+
+static void consider(struct choice *choice, const struct head *h, size_t size)
+{
+	if (size < choice->least)
+		*choice = (struct choice){ *h, size };
+}
+
 static void try_way(struct choice *choice, const struct columns *columns, uint32_t index, struct head h)
 {
 	struct eco_writer w = { 0 };
@@ -213,8 +243,7 @@ static void try_way(struct choice *choice, const struct columns *columns, uint32
 	size_t zeros = eco_range_end(&range), size = w.size + zeros;
 	columns->range.writer->failed |= w.failed;       /* else want of memory would choose another way */
 	eco_writer_free(&w);
-	if (size < choice->least)
-		*choice = (struct choice){ h, size };
+	consider(choice, &h, size);
 }
 
 /* Other components: those of one value a row. Of values of many bits, models would learn nothing. */
@@ -232,12 +261,15 @@ static struct head smallest_head(const struct columns *columns, uint32_t index)
 	const struct component *c = &columns->items[index];
 	struct head values = head_of(c, false), differences = head_of(c, true), h;
 	struct choice choice = { values, SIZE_MAX };
-	for (uint32_t modelled = 0; modelled <= MODELLED_MOST; modelled += MODELLED_STEP) {
-		values.modelled = differences.modelled = modelled;
-		if (modelled < values.bits + MODELLED_STEP)
-			try_way(&choice, columns, index, values);
-		if (modelled < differences.bits + MODELLED_STEP)
-			try_way(&choice, columns, index, differences);
+	size_t as_values[MODELLED_STEPS], as_differences[MODELLED_STEPS];
+	field_sizes(columns, index, values, as_values);
+	field_sizes(columns, index, differences, as_differences);
+	for (uint32_t i = 0; i < MODELLED_STEPS; i++) {
+		values.modelled = differences.modelled = MODELLED_STEP * i;
+		if (values.modelled < values.bits + MODELLED_STEP)
+			consider(&choice, &values, as_values[i]);
+		if (differences.modelled < differences.bits + MODELLED_STEP)
+			consider(&choice, &differences, as_differences[i]);
 	}
 	h = values;
 	h.way = RECENT;
