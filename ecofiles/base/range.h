@@ -55,9 +55,9 @@ uint32_t eco_range_field(struct eco_range *range, struct eco_bit *models, unsign
 #define ECO_RANGE_NUMBER 32u
 int32_t eco_range_number(struct eco_range *range, struct eco_bit *models, int32_t value);
 
-/* How many bytes streams would take that differ in how many bits of their fields are modelled: stream i models
- * `step` times i. One pass counts them all, as a field's first bits are the same in each, and exactly, as the
- * coder's range alone decides when a byte is written.
+/* How many bytes streams would take that differ in how many bits of their fields are modelled: stream i
+ * models `step` times i. One pass counts them all, as a field's first bits are the same in each, and exactly,
+ * as the coder's range alone decides when a byte is written.
  *
  *   eco_range_count(&counted, &range);                    begins where `range` is; a copy for each stream
  *   eco_range_count_field(counted, streams, step, models, bits, value);

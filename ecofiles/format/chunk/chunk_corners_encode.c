@@ -129,6 +129,9 @@ void eco_corners_plan(const struct eco_shapes_codec *c, struct eco_leaf *l)
 
 /* ---- Fitting ---- */
 
+/* A frame in floating point, and its corner from the element's first; bases beyond the frame's are 0. */
+struct view { double base[3][ECO_BASES_MAX], axis[3][3], to[3]; uint32_t bases; };
+
 struct fit {
 	uint32_t corners, count, trends;
 	const int32_t *const *at;
@@ -136,25 +139,37 @@ struct fit {
 	uint8_t of[LEAVES_MAX];
 	double miss[LEAVES_MAX];     /* bits of the misses under its trend */
 	double share;                /* elements that each sampled one stands for */
-	struct eco_frame *frames;    /* frames of corners 2 and on, for each */
+	struct view *views;          /* of corners 2 and on, for each */
 };
 
-static struct eco_frame *frame_of(const struct fit *f, uint32_t i, uint32_t k)
+static struct view *view_of(const struct fit *f, uint32_t i, uint32_t k)
 {
-	return &f->frames[(size_t)i * (f->corners - 2) + k - 2];
+	return &f->views[(size_t)i * (f->corners - 2) + k - 2];
 }
 
-static bool make_frames(struct fit *f)
+static void make_view(struct view *view, const struct eco_frame *frame, const int32_t *at, uint32_t k)
 {
-	f->frames = malloc((size_t)f->count * (f->corners - 2) * sizeof *f->frames);
-	for (uint32_t i = 0; f->frames && i < f->count; i++) {
+	*view = (struct view){ .bases = frame->bases };
+	for (uint32_t i = 0; i < 3; i++) {
+		for (uint32_t j = 0; j < frame->bases; j++)
+			view->base[i][j] = frame->base[j][i];
+		for (uint32_t a = 0; a < 3; a++)
+			view->axis[a][i] = (double)frame->axis[a][i];
+		view->to[i] = (double)at[3 * k + i] - at[i];
+	}
+}
+
+static bool make_views(struct fit *f)
+{
+	f->views = malloc((size_t)f->count * (f->corners - 2) * sizeof *f->views);
+	for (uint32_t i = 0; f->views && i < f->count; i++) {
 		struct eco_frame frame = { .of = 0 };
 		for (uint32_t k = 2; k < f->corners; k++) {
 			eco_corner_frame(&frame, f->at[i], k);
-			*frame_of(f, i, k) = frame;
+			make_view(view_of(f, i, k), &frame, f->at[i], k);
 		}
 	}
-	return f->frames;
+	return f->views;
 }
 
 /* Solves a x = b by Gauss's method for up to ECO_BASES_MAX unknowns; a is symmetric and positive. False: a
@@ -180,13 +195,12 @@ static bool solve(double a[ECO_BASES_MAX][ECO_BASES_MAX], double b[ECO_BASES_MAX
 }
 
 /* The vector from the weighted guess to the corner. */
-static void miss_of(const struct eco_frame *f, const double *weight, const int32_t *at, uint32_t k,
-	double miss[3])
+static void miss_of(const struct view *view, const double *weight, double miss[3])
 {
 	for (int i = 0; i < 3; i++) {
-		miss[i] = (double)at[3 * k + (uint32_t)i] - at[i];
-		for (uint32_t j = 0; j < f->bases; j++)
-			miss[i] -= weight[j] * f->base[j][i];
+		miss[i] = view->to[i];
+		for (uint32_t j = 0; j < view->bases; j++)
+			miss[i] -= weight[j] * view->base[i][j];
 	}
 }
 
@@ -214,18 +228,18 @@ static void fit_corner(const struct fit *f, uint8_t trend, uint32_t k, uint32_t 
 	for (int round = 0; round < ROUNDS; round++) {
 		double a[ECO_BASES_MAX][ECO_BASES_MAX] = { { 0 } }, b[ECO_BASES_MAX] = { 0 }, miss[3];
 		for (uint32_t i = 0; i < f->count; i++) {
-			const struct eco_frame *frame = frame_of(f, i, k);
+			const struct view *view = view_of(f, i, k);
 			if (f->of[i] != trend)
 				continue;
-			miss_of(frame, x, f->at[i], k, miss);
+			miss_of(view, x, miss);
 			double share = round == 0 ? 1
 				: 1 / (sqrt(miss[0] * miss[0] + miss[1] * miss[1] + miss[2] * miss[2]) + 8);
 			for (int d = 0; d < 3; d++)
 				for (uint32_t j = 0; j < n; j++) {
-					for (uint32_t l = 0; l < n; l++)
-						a[j][l] += share * frame->base[j][d] * frame->base[l][d];
-					b[j] += share * frame->base[j][d]
-						* ((double)f->at[i][3 * k + (uint32_t)d] - f->at[i][d]);
+					double part = share * view->base[d][j];
+					for (uint32_t l = 0; l < ECO_BASES_MAX; l++)
+						a[j][l] += part * view->base[d][l];
+					b[j] += part * view->to[d];
 				}
 		}
 		for (uint32_t j = 0; j < n; j++)
@@ -244,16 +258,16 @@ static void fit_corner(const struct fit *f, uint8_t trend, uint32_t k, uint32_t 
 
 static double corner_bits(const struct fit *f, const int32_t *weight, uint32_t i, uint32_t k)
 {
-	const struct eco_frame *frame = frame_of(f, i, k);
+	const struct view *view = view_of(f, i, k);
 	double bits = 0, miss[3], x[ECO_BASES_MAX];
-	for (uint32_t j = 0; j < frame->bases; j++)
-		x[j] = ldexp(weight[j], -(int)ECO_WEIGHT_BITS);
-	miss_of(frame, x, f->at[i], k, miss);
+	for (uint32_t j = 0; j < view->bases; j++)
+		x[j] = weight[j] * (1.0 / (1 << ECO_WEIGHT_BITS));
+	miss_of(view, x, miss);
 	for (int a = 0; a < 3; a++)
 		bits += log2(1
-			+ fabs(miss[0] * (double)frame->axis[a][0] + miss[1] * (double)frame->axis[a][1]
-			+ miss[2] * (double)frame->axis[a][2])
-			/ (double)((int64_t)1 << ECO_AXIS_BITS) / (1 << ECO_EXACT_SHIFT));
+			+ fabs(miss[0] * view->axis[a][0] + miss[1] * view->axis[a][1]
+			+ miss[2] * view->axis[a][2]) / (double)((int64_t)1 << ECO_AXIS_BITS)
+			/ (1 << ECO_EXACT_SHIFT));
 	return bits;
 }
 
@@ -323,7 +337,7 @@ bool eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const in
 	if (f)
 		*f = (struct fit){ .corners = corners, .count = count < LEAVES_MAX ? count : LEAVES_MAX,
 			.at = at, .trends = 1, .share = share };
-	if (!f || !make_frames(f)) {
+	if (!f || !make_views(f)) {
 		free(f);
 		return false;
 	}
@@ -349,7 +363,7 @@ bool eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const in
 			break;
 		least = bits;
 	}
-	free(f->frames);
+	free(f->views);
 	free(f);
 	return true;
 }
