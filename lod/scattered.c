@@ -2,15 +2,14 @@
 
 #include <math.h>
 
+#include "lod/hash.h"
 #include "lod/vector.h"
 
 /* An offset is a sum of two numbers of 0 to 31: most parts lie near the point. */
 void lod_scattered_offset(float offset[3], uint32_t point, uint32_t part)
 {
-	uint32_t hash = point * 0x9E3779B1u + part * 0x85EBCA77u;
-	hash = (hash ^ hash >> 16) * 0x21F0AAADu;
-	hash = (hash ^ hash >> 15) * 0x735A2D97u;
-	hash ^= hash >> 15;
+	uint32_t hash;
+	LOD_HASH_SCATTER;
 	for (int k = 0; k < 3; k++, hash >>= 10)
 		offset[k] = (float)((int)(hash & 31) + (int)(hash >> 5 & 31) - 31) / 32;
 }

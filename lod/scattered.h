@@ -11,7 +11,7 @@
 #include "lod/geometry.h"
 
 /* Offset of a part of a point from it along each axis, in radii of the point's ball: in (-1, 1), whole
- * multiples of 1/32, so that floats hold it and shaders (client-min/draw/view_shader.c) find the same. */
+ * multiples of 1/32, so that floats hold it and shaders find the same (hash.h). */
 void lod_scattered_offset(float offset[3], uint32_t point, uint32_t part);
 
 /* Of the ball that a point of the list is at an area factor, metres. */

@@ -15,6 +15,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "lod/hash.h"
+
 /* The ellipse around (x, y) from the pixel of the ellipsoid's centre: the row y lower than that holds the
  * pixels with |x - lean y| <= half sqrt(1 - (y / high)^2). With u = (x - lean y) / half and v = y / high the
  * ellipsoid's near side is aside u + below v - bulge sqrt(1 - u^2 - v^2) metres farther than its centre
@@ -75,17 +77,18 @@ static inline float lod_ellipse_farther(const struct lod_ellipse *ellipse, float
 /* The salt of a splat, from its centre in object space. */
 static inline uint32_t lod_splat_salt(const float centre[3])
 {
-	uint32_t bits[3];
+	uint32_t bits[3], salt;
 	memcpy(bits, centre, sizeof bits);
-	return bits[0] * 0x9E3779B1u ^ bits[1] * 0x85EBCA77u ^ bits[2] * 0xC2B2AE3Du;
+	const uint32_t x = bits[0], y = bits[1], z = bits[2];
+	LOD_HASH_SALT;
+	return salt;
 }
 
 /* Whether a splat of an opacity covers the pixel: opaque ones all, others a share of them. */
 static inline bool lod_splat_covers(uint32_t salt, uint32_t column, uint32_t row, float opacity)
 {
-	uint32_t hash = salt + column * 0x9E3779B9u + row * 0x7FEB352Du;
-	hash = (hash ^ hash >> 16) * 0x21F0AAADu;
-	hash = (hash ^ hash >> 15) * 0x735A2D97u;
+	uint32_t hash;
+	LOD_HASH_SPLAT;
 	return (float)(hash >> 24) < opacity * 256;
 }
 

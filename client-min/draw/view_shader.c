@@ -16,6 +16,7 @@
 
 #include "client-min/draw/view_shader_impostor.h"
 #include "ecofiles/format/list.h"
+#include "lod/hash.h"
 
 const char *const view_program_names[VIEW_PROGRAM_COUNT] = { "triangles", "textured", "lines", "points",
 	"summary", "splats", "ground", "impostors" };
@@ -51,9 +52,8 @@ static const char common[] =
 static const char splat_common[] =
 	"#ifdef ELLIPSE\n"
 	"bool splat_covers(uvec4 seen, uvec2 pixel) {\n"
-	"	uint hash = seen.w + pixel.x * 0x9E3779B9u + pixel.y * 0x7FEB352Du;\n"
-	"	hash = (hash ^ hash >> 16) * 0x21F0AAADu;\n"
-	"	hash = (hash ^ hash >> 15) * 0x735A2D97u;\n"
+	"	uint salt = seen.w, column = pixel.x, row = pixel.y, hash;\n"
+	"	" TEXT(LOD_HASH_SPLAT) ";\n"
 	"	return hash >> 24 < seen.z >> 24 << 4;\n"
 	"}\n"
 	"#endif\n";
@@ -149,10 +149,8 @@ static const char vertex_points[] =
 	"uniform float u_reach;          // of a point before it is scattered\n"
 	/* lod/scattered.c */
 	"vec3 scatter_offset(uint point, uint part) {\n"
-	"	uint hash = point * 0x9E3779B1u + part * 0x85EBCA77u;\n"
-	"	hash = (hash ^ hash >> 16) * 0x21F0AAADu;\n"
-	"	hash = (hash ^ hash >> 15) * 0x735A2D97u;\n"
-	"	hash ^= hash >> 15;\n"
+	"	uint hash;\n"
+	"	" TEXT(LOD_HASH_SCATTER) ";\n"
 	"	ivec3 a = ivec3(uvec3(hash, hash >> 10, hash >> 20) & 31u), b = ivec3(uvec3(hash >> 5, hash "
 	">> 15, hash >> 25) & 31u);\n"
 	"	return vec3(a + b - 31) / 32.0;\n"
@@ -166,6 +164,11 @@ static const char vertex_points[] =
 	"flat out float v_height;\n"
 	"flat out vec4 v_near_side;      // of the centre, aside, below, bulge\n"
 	"flat out mat3 v_normals;\n"
+	"uint salt_of(uvec3 bits) {\n"
+	"	uint x = bits.x, y = bits.y, z = bits.z, salt;\n"
+	"	" TEXT(LOD_HASH_SALT) ";\n"
+	"	return salt;\n"
+	"}\n"
 	"bool covers_one(vec2 pixel) {        // or nearly so\n"
 	"	vec2 at = pixel + 0.5 - u_half - v_ellipse.xy;\n"
 	"	float v = at.y / v_height, rest = 1.001 - v * v;\n"
@@ -243,7 +246,7 @@ static const char vertex_points[] =
 	"	v_normals = to_plant * mat3(e_u, e_v, farther / -max(bulge, 1e-30));\n"
 	"#endif\n"
 	"	v_seen = uvec4(p.whose, CLOUD << 30 | u_level << 16 | uint(cloud * 65535.0 + 0.5), "
-	"color_of(t0.w) | opacity << 24, t0.x * 0x9E3779B1u ^ t0.y * 0x85EBCA77u ^ t0.z * 0xC2B2AE3Du);\n"
+	"color_of(t0.w) | opacity << 24, salt_of(t0.xyz));\n"
 	"#if TEXELS == 2\n"
 	"	v_seen.y |= SUMMARY;\n"
 	"#endif\n"
