@@ -203,7 +203,7 @@ static void print_counts(const struct eco_model *m)
 {
 	static const char *const why[ECO_DROP_COUNT] = { "name vertices that are not there", "are not finite",
 		"have no area", "are duplicates",
-		"are transparent", "collapse on the grid", "are left out by rules" };
+		"are transparent", "collapse on the grid", "are left out" };
 	printf("  triangles   %u, %u kept", m->triangles_in, m->triangle_count);
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		if (m->dropped[i])

@@ -10,7 +10,7 @@ const char *const eco_drop_names[ECO_DROP_COUNT] = {
 	[ECO_DROP_DUPLICATE] = "duplicate",
 	[ECO_DROP_TRANSPARENT] = "transparent",
 	[ECO_DROP_QUANTIZED] = "collapsed on the grid",
-	[ECO_DROP_LEFT_OUT] = "left out by a rule",
+	[ECO_DROP_LEFT_OUT] = "left out",
 };
 
 void eco_image_free(struct eco_image *image)

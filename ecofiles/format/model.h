@@ -19,7 +19,7 @@ enum eco_drop {
 	ECO_DROP_DUPLICATE,      /* the same three corners as another triangle of the same material */
 	ECO_DROP_TRANSPARENT,    /* no texel under it reaches alpha 0.5 */
 	ECO_DROP_QUANTIZED,      /* collapses on the list's grid */
-	ECO_DROP_LEFT_OUT,       /* a rule of the scene file leaves its part out */
+	ECO_DROP_LEFT_OUT,       /* a rule of the scene file, or its part's name, leaves it out */
 	ECO_DROP_COUNT
 };
 extern const char *const eco_drop_names[ECO_DROP_COUNT];

@@ -428,8 +428,8 @@ enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *m
 	case 0:
 		build(b);
 		if (plant->triangles_stored == 0)
-			code = eco_fail(error, ECO_BAD_INPUT, "%s: no triangle of its %u is left to draw; "
-				"is the model empty, or flat?", plant->plant.name, plant->triangles_in);
+			code = eco_fail(error, ECO_BAD_INPUT, "%s: no triangle of its %u is left to draw: "
+				"all are thinner than its grid, or transparent; is the model whole?", plant->plant.name, plant->triangles_in);
 		break;
 	case FAILED_INTERRUPTED:
 		code = eco_fail(error, ECO_INTERRUPTED, "%s: interrupted while it was built",

@@ -247,4 +247,12 @@ says 'a rock: by its name it is no plant'
 says 'oak: half of its 1 plants are less than 1.1 m high'
 grep -q 'bonsai.*half' "$DIR/out" && complain "make doubts a height that the scene states"
 
+# ---- Levels of detail in files of their own are no variants ----
+mkdir "$DIR/levels" && for level in 0 1 2; do cp "$DIR/models/stieleiche.obj" "$DIR/levels/oak_LOD$level.obj"; done
+rm -rf "$DIR/my"
+"$PACK" start "$DIR/zone.csv" "$DIR/levels" -o "$DIR/my" --crs EPSG:25832 >"$DIR/out" 2>&1 || complain "levels: $(cat "$DIR/out")"
+is '.plants | [.[] | .model // .variants] | length' 1
+jq -r '.. | strings' "$DIR/my/scene.json" | grep -q 'LOD[12]' && complain "levels: LOD1 or LOD2 is a variant"
+grep -q 'oak_LOD2.obj: left out, as .*oak_LOD0.obj is a finer level of it' "$DIR/out" || complain "levels: $(cat "$DIR/out")"
+
 exit $failed

@@ -3,6 +3,7 @@
 #include "tests/support/model_try.h"
 
 #include "ecofiles/import/model/model_parts.h"
+#include "ecofiles/import/model/model_spare.h"
 #include "ecofiles/format/pack.h"
 
 /* The model that the test looks at; reading the next frees it. */
@@ -182,3 +183,49 @@ UNIT_TEST(rules_that_leave_nothing_are_an_error)
 	assert_non_null(strstr(error.text, "leave out all of it"));
 	assert_null(m.position);
 }
+/* ---- What files of games hold beside the plant ---- */
+
+UNIT_TEST(levels_are_known_by_names)
+{
+	static const struct { const char *name; int level; } cases[] = { { "tree_LOD0", 0 }, { "Tree.lod1/bark", 1 },
+		{ "treeLOD2", 2 }, { "oak_lod_3", 3 }, { "LOD1", 1 }, { "LOD1.001", 1 }, { "Tree", ECO_SPARE_NONE },
+		{ "melody1", ECO_SPARE_NONE }, { "exploded1", ECO_SPARE_NONE }, { "lod12", ECO_SPARE_NONE },
+		{ "UCX_tree_00", ECO_SPARE_COLLIDER }, { "Tree_collider/mesh.0", ECO_SPARE_COLLIDER },
+		{ "tree-colonly", ECO_SPARE_COLLIDER }, { "Collisions", ECO_SPARE_NONE },
+		{ "Tree_Billboard", ECO_SPARE_CARD }, { "", ECO_SPARE_NONE } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+		if (eco_model_spare_level(cases[i].name) != cases[i].level)
+			fail_msg("%s is %d", cases[i].name, eco_model_spare_level(cases[i].name));
+}
+
+/* Squares of sides 4, 3, 2 and 1, each a part of a name. */
+static const char *write_parts(const char *const names[4])
+{
+	char text[2000];
+	size_t used = 0;
+	for (int i = 0; i < 4; i++) {
+		used += (size_t)snprintf(text + used, sizeof text - used, "o %s\n", names[i]);
+		used += put_square(text + used, sizeof text - used, 0, 0, 4 - i, 4 * i + 1);
+	}
+	return input_text("parts", "levels.obj", text);
+}
+
+UNIT_TEST(levels_and_colliders_of_games_are_left_out)
+{
+	static const char *const game[] = { "UCX_tree", "tree_LOD0", "tree_LOD1", "tree_Billboard" },
+		*const cards[] = { "billboard", "trunk", "leaves", "fruit" },
+		*const only[] = { "collider", "collider", "collider", "collider" };
+	struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = "*LOD1", .is = ECO_ORGAN_FOUND };
+	import_file(&m, write_parts(game), &(struct eco_model_options){ .up = ECO_UP_Y });
+	assert_int_equal(m.triangle_count, 2);
+	assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 6);
+	assert_string_equal(m.parts[m.part[0]].name, "tree_LOD0");
+	import_file(&m, write_parts(game), &(struct eco_model_options){ .up = ECO_UP_Y, .rules = &rule,
+		.rule_count = 1 });
+	assert_int_equal(m.triangle_count, 4);
+	import_file(&m, write_parts(cards), &(struct eco_model_options){ .up = ECO_UP_Y });
+	assert_int_equal(m.triangle_count, 8);
+	import_file(&m, write_parts(only), &(struct eco_model_options){ .up = ECO_UP_Y });
+	assert_int_equal(m.triangle_count, 8);
+}
+

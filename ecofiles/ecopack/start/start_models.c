@@ -13,6 +13,7 @@
 #include "ecofiles/base/room.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/import/model/model_import.h"
+#include "ecofiles/import/model/model_spare.h"
 #include "ecofiles/import/places/words.h"
 
 #define DEPTH_MAX 4u
@@ -169,8 +170,13 @@ static enum eco_code group(struct start *s, const struct files *files)
 				"model\n", files->paths[i], last->paths[0]);
 			continue;
 		}
-		if (last && base < bytes && base == before_base && strncmp(stem, before, base) == 0
-				&& last->path_count < VARIANTS_MAX) {
+		bool alike = last && base < bytes && base == before_base && strncmp(stem, before, base) == 0;
+		if (alike && eco_model_spare_level(stem) > 0) {
+			start_say("  %s: left out, as %s is a finer level of it\n", files->paths[i],
+				last->paths[0]);
+			continue;
+		}
+		if (alike && last->path_count < VARIANTS_MAX) {
 			if (!(last->paths[last->path_count] = strdup(files->paths[i])))
 				return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
 			snprintf(last->name, sizeof last->name, "%.*s", (int)(base < 56 ? base : 56), stem);

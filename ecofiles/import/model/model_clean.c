@@ -12,6 +12,7 @@
 #include "ecofiles/base/mix.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_parts.h"
+#include "ecofiles/import/model/model_spare.h"
 
 /* ---- Triangles ---- */
 
@@ -233,6 +234,7 @@ enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_fr
 		code = none_left(model, what, error);
 	if (!code) {
 		note_dropped(model, notes);
+		eco_model_drop_spare(model, options->rules, options->rule_count, notes);
 		code = eco_model_apply_rules(model, c.place, options->rules, options->rule_count, what, notes,
 			error);
 	}

@@ -1,0 +1,119 @@
+#include "ecofiles/import/model/model_spare.h"
+
+#include <ctype.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "ecofiles/base/phrase.h"
+#include "ecofiles/import/model/import_model.h"
+#include "ecofiles/import/model/model_parts.h"
+
+static bool begins_word(const char *name, const char *at)
+{
+	return at == name || !isalnum((unsigned char)at[-1])
+		|| (islower((unsigned char)at[-1]) && isupper((unsigned char)*at));
+}
+
+static bool ends_word(const char *at) { return !isalpha((unsigned char)*at); }
+
+/* Whether a name has a word, as a word of its own. */
+static bool has_word(const char *name, const char *word)
+{
+	for (const char *at = name; (at = strcasestr(at, word)); at++)
+		if (begins_word(name, at) && ends_word(at + strlen(word)))
+			return true;
+	return false;
+}
+
+/* Names of Decentraland and Unity, of Unreal, and of Godot. */
+static bool is_collider(const char *name)
+{
+	static const char *const words[] = { "collider", "collision", "ucx", "ubx", "usp", "ucp", "colonly",
+		"convcolonly" };
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+		if (has_word(name, words[i]))
+			return true;
+	return false;
+}
+
+int eco_model_spare_level(const char *name)
+{
+	if (is_collider(name))
+		return ECO_SPARE_COLLIDER;
+	for (const char *at = name; (at = strcasestr(at, "lod")); at++) {
+		const char *digits = at + 3 + (at[3] == '_' || at[3] == '-' || at[3] == ' ');
+		if (begins_word(name, at) && isdigit((unsigned char)*digits) && !isdigit((unsigned char)digits[1]))
+			return *digits - '0';
+	}
+	return has_word(name, "billboard") || has_word(name, "impostor") || has_word(name, "imposter")
+		? ECO_SPARE_CARD : ECO_SPARE_NONE;
+}
+
+static bool is_ruled(const char *name, const struct eco_part_rule *rules, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++)
+		if (rules[i].kind == ECO_PART_NAME && eco_part_name_fits(rules[i].name, name))
+			return true;
+	return false;
+}
+
+/* The level of each part that a triangle has, ECO_SPARE_NONE where it is to stay; false: all stay. */
+static bool find_levels(const struct eco_model *m, const struct eco_part_rule *rules, uint32_t count,
+	int *level)
+{
+	int finest = ECO_SPARE_CARD, levels = 0;
+	bool any = false;
+	for (uint32_t i = 0; i < m->part_count; i++) {
+		level[i] = is_ruled(m->parts[i].name, rules, count) ? ECO_SPARE_NONE
+			: eco_model_spare_level(m->parts[i].name);
+		levels += level[i] >= 0 && level[i] < ECO_SPARE_CARD;
+		finest = level[i] >= 0 && level[i] < finest ? level[i] : finest;
+	}
+	for (uint32_t i = 0; i < m->part_count; i++) {
+		if (level[i] == finest || (level[i] == ECO_SPARE_CARD && levels == 0))
+			level[i] = ECO_SPARE_NONE;
+		any |= level[i] != ECO_SPARE_NONE;
+	}
+	return any;
+}
+
+/* Keeps triangles of parts without a level; returns how many there are. With `move` they are moved up. */
+static uint32_t keep(struct eco_model *m, const int *level, bool move)
+{
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < m->triangle_count; i++) {
+		if (level[m->part[i]] != ECO_SPARE_NONE)
+			continue;
+		if (move) {
+			memmove(&m->index[(size_t)kept * 3], &m->index[(size_t)i * 3], 3 * sizeof *m->index);
+			m->material[kept] = m->material[i];
+			m->part[kept] = m->part[i];
+		}
+		kept++;
+	}
+	return kept;
+}
+
+void eco_model_drop_spare(struct eco_model *m, const struct eco_part_rule *rules, uint32_t count,
+	struct eco_notes *notes)
+{
+	char names[200] = "";
+	int *level = m->part && m->part_count > 0 ? malloc(m->part_count * sizeof *level) : NULL;
+	if (level && find_levels(m, rules, count, level)) {
+		uint32_t kept = keep(m, level, false);
+		if (kept > 0 && kept < m->triangle_count) {
+			for (uint32_t i = 0; i < m->part_count; i++)
+				if (level[i] != ECO_SPARE_NONE)
+					eco_phrase_add(names, sizeof names, m->parts[i].name);
+			eco_note(notes, "%u triangles of coarser levels of detail or shapes for collisions are left "
+				"out: %s; name them in \"parts\" if they are the plant's",
+				m->triangle_count - kept, names);
+			m->dropped[ECO_DROP_LEFT_OUT] += m->triangle_count - kept;
+			m->triangle_count = keep(m, level, true);
+		}
+	}
+	free(level);
+}
