@@ -45,6 +45,8 @@
 #define CANDIDATES_ROUGH 8u              /* for rough trials */
 #define CANDIDATES_LEAST_ROUGH 256u
 #define CANDIDATES_MOST 40000u           /* plus three for each pick of the step */
+/* Share of the elements up to which a step takes the codes that its trials found: those of the last look. */
+#define KNOWN_MOST 0.5
 #define BATCH 256u
 #define ASK 512u                         /* looks between two calls of progress */
 #define PARTS 16u                        /* batches between two calls of progress */
@@ -68,6 +70,7 @@ struct ranking {
 	/* Half the views, smaller pictures and fewer candidates: only the quality of the step is wanted. */
 	bool rough;
 	/* the step */
+	bool known;                  /* codes were found by its trials */
 	double scale;
 	struct lod_crown_views views;
 	struct weights weights;
@@ -111,6 +114,14 @@ static void look(const struct ranking *r, uint32_t element, uint32_t first, uint
 		lod_crown_gain(&r->crown, element, edge, count, r->views, gain);
 	for (uint32_t c = first; c <= last; c++)
 		score[c] = at[c] == ECO_NONE ? score[known] : score_of(r, element, &gain[at[c]]);
+}
+
+/* The score of the code that was best at the last look. */
+static int64_t score_now(const struct ranking *r, const struct candidate *c)
+{
+	int64_t score[ECO_GROWTHS];
+	look(r, c->element, c->code, c->code, ECO_NONE, score);
+	return score[c->code];
 }
 
 /* Climbs from the code that was best at the last look. `fresh`: its score is that of now. */
@@ -168,7 +179,10 @@ static void assess_batch(void *pieces, uint32_t batch)
 	struct ranking *r = pieces;
 	uint32_t end = (batch + 1) * BATCH < r->heap_count ? (batch + 1) * BATCH : r->heap_count;
 	for (uint32_t i = batch * BATCH; i < end; i++)
-		assess(r, &r->heap[i], false);
+		if (r->known)
+			r->heap[i].score = score_now(r, &r->heap[i]);
+		else
+			assess(r, &r->heap[i], false);
 }
 
 static void run_part(void *pieces, uint32_t i)
@@ -222,11 +236,10 @@ static void make_heap(struct ranking *r)
  * yet. */
 static bool fades(const struct ranking *r, struct candidate *top)
 {
-	int64_t score[ECO_GROWTHS], known = top->score, next = r->heap_count > 1 ? r->heap[1].score : INT64_MIN;
+	int64_t known = top->score, next = r->heap_count > 1 ? r->heap[1].score : INT64_MIN;
 	if (r->heap_count > 2 && r->heap[2].score > next)
 		next = r->heap[2].score;
-	look(r, top->element, top->code, top->code, ECO_NONE, score);
-	top->score = score[top->code];
+	top->score = score_now(r, top);
 	return top->score < next && top->score < known;
 }
 
@@ -310,6 +323,7 @@ static double choose_scale(struct ranking *r, uint32_t end, double last)
 {
 	double best_scale = 1;
 	struct trial best = { -2, 0, 0 };
+	r->known = false;
 	if (end == r->count)
 		return 1;
 	for (uint32_t i = 0; i < SCALES; i++) {
@@ -324,6 +338,7 @@ static double choose_scale(struct ranking *r, uint32_t end, double last)
 			break;
 	}
 	r->weights = gradient(r, best.quality);
+	r->known = end <= KNOWN_MOST * r->count;
 	return best_scale;
 }
 
