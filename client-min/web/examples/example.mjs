@@ -13,7 +13,11 @@ export function complain(error) {
 export async function openLayer(options) {
 	if (!given)
 		throw new Error('Say which scene: ?scene=http://127.0.0.1:8080/v1/scenes/NAME');
-	const { EcoLayer } = await import(new URL('/viewer/eco_layer.mjs', given).href);
+	const { origin, href } = new URL('/viewer/eco_layer.mjs', given);
+	const { EcoLayer } = await import(href).catch((error) => {
+		throw new Error(`${origin} does not answer, or not to this page: is it running, by ecoserve --cors `
+			+ `${location.origin}? (${error.message})`);
+	});
 	const layer = new EcoLayer({ url: given, onError: complain, ...options });
 	await layer.ready;
 	return layer;
@@ -27,3 +31,5 @@ export function eyeBeside({ low, high }, turn) {
 }
 
 addEventListener('unhandledrejection', ({ reason }) => complain(reason));
+// what a page's own module waits for and does not get is an error of the page
+addEventListener('error', ({ error }) => error && complain(error));

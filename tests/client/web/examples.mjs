@@ -30,9 +30,11 @@ const server = createServer((request, answer) => {
 await new Promise((done) => server.listen(0, '127.0.0.1', done));
 const browser = new Browser(chromium), ask = (expression) => browser.evaluate(expression);
 
+const addressOf = (name, scene) =>
+	`http://127.0.0.1:${server.address().port}/${name}.html?scene=${encodeURIComponent(scene)}`;
+
 async function open(name) {
-	const page = `http://127.0.0.1:${server.address().port}/${name}.html`;
-	await browser.open(`${page}?scene=${encodeURIComponent(url)}`, ...SIZE);
+	await browser.open(addressOf(name, url), ...SIZE);
 	await browser.until(complete);
 	writeFileSync(join(out, `${name}.png`), await browser.picture());
 	const covered = await ask('example.layer.cover().reduce((sum, c) => sum + (c > 0), 0)');
@@ -80,6 +82,18 @@ async function standsWhereItsRowSays() {
 	expect(found > TRIED / 2, `map: ${found} of ${TRIED} plants are in the middle`);
 }
 
+/** Without a server, and without a scene, a page says so, and what to do. */
+async function saysWhatIsMissing() {
+	const missing = new URL('/v1/scenes/none', url).href, dead = 'http://127.0.0.1:9/v1/scenes/none';
+	for (const name of ['bare', 'three', 'map'])
+		for (const [scene, said] of [[dead, '--cors'], [missing, 'no scene'], ['', 'Say which scene']]) {
+			await browser.open(addressOf(name, scene), ...SIZE);
+			await browser.until("document.querySelector('.error')");
+			const text = await ask("document.querySelector('.error').textContent");
+			expect(text.includes(said), `${name} of '${scene}' says: ${text}`);
+		}
+}
+
 try {
 	await open('bare');
 	await open('three');
@@ -87,6 +101,7 @@ try {
 	await open('map');
 	await standsWhereItsRowSays();
 	expect(!browser.complaints.length, browser.complaints.join('\n'));
+	await saysWhatIsMissing();
 } finally {
 	await browser.close();
 	server.close();
