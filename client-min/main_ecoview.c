@@ -332,7 +332,7 @@ static enum eco_code score_frame(struct viewer *v, struct view_frame *f, struct 
 	enum eco_code code = view_measure_pair(&v->picture, &v->reference, v->error_map, &measures, error);
 	if (code)
 		return code;
-	if (v->options.tint)             /* colours that stand for something else */
+	if (v->options.tint == VIEW_TINT_KIND)   /* colours that stand for something else */
 		measures.picture_error = NAN;
 	view_frame_score(f, &measures, v->ceiling);
 	code = save_masks(v, f->frame, error);

@@ -41,7 +41,8 @@ static enum eco_code read_marks(const char *text, void *value, struct eco_error 
 }
 
 const char *const view_rules[] = { "optimal", "deussen", NULL };
-static const char *const tints[] = { [VIEW_TINT_NONE] = "none", [VIEW_TINT_KIND] = "kind", NULL };
+static const char *const tints[] = { [VIEW_TINT_NONE] = "none", [VIEW_TINT_KIND] = "kind",
+	[VIEW_TINT_OWN] = "own", NULL };
 
 static const struct eco_option option_table[] = {
 	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.url,
@@ -97,9 +98,10 @@ static const struct eco_option option_table[] = {
 		"eye; of plants out of sight those that are held, as nothing is fetched for it" },
 	{ "haze", 0, ECO_OPTION_NUMBER, "M", &given.sky.haze_m, 1, 1e9,
 		.help = "metres after which haze hides all but 1/e, at sea level; 5200 if not given" },
-	{ "tint", 0, ECO_OPTION_CHOICE, "kind", &given.tint, .choices = tints,
-		.help = "colour by representation: green triangles, red lines, blue points, yellow and "
-		"orange blends, violet ellipsoids for whole plants" },
+	{ "tint", 0, ECO_OPTION_CHOICE, "NAME", &given.tint, .choices = tints,
+		.help = "kind: colour by representation: green triangles, red lines, blue points, yellow and "
+		"orange blends, violet ellipsoids for whole plants; own: plants in their own colours, "
+		"without light, on gray ground before a black sky" },
 	{ "chunks", 0, ECO_OPTION_TEXT, "URL", &given.chunks,
 		.help = "fetch chunks of 1024 bytes or more by their names from URL/NAME: the scene's "
 		"URL/chunks, or a static host of what `ecopack export` wrote; others come with the stream" },
@@ -115,7 +117,7 @@ static const struct eco_option option_table[] = {
 const struct eco_command view_command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
 	"[--ground-px X] [--ahead S] [--snap M] [--rule NAME] [--reference[=cpu|egl]] [--compare] "
-	"[--tint kind] "
+	"[--tint NAME] "
 	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--owners] [--glb] "
 	"[--frames A..B] [--progressive LIST] [--chunks URL] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",

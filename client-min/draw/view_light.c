@@ -360,9 +360,20 @@ static enum eco_code cast_shadows(struct lamp *lamp, struct eco_error *error)
 	return code;
 }
 
+static void show_own_colors(struct view_picture *picture)
+{
+	for (size_t i = 0; i < (size_t)picture->width * picture->height; i++)
+		if (!picture->owner[i])
+			memset(picture->rgb + 3 * i, picture->depth[i] > 0 ? VIEW_OWN_GROUND : 0, 3);
+}
+
 enum eco_code view_light_picture(const struct view_light_job *job, struct view_picture *picture,
 	struct eco_error *error)
 {
+	if (job->tint == VIEW_TINT_OWN) {
+		show_own_colors(picture);
+		return ECO_OK;
+	}
 	struct lamp *lamp = calloc(1, sizeof *lamp);
 	if (!lamp)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory to light a picture");

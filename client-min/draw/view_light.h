@@ -31,8 +31,10 @@ enum view_surface { VIEW_FACET, VIEW_AXIS, VIEW_CLOUD, VIEW_BALL };
 uint32_t view_surface_direction(enum view_surface kind, const float direction[3]);
 uint32_t view_surface_cloud(double reach, double level);
 
-/* By representation; or in their own colours, every leaf lit as if it were alone. */
-enum view_tint { VIEW_TINT_NONE, VIEW_TINT_KIND, VIEW_TINT_UNSHADED };
+/* By representation; in their own colours without light, before a gray ground and a black sky; or every leaf
+ * lit as if it were alone. */
+enum view_tint { VIEW_TINT_NONE, VIEW_TINT_KIND, VIEW_TINT_OWN, VIEW_TINT_UNSHADED };
+#define VIEW_OWN_GROUND 96               /* sRGB */
 extern const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3];       /* sRGB, for VIEW_TINT_KIND */
 
 struct view_light_job {

@@ -358,6 +358,28 @@ UNIT_TEST(shadows_fall_to_the_north_east)
 	scene_release(&h);
 }
 
+UNIT_TEST(own_colours_are_those_that_were_recorded)
+{
+	if (!gl)
+		skip();
+	struct scene_held h = scene_hold(&scene);
+	struct view_picture own = draw(gl, h.store, &h.view, true, VIEW_TINT_OWN), recorded;
+	assert_int_equal(view_picture_init(&recorded, own.width, own.height, NULL), ECO_OK);
+	assert_int_equal(view_gl_read(gl, &recorded, NULL), ECO_OK);
+	uint32_t ground = 0, plants = 0;
+	for (size_t i = 0; i < (size_t)own.width * own.height; i++) {
+		const uint8_t *seen = own.rgb + 3 * i, *is = recorded.rgb + 3 * i;
+		plants += own.owner[i] != 0;
+		ground += !own.owner[i] && own.depth[i] > 0;
+		for (int k = 0; k < 3; k++)
+			assert_int_equal(seen[k], own.owner[i] ? is[k] : own.depth[i] > 0 ? VIEW_OWN_GROUND : 0);
+	}
+	assert_true(plants && ground);
+	view_picture_free(&own);
+	view_picture_free(&recorded);
+	scene_release(&h);
+}
+
 UNIT_TEST(programs_are_compiled_before_something_is_drawn_by_them)
 {
 	const uint32_t wanted = 1u << VIEW_PROGRAM_GROUND | 1u << VIEW_PROGRAM_SUMMARY;
