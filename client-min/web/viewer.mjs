@@ -130,14 +130,15 @@ function showProgress({ complete, offline, received }) {
 	if (wasOffline)
 		say('');
 	wasOffline = false;
+	const complained = $('state').classList.contains('error');
 	if (complete) {
 		incompleteSince = 0;
-		if (!$('state').classList.contains('error'))
+		if (!complained)
 			say('');
 		return;
 	}
 	incompleteSince ||= performance.now();
-	if (performance.now() - incompleteSince > LOADING_MS)
+	if (!complained && performance.now() - incompleteSince > LOADING_MS)
 		say(`Loading, ${number(received)} bytes so far`);
 }
 
@@ -346,7 +347,8 @@ const shortcuts = {
 function goToAddress(scenes) {
 	const before = settings.scene;
 	readAddress();
-	if (scenes && !scenes.includes(settings.scene) && !token)
+	const named = settings.scene, known = !scenes || scenes.includes(named) || token;
+	if (!known)
 		[settings.scene] = scenes;
 	$('scene').value = settings.scene;
 	if (settings.scene !== before)
@@ -354,6 +356,8 @@ function goToAddress(scenes) {
 	else if (view && about)
 		camera.look(...view);
 	showSettings();
+	if (!known && named)
+		say(`This server has no scene ${named}; this is ${settings.scene}.`, true);
 }
 
 async function start() {
@@ -389,6 +393,10 @@ addEventListener('keydown', (event) => {
 $('panel-button').onclick = togglePanel;
 $('scene').onchange = () => {
 	view = null;
+	// so that the browser's way back leads to the scene before
+	clearTimeout(moved.timer);
+	writeAddress();
+	history.pushState(null, '', `#scene=${encodeURIComponent($('scene').value)}`);
 	open($('scene').value);
 };
 $('mode').onchange = () => set('mode', $('mode').value);

@@ -253,6 +253,26 @@ async function leavesThePageFree() {
 	await browser.send('Page.removeScriptToEvaluateOnNewDocument', { identifier });
 }
 
+/** A link to a scene that is not there says so, and shows another. The browser's way back leads to the scene
+ * before. */
+async function goesBack() {
+	const choose = (scene) => ask(`{ const box = document.getElementById('scene');
+		box.value = '${scene}'; box.dispatchEvent(new Event('change')); }`);
+	const shows = (scene) => browser.until(`viewer.settings.scene === '${scene}' && viewer.drawn?.facts
+		&& document.title.startsWith('${scene}') && ${complete}`);
+	await choose('park');
+	await shows('park');
+	await ask('history.back()');
+	await shows(name);
+	await ask('history.forward()');
+	await shows('park');
+	await ask("location.hash = '#scene=elsewhere'");
+	await browser.until(`document.getElementById('state').textContent.includes('no scene elsewhere') && ${complete}`);
+	expect(await text('state').then((said) => said.includes(' elsewhere')), 'who looks for a scene is told nothing');
+	await ask(`location.hash = '#scene=${name}'`);
+	await shows(name);
+}
+
 /** Who moves on is sent what comes next, until he turns. The line is slow, so that there is something to give
  * up, and the park is large; the browser keeps nothing of this address. */
 async function looksAhead() {
@@ -308,6 +328,7 @@ try {
 	await walks();
 	await recordsAndSaves();
 	await comesBack();
+	await goesBack();
 	await leavesThePageFree();
 	await takesAnotherPack();
 	const state = await text('state');
