@@ -20,6 +20,9 @@ static const struct eco_request request =
 
 UNIT_TEST(line_shows_dashes_for_what_is_not_known)
 {
+	char score[VIEW_SCORE_BYTES];
+	assert_string_equal(view_report_score(score, NAN), "-");
+	assert_string_equal(view_report_score(score, 0.12345), "0.1235");
 	char *text = NULL;
 	size_t size;
 	struct view_frame f = view_frame_empty(7, 3.5, &request);

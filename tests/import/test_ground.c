@@ -228,6 +228,10 @@ UNIT_TEST(a_raster_that_is_too_large_is_averaged_down)
 UNIT_TEST(what_is_no_raster_is_refused)
 {
 	import_fails(&(struct given){ .path = "build/tmp/ground/gone.tif" }, "gone.tif: No such file");
+	import_fails(&(struct given){ .path = input_text("ground", "lfs.tif",
+		"version https://git-lfs.github.com/spec/v1\n") }, "lfs.tif: a pointer of Git LFS");
+	import_fails(&(struct given){ .path = input_text("ground", "empty.tif", "") },
+		"empty.tif: the file is empty");
 	import_fails(&(struct given){ .path = input_text("ground", "text.tif", "not a raster") },
 		"not a raster that GDAL can read");
 	import_fails(&(struct given){ .path = input_text("ground", "one.asc", "ncols 1\nnrows 1\nxllcorner "
@@ -363,6 +367,25 @@ UNIT_TEST(a_band_is_chosen_and_colours_are_no_heights)
 static double terrain(int x, int y)
 {
 	return 400 + 3 * sin(x * 0.4) + 2 * cos(y * 0.3 + x * 0.1) + 0.05 * x * y;
+}
+
+/* -32768 meets nothing but 0, which stands out itself. */
+UNIT_TEST(holes_within_holes_are_found)
+{
+	static double samples[HOLES_SIDE * HOLES_SIDE];
+	static const double transform[6] = { 0, 1, 0, HOLES_SIDE, 0, -1 };
+	struct eco_ground ground;
+	for (int i = 0; i < HOLES_SIDE * HOLES_SIDE; i++) {
+		int x = i % HOLES_SIDE;
+		samples[i] = x < 4 ? -32768 : x < 6 ? 0 : terrain(x, i / HOLES_SIDE);
+	}
+	import_good(&ground, &(struct given){ .path = write_raster("GTiff", "within.tif", GDT_Float32, HOLES_SIDE,
+		HOLES_SIDE, samples, transform, NULL) });
+	assert_int_equal(ground.filled, 6 * HOLES_SIDE);
+	assert_true(said("stand out"));
+	for (int i = 0; i < HOLES_SIDE * HOLES_SIDE; i++)
+		assert_true(ground.height_m[i] > 300 && ground.height_m[i] < 600);
+	eco_ground_free(&ground);
 }
 
 UNIT_TEST(constants_that_stand_out_are_holes_and_seas_are_not)

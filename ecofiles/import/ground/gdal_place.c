@@ -10,7 +10,7 @@
 enum eco_code ground_gdal_fail(const char *path, const char *doing, struct eco_error *error)
 {
 	const char *why = CPLGetLastErrorMsg();
-	return eco_fail(error, ECO_BAD_INPUT, "%.200s: %s: %.250s", path, doing,
+	return eco_fail(error, ECO_BAD_INPUT, "%.150s: %s: %.200s; gdalinfo says whether it is whole", path, doing,
 		why[0] != 0 ? why : "GDAL gives no reason");
 }
 

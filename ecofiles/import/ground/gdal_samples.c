@@ -265,14 +265,17 @@ static bool lies_beyond(const struct meaning *m, const struct census *c, const d
 	double other_end, double *value)
 {
 	double usual = c->steps > 0 ? c->steps_sum / (double)c->steps : 0;
-	int at = 0;
+	int at = 0, next;
 	while (at < count && is_hole(m, kept[at]))
 		at++;
-	if (at + 1 >= count || is_hole(m, kept[at + 1]))
+	next = at + 1;
+	while (next < count && is_hole(m, kept[next]))
+		next++;
+	if (next >= count)
 		return false;
 	*value = kept[at];
-	return fabs(kept[at + 1] - kept[at]) > fmax(fabs(other_end - kept[at + 1]), STEEP * usual)
-		&& other_end != kept[at + 1];
+	return fabs(kept[next] - kept[at]) > fmax(fabs(other_end - kept[next]), STEEP * usual)
+		&& other_end != kept[next];
 }
 
 static double end_of(const struct meaning *m, const double *kept, int count)

@@ -71,4 +71,7 @@ struct eco_ground_feet { const double (*at)[3]; uint32_t count; double low[2], h
 enum eco_code eco_ground_through(struct eco_ground *ground, const struct eco_ground_feet *feet,
 	struct eco_error *error);
 
+/* Refuses what no reader reads: files that are not there, empty, packed, pointers of Git LFS, web pages. */
+enum eco_code eco_raster_file_check(const char *path, struct eco_error *error);
+
 #endif

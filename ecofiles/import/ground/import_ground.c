@@ -6,11 +6,13 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "ecofiles/base/guard.h"
 #include "ecofiles/base/module.h"
 #include "ecofiles/format/pack.h"
+#include "ecofiles/import/model/import_file.h"
 
 static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 {
@@ -59,11 +61,29 @@ static void tell(const struct eco_ground_options *options, const struct eco_grou
 	options->warn(options->ctx, text);
 }
 
+enum eco_code eco_raster_file_check(const char *path, struct eco_error *error)
+{
+	struct stat status;
+	size_t size;
+	if (access(path, R_OK) != 0 || stat(path, &status) != 0)
+		return eco_fail_read(error, path, errno);
+	if (!S_ISREG(status.st_mode))            /* folders are rasters of some formats */
+		return ECO_OK;
+	char *head = eco_file_read_head(path, &size);
+	/* GDAL looks into zip files */
+	enum eco_code code = head ? eco_file_check_head(path, head, size, true, "a raster", error)
+		: eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
+	free(head);
+	return code;
+}
+
 static enum eco_code check_files(const struct eco_ground_source *source, struct eco_error *error)
 {
-	for (uint32_t i = 0; i < source->height_count; i++)
-		if (access(source->heights[i], R_OK) != 0)
-			return eco_fail_read(error, source->heights[i], errno);
+	for (uint32_t i = 0; i < source->height_count; i++) {
+		enum eco_code code = eco_raster_file_check(source->heights[i], error);
+		if (code)
+			return code;
+	}
 	return source->height_count > 0 ? ECO_OK
 		: eco_fail(error, ECO_BAD_INPUT, "the ground names no raster");
 }

@@ -1,14 +1,13 @@
 /* The child process (gdal_image.c) hands squares back through a pipe; what comes is checked here. */
 #include "ecofiles/import/ground/import_ground_image.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "ecofiles/base/guard.h"
 #include "ecofiles/base/module.h"
+#include "ecofiles/import/ground/ground.h"
 
 struct eco_ground_image_reader {
 	struct eco_ground_image_job job;
@@ -29,9 +28,11 @@ static enum eco_code start(struct eco_ground_image_reader *r, const struct eco_g
 {
 	const struct eco_ground_image_source *source = options->source;
 	*r = (struct eco_ground_image_reader){ .job = { .options = options, .only_look = only_look } };
-	for (uint32_t i = 0; i < source->file_count; i++)
-		if (access(source->files[i], R_OK) != 0)
-			return eco_fail_read(error, source->files[i], errno);
+	for (uint32_t i = 0; i < source->file_count; i++) {
+		enum eco_code code = eco_raster_file_check(source->files[i], error);
+		if (code)
+			return code;
+	}
 	return eco_guard_start(&r->guard, work, &r->job, source->files[0], NULL, &r->stream, error);
 }
 

@@ -5,6 +5,7 @@
 
 #include "ecofiles/base/guard.h"
 #include "ecofiles/base/module.h"
+#include "ecofiles/import/ground/ground.h"
 
 static enum eco_code work(void *path, FILE *out, struct eco_error *error)
 {
@@ -20,7 +21,9 @@ static enum eco_code work(void *path, FILE *out, struct eco_error *error)
 enum eco_code eco_raster_extent(const char *path, struct eco_raster_extent *extent, struct eco_error *error)
 {
 	FILE *result = NULL;
-	enum eco_code code = eco_guard_run(work, (void *)path, path, NULL, &result, error);
+	enum eco_code code = eco_raster_file_check(path, error);
+	if (!code)
+		code = eco_guard_run(work, (void *)path, path, NULL, &result, error);
 	if (code)
 		return code;
 	bool good = fread(extent, sizeof *extent, 1, result) == 1;
