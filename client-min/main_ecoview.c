@@ -102,17 +102,20 @@ static enum eco_code save_owners(struct viewer *v, uint32_t frame, struct eco_er
 
 static enum eco_code save_comparison(struct viewer *v, const struct view_frame *f, struct eco_error *error)
 {
-	char ours[160], full[160], wrong[80];
+	char ours[200], full[200], wrong[80], q[4][VIEW_SCORE_BYTES];
 	uint32_t size[2];
 	uint8_t *rgb;
 	if (!v->error_map)
 		return ECO_OK;
 	snprintf(ours, sizeof ours,
-		"ours: %llu of %llu vertices, %llu bytes\nQ %.4f  soft_q %.4f  ceiling %.4f",
+		"ours: %llu of %llu vertices, %llu bytes\nQ %s  soft_q %s  ceiling %s",
 		(unsigned long long)f->vertices, (unsigned long long)f->budget_vertices,
-		(unsigned long long)f->bytes, f->q, f->soft_q, f->ceiling);
-	snprintf(full, sizeof full, "full: %llu vertices\nP %.4f  R %.4f  skill %.4f  owner_q %.4f",
-		(unsigned long long)v->reference.vertices, f->precision, f->recall, f->skill, f->owner_q);
+		(unsigned long long)f->bytes, view_report_score(q[0], f->q), view_report_score(q[1], f->soft_q),
+		view_report_score(q[2], f->ceiling));
+	snprintf(full, sizeof full, "full: %llu vertices\nP %s  R %s  skill %s  owner_q %s",
+		(unsigned long long)v->reference.vertices, view_report_score(q[0], f->precision),
+		view_report_score(q[1], f->recall), view_report_score(q[2], f->skill),
+		view_report_score(q[3], f->owner_q));
 	snprintf(wrong, sizeof wrong, "picture_error %.4f\nblack: none, pale yellow: 1", f->picture_error);
 	struct view_compare compare = { &v->picture, &v->reference, v->error_map, { ours, full, wrong } };
 	enum eco_code code = view_compare_draw(&compare, &rgb, size, error);

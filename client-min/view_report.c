@@ -93,12 +93,19 @@ enum eco_code view_report_add_part(struct view_report *report, const struct view
 	return ECO_OK;
 }
 
-static void print_score(FILE *out, const char *name, double v)
+const char *view_report_score(char text[VIEW_SCORE_BYTES], double v)
 {
 	if (isnan(v))
-		fprintf(out, "  %s -", name);
+		snprintf(text, VIEW_SCORE_BYTES, "-");
 	else
-		fprintf(out, "  %s %.4f", name, v);
+		snprintf(text, VIEW_SCORE_BYTES, "%.4f", v);
+	return text;
+}
+
+static void print_score(FILE *out, const char *name, double v)
+{
+	char text[VIEW_SCORE_BYTES];
+	fprintf(out, "  %s %s", name, view_report_score(text, v));
 }
 
 static void print_scores(const struct view_frame *f, FILE *out)

@@ -70,4 +70,8 @@ enum eco_code view_save_dir(const char *dir, struct eco_error *error);
 enum eco_code view_save(const char *dir, const char *format, uint32_t frame, const struct eco_pixels *pixels,
 	struct eco_error *error) __attribute__((format(printf, 2, 0)));
 
+/* A score as people read it: four decimals, or "-" where there is none. Returns `text`. */
+#define VIEW_SCORE_BYTES 24
+const char *view_report_score(char text[VIEW_SCORE_BYTES], double v);
+
 #endif
