@@ -249,7 +249,7 @@ static void geojson_lines_with_and_without_times(void **state)
 	fails("{\"a\": 1}", "d.json", "no track that is known");
 	fails("{\"type\": \"LineString\", \"coordinates\": [[1, 2],]}", "e.json", "e.json:1:");
 	fails("{\"type\": \"Polygon\", \"coordinates\": [[[0,0],[1,0],[1,1],[0,0]]]}", "f.json",
-		"no usable fix");
+		"it has 1 record and no usable fix: no position, or one that cannot be; a track is made of points");
 }
 
 /* ---- Poses ---- */

@@ -127,8 +127,9 @@ static enum eco_code read_text(struct eco_track *track, struct eco_error *error)
 		return code;
 	return !track->skipped ? eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s. "
 		TRACK_FORMATS, track->path, name) : eco_fail(error, ECO_BAD_INPUT, "%.250s:%u: read as %s, "
-		"it has %u records and no usable fix: no position, or one that cannot be", track->path,
-		track->skipped_line, name, track->records);
+		"it has %u record%s and no usable fix: no position, or one that cannot be; a track is made of "
+		"points, or of lines that are single, in longitude and latitude (--track-crs: in metres)",
+		track->path, track->skipped_line, name, track->records, track->records == 1 ? "" : "s");
 }
 
 enum eco_code eco_track_read(struct eco_track *track, const char *path, struct eco_error *error)
