@@ -469,7 +469,7 @@ static bool raise_roughly(const struct lod_lambda_search *s, struct sweep *sweep
 			: sweep->beyond - 1;
 		*(bytes > 0 ? &low : &high) = octave;
 	}
-	if (octave != some && some > sweep->octave)
+	if (!isnan(some) && octave != some && some > sweep->octave)
 		bytes = relax_within(s, sweep, some, budget);
 	if (!(bytes > 0) || sweep->bytes < bytes * SWEEP_FALL_LEAST)
 		return false;

@@ -50,7 +50,7 @@
 #define SLOT_CHOICES 3
 #define FINER_WORK 4             /* of a finer level, over that of a level */
 #define PASSES_VERTICES 32
-#define PASSES_BYTES 200
+#define PASSES_BYTES 50
 #define UNCHANGED 2              /* one of so many tallies is summed again, for the others nothing changed */
 #define SUMMARY_TRIES 2          /* numbers of points that are tried of each */
 

@@ -111,6 +111,35 @@ UNIT_TEST(ordinary_views_are_hardly_cut_short)
 	}
 }
 
+/* Predicted Q of a request within a budget of bytes. */
+static double q_within(struct eco_request request, uint64_t bytes)
+{
+	struct srv_stream stream;
+	struct eco_error error = { 0 };
+	request.bytes = bytes;
+	assert_ok(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample, .request = &request,
+		.work_max = srv_typical_work(sample) }, &error), error);
+	double q = eco_predicted_q(&stream.steps[stream.step_count - 1].plan.prediction);
+	srv_stream_free(&stream);
+	return q;
+}
+
+/* A level is too dear if more passes are expected of a search of prices than it takes: then a budget that is
+ * never reached made plans coarser. */
+UNIT_TEST(bytes_that_do_not_bind_change_little)
+{
+	uint32_t asked = 0, worse = 0;
+	for (uint32_t i = 0; i < REQUESTS; i++) {
+		struct eco_request request;
+		if (!random_request(&request, &sample->pack->scene, 11, i))
+			continue;
+		asked++;
+		worse += q_within(request, (uint64_t)1 << 40) < q_within(request, ECO_BYTES_UNBOUNDED) - 0.005;
+	}
+	print_message("          worse: %u of %u\n", worse, asked);
+	assert_true(asked > REQUESTS / 2 && 50 * worse <= asked);
+}
+
 /* Who waits for a large answer sees something of it soon, also where its plan has no work left. */
 UNIT_TEST(what_is_cut_short_comes_in_steps)
 {
