@@ -1,8 +1,8 @@
 #!/bin/sh
 # CPU of `ecopack make --draft` at the limits of a first look: draft.sh [FOLDER] makes in FOLDER (build/bench/draft) a scene of twenty
 # models of together half a million triangles, 20 MB of textures and 100,000 plants from a table, all generated, then packs a draft on one
-# thread and prints its processor seconds by stage. BUILD is the folder of the programs, RUNS how many drafts; AS="--draft --jobs 1"
-# are make's options.
+# thread and prints its processor seconds by stage. BUILD is the folder of the programs, bench/paint among them (make build/bench/paint), RUNS
+# how many drafts; AS="--draft --jobs 1" are make's options.
 set -eu
 BUILD=${BUILD:-build}
 OUT=${1:-$BUILD/bench/draft}
