@@ -110,7 +110,7 @@ export class EcoLayer {
 	 * shadows: 'none', 'standard' or 'perspective', by a map of shadowSize texels a side (0: 1024);
 	 * haze: metres after which it hides all but 1/e (0: as usual);
 	 * first: { about, view, wanted, body }, what a page has asked for before it had this module: a Scene, and
-	 * the answer to a first request, as a stream or bytes (or null);
+	 * the bytes of the answer to a first request, or a promise of them (null: there is none);
 	 * keep: the browser keeps what comes until the next visit; token: of a scene that is not for all;
 	 * onChange(): there is more to draw; onError(error): an EcoError, `offline` if the
 	 * server does not answer and will be asked again. */

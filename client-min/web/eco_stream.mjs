@@ -95,12 +95,13 @@ export class EcoStream {
 		return true;
 	}
 
-	/** Takes an answer, as it comes, to a request that somebody else has made, of one who holds nothing. */
+	/** Takes an answer, or a promise of its bytes, to a request that somebody else has made, of one who holds nothing. */
 	async take({ view, wanted: { width, height, vertices, bytes: most }, body }) {
 		const { module, web } = this;
 		this.check(module._web_request(web, this.putView(view), width, height, vertices, most));
 		this.check(!module._web_ask(web));
-		await this.feed(new Response(body).body.getReader());
+		const read = [{ value: new Uint8Array(await body) }, { done: true }];
+		await this.feed({ read: () => read.shift() });
 		this.check(module._web_finish(web) < 0);
 	}
 

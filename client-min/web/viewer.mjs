@@ -201,7 +201,7 @@ async function takeFirst(name) {
 		if (!described || settings.scene !== name)
 			return null;
 		know(described);
-		return { about: described, view, wanted, body: answer && streamOf(answer, modifiedOf(said)) };
+		return { about: described, view, wanted, body: answer && bytesOf(answer, modifiedOf(said)) };
 	} catch {
 		return null;
 	}
@@ -209,24 +209,21 @@ async function takeFirst(name) {
 
 const modifiedOf = (answer) => answer.headers.get('last-modified');
 
-/** An answer's bytes as they come, for the engine; it is of the pack that is described, or fails. */
-function streamOf(answer, modified) {
-	const { readable, writable } = new TransformStream();
-	const fits = (came) => came.status === 200 && modifiedOf(came) === modified;
-	answer.then((came) => fits(came) ? came.body.pipeTo(writable) : writable.abort(), () => writable.abort())
-		.catch(() => {});
-	return readable;
+/** An answer's bytes, which are of the pack that is described; or null. In one piece: as a stream each part of
+ * it would wait for this page's thread. */
+async function bytesOf(answer, modified) {
+	const came = await answer.catch(() => null);
+	const good = came?.status === 200 && modifiedOf(came) === modified;
+	return good ? came.arrayBuffer().catch(() => null) : null;
 }
 
-/** Sends the engine what came first; where streams cannot be given away, once all of it has come. */
-async function sendOpen(message) {
-	const { first } = message;
-	try {
-		engine.postMessage(message, first?.body ? [first.body] : []);
-	} catch {
-		const body = await new Response(first.body).arrayBuffer().catch(() => null);
-		engine.postMessage({ ...message, first: { ...first, body } });
-	}
+/** The engine opens the scene while its first answer is on its way. */
+async function sendOpen(message, first) {
+	engine.postMessage({ ...message, first: first && { ...first, body: null, comes: !!first.body } });
+	if (!first?.body)
+		return;
+	const body = await first.body;
+	engine.postMessage({ type: 'answer', body }, body ? [body] : []);
 }
 
 function open(name) {
@@ -240,7 +237,7 @@ function open(name) {
 	const url = new URL(`/v1/scenes/${name}`, location.href).href, opened = token;
 	takeFirst(name).then((first) => {
 		if (settings.scene === name)
-			sendOpen({ type: 'open', url, token: opened, first });
+			sendOpen({ type: 'open', url, token: opened }, first);
 	});
 }
 

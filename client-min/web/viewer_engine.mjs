@@ -2,7 +2,8 @@
 // input; in a browser that has no canvas for workers, the page itself. Messages to it:
 //
 //   { type: 'open', url, token, first }             another scene; 'opened' brings what is said of it;
-//                                                  first: EcoLayer's
+//                                                  first: EcoLayer's, or its body comes later:
+//   { type: 'answer', body }                        that
 //   { type: 'draw', number, matrix, eye, next, size, moving, vertices, bytes, tint, sun, shadows }
 //                                                  the view from now on
 //   { type: 'pick', at }                            what is seen there? 'picked', then 'explained': why so
@@ -83,7 +84,13 @@ class Engine {
 		this.movingScale = between(MOVING_LEAST, this.movingScale, 1);
 	}
 
+	answer({ body }) {
+		this.answered?.(body);
+	}
+
 	async open({ url, token, first }) {
+		if (first?.comes)
+			first.body = new Promise((done) => { this.answered = done; });
 		this.layer?.free();
 		this.layer = null;
 		const onError = (error) => this.fail(error.message, error.offline), onChange = () => this.redraw();
