@@ -95,7 +95,8 @@ export class EcoStream {
 		return true;
 	}
 
-	/** Takes an answer, or a promise of its bytes, to a request that somebody else has made, of one who holds nothing. */
+	/** Takes an answer, bytes or a promise of them, to a request that somebody else has made, of one who holds
+	 * nothing. */
 	async take({ view, wanted: { width, height, vertices, bytes: most }, body }) {
 		const { module, web } = this;
 		this.check(module._web_request(web, this.putView(view), width, height, vertices, most));

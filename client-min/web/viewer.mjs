@@ -209,8 +209,8 @@ async function takeFirst(name) {
 
 const modifiedOf = (answer) => answer.headers.get('last-modified');
 
-/** An answer's bytes, which are of the pack that is described; or null. In one piece: as a stream each part of
- * it would wait for this page's thread. */
+/** An answer's bytes, which are of the pack that is described; or null. In one piece: as a stream each part
+ * of it would wait for this page's thread. */
 async function bytesOf(answer, modified) {
 	const came = await answer.catch(() => null);
 	const good = came?.status === 200 && modifiedOf(came) === modified;
