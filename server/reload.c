@@ -27,7 +27,9 @@ static void say_why(struct srv_reload *report, const char *text)
 static void say_confined(struct eco_error *why, const char *path)
 {
 	char *real = realpath(path, NULL);
-	size_t used = strlen(why->text);
+	const char *advice = eco_advice_read(EACCES);        /* no right would help */
+	size_t used = strlen(why->text), size = strlen(advice);
+	used -= used >= size && !strcmp(why->text + used - size, advice) ? size : 0;
 	if (real && !eco_confined_may_read(path))
 		snprintf(why->text + used, sizeof why->text - used, ": it lies at %s, outside of the folders of "
 			"packs that this server has been kept to since it started: put it into one of them, "

@@ -273,7 +273,7 @@ UNIT_TEST(scripts_are_loaded_from_files)
 	struct eco_camera *camera;
 	struct eco_error error = { 0 };
 	folder_make("build/tmp");
-	assert_int_equal(eco_camera_load(&camera, "build/tmp/not-there.json", &error), ECO_IO);
+	assert_int_equal(eco_camera_load(&camera, "build/tmp/not-there.json", &error), ECO_NOT_FOUND);
 	assert_true(strstr(error.text, "not-there.json") && !camera);
 	/* a script of more than one portion of reading */
 	FILE *file = fopen(path, "wb");

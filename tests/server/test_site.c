@@ -69,7 +69,7 @@ UNIT_TEST(a_folder_that_is_none_of_ours_is_refused_by_name)
 	begin();
 	write_text("index.html", "alone");
 	error = (struct eco_error){ 0 };
-	assert_int_equal(srv_site_read(&site, DIR, &error), ECO_IO);
+	assert_int_equal(srv_site_read(&site, DIR, &error), ECO_NOT_FOUND);
 	assert_non_null(strstr(error.text, "index.html.gz"));
 }
 
