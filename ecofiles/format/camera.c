@@ -4,7 +4,9 @@
  * on the actual times. Its slope at an inner keyframe is that of the chord between the two neighbours
  * (Catmull-Rom), at either end that of the outermost chord. So velocity is continuous, and a number that
  * is equal at three keyframes stands still between them. Between keyframes a and b the overshoot beyond
- * their smooth blend is at most 4/27 (t_b - t_a) (|slope_a| + |slope_b|).
+ * their smooth blend is at most 4/27 (t_b - t_a) (|slope_a| + |slope_b|). The field of view overshoots
+ * nothing, as an angle beyond those of keyframes may be none: its slopes are limited (Fritsch and Carlson
+ * 1980).
  *
  * Reading a script checks every frame, so that a fault in frame 900 is not found after 899 pictures. */
 #include "ecofiles/format/view.h"
@@ -84,14 +86,29 @@ static bool read_keys(const struct eco_json *array, struct eco_camera *camera)
 
 /* ---- Interpolation ---- */
 
+static double chord(const struct key *a, const struct key *b, int n)
+{
+	return (b->number[n] - a->number[n]) / (b->time_s - a->time_s);
+}
+
+/* The slope at b with which the spline stays between a and b, and between b and c. */
+static double limited(double slope, const struct key *a, const struct key *b, const struct key *c, int n)
+{
+	double before = chord(a, b, n), after = chord(b, c, n), most = 3 * fmin(fabs(before), fabs(after));
+	return before * after > 0 ? fmax(-most, fmin(most, slope)) : 0;
+}
+
 static void set_slopes(struct eco_camera *camera)
 {
 	uint32_t last = camera->key_count - 1;
 	for (uint32_t i = 0; i <= last && last; i++) {
 		const struct key *a = &camera->keys[i ? i - 1 : 0],
 			*b = &camera->keys[i < last ? i + 1 : last];
+		struct key *key = &camera->keys[i];
 		for (int n = 0; n < NUMBERS; n++)
-			camera->keys[i].slope[n] = (b->number[n] - a->number[n]) / (b->time_s - a->time_s);
+			key->slope[n] = chord(a, b, n);
+		if (a != key && b != key)
+			key->slope[FOV] = limited(key->slope[FOV], a, key, b, FOV);
 	}
 }
 
