@@ -22,9 +22,9 @@ uint32_t lod_texture_levels(const struct lod_planner *p, uint32_t image, double 
  * little for each octave up to a pixel, then as much as for elements that are wider (lod/plan/README.md). */
 double lod_texel_cost(double px);
 
-/* What a pixel costs that is seen through `fewer` levels less than all of a texture whose last texels are `px`
- * pixels wide. As nothing is finer than the last level, it costs no more than texels of a pixel: else all levels
- * would cost alike where each is wide, around the eye. */
+/* What a pixel costs that is seen through `fewer` levels less than all of a texture whose last texels are
+ * `px` pixels wide. As nothing is finer than the last level, it costs no more than texels of a pixel: else all
+ * levels would cost alike where each is wide, around the eye. */
 double lod_texel_loss(double px, uint32_t fewer);
 
 /* Wrong pixels, too much and too little, for each that is seen through an outline of `levels` levels, 1 to its
