@@ -107,6 +107,29 @@ UNIT_TEST(hulls_and_blades_are_foliage)
 	finish();
 }
 
+/* One material and no colours: lumps on a thinner trunk are its crown; the short upper piece of a trunk is wood. */
+UNIT_TEST(wood_grows_no_thicker_upwards)
+{
+	soup_begin(&soup);
+	uint32_t one = soup_material(&soup, 231, 231, 231, ECO_NONE, false);
+	soup_tube(&soup, one, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 4 }, 0.1, 0.1, 8, 6);
+	soup_ball(&soup, one, (struct lod_v3){ 0, 0, 4.5 }, 1.2, 8);
+	soup_ball(&soup, one, (struct lod_v3){ 0.8, 0, 3.5 }, 0.7, 8);
+	find();
+	for (uint32_t c = 0; c < found.mesh.component_count; c++) {
+		const struct lod_component *b = &found.organs.components[c];
+		assert_int_equal(b->organ, b->low[2] < 0.1 ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE);
+	}
+	finish();
+	soup_begin(&soup);
+	one = soup_material(&soup, 231, 231, 231, ECO_NONE, false);
+	soup_tube(&soup, one, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 6 }, 0.2, 0.15, 8, 6);
+	soup_tube(&soup, one, (struct lod_v3){ 0, 0, 6.1 }, (struct lod_v3){ 0, 0, 7 }, 0.15, 0.1, 8, 2);
+	find();
+	assert_int_equal(organ_of(one), ECO_ORGAN_WOOD);
+	finish();
+}
+
 UNIT_TEST(cut_outs_are_never_wood_but_an_atlas_may_hold_bark)
 {
 	soup_begin(&soup);

@@ -152,6 +152,8 @@ static bool settle_doubt(const struct finder *f, uint32_t i, const double clear[
  * Leaves are not as large. */
 #define FOOT 0.05                /* of the plant's height */
 #define LOG_LEAST 0.5            /* of the plant's diagonal */
+#define FRUIT 0.08               /* of the plant's diagonal: smaller solids are fruits and buds */
+#define CROWN 1.25               /* times as thick as wood */
 
 static bool on_ground(const struct finder *f, uint32_t i)
 {
@@ -166,22 +168,39 @@ static bool is_clear_wood(const struct finder *f, uint32_t i)
 	return f->verdict[i] == CLEARLY_WOOD || log;
 }
 
+/* What a voice's clear components say: area of leaves and of wood, and the radius of the thickest wood. */
+struct clear { double area[2], radius; };
+
+/* A solid of a voice of wood is wood, too. But trees do not grow thicker upwards: above the ground, and thicker
+ * than all clear wood, it is a crown that the file tells from bark by nothing. */
+static bool is_solid_wood(const struct finder *f, uint32_t i, const struct clear *clear)
+{
+	const struct lod_shape *b = &f->shape[i];
+	bool crown = b->radius > CROWN * clear->radius && b->diagonal > FRUIT * f->diagonal && !on_ground(f, i)
+		&& f->hint[i] != LOD_HINT_WOOD;
+	return clear->area[1] > 3 * clear->area[0] && !crown;
+}
+
 /* A component in doubt goes with the clear ones of its material and colour, by area, if those agree. */
 static void settle_doubts(struct finder *f, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
-	double (*clear)[2] = lod_arena_take(arena, 2 * ((size_t)f->model->material_count + 1), sizeof *clear);
+	struct clear *clear = lod_arena_take(arena, 2 * ((size_t)f->model->material_count + 1), sizeof *clear);
 	for (uint32_t i = 0; i < f->count; i++) {
+		struct clear *of = &clear[voice_of(f, i)];
 		f->verdict[i] = (uint8_t)judge(&f->shape[i], is_cutout(f, i));
 		if (f->verdict[i] == CLEARLY_WOOD || f->verdict[i] == CLEARLY_LEAF)
-			clear[voice_of(f, i)][f->verdict[i] == CLEARLY_WOOD] += f->shape[i].area;
+			of->area[f->verdict[i] == CLEARLY_WOOD] += f->shape[i].area;
+		if (f->verdict[i] == CLEARLY_WOOD)
+			of->radius = fmax(of->radius, f->shape[i].radius);
 	}
 	for (uint32_t i = 0; i < f->count; i++) {
+		const struct clear *of = &clear[voice_of(f, i)];
 		bool wood = is_clear_wood(f, i);
 		if (f->verdict[i] == RATHER_WOOD || f->verdict[i] == RATHER_LEAF)
-			wood = settle_doubt(f, i, clear[voice_of(f, i)]);
+			wood = settle_doubt(f, i, of->area);
 		else if (f->verdict[i] == SOLID)
-			wood = clear[voice_of(f, i)][1] > 3 * clear[voice_of(f, i)][0];
+			wood = is_solid_wood(f, i, of);
 		f->organ[i] = wood ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE;
 	}
 	lod_arena_release(arena, mark);
@@ -227,7 +246,6 @@ static void settle_inlays(struct finder *f)
 
 #define THING_HEIGHT 0.7         /* of the plant's height at most, for a thing under the plant */
 #define THING_ABOVE 0.3          /* of the plant's area that is above its middle */
-#define FRUIT 0.08               /* of the plant's diagonal: smaller solids are fruits and buds */
 #define VESSEL_RADIUS 0.2        /* of the diagonal; thick closed leaves have up to 0.16 */
 #define STACK_LEAST 3u           /* solids that make a stem */
 #define STACK_WIDTH 0.25         /* of its height */
