@@ -11,6 +11,7 @@
 #include "client-min/view_explain.h"
 #include "client-min/view_fetch.h"
 #include "client-min/draw/view_gl.h"
+#include "client-min/view_geojson.h"
 #include "client-min/view_glb.h"
 #include "client-min/view_measure.h"
 #include "client-min/view_options.h"
@@ -18,6 +19,7 @@
 #include "client-min/view_progress.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
+#include "client-min/view_rows.h"
 #include "client-min/view_stand.h"
 #include "ecofiles/base/options.h"
 #include "ecofiles/format/chunk/draco_shim.h"
@@ -52,6 +54,8 @@ struct viewer {                          /* everything that lives as long as the
 	/* how far the last eye was below the ground that was drawn; else 0 or less */
 	double under_m;
 	struct view_sky sky;
+	struct view_map map;                     /* with --geojson, ... */
+	struct view_rows *rows;                  /* ... and NULL if none are given */
 };
 
 static volatile sig_atomic_t interrupted;
@@ -169,6 +173,9 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 		code = !v->gl ? view_reference_draw(&job, picture, error)
 			: view_gl_draw(v->gl, &(struct view_gl_job){ store, &selection, eye, near_m,
 			job.tint }, picture, error);
+	if (!code && v->options.geojson && store == v->store && view_store_complete(store))
+		code = view_geojson_save(&(struct view_geojson_job){ store, &selection, picture, &v->map,
+			v->rows }, v->options.dir, v->frame->frame, error);
 	if (!code && v->options.reference)
 		code = count_samples(v, &job, picture, error);
 	v->under_m = view_ground_height(&selection.ground, eye->at[0], eye->at[1], &ground_m)
@@ -513,6 +520,10 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	v->sky = o->sky;
 	if (!code && !isnan(o->sun_s) && !(code = view_place_fetch(v->fetch, &place, error)))
 		view_sun_at(&place, o->sun_s, v->sky.sun);
+	if (!code && o->geojson)
+		code = view_map_fetch(v->fetch, &v->map, error);
+	if (!code && o->rows)
+		code = view_rows_load(&v->rows, o->rows, error);
 	if (!code)
 		code = open_engine(v, error);
 	if (!code)
@@ -537,6 +548,7 @@ static void finish(struct viewer *v)
 	view_report_free(&v->report);
 	view_explain_close(&v->explain, false, NULL);
 	close_stores(v);
+	view_rows_free(v->rows);
 	view_fetch_free(v->fetch);
 	eco_camera_free(v->camera);
 }

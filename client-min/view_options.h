@@ -11,12 +11,12 @@
 enum view_engine { VIEW_ENGINE_NONE, VIEW_ENGINE_AUTO, VIEW_ENGINE_CPU, VIEW_ENGINE_EGL };
 
 struct view_options {
-	const char *url, *camera, *dir, *explain, *chunks;
+	const char *url, *camera, *dir, *explain, *chunks, *rows;
 	uint32_t size[2], width, height;
 	uint64_t vertices, bytes, memory;
 	double ground_px, texel_px, ahead_s, sun_s, snap_m;
 	struct view_sky sky;                     /* but for the sun */
-	bool has_frames, compare, digest, owners, glb;
+	bool has_frames, compare, digest, owners, glb, geojson;
 	uint64_t frame_first, frame_last;
 	enum view_engine reference;
 	int tint;                                /* enum view_tint */

@@ -13,6 +13,10 @@
 #define INSTANCES_MAX (1u << 28)        /* looked at, seen or not */
 #define PAIRS_MAX (1u << 30)            /* of an instance and a cut */
 
+const char *const view_role_names[VIEW_ROLE_COUNT] = { "triangles", "simpler triangles", "lines", "points",
+	"blended triangles", "blended simpler triangles", "blended lines", "blended points", "ellipsoids",
+	"impostors", "summaries" };
+
 struct walk {
 	struct view_selection *out;
 	const struct view_store *store;

@@ -40,6 +40,7 @@ enum view_role {
 	VIEW_ROLE_IMPOSTORS,
 	VIEW_ROLE_SUMMARY, VIEW_ROLE_COUNT
 };
+extern const char *const view_role_names[VIEW_ROLE_COUNT];
 
 struct view_selection {                  /* owns its arrays */
 	struct view_instance *instances;

@@ -362,7 +362,7 @@ static void say_roles(struct web *web)
 	for (int i = 0; i < VIEW_ROLE_COUNT; i++) {
 		const uint8_t *color = view_tint_colors[i];
 		eco_write_format(&web->text, "%s{\"name\":\"%s\",\"color\":[%u,%u,%u],\"vertices\":%llu}",
-			i ? "," : "", web_role_names[i], color[0], color[1], color[2],
+			i ? "," : "", view_role_names[i], color[0], color[1], color[2],
 			(unsigned long long)vertices[i]);
 	}
 	eco_write_format(&web->text, "],");

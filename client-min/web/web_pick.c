@@ -61,7 +61,7 @@ static void say_cuts(const struct web_pick *pick, uint32_t instance, struct eco_
 		if (!list)
 			continue;
 		eco_write_format(text, "%s{\"role\":\"%s\",\"list\":%u,\"first\":%u,\"end\":%u,\"of\":%u,"
-			"\"vertices\":%llu}", comma, web_role_names[s->roles[s->cuts[i]]], cut->list,
+			"\"vertices\":%llu}", comma, view_role_names[s->roles[s->cuts[i]]], cut->list,
 			cut->first, cut->end, list->list.primitive_count,
 			(unsigned long long)eco_cut_vertices(cut, &list->list));
 		comma = ",";

@@ -1,9 +1,5 @@
 #include "client-min/web/web_text.h"
 
-const char *const web_role_names[VIEW_ROLE_COUNT] = { "triangles", "simpler triangles", "lines", "points",
-	"blended triangles", "blended simpler triangles", "blended lines", "blended points", "ellipsoids",
-	"impostors", "summaries" };
-
 void web_say_name(struct eco_writer *text, const char *name)
 {
 	eco_write_format(text, "\"");

@@ -5,8 +5,6 @@
 #include "client-min/view_select.h"
 #include "ecofiles/base/bytes.h"
 
-extern const char *const web_role_names[VIEW_ROLE_COUNT];
-
 /* A string, with its quotes: UTF-8 stays as it is. */
 void web_say_name(struct eco_writer *text, const char *name);
 

@@ -42,7 +42,7 @@ bool eco_module_find(enum eco_module module, char path[PATH_MAX]);
 
 /* Each table begins with this number; a table of another version is refused. Raise it whenever a table, or
  * a type that passes through one, changes. */
-#define ECO_MODULE_VERSION 7u
+#define ECO_MODULE_VERSION 8u
 #define ECO_MODULE_EXPORT __attribute__((visibility("default")))
 
 /* ---- ecoassimp.so: models of formats that have no reader of their own ---- */
@@ -176,6 +176,10 @@ struct eco_proj_module {                 /* eco_proj_module */
 		uint32_t *found, struct eco_error *error);
 	/* As eco_crs_place (crs_facts.h). */
 	enum eco_code (*crs_place)(const char *crs, const double xy[2], struct eco_crs_place *place,
+		struct eco_error *error);
+	/* Places of a CRS, easting first, become longitude and latitude of WGS 84. ECO_BAD_INPUT: PROJ does
+	 * not know the CRS, or a place is not on its map. */
+	enum eco_code (*crs_degrees)(const char *crs, double (*places)[2], size_t count,
 		struct eco_error *error);
 	/* Decides crs->swapped of a crs with a code: where only one order puts the places into the CRS's area
 	 * of use, it is that; else as the form of the srsName says. What is odd is written into note ("" if

@@ -146,6 +146,35 @@ enum eco_code proj_crs_place(const char *text, const double xy[2], struct eco_cr
 	return code;
 }
 
+static bool degrees_of_all(PJ_CONTEXT *context, const PJ *crs, double (*places)[2], size_t count)
+{
+	PJ *conversion = to_degrees(context, crs, proj_create(context, "EPSG:4326"));
+	bool good = conversion;
+	for (size_t i = 0; i < count && good; i++) {
+		PJ_COORD at = proj_trans(conversion, PJ_FWD, proj_coord(places[i][0], places[i][1], 0,
+			HUGE_VAL));
+		good = isfinite(at.xy.x) && isfinite(at.xy.y);
+		places[i][0] = at.xy.x;
+		places[i][1] = at.xy.y;
+	}
+	proj_destroy(conversion);
+	return good;
+}
+
+enum eco_code proj_crs_degrees(const char *text, double (*places)[2], size_t count, struct eco_error *error)
+{
+	PJ_CONTEXT *context = proj_quiet_context();
+	if (!context)
+		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	PJ *crs = proj_create(context, text);
+	enum eco_code code = crs && proj_is_crs(crs) && degrees_of_all(context, crs, places, count) ? ECO_OK
+		: eco_fail(error, ECO_BAD_INPUT, "longitude and latitude of places of the CRS \"%.100s\" "
+			"are not known", text);
+	proj_destroy(crs);
+	proj_context_destroy(context);
+	return code;
+}
+
 /* ---- All ---- */
 
 struct choices { struct eco_crs_choice *items; uint32_t count, capacity; };

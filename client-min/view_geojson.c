@@ -1,0 +1,185 @@
+#include "client-min/view_geojson.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/view_owners.h"
+#include "ecofiles/base/file_write.h"
+#include "ecofiles/base/module.h"
+
+#define DIGITS 12 /* of numbers: a degree's ninth is a tenth of a millimetre */
+#define TEXT_BYTES 256
+
+struct seen {
+	uint32_t instance;
+	uint64_t pixels;
+	double at[2];
+};
+
+static double rounded(double value, double step)
+{
+	return round(value / step) * step;
+}
+
+/* ---- What is seen ---- */
+
+static int by_pixels(const void *a, const void *b)
+{
+	const struct seen *x = a, *y = b;
+	if (x->pixels != y->pixels)
+		return x->pixels > y->pixels ? -1 : 1;
+	return x->instance < y->instance ? -1 : x->instance > y->instance;
+}
+
+/* Pixels of each instance; *others: of what is no instance's. */
+static void count_pixels(const struct view_owners *owners, const struct view_picture *picture,
+	struct seen *seen, uint64_t *others)
+{
+	size_t count = (size_t)picture->width * picture->height;
+	for (size_t i = 0; i < count; i++) {
+		if (!picture->owner[i])
+			continue;
+		const struct view_instance *one = view_owners_find(owners, picture->owner[i]);
+		if (one)
+			seen[one - owners->selection->instances].pixels++;
+		else
+			++*others;
+	}
+}
+
+/* Those that are seen come first; *count of them. */
+static enum eco_code find_seen(const struct view_geojson_job *job, struct seen *seen, uint32_t *count,
+	uint64_t *others, struct eco_error *error)
+{
+	struct view_owners owners;
+	enum eco_code code = view_owners_make(&owners, job->selection, error);
+	if (code)
+		return code;
+	for (uint32_t i = 0; i < job->selection->instance_count; i++)
+		seen[i].instance = i;
+	count_pixels(&owners, job->picture, seen, others);
+	view_owners_free(&owners);
+	qsort(seen, job->selection->instance_count, sizeof *seen, by_pixels);
+	for (*count = 0; *count < job->selection->instance_count && seen[*count].pixels;)
+		++*count;
+	return ECO_OK;
+}
+
+static enum eco_code place(const struct view_geojson_job *job, struct seen *seen, uint32_t count,
+	struct eco_error *error)
+{
+	double (*places)[2] = calloc(count + 1u, sizeof *places);
+	enum eco_code code = places ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for places");
+	for (uint32_t i = 0; i < count && !code; i++)
+		for (int k = 0; k < 2; k++)
+			places[i][k] =
+				job->map->at[k] + job->selection->instances[seen[i].instance].place.at[k];
+	if (!code && *job->map->crs) {
+		const struct eco_proj_module *proj = eco_module(ECO_MODULE_PROJ, error);
+		code = proj ? proj->crs_degrees(job->map->crs, places, count, error) : ECO_NOT_FOUND;
+	}
+	for (uint32_t i = 0; i < count && !code; i++)
+		memcpy(seen[i].at, places[i], sizeof seen[i].at);
+	free(places);
+	return code;
+}
+
+/* ---- What is said of it ---- */
+
+static void say_roles(const struct view_selection *s, uint32_t instance, char text[TEXT_BYTES])
+{
+	uint32_t said = 0;
+	size_t used = 0;
+	text[0] = 0;
+	for (uint32_t i = s->cut_first[instance]; i < s->cut_first[instance + 1]; i++) {
+		uint8_t role = s->roles[s->cuts[i]];
+		if (!(said & 1u << role) && used < TEXT_BYTES)
+			used += (size_t)snprintf(text + used, TEXT_BYTES - used, "%s%s", used ? ", " : "",
+				view_role_names[role]);
+		said |= 1u << role;
+	}
+}
+
+static void set_row(const struct view_geojson_job *job, json_t *properties,
+	const struct view_plant_place *plant)
+{
+	static const char *const names[] = { "species", "file", "row" };
+	const json_t *row = view_rows_find(job->rows, plant);
+	json_object_set_new(properties, "file", json_null());
+	json_object_set_new(properties, "row", json_null());
+	for (size_t i = 0; row && i < sizeof names / sizeof *names; i++)
+		json_object_set_new(properties, names[i], json_deep_copy(json_object_get(row, names[i])));
+}
+
+static json_t *feature_of(const struct view_geojson_job *job, const struct seen *seen)
+{
+	const struct view_instance *one = &job->selection->instances[seen->instance];
+	const struct view_plant *species = view_store_plant(job->store, one->plant);
+	double height_m = species ? species->plant.height_m * one->place.scale : 0;
+	const double *at = one->place.at, step = *job->map->crs ? 1e-9 : 1e-4;
+	char roles[TEXT_BYTES];
+	say_roles(job->selection, seen->instance, roles);
+	json_t *properties = json_pack("{s:s, s:f, s:I, s:f, s:s, s:[f,f,f]}", "species",
+		species ? species->plant.name : "", "height_m", rounded(height_m, 1e-3), "pixels",
+		(json_int_t)seen->pixels, "distance_m", rounded(one->distance_m, 1e-3), "drawn_as", roles,
+		"at_m", rounded(at[0], 1e-4), rounded(at[1], 1e-4), rounded(at[2], 1e-4));
+	if (properties && job->rows)
+		set_row(job, properties,
+			&(struct view_plant_place){ species ? species->plant.name : "", height_m,
+				{ seen->at[0], seen->at[1] } });
+	return json_pack("{s:s, s:{s:s, s:[f,f]}, s:o}", "type", "Feature", "geometry", "type", "Point",
+		"coordinates", rounded(seen->at[0], step), rounded(seen->at[1], step), "properties",
+		properties);
+}
+
+static enum eco_code collect(const struct view_geojson_job *job, const struct seen *seen, uint32_t count,
+	uint64_t others, json_t **out, struct eco_error *error)
+{
+	json_t *features = json_array();
+	bool good = features;
+	for (uint32_t i = 0; i < count && good; i++)
+		good = json_array_append_new(features, feature_of(job, &seen[i])) == 0;
+	*out = json_pack("{s:s, s:I, s:o}", "type", "FeatureCollection", "summary_pixels", (json_int_t)others,
+		"features", features);
+	if (good && *out)
+		return ECO_OK;
+	json_decref(*out);
+	*out = NULL;
+	return eco_fail(error, ECO_NO_MEMORY, "no memory for the plants of a view");
+}
+
+enum eco_code view_geojson_make(const struct view_geojson_job *job, json_t **out, struct eco_error *error)
+{
+	struct seen *seen = calloc(job->selection->instance_count + 1u, sizeof *seen);
+	uint32_t count = 0;
+	uint64_t others = 0;
+	*out = NULL;
+	enum eco_code code = seen ? find_seen(job, seen, &count, &others, error)
+				  : eco_fail(error, ECO_NO_MEMORY, "no memory for the plants of a view");
+	if (!code)
+		code = place(job, seen, count, error);
+	if (!code)
+		code = collect(job, seen, count, others, out, error);
+	free(seen);
+	return code;
+}
+
+enum eco_code view_geojson_save(const struct view_geojson_job *job, const char *dir, uint32_t frame,
+	struct eco_error *error)
+{
+	char path[4096];
+	json_t *json;
+	if (snprintf(path, sizeof path, "%s/frame-%04u.geojson", dir, frame) >= (int)sizeof path)
+		return eco_fail(error, ECO_BAD_USAGE, "%.100s...: the folder's name is too long", dir);
+	enum eco_code code = view_geojson_make(job, &json, error);
+	if (code)
+		return code;
+	char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(DIGITS));
+	code = text ? eco_file_write(path, text, strlen(text), error)
+		    : eco_fail(error, ECO_NO_MEMORY, "no memory for the plants of a view");
+	free(text);
+	json_decref(json);
+	return code;
+}

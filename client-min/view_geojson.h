@@ -1,0 +1,36 @@
+/* The plants that a view shows as GeoJSON (RFC 7946) for a GIS: a point each, the plant with the most
+ * pixels first; longitude and latitude of WGS 84 where the scene has a CRS, else the scene's metres.
+ *
+ *   species, height_m       the plant's name in the scene, or the row's; height as it is drawn
+ *   file, row               of the inventory, if rows are given; null: it is of none that is known
+ *   pixels                  in which it is nearest to the eye
+ *   distance_m              from the eye to its middle
+ *   drawn_as                representations, such as "triangles, lines"
+ *   at_m                    where it stands: metres from the scene's origin
+ *
+ * Plants that stand behind others, or are smaller than a pixel, are not there. Points that stand for many
+ * plants name none: "summary_pixels" beside the features counts theirs. */
+#ifndef VIEW_GEOJSON_H
+#define VIEW_GEOJSON_H
+
+#include <jansson.h>
+
+#include "client-min/draw/view_picture.h"
+#include "client-min/view_place.h"
+#include "client-min/view_rows.h"
+#include "client-min/view_select.h"
+
+struct view_geojson_job {
+	const struct view_store *store;
+	const struct view_selection *selection;
+	const struct view_picture *picture;      /* drawn of these */
+	const struct view_map *map;
+	const struct view_rows *rows;            /* NULL: none */
+};
+/* *out is the caller's. ECO_NOT_FOUND: PROJ is not there; ECO_BAD_INPUT: it does not know the CRS. */
+enum eco_code view_geojson_make(const struct view_geojson_job *job, json_t **out, struct eco_error *error);
+/* The same as DIR/frame-0000.geojson. */
+enum eco_code view_geojson_save(const struct view_geojson_job *job, const char *dir, uint32_t frame,
+	struct eco_error *error);
+
+#endif

@@ -1,0 +1,198 @@
+/* The plants of a view as GeoJSON: those that its picture shows, with as many pixels, where they stand on
+ * Earth; and of which row of an inventory each is. */
+#include <math.h>
+#include <string.h>
+
+#include "client-min/view_geojson.h"
+#include "client-min/view_reference.h"
+#include "tests/support/input_files.h"
+#include "tests/support/unit_test.h"
+#include "tests/support/view_scene.h"
+
+static struct scene_builder scene;
+static struct scene_held held;
+static struct view_picture picture;
+
+static int make_picture(void **state)
+{
+	struct eco_error error = { 0 };
+	scene_make(&scene, NULL, 0);
+	held = scene_hold(&scene);
+	scene_select(&held);
+	struct view_reference_job job = { held.store, &held.selection, &held.eye, 0.1, 1, NULL,
+		VIEW_TINT_NONE };
+	assert_ok(view_picture_init(&picture, held.view.width, held.view.height, &error), error);
+	assert_ok(view_reference_draw(&job, &picture, &error), error);
+	return 0;
+}
+
+static int free_picture(void **state)
+{
+	view_picture_free(&picture);
+	scene_release(&held);
+	scene_free(&scene);
+	return 0;
+}
+
+static json_t *make(const struct view_map *map, const struct view_rows *rows)
+{
+	struct eco_error error = { 0 };
+	json_t *json;
+	assert_ok(view_geojson_make(&(struct view_geojson_job){ held.store, &held.selection, &picture, map,
+					    rows },
+			  &json, &error),
+		error);
+	return json;
+}
+
+static double number(const json_t *array, size_t i)
+{
+	return json_number_value(json_array_get(array, i));
+}
+
+static const json_t *property(const json_t *feature, const char *name)
+{
+	return json_object_get(json_object_get(feature, "properties"), name);
+}
+
+static const json_t *place_of(const json_t *feature)
+{
+	return json_object_get(json_object_get(feature, "geometry"), "coordinates");
+}
+
+static const struct view_instance *instance_at(const json_t *at)
+{
+	for (uint32_t i = 0; i < held.selection.instance_count; i++) {
+		const struct view_instance *one = &held.selection.instances[i];
+		if (one->owner && fabs(one->place.at[0] - number(at, 0)) < 1e-4 &&
+			fabs(one->place.at[1] - number(at, 1)) < 1e-4)
+			return one;
+	}
+	return NULL;
+}
+
+static uint64_t pixels_of(uint64_t owner)
+{
+	uint64_t count = 0;
+	for (size_t i = 0; i < (size_t)picture.width * picture.height; i++)
+		count += picture.owner[i] == owner;
+	return count;
+}
+
+UNIT_TEST(plants_are_those_of_the_picture)
+{
+	json_t *json = make(&(struct view_map){ .crs = "" }, NULL);
+	const json_t *feature;
+	size_t i;
+	uint64_t sum = (uint64_t)json_integer_value(json_object_get(json, "summary_pixels")),
+		 last = UINT64_MAX, all = (uint64_t)picture.width * picture.height - pixels_of(0);
+	assert_true(sum > 0);
+	json_array_foreach(json_object_get(json, "features"), i, feature)
+	{
+		const struct view_instance *one = instance_at(property(feature, "at_m"));
+		assert_non_null(one);
+		uint64_t pixels = (uint64_t)json_integer_value(property(feature, "pixels"));
+		assert_int_equal(pixels, pixels_of(one->owner));
+		assert_true(pixels > 0 && pixels <= last);
+		sum += last = pixels;
+		const struct view_plant *plant = view_store_plant(held.store, one->plant);
+		assert_string_equal(json_string_value(property(feature, "species")), plant->plant.name);
+		assert_true(fabs(json_number_value(property(feature, "height_m")) -
+				    plant->plant.height_m * one->place.scale) < 1e-3);
+		assert_true(strlen(json_string_value(property(feature, "drawn_as"))) > 0);
+		assert_null(property(feature, "row"));
+		/* without a CRS */
+		for (size_t k = 0; k < 2; k++)
+			assert_true(fabs(number(place_of(feature), k) - one->place.at[k]) < 1e-4);
+	}
+	assert_true(i > 3);
+	assert_int_equal(sum, all);
+	json_decref(json);
+}
+
+/* On a zone's middle a metre of the map is 1 / 0.9996 of the ellipsoid's, and north is up. */
+UNIT_TEST(places_are_longitude_and_latitude)
+{
+	static const struct view_map map = { "EPSG:32632", { 500000, 5205000, 0 } };
+	json_t *json = make(&map, NULL);
+	const json_t *features = json_object_get(json, "features"), *feature;
+	const double north = 46.999209 * M_PI / 180, e2 = 0.00669438, bend = 1 - e2 * sin(north) * sin(north),
+		     east_m = 6378137 / sqrt(bend) * cos(north) * M_PI / 180 * 0.9996,
+		     north_m = 6378137 * (1 - e2) / (bend * sqrt(bend)) * M_PI / 180 * 0.9996;
+	size_t i;
+	json_array_foreach(features, i, feature)
+	{
+		const json_t *at = property(feature, "at_m"), *degrees = place_of(feature),
+			     *first = property(json_array_get(features, 0), "at_m"),
+			     *first_degrees = place_of(json_array_get(features, 0));
+		assert_true(fabs((number(degrees, 0) - 9) * east_m - number(at, 0)) < 0.01);
+		assert_true(fabs(number(degrees, 1) - 46.9992) < 0.01);
+		assert_true(fabs((number(degrees, 1) - number(first_degrees, 1)) * north_m -
+				    (number(at, 1) - number(first, 1))) < 0.01);
+	}
+	json_decref(json);
+}
+
+UNIT_TEST(a_crs_that_is_none_is_an_error)
+{
+	static const struct view_map map = { "EPSG:7", { 0 } };
+	struct eco_error error = { 0 };
+	json_t *json;
+	assert_int_equal(view_geojson_make(&(struct view_geojson_job){ held.store, &held.selection, &picture,
+						   &map },
+				 &json, &error),
+		ECO_BAD_INPUT);
+	assert_null(json);
+	assert_non_null(strstr(error.text, "EPSG:7"));
+}
+
+/* ---- Rows ---- */
+
+#define ROW(lon, species, height, row) \
+	"{\"type\": \"Feature\", \"properties\": {\"species\": \"" species "\", \"height_m\": " height \
+	", \"file\": \"a.csv\", \"row\": " row "}, \"geometry\": {\"type\": \"Point\", " \
+	"\"coordinates\": [" lon ", 50]}}"
+
+UNIT_TEST(rows_are_found_by_place_and_height)
+{
+	/* 1e-7 degrees are 7 mm there */
+	static const char *const text = "{\"features\": [" ROW("9.0000000", "oak", "10",
+		"1") "," ROW("9.0000000", "ash", "10", "2") "," ROW("9.0000002", "ash", "5",
+		"3") "," ROW("9.0000020", "oak", "null", "4") ", {\"geometry\": null}]}";
+	static const struct {
+		struct view_plant_place plant;
+		int row;
+	} cases[] = { { { "oak", 10.05, { 9.0000001, 50 } }, 1 }, { { "ash", 10, { 9.0000001, 50 } }, 2 },
+		{ { "oak", 5, { 9.0000000, 50 } }, 3 }, { { "elm", 7, { 9.0000017, 50 } }, 4 },
+		{ { "oak", 10, { 9.0000000, 50.000001 } }, 0 }, { { "ash", 6, { 9, 50 } }, 0 } };
+	struct view_rows *rows;
+	struct eco_error error = { 0 };
+	assert_ok(view_rows_load(&rows, input_text("geojson", "rows.geojson", text), &error), error);
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		const json_t *found = view_rows_find(rows, &cases[i].plant);
+		assert_int_equal(json_integer_value(json_object_get(found, "row")), cases[i].row);
+	}
+	view_rows_free(rows);
+}
+
+UNIT_TEST(what_is_no_table_of_rows_is_told)
+{
+	static const struct {
+		const char *text, *says;
+	} cases[] = { { "{", "expected" }, { "[]", "features" }, { "{\"features\": 3}", "features" } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct view_rows *rows;
+		struct eco_error error = { 0 };
+		assert_int_equal(view_rows_load(&rows, input_text("geojson", "bad.geojson", cases[i].text),
+					 &error),
+			ECO_BAD_INPUT);
+		assert_non_null(strstr(error.text, cases[i].says));
+		assert_non_null(strstr(error.text, "ecopack map"));
+		view_rows_free(rows);
+	}
+}
+
+int main(void)
+{
+	return unit_tests_run(make_picture, free_picture);
+}
