@@ -73,7 +73,8 @@ static void answer_viewer(struct srv_exchange *exchange, const char *version, co
 	const struct srv_site *site = exchange->host->config.site;
 	const struct srv_site_file *file = site ? srv_site_find(site, name) : NULL;
 	bool page = exchange->route == &srv_routes[SRV_INDEX];
-	char location[SRV_SITE_VERSION_BYTES + SRV_SITE_NAME_BYTES];
+	const char *folder = exchange->route == &srv_routes[SRV_ICON] ? "viewer/" : "";
+	char location[16 + SRV_SITE_VERSION_BYTES + SRV_SITE_NAME_BYTES];
 	if (!file) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE,
 			site && site->count
@@ -87,7 +88,7 @@ static void answer_viewer(struct srv_exchange *exchange, const char *version, co
 	} else if (page || version || !site->version[0]) {
 		answer_file(exchange, file, version);
 	} else {
-		snprintf(location, sizeof location, "%s/%s", site->version, name);
+		snprintf(location, sizeof location, "%s%s/%s", folder, site->version, name);
 		srv_answer_elsewhere(&exchange->answer, location);
 	}
 }
@@ -173,6 +174,9 @@ void srv_exchange_answer_direct(struct srv_exchange *exchange)
 		break;
 	case SRV_INDEX:
 		answer_viewer(exchange, NULL, SRV_SITE_INDEX);
+		break;
+	case SRV_ICON:
+		answer_viewer(exchange, NULL, SRV_SITE_ICON);
 		break;
 	case SRV_VIEWER:
 		answer_viewer(exchange, NULL, exchange->variables[0]);

@@ -14,6 +14,7 @@
 #define SRV_SITE_FILES_MAX 32u
 #define SRV_SITE_NAME_BYTES 48u
 #define SRV_SITE_INDEX "index.html"      /* what / is */
+#define SRV_SITE_ICON "icon.svg"         /* what /favicon.ico leads to */
 #define SRV_SITE_VERSION "version"       /* the file of one line: lower-case hex digits */
 #define SRV_SITE_VERSION_BYTES 65u
 

@@ -148,6 +148,18 @@ UNIT_TEST(files_are_kept_for_good_at_addresses_that_name_their_content)
 	}
 }
 
+UNIT_TEST(the_icon_is_where_browsers_ask_for_one)
+{
+	struct http_answer answer = http_get(port, "/favicon.ico");
+	assert_int_equal(answer.status, 307);
+	assert_header(&answer, "Location", "viewer/0123abcd/icon.svg");
+	http_free(&answer);
+	answer = http_get(port, "/viewer/0123abcd/icon.svg");
+	assert_int_equal(answer.status, 200);
+	assert_header(&answer, "Content-Type", "image/svg+xml");
+	http_free(&answer);
+}
+
 int main(void)
 {
 	return unit_tests_run(serve_start, serve_stop);

@@ -7,9 +7,11 @@ struct srv_daemon *daemon_;
 uint16_t port;
 char pack_path[64];         /* tests run at the same time, each with a pack of its own */
 
-const struct srv_site sample_site = { .count = 1, .version = "0123abcd", .files = { { SRV_SITE_INDEX, "text/html; charset=utf-8",
-	{ { (uint8_t *)"<!doctype html>", 15 }, { (uint8_t *)"by gzip", 7 },
-	{ (uint8_t *)"brotli", 6 } } } } };
+const struct srv_site sample_site = { .count = 2, .version = "0123abcd", .files = {
+	{ SRV_SITE_INDEX, "text/html; charset=utf-8", { { (uint8_t *)"<!doctype html>", 15 },
+		{ (uint8_t *)"by gzip", 7 }, { (uint8_t *)"brotli", 6 } } },
+	{ SRV_SITE_ICON, "image/svg+xml", { { (uint8_t *)"<svg/>", 6 }, { (uint8_t *)"by gzip", 7 },
+		{ (uint8_t *)"brotli", 6 } } } } };
 
 static char *const sample_paths[] = { pack_path };
 static const struct srv_sources sample_sources = { sample_paths, 1, NULL };
