@@ -106,7 +106,8 @@ export function showPicked(picked, origin) {
 /** The row of an inventory that the plant comes from; null: none is known. */
 export function showRow(found) {
 	const { species, file, row: line, height_m: height } = found ?? {};
-	const text = found ? `${line} of ${file}: ${species}, ${metres(height)}` : 'none stands here';
+	const known = height ? `, ${metres(height)}` : '';
+	const text = found ? `${line} of ${file}: ${species}${known}` : 'none stands here';
 	$('card-facts').append(row(['Row', text]));
 }
 

@@ -26,11 +26,13 @@ export function readRows(text, origin) {
 	}));
 }
 
-/** The row of a plant that was picked (web_pick.h): of those as high, the nearest; null: none is here. */
+/** The row of a plant that was picked (web_pick.h): of those as high, or of no known height, the nearest; null: none
+ * is here. */
 export function rowOf(rows, { foot, height_m: height }, origin) {
 	const [east, north] = groundOf(foot, origin);
 	const reach = EXACT_M + STRETCH * Math.hypot(east, north);
 	const apart = ({ at }) => Math.hypot(at[0] - east, at[1] - north);
-	return rows.filter((row) => apart(row) < reach && !(Math.abs(row.height_m / height - 1) > HEIGHT_EXACT))
+	const isAsHigh = ({ height_m: own }) => own == null || Math.abs(own / height - 1) <= HEIGHT_EXACT;
+	return rows.filter((row) => apart(row) < reach && isAsHigh(row))
 		.reduce((a, b) => a && apart(a) <= apart(b) ? a : b, null);
 }

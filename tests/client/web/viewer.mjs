@@ -4,6 +4,7 @@
 // that gives the scene a pack of other plants. The server also has a scene named park.
 import { execSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
+import { readRows, rowOf } from '../../../client-min/web/viewer_rows.mjs';
 import { Browser } from './browser.mjs';
 import { shape } from './shape.mjs';
 
@@ -56,6 +57,17 @@ const givesRows = () => ask(`{
 	input.files = chosen.files;
 	input.dispatchEvent(new Event('change'));
 }`);
+
+/** Of rows without a height the place decides, beside those with one their height, too. */
+function findsRows() {
+	const origin = { longitude_deg: 9, latitude_deg: 0, convergence_deg: 0 };
+	const features = [[0, null], [2, 7], [2, 8], [4, null]].map(([metres, height_m], i) => ({
+		geometry: { type: 'Point', coordinates: [9 + metres / 111195, 0] }, properties: { height_m, row: i + 1 } }));
+	const found = readRows(JSON.stringify({ features }), origin);
+	const rowAt = (x, height_m) => rowOf(found, { foot: [x, 0, 0], height_m }, origin)?.row;
+	const given = [rowAt(0, 7), rowAt(2, 7.01), rowAt(2, 8), rowAt(2, 9), rowAt(4.01, 1)];
+	expect(given.join() === '1,2,3,,4', `rows are found: ${given}`);
+}
 
 /** A plant that is clicked says its species and height, stands where its row says, and which row that is. */
 async function picksAPlant() {
@@ -321,6 +333,7 @@ try {
 		.filter(({ initiatorType }) => initiatorType !== 'link').map(({ name }) => name).join()`);
 	expect(loaded.includes('/v1/scenes') && !loaded.includes('.wasm'),
 		`the page decodes by itself: it fetched ${loaded}`);
+	findsRows();
 	await picksAPlant();
 	await showsItsFigures();
 	await movesByKeyboard();
