@@ -1,6 +1,7 @@
 #include "ecofiles/base/file_write.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
@@ -20,5 +21,15 @@ enum eco_code eco_file_write(const char *path, const void *bytes, size_t size, s
 	enum eco_code code = eco_fail_write(error, path, errno);
 	if (out)
 		unlink(beside);
+	return code;
+}
+
+enum eco_code eco_folder_sync(const char *path, struct eco_error *error)
+{
+	int folder = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+	bool good = folder >= 0 && syncfs(folder) == 0;
+	enum eco_code code = good ? ECO_OK : eco_fail_write(error, path, errno);
+	if (folder >= 0)
+		close(folder);
 	return code;
 }

@@ -116,6 +116,9 @@ enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain
 	enum eco_code code = make_folders(&x, dir);
 	if (!code)
 		code = write_all(&x);
+	/* else a machine that stops might show the folder without all of its files' bytes */
+	if (!code)
+		code = eco_folder_sync(x.dir, error);
 	if (!code && rename(x.dir, dir))
 		code = eco_fail_write(error, dir, errno);
 	main_progress_end();

@@ -63,6 +63,8 @@ enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64
 			? write_chunk(pack, i, dir, &counts, error)
 			: eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	}
+	if (!code && counts.kept < counts.files)
+		code = eco_folder_sync(dir, error);
 	main_progress_end();
 	if (!code && !main_is_quiet)
 		printf("%s: %" PRIu64 " chunks, %" PRIu64 " bytes; %" PRIu64 " were there\n", dir,
