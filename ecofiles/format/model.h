@@ -62,6 +62,7 @@ struct eco_model_source {
 	char format[64];         /* of the first file, for messages */
 	enum eco_up up;          /* not FOUND */
 	enum eco_how up_how;     /* given, format, shape, or the format's convention */
+	enum eco_up up_by_shape; /* where the format says one and the shape is clearly another's; else FOUND */
 	double unit_m;           /* metres per unit */
 	enum eco_how unit_how;   /* given, format, guessed from the height, or set by height_m */
 	double size[3];          /* of the triangles kept, Z up, in the file's units */

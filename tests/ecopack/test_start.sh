@@ -255,4 +255,34 @@ is '.plants | [.[] | .model // .variants] | length' 1
 jq -r '.. | strings' "$DIR/my/scene.json" | grep -q 'LOD[12]' && complain "levels: LOD1 or LOD2 is a variant"
 grep -q 'oak_LOD2.obj: left out, as .*oak_LOD0.obj is a finer level of it' "$DIR/out" || complain "levels: $(cat "$DIR/out")"
 
+# ---- A tree that its format lays down, as its exporter left z up, is stood up; one that stands is not ----
+# tree UP: a stem and a crown of leaves, z up, in a format that says so, or not
+tree() {
+	awk -v up="$1" 'BEGIN {
+		for (i = 0; i < 12; i++) at = at sprintf("%g %g %g ", .1 * cos(i % 6 * 1.047), .1 * sin(i % 6 * 1.047), i < 6 ? 0 : 3)
+		for (i = 0; i < 6; i++) p = p sprintf("%d %d %d %d %d %d ", i, (i + 1) % 6, i + 6, (i + 1) % 6, (i + 1) % 6 + 6, i + 6)
+		for (i = 0; i < 300; i++) {
+			a = i * 2.4; h = (i * .618034) % 1; r = 1.8 * sqrt(i / 300) * sqrt(h * (1 - h)) * 2; x = r * cos(a); y = r * sin(a); z = 2.5 + 4 * h
+			at = at sprintf("%g %g %g %g %g %g %g %g %g ", x, y, z, x + .3 * sin(i), y + .3 * cos(i), z, x, y, z + .3)
+			p = p sprintf("%d %d %d ", 12 + 3 * i, 13 + 3 * i, 14 + 3 * i)
+		}
+		print "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset><unit meter=\"1\"/><up_axis>" up "</up_axis></asset>"
+		print "<library_geometries><geometry id=\"g\"><mesh><source id=\"s\"><float_array id=\"a\" count=\"" 3 * 912 "\">" at "</float_array>"
+		print "<technique_common><accessor source=\"#a\" count=\"912\" stride=\"3\"><param name=\"X\" type=\"float\"/>"
+		print "<param name=\"Y\" type=\"float\"/><param name=\"Z\" type=\"float\"/></accessor></technique_common></source>"
+		print "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#s\"/></vertices><triangles count=\"312\">"
+		print "<input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" p "</p></triangles></mesh></geometry></library_geometries>"
+		print "<library_visual_scenes><visual_scene id=\"w\"><node><instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes>"
+		print "<scene><instance_visual_scene url=\"#w\"/></scene></COLLADA>" }' >"$DIR/stand/oak.dae"
+	rm -rf "$DIR/my"
+	"$PACK" start "$DIR/zone.csv" "$DIR/stand" -o "$DIR/my" --crs EPSG:25832 >"$DIR/out" 2>&1 || complain "stand $1: $(cat "$DIR/out")"
+}
+mkdir "$DIR/stand"
+tree Y_UP
+is .plants.oak.up '"z"'
+tr -s '\n ' ' ' <"$DIR/out" | grep -q 'stand of a model in oak z points up .so it stands by its shape; as its format says, with y up, it would lie' ||
+	complain "a tree that lies: $(cat "$DIR/out")"
+tree Z_UP
+is .plants.oak.up null
+
 exit $failed

@@ -82,10 +82,13 @@ UNIT_TEST(a_grey_that_nobody_chose_is_no_colour)
 		{ "newmtl m\nKd 0.8 0.8 0.8\n", true },                   /* one grey all over: a default */
 		{ "newmtl m\nKd 0.1 0.1 0.1\n", false },                  /* too dark for one: charred wood */
 		{ "newmtl m\nKd 0.5 0.6 0.4\nmap_Kd lost.png\n", false },
-		{ "newmtl m\nKd 1 1 1\nmap_Kd white.png\n", false } };
-	const uint8_t white[8] = { 255, 255, 255, 255, 255, 255, 255, 255 };
+		{ "newmtl m\nKd 1 1 1\nmap_Kd white.png\n", true },       /* left by a tool that took pictures out */
+		{ "newmtl m\nKd 1 1 1\nmap_Kd snow.png\n", false } };
+	const uint8_t white[8] = { 255, 255, 255, 255, 255, 255, 255, 255 },
+		snow[8] = { 255, 255, 255, 255, 250, 250, 255, 255 };
 
 	write_png("white.png", white, 2, 1);
+	write_png("snow.png", snow, 2, 1);
 	input_text(TEST_FOLDER, "grey.obj", "mtllib grey.mtl\n" TRIANGLE_UV);
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		input_text(TEST_FOLDER, "grey.mtl", cases[i].mtl);
@@ -101,6 +104,10 @@ UNIT_TEST(a_grey_that_nobody_chose_is_no_colour)
 		"v 0 0 2\nv 1 0 2\nv 0 1 2\nusemtl n\nf 4 5 6\n"), 0);
 	assert_int_equal(m.triangle_count, 2);
 	assert_false(m.materials[m.material[0]].colourless || m.materials[m.material[1]].colourless);
+	input_text(TEST_FOLDER, "grey.mtl", "newmtl m\nKd 0.8 0.8 0.8\nnewmtl n\nKd 1 1 1\n");
+		/* defaults of two programs */
+	import_high(&m, "build/tmp/" TEST_FOLDER "/greys.obj", 0);
+	assert_true(m.materials[m.material[0]].colourless && m.materials[m.material[1]].colourless);
 }
 
 UNIT_TEST(colours_are_the_screens_unless_blender_wrote_them)
@@ -228,6 +235,18 @@ UNIT_TEST(a_texture_takes_each_colour_it_is_used_with)
 	assert_texel(&m, "half", 1, (const uint8_t[]){ 138, 138, 188, 255 });
 }
 
+UNIT_TEST(a_picture_of_one_colour_is_that_colour)
+{
+	static const uint8_t moss[] = { 90, 120, 40, 255, 90, 120, 40, 255 };
+	import_textured(&m, "{\"name\":\"half\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],"
+		"\"baseColorTexture\":{\"index\":0}}},"
+		"{\"name\":\"moss\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}", moss, 2);
+	assert_int_equal(m.image_count, 0);
+	assert_int_equal(material_of(&m, "moss")->image, ECO_NONE);
+	assert_memory_equal(material_of(&m, "moss")->rgb, moss, 3);
+	assert_memory_equal(material_of(&m, "half")->rgb, ((uint8_t[]){ 64, 87, 27 }), 3);
+}
+
 UNIT_TEST(a_texture_cut_out_here_is_opaque_there)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 180, 7, 7, 7, 0 };
@@ -265,16 +284,16 @@ UNIT_TEST(alpha_that_cuts_nothing_out_makes_no_other_image)
 	assert_int_equal(m.dropped[ECO_DROP_TRANSPARENT], 1);        /* 0.4 of 1 is below 0.5 everywhere */
 }
 
-/* A model in memory of `count` triangles, each with its own colour of the one image, which has one white
- * texel. */
+/* A model in memory of `count` triangles, each with its own colour of the one image, which has a white texel
+ * and a black one. */
 static void make_motley(struct eco_model *model, uint32_t count)
 {
 	eco_model_free(model);
 	*model = (struct eco_model){ .material_count = count, .image_count = 1 };
 	model->materials = calloc(count, sizeof *model->materials);
 	model->images = calloc(1, sizeof *model->images);
-	model->images[0] = (struct eco_image){ .width = 1, .height = 1, .rgba = malloc(4) };
-	memset(model->images[0].rgba, 255, 4);
+	model->images[0] = (struct eco_image){ .width = 2, .height = 1, .rgba = malloc(8) };
+	memcpy(model->images[0].rgba, (uint8_t[]){ 255, 255, 255, 255, 0, 0, 0, 255 }, 8);
 	for (uint32_t i = 0; i < count; i++) {
 		model->materials[i].image = 0;
 		memset(model->materials[i].rgb, (int)(255 - i), 3);
@@ -297,8 +316,8 @@ UNIT_TEST(beyond_what_is_kept_the_nearest_colour_stands_in)
 
 UNIT_TEST(vertex_colours_of_a_textured_mesh_become_their_mean)
 {
-	static const uint8_t white[] = { 255, 255, 255, 255 };
-	write_png("white.png", white, 1, 1);
+	static const uint8_t white[] = { 255, 255, 255, 255, 0, 0, 0, 255 };
+	write_png("white.png", white, 2, 1);
 	input_text(TEST_FOLDER, "vt.mtl", "newmtl m\nmap_Kd white.png\n");
 	import_high(&m, input_text(TEST_FOLDER, "vt.obj", "mtllib vt.mtl\nv 0 0 0 1 1 0\nv 1 0 0 0.4 1 0\nv "
 		"0 1 0 0.4 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"

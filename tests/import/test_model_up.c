@@ -1,5 +1,7 @@
 /* The axis of a soup that points up, by its shape. */
 #include "ecofiles/import/model/model_up.h"
+#include "tests/support/gltf_writer.h"
+#include "tests/support/model_try.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
@@ -282,4 +284,46 @@ UNIT_TEST(what_is_broken_does_not_count)
 	assert_int_equal(eco_model_find_up(&soup.model, &again), ECO_UP_Y);
 	assert_true(again == 0);
 	soup_free(&soup);
+}
+
+/* Imports the tree as a GLB, as it is or with y up, as glTF wants it. */
+static void import_glb(struct eco_model *m, bool y_up, enum eco_up up)
+{
+	struct soup soup;
+	uint8_t *bytes;
+	tree(&soup);
+	gw_begin();
+	uint32_t corners = 3 * soup.model.triangle_count;
+	float *at = malloc(corners * 3 * sizeof *at);
+	assert_non_null(at);
+	for (uint32_t i = 0; i < corners; i++) {
+		const float *p = &soup.model.position[3 * (size_t)soup.model.index[i]];
+		const float turned[3] = { p[0], y_up ? p[2] : p[1], y_up ? -p[1] : p[2] };
+		memcpy(&at[3 * (size_t)i], turned, sizeof turned);
+	}
+	gw_floats(at, corners, "VEC3", 3);
+	size_t size = gw_glb_bytes(",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", ' ', &bytes);
+	import_file(m, input_bytes("model_up", "tree.glb", bytes, size), &(struct eco_model_options){ .up = up });
+	free(bytes);
+	free(at);
+	soup_free(&soup);
+}
+
+UNIT_TEST(a_format_that_lays_a_tree_down_is_believed_and_doubted)
+{
+	static struct eco_model m;
+	import_glb(&m, true, ECO_UP_FOUND);
+	double height = eco_model_height(&m);
+	assert_int_equal(m.source.up_by_shape, ECO_UP_FOUND);
+	assert_null(strstr(import_said, "by its shape"));
+	import_glb(&m, false, ECO_UP_FOUND);
+	assert_int_equal(m.source.up, ECO_UP_Y);
+	assert_int_equal(m.source.up_by_shape, ECO_UP_Z);
+	assert_true(fabs(eco_model_height(&m) - height) > 0.01);
+	import_says("by its shape the z axis points up, though its format says y");
+	import_glb(&m, false, ECO_UP_Z);
+	assert_int_equal(m.source.up_by_shape, ECO_UP_FOUND);
+	assert_true(fabs(eco_model_height(&m) - height) < 1e-6);
+	eco_model_free(&m);
 }

@@ -247,6 +247,22 @@ static enum eco_code settle_height(struct start *s, struct start_model *m, const
 		"millimetres by its height");
 }
 
+/* A model that its format lays down is stood up. */
+static enum eco_code see(struct start *s, struct start_model *m, struct eco_model *model)
+{
+	char took[100];
+	struct eco_model_options options = { .paths = (const char *const *)m->paths, .path_count = 1 };
+	enum eco_code code = eco_model_import(model, &options, s->error);
+	if (code || model->source.up_by_shape == ECO_UP_FOUND)
+		return code;
+	m->up = options.up = model->source.up_by_shape;
+	snprintf(took, sizeof took, "in %.40s %s points up", m->name, eco_up_name(m->up));
+	code = start_guess(s, "stand of a model", took, "its \"up\" in the scene", "so it stands by its shape; "
+		"as its format says, with %s up, it would lie", eco_up_name(model->source.up));
+	eco_model_free(model);
+	return code ? code : eco_model_import(model, &options, s->error);
+}
+
 enum eco_code start_models_see(struct start *s)
 {
 	enum eco_code code = ECO_OK;
@@ -257,8 +273,7 @@ enum eco_code start_models_see(struct start *s)
 			continue;
 		if (!main_progress("looking at models", m->name, (double)i / s->model_count))
 			return eco_fail(s->error, ECO_INTERRUPTED, "interrupted");
-		code = eco_model_import(&model, &(struct eco_model_options){
-			.paths = (const char *const *)m->paths, .path_count = 1 }, s->error);
+		code = see(s, m, &model);
 		if (!code)
 			code = settle_height(s, m, &model);
 		eco_model_free(&model);

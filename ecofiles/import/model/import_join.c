@@ -169,6 +169,22 @@ static enum eco_up find_up(struct eco_model *m, enum eco_up convention, struct e
 	return up;
 }
 
+/* A format that says what points up is believed, but exporters leave what they write as it was where z does:
+ * a plant that lies by its shape is told. */
+static void doubt_up(struct eco_model *m, struct eco_model_frame *frame, struct eco_notes *notes)
+{
+	double certainty = 0;
+	enum eco_up says = frame->up;
+	turn_frame(m, frame, ECO_UP_Z);
+	enum eco_up up = eco_model_find_up(m, &certainty);
+	turn_frame(m, frame, says);
+	if (up == says || certainty < ECO_UP_CERTAIN)
+		return;
+	m->source.up_by_shape = up;
+	eco_note(notes, "by its shape the %s axis points up, though its format says %s: it lies; add "
+		"\"up\": \"%s\" if it should stand", eco_up_name(up), eco_up_name(says), eco_up_name(up));
+}
+
 /* The axis that `options` or a piece names; ECO_UP_FOUND: none does. */
 static enum eco_up known_up(const struct eco_model_piece *pieces, uint32_t count,
 	const struct eco_model_options *options, enum eco_how *how)
@@ -229,6 +245,8 @@ enum eco_code eco_model_join(struct eco_model *model, struct eco_model_frame *fr
 	if (up == ECO_UP_FOUND) {
 		up = find_up(model, frame->convention, notes);
 		turn_frame(model, frame, up);
+	} else if (how == ECO_HOW_FORMAT) {
+		doubt_up(model, frame, notes);
 	}
 	model->source.up = options->up != ECO_UP_FOUND ? options->up : frame->up;
 	return ECO_OK;

@@ -70,16 +70,24 @@ void eco_material_lost_picture(struct eco_material *material)
 	material->colourless = is_grey(material->rgb);
 }
 
+/* White of glTF, and .8 of other programs, linear or not. */
+static bool is_default(const uint8_t rgb[3])
+{
+	return (rgb[0] == 255 || rgb[0] == 231 || rgb[0] == 204) && rgb[1] == rgb[0] && rgb[2] == rgb[0];
+}
+
 void eco_model_see_grey(struct eco_model *model)
 {
 	const uint8_t *first = NULL;
+	bool defaults = true;
 	for (uint32_t t = 0; t < model->triangle_count; t++) {
 		const struct eco_material *m = &model->materials[model->material[t]];
-		if (m->image != ECO_NONE || (first && memcmp(first, m->rgb, 3) != 0))
+		defaults = defaults && is_default(m->rgb);
+		if (m->image != ECO_NONE || (first && memcmp(first, m->rgb, 3) != 0 && !defaults))
 			return;
 		first = m->rgb;
 	}
-	if (first && is_grey(first) && first[0] >= LIGHT_LEAST)
+	if (first && (defaults || (is_grey(first) && first[0] >= LIGHT_LEAST)))
 		for (uint32_t i = 0; i < model->material_count; i++)
 			model->materials[i].colourless = true;
 }

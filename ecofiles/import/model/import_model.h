@@ -130,8 +130,8 @@ void eco_model_see_invisible(bool *invisible, uint32_t count, struct eco_notes *
  * only if it has a hue. */
 void eco_material_lost_picture(struct eco_material *material);
 
-/* A plant of one light grey all over has no colour: programs use that grey for surfaces that nobody
- * coloured. */
+/* A plant of one light grey all over, or of programs' default greys, has no colour: programs use them for
+ * surfaces that nobody coloured. */
 void eco_model_see_grey(struct eco_model *model);
 
 /* Materials made from vertex colours, appended to the model's, which have room for ECO_TINTS_MAX more. */

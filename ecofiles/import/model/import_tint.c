@@ -5,8 +5,8 @@
  * texels and materials: with the product in the texels all of them agree. Each further colour of an image
  * needs a copy of it; beyond a limit the nearest existing colour is used.
  *
- * Afterwards images that are equal texel by texel become one, so that names, alpha modes and cut-offs
- * without effect cost nothing in a pack. */
+ * Afterwards an image of one colour is that colour, and images that are equal texel by texel become one, so
+ * that names, alpha modes and cut-offs without effect cost nothing in a pack. */
 #include "ecofiles/import/model/import_model.h"
 
 #include <stdio.h>
@@ -179,12 +179,34 @@ static bool same_pixels(const struct eco_image *a, const struct eco_image *b)
 		&& memcmp(a->rgba, b->rgba, (size_t)a->width * a->height * 4) == 0;
 }
 
-/* Keeps the first of equal images. */
+/* An opaque image of one colour, such as a tool leaves in place of one that it took out. */
+static bool is_plain(const struct eco_image *image)
+{
+	size_t bytes = (size_t)image->width * image->height * 4;
+	return bytes > 0 && image->rgba[3] == 255 && memcmp(image->rgba, image->rgba + 4, bytes - 4) == 0;
+}
+
+static void become_plain(struct eco_model *m, uint32_t image)
+{
+	for (uint32_t k = 0; k < m->material_count; k++)
+		if (m->materials[k].image == image) {
+			memcpy(m->materials[k].rgb, m->images[image].rgba, 3);
+			m->materials[k].image = ECO_NONE;
+			m->materials[k].cutout = false;
+		}
+}
+
+/* Keeps the first of equal images, and none of one colour. */
 static void merge_equal(struct eco_model *m)
 {
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < m->image_count; i++) {
 		uint32_t to = 0;
+		if (is_plain(&m->images[i])) {
+			become_plain(m, i);
+			free(m->images[i].rgba);
+			continue;
+		}
 		while (to < kept && !same_pixels(&m->images[to], &m->images[i]))
 			to++;
 		for (uint32_t k = 0; k < m->material_count; k++)

@@ -171,8 +171,8 @@ static bool is_clear_wood(const struct finder *f, uint32_t i)
 /* What a voice's clear components say: area of leaves and of wood, and the radius of the thickest wood. */
 struct clear { double area[2], radius; };
 
-/* A solid of a voice of wood is wood, too. But trees do not grow thicker upwards: above the ground, and thicker
- * than all clear wood, it is a crown that the file tells from bark by nothing. */
+/* A solid of a voice of wood is wood, too. But trees do not grow thicker upwards: above the ground, and
+ * thicker than all clear wood, it is a crown that the file tells from bark by nothing. */
 static bool is_solid_wood(const struct finder *f, uint32_t i, const struct clear *clear)
 {
 	const struct lod_shape *b = &f->shape[i];
