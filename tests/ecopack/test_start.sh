@@ -116,6 +116,34 @@ awk 'BEGIN { print "specie;altezza_m;x;y"; for (i = 0; i < 50; i++) printf "Quer
 start 1 'which CRS .* EPSG:3003 .*, EPSG:3857 .maps on the web; at 12.48, 41.8' rome.csv
 start 0 'as you say' rome.csv --crs EPSG:3857
 
+# ---- German and French, each with one grid where it is written; Spanish, with several zones ----
+gk() { awk -v first="$1" -v x="$2" -v y="$3" 'BEGIN { print first; for (i = 0; i < 50; i++) printf "Linde;%d;%d;%d\n", 5 + i % 9, x + 3 * i, y + 2 * i }'; }
+gk 'Baumart;Baumhöhe;Rechtswert;Hochwert' 3567210 5933820 >"$DIR/gk.csv"
+start 0 'where German, the columns. language, is written; a place at 10.01' gk.csv
+is .crs '"EPSG:5677"'
+gk 'Essence;Hauteur;coord_x;coord_y' 842510 6519012 >"$DIR/l93.csv"
+start 0 'where French, the columns. language, is written; a place at 4.83' l93.csv
+is .crs '"EPSG:2154"'
+gk 'Especie;Altura;coord_x;coord_y' 440512 4474010 >"$DIR/utm.csv"
+start 1 'Spanish is written in .*EPSG:32630' utm.csv
+start 0 'as you say; a place at -3.70' utm.csv --crs EPSG:25830
+is .crs '"EPSG:25830"'
+
+# ---- Surveyors' x, which counts to the north: asked about, unless the axes are said ----
+gk 'Gatunek;Wysokość;X (PUWG 1992);Y (PUWG 1992)' 486567 637273 >"$DIR/pl.csv"
+start 1 'as x does in EPSG:2180 .*To the east .* at 18.79.*to the north at 21.01' pl.csv
+start 0 'a place at 21.01' pl.csv --x 'Y (PUWG 1992)' --y 'X (PUWG 1992)'
+
+# ---- Titles before the names; species of no known form ----
+{ printf 'Trees of a town\n2024\n\n'; awk 'BEGIN { print "species,height_m,lon,lat"; for (i = 0; i < 40; i++) printf "%s,%d,%.4f,48.1\n", i % 2 ? "oak" : "zzyzx", 5 + i % 9, 11.5 + i / 5000 }'; } >"$DIR/titles.csv"
+start 0 'before line 4 is no table.*no model has their form, or it is not known: zzyzx' titles.csv
+is '.instances[0].map.oak' '"stieleiche"'
+
+# ---- A model that cannot be read: what to do ----
+mkdir "$DIR/broken" && cp "$DIR/models/linden_2.obj" "$DIR/broken" && echo 'Kaydara FBX Binary  ' >"$DIR/broken/oak.fbx"
+"$PACK" start "$DIR/titles.csv" "$DIR/broken" -o "$DIR/mine" >"$DIR/out" 2>&1 && complain "broken: it reads $(cat "$DIR/out")"
+tr -s '\n ' ' ' <"$DIR/out" | grep -q 'oak.fbx: .*; or move it out of .*broken: another model' || complain "broken: $(cat "$DIR/out")"
+
 # ---- Spanish: heights in centimetres, degrees of the south with decimal commas ----
 awk 'BEGIN { print "especie;altura;longitud;latitud"
 	for (i = 0; i < 50; i++) { s = sprintf("%s;%d;%.5f;%.5f", i % 2 ? "roble" : "tilo", 500 + 30 * i, -70.65 + i / 10000, -33.44 - i / 10000); gsub(/\./, ",", s); print s } }' >"$DIR/es.csv"

@@ -63,6 +63,9 @@ UNIT_TEST(genera_and_forms_are_known_in_several_languages)
 		{ "oak, pin (Quercus "
 		  "palustris)",
 			"quercus", ECO_FORM_BROAD },
+		{ "d\u0105b szypu\u0142kowy", "quercus", ECO_FORM_BROAD },
+		{ "sosna zwyczajna", "pinus", ECO_FORM_CONIFER }, { "b\u0159\u00edza", "betula", ECO_FORM_BROAD },
+		{ "salgueiro", "salix", ECO_FORM_WEEPING }, { "lind", "tilia", ECO_FORM_BROAD },
 		{ "Laburnum anagyroides", "laburnum", ECO_FORM_BROAD },  /* nearly Viburnum, and none */
 		{ "maples", "acer", ECO_FORM_BROAD }, { "Rotfichte", "picea", ECO_FORM_CONIFER },
 		{ "Populus nigra 'Italica' fastigiata", "populus", ECO_FORM_COLUMN },

@@ -79,6 +79,30 @@ UNIT_TEST(quotes_line_breaks_marks_and_endings_are_read)
 	eco_rows_close(rows);
 }
 
+UNIT_TEST(titles_before_the_names_are_passed_over)
+{
+	static const char *const titles[] = { "Trees of a town, 2024\n", "Trees\n\n\"exported\n2024\"\n",
+		"Trees;;;\n;;;\n" };
+	static const char *const lines[] = { "", "line 5", "line 3" };
+	for (size_t i = 0; i < sizeof titles / sizeof *titles; i++) {
+		char text[200];
+		snprintf(text, sizeof text, "%sspecies;x;y\noak;1;2\n", titles[i]);
+		struct eco_rows_source source = { .path = input_text("rows", "titles.csv", text) };
+		struct eco_rows *rows = open_good(&source);
+		struct eco_error error = { .code = ECO_OK };
+		bool more;
+		bool comma = i == 0;     /* two fields are no title */
+		assert_string_equal(rows->columns[0], comma ? "Trees of a town" : "species");
+		assert_ok(rows->next(rows, &more, &error), error);
+		if (!comma) {
+			assert_non_null(strstr(rows->notes[0], lines[i]));
+			assert_int_equal(rows->line, atoi(lines[i] + 5) + 1);
+			assert_string_equal(rows->fields[2], "2");
+		}
+		eco_rows_close(rows);
+	}
+}
+
 UNIT_TEST(separators_are_found_in_the_header)
 {
 	expect("a.csv", "x,y\n1,2\n", "x,y / 1,2", NULL, NULL);

@@ -140,6 +140,15 @@ static const struct {
 		&(struct eco_raster_extent){ .low = { 390000, 5819000 }, .high = { 393000, 5821000 },
 			.crs = "EPSG:25833" },
 		"EPSG:4326 EPSG:25833 swapped" },
+	/* surveyors' x counts to the north */
+	{ "X (PUWG 1992)", "Y (PUWG 1992)", "486567,637273", NULL, NULL,
+		"?--x \"Y (PUWG 1992)\" --y \"X (PUWG 1992)\"" },
+	{ "easting 1992", "northing 1992", "637273,486567", NULL, NULL, "EPSG:2180 EPSG:2180" },
+	{ "X_5677", "Y_5677", "5933874,3567274", NULL, NULL, "EPSG:5677 EPSG:5677 swapped" },
+	{ "x", "y", "486567,637273", "EPSG:2180",
+		&(struct eco_raster_extent){ .low = { 637000, 486000 }, .high = { 638000, 487000 },
+			.crs = "EPSG:2180" },
+		"EPSG:2180 EPSG:2180 swapped" },
 	{ "x", "y", "391000,5820000", "nonsense", NULL, "?\"nonsense\" is not known" },
 };
 

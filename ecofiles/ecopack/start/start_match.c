@@ -65,7 +65,7 @@ static int score(const struct eco_flora *flora, const char *words, const struct 
 	sum += form == model->flora.form ? FORM : is_near(form, model->flora.form) ? NEAR : 0;
 	sum += eco_form_is_tree(form) == eco_form_is_tree(model->flora.form) ? KIND : 0;
 	*tier = shared > (genus ? 1 : 0) ? START_BY_NAME : genus ? START_BY_GENUS
-		: form == model->flora.form ? START_BY_FORM : START_BY_NOTHING;
+		: flora->form == model->flora.form ? START_BY_FORM : START_BY_NOTHING;
 	return sum;
 }
 
@@ -102,7 +102,7 @@ static enum eco_code say_tier(struct start *s, enum start_tier tier)
 {
 	static const char *const why[START_TIERS] = { "they share words with the model's name",
 		"the model is of their genus", "no model is of their genus; this one has their form",
-		"no model has their form", "they name no plant: \"map\": null" };
+		"no model has their form, or it is not known", "they name no plant: \"map\": null" };
 	for (uint32_t m = 0; m <= s->model_count; m++) {
 		char names[200] = "", took[160], rows[32];
 		uint32_t kinds = 0, model = m < s->model_count ? m : ECO_NONE;

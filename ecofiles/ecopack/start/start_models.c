@@ -252,9 +252,13 @@ static enum eco_code see(struct start *s, struct start_model *m, struct eco_mode
 {
 	char took[100];
 	struct eco_model_options options = { .paths = (const char *const *)m->paths, .path_count = 1 };
-	enum eco_code code = eco_model_import(model, &options, s->error);
-	if (code || model->source.up_by_shape == ECO_UP_FOUND)
-		return code;
+	struct eco_error own = { .code = ECO_OK };
+	enum eco_code code = eco_model_import(model, &options, &own);
+	if (code)
+		return eco_fail(s->error, code, "%.400s; or move it out of %.60s: another model will stand for its "
+			"species", own.text, s->options->models);
+	if (model->source.up_by_shape == ECO_UP_FOUND)
+		return ECO_OK;
 	m->up = options.up = model->source.up_by_shape;
 	snprintf(took, sizeof took, "in %.40s %s points up", m->name, eco_up_name(m->up));
 	code = start_guess(s, "stand of a model", took, "its \"up\" in the scene", "so it stands by its shape; "

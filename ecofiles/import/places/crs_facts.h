@@ -10,6 +10,7 @@
 
 struct eco_crs_facts {
 	bool geographic, metric_map; /* degrees; projected, in metres */
+	bool x_is_north;             /* its own axis x counts to the north, as surveyors have it */
 	double degrees[2];           /* longitude, latitude of the place asked about; NaN: none */
 	bool inside;                 /* the CRS's area of use has the place, or is not stated */
 	char name[96], code[32];     /* "WGS 84 / UTM zone 32N", "EPSG:32632"; code "": not in the register */

@@ -10,32 +10,40 @@ const char *const eco_form_names[ECO_FORM_COUNT] = { "plant", "broad-leaved tree
 
 /* ---- Genera ---- */
 
-/* Common names as words without marks (words.h): English, German, French, Spanish, Italian, Dutch. */
+/* Common names as words without marks (words.h): English, German, French, Spanish, Italian, Dutch; of the
+ * commonest also Portuguese, Polish, Czech and Swedish. */
 static const struct { const char *genus; enum eco_form form; const char *names; } genera[] = {
-	{ "quercus", ECO_FORM_BROAD, "oak eiche chene roble encina quercia eik zomereik wintereik carvalho" },
-	{ "acer", ECO_FORM_BROAD, "maple ahorn erable arce acero esdoorn boxelder sycamore" },
-	{ "tilia", ECO_FORM_BROAD, "linden basswood lime linde tilleul tilo tiglio" },
-	{ "fagus", ECO_FORM_BROAD, "beech buche hetre haya faggio beuk" },
-	{ "fraxinus", ECO_FORM_BROAD, "ash esche frene fresno frassino" },
-	{ "platanus", ECO_FORM_BROAD, "plane planetree platane platano plataan" },
-	{ "betula", ECO_FORM_BROAD, "birch birke bouleau abedul betulla berk" },
-	{ "aesculus", ECO_FORM_BROAD, "horsechestnut buckeye rosskastanie marronnier castano ippocastano" },
+	{ "quercus", ECO_FORM_BROAD, "oak eiche chene roble encina quercia eik zomereik wintereik "
+		"carvalho dab dub ek" },
+	{ "acer", ECO_FORM_BROAD, "maple ahorn erable arce acero esdoorn boxelder sycamore bordo klon "
+		"javor lonn" },
+	{ "tilia", ECO_FORM_BROAD, "linden basswood lime linde tilleul tilo tiglio lipa lind" },
+	{ "fagus", ECO_FORM_BROAD, "beech buche hetre haya faggio beuk faia buk" },
+	{ "fraxinus", ECO_FORM_BROAD, "ash esche frene fresno frassino freixo jesion jasan" },
+	{ "platanus", ECO_FORM_BROAD, "plane planetree platane platano plataan platan" },
+	{ "betula", ECO_FORM_BROAD, "birch birke bouleau abedul betulla berk vidoeiro brzoza briza bjork" },
+	{ "aesculus", ECO_FORM_BROAD, "horsechestnut buckeye rosskastanie marronnier castano "
+		"ippocastano kasztanowiec jirovec" },
 	{ "castanea", ECO_FORM_BROAD, "chestnut kastanie edelkastanie chataignier castagno kastanje" },
-	{ "ulmus", ECO_FORM_BROAD, "elm ulme orme olmo iep" },
-	{ "carpinus", ECO_FORM_BROAD, "hornbeam hainbuche charme carpe carpino haagbeuk" },
+	{ "ulmus", ECO_FORM_BROAD, "elm ulme orme olmo iep wiaz jilm alm" },
+	{ "carpinus", ECO_FORM_BROAD, "hornbeam hainbuche charme carpe carpino haagbeuk grab habr avenbok" },
 	{ "ostrya", ECO_FORM_BROAD, "hophornbeam ironwood" },
-	{ "alnus", ECO_FORM_BROAD, "alder erle aulne aliso ontano els" },
-	{ "populus", ECO_FORM_BROAD, "poplar aspen cottonwood pappel peuplier chopo alamo pioppo populier "
-		"tremble" },
-	{ "salix", ECO_FORM_WEEPING, "willow weide saule sauce salice wilg" },
-	{ "robinia", ECO_FORM_BROAD, "locust robinie robinier falsa" },
+	{ "alnus", ECO_FORM_BROAD, "alder erle aulne aliso ontano els amieiro olsza olse" },
+	{ "populus", ECO_FORM_BROAD, "poplar aspen cottonwood pappel peuplier chopo alamo pioppo "
+		"populier tremble choupo topola topol osika asp" },
+	{ "salix", ECO_FORM_WEEPING, "willow weide saule sauce salice wilg salgueiro wierzba vrba pil" },
+	{ "robinia", ECO_FORM_BROAD, "locust robinie robinier falsa akat" },
 	{ "gleditsia", ECO_FORM_BROAD, "honeylocust gleditschie fevier" },
-	{ "prunus", ECO_FORM_BROAD, "cherry plum kirsche pflaume cerisier prunier cerezo ciliegio kers" },
-	{ "malus", ECO_FORM_BROAD, "apple crabapple apfel pommier manzano melo appel" },
-	{ "pyrus", ECO_FORM_BROAD, "pear birne poirier peral pero peer" },
-	{ "sorbus", ECO_FORM_BROAD, "rowan whitebeam eberesche vogelbeere sorbier serbal sorbo lijsterbes" },
-	{ "crataegus", ECO_FORM_SHRUB, "hawthorn weissdorn aubepine espino biancospino meidoorn" },
-	{ "juglans", ECO_FORM_BROAD, "walnut butternut walnuss noyer nogal noce walnoot" },
+	{ "prunus", ECO_FORM_BROAD, "cherry plum kirsche pflaume cerisier prunier cerezo ciliegio kers "
+		"cerejeira ameixeira wisnia czeremcha sliwa tresen slivon korsbar" },
+	{ "malus", ECO_FORM_BROAD, "apple crabapple apfel pommier manzano melo appel macieira jablon" },
+	{ "pyrus", ECO_FORM_BROAD, "pear birne poirier peral pero peer pereira grusza hrusen" },
+	{ "sorbus", ECO_FORM_BROAD, "rowan whitebeam eberesche vogelbeere sorbier serbal sorbo "
+		"lijsterbes jarzab jarzebina jerab ronn" },
+	{ "crataegus", ECO_FORM_SHRUB, "hawthorn weissdorn aubepine espino biancospino meidoorn glog "
+		"hloh hagtorn" },
+	{ "juglans", ECO_FORM_BROAD, "walnut butternut walnuss noyer nogal noce walnoot nogueira orzech "
+		"oresak" },
 	{ "carya", ECO_FORM_BROAD, "hickory pecan" },
 	{ "liriodendron", ECO_FORM_BROAD, "tuliptree tulpenbaum tulipier" },
 	{ "liquidambar", ECO_FORM_BROAD, "sweetgum amberbaum copalme" },
@@ -63,32 +71,32 @@ static const struct { const char *genus; enum eco_form form; const char *names; 
 	{ "melia", ECO_FORM_BROAD, "chinaberry" },
 	{ "callistemon", ECO_FORM_SHRUB, "bottlebrush zylinderputzer" },
 	{ "lagerstroemia", ECO_FORM_SHRUB, "crapemyrtle" },
-	{ "pinus", ECO_FORM_CONIFER, "pine kiefer fohre pin pino den" },
-	{ "picea", ECO_FORM_CONIFER, "spruce fichte epicea abete spar" },
-	{ "abies", ECO_FORM_CONIFER, "fir tanne sapin abeto" },
+	{ "pinus", ECO_FORM_CONIFER, "pine kiefer fohre pin pino den pinheiro sosna borovice skogstall fyr" },
+	{ "picea", ECO_FORM_CONIFER, "spruce fichte epicea abete spar swierk smrk rodgran" },
+	{ "abies", ECO_FORM_CONIFER, "fir tanne sapin abeto jodla jedle" },
 	{ "pseudotsuga", ECO_FORM_CONIFER, "douglasfir douglas douglasie" },
-	{ "larix", ECO_FORM_CONIFER, "larch larche meleze alerce larice lork" },
+	{ "larix", ECO_FORM_CONIFER, "larch larche meleze alerce larice lork modrzew modrin" },
 	{ "tsuga", ECO_FORM_CONIFER, "hemlock" },
 	{ "cedrus", ECO_FORM_CONIFER, "cedar zeder cedre cedro ceder" },
-	{ "taxus", ECO_FORM_CONIFER, "yew eibe tejo tasso taxus" },
-	{ "thuja", ECO_FORM_COLUMN, "arborvitae lebensbaum thuya tuya" },
+	{ "taxus", ECO_FORM_CONIFER, "yew eibe tejo tasso taxus teixo idegran" },
+	{ "thuja", ECO_FORM_COLUMN, "arborvitae lebensbaum thuya tuya zywotnik zerav tuja" },
 	{ "chamaecyparis", ECO_FORM_COLUMN, "falsecypress scheinzypresse" },
-	{ "juniperus", ECO_FORM_COLUMN, "juniper wacholder genevrier enebro ginepro" },
+	{ "juniperus", ECO_FORM_COLUMN, "juniper wacholder genevrier enebro ginepro zimbro jalowiec" },
 	{ "cupressus", ECO_FORM_COLUMN, "cypress zypresse cypres cipres cipresso" },
 	{ "sequoia", ECO_FORM_CONIFER, "redwood sequoia" },
 	{ "sequoiadendron", ECO_FORM_CONIFER, "mammutbaum" },
 	{ "metasequoia", ECO_FORM_CONIFER, "urweltmammutbaum" },
 	{ "taxodium", ECO_FORM_CONIFER, "baldcypress sumpfzypresse" },
 	{ "araucaria", ECO_FORM_CONIFER, "araucaria araukarie" },
-	{ "phoenix", ECO_FORM_PALM, "datepalm palm palme palmier palmera palma" },
+	{ "phoenix", ECO_FORM_PALM, "datepalm palm palme palmier palmera palma palmeira" },
 	{ "washingtonia", ECO_FORM_PALM, "fanpalm" },
 	{ "trachycarpus", ECO_FORM_PALM, "hanfpalme" },
 	{ "cocos", ECO_FORM_PALM, "coconut kokospalme cocotier" },
 	{ "syagrus", ECO_FORM_PALM, "queenpalm" },
 	{ "lindera", ECO_FORM_SHRUB, "spicebush" },
 	{ "hamamelis", ECO_FORM_SHRUB, "witchhazel zaubernuss" },
-	{ "corylus", ECO_FORM_SHRUB, "hazel hasel noisetier avellano nocciolo hazelaar" },
-	{ "syringa", ECO_FORM_SHRUB, "lilac flieder lilas sering" },
+	{ "corylus", ECO_FORM_SHRUB, "hazel hasel noisetier avellano nocciolo hazelaar leszczyna liska" },
+	{ "syringa", ECO_FORM_SHRUB, "lilac flieder lilas sering lilak serik syren" },
 	{ "sambucus", ECO_FORM_SHRUB, "elder elderberry holunder sureau sauco" },
 	{ "laburnum", ECO_FORM_BROAD, "goldregen cytise" },
 	{ "viburnum", ECO_FORM_SHRUB, "viburnum schneeball viorne" },
@@ -114,8 +122,8 @@ static const struct { enum eco_form form; const char *words; } forms[] = {
 	{ ECO_FORM_HERB, "flower flowers plant herb orchid orchids fern blume blumen staude fleur fleurs "
 		"flor flores fiore bloem tulip daisy" },
 	{ ECO_FORM_GRASS, "grass gras graser reed schilf herbe hierba erba bamboo bambus" },
-	{ ECO_FORM_BROAD, "tree baum laubbaum laubholz arbre feuillu arbol albero boom deciduous broadleaf "
-		"hardwood broadleaved" },
+	{ ECO_FORM_BROAD, "tree baum laubbaum laubholz arbre feuillu arbol albero boom arvore drzewo strom "
+		"trad trae deciduous broadleaf hardwood broadleaved" },
 };
 
 struct eco_form_size eco_form_size(enum eco_form form)

@@ -20,7 +20,7 @@
 #define UTM_MOST_M 900000.0
 #define BARE_SOUTH -56.0         /* no tree stands beyond these latitudes */
 #define BARE_NORTH 75.0
-#define LISTED 4u                /* choices that a question names */
+#define LISTED 6u                /* choices that a question names */
 #define WEB_MERCATOR "EPSG:3857"
 #define ROUND_M 10.0             /* origins are round */
 
@@ -95,9 +95,9 @@ static bool dem_has(const struct look *l, const double degrees[2])
 static void say_swapped(struct look *l, const char *why)
 {
 	l->guess->swapped = true;
-	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "degrees; \"%.40s\" and \"%.40s\" are "
-		"swapped: %s",
-		l->names[0] ? l->names[0] : "x", l->names[1] ? l->names[1] : "y", why);
+	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%s\"%.40s\" and \"%.40s\" are swapped: %s",
+		are_degrees(l, 0) || are_degrees(l, 1) ? "degrees; " : "", l->names[0] ? l->names[0] : "x",
+		l->names[1] ? l->names[1] : "y", why);
 }
 
 static bool is_bare(const double degrees[2])
@@ -166,7 +166,7 @@ static bool shared_hint(const struct look *l, char hint[ECO_WORDS_BYTES])
 	static const struct { const char *brief, *name; } known[] = { { "l 93", "lambert 93" }, { "bng",
 		"british national grid" }, { "osgb", "british national grid" }, { "rd", "rd new" }, { "lb 72",
 		"belgian lambert 72" }, { "nztm", "new zealand transverse mercator 2000" }, { "2180", "cs "
-		"92" } };
+		"92" }, { "puwg 1992", "cs 92" }, { "1992", "cs 92" } };
 	char other[ECO_WORDS_BYTES];
 	if (!l->names[0] || !l->names[1])
 		return false;
@@ -241,15 +241,29 @@ static uint32_t sort_zones_last(struct eco_crs_choice *choices, uint32_t found)
 	return first;
 }
 
+/* "; Spanish is written in EPSG:32629, EPSG:32630": of the first `spoken`, those that are UTM zones. */
+static void list_zones(const struct look *l, const struct eco_crs_choice *choices, uint32_t spoken,
+	char *text, size_t size)
+{
+	char zones[120] = "";
+	for (uint32_t i = 0; i < spoken; i++)
+		if (strstr(choices[i].name, "UTM zone"))
+			eco_phrase_add(zones, sizeof zones, choices[i].code);
+	text[0] = 0;
+	if (zones[0] != 0)
+		snprintf(text, size, "; %s is written in %s", eco_speech_name(l->speech), zones);
+}
+
 /* Names the few where the columns' language is written; else all UTM zones may be meant. */
 static enum eco_code ask_for_grid(struct look *l, struct eco_crs_choice *choices, uint32_t found,
 	uint32_t spoken)
 {
-	char list[330] = "such as EPSG:2154 in France";
+	char list[330] = "such as EPSG:2154 in France", zones[160];
 	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
 	struct eco_crs_facts facts;
 	if (may_be_utm(l) && (spoken == 0 || spoken > LISTED)
 			&& eco_crs_look("EPSG:32631", at, &facts, l->error) == ECO_OK) {
+		list_zones(l, choices, spoken, zones, sizeof zones);
 		uint32_t grids = sort_zones_last(choices,
 			found < ECO_CRS_CHOICES_MAX ? found : ECO_CRS_CHOICES_MAX);
 		if (grids > 0)
@@ -257,9 +271,8 @@ static enum eco_code ask_for_grid(struct look *l, struct eco_crs_choice *choices
 		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, "
 			"%.0f is a place in each UTM zone, at latitude %.1f: give the zone of your "
 			"longitude, --crs EPSG:32601 (180 W) to EPSG:32660 (180 E), in the south "
-			"EPSG:32701 to EPSG:32760; or the "
-			"country's grid, %.120s, ...", l->asked->table->path, at[0], at[1], facts.degrees[1],
-			list);
+			"EPSG:32701 to EPSG:32760%s; or the country's grid, %.120s, ...",
+			l->asked->table->path, at[0], at[1], facts.degrees[1], zones, list);
 	}
 	list_choices(choices, found, list, sizeof list);
 	return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, %.0f "
@@ -274,6 +287,61 @@ static enum eco_code take_choice(struct look *l, const struct eco_crs_choice *ch
 		"%.3f", choice->name, why,
 		choice->degrees[0], choice->degrees[1]);
 	return ECO_OK;
+}
+
+/* The only grid with the words of a hint, or else where the columns' language is written, that has the plants
+ * if x and y change places. */
+static enum eco_code take_turned(struct look *l, const char *hint, bool *taken)
+{
+	struct eco_crs_choice choices[ECO_CRS_CHOICES_MAX];
+	const double turned[2] = { l->xy[1].middle, l->xy[0].middle };
+	uint32_t found = 0;
+	enum eco_code code = l->guess->from_geometry ? ECO_OK
+		: eco_crs_choices(turned, hint, choices, &found, l->error);
+	uint32_t listed = found < ECO_CRS_CHOICES_MAX ? found : ECO_CRS_CHOICES_MAX;
+	*taken = !code && (hint ? found == 1 : sort_by_speech(l, choices, listed) == 1);
+	l->guess->swapped |= *taken;
+	if (!*taken)
+		return code;
+	return take_choice(l, &choices[0], hint ? "by the columns' names; x counts to the north"
+		: "where the columns' language is written; x counts to the north");
+}
+
+static bool has_letter(const char *name, const char *letter)
+{
+	char words[ECO_WORDS_BYTES];
+	eco_words_of(name, words, sizeof words);
+	return eco_words_have(words, letter);
+}
+
+/* Whether the columns are x and y, the CRS's own x counts to the north, and plants may stand at either
+ * place. */
+static bool axes_are_open(const struct look *l, struct eco_crs_facts *named, struct eco_crs_facts *turned)
+{
+	const double at[2] = { l->xy[0].middle, l->xy[1].middle }, other[2] = { at[1], at[0] };
+	return !l->guess->from_geometry && !l->guess->swapped && !l->asked->axes_said && l->guess->crs[0] != 0
+		&& has_letter(l->names[0], "x") && has_letter(l->names[1], "y")
+		&& eco_crs_look(l->guess->crs, at, named, NULL) == ECO_OK && named->x_is_north
+		&& named->inside
+		&& eco_crs_look(l->guess->crs, other, turned, NULL) == ECO_OK && turned->inside;
+}
+
+/* Surveyors' grids call the northing x, most tables the easting. */
+static enum eco_code settle_axes(struct look *l)
+{
+	struct eco_crs_facts named, turned;
+	if (!axes_are_open(l, &named, &turned) || dem_has(l, named.degrees))
+		return ECO_OK;
+	if (dem_has(l, turned.degrees)) {
+		say_swapped(l, "only so does the terrain lie there");
+		return ECO_OK;
+	}
+	return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: does \"%.40s\" count to the north, as x does in %s "
+		"(%.40s), or to the east, as in most tables? To the east the plants are at %.3f, %.3f: "
+		"--x \"%.40s\" --y \"%.40s\"; to the north at %.3f, %.3f: --x \"%.40s\" --y \"%.40s\"",
+		l->asked->table->path, l->names[0], l->guess->crs, named.name, named.degrees[0],
+		named.degrees[1], l->names[0], l->names[1], turned.degrees[0], turned.degrees[1],
+		l->names[1], l->names[0]);
 }
 
 /* The terrain's CRS, where its extent has the plants. */
@@ -301,12 +369,17 @@ static enum eco_code guess_grid(struct look *l)
 	char hint[ECO_WORDS_BYTES];
 	uint32_t found = 0;
 	enum eco_code code = ECO_OK;
+	bool taken = false;
 	if (take_dem(l))
 		return ECO_OK;
 	if (shared_hint(l, hint)) {
 		code = eco_crs_choices(at, hint, choices, &found, l->error);
 		if (!code && found == 1)
 			return take_choice(l, &choices[0], "by the columns' names");
+		if (!code && found == 0)
+			code = take_turned(l, hint, &taken);
+		if (code || taken)
+			return code;
 	}
 	if (!code && found == 0)
 		code = eco_crs_choices(at, NULL, choices, &found, l->error);
@@ -329,6 +402,10 @@ static enum eco_code guess_grid(struct look *l)
 			"written", eco_speech_name(l->speech));
 		return take_choice(l, &choices[0], why);
 	}
+	if (spoken == 0 && l->speech)
+		code = take_turned(l, NULL, &taken);
+	if (code || taken)
+		return code;
 	return ask_for_grid(l, choices, found, spoken);
 }
 
@@ -345,7 +422,10 @@ static enum eco_code take_stated(struct look *l, const char *crs, const char *wh
 		snprintf(l->guess->crs, sizeof l->guess->crs, "%s", crs);
 	else
 		snprintf(l->guess->crs, sizeof l->guess->crs, "%s", facts.code);
-	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, as %s", facts.name, who);
+	int used = snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, as %s", facts.name, who);
+	if (!facts.geographic && !isnan(facts.degrees[0]))
+		snprintf(l->guess->crs_why + used, sizeof l->guess->crs_why - (size_t)used,
+			"; a place at %.3f, %.3f", facts.degrees[0], facts.degrees[1]);
 	if (facts.geographic && !are_degrees(l, 0) && are_degrees(l, 1) && !l->guess->from_geometry)
 		say_swapped(l, "a latitude lies between -90 and 90");
 	else if (!facts.inside && !isnan(facts.degrees[0]) &&
@@ -525,6 +605,8 @@ enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_pl
 	enum eco_code code = measure(&l);
 	if (!code)
 		code = guess_crs(&l);
+	if (!code)
+		code = settle_axes(&l);
 	if (!code)
 		code = guess_scene(&l);
 	if (!code)

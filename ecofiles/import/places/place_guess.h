@@ -11,6 +11,7 @@ struct eco_place_asked {         /* what the user says wins; NULL: nothing */
 	const struct eco_table *table;
 	const struct eco_columns *columns;
 	const char *crs, *scene_crs;
+	bool axes_said;              /* which column is x and which is y */
 	const struct eco_raster_extent *dem;
 };
 
@@ -25,7 +26,8 @@ struct eco_place_guess {
 	char crs_why[ECO_WHY_BYTES], scene_why[ECO_WHY_BYTES], origin_why[ECO_WHY_BYTES];
 };
 
-/* ECO_BAD_INPUT where several CRSs are equally good: it names them, and --crs. */
+/* ECO_BAD_INPUT where several CRSs are equally good: it names them, and --crs; or both ways of its axes: it
+ * names --x and --y. */
 enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_place_asked *asked,
 	struct eco_error *error);
 

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "ecofiles/import/places/crs_facts.h"
 #include "ecofiles/import/places/words.h"
@@ -69,12 +70,27 @@ static void find_code(PJ_CONTEXT *context, const PJ *crs, char code[32])
 	proj_list_destroy(list);
 }
 
+static bool x_is_north(PJ_CONTEXT *context, const PJ *crs)
+{
+	PJ *system = proj_crs_get_coordinate_system(context, crs);
+	bool found = false;
+	for (int i = 0; system && !found && i < proj_cs_get_axis_count(context, system); i++) {
+		const char *letter = NULL, *direction = NULL;
+		found = proj_cs_get_axis_info(context, system, i, NULL, &letter, &direction, NULL, NULL, NULL,
+			NULL) && letter && direction && strcasecmp(letter, "x") == 0
+			&& strcmp(direction, "north") == 0;
+	}
+	proj_destroy(system);
+	return found;
+}
+
 static void look(PJ_CONTEXT *context, PJ *crs, const double xy[2], struct eco_crs_facts *facts)
 {
 	double west, south, east, north;
 	PJ_TYPE type = proj_get_type(crs);
 	facts->geographic = type == PJ_TYPE_GEOGRAPHIC_2D_CRS || type == PJ_TYPE_GEOGRAPHIC_3D_CRS;
 	facts->metric_map = proj_is_metric_map(context, crs);
+	facts->x_is_north = !facts->geographic && x_is_north(context, crs);
 	snprintf(facts->name, sizeof facts->name, "%s", proj_get_name(crs) ? proj_get_name(crs) : "");
 	find_code(context, crs, facts->code);
 	degrees_of(context, crs, xy, facts->degrees);

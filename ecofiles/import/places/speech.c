@@ -51,7 +51,9 @@ static const struct { const char *name, *words; } speech[LANGUAGES] = {
 };
 
 static const struct { enum language language; bool home; double west, south, east, north; } boxes[] = {
-	{ GERMAN, true, 5.5, 45.5, 17.5, 55.3 }, { FRENCH, true, -5.5, 41, 10.6, 51.6 },
+	{ GERMAN, true, 5.5, 47.2, 15.1, 55.3 }, { GERMAN, true, 5.9, 45.8, 17.2, 49.1 },
+	{ FRENCH, true, -5.5, 42.2, 8.3, 49.2 }, { FRENCH, true, 1.5, 49.2, 6.6, 51.6 },
+	{ FRENCH, true, 8.5, 41.3, 9.7, 43.1 },
 	{ FRENCH, true, -80, 44, -57, 63 }, { FRENCH, false, -18, -5, 31, 37.6 },
 	{ FRENCH, false, 11, -13.5, 31, 5.5 }, { FRENCH, false, 42, -26, 60, -10 },
 	{ FRENCH, false, 41.5, 10.8, 43.5, 12.8 }, { FRENCH, false, -63, 2, -51, 18.6 },

@@ -18,6 +18,8 @@
 #define SNIFF_BYTES 65536u
 #define POINT_ROWS 64            /* in which a column with points is looked for */
 #define DEGREE_DIGITS 6
+#define TITLES_MAX 20            /* records before the names */
+#define NAMES_LEAST 3            /* in the record of names below them */
 
 struct csv {
 	struct eco_rows rows;
@@ -427,7 +429,49 @@ static char count_separators(const char *text)
 	return signs[best];
 }
 
-/* Skips the byte order mark and a "sep=" line, and determines the separator. */
+/* Fields of the record at `*text` that are not empty, and goes behind it; *lines are its line ends. */
+static unsigned filled_fields(const char **text, char separator, unsigned *lines)
+{
+	bool quoted = false, filled = false;
+	unsigned count = 0;
+	const char *at = *text;
+	for (; *at != 0 && (quoted || (*at != '\n' && *at != '\r')); at++) {
+		quoted ^= *at == '"';
+		*lines += *at == '\n';
+		bool ends = !quoted && *at == separator;
+		count += ends && filled;
+		filled = !ends && (filled || (*at != ' ' && *at != '"'));
+	}
+	*lines += *at != 0;
+	at += at[0] == '\r' && at[1] == '\n';
+	*text = at + (*at != 0);
+	return count + filled;
+}
+
+/* Titles, dates and empty lines before the table, as reports have them: records of one field at most, before one of
+ * several. */
+static const char *skip_titles(struct csv *csv, const char *text)
+{
+	const char *at = text;
+	unsigned lines = 0, titles = 0;
+	for (int record = 0; *at != 0 && record < TITLES_MAX; record++) {
+		const char *names = at;
+		unsigned before = lines, filled = filled_fields(&at, csv->separator ? csv->separator
+			: count_separators(at), &lines);
+		if (filled >= NAMES_LEAST && titles > 0) {
+			csv->line += before;
+			eco_rows_note(&csv->rows, "what stands before line %llu is no table: that line names the "
+				"columns", (unsigned long long)csv->line);
+			return names;
+		}
+		if (filled > 1)
+			break;
+		titles += filled;
+	}
+	return text;
+}
+
+/* Skips the byte order mark, a "sep=" line and titles, and determines the separator. */
 static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
 {
 	char *head = malloc(SNIFF_BYTES + 1);
@@ -444,6 +488,7 @@ static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
 		text += *text == '\n';
 		csv->line = 2;
 	}
+	text = skip_titles(csv, text);
 	if (csv->separator == 0) {
 		csv->separator = count_separators(text + strspn(text, "\r\n"));
 		if (csv->separator != ',')
