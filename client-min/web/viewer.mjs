@@ -1,7 +1,7 @@
 // The viewer at /: which scene, where the camera is, and what people ask of it. All of it is in the address
 // (#scene=...), so that a link shows what its sender saw. A worker makes the picture (viewer_engine.mjs).
 import { Camera, cameraKeys, withModifier } from './viewer_camera.mjs';
-import { number, showFacts, showPicked, showReasons, showRow, showScale, showWhy } from './viewer_panel.mjs';
+import { number, showFacts, showNorth, showPicked, showReasons, showRow, showScale, showWhy } from './viewer_panel.mjs';
 import { readRows, rowOf } from './viewer_rows.mjs';
 
 const $ = (id) => document.getElementById(id);
@@ -250,6 +250,8 @@ function showSettings() {
 	$('sun').value = settings.sun;
 	$('shadows').value = settings.shadows;
 	$('sun-row').hidden = $('rows-row').hidden = about?.origin?.longitude_deg === undefined;
+	showNorth(about?.origin);
+	showNorth(Boolean(about?.origin));
 	camera.setMode(settings.mode);
 	$('mode').value = settings.mode;
 	moved();

@@ -9,7 +9,8 @@ export function number(n) {
 	return n >= 1e4 ? `${(n / 1e3).toFixed(0)} k` : `${Math.round(n)}`;
 }
 
-const metres = (length) => `${length.toFixed(length < 10 ? 2 : 1)} m`;
+const metres = (length) => length < 10000 ? `${length.toFixed(length < 10 ? 2 : 1)} m`
+	: `${(length / 1000).toFixed(1)} km`;
 const count = (n, one) => `${number(n)} ${one}${n === 1 ? '' : 's'}`;
 
 const span = (text) => Object.assign(document.createElement('span'), { textContent: text });
@@ -35,9 +36,10 @@ function swatch([r, g, b]) {
 }
 
 export function showFacts(facts) {
+	const tiles = facts.roles.some(({ name, vertices }) => name === 'summaries' && vertices);
 	const figures = [
 		['Vertices', number(facts.vertices)],
-		['Plants in view', number(facts.plants)],
+		['Plants in view', tiles ? `${number(facts.plants)}, more as points` : number(facts.plants)],
 		['Predicted Q', facts.predicted_q?.toFixed(3) ?? '–'],
 		['Bytes so far', number(facts.bytes)],
 		['Decoded', `${(facts.memory_bytes / 2 ** 20).toFixed(1)} MiB`],
@@ -45,14 +47,19 @@ export function showFacts(facts) {
 	$('figures').replaceChildren(...figures.map(row));
 	$('roles').replaceChildren(...facts.roles.filter((role) => role.vertices).map((role) =>
 		item(swatch(role.color), span(role.name), span(number(role.vertices)))));
-	$('species').replaceChildren(...facts.species.sort((a, b) => b.count - a.count).map((plant) =>
-		item(span(plant.name), span(metres(plant.height_m)), span(`× ${number(plant.count)}`))));
+	const species = facts.species.sort((a, b) => b.count - a.count).map((plant) =>
+		item(span(plant.name), span(metres(plant.height_m)), span(`× ${number(plant.count)}`)));
+	const none = tiles ? 'Only points that stand for many plants' : 'None';
+	$('species').replaceChildren(...species.length ? species : [item(none)]);
 }
 
 function lengthText(length) {
 	if (length >= 1000)
 		return `${length / 1000} km`;
-	return length >= 1 ? `${length} m` : `${Math.round(length * 100)} cm`;
+	if (length >= 1)
+		return `${length} m`;
+	return length >= 0.01 ? `${Math.round(length * 100)} cm`
+		: `${Number((length * 1000).toPrecision(1))} mm`;
 }
 
 /** A length at the distance of what is looked at, and where north is; `pixel` metres a pixel there. */
@@ -62,6 +69,12 @@ export function showScale(pixel, heading) {
 	$('scale-bar').style.width = `${length / pixel}px`;
 	$('scale-text').textContent = lengthText(length);
 	$('north').style.transform = `rotate(${-heading * 180 / Math.PI}deg)`;
+}
+
+/** Up on the map is north where the scene has a CRS, else only its y. */
+export function showNorth(known) {
+	$('north').lastElementChild.textContent = known ? 'N' : 'Y';
+	$('north').setAttribute('aria-label', known ? 'North' : 'The scene\'s y axis');
 }
 
 // ---- What was clicked ----

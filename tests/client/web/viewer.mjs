@@ -1,7 +1,7 @@
 // viewer.mjs URL CHROMIUM PLANTS.csv PLANTS.geojson SCRIPT.json RELOAD: the page at / as somebody uses it, by
 // pointer and by keyboard. URL is the scene's, PLANTS.csv its inventory (plant, easting, northing, height_m),
 // PLANTS.geojson what ecopack map makes of that. What was recorded goes to SCRIPT.json. RELOAD is a command
-// that gives the scene a pack of other plants. The server also has a scene named park.
+// that gives the scene a pack of other plants. The server also has scenes named park, and bare without a CRS.
 import { execSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { readRows, rowOf } from '../../../client-min/web/viewer_rows.mjs';
@@ -325,6 +325,33 @@ async function takesAnotherPack() {
 	await browser.until(`${complete} && ${names} !== ${JSON.stringify(before)}`);
 }
 
+/** The scene named bare has no CRS: what needs one is not offered, and up is no north. */
+async function isNowhereOnEarth() {
+	const shown = (id) => ask(`getComputedStyle(document.getElementById('${id}')).display !== 'none'`);
+	expect(await shown('sun-row') && await shown('rows-row') && await text('north') === 'N', 'the city has no place');
+	await browser.open(new URL('/#scene=bare', url).href, 640, 480);
+	await browser.until(complete);
+	expect(!await shown('sun-row') && !await shown('rows-row'), 'a sun or rows are offered without a place');
+	expect(await text('north') === 'Y', `without a CRS the arrow says ${await text('north')}`);
+}
+
+/** The menu says what is there, however it is called, in its own width. */
+async function saysAnyName() {
+	const facts = (species, vertices) => ask(`(async () => {
+		const { showFacts } = await import('/viewer/viewer_panel.mjs'), panel = document.getElementById('panel');
+		const roles = [{ name: 'summaries', color: [0, 0, 0], vertices: ${vertices} }];
+		showFacts({ vertices: 9, plants: ${species.length}, bytes: 9, memory_bytes: 9, roles, species: ${JSON.stringify(species)} });
+		panel.hidden = false;
+		return [panel.scrollWidth <= panel.clientWidth, document.getElementById('species').textContent,
+			document.getElementById('figures').textContent];
+	})()`);
+	const [fits, names] = await facts([{ name: 'A'.repeat(63), height_m: 8, count: 1e6 },
+		{ name: '<img src=x onerror="throw 1">', height_m: 8, count: 2 }], 0);
+	expect(fits && names.includes('<img src=x'), `long names: ${fits}, ${names}`);
+	const [, none, figures] = await facts([], 5);
+	expect(none.startsWith('Only points') && figures.includes('more as points'), `only summaries: ${none}, ${figures}`);
+}
+
 try {
 	await browser.open(page, 640, 480);
 	await browser.until(complete);
@@ -344,6 +371,8 @@ try {
 	await goesBack();
 	await leavesThePageFree();
 	await takesAnotherPack();
+	await isNowhereOnEarth();
+	await saysAnyName();
 	const state = await text('state');
 	expect(state === '', `the page reports: ${state}`);
 	expect(!browser.complaints.length, browser.complaints.join('\n'));
