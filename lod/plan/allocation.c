@@ -8,7 +8,9 @@
 #include "lod/plan/plant_uses.h"
 
 #define TIE_SHARE 0.07           /* tiles and gates blend where both choices differ by less than this share of
-                                  * what the finer one saves */
+                                  * what the finer one saves, Q where by less than that of what both lack */
+#define TIE_STEP 0.25            /* splats and organs blend where what organs save differs by less than this
+                                  * share from what their vertices cost */
 #define LAST_SLOPE 1e-200        /* of the hull point that a fixed summary takes only when nothing else is
                                   * left */
 
@@ -33,13 +35,13 @@ static double lagrangian(const struct lod_allocation *m, const struct lod_cost *
 		+ m->price * (cost->bytes + cost->waste);
 }
 
-/* Share of the fine choice, given what it and the coarse one save: 0 to 1, and 1 where the fine one saves
- * much more. */
-static double fine_share(const struct lod_allocation *m, double fine, double coarse)
+/* Share of the fine choice, which is better than the coarse one by `gain`: 0 to 1, between them where that is
+ * less than `width` either way. */
+static double fine_share(const struct lod_allocation *m, double gain, double width)
 {
-	if (m->few_plants || !(fine > 0))
-		return fine > coarse;
-	double share = 0.5 + (fine - coarse) / (2 * TIE_SHARE * fine);
+	if (m->few_plants || !(width > 0))
+		return gain > 0;
+	double share = 0.5 + gain / (2 * width);
 	return share < 0 ? 0 : share > 1 ? 1 : share;
 }
 
@@ -51,28 +53,31 @@ static struct lod_cost whole_cost(const struct lod_allocation *m, uint32_t ladde
 	return cost;
 }
 
-/* Above what a plant has where nothing is drawn. Errors count `more` times. */
-static double q_gained(const struct lod_slot_choice *choice, const struct lod_cost *cost, double more)
+/* What a plant's Q lacks. Errors count `more` times. */
+static double q_lost(const struct lod_slot_choice *choice, const struct lod_cost *cost, double more)
 {
 	double each = choice->weight_px[0] > 0 ? more / choice->weight_px[0] : 0;
-	return lod_hull_q(each * choice->fp_weight * cost->fp, each * cost->fn) - lod_hull_q(0, 1);
+	return 1 - lod_hull_q(each * choice->fp_weight * cost->fp, each * cost->fn);
 }
 
 /* Share of far plants that draw the ladder which costs `whole`, in place of organs that cost `organs`. Organs
- * are sharper, but must not have a lower Q, which would fall as vertices grow. */
+ * are sharper, but must not have a lower Q, which would fall as vertices grow. Both are nearly right, so a tie
+ * is measured by what differs between them, not by all that they save (lod/EXPERIMENTS.md, Ties of splats). */
 static double whole_share(const struct lod_allocation *m, const struct lod_slot_choice *choice,
 	const struct lod_cost *organs, const struct lod_cost *whole)
 {
-	double weight_px = choice->weight_px[0], fp_weight = choice->fp_weight;
 	uint32_t slot = (uint32_t)(choice - m->slot_choices);
 	if (lod_prices_organs_off(m, m->p->visible.slots[slot].plant))
 		return 1;
 	if (choice->whole_rule != LOD_WHOLE_BY_LAMBDA)
 		return choice->whole_rule == LOD_WHOLE_ALL;
-	return m->lambda <= 0 ? 0 : 1 - fmin(fine_share(m,
-		weight_px - lagrangian(m, organs, fp_weight),
-		weight_px - lagrangian(m, whole, fp_weight)),
-		fine_share(m, q_gained(choice, organs, choice->more), q_gained(choice, whole, 1)));
+	if (m->lambda <= 0)
+		return 0;
+	double spent = m->lambda * (organs->vertices - whole->vertices),
+		gain = lagrangian(m, whole, choice->fp_weight) - lagrangian(m, organs, choice->fp_weight),
+		organs_lost = q_lost(choice, organs, choice->more), whole_lost = q_lost(choice, whole, 1);
+	return 1 - fmin(fine_share(m, gain, TIE_STEP * (fabs(gain + spent) + fabs(spent))),
+		fine_share(m, whole_lost - organs_lost, TIE_SHARE * (whole_lost + organs_lost)));
 }
 
 /* Takes the best of the ladders that show the whole plant, and blends it with the organs, in cost[0]. */
@@ -181,7 +186,8 @@ static double count_near(struct lod_allocation *m, uint32_t plant)
 		count = pool_bands(bands, count);
 	}
 	for (uint32_t i = 0; i < count; i++)
-		sum += bands[i].plants * fine_share(m, bands[i].near, bands[i].far);
+		sum += bands[i].plants * fine_share(m, bands[i].near - bands[i].far,
+			TIE_SHARE * bands[i].near);
 	return sum;
 }
 
@@ -218,8 +224,8 @@ static double open_share(const struct lod_allocation *m, const struct lod_tile_c
 {
 	if (!choice->has_summary || m->lambda <= 0)
 		return 1;
-	double share = fine_share(m, plants, summary), least = m->few_plants || !(plants > 0) ? 0
-		: 1 - choice->closed_most;
+	double share = fine_share(m, plants - summary, TIE_SHARE * plants),
+		least = m->few_plants || !(plants > 0) ? 0 : 1 - choice->closed_most;
 	return share < least ? least : share;
 }
 

@@ -100,7 +100,7 @@ UNIT_TEST(rows_add_up_to_the_plan)
 		(seed <= 40 ? random_scene_make : random_scene_splats)(&scene, seed, seed % 3 ? 0 : 4);
 		for (int i = 0; i < 10; i++) {
 			lod_rule *rule = i % 5 == 4 ? lod_rule_deussen : lod_rule_optimal;
-			struct eco_request request = request_of((uint64_t)1 << (3 + 2 * i));
+			struct eco_request request = request_of((uint64_t)1 << 2 * i);
 			struct lod_explanation why = { 0 };
 			struct eco_plan plan;
 			explain(&plan, &why, &request, rule);

@@ -138,6 +138,77 @@ UNIT_TEST(more_budget_is_never_predicted_to_be_worse)
 	}
 }
 
+/* A tile of so many of plant 0 around a point. */
+static void add_crowd(double x, uint32_t count)
+{
+	uint32_t tile = scene_add_tile(&scene, (struct eco_tile){ .low = { x - 30, -30, 0 },
+		.high = { x + 30, 30, 20 }, .instance_count = count, .area = 30.0 * count,
+		.summary = ECO_NONE });
+	uint32_t list = scene_add_bare(&scene, &(struct scene_row){ .kind = ECO_LIST_INSTANCES,
+		.owner = tile, .other = ECO_NONE }, count, count);
+	uint64_t first = scene.scene.place_count;
+	scene.lists[list].grid_origin[0] = x;
+	for (uint32_t i = 0; i < count; i++)
+		scene_add_place(&scene, (struct eco_place){ .position = { (int32_t)random_below(&scene, 20000),
+			(int32_t)random_below(&scene, 20000), 0 }, .scale = 65536 });
+	scene_add_group(&scene, (struct eco_group){ tile, 0, list, first, 0, count });
+	scene_add_child(&scene, 0, (struct eco_child){ .tile = tile, .scale = 1 });
+}
+
+/* 300 leaves, and 16 splats that are nearly right. */
+static void add_plant_of_good_splats(void)
+{
+	static const float shares[] = { .01f, .1f, .5f, 1 }, errors[] = { .4f, .3f, .2f, 0 };
+	scene_add_plant(&scene, (struct eco_plant){ .height_m = 10 });
+	uint32_t anchor = scene_add_anchor(&scene, (struct eco_anchor){ { 0, 0, 5 }, 5 });
+	struct eco_ladder leaves = scene_ladder(0, anchor, ECO_ORGAN_FOLIAGE), splats = leaves;
+	leaves.triangles = random_fans(&scene, leaves.total = 300, 0);
+	leaves.area = 30;
+	leaves.curve_first = scene.scene.curve_count;
+	leaves.curve_count = 4;
+	for (int i = 0; i < 4; i++)
+		scene_add_curve(&scene, (struct eco_curve){ shares[i], 1, shares[i], errors[i], errors[i] });
+	scene_add_ladder(&scene, leaves);
+	splats.points = scene_add_bare(&scene, &(struct scene_row){ .kind = ECO_LIST_POINTS,
+		.attributes = ECO_ATTR_SPLAT, .other = ECO_NONE }, 16, 16);
+	splats.flags = ECO_LADDER_WHOLE;
+	splats.total = splats.level_end[0] = 16;
+	splats.level_count = 1;
+	splats.curve_first = scene.scene.curve_count;
+	splats.curve_count = 2;
+	scene_add_curve(&scene, (struct eco_curve){ 1 / 16.f, 1, 1, .2f, .2f });
+	scene_add_curve(&scene, (struct eco_curve){ 1, 1, 1, .02f, .02f });
+	scene_add_ladder(&scene, splats);
+}
+
+/* Whoever can afford a plant's organs a thousand times over draws them, though splats are nearly as good. */
+UNIT_TEST(splats_that_are_nearly_right_leave_near_plants_their_organs)
+{
+	scene_free(&scene);
+	scene.state = 1;
+	scene.like = (struct eco_list){ .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f };
+	scene.scene.near_m = 0.01;
+	add_plant_of_good_splats();
+	scene_add_tile(&scene, (struct eco_tile){ .low = { -30, -30, 0 }, .high = { 4000, 30, 20 },
+		.instance_count = 2100, .area = 30.0 * 2100, .summary = ECO_NONE });
+	add_crowd(60, 100);
+	add_crowd(3000, 2000);
+	struct eco_request request = { .view = { .target = { 60, 10, 5 }, .eye = { 0, 10, 40 },
+		.up = { 0, 0, 1 }, .fov_y_deg = 60, .width = 800, .height = 600 }, .vertices = 500000,
+		.bytes = ECO_BYTES_UNBOUNDED };
+	struct eco_plan plan;
+	plan_it(&plan, &request);
+	double whole[2] = { 0 };
+	for (uint32_t i = 0; i < plan.cut_count; i++)
+		if (scene.lists[plan.cuts[i].list].attributes & ECO_ATTR_SPLAT)
+			whole[lod_band_distance_m((uint8_t)plan.cuts[i].band_first) > 1000] +=
+				(double)(plan.cuts[i].share_end - plan.cuts[i].share_first) / ECO_SHARE_ONE;
+	print_message("          %llu vertices, splats near %.2f, far %.2f\n",
+		(unsigned long long)plan.vertices, whole[0], whole[1]);
+	assert_true(whole[0] == 0 && whole[1] > 0);
+	eco_plan_free(&plan);
+}
+
 /* No plant draws both a ladder for the whole plant and anything else. */
 UNIT_TEST(a_whole_plant_is_drawn_alone)
 {
