@@ -7,6 +7,7 @@
  * order: alike on every machine. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "ecofiles/base/range.h"
 #include "ecofiles/format/impostor.h"
@@ -125,6 +126,21 @@ static uint32_t texel_at(const struct codec *codec, uint32_t tile, int32_t x, in
 		+ (uint32_t)x];
 }
 
+/* A texel, the one to its right, and both below them. */
+static void texels_at(const struct codec *codec, uint32_t tile, int32_t x, int32_t y, uint8_t corner[4])
+{
+	const int32_t side = (int32_t)codec->size->texels;
+	if (x >= 0 && y >= 0 && x + 1 < side && y + 1 < side) {
+		const uint8_t *at = codec->level->texel + ((size_t)tile * (size_t)side + (size_t)y) * (size_t)side
+			+ (size_t)x;
+		memcpy(corner, at, 2);
+		memcpy(corner + 2, at + side, 2);
+	} else {
+		for (int i = 0; i < 4; i++)
+			corner[i] = (uint8_t)texel_at(codec, tile, x + (i & 1), y + (i >> 1));
+	}
+}
+
 /* How much of a texel's surroundings is covered, (x, y) in texels from the tile's corner. */
 static float covered_at(const struct codec *codec, uint32_t tile, float x, float y)
 {
@@ -134,10 +150,10 @@ static float covered_at(const struct codec *codec, uint32_t tile, float x, float
 	x -= 0.5f, y -= 0.5f;
 	int32_t column = (int32_t)floorf(x), row = (int32_t)floorf(y);
 	float u = x - (float)column, v = y - (float)row;
-	float above = (1 - u) * (float)texel_at(codec, tile, column, row)
-		+ u * (float)texel_at(codec, tile, column + 1, row);
-	float below = (1 - u) * (float)texel_at(codec, tile, column, row + 1)
-		+ u * (float)texel_at(codec, tile, column + 1, row + 1);
+	uint8_t corner[4];
+	texels_at(codec, tile, column, row, corner);
+	float above = (1 - u) * (float)corner[0] + u * (float)corner[1];
+	float below = (1 - u) * (float)corner[2] + u * (float)corner[3];
 	return (1 - v) * above + v * below;
 }
 

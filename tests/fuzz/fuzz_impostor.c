@@ -7,6 +7,7 @@
 #include "lod/impostor.h"
 
 #define LEVEL_AT 24u                     /* of its bytes: after the body */
+#define FINE_EVERY 32u                   /* sizes of inputs of which one may be of a finer level */
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
@@ -39,8 +40,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 	struct eco_impostor_level level, again;
 	struct lod_impostor impostor;
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
-	if (size > LEVEL_AT && bytes[LEVEL_AT] == ECO_IMPOSTOR_LEVELS - 1)
-		return 0;                /* as the level before it, and five times as slow */
+	/* code that all levels share takes 3 ms for the coarsest, 36 and 180 ms for those after it */
+	if (size > LEVEL_AT && bytes[LEVEL_AT] > (size % FINE_EVERY == 0))
+		return 0;
 #endif
 	enum eco_code code = eco_impostor_level_read(&level, &body, bytes, size, &error);
 	assert(code == error.code);
@@ -48,16 +50,18 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 		return 0;
 	struct eco_writer w = { 0 };
 	code = eco_impostor_level_write(&w, &body, &level, NULL, &error);
-	if (!code)
-		code = eco_impostor_level_read(&again, &body, w.bytes, w.size, &error);
 	assert(!code);
-	assert_same(&level, &again);
+	if (w.size != size || memcmp(w.bytes, bytes, size) != 0) { /* else it would be read as before */
+		code = eco_impostor_level_read(&again, &body, w.bytes, w.size, &error);
+		assert(!code);
+		assert_same(&level, &again);
+		eco_impostor_level_free(&again);
+	}
 	code = lod_impostor_open(&impostor, &body, &level, &error);
 	assert(!code);
 	look_around(&impostor);
 	lod_impostor_close(&impostor);
 	eco_impostor_level_free(&level);
-	eco_impostor_level_free(&again);
 	eco_writer_free(&w);
 	return 0;
 }
