@@ -444,7 +444,7 @@ static json_t *rows_json(const struct link *l)
 	for (int k = 0; k < ECO_SKIP_COUNT; k++) {
 		json_int_t count = sum_of(l, "rows", "skipped", eco_skip_names[k]);
 		if (count)
-			json_object_set_new(skipped, eco_skip_names[k], json_integer(count));
+			make_put(&skipped, eco_skip_names[k], json_integer(count));
 	}
 	return json_pack("{s:I, s:o}", "read", sum_of(l, "rows", NULL, "read"), "skipped", skipped);
 }
@@ -470,10 +470,8 @@ static enum eco_code whole_meta(const struct link *l, char **json)
 		"ground", make_ground_origin(&l->m), "off_ground", sum_of(l, NULL, NULL, "off_ground"),
 		"rows", rows_json(l), "plants", l->plants);
 	if (has_draft(l))
-		json_object_set_new(root, "draft", json_true());
-	*json = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
-	json_decref(root);
-	return *json ? ECO_OK : eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for the pack's description");
+		make_put(&root, "draft", json_true());
+	return make_text(root, json, l->m.error);
 }
 
 /* ---- The whole ---- */

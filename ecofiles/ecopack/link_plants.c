@@ -161,7 +161,7 @@ static enum eco_code keep_meta(struct link *l, struct link_part *part, uint32_t 
 	json_t *old = json_array_get(json_object_get(part->meta, "plants"), plant),
 		*copy = json_is_object(old) ? json_deep_copy(old) : json_object();
 	if (json_is_object(old))
-		json_object_set_new(copy, "name", json_string(l->m.table[l->m.plant_count].name));
+		make_put(&copy, "name", json_string(l->m.table[l->m.plant_count].name));
 	return json_array_append_new(l->plants, copy)
 		? eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for plants") : ECO_OK;
 }

@@ -15,6 +15,8 @@
 #ifndef ECO_MAIN_MAKE_H
 #define ECO_MAIN_MAKE_H
 
+#include <jansson.h>
+
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/ecopack/cache.h"
 #include "ecofiles/format/pack.h"
@@ -244,5 +246,9 @@ enum eco_code make_summaries(struct make *m);        /* of all tiles */
 #define MAKE_GROUND_THROUGH "plants"
 const char *make_ground_origin(const struct make *m);
 enum eco_code make_meta(const struct make *m, char **json, struct eco_error *error);
+/* Takes the value. Without memory *object is freed and NULL: no description lacks a part. */
+void make_put(json_t **object, const char *key, json_t *value);
+/* META of an object, which is freed; NULL: no memory. */
+enum eco_code make_text(json_t *root, char **json, struct eco_error *error);
 
 #endif
