@@ -1,7 +1,8 @@
 /* Quadtree, top down: a tile sorts its items into quarters and recurses into those that are not empty. A tile
  * with all items in one quarter is skipped, as it would have a single child. If the southern and the northern
  * half can each be a leaf, the tile is cut into these two: leaves of an even forest are then at least half
- * full, and a plant costs the same wherever their number lies between two powers of four. */
+ * full, and a plant costs the same wherever their number lies between two powers of four. Items at one place
+ * are cut by their number: each request that opens a tile walks through all of its plants. */
 #include "lod/build/tile.h"
 
 #include <assert.h>
@@ -133,18 +134,31 @@ static bool few(const struct build *b, uint32_t first, uint32_t count)
 	return sum <= b->most;
 }
 
+/* Items that no square separates, in equal parts, plant by plant. */
+static void part_evenly(struct build *b, uint32_t first, uint32_t count, const struct square *square,
+	uint32_t ends[4])
+{
+	sort_leaf(b, first, count, square);
+	for (uint32_t q = 0; q < 4; q++)
+		ends[q] = first + (uint32_t)((uint64_t)count * (q + 1) / 4);
+}
+
 static uint32_t split(struct build *b, uint32_t first, uint32_t count, struct square square, int depth)
 {
 	uint32_t ends[4];
 	/* skip squares with all items in one quarter */
 	for (;; depth++) {
-		if (few(b, first, count) || depth >= DEPTH_MAX) {
+		if (few(b, first, count)) {
 			uint32_t leaf = add_node(b, first, count);
 			if (!b->failed)
 				sort_leaf(b, first, count, &square);
 			if (!b->failed)
 				hold_items(b, &b->tiles->nodes[leaf]);
 			return leaf;
+		}
+		if (depth >= DEPTH_MAX) {
+			part_evenly(b, first, count, &square, ends);
+			break;
 		}
 		double half = square.side / 2;
 		part(b, first, count, square.x + half, square.y + half, ends);

@@ -1,5 +1,5 @@
 /* A quadtree over the contents of an eco file: square tiles, split until each holds few enough items (Deussen
- * 2002, 6.2); a square is split into two halves if these are few enough.
+ * 2002, 6.2); a square is split into two halves if these are few enough, items at one place by their number.
  *
  *   lod_tiles_build(&tiles, items, count, 128, &error);
  *   for each node, parents first: bounds, children; a leaf's items, by plant, each plant's in Morton order
@@ -35,8 +35,8 @@ struct lod_tiles {               /* owns its arrays */
 	uint32_t *order;             /* indices into items */
 };
 
-/* `most` >= 1. A leaf holds items of total weight `most`, except a single item and items at one place.
- * Deterministic; positions must be finite. Without items there is one empty leaf at the origin. */
+/* `most` >= 1. A leaf holds items of total weight `most`, except a single item. Deterministic; positions must
+ * be finite. Without items there is one empty leaf at the origin. */
 enum eco_code lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count,
 	uint32_t most, struct eco_error *error);
 void lod_tiles_free(struct lod_tiles *tiles);

@@ -590,7 +590,8 @@ static uint64_t nodes_most(const struct lod_planner *p)
 
 /* Opens the finest level from `level` towards coarser ones that is within bounds. At eye height there may be
  * millions of plants up to the horizon, nearly all hidden or smaller than a pixel: their tiles are opened
- * only as far as the bounds allow, of plants and of work. */
+ * only as far as the bounds allow, of plants and of work. At the coarsest level tiles beyond them show their
+ * summaries: where a million plants stand at one place, all of their tiles are around the eye. */
 static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco_error *error)
 {
 	const uint64_t nodes_max = p->visible.nodes_max;
@@ -599,8 +600,11 @@ static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco
 		bool bound = *level > COARSEST && (p->scene->needs & ECO_NEED_SUMMARIES);
 		p->visible.places_max = bound ? places_most(p) : 0;
 		p->visible.nodes_max = bound ? nodes_most(p) : nodes_max;
+		p->visible.places_few = bound || !p->input->work_max ? 0 : places_most(p);
+		p->visible.nodes_few = bound || !p->input->work_max ? 0 : nodes_most(p);
 		enum eco_code code = open_level(p, *level, &local);
 		p->visible.nodes_max = nodes_max;
+		p->visible.places_few = p->visible.nodes_few = 0;
 		bool affordable = code || !bound || is_affordable(p, 1);
 		if ((code != ECO_TOO_LARGE && affordable) || *level <= COARSEST)
 			return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;

@@ -467,14 +467,32 @@ static bool summary_suffices(const struct lod_visible_tree *visible, const struc
 		<= visible->scene->lists[list].primitive_count;
 }
 
-/* Plants of the node that would be looked at for the first time count towards their bound. */
-static enum eco_code count_places(struct lod_visible_tree *visible, const struct lod_node *node,
-	struct eco_error *error)
+/* Plants of the node that would be looked at for the first time. */
+static uint64_t new_places(const struct lod_visible_tree *visible, const struct lod_node *node)
 {
 	const struct eco_scene *scene = visible->scene;
 	const struct eco_tile *tile = &scene->tiles[node->tile];
+	uint64_t places = 0;
 	for (uint32_t i = 0; !node->gate_done && i < tile->group_count; i++)
-		visible->places_walked += scene->groups[tile->group_first + i].count;
+		places += scene->groups[tile->group_first + i].count;
+	return places;
+}
+
+/* Not so the first tile with plants: around the eye summaries draw nothing. */
+static bool is_beyond(const struct lod_visible_tree *visible, const struct lod_node *node)
+{
+	const struct eco_tile *tile = &visible->scene->tiles[node->tile];
+	uint64_t nodes = visible->node_count + (node->expanded ? 0 : tile->child_count);
+	return tile->summary != ECO_NONE && ((visible->nodes_few && nodes > visible->nodes_few)
+		|| (visible->places_few && visible->places_walked
+		&& visible->places_walked + new_places(visible, node) > visible->places_few));
+}
+
+/* They count towards their bound. */
+static enum eco_code count_places(struct lod_visible_tree *visible, const struct lod_node *node,
+	struct eco_error *error)
+{
+	visible->places_walked += new_places(visible, node);
 	if (visible->places_max && visible->places_walked > visible->places_max)
 		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail looks at more than %llu "
 			"plants; ask for fewer vertices", (unsigned long long)visible->places_max);
@@ -495,7 +513,7 @@ static enum eco_code open_tiles(struct lod_visible_tree *visible, double sample_
 			node->state = LOD_CLOSED;
 			continue;
 		}
-		if (summary_suffices(visible, node, sample_distance)) {
+		if (summary_suffices(visible, node, sample_distance) || is_beyond(visible, node)) {
 			node->state = LOD_SUMMARY;
 			node->points = 1;
 			continue;

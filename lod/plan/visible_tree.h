@@ -66,6 +66,7 @@ struct lod_visible_tree {
 	struct lod_seen *seen;               uint32_t seen_count, seen_capacity;   /* by tile and group */
 	struct lod_anchor_band *scratch;
 	uint64_t nodes_max, placements_max;
+	uint64_t nodes_few, places_few; /* beyond these, tiles that have a summary show it; 0: no bound */
 	uint64_t plants;             /* visible, at the last count */
 	uint64_t places;             /* plants walked over, ever */
 	uint64_t places_walked, places_max; /* plants walked over since the start, and their bound; 0: no

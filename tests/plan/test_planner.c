@@ -370,6 +370,33 @@ UNIT_TEST(a_bounded_walk_still_answers)
 	}
 }
 
+/* Where all plants stand at one place the eye is in all tiles: those beyond the work show their summaries. */
+UNIT_TEST(of_plants_around_the_eye_a_bounded_plan_looks_at_some)
+{
+	random_scene_sized(&scene, 33, 6, (struct random_sizes){ .species = 3, .leaves = 4, .elements = 20,
+		.places = 300, .cells = 3 });
+	for (uint32_t i = 0; i < scene.scene.tile_count; i++)
+		for (int k = 0; k < 3; k++) {
+			scene.tiles[i].low[k] -= 1e5;
+			scene.tiles[i].high[k] += 1e5;
+		}
+	struct eco_request request = random_request(&scene);
+	request.vertices = 1 << 24;
+	uint64_t places[2];
+	for (int bounded = 0; bounded < 2; bounded++) {
+		struct lod_planner_stats stats;
+		struct lod_planner_input input = { .scene = &scene.scene, .request = &request,
+			.work_max = bounded ? 1 << 12 : 0, .stats = &stats };
+		struct eco_error error = { 0 };
+		struct eco_plan plan;
+		assert_ok(lod_plan(&plan, &input, &error), error);
+		assert_true(plan.vertices > 0 && plan.vertices <= request.vertices);
+		places[bounded] = stats.places;
+		eco_plan_free(&plan);
+	}
+	assert_true(4 * places[1] < places[0]);
+}
+
 /* Tiles say how many plants they have. */
 UNIT_TEST(a_walk_that_is_too_far_looks_at_no_plant)
 {
