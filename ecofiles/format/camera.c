@@ -53,7 +53,8 @@ static bool read_key(const struct eco_json *node, uint32_t index, struct key *ke
 		!eco_json_numbers(node, "eye", 3, 3, -COORDINATE_MAX, COORDINATE_MAX, key->number + EYE) ||
 		!eco_json_numbers(node, "target", 3, 3, -COORDINATE_MAX, COORDINATE_MAX,
 		key->number + TARGET) || !eco_json_numbers(node, "up", 3, 3, -COORDINATE_MAX, COORDINATE_MAX,
-		key->number + UP) || !eco_json_number(node, "fov_y_deg", 0, 180, &key->number[FOV]))
+		key->number + UP) || !eco_json_number(node, "fov_y_deg", ECO_FOV_LEAST_DEG,
+		180 - ECO_FOV_LEAST_DEG, &key->number[FOV]))
 		return false;
 	if (index && !(key->time_s > key[-1].time_s)) {
 		struct eco_json time = eco_json_member(node, "time_s");

@@ -79,9 +79,9 @@ enum eco_code eco_view_check(const struct eco_view *view, struct eco_error *erro
 			&& view->eye[2] == view->target[2])
 		return eco_fail(error, ECO_BAD_INPUT, "target: it is the same point as eye (%g, %g, %g); "
 			"move one of them", view->eye[0], view->eye[1], view->eye[2]);
-	if (!(view->fov_y_deg > 0 && view->fov_y_deg < 180))
-		return eco_fail(error, ECO_BAD_INPUT, "fov_y_deg: %g; give an angle between 0 and 180, both "
-			"excluded", view->fov_y_deg);
+	if (!(view->fov_y_deg >= ECO_FOV_LEAST_DEG && view->fov_y_deg <= 180 - ECO_FOV_LEAST_DEG))
+		return eco_fail(error, ECO_BAD_INPUT, "fov_y_deg: %g; give an angle between 0 and 180 degrees, %g "
+			"off both at least", view->fov_y_deg, ECO_FOV_LEAST_DEG);
 	if (view->width < 1 || view->width > ECO_IMAGE_MAX)
 		return eco_fail(error, ECO_BAD_INPUT, "width: %u; give 1 to %u pixels", view->width,
 			ECO_IMAGE_MAX);

@@ -12,9 +12,12 @@
 #define ECO_VERTICES_MAX ((uint64_t)INT64_MAX)
 #define ECO_BYTES_UNBOUNDED UINT64_MAX
 
+/* Beyond it pixels are so narrow, or wide, that floats overflow. */
+#define ECO_FOV_LEAST_DEG 1e-9
+
 struct eco_view {
 	double eye[3], target[3], up[3];
-	double fov_y_deg;            /* (0, 180) */
+	double fov_y_deg;            /* ECO_FOV_LEAST_DEG to 180 less that */
 	uint32_t width, height;      /* pixels, 1..ECO_IMAGE_MAX */
 };
 

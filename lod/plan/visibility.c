@@ -183,12 +183,12 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 
 struct span { int first, end; float low, high; };
 
-/* Cells [first, end) that [low, high) touches, inside [0, count). */
+/* Cells [first, end) that [low, high) touches, inside [0, count), whatever numbers these are. */
 static struct span span_of(float middle, float reach, uint32_t count)
 {
 	float low = middle - reach, high = middle + reach, all = (float)count;
-	low = low < 0 ? 0 : low > all ? all : low;
-	high = high < 0 ? 0 : high > all ? all : high;
+	low = low > 0 ? low < all ? low : all : 0;
+	high = high > 0 ? high < all ? high : all : 0;
 	int last = (int)high;
 	return (struct span){ (int)low, last + ((float)last < high), low, high };
 }

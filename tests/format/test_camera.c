@@ -312,7 +312,7 @@ UNIT_TEST(views_that_cannot_be_drawn_are_refused)
 {
 	static const struct eco_view good = { { 0, 0, 1 }, { 0, 5, 1 }, { 0, 0, 1 }, 45, 800, 600 };
 	assert_int_equal(eco_view_check(&good, NULL), ECO_OK);
-	for (int fault = 0; fault < 14; fault++) {
+	for (int fault = 0; fault < 16; fault++) {
 		struct eco_view v = good;
 		struct eco_error error = { 0 };
 		const char *field = "";
@@ -331,6 +331,8 @@ UNIT_TEST(views_that_cannot_be_drawn_are_refused)
 		case 11: v.height = UINT32_MAX, field = "height"; break;
 		case 12: v.fov_y_deg = -45, field = "fov_y_deg"; break;
 		case 13: v.eye[0] = 1e13, field = "eye"; break;
+		case 14: v.fov_y_deg = 1e-323, field = "fov_y_deg"; break;
+		case 15: v.fov_y_deg = nextafter(180, 0), field = "fov_y_deg"; break;
 		}
 		assert_int_equal(eco_view_check(&v, &error), ECO_BAD_INPUT);
 		assert_true(strncmp(error.text, field, strlen(field)) == 0);

@@ -370,6 +370,22 @@ UNIT_TEST(a_bounded_walk_still_answers)
 	}
 }
 
+/* Where pixels are so narrow, or wide, that numbers nearly end. */
+UNIT_TEST(the_narrowest_and_the_widest_views_are_planned)
+{
+	static const double fov_deg[] = { ECO_FOV_LEAST_DEG, 1e-6, 180 - 1e-6, 180 - ECO_FOV_LEAST_DEG };
+	random_scene_make(&scene, 33, 6);
+	for (uint32_t i = 0; i < 200; i++) {
+		struct eco_request request = random_request(&scene);
+		struct eco_plan plan;
+		request.view.fov_y_deg = fov_deg[i % 4];
+		struct lod_planner_stats stats = plan_it(&plan, &request);
+		assert_true(plan.vertices <= request.vertices && stats.wrong >= 0);
+		assert_true(plan.prediction.fp >= 0 && plan.prediction.fn >= 0);
+		eco_plan_free(&plan);
+	}
+}
+
 /* Where all plants stand at one place the eye is in all tiles: those beyond the work show their summaries. */
 UNIT_TEST(of_plants_around_the_eye_a_bounded_plan_looks_at_some)
 {

@@ -50,6 +50,7 @@ UNIT_TEST(bad_requests_are_problems)
 		{ "GET", BASE "/stream?" VIEW_BY("nan"), "", NULL, 400, "bad-parameter" },
 		{ "GET", BASE "/stream?" VIEW_BY("1") "&up=0,0,inf", "", NULL, 400, "bad-parameter" },
 		{ "GET", BASE "/stream?" VIEW_BY("1") "&fov_y_deg=0", "", NULL, 400, "bad-parameter" },
+		{ "GET", BASE "/stream?" VIEW_BY("1") "&fov_y_deg=1e-323", "", NULL, 400, "bad-parameter" },
 		{ "GET", BASE "/stream?" VIEW_BY("1") "&pack=00000000000000000000000000000000", "", NULL, 409,
 			"pack-changed" },
 		{ "DELETE", "/healthz", "", NULL, 405, "method-not-allowed" },
