@@ -33,7 +33,7 @@ static const char head_es[] = "#version 300 es\n"
 static const char common[] =
 	"const uint FACET = 0u, AXIS = 1u, CLOUD = 2u, BALL = 3u, SUMMARY = 1u << 24;\n"
 	"uint surface_direction(uint kind, vec3 d) {\n"
-	"	d /= max(abs(d.x) + abs(d.y) + abs(d.z), 1e-30);\n"
+	"	d *= 1.0 / max(abs(d.x) + abs(d.y) + abs(d.z), 1e-30);\n"
 	"	vec2 at = d.xy;\n"
 	"	vec2 side = vec2(at.x < 0.0 ? -1.0 : 1.0, at.y < 0.0 ? -1.0 : 1.0);\n"
 	"	if (d.z < 0.0) at = (1.0 - abs(at.yx)) * side;\n"
@@ -48,9 +48,24 @@ static const char common[] =
 	"}\n"
 	"uvec4 record_at(int i) { return texel_of(u_records, u_shift.x, i); }\n";
 
-/* lod_splat_covers */
+/* What a fragment needs of its ellipse, in as few vectors as it fits, as software drivers make a copy for
+ * each primitive; and what all share is among it, as they look up uniforms pixel by pixel
+ * (lod/EXPERIMENTS.md, A frame's time). Then lod_splat_covers. */
 static const char splat_common[] =
 	"#ifdef ELLIPSE\n"
+	"FLAT vec4 v_ellipse;            // x, y of the centre, lean, half\n"
+	"FLAT vec4 v_near_side;          // of the centre, aside, below, bulge\n"
+	"#if TEXELS == 4\n"
+	"FLAT vec4 v_normals[3];\n"
+	"#define HEIGHT v_normals[0].w\n"
+	"#define HALF vec2(v_normals[1].w, v_normals[2].w)\n"
+	"#define NEAR uintBitsToFloat(v_seen.y)\n"
+	"#else\n"
+	"FLAT vec4 v_frame;\n"
+	"#define HEIGHT v_frame.x\n"
+	"#define HALF v_frame.yz\n"
+	"#define NEAR v_frame.w\n"
+	"#endif\n"
 	"bool splat_covers(uvec4 seen, uvec2 pixel) {\n"
 	"	uint salt = seen.w, column = pixel.x, row = pixel.y, hash;\n"
 	"	" TEXT(LOD_HASH_SPLAT) ";\n"
@@ -70,6 +85,7 @@ static const char vertex_common[] =
 
 static const char vertex_plant[] =
 	"uniform highp usampler2D u_instances, u_members;\n"
+	/* splats have NEAR in place of a surface */
 	"flat out uvec4 v_seen;          // whose, surface, colour; of ellipses opacity << 24, salt\n"
 	"uniform int u_first_member;\n"
 	"uniform int u_first;            // the first primitive, where gl_VertexID does not begin with it\n"
@@ -160,10 +176,6 @@ static const char vertex_points[] =
 	"uniform uint u_level;\n"
 	"uniform vec2 u_half, u_window;  // of the picture and of the viewport, pixels\n"
 	"uniform int u_corners, u_count; // of an ellipse; of a plant's ellipses\n"
-	"flat out vec4 v_ellipse;        // x, y of the centre, lean, half\n"
-	"flat out float v_height;\n"
-	"flat out vec4 v_near_side;      // of the centre, aside, below, bulge\n"
-	"flat out mat3 v_normals;\n"
 	"uint salt_of(uvec3 bits) {\n"
 	"	uint x = bits.x, y = bits.y, z = bits.z, salt;\n"
 	"	" TEXT(LOD_HASH_SALT) ";\n"
@@ -171,7 +183,7 @@ static const char vertex_points[] =
 	"}\n"
 	"bool covers_one(vec2 pixel) {        // or nearly so\n"
 	"	vec2 at = pixel + 0.5 - u_half - v_ellipse.xy;\n"
-	"	float v = at.y / v_height, rest = 1.001 - v * v;\n"
+	"	float v = at.y / HEIGHT, rest = 1.001 - v * v;\n"
 	"	return rest >= 0.0 && abs(at.x - v_ellipse.z * at.y) <= v_ellipse.w * sqrt(rest) + 0.001\n"
 	"		&& splat_covers(v_seen, uvec2(ivec2(pixel)));\n"
 	"}\n"
@@ -235,7 +247,6 @@ static const char vertex_points[] =
 	"/ height);\n"
 	"	float bulge = sqrt(max(zz - dot(slope, slope), 0.0));\n"
 	"	v_near_side = view.z * vec4(1.0, slope, bulge);\n"
-	"	v_height = height;\n"
 	/* the point at (u, v) of the near side, in a space where the ellipsoid is a ball, is this matrix
 	 * times (u, v, sqrt(1 - u^2 - v^2)); and so is its normal, which `to_plant` takes to plant space */
 	"#if TEXELS == 4\n"
@@ -243,13 +254,19 @@ static const char vertex_points[] =
 	"/ height;\n"
 	"	vec3 farther = vec3(axes[0].z, axes[1].z, axes[2].z) / view.z - slope.x * e_u - slope.y * "
 	"e_v;\n"
-	"	v_normals = to_plant * mat3(e_u, e_v, farther / -max(bulge, 1e-30));\n"
+	"	mat3 normals = to_plant * mat3(e_u, e_v, farther / -max(bulge, 1e-30));\n"
+	"	v_normals[0] = vec4(normals[0], height);\n"
+	"	v_normals[1] = vec4(normals[1], u_half.x);\n"
+	"	v_normals[2] = vec4(normals[2], u_half.y);\n"
+	"	uint surface = floatBitsToUint(u_lens.z);\n"
+	"#else\n"
+	"	v_frame = vec4(height, u_half, u_lens.z);\n"
+	"	uint surface = CLOUD << 30 | u_level << 16 | uint(cloud * 65535.0 + 0.5);\n"
 	"#endif\n"
-	"	v_seen = uvec4(p.whose, CLOUD << 30 | u_level << 16 | uint(cloud * 65535.0 + 0.5), "
-	"color_of(t0.w) | opacity << 24, salt_of(t0.xyz));\n"
 	"#if TEXELS == 2\n"
-	"	v_seen.y |= SUMMARY;\n"
+	"	surface |= SUMMARY;\n"
 	"#endif\n"
+	"	v_seen = uvec4(p.whose, surface, color_of(t0.w) | opacity << 24, salt_of(t0.xyz));\n"
 	/* the first and the last of columns and rows whose middles it may cover */
 	"	vec2 sides = vec2(sqrt(xx), height) + 0.01, from = middle + u_half - 0.5;\n"
 	"	vec2 low = ceil(from - sides), high = floor(from + sides), size = high - low + 1.0;\n"
@@ -307,24 +324,19 @@ static const char fragment_common[] =
 static const char fragment_plant[] =
 	"flat in uvec4 v_seen;\n"
 	"#ifdef ELLIPSE\n"
-	"flat in vec4 v_ellipse;\n"
-	"flat in float v_height;\n"
-	"flat in vec4 v_near_side;\n"
-	"flat in mat3 v_normals;\n"
-	"uniform vec2 u_half;\n"
-	"uniform vec4 u_lens;\n"
 	"float shown(inout uint surface) {       // 1 / distance; 0: nothing\n"
-	"	vec2 at = gl_FragCoord.xy - u_half - v_ellipse.xy;\n"
-	"	float v = at.y / v_height, u = (at.x - v_ellipse.z * at.y) / v_ellipse.w;\n"
+	"	vec2 at = gl_FragCoord.xy - HALF - v_ellipse.xy;\n"
+	"	float v = at.y / HEIGHT, u = (at.x - v_ellipse.z * at.y) / v_ellipse.w;\n"
 	"	float rest = 1.0 - v * v - u * u;\n"
 	"	if (!(rest >= 0.0) || !splat_covers(v_seen, uvec2(gl_FragCoord.xy))) return 0.0;\n"
 	"	vec3 side = vec3(u, v, sqrt(rest));\n"
 	"#if TEXELS == 4\n"
-	"	surface = surface_direction(BALL, v_normals * side);\n"
+	"	surface = surface_direction(BALL, mat3(v_normals[0].xyz, v_normals[1].xyz,\n"
+	"		v_normals[2].xyz) * side);\n"
 	"#endif\n"
 	"	float far = v_near_side.x + v_near_side.y * u + v_near_side.z * v\n"
 	"		- v_near_side.w * side.z;\n"
-	"	return 1.0 / max(far, u_lens.z);\n"
+	"	return 1.0 / max(far, NEAR);\n"
 	"}\n"
 	"#endif\n"
 	"#if TEXELS == 5\n"
@@ -342,7 +354,7 @@ static const char fragment_plant[] =
 	"#ifdef ELLIPSE\n"
 	"	nearness = shown(surface);\n"
 	"	if (nearness == 0.0) discard;\n"
-	"	gl_FragDepth = nearness * u_lens.z;\n"
+	"	gl_FragDepth = nearness * NEAR;\n"
 	"#endif\n"
 	"#if TEXELS == 5\n"
 	/* coverage by the nearest texel, as the rasteriser; colour from a filtered copy whose clear texels
@@ -428,11 +440,11 @@ enum eco_code view_shader_compile(struct view_shader *shader, enum view_program 
 {
 	const char *start = dialect->es ? head_es : head_desktop;
 	const char *depth = dialect->depth_zero_to_one ? "#define ZERO_TO_ONE 1\n" : "";
-	const char *vs[] = { start, depth, programs[which].defines, common, splat_common, vertex_common,
-		programs[which].shared, programs[which].vertex };
-	const char *fs[] = { start, programs[which].defines, common, splat_common, fragment_common,
-		programs[which].fragment };
-	unsigned vertex = compile(GL_VERTEX_SHADER, vs, 8), fragment = compile(GL_FRAGMENT_SHADER, fs, 6);
+	const char *vs[] = { start, "#define FLAT flat out\n", depth, programs[which].defines, common,
+		splat_common, vertex_common, programs[which].shared, programs[which].vertex };
+	const char *fs[] = { start, "#define FLAT flat in\n", programs[which].defines, common, splat_common,
+		fragment_common, programs[which].fragment };
+	unsigned vertex = compile(GL_VERTEX_SHADER, vs, 9), fragment = compile(GL_FRAGMENT_SHADER, fs, 7);
 	enum eco_code code = link(shader, vertex, fragment, programs[which].name, error);
 	glDeleteShader(vertex);
 	glDeleteShader(fragment);

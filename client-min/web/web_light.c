@@ -2,6 +2,7 @@
 
 #include <GLES3/gl3.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,30 +28,55 @@ static const char light_text[] =
 #include "view_light_text.h"
 	;
 
-static const char pixels[] =
+/* What is the same for all pixels comes to them from the vertices: software drivers look up a uniform for
+ * each pixel (lod/EXPERIMENTS.md, A frame's time). u_frame: where the sun is and the day, its light and its glow,
+ * its light through leaves and haze_m, the sky's and by_kind, the earth's and unshaded, from where feet are
+ * told to the eye and the shift of plants, u_shade's corner from the eye and 1 / its side. u_part, u_cell:
+ * where the eye is in octaves, two a vector. 15 vectors, as many as any driver has. */
+#define FRAME \
+	"FLAT vec4 v_frame[7], v_part[3];\n" \
+	"FLAT ivec4 v_cell[3];\n" \
+	"uniform usampler2D u_seen;\n"
+
+static const char more[] = FRAME
+	"uniform vec4 u_frame[7], u_part[3];\n"
+	"uniform ivec4 u_cell[3];\n"
+	"uniform mat3 u_ray;             // the image plane's half extents, and its middle\n"
+	"out vec3 v_ray;\n"
+	"out vec2 v_pixel;\n"
+	"void more() {\n"
+	"	v_frame = u_frame;\n"
+	"	v_part = u_part;\n"
+	"	v_cell = u_cell;\n"
+	"	v_ray = u_ray * vec3(gl_Position.x, -gl_Position.y, 1.0);\n"
+	"	v_pixel = (gl_Position.xy * 0.5 + 0.5) * vec2(textureSize(u_seen, 0));\n"
+	"}\n";
+
+static const char pixels[] = FRAME
 	"uniform sampler2D u_shade;\n"
-	"uniform highp usampler2D u_seen, u_plants;\n"
-	"uniform sunlight u_sun;\n"
-	"uniform float u_haze_m;\n"
-	"uniform vec3 u_right, u_up, u_forward;  // the image plane's half extents, and its middle\n"
-	"uniform bool u_by_kind, u_unshaded;\n"
-	"uniform vec3 u_moved;           // from where feet are told to the eye\n"
-	"uniform int u_shift;            // of plants\n"
-	"uniform vec3 u_square;          // of u_shade: its corner from the eye, 1 / its side\n"
-	/* cell of the eye, where in it, and how much a metre east and north is */
-	"uniform ivec2 u_cell[OCTAVES];\n"
-	"uniform vec2 u_part[OCTAVES];\n"
-	"uniform vec4 u_metre[OCTAVES];\n"
+	"uniform usampler2D u_plants;\n"
+	"in vec3 v_ray;\n"
+	"in vec2 v_pixel;\n"
 	"out vec4 o_color;\n"
 	WEB_IS_SUMMARY
+	"sunlight sun() {\n"
+	"	return sunlight(v_frame[0].xyz, v_frame[1].xyz, v_frame[2].xyz, v_frame[3].xyz,\n"
+	"		v_frame[4].xyz, v_frame[0].w, v_frame[1].w);\n"
+	"}\n"
+	"float haze_m() { return v_frame[2].w; }\n"
+	"bool by_kind() { return v_frame[3].w != 0.0; }\n"
+	"bool unshaded() { return v_frame[4].w != 0.0; }\n"
 	"float noise_at(vec2 at, int which) {\n"
-	"	vec2 p = u_part[which] + u_metre[which].xy * at.x + u_metre[which].zw * at.y;\n"
-	"	vec2 cell = floor(p);\n"
-	"	uvec2 whole = uvec2(u_cell[which] + ivec2(cell));\n"
+	"	bool odd = (which & 1) == 1;\n"
+	"	vec4 part = v_part[which >> 1], metre = METRE[which];\n"
+	"	ivec4 base = v_cell[which >> 1];\n"
+	"	vec2 p = (odd ? part.zw : part.xy) + metre.xy * at.x + metre.zw * at.y, cell = floor(p);\n"
+	"	uvec2 whole = uvec2((odd ? base.zw : base.xy) + ivec2(cell));\n"
 	"	return noise_in(whole.x, whole.y, p.x - cell.x, p.y - cell.y);\n"
 	"}\n"
 	"vec4 plant_texel(uint i) {\n"
-	"	ivec2 at = ivec2(int(i) & ((1 << u_shift) - 1), int(i) >> u_shift);\n"
+	"	int shift = int(v_frame[5].w);\n"
+	"	ivec2 at = ivec2(int(i) & ((1 << shift) - 1), int(i) >> shift);\n"
 	"	return uintBitsToFloat(texelFetch(u_plants, at, 0));\n"
 	"}\n"
 	"vec3 light_of_bytes(vec3 c) {\n"
@@ -67,49 +93,62 @@ static const char pixels[] =
 	"		uint at = (seen.x - 1u) * 3u;\n"
 	"		vec4 a = plant_texel(at), foot = plant_texel(at + 1u), b = plant_texel(at + 2u);\n"
 	"		p = plant(a.x, a.y, a.z, a.w, b.x, b.y);\n"
-	"		vec3 d = (to + u_moved - foot.xyz) / foot.w;\n"
+	"		vec3 d = (to + v_frame[5].xyz - foot.xyz) / foot.w;\n"
 	"		local = vec3(d.x * p.cosine + d.y * p.sine, d.y * p.cosine - d.x * p.sine, d.z);\n"
 	"	}\n"
-	"	face look = face_of(u_sun, p, seen.y, to_eye);\n"
-	"	crown around = crown_of(u_sun, p, local, to_eye, look.reach);\n"
-	"	if (u_unshaded) around = crown_alone(u_sun, to_eye);\n"
-	"	vec3 color = plant_light(u_sun, p, own, look.sun, around, u_by_kind);\n"
-	"	return u_by_kind ? color : haze(u_sun, color, to, length(to), u_haze_m);\n"
+	"	face look = face_of(sun(), p, seen.y, to_eye);\n"
+	"	crown around = crown_of(sun(), p, local, to_eye, look.reach);\n"
+	"	if (unshaded()) around = crown_alone(sun(), to_eye);\n"
+	"	vec3 color = plant_light(sun(), p, own, look.sun, around, by_kind());\n"
+	"	return by_kind() ? color : haze(sun(), color, to, length(to), haze_m());\n"
 	"}\n"
 	"vec3 ground_pixel(uint surface, vec3 to) {\n"
 	"	vec3 n = direction_of(surface);\n"
-	"	vec2 at = (to.xy - u_square.xy) * u_square.z, taken = vec2(0.0);\n"
+	"	vec2 at = (to.xy - v_frame[6].xy) * v_frame[6].z, taken = vec2(0.0);\n"
 	"	if (all(greaterThan(at, vec2(0.0))) && all(lessThan(at, vec2(1.0))))\n"
 	"		taken = textureLod(u_shade, at, 0.0).rg;\n"
-	"	vec3 lit = ground_light(u_sun, n, taken.x, taken.y);\n"
+	"	vec3 lit = ground_light(sun(), n, taken.x, taken.y);\n"
 	"	lit *= ground_albedo(to.xy, n.z, length(to));\n"
-	"	return ground_color(u_sun, lit, to, u_haze_m, u_by_kind);\n"
+	"	return ground_color(sun(), lit, to, haze_m(), by_kind());\n"
 	"}\n"
 	"void main() {\n"
-	"	uvec4 seen = texelFetch(u_seen, ivec2(gl_FragCoord.xy), 0);\n"
-	"	vec2 at = gl_FragCoord.xy / vec2(textureSize(u_seen, 0)) * 2.0 - 1.0;\n"
-	"	vec3 ray = u_right * at.x - u_up * at.y + u_forward, color;\n"
+	"	uvec4 seen = texelFetch(u_seen, ivec2(v_pixel), 0);\n"
+	"	vec3 color;\n"
 	"	float nearness = uintBitsToFloat(seen.z);\n"
 	"	if (nearness == 0.0)\n"
-	"		color = sky_color(u_sun, ray, u_by_kind);\n"
+	"		color = sky_color(sun(), v_ray, by_kind());\n"
 	"	else if (seen.x == 0u && !is_summary(seen))\n"
-	"		color = ground_pixel(seen.y, ray / nearness);\n"
+	"		color = ground_pixel(seen.y, v_ray / nearness);\n"
 	"	else\n"
-	"		color = plant_color(seen, ray / nearness);\n"
+	"		color = plant_color(seen, v_ray / nearness);\n"
 	"	o_color = vec4(bytes_of_light(vec3(shown(color.x), shown(color.y), shown(color.z))), 1.0);\n"
 	"}\n";
 
-#define TEXT(macro) TEXT_OF(macro)
-#define TEXT_OF(value) #value
-
 /* ---- Life ---- */
+
+/* How far a metre to the east and one to the north go in each octave. */
+static void say_metre(char *text, size_t size)
+{
+	int at = snprintf(text, size, "const vec4 METRE[6] = vec4[6](");
+	for (int i = 0; i < VIEW_OCTAVES; i++) {
+		double zero[2], east[2], north[2];
+		view_light_octave(i, (const double[2]){ 0, 0 }, zero);
+		view_light_octave(i, (const double[2]){ 1, 0 }, east);
+		view_light_octave(i, (const double[2]){ 0, 1 }, north);
+		at += snprintf(text + at, size - (size_t)at, "%svec4(%.9g, %.9g, %.9g, %.9g)", i ? ", " : "",
+			east[0] - zero[0], east[1] - zero[1], north[0] - zero[0], north[1] - zero[1]);
+	}
+	snprintf(text + at, size - (size_t)at, ");\n");
+}
 
 enum eco_code web_light_prepare(struct web_light *light, struct eco_error *error)
 {
 	if (light->program)
 		return ECO_OK;
-	light->program = web_program((const char *const[]){ "#define OCTAVES " TEXT(VIEW_OCTAVES) "\n",
-		language, light_text, pixels }, 4, "light", error);
+	char metre[1024];
+	say_metre(metre, sizeof metre);
+	light->program = web_program(more, (const char *const[]){ metre, language, light_text, pixels }, 4,
+		"light", error);
 	if (!light->program)
 		return error->code;
 	view_gpu_init(&light->gpu);
@@ -221,48 +260,52 @@ static int uniform(const struct web_light *light, const char *name)
 	return glGetUniformLocation(light->program, name);
 }
 
-static void set_sun(const struct web_light *light, const struct view_light_job *job)
+static void set_frame(const struct web_light *light, const struct view_light_job *job)
 {
+	const struct lod_eye *eye = job->eye;
 	struct view_light_sun sun;
-	view_light_sun(&job->selection->sky, job->eye->at[2], &sun);
-	glUniform3fv(uniform(light, "u_sun.to"), 1, sun.to);
-	glUniform3fv(uniform(light, "u_sun.color"), 1, sun.color);
-	glUniform3fv(uniform(light, "u_sun.through"), 1, sun.through);
-	glUniform3fv(uniform(light, "u_sun.sky"), 1, sun.sky);
-	glUniform3fv(uniform(light, "u_sun.earth"), 1, sun.earth);
-	glUniform1f(uniform(light, "u_sun.day"), sun.day);
-	glUniform1f(uniform(light, "u_sun.glow"), sun.glow);
-	glUniform1f(uniform(light, "u_haze_m"), sun.haze_m);
+	view_light_sun(&job->selection->sky, eye->at[2], &sun);
+	float frame[7][4] = { [0][3] = sun.day, [1][3] = sun.glow, [2][3] = sun.haze_m,
+		[3][3] = job->tint == VIEW_TINT_KIND, [4][3] = job->tint == VIEW_TINT_UNSHADED,
+		[5][3] = (float)light->plants.shift,
+		[6][2] = light->side_m > 0 ? (float)(1 / light->side_m) : 0 };
+	const float *const colors[5] = { sun.to, sun.color, sun.through, sun.sky, sun.earth };
+	for (int i = 0; i < 5; i++)
+		memcpy(frame[i], colors[i], 3 * sizeof *frame[i]);
+	for (int k = 0; k < 3; k++)
+		frame[5][k] = (float)(eye->at[k] - light->origin[k]);
+	for (int k = 0; k < 2; k++)
+		frame[6][k] = (float)(light->low[k] - eye->at[k]);
+	glUniform4fv(uniform(light, "u_frame"), 7, frame[0]);
 }
 
-static void set_axis(const struct web_light *light, const char *name, const double axis[3], double length)
+static void set_rays(const struct web_light *light, const struct lod_eye *eye)
 {
-	glUniform3f(uniform(light, name), (float)(axis[0] * length), (float)(axis[1] * length),
-		(float)(axis[2] * length));
+	const double *const axes[3] = { eye->right, eye->up, eye->forward };
+	const double lengths[3] = { eye->tan_x, eye->tan_y, 1 };
+	float ray[9];
+	for (int i = 0; i < 9; i++)
+		ray[i] = (float)(axes[i / 3][i % 3] * lengths[i / 3]);
+	glUniformMatrix3fv(uniform(light, "u_ray"), 1, GL_FALSE, ray);
 }
 
-/* Where the octaves have the eye, and how far a metre to the east and to the north goes in them. */
+/* Where the octaves have the eye. */
 static void set_octaves(const struct web_light *light, const struct view_light_job *job)
 {
 	const double *origin = job->selection->ground.origin, *eye = job->eye->at;
 	int cell[VIEW_OCTAVES][2];
-	float part[VIEW_OCTAVES][2], metre[VIEW_OCTAVES][4];
+	float part[VIEW_OCTAVES][2];
 	for (int i = 0; i < VIEW_OCTAVES; i++) {
-		double at[2], zero[2], one[2];
+		double at[2];
 		view_light_octave(i, (const double[2]){ eye[0] - origin[0], eye[1] - origin[1] }, at);
-		view_light_octave(i, (const double[2]){ 0, 0 }, zero);
 		for (int k = 0; k < 2; k++) {
 			double whole = fabs(at[k]) < 1e15 ? floor(at[k]) : at[k];
 			cell[i][k] = (int)(uint32_t)(fabs(whole) < 1e15 ? (int64_t)whole : 0);
 			part[i][k] = (float)(at[k] - whole);
-			view_light_octave(i, (const double[2]){ k == 0, k == 1 }, one);
-			metre[i][2 * k] = (float)(one[0] - zero[0]);
-			metre[i][2 * k + 1] = (float)(one[1] - zero[1]);
 		}
 	}
-	glUniform2iv(uniform(light, "u_cell"), VIEW_OCTAVES, cell[0]);
-	glUniform2fv(uniform(light, "u_part"), VIEW_OCTAVES, part[0]);
-	glUniform4fv(uniform(light, "u_metre"), VIEW_OCTAVES, metre[0]);
+	glUniform4iv(uniform(light, "u_cell"), VIEW_OCTAVES / 2, cell[0]);
+	glUniform4fv(uniform(light, "u_part"), VIEW_OCTAVES / 2, part[0]);
 }
 
 static void bind(const struct web_light *light, const char *name, int unit, unsigned texture)
@@ -275,23 +318,13 @@ static void bind(const struct web_light *light, const char *name, int unit, unsi
 static void set_all(const struct web_light *light, const struct view_light_job *job,
 	unsigned seen)
 {
-	const struct lod_eye *eye = job->eye;
 	glUseProgram(light->program);
 	bind(light, "u_seen", 0, seen);
 	bind(light, "u_plants", 1, light->plants.texture);
 	bind(light, "u_shade", 2, light->shade);
-	set_sun(light, job);
+	set_frame(light, job);
 	set_octaves(light, job);
-	set_axis(light, "u_right", eye->right, eye->tan_x);
-	set_axis(light, "u_up", eye->up, eye->tan_y);
-	set_axis(light, "u_forward", eye->forward, 1);
-	glUniform3f(uniform(light, "u_moved"), (float)(eye->at[0] - light->origin[0]),
-		(float)(eye->at[1] - light->origin[1]), (float)(eye->at[2] - light->origin[2]));
-	glUniform1i(uniform(light, "u_by_kind"), job->tint == VIEW_TINT_KIND);
-	glUniform1i(uniform(light, "u_unshaded"), job->tint == VIEW_TINT_UNSHADED);
-	glUniform1i(uniform(light, "u_shift"), (int)light->plants.shift);
-	glUniform3f(uniform(light, "u_square"), (float)(light->low[0] - eye->at[0]),
-		(float)(light->low[1] - eye->at[1]), light->side_m > 0 ? (float)(1 / light->side_m) : 0);
+	set_rays(light, job->eye);
 }
 
 enum eco_code web_light_draw(struct web_light *light, const struct view_gl *gl,

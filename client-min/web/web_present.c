@@ -1,6 +1,7 @@
 #include "client-min/web/web_present.h"
 
 #include <GLES3/gl3.h>
+#include <stddef.h>
 
 #include "client-min/web/web_program.h"
 
@@ -30,7 +31,7 @@ enum eco_code web_present_prepare(struct web_present *p, struct eco_error *error
 {
 	if (p->program)
 		return ECO_OK;
-	p->program = web_program((const char *const[]){ fragment_text }, 1, "pictures", error);
+	p->program = web_program(NULL, (const char *const[]){ fragment_text }, 1, "pictures", error);
 	if (!p->program)
 		return ECO_UNSUPPORTED;
 	glGenVertexArrays(1, &p->vertex_array);

@@ -6,15 +6,20 @@
 #define PARTS_MAX 6
 
 static const char vertex_text[] = "#version 300 es\n"
+	"precision highp usampler2D;\n"
+	"#define FLAT flat out\n"
 	"out vec2 v_at;\n"
+	"void more();\n"
 	"void main() {\n"
 	"	vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;\n"
 	"	v_at = vec2(corner.x, 1.0 - corner.y);\n"
 	"	gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);\n"
+	"	more();\n"
 	"}\n";
 static const char fragment_head[] = "#version 300 es\n"
 	"precision highp float; precision highp int;\n"
 	"precision highp sampler2D; precision highp usampler2D;\n"
+	"#define FLAT flat in\n"
 	"in vec2 v_at;\n";
 
 static unsigned compile(unsigned type, const char *const *parts, int count)
@@ -25,22 +30,27 @@ static unsigned compile(unsigned type, const char *const *parts, int count)
 	return shader;
 }
 
-static void explain(unsigned program, unsigned fragment, const char *what, struct eco_error *error)
+static void explain(unsigned program, unsigned vertex, unsigned fragment, const char *what,
+	struct eco_error *error)
 {
 	char log[400] = "";
-	glGetShaderInfoLog(fragment, sizeof log, NULL, log);
+	glGetShaderInfoLog(vertex, sizeof log, NULL, log);
+	if (!log[0])
+		glGetShaderInfoLog(fragment, sizeof log, NULL, log);
 	if (!log[0])
 		glGetProgramInfoLog(program, sizeof log, NULL, log);
 	eco_fail(error, ECO_UNSUPPORTED, "the graphics driver does not compile the shader for %s: %s", what,
 		log);
 }
 
-unsigned web_program(const char *const *parts, int count, const char *what, struct eco_error *error)
+unsigned web_program(const char *more, const char *const *parts, int count, const char *what,
+	struct eco_error *error)
 {
-	const char *vertex_parts[] = { vertex_text }, *fragment_parts[PARTS_MAX] = { fragment_head };
+	const char *vertex_parts[] = { vertex_text, more ? more : "void more() {}\n" },
+		*fragment_parts[PARTS_MAX] = { fragment_head };
 	for (int i = 0; i < count && i + 1 < PARTS_MAX; i++)
 		fragment_parts[i + 1] = parts[i];
-	unsigned vertex = compile(GL_VERTEX_SHADER, vertex_parts, 1),
+	unsigned vertex = compile(GL_VERTEX_SHADER, vertex_parts, 2),
 		fragment = compile(GL_FRAGMENT_SHADER, fragment_parts, count + 1),
 		program = glCreateProgram();
 	int linked = 0;
@@ -49,7 +59,7 @@ unsigned web_program(const char *const *parts, int count, const char *what, stru
 	glLinkProgram(program);
 	glGetProgramiv(program, GL_LINK_STATUS, &linked);
 	if (!linked) {
-		explain(program, fragment, what, error);
+		explain(program, vertex, fragment, what, error);
 		glDeleteProgram(program);
 		program = 0;
 	}

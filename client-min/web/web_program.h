@@ -10,8 +10,10 @@
 #define WEB_IS_SUMMARY "bool is_summary(uvec4 seen) { return seen.y >> 24 == 129u; }\n"
 
 /* Of a fragment shader in parts, after its version and precisions; `v_at` is the place in a picture whose
- * first row is the top, [0, 1]. 0, with *error: the driver refuses it. */
-unsigned web_program(const char *const *parts, int count, const char *what, struct eco_error *error);
+ * first row is the top, [0, 1]. vertex: NULL, or the text of `void more()`, which sets more of a vertex whose
+ * gl_Position is set. 0, with *error: the driver refuses it. */
+unsigned web_program(const char *vertex, const char *const *parts, int count, const char *what,
+	struct eco_error *error);
 /* viewport: x, y, width, height */
 void web_program_fill(unsigned vertex_array, const int viewport[4]);
 
