@@ -10,6 +10,7 @@
 struct view_context {
 	void *display, *context;
 	bool hardware;
+	bool lazy;                       /* software that begins with a frame when it has all of it */
 	struct view_dialect dialect;
 	char renderer[128];
 };

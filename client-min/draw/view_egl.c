@@ -92,7 +92,8 @@ enum eco_code view_context_open(struct view_context *context, struct eco_error *
 			"platform (Debian: libegl1, libgl1-mesa-dri)");
 	const char *name = (const char *)glGetString(GL_RENDERER);
 	snprintf(context->renderer, sizeof context->renderer, "%s", name ? name : "unknown");
-	context->hardware = !strstr(context->renderer, "llvmpipe") && !strstr(context->renderer, "softpipe")
+	context->lazy = strstr(context->renderer, "llvmpipe");
+	context->hardware = !context->lazy && !strstr(context->renderer, "softpipe")
 		&& !strstr(context->renderer, "SwiftShader");
 	set_rules(context);
 	return ECO_OK;

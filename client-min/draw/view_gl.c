@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "client-min/draw/view_context.h"
+#include "client-min/draw/view_extent.h"
 #include "client-min/draw/view_gpu.h"
 #include "client-min/draw/view_impostor.h"
 #include "client-min/view_record.h"
@@ -14,6 +15,7 @@
 
 #define INSTANCE_TEXELS 4
 #define ELLIPSES (1u << 29)              /* a draw call: more than draw_cut allows of one plant */
+#define PART_VERTICES 50000u             /* that lazy software gets at a time */
 #define QUADS 16383u                     /* a draw call: 16-bit indices, of which OpenGL ES keeps the last */
 
 struct view_gl {
@@ -35,6 +37,7 @@ struct frame {                           /* of one draw */
 	struct view_picture *picture;
 	enum view_program bound;
 	bool any_bound;
+	uint64_t due;                    /* vertices */
 	struct eco_error *error;
 };
 
@@ -407,31 +410,6 @@ static void draw_quads(const struct view_shader *s, uint32_t first, uint32_t end
 	}
 }
 
-/* How wide or high the largest outline of the balls around these plants is. Balls that reach the eye's plane
- * are not drawn. */
-static double widest_px(const struct frame *f, const struct lod_impostor *impostor, const uint32_t *members,
-	uint32_t count)
-{
-	const struct lod_eye *eye = f->job->eye;
-	const double *axes[2] = { eye->right, eye->up },
-		focal[2] = { f->picture->width / eye->tan_x, f->picture->height / eye->tan_y };
-	double widest = 0;
-	for (uint32_t i = 0; i < count; i++) {
-		const struct lod_place *place = &f->job->selection->instances[members[i]].place;
-		double r = impostor->radius * place->scale, center[3];
-		lod_place_point(place, impostor->body.center, center);
-		for (int k = 0; k < 3; k++)
-			center[k] -= eye->at[k];
-		double far = lod_dot(center, eye->forward);
-		for (int k = 0; k < 2 && far > r; k++) {
-			double aside = lod_dot(center, axes[k]);
-			widest = fmax(widest, focal[k] * r * sqrt(aside * aside + far * far - r * r)
-				/ (far * far - r * r));
-		}
-	}
-	return widest;
-}
-
 /* Each plant is a point; those too large for the driver's points follow as two triangles each. While points
  * are drawn the viewport is larger than the picture by half a point on all sides, as drivers may leave out
  * points whose middle is beside it. */
@@ -467,35 +445,8 @@ static void draw_impostors(const struct frame *f, const struct view_shader *s, c
 	glUniform1i(s->uniform[VIEW_U_FIRST_RECORD], (int)view_record_span(list, 0, level));
 	glUniform1ui(s->uniform[VIEW_U_SURFACE], view_impostor_surface(&list->list, impostor));
 	/* with a pixel around the outline, and another for what floats round */
-	draw_level(f, s, widest_px(f, impostor, f->job->selection->members + first_member, count) + 4, count);
-}
-
-/* The most that a half axis of these plants' ellipses is of its distance from the eye's plane; INFINITY: it
- * may be more than half. */
-static double nearest_ellipse(const struct frame *f, const struct view_gpu_list *g,
-	const struct view_list *list, const struct eco_cut *cut, const uint32_t *members, uint32_t count)
-{
-	const struct lod_eye *eye = f->job->eye;
-	bool splats = list->list.attributes & ECO_ATTR_SPLAT;
-	double ball = lod_ball_radius(&list->list, cut->scale), radius = cut->halvings ? 2 * ball : 0;
-	double reach = (double)g->reach * (splats ? sqrt((double)cut->scale) : ball), most = 0;
-	float middle[3], half[3];
-	for (int k = 0; k < 3; k++) {
-		middle[k] = 0.5f * (g->low[k] + g->high[k]);
-		half[k] = 0.5f * (g->high[k] - g->low[k]);
-	}
-	radius += sqrt((double)(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]));
-	for (uint32_t i = 0; i < count; i++) {
-		const struct lod_place *place = &f->job->selection->instances[members[i]].place;
-		double at[3], far = -radius * place->scale;
-		lod_place_point(place, middle, at);
-		for (int k = 0; k < 3; k++)
-			far += (at[k] - eye->at[k]) * eye->forward[k];
-		if (!(far > 2 * reach * place->scale))
-			return INFINITY;
-		most = fmax(most, reach * place->scale / far);
-	}
-	return most;
+	draw_level(f, s, view_extent_balls_px(f->job, (const uint32_t[2]){ f->picture->width,
+		f->picture->height }, impostor, f->job->selection->members + first_member, count) + 4, count);
 }
 
 /* How wide an ellipse may be that touches the picture and whose half axis is such a part of its distance:
@@ -522,7 +473,8 @@ static void draw_ellipses(const struct frame *f, const struct view_shader *s, co
 {
 	uint32_t count = (cut->end - cut->first) << cut->halvings, most = ELLIPSES / count;
 	int width = (int)f->gl->width, height = (int)f->gl->height, margin = point_margin(f->gl);
-	double part = nearest_ellipse(f, g, list, cut, f->job->selection->members + first_member, members);
+	double part = view_extent_ellipses(f->job, g, list, cut,
+		f->job->selection->members + first_member, members);
 	bool points = margin > 0 && ellipse_px(f, part) <= 2 * margin;
 	margin = points ? margin : 0;
 	glUniform1i(s->uniform[VIEW_U_CORNERS], points ? 1 : 3);
@@ -593,6 +545,16 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 			"--reference=cpu", list->id);
 	draw_primitives(f, s, g, list, cut, first_member, members);
 	return ECO_OK;
+}
+
+/* Lazy software works on pixels of one part while it gets the vertices of the next (lod/EXPERIMENTS.md, A
+ * frame's time). */
+static void send_part(struct frame *f)
+{
+	if (!f->gl->context.lazy || f->picture->vertices < f->due)
+		return;
+	glFlush();
+	f->due = f->picture->vertices + PART_VERTICES;
 }
 
 static void read_pixel(const struct view_gl *gl, const uint32_t words[4], struct view_picture *picture,
@@ -668,8 +630,10 @@ enum eco_code view_gl_record(struct view_gl *gl, const struct view_gl_job *job, 
 		code = draw_ground(&f);
 	bind(1, gl->instances.texture);
 	bind(2, gl->members.texture);
-	for (uint32_t c = 0; c < job->selection->cut_count && !code; c++)
+	for (uint32_t c = 0; c < job->selection->cut_count && !code; c++) {
+		send_part(&f);
 		code = draw_cut(&f, c);
+	}
 	return code ? code : view_gpu_check(&gl->gpu, error);
 }
 

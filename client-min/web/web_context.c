@@ -7,6 +7,9 @@
 
 #include "client-min/draw/view_context.h"
 
+#define MASKED "WebKit WebGL"            /* browsers that name no driver but by an extension */
+#define UNMASKED_RENDERER 0x9246
+
 enum eco_code view_context_open(struct view_context *context, struct eco_error *error)
 {
 	*context = (struct view_context){ .dialect.es = true };
@@ -17,8 +20,12 @@ enum eco_code view_context_open(struct view_context *context, struct eco_error *
 	context->display = context;
 	context->dialect.depth_zero_to_one = emscripten_webgl_enable_extension(current, "EXT_clip_control");
 	const char *name = (const char *)glGetString(GL_RENDERER);
+	if (name && !strcmp(name, MASKED)
+			&& emscripten_webgl_enable_extension(current, "WEBGL_debug_renderer_info"))
+		name = (const char *)glGetString(UNMASKED_RENDERER);
 	snprintf(context->renderer, sizeof context->renderer, "%s", name ? name : "unknown");
-	context->hardware = !strstr(context->renderer, "SwiftShader");
+	context->lazy = strstr(context->renderer, "llvmpipe");
+	context->hardware = !context->lazy && !strstr(context->renderer, "SwiftShader");
 	return ECO_OK;
 }
 
