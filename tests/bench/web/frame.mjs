@@ -6,7 +6,8 @@
 // of both alternate, each with a camera of its own, and each ends when a pixel was read. Prints medians and
 // their ratio, and what our frames are made of where each part is waited for; and the processor time that a
 // frame takes, of all the browser's threads, the least of some rounds: it is to be compared where others use
-// the machine, too.
+// the machine, too. That ratio counts. Beside it stands another, of the same page with points as large as
+// each of ours: flat squares, where ours are ellipses.
 import { readdirSync, readFileSync } from 'node:fs';
 import { Browser } from '../../client/web/browser.mjs';
 
@@ -15,10 +16,36 @@ const SIZE = [640, 480], VERTICES = 300000, MOST = 1.5, ROUNDS = 4;
 
 // ---- In the page ----
 
-async function openScene(url, [width, height], vertices) {
+/** Sizes of all points that a frame draws, by transform feedback of a context of its own. */
+function captureSizes(gl) {
+	const [link, draw] = [gl.linkProgram.bind(gl), gl.drawArrays.bind(gl)], sizes = [];
+	gl.linkProgram = (program) => {
+		if (gl.getAttachedShaders(program).some((it) => gl.getShaderSource(it).includes('gl_PointSize')))
+			gl.transformFeedbackVaryings(program, ['gl_PointSize'], gl.INTERLEAVED_ATTRIBS);
+		link(program);
+	};
+	gl.drawArrays = (mode, first, count) => {
+		if (mode !== gl.POINTS)
+			return draw(mode, first, count);
+		const buffer = gl.createBuffer(), held = new Float32Array(count);
+		gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, buffer);
+		gl.bufferData(gl.TRANSFORM_FEEDBACK_BUFFER, held.byteLength, gl.STREAM_READ);
+		gl.beginTransformFeedback(mode);
+		draw(mode, first, count);
+		gl.endTransformFeedback();
+		gl.getBufferSubData(gl.TRANSFORM_FEEDBACK_BUFFER, 0, held);
+		gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, null);
+		gl.deleteBuffer(buffer);
+		held.forEach((size) => sizes.push(size));
+	};
+	return sizes;
+}
+
+async function openScene(url, [width, height], vertices, capture) {
 	const { EcoLayer } = await import('/viewer/eco_layer.mjs');
 	const { Camera } = await import('/viewer/viewer_camera.mjs');
 	const gl = new OffscreenCanvas(width, height).getContext('webgl2', { antialias: false });
+	const sizes = capture ? captureSizes(gl) : [];
 	const layer = new EcoLayer({ url, gl, vertices, firstBytes: Infinity });
 	await layer.ready;
 	const camera = new Camera(), { bounds, near_m: near } = layer.about;
@@ -32,12 +59,18 @@ async function openScene(url, [width, height], vertices) {
 	};
 	await layer.load({ view: camera.view(), width, height, vertices, bytes: -1 });
 	ours.frame(0);
+	if (capture) {
+		layer.free();
+		globalThis.sizes = sizes;
+		return Math.sqrt(sizes.reduce((sum, size) => sum + size * size, 0) / sizes.length);
+	}
 	const { roles, vertices: drawn } = layer.facts();
 	return { drawn, roles: roles.filter((role) => role.vertices),
 		covered: layer.cover().reduce((sum, c) => sum + (c > 0), 0) };
 }
 
-function openPlain([width, height], roles, covered) {
+/** sized: its points are as large as ours. */
+function openPlain([width, height], roles, covered, who, sized) {
 	const gl = new OffscreenCanvas(width, height).getContext('webgl2', { antialias: false });
 	const shader = (type, text) => {
 		const it = gl.createShader(type);
@@ -47,7 +80,8 @@ function openPlain([width, height], roles, covered) {
 	};
 	const program = gl.createProgram();
 	gl.attachShader(program, shader(gl.VERTEX_SHADER, `layout(location = 0) in vec3 a_at;
-		layout(location = 1) in vec4 a_color; uniform mat4 u_matrix; uniform float u_size; out vec4 v_color;
+		layout(location = 1) in vec4 a_color; uniform mat4 u_matrix; out vec4 v_color;
+		${sized ? 'layout(location = 2) in' : 'uniform'} float u_size;
 		void main() { gl_Position = u_matrix * vec4(a_at, 1); gl_PointSize = u_size; v_color = a_color; }`));
 	gl.attachShader(program, shader(gl.FRAGMENT_SHADER, `in vec4 v_color; out vec4 o_color;
 		void main() { o_color = v_color; }`));
@@ -83,12 +117,20 @@ function openPlain([width, height], roles, covered) {
 			gl.enableVertexAttribArray(i);
 			gl.vertexAttribPointer(i, n, type, unit, 0, 0);
 		});
+		if (sized && mode === gl.POINTS && sizes.length) {
+			const size = Float32Array.from({ length: count }, (_, i) => sizes[i % sizes.length]);
+			gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+			gl.bufferData(gl.ARRAY_BUFFER, size, gl.STATIC_DRAW);
+			gl.enableVertexAttribArray(2);
+			gl.vertexAttribPointer(2, 1, gl.FLOAT, false, 0, 0);
+		}
 		return { mode, array, count: count * corners };
 	});
-	gl.uniform1f(gl.getUniformLocation(program, 'u_size'), Math.max(1, side));
+	if (!sized)
+		gl.uniform1f(gl.getUniformLocation(program, 'u_size'), Math.max(1, side));
 	const matrix = gl.getUniformLocation(program, 'u_matrix');
 	let angle = 0;
-	globalThis.plain = { frame(turn) {
+	globalThis[who] = { frame(turn) {
 		angle += turn;
 		const [c, s] = [Math.cos(angle), Math.sin(angle)];
 		gl.uniformMatrix4fv(matrix, false, [c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
@@ -105,9 +147,9 @@ function openPlain([width, height], roles, covered) {
 /** Frames of both in turns; then, of as many of ours, the parts: before each framebuffer that is bound waits
  * for what was drawn into the one before. Those are the records', light's and the page's. */
 function timeFrames(runs) {
-	const times = { ours: [], plain: [], parts: { drawing: [], light: [], presenting: [] } };
+	const times = { ours: [], plain: [], sized: [], parts: { drawing: [], light: [], presenting: [] } };
 	for (let i = 0; i < runs + 2; i++)
-		for (const who of ['ours', 'plain']) {
+		for (const who of ['ours', 'plain', 'sized']) {
 			const since = performance.now();
 			globalThis[who].frame(1e-4);
 			if (i >= 2)
@@ -115,7 +157,9 @@ function timeFrames(runs) {
 		}
 	const { gl } = ours, bind = gl.bindFramebuffer.bind(gl), marks = [];
 	gl.bindFramebuffer = (...values) => {
-		gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+		const whole = gl.getParameter(gl.IMPLEMENTATION_COLOR_READ_TYPE) === gl.UNSIGNED_INT;
+		gl.readPixels(0, 0, 1, 1, whole ? gl.RGBA_INTEGER : gl.RGBA,
+			whole ? gl.UNSIGNED_INT : gl.UNSIGNED_BYTE, whole ? new Uint32Array(4) : new Uint8Array(4));
 		marks.push(performance.now());
 		bind(...values);
 	};
@@ -154,9 +198,9 @@ function processorMs(group) {
 }
 
 async function processorTimes(runs) {
-	const least = { ours: Infinity, plain: Infinity };
+	const least = { ours: Infinity, plain: Infinity, sized: Infinity };
 	for (let i = 0; i < ROUNDS; i++)
-		for (const who of ['ours', 'plain']) {
+		for (const who of Object.keys(least)) {
 			const before = processorMs(browser.child.pid);
 			await call(drawFrames, who, runs);
 			least[who] = Math.min(least[who], (processorMs(browser.child.pid) - before) / runs);
@@ -170,9 +214,12 @@ const call = (f, ...values) => browser.evaluate(`(${f})(...${JSON.stringify(valu
 let worst = 0;
 try {
 	await browser.open(new URL('/viewer/viewer.css', urls[0]).href, ...SIZE);
+	await browser.evaluate(`globalThis.captureSizes = ${captureSizes}`);
 	for (const url of urls) {
-		const { drawn, roles, covered } = await call(openScene, url, SIZE, VERTICES);
-		const counts = await call(openPlain, SIZE, roles, covered);
+		const mean = await call(openScene, url, SIZE, VERTICES, true);
+		const { drawn, roles, covered } = await call(openScene, url, SIZE, VERTICES, false);
+		const counts = await call(openPlain, SIZE, roles, covered, 'plain', false);
+		await call(openPlain, SIZE, roles, covered, 'sized', true);
 		const spent = await processorTimes(Number(runs)), times = await call(timeFrames, Number(runs));
 		const [ours, plain] = [median(times.ours), median(times.plain)], ratio = ours / plain;
 		console.log(`${url.split('/').pop()}: ${drawn} vertices (${roles.map(({ name, vertices }) =>
@@ -182,6 +229,10 @@ try {
 			+ `${plain.toFixed(1)} ms: ${ratio.toFixed(2)} x`);
 		console.log(`  processor time ${spent.ours.toFixed(1)} ms, of a plain one ${spent.plain.toFixed(1)} ms: `
 			+ `${(spent.ours / spent.plain).toFixed(2)} x`);
+		const sized = median(times.sized);
+		console.log(`  points as large as ours, ${mean?.toFixed(1) ?? '-'} pixels a side by their area, which does `
+			+ `not count: ${sized.toFixed(1)} ms: ${(ours / sized).toFixed(2)} x; processor time `
+			+ `${spent.sized.toFixed(1)} ms: ${(spent.ours / spent.sized).toFixed(2)} x`);
 		worst = Math.max(worst, ratio);
 	}
 	if (browser.complaints.length)
