@@ -4,7 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+#include "lod/bits.h"
+
+LOD_INLINE float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* ---- Opening ---- */
 
@@ -166,7 +168,7 @@ void lod_impostor_look(struct lod_impostor_look *look, const struct lod_impostor
 /* ---- Looking up ---- */
 
 /* Linear between texels, of which there are none beyond the tile; x and y in [-1, 1], y up. */
-static float cover_at(const uint8_t *texel, uint32_t side, float x, float y)
+LOD_INLINE float cover_at(const uint8_t *texel, uint32_t side, float x, float y)
 {
 	x = (0.5f + 0.5f * x) * (float)side - 0.5f;
 	y = (0.5f - 0.5f * y) * (float)side - 0.5f;
@@ -182,7 +184,7 @@ static float cover_at(const uint8_t *texel, uint32_t side, float x, float y)
 }
 
 /* The same of depths, the last of which go on beyond the tile. */
-static float depth_at(const float *depth, uint32_t side, float x, float y)
+LOD_INLINE float depth_at(const float *depth, uint32_t side, float x, float y)
 {
 	float most = (float)(side - 1);
 	x = (0.5f + 0.5f * x) * (float)side - 0.5f;
@@ -201,8 +203,8 @@ static float depth_at(const float *depth, uint32_t side, float x, float y)
 struct met { float along, out2; };
 
 /* How much of a tile's texels the ray meets. */
-static float tile_cover(const struct lod_impostor *impostor, const struct lod_impostor_look *look, uint32_t i,
-	const float ray[3], struct met *met)
+LOD_INLINE float tile_cover(const struct lod_impostor *impostor, const struct lod_impostor_look *look,
+	uint32_t i, const float ray[3], struct met *met)
 {
 	uint32_t tile = look->tile[i], depths = impostor->size.depths, side = impostor->size.texels;
 	const float *from = look->from[i], (*axis)[3] = impostor->tile[tile].axis;
@@ -217,7 +219,7 @@ static float tile_cover(const struct lod_impostor *impostor, const struct lod_im
 	return cover_at(impostor->texel + (size_t)tile * side * side, side, x, y);
 }
 
-static uint32_t cell_at(const struct lod_impostor *impostor, uint32_t tile, const float point[3])
+LOD_INLINE uint32_t cell_at(const struct lod_impostor *impostor, uint32_t tile, const float point[3])
 {
 	uint32_t side = impostor->size.colors;
 	const float (*axis)[3] = impostor->color_tile[tile].axis;
@@ -228,7 +230,7 @@ static uint32_t cell_at(const struct lod_impostor *impostor, uint32_t tile, cons
 	return (tile * side + (uint32_t)y) * side + (uint32_t)x;
 }
 
-bool lod_impostor_hit(const struct lod_impostor *impostor, const struct lod_impostor_look *look,
+LOD_CLONES bool lod_impostor_hit(const struct lod_impostor *impostor, const struct lod_impostor_look *look,
 	const float ray[3], struct lod_impostor_hit *hit)
 {
 	float cover = 0, along = 0, out2 = 0, point[3];

@@ -13,6 +13,8 @@
 typedef float lod_f4 __attribute__((vector_size(16)));
 typedef double lod_d4 __attribute__((vector_size(32)));      /* only within functions: processors differ in
                                                               * how they pass it */
+typedef float lod_f8 __attribute__((vector_size(32)));       /* the same */
+typedef int32_t lod_i8 __attribute__((vector_size(32)));
 typedef int32_t lod_i4 __attribute__((vector_size(16)));
 typedef uint32_t lod_u4 __attribute__((vector_size(16)));    /* for sums that may wrap in lanes that are not
                                                               * read */

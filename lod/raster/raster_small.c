@@ -7,6 +7,7 @@
  * shape.
  *
  *   edge functions at any pixel of the box: |dx| |y - y_a| + |dy| |x - x_a| <= 2 (9 * 256)^2 < 2^24 */
+#include "lod/bits.h"
 #include "lod/raster/raster_state.h"
 
 struct setup {                       /* one triangle a lane; float arrays, so that single lanes can be read */
@@ -14,11 +15,11 @@ struct setup {                       /* one triangle a lane; float arrays, so th
 	float z[4], z_step_x[4], z_step_y[4], low[4], high[4];
 };
 
-static inline lod_f4 to_float(lod_i4 v) { return __builtin_convertvector(v, lod_f4); }
+LOD_INLINE lod_f4 to_float(lod_i4 v) { return __builtin_convertvector(v, lod_f4); }
 
 /* The edge function of a -> b at the origin, less one if a centre on the edge does not belong to the
  * triangle. */
-static inline lod_f4 edge_four(struct setup *setup, int i, lod_f4 ax, lod_f4 ay, lod_f4 bx, lod_f4 by)
+LOD_INLINE lod_f4 edge_four(struct setup *setup, int i, lod_f4 ax, lod_f4 ay, lod_f4 bx, lod_f4 by)
 {
 	const lod_f4 zero = lod_f4_all(0), one = lod_f4_all(1), subpixel = lod_f4_all(LOD_SUBPIXEL);
 	lod_f4 dx = bx - ax, dy = by - ay;
@@ -31,7 +32,7 @@ static inline lod_f4 edge_four(struct setup *setup, int i, lod_f4 ax, lod_f4 ay,
 	return at;
 }
 
-static inline void depth_four(struct setup *setup, const lod_f4 x[3], const lod_f4 y[3], const lod_f4 z[3],
+LOD_INLINE void depth_four(struct setup *setup, const lod_f4 x[3], const lod_f4 y[3], const lod_f4 z[3],
 	lod_f4 area)
 {
 	const lod_f4 subpixel = lod_f4_all(LOD_SUBPIXEL);
@@ -46,7 +47,7 @@ static inline void depth_four(struct setup *setup, const lod_f4 x[3], const lod_
 }
 
 /* Fills *setup relative to the first pixel centre of each box; returns the lanes that may cover a pixel. */
-static inline unsigned setup_four(struct setup *setup, const struct lod_four *four)
+LOD_INLINE unsigned setup_four(struct setup *setup, const struct lod_four *four)
 {
 	lod_u4 centre_x = (lod_u4)four->first_x * LOD_SUBPIXEL + LOD_SUBPIXEL / 2;
 	lod_u4 centre_y = (lod_u4)four->first_y * LOD_SUBPIXEL + LOD_SUBPIXEL / 2;
@@ -71,7 +72,7 @@ static inline unsigned setup_four(struct setup *setup, const struct lod_four *fo
 }
 
 /* Four pixels of a row, where nothing can be nearer; all are in the picture. */
-static inline void paint_plain(const struct lod_paint *paint, unsigned bits, uint32_t x, uint32_t y)
+LOD_INLINE void paint_plain(const struct lod_paint *paint, unsigned bits, uint32_t x, uint32_t y)
 {
 	static const lod_i4 lanes = { 1, 2, 4, 8 };
 	size_t at = (size_t)y * paint->raster->width + x;
@@ -86,7 +87,7 @@ static inline void paint_plain(const struct lod_paint *paint, unsigned bits, uin
 	lod_mark_stale(paint, y, x, x + 4);
 }
 
-static inline void paint_bits(const struct lod_paint *paint, unsigned bits, uint32_t x, uint32_t y, float z,
+LOD_INLINE void paint_bits(const struct lod_paint *paint, unsigned bits, uint32_t x, uint32_t y, float z,
 	float step, float low, float high)
 {
 	size_t row = (size_t)y * paint->raster->width + x;
@@ -102,7 +103,7 @@ static inline void paint_bits(const struct lod_paint *paint, unsigned bits, uint
 }
 
 /* Four columns of one lane's box, from its pixel `column` on. */
-static inline void fill_strip(const struct lod_paint *paint, const struct setup *setup, unsigned lane,
+LOD_INLINE void fill_strip(const struct lod_paint *paint, const struct setup *setup, unsigned lane,
 	uint32_t x, uint32_t y, uint32_t column, uint32_t height)
 {
 	lod_f4 edge[3], down[3];
@@ -126,7 +127,7 @@ static inline void fill_strip(const struct lod_paint *paint, const struct setup 
 	}
 }
 
-void lod_fill_small(const struct lod_paint *paint, const struct lod_four *four, unsigned lanes)
+LOD_CLONES void lod_fill_small(const struct lod_paint *paint, const struct lod_four *four, unsigned lanes)
 {
 	struct setup setup;
 	for (lanes &= setup_four(&setup, four); lanes; lanes &= lanes - 1) {

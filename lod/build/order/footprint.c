@@ -106,27 +106,27 @@ void lod_fan_point(struct lod_fan_seen *seen, double area, const struct lod_eye 
 
 struct point { int32_t x, y; };          /* 1/256 pixel from the top left */
 
-static int32_t snap(double at, int32_t middle)
+LOD_INLINE int32_t snap(double at, int32_t middle)
 {
 	double from = floor(at + 0.5);
 	return middle + (int32_t)(from < -LIMIT ? -LIMIT : from > LIMIT ? LIMIT : from);
 }
 
-static int32_t first_centre(int32_t at) { return (at + SUBPIXEL / 2 - 1) >> 8; }
-static int32_t last_centre(int32_t at) { return (at - SUBPIXEL / 2) >> 8; }
+LOD_INLINE int32_t first_centre(int32_t at) { return (at + SUBPIXEL / 2 - 1) >> 8; }
+LOD_INLINE int32_t last_centre(int32_t at) { return (at - SUBPIXEL / 2) >> 8; }
 
 /* x of the edge a b, in 1/2^24 pixel, at the centre of row `row`. Integers are divided as doubles, which is
  * faster: below 2^39 by below 2^24 the whole part is the same. */
 struct edge { int64_t x, slope; };
 
-static struct edge edge_make(struct point a, struct point b, int32_t row)
+LOD_INLINE struct edge edge_make(struct point a, struct point b, int32_t row)
 {
 	int64_t slope = b.y == a.y ? 0 : (int64_t)((double)(b.x - a.x) * 65536 / (b.y - a.y));
 	return (struct edge){ (int64_t)a.x * 65536 + slope * (row * SUBPIXEL + SUBPIXEL / 2 - a.y),
 		slope * SUBPIXEL };
 }
 
-static inline void set_bits(uint64_t *row, int32_t first, int32_t end)
+LOD_INLINE void set_bits(uint64_t *row, int32_t first, int32_t end)
 {
 	uint32_t a = (uint32_t)first / 64, b = (uint32_t)(end - 1) / 64;
 	uint64_t low = ~UINT64_C(0) << ((uint32_t)first % 64),
@@ -146,12 +146,12 @@ struct texture { const struct lod_mask *mask; const struct lod_canvas *canvas; d
 	v_y; uint64_t u_step, v_step; };
 
 /* Texels in 1/2^32, so that a step is an addition. */
-static inline uint64_t texel_of(double at)
+LOD_INLINE uint64_t texel_of(double at)
 {
 	return fabs(at) < 1 << 30 ? (uint64_t)(int64_t)(at * 4294967296.0) : 0;
 }
 
-static bool texture_make(struct texture *t, const struct lod_mask *mask, const struct point p[3],
+LOD_INLINE bool texture_make(struct texture *t, const struct lod_mask *mask, const struct point p[3],
 	const float *const uv[3])
 {
 	double x1 = p[1].x - p[0].x, y1 = p[1].y - p[0].y, x2 = p[2].x - p[0].x, y2 = p[2].y - p[0].y,
@@ -173,7 +173,7 @@ static bool texture_make(struct texture *t, const struct lod_mask *mask, const s
 }
 
 /* Nearly all coordinates lie in the image and need no division. */
-static inline uint32_t wrap(uint64_t at, uint32_t size)
+LOD_INLINE uint32_t wrap(uint64_t at, uint32_t size)
 {
 	if (at >> 32 < size)
 		return (uint32_t)(at >> 32);
@@ -182,12 +182,12 @@ static inline uint32_t wrap(uint64_t at, uint32_t size)
 }
 
 /* Pixels that can still change a gain. */
-static inline uint64_t open_pixels(const struct lod_canvas *canvas, size_t at)
+LOD_INLINE uint64_t open_pixels(const struct lod_canvas *canvas, size_t at)
 {
 	return ~canvas->times[at][0] | (~canvas->times[at][1] & canvas->reference[at]);
 }
 
-static void set_opaque(uint64_t *row, uint32_t first, uint32_t end, int32_t y, const struct texture *t)
+LOD_INLINE void set_opaque(uint64_t *row, uint32_t first, uint32_t end, int32_t y, const struct texture *t)
 {
 	const struct lod_mask *mask = t->mask;
 	uint64_t u = 0, v = 0;
@@ -215,7 +215,7 @@ static void set_opaque(uint64_t *row, uint32_t first, uint32_t end, int32_t y, c
 }
 
 /* Fills one triangle; `print` is cleared there. */
-static void fill(struct lod_footprint *print, const struct point corner[3], const struct texture *texture,
+LOD_INLINE void fill(struct lod_footprint *print, const struct point corner[3], const struct texture *texture,
 	int32_t pixels)
 {
 	struct point p[3] = { corner[0], corner[1], corner[2] };
@@ -255,7 +255,7 @@ static void fill(struct lod_footprint *print, const struct point corner[3], cons
 /* Pixels with centres within the corners' bounds. */
 struct box { int32_t x0, x1, y0, y1; };
 
-static inline bool find_box(struct box *box, const struct point *p, uint32_t corners, int32_t pixels)
+LOD_INLINE bool find_box(struct box *box, const struct point *p, uint32_t corners, int32_t pixels)
 {
 	struct point low = p[0], high = p[0];
 	for (uint32_t i = 1; i < corners; i++) {
@@ -275,7 +275,7 @@ static inline bool find_box(struct box *box, const struct point *p, uint32_t cor
 /* Rows y .. y + rows of a picture, between left and right; empty if left >= right. */
 struct spans { int32_t y, rows, left[LOD_FOOTPRINT_PIXELS], right[LOD_FOOTPRINT_PIXELS]; };
 
-static inline int32_t within(const struct box *box, int64_t x)
+LOD_INLINE int32_t within(const struct box *box, int64_t x)
 {
 	x = (x + (1 << 23) - 1) >> 24;
 	return (int32_t)(x < box->x0 ? box->x0 : x > box->x1 + 1 ? box->x1 + 1 : x);
@@ -283,7 +283,7 @@ static inline int32_t within(const struct box *box, int64_t x)
 
 /* The rows of a triangle lie between its longest edge by height and one of the other two. One loop without
  * branches, since triangles are small and the ends of loops cost the time. */
-static inline __attribute__((always_inline)) void find_triangle_spans(struct spans *spans,
+LOD_INLINE void find_triangle_spans(struct spans *spans,
 	const struct box *box, const struct point p[3], int way)
 {
 	uint32_t top = p[1].y < p[0].y, low = p[2].y >= p[1].y ? 2 : 1;
@@ -306,7 +306,7 @@ static inline __attribute__((always_inline)) void find_triangle_spans(struct spa
 
 /* The spans of a convex outline, in one pass: each row lies between an edge that goes down and one that goes
  * up. */
-static inline __attribute__((always_inline)) void find_spans(struct spans *spans, const struct box *box,
+LOD_INLINE void find_spans(struct spans *spans, const struct box *box,
 	const struct point *p, uint32_t corners, int way)
 {
 	int32_t top = box->y0, end = box->y1 + 1;
@@ -333,7 +333,7 @@ static inline __attribute__((always_inline)) void find_spans(struct spans *spans
 	}
 }
 
-static inline void project(struct point *p, const struct lod_fan_seen *seen, double edge, uint32_t pixels)
+LOD_INLINE void project(struct point *p, const struct lod_fan_seen *seen, double edge, uint32_t pixels)
 {
 	int32_t middle = (int32_t)pixels * (SUBPIXEL / 2);
 	for (uint32_t i = 0; i < seen->fan.corners; i++) {
@@ -345,7 +345,7 @@ static inline void project(struct point *p, const struct lod_fan_seen *seen, dou
 
 /* Clears the words of the box and fills the fan's triangles; with a canvas, only those pixels of a cut-out
  * that can change a gain. */
-static void fill_box(struct lod_footprint *print, const struct box *box, const struct point *p,
+LOD_CLONES static void fill_box(struct lod_footprint *print, const struct box *box, const struct point *p,
 	const struct lod_fan *fan, int32_t pixels, const struct lod_canvas *canvas)
 {
 	bool solid = !fan->cutout || !fan->uv;
@@ -370,7 +370,7 @@ static void fill_box(struct lod_footprint *print, const struct box *box, const s
 }
 
 /* With a canvas, only those pixels of a cut-out that can change a gain. */
-static inline __attribute__((always_inline)) bool cover(struct lod_footprint *print,
+LOD_INLINE bool cover(struct lod_footprint *print,
 	const struct lod_fan_seen *seen, double edge, uint32_t pixels, const struct lod_canvas *canvas)
 {
 	struct point p[ECO_CORNERS_MAX] = { { 0, 0 } };
@@ -405,7 +405,7 @@ LOD_CLONES bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_
 
 /* ---- Counting ---- */
 
-static inline __attribute__((always_inline)) void count(uint64_t bits, const struct lod_canvas *canvas,
+LOD_INLINE void count(uint64_t bits, const struct lod_canvas *canvas,
 	size_t at, struct lod_gain *gain)
 {
 	const uint64_t *times = canvas->times[at], reference = canvas->reference[at];

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "lod/bits.h"
 #include "lod/build/splat/splat_state.h"
 #include "lod/lanes.h"
 
@@ -59,7 +60,7 @@ static void project(struct splat_ellipse *e, const struct splat_views *views, co
 	e->y1 = clamp_to(e->y + half_y + 0.5f, views->pixels);
 }
 
-static inline lod_f4 ramp(const struct splat_ellipse *e, lod_f4 dx, float dy)
+LOD_INLINE lod_f4 ramp(const struct splat_ellipse *e, lod_f4 dx, float dy)
 {
 	lod_f4 q = (lod_f4_all(e->m[0]) * dx + lod_f4_all(2 * e->m[1] * dy)) * dx
 		+ lod_f4_all(e->m[2] * dy * dy);
@@ -67,25 +68,82 @@ static inline lod_f4 ramp(const struct splat_ellipse *e, lod_f4 dx, float dy)
 	return lod_f4_min(lod_f4_max(t, lod_f4_all(0)), lod_f4_all(1));
 }
 
-static inline lod_f4 smooth(lod_f4 t)
+LOD_INLINE lod_f4 smooth(lod_f4 t)
 {
 	return t * t * (lod_f4_all(3) - lod_f4_all(2) * t);
 }
 
 static const lod_f4 steps = { 0, 1, 2, 3 };
 
+/* Two fours at once, the same bits: of pixels x to x + 8 the distances, ramp and smoothed ramp. */
+struct eight { lod_f8 dx, t, s; };
+
+LOD_INLINE void look_at_eight(struct eight *at, const struct splat_ellipse *e, int32_t x, float dy)
+{
+	float a = (float)x + 0.5f - e->x, b = (float)(x + 4) + 0.5f - e->x;
+	at->dx = (lod_f8){ 0, 1, 2, 3, 0, 1, 2, 3 } + (lod_f8){ a, a, a, a, b, b, b, b };
+	lod_f8 q = (e->m[0] * at->dx + 2 * e->m[1] * dy) * at->dx + e->m[2] * dy * dy,
+		t = e->high - e->slope * q;
+	t = (lod_f8)((lod_i8)t & (t > 0));
+	lod_i8 below = t < 1;
+	at->t = (lod_f8)(((lod_i8)t & below) | ((lod_i8)((lod_f8){ 0 } + 1) & ~below));
+	at->s = at->t * at->t * (3 - 2 * at->t);
+}
+
 static void clear(const struct splat_views *views, float *left)
 {
-	for (size_t i = 0; i < (size_t)views->pixels * views->stride; i++)
+	size_t count = (size_t)views->pixels * views->stride;
+	for (size_t i = 0; i < count; i++)
 		left[i] = 1;
 }
 
-static void draw(const struct splat_ellipse *e, float *free, uint32_t stride)
+/* What ellipses may touch of a picture: columns from and to a multiple of four. Nothing is drawn beyond. */
+struct box { uint32_t x0, x1, y0, y1; };
+
+static uint32_t up_to_four(uint32_t x) { return (x + 3) & ~UINT32_C(3); }
+
+static struct box find_box(const struct splat_views *views, const struct splat_ellipse *e, uint32_t count)
 {
+	int32_t x0 = INT32_MAX, x1 = 0, y0 = INT32_MAX, y1 = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		if (e[i].x0 >= e[i].x1 || e[i].y0 >= e[i].y1)
+			continue;
+		x0 = e[i].x0 < x0 ? e[i].x0 : x0, x1 = e[i].x1 > x1 ? e[i].x1 : x1;
+		y0 = e[i].y0 < y0 ? e[i].y0 : y0, y1 = e[i].y1 > y1 ? e[i].y1 : y1;
+	}
+	if (x0 >= x1)
+		return (struct box){ 0, 0, 0, 0 };
+	uint32_t most = up_to_four(views->pixels), right = up_to_four((uint32_t)x1) + 4;
+	return (struct box){ (uint32_t)x0 & ~UINT32_C(3), right < most ? right : most, (uint32_t)y0,
+		(uint32_t)y1 };
+}
+
+/* Also what lies beside the picture where the box reaches its border. */
+LOD_INLINE void clear_box(const struct splat_views *views, const struct box *box, float *left)
+{
+	uint32_t end = box->x1 + 4 < views->stride ? box->x1 + 4 : views->stride;
+	for (uint32_t y = box->y0; y < box->y1; y++)
+		for (uint32_t x = box->x0; x < end; x++)
+			left[(size_t)y * views->stride + x] = 1;
+}
+
+/* Ellipses are copied: what is drawn might else be taken for them. */
+LOD_INLINE void draw(const struct splat_ellipse *drawn, float *free, uint32_t stride)
+{
+	const struct splat_ellipse own = *drawn, *e = &own;
 	lod_f4 one = lod_f4_all(1), alpha = lod_f4_all(e->alpha);
 	for (int32_t y = e->y0; y < e->y1; y++) {
 		float dy = (float)y + 0.5f - e->y, *row = free + (size_t)y * stride;
-		for (int32_t x = e->x0; x < e->x1; x += 4) {
+		int32_t x = e->x0;
+		for (; x + 4 < e->x1; x += 8) {
+			struct eight at;
+			lod_f8 left;
+			look_at_eight(&at, e, x, dy);
+			memcpy(&left, row + x, sizeof left);
+			left *= 1 - e->alpha * at.s;
+			memcpy(row + x, &left, sizeof left);
+		}
+		if (x < e->x1) {
 			lod_f4 dx = steps + lod_f4_all((float)x + 0.5f - e->x);
 			lod_f4 s = smooth(ramp(e, dx, dy));
 			lod_f4_store(row + x, lod_f4_load(row + x) * (one - alpha * s));
@@ -95,17 +153,39 @@ static void draw(const struct splat_ellipse *e, float *free, uint32_t stride)
 
 static float sum4(lod_f4 v) { return v[0] + v[1] + (v[2] + v[3]); }
 
+/* Adds the lower four, then the upper four, as one after the other. */
+#define ADD_EIGHT(sum, eight) do { \
+	lod_f8 added = (eight); \
+	(sum) += __builtin_shufflevector(added, added, 0, 1, 2, 3); \
+	(sum) += __builtin_shufflevector(added, added, 4, 5, 6, 7); \
+} while (0)
+
 /* `weight`: derivative of the loss by what is left free, times that. */
-static void pull(const struct splat_ellipse *e, const struct splat_views *views,
+LOD_INLINE void pull(const struct splat_ellipse *drawn, const struct splat_views *views,
 	const struct splat_view *view, const float *weight, float opacity, struct splat_params *gradient)
 {
+	const struct splat_ellipse own = *drawn, *e = &own;
 	lod_f4 one = lod_f4_all(1), alpha = lod_f4_all(e->alpha), zero = lod_f4_all(0);
 	lod_f4 sx = zero, sy = zero, sxx = zero, sxy = zero, syy = zero, so = zero;
 	for (int32_t y = e->y0; y < e->y1; y++) {
 		float dy = (float)y + 0.5f - e->y;
 		const float *row = weight + (size_t)y * views->stride;
 		lod_f4 rx = zero, r = zero;
-		for (int32_t x = e->x0; x < e->x1; x += 4) {
+		int32_t x = e->x0;
+		for (; x + 4 < e->x1; x += 8) {
+			struct eight at;
+			lod_f8 u;
+			look_at_eight(&at, e, x, dy);
+			memcpy(&u, row + x, sizeof u);
+			u /= 1 - e->alpha * at.s;
+			ADD_EIGHT(so, u * at.s);
+			u = u * at.t * (1 - at.t);
+			ADD_EIGHT(r, u);
+			u *= at.dx;
+			ADD_EIGHT(rx, u);
+			ADD_EIGHT(sxx, u * at.dx);
+		}
+		if (x < e->x1) {
 			lod_f4 dx = steps + lod_f4_all((float)x + 0.5f - e->x), t = ramp(e, dx, dy),
 				s = smooth(t), u = lod_f4_load(row + x) / (one - alpha * s);
 			so += u * s;
@@ -147,12 +227,17 @@ static void pull(const struct splat_ellipse *e, const struct splat_views *views,
 
 struct sums { double drawn, both, covered; };
 
-static struct splat_row count_row(const struct splat_views *views, const struct splat_view *view,
-	const float *left, float chance, uint32_t y)
+static struct box whole(const struct splat_views *views)
+{
+	return (struct box){ 0, views->pixels, 0, views->pixels };
+}
+
+LOD_INLINE struct splat_row count_row(const struct splat_views *views, const struct splat_view *view,
+	const float *left, float chance, uint32_t y, const struct box *box)
 {
 	size_t plane = (size_t)views->pixels * views->stride, first = (size_t)y * views->stride;
 	lod_f4 drawn = lod_f4_all(0), both = drawn, one = lod_f4_all(1);
-	for (uint32_t x = 0; x < views->pixels; x += 4) {
+	for (uint32_t x = box->x0; x < box->x1; x += 4) {
 		lod_f4 a = one - lod_f4_load(left + first + x);
 		drawn += a;
 		for (uint32_t k = 0; k < views->planes; k++) {
@@ -163,12 +248,12 @@ static struct splat_row count_row(const struct splat_views *views, const struct 
 	return (struct splat_row){ sum4(drawn) * (float)views->planes, sum4(both) };
 }
 
-static struct sums count_view(const struct splat_views *views, const struct splat_view *view,
-	const float *left, float chance)
+LOD_INLINE struct sums count_view(const struct splat_views *views, const struct splat_view *view,
+	const float *left, float chance, const struct box *box)
 {
 	struct sums sums = { 0, 0, view->covered };
-	for (uint32_t y = 0; y < views->pixels; y++) {
-		struct splat_row row = count_row(views, view, left, chance, y);
+	for (uint32_t y = box->y0; y < box->y1; y++) {
+		struct splat_row row = count_row(views, view, left, chance, y, box);
 		sums.drawn += row.drawn;
 		sums.both += row.both;
 	}
@@ -176,15 +261,16 @@ static struct sums count_view(const struct splat_views *views, const struct spla
 }
 
 /* Turns what is left free into weights: derivative by it, times it. */
-static void weigh(const struct splat_views *views, const struct splat_view *view,
-	const struct splat_picture *picture, float chance, float by_drawn, float by_both)
+LOD_INLINE void weigh(const struct splat_views *views, const struct splat_view *view,
+	const struct splat_picture *picture, const struct box *box, float chance, float by_drawn,
+	float by_both)
 {
 	size_t plane = (size_t)views->pixels * views->stride;
 	float all = (float)views->planes * by_drawn;
-	for (uint32_t y = 0; y < views->pixels; y++) {
+	for (uint32_t y = box->y0; y < box->y1; y++) {
 		size_t row = (size_t)y * views->stride;
 		lod_f4 one = lod_f4_all(1);
-		for (uint32_t x = 0; x < views->pixels; x += 4) {
+		for (uint32_t x = box->x0; x < box->x1; x += 4) {
 			lod_f4 left = lod_f4_load(picture->free + row + x), share = lod_f4_all(0);
 			for (uint32_t k = 0; k < views->planes; k++) {
 				lod_f4 b = lod_f4_load(view->cover + k * plane + row + x);
@@ -234,8 +320,8 @@ void splat_view_light(const struct splat_views *views, uint32_t view_index, cons
 	}
 }
 
-void splat_view_draw(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
-	uint32_t count, const struct splat_softness *soft, float *left)
+LOD_CLONES void splat_view_draw(const struct splat_views *views, uint32_t view,
+	const struct splat_params *splats, uint32_t count, const struct splat_softness *soft, float *left)
 {
 	struct splat_ellipse e;
 	clear(views, left);
@@ -245,7 +331,7 @@ void splat_view_draw(const struct splat_views *views, uint32_t view, const struc
 	}
 }
 
-static void draw_back(const struct splat_ellipse *e, float *left, uint32_t stride)
+LOD_INLINE void draw_back(const struct splat_ellipse *e, float *left, uint32_t stride)
 {
 	lod_f4 one = lod_f4_all(1), alpha = lod_f4_all(e->alpha);
 	for (int32_t y = e->y0; y < e->y1; y++) {
@@ -271,12 +357,13 @@ static double score_of(const struct sums *sums)
 	return sums->covered > 0 ? loss_of(sums, &drawn, &p, &r) : 0;
 }
 
-double splat_view_score(const struct splat_views *views, uint32_t view, const float *left, float chance,
-	struct splat_row *rows)
+LOD_CLONES double splat_view_score(const struct splat_views *views, uint32_t view, const float *left,
+	float chance, struct splat_row *rows)
 {
 	struct sums sums = { 0, 0, views->items[view].covered };
+	const struct box box = whole(views);
 	for (uint32_t y = 0; y < views->pixels; y++) {
-		rows[y] = count_row(views, &views->items[view], left, chance, y);
+		rows[y] = count_row(views, &views->items[view], left, chance, y, &box);
 		sums.drawn += rows[y].drawn;
 		sums.both += rows[y].both;
 	}
@@ -290,13 +377,15 @@ static void reach(const struct splat_ellipse *e, int32_t rows[2])
 	rows[1] = e->y1 > rows[1] ? e->y1 : rows[1];
 }
 
-double splat_view_replace(const struct splat_views *views, uint32_t view, const struct splat_exchange *what,
-	const struct splat_softness *soft, const float *left, const struct splat_row *rows, float *trial)
+LOD_CLONES double splat_view_replace(const struct splat_views *views, uint32_t view,
+	const struct splat_exchange *what, const struct splat_softness *soft, const float *left,
+	const struct splat_row *rows, float *trial)
 {
 	struct splat_ellipse e[SPLAT_EXCHANGED];
 	const struct splat_view *seen = &views->items[view];
 	struct sums sums = { 0, 0, seen->covered };
 	int32_t touched[2] = { (int32_t)views->pixels, 0 };
+	const struct box box = whole(views);
 	uint32_t count = what->out_count + what->in_count;
 	for (uint32_t i = 0; i < count; i++) {
 		project(&e[i], views, seen, i < what->out_count ? &what->out[i]
@@ -314,31 +403,32 @@ double splat_view_replace(const struct splat_views *views, uint32_t view, const 
 	}
 	for (int32_t y = 0; y < (int32_t)views->pixels; y++) {
 		struct splat_row row = y < touched[0] || y >= touched[1] ? rows[y]
-			: count_row(views, seen, trial, soft->chance, (uint32_t)y);
+			: count_row(views, seen, trial, soft->chance, (uint32_t)y, &box);
 		sums.drawn += row.drawn;
 		sums.both += row.both;
 	}
 	return score_of(&sums);
 }
 
-double splat_view_loss(const struct splat_views *views, uint32_t view_index,
+LOD_CLONES double splat_view_loss(const struct splat_views *views, uint32_t view_index,
 	const struct splat_params *splats, uint32_t count, uint32_t moving, const struct splat_softness *soft,
 	const struct splat_picture *picture, struct splat_params *gradient)
 {
 	const struct splat_view *view = &views->items[view_index];
 	struct splat_ellipse *e = picture->ellipses;
-	clear(views, picture->free);
-	for (uint32_t i = 0; i < count; i++) {
+	for (uint32_t i = 0; i < count; i++)
 		project(&e[i], views, view, &splats[i], soft);
+	const struct box box = find_box(views, e, count);
+	clear_box(views, &box, picture->free);
+	for (uint32_t i = 0; i < count; i++)
 		draw(&e[i], picture->free, views->stride);
-	}
-	struct sums sums = count_view(views, view, picture->free, soft->chance);
+	struct sums sums = count_view(views, view, picture->free, soft->chance, &box);
 	if (!(sums.covered > 0))
 		return 0;
 	double drawn, p, r, loss = loss_of(&sums, &drawn, &p, &r);
 	if (!(loss > 1e-6))
 		return loss;
-	weigh(views, view, picture, soft->chance, (float)(p * sums.both / (drawn * drawn) / loss),
+	weigh(views, view, picture, &box, soft->chance, (float)(p * sums.both / (drawn * drawn) / loss),
 		(float)(-(p / drawn + r / sums.covered) / loss));
 	for (uint32_t i = 0; i < moving; i++)
 		pull(&e[i], views, view, picture->weight, splats[i].v[SPLAT_OPACITY], &gradient[i]);
