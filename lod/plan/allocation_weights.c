@@ -192,11 +192,12 @@ static bool whole_hull(struct lod_allocation *m, const struct lod_plan_tables_la
 		*point = impostor ? lod_hull_point_at(&table->way, 1, hull->slack, hull->impostor)
 			: from->points[i];
 		lod_hull_set_detail(point, hull->slack, LOD_DETAIL_MOST_WHOLE);
-		double uncovered = lod_hull_uncovered(hull, point), q = lod_hull_own_q(point);
-		if (uncovered > least || q < best)
+		double more = fmax(0, lod_hull_uncovered(hull, point) - least), q = lod_hull_own_q(point);
+		if (more > LOD_HULL_NOISE || q < best)
 			continue;
+		point->fn = fmax(0, point->fn - more);   /* no prediction rises */
 		hull->count++;
-		least = uncovered;
+		least = fmin(least, lod_hull_uncovered(hull, point));
 		best = fmax(best, impostor ? q + LOD_HULL_Q_MORE : q - LOD_HULL_Q_FALL);
 	}
 	points->fn += absent - LOD_ABSENT_WEIGHT;

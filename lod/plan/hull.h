@@ -115,9 +115,11 @@ static inline double lod_hull_own_q(const struct lod_hull_point *point)
 	return lod_hull_q(point->fp, point->fn);
 }
 /* Curves of an impostor and of splats are off by up to so much, each by an error of its own: splats that come
- * after an impostor must be better by that. Those that come after splats may be as much worse as noise is. */
+ * after an impostor must be better by that. Those that come after splats may be as much worse as noise is: so
+ * much of Q, and of the error, which then counts as no worse. */
 #define LOD_HULL_Q_MORE 0.01
-#define LOD_HULL_Q_FALL 0.002
+#define LOD_HULL_Q_FALL 0.005
+#define LOD_HULL_NOISE 0.01
 /* Errors of foliage and flowers count so often for that: organs drawn together are more wrong than the sum of
  * each drawn alone, those of a palm by a third (lod/EXPERIMENTS.md, Impostors in scenes). */
 #define LOD_ORGANS_MORE 1.2

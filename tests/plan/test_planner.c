@@ -155,9 +155,13 @@ static void add_crowd(double x, uint32_t count)
 	scene_add_child(&scene, 0, (struct eco_child){ .tile = tile, .scale = 1 });
 }
 
-/* 300 leaves, and 16 splats that are nearly right. */
-static void add_plant_of_good_splats(void)
+/* A plant of 300 leaves, and of 16 splats; errors of the first of them, and of all. */
+static void make_plant_of_splats(struct eco_curve first, struct eco_curve all)
 {
+	scene_free(&scene);
+	scene.state = 1;
+	scene.like = (struct eco_list){ .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f };
+	scene.scene.near_m = 0.01;
 	static const float shares[] = { .01f, .1f, .5f, 1 }, errors[] = { .4f, .3f, .2f, 0 };
 	scene_add_plant(&scene, (struct eco_plant){ .height_m = 10 });
 	uint32_t anchor = scene_add_anchor(&scene, (struct eco_anchor){ { 0, 0, 5 }, 5 });
@@ -176,26 +180,28 @@ static void add_plant_of_good_splats(void)
 	splats.level_count = 1;
 	splats.curve_first = scene.scene.curve_count;
 	splats.curve_count = 2;
-	scene_add_curve(&scene, (struct eco_curve){ 1 / 16.f, 1, 1, .2f, .2f });
-	scene_add_curve(&scene, (struct eco_curve){ 1, 1, 1, .02f, .02f });
+	scene_add_curve(&scene, first);
+	scene_add_curve(&scene, all);
 	scene_add_ladder(&scene, splats);
+	scene_add_tile(&scene, (struct eco_tile){ .low = { -30, -30, 0 }, .high = { 4000, 30, 20 },
+		.instance_count = 2100, .area = 30.0 * 2100, .summary = ECO_NONE });
+}
+
+static struct eco_request at_the_crowd(uint64_t vertices)
+{
+	return (struct eco_request){ .view = { .target = { 60, 10, 5 }, .eye = { 0, 10, 40 },
+		.up = { 0, 0, 1 }, .fov_y_deg = 60, .width = 800, .height = 600 }, .vertices = vertices,
+		.bytes = ECO_BYTES_UNBOUNDED };
 }
 
 /* Whoever can afford a plant's organs a thousand times over draws them, though splats are nearly as good. */
 UNIT_TEST(splats_that_are_nearly_right_leave_near_plants_their_organs)
 {
-	scene_free(&scene);
-	scene.state = 1;
-	scene.like = (struct eco_list){ .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f };
-	scene.scene.near_m = 0.01;
-	add_plant_of_good_splats();
-	scene_add_tile(&scene, (struct eco_tile){ .low = { -30, -30, 0 }, .high = { 4000, 30, 20 },
-		.instance_count = 2100, .area = 30.0 * 2100, .summary = ECO_NONE });
+	make_plant_of_splats((struct eco_curve){ 1 / 16.f, 1, 1, .2f, .2f },
+		(struct eco_curve){ 1, 1, 1, .02f, .02f });
 	add_crowd(60, 100);
 	add_crowd(3000, 2000);
-	struct eco_request request = { .view = { .target = { 60, 10, 5 }, .eye = { 0, 10, 40 },
-		.up = { 0, 0, 1 }, .fov_y_deg = 60, .width = 800, .height = 600 }, .vertices = 500000,
-		.bytes = ECO_BYTES_UNBOUNDED };
+	struct eco_request request = at_the_crowd(500000);
 	struct eco_plan plan;
 	plan_it(&plan, &request);
 	double whole[2] = { 0 };
@@ -206,6 +212,23 @@ UNIT_TEST(splats_that_are_nearly_right_leave_near_plants_their_organs)
 	print_message("          %llu vertices, splats near %.2f, far %.2f\n",
 		(unsigned long long)plan.vertices, whole[0], whole[1]);
 	assert_true(whole[0] == 0 && whole[1] > 0);
+	eco_plan_free(&plan);
+}
+
+/* Of curves that are equal but for noise the sharper splats are better. */
+UNIT_TEST(splats_that_are_as_right_and_sharper_are_drawn)
+{
+	make_plant_of_splats((struct eco_curve){ 1 / 16.f, 1, 1, .180f, .151f },
+		(struct eco_curve){ 1, 1, 1, .167f, .165f });
+	add_crowd(60, 100);
+	struct eco_request request = at_the_crowd(1600);
+	struct eco_plan plan;
+	plan_it(&plan, &request);
+	uint32_t most = 0;
+	for (uint32_t i = 0; i < plan.cut_count; i++)
+		if (scene.lists[plan.cuts[i].list].attributes & ECO_ATTR_SPLAT && plan.cuts[i].end > most)
+			most = plan.cuts[i].end;
+	assert_int_equal(most, 16);
 	eco_plan_free(&plan);
 }
 
