@@ -42,7 +42,8 @@ static enum eco_code add_token(struct srv_access *access, const char *scene, con
 {
 	struct srv_token *token = &access->tokens[access->token_count];
 	if (access->token_count == SRV_TOKENS_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "more than %u tokens", SRV_TOKENS_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "more than %u tokens; serve the other scenes by "
+			"another ecoserve", SRV_TOKENS_MAX);
 	enum eco_code code = read_token(token->bytes, path, error);
 	if (code)
 		return code;

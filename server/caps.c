@@ -16,7 +16,8 @@ enum eco_code srv_cap_add(struct srv_cap_list *list, const char *argument, const
 		return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be N or SCENE=N, N above 0", option,
 			argument);
 	if (list->count == SRV_CAPS_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "more than %u caps: --%s", SRV_CAPS_MAX, option);
+		return eco_fail(error, ECO_TOO_LARGE, "more than %u caps: --%s; one without SCENE= is for "
+			"all", SRV_CAPS_MAX, option);
 	list->items[list->count++] = cap;
 	return ECO_OK;
 }

@@ -78,7 +78,8 @@ static enum eco_code check_name(const struct srv_store *store, const char *name,
 		return eco_fail(error, ECO_BAD_USAGE, "two scenes are named '%s': give one of them another "
 			"name, as in NAME=OUT.eco", name);
 	if (store->count == SRV_SCENES_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "more than %u scenes", SRV_SCENES_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "more than %u scenes; serve the others by another "
+			"ecoserve", SRV_SCENES_MAX);
 	return ECO_OK;
 }
 

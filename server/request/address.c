@@ -86,7 +86,8 @@ enum eco_code srv_networks_parse(struct srv_networks *networks, const char *text
 	for (;; text++) {
 		size_t size = strcspn(text, ",");
 		if (networks->count == SRV_NETWORKS_MAX)
-			return eco_fail(error, ECO_BAD_USAGE, "more than %u networks", SRV_NETWORKS_MAX);
+			return eco_fail(error, ECO_BAD_USAGE, "more than %u networks; give fewer, wider "
+				"ones", SRV_NETWORKS_MAX);
 		if (!parse_network(&networks->items[networks->count++], text, size))
 			return eco_fail(error, ECO_BAD_USAGE,
 				"'%.*s' is not an address, as 10.0.0.1 or ::1, with or "

@@ -229,8 +229,8 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 	}
 	for (size_t i = 0; i < PARAM_ROWS; i++)
 		if (param_rows[i].required && !srv_target_param(target, param_rows[i].name))
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s' is missing",
-				param_rows[i].name);
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s' is missing; a view has "
+				"eye=X,Y,Z, target=X,Y,Z, width, height and vertices", param_rows[i].name);
 	if (!(query->request.ground_px >= ECO_GROUND_PX_MIN && query->request.ground_px <= ECO_GROUND_PX_MAX))
 		return eco_fail(error, ECO_BAD_INPUT, "ground_px: %g; give a number of pixels from %g to %g",
 			query->request.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX);

@@ -170,7 +170,8 @@ UNIT_TEST(a_query_has_defaults)
 UNIT_TEST(bad_queries_name_the_parameter)
 {
 	static const struct { const char *query, *named; } rows[] = {
-		{ "target=4,5,6&width=800&height=600&vertices=1000", "'eye' is missing" },
+		{ "target=4,5,6&width=800&height=600&vertices=1000",
+			"'eye' is missing; a view has eye=X,Y,Z, target=X,Y,Z, width, height and vertices" },
 		{ "eye=1,2,3&width=800&height=600&vertices=1000", "'target' is missing" },
 		{ "eye=1,2,3&target=4,5,6&height=600&vertices=1000", "'width' is missing" },
 		{ "eye=1,2,3&target=4,5,6&width=800&height=600", "'vertices' is missing" },
