@@ -89,6 +89,21 @@ UNIT_TEST(genera_and_forms_are_known_in_several_languages)
 	}
 }
 
+UNIT_TEST(codes_are_known_where_spelling_is_asked_for)
+{
+	static const char *const codes[][2] = { { "piab", "picea abies" }, { "FASY", "fagus sylvatica" },
+		{ "quru", "quercus rubra" }, { "QUEROB", "quercus robur" }, { "litu", "liriodendron tulipifera" } };
+	for (size_t i = 0; i < sizeof codes / sizeof *codes; i++) {
+		struct eco_flora flora = eco_flora_of(codes[i][0], true);
+		assert_string_equal(flora.coded, codes[i][1]);
+		assert_true(flora.genus && strncmp(flora.genus, codes[i][1], strlen(flora.genus)) == 0);
+		assert_true(eco_form_is_tree(flora.form));
+		assert_null(eco_flora_of(codes[i][0], false).genus);
+	}
+	assert_string_equal(eco_flora_of("pine", true).coded, "");     /* a word, though pinus nes... */
+	assert_null(eco_flora_of("quxy", true).genus);
+}
+
 UNIT_TEST(misspellings_are_told_and_only_where_asked_for)
 {
 	struct eco_flora flora = eco_flora_of("Qercus robur", true);

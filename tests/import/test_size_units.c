@@ -34,13 +34,15 @@ static const struct {
 	{ ECO_QUANTITY_DBH, "Diameter [inches]", NULL, 10, 30, "in" },
 	/* by the numbers */
 	{ ECO_QUANTITY_HEIGHT, "height", NULL, 9, 22, "m" },
-	{ ECO_QUANTITY_HEIGHT, "height", NULL, 40, 95, "ft" },
+	{ ECO_QUANTITY_HEIGHT, "height", NULL, 40, 95, "ft" }, { ECO_QUANTITY_HEIGHT, "height", NULL, 29, 60, "ft" },
+	{ ECO_QUANTITY_HEIGHT, "height", NULL, 24, 35, "m" },      /* a wood */
 	{ ECO_QUANTITY_HEIGHT, "height", NULL, 850, 2200, "cm" },
 	{ ECO_QUANTITY_HEIGHT, "height", NULL, 8500, 22000, "mm" },
 	{ ECO_QUANTITY_DBH, "dbh", NULL, 28, 90, "cm" }, { ECO_QUANTITY_DBH, "dbh", NULL, 9, 30, "in" },
 	{ ECO_QUANTITY_DBH, "dbh", NULL, 250, 800, "mm" }, { ECO_QUANTITY_DBH, "dbh", NULL, 0.25, 0.8, "m" },
 	{ ECO_QUANTITY_GIRTH, "Umfang", NULL, 80, 250, "cm" },
 	/* by the other sizes */
+	{ ECO_QUANTITY_HEIGHT, "height", "cm", 29, 38, "m" }, { ECO_QUANTITY_HEIGHT, "height", "in", 29, 38, "ft" },
 	{ ECO_QUANTITY_DBH, "dbh", "ft", 16, 45, "in" }, { ECO_QUANTITY_DBH, "dbh", "m", 16, 45, "cm" },
 	/* not at all */
 	{ ECO_QUANTITY_HEIGHT, "height", NULL, 18, 40, NULL },

@@ -55,8 +55,10 @@ static const struct { const char *text, *roles; char decimal;
 		"x_rd|y_rd|boomsoort|hoogte|stamdiameter|-", '.' },
 	{ "X,Y,Latitude,Longitude,Species,Species code\n1008714,770748,42.1,-75.8,oak,qu\n",
 		"Longitude|Latitude|Species|-|-|-", '.' },
-	{ "tag,gx,gy,utm17n_e,utm17n_n,sp\n1,3.5,4.5,747375,4308510,quru\n", "utm17n_e|utm17n_n|-|-|-|-",
+	{ "tag,gx,gy,utm17n_e,utm17n_n,sp\n1,3.5,4.5,747375,4308510,quru\n", "utm17n_e|utm17n_n|sp|-|-|-",
 		'.' },
+	{ "tag,sp_code,x,y,dbh_mm\n1,litu,3.5,4.5,200\n2,quru,5.5,4.5,300\n", "x|y|sp_code|-|dbh_mm|-", '.' },
+	{ "立木ID,樹種,胸高直径,樹高,幹周,経度,緯度\n1,アテ,5.2,4.4,16.3,136.9,37.3\n", "経度|緯度|樹種|樹高|胸高直径|幹周", '.' },
 	{ "date,tree_type,lat,lon\n1,Urban Street Tree,45,-123\n", "lon|lat|tree_type|-|-|-", '.' },
 	{ "a,b\n1,2\n", "-|-|-|-|-|-", '.' },
 };

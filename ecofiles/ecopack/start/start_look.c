@@ -89,8 +89,9 @@ static bool is_unit(const char *unit)
 	return eco_unit_metres(unit, &metres);
 }
 
+/* Leaves the unit NULL where it has to be asked for. */
 static enum eco_code measure(struct start *s, struct start_size *size, enum eco_quantity quantity,
-	const char *given, const char *beside, const char *option)
+	const char *given, const char *beside)
 {
 	const char *name = start_column(s, size->column);
 	struct eco_spread spread = { 0 };
@@ -118,11 +119,15 @@ static enum eco_code measure(struct start *s, struct start_size *size, enum eco_
 		return ECO_OK;
 	}
 	size->unit = eco_unit_guess(quantity, name, beside, &numbers);
-	if (size->unit.unit)
+	return ECO_OK;
+}
+
+static enum eco_code ask_unit(struct start *s, const struct start_size *size, const char *option)
+{
+	if (size->column == ECO_NONE || size->unit.unit)
 		return ECO_OK;
 	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: in which unit is \"%.40s\"? %s; say %s (one "
-		"of " ECO_UNITS
-		")", s->options->table, name, size->unit.why, option);
+		"of " ECO_UNITS ")", s->options->table, start_column(s, size->column), size->unit.why, option);
 }
 
 static enum eco_code say_size(struct start *s, const struct start_size *size, enum eco_role role,
@@ -144,12 +149,19 @@ static enum eco_code find_sizes(struct start *s)
 	s->height.column = s->columns.of[ECO_ROLE_HEIGHT];
 	s->trunk_is_girth = s->columns.of[ECO_ROLE_DBH] == ECO_NONE;
 	s->trunk.column = s->columns.of[s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH];
+	enum eco_quantity trunk = s->trunk_is_girth ? ECO_QUANTITY_GIRTH : ECO_QUANTITY_DBH;
 	if (s->height.column != ECO_NONE)
 		code = measure(s, &s->height, ECO_QUANTITY_HEIGHT, o->height_unit, o->dbh_unit ? o->dbh_unit
-			: eco_unit_of_name(start_column(s, s->trunk.column)), "--height-unit");
+			: eco_unit_of_name(start_column(s, s->trunk.column)));
 	if (!code && s->trunk.column != ECO_NONE)
-		code = measure(s, &s->trunk, s->trunk_is_girth ? ECO_QUANTITY_GIRTH : ECO_QUANTITY_DBH,
-			o->dbh_unit, s->height.column != ECO_NONE ? s->height.unit.unit : NULL, "--dbh-unit");
+		code = measure(s, &s->trunk, trunk, o->dbh_unit, s->height.column != ECO_NONE
+			? s->height.unit.unit : NULL);
+	if (!code && s->height.column != ECO_NONE && !s->height.unit.unit && s->trunk.column != ECO_NONE)
+		code = measure(s, &s->height, ECO_QUANTITY_HEIGHT, NULL, s->trunk.unit.unit);
+	if (!code)
+		code = ask_unit(s, &s->height, "--height-unit");
+	if (!code)
+		code = ask_unit(s, &s->trunk, "--dbh-unit");
 	if (!code)
 		code = say_size(s, &s->height, ECO_ROLE_HEIGHT, "--height-column", "--height-unit");
 	return code ? code : say_size(s, &s->trunk, s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH,

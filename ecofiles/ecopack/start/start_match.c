@@ -169,12 +169,16 @@ static enum eco_code say_spelling(struct start *s)
 	for (uint32_t i = 0; i < s->species.count; i++) {
 		const struct eco_flora *f = &s->matches[i].flora;
 		char took[160];
-		if (f->misspelt[0] == 0)
+		if (f->misspelt[0] == 0 && f->coded[0] == 0)
 			continue;
-		snprintf(took, sizeof took, "\"%.60s\" is meant as %s", s->species.items[i].text, f->meant);
-		enum eco_code code = start_guess(s, "spelling", took, "\"map\" in the scene", "\"%s\" is "
-			"no plant, but nearly one (first in line %llu)", f->misspelt,
-			(unsigned long long)s->species.items[i].first_line);
+		snprintf(took, sizeof took, "\"%.60s\" is meant as %s", s->species.items[i].text,
+			f->coded[0] ? f->coded : f->meant);
+		enum eco_code code = f->coded[0]
+			? start_guess(s, "code of a species", took, "\"map\" in the scene", "the first letters of "
+				"both words")
+			: start_guess(s, "spelling", took, "\"map\" in the scene", "\"%s\" is no plant, but "
+				"nearly one (first in line %llu)", f->misspelt,
+				(unsigned long long)s->species.items[i].first_line);
 		if (code)
 			return code;
 	}

@@ -107,6 +107,64 @@ static const struct { const char *genus; enum eco_form form; const char *names; 
 	{ "rosa", ECO_FORM_SHRUB, "rose rosier rosal" },
 };
 
+/* Species that inventories of woods give by codes. */
+static const struct { const char *genus, *epithets; } coded[] = {
+	{ "abies", "alba amabilis balsamea concolor fraseri grandis lasiocarpa magnifica nordmanniana "
+		"procera" },
+	{ "acer", "campestre circinatum glabrum macrophyllum negundo nigrum pensylvanicum platanoides "
+		"pseudoplatanus rubrum saccharinum saccharum spicatum" },
+	{ "aesculus", "flava glabra hippocastanum" },
+	{ "alnus", "glutinosa incana rubra viridis" },
+	{ "amelanchier", "arborea laevis" },
+	{ "betula", "alleghaniensis lenta nigra papyrifera pendula populifera pubescens" },
+	{ "carpinus", "betulus caroliniana" },
+	{ "carya", "cordiformis glabra illinoinensis laciniosa ovalis ovata tomentosa" },
+	{ "castanea", "dentata sativa" },
+	{ "celtis", "laevigata occidentalis" },
+	{ "cercis", "canadensis siliquastrum" },
+	{ "cornus", "florida mas sanguinea" },
+	{ "corylus", "americana avellana colurna" },
+	{ "crataegus", "laevigata monogyna" },
+	{ "fagus", "grandifolia sylvatica" },
+	{ "fraxinus", "americana angustifolia excelsior nigra ornus pennsylvanica quadrangulata" },
+	{ "hamamelis", "virginiana" },
+	{ "ilex", "aquifolium opaca" },
+	{ "juglans", "cinerea nigra regia" },
+	{ "juniperus", "communis occidentalis scopulorum virginiana" },
+	{ "larix", "decidua kaempferi laricina occidentalis" },
+	{ "lindera", "benzoin" },
+	{ "liquidambar", "styraciflua" },
+	{ "liriodendron", "tulipifera" },
+	{ "magnolia", "acuminata grandiflora virginiana" },
+	{ "malus", "sylvestris" },
+	{ "nyssa", "aquatica sylvatica" },
+	{ "ostrya", "carpinifolia virginiana" },
+	{ "picea", "abies engelmannii glauca mariana omorika pungens rubens sitchensis" },
+	{ "pinus", "albicaulis banksiana cembra contorta echinata halepensis jeffreyi lambertiana "
+		"monticola mugo nigra palustris pinaster ponderosa resinosa rigida strobus sylvestris "
+		"taeda virginiana" },
+	{ "platanus", "acerifolia occidentalis orientalis" },
+	{ "populus", "alba deltoides grandidentata nigra tremula tremuloides trichocarpa" },
+	{ "prunus", "avium padus pensylvanica serotina spinosa virginiana" },
+	{ "pseudotsuga", "menziesii" },
+	{ "pyrus", "pyraster" },
+	{ "quercus", "agrifolia alba bicolor cerris coccinea falcata garryana ilex imbricaria lobata "
+		"macrocarpa michauxii montana muehlenbergii nigra palustris petraea phellos prinus "
+		"pubescens robur rubra stellata suber velutina" },
+	{ "robinia", "pseudoacacia" },
+	{ "salix", "alba babylonica caprea fragilis nigra" },
+	{ "sambucus", "nigra" },
+	{ "sequoia", "sempervirens" },
+	{ "sorbus", "americana aria aucuparia domestica torminalis" },
+	{ "taxodium", "distichum" },
+	{ "taxus", "baccata brevifolia" },
+	{ "thuja", "occidentalis plicata" },
+	{ "tilia", "americana cordata platyphyllos tomentosa" },
+	{ "tsuga", "canadensis heterophylla mertensiana" },
+	{ "ulmus", "alata americana glabra laevis minor rubra" },
+	{ "viburnum", "lantana opulus prunifolium" },
+};
+
 /* Words for a place where a plant was, or is to be. */
 #define GONE "vacant stump stumps snag empty removed unbesetzt leer stumpf baumstumpf wurzelstock " \
 	"stubben gefallt souche vide abattu tocon vacio alcorque ceppo vuoto stronk stobbe deadwood"
@@ -195,6 +253,26 @@ static bool find_genus(const char *words, struct eco_flora *flora)
 	return false;
 }
 
+/* The first species whose genus and epithet begin with the two halves of a word of four or six letters. */
+static bool find_coded(const char *word, struct eco_flora *flora)
+{
+	size_t half = strlen(word) / 2;
+	char epithet[ECO_WORD_BYTES];
+	if (strlen(word) != 4 && strlen(word) != 6)
+		return false;
+	for (size_t i = 0; i < sizeof coded / sizeof *coded; i++) {
+		if (strncmp(coded[i].genus, word, half) != 0)
+			continue;
+		for (const char *at = coded[i].epithets; eco_words_next(&at, epithet);)
+			if (strncmp(epithet, word + half, half) == 0) {
+				find_genus(coded[i].genus, flora);
+				snprintf(flora->coded, sizeof flora->coded, "%s %s", coded[i].genus, epithet);
+				return true;
+			}
+	}
+	return false;
+}
+
 static bool ends_in_one_of(const char *word, const char *endings)
 {
 	char ending[ECO_WORD_BYTES];
@@ -261,7 +339,15 @@ struct eco_flora eco_flora_of(const char *name, bool spelling)
 	enum eco_form form = form_by_word(words, known);
 	if (form != ECO_FORM_UNKNOWN)
 		flora.form = form;
-	else if (!known && spelling)
+	else if (!known && spelling && !find_coded(words, &flora))
 		find_misspelt(words, &flora);
 	return flora;
+}
+
+bool eco_flora_is_code(const char *name)
+{
+	struct eco_flora flora = { .genus = NULL };
+	char words[ECO_WORDS_BYTES];
+	eco_words_of(name, words, sizeof words);
+	return find_coded(words, &flora);
 }

@@ -19,11 +19,15 @@ struct eco_flora {
 	enum eco_form form;
 	char misspelt[48];           /* the word that is not quite the genus; "": spelt well */
 	const char *meant;           /* the word taken for it */
+	char coded[64];              /* the species that a code stands for; "": it is none */
 };
 
 /* What a name says. `spelling`: words of five letters and more that are nearly a genus or its common name
- * count, too. */
+ * count, too, and so do codes of two or three letters of each word of a common species: "fasy", "QUEROB". */
 struct eco_flora eco_flora_of(const char *name, bool spelling);
+
+/* Whether a name is such a code. */
+bool eco_flora_is_code(const char *name);
 
 /* Heights in metres between which a full-grown plant of that form is usual, and a typical one. A plant of
  * unknown form may be anything that grows. */

@@ -25,10 +25,23 @@ static const struct { double middle_m, high_m; const char *says; } typical[] = {
 	[ECO_QUANTITY_HEIGHT] = { 10, 22, "height" }, [ECO_QUANTITY_DBH] = { 0.22, 0.75, "trunk diameter" },
 	[ECO_QUANTITY_GIRTH] = { 0.7, 2.4, "trunk girth" } };
 
-static double misfit(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *n)
+/* A wood is high and even: its tallest are half as tall again as its middle. */
+#define WOOD_MIDDLE_M 22
+#define WOOD_HIGH_M 34
+#define WOOD_HIGH 1.5
+
+static double usual_misfit(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *n)
 {
 	return fabs(log(n->middle * unit_m / typical[quantity].middle_m))
 		+ fabs(log(n->high * unit_m / typical[quantity].high_m));
+}
+
+static double misfit(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *n)
+{
+	double usual = usual_misfit(quantity, unit_m, n);
+	double wood = fabs(log(n->middle * unit_m / WOOD_MIDDLE_M)) + fabs(log(n->high * unit_m / WOOD_HIGH_M))
+		+ fabs(log(n->high / n->middle / WOOD_HIGH));
+	return quantity == ECO_QUANTITY_HEIGHT ? fmin(usual, wood) : usual;
 }
 
 /* The unit that fits best beside `except`; UNITS: no such. */
@@ -62,7 +75,7 @@ const char *eco_unit_doubt(enum eco_quantity quantity, double unit_m, const stru
 	size_t best = best_unit(quantity, numbers, UNITS);
 	if (!(numbers->middle > 0) || fabs(units[best].metres / unit_m - 1) < 1e-4)
 		return NULL;
-	return misfit(quantity, unit_m, numbers) - misfit(quantity, units[best].metres, numbers) > DOUBT
+	return usual_misfit(quantity, unit_m, numbers) - usual_misfit(quantity, units[best].metres, numbers) > DOUBT
 		? units[best].name : NULL;
 }
 

@@ -17,7 +17,8 @@ const char *const eco_role_names[ECO_ROLE_COUNT] = { "x", "y", "species", "heigh
 #define CONTENT_POINTS 60
 #define NUMERIC_LEAST 0.5
 
-/* Words of English, German, French, Spanish, Italian, Dutch, Portuguese, Polish, Czech, Swedish, Danish. A
+/* Words of English, German, French, Spanish, Italian, Dutch, Portuguese, Polish, Czech, Swedish, Danish, Japanese,
+ * Chinese and Korean. A
  * word of five letters and more counts within a longer one, too, "kronendurchmesser", one of four at its end,
  * "baumhohe". */
 static const struct { enum eco_role role; int points; const char *words; } meanings[] = {
@@ -28,6 +29,9 @@ static const struct { enum eco_role role; int points; const char *words; } meani
 		"rw" },
 	{ ECO_ROLE_Y, 80, "northing northings north nordwert hochwert norte nord ycoord coordy pointy "
 		"ykoord hw" },
+	{ ECO_ROLE_X, 100, "経度 经度 經度 경도" }, { ECO_ROLE_Y, 100, "緯度 纬度 위도" },
+	{ ECO_ROLE_SPECIES, 90, "樹種 树种 樹名 树名 수종" }, { ECO_ROLE_HEIGHT, 90, "樹高 树高 수고" },
+	{ ECO_ROLE_DBH, 95, "胸高直径 胸高直 胸径 胸徑 흉고직경" }, { ECO_ROLE_GIRTH, 95, "幹周 胸围 胸圍" },
 	{ ECO_ROLE_X, 30, "gx px" }, { ECO_ROLE_Y, 30, "gy py" },
 	{ ECO_ROLE_X, -90, "krone kronen stamm crown strasse" }, { ECO_ROLE_Y, -90, "krone kronen stamm "
 		"crown strasse" },
@@ -35,7 +39,7 @@ static const struct { enum eco_role role; int points; const char *words; } meani
 		"wissenschaftlich wetenschappelijke taxon" },
 	{ ECO_ROLE_SPECIES, 90, "species espece especie specie gatunek tradart druh" },
 	{ ECO_ROLE_SPECIES, 80, "essence soort soortnaam gattung genus genre genero genere rodzaj art slag" },
-	{ ECO_ROLE_SPECIES, 55, "common vernacular deutsch" },
+	{ ECO_ROLE_SPECIES, 70, "sp spp" }, { ECO_ROLE_SPECIES, 55, "common vernacular deutsch" },
 	{ ECO_ROLE_SPECIES, 20, "name nom nombre nome naam tree baum arbre arbol albero boom type typ tipo "
 		"libelle plant" },
 	{ ECO_ROLE_SPECIES, -60, "id code nr no num nummer street strasse rue calle via straat date datum "
@@ -169,7 +173,7 @@ static double plants_share(const struct eco_table *table, uint32_t column)
 		if (eco_text_is_missing(text))
 			continue;
 		filled++;
-		plants += eco_flora_of(text, false).genus != NULL;
+		plants += eco_flora_of(text, false).genus || eco_flora_is_code(text);
 	}
 	return filled > 0 ? (double)plants / filled : 0;
 }
