@@ -335,6 +335,39 @@ async function isNowhereOnEarth() {
 	expect(await text('north') === 'Y', `without a CRS the arrow says ${await text('north')}`);
 }
 
+/** One finger turns, two move and come nearer, a tap says what is there. */
+async function movesByTouch() {
+	const places = async () => JSON.parse(await ask('JSON.stringify(viewer.camera.view())'));
+	const apart = (a, b) => Math.hypot(...a.map((v, i) => v - b[i]));
+	const far = ({ eye, target }) => apart(eye, target);
+	const touch = (type, ...points) => browser.send('Input.dispatchTouchEvent',
+		{ type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+	/** Each finger from where it is put, by its step, six times. */
+	const drag = async (from, steps) => {
+		await touch('touchStart', ...from);
+		for (let i = 1; i <= 6; i++)
+			await touch('touchMove', ...from.map((point, finger) => point.map((v, k) => v + i * steps[finger][k])));
+		await touch('touchEnd');
+		return places();
+	};
+	await browser.send('Emulation.setTouchEmulationEnabled', { enabled: true, maxTouchPoints: 2 });
+	const before = await places();
+	const turned = await drag([[300, 300]], [[12, 0]]);
+	expect(apart(before.eye, turned.eye) > far(before) / 100 && Math.abs(far(turned) / far(before) - 1) < 0.001
+		&& apart(before.target, turned.target) < far(before) / 1000, 'one finger does not turn around what is looked at');
+	const nearer = await drag([[250, 300], [350, 300]], [[-8, 0], [8, 0]]);
+	expect(far(nearer) < 0.9 * far(turned), `two fingers that part come from ${far(turned)} to ${far(nearer)} m`);
+	const moved = await drag([[250, 300], [350, 300]], [[0, 8], [0, 8]]);
+	expect(apart(nearer.target, moved.target) > far(nearer) / 100, 'two fingers do not move');
+	await press('h');
+	await browser.until(complete);
+	await touch('touchStart', [320, 240]);
+	await touch('touchEnd');
+	await browser.until("!document.getElementById('card').hidden");
+	await press('Escape');
+	await browser.send('Emulation.setTouchEmulationEnabled', { enabled: false });
+}
+
 /** The menu says what is there, however it is called, in its own width. */
 async function saysAnyName() {
 	const facts = (species, vertices) => ask(`(async () => {
@@ -372,6 +405,7 @@ try {
 	await leavesThePageFree();
 	await takesAnotherPack();
 	await isNowhereOnEarth();
+	await movesByTouch();
 	await saysAnyName();
 	const state = await text('state');
 	expect(state === '', `the page reports: ${state}`);
