@@ -305,7 +305,7 @@ static bool number_in(const struct eco_json *at, double low, double high, double
 		return bad(at, "a number");
 	double number = json_number_value(at->value);
 	if (!(number >= low && number <= high))
-		return eco_json_fail(at, ECO_BAD_INPUT, "%s is %.17g, it must be between %.17g and %.17g",
+		return eco_json_fail(at, ECO_BAD_INPUT, "%s is %.17g, it must be between %.15g and %.15g",
 			at->key ? at->key : "the number", number, low, high);
 	*out = number;
 	return true;

@@ -138,10 +138,8 @@ UNIT_TEST(a_crs_that_is_none_is_an_error)
 	static const struct view_map map = { "EPSG:7", { 0 } };
 	struct eco_error error = { 0 };
 	json_t *json;
-	assert_int_equal(view_geojson_make(&(struct view_geojson_job){ held.store, &held.selection, &picture,
-						   &map },
-				 &json, &error),
-		ECO_BAD_INPUT);
+	const struct view_geojson_job job = { held.store, &held.selection, &picture, &map, NULL };
+	assert_int_equal(view_geojson_make(&job, &json, &error), ECO_BAD_INPUT);
 	assert_null(json);
 	assert_non_null(strstr(error.text, "EPSG:7"));
 }

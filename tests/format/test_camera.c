@@ -235,8 +235,7 @@ UNIT_TEST(impossible_scripts_are_refused_by_name)
 			"tour.json:3:14: fov_y_deg is 181" },
 		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3],\n\"fov_y_deg\": "
 			"180}"),
-			"tour.json:2:1: frame 0 at 1 s, from this keyframe on, cannot be drawn: fov_y_deg: "
-			"180" },
+			"tour.json:3:14: fov_y_deg is 180, it must be between 1e-09 and 179.999999999" },
 		{ SCRIPT("2", "{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3], \"fov_y_deg\": "
 			"9,\n\"roll\": 1}"),
 			"tour.json:2:1: unknown field \"roll\"" },

@@ -25,7 +25,8 @@ static const struct { double middle_m, high_m; const char *says; } typical[] = {
 	[ECO_QUANTITY_HEIGHT] = { 10, 22, "height" }, [ECO_QUANTITY_DBH] = { 0.22, 0.75, "trunk diameter" },
 	[ECO_QUANTITY_GIRTH] = { 0.7, 2.4, "trunk girth" } };
 
-/* A wood is high and even: its tallest are half as tall again as its middle. */
+/* A wood is high and even, its tallest are half as tall again as its middle; it could be taken for a street in
+ * feet only where it is measured in metres. */
 #define WOOD_MIDDLE_M 22
 #define WOOD_HIGH_M 34
 #define WOOD_HIGH 1.5
@@ -41,7 +42,7 @@ static double misfit(enum eco_quantity quantity, double unit_m, const struct eco
 	double usual = usual_misfit(quantity, unit_m, n);
 	double wood = fabs(log(n->middle * unit_m / WOOD_MIDDLE_M)) + fabs(log(n->high * unit_m / WOOD_HIGH_M))
 		+ fabs(log(n->high / n->middle / WOOD_HIGH));
-	return quantity == ECO_QUANTITY_HEIGHT ? fmin(usual, wood) : usual;
+	return quantity == ECO_QUANTITY_HEIGHT && unit_m == 1 ? fmin(usual, wood) : usual;
 }
 
 /* The unit that fits best beside `except`; UNITS: no such. */
