@@ -51,6 +51,8 @@ void lod_prices_tighten(struct lod_allocation *allocation);
  * lambda and of the allocation's price, else returns false. */
 void lod_prices_keep(struct lod_allocation *allocation);
 bool lod_prices_restore(struct lod_allocation *allocation, double lambda);
+/* Would all levels of some texture take more bytes than these? */
+bool lod_prices_texture_over(const struct lod_allocation *allocation, double bytes);
 /* Are no organs of this plant drawn, by any of its plants? */
 bool lod_prices_organs_off(const struct lod_allocation *allocation, uint32_t plant);
 

@@ -258,6 +258,35 @@ static enum eco_code predict_bytes(const struct lod_lambda_search *s, struct lod
 	return code;
 }
 
+#define LEFT_LARGE 0.33          /* of the bytes: so much is left where a near plant's lists do not fit */
+#define TEXTURE_SHARE 0.125      /* of the bytes */
+
+/* Where much is left a plant's organs and their texture were too much together: again, with small textures. */
+static enum eco_code fit_small_textures(const struct lod_lambda_search *s, uint64_t budget,
+	const struct fitted *unknown, struct fitted *best, uint8_t *room, struct eco_error *error)
+{
+	struct lod_allocation *m = s->allocation;
+	double most = (double)m->p->input->request->bytes;
+	struct fitted small = *best;
+	if (!(best->size < (1 - LEFT_LARGE) * most) 
+			|| !lod_prices_texture_over(m, TEXTURE_SHARE * most))
+		return ECO_OK;
+	small.size = INFINITY;
+	small.left_out = room + 3 * (size_t)m->p->scene->plant_count;
+	m->texture_bytes = TEXTURE_SHARE * most;
+	enum eco_code code = lod_prices_make(m, NULL, 0, error);
+	if (!code)
+		code = fit_prices(s, budget, unknown, &small, room, error);
+	if (!code && small.wrong < best->wrong) {
+		keep_fitted(best, &small, m->p->scene->plant_count);
+		return ECO_OK;
+	}
+	m->texture_bytes = 0;
+	if (!code)
+		code = lod_prices_make(m, NULL, 0, error);
+	return code ? code : fill_fitted(s, best, budget, error);
+}
+
 /* Twice: with all chunks alike, and with those of the answer without a limit of bytes before others. Neither
  * is always better, as plants' lists come at once (lod/EXPERIMENTS.md, Fitted twice). */
 static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budget,
@@ -277,6 +306,8 @@ static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budge
 	const struct fitted unknown = { .at = { NAN, NAN }, .near = point.octave, .lowest = point.lowest };
 	if (!code)
 		code = fit_prices(s, budget, &unknown, &alike, room, error);
+	if (!code)
+		code = fit_small_textures(s, budget, &unknown, &alike, room, error);
 	bool twice = !code && !lod_planner_over(s->allocation->p, 3);
 	if (twice)
 		code = lod_prices_make(s->allocation, kept, WASTE_FIT, error);
@@ -306,13 +337,14 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 	struct lod_planner *p = m->p;
 	struct eco_holdings kept;
 	uint32_t plants = p->scene->plant_count;
-	uint8_t *room = calloc(3 * (size_t)plants + 1, 1);
+	uint8_t *room = calloc(4 * (size_t)plants + 1, 1);
 	enum eco_code code = needs_of_entries(p, &kept, error);
 	if (!code)
 		code = room ? fit_twice(s, budget, &kept, room, error)
 			: eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", plants);
 	p->price = m->price;
 	m->limited = false;
+	m->texture_bytes = 0;
 	free(room);
 	if (p->input->wanted) {
 		free(p->input->wanted->items);
