@@ -99,6 +99,19 @@ static enum eco_code size_of(void *ctx, struct eco_plan *plan, uint64_t *bytes, 
 	return code;
 }
 
+static struct lod_planner_stats plan_within(struct eco_plan *plan, const struct eco_scene *scene,
+	const struct eco_view *view, uint64_t bytes)
+{
+	const struct eco_request request = { .view = *view, .vertices = 1000000, .bytes = bytes,
+		.texel_px = ECO_TEXEL_PX_MIN };
+	struct lod_planner_stats stats;
+	struct eco_error error = { 0 };
+	assert_ok(lod_plan(plan, &(struct lod_planner_input){ .scene = scene, .request = &request,
+		.stats = &stats, .size = size_of, .size_ctx = (void *)scene }, &error), error);
+	assert_true(stats.bytes <= bytes);
+	return stats;
+}
+
 /* Levels of a list as large as they are where textures are large: all else comes first. */
 static void enlarge(struct random_pack *pack, uint32_t list)
 {
@@ -121,14 +134,9 @@ UNIT_TEST(levels_are_given_up_for_bytes)
 		struct eco_error error = { 0 };
 		assert_ok(size_of((void *)scene, &whole, &bytes, &error), error);
 		for (uint64_t part = 2; part <= 8 && shown(&whole, image); part *= 2) {
-			const struct eco_request request = { .view = view, .vertices = 1000000,
-				.bytes = bytes / part, .texel_px = ECO_TEXEL_PX_MIN };
-			struct lod_planner_stats stats;
-			assert_ok(lod_plan(&plan, &(struct lod_planner_input){ .scene = scene,
-				.request = &request, .stats = &stats, .size = size_of,
-				.size_ctx = (void *)scene }, &error), error);
+			plan_within(&plan, scene, &view, bytes / part);
 			uint32_t levels = shown(&plan, image), border = shown(&plan, outline);
-			assert_true(levels <= LEVELS && stats.bytes <= bytes / part);
+			assert_true(levels <= LEVELS);
 			assert_true(border <= LEVELS && (border > 0) == (levels > 0));
 			shows += levels > 0;
 			fewer += levels > 0 && levels < LEVELS;
@@ -227,15 +235,8 @@ UNIT_TEST(a_large_texture_does_not_keep_its_plant_away)
 		struct eco_error error = { 0 };
 		assert_ok(size_of((void *)scene, &whole, &bytes, &error), error);
 		for (uint64_t part = 2; part <= 64 && shown(&whole, image); part *= 2) {
-			const struct eco_request request = { .view = view, .vertices = 1000000,
-				.bytes = bytes / part, .texel_px = ECO_TEXEL_PX_MIN };
-			struct lod_planner_stats stats;
-			assert_ok(lod_plan(&plan, &(struct lod_planner_input){ .scene = scene,
-				.request = &request, .stats = &stats, .size = size_of,
-				.size_ctx = (void *)scene }, &error), error);
-			assert_true(stats.bytes <= bytes / part);
 			rows++;
-			wrong += log(stats.wrong + 1);
+			wrong += log(plan_within(&plan, scene, &view, bytes / part).wrong + 1);
 			eco_plan_free(&plan);
 		}
 		eco_plan_free(&whole);
