@@ -25,9 +25,7 @@ static void color_sample(const struct view_ground *ground, const struct view_ima
 {
 	const struct view_image_spot spot = { { ground->at[0] + (double)at[0], ground->at[1] + (double)at[1] },
 		{ 0, 0 }, half_m };
-	uint32_t near = 0;
-	double texel_m;
-	struct view_image_color c = view_image_at(image, &spot, &near, &texel_m);
+	struct view_image_color c = view_image_at(image, &spot);
 	for (int k = 0; k < 3; k++)
 		color[k] = (uint16_t)(65535 * (c.alpha * c.light[k] + (1 - c.alpha) * view_bake_plain[k]));
 }

@@ -7,34 +7,35 @@
 #define VIEW_IMAGE_H
 
 #include "client-min/view_store.h"
+#include "ecofiles/format/ground_image.h"
 
-struct view_image_tile {
-	const struct view_list *list;
-	uint32_t levels;                 /* of its parts, that are shown */
-	uint32_t size;                   /* in view_image.sizes */
-	int64_t column, row;             /* in tiles of its size, from the origin */
-};
+/* levels: of its parts, that are shown */
+struct view_image_tile { const struct view_list *list; uint32_t levels; };
 
-#define VIEW_IMAGE_SIZES 24u
+/* A quadtree: words of nodes, the first of them the root. A word is 0 where no tile lies, the number of the
+ * first of its four quarters (south-west, south-east, north-west, north-east), or a leaf: VIEW_IMAGE_LEAF, a
+ * tile's levels - 1 in bits 29 and 30, and its index. */
+#define VIEW_IMAGE_LEAF 0x80000000u
+#define VIEW_IMAGE_TILE(leaf) ((leaf) & 0x1fffffffu)
 struct view_image {                      /* zero is none */
-	struct view_image_tile *tiles; uint32_t count;   /* by size, row, column */
-	double origin[2];                /* south-west corner of one of the largest tiles */
-	/* widths of texels of their last levels, descending; the first tile of each */
-	double texel_m[VIEW_IMAGE_SIZES]; uint32_t first[VIEW_IMAGE_SIZES + 1], size_count;
+	struct view_image_tile *tiles; uint32_t count;
+	uint32_t *nodes; uint32_t node_count;
+	double origin[2], side_m;        /* south-west corner of the root, and its side */
 };
 
 /* The tiles that the store's plan shows. ECO_DAMAGED where they are no quadtree. */
 enum eco_code view_image_make(struct view_image *image, const struct view_store *store,
 	struct eco_error *error);
+/* Of so many tiles, which it copies; their lists must outlive the image. */
+enum eco_code view_image_of(struct view_image *image, const struct view_image_tile *tiles, uint32_t count,
+	struct eco_error *error);
 void view_image_free(struct view_image *image);
 
 /* What a pixel shows: its middle, and half its extents along and across where it is longest, metres. */
 struct view_image_spot { double at[2], along[2], across_m; };
-/* Light (0 to 1) of red, green and blue, and how much of the ground it covers. *texel_m: the width of the
- * texels there, or nothing where none are. Threads may ask at a time; `near` is a thread's own: where to look
- * first, 0 at the beginning. */
-struct view_image_color { float light[3], alpha; };
-struct view_image_color view_image_at(const struct view_image *image, const struct view_image_spot *spot,
-	uint32_t *near, double *texel_m);
+/* Light (0 to 1) of red, green and blue, and how much of the ground it covers; the width of the texels there,
+ * 0 where none are. Threads may ask at a time. */
+struct view_image_color { float light[3], alpha, texel_m; };
+struct view_image_color view_image_at(const struct view_image *image, const struct view_image_spot *spot);
 
 #endif

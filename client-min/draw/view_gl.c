@@ -227,11 +227,11 @@ static enum eco_code upload_selection(struct frame *f)
 		put_instance(words + (size_t)i * INSTANCE_TEXELS * 4, f->job->eye, p,
 			p->plant == ECO_NONE ? NULL : view_store_plant(f->job->store, p->plant));
 	}
-	enum eco_code code = view_gpu_stream(&f->gl->gpu, &f->gl->instances, 4, words,
+	enum eco_code code = view_gpu_stream(&f->gl->gpu, &f->gl->instances, VIEW_GPU_WORDS, words,
 		(uint64_t)s->instance_count * INSTANCE_TEXELS, f->error);
 	free(words);
 	uint32_t pairs = s->cut_count ? s->member_first[s->cut_count] : 0;
-	return code ? code : view_gpu_stream(&f->gl->gpu, &f->gl->members, 1, s->members, pairs, f->error);
+	return code ? code : view_gpu_stream(&f->gl->gpu, &f->gl->members, VIEW_GPU_WORD, s->members, pairs, f->error);
 }
 
 /* ---- Programs ---- */

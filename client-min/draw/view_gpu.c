@@ -85,6 +85,11 @@ unsigned view_gpu_texture(unsigned format, uint32_t width, uint32_t height, int 
 
 /* ---- Texels by number ---- */
 
+static const struct { GLenum format, layout, type; uint32_t bytes; } kinds[] = {
+	[VIEW_GPU_WORDS] = { GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 16 },
+	[VIEW_GPU_WORD] = { GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, 4 },
+	[VIEW_GPU_COLOR] = { GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE, 4 } };
+
 /* The smallest power of two whose square holds so many texels, and at least 16. */
 static uint32_t shift_for(const struct view_gpu *gpu, uint64_t texels)
 {
@@ -99,7 +104,7 @@ static void make_texels(struct view_gpu_texels *t, uint64_t texels)
 {
 	uint32_t width = 1u << t->shift, rows = (uint32_t)((texels + width - 1) >> t->shift);
 	glDeleteTextures(1, &t->texture);
-	t->texture = view_gpu_texture(t->words == 4 ? GL_RGBA32UI : GL_R32UI, width, rows, GL_NEAREST);
+	t->texture = view_gpu_texture(kinds[t->kind].format, width, rows, GL_NEAREST);
 	t->room = (uint64_t)rows << t->shift;
 }
 
@@ -112,10 +117,11 @@ static bool driver_lacked_memory(void)
 	return lacked;
 }
 
-/* Writes texels from number `at` on: a part of a row, whole rows, a part of a row. */
-static void write_texels(const struct view_gpu_texels *t, uint64_t at, const uint32_t *data, uint64_t count)
+/* A part of a row, whole rows, a part of a row. */
+void view_gpu_write(const struct view_gpu_texels *t, uint64_t at, const void *data, uint64_t count)
 {
 	uint32_t width = 1u << t->shift;
+	const uint8_t *bytes = data;
 	glBindTexture(GL_TEXTURE_2D, t->texture);
 	glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
 	while (count) {
@@ -124,31 +130,38 @@ static void write_texels(const struct view_gpu_texels *t, uint64_t at, const uin
 		uint64_t columns = !part ? width : count < width - x ? count : width - x;
 		uint64_t rows = part ? 1 : count >> t->shift;
 		glTexSubImage2D(GL_TEXTURE_2D, 0, (GLint)x, (GLint)(at >> t->shift), (GLsizei)columns,
-			(GLsizei)rows, t->words == 4 ? GL_RGBA_INTEGER : GL_RED_INTEGER, GL_UNSIGNED_INT,
-			data);
-		data += columns * rows * t->words;
+			(GLsizei)rows, kinds[t->kind].layout, kinds[t->kind].type, bytes);
+		bytes += columns * rows * kinds[t->kind].bytes;
 		at += columns * rows;
 		count -= columns * rows;
 	}
 }
 
-enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_texels *stream, uint32_t words,
-	const uint32_t *data, uint64_t texels, struct eco_error *error)
+enum eco_code view_gpu_room(struct view_gpu *gpu, struct view_gpu_texels *stream, enum view_gpu_kind kind,
+	uint64_t texels, struct eco_error *error)
 {
 	uint64_t most = (uint64_t)gpu->side_max << shift_for(gpu, UINT64_MAX);
 	if (texels > most)
-		return eco_fail(error, ECO_TOO_LARGE, "the plants in view need %llu texels, the graphics "
+		return eco_fail(error, ECO_TOO_LARGE, "what is in view needs %llu texels, the graphics "
 			"driver allows %llu", (unsigned long long)texels, (unsigned long long)most);
 	if (texels > stream->room || !stream->texture) {
 		uint64_t room = texels + texels / 2;
-		*stream = (struct view_gpu_texels){ stream->texture, words, shift_for(gpu, room), 0 };
+		*stream = (struct view_gpu_texels){ stream->texture, kind, shift_for(gpu, room), 0 };
 		make_texels(stream, room > most ? texels : room + 1);
 		if (driver_lacked_memory())
-			return eco_fail(error, ECO_NO_MEMORY, "the graphics driver has no memory for the "
-				"plants in view");
+			return eco_fail(error, ECO_NO_MEMORY, "the graphics driver has no memory for what is "
+				"in view");
 	}
-	write_texels(stream, 0, data, texels);
 	return ECO_OK;
+}
+
+enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_texels *stream, enum view_gpu_kind kind,
+	const void *data, uint64_t texels, struct eco_error *error)
+{
+	enum eco_code code = view_gpu_room(gpu, stream, kind, texels, error);
+	if (!code)
+		view_gpu_write(stream, 0, data, texels);
+	return code;
 }
 
 /* ---- Records ---- */
@@ -165,7 +178,7 @@ static enum eco_code reserve(struct view_gpu *gpu, struct view_gpu_list *g, cons
 	if (list->list.kind == ECO_LIST_IMPOSTOR)
 		whole = room;
 	room = room < whole ? room : whole;
-	records->words = 4;
+	records->kind = VIEW_GPU_WORDS;
 	records->shift = shift_for(gpu, whole);
 	uint64_t most = (uint64_t)gpu->side_max << records->shift;
 	if (texels > most)
@@ -213,7 +226,7 @@ static enum eco_code upload_chunks(struct view_gpu_list *g, const struct view_li
 	if (!code) {
 		if (list->list.kind == ECO_LIST_POINTS)
 			bound_points(g, list, words, texels);
-		write_texels(&g->records, g->texels, words, texels);
+		view_gpu_write(&g->records, g->texels, words, texels);
 		g->texels += texels;
 		g->chunks = end;
 	}

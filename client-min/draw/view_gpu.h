@@ -9,9 +9,12 @@
 #include "client-min/view_store.h"
 #include "client-min/view_table.h"
 
+/* Texels of four 4-byte words, of one, of an sRGB colour with alpha (4 bytes), which shaders see as light. */
+enum view_gpu_kind { VIEW_GPU_WORDS, VIEW_GPU_WORD, VIEW_GPU_COLOR };
+
 struct view_gpu_texels {                 /* zero is empty */
 	unsigned texture;
-	uint32_t words;                  /* 4-byte words of a texel: 4, or 1 */
+	enum view_gpu_kind kind;
 	uint32_t shift;                  /* width: 1 << shift */
 	uint64_t room;                   /* texels */
 };
@@ -50,8 +53,13 @@ enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list,
  * waits for the driver. If it had not, none is here any more. */
 enum eco_code view_gpu_check(struct view_gpu *gpu, struct eco_error *error);
 
-/* Replaces all texels, for what changes every frame. `words` 4-byte words a texel: 4, or 1. */
-enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_texels *stream, uint32_t words,
-	const uint32_t *data, uint64_t texels, struct eco_error *error);
+/* Room for so many texels; what was in it is gone where it grows. */
+enum eco_code view_gpu_room(struct view_gpu *gpu, struct view_gpu_texels *stream, enum view_gpu_kind kind,
+	uint64_t texels, struct eco_error *error);
+/* Writes texels from number `at` on, within the room. */
+void view_gpu_write(const struct view_gpu_texels *t, uint64_t at, const void *data, uint64_t count);
+/* Both: replaces all texels, for what changes every frame. */
+enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_texels *stream, enum view_gpu_kind kind,
+	const void *data, uint64_t texels, struct eco_error *error);
 
 #endif

@@ -12,7 +12,6 @@
 #include "lod/light.h"
 
 #define HAZE_M 5200.0
-#define LEAST_STRAIGHT 0.02              /* a ray that meets the ground flatter is taken to meet it so */
 
 const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
 	[VIEW_ROLE_TRIANGLES] = { 26, 158, 41 }, [VIEW_ROLE_LINES] = { 219, 26, 26 },
@@ -33,10 +32,12 @@ typedef struct sunny sunny;
 typedef struct crown crown;
 typedef struct plant plant;
 typedef struct face face;
+typedef struct footprint footprint;
 #define vec3(...) ((struct vec){ __VA_ARGS__ })
 #define sunny(...) ((struct sunny){ __VA_ARGS__ })
 #define crown(...) ((struct crown){ __VA_ARGS__ })
 #define face(...) ((struct face){ __VA_ARGS__ })
+#define footprint(...) ((struct footprint){ __VA_ARGS__ })
 #define real(x) ((float)(x))
 #define abs fabsf
 #define floor floorf
@@ -158,20 +159,6 @@ uint32_t view_surface_cloud(double reach, double level)
 	return (uint32_t)VIEW_CLOUD << 30 | (uint32_t)(fmin(fmax(level, 0), 1) * 255 + 0.5) << 16 | whole;
 }
 
-/* Half a pixel on the ground, along the ray and across it. */
-static struct view_image_spot spot_of(const struct lod_eye *eye, vec3 n, vec3 to,
-	const double world[3])
-{
-	double distance = (double)length(to), half = 0.5 * eye->pixel_rad * distance;
-	vec3 ray = unit(to);
-	float straight = dot(n, ray);
-	vec3 level = add(ray, scale(n, -straight));
-	double part =
-		half / (fmax(fabs((double)straight), LEAST_STRAIGHT) * fmax((double)length(level), 1e-6));
-	return (struct view_image_spot){ { world[0], world[1] },
-		{ part * (double)level.x, part * (double)level.y }, half };
-}
-
 /* ---- Pixels ---- */
 
 /* The last pixel's plant, of which the next one mostly is, too. */
@@ -247,26 +234,18 @@ static vec3 plant_color(const struct lamp *lamp, const struct owned *p, size_t p
 	return tint == VIEW_TINT_KIND ? color : haze(lamp->sun, color, to, length(to), lamp->haze_m);
 }
 
-/* near: as view_image_at */
-static vec3 ground_albedo_at(const struct lamp *lamp, vec3 n, vec3 to, const double world[3], uint32_t *near)
+static vec3 ground_albedo_at(const struct lamp *lamp, vec3 n, vec3 to, const double world[3])
 {
-	const struct view_ground *ground = &lamp->job->selection->ground;
-	const struct view_image_spot spot = spot_of(lamp->job->eye, n, to, world);
-	ground_place at = { world[0] - ground->origin[0], world[1] - ground->origin[1] };
-	double texel_m = 0;
-	float distance = length(to);
-	struct view_image_color image = view_image_at(&lamp->job->selection->image, &spot, near, &texel_m);
-	vec3 albedo = { 0, 0, 0 };
-	if (image.alpha < 1)
-		albedo = ground_albedo(at, n.z, distance);
-	if (image.alpha > 0)
-		albedo = blend(albedo, scale(vec3(image.light[0], image.light[1], image.light[2]),
-			grain(at, (float)texel_m, distance)), image.alpha);
-	return albedo;
+	const struct view_selection *selection = lamp->job->selection;
+	const double *origin = selection->ground.origin;
+	struct footprint foot = footprint_of(n, to, (float)lamp->job->eye->pixel_rad);
+	struct view_image_color image = view_image_at(&selection->image, &(struct view_image_spot){
+		{ world[0], world[1] }, { (double)foot.x, (double)foot.y }, (double)foot.across });
+	return imaged_albedo((ground_place){ world[0] - origin[0], world[1] - origin[1] }, n.z, length(to),
+		vec3(image.light[0], image.light[1], image.light[2]), image.alpha, image.texel_m);
 }
 
-static vec3 ground_pixel(const struct lamp *lamp, size_t pixel, vec3 to, const double world[3],
-	uint32_t *near)
+static vec3 ground_pixel(const struct lamp *lamp, size_t pixel, vec3 to, const double world[3])
 {
 	vec3 n = direction_of(lamp->picture->surface[pixel]);
 	float below[2];
@@ -276,7 +255,7 @@ static vec3 ground_pixel(const struct lamp *lamp, size_t pixel, vec3 to, const d
 			(const float[3]){ n.x, n.y, n.z }, &texel_m);
 		below[0] = lit < 0 ? below[0] : 1 - lit;
 	}
-	vec3 lit = times(ground_albedo_at(lamp, n, to, world, near),
+	vec3 lit = times(ground_albedo_at(lamp, n, to, world),
 		ground_light(lamp->sun, n, below[0], below[1]));
 	return ground_color(lamp->sun, lit, to, lamp->haze_m, lamp->job->tint == VIEW_TINT_KIND);
 }
@@ -286,8 +265,7 @@ static uint8_t encode(const struct lamp *lamp, float c)
 	return lamp->bytes[(uint32_t)(65535 * shown(c) + 0.5f)];
 }
 
-static void light_pixel(const struct lamp *lamp, struct owned *owned, uint32_t *near, uint32_t x,
-	uint32_t y)
+static void light_pixel(const struct lamp *lamp, struct owned *owned, uint32_t x, uint32_t y)
 {
 	struct view_picture *picture = lamp->picture;
 	size_t i = (size_t)y * picture->width + x;
@@ -301,8 +279,7 @@ static void light_pixel(const struct lamp *lamp, struct owned *owned, uint32_t *
 		uint64_t owner = picture->owner[i];
 		if (owner && owner != owned->owner)
 			find_plant(lamp, owner, owned);
-		color = owner ? plant_color(lamp, owned, i, to, world) : ground_pixel(lamp, i, to, world,
-			near);
+		color = owner ? plant_color(lamp, owned, i, to, world) : ground_pixel(lamp, i, to, world);
 	} else {
 		color = sky_color(lamp->sun, ray, lamp->job->tint == VIEW_TINT_KIND);
 	}
@@ -315,10 +292,9 @@ static void light_rows(void *ctx, uint32_t first)
 {
 	const struct lamp *lamp = ctx;
 	struct owned owned = { .owner = 0 };
-	uint32_t near = 0;
 	for (uint32_t y = first; y < lamp->picture->height; y += lamp->threads)
 		for (uint32_t x = 0; x < lamp->picture->width; x++)
-			light_pixel(lamp, &owned, &near, x, y);
+			light_pixel(lamp, &owned, x, y);
 }
 
 static vec3 axis_of(const double axis[3], double t)

@@ -283,6 +283,29 @@ LIGHT float grain(ground_place at, float texel_m, float distance_m)
 	return 1.0f + 0.6f * within(texel_m / 0.25f) * (fine_at(at, distance_m) - 0.5f);
 }
 
+/* image: its light, where it covers `alpha` of the ground, by texels of texel_m. */
+LIGHT vec3 imaged_albedo(ground_place at, float up, float distance_m, vec3 image, float alpha, float texel_m)
+{
+	if (!(alpha > 0.0f))
+		return ground_albedo(at, up, distance_m);
+	vec3 color = scale(image, grain(at, texel_m, distance_m));
+	return alpha < 1.0f ? blend(ground_albedo(at, up, distance_m), color, alpha) : color;
+}
+
+/* Half a pixel on the ground, along the ray (x, y) and across it. */
+struct footprint { float x, y, across; };
+
+LIGHT footprint footprint_of(vec3 n, vec3 to, float pixel_rad)
+{
+	float distance_m = length(to), across = 0.5f * pixel_rad * distance_m;
+	vec3 ray = unit(to);
+	/* a ray that meets the ground flatter than .02 is taken to meet it so */
+	float straight = dot(n, ray);
+	vec3 level = add(ray, scale(n, -straight));
+	float along = across / (max(abs(straight), 0.02f) * max(length(level), 1e-6f));
+	return footprint(along * level.x, along * level.y, across);
+}
+
 /* taken: shares of sunlight and skylight that are taken. */
 LIGHT vec3 ground_light(sunlight s, vec3 n, float sun_taken, float sky_taken)
 {

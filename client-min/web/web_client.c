@@ -229,13 +229,13 @@ int web_prepare(struct web *web, double width, double height)
 	if (!code)
 		code = view_gl_prepare(web->gl, FAR_PROGRAMS, &web->error);
 	if (!code)
-		code = web_light_prepare(&web->light, &web->error);
+		code = web_light_prepare(&web->light, false, &web->error);
 	if (!code)
 		code = web_present_prepare(&web->present, &web->error);
 	return (int)code;
 }
 
-/* Shadow maps and images on the ground are made and looked up in memory. */
+/* Shadow maps are made and looked up in memory. */
 static enum eco_code light_in_memory(struct web *web, const struct view_light_job *job)
 {
 	enum eco_code code = view_gl_read(web->gl, &web->picture, &web->error);

@@ -52,6 +52,9 @@ static const char more[] = FRAME
 	"	v_pixel = (gl_Position.xy * 0.5 + 0.5) * vec2(textureSize(u_seen, 0));\n"
 	"}\n";
 
+static const char plain_text[] =
+	"vec3 ground_own(vec3 n, vec3 to) { return ground_albedo(to.xy, n.z, length(to)); }\n";
+
 static const char pixels[] = FRAME
 	"uniform sampler2D u_shade;\n"
 	"uniform usampler2D u_plants;\n"
@@ -108,7 +111,7 @@ static const char pixels[] = FRAME
 	"	if (all(greaterThan(at, vec2(0.0))) && all(lessThan(at, vec2(1.0))))\n"
 	"		taken = textureLod(u_shade, at, 0.0).rg;\n"
 	"	vec3 lit = ground_light(sun(), n, taken.x, taken.y);\n"
-	"	lit *= ground_albedo(to.xy, n.z, length(to));\n"
+	"	lit *= ground_own(n, to);\n"
 	"	return ground_color(sun(), lit, to, haze_m(), by_kind());\n"
 	"}\n"
 	"void main() {\n"
@@ -141,20 +144,21 @@ static void say_metre(char *text, size_t size)
 	snprintf(text + at, size - (size_t)at, ");\n");
 }
 
-enum eco_code web_light_prepare(struct web_light *light, struct eco_error *error)
+enum eco_code web_light_prepare(struct web_light *light, bool image, struct eco_error *error)
 {
-	if (light->program)
-		return ECO_OK;
 	char metre[1024];
-	say_metre(metre, sizeof metre);
-	light->program = web_program(more, (const char *const[]){ metre, language, light_text, pixels }, 4,
-		"light", error);
-	if (!light->program)
-		return error->code;
-	view_gpu_init(&light->gpu);
-	glGenVertexArrays(1, &light->vertex_array);
-	glGenFramebuffers(1, &light->framebuffer);
-	return ECO_OK;
+	if (!light->vertex_array) {
+		view_gpu_init(&light->gpu);
+		glGenVertexArrays(1, &light->vertex_array);
+		glGenFramebuffers(1, &light->framebuffer);
+	}
+	if (!light->programs[image]) {
+		say_metre(metre, sizeof metre);
+		light->programs[image] = web_program(more, (const char *const[]){ metre, language, light_text,
+			image ? web_image_text : plain_text, pixels }, 5, "light", error);
+	}
+	light->program = light->programs[image];
+	return light->program ? ECO_OK : error->code;
 }
 
 static void resize(struct web_light *light, uint32_t width, uint32_t height)
@@ -175,7 +179,9 @@ void web_light_free(struct web_light *light)
 	glDeleteTextures(3, textures);
 	glDeleteFramebuffers(1, &light->framebuffer);
 	glDeleteVertexArrays(1, &light->vertex_array);
-	glDeleteProgram(light->program);
+	for (int i = 0; i < 2; i++)
+		glDeleteProgram(light->programs[i]);
+	web_image_free(&light->image);
 	view_gpu_free(&light->gpu);
 	*light = (struct web_light){ 0 };
 }
@@ -187,7 +193,7 @@ void web_light_forget(struct web_light *light)
 
 bool web_light_can(const struct view_light_job *job)
 {
-	return !job->selection->sky.shadows && !job->selection->image.count;
+	return !job->selection->sky.shadows;
 }
 
 /* ---- What light needs of a selection ---- */
@@ -205,22 +211,32 @@ static void put_plant(float *texels, const struct view_light_job *job, const str
 	memcpy(texels + 8, b, sizeof b);
 }
 
-/* Once a selection: feet are told from where the eye was then. */
+/* Feet are told from where the eye was then. */
 static enum eco_code upload_plants(struct web_light *light, const struct view_light_job *job,
 	struct eco_error *error)
 {
 	uint32_t count = job->selection->instance_count;
-	if (light->held)
-		return ECO_OK;
 	float *texels = malloc((size_t)count * PLANT_TEXELS * VIEW_TEXEL_BYTES + 1);
 	if (!texels)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the plants in view");
 	memcpy(light->origin, job->eye->at, sizeof light->origin);
 	for (uint32_t i = 0; i < count; i++)
 		put_plant(texels + (size_t)i * PLANT_TEXELS * 4, job, &job->selection->instances[i]);
-	enum eco_code code = view_gpu_stream(&light->gpu, &light->plants, 4, (const uint32_t *)texels,
+	enum eco_code code = view_gpu_stream(&light->gpu, &light->plants, VIEW_GPU_WORDS, texels,
 		(uint64_t)count * PLANT_TEXELS, error);
 	free(texels);
+	return code;
+}
+
+/* Once a selection. */
+static enum eco_code upload_selection(struct web_light *light, const struct view_light_job *job,
+	struct eco_error *error)
+{
+	if (light->held)
+		return ECO_OK;
+	enum eco_code code = upload_plants(light, job, error);
+	if (!code && job->selection->image.count)
+		code = web_image_upload(&light->image, &light->gpu, &job->selection->image, error);
 	light->held = !code;
 	return code;
 }
@@ -325,14 +341,16 @@ static void set_all(const struct web_light *light, const struct view_light_job *
 	set_frame(light, job);
 	set_octaves(light, job);
 	set_rays(light, job->eye);
+	if (job->selection->image.count)
+		web_image_set(&light->image, light->program, 3, &job->selection->image, job->eye);
 }
 
 enum eco_code web_light_draw(struct web_light *light, const struct view_gl *gl,
 	const struct view_light_job *job, uint32_t width, uint32_t height, struct eco_error *error)
 {
-	enum eco_code code = web_light_prepare(light, error);
+	enum eco_code code = web_light_prepare(light, job->selection->image.count > 0, error);
 	if (!code)
-		code = upload_plants(light, job, error);
+		code = upload_selection(light, job, error);
 	if (!code)
 		code = upload_shade(light, job, error);
 	if (code)
@@ -349,7 +367,7 @@ enum eco_code web_light_put(struct web_light *light, const struct view_picture *
 {
 	size_t count = (size_t)picture->width * picture->height;
 	uint8_t *rgba = calloc(count, 4);
-	enum eco_code code = rgba ? web_light_prepare(light, error)
+	enum eco_code code = rgba ? web_light_prepare(light, false, error)
 		: eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
 	for (size_t i = 0; i < count && !code; i++)
 		memcpy(rgba + 4 * i, picture->rgb + 3 * i, 3);

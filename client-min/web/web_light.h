@@ -9,26 +9,29 @@
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_gpu.h"
 #include "client-min/draw/view_light.h"
+#include "client-min/web/web_image.h"
 
 struct web_light {                       /* zero is empty */
 	unsigned lit;                    /* RGBA8 */
 	uint32_t width, height;
-	unsigned program, framebuffer, vertex_array, shade;
+	unsigned programs[2];            /* without an image on the ground, and with one */
+	unsigned program;                /* of them, the one in use */
+	unsigned framebuffer, vertex_array, shade;
 	struct view_gpu gpu;
 	/* of the selection, if `held`: three texels an instance, their feet from `origin` */
 	struct view_gpu_texels plants;
 	double origin[3];
+	struct web_image image;          /* of the selection, if `held` */
 	bool held;
 	bool shaded;                     /* `shade` is of this selection and that sun */
 	float sun[3];
 	double low[2], side_m;           /* where `shade` lies: view_shade.h; side_m 0: nowhere */
 };
 
-/* All of the picture that gl has recorded, of the job's selection. No image on the ground, no shadow maps:
- * web_light_can. */
+/* All of the picture that gl has recorded, of the job's selection. No shadow maps: web_light_can. */
 bool web_light_can(const struct view_light_job *job);
-/* Compiles what drawing needs, which that else does itself. */
-enum eco_code web_light_prepare(struct web_light *light, struct eco_error *error);
+/* Compiles what drawing needs, with an image on the ground or without, which that else does itself. */
+enum eco_code web_light_prepare(struct web_light *light, bool image, struct eco_error *error);
 enum eco_code web_light_draw(struct web_light *light, const struct view_gl *gl,
 	const struct view_light_job *job, uint32_t width, uint32_t height, struct eco_error *error);
 /* Takes colours that were lit in memory; reads them, 3 bytes a pixel. */

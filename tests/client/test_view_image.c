@@ -1,4 +1,4 @@
-/* The image of the ground at a place, against a simple twin; and that it does not depend on how it came. */
+/* The image of the ground at a place, against a simple twin; and which tiles are a quadtree. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,9 +29,9 @@ static void make_tile(struct made *m, uint32_t i, double west, double south, dou
 				memset(list->parts[k].texels + 3 * ((size_t)y * n + x), value_at(west + (x + 0.5) * side / n,
 					south + side - (y + 0.5) * side / n), 3);
 	}
-	uint32_t size = side < 100;
-	m->tiles[i] = (struct view_image_tile){ list, ECO_GROUND_IMAGE_LEVELS, size,
-		(int64_t)floor(west / side), (int64_t)floor(south / side) };
+	list->list = (struct eco_list){ .kind = ECO_LIST_GROUND_IMAGE, .grid_origin = { west, south },
+		.grid_step = { side / SIDE, side / SIDE } };
+	m->tiles[i] = (struct view_image_tile){ list, ECO_GROUND_IMAGE_LEVELS };
 }
 
 static void make(struct made *m)
@@ -41,25 +41,23 @@ static void make(struct made *m)
 	make_tile(m, 1, 100, 0, 50);
 	make_tile(m, 2, 150, 0, 50);
 	make_tile(m, 3, 100, 50, 50);
-	m->image = (struct view_image){ .tiles = m->tiles, .count = TILES, .texel_m = { 100.0 / SIDE, 50.0 / SIDE },
-		.first = { 0, 1, TILES }, .size_count = 2 };
+	struct eco_error error = { 0 };
+	assert_ok(view_image_of(&m->image, m->tiles, TILES, &error), error);
 }
 
 static void unmake(struct made *m)
 {
 	for (uint32_t i = 0; i < TILES; i++) {
-		for (uint32_t k = 0; k < ECO_GROUND_IMAGE_LEVELS; k++)
+		for (uint32_t k = 0; k < m->lists[i].chunk_count; k++)
 			eco_texture_part_free(&m->lists[i].parts[k]);
 		free(m->lists[i].parts);
 	}
+	view_image_free(&m->image);
 }
 
 static struct view_image_color ask(const struct made *m, double x, double y, double half_m)
 {
-	uint32_t near = 0;
-	double texel_m = 0;
-	const struct view_image_spot spot = { { x, y }, { 0, half_m }, half_m };
-	return view_image_at(&m->image, &spot, &near, &texel_m);
+	return view_image_at(&m->image, &(struct view_image_spot){ { x, y }, { 0, half_m }, half_m });
 }
 
 /* A ramp is what it is at every place, whatever level or tile shows it: also across borders of tiles. */
@@ -88,20 +86,72 @@ UNIT_TEST(nothing_is_shown_where_no_tile_lies)
 	unmake(&m);
 }
 
-/* Where the last answer was has no influence. */
-UNIT_TEST(answers_do_not_depend_on_where_is_looked_first)
+UNIT_TEST(the_width_of_texels_is_that_of_the_tile_there)
 {
 	struct made m;
 	make(&m);
-	for (uint32_t first = 0; first <= TILES + 1; first++)
-		for (double x = 1; x < 199; x += 7.3) {
-			uint32_t near = first;
-			double texel_m = 0;
-			const struct view_image_spot spot = { { x, 20 }, { 0.3, 0 }, 0.1 };
-			struct view_image_color a = view_image_at(&m.image, &spot, &near, &texel_m), b;
-			near = 0;
-			b = view_image_at(&m.image, &spot, &near, &texel_m);
-			assert_memory_equal(&a, &b, sizeof a);
-		}
+	assert_true(ask(&m, 50, 50, 0.1).texel_m == (float)(100.0 / SIDE));
+	assert_true(ask(&m, 120, 20, 0.1).texel_m == (float)(50.0 / SIDE));
+	unmake(&m);
+}
+
+/* Also where its texels are a small part of the root: single floats of places would be 12 texels apart. */
+UNIT_TEST(a_small_tile_far_from_the_others_is_as_sharp)
+{
+	struct made m;
+	memset(&m, 0, sizeof m);
+	struct eco_error error = { 0 };
+	double west = 8e6, side = 1.0 / 64;
+	make_tile(&m, 0, 0, 0, 1);
+	make_tile(&m, 1, west, 0, side);
+	for (uint32_t y = 0; y < SIDE; y++)
+		for (uint32_t x = 0; x < SIDE; x++)
+			memset(m.lists[1].parts[3].texels + 3 * (y * SIDE + x), (int)x, 3);
+	assert_ok(view_image_of(&m.image, m.tiles, 2, &error), error);
+	for (uint32_t x = 0; x < SIDE; x++)
+		assert_true(fabsf(ask(&m, west + (x + 0.5) * side / SIDE, side / 2, 1e-9).light[0]
+			- (float)lod_light_of[x] / 65535) < 1e-4f);
+	unmake(&m);
+}
+
+static enum eco_code code_of(const struct made *m, uint32_t count)
+{
+	struct view_image image;
+	struct eco_error error = { 0 };
+	enum eco_code code = view_image_of(&image, m->tiles, count, &error);
+	view_image_free(&image);
+	return code;
+}
+
+UNIT_TEST(what_is_no_quadtree_is_refused)
+{
+	struct made m;
+	make(&m);
+	struct eco_list *last = &m.lists[3].list;
+	const struct eco_list kept = *last;
+	assert_int_equal(code_of(&m, TILES), ECO_OK);
+	last->grid_origin[1] = 0;                                  /* where another lies */
+	assert_int_equal(code_of(&m, TILES), ECO_DAMAGED);
+	*last = kept;
+	last->grid_origin[0] = 50;                                 /* on a quarter of a larger one */
+	assert_int_equal(code_of(&m, TILES), ECO_DAMAGED);
+	*last = kept;
+	last->grid_step[0] = 33.0 / SIDE;                          /* no half of a half */
+	assert_int_equal(code_of(&m, TILES), ECO_DAMAGED);
+	const double far[] = { NAN, INFINITY, 1e300, 1e17 };
+	for (int i = 0; i < 4; i++) {
+		*last = kept;
+		last->grid_origin[0] = far[i];
+		assert_int_equal(code_of(&m, TILES), ECO_DAMAGED);
+	}
+	*last = kept;
+	const double steps[] = { NAN, 0, -1, 1e-300, 1e300 };
+	for (int i = 0; i < 5; i++) {
+		last->grid_step[0] = steps[i];
+		assert_int_equal(code_of(&m, TILES), ECO_DAMAGED);
+	}
+	*last = kept;
+	m.lists[3].parts[1].width = 63;
+	assert_int_equal(code_of(&m, TILES), ECO_DAMAGED);
 	unmake(&m);
 }
