@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "client-min/web/web_program.h"
 #include "ecofiles/base/room.h"
 
 #define BLOCK 1024u                      /* texels of the coarsest level of a tile */
@@ -156,18 +157,11 @@ const char web_image_text[] = "#define wide float\n"
 	"		c.texel / u_image.z);\n"
 	"}\n";
 
-static void set_texels(unsigned program, const char *name, int unit, unsigned texture)
-{
-	glActiveTexture(GL_TEXTURE0 + (GLenum)unit);
-	glBindTexture(GL_TEXTURE_2D, texture);
-	glUniform1i(glGetUniformLocation(program, name), unit);
-}
-
 void web_image_set(const struct web_image *image, unsigned program, int unit, const struct view_image *of,
 	const struct lod_eye *eye)
 {
-	set_texels(program, "u_nodes", unit, image->nodes.texture);
-	set_texels(program, "u_texels", unit + 1, image->texels.texture);
+	web_program_texture(program, "u_nodes", unit, image->nodes.texture);
+	web_program_texture(program, "u_texels", unit + 1, image->texels.texture);
 	glUniform3i(glGetUniformLocation(program, "u_tree"), (int)image->nodes.shift, (int)image->texels.shift,
 		(int)image->node_count);
 	glUniform4f(glGetUniformLocation(program, "u_image"),

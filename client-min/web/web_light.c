@@ -324,20 +324,13 @@ static void set_octaves(const struct web_light *light, const struct view_light_j
 	glUniform4fv(uniform(light, "u_part"), VIEW_OCTAVES / 2, part[0]);
 }
 
-static void bind(const struct web_light *light, const char *name, int unit, unsigned texture)
-{
-	glActiveTexture(GL_TEXTURE0 + (GLenum)unit);
-	glBindTexture(GL_TEXTURE_2D, texture);
-	glUniform1i(uniform(light, name), unit);
-}
-
 static void set_all(const struct web_light *light, const struct view_light_job *job,
 	unsigned seen)
 {
 	glUseProgram(light->program);
-	bind(light, "u_seen", 0, seen);
-	bind(light, "u_plants", 1, light->plants.texture);
-	bind(light, "u_shade", 2, light->shade);
+	web_program_texture(light->program, "u_seen", 0, seen);
+	web_program_texture(light->program, "u_plants", 1, light->plants.texture);
+	web_program_texture(light->program, "u_shade", 2, light->shade);
 	set_frame(light, job);
 	set_octaves(light, job);
 	set_rays(light, job->eye);

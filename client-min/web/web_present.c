@@ -20,13 +20,6 @@ static const char fragment_text[] = WEB_IS_SUMMARY
 	"	o_color = vec4(texture(u_lit, v_at).rgb, 1.0);\n"
 	"}\n";
 
-static void bind(unsigned program, const char *name, int unit, unsigned texture)
-{
-	glActiveTexture(GL_TEXTURE0 + (GLenum)unit);
-	glBindTexture(GL_TEXTURE_2D, texture);
-	glUniform1i(glGetUniformLocation(program, name), unit);
-}
-
 enum eco_code web_present_prepare(struct web_present *p, struct eco_error *error)
 {
 	if (p->program)
@@ -45,8 +38,8 @@ enum eco_code web_present_draw(struct web_present *p, unsigned lit, unsigned see
 	if (code)
 		return code;
 	glUseProgram(p->program);
-	bind(p->program, "u_lit", 0, lit);
-	bind(p->program, "u_seen", 1, seen);
+	web_program_texture(p->program, "u_lit", 0, lit);
+	web_program_texture(p->program, "u_seen", 1, seen);
 	glUniform4f(glGetUniformLocation(p->program, "u_depth"), place->depth[0], place->depth[1],
 		place->sky, place->ground);
 	glEnable(GL_DEPTH_TEST);

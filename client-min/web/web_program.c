@@ -68,6 +68,13 @@ unsigned web_program(const char *more, const char *const *parts, int count, cons
 	return program;
 }
 
+void web_program_texture(unsigned program, const char *name, int unit, unsigned texture)
+{
+	glActiveTexture(GL_TEXTURE0 + (GLenum)unit);
+	glBindTexture(GL_TEXTURE_2D, texture);
+	glUniform1i(glGetUniformLocation(program, name), unit);
+}
+
 void web_program_fill(unsigned vertex_array, const int viewport[4])
 {
 	glBindVertexArray(vertex_array);

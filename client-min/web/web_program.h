@@ -14,6 +14,8 @@
  * gl_Position is set. 0, with *error: the driver refuses it. */
 unsigned web_program(const char *vertex, const char *const *parts, int count, const char *what,
 	struct eco_error *error);
+/* A texture that the program in use reads by that name. */
+void web_program_texture(unsigned program, const char *name, int unit, unsigned texture);
 /* viewport: x, y, width, height */
 void web_program_fill(unsigned vertex_array, const int viewport[4]);
 
