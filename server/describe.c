@@ -14,7 +14,7 @@ static const char *const kind_names[] = {
 	[ECO_LIST_TRIANGLES] = "triangles", [ECO_LIST_LINES] = "lines", [ECO_LIST_POINTS] = "points",
 	[ECO_LIST_INSTANCES] = "instances", [ECO_LIST_GROUND] = "ground",
 	[ECO_LIST_IMAGE] = "image", [ECO_LIST_OUTLINE] = "outline", [ECO_LIST_GROUND_IMAGE] = "ground_image",
-	[ECO_LIST_IMPOSTOR] = "impostor",
+	[ECO_LIST_IMPOSTOR] = "impostor", [ECO_LIST_INVENTORY] = "inventory",
 };
 
 static const struct { uint32_t bit; const char *name; } need_names[] = {
@@ -96,6 +96,7 @@ static void describe_links(struct srv_json *json, const struct srv_scene *scene)
 	key_url(json, "stream", scene, "/stream{?eye,target,up,fov_y_deg,width,height,vertices,bytes,"
 		"ground_px,texel_px,next_eye,next_target,name_from,rule,pack}");
 	key_url(json, "chunk", scene, "/chunks/{id}");
+	key_url(json, "plants", scene, "/plants/{list}{?first,count,pack}");
 	srv_json_close(json, '}');
 }
 

@@ -11,13 +11,13 @@
 #include "ecofiles/format/texture.h"
 #include "lod/build/grid.h"
 
-enum { KIND_SUMMARIES = ECO_LIST_GROUND_IMAGE + 1, KIND_SPLATS, KIND_COUNT };
+enum { KIND_SUMMARIES = ECO_LIST_INVENTORY + 1, KIND_SPLATS, KIND_COUNT };
 static const char *const kind_names[KIND_COUNT] = { "", "triangles", "lines", "points", "instances", "ground",
-	"images", "impostors", "outlines", "ground_images", "summaries", "splats" };
+	"images", "impostors", "outlines", "ground_images", "inventory", "summaries", "splats" };
 static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground",
 	"cells", "summaries", "placements", "splats", "impostors", "ground_image" };
 
-/* units: what bits are told of: primitives, texels of textures */
+/* units: what bits are told of: primitives, texels of textures, plants of inventories */
 struct kind_total { uint64_t lists, chunks, primitives, units, bytes; };
 
 struct totals {
@@ -100,6 +100,8 @@ static enum eco_code count_up(const struct eco_pack *pack, struct totals *t, str
 		kind->units += list->primitive_count;
 		if (eco_list_has_texels(list))
 			kind->units += count_texels(pack, list) - list->primitive_count;
+		else if (list->kind == ECO_LIST_INVENTORY)
+			kind->units += s->place_count - list->primitive_count;
 		kind->bytes += list_bytes(s, list);
 	}
 	t->leaves = s->tile_count;
@@ -397,7 +399,8 @@ static void print_info(const struct eco_pack *pack, const struct totals *t, cons
 			fprintf(out, "%-12s %8" PRIu64 " %8" PRIu64 " %12" PRIu64 " %12s %10.2f%s\n",
 				kind_names[i], t->kind[i].lists, t->kind[i].chunks, t->kind[i].primitives,
 				bytes_text(t->kind[i].bytes, text), bits_each(&t->kind[i]),
-				t->kind[i].units != t->kind[i].primitives ? ", of a texel" : "");
+				i == ECO_LIST_INVENTORY ? ", of a plant" : t->kind[i].units != t->kind[i].primitives
+				? ", of a texel" : "");
 	if (t->shape_chunks)
 		fprintf(out, "in %" PRIu64 " chunks of triangles, %s, leaves of one shape are stored as "
 			"placings of it, others by prediction\n", t->shape_chunks,

@@ -253,6 +253,32 @@ static enum eco_code add_outer(struct link *l, const struct lod_tiles *tiles)
 	return ECO_OK;
 }
 
+/* What the group's plants are by their inventories. A plant of the whole may have its name from another
+ * part. */
+static enum eco_code add_rows(struct link *l, struct link_part *part, const struct eco_group *group)
+{
+	const struct eco_scene *s = &part->pack->scene;
+	const char *own = s->plants[group->plant].name,
+		*whole = l->m.table[part->plant_of[group->plant]].name;
+	struct eco_inventory_block *block = &part->rows;
+	struct eco_error why = { 0 };
+	enum eco_code code = ECO_OK;
+	for (uint64_t i = group->place_first; i < group->place_first + group->count && !code; i++) {
+		if (!block->rows || i - block->first >= block->count) {
+			eco_inventory_free(block);
+			code = eco_inventory_read(block, part->pack, i, &why);
+		}
+		if (code)
+			return eco_fail(l->m.error, code, "%.200s: %s", part->path, why.text);
+		struct eco_inventory_row row = block->rows[i - block->first];
+		row.species = row.species ? row.species : own;
+		if (strcmp(row.species, whole) == 0)
+			row.species = NULL;
+		code = make_inventory_add(&l->m, &row);
+	}
+	return code;
+}
+
 static enum eco_code add_groups(struct link *l, struct link_part *part, const struct eco_tile *tile)
 {
 	const struct eco_scene *s = &part->pack->scene;
@@ -268,6 +294,8 @@ static enum eco_code add_groups(struct link *l, struct link_part *part, const st
 		record.owner += part->tile_first;
 		if (!from->first)
 			code = link_copy(l, part, from->list, &record);
+		if (!code)
+			code = add_rows(l, part, from);
 		*group = (struct eco_group){ record.owner, part->plant_of[from->plant],
 			part->list_of[from->list], (m->places.count - size) / ECO_PLACE_BYTES, from->first,
 			from->count };
@@ -511,6 +539,8 @@ static enum eco_code run(struct link *l, const struct link_options *options)
 		code = lay_ground(l);
 	if (!code)
 		code = copy_image(l);
+	if (!code)
+		code = make_inventory_pack(m);
 	if (code)
 		return code;
 	name_whole(l, options->pack);
@@ -530,6 +560,7 @@ static enum eco_code run(struct link *l, const struct link_options *options)
 static void link_free(struct link *l)
 {
 	for (uint32_t i = 0; i < l->count; i++) {
+		eco_inventory_free(&l->parts[i].rows);
 		eco_pack_close(l->parts[i].pack);
 		json_decref(l->parts[i].meta);
 		free(l->parts[i].plant_of);
@@ -543,6 +574,7 @@ static void link_free(struct link *l)
 	eco_pack_abort(l->m.writer);
 	json_decref(l->plants);
 	make_ground_free(&l->m);
+	make_inventory_free(&l->m);
 	free(l->m.table);
 	free(l->m.plants);
 	free(l->known);

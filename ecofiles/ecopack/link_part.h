@@ -16,6 +16,7 @@ struct link_part {
 	uint32_t *list_of;           /* the same for lists; ECO_NONE: not taken (yet) */
 	bool renamed;                /* plants are renumbered, so summaries must be rewritten */
 	uint32_t tile_first;
+	struct eco_inventory_block rows;     /* the block that was read last */
 };
 
 struct link_known { struct eco_chunk_id id; };       /* hash of a plant without its name */

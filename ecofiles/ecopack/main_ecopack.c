@@ -107,6 +107,9 @@ static const struct eco_option make_options[] = {
 		.help = "so many of the models stand for all: those that look most like the others, by what "
 		"of the picture differs, and by the plants that use them; only these are built. Each plant "
 		"keeps its height" },
+	{ "no-rows", 0, ECO_OPTION_FLAG, NULL, &make_given.make.no_rows,
+		.help = "for packs that strangers see: leaves out which row of which inventory each plant is, "
+		"and the inventories' names" },
 	{ "confine", 0, ECO_OPTION_READ, "DIR", &make_given.confined_to, .read = read_confine,
 		.has_optional_value = true,
 		.help = "for scenes of strangers: reads only what lies below DIR, or below the scene's "
@@ -124,8 +127,8 @@ static const struct eco_option make_options[] = {
 		"given" }, { 0 } };
 
 const struct main_command main_command_make = { {
-	"ecopack make", "SCENE.json -o OUT.eco [--draft | --order NAME] [--jobs N] [--times] [--cache DIR | "
-		"--no-cache]",
+	"ecopack make", "SCENE.json -o OUT.eco [--draft | --order NAME] [--jobs N] [--no-rows] [--times] "
+		"[--cache DIR | --no-cache]",
 	"Builds a pack; every field of SCENE.json is described in ecofiles/README.md.", make_options,
 	main_common, NULL, NULL }, run_make };
 

@@ -86,6 +86,8 @@ static enum eco_code build(struct make *m)
 		code = make_ground_through(m);
 	if (!code)
 		code = make_image(m);
+	if (!code)
+		code = make_inventory_pack(m);
 	if (code)
 		return code;
 	snprintf(m->scene.name, sizeof m->scene.name, "%s", m->sources.items[0].name);
@@ -124,6 +126,7 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 	make_places_free(&m);
 	make_plants_free(&m);
 	make_ground_free(&m);
+	make_inventory_free(&m);
 	eco_sources_free(&m.sources);
 	struct make_array *arrays[] = { &m.anchors, &m.ladders, &m.curves, &m.tiles, &m.groups, &m.children,
 		&m.lists, &m.places, &m.palette, &m.stands };

@@ -9,6 +9,7 @@
  *   places      instances and inventories, put on the ground, scaled to their heights        make_places.c
  *   tiles       lod_tiles_build; instance lists, tables, point summaries       make_tiles.c, make_summaries.c
  *   image       rasters of colours or classes, cut into tiles                                 make_image.c
+ *   inventory   which row of which inventory each plant is                                make_inventory.c
  *   commit      tables, META, rename                                                         make_meta.c
  *
  * Everything up to the commit is deterministic and independent of the number of threads. */
@@ -19,7 +20,7 @@
 
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/ecopack/cache.h"
-#include "ecofiles/format/pack.h"
+#include "ecofiles/format/inventory.h"
 #include "ecofiles/scene/scene.h"
 #include "lod/build/plant.h"
 #include "lod/build/texture.h"
@@ -34,6 +35,7 @@ struct make_options {
 	uint32_t models;             /* so many models stand for all; 0: as the scene says */
 	/* folder of finished plants; NULL or "": none. Does not change the pack */
 	const char *cache;
+	bool no_rows;                /* leaves out which row of which inventory a plant is */
 	uint64_t cache_bytes;        /* the cache's bound; 0: 2 GiB */
 };
 
@@ -70,7 +72,12 @@ struct make_plant {              /* a model on its way into the pack */
 /* A model that another stands for; the plants that use it. */
 struct make_stood_for { char name[64]; uint64_t plants; double difference; };
 
-struct make_place { double at[3], scale; uint32_t plant; uint16_t turn; };
+/* species: plant of the source; file: of its inventories, from 1 on, 0: of none; row, line: positions.h */
+struct make_place {
+	double at[3], scale;
+	uint32_t plant, species, file, row, line;
+	uint16_t turn;
+};
 struct make_nested { double at[3]; uint32_t child; };        /* place of a child of the source */
 
 struct make_eco {                /* an eco file with its places, tiled */
@@ -113,6 +120,7 @@ struct make {
 	struct make_array textures;  /* make_textures.h */
 	/* make_tiles.c: plants of one kind in one leaf; each a group and a list */
 	struct make_array stands;
+	struct make_inventory *inventory;        /* make_inventory.c; NULL before the first place */
 	/* the scene's tables as they grow */
 	struct make_array anchors, ladders, curves, tiles, groups, children, lists, places, palette;
 	struct eco_plant *table;     /* per plant */
@@ -242,6 +250,11 @@ enum eco_code make_summing_run(struct make_summing *summing, uint32_t first, uin
 enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile);
 void make_summing_end(struct make_summing *summing);
 enum eco_code make_summaries(struct make *m);        /* of all tiles */
+/* What the next place of section PLACES is by its inventory. Names are kept. */
+enum eco_code make_inventory_add(struct make *m, const struct eco_inventory_row *row);
+/* Packs them, as the last list, unless there is nothing to be said of any. */
+enum eco_code make_inventory_pack(struct make *m);
+void make_inventory_free(struct make *m);
 /* META's "ground": where it comes from. */
 #define MAKE_GROUND_THROUGH "plants"
 const char *make_ground_origin(const struct make *m);

@@ -55,7 +55,8 @@ static uint32_t find(const struct known_table *table, XXH128_hash_t hash)
 static bool of_plant(const struct eco_list *list)
 {
 	return list->kind != ECO_LIST_INSTANCES && list->kind != ECO_LIST_GROUND
-		&& list->kind != ECO_LIST_GROUND_IMAGE && !(list->attributes & ECO_ATTR_PLANT);
+		&& list->kind != ECO_LIST_GROUND_IMAGE && list->kind != ECO_LIST_INVENTORY
+		&& !(list->attributes & ECO_ATTR_PLANT);
 }
 
 /* Hashes everything that summaries take from plants: records, colours and chunks. Without memory sets

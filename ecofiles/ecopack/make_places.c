@@ -72,7 +72,7 @@ static enum eco_code place_instances(struct make *m, uint32_t source)
 		struct make_place place =
 			{ .at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
 			.scale = scale_for(m, plant, instance->scale, instance->height_m), .plant = plant,
-				.turn = eco_turn_from_deg(instance->yaw_deg) };
+				.species = instance->plant, .turn = eco_turn_from_deg(instance->yaw_deg) };
 		enum eco_code code = add_place(m, &m->ecos[source], &place);
 		if (code)
 			return code;
@@ -110,9 +110,21 @@ static double row_scale(const struct make *m, uint32_t plant, const struct eco_p
 	return scale_for(m, plant, row->scale, row->height_m);
 }
 
-static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_positions *reader,
-	const char *path)
+/* Which row of the source's inventory number `file`, from 1 on, the place is. */
+static void note_row(const struct make *m, struct make_place *place, const struct eco_positions *reader,
+	uint32_t file, const struct eco_position *row)
 {
+	if (m->options->no_rows || row->row > ECO_INVENTORY_ROW_MAX || row->line > ECO_INVENTORY_ROW_MAX)
+		return;
+	place->file = file;
+	place->row = (uint32_t)row->row;
+	place->line = eco_positions_has_lines(reader) ? (uint32_t)row->line : 0;
+}
+
+static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_positions *reader,
+	uint32_t number)
+{
+	const char *path = m->sources.items[source].positions[number].path;
 	struct eco_position row;
 	for (uint64_t i = 0;; i++) {
 		enum eco_code code = eco_positions_next(reader, &row, m->error);
@@ -124,8 +136,9 @@ static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_posit
 		struct make_place place =
 			{ .at = { row.at[0], row.at[1], row.absolute ? row.at[2]
 			: on_ground(m, source, row.at) },
-			.scale = row_scale(m, plant, &row), .plant = plant,
+			.scale = row_scale(m, plant, &row), .plant = plant, .species = row.plant,
 			.turn = eco_turn_from_deg(row.yaw_deg) };
+		note_row(m, &place, reader, number + 1, &row);
 		code = add_place(m, &m->ecos[source], &place);
 		if (code)
 			return code;
@@ -146,7 +159,7 @@ static enum eco_code place_rows(struct make *m, uint32_t source)
 		enum eco_code code = eco_positions_open(&reader, &s->positions[i], &frame, m->error);
 		if (code)
 			return code;
-		code = read_rows(m, source, reader, s->positions[i].path);
+		code = read_rows(m, source, reader, i);
 		uint64_t rows = 0;
 		const struct eco_skipped *skipped = eco_positions_skipped(reader, &rows);
 		eco->rows += rows;
@@ -186,7 +199,7 @@ static enum eco_code place_scatters(struct make *m, uint32_t source)
 				{ .at = { row.at[0], row.at[1],
 				on_ground(m, source, (double[]){ row.at[0], row.at[1], 0 }) },
 				.scale = scale_for(m, plant, 1, row.height_m), .plant = plant,
-				.turn = eco_turn_from_deg(row.yaw_deg) };
+				.species = row.plant, .turn = eco_turn_from_deg(row.yaw_deg) };
 			code = add_place(m, &m->ecos[source], &place);
 		}
 		if (!code)

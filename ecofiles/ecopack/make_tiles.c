@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
+#include "ecofiles/base/phrase.h"
 #include "ecofiles/ecopack/jobs.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/ecopack/times.h"
@@ -118,6 +119,21 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 	return code;
 }
 
+static enum eco_code add_rows(struct make *m, const struct stand *stand)
+{
+	const struct eco_source *source = &m->sources.items[stand->eco - m->ecos];
+	enum eco_code code = ECO_OK;
+	for (uint32_t k = 0; k < stand->count && !code; k++) {
+		const struct make_place *p = &stand->eco->places[stand->items[k]];
+		const char *species = source->plants[p->species].name;
+		code = make_inventory_add(m, &(struct eco_inventory_row){
+			.species = strcmp(species, m->plants[p->plant].name) != 0 ? species : NULL,
+			.file = p->file ? eco_path_last(source->positions[p->file - 1].path) : NULL,
+			.row = p->row, .line = p->line });
+	}
+	return code;
+}
+
 static enum eco_code add_stand(void *ctx, uint64_t i, void *result, struct eco_error *error)
 {
 	struct make *m = ctx;
@@ -132,6 +148,8 @@ static enum eco_code add_stand(void *ctx, uint64_t i, void *result, struct eco_e
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	enum eco_code code = made->kept != ECO_NONE ? make_kept_take(m, made->kept, &made->list, &list)
 		: make_add_encoded(m, &made->list, &made->encoded, &list);
+	if (!code)
+		code = add_rows(m, stand);
 	struct eco_group *group = (struct eco_group *)m->groups.items + stand->group_first;
 	for (uint32_t k = 0; k < stand->group_count && !code; k++) {
 		group[k].list = list;

@@ -7,6 +7,7 @@
 
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/impostor.h"
+#include "ecofiles/format/inventory.h"
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/format/ground_image.h"
@@ -114,6 +115,14 @@ static const char *bad_texture(const uint8_t *bytes, size_t size, uint8_t kind, 
 	return good ? NULL : "holds another number of texels than its level says";
 }
 
+static const char *bad_inventory(const struct eco_pack *pack, uint32_t ordinal, struct eco_error *error)
+{
+	struct eco_inventory_block block;
+	bool bad = eco_inventory_read(&block, pack, (uint64_t)ordinal * ECO_INVENTORY_PLACES, error);
+	eco_inventory_free(&block);
+	return bad ? error->text : NULL;
+}
+
 static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, uint32_t first)
 {
 	const struct eco_scene *s = &v->pack->scene;
@@ -129,6 +138,8 @@ static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, u
 		bad = error.text;
 	else if (list->kind == ECO_LIST_IMPOSTOR)
 		bad = bad_impostor(bytes, size, ordinal, &error);
+	else if (list->kind == ECO_LIST_INVENTORY)
+		bad = bad_inventory(v->pack, ordinal, &error);
 	else if (list->coder == ECO_CODER_BYTES)
 		bad = bad_texture(bytes, size, list->kind, ordinal, &error);
 	else if (eco_chunk_decode(list, chunk, ordinal, bytes, size, &elements, &error))

@@ -35,7 +35,10 @@ enum eco_list_kind {
 	ECO_LIST_IMPOSTOR,
 	ECO_LIST_OUTLINE,        /* what is opaque of a texture, in levels as that */
 	/* a tile of the picture on the ground, in levels as a texture (ground_image.h) */
-	ECO_LIST_GROUND_IMAGE
+	ECO_LIST_GROUND_IMAGE,
+	/* which row of which inventory each plant is (inventory.h): primitive, element and chunk k is block
+	 * k. Never drawn, never in a stream */
+	ECO_LIST_INVENTORY
 };
 
 /* Coders: the ways from a payload to elements. All integers inside come from Draco's lossless integer
@@ -51,7 +54,7 @@ enum eco_list_kind {
  *             ELEMENTS.
  *   ROWS      one sequential point cloud, order kept, no permutation (instances, ground).
  *   MESH      edgebreaker; triangles in the decoder's order, every element has 3 corners, no permutation.
- *   BYTES     the payload is a part of a texture, or a level of an impostor.
+ *   BYTES     the payload is a part of a texture, a level of an impostor, or a block of an inventory.
  *   SHAPES    a coder of chunks, not of lists: in a chunk of an ELEMENTS list of triangles, elements of one
  *             shape are stored as placings of it (shape.h). */
 enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_FORM, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH,
@@ -80,7 +83,7 @@ struct eco_list {
 	                              * what the level before the last shows wrong, of what is opaque, 0:
 	                              * not known; else 0 */
 	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground, its
-	                              * image, and textures, which plants share */
+	                              * image, inventories, and textures, which plants share */
 	uint32_t group_count;        /* instances: groups of one species each (struct eco_group); else 0 */
 	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground; of
 	                              * its image: the south-west corner of the tile */

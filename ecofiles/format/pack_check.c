@@ -11,6 +11,7 @@
 #include "ecofiles/format/ground_image.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/impostor.h"
+#include "ecofiles/format/inventory.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/format/texture.h"
 
@@ -77,8 +78,8 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 			|| list->group_count > list->primitive_count)
 		return BAD("list: %u groups of %u primitives in kind %u", list->group_count,
 			list->primitive_count, list->kind);
-	if ((list->kind == ECO_LIST_GROUND || list->kind == ECO_LIST_GROUND_IMAGE) !=
-			(list->owner == ECO_NONE) &&
+	if ((list->kind == ECO_LIST_GROUND || list->kind == ECO_LIST_GROUND_IMAGE
+			|| list->kind == ECO_LIST_INVENTORY) != (list->owner == ECO_NONE) &&
 		list->kind != ECO_LIST_IMAGE && list->kind != ECO_LIST_OUTLINE)
 		return BAD("list: owner %#x in kind %u", list->owner, list->kind);
 	if (list->element_count > list->primitive_count || list->chunk_count > list->element_count
@@ -667,6 +668,19 @@ static enum eco_code check_ground_images(const struct eco_scene *s, struct eco_e
 			  s->ground_image_count);
 }
 
+/* The last list alone may be one, with a block for each ECO_INVENTORY_PLACES places. */
+static enum eco_code check_inventory(const struct eco_scene *s, struct eco_error *error)
+{
+	uint64_t blocks = (s->place_count + ECO_INVENTORY_PLACES - 1) / ECO_INVENTORY_PLACES;
+	for (uint32_t i = 0; i < s->list_count; i++)
+		if (s->lists[i].kind == ECO_LIST_INVENTORY
+				&& (i + 1 < s->list_count || s->lists[i].chunk_count != blocks))
+			return BAD("list %u: rows of plants are the last list, in a block for each %u of "
+				"%llu places, not in %u", i, ECO_INVENTORY_PLACES,
+				(unsigned long long)s->place_count, s->lists[i].chunk_count);
+	return ECO_OK;
+}
+
 /* Everything present must be among the needs: a reader skips what is not listed. */
 static enum eco_code check_needs(const struct eco_scene *s, struct eco_error *error)
 {
@@ -706,7 +720,8 @@ enum eco_code eco_scene_check(const struct eco_scene *s, struct eco_error *error
 	if (check_lists(s, error) != ECO_OK || check_plants(s, error) != ECO_OK
 			|| check_tiles(s, error) != ECO_OK)
 		return ECO_DAMAGED;
-	if (check_ground(s, error) != ECO_OK || check_ground_images(s, error) != ECO_OK)
+	if (check_ground(s, error) != ECO_OK || check_ground_images(s, error) != ECO_OK
+			|| check_inventory(s, error) != ECO_OK)
 		return ECO_DAMAGED;
 	return check_needs(s, error);
 }

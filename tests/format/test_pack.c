@@ -151,6 +151,8 @@ UNIT_TEST(all_payloads_decode)
 			size_t payload_size;
 			assert_ok(eco_pack_payload(pack, list->chunk_first + k, &payload, &payload_size,
 				&error), error);
+			if (list->kind == ECO_LIST_INVENTORY)
+				continue;
 			if (list->coder == ECO_CODER_BYTES) {
 				const char *texts[] = { "no WebP file", "and no other", "level 0", "level 1",
 					"level 2", "level 3" };
@@ -179,11 +181,15 @@ UNIT_TEST(all_payloads_decode)
 	free(bytes);
 }
 
-/* The format: the committed file must be read by every later version, and written by this one. */
+/* The format: the committed file, which is also a seed of fuzz_pack, is what this version writes. WRITE_SEEDS=1
+ * build/tests/test_pack writes it anew, once the format has changed. */
 UNIT_TEST(the_small_pack_is_the_golden_one)
 {
 	size_t size, golden_size;
-	uint8_t *bytes = small_pack(&size), *golden = file_read(GOLDEN_PATH, &golden_size);
+	uint8_t *bytes = small_pack(&size);
+	if (getenv("WRITE_SEEDS"))
+		file_write(GOLDEN_PATH, bytes, size);
+	uint8_t *golden = file_read(GOLDEN_PATH, &golden_size);
 	struct eco_error error = { 0 };
 	assert_ok(open_exact(golden, golden_size, &error), error);
 	assert_int_equal(size, golden_size);

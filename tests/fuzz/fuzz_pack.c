@@ -5,11 +5,24 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk/chunk.h"
-#include "ecofiles/format/pack.h"
+#include "ecofiles/format/inventory.h"
 #include "lod/ground_choice.h"
 #include "tests/support/pack_resign.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+
+/* The payload's hash is passed over here, too. */
+static void read_rows(const struct eco_pack *pack, const struct eco_chunk *chunk, uint32_t ordinal)
+{
+	uint64_t left = pack->scene.place_count - (uint64_t)ordinal * ECO_INVENTORY_PLACES;
+	uint32_t count = left < ECO_INVENTORY_PLACES ? (uint32_t)left : ECO_INVENTORY_PLACES;
+	struct eco_inventory_block block;
+	if (eco_inventory_decode(&block, pack->map + chunk->offset, chunk->size_bytes, count, NULL) == ECO_OK)
+		for (uint32_t i = 0; i < count; i++)
+			assert(!block.rows[i].file == !block.rows[i].row
+				&& (!block.rows[i].species || block.rows[i].species[0]));
+	eco_inventory_free(&block);
+}
 
 static void read_chunks(const struct eco_pack *pack, const struct eco_list *list)
 {
@@ -19,6 +32,8 @@ static void read_chunks(const struct eco_pack *pack, const struct eco_list *list
 		const uint8_t *payload;
 		size_t size;
 		eco_pack_payload(pack, list->chunk_first + i, &payload, &size, NULL);
+		if (list->kind == ECO_LIST_INVENTORY)
+			read_rows(pack, chunk, i);
 		if (list->coder == ECO_CODER_BYTES || chunk->element_count > 4096)
 			continue;
 		/* The payload's hash is passed over on purpose. */

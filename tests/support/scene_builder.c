@@ -304,7 +304,8 @@ enum eco_code scene_write(struct scene_builder *b, const char *path, const char 
 		if (list->kind == ECO_LIST_IMAGE || list->kind == ECO_LIST_OUTLINE)
 			code = eco_pack_add_bytes(w, list, levels_of(b, id), b->texture_levels, &stored,
 				error);
-		else if (list->kind == ECO_LIST_IMPOSTOR || list->kind == ECO_LIST_GROUND_IMAGE)
+		else if (list->kind == ECO_LIST_IMPOSTOR || list->kind == ECO_LIST_GROUND_IMAGE
+				|| list->kind == ECO_LIST_INVENTORY)
 			code = eco_pack_add_bytes(w, list, ends.files, ends.count, &stored, error);
 		else
 			code = eco_pack_add_list(w, list, &b->elements[id], ends.ends, ends.count,

@@ -33,8 +33,8 @@ struct scene_builder {
 	uint8_t (*palette)[3];
 	struct eco_writer places;
 	struct eco_elements *elements;       /* of each list; empty where only tables are asked for */
-	/* of each list: where its chunks end; NULL: see split. Of impostors and images of the ground, their
-	 * files: one a chunk */
+	/* of each list: where its chunks end; NULL: see split. Of impostors, images of the ground and
+	 * inventories, their files: one a chunk */
 	struct scene_ends { const uint32_t *ends; uint32_t count; const struct eco_bytes *files; } *ends;
 	uint8_t **payloads;                  /* of each chunk; NULL unless scene_encode made it */
 	/* levels of all lists of kind IMAGE, and of kind OUTLINE; NULL: they have no chunk */

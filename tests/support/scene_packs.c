@@ -308,6 +308,25 @@ static void small_ground_image(struct scene_builder *b)
 	scene_add_ground_image(b, (struct eco_ground_image){ .list = id });
 }
 
+const struct eco_inventory_row small_pack_rows[SMALL_PACK_PLANTS] = { { NULL, "trees.csv", 12, 14 },
+	{ NULL, "trees.csv", 3, 5 }, { "ash", "trees.csv", 4, 6 }, { "ash", NULL, 0, 0 }, { 0 },
+	{ "elm", "more.geojson", 70000, 0 }, { NULL, "more.geojson", 1, 0 } };
+
+static void small_inventory(struct scene_builder *b)
+{
+	static uint8_t bytes[256];
+	static struct eco_bytes block = { bytes, 0 };
+	struct eco_bytes made;
+	if (eco_inventory_encode(&made, small_pack_rows, SMALL_PACK_PLANTS, NULL) || made.size > sizeof bytes)
+		abort();
+	memcpy(bytes, made.at, made.size);
+	block.size = made.size;
+	free(made.at);
+	uint32_t id = scene_add_list(b, scene_list(b,
+		&(struct scene_row){ ECO_LIST_INVENTORY, ECO_CODER_BYTES, 0, ECO_NONE, ECO_NONE, 0, 0 }));
+	b->ends[id] = (struct scene_ends){ NULL, 1, &block };
+}
+
 static void small_ladder(struct scene_builder *b, uint32_t anchor, struct eco_ladder l)
 {
 	l.anchor = anchor;
@@ -352,6 +371,8 @@ enum eco_code small_pack_write(struct scene_builder *b, const char *path, struct
 	small_lists(b);
 	small_ground(b);
 	small_ground_image(b);
+	if (!keep)               /* else it would not be the last list */
+		small_inventory(b);
 	small_plant(b);
 	scene_add_tile(b, (struct eco_tile){ .low = { -10, -10, 0 }, .high = { 10, 10, 12 }, .area = 70,
 		.instance_count = 2 * SMALL_PACK_PLANTS,

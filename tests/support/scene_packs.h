@@ -2,6 +2,7 @@
 #ifndef TESTS_SCENE_PACKS_H
 #define TESTS_SCENE_PACKS_H
 
+#include "ecofiles/format/inventory.h"
 #include "tests/support/scene_builder.h"
 
 /* Two species (leaves, a point for each, and twigs; a textured bush), 400 plants in two tiles under a root
@@ -14,9 +15,11 @@ enum eco_code sample_pack_write_on(const char *path, const struct eco_ground *gr
 enum eco_code sample_pack_write(const char *path, struct eco_error *error);
 
 /* Every table and every kind of list in 8 KB: one plant with a cell, leaves in three forms, wood in two
- * levels, a texture, ground, a summary, instances in a tile of a nested eco file. `keep`: see scene_write.
+ * levels, a texture, ground, a summary, instances in a tile of a nested eco file, their rows. `keep`: see scene_write; without rows.
  * Free *b with scene_free in any case. */
 #define SMALL_PACK_PLANTS 7u
+/* Of the small pack's places. */
+extern const struct eco_inventory_row small_pack_rows[SMALL_PACK_PLANTS];
 #define SMALL_PACK_META "{\"name\": \"small\"}"
 enum eco_code small_pack_write(struct scene_builder *b, const char *path, struct eco_pack_writer **keep,
 	struct eco_error *error);

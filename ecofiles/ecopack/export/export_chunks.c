@@ -13,6 +13,7 @@
 #include "ecofiles/base/file_write.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/progress.h"
+#include "ecofiles/format/inventory.h"
 
 struct counts { uint64_t files, bytes, kept; };
 
@@ -51,15 +52,18 @@ enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64
 	struct eco_error *error)
 {
 	const struct eco_scene *scene = &pack->scene;
+	const struct eco_list *rows = eco_inventory_list(scene);
+	/* no stream names those of rows */
+	uint32_t count = rows ? rows->chunk_first : scene->chunk_count;
 	struct counts counts = { 0 };
 	enum eco_code code = ECO_OK;
 	if (mkdir(dir, 0777) && errno != EEXIST)
 		return eco_fail(error, ECO_IO, "--static %.330s: %s%s", dir, strerror(errno),
 			eco_advice_write(errno));
-	for (uint32_t i = 0; i < scene->chunk_count && !code; i++) {
+	for (uint32_t i = 0; i < count && !code; i++) {
 		if (scene->chunks[i].size_bytes < from)
 			continue;
-		code = main_progress("exporting", scene->name, (double)i / scene->chunk_count)
+		code = main_progress("exporting", scene->name, (double)i / count)
 			? write_chunk(pack, i, dir, &counts, error)
 			: eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	}

@@ -105,10 +105,11 @@ enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_erro
 		[ECO_LIST_IMPOSTOR] = { CODER(BYTES), 0 },
 		[ECO_LIST_OUTLINE] = { CODER(BYTES), 0 },
 		[ECO_LIST_GROUND_IMAGE] = { CODER(BYTES), 0 },
+		[ECO_LIST_INVENTORY] = { CODER(BYTES), 0 },
 #undef CODER
 	};
 
-	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_GROUND_IMAGE)
+	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_INVENTORY)
 		return BAD("list: kind %u is unknown", list->kind);
 	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES
 			|| !(allowed[list->kind].coders >> list->coder & 1))

@@ -625,6 +625,11 @@ void eco_positions_counted(const struct eco_positions *reader, struct eco_positi
 	eco_species_counted(reader->species, counts);
 }
 
+bool eco_positions_has_lines(const struct eco_positions *reader)
+{
+	return strcmp(reader->rows->where, "line") == 0;
+}
+
 void eco_positions_close(struct eco_positions *reader)
 {
 	if (!reader)

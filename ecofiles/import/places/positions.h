@@ -147,6 +147,8 @@ void eco_positions_counted(const struct eco_positions *reader, struct eco_positi
 /* Reports through `say`, a line per call without line ends: first guesses and notes, then the table. */
 void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text),
 	void *ctx);
+/* Are the records' lines those of a text, not numbers of features? */
+bool eco_positions_has_lines(const struct eco_positions *reader);
 void eco_positions_close(struct eco_positions *reader);
 
 #endif

@@ -1,0 +1,227 @@
+#include "ecofiles/format/inventory.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/bytes.h"
+#include "ecofiles/base/utf8.h"
+#include "ecofiles/format/chunk/chunk_columns.h"
+
+enum { SPECIES, FILE_NAME, ROW, LINE, COLUMNS };
+
+#define NAMES_MAX (2 * ECO_INVENTORY_PLACES)
+
+/* ---- The names of a block, in the order in which they come ---- */
+
+struct names {
+	const char **items;
+	uint32_t count;
+};
+
+/* A name's number, from 1 on; 0: NULL. Names come in runs, so the one before is tried first. */
+static uint32_t number_of(struct names *names, const char *name, uint32_t before)
+{
+	if (!name)
+		return 0;
+	if (before && strcmp(names->items[before - 1], name) == 0)
+		return before;
+	for (uint32_t i = 0; i < names->count; i++)
+		if (names->items[i] == name || strcmp(names->items[i], name) == 0)
+			return i + 1;
+	names->items[names->count++] = name;
+	return names->count;
+}
+
+static void write_names(struct eco_writer *w, const struct names *names)
+{
+	eco_write_varint(w, names->count);
+	for (uint32_t i = 0; i < names->count; i++) {
+		const char *name = names->items[i];
+		size_t size = eco_utf8_cut(name, strlen(name), ECO_INVENTORY_NAME_MAX);
+		eco_write_u8(w, size ? (uint8_t)size : 1);
+		eco_write_bytes(w, size ? name : "?", size ? size : 1);
+	}
+}
+
+/* Each name with a 0 behind it; starts[i]: where it begins. */
+static bool read_names(struct eco_reader *r, char *names, uint32_t *starts, uint32_t count)
+{
+	size_t used = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		uint8_t size = eco_read_u8(r);
+		const uint8_t *bytes = eco_read_bytes(r, size);
+		if (!bytes || size < 1 || !eco_utf8_valid((const char *)bytes, size))
+			return false;
+		starts[i] = (uint32_t)used;
+		memcpy(names + used, bytes, size);
+		used += size;
+		names[used++] = 0;
+	}
+	return true;
+}
+
+/* ---- Columns ---- */
+
+/* Columns of one value a row each, over `values`: COLUMNS times `count`. */
+static struct eco_chunk_rows columns_over(int32_t *values, uint32_t count)
+{
+	struct eco_chunk_rows rows = { .shape = { .order = ECO_DRACO_SEQUENTIAL, .rows = count },
+		.column_count = COLUMNS };
+	for (uint32_t i = 0; i < COLUMNS; i++)
+		rows.columns[i] =
+			(struct eco_draco_column){ .values = values + (size_t)i * count, .components = 1 };
+	return rows;
+}
+
+static void fill_columns(int32_t *values, struct names *names, const struct eco_inventory_row *rows,
+	uint32_t count)
+{
+	uint32_t species = 0, file = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		const struct eco_inventory_row *row = &rows[i];
+		bool known = row->file && row->row >= 1 && row->row <= ECO_INVENTORY_ROW_MAX,
+		     lined = known && row->line >= 1 && row->line <= ECO_INVENTORY_ROW_MAX;
+		species = number_of(names, row->species, species);
+		file = number_of(names, known ? row->file : NULL, file);
+		values[SPECIES * (size_t)count + i] = (int32_t)species;
+		values[FILE_NAME * (size_t)count + i] = (int32_t)file;
+		values[ROW * (size_t)count + i] = known ? (int32_t)row->row : 0;
+		values[LINE * (size_t)count + i] =
+			known ? (int32_t)(lined ? row->line : 0) - (int32_t)row->row : 0;
+	}
+}
+
+enum eco_code eco_inventory_encode(struct eco_bytes *bytes, const struct eco_inventory_row *rows,
+	uint32_t count, struct eco_error *error)
+{
+	struct names names = { .items = malloc(NAMES_MAX * sizeof *names.items) };
+	int32_t *values = malloc(COLUMNS * (size_t)count * sizeof *values);
+	struct eco_writer w = { 0 };
+	uint8_t *coded = NULL, zeros = 0;
+	size_t size = 0;
+	assert(count >= 1 && count <= ECO_INVENTORY_PLACES);
+	enum eco_code code = names.items && values
+		? ECO_OK
+		: eco_fail(error, ECO_NO_MEMORY, "no memory for the rows of %u plants", count);
+	if (!code) {
+		struct eco_chunk_rows columns = columns_over(values, count);
+		fill_columns(values, &names, rows, count);
+		code = eco_columns_encode(&columns, &coded, &size, &zeros, error);
+	}
+	if (!code) {
+		write_names(&w, &names);
+		eco_write_u8(&w, zeros);
+		eco_write_bytes(&w, coded, size);
+		if (w.failed)
+			code = eco_fail(error, ECO_NO_MEMORY, "no memory for the rows of %u plants", count);
+	}
+	free(coded);
+	free(names.items);
+	free(values);
+	if (code)
+		eco_writer_free(&w);
+	*bytes = (struct eco_bytes){ w.bytes, w.size };
+	return code;
+}
+
+/* ---- Reading ---- */
+
+/* Of place i; false: it cannot be. */
+static bool take_row(struct eco_inventory_row *row, const int32_t *values, uint32_t count, uint32_t i,
+	const struct names *names)
+{
+	int32_t value[COLUMNS];
+	for (uint32_t k = 0; k < COLUMNS; k++)
+		value[k] = values[k * (size_t)count + i];
+	int64_t line = (int64_t)value[ROW] + value[LINE], most = ECO_INVENTORY_ROW_MAX;
+	if (value[SPECIES] < 0 || (uint32_t)value[SPECIES] > names->count || value[FILE_NAME] < 0 ||
+		(uint32_t)value[FILE_NAME] > names->count || (value[FILE_NAME] > 0) != (value[ROW] > 0) ||
+		value[ROW] > most || line < 0 || line > most || (!value[FILE_NAME] && line))
+		return false;
+	*row = (struct eco_inventory_row){ value[SPECIES] ? names->items[value[SPECIES] - 1] : NULL,
+		value[FILE_NAME] ? names->items[value[FILE_NAME] - 1] : NULL, (uint32_t)value[ROW],
+		(uint32_t)line };
+	return true;
+}
+
+static bool take_rows(struct eco_inventory_block *block, struct eco_reader *r, const struct names *names,
+	int32_t *values)
+{
+	struct eco_chunk_rows columns = columns_over(values, block->count);
+	uint8_t zeros = eco_read_u8(r);
+	if (r->failed || eco_columns_decode(&columns, r->bytes + r->at, r->size - r->at, zeros, NULL))
+		return false;
+	for (uint32_t i = 0; i < block->count; i++)
+		if (!take_row(&block->rows[i], values, block->count, i, names))
+			return false;
+	return true;
+}
+
+enum eco_code eco_inventory_decode(struct eco_inventory_block *block, const uint8_t *bytes, size_t size,
+	uint32_t count, struct eco_error *error)
+{
+	struct eco_reader r = { .bytes = bytes, .size = size };
+	uint64_t name_count = eco_read_varint(&r);
+	uint32_t few = name_count <= NAMES_MAX ? (uint32_t)name_count : 0;
+	struct names names = { .items = calloc(few + 1u, sizeof *names.items), .count = few };
+	uint32_t *starts = calloc(few + 1u, sizeof *starts);
+	int32_t *values = calloc(COLUMNS * (size_t)count, sizeof *values);
+	*block = (struct eco_inventory_block){ .count = count,
+		.rows = calloc(count, sizeof *block->rows),
+		.names = malloc(size + 1) }; /* a size goes for each 0 that comes */
+	enum eco_code code = ECO_OK;
+	if (!names.items || !starts || !values || !block->rows || !block->names)
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for the rows of %u plants", count);
+	else if (r.failed || few != name_count || !read_names(&r, block->names, starts, few))
+		code = eco_fail(error, ECO_DAMAGED, "rows of plants: their names are cut short or no UTF-8");
+	for (uint32_t i = 0; i < few && !code; i++)
+		names.items[i] = block->names + starts[i];
+	if (!code && !take_rows(block, &r, &names, values))
+		code = eco_fail(error, ECO_DAMAGED, "rows of plants: they are cut short or impossible");
+	free(values);
+	free(starts);
+	free(names.items);
+	if (code)
+		eco_inventory_free(block);
+	return code;
+}
+
+const struct eco_list *eco_inventory_list(const struct eco_scene *scene)
+{
+	const struct eco_list *last = scene->list_count ? &scene->lists[scene->list_count - 1] : NULL;
+	return last && last->kind == ECO_LIST_INVENTORY ? last : NULL;
+}
+
+enum eco_code eco_inventory_read(struct eco_inventory_block *block, const struct eco_pack *pack,
+	uint64_t place, struct eco_error *error)
+{
+	const struct eco_scene *scene = &pack->scene;
+	const struct eco_list *list = eco_inventory_list(scene);
+	uint64_t first = place - place % ECO_INVENTORY_PLACES, left = scene->place_count - first;
+	uint32_t count = left < ECO_INVENTORY_PLACES ? (uint32_t)left : ECO_INVENTORY_PLACES;
+	const uint8_t *bytes;
+	size_t size;
+	assert(place < scene->place_count);
+	*block = (struct eco_inventory_block){ 0 };
+	enum eco_code code = ECO_OK;
+	if (!list)
+		block->rows = calloc(count, sizeof *block->rows);
+	else
+		code = eco_pack_payload(pack, list->chunk_first + (uint32_t)(place / ECO_INVENTORY_PLACES),
+			&bytes, &size, error);
+	if (!code && list)
+		code = eco_inventory_decode(block, bytes, size, count, error);
+	else if (!code && !block->rows)
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for the rows of %u plants", count);
+	block->first = first;
+	block->count = count;
+	return code;
+}
+
+void eco_inventory_free(struct eco_inventory_block *block)
+{
+	free(block->rows);
+	free(block->names);
+	*block = (struct eco_inventory_block){ 0 };
+}

@@ -1,0 +1,57 @@
+/* What each plant of a scene is by the inventory that it comes from: its row there, and its species where
+ * the pack's plant has another name (plants that share a model, variants, few models).
+ *
+ *   eco_inventory_encode(&bytes, rows, count, &error);       a block of ECO_INVENTORY_PLACES places
+ *   eco_inventory_read(&block, pack, place, &error);         the block that has this place of section PLACES
+ *   ... block.rows[place - block.first] ...
+ *   eco_inventory_free(&block);
+ *
+ * Nothing that is drawn needs it, so no stream has it: a server reads a block where somebody asks for a plant.
+ * A pack keeps it as a list of kind INVENTORY, the last of all, so that the numbers of the others stay;
+ * where nothing is to be said of any plant there is none. Chunk k is block k: places [4096 k, 4096 (k + 1)).
+ * Each has names of its own and its own hash, so that damage ends where its block does.
+ *
+ *   varint  number of names
+ *   names   u8 size, from 1 on, and as many bytes of UTF-8
+ *   u8      bytes left off at the end
+ *   columns as chunk_columns.h says, of one row a place: species, file (0: NULL; i: name i - 1), row and line
+ *           less row (0 and 0 where there is no file) */
+#ifndef ECO_INVENTORY_H
+#define ECO_INVENTORY_H
+
+#include "ecofiles/format/pack.h"
+
+#define ECO_INVENTORY_PLACES 4096u
+#define ECO_INVENTORY_ROW_MAX ((1u << 30) - 1) /* of rows and lines */
+#define ECO_INVENTORY_NAME_MAX 255u            /* bytes */
+
+struct eco_inventory_row {
+	const char *species; /* NULL: as the pack's plant is named */
+	const char *file;    /* of the inventory, without its folder; NULL: it comes from none */
+	uint32_t row;        /* data row from 1 */
+	uint32_t line;       /* of the file, where the row begins, from 1; 0: the file has no lines */
+};
+
+/* Names longer than a block's, or not UTF-8, are cut. *bytes: malloc'ed. At least one row, at most
+ * ECO_INVENTORY_PLACES. */
+enum eco_code eco_inventory_encode(struct eco_bytes *bytes, const struct eco_inventory_row *rows,
+	uint32_t count, struct eco_error *error);
+
+struct eco_inventory_block { /* owns what its rows point to */
+	uint64_t first;      /* place */
+	uint32_t count;
+	struct eco_inventory_row *rows;
+	char *names;
+};
+/* Of `count` rows. ECO_DAMAGED: they are not as written. */
+enum eco_code eco_inventory_decode(struct eco_inventory_block *block, const uint8_t *bytes, size_t size,
+	uint32_t count, struct eco_error *error);
+/* The block of a place below the scene's place_count; of a pack without a list all rows are empty. */
+enum eco_code eco_inventory_read(struct eco_inventory_block *block, const struct eco_pack *pack,
+	uint64_t place, struct eco_error *error);
+void eco_inventory_free(struct eco_inventory_block *block); /* a zeroed one is fine */
+
+/* The list, or NULL. */
+const struct eco_list *eco_inventory_list(const struct eco_scene *scene);
+
+#endif
