@@ -9,6 +9,7 @@
 #include "server/access.h"
 #include "server/caps.h"
 #include "server/describe.h"
+#include "server/plants.h"
 
 static void answer_described(struct srv_exchange *exchange, bool validated, struct srv_json *json)
 {
@@ -54,6 +55,37 @@ static void answer_chunk(struct srv_exchange *exchange)
 	snprintf(detail, sizeof detail, "scene '%s' has no chunk '%.64s': ids are 32 lower-case hex digits, "
 		"the hashes of their payloads", exchange->variables[0], exchange->variables[1]);
 	srv_exchange_problem(exchange, SRV_PROBLEM_CHUNK, detail, false);
+}
+
+/* What went wrong after a part was written takes its place. */
+static void answer_plants(struct srv_exchange *exchange)
+{
+	struct srv_plants_query query;
+	struct srv_json json = { 0 };
+	struct eco_error error = { 0 };
+	uint32_t list = srv_plants_list(exchange->scene, exchange->variables[1]);
+	enum eco_code code = srv_plants_query(&query, &exchange->target, &error);
+	if (!code && query.has_pack && memcmp(query.pack.bytes, exchange->scene->pack->id.bytes,
+			sizeof query.pack.bytes) != 0) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED,
+			"the pack is not the one that 'pack' names, and its lists have other numbers: ask "
+			"for the view again", false);
+		return;
+	}
+	if (!code && list == ECO_NONE) {
+		eco_fail(&error, ECO_NOT_FOUND, "scene '%s' has no list of plants '%.64s'",
+			exchange->variables[0], exchange->variables[1]);
+		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE, error.text, false);
+		return;
+	}
+	if (!code)
+		code = srv_describe_plants(&json, exchange->scene, list, &query, &error);
+	if (!code) {
+		answer_described(exchange, true, &json);
+		return;
+	}
+	eco_writer_free(&json.out);
+	srv_exchange_problem(exchange, srv_problem_of(code), error.text, false);
 }
 
 static void answer_file(struct srv_exchange *exchange, const struct srv_site_file *file, bool immutable)
@@ -148,6 +180,10 @@ void srv_exchange_answer_direct(struct srv_exchange *exchange)
 	struct srv_most most;
 	struct srv_json json = { 0 };
 	struct eco_error error = { 0 };
+	if (exchange->route == &srv_routes[SRV_PLANTS]) {
+		answer_plants(exchange);
+		return;
+	}
 	if (srv_query_none(&exchange->target, &error)) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, error.text, false);
 		return;

@@ -18,6 +18,7 @@ enum srv_resource {
 	SRV_PLAN,
 	SRV_STREAM,
 	SRV_CHUNK,
+	SRV_PLANTS,
 	SRV_INDEX,
 	SRV_ICON,
 	SRV_VIEWER,

@@ -425,6 +425,8 @@ UNIT_TEST(every_route_is_described_and_every_description_is_served)
 			|| strstr(operation->path, "/stream") ? "?" VIEW_BY("100") : "");
 		if (strstr(target, "{id}"))
 			strcpy(strstr(target, "{id}"), id);
+		if (strstr(target, "{list}"))
+			sprintf(strstr(target, "{list}"), "%u", scene()->groups[0].list);
 		/* without a version it leads to where one is */
 		unsigned status = strcmp(target, "/viewer/{file}") == 0
 			|| strcmp(target, "/favicon.ico") == 0 ? 307 : 200;

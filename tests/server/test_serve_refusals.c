@@ -36,6 +36,8 @@ UNIT_TEST(bad_requests_are_problems)
 		{ "GET", BASE "/chunks/00000000000000000000000000000000", "", NULL, 404, "no-such-chunk" },
 		{ "GET", BASE "/chunks/ffffffffffffffffffffffffffffffff", "", NULL, 404, "no-such-chunk" },
 		{ "GET", BASE "/chunks/xyz", "", NULL, 404, "no-such-chunk" },
+		{ "GET", BASE "/plants/xyz", "", NULL, 404, "no-such-resource" },
+		{ "GET", BASE "/plants/0?x=1", "", NULL, 400, "bad-parameter" },
 		{ "GET", "/../../etc/passwd", "", NULL, 400, "malformed-target" },
 		{ "GET", "/healthz%00", "", NULL, 400, "malformed-target" },
 		{ "GET", "/%zz", "", NULL, 400, "malformed-target" },

@@ -1,0 +1,103 @@
+#include "server/plants.h"
+
+#include <string.h>
+
+#include "ecofiles/format/inventory.h"
+#include "server/request/query.h"
+
+enum eco_code srv_plants_query(struct srv_plants_query *query, const struct srv_target *target,
+	struct eco_error *error)
+{
+	*query = (struct srv_plants_query){ .count = SRV_PLANTS_MAX };
+	for (uint32_t i = 0; i < target->param_count; i++) {
+		const struct srv_param *param = &target->params[i];
+		bool is_first = strcmp(param->name, "first") == 0,
+		     is_count = strcmp(param->name, "count") == 0;
+		query->has_pack = query->has_pack || strcmp(param->name, "pack") == 0;
+		if (!is_first && !is_count && strcmp(param->name, "pack") != 0)
+			return eco_fail(error, ECO_BAD_INPUT,
+				"unknown parameter '%.40s'; known are first, count "
+				"and pack",
+				param->name);
+		if (is_first               ? !srv_parse_count(param->value, &query->first)
+				: is_count ? !srv_parse_count(param->value, &query->count) ||
+					query->count < 1 || query->count > SRV_PLANTS_MAX
+					   : !srv_parse_id(param->value, &query->pack))
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not %s",
+				param->name, param->value,
+				is_first           ? "a whole number"
+					: is_count ? "a whole number from 1 to 1024"
+						   : "an id of 32 lower-case hex digits");
+	}
+	return ECO_OK;
+}
+
+uint32_t srv_plants_list(const struct srv_scene *scene, const char *text)
+{
+	const struct eco_scene *tables = &scene->pack->scene;
+	uint64_t list;
+	return srv_parse_count(text, &list) && list < tables->list_count &&
+			tables->lists[list].kind == ECO_LIST_INSTANCES
+		? (uint32_t)list
+		: ECO_NONE;
+}
+
+static void describe_plant(struct srv_json *json, const struct eco_plant *plant,
+	const struct eco_inventory_row *row)
+{
+	srv_json_open(json, '{');
+	srv_json_key_text(json, "species", row->species ? row->species : plant->name);
+	if (row->file) {
+		srv_json_key_text(json, "file", row->file);
+		srv_json_key_count(json, "row", row->row);
+		if (row->line)
+			srv_json_key_count(json, "line", row->line);
+	}
+	srv_json_close(json, '}');
+}
+
+/* Plants [first, end) of the list whose groups begin at `group`. */
+static enum eco_code describe_all(struct srv_json *json, const struct eco_pack *pack,
+	const struct eco_group *group, uint32_t first, uint32_t end, struct eco_error *error)
+{
+	struct eco_inventory_block block = { 0 };
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = first; i < end && !code; i++) {
+		while (i >= group->first + group->count)
+			group++;
+		uint64_t place = group->place_first + (i - group->first);
+		if (!block.rows || place - block.first >= block.count) {
+			eco_inventory_free(&block);
+			code = eco_inventory_read(&block, pack, place, error);
+		}
+		if (!code)
+			describe_plant(json, &pack->scene.plants[group->plant],
+				&block.rows[place - block.first]);
+	}
+	eco_inventory_free(&block);
+	return code;
+}
+
+enum eco_code srv_describe_plants(struct srv_json *json, const struct srv_scene *scene, uint32_t list,
+	const struct srv_plants_query *query, struct eco_error *error)
+{
+	const struct eco_pack *pack = scene->pack;
+	uint32_t all = pack->scene.lists[list].primitive_count;
+	char id[SRV_ID_TEXT_BYTES];
+	if (query->first >= all)
+		return eco_fail(error, ECO_BAD_INPUT,
+			"parameter 'first': list %u has %u plants, the first is 0", list, all);
+	uint32_t first = (uint32_t)query->first,
+		 end = all - first < query->count ? all : first + (uint32_t)query->count;
+	srv_format_id(id, &pack->id);
+	srv_json_open(json, '{');
+	srv_json_key_text(json, "pack", id);
+	srv_json_key_count(json, "list", list);
+	srv_json_key_count(json, "first", first);
+	srv_json_key_count(json, "of", all);
+	srv_json_key_open(json, "plants", '[');
+	enum eco_code code = describe_all(json, pack, eco_list_groups(&pack->scene, list), first, end, error);
+	srv_json_close(json, ']');
+	srv_json_close(json, '}');
+	return code;
+}

@@ -1,0 +1,74 @@
+#!/bin/sh
+# Rows of inventories in packs: from tables, through make and link, to what the server says of each plant; two species share a model.
+set -u
+dir=$(mktemp -d)
+trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$dir"' EXIT
+fail() { echo "test_rows_kept: $*"; exit 1; }
+BUILD=$(realpath "$BUILD")
+cd "$dir" || exit 1
+
+# titles before the names, a row of two lines, one without a place
+cat >a.csv <<'CSV'
+Trees of the town
+x,y,kind,height,notes
+1,1,oak,4,
+,,oak,4,no place
+3,1,ash,3,"two
+lines"
+5,1,elm,3,
+CSV
+echo '{"type": "FeatureCollection", "features": [
+	{"type": "Feature", "properties": {"kind": "ash"}, "geometry": {"type": "Point", "coordinates": [7, 3]}},
+	{"type": "Feature", "properties": {"kind": "oak"}, "geometry": {"type": "Point", "coordinates": [9, 3]}}]}' >b.geojson
+printf 'v -0.5 0 0\nv 0.5 0 0\nv 0.5 1 0\nv -0.5 1 0\nv 0 0 -0.5\nv 0 0 0.5\nv 0 1 0.5\nv 0 1 -0.5\nf 1 2 3\nf 1 3 4\nf 5 6 7\nf 5 7 8\n' >board.obj
+plants='"oak": {"model": "board.obj"}, "ash": {"model": "board.obj"}, "elm": {"model": "board.obj", "height_m": 3}'
+echo "{\"plants\": {$plants}, \"instances\": [{\"plant\": \"ash\", \"at\": [11, 1]},
+	{\"from\": \"a.csv\", \"crs\": \"EPSG:32632\", \"x\": \"x\", \"y\": \"y\", \"species\": \"kind\", \"height_m\": {\"column\": \"height\", \"unit\": \"m\"}}]}" >a.json
+echo "{\"plants\": {\"ash\": {\"model\": \"board.obj\"}, \"oak\": {\"model\": \"board.obj\"}}, \"instances\": [
+	{\"from\": \"b.geojson\", \"species\": \"kind\", \"crs\": \"EPSG:32632\"}], \"crs\": \"EPSG:32632\", \"origin\": [0, 0, 0]}" >b.json
+sed 's/^{/{"crs": "EPSG:32632", "origin": [0, 0, 0], /' a.json >a1.json && mv a1.json a.json
+echo '{"crs": "EPSG:32632", "origin": [0, 0, 0], "children": [{"eco": "a.json", "at": [0, 0]}, {"eco": "b.json", "at": [0, 0]}]}' >both.json
+
+make() { "$BUILD/ecopack" make "$@" --draft --no-cache -q || fail "make $*"; }
+make a.json -o a.eco
+make b.json -o b.eco
+make both.json -o both.eco
+make both.json --no-rows -o bare.eco
+mkdir linked && "$BUILD/ecopack" link a.eco b.eco -o linked/both.eco -q || fail "link"
+cmp both.eco linked/both.eco || fail "the linked pack is not that of a scene that nests its parts"
+"$BUILD/ecopack" verify both.eco -q || fail "verify"
+
+# a drawing's bytes do not depend on rows: all chunks but those of rows are the same, and streams have no other
+mkfifo said
+"$BUILD/ecoserve" --listen 127.0.0.1:0 both=both.eco bare=bare.eco >said &
+read -r said <said
+base=$(echo "$said" | sed -n 's/.*ready on \([^ ]*\) .*/\1/p')/v1/scenes
+ask() { curl -sS "$base/$1"; }
+view='eye=5,-9,3&target=5,0,1&width=160&height=120&vertices=1000'
+for scene in both bare; do
+	ask "$scene/stream?$view" >"$scene.stream"
+	ask "$scene/plan?$view" | jq -c '{cuts, bytes, chunk_bytes}' >"$scene.plan"
+	lists=$(ask "$scene/plan?$view" | jq '.runs[] | range(.list_first; .list_end)')
+	for list in $lists; do
+		ask "$scene/plants/$list"
+	done | jq -c '.plants[]' | sort >"$scene.rows"
+done
+[ "$(wc -c <both.stream)" = "$(wc -c <bare.stream)" ] || fail "rows are paid for in a stream"
+cmp both.plan bare.plan || fail "rows change a plan"
+cat >want <<'ROWS'
+{"species":"ash","file":"a.csv","row":3,"line":5}
+{"species":"ash","file":"b.geojson","row":1}
+{"species":"ash"}
+{"species":"elm","file":"a.csv","row":4,"line":7}
+{"species":"oak","file":"a.csv","row":1,"line":3}
+{"species":"oak","file":"b.geojson","row":2}
+ROWS
+sort want | cmp - both.rows || fail "other rows: $(cat both.rows)"
+jq -c 'del(.file, .row, .line)' want | sort | cmp - bare.rows || fail "not the bare species: $(cat bare.rows)"
+grep -q 'a\.csv\|b\.geojson' bare.eco && fail "--no-rows leaves a name of a file"
+
+# as ecopack map has them
+"$BUILD/ecopack" map both.json -o map.geojson -q || fail "map"
+jq -c '.features[].properties | {species, file, row} | if .row then . else {species} end' map.geojson | sort >map.rows
+jq -c 'del(.line)' both.rows | sort | cmp - map.rows || fail "not as in the map: $(cat map.rows)"
+echo "ok: rows are kept, and are those of the tables"

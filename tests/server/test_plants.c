@@ -1,0 +1,165 @@
+/* What each plant is by its inventory, as the server says it. */
+#include <string.h>
+
+#include "server/plants.h"
+#include "server/request/problem.h"
+#include "tests/support/files.h"
+#include "tests/support/serve_daemon.h"
+
+#define LIST(number) BASE "/plants/" number
+
+static uint32_t instance_list(const struct eco_scene *s)
+{
+	uint32_t list = 0;
+	while (s->lists[list].kind != ECO_LIST_INSTANCES)
+		list++;
+	return list;
+}
+
+/* The small pack in a store of its own; `spoil`: its last byte, which is of its rows, is another. */
+static void open_small(struct srv_store *other, char path[64], bool spoil)
+{
+	struct scene_builder b;
+	struct eco_error error = { 0 };
+	size_t size;
+	snprintf(path, 64, "build/tmp/plants-%d.eco", (int)getpid());
+	assert_ok(small_pack_write(&b, path, NULL, &error), error);
+	scene_free(&b);
+	uint8_t *bytes = file_read(path, &size);
+	bytes[size - 1] ^= spoil;
+	file_write(path, bytes, size);
+	free(bytes);
+	srv_store_init(other);
+	assert_ok(srv_store_add(other, "small", path, &error), error);
+}
+
+static void assert_text(const json_t *plant, const char *key, const char *want)
+{
+	const char *text = json_string_value(json_object_get(plant, key));
+	if (!want)
+		assert_null(json_object_get(plant, key));
+	else
+		assert_string_equal(text ? text : "nothing", want);
+}
+
+static void assert_number(const json_t *plant, const char *key, uint32_t want)
+{
+	if (!want)
+		assert_null(json_object_get(plant, key));
+	else
+		assert_int_equal(json_integer_value(json_object_get(plant, key)), want);
+}
+
+UNIT_TEST(species_file_and_row_are_those_of_the_pack)
+{
+	struct srv_store other;
+	char path[64];
+	open_small(&other, path, false);
+	const struct srv_scene *small = other.scenes[0];
+	uint32_t list = instance_list(&small->pack->scene);
+	for (uint32_t first = 0; first < SMALL_PACK_PLANTS; first++) {
+		struct srv_json json = { 0 };
+		struct eco_error error = { 0 };
+		const struct srv_plants_query query = { .first = first, .count = 3 };
+		assert_ok(srv_describe_plants(&json, small, list, &query, &error), error);
+		json_t *said = json_loadb((char *)json.out.bytes, json.out.size, 0, NULL),
+		       *plants = json_object_get(said, "plants");
+		assert_int_equal(json_integer_value(json_object_get(said, "of")), SMALL_PACK_PLANTS);
+		assert_int_equal(json_array_size(plants),
+			SMALL_PACK_PLANTS - first < 3 ? SMALL_PACK_PLANTS - first : 3);
+		for (uint32_t i = 0; i < json_array_size(plants); i++) {
+			const json_t *plant = json_array_get(plants, i);
+			const struct eco_inventory_row *row = &small_pack_rows[first + i];
+			assert_text(plant, "species", row->species ? row->species : "oak");
+			assert_text(plant, "file", row->file);
+			assert_number(plant, "row", row->row);
+			assert_number(plant, "line", row->line);
+		}
+		json_decref(said);
+		eco_writer_free(&json.out);
+	}
+	srv_store_free(&other);
+	unlink(path);
+}
+
+UNIT_TEST(damaged_rows_are_an_error_of_these_alone)
+{
+	struct srv_store other;
+	struct eco_error error = { 0 };
+	struct srv_json json = { 0 };
+	char path[64];
+	open_small(&other, path, true);
+	const struct srv_scene *small = other.scenes[0];
+	const struct srv_plants_query query = { .count = 1 };
+	uint32_t list = instance_list(&small->pack->scene);
+	assert_int_equal(srv_describe_plants(&json, small, list, &query, &error), ECO_DAMAGED);
+	assert_non_null(strstr(error.text, "hash does not match"));
+	assert_int_equal(srv_problem_of(ECO_DAMAGED), SRV_PROBLEM_DAMAGED);
+	eco_writer_free(&json.out);
+	srv_store_free(&other);
+	unlink(path);
+}
+
+/* A pack without rows says the species of each plant, in pieces that are asked for. */
+UNIT_TEST(plants_of_a_list_are_asked_for_in_pieces)
+{
+	char target[200];
+	uint32_t list = instance_list(scene()), all = scene()->lists[list].primitive_count, got = 0;
+	const struct eco_group *group = eco_list_groups(scene(), list);
+	while (got < all) {
+		snprintf(target, sizeof target, LIST("%u?first=%u&count=70"), list, got);
+		struct http_answer answer = http_ask(port, "GET", target, "", NULL, 0);
+		assert_int_equal(answer.status, 200);
+		json_t *said = json_of(&answer), *plants = json_object_get(said, "plants");
+		for (uint32_t i = 0; i < json_array_size(plants); i++, got++) {
+			while (got >= group->first + group->count)
+				group++;
+			const json_t *plant = json_array_get(plants, i);
+			assert_text(plant, "species", scene()->plants[group->plant].name);
+			assert_null(json_object_get(plant, "file"));
+		}
+		assert_true(json_array_size(plants) == 70 || got == all);
+		json_decref(said);
+		http_free(&answer);
+	}
+	assert_int_equal(got, all);
+}
+
+UNIT_TEST(what_is_asked_for_must_be_there)
+{
+	static const struct {
+		const char *target;
+		unsigned status;
+		const char *says;
+	} rows[] = {
+		{ LIST("0"), 404, "no list of plants '0'" }, /* triangles */
+		{ LIST("4294967296"), 404, "no list of plants" },
+		{ LIST("x"), 404, "no list of plants 'x'" },
+		{ LIST("%u") "?first=100000", 400, "the first is 0" },
+		{ LIST("%u") "?count=0", 400, "from 1 to 1024" },
+		{ LIST("%u") "?count=1025", 400, "from 1 to 1024" },
+		{ LIST("%u") "?first=-1", 400, "'first'" },
+		{ LIST("%u") "?pack=x", 400, "hex digits" },
+		{ LIST("%u") "?species=oak", 400, "known are first, count and pack" },
+		{ LIST("%u") "?pack=00000000000000000000000000000000", 409, "numbers" },
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		char target[200];
+		const char *number = strstr(rows[i].target, "%u");
+		if (number)
+			snprintf(target, sizeof target, "%.*s%u%s", (int)(number - rows[i].target),
+				rows[i].target, instance_list(scene()), number + 2);
+		else
+			snprintf(target, sizeof target, "%s", rows[i].target);
+		struct http_answer answer = http_ask(port, "GET", target, "", NULL, 0);
+		if (answer.status != rows[i].status || !strstr(answer.body, rows[i].says))
+			fail_msg("%s: %u\n%s", target, answer.status, answer.body);
+		assert_header(&answer, "Content-Type", "application/problem+json");
+		http_free(&answer);
+	}
+}
+
+int main(void)
+{
+	return unit_tests_run(serve_start, serve_stop);
+}
