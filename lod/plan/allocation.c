@@ -102,15 +102,22 @@ static void relax_whole(struct lod_allocation *m, struct lod_slot_choice *choice
 	lod_cost_add(&choice->cost[0], &best, 1, share, share);
 }
 
+static double position_at_lambda(const struct lod_allocation *m, const struct lod_ladder_choice *choice)
+{
+	if (!(choice->weight_px > 0))
+		return 0;
+	if (choice->free_lambda == m->lambda && choice->hull.count == choice->hull_count)
+		return choice->free;
+	return lod_hull_position(&choice->hull, m->lambda / choice->weight_px, choice->position);
+}
+
 static void relax_slot(struct lod_allocation *m, struct lod_slot_choice *slot_choice)
 {
 	uint32_t end = slot_choice->ladder_choice_first + slot_choice->ladder_choice_count;
 	slot_choice->cost[0] = slot_choice->cost[1] = (struct lod_cost){ 0 };
 	for (uint32_t i = slot_choice->ladder_choice_first; i < end; i++) {
 		struct lod_ladder_choice *ladder_choice = &m->ladder_choices[i];
-		ladder_choice->position = ladder_choice->weight_px > 0
-			? lod_hull_position(&ladder_choice->hull,
-			m->lambda / ladder_choice->weight_px, ladder_choice->position) : 0;
+		ladder_choice->position = position_at_lambda(m, ladder_choice);
 		if (ladder_choice->when < LOD_NEAR)
 			add_at(&slot_choice->cost[0], &ladder_choice->hull, ladder_choice->weight_px,
 				ladder_choice->position);
@@ -318,29 +325,52 @@ static struct lod_cost fine_cost(const struct lod_allocation *m, uint32_t n)
 	return fine;
 }
 
-/* From the last node to the first: children follow their parents. */
+static void relax_tile(struct lod_allocation *m, uint32_t n)
+{
+	struct lod_tile_choice *choice = &m->tile_choices[n];
+	struct lod_cost fine = choice->open ? fine_cost(m, n) : (struct lod_cost){ .fn = choice->weight_px };
+	double plants = choice->weight_px - lagrangian(m, &fine, 1);
+	choice->cost = (struct lod_cost){ 0 };
+	choice->position = 0;
+	if (!choice->has_summary)
+		choice->cost.fn = choice->weight_px;
+	choice->share = choice->open;
+	if (choice->has_summary && relax_summary(m, n, plants) && choice->open)
+		choice->share = open_share(m, choice, plants,
+			choice->weight_px - lagrangian(m, &choice->cost, 1));
+	if (m->price > 0 && !choice->has_summary && choice->open)
+		choice->share = plants > 0;      /* else not even its plants' places are sent */
+	choice->opened = choice->share >= 0.5;
+	if (choice->open)
+		blend(choice, &fine);
+}
+
+/* Do its own plants or its children cost something else? */
+static bool is_moved(const struct lod_allocation *m, uint32_t n)
+{
+	const struct lod_node *node = &m->p->visible.nodes[n];
+	bool moved = m->uses.stale[n];
+	for (uint32_t c = 0; c < node->child_count && !moved && m->tile_choices[n].open; c++)
+		moved = m->tile_choices[node->child_first + c].moved;
+	return moved;
+}
+
+/* From the last node to the first: children follow their parents. At the same lambda and price a tile chooses
+ * the same again, unless limits have changed what stands in it. */
 static void relax_tiles(struct lod_allocation *m)
 {
+	bool again = m->tiles.lambda == m->lambda && m->tiles.price == m->price;
 	for (uint32_t n = m->p->visible.node_count; n-- > 0;) {
 		struct lod_tile_choice *choice = &m->tile_choices[n];
-		struct lod_cost fine = choice->open ? fine_cost(m, n)
-			: (struct lod_cost){ .fn = choice->weight_px };
-		double plants = choice->weight_px - lagrangian(m, &fine, 1);
-		choice->cost = (struct lod_cost){ 0 };
-		choice->position = 0;
-		if (!choice->has_summary)
-			choice->cost.fn = choice->weight_px;
-		choice->share = choice->open;
-		if (choice->has_summary && relax_summary(m, n, plants) && choice->open)
-			choice->share =
-				open_share(m, choice, plants,
-				choice->weight_px - lagrangian(m, &choice->cost, 1));
-		if (m->price > 0 && !choice->has_summary && choice->open)
-			choice->share = plants > 0;  /* else not even its plants' places are sent */
-		choice->opened = choice->share >= 0.5;
-		if (choice->open)
-			blend(choice, &fine);
+		const struct lod_cost before = choice->cost;
+		choice->moved = !again || (choice->open && is_moved(m, n));
+		if (!choice->moved)
+			continue;
+		relax_tile(m, n);
+		choice->moved = !again || memcmp(&before, &choice->cost, sizeof before) != 0;
 	}
+	m->tiles.lambda = m->lambda;
+	m->tiles.price = m->price;
 }
 
 void lod_allocation_compare(const struct lod_allocation *m, uint32_t n, double *plants, double *summary)
@@ -564,6 +594,7 @@ void lod_allocation_fix(struct lod_allocation *m)
 {
 	struct lod_visible_tree *visible = &m->p->visible;
 	uint64_t gains = m->p->gains;
+	m->tiles.lambda = NAN;           /* hulls of summaries may get more points */
 	find_drawn_by(m);
 	fix_whole(m);
 	for (uint32_t n = 0; n < visible->node_count; n++)

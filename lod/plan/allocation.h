@@ -135,6 +135,7 @@ struct lod_tile_choice {
 	double points;               /* the same in points, where bytes have a price: ends of chunks */
 	struct lod_hull limited;     /* after fixing, where bytes have a price: the hull up to these */
 	struct lod_cost cost;        /* of the blend that is chosen */
+	bool moved;                  /* it is another one since the last relaxation */
 	struct lod_wrong wrong;      /* of its summary, while a picture is predicted */
 };
 
@@ -202,6 +203,7 @@ struct lod_allocation {
 	/* what the last relaxation was made for; lambda not a number: something has changed since.
 	 * limits: the price that limits were made at */
 	struct { double lambda, price, limits; } relaxed;
+	struct { double lambda, price; } tiles;      /* what tiles have chosen for; likewise */
 	struct lod_prices *prices;   /* lod/plan/byte_price.h; NULL: not made */
 	struct lod_price_tries tries;        /* since these were made */
 	struct lod_cost cost;        /* at the last lambda */

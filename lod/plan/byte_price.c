@@ -159,8 +159,9 @@ static bool make_ladders(struct lod_allocation *m)
 	struct lod_prices *prices = m->prices;
 	uint32_t *of = calloc(m->p->scene->ladder_count + 1u, sizeof *of), steps = 0, first = 0;
 	prices->choices = malloc((m->ladder_choice_count + 1u) * sizeof *prices->choices);
+	prices->drawn = calloc(m->ladder_choice_count + 1u, sizeof *prices->drawn);
 	prices->ladders = calloc(m->ladder_choice_count + 1u, sizeof *prices->ladders);
-	if (!of || !prices->choices || !prices->ladders) {
+	if (!of || !prices->choices || !prices->drawn || !prices->ladders) {
 		free(of);
 		return false;
 	}
@@ -169,6 +170,7 @@ static bool make_ladders(struct lod_allocation *m)
 		if (!of[ladder]) {
 			of[ladder] = ++prices->ladder_count;
 			prices->ladders[of[ladder] - 1].ladder = ladder;
+			prices->ladders[of[ladder] - 1].lambda = NAN;
 			steps += steps_of(lod_plan_tables_ladder(m->p->tables, ladder));
 		}
 		prices->ladders[of[ladder] - 1].count++;
@@ -321,6 +323,7 @@ void lod_prices_free(struct lod_allocation *m)
 	free(prices->ladders);
 	free(prices->images);
 	free(prices->choices);
+	free(prices->drawn);
 	free(prices->vertices);
 	free(prices->prefixes);
 	free(prices->needs);
@@ -339,7 +342,7 @@ void lod_prices_free(struct lod_allocation *m)
 	free(prices);
 	m->prices = NULL;
 	m->tries.count = 0;
-	m->relaxed.lambda = NAN;
+	m->relaxed.lambda = m->tiles.lambda = NAN;
 }
 
 /* ---- What is drawn ---- */
@@ -395,11 +398,9 @@ static double free_position(const struct lod_allocation *m, struct lod_ladder_ch
 }
 
 /* Adds to each step what a choice without a limit saves there at lambda. */
-static void add_gain(struct lod_allocation *m, struct ladder_price *l, uint32_t id, bool all)
+static void add_gain(struct lod_allocation *m, struct ladder_price *l, uint32_t id, double drawn, double seen)
 {
 	struct lod_ladder_choice *choice = &m->ladder_choices[id];
-	double share = lod_prices_share(m, id, all), drawn = m->uses.drawn[choice->slot] * share,
-		seen = m->uses.seen[choice->slot] * share * choice->weight_px;
 	if (!(seen > 0))
 		return;
 	const struct lod_hull *hull = &choice->hull;
@@ -416,6 +417,35 @@ static void add_gain(struct lod_allocation *m, struct ladder_price *l, uint32_t 
 		l->gain[step] += part * (saved - cost);
 		before = after;
 	}
+}
+
+/* Sets what is drawn of a ladder's choices. Is that what its gains were made of, with the same hulls? */
+static bool see_drawn(struct lod_allocation *m, struct ladder_price *l, bool all)
+{
+	bool same = l->lambda == m->lambda;
+	for (uint32_t i = l->first; i < l->first + l->count; i++) {
+		uint32_t id = m->prices->choices[i];
+		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
+		double share = lod_prices_share(m, id, all), drawn = m->uses.drawn[choice->slot] * share,
+			seen = m->uses.seen[choice->slot] * share * choice->weight_px;
+		struct drawn *before = &m->prices->drawn[i];
+		same &= before->drawn == drawn && before->seen == seen
+			&& (!(seen > 0) || choice->free_lambda == m->lambda);
+		*before = (struct drawn){ drawn, seen };
+	}
+	l->lambda = m->lambda;
+	return same;
+}
+
+/* They do not depend on the price. */
+static void find_gains(struct lod_allocation *m, struct ladder_price *l, bool all)
+{
+	if (see_drawn(m, l, all))
+		return;
+	memset(l->gain, 0, l->steps * sizeof *l->gain);
+	memset(l->rests, 0, l->steps * sizeof *l->rests);
+	for (uint32_t i = l->first; i < l->first + l->count; i++)
+		add_gain(m, l, m->prices->choices[i], m->prices->drawn[i].drawn, m->prices->drawn[i].seen);
 }
 
 /* What a ladder costs that is drawn up to a step. */
@@ -445,10 +475,7 @@ static void find_limit(struct lod_allocation *m, struct ladder_price *l, bool al
 {
 	struct chunks below = { { 0 } };
 	double best = 0, sum = 0, cheapest = 0, none = 0;
-	memset(l->gain, 0, l->steps * sizeof *l->gain);
-	memset(l->rests, 0, l->steps * sizeof *l->rests);
-	for (uint32_t i = 0; i < l->count; i++)
-		add_gain(m, l, m->prices->choices[l->first + i], all);
+	find_gains(m, l, all);
 	l->limit = 0;
 	for (uint32_t i = 0; i < l->steps; i++) {
 		struct chunks needs = below;

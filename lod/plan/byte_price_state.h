@@ -11,6 +11,7 @@
 struct chunks { uint32_t of[LISTS_OF_LADDER]; };
 
 struct price { double bytes, waste; };       /* waste: what they cost beside */
+struct drawn { double drawn, seen; };        /* plants that draw a choice, and wrong pixels of nothing there */
 
 /* A ladder in view, and what each number of vertices that a plant may draw needs of its lists. Points give
  * way to triangles, so a step may need less than those before it: what is paid is what some plant draws. */
@@ -22,8 +23,9 @@ struct ladder_price {
 	const struct price *prefixes[LISTS_OF_LADDER];       /* of each list: of so many chunks */
 	uint64_t *vertices;          /* per step, ascending */
 	struct chunks *needs;        /* per step */
-	double *gain;                /* per step, while a limit is sought; */
-	bool *rests;                 /* and whether some choice stays there */
+	double *gain;                /* per step: what is saved there, */
+	bool *rests;                 /* and whether some choice stays there, ... */
+	double lambda;               /* ... at this lambda, by what was drawn then; not a number: not known */
 	struct price used;           /* of what the last relaxation draws */
 	uint32_t limit, kept;        /* the last step that may be drawn; that of lod_prices_keep */
 	uint32_t image, textured;    /* its texture, in lod_prices.images; the first step that shows it */
@@ -46,7 +48,8 @@ struct lod_prices {
 	double factor;               /* times their bytes, that others cost beside these */
 	struct ladder_price *ladders;        uint32_t ladder_count;
 	struct image_price *images;          uint32_t image_count;
-	uint32_t *choices;           /* of the allocation, by ladder */
+	uint32_t *choices;           /* of the allocation, by ladder; ... */
+	struct drawn *drawn;         /* ... what gains of each were made of */
 	/* of all ladders */
 	struct price *prefixes;
 	uint64_t *vertices;          struct chunks *needs;

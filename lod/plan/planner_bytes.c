@@ -306,7 +306,7 @@ static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budge
 	const struct fitted unknown = { .at = { NAN, NAN }, .near = point.octave, .lowest = point.lowest };
 	if (!code)
 		code = fit_prices(s, budget, &unknown, &alike, room, error);
-	if (!code)
+	if (!code && !lod_planner_over(s->allocation->p, 3))
 		code = fit_small_textures(s, budget, &unknown, &alike, room, error);
 	bool twice = !code && !lod_planner_over(s->allocation->p, 3);
 	if (twice)

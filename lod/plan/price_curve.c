@@ -28,11 +28,13 @@ static double within(double value, double least, double most)
 static double wrong_of(const struct eco_prediction *prediction) { return prediction->fp + prediction->fn; }
 
 /* It is remembered for the search of the price. */
-static void relax_at(struct lod_allocation *m, double lambda, double octave, struct evaluation *result)
+static enum eco_code relax_at(struct lod_allocation *m, double lambda, double octave,
+	struct evaluation *result, struct eco_error *error)
 {
 	result->bytes = lod_price_relax_alike(m, lambda, octave);
 	result->vertices = m->cost.vertices;
 	result->wrong = lod_price_wrong(m);
+	return lod_allocation_predict(m, &result->prediction, error);
 }
 
 static double part_of(double value, double from, double to)
@@ -47,31 +49,23 @@ static struct eco_prediction between(const struct eco_prediction *a, const struc
 		a->fn + part * (b->fn - a->fn) };
 }
 
-static enum eco_code predict(struct lod_allocation *m, struct evaluation *at, struct eco_error *error)
-{
-	return lod_allocation_predict(m, &at->prediction, error);
-}
-
 /* Where vertices bind, too, it is what two lambdas come to, in the parts that use them: the highest and one
  * below it, or that and the lowest. */
 static enum eco_code evaluate(struct lod_allocation *m, const struct lod_price_bounds *bounds, int at,
 	struct evaluation *result, struct eco_error *error)
 {
 	double octave = octave_at(at);
-	struct evaluation over, under;
-	relax_at(m, bounds->low, octave, result);
+	enum eco_code code = relax_at(m, bounds->low, octave, result, error);
 	result->at = at;
 	result->lowest = result->vertices;
-	if (result->vertices <= bounds->vertices || !(bounds->high > bounds->low))
-		return predict(m, result, error);
-	relax_at(m, fmax(bounds->low, MIDDLE * bounds->high), octave, &under);
-	enum eco_code code = predict(m, &under, error);
-	bool fits = under.vertices <= bounds->vertices;
-	over = under;
-	struct evaluation *other = fits ? &over : &under;
-	relax_at(m, fits ? bounds->low : bounds->high, octave, other);
-	if (!code)
-		code = predict(m, other, error);
+	if (code || result->vertices <= bounds->vertices || !(bounds->high > bounds->low))
+		return code;
+	struct evaluation over = *result, under;
+	code = relax_at(m, fmax(bounds->low, MIDDLE * bounds->high), octave, &under, error);
+	if (!code && under.vertices > bounds->vertices) {
+		over = under;
+		code = relax_at(m, bounds->high, octave, &under, error);
+	}
 	double part = part_of(bounds->vertices, under.vertices, over.vertices);
 	result->bytes = under.bytes + part * (over.bytes - under.bytes);
 	result->wrong = under.wrong + part * (over.wrong - under.wrong);
