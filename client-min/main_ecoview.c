@@ -19,7 +19,6 @@
 #include "client-min/view_progress.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
-#include "client-min/view_rows.h"
 #include "client-min/view_stand.h"
 #include "ecofiles/base/options.h"
 #include "ecofiles/format/chunk/draco_shim.h"
@@ -34,6 +33,7 @@ struct viewer {                          /* everything that lives as long as the
 	struct view_options options;
 	struct eco_camera *camera;
 	struct view_fetch *fetch;
+	struct view_fetch *asks;                 /* of plants, also while a stream comes; NULL: it does not */
 	/* the reference has a store of its own: it must not count as held by the frames */
 	struct view_store *store, *full;
 	struct view_gl *gl;                      /* NULL: all is drawn in software */
@@ -55,7 +55,6 @@ struct viewer {                          /* everything that lives as long as the
 	double under_m;
 	struct view_sky sky;
 	struct view_map map;                     /* with --geojson, ... */
-	struct view_rows *rows;                  /* ... and NULL if none are given */
 };
 
 static volatile sig_atomic_t interrupted;
@@ -175,7 +174,7 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 			job.tint }, picture, error);
 	if (!code && v->options.geojson && store == v->store && view_store_complete(store))
 		code = view_geojson_save(&(struct view_geojson_job){ store, &selection, picture, &v->map,
-			v->rows }, v->options.dir, v->frame->frame, error);
+			v->asks }, v->options.dir, v->frame->frame, error);
 	if (!code && v->options.reference)
 		code = count_samples(v, &job, picture, error);
 	v->under_m = view_ground_height(&selection.ground, eye->at[0], eye->at[1], &ground_m)
@@ -522,8 +521,9 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 		view_sun_at(&place, o->sun_s, v->sky.sun);
 	if (!code && o->geojson)
 		code = view_map_fetch(v->fetch, &v->map, error);
-	if (!code && o->rows)
-		code = view_rows_load(&v->rows, o->rows, error);
+	fetch.chunks = NULL;
+	if (!code && o->geojson)
+		code = view_fetch_new(&v->asks, &fetch, error);
 	if (!code)
 		code = open_engine(v, error);
 	if (!code)
@@ -548,7 +548,7 @@ static void finish(struct viewer *v)
 	view_report_free(&v->report);
 	view_explain_close(&v->explain, false, NULL);
 	close_stores(v);
-	view_rows_free(v->rows);
+	view_fetch_free(v->asks);
 	view_fetch_free(v->fetch);
 	eco_camera_free(v->camera);
 }

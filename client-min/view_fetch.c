@@ -37,6 +37,7 @@ struct view_fetch {
 	struct view_fetch_result *result;        /* of the answer that comes */
 	struct view_fetch_result before;         /* of those before it, to the same request */
 	struct eco_writer *text;                 /* where the body goes if it is no stream; else NULL */
+	const char *below;                       /* behind the scene's URL, of a text that is of no view */
 	struct eco_error stream_error;
 	/* where chunks are named: the host of them; finds names; the stream so far */
 	struct view_chunks *chunks;
@@ -494,7 +495,7 @@ static enum eco_code perform(struct view_fetch *fetch, const struct eco_request 
 	char query[VIEW_QUERY_BYTES], of[PACK_BYTES], *url;
 	write_pack(of, pack);
 	const char *rule = fetch->options.rule;
-	bool made = !request ? asprintf(&url, "%s", fetch->url) >= 0
+	bool made = !request ? asprintf(&url, "%s%s", fetch->url, fetch->below) >= 0
 		: view_query_write(request, query, sizeof query) < sizeof query
 			&& asprintf(&url, "%s/%s?%s%s%s%s%s", fetch->url, body ? "stream" : "plan", query,
 			rule ? "&rule=" : "", rule ? rule : "", body ? "" : "&explain=1", of) >= 0;
@@ -690,9 +691,9 @@ enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *sto
 	return code;
 }
 
-/* Without a request: what the server says of the scene. */
-static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_request *request, char **text,
-	struct eco_error *error)
+/* Without a request: what the server says of the scene, or of what is `below` it. */
+static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_request *request, const char *below,
+	char **text, struct eco_error *error)
 {
 	double until_ms = view_clock_ms() + (double)fetch->options.patience_ms;
 	struct view_fetch_result result;
@@ -702,6 +703,7 @@ static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_reque
 	uint32_t broken = 0;
 	fetch->result = &result;
 	fetch->text = &body;
+	fetch->below = below;
 	do {
 		begin(fetch);
 		eco_writer_free(&body);
@@ -722,10 +724,19 @@ static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_reque
 enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text,
 	struct eco_error *error)
 {
-	return fetch_text(fetch, request, text, error);
+	return fetch_text(fetch, request, "", text, error);
 }
 
 enum eco_code view_fetch_scene(struct view_fetch *fetch, char **text, struct eco_error *error)
 {
-	return fetch_text(fetch, NULL, text, error);
+	return fetch_text(fetch, NULL, "", text, error);
+}
+
+enum eco_code view_fetch_plants(struct view_fetch *fetch, const struct eco_chunk_id *pack, uint32_t list,
+	uint32_t first, uint32_t count, char **text, struct eco_error *error)
+{
+	char below[64 + PACK_BYTES], of[PACK_BYTES];
+	write_pack(of, pack);
+	snprintf(below, sizeof below, "/plants/%u?first=%u&count=%u%s", list, first, count, of);
+	return fetch_text(fetch, NULL, below, text, error);
 }

@@ -106,6 +106,11 @@ enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_
 /* What the server says of the scene (openapi.yaml's Scene), as text of the caller. */
 enum eco_code view_fetch_scene(struct view_fetch *fetch, char **text, struct eco_error *error);
 
+/* What the server says of plants of a list of a pack (openapi.yaml's Plants): at most `count`, from `first` on.
+ */
+enum eco_code view_fetch_plants(struct view_fetch *fetch, const struct eco_chunk_id *pack, uint32_t list,
+	uint32_t first, uint32_t count, char **text, struct eco_error *error);
+
 /* Milliseconds of `plan;dur=` in the value of a Server-Timing header; NaN if it is not there. */
 double view_fetch_plan_ms(const char *value, size_t size);
 /* Of the value of a Retry-After header, within reason; 0: it says none. Dates are not understood. */

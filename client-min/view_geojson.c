@@ -16,6 +16,7 @@ struct seen {
 	uint32_t instance;
 	uint64_t pixels;
 	double at[2];
+	json_t *said;                /* openapi.yaml's Plants; NULL: not asked for */
 };
 
 static double rounded(double value, double step)
@@ -102,15 +103,28 @@ static void say_roles(const struct view_selection *s, uint32_t instance, char te
 	}
 }
 
-static void set_row(const struct view_geojson_job *job, json_t *properties,
-	const struct view_plant_place *plant)
+static enum eco_code ask(const struct view_geojson_job *job, struct seen *seen, uint32_t count,
+	struct eco_error *error)
 {
-	static const char *const names[] = { "species", "file", "row" };
-	const json_t *row = view_rows_find(job->rows, plant);
-	json_object_set_new(properties, "file", json_null());
-	json_object_set_new(properties, "row", json_null());
-	for (size_t i = 0; row && i < sizeof names / sizeof *names; i++)
-		json_object_set_new(properties, names[i], json_deep_copy(json_object_get(row, names[i])));
+	struct view_plant_asked *asked = calloc(count + 1u, sizeof *asked);
+	enum eco_code code = asked ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for rows of plants");
+	for (uint32_t i = 0; i < count && !code; i++) {
+		const struct view_instance *one = &job->selection->instances[seen[i].instance];
+		asked[i] = (struct view_plant_asked){ one->list, one->index, &seen[i].said };
+	}
+	if (!code && job->fetch)
+		code = view_plants_ask(job->fetch, view_store_pack(job->store), asked, count, error);
+	free(asked);
+	return code;
+}
+
+static void set_row(json_t *properties, const json_t *said)
+{
+	static const char *const names[] = { "species", "file", "row", "line" };
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+		json_t *value = json_object_get(said, names[i]);
+		json_object_set_new(properties, names[i], value ? json_incref(value) : json_null());
+	}
 }
 
 static json_t *feature_of(const struct view_geojson_job *job, const struct seen *seen)
@@ -125,10 +139,8 @@ static json_t *feature_of(const struct view_geojson_job *job, const struct seen 
 		species ? species->plant.name : "", "height_m", rounded(height_m, 1e-3), "pixels",
 		(json_int_t)seen->pixels, "distance_m", rounded(one->distance_m, 1e-3), "drawn_as", roles,
 		"at_m", rounded(at[0], 1e-4), rounded(at[1], 1e-4), rounded(at[2], 1e-4));
-	if (properties && job->rows)
-		set_row(job, properties,
-			&(struct view_plant_place){ species ? species->plant.name : "", height_m,
-				{ seen->at[0], seen->at[1] } });
+	if (properties && seen->said)
+		set_row(properties, seen->said);
 	return json_pack("{s:s, s:{s:s, s:[f,f]}, s:o}", "type", "Feature", "geometry", "type", "Point",
 		"coordinates", rounded(seen->at[0], step), rounded(seen->at[1], step), "properties",
 		properties);
@@ -161,7 +173,11 @@ enum eco_code view_geojson_make(const struct view_geojson_job *job, json_t **out
 	if (!code)
 		code = place(job, seen, count, error);
 	if (!code)
+		code = ask(job, seen, count, error);
+	if (!code)
 		code = collect(job, seen, count, others, out, error);
+	for (uint32_t i = 0; i < count; i++)
+		json_decref(seen[i].said);
 	free(seen);
 	return code;
 }

@@ -1,8 +1,8 @@
 /* The plants that a view shows as GeoJSON (RFC 7946) for a GIS: a point each, the plant with the most
  * pixels first; longitude and latitude of WGS 84 where the scene has a CRS, else the scene's metres.
  *
- *   species, height_m       the plant's name in the scene, or the row's; height as it is drawn
- *   file, row               of the inventory, if rows are given; null: it is of none that is known
+ *   species, height_m       as the scene names it; height as it is drawn
+ *   file, row, line         of the inventory; null: it is of none that is known, the file has no lines
  *   pixels                  in which it is nearest to the eye
  *   distance_m              from the eye to its middle
  *   drawn_as                representations, such as "triangles, lines"
@@ -17,7 +17,7 @@
 
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_place.h"
-#include "client-min/view_rows.h"
+#include "client-min/view_plants.h"
 #include "client-min/view_select.h"
 
 struct view_geojson_job {
@@ -25,7 +25,7 @@ struct view_geojson_job {
 	const struct view_selection *selection;
 	const struct view_picture *picture;      /* drawn of these */
 	const struct view_map *map;
-	const struct view_rows *rows;            /* NULL: none */
+	struct view_fetch *fetch;                /* asks for species and rows; NULL: not asked for */
 };
 /* *out is the caller's. ECO_NOT_FOUND: PROJ is not there; ECO_BAD_INPUT: it does not know the CRS. */
 enum eco_code view_geojson_make(const struct view_geojson_job *job, json_t **out, struct eco_error *error);

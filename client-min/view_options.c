@@ -92,10 +92,8 @@ static const struct eco_option option_table[] = {
 		"triangles, a node a plant, a camera" },
 	{ "geojson", 0, ECO_OPTION_FLAG, NULL, &given.geojson,
 		.help = "also which plants are seen, as frame-0000.geojson: longitude and latitude (metres "
-		"where the scene has no CRS), species, height, pixels, distance, how each is drawn" },
-	{ "rows", 0, ECO_OPTION_TEXT, "FILE.geojson", &given.rows,
-		.help = "what `ecopack map SCENE.json -o FILE.geojson` wrote: then --geojson also says of "
-		"which file and row each plant is" },
+		"where the scene has no CRS), species, height, pixels, distance, how each is drawn, and which "
+		"row of which inventory it is" },
 	{ "sun", 0, ECO_OPTION_READ, "TIME", &given.sun_s, .read = view_sun_read_time,
 		.help = "where the sun is at that time and the scene's place, such as 2026-06-21T10:00Z" },
 	{ "shadows", 0, ECO_OPTION_READ, "KIND[,SIZE]", &given.sky, .read = view_sky_read_shadows,
@@ -125,7 +123,7 @@ const struct eco_command view_command = { .name = "ecoview", .options = option_t
 	"[--ground-px X] [--ahead S] [--snap M] [--rule NAME] [--reference[=cpu|egl]] [--compare] "
 	"[--tint NAME] "
 	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--owners] [--glb] "
-	"[--geojson [--rows FILE.geojson]] "
+	"[--geojson] "
 	"[--frames A..B] [--progressive LIST] [--chunks URL] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "
@@ -143,8 +141,6 @@ enum eco_code view_options_read(int argc, char **argv, struct view_options *o, s
 	o->height = given.size[1];
 	if (!code && o->compare && !o->reference)
 		code = eco_fail(error, ECO_BAD_USAGE, "--compare: needs --reference");
-	if (!code && o->rows && !o->geojson)
-		code = eco_fail(error, ECO_BAD_USAGE, "--rows: needs --geojson");
 	if (!code && o->chunks && o->marks.bytes_count + o->marks.ms_count)
 		code = eco_fail(error, ECO_BAD_USAGE, "--progressive: not with --chunks, whose streams are "
 			"drawn once they are whole");

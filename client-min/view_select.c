@@ -250,7 +250,8 @@ static enum eco_code walk_group(struct walk *w, const struct eco_placement *plac
 	uint32_t key = eco_owner_leaf(list->list.owner) + placement->path;
 	for (uint32_t i = group->first; i < group->first + group->count; i++) {
 		struct eco_place place = eco_place_of(&list->elements, i);
-		struct view_instance instance = { .plant = group->plant, .path = placement->path };
+		struct view_instance instance = { .plant = group->plant, .path = placement->path,
+			.list = list->id, .index = i };
 		lod_place_instance(&instance.place, placement, &list->list, &place);
 		instance.hash = lod_share_hash(placement->path, list->id, i);
 		if (lod_open_hash(instance.hash) < left)

@@ -1,11 +1,10 @@
 /* The plants of a view as GeoJSON: those that its picture shows, with as many pixels, where they stand on
- * Earth; and of which row of an inventory each is. */
+ * Earth. Their rows: test_geojson.sh. */
 #include <math.h>
 #include <string.h>
 
 #include "client-min/view_geojson.h"
 #include "client-min/view_reference.h"
-#include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -34,12 +33,12 @@ static int free_picture(void **state)
 	return 0;
 }
 
-static json_t *make(const struct view_map *map, const struct view_rows *rows)
+static json_t *make(const struct view_map *map)
 {
 	struct eco_error error = { 0 };
 	json_t *json;
 	assert_ok(view_geojson_make(&(struct view_geojson_job){ held.store, &held.selection, &picture, map,
-					    rows },
+					    NULL },
 			  &json, &error),
 		error);
 	return json;
@@ -81,7 +80,7 @@ static uint64_t pixels_of(uint64_t owner)
 
 UNIT_TEST(plants_are_those_of_the_picture)
 {
-	json_t *json = make(&(struct view_map){ .crs = "" }, NULL);
+	json_t *json = make(&(struct view_map){ .crs = "" });
 	const json_t *feature;
 	size_t i;
 	uint64_t sum = (uint64_t)json_integer_value(json_object_get(json, "summary_pixels")),
@@ -114,7 +113,7 @@ UNIT_TEST(plants_are_those_of_the_picture)
 UNIT_TEST(places_are_longitude_and_latitude)
 {
 	static const struct view_map map = { "EPSG:32632", { 500000, 5205000, 0 } };
-	json_t *json = make(&map, NULL);
+	json_t *json = make(&map);
 	const json_t *features = json_object_get(json, "features"), *feature;
 	const double north = 46.999209 * M_PI / 180, e2 = 0.00669438, bend = 1 - e2 * sin(north) * sin(north),
 		     east_m = 6378137 / sqrt(bend) * cos(north) * M_PI / 180 * 0.9996,
@@ -142,52 +141,6 @@ UNIT_TEST(a_crs_that_is_none_is_an_error)
 	assert_int_equal(view_geojson_make(&job, &json, &error), ECO_BAD_INPUT);
 	assert_null(json);
 	assert_non_null(strstr(error.text, "EPSG:7"));
-}
-
-/* ---- Rows ---- */
-
-#define ROW(lon, species, height, row) \
-	"{\"type\": \"Feature\", \"properties\": {\"species\": \"" species "\", \"height_m\": " height \
-	", \"file\": \"a.csv\", \"row\": " row "}, \"geometry\": {\"type\": \"Point\", " \
-	"\"coordinates\": [" lon ", 50]}}"
-
-UNIT_TEST(rows_are_found_by_place_and_height)
-{
-	/* 1e-7 degrees are 7 mm there */
-	static const char *const text = "{\"features\": [" ROW("9.0000000", "oak", "10",
-		"1") "," ROW("9.0000000", "ash", "10", "2") "," ROW("9.0000002", "ash", "5",
-		"3") "," ROW("9.0000020", "oak", "null", "4") ", {\"geometry\": null}]}";
-	static const struct {
-		struct view_plant_place plant;
-		int row;
-	} cases[] = { { { "oak", 10.05, { 9.0000001, 50 } }, 1 }, { { "ash", 10, { 9.0000001, 50 } }, 2 },
-		{ { "oak", 5, { 9.0000000, 50 } }, 3 }, { { "elm", 7, { 9.0000017, 50 } }, 4 },
-		{ { "oak", 10, { 9.0000000, 50.000001 } }, 0 }, { { "ash", 6, { 9, 50 } }, 0 } };
-	struct view_rows *rows;
-	struct eco_error error = { 0 };
-	assert_ok(view_rows_load(&rows, input_text("geojson", "rows.geojson", text), &error), error);
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		const json_t *found = view_rows_find(rows, &cases[i].plant);
-		assert_int_equal(json_integer_value(json_object_get(found, "row")), cases[i].row);
-	}
-	view_rows_free(rows);
-}
-
-UNIT_TEST(what_is_no_table_of_rows_is_told)
-{
-	static const struct {
-		const char *text, *says;
-	} cases[] = { { "{", "expected" }, { "[]", "features" }, { "{\"features\": 3}", "features" } };
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct view_rows *rows;
-		struct eco_error error = { 0 };
-		assert_int_equal(view_rows_load(&rows, input_text("geojson", "bad.geojson", cases[i].text),
-					 &error),
-			ECO_BAD_INPUT);
-		assert_non_null(strstr(error.text, cases[i].says));
-		assert_non_null(strstr(error.text, "ecopack map"));
-		view_rows_free(rows);
-	}
 }
 
 int main(void)

@@ -1,5 +1,6 @@
 #!/bin/sh
-# The plants of a view, from an inventory to a GIS: those that the eye sees, each with the row that it comes from, where the row says.
+# The plants of a view, from an inventory to a GIS: those that the eye sees, each with its own species, though two share a model, and with the
+# row that it comes from, where the row says.
 set -u
 dir=$(mktemp -d)
 trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$dir"' EXIT
@@ -23,14 +24,15 @@ echo '{ "crs": "EPSG:32632", "origin": [447000, 5411000, 0],
 		"height_m": {"column": "height"}}] }' >"$dir/scene.json"
 echo '{"fps": 1, "keyframes": [{"time_s": 0, "eye": [0, 0, 1], "target": [0, 10, 1], "fov_y_deg": 60}]}' >"$dir/camera.json"
 "$BUILD/ecopack" make "$dir/scene.json" -o "$dir/board.eco" --draft --no-cache -q || fail "no pack"
+"$BUILD/ecopack" make "$dir/scene.json" -o "$dir/bare.eco" --no-rows --draft --no-cache -q || fail "no bare pack"
 "$BUILD/ecopack" map "$dir/scene.json" -o "$dir/all.geojson" -q || fail "no map"
 mkfifo "$dir/said"
-"$BUILD/ecoserve" --listen 127.0.0.1:0 "scene=$dir/board.eco" >"$dir/said" &
+"$BUILD/ecoserve" --listen 127.0.0.1:0 "scene=$dir/board.eco" "bare=$dir/bare.eco" >"$dir/said" &
 read -r said <"$dir/said"
-url=$(echo "$said" | sed -n 's/.*ready on \([^ ]*\) .*/\1/p')/v1/scenes/scene
+url=$(echo "$said" | sed -n 's/.*ready on \([^ ]*\) .*/\1/p')/v1/scenes
 
-view() { "$BUILD/ecoview" "$url" --camera "$dir/camera.json" --size 160x120 --vertices 1000 "$@" >"$dir/out" 2>&1; }
-view --geojson --rows "$dir/all.geojson" -o "$dir/view" || fail "$(cat "$dir/out")"
+view() { name=$1 && shift && "$BUILD/ecoview" "$url/$name" --camera "$dir/camera.json" --size 160x120 --vertices 1000 "$@" >"$dir/out" 2>&1; }
+view scene --geojson -o "$dir/view" || fail "$(cat "$dir/out")"
 seen=$dir/view/frame-0000.geojson
 [ "$(jq -c '[.features[].properties.row] | sort' "$seen")" = '[1,2,3]' ] || fail "other plants: $(cat "$seen")"
 jq -e '.summary_pixels == 0 and ([.features[].properties.pixels] | . == (sort | reverse) and .[-1] > 0)' "$seen" >/dev/null ||
@@ -40,11 +42,11 @@ jq -e --slurpfile all "$dir/all.geojson" 'all(.features[]; . as $a | any($all[0]
 	and (.properties.height_m - $a.properties.height_m | fabs) < 0.02
 	and ([range(2) as $k | .geometry.coordinates[$k] - $a.geometry.coordinates[$k] | fabs] | max) < 1e-7))' "$seen" >/dev/null ||
 	fail "not as in the map: $(cat "$seen" "$dir/all.geojson")"
-view --geojson -o "$dir/plain" || fail "$(cat "$dir/out")"
-jq -e '(.features | length == 3) and all(.features[].properties; has("row") | not)' "$dir/plain/frame-0000.geojson" >/dev/null ||
-	fail "without rows: $(cat "$dir/plain/frame-0000.geojson")"
-view --rows "$dir/all.geojson" -o "$dir/none" && fail "--rows alone is taken"
-grep -q 'needs --geojson' "$dir/out" || fail "not said: $(cat "$dir/out")"
-view --geojson --rows "$dir/trees.csv" -o "$dir/none" && fail "a CSV file is taken for GeoJSON"
-grep -q 'ecopack map' "$dir/out" || fail "not said: $(cat "$dir/out")"
+jq -e 'all(.features[].properties; .line == .row + 1)' "$seen" >/dev/null || fail "no lines: $(cat "$seen")"
+view bare --geojson -o "$dir/plain" || fail "$(cat "$dir/out")"
+jq -e '[.features[].properties | select(.row == null and .file == null) | .species] | sort == ["ash", "oak", "oak"]' \
+	"$dir/plain/frame-0000.geojson" >/dev/null || fail "without rows: $(cat "$dir/plain/frame-0000.geojson")"
+# also while an answer comes, of which a picture is drawn on the way
+view scene --geojson --progressive 500,1000 -o "$dir/steps" || fail "in steps: $(cat "$dir/out")"
+jq -e 'all(.features[].properties; .row > 0)' "$dir/steps/frame-0000.geojson" >/dev/null || fail "in steps: no rows"
 echo "ok: plants of a view with their rows"
