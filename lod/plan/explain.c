@@ -164,23 +164,40 @@ void lod_explain_ground(struct lod_explanation *explanation, const struct eco_pl
 
 /* ---- In words ---- */
 
-static void say_margin(char *text, size_t size, const char *winner, const char *loser, double margin)
+/* Words of people who look at plants, not of the planner: its figures stand in brackets, or beside it. */
+
+static void say_better(char *text, size_t size, const char *winner, const char *loser, double margin)
 {
 	if (margin < INFINITY)
-		snprintf(text, size, "%s beat %s by %.3g %%", winner, loser, 100 * margin);
+		snprintf(text, size, "%s (they correct %.3g %% more pixels than %s)", winner, 100 * margin,
+			loser);
 	else
-		snprintf(text, size, "%s are drawn: %s would save nothing here", winner, loser);
+		snprintf(text, size, "%s: %s would correct none", winner, loser);
 }
 
 static void say_whole(char *text, size_t size, const struct lod_reason *reason)
 {
 	if (reason->share < 1)
-		snprintf(text, size, "splats or an impostor save nearly as much as its organs: %.3g %% "
-			"of the plants are drawn so", 100 * reason->share);
+		snprintf(text, size, "whole plants as soft blobs look nearly as good from here: %.3g %% of them "
+			"are drawn so", 100 * reason->share);
 	else if (reason->margin > 0)
-		say_margin(text, size, "splats or an impostor", "its organs", reason->margin);
+		say_better(text, size, "whole plants as soft blobs look best from here", "leaves and twigs",
+			reason->margin);
 	else
-		snprintf(text, size, "splats or an impostor have a higher Q at this budget than its organs");
+		snprintf(text, size, "whole plants as soft blobs look best for so few vertices");
+}
+
+/* costs: how many times as much a vertex mends elsewhere as in the next step; 0: that mends nothing. */
+static void say_step(char *text, size_t size, double costs)
+{
+	if (!(costs > 0))
+		snprintf(text, size, "more detail would not be seen from here");
+	else if (costs < 1.5)
+		snprintf(text, size, "more detail would be worth nearly as much here as elsewhere (%.3g times less)",
+			costs);
+	else
+		snprintf(text, size, "more detail would hardly be seen here: elsewhere it improves the picture %.2g "
+			"times as much", costs);
 }
 
 void lod_explain_text(char *text, size_t size, const struct lod_explanation *explanation,
@@ -190,50 +207,48 @@ void lod_explain_text(char *text, size_t size, const struct lod_explanation *exp
 	double costs = reason->next > 0 ? explanation->lambda / reason->next : 0;
 	switch (reason->why) {
 	case LOD_WHY_STEP:
-		if (costs > 0)
-			snprintf(text, size, "the next hull step costs %.2g times lambda", costs);
-		else
-			snprintf(text, size, "the next hull step saves nothing");
+		say_step(text, size, costs);
 		return;
 	case LOD_WHY_ROOM:
-		snprintf(text, size, "the next hull step would pay (%.2g times lambda), but the budget has "
-			"no room for it", costs);
+		snprintf(text, size, "more detail would be worth it, but the budget of vertices has no room for it");
 		return;
 	case LOD_WHY_BYTES:
-		snprintf(text, size, "the next bytes of its lists save less than they cost");
+		snprintf(text, size, "more detail would be worth its vertices, but not the bytes that it takes to send");
 		return;
 	case LOD_WHY_PART:
-		snprintf(text, size, "lambda lies within a hull step: %.3g %% of the plants have taken it",
-			100 * reason->margin);
+		snprintf(text, size, "%.3g %% of these plants have more detail than the others: there are vertices "
+			"for so many", 100 * reason->margin);
 		return;
 	case LOD_WHY_LEFT_OVER:
-		snprintf(text, size, "left over: bought with the rest of the budget");
+		snprintf(text, size, "more than it is worth: vertices that were left over are spent here");
 		return;
 	case LOD_WHY_ALL:
-		snprintf(text, size, "all of it is drawn");
+		snprintf(text, size, "its full detail is drawn");
 		return;
 	case LOD_WHY_WHOLE:
 		say_whole(text, size, reason);
 		return;
 	case LOD_WHY_DISTANCE:
-		snprintf(text, size, "the sample distance of %.3g rad asks for it",
+		snprintf(text, size, "Deussen's rule asks for one detail every %.3g rad of the view",
 			explanation->sample_distance);
 		return;
 	case LOD_WHY_SUMMARY:
-		say_margin(text, size, "summary points", "plants", reason->margin);
+		say_better(text, size, "points that stand for many plants look best from here", "single plants",
+			reason->margin);
 		return;
 	case LOD_WHY_FAR:
-		snprintf(text, size, "the summary is fine enough from here: its plants are not looked at");
+		snprintf(text, size, "so far away, points that stand for many plants are fine enough");
 		return;
 	case LOD_WHY_GIVES_WAY:
-		snprintf(text, size, "the summary gives way to plants: %.3g %% of them are drawn",
+		snprintf(text, size, "points for many plants give way to single ones: %.3g %% of these are drawn",
 			100 * reason->margin);
 		return;
 	case LOD_WHY_PLANTS:
-		say_margin(text, size, "plants", "the summary", reason->margin);
+		say_better(text, size, "single plants look best from here", "points for many of them",
+			reason->margin);
 		return;
 	case LOD_WHY_GROUND:
-		snprintf(text, size, "ground: heights may be %.2g pixels off", reason->margin);
+		snprintf(text, size, "the ground's heights may be %.2g pixels off", reason->margin);
 		return;
 	case LOD_WHY_COUNT:
 		break;

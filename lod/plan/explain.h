@@ -67,8 +67,8 @@ struct lod_explanation {
 };
 void lod_explanation_free(struct lod_explanation *explanation);
 
-/* One sentence without a full stop, such as "the next hull step costs 2.1 times lambda"; at most 120
- * bytes. */
+/* One sentence for people without a full stop, such as "more detail would hardly be seen here: elsewhere it
+ * improves the picture 2.1 times as much"; at most 120 bytes. */
 void lod_explain_text(char *text, size_t size, const struct lod_explanation *explanation,
 	const struct lod_explained *row);
 

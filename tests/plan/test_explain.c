@@ -140,29 +140,58 @@ UNIT_TEST(a_plan_is_the_same_with_and_without)
 	}
 }
 
+/* Whatever the figures, a sentence has no word of the planner and fits. */
+static void assert_plain(const char *text)
+{
+	static const char *const words[] = { "hull", "lambda", "summary", "ladder", "cut", "organ", "slot" };
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+		if (strstr(text, words[i]))
+			fail_msg("%s: \"%s\"", words[i], text);
+	if (strlen(text) > 120)
+		fail_msg("%zu bytes: %s", strlen(text), text);
+}
+
+UNIT_TEST(every_reason_is_plain_and_fits)
+{
+	static const double margins[] = { 0, 1e-9, 0.1234567, 1, 123456789, 1e300, INFINITY };
+	const struct lod_explanation why = { .lambda = 1.234567e5, .sample_distance = 1.234567e-5 };
+	for (int w = 0; w < LOD_WHY_COUNT; w++)
+		for (size_t i = 0; i < sizeof margins / sizeof *margins; i++)
+			for (size_t k = 0; k < 6; k++) {
+				char text[200];
+				lod_explain_text(text, sizeof text, &why, &(struct lod_explained){ .reason = {
+					.why = (enum lod_why)w, .next = margins[k], .margin = margins[i],
+					.share = k % 2 } });
+				assert_plain(text);
+			}
+}
+
 UNIT_TEST(words_are_plain)
 {
 	static const struct { struct lod_reason reason; const char *says; } cases[] = {
-		{ { .why = LOD_WHY_STEP, .next = 0.5 }, "the next hull step costs 2.1 times lambda" },
-		{ { .why = LOD_WHY_STEP }, "the next hull step saves nothing" },
-		{ { .why = LOD_WHY_PLANTS, .margin = 0.07 }, "plants beat the summary by 7 %" },
-		{ { .why = LOD_WHY_SUMMARY, .margin = INFINITY },
-			"summary points are drawn: plants would save nothing here" },
-		{ { .why = LOD_WHY_BYTES, .next = 2 }, "the next bytes of its lists save less than they cost" },
-		{ { .why = LOD_WHY_ALL }, "all of it is drawn" },
-		{ { .why = LOD_WHY_WHOLE, .margin = 0.12, .share = 1 },
-			"splats or an impostor beat its organs by 12 %" },
-		{ { .why = LOD_WHY_WHOLE, .share = 1 },
-			"splats or an impostor have a higher Q at this budget than its organs" },
-		{ { .why = LOD_WHY_WHOLE, .share = 0.4 },
-			"splats or an impostor save nearly as much as its organs: 40 % of the plants "
-			"are drawn "
-			"so" },
+		{ { .why = LOD_WHY_STEP, .next = 0.5 }, "more detail would hardly be seen here: elsewhere it "
+			"improves the picture 2.1 times as much" },
+		{ { .why = LOD_WHY_STEP, .next = 1 }, "more detail would be worth nearly as much here as "
+			"elsewhere (1.05 times less)" },
+		{ { .why = LOD_WHY_STEP }, "more detail would not be seen from here" },
+		{ { .why = LOD_WHY_PLANTS, .margin = 0.07 }, "single plants look best from here (they "
+			"correct 7 % more pixels than points for many of them)" },
+		{ { .why = LOD_WHY_SUMMARY, .margin = INFINITY }, "points that stand for many plants look best "
+			"from here: single plants would correct none" },
+		{ { .why = LOD_WHY_BYTES, .next = 2 }, "more detail would be worth its vertices, but not the "
+			"bytes that it takes to send" },
+		{ { .why = LOD_WHY_ALL }, "its full detail is drawn" },
+		{ { .why = LOD_WHY_WHOLE, .margin = 0.12, .share = 1 }, "whole plants as soft blobs look best "
+			"from here (they correct 12 % more pixels than leaves and twigs)" },
+		{ { .why = LOD_WHY_WHOLE, .share = 1 }, "whole plants as soft blobs look best for so few "
+			"vertices" },
+		{ { .why = LOD_WHY_WHOLE, .share = 0.4 }, "whole plants as soft blobs look nearly as good from "
+			"here: 40 % of them are drawn so" },
 	};
 	const struct lod_explanation why = { .lambda = 1.05 };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct lod_explained row = { .reason = cases[i].reason };
-		char text[128];
+		char text[160];
 		lod_explain_text(text, sizeof text, &why, &row);
 		assert_string_equal(text, cases[i].says);
 	}
