@@ -211,6 +211,17 @@ export class EcoStream {
 		return Number.isNaN(height) ? null : height;
 	}
 
+	/** What the server says of a plant that was picked: its species, and file, row and line of the inventory
+	 * that it comes from, as far as it comes from one (openapi.yaml's Plants). */
+	async plant({ list, index }) {
+		const of = this.pack ? `&pack=${this.pack}` : '';
+		const answer = await fetch(`${this.url}/plants/${list}?first=${index}&count=1${of}`,
+			{ headers: access(this.token) });
+		if (!answer.ok)
+			throw await problemOf(this.url, answer);
+		return (await answer.json()).plants[0];
+	}
+
 	/** Why each cut of the last request is what it is: rows of openapi.yaml's `explanation`. */
 	async explain() {
 		const answer = await fetch(`${this.url}/plan?${this.query()}&explain=1`,

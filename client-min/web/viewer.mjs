@@ -1,8 +1,7 @@
 // The viewer at /: which scene, where the camera is, and what people ask of it. All of it is in the address
 // (#scene=...), so that a link shows what its sender saw. A worker makes the picture (viewer_engine.mjs).
 import { Camera, cameraKeys, withModifier } from './viewer_camera.mjs';
-import { number, showFacts, showNorth, showPicked, showReasons, showRow, showScale, showWhy } from './viewer_panel.mjs';
-import { readRows, rowOf } from './viewer_rows.mjs';
+import { number, showFacts, showNorth, showPicked, showPlant, showReasons, showScale, showWhy } from './viewer_panel.mjs';
 
 const $ = (id) => document.getElementById(id);
 const canvas = $('picture');
@@ -12,7 +11,6 @@ const STILL_MS = 250, LOADING_MS = 300;
 const AHEAD_S = 1;                       // what a moving camera will need so soon is asked for, too
 let engine = null, about = null, frame = 0, movedAt = -Infinity, recording = null;
 let token = null;                        // of a scene that is not for all: #scene=NAME&token=TOKEN
-let rows = null;                         // of inventories: viewer_rows.mjs
 let asked = 0, drawn = null, picked = null, view = null, incompleteSince = 0, wasOffline = false;
 
 const say = (text, error = false) => {
@@ -171,8 +169,10 @@ const heard = {
 	picked(message) {
 		({ picked } = message);
 		showPicked(picked, about.origin);
-		if (rows && picked.foot)
-			showRow(rowOf(rows, picked, about.origin));
+	},
+	identified({ picked: of, plant }) {
+		if (picked?.list === of.list && picked.index === of.index)
+			showPlant(plant);
 	},
 	explained({ reasons, ...why }) {
 		if (reasons)
@@ -228,8 +228,7 @@ async function sendOpen(message, first) {
 
 function open(name) {
 	settings.scene = name;
-	about = rows = null;
-	$('rows').value = '';
+	about = null;
 	if (!name)
 		return;
 	closeCard();
@@ -249,7 +248,7 @@ function showSettings() {
 	$('kind').checked = settings.kind;
 	$('sun').value = settings.sun;
 	$('shadows').value = settings.shadows;
-	$('sun-row').hidden = $('rows-row').hidden = about?.origin?.longitude_deg === undefined;
+	$('sun-row').hidden = about?.origin?.longitude_deg === undefined;
 	showNorth(about?.origin);
 	showNorth(Boolean(about?.origin));
 	camera.setMode(settings.mode);
@@ -407,14 +406,6 @@ $('bytes').oninput = () => {
 $('kind').onchange = () => showKinds($('kind').checked);
 $('sun').onchange = () => set('sun', $('sun').value);
 $('shadows').onchange = () => set('shadows', $('shadows').value);
-$('rows').onchange = async () => {
-	try {
-		rows = readRows(await $('rows').files[0].text(), about?.origin);
-		say(`${number(rows.length)} rows: click a plant`);
-	} catch (error) {
-		say(error.message, true);
-	}
-};
 $('save').onclick = savePicture;
 $('link').onclick = copyLink;
 $('record').onclick = record;

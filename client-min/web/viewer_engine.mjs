@@ -6,7 +6,8 @@
 //   { type: 'answer', body }                        that
 //   { type: 'draw', number, matrix, eye, next, size, moving, vertices, bytes, tint, sun, shadows }
 //                                                  the view from now on
-//   { type: 'pick', at }                            what is seen there? 'picked', then 'explained': why so
+//   { type: 'pick', at }                            what is seen there? 'picked', then of a plant 'identified':
+//                                                  its row, and 'explained': why so
 //   { type: 'explain' }                             why is the picture what it is?
 //   { type: 'save' }                                the picture as a PNG: 'saved'
 //
@@ -137,6 +138,8 @@ class Engine {
 		this.draw();
 		const picked = this.layer.pick(...at);
 		this.post({ type: 'picked', picked });
+		if (picked.kind === 'plant')
+			this.post({ type: 'identified', picked, plant: await this.layer.stream.plant(picked) });
 		if (picked.cuts?.length)
 			this.post({ type: 'explained', reasons: await this.reasonsOf(picked) });
 	}

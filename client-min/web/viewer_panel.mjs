@@ -85,14 +85,13 @@ function placeText([x, y, z], origin) {
 	return `${text(x, 0)}, ${text(y, 1)}, ${text(z, 2)}${origin?.crs ? ` (${origin.crs})` : ' m'}`;
 }
 
-/** What draws a plant: primitives by representation, those of all its lists. */
+/** What draws a plant: primitives by representation. Those that a list has beside them may be another form of the
+ * same, so that they say nothing of what is lacking. */
 function drawnBy(cuts) {
 	const sums = new Map();
-	for (const { role, first, end, of } of cuts) {
-		const [drawn, all] = sums.get(role) ?? [0, 0];
-		sums.set(role, [drawn + end - first, all + of]);
-	}
-	return [...sums].map(([role, [drawn, all]]) => [role, `${number(drawn)} of ${number(all)}`]);
+	for (const { role, first, end } of cuts)
+		sums.set(role, (sums.get(role) ?? 0) + end - first);
+	return [...sums].map(([role, drawn]) => [`Drawn as ${role}`, number(drawn)]);
 }
 
 const titles = { sky: 'The sky', ground: 'The ground', summary: 'Many plants as one point' };
@@ -116,12 +115,12 @@ export function showPicked(picked, origin) {
 	$('card').hidden = false;
 }
 
-/** The row of an inventory that the plant comes from; null: none is known. */
-export function showRow(found) {
-	const { species, file, row: line, height_m: height } = found ?? {};
-	const known = height ? `, ${metres(height)}` : '';
-	const text = found ? `${line} of ${file}: ${species}${known}` : 'none stands here';
-	$('card-facts').append(row(['Row', text]));
+/** What the plant is by the inventory that it comes from, if it comes from one. The picture alone knows only one
+ * species of those that share a model. */
+export function showPlant({ species, file, row: number, line }) {
+	$('card-title').textContent = species;
+	if (file)
+		$('card-facts').append(row(['Row', `${number} of ${file}${line ? ` (line ${line})` : ''}`]));
 }
 
 export function showReasons(reasons) {
@@ -131,20 +130,22 @@ export function showReasons(reasons) {
 
 // ---- Why the picture is what it is ----
 
+/** Who a reason is about, and figures for those who want them. */
 function whyText({ plant, tile, distance_m: distance, plants, vertices, reason }) {
-	const who = plant ? `${plant}, ${metres(distance)} away` : tile === undefined ? 'ground'
-		: `tile ${tile}`;
-	return [`${who}: ${count(plants, 'plant')}, ${number(vertices)} vertices`, reason];
+	const many = count(plants, 'plant');
+	const who = plant ? `${plant}, ${metres(distance)} away, ${many}` : tile === undefined ? 'The ground'
+		: `${many} of a part of the scene`;
+	return [who, reason, vertices ? `${number(vertices)} vertices` : ''];
 }
 
 export function showWhy({ lambda, rows, more }) {
 	const items = rows.map((line) => {
-		const [what, reason] = whyText(line), li = item(span(what), span(reason));
+		const li = item(...whyText(line).filter((text) => text).map(span));
 		li.className = 'why';
 		return li;
 	});
 	const text = lambda > 0
-		? `A vertex is drawn where it saves ${lambda.toPrecision(2)} wrong pixels or more.`
-		: 'Everything fits.';
+		? `Detail is drawn where it improves the picture most for its vertices: by ${lambda.toPrecision(2)} pixels each, or more.`
+		: 'There is room for all detail that this view can show.';
 	$('why').replaceChildren(item(span(text)), ...items, ...more ? [item(span(`and ${more} more`))] : []);
 }

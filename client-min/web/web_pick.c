@@ -76,7 +76,8 @@ static void say_plant(const struct web_pick *pick, const struct view_instance *i
 	say_species(pick, instance->plant, text);
 	if (species)
 		eco_write_format(text, ",\"height_m\":%.3f", species->plant.height_m * instance->place.scale);
-	eco_write_format(text, ",\"scale\":%.4f", instance->place.scale);
+	eco_write_format(text, ",\"scale\":%.4f,\"list\":%u,\"index\":%u", instance->place.scale,
+		instance->list, instance->index);
 	say_point(text, "foot", instance->place.at);
 	say_cuts(pick, (uint32_t)(instance - pick->selection->instances), text);
 }

@@ -21,10 +21,12 @@ struct web_pick {
  *   { "kind": "sky" }
  *   { "kind": "ground", "at": [x, y, z], "distance_m": d }
  *   { "kind": "summary", ... as the ground, "species": NAME }      a point that stands for many plants
- *   { "kind": "plant", ... as the ground, "species": NAME, "height_m": h, "scale": s, "foot": [x, y, z],
+ *   { "kind": "plant", ... as the ground, "species": NAME, "height_m": h, "scale": s, "list": l, "index": i,
+ *     "foot": [x, y, z],
  *     "cuts": [{ "role": NAME, "list": l, "first": f, "end": e, "of": primitives, "vertices": v }] }
  *
- * `at` is what is seen there, `foot` where the plant stands: metres from the scene's origin. */
+ * `at` is what is seen there, `foot` where the plant stands: metres from the scene's origin. `list` and `index`
+ * name the plant to the server, which knows its row, and its own species where several share a model. */
 void web_pick_write(const struct web_pick *pick, double x, double y, struct eco_writer *text);
 
 #endif

@@ -1,14 +1,13 @@
-// viewer.mjs URL CHROMIUM PLANTS.csv PLANTS.geojson SCRIPT.json RELOAD: the page at / as somebody uses it, by
-// pointer and by keyboard. URL is the scene's, PLANTS.csv its inventory (plant, easting, northing, height_m),
-// PLANTS.geojson what ecopack map makes of that. What was recorded goes to SCRIPT.json. RELOAD is a command
-// that gives the scene a pack of other plants. The server also has scenes named park, and bare without a CRS.
+// viewer.mjs URL CHROMIUM PLANTS.csv SCRIPT.json RELOAD: the page at / as somebody uses it, by pointer and by
+// keyboard. URL is the scene's, PLANTS.csv its inventory (plant, easting, northing, height_m). What was
+// recorded goes to SCRIPT.json. RELOAD is a command that gives the scene a pack of other plants. The server
+// also has scenes named park, and bare without a CRS.
 import { execSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
-import { readRows, rowOf } from '../../../client-min/web/viewer_rows.mjs';
 import { Browser } from './browser.mjs';
 import { shape } from './shape.mjs';
 
-const [url, chromium, inventory, map, script, reload] = process.argv.slice(2);
+const [url, chromium, inventory, script, reload] = process.argv.slice(2);
 const name = url.split('/').pop(), page = new URL(`/#scene=${name}`, url).href;
 const complete = "document.getElementById('picture')?.dataset.complete === 'true'";
 const rows = readFileSync(inventory, 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
@@ -50,29 +49,8 @@ function rowAt(easting, northing) {
 	return { plant: row[0], height: Number(row[3]), apart: apart(row), number: rows.indexOf(row) + 1 };
 }
 
-/** Gives the menu the file of rows. */
-const givesRows = () => ask(`{
-	const chosen = new DataTransfer(), input = document.getElementById('rows');
-	chosen.items.add(new File([${JSON.stringify(readFileSync(map, 'utf8'))}], 'plants.geojson'));
-	input.files = chosen.files;
-	input.dispatchEvent(new Event('change'));
-}`);
-
-/** Of rows without a height the place decides, beside those with one their height, too. */
-function findsRows() {
-	const origin = { longitude_deg: 9, latitude_deg: 0, convergence_deg: 0 };
-	const features = [[0, null], [2, 7], [2, 8], [4, null]].map(([metres, height_m], i) => ({
-		geometry: { type: 'Point', coordinates: [9 + metres / 111195, 0] }, properties: { height_m, row: i + 1 } }));
-	const found = readRows(JSON.stringify({ features }), origin);
-	const rowAt = (x, height_m) => rowOf(found, { foot: [x, 0, 0], height_m }, origin)?.row;
-	const given = [rowAt(0, 7), rowAt(2, 7.01), rowAt(2, 8), rowAt(2, 9), rowAt(4.01, 1)];
-	expect(given.join() === '1,2,3,,4', `rows are found: ${given}`);
-}
-
 /** A plant that is clicked says its species and height, stands where its row says, and which row that is. */
 async function picksAPlant() {
-	await givesRows();
-	await browser.until(`document.getElementById('state').textContent.startsWith('${rows.length} rows')`);
 	const { low, high, origin } = await ask(`fetch('${url}').then((a) => a.json())
 		.then(({ bounds, origin }) => ({ ...bounds, origin }))`);
 	const eye = [high[0] + 20, low[1] - 20, high[2] + 5], middle = low.map((v, i) => (v + high[i]) / 2);
@@ -93,9 +71,11 @@ async function picksAPlant() {
 	expect(Math.abs(picked.height_m / row.height - 1) < 0.01,
 		`it is ${picked.height_m} m high; its row says ${row.height} m`);
 	await browser.until("document.querySelectorAll('#card-why li').length > 0");
+	expect(await text('card-title') === row.plant, `a ${row.plant} is called ${await text('card-title')}`);
 	const said = await text('card');
 	const at = (picked.foot[0] + origin.at[0]).toFixed(2);
-	for (const part of [picked.species, at, origin.crs, 'Why: ', `Row${row.number} of `])
+	const file = inventory.split('/').pop();
+	for (const part of [at, origin.crs, 'Why: ', `Row${row.number} of ${file} (line ${row.number + 1})`])
 		expect(said.includes(part), `what is said of the plant lacks ${part}: ${said}`);
 	await ask("document.getElementById('picture').focus()");
 	await pressTab();
@@ -328,10 +308,10 @@ async function takesAnotherPack() {
 /** The scene named bare has no CRS: what needs one is not offered, and up is no north. */
 async function isNowhereOnEarth() {
 	const shown = (id) => ask(`getComputedStyle(document.getElementById('${id}')).display !== 'none'`);
-	expect(await shown('sun-row') && await shown('rows-row') && await text('north') === 'N', 'the city has no place');
+	expect(await shown('sun-row') && await text('north') === 'N', 'the city has no place');
 	await browser.open(new URL('/#scene=bare', url).href, 640, 480);
 	await browser.until(complete);
-	expect(!await shown('sun-row') && !await shown('rows-row'), 'a sun or rows are offered without a place');
+	expect(!await shown('sun-row'), 'a sun is offered without a place');
 	expect(await text('north') === 'Y', `without a CRS the arrow says ${await text('north')}`);
 }
 
@@ -393,7 +373,6 @@ try {
 		.filter(({ initiatorType }) => initiatorType !== 'link').map(({ name }) => name).join()`);
 	expect(loaded.includes('/v1/scenes') && !loaded.includes('.wasm'),
 		`the page decodes by itself: it fetched ${loaded}`);
-	findsRows();
 	await picksAPlant();
 	await showsItsFigures();
 	await movesByKeyboard();
