@@ -88,6 +88,7 @@ static bool queue_problem(struct srv_exchange *exchange, enum srv_problem proble
 	bool close)
 {
 	srv_exchange_problem(exchange, problem, detail, close);
+	exchange->lease->is_refused = close;
 	return queue_answer(exchange);
 }
 

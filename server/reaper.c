@@ -1,6 +1,7 @@
 #include "server/reaper.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <linux/tcp.h>
 #include <pthread.h>
@@ -9,6 +10,7 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "server/trace.h"
 
@@ -19,6 +21,11 @@
 #define ESTABLISHED 1
 #define CLOSE_WAIT 8
 #define NOT_TAKEN UINT64_MAX             /* not known yet */
+#define LINGER_MS 30000u                 /* what a refused client still sends is dropped so long, ... */
+#define LINGER_QUIET_MS 5000u            /* ... until it has sent nothing so long, ... */
+#define LINGER_BYTES_MAX (16u << 20)     /* ... up to so much, ... */
+#define LINGER_ROUND_BYTES (1u << 20)    /* ... and so much a round, ... */
+#define LINGER_ROUND_MS 10u              /* ... which are more often then: the window stays small */
 
 struct srv_reaper {
 	pthread_mutex_t mutex;       /* guards everything below */
@@ -93,26 +100,61 @@ static void tell_gone(struct srv_lease *lease, uint64_t now)
 		shut(lease, "is of no more use");
 }
 
-static void shut_overdue(struct srv_reaper *reaper)
+/* Drops what has come to a refused connection. False where it has ended. */
+static bool drop_rest(struct srv_lease *lease, uint64_t now)
 {
-	uint64_t now = srv_clock_us();
-	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next) {
+	ssize_t size = recv(lease->fd, NULL, LINGER_ROUND_BYTES, MSG_DONTWAIT | MSG_TRUNC);
+	if (size > 0) {
+		lease->dropped_bytes += (uint64_t)size;
+		lease->quiet_us = now + LINGER_QUIET_MS * 1000;
+	}
+	return (size > 0 || (size < 0 && errno == EAGAIN)) && lease->dropped_bytes < LINGER_BYTES_MAX
+		&& now < lease->due_us && now < lease->quiet_us;
+}
+
+static void unlink_lease(struct srv_lease *lease)
+{
+	lease->before->next = lease->next;
+	lease->next->before = lease->before;
+}
+
+static void end_lingering(struct srv_lease *lease)
+{
+	close(lease->fd);
+	unlink_lease(lease);
+	free(lease);
+}
+
+/* Returns when to look again, in milliseconds. */
+static uint64_t shut_overdue(struct srv_reaper *reaper)
+{
+	uint64_t now = srv_clock_us(), again = ROUND_MS;
+	for (struct srv_lease *lease = reaper->leases.next, *next; lease != &reaper->leases; lease = next) {
+		next = lease->next;
+		if (lease->lingers) {
+			again = LINGER_ROUND_MS;
+			if (!drop_rest(lease, now))
+				end_lingering(lease);
+			continue;
+		}
 		tell_gone(lease, now);
 		if (lease->due_us && lease->due_us <= now && !renew(reaper, lease, now))
 			shut(lease, "is past its deadline");
 	}
+	return again;
 }
 
 static void *run(void *argument)
 {
 	struct srv_reaper *reaper = argument;
+	uint64_t again = ROUND_MS;
 	pthread_mutex_lock(&reaper->mutex);
 	while (!reaper->stopping) {
-		uint64_t until = srv_clock_us() + ROUND_MS * 1000;
+		uint64_t until = srv_clock_us() + again * 1000;
 		struct timespec at = { .tv_sec = (time_t)(until / 1000000),
 			.tv_nsec = (long)(until % 1000000 * 1000) };
 		pthread_cond_timedwait(&reaper->wake, &reaper->mutex, &at);
-		shut_overdue(reaper);
+		again = shut_overdue(reaper);
 	}
 	pthread_mutex_unlock(&reaper->mutex);
 	return NULL;
@@ -151,8 +193,14 @@ void srv_reaper_stop(struct srv_reaper *reaper)
 	pthread_cond_signal(&reaper->wake);
 	pthread_mutex_unlock(&reaper->mutex);
 	pthread_join(reaper->thread, NULL);
-	while (reaper->leases.next != &reaper->leases)
-		srv_reaper_close(reaper, reaper->leases.next);
+	for (struct srv_lease *lease; (lease = reaper->leases.next) != &reaper->leases;) {
+		if (!lease->lingers)
+			srv_gate_close(&lease->gate);
+		if (lease->lingers)
+			close(lease->fd);
+		unlink_lease(lease);
+		free(lease);
+	}
 	pthread_cond_destroy(&reaper->wake);
 	pthread_mutex_destroy(&reaper->mutex);
 	free(reaper);
@@ -199,12 +247,6 @@ static const char *make_way(struct srv_reaper *reaper, const struct srv_address 
 	return way ? NULL : same_full ? "there are too many connections from this address; close some, or "
 		"use them for more than one request" : "there are too many connections; ask again in a "
 		"second";
-}
-
-static void unlink_lease(struct srv_lease *lease)
-{
-	lease->before->next = lease->next;
-	lease->next->before = lease->before;
 }
 
 static struct srv_lease *find(struct srv_reaper *reaper, int fd)
@@ -331,13 +373,32 @@ void srv_reaper_watch(struct srv_reaper *reaper, struct srv_lease *lease, atomic
 	pthread_mutex_unlock(&reaper->mutex);
 }
 
+/* Goes on with a descriptor of its own, as the library closes the connection's. */
+static bool linger(struct srv_lease *lease)
+{
+	bool refused = lease->is_refused || lease->gate.framing.problem;
+	int fd = refused && !lease->is_shut ? fcntl(lease->fd, F_DUPFD_CLOEXEC, 0) : -1;
+	if (fd < 0)
+		return false;
+	shutdown(fd, SHUT_WR);
+	lease->lingers = true;
+	lease->fd = fd;
+	lease->idle_us = srv_clock_us();
+	lease->due_us = lease->idle_us + LINGER_MS * 1000;
+	lease->quiet_us = lease->idle_us + LINGER_QUIET_MS * 1000;
+	return true;
+}
+
 void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease)
 {
 	if (!lease)
 		return;
 	srv_gate_close(&lease->gate);
 	pthread_mutex_lock(&reaper->mutex);
-	unlink_lease(lease);
+	bool lingers = linger(lease);
+	if (!lingers)
+		unlink_lease(lease);
 	pthread_mutex_unlock(&reaper->mutex);
-	free(lease);
+	if (!lingers)
+		free(lease);
 }

@@ -10,6 +10,11 @@
  * same address where that is what is full; if none waits, the new one is refused. A trusted proxy has no
  * limit of its own.
  *
+ * A request that is refused before all of it is here leaves bytes unread, and more may come: a socket that is
+ * closed so makes the system send a reset, by which the client may lose the answer. So what still comes is
+ * dropped, for a while and up to some bytes, until the client closes too; a connection that is kept for that
+ * counts as one that waits, and gives way like it.
+ *
  * Life of an entry: opened when the connection starts, closed before its socket is (so that a number that
  * the system gave to another socket is never shut down). All functions may be called from any thread. */
 #ifndef SRV_REAPER_H
@@ -29,6 +34,7 @@ struct srv_lease {
 	/* the request that is under way, or NULL; the polling thread's. The library forgets to complete some
 	 * that it drops: they end with the connection, or at its next request line. */
 	struct srv_exchange *exchange;
+	bool is_refused;                                 /* with more to come; the polling thread's, too */
 	struct srv_gate gate;
 	struct srv_lease *before, *next;                 /* the rest is the reaper's, under its mutex */
 	struct srv_address address;
@@ -40,6 +46,8 @@ struct srv_lease {
 	uint64_t probe_us;                               /* when to find out again whether anyone reads */
 	bool is_sending;
 	uint64_t taken_bytes;                            /* acknowledged since it began, before the window */
+	bool lingers;                                    /* fd is the reaper's own; what comes is dropped, ... */
+	uint64_t dropped_bytes, quiet_us;                /* ... so much until now, and no longer than that */
 };
 
 struct srv_reaper_limits {
@@ -71,6 +79,7 @@ void srv_reaper_clear(struct srv_reaper *reaper, struct srv_lease *lease);
 /* While a plan is made: *gone is set when the client hangs up, which is more than to send no more. NULL: no
  * more. */
 void srv_reaper_watch(struct srv_reaper *reaper, struct srv_lease *lease, atomic_bool *gone);
+/* NULL lease: nothing. Where a request is refused with more to come the connection is kept for a while. */
 void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease);
 
 uint64_t srv_clock_us(void);                             /* monotonic */

@@ -102,6 +102,67 @@ UNIT_TEST(bad_requests_are_problems)
 	}
 }
 
+/* A request that is refused by its head, and a body of `size` bytes. Returns how many were sent. */
+static size_t send_refused(int fd, const char *head, size_t size)
+{
+	static const char zeros[1 << 16];
+	size_t sent = 0;
+	assert_true(http_send(fd, head, strlen(head)));
+	while (sent < size && http_send(fd, zeros, sizeof zeros))
+		sent += sizeof zeros;
+	return sent;
+}
+
+/* A server that closes at once resets the connection, and the client, which still sends, loses the answer. */
+UNIT_TEST(who_still_sends_a_refused_body_gets_the_answer)
+{
+	static const struct { const char *head; unsigned status; } rows[] = {
+		{ STREAM "Content-Length: 6291456\r\n\r\n", 413 },
+		{ "POST " BASE "/stream?" VIEW_BY("1") " HTTP/1.1\r\n" HOST "Content-Type: text/plain\r\n"
+			"Content-Length: 4194304\r\n\r\n", 415 },
+		{ "POST /nothing HTTP/1.1\r\n" HOST "Content-Length: 6291456\r\n\r\n", 404 },
+		{ STREAM "Transfer-Encoding: chunked\r\n\r\n", 400 } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		int fd = http_connect(port);
+		assert_int_equal(send_refused(fd, rows[i].head, 4 << 20), 4 << 20);
+		struct http_answer answer = http_receive(fd, false, true);
+		assert_int_equal(answer.status, rows[i].status);
+		assert_header(&answer, "Content-Type", "application/problem+json");
+		http_free(&answer);
+		close(fd);
+	}
+}
+
+UNIT_TEST(a_refused_body_without_end_is_dropped_only_for_a_while)
+{
+	const size_t all = 256u << 20;
+	int fd = http_connect(port);
+	assert_in_range(send_refused(fd, STREAM "Content-Length: 1000000000\r\n\r\n", all), 4 << 20, all - 1);
+	close(fd);
+}
+
+UNIT_TEST(refused_connections_that_are_kept_give_way)
+{
+	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_per_address = 4 };
+	struct srv_daemon *small;
+	struct eco_error error = { 0 };
+	int fds[8];
+	assert_ok(srv_daemon_start(&small, &config, &store, &error), error);
+	for (int i = 0; i < 8; i++) {
+		fds[i] = http_connect(srv_daemon_port(small));
+		send_refused(fds[i], STREAM "Content-Length: 6291456\r\n\r\n", 1 << 16);
+		struct http_answer answer = http_receive(fds[i], false, false);
+		assert_int_equal(answer.status, 413);
+		http_free(&answer);
+	}
+	struct http_answer answer = http_get(srv_daemon_port(small), "/healthz");
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	for (int i = 0; i < 8; i++)
+		close(fds[i]);
+	srv_daemon_stop(small);
+}
+
 UNIT_TEST(holdings_of_another_scene_are_refused)
 {
 	struct eco_holding items[] = { { 0, 100000 } };
