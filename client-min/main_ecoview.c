@@ -20,6 +20,7 @@
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
 #include "client-min/view_stand.h"
+#include "ecofiles/base/json_memory.h"
 #include "ecofiles/base/options.h"
 #include "ecofiles/format/chunk/draco_shim.h"
 #include "ecofiles/format/image.h"
@@ -572,6 +573,7 @@ int main(int argc, char **argv)
 	view_progress_begin(&viewer.progress, "ecoview");
 	catch_signals();
 	eco_draco_end_without_memory();
+	eco_json_watch();
 	if (!code)
 		code = view_fetch_setup(&error);
 	if (!code)

@@ -7,6 +7,7 @@
 
 #include "client-min/view_owners.h"
 #include "ecofiles/base/file_write.h"
+#include "ecofiles/base/json_memory.h"
 #include "ecofiles/base/module.h"
 
 #define DIGITS 12 /* of numbers: a degree's ninth is a tenth of a millimetre */
@@ -193,7 +194,7 @@ enum eco_code view_geojson_save(const struct view_geojson_job *job, const char *
 	if (code)
 		return code;
 	char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(DIGITS));
-	code = text ? eco_file_write(path, text, strlen(text), error)
+	code = text && !eco_json_lost() ? eco_file_write(path, text, strlen(text), error)
 		    : eco_fail(error, ECO_NO_MEMORY, "no memory for the plants of a view");
 	free(text);
 	json_decref(json);

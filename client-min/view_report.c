@@ -1,5 +1,6 @@
 #include "client-min/view_report.h"
 #include "client-min/draw/view_shader.h"
+#include "ecofiles/base/json_memory.h"
 #include "ecofiles/base/room.h"
 
 #include <errno.h>
@@ -252,6 +253,10 @@ enum eco_code view_report_write(const struct view_report *report, const char *di
 	json_t *root = report_json(report);
 	int failed = json_dump_file(root, beside, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
 	json_decref(root);
+	if (eco_json_lost()) {
+		unlink(beside);
+		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory for it", path);
+	}
 	if (!failed && rename(beside, path) == 0)
 		return ECO_OK;
 	int saved = errno;

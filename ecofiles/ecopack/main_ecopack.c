@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "ecofiles/base/json_memory.h"
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/format/chunk/draco_shim.h"
 #include "ecofiles/generate/generate.h"
@@ -307,7 +308,10 @@ int main(int argc, char **argv)
 	if (!eco_command_answers(&command->line, argc - 2, argv + 2)) {
 		main_catch_interrupts();
 		eco_draco_end_without_memory();
+		eco_json_watch();
 		code = command->run(argc - 2, argv + 2, &error);
+		if (!code && eco_json_lost())
+			code = eco_fail(&error, ECO_NO_MEMORY, "no memory for all of the JSON");
 		main_progress_end();
 	}
 	return eco_command_end(&command->line, code, &error);

@@ -40,6 +40,22 @@ check() {
 	fi
 	rm -rf "$DIR/out"/*
 }
+
+# memory: nothing of tilesets and models is left out where there is none for it
+exporting() { "$BUILD/ecopack" export "$DIR/one.eco" --3dtiles "$DIR/out/tiles" -q; }
+: >"$DIR/said"
+FAULT_COUNT=9 LD_PRELOAD=$FAULT exporting 9>"$DIR/count"
+check "nothing fails" $? tiles
+count=$(tail -n 1 "$DIR/count")
+[ "${count:-0}" -gt 100 ] || complain "only ${count:-no} allocations were counted"
+for at in $(places "$count") $(seq $((count - 199)) 9 "$count"); do
+	FAULT_ALLOC=$at LD_PRELOAD=$FAULT exporting >"$DIR/said" 2>&1
+	status=$?
+	# a library that ends the program leaves the folder with its first name
+	grep -q 'within a library' "$DIR/said" && rm -rf "$DIR/out"/*.tmp-*
+	check "allocation $at fails" $status tiles
+done
+
 for part in tiles:--3dtiles chunks:--static; do
 	set -- "${part#*:}" "$DIR/out/${part%:*}"
 	[ "${part%:*}" = tiles ] || set -- "$@" --from 1

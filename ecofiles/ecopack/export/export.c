@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "ecofiles/base/file_write.h"
+#include "ecofiles/base/json_memory.h"
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/progress.h"
@@ -29,7 +30,7 @@ enum eco_code export_file(struct export *x, const char *name, const void *bytes,
 enum eco_code export_json(struct export *x, const char *name, json_t *json)
 {
 	char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(15)) : NULL;
-	enum eco_code code = text ? export_file(x, name, text, strlen(text))
+	enum eco_code code = text && !eco_json_lost() ? export_file(x, name, text, strlen(text))
 		: eco_fail(x->error, ECO_NO_MEMORY, "%s: no memory for it", name);
 	free(text);
 	json_decref(json);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/json_memory.h"
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/scene/scene.h"
 
@@ -240,5 +241,5 @@ enum eco_code start_scene(struct start *s)
 	json_object_set_new(scene, "instances", json_pack("[o]", entry_json(s)));
 	s->scene = json_dumps(scene, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
 	json_decref(scene);
-	return s->scene ? ECO_OK : eco_fail(s->error, ECO_NO_MEMORY, "no memory for the scene");
+	return s->scene && !eco_json_lost() ? ECO_OK : eco_fail(s->error, ECO_NO_MEMORY, "no memory for the scene");
 }
