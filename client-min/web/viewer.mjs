@@ -1,7 +1,8 @@
 // The viewer at /: which scene, where the camera is, and what people ask of it. All of it is in the address
 // (#scene=...), so that a link shows what its sender saw. A worker makes the picture (viewer_engine.mjs).
 import { Camera, cameraKeys, withModifier } from './viewer_camera.mjs';
-import { number, showFacts, showNorth, showPicked, showPlant, showReasons, showScale, showWhy } from './viewer_panel.mjs';
+import { number, showFacts, showNorth, showPicked, showPlant, showReasons, showScale,
+	showWhy } from './viewer_panel.mjs';
 
 const $ = (id) => document.getElementById(id);
 const canvas = $('picture');
@@ -150,6 +151,9 @@ function know(said) {
 		camera.look(...view);
 }
 
+/** Another may have been clicked meanwhile. */
+const isPicked = ({ list, index }) => picked?.list === list && picked?.index === index;
+
 const heard = {
 	opened(message) {
 		if (!token)
@@ -171,13 +175,13 @@ const heard = {
 		showPicked(picked, about.origin);
 	},
 	identified({ picked: of, plant }) {
-		if (picked?.list === of.list && picked.index === of.index)
+		if (isPicked(of))
 			showPlant(plant);
 	},
-	explained({ reasons, ...why }) {
-		if (reasons)
+	explained({ reasons, picked: of, ...why }) {
+		if (reasons && isPicked(of))
 			showReasons(reasons);
-		else
+		else if (!reasons)
 			showWhy(why);
 	},
 	saved: ({ blob }) => save(`${settings.scene}.png`, blob),

@@ -141,24 +141,27 @@ class Engine {
 		if (picked.kind === 'plant')
 			this.post({ type: 'identified', picked, plant: await this.layer.stream.plant(picked) });
 		if (picked.cuts?.length)
-			this.post({ type: 'explained', reasons: await this.reasonsOf(picked) });
+			this.post({ type: 'explained', picked, reasons: await this.reasonsOf(picked) });
 	}
 
-	/** Of each cut that draws a plant, the row of its distance. */
+	/** Of each cut that draws a plant, the row of its distance: what it says, and the vertices that it is for. */
 	async reasonsOf({ cuts, distance_m, scale }) {
 		const { rows } = await this.layer.stream.explain();
 		const distance = distance_m / scale;
-		return cuts.map(({ list, first, end }) => rows
+		return cuts.map(({ list, first, end, vertices }) => ({ ...rows
 			.filter((row) => row.list === list && row.first === first && row.end === end)
-			.sort((a, b) => apart(a, distance) - apart(b, distance))[0]?.reason ?? '');
+			.sort((a, b) => apart(a, distance) - apart(b, distance))[0], vertices }));
 	}
 
+	/** The picture's rows, those of most vertices first, and what its vertices are spent on: by kind of reason. */
 	async explain() {
 		if (!this.layer?.stream?.selected)
 			return;
-		const { lambda, rows } = await this.layer.stream.explain();
+		const { lambda, rows } = await this.layer.stream.explain(), spent = {};
 		rows.sort((a, b) => b.vertices - a.vertices);
-		this.post({ type: 'explained', lambda, more: Math.max(0, rows.length - ROWS_MAX),
+		for (const { why, vertices } of rows)
+			spent[why] = (spent[why] ?? 0) + vertices;
+		this.post({ type: 'explained', lambda, spent, more: Math.max(0, rows.length - ROWS_MAX),
 			rows: rows.slice(0, ROWS_MAX) });
 	}
 

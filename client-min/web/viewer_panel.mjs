@@ -91,7 +91,7 @@ function drawnBy(cuts) {
 	const sums = new Map();
 	for (const { role, first, end } of cuts)
 		sums.set(role, (sums.get(role) ?? 0) + end - first);
-	return [...sums].map(([role, drawn]) => [`Drawn as ${role}`, number(drawn)]);
+	return [...sums].map(([role, drawn]) => [role, number(drawn)]);
 }
 
 const titles = { sky: 'The sky', ground: 'The ground', summary: 'Many plants as one point' };
@@ -107,10 +107,11 @@ export function showPicked(picked, origin) {
 	if (at)
 		facts.push([foot ? 'Stands at' : 'Place', placeText(foot ?? at, origin)],
 			['Distance', metres(distance)]);
-	facts.push(...drawnBy(cuts));
 	$('card-title').textContent = kind === 'plant' ? species : titles[kind];
 	$('card-facts').replaceChildren(...facts.map(row));
 	$('card-why').replaceChildren();
+	$('card-drawn').hidden = !cuts.length;
+	$('card-forms').replaceChildren(...drawnBy(cuts).map(row));
 	$('card-orbit').hidden = !at;
 	$('card').hidden = false;
 }
@@ -120,17 +121,50 @@ export function showPicked(picked, origin) {
 export function showPlant({ species, file, row: number, line }) {
 	$('card-title').textContent = species;
 	if (file)
-		$('card-facts').append(row(['Row', `${number} of ${file}${line ? ` (line ${line})` : ''}`]));
+		$('card-facts').rows[0].after(row(['Row', `${number} of ${file}${line ? ` (line ${line})` : ''}`]));
 }
 
+/** Why a plant is drawn as it is: of each kind of reason the one for most vertices, the most important ones. */
 export function showReasons(reasons) {
-	const texts = [...new Set(reasons)].filter((text) => text);
-	$('card-why').replaceChildren(...texts.map((text) => item(span(`Why: ${text}`))));
+	const kinds = new Map();
+	for (const { why, reason, vertices } of reasons.filter((row) => row.reason)) {
+		const { sum = 0, most = -1, text } = kinds.get(why) ?? {};
+		kinds.set(why, { sum: sum + vertices, most: Math.max(most, vertices),
+			text: vertices > most ? reason : text });
+	}
+	const texts = [...kinds.values()].sort((a, b) => b.sum - a.sum).slice(0, REASONS_MAX);
+	const parts = texts.length > 1 ? ['mostly, ', 'in part, '] : [''];
+	$('card-why').replaceChildren(...texts.map(({ text }, i) => item(span(`Why: ${parts[i]}${text}`))));
 }
 
 // ---- Why the picture is what it is ----
 
-/** Who a reason is about, and figures for those who want them. */
+const REASONS_MAX = 2;
+/** Kinds of reasons (openapi.yaml's `why`), for those whose vertices are counted. */
+const meanings = {
+	all: 'plants in full detail',
+	'next step': 'detail of which more would hardly be seen',
+	'no room': 'detail that ends where the vertices do',
+	bytes: 'detail that ends where the bytes do',
+	'within a step': 'more detail in some of many like plants',
+	'left over': 'a little more detail than needed, as some was left over',
+	'whole plant': 'plants drawn as a whole, as single leaves would not be seen',
+	summary: 'points that stand for many plants',
+	far: 'points that stand for many plants, far away',
+	'gives way': 'points that stand for many plants, between single ones',
+	'sample distance': 'what the rule of Deussen asks for',
+};
+
+const percent = (share) => share < 0.01 ? '< 1 %' : `${Math.round(100 * share)} %`;
+
+/** What the vertices are spent on, most first. */
+function spentOn(spent) {
+	const all = Object.values(spent).reduce((a, b) => a + b, 0);
+	return Object.entries(spent).filter(([, vertices]) => vertices).sort(([, a], [, b]) => b - a)
+		.map(([why, vertices]) => item(span(meanings[why] ?? why), span(percent(vertices / all))));
+}
+
+/** Whom a reason is about, and its figures for those who want them. */
 function whyText({ plant, tile, distance_m: distance, plants, vertices, reason }) {
 	const many = count(plants, 'plant');
 	const who = plant ? `${plant}, ${metres(distance)} away, ${many}` : tile === undefined ? 'The ground'
@@ -138,14 +172,16 @@ function whyText({ plant, tile, distance_m: distance, plants, vertices, reason }
 	return [who, reason, vertices ? `${number(vertices)} vertices` : ''];
 }
 
-export function showWhy({ lambda, rows, more }) {
+export function showWhy({ lambda, spent, rows, more }) {
 	const items = rows.map((line) => {
 		const li = item(...whyText(line).filter((text) => text).map(span));
 		li.className = 'why';
 		return li;
 	});
-	const text = lambda > 0
-		? `Detail is drawn where it improves the picture most for its vertices: by ${lambda.toPrecision(2)} pixels each, or more.`
-		: 'There is room for all detail that this view can show.';
-	$('why').replaceChildren(item(span(text)), ...items, ...more ? [item(span(`and ${more} more`))] : []);
+	const least = lambda > 0
+		? `Each vertex puts ${lambda.toPrecision(2)} pixels right, or more; none is drawn for less.`
+		: 'There is room for all detail of this view.';
+	$('spent').replaceChildren(...spentOn(spent));
+	$('why').replaceChildren(item(span(least)), ...items, ...more ? [item(span(`and ${more} more`))] : []);
+	$('why-here').hidden = false;
 }

@@ -169,22 +169,22 @@ void lod_explain_ground(struct lod_explanation *explanation, const struct eco_pl
 static void say_better(char *text, size_t size, const char *winner, const char *loser, double margin)
 {
 	if (margin < INFINITY)
-		snprintf(text, size, "%s (they correct %.3g %% more pixels than %s)", winner, 100 * margin,
+		snprintf(text, size, "%s (%.3g %% more pixels right than by %s)", winner, 100 * margin,
 			loser);
 	else
-		snprintf(text, size, "%s: %s would correct none", winner, loser);
+		snprintf(text, size, "%s: %s would put no pixel right", winner, loser);
 }
 
 static void say_whole(char *text, size_t size, const struct lod_reason *reason)
 {
 	if (reason->share < 1)
-		snprintf(text, size, "whole plants as soft blobs look nearly as good from here: %.3g %% of them "
-			"are drawn so", 100 * reason->share);
+		snprintf(text, size, "drawn as a whole, without single leaves, it looks nearly as good from here: "
+			"%.3g %% of such plants are", 100 * reason->share);
 	else if (reason->margin > 0)
-		say_better(text, size, "whole plants as soft blobs look best from here", "leaves and twigs",
+		say_better(text, size, "drawn as a whole, without single leaves, it looks best from here", "leaves",
 			reason->margin);
 	else
-		snprintf(text, size, "whole plants as soft blobs look best for so few vertices");
+		snprintf(text, size, "drawn as a whole, without single leaves, it looks best for so few vertices");
 }
 
 /* costs: how many times as much a vertex mends elsewhere as in the next step; 0: that mends nothing. */
@@ -193,8 +193,7 @@ static void say_step(char *text, size_t size, double costs)
 	if (!(costs > 0))
 		snprintf(text, size, "more detail would not be seen from here");
 	else if (costs < 1.5)
-		snprintf(text, size, "more detail would be worth nearly as much here as elsewhere (%.3g times less)",
-			costs);
+		snprintf(text, size, "more detail would be worth nearly as much here as elsewhere");
 	else
 		snprintf(text, size, "more detail would hardly be seen here: elsewhere it improves the picture %.2g "
 			"times as much", costs);
@@ -213,14 +212,15 @@ void lod_explain_text(char *text, size_t size, const struct lod_explanation *exp
 		snprintf(text, size, "more detail would be worth it, but the budget of vertices has no room for it");
 		return;
 	case LOD_WHY_BYTES:
-		snprintf(text, size, "more detail would be worth its vertices, but not the bytes that it takes to send");
+		snprintf(text, size, "more detail would be worth its vertices, but not the bytes that it takes "
+			"to send");
 		return;
 	case LOD_WHY_PART:
-		snprintf(text, size, "%.3g %% of these plants have more detail than the others: there are vertices "
-			"for so many", 100 * reason->margin);
+		snprintf(text, size, "there are vertices for more detail in %.3g %% of such plants",
+			100 * reason->margin);
 		return;
 	case LOD_WHY_LEFT_OVER:
-		snprintf(text, size, "more than it is worth: vertices that were left over are spent here");
+		snprintf(text, size, "a little more detail than needed: some vertices were left over");
 		return;
 	case LOD_WHY_ALL:
 		snprintf(text, size, "its full detail is drawn");

@@ -102,6 +102,12 @@ async function showsItsFigures() {
 	expect(facts.predicted_q > 0 && facts.predicted_q <= 1, `Q is ${facts.predicted_q}`);
 	await ask("document.getElementById('explain').click()");
 	await browser.until("document.querySelectorAll('#why .why').length > 0");
+	const spent = await ask("[...document.querySelectorAll('#spent li')].map((li) => li.textContent)");
+	const shares = spent.map((line) => /(\d+) %$/.exec(line)?.[1]).map(Number);
+	const all = shares.reduce((a, b) => a + b, 0);
+	expect(Math.abs(all - 100) <= spent.length && shares.every((v, i) => !i || v <= shares[i - 1] + 1),
+		`what vertices are spent on does not add up: ${spent}`);
+	expect(!/hull|lambda|summary|undefined/.test(spent + await text('why')), `the planner's words: ${spent}`);
 	await press('c');
 	expect(await ask('viewer.settings.kind') === 1, 'C does not change colours');
 	await press('c');
