@@ -94,8 +94,11 @@ static ssize_t receive(struct srv_gate *gate, void *bytes, size_t size, int flag
 	}
 	if (got <= 0)
 		return got;
+	uint32_t heads = gate->framing.heads;
+	bool in_head = gate->framing.state != SRV_AT_BODY;
 	size_t passed = srv_framing_scan(&gate->framing, bytes, (size_t)got);
-	if (passed == 0)
+	/* nothing that is whole has passed, only what comes before the problem in the same head */
+	if (passed < (size_t)got && in_head && heads == gate->framing.heads)
 		return end_refused(gate);
 	if (passed < (size_t)got)
 		shutdown(gate->fd, SHUT_RD);     /* wakes the library when it has answered what passed */
