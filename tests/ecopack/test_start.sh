@@ -275,6 +275,17 @@ says 'a rock: by its name it is no plant'
 says 'oak: half of its 1 plants are less than 1.1 m high'
 grep -q 'bonsai.*half' "$DIR/out" && complain "make doubts a height that the scene states"
 
+# ---- A species of a model's whole name gets it; variants without a unit keep their own heights ----
+mkdir "$DIR/same" && for n in 1 2; do sed '/Units/d' "$DIR/models/linden_2.obj" | awk -v n=$n '$1 == "v" { $3 *= n / 2 } { print }' >"$DIR/same/ash_$n.obj"; done
+for name in tree treeTall tree_of_all; do cp "$DIR/models/stieleiche.obj" "$DIR/same/$name.obj"; done
+awk 'BEGIN { print "species,x,y"; for (i = 0; i < 40; i++) printf "%s,%d,%d\n", i % 4 == 0 ? "Tree" : i % 4 == 1 ? "tree tall" : i % 4 == 2 ? "tree-of-all" : "ash", i, i % 7 }' >"$DIR/same.csv"
+rm -rf "$DIR/my"
+"$PACK" start "$DIR/same.csv" "$DIR/same" -o "$DIR/my/" >"$DIR/out" 2>&1 || complain "same: $(cat "$DIR/out")"
+table=same.csv
+is '.instances[0].map | [.Tree, ."tree tall", ."tree-of-all"]' '["tree","treeTall","tree_of_all"]'
+is '.plants.ash | [(.variants | length), has("height_m")]' '[2,false]'
+rm -rf "$DIR/my"
+
 # ---- Levels of detail in files of their own are no variants ----
 mkdir "$DIR/levels" && for level in 0 1 2; do cp "$DIR/models/stieleiche.obj" "$DIR/levels/oak_LOD$level.obj"; done
 rm -rf "$DIR/my"

@@ -229,3 +229,31 @@ UNIT_TEST(levels_and_colliders_of_games_are_left_out)
 	assert_int_equal(m.triangle_count, 8);
 }
 
+/* A stem with twigs on a sheet of `side`, in a file of its own, y up. */
+static const char *write_on_sheet(double side, double level)
+{
+	char text[1000];
+	double s = side / 2;
+	snprintf(text, sizeof text, "o plant\nv 0 0 0\nv 0.2 0 0\nv 0 4 0\nv -1 3 -1\nv 1 3 1\nv 0 5 0\n"
+		"f 1 2 3\nf 4 5 6\no floor\nv %g %g %g\nv %g %g %g\nv %g %g %g\nv %g %g %g\n"
+		"f 7 8 9\nf 7 9 10\n", -s, level, -s, s, level, -s, s, level, s, -s, level, s);
+	return input_text("parts", "sheet.obj", text);
+}
+
+UNIT_TEST(a_level_sheet_that_it_stands_on_is_left_out)
+{
+	struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = "floor", .is = ECO_ORGAN_FOUND };
+	import_file(&m, write_on_sheet(8, 0), &(struct eco_model_options){ .up = ECO_UP_Y });
+	assert_int_equal(m.triangle_count, 2);
+	assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 2);
+	import_file(&m, write_on_sheet(8, 0), &(struct eco_model_options){ .up = ECO_UP_Y, .rules = &rule,
+		.rule_count = 1 });
+	assert_int_equal(m.triangle_count, 4);
+	/* a leaf at the foot, a roof, and a card */
+	import_file(&m, write_on_sheet(1, 0), &(struct eco_model_options){ .up = ECO_UP_Y });
+	assert_int_equal(m.triangle_count, 4);
+	import_file(&m, write_on_sheet(8, 5), &(struct eco_model_options){ .up = ECO_UP_Y });
+	assert_int_equal(m.triangle_count, 4);
+	import_file(&m, write_on_sheet(8, 0), &(struct eco_model_options){ .up = ECO_UP_Z });
+	assert_int_equal(m.triangle_count, 4);
+}

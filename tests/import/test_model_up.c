@@ -89,6 +89,19 @@ static void potted_plant(struct soup *s)
 	blades(s, plain(s), 40, (struct lod_v3){ 0, 0, 0.3 }, 0.7, 0.6, 0.3);
 }
 
+/* Crossed cards with bare ground between them, in a field that is longer than wide. */
+static void patch_of_tufts(struct soup *s)
+{
+	soup_begin(s);
+	uint32_t m = plain(s);
+	for (int i = 0; i < 30; i++) {
+		double x = soup_random(s, -11, 11), y = soup_random(s, -9, 9), a = soup_random(s, 0, LOD_PI);
+		for (int k = 0; k < 2; k++, a += LOD_PI / 2)
+			soup_quad(s, m, (struct lod_v3){ x, y, 0.6 },
+				(struct lod_v3){ 0.6 * cos(a), 0.6 * sin(a), 0 }, (struct lod_v3){ 0, 0, 0.6 });
+	}
+}
+
 static void weeping_tree(struct soup *s)
 {
 	soup_begin(s);
@@ -239,7 +252,7 @@ UNIT_TEST(plants_tell_which_way_is_up)
 		{ "tree", tree, 30 }, { "bare tree", bare_tree, 30 }, { "low-poly tree", low_poly_tree, 30 },
 			{ "conifer", conifer, 30 },
 		{ "palm", palm, 30 }, { "grass tuft", grass_tuft, 30 }, { "potted plant", potted_plant, 30 },
-		{ "weeping tree", weeping_tree, 24 },
+		{ "weeping tree", weeping_tree, 24 }, { "patch of tufts", patch_of_tufts, 30 },
 		{ "flowers", flowers, 24 }, { "shrub", shrub, 30 }, { "mushroom", mushroom, 24 },
 	};
 	for (size_t i = 0; i < sizeof plants / sizeof *plants; i++) {

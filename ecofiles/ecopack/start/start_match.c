@@ -16,6 +16,7 @@
 
 /* ---- Scores ---- */
 
+#define SAME 1000                /* the whole name */
 #define GENUS 100
 #define WORD 40                  /* a word that both have */
 #define FORM 20
@@ -58,6 +59,10 @@ static int score(const struct eco_flora *flora, const char *words, const struct 
 	*tier = START_BY_NOTHING;
 	if (model->flora.form == ECO_FORM_NOTHING)
 		return -GENUS;
+	if (words[0] != 0 && strcmp(words, model->words) == 0) {
+		*tier = START_BY_NAME;
+		return SAME;
+	}
 	/* a dead or bare tree stands for a living one only where there is no other */
 	if (model->is_dead && !eco_words_have(words, "dead"))
 		return DEAD;

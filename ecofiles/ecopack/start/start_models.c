@@ -221,18 +221,18 @@ enum eco_code start_models_find(struct start *s)
 /* ---- Sizes ---- */
 
 /* A model whose own height no such plant has gets a usual one; so does a tree of a few units, which are often
- * none of length. */
+ * none of length. Variants of usual heights keep their own. */
 static enum eco_code settle_height(struct start *s, struct start_model *m, const struct eco_model *model)
 {
 	struct eco_form_size usual = eco_form_size(m->flora.form);
 	char took[100], change[64];
 	m->height_m = eco_model_height(model);
 	bool guessed = model->source.unit_how == ECO_HOW_GUESSED;
-	bool odd =
-		m->height_m < (guessed ? usual.typical_m / 3 : usual.least_m) || m->height_m > usual.most_m;
+	double least_m = guessed ? usual.typical_m / 3 : usual.least_m;
+	bool odd = m->height_m < least_m || m->height_m > usual.most_m;
 	if (!odd && !guessed)
 		return ECO_OK;
-	m->height_is_ours = true;
+	m->height_is_ours = odd || m->path_count == 1;
 	double own = m->height_m;
 	if (odd)
 		m->height_m = usual.typical_m;
@@ -242,7 +242,7 @@ static enum eco_code settle_height(struct start *s, struct start_model *m, const
 		return start_guess(s, "size of a model", took, change, "its file says %.4g %s, where a %s "
 			"has %.3g to "
 			"%.3g m", guessed ? own / model->scale : own, guessed ? "without a unit" : "m",
-			eco_form_names[m->flora.form], usual.least_m, usual.most_m);
+			eco_form_names[m->flora.form], least_m, usual.most_m);
 	return start_guess(s, "size of a model", took, change, "its file has no unit; metres, centimetres or "
 		"millimetres by its height");
 }

@@ -235,9 +235,12 @@ enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_fr
 	if (!code) {
 		note_dropped(model, notes);
 		eco_model_drop_spare(model, options->rules, options->rule_count, notes);
+		if (!eco_model_drop_sheet(model, c.place, options->rules, options->rule_count, notes))
+			code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", what);
+	}
+	if (!code)
 		code = eco_model_apply_rules(model, c.place, options->rules, options->rule_count, what, notes,
 			error);
-	}
 	if (!code)
 		code = eco_model_stand(model, c.place, frame, options, what, notes, error);
 	if (!code) {

@@ -1,6 +1,7 @@
 #include "ecofiles/import/model/model_spare.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -116,4 +117,75 @@ void eco_model_drop_spare(struct eco_model *m, const struct eco_part_rule *rules
 		}
 	}
 	free(level);
+}
+
+/* ---- Ground ---- */
+
+#define SHEET_THICK 0.002        /* of its width */
+#define SHEET_FULL 0.7           /* of its box: a disc has 0.79 */
+#define SHEET_AT 0.02            /* of the height, from the lower end */
+#define LIES_BESIDE 1e-3         /* of its width: so far may the rest reach beyond it */
+
+static void grow(struct eco_component *box, const struct eco_component *by)
+{
+	for (int a = 0; a < 3; a++) {
+		box->low[a] = fmin(box->low[a], by->low[a]);
+		box->high[a] = fmax(box->high[a], by->high[a]);
+	}
+}
+
+/* Whether all else of the model stands on the component. */
+static bool is_sheet(const struct eco_components *all, uint32_t at)
+{
+	const struct eco_component *c = &all->items[at];
+	struct eco_component rest = { .low = { INFINITY, INFINITY, INFINITY },
+		.high = { -INFINITY, -INFINITY, -INFINITY } };
+	double wide = c->high[0] - c->low[0], deep = c->high[1] - c->low[1];
+	for (uint32_t i = 0; i < all->count; i++)
+		if (i != at)
+			grow(&rest, &all->items[i]);
+	double height = rest.high[2] - c->low[2];
+	if (!(height > 0) || c->high[2] - c->low[2] > SHEET_THICK * fmin(wide, deep)
+			|| c->area < SHEET_FULL * wide * deep || c->high[2] > rest.low[2] + SHEET_AT * height)
+		return false;
+	return rest.low[0] >= c->low[0] - LIES_BESIDE * wide && rest.high[0] <= c->high[0] + LIES_BESIDE * wide
+		&& rest.low[1] >= c->low[1] - LIES_BESIDE * deep && rest.high[1] <= c->high[1] + LIES_BESIDE * deep;
+}
+
+static void drop_component(struct eco_model *m, const struct eco_components *all, uint32_t at)
+{
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < m->triangle_count; i++) {
+		if (all->of[i] == at)
+			continue;
+		memmove(&m->index[(size_t)kept * 3], &m->index[(size_t)i * 3], 3 * sizeof *m->index);
+		m->material[kept] = m->material[i];
+		if (m->part)
+			m->part[kept] = m->part[i];
+		kept++;
+	}
+	m->dropped[ECO_DROP_LEFT_OUT] += m->triangle_count - kept;
+	m->triangle_count = kept;
+}
+
+bool eco_model_drop_sheet(struct eco_model *m, const uint32_t *place, const struct eco_part_rule *rules,
+	uint32_t count, struct eco_notes *notes)
+{
+	struct eco_components all = { .count = 0 };
+	if (!eco_components_find(&all, m, place, true))
+		return false;
+	for (uint32_t i = 0; i < all.count && all.count > 1; i++) {
+		const char *name = m->part ? m->parts[m->part[all.items[i].first]].name : "";
+		if (!is_sheet(&all, i))
+			continue;
+		if (!is_ruled(name, rules, count)) {
+			eco_note(notes, "a level sheet that it stands on (%u triangles of part \"%s\") is left "
+				"out, as the scene has a ground; name it in \"parts\" if it is the plant's",
+				all.items[i].triangle_count, name);
+			drop_component(m, &all, i);
+		}
+		break;
+	}
+	eco_components_free(&all);
+	return true;
 }

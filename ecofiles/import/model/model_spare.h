@@ -1,7 +1,9 @@
-/* What a file of a game holds beside the plant that it shows: coarser levels of detail of the same plant, and
- * shapes to collide with. */
+/* What a file of a game holds beside the plant that it shows: coarser levels of detail of the same plant,
+ * shapes to collide with, and the ground that it was made on. */
 #ifndef ECO_MODEL_SPARE_H
 #define ECO_MODEL_SPARE_H
+
+#include <stdbool.h>
 
 #include "ecofiles/import/model/model_import.h"
 
@@ -19,5 +21,11 @@ int eco_model_spare_level(const char *name);
  * nothing would be left, and notes it. */
 void eco_model_drop_spare(struct eco_model *model, const struct eco_part_rule *rules, uint32_t count,
 	struct eco_notes *notes);
+
+/* Drops and counts the level sheet at the foot that all else stands on, unless a rule names its part, and
+ * notes it: the scene has a ground. The model has z up; place as of eco_model_places. False when memory ran
+ * out. */
+bool eco_model_drop_sheet(struct eco_model *model, const uint32_t *place, const struct eco_part_rule *rules,
+	uint32_t count, struct eco_notes *notes);
 
 #endif

@@ -25,6 +25,10 @@
 #define AT_ZERO 0.03                 /* of the extent */
 #define TRIANGLES 24                 /* fewer (one blade of grass, two crossed cards) tell less */
 #define PLACED 0.25                  /* weight of the file's zero at the lower end of one axis only */
+#define FLOOR 2.0                    /* weight of parts that begin at one level along one axis only */
+#define FLOOR_PARTS 8                /* a crown and a trunk side by side say nothing */
+#define FLOOR_LEAST 0.9              /* of all parts; along the other axis FLOOR_OTHER at most */
+#define FLOOR_OTHER 0.5
 
 struct slice { double area, sum[2], square; };
 struct profile { struct slice slice[SLICES]; struct slice all; double square[2]; };
@@ -209,7 +213,7 @@ double *sum)
 	return true;
 }
 
-/* ---- Large parts ---- */
+/* ---- Parts ---- */
 
 struct part { float low[3], high[3]; };
 
@@ -310,7 +314,30 @@ static bool mark_large(const struct eco_model *m, const struct box *box, struct 
 	return some > LARGE_LEAST * all && some < LARGE_MOST * all;
 }
 
-static void ask_large_parts(const struct eco_model *soup, const struct box *box, double *sum)
+/* Share of the parts that begin at the lower end of an axis; 0 of few parts. */
+static double floor_share(const struct eco_model *m, const struct box *box, const struct parts *parts,
+	int axis)
+{
+	double floor = box->low[axis] + AT_ZERO * (box->high[axis] - box->low[axis]);
+	uint32_t all = 0, on = 0;
+	const float *p[3];
+	for (uint32_t t = 0; t < m->triangle_count; t++) {
+		if (eco_union_root(parts->parent, t) != t || !usable(m, t, p))
+			continue;
+		all++;
+		on += parts->part[t].low[axis] <= floor;
+	}
+	return all >= FLOOR_PARTS ? (double)on / all : 0;
+}
+
+/* Tufts of a patch and trees of a row stand on one floor: 1 if along z alone, -1 along y alone. */
+static double floors(const struct eco_model *m, const struct box *box, const struct parts *parts)
+{
+	double y = floor_share(m, box, parts, 1), z = floor_share(m, box, parts, 2);
+	return z >= FLOOR_LEAST && y <= FLOOR_OTHER ? 1 : y >= FLOOR_LEAST && z <= FLOOR_OTHER ? -1 : 0;
+}
+
+static void ask_parts(const struct eco_model *soup, const struct box *box, double *sum)
 {
 	static const struct rule rule[TRAITS] = { [NARROW] = { -0.2, 0.1 }, [HEAVY] = { 0.7, 0.02 },
 		[CENTRED] = { -0.5, 0.2 }, [ROUND] = { 0.2, 0.4 } };
@@ -322,6 +349,7 @@ static void ask_large_parts(const struct eco_model *soup, const struct box *box,
 			&& find_places(soup, parts.place)) {
 		join(soup, &parts);
 		measure(soup, &parts);
+		*sum += FLOOR * floors(soup, box, &parts);
 		if (mark_large(soup, box, &parts))
 			compare(soup, parts.large, rule, sum);
 	}
@@ -353,7 +381,7 @@ enum eco_up eco_model_find_up(const struct eco_model *soup, double *certainty)
 	*certainty = 0;
 	if (!compare(soup, NULL, rule, &sum))
 		return ECO_UP_Y;
-	ask_large_parts(soup, &box, &sum);
+	ask_parts(soup, &box, &sum);
 	sum += PLACED * placed(&box);
 	*certainty = fmin(fabs(sum) / CLEAR, 1) * fmin((double)soup->triangle_count / TRIANGLES, 1);
 	return sum > 0 ? ECO_UP_Z : ECO_UP_Y;

@@ -178,7 +178,7 @@ static const struct { enum eco_form form; const char *words; } forms[] = {
 	{ ECO_FORM_SHRUB, "bush shrub hedge strauch busch hecke arbuste buisson haie arbusto cespuglio siepe "
 		"struik heester" },
 	{ ECO_FORM_HERB, "flower flowers plant herb orchid orchids fern blume blumen staude fleur fleurs "
-		"flor flores fiore bloem tulip daisy" },
+		"flor flores fiore bloem tulip daisy mushroom toadstool pilz seta fungo" },
 	{ ECO_FORM_GRASS, "grass gras graser reed schilf herbe hierba erba bamboo bambus" },
 	{ ECO_FORM_BROAD, "tree baum laubbaum laubholz arbre feuillu arbol albero boom arvore drzewo strom "
 		"trad trae deciduous broadleaf hardwood broadleaved" },
