@@ -143,6 +143,56 @@ UNIT_TEST(a_point_cloud_is_refused_as_one)
 	"{\n\tC: \"OO\",2000,0\n\tC: \"OO\",1000,2000\n" \
 	"\tC: \"OO\",3000,2000\n}\n"
 
+/* A triangle with red vertices, and a picture that is not there. */
+#define WEIGHTED_DAE "<?xml version=\"1.0\"?>\n<COLLADA " \
+	"xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset/>" \
+	"<library_images><image id=\"i\"><init_from>leaf.psd</init_from></image></library_images>" \
+	"<library_effects><effect id=\"e\"><profile_COMMON><newparam sid=\"f\"><surface type=\"2D\">" \
+	"<init_from>i</init_from></surface></newparam><newparam sid=\"s\"><sampler2D><source>f</source>" \
+	"</sampler2D></newparam><technique sid=\"c\"><lambert><diffuse>%s</diffuse></lambert></technique>" \
+	"</profile_COMMON></effect></library_effects><library_materials><material id=\"m\" name=\"Leaf\">" \
+	"<instance_effect url=\"#e\"/></material></library_materials><library_geometries><geometry id=\"g\">" \
+	"<mesh><source id=\"p\"><float_array id=\"a\" count=\"9\">0 0 0 1 0 0 0 1 0</float_array>" \
+	"<technique_common><accessor source=\"#a\" count=\"3\" stride=\"3\"><param name=\"X\" type=\"float\"/>" \
+	"<param name=\"Y\" type=\"float\"/><param name=\"Z\" type=\"float\"/></accessor></technique_common>" \
+	"</source><source id=\"q\"><float_array id=\"b\" count=\"9\">1 0 0 1 0 0 1 0 0</float_array>" \
+	"<technique_common><accessor source=\"#b\" count=\"3\" stride=\"3\"><param name=\"R\" type=\"float\"/>" \
+	"<param name=\"G\" type=\"float\"/><param name=\"B\" type=\"float\"/></accessor></technique_common>" \
+	"</source><vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>" \
+	"<triangles material=\"s\" count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>" \
+	"<input semantic=\"COLOR\" source=\"#q\" offset=\"0\"/><p>0 1 2</p></triangles></mesh></geometry>" \
+	"</library_geometries><library_visual_scenes><visual_scene id=\"w\"><node id=\"n\">" \
+	"<instance_geometry url=\"#g\"><bind_material><technique_common><instance_material symbol=\"s\" " \
+	"target=\"#m\"/></technique_common></bind_material></instance_geometry></node></visual_scene>" \
+	"</library_visual_scenes><scene><instance_visual_scene url=\"#w\"/></scene></COLLADA>\n"
+
+UNIT_TEST(vertex_colours_beside_a_picture_are_weights)
+{
+	char text[4000];
+	snprintf(text, sizeof text, WEIGHTED_DAE, "<texture texture=\"s\" texcoord=\"u\"/>");
+	import_file(&m, input_text("formats", "weights.dae", text), NULL);
+	const struct eco_material *leaf = &m.materials[m.material[0]];
+	assert_false(leaf->rgb[0] == 255 && leaf->rgb[1] == 0);
+	import_says("taken for weights of wind and shade, not for colours");
+	snprintf(text, sizeof text, WEIGHTED_DAE, "<color>1 1 1 1</color>");
+	import_file(&m, input_text("formats", "colours.dae", text), NULL);
+	assert_memory_equal(m.materials[m.material[0]].rgb, ((const uint8_t[]){ 255, 0, 0 }), 3);
+}
+
+UNIT_TEST(base_colours_are_linear_light)
+{
+	static const char plain[] = "\"DiffuseColor\", \"Color\", \"\", \"A\",0.2,0.2,0.2",
+		based[] = "\"Maya|base_color\", \"Vector3D\", \"Vector\", \"\",0.067,0.0966,0.0529";
+	static const char file[] = FBX("2", "1", "-1", "100");
+	const char *at = strstr(file, plain);
+	char text[6000];
+	snprintf(text, sizeof text, "%.*s%s%s", (int)(at - file), file, based, at + sizeof plain - 1);
+	import_file(&m, input_text("formats", "base.fbx", text), NULL);
+	assert_memory_equal(m.materials[0].rgb, ((const uint8_t[]){ 73, 88, 65 }), 3);
+	import_file(&m, input_text("formats", "plain.fbx", file), NULL);
+	assert_memory_equal(m.materials[0].rgb, ((const uint8_t[]){ 51, 51, 51 }), 3);
+}
+
 /* One triangle, 10 units wide and 100 units along the file's z, at (40, 50, 60). */
 UNIT_TEST(formats_that_state_axes_and_unit_are_believed)
 {

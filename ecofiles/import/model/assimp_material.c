@@ -92,17 +92,26 @@ static char *texture_name(const struct aiMaterial *from, enum aiTextureType type
 	return strdup(path.data);
 }
 
-static void color_of(const struct aiMaterial *from, struct aiColor4D *color)
+/* Whether the colour is linear light: so physically based materials have it. */
+static bool color_of(const struct aiMaterial *from, struct aiColor4D *color)
 {
 	*color = (struct aiColor4D){ 0.6f, 0.6f, 0.6f, 1 };
-	if (aiGetMaterialColor(from, "$clr.base", 0, 0, color) != AI_SUCCESS)
+	bool base = aiGetMaterialColor(from, "$clr.base", 0, 0, color) == AI_SUCCESS;
+	if (!base)
 		aiGetMaterialColor(from, AI_MATKEY_COLOR_DIFFUSE, color);
 	color->a = number_of(from, "$mat.opacity", 1);
+	return base;
 }
 
-static uint8_t byte_of(const struct reader *r, float value)
+bool assimp_has_picture(const struct aiMaterial *material)
 {
-	if (r->file->linear_colors)
+	return aiGetMaterialTextureCount(material, aiTextureType_BASE_COLOR) > 0
+		|| aiGetMaterialTextureCount(material, aiTextureType_DIFFUSE) > 0;
+}
+
+static uint8_t byte_of(bool linear, float value)
+{
+	if (linear)
 		return eco_srgb_from_linear(isfinite(value) ? value : 0.6);
 	return value > 0 ? value < 1 ? (uint8_t)(value * 255 + 0.5f) : 255 : 0;
 }
@@ -150,11 +159,11 @@ static void read_material(struct reader *r, uint32_t index, uint32_t *channel, b
 	struct eco_material *to = &r->images.model->materials[index];
 	struct aiColor4D color;
 	name_of(from, to->name);
-	color_of(from, &color);
+	bool linear = color_of(from, &color) || r->file->linear_colors;
 	bool lost = !invisible && !read_image(r, from, to, color.a, channel);
-	to->rgb[0] = byte_of(r, color.r);
-	to->rgb[1] = byte_of(r, color.g);
-	to->rgb[2] = byte_of(r, color.b);
+	to->rgb[0] = byte_of(linear, color.r);
+	to->rgb[1] = byte_of(linear, color.g);
+	to->rgb[2] = byte_of(linear, color.b);
 	/* a map replaces the colour, whatever exporters leave there (0.8, 0.64, 0) */
 	if (to->image != ECO_NONE)
 		memset(to->rgb, 255, 3);

@@ -5,6 +5,7 @@
 #include "ecofiles/import/model/import_model.h"
 #include "ecofiles/base/module.h"
 
+struct aiMaterial;
 struct aiScene;
 
 /* Fills format, unit, up and convention of the frame. axes: from assimp's world to ours, rows of a matrix,
@@ -18,6 +19,9 @@ void assimp_frame(const struct aiScene *scene, const char *path, struct eco_mode
 enum eco_code assimp_materials(struct eco_model *model, const struct aiScene *scene,
 	const struct eco_model_file *file, uint32_t *channel, bool *invisible, struct eco_notes *notes,
 	struct eco_error *error);
+
+/* Whether it names a picture as its colour, there or not. */
+bool assimp_has_picture(const struct aiMaterial *material);
 
 extern const struct eco_assimp_module eco_assimp_module;
 

@@ -126,7 +126,7 @@ struct soup {
 	const bool *invisible;
 	struct eco_tints tints;
 	uint64_t hidden;
-	uint32_t averaged;                   /* textured meshes whose vertex colours differ */
+	uint32_t weighted;                   /* meshes with a picture and vertex colours */
 	double *corners;                     /* corners of one polygon, 3 values each */
 	uint32_t *split;                     /* the polygon's ring, then its triangles */
 	struct eco_error *error;
@@ -212,20 +212,21 @@ static bool one_color(const struct aiMesh *mesh)
 	return true;
 }
 
-/* The one material of all the mesh's triangles; ECO_NONE: vertex colours make several. A textured mesh
- * gets the mean of its colours: every further colour would need another image, and would cut leaves and
- * branches into pieces. */
+/* The one material of all the mesh's triangles; ECO_NONE: vertex colours make several. Beside a picture they
+ * are no colours: games keep there how far wind moves a leaf. */
 static uint32_t mesh_material(struct soup *s, const struct aiMesh *mesh)
 {
 	const struct aiColor4D *colors = mesh->mColors[0];
-	bool one = !colors || one_color(mesh);
 	double sum[3] = { 0, 0, 0 };
 	uint8_t rgb[3];
 	if (!colors || mesh->mNumVertices == 0)
 		return mesh->mMaterialIndex;
-	if (!one && s->model->materials[mesh->mMaterialIndex].image == ECO_NONE)
+	if (assimp_has_picture(s->scene->mMaterials[mesh->mMaterialIndex])) {
+		s->weighted++;
+		return mesh->mMaterialIndex;
+	}
+	if (!one_color(mesh))
 		return ECO_NONE;
-	s->averaged += !one;
 	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
 		sum[0] += colors[i].r;
 		sum[1] += colors[i].g;
@@ -519,7 +520,10 @@ static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, u
 	}
 	if (!code)
 		walk(s->scene, add_mesh_of, s);
-	eco_note_colors(notes, s->hidden, "d, Tr, opacity", s->averaged);
+	eco_note_colors(notes, s->hidden, "d, Tr, opacity", 0);
+	if (s->weighted > 0)
+		eco_note(notes, "%u meshes have vertex colours beside a picture: they are taken for weights of "
+			"wind and shade, not for colours", s->weighted);
 	eco_tints_end(&s->tints);
 	free(s->corners);
 	free(s->split);
