@@ -286,6 +286,30 @@ is '.instances[0].map | [.Tree, ."tree tall", ."tree-of-all"]' '["tree","treeTal
 is '.plants.ash | [(.variants | length), has("height_m")]' '[2,false]'
 rm -rf "$DIR/my"
 
+# ---- A terrain tells the grid of a table that says none: the one that puts the plants on it, or its own that nobody states ----
+awk 'BEGIN { print "species,x,y"; for (i = 0; i < 40; i++) printf "oak,%d,%d\n", 656100 + 10 * i, 218200 + 7 * (i % 9) }' >"$DIR/there.csv"
+grid() { # NAME X Y
+	printf 'ncols 21\nnrows 21\nxllcorner %d\nyllcorner %d\ncellsize 50\nNODATA_value -9999\n' "$2" "$3" >"$DIR/$1.asc"
+	awk 'BEGIN { for (y = 0; y < 21; y++) { for (x = 0; x < 21; x++) printf "%d ", 500 + x + y; print "" } }' >>"$DIR/$1.asc"
+}
+grid swiss 2655800 1217800; grid bare 655800 217800
+cat >"$DIR/swiss.vrt" <<'END'
+<VRTDataset rasterXSize="21" rasterYSize="21"><SRS>EPSG:2056</SRS><GeoTransform>2655800, 50, 0, 1218850, 0, -50</GeoTransform><VRTRasterBand
+dataType="Int32" band="1"><SimpleSource><SourceFilename relativeToVRT="1">swiss.asc</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>
+END
+start 0 'EPSG:21781 .CH1903 / LV03, the only one where the terrain is' there.csv "$DIR/swiss.vrt"
+is '[.crs, .ground.heights]' '["EPSG:21781","../swiss.vrt"]'
+start 0 'metres of the terrain.s grid, which says no CRS either' there.csv "$DIR/bare.asc"
+is '[has("crs"), .origin]' '[false,[656300,218230]]'
+start 1 'which CRS are its coordinates in' there.csv
+
+# ---- English is written in too many zones to name them; lines are no plants ----
+awk 'BEGIN { print "tree,easting,northing,height"; for (i = 0; i < 40; i++) printf "oak,%d,%d,%d\n", 477500 + i, 5632100 + i, 5 + i % 9 }' >"$DIR/english.csv"
+start 1 'is a place in each UTM zone' english.csv
+grep -q 'is written in' "$DIR/out" && complain "english: $(cat "$DIR/out")"
+echo '{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"tree":"oak"},"geometry":{"type":"LineString","coordinates":[[8,47],[8.1,47.1]]}}]}' >"$DIR/lines.geojson"
+start 1 'no row is a point; a table of plants has a point for each' lines.geojson
+
 # ---- Levels of detail in files of their own are no variants ----
 mkdir "$DIR/levels" && for level in 0 1 2; do cp "$DIR/models/stieleiche.obj" "$DIR/levels/oak_LOD$level.obj"; done
 rm -rf "$DIR/my"

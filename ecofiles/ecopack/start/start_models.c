@@ -254,6 +254,8 @@ static enum eco_code see(struct start *s, struct start_model *m, struct eco_mode
 	struct eco_model_options options = { .paths = (const char *const *)m->paths, .path_count = 1 };
 	struct eco_error own = { .code = ECO_OK };
 	enum eco_code code = eco_model_import(model, &options, &own);
+	if (code && s->model_count == 1)
+		return eco_fail(s->error, code, "%.400s", own.text);
 	if (code)
 		return eco_fail(s->error, code, "%.400s; or move it out of %.60s: another model will stand for its "
 			"species", own.text, s->options->models);

@@ -20,6 +20,7 @@
 #define UTM_MOST_M 900000.0
 #define BARE_SOUTH -56.0         /* no tree stands beyond these latitudes */
 #define BARE_NORTH 75.0
+#define ZONES_LISTED 24u         /* UTM zones of a language that a question names */
 #define LISTED 6u                /* choices that a question names */
 #define WEB_MERCATOR "EPSG:3857"
 #define ROUND_M 10.0             /* origins are round */
@@ -59,9 +60,11 @@ static enum eco_code measure(struct look *l)
 		if (!good)
 			return eco_fail(l->error, ECO_NO_MEMORY, "out of memory");
 		if (isnan(l->xy[k].middle))
-			return eco_fail(l->error, ECO_BAD_INPUT, "%.200s: no row has a place%s%.60s%s",
-				l->asked->table->path, l->names[k] ? ": no number in \"" : "",
-				l->names[k] ? l->names[k] : "", l->names[k] ? "\"" : "");
+			return l->names[k] ? eco_fail(l->error, ECO_BAD_INPUT, "%.200s: no row has a place: no "
+				"number in \"%.60s\"", l->asked->table->path, l->names[k])
+				: eco_fail(l->error, ECO_BAD_INPUT, "%.200s: no row is a point; a table of plants has "
+				"a point for each (lines and areas are for \"scatter\" in a scene)",
+				l->asked->table->path);
 	}
 	return ECO_OK;
 }
@@ -241,16 +244,18 @@ static uint32_t sort_zones_last(struct eco_crs_choice *choices, uint32_t found)
 	return first;
 }
 
-/* "; Spanish is written in EPSG:32629, EPSG:32630": of the first `spoken`, those that are UTM zones. */
+/* "; Spanish is written in EPSG:32629, EPSG:32630": of the first `spoken`, those that are UTM zones; of a
+ * language of many zones none, as no one is nearer then. */
 static void list_zones(const struct look *l, const struct eco_crs_choice *choices, uint32_t spoken,
 	char *text, size_t size)
 {
 	char zones[120] = "";
+	uint32_t count = 0;
 	for (uint32_t i = 0; i < spoken; i++)
-		if (strstr(choices[i].name, "UTM zone"))
+		if (strstr(choices[i].name, "UTM zone") && count++ < ZONES_LISTED)
 			eco_phrase_add(zones, sizeof zones, choices[i].code);
 	text[0] = 0;
-	if (zones[0] != 0)
+	if (count > 0 && count <= ZONES_LISTED)
 		snprintf(text, size, "; %s is written in %s", eco_speech_name(l->speech), zones);
 }
 
@@ -362,6 +367,33 @@ static bool take_dem(struct look *l)
 	return true;
 }
 
+/* The only grid that puts the plants where the terrain is. */
+static bool take_over_dem(struct look *l, const struct eco_crs_choice *choices, uint32_t count)
+{
+	uint32_t over = 0, last = 0;
+	for (uint32_t i = 0; i < count; i++)
+		if (dem_has(l, choices[i].degrees)) {
+			over++;
+			last = i;
+		}
+	if (over == 1)
+		take_choice(l, &choices[last], "the only one where the terrain is");
+	return over == 1;
+}
+
+/* Plants and a terrain that say nothing are in one grid of metres where its extent has them. */
+static bool take_bare_dem(struct look *l)
+{
+	const struct eco_raster_extent *dem = l->asked->dem;
+	bool on = dem && dem->crs[0] == 0;
+	for (int k = 0; on && k < 2; k++)
+		on = l->xy[k].middle >= dem->low[k] && l->xy[k].middle <= dem->high[k];
+	if (on)
+		snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "metres of the terrain's grid, which says "
+			"no CRS either: the plants lie on it");
+	return on;
+}
+
 static enum eco_code guess_grid(struct look *l)
 {
 	struct eco_crs_choice choices[ECO_CRS_CHOICES_MAX + 1];
@@ -389,6 +421,8 @@ static enum eco_code guess_grid(struct look *l)
 		spoken = sort_by_speech(l, choices, listed);
 	struct eco_crs_choice web;
 	char why[100];
+	if (take_over_dem(l, choices, listed) || take_bare_dem(l))
+		return ECO_OK;
 	if (look_at_web(l, &web)) {
 		memmove(&choices[spoken + 1], &choices[spoken],
 			(ECO_CRS_CHOICES_MAX - spoken) * sizeof web);
