@@ -119,13 +119,16 @@ static enum eco_code ask(const struct view_geojson_job *job, struct seen *seen, 
 	return code;
 }
 
-static void set_row(json_t *properties, const json_t *said)
+/* False: no memory. */
+static bool set_row(json_t *properties, const json_t *said)
 {
 	static const char *const names[] = { "species", "file", "row", "line" };
-	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+	bool good = true;
+	for (size_t i = 0; i < sizeof names / sizeof *names && good; i++) {
 		json_t *value = json_object_get(said, names[i]);
-		json_object_set_new(properties, names[i], value ? json_incref(value) : json_null());
+		good = !json_object_set_new(properties, names[i], value ? json_incref(value) : json_null());
 	}
+	return good;
 }
 
 static json_t *feature_of(const struct view_geojson_job *job, const struct seen *seen)
@@ -140,8 +143,10 @@ static json_t *feature_of(const struct view_geojson_job *job, const struct seen 
 		species ? species->plant.name : "", "height_m", rounded(height_m, 1e-3), "pixels",
 		(json_int_t)seen->pixels, "distance_m", rounded(one->distance_m, 1e-3), "drawn_as", roles,
 		"at_m", rounded(at[0], 1e-4), rounded(at[1], 1e-4), rounded(at[2], 1e-4));
-	if (properties && seen->said)
-		set_row(properties, seen->said);
+	if (properties && seen->said && !set_row(properties, seen->said)) {
+		json_decref(properties);
+		return NULL;
+	}
 	return json_pack("{s:s, s:{s:s, s:[f,f]}, s:o}", "type", "Feature", "geometry", "type", "Point",
 		"coordinates", rounded(seen->at[0], step), rounded(seen->at[1], step), "properties",
 		properties);

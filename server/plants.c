@@ -66,13 +66,10 @@ static enum eco_code describe_all(struct srv_json *json, const struct eco_pack *
 		while (i >= group->first + group->count)
 			group++;
 		uint64_t place = group->place_first + (i - group->first);
-		if (!block.rows || place - block.first >= block.count) {
-			eco_inventory_free(&block);
-			code = eco_inventory_read(&block, pack, place, error);
-		}
+		const struct eco_inventory_row *row;
+		code = eco_inventory_at(&block, pack, place, &row, error);
 		if (!code)
-			describe_plant(json, &pack->scene.plants[group->plant],
-				&block.rows[place - block.first]);
+			describe_plant(json, &pack->scene.plants[group->plant], row);
 	}
 	eco_inventory_free(&block);
 	return code;

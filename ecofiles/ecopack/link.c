@@ -260,17 +260,13 @@ static enum eco_code add_rows(struct link *l, struct link_part *part, const stru
 	const struct eco_scene *s = &part->pack->scene;
 	const char *own = s->plants[group->plant].name,
 		*whole = l->m.table[part->plant_of[group->plant]].name;
-	struct eco_inventory_block *block = &part->rows;
 	struct eco_error why = { 0 };
 	enum eco_code code = ECO_OK;
 	for (uint64_t i = group->place_first; i < group->place_first + group->count && !code; i++) {
-		if (!block->rows || i - block->first >= block->count) {
-			eco_inventory_free(block);
-			code = eco_inventory_read(block, part->pack, i, &why);
-		}
-		if (code)
+		const struct eco_inventory_row *kept;
+		if ((code = eco_inventory_at(&part->rows, part->pack, i, &kept, &why)))
 			return eco_fail(l->m.error, code, "%.200s: %s", part->path, why.text);
-		struct eco_inventory_row row = block->rows[i - block->first];
+		struct eco_inventory_row row = *kept;
 		row.species = row.species ? row.species : own;
 		if (strcmp(row.species, whole) == 0)
 			row.species = NULL;

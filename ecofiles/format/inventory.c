@@ -219,6 +219,18 @@ enum eco_code eco_inventory_read(struct eco_inventory_block *block, const struct
 	return code;
 }
 
+enum eco_code eco_inventory_at(struct eco_inventory_block *block, const struct eco_pack *pack, uint64_t place,
+	const struct eco_inventory_row **row, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	if (!block->rows || place < block->first || place - block->first >= block->count) {
+		eco_inventory_free(block);
+		code = eco_inventory_read(block, pack, place, error);
+	}
+	*row = code ? NULL : &block->rows[place - block->first];
+	return code;
+}
+
 void eco_inventory_free(struct eco_inventory_block *block)
 {
 	free(block->rows);

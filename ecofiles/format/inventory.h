@@ -2,8 +2,8 @@
  * the pack's plant has another name (plants that share a model, variants, few models).
  *
  *   eco_inventory_encode(&bytes, rows, count, &error);       a block of ECO_INVENTORY_PLACES places
- *   eco_inventory_read(&block, pack, place, &error);         the block that has this place of section PLACES
- *   ... block.rows[place - block.first] ...
+ *   struct eco_inventory_block block = { 0 };
+ *   eco_inventory_at(&block, pack, place, &row, &error);     of a place of section PLACES; of the next, ...
  *   eco_inventory_free(&block);
  *
  * Nothing that is drawn needs it, so no stream has it: a server reads a block where somebody asks for a plant.
@@ -49,6 +49,9 @@ enum eco_code eco_inventory_decode(struct eco_inventory_block *block, const uint
 /* The block of a place below the scene's place_count; of a pack without a list all rows are empty. */
 enum eco_code eco_inventory_read(struct eco_inventory_block *block, const struct eco_pack *pack,
 	uint64_t place, struct eco_error *error);
+/* The row of one place, from the block that was read before or another one, which is then in its place. */
+enum eco_code eco_inventory_at(struct eco_inventory_block *block, const struct eco_pack *pack, uint64_t place,
+	const struct eco_inventory_row **row, struct eco_error *error);
 void eco_inventory_free(struct eco_inventory_block *block); /* a zeroed one is fine */
 
 /* The list, or NULL. */

@@ -67,6 +67,10 @@ sort want | cmp - both.rows || fail "other rows: $(cat both.rows)"
 jq -c 'del(.file, .row, .line)' want | sort | cmp - bare.rows || fail "not the bare species: $(cat bare.rows)"
 grep -q 'a\.csv\|b\.geojson' bare.eco && fail "--no-rows leaves a name of a file"
 
+# 3D Tiles have the plants' own species, too
+"$BUILD/ecopack" export both.eco --3dtiles tiles --plain -q || fail "export"
+[ "$(cat tiles/tiles/*.bin | grep -ao 'ash\|elm\|oak' | sort | uniq -c | xargs)" = '3 ash 1 elm 2 oak' ] || fail "other species in 3D Tiles"
+
 # as ecopack map has them
 "$BUILD/ecopack" map both.json -o map.geojson -q || fail "map"
 jq -c '.features[].properties | {species, file, row} | if .row then . else {species} end' map.geojson | sort >map.rows

@@ -127,6 +127,7 @@ enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain
 		remove_all(&x);
 	if (!code && !main_is_quiet)
 		print_export(&x, dir);
+	eco_inventory_free(&x.rows);
 	for (uint32_t i = 0; x.plants && i < pack->scene.plant_count; i++)
 		for (uint32_t level = 0; level < EXPORT_LEVELS; level++)
 			export_mesh_free(&x.plants[i].level[level]);

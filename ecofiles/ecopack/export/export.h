@@ -27,7 +27,7 @@
 #include <limits.h>
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/format/pack.h"
+#include "ecofiles/format/inventory.h"
 #include "lod/bake.h"
 
 #define EXPORT_LEVELS 3u
@@ -60,6 +60,7 @@ struct export {
 	bool is_plain;                   /* nothing is compressed */
 	char dir[PATH_MAX];              /* where files are written until all are */
 	struct export_plant *plants;     /* of the scene */
+	struct eco_inventory_block rows; /* the block that was read last */
 	uint64_t files, bytes, tiles, instances; /* written; plants of leaf tiles, each once */
 };
 

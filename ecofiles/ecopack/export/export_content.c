@@ -10,6 +10,7 @@
 #include "ecofiles/ecopack/export/export.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/ground_tile.h"
+#include "ecofiles/format/inventory.h"
 #include "lod/eye.h"
 
 #define MESHOPT "EXT_meshopt_compression"
@@ -214,30 +215,59 @@ static void middle_of(const struct eco_tile *tile, double middle[3])
 /* ---- Instances ---- */
 
 /* Of each species in a tile: translations, turns, scales and numbers, then heights and names of all. */
-struct layout { size_t *group, height, name, offset, end; uint32_t count; };
+struct layout { size_t *group, height, name, offset, end; char **species; uint32_t count; };
 
 static size_t aligned(size_t at) { return (at + 7) & ~(size_t)7; }
 
-static enum eco_code lay_out(const struct eco_scene *s, uint32_t tile, struct layout *l,
-	struct eco_error *error)
+static void layout_free(struct layout *l)
 {
+	for (uint32_t i = 0; i < l->count && l->species; i++)
+		free(l->species[i]);
+	free(l->species);
+	free(l->group);
+}
+
+/* A plant of the pack may stand for several species: each place says its own. */
+static enum eco_code find_species(struct export *x, const struct eco_tile *t, struct layout *l)
+{
+	const struct eco_scene *s = &x->pack->scene;
+	const struct eco_inventory_row *row;
+	char **species = l->species = calloc(l->count + 1u, sizeof *species);
+	enum eco_code code = species ? ECO_OK : eco_fail(x->error, ECO_NO_MEMORY, "no memory for a tile");
+	for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++) {
+		const struct eco_group *group = &s->groups[g];
+		for (uint32_t i = 0; i < group->count && !code; i++) {
+			code = eco_inventory_at(&x->rows, x->pack, group->place_first + i, &row, x->error);
+			if (!code && !(*species++ = strdup(row->species ? row->species
+					: s->plants[group->plant].name)))
+				code = eco_fail(x->error, ECO_NO_MEMORY, "no memory for a tile");
+		}
+	}
+	return code;
+}
+
+static enum eco_code lay_out(struct export *x, uint32_t tile, struct layout *l)
+{
+	const struct eco_scene *s = &x->pack->scene;
 	const struct eco_tile *t = &s->tiles[tile];
 	*l = (struct layout){ .group = calloc(t->group_count + 1u, sizeof *l->group) };
 	if (!l->group)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a tile");
+		return eco_fail(x->error, ECO_NO_MEMORY, "no memory for a tile");
 	size_t at = 0, names = 0;
 	for (uint32_t g = 0; g < t->group_count; g++) {
 		const struct eco_group *group = &s->groups[t->group_first + g];
 		l->group[g] = at;
 		at += (size_t)group->count * 44;
-		names += (size_t)group->count * strlen(s->plants[group->plant].name);
 		l->count += group->count;
 	}
+	enum eco_code code = find_species(x, t, l);
+	for (uint32_t i = 0; i < l->count && !code; i++)
+		names += strlen(l->species[i]);
 	l->height = aligned(at);
 	l->name = aligned(l->height + (size_t)l->count * 4);
 	l->offset = aligned(l->name + names);
 	l->end = l->offset + ((size_t)l->count + 1) * 4;
-	return ECO_OK;
+	return code;
 }
 
 static void write_group(struct eco_writer *w, const struct eco_scene *s, const struct eco_group *group,
@@ -274,19 +304,20 @@ static void write_table(struct eco_writer *w, const struct eco_scene *s, const s
 {
 	for (int what = 0; what < 3; what++) {
 		uint32_t chars = 0;
+		char **species = l->species;
 		pad_to(w, what == 0 ? l->height : what == 1 ? l->name : l->offset);
 		if (what == 2)
 			eco_write_u32(w, 0);
 		for (uint32_t g = 0; g < t->group_count; g++) {
 			const struct eco_group *group = &s->groups[t->group_first + g];
 			const struct eco_plant *plant = &s->plants[group->plant];
-			uint32_t length = (uint32_t)strlen(plant->name);
-			for (uint32_t i = 0; i < group->count; i++) {
+			for (uint32_t i = 0; i < group->count; i++, species++) {
+				uint32_t length = (uint32_t)strlen(*species);
 				struct eco_place p = eco_place_read(s, group->place_first + i);
 				if (what == 0)
 					eco_write_f32(w, plant->height_m * (float)p.scale / 65536);
 				else if (what == 1)
-					eco_write_bytes(w, plant->name, length);
+					eco_write_bytes(w, *species, length);
 				else
 					eco_write_u32(w, chars += length);
 			}
@@ -303,7 +334,7 @@ enum eco_code export_instances(struct export *x, uint32_t tile)
 	double middle[3];
 	char name[EXPORT_NAME];
 	uint32_t number = 0;
-	enum eco_code code = lay_out(s, tile, &l, x->error);
+	enum eco_code code = lay_out(x, tile, &l);
 	middle_of(t, middle);
 	for (uint32_t g = 0; g < t->group_count && !code; g++) {
 		write_group(&w, s, &s->groups[t->group_first + g], middle, number);
@@ -317,7 +348,7 @@ enum eco_code export_instances(struct export *x, uint32_t tile)
 	if (!code)
 		code = export_file(x, name, w.bytes, w.size);
 	x->instances += l.count;
-	free(l.group);
+	layout_free(&l);
 	eco_writer_free(&w);
 	return code;
 }
@@ -377,9 +408,11 @@ enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char
 	struct layout l;
 	double middle[3];
 	char uri[EXPORT_NAME];
-	enum eco_code code = lay_out(s, tile, &l, x->error);
-	if (code)
+	enum eco_code code = lay_out(x, tile, &l);
+	if (code) {
+		layout_free(&l);
 		return code;
+	}
 	*error_m = 0;
 	middle_of(t, middle);
 	document_begin(&d);
@@ -400,7 +433,7 @@ enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char
 	}
 	json_t *extensions = metadata_of(&d, instances, &l);
 	snprintf(name, EXPORT_NAME, "tiles/%u-%u.gltf", tile, level);
-	free(l.group);
+	layout_free(&l);
 	return document_end(x, &d, middle, extensions, json_pack("[s,s,s]", "EXT_mesh_gpu_instancing",
 		"EXT_instance_features", "EXT_structural_metadata"), name);
 }
