@@ -246,10 +246,11 @@ static enum eco_code read_site(struct srv_site *site, struct eco_error *error)
 
 static enum eco_code check_sandbox(struct eco_error *error)
 {
+	struct srv_user user;
 	if (given.without_sandbox && (given.require_sandbox || given.user))
 		return eco_fail(error, ECO_BAD_USAGE, "--no-sandbox and --%s exclude each other: leave one out",
 			given.user ? "user" : "require-sandbox");
-	return ECO_OK;
+	return given.without_sandbox ? ECO_OK : srv_user_find(&user, given.user, error);
 }
 
 static enum eco_code enter_sandbox(const struct srv_store *store, struct eco_error *error)

@@ -9,6 +9,7 @@
 #include "ecofiles/base/room.h"
 
 #define LINE_BYTES 4096
+#define SETTINGS_OPTION "config"         /* which file it is, is known before it is read */
 
 struct adding { struct eco_arguments *to; uint32_t capacity; };
 
@@ -66,6 +67,8 @@ static enum eco_code add_line(struct adding *adding, const struct eco_command *c
 	const struct eco_option *option = find(command, name);
 	if (!*name && !value)
 		return ECO_OK;
+	if (value && strcmp(name, input) == 0 && !*value)
+		return eco_fail(error, ECO_BAD_USAGE, "%s: '%s =' names nothing", where, name);
 	if (value && strcmp(name, input) == 0)
 		return add_text(adding, strdup(value)) ? ECO_OK
 			: eco_fail(error, ECO_NO_MEMORY, "no memory for arguments");
@@ -74,11 +77,23 @@ static enum eco_code add_line(struct adding *adding, const struct eco_command *c
 			"%s: there is no '%.80s'; names are those of the options, "
 			"and '%s'",
 			where, name, input);
+	if (strcmp(name, SETTINGS_OPTION) == 0)
+		return eco_fail(error, ECO_BAD_USAGE, "%s: a file of settings names no other one", where);
 	if (option->kind == ECO_OPTION_FLAG && value)
 		return eco_fail(error, ECO_BAD_USAGE, "%s: '%s' stands alone on its line", where, name);
 	if (option->kind != ECO_OPTION_FLAG && !value)
 		return eco_fail(error, ECO_BAD_USAGE, "%s: '%s = %s' is meant", where, name, option->word);
 	return add_option(adding, name, value, error);
+}
+
+/* fgets stops at the end of a line, of the file or of its room: before that a text ends at a NUL alone. */
+static enum eco_code check_line(const char *line, const char *where, bool is_last, struct eco_error *error)
+{
+	size_t size = strlen(line);
+	if (size == LINE_BYTES - 1)
+		return eco_fail(error, ECO_TOO_LARGE, "%s is too long", where);
+	return is_last || strchr(line, '\n') ? ECO_OK
+		: eco_fail(error, ECO_BAD_USAGE, "%s has a NUL: this is no file of settings", where);
 }
 
 static enum eco_code add_file(struct adding *adding, const struct eco_command *command, const char *input,
@@ -89,8 +104,7 @@ static enum eco_code add_file(struct adding *adding, const struct eco_command *c
 	enum eco_code code = file ? ECO_OK : eco_fail_read(error, path, errno);
 	for (uint32_t number = 1; !code && fgets(line, sizeof line, file); number++) {
 		snprintf(where, sizeof where, "%.3000s: line %u", path, number);
-		if (strlen(line) == sizeof line - 1)
-			code = eco_fail(error, ECO_TOO_LARGE, "%s is too long", where);
+		code = check_line(line, where, feof(file), error);
 		line[strcspn(line, "#")] = 0;
 		code = code ? code : add_line(adding, command, input, line, where, error);
 	}

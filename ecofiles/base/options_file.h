@@ -1,7 +1,7 @@
 /* Options from a file and from the environment, under the names that they have on the command line.
  *
  * Lines of the file are "name = value", or "name" of a flag; '#' begins a comment, and "pack = VALUE", where
- * "pack" is what the caller calls them, is an argument without an option. The environment has PREFIX and the
+ * "pack" is what the caller calls them, is an argument without an option. A file names no other one (config). The environment has PREFIX and the
  * name in capitals with '_' for '-': ECOSERVE_PLAN_WORK=5; of a flag "1", "yes" or "on", or "0", "no", "off"
  * or nothing.
  *

@@ -126,6 +126,16 @@ static int check(const char *file, const char *variable, const char *option, cha
 	return status;
 }
 
+/* Such lines have no end. */
+UNIT_TEST(what_is_no_file_of_settings_is_refused)
+{
+	const char *arguments[] = { "--check-config", "--config=/dev/zero", NULL };
+	char out[8192], err[8192];
+	struct program process = program_start(arguments);
+	assert_int_equal(program_finish(&process, out, err), 2);
+	assert_non_null(strstr(err, "/dev/zero: line 1 has a NUL: this is no file of settings"));
+}
+
 UNIT_TEST(settings_come_from_a_file_the_environment_and_the_command_line)
 {
 	static const struct { const char *file, *variable, *option; int status; const char *says;
@@ -161,7 +171,12 @@ UNIT_TEST(settings_come_from_a_file_the_environment_and_the_command_line)
 		{ "pack = " PACK_PATH "\ncors = here\n", NULL, NULL, 2,
 			"--cors here: must be * or an origin" },
 		{ "pack = " PACK_PATH "\nlog = xml\n", NULL, NULL, 2,
-			"--log xml: must be one of text, json" } };
+			"--log xml: must be one of text, json" },
+		{ "pack = \n", NULL, NULL, 2, "line 1: 'pack =' names nothing" },
+		{ "config = " SETTINGS "\npack = " PACK_PATH "\n", NULL, NULL, 2,
+			"line 1: a file of settings names no other one" },
+		{ "pack = " PACK_PATH "\nuser = nobody-at-all\n", NULL, NULL, 2,
+			"there is no user 'nobody-at-all'" } };
 	char out[8192], err[8192];
 	if (!program_path[0])
 		skip();
