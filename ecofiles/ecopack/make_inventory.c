@@ -23,19 +23,37 @@ static enum eco_code no_memory(struct make *m)
 	return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the rows of inventories");
 }
 
+/* Where a name is, or belongs, among the kept ones. */
+static uint32_t find_name(const struct make_inventory *in, const char *name)
+{
+	uint32_t low = 0, high = in->name_count;
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		if (strcmp(in->names[middle], name) < 0)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
 /* The kept name that equals `name`, or NULL; `before`: a kept one that it often is. False: no memory. */
 static bool keep_name(struct make_inventory *in, const char *name, const char *before, const char **kept)
 {
-	*kept = !name ? NULL : before && strcmp(before, name) == 0 ? before : NULL;
-	for (uint32_t i = 0; name && !*kept && i < in->name_count; i++)
-		if (strcmp(in->names[i], name) == 0)
-			*kept = in->names[i];
+	*kept = name && before && strcmp(before, name) == 0 ? before : NULL;
 	if (!name || *kept)
 		return true;
-	if (!eco_room(&in->names, &in->name_room, in->name_count, sizeof *in->names) ||
-		!(in->names[in->name_count] = strdup(name)))
-		return false;
-	*kept = in->names[in->name_count++];
+	uint32_t at = find_name(in, name);
+	if (at == in->name_count || strcmp(in->names[at], name) != 0) {
+		char *copy = eco_room(&in->names, &in->name_room, in->name_count, sizeof *in->names)
+			? strdup(name)
+			: NULL;
+		if (!copy)
+			return false;
+		memmove(in->names + at + 1, in->names + at, (in->name_count++ - at) * sizeof *in->names);
+		in->names[at] = copy;
+	}
+	*kept = in->names[at];
 	return true;
 }
 

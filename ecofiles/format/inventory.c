@@ -19,15 +19,19 @@ struct names {
 	uint32_t count;
 };
 
-/* A name's number, from 1 on; 0: NULL. Names come in runs, so the one before is tried first. */
+/* A name's number, from 1 on; 0: NULL. Names come in runs, so the one before is tried first; and equal ones are
+ * mostly one text. */
 static uint32_t number_of(struct names *names, const char *name, uint32_t before)
 {
 	if (!name)
 		return 0;
-	if (before && strcmp(names->items[before - 1], name) == 0)
+	if (before && names->items[before - 1] == name)
 		return before;
 	for (uint32_t i = 0; i < names->count; i++)
-		if (names->items[i] == name || strcmp(names->items[i], name) == 0)
+		if (names->items[i] == name)
+			return i + 1;
+	for (uint32_t i = 0; i < names->count; i++)
+		if (strcmp(names->items[i], name) == 0)
 			return i + 1;
 	names->items[names->count++] = name;
 	return names->count;
