@@ -196,7 +196,6 @@ struct lod_allocation {
 	bool has_whole;              /* some plants in view have a ladder that shows the whole plant */
 	double lambda;
 	double price;                /* wrong pixels that a byte must save; 0: bytes do not count */
-	double texture_bytes;        /* most of one texture's colours, if more than its first level; 0: any */
 	bool spares;                 /* the price is for lists alone: levels of textures and impostors stay */
 	int rounds;                  /* of limits at each lambda and price: LOD_PRICE_ROUNDS, or fewer */
 	bool limited;                /* limits stay as they are, whatever the price */

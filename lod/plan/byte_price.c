@@ -302,7 +302,8 @@ enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holding
 	}
 	bool good = prices && (prices->part = malloc((nodes + 1u) * sizeof *prices->part))
 		&& (prices->organs_off = calloc(plants + 1u, sizeof *prices->organs_off))
-		&& (prices->left_out = calloc(plants + 1u, sizeof *prices->left_out))
+		&& (prices->organs = calloc(plants + 1u, sizeof *prices->organs))
+		&& (prices->noted = calloc(plants + 1u, sizeof *prices->noted))
 		&& (prices->saved = malloc((plants + 1u) * sizeof *prices->saved))
 		&& (prices->spent = malloc((plants + 1u) * sizeof *prices->spent))
 		&& make_ladders(m) && make_tiles(m) && make_room(m);
@@ -336,7 +337,8 @@ void lod_prices_free(struct lod_allocation *m)
 	free(prices->room_first);
 	free(prices->part);
 	free(prices->organs_off);
-	free(prices->left_out);
+	free(prices->organs);
+	free(prices->noted);
 	free(prices->saved);
 	free(prices->spent);
 	free(prices);
@@ -565,6 +567,26 @@ static uint32_t find_used(const struct lod_allocation *m, struct ladder_price *l
 	return used;
 }
 
+/* Finds what organs draw now, and by how many ladders each texture is shown. */
+static void find_drawn(struct lod_allocation *m)
+{
+	for (uint32_t i = 0; i < m->prices->image_count; i++)
+		m->prices->images[i].shown = 0;
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
+		struct ladder_price *l = &m->prices->ladders[i];
+		l->shows = !is_whole(m, l) && find_used(m, l) >= l->textured;
+		if (l->shows)
+			m->prices->images[l->image].shown++;
+	}
+}
+
+/* A texture is paid once, by those ladders that show it. */
+static double texture_part(const struct lod_prices *prices, const struct ladder_price *l)
+{
+	const struct image_price *image = &prices->images[l->image];
+	return (image->bytes + image->waste) / image->shown;
+}
+
 /* Do a plant's organs save what their bytes cost, over the ladder that shows it as a whole? */
 static void judge_organs(struct lod_allocation *m)
 {
@@ -573,14 +595,14 @@ static void judge_organs(struct lod_allocation *m)
 	uint32_t plants = m->p->scene->plant_count;
 	memset(prices->saved, 0, plants * sizeof *prices->saved);
 	memset(prices->spent, 0, plants * sizeof *prices->spent);
+	find_drawn(m);
 	for (uint32_t i = 0; i < prices->ladder_count; i++) {
-		struct ladder_price *l = &prices->ladders[i];
+		const struct ladder_price *l = &prices->ladders[i];
 		uint32_t plant = m->p->scene->ladders[l->ladder].plant;
 		if (is_whole(m, l))
 			continue;
-		uint32_t step = find_used(m, l);
-		prices->spent[plant] += cost_of(l, &l->used, step);
-		prices->saved[plant] -= step >= l->textured ? l->image_lost : 0;
+		prices->spent[plant] += l->used.bytes + l->used.waste + (l->shows ? texture_part(prices, l) : 0);
+		prices->saved[plant] -= l->shows ? l->image_lost : 0;
 	}
 	for (uint32_t s = 0; s < visible->slot_count; s++) {
 		const struct lod_slot *slot = &visible->slots[s];
@@ -593,7 +615,8 @@ static void judge_organs(struct lod_allocation *m)
 			* fmax(0, choice->organs_saved) + near * fmax(0, each));
 	}
 	for (uint32_t i = 0; i < plants; i++)
-		if (prices->spent[i] > 0 && prices->saved[i] < m->price * prices->spent[i])
+		if (prices->organs[i] != LOD_ORGANS_KEPT && prices->spent[i] > 0
+				&& prices->saved[i] < m->price * prices->spent[i])
 			prices->organs_off[i] = true;
 }
 
@@ -602,40 +625,50 @@ bool lod_prices_organs_off(const struct lod_allocation *m, uint32_t plant)
 	return m->price > 0 && m->prices->organs_off[plant];
 }
 
-static void set_left_out(struct lod_allocation *m, uint32_t plant, bool left_out)
+static void set_organs(struct lod_allocation *m, uint32_t plant, uint8_t organs)
 {
-	if (m->prices->left_out[plant] == left_out)
+	if (m->prices->organs[plant] == organs)
 		return;
-	m->prices->left_out[plant] = left_out;
+	m->prices->organs[plant] = organs;
 	m->prices->kept_lambda = m->relaxed.lambda = NAN;
 }
 
-uint32_t lod_prices_leave_out(struct lod_allocation *m)
+uint32_t lod_prices_dearest(struct lod_allocation *m, bool returned)
 {
-	struct lod_prices *prices = m->prices;
+	const struct lod_prices *prices = m->prices;
 	uint32_t most = ECO_NONE;
 	judge_organs(m);
-	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
-		if (!prices->organs_off[i] && prices->spent[i] > (most == ECO_NONE ? 0 : prices->spent[most]))
+	for (uint32_t i = 0; i < m->p->scene->plant_count; i++) {
+		bool asked = prices->organs[i] == LOD_ORGANS_PRICED && !prices->organs_off[i]
+			&& (!returned || prices->noted[i]);
+		if (asked && prices->spent[i] > (most == ECO_NONE ? 0 : prices->spent[most]))
 			most = i;
-	if (most != ECO_NONE)
-		set_left_out(m, most, true);
+	}
 	return most;
 }
 
-void lod_prices_take_in(struct lod_allocation *m, uint32_t plant) { set_left_out(m, plant, false); }
-const uint8_t *lod_prices_left_out(const struct lod_allocation *m) { return m->prices->left_out; }
+void lod_prices_note_off(struct lod_allocation *m)
+{
+	memcpy(m->prices->noted, m->prices->organs_off, m->p->scene->plant_count);
+}
 
-void lod_prices_set_left_out(struct lod_allocation *m, const uint8_t *left_out)
+void lod_prices_set_organs_of(struct lod_allocation *m, uint32_t plant, enum lod_organs organs)
+{
+	set_organs(m, plant, (uint8_t)organs);
+}
+
+const uint8_t *lod_prices_organs(const struct lod_allocation *m) { return m->prices->organs; }
+
+void lod_prices_set_organs(struct lod_allocation *m, const uint8_t *organs)
 {
 	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
-		set_left_out(m, i, left_out && left_out[i]);
+		set_organs(m, i, organs ? organs[i] : LOD_ORGANS_PRICED);
 }
 
 void lod_prices_lift(struct lod_allocation *m)
 {
 	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
-		m->prices->organs_off[i] = m->prices->left_out[i];
+		m->prices->organs_off[i] = m->prices->organs[i] == LOD_ORGANS_OUT;
 	for (uint32_t i = 0; i < m->ladder_choice_count; i++)
 		set_count(m, &m->ladder_choices[i], m->ladder_choices[i].hull_count);
 }

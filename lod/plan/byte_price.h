@@ -38,21 +38,22 @@ void lod_prices_free(struct lod_allocation *allocation);      /* none made: fine
  * that these have something to be compared with. */
 void lod_prices_lift(struct lod_allocation *allocation);
 void lod_prices_limit(struct lod_allocation *allocation, bool first, bool last);
-/* Leaves out the organs of the plant whose organs take the most bytes now, from the next relaxation on, and
- * returns the plant; ECO_NONE: none has any. */
-uint32_t lod_prices_leave_out(struct lod_allocation *allocation);
-void lod_prices_take_in(struct lod_allocation *allocation, uint32_t plant);
-/* Per plant: 1 where its organs are left out; to be kept, and set again. NULL: none are. */
-const uint8_t *lod_prices_left_out(const struct lod_allocation *allocation);
-void lod_prices_set_left_out(struct lod_allocation *allocation, const uint8_t *left_out);
+/* Whether a plant's organs are drawn where they save what they cost, whatever they save, or by none. */
+enum lod_organs { LOD_ORGANS_PRICED, LOD_ORGANS_OUT, LOD_ORGANS_KEPT };
+void lod_prices_set_organs_of(struct lod_allocation *allocation, uint32_t plant, enum lod_organs organs);
+/* Per plant; to be kept, and set again. NULL: all are priced. */
+const uint8_t *lod_prices_organs(const struct lod_allocation *allocation);
+void lod_prices_set_organs(struct lod_allocation *allocation, const uint8_t *organs);
+/* The priced plant whose organs take the most bytes now; ECO_NONE: none has any. `returned`: of those whose
+ * organs were not drawn when lod_prices_note_off was called. */
+uint32_t lod_prices_dearest(struct lod_allocation *allocation, bool returned);
+void lod_prices_note_off(struct lod_allocation *allocation);
 /* Sets limits to what the last relaxation chose: whoever fills a budget pays for no more. */
 void lod_prices_tighten(struct lod_allocation *allocation);
 /* Keeps the limits of the last relaxation, which made them; sets them again where they are those of this
  * lambda and of the allocation's price, else returns false. */
 void lod_prices_keep(struct lod_allocation *allocation);
 bool lod_prices_restore(struct lod_allocation *allocation, double lambda);
-/* Would all levels of some texture take more bytes than these? */
-bool lod_prices_texture_over(const struct lod_allocation *allocation, double bytes);
 /* Are no organs of this plant drawn, by any of its plants? */
 bool lod_prices_organs_off(const struct lod_allocation *allocation, uint32_t plant);
 

@@ -29,6 +29,7 @@ struct ladder_price {
 	struct price used;           /* of what the last relaxation draws */
 	uint32_t limit, kept;        /* the last step that may be drawn; that of lod_prices_keep */
 	uint32_t image, textured;    /* its texture, in lod_prices.images; the first step that shows it */
+	bool shows;                  /* it, while organs are judged */
 	double image_part;           /* bytes of the texture that this ladder is asked for */
 	double textured_px, image_lost;      /* seen of it by plants that draw the ladder; wrong of these */
 };
@@ -39,6 +40,7 @@ struct image_price {
 	uint32_t most, levels;       /* of colours, that the view resolves; that are worth their bytes */
 	uint32_t outline_levels;     /* likewise; 0: there is no outline */
 	double bytes, waste;         /* of all these */
+	uint32_t shown;              /* by so many ladders, while organs are judged */
 	bool used;
 };
 
@@ -59,7 +61,8 @@ struct lod_prices {
 	struct lod_hull_point *room; /* for hulls of summaries */
 	uint32_t *room_first;        /* per node */
 	bool *organs_off;            /* per plant */
-	uint8_t *left_out;           /* per plant: its organs are off whatever they save */
+	bool *noted;                 /* per plant: they were when lod_prices_note_off was called */
+	uint8_t *organs;             /* per plant: an enum lod_organs */
 	double *saved, *spent;       /* per plant: by its organs */
 };
 

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 
 #include "ecofiles/format/texture.h"
-#include "lod/plan/byte_price.h"
 #include "lod/plan/texture_levels.h"
 
 /* Pixels that a texel of a ladder's texture is wide where a choice stands. */
@@ -159,22 +158,12 @@ static double limit_texture(struct lod_allocation *m, uint32_t i)
 			pixels += prices->ladders[k].textured_px;
 		}
 	for (uint32_t n = 1; n <= image->most && pixels > 0; n++) {
-		double bytes = lod_prices_missing(m, image->list, 0, n), cost = costs[n] + m->price * bytes;
-		if (n > 1 && m->texture_bytes > 0 && bytes > m->texture_bytes)
-			break;
+		double cost = costs[n] + m->price * lod_prices_missing(m, image->list, 0, n);
 		best = cost < least ? n : best;
 		least = fmin(least, cost);
 	}
 	set_levels(m, image, best, outline_levels(m, image->outline, pixels, &lost));
 	return pixels > 0 ? (lost + costs[best] - costs[image->most]) / pixels : 0;
-}
-
-bool lod_prices_texture_over(const struct lod_allocation *m, double bytes)
-{
-	for (uint32_t i = 0; i < m->prices->image_count; i++)
-		if (lod_prices_missing(m, m->prices->images[i].list, 0, m->prices->images[i].most) > bytes)
-			return true;
-	return false;
 }
 
 void lod_images_limit(struct lod_allocation *m)

@@ -17,6 +17,8 @@
 #define PRICE_ENOUGH 0.95        /* ... until they use so much of the budget */
 #define PRICE_FAR 3.0            /* logarithm: lambdas further apart say little of those between, ... */
 #define PRICE_POWER 1.25         /* ... which fall with this power of the vertices */
+#define PRICE_GAPS 4             /* filled after each other */
+#define GAP_LARGE 0.33           /* of the bytes that are left */
 #define CURVE_SHARE 0.8          /* of an answer's bytes, that plants usually get */
 #define SIZE_TRIES 4             /* answers whose bytes are counted; ... */
 #define SIZE_TRIES_MORE 2        /* ... where much is known of them */
@@ -85,19 +87,22 @@ struct fitted {
 	struct lod_price at;
 	double near, lowest;         /* a price that nearly fits, while `at` is not a number, and vertices at
 	                              * the lowest lambda there */
-	uint8_t *left_out;           /* per plant, as lod_prices_left_out */
+	uint8_t *organs;             /* per plant, as lod_prices_organs */
 	const struct eco_holdings *kept;     /* as in lod_prices_make */
 	double wrong;                /* pixels that it leaves */
 	double beside;               /* bytes of the answer beside those that are priced */
 	bool both;                   /* vertices bind, too */
 };
 
-/* Gaps between prices are filled where all chunks count alike, else they are others, and seldom; and where
- * bytes alone bind: vertices fill what is left then. */
+/* Gaps between prices are filled where all chunks count alike, else they are others, and seldom; once the
+ * work is done, one that is large. */
 static double relax_and_fill(struct lod_allocation *m, struct fitted *fit, double target, double over)
 {
-	return fit->kept || fit->both || lod_planner_over(m->p, 3) ? lod_price_relax(m, fit->lambda, &fit->at)
-		: lod_price_fill(m, fit->lambda, target, &fit->at, over);
+	double bytes = lod_price_relax(m, fit->lambda, &fit->at);
+	bool done = lod_planner_over(m->p, 3);
+	if (fit->kept || (done && bytes > (1 - GAP_LARGE) * target))
+		return bytes;
+	return lod_price_fill(m, fit->lambda, target, &fit->at, over, done ? 1 : PRICE_GAPS);
 }
 
 /* Lambdas between which the one lies that uses the vertices at the price that uses the bytes, and vertices
@@ -139,7 +144,7 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 	struct within span = { low, high, lowest, 0 };
 	for (int i = 0; both && i <= PRICE_LAMBDAS && (!i || span.low < span.high)
 			&& span.under < PRICE_ENOUGH * (double)budget
-			&& !(i && lod_planner_over(m->p, 3)); i++) {
+			&& !(i > 1 && lod_planner_over(m->p, 3)); i++) {
 		double lambda = i ? next_lambda(&span, (double)budget, i == 2) : high, beyond;
 		struct lod_price at;
 		lod_price_find(m, lambda, target, &(struct lod_price_near){ near, true }, &at, &beyond);
@@ -166,14 +171,14 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 			&fit->at, &over);
 		bytes = relax_and_fill(m, fit, target, over);
 	}
-	memcpy(fit->left_out, lod_prices_left_out(m), m->p->scene->plant_count);
+	memcpy(fit->organs, lod_prices_organs(m), m->p->scene->plant_count);
 	return bytes;
 }
 
 static enum eco_code fill_fitted(const struct lod_lambda_search *s, const struct fitted *fit, uint64_t budget,
 	struct eco_error *error)
 {
-	lod_prices_set_left_out(s->allocation, fit->left_out);
+	lod_prices_set_organs(s->allocation, fit->organs);
 	lod_price_relax(s->allocation, fit->lambda, &fit->at);
 	enum eco_code code = lod_search_fill(s, fit->lambda, budget, error);
 	return code ? code : lod_bytes_size(s->allocation->p, error);
@@ -181,10 +186,10 @@ static enum eco_code fill_fitted(const struct lod_lambda_search *s, const struct
 
 static void keep_fitted(struct fitted *best, const struct fitted *now, uint32_t plants)
 {
-	uint8_t *left_out = best->left_out;
-	memcpy(left_out, now->left_out, plants);
+	uint8_t *organs = best->organs;
+	memcpy(organs, now->organs, plants);
 	*best = *now;
-	best->left_out = left_out;
+	best->organs = organs;
 }
 
 static bool is_among(const double *tried, int count, double bytes)
@@ -196,7 +201,7 @@ static bool is_among(const double *tried, int count, double bytes)
 }
 
 /* Fits best->kept, for which prices are made, from those of `first` on. What an answer has beside what is
- * priced, records and the plan itself, is learnt from the answers tried. `room`: per plant, for left_out. */
+ * priced, records and the plan itself, is learnt from the answers tried. `room`: per plant, for organs. */
 static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget,
 	const struct fitted *first, struct fitted *best, uint8_t *room, struct eco_error *error)
 {
@@ -205,7 +210,7 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 	uint32_t plants = p->scene->plant_count;
 	enum eco_code code = ECO_OK;
 	struct fitted now = *first;
-	now.left_out = room;
+	now.organs = room;
 	now.kept = best->kept;
 	now.size = 0;
 	now.wrong = 0;
@@ -258,35 +263,6 @@ static enum eco_code predict_bytes(const struct lod_lambda_search *s, struct lod
 	return code;
 }
 
-#define LEFT_LARGE 0.33          /* of the bytes: so much is left where a near plant's lists do not fit */
-#define TEXTURE_SHARE 0.125      /* of the bytes */
-
-/* Where much is left a plant's organs and their texture were too much together: again, with small textures. */
-static enum eco_code fit_small_textures(const struct lod_lambda_search *s, uint64_t budget,
-	const struct fitted *unknown, struct fitted *best, uint8_t *room, struct eco_error *error)
-{
-	struct lod_allocation *m = s->allocation;
-	double most = (double)m->p->input->request->bytes;
-	struct fitted small = *best;
-	if (!(best->size < (1 - LEFT_LARGE) * most) 
-			|| !lod_prices_texture_over(m, TEXTURE_SHARE * most))
-		return ECO_OK;
-	small.size = INFINITY;
-	small.left_out = room + 3 * (size_t)m->p->scene->plant_count;
-	m->texture_bytes = TEXTURE_SHARE * most;
-	enum eco_code code = lod_prices_make(m, NULL, 0, error);
-	if (!code)
-		code = fit_prices(s, budget, unknown, &small, room, error);
-	if (!code && small.wrong < best->wrong) {
-		keep_fitted(best, &small, m->p->scene->plant_count);
-		return ECO_OK;
-	}
-	m->texture_bytes = 0;
-	if (!code)
-		code = lod_prices_make(m, NULL, 0, error);
-	return code ? code : fill_fitted(s, best, budget, error);
-}
-
 /* Twice: with all chunks alike, and with those of the answer without a limit of bytes before others. Neither
  * is always better, as plants' lists come at once (lod/EXPERIMENTS.md, Fitted twice). */
 static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budget,
@@ -296,8 +272,8 @@ static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budge
 	const struct lod_price highest = { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST };
 	const double lambda = lod_lambda_at(s->last);
 	struct fitted alike = { .size = INFINITY, .lambda = lambda, .at = highest, .wrong = INFINITY,
-		.left_out = room + plants }, other = alike;
-	other.left_out += plants;
+		.organs = room + plants }, other = alike;
+	other.organs += plants;
 	other.kept = kept;
 	struct lod_price_point point;
 	enum eco_code code = lod_prices_make(s->allocation, NULL, 0, error);
@@ -306,8 +282,6 @@ static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budge
 	const struct fitted unknown = { .at = { NAN, NAN }, .near = point.octave, .lowest = point.lowest };
 	if (!code)
 		code = fit_prices(s, budget, &unknown, &alike, room, error);
-	if (!code && !lod_planner_over(s->allocation->p, 3))
-		code = fit_small_textures(s, budget, &unknown, &alike, room, error);
 	bool twice = !code && !lod_planner_over(s->allocation->p, 3);
 	if (twice)
 		code = lod_prices_make(s->allocation, kept, WASTE_FIT, error);
@@ -337,14 +311,13 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 	struct lod_planner *p = m->p;
 	struct eco_holdings kept;
 	uint32_t plants = p->scene->plant_count;
-	uint8_t *room = calloc(4 * (size_t)plants + 1, 1);
+	uint8_t *room = calloc(3 * (size_t)plants + 1, 1);
 	enum eco_code code = needs_of_entries(p, &kept, error);
 	if (!code)
 		code = room ? fit_twice(s, budget, &kept, room, error)
 			: eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", plants);
 	p->price = m->price;
 	m->limited = false;
-	m->texture_bytes = 0;
 	free(room);
 	if (p->input->wanted) {
 		free(p->input->wanted->items);

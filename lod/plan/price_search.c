@@ -12,7 +12,6 @@
 #define PRICE_LITTLE -12.0       /* octaves: at lower prices hardly anything is left out */
 #define PRICE_STEP_FIRST 2.0     /* octaves to the next price tried, then twice as far */
 #define LOW_OCTAVES 10           /* no bytes are so far below any */
-#define PRICE_GAPS 4             /* filled after each other */
 #define PRICE_STEP 0.1           /* octaves to which a price is searched */
 #define PRICE_CLOSE 0.45         /* octaves: nearer than that bytes come at once, and are no line */
 #define PRICE_TRIES 5            /* of a search, whatever work is done: the highest price draws nothing */
@@ -50,19 +49,19 @@ double lod_price_wrong(const struct lod_allocation *m)
 	return m->cost.fp + m->cost.fn + m->cost.detail + lod_prices_lost(m);
 }
 
-static bool leaves_out(const struct lod_allocation *m)
+static bool is_priced(const struct lod_allocation *m)
 {
-	const uint8_t *left_out = lod_prices_left_out(m);
+	const uint8_t *organs = lod_prices_organs(m);
 	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
-		if (left_out[i])
-			return true;
-	return false;
+		if (organs[i] != LOD_ORGANS_PRICED)
+			return false;
+	return true;
 }
 
 static void remember(struct lod_allocation *m, double lambda, double octave, double bytes)
 {
 	struct lod_price_tries *tries = &m->tries;
-	if (leaves_out(m) || tries->count == LOD_PRICE_TRIES)
+	if (!is_priced(m) || tries->count == LOD_PRICE_TRIES)
 		return;
 	tries->at[tries->count].lambda = lambda;
 	tries->at[tries->count].octave = octave;
@@ -157,17 +156,39 @@ static bool is_better(struct lod_allocation *m, double lambda, double target, co
 	double wrong, struct lod_price *at, double *bytes)
 {
 	double now = lod_price_relax(m, lambda, try);
-	if (now > target || lod_price_wrong(m) >= wrong)
+	if (now > target || lod_price_wrong(m) >= wrong
+			|| m->cost.vertices > (double)m->p->input->request->vertices)
 		return false;
 	*at = *try;
 	*bytes = now;
 	return true;
 }
 
+/* Prices with a plant's organs decided. False, and all is as it was, where that leaves no less wrong. */
+static bool decide(struct lod_allocation *m, double lambda, double target, uint32_t plant,
+	enum lod_organs organs, double near, struct lod_price *at, double *over, double *bytes)
+{
+	enum lod_organs before = lod_prices_organs(m)[plant];
+	double low, high;
+	lod_price_relax(m, lambda, at);
+	double wrong = lod_price_wrong(m);
+	lod_prices_set_organs_of(m, plant, organs);
+	seek(m, lambda, target, near, &low, &high);
+	struct lod_price try = high > low ? search_price(m, lambda, target, NAN, &exactly, &low, high)
+		: (struct lod_price){ low, low };
+	if (is_better(m, lambda, target, &try, wrong, at, bytes)) {
+		*over = low;
+		return true;
+	}
+	lod_prices_set_organs_of(m, plant, before);
+	return false;
+}
+
 /* At the price `over` there are too many bytes, at `at`, little higher, many are left: there lists come that
  * many plants or all tiles draw. Either tiles pay less where these are not, or more where they are; or the
- * dearest organs are left out and the others come at a lower price. False where none of it leaves less wrong,
- * or the bytes are used. */
+ * dearest organs that come there are kept, and all else pays more, first levels of textures; or the dearest
+ * of all are left out, and all else pays less. False where none of it leaves less wrong, or the bytes are
+ * used. */
 static bool fill_gap(struct lod_allocation *m, double lambda, double target, struct lod_price *at,
 	double *over, double *bytes)
 {
@@ -190,20 +211,13 @@ static bool fill_gap(struct lod_allocation *m, double lambda, double target, str
 	if (better && *bytes >= target * (1 - LOD_PRICE_SLACK))
 		return false;
 	lod_price_relax(m, lambda, at);
-	wrong = lod_price_wrong(m);
+	lod_prices_note_off(m);
 	lod_price_relax(m, lambda, &(struct lod_price){ lists, lists });
-	uint32_t plant = lod_prices_leave_out(m);
-	if (plant == ECO_NONE)
-		return false;
-	double high = *over = LOD_PRICE_LOWEST;
-	if (lod_price_relax_alike(m, lambda, high) > target)
-		seek(m, lambda, target, lists, over, &high);
-	try = high > *over ? search_price(m, lambda, target, NAN, &exactly, over, high)
-		: (struct lod_price){ high, high };
-	if (is_better(m, lambda, target, &try, wrong, at, bytes))
-		return true;
-	lod_prices_take_in(m, plant);
-	return false;
+	uint32_t kept = lod_prices_dearest(m, true), out = lod_prices_dearest(m, false);
+	better = kept != ECO_NONE && decide(m, lambda, target, kept, LOD_ORGANS_KEPT, lists, at, over, bytes);
+	if (out != ECO_NONE)
+		better |= decide(m, lambda, target, out, LOD_ORGANS_OUT, lists, at, over, bytes);
+	return better;
 }
 
 /* The highest price tried at which there are too many bytes, and the next one tried above it, at which there
@@ -227,7 +241,7 @@ double lod_price_find(struct lod_allocation *m, double lambda, double target,
 {
 	const struct closely *closely = near->is_enough ? &roughly : &exactly;
 	double low, high;
-	lod_prices_set_left_out(m, NULL);
+	lod_prices_set_organs(m, NULL);
 	if (!recall(m, lambda, target, &low, &high))
 		seek(m, lambda, target, near->octave, &low, &high);
 	*at = high > low ? search_price(m, lambda, target, NAN, closely, &low, high)
@@ -237,10 +251,10 @@ double lod_price_find(struct lod_allocation *m, double lambda, double target,
 }
 
 double lod_price_fill(struct lod_allocation *m, double lambda, double target, struct lod_price *at,
-	double over)
+	double over, int gaps)
 {
 	double bytes = lod_price_relax(m, lambda, at);
-	for (int i = 0; i < PRICE_GAPS && bytes < target * (1 - LOD_PRICE_SLACK) && over > LOD_PRICE_LOWEST;
+	for (int i = 0; i < gaps && bytes < target * (1 - LOD_PRICE_SLACK) && over > LOD_PRICE_LOWEST;
 		i++)
 		if (!fill_gap(m, lambda, target, at, &over, &bytes))
 			break;

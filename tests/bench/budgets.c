@@ -1,10 +1,11 @@
 /* What views expect of budgets of bytes, by the planner's own figures: no picture is drawn, so that many can
  * be asked for.
  *
- *   budgets [--seed S] [--vertices V] [--each] VIEWS PACK...
+ *   budgets [--seed S] [--vertices V] [--times N] [--each] VIEWS PACK...
  *
  * For each view of a scene, from the ground up to above it, an answer without a budget of bytes and one for
- * each budget. A line a pack:
+ * each budget; with --times a plan takes N times the work of a typical one at most, as a server's. A line a
+ * pack:
  *
  *   used     bytes of the answer over the budget, where it binds, the mean and the least
  *   worse    rows that expect more than 2 % more wrong pixels (struct lod_planner_stats.wrong) than one of the
@@ -23,6 +24,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "server/typical.h"
 #include "tests/support/random_request.h"
 
 #define WORSE 1.02
@@ -34,7 +36,7 @@ static const uint64_t budgets[] = { 10000, 20000, 40000, 70000, 100000, 150000, 
 	2000000, 5000000, 10000000 };
 #define BUDGETS (sizeof budgets / sizeof *budgets)
 
-struct run { uint64_t seed, views, vertices; bool each; };
+struct run { uint64_t seed, views, vertices, times, work_max; bool each; };
 struct sums {
 	uint32_t binding, worse, less, cuts, near;
 	double used, used_least, worst, fall, cut_logs, cut_worst, work, work_worst, ms, ms_worst, logs;
@@ -51,13 +53,14 @@ static double processor_ms(void)
 }
 
 static struct srv_stream plan_answer(const struct srv_scene *scene, const struct eco_view *view,
-	uint64_t vertices, uint64_t bytes, struct answer *answer)
+	const struct run *run, uint64_t bytes, struct answer *answer)
 {
-	const struct eco_request request = { .view = *view, .vertices = vertices, .bytes = bytes };
+	const struct eco_request request = { .view = *view, .vertices = run->vertices, .bytes = bytes };
 	struct srv_stream stream;
 	struct eco_error error = { 0 };
 	double begun = processor_ms();
-	if (srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = scene, .request = &request }, &error))
+	if (srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = scene, .request = &request,
+			.work_max = run->work_max }, &error))
 		random_stop("planning", &error);
 	const struct srv_step *last = &stream.steps[stream.step_count - 1];
 	*answer = (struct answer){ fmax(WRONG_LEAST, last->wrong), eco_predicted_q(&last->plan.prediction),
@@ -106,7 +109,7 @@ static void one_view(const struct srv_scene *scene, uint64_t number, const struc
 {
 	struct eco_view view = random_outlook(&scene->pack->scene, run->seed, number);
 	struct answer all, now;
-	struct srv_stream whole = plan_answer(scene, &view, run->vertices, ECO_BYTES_UNBOUNDED, &all);
+	struct srv_stream whole = plan_answer(scene, &view, run, ECO_BYTES_UNBOUNDED, &all);
 	double least = INFINITY, most_q = 0;
 	s->all_bytes += (double)all.bytes;
 	for (size_t b = 0; b < BUDGETS; b++) {
@@ -115,7 +118,7 @@ static void one_view(const struct srv_scene *scene, uint64_t number, const struc
 			s->looked++;
 			continue;
 		}
-		struct srv_stream stream = plan_answer(scene, &view, run->vertices, budgets[b], &now);
+		struct srv_stream stream = plan_answer(scene, &view, run, budgets[b], &now);
 		double cut = wrong_after(&whole, budgets[b]);
 		if (!now.fits) {
 			srv_stream_free(&stream);
@@ -138,7 +141,7 @@ static void one_view(const struct srv_scene *scene, uint64_t number, const struc
 	srv_stream_free(&whole);
 }
 
-static void run_pack(const char *path, const struct run *run)
+static void run_pack(const char *path, struct run *run)
 {
 	struct srv_store scenes;
 	struct eco_error error = { 0 };
@@ -147,6 +150,7 @@ static void run_pack(const char *path, const struct run *run)
 	srv_store_init(&scenes);
 	if (srv_store_add(&scenes, "scene", path, &error))
 		random_stop(path, &error);
+	run->work_max = run->times * srv_typical_work(scenes.scenes[0]);
 	for (uint64_t number = 0; number < run->views; number++)
 		one_view(scenes.scenes[0], number, run, &s);
 	double n = s.binding ? s.binding : 1, cuts = s.cuts ? s.cuts : 1;
@@ -163,6 +167,7 @@ int main(int argc, char **argv)
 {
 	static const struct option options[] = { { "each", no_argument, NULL, 'e' },
 		{ "seed", required_argument, NULL, 's' }, { "vertices", required_argument, NULL, 'v' },
+		{ "times", required_argument, NULL, 't' },
 		{ NULL, 0, NULL, 0 } };
 	struct run run = { .seed = 1, .vertices = 1000000 };
 	bool usable = true;
@@ -172,10 +177,11 @@ int main(int argc, char **argv)
 		run.each = run.each || c == 'e';
 		run.seed = c == 's' ? value : run.seed;
 		run.vertices = c == 'v' ? value : run.vertices;
+		run.times = c == 't' ? value : run.times;
 	}
 	run.views = argc - optind >= 2 ? strtoull(argv[optind], NULL, 10) : 0;
 	if (!usable || !run.views || run.vertices > ECO_VERTICES_MAX) {
-		fputs("usage: budgets [--seed S] [--vertices V] [--each] VIEWS PACK...\n", stderr);
+		fputs("usage: budgets [--seed S] [--vertices V] [--times N] [--each] VIEWS PACK...\n", stderr);
 		return 2;
 	}
 	for (int i = optind + 1; i < argc; i++)

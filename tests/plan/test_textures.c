@@ -216,32 +216,3 @@ UNIT_TEST(levels_count_where_the_eye_is_within_a_plant)
 			assert_true(lod_texel_loss(widths[i], fewer) > lod_texel_loss(widths[i], fewer - 1) + 0.004);
 	}
 }
-
-/* A near plant's organs come with their texture: where both are too much together, the texture is coarser.
- * Pixels left wrong, as a mean of logarithms: 3.958 where the plant is left out instead. */
-UNIT_TEST(a_large_texture_does_not_keep_its_plant_away)
-{
-	double wrong = 0;
-	uint32_t rows = 0;
-	for (uint64_t seed = 1; seed <= SCENES; seed++) {
-		struct random_pack *pack = random_pack_make(seed, 0, 1);
-		const struct eco_scene *scene = &pack->pack.scene;
-		struct eco_view view = random_view(&pack->r);
-		uint32_t image = image_of(scene);
-		for (uint32_t k = 0; k < LEVELS; k++)
-			pack->r.chunks[scene->lists[image].chunk_first + k].size_bytes = 2000u << (3 * k);
-		struct eco_plan whole = plan_it(pack, &view, ECO_TEXEL_PX_MIN), plan;
-		uint64_t bytes;
-		struct eco_error error = { 0 };
-		assert_ok(size_of((void *)scene, &whole, &bytes, &error), error);
-		for (uint64_t part = 2; part <= 64 && shown(&whole, image); part *= 2) {
-			rows++;
-			wrong += log(plan_within(&plan, scene, &view, bytes / part).wrong + 1);
-			eco_plan_free(&plan);
-		}
-		eco_plan_free(&whole);
-		random_pack_free(pack);
-	}
-	print_message("          %u plans, %.4f\n", rows, wrong / rows);
-	assert_true(rows > 100 && wrong / rows < 3.95);
-}
