@@ -305,6 +305,30 @@ static uint64_t missing_ground_bytes(const struct srv_stream *stream, const stru
 	return sum;
 }
 
+/* Whether ground takes more than its share of so many bytes. */
+static bool ground_is_large(const struct srv_stream *stream, const struct srv_step *step, uint64_t most)
+{
+	return missing_ground_bytes(stream, step) > most / GROUND_SHARE;
+}
+
+/* Makes the ground coarser until it takes no more than its share; where it always does, as coarse as takes
+ * least: a few tiles of rough ground may need more than finer ones beside the view. */
+static enum eco_code coarsen_ground(struct srv_stream *stream, struct srv_step *step, uint64_t most,
+	struct eco_error *error)
+{
+	double best_px = step->ground_px;
+	uint64_t least = missing_ground_bytes(stream, step);
+	enum eco_code code = ECO_OK;
+	while (!code && step->ground_px < ECO_GROUND_PX_MAX && ground_is_large(stream, step, most)) {
+		code = change_ground(stream, step, fmin(GROUND_STEP * step->ground_px, ECO_GROUND_PX_MAX), error);
+		if (code || missing_ground_bytes(stream, step) >= least)
+			continue;
+		least = missing_ground_bytes(stream, step);
+		best_px = step->ground_px;
+	}
+	return code || step->ground_px == best_px ? code : change_ground(stream, step, best_px, error);
+}
+
 /* Makes the ground coarser until it leaves room, when plants give way too. `step` is the plan for 0 vertices;
  * *bytes its body. */
 static enum eco_code scarce_ground(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *step,
@@ -313,7 +337,7 @@ static enum eco_code scarce_ground(struct srv_stream *stream, struct srv_emit *d
 	enum eco_code code = size_of(stream, dry, step, bytes, error);
 	uint64_t most = stream->input.request->bytes;
 	while (!code && step->ground_px < ECO_GROUND_PX_MAX
-			&& (missing_ground_bytes(stream, step) > most / GROUND_SHARE
+			&& (ground_is_large(stream, step, most)
 		|| (*bytes > most && stream->input.scene->pack->scene.ground_count)))
 		code = size_on(stream, dry, step, fmin(GROUND_STEP * step->ground_px, ECO_GROUND_PX_MAX),
 			bytes, error);
@@ -376,10 +400,8 @@ static enum eco_code settle_ground(struct sizing *sizing, struct srv_step *step,
 	enum eco_code code = spare_ground(sizing->stream, sizing->dry, step, bytes, &fits, error);
 	if (!code && !fits) {
 		code = change_ground(sizing->stream, step, fmax(asked, GROUND_PX_SCARCE), error);
-		while (!code && step->ground_px < ECO_GROUND_PX_MAX
-				&& missing_ground_bytes(sizing->stream, step) > sizing->most / GROUND_SHARE)
-			code = change_ground(sizing->stream, step, fmin(GROUND_STEP * step->ground_px,
-				ECO_GROUND_PX_MAX), error);
+		if (!code)
+			code = coarsen_ground(sizing->stream, step, sizing->most, error);
 		if (!code)
 			code = size_of(sizing->stream, sizing->dry, step, bytes, error);
 	}
@@ -420,8 +442,7 @@ static enum eco_code add_coarser(struct srv_stream *stream, uint32_t number, str
 	struct srv_step step = { .plan = *plan, .wrong = stream->coarser_wrong[number] };
 	*plan = (struct eco_plan){ 0 };
 	enum eco_code code = change_ground(stream, &step, stream->steps[0].ground_px, error);
-	while (!code && step.ground_px < ECO_GROUND_PX_MAX
-			&& missing_ground_bytes(stream, &step) > step.missing_bytes / GROUND_SHARE)
+	while (!code && step.ground_px < ECO_GROUND_PX_MAX && ground_is_large(stream, &step, step.missing_bytes))
 		code = change_ground(stream, &step, fmin(GROUND_STEP * step.ground_px, ECO_GROUND_PX_MAX),
 			error);
 	bool clear = step.missing_bytes < stream->steps[0].missing_bytes;
