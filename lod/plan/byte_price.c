@@ -601,7 +601,8 @@ static void judge_organs(struct lod_allocation *m)
 		uint32_t plant = m->p->scene->ladders[l->ladder].plant;
 		if (is_whole(m, l))
 			continue;
-		prices->spent[plant] += l->used.bytes + l->used.waste + (l->shows ? texture_part(prices, l) : 0);
+		prices->spent[plant] += l->used.bytes + l->used.waste
+			+ (l->shows ? texture_part(prices, l) : 0);
 		prices->saved[plant] -= l->shows ? l->image_lost : 0;
 	}
 	for (uint32_t s = 0; s < visible->slot_count; s++) {

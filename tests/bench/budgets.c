@@ -181,7 +181,8 @@ int main(int argc, char **argv)
 	}
 	run.views = argc - optind >= 2 ? strtoull(argv[optind], NULL, 10) : 0;
 	if (!usable || !run.views || run.vertices > ECO_VERTICES_MAX) {
-		fputs("usage: budgets [--seed S] [--vertices V] [--times N] [--each] VIEWS PACK...\n", stderr);
+		fputs("usage: budgets [--seed S] [--vertices V] [--times N] [--each] VIEWS PACK...\n",
+			stderr);
 		return 2;
 	}
 	for (int i = optind + 1; i < argc; i++)

@@ -370,9 +370,11 @@ UNIT_TEST(coarser_answers_are_within_the_vertices_and_mostly_of_what_the_answer_
 static void enlarge_textures(struct random_pack *pack)
 {
 	const struct eco_scene *scene = &pack->pack.scene;
-	for (uint32_t i = 0; i < scene->list_count; i++)
-		for (uint32_t k = 0; scene->lists[i].kind == ECO_LIST_IMAGE && k < scene->lists[i].chunk_count; k++)
-			pack->r.chunks[scene->lists[i].chunk_first + k].size_bytes = 200u << (2 * k);
+	for (uint32_t i = 0; i < scene->list_count; i++) {
+		const struct eco_list *list = &scene->lists[i];
+		for (uint32_t k = 0; list->kind == ECO_LIST_IMAGE && k < list->chunk_count; k++)
+			pack->r.chunks[list->chunk_first + k].size_bytes = 200u << (2 * k);
+	}
 }
 
 /* A plant whose organs do not fit beside the rest is left out, or the rest is coarser and it is kept. Pixels
