@@ -245,6 +245,10 @@ ground 0 'are written' --dem "$DIR/grey.vrt" --image "$DIR/photo.vrt"
 is '[.ground.heights, .ground.image.file]' '["../grey.vrt","../photo.vrt"]'
 ground 1 'both are rasters of heights' "$DIR/metres.asc" "$DIR/centimetres.asc"
 ground 0 'crs of the picture EPSG:25832 .as you say' --image "$DIR/photo.vrt" --image-crs EPSG:25832
+for raster in metres.asc photo.vrt; do
+	"$PACK" start "$DIR/$raster" "$DIR/models" -o "$DIR/my" --force >"$DIR/out" 2>&1 && complain "it took $raster for plants"
+	grep -q "$raster is a raster, no table of plants: rasters come last" "$DIR/out" || complain "$raster: $(cat "$DIR/out")"
+done
 sed 's/691505/191505/' "$DIR/photo.vrt" >"$DIR/afar.vrt"
 ground 1 'in which CRS is it.*say --image-crs' "$DIR/afar.vrt"
 

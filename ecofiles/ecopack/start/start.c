@@ -140,8 +140,8 @@ static void print_next(const char *folder)
 static enum eco_code run_steps(struct start *s)
 {
 	enum eco_code code = start_rasters(s);
-	if (!code)
-		code = start_look(s);
+	if (!code && (code = start_look(s)))
+		code = start_told_raster(s, code);
 	if (!code)
 		code = start_image_crs(s);
 	if (!code)

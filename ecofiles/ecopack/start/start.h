@@ -79,6 +79,8 @@ struct start {
 };
 
 enum eco_code start_rasters(struct start *s);
+/* `code` says why the table was not read; says so where it is a raster. */
+enum eco_code start_told_raster(struct start *s, enum eco_code code);
 enum eco_code start_image_crs(struct start *s);      /* once the place is known */
 enum eco_code start_look(struct start *s);
 enum eco_code start_models_find(struct start *s);

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/import/model/import_file.h"
+
 static enum eco_code read_extent(struct start *s, const char *path, struct eco_raster_extent **extent)
 {
 	*extent = malloc(sizeof **extent);
@@ -53,6 +55,24 @@ enum eco_code start_rasters(struct start *s)
 		code = read_extent(s, o->image, &s->image.extent);
 	for (uint32_t i = 0; i < o->raster_count && !code; i++)
 		code = sort_raster(s, o->rasters[i]);
+	return code;
+}
+
+/* CSV may be read as a grid of points. */
+enum eco_code start_told_raster(struct start *s, enum eco_code code)
+{
+	static const char *const text[] = { "csv", "tsv", "txt" };
+	struct eco_raster_extent *extent = malloc(sizeof *extent);
+	struct eco_error own = { .code = ECO_OK };
+	bool raster = extent && code == ECO_BAD_INPUT;
+	for (size_t i = 0; i < sizeof text / sizeof *text && raster; i++)
+		raster = !eco_path_ends_with(s->options->table, text[i]);
+	if (raster && !eco_raster_extent(s->options->table, extent, &own)) {
+		*s->error = own;
+		code = eco_fail(s->error, ECO_BAD_INPUT, "%.300s is a raster, no table of plants: rasters come last, "
+			"as in ecopack start TREES MODELS RASTER... -o DIR", s->options->table);
+	}
+	free(extent);
 	return code;
 }
 
