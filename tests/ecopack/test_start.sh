@@ -351,5 +351,11 @@ tr -s '\n ' ' ' <"$DIR/out" | grep -q 'stand of a model in oak z points up .so i
 	complain "a tree that lies: $(cat "$DIR/out")"
 tree Z_UP
 is .plants.oak.up null
+rm "$DIR/stand/oak.dae"
+printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.2\nf 1 2 3\nf 1 3 4\n' >"$DIR/stand/oak.obj"
+rm -rf "$DIR/my"
+"$PACK" start "$DIR/zone.csv" "$DIR/stand" -o "$DIR/my" --crs EPSG:25832 >"$DIR/out" 2>&1
+tr -s '\n ' ' ' <"$DIR/out" | grep -q 'stand of a model in oak y points up .its file does not say so, its shape hardly tells' ||
+	complain "a sheet: $(cat "$DIR/out")"
 
 exit $failed

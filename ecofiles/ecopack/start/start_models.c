@@ -259,6 +259,11 @@ static enum eco_code see(struct start *s, struct start_model *m, struct eco_mode
 	if (code)
 		return eco_fail(s->error, code, "%.400s; or move it out of %.60s: another model will stand for its "
 			"species", own.text, s->options->models);
+	if (model->source.up_how == ECO_HOW_CONVENTION) {
+		snprintf(took, sizeof took, "in %.40s %s points up", m->name, eco_up_name(model->source.up));
+		return start_guess(s, "stand of a model", took, "its \"up\" in the scene", "its file does not say "
+			"so, its shape hardly tells, and that is usual for %.40s", model->source.format);
+	}
 	if (model->source.up_by_shape == ECO_UP_FOUND)
 		return ECO_OK;
 	m->up = options.up = model->source.up_by_shape;
