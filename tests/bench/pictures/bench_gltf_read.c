@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk/chunk.h"
+#include "ecofiles/format/inventory.h"
 #include "ecofiles/import/model/gltf.h"
 #include "tests/bench/pictures/bench_gltf.h"
 
@@ -175,13 +176,14 @@ struct packer {
 	struct eco_tile *tiles;
 };
 
-/* All lists, used or not, so that each has its number: a plant's tone follows from its list's. */
+/* All lists, used or not, so that each has its number: a plant's tone follows from its list's. But not rows of
+ * inventories, which would have to be the last. */
 static enum eco_code copy_lists(struct packer *p, struct eco_error *error)
 {
 	const struct eco_scene *s = &p->full->pack->scene;
-	uint32_t list;
+	uint32_t list, count = s->list_count - (eco_inventory_list(s) ? 1 : 0);
 	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < s->list_count && !code; i++)
+	for (uint32_t i = 0; i < count && !code; i++)
 		code = eco_pack_add_copied(p->writer, &s->lists[i], p->full->pack, i, &list, error);
 	return code;
 }
