@@ -33,6 +33,8 @@ typedef struct image_pixel image_pixel;
 
 #include "client-min/view_image.glsl"
 
+_Static_assert(LEAF == VIEW_IMAGE_LEAF && SIDE_LEAST == 32u, "view_image.glsl has the same numbers");
+
 #undef abs
 #undef ceil
 #undef floor

@@ -5,29 +5,32 @@
 #include "ecofiles/format/inventory.h"
 #include "server/request/query.h"
 
+/* Takes one parameter. NULL, or what it should have been. */
+static const char *take(struct srv_plants_query *query, const struct srv_param *param)
+{
+	if (strcmp(param->name, "first") == 0)
+		return srv_parse_count(param->value, &query->first) ? NULL : "a whole number";
+	if (strcmp(param->name, "count") == 0)
+		return srv_parse_count(param->value, &query->count) && query->count >= 1
+			&& query->count <= SRV_PLANTS_MAX ? NULL : "a whole number from 1 to 1024";
+	query->has_pack = true;
+	return srv_parse_id(param->value, &query->pack) ? NULL : "an id of 32 lower-case hex digits";
+}
+
 enum eco_code srv_plants_query(struct srv_plants_query *query, const struct srv_target *target,
 	struct eco_error *error)
 {
 	*query = (struct srv_plants_query){ .count = SRV_PLANTS_MAX };
 	for (uint32_t i = 0; i < target->param_count; i++) {
 		const struct srv_param *param = &target->params[i];
-		bool is_first = strcmp(param->name, "first") == 0,
-		     is_count = strcmp(param->name, "count") == 0;
-		query->has_pack = query->has_pack || strcmp(param->name, "pack") == 0;
-		if (!is_first && !is_count && strcmp(param->name, "pack") != 0)
-			return eco_fail(error, ECO_BAD_INPUT,
-				"unknown parameter '%.40s'; known are first, count "
-				"and pack",
-				param->name);
-		if (is_first               ? !srv_parse_count(param->value, &query->first)
-				: is_count ? !srv_parse_count(param->value, &query->count) ||
-					query->count < 1 || query->count > SRV_PLANTS_MAX
-					   : !srv_parse_id(param->value, &query->pack))
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not %s",
-				param->name, param->value,
-				is_first           ? "a whole number"
-					: is_count ? "a whole number from 1 to 1024"
-						   : "an id of 32 lower-case hex digits");
+		if (strcmp(param->name, "first") != 0 && strcmp(param->name, "count") != 0
+				&& strcmp(param->name, "pack") != 0)
+			return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s'; known are first, count "
+				"and pack", param->name);
+		const char *wanted = take(query, param);
+		if (wanted)
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not %s", param->name,
+				param->value, wanted);
 	}
 	return ECO_OK;
 }
