@@ -322,6 +322,29 @@ is '.plants | [.[] | .model // .variants] | length' 1
 jq -r '.. | strings' "$DIR/my/scene.json" | grep -q 'LOD[12]' && complain "levels: LOD1 or LOD2 is a variant"
 grep -q 'oak_LOD2.obj: left out, as .*oak_LOD0.obj is a finer level of it' "$DIR/out" || complain "levels: $(cat "$DIR/out")"
 
+# ---- Models in folders of their own, as sites give them: the folder names them, and different files of one name are different models ----
+mkdir -p "$DIR/sites/rubra_oak/source" "$DIR/sites/tall_spruce/obj" "$DIR/sites/linden" "$DIR/sites/holly"
+cp "$DIR/models/stieleiche.obj" "$DIR/sites/rubra_oak/source/scene.obj"
+cp "$DIR/models/norway_spruce.obj" "$DIR/sites/tall_spruce/obj/Model.obj"
+cp "$DIR/models/linden_2.obj" "$DIR/sites/linden/big.obj"
+cp "$DIR/models/holly_bush.obj" "$DIR/sites/holly/big.obj"
+cp "$DIR/models/holly_bush.obj" "$DIR/sites/holly/small.obj"
+cp "$DIR/models/holly_bush.obj" "$DIR/sites/small.obj"
+# sites MODELS: into $DIR/my
+sites() {
+	rm -rf "$DIR/my"
+	"$PACK" start "$DIR/de.csv" "$DIR/$1" -o "$DIR/my" >"$DIR/out" 2>&1 || complain "sites: $(cat "$DIR/out")"
+}
+sites sites
+grep -q 'sites: 5 models' "$DIR/out" && grep -q 'sites/small.obj: left out, as .*sites/holly/small.obj is the same model' "$DIR/out" ||
+	complain "sites: $(cat "$DIR/out")"
+is '.instances[0].map | [."Quercus robur", ."Tilia cordata"]' '["rubra_oak","linden big"]'
+cp "$DIR/models/linden_2.obj" "$DIR/sites/rubra_oak/scene.obj"
+sites sites/rubra_oak/scene.obj
+is '.plants | keys' '["rubra_oak"]'
+sites sites/tall_spruce/
+is '.plants | keys' '["tall_spruce"]'
+
 # ---- A tree that its format lays down, as its exporter left z up, is stood up; one that stands is not ----
 # tree UP: a stem and a crown of leaves, z up, in a format that says so, or not
 tree() {

@@ -36,13 +36,16 @@ static size_t format_of(const char *path)
 	return FORMATS;
 }
 
-struct files { char **paths; uint32_t count, capacity; };
+/* `name` is that of a model, by which the file is found in a table. */
+struct file { char *path, *name; off_t bytes; };
+/* Names of the first `above` bytes of all paths, which lead to the folder of models, say nothing. */
+struct files { struct file *file; uint32_t count, capacity; size_t above; };
 
-static enum eco_code add_file(struct start *s, struct files *files, char *path)
+static enum eco_code add_file(struct start *s, struct files *files, char *path, off_t bytes)
 {
-	if (path && files->count < FILES_MAX && eco_room(&files->paths, &files->capacity, files->count,
-			sizeof *files->paths)) {
-		files->paths[files->count++] = path;
+	if (path && files->count < FILES_MAX && eco_room(&files->file, &files->capacity, files->count,
+			sizeof *files->file)) {
+		files->file[files->count++] = (struct file){ .path = path, .bytes = bytes };
 		return ECO_OK;
 	}
 	free(path);
@@ -74,7 +77,7 @@ static enum eco_code walk(struct start *s, struct files *files, const char *fold
 			code = depth < DEPTH_MAX ? walk(s, files, path, depth + 1) : ECO_OK;
 			free(path);
 		} else if (format_of(path) < FORMATS) {
-			code = add_file(s, files, path);
+			code = add_file(s, files, path, file.st_size);
 		} else {
 			free(path);
 		}
@@ -83,26 +86,93 @@ static enum eco_code walk(struct start *s, struct files *files, const char *fold
 	return code;
 }
 
-/* A file's name without its ending; *bytes of it. */
-static const char *stem_of(const char *path, size_t *bytes)
+/* ---- Names ---- */
+
+/* Whether a name says no plant: that of a file which lies in a folder of its own, as on sites of models. */
+static bool says_nothing(const char *name, size_t bytes)
 {
-	const char *name = eco_path_last(path), *dot = strrchr(name, '.');
-	*bytes = dot && dot != name ? (size_t)(dot - name) : strlen(name);
-	return name;
+	static const char *const words[] = { "", ".", "..", "scene", "model", "models", "mesh", "meshes", "object",
+		"source", "untitled", "geometry", "export", "assets", "3d" };
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+		if (strlen(words[i]) == bytes && strncasecmp(name, words[i], bytes) == 0)
+			return true;
+	for (size_t i = 0; i < FORMATS; i++)
+		if (strlen(formats[i]) == bytes && strncasecmp(name, formats[i], bytes) == 0)
+			return true;
+	return false;
 }
 
-static int by_stem(const void *a, const void *b)
+/* The last folder of a path, after its first `above` bytes, whose name says something; *bytes of it, 0 if
+ * there is none. */
+static const char *folder_of(const char *path, size_t above, size_t *bytes)
 {
-	const char *p = *(char *const *)a, *q = *(char *const *)b;
-	size_t n, m;
-	const char *x = stem_of(p, &n), *y = stem_of(q, &m);
-	int order = strncmp(x, y, n < m ? n : m);
-	if (order != 0)
-		return order;
-	if (n != m)
-		return n < m ? -1 : 1;
-	size_t f = format_of(p), g = format_of(q);
-	return f != g ? (f < g ? -1 : 1) : strcmp(p, q);
+	const char *name = eco_path_last(path), *end;
+	while (name > path + above) {
+		end = --name;            /* the slash after it */
+		while (name > path + above && name[-1] != '/')
+			name--;
+		*bytes = (size_t)(end - name);
+		if (!says_nothing(name, *bytes))
+			return name;
+	}
+	*bytes = 0;
+	return path;
+}
+
+/* The file's name without its ending; where that says nothing, its folder's, and with `both` after it. */
+static char *name_of(const char *path, size_t above, bool both)
+{
+	const char *stem = eco_path_last(path), *dot = strrchr(stem, '.'), *from;
+	size_t bytes = dot && dot != stem ? (size_t)(dot - stem) : strlen(stem), more;
+	bool nothing = says_nothing(stem, bytes);
+	char *name = NULL;
+	from = folder_of(path, above, &more);
+	if (more == 0 || (!nothing && !both))
+		return strndup(stem, bytes);
+	if (nothing)
+		return strndup(from, more);
+	return asprintf(&name, "%.*s %.*s", (int)more, from, (int)bytes, stem) < 0 ? NULL : name;
+}
+
+static int by_name(const void *a, const void *b)
+{
+	const struct file *p = a, *q = b;
+	int order = strcmp(p->name, q->name);
+	size_t f = format_of(p->path), g = format_of(q->path);
+	return order != 0 ? order : f != g ? (f < g ? -1 : 1) : strcmp(p->path, q->path);
+}
+
+static bool differ(const struct file *a, const struct file *b)
+{
+	return format_of(a->path) == format_of(b->path) && a->bytes != b->bytes;
+}
+
+static bool name_file(struct file *f, size_t above, bool both)
+{
+	free(f->name);
+	f->name = name_of(f->path, above, both);
+	return f->name != NULL;
+}
+
+/* Names all files and sorts them. Different models of one name are named after their folders, too. */
+static bool name_files(struct files *files)
+{
+	struct file *f = files->file;
+	bool good = true;
+	for (uint32_t i = 0; i < files->count; i++)
+		if (!name_file(&f[i], files->above, false))
+			return false;
+	qsort(f, files->count, sizeof *f, by_name);
+	for (uint32_t first = 0, end; first < files->count; first = end) {
+		bool several = false;
+		for (end = first + 1; end < files->count && strcmp(f[end].name, f[first].name) == 0; end++)
+			several |= differ(&f[end - 1], &f[end]);
+		for (uint32_t i = first; several && i < end; i++)
+			good &= name_file(&f[i], files->above, true);
+	}
+	if (good)
+		qsort(f, files->count, sizeof *f, by_name);
+	return good;
 }
 
 /* ---- Plants ---- */
@@ -158,60 +228,74 @@ static enum eco_code add_model(struct start *s, const char *path, const char *ba
 /* Files of one name in several formats are one; names that differ by a number alone are variants. */
 static enum eco_code group(struct start *s, const struct files *files)
 {
-	size_t before_bytes = 0, before_base = 0;
+	size_t before_base = 0;
 	const char *before = "";
 	for (uint32_t i = 0; i < files->count; i++) {
-		size_t bytes, base;
-		const char *stem = stem_of(files->paths[i], &bytes);
+		const char *stem = files->file[i].name, *path = files->file[i].path;
+		size_t bytes = strlen(stem), base = base_bytes(stem, bytes);
 		struct start_model *last = s->model_count > 0 ? &s->models[s->model_count - 1] : NULL;
-		base = base_bytes(stem, bytes);
-		if (bytes == before_bytes && strncmp(stem, before, bytes) == 0) {
+		if (strcmp(stem, before) == 0) {
 			start_say("  %s: left out, as %s is the same "
-				"model\n", files->paths[i], last->paths[0]);
+				"model\n", path, last->paths[0]);
 			continue;
 		}
 		bool alike = last && base < bytes && base == before_base && strncmp(stem, before, base) == 0;
 		if (alike && eco_model_spare_level(stem) > 0) {
-			start_say("  %s: left out, as %s is a finer level of it\n", files->paths[i],
-				last->paths[0]);
+			start_say("  %s: left out, as %s is a finer level of it\n", path, last->paths[0]);
 			continue;
 		}
 		if (alike && last->path_count < VARIANTS_MAX) {
-			if (!(last->paths[last->path_count] = strdup(files->paths[i])))
+			if (!(last->paths[last->path_count] = strdup(path)))
 				return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
 			snprintf(last->name, sizeof last->name, "%.*s", (int)(base < 56 ? base : 56), stem);
 			last->path_count++;
 		} else {
-			enum eco_code code = add_model(s, files->paths[i], stem, bytes);
+			enum eco_code code = add_model(s, path, stem, bytes);
 			if (code)
 				return code;
 		}
 		before = stem;
-		before_bytes = bytes;
 		before_base = base;
 	}
 	return ECO_OK;
 }
 
+/* Bytes of a path before its folder's name; a file's is the one that it lies in. */
+static size_t above_of(const char *models)
+{
+	struct stat status;
+	size_t bytes = strlen(models);
+	bool is_file = stat(models, &status) == 0 && S_ISREG(status.st_mode);
+	for (int names = is_file ? 2 : 1; names > 0; names--) {
+		while (bytes > 0 && models[bytes - 1] == '/')
+			bytes--;
+		while (bytes > 0 && models[bytes - 1] != '/')
+			bytes--;
+	}
+	return bytes;
+}
+
 enum eco_code start_models_find(struct start *s)
 {
-	struct files files = { .paths = NULL };
+	struct files files = { .above = above_of(s->options->models) };
 	struct stat folder;
 	enum eco_code code;
 	if (stat(s->options->models, &folder) == 0 && S_ISREG(folder.st_mode))
-		code = add_file(s, &files, strdup(s->options->models));
+		code = add_file(s, &files, strdup(s->options->models), folder.st_size);
 	else
 		code = walk(s, &files, s->options->models, 0);
 	if (!code && files.count == 0)
 		code = eco_fail(s->error, ECO_NOT_FOUND, "%.200s: no model in it: .glb, .gltf, .obj, .fbx, "
 			".dae, .ply, .3ds, .3mf or .stl", s->options->models);
-	if (!code) {
-		qsort(files.paths, files.count, sizeof *files.paths, by_stem);
+	if (!code && !name_files(&files))
+		code = eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+	if (!code)
 		code = group(s, &files);
+	for (uint32_t i = 0; i < files.count; i++) {
+		free(files.file[i].path);
+		free(files.file[i].name);
 	}
-	for (uint32_t i = 0; i < files.count; i++)
-		free(files.paths[i]);
-	free(files.paths);
+	free(files.file);
 	if (!code)
 		start_say("%s: %u "
 			"model%s\n", s->options->models, s->model_count, s->model_count == 1 ? "" : "s");
