@@ -41,6 +41,33 @@ UNIT_TEST(textures_lie_the_right_way_up_and_replace_the_colour)
 	assert_true(has_vertex(&m, 0.5f, 0, 0, (const float[]){ 1, 1 }));
 }
 
+#define SWATCHES "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nvt 0.2 0.9\nvt 0.3 0.6\nvt 0.75 0.25\nusemtl m\n" \
+	"f 1/1 2/2 3/2\nf 4/3 5/3 1/3\n"
+
+/* Triangles that show one colour each need no picture, which would blur into its neighbours where it is coded. */
+UNIT_TEST(a_picture_of_which_each_triangle_shows_one_colour_is_a_palette)
+{
+	static const uint8_t rgba[] = { 200, 10, 20, 255, 0, 255, 0, 255, 0, 0, 255, 255, 30, 90, 40, 255 };
+	static const struct { const char *more; uint32_t images; } cases[] = { { "", 0 },
+		{ "f 1/1 2/3 5/3\n", 1 } };
+	write_png("palette.png", rgba, 2, 2);
+	input_text(TEST_FOLDER, "palette.mtl", "newmtl m\nKd 0.64 0.64 0.64\nmap_Kd palette.png\n");
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		char text[400];
+		snprintf(text, sizeof text, "mtllib palette.mtl\n%s%s", SWATCHES, cases[i].more);
+		import_high(&m, input_text(TEST_FOLDER, "palette.obj", text), 0);
+		assert_int_equal(m.image_count, cases[i].images);
+		assert_true((m.uv != NULL) == (cases[i].images > 0));
+		const struct eco_material *first = &m.materials[m.material[0]];
+		if (cases[i].images == 0) {
+			assert_memory_equal(first->rgb, rgba, 3);
+			assert_memory_equal(m.materials[m.material[1]].rgb, rgba + 12, 3);
+			assert_string_equal(first->name, "m");
+		}
+		assert_int_equal(first->image, cases[i].images > 0 ? 0 : ECO_NONE);
+	}
+}
+
 UNIT_TEST(an_opacity_map_cuts_out)
 {
 	static const uint8_t solid[] = { 9, 9, 9, 255, 9, 9, 9, 255 },
@@ -390,7 +417,7 @@ UNIT_TEST(vertex_colours_become_materials)
 
 UNIT_TEST(texture_transforms_turn_about_the_images_corner)
 {
-	static const uint8_t rgba[] = { 9, 9, 9, 255 };
+	uint8_t rgba[4 * 4 * 4];
 	static const struct { const char *transform; float uv[3][2]; } cases[] = {
 		{ "\"offset\":[0.25,0.125],\"scale\":[0.5,2]",
 			{ { 0.25f, 0.125f }, { 0.75f, 0.125f }, { 0.25f, 2.125f } } },
@@ -399,7 +426,9 @@ UNIT_TEST(texture_transforms_turn_about_the_images_corner)
 		{ { 0, 1 }, { 0, 0.5f }, { 0.5f, 1 } } },
 	};
 
-	write_png("one.png", rgba, 1, 1);
+	for (size_t i = 0; i < sizeof rgba; i++)
+		rgba[i] = i % 4 == 3 ? 255 : (uint8_t)i;
+	write_png("one.png", rgba, 4, 4);
 	for (size_t i = 0; i < 2; i++) {
 		char rest[700];
 		snprintf(rest, sizeof rest, ",\"extensionsUsed\":[\"KHR_texture_transform\"],"

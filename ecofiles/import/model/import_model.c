@@ -323,7 +323,10 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 	}
 	if (!code)          /* after cleaning, for the triangles left */
 		code = eco_model_bake_tints(model, options->paths[0], notes, error);
+	if (!code && !eco_model_take_palettes(model))
+		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", options->paths[0]);
 	if (!code) {
+		drop_unused_uv(model);
 		eco_model_see_grey(model);
 		note_colourless(model, notes);
 		note_apart(model, notes);

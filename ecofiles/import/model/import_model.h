@@ -150,6 +150,9 @@ uint32_t eco_tints_get(struct eco_tints *tints, uint32_t material, const uint8_t
 void eco_tint_step(uint8_t rgb[3]);
 void eco_tints_end(struct eco_tints *tints);
 
+/* Pictures of which each triangle shows one colour become colours of materials, and are dropped. False when memory ran out. */
+bool eco_model_take_palettes(struct eco_model *model);
+
 /* Multiplies images by the colours of their materials, which become white, and merges equal images.
  * Materials may only name the model's images, at most ECO_MODEL_IMAGES_MAX of them, or none. Fails only
  * for lack of memory. */
