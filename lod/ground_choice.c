@@ -4,6 +4,40 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* ---- Neighbours ---- */
+
+enum { SIDES = 4 };              /* as LOD_GROUND_WEST and the others */
+
+struct placed { uint64_t key; uint32_t tile; };
+
+static uint64_t key_of(uint32_t level, uint32_t column, uint32_t row)
+{
+	return (uint64_t)level << 48 | (uint64_t)column << 24 | row;
+}
+
+static int by_key(const void *a, const void *b)
+{
+	const struct placed *x = a, *y = b;
+	return x->key < y->key ? -1 : x->key > y->key;
+}
+
+/* The coarser tile, of `all` in order, that touches this side of a tile; NULL: none is coarser. */
+static const struct placed *coarser_beyond(const struct placed *all, uint32_t count,
+	const struct eco_ground_tile *tile, int side)
+{
+	static const int8_t beyond[SIDES][2] = { { -1, 0 }, { 1, 0 }, { 0, -1 }, { 0, 1 } };
+	int64_t column = (int64_t)tile->column + beyond[side][0], row = (int64_t)tile->row + beyond[side][1];
+	if (column < 0 || row < 0)
+		return NULL;
+	for (uint8_t up = 1; tile->level + up < ECO_GROUND_LEVELS; up++) {
+		struct placed key = { .key = key_of(tile->level + up, (uint32_t)column >> up, (uint32_t)row >> up) };
+		const struct placed *found = bsearch(&key, all, count, sizeof key, by_key);
+		if (found)
+			return found;
+	}
+	return NULL;
+}
+
 /* ---- Choosing ---- */
 
 struct entry { double px; uint32_t tile; };
@@ -138,6 +172,13 @@ void lod_ground_heights(const struct eco_scene *scene, double low[3], double hig
 	high[2] = (double)tile->high_m;
 }
 
+static bool is_seen(const struct search *s, uint32_t tile)
+{
+	double low[3], high[3];
+	bounds(s->scene, &s->scene->ground[tile], low, high);
+	return lod_box_seen(s->eye, low, high);
+}
+
 static void look_at(struct search *s, uint32_t tile)
 {
 	const struct eco_ground_tile *t = &s->scene->ground[tile];
@@ -164,6 +205,66 @@ static void refine(struct search *s, double tolerance_px)
 		s->done[s->done_count++] = s->heap[i].tile;
 }
 
+/* Which of the chosen tiles touch one that is too much finer. */
+static void mark_far_apart(const struct search *s, struct placed *all, bool *marked)
+{
+	const struct eco_ground_tile *tiles = s->scene->ground;
+	for (uint32_t i = 0; i < s->done_count; i++) {
+		const struct eco_ground_tile *t = &tiles[s->done[i]];
+		all[i] = (struct placed){ key_of(t->level, t->column, t->row), i };
+	}
+	qsort(all, s->done_count, sizeof *all, by_key);
+	for (uint32_t i = 0; i < s->done_count; i++)
+		for (int side = 0; side < SIDES; side++) {
+			const struct eco_ground_tile *t = &tiles[s->done[i]];
+			const struct placed *other = coarser_beyond(all, s->done_count, t, side);
+			if (other && tiles[s->done[other->tile]].level - t->level > (int)ECO_GROUND_APART_MAX)
+				marked[other->tile] = true;
+		}
+}
+
+/* Puts children in the place of marked tiles; returns how many were marked. */
+static uint32_t split_marked(struct search *s, const bool *marked, uint32_t *next)
+{
+	uint32_t count = 0, split = 0;
+	for (uint32_t i = 0; i < s->done_count; i++) {
+		const struct eco_ground_tile *t = &s->scene->ground[s->done[i]];
+		if (!marked[i])
+			next[count++] = s->done[i];
+		for (uint32_t child = 0; marked[i] && child < t->child_count; child++)
+			if (is_seen(s, t->child_first + child))
+				next[count++] = t->child_first + child;
+		split += marked[i];
+	}
+	free(s->done);
+	s->done = next;
+	s->done_count = count;
+	return split;
+}
+
+/* Splits tiles until none touches one that is too much finer: the two would share no samples between a
+ * tile's corners, and there would be gaps. Small grids never get there. False without memory. */
+static bool bring_together(struct search *s)
+{
+	bool good = true, again = s->scene->ground[0].level > ECO_GROUND_APART_MAX + 1;
+	while (good && again) {
+		size_t count = (size_t)s->done_count + 1;
+		struct placed *all = malloc(count * sizeof *all);
+		bool *marked = calloc(count, sizeof *marked);
+		uint32_t *next = malloc(4 * count * sizeof *next);
+		good = all && marked && next;
+		if (good) {
+			mark_far_apart(s, all, marked);
+			again = split_marked(s, marked, next) > 0;
+		} else {
+			free(next);
+		}
+		free(all);
+		free(marked);
+	}
+	return good;
+}
+
 static int by_number(const void *a, const void *b)
 {
 	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
@@ -178,17 +279,20 @@ enum eco_code lod_ground_select(struct lod_ground_choice *choice, const struct e
 	*choice = (struct lod_ground_choice){ .tiles = NULL };
 	if (scene->ground_count == 0)
 		return ECO_OK;
-	s.most = s.most < scene->ground_count ? s.most : scene->ground_count;
+	s.most = s.most < scene->ground_count + 3 ? s.most : scene->ground_count + 3;
 	s.heap = malloc((s.most + 4) * sizeof *s.heap);
 	s.done = malloc((s.most + 4) * sizeof *s.done);
-	if (!s.heap || !s.done) {
-		free(s.heap);
+	bool good = s.heap && s.done;
+	if (good) {
+		look_at(&s, 0);
+		refine(&s, limits->tolerance_px);
+		good = bring_together(&s);
+	}
+	free(s.heap);
+	if (!good) {
 		free(s.done);
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles of ground", s.most);
 	}
-	look_at(&s, 0);
-	refine(&s, limits->tolerance_px);
-	free(s.heap);
 	qsort(s.done, s.done_count, sizeof *s.done, by_number);
 	*choice = (struct lod_ground_choice){ s.done, s.done_count, s.error_px };
 	return ECO_OK;
@@ -196,52 +300,20 @@ enum eco_code lod_ground_select(struct lod_ground_choice *choice, const struct e
 
 /* ---- Seams ---- */
 
-static uint64_t key_of(uint32_t level, uint32_t column, uint32_t row)
-{
-	return (uint64_t)level << 48 | (uint64_t)column << 24 | row;
-}
-
-static uint64_t key_of_tile(const struct eco_ground_tile *t)
-{
-	return key_of(t->level, t->column, t->row);
-}
-
-static int by_key(const void *a, const void *b)
-{
-	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-	return x < y ? -1 : x > y;
-}
-
-/* The number of levels by which the tile drawn at (column, row) of `level` is coarser; 0 if none is
- * coarser. */
-static uint8_t coarser_at(const uint64_t *keys, uint32_t count, uint8_t level, uint32_t column, uint32_t row)
-{
-	for (uint8_t up = 1; level + up < ECO_GROUND_LEVELS; up++) {
-		uint64_t key = key_of(level + up, column >> up, row >> up);
-		if (bsearch(&key, keys, count, sizeof key, by_key))
-			return up;
-	}
-	return 0;
-}
-
 bool lod_ground_seams(struct lod_ground_seam *seams, const struct eco_ground_tile *tiles, uint32_t count)
 {
-	static const int8_t beyond[4][2] = { { -1, 0 }, { 1, 0 }, { 0, -1 }, { 0, 1 } };
-	uint64_t *keys = malloc((count + (size_t)1) * sizeof *keys);
-	if (!keys)
+	struct placed *all = malloc((count + (size_t)1) * sizeof *all);
+	if (!all)
 		return false;
 	for (uint32_t i = 0; i < count; i++)
-		keys[i] = key_of_tile(&tiles[i]);
-	qsort(keys, count, sizeof *keys, by_key);
+		all[i] = (struct placed){ key_of(tiles[i].level, tiles[i].column, tiles[i].row), i };
+	qsort(all, count, sizeof *all, by_key);
 	for (uint32_t i = 0; i < count; i++)
-		for (int side = 0; side < 4; side++) {
-			const struct eco_ground_tile *t = &tiles[i];
-			int64_t column = (int64_t)t->column + beyond[side][0],
-				row = (int64_t)t->row + beyond[side][1];
-			seams[i].coarser[side] = column < 0 || row < 0 ? 0
-				: coarser_at(keys, count, t->level, (uint32_t)column, (uint32_t)row);
+		for (int side = 0; side < SIDES; side++) {
+			const struct placed *other = coarser_beyond(all, count, &tiles[i], side);
+			seams[i].coarser[side] = other ? tiles[other->tile].level - tiles[i].level : 0;
 		}
-	free(keys);
+	free(all);
 	return true;
 }
 

@@ -175,8 +175,9 @@ struct eco_child {               /* child tile ids are greater than their parent
  * covers everything; children follow their parents, level by level, and together cover their parent. A
  * tile without children has the finest detail there. ground_tile.h says which samples a tile holds. All
  * ground lists have the scene's grid, with the south-west sample inside its margins at 0, 0 (heights.h). */
-#define ECO_GROUND_CELLS 64u
-#define ECO_GROUND_LEVELS 8u         /* touching tiles differ by at most a factor ECO_GROUND_CELLS */
+#define ECO_GROUND_APART_MAX 5u      /* levels between tiles that touch where both are drawn */
+#define ECO_GROUND_CELLS (1u << ECO_GROUND_APART_MAX)
+#define ECO_GROUND_LEVELS 9u
 #define ECO_GROUND_SIDE_MAX ((ECO_GROUND_CELLS << (ECO_GROUND_LEVELS - 1)) + 1)   /* samples a side: 8193 */
 struct eco_ground_tile {
 	uint32_t list;               /* a list of one chunk */

@@ -235,6 +235,21 @@ static bool covers(const struct world *w, const struct eco_ground_tile *t, doubl
 	return px >= x.low && px < x.high && py >= y.low && py < y.high;
 }
 
+/* Tiles that touch share samples between their corners. */
+static void assert_close(const struct world *w, const struct lod_ground_choice *choice)
+{
+	struct eco_ground_tile *tiles = malloc((choice->count + 1) * sizeof *tiles);
+	struct lod_ground_seam *seams = malloc((choice->count + 1) * sizeof *seams);
+	for (uint32_t i = 0; i < choice->count; i++)
+		tiles[i] = w->tree.tiles[choice->tiles[i]];
+	assert_true(lod_ground_seams(seams, tiles, choice->count));
+	for (uint32_t i = 0; i < choice->count; i++)
+		for (int side = 0; side < 4; side++)
+			assert_true(seams[i].coarser[side] <= ECO_GROUND_APART_MAX);
+	free(seams);
+	free(tiles);
+}
+
 UNIT_TEST(what_is_in_view_is_covered_once_and_fine_enough)
 {
 	for (size_t k = 0; k < TERRAINS; k++) {
@@ -243,8 +258,8 @@ UNIT_TEST(what_is_in_view_is_covered_once_and_fine_enough)
 		world_make(&w, &terrains[k], 0.01);
 		for (int n = 0; n < 60; n++) {
 			struct eco_view view = random_view(&w);
-			struct lod_ground_limits limits =
-				{ .tolerance_px = pow(2, (double)(bits() % 8) - 2) };
+			struct lod_ground_limits limits = { .tolerance_px = n % 3 == 0 ? ECO_GROUND_PX_MAX
+				: pow(2, (double)(bits() % 8) - 2) };
 			struct lod_ground_choice choice, again;
 			struct lod_eye eye;
 			lod_eye_make(&eye, &view);
@@ -255,6 +270,7 @@ UNIT_TEST(what_is_in_view_is_covered_once_and_fine_enough)
 				assert_memory_equal(choice.tiles, again.tiles,
 					choice.count * sizeof *choice.tiles);
 			assert_true(choice.error_px <= limits.tolerance_px);
+			assert_close(&w, &choice);
 			for (int s = 0; s < 400; s++) {
 				double px = unit() * (w.ground.columns - 1),
 				       py = unit() * (w.ground.rows - 1),

@@ -449,14 +449,14 @@ UNIT_TEST(ping_pong_fetches_again_only_where_it_must)
 	}
 }
 
-/* Exactly what the refusal names is enough, and a little less is not. */
+/* Exactly what the refusal names, to a thousandth of a MiB, is enough, and a little less is not. */
 UNIT_TEST(refusal_names_what_is_enough)
 {
 	for (uint32_t step = 0; step < 24; step += 5) {
 		struct eco_request request = step_of_walk(step);
 		struct eco_error error = { 0 };
 		uint64_t need = need_of(&request);
-		struct client enough = client_new(need), less = client_new(need - need / 200);
+		struct client enough = client_new(need), less = client_new(need - (1 << 20) / 500);
 		assert_ok(visit(&enough, &request, &error), error);
 		assert_int_equal(visit(&less, &request, &error), ECO_TOO_LARGE);
 		assert_non_null(strstr(error.text, "ask for fewer vertices"));

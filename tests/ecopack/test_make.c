@@ -418,8 +418,8 @@ UNIT_TEST(test_ground_is_tiles_that_hold_what_they_say)
 	const struct eco_scene *s = &pack->scene;
 	assert_true(s->ground_margin == 17 && s->ground_columns == 150 + 2 * 17 &&
 		s->ground_rows == 140 + 2 * 17);
-	assert_true(s->ground_count == 1 + 4 + 9 && s->ground[0].level == 2);
-	assert_true(s->ground[0].error_m > 3 && s->ground[5].error_m == 0);
+	assert_true(s->ground_count == 1 + 4 + 9 + 36 && s->ground[0].level == 3);
+	assert_true(s->ground[0].error_m > 3 && s->ground[1 + 4 + 9].error_m == 0);
 	uint32_t count = s->ground_count;
 	eco_pack_close(pack);
 	/* an error that is too small, under a hash that is right */
@@ -435,7 +435,7 @@ UNIT_TEST(test_ground_is_tiles_that_hold_what_they_say)
 	fwrite(bytes, 1, size, file);
 	fclose(file);
 	assert_int_equal(inspect_verify(in_root("lies.eco"), out, &counts, &error), ECO_DAMAGED);
-	assert_int_equal(counts.damaged, 5);
+	assert_int_equal(counts.damaged, 1 + 4 + 9);
 	char line[256] = { 0 };
 	rewind(out);
 	assert_non_null(fgets(line, sizeof line, out));
@@ -458,6 +458,24 @@ UNIT_TEST(test_whole_heights_are_kept_exactly)
 	assert_true(list->grid_step[2] == 1 && list->grid_origin[2] == 99);
 	assert_true(pack->scene.ground[0].low_m == 99 && pack->scene.ground[0].high_m == 110);
 	eco_pack_close(pack);
+}
+
+/* Other heights have steps of a 256th of a cell, but none below a centimetre. */
+UNIT_TEST(test_steps_of_heights_are_as_fine_as_cells_show)
+{
+	static const struct { const char *cell; double step; } grids[] = { { "0.5", 1.0 / 128 }, { "2", 1.0 / 128 },
+		{ "10", 1.0 / 32 }, { "90", 1.0 / 4 } };
+	for (size_t i = 0; i < sizeof grids / sizeof *grids; i++) {
+		char text[200];
+		snprintf(text, sizeof text, "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize %s\n"
+			"101.0217 602 104.3791\n103 110.012 99\n", grids[i].cell);
+		write_text("wide.asc", text);
+		write_text("wide.json", "{\"ground\": {\"heights\": \"wide.asc\"}, \"plants\": {\"a\": "
+			"{\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [1, 1]}]}");
+		struct eco_pack *pack = made("wide.json", "wide.eco");
+		assert_true(pack->scene.lists[pack->scene.ground[0].list].grid_step[2] == grids[i].step);
+		eco_pack_close(pack);
+	}
 }
 
 UNIT_TEST(test_info_speaks_json)

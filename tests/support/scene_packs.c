@@ -245,7 +245,7 @@ static void small_lists(struct scene_builder *b)
 		1 }, [WOOD] = { ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR, 0, ECO_NONE, 30, 3 },
 		[LINES] = { ECO_LIST_LINES, ECO_CODER_ELEMENTS, ECO_ATTR_WIDTH, 0, ECO_NONE, 12, 2 },
 		[CELL] = { ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, 0, ECO_NONE, 20, 4 },
-		/* two tiles of 70 x 20 samples and what stands for both */
+		/* two tiles of 38 x 20 samples and what stands for both */
 		[GROUND] = { ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE, ECO_NONE, 0, 0 },
 		[GROUND + 1] = { ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE, ECO_NONE, 0, 0 },
 		[GROUND + 2] = { ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE, ECO_NONE, 0, 0 },
@@ -273,7 +273,7 @@ static void small_lists(struct scene_builder *b)
 
 static void small_ground(struct scene_builder *b)
 {
-	b->scene.ground_columns = 70;
+	b->scene.ground_columns = 38;
 	b->scene.ground_rows = 20;
 	for (uint32_t i = 0; i < 3; i++) {
 		struct eco_ground_tile t = { .list = GROUND + i, .level = i == 0, .column = i == 2,
@@ -281,7 +281,7 @@ static void small_ground(struct scene_builder *b)
 			.error_m = i ? 0 : 0.25f, .low_m = 0, .high_m = 0.5f };
 		struct eco_list *list = &b->lists[t.list];
 		struct eco_ground_span x, y;
-		eco_ground_spans(&x, &y, &t, 70, 20);
+		eco_ground_spans(&x, &y, &t, 38, 20);
 		list->level = t.level;
 		list->columns = x.count;
 		scene_elements(b, t.list, x.count * y.count, 1);
