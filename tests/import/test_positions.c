@@ -109,6 +109,35 @@ UNIT_TEST(species_fit_exactly_before_by_wildcard_before_by_fallback)
 		"are one species");
 }
 
+static void expect_species(const char *file, const char *text, const char *entry, const char *species)
+{
+	input_text("positions", file, text);
+	const struct inventory *in = inventory_of("positions", UTM32, file, entry);
+	assert_string_equal(in->error, "");
+	assert_string_equal(in->species, species);
+}
+
+/* As the file has it, whatever the map leads it to; what nobody could read, or would rather not, is not there. */
+UNIT_TEST(a_row_says_its_own_species)
+{
+	static const char mapped[] = "\"species\":\"s\",\"map\":{\"oak\":\"oak\",\"*\":\"elm\"},\"crs\":"
+		"\"EPSG:25832\"," XY;
+	char csv[700], long_name[256], want[600];
+	expect_species("rows.csv", "s,x,y\n OAK ,1,1\ncards-3,2,1\n,3,1\nn/a,4,1\n?,5,1\n", mapped,
+		"OAK / cards-3 /  /  / ");
+	expect_species("rows.csv", "s,x,y\noak,1,1\n", "\"plant\":\"oak\",\"crs\":\"EPSG:25832\"," XY, "-");
+	expect_species("rows.csv", "s,x,y\n\"a\tb\x01\x7f\nc\xc2\x85\",1,1\n\"\x02\",2,1\nB\xe4um,3,1\n", mapped,
+		"a b   c   /  / B\xc3\xa4um");
+	snprintf(long_name, sizeof long_name, "%0253d", 0);
+	snprintf(csv, sizeof csv, "s,x,y\n%s\xc3\xa9t\xc3\xa9,1,1\n%sx\xe2\x82\xac,2,1\n", long_name, long_name);
+	snprintf(want, sizeof want, "%s\xc3\xa9 / %sx", long_name, long_name);
+	expect_species("rows.csv", csv, mapped, want);
+	expect_species("rows.geojson", "{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\","
+		"\"properties\":{\"s\":\"a\xff\u202e\"},\"geometry\":{\"type\":\"Point\",\"coordinates\":[11.5,48.1]}},"
+		"{\"type\":\"Feature\",\"properties\":{\"s\":null},\"geometry\":{\"type\":\"Point\","
+		"\"coordinates\":[11.5,48.2]}}]}", "\"species\":\"s\",\"map\":{\"*\":\"elm\"}", "a?\u202e / ");
+}
+
 UNIT_TEST(the_commonest_unknown_species_are_named)
 {
 	char csv[8000] = "s,x,y\n";

@@ -23,6 +23,9 @@ static void inventory_put(struct inventory *in, const struct eco_source *source,
 	if (p->scale != 1)
 		INVENTORY_PUT(" s%.9g", p->scale);
 #undef INVENTORY_PUT
+	used = strlen(in->species);
+	snprintf(in->species + used, sizeof in->species - used, "%s%s", used > 0 ? " / " : "",
+		p->species ? p->species : "-");
 }
 
 static enum eco_code inventory_read_rows(struct inventory *in, const struct eco_source *source,

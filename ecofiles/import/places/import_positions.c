@@ -13,6 +13,7 @@
 
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/base/mix.h"
+#include "ecofiles/base/utf8.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/positions_parts.h"
 
@@ -100,15 +101,37 @@ static bool passes_filters(struct eco_positions *p)
 
 /* ---- Species ---- */
 
+/* Makes a text fit for people and their tools: no control character, UTF-8, and what ends within a character
+ * is cut before it. */
+static void tidy(char *text, bool is_cut)
+{
+	size_t left = strlen(text);
+	for (size_t bytes; left > 0; text += bytes, left -= bytes) {
+		bytes = eco_utf8_bytes(text, left);
+		if (bytes == 2 && text[0] == '\xc2' && (unsigned char)text[1] < 0xa0)
+			text[0] = text[1] = ' ';     /* U+0080 to U+009F */
+		else if (bytes == 1 && iscntrl((unsigned char)*text))
+			*text = ' ';
+		else if (!bytes && is_cut && left < 4)
+			*text = 0;
+		else if (!bytes)
+			*text = '?';
+		bytes += !bytes;
+	}
+}
+
 static bool read_plant(struct eco_positions *p, struct eco_position *record)
 {
 	const struct eco_species *species = &p->spec->fallback;
-	char text[256] = "";
+	char *text = p->said;
+	*text = 0;
 	if (p->column[ECO_COLUMN_SPECIES] != ECO_NONE) {
-		shown(field(p, p->column[ECO_COLUMN_SPECIES]), text, sizeof text);
+		shown(field(p, p->column[ECO_COLUMN_SPECIES]), text, sizeof p->said);
 		uint32_t key = eco_species_find(p->species, text, p->rows->line);
 		if (key < p->spec->map_count)
 			species = &p->spec->map[key];
+		tidy(text, strlen(text) == ECO_SPECIES_BYTES);
+		record->species = eco_text_is_missing(text) ? "" : text;
 	}
 	record->plant = record->variant_first = species->plant;
 	record->variant_count = species->variant_count;

@@ -18,6 +18,8 @@
 #include "ecofiles/import/places/filter.h"
 #include "ecofiles/base/status.h"
 
+#define ECO_SPECIES_BYTES 255u
+
 struct eco_species {             /* a species, in which "*" is any text, and its plant */
 	char *name;
 	uint32_t plant, variant_count;       /* the first variant; ECO_NONE: left out on purpose */
@@ -76,6 +78,9 @@ struct eco_frame {
 };
 
 struct eco_position {
+	/* as the row itself has it: UTF-8 without control characters, at most ECO_SPECIES_BYTES; "": it
+	 * states none; NULL: no column does. Valid until the next call */
+	const char *species;
 	uint32_t plant;              /* a variant, by a hash of the row's number; ECO_NONE: end */
 	uint32_t variant_first, variant_count;       /* the variants it was taken from */
 	double at[3];                /* metres from the origin; z is 0 if the row has none */

@@ -83,6 +83,7 @@ struct eco_positions {
 	double low[2], high[2], nearest_m;   /* nearest_m: to the origin */
 	double first[3];             /* the first place, in the file's coordinates */
 	bool sized;                  /* a size was understood */
+	char said[ECO_SPECIES_BYTES + 1];    /* species of the row being read */
 	char *notes[ECO_ROWS_NOTES_MAX];
 	uint32_t note_count;
 	bool ended;
