@@ -12,6 +12,7 @@
 
 #include <math.h>
 
+#include "ecofiles/base/texts.h"
 #include "ecofiles/ecopack/chart.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/scene/scene.h"
@@ -23,8 +24,9 @@ struct map_kind {                /* plants of one name, in whatever file */
 	uint32_t color;              /* index into eco_chart_colors; ECO_CHART_COLORS: the common gray */
 };
 
-/* metres from the origin; height 0: not known; row of an inventory, from 1; 0: it is of none */
-struct map_point { float x, y, height_m; uint32_t kind, file, row; };
+/* metres from the origin; height 0: not known; species: of m->species; row of an inventory, from 1; 0: it is
+ * of none; line of the file, from 1; 0: it has none */
+struct map_point { float x, y, height_m; uint32_t kind, species, file, row, line; };
 struct map_points { struct map_point *items; uint32_t count, capacity; };
 
 struct map_bounds { double low[2], high[2]; };   /* low > high: empty */
@@ -43,6 +45,7 @@ struct map {
 	struct eco_ground ground;    bool has_ground;
 	struct map_kind *kinds;      uint32_t kind_count, other_count;
 	uint32_t **kind_of;          /* [source][plant of the source] */
+	struct eco_texts species;    /* as rows state them ("": none), else the kinds' names */
 	/* inventories, for the rows of points; of the sources */
 	const char **files;          uint32_t file_count, file_capacity;
 	struct map_points *own;      /* per source: its own plants, in its coordinates */

@@ -85,8 +85,8 @@ static enum eco_code find_kinds(struct map *m)
 	return good ? ECO_OK : map_no_memory(m);
 }
 
-/* height_m: NAN where the plant's own counts; scale multiplies it. */
-struct stand { const double *at; double height_m, scale; uint32_t file, row; };
+/* height_m: NAN where the plant's own counts; scale multiplies it. species NULL: as the plant is named. */
+struct stand { const double *at; double height_m, scale; const char *species; uint32_t file, row, line; };
 
 static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, const struct stand *stand)
 {
@@ -94,8 +94,11 @@ static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, c
 	double height = isnan(stand->height_m) ? m->sources.items[source].plants[plant].height_m
 		: stand->height_m;
 	struct map_point point = { (float)at[0], (float)at[1],
-		height > 0 ? (float)(height * stand->scale) : 0, m->kind_of[source][plant], stand->file,
-		stand->row };
+		height > 0 ? (float)(height * stand->scale) : 0, m->kind_of[source][plant], 0, stand->file,
+		stand->row, stand->line };
+	if (!eco_texts_add(&m->species, stand->species ? stand->species : m->kinds[point.kind].name,
+			&point.species))
+		return map_no_memory(m);
 	if (source == 0 && m->has_ground) {
 		double z;
 		m->off_ground += !eco_ground_height(&m->ground, at[0], at[1], &z);
@@ -109,8 +112,8 @@ static enum eco_code add_instances(struct map *m, uint32_t source)
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < s->instance_count && !code; i++) {
 		const struct eco_source_instance *one = &s->instances[i];
-		code = add_plant(m, source, one->plant, &(struct stand){ one->at, one->height_m, one->scale,
-			0, 0 });
+		code = add_plant(m, source, one->plant, &(struct stand){ .at = one->at,
+			.height_m = one->height_m, .scale = one->scale });
 		if (i % 4096 == 0 && !main_progress("reading positions", s->path, 0))
 			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 	}
@@ -201,8 +204,9 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 		code = eco_positions_next(reader, &row, m->error);
 		if (code || row.plant == ECO_NONE)
 			break;
-		code = add_plant(m, source, row.plant, &(struct stand){ row.at, row.height_m, row.scale, file,
-			row.row <= UINT32_MAX ? (uint32_t)row.row : 0 });
+		code = add_plant(m, source, row.plant, &(struct stand){ row.at, row.height_m, row.scale,
+			row.species, file, row.row <= UINT32_MAX ? (uint32_t)row.row : 0,
+			row.line <= UINT32_MAX && eco_positions_has_lines(reader) ? (uint32_t)row.line : 0 });
 	}
 	if (!code) {
 		eco_positions_report(reader, main_note_text, NULL);
@@ -248,8 +252,8 @@ static enum eco_code add_scattered(struct map *m, uint32_t source, const struct 
 	struct eco_scatter_place place;
 	enum eco_code code = eco_scatter_open(&scatter, spec, &frame, scatter_progress, spec->path, m->error);
 	while (!code && eco_scatter_next(scatter, &place)) {
-		code = add_plant(m, source, place.plant, &(struct stand){ place.at, place.height_m, 1, 0,
-			0 });
+		code = add_plant(m, source, place.plant, &(struct stand){ .at = place.at,
+			.height_m = place.height_m, .scale = 1 });
 	}
 	if (!code)
 		code = say(m, MAP_FILE, 0, "%.80s, scattered", eco_path_last(spec->path));
@@ -499,6 +503,7 @@ void map_free(struct map *m)
 	free(m->bounds);
 	free(m->totals);
 	free(m->kinds);
+	eco_texts_free(&m->species);
 	free(m->points.items);
 	free(m->left);
 	free(m->outlines);

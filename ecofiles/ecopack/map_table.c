@@ -11,7 +11,8 @@ static void point_of(void *ctx, uint64_t index, struct eco_point *out)
 	const struct map_point *p = &m->points.items[index];
 	const double *origin = m->sources.items[0].origin;
 	*out = (struct eco_point){ { origin[0] + (double)p->x, origin[1] + (double)p->y },
-		m->kinds[p->kind].name, p->row ? m->files[p->file] : "", (double)p->height_m, p->row };
+		m->species.items[p->species], m->kinds[p->kind].name, p->row ? m->files[p->file] : "",
+		(double)p->height_m, p->row, p->line };
 }
 
 enum eco_code map_write_table(struct map *m, const char *path)

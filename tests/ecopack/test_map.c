@@ -294,9 +294,9 @@ UNIT_TEST(test_the_same_scene_gives_the_same_picture)
 UNIT_TEST(test_tables_are_inventories_of_the_same_plants)
 {
 	static const char *const names[] = { "table.gpkg", "table.geojson" };
-	static const uint32_t rows[] = { 0, 1, 3 };
+	static const uint32_t rows[] = { 0, 1, 3 }, lines[] = { 0, 2, 4 };
 	file_write_text(ROOT "/utm.csv", "x,y,sp,h\n691010,5334020,oak,10\n,5,oak,1\n691500.25,5334700.5,"
-		"ash,7\n");
+		"ASH,7\n");
 	file_write_text(ROOT "/utm.json", "{" UTM PLANTS ", \"instances\": [{\"plant\": \"ash\", \"at\": [1, "
 		"2], \"height_m\": 4}, {\"from\": \"utm.csv\", \"x\": \"x\", \"y\": \"y\", \"species\": "
 		"\"sp\", " TWO_MAPPED "\"h\"}}]}");
@@ -323,8 +323,23 @@ UNIT_TEST(test_tables_are_inventories_of_the_same_plants)
 			/* GeoJSON has 1e-7 degrees */
 			assert_true(hypotf(a->x - b->x, a->y - b->y) < (t ? 0.02f : 0.002f));
 			assert_int_equal(a->row, rows[i]);
+			assert_int_equal(a->line, lines[i]);
+			assert_string_equal(m.species.items[a->species], again.species.items[b->species]);
+		}
+		map_free(&again);
+		/* each says its line, and what it is shown as */
+		snprintf(scene, sizeof scene,
+			"{" UTM PLANTS ", \"instances\": [{\"from\": \"%s\", \"species\": \"plant\", "
+			"\"skip\": {\"row\": \"\"}, " TWO_MAPPED "\"line\"}}]}", names[t]);
+		file_write_text(ROOT "/again.json", scene);
+		gather(&again, ROOT "/again.json");
+		assert_int_equal(again.points.count, 2);
+		for (uint32_t i = 0; i < 2; i++) {
+			assert_true(again.points.items[i].height_m == (float)lines[i + 1]);
+			assert_int_equal(again.points.items[i].kind, m.points.items[i + 1].kind);
 		}
 		assert_string_equal(m.files[m.points.items[2].file], "utm.csv");
+		assert_string_equal(m.species.items[m.points.items[2].species], "ASH");
 		map_free(&m);
 		map_free(&again);
 		assert_int_equal(run(line, &error), ECO_BAD_USAGE);

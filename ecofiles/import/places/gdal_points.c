@@ -12,11 +12,12 @@
 #include "ecofiles/import/ground/gdal_module.h"
 #include "ecofiles/import/places/point_table.h"
 
-enum field { SPECIES, HEIGHT, SOURCE_FILE, SOURCE_ROW, FIELD_COUNT };
+enum field { SPECIES, PLANT, HEIGHT, SOURCE_FILE, SOURCE_ROW, SOURCE_LINE, FIELD_COUNT };
 
 static const struct { const char *name; OGRFieldType type; } fields[FIELD_COUNT] = {
-	[SPECIES] = { "species", OFTString }, [HEIGHT] = { "height_m", OFTReal },
-	[SOURCE_FILE] = { "file", OFTString }, [SOURCE_ROW] = { "row", OFTInteger64 } };
+	[SPECIES] = { "species", OFTString }, [PLANT] = { "plant", OFTString },
+	[HEIGHT] = { "height_m", OFTReal }, [SOURCE_FILE] = { "file", OFTString },
+	[SOURCE_ROW] = { "row", OFTInteger64 }, [SOURCE_LINE] = { "line", OFTInteger64 } };
 
 static enum eco_code failed(const char *path, struct eco_error *error)
 {
@@ -34,24 +35,38 @@ static bool add_fields(OGRLayerH layer)
 	return good;
 }
 
+/* What is empty, or 0, is null. */
+static void set_text(OGRFeatureH feature, enum field field, const char *text)
+{
+	if (*text)
+		OGR_F_SetFieldString(feature, (int)field, text);
+	else
+		OGR_F_SetFieldNull(feature, (int)field);
+}
+
+static void set_count(OGRFeatureH feature, enum field field, uint64_t count)
+{
+	if (count)
+		OGR_F_SetFieldInteger64(feature, (int)field, (GIntBig)count);
+	else
+		OGR_F_SetFieldNull(feature, (int)field);
+}
+
 static bool add_point(OGRLayerH layer, const struct eco_point *point)
 {
 	OGRFeatureH feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
 	OGRGeometryH at = OGR_G_CreateGeometry(wkbPoint);
 	OGR_G_SetPoint_2D(at, 0, point->at[0], point->at[1]);
 	OGR_F_SetGeometryDirectly(feature, at);
-	OGR_F_SetFieldString(feature, SPECIES, point->species);
+	set_text(feature, SPECIES, point->species);
+	set_text(feature, PLANT, point->plant);
 	if (point->height_m > 0)
 		OGR_F_SetFieldDouble(feature, HEIGHT, point->height_m);
 	else
 		OGR_F_SetFieldNull(feature, HEIGHT);
-	if (point->row) {
-		OGR_F_SetFieldString(feature, SOURCE_FILE, point->file);
-		OGR_F_SetFieldInteger64(feature, SOURCE_ROW, (GIntBig)point->row);
-	} else {
-		OGR_F_SetFieldNull(feature, SOURCE_FILE);
-		OGR_F_SetFieldNull(feature, SOURCE_ROW);
-	}
+	set_text(feature, SOURCE_FILE, point->row ? point->file : "");
+	set_count(feature, SOURCE_ROW, point->row);
+	set_count(feature, SOURCE_LINE, point->row ? point->line : 0);
 	bool good = OGR_L_CreateFeature(layer, feature) == OGRERR_NONE;
 	OGR_F_Destroy(feature);
 	return good;

@@ -10,9 +10,10 @@
 
 struct eco_point {
 	double at[2];                /* in the table's CRS, easting first */
-	const char *species, *file;  /* file: "": the scene itself */
+	/* species: "": none is stated; plant: as the scene names what is shown; file: "": the scene itself */
+	const char *species, *plant, *file;
 	double height_m;             /* 0: not known */
-	uint64_t row;                /* of the file, from 1; 0: none */
+	uint64_t row, line;          /* of the file, from 1; 0: none */
 };
 
 struct eco_point_table {
@@ -27,8 +28,8 @@ struct eco_point_table {
 bool eco_points_knows(const char *path);
 
 /* The file's content, malloc'ed, in the format of the path's extension. GeoJSON is longitude and latitude of
- * WGS 84 (RFC 7946) where there is a CRS; a height or file that is not known is null. ECO_BAD_INPUT: a CRS
- * that GDAL does not know. */
+ * WGS 84 (RFC 7946) where there is a CRS; what is not known is null. ECO_BAD_INPUT: a CRS that GDAL does not
+ * know. */
 enum eco_code eco_points_write(const struct eco_point_table *table, const char *path, uint8_t **bytes,
 	size_t *size, struct eco_error *error);
 
