@@ -122,7 +122,7 @@ static enum eco_code ask(const struct view_geojson_job *job, struct seen *seen, 
 /* False: no memory. */
 static bool set_row(json_t *properties, const json_t *said)
 {
-	static const char *const names[] = { "species", "file", "row", "line" };
+	static const char *const names[] = { "species", "plant", "file", "row", "line" };
 	bool good = true;
 	for (size_t i = 0; i < sizeof names / sizeof *names && good; i++) {
 		json_t *value = json_object_get(said, names[i]);
@@ -134,13 +134,14 @@ static bool set_row(json_t *properties, const json_t *said)
 static json_t *feature_of(const struct view_geojson_job *job, const struct seen *seen)
 {
 	const struct view_instance *one = &job->selection->instances[seen->instance];
-	const struct view_plant *species = view_store_plant(job->store, one->plant);
-	double height_m = species ? species->plant.height_m * one->place.scale : 0;
+	const struct view_plant *plant = view_store_plant(job->store, one->plant);
+	const char *name = plant ? plant->plant.name : "";
+	double height_m = plant ? plant->plant.height_m * one->place.scale : 0;
 	const double *at = one->place.at, step = *job->map->crs ? 1e-9 : 1e-4;
 	char roles[TEXT_BYTES];
 	say_roles(job->selection, seen->instance, roles);
-	json_t *properties = json_pack("{s:s, s:f, s:I, s:f, s:s, s:[f,f,f]}", "species",
-		species ? species->plant.name : "", "height_m", rounded(height_m, 1e-3), "pixels",
+	json_t *properties = json_pack("{s:s, s:s, s:f, s:I, s:f, s:s, s:[f,f,f]}", "species", name,
+		"plant", name, "height_m", rounded(height_m, 1e-3), "pixels",
 		(json_int_t)seen->pixels, "distance_m", rounded(one->distance_m, 1e-3), "drawn_as", roles,
 		"at_m", rounded(at[0], 1e-4), rounded(at[1], 1e-4), rounded(at[2], 1e-4));
 	if (properties && seen->said && !set_row(properties, seen->said)) {

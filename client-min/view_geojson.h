@@ -1,7 +1,8 @@
 /* The plants that a view shows as GeoJSON (RFC 7946) for a GIS: a point each, the plant with the most
  * pixels first; longitude and latitude of WGS 84 where the scene has a CRS, else the scene's metres.
  *
- *   species, height_m       as the scene names it; height as it is drawn
+ *   species                 as its row states it; null: it states none; without a row as the scene names it
+ *   plant, height_m         what it is shown as: the pack's plant; height as it is drawn
  *   file, row, line         of the inventory; null: it is of none that is known, the file has no lines
  *   pixels                  in which it is nearest to the eye
  *   distance_m              from the eye to its middle

@@ -9,7 +9,7 @@
 
 struct view_plant_asked {
 	uint32_t list, index;        /* of view_instance */
-	json_t **said;               /* then {species, file, row, line}, as far as known; the caller's */
+	json_t **said;               /* the caller's: {species, plant, file, row, line}, as far as known */
 };
 /* Sorts `plants`, and asks for those of a list together. On failure some may have been said. */
 enum eco_code view_plants_ask(struct view_fetch *fetch, const struct eco_chunk_id *pack,

@@ -97,6 +97,7 @@ static void describe_links(struct srv_json *json, const struct srv_scene *scene)
 		"ground_px,texel_px,next_eye,next_target,name_from,rule,pack}");
 	key_url(json, "chunk", scene, "/chunks/{id}");
 	key_url(json, "plants", scene, "/plants/{list}{?first,count,pack}");
+	key_url(json, "species", scene, "/species");
 	srv_json_close(json, '}');
 }
 

@@ -14,7 +14,7 @@
 
 static const char known_resources[] =
 	"known are /, /healthz, /readyz, /metrics, /v1/scenes, and below a scene "
-	"plan, stream, chunks/{id} and plants/{list}";
+	"plan, stream, species, chunks/{id} and plants/{list}";
 static const char bodies_are_many[] = "too many holdings are being received; ask again in a second";
 
 struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection,

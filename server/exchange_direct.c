@@ -208,6 +208,10 @@ void srv_exchange_answer_direct(struct srv_exchange *exchange)
 		srv_describe_scene(&json, exchange->scene, &most);
 		answer_described(exchange, true, &json);
 		break;
+	case SRV_SPECIES:
+		srv_describe_species(&json, exchange->scene);
+		answer_described(exchange, true, &json);
+		break;
 	case SRV_INDEX:
 		answer_viewer(exchange, NULL, SRV_SITE_INDEX);
 		break;

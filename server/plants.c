@@ -1,5 +1,6 @@
 #include "server/plants.h"
 
+#include <jansson.h>
 #include <string.h>
 
 #include "ecofiles/format/inventory.h"
@@ -49,7 +50,8 @@ static void describe_plant(struct srv_json *json, const struct eco_plant *plant,
 	const struct eco_inventory_row *row)
 {
 	srv_json_open(json, '{');
-	srv_json_key_text(json, "species", row->species ? row->species : plant->name);
+	srv_json_key_text(json, "species", eco_inventory_species(row, plant->name));
+	srv_json_key_text(json, "plant", plant->name);
 	if (row->file) {
 		srv_json_key_text(json, "file", row->file);
 		srv_json_key_count(json, "row", row->row);
@@ -100,4 +102,51 @@ enum eco_code srv_describe_plants(struct srv_json *json, const struct srv_scene 
 	srv_json_close(json, ']');
 	srv_json_close(json, '}');
 	return code;
+}
+
+/* ---- Species of the whole scene ---- */
+
+static void describe_one(struct srv_json *json, const char *species, const json_t *plants)
+{
+	srv_json_open(json, '{');
+	srv_json_key_text(json, "species", species);
+	if (json_integer_value(plants) > 0)
+		srv_json_key_count(json, "plants", (uint64_t)json_integer_value(plants));
+	srv_json_close(json, '}');
+}
+
+/* said: {"of": number of species, "most": [[name or null, plants], ...]}; NULL: nothing. */
+static void describe_stood_for(struct srv_json *json, const char *plant, const json_t *said)
+{
+	const json_t *most = json_object_get(said, "most"), *one;
+	json_int_t of = json_integer_value(json_object_get(said, "of"));
+	size_t i;
+	srv_json_open(json, '{');
+	srv_json_key_text(json, "plant", plant);
+	srv_json_key_count(json, "species_count", of > 0 ? (uint64_t)of : 1);
+	srv_json_key_open(json, "species", '[');
+	if (!json_array_size(most))
+		describe_one(json, plant, NULL);
+	json_array_foreach(most, i, one)
+		describe_one(json, json_string_value(json_array_get(one, 0)), json_array_get(one, 1));
+	srv_json_close(json, ']');
+	srv_json_close(json, '}');
+}
+
+void srv_describe_species(struct srv_json *json, const struct srv_scene *scene)
+{
+	const struct eco_pack *pack = scene->pack;
+	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL);
+	const json_t *plants = json_object_get(meta, "plants");
+	char id[SRV_ID_TEXT_BYTES];
+	srv_format_id(id, &pack->id);
+	srv_json_open(json, '{');
+	srv_json_key_text(json, "pack", id);
+	srv_json_key_open(json, "plants", '[');
+	for (uint32_t i = 0; i < pack->scene.plant_count; i++)
+		describe_stood_for(json, pack->scene.plants[i].name,
+			json_object_get(json_array_get(plants, i), "species"));
+	srv_json_close(json, ']');
+	srv_json_close(json, '}');
+	json_decref(meta);
 }

@@ -1,4 +1,5 @@
-/* GET .../plants/{list}: what the plants of a tile are by the inventories that they come from. */
+/* GET .../plants/{list}: what the plants of a tile are by the inventories that they come from;
+ * GET .../species: the species that each plant of the pack stands for. */
 #ifndef SRV_PLANTS_H
 #define SRV_PLANTS_H
 
@@ -25,5 +26,8 @@ uint32_t srv_plants_list(const struct srv_scene *scene, const char *text);
  * is. */
 enum eco_code srv_describe_plants(struct srv_json *json, const struct srv_scene *scene, uint32_t list,
 	const struct srv_plants_query *query, struct eco_error *error);
+
+/* By the pack's META; a plant of which it says nothing stands for the species of its name. */
+void srv_describe_species(struct srv_json *json, const struct srv_scene *scene);
 
 #endif

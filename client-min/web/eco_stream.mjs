@@ -192,7 +192,7 @@ export class EcoStream {
 		return before === 0;
 	}
 
-	/** Figures of what is drawn: vertices, plants, predicted_q, roles, species, bytes, memory_bytes and
+	/** Figures of what is drawn: vertices, plants, predicted_q, roles, models, bytes, memory_bytes and
 	 * others. */
 	facts() {
 		return JSON.parse(this.text(this.module._web_facts(this.web)));
@@ -212,7 +212,8 @@ export class EcoStream {
 	}
 
 	/** What the server says of a plant that was picked: its species, and file, row and line of the inventory
-	 * that it comes from, as far as it comes from one (openapi.yaml's Plants). */
+	 * that it comes from, as far as it comes from one, and the plant that it is shown as (openapi.yaml's
+	 * Plants). */
 	async plant({ list, index }) {
 		const of = this.pack ? `&pack=${this.pack}` : '';
 		const answer = await fetch(`${this.url}/plants/${list}?first=${index}&count=1${of}`,
@@ -220,6 +221,16 @@ export class EcoStream {
 		if (!answer.ok)
 			throw await problemOf(this.url, answer);
 		return (await answer.json()).plants[0];
+	}
+
+	/** The species that each plant of the pack stands for, by its number (openapi.yaml's Species); null: the
+	 * server has another pack by now. */
+	async species() {
+		const answer = await fetch(`${this.url}/species`, { headers: access(this.token) });
+		if (!answer.ok)
+			throw await problemOf(this.url, answer);
+		const { pack, plants } = await answer.json();
+		return !this.pack || pack === this.pack ? plants : null;
 	}
 
 	/** Why each cut of the last request is what it is: rows of openapi.yaml's `explanation`. */

@@ -1,7 +1,7 @@
 // The viewer at /: which scene, where the camera is, and what people ask of it. All of it is in the address
 // (#scene=...), so that a link shows what its sender saw. A worker makes the picture (viewer_engine.mjs).
 import { Camera, cameraKeys, withModifier } from './viewer_camera.mjs';
-import { number, showFacts, showNorth, showPicked, showPlant, showReasons, showScale,
+import { nameSpecies, number, showFacts, showNorth, showPicked, showPlant, showReasons, showScale,
 	showWhy } from './viewer_panel.mjs';
 
 const $ = (id) => document.getElementById(id);
@@ -169,6 +169,11 @@ const heard = {
 		if (settings.mode === 'walk' && camera.stand(message.ground ?? about.bounds.low[2]))
 			redraw();
 		canvas.dataset.complete = message.complete && message.number === asked && !frame;
+	},
+	named({ species }) {
+		nameSpecies(species);
+		if (drawn?.facts && !$('panel').hidden)
+			showFacts(drawn.facts);
 	},
 	picked(message) {
 		({ picked } = message);

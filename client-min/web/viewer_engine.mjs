@@ -8,6 +8,7 @@
 //                                                  the view from now on
 //   { type: 'pick', at }                            what is seen there? 'picked', then of a plant 'identified':
 //                                                  its row, and 'explained': why so
+//   'named', once a picture is complete, brings the species that its plants stand for
 //   { type: 'explain' }                             why is the picture what it is?
 //   { type: 'save' }                                the picture as a PNG: 'saved'
 //
@@ -127,9 +128,19 @@ class Engine {
 		return there;
 	}
 
-	/** Says of what was drawn that it is there. */
+	/** Says of what was drawn that it is there, and once it is complete, what stands there. */
 	tell() {
 		this.post({ type: 'drawn', ...this.said });
+		if (this.said.complete && this.named !== this.layer.stream)
+			this.name(this.layer.stream);
+	}
+
+	/** Without an answer plants keep the pack's names. */
+	async name(stream) {
+		this.named = stream;
+		const species = await stream.species().catch(() => null);
+		if (this.named === stream)
+			this.post({ type: 'named', species });
 	}
 
 	async pick({ at }) {

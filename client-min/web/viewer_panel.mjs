@@ -35,6 +35,40 @@ function swatch([r, g, b]) {
 	return box;
 }
 
+// ---- Species ----
+
+const NAMED_MOST = 3;            // of several species, in a line
+let known = [];                  // by the number of a plant of the pack: openapi.yaml's Species
+
+const UNSTATED = 'species not stated';
+
+/** What the server says of the plants' species, or null. */
+export function nameSpecies(species) {
+	known = species ?? [];
+}
+
+/** The species that a plant of the pack stands for: "oak, ash and 3 more", and all of them. */
+function speciesOf({ number: index, name }) {
+	const own = { plant: name, species_count: 1, species: [{ species: name }] };
+	const { species_count: all, species } = known[index]?.plant === name ? known[index] : own;
+	const names = species.map(({ species: one }) => one ?? UNSTATED), [only] = names;
+	if (all === 1)
+		return { short: only, long: isSame(only, name) ? only : `${only}, shown as ${name}` };
+	const more = (count) => count ? ` and ${number(count)} more` : '';
+	const most = Math.min(all, NAMED_MOST) - 1;
+	const counted = species.map(({ species: one, plants }) => `${one ?? UNSTATED} (${plants})`);
+	const last = all > NAMED_MOST ? more(all - most) : ` and ${names[most]}`;
+	return { short: `${names.slice(0, most).join(', ')}${last}`,
+		long: `Shown as ${name}: ${counted.join(', ')}${more(all - species.length)}` };
+}
+
+/** Whether a plant's species is what it is shown as. */
+const isSame = (species, plant) => species?.toLowerCase() === plant.toLowerCase();
+
+const titled = (element, title) => Object.assign(element, { title });
+
+// ---- The picture ----
+
 export function showFacts(facts) {
 	const tiles = facts.roles.some(({ name, vertices }) => name === 'summaries' && vertices);
 	const figures = [
@@ -47,8 +81,11 @@ export function showFacts(facts) {
 	$('figures').replaceChildren(...figures.map(row));
 	$('roles').replaceChildren(...facts.roles.filter((role) => role.vertices).map((role) =>
 		item(swatch(role.color), span(role.name), span(number(role.vertices)))));
-	const species = facts.species.sort((a, b) => b.count - a.count).map((plant) =>
-		item(span(plant.name), span(metres(plant.height_m)), span(`× ${number(plant.count)}`)));
+	const species = facts.models.sort((a, b) => b.count - a.count).map((plant) => {
+		const { short, long } = speciesOf(plant);
+		return item(titled(span(short), long), span(metres(plant.height_m)),
+			span(`× ${number(plant.count)}`));
+	});
 	const none = tiles ? 'Only points that stand for many plants' : 'None';
 	$('species').replaceChildren(...species.length ? species : [item(none)]);
 }
@@ -94,21 +131,23 @@ function drawnBy(cuts) {
 	return [...sums].map(([role, drawn]) => [role, number(drawn)]);
 }
 
-const titles = { sky: 'The sky', ground: 'The ground', summary: 'Many plants as one point' };
+const titles = { plant: 'A plant', sky: 'The sky', ground: 'The ground', summary: 'Many plants as one point' };
 
 /** `picked`: what is seen there (web_pick.h). */
 export function showPicked(picked, origin) {
-	const { kind, species, at, foot, height_m: height, distance_m: distance, cuts = [] } = picked;
-	const facts = [];
+	const { kind, plant, number: index, at, foot, cuts = [] } = picked;
+	const { height_m: height, distance_m: distance } = picked;
+	const facts = [], species = plant && speciesOf({ number: index, name: plant });
 	if (height)
 		facts.push(['Height', metres(height)]);
-	if (kind === 'summary' && species)
-		facts.push(['Of these', species]);
+	if (kind === 'summary' && plant)
+		facts.push(['Of these', species.short]);
 	if (at)
 		facts.push([foot ? 'Stands at' : 'Place', placeText(foot ?? at, origin)],
 			['Distance', metres(distance)]);
-	$('card-title').textContent = kind === 'plant' ? species : titles[kind];
+	$('card-title').textContent = titles[kind];
 	$('card-facts').replaceChildren(...facts.map(row));
+	$('card-facts').title = kind === 'summary' && plant ? species.long : '';
 	$('card-why').replaceChildren();
 	$('card-drawn').hidden = !cuts.length;
 	$('card-forms').replaceChildren(...drawnBy(cuts).map(row));
@@ -116,12 +155,14 @@ export function showPicked(picked, origin) {
 	$('card').hidden = false;
 }
 
-/** What the plant is by the inventory that it comes from, if it comes from one. The picture alone knows only one
- * species of those that share a model. */
-export function showPlant({ species, file, row: number, line }) {
-	$('card-title').textContent = species;
+/** What the plant is by the inventory that it comes from, if it comes from one. The picture alone knows only what
+ * it is shown as, which may stand for several species. */
+export function showPlant({ species, plant, file, row: number, line }) {
+	$('card-title').textContent = species ?? 'Species not stated';
+	const facts = isSame(species, plant) ? [] : [['Shown as', plant]];
 	if (file)
-		$('card-facts').rows[0].after(row(['Row', `${number} of ${file}${line ? ` (line ${line})` : ''}`]));
+		facts.push(['Row', `${number} of ${file}${line ? ` (line ${line})` : ''}`]);
+	$('card-facts').rows[0].after(...facts.map(row));
 }
 
 /** Why a plant is drawn as it is: of each kind of reason the one for most vertices, the most important ones. */

@@ -374,12 +374,12 @@ static int by_plant(const void *a, const void *b)
 	return x < y ? -1 : x > y;
 }
 
-/* Species in view, plants counted. */
-static void say_species(struct web *web)
+/* Plants of the pack in view, counted. */
+static void say_models(struct web *web)
 {
 	const struct view_selection *s = &web->selection;
 	uint32_t *plants = malloc(((size_t)s->instance_count + 1) * sizeof *plants), count = 0;
-	eco_write_format(&web->text, "\"species\":[");
+	eco_write_format(&web->text, "\"models\":[");
 	for (uint32_t i = 0; plants && i < s->instance_count; i++)
 		if (s->instances[i].plant != ECO_NONE)
 			plants[count++] = s->instances[i].plant;
@@ -389,7 +389,7 @@ static void say_species(struct web *web)
 		const struct view_plant *plant = view_store_plant(web->store, plants[i]);
 		for (end = i; end < count && plants[end] == plants[i]; end++)
 			;
-		eco_write_format(&web->text, "%s{\"name\":", i ? "," : "");
+		eco_write_format(&web->text, "%s{\"number\":%u,\"name\":", i ? "," : "", plants[i]);
 		web_say_name(&web->text, plant->plant.name);
 		eco_write_format(&web->text, ",\"height_m\":%.2f,\"count\":%u}",
 			(double)plant->plant.height_m, end - i);
@@ -408,7 +408,7 @@ const char *web_facts(struct web *web)
 	if (web->predicted_q == web->predicted_q)
 		eco_write_format(&web->text, "\"predicted_q\":%.4f,", web->predicted_q);
 	say_roles(web);
-	say_species(web);
+	say_models(web);
 	eco_write_format(&web->text,
 		"\"bytes\":%llu,\"chunks\":%llu,\"memory_bytes\":%llu,\"decode_ms\":%.1f}",
 		(unsigned long long)web->bytes, (unsigned long long)stats.chunks,

@@ -41,13 +41,13 @@ static void say_point(struct eco_writer *text, const char *name, const double p[
 	eco_write_format(text, ",\"%s\":[%.4f,%.4f,%.4f]", name, p[0], p[1], p[2]);
 }
 
-static void say_species(const struct web_pick *pick, uint32_t plant, struct eco_writer *text)
+static void say_model(const struct web_pick *pick, uint32_t number, struct eco_writer *text)
 {
-	const struct view_plant *species = view_store_plant(pick->store, plant);
-	if (!species)
+	const struct view_plant *plant = view_store_plant(pick->store, number);
+	if (!plant)
 		return;
-	eco_write_format(text, ",\"species\":");
-	web_say_name(text, species->plant.name);
+	eco_write_format(text, ",\"number\":%u,\"plant\":", number);
+	web_say_name(text, plant->plant.name);
 }
 
 static void say_cuts(const struct web_pick *pick, uint32_t instance, struct eco_writer *text)
@@ -72,10 +72,10 @@ static void say_cuts(const struct web_pick *pick, uint32_t instance, struct eco_
 static void say_plant(const struct web_pick *pick, const struct view_instance *instance,
 	struct eco_writer *text)
 {
-	const struct view_plant *species = view_store_plant(pick->store, instance->plant);
-	say_species(pick, instance->plant, text);
-	if (species)
-		eco_write_format(text, ",\"height_m\":%.3f", species->plant.height_m * instance->place.scale);
+	const struct view_plant *plant = view_store_plant(pick->store, instance->plant);
+	say_model(pick, instance->plant, text);
+	if (plant)
+		eco_write_format(text, ",\"height_m\":%.3f", plant->plant.height_m * instance->place.scale);
 	eco_write_format(text, ",\"scale\":%.4f,\"list\":%u,\"index\":%u", instance->place.scale,
 		instance->list, instance->index);
 	say_point(text, "foot", instance->place.at);
@@ -106,6 +106,6 @@ void web_pick_write(const struct web_pick *pick, double x, double y, struct eco_
 	if (instance)
 		say_plant(pick, instance, text);
 	else if (owner)
-		say_species(pick, eco_owner_plant(owner), text);
+		say_model(pick, eco_owner_plant(owner), text);
 	eco_write_format(text, "}");
 }

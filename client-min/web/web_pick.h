@@ -20,13 +20,13 @@ struct web_pick {
  *
  *   { "kind": "sky" }
  *   { "kind": "ground", "at": [x, y, z], "distance_m": d }
- *   { "kind": "summary", ... as the ground, "species": NAME }      a point that stands for many plants
- *   { "kind": "plant", ... as the ground, "species": NAME, "height_m": h, "scale": s, "list": l, "index": i,
- *     "foot": [x, y, z],
+ *   { "kind": "summary", ... as the ground, "number": n, "plant": NAME }     a point for many plants
+ *   { "kind": "plant", ... as a summary, "height_m": h, "scale": s, "list": l, "index": i, "foot": [x, y, z],
  *     "cuts": [{ "role": NAME, "list": l, "first": f, "end": e, "of": primitives, "vertices": v }] }
  *
- * `at` is what is seen there, `foot` where the plant stands: metres from the scene's origin. `list` and `index`
- * name the plant to the server, which knows its row, and its own species where several share a model. */
+ * `at` is what is seen there, `foot` where the plant stands: metres from the scene's origin. `plant` is what
+ * is drawn, the pack's plant of that number, which may stand for several species. `list` and `index` name the
+ * one that was picked to the server, which knows its species and its row. */
 void web_pick_write(const struct web_pick *pick, double x, double y, struct eco_writer *text);
 
 #endif

@@ -270,7 +270,7 @@ static enum eco_code add_rows(struct link *l, struct link_part *part, const stru
 		row.species = row.species ? row.species : own;
 		if (strcmp(row.species, whole) == 0)
 			row.species = NULL;
-		code = make_inventory_add(&l->m, &row);
+		code = make_inventory_add(&l->m, part->plant_of[group->plant], &row);
 	}
 	return code;
 }
@@ -485,6 +485,9 @@ static bool has_draft(const struct link *l)
 static enum eco_code whole_meta(const struct link *l, char **json)
 {
 	json_t *first = l->parts[0].meta, *order = json_object_get(first, "order");
+	enum eco_code code = make_species_say(&l->m, l->plants);
+	if (code)
+		return code;
 	json_t *root = json_pack("{s:s, s:O*, s:s, s:O*, s:O*, s:O*, s:I, s:I, s:I, s:s, s:I, s:o, s:O}",
 		"generator", "ecopack " ECO_VERSION, "order", order, "name", l->m.scene.name, "crs",
 		json_object_get(first, "crs"), "origin", json_object_get(first, "origin"),
@@ -571,6 +574,7 @@ static void link_free(struct link *l)
 	json_decref(l->plants);
 	make_ground_free(&l->m);
 	make_inventory_free(&l->m);
+	make_species_free(&l->m);
 	free(l->m.table);
 	free(l->m.plants);
 	free(l->known);

@@ -110,7 +110,7 @@ static const struct eco_option make_options[] = {
 		"keeps its height" },
 	{ "no-rows", 0, ECO_OPTION_FLAG, NULL, &make_given.make.no_rows,
 		.help = "for packs that strangers see: leaves out which row of which inventory each plant is, "
-		"and the inventories' names" },
+		"what the row says of its species, and the inventories' names" },
 	{ "confine", 0, ECO_OPTION_READ, "DIR", &make_given.confined_to, .read = read_confine,
 		.has_optional_value = true,
 		.help = "for scenes of strangers: reads only what lies below DIR, or below the scene's "

@@ -127,6 +127,7 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 	make_plants_free(&m);
 	make_ground_free(&m);
 	make_inventory_free(&m);
+	make_species_free(&m);
 	eco_sources_free(&m.sources);
 	struct make_array *arrays[] = { &m.anchors, &m.ladders, &m.curves, &m.tiles, &m.groups, &m.children,
 		&m.lists, &m.places, &m.palette, &m.stands };

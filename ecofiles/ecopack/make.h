@@ -9,7 +9,8 @@
  *   places      instances and inventories, put on the ground, scaled to their heights        make_places.c
  *   tiles       lod_tiles_build; instance lists, tables, point summaries       make_tiles.c, make_summaries.c
  *   image       rasters of colours or classes, cut into tiles                                 make_image.c
- *   inventory   which row of which inventory each plant is                                make_inventory.c
+ *   inventory   which row of which inventory each plant is, and of which species
+ *                                                                        make_inventory.c, make_species.c
  *   commit      tables, META, rename                                                         make_meta.c
  *
  * Everything up to the commit is deterministic and independent of the number of threads. */
@@ -21,6 +22,7 @@
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/ecopack/cache.h"
 #include "ecofiles/format/inventory.h"
+#include "ecofiles/base/texts.h"
 #include "ecofiles/scene/scene.h"
 #include "lod/build/plant.h"
 #include "lod/build/texture.h"
@@ -72,7 +74,7 @@ struct make_plant {              /* a model on its way into the pack */
 /* A model that another stands for; the plants that use it. */
 struct make_stood_for { char name[64]; uint64_t plants; double difference; };
 
-/* species: plant of the source; file: of its inventories, from 1 on, 0: of none; row, line: positions.h */
+/* species: of m->species; file: of the source's inventories, from 1 on, 0: of none; row, line: positions.h */
 struct make_place {
 	double at[3], scale;
 	uint32_t plant, species, file, row, line;
@@ -115,12 +117,14 @@ struct make {
 	double off_ground_m;
 	uint64_t off_side[MAKE_SIDES];
 	struct make_eco *ecos;       /* per source */
+	struct eco_texts species;    /* of places, as their rows, else their scene files, name them */
 	struct eco_pack_writer *writer;
 	struct make_kept *kept;      /* make_kept.c; NULL: build everything */
 	struct make_array textures;  /* make_textures.h */
 	/* make_tiles.c: plants of one kind in one leaf; each a group and a list */
 	struct make_array stands;
 	struct make_inventory *inventory;        /* make_inventory.c; NULL before the first place */
+	struct make_species *stood_species;      /* make_species.c; the same */
 	/* the scene's tables as they grow */
 	struct make_array anchors, ladders, curves, tiles, groups, children, lists, places, palette;
 	struct eco_plant *table;     /* per plant */
@@ -250,11 +254,17 @@ enum eco_code make_summing_run(struct make_summing *summing, uint32_t first, uin
 enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile);
 void make_summing_end(struct make_summing *summing);
 enum eco_code make_summaries(struct make *m);        /* of all tiles */
-/* What the next place of section PLACES is by its inventory. Names are kept. */
-enum eco_code make_inventory_add(struct make *m, const struct eco_inventory_row *row);
+/* What the next place of section PLACES, of that plant, is by its inventory. Names are kept. */
+enum eco_code make_inventory_add(struct make *m, uint32_t plant, const struct eco_inventory_row *row);
 /* Packs them, as the last list, unless there is nothing to be said of any. */
 enum eco_code make_inventory_pack(struct make *m);
 void make_inventory_free(struct make *m);
+/* Counts a plant of a species, as eco_inventory_row has it or the plant is named. */
+enum eco_code make_species_count(struct make *m, uint32_t plant, const char *species);
+/* Adds "species" to plants of META that are of any: {"of": how many, "most": [[name, or null where rows state
+ * none, plants], ...]}, the commonest first, as many as fit a legend. */
+enum eco_code make_species_say(const struct make *m, json_t *plants);
+void make_species_free(struct make *m);
 /* META's "ground": where it comes from. */
 #define MAKE_GROUND_THROUGH "plants"
 const char *make_ground_origin(const struct make *m);

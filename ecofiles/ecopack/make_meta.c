@@ -167,6 +167,11 @@ enum eco_code make_meta(const struct make *m, char **json, struct eco_error *err
 	json_t *plants = json_array(), *root;
 	for (uint32_t i = 0; i < m->plant_count; i++)
 		append(&plants, plant_json(&m->plants[i]));
+	enum eco_code code = make_species_say(m, plants);
+	if (code) {
+		json_decref(plants);
+		return code;
+	}
 	root = json_pack("{s:s, s:s, s:s, s:o, s:[f,f,f], s:o, s:I, s:I, s:I, s:s, s:I, s:o, s:o}",
 		"generator",
 		"ecopack " ECO_VERSION, "order", lod_order_names[m->options->order], "name", outer->name,

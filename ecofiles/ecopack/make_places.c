@@ -63,6 +63,17 @@ static double scale_for(const struct make *m, uint32_t plant, double scale, doub
 	return isnan(height_m) ? scale : scale * height_m / m->plants[plant].built.plant.height_m;
 }
 
+/* A place's species: as its row states it, else (NULL: no row, or no column for it) as the scene file names the
+ * plant. */
+static enum eco_code name_species(struct make *m, uint32_t source, uint32_t plant, const char *stated,
+	struct make_place *place)
+{
+	const char *species = !stated || m->options->no_rows ? m->sources.items[source].plants[plant].name
+		: *stated ? stated : ECO_INVENTORY_UNSTATED;
+	return eco_texts_add(&m->species, species, &place->species) ? ECO_OK
+		: eco_fail(m->error, ECO_NO_MEMORY, "no memory for the species of plants");
+}
+
 static enum eco_code place_instances(struct make *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
@@ -72,8 +83,10 @@ static enum eco_code place_instances(struct make *m, uint32_t source)
 		struct make_place place =
 			{ .at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
 			.scale = scale_for(m, plant, instance->scale, instance->height_m), .plant = plant,
-				.species = instance->plant, .turn = eco_turn_from_deg(instance->yaw_deg) };
-		enum eco_code code = add_place(m, &m->ecos[source], &place);
+				.turn = eco_turn_from_deg(instance->yaw_deg) };
+		enum eco_code code = name_species(m, source, instance->plant, NULL, &place);
+		if (!code)
+			code = add_place(m, &m->ecos[source], &place);
 		if (code)
 			return code;
 	}
@@ -136,10 +149,12 @@ static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_posit
 		struct make_place place =
 			{ .at = { row.at[0], row.at[1], row.absolute ? row.at[2]
 			: on_ground(m, source, row.at) },
-			.scale = row_scale(m, plant, &row), .plant = plant, .species = row.plant,
+			.scale = row_scale(m, plant, &row), .plant = plant,
 			.turn = eco_turn_from_deg(row.yaw_deg) };
 		note_row(m, &place, reader, number + 1, &row);
-		code = add_place(m, &m->ecos[source], &place);
+		code = name_species(m, source, row.plant, row.species, &place);
+		if (!code)
+			code = add_place(m, &m->ecos[source], &place);
 		if (code)
 			return code;
 		if (i % 4096 == 0 && !main_progress("reading positions", path, 0))
@@ -199,8 +214,10 @@ static enum eco_code place_scatters(struct make *m, uint32_t source)
 				{ .at = { row.at[0], row.at[1],
 				on_ground(m, source, (double[]){ row.at[0], row.at[1], 0 }) },
 				.scale = scale_for(m, plant, 1, row.height_m), .plant = plant,
-				.species = row.plant, .turn = eco_turn_from_deg(row.yaw_deg) };
-			code = add_place(m, &m->ecos[source], &place);
+				.turn = eco_turn_from_deg(row.yaw_deg) };
+			code = name_species(m, source, row.plant, NULL, &place);
+			if (!code)
+				code = add_place(m, &m->ecos[source], &place);
 		}
 		if (!code)
 			eco_scatter_report(scatter, note, s->scatters[i].path);
@@ -385,4 +402,5 @@ void make_places_free(struct make *m)
 	if (m->ecos)
 		make_places_drop(m);
 	free(m->ecos);
+	eco_texts_free(&m->species);
 }

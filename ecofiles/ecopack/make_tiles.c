@@ -125,8 +125,8 @@ static enum eco_code add_rows(struct make *m, const struct stand *stand)
 	enum eco_code code = ECO_OK;
 	for (uint32_t k = 0; k < stand->count && !code; k++) {
 		const struct make_place *p = &stand->eco->places[stand->items[k]];
-		const char *species = source->plants[p->species].name;
-		code = make_inventory_add(m, &(struct eco_inventory_row){
+		const char *species = m->species.items[p->species];
+		code = make_inventory_add(m, p->plant, &(struct eco_inventory_row){
 			.species = strcmp(species, m->plants[p->plant].name) != 0 ? species : NULL,
 			.file = p->file ? eco_path_last(source->positions[p->file - 1].path) : NULL,
 			.row = p->row, .line = p->line });

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
+#include "ecofiles/base/texts.h"
 #include "ecofiles/base/utf8.h"
 #include "ecofiles/format/chunk/chunk_columns.h"
 
@@ -14,30 +15,20 @@ enum { SPECIES, FILE_NAME, ROW, LINE, COLUMNS };
 
 /* ---- The names of a block, in the order in which they come ---- */
 
-struct names {
-	const char **items;
-	uint32_t count;
-};
-
-/* A name's number, from 1 on; 0: NULL. Names come in runs, so the one before is tried first; and equal ones are
- * mostly one text. */
-static uint32_t number_of(struct names *names, const char *name, uint32_t before)
+/* A name's number, from 1 on; 0: NULL. Names come in runs, so the one before is tried first. False: no
+ * memory. */
+static bool number_of(struct eco_texts *names, const char *name, uint32_t before, uint32_t *number)
 {
-	if (!name)
-		return 0;
-	if (before && names->items[before - 1] == name)
-		return before;
-	for (uint32_t i = 0; i < names->count; i++)
-		if (names->items[i] == name)
-			return i + 1;
-	for (uint32_t i = 0; i < names->count; i++)
-		if (strcmp(names->items[i], name) == 0)
-			return i + 1;
-	names->items[names->count++] = name;
-	return names->count;
+	*number = before;
+	if (!name || !before || strcmp(names->items[before - 1], name) != 0) {
+		if (name && !eco_texts_add(names, name, number))
+			return false;
+		*number = name ? *number + 1 : 0;
+	}
+	return true;
 }
 
-static void write_names(struct eco_writer *w, const struct names *names)
+static void write_names(struct eco_writer *w, const struct eco_texts *names)
 {
 	eco_write_varint(w, names->count);
 	for (uint32_t i = 0; i < names->count; i++) {
@@ -78,7 +69,8 @@ static struct eco_chunk_rows columns_over(int32_t *values, uint32_t count)
 	return rows;
 }
 
-static void fill_columns(int32_t *values, struct names *names, const struct eco_inventory_row *rows,
+/* False: no memory. */
+static bool fill_columns(int32_t *values, struct eco_texts *names, const struct eco_inventory_row *rows,
 	uint32_t count)
 {
 	uint32_t species = 0, file = 0;
@@ -86,31 +78,32 @@ static void fill_columns(int32_t *values, struct names *names, const struct eco_
 		const struct eco_inventory_row *row = &rows[i];
 		bool known = row->file && row->row >= 1 && row->row <= ECO_INVENTORY_ROW_MAX,
 		     lined = known && row->line >= 1 && row->line <= ECO_INVENTORY_ROW_MAX;
-		species = number_of(names, row->species, species);
-		file = number_of(names, known ? row->file : NULL, file);
+		if (!number_of(names, row->species, species, &species)
+				|| !number_of(names, known ? row->file : NULL, file, &file))
+			return false;
 		values[SPECIES * (size_t)count + i] = (int32_t)species;
 		values[FILE_NAME * (size_t)count + i] = (int32_t)file;
 		values[ROW * (size_t)count + i] = known ? (int32_t)row->row : 0;
 		values[LINE * (size_t)count + i] =
 			known ? (int32_t)(lined ? row->line : 0) - (int32_t)row->row : 0;
 	}
+	return true;
 }
 
 enum eco_code eco_inventory_encode(struct eco_bytes *bytes, const struct eco_inventory_row *rows,
 	uint32_t count, struct eco_error *error)
 {
-	struct names names = { .items = malloc(NAMES_MAX * sizeof *names.items) };
+	struct eco_texts names = { 0 };
 	int32_t *values = malloc(COLUMNS * (size_t)count * sizeof *values);
 	struct eco_writer w = { 0 };
 	uint8_t *coded = NULL, zeros = 0;
 	size_t size = 0;
 	assert(count >= 1 && count <= ECO_INVENTORY_PLACES);
-	enum eco_code code = names.items && values
+	enum eco_code code = values && fill_columns(values, &names, rows, count)
 		? ECO_OK
 		: eco_fail(error, ECO_NO_MEMORY, "no memory for the rows of %u plants", count);
 	if (!code) {
 		struct eco_chunk_rows columns = columns_over(values, count);
-		fill_columns(values, &names, rows, count);
 		code = eco_columns_encode(&columns, &coded, &size, &zeros, error);
 	}
 	if (!code) {
@@ -121,7 +114,7 @@ enum eco_code eco_inventory_encode(struct eco_bytes *bytes, const struct eco_inv
 			code = eco_fail(error, ECO_NO_MEMORY, "no memory for the rows of %u plants", count);
 	}
 	free(coded);
-	free(names.items);
+	eco_texts_free(&names);
 	free(values);
 	if (code)
 		eco_writer_free(&w);
@@ -130,6 +123,11 @@ enum eco_code eco_inventory_encode(struct eco_bytes *bytes, const struct eco_inv
 }
 
 /* ---- Reading ---- */
+
+struct names {
+	const char **items;
+	uint32_t count;
+};
 
 /* Of place i; false: it cannot be. */
 static bool take_row(struct eco_inventory_row *row, const int32_t *values, uint32_t count, uint32_t i,
@@ -189,6 +187,12 @@ enum eco_code eco_inventory_decode(struct eco_inventory_block *block, const uint
 	if (code)
 		eco_inventory_free(block);
 	return code;
+}
+
+const char *eco_inventory_species(const struct eco_inventory_row *row, const char *plant)
+{
+	const char *species = row->species ? row->species : plant;
+	return strcmp(species, ECO_INVENTORY_UNSTATED) == 0 ? NULL : species;
 }
 
 const struct eco_list *eco_inventory_list(const struct eco_scene *scene)

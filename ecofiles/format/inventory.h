@@ -1,5 +1,6 @@
 /* What each plant of a scene is by the inventory that it comes from: its row there, and its species where
- * the pack's plant has another name (plants that share a model, variants, few models).
+ * the pack's plant has another name: as the row has it, be it a code or a name that the scene's map leads to
+ * a model of another; else as the scene names it (plants that share a model, variants, few models).
  *
  *   eco_inventory_encode(&bytes, rows, count, &error);       a block of ECO_INVENTORY_PLACES places
  *   struct eco_inventory_block block = { 0 };
@@ -24,6 +25,7 @@
 #define ECO_INVENTORY_PLACES 4096u
 #define ECO_INVENTORY_ROW_MAX ((1u << 30) - 1) /* of rows and lines */
 #define ECO_INVENTORY_NAME_MAX 255u            /* bytes */
+#define ECO_INVENTORY_UNSTATED "?"             /* species of a row that states none */
 
 struct eco_inventory_row {
 	const char *species; /* NULL: as the pack's plant is named */
@@ -53,6 +55,9 @@ enum eco_code eco_inventory_read(struct eco_inventory_block *block, const struct
 enum eco_code eco_inventory_at(struct eco_inventory_block *block, const struct eco_pack *pack, uint64_t place,
 	const struct eco_inventory_row **row, struct eco_error *error);
 void eco_inventory_free(struct eco_inventory_block *block); /* a zeroed one is fine */
+
+/* The species of a row of a plant that the pack calls so; NULL: the row states none. */
+const char *eco_inventory_species(const struct eco_inventory_row *row, const char *plant);
 
 /* The list, or NULL. */
 const struct eco_list *eco_inventory_list(const struct eco_scene *scene);

@@ -16,6 +16,7 @@ const struct srv_route srv_routes[SRV_RESOURCE_COUNT] = {
 	[SRV_STREAM] = { "/v1/scenes/{scene}/stream", "GET, HEAD, POST, OPTIONS", READ | SRV_METHOD_POST },
 	[SRV_CHUNK] = { "/v1/scenes/{scene}/chunks/{id}", "GET, HEAD, OPTIONS", READ },
 	[SRV_PLANTS] = { "/v1/scenes/{scene}/plants/{list}", "GET, HEAD, OPTIONS", READ },
+	[SRV_SPECIES] = { "/v1/scenes/{scene}/species", "GET, HEAD, OPTIONS", READ },
 	[SRV_INDEX] = { "/", "GET, HEAD, OPTIONS", READ },
 	[SRV_ICON] = { "/favicon.ico", "GET, HEAD, OPTIONS", READ },
 	[SRV_VIEWER] = { "/viewer/{file}", "GET, HEAD, OPTIONS", READ },

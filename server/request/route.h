@@ -19,6 +19,7 @@ enum srv_resource {
 	SRV_STREAM,
 	SRV_CHUNK,
 	SRV_PLANTS,
+	SRV_SPECIES,
 	SRV_INDEX,
 	SRV_ICON,
 	SRV_VIEWER,

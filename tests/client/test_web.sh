@@ -21,6 +21,9 @@ make_scene() { # NAME PLANTS [--draft]
 }
 # a draft has no impostors, which those of a city have
 make_scene city 20
+# a model stands for species that the map does not have
+jq '.instances[0].map = {"cards-1": "cards-1", "*": "cards-2"}' "$dir/source-city/scene.json" >"$dir/source-city/few.json" || fail "no map"
+"$BUILD/ecopack" make "$dir/source-city/few.json" -o "$dir/city.eco" --quiet || fail "make few"
 make_scene meadow 12 --draft
 make_scene park 20 --draft
 # a picture on the ground: three grids of numbers as the bands of a virtual raster

@@ -375,6 +375,7 @@ UNIT_TEST(routes_match_whole_paths)
 		{ "/v1/scenes/a/stream", SRV_STREAM, "a", NULL },
 		{ "/v1/scenes/a/chunks/b", SRV_CHUNK, "a", "b" },
 		{ "/v1/scenes/a/plants/7", SRV_PLANTS, "a", "7" },
+		{ "/v1/scenes/a/species", SRV_SPECIES, "a", NULL },
 		{ "/v1/scenes/plan/plan", SRV_PLAN, "plan", NULL },
 		{ "/", SRV_INDEX, NULL, NULL }, { "/favicon.ico", SRV_ICON, NULL, NULL },
 		{ "/viewer/viewer.mjs", SRV_VIEWER, "viewer.mjs", NULL },

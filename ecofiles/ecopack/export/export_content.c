@@ -238,8 +238,9 @@ static enum eco_code find_species(struct export *x, const struct eco_tile *t, st
 		const struct eco_group *group = &s->groups[g];
 		for (uint32_t i = 0; i < group->count && !code; i++) {
 			code = eco_inventory_at(&x->rows, x->pack, group->place_first + i, &row, x->error);
-			if (!code && !(*species++ = strdup(row->species ? row->species
-					: s->plants[group->plant].name)))
+			const char *plant = s->plants[group->plant].name,
+				*own = code ? NULL : eco_inventory_species(row, plant);
+			if (!code && !(*species++ = strdup(own ? own : "")))
 				code = eco_fail(x->error, ECO_NO_MEMORY, "no memory for a tile");
 		}
 	}

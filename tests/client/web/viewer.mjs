@@ -49,25 +49,27 @@ function rowAt(easting, northing) {
 	return { plant: row[0], height: Number(row[3]), apart: apart(row), number: rows.indexOf(row) + 1 };
 }
 
-/** A plant that is clicked says its species and height, stands where its row says, and which row that is. */
+/** A plant that is clicked says its species, also where the scene shows it as another, and its height, stands where its
+ * row says, and which row that is. */
 async function picksAPlant() {
 	const { low, high, origin } = await ask(`fetch('${url}').then((a) => a.json())
 		.then(({ bounds, origin }) => ({ ...bounds, origin }))`);
 	const eye = [high[0] + 20, low[1] - 20, high[2] + 5], middle = low.map((v, i) => (v + high[i]) / 2);
 	await ask(`viewer.camera.look([${eye}], [${middle}])`);
-	let picked = null;
-	for (let i = 1; i < 8 && picked?.kind !== 'plant'; i++)
-		for (let j = 2; j < 7 && picked?.kind !== 'plant'; j++) {
-			await click(640 * i / 8, 480 * j / 8);
+	let picked = null, row = null;
+	for (let i = 1; i < 16 && row?.plant !== 'cards-3'; i++)
+		for (let j = 2; j < 7 && row?.plant !== 'cards-3'; j++) {
+			if (picked)
+				await press('Escape');
+			await click(640 * i / 16, 480 * j / 8);
 			await browser.until('viewer.picked');
 			picked = await ask('viewer.picked');
-			if (picked.kind !== 'plant')
-				await press('Escape');
+			if (picked.kind === 'plant')
+				row = rowAt(picked.foot[0] + origin.at[0], picked.foot[1] + origin.at[1]);
 		}
-	expect(picked.kind === 'plant', 'no plant was found to click');
-	const row = rowAt(picked.foot[0] + origin.at[0], picked.foot[1] + origin.at[1]);
-	expect(row.apart < 0.02 && picked.species.startsWith(row.plant),
-		`a ${picked.species} at ${picked.foot}: its row is a ${row.plant}, ${row.apart} m away`);
+	expect(row?.plant === 'cards-3', 'no plant was found to click that is shown as another');
+	expect(row.apart < 0.02 && picked.plant === 'cards-2',
+		`a ${picked.plant} at ${picked.foot}: its row is a ${row.plant}, ${row.apart} m away`);
 	expect(Math.abs(picked.height_m / row.height - 1) < 0.01,
 		`it is ${picked.height_m} m high; its row says ${row.height} m`);
 	await browser.until("document.querySelectorAll('#card-why li').length > 0");
@@ -75,7 +77,7 @@ async function picksAPlant() {
 	const said = await text('card');
 	const at = (picked.foot[0] + origin.at[0]).toFixed(2);
 	const file = inventory.split('/').pop();
-	for (const part of [at, origin.crs, 'Why: ', `Row${row.number} of ${file} (line ${row.number + 1})`])
+	for (const part of [at, origin.crs, 'Why: ', 'Shown ascards-2', `Row${row.number} of ${file} (line ${row.number + 1})`])
 		expect(said.includes(part), `what is said of the plant lacks ${part}: ${said}`);
 	await ask("document.getElementById('picture').focus()");
 	await pressTab();
@@ -92,6 +94,9 @@ async function showsItsFigures() {
 	expect(!await hidden('panel'), 'Escape opens no menu');
 	expect(await focused() === 'panel', `the menu is open, and ${await focused()} has the focus`);
 	await browser.until("document.querySelectorAll('#species li').length > 0");
+	await browser.until("document.querySelector('#species [title^=\"Shown as cards-2\"]')");
+	const both = await ask("document.querySelector('#species [title^=\"Shown as cards-2\"]')?.textContent");
+	expect(['cards-2 and cards-3', 'cards-3 and cards-2'].includes(both), `the legend calls both ${both}`);
 	const { facts } = await ask('viewer.drawn');
 	const drawn = facts.roles.filter(({ vertices }) => vertices);
 	const sum = drawn.reduce((vertices, role) => vertices + role.vertices, 0);
@@ -301,7 +306,7 @@ async function losesTheServer(port) {
 
 /** A page that is open while the scene gets another pack shows that one. */
 async function takesAnotherPack() {
-	const names = 'viewer.drawn.facts.species.map(({ name }) => name).sort().join()';
+	const names = 'viewer.drawn.facts.models.map(({ name }) => name).sort().join()';
 	const before = await ask(names), scene = async () => (await fetch(url)).text(), old = await scene();
 	execSync(reload);
 	// until the server has read it
@@ -356,17 +361,45 @@ async function movesByTouch() {
 
 /** The menu says what is there, however it is called, in its own width. */
 async function saysAnyName() {
-	const facts = (species, vertices) => ask(`(async () => {
-		const { showFacts } = await import('/viewer/viewer_panel.mjs'), panel = document.getElementById('panel');
+	const facts = (models, vertices, species = null) => ask(`(async () => {
+		const { nameSpecies, showFacts, showPicked, showPlant } = await import('/viewer/viewer_panel.mjs'), panel = document.getElementById('panel');
 		const roles = [{ name: 'summaries', color: [0, 0, 0], vertices: ${vertices} }];
-		showFacts({ vertices: 9, plants: ${species.length}, bytes: 9, memory_bytes: 9, roles, species: ${JSON.stringify(species)} });
+		nameSpecies(${JSON.stringify(species)});
+		showFacts({ vertices: 9, plants: ${models.length}, bytes: 9, memory_bytes: 9, roles, models: ${JSON.stringify(models)} });
 		panel.hidden = false;
+		showPicked({ kind: 'summary', ...${JSON.stringify(models[0] ?? {})}, plant: 'oak', at: [1, 2, 3], distance_m: 4 });
+		const points = document.getElementById('card').textContent;
+		showPicked({ kind: 'plant', number: 0, plant: 'Oak', height_m: 3, at: [1, 2, 3], distance_m: 4 });
+		showPlant({ species: null, plant: 'oak' });
+		const unstated = document.getElementById('card').textContent;
+		showPicked({ kind: 'plant', number: 0, plant: 'Oak', height_m: 3, at: [1, 2, 3], distance_m: 4 });
+		showPlant({ species: 'OAK', plant: 'oak', file: 'a', row: 3 });
+		const same = document.getElementById('card').textContent;
+		document.getElementById('card').hidden = true;
 		return [panel.scrollWidth <= panel.clientWidth, document.getElementById('species').textContent,
-			document.getElementById('figures').textContent];
+			document.getElementById('figures').textContent, points, unstated, same,
+			document.querySelector('#species [title]')?.title];
 	})()`);
-	const [fits, names] = await facts([{ name: 'A'.repeat(63), height_m: 8, count: 1e6 },
-		{ name: '<img src=x onerror="throw 1">', height_m: 8, count: 2 }], 0);
+	const [fits, names] = await facts([{ number: 0, name: 'A'.repeat(63), height_m: 8, count: 1e6 },
+		{ number: 1, name: '<img src=x onerror="throw 1">', height_m: 8, count: 2 }], 0);
 	expect(fits && names.includes('<img src=x'), `long names: ${fits}, ${names}`);
+	const oak = [{ number: 0, name: 'oak', height_m: 8, count: 9 }];
+	const stands = (of, ...species) => [{ plant: 'oak', species_count: of, species }];
+	const some = [{ species: 'quru', plants: 7 }, { species: null, plants: 2 }, { species: 'oak', plants: 1 }];
+	for (const [species, short, long] of [
+		[stands(1, some[0]), 'quru', 'quru, shown as oak'], [stands(1, some[2]), 'oak', 'oak'],
+		[stands(2, some[0], some[2]), 'quru and oak', 'Shown as oak: quru (7), oak (1)'],
+		[stands(3, ...some), 'quru, species not stated and oak', 'Shown as oak: quru (7), species not stated (2), oak (1)'],
+		[stands(40, ...some), 'quru, species not stated and 38 more',
+			'Shown as oak: quru (7), species not stated (2), oak (1) and 37 more'],
+		[[{ ...stands(2, ...some)[0], plant: 'of another pack' }], 'oak', 'oak']]) {
+		const [, named, , points, , , title] = await facts(oak, 0, species);
+		expect(named.startsWith(`${short}8.00 m`) && title === long && points.includes(`Of these${short}Place`),
+			`${JSON.stringify(species)}: ${named}, ${title}, ${points}`);
+	}
+	const [, , , , unstated, same] = await facts(oak, 0);
+	expect(unstated.trim().startsWith('Species not stated') && unstated.includes('Shown asoak'), `not stated: ${unstated}`);
+	expect(same.includes('OAK') && !same.includes('Shown as') && same.includes('Row3 of a'), `the same: ${same}`);
 	const [, none, figures] = await facts([], 5);
 	expect(none.startsWith('Only points') && figures.includes('more as points'), `only summaries: ${none}, ${figures}`);
 }
