@@ -314,6 +314,9 @@ grep -q 'is written in' "$DIR/out" && complain "english: $(cat "$DIR/out")"
 echo '{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"tree":"oak"},"geometry":{"type":"LineString","coordinates":[[8,47],[8.1,47.1]]}}]}' >"$DIR/lines.geojson"
 start 1 'no row is a point; a table of plants has a point for each' lines.geojson
 
+echo '{"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[8,47]}}]}' >"$DIR/bare.geojson"
+start 1 'it has no columns, so no species; give --plant NAME for one model everywhere' bare.geojson
+
 # ---- Levels of detail in files of their own are no variants ----
 mkdir "$DIR/levels" && for level in 0 1 2; do cp "$DIR/models/stieleiche.obj" "$DIR/levels/oak_LOD$level.obj"; done
 rm -rf "$DIR/my"

@@ -342,6 +342,21 @@ static void expect_made(const char *driver, const char *name, const struct made 
 	assert_string_equal(rows_text_of(rows, got, sizeof got), wanted);
 }
 
+UNIT_TEST(a_workbook_may_have_its_places_as_text)
+{
+	static const struct made pair = { "trees", 0, wkbNone, NULL, "48.88398, 2.36" },
+		text = { "trees", 0, wkbNone, NULL, "POINT (3 4)" };
+	static const char *const others[] = { "height" };
+	struct eco_rows_source source = { .path = input_path("rows", "p.gpkg"), .wanted = others,
+		.wanted_count = 1 };
+	char got[200];
+	expect_made("XLSX", "p.xlsx", &pair, 1, NULL, "species / (2.36 48.88398) 48.88398, 2.36",
+		"latitude and longitude in one field", "EPSG:4326");
+	expect_made("ODS", "p.ods", &text, 1, NULL, "species / (3 4) POINT (3 4)", NULL, NULL);
+	make_file("GPKG", source.path, &text, 1);    /* read, though it is not among the columns wanted */
+	assert_string_equal(rows_text_of(open_good(&source), got, sizeof got), "species / (3 4) POINT (3 4)");
+}
+
 UNIT_TEST(files_of_gis_bring_points_and_their_crs)
 {
 	static const struct made oak = { "trees", 25832, wkbPoint, "POINT (690000 5335000)", "oak" };

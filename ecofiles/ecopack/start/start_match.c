@@ -238,6 +238,9 @@ static enum eco_code ask_for_species(struct start *s)
 		eco_phrase_add(there, sizeof there, s->table.columns[i]);
 	for (uint32_t i = 0; i < s->model_count; i++)
 		eco_phrase_add(known, sizeof known, s->models[i].name);
+	if (s->table.column_count == 0)
+		return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: it has no columns, so no species; give --plant "
+			"NAME for one model everywhere (%s)", s->options->table, known);
 	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: which column names the species? Give "
 		"--species-column NAME (there are: %s), or --plant NAME for one model everywhere (%s)",
 		s->options->table, there, known);

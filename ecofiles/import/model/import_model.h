@@ -150,7 +150,8 @@ uint32_t eco_tints_get(struct eco_tints *tints, uint32_t material, const uint8_t
 void eco_tint_step(uint8_t rgb[3]);
 void eco_tints_end(struct eco_tints *tints);
 
-/* Pictures of which each triangle shows one colour become colours of materials, and are dropped. False when memory ran out. */
+/* Pictures of which each triangle shows one colour become colours of materials, and are dropped. False when
+ * memory ran out. */
 bool eco_model_take_palettes(struct eco_model *model);
 
 /* Multiplies images by the colours of their materials, which become white, and merges equal images.

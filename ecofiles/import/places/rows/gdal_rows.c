@@ -40,6 +40,7 @@ struct ogr_rows {
 	uint8_t *wkb; size_t wkb_capacity;
 	char *text; size_t text_capacity;        /* the row's fields that are not texts */
 	bool copied[ECO_COLUMNS_MAX], own[ECO_COLUMNS_MAX];
+	struct eco_rows_point text_point;        /* of a table without geometry; read is NULL if it has none */
 };
 
 static void quiet(void)
@@ -223,7 +224,7 @@ static void ignore_fields(struct ogr_rows *r, const struct eco_rows_source *sour
 {
 	char **ignored = NULL;
 	for (uint32_t i = 0; source->wanted && i < r->rows.column_count; i++) {
-		bool wanted = false;
+		bool wanted = r->text_point.read && i == r->text_point.column;
 		for (uint32_t k = 0; k < source->wanted_count; k++)
 			wanted |= strcmp(source->wanted[k], r->rows.columns[i]) == 0;
 		if (!wanted)
@@ -234,8 +235,7 @@ static void ignore_fields(struct ogr_rows *r, const struct eco_rows_source *sour
 	CSLDestroy(ignored);
 }
 
-static enum eco_code take_columns(struct ogr_rows *r, const struct eco_rows_source *source,
-	struct eco_error *error)
+static enum eco_code take_columns(struct ogr_rows *r, struct eco_error *error)
 {
 	OGRFeatureDefnH definition = OGR_L_GetLayerDefn(r->layer);
 	int count = OGR_FD_GetFieldCount(definition);
@@ -252,7 +252,6 @@ static enum eco_code take_columns(struct ogr_rows *r, const struct eco_rows_sour
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
 		r->rows.column_count++;
 	}
-	ignore_fields(r, source);
 	return ECO_OK;
 }
 
@@ -433,7 +432,28 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	rows->row++;
 	rows->line++;
 	enum eco_code code = take_geometry(r, error);
-	return code == ECO_OK ? take_fields(r, error) : code;
+	if (!code)
+		code = take_fields(r, error);
+	if (!code && r->text_point.read)
+		eco_rows_point_take(rows, &r->text_point);
+	return code;
+}
+
+/* Looks for a column with points in the first rows of a table without geometry, such as a spreadsheet. */
+static enum eco_code find_points(struct ogr_rows *r, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	bool found = r->rows.has_geometry;
+	for (uint32_t i = 0; i < ECO_ROWS_POINT_LOOK && !found && !code
+			&& (r->feature = OGR_L_GetNextFeature(r->layer)); i++) {
+		code = take_fields(r, error);
+		found = !code && eco_rows_point_find(&r->rows, &r->text_point);
+		OGR_F_Destroy(r->feature);
+	}
+	r->feature = NULL;
+	OGR_L_ResetReading(r->layer);
+	return code || !r->text_point.read ? code
+		: eco_rows_point_state(&r->rows, &r->text_point, r->path, error);
 }
 
 static void close_ogr(struct eco_rows *rows)
@@ -513,8 +533,11 @@ enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_sourc
 		code = take_crs(r, error);
 	}
 	if (!code)
-		code = take_columns(r, source, error);
+		code = take_columns(r, error);
+	if (!code)
+		code = find_points(r, error);
 	if (!code) {
+		ignore_fields(r, source);
 		look_at_some(r);
 		*rows = &r->rows;
 	} else {

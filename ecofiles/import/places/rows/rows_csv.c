@@ -16,8 +16,6 @@
 #include "ecofiles/import/places/rows/rows_formats.h"
 
 #define SNIFF_BYTES 65536u
-#define POINT_ROWS 64            /* in which a column with points is looked for */
-#define DEGREE_DIGITS 6
 #define TITLES_MAX 20            /* records before the names */
 #define NAMES_LEAST 3            /* in the record of names below them */
 
@@ -32,8 +30,7 @@ struct csv {
 	char *converted;             /* the row converted to UTF-8, if it was not */
 	uint64_t first_converted;    /* line; 0: none */
 	uint64_t line;               /* of the next byte */
-	uint32_t point;              /* column with points as text, if has_geometry */
-	bool (*read_point)(const char *text, double at[3]);
+	struct eco_rows_point point; /* if has_geometry */
 };
 
 static enum eco_code put(struct csv *csv, char c, struct eco_error *error)
@@ -198,159 +195,14 @@ static enum eco_code read_row(struct csv *csv, bool *more, struct eco_error *err
 
 /* ---- Points as text ---- */
 
-/* "POINT (11.5 48.1)", "SRID=4326;POINT Z (11.5 48.1 520)". False if it is another geometry. */
-static bool read_wkt_point(const char *text, double at[3])
-{
-	const char *semicolon = strncasecmp(text, "SRID=", 5) == 0 ? strchr(text, ';') : NULL;
-	char number[3][40];
-	text = semicolon ? semicolon + 1 : text;
-	text += strspn(text, " ");
-	if (strncasecmp(text, "POINT", 5) != 0)
-		return false;
-	text += 5 + strspn(text + 5, " ZzMm");
-	int count = sscanf(text, "(%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]", number[0], number[1],
-		number[2]);
-	for (int k = 0; k < 3; k++)
-		if (k >= count || !eco_text_number(number[k], '.', &at[k]))
-			at[k] = NAN;
-	return count >= 2 && !isnan(at[0]) && !isnan(at[1]);
-}
-
-/* Two hexadecimal digits a byte; false if they are none. */
-static bool hex_bytes(const char *text, uint8_t *bytes, size_t count)
-{
-	for (size_t i = 0; i < count; i++) {
-		unsigned byte;
-		int end = 0;
-		if (sscanf(text + 2 * i, "%2x%n", &byte, &end) != 1 || end != 2 || text[2 * i] == '+')
-			return false;
-		bytes[i] = (uint8_t)byte;
-	}
-	return true;
-}
-
-static double wkb_double(const uint8_t *bytes)
-{
-	uint64_t bits = 0;
-	double value;
-	for (int i = 8; i-- > 0;)
-		bits = bits << 8 | bytes[i];
-	memcpy(&value, &bits, sizeof value);
-	return value;
-}
-
-/* Well-known binary in hexadecimal digits, as PostGIS and CARTO export it: 01 (low bytes first), the type, a
- * CRS if bit 0x20 of the type's last byte says so, then x, y, and z if bit 0x80 does. */
-static bool read_wkb_point(const char *text, double at[3])
-{
-	uint8_t head[5], places[24];
-	if (!hex_bytes(text, head, sizeof head) || head[0] != 1 || head[1] != 1 || head[2] || head[3]
-			|| (head[4] & ~0xa0))
-		return false;
-	bool high = head[4] & 0x80;
-	const char *from = text + (head[4] & 0x20 ? 18 : 10);
-	size_t bytes = high ? 24 : 16;
-	if (strlen(text) != (size_t)(from - text) + 2 * bytes || !hex_bytes(from, places, bytes))
-		return false;
-	for (int k = 0; k < 3; k++)
-		at[k] = k < 2 || high ? wkb_double(places + 8 * k) : NAN;
-	return isfinite(at[0]) && isfinite(at[1]);
-}
-
-/* The digits behind the point; -1 if it is no number with a point. */
-static int read_degrees(const char **text, double *degrees)
-{
-	char number[40];
-	size_t length = strspn(*text, "0123456789.+-");
-	const char *point = memchr(*text, '.', length);
-	if (!point || length >= sizeof number)
-		return -1;
-	memcpy(number, *text, length);
-	number[length] = 0;
-	int digits = (int)(*text + length - point - 1);
-	*text += length;
-	return eco_text_number(number, '.', degrees) ? digits : -1;
-}
-
-/* Latitude and longitude in one field, as portals of open data write them: "48.883980, 2.360000", or in
- * brackets at the end of an address. Returns the digits behind the two points, -1 if it is no such pair. */
-static int degree_pair(const char *text, double at[3])
-{
-	size_t length = strlen(text);
-	while (length > 0 && text[length - 1] == ' ')
-		length--;
-	bool closed = length > 0 && text[length - 1] == ')';
-	const char *open = strrchr(text, '(');
-	if (closed != (open != NULL))
-		return -1;
-	text = open ? open + 1 : text;
-	text += strspn(text, " ");
-	int first = read_degrees(&text, &at[1]);
-	text += strspn(text, " ");
-	if (first < 0 || *text++ != ',')
-		return -1;
-	text += strspn(text, " ");
-	int second = read_degrees(&text, &at[0]);
-	text += strspn(text, " )");
-	at[2] = NAN;
-	return second >= 0 && *text == 0 && fabs(at[1]) <= 90 && fabs(at[0]) <= 180 ? first + second : -1;
-}
-
-static bool read_degree_pair(const char *text, double at[3])
-{
-	return degree_pair(text, at) >= 0;
-}
-
-/* DEGREE_DIGITS tell it from other pairs of numbers. */
-static bool is_degree_pair(const char *text, double at[3])
-{
-	return degree_pair(text, at) >= DEGREE_DIGITS;
-}
-
-static void take_point(struct csv *csv)
-{
-	struct eco_rows_place *place = &csv->rows.place;
-	const char *text = csv->point < csv->rows.field_count ? csv->rows.fields[csv->point] : "";
-	text += strspn(text, " ");
-	if (eco_text_is_missing(text) || strcasestr(text, "EMPTY")) {
-		place->kind = ECO_PLACE_EMPTY;
-	} else if (csv->read_point(text, place->at)) {
-		place->kind = ECO_PLACE_POINT;
-		csv->rows.has_z |= !isnan(place->at[2]);
-	} else {
-		place->kind = ECO_PLACE_OTHER;
-		snprintf(place->what, sizeof place->what, "%.*s", (int)strcspn(text, " ("), text);
-	}
-}
-
 static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *error)
 {
 	struct csv *csv = (struct csv *)rows;
 	enum eco_code code = read_row(csv, more, error);
 	rows->row += code == ECO_OK && *more;
 	if (code == ECO_OK && *more && rows->has_geometry)
-		take_point(csv);
+		eco_rows_point_take(rows, &csv->point);
 	return code;
-}
-
-/* The first column with points in the row at hand, well-known text and binary before pairs of degrees. */
-static bool find_point_column(struct csv *csv)
-{
-	static const struct {
-		bool (*is)(const char *, double[3]), (*read)(const char *, double[3]);
-	} forms[] = { { read_wkt_point, read_wkt_point }, { read_wkb_point, read_wkb_point },
-		{ is_degree_pair, read_degree_pair } };
-	double at[3];
-	for (size_t k = 0; k < sizeof forms / sizeof *forms; k++)
-		for (uint32_t i = 0; i < csv->rows.field_count && i < csv->rows.column_count; i++)
-			if (forms[k].is(csv->rows.fields[i], at)) {
-				csv->point = i;
-				csv->read_point = forms[k].read;
-				csv->rows.has_geometry = true;
-				csv->rows.has_z = !isnan(at[2]);
-				return true;
-			}
-	return false;
 }
 
 /* Looks for a column with points in the first rows, and goes back. Errors of a row are reported when it is
@@ -361,19 +213,13 @@ static enum eco_code find_points(struct csv *csv, struct eco_error *error)
 	long from = ftell(csv->file);
 	uint64_t line = csv->line;
 	bool more = from >= 0, found = false;
-	for (int row = 0; row < POINT_ROWS && more && !found; row++)
-		found = read_row(csv, &more, &own) == ECO_OK && more && find_point_column(csv);
-	if (found && csv->read_point == read_degree_pair) {
-		csv->rows.crs = strdup("EPSG:4326");
-		if (!csv->rows.crs)
-			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
-		eco_rows_note(&csv->rows, "\"%.60s\" has latitude and longitude in one field",
-			csv->rows.columns[csv->point]);
-	}
+	for (int row = 0; row < (int)ECO_ROWS_POINT_LOOK && more && !found; row++)
+		found = read_row(csv, &more, &own) == ECO_OK && more
+			&& eco_rows_point_find(&csv->rows, &csv->point);
 	csv->line = line;
 	if (from < 0 || fseek(csv->file, from, SEEK_SET) != 0)
 		return eco_fail_read(error, csv->path, errno);
-	return ECO_OK;
+	return found ? eco_rows_point_state(&csv->rows, &csv->point, csv->path, error) : ECO_OK;
 }
 
 static void close_csv(struct eco_rows *rows)
