@@ -34,7 +34,7 @@ struct viewer {                          /* everything that lives as long as the
 	struct view_options options;
 	struct eco_camera *camera;
 	struct view_fetch *fetch;
-	struct view_fetch *asks;                 /* of plants, also while a stream comes; NULL: it does not */
+	struct view_fetch *asks;                 /* of plants, also while a stream comes; NULL: of none */
 	/* the reference has a store of its own: it must not count as held by the frames */
 	struct view_store *store, *full;
 	struct view_gl *gl;                      /* NULL: all is drawn in software */
@@ -164,8 +164,8 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 	if (!code && v->options.digest && store == v->store)
 		code = view_digest_write(v->digest, store, &selection, error);
 	if (!code && v->options.glb && store == v->store && view_store_complete(store))
-		code = view_glb_save(&(struct view_glb_job){ store, &selection, v->view }, v->options.dir,
-			v->frame->frame, error);
+		code = view_glb_save(&(struct view_glb_job){ store, &selection, v->view, v->asks },
+			v->options.dir, v->frame->frame, error);
 	double near_m = view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1, ground_m;
 	struct view_reference_job job = { store, &selection, eye, near_m, 0, &interrupted,
 		(enum view_tint)v->options.tint };
@@ -523,7 +523,7 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	if (!code && o->geojson)
 		code = view_map_fetch(v->fetch, &v->map, error);
 	fetch.chunks = NULL;
-	if (!code && o->geojson)
+	if (!code && (o->geojson || o->glb))
 		code = view_fetch_new(&v->asks, &fetch, error);
 	if (!code)
 		code = open_engine(v, error);

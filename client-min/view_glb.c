@@ -22,7 +22,8 @@ struct glb {
 	struct eco_writer bin, views, accessors, meshes, nodes, children, images;
 	uint32_t view_count, accessor_count, mesh_count, node_count, image_count;
 	struct primitive *cuts;                  /* of the plan; those that somebody draws */
-	uint32_t *order;                         /* instances by the cuts that they draw */
+	uint32_t *order, drawn;                  /* instances by the cuts that they draw */
+	json_t **said;                           /* of each instance, as view_plants.h has it, or NULL */
 	const struct view_list **drawn_images;
 };
 
@@ -178,14 +179,34 @@ static void begin_node(struct glb *g, const char *name)
 	put_name(&g->nodes, name);
 }
 
+/* What the server says of a plant: texts, whole numbers and null. */
+static void put_said(struct glb *g, json_t *said)
+{
+	const char *key;
+	json_t *value;
+	json_object_foreach(said, key, value) {
+		eco_write_format(&g->nodes, ",");
+		put_name(&g->nodes, key);
+		eco_write_format(&g->nodes, ":");
+		if (json_is_string(value))
+			put_name(&g->nodes, json_string_value(value));
+		else if (json_is_integer(value))
+			eco_write_format(&g->nodes, "%lld", (long long)json_integer_value(value));
+		else
+			eco_write_format(&g->nodes, "null");
+	}
+}
+
 static void put_instance(struct glb *g, const struct view_instance *instance)
 {
+	json_t *said = g->said[instance - g->job->selection->instances];
+	const char *species = json_string_value(json_object_get(said, "species"));
 	const struct view_plant *plant = instance->plant == ECO_NONE ? NULL
 		: view_store_plant(g->job->store, instance->plant);
 	const struct lod_place *place = &instance->place;
 	double w = sqrt(fmax(0.5 + 0.5 * place->cosine, 0)), z = w > 1e-6 ? place->sine / (2 * w) : 1;
 	double length = sqrt(w * w + z * z);
-	begin_node(g, plant ? plant->plant.name : "summary");
+	begin_node(g, species ? species : plant ? plant->plant.name : "summary");
 	eco_write_format(&g->nodes, ",\"mesh\":%u,\"translation\":[%.6f,%.6f,%.6f]", g->mesh_count - 1,
 		place->at[0], place->at[1], place->at[2]);
 	if (place->sine != 0 || place->cosine != 1)
@@ -193,9 +214,12 @@ static void put_instance(struct glb *g, const struct view_instance *instance)
 	if (place->scale != 1)
 		eco_write_format(&g->nodes, ",\"scale\":[%.9g,%.9g,%.9g]", place->scale, place->scale,
 			place->scale);
-	if (plant)
-		eco_write_format(&g->nodes, ",\"extras\":{\"height_m\":%.3f}",
+	if (plant) {
+		eco_write_format(&g->nodes, ",\"extras\":{\"height_m\":%.3f",
 			(double)plant->plant.height_m * place->scale);
+		put_said(g, said);
+		eco_write_format(&g->nodes, "}");
+	}
 	eco_write_format(&g->nodes, "}");
 }
 
@@ -213,16 +237,40 @@ static void put_mesh(struct glb *g, uint32_t instance)
 	g->mesh_count++;
 }
 
+static void find_drawn(struct glb *g)
+{
+	const struct view_selection *s = g->job->selection;
+	for (uint32_t i = 0; i < s->instance_count; i++)
+		if (s->cut_first[i] < s->cut_first[i + 1])
+			g->order[g->drawn++] = i;
+	qsort_r(g->order, g->drawn, sizeof *g->order, by_cuts, (void *)s);
+}
+
+/* Asks what the drawn plants are. */
+static enum eco_code ask(struct glb *g)
+{
+	const struct view_glb_job *job = g->job;
+	struct view_plant_asked *asked = calloc(g->drawn + 1u, sizeof *asked);
+	uint32_t count = 0;
+	enum eco_code code = asked ? ECO_OK
+		: eco_fail(g->error, ECO_NO_MEMORY, "no memory for rows of plants");
+	for (uint32_t i = 0; i < g->drawn && !code; i++) {
+		const struct view_instance *one = &job->selection->instances[g->order[i]];
+		if (one->plant != ECO_NONE)
+			asked[count++] = (struct view_plant_asked){ one->list, one->index,
+				&g->said[g->order[i]] };
+	}
+	if (!code && job->fetch)
+		code = view_plants_ask(job->fetch, view_store_pack(job->store), asked, count, g->error);
+	free(asked);
+	return code;
+}
+
 /* A mesh for all that draw the same cuts. */
 static void put_plants(struct glb *g)
 {
 	const struct view_selection *s = g->job->selection;
-	uint32_t count = 0;
-	for (uint32_t i = 0; i < s->instance_count; i++)
-		if (s->cut_first[i] < s->cut_first[i + 1])
-			g->order[count++] = i;
-	qsort_r(g->order, count, sizeof *g->order, by_cuts, (void *)s);
-	for (uint32_t i = 0; i < count; i++) {
+	for (uint32_t i = 0; i < g->drawn; i++) {
 		if (i == 0 || by_cuts(&g->order[i - 1], &g->order[i], (void *)s))
 			put_mesh(g, g->order[i]);
 		put_instance(g, &s->instances[g->order[i]]);
@@ -376,6 +424,9 @@ static void free_all(struct glb *g)
 		&g->children, &g->images };
 	for (size_t i = 0; i < sizeof writers / sizeof *writers; i++)
 		eco_writer_free(writers[i]);
+	for (uint32_t i = 0; i < g->job->selection->instance_count && g->said; i++)
+		json_decref(g->said[i]);
+	free(g->said);
 	free(g->cuts);
 	free(g->order);
 	free(g->drawn_images);
@@ -387,8 +438,9 @@ enum eco_code view_glb_write(const struct view_glb_job *job, struct eco_writer *
 	struct glb g = { .job = job, .error = error,
 		.cuts = calloc(s->cut_count + 1u, sizeof *g.cuts),
 		.order = calloc(s->instance_count + 1u, sizeof *g.order),
+		.said = calloc(s->instance_count + 1u, sizeof(json_t *)),
 		.drawn_images = calloc(view_store_list_count(job->store) + 1u, sizeof *g.drawn_images) };
-	enum eco_code code = g.cuts && g.order && g.drawn_images ? ECO_OK
+	enum eco_code code = g.cuts && g.order && g.said && g.drawn_images ? ECO_OK
 		: eco_fail(error, ECO_NO_MEMORY, "no memory for a view as glTF");
 	if (!code) {
 		put_camera(&g);
@@ -396,6 +448,10 @@ enum eco_code view_glb_write(const struct view_glb_job *job, struct eco_writer *
 	}
 	if (!code)
 		code = bake_cuts(&g);
+	if (!code) {
+		find_drawn(&g);
+		code = ask(&g);
+	}
 	if (!code) {
 		put_plants(&g);
 		if (g.bin.failed || g.views.failed || g.accessors.failed || g.meshes.failed || g.nodes.failed

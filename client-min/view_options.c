@@ -89,11 +89,11 @@ static const struct eco_option option_table[] = {
 		"side, with their numbers, as compare-0000.png" },
 	{ "glb", 0, ECO_OPTION_FLAG, NULL, &given.glb,
 		.help = "also writes what is drawn as frame-0000.glb (glTF 2.0) for other programs: plain "
-		"triangles, a node a plant, a camera" },
+		"triangles, a node a plant, named by its species, with its row; a camera" },
 	{ "geojson", 0, ECO_OPTION_FLAG, NULL, &given.geojson,
 		.help = "also which plants are seen, as frame-0000.geojson: longitude and latitude (metres "
-		"where the scene has no CRS), species, height, pixels, distance, how each is drawn, and which "
-		"row of which inventory it is" },
+		"where the scene has no CRS), species and what it is shown as, height, pixels, distance, how "
+		"each is drawn, and which row of which inventory it is" },
 	{ "sun", 0, ECO_OPTION_READ, "TIME", &given.sun_s, .read = view_sun_read_time,
 		.help = "where the sun is at that time and the scene's place, such as 2026-06-21T10:00Z" },
 	{ "shadows", 0, ECO_OPTION_READ, "KIND[,SIZE]", &given.sky, .read = view_sky_read_shadows,

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The plants of a view, from an inventory to a GIS: those that the eye sees, each with its own species, though two share a model, and with the
-# row that it comes from, where the row says.
+# The plants of a view, from an inventory to a GIS: those that the eye sees, each with its own species, though all share a model, and with the
+# row that it comes from, where the row says; nodes of a GLB say the same.
 set -u
 dir=$(mktemp -d)
 trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$dir"' EXIT
@@ -11,7 +11,7 @@ cat >"$dir/trees.csv" <<'CSV'
 x,y,kind,height
 447000,5411010,oak,2
 447003,5411010,ash,1.5
-446997,5411010,oak,1
+446997,5411010,linden,1
 447000,5411012,ash,1
 447000,5410980,oak,2
 CSV
@@ -20,7 +20,7 @@ printf 'v -0.5 0 0\nv 0.5 0 0\nv 0.5 1 0\nv -0.5 1 0\nv 0 0 -0.5\nv 0 0 0.5\nv 0
 	>"$dir/board.obj"
 echo '{ "crs": "EPSG:32632", "origin": [447000, 5411000, 0],
 	"plants": {"oak": {"model": "board.obj"}, "ash": {"model": "board.obj"}},
-	"instances": [{"from": "trees.csv", "x": "x", "y": "y", "species": "kind", "map": {"oak": "oak", "ash": "ash"},
+	"instances": [{"from": "trees.csv", "x": "x", "y": "y", "species": "kind", "map": {"oak": "oak", "ash": "ash", "*": "oak"},
 		"height_m": {"column": "height"}}] }' >"$dir/scene.json"
 echo '{"fps": 1, "keyframes": [{"time_s": 0, "eye": [0, 0, 1], "target": [0, 10, 1], "fov_y_deg": 60}]}' >"$dir/camera.json"
 "$BUILD/ecopack" make "$dir/scene.json" -o "$dir/board.eco" --draft --no-cache -q || fail "no pack"
@@ -43,9 +43,24 @@ jq -e --slurpfile all "$dir/all.geojson" 'all(.features[]; . as $a | any($all[0]
 	and ([range(2) as $k | .geometry.coordinates[$k] - $a.geometry.coordinates[$k] | fabs] | max) < 1e-7))' "$seen" >/dev/null ||
 	fail "not as in the map: $(cat "$seen" "$dir/all.geojson")"
 jq -e 'all(.features[].properties; .line == .row + 1)' "$seen" >/dev/null || fail "no lines: $(cat "$seen")"
+jq -e '[.features[].properties | select(.species != .plant) | .species] == ["ash", "linden"]' "$seen" >/dev/null ||
+	fail "what they are shown as: $(cat "$seen")"
 view bare --geojson -o "$dir/plain" || fail "$(cat "$dir/out")"
 jq -e '[.features[].properties | select(.row == null and .file == null) | .species] | sort == ["ash", "oak", "oak"]' \
 	"$dir/plain/frame-0000.geojson" >/dev/null || fail "without rows: $(cat "$dir/plain/frame-0000.geojson")"
+# the same as nodes: drawn are those behind others, too
+nodes() { # SCENE: what its nodes say of plants
+	view "$1" --glb -o "$dir/nodes-$1" || fail "$(cat "$dir/out")"
+	size=$(od -An -tu4 -j12 -N4 "$dir/nodes-$1/frame-0000.glb")
+	tail -c +21 "$dir/nodes-$1/frame-0000.glb" | head -c "$size" | jq -c '[.nodes[] | select(.extras.height_m)]'
+}
+nodes scene >"$dir/nodes"
+jq -e --slurpfile all "$dir/all.geojson" 'length == 4 and all(.[]; . as $n | any($all[0].features[].properties; .row == $n.extras.row
+	and .line == $n.extras.line and .file == $n.extras.file and .species == $n.extras.species and .species == $n.name))' "$dir/nodes" \
+	>/dev/null || fail "nodes: $(cat "$dir/nodes")"
+nodes bare >"$dir/nodes"
+jq -e 'length == 4 and ([.[].name] | sort == ["ash", "ash", "oak", "oak"]) and all(.[]; .extras.row == null)' "$dir/nodes" >/dev/null ||
+	fail "nodes without rows: $(cat "$dir/nodes")"
 # also while an answer comes, of which a picture is drawn on the way
 view scene --geojson --progressive 500,1000 -o "$dir/steps" || fail "in steps: $(cat "$dir/out")"
 jq -e 'all(.features[].properties; .row > 0)' "$dir/steps/frame-0000.geojson" >/dev/null || fail "in steps: no rows"

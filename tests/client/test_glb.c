@@ -31,7 +31,7 @@ static struct eco_writer write_glb(const struct scene_held *h)
 {
 	struct eco_error error = { 0 };
 	struct eco_writer file = { 0 };
-	struct view_glb_job job = { h->store, &h->selection, &h->view };
+	struct view_glb_job job = { .store = h->store, .selection = &h->selection, .view = &h->view };
 	assert_ok(view_glb_write(&job, &file, &error), error);
 	return file;
 }
