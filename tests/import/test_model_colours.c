@@ -135,6 +135,32 @@ UNIT_TEST(a_grey_that_nobody_chose_is_no_colour)
 		/* defaults of two programs */
 	import_high(&m, "build/tmp/" TEST_FOLDER "/greys.obj", 0);
 	assert_true(m.materials[m.material[0]].colourless && m.materials[m.material[1]].colourless);
+	input_text(TEST_FOLDER, "grey.mtl", "newmtl m\nKd 0.8 0.8 0.8\n");         /* a default, and nothing */
+	import_high(&m, "build/tmp/" TEST_FOLDER "/greys.obj", 0);
+	assert_true(m.materials[m.material[0]].colourless && m.materials[m.material[1]].colourless);
+}
+
+UNIT_TEST(colours_of_vertices_from_black_to_red_are_weights)
+{
+	static const struct { int channel; double add; bool weights; } cases[] = { { 0, 0, true },
+		{ 2, 0, true }, { 1, 0, false }, { 0, 0.5, false } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		char text[1000] = "", faces[200] = "";
+		for (int v = 0; v < 18; v++) {
+			double rgb[3] = { 0, 0, 0 };
+			rgb[cases[i].channel] = v / 3 / 5.0;
+			rgb[(cases[i].channel + 1) % 3] = cases[i].add;
+			sprintf(text + strlen(text), "v %d %d %d %g %g %g\n", v % 3 == 1, v % 3 == 2, v / 3,
+				rgb[0], rgb[1], rgb[2]);
+			if (v % 3 == 2)
+				sprintf(faces + strlen(faces), "f %d %d %d\n", v - 1, v, v + 1);
+		}
+		strcat(text, faces);
+		import_high(&m, input_text(TEST_FOLDER, "ramp.obj", text), 0);
+		assert_int_equal(m.triangle_count, 6);
+		assert_int_equal(m.materials[m.material[0]].colourless, cases[i].weights);
+		assert_int_equal(strstr(import_said, "taken for weights of wind") != NULL, cases[i].weights);
+	}
 }
 
 UNIT_TEST(colours_are_the_screens_unless_blender_wrote_them)

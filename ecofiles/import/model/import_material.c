@@ -76,20 +76,54 @@ static bool is_default(const uint8_t rgb[3])
 	return (rgb[0] == 255 || rgb[0] == 231 || rgb[0] == 204) && rgb[1] == rgb[0] && rgb[2] == rgb[0];
 }
 
-void eco_model_see_grey(struct eco_model *model)
+static bool is_one_grey(const struct eco_model *model)
 {
 	const uint8_t *first = NULL;
 	bool defaults = true;
 	for (uint32_t t = 0; t < model->triangle_count; t++) {
 		const struct eco_material *m = &model->materials[model->material[t]];
-		defaults = defaults && is_default(m->rgb);
+		defaults = defaults && (m->colourless || is_default(m->rgb));
 		if (m->image != ECO_NONE || (first && memcmp(first, m->rgb, 3) != 0 && !defaults))
-			return;
+			return false;
 		first = m->rgb;
 	}
-	if (first && (defaults || (is_grey(first) && first[0] >= LIGHT_LEAST)))
-		for (uint32_t i = 0; i < model->material_count; i++)
-			model->materials[i].colourless = true;
+	return first && (defaults || (is_grey(first) && first[0] >= LIGHT_LEAST));
+}
+
+#define RAMP_STEPS 8u                 /* of a channel, as eco_tint_step makes them */
+#define RAMP_OTHER 64u                /* values of the other channels are below */
+#define RAMP_LEAST 4u                 /* of them are there, from the lowest two to the highest two */
+
+/* Whether all colours are shades of one primary, from black to full. */
+static bool is_ramp(const struct eco_model *model, int channel)
+{
+	bool there[RAMP_STEPS] = { false };
+	uint32_t count = 0;
+	for (uint32_t t = 0; t < model->triangle_count; t++) {
+		const struct eco_material *m = &model->materials[model->material[t]];
+		const uint8_t *rgb = m->rgb;
+		if (m->image != ECO_NONE)
+			return false;
+		if (m->colourless || is_default(rgb))
+			continue;
+		if (rgb[(channel + 1) % 3] >= RAMP_OTHER || rgb[(channel + 2) % 3] >= RAMP_OTHER)
+			return false;
+		there[rgb[channel] * RAMP_STEPS / 256] = true;
+	}
+	for (uint32_t i = 0; i < RAMP_STEPS; i++)
+		count += there[i];
+	return count >= RAMP_LEAST && (there[0] || there[1])
+		&& (there[RAMP_STEPS - 2] || there[RAMP_STEPS - 1]);
+}
+
+void eco_model_see_colourless(struct eco_model *model, struct eco_notes *notes)
+{
+	bool red = is_ramp(model, 0), blue = is_ramp(model, 2);
+	if (red || blue)
+		eco_note(notes, "its vertex colours run from black to %s: they are taken for weights of wind "
+			"and shade, not for colours", red ? "red" : "blue");
+	for (uint32_t i = 0; (red || blue || is_one_grey(model)) && i < model->material_count; i++)
+		model->materials[i].colourless = true;
 }
 
 void eco_model_see_invisible(bool *invisible, uint32_t count, struct eco_notes *notes)
