@@ -35,7 +35,7 @@ static const char *name_for(const uint8_t *bytes, size_t size)
 {
 	static const struct { const char *magic, *name; size_t at, count; } kinds[] = {
 		{ "\xff\xd8\xff", "memory.jpg", 0, 3 }, { "WEBP", "memory.webp", 8, 4 },
-		{ "GIF8", "memory.gif", 0, 4 }, { "BM", "memory.bmp", 0, 2 }, { "DDS ", "memory.dds", 0, 4 },
+		{ "GIF8", "memory.gif", 0, 4 }, { "BM", "memory.bmp", 0, 2 },
 	};
 
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
@@ -46,6 +46,16 @@ static const char *name_for(const uint8_t *bytes, size_t size)
 }
 
 /* ---- Reading ---- */
+
+static bool is_ktx(const uint8_t *bytes, size_t size)
+{
+	return size >= 4 && memcmp(bytes, "\xabKTX", 4) == 0;
+}
+
+static enum eco_code refuse_ktx(const char *name, struct eco_error *error)
+{
+	return eco_fail(error, ECO_UNSUPPORTED, "%s: KTX is not read: save it as PNG, JPEG or WebP", name);
+}
 
 enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, size_t size_bytes,
 	const char *name, struct eco_error *error)
@@ -62,6 +72,8 @@ enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, 
 		return eco_png_decode(image, bytes, size_bytes, name, error);
 	if (eco_jpeg_is(bytes, size_bytes) && eco_jpeg_decode(image, bytes, size_bytes))
 		return ECO_OK;
+	if (is_ktx(bytes, size_bytes))
+		return refuse_ktx(name, error);
 	enum eco_code code = decode(image, kind ? kind : name, bytes, size_bytes, &inner);
 	return code == ECO_OK ? code : eco_fail(error, code, "%.120s: %.380s", name, inner.text);
 }
@@ -81,10 +93,12 @@ static enum eco_code read_open(struct eco_image *image, FILE *file, const char *
 	size_t size = fread(bytes, 1, (size_t)status.st_size, file);
 	if (ferror(file))
 		code = eco_fail_read(error, path, errno);
+	else if (is_ktx(bytes, size))
+		code = refuse_ktx(path, error);
 	else if (eco_png_is(bytes, size) || name_for(bytes, size) || size == 0)
 		code = eco_image_read_memory(image, bytes, size, path, error);
 	else
-		/* some rarer formats are read from files only */
+		/* some rarer formats are read from files only; OpenImageIO 2.4 refuses DDS elsewhere */
 		code = decode(image, path, NULL, 0, error);
 	free(bytes);
 	return code;

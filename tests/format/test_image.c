@@ -97,6 +97,34 @@ UNIT_TEST(colours_are_not_multiplied_by_alpha)
 	eco_image_free(&image);
 }
 
+/* "DDS ", its head, and two pixels of blue, green, red, alpha. */
+UNIT_TEST(pictures_of_games_are_read)
+{
+	static const uint8_t head[128] = { 0x44, 0x44, 0x53, 0x20, 124, [8] = 0x0f, 0x10, [12] = 1, [16] = 2,
+		[20] = 8,
+		[76] = 32, [80] = 0x41, [88] = 32, [94] = 255, [97] = 255, [100] = 255, [107] = 255, [109] = 0x10 };
+	static const uint8_t wanted[] = { 30, 20, 10, 255, 60, 50, 40, 0 };
+	uint8_t dds[136], tga[26] = { [2] = 2, [12] = 2, [14] = 1, [16] = 32, 0x28 };
+	static const uint8_t pixels[] = { 10, 20, 30, 255, 40, 50, 60, 0 };
+	struct eco_error error = { .code = ECO_OK };
+	struct eco_image image;
+	memcpy(dds, head, sizeof head);
+	memcpy(dds + sizeof head, pixels, sizeof pixels);
+	memcpy(tga + 18, pixels, sizeof pixels);
+	const char *paths[] = { input_bytes("image", "two.dds", dds, sizeof dds),
+		input_bytes("image", "two.tga", tga, sizeof tga) };
+	for (size_t i = 0; i < 2; i++) {
+		assert_ok(eco_image_read(&image, paths[i], &error), error);
+		assert_true(image.width == 2 && image.height == 1);
+		assert_memory_equal(image.rgba, wanted, sizeof wanted);
+		eco_image_free(&image);
+	}
+	static const char ktx[] = "\xabKTX 20\xbb\r\n\x1a\n";
+	assert_int_equal(eco_image_read(&image, input_bytes("image", "no.ktx2", ktx, 12),
+		&error), ECO_UNSUPPORTED);
+	assert_non_null(strstr(error.text, "no.ktx2: KTX is not read: save it as PNG"));
+}
+
 UNIT_TEST(what_is_no_picture_is_an_error_that_names_it)
 {
 	static const struct { const char *name; const void *bytes; size_t size; } inputs[] = {
