@@ -11,6 +11,7 @@
 #include "client-min/draw/view_impostor.h"
 #include "client-min/view_record.h"
 #include "client-min/draw/view_shade.h"
+#include "client-min/draw/view_shadow.h"
 #include "lod/scattered.h"
 
 #define INSTANCE_TEXELS 4
@@ -22,7 +23,7 @@ struct view_gl {
 	uint32_t width, height;
 	struct view_context context;
 	struct view_gpu gpu;
-	struct view_shader shaders[VIEW_PROGRAM_COUNT];
+	struct view_shader shaders[VIEW_PROGRAM_COUNT], casting[VIEW_PROGRAM_COUNT];
 	unsigned quads;                  /* index buffer: two triangles of four vertices, QUADS times */
 	unsigned framebuffer, seen, depth, vertex_array;
 	float point_max;                 /* pixels across */
@@ -35,6 +36,7 @@ struct frame {                           /* of one draw */
 	struct view_gl *gl;
 	const struct view_gl_job *job;
 	struct view_picture *picture;
+	const struct view_gl_map *map;   /* NULL: the picture itself is drawn */
 	enum view_program bound;
 	bool any_bound;
 	uint64_t due;                    /* vertices */
@@ -140,8 +142,10 @@ void view_gl_close(struct view_gl *gl)
 		const unsigned textures[] = { gl->instances.texture, gl->members.texture };
 		view_context_use(&gl->context);
 		view_gpu_free(&gl->gpu);
-		for (int i = 0; i < VIEW_PROGRAM_COUNT; i++)
+		for (int i = 0; i < VIEW_PROGRAM_COUNT; i++) {
 			glDeleteProgram(gl->shaders[i].program);
+			glDeleteProgram(gl->casting[i].program);
+		}
 		free_target(gl);
 		glDeleteTextures(2, textures);
 		glDeleteBuffers(1, &gl->quads);
@@ -210,20 +214,32 @@ static void put_instance(uint32_t *words, const struct lod_eye *eye, const struc
 	memset(words, 0, 2 * sizeof *words);
 }
 
+static enum eco_code no_memory(const struct frame *f)
+{
+	return eco_fail(f->error, ECO_NO_MEMORY, "no memory for the plants in view");
+}
+
+static enum eco_code note_owners(struct frame *f)
+{
+	const struct view_selection *s = f->job->selection;
+	uint64_t *owners = realloc(f->gl->owners, s->instance_count * sizeof *owners + 1);
+	if (!owners)
+		return no_memory(f);
+	f->gl->owners = owners;
+	for (uint32_t i = 0; i < s->instance_count; i++)
+		owners[i] = s->instances[i].owner;
+	return ECO_OK;
+}
+
 static enum eco_code upload_selection(struct frame *f)
 {
 	const struct view_selection *s = f->job->selection;
 	size_t size = (size_t)s->instance_count * INSTANCE_TEXELS * VIEW_TEXEL_BYTES;
 	uint32_t *words = malloc(size + 1);
-	uint64_t *owners = realloc(f->gl->owners, s->instance_count * sizeof *owners + 1);
-	f->gl->owners = owners ? owners : f->gl->owners;
-	if (!words || !owners) {
-		free(words);
-		return eco_fail(f->error, ECO_NO_MEMORY, "no memory for the plants in view");
-	}
+	if (!words)
+		return no_memory(f);
 	for (uint32_t i = 0; i < s->instance_count; i++) {
 		const struct view_instance *p = &s->instances[i];
-		owners[i] = p->owner;
 		put_instance(words + (size_t)i * INSTANCE_TEXELS * 4, f->job->eye, p,
 			p->plant == ECO_NONE ? NULL : view_store_plant(f->job->store, p->plant));
 	}
@@ -231,7 +247,8 @@ static enum eco_code upload_selection(struct frame *f)
 		(uint64_t)s->instance_count * INSTANCE_TEXELS, f->error);
 	free(words);
 	uint32_t pairs = s->cut_count ? s->member_first[s->cut_count] : 0;
-	return code ? code : view_gpu_stream(&f->gl->gpu, &f->gl->members, VIEW_GPU_WORD, s->members, pairs, f->error);
+	return code ? code : view_gpu_stream(&f->gl->gpu, &f->gl->members, VIEW_GPU_WORD, s->members, pairs,
+		f->error);
 }
 
 /* ---- Programs ---- */
@@ -253,6 +270,7 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 	glUniform1i(s->uniform[VIEW_U_MEMBERS], 2);
 	glUniform1i(s->uniform[VIEW_U_TEXTURE], 3);
 	glUniform1i(s->uniform[VIEW_U_ALPHA], 4);
+	glUniform1i(s->uniform[VIEW_U_MAP], 5);
 	glUniform4f(s->uniform[VIEW_U_TINT], 0, 0, 0, 0);
 	float sides[ECO_SIZES];
 	for (uint32_t code = 0; code < ECO_SIZES; code++)
@@ -260,10 +278,11 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 	glUniform1fv(s->uniform[VIEW_U_SIDES], ECO_SIZES, sides);
 }
 
-static enum eco_code compile(struct view_gl *gl, enum view_program which, struct eco_error *error)
+static enum eco_code compile(struct view_gl *gl, enum view_program which, bool shadow,
+	struct eco_error *error)
 {
-	struct view_shader *s = &gl->shaders[which];
-	return s->program ? ECO_OK : view_shader_compile(s, which, &gl->context.dialect, error);
+	struct view_shader *s = shadow ? &gl->casting[which] : &gl->shaders[which];
+	return s->program ? ECO_OK : view_shader_compile(s, which, shadow, &gl->context.dialect, error);
 }
 
 enum eco_code view_gl_prepare(struct view_gl *gl, uint32_t programs, struct eco_error *error)
@@ -272,17 +291,17 @@ enum eco_code view_gl_prepare(struct view_gl *gl, uint32_t programs, struct eco_
 	view_context_use(&gl->context);
 	for (int i = 0; i < VIEW_PROGRAM_COUNT && !code; i++)
 		if (programs & 1u << i)
-			code = compile(gl, (enum view_program)i, error);
+			code = compile(gl, (enum view_program)i, false, error);
 	return code;
 }
 
 static enum eco_code use(struct frame *f, enum view_program which, const struct view_shader **out)
 {
-	struct view_shader *s = &f->gl->shaders[which];
+	struct view_shader *s = f->map ? &f->gl->casting[which] : &f->gl->shaders[which];
 	*out = s;
 	if (f->any_bound && f->bound == which)
 		return ECO_OK;
-	enum eco_code code = compile(f->gl, which, f->error);
+	enum eco_code code = compile(f->gl, which, f->map, f->error);
 	if (code)
 		return code;
 	glUseProgram(s->program);
@@ -416,8 +435,8 @@ static void draw_quads(const struct view_shader *s, uint32_t first, uint32_t end
 static void draw_level(const struct frame *f, const struct view_shader *s, double widest, uint32_t count)
 {
 	const struct view_gl *gl = f->gl;
-	int width = (int)gl->width, height = (int)gl->height;
-	float most = gl->point_max;
+	int width = (int)f->picture->width, height = (int)f->picture->height;
+	float most = f->map ? 0 : gl->point_max;
 	int margin = (int)ceil(0.5 * fmin(widest, most));
 	if (width + 2 * margin > gl->viewport_max[0] || height + 2 * margin > gl->viewport_max[1])
 		most = 0;
@@ -445,7 +464,7 @@ static void draw_impostors(const struct frame *f, const struct view_shader *s, c
 	glUniform1i(s->uniform[VIEW_U_FIRST_RECORD], (int)view_record_span(list, 0, level));
 	glUniform1ui(s->uniform[VIEW_U_SURFACE], view_impostor_surface(&list->list, impostor));
 	/* with a pixel around the outline, and another for what floats round */
-	draw_level(f, s, view_extent_balls_px(f->job, (const uint32_t[2]){ f->picture->width,
+	draw_level(f, s, f->map ? INFINITY : view_extent_balls_px(f->job, (const uint32_t[2]){ f->picture->width,
 		f->picture->height }, impostor, f->job->selection->members + first_member, count) + 4, count);
 }
 
@@ -472,10 +491,10 @@ static void draw_ellipses(const struct frame *f, const struct view_shader *s, co
 	const struct view_list *list, const struct eco_cut *cut, uint32_t first_member, uint32_t members)
 {
 	uint32_t count = (cut->end - cut->first) << cut->halvings, most = ELLIPSES / count;
-	int width = (int)f->gl->width, height = (int)f->gl->height, margin = point_margin(f->gl);
-	double part = view_extent_ellipses(f->job, g, list, cut,
-		f->job->selection->members + first_member, members);
-	bool points = margin > 0 && ellipse_px(f, part) <= 2 * margin;
+	int width = (int)f->picture->width, height = (int)f->picture->height,
+		margin = f->map ? 0 : point_margin(f->gl);
+	bool points = margin > 0 && ellipse_px(f, view_extent_ellipses(f->job, g, list, cut,
+		f->job->selection->members + first_member, members)) <= 2 * margin;
 	margin = points ? margin : 0;
 	glUniform1i(s->uniform[VIEW_U_CORNERS], points ? 1 : 3);
 	glUniform1i(s->uniform[VIEW_U_FIRST], (int)(cut->first << cut->halvings));
@@ -591,11 +610,11 @@ enum eco_code view_gl_read(struct view_gl *gl, struct view_picture *picture, str
 }
 
 /* All that drawing relies on: a page's context is not ours alone. */
-static void begin(const struct view_gl *gl)
+static void begin(const struct view_gl *gl, unsigned framebuffer, const struct view_picture *picture)
 {
-	glBindFramebuffer(GL_FRAMEBUFFER, gl->framebuffer);
+	glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
 	glBindVertexArray(gl->vertex_array);
-	glViewport(0, 0, (GLsizei)gl->width, (GLsizei)gl->height);
+	glViewport(0, 0, (GLsizei)picture->width, (GLsizei)picture->height);
 	glDisable(GL_DITHER);
 	glDisable(GL_BLEND);
 	glDisable(GL_SCISSOR_TEST);
@@ -608,10 +627,16 @@ static void begin(const struct view_gl *gl)
 	glActiveTexture(GL_TEXTURE0 + 15);
 }
 
-static void clear(void)
+static enum eco_code draw_cuts(struct frame *f)
 {
-	glClearBufferuiv(GL_COLOR, 0, (const unsigned[]){ 0, 0, 0, 0 });
-	glClearBufferfv(GL_DEPTH, 0, (const float[]){ 0 });
+	enum eco_code code = ECO_OK;
+	bind(1, f->gl->instances.texture);
+	bind(2, f->gl->members.texture);
+	for (uint32_t c = 0; c < f->job->selection->cut_count && !code; c++) {
+		send_part(f);
+		code = draw_cut(f, c);
+	}
+	return code ? code : view_gpu_check(&f->gl->gpu, f->error);
 }
 
 enum eco_code view_gl_record(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
@@ -623,18 +648,33 @@ enum eco_code view_gl_record(struct view_gl *gl, const struct view_gl_job *job, 
 			picture->width, picture->height, gl->width, gl->height);
 	picture->vertices = 0;
 	view_context_use(&gl->context);
-	begin(gl);
-	clear();
-	enum eco_code code = upload_selection(&f);
+	begin(gl, gl->framebuffer, picture);
+	glClearBufferuiv(GL_COLOR, 0, (const unsigned[]){ 0, 0, 0, 0 });
+	glClearBufferfv(GL_DEPTH, 0, (const float[]){ 0 });
+	enum eco_code code = note_owners(&f);
+	if (!code)
+		code = upload_selection(&f);
 	if (!code && job->selection->ground.count)
 		code = draw_ground(&f);
-	bind(1, gl->instances.texture);
-	bind(2, gl->members.texture);
-	for (uint32_t c = 0; c < job->selection->cut_count && !code; c++) {
-		send_part(&f);
-		code = draw_cut(&f, c);
-	}
-	return code ? code : view_gpu_check(&gl->gpu, error);
+	return code ? code : draw_cuts(&f);
+}
+
+enum eco_code view_gl_cast(struct view_gl *gl, const struct view_gl_map *map, struct eco_error *error)
+{
+	/* axes of the world, in which rows are; half a picture is a map's half */
+	struct lod_eye eye = { .right = { 1, 0, 0 }, .up = { 0, 1, 0 }, .forward = { 0, 0, 1 },
+		.tan_x = 0.5 * map->size, .tan_y = 0.5 * map->size };
+	struct view_gl_job job = { map->store, map->casters, &eye, (double)VIEW_SHADOW_LEAST_W,
+		VIEW_TINT_NONE };
+	struct view_picture picture = { .width = map->size, .height = map->size };
+	struct frame f = { .gl = gl, .job = &job, .picture = &picture, .map = map, .error = error };
+	memcpy(eye.at, map->eye->at, sizeof eye.at);
+	view_context_use(&gl->context);
+	begin(gl, map->framebuffer, &picture);
+	glClearBufferfv(GL_DEPTH, 0, (const float[]){ 0 });
+	bind(5, map->rows);
+	enum eco_code code = upload_selection(&f);
+	return code ? code : draw_cuts(&f);
 }
 
 unsigned view_gl_target(const struct view_gl *gl)

@@ -63,4 +63,16 @@ enum eco_code view_gl_read(struct view_gl *gl, struct view_picture *picture, str
 unsigned view_gl_target(const struct view_gl *gl);
 #define VIEW_GL_SUMMARY 0x81u            /* a cloud, and bit 24 */
 
+/* A shadow map (view_shadow.h), for who lights pictures on the GPU: its programs are compiled when something
+ * first needs them. */
+struct view_gl_map {
+	const struct view_store *store;
+	const struct view_selection *casters;
+	const struct lod_eye *eye;
+	unsigned framebuffer;            /* size x size depths of floats, which VIEW_SHADOW_DEPTH makes */
+	unsigned rows;                   /* a texture of four texels of four words: view_shadow.row */
+	uint32_t size;
+};
+enum eco_code view_gl_cast(struct view_gl *gl, const struct view_gl_map *map, struct eco_error *error);
+
 #endif

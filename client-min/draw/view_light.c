@@ -8,6 +8,7 @@
 #include "client-min/view_owners.h"
 #include "client-min/draw/view_shade.h"
 #include "client-min/draw/view_shadow.h"
+#include "client-min/draw/view_vec.h"
 #include "client-min/view_threads.h"
 #include "lod/light.h"
 
@@ -24,7 +25,6 @@ const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
 /* ---- What view_light.glsl is written in ---- */
 
 #define LIGHT static
-typedef struct vec { float x, y, z; } vec3;
 typedef uint32_t uint;
 typedef struct { double x, y; } ground_place;    /* on the ground, from its origin */
 typedef struct sunlight sunlight;
@@ -33,7 +33,6 @@ typedef struct crown crown;
 typedef struct plant plant;
 typedef struct face face;
 typedef struct footprint footprint;
-#define vec3(...) ((struct vec){ __VA_ARGS__ })
 #define sunny(...) ((struct sunny){ __VA_ARGS__ })
 #define crown(...) ((struct crown){ __VA_ARGS__ })
 #define face(...) ((struct face){ __VA_ARGS__ })
@@ -45,12 +44,6 @@ typedef struct footprint footprint;
 #define min fminf
 #define sqrt sqrtf
 
-static vec3 add(vec3 a, vec3 b) { return vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
-static vec3 scale(vec3 a, float t) { return vec3(a.x * t, a.y * t, a.z * t); }
-static vec3 times(vec3 a, vec3 b) { return vec3(a.x * b.x, a.y * b.y, a.z * b.z); }
-static float dot(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-static float length(vec3 a) { return sqrtf(dot(a, a)); }
-static vec3 unit(vec3 a) { return scale(a, 1 / fmaxf(length(a), 1e-20f)); }
 static float mix(float a, float b, float t) { return a + (b - a) * t; }
 static vec3 blend(vec3 a, vec3 b, float t)
 {

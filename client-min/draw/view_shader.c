@@ -8,13 +8,15 @@
  * side of a point of each size code.
  *
  * What is drawn is not a picture yet, but what view_light.h makes one of: of each pixel four words, as
- * view_gl.h has them. */
+ * view_gl.h has them. With SHADOW it is a shadow map: a picture in which W is distance, whose depths are
+ * heights towards the sun; the rules are those of view_shadow_cast.c. */
 #include "client-min/draw/view_shader.h"
 
 #include <epoxy/gl.h>
 #include <stdio.h>
 
 #include "client-min/draw/view_shader_impostor.h"
+#include "client-min/draw/view_shadow.h"
 #include "ecofiles/format/list.h"
 #include "lod/hash.h"
 
@@ -83,6 +85,22 @@ static const char vertex_common[] =
 	"#endif\n"
 	"}\n";
 
+/* A map's rows are from its corner; view space is from its middle, and down. Lengths across beams and along
+ * them are those of the plant. */
+static const char vertex_shadow[] =
+	"#ifdef SHADOW\n"
+	"uniform highp usampler2D u_map;\n"
+	"out float v_height;\n"
+	"vec4 map_row(int i) { return uintBitsToFloat(texelFetch(u_map, ivec2(i, 0), 0)); }\n"
+	"vec4 of_plant(vec4 row, vec4 world[3]) {\n"
+	"	return row.x * world[0] + row.y * world[1] + row.z * world[2] + vec4(0.0, 0.0, 0.0, row.w);\n"
+	"}\n"
+	"vec3 axis_across(vec3 sun, int i) {\n"
+	"	vec3 first = normalize(cross(sun, abs(sun.x) < 0.7 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0)));\n"
+	"	return i == 0 ? first : cross(sun, first);\n"
+	"}\n"
+	"#endif\n";
+
 static const char vertex_plant[] =
 	"uniform highp usampler2D u_instances, u_members;\n"
 	/* splats have NEAR in place of a surface */
@@ -93,7 +111,7 @@ static const char vertex_plant[] =
 	"uniform vec4 u_tint;            // rgb, if w is 1: instead of a colour of its own\n"
 	"uniform uint u_path;            // summaries: what the placement adds to the owner\n"
 	"vec3 xyz(uvec4 t) { return uintBitsToFloat(t.xyz); }\n"
-	"struct Plant { vec4 row[3]; uint whose; float scale, half_width; };\n"
+	"struct Plant { vec4 row[3]; uint whose; float scale, half_width; vec4 high; };\n"
 	"Plant plant_of_member(int member) {\n"
 	"	int number = int(texel_of(u_members, u_shift.z, u_first_member + member).x);\n"
 	"	int at = number * 4;\n"
@@ -103,11 +121,23 @@ static const char vertex_plant[] =
 	"	uvec4 t = texel_of(u_instances, u_shift.y, at + 3);\n"
 	"	p.whose = uint(number) + 1u;\n"
 	"	p.scale = uintBitsToFloat(t.x); p.half_width = uintBitsToFloat(t.y);\n"
+	"#ifdef SHADOW\n"
+	"	vec4 world[3] = p.row, w = map_row(2);\n"
+	"	p.row[0] = of_plant(map_row(0) - w / u_lens.x, world);\n"
+	"	p.row[1] = of_plant(w / u_lens.y - map_row(1), world);\n"
+	"	p.row[2] = of_plant(w, world);\n"
+	"	p.high = of_plant(map_row(3), world);\n"
+	"#endif\n"
 	"	return p;\n"
 	"}\n"
+	"vec3 sun_of(Plant p) { return p.high.xyz / p.scale; }\n"
+	"float height_of(Plant p, vec3 a) { return dot(p.high.xyz, a) + p.high.w; }\n"
 	"vec3 view_of(Plant p, vec3 a) {\n"
 	"	return vec3(dot(p.row[0].xyz, a), dot(p.row[1].xyz, a), dot(p.row[2].xyz, a)) + "
 	"vec3(p.row[0].w, p.row[1].w, p.row[2].w);\n"
+	"}\n"
+	"vec3 axis_of(Plant p, vec3 h) {         // y down\n"
+	"	return vec3(dot(p.row[0].xyz, h), -dot(p.row[1].xyz, h), dot(p.row[2].xyz, h));\n"
 	"}\n"
 	"uint color_of(uint word) {\n"
 	"	uvec3 tint = uvec3(u_tint.rgb * 255.0 + 0.5);\n"
@@ -136,6 +166,9 @@ static const char vertex_triangles[] =
 	"	v_uv = uintBitsToFloat(corner == 0 ? t3.yz : corner == 1 ? uvec2(t3.w, t4.x) : t4.yz);\n"
 	"#endif\n"
 	"	gl_Position = project(view_of(p, at_corner));\n"
+	"#ifdef SHADOW\n"
+	"	v_height = height_of(p, at_corner);\n"
+	"#endif\n"
 	"}\n";
 
 static const char vertex_lines[] =
@@ -145,11 +178,23 @@ static const char vertex_lines[] =
 	"	uvec4 t0 = record_at(at), t1 = record_at(at + 1);\n"
 	"	vec3 a = xyz(t0), b = xyz(t1);\n"
 	"	LINE_SCALE\n"
-	"	vec3 va = view_of(p, a), vb = view_of(p, b), side = cross(vb - va, 0.5 * (va + vb));\n"
-	"	float len2 = dot(side, side), half_width = 0.5 * width * p.scale;\n"
-	"	vec3 offset = side * (half_width * inversesqrt(max(len2, 1e-38)));\n"
 	"	bool at_b = corner == 1 || corner == 2, plus = corner >= 2;\n"
-	"	vec3 view = (at_b ? vb : va) + (plus ? offset : -offset);\n"
+	"#ifdef SHADOW\n"
+	"	vec3 side = cross(b - a, sun_of(p));\n"
+	"	float half_width = 0.5 * width;\n"
+	"#else\n"
+	"	vec3 va = view_of(p, a), vb = view_of(p, b), side = cross(vb - va, 0.5 * (va + vb));\n"
+	"	float half_width = 0.5 * width * p.scale;\n"
+	"#endif\n"
+	"	float len2 = dot(side, side);\n"
+	"	vec3 offset = side * (half_width * inversesqrt(max(len2, 1e-38)));\n"
+	"	offset = plus ? offset : -offset;\n"
+	"#ifdef SHADOW\n"
+	"	vec3 place = (at_b ? b : a) + offset, view = view_of(p, place);\n"
+	"	v_height = height_of(p, place);\n"
+	"#else\n"
+	"	vec3 view = (at_b ? vb : va) + offset;\n"
+	"#endif\n"
 	"	v_seen = uvec4(p.whose, surface_direction(AXIS, b - a), color_of(t1.w), 0u);\n"
 	"	gl_Position = len2 > 0.0 && half_width > 0.0 ? project(view) : vec4(2.0, 2.0, 2.0, 1.0);\n"
 	"}\n";
@@ -209,14 +254,18 @@ static const char vertex_points[] =
 	"#if TEXELS == 4\n"
 	"	for (int k = 0; k < 3; k++) {\n"
 	"		vec3 h = xyz(record_at(at + 1 + k));\n"
-	"		axes[k] = vec3(dot(p.row[0].xyz, h), -dot(p.row[1].xyz, h), dot(p.row[2].xyz, h)) * "
-	"u_scale;\n"
+	"		axes[k] = axis_of(p, h) * u_scale;\n"
 	"		to_plant[k] = h / max(dot(h, h), 1e-30);\n"
 	"	}\n"
 	"	uint opacity = t0.w >> 24;\n"
 	"#else\n"
 	"	reach *= u_sides[t0.w >> 24];\n"
+	"#ifdef SHADOW\n"
+	"	axes = mat3(0.0);\n"
+	"	for (int k = 0; k < 2; k++) axes[k] = reach * axis_of(p, axis_across(sun_of(p), k));\n"
+	"#else\n"
 	"	axes = mat3(reach * p.scale);\n"
+	"#endif\n"
 	"	uint opacity = 16u;\n"
 	"#endif\n"
 	"#if TEXELS == 2\n"
@@ -283,6 +332,9 @@ static const char vertex_points[] =
 	"	gl_Position.xy = place / u_window * gl_Position.w;\n"
 	/* a point that is not drawn lies beside the picture, yet within the viewport: drivers go a long way
 	 * round with points that they have to clip */
+	"#ifdef SHADOW\n"
+	"	v_height = height_of(p, middle_of);\n"
+	"#endif\n"
 	"	if (there) return;\n"
 	"	gl_PointSize = 1.0;\n"
 	"	gl_Position = u_corners == 1 ? vec4(-1.0, -1.0, 0.0, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);\n"
@@ -318,7 +370,12 @@ static const char vertex_ground[] =
 	"}\n";
 
 static const char fragment_common[] =
+	"#ifdef SHADOW\n"
+	"in float v_height;\n"
+	VIEW_SHADOW_DEPTH
+	"#else\n"
 	"out uvec4 o_seen;               // view_gl_target\n"
+	"#endif\n"
 	"uint color_word(uvec3 c) { return c.r | c.g << 8 | c.b << 16; }\n";
 
 static const char fragment_plant[] =
@@ -354,7 +411,9 @@ static const char fragment_plant[] =
 	"#ifdef ELLIPSE\n"
 	"	nearness = shown(surface);\n"
 	"	if (nearness == 0.0) discard;\n"
+	"#ifndef SHADOW\n"
 	"	gl_FragDepth = nearness * NEAR;\n"
+	"#endif\n"
 	"#endif\n"
 	"#if TEXELS == 5\n"
 	/* coverage by the nearest texel, as the rasteriser; colour from a filtered copy whose clear texels
@@ -366,7 +425,11 @@ static const char fragment_plant[] =
 	"	if (texelFetch(u_alpha, texel, 0).r < 0.5) discard;\n"
 	"	if (u_tint.w == 0.0) color = color_word(uvec3(own * 255.0 + 0.5));\n"
 	"#endif\n"
+	"#ifdef SHADOW\n"
+	"	gl_FragDepth = shadow_depth(v_height);\n"
+	"#else\n"
 	"	o_seen = uvec4(v_seen.x, surface, floatBitsToUint(nearness), color);\n"
+	"#endif\n"
 	"}\n";
 
 static const char fragment_ground[] =
@@ -401,7 +464,7 @@ static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up"
 	"u_members",
 	"u_alpha", "u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
 	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
-	"u_point_max", "u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count" };
+	"u_point_max", "u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count", "u_map" };
 
 /* Linking says whether it compiles: so a browser's driver is waited for once, not three times. */
 static unsigned compile(unsigned type, const char *const *parts, int count)
@@ -435,16 +498,17 @@ static enum eco_code link(struct view_shader *shader, unsigned vertex, unsigned 
 		name, log);
 }
 
-enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which,
+enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which, bool shadow,
 	const struct view_dialect *dialect, struct eco_error *error)
 {
 	const char *start = dialect->es ? head_es : head_desktop;
 	const char *depth = dialect->depth_zero_to_one ? "#define ZERO_TO_ONE 1\n" : "";
-	const char *vs[] = { start, "#define FLAT flat out\n", depth, programs[which].defines, common,
-		splat_common, vertex_common, programs[which].shared, programs[which].vertex };
-	const char *fs[] = { start, "#define FLAT flat in\n", programs[which].defines, common, splat_common,
-		fragment_common, programs[which].fragment };
-	unsigned vertex = compile(GL_VERTEX_SHADER, vs, 9), fragment = compile(GL_FRAGMENT_SHADER, fs, 7);
+	const char *target = shadow ? "#define SHADOW 1\n" : "";
+	const char *vs[] = { start, "#define FLAT flat out\n", depth, target, programs[which].defines, common,
+		splat_common, vertex_common, vertex_shadow, programs[which].shared, programs[which].vertex };
+	const char *fs[] = { start, "#define FLAT flat in\n", target, programs[which].defines, common,
+		splat_common, fragment_common, programs[which].fragment };
+	unsigned vertex = compile(GL_VERTEX_SHADER, vs, 11), fragment = compile(GL_FRAGMENT_SHADER, fs, 8);
 	enum eco_code code = link(shader, vertex, fragment, programs[which].name, error);
 	glDeleteShader(vertex);
 	glDeleteShader(fragment);

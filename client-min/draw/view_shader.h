@@ -15,7 +15,7 @@ enum view_uniform { VIEW_U_RIGHT, VIEW_U_UP, VIEW_U_FORWARD, VIEW_U_LENS, VIEW_U
 	VIEW_U_ALPHA, VIEW_U_TEXTURE, VIEW_U_PATH, VIEW_U_ANCHOR, VIEW_U_STEP,
 	VIEW_U_INNER, VIEW_U_SEAM, VIEW_U_EDGES, VIEW_U_SIDES, VIEW_U_LEVEL, VIEW_U_HALF,
 	VIEW_U_FIRST_RECORD, VIEW_U_WINDOW, VIEW_U_CORNERS, VIEW_U_POINT_MAX, VIEW_U_SURFACE, VIEW_U_SHIFT,
-	VIEW_U_FIRST, VIEW_U_HALVINGS, VIEW_U_REACH, VIEW_U_COUNT,
+	VIEW_U_FIRST, VIEW_U_HALVINGS, VIEW_U_REACH, VIEW_U_COUNT, VIEW_U_MAP,
 	VIEW_UNIFORM_COUNT };
 
 /* program 0: not compiled yet; uniform -1: unused */
@@ -25,7 +25,8 @@ extern const char *const view_program_names[VIEW_PROGRAM_COUNT];
 
 struct view_dialect { bool es; bool depth_zero_to_one; };
 
-enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which,
+/* shadow: the program that draws the same into a shadow map (view_gl_cast); not of the ground. */
+enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which, bool shadow,
 	const struct view_dialect *dialect, struct eco_error *error);
 
 #endif

@@ -4,7 +4,12 @@
  *
  * A plant is one point that covers its outline. Points whose middle lies beside the picture may be clipped,
  * so the viewport is larger than the picture, and u_window is half of it. Outlines larger than u_point_max,
- * the driver's largest point, are drawn by another call as two triangles: u_corners is 4 then, else 1. */
+ * the driver's largest point, are drawn by another call as two triangles: u_corners is 4 then, else 1.
+ *
+ * In a shadow map the outline is that of a disc across the beams, and rays come from a place that is
+ * 64 radii towards the sun (view_shadow_cast.c). A beam (x, y) meets the disc where its two half axes have
+ * shares s and t: (s, t, 1) is W times the inverse of the matrix of half axes and middle times (x, y, 1), so
+ * that a ray, of any length, is linear in x and y. */
 #include "client-min/draw/view_shader_impostor.h"
 
 #include "lod/impostor.h"
@@ -94,13 +99,29 @@ const char view_shader_impostor_vertex[] =
 	"	v_eye = eye;\n"
 	"	for (int i = 0; i < 4; i++) v_from[i] = tile_at(start.x, v_tile[i]) * eye;\n"
 	"}\n"
-	/* lod_ball_outline; false where nothing is drawn */
+	"#ifdef SHADOW\n"
+	"flat out vec4 v_high;           // height of places from the middle\n"
+	"mat3 disc;                      // its half axes in the map, y down, and its middle\n"
+	"#endif\n"
+	/* lod_ball_outline, or of a disc; false where nothing is drawn */
 	"bool outline(vec3 view, float radius, vec2 focal, out vec2 size) {\n"
 	"	vec2 middle = vec2(view.x, -view.y) * focal / view.z;\n"
-	"	float near = radius / view.z, zz = near * near, part = 1.0 / (1.0 - zz);\n"
+	"#ifdef SHADOW\n"
+	"	float zz = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;\n"
+	"	vec2 to_z = vec2(0.0);\n"
+	"	for (int k = 0; k < 2; k++) {\n"
+	"		vec2 d = (disc[k].xy - disc[k].z * middle) / view.z;\n"
+	"		float q = disc[k].z / view.z;\n"
+	"		xx += d.x * d.x, xy += d.x * d.y, yy += d.y * d.y;\n"
+	"		to_z += d * q, zz += q * q;\n"
+	"	}\n"
+	"#else\n"
+	"	float near = radius / view.z, zz = near * near;\n"
 	"	vec2 wide = focal * near, side = -middle * near, to_z = side * near;\n"
 	"	float xx = wide.x * wide.x + side.x * side.x, xy = side.x * side.y, yy = wide.y * wide.y + "
 	"side.y * side.y;\n"
+	"#endif\n"
+	"	float part = 1.0 / (1.0 - zz);\n"
 	"	bool there = view.z >= u_lens.z && zz < 1.0 && xx > 0.0 && yy > 0.0 && xx < 1e30 && yy < "
 	"1e30;\n"
 	"	xx = (xx + to_z.x * to_z.x * part) * part;\n"
@@ -117,6 +138,14 @@ const char view_shader_impostor_vertex[] =
 	"	vec4 ball = uintBitsToFloat(record(0u));\n"
 	"	vec3 view = view_of(p, ball.xyz);\n"
 	"	vec2 focal = u_lens.xy * u_half, size;\n"
+	"#ifdef SHADOW\n"
+	"	vec3 sun = sun_of(p), half_of[2];\n"
+	"	for (int k = 0; k < 2; k++) {\n"
+	"		half_of[k] = ball.w * axis_across(sun, k);\n"
+	"		disc[k] = axis_of(p, half_of[k]);\n"
+	"	}\n"
+	"	disc[2] = vec3(view.x, -view.y, view.z);\n"
+	"#endif\n"
 	"	bool there = outline(view, ball.w * p.scale, focal, size);\n"
 	"	gl_PointSize = 2.0 * (max(size.x, size.y) + 1.0);\n"
 	"	gl_Position = vec4(2.0, 2.0, 2.0, 1.0);\n"
@@ -126,12 +155,20 @@ const char view_shader_impostor_vertex[] =
 	"	vec2 at = u_corners == 4 ? sign * (size + 1.0) : vec2(0.0);\n"
 	"	gl_Position = project(view);\n"
 	"	gl_Position.xy = (v_outline.xy + at) / u_window * gl_Position.w;\n"
+	"	v_seen = uvec4(p.whose, u_surface, color_of(0u), 0u);\n"
+	"#ifdef SHADOW\n"
+	"	vec3 from = sun * (64.0 * ball.w);\n"
+	"	mat3 rays = mat3(half_of[0], half_of[1], -from) * inverse(disc);\n"
+	"	v_rays = mat3(rays[2], rays[0], rays[1]);\n"
+	"	v_high = vec4(p.high.xyz, height_of(p, ball.xyz));\n"
+	"	look(from);\n"
+	"#else\n"
 	"	float square = p.scale * p.scale;       // of rows, too\n"
 	"	v_rays = mat3(p.row[2].xyz / square, p.row[0].xyz / (square * focal.x), p.row[1].xyz / "
 	"(-square * focal.y));\n"
 	"	look((p.row[0].xyz * view.x + p.row[1].xyz * view.y + p.row[2].xyz * view.z) / "
 	"-square);\n"
-	"	v_seen = uvec4(p.whose, u_surface, color_of(0u), 0u);\n"
+	"#endif\n"
 	"}\n";
 
 const char view_shader_impostor_fragment[] =
@@ -145,6 +182,9 @@ const char view_shader_impostor_fragment[] =
 	"flat in vec4 v_weight;\n"
 	"flat in uvec4 v_tile;\n"
 	"flat in uvec2 v_more;\n"
+	"#ifdef SHADOW\n"
+	"flat in vec4 v_high;\n"
+	"#endif\n"
 	"uint code_at(uint start, uint i, uint width) {\n"
 	"	uint bit = i * width;\n"
 	"	return record(start + (bit >> 7))[bit >> 5 & 3u] >> (bit & 31u) & ((1u << width) - 1u);\n"
@@ -223,9 +263,14 @@ const char view_shader_impostor_fragment[] =
 	"	vec3 ray = v_rays[0] + pixel.y * v_rays[2] + pixel.x * v_rays[1];\n"
 	"	float along, rest;\n"
 	"	if (!inside(pixel) || !hit(ray, along, rest)) discard;\n"
+	"	float before = uintBitsToFloat(record(1u).x) * sqrt(rest / dot(ray, ray));\n"
+	"#ifdef SHADOW\n"
+	"	along -= before;\n"
+	"	gl_FragDepth = shadow_depth(dot(v_high.xyz, v_eye + along * ray) + v_high.w);\n"
+	"#else\n"
 	"	uint color = u_tint.w > 0.0 ? v_seen.z : color_at(v_eye + along * ray);\n"
-	"	along -= uintBitsToFloat(record(1u).x) * sqrt(rest / dot(ray, ray));\n"
-	"	float nearness = 1.0 / max(along, u_lens.z);\n"
+	"	float nearness = 1.0 / max(along - before, u_lens.z);\n"
 	"	gl_FragDepth = nearness * u_lens.z;\n"
 	"	o_seen = uvec4(v_seen.xy, floatBitsToUint(nearness), color);\n"
+	"#endif\n"
 	"}\n";

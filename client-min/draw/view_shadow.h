@@ -22,14 +22,24 @@
  *                                 pulled back by a part of the root of nearest times farthest, after Wimmer
  *                                 et al. 2004 (Light space perspective shadow maps).
  *
- * Both kinds are fitted to the pixels of the picture, so that no texel lies where nothing is seen. Nothing is
- * drawn by OpenGL and nothing is fetched: what casts is what is held, so it is the same for every engine.
- * The ground casts no shadow. */
+ * Both kinds are fitted to the pixels of the picture, in cells of which the nearest and the farthest count,
+ * so that few texels lie where nothing is seen. Nothing is fetched: what casts is what is held. The ground
+ * casts no shadow. Where a map lies and how it is looked up is one text for C and GLSL (view_shadow.glsl).
+ * What casts is drawn in software (view_shadow_cast.c), so that it is the same for every engine of ecoview; in
+ * a browser, where no pixel is read, by OpenGL (view_gl_cast). */
 #ifndef VIEW_SHADOW_H
 #define VIEW_SHADOW_H
 
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_select.h"
+
+#define VIEW_SHADOW_CELLS 32             /* of a picture, across and down */
+#define VIEW_SHADOW_LOWEST 0.02f         /* of the sun: lower it gives no light that is worth a shadow */
+#define VIEW_SHADOW_LEAST_W 1e-4f        /* of what is drawn; the least where something is seen is 1 */
+
+/* GLSL: a height towards the sun as a depth of a map that OpenGL draws, in (0, 1); 0 is nothing. */
+#define VIEW_SHADOW_DEPTH \
+	"float shadow_depth(float height) { return 0.5 + 0.5 * height / (abs(height) + 64.0); }\n"
 
 struct view_shadow_job {
 	const struct view_store *store;
@@ -44,7 +54,6 @@ struct view_shadow_job {
 
 struct view_shadow {                     /* owns `top`; zero is empty */
 	uint32_t size;
-	float sun[3];
 	/* U, V and W of texels, metres towards the sun: of (x, y, z, 1), the world's axes from the eye */
 	float row[4][4];
 	float *top;                      /* size * size; -INFINITY: nothing. NULL: no map, all is lit */

@@ -15,7 +15,6 @@
 #include "lod/raster/texel.h"
 #include "lod/splat.h"
 
-#define LEAST_W 1e-4f                    /* of the map's W, whose least where something is seen is 1 */
 #define FAR_RADII 64.0f                  /* from where an impostor is looked at */
 
 struct caster {                          /* of a thread */
@@ -44,7 +43,7 @@ static void cross3(const float a[3], const float b[3], float out[3])
 static void place_object(struct object *o, const struct caster *c, const struct lod_place *place)
 {
 	const double s = place->sine, q = place->cosine;
-	const float *sun = c->shadow->sun;
+	const float *sun = c->shadow->row[3];
 	for (int i = 0; i < 4; i++) {
 		const float *r = c->shadow->row[i];
 		double offset = (double)r[3];
@@ -151,8 +150,8 @@ static void fill_triangle(const struct caster *c, const struct corner corner[3],
 
 static struct corner between(const struct corner *a, const struct corner *b)
 {
-	float t = (LEAST_W - a->w) / (b->w - a->w);
-	return (struct corner){ a->u + t * (b->u - a->u), a->v + t * (b->v - a->v), LEAST_W,
+	float t = (VIEW_SHADOW_LEAST_W - a->w) / (b->w - a->w);
+	return (struct corner){ a->u + t * (b->u - a->u), a->v + t * (b->v - a->v), VIEW_SHADOW_LEAST_W,
 		a->height + t * (b->height - a->height), a->s + t * (b->s - a->s),
 		a->t + t * (b->t - a->t) };
 }
@@ -165,9 +164,9 @@ static void draw_triangle(const struct caster *c, const struct corner corner[3],
 	int count = 0;
 	for (int i = 0; i < 3; i++) {
 		const struct corner *a = &corner[i], *b = &corner[(i + 1) % 3];
-		if (a->w >= LEAST_W)
+		if (a->w >= VIEW_SHADOW_LEAST_W)
 			kept[count++] = *a;
-		if ((a->w >= LEAST_W) != (b->w >= LEAST_W))
+		if ((a->w >= VIEW_SHADOW_LEAST_W) != (b->w >= VIEW_SHADOW_LEAST_W))
 			kept[count++] = between(a, b);
 	}
 	for (int i = 2; i < count; i++) {
@@ -234,7 +233,7 @@ static bool outline_of(const struct caster *c, const struct object *o, const flo
 {
 	struct corner m = corner_of(o, center);
 	float across[3] = { 0, 0, 0 }, down[3] = { 0, 0, 0 }, farther[3] = { 0, 0, 0 };
-	if (!(m.w >= LEAST_W))
+	if (!(m.w >= VIEW_SHADOW_LEAST_W))
 		return false;
 	e->x = m.u / m.w;
 	e->y = m.v / m.w;
@@ -343,7 +342,7 @@ static bool is_near(const struct caster *c, const struct object *o, const struct
 	disc_of(o, mesh->radius, half);
 	float w = corner_of(o, mesh->center).w, a = dot3(o->row[2], half[0]), b = dot3(o->row[2], half[1]),
 		reach = sqrtf(a * a + b * b);
-	if (w < 1.01f * reach + LEAST_W)         /* it reaches where W is 0, and has no outline */
+	if (w < 1.01f * reach + VIEW_SHADOW_LEAST_W)         /* it reaches where W is 0, and has no outline */
 		return w + reach > 0;
 	return outline_of(c, o, mesh->center, (const float (*)[3])half, 2, &e);
 }

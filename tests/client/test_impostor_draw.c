@@ -10,6 +10,7 @@
 #include "ecofiles/format/image.h"
 #include "tests/support/files.h"
 #include "tests/support/plan_twin.h"
+#include "tests/support/shadow_gl.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -223,6 +224,8 @@ UNIT_TEST(impostors_cast_the_shadow_of_what_is_seen_from_the_sun)
 			near);
 		assert_true(plants > 5000 && met > 0.95 * plants && near > 0.9 * plants);
 		view_shadow_free(&shadow);
+		if (gl)
+			assert_true(shadow_gl_compare(gl, &job, "by OpenGL") > 1000);
 	}
 	view_picture_free(&picture);
 	scene_release(&h);

@@ -1,12 +1,14 @@
 /* Shadow maps: where shadows are, against rays towards the sun; how fine they are near the eye; and the cases
  * in which the perspective map is singular. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "client-min/draw/view_mesh.h"
 #include "client-min/draw/view_shadow.h"
 #include "client-min/view_reference.h"
+#include "tests/support/shadow_gl.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -436,6 +438,47 @@ UNIT_TEST(plants_out_of_sight_cast_shadows)
 	print_message("dark places: %u with plants out of sight, %u without\n", all, seen);
 	assert_true(all > 50 && all > 2 * seen);
 	close_view(&l);
+}
+
+/* ---- Maps by OpenGL ---- */
+
+/* One cut of what casts. */
+static struct view_selection only(const struct view_selection *all, uint32_t cut)
+{
+	struct view_selection one = *all;
+	one.plan_cuts += cut;
+	one.member_first += cut;
+	one.cut_count = 1;
+	return one;
+}
+
+UNIT_TEST(opengl_casts_the_same_shadows)
+{
+	struct lit l;
+	struct view_gl *gl;
+	struct view_gl_options size = { 16, 16 };
+	if (view_gl_open(&gl, &size, NULL))
+		skip();
+	draw_view(&l, standing());
+	for (size_t i = 0; i < sizeof suns / sizeof *suns; i++)
+		for (int kind = VIEW_SHADOWS_STANDARD; kind <= VIEW_SHADOWS_PERSPECTIVE; kind++) {
+			double sun[3];
+			find_sun(&l, i, sun);
+			struct view_shadow_job job = job_of(&l, sun, (enum view_shadows)kind);
+			assert_true(shadow_gl_compare(gl, &job, suns[i].name) > 10000);
+		}
+	for (uint32_t cut = 0; cut < l.casters.cut_count; cut++) {
+		struct view_selection one = only(&l.casters, cut);
+		char name[64];
+		double sun[3];
+		find_sun(&l, 0, sun);
+		struct view_shadow_job job = job_of(&l, sun, VIEW_SHADOWS_PERSPECTIVE);
+		job.casters = &one;
+		snprintf(name, sizeof name, "list %u", one.plan_cuts->list);
+		shadow_gl_compare(gl, &job, name);
+	}
+	close_view(&l);
+	view_gl_close(gl);
 }
 
 /* ---- No map ---- */
