@@ -79,11 +79,13 @@ $(W)/include/draco/draco_features.h: $(W)/src/.done
 # what C and GLSL share, without its comments, as a string
 $(W)/include/view_light_text.h: client-min/draw/view_light.glsl
 $(W)/include/view_image_text.h: client-min/view_image.glsl
-$(W)/include/view_light_text.h $(W)/include/view_image_text.h:
+$(W)/include/view_shadow_text.h: client-min/draw/view_shadow.glsl
+$(W)/include/view_light_text.h $(W)/include/view_image_text.h $(W)/include/view_shadow_text.h:
 	@mkdir -p $(@D)
 	sed -e '/^[[:blank:]]*\/\*.*\*\/$$/d; /^\/\*/,/\*\/$$/d; /^$$/d; s/\\/\\\\/g; s/"/\\"/g; s/.*/"&\\n"/' $< >$@
 $(W)/obj/client-min/web/web_light.o: $(W)/include/view_light_text.h
 $(W)/obj/client-min/web/web_image.o: $(W)/include/view_image_text.h
+$(W)/obj/client-min/web/web_shadow.o: $(W)/include/view_shadow_text.h
 
 $(WEB_OBJECTS): | $(W)/include/draco/draco_features.h
 $(W)/obj/draco/%.o: | $(W)/include/draco/draco_features.h

@@ -229,20 +229,10 @@ int web_prepare(struct web *web, double width, double height)
 	if (!code)
 		code = view_gl_prepare(web->gl, FAR_PROGRAMS, &web->error);
 	if (!code)
-		code = web_light_prepare(&web->light, false, &web->error);
+		code = web_light_prepare(&web->light, false, false, &web->error);
 	if (!code)
 		code = web_present_prepare(&web->present, &web->error);
 	return (int)code;
-}
-
-/* Shadow maps are made and looked up in memory. */
-static enum eco_code light_in_memory(struct web *web, const struct view_light_job *job)
-{
-	enum eco_code code = view_gl_read(web->gl, &web->picture, &web->error);
-	web->read = !code;
-	if (!code)
-		code = view_light_picture(job, &web->picture, &web->error);
-	return code ? code : web_light_put(&web->light, &web->picture, &web->error);
 }
 
 int web_draw(struct web *web, const double view[10], double width, double height, double tint)
@@ -260,10 +250,9 @@ int web_draw(struct web *web, const double view[10], double width, double height
 		0 };
 	enum eco_code code = view_gl_record(web->gl, &(struct view_gl_job){ web->store, &web->selection,
 		&web->eye, near_m > 0 ? near_m : 0.1, light.tint }, &web->picture, &web->error);
-	if (code)
-		return (int)code;
-	return (int)(web_light_can(&light) ? web_light_draw(&web->light, web->gl, &light, v.width, v.height,
-		&web->error) : light_in_memory(web, &light));
+	if (!code)
+		code = web_light_draw(&web->light, web->gl, &light, v.width, v.height, &web->error);
+	return (int)code;
 }
 
 /* What was drawn last, in memory; false, with an error: it cannot be read. */

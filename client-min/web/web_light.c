@@ -14,14 +14,8 @@
 #define PLANT_TEXELS 3
 
 /* What view_light.glsl is written in; places on the ground are metres from the eye. */
-static const char language[] = "#define LIGHT\n"
-	"#define real float\n"
+static const char language[] = WEB_LANGUAGE
 	"#define ground_place vec2\n"
-	"vec3 add(vec3 a, vec3 b) { return a + b; }\n"
-	"vec3 scale(vec3 a, float t) { return a * t; }\n"
-	"vec3 times(vec3 a, vec3 b) { return a * b; }\n"
-	"vec3 blend(vec3 a, vec3 b, float t) { return mix(a, b, t); }\n"
-	"vec3 unit(vec3 a) { return a / max(length(a), 1e-20); }\n"
 	"float noise_at(vec2 at, int which);\n";
 
 static const char light_text[] =
@@ -54,6 +48,9 @@ static const char more[] = FRAME
 
 static const char plain_text[] =
 	"vec3 ground_own(vec3 n, vec3 to) { return ground_albedo(to.xy, n.z, length(to)); }\n";
+
+static const char unshadowed_text[] =
+	"vec2 cast_at(vec3 to, vec3 n, bool facet) { return vec2(-1.0, 0.0); }\n";
 
 static const char pixels[] = FRAME
 	"uniform sampler2D u_shade;\n"
@@ -88,42 +85,49 @@ static const char pixels[] = FRAME
 	"vec3 bytes_of_light(vec3 c) {\n"
 	"	return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));\n"
 	"}\n"
-	"vec3 plant_color(uvec4 seen, vec3 to) {\n"
+	/* of a pixel; foot: of the plant, and its scale */
+	"plant plant_of(uvec4 seen, out vec4 foot) {\n"
+	"	foot = vec4(0.0, 0.0, 0.0, 1.0);\n"
+	"	if (is_summary(seen)) return plant(0.0, 0.0, 0.0, 0.0, 0.0, summary_tone(seen.x >> 2));\n"
+	"	uint at = (seen.x - 1u) * 3u;\n"
+	"	vec4 a = plant_texel(at), b = plant_texel(at + 2u);\n"
+	"	foot = plant_texel(at + 1u);\n"
+	"	return plant(a.x, a.y, a.z, a.w, b.x, b.y);\n"
+	"}\n"
+	/* sunshine: what a shadow map says, the share of sunlight that arrives and how large a texel is */
+	"vec3 plant_color(uvec4 seen, vec3 to, plant p, vec4 foot, face look, vec2 sunshine) {\n"
 	"	vec3 own = light_of_bytes(vec3(uvec3(seen.w, seen.w >> 8, seen.w >> 16) & 255u) / 255.0);\n"
-	"	plant p = plant(0.0, 0.0, 0.0, 0.0, 0.0, summary_tone(seen.x >> 2));\n"
-	"	vec3 local = vec3(0.0), to_eye = -unit(to);\n"
-	"	if (!is_summary(seen)) {\n"
-	"		uint at = (seen.x - 1u) * 3u;\n"
-	"		vec4 a = plant_texel(at), foot = plant_texel(at + 1u), b = plant_texel(at + 2u);\n"
-	"		p = plant(a.x, a.y, a.z, a.w, b.x, b.y);\n"
-	"		vec3 d = (to + v_frame[5].xyz - foot.xyz) / foot.w;\n"
-	"		local = vec3(d.x * p.cosine + d.y * p.sine, d.y * p.cosine - d.x * p.sine, d.z);\n"
-	"	}\n"
-	"	face look = face_of(sun(), p, seen.y, to_eye);\n"
-	"	crown around = crown_of(sun(), p, local, to_eye, look.reach);\n"
+	"	vec3 d = (to + v_frame[5].xyz - foot.xyz) / foot.w, to_eye = -unit(to);\n"
+	"	vec3 local = vec3(d.x * p.cosine + d.y * p.sine, d.y * p.cosine - d.x * p.sine, d.z);\n"
+	"	crown around = crown_by_map(p, crown_of(sun(), p, local, to_eye, look.reach), sunshine.x,\n"
+	"		sunshine.y / (p.half_width * foot.w), look.reach);\n"
 	"	if (unshaded()) around = crown_alone(sun(), to_eye);\n"
 	"	vec3 color = plant_light(sun(), p, own, look.sun, around, by_kind());\n"
 	"	return by_kind() ? color : haze(sun(), color, to, length(to), haze_m());\n"
 	"}\n"
-	"vec3 ground_pixel(uint surface, vec3 to) {\n"
-	"	vec3 n = direction_of(surface);\n"
+	"vec3 ground_pixel(vec3 n, vec3 to, vec2 sunshine) {\n"
 	"	vec2 at = (to.xy - v_frame[6].xy) * v_frame[6].z, taken = vec2(0.0);\n"
 	"	if (all(greaterThan(at, vec2(0.0))) && all(lessThan(at, vec2(1.0))))\n"
 	"		taken = textureLod(u_shade, at, 0.0).rg;\n"
-	"	vec3 lit = ground_light(sun(), n, taken.x, taken.y);\n"
+	"	vec3 lit = ground_light(sun(), n, sunshine.x < 0.0 ? taken.x : 1.0 - sunshine.x, taken.y);\n"
 	"	lit *= ground_own(n, to);\n"
 	"	return ground_color(sun(), lit, to, haze_m(), by_kind());\n"
 	"}\n"
+	"vec3 color_of(uvec4 seen, vec3 to) {\n"
+	"	bool ground = seen.x == 0u && !is_summary(seen);\n"
+	"	vec4 foot;\n"
+	"	plant p = plant_of(seen, foot);\n"
+	"	face look = face(sunny(0.0, 0.0, 0.0), direction_of(seen.y), true, 0.0);\n"
+	"	if (!ground) look = face_of(sun(), p, seen.y, -unit(to));\n"
+	"	vec2 sunshine = cast_at(to, look.n, look.facet);\n"
+	"	if (ground) return ground_pixel(look.n, to, sunshine);\n"
+	"	return plant_color(seen, to, p, foot, look, sunshine);\n"
+	"}\n"
 	"void main() {\n"
 	"	uvec4 seen = texelFetch(u_seen, ivec2(v_pixel), 0);\n"
-	"	vec3 color;\n"
 	"	float nearness = uintBitsToFloat(seen.z);\n"
-	"	if (nearness == 0.0)\n"
-	"		color = sky_color(sun(), v_ray, by_kind());\n"
-	"	else if (seen.x == 0u && !is_summary(seen))\n"
-	"		color = ground_pixel(seen.y, v_ray / nearness);\n"
-	"	else\n"
-	"		color = plant_color(seen, v_ray / nearness);\n"
+	"	vec3 color = nearness == 0.0 ? sky_color(sun(), v_ray, by_kind())\n"
+	"		: color_of(seen, v_ray / nearness);\n"
 	"	o_color = vec4(bytes_of_light(vec3(shown(color.x), shown(color.y), shown(color.z))), 1.0);\n"
 	"}\n";
 
@@ -144,20 +148,22 @@ static void say_metre(char *text, size_t size)
 	snprintf(text + at, size - (size_t)at, ");\n");
 }
 
-enum eco_code web_light_prepare(struct web_light *light, bool image, struct eco_error *error)
+enum eco_code web_light_prepare(struct web_light *light, bool image, bool shadows, struct eco_error *error)
 {
+	unsigned *program = &light->programs[image][shadows];
 	char metre[1024];
 	if (!light->vertex_array) {
 		view_gpu_init(&light->gpu);
 		glGenVertexArrays(1, &light->vertex_array);
 		glGenFramebuffers(1, &light->framebuffer);
 	}
-	if (!light->programs[image]) {
+	if (!*program) {
 		say_metre(metre, sizeof metre);
-		light->programs[image] = web_program(more, (const char *const[]){ metre, language, light_text,
-			image ? web_image_text : plain_text, pixels }, 5, "light", error);
+		*program = web_program(more, (const char *const[]){ metre, language, light_text,
+			image ? web_image_text : plain_text, shadows ? web_shadow_text : unshadowed_text,
+			pixels }, 6, "light", error);
 	}
-	light->program = light->programs[image];
+	light->program = *program;
 	return light->program ? ECO_OK : error->code;
 }
 
@@ -179,8 +185,9 @@ void web_light_free(struct web_light *light)
 	glDeleteTextures(3, textures);
 	glDeleteFramebuffers(1, &light->framebuffer);
 	glDeleteVertexArrays(1, &light->vertex_array);
-	for (int i = 0; i < 2; i++)
-		glDeleteProgram(light->programs[i]);
+	for (int i = 0; i < 4; i++)
+		glDeleteProgram(light->programs[i / 2][i % 2]);
+	web_shadow_free(&light->shadow);
 	web_image_free(&light->image);
 	view_gpu_free(&light->gpu);
 	*light = (struct web_light){ 0 };
@@ -189,11 +196,6 @@ void web_light_free(struct web_light *light)
 void web_light_forget(struct web_light *light)
 {
 	light->shaded = light->held = false;
-}
-
-bool web_light_can(const struct view_light_job *job)
-{
-	return !job->selection->sky.shadows;
 }
 
 /* ---- What light needs of a selection ---- */
@@ -336,12 +338,17 @@ static void set_all(const struct web_light *light, const struct view_light_job *
 	set_rays(light, job->eye);
 	if (job->selection->image.count)
 		web_image_set(&light->image, light->program, 3, &job->selection->image, job->eye);
+	if (web_shadow_wanted(&job->selection->sky))
+		web_shadow_set(&light->shadow, light->program, 5);
 }
 
-enum eco_code web_light_draw(struct web_light *light, const struct view_gl *gl,
-	const struct view_light_job *job, uint32_t width, uint32_t height, struct eco_error *error)
+enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const struct view_light_job *job,
+	uint32_t width, uint32_t height, struct eco_error *error)
 {
-	enum eco_code code = web_light_prepare(light, job->selection->image.count > 0, error);
+	bool shadows = web_shadow_wanted(&job->selection->sky);
+	enum eco_code code = web_light_prepare(light, job->selection->image.count > 0, shadows, error);
+	if (!code && shadows)
+		code = web_shadow_draw(&light->shadow, gl, job, (const uint32_t[2]){ width, height }, error);
 	if (!code)
 		code = upload_selection(light, job, error);
 	if (!code)
@@ -353,25 +360,6 @@ enum eco_code web_light_draw(struct web_light *light, const struct view_gl *gl,
 	glBindFramebuffer(GL_FRAMEBUFFER, light->framebuffer);
 	web_program_fill(light->vertex_array, (const int[4]){ 0, 0, (int)width, (int)height });
 	return ECO_OK;
-}
-
-enum eco_code web_light_put(struct web_light *light, const struct view_picture *picture,
-	struct eco_error *error)
-{
-	size_t count = (size_t)picture->width * picture->height;
-	uint8_t *rgba = calloc(count, 4);
-	enum eco_code code = rgba ? web_light_prepare(light, false, error)
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
-	for (size_t i = 0; i < count && !code; i++)
-		memcpy(rgba + 4 * i, picture->rgb + 3 * i, 3);
-	if (!code) {
-		resize(light, picture->width, picture->height);
-		glBindTexture(GL_TEXTURE_2D, light->lit);
-		glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, (GLsizei)light->width, (GLsizei)light->height,
-			GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-	}
-	free(rgba);
-	return code;
 }
 
 enum eco_code web_light_read(const struct web_light *light, uint8_t *rgb, struct eco_error *error)

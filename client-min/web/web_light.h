@@ -10,11 +10,12 @@
 #include "client-min/draw/view_gpu.h"
 #include "client-min/draw/view_light.h"
 #include "client-min/web/web_image.h"
+#include "client-min/web/web_shadow.h"
 
 struct web_light {                       /* zero is empty */
 	unsigned lit;                    /* RGBA8 */
 	uint32_t width, height;
-	unsigned programs[2];            /* without an image on the ground, and with one */
+	unsigned programs[2][2];         /* of an image on the ground, or none, and of shadows, or none */
 	unsigned program;                /* of them, the one in use */
 	unsigned framebuffer, vertex_array, shade;
 	struct view_gpu gpu;
@@ -22,21 +23,20 @@ struct web_light {                       /* zero is empty */
 	struct view_gpu_texels plants;
 	double origin[3];
 	struct web_image image;          /* of the selection, if `held` */
+	struct web_shadow shadow;        /* of the picture, if there is any */
 	bool held;
 	bool shaded;                     /* `shade` is of this selection and that sun */
 	float sun[3];
 	double low[2], side_m;           /* where `shade` lies: view_shade.h; side_m 0: nowhere */
 };
 
-/* All of the picture that gl has recorded, of the job's selection. No shadow maps: web_light_can. */
-bool web_light_can(const struct view_light_job *job);
-/* Compiles what drawing needs, with an image on the ground or without, which that else does itself. */
-enum eco_code web_light_prepare(struct web_light *light, bool image, struct eco_error *error);
-enum eco_code web_light_draw(struct web_light *light, const struct view_gl *gl,
-	const struct view_light_job *job, uint32_t width, uint32_t height, struct eco_error *error);
-/* Takes colours that were lit in memory; reads them, 3 bytes a pixel. */
-enum eco_code web_light_put(struct web_light *light, const struct view_picture *picture,
-	struct eco_error *error);
+/* Compiles what light needs, with an image on the ground or without, with shadows or without, which drawing
+ * else does itself. */
+enum eco_code web_light_prepare(struct web_light *light, bool image, bool shadows, struct eco_error *error);
+/* All of the picture that gl has recorded, of the job's selection. */
+enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const struct view_light_job *job,
+	uint32_t width, uint32_t height, struct eco_error *error);
+/* Reads the colours, 3 bytes a pixel. */
 enum eco_code web_light_read(const struct web_light *light, uint8_t *rgb, struct eco_error *error);
 void web_light_forget(struct web_light *light);
 void web_light_free(struct web_light *light);

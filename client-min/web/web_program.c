@@ -3,7 +3,7 @@
 #include <GLES3/gl3.h>
 #include <stddef.h>
 
-#define PARTS_MAX 6
+#define PARTS_MAX 8
 
 static const char vertex_text[] = "#version 300 es\n"
 	"precision highp usampler2D;\n"

@@ -9,6 +9,16 @@
 /* GLSL: whether what is seen (view_gl_target) is a point of a summary. */
 #define WEB_IS_SUMMARY "bool is_summary(uvec4 seen) { return seen.y >> 24 == 129u; }\n"
 
+/* GLSL: what the texts that C compiles, too, are written in, but for what each of them says itself. */
+#define WEB_LANGUAGE \
+	"#define LIGHT\n" \
+	"#define real float\n" \
+	"vec3 add(vec3 a, vec3 b) { return a + b; }\n" \
+	"vec3 scale(vec3 a, float t) { return a * t; }\n" \
+	"vec3 times(vec3 a, vec3 b) { return a * b; }\n" \
+	"vec3 blend(vec3 a, vec3 b, float t) { return mix(a, b, t); }\n" \
+	"vec3 unit(vec3 a) { return a / max(length(a), 1e-20); }\n"
+
 /* Of a fragment shader in parts, after its version and precisions; `v_at` is the place in a picture whose
  * first row is the top, [0, 1]. vertex: NULL, or the text of `void more()`, which sets more of a vertex whose
  * gl_Position is set. 0, with *error: the driver refuses it. */

@@ -56,7 +56,8 @@ printf 'v -0.5 0 0\nv 0.5 0 0\nv 0 1 0\nf 1 2 3\n' >"$dir/source-bare/blade.obj"
 echo '{"plants": {"grass": {"model": "blade.obj"}}, "instances": [{"plant": "grass", "at": [0, 0]}]}' >"$dir/source-bare/scene.json"
 "$BUILD/ecopack" make --draft "$dir/source-bare/scene.json" -o "$dir/bare.eco" --quiet 2>/dev/null || fail "make bare"
 "$BUILD/ecoserve" --listen 127.0.0.1:0 --viewer build/web/site "bare=$dir/bare.eco" "city=$dir/city.eco" \
-	"$dir/meadow.eco" "$dir/park.eco" "dusk=$dir/park.eco" "kinds=$dir/meadow.eco" "picture=$dir/picture.eco" >"$dir/ready" &
+	"$dir/meadow.eco" "$dir/park.eco" "dusk=$dir/park.eco" "kinds=$dir/meadow.eco" "picture=$dir/picture.eco" \
+	"shade=$dir/picture.eco" >"$dir/ready" &
 server=$!
 trap 'kill $server 2>/dev/null' EXIT
 for _ in $(seq 100); do grep -q ready "$dir/ready" && break; sleep 0.1; done
@@ -90,9 +91,10 @@ look_at dusk 100000 '{"haze": 200, "sun": 1782067500}'
 look_at kinds 30000 '{"tint": "kind"}'
 look_at park 300000
 look_at picture 100000
+look_at shade 300000 '{"shadows": "perspective", "sun": 1782050400}'
 node tests/client/web/compare.mjs "$dir" build/web/site "$chromium" "$url/v1/scenes/city" \
 	"$url/v1/scenes/meadow" "$url/v1/scenes/park" "$url/v1/scenes/picture" \
-	"$url/v1/scenes/dusk" "$url/v1/scenes/kinds" \
+	"$url/v1/scenes/dusk" "$url/v1/scenes/kinds" "$url/v1/scenes/shade" \
 	|| fail "the browser differs from ecoview"
 # the page, and that ecoview replays what it recorded
 if [ -n "$chromium" ]; then

@@ -3,8 +3,7 @@
 // --owners, and with --digest's lines in NAME/said. In node: the hashes of what is decoded and drawn are the
 // same. In CHROMIUM (none: ''): those, too, and of each picture's pixels that plants cover, and of those
 // that show the right plant, P and R are at least .995, and of all pixels as many have ecoview's colours, but
-// for 2 of 255. NAME.options, if it is there, are the layer's, in JSON. Where no shadow is cast, and no picture
-// lies on the ground (`picture`), no pixel is read for a frame.
+// for 2 of 255. No pixel is read for a frame, and no shader of shadows is compiled where none are asked for. NAME.options, if it is there, are the layer's, in JSON.
 import { existsSync, readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -69,6 +68,11 @@ async function openLayer(url, options) {
 	const gl = new OffscreenCanvas(16, 16).getContext('webgl2');
 	const onError = (error) => { globalThis.failed = error.message; };
 	globalThis.tested?.free();
+	globalThis.shadowTexts = 0;
+	gl.shaderSource = (shader, text) => {
+		shadowTexts += /#define SHADOW|u_tops|u_cells/.test(text);
+		WebGL2RenderingContext.prototype.shaderSource.call(gl, shader, text);
+	};
 	globalThis.tested = new EcoLayer({ url, gl, firstBytes: Infinity, ...options, onError });
 	await tested.ready;
 }
@@ -104,7 +108,7 @@ async function drawFrame(view, wanted, pictures) {
 			[0, 1, 2].some((k) => apart(i, k) > 2)]
 			.forEach((counted, k) => { counts[k] += !!counted; });
 	}
-	return { digest: tested.stream.digest(), counts, calls, failed: globalThis.failed };
+	return { digest: tested.stream.digest(), counts, calls, shadowTexts, failed: globalThis.failed };
 }
 
 async function inBrowser(scenes) {
@@ -121,7 +125,7 @@ async function inBrowser(scenes) {
 			for (const { what, view, wanted, digest: theirs, pictures } of views) {
 				const data = pictures.map((file) =>
 					`data:image/png;base64,${readFileSync(file).toString('base64')}`);
-				const { digest, counts, calls, failed } = await call(drawFrame, view, wanted, data);
+				const { digest, counts, calls, shadowTexts, failed } = await call(drawFrame, view, wanted, data);
 				expect(!failed && digest === theirs, `${what}: the page's digest is ${digest} `
 					+ `(${failed ?? 'no error'}), ecoview's ${theirs}`);
 				const [page, ecoview, both, alike, odd, other] = counts, most = Math.max(page, ecoview);
@@ -129,8 +133,9 @@ async function inBrowser(scenes) {
 				console.log(`${what}: ${ecoview} pixels; covered P ${(both / page).toFixed(5)} R `
 					+ `${(both / ecoview).toFixed(5)}, owners P ${(alike / page).toFixed(5)} R `
 					+ `${(alike / ecoview).toFixed(5)}; ${JSON.stringify(options)}, ${other} other colours`);
-				expect(!calls.readPixels || options.shadows || url.endsWith('/picture'),
-					`${what}: pixels are read ${calls.readPixels} times for a frame`);
+				expect(!calls.readPixels, `${what}: pixels are read ${calls.readPixels} times for a frame`);
+				expect(!shadowTexts === !options.shadows,
+					`${what}: ${shadowTexts} shaders of shadows are compiled`);
 				// whoever asks waits for all that is drawn: not once a list
 				expect(calls.getError <= ERRORS_ASKED,
 					`${what}: the GPU is asked ${calls.getError} times for errors`);

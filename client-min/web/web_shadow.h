@@ -1,0 +1,36 @@
+/* Shadow maps on the GPU: as view_shadow.h has them, by the same text (draw/view_shadow.glsl), from what
+ * view_gl_record has left in textures, without reading a pixel.
+ *
+ *   web_shadow_draw(&shadow, gl, &job, size, &error);       once a picture
+ *   web_shadow_set(&shadow, program, unit);                 a program with web_shadow_text
+ *   web_shadow_free(&shadow);
+ *
+ * What is seen becomes cells, these become the map's rows, and what casts is drawn by them. Nothing is made,
+ * nor compiled, before the first picture with shadows. */
+#ifndef WEB_SHADOW_H
+#define WEB_SHADOW_H
+
+#include "client-min/draw/view_gl.h"
+
+enum web_shadow_part { WEB_SHADOW_CELLS, WEB_SHADOW_ROWS, WEB_SHADOW_TOPS, WEB_SHADOW_PARTS };
+struct web_shadow {                      /* zero is empty */
+	unsigned programs[WEB_SHADOW_TOPS], textures[WEB_SHADOW_PARTS], framebuffers[WEB_SHADOW_PARTS];
+	unsigned vertex_array;
+	uint32_t size;                   /* texels a side of the map */
+};
+
+/* Whether a picture has any: they are asked for, and the sun is not too low. */
+bool web_shadow_wanted(const struct view_sky *sky);
+/* Of the picture of that width and height that gl has recorded, of the job's selection. */
+enum eco_code web_shadow_draw(struct web_shadow *shadow, struct view_gl *gl, const struct view_light_job *job,
+	const uint32_t picture[2], struct eco_error *error);
+void web_shadow_free(struct web_shadow *shadow);
+
+/* For fragment shaders: vec2 cast_at(vec3 to, vec3 n, bool facet), the share of sunlight that arrives at a
+ * place from the eye, -1 beyond the map, and how large a texel is there. facet: the surface has that one
+ * normal. */
+extern const char web_shadow_text[];
+/* Sets its uniforms in the program that is in use; takes texture units `unit` and the next. */
+void web_shadow_set(const struct web_shadow *shadow, unsigned program, int unit);
+
+#endif
