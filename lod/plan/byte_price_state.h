@@ -1,5 +1,5 @@
 /* What prices of bytes keep between relaxations (lod/plan/byte_price.h), and the part of it that is about
- * textures: how many levels of each are worth their bytes. Only byte_price.c and image_price.c know of it. */
+ * textures: how many levels of each are worth their bytes. Only byte_price*.c and image_price.c know of it. */
 #ifndef LOD_BYTE_PRICE_STATE_H
 #define LOD_BYTE_PRICE_STATE_H
 
@@ -69,6 +69,11 @@ struct lod_prices {
 /* Bytes of the chunks [from, to) of a list that the client lacks; what these cost beside their bytes. */
 double lod_prices_missing(const struct lod_allocation *allocation, uint32_t list, uint32_t from, uint32_t to);
 double lod_prices_waste(const struct lod_allocation *allocation, uint32_t list, uint32_t from, uint32_t to);
+/* Puts the longer of both into the sum. What chunks of a ladder take. */
+void lod_prices_add_needs(struct chunks *sum, const struct chunks *more);
+struct price lod_prices_of(const struct ladder_price *ladder, const struct chunks *needs);
+/* Counts the work of limits, which are made of what all choices come to, as a relaxation is. */
+void lod_prices_work(struct lod_allocation *allocation);
 /* The share of a slot's plants that draw a choice. `all`: of a ladder that shows the whole plant, as if no
  * organs were drawn. */
 double lod_prices_share(const struct lod_allocation *allocation, uint32_t ladder_choice, bool all);
