@@ -275,8 +275,8 @@ static double visible_share(const struct lod_screen *screen, const struct lod_vi
 static void attenuate(const struct lod_screen *screen, const struct lod_visibility *visibility,
 	const struct light *light)
 {
-	float opaque = visibility->hides * visibility->before,
-		clear_of = visibility->opacity * visibility->before;
+	float opaque = visibility->hides * visibility->within,
+		clear_of = visibility->opacity * visibility->within;
 	struct span across = crown_across(screen, visibility), down = crown_down(screen, visibility);
 	for (int r = down.first; r < down.end; r++) {
 		float *clear = light->clear + r * (int)screen->columns,
@@ -304,7 +304,7 @@ static double unoccluded_share(const struct lod_screen *screen, const struct lod
 		const float *row = clear + r * (int)screen->columns;
 		float height = fmaxf(0, inside(&down, r)), sum = 0;
 		float own = r >= high.first && r < high.end
-			? fmaxf(0, inside(&high, r)) * visibility->opacity * visibility->before : 0;
+			? fmaxf(0, inside(&high, r)) * visibility->opacity * visibility->within : 0;
 		for (int c = across.first; c < across.end; c++) {
 			float rest = 1 - (c >= crown.first && c < crown.end ? own * inside(&crown, c) : 0);
 			sum += inside(&across, c) * (rest > CLEAR_LEAST ? row[c] / rest : 0);
@@ -355,8 +355,7 @@ static void occlude(const struct lod_screen *screen, struct lod_visibility *visi
 	const struct light *light)
 {
 	visibility->share = (float)visible_share(screen, visibility, light->through);
-	if (!visibility->beside)
-		attenuate(screen, visibility, light);
+	attenuate(screen, visibility, light);
 }
 
 static uint64_t cells_of(const struct lod_screen *screen, const struct lod_visibility *visibility)

@@ -17,8 +17,9 @@
  * The position in the picture of a plant whose middle is not in front of the eye is unknown, and its box is
  * larger than the picture. e^-r^2 of the box is taken to show, where r is the plant's distance in its own
  * radii: much if the eye is within it, else almost nothing. Otherwise each plant that passes by would take a
- * part of the budget from all others and return it. To split such a plant into 64 proxy shapes makes shares
- * change faster (lod/EXPERIMENTS.md, Plants around the eye).
+ * part of the budget from all others and return it. So much of it hides what is farther away, all over its
+ * box: else plants around the eye would show several times as many pixels as the picture has. To split such a
+ * plant into 64 proxy shapes makes shares change faster (lod/EXPERIMENTS.md, Plants around the eye).
  *
  * A false positive of a plant is wrong only where no other plant is, in front or behind; elsewhere the pixel
  * is covered anyway, by the wrong plant, which counts LOD_OWNER_WEIGHT. All that a tile's summary covers
@@ -59,10 +60,10 @@ struct lod_visibility {
 	float above;                 /* the caller's: how far from above it is seen (lod_seen_above) */
 	bool beside;                 /* around the eye, not in front: its position in the picture is
 	                              * unknown */
-	float within;                /* part of its box's visible share that counts; 1 where `before` is 1, 0
-	                              * where none of it is in front of the eye */
-	float before;                /* how much of it hides others: 0 where beside, 1 from twice as far in
-	                              * front of the eye on */
+	float within;                /* part of its box's visible share that counts, and that hides others; 1
+	                              * where `before` is 1, 0 where none of it is in front of the eye */
+	float before;                /* how much of it covers where it stands: 0 where beside, 1 from twice as
+	                              * far in front of the eye on */
 };
 
 struct lod_screen {

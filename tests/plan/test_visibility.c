@@ -121,6 +121,28 @@ UNIT_TEST(few_cells_tell_as_much_of_large_trees)
 	lod_screen_free(&screen);
 }
 
+/* Each is as large as the picture, but all of them show no more than that, nor is what stands behind them as
+ * open to view as without them. */
+UNIT_TEST(plants_around_the_eye_hide_each_other)
+{
+	static const double feet[6][3] = { { 0, 25, -5 }, { 0, -0.5, -5 }, { 0.6, -0.3, -5 },
+		{ -0.7, -0.1, -5 }, { 0.2, -0.8, -5 }, { -0.3, -0.4, -5 } };
+	const struct eco_view view = { .eye = { 0, 0, 0 }, .target = { 0, 1, 0 }, .up = { 0, 0, 1 },
+		.fov_y_deg = 50, .width = 800, .height = 600 };
+	struct lod_screen screen;
+	look_at_trees(&screen, &view, feet, 1);
+	float alone = screen.visibilities[0].share;
+	lod_screen_free(&screen);
+	look_at_trees(&screen, &view, feet, 6);
+	double seen = 0;
+	for (uint32_t i = 0; i < 6; i++)
+		seen += (double)screen.visibilities[i].share * (double)screen.visibilities[i].pixels;
+	assert_true(screen.visibilities[1].beside && screen.visibilities[5].beside);
+	assert_true(seen < 800 * 600);
+	assert_true(screen.visibilities[0].share < 0.2f * alone);
+	lod_screen_free(&screen);
+}
+
 /* Past the eye, one and two radii aside, or through it. Most of what stands around the eye is not in the
  * picture, but what the eye is within. */
 UNIT_TEST(what_passes_the_eye_goes_little_by_little)
