@@ -11,9 +11,10 @@
 #include "lod/ground_choice.h"
 #include "lod/build/summary.h"
 
-/* the steps of heights that are not whole: neither finer than a centimetre nor than what light can show,
- * 1 of 255, as slopes change by 1/256 (lod/EXPERIMENTS.md, Smaller tiles of ground) */
+/* steps of heights that are not whole: a centimetre, where relief is low less, but no less than light can
+ * show, 1 of 255, as slopes change by 1/256 then (lod/EXPERIMENTS.md, Smaller tiles of ground) */
 #define HEIGHT_STEP_M 0.01
+#define RELIEF_STEPS 1024
 #define CELL_STEPS 256
 
 /* The step of rasters in whole metres or decimetres, which keeps them exactly in a fraction of the bytes;
@@ -47,8 +48,8 @@ static void choose_steps(struct make *m)
 	step = most > least ? whole_step(ground, least) : 0;
 	if (!(step > 0)) {
 		double cell = fmin(ground->step_x_m, ground->step_y_m);
-		step = lod_power_below(fmin(fmax(HEIGHT_STEP_M, cell / CELL_STEPS),
-			most > least ? (most - least) / 1024 : 1));
+		step = lod_power_below(most > least ? fmax(fmin(HEIGHT_STEP_M, (most - least) / RELIEF_STEPS),
+			cell / CELL_STEPS) : 1);
 		while ((most - least) / step > 1 << 27)
 			step *= 2;
 		low = floor(least / step) * step + 0.0;

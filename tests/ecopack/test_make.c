@@ -460,15 +460,16 @@ UNIT_TEST(test_whole_heights_are_kept_exactly)
 	eco_pack_close(pack);
 }
 
-/* Other heights have steps of a 256th of a cell, but none below a centimetre. */
+/* Other heights have steps of a centimetre, less where relief is low, but of a 256th of a cell at least. */
 UNIT_TEST(test_steps_of_heights_are_as_fine_as_cells_show)
 {
-	static const struct { const char *cell; double step; } grids[] = { { "0.5", 1.0 / 128 }, { "2", 1.0 / 128 },
-		{ "10", 1.0 / 32 }, { "90", 1.0 / 4 } };
+	static const struct { const char *cell, *top; double step; } grids[] = { { "0.5", "602", 1.0 / 128 },
+		{ "2", "602", 1.0 / 128 }, { "10", "602", 1.0 / 32 }, { "90", "602", 1.0 / 4 },
+		{ "0.125", "99.412", 1.0 / 2048 }, { "2", "99.412", 1.0 / 128 } };
 	for (size_t i = 0; i < sizeof grids / sizeof *grids; i++) {
 		char text[200];
 		snprintf(text, sizeof text, "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize %s\n"
-			"101.0217 602 104.3791\n103 110.012 99\n", grids[i].cell);
+			"99.0217 %s 99.3791\n99.3 99.012 99\n", grids[i].cell, grids[i].top);
 		write_text("wide.asc", text);
 		write_text("wide.json", "{\"ground\": {\"heights\": \"wide.asc\"}, \"plants\": {\"a\": "
 			"{\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [1, 1]}]}");
