@@ -317,6 +317,11 @@ start 1 'no row is a point; a table of plants has a point for each' lines.geojso
 echo '{"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[8,47]}}]}' >"$DIR/bare.geojson"
 start 1 'it has no columns, so no species; give --plant NAME for one model everywhere' bare.geojson
 
+# ---- A model of the very name stands for what is else no plant; one plant at zero is no place in the sea ----
+printf 'species,x,y\nrock,0,0\n' >"$DIR/rock.csv"
+start 0 'metres of a plot: from 0, 0 to 0, 0' rock.csv
+is '[.crs, .instances[0].map.rock]' '[null,"rock"]'
+
 # ---- Levels of detail in files of their own are no variants ----
 mkdir "$DIR/levels" && for level in 0 1 2; do cp "$DIR/models/stieleiche.obj" "$DIR/levels/oak_LOD$level.obj"; done
 rm -rf "$DIR/my"

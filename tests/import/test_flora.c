@@ -14,7 +14,7 @@ UNIT_TEST(names_become_words)
 		{ "\u00c9pic\u00e9a", "epicea" }, { "sapling_oak_s7.obj", "sapling oak s 7 obj" },
 		{ "CommonTree_1", "common tree 1" }, { "Stra\u00dfe", "strase" },
 		{ "\u0160\u0164\u0158\u0142\u0153", "strlo" }, { "\u4e2d x", "\u4e2d x" }, { "  ", "" },
-		{ "20\u00a0m\u00b2", "20 m" } };
+		{ "20\u00a0m\u00b2", "20 m" }, { "Высота, м", "высота м" }, { "ЁЛКАКрона2", "елкакрона 2" } };
 	char words[ECO_WORDS_BYTES];
 	for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
 		assert_int_equal(eco_words_of(pairs[i][0], words, sizeof words), strlen(pairs[i][1]));
@@ -67,6 +67,8 @@ UNIT_TEST(genera_and_forms_are_known_in_several_languages)
 		{ "sosna zwyczajna", "pinus", ECO_FORM_CONIFER }, { "b\u0159\u00edza", "betula", ECO_FORM_BROAD },
 		{ "salgueiro", "salix", ECO_FORM_WEEPING }, { "lind", "tilia", ECO_FORM_BROAD },
 		{ "Laburnum anagyroides", "laburnum", ECO_FORM_BROAD },  /* nearly Viburnum, and none */
+		{ "Берёза повислая", "betula", ECO_FORM_BROAD },
+		{ "СЛИВА", "prunus", ECO_FORM_BROAD },       /* ends as a willow does, which is too short */
 		{ "maples", "acer", ECO_FORM_BROAD }, { "Rotfichte", "picea", ECO_FORM_CONIFER },
 		{ "Populus nigra 'Italica' fastigiata", "populus", ECO_FORM_COLUMN },
 		{ "Betula pendula", "betula", ECO_FORM_WEEPING }, { "palmera", "phoenix", ECO_FORM_PALM },

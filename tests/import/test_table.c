@@ -59,6 +59,8 @@ static const struct { const char *text, *roles; char decimal;
 		'.' },
 	{ "tag,sp_code,x,y,dbh_mm\n1,litu,3.5,4.5,200\n2,quru,5.5,4.5,300\n", "x|y|sp_code|-|dbh_mm|-", '.' },
 	{ "立木ID,樹種,胸高直径,樹高,幹周,経度,緯度\n1,アテ,5.2,4.4,16.3,136.9,37.3\n", "経度|緯度|樹種|樹高|胸高直径|幹周", '.' },
+	{ "Порода;Широта;ДОЛГОТА;Высота, м;Диаметр кроны, м;Диаметр, см\nДуб;55.75;37.6;12;5;30\n",
+		"ДОЛГОТА|Широта|Порода|Высота, м|Диаметр, см|-", '.' },
 	{ "date,tree_type,lat,lon\n1,Urban Street Tree,45,-123\n", "lon|lat|tree_type|-|-|-", '.' },
 	{ "a,b\n1,2\n", "-|-|-|-|-|-", '.' },
 };
@@ -128,6 +130,8 @@ static const struct {
 	{ "x", "y", "1008714,770748", "EPSG:2261", NULL, "EPSG:2261 EPSG:32618" },
 	{ "x", "y", "5820000,391000", "EPSG:25833", NULL, "EPSG:25833 EPSG:25833 swapped" },
 	{ "x", "y", "12.5,340.2", NULL, NULL, "- -" },
+	{ "x", "y", "0,0", NULL, NULL, "- -" },              /* whole numbers are no degrees ... */
+	{ "lon", "lat", "11,48", NULL, NULL, "EPSG:4326 EPSG:32632" },       /* unless they say so */
 	{ "x", "y", "391000,5820000", NULL, NULL, "?each UTM zone, at latitude 52.5" },
 	{ "x", "y", "2600000,1200000", NULL, NULL, "?EPSG:2056" },
 	{ "x", "y", "391000,5820000", NULL,

@@ -16,7 +16,6 @@
 
 /* ---- Scores ---- */
 
-#define SAME 1000                /* the whole name */
 #define GENUS 100
 #define WORD 40                  /* a word that both have */
 #define FORM 20
@@ -59,10 +58,6 @@ static int score(const struct eco_flora *flora, const char *words, const struct 
 	*tier = START_BY_NOTHING;
 	if (model->flora.form == ECO_FORM_NOTHING)
 		return -GENUS;
-	if (words[0] != 0 && strcmp(words, model->words) == 0) {
-		*tier = START_BY_NAME;
-		return SAME;
-	}
 	/* a dead or bare tree stands for a living one only where there is no other */
 	if (model->is_dead && !eco_words_have(words, "dead"))
 		return DEAD;
@@ -74,6 +69,15 @@ static int score(const struct eco_flora *flora, const char *words, const struct 
 	return sum;
 }
 
+/* The model that has the very name, whatever it names; ECO_NONE: none. */
+static uint32_t model_named(const struct start *s, const char *words)
+{
+	for (uint32_t i = 0; i < s->model_count && words[0] != 0; i++)
+		if (strcmp(words, s->models[i].words) == 0)
+			return i;
+	return ECO_NONE;
+}
+
 /* Of models that are equally good, a hash of the genus takes one, so that not all woods look alike. */
 static struct start_match best_match(const struct start *s, const char *text)
 {
@@ -82,9 +86,12 @@ static struct start_match best_match(const struct start *s, const char *text)
 	char words[ECO_WORDS_BYTES];
 	int best = -1000;
 	uint64_t hash = 0, taken = 0;
-	if (match.flora.form == ECO_FORM_NOTHING)
-		return match;
 	eco_words_of(text, words, sizeof words);
+	match.model = model_named(s, words);
+	if (match.model != ECO_NONE)
+		match.tier = START_BY_NAME;
+	if (match.model != ECO_NONE || match.flora.form == ECO_FORM_NOTHING)
+		return match;
 	for (const char *c = match.flora.genus ? match.flora.genus : words; *c != 0; c++)
 		hash = eco_mix(hash, (uint64_t)*c);
 	for (uint32_t i = 0; i < s->model_count; i++) {

@@ -11,39 +11,44 @@ const char *const eco_form_names[ECO_FORM_COUNT] = { "plant", "broad-leaved tree
 /* ---- Genera ---- */
 
 /* Common names as words without marks (words.h): English, German, French, Spanish, Italian, Dutch; of the
- * commonest also Portuguese, Polish, Czech and Swedish. */
+ * commonest also Portuguese, Polish, Czech, Swedish and Russian. */
 static const struct { const char *genus; enum eco_form form; const char *names; } genera[] = {
 	{ "quercus", ECO_FORM_BROAD, "oak eiche chene roble encina quercia eik zomereik wintereik "
-		"carvalho dab dub ek" },
+		"carvalho dab dub ek дуб" },
 	{ "acer", ECO_FORM_BROAD, "maple ahorn erable arce acero esdoorn boxelder sycamore bordo klon "
-		"javor lonn" },
-	{ "tilia", ECO_FORM_BROAD, "linden basswood lime linde tilleul tilo tiglio lipa lind" },
-	{ "fagus", ECO_FORM_BROAD, "beech buche hetre haya faggio beuk faia buk" },
-	{ "fraxinus", ECO_FORM_BROAD, "ash esche frene fresno frassino freixo jesion jasan" },
-	{ "platanus", ECO_FORM_BROAD, "plane planetree platane platano plataan platan" },
-	{ "betula", ECO_FORM_BROAD, "birch birke bouleau abedul betulla berk vidoeiro brzoza briza bjork" },
+		"javor lonn клен" },
+	{ "tilia", ECO_FORM_BROAD, "linden basswood lime linde tilleul tilo tiglio lipa lind липа" },
+	{ "fagus", ECO_FORM_BROAD, "beech buche hetre haya faggio beuk faia buk бук" },
+	{ "fraxinus", ECO_FORM_BROAD, "ash esche frene fresno frassino freixo jesion jasan ясень" },
+	{ "platanus", ECO_FORM_BROAD, "plane planetree platane platano plataan platan платан" },
+	{ "betula", ECO_FORM_BROAD, "birch birke bouleau abedul betulla berk vidoeiro brzoza briza bjork "
+		"береза" },
 	{ "aesculus", ECO_FORM_BROAD, "horsechestnut buckeye rosskastanie marronnier castano "
-		"ippocastano kasztanowiec jirovec" },
+		"ippocastano kasztanowiec jirovec каштан" },
 	{ "castanea", ECO_FORM_BROAD, "chestnut kastanie edelkastanie chataignier castagno kastanje" },
-	{ "ulmus", ECO_FORM_BROAD, "elm ulme orme olmo iep wiaz jilm alm" },
-	{ "carpinus", ECO_FORM_BROAD, "hornbeam hainbuche charme carpe carpino haagbeuk grab habr avenbok" },
+	{ "ulmus", ECO_FORM_BROAD, "elm ulme orme olmo iep wiaz jilm alm вяз" },
+	{ "carpinus", ECO_FORM_BROAD, "hornbeam hainbuche charme carpe carpino haagbeuk grab habr avenbok "
+		"граб" },
 	{ "ostrya", ECO_FORM_BROAD, "hophornbeam ironwood" },
-	{ "alnus", ECO_FORM_BROAD, "alder erle aulne aliso ontano els amieiro olsza olse" },
+	{ "alnus", ECO_FORM_BROAD, "alder erle aulne aliso ontano els amieiro olsza olse ольха" },
 	{ "populus", ECO_FORM_BROAD, "poplar aspen cottonwood pappel peuplier chopo alamo pioppo "
-		"populier tremble choupo topola topol osika asp" },
-	{ "salix", ECO_FORM_WEEPING, "willow weide saule sauce salice wilg salgueiro wierzba vrba pil" },
-	{ "robinia", ECO_FORM_BROAD, "locust robinie robinier falsa akat" },
+		"populier tremble choupo topola topol osika asp тополь осина" },
+	{ "salix", ECO_FORM_WEEPING, "willow weide saule sauce salice wilg salgueiro wierzba vrba pil "
+		"ива верба" },
+	{ "robinia", ECO_FORM_BROAD, "locust robinie robinier falsa akat акация" },
 	{ "gleditsia", ECO_FORM_BROAD, "honeylocust gleditschie fevier" },
 	{ "prunus", ECO_FORM_BROAD, "cherry plum kirsche pflaume cerisier prunier cerezo ciliegio kers "
-		"cerejeira ameixeira wisnia czeremcha sliwa tresen slivon korsbar" },
-	{ "malus", ECO_FORM_BROAD, "apple crabapple apfel pommier manzano melo appel macieira jablon" },
-	{ "pyrus", ECO_FORM_BROAD, "pear birne poirier peral pero peer pereira grusza hrusen" },
+		"cerejeira ameixeira wisnia czeremcha sliwa tresen slivon korsbar "
+		"вишня черемуха слива" },
+	{ "malus", ECO_FORM_BROAD, "apple crabapple apfel pommier manzano melo appel macieira jablon "
+		"яблоня" },
+	{ "pyrus", ECO_FORM_BROAD, "pear birne poirier peral pero peer pereira grusza hrusen груша" },
 	{ "sorbus", ECO_FORM_BROAD, "rowan whitebeam eberesche vogelbeere sorbier serbal sorbo "
-		"lijsterbes jarzab jarzebina jerab ronn" },
+		"lijsterbes jarzab jarzebina jerab ronn рябина" },
 	{ "crataegus", ECO_FORM_SHRUB, "hawthorn weissdorn aubepine espino biancospino meidoorn glog "
 		"hloh hagtorn" },
 	{ "juglans", ECO_FORM_BROAD, "walnut butternut walnuss noyer nogal noce walnoot nogueira orzech "
-		"oresak" },
+		"oresak орех" },
 	{ "carya", ECO_FORM_BROAD, "hickory pecan" },
 	{ "liriodendron", ECO_FORM_BROAD, "tuliptree tulpenbaum tulipier" },
 	{ "liquidambar", ECO_FORM_BROAD, "sweetgum amberbaum copalme" },
@@ -71,17 +76,20 @@ static const struct { const char *genus; enum eco_form form; const char *names; 
 	{ "melia", ECO_FORM_BROAD, "chinaberry" },
 	{ "callistemon", ECO_FORM_SHRUB, "bottlebrush zylinderputzer" },
 	{ "lagerstroemia", ECO_FORM_SHRUB, "crapemyrtle" },
-	{ "pinus", ECO_FORM_CONIFER, "pine kiefer fohre pin pino den pinheiro sosna borovice skogstall fyr" },
-	{ "picea", ECO_FORM_CONIFER, "spruce fichte epicea abete spar swierk smrk rodgran" },
-	{ "abies", ECO_FORM_CONIFER, "fir tanne sapin abeto jodla jedle" },
+	{ "pinus", ECO_FORM_CONIFER, "pine kiefer fohre pin pino den pinheiro sosna borovice skogstall fyr "
+		"сосна" },
+	{ "picea", ECO_FORM_CONIFER, "spruce fichte epicea abete spar swierk smrk rodgran ель" },
+	{ "abies", ECO_FORM_CONIFER, "fir tanne sapin abeto jodla jedle пихта" },
 	{ "pseudotsuga", ECO_FORM_CONIFER, "douglasfir douglas douglasie" },
-	{ "larix", ECO_FORM_CONIFER, "larch larche meleze alerce larice lork modrzew modrin" },
+	{ "larix", ECO_FORM_CONIFER, "larch larche meleze alerce larice lork modrzew modrin "
+		"лиственница" },
 	{ "tsuga", ECO_FORM_CONIFER, "hemlock" },
 	{ "cedrus", ECO_FORM_CONIFER, "cedar zeder cedre cedro ceder" },
 	{ "taxus", ECO_FORM_CONIFER, "yew eibe tejo tasso taxus teixo idegran" },
-	{ "thuja", ECO_FORM_COLUMN, "arborvitae lebensbaum thuya tuya zywotnik zerav tuja" },
+	{ "thuja", ECO_FORM_COLUMN, "arborvitae lebensbaum thuya tuya zywotnik zerav tuja туя" },
 	{ "chamaecyparis", ECO_FORM_COLUMN, "falsecypress scheinzypresse" },
-	{ "juniperus", ECO_FORM_COLUMN, "juniper wacholder genevrier enebro ginepro zimbro jalowiec" },
+	{ "juniperus", ECO_FORM_COLUMN, "juniper wacholder genevrier enebro ginepro zimbro jalowiec "
+		"можжевельник" },
 	{ "cupressus", ECO_FORM_COLUMN, "cypress zypresse cypres cipres cipresso" },
 	{ "sequoia", ECO_FORM_CONIFER, "redwood sequoia" },
 	{ "sequoiadendron", ECO_FORM_CONIFER, "mammutbaum" },
@@ -96,7 +104,7 @@ static const struct { const char *genus; enum eco_form form; const char *names; 
 	{ "lindera", ECO_FORM_SHRUB, "spicebush" },
 	{ "hamamelis", ECO_FORM_SHRUB, "witchhazel zaubernuss" },
 	{ "corylus", ECO_FORM_SHRUB, "hazel hasel noisetier avellano nocciolo hazelaar leszczyna liska" },
-	{ "syringa", ECO_FORM_SHRUB, "lilac flieder lilas sering lilak serik syren" },
+	{ "syringa", ECO_FORM_SHRUB, "lilac flieder lilas sering lilak serik syren сирень" },
 	{ "sambucus", ECO_FORM_SHRUB, "elder elderberry holunder sureau sauco" },
 	{ "laburnum", ECO_FORM_BROAD, "goldregen cytise" },
 	{ "viburnum", ECO_FORM_SHRUB, "viburnum schneeball viorne" },
@@ -202,6 +210,15 @@ bool eco_form_is_tree(enum eco_form form)
 
 /* ---- Matching ---- */
 
+/* Letters of any alphabet. */
+static size_t letters(const char *word)
+{
+	size_t count = 0;
+	for (; *word != 0; word++)
+		count += ((unsigned char)*word & 0xc0) != 0x80;
+	return count;
+}
+
 /* Whether a list of words has `word`, or, where it is long, a word that it ends with: "stieleiche". */
 static bool listed(const char *list, const char *word, bool ends)
 {
@@ -212,7 +229,8 @@ static bool listed(const char *list, const char *word, bool ends)
 		bool same = strcmp(found, word) == 0;
 		bool plural = own + 1 == length && word[own] == 's' && strncmp(found, word, own) == 0;
 		if (same || plural ||
-			(ends && own >= 5 && length > own && strcmp(word + length - own, found) == 0))
+			(ends && letters(found) >= 5 && length > own
+			&& strcmp(word + length - own, found) == 0))
 			return true;
 	}
 	return false;
@@ -226,13 +244,13 @@ static bool fits_genus(size_t i, const char *word)
 /* A word that lies within one letter, or two where it is long, of a genus or a name. */
 static const char *nearly(size_t i, const char *word)
 {
-	unsigned most = strlen(word) >= 8 ? 2 : 1;
+	unsigned most = letters(word) >= 8 ? 2 : 1;
 	const char *list = genera[i].names;
 	char name[ECO_WORD_BYTES];
 	if (eco_words_distance(genera[i].genus, word, most) <= most)
 		return genera[i].genus;
 	while (eco_words_next(&list, name))
-		if (strlen(name) >= 5 && eco_words_distance(name, word, most) <= most)
+		if (letters(name) >= 5 && eco_words_distance(name, word, most) <= most)
 			return genera[i].genus;
 	return NULL;
 }
@@ -301,7 +319,7 @@ static void find_misspelt(const char *words, struct eco_flora *flora)
 	char word[ECO_WORD_BYTES];
 	bool latin = is_binomial(words);
 	for (size_t k = 0; eco_words_next(&words, word) && !(latin && k > 0); k++)
-		for (size_t i = 0; strlen(word) >= 5 && i < sizeof genera / sizeof *genera; i++) {
+		for (size_t i = 0; letters(word) >= 5 && i < sizeof genera / sizeof *genera; i++) {
 			const char *meant = nearly(i, word);
 			if (!meant)
 				continue;

@@ -75,6 +75,15 @@ static bool are_degrees(const struct look *l, int longitude)
 	return x->low >= -180 && x->high <= 180 && y->low >= -90 && y->high <= 90;
 }
 
+/* Degrees so near each other have decimals. */
+static bool are_whole(const struct look *l)
+{
+	for (int k = 0; k < 2; k++)
+		if (floor(l->xy[k].low) != l->xy[k].low || floor(l->xy[k].high) != l->xy[k].high)
+			return false;
+	return true;
+}
+
 /* ---- Degrees ---- */
 
 static bool dem_has(const struct look *l, const double degrees[2])
@@ -486,7 +495,7 @@ static enum eco_code guess_crs(struct look *l)
 	bool narrow =
 		l->xy[0].high - l->xy[0].low < DEGREES_SPAN && l->xy[1].high - l->xy[1].low < DEGREES_SPAN;
 	bool can_be = are_degrees(l, 0) || are_degrees(l, 1);
-	if (can_be && (narrow || a->columns->names_say_degrees)) {
+	if (can_be && ((narrow && !are_whole(l)) || a->columns->names_say_degrees)) {
 		guess_degrees(l);
 		return ECO_OK;
 	}

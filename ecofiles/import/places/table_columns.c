@@ -17,10 +17,9 @@ const char *const eco_role_names[ECO_ROLE_COUNT] = { "x", "y", "species", "heigh
 #define CONTENT_POINTS 60
 #define NUMERIC_LEAST 0.5
 
-/* Words of English, German, French, Spanish, Italian, Dutch, Portuguese, Polish, Czech, Swedish, Danish, Japanese,
- * Chinese and Korean. A
- * word of five letters and more counts within a longer one, too, "kronendurchmesser", one of four at its end,
- * "baumhohe". */
+/* Words of English, German, French, Spanish, Italian, Dutch, Portuguese, Polish, Czech, Swedish, Danish,
+ * Russian, Ukrainian, Japanese, Chinese and Korean. A word of five letters (bytes) and more counts within a
+ * longer one, too, "kronendurchmesser", one of four at its end, "baumhohe". */
 static const struct { enum eco_role role; int points; const char *words; } meanings[] = {
 	{ ECO_ROLE_X, 100, "longitude longitud longitudine lengtegraad laengengrad langengrad lange laenge "
 		"lon lng long dlugosc" },
@@ -32,6 +31,10 @@ static const struct { enum eco_role role; int points; const char *words; } meani
 	{ ECO_ROLE_X, 100, "経度 经度 經度 경도" }, { ECO_ROLE_Y, 100, "緯度 纬度 위도" },
 	{ ECO_ROLE_SPECIES, 90, "樹種 树种 樹名 树名 수종" }, { ECO_ROLE_HEIGHT, 90, "樹高 树高 수고" },
 	{ ECO_ROLE_DBH, 95, "胸高直径 胸高直 胸径 胸徑 흉고직경" }, { ECO_ROLE_GIRTH, 95, "幹周 胸围 胸圍" },
+	{ ECO_ROLE_X, 100, "долгота довгота" }, { ECO_ROLE_Y, 100, "широта" },
+	{ ECO_ROLE_SPECIES, 90, "порода вид" }, { ECO_ROLE_HEIGHT, 90, "высота висота" },
+	{ ECO_ROLE_HEIGHT, -90, "кроны крони" }, { ECO_ROLE_DBH, 90, "диаметр діаметр" },
+	{ ECO_ROLE_DBH, -90, "кроны крони" }, { ECO_ROLE_GIRTH, 95, "окружность обхват" },
 	{ ECO_ROLE_X, 30, "gx px" }, { ECO_ROLE_Y, 30, "gy py" },
 	{ ECO_ROLE_X, -90, "krone kronen stamm crown strasse" }, { ECO_ROLE_Y, -90, "krone kronen stamm "
 		"crown strasse" },

@@ -10,24 +10,39 @@ static const char latin_a[] = "aaaaaaccccccccddddeeeeeeeeeegggggggghhhhiiiiiiiii
 
 enum kind { GAP, LETTER, CAPITAL, DIGIT };
 
+/* Cyrillic letters: small, and without the marks of two. */
+static enum kind take_cyrillic(unsigned point, char sign[3])
+{
+	unsigned small = point >= 0x410 && point < 0x430 ? point + 0x20 : point < 0x410 ? point + 0x50 : point;
+	enum kind kind = small != point ? CAPITAL : LETTER;
+	small = small == 0x451 ? 0x435 : small;
+	sign[0] = (char)(0xc0 | small >> 6);
+	sign[1] = (char)(0x80 | (small & 0x3f));
+	return kind;
+}
+
 /* The sign at *text as a letter of words, and its kind; *text moves on. Signs of other alphabets stay. */
-static enum kind take_sign(const unsigned char **text, char *sign)
+static enum kind take_sign(const unsigned char **text, char sign[3])
 {
 	unsigned c = *(*text)++;
-	*sign = (char)c;
+	sign[0] = (char)c;
+	sign[1] = sign[2] = 0;
 	if (c >= '0' && c <= '9')
 		return DIGIT;
 	if (c >= 'A' && c <= 'Z') {
-		*sign = (char)(c + 32);
+		sign[0] = (char)(c + 32);
 		return CAPITAL;
 	}
 	if (c < 0x80)
 		return c >= 'a' && c <= 'z' ? LETTER : GAP;
-	if (c < 0xc3 || c > 0xc5 || (**text & 0xc0) != 0x80)
+	bool latin = c >= 0xc3 && c <= 0xc5, cyrillic = c == 0xd0 || c == 0xd1;
+	if (!(latin || cyrillic) || (**text & 0xc0) != 0x80)
 		return c == 0xc2 && **text != 0 ? (++*text, GAP) : LETTER;
 	unsigned point = (c & 0x1f) << 6 | (*(*text)++ & 0x3fu);
-	*sign = point < 0x100 ? latin_1[point - 0xc0] : latin_a[point - 0x100];
-	if (*sign == ' ')
+	if (cyrillic)
+		return take_cyrillic(point, sign);
+	sign[0] = point < 0x100 ? latin_1[point - 0xc0] : latin_a[point - 0x100];
+	if (sign[0] == ' ')
 		return GAP;
 	return point < 0xdf || (point >= 0x100 && point % 2 == 0) ? CAPITAL : LETTER;
 }
@@ -42,13 +57,13 @@ size_t eco_words_of(const char *text, char *words, size_t size)
 	const unsigned char *at = (const unsigned char *)text;
 	enum kind before = GAP;
 	size_t used = 0;
-	while (*at != 0 && used + 3 < size) {
-		char sign;
-		enum kind now = take_sign(&at, &sign);
+	while (*at != 0 && used + 4 < size) {
+		char sign[3];
+		enum kind now = take_sign(&at, sign);
 		if (now != GAP && used > 0 && (before == GAP || begins_word(before, now)))
 			words[used++] = ' ';
-		if (now != GAP)
-			words[used++] = sign;
+		for (const char *c = sign; now != GAP && *c != 0; c++)
+			words[used++] = *c;
 		before = now;
 	}
 	words[used] = 0;

@@ -9,8 +9,8 @@
 #define ECO_WORDS_BYTES 256u
 #define ECO_WORD_BYTES 48u
 
-/* Lower case, Latin letters without their marks, one space between runs of letters and of digits. Cut to
- * `size` bytes with the ending 0. Returns the length. */
+/* Lower case (Latin and Cyrillic), letters without their marks, one space between runs of letters and of
+ * digits. Cut to `size` bytes with the ending 0. Returns the length. */
 size_t eco_words_of(const char *text, char *words, size_t size);
 /* Goes to the next word of such a text; *at is the text at first. False behind the last. */
 bool eco_words_next(const char **at, char word[ECO_WORD_BYTES]);
