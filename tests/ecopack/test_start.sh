@@ -353,6 +353,15 @@ is '.plants | keys' '["rubra_oak"]'
 sites sites/tall_spruce/
 is '.plants | keys' '["tall_spruce"]'
 
+# ---- A variant that cannot be read is told at once ----
+mkdir "$DIR/variants"
+cp "$DIR/models/stieleiche.obj" "$DIR/variants/oak_1.obj"
+printf 'glTF' >"$DIR/variants/oak_2.glb"
+"$PACK" start "$DIR/de.csv" "$DIR/variants" -o "$DIR/none" >"$DIR/out" 2>&1 && complain "a broken variant: $(cat "$DIR/out")"
+tr -s '\n ' ' ' <"$DIR/out" | grep -q 'variants/oak_2.glb: .*; or move it out of .*variants: another model will stand for its species' ||
+	complain "a broken variant: $(cat "$DIR/out")"
+[ -e "$DIR/none" ] && complain "a broken variant: a scene is left"
+
 # ---- A tree that its format lays down, as its exporter left z up, is stood up; one that stands is not ----
 # tree UP: a stem and a crown of leaves, z up, in a format that says so, or not
 tree() {

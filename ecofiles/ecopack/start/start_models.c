@@ -92,7 +92,7 @@ static enum eco_code walk(struct start *s, struct files *files, const char *fold
 static bool says_nothing(const char *name, size_t bytes)
 {
 	static const char *const words[] = { "", ".", "..", "scene", "model", "models", "mesh", "meshes", "object",
-		"source", "untitled", "geometry", "export", "assets", "3d" };
+		"source", "untitled", "geometry", "export", "assets", "public", "static", "files", "3d" };
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
 		if (strlen(words[i]) == bytes && strncasecmp(name, words[i], bytes) == 0)
 			return true;
@@ -331,18 +331,41 @@ static enum eco_code settle_height(struct start *s, struct start_model *m, const
 		"millimetres by its height");
 }
 
+static enum eco_code read_model(struct start *s, struct eco_model *model,
+	const struct eco_model_options *options)
+{
+	struct eco_error own = { .code = ECO_OK };
+	enum eco_code code = eco_model_import(model, options, &own);
+	if (code && s->model_count == 1 && s->models[0].path_count == 1)
+		return eco_fail(s->error, code, "%.400s", own.text);
+	return !code ? code : eco_fail(s->error, code, "%.400s; or move it out of %.60s: another model will "
+		"stand for its species", own.text, s->options->models);
+}
+
+/* What cannot be read is told now, not when the scene is packed. */
+static enum eco_code see_variants(struct start *s, const struct start_model *m)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 1; i < m->path_count && !code; i++) {
+		struct eco_model model = { 0 };
+		struct eco_model_options options = { .paths = (const char *const *)&m->paths[i],
+			.path_count = 1 };
+		code = read_model(s, &model, &options);
+		eco_model_free(&model);
+	}
+	return code;
+}
+
 /* A model that its format lays down is stood up. */
 static enum eco_code see(struct start *s, struct start_model *m, struct eco_model *model)
 {
 	char took[100];
 	struct eco_model_options options = { .paths = (const char *const *)m->paths, .path_count = 1 };
-	struct eco_error own = { .code = ECO_OK };
-	enum eco_code code = eco_model_import(model, &options, &own);
-	if (code && s->model_count == 1)
-		return eco_fail(s->error, code, "%.400s", own.text);
+	enum eco_code code = read_model(s, model, &options);
+	if (!code)
+		code = see_variants(s, m);
 	if (code)
-		return eco_fail(s->error, code, "%.400s; or move it out of %.60s: another model will stand for its "
-			"species", own.text, s->options->models);
+		return code;
 	if (model->source.up_how == ECO_HOW_CONVENTION) {
 		snprintf(took, sizeof took, "in %.40s %s points up", m->name, eco_up_name(model->source.up));
 		return start_guess(s, "stand of a model", took, "its \"up\" in the scene", "its file does not say "
