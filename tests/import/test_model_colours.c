@@ -68,6 +68,23 @@ UNIT_TEST(a_picture_of_which_each_triangle_shows_one_colour_is_a_palette)
 	}
 }
 
+UNIT_TEST(a_place_in_no_picture_shows_no_colour)
+{
+	static const float places[] = { 1e30f, -1e30f, INFINITY, NAN };
+	uint8_t rgba[] = { 1, 2, 3, 255, 1, 2, 3, 255 };
+	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+		float uv[2] = { places[i], places[i] };
+		uint32_t index[3] = { 0, 0, 0 }, material[1] = { 0 };
+		struct eco_image image = { .width = 2, .height = 1, .rgba = rgba };
+		struct eco_model model = { .uv = uv, .index = index, .material = material, .vertex_count = 1,
+			.triangle_count = 1, .materials = calloc(1, sizeof *model.materials), .material_count = 1,
+			.images = &image, .image_count = 1 };
+		assert_true(eco_model_take_palettes(&model));
+		assert_int_equal(model.image_count, 1);
+		free(model.materials);
+	}
+}
+
 UNIT_TEST(an_opacity_map_cuts_out)
 {
 	static const uint8_t solid[] = { 9, 9, 9, 255, 9, 9, 9, 255 },

@@ -9,6 +9,7 @@
 #define PALETTE_MOST 256u        /* colours: more are a picture */
 #define TEXELS_MOST 4096         /* under a triangle: more are no swatch */
 #define SLACK 1e-3               /* of a texel */
+#define PLACE_MOST 1e12          /* in texels: beyond, one texel more is no other place */
 
 struct palettes {
 	struct eco_model *model;
@@ -43,7 +44,7 @@ static bool one_colour(const struct eco_model *m, uint32_t t, const struct eco_i
 	const uint8_t *one = NULL;
 	span(m, t, 0, image->width, &x, &width);
 	span(m, t, 1, image->height, &y, &height);
-	if (!(width * height <= TEXELS_MOST))
+	if (!(fabs(x) + fabs(y) <= PLACE_MOST && width * height <= TEXELS_MOST))
 		return false;
 	for (double v = y; v < y + height; v++)
 		for (double u = x; u < x + width; u++) {
