@@ -130,6 +130,8 @@ static const struct {
 	{ "x", "y", "1008714,770748", "EPSG:2261", NULL, "EPSG:2261 EPSG:32618" },
 	{ "x", "y", "5820000,391000", "EPSG:25833", NULL, "EPSG:25833 EPSG:25833 swapped" },
 	{ "x", "y", "12.5,340.2", NULL, NULL, "- -" },
+	{ "lon", "lat", "237.6,37.7", NULL, NULL, "EPSG:4326 EPSG:32610" },
+	{ "x", "y", "237.6,37.7", NULL, NULL, "- -" },
 	{ "x", "y", "0,0", NULL, NULL, "- -" },              /* whole numbers are no degrees ... */
 	{ "lon", "lat", "11,48", NULL, NULL, "EPSG:4326 EPSG:32632" },       /* unless they say so */
 	{ "x", "y", "391000,5820000", NULL, NULL, "?each UTM zone, at latitude 52.5" },

@@ -69,10 +69,11 @@ static enum eco_code measure(struct look *l)
 	return ECO_OK;
 }
 
+/* Longitudes may count from 0 to 360 where names say what they are. */
 static bool are_degrees(const struct look *l, int longitude)
 {
 	const struct range *x = &l->xy[longitude], *y = &l->xy[1 - longitude];
-	return x->low >= -180 && x->high <= 180 && y->low >= -90 && y->high <= 90;
+	return x->low >= -180 && x->high <= (l->asked->columns->names_say_degrees ? 360 : 180) && y->low >= -90 && y->high <= 90;
 }
 
 /* Degrees so near each other have decimals. */
@@ -126,7 +127,8 @@ static bool speaks_for_swapping(const struct look *l, const double as_named[2], 
 
 static void guess_degrees(struct look *l)
 {
-	const double as_named[2] = { l->xy[0].middle, l->xy[1].middle },
+	const double east = l->xy[0].middle,
+		as_named[2] = { east > 180 ? east - 360 : east, l->xy[1].middle },
 		swapped[2] = { l->xy[1].middle, l->xy[0].middle };
 	char why[160];
 	snprintf(l->guess->crs, sizeof l->guess->crs, "EPSG:4326");

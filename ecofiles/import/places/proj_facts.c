@@ -34,7 +34,7 @@ static bool degrees_of(PJ_CONTEXT *context, const PJ *crs, const double xy[2], d
 		return false;
 	PJ_COORD at = proj_trans(conversion, PJ_FWD, proj_coord(xy[0], xy[1], 0, HUGE_VAL));
 	if (isfinite(at.xy.x) && isfinite(at.xy.y)) {
-		degrees[0] = at.xy.x;
+		degrees[0] = at.xy.x > 180 ? at.xy.x - 360 : at.xy.x;
 		degrees[1] = at.xy.y;
 	}
 	proj_destroy(conversion);
