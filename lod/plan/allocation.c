@@ -466,7 +466,7 @@ static struct lod_wrong summary_wrong(const struct lod_tile_choice *choice)
 {
 	struct lod_cost cost = { 0 };
 	add_at(&cost, &choice->summary.hull, 1, choice->position);
-	return (struct lod_wrong){ cost.fp, fmin(1, lod_summary_hull_missed(&choice->summary, cost.fn)) };
+	return lod_summary_hull_wrong(&choice->summary, cost.fp, cost.fn);
 }
 
 /* Wrong pixels of a plant of the slot, over those that it covers. */
