@@ -9,14 +9,14 @@
 #include "client-min/draw/view_extent.h"
 #include "client-min/draw/view_gpu.h"
 #include "client-min/draw/view_impostor.h"
+#include "client-min/draw/view_instance.h"
 #include "client-min/view_record.h"
 #include "client-min/draw/view_shade.h"
 #include "client-min/draw/view_shadow.h"
 #include "lod/scattered.h"
 
-#define INSTANCE_TEXELS 4
 #define ELLIPSES (1u << 29)              /* a draw call: more than draw_cut allows of one plant */
-#define PART_VERTICES 50000u             /* that lazy software gets at a time */
+#define PART_VERTICES 5000u              /* that lazy software gets at a time */
 #define QUADS 16383u                     /* a draw call: 16-bit indices, of which OpenGL ES keeps the last */
 
 struct view_gl {
@@ -39,7 +39,7 @@ struct frame {                           /* of one draw */
 	const struct view_gl_map *map;   /* NULL: the picture itself is drawn */
 	enum view_program bound;
 	bool any_bound;
-	uint64_t due;                    /* vertices */
+	uint64_t pending;                /* vertices that lazy software has not begun with */
 	struct eco_error *error;
 };
 
@@ -187,33 +187,6 @@ uint64_t view_gl_bytes(const struct view_gl *gl)
 
 /* ---- Instances ---- */
 
-static void put_float(uint32_t *at, double v)
-{
-	float f = (float)v;
-	memcpy(at, &f, sizeof f);
-}
-
-/* The rows of object -> view, as lod/raster/raster.c makes them: differences in double, then rounded once. */
-static void put_instance(uint32_t *words, const struct lod_eye *eye, const struct view_instance *p,
-	const struct view_plant *plant)
-{
-	const struct lod_place *place = &p->place;
-	const double *axes[3] = { eye->right, eye->up, eye->forward };
-	double offset[3] = { place->at[0] - eye->at[0], place->at[1] - eye->at[1],
-		place->at[2] - eye->at[2] };
-	double sine = place->sine * place->scale, cosine = place->cosine * place->scale;
-	for (int i = 0; i < 3; i++) {
-		const double *a = axes[i];
-		put_float(words++, a[0] * cosine + a[1] * sine);
-		put_float(words++, a[1] * cosine - a[0] * sine);
-		put_float(words++, a[2] * place->scale);
-		put_float(words++, a[0] * offset[0] + a[1] * offset[1] + a[2] * offset[2]);
-	}
-	put_float(words++, place->scale);
-	put_float(words++, plant ? view_shape_of(plant).half_width : 0);
-	memset(words, 0, 2 * sizeof *words);
-}
-
 static enum eco_code no_memory(const struct frame *f)
 {
 	return eco_fail(f->error, ECO_NO_MEMORY, "no memory for the plants in view");
@@ -234,17 +207,17 @@ static enum eco_code note_owners(struct frame *f)
 static enum eco_code upload_selection(struct frame *f)
 {
 	const struct view_selection *s = f->job->selection;
-	size_t size = (size_t)s->instance_count * INSTANCE_TEXELS * VIEW_TEXEL_BYTES;
+	size_t size = (size_t)s->instance_count * VIEW_INSTANCE_TEXELS * VIEW_TEXEL_BYTES;
 	uint32_t *words = malloc(size + 1);
 	if (!words)
 		return no_memory(f);
 	for (uint32_t i = 0; i < s->instance_count; i++) {
 		const struct view_instance *p = &s->instances[i];
-		put_instance(words + (size_t)i * INSTANCE_TEXELS * 4, f->job->eye, p,
+		view_instance_write(words + (size_t)i * VIEW_INSTANCE_TEXELS * 4, f->job->eye, p,
 			p->plant == ECO_NONE ? NULL : view_store_plant(f->job->store, p->plant));
 	}
 	enum eco_code code = view_gpu_stream(&f->gl->gpu, &f->gl->instances, VIEW_GPU_WORDS, words,
-		(uint64_t)s->instance_count * INSTANCE_TEXELS, f->error);
+		(uint64_t)s->instance_count * VIEW_INSTANCE_TEXELS, f->error);
 	free(words);
 	uint32_t pairs = s->cut_count ? s->member_first[s->cut_count] : 0;
 	return code ? code : view_gpu_stream(&f->gl->gpu, &f->gl->members, VIEW_GPU_WORD, s->members, pairs,
@@ -327,6 +300,26 @@ static void bind_records(const struct frame *f, const struct view_shader *s, con
 
 /* ---- Drawing ---- */
 
+/* Lazy software works on pixels of one part while it gets the vertices of the next, and notes a part
+ * where it had noted the one before (lod/EXPERIMENTS.md, A frame's time). */
+static void send_part(struct frame *f, uint64_t vertices)
+{
+	f->pending += vertices;
+	if (!f->gl->context.lazy || f->pending < PART_VERTICES)
+		return;
+	glFlush();
+	f->pending = 0;
+}
+
+/* How many of so many things of so many vertices are drawn at once. */
+static uint32_t at_once(const struct frame *f, uint32_t things, uint32_t vertices)
+{
+	uint32_t part = PART_VERTICES / vertices;
+	if (!f->gl->context.lazy || part >= things)
+		return things;
+	return part ? part : 1;
+}
+
 static void set_ground(const struct frame *f, const struct view_shader *s)
 {
 	const struct view_ground *ground = &f->job->selection->ground;
@@ -356,6 +349,7 @@ static enum eco_code draw_tile(struct frame *f, const struct view_shader *s,
 		coarser[LOD_GROUND_SOUTH], coarser[LOD_GROUND_NORTH]);
 	glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, (GLsizei)(2 * tile->x.inner),
 		(GLsizei)(tile->y.inner - 1));
+	send_part(f, (uint64_t)2 * tile->x.inner * (tile->y.inner - 1));
 	return ECO_OK;
 }
 
@@ -486,11 +480,12 @@ static int point_margin(const struct view_gl *gl)
 	return most < fits ? most : fits;
 }
 
-/* All ellipses of all plants at once, but for more than a driver counts. */
-static void draw_ellipses(const struct frame *f, const struct view_shader *s, const struct view_gpu_list *g,
+/* All ellipses of all plants at once, but for more than a driver counts, or than is a part. */
+static void draw_ellipses(struct frame *f, const struct view_shader *s, const struct view_gpu_list *g,
 	const struct view_list *list, const struct eco_cut *cut, uint32_t first_member, uint32_t members)
 {
 	uint32_t count = (cut->end - cut->first) << cut->halvings, most = ELLIPSES / count;
+	most = at_once(f, most, count);
 	int width = (int)f->picture->width, height = (int)f->picture->height,
 		margin = f->map ? 0 : point_margin(f->gl);
 	bool points = margin > 0 && ellipse_px(f, view_extent_ellipses(f->job, g, list, cut,
@@ -506,11 +501,29 @@ static void draw_ellipses(const struct frame *f, const struct view_shader *s, co
 		now = members - i < most ? members - i : most;
 		glUniform1i(s->uniform[VIEW_U_FIRST_MEMBER], (int)(first_member + i));
 		glDrawArrays(points ? GL_POINTS : GL_TRIANGLES, 0, (GLsizei)(count * now * (points ? 1 : 3)));
+		send_part(f, (uint64_t)count * now);
 	}
 	glViewport(0, 0, width, height);
 }
 
-static void draw_primitives(const struct frame *f, const struct view_shader *s, const struct view_gpu_list *g,
+/* Plants in turn, and of each its triangles, as the first of equals is seen. */
+static void draw_triangles(struct frame *f, const struct view_shader *s, uint32_t first, uint32_t end,
+	uint32_t first_member, uint32_t members)
+{
+	uint32_t now, most = at_once(f, members, 3 * (end - first));
+	for (uint32_t i = 0; i < members; i += now) {
+		now = members - i < most ? members - i : most;
+		uint32_t part = now > 1 ? end - first : at_once(f, end - first, 3);
+		glUniform1i(s->uniform[VIEW_U_FIRST_MEMBER], (int)(first_member + i));
+		for (uint32_t at = first; at < end; at += part) {
+			uint32_t count = end - at < part ? end - at : part;
+			glDrawArraysInstanced(GL_TRIANGLES, (GLint)(at * 3), (GLsizei)(count * 3), (GLsizei)now);
+			send_part(f, (uint64_t)3 * count * now);
+		}
+	}
+}
+
+static void draw_primitives(struct frame *f, const struct view_shader *s, const struct view_gpu_list *g,
 	const struct view_list *list, const struct eco_cut *cut, uint32_t first_member, uint32_t members)
 {
 	uint32_t first = cut->first << cut->halvings, end = cut->end << cut->halvings;
@@ -521,9 +534,10 @@ static void draw_primitives(const struct frame *f, const struct view_shader *s, 
 	else if (list->list.kind == ECO_LIST_LINES)
 		draw_quads(s, first, end, members);
 	else
-		glDrawArraysInstanced(GL_TRIANGLES, (GLint)(first * 3), (GLsizei)((end - first) * 3),
-			(GLsizei)members);
+		draw_triangles(f, s, first, end, first_member, members);
 	f->picture->vertices += eco_cut_vertices(cut, &list->list) * members;
+	if (list->list.kind == ECO_LIST_IMPOSTOR || list->list.kind == ECO_LIST_LINES)
+		send_part(f, (uint64_t)4 * members * (end - first));
 }
 
 static enum eco_code draw_cut(struct frame *f, uint32_t index)
@@ -564,16 +578,6 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 			"--reference=cpu", list->id);
 	draw_primitives(f, s, g, list, cut, first_member, members);
 	return ECO_OK;
-}
-
-/* Lazy software works on pixels of one part while it gets the vertices of the next (lod/EXPERIMENTS.md, A
- * frame's time). */
-static void send_part(struct frame *f)
-{
-	if (!f->gl->context.lazy || f->picture->vertices < f->due)
-		return;
-	glFlush();
-	f->due = f->picture->vertices + PART_VERTICES;
 }
 
 static void read_pixel(const struct view_gl *gl, const uint32_t words[4], struct view_picture *picture,
@@ -632,10 +636,8 @@ static enum eco_code draw_cuts(struct frame *f)
 	enum eco_code code = ECO_OK;
 	bind(1, f->gl->instances.texture);
 	bind(2, f->gl->members.texture);
-	for (uint32_t c = 0; c < f->job->selection->cut_count && !code; c++) {
-		send_part(f);
+	for (uint32_t c = 0; c < f->job->selection->cut_count && !code; c++)
 		code = draw_cut(f, c);
-	}
 	return code ? code : view_gpu_check(&f->gl->gpu, f->error);
 }
 

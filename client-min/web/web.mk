@@ -20,7 +20,7 @@ WEB_CHUNK := chunk chunk_columns chunk_corners chunk_counts chunk_decode chunk_g
 WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor impostor_codec list model pack_check pack_record plan splat texture \
 	view $(patsubst ecofiles/format/%.c,%,$(wildcard ecofiles/format/wire_*.c))
 WEB_VIEW := cache digest ground image list owners query record select store sun table threads
-WEB_DRAW := extent forms gl gpu impostor light mesh picture shade shader shader_impostor shadow shadow_cast texture
+WEB_DRAW := extent forms gl gpu impostor instance light mesh picture shade shader shader_impostor shadow shadow_cast texture
 WEB_SOURCES := $(WEB_BASE:%=ecofiles/base/%.c) $(WEB_FORMAT:%=ecofiles/format/%.c) $(WEB_VIEW:%=client-min/view_%.c) \
 	$(WEB_DRAW:%=client-min/draw/view_%.c) $(WEB_ROOMS)
 
