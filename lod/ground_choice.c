@@ -205,7 +205,7 @@ static void refine(struct search *s, double tolerance_px)
 		s->done[s->done_count++] = s->heap[i].tile;
 }
 
-/* Which of the chosen tiles touch one that is too much finer. */
+/* Which of the chosen tiles touch one that is too much finer, and have children. */
 static void mark_far_apart(const struct search *s, struct placed *all, bool *marked)
 {
 	const struct eco_ground_tile *tiles = s->scene->ground;
@@ -218,7 +218,8 @@ static void mark_far_apart(const struct search *s, struct placed *all, bool *mar
 		for (int side = 0; side < SIDES; side++) {
 			const struct eco_ground_tile *t = &tiles[s->done[i]];
 			const struct placed *other = coarser_beyond(all, s->done_count, t, side);
-			if (other && tiles[s->done[other->tile]].level - t->level > (int)ECO_GROUND_APART_MAX)
+			const struct eco_ground_tile *coarse = other ? &tiles[s->done[other->tile]] : t;
+			if (coarse->level - t->level > (int)ECO_GROUND_APART_MAX && coarse->child_count)
 				marked[other->tile] = true;
 		}
 }

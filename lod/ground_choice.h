@@ -28,7 +28,8 @@
 
 struct lod_ground_limits {
 	double tolerance_px;
-	uint32_t tiles_max; /* 0: LOD_GROUND_TILES_MAX. The largest error on the screen is refined first */
+	uint32_t tiles_max; /* 0: LOD_GROUND_TILES_MAX. The largest error on the screen is refined first; tiles
+			     * that touch others too far apart in level are split, even so */
 };
 
 struct lod_ground_choice {               /* free tiles */

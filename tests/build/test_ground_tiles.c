@@ -41,6 +41,11 @@ static double mostly_flat(double x, double y)
 	return d < 1600 ? rough(8 * x, 8 * y) : 5;
 }
 
+static double coast(double x, double y)
+{
+	return x < 4200 ? 5 : 5 + (x - 4200) / 100 + rough(x, y);
+}
+
 static const struct terrain { const char *name; double (*height)(double, double); uint32_t columns, rows;
 	double step; uint32_t margin;
 } terrains[] = {
@@ -49,11 +54,13 @@ static const struct terrain { const char *name; double (*height)(double, double)
 	{ "mostly flat", mostly_flat, 700, 260, 1, 0 },
 	{ "one tile", rough, 12, 40, 3, 0 },
 	{ "long", rough, 8193, 9, 4, 0 },
+	{ "coast", coast, 8193, 9, 1, 0 },
 	{ "the least", rough, 2, 2, 10, 0 },
 	{ "power", rough, 257, 257, 2, 0 },
 	{ "to the horizon", rough, 150, 119, 2, 11 },
 	{ "all margin", rough, 20, 19, 100, 8 },
 };
+#define COAST 5
 #define TERRAINS (sizeof terrains / sizeof *terrains)
 
 struct world {
@@ -209,6 +216,21 @@ UNIT_TEST(flat_ground_has_no_finer_tiles)
 	world_free(&less);
 }
 
+/* A sea larger than the tiles that fine ones may touch has children, so that beside a coast they can be chosen. */
+UNIT_TEST(even_flat_tiles_are_no_coarser_than_neighbours_may_be)
+{
+	struct world w;
+	bool any = false;
+	world_make(&w, &terrains[COAST], 0.01);
+	for (uint32_t i = 0; i < w.tree.count; i++) {
+		const struct eco_ground_tile *t = &w.tree.tiles[i];
+		any |= t->level > ECO_GROUND_APART_MAX && t->error_m <= 0;
+		assert_true(t->child_count > 0 || t->level <= ECO_GROUND_APART_MAX);
+	}
+	assert_true(any);
+	world_free(&w);
+}
+
 /* ---- Choosing ---- */
 
 static struct eco_view random_view(const struct world *w)
@@ -299,6 +321,30 @@ UNIT_TEST(what_is_in_view_is_covered_once_and_fine_enough)
 		}
 		world_free(&w);
 	}
+}
+
+UNIT_TEST(what_cannot_be_split_stays)
+{
+	struct world w;
+	struct eco_view view = { { 4000, 4, 60 }, { 4300, 4, 5 }, { 0, 0, 1 }, 120, 320, 240 };
+	struct lod_ground_limits limits = { .tolerance_px = 1 };
+	struct lod_ground_choice choice;
+	struct lod_eye eye;
+	uint32_t sea = ECO_NONE, near = 0, seen = 0;
+	world_make(&w, &terrains[COAST], 0.01);
+	for (uint32_t i = w.tree.count; i-- > 0;)
+		if (w.tree.tiles[i].level > ECO_GROUND_APART_MAX && w.tree.tiles[i].error_m <= 0)
+			w.tree.tiles[sea = i].child_count = 0;
+	assert_true(sea != ECO_NONE);
+	lod_eye_make(&eye, &view);
+	assert_int_equal(lod_ground_select(&choice, &w.scene, &eye, &limits, NULL), ECO_OK);
+	for (uint32_t i = 0; i < choice.count; i++) {
+		near += w.tree.tiles[choice.tiles[i]].level == 0;
+		seen += choice.tiles[i] == sea;
+	}
+	assert_true(near > 0 && seen == 1);
+	free(choice.tiles);
+	world_free(&w);
 }
 
 UNIT_TEST(a_bound_on_tiles_is_kept_and_spent_where_it_shows)
