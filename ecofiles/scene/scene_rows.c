@@ -12,7 +12,7 @@
 #define SOURCES_MAX 16u              /* of height */
 
 static const char *const row_fields[] = { "from", "layer", "x", "y", "z", "crs", "vertical", "separator",
-	"decimal", "species", "map", "plant",
+	"decimal", "thousands", "species", "map", "plant",
 	"only", "skip", "height_m", "crown_m", "levels", "scale", "yaw_deg", "duplicates", "seed", NULL };
 static const char *const height_fields[] = { "column", "unit", "value", "from_dbh", "from_girth",
 	"from_dbh_mm", "from_dbh_cm", "from_dbh_in", "max", "rate", "shape", "per_plant", "levels", NULL };
@@ -322,6 +322,20 @@ static bool parse_sign(const struct eco_json *at, const char *key, const char *s
 	return eco_json_fail(&node, ECO_BAD_INPUT, "\"%s\" is one of %s", key, says);
 }
 
+/* The signs of numbers differ. */
+static bool parse_signs(const struct eco_json *at, struct eco_positions_spec *spec)
+{
+	struct eco_json node = eco_json_member(at, "thousands");
+	if (!parse_sign(at, "decimal", ".,", "\".\" \",\"", &spec->decimal)
+			|| !parse_sign(at, "thousands", ".,", "\".\" \",\"", &spec->thousands))
+		return false;
+	if (spec->thousands && spec->thousands == spec->decimal)
+		return eco_json_fail(&node, ECO_BAD_INPUT, "\"thousands\" and \"decimal\" are different signs");
+	if (spec->thousands)
+		spec->decimal = spec->thousands == ',' ? '.' : ',';
+	return true;
+}
+
 static bool parse_duplicates(const struct eco_json *at, struct eco_positions_spec *spec)
 {
 	struct eco_json node = eco_json_member(at, "duplicates");
@@ -344,7 +358,7 @@ static bool parse_file(const struct eco_source *source, const struct eco_json *a
 	return eco_scene_parse_path(source, &from, &spec->path)
 		&& eco_scene_copy_text(at, "layer", ECO_COLUMN_BYTES, &spec->layer)
 		&& parse_sign(at, "separator", ",;\t|", "\",\" \";\" \"\\t\" \"|\"", &spec->separator)
-		&& parse_sign(at, "decimal", ".,", "\".\" \",\"", &spec->decimal);
+		&& parse_signs(at, spec);
 }
 
 static bool parse_place(const struct eco_source *source, const struct eco_json *at,

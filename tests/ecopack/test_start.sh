@@ -52,6 +52,19 @@ is '.plants.linden.variants | length' 2
 camera 0 0
 file "$DIR/my/map.png" 2>/dev/null | grep -q PNG || [ "$(head -c 4 "$DIR/my/map.png" | tail -c 3)" = PNG ] || complain "map.png is none"
 
+# ---- thousands: commas that other rows or other columns explain, or the user; spaces ----
+printf 'species,Easting_32632,Northing_32632,h_m\noak,"691,234","5,334,000",12\noak,"691,260.5","5,334,020",9\n' >"$DIR/thousands.csv"
+start 0 'commas between thousands .as they part groups of three digits everywhere.' thousands.csv
+is '[.crs, .origin, .instances[0].thousands, .instances[0].decimal]' '["EPSG:32632",[691260,5334020],",",null]'
+"$PACK" map "$DIR/my/scene.json" -o "$DIR/map.png" >"$DIR/out" 2>&1 && grep -q '2 plants' "$DIR/out" || complain "thousands: $(cat "$DIR/out")"
+printf 'species;x;y\noak;691,234;334,000\noak;691,260;334,020\n' >"$DIR/open.csv"
+start 1 'do the commas in "x" and "y" part thousands or decimals.*--decimal \. if they part thousands, else --decimal ,' open.csv
+start 0 'commas between thousands .as you say.' open.csv --decimal . --crs EPSG:2056
+start 0 'metres of a plot: from 691' open.csv --decimal ,
+printf 'species;Ostwert_25832;Nordwert_25832\nEiche;691 234,5;5\302\240334\302\240000\nEiche;691 260;5\342\200\257334\342\200\257020\n' >"$DIR/spaces.csv"
+start 0 'decimal commas' spaces.csv
+is '[.crs, .origin]' '["EPSG:25832",[691260,5334020]]'
+
 # ---- French: tabs, a national grid by its short name ----
 awk 'BEGIN { print "essence\thauteur_m\tcirconf\303\251rence\tX_L93\tY_L93"
 	for (i = 0; i < 40; i++) printf "%s\t%d\t%d\t%d\t%d\n", i % 2 ? "\303\211pic\303\251a commun" : "Houx", 5 + i % 18, 30 + 4 * i, 652000 + 10 * i, 6862000 + i }' >"$DIR/fr.tsv"

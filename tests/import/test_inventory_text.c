@@ -62,7 +62,10 @@ UNIT_TEST(numbers_have_one_meaning_or_none)
 		{ "-.5", '.', -0.5 }, { "5.", '.', 5 }, { "1e3", '.', 1000 }, { "1.5E-2", '.', 0.015 },
 		{ "1,234.5", '.', 1234.5 },
 		{ "1,234,567", '.', 1234567 }, { "1,5", '.', NAN }, { "1,234", '.', NAN },
-		{ "1.2.3", '.', NAN }, { "12,34.5", '.', NAN },
+		{ "1.2.3", '.', NAN }, { "12,34.5", '.', NAN }, { "5 334 000", '.', 5334000 },
+		{ "691\u00a0234,5", ',', 691234.5 }, { "691\u202f234.5", '.', 691234.5 },
+		{ "2'600'000", '.', 2600000 }, { "2\u20191234", '.', NAN }, { "1234 567", '.', NAN },
+		{ "1 234,567", '.', NAN }, { "12 34", '.', NAN }, { "-1 234 ", '.', -1234 },
 		{ "1,5", ',', 1.5 },
 		{ "1.234,5", ',', 1234.5 }, { "1.234.567,25", ',', 1234567.25 },
 		{ "565123.45", ',', 565123.45 }, { "565123,45", ',', 565123.45 },
@@ -85,6 +88,21 @@ UNIT_TEST(numbers_have_one_meaning_or_none)
 		if (good == isnan(cases[i].number) || (good && number != cases[i].number))
 			fail_msg("\"%s\" with '%c' is %g", cases[i].text, cases[i].decimal,
 				good ? number : NAN);
+	}
+}
+
+UNIT_TEST(a_sign_between_thousands_may_be_lone)
+{
+	static const struct { const char *text; char thousands; double number; } cases[] = { { "691,234", ',',
+		691234 }, { "5,334,000", ',', 5334000 }, { "691,234.5", ',', 691234.5 }, { "-691.234", '.',
+		-691234 }, { "5.334.000,25", '.', 5334000.25 }, { "691", ',', NAN }, { "691,23", ',', NAN },
+		{ "0,512", ',', NAN }, { "1234,567", ',', NAN }, { "1,234,56", ',', NAN }, { "1.5,234", ',',
+		NAN }, { "691,234", '.', NAN }, { ",234", ',', NAN }, { "1,234m", ',', NAN } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		double number = NAN;
+		bool good = eco_text_grouped(cases[i].text, cases[i].thousands, &number);
+		if (good == isnan(cases[i].number) || (good && number != cases[i].number))
+			fail_msg("\"%s\" is %g", cases[i].text, good ? number : NAN);
 	}
 }
 

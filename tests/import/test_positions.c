@@ -187,6 +187,15 @@ UNIT_TEST(decimal_commas_are_asked_for_and_read)
 		"separated by \";\"");
 }
 
+UNIT_TEST(thousands_are_parted_where_the_entry_says_so)
+{
+	expect_error("", "x;y\n691,234;334,000\n", "\"plant\":\"oak\"," XY, "or \"thousands\": \",\" if it parts thousands");
+	expect("", "x;y;h\n691,234;5,334,000.5;2.5\n20;1 234;4\n", "\"plant\":\"oak\",\"thousands\":\",\",\"height_m\":"
+		"{\"column\":\"h\"}," XY, "oak 691234 5334000.5 h2.5 / oak 20 1234 h4", "separated by \";\"");
+	expect("", "x;y\n1.234;5.334.000,5\n", "\"plant\":\"oak\",\"thousands\":\".\"," XY, "oak 1234 5334000.5",
+		"separated by \";\"");
+}
+
 UNIT_TEST(coordinates_become_metres_from_the_origin)
 {
 	/* 3 degrees east is the central meridian of UTM zone 31, easting 500000 */

@@ -210,6 +210,8 @@ static const struct { const char *json, *place, *says; } bad[] = {
 		"1}}]}", ":2:", "leave out \"unit\"" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"separator\": \"ab\"}]}", ":2:",
 		"\"separator\"" },
+	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"decimal\": \",\", \"thousands\": "
+		"\",\"}]}", ":2:", "are different signs" },
 	{ "{\"children\": [{\"at\": [0, 0]}]}", ":1:15:", "\"eco\" is missing" },
 	{ "{\"children\": {}}", ":1:14:", "must be an array" },
 	{ "{\"instances\": [[]]}", ":1:16:", "must be an object" },

@@ -77,6 +77,32 @@ UNIT_TEST(columns_are_found_in_many_languages)
 	}
 }
 
+UNIT_TEST(commas_part_thousands_where_something_says_so)
+{
+	static const struct { const char *text, *says; } cases[] = { /* decimal, thousands, whether it is open */
+		{ "x;y;h\n691,234;5,334,000;12\n691,240;5,334,010;9\n", ".," },
+		{ "x;y;h\n691,234;334,000.5;12\n691,240;334,010;9\n", ".," },
+		{ "x;y;h\n691.234;5.334.000;12,5\n691.240;5.334.010,5;9\n", ",." },
+		{ "x;y;h\n691,234;334,000;12.5\n691,240;334,010;9\n", ".," },
+		{ "x;y;h\n691,234;334,000;12,5\n691,240;334,010;9\n", ",-" },
+		{ "x;y;h\n691,234;334,000;12\n691,240;334,010;9\n", ",-?" },
+		{ "lon;lat;h\n-122,575;37,137;12\n-122,576;37,138;9\n", ",-" },
+		{ "lon;lat;h\n-122,575;-122,137;12.5\n", ",-" },
+		{ "x;y;h\n91,234;34,000;12\n91,240;34,010;9\n", ",-" },
+		{ "x;y;h\n691234,5;5334000,25;12\n", ",-" },
+		{ "x;y;h\n691.234;334.000;12\n691.240;334.010;9\n", ".-" },
+		{ "x;y;h\n691 234,5;5 334 000;12\n", ",-" } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct read r;
+		read_text(&r, cases[i].text);
+		const struct eco_columns *c = &r.columns;
+		const char says[] = { c->decimal, c->thousands ? c->thousands : '-', c->thousands_open ? '?' : 0, 0 };
+		if (strcmp(says, cases[i].says) != 0 || c->of[ECO_ROLE_X] != 0 || c->of[ECO_ROLE_Y] != 1)
+			fail_msg("%s  is %s instead of %s", cases[i].text, says, cases[i].says);
+		eco_table_free(&r.table);
+	}
+}
+
 UNIT_TEST(an_even_selection_of_many_rows_stays)
 {
 	static char text[200000] = "n\n";

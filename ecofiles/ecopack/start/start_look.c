@@ -42,9 +42,15 @@ static enum eco_code find_columns(struct start *s)
 		code = find_named(s, ECO_ROLE_HEIGHT, o->height, "--height-column");
 	if (!code)
 		code = find_named(s, ECO_ROLE_DBH, o->dbh, "--dbh-column");
-	if (!code)
-		eco_table_columns(&s->table, &s->columns);
-	return code;
+	if (code)
+		return code;
+	eco_table_columns(&s->table, &s->columns);
+	if (!s->columns.thousands_open)
+		return ECO_OK;
+	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: do the commas in \"%.40s\" and \"%.40s\" part "
+		"thousands or decimals? Nothing else in it says so: give --decimal . if they part thousands, else "
+		"--decimal ,", o->table, start_column(s, s->columns.of[ECO_ROLE_X]),
+		start_column(s, s->columns.of[ECO_ROLE_Y]));
 }
 
 static enum eco_code say_column(struct start *s, enum eco_role role, const char *change, bool given)
@@ -65,7 +71,11 @@ static enum eco_code say_columns(struct start *s)
 	const struct start_options *o = s->options;
 	char took[160];
 	enum eco_code code = ECO_OK;
-	if (s->columns.decimal == ',')
+	if (s->columns.thousands) {
+		snprintf(took, sizeof took, "%s between thousands", s->columns.thousands == ',' ? "commas" : "points");
+		code = start_guess(s, "coordinates", took, "--decimal", "%s", o->decimal ? "as you say"
+			: "as they part groups of three digits everywhere");
+	} else if (s->columns.decimal == ',')
 		code = start_guess(s, "numbers", "decimal commas", "--decimal", "as most numbers have them");
 	if (!code && s->place.from_geometry)
 		code = start_guess(s, "places", "the file's points", "--x, --y", "it has a geometry");

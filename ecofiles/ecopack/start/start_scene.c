@@ -181,6 +181,7 @@ static json_t *entry_json(const struct start *s)
 		set_text(entry, "crs", p->crs);
 	if (s->columns.decimal == ',')
 		set_text(entry, "decimal", ",");
+	set_text(entry, "thousands", (const char[]){ s->columns.thousands, 0 });
 	if (s->columns.of[ECO_ROLE_SPECIES] == ECO_NONE) {
 		set_text(entry, "plant", s->models[s->fallback].name);
 	} else {

@@ -169,7 +169,9 @@ static enum verdict refuse_notation(const struct eco_positions *p, const char *t
 	char row[ROW_NAME];
 	if (p->spec->decimal == 0 && eco_text_number(text, ',', &number)) {
 		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\" has a decimal comma; add \"decimal\": \",\" "
-			"to its entry", row_name(p, row, sizeof row), text);
+			"to its entry%s", row_name(p, row, sizeof row), text,
+			eco_text_grouped(text, ',', &number) ? ", or \"thousands\": \",\" if it "
+			"parts thousands" : "");
 		return FAILED;
 	}
 	if (strstr(text, "\u00b0") && text[strspn(text, "+-")] >= '0' && text[strspn(text, "+-")] <= '9') {
@@ -186,7 +188,8 @@ static enum verdict read_coordinate(struct eco_positions *p, uint32_t column, do
 {
 	const char *text = field(p, column);
 	char buffer[48];
-	if (eco_text_number(text, decimal_of(p), number))
+	if ((p->spec->thousands && eco_text_grouped(text, p->spec->thousands, number))
+			|| eco_text_number(text, decimal_of(p), number))
 		return GOOD;
 	shown(text, buffer, sizeof buffer);
 	if (eco_text_is_missing(text))

@@ -120,14 +120,21 @@ bool eco_text_fits(const char *text, const char *pattern)
 
 /* ---- Numbers ---- */
 
+/* Bytes of the space or apostrophe before three digits at the start of a text; 0: none. */
+static size_t gap_bytes(const char *text)
+{
+	size_t bytes = *text == '\'' ? 1 : strncmp(text, "\u2019", 3) == 0 ? 3 : space_bytes(text);
+	return bytes > 0 && strspn(text + bytes, "0123456789") == 3 ? bytes : 0;
+}
+
 /* Copies the number at the start of a text, with '.' as decimal sign and without group signs. Returns the
- * bytes read; 0: no number. Groups are three digits wide; the group sign is a space or the sign that is
- * not decimal. One such sign alone is ambiguous. */
+ * bytes read; 0: no number. Groups are three digits wide; the group sign is a space, an apostrophe, or the
+ * sign that is not decimal. One such sign alone is ambiguous. */
 static size_t plain_number(const char *text, char decimal, char *plain)
 {
 	char group = decimal == ',' ? '.' : ',';
-	size_t at = 0, used = 0, digits = 0, groups = 0, in_group = 0;
-	bool fraction = false, lone = false;
+	size_t at = 0, used = 0, digits = 0, groups = 0, in_group = 0, gap;
+	bool fraction = false, lone = false, gaps = false;
 	if (text[at] == '+' || text[at] == '-')
 		plain[used++] = text[at++];
 	for (; used + 1 < NUMBER_BYTES; at++) {
@@ -141,7 +148,12 @@ static size_t plain_number(const char *text, char decimal, char *plain)
 				return 0;
 			plain[used++] = '.';
 			fraction = true;
-		} else if (c == group && !fraction && digits > 0 && text[at + 1] >= '0'
+		} else if (!fraction && groups == 0 && in_group > 0 && in_group <= 3
+				&& (gap = gap_bytes(text + at)) > 0) {
+			gaps = true;
+			at += gap - 1;
+			in_group = 0;
+		} else if (c == group && !fraction && !gaps && digits > 0 && text[at + 1] >= '0'
 				&& text[at + 1] <= '9') {
 			if (in_group > 3 || (groups > 0 && in_group != 3))
 				break;
@@ -238,6 +250,33 @@ bool eco_text_number(const char *text, char decimal, double *number)
 	if (bytes > 0 && take_mark(&rest, degree, 2))
 		return add_sixtieths(rest, decimal, sign, number);
 	return bytes > 0 && !sign && *rest == 0;
+}
+
+/* Copies a number without its group signs. False if it has none, or if they do not part groups of three. */
+static bool ungroup(const char *text, char thousands, char plain[NUMBER_BYTES])
+{
+	size_t used = strspn(text, " +-"), digits = strspn(text + used, "0123456789"), at = used + digits;
+	if (digits == 0 || digits > 3 || text[used] == '0' || text[at] != thousands || at >= NUMBER_BYTES)
+		return false;
+	memcpy(plain, text, at);
+	used = at;
+	for (; text[at] == thousands; at += 4, used += 3) {
+		if (strspn(text + at + 1, "0123456789") != 3 || used + 4 > NUMBER_BYTES)
+			return false;
+		memcpy(plain + used, text + at + 1, 3);
+	}
+	size_t rest = strlen(text + at);
+	if (strchr(text + at, thousands) || used + rest >= NUMBER_BYTES)
+		return false;
+	memcpy(plain + used, text + at, rest + 1);
+	return true;
+}
+
+bool eco_text_grouped(const char *text, char thousands, double *number)
+{
+	char plain[NUMBER_BYTES];
+	return ungroup(text, thousands, plain)
+		&& eco_text_number(plain, thousands == ',' ? '.' : ',', number);
 }
 
 /* ---- Sizes ---- */

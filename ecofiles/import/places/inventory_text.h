@@ -18,10 +18,14 @@ size_t eco_text_fold(const char *text, char *folded, size_t size);
 bool eco_text_fits(const char *text, const char *pattern);
 
 /* A decimal number, with spaces around it. decimal ',' : "1,5" and "1.234,5"; a lone point counts as a
- * decimal point too. decimal '.' : "1.5" and "1,234.5". A lone comma is never guessed. No infinities, no
- * hexadecimal. With a sign of degrees also minutes, seconds and a hemisphere: "40° 24' 59.1\" N",
- * "W 3.5°". */
+ * decimal point too. decimal '.' : "1.5" and "1,234.5". A lone comma is never guessed. Spaces and apostrophes
+ * may part groups of three, "5 334 000", "2'600'000". No infinities, no hexadecimal. With
+ * a sign of degrees also minutes, seconds and a hemisphere: "40° 24' 59.1\" N", "W 3.5°". */
 bool eco_text_number(const char *text, char decimal, double *number);
+
+/* A number with this sign, '.' or ',', between groups of three digits, also a lone one: "691,234" is 691234.
+ * False without such a sign; the other sign is the decimal one. */
+bool eco_text_grouped(const char *text, char thousands, double *number);
 
 enum eco_size_form {
 	ECO_FORM_NONE,               /* no size */

@@ -41,7 +41,7 @@ static bool numbers_of(struct look *l, int k, struct eco_spread *spread)
 {
 	const struct eco_table *t = l->asked->table;
 	if (!l->guess->from_geometry)
-		return eco_table_numbers(t, l->asked->columns->of[k], l->asked->columns->decimal, spread);
+		return eco_table_coordinates(t, l->asked->columns->of[k], l->asked->columns, spread);
 	for (uint32_t row = 0; row < t->row_count; row++)
 		if (!isnan(t->places[row][k]) && !eco_spread_add(spread, t->places[row][k]))
 			return false;

@@ -54,6 +54,7 @@ struct eco_positions_spec {      /* texts are owned by the spec's maker; NULL: n
 	char *species;               /* column; NULL: every row is `fallback` */
 	char separator;              /* of a CSV; 0: found in its header */
 	char decimal;                /* 0: '.'; or ',' */
+	char thousands;              /* 0; or the other sign: it parts groups of coordinates, also a lone one */
 	bool skip_duplicates;
 	struct eco_species *map;     uint32_t map_count;
 	/* "*", or the only plant; plant ECO_NONE and name NULL: unknown species are skipped */

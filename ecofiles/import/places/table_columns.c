@@ -138,7 +138,8 @@ static int points_by_letter(enum eco_role role, const char *name)
 
 /* ---- Content ---- */
 
-double eco_table_numeric(const struct eco_table *table, uint32_t column, char decimal)
+/* The share of a column's filled texts that are numbers; decimal 0: with either decimal sign. */
+static double numbers_share(const struct eco_table *table, uint32_t column, char decimal)
 {
 	uint32_t filled = 0, numbers = 0;
 	for (uint32_t row = 0; row < table->row_count; row++) {
@@ -147,7 +148,8 @@ double eco_table_numeric(const struct eco_table *table, uint32_t column, char de
 		if (eco_text_is_missing(text))
 			continue;
 		filled++;
-		numbers += eco_text_number(text, decimal, &number);
+		numbers += eco_text_number(text, decimal ? decimal : '.', &number)
+			|| (!decimal && eco_text_number(text, ',', &number));
 	}
 	return filled > 0 ? (double)numbers / filled : 0;
 }
@@ -189,12 +191,12 @@ static int points(const struct eco_table *table, enum eco_role role, uint32_t co
 	if (role == ECO_ROLE_SPECIES) {
 		int by_kind = points_by_kind(name);
 		sum = by_kind > sum ? by_kind : sum;
-		bool text = eco_table_numeric(table, column, decimal) < NUMERIC_LEAST;
+		bool text = numbers_share(table, column, decimal) < NUMERIC_LEAST;
 		return text ? sum + (int)lround(CONTENT_POINTS * plants_share(table, column)) : 0;
 	}
 	if (sum <= 0)
 		return 0;
-	double share = role == ECO_ROLE_X || role == ECO_ROLE_Y ? eco_table_numeric(table, column, decimal)
+	double share = role == ECO_ROLE_X || role == ECO_ROLE_Y ? numbers_share(table, column, 0)
 		: sizes_share(table, column, decimal);
 	return share >= NUMERIC_LEAST ? sum : 0;
 }
@@ -274,24 +276,92 @@ static char find_decimal(const struct eco_table *t)
 	return commas > points_seen ? ',' : '.';
 }
 
+static bool say_degrees(const struct eco_table *table, const struct eco_columns *columns)
+{
+	for (int k = 0; k < 2; k++) {
+		uint32_t i = columns->of[k];
+		if (i == ECO_NONE || points_by_name(ECO_ROLE_X, table->columns[i])
+				+ points_by_name(ECO_ROLE_Y, table->columns[i]) < 100)
+			return false;
+	}
+	return true;
+}
+
+/* How x and y use a sign: alone before three digits (short: below 100,000), surely between groups, or
+ * otherwise. */
+struct groups { uint32_t filled, lone, short_ones, sure, other; };
+
+static void count_groups(const struct eco_table *t, uint32_t column, char sign, struct groups *g)
+{
+	for (uint32_t row = 0; row < t->row_count; row++) {
+		const char *text = eco_table_field(t, row, column), *first = strchr(text, sign);
+		double number;
+		g->filled += !eco_text_is_missing(text);
+		if (first && !eco_text_grouped(text, sign, &number))
+			g->other++;
+		else if (first && (strchr(first + 1, sign) || strchr(text, sign == ',' ? '.' : ',')))
+			g->sure++;
+		else if (first) {
+			g->lone++;
+			g->short_ones += fabs(number) < 1e5;
+		}
+	}
+}
+
+/* Numbers of the other columns with this decimal sign. */
+static bool others_have(const struct eco_table *t, const struct eco_columns *columns, char decimal)
+{
+	for (uint32_t row = 0; row < t->row_count; row++)
+		for (uint32_t i = 0; i < t->column_count; i++) {
+			const char *text = eco_table_field(t, row, i);
+			double number, grouped;
+			if (i != columns->of[ECO_ROLE_X] && i != columns->of[ECO_ROLE_Y]
+					&& strchr(text, decimal) && eco_text_number(text, decimal, &number)
+					&& !eco_text_grouped(text, decimal, &grouped))
+				return true;
+		}
+	return false;
+}
+
+/* A lone sign before three digits parts thousands where other coordinates show that it does; a comma also
+ * where decimals are said, or seen in other columns, to have a point. */
+static void find_thousands(const struct eco_table *t, struct eco_columns *columns, char said)
+{
+	for (int i = 0; i < 2; i++) {
+		const char sign = ",."[i], decimal = ".,"[i];
+		struct groups g = { 0 };
+		if (said == sign)
+			continue;
+		count_groups(t, columns->of[ECO_ROLE_X], sign, &g);
+		count_groups(t, columns->of[ECO_ROLE_Y], sign, &g);
+		if (g.lone == 0 || g.other > 0)
+			continue;
+		bool grid = sign == ',' && g.lone == g.filled && g.short_ones == 0
+			&& !columns->names_say_degrees;
+		bool point = said || (others_have(t, columns, '.') && !others_have(t, columns, ','));
+		if (g.sure > 0 || (grid && point)) {
+			columns->thousands = sign;
+			columns->decimal = decimal;
+			return;
+		}
+		columns->thousands_open = grid && !others_have(t, columns, ',');
+	}
+}
+
 void eco_table_columns(const struct eco_table *table, struct eco_columns *columns)
 {
+	const char said = columns->decimal;
 	if (columns->decimal == 0)
 		columns->decimal = find_decimal(table);
 	for (int role = 0; role < ECO_ROLE_COUNT; role++)
 		columns->rival[role] = ECO_NONE;
 	if (!table->has_geometry || columns->of[ECO_ROLE_X] != ECO_NONE)
 		choose_place(table, columns);
+	columns->names_say_degrees = say_degrees(table, columns);
+	if (columns->of[ECO_ROLE_X] != ECO_NONE && columns->of[ECO_ROLE_Y] != ECO_NONE)
+		find_thousands(table, columns, said);
 	for (int role = ECO_ROLE_SPECIES; role < ECO_ROLE_COUNT; role++)
 		choose(table, columns, (enum eco_role)role);
-	uint32_t x = columns->of[ECO_ROLE_X], y = columns->of[ECO_ROLE_Y];
-	columns->names_say_degrees = x != ECO_NONE && y != ECO_NONE &&
-		points_by_name(ECO_ROLE_X, table->columns[x]) +
-				points_by_name(ECO_ROLE_Y, table->columns[x]) >=
-			100 &&
-		points_by_name(ECO_ROLE_X, table->columns[y]) +
-				points_by_name(ECO_ROLE_Y, table->columns[y]) >=
-			100;
 }
 
 static bool is_plant(const struct eco_table *table, uint32_t row, uint32_t species)
@@ -319,12 +389,14 @@ bool eco_table_spread(const struct eco_table *table, uint32_t column, const stru
 	return true;
 }
 
-bool eco_table_numbers(const struct eco_table *table, uint32_t column, char decimal,
+bool eco_table_coordinates(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
 	struct eco_spread *spread)
 {
 	for (uint32_t row = 0; row < table->row_count; row++) {
+		const char *text = eco_table_field(table, row, column);
 		double number;
-		if (eco_text_number(eco_table_field(table, row, column), decimal, &number)
+		if (((columns->thousands && eco_text_grouped(text, columns->thousands, &number))
+				|| eco_text_number(text, columns->decimal, &number))
 				&& !eco_spread_add(spread, number))
 			return false;
 	}

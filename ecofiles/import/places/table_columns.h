@@ -44,6 +44,9 @@ struct eco_columns {             /* ECO_NONE: no such column */
 	uint32_t of[ECO_ROLE_COUNT];
 	uint32_t rival[ECO_ROLE_COUNT];      /* the next best, where it is nearly as good */
 	char decimal;                /* ',' if numbers have decimal commas, else '.' */
+	/* the sign between groups of x and y, where it also stands alone; else 0 */
+	char thousands;
+	bool thousands_open;         /* lone commas of x and y may part thousands or decimals */
 	/* x and y by name: degrees, metres of a grid, or neither */
 	bool names_say_degrees;
 };
@@ -54,10 +57,8 @@ void eco_table_columns(const struct eco_table *table, struct eco_columns *column
  * vacant place or a stump. *own_unit: share of texts with a unit of their own. */
 bool eco_table_spread(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
 	struct eco_spread *spread, double *own_unit);
-/* Numbers of a column; false when memory ran out. */
-bool eco_table_numbers(const struct eco_table *table, uint32_t column, char decimal,
+/* Coordinates of a column; false when memory ran out. */
+bool eco_table_coordinates(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
 	struct eco_spread *spread);
-/* The share of a column's filled fields that are numbers. */
-double eco_table_numeric(const struct eco_table *table, uint32_t column, char decimal);
 
 #endif
