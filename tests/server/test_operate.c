@@ -319,9 +319,14 @@ UNIT_TEST(a_scene_with_a_token_is_for_its_holders)
 	char id[SRV_ID_TEXT_BYTES];
 	srv_format_id(id, &tables->chunks[0].id);
 	snprintf(chunk, sizeof chunk, BASE "/chunks/%s", id);
+	char plants[128];
+	uint32_t standing = 0;
+	while (tables->lists[standing].kind != ECO_LIST_INSTANCES)
+		standing++;
+	snprintf(plants, sizeof plants, BASE "/plants/%u", standing);
 	const char *const targets[] = { BASE, BASE "/plan?" VIEW_BY("1000"), BASE "/stream?" VIEW_BY("1000"),
-		chunk };
-	for (size_t t = 0; t < 4; t++)
+		chunk, plants, BASE "/species" };
+	for (size_t t = 0; t < sizeof targets / sizeof *targets; t++)
 		for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 			struct http_answer answer =
 				http_ask(port, "GET", targets[t], rows[i].headers, NULL, 0);

@@ -159,6 +159,31 @@ UNIT_TEST(what_is_asked_for_must_be_there)
 	}
 }
 
+/* A pack that does not say what its plants stand for has as many species as plants, of unknown numbers. */
+UNIT_TEST(species_are_the_plants_names_where_a_pack_says_nothing)
+{
+	struct http_answer answer = http_ask(port, "GET", BASE "/species", "", NULL, 0);
+	assert_int_equal(answer.status, 200);
+	json_t *said = json_of(&answer), *plants = json_object_get(said, "plants");
+	assert_int_equal(json_array_size(plants), scene()->plant_count);
+	for (uint32_t i = 0; i < scene()->plant_count; i++) {
+		const json_t *plant = json_array_get(plants, i), *species = json_object_get(plant, "species");
+		assert_text(plant, "plant", scene()->plants[i].name);
+		assert_number(plant, "species_count", 1);
+		assert_int_equal(json_array_size(species), 1);
+		assert_text(json_array_get(species, 0), "species", scene()->plants[i].name);
+		assert_number(json_array_get(species, 0), "plants", 0);
+	}
+	json_decref(said);
+	http_free(&answer);
+	answer = http_ask(port, "GET", BASE "/species", "If-None-Match: *\r\n", NULL, 0);
+	assert_int_equal(answer.status, 304);
+	http_free(&answer);
+	answer = http_ask(port, "GET", BASE "/species?first=0", "", NULL, 0);
+	assert_int_equal(answer.status, 400);
+	http_free(&answer);
+}
+
 int main(void)
 {
 	return unit_tests_run(serve_start, serve_stop);
