@@ -18,6 +18,6 @@ struct eco_texts {
 
 /* The number of a text, which is copied where it is new. False: no memory. */
 bool eco_texts_add(struct eco_texts *texts, const char *text, uint32_t *number);
-void eco_texts_free(struct eco_texts *texts); /* a zeroed one is fine, and left */
+void eco_texts_free(struct eco_texts *texts); /* leaves a zeroed one, which may be freed, too */
 
 #endif

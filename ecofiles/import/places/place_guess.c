@@ -73,7 +73,8 @@ static enum eco_code measure(struct look *l)
 static bool are_degrees(const struct look *l, int longitude)
 {
 	const struct range *x = &l->xy[longitude], *y = &l->xy[1 - longitude];
-	return x->low >= -180 && x->high <= (l->asked->columns->names_say_degrees ? 360 : 180) && y->low >= -90 && y->high <= 90;
+	double most = l->asked->columns->names_say_degrees ? 360 : 180;
+	return x->low >= -180 && x->high <= most && y->low >= -90 && y->high <= 90;
 }
 
 /* Degrees so near each other have decimals. */
