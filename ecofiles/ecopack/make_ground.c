@@ -11,8 +11,9 @@
 #include "lod/ground_choice.h"
 #include "lod/build/summary.h"
 
-/* steps of heights that are not whole: a centimetre, where relief is low less, but no less than light can
- * show, 1 of 255, as slopes change by 1/256 then (lod/EXPERIMENTS.md, Smaller tiles of ground) */
+/* Steps of heights that are not whole are a centimetre, or a part of the relief where that is less; but no finer
+ * than light can show: a step of 1/256 of a cell changes a slope by 1/256, and colours have 255 values
+ * (lod/EXPERIMENTS.md, Smaller tiles of ground). */
 #define HEIGHT_STEP_M 0.01
 #define RELIEF_STEPS 1024
 #define CELL_STEPS 256

@@ -222,9 +222,9 @@ static bool gather(struct lod_ground_tree *tree, const struct level *levels, uin
 		t->low_m = l->low[at];
 		t->high_m = l->high[at];
 		tree->shifts[i] = l->shift[at];
-		/* one that were coarser than its neighbours may be could not be split beside them */
-		bool is_close = t->level <= ECO_GROUND_APART_MAX;
-		if (t->level == 0 || (is_close && (double)t->error_m <= least_m))
+		/* a coarser one could not be split where it touches tiles of level 0 */
+		bool may_end = t->level <= ECO_GROUND_APART_MAX;
+		if (t->level == 0 || (may_end && (double)t->error_m <= least_m))
 			continue;
 		t->child_first = tree->count;
 		for (uint32_t quarter = 0; quarter < 4; quarter++) {
