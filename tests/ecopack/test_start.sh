@@ -65,6 +65,13 @@ printf 'species;Ostwert_25832;Nordwert_25832\nEiche;691 234,5;5\302\240334\302\2
 start 0 'decimal commas' spaces.csv
 is '[.crs, .origin]' '["EPSG:25832",[691260,5334020]]'
 
+# ---- a column of zones ----
+printf 'species,easting,northing,utm_zone\noak,323400,4307500,18N\noak,323420,4307520,18N\n' >"$DIR/zone.csv"
+start 0 'WGS 84 / UTM zone 18N, as "utm_zone" says, "18N"; a place at -77' zone.csv
+is '[.crs, .instances[0].crs]' '["EPSG:32618","EPSG:32618"]'
+printf 'oak,723400,4307500,17N\n' >>"$DIR/zone.csv"
+start 1 'rows are in several zones: "utm_zone" is "18N" and "17N".*"only": ."utm_zone": "18N"' zone.csv
+
 # ---- French: tabs, a national grid by its short name ----
 awk 'BEGIN { print "essence\thauteur_m\tcirconf\303\251rence\tX_L93\tY_L93"
 	for (i = 0; i < 40; i++) printf "%s\t%d\t%d\t%d\t%d\n", i % 2 ? "\303\211pic\303\251a commun" : "Houx", 5 + i % 18, 30 + 4 * i, 652000 + 10 * i, 6862000 + i }' >"$DIR/fr.tsv"

@@ -186,6 +186,21 @@ static const struct {
 	{ "x", "y", "391000,5820000", "nonsense", NULL, "?\"nonsense\" is not known" },
 };
 
+static const struct { const char *header, *row, *other, *says; } zones[] = {
+	{ "easting,northing,utm_zone", "323400,4307500,18N", NULL, "EPSG:32618 EPSG:32618" },
+	{ "easting,northing,UTM Zone", "323400,4307500,18 T", NULL, "EPSG:32618 EPSG:32618" },
+	{ "easting,northing,zone", "323400,1307500,UTM zone 18L", NULL, "EPSG:32718 EPSG:32718" },
+	{ "utm_e,utm_n,zone", "323400,2307500,18", NULL, "EPSG:32618 EPSG:32618" },  /* no tree at 69 S */
+	{ "x,y,epsg", "323400,4307500,26918", NULL, "EPSG:26918 EPSG:26918" },
+	{ "x,y,zone", "323400,4307500,EPSG:32618", NULL, "EPSG:32618 EPSG:32618" },
+	{ "x,y,utm_zone", "323400,4307500,18", NULL, "?\"18\": is that zone 18 in the north, --crs EPSG:32618, or "
+		"in the south, --crs EPSG:32718?" },
+	{ "x,y,utm_zone", "323400,4307500,18S", NULL, "?is that zone 18 in the north" },
+	{ "x,y,utm_zone", "323400,6307500,18S", NULL, "EPSG:32718 EPSG:32718" },
+	{ "x,y,zone", "323400,4307500,3", NULL, "?each UTM zone" },           /* a park's zone, perhaps */
+	{ "x,y,utm_zone", "323400,4307500,18N", "723400,4307500,17N", "?is \"18N\" and \"17N\", and an entry has "
+		"one CRS. Put each zone into a table of its own; or start with --crs EPSG:32618" } };
+
 static const char *place_text(const struct eco_place_guess *g)
 {
 	static char text[100];
@@ -215,6 +230,25 @@ UNIT_TEST(places_get_a_crs_or_a_question)
 			fail_msg("%s,%s %s: %s; wanted "
 				"%s", places[i].x, places[i].y, places[i].numbers, code ? error.text
 				: place_text(&guess), places[i].says);
+		eco_table_free(&r.table);
+	}
+}
+
+UNIT_TEST(a_column_says_the_zone_or_that_rows_are_in_several)
+{
+	for (size_t i = 0; i < sizeof zones / sizeof *zones; i++) {
+		struct eco_error error = { 0 };
+		struct eco_place_guess guess;
+		struct read r;
+		char text[200];
+		snprintf(text, sizeof text, "%s\n%s\n%s\n", zones[i].header, zones[i].row,
+			zones[i].other ? zones[i].other : zones[i].row);
+		read_text(&r, text);
+		struct eco_place_asked asked = { .table = &r.table, .columns = &r.columns };
+		enum eco_code code = eco_place_guess(&guess, &asked, &error);
+		if (zones[i].says[0] == '?' ? !code || !strstr(error.text, zones[i].says + 1)
+				: code || strcmp(place_text(&guess), zones[i].says) != 0)
+			fail_msg("%s: %s; wanted %s", text, code ? error.text : place_text(&guess), zones[i].says);
 		eco_table_free(&r.table);
 	}
 }

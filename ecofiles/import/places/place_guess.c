@@ -10,6 +10,7 @@
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/import/places/crs_facts.h"
 #include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/import/places/place_words.h"
 #include "ecofiles/import/places/positions_crs.h"
 #include "ecofiles/import/places/speech.h"
 #include "ecofiles/import/places/words.h"
@@ -18,6 +19,8 @@
 #define DEGREES_SPAN 5.0         /* an inventory is not wider */
 #define UTM_LEAST_M 100000.0
 #define UTM_MOST_M 900000.0
+#define BAND_S_LOW_M 3530000.0   /* northings of 32 to 40 degrees north */
+#define BAND_S_HIGH_M 4440000.0
 #define BARE_SOUTH -56.0         /* no tree stands beyond these latitudes */
 #define BARE_NORTH 75.0
 #define ZONES_LISTED 24u         /* UTM zones of a language that a question names */
@@ -154,46 +157,6 @@ static void guess_degrees(struct look *l)
 }
 
 /* ---- A grid ---- */
-
-/* Words of a column's name that a CRS's name may have, too: without the axis and the unit. A letter behind a
- * number is a zone's half, "32 n". */
-static void hint_of(const char *name, char *hint, size_t size)
-{
-	static const char dropped[] = "x y e n m coord koord coordinate coordinates east easting north "
-		"northing ostwert nordwert rechtswert hochwert point epsg koordinate este norte est nord "
-		"pos in ft";
-	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
-	bool after_number = false;
-	size_t used = 0;
-	eco_words_of(name, words, sizeof words);
-	hint[0] = 0;
-	for (const char *at = words; eco_words_next(&at, word);) {
-		bool half = after_number && (strcmp(word, "n") == 0 || strcmp(word, "s") == 0);
-		after_number = word[0] >= '0' && word[0] <= '9';
-		if ((half || !eco_words_have(dropped, word)) && used + strlen(word) + 2 < size)
-			used += (size_t)snprintf(hint + used, size - used, "%s%s", used > 0 ? " " : "", word);
-	}
-}
-
-/* The hint that both names share. */
-static bool shared_hint(const struct look *l, char hint[ECO_WORDS_BYTES])
-{
-	static const struct { const char *brief, *name; } known[] = { { "l 93", "lambert 93" }, { "bng",
-		"british national grid" }, { "osgb", "british national grid" }, { "rd", "rd new" }, { "lb 72",
-		"belgian lambert 72" }, { "nztm", "new zealand transverse mercator 2000" }, { "2180", "cs "
-		"92" }, { "puwg 1992", "cs 92" }, { "1992", "cs 92" } };
-	char other[ECO_WORDS_BYTES];
-	if (!l->names[0] || !l->names[1])
-		return false;
-	hint_of(l->names[0], hint, ECO_WORDS_BYTES);
-	hint_of(l->names[1], other, sizeof other);
-	if (strcmp(hint, other) != 0 || hint[0] == 0)
-		return false;
-	for (size_t i = 0; i < sizeof known / sizeof *known; i++)
-		if (strcmp(hint, known[i].brief) == 0)
-			snprintf(hint, ECO_WORDS_BYTES, "%s", known[i].name);
-	return true;
-}
 
 static void list_choices(const struct eco_crs_choice *choices, uint32_t found, char *text, size_t size)
 {
@@ -406,6 +369,81 @@ static bool take_bare_dem(struct look *l)
 	return on;
 }
 
+static enum eco_code take_stated(struct look *l, const char *crs, const char *who)
+{
+	struct eco_crs_facts facts;
+	const double at[2] = { l->xy[0].middle, l->xy[1].middle }, turned[2] = { at[1], at[0] };
+	enum eco_code code = eco_crs_look(crs, at, &facts, l->error);
+	if (code)
+		return code;
+	if (strlen(crs) < sizeof l->guess->crs)
+		snprintf(l->guess->crs, sizeof l->guess->crs, "%s", crs);
+	else
+		snprintf(l->guess->crs, sizeof l->guess->crs, "%s", facts.code);
+	int used = snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, as %s", facts.name, who);
+	if (!facts.geographic && !isnan(facts.degrees[0]))
+		snprintf(l->guess->crs_why + used, sizeof l->guess->crs_why - (size_t)used,
+			"; a place at %.3f, %.3f", facts.degrees[0], facts.degrees[1]);
+	if (facts.geographic && !are_degrees(l, 0) && are_degrees(l, 1) && !l->guess->from_geometry)
+		say_swapped(l, "a latitude lies between -90 and 90");
+	else if (!facts.inside && !isnan(facts.degrees[0]) &&
+		eco_crs_look(crs, turned, &facts, NULL) == ECO_OK && facts.inside &&
+		!l->guess->from_geometry && !facts.geographic)
+		say_swapped(l, "only so do they lie in the CRS's area of use");
+	return ECO_OK;
+}
+
+/* Whether plants may stand in this half of a zone, by its latitude, the terrain and the columns' language. */
+static bool half_can_be(const struct look *l, const char *crs)
+{
+	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
+	struct eco_crs_facts facts;
+	return eco_crs_look(crs, at, &facts, NULL) == ECO_OK && !isnan(facts.degrees[0])
+		&& !is_bare(facts.degrees) && (!l->asked->dem || l->asked->dem->crs[0] == 0
+		|| dem_has(l, facts.degrees))
+		&& (!l->speech || eco_speech_reaches(l->speech, facts.degrees, false));
+}
+
+static enum eco_code zone_crs(struct look *l, const struct eco_zones *z, char crs[32])
+{
+	const char *name = l->asked->table->columns[z->column];
+	char south[32];
+	snprintf(crs, 32, "EPSG:%u", z->zone.epsg ? z->zone.epsg : 32600 + z->zone.number);
+	snprintf(south, sizeof south, "EPSG:%u", 32700 + z->zone.number);
+	if (z->zone.epsg || z->zone.half == ECO_HALF_NORTH)
+		return ECO_OK;
+	bool north = half_can_be(l, crs) && !(z->zone.half == ECO_HALF_S
+		&& (l->xy[1].middle < BAND_S_LOW_M || l->xy[1].middle > BAND_S_HIGH_M));
+	if (north && z->zone.half != ECO_HALF_SOUTH && half_can_be(l, south))
+		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: \"%.40s\" says \"%s\": is that zone %u in "
+			"the north, --crs %s, or in the south, --crs %s?", l->asked->table->path, name, z->first,
+			z->zone.number, crs, south);
+	if (!north || z->zone.half == ECO_HALF_SOUTH)
+		memcpy(crs, south, sizeof south);
+	return ECO_OK;
+}
+
+/* The zone of a column, if all rows have one. */
+static enum eco_code take_zone(struct look *l, bool *taken)
+{
+	struct eco_zones zones;
+	char crs[32], who[100];
+	eco_zones_find(l->asked->table, has_letter(l->names[0] ? l->names[0] : "", "utm"), &zones);
+	*taken = zones.column != ECO_NONE && (zones.zone.epsg || may_be_utm(l));
+	if (!*taken)
+		return ECO_OK;
+	const char *name = l->asked->table->columns[zones.column];
+	enum eco_code code = zone_crs(l, &zones, crs);
+	if (!code && zones.other[0] != 0)
+		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: its rows are in several zones: \"%.40s\" "
+			"is \"%s\" and \"%s\", and an entry has one CRS. Put each zone into a table of its own; or "
+			"start with --crs %s and give scene.json an entry for each zone, with \"only\": "
+			"{\"%.40s\": \"%s\"} and its own \"crs\"", l->asked->table->path, name, zones.first, zones.other,
+			crs, name, zones.first);
+	snprintf(who, sizeof who, "\"%.40s\" says, \"%s\"", name, zones.first);
+	return code ? code : take_stated(l, crs, who);
+}
+
 static enum eco_code guess_grid(struct look *l)
 {
 	struct eco_crs_choice choices[ECO_CRS_CHOICES_MAX + 1];
@@ -416,7 +454,7 @@ static enum eco_code guess_grid(struct look *l)
 	bool taken = false;
 	if (take_dem(l))
 		return ECO_OK;
-	if (shared_hint(l, hint)) {
+	if (eco_place_hint(l->names, hint)) {
 		code = eco_crs_choices(at, hint, choices, &found, l->error);
 		if (!code && found == 1)
 			return take_choice(l, &choices[0], "by the columns' names");
@@ -425,7 +463,10 @@ static enum eco_code guess_grid(struct look *l)
 		if (code || taken)
 			return code;
 	}
-	if (!code && found == 0)
+	code = take_zone(l, &taken);
+	if (code || taken)
+		return code;
+	if (found == 0)
 		code = eco_crs_choices(at, NULL, choices, &found, l->error);
 	if (code)
 		return code;
@@ -453,32 +494,6 @@ static enum eco_code guess_grid(struct look *l)
 	if (code || taken)
 		return code;
 	return ask_for_grid(l, choices, found, spoken);
-}
-
-/* ---- What is said ---- */
-
-static enum eco_code take_stated(struct look *l, const char *crs, const char *who)
-{
-	struct eco_crs_facts facts;
-	const double at[2] = { l->xy[0].middle, l->xy[1].middle }, turned[2] = { at[1], at[0] };
-	enum eco_code code = eco_crs_look(crs, at, &facts, l->error);
-	if (code)
-		return code;
-	if (strlen(crs) < sizeof l->guess->crs)
-		snprintf(l->guess->crs, sizeof l->guess->crs, "%s", crs);
-	else
-		snprintf(l->guess->crs, sizeof l->guess->crs, "%s", facts.code);
-	int used = snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, as %s", facts.name, who);
-	if (!facts.geographic && !isnan(facts.degrees[0]))
-		snprintf(l->guess->crs_why + used, sizeof l->guess->crs_why - (size_t)used,
-			"; a place at %.3f, %.3f", facts.degrees[0], facts.degrees[1]);
-	if (facts.geographic && !are_degrees(l, 0) && are_degrees(l, 1) && !l->guess->from_geometry)
-		say_swapped(l, "a latitude lies between -90 and 90");
-	else if (!facts.inside && !isnan(facts.degrees[0]) &&
-		eco_crs_look(crs, turned, &facts, NULL) == ECO_OK && facts.inside &&
-		!l->guess->from_geometry && !facts.geographic)
-		say_swapped(l, "only so do they lie in the CRS's area of use");
-	return ECO_OK;
 }
 
 static enum eco_code guess_crs(struct look *l)

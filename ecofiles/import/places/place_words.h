@@ -1,0 +1,27 @@
+/* What a table's words say of its grid: the names of x and y, and a column with the UTM zone or the CRS of
+ * each row, "18N", "18 T", "18", "EPSG:32618". */
+#ifndef ECO_PLACE_WORDS_H
+#define ECO_PLACE_WORDS_H
+
+#include "ecofiles/import/places/table_columns.h"
+#include "ecofiles/import/places/words.h"
+
+/* Words that both names have and a CRS's name may have, too. False: none; a name may be NULL. */
+bool eco_place_hint(const char *const names[2], char hint[ECO_WORDS_BYTES]);
+
+enum eco_zone_half { ECO_HALF_OPEN, ECO_HALF_NORTH, ECO_HALF_SOUTH,
+	ECO_HALF_S };                /* "18S": the south, or the band from 32 to 40 degrees north */
+
+struct eco_zone { uint32_t epsg, number; enum eco_zone_half half; };     /* epsg 0: number and half */
+
+struct eco_zones {
+	uint32_t column;             /* ECO_NONE: none says a zone */
+	struct eco_zone zone;        /* of the first row that has one */
+	/* texts of two rows that differ; other: "" if all that were read agree */
+	char first[24], other[24];
+};
+
+/* A zone by number alone counts where the column's name says that it is UTM's, or `utm`: others do. */
+void eco_zones_find(const struct eco_table *table, bool utm, struct eco_zones *zones);
+
+#endif
