@@ -16,7 +16,7 @@
 #include "lod/scattered.h"
 
 #define ELLIPSES (1u << 29)              /* a draw call: more than draw_cut allows of one plant */
-#define PART_VERTICES 5000u              /* that lazy software gets at a time */
+#define PART_VERTICES 2500u              /* that lazy software gets at a time */
 #define QUADS 16383u                     /* a draw call: 16-bit indices, of which OpenGL ES keeps the last */
 
 struct view_gl {
