@@ -17,7 +17,7 @@
 #define SEARCH_PLANS_MAX 40u
 #define SEARCH_SLACK 256u                    /* the search ends within 1/256 of the budget */
 #define GROUND_STEP 4.0                      /* how much coarser the ground of each coarse step is */
-#define GROUND_PX_SCARCE 8.0                 /* up to here ground gives way before plants */
+#define GROUND_PX_SCARCE 2.0                 /* up to here ground gives way before plants */
 #define GROUND_TRIES 8u                      /* halvings of the way from the tolerance asked for to that */
 /* ground takes at most this part of a byte budget that plants do not fit in */
 #define GROUND_SHARE 4u

@@ -13,7 +13,7 @@
  * goes first, coarse to fine.
  *
  * Byte budget. It bounds the whole body, END included. The ground's detail gives way first, up to an error
- * of 8 pixels; then what is drawn on it, on ground that is coarser still where it would take more than a
+ * of 2 pixels; then what is drawn on it, on ground that is coarser still where it would take more than a
  * quarter of the bytes. The planner spends them (lod/plan/byte_price.h), and learns the exact size of an
  * answer from a dry run of the same code that writes the body. Deussen's rule knows no bytes: for it the
  * largest vertex budget whose body is found to fit is searched, within 1/256. If not even a plan that draws
