@@ -12,8 +12,8 @@
 
 /* ---- What view_image.glsl is written in ---- */
 
-#define LIGHT static
-typedef uint32_t uint;
+#include "client-min/view_glsl.h"
+
 typedef double wide;
 typedef const struct view_image *tree;
 typedef struct image_color image_color;
@@ -22,25 +22,12 @@ typedef struct image_pixel image_pixel;
 #define image_color(...) ((struct image_color){ __VA_ARGS__ })
 #define image_spot(...) ((struct image_spot){ __VA_ARGS__ })
 #define widened(x) ((double)(x))
-#define real(x) ((float)(x))
 #define whole(x) ((uint32_t)(x))
-#define abs fabsf
-#define ceil ceilf
-#define floor floorf
-#define max fmaxf
-#define min fminf
-#define sqrt sqrtf
 
 #include "client-min/view_image.glsl"
+#include "client-min/view_glsl_end.h"
 
 _Static_assert(LEAF == VIEW_IMAGE_LEAF && SIDE_LEAST == 32u, "view_image.glsl has the same numbers");
-
-#undef abs
-#undef ceil
-#undef floor
-#undef max
-#undef min
-#undef sqrt
 
 static uint tree_node(tree t, uint i) { return t->nodes[i]; }
 

@@ -24,8 +24,8 @@ const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
 
 /* ---- What view_light.glsl is written in ---- */
 
-#define LIGHT static
-typedef uint32_t uint;
+#include "client-min/view_glsl.h"
+
 typedef struct { double x, y; } ground_place;    /* on the ground, from its origin */
 typedef struct sunlight sunlight;
 typedef struct sunny sunny;
@@ -37,12 +37,6 @@ typedef struct footprint footprint;
 #define crown(...) ((struct crown){ __VA_ARGS__ })
 #define face(...) ((struct face){ __VA_ARGS__ })
 #define footprint(...) ((struct footprint){ __VA_ARGS__ })
-#define real(x) ((float)(x))
-#define abs fabsf
-#define floor floorf
-#define max fmaxf
-#define min fminf
-#define sqrt sqrtf
 
 static float mix(float a, float b, float t) { return a + (b - a) * t; }
 static vec3 blend(vec3 a, vec3 b, float t)
@@ -59,12 +53,7 @@ static float smoothstep(float low, float high, float v)
 static float noise_at(ground_place at, int which);
 
 #include "client-min/draw/view_light.glsl"
-
-#undef abs
-#undef floor
-#undef max
-#undef min
-#undef sqrt
+#include "client-min/view_glsl_end.h"
 
 /* Of each octave the place is turned or not, and stretched and moved. */
 static const struct { bool turned; double x, y, moved; } octaves[VIEW_OCTAVES] = { { false, 9, 9, 0 },

@@ -8,10 +8,10 @@
 #include "client-min/draw/view_shadow_cast.h"
 #include "client-min/draw/view_vec.h"
 
-
 /* ---- What view_shadow.glsl is written in ---- */
 
-#define LIGHT static
+#include "client-min/view_glsl.h"
+
 typedef struct shadow_row shadow_row;
 typedef struct shadow_map shadow_map;
 typedef struct shadow_eye shadow_eye;
@@ -30,20 +30,9 @@ typedef struct shadow_light shadow_light;
 #define shadow_extent(...) ((struct shadow_extent){ __VA_ARGS__ })
 #define shadow_spot(...) ((struct shadow_spot){ __VA_ARGS__ })
 #define shadow_light(...) ((struct shadow_light){ __VA_ARGS__ })
-#define real(x) ((float)(x))
-#define abs fabsf
-#define floor floorf
-#define max fmaxf
-#define min fminf
-#define sqrt sqrtf
 
 #include "client-min/draw/view_shadow.glsl"
-
-#undef abs
-#undef floor
-#undef max
-#undef min
-#undef sqrt
+#include "client-min/view_glsl_end.h"
 
 static int cells_count(cells c) { return c ? VIEW_SHADOW_CELLS * VIEW_SHADOW_CELLS : 0; }
 static struct shadow_cell cells_at(cells c, int i) { return c[i]; }

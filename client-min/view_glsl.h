@@ -1,0 +1,19 @@
+/* Words of GLSL for texts that C compiles, too: include this before the text and view_glsl_end.h after it. */
+#ifndef VIEW_GLSL_H
+#define VIEW_GLSL_H
+
+#include <math.h>
+#include <stdint.h>
+
+#define LIGHT static             /* before each function */
+typedef uint32_t uint;
+
+#endif
+
+#define real(x) ((float)(x))
+#define abs fabsf
+#define ceil ceilf
+#define floor floorf
+#define max fmaxf
+#define min fminf
+#define sqrt sqrtf

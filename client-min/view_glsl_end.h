@@ -1,0 +1,7 @@
+/* Takes back what view_glsl.h calls otherwise in C. */
+#undef abs
+#undef ceil
+#undef floor
+#undef max
+#undef min
+#undef sqrt
