@@ -119,7 +119,7 @@ static int check(const char *file, const char *variable, const char *option, cha
 		snprintf(name, sizeof name, "%.*s", (int)strcspn(variable, "="), variable);
 		setenv(name, variable + strcspn(variable, "=") + 1, 1);
 	}
-	struct program process = program_start(arguments);
+	struct program process = program_start_in(arguments, program_sandboxed);
 	int status = program_finish(&process, out, err);
 	if (variable)
 		unsetenv(name);

@@ -41,7 +41,7 @@ static int prepare(void **state)
 {
 	struct eco_error error = { 0 };
 	program_find();
-	unsetenv("ECOSERVE_NO_SANDBOX");
+	program_sandboxed();
 	folder_make("build/tmp");
 	folder_make(ROOM);
 	folder_make(PACKS);

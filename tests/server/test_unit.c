@@ -130,7 +130,7 @@ static int prepare(void **state)
 {
 	struct eco_error error = { 0 };
 	program_find();
-	unsetenv("ECOSERVE_NO_SANDBOX");
+	program_sandboxed();
 	if (!mkdtemp(folder) || chmod(folder, 0755))
 		return 1;
 	snprintf(pack, sizeof pack, "%s/here.eco", folder);

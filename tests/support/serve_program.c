@@ -24,6 +24,12 @@ void program_find(void)
 		program_path[0] = 0;
 }
 
+void program_sandboxed(void)
+{
+	unsetenv("ECOSERVE_NO_SANDBOX");
+	setenv("ASAN_OPTIONS", "allocator_may_return_null=1:detect_leaks=0", 1);
+}
+
 /* However this test ends, by a failed assertion or by a signal. */
 static void die_with(pid_t parent)
 {

@@ -12,6 +12,10 @@ extern char program_path[PATH_MAX];      /* empty: it has not been built */
 /* Beside the folder that the running test lies in. */
 void program_find(void);
 
+/* From now on this process starts it within its sandbox, in sanitizer builds, too: there leaks are not looked
+ * for at its end, which the sandbox does not allow. */
+void program_sandboxed(void);
+
 struct program { pid_t pid; int out, err; };
 /* `arguments` end with NULL. However the test ends, the program does not outlive it. */
 struct program program_start(const char *const *arguments);
