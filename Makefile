@@ -83,7 +83,7 @@ ECO_ROOMS := ecofiles/generate ecofiles/scene ecofiles/import/track ecofiles/imp
 BUILD_ROOMS := lod/build lod/build/organ lod/build/order lod/build/splat lod/build/impostor lod/build/measure lod/raster
 CORE_ROOMS := lod ecofiles/format ecofiles/format/chunk ecofiles/base
 PACK_ROOM := ecofiles/ecopack ecofiles/ecopack/start ecofiles/ecopack/export
-SUPPORT_ROOM := tests/support
+SUPPORT_ROOM := tests/support tests/support/serve
 # methods of the papers that no program has: what measurements compare with
 BASELINE_ROOM := tests/bench/baseline
 VIEW_ROOMS := client-min client-min/draw client-min/load

@@ -25,7 +25,7 @@
 #include <time.h>
 
 #include "server/typical.h"
-#include "tests/support/random_request.h"
+#include "tests/support/serve/random_request.h"
 
 #define WORSE 1.02
 #define Q_LESS 0.005

@@ -18,7 +18,7 @@
 
 #include "ecofiles/format/wire.h"
 #include "server/typical.h"
-#include "tests/support/random_request.h"
+#include "tests/support/serve/random_request.h"
 
 #define SOMETHING 1000u                  /* vertices: half of all random requests see less */
 

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "ecofiles/format/wire.h"
-#include "tests/support/random_request.h"
+#include "tests/support/serve/random_request.h"
 
 /* Parses without decoding: every frame's hash, fields and order. True if the whole was accepted. */
 static bool stream_accepted(const uint8_t *bytes, size_t size)

@@ -31,7 +31,7 @@
 #include "client-min/view_select.h"
 #include "lod/plan/planner.h"
 #include "server/typical.h"
-#include "tests/support/random_request.h"
+#include "tests/support/serve/random_request.h"
 
 enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, NOT_SAME, RISES, UNUSED, WHOLE, SENSELESS, FAILED,
 VIOLATION_COUNT };

@@ -13,7 +13,7 @@
 #include "ecofiles/base/mix.h"
 #include "tests/support/files.h"
 #include "tests/support/ground_tiles.h"
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 
 /* ---- A server that answers as it is told ---- */
 

@@ -13,7 +13,7 @@
 #include "ecofiles/ecopack/progress.h"
 #include "tests/support/files.h"
 #include "tests/support/scratch.h"
-#include "tests/support/served.h"
+#include "tests/support/serve/served.h"
 #include "tests/support/unit_test.h"
 
 #define PLANTS_MOST 1000u

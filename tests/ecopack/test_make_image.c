@@ -14,7 +14,7 @@
 #include "ecofiles/format/image.h"
 #include "tests/support/files.h"
 #include "tests/support/scratch.h"
-#include "tests/support/served.h"
+#include "tests/support/serve/served.h"
 #include "tests/support/unit_test.h"
 
 #define SIDE 512                         /* texels of the photo, of a quarter of a metre */

@@ -8,9 +8,9 @@
 
 #include "ecofiles/base/version.h"
 #include "tests/support/files.h"
-#include "tests/support/http_client.h"
+#include "tests/support/serve/http_client.h"
 #include "tests/support/scene_packs.h"
-#include "tests/support/serve_program.h"
+#include "tests/support/serve/serve_program.h"
 #include "tests/support/unit_test.h"
 
 #define PACK_PATH "build/tmp/test_ecoserve.eco"

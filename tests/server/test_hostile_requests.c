@@ -5,7 +5,7 @@
  * not allowed): HOSTILE_PORT=N prints what the server at that port of this machine answers instead of
  * testing. */
 #include "tests/support/hostile_rows.h"
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 
 #include <netinet/tcp.h>
 

@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 #include "tests/support/files.h"
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 
 static const uint32_t sizes[] = { 400, SRV_LARGE_BYTES - 1, SRV_LARGE_BYTES, 400000 };
 #define SIZES 4u

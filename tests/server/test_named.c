@@ -9,7 +9,7 @@
 #include "ecofiles/ecopack/command.h"
 #include "lod/eye.h"
 #include "tests/support/files.h"
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 
 #define NAME_FROM 300u
 

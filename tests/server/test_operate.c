@@ -1,5 +1,5 @@
 /* What an operator does with a daemon that serves: other packs, tokens, pages of others, numbers. */
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

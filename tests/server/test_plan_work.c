@@ -3,7 +3,7 @@
 
 #include "server/typical.h"
 #include "tests/support/files.h"
-#include "tests/support/random_request.h"
+#include "tests/support/serve/random_request.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/unit_test.h"
 

@@ -4,7 +4,7 @@
 #include "server/plants.h"
 #include "server/request/problem.h"
 #include "tests/support/files.h"
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 
 #define LIST(number) BASE "/plants/" number
 

@@ -24,9 +24,9 @@
 #include "ecofiles/base/confine.h"
 #include "server/sandbox.h"
 #include "tests/support/files.h"
-#include "tests/support/http_client.h"
+#include "tests/support/serve/http_client.h"
 #include "tests/support/scene_packs.h"
-#include "tests/support/serve_program.h"
+#include "tests/support/serve/serve_program.h"
 #include "tests/support/unit_test.h"
 
 #define ROOM "build/tmp/sandbox"

@@ -1,9 +1,9 @@
 /* The daemon over a loopback socket: every route, and what it answers. */
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 
 #include "server/request/route.h"
-#include "tests/support/openapi.h"
-#include "tests/support/stream_reader.h"
+#include "tests/support/serve/openapi.h"
+#include "tests/support/serve/stream_reader.h"
 
 UNIT_TEST(health_and_scenes_are_described)
 {

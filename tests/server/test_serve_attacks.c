@@ -1,5 +1,5 @@
 /* Attacks by one anonymous client that cost it little: none may cost the daemon much. */
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 
 #include <malloc.h>
 #include <sys/resource.h>

@@ -1,5 +1,5 @@
 /* The daemon with many clients at once, with slow ones, and when it is told to stop. */
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 
 #include <errno.h>
 #include <pthread.h>

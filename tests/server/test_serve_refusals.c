@@ -1,11 +1,11 @@
 /* Requests that the daemon refuses, and that it says why; requests that must not get through. A table row for
  * each rule of HTTP. */
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 
 #include "ecofiles/format/wire.h"
 #include "server/request/problem.h"
 #include "server/request/route.h"
-#include "tests/support/openapi.h"
+#include "tests/support/serve/openapi.h"
 
 /* Whatever a described operation answers must be among its described statuses. */
 static void assert_described(const char *method, const char *raw, unsigned status)

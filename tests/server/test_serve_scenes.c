@@ -1,5 +1,5 @@
 /* Scenes that are served: their names, and that they are checked. */
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 
 UNIT_TEST(files_give_names_that_can_be_asked_for)
 {

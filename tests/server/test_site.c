@@ -1,7 +1,7 @@
 /* The viewer's files: what is read at start, and which form of a file a browser gets. */
 #include "server/answer.h"
 #include "tests/support/files.h"
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 
 #define DIR "build/tmp/test_site"
 

@@ -6,7 +6,7 @@
 #include "server/emit.h"
 #include "server/stream.h"
 #include "tests/support/scene_random.h"
-#include "tests/support/stream_reader.h"
+#include "tests/support/serve/stream_reader.h"
 #include "tests/support/unit_test.h"
 
 #define ROUNDS 24u

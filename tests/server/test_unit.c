@@ -12,9 +12,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "tests/support/http_client.h"
+#include "tests/support/serve/http_client.h"
 #include "tests/support/scene_packs.h"
-#include "tests/support/serve_program.h"
+#include "tests/support/serve/serve_program.h"
 #include "tests/support/unit_test.h"
 
 #define UNIT "server/ecoserve.service.in"

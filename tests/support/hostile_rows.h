@@ -3,7 +3,7 @@
 #ifndef TESTS_HOSTILE_ROWS_H
 #define TESTS_HOSTILE_ROWS_H
 
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 
 #define BYTES(text) text, sizeof(text) - 1
 #define LINE "GET /healthz HTTP/1.1\r\n"

@@ -5,7 +5,7 @@
 
 #include "tests/bench/pictures/bench_flight.h"
 #include "tests/bench/pictures/bench_views.h"
-#include "tests/support/random_request.h"
+#include "tests/support/serve/random_request.h"
 
 #define VERTICES 1000000u
 #define WIDTH 400u

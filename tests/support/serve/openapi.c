@@ -1,4 +1,4 @@
-#include "tests/support/openapi.h"
+#include "tests/support/serve/openapi.h"
 
 static void openapi_line(struct openapi *api, const char *line, char path[80])
 {

@@ -1,4 +1,4 @@
-#include "tests/support/http_client.h"
+#include "tests/support/serve/http_client.h"
 
 int http_connect(uint16_t port)
 {

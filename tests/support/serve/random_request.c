@@ -1,4 +1,4 @@
-#include "tests/support/random_request.h"
+#include "tests/support/serve/random_request.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "tests/support/served.h"
+#include "tests/support/serve/served.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -9,7 +9,7 @@
 #include "server/daemon.h"
 #include "server/request/query.h"
 #include "server/site.h"
-#include "tests/support/http_client.h"
+#include "tests/support/serve/http_client.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/unit_test.h"
 

@@ -1,4 +1,4 @@
-#include "tests/support/serve_program.h"
+#include "tests/support/serve/serve_program.h"
 
 #include <libgen.h>
 #include <signal.h>

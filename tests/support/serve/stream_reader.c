@@ -1,4 +1,4 @@
-#include "tests/support/stream_reader.h"
+#include "tests/support/serve/stream_reader.h"
 
 void stream_reader_init(struct stream_reader *r, const struct eco_scene *truth)
 {

@@ -1,4 +1,4 @@
-#include "tests/support/serve_daemon.h"
+#include "tests/support/serve/serve_daemon.h"
 #include "server/reload.h"
 #include "tests/support/files.h"
 
