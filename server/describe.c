@@ -107,9 +107,8 @@ static void key_degrees(struct srv_json *json, const json_t *place, const char *
 }
 
 /* Where the scene lies: its pack's META says so. null: it has no coordinates beside its own. */
-static void describe_origin(struct srv_json *json, const struct eco_pack *pack)
+static void describe_origin(struct srv_json *json, const json_t *meta)
 {
-	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL);
 	const json_t *origin = json_object_get(meta, "origin"), *place = json_object_get(meta, "place");
 	const char *crs = json_string_value(json_object_get(meta, "crs"));
 	double at[3];
@@ -131,7 +130,6 @@ static void describe_origin(struct srv_json *json, const struct eco_pack *pack)
 	} else {
 		srv_json_null(json);
 	}
-	json_decref(meta);
 }
 
 /* null: none. */
@@ -173,7 +171,7 @@ void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene, co
 		srv_json_null(json);
 	}
 	srv_json_key_number(json, "near_m", tables->near_m);
-	describe_origin(json, scene->pack);
+	describe_origin(json, scene->meta);
 	describe_needs(json, tables->needs);
 	key_cap(json, "cap_vertices", most->vertices);
 	key_cap(json, "cap_bytes", most->bytes);

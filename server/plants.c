@@ -136,17 +136,14 @@ static void describe_stood_for(struct srv_json *json, const char *plant, const j
 void srv_describe_species(struct srv_json *json, const struct srv_scene *scene)
 {
 	const struct eco_pack *pack = scene->pack;
-	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL);
-	const json_t *plants = json_object_get(meta, "plants");
+	const json_t *species = json_object_get(scene->meta, "species");
 	char id[SRV_ID_TEXT_BYTES];
 	srv_format_id(id, &pack->id);
 	srv_json_open(json, '{');
 	srv_json_key_text(json, "pack", id);
 	srv_json_key_open(json, "plants", '[');
 	for (uint32_t i = 0; i < pack->scene.plant_count; i++)
-		describe_stood_for(json, pack->scene.plants[i].name,
-			json_object_get(json_array_get(plants, i), "species"));
+		describe_stood_for(json, pack->scene.plants[i].name, json_array_get(species, i));
 	srv_json_close(json, ']');
 	srv_json_close(json, '}');
-	json_decref(meta);
 }

@@ -24,6 +24,7 @@ void srv_scene_release(struct srv_scene *scene)
 	if (drop)
 		drop(scene);
 	lod_plan_tables_free(scene->tables);
+	json_decref(scene->meta);
 	eco_pack_close(scene->pack);
 	free(scene->file.path);
 	free(scene->by_id);
@@ -67,6 +68,31 @@ static enum eco_code scene_index(struct srv_scene *scene, struct eco_error *erro
 		scene->by_id[i] = i;
 	qsort_r(scene->by_id, count, sizeof *scene->by_id, by_id, (void *)scene->pack->scene.chunks);
 	return ECO_OK;
+}
+
+/* What requests read of META. All of it, with a few kilobytes a plant, would take as long to parse as a small plan
+ * takes. One that is no JSON says nothing. */
+static enum eco_code scene_meta(struct srv_scene *scene, struct eco_error *error)
+{
+	static const char *const kept[] = { "crs", "origin", "place" };
+	const struct eco_pack *pack = scene->pack;
+	json_error_t why = { .line = 0 };
+	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, &why), *species = json_array();
+	bool good = (scene->meta = json_object()) && species
+		&& (meta || json_error_code(&why) != json_error_out_of_memory);
+	for (size_t i = 0; i < sizeof kept / sizeof *kept && good; i++) {
+		json_t *said = json_object_get(meta, kept[i]);
+		good = !said || json_object_set(scene->meta, kept[i], said) == 0;
+	}
+	for (uint32_t i = 0; i < pack->scene.plant_count && good; i++) {
+		json_t *said = json_object_get(json_array_get(json_object_get(meta, "plants"), i), "species");
+		good = (said ? json_array_append(species, said) : json_array_append_new(species, json_null())) == 0;
+	}
+	good = good && json_object_set(scene->meta, "species", species) == 0;
+	json_decref(species);
+	json_decref(meta);
+	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "scene '%s': no memory for what its pack says of it",
+		scene->name);
 }
 
 static enum eco_code check_name(const struct srv_store *store, const char *name, struct eco_error *error)
@@ -119,6 +145,7 @@ static enum eco_code add_pack(struct srv_store *store, const char *name, struct 
 		snprintf(scene->name, sizeof scene->name, "%s", name);
 		code = scene_index(scene, error);
 	}
+	code = code ? code : scene_meta(scene, error);
 	code = code ? code : lod_plan_tables_make(&scene->tables, &pack->scene, error);
 	code = code ? code : append(store, scene, error);
 	if (code)

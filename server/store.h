@@ -17,6 +17,7 @@
 #ifndef SRV_STORE_H
 #define SRV_STORE_H
 
+#include <jansson.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 
@@ -39,6 +40,9 @@ struct srv_scene {
 	struct eco_pack *pack;
 	struct srv_file file;                    /* that the pack was read from; path NULL: not known */
 	int64_t modified_s;                      /* when it was last changed, since 1970 */
+	/* of the pack's META: "crs", "origin", "place", as far as they are there, and "species", which has for each
+	 * plant what META says of it, or null */
+	json_t *meta;
 	struct lod_plan_tables *tables;
 	_Atomic(uint64_t) typical_work;          /* of a plan (typical.h); 0: not found yet */
 	uint32_t *by_id;                         /* chunk indices sorted by id */
