@@ -209,47 +209,38 @@ static const char *place_text(const struct eco_place_guess *g)
 	return text;
 }
 
+/* `says`: the CRS of the table `text` and of the scene, or a part of a question, after "?". */
+static void assert_place(const char *text, const char *crs, const struct eco_raster_extent *dem,
+	const char *says)
+{
+	struct eco_error error = { 0 };
+	struct eco_place_guess guess;
+	struct read r;
+	read_text(&r, text);
+	struct eco_place_asked asked = { .table = &r.table, .columns = &r.columns, .crs = crs, .dem = dem };
+	enum eco_code code = eco_place_guess(&guess, &asked, &error);
+	if (says[0] == '?' ? !code || !strstr(error.text, says + 1) : code || strcmp(place_text(&guess), says) != 0)
+		fail_msg("%s: %s; wanted %s", text, code ? error.text : place_text(&guess), says);
+	eco_table_free(&r.table);
+}
+
 UNIT_TEST(places_get_a_crs_or_a_question)
 {
 	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
-		struct eco_error error = { 0 };
-		struct eco_place_guess guess;
-		struct read r;
 		char text[200];
 		snprintf(text, sizeof text, "%s,%s\n%s\n%s\n", places[i].x, places[i].y, places[i].numbers,
 			places[i].numbers);
-		read_text(&r, text);
-		struct eco_place_asked asked = { .table = &r.table,
-			.columns = &r.columns,
-			.crs = places[i].crs,
-			.dem = places[i].dem };
-		enum eco_code code = eco_place_guess(&guess, &asked, &error);
-		bool asks = places[i].says[0] == '?';
-		if (asks ? !code || !strstr(error.text, places[i].says + 1)
-			 : code || strcmp(place_text(&guess), places[i].says) != 0)
-			fail_msg("%s,%s %s: %s; wanted "
-				"%s", places[i].x, places[i].y, places[i].numbers, code ? error.text
-				: place_text(&guess), places[i].says);
-		eco_table_free(&r.table);
+		assert_place(text, places[i].crs, places[i].dem, places[i].says);
 	}
 }
 
 UNIT_TEST(a_column_says_the_zone_or_that_rows_are_in_several)
 {
 	for (size_t i = 0; i < sizeof zones / sizeof *zones; i++) {
-		struct eco_error error = { 0 };
-		struct eco_place_guess guess;
-		struct read r;
 		char text[200];
 		snprintf(text, sizeof text, "%s\n%s\n%s\n", zones[i].header, zones[i].row,
 			zones[i].other ? zones[i].other : zones[i].row);
-		read_text(&r, text);
-		struct eco_place_asked asked = { .table = &r.table, .columns = &r.columns };
-		enum eco_code code = eco_place_guess(&guess, &asked, &error);
-		if (zones[i].says[0] == '?' ? !code || !strstr(error.text, zones[i].says + 1)
-				: code || strcmp(place_text(&guess), zones[i].says) != 0)
-			fail_msg("%s: %s; wanted %s", text, code ? error.text : place_text(&guess), zones[i].says);
-		eco_table_free(&r.table);
+		assert_place(text, NULL, NULL, zones[i].says);
 	}
 }
 
