@@ -11,12 +11,14 @@
 #define MAP_MAX (1u << 20)
 #define SOURCES_MAX 16u              /* of height */
 
-static const char *const row_fields[] = { "from", "layer", "x", "y", "z", "crs", "vertical", "separator",
-	"decimal", "thousands", "species", "map", "plant",
+static const char *const row_fields[] = { "from", "layer", "x", "y", "z", "unit", "polar",
+	"quadrat", "crs", "vertical", "separator", "decimal", "thousands", "species", "map", "plant",
 	"only", "skip", "height_m", "crown_m", "levels", "scale", "yaw_deg", "duplicates", "seed", NULL };
 static const char *const height_fields[] = { "column", "unit", "value", "from_dbh", "from_girth",
 	"from_dbh_mm", "from_dbh_cm", "from_dbh_in", "max", "rate", "shape", "per_plant", "levels", NULL };
 static const char *const rule_fields[] = { "max", "rate", "shape", NULL };
+static const char *const polar_fields[] = { "azimuth", "distance", "unit", "whole_turn", NULL };
+static const char *const quadrat_fields[] = { "column", "size_m", NULL };
 static const char *const crown_fields[] = { "column", "unit", "is", NULL };
 
 /* ---- Species ---- */
@@ -361,6 +363,48 @@ static bool parse_file(const struct eco_source *source, const struct eco_json *a
 		&& parse_signs(at, spec);
 }
 
+static bool parse_polar(const struct eco_json *at, struct eco_polar *polar)
+{
+	struct eco_json node = eco_json_member(at, "polar"), turn;
+	if (!node.value)
+		return true;
+	polar->unit_m = 1;
+	polar->whole_turn = 360;
+	if (!eco_scene_object(&node, polar_fields) || !eco_json_required(&node, "azimuth")
+			|| !eco_json_required(&node, "distance")
+			|| !eco_scene_copy_text(&node, "azimuth", ECO_COLUMN_BYTES, &polar->azimuth)
+			|| !eco_scene_copy_text(&node, "distance", ECO_COLUMN_BYTES, &polar->distance)
+			|| !eco_scene_parse_unit(&node, &polar->unit_m)
+			|| !eco_json_number(&node, "whole_turn", 360, 400, &polar->whole_turn))
+		return false;
+	turn = eco_json_member(&node, "whole_turn");
+	return polar->whole_turn == 360 || polar->whole_turn == 400
+		|| eco_json_fail(&turn, ECO_BAD_INPUT, "\"whole_turn\" is 360 (degrees) or 400 (gon)");
+}
+
+static bool parse_quadrat(const struct eco_json *at, struct eco_quadrat *quadrat)
+{
+	struct eco_json node = eco_json_member(at, "quadrat");
+	if (!node.value)
+		return true;
+	return eco_scene_object(&node, quadrat_fields) && eco_json_required(&node, "column")
+		&& eco_json_required(&node, "size_m") && eco_json_required(at, "x")
+		&& eco_scene_copy_text(&node, "column", ECO_COLUMN_BYTES, &quadrat->column)
+		&& eco_json_number(&node, "size_m", 0.1, 1000, &quadrat->size_m);
+}
+
+/* "unit" of x and y, which a CRS of theirs says. */
+static bool parse_place_unit(const struct eco_json *at, struct eco_positions_spec *spec)
+{
+	struct eco_json unit = eco_json_member(at, "unit");
+	if (!eco_scene_parse_unit(at, &spec->unit_m))
+		return false;
+	if (unit.value && (spec->crs || !spec->x))
+		return eco_json_fail(&unit, ECO_BAD_INPUT, "\"unit\" is that of x and y without a \"crs\", "
+			"which has its own");
+	return true;
+}
+
 static bool parse_place(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
@@ -372,7 +416,9 @@ static bool parse_place(const struct eco_source *source, const struct eco_json *
 		&& eco_scene_copy_text(at, "y", ECO_COLUMN_BYTES, &spec->y)
 		&& eco_scene_copy_text(at, "z", ECO_COLUMN_BYTES, &spec->z)
 		&& eco_scene_copy_text(at, "vertical", ECO_PATH_BYTES, &spec->vertical)
-		&& eco_scene_parse_crs(source, at, "crs", &spec->crs);
+		&& eco_scene_parse_crs(source, at, "crs", &spec->crs)
+		&& parse_place_unit(at, spec) && parse_polar(at, &spec->polar)
+		&& parse_quadrat(at, &spec->quadrat);
 }
 
 bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at,
@@ -398,7 +444,8 @@ static void free_size(struct eco_size *size)
 void eco_positions_spec_free(struct eco_positions_spec *spec)
 {
 	char *texts[] = { spec->path, spec->layer, spec->x, spec->y, spec->z, spec->crs, spec->vertical,
-		spec->species, spec->yaw_deg, spec->scale, spec->fallback.name };
+		spec->species, spec->yaw_deg, spec->scale, spec->fallback.name, spec->polar.azimuth,
+		spec->polar.distance, spec->quadrat.column };
 
 	for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
 		free(texts[i]);

@@ -65,6 +65,34 @@ printf 'species;Ostwert_25832;Nordwert_25832\nEiche;691 234,5;5\302\240334\302\2
 start 0 'decimal commas' spaces.csv
 is '[.crs, .origin]' '["EPSG:25832",[691260,5334020]]'
 
+# ---- units in the names of coordinates: a plot in centimetres or feet, a grid in feet ----
+awk 'BEGIN { print "species,x_cm,y_cm"; for (i = 0; i < 60; i++) print "oak," i * 97 % 5000 "," 100000 + i * 411 % 8000 }' >"$DIR/cm.csv"
+start 0 'x is "x_cm", y is "y_cm", in cm.*cm of a plot: from 44, 100029 .*within 49.5 x 78.4 m' cm.csv
+is '[.origin, .instances[0].unit]' '[[20,1040],"cm"]'
+awk 'BEGIN { print "species,X (ft),Y (ft)"; for (i = 0; i < 60; i++) print "oak," 984000 + i * 97 % 500 ".5," 194000 + i * 411 % 800 ".25" }' >"$DIR/ft.csv"
+start 1 'may be in .*EPSG:2263 .NAD83 / New York Long Island .ftUS' ft.csv
+! grep -q UTM "$DIR/out" || complain "ft.csv: a grid of metres is offered: $(cat "$DIR/out")"
+
+# ---- azimuth and distance: of one plot, of several without and with their centres; a tree's own place counts more ----
+awk 'BEGIN { print "plot,species,azi,hdist_m"; for (i = 0; i < 60; i++) printf "1,oak,%d,%.1f\n", i * 37 % 400, i * 97 % 120 / 10 }' >"$DIR/polar.csv"
+start 0 'azimuth "azi" in gon, distance "hdist_m" in m .no column says a place' polar.csv
+is '[.origin, .instances[0].polar, .instances[0].x]' '[[0,0],{"azimuth":"azi","distance":"hdist_m","unit":"m","whole_turn":400},null]'
+sed 's/^1,\(oak,[0-9]*[05],\)/2,\1/' "$DIR/polar.csv" >"$DIR/plots.csv"
+start 1 'centres of several plots .*"plot" is "2" and "1".*add columns with easting and northing, or longitude and latitude' plots.csv
+awk -F, 'BEGIN { OFS = "," } { print $0, (NR > 1 ? 11.5 + $1 / 100 "," 48.1 : "lon,lat") }' "$DIR/plots.csv" >"$DIR/centres.csv"
+start 0 'several rows share each place, which so is a plot.s centre' centres.csv
+is '[.crs, .instances[0].x, .instances[0].polar.distance]' '["EPSG:32632","lon","hdist_m"]'
+awk -F, 'BEGIN { OFS = "," } { print $0, (NR > 1 ? 11.5 + NR / 10000 "," 48.1 : "lon,lat") }' "$DIR/plots.csv" >"$DIR/own.csv"
+start 0 'x is "lon"' own.csv
+is '.instances[0].polar' null
+
+# ---- places within quadrats ----
+awk 'BEGIN { print "quadrat,lx,ly,sp"; for (i = 0; i < 400; i++) printf "%02d%02d,%.1f,%.1f,oak\n", i % 7, i % 11, i * 97 % 200 / 10, i * 411 % 200 / 10 }' >"$DIR/quadrats.csv"
+start 0 'within quadrats of 20 m, "quadrat".*within 140 x 220 m' quadrats.csv
+is '.instances[0].quadrat' '{"column":"quadrat","size_m":20}'
+cut -d, -f2- "$DIR/quadrats.csv" >"$DIR/local.csv"
+start 1 '"lx" and "ly" count from the corner of a quadrat, and no column says which: add columns with x and y' local.csv
+
 # ---- a column of zones ----
 printf 'species,easting,northing,utm_zone\noak,323400,4307500,18N\noak,323420,4307520,18N\n' >"$DIR/zone.csv"
 start 0 'WGS 84 / UTM zone 18N, as "utm_zone" says, "18N"; a place at -77' zone.csv

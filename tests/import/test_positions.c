@@ -196,6 +196,38 @@ UNIT_TEST(thousands_are_parted_where_the_entry_says_so)
 		"separated by \";\"");
 }
 
+UNIT_TEST(units_of_coordinates_are_honoured_or_asked_for)
+{
+	expect_error("", "x_cm,y_cm\n150,200\n", "\"plant\":\"oak\",\"x\":\"x_cm\",\"y\":\"y_cm\"",
+		"\"x_cm\" and \"y_cm\" say cm, and coordinates without a CRS are in metres; add \"unit\": \"cm\"");
+	expect("", "x_cm,y_cm\n150,200\n", "\"plant\":\"oak\",\"unit\":\"cm\",\"x\":\"x_cm\",\"y\":\"y_cm\"", "oak 1.5 2", "");
+	expect("", "X (ft),Y (ft)\n10,20\n", "\"plant\":\"oak\",\"unit\":\"ft\",\"x\":\"X (ft)\",\"y\":\"Y (ft)\"",
+		"oak 3.048 6.096", "");
+	expect("", "x_cm,y_cm\n150,200\n", "\"plant\":\"oak\",\"unit\":\"m\",\"x\":\"x_cm\",\"y\":\"y_cm\"", "oak 150 200", "");
+	expect("", "east_m,north_m\n150,200\n", "\"plant\":\"oak\",\"x\":\"east_m\",\"y\":\"north_m\"", "oak 150 200", "");
+	expect(UTM32, "x_ft,y_ft\n690010,5335020\n", "\"plant\":\"oak\",\"crs\":\"EPSG:25832\",\"x\":\"x_ft\",\"y\":\"y_ft\"",
+		"oak 10 20", "");
+}
+
+UNIT_TEST(azimuths_and_distances_count_from_the_plots_centre)
+{
+	const char *turned = "\"plant\":\"oak\",\"polar\":{\"azimuth\":\"az\",\"distance\":\"d\"}";
+	expect("", "az,d\n0,10\n90,20\n270,5\n,3\n", turned, "oak 0 10 / oak 20 0 / oak -5 0", "no coordinates");
+	expect("", "az,d\n100,10\n200,20\n", "\"plant\":\"oak\",\"polar\":{\"azimuth\":\"az\",\"distance\":\"d\",\"whole_turn\":"
+		"400,\"unit\":\"ft\"}", "oak 3.048 0 / oak 0 -6.096", "");
+	expect(UTM32, "x,y,az,d\n690100,5335100,180,10\n690200,5335100,90,10\n", "\"plant\":\"oak\",\"polar\":{\"azimuth\":"
+		"\"az\",\"distance\":\"d\"}," XY, "oak 100 90 / oak 210 100", "");
+}
+
+UNIT_TEST(x_and_y_may_count_within_quadrats)
+{
+	const char *entry = "\"plant\":\"oak\",\"quadrat\":{\"column\":\"q\",\"size_m\":20}," XY;
+	expect("", "q,x,y\n0000,1,2\n0512,1.5,2.5\n512,1,2\n3,0,0\n05x2,1,1\n,1,1\n", entry,
+		"oak 1 2 / oak 101.5 242.5 / oak 101 242 / oak 0 60", "05x2|no coordinates");
+	expect("", "q,x,y\n0102,100,200\n", "\"plant\":\"oak\",\"unit\":\"cm\",\"quadrat\":{\"column\":\"q\",\"size_m\":10}," XY,
+		"oak 11 22", "");
+}
+
 UNIT_TEST(coordinates_become_metres_from_the_origin)
 {
 	/* 3 degrees east is the central meridian of UTM zone 31, easting 500000 */

@@ -212,6 +212,14 @@ static const struct { const char *json, *place, *says; } bad[] = {
 		"\"separator\"" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"decimal\": \",\", \"thousands\": "
 		"\",\"}]}", ":2:", "are different signs" },
+	{ "{" PLANTS ",\n\"instances\": [{\"from\": \"t.csv\", \"plant\": \"oak\", \"unit\": \"cm\"}]}", ":2:",
+		"\"unit\" is that of x and y without" },
+	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"polar\": {\"azimuth\": \"a\"}}]}", ":2:",
+		"\"distance\" is missing" },
+	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"polar\": {\"azimuth\": \"a\", \"distance\": "
+		"\"d\", \"whole_turn\": 380}}]}", ":2:", "360 (degrees) or 400 (gon)" },
+	{ "{" PLANTS ",\n\"instances\": [{\"from\": \"t.csv\", \"plant\": \"oak\", \"quadrat\": {\"column\": \"q\", \"size_m\": 20}}]}",
+		":2:", "\"x\" is missing" },
 	{ "{\"children\": [{\"at\": [0, 0]}]}", ":1:15:", "\"eco\" is missing" },
 	{ "{\"children\": {}}", ":1:14:", "must be an array" },
 	{ "{\"instances\": [[]]}", ":1:16:", "must be an object" },

@@ -27,7 +27,7 @@ static const char *roles_of(const struct read *r)
 {
 	static char text[400];
 	size_t used = 0;
-	for (int i = 0; i < ECO_ROLE_COUNT; i++)
+	for (int i = 0; i <= ECO_ROLE_GIRTH; i++)
 		used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i ? "|" : "",
 			r->columns.of[i] == ECO_NONE ? "-" : r->table.columns[r->columns.of[i]]);
 	return text;

@@ -66,6 +66,27 @@ static enum eco_code say_column(struct start *s, enum eco_role role, const char 
 		rival ? "; it might be \"" : "", rival ? rival : "", rival ? "\", too" : "");
 }
 
+static enum eco_code say_offsets(struct start *s)
+{
+	const struct eco_offsets *o = &s->place.offsets;
+	char took[160];
+	enum eco_code code = ECO_OK;
+	if (o->quadrat_m > 0) {
+		snprintf(took, sizeof took, "within quadrats of %g m, \"%.60s\"", o->quadrat_m,
+			start_column(s, s->columns.of[ECO_ROLE_QUADRAT]));
+		code = start_guess(s, "quadrats", took, "\"quadrat\" in the scene", "two digits of the column "
+			"from the west, two of the row from the south; x and y fill them");
+	}
+	if (code || !o->polar)
+		return code;
+	snprintf(took, sizeof took, "from centres: azimuth \"%.40s\" in %s, distance \"%.40s\" in %s",
+		start_column(s, s->columns.of[ECO_ROLE_AZIMUTH]), o->whole_turn == 400 ? "gon" : "degrees",
+		start_column(s, s->columns.of[ECO_ROLE_DISTANCE]), o->distance_unit);
+	return start_guess(s, "bearings", took, "\"polar\" in the scene", "%s; clockwise from north",
+		s->place.from_geometry || s->columns.of[ECO_ROLE_X] != ECO_NONE
+		? "several rows share each place, which so is a plot's centre" : "no column says a place");
+}
+
 static enum eco_code say_columns(struct start *s)
 {
 	const struct start_options *o = s->options;
@@ -79,13 +100,16 @@ static enum eco_code say_columns(struct start *s)
 		code = start_guess(s, "numbers", "decimal commas", "--decimal", "as most numbers have them");
 	if (!code && s->place.from_geometry)
 		code = start_guess(s, "places", "the file's points", "--x, --y", "it has a geometry");
-	else if (!code) {
+	else if (!code && s->columns.of[ECO_ROLE_X] != ECO_NONE) {
 		const char *x = start_column(s, s->columns.of[s->place.swapped ? ECO_ROLE_Y : ECO_ROLE_X]),
 			*y = start_column(s, s->columns.of[s->place.swapped ? ECO_ROLE_X : ECO_ROLE_Y]);
-		snprintf(took, sizeof took, "x is \"%.60s\", y is \"%.60s\"", x, y);
+		snprintf(took, sizeof took, "x is \"%.60s\", y is \"%.60s\"%s%s", x, y,
+			s->place.unit ? ", in " : "", s->place.unit ? s->place.unit : "");
 		code = start_guess(s, "places", took, "--x, --y", "%s", s->place.swapped
 			? "swapped, see crs" : o->x && o->y ? "as you say" : "by their names and numbers");
 	}
+	if (!code)
+		code = say_offsets(s);
 	if (!code && s->columns.of[ECO_ROLE_SPECIES] != ECO_NONE)
 		code = say_column(s, ECO_ROLE_SPECIES, "--species-column", o->species);
 	return code;

@@ -177,6 +177,15 @@ static json_t *entry_json(const struct start *s)
 		set_text(entry, "x", start_column(s, s->columns.of[p->swapped ? ECO_ROLE_Y : ECO_ROLE_X]));
 		set_text(entry, "y", start_column(s, s->columns.of[p->swapped ? ECO_ROLE_X : ECO_ROLE_Y]));
 	}
+	set_text(entry, "unit", p->unit);
+	if (p->offsets.quadrat_m > 0)
+		json_object_set_new(entry, "quadrat", json_pack("{s:s, s:f}", "column",
+			start_column(s, s->columns.of[ECO_ROLE_QUADRAT]), "size_m", p->offsets.quadrat_m));
+	if (p->offsets.polar)
+		json_object_set_new(entry, "polar", json_pack("{s:s, s:s, s:s, s:f}", "azimuth",
+			start_column(s, s->columns.of[ECO_ROLE_AZIMUTH]), "distance",
+			start_column(s, s->columns.of[ECO_ROLE_DISTANCE]), "unit", p->offsets.distance_unit,
+			"whole_turn", p->offsets.whole_turn));
 	if (!p->file_says)
 		set_text(entry, "crs", p->crs);
 	if (s->columns.decimal == ',')

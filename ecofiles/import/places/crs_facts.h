@@ -29,6 +29,7 @@ enum eco_code eco_crs_place(const char *crs, const double xy[2], struct eco_crs_
 
 struct eco_crs_choice {
 	char code[32], name[96], area[96];
+	bool metric;                 /* in metres, not in feet */
 	double degrees[2], extent_deg;       /* of the place; of the area's longer side */
 };
 #define ECO_CRS_CHOICES_MAX 128u

@@ -201,11 +201,37 @@ static enum verdict read_coordinate(struct eco_positions *p, uint32_t column, do
 
 static enum verdict read_columns(struct eco_positions *p, double xyz[3], struct eco_error *error)
 {
+	double corner_m[2] = { 0, 0 }, unit_m = p->spec->unit_m > 0 ? p->spec->unit_m : 1;
 	enum verdict verdict = GOOD;
 	for (int k = 0; k < 3 && verdict == GOOD; k++)
 		if (p->column[k] != ECO_NONE)
 			verdict = read_coordinate(p, p->column[k], &xyz[k], error);
+	if (verdict == GOOD && p->column[ECO_COLUMN_QUADRAT] != ECO_NONE) {
+		const char *text = field(p, p->column[ECO_COLUMN_QUADRAT]);
+		if (!eco_quadrat_corner(&p->spec->quadrat, text, corner_m))
+			return skip(p, eco_text_is_missing(text) ? ECO_SKIP_NO_COORDINATES
+				: ECO_SKIP_BAD_NUMBER, text);
+	}
+	for (int k = 0; k < 2; k++)
+		xyz[k] = corner_m[k] + xyz[k] * unit_m;
 	return verdict;
+}
+
+/* From a plot's centre, which is in the scene's metres already: grid north is taken for north. */
+static enum verdict add_polar(struct eco_positions *p, double xyz[3], struct eco_error *error)
+{
+	double azimuth, distance, offset_m[2];
+	if (p->column[ECO_COLUMN_AZIMUTH] == ECO_NONE)
+		return GOOD;
+	enum verdict verdict = read_coordinate(p, p->column[ECO_COLUMN_AZIMUTH], &azimuth, error);
+	if (verdict == GOOD)
+		verdict = read_coordinate(p, p->column[ECO_COLUMN_DISTANCE], &distance, error);
+	if (verdict != GOOD)
+		return verdict;
+	eco_polar_offset(&p->spec->polar, azimuth, distance, offset_m);
+	for (int k = 0; k < 2; k++)
+		xyz[k] += offset_m[k];
+	return GOOD;
 }
 
 static enum verdict read_geometry(struct eco_positions *p, double xyz[3], struct eco_error *error)
@@ -306,7 +332,7 @@ static void note_far(struct eco_positions *p)
 	struct eco_error error = { .code = ECO_OK };
 	const char *why;
 	bool converted;
-	if (p->good_places == 0 || p->nearest_m <= FAR_M)
+	if (p->good_places == 0 || p->at_origin || p->nearest_m <= FAR_M)
 		return;
 	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted
 			&& hypot(swapped[0], swapped[1]) <= FAR_M)
@@ -362,8 +388,10 @@ static enum verdict read_place(struct eco_positions *p, struct eco_position *rec
 	record->absolute = p->use_z;
 	if (!p->use_z)
 		xyz[2] = 0;
-	if (verdict == GOOD)
+	if (verdict == GOOD && !p->at_origin)
 		verdict = convert(p, xyz, error);
+	if (verdict == GOOD)
+		verdict = add_polar(p, xyz, error);
 	if (verdict == GOOD)
 		verdict = find_duplicate(p, xyz, error);
 	if (verdict != GOOD)

@@ -12,10 +12,12 @@
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/place_words.h"
 #include "ecofiles/import/places/positions_crs.h"
+#include "ecofiles/import/places/size_units.h"
 #include "ecofiles/import/places/speech.h"
 #include "ecofiles/import/places/words.h"
 
 #define PLOT_M 100000.0          /* beyond this from 0 numbers are a grid's, not a plot's */
+#define FOOT_M 0.3               /* no grid is in smaller units */
 #define DEGREES_SPAN 5.0         /* an inventory is not wider */
 #define UTM_LEAST_M 100000.0
 #define UTM_MOST_M 900000.0
@@ -34,6 +36,9 @@ struct look {
 	struct eco_place_guess *guess;
 	struct range xy[2];
 	const char *names[2];
+	const char *unit;            /* that the names say, or NULL */
+	double unit_m;
+	bool nowhere;                /* no place, only offsets from one centre */
 	uint32_t speech;             /* eco_speech_of the columns */
 	struct eco_error *error;
 };
@@ -444,6 +449,16 @@ static enum eco_code take_zone(struct look *l, bool *taken)
 	return code ? code : take_stated(l, crs, who);
 }
 
+/* Without the grids in another unit than the names say. */
+static void keep_unit(const struct look *l, struct eco_crs_choice *choices, uint32_t *found)
+{
+	uint32_t kept = 0, listed = *found < ECO_CRS_CHOICES_MAX ? *found : ECO_CRS_CHOICES_MAX;
+	for (uint32_t i = 0; l->unit && i < listed; i++)
+		if (choices[i].metric == (l->unit_m == 1))
+			choices[kept++] = choices[i];
+	*found = l->unit ? kept : *found;
+}
+
 static enum eco_code guess_grid(struct look *l)
 {
 	struct eco_crs_choice choices[ECO_CRS_CHOICES_MAX + 1];
@@ -456,6 +471,7 @@ static enum eco_code guess_grid(struct look *l)
 		return ECO_OK;
 	if (eco_place_hint(l->names, hint)) {
 		code = eco_crs_choices(at, hint, choices, &found, l->error);
+		keep_unit(l, choices, &found);
 		if (!code && found == 1)
 			return take_choice(l, &choices[0], "by the columns' names");
 		if (!code && found == 0)
@@ -470,6 +486,7 @@ static enum eco_code guess_grid(struct look *l)
 		code = eco_crs_choices(at, NULL, choices, &found, l->error);
 	if (code)
 		return code;
+	keep_unit(l, choices, &found);
 	uint32_t listed = found < ECO_CRS_CHOICES_MAX ? found : ECO_CRS_CHOICES_MAX,
 		spoken = sort_by_speech(l, choices, listed);
 	struct eco_crs_choice web;
@@ -500,6 +517,14 @@ static enum eco_code guess_crs(struct look *l)
 {
 	const struct eco_place_asked *a = l->asked;
 	struct eco_place_guess *g = l->guess;
+	if (l->nowhere && a->crs)
+		return eco_fail(l->error, ECO_BAD_INPUT, "--crs %.40s: %.150s has no coordinates, only an "
+			"azimuth and a distance from a plot's centre; add columns with the centre's", a->crs,
+			a->table->path);
+	if (l->nowhere) {
+		snprintf(g->crs_why, sizeof g->crs_why, "metres from the plot's centre");
+		return ECO_OK;
+	}
 	if (a->crs)
 		return take_stated(l, a->crs, "you say");
 	if (g->from_geometry && a->table->crs && !a->table->degrees_doubted) {
@@ -513,17 +538,19 @@ static enum eco_code guess_crs(struct look *l)
 	bool narrow =
 		l->xy[0].high - l->xy[0].low < DEGREES_SPAN && l->xy[1].high - l->xy[1].low < DEGREES_SPAN;
 	bool can_be = are_degrees(l, 0) || are_degrees(l, 1);
-	if (can_be && ((narrow && !are_whole(l)) || a->columns->names_say_degrees)) {
+	if (can_be && ((narrow && !are_whole(l) && !l->unit && !g->offsets.quadrat_m)
+			|| a->columns->names_say_degrees)) {
 		guess_degrees(l);
 		return ECO_OK;
 	}
 	double most = fmax(fmax(fabs(l->xy[0].low), fabs(l->xy[0].high)),
 		fmax(fabs(l->xy[1].low), fabs(l->xy[1].high)));
-	if (most >= PLOT_M)
+	if (most * (l->unit_m < FOOT_M ? l->unit_m : 1) >= PLOT_M)
 		return guess_grid(l);
-	snprintf(g->crs_why, sizeof g->crs_why, "metres of a plot: from %.6g, %.6g to %.6g, "
-		"%.6g", l->xy[0].low,
-		l->xy[1].low, l->xy[0].high, l->xy[1].high);
+	g->unit = l->unit;
+	snprintf(g->crs_why, sizeof g->crs_why, "%s of a %s: from %.6g, %.6g to %.6g, %.6g",
+		l->unit_m == 1 ? "metres" : l->unit, g->offsets.quadrat_m > 0 ? "quadrat" : "plot",
+		l->xy[0].low, l->xy[1].low, l->xy[0].high, l->xy[1].high);
 	return ECO_OK;
 }
 
@@ -591,6 +618,11 @@ static enum eco_code guess_origin(struct look *l)
 	struct eco_place_guess *g = l->guess;
 	const int x = g->swapped;
 	double at[3] = { l->xy[x].middle, l->xy[1 - x].middle, 0 };
+	if (l->nowhere || g->offsets.quadrat_m > 0) {
+		snprintf(g->origin_why, sizeof g->origin_why, "%s", l->nowhere ? "the plot's centre"
+			: "where the quadrats count from");
+		return ECO_OK;
+	}
 	struct eco_frame frame = { .crs = g->scene_crs };
 	struct eco_crs_request request = { .path = l->asked->table->path, .stated = g->crs[0] != 0 ? g->crs
 		: l->asked->table->crs, .frame = &frame, .note = note_nothing };
@@ -610,7 +642,7 @@ static enum eco_code guess_origin(struct look *l)
 			"CRS of the coordinates with --crs", l->asked->table->path, l->xy[x].middle,
 			l->xy[1 - x].middle, g->crs, why);
 	for (int k = 0; k < 2; k++)
-		g->origin[k] = round(at[k] / ROUND_M) * ROUND_M;
+		g->origin[k] = round(at[k] * (g->unit ? l->unit_m : 1) / ROUND_M) * ROUND_M;
 	snprintf(g->origin_why, sizeof g->origin_why, "the middle of the plants, rounded to %g m", ROUND_M);
 	return code;
 }
@@ -645,12 +677,16 @@ enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_pl
 	struct eco_error *error)
 {
 	const struct eco_columns *columns = asked->columns;
-	struct look l = { .asked = asked, .guess = guess, .error = error,
+	struct look l = { .asked = asked, .guess = guess, .error = error, .unit_m = 1,
 		.speech = eco_speech_of((const char *const *)asked->table->columns,
 			asked->table->column_count) };
 	*guess = (struct eco_place_guess){ .from_geometry = columns->of[ECO_ROLE_X] == ECO_NONE
 		&& asked->table->has_geometry, .degrees = { NAN, NAN } };
-	for (int k = 0; k < 2 && !guess->from_geometry; k++) {
+	enum eco_code code = eco_offsets_find(&guess->offsets, asked->table, columns, error);
+	if (code)
+		return code;
+	l.nowhere = guess->offsets.polar && !guess->from_geometry && columns->of[ECO_ROLE_X] == ECO_NONE;
+	for (int k = 0; k < 2 && !guess->from_geometry && !l.nowhere; k++) {
 		if (columns->of[k] == ECO_NONE) {
 			char there[250] = "";
 			for (uint32_t i = 0; i < asked->table->column_count; i++)
@@ -663,7 +699,10 @@ enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_pl
 		}
 		l.names[k] = asked->table->columns[columns->of[k]];
 	}
-	enum eco_code code = measure(&l);
+	if (l.names[0])
+		l.unit = eco_unit_of_place(l.names[0], l.names[1], &l.unit_m);
+	if (!l.nowhere)
+		code = measure(&l);
 	if (!code)
 		code = guess_crs(&l);
 	if (!code)

@@ -3,6 +3,7 @@
 #define ECO_PLACE_GUESS_H
 
 #include "ecofiles/import/places/raster_extent.h"
+#include "ecofiles/import/places/place_offsets.h"
 #include "ecofiles/import/places/table_columns.h"
 
 #define ECO_WHY_BYTES 300u
@@ -18,6 +19,8 @@ struct eco_place_asked {         /* what the user says wins; NULL: nothing */
 struct eco_place_guess {
 	bool from_geometry;          /* the file's points; x and y are no columns */
 	bool swapped;                /* x and y of the columns are to change places */
+	const char *unit;            /* of the columns x and y of a plot: "m", "ft", ... */
+	struct eco_offsets offsets;
 	bool file_says;              /* the file states its CRS, so the entry need not */
 	char crs[32];                /* of the numbers; "": plain metres, or as the file says */
 	char scene_crs[32];          /* "": plain metres */

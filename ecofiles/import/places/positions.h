@@ -45,11 +45,25 @@ struct eco_size {                /* one source of a height or of a crown's radiu
 	uint32_t rule_count;
 };
 
+struct eco_polar {               /* a place by its bearing from x and y; azimuth NULL: it is x and y */
+	char *azimuth, *distance;    /* columns; clockwise from north, horizontal */
+	double whole_turn;           /* of the azimuth: 360 or 400 */
+	double unit_m;               /* of the distance */
+};
+
+struct eco_quadrat {             /* x and y count from a corner of the quadrat; column NULL: they do not */
+	char *column;                /* "0512": the sixth from the west, the thirteenth from the south */
+	double size_m;
+};
+
 struct eco_positions_spec {      /* texts are owned by the spec's maker; NULL: not given */
 	char *path, *layer;
 	/* columns; x is easting or longitude, y northing or latitude; z: metres above the datum. x and y
 	 * NULL: the file's geometry. z "geometry": its z */
 	char *x, *y, *z;
+	double unit_m;               /* of x and y; 0: not said, metres or the CRS's */
+	struct eco_polar polar;      /* without x, y and geometry: from the scene's origin */
+	struct eco_quadrat quadrat;
 	char *crs, *vertical;        /* win over the file's */
 	char *species;               /* column; NULL: every row is `fallback` */
 	char separator;              /* of a CSV; 0: found in its header */

@@ -5,6 +5,7 @@
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/positions_parts.h"
+#include "ecofiles/import/places/size_units.h"
 
 static enum eco_code find_column(struct eco_positions *p, uint32_t *column, const char *name,
 	struct eco_error *error)
@@ -44,15 +45,28 @@ static enum eco_code no_coordinates(const struct eco_positions *p, struct eco_er
 		x && y ? x : "...", x && y ? y : "...", there);
 }
 
+/* Names that say another unit than the metres which are meant without a CRS of the entry. */
+static enum eco_code check_unit(const struct eco_positions_spec *s, struct eco_error *error)
+{
+	double metres = 1;
+	const char *unit = s->unit_m == 0 && !s->crs && s->x ? eco_unit_of_place(s->x, s->y, &metres) : NULL;
+	if (metres == 1)
+		return ECO_OK;
+	return eco_fail(error, ECO_BAD_INPUT, "%.200s: \"%.40s\" and \"%.40s\" say %s, and coordinates "
+		"without a CRS are in metres; add \"unit\": \"%s\" to its entry (\"m\" if they are), or its "
+		"\"crs\"", s->path, s->x, s->y, unit, unit);
+}
+
 static enum eco_code find_columns(struct eco_positions *p, struct eco_error *error)
 {
 	const struct eco_positions_spec *s = p->spec;
 	bool geometry_z = s->z && strcmp(s->z, "geometry") == 0 && p->rows->has_geometry;
 	const char *names[ECO_COLUMN_FIXED] = { s->x, s->y, geometry_z ? NULL : s->z, s->species, s->yaw_deg,
-		s->scale, s->crown.column };
-	enum eco_code code = ECO_OK;
+		s->scale, s->crown.column, s->quadrat.column, s->polar.azimuth, s->polar.distance };
+	enum eco_code code = check_unit(s, error);
 	p->from_geometry = p->rows->has_geometry && !s->x;
-	if (!s->x && !p->rows->has_geometry)
+	p->at_origin = !s->x && !p->rows->has_geometry && s->polar.azimuth;
+	if (!s->x && !p->rows->has_geometry && !p->at_origin)
 		return no_coordinates(p, error);
 	if (geometry_z && (!p->from_geometry || !p->rows->has_z))
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: \"z\": \"geometry\", but %s; leave \"z\" out, "
@@ -74,7 +88,7 @@ enum eco_code eco_positions_open_rows(struct eco_positions *p, struct eco_error 
 	const struct eco_positions_spec *s = p->spec;
 	const char *wanted[ECO_COLUMN_FIXED + ECO_HEIGHT_SOURCES_MAX + ECO_FILTERS_MAX];
 	const char *fixed[ECO_COLUMN_FIXED] = { s->x, s->y, s->z, s->species, s->yaw_deg, s->scale,
-		s->crown.column };
+		s->crown.column, s->quadrat.column, s->polar.azimuth, s->polar.distance };
 	struct eco_rows_source source = { .path = s->path, .layer = s->layer, .separator = s->separator,
 		.wanted = wanted };
 	for (int i = 0; i < ECO_COLUMN_FIXED; i++)

@@ -57,10 +57,18 @@ struct eco_size_remarks {
 double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant,
 	double low_m, double high_m, struct eco_size_remarks *remarks);
 
+/* ---- Places that count from others (positions_offset.c) ---- */
+
+/* The south-western corner of a quadrat by its four digits (fewer: zeros were lost before them). False: they
+ * are none. */
+bool eco_quadrat_corner(const struct eco_quadrat *quadrat, const char *text, double corner_m[2]);
+/* East and north of an azimuth and a distance. */
+void eco_polar_offset(const struct eco_polar *polar, double azimuth, double distance, double offset_m[2]);
+
 /* ---- The reader ---- */
 
 enum { ECO_COLUMN_X, ECO_COLUMN_Y, ECO_COLUMN_Z, ECO_COLUMN_SPECIES, ECO_COLUMN_YAW, ECO_COLUMN_SCALE,
-	ECO_COLUMN_CROWN, ECO_COLUMN_FIXED };
+	ECO_COLUMN_CROWN, ECO_COLUMN_QUADRAT, ECO_COLUMN_AZIMUTH, ECO_COLUMN_DISTANCE, ECO_COLUMN_FIXED };
 
 #define ECO_HEIGHT_SOURCES_MAX 16u
 
@@ -72,6 +80,7 @@ struct eco_positions {
 	uint32_t height_column[ECO_HEIGHT_SOURCES_MAX], filter_column[ECO_FILTERS_MAX];
 	uint32_t fields_needed;
 	bool from_geometry, use_z;
+	bool at_origin;              /* no x, y and geometry: only offsets from the scene's origin */
 	struct eco_crs *crs;
 	struct eco_species_table *species;
 	struct eco_place_set *places;

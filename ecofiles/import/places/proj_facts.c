@@ -259,6 +259,7 @@ static enum eco_code try_crs(PJ_CONTEXT *context, const PROJ_CRS_INFO *info, con
 	bool good = crs && degrees_of(context, crs, xy, choice.degrees) &&
 		within(choice.degrees, info->west_lon_degree, info->south_lat_degree, info->east_lon_degree,
 			info->north_lat_degree);
+	choice.metric = good && proj_is_metric_map(context, crs);
 	proj_destroy(crs);
 	snprintf(choice.name, sizeof choice.name, "%s", info->name);
 	snprintf(choice.area, sizeof choice.area, "%s", info->area_name ? info->area_name : "");

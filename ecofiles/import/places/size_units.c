@@ -108,6 +108,25 @@ const char *eco_unit_of_name(const char *name)
 	return named < UNITS ? units[named].name : NULL;
 }
 
+static size_t unit_at_end(const char *name)
+{
+	char words[ECO_WORDS_BYTES];
+	eco_words_of(name, words, sizeof words);
+	const char *last = strrchr(words, ' ');
+	for (size_t i = 0; last && i < UNITS; i++)
+		if (eco_words_have(units[i].words, last + 1))
+			return i;
+	return UNITS;
+}
+
+const char *eco_unit_of_place(const char *x, const char *y, double *metres)
+{
+	size_t unit = unit_at_end(x);
+	bool both = unit < UNITS && unit_at_end(y) == unit;
+	*metres = both ? units[unit].metres : 1;
+	return both ? units[unit].name : NULL;
+}
+
 static bool is_metric(const char *unit) { return strcmp(unit, "ft") != 0 && strcmp(unit, "in") != 0; }
 
 /* Of two units that would do, the one of the system of the other sizes. */

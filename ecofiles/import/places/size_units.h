@@ -23,6 +23,9 @@ struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *nam
 /* The unit that a column's name says, or NULL. */
 const char *eco_unit_of_name(const char *name);
 
+/* The unit that the names of x and y both end with, and its metres; NULL, 1 metre: none. */
+const char *eco_unit_of_place(const char *x, const char *y, double *metres);
+
 /* A unit in which these numbers would be far likelier than in unit_m (metres); NULL: unit_m can be. */
 const char *eco_unit_doubt(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *numbers);
 

@@ -10,12 +10,14 @@
 #include "ecofiles/import/places/words.h"
 
 const char *const eco_role_names[ECO_ROLE_COUNT] = { "x", "y", "species", "height", "trunk diameter",
-	"trunk girth" };
+	"trunk girth", "plot", "azimuth", "distance", "quadrat" };
 
 #define ENOUGH 50                /* points that make a role */
 #define NEAR_POINTS 10           /* a rival is at most so much worse */
 #define CONTENT_POINTS 60
 #define NUMERIC_LEAST 0.5
+#define LOCAL_X "lx qx"          /* from a corner of a quadrat */
+#define LOCAL_Y "ly qy"
 
 /* Words of English, German, French, Spanish, Italian, Dutch, Portuguese, Polish, Czech, Swedish, Danish,
  * Russian, Ukrainian, Japanese, Chinese and Korean. A word of five letters (bytes) and more counts within a
@@ -35,7 +37,8 @@ static const struct { enum eco_role role; int points; const char *words; } meani
 	{ ECO_ROLE_SPECIES, 90, "порода вид" }, { ECO_ROLE_HEIGHT, 90, "высота висота" },
 	{ ECO_ROLE_HEIGHT, -90, "кроны крони" }, { ECO_ROLE_DBH, 90, "диаметр діаметр" },
 	{ ECO_ROLE_DBH, -90, "кроны крони" }, { ECO_ROLE_GIRTH, 95, "окружность обхват" },
-	{ ECO_ROLE_X, 30, "gx px" }, { ECO_ROLE_Y, 30, "gy py" },
+	{ ECO_ROLE_X, 35, "gx px" }, { ECO_ROLE_Y, 35, "gy py" },
+	{ ECO_ROLE_X, 30, LOCAL_X }, { ECO_ROLE_Y, 30, LOCAL_Y },
 	{ ECO_ROLE_X, -90, "krone kronen stamm crown strasse" }, { ECO_ROLE_Y, -90, "krone kronen stamm "
 		"crown strasse" },
 	{ ECO_ROLE_SPECIES, 95, "scientific latin botanical botanisch botanico botanique baumart boomsoort "
@@ -61,6 +64,17 @@ static const struct { enum eco_role role; int points; const char *words; } meani
 		"circunferencia perimetro perimetre omtrek obwod omkrets obvod" },
 	{ ECO_ROLE_GIRTH, 60, "cap circ" },
 	{ ECO_ROLE_GIRTH, -90, "crown krone kronen kroon houppier couronne copa chioma canopy date year" },
+	{ ECO_ROLE_PLOT, 90, "plot plots parzelle probekreis probeflache placette parcela parcelle stichprobe "
+		"punkt provyta poletko" },
+	{ ECO_ROLE_PLOT, -90, "size area radius x y lat lon latitude longitude" },
+	{ ECO_ROLE_AZIMUTH, 90, "azimuth azimut acimut azi bearing rumbo peiling azymut azimutt "
+		"方位角 азимут" },
+	{ ECO_ROLE_AZIMUTH, 60, "az" }, { ECO_ROLE_AZIMUTH, -90, "sun slope crown lean krone hang" },
+	{ ECO_ROLE_DISTANCE, 90, "distance dist distanz entfernung distancia distanza afstand hdist abstand "
+		"avstand vzdalenost odleglosc расстояние 距離 距离" },
+	{ ECO_ROLE_DISTANCE, -90, "crown krone road building house street strasse wire curb edge nearest "
+		"neighbour neighbor spacing slope district" },
+	{ ECO_ROLE_QUADRAT, 90, "quadrat quadratname quad" }, { ECO_ROLE_QUADRAT, -90, "sub subquadrat" },
 };
 
 static bool means(const char *word, const char *list)
@@ -194,8 +208,8 @@ static int points(const struct eco_table *table, enum eco_role role, uint32_t co
 		bool text = numbers_share(table, column, decimal) < NUMERIC_LEAST;
 		return text ? sum + (int)lround(CONTENT_POINTS * plants_share(table, column)) : 0;
 	}
-	if (sum <= 0)
-		return 0;
+	if (sum <= 0 || role == ECO_ROLE_PLOT)
+		return sum;
 	double share = role == ECO_ROLE_X || role == ECO_ROLE_Y ? numbers_share(table, column, 0)
 		: sizes_share(table, column, decimal);
 	return share >= NUMERIC_LEAST ? sum : 0;
@@ -274,6 +288,21 @@ static char find_decimal(const struct eco_table *t)
 			points_seen += point;
 		}
 	return commas > points_seen ? ',' : '.';
+}
+
+bool eco_columns_are_local(const struct eco_table *table, const struct eco_columns *columns)
+{
+	static const char *const locals[] = { LOCAL_X, LOCAL_Y };
+	for (int k = 0; k < 2; k++) {
+		char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
+		const char *at = words;
+		if (columns->of[k] == ECO_NONE)
+			return false;
+		eco_words_of(table->columns[columns->of[k]], words, sizeof words);
+		if (!eco_words_next(&at, word) || !eco_words_have(locals[k], word))
+			return false;
+	}
+	return true;
 }
 
 static bool say_degrees(const struct eco_table *table, const struct eco_columns *columns)

@@ -37,7 +37,7 @@ static inline const char *eco_table_field(const struct eco_table *table, uint32_
 }
 
 enum eco_role { ECO_ROLE_X, ECO_ROLE_Y, ECO_ROLE_SPECIES, ECO_ROLE_HEIGHT, ECO_ROLE_DBH, ECO_ROLE_GIRTH,
-	ECO_ROLE_COUNT };
+	ECO_ROLE_PLOT, ECO_ROLE_AZIMUTH, ECO_ROLE_DISTANCE, ECO_ROLE_QUADRAT, ECO_ROLE_COUNT };
 extern const char *const eco_role_names[ECO_ROLE_COUNT];
 
 struct eco_columns {             /* ECO_NONE: no such column */
@@ -53,6 +53,8 @@ struct eco_columns {             /* ECO_NONE: no such column */
 
 /* Columns that `columns` names already (not ECO_NONE) are left as they are. */
 void eco_table_columns(const struct eco_table *table, struct eco_columns *columns);
+/* Whether x and y count within quadrats, by their names: "lx", "qy". */
+bool eco_columns_are_local(const struct eco_table *table, const struct eco_columns *columns);
 /* Sizes above 0 of a column, as the texts have them, of rows whose species, if there is that column, is not a
  * vacant place or a stump. *own_unit: share of texts with a unit of their own. */
 bool eco_table_spread(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,

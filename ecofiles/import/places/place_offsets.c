@@ -1,0 +1,147 @@
+#include "ecofiles/import/places/place_offsets.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "ecofiles/format/model.h"
+#include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/import/places/size_units.h"
+#include "ecofiles/import/places/words.h"
+
+#define PLANTS_LEAST 2u          /* of a plot, in the mean */
+
+static const char *field(const struct eco_table *t, uint32_t row, uint32_t column)
+{
+	return eco_table_field(t, row, column);
+}
+
+static double quantile_of(const struct eco_table *t, uint32_t column, const struct eco_columns *columns,
+	double share)
+{
+	struct eco_spread spread = { 0 };
+	double value = NAN;
+	if (eco_table_coordinates(t, column, columns, &spread))
+		value = eco_spread_quantile(&spread, share);
+	eco_spread_free(&spread);
+	return value;
+}
+
+/* ---- From centres ---- */
+
+static bool same_place(const struct eco_table *t, const struct eco_columns *c, uint32_t a, uint32_t b)
+{
+	const uint32_t x = c->of[ECO_ROLE_X], y = c->of[ECO_ROLE_Y];
+	if (x == ECO_NONE || y == ECO_NONE)
+		return memcmp(t->places[a], t->places[b], sizeof *t->places) == 0;
+	return strcmp(field(t, a, x), field(t, b, x)) == 0 && strcmp(field(t, a, y), field(t, b, y)) == 0;
+}
+
+/* Whether several rows share each place, so that it is a plot's. */
+static bool are_shared(const struct eco_table *t, const struct eco_columns *c)
+{
+	uint32_t different = 0;
+	for (uint32_t row = 0; row < t->row_count; row++) {
+		uint32_t other = 0;
+		while (other < row && !same_place(t, c, row, other))
+			other++;
+		different += other == row;
+	}
+	return different * PLANTS_LEAST <= t->row_count;
+}
+
+/* Two rows of different plots, in *other the second's. */
+static bool are_several(const struct eco_table *t, uint32_t plot, uint32_t *other)
+{
+	for (uint32_t row = 1; plot != ECO_NONE && row < t->row_count; row++)
+		if (strcmp(field(t, 0, plot), field(t, row, plot)) != 0) {
+			*other = row;
+			return true;
+		}
+	return false;
+}
+
+static bool says_gon(const char *name)
+{
+	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
+	eco_words_of(name, words, sizeof words);
+	for (const char *at = words; eco_words_next(&at, word);)
+		if (eco_words_have("gon gons grade grades grads gradians", word))
+			return true;
+	return false;
+}
+
+static enum eco_code find_polar(struct eco_offsets *o, const struct eco_table *t, const struct eco_columns *c,
+	struct eco_error *error)
+{
+	const uint32_t azimuth = c->of[ECO_ROLE_AZIMUTH], distance = c->of[ECO_ROLE_DISTANCE],
+		plot = c->of[ECO_ROLE_PLOT];
+	bool placed = c->of[ECO_ROLE_X] != ECO_NONE || t->has_geometry;
+	uint32_t other = 0;
+	if (azimuth == ECO_NONE || distance == ECO_NONE || (placed && !are_shared(t, c)))
+		return ECO_OK;
+	if (!placed && are_several(t, plot, &other))
+		return eco_fail(error, ECO_BAD_INPUT, "%.150s: its plants stand at \"%.40s\" and \"%.40s\" "
+			"from the centres of several plots (\"%.40s\" is \"%.20s\" and \"%.20s\"), and no "
+			"column says where these are: add columns with easting and northing, or longitude and "
+			"latitude, of its plot's centre to each row (--x, --y), or start with one plot", t->path,
+			t->columns[azimuth], t->columns[distance], t->columns[plot], field(t, 0, plot),
+			field(t, other, plot));
+	const char *unit = eco_unit_of_name(t->columns[distance]);
+	o->polar = true;
+	o->whole_turn = says_gon(t->columns[azimuth]) || quantile_of(t, azimuth, c, 1) > 360 ? 400 : 360;
+	o->distance_unit = unit ? unit : "m";
+	return ECO_OK;
+}
+
+/* ---- Within quadrats ---- */
+
+static bool are_quadrats(const struct eco_table *t, uint32_t column)
+{
+	uint32_t good = 0, filled = 0;
+	for (uint32_t row = 0; column != ECO_NONE && row < t->row_count; row++) {
+		const char *text = field(t, row, column);
+		size_t digits = strspn(text, "0123456789");
+		filled += !eco_text_is_missing(text);
+		good += digits >= 1 && digits <= 4 && text[digits] == 0;
+	}
+	return filled > 0 && good == filled;
+}
+
+/* The usual side that the plants fill; 0: none. */
+static double side_of(double middle, double high)
+{
+	static const double sides[] = { 5, 10, 20, 25, 50, 100 };
+	for (size_t i = 0; i < sizeof sides / sizeof *sides; i++)
+		if (high <= sides[i])
+			return high > 0.8 * sides[i] && middle > 0.3 * sides[i] && middle < 0.7 * sides[i]
+				? sides[i] : 0;
+	return 0;
+}
+
+static enum eco_code find_quadrats(struct eco_offsets *o, const struct eco_table *t,
+	const struct eco_columns *c, struct eco_error *error)
+{
+	const uint32_t quadrat = c->of[ECO_ROLE_QUADRAT], x = c->of[ECO_ROLE_X], y = c->of[ECO_ROLE_Y];
+	if (!eco_columns_are_local(t, c))
+		return ECO_OK;
+	double high = fmax(quantile_of(t, x, c, 1), quantile_of(t, y, c, 1));
+	o->quadrat_m = side_of(quantile_of(t, x, c, 0.5), high);
+	if (o->quadrat_m > 0 && are_quadrats(t, quadrat))
+		return ECO_OK;
+	return eco_fail(error, ECO_BAD_INPUT, "%.150s: \"%.40s\" and \"%.40s\" count from the corner of a "
+		"quadrat, and %s%.40s%s: add columns with x and y of the plot, such as 20 m times the "
+		"quadrat's column and row plus these, and give them with --x and --y", t->path, t->columns[x],
+		t->columns[y],
+		quadrat == ECO_NONE ? "no column says which" : o->quadrat_m > 0 ? "\"" : "how wide one of \"",
+		quadrat == ECO_NONE ? "" : t->columns[quadrat],
+		quadrat == ECO_NONE ? "" : o->quadrat_m > 0 ? "\" is not always four digits, two of the "
+		"column and two of the row" : "\" is does not show");
+}
+
+enum eco_code eco_offsets_find(struct eco_offsets *offsets, const struct eco_table *table,
+	const struct eco_columns *columns, struct eco_error *error)
+{
+	*offsets = (struct eco_offsets){ .quadrat_m = 0 };
+	enum eco_code code = find_quadrats(offsets, table, columns, error);
+	return code ? code : find_polar(offsets, table, columns, error);
+}
