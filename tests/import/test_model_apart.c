@@ -61,3 +61,12 @@ UNIT_TEST(one_plant_is_one)
 	assert_int_equal(apart_of((const double[][2]){ { 0, 5 }, { 4, 0.5 } }, 2).count, 1);
 	assert_int_equal(eco_model_apart(&(struct eco_model){ .vertex_count = 0 }).count, 0);
 }
+
+UNIT_TEST(a_whole_scene_is_no_plant_and_said_with_its_file)
+{
+	apart_of((const double[][2]){ { 0, 20 }, { 240, 20 } }, 2);
+	assert_non_null(strstr(notes, "plants.obj is 241 x 0.3 m wide and 20 m high, as a whole scene is"));
+	assert_non_null(strstr(notes, "{\"from\": \"plants.obj\", ...}"));
+	apart_of((const double[][2]){ { 0, 20 }, { 80, 20 } }, 2);
+	assert_null(strstr(notes, "whole scene"));
+}

@@ -68,6 +68,66 @@ UNIT_TEST(a_picture_of_which_each_triangle_shows_one_colour_is_a_palette)
 	}
 }
 
+/* A picture of 256 colours under a triangle each, and `count` of them. */
+static struct eco_model model_of_palettes(uint32_t count, uint32_t users)
+{
+	uint32_t triangles = 256 * count * users;
+	struct eco_model model = { .uv = calloc(triangles, 2 * sizeof *model.uv),
+		.index = calloc(triangles, 3 * sizeof *model.index),
+		.material = calloc(triangles, sizeof *model.material), .vertex_count = triangles,
+		.triangle_count = triangles, .materials = calloc(count * users, sizeof *model.materials),
+		.material_count = count * users, .images = calloc(count, sizeof *model.images),
+		.image_count = count };
+	for (uint32_t i = 0; i < count; i++) {
+		model.images[i] = (struct eco_image){ .width = 256, .height = 1, .rgba = malloc(1024) };
+		for (uint32_t x = 0; x < 256; x++)
+			memcpy(model.images[i].rgba + (size_t)4 * x,
+				(uint8_t[]){ (uint8_t)x, (uint8_t)i, 7, 255 }, 4);
+	}
+	for (uint32_t t = 0; t < triangles; t++) {
+		uint32_t own = t / 256;
+		model.material[t] = own;
+		model.materials[own] = (struct eco_material){ .rgb = { 255, 255, 255 }, .image = own % count };
+		model.uv[2 * (size_t)t] = ((float)(t % 256) + 0.5f) / 256;
+		model.uv[2 * (size_t)t + 1] = 0.5f;
+		for (int c = 0; c < 3; c++)
+			model.index[3 * (size_t)t + (size_t)c] = t;
+	}
+	return model;
+}
+
+UNIT_TEST(each_palette_has_colours_of_its_own_and_none_is_lost)
+{
+	static const struct { uint32_t count, users, kept; } cases[] = { { 3, 1, 0 }, { 16, 1, 0 },
+		{ 20, 1, 4 }, { 2, 10, 1 } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct eco_model model = model_of_palettes(cases[i].count, cases[i].users);
+		assert_true(eco_model_take_palettes(&model));
+		assert_int_equal(model.image_count, cases[i].kept);
+		for (uint32_t t = 0; t < model.triangle_count; t++) {
+			const struct eco_material *own = &model.materials[model.material[t]];
+			const uint8_t rgb[3] = { (uint8_t)(t % 256), (uint8_t)(t / 256 % cases[i].count), 7 };
+			if (own->image == ECO_NONE)
+				assert_memory_equal(own->rgb, rgb, 3);
+		}
+		eco_model_free(&model);
+	}
+}
+
+UNIT_TEST(a_tint_beyond_the_limit_is_the_nearest)
+{
+	struct eco_tints tints;
+	struct eco_model model = { .materials = calloc(1, sizeof *model.materials), .material_count = 1 };
+	model.materials[0] = (struct eco_material){ .rgb = { 255, 255, 255 }, .image = ECO_NONE };
+	assert_true(eco_tints_start(&tints, &model));
+	for (uint32_t i = 0; i < ECO_TINTS_MAX; i++)
+		eco_tints_get(&tints, 0, (uint8_t[]){ (uint8_t)(i / 64), (uint8_t)(i % 64), 0 });
+	uint32_t over = eco_tints_get(&tints, 0, (uint8_t[]){ 70, 30, 0 });
+	assert_memory_equal(model.materials[over].rgb, ((uint8_t[]){ 63, 30, 0 }), 3);
+	eco_tints_end(&tints);
+	free(model.materials);
+}
+
 UNIT_TEST(a_place_in_no_picture_shows_no_colour)
 {
 	static const float places[] = { 1e30f, -1e30f, INFINITY, NAN };
@@ -177,6 +237,29 @@ UNIT_TEST(colours_of_vertices_from_black_to_red_are_weights)
 		assert_int_equal(m.triangle_count, 6);
 		assert_int_equal(m.materials[m.material[0]].colourless, cases[i].weights);
 		assert_int_equal(strstr(import_said, "taken for weights of wind") != NULL, cases[i].weights);
+	}
+}
+
+/* Shade on white is no colour; other greys, or a colour beside them, are. */
+UNIT_TEST(greys_of_vertices_on_white_are_shade)
+{
+	static const struct { double least, blue; bool shade; } cases[] = { { 0.3, 1, true },
+		{ 0.3, 0.5, false }, { 0.9, 1, false } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		char text[1000] = "", faces[200] = "";
+		for (int v = 0; v < 18; v++) {
+			double grey = cases[i].least + (1 - cases[i].least) * (v / 3) / 5.0;
+			sprintf(text + strlen(text), "v %d %d %d %g %g %g\n", v % 3 == 1, v % 3 == 2, v / 3, grey,
+				grey, v < 15 ? grey : grey * cases[i].blue);
+			if (v % 3 == 2)
+				sprintf(faces + strlen(faces), "f %d %d %d\n", v - 1, v, v + 1);
+		}
+		strcat(text, faces);
+		import_high(&m, input_text(TEST_FOLDER, "shade.obj", text), 0);
+		assert_int_equal(m.triangle_count, 6);
+		assert_int_equal(strstr(import_said, "taken for shade") != NULL, cases[i].shade);
+		if (cases[i].least < 0.9)
+			assert_int_equal(m.materials[m.material[0]].colourless, cases[i].shade);
 	}
 }
 

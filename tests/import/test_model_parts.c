@@ -249,6 +249,10 @@ UNIT_TEST(a_level_sheet_that_it_stands_on_is_left_out)
 	import_file(&m, write_on_sheet(8, 0), &(struct eco_model_options){ .up = ECO_UP_Y, .rules = &rule,
 		.rule_count = 1 });
 	assert_int_equal(m.triangle_count, 4);
+	import_file(&m, write_on_sheet(8, 0.4), &(struct eco_model_options){ .up = ECO_UP_Y });
+	assert_int_equal(m.triangle_count, 2);
+	import_file(&m, write_on_sheet(8, 0.6), &(struct eco_model_options){ .up = ECO_UP_Y });
+	assert_int_equal(m.triangle_count, 4);
 	/* a leaf at the foot, a roof, and a card */
 	import_file(&m, write_on_sheet(1, 0), &(struct eco_model_options){ .up = ECO_UP_Y });
 	assert_int_equal(m.triangle_count, 4);

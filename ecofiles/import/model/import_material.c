@@ -116,13 +116,35 @@ static bool is_ramp(const struct eco_model *model, int channel)
 		&& (there[RAMP_STEPS - 2] || there[RAMP_STEPS - 1]);
 }
 
+/* Whether all is white in several shades of vertex colours, which so are shade. */
+static bool is_shaded_white(const struct eco_model *model)
+{
+	bool there[RAMP_STEPS] = { false };
+	uint32_t count = 0;
+	for (uint32_t t = 0; t < model->triangle_count; t++) {
+		const struct eco_material *m = &model->materials[model->material[t]];
+		uint8_t step[3] = { m->rgb[0], m->rgb[1], m->rgb[2] };
+		eco_tint_step(step);
+		if (m->image != ECO_NONE || m->rgb[1] != m->rgb[0] || m->rgb[2] != m->rgb[0]
+				|| step[0] != m->rgb[0])
+			return false;
+		there[m->rgb[0] * RAMP_STEPS / 256] = true;
+	}
+	for (uint32_t i = 0; i < RAMP_STEPS; i++)
+		count += there[i];
+	return count >= RAMP_LEAST && (there[RAMP_STEPS - 2] || there[RAMP_STEPS - 1]);
+}
+
 void eco_model_see_colourless(struct eco_model *model, struct eco_notes *notes)
 {
-	bool red = is_ramp(model, 0), blue = is_ramp(model, 2);
+	bool red = is_ramp(model, 0), blue = is_ramp(model, 2), shaded = is_shaded_white(model);
+	if (shaded)
+		eco_note(notes, "its vertex colours are shades of grey alone, on white: they are taken for "
+			"shade, not for colours; give its materials colours if it is white or grey");
 	if (red || blue)
 		eco_note(notes, "its vertex colours run from black to %s: they are taken for weights of wind "
 			"and shade, not for colours", red ? "red" : "blue");
-	for (uint32_t i = 0; (red || blue || is_one_grey(model)) && i < model->material_count; i++)
+	for (uint32_t i = 0; (red || blue || shaded || is_one_grey(model)) && i < model->material_count; i++)
 		model->materials[i].colourless = true;
 }
 

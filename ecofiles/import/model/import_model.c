@@ -4,12 +4,14 @@
 #include "ecofiles/import/model/import_model.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #include "ecofiles/import/model/gltf.h"
 #include "ecofiles/base/guard.h"
+#include "ecofiles/base/phrase.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/import/model/model_apart.h"
 #include "ecofiles/import/model/model_clean.h"
@@ -18,6 +20,7 @@
 
 #define TRIANGLES_MAX 20000000u
 #define FILES_MAX 64u
+#define WIDE_M 100.0             /* a plant is not wider */
 
 /* ---- From the child to the parent: counts, then arrays as they lie in memory ---- */
 
@@ -246,6 +249,26 @@ static void note_apart(const struct eco_model *model, struct eco_notes *notes)
 			apart.count, apart.at[0][0], apart.at[0][1], apart.at[1][0], apart.at[1][1]);
 }
 
+/* No crown is as wide. */
+static void note_wide(const struct eco_model *model, const char *path, struct eco_notes *notes)
+{
+	double size[3];
+	for (int k = 0; k < 3; k++) {
+		double low = INFINITY, high = -INFINITY;
+		for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
+			double at = (double)model->position[3 * (size_t)model->index[i] + (size_t)k];
+			low = fmin(low, at);
+			high = fmax(high, at);
+		}
+		size[k] = high - low;
+	}
+	if (fmax(size[0], size[1]) > WIDE_M)
+		eco_note(notes, "%.200s is %.4g x %.4g m wide and %.3g m high, as a whole scene is: each place "
+			"gets all of it. Make a file of each plant; if it is one plant, \"unit\" or \"height_m\" "
+			"says its size. A glTF scene gives the places of its plants as an inventory: {\"from\": "
+			"\"%.200s\", ...}", path, size[0], size[1], size[2], eco_path_last(path));
+}
+
 static void tell(const struct eco_model_options *options, struct eco_notes *notes)
 {
 	char *rest = notes->text, *line;
@@ -330,6 +353,7 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 		eco_model_see_colourless(model, notes);
 		note_colourless(model, notes);
 		note_apart(model, notes);
+		note_wide(model, options->paths[0], notes);
 	}
 	if (notes)
 		tell(options, notes);

@@ -6,16 +6,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PALETTE_MOST 256u        /* colours: more are a picture */
+#define PALETTE_MOST 256u        /* colours of one picture: more are no palette */
 #define TEXELS_MOST 4096         /* under a triangle: more are no swatch */
 #define SLACK 1e-3               /* of a texel */
 #define PLACE_MOST 1e12          /* in texels: beyond, one texel more is no other place */
+
+struct colours { uint8_t seen[PALETTE_MOST][3]; uint32_t count; };
 
 struct palettes {
 	struct eco_model *model;
 	bool *is_palette;            /* per image */
 	uint8_t (*rgb)[3];           /* per triangle, of the texels that it shows */
-	uint8_t seen[PALETTE_MOST][3]; uint32_t seen_count;
+	struct colours *colours;     /* per image */
 };
 
 static uint32_t wrap(double texel, uint32_t size)
@@ -58,15 +60,30 @@ static bool one_colour(const struct eco_model *m, uint32_t t, const struct eco_i
 	return true;
 }
 
-static bool see_colour(struct palettes *p, const uint8_t rgb[3])
+static bool see_colour(struct colours *c, const uint8_t rgb[3])
 {
-	for (uint32_t i = p->seen_count; i-- > 0;)
-		if (memcmp(p->seen[i], rgb, 3) == 0)
+	for (uint32_t i = c->count; i-- > 0;)
+		if (memcmp(c->seen[i], rgb, 3) == 0)
 			return true;
-	if (p->seen_count == PALETTE_MOST)
+	if (c->count == PALETTE_MOST)
 		return false;
-	memcpy(p->seen[p->seen_count++], rgb, 3);
+	memcpy(c->seen[c->count++], rgb, 3);
 	return true;
+}
+
+/* As many pictures as there is room for all colours of all their materials. */
+static void keep_room(struct palettes *p)
+{
+	const struct eco_model *m = p->model;
+	uint64_t total = 0;
+	for (uint32_t i = 0; i < m->image_count; i++) {
+		uint64_t users = 0;
+		for (uint32_t k = 0; k < m->material_count; k++)
+			users += m->materials[k].image == i;
+		uint64_t own = users * p->colours[i].count;
+		p->is_palette[i] = p->is_palette[i] && total + own <= ECO_TINTS_MAX;
+		total += p->is_palette[i] ? own : 0;
+	}
 }
 
 static void find_palettes(struct palettes *p)
@@ -77,8 +94,9 @@ static void find_palettes(struct palettes *p)
 		uint32_t image = m->materials[m->material[t]].image;
 		if (image != ECO_NONE && p->is_palette[image])
 			p->is_palette[image] = one_colour(m, t, &m->images[image], p->rgb[t])
-				&& see_colour(p, p->rgb[t]);
+				&& see_colour(&p->colours[image], p->rgb[t]);
 	}
+	keep_room(p);
 }
 
 static void drop_palettes(struct eco_model *m, const bool *is_palette)
@@ -119,13 +137,15 @@ static bool paint(struct palettes *p)
 bool eco_model_take_palettes(struct eco_model *model)
 {
 	struct palettes p = { .model = model, .is_palette = calloc((size_t)model->image_count + 1, 1),
-		.rgb = malloc(((size_t)model->triangle_count + 1) * sizeof *p.rgb) };
-	bool good = p.is_palette && p.rgb;
+		.rgb = malloc(((size_t)model->triangle_count + 1) * sizeof *p.rgb),
+		.colours = calloc((size_t)model->image_count + 1, sizeof *p.colours) };
+	bool good = p.is_palette && p.rgb && p.colours;
 	if (good && model->uv && model->image_count > 0) {
 		find_palettes(&p);
 		good = paint(&p);
 	}
 	free(p.is_palette);
 	free(p.rgb);
+	free(p.colours);
 	return good;
 }

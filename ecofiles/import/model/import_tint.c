@@ -30,6 +30,34 @@ bool eco_tints_start(struct eco_tints *t, struct eco_model *model)
 	return grown && t->key && t->table;
 }
 
+static uint32_t distance(const uint8_t a[3], const uint8_t b[3])
+{
+	uint32_t sum = 0;
+	for (int k = 0; k < 3; k++)
+		sum += (uint32_t)((a[k] - b[k]) * (a[k] - b[k]));
+	return sum;
+}
+
+/* The tint nearest to the one of that material for which there is no room. */
+static uint32_t nearest_tint(const struct eco_tints *t, uint32_t material, const uint8_t rgb[3])
+{
+	const struct eco_material *all = t->model->materials, *own = &all[material];
+	uint32_t best = material;
+	for (uint32_t i = t->base; i < t->model->material_count; i++)
+		if (all[i].image == own->image && all[i].cutout == own->cutout
+				&& (best == material
+				|| distance(all[i].rgb, rgb) < distance(all[best].rgb, rgb)))
+			best = i;
+	return best;
+}
+
+static void tinted(const struct eco_material *from, const uint8_t tint[3], uint8_t rgb[3])
+{
+	for (int k = 0; k < 3; k++)
+		rgb[k] = eco_srgb_from_linear(eco_linear_from_srgb(from->rgb[k])
+			* eco_linear_from_srgb(tint[k]));
+}
+
 uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb[3])
 {
 	struct eco_model *m = t->model;
@@ -41,8 +69,11 @@ uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb
 		slot = (slot + 1) % (4 * ECO_TINTS_MAX);
 	if (t->table[slot] != 0)
 		return t->base + t->table[slot] - 1;
-	if (t->count == ECO_TINTS_MAX)
-		return material;
+	if (t->count == ECO_TINTS_MAX) {
+		uint8_t wanted[3];
+		tinted(&m->materials[material], rgb, wanted);
+		return nearest_tint(t, material, wanted);
+	}
 	t->key[t->count++] = key;
 	t->table[slot] = t->count;
 	/* lod/build/organ/organ_split.h knows a surface by its material's name, whatever its colours */
@@ -52,9 +83,7 @@ uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb
 	struct eco_material *to = &m->materials[m->material_count];
 	*to = m->materials[material];
 	to->colourless = false;
-	for (int k = 0; k < 3; k++)
-		to->rgb[k] =
-			eco_srgb_from_linear(eco_linear_from_srgb(to->rgb[k]) * eco_linear_from_srgb(rgb[k]));
+	tinted(&m->materials[material], rgb, to->rgb);
 	return m->material_count++;
 }
 
@@ -85,14 +114,6 @@ struct tints {
 	uint64_t copied_pixels;
 	uint32_t replaced;           /* materials that got the nearest colour instead of theirs */
 };
-
-static uint32_t distance(const uint8_t a[3], const uint8_t b[3])
-{
-	uint32_t sum = 0;
-	for (int k = 0; k < 3; k++)
-		sum += (uint32_t)((a[k] - b[k]) * (a[k] - b[k]));
-	return sum;
-}
 
 /* The variant of `source` nearest in colour, NULL if there is none; and their number. */
 static const struct variant *nearest(const struct tints *t, uint32_t source, const uint8_t rgb[3],

@@ -123,7 +123,7 @@ void eco_model_drop_spare(struct eco_model *m, const struct eco_part_rule *rules
 
 #define SHEET_THICK 0.002        /* of its width */
 #define SHEET_FULL 0.7           /* of its box: a disc has 0.79 */
-#define SHEET_AT 0.02            /* of the height, from the lower end */
+#define SHEET_AT 0.1             /* of the height, from the lower end: stems reach into the ground */
 #define LIES_BESIDE 1e-3         /* of its width: so far may the rest reach beyond it */
 
 static void grow(struct eco_component *box, const struct eco_component *by)
