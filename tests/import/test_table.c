@@ -61,6 +61,7 @@ static const struct { const char *text, *roles; char decimal;
 	{ "立木ID,樹種,胸高直径,樹高,幹周,経度,緯度\n1,アテ,5.2,4.4,16.3,136.9,37.3\n", "経度|緯度|樹種|樹高|胸高直径|幹周", '.' },
 	{ "Порода;Широта;ДОЛГОТА;Высота, м;Диаметр кроны, м;Диаметр, см\nДуб;55.75;37.6;12;5;30\n",
 		"ДОЛГОТА|Широта|Порода|Высота, м|Диаметр, см|-", '.' },
+	{ "lon,lat,botanic,common\n11.5,48.1,Quercus robur,English oak\n", "lon|lat|botanic|-|-|-", '.' },
 	{ "date,tree_type,lat,lon\n1,Urban Street Tree,45,-123\n", "lon|lat|tree_type|-|-|-", '.' },
 	{ "a,b\n1,2\n", "-|-|-|-|-|-", '.' },
 };
@@ -217,7 +218,9 @@ static void assert_place(const char *text, const char *crs, const struct eco_ras
 	struct eco_place_guess guess;
 	struct read r;
 	read_text(&r, text);
-	struct eco_place_asked asked = { .table = &r.table, .columns = &r.columns, .crs = crs, .dem = dem };
+	struct eco_rows_source source = { .path = r.table.path };
+	struct eco_place_asked asked = { .table = &r.table, .source = &source, .columns = &r.columns,
+		.crs = crs, .dem = dem };
 	enum eco_code code = eco_place_guess(&guess, &asked, &error);
 	if (says[0] == '?' ? !code || !strstr(error.text, says + 1) : code || strcmp(place_text(&guess), says) != 0)
 		fail_msg("%s: %s; wanted %s", text, code ? error.text : place_text(&guess), says);
@@ -250,7 +253,9 @@ UNIT_TEST(origins_are_round_and_in_the_middle)
 	struct eco_place_guess guess;
 	struct read r;
 	read_text(&r, "x,y\n391003,5820004\n391013,5820014\n391027,5820021\n");
-	struct eco_place_asked asked = { .table = &r.table, .columns = &r.columns, .crs = "EPSG:25833" };
+	struct eco_rows_source source = { .path = r.table.path };
+	struct eco_place_asked asked = { .table = &r.table, .source = &source, .columns = &r.columns,
+		.crs = "EPSG:25833" };
 	assert_ok(eco_place_guess(&guess, &asked, &error), error);
 	assert_true(guess.origin[0] == 391010 && guess.origin[1] == 5820010);
 	assert_true(fabs(guess.degrees[0] - 13.395) < 0.01 && fabs(guess.degrees[1] - 52.52) < 0.02);

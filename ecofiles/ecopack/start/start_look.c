@@ -207,7 +207,8 @@ static enum eco_code find_sizes(struct start *s)
 static enum eco_code find_place(struct start *s)
 {
 	const struct start_options *o = s->options;
-	struct eco_place_asked asked = { .table = &s->table, .columns = &s->columns, .crs = o->crs,
+	struct eco_place_asked asked = { .table = &s->table, .source = &s->source,
+		.columns = &s->columns, .crs = o->crs,
 		.scene_crs = o->scene_crs, .axes_said = o->x || o->y,
 		.dem = s->dem.extent ? s->dem.extent : s->image.extent };
 	return eco_place_guess(&s->place, &asked, s->error);

@@ -29,6 +29,7 @@
 #define LISTED 6u                /* choices that a question names */
 #define WEB_MERCATOR "EPSG:3857"
 #define ROUND_M 10.0             /* origins are round */
+#define NEAR_DEG 0.01            /* places that differ by datum alone lie nearer together */
 
 struct range { double low, middle, high; };
 struct look {
@@ -433,12 +434,15 @@ static enum eco_code take_zone(struct look *l, bool *taken)
 {
 	struct eco_zones zones;
 	char crs[32], who[100];
-	eco_zones_find(l->asked->table, has_letter(l->names[0] ? l->names[0] : "", "utm"), &zones);
+	enum eco_code code = eco_zones_find(l->asked->table, l->asked->source,
+		has_letter(l->names[0] ? l->names[0] : "", "utm"), &zones, l->error);
+	if (code)
+		return code;
 	*taken = zones.column != ECO_NONE && (zones.zone.epsg || may_be_utm(l));
 	if (!*taken)
 		return ECO_OK;
 	const char *name = l->asked->table->columns[zones.column];
-	enum eco_code code = zone_crs(l, &zones, crs);
+	code = zone_crs(l, &zones, crs);
 	if (!code && zones.other[0] != 0)
 		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: its rows are in several zones: \"%.40s\" "
 			"is \"%s\" and \"%s\", and an entry has one CRS. Put each zone into a table of its own; or "
@@ -513,6 +517,34 @@ static enum eco_code guess_grid(struct look *l)
 	return ask_for_grid(l, choices, found, spoken);
 }
 
+/* Says so where the rows are in other zones than the CRS that the user names. */
+static enum eco_code doubt_stated(struct look *l)
+{
+	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
+	struct look own = { .asked = l->asked, .guess = l->guess, .xy = { l->xy[0], l->xy[1] },
+		.speech = l->speech };
+	struct eco_zones zones;
+	struct eco_crs_facts named, other;
+	char crs[32], *why = l->guess->crs_why;
+	enum eco_code code = eco_crs_look(l->asked->crs, at, &named, l->error);
+	if (!code)
+		code = eco_zones_find(l->asked->table, l->asked->source, may_be_utm(l), &zones, l->error);
+	if (code || named.geographic || zones.column == ECO_NONE)
+		return code;
+	bool elsewhere = zone_crs(&own, &zones, crs) == ECO_OK && eco_crs_look(crs, at, &other, NULL) == ECO_OK
+		&& hypot(named.degrees[0] - other.degrees[0], named.degrees[1] - other.degrees[1]) > NEAR_DEG;
+	size_t used = strlen(why);
+	const char *name = l->asked->table->columns[zones.column];
+	if (zones.other[0] != 0)
+		snprintf(why + used, ECO_WHY_BYTES - used, "; but \"%.30s\" is \"%s\" and \"%s\": give the entry "
+			"\"only\": {\"%.30s\": ...}, and each other zone an entry with its own \"crs\"", name,
+			zones.first, zones.other, name);
+	else if (elsewhere)
+		snprintf(why + used, ECO_WHY_BYTES - used, "; but \"%.30s\" says \"%s\", %s, a place at %.3f, "
+			"%.3f", name, zones.first, crs, other.degrees[0], other.degrees[1]);
+	return ECO_OK;
+}
+
 static enum eco_code guess_crs(struct look *l)
 {
 	const struct eco_place_asked *a = l->asked;
@@ -525,8 +557,10 @@ static enum eco_code guess_crs(struct look *l)
 		snprintf(g->crs_why, sizeof g->crs_why, "metres from the plot's centre");
 		return ECO_OK;
 	}
-	if (a->crs)
-		return take_stated(l, a->crs, "you say");
+	if (a->crs) {
+		enum eco_code code = take_stated(l, a->crs, "you say");
+		return code ? code : doubt_stated(l);
+	}
 	if (g->from_geometry && a->table->crs && !a->table->degrees_doubted) {
 		g->file_says = true;
 		return take_stated(l, a->table->crs, "the file says");

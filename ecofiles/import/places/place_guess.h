@@ -10,6 +10,7 @@
 
 struct eco_place_asked {         /* what the user says wins; NULL: nothing */
 	const struct eco_table *table;
+	const struct eco_rows_source *source;        /* of the table */
 	const struct eco_columns *columns;
 	const char *crs, *scene_crs;
 	bool axes_said;              /* which column is x and which is y */

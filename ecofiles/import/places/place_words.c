@@ -6,6 +6,7 @@
 
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/import/places/table_values.h"
 
 /* Words of a column's name that a CRS's name may have, too: without the axis and the unit. A letter behind a
  * number is a zone's half, "32 n". */
@@ -113,13 +114,12 @@ static bool are_same(const struct eco_zone *a, const struct eco_zone *b)
 }
 
 /* Whether each filled text of a column is a zone. */
-static bool are_zones(const struct eco_table *t, uint32_t column, bool utm, struct eco_zones *zones)
+static bool are_zones(const struct eco_table_values *values, enum kind kind, bool utm,
+	struct eco_zones *zones)
 {
-	enum kind kind = kind_of(t->columns[column]);
 	bool any = false;
-	*zones = (struct eco_zones){ .column = ECO_NONE };
-	for (uint32_t row = 0; kind != NO_ZONES && row < t->row_count; row++) {
-		const char *text = eco_table_field(t, row, column);
+	for (uint32_t i = 0; i < values->count; i++) {
+		const char *text = values->items[i].text;
 		struct eco_zone zone;
 		if (eco_text_is_missing(text))
 			continue;
@@ -134,12 +134,22 @@ static bool are_zones(const struct eco_table *t, uint32_t column, bool utm, stru
 	return any;
 }
 
-void eco_zones_find(const struct eco_table *table, bool utm, struct eco_zones *zones)
+enum eco_code eco_zones_find(const struct eco_table *table, const struct eco_rows_source *source, bool utm,
+	struct eco_zones *zones, struct eco_error *error)
 {
-	for (uint32_t i = 0; i < table->column_count; i++)
-		if (are_zones(table, i, utm, zones)) {
-			zones->column = i;
-			return;
-		}
-	*zones = (struct eco_zones){ .column = ECO_NONE };
+	bool found = false;
+	for (uint32_t i = 0; i < table->column_count && !found; i++) {
+		enum kind kind = kind_of(table->columns[i]);
+		struct eco_table_values values = { .items = NULL };
+		enum eco_code code = kind == NO_ZONES ? ECO_OK
+			: eco_table_values_read(&values, source, table->columns[i], error);
+		if (code)
+			return code;
+		*zones = (struct eco_zones){ .column = i };
+		found = are_zones(&values, kind, utm, zones);
+		eco_table_values_free(&values);
+	}
+	if (!found)
+		*zones = (struct eco_zones){ .column = ECO_NONE };
+	return ECO_OK;
 }

@@ -16,12 +16,14 @@ struct eco_zone { uint32_t epsg, number; enum eco_zone_half half; };     /* epsg
 
 struct eco_zones {
 	uint32_t column;             /* ECO_NONE: none says a zone */
-	struct eco_zone zone;        /* of the first row that has one */
-	/* texts of two rows that differ; other: "" if all that were read agree */
+	struct eco_zone zone;        /* of most rows */
+	/* texts of two rows that differ; other: "" if all rows agree */
 	char first[24], other[24];
 };
 
-/* A zone by number alone counts where the column's name says that it is UTM's, or `utm`: others do. */
-void eco_zones_find(const struct eco_table *table, bool utm, struct eco_zones *zones);
+/* The first column of which each text is a zone; all rows are read where a name speaks of zones. A zone by
+ * number alone counts where the column's name says that it is UTM's, or `utm`: others do. */
+enum eco_code eco_zones_find(const struct eco_table *table, const struct eco_rows_source *source, bool utm,
+	struct eco_zones *zones, struct eco_error *error);
 
 #endif

@@ -41,7 +41,7 @@ static const struct { enum eco_role role; int points; const char *words; } meani
 	{ ECO_ROLE_X, 30, LOCAL_X }, { ECO_ROLE_Y, 30, LOCAL_Y },
 	{ ECO_ROLE_X, -90, "krone kronen stamm crown strasse" }, { ECO_ROLE_Y, -90, "krone kronen stamm "
 		"crown strasse" },
-	{ ECO_ROLE_SPECIES, 95, "scientific latin botanical botanisch botanico botanique baumart boomsoort "
+	{ ECO_ROLE_SPECIES, 95, "scientific latin botanic botanisch botanique baumart boomsoort "
 		"wissenschaftlich wetenschappelijke taxon" },
 	{ ECO_ROLE_SPECIES, 90, "species espece especie specie gatunek tradart druh" },
 	{ ECO_ROLE_SPECIES, 80, "essence soort soortnaam gattung genus genre genero genere rodzaj art slag" },
