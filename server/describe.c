@@ -142,6 +142,22 @@ static void key_cap(struct srv_json *json, const char *key, uint64_t most)
 		srv_json_count(json, most);
 }
 
+/* null: without corners. */
+static void key_box(struct srv_json *json, const char *key, const double *low, const double *high)
+{
+	srv_json_key(json, key);
+	if (!low) {
+		srv_json_null(json);
+		return;
+	}
+	srv_json_open(json, '{');
+	srv_json_key(json, "low");
+	srv_json_point(json, low);
+	srv_json_key(json, "high");
+	srv_json_point(json, high);
+	srv_json_close(json, '}');
+}
+
 void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene, const struct srv_most *most)
 {
 	const struct eco_scene *tables = &scene->pack->scene;
@@ -159,17 +175,8 @@ void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene, co
 	srv_json_key_count(json, "lists", tables->list_count);
 	srv_json_key_count(json, "chunks", tables->chunk_count);
 	srv_json_key_count(json, "payload_bytes", payload_bytes);
-	srv_json_key(json, "bounds");
-	if (root) {
-		srv_json_open(json, '{');
-		srv_json_key(json, "low");
-		srv_json_point(json, root->low);
-		srv_json_key(json, "high");
-		srv_json_point(json, root->high);
-		srv_json_close(json, '}');
-	} else {
-		srv_json_null(json);
-	}
+	key_box(json, "bounds", root ? root->low : NULL, root ? root->high : NULL);
+	key_box(json, "look", root ? scene->outlook.low : NULL, root ? scene->outlook.high : NULL);
 	srv_json_key_number(json, "near_m", tables->near_m);
 	describe_origin(json, scene->meta);
 	describe_needs(json, tables->needs);

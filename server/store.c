@@ -147,6 +147,7 @@ static enum eco_code add_pack(struct srv_store *store, const char *name, struct 
 	}
 	code = code ? code : scene_meta(scene, error);
 	code = code ? code : lod_plan_tables_make(&scene->tables, &pack->scene, error);
+	code = code ? code : srv_outlook_find(&pack->scene, &scene->outlook, error);
 	code = code ? code : append(store, scene, error);
 	if (code)
 		srv_scene_release(scene);

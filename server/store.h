@@ -23,6 +23,7 @@
 
 #include "ecofiles/format/pack.h"
 #include "lod/plan/planner.h"
+#include "server/outlook.h"
 
 #define SRV_NAME_BYTES 64
 #define SRV_SCENES_MAX 1024u
@@ -44,6 +45,7 @@ struct srv_scene {
 	 * plant what META says of it, or null */
 	json_t *meta;
 	struct lod_plan_tables *tables;
+	struct srv_outlook outlook;
 	_Atomic(uint64_t) typical_work;          /* of a plan (typical.h); 0: not found yet */
 	uint32_t *by_id;                         /* chunk indices sorted by id */
 	_Atomic(uint8_t) *checked;               /* per chunk: the payload's hash has been found right */

@@ -10,7 +10,7 @@ const camera = new Camera();
 const settings = { scene: '', mode: 'orbit', vertices: 300000, bytes: -1, kind: 0, sun: '', shadows: 'none' };
 const STILL_MS = 250, LOADING_MS = 300;
 const AHEAD_S = 1;                       // what a moving camera will need so soon is asked for, too
-let engine = null, about = null, frame = 0, movedAt = -Infinity, recording = null;
+let engine = null, about = null, settled = true, frame = 0, movedAt = -Infinity, recording = null;
 let token = null;                        // of a scene that is not for all: #scene=NAME&token=TOKEN
 let asked = 0, drawn = null, picked = null, view = null, incompleteSince = 0, wasOffline = false;
 
@@ -115,8 +115,8 @@ function moved() {
 	redraw();
 }
 
-function showAll() {
-	camera.frame(about.bounds, about.near_m, canvas.clientWidth / canvas.clientHeight);
+function lookAt(box) {
+	camera.frame(box, canvas.clientWidth / canvas.clientHeight);
 	moved();
 }
 
@@ -146,9 +146,11 @@ function know(said) {
 	about = said;
 	showSettings();
 	document.title = `${about.title ?? settings.scene} – ecostream`;
-	showAll();
+	camera.reach(about.bounds, about.near_m);
+	lookAt(about.look);
 	if (view)
 		camera.look(...view);
+	settled = Boolean(view);
 }
 
 /** Another may have been clicked meanwhile. */
@@ -166,8 +168,10 @@ const heard = {
 		showProgress(message);
 		if (message.facts && !$('panel').hidden)
 			showFacts(message.facts);
-		if (settings.mode === 'walk' && camera.stand(message.ground ?? about.bounds.low[2]))
+		if (settings.mode === 'walk' ? camera.stand(message.ground ?? about.bounds.low[2])
+			: !settled && message.ground !== null && camera.lift(message.ground))
 			redraw();
+		settled ||= message.complete;
 		canvas.dataset.complete = message.complete && message.number === asked && !frame;
 	},
 	named({ species }) {
@@ -325,6 +329,11 @@ async function copyLink() {
 	say(copied ? 'Link copied' : `The link is this page's address: ${location.href}`);
 }
 
+function showWhole() {
+	if (about)
+		lookAt(about.bounds);
+}
+
 /** Two views a second until it is pressed again: a camera script that ecoview replays. */
 function record() {
 	if (!recording) {
@@ -346,7 +355,7 @@ function record() {
 
 const shortcuts = {
 	c: () => showKinds(!settings.kind), p: savePicture, r: record, i: () => pick(), l: copyLink,
-	h: () => about && showAll(),
+	h: showWhole,
 };
 
 /** What the address says: at first, and when a link is pasted over it. `scenes`: names; before they are
@@ -415,6 +424,7 @@ $('bytes').oninput = () => {
 $('kind').onchange = () => showKinds($('kind').checked);
 $('sun').onchange = () => set('sun', $('sun').value);
 $('shadows').onchange = () => set('shadows', $('shadows').value);
+$('whole').onclick = showWhole;
 $('save').onclick = savePicture;
 $('link').onclick = copyLink;
 $('record').onclick = record;

@@ -47,11 +47,16 @@ export class Camera {
 		return 2 * this.distance * Math.tan(FOV_Y_DEG * Math.PI / 360);
 	}
 
-	/** Looks at a whole scene, in a picture whose width over height is `aspect`: from the south and above, as
-	 * near as all corners allow. */
-	frame({ low, high }, near, aspect) {
-		const half = high.map((v, i) => (v - low[i]) / 2), size = 2 * Math.hypot(...half);
-		[this.yaw, this.pitch, this.near, this.far] = [Math.PI / 2, -0.4, near, size * 20 + 1e4];
+	/** From how near on, and how far a scene is drawn. */
+	reach({ low, high }, near) {
+		[this.near, this.far] = [near, Math.hypot(...high.map((v, i) => v - low[i])) * 20 + 1e4];
+	}
+
+	/** Looks at a box in a picture whose width over height is `aspect`: from the south and above, as near as all
+	 * corners allow. */
+	frame({ low, high }, aspect) {
+		const half = high.map((v, i) => (v - low[i]) / 2);
+		[this.yaw, this.pitch] = [Math.PI / 2, -0.4];
 		const [, ahead, down] = this.forward(), tan = Math.tan(FOV_Y_DEG * Math.PI / 360);
 		const distances = [-1, 1].flatMap((south) => [-1, 1].map((top) => {
 			const [y, z] = [south * half[1], top * half[2]];
@@ -59,7 +64,7 @@ export class Camera {
 			return wide / tan - (y * ahead + z * down);
 		}));
 		this.target = low.map((v, i) => (v + high[i]) / 2);
-		this.distance = Math.max(...distances, near * 10);
+		this.distance = Math.max(...distances, this.near * 10);
 	}
 
 	look(eye, target) {
@@ -83,6 +88,11 @@ export class Camera {
 		const rise = height + EYE_M - this.view().eye[2];
 		this.target[2] += rise;
 		return Math.abs(rise) > 0.01;
+	}
+
+	/** The same for an eye that is below it. */
+	lift(height) {
+		return this.view().eye[2] < height + EYE_M && this.stand(height);
 	}
 
 	/** From now on it orbits, walks or flies. Who begins to walk looks ahead, and not far. */

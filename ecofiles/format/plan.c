@@ -20,6 +20,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/turn.h"
+
 void eco_plan_free(struct eco_plan *plan)
 {
 	if (!plan)
@@ -278,6 +280,25 @@ bool eco_owner_match(uint64_t a, uint64_t b)
 uint32_t eco_owner_plant(uint64_t owner)
 {
 	return (uint32_t)(owner >> OWNER_INDEX_BITS) & 0xFFFF;
+}
+
+/* ---- Placements ---- */
+
+void eco_placement_point(const struct eco_placement *placement, const double p[3], double world[3])
+{
+	double sine, cosine, x = p[0], y = p[1];
+	eco_turn_sincos(placement->turn, &sine, &cosine);
+	world[0] = placement->at[0] + placement->scale * (cosine * x - sine * y);
+	world[1] = placement->at[1] + placement->scale * (sine * x + cosine * y);
+	world[2] = placement->at[2] + placement->scale * p[2];
+}
+
+struct eco_placement eco_placement_inside(const struct eco_placement *outer, const struct eco_child *child)
+{
+	struct eco_placement inside = { .turn = (uint16_t)(outer->turn + child->turn),
+		.scale = outer->scale * child->scale, .path = outer->path };
+	eco_placement_point(outer, child->at, inside.at);
+	return inside;
 }
 
 /* ---- Predictions ---- */

@@ -61,6 +61,10 @@ struct eco_placement {
 	double scale;
 	uint32_t path;               /* names this occurrence, see owners below */
 };
+/* The placement of what `child` places, inside `outer`; its path is still that of `outer`. */
+struct eco_placement eco_placement_inside(const struct eco_placement *outer, const struct eco_child *child);
+/* world and p may be the same. */
+void eco_placement_point(const struct eco_placement *placement, const double p[3], double world[3]);
 
 /* instance lists [list_first, list_end), whose visible plants are drawn by the rules */
 struct eco_run {

@@ -107,18 +107,10 @@ static enum eco_code add_placement(struct lod_visible_tree *visible, uint32_t ou
 	if (!eco_room(&visible->placements, &visible->placement_capacity, visible->placement_count,
 			sizeof *visible->placements))
 		return no_memory(error);
-	const struct eco_placement *o = &visible->placements[outer];
-	const struct eco_child *c = &visible->scene->children[child];
-	double sine, cosine;
-	eco_turn_sincos(o->turn, &sine, &cosine);
-	visible->placements[visible->placement_count++] = (struct eco_placement){
-		.at = { o->at[0] + o->scale * (cosine * c->at[0] - sine * c->at[1]),
-			o->at[1] + o->scale * (sine * c->at[0] + cosine * c->at[1]),
-			o->at[2] + o->scale * c->at[2] },
-		.turn = (uint16_t)(o->turn + c->turn),
-		.scale = o->scale * c->scale,
-		.path = o->path + eco_owner_step(visible->scene, tile, child),
-	};
+	struct eco_placement inside = eco_placement_inside(&visible->placements[outer],
+		&visible->scene->children[child]);
+	inside.path += eco_owner_step(visible->scene, tile, child);
+	visible->placements[visible->placement_count++] = inside;
 	return ECO_OK;
 }
 

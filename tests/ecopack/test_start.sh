@@ -139,6 +139,12 @@ is '.plants | has("maple_dead")' false
 is '.plants | has("rock")' false
 camera 0 0
 
+# ---- Villages along a river: the first look is not at the water between them, in which one willow stands ----
+awk 'BEGIN { print "species,x,y"
+	for (i = 0; i < 120; i++) printf "oak,%d,%d\n", (i % 2 ? -2000 : 2000) + i % 11 * 9, int(i / 11) * 9; print "oak,0,0" }' >"$DIR/river.csv"
+start 0 '121 plants' river.csv
+jq -es '.[0].origin[0] + .[1].keyframes[0].target[0] | fabs > 1900' "$DIR/my/scene.json" "$DIR/my/camera.json" >/dev/null || complain "river: $(cat "$DIR/my/camera.json")"
+
 # ---- The same with latitude and longitude in each other's columns ----
 awk -F, 'BEGIN { OFS = "," } NR > 1 { t = $(NF - 1); $(NF - 1) = $NF; $NF = t } { print }' "$DIR/us.csv" >"$DIR/swapped.csv"
 start 0 'are swapped: a latitude lies between -90 and 90' swapped.csv

@@ -1,12 +1,16 @@
-/* The first look: from the south and a little above, at the middle of the plants, near enough that a plant is
+/* The first look: from the south and a little above, at where many plants stand, near enough that a plant is
  * more than a dot. */
 #include "ecofiles/ecopack/start/start.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/crowd.h"
 
 #define SEEN 200u                /* plants around the middle that the picture is for */
+#define SQUARE_M 200.0
 #define FAR_M 250.0              /* farther away plants are dots */
 #define FIELD_DEG 45.0
 #define STEEP 0.5                /* the look goes down no steeper, if that does not take it too far away */
@@ -28,33 +32,61 @@ static double ground_at(const struct map *m, double x, double y)
 	return z;
 }
 
-/* The plant nearest to the medians of x and y, and the distance within which SEEN others stand. */
-static bool find_middle(const struct map *m, double at[2], double *reach)
+static uint32_t count_around(double (*points)[2], uint32_t count, const double at[2])
+{
+	uint32_t around = 0;
+	for (uint32_t i = 0; i < count; i++)
+		around += fmax(fabs(points[i][0] - at[0]), fabs(points[i][1] - at[1])) <= SQUARE_M / 2;
+	return around;
+}
+
+/* The medians of x and y; where they lie beside the plants, as in a river, the square that holds the most, or
+ * half as many and nearer. */
+static bool find_crowd(const struct map *m, double at[2])
 {
 	uint32_t n = m->points.count;
-	double *sorted = malloc((n + 1u) * sizeof *sorted), median[2], nearest = INFINITY;
-	if (!sorted)
-		return false;
-	for (int k = 0; k < 2; k++) {
+	double *sorted = malloc(n * sizeof *sorted), (*points)[2] = malloc(n * sizeof *points);
+	struct eco_crowd *crowds = malloc(n * sizeof *crowds);
+	bool made = sorted && points && crowds;
+	for (int k = 0; k < 2 && made; k++) {
 		for (uint32_t i = 0; i < n; i++)
-			sorted[i] = (double)(k ? m->points.items[i].y : m->points.items[i].x);
+			sorted[i] = points[i][k] = (double)(k ? m->points.items[i].y : m->points.items[i].x);
 		qsort(sorted, n, sizeof *sorted, compare);
-		median[k] = sorted[n / 2];
+		at[k] = sorted[n / 2];
 	}
+	if (made) {
+		const struct eco_crowd *near = eco_crowd_near(crowds,
+			eco_crowds_find(points, n, SQUARE_M, crowds), at);
+		if (count_around(points, n, at) < near->count)
+			memcpy(at, near->middle, sizeof near->middle);
+	}
+	free(sorted);
+	free(points);
+	free(crowds);
+	return made;
+}
+
+/* The plant nearest to `at`, and the distance within which SEEN others stand. */
+static bool find_middle(const struct map *m, double at[2], double *reach)
+{
+	uint32_t n = m->points.count, middle = 0;
+	double *away = malloc(n * sizeof *away), nearest = INFINITY;
+	if (!away)
+		return false;
 	for (uint32_t i = 0; i < n; i++) {
-		double x = (double)m->points.items[i].x, y = (double)m->points.items[i].y,
-			distance = hypot(x - median[0], y - median[1]);
+		double distance = hypot((double)m->points.items[i].x - at[0], (double)m->points.items[i].y - at[1]);
 		if (distance < nearest) {
 			nearest = distance;
-			at[0] = x;
-			at[1] = y;
+			middle = i;
 		}
 	}
+	at[0] = (double)m->points.items[middle].x;
+	at[1] = (double)m->points.items[middle].y;
 	for (uint32_t i = 0; i < n; i++)
-		sorted[i] = hypot((double)m->points.items[i].x - at[0], (double)m->points.items[i].y - at[1]);
-	qsort(sorted, n, sizeof *sorted, compare);
-	*reach = sorted[n > SEEN ? SEEN : n - 1];
-	free(sorted);
+		away[i] = hypot((double)m->points.items[i].x - at[0], (double)m->points.items[i].y - at[1]);
+	qsort(away, n, sizeof *away, compare);
+	*reach = fmin(away[n > SEEN ? SEEN : n - 1], SQUARE_M / 2);
+	free(away);
 	return true;
 }
 
@@ -97,7 +129,7 @@ enum eco_code start_camera(const struct map *map, char **text, struct eco_error 
 	*text = NULL;
 	if (map->points.count == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "no plant is left to look at");
-	if (!find_middle(map, middle, &reach))
+	if (!find_crowd(map, middle) || !find_middle(map, middle, &reach))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the camera");
 	double away = fmin(fmax(reach + 2 * tall, 3 * tall), FAR_M - 1);
 	double target[3] = { middle[0], middle[1], ground_at(map, middle[0], middle[1]) + tall / 2 },

@@ -276,6 +276,25 @@ async function goesBack() {
 	await shows(name);
 }
 
+/** Who comes first sees where the server says that there is something; the button leads to the whole scene. An eye that
+ * the ground hides rises above it. */
+async function looksWhereThereIsSomething() {
+	const middle = ({ low, high }) => low.map((v, i) => (v + high[i]) / 2), same = (a, b) => Math.hypot(...a.map((v, i) => v - b[i])) < 1e-6;
+	const { bounds, look } = await ask(`fetch('${url}').then((a) => a.json())`), { low } = bounds, high = low.map((v) => v + 50);
+	const targets = await ask(`(() => {
+		const { camera } = viewer, targets = [];
+		document.getElementById('whole').click();
+		targets.push(camera.target);
+		camera.frame(${JSON.stringify({ low, high })}, 1.5);
+		targets.push([...camera.target], camera.lift(camera.view().eye[2] - 5), camera.lift(9999), camera.view().eye);
+		return targets;
+	})()`);
+	expect(look && same(targets[0], middle(bounds)), 'the button does not lead to the whole scene');
+	expect(same(targets[1], middle({ low, high })) && !targets[2] && targets[3] && targets[4][2] > 9999, 'an eye stays below the ground');
+	await press('h');
+	await browser.until(complete);
+}
+
 /** Who moves on is sent what comes next, until he turns. The line is slow, so that there is something to give
  * up, and the park is large; the browser keeps nothing of this address. */
 async function looksAhead() {
@@ -415,6 +434,7 @@ try {
 	await picksAPlant();
 	await showsItsFigures();
 	await movesByKeyboard();
+	await looksWhereThereIsSomething();
 	await hasASun();
 	await walks();
 	await recordsAndSaves();
