@@ -93,6 +93,10 @@ is '.instances[0].quadrat' '{"column":"quadrat","size_m":20}'
 cut -d, -f2- "$DIR/quadrats.csv" >"$DIR/local.csv"
 start 1 '"lx" and "ly" count from the corner of a quadrat, and no column says which: add columns with x and y' local.csv
 
+awk 'BEGIN { print "sp,square.x,square.y,d.x,d.y"; for (i = 0; i < 400; i++) print "oak," i % 5 "," int(i / 5) % 5 "," i * 37 % 101 / 10 "," i * 11 % 101 / 10 }' >"$DIR/heaps.csv"
+start 1 '"square.x" and "square.y" are places of plots, or numbers of quadrats, not of plants: 8 rows or more share each' heaps.csv
+start 0 'within 4 x 4 m' heaps.csv --x square.x --y square.y
+
 # ---- a column of zones ----
 printf 'species,easting,northing,utm_zone\noak,323400,4307500,18N\noak,323420,4307520,18N\n' >"$DIR/zone.csv"
 start 0 'WGS 84 / UTM zone 18N, as "utm_zone" says, "18N"; a place at -77' zone.csv

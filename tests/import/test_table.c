@@ -62,6 +62,10 @@ static const struct { const char *text, *roles; char decimal;
 	{ "Порода;Широта;ДОЛГОТА;Высота, м;Диаметр кроны, м;Диаметр, см\nДуб;55.75;37.6;12;5;30\n",
 		"ДОЛГОТА|Широта|Порода|Высота, м|Диаметр, см|-", '.' },
 	{ "lon,lat,botanic,common\n11.5,48.1,Quercus robur,English oak\n", "lon|lat|botanic|-|-|-", '.' },
+	{ "Family,Genus,Species,lat,lon\nSapotaceae,Pouteria,erythrochrysa,-2.59,-60.2\n"
+	  "Fabaceae,Inga,alba,-2.58,-60.2\n", "lon|lat|Genus|-|-|-", '.' },
+	{ "genus,species,lat,lon\nQuercus,Quercus robur,48.1,11.5\nTilia,Tilia cordata,48.2,11.6\n",
+		"lon|lat|species|-|-|-", '.' },
 	{ "date,tree_type,lat,lon\n1,Urban Street Tree,45,-123\n", "lon|lat|tree_type|-|-|-", '.' },
 	{ "a,b\n1,2\n", "-|-|-|-|-|-", '.' },
 };

@@ -716,7 +716,8 @@ enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_pl
 			asked->table->column_count) };
 	*guess = (struct eco_place_guess){ .from_geometry = columns->of[ECO_ROLE_X] == ECO_NONE
 		&& asked->table->has_geometry, .degrees = { NAN, NAN } };
-	enum eco_code code = eco_offsets_find(&guess->offsets, asked->table, columns, error);
+	enum eco_code code = eco_offsets_find(&guess->offsets, asked->table, columns, asked->axes_said,
+		error);
 	if (code)
 		return code;
 	l.nowhere = guess->offsets.polar && !guess->from_geometry && columns->of[ECO_ROLE_X] == ECO_NONE;

@@ -9,6 +9,8 @@
 #include "ecofiles/import/places/words.h"
 
 #define PLANTS_LEAST 2u          /* of a plot, in the mean */
+#define HEAP_LEAST 8u            /* rows of a place, in the mean: more than stems of a tree or an address */
+#define HEAP_ROWS 64u            /* of fewer rows nothing is said */
 
 static const char *field(const struct eco_table *t, uint32_t row, uint32_t column)
 {
@@ -36,8 +38,8 @@ static bool same_place(const struct eco_table *t, const struct eco_columns *c, u
 	return strcmp(field(t, a, x), field(t, b, x)) == 0 && strcmp(field(t, a, y), field(t, b, y)) == 0;
 }
 
-/* Whether several rows share each place, so that it is a plot's. */
-static bool are_shared(const struct eco_table *t, const struct eco_columns *c)
+/* Whether so many rows, in the mean, share each place. */
+static bool are_shared(const struct eco_table *t, const struct eco_columns *c, uint32_t least)
 {
 	uint32_t different = 0;
 	for (uint32_t row = 0; row < t->row_count; row++) {
@@ -46,7 +48,7 @@ static bool are_shared(const struct eco_table *t, const struct eco_columns *c)
 			other++;
 		different += other == row;
 	}
-	return different * PLANTS_LEAST <= t->row_count;
+	return different * least <= t->row_count;
 }
 
 /* Two rows of different plots, in *other the second's. */
@@ -77,7 +79,7 @@ static enum eco_code find_polar(struct eco_offsets *o, const struct eco_table *t
 		plot = c->of[ECO_ROLE_PLOT];
 	bool placed = c->of[ECO_ROLE_X] != ECO_NONE || t->has_geometry;
 	uint32_t other = 0;
-	if (azimuth == ECO_NONE || distance == ECO_NONE || (placed && !are_shared(t, c)))
+	if (azimuth == ECO_NONE || distance == ECO_NONE || (placed && !are_shared(t, c, PLANTS_LEAST)))
 		return ECO_OK;
 	if (!placed && are_several(t, plot, &other))
 		return eco_fail(error, ECO_BAD_INPUT, "%.150s: its plants stand at \"%.40s\" and \"%.40s\" "
@@ -138,10 +140,26 @@ static enum eco_code find_quadrats(struct eco_offsets *o, const struct eco_table
 		"column and two of the row" : "\" is does not show");
 }
 
+static enum eco_code refuse_heaps(const struct eco_table *t, const struct eco_columns *c,
+	struct eco_error *error)
+{
+	const uint32_t x = c->of[ECO_ROLE_X], y = c->of[ECO_ROLE_Y];
+	if (x == ECO_NONE || y == ECO_NONE || t->row_count < HEAP_ROWS || !are_shared(t, c, HEAP_LEAST))
+		return ECO_OK;
+	return eco_fail(error, ECO_BAD_INPUT, "%.150s: \"%.40s\" and \"%.40s\" are places of plots, or numbers "
+		"of quadrats, not of plants: %u rows or more share each. Give columns with the plants' own places "
+		"with --x and --y; or these two, to heap all plants of a place on it", t->path, t->columns[x],
+		t->columns[y], HEAP_LEAST);
+}
+
 enum eco_code eco_offsets_find(struct eco_offsets *offsets, const struct eco_table *table,
-	const struct eco_columns *columns, struct eco_error *error)
+	const struct eco_columns *columns, bool said, struct eco_error *error)
 {
 	*offsets = (struct eco_offsets){ .quadrat_m = 0 };
 	enum eco_code code = find_quadrats(offsets, table, columns, error);
-	return code ? code : find_polar(offsets, table, columns, error);
+	if (!code)
+		code = find_polar(offsets, table, columns, error);
+	if (!code && !offsets->polar && offsets->quadrat_m == 0 && !said)
+		code = refuse_heaps(table, columns, error);
+	return code;
 }

@@ -13,8 +13,9 @@ struct eco_offsets {
 };
 
 /* ECO_BAD_INPUT where plants of several plots have no centre, or it does not show which quadrats are
- * meant: it says which columns to add. A plant's own place counts more than an azimuth. */
+ * meant: it says which columns to add. A plant's own place counts more than an azimuth. And where many
+ * rows share each x and y, which so are no plants', unless the user `said` these columns. */
 enum eco_code eco_offsets_find(struct eco_offsets *offsets, const struct eco_table *table,
-	const struct eco_columns *columns, struct eco_error *error);
+	const struct eco_columns *columns, bool said, struct eco_error *error);
 
 #endif

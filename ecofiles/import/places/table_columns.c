@@ -241,6 +241,33 @@ static void choose(const struct eco_table *t, struct eco_columns *columns, enum 
 		columns->rival[role] = rival;
 }
 
+/* Words in small letters alone, as the second names of species are. */
+static bool are_epithets(const struct eco_table *t, uint32_t column)
+{
+	uint32_t filled = 0, small = 0;
+	for (uint32_t row = 0; row < t->row_count; row++) {
+		const char *text = eco_table_field(t, row, column);
+		filled += !eco_text_is_missing(text);
+		small += text[0] >= 'a' && text[0] <= 'z' && !strchr(text, ' ') && !eco_text_is_missing(text);
+	}
+	return small * 10 > filled * 8 && plants_share(t, column) < 0.5;
+}
+
+/* Epithets say nothing without the genus beside them. */
+static void prefer_genus(const struct eco_table *t, struct eco_columns *columns)
+{
+	uint32_t *species = &columns->of[ECO_ROLE_SPECIES];
+	for (uint32_t i = 0; *species != ECO_NONE && i < t->column_count; i++) {
+		char words[ECO_WORDS_BYTES];
+		eco_words_of(t->columns[i], words, sizeof words);
+		if (eco_words_have("genus gattung genre genero genere geslacht rodzaj rod slakt slekt", words)
+				&& are_epithets(t, *species) && !are_epithets(t, i)) {
+			columns->rival[ECO_ROLE_SPECIES] = *species;
+			*species = i;
+		}
+	}
+}
+
 /* Two names that differ in the axis alone. */
 static bool are_pair(const char *x, const char *y)
 {
@@ -380,6 +407,7 @@ static void find_thousands(const struct eco_table *t, struct eco_columns *column
 void eco_table_columns(const struct eco_table *table, struct eco_columns *columns)
 {
 	const char said = columns->decimal;
+	const bool species_said = columns->of[ECO_ROLE_SPECIES] != ECO_NONE;
 	if (columns->decimal == 0)
 		columns->decimal = find_decimal(table);
 	for (int role = 0; role < ECO_ROLE_COUNT; role++)
@@ -391,6 +419,8 @@ void eco_table_columns(const struct eco_table *table, struct eco_columns *column
 		find_thousands(table, columns, said);
 	for (int role = ECO_ROLE_SPECIES; role < ECO_ROLE_COUNT; role++)
 		choose(table, columns, (enum eco_role)role);
+	if (!species_said)
+		prefer_genus(table, columns);
 }
 
 static bool is_plant(const struct eco_table *table, uint32_t row, uint32_t species)
