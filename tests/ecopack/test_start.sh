@@ -97,6 +97,11 @@ awk 'BEGIN { print "sp,square.x,square.y,d.x,d.y"; for (i = 0; i < 400; i++) pri
 start 1 '"square.x" and "square.y" are places of plots, or numbers of quadrats, not of plants: 8 rows or more share each' heaps.csv
 start 0 'within 4 x 4 m' heaps.csv --x square.x --y square.y
 
+# ---- a species in capitals and without is one key ----
+printf 'species,lon,lat\nQuercus robur,11.5,48.1\nQuercus robur,11.501,48.1\nquercus robur,11.502,48.1\n' >"$DIR/capitals.csv"
+start 0 '3 rows, 3 plants' capitals.csv
+is '.instances[0].map | keys' '["*","Quercus robur"]'
+
 # ---- a column of zones ----
 printf 'species,easting,northing,utm_zone\noak,323400,4307500,18N\noak,323420,4307520,18N\n' >"$DIR/zone.csv"
 start 0 'WGS 84 / UTM zone 18N, as "utm_zone" says, "18N"; a place at -77' zone.csv

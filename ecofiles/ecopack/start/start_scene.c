@@ -9,6 +9,7 @@
 
 #include "ecofiles/base/json_memory.h"
 #include "ecofiles/base/phrase.h"
+#include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/scene/scene.h"
 
 /* Heights from trunks where there is nothing better: trees of a city, of which the tallest reach 25 m, half
@@ -78,18 +79,23 @@ static json_t *plants_json(const struct start *s)
 	return plants;
 }
 
+/* Capitals do not count: the commonest way to write a species is its key. */
 static json_t *map_json(const struct start *s)
 {
-	json_t *map = json_object();
+	json_t *map = json_object(), *known = json_object();
 	for (uint32_t i = 0; i < s->species.count; i++) {
 		const struct start_match *match = &s->matches[i];
 		const char *text = s->species.items[i].text;
-		if (match->tier == START_TIERS || strlen(text) > 200 || json_object_get(map, text))
+		char folded[256];
+		eco_text_fold(text, folded, sizeof folded);
+		if (match->tier == START_TIERS || strlen(text) > 200 || json_object_get(known, folded))
 			continue;
+		json_object_set_new(known, folded, json_true());
 		json_object_set_new(map, text, match->model == ECO_NONE ? json_null()
 			: json_string(s->models[match->model].name));
 	}
 	json_object_set_new(map, "*", json_string(s->models[s->fallback].name));
+	json_decref(known);
 	return map;
 }
 
