@@ -104,7 +104,7 @@ function draw(now) {
 		return;
 	engine.postMessage({ type: 'draw', number: ++asked, matrix: camera.matrix(size[0] / size[1]), size,
 		moving, eye: camera.view().eye, next: nextView(now, moving), vertices, bytes, shadows, sun: sun || null,
-		tint: kind ? 'kind' : 'none' });
+		tint: kind ? 'kind' : 'none', haze: camera.haze() });
 }
 
 function moved() {

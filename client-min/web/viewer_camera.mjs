@@ -2,6 +2,7 @@
 // the ground, or flies. Mouse, touch and keyboard do the same three things: turn, move, come nearer.
 
 const FOV_Y_DEG = 45, PITCH_MAX = 1.55, TURN = 0.005, KEY_TURN = 1.2;
+const HAZE_M = 5200;                     // as view_sky.h has it
 const EYE_M = 1.7;                       // above the ground, of who walks
 const CLICK_PX = 6, CLICK_MS = 600;      // a pointer that moves more, or is held longer, drags
 const keys = { a: [-1, 0, 0], d: [1, 0, 0], w: [0, 1, 0], s: [0, -1, 0], q: [0, 0, -1], e: [0, 0, 1] };
@@ -65,6 +66,11 @@ export class Camera {
 		}));
 		this.target = low.map((v, i) => (v + high[i]) / 2);
 		this.distance = Math.max(...distances, this.near * 10);
+	}
+
+	/** Metres of haze as EcoLayer has them: the usual, unless more than a fifth of what is looked at is haze. */
+	haze() {
+		return 4 * this.distance > HAZE_M ? 4 * this.distance : 0;
 	}
 
 	look(eye, target) {

@@ -286,11 +286,15 @@ async function looksWhereThereIsSomething() {
 		document.getElementById('whole').click();
 		targets.push(camera.target);
 		camera.frame(${JSON.stringify({ low, high })}, 1.5);
-		targets.push([...camera.target], camera.lift(camera.view().eye[2] - 5), camera.lift(9999), camera.view().eye);
+		camera.distance = 100;
+		const near = camera.haze();
+		camera.distance = 5000;
+		targets.push([...camera.target], camera.lift(camera.view().eye[2] - 5), camera.lift(9999), camera.view().eye, near, camera.haze());
 		return targets;
 	})()`);
 	expect(look && same(targets[0], middle(bounds)), 'the button does not lead to the whole scene');
 	expect(same(targets[1], middle({ low, high })) && !targets[2] && targets[3] && targets[4][2] > 9999, 'an eye stays below the ground');
+	expect(targets[5] === 0 && targets[6] === 20000, `haze of ${targets[6]} m hides what is seen from 5 km`);
 	await press('h');
 	await browser.until(complete);
 }
