@@ -49,7 +49,8 @@ async function openScene(url, [width, height], vertices, capture) {
 	const layer = new EcoLayer({ url, gl, vertices, firstBytes: Infinity });
 	await layer.ready;
 	const camera = new Camera(), { bounds, near_m: near } = layer.about;
-	camera.frame(bounds, near, width / height);
+	camera.reach(bounds, near);
+	camera.frame(bounds, width / height);
 	globalThis.ours = { gl, layer, camera, size: [width, height] };
 	ours.frame = (turn) => {
 		camera.yaw += turn;
