@@ -115,17 +115,18 @@ static void describe_one(struct srv_json *json, const char *species, const json_
 	srv_json_close(json, '}');
 }
 
-/* said: {"of": number of species, "most": [[name or null, plants], ...]}; NULL: nothing. */
+/* said: {"of": number of species, "most": [[name or null, plants], ...]}; NULL: nothing. Where it names more than it
+ * counts, there are as many as it names. */
 static void describe_stood_for(struct srv_json *json, const char *plant, const json_t *said)
 {
 	const json_t *most = json_object_get(said, "most"), *one;
 	json_int_t of = json_integer_value(json_object_get(said, "of"));
-	size_t i;
+	size_t named = json_array_size(most), i;
 	srv_json_open(json, '{');
 	srv_json_key_text(json, "plant", plant);
-	srv_json_key_count(json, "species_count", of > 0 ? (uint64_t)of : 1);
+	srv_json_key_count(json, "species_count", of > (json_int_t)named ? (uint64_t)of : named ? named : 1);
 	srv_json_key_open(json, "species", '[');
-	if (!json_array_size(most))
+	if (!named)
 		describe_one(json, plant, NULL);
 	json_array_foreach(most, i, one)
 		describe_one(json, json_string_value(json_array_get(one, 0)), json_array_get(one, 1));

@@ -184,6 +184,35 @@ UNIT_TEST(species_are_the_plants_names_where_a_pack_says_nothing)
 	http_free(&answer);
 }
 
+/* Ecopack names 32 species of a plant; what a pack of another maker names beyond is said, too, and counted. */
+UNIT_TEST(all_species_that_a_pack_names_are_said)
+{
+	struct srv_store other;
+	struct srv_json json = { 0 };
+	char path[64], name[16];
+	open_small(&other, path, false);
+	struct srv_scene *small = other.scenes[0];
+	json_t *most = json_array();
+	for (int i = 0; i < 40; i++) {
+		snprintf(name, sizeof name, "kind %d", i);
+		json_array_append_new(most, json_pack("[s, i]", name, 40 - i));
+	}
+	json_decref(small->meta);
+	small->meta = json_pack("{s: [{s: i, s: o}]}", "species", "of", 3, "most", most);
+	srv_describe_species(&json, small);
+	json_t *said = json_loadb((char *)json.out.bytes, json.out.size, 0, NULL);
+	const json_t *plant = json_array_get(json_object_get(said, "plants"), 0),
+	      *species = json_object_get(plant, "species");
+	assert_number(plant, "species_count", 40);
+	assert_int_equal(json_array_size(species), 40);
+	assert_text(json_array_get(species, 39), "species", "kind 39");
+	assert_number(json_array_get(species, 39), "plants", 1);
+	json_decref(said);
+	eco_writer_free(&json.out);
+	srv_store_free(&other);
+	unlink(path);
+}
+
 int main(void)
 {
 	return unit_tests_run(serve_start, serve_stop);
