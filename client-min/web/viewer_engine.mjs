@@ -59,8 +59,13 @@ class Engine {
 					await this.finished();
 					this.pace(performance.now() - since);
 				}
-				if (layer && layer === this.layer)
+				if (layer && layer === this.layer && !this.gl.isContextLost())
 					this.tell();
+			} catch (error) {
+				// the next one may do without what was refused, as shadows
+				this.stale ||= error.message !== this.failed;
+				this.failed = error.message;
+				this.fail(error.message);
 			} finally {
 				this.frame = false;
 				if (this.stale)

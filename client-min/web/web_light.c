@@ -162,6 +162,8 @@ enum eco_code web_light_prepare(struct web_light *light, bool image, bool shadow
 		*program = web_program(more, (const char *const[]){ metre, language, light_text,
 			image ? web_image_text : plain_text, shadows ? web_shadow_text : unshadowed_text,
 			pixels }, 6, "light", error);
+		if (!*program && shadows)
+			light->shadow.refused = true;
 	}
 	light->program = *program;
 	return light->program ? ECO_OK : error->code;
@@ -338,14 +340,14 @@ static void set_all(const struct web_light *light, const struct view_light_job *
 	set_rays(light, job->eye);
 	if (job->selection->image.count)
 		web_image_set(&light->image, light->program, 3, &job->selection->image, job->eye);
-	if (web_shadow_wanted(&job->selection->sky))
+	if (web_shadow_wanted(&light->shadow, &job->selection->sky))
 		web_shadow_set(&light->shadow, light->program, 5);
 }
 
 enum eco_code web_light_draw(struct web_light *light, struct view_gl *gl, const struct view_light_job *job,
 	uint32_t width, uint32_t height, struct eco_error *error)
 {
-	bool shadows = web_shadow_wanted(&job->selection->sky);
+	bool shadows = web_shadow_wanted(&light->shadow, &job->selection->sky);
 	enum eco_code code = web_light_prepare(light, job->selection->image.count > 0, shadows, error);
 	if (!code && shadows)
 		code = web_shadow_draw(&light->shadow, gl, job, (const uint32_t[2]){ width, height }, error);

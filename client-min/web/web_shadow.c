@@ -97,14 +97,18 @@ static void make_texture(struct web_shadow *shadow, enum web_shadow_part part, u
 
 static enum eco_code prepare(struct web_shadow *shadow, struct eco_error *error)
 {
+	unsigned *cells = &shadow->programs[WEB_SHADOW_CELLS], *rows = &shadow->programs[WEB_SHADOW_ROWS];
 	if (shadow->vertex_array)
 		return ECO_OK;
-	shadow->programs[WEB_SHADOW_CELLS] = web_program(NULL, (const char *const[]){ CELLS_WIDE "#define NOTHING 1e30\n",
-		cells_text }, 2, "what shadows fall on", error);
-	shadow->programs[WEB_SHADOW_ROWS] = web_program(NULL, (const char *const[]){ cells_language,
-		shared_text, rows_text }, 3, "where shadows lie", error);
-	if (!shadow->programs[WEB_SHADOW_CELLS] || !shadow->programs[WEB_SHADOW_ROWS])
+	*cells = web_program(NULL, (const char *const[]){ CELLS_WIDE "#define NOTHING 1e30\n", cells_text }, 2,
+		"what shadows fall on", error);
+	*rows = *cells ? web_program(NULL, (const char *const[]){ cells_language, shared_text, rows_text }, 3,
+		"where shadows lie", error) : 0;
+	if (!*rows) {
+		web_shadow_free(shadow);
+		shadow->refused = true;
 		return ECO_UNSUPPORTED;
+	}
 	glGenVertexArrays(1, &shadow->vertex_array);
 	glGenFramebuffers(WEB_SHADOW_PARTS, shadow->framebuffers);
 	make_texture(shadow, WEB_SHADOW_CELLS, GL_RGBA32UI, VIEW_SHADOW_CELLS, VIEW_SHADOW_CELLS);
@@ -170,11 +174,11 @@ static void find_rows(const struct web_shadow *shadow, const struct view_light_j
 	web_program_fill(shadow->vertex_array, (const int[4]){ 0, 0, 4, 1 });
 }
 
-bool web_shadow_wanted(const struct view_sky *sky)
+bool web_shadow_wanted(const struct web_shadow *shadow, const struct view_sky *sky)
 {
 	struct view_light_sun sun;
 	view_light_sun(sky, 0, &sun);
-	return sky->shadows && sun.to[2] > VIEW_SHADOW_LOWEST;
+	return sky->shadows && !shadow->refused && sun.to[2] > VIEW_SHADOW_LOWEST;
 }
 
 enum eco_code web_shadow_draw(struct web_shadow *shadow, struct view_gl *gl, const struct view_light_job *job,

@@ -6,7 +6,8 @@
  *   web_shadow_free(&shadow);
  *
  * What is seen becomes cells, these become the map's rows, and what casts is drawn by them. Nothing is made,
- * nor compiled, before the first picture with shadows. */
+ * nor compiled, before the first picture with shadows; where the driver refuses, that fails once, and pictures have
+ * none from then on. */
 #ifndef WEB_SHADOW_H
 #define WEB_SHADOW_H
 
@@ -17,10 +18,11 @@ struct web_shadow {                      /* zero is empty */
 	unsigned programs[WEB_SHADOW_TOPS], textures[WEB_SHADOW_PARTS], framebuffers[WEB_SHADOW_PARTS];
 	unsigned vertex_array;
 	uint32_t size;                   /* texels a side of the map */
+	bool refused;                    /* the driver does not compile what they need */
 };
 
-/* Whether a picture has any: they are asked for, and the sun is not too low. */
-bool web_shadow_wanted(const struct view_sky *sky);
+/* Whether a picture has any: they are asked for, can be had, and the sun is not too low. */
+bool web_shadow_wanted(const struct web_shadow *shadow, const struct view_sky *sky);
 /* Of the picture of that width and height that gl has recorded, of the job's selection. */
 enum eco_code web_shadow_draw(struct web_shadow *shadow, struct view_gl *gl, const struct view_light_job *job,
 	const uint32_t picture[2], struct eco_error *error);

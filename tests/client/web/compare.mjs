@@ -111,6 +111,30 @@ async function drawFrame(view, wanted, pictures) {
 	return { digest: tested.stream.digest(), counts, calls, shadowTexts, failed: globalThis.failed };
 }
 
+/** Three pictures with shadows of a driver that refuses a part of their programs: what is complained of, and how many
+ * programs there are after each. */
+async function refuseShadows(url, view, { width, height, ...budgets }) {
+	const { EcoLayer } = await import('/viewer/eco_layer.mjs');
+	const gl = new OffscreenCanvas(16, 16).getContext('webgl2'), { prototype: own } = WebGL2RenderingContext;
+	let programs = 0;
+	gl.shaderSource = (shader, text) => own.shaderSource.call(gl, shader, /u_cells/.test(text) ? 'refused' : text);
+	gl.createProgram = () => { programs++; return own.createProgram.call(gl); };
+	gl.deleteProgram = (program) => { programs -= !!program; own.deleteProgram.call(gl, program); };
+	const layer = new EcoLayer({ url, gl, shadows: 'standard', firstBytes: Infinity }), errors = [], counts = [];
+	await layer.ready;
+	await layer.load({ view, width, height, ...budgets });
+	for (let i = 0; i < 3; i++) {
+		try {
+			layer.present(view, [0, 0], width, height);
+		} catch (error) {
+			errors.push(error.message);
+		}
+		counts.push(programs);
+	}
+	layer.free();
+	return { errors, counts };
+}
+
 async function inBrowser(scenes) {
 	const browser = new Browser(chromium);
 	const call = (f, ...values) => browser.evaluate(`(${f})(...${JSON.stringify(values)})`);
@@ -146,6 +170,10 @@ async function inBrowser(scenes) {
 				requests++;
 			}
 		}
+		const [{ url, views: [{ view, wanted }] }] = scenes;
+		const { errors, counts } = await call(refuseShadows, url, view, wanted);
+		expect(errors.length === 1 && errors[0].includes('where shadows lie') && counts[1] === counts[2],
+			`shadows that are refused: ${errors.length} errors, ${errors[0]}; programs ${counts}`);
 		console.log(`${requests} requests: P and R of owners are at least ${least.toFixed(5)}`);
 		expect(!browser.complaints.length, browser.complaints.join('\n'));
 	} finally {
