@@ -135,6 +135,8 @@ export class EcoLayer {
 
 	async open(first) {
 		const { url, token } = this.source;
+		if (!this.gl)
+			throw new EcoError('There is no WebGL 2 context: this browser gives none');
 		[, this.module, this.about] = await Promise.all([compileClient(), createClient({ instantiateWasm }),
 			first?.about ?? aboutScene(url, token)]);
 		this.context = this.module.GL.registerContext(this.gl,
@@ -201,10 +203,10 @@ export class EcoLayer {
 		return [0, 1, 2].map((k) => -dot(last, sides.map((side) => side[k])) / det);
 	}
 
-	/** Draws what is here of the view into the framebuffer that is bound; false: nothing is here yet. `next`:
-	 * { eye, target } of where it will soon be, of a camera that moves. */
+	/** Draws what is here of the view into the framebuffer that is bound; false: nothing is here yet, or the context
+	 * is lost: then a new layer is needed. `next`: { eye, target } of where it will soon be, of a camera that moves. */
 	draw(viewProjection, eye, [width, height], next = null) {
-		if (!this.stream)
+		if (!this.stream || this.gl.isContextLost())
 			return false;
 		const { view, depth } = cameraOf(viewProjection, eye);
 		this.ask(view, width, height, next);

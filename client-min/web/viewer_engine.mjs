@@ -38,6 +38,12 @@ class Engine {
 		this.gl?.clear(this.gl.COLOR_BUFFER_BIT);
 		if (!this.gl)
 			this.fail('This browser has no WebGL 2, which the viewer draws with.');
+		// another program, or sleep, may take what is on the GPU
+		canvas.addEventListener('webglcontextlost', (event) => {
+			event.preventDefault();
+			this.fail('The graphics driver has lost the picture; waiting for it', true);
+		});
+		canvas.addEventListener('webglcontextrestored', () => this.opened && this.hear(this.opened));
 	}
 
 	fail(text, offline = false) {
@@ -47,7 +53,7 @@ class Engine {
 	/** Draws with the next frame, the first picture at once; and once the picture before is there. */
 	redraw() {
 		this.stale = true;
-		if (this.frame || !this.layer || !this.wanted)
+		if (this.frame || !this.layer || !this.wanted || this.gl.isContextLost())
 			return;
 		this.frame = true;
 		(this.drawn ? nextFrame : queueMicrotask)(async () => {
@@ -80,7 +86,7 @@ class Engine {
 		gl.flush();
 		do
 			await new Promise((done) => setTimeout(done, 1));
-		while (gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.UNSIGNALED);
+		while (fence && gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.UNSIGNALED);
 		gl.deleteSync(fence);
 	}
 
@@ -96,6 +102,7 @@ class Engine {
 	}
 
 	async open({ url, token, first }) {
+		this.opened = { type: 'open', url, token };
 		if (first?.comes)
 			first.body = new Promise((done) => { this.answered = done; });
 		this.layer?.free();
@@ -149,9 +156,8 @@ class Engine {
 	}
 
 	async pick({ at }) {
-		if (!this.layer?.stream?.selected)
+		if (!this.layer?.stream?.selected || !this.draw())
 			return;
-		this.draw();
 		const picked = this.layer.pick(...at);
 		this.post({ type: 'picked', picked });
 		if (picked.kind === 'plant')

@@ -327,6 +327,28 @@ async function losesTheServer(port) {
 	close();
 }
 
+/** What a driver loses is drawn anew once there is one again, and who looks on is told. The page draws by itself here, as
+ * in a browser without canvases for workers. */
+async function losesTheContext() {
+	const { identifier } = await browser.send('Page.addScriptToEvaluateOnNewDocument', { source: `{
+		delete HTMLCanvasElement.prototype.transferControlToOffscreen;
+		const { getContext } = HTMLCanvasElement.prototype;
+		HTMLCanvasElement.prototype.getContext = function (...values) {
+			return globalThis.context = getContext.apply(this, values);
+		} }` });
+	await browser.open(await ask('location.href'), 640, 480);
+	await browser.until(complete);
+	const before = await saved(() => press('p'));
+	await ask("globalThis.lost = context.getExtension('WEBGL_lose_context'); lost.loseContext()");
+	await browser.until("document.getElementById('state').textContent.includes('lost the picture')");
+	await ask('lost.restoreContext()');
+	await browser.until(`document.getElementById('state').textContent === '' && ${complete}`);
+	expect(before.equals(await saved(() => press('p'))), 'after a lost context the picture is another');
+	await browser.send('Page.removeScriptToEvaluateOnNewDocument', { identifier });
+	await browser.open(await ask('location.href'), 640, 480);
+	await browser.until(complete);
+}
+
 /** A page that is open while the scene gets another pack shows that one. */
 async function takesAnotherPack() {
 	const names = 'viewer.drawn.facts.models.map(({ name }) => name).sort().join()';
@@ -445,6 +467,7 @@ try {
 	await comesBack();
 	await goesBack();
 	await leavesThePageFree();
+	await losesTheContext();
 	await takesAnotherPack();
 	await isNowhereOnEarth();
 	await movesByTouch();
