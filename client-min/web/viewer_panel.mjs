@@ -21,11 +21,11 @@ function item(...cells) {
 	return li;
 }
 
-/** A table's row of cells. */
+/** A table's row of cells, of texts or elements. */
 function row(texts) {
 	const tr = document.createElement('tr');
 	for (const text of texts)
-		tr.insertCell().textContent = text;
+		tr.insertCell().append(text);
 	return tr;
 }
 
@@ -65,7 +65,19 @@ function speciesOf({ number: index, name }) {
 /** Whether a plant's species is what it is shown as. */
 const isSame = (species, plant) => species?.toLowerCase() === plant.toLowerCase();
 
-const titled = (element, title) => Object.assign(element, { title });
+const opened = new Set();        // names whose other text is shown
+
+/** A name in short, which a tap or a key opens to what it is in full. */
+function named({ short, long }) {
+	if (short === long)
+		return span(short);
+	const box = document.createElement('details'), head = document.createElement('summary');
+	head.textContent = short;
+	box.append(head, long);
+	box.open = opened.has(long);
+	box.ontoggle = () => opened[box.open ? 'add' : 'delete'](long);
+	return box;
+}
 
 // ---- The picture ----
 
@@ -81,11 +93,8 @@ export function showFacts(facts) {
 	$('figures').replaceChildren(...figures.map(row));
 	$('roles').replaceChildren(...facts.roles.filter((role) => role.vertices).map((role) =>
 		item(swatch(role.color), span(role.name), span(number(role.vertices)))));
-	const species = facts.models.sort((a, b) => b.count - a.count).map((plant) => {
-		const { short, long } = speciesOf(plant);
-		return item(titled(span(short), long), span(metres(plant.height_m)),
-			span(`× ${number(plant.count)}`));
-	});
+	const species = facts.models.sort((a, b) => b.count - a.count).map((plant) =>
+		item(named(speciesOf(plant)), span(metres(plant.height_m)), span(`× ${number(plant.count)}`)));
 	const none = tiles ? 'Only points that stand for many plants' : 'None';
 	$('species').replaceChildren(...species.length ? species : [item(none)]);
 }
@@ -141,13 +150,12 @@ export function showPicked(picked, origin) {
 	if (height)
 		facts.push(['Height', metres(height)]);
 	if (kind === 'summary' && plant)
-		facts.push(['Of these', species.short]);
+		facts.push(['Of these', named(species)]);
 	if (at)
 		facts.push([foot ? 'Stands at' : 'Place', placeText(foot ?? at, origin)],
 			['Distance', metres(distance)]);
 	$('card-title').textContent = titles[kind];
 	$('card-facts').replaceChildren(...facts.map(row));
-	$('card-facts').title = kind === 'summary' && plant ? species.long : '';
 	$('card-why').replaceChildren();
 	$('card-drawn').hidden = !cuts.length;
 	$('card-forms').replaceChildren(...drawnBy(cuts).map(row));
