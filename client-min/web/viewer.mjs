@@ -31,12 +31,16 @@ function readAddress() {
 	for (const key of ['vertices', 'bytes', 'kind'])
 		if (given.has(key) && Number.isFinite(Number(given.get(key))))
 			settings[key] = Number(given.get(key));
+	settings.vertices = Math.min(Math.max(settings.vertices, 1), 2 ** $('vertices').max);
 	token = given.get('token') ?? token;
 	const points = ['eye', 'target'].map((key) => (given.get(key) ?? '').split(',').map(Number));
 	view = points.every((v) => v.length === 3 && v.every(Number.isFinite)) ? points : null;
 }
 
 function writeAddress() {
+	// before a scene is known the camera looks nowhere
+	if (!about)
+		return;
 	const text = (v) => v.map((n) => Number(n.toFixed(3))).join(',');
 	const { eye, target } = camera.view();
 	const parts = { ...settings, eye: text(eye), target: text(target) };

@@ -82,11 +82,12 @@ export class Camera {
 		this.pitch = Math.max(-PITCH_MAX, Math.min(PITCH_MAX, Math.asin(d[2] / length)));
 	}
 
-	/** Looks at a target of that size, from where the eye is now or nearer. */
+	/** Looks at a target of that size (0: of none), from where the eye is now or nearer. */
 	approach(target, size) {
 		const { eye } = this.view();
 		this.look(eye, target);
-		this.distance = Math.min(this.distance, Math.max(size * 1.5, this.near * 10));
+		if (size)
+			this.distance = Math.min(this.distance, Math.max(size * 1.5, this.near * 10));
 	}
 
 	/** Stands on the ground of that height; whether that moves the eye. */
@@ -194,7 +195,6 @@ export class Camera {
 		};
 		element.addEventListener('pointerdown', (event) => {
 			element.setPointerCapture(event.pointerId);
-			element.focus();
 			fingers.set(event.pointerId, event);
 			press = fingers.size === 1 && event.button === 0 ? event : null;
 		});

@@ -111,7 +111,11 @@ class Engine {
 		const layer = new EcoLayer({ url, token, first, gl: this.gl, keep: !token, onChange,
 			onError });
 		this.opening = layer;
-		await layer.ready;
+		await layer.ready.catch((error) => {
+			// of one that was left meanwhile nobody wants to know
+			if (this.opening === layer)
+				throw error;
+		});
 		if (this.opening !== layer)
 			return layer.free();
 		this.layer = layer;

@@ -62,6 +62,9 @@ async function picksAPlant() {
 			if (picked)
 				await press('Escape');
 			await click(640 * i / 16, 480 * j / 8);
+			if (!picked)
+				expect(await ask("document.activeElement.id === 'picture' && !document.activeElement.matches(':focus-visible')"),
+					'a click leaves the focus elsewhere, or draws a ring as for keys');
 			await browser.until('viewer.picked');
 			picked = await ask('viewer.picked');
 			if (picked.kind === 'plant')
@@ -299,13 +302,29 @@ async function looksWhereThereIsSomething() {
 		const near = camera.haze();
 		camera.distance = 5000;
 		targets.push([...camera.target], camera.lift(camera.view().eye[2] - 5), camera.lift(9999), camera.view().eye, near, camera.haze());
+		const { distance } = camera;
+		camera.approach(camera.target, 0);
+		targets.push(camera.distance / distance);
 		return targets;
 	})()`);
+	expect(Math.abs(targets[7] - 1) < 1e-6, 'who looks at the ground comes as near as to a plant of no height');
 	expect(look && same(targets[0], middle(bounds)), 'the button does not lead to the whole scene');
 	expect(same(targets[1], middle({ low, high })) && !targets[2] && targets[3] && targets[4][2] > 9999, 'an eye stays below the ground');
 	expect(targets[5] === 0 && targets[6] === 20000, `haze of ${targets[6]} m hides what is seen from 5 km`);
 	await press('h');
 	await browser.until(complete);
+}
+
+/** Who names no scene sees what there is to see of one, however long the server takes to say which there are. */
+async function looksAtTheFirst() {
+	const { port, close } = await shape(new URL(url).port, 1e7, 600);
+	await browser.open(`http://127.0.0.1:${port}/`, 640, 480);
+	await browser.until(complete);
+	const { target } = await ask('viewer.camera.view()');
+	const { low, high } = await ask("fetch(`/v1/scenes/${viewer.settings.scene}`).then((a) => a.json()).then(({ look }) => look)");
+	const apart = [0, 1].map((i) => target[i] - (low[i] + high[i]) / 2);
+	expect(Math.hypot(...apart) < 1e-6, `at first the camera looks ${apart} m beside what there is`);
+	close();
 }
 
 /** Who moves on is sent what comes next, until he turns. The line is slow, so that there is something to give
@@ -374,8 +393,9 @@ async function takesAnotherPack() {
 async function isNowhereOnEarth() {
 	const shown = (id) => ask(`getComputedStyle(document.getElementById('${id}')).display !== 'none'`);
 	expect(await shown('sun-row') && await text('north') === 'N', 'the city has no place');
-	await browser.open(new URL('/#scene=bare', url).href, 640, 480);
+	await browser.open(new URL('/#scene=bare&vertices=-5&bytes=many', url).href, 640, 480);
 	await browser.until(complete);
+	expect(await ask('viewer.settings.vertices') === 1, `an address of -5 vertices asks for ${await ask('viewer.settings.vertices')}`);
 	expect(!await shown('sun-row'), 'a sun is offered without a place');
 	expect(await text('north') === 'Y', `without a CRS the arrow says ${await text('north')}`);
 }
@@ -409,6 +429,9 @@ async function movesByTouch() {
 	await touch('touchStart', [320, 240]);
 	await touch('touchEnd');
 	await browser.until("!document.getElementById('card').hidden");
+	await ask("document.getElementById('panel-button').click()");
+	expect(await ask("getComputedStyle(document.getElementById('card')).display") === 'none', 'the menu lies over the card');
+	await ask("document.getElementById('panel-button').click()");
 	await press('Escape');
 	await browser.send('Emulation.setTouchEmulationEnabled', { enabled: false });
 }
@@ -485,6 +508,7 @@ try {
 	const state = await text('state');
 	expect(state === '', `the page reports: ${state}`);
 	expect(!browser.complaints.length, browser.complaints.join('\n'));
+	await looksAtTheFirst();
 	await looksAhead();
 } finally {
 	await browser.close();
