@@ -88,6 +88,7 @@ is '.instances[0].polar' null
 
 # ---- places within quadrats ----
 awk 'BEGIN { print "quadrat,lx,ly,sp"; for (i = 0; i < 400; i++) printf "%02d%02d,%.1f,%.1f,oak\n", i % 7, i % 11, i * 97 % 200 / 10, i * 411 % 200 / 10 }' >"$DIR/quadrats.csv"
+echo '0000,20.4,3,oak' >>"$DIR/quadrats.csv"
 start 0 'within quadrats of 20 m, "quadrat".*within 140 x 220 m' quadrats.csv
 is '.instances[0].quadrat' '{"column":"quadrat","size_m":20}'
 cut -d, -f2- "$DIR/quadrats.csv" >"$DIR/local.csv"

@@ -97,6 +97,8 @@ static enum eco_code find_polar(struct eco_offsets *o, const struct eco_table *t
 
 /* ---- Within quadrats ---- */
 
+#define MOST 0.98                /* of the plants: some stand just outside */
+
 static bool are_quadrats(const struct eco_table *t, uint32_t column)
 {
 	uint32_t good = 0, filled = 0;
@@ -126,7 +128,7 @@ static enum eco_code find_quadrats(struct eco_offsets *o, const struct eco_table
 	const uint32_t quadrat = c->of[ECO_ROLE_QUADRAT], x = c->of[ECO_ROLE_X], y = c->of[ECO_ROLE_Y];
 	if (!eco_columns_are_local(t, c))
 		return ECO_OK;
-	double high = fmax(quantile_of(t, x, c, 1), quantile_of(t, y, c, 1));
+	double high = fmax(quantile_of(t, x, c, MOST), quantile_of(t, y, c, MOST));
 	o->quadrat_m = side_of(quantile_of(t, x, c, 0.5), high);
 	if (o->quadrat_m > 0 && are_quadrats(t, quadrat))
 		return ECO_OK;

@@ -64,8 +64,8 @@ static const struct { enum eco_role role; int points; const char *words; } meani
 		"circunferencia perimetro perimetre omtrek obwod omkrets obvod" },
 	{ ECO_ROLE_GIRTH, 60, "cap circ" },
 	{ ECO_ROLE_GIRTH, -90, "crown krone kronen kroon houppier couronne copa chioma canopy date year" },
-	{ ECO_ROLE_PLOT, 90, "plot plots parzelle probekreis probeflache placette parcela parcelle stichprobe "
-		"punkt provyta poletko" },
+	{ ECO_ROLE_PLOT, 90, "plot plots subplot subp parzelle probekreis probeflache placette parcela "
+		"parcelle stichprobe punkt provyta poletko" },
 	{ ECO_ROLE_PLOT, -90, "size area radius x y lat lon latitude longitude" },
 	{ ECO_ROLE_AZIMUTH, 90, "azimuth azimut acimut azi bearing rumbo peiling azymut azimutt "
 		"方位角 азимут" },
