@@ -98,6 +98,10 @@ awk 'BEGIN { print "sp,square.x,square.y,d.x,d.y"; for (i = 0; i < 400; i++) pri
 start 1 '"square.x" and "square.y" are places of plots, or numbers of quadrats, not of plants: 8 rows or more share each' heaps.csv
 start 0 'within 4 x 4 m' heaps.csv --x square.x --y square.y
 
+# ---- a file whose coordinates are texts ----
+echo '{"type":"FeatureCollection","features":[{"type":"Feature","geometry":{"type":"Point","coordinates":["11.5","48.1"]},"properties":{"species":"oak"}}]}' >"$DIR/quoted.geojson"
+start 1 'no row is a point; .*coordinates in quotes are none' quoted.geojson
+
 # ---- a species in capitals and without is one key ----
 printf 'species,lon,lat\nQuercus robur,11.5,48.1\nQuercus robur,11.501,48.1\nquercus robur,11.502,48.1\n' >"$DIR/capitals.csv"
 start 0 '3 rows, 3 plants' capitals.csv

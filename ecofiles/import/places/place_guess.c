@@ -72,8 +72,8 @@ static enum eco_code measure(struct look *l)
 			return l->names[k] ? eco_fail(l->error, ECO_BAD_INPUT, "%.200s: no row has a place: no "
 				"number in \"%.60s\"", l->asked->table->path, l->names[k])
 				: eco_fail(l->error, ECO_BAD_INPUT, "%.200s: no row is a point; a table of plants has "
-				"a point for each (lines and areas are for \"scatter\" in a scene)",
-				l->asked->table->path);
+				"a point for each (lines and areas are for \"scatter\" in a scene; coordinates "
+				"in quotes are none)", l->asked->table->path);
 	}
 	return ECO_OK;
 }
