@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "lod/plan/byte_price.h"
+#include "lod/plan/expected.h"
 #include "lod/plan/explain_state.h"
 #include "lod/plan/price_curve.h"
 #include "lod/plan/price_search.h"
@@ -257,9 +258,8 @@ static enum eco_code predict_bytes(const struct lod_lambda_search *s, struct lod
 		(double)p->input->request->vertices };
 	enum eco_code code = lod_price_curve(s->allocation, &bounds,
 		CURVE_SHARE * (double)p->input->request->bytes, point, error);
-	const struct eco_prediction *now = &point->prediction, *all = &p->prediction;
-	if (!code && now->fp + now->fn > all->fp + all->fn)
-		p->prediction = *now;
+	if (!code && lod_expected_worse(&point->prediction, &p->prediction))
+		p->prediction = point->prediction;
 	return code;
 }
 

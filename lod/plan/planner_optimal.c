@@ -16,7 +16,8 @@
  *
  * The prediction is read off the grid, whose lambdas do not depend on the budget: along it vertices never
  * fall and errors never rise, and between two lambdas both are linear, as on a lower convex hull. The
- * predicted picture is interpolated likewise. So a larger budget never predicts more wrong pixels. */
+ * predicted picture is interpolated likewise, by its Q (lod/plan/expected.h). So a larger budget never predicts
+ * a worse picture. */
 #include "lod/plan/planner_state.h"
 
 #include <math.h>
@@ -24,6 +25,7 @@
 #include <string.h>
 
 #include "lod/plan/byte_price.h"
+#include "lod/plan/expected.h"
 #include "lod/plan/explain_state.h"
 #include "lod/plan/fill_budget.h"
 #include "lod/plan/lambda_search.h"
@@ -105,8 +107,6 @@ static double within(double value, double least, double most)
 	return value < least ? least : value > most ? most : value;
 }
 
-static double wrong_of(const struct eco_prediction *prediction) { return prediction->fp + prediction->fn; }
-
 /* Relaxes at a lambda, and predicts its picture if asked. Results are clamped between those of the lambdas
  * before and after it. */
 static enum eco_code evaluate(struct lod_lambda_search *s, int at, const struct lod_evaluation *before,
@@ -123,10 +123,7 @@ static enum eco_code evaluate(struct lod_lambda_search *s, int at, const struct 
 		before->outcome.wrong);
 	if (predicts)
 		code = lod_allocation_predict(m, &result->prediction, error);
-	if (wrong_of(&result->prediction) > wrong_of(&before->prediction))
-		result->prediction = before->prediction;
-	if (wrong_of(&result->prediction) < wrong_of(&after->prediction))
-		result->prediction = after->prediction;
+	lod_expected_clamp(&result->prediction, &before->prediction, &after->prediction);
 	return code;
 }
 
@@ -149,21 +146,21 @@ static struct lod_evaluation evaluate_nothing(const struct lod_lambda_search *s,
 }
 
 /* Both ends of the grid. With everything drawn a plant shows all of its organs, where from far away its
- * splats may be less wrong: no end of the grid expects more to be wrong than the last lambda above 0. */
+ * splats may be less wrong: no end of the grid expects a worse picture than the last lambda above 0. */
 static enum eco_code find_ends(struct lod_lambda_search *s, struct lod_evaluation *here,
 	struct lod_evaluation *next, struct eco_error *error)
 {
 	const struct lod_evaluation everything = { .outcome = { INFINITY, 0 } }, unknown = {
-		.outcome.wrong = s->allocation->tile_choices[0].weight_px, .prediction.fp = INFINITY };
+		.outcome.wrong = s->allocation->tile_choices[0].weight_px, .prediction = LOD_EXPECTED_WORST };
 	struct lod_evaluation last;
 	enum eco_code code = evaluate(s, s->last, &unknown, &everything, true, &last, error);
 	*here = evaluate_nothing(s, &last.prediction);
-	if (wrong_of(&last.prediction) > wrong_of(&here->prediction))
+	if (lod_expected_worse(&last.prediction, &here->prediction))
 		last.prediction = here->prediction;
 	if (!code)
 		code = evaluate(s, s->last + 1, here, &everything, true, next, error);
 	next->outcome.wrong = fmin(next->outcome.wrong, last.outcome.wrong);
-	if (!code && wrong_of(&last.prediction) < wrong_of(&next->prediction))
+	if (!code && lod_expected_worse(&next->prediction, &last.prediction))
 		next->prediction = last.prediction;
 	return code;
 }
@@ -197,14 +194,7 @@ static enum eco_code search_grid(struct lod_lambda_search *s, uint64_t budget, s
 
 /* ---- The prediction ---- */
 
-static struct eco_prediction interpolate(const struct eco_prediction *a, const struct eco_prediction *b,
-	double part)
-{
-	return (struct eco_prediction){ a->tp + part * (b->tp - a->tp), a->fp + part * (b->fp - a->fp),
-		a->fn + part * (b->fn - a->fn) };
-}
-
-/* Sets the prediction for the budget, unless that of a level before expects less to be wrong. */
+/* Sets the prediction for the budget, unless that of a level before expects a better picture. */
 static void predict(const struct lod_lambda_search *s, uint64_t budget)
 {
 	double room = s->next.vertices - s->here.vertices,
@@ -213,9 +203,9 @@ static void predict(const struct lod_lambda_search *s, uint64_t budget)
 	room = s->from.outcome.wrong - s->to.outcome.wrong;
 	part = room > 0 ? (s->from.outcome.wrong - wrong) / room : 1;
 	part = part < 0 ? 0 : part > 1 ? 1 : part;
-	struct eco_prediction prediction = interpolate(&s->from.prediction, &s->to.prediction, part);
-	struct eco_prediction *least = &s->allocation->p->prediction;
-	*least = wrong_of(&prediction) < wrong_of(least) ? prediction : *least;
+	struct eco_prediction prediction = lod_expected_between(&s->from.prediction, &s->to.prediction, part);
+	struct eco_prediction *best = &s->allocation->p->prediction;
+	*best = lod_expected_worse(&prediction, best) ? *best : prediction;
 }
 
 /* ---- Gates and tiles of a lambda ---- */
@@ -471,7 +461,7 @@ static enum eco_code fill_budget(struct lod_lambda_search *s, uint64_t budget, s
 /* ---- Levels of detail ---- */
 
 /* Finds the lambda of one level, and what is predicted. A level predicts only if the budget holds everything
- * at the levels before it: so the least wrong pixels predicted by any level do not rise with the budget. */
+ * at the levels before it: so the best picture predicted by any level gets no worse with the budget. */
 static enum eco_code search_level(struct lod_lambda_search *s, struct lod_planner *p, bool *predicts,
 	struct eco_error *error)
 {
@@ -679,7 +669,7 @@ enum eco_code lod_rule_optimal(struct lod_planner *p, struct eco_error *error)
 	if (!s)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a search");
 	begin_screen(p);
-	p->prediction = (struct eco_prediction){ .fn = INFINITY };
+	p->prediction = (struct eco_prediction)LOD_EXPECTED_WORST;
 	return plan_levels(s, p, error);
 }
 

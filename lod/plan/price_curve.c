@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "lod/plan/expected.h"
 #include "lod/plan/price_search.h"
 
 #define GRID_HIGHEST 12.0        /* octaves: nothing is worth so much a byte; the next is 1 lower */
@@ -25,8 +26,6 @@ static double within(double value, double least, double most)
 	return value < least ? least : value > most ? most : value;
 }
 
-static double wrong_of(const struct eco_prediction *prediction) { return prediction->fp + prediction->fn; }
-
 /* It is remembered for the search of the price. */
 static enum eco_code relax_at(struct lod_allocation *m, double lambda, double octave,
 	struct evaluation *result, struct eco_error *error)
@@ -42,13 +41,6 @@ static double part_of(double value, double from, double to)
 	return to > from ? within((value - from) / (to - from), 0, 1) : 1;
 }
 
-static struct eco_prediction between(const struct eco_prediction *a, const struct eco_prediction *b,
-	double part)
-{
-	return (struct eco_prediction){ a->tp + part * (b->tp - a->tp), a->fp + part * (b->fp - a->fp),
-		a->fn + part * (b->fn - a->fn) };
-}
-
 /* Where vertices bind, too, it is what two lambdas come to, in the parts that use them: the highest and one
  * below it, or that and the lowest. */
 static enum eco_code evaluate(struct lod_allocation *m, const struct lod_price_bounds *bounds, int at,
@@ -56,6 +48,7 @@ static enum eco_code evaluate(struct lod_allocation *m, const struct lod_price_b
 {
 	double octave = octave_at(at);
 	enum eco_code code = relax_at(m, bounds->low, octave, result, error);
+
 	result->at = at;
 	result->lowest = result->vertices;
 	if (code || result->vertices <= bounds->vertices || !(bounds->high > bounds->low))
@@ -69,7 +62,7 @@ static enum eco_code evaluate(struct lod_allocation *m, const struct lod_price_b
 	double part = part_of(bounds->vertices, under.vertices, over.vertices);
 	result->bytes = under.bytes + part * (over.bytes - under.bytes);
 	result->wrong = under.wrong + part * (over.wrong - under.wrong);
-	result->prediction = between(&under.prediction, &over.prediction, part);
+	result->prediction = lod_expected_between(&under.prediction, &over.prediction, part);
 	return code;
 }
 
@@ -78,10 +71,7 @@ static void clamp(struct evaluation *result, const struct evaluation *before, co
 {
 	result->bytes = within(result->bytes, before->bytes, after->bytes);
 	result->wrong = within(result->wrong, after->wrong, before->wrong);
-	if (wrong_of(&result->prediction) > wrong_of(&before->prediction))
-		result->prediction = before->prediction;
-	if (wrong_of(&result->prediction) < wrong_of(&after->prediction))
-		result->prediction = after->prediction;
+	lod_expected_clamp(&result->prediction, &before->prediction, &after->prediction);
 }
 
 enum eco_code lod_price_curve(struct lod_allocation *m, const struct lod_price_bounds *bounds, double bytes,
@@ -91,7 +81,7 @@ enum eco_code lod_price_curve(struct lod_allocation *m, const struct lod_price_b
 	enum eco_code code = evaluate(m, bounds, GRID_COUNT, &next, error);
 	if (!code)
 		code = evaluate(m, bounds, 0, &here, error);
-	clamp(&here, &(struct evaluation){ .wrong = INFINITY, .prediction.fp = INFINITY }, &next);
+	clamp(&here, &(struct evaluation){ .wrong = INFINITY, .prediction = LOD_EXPECTED_WORST }, &next);
 	if (next.bytes <= bytes)
 		here = next;
 	while (!code && next.at - here.at > 1) {
@@ -101,7 +91,7 @@ enum eco_code lod_price_curve(struct lod_allocation *m, const struct lod_price_b
 	}
 	point->octave = octave_at(here.at);
 	point->lowest = here.lowest;
-	point->prediction = between(&here.prediction, &next.prediction,
+	point->prediction = lod_expected_between(&here.prediction, &next.prediction,
 		part_of(bytes, here.bytes, next.bytes));
 	return code;
 }

@@ -10,7 +10,7 @@ static const char *const scenes[] = { "park", "forest", "nested", "meadow", "tre
 #define BLOCKS_QUICK 1u          /* a scene */
 #define BLOCKS_FULL 10u
 
-static const char *const kinds[] = { "vertices", "bytes", "twice", "same", "rises", "unused", "whole",
+static const char *const kinds[] = { "vertices", "bytes", "twice", "same", "falls", "unused", "whole",
 	"senseless", "failed" };
 
 enum eco_code bench_request_packs(struct bench *bench, struct eco_error *error)
@@ -98,7 +98,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	json_t *all = json_object();
 	struct bench_table *table = code ? NULL : bench_table_open(bench, "requests",
 		"scene,requests,states of streams,chains of "
-		"budgets,violations,vertices,bytes,twice,same,rises,unused,whole,senseless,failed,most left "
+		"budgets,violations,vertices,bytes,twice,same,falls,unused,whole,senseless,failed,most left "
 		"over", true);
 	for (uint32_t i = 0; i < SCENES && !code; i++) {
 		json_t *sum = json_object();

@@ -7,7 +7,7 @@
  *   bytes        the body is within its budget
  *   twice        no chunk is sent to who holds it
  *   same         the same request has the same answer
- *   rises        more vertices never predict more wrong pixels
+ *   falls        more vertices never predict a lower Q
  *   unused       budget is left over only where it buys nothing: no step that is left and gains is as cheap,
  *                and no plan of a greater
  *                budget would have fitted and is better
@@ -33,9 +33,9 @@
 #include "server/typical.h"
 #include "tests/support/serve/random_request.h"
 
-enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, NOT_SAME, RISES, UNUSED, WHOLE, SENSELESS, FAILED,
+enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, NOT_SAME, FALLS, UNUSED, WHOLE, SENSELESS, FAILED,
 VIOLATION_COUNT };
-static const char *const violation_names[] = { "vertices", "bytes", "twice", "same", "rises", "unused",
+static const char *const violation_names[] = { "vertices", "bytes", "twice", "same", "falls", "unused",
 	"whole", "senseless", "failed" };
 
 #define CLIENT_EVERY 500         /* a new client now and then, so that both full and empty hands are tried */
@@ -43,8 +43,7 @@ static const char *const violation_names[] = { "vertices", "bytes", "twice", "sa
 #define CHAIN_EVERY 4            /* planning for many budgets takes its time */
 #define CHAIN 10u
 #define DESCRIBED_MOST 8
-/* Sums of many doubles in another order. */
-#define ROUNDING 1e-9
+#define SIXTEENTHS 0.25          /* pixels: predictions travel as sixteenths, by which Q may differ */
 /* A plan may be worse than another that fits by this share of what is wrong with nothing drawn. Plants of one
  * hash cannot be told apart, and the rest of a budget is spent on the next step, however little of it fits.
  */
@@ -222,7 +221,7 @@ static void check_stream(struct run *run)
 
 /* ---- One view, many budgets ---- */
 
-struct rung { uint64_t budget, vertices; double right, wrong; bool summed; struct lod_planner_stats stats; };
+struct rung { uint64_t budget, vertices; double right, wrong, least, q; bool summed; struct lod_planner_stats stats; };
 
 static int by_budget(const void *a, const void *b)
 {
@@ -249,6 +248,8 @@ static bool plan_rung(struct run *run, struct rung *rung)
 	rung->vertices = plan.vertices;
 	rung->right = p->tp;
 	rung->wrong = p->fp + p->fn;
+	rung->least = p->tp + fmin(p->fp, p->fn);
+	rung->q = eco_predicted_q(p);
 	for (uint32_t i = 0; i < plan.cut_count; i++)
 		rung->summed = rung->summed || plan.cuts[i].anchor == ECO_NONE;
 	if (plan.vertices > rung->budget)
@@ -307,9 +308,10 @@ static void check_chain(struct run *run)
 		if (!plan_rung(run, &rungs[i]))
 			return;
 	for (uint32_t i = 0; i < CHAIN; i++) {
-		if (i > 0 && rungs[i].wrong > rungs[i - 1].wrong + ROUNDING * (1 + rungs[0].wrong))
-			violated(run, RISES, "%.17g wrong pixels at %llu vertices, %.17g at %llu",
-				rungs[i - 1].wrong, (unsigned long long)rungs[i - 1].budget, rungs[i].wrong,
+		if (i > 0 && (rungs[i - 1].q - rungs[i].q) * fmin(rungs[i - 1].least, rungs[i].least)
+				> SIXTEENTHS)
+			violated(run, FALLS, "Q %.17g at %llu vertices, %.17g at %llu", rungs[i - 1].q,
+				(unsigned long long)rungs[i - 1].budget, rungs[i].q,
 				(unsigned long long)rungs[i].budget);
 		check_unused(run, rungs, i);
 	}

@@ -49,12 +49,12 @@ static struct lod_planner_stats plan_it(struct eco_plan *plan, const struct eco_
 }
 
 static uint64_t bytes_of(const struct eco_scene *scene, const struct eco_view *view, uint64_t vertices,
-	uint64_t bytes, const struct eco_holdings *holdings, double *wrong)
+	uint64_t bytes, const struct eco_holdings *holdings, struct eco_prediction *prediction)
 {
 	struct eco_plan plan;
 	struct lod_planner_stats stats = plan_it(&plan, scene, view, vertices, bytes, holdings);
-	if (wrong)
-		*wrong = plan.prediction.fp + plan.prediction.fn;
+	if (prediction)
+		*prediction = plan.prediction;
 	assert_true(plan.vertices <= vertices);
 	eco_plan_free(&plan);
 	return stats.bytes;
@@ -72,24 +72,25 @@ UNIT_TEST(never_above_the_bytes_most_of_them_used_and_more_never_predict_a_worse
 			uint64_t vertices = UINT64_C(1) << (6 + random_below(&pack->r, 14));
 			uint64_t all = bytes_of(scene, &view, vertices, ECO_BYTES_UNBOUNDED, NULL, NULL),
 				least = bytes_of(scene, &view, vertices, 0, NULL, NULL);   /* nothing fits */
-			double before = 1e300;
+			double before = -INFINITY;
 			assert_true(least <= all);
 			for (int i = 1; i <= BUDGETS; i++) {
-				double wrong;
+				struct eco_prediction p;
 				uint64_t most = least + (all - least) * (uint64_t)i / BUDGETS,
-					bytes = bytes_of(scene, &view, vertices, most, NULL, &wrong);
+					bytes = bytes_of(scene, &view, vertices, most, NULL, &p);
+				double q = eco_predicted_q(&p), sixteenths = 0.25 / fmax(0.5, p.tp + fmin(p.fp, p.fn));
 				assert_true(bytes <= most);
 				used += (double)bytes;
 				asked += (double)most;
-				assert_true(wrong <= before);
-				better += wrong < before;
-				before = wrong;
+				assert_true(q >= before - sixteenths);
+				better += q > before;
+				before = q;
 				plans++;
 			}
 		}
 		random_pack_free(pack);
 	}
-	print_message("used %.3f of the bytes; %u of %u plans predict less wrong than one with fewer bytes\n",
+	print_message("used %.3f of the bytes; %u of %u plans predict a higher Q than one with fewer bytes\n",
 		used / asked, better, plans);
 	assert_true(used > 0.75 * asked);
 	assert_true(better * 2 > plans);

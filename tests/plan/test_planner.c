@@ -125,14 +125,16 @@ UNIT_TEST(more_budget_is_never_predicted_to_be_worse)
 	for (uint64_t seed = 1; seed <= 60; seed++) {
 		random_scene_splats(&scene, 700 + seed, seed % 3 ? 0 : 5);
 		struct eco_request request = random_request(&scene);
-		double last = INFINITY;
+		double last = -INFINITY;
 		for (request.vertices = 0; request.vertices < 400000;
 				request.vertices += 1 + request.vertices / 3) {
 			struct eco_plan plan;
 			plan_it(&plan, &request);
-			double wrong = plan.prediction.fp + plan.prediction.fn;
-			assert_true(wrong <= last + 0.125);      /* they are sixteenths */
-			last = wrong;
+			const struct eco_prediction *p = &plan.prediction;
+			double q = eco_predicted_q(p);
+			/* pixels are sixteenths */
+			assert_true(q >= last - 0.25 / fmax(0.5, p->tp + fmin(p->fp, p->fn)));
+			last = q;
 			eco_plan_free(&plan);
 		}
 	}

@@ -139,7 +139,9 @@ static void make_usual(struct scene_builder *t)
 
 /* ---- Budgets ---- */
 
-struct sum { uint64_t vertices; double wrong; struct lod_planner_stats stats; };
+#define ROUNDING 1e-3            /* of Q: predictions travel as sixteenths of pixels */
+
+struct sum { uint64_t vertices; double error; struct lod_planner_stats stats; };
 
 static bool plan_for(struct extreme *x, const struct eco_scene *scene, struct eco_request request,
 	uint64_t vertices, lod_rule *rule, struct sum *sum)
@@ -154,7 +156,7 @@ static bool plan_for(struct extreme *x, const struct eco_scene *scene, struct ec
 		&& extreme_must(x, sum->stats.converged, "budget %llu: the search did not converge",
 		(unsigned long long)vertices);
 	sum->vertices = plan.vertices;
-	sum->wrong = plan.prediction.fp + plan.prediction.fn;
+	sum->error = 1 - eco_predicted_q(&plan.prediction);
 	eco_plan_free(&plan);
 	return good;
 }
@@ -163,14 +165,14 @@ void extreme_tiny(struct extreme *x)
 {
 	static const uint64_t budgets[] = { 0, 1, 2, 3, 4, 5, 6, 7, 159, 160, 161 };
 	struct scene_builder t;
-	struct sum sum, last = { .wrong = INFINITY };
+	struct sum sum, last = { .error = INFINITY };
 	bool good = true;
 	make_usual(&t);
 	for (size_t i = 0; i < sizeof budgets / sizeof *budgets && good; i++) {
 		good = plan_for(x, &t.scene, request_of(&t, 0), budgets[i], lod_rule_optimal, &sum)
 			&& extreme_must(x, sum.vertices == budgets[i], "%llu of %llu vertices used",
 			(unsigned long long)sum.vertices, (unsigned long long)budgets[i])
-			&& extreme_must(x, sum.wrong <= last.wrong, "%llu vertices predict more error",
+			&& extreme_must(x, sum.error <= last.error + ROUNDING, "%llu vertices predict more error",
 			(unsigned long long)budgets[i])
 			&& plan_for(x, &t.scene, request_of(&t, 0), budgets[i], lod_rule_deussen, &last);
 		last = sum;
@@ -209,8 +211,8 @@ void extreme_steps(struct extreme *x)
 					rule ? lod_rule_deussen : lod_rule_optimal, &sums[d]);
 			good = good
 				&& (rule
-				|| extreme_must(x, sums[0].wrong >= sums[1].wrong
-				&& sums[1].wrong >= sums[2].wrong,
+				|| extreme_must(x, sums[0].error >= sums[1].error - ROUNDING
+				&& sums[1].error >= sums[2].error - ROUNDING,
 				"around %llu vertices error rises",
 				(unsigned long long)v))
 				&& extreme_must(x, rule ? sums[1].vertices + v / 50 + 60 >= v
@@ -288,7 +290,7 @@ void extreme_impossible(struct extreme *x)
 
 /* ---- What must hold at any budget ---- */
 
-/* predicted wrong pixels of the budget before; vertices left over at most */
+/* 1 - predicted Q of the budget before; vertices left over at most */
 struct hold { double last; uint64_t unused; };
 
 static bool hold_at(struct extreme *x, const struct scene_builder *t, uint64_t budget, struct hold *h,
@@ -296,16 +298,16 @@ static bool hold_at(struct extreme *x, const struct scene_builder *t, uint64_t b
 {
 	if (!plan_for(x, &t->scene, request_of(t, 0), budget, lod_rule_optimal, sum))
 		return false;
-	bool good = extreme_must(x, sum->wrong <= h->last, "budget %llu: %.12g wrong pixels are predicted, "
-		"with less %.12g",
-			(unsigned long long)budget, sum->wrong, h->last)
+	bool good = extreme_must(x, sum->error <= h->last + ROUNDING, "budget %llu: an error of %.12g is "
+		"predicted, with less %.12g",
+			(unsigned long long)budget, sum->error, h->last)
 		&& extreme_must(x, budget - sum->vertices < sum->stats.cheapest,
 		"budget %llu: %llu used though a step of %llu is left",
 			(unsigned long long)budget, (unsigned long long)sum->vertices,
 			(unsigned long long)sum->stats.cheapest);
 	if (sum->stats.cheapest != UINT64_MAX && budget - sum->vertices > h->unused)
 		h->unused = budget - sum->vertices;
-	h->last = sum->wrong;
+	h->last = sum->error;
 	return good;
 }
 
@@ -341,10 +343,10 @@ void extreme_sweep(struct extreme *x)
 			: (uint64_t)(count / 4 * pow(3e6 / (count / 4.0),
 			(i - count / 4.0) / (count - count / 4.0)));
 		good = hold_at(x, &t, budget, &h, &sum);
-		rises += h.last > last;
+		rises += h.last > last + ROUNDING;
 		first = i ? first : h.last;
 	}
-	extreme_say(x, "%u budgets up to 3e6, predicted wrong pixels fall from %.0f to %.0f and rise %u "
+	extreme_say(x, "%u budgets up to 3e6, 1 - predicted Q falls from %.4f to %.4f and rises %u "
 		"times", count, first, h.last, rises);
 	scene_free(&t);
 }
