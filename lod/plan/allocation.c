@@ -461,12 +461,35 @@ void lod_allocation_relax(struct lod_allocation *m, double lambda)
 
 /* ---- The picture ---- */
 
-/* Of the points of a tile's summary, for all that stands in it. */
-static struct lod_wrong summary_wrong(const struct lod_tile_choice *choice)
+/* Of a tile's summary, for all that stands in it. */
+static struct lod_splats summary_splats(const struct lod_tile_choice *choice)
 {
 	struct lod_cost cost = { 0 };
 	add_at(&cost, &choice->summary.hull, 1, choice->position);
-	return lod_summary_hull_wrong(&choice->summary, cost.fp, cost.fn);
+	double points = choice->summary.part * cost.vertices,
+		scale = lod_summary_hull_scale(&choice->summary, (uint64_t)ceil(cost.vertices));
+	return (struct lod_splats){ points,
+		points > 0 ? sqrt(choice->summary.view.area * scale / points) : 0 };
+}
+
+/* Sets what tiles draw, and how much of their splats each visibility has. */
+static void set_drawn(struct lod_allocation *m)
+{
+	const struct lod_screen *screen = &m->p->screen;
+	uint64_t summaries = 0;
+	for (uint32_t n = 0; n < m->p->visible.node_count; n++) {
+		struct lod_tile_choice *choice = &m->tile_choices[n];
+		bool summary = choice->has_summary && m->drawn_by[n] == n && choice->position > 0;
+		m->drawn_here[n] = m->drawn_by[n] == n && choice->opened;
+		choice->leaves = 0;
+		choice->splats = summary ? summary_splats(choice) : (struct lod_splats){ 0, 0 };
+		summaries += summary;
+	}
+	for (uint32_t i = 0; i < screen->count; i++)
+		m->tile_choices[m->drawn_by[screen->visibilities[i].node]].leaves +=
+			(double)screen->visibilities[i].leaves;
+	lod_planner_work(m->p, LOD_WORK_SUMMARY * summaries
+		+ (summaries > 0) * LOD_WORK_CELL * (uint64_t)screen->columns * screen->rows);
 }
 
 /* Wrong pixels of a plant of the slot, over those that it covers. */
@@ -489,12 +512,15 @@ static void set_slot_wrong(struct lod_allocation *m, uint32_t s)
 	}
 }
 
-static struct lod_wrong wrong_of(void *ctx, const struct lod_visibility *visibility)
+static struct lod_drawn drawn_of(void *ctx, const struct lod_visibility *visibility)
 {
 	const struct lod_allocation *m = ctx;
 	if (visibility->slot == ECO_NONE || !m->drawn_here[visibility->node]) {
-		const struct lod_tile_choice *tile_choice = &m->tile_choices[m->drawn_by[visibility->node]];
-		return tile_choice->has_summary ? tile_choice->wrong : (struct lod_wrong){ .fn = 1 };
+		const struct lod_tile_choice *tile = &m->tile_choices[m->drawn_by[visibility->node]];
+		double part = tile->leaves > 0 ? (double)visibility->leaves / tile->leaves : 0;
+		return part * tile->splats.count > 0
+			? (struct lod_drawn){ .splats = { part * tile->splats.count, tile->splats.side } }
+			: (struct lod_drawn){ .wrong.fn = 1 };
 	}
 	const struct lod_slot_wrong *slot = &m->slot_wrong[visibility->slot];
 	bool near = visibility->hash < slot->near_end;
@@ -502,7 +528,7 @@ static struct lod_wrong wrong_of(void *ctx, const struct lod_visibility *visibil
 	wrong.fp += (double)visibility->above * (slot->above[near].fp - wrong.fp);
 	wrong.fn += (double)visibility->above * (slot->above[near].fn - wrong.fn);
 	wrong.fn = wrong.fn < 1 ? wrong.fn : 1;
-	return wrong;
+	return (struct lod_drawn){ .wrong = wrong };
 }
 
 /* Sets for each tile the tile whose choice draws it: itself where all tiles above it are open. */
@@ -525,14 +551,10 @@ enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_predic
 	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
 		if (!m->p->visible.slots[s].cell)
 			set_slot_wrong(m, s);
-	for (uint32_t n = 0; n < m->p->visible.node_count; n++) {
-		m->drawn_here[n] = m->drawn_by[n] == n && m->tile_choices[n].opened;
-		if (m->tile_choices[n].has_summary && m->drawn_by[n] == n)
-			m->tile_choices[n].wrong = summary_wrong(&m->tile_choices[n]);
-	}
+	set_drawn(m);
 	lod_planner_work(m->p, LOD_WORK_VISIBILITY / 4 * (uint64_t)m->p->screen.count
 		+ LOD_WORK_CELL * m->cells / 8);
-	return lod_screen_expect(&m->p->screen, wrong_of, m, prediction, error);
+	return lod_screen_expect(&m->p->screen, drawn_of, m, prediction, error);
 }
 
 /* A summary beside plants keeps the points of the last lambda, less those whose plants are drawn; the size of

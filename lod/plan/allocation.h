@@ -136,7 +136,8 @@ struct lod_tile_choice {
 	struct lod_hull limited;     /* after fixing, where bytes have a price: the hull up to these */
 	struct lod_cost cost;        /* of the blend that is chosen */
 	bool moved;                  /* it is another one since the last relaxation */
-	struct lod_wrong wrong;      /* of its summary, while a picture is predicted */
+	struct lod_splats splats;    /* of its summary, while a picture is predicted; ... */
+	double leaves;               /* ... pixels of all leaves that it draws */
 };
 
 /* Plants of a slot in an open tile, or in all of them. */

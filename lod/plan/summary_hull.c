@@ -23,12 +23,6 @@ static double error_of(const struct lod_summary_hull *summary, uint32_t i)
 	return summary->errors[summary->count - 1 - i];
 }
 
-struct lod_wrong lod_summary_hull_wrong(const struct lod_summary_hull *summary, double fp, double fn)
-{
-	double covered = summary->pixels * LOD_OWNER_WEIGHT, missed = (fn - covered) / (1 - covered);
-	return (struct lod_wrong){ fp / summary->pixels, missed < 0 ? 0 : missed < 1 ? missed : 1 };
-}
-
 uint32_t lod_summary_hull_count(double points)
 {
 	uint32_t count = 1;

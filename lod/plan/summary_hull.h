@@ -38,9 +38,6 @@ struct lod_summary_hull {
 
 /* Area of the first `vertices` points, over that of all leaves, with which the least is wrong. */
 double lod_summary_hull_scale(const struct lod_summary_hull *summary, uint64_t vertices);
-/* Wrong pixels over those that plants cover, without owners, from a hull point's fp and fn, which are over
- * weight_px. */
-struct lod_wrong lod_summary_hull_wrong(const struct lod_summary_hull *summary, double fp, double fn);
 
 /* Number of samples for a summary of so many points, at least 1. */
 uint32_t lod_summary_hull_count(double points);

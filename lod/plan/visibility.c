@@ -7,6 +7,7 @@
 
 #include "ecofiles/base/room.h"
 #include "lod/lanes.h"
+#include "lod/plan/splat_field.h"
 
 #define PI 3.14159265358979323846
 #define AROUND 2.5               /* false positives of a plant lie in a box so much wider and higher than its
@@ -176,6 +177,7 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 	set_opacity(visibility, &seen);
 	visibility->ellipse = (float)(PI * proxy_shape->crown_across * high * px * px);
 	visibility->pixels = visibility->opacity * visibility->ellipse;
+	visibility->leaves = (float)(0.5 * proxy_shape->area * px * px);
 	return visibility;
 }
 
@@ -502,29 +504,68 @@ static void cover_cells(const struct lod_screen *screen, const struct lod_cover 
 	}
 }
 
-enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wrong, void *ctx,
-	struct eco_prediction *prediction, struct eco_error *error)
+/* Layers of splats, over the crown as it covers. False: no memory. */
+static bool add_splats(const struct lod_screen *screen, const struct lod_cover *cover,
+	const struct lod_splats *splats, struct lod_splat_field *field)
 {
-	uint32_t count = screen->columns * screen->rows;
-	lod_f4 *cells = malloc(count * sizeof *cells);
-	double tp = 0, fp = 0, fn = 0, pixels = screen->cell_x * screen->cell_y;
-	if (!cells)
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a screen of %u cells", count);
-	for (uint32_t i = 0; i < count; i++)
-		cells[i] = lod_f4_all(1);
-	for (uint32_t i = 0; i < screen->cover_count; i++) {
-		const struct lod_cover *cover = &screen->covers[i];
-		cover_cells(screen, cover, uncovered_of((double)cover->shown,
-			wrong(ctx, &screen->visibilities[cover->of])), cells);
+	const struct lod_visibility *visibility = &screen->visibilities[cover->of];
+	double wider = (double)visibility->shown / (double)cover->shown, box = wider * 4 * screen->cell_x
+		* screen->cell_y * (double)visibility->crown_reach_x * (double)visibility->crown_reach_y;
+	float *cells = lod_splat_field_of(field, splats->side), layers = box > 0 ? (float)((double)cover->before
+		* splats->count * splats->side * splats->side / box) : 0;
+	for (int r = cover->down.first; cells && r < cover->down.end; r++) {
+		float *row = cells + r * (int)screen->columns,
+			part = layers * fmaxf(0, inside(&cover->down, r));
+		for (int c = cover->across.first; c < cover->across.end; c++)
+			row[c] += part * inside(&cover->across, c);
 	}
-	for (uint32_t i = 0; i < count; i++) {
-		double reference = (double)cells[i][REFERENCE], drawn = (double)cells[i][DRAWN];
-		double either = fmin((double)cells[i][EITHER], fmin(reference, drawn));
+	return cells;
+}
+
+static bool cover_all(const struct lod_screen *screen, lod_drawn_fn drawn_of, void *ctx, lod_f4 *cells,
+	struct lod_splat_field *field)
+{
+	bool good = true;
+	for (uint32_t i = 0; i < screen->cover_count && good; i++) {
+		const struct lod_cover *cover = &screen->covers[i];
+		struct lod_drawn drawn = drawn_of(ctx, &screen->visibilities[cover->of]);
+		float clear = 1 - cover->shown;
+		bool splats = drawn.splats.count > 0;
+		cover_cells(screen, cover, splats ? (lod_f4){ clear, 1, clear, 1 }
+			: uncovered_of((double)cover->shown, drawn.wrong), cells);
+		good = !splats || add_splats(screen, cover, &drawn.splats, field);
+	}
+	return good;
+}
+
+static struct eco_prediction sum_up(const struct lod_screen *screen, const lod_f4 *cells, const float *layers)
+{
+	double tp = 0, fp = 0, fn = 0, pixels = screen->cell_x * screen->cell_y;
+	for (uint32_t i = 0; i < screen->columns * screen->rows; i++) {
+		double through = layers && layers[i] > 0 ? lod_exp_minus((double)layers[i]) : 1,
+			reference = (double)cells[i][REFERENCE], drawn = through * (double)cells[i][DRAWN];
+		double either = fmin(through * (double)cells[i][EITHER], fmin(reference, drawn));
 		fp += reference - either;
 		fn += drawn - either;
 		tp += fmax(0, 1 - reference - drawn + either);
 	}
-	*prediction = (struct eco_prediction){ tp * pixels, fp * pixels, fn * pixels };
+	return (struct eco_prediction){ tp * pixels, fp * pixels, fn * pixels };
+}
+
+enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_drawn_fn drawn, void *ctx,
+	struct eco_prediction *prediction, struct eco_error *error)
+{
+	uint32_t count = screen->columns * screen->rows;
+	lod_f4 *cells = malloc(count * sizeof *cells);
+	struct lod_splat_field field = { screen->columns, screen->rows, screen->cell_x, screen->cell_y,
+		NULL, NULL, 0 };
+	for (uint32_t i = 0; cells && i < count; i++)
+		cells[i] = lod_f4_all(1);
+	bool good = cells && cover_all(screen, drawn, ctx, cells, &field);
+	if (good)
+		*prediction = sum_up(screen, cells, lod_splat_field_blur(&field));
+	lod_splat_field_free(&field);
 	free(cells);
-	return ECO_OK;
+	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a screen of %u cells",
+		count);
 }

@@ -29,7 +29,8 @@
  * Expected pixels are computed per cell as if visibilities were independent: the probability that no plant
  * covers a point in the reference, as drawn, or in either is a product over visibilities. Wrong pixels are
  * covered in one and not in the other. So plants behind fill holes, and a false positive is not wrong where
- * another plant stands. */
+ * another plant stands. What a summary's splats cover is known by itself, not by each plant's error: they are
+ * often wider than crowns. */
 #ifndef LOD_VISIBILITY_H
 #define LOD_VISIBILITY_H
 
@@ -55,6 +56,7 @@ struct lod_visibility {
 	float unoccluded;            /* set by lod_screen_shares: share times the weight of a false positive;
 	                              * at most share */
 	float ellipse;               /* pixels of its crown, gaps included */
+	float leaves;                /* pixels of all its leaves, each by itself */
 	uint32_t node, slot;         /* the caller's */
 	uint16_t hash;               /* the caller's */
 	float above;                 /* the caller's: how far from above it is seen (lod_seen_above) */
@@ -111,8 +113,15 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
  * most 1. While neither fn nor fp + fn of any visibility rises, the expected wrong pixels do not rise. */
 struct lod_wrong { double fp, fn; };
 
-typedef struct lod_wrong (*lod_wrong_fn)(void *ctx, const struct lod_visibility *visibility);
-enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wrong, void *ctx,
+/* Splats of a summary that stand for a visibility, in the mean: squares of `side` pixels. They lie on its
+ * crown by chance and reach beyond it (lod/plan/splat_field.h). */
+struct lod_splats { double count, side; };
+
+/* How a visibility is drawn: by `splats` where there are any, else with an error. */
+struct lod_drawn { struct lod_wrong wrong; struct lod_splats splats; };
+
+typedef struct lod_drawn (*lod_drawn_fn)(void *ctx, const struct lod_visibility *visibility);
+enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_drawn_fn drawn, void *ctx,
 	struct eco_prediction *prediction, struct eco_error *error);
 
 /* e^-x for x >= 0 and log x for x > 0, the same on every machine, to about nine digits. */

@@ -119,32 +119,6 @@ UNIT_TEST(few_points_are_computed_for_a_lambda)
 	assert_true(9 * asked < 5 * all);
 }
 
-/* A picture's wrong pixels are the same whatever part of weight_px is for crowns that are absent. */
-UNIT_TEST(wrong_pixels_do_not_depend_on_what_an_absent_crown_weighs)
-{
-	uint64_t random = 5;
-	uint32_t alike = 0;
-	for (uint32_t v = 0; v < VIEWS; v++) {
-		struct pair pair;
-		begin(&pair, &random);
-		struct lod_summary_view doubled = pair.view;
-		doubled.weight_px *= 2;
-		lod_summary_hull_begin(&pair.all, &pair.view, 1, 1, 1, pair.all_room, &pair.all_gains);
-		lod_summary_hull_begin(&pair.asked, &doubled, 1, 0.5, 1, pair.asked_room, &pair.asked_gains);
-		uint64_t vertices = (uint64_t)pair.view.points;
-		const struct lod_hull_point *one = &pair.all.samples[pair.all.count - 1],
-			*other = &pair.asked.samples[pair.asked.count - 1];
-		if (lod_summary_hull_scale(&pair.all, vertices) != lod_summary_hull_scale(&pair.asked, vertices))
-			continue;
-		struct lod_wrong a = lod_summary_hull_wrong(&pair.all, one->fp, one->fn),
-			b = lod_summary_hull_wrong(&pair.asked, other->fp, other->fn);
-		assert_true(fabs(a.fp - b.fp) <= 1e-6 * (1 + a.fp) && fabs(a.fn - b.fn) <= 1e-6);
-		alike++;
-	}
-	print_message("          of %u views %u have splats of one size\n", VIEWS, alike);
-	assert_true(alike > VIEWS / 8);
-}
-
 UNIT_TEST(points_are_halves_down_to_one_point)
 {
 	static const struct { double points; uint32_t count; } cases[] =

@@ -64,11 +64,11 @@ UNIT_TEST(a_slope_seen_from_above_hides_nothing)
 	}
 }
 
-static struct lod_wrong some_wrong(void *ctx, const struct lod_visibility *visibility)
+static struct lod_drawn some_wrong(void *ctx, const struct lod_visibility *visibility)
 {
 	(void)ctx;
 	(void)visibility;
-	return (struct lod_wrong){ .fp = 0.2, .fn = 0.1 };
+	return (struct lod_drawn){ .wrong = { .fp = 0.2, .fn = 0.1 } };
 }
 
 /* However dense its crown is: what is drawn too much of one without gaps lies around it. */
@@ -93,6 +93,44 @@ UNIT_TEST(of_a_tree_alone_as_much_is_wrong_as_its_curve_says)
 		assert_float_equal(p.fn / (p.tp + p.fn), 0.1, 0.01);
 		lod_screen_free(&screen);
 	}
+}
+
+static struct lod_drawn some_splats(void *ctx, const struct lod_visibility *visibility)
+{
+	(void)visibility;
+	return (struct lod_drawn){ .splats = *(struct lod_splats *)ctx };
+}
+
+/* As much as random squares of their area cover; the wider they are, the more of it beside the tree. */
+UNIT_TEST(splats_of_a_summary_reach_beyond_the_crown)
+{
+	const struct eco_view view = { .eye = { 0, -40, 5 }, .target = { 0, 0, 5 }, .up = { 0, 0, 1 },
+		.fov_y_deg = 46, .width = 1600, .height = 1200 };
+	const double center[3] = { 0, 0, 5 };
+	struct lod_eye eye;
+	struct lod_screen screen;
+	lod_eye_make(&eye, &view);
+	lod_screen_init(&screen, &eye, &view, false);
+	struct lod_visibility *visibility = lod_screen_add(&screen, center, &tree);
+	assert_non_null(visibility);
+	double box = 4 * (double)visibility->crown_reach_x * (double)visibility->crown_reach_y * screen.cell_x
+		* screen.cell_y * fmax(1, 1.5 * (double)visibility->shown), beyond = 0;
+	assert_int_equal(lod_screen_shares(&screen, true, NULL), ECO_OK);
+	for (double side = 4; side < 600; side *= 2) {
+		struct eco_prediction p;
+		struct lod_splats few = { .count = 0.1 * box / side / side, .side = side };
+		assert_int_equal(lod_screen_expect(&screen, some_splats, &few, &p, NULL), ECO_OK);
+		assert_in_range((p.tp + p.fp) / box * 1000, 94, 101);    /* 1 - e^-.1 is .095 */
+		assert_true(p.fp / (p.tp + p.fp) > beyond);
+		beyond = p.fp / (p.tp + p.fp) - 1e-9;
+	}
+	assert_true(beyond > 0.8);
+	struct eco_prediction p;
+	struct lod_splats many = { .count = 3 * box / 4, .side = 2 };
+	assert_int_equal(lod_screen_expect(&screen, some_splats, &many, &p, NULL), ECO_OK);
+	/* e^-3; cells at its edge know no better than that leaves and splats are in them */
+	assert_in_range(1000 * p.fn / (p.tp + p.fn), 50, 100);
+	lod_screen_free(&screen);
 }
 
 /* A coarser screen says of trees that fill it what a finer one does, for a fraction of the cells. */
