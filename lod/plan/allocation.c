@@ -240,15 +240,37 @@ static double open_share(const struct lod_allocation *m, const struct lod_tile_c
  * says which point stands for which plant: all points stay until half of the plants are drawn. */
 static double points_share(double share) { return share < 0.5 ? 1 : 2 * (1 - share); }
 
-static void blend(struct lod_tile_choice *choice, const struct lod_cost *fine)
+static struct lod_cost blended(const struct lod_tile_choice *choice, const struct lod_cost *fine)
 {
+	const struct lod_cost *coarse = &choice->cost;
 	double s = choice->share, points = choice->has_summary ? points_share(s) : 0;
-	choice->cost.fp = s * fine->fp + (1 - s) * choice->cost.fp;
-	choice->cost.fn = s * fine->fn + (1 - s) * choice->cost.fn;
-	choice->cost.detail = s * fine->detail + (1 - s) * choice->cost.detail;
-	choice->cost.vertices = s * fine->vertices + points * choice->cost.vertices;
-	choice->cost.bytes = (s > 0 ? fine->bytes : 0) + (points > 0 ? choice->cost.bytes : 0);
-	choice->cost.waste = (s > 0 ? fine->waste : 0) + (points > 0 ? choice->cost.waste : 0);
+	struct lod_cost cost = *coarse;
+	cost.fp = s * fine->fp + (1 - s) * coarse->fp;
+	cost.fn = s * fine->fn + (1 - s) * coarse->fn;
+	cost.detail = s * fine->detail + (1 - s) * coarse->detail;
+	cost.vertices = s * fine->vertices + points * coarse->vertices;
+	cost.bytes = (s > 0 ? fine->bytes : 0) + (points > 0 ? coarse->bytes : 0);
+	cost.waste = (s > 0 ? fine->waste : 0) + (points > 0 ? coarse->waste : 0);
+	return cost;
+}
+
+/* Bytes do not blend: a tile pays all for its summary and all for what stands in it, however little of either
+ * is drawn. So it draws one alone where that saves more, its summary only from where it may. */
+static void blend(struct lod_allocation *m, struct lod_tile_choice *choice, const struct lod_cost *fine)
+{
+	const struct lod_cost both = blended(choice, fine), coarse = choice->cost;
+	double least = lagrangian(m, &both, 1);
+	bool pays = choice->share > 0 && choice->share < 1 && both.bytes > 0;
+	choice->cost = both;
+	if (pays && coarse.bytes > 0 && lagrangian(m, fine, 1) < least) {
+		least = lagrangian(m, fine, 1);
+		choice->share = 1;
+		choice->cost = *fine;
+	}
+	if (pays && fine->bytes > 0 && choice->closed_most >= 1 && lagrangian(m, &coarse, 1) < least) {
+		choice->share = 0;
+		choice->cost = coarse;
+	}
 }
 
 static double position_of(const struct lod_hull *hull, double vertices)
@@ -340,9 +362,9 @@ static void relax_tile(struct lod_allocation *m, uint32_t n)
 			choice->weight_px - lagrangian(m, &choice->cost, 1));
 	if (m->price > 0 && !choice->has_summary && choice->open)
 		choice->share = plants > 0;      /* else not even its plants' places are sent */
-	choice->opened = choice->share >= 0.5;
 	if (choice->open)
-		blend(choice, &fine);
+		blend(m, choice, &fine);
+	choice->opened = choice->share >= 0.5;
 }
 
 /* Do its own plants or its children cost something else? */
@@ -559,7 +581,7 @@ enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_predic
 
 /* A summary beside plants keeps the points of the last lambda, less those whose plants are drawn; the size of
  * each stays. */
-static void fix_summary(struct lod_tile_choice *choice, double points)
+static void fix_summary(const struct lod_allocation *m, struct lod_tile_choice *choice, double points)
 {
 	uint32_t whole = (uint32_t)choice->position;
 	const struct lod_hull_point *a = &choice->summary.hull.points[whole];
@@ -576,7 +598,7 @@ static void fix_summary(struct lod_tile_choice *choice, double points)
 	choice->partial[1].vertices = (uint64_t)all;
 	choice->partial[1].fn_slope = LAST_SLOPE;
 	choice->partial_hull = (struct lod_hull){ choice->partial,
-		choice->partial[1].vertices > choice->partial[0].vertices ? 2 : 1,
+		choice->partial[1].vertices > choice->partial[0].vertices && !(m->price > 0) ? 2 : 1,
 		choice->summary.hull.fp_weight, 0, ECO_NONE };
 }
 
@@ -637,7 +659,7 @@ void lod_allocation_fix(struct lod_allocation *m)
 		if (m->price > 0 && node->points >= 1 && node->state == LOD_SUMMARY)
 			limit_summary(m, n);
 		if (node->points > 0 && (node->points < 1 || node->state == LOD_OPEN))
-			fix_summary(choice, node->points);
+			fix_summary(m, choice, node->points);
 		for (uint32_t c = 0; node->expanded && c < node->child_count; c++)
 			m->tile_choices[node->child_first + c].weight = plants;
 	}

@@ -221,6 +221,116 @@ UNIT_TEST(what_is_kept_from_one_relaxation_to_the_next_changes_none)
 	assert_true(less < looks && work < all - all / 10);
 }
 
+/* Four tiles of so many bushes each, 40 m wide, with summaries, as has the tile above them. */
+#define BUSHES 150u
+#define SUMMARY 512u
+
+static uint32_t add_bushes(struct scene_builder *b, double x, double y)
+{
+	uint32_t tile = scene_add_tile(b, (struct eco_tile){ .low = { x, y, 0 }, .high = { x + 40, y + 40, 4 },
+		.instance_count = BUSHES, .area = 30.0 * BUSHES });
+	uint32_t list = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_INSTANCES, .owner = tile,
+		.other = ECO_NONE }, BUSHES, BUSHES);
+	uint64_t first = b->scene.place_count;
+	b->lists[list].grid_origin[0] = x;
+	b->lists[list].grid_origin[1] = y;
+	for (uint32_t i = 0; i < BUSHES; i++)
+		scene_add_place(b, (struct eco_place){ .position = { (int32_t)random_below(b, 40000),
+			(int32_t)random_below(b, 40000), 0 }, .scale = 65536 });
+	scene_add_group(b, (struct eco_group){ tile, 0, list, first, 0, BUSHES });
+	scene_add_child(b, 0, (struct eco_child){ .tile = tile, .scale = 1 });
+	return tile;
+}
+
+static void make_bushes(struct scene_builder *b)
+{
+	static const float shares[] = { .01f, .1f, .5f, 1 }, errors[] = { .6f, .4f, .2f, 0 };
+	b->state = 1;
+	b->like = (struct eco_list){ .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f };
+	b->scene.near_m = 0.01;
+	scene_add_plant(b, (struct eco_plant){ .height_m = 4 });
+	uint32_t anchor = scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 2 }, 2 });
+	struct eco_ladder leaves = scene_ladder(0, anchor, ECO_ORGAN_FOLIAGE);
+	leaves.triangles = random_fans(b, leaves.total = 300, 0);
+	leaves.area = 30;
+	leaves.curve_first = b->scene.curve_count;
+	leaves.curve_count = 4;
+	for (int i = 0; i < 4; i++)
+		scene_add_curve(b, (struct eco_curve){ shares[i], 1, shares[i], errors[i], errors[i] });
+	scene_add_ladder(b, leaves);
+	scene_add_tile(b, (struct eco_tile){ .low = { 0, 0, 0 }, .high = { 80, 80, 4 },
+		.instance_count = 4 * BUSHES, .area = 4 * 30.0 * BUSHES });
+	for (int i = 0; i < 4; i++)
+		add_bushes(b, i % 2 * 40, i / 2 * 40);
+	for (uint32_t tile = 0; tile < 5; tile++)
+		b->tiles[tile].summary = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_POINTS,
+			.attributes = ECO_ATTR_PLANT, .owner = tile, .other = ECO_NONE }, SUMMARY, SUMMARY);
+}
+
+/* What a client has that holds all summaries. The caller frees it. */
+static struct eco_holdings summaries_of(const struct eco_scene *scene)
+{
+	struct eco_holdings held = { .items = calloc(scene->tile_count, sizeof *held.items),
+		.count = scene->tile_count };
+	for (uint32_t tile = 0; tile < scene->tile_count; tile++)
+		held.items[tile] = (struct eco_holding){ scene->tiles[tile].summary,
+			scene->lists[scene->tiles[tile].summary].chunk_count };
+	return held;
+}
+
+/* What the choice of a tile with a summary has come to: does it draw a part of both? */
+static bool draws_both(const struct lod_allocation *m, uint32_t n)
+{
+	const struct lod_tile_choice *choice = &m->tile_choices[n];
+	return choice->open && choice->has_summary && choice->share > 0 && choice->share < 1;
+}
+
+/* Bytes of a summary and of what stands in its tile do not blend: where both are drawn both are paid, and must
+ * be worth it. Nor are points of such a summary filled up, for which there are vertices enough where bytes
+ * bind: they would cover once more what is covered already. */
+UNIT_TEST(a_tile_draws_its_plants_or_its_summary_where_bytes_have_a_price)
+{
+	uint32_t open = 0, closed = 0, both = 0;
+	struct scene_builder b = { 0 };
+	make_bushes(&b);
+	struct eco_holdings held = summaries_of(&b.scene);
+	for (int i = 0; i < 400; i++) {
+		double away = random_real(&b, 50, 150), turn = random_real(&b, 0, 6.28),
+			octave = random_real(&b, -12, 4), lambda = ldexp(1, -(int)random_below(&b, 12));
+		const struct eco_request request = { .vertices = 100000, .view = { .target = { 40, 40, 0 },
+			.eye = { 40 + away * cos(turn), 40 + away * sin(turn), 0.4 * away }, .up = { 0, 0, 1 },
+			.fov_y_deg = 50, .width = 640, .height = 480 } };
+		struct relaxed r;
+		bool holds = i % 2;
+		begin(&r, &(struct lod_planner_input){ .scene = &b.scene, .request = &request,
+			.holdings = holds ? &held : NULL });
+		lod_price_relax(&r.m, lambda, &(struct lod_price){ octave, octave });
+		for (uint32_t n = 0; n < r.p.visible.node_count; n++) {
+			const struct lod_tile_choice *choice = &r.m.tile_choices[n];
+			const struct lod_cost *cost = &choice->cost;
+			double plants, summary, paid = cost->fp + cost->fn + cost->detail
+				+ lambda * cost->vertices + r.m.price * (cost->bytes + cost->waste);
+			open += choice->share >= 1;
+			closed += choice->share <= 0 && choice->points > 0;
+			if (holds || !draws_both(&r.m, n) || !(choice->points > 0))
+				continue;
+			lod_allocation_compare(&r.m, n, &plants, &summary);
+			assert_true(choice->weight_px - paid >= plants - 1e-6 * choice->weight_px);
+		}
+		lod_allocation_fix(&r.m);
+		for (uint32_t n = 0; n < r.p.visible.node_count; n++)
+			if (draws_both(&r.m, n)) {
+				assert_int_equal(r.m.tile_choices[n].partial_hull.count, 1);
+				both++;
+			}
+		end(&r);
+	}
+	free(held.items);
+	scene_free(&b);
+	print_message("%u tiles draw their plants, %u their summaries, %u both\n", open, closed, both);
+	assert_true(open > 50 && closed > 50 && both > 5);
+}
+
 /* At the highest price nothing is drawn: however little work is left, a search goes on to one that uses
  * bytes. */
 UNIT_TEST(a_price_is_found_though_the_work_is_done)
