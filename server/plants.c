@@ -115,8 +115,8 @@ static void describe_one(struct srv_json *json, const char *species, const json_
 	srv_json_close(json, '}');
 }
 
-/* said: {"of": number of species, "most": [[name or null, plants], ...]}; NULL: nothing. Where it names more than it
- * counts, there are as many as it names. */
+/* said: {"of": number of species, "most": [[name or null, plants], ...]}; NULL: nothing. Where it names
+ * more than it counts, there are as many as it names. */
 static void describe_stood_for(struct srv_json *json, const char *plant, const json_t *said)
 {
 	const json_t *most = json_object_get(said, "most"), *one;

@@ -6,8 +6,8 @@
  *   web_shadow_free(&shadow);
  *
  * What is seen becomes cells, these become the map's rows, and what casts is drawn by them. Nothing is made,
- * nor compiled, before the first picture with shadows; where the driver refuses, that fails once, and pictures have
- * none from then on. */
+ * nor compiled, before the first picture with shadows; where the driver refuses, that fails once, and
+ * pictures have none from then on. */
 #ifndef WEB_SHADOW_H
 #define WEB_SHADOW_H
 
