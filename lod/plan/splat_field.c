@@ -24,7 +24,7 @@ float *lod_splat_field_of(struct lod_splat_field *field, double side)
 	size = size < SIZES ? size : SIZES - 1;
 	if (!field->sizes) {
 		uint32_t most = field->columns > field->rows ? field->columns : field->rows;
-		field->sums = malloc((most + 1) * sizeof *field->sums);
+		field->sums = malloc(3 * (most + 1) * sizeof *field->sums);
 		field->sizes = field->sums ? calloc(SIZES * cells_of(field), sizeof *field->sizes) : NULL;
 		if (!field->sizes)
 			return NULL;
@@ -33,23 +33,24 @@ float *lod_splat_field_of(struct lod_splat_field *field, double side)
 	return field->sizes + (size_t)size * cells_of(field);
 }
 
-/* The sum of `count` numbers up to a place, part of one included. */
-static double sum_to(const double *sums, uint32_t count, double place)
-{
-	double at = fmin(fmax(place, 0), count);
-	uint32_t whole = at < count ? (uint32_t)at : count - 1;
-	return sums[whole] + (at - whole) * (sums[whole + 1] - sums[whole]);
-}
-
-/* Each becomes the mean of what is within half of `width` around its middle. */
+/* Each becomes the mean of what is within half of `width` around its middle: between sums up to there, which lie
+ * as far between two whole cells for all. */
 static void blur_line(double *sums, float *line, uint32_t count, uint32_t step, double width)
 {
-	sums[0] = 0;
+	double reach = fmin(0.5 + 0.5 * width, count), each = 1 / width;
+	uint32_t whole = (uint32_t)reach;
+	double part = reach - whole, sum = 0;
+	for (uint32_t i = 0; i <= whole; i++)
+		sums[i] = 0;
 	for (uint32_t i = 0; i < count; i++)
-		sums[i + 1] = sums[i] + (double)line[i * step];
-	for (uint32_t i = 0; i < count && sums[count] > 0; i++)
-		line[i * step] = (float)((sum_to(sums, count, i + 0.5 + 0.5 * width)
-			- sum_to(sums, count, i + 0.5 - 0.5 * width)) / width);
+		sums[whole + i + 1] = sum += (double)line[i * step];
+	for (uint32_t i = 0; i <= whole; i++)
+		sums[whole + count + 1 + i] = sum;
+	for (uint32_t i = 0; sum > 0 && i < count; i++) {
+		const double *low = sums + i, *high = low + 2 * (size_t)whole;
+		line[i * step] = (float)(each * (high[0] + part * (high[1] - high[0])
+			- low[1] + part * (low[1] - low[0])));
+	}
 }
 
 static void blur_size(struct lod_splat_field *field, int size)

@@ -20,7 +20,7 @@ struct lod_splat_field {
 	uint32_t columns, rows;
 	double cell_x, cell_y;       /* pixels */
 	float *sizes;                /* screens of cells, row by row; its own, like ... */
-	double *sums;                /* ... these, of a row or a column */
+	double *sums;                /* ... these, of a row or a column and beyond its ends */
 	uint32_t used;               /* bit i: size i has splats */
 };
 
