@@ -9,11 +9,11 @@
 
 /* Work of the median request (struct lod_planner_stats), found when it is first asked for, which takes about
  * SRV_TYPICAL_REQUESTS ordinary plans: the daemon asks before it shows a scene. At least
- * SRV_TYPICAL_WORK_LEAST, two milliseconds: random requests to a wide scene mostly see little of it, and
+ * SRV_TYPICAL_WORK_LEAST, some 7 milliseconds: random requests to a wide scene mostly see little of it, and
  * those that see all of it need more than a few times that (lod/EXPERIMENTS.md, Wide scenes from the air).
  * Any thread. */
 #define SRV_TYPICAL_REQUESTS 63u
-#define SRV_TYPICAL_WORK_LEAST 300000u
+#define SRV_TYPICAL_WORK_LEAST 1000000u
 uint64_t srv_typical_work(struct srv_scene *scene);
 
 #endif

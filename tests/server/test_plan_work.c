@@ -10,6 +10,7 @@
 #define PATH "build/tmp/test_plan_work.eco"
 #define REQUESTS 400u
 #define TIMES 3u
+#define SCARCE 300000u           /* work that many plans of the sample exceed */
 /* Tenths: nothing is begun any more at the bound, but what has begun ends: an answer at the coarsest level, a
  * price of bytes that fits; and three coarser answers come. */
 #define OVER 16u
@@ -67,7 +68,7 @@ UNIT_TEST(an_ordinary_request_costs_the_same_for_ever)
 UNIT_TEST(no_request_costs_much_more_than_it_may)
 {
 	lod_rule *const rules[] = { NULL, lod_rule_deussen };
-	uint64_t may = SRV_TYPICAL_WORK_LEAST, most = 0;
+	uint64_t may = SCARCE, most = 0;
 	uint32_t bounded = 0, cut = 0;
 	for (uint32_t i = 0; i < 2 * REQUESTS; i++) {
 		struct eco_request request;
@@ -154,7 +155,7 @@ UNIT_TEST(what_is_cut_short_comes_in_steps)
 			continue;        /* where nothing is seen of most plants */
 		request.bytes = ECO_BYTES_UNBOUNDED;
 		assert_ok(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample,
-			.request = &request, .work_max = SRV_TYPICAL_WORK_LEAST / 3 }, &error), error);
+			.request = &request, .work_max = SCARCE / 3 }, &error), error);
 		if (stream.cut_short && stream.body_bytes > 60000) {
 			large++;
 			assert_true(stream.step_count > 1);
