@@ -48,7 +48,6 @@ static enum eco_code evaluate(struct lod_allocation *m, const struct lod_price_b
 {
 	double octave = octave_at(at);
 	enum eco_code code = relax_at(m, bounds->low, octave, result, error);
-
 	result->at = at;
 	result->lowest = result->vertices;
 	if (code || result->vertices <= bounds->vertices || !(bounds->high > bounds->low))
