@@ -16,8 +16,8 @@
  *
  * The prediction is read off the grid, whose lambdas do not depend on the budget: along it vertices never
  * fall and errors never rise, and between two lambdas both are linear, as on a lower convex hull. The
- * predicted picture is interpolated likewise, by its Q (lod/plan/expected.h). So a larger budget never predicts
- * a worse picture. */
+ * predicted picture is interpolated likewise, by its Q (lod/plan/expected.h). So a larger budget never
+ * predicts a worse picture. */
 #include "lod/plan/planner_state.h"
 
 #include <math.h>
@@ -54,6 +54,7 @@
 #define FINER_WORK 4             /* of a finer level, over that of a level */
 #define PASSES_VERTICES 32
 #define PASSES_BYTES 50
+#define HIDDEN_MOST 0.05         /* of what a picture has */
 #define UNCHANGED 2              /* one of so many tallies is summed again, for the others nothing changed */
 #define SUMMARY_TRIES 2          /* numbers of points that are tried of each */
 
@@ -460,8 +461,21 @@ static enum eco_code fill_budget(struct lod_lambda_search *s, uint64_t budget, s
 
 /* ---- Levels of detail ---- */
 
+/* Do tiles whose summary puts less right than nothing does, however much of it is drawn, have much of the
+ * picture? From afar plants that stand apart are such. */
+static bool hides_plants(const struct lod_allocation *m)
+{
+	const struct lod_planner *p = m->p;
+	double hidden_px = 0;
+	for (uint32_t n = 0; n < p->visible.node_count; n++)
+		if (p->visible.nodes[n].state == LOD_SUMMARY && m->tile_choices[n].summary.hull.count <= 1)
+			hidden_px += m->tile_choices[n].weight_px;
+	return hidden_px > HIDDEN_MOST * m->tile_choices[0].weight_px;
+}
+
 /* Finds the lambda of one level, and what is predicted. A level predicts only if the budget holds everything
- * at the levels before it: so the best picture predicted by any level gets no worse with the budget. */
+ * at the levels before it, or any budget leaves these: so the best picture predicted by any level gets no
+ * worse with the budget. */
 static enum eco_code search_level(struct lod_lambda_search *s, struct lod_planner *p, bool *predicts,
 	struct eco_error *error)
 {
@@ -472,7 +486,7 @@ static enum eco_code search_level(struct lod_lambda_search *s, struct lod_planne
 		code = search_grid(s, budget, error);
 	if (!code && *predicts)
 		predict(s, budget);
-	*predicts = *predicts && s->index == LOD_LAMBDA_COUNT;
+	*predicts = *predicts && (s->index == LOD_LAMBDA_COUNT || hides_plants(s->allocation));
 	return code;
 }
 
@@ -637,8 +651,8 @@ static enum eco_code open_finer(struct lod_planner *p, int *level, bool *opened,
 	return code && code != ECO_TOO_LARGE ? eco_fail(error, code, "%s", local.text) : ECO_OK;
 }
 
-/* Plans level by level, until one has steps left or everything is open. Where all of a level fits, only the
- * next one is filled. */
+/* Plans level by level, until one has steps left or everything is open. Where all of a level fits, or it
+ * hides plants, only the next one is filled. */
 static enum eco_code plan_levels(struct lod_lambda_search *s, struct lod_planner *p, struct eco_error *error)
 {
 	const bool bytes = p->input->request->bytes != ECO_BYTES_UNBOUNDED;
@@ -650,7 +664,8 @@ static enum eco_code plan_levels(struct lod_lambda_search *s, struct lod_planner
 		p->level = (uint32_t)(level - COARSEST);
 		code = search_level(s, p, &predicts, error);
 		opened = false;
-		if (!code && finer && !bytes && s->index == LOD_LAMBDA_COUNT) {
+		if (!code && finer && ((!bytes && s->index == LOD_LAMBDA_COUNT)
+				|| hides_plants(s->allocation))) {
 			code = open_finer(p, &level, &opened, error);
 			finer = false;
 		}
