@@ -1,6 +1,7 @@
 /* Numbers show by their size whether they are degrees, metres of a plot, or eastings and northings of some
  * grid. Of which grid they do not show: zones look alike. Then the columns' names decide, or the terrain,
- * or else the user. */
+ * or else the user. The file is longer than most, as each way to decide stands beside the error that asks
+ * where it does not. */
 #include "ecofiles/import/places/place_guess.h"
 
 #include <math.h>
