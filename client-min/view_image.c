@@ -12,7 +12,7 @@
 
 /* ---- What view_image.glsl is written in ---- */
 
-#include "client-min/view_glsl.h"
+#include "client-min/draw/view_glsl.h"
 
 typedef double wide;
 typedef const struct view_image *tree;
@@ -25,7 +25,7 @@ typedef struct image_pixel image_pixel;
 #define whole(x) ((uint32_t)(x))
 
 #include "client-min/view_image.glsl"
-#include "client-min/view_glsl_end.h"
+#include "client-min/draw/view_glsl_end.h"
 
 _Static_assert(LEAF == VIEW_IMAGE_LEAF && SIDE_LEAST == 32u, "view_image.glsl has the same numbers");
 

@@ -24,7 +24,7 @@ const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
 
 /* ---- What view_light.glsl is written in ---- */
 
-#include "client-min/view_glsl.h"
+#include "client-min/draw/view_glsl.h"
 
 typedef struct { double x, y; } ground_place;    /* on the ground, from its origin */
 typedef struct sunlight sunlight;
@@ -53,7 +53,7 @@ static float smoothstep(float low, float high, float v)
 static float noise_at(ground_place at, int which);
 
 #include "client-min/draw/view_light.glsl"
-#include "client-min/view_glsl_end.h"
+#include "client-min/draw/view_glsl_end.h"
 
 /* Of each octave the place is turned or not, and stretched and moved. */
 static const struct { bool turned; double x, y, moved; } octaves[VIEW_OCTAVES] = { { false, 9, 9, 0 },

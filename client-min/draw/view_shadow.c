@@ -10,7 +10,7 @@
 
 /* ---- What view_shadow.glsl is written in ---- */
 
-#include "client-min/view_glsl.h"
+#include "client-min/draw/view_glsl.h"
 
 typedef struct shadow_row shadow_row;
 typedef struct shadow_map shadow_map;
@@ -32,7 +32,7 @@ typedef struct shadow_light shadow_light;
 #define shadow_light(...) ((struct shadow_light){ __VA_ARGS__ })
 
 #include "client-min/draw/view_shadow.glsl"
-#include "client-min/view_glsl_end.h"
+#include "client-min/draw/view_glsl_end.h"
 
 static int cells_count(cells c) { return c ? VIEW_SHADOW_CELLS * VIEW_SHADOW_CELLS : 0; }
 static struct shadow_cell cells_at(cells c, int i) { return c[i]; }
