@@ -14,7 +14,7 @@ enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_
 	struct eco_error *error)
 {
 	const struct eco_scene *scene = input->scene;
-	*p = (struct lod_planner){ .input = input, .scene = scene };
+	*p = (struct lod_planner){ .input = input, .scene = scene, .work_most = input->work_max };
 	p->gates = calloc(scene->plant_count + 1, sizeof *p->gates);
 	p->tables = input->tables;
 	if (!p->gates)

@@ -20,6 +20,9 @@
 #define PRICE_POWER 1.25         /* ... which fall with this power of the vertices */
 #define PRICE_GAPS 4             /* filled after each other */
 #define GAP_LARGE 0.33           /* of the bytes that are left */
+/* A search takes the plan to so many times the work of that for the vertices alone, which is about twice that
+ * with its coarser answers: without a bound the worst rows are 3 to 15 times, for .6 % fewer wrong pixels */
+#define BYTES_WORK 5
 #define CURVE_SHARE 0.8          /* of an answer's bytes, that plants usually get */
 #define SIZE_TRIES 4             /* answers whose bytes are counted; ... */
 #define SIZE_TRIES_MORE 2        /* ... where much is known of them */
@@ -305,6 +308,13 @@ static enum eco_code needs_of_entries(const struct lod_planner *p, struct eco_ho
 	return code;
 }
 
+static void bound_work(struct lod_planner *p)
+{
+	uint64_t most = BYTES_WORK * p->work;
+	if (!p->work_most || most < p->work_most)
+		p->work_most = most;
+}
+
 enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
@@ -312,6 +322,7 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 	struct eco_holdings kept;
 	uint32_t plants = p->scene->plant_count;
 	uint8_t *room = calloc(3 * (size_t)plants + 1, 1);
+	bound_work(p);
 	enum eco_code code = needs_of_entries(p, &kept, error);
 	if (!code)
 		code = room ? fit_twice(s, budget, &kept, room, error)

@@ -50,6 +50,7 @@ struct lod_planner {
 	                              * and twice where nothing is drawn */
 	uint64_t candidates, gains, looks; /* as in lod_planner_stats */
 	uint64_t work;               /* as in lod_planner_stats */
+	uint64_t work_most;          /* that the plan may take: the input's, less within bytes; 0: any */
 	uint64_t bytes;              /* as in lod_planner_stats */
 	uint32_t sized;
 	double price;
@@ -84,7 +85,7 @@ enum lod_work_weight {
 /* Are so many quarters of the work done that the plan may take? */
 static inline bool lod_planner_over(const struct lod_planner *p, uint64_t quarters)
 {
-	return p->input->work_max && p->work / quarters >= p->input->work_max / 4;
+	return p->work_most && p->work / quarters >= p->work_most / 4;
 }
 
 static inline void lod_planner_work(struct lod_planner *p, uint64_t done)
