@@ -8,6 +8,7 @@
 
 #include "ecofiles/base/room.h"
 #include "ecofiles/base/version.h"
+#include "ecofiles/format/chunk/chunk.h"
 
 #define URL_MOST 2000u
 #define URL_ROOM (URL_MOST + 40)
@@ -22,7 +23,8 @@ struct wanted {
 	uint8_t *bytes;
 	uint32_t size, have;
 	enum phase phase;
-	long status;                             /* of a failure: HTTP; 0: `text` says what happened */
+	bool damaged;                            /* a failure: other bytes came; else: */
+	long status;                             /* HTTP; 0: `text` says what happened */
 	char text[96];
 };
 
@@ -64,6 +66,8 @@ static bool make_lane(struct view_chunks *chunks, struct lane *lane)
 	curl_easy_setopt(c, CURLOPT_LOW_SPEED_TIME, (chunks->options.stall_ms + 999) / 1000);
 	curl_easy_setopt(c, CURLOPT_USERAGENT, "ecostream/" ECO_VERSION);
 	curl_easy_setopt(c, CURLOPT_PROTOCOLS_STR, "http,https");
+	curl_easy_setopt(c, CURLOPT_FOLLOWLOCATION, 1L);
+	curl_easy_setopt(c, CURLOPT_MAXREDIRS, VIEW_REDIRECTS_MOST);
 	curl_easy_setopt(c, CURLOPT_WRITEFUNCTION, on_bytes);
 	curl_easy_setopt(c, CURLOPT_WRITEDATA, lane);
 	curl_easy_setopt(c, CURLOPT_PRIVATE, lane);
@@ -164,12 +168,17 @@ static void begin(struct view_chunks *chunks)
 	}
 }
 
+static bool has_id(const struct wanted *w)
+{
+	struct eco_chunk_id id = eco_chunk_hash(w->bytes, w->size);
+	return memcmp(id.bytes, w->id.bytes, sizeof id.bytes) == 0;
+}
+
 static void end(struct view_chunks *chunks, struct lane *lane, CURLcode rc)
 {
 	struct wanted *w = &chunks->wanted[lane->wanted];
 	curl_multi_remove_handle(chunks->multi, lane->curl);
 	lane->busy = false;
-	w->phase = PHASE_FAILED;
 	if (rc == CURLE_HTTP_RETURNED_ERROR)
 		curl_easy_getinfo(lane->curl, CURLINFO_RESPONSE_CODE, &w->status);
 	else if (rc == CURLE_WRITE_ERROR || (!rc && w->have < w->size))
@@ -177,7 +186,8 @@ static void end(struct view_chunks *chunks, struct lane *lane, CURLcode rc)
 	else if (rc)
 		snprintf(w->text, sizeof w->text, "%s", curl_easy_strerror(rc));
 	else
-		w->phase = PHASE_HERE;
+		w->damaged = !has_id(w);
+	w->phase = rc || w->have < w->size || w->damaged ? PHASE_FAILED : PHASE_HERE;
 }
 
 /* Moves on whatever has come. */
@@ -244,6 +254,9 @@ static enum eco_code failed(const struct view_chunks *chunks, const struct wante
 {
 	char url[URL_ROOM];
 	url_of(chunks, &w->id, url, sizeof url);
+	if (w->damaged)
+		return eco_fail(error, ECO_DAMAGED, "%.250s: its bytes do not have the hash that names it; "
+			"remove it there, and export it again", url);
 	if (w->status)
 		return eco_fail(error, ECO_IO, "%.250s: the host answered %ld; it needs what `ecopack "
 			"export` made of the pack that is served", url, w->status);

@@ -7,7 +7,7 @@
  *   view_chunks_forget(chunks);                              after a stream
  *   view_chunks_free(chunks);
  *
- * Whoever takes a chunk checks its hash. One thread at a time. */
+ * Redirects are followed, a few of them, by http and https. One thread at a time. */
 #ifndef VIEW_CHUNKS_H
 #define VIEW_CHUNKS_H
 
@@ -17,6 +17,8 @@
 
 struct view_chunks;
 
+#define VIEW_REDIRECTS_MOST 5L           /* to where a host keeps a file: of buckets, CDNs, to https */
+
 struct view_chunks_options {
 	const char *url;                         /* a chunk is at url/ID, 32 hexadecimal digits */
 	/* milliseconds: to connect, and without a byte */
@@ -24,8 +26,7 @@ struct view_chunks_options {
 	const volatile sig_atomic_t *stop;       /* not 0: end with ECO_INTERRUPTED; may be NULL */
 };
 
-/* ECO_BAD_USAGE where the URL is none of http or https. */
-/* ECO_BAD_USAGE: chunks cannot lie below it. */
+/* ECO_BAD_USAGE: chunks cannot lie below it, as below one that is none of http or https. */
 enum eco_code view_chunks_check_url(const char *url, struct eco_error *error);
 enum eco_code view_chunks_new(struct view_chunks **chunks, const struct view_chunks_options *options,
 	struct eco_error *error);
@@ -34,7 +35,8 @@ void view_chunks_free(struct view_chunks *chunks);               /* NULL is fine
 /* A chunk that is wanted already is fetched once. */
 enum eco_code view_chunks_want(struct view_chunks *chunks, const struct eco_chunk_id *id, uint32_t size,
 	struct eco_error *error);
-/* *bytes: `size` of them, until forget. Errors name the chunk's URL. */
+/* *bytes: `size` of them, which have the hash that names the chunk, until forget. Errors name its URL:
+ * ECO_DAMAGED where there are other bytes, ECO_IO where it does not come. */
 enum eco_code view_chunks_take(struct view_chunks *chunks, const struct eco_chunk_id *id, uint32_t size,
 	const uint8_t **bytes, struct eco_error *error);
 void view_chunks_forget(struct view_chunks *chunks);

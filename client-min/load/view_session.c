@@ -165,6 +165,8 @@ static CURL *open_lane(struct view_session *s, struct lane *lane)
 	curl_easy_setopt(c, CURLOPT_CONNECTTIMEOUT_MS, CONNECT_MS);
 	curl_easy_setopt(c, CURLOPT_USERAGENT, "ecoload/" ECO_VERSION);
 	curl_easy_setopt(c, CURLOPT_PROTOCOLS_STR, "http,https");
+	curl_easy_setopt(c, CURLOPT_FOLLOWLOCATION, lane == &s->lanes[0] ? 0L : 1L);
+	curl_easy_setopt(c, CURLOPT_MAXREDIRS, VIEW_REDIRECTS_MOST);
 	curl_easy_setopt(c, CURLOPT_HEADERFUNCTION, on_header);
 	curl_easy_setopt(c, CURLOPT_HEADERDATA, lane);
 	curl_easy_setopt(c, CURLOPT_WRITEFUNCTION, on_body);
