@@ -62,6 +62,7 @@ enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, 
 {
 	struct eco_error inner = { .code = ECO_OK };
 	const char *kind = name_for(bytes, size_bytes);
+	bool cut_off = false;
 	*image = (struct eco_image){ .rgba = NULL };
 	if (size_bytes == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%s: an empty picture", name);
@@ -70,8 +71,10 @@ enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, 
 			size_bytes, ECO_IMAGE_FILE_MAX);
 	if (eco_png_is(bytes, size_bytes))
 		return eco_png_decode(image, bytes, size_bytes, name, error);
-	if (eco_jpeg_is(bytes, size_bytes) && eco_jpeg_decode(image, bytes, size_bytes))
+	if (eco_jpeg_is(bytes, size_bytes) && eco_jpeg_decode(image, bytes, size_bytes, &cut_off))
 		return ECO_OK;
+	if (cut_off)
+		return eco_fail(error, ECO_BAD_INPUT, "%s: a JPEG that is cut off: it ends too early", name);
 	if (is_ktx(bytes, size_bytes))
 		return refuse_ktx(name, error);
 	enum eco_code code = decode(image, kind ? kind : name, bytes, size_bytes, &inner);

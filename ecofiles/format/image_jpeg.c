@@ -7,11 +7,13 @@
 #include <string.h>
 
 #include <jpeglib.h>
+#include <jerror.h>
 
 struct reading {
 	struct jpeg_error_mgr errors;        /* first: libjpeg hands back its address */
 	struct jpeg_decompress_struct jpeg;
 	uint8_t *rgba;
+	bool ended;                          /* no more bytes: libjpeg goes on as if the picture had ended */
 	jmp_buf back;
 };
 
@@ -20,11 +22,13 @@ static _Noreturn void give_up(j_common_ptr jpeg)
 	longjmp(((struct reading *)jpeg->err)->back, 1);
 }
 
-/* A warning says that data are damaged. */
+/* A warning says that data are damaged, or that there are no more: if some are missed, another one follows. */
 static void on_message(j_common_ptr jpeg, int level)
 {
-	if (level < 0)
+	struct reading *r = (struct reading *)jpeg->err;
+	if (level < 0 && r->errors.msg_code != JWRN_JPEG_EOF)
 		give_up(jpeg);
+	r->ended |= level < 0;
 }
 
 bool eco_jpeg_is(const uint8_t *bytes, size_t size_bytes)
@@ -68,13 +72,14 @@ static bool try_read(struct reading *r, const uint8_t *bytes, size_t size_bytes)
 	return true;
 }
 
-bool eco_jpeg_decode(struct eco_image *image, const uint8_t *bytes, size_t size_bytes)
+bool eco_jpeg_decode(struct eco_image *image, const uint8_t *bytes, size_t size_bytes, bool *cut_off)
 {
 	struct reading r = { .rgba = NULL };
 	r.jpeg.err = jpeg_std_error(&r.errors);
 	r.errors.error_exit = give_up;
 	r.errors.emit_message = on_message;
 	bool read = try_read(&r, bytes, size_bytes);
+	*cut_off = !read && r.ended;
 	*image = read ? (struct eco_image){ r.jpeg.output_width, r.jpeg.output_height, r.rgba }
 		: (struct eco_image){ .rgba = NULL };
 	if (!read)
