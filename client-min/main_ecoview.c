@@ -368,7 +368,7 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 	v->replaced |= asked.status == REPLACED;
 	if (code)
 		return code;
-	eco_view_snap(&request.view, v->options.snap_m);
+	eco_request_snap(&request, v->options.snap_m);
 	struct lod_eye eye;
 	lod_eye_make(&eye, &request.view);
 	struct view_frame f = view_frame_empty(number, time_s, &request);

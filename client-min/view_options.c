@@ -67,7 +67,7 @@ static const struct eco_option option_table[] = {
 		"0.03125 if not given" },
 	{ "ahead", 0, ECO_OPTION_NUMBER, "S", &given.ahead_s, 0.001, 3600,
 		.help = "also ask for what the script's view so many seconds later will need; it comes last, "
-		"within --bytes, and is not waited for once the script looks elsewhere" },
+		"within --bytes, and is not waited for once the script looks elsewhere, but with --chunks" },
 	{ "snap", 0, ECO_OPTION_NUMBER, "M", &given.snap_m, 0.001, 1000,
 		.help = "eye and target stand on a grid of so many metres, so that views that are nearly "
 		"alike are answered by one plan; each moves by at most .87 of that" },
@@ -120,7 +120,7 @@ static const struct eco_option option_table[] = {
 
 const struct eco_command view_command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
-	"[--ground-px X] [--ahead S] [--snap M] [--rule NAME] [--reference[=cpu|egl]] [--compare] "
+	"[--ground-px X] [--texel-px X] [--ahead S] [--snap M] [--rule NAME] [--reference[=cpu|egl]] [--compare] "
 	"[--tint NAME] "
 	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--owners] [--glb] "
 	"[--geojson] "

@@ -66,6 +66,15 @@ void eco_view_snap(struct eco_view *view, double step_m)
 	memcpy(view->target, target, sizeof target);
 }
 
+void eco_request_snap(struct eco_request *request, double step_m)
+{
+	struct eco_view next = eco_view_next(request);
+	eco_view_snap(&request->view, step_m);
+	eco_view_snap(&next, step_m);
+	memcpy(request->next.eye, next.eye, sizeof next.eye);
+	memcpy(request->next.target, next.target, sizeof next.target);
+}
+
 enum eco_code eco_view_check(const struct eco_view *view, struct eco_error *error)
 {
 	enum eco_code code = check_vector(view->eye, "eye", error);

@@ -66,6 +66,8 @@ bool eco_view_turned(const struct eco_request *request, const struct eco_view *n
  * answers all of them, from a server's kept answers or any cache before it. Where eye and target would meet,
  * or step_m is 0, the view stays as it is. */
 void eco_view_snap(struct eco_view *view, double step_m);
+/* The same of the request's view and of its next one. */
+void eco_request_snap(struct eco_request *request, double step_m);
 
 /* Refuses views that cannot be drawn: values not finite or beyond 1e12, eye = target, field of view
  * outside (0,180), sizes. `up` parallel to the view direction is accepted (another up is chosen). The text

@@ -90,6 +90,21 @@ UNIT_TEST(views_that_are_nearly_alike_snap_to_one)
 	assert_true(meets.eye[0] == 1 && meets.target[0] == 1.1);
 }
 
+/* Else what is told of the next view parts the requests of clients that are nearly at one place. */
+UNIT_TEST(the_next_view_snaps_as_the_view_does)
+{
+	struct eco_request requests[2] = { { .next.given = true }, { .next.given = true } };
+	for (int i = 0; i < 2; i++) {
+		struct eco_request *r = &requests[i];
+		r->view = (struct eco_view){ .eye = { 10.2 + 0.001 * i, -3.9, 1.7 }, .target = { 60, 0.1, -0.2 } };
+		memcpy(r->next.eye, (double[3]){ 12.2, -3.9 - 0.001 * i, 1.7 }, sizeof r->next.eye);
+		memcpy(r->next.target, (double[3]){ 60.2, 0.1 + 0.001 * i, -0.2 }, sizeof r->next.target);
+		eco_request_snap(r, 0.5);
+	}
+	assert_memory_equal(&requests[0], &requests[1], sizeof requests[0]);
+	assert_true(requests[0].next.given && requests[0].next.eye[0] == 12 && requests[0].next.target[1] == 0);
+}
+
 UNIT_TEST(scripts_say_what_heights_count_from)
 {
 	static const struct {
