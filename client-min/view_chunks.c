@@ -23,6 +23,7 @@ struct wanted {
 	uint8_t *bytes;
 	uint32_t size, have;
 	enum phase phase;
+	bool again;                              /* it failed once, and is asked for again */
 	bool damaged;                            /* a failure: other bytes came; else: */
 	long status;                             /* HTTP; 0: `text` says what happened */
 	char text[96];
@@ -38,6 +39,7 @@ struct view_chunks {
 	struct wanted *wanted;           uint32_t count, room;
 	uint32_t *table, table_size;     /* open addressing: index + 1; a power of two */
 	uint32_t next;                   /* those before it have been begun */
+	bool known;                      /* the host has sent a chunk, or said that it has trouble, once */
 };
 
 static size_t on_bytes(char *bytes, size_t one, size_t size, void *ctx)
@@ -145,10 +147,18 @@ static void url_of(const struct view_chunks *chunks, const struct eco_chunk_id *
 		at += (size_t)snprintf(url + at, room - at, "%02x", id->bytes[i]);
 }
 
+static void start(struct view_chunks *chunks, struct lane *lane)
+{
+	char url[URL_ROOM];
+	lane->busy = true;
+	url_of(chunks, &chunks->wanted[lane->wanted].id, url, sizeof url);
+	curl_easy_setopt(lane->curl, CURLOPT_URL, url);
+	curl_multi_add_handle(chunks->multi, lane->curl);
+}
+
 /* Gives free lanes something to do. Memory is taken here, not where a stream only says a size. */
 static void begin(struct view_chunks *chunks)
 {
-	char url[URL_ROOM];
 	for (uint32_t i = 0; i < AT_ONCE && chunks->next < chunks->count; i++) {
 		struct lane *lane = &chunks->lanes[i];
 		struct wanted *w = &chunks->wanted[chunks->next];
@@ -157,14 +167,10 @@ static void begin(struct view_chunks *chunks)
 		lane->wanted = chunks->next++;
 		w->bytes = malloc(w->size);
 		w->phase = w->bytes ? PHASE_COMES : PHASE_FAILED;
-		if (!w->bytes) {
+		if (w->bytes)
+			start(chunks, lane);
+		else
 			snprintf(w->text, sizeof w->text, "no memory for %u bytes", w->size);
-			continue;
-		}
-		lane->busy = true;
-		url_of(chunks, &w->id, url, sizeof url);
-		curl_easy_setopt(lane->curl, CURLOPT_URL, url);
-		curl_multi_add_handle(chunks->multi, lane->curl);
 	}
 }
 
@@ -174,20 +180,41 @@ static bool has_id(const struct wanted *w)
 	return memcmp(id.bytes, w->id.bytes, sizeof id.bytes) == 0;
 }
 
+/* Once more at once: what fails then costs the rest of the stream again. */
+static bool try_again(struct view_chunks *chunks, struct lane *lane)
+{
+	struct wanted *w = &chunks->wanted[lane->wanted];
+	if (w->again)
+		return false;
+	w->again = true;
+	w->have = 0;
+	start(chunks, lane);
+	return true;
+}
+
 static void end(struct view_chunks *chunks, struct lane *lane, CURLcode rc)
 {
 	struct wanted *w = &chunks->wanted[lane->wanted];
+	bool came = !rc && w->have == w->size;
 	curl_multi_remove_handle(chunks->multi, lane->curl);
 	lane->busy = false;
-	if (rc == CURLE_HTTP_RETURNED_ERROR)
+	if (!came && try_again(chunks, lane))
+		return;
+	if (came)
+		w->damaged = !has_id(w);
+	else if (rc == CURLE_HTTP_RETURNED_ERROR)
 		curl_easy_getinfo(lane->curl, CURLINFO_RESPONSE_CODE, &w->status);
-	else if (rc == CURLE_WRITE_ERROR || (!rc && w->have < w->size))
-		snprintf(w->text, sizeof w->text, "it has not the %u bytes that the stream names", w->size);
-	else if (rc)
+	else if (rc && rc != CURLE_WRITE_ERROR)
 		snprintf(w->text, sizeof w->text, "%s", curl_easy_strerror(rc));
 	else
-		w->damaged = !has_id(w);
-	w->phase = rc || w->have < w->size || w->damaged ? PHASE_FAILED : PHASE_HERE;
+		snprintf(w->text, sizeof w->text, "it has not the %u bytes that the stream names", w->size);
+	w->phase = came && !w->damaged ? PHASE_HERE : PHASE_FAILED;
+	chunks->known |= w->phase == PHASE_HERE || w->status >= 500;
+}
+
+bool view_chunks_known(const struct view_chunks *chunks)
+{
+	return chunks->known;
 }
 
 /* Moves on whatever has come. */
@@ -258,8 +285,9 @@ static enum eco_code failed(const struct view_chunks *chunks, const struct wante
 		return eco_fail(error, ECO_DAMAGED, "%.250s: its bytes do not have the hash that names it; "
 			"remove it there, and export it again", url);
 	if (w->status)
-		return eco_fail(error, ECO_IO, "%.250s: the host answered %ld; it needs what `ecopack "
-			"export` made of the pack that is served", url, w->status);
+		return eco_fail(error, ECO_IO, "%.250s: the host answered %ld%s", url, w->status,
+			w->status < 500 ? "; it needs what `ecopack export` made of the pack that is served"
+			: "");
 	return eco_fail(error, ECO_IO, "%.250s: %s", url, w->text);
 }
 

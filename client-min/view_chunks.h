@@ -7,7 +7,8 @@
  *   view_chunks_forget(chunks);                              after a stream
  *   view_chunks_free(chunks);
  *
- * Redirects are followed, a few of them, by http and https. One thread at a time. */
+ * Redirects are followed, a few of them, by http and https; what fails is asked for once more. One thread at a
+ * time. */
 #ifndef VIEW_CHUNKS_H
 #define VIEW_CHUNKS_H
 
@@ -40,4 +41,7 @@ enum eco_code view_chunks_want(struct view_chunks *chunks, const struct eco_chun
 enum eco_code view_chunks_take(struct view_chunks *chunks, const struct eco_chunk_id *id, uint32_t size,
 	const uint8_t **bytes, struct eco_error *error);
 void view_chunks_forget(struct view_chunks *chunks);
+/* Whether the host may have later what it had not: of one that never sent a chunk, and never said that it has
+ * trouble (500 and above), the address may be wrong. */
+bool view_chunks_known(const struct view_chunks *chunks);
 #endif

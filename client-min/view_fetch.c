@@ -426,7 +426,8 @@ static bool is_lost(const struct view_fetch *fetch, CURLcode rc)
 static enum eco_code finish_stream(struct view_fetch *fetch, struct eco_error *error)
 {
 	enum eco_code code = fetch->chunks ? feed_named(fetch, error) : ECO_OK;
-	fetch->lost = code == ECO_IO;            /* a chunk that is named and did not come */
+	/* a chunk that is named and did not come */
+	fetch->lost = code == ECO_IO && view_chunks_known(fetch->chunks);
 	if (code)
 		return code;
 	code = eco_wire_finish(fetch->parser, error);

@@ -21,7 +21,7 @@ static struct host {
 	uint16_t port;
 	char folder[64];
 	pthread_t thread;
-	uint32_t asked;
+	uint32_t asked, fails;           /* fails: so many requests are not answered */
 	const char *moved;               /* files are there; NULL: where they are asked for */
 } host;
 
@@ -30,6 +30,8 @@ static void answer_one(int c)
 	char request[2048], name[64] = "", path[160], head[240];
 	ssize_t size = recv(c, request, sizeof request - 1, 0);
 	request[size > 0 ? size : 0] = 0;
+	if (host.fails && host.fails--)
+		return;
 	if (sscanf(request, "GET /moved/%40[0-9a-f] HTTP", name) != 1
 			&& sscanf(request, "GET /%40[0-9a-f] HTTP", name) == 1 && host.moved) {
 		int at = snprintf(head, sizeof head, "HTTP/1.1 302 Found\r\nLocation: %s%s\r\n"
@@ -110,7 +112,7 @@ static struct client client_new(enum from from)
 	struct eco_error error = { 0 };
 	const struct view_store_options options = { .images = false };
 	const struct view_fetch_options fetch = { .url = url, .chunks = from ? chunks : NULL,
-		.name_from = NAME_FROM };
+		.name_from = NAME_FROM, .resumes = 1 };
 	snprintf(url, sizeof url, "http://127.0.0.1:%u" BASE, port);
 	if (from == FROM_SERVER)
 		snprintf(chunks, sizeof chunks, "%s/chunks/", url);
@@ -271,6 +273,42 @@ UNIT_TEST(hosts_that_lack_chunks_or_have_others_are_told)
 	struct eco_error error = { 0 };
 	assert_int_not_equal(look(&named, &request, &error), ECO_OK);
 	assert_non_null(strstr(error.text, "the host answered 404; it needs what `ecopack export` made"));
+	assert_int_equal(named.result.requests, 1);
+	client_free(&named);
+}
+
+UNIT_TEST(a_chunk_that_fails_once_costs_nothing_else)
+{
+	const struct eco_request request = request_of(150, ECO_BYTES_UNBOUNDED);
+	struct eco_error error = { 0 };
+	uint64_t bytes = 0;
+	assert_int_equal(run_export("300"), 0);
+	for (uint32_t fails = 0; fails < 2; fails++) {
+		struct client named = client_new(FROM_HOST);
+		uint32_t asked = host.asked;
+		host.fails = fails;
+		assert_ok(look(&named, &request, &error), error);
+		assert_int_equal(named.result.requests, 1);
+		assert_int_equal(host.asked - asked, named.result.named);
+		assert_true(!fails || named.result.bytes == bytes);
+		bytes = named.result.bytes;
+		client_free(&named);
+	}
+}
+
+/* It may be that a host lacks a chunk for a while only; where it never had one the address is wrong. */
+UNIT_TEST(hosts_that_had_chunks_are_asked_again)
+{
+	struct client named = client_new(FROM_HOST);
+	struct eco_request request = request_of(150, ECO_BYTES_UNBOUNDED);
+	struct eco_error error = { 0 };
+	assert_int_equal(run_export("300"), 0);
+	assert_ok(look(&named, &request, &error), error);
+	folder_empty(host.folder);
+	request = request_of(30, ECO_BYTES_UNBOUNDED);
+	assert_int_not_equal(look(&named, &request, &error), ECO_OK);
+	assert_int_equal(named.result.requests, 2);
+	assert_non_null(strstr(error.text, "(asked 2 times)"));
 	client_free(&named);
 }
 
