@@ -49,7 +49,8 @@ struct viewer {                          /* everything that lives as long as the
 	const struct lod_eye *eye;               /* of the frame under way, for its parts */
 	const struct eco_view *view;
 	struct view_frame *frame;
-	uint32_t frame_parts;                    /* drawn of it */
+	uint32_t frame_parts;                    /* drawn of it, ... */
+	struct view_frame drawn;                 /* ... the last of them */
 	bool replaced;                           /* it met another pack than that of what is held */
 	char digest[VIEW_DIGEST_BYTES];          /* of the frame, if it is asked for */
 	/* how far the last eye was below the ground that was drawn; else 0 or less */
@@ -212,28 +213,40 @@ static void count_memory(struct viewer *v, const struct view_store_stats *before
 }
 
 /* Draws and scores what there is of the frame under way. */
-static enum eco_code draw_part(void *ctx, const struct view_fetch_result *so_far, struct eco_error *error)
+static enum eco_code draw_part(struct viewer *v, struct view_frame *part, struct eco_error *error)
 {
-	struct viewer *v = ctx;
-	struct view_frame part = *v->frame;
 	struct view_measures measures;
-	char format[64];
-	part.bytes = so_far->bytes;
-	part.stream_ms = so_far->stream_ms;
 	enum eco_code code = draw(v, v->store, v->eye, &v->picture, error);
 	if (!code && v->options.reference)
 		code = view_measure_pair(&v->picture, &v->reference, NULL, &measures, error);
 	if (code)
 		return code;
-	part.vertices = v->picture.vertices;
-	part.draw_ms = v->picture.draw_ms;
+	part->vertices = v->picture.vertices;
+	part->draw_ms = v->picture.draw_ms;
 	if (v->options.reference)
-		view_frame_score(&part, &measures, v->ceiling);
+		view_frame_score(part, &measures, v->ceiling);
+	return ECO_OK;
+}
+
+/* A picture for each mark, the same again where nothing came since the one before: a film keeps its time. */
+static enum eco_code save_part(void *ctx, const struct view_fetch_result *so_far, struct eco_error *error)
+{
+	struct viewer *v = ctx;
+	char format[64];
+	enum eco_code code = ECO_OK;
+	if (!v->frame_parts || so_far->bytes > v->drawn.bytes) {
+		v->drawn = *v->frame;
+		code = draw_part(v, &v->drawn, error);
+	}
+	v->drawn.bytes = so_far->bytes;
+	v->drawn.stream_ms = so_far->stream_ms;
+	if (code)
+		return code;
 	snprintf(format, sizeof format, "frame-%%04u-part-%02u.png", v->frame_parts++);
 	view_progress_clear(&v->progress);
-	view_report_part_line(&part, stdout);
-	code = save(v, format, part.frame, v->picture.rgb, 3, error);
-	return code ? code : view_report_add_part(&v->report, &part, error);
+	view_report_part_line(&v->drawn, stdout);
+	code = save(v, format, v->drawn.frame, v->picture.rgb, 3, error);
+	return code ? code : view_report_add_part(&v->report, &v->drawn, error);
 }
 
 /* Milliseconds until the script is at the next frame, if that looks elsewhere than was told. */
@@ -263,7 +276,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	v->view = &request->view;
 	v->frame = f;
 	v->frame_parts = 0;
-	view_fetch_mark(v->fetch, &v->options.marks, draw_part, v);
+	view_fetch_mark(v->fetch, &v->options.marks, save_part, v);
 	view_fetch_turn(v->fetch, has_turned, v);
 	v->begun_ms = view_clock_ms();
 	enum eco_code code = view_fetch_stream(v->fetch, v->store, request, &result, error);

@@ -93,6 +93,17 @@ static int ascending(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
+/* Each once. */
+static void sort_marks(uint64_t *marks, uint32_t *count)
+{
+	uint32_t kept = 0;
+	qsort(marks, *count, sizeof *marks, ascending);
+	for (uint32_t i = 0; i < *count; i++)
+		if (!kept || marks[i] != marks[kept - 1])
+			marks[kept++] = marks[i];
+	*count = kept;
+}
+
 enum eco_code view_marks_read(struct view_marks *marks, const char *text, struct eco_error *error)
 {
 	*marks = (struct view_marks){ 0 };
@@ -113,8 +124,8 @@ enum eco_code view_marks_read(struct view_marks *marks, const char *text, struct
 		if (!*at)
 			break;
 	}
-	qsort(marks->bytes, marks->bytes_count, sizeof *marks->bytes, ascending);
-	qsort(marks->ms, marks->ms_count, sizeof *marks->ms, ascending);
+	sort_marks(marks->bytes, &marks->bytes_count);
+	sort_marks(marks->ms, &marks->ms_count);
 	return ECO_OK;
 }
 
@@ -127,15 +138,16 @@ static uint64_t marks_room(const struct view_marks *marks, const struct marks_at
 	return UINT64_MAX;
 }
 
-/* Steps over the marks that have been reached; true if there was one. */
-static bool marks_pass(const struct view_marks *marks, struct marks_at *at, uint64_t bytes, double ms)
+/* Steps over the next mark that has been reached, and sets *ms to where it is if it is one of milliseconds. */
+static bool marks_pass(const struct view_marks *marks, struct marks_at *at, uint64_t bytes, double *ms)
 {
-	struct marks_at before = *at;
-	while (at->bytes < marks->bytes_count && marks->bytes[at->bytes] <= bytes)
-		at->bytes++;
-	while (at->ms < marks->ms_count && (double)marks->ms[at->ms] <= ms)
-		at->ms++;
-	return at->bytes > before.bytes || at->ms > before.ms;
+	bool by_ms = at->ms < marks->ms_count && (double)marks->ms[at->ms] <= *ms;
+	bool by_bytes = !by_ms && at->bytes < marks->bytes_count && marks->bytes[at->bytes] <= bytes;
+	if (by_ms)
+		*ms = (double)marks->ms[at->ms];
+	at->ms += by_ms;
+	at->bytes += by_bytes;
+	return by_ms || by_bytes;
 }
 
 /* ---- curl's callbacks ---- */
@@ -184,25 +196,40 @@ static void add_result(struct view_fetch_result *last, const struct view_fetch_r
 		last->most_bytes = before->most_bytes;
 }
 
-/* Feeds what came, mark by mark. */
+/* The answer so far, and those before it. */
+static struct view_fetch_result result_now(const struct view_fetch *fetch)
+{
+	struct view_fetch_result now = *fetch->result;
+	now.stream_ms = view_clock_ms() - fetch->start_ms;
+	add_result(&now, &fetch->before);
+	return now;
+}
+
+/* Tells of each mark up to now, which is later once one has been told of. */
+static enum eco_code reach(struct view_fetch *fetch)
+{
+	struct view_fetch_result now = result_now(fetch);
+	enum eco_code code = ECO_OK;
+	for (; !code && marks_pass(fetch->marks, &fetch->at, now.bytes, &now.stream_ms); now = result_now(fetch))
+		code = fetch->reached(fetch->reached_ctx, &now, &fetch->stream_error);
+	return code;
+}
+
+/* Feeds what came, mark by mark: what comes now was not there at a time before. */
 static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t size)
 {
-	struct view_fetch_result *result = fetch->result, all;
-	struct eco_error *error = &fetch->stream_error;
-	enum eco_code code = ECO_OK;
+	struct view_fetch_result *result = fetch->result;
+	enum eco_code code = fetch->marks ? reach(fetch) : ECO_OK;
 	while (size && !code) {
 		uint64_t room = fetch->marks ? marks_room(fetch->marks, &fetch->at,
 			fetch->before.bytes + result->bytes) : size;
 		size_t take = room < size ? (size_t)room : size;
-		code = eco_wire_feed(fetch->parser, bytes, take, error);
+		code = eco_wire_feed(fetch->parser, bytes, take, &fetch->stream_error);
 		bytes += take;
 		size -= take;
 		result->bytes += take;
-		result->stream_ms = view_clock_ms() - fetch->start_ms;
-		all = *result;
-		add_result(&all, &fetch->before);
-		if (!code && fetch->marks && marks_pass(fetch->marks, &fetch->at, all.bytes, all.stream_ms))
-			code = fetch->reached(fetch->reached_ctx, &all, error);
+		if (!code && fetch->marks)
+			code = reach(fetch);
 	}
 	return code;
 }

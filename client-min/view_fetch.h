@@ -25,7 +25,7 @@ struct view_fetch;
 #define VIEW_MARKS_MAX 64u
 
 struct view_marks {
-	uint64_t bytes[VIEW_MARKS_MAX], ms[VIEW_MARKS_MAX];     /* each ascending */
+	uint64_t bytes[VIEW_MARKS_MAX], ms[VIEW_MARKS_MAX];     /* each ascending, without repeats */
 	uint32_t bytes_count, ms_count;
 };
 
@@ -86,9 +86,10 @@ void view_fetch_free(struct view_fetch *fetch);                  /* NULL is fine
 enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store,
 	const struct eco_request *request, struct view_fetch_result *result, struct eco_error *error);
 
-/* From now on `reached` is called where an answer has come to a mark, with what there is of the result: the
- * store can be drawn, as far as it has come. An error ends the answer. Both must outlive the fetching; marks
- * NULL: no more. */
+/* From now on `reached` is called where an answer has come to a mark, once for each, with what there is of the
+ * result: the store can be drawn, as far as it has come. At a mark of milliseconds that is what had been fed by
+ * then; so_far->stream_ms is the mark. Marks beyond an answer's end are not reached. An error ends the answer.
+ * Both must outlive the fetching; marks NULL: no more. */
 typedef enum eco_code view_fetch_reached(void *ctx, const struct view_fetch_result *so_far,
 	struct eco_error *error);
 void view_fetch_mark(struct view_fetch *fetch, const struct view_marks *marks, view_fetch_reached *reached,

@@ -111,7 +111,8 @@ static const struct eco_option option_table[] = {
 		"URL/chunks, or a static host of what `ecopack export` wrote; others come with the stream" },
 	{ "progressive", 0, ECO_OPTION_READ, "LIST", &given.marks, .read = read_marks,
 		.help = "also draw what is there while an answer comes: after so many bytes or milliseconds, "
-		"such as 20000,50000,200ms; the pictures are the frames of a film" },
+		"such as 20000,50000,200ms; frame-0000-part-00.png, ... are the frames of a film, one for "
+		"each until the answer is whole" },
 	{ "explain", 0, ECO_OPTION_TEXT, "FILE.csv", &given.explain,
 		.help = "a table of why each cut of each frame is what it is; the server plans twice for "
 		"it" },

@@ -161,12 +161,15 @@ static void start(const char *head, const void *body, size_t size, size_t declar
 
 static struct view_marks marks;          /* none but in a test of them */
 static uint64_t reached[VIEW_MARKS_MAX];
-static uint32_t reached_count, refuse_at;
+static double reached_ms[VIEW_MARKS_MAX];
+static uint32_t reached_count, refuse_at, slow_ms;
 
 static enum eco_code at_mark(void *ctx, const struct view_fetch_result *so_far, struct eco_error *e)
 {
 	assert_ptr_equal(ctx, &marks);
+	reached_ms[reached_count] = so_far->stream_ms;
 	reached[reached_count++] = so_far->bytes;
+	usleep(1000 * slow_ms);
 	return reached_count == refuse_at ? eco_fail(e, ECO_INTERRUPTED, "enough") : ECO_OK;
 }
 
@@ -248,6 +251,30 @@ UNIT_TEST(a_picture_may_be_drawn_after_so_many_bytes)
 	eco_plan_free(&plan);
 }
 
+/* A picture that takes longer than from one mark to the next: each mark has its own, of what was there. */
+UNIT_TEST(each_mark_is_reached_once_and_without_what_came_later)
+{
+	struct eco_plan plan;
+	struct eco_writer w;
+	uint32_t seen = 0;
+	good_stream(&plan, &w);
+	assert_int_equal(view_marks_read(&marks, "7ms,1,3ms,1400,5ms,1,3ms", &error), ECO_OK);
+	slow_ms = 20;
+	start(ok, w.bytes, w.size, w.size);
+	assert_int_equal(ask(0), ECO_OK);
+	assert_int_equal(reached_count, 5);
+	for (uint32_t i = 0; i < 4; i++) {
+		assert_true(reached[i] <= 1 && (!i || reached[i] >= reached[i - 1]));
+		seen += reached_ms[i] == 3 + 2 * seen;
+	}
+	assert_int_equal(seen, 3);
+	assert_int_equal(reached[4], 1400);
+	slow_ms = 0;
+	marks = (struct view_marks){ .bytes_count = 0 };
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
+}
+
 /* A byte now and then keeps a connection alive, but no client waiting. */
 UNIT_TEST(an_answer_that_drips_is_given_up)
 {
@@ -269,7 +296,7 @@ UNIT_TEST(marks_are_numbers_of_bytes_or_milliseconds)
 	static const char *const wrong[] = { "", "0", "a", "5,", ",5", "5;6", "5m", "5 ms", "-1", "1e9",
 		"99999999999999999999", "5,x,6" };
 	struct view_marks m;
-	assert_int_equal(view_marks_read(&m, "500ms,20,10ms,7", NULL), ECO_OK);
+	assert_int_equal(view_marks_read(&m, "500ms,20,10ms,20,7,10ms", NULL), ECO_OK);
 	assert_true(m.bytes_count == 2 && m.bytes[0] == 7 && m.bytes[1] == 20);
 	assert_true(m.ms_count == 2 && m.ms[0] == 10 && m.ms[1] == 500);
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
