@@ -36,6 +36,13 @@ double lod_prices_share(const struct lod_allocation *m, uint32_t ladder_choice, 
 	}
 }
 
+/* Pixels of the plants that draw a choice, if all of it is missing. */
+double lod_prices_seen(const struct lod_allocation *m, uint32_t id)
+{
+	const struct lod_ladder_choice *choice = &m->ladder_choices[id];
+	return m->uses.seen[choice->slot] * lod_prices_share(m, id, false) * choice->weight_px;
+}
+
 /* ---- Limits ---- */
 
 static uint32_t step_of(const struct ladder_price *l, uint64_t vertices)
@@ -63,7 +70,8 @@ static double free_position(const struct lod_allocation *m, struct lod_ladder_ch
 	return choice->free;
 }
 
-/* Adds to each step what a choice without a limit saves there at lambda. */
+/* Adds to each step what a choice without a limit saves there at lambda, and pixels that show a texture from
+ * there on. */
 static void add_gain(struct lod_allocation *m, struct ladder_price *l, uint32_t id, double drawn, double seen)
 {
 	struct lod_ladder_choice *choice = &m->ladder_choices[id];
@@ -76,11 +84,12 @@ static void add_gain(struct lod_allocation *m, struct ladder_price *l, uint32_t 
 	for (uint32_t k = 1, step = 0; k < choice->hull_count && k < position + 1; k++) {
 		const struct lod_hull_point *a = &hull->points[k - 1], *b = &hull->points[k];
 		double part = position >= k ? 1 : position - (k - 1), after = lod_hull_error(hull, b),
-			saved = seen * (before - after),
+			saved = seen * (before - after), shown = (double)l->shown[step],
 			cost = drawn * m->lambda * (double)(b->vertices - a->vertices);
 		while (step + 1 < l->steps && l->vertices[step] < b->vertices)
 			step++;
 		l->gain[step] += part * (saved - cost);
+		l->more_px[step] += part * seen * ((double)l->shown[step] - shown);
 		before = after;
 	}
 }
@@ -109,6 +118,7 @@ static void find_gains(struct lod_allocation *m, struct ladder_price *l, bool al
 	if (see_drawn(m, l, all))
 		return;
 	memset(l->gain, 0, l->steps * sizeof *l->gain);
+	memset(l->more_px, 0, l->steps * sizeof *l->more_px);
 	memset(l->rests, 0, l->steps * sizeof *l->rests);
 	for (uint32_t i = l->first; i < l->first + l->count; i++)
 		add_gain(m, l, m->prices->choices[i], m->prices->drawn[i].drawn, m->prices->drawn[i].seen);
@@ -140,7 +150,7 @@ static void limit_levels(struct lod_allocation *m)
 static void find_limit(struct lod_allocation *m, struct ladder_price *l, bool all)
 {
 	struct chunks below = { { 0 } };
-	double best = 0, sum = 0, cheapest = 0, none = 0;
+	double best = 0, sum = 0, cheapest = 0, none = 0, worth = l->bare_lost - l->image_lost;
 	find_gains(m, l, all);
 	l->limit = 0;
 	for (uint32_t i = 0; i < l->steps; i++) {
@@ -148,9 +158,9 @@ static void find_limit(struct lod_allocation *m, struct ladder_price *l, bool al
 		lod_prices_add_needs(&needs, &l->needs[i]);
 		struct price price = lod_prices_of(l, &needs);
 		double bytes = cost_of(l, &price, i);
-		sum += l->gain[i];
+		sum += l->gain[i] + worth * l->more_px[i];
 		none = i ? none : bytes;
-		double net = sum - m->price * (bytes - none) - (i >= l->textured ? l->image_lost : 0);
+		double net = sum - m->price * (bytes - none);
 		if (i == 0 || net > best || bytes <= cheapest) {
 			best = fmax(best, net);
 			l->limit = i;
@@ -210,6 +220,30 @@ static double levels_bytes(const struct lod_allocation *m, const struct ladder_p
 	return level ? lod_prices_missing(m, list, 1, level + 1) : 0;
 }
 
+/* Share of a choice that shows the ladder's texture, as it is drawn now. */
+static double shown_of(const struct lod_allocation *m, const struct ladder_price *l, uint32_t id)
+{
+	const struct lod_ladder_choice *choice = &m->ladder_choices[id];
+	const struct lod_hull_point *points = choice->hull.points;
+	double whole = floor(choice->position), part = choice->position - whole,
+		shown = (double)l->shown[step_of(l, points[(uint32_t)whole].vertices)];
+	return part > 0 ? shown + part * ((double)l->shown[step_of(l, points[(uint32_t)whole + 1].vertices)]
+		- shown) : shown;
+}
+
+/* Pixels that show a ladder's texture; *bare: that do not. */
+static double shown_px(const struct lod_allocation *m, const struct ladder_price *l, double *bare)
+{
+	double sum = *bare = 0;
+	for (uint32_t i = 0; l->textured != ECO_NONE && i < l->count; i++) {
+		uint32_t id = m->prices->choices[l->first + i];
+		double seen = lod_prices_seen(m, id), shown = seen > 0 ? shown_of(m, l, id) : 0;
+		sum += shown * seen;
+		*bare += (1 - shown) * seen;
+	}
+	return sum;
+}
+
 /* The last step that some plant draws; 0: none does. Sets l->used. */
 static uint32_t find_used(const struct lod_allocation *m, struct ladder_price *l)
 {
@@ -262,12 +296,13 @@ static void judge_organs(struct lod_allocation *m)
 	find_drawn(m);
 	for (uint32_t i = 0; i < prices->ladder_count; i++) {
 		const struct ladder_price *l = &prices->ladders[i];
+		double bare;
 		uint32_t plant = m->p->scene->ladders[l->ladder].plant;
 		if (is_whole(m, l))
 			continue;
 		prices->spent[plant] += l->used.bytes + l->used.waste
 			+ (l->shows ? texture_part(prices, l) : 0);
-		prices->saved[plant] -= l->shows ? l->image_lost : 0;
+		prices->saved[plant] += shown_px(m, l, &bare) * (l->bare_lost - l->image_lost);
 	}
 	for (uint32_t s = 0; s < visible->slot_count; s++) {
 		const struct lod_slot *slot = &visible->slots[s];
@@ -390,9 +425,11 @@ bool lod_prices_restore(struct lod_allocation *m, double lambda)
 double lod_prices_lost(const struct lod_allocation *m)
 {
 	double sum = 0;
-	for (uint32_t i = 0; i < m->prices->ladder_count; i++)
-		sum += m->prices->ladders[i].limit >= m->prices->ladders[i].textured
-			? m->prices->ladders[i].image_lost : 0;
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
+		const struct ladder_price *l = &m->prices->ladders[i];
+		double bare, shown = shown_px(m, l, &bare);
+		sum += l->whole_lost + bare * l->bare_lost + shown * l->image_lost;
+	}
 	return sum;
 }
 
@@ -401,13 +438,11 @@ void lod_prices_lost_of(const struct lod_allocation *m, double *lost)
 	memset(lost, 0, m->p->visible.slot_count * sizeof *lost);
 	for (uint32_t i = 0; m->price > 0 && i < m->prices->ladder_count; i++) {
 		const struct ladder_price *l = &m->prices->ladders[i];
-		for (uint32_t k = 0; l->limit >= l->textured && l->textured_px > 0 && k < l->count; k++) {
+		for (uint32_t k = 0; l->outline_lost > 0 && k < l->count; k++) {
 			uint32_t id = m->prices->choices[l->first + k];
 			const struct lod_ladder_choice *choice = &m->ladder_choices[id];
-			if (choice->hull.points[(uint32_t)ceil(choice->position)].vertices
-					>= l->vertices[l->textured])
-				lost[choice->slot] += lod_prices_share(m, id, false) * choice->weight_px
-					* l->image_lost / l->textured_px;
+			lost[choice->slot] += lod_prices_share(m, id, false) * choice->weight_px
+				* shown_of(m, l, id) * l->outline_lost;
 		}
 	}
 }

@@ -70,12 +70,12 @@ struct lod_hull_point *lod_prices_room(struct lod_allocation *allocation, uint32
 
 /* Sets levels of textures anew, from what the last relaxation chose and the allocation's price. */
 void lod_prices_levels(struct lod_allocation *allocation);
-/* Bytes of what the last relaxation chose; wrong pixels for want of levels of textures. */
+/* Bytes of what the last relaxation chose; wrong pixels for want of textures, or of levels of them. */
 double lod_prices_bytes(struct lod_allocation *allocation);
 /* The part of these that is neither of tiles nor of textures. */
 double lod_prices_lists(const struct lod_allocation *allocation);
 double lod_prices_lost(const struct lod_allocation *allocation);
-/* The same of one plant, per slot. */
+/* Pixels of one plant, per slot, that are covered wrongly as outlines are coarse. */
 void lod_prices_lost_of(const struct lod_allocation *allocation, double *lost);
 
 #endif

@@ -81,13 +81,14 @@ struct price lod_prices_of(const struct ladder_price *l, const struct chunks *ne
 	return sum;
 }
 
-/* Returns the texture of what is drawn; ECO_NONE: there is none. */
+/* Returns the texture of what is drawn, and the share that shows it; ECO_NONE: there is none. */
 static uint32_t find_needs(const struct lod_allocation *m, const struct lod_way *way, uint64_t vertices,
-	struct ladder_price *l, struct chunks *needs)
+	struct ladder_price *l, struct chunks *needs, float *shown)
 {
-	uint32_t image = ECO_NONE;
+	uint32_t image = ECO_NONE, drawn = 0, textured = 0;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	*needs = (struct chunks){ { 0 } };
+	*shown = 0;
 	if (vertices == 0)
 		return ECO_NONE;
 	if (vertices == 1 && lod_hull_impostor_levels(way)) {
@@ -97,9 +98,13 @@ static uint32_t find_needs(const struct lod_allocation *m, const struct lod_way 
 	uint32_t count = lod_way_cuts(way, vertices, lod_way_density(way, vertices), 0, cuts);
 	for (uint32_t i = 0; i < count; i++) {
 		need(m, l, needs, cuts[i].list, cuts[i].end);
-		if (m->p->scene->lists[cuts[i].list].image != ECO_NONE)
-			image = m->p->scene->lists[cuts[i].list].image;
+		drawn += cuts[i].end - cuts[i].first;
+		if (m->p->scene->lists[cuts[i].list].image == ECO_NONE)
+			continue;
+		image = m->p->scene->lists[cuts[i].list].image;
+		textured += cuts[i].end - cuts[i].first;
 	}
+	*shown = textured ? (float)textured / (float)drawn : 0;
 	return image;
 }
 
@@ -119,7 +124,8 @@ static void find_steps(const struct lod_allocation *m, struct ladder_price *l)
 			uint64_t vertices = h < 2 ? table->hull[h].points[i].vertices : table->way.full;
 			if (l->steps && vertices <= l->vertices[l->steps - 1])
 				continue;
-			uint32_t image = find_needs(m, &table->way, vertices, l, &l->needs[l->steps]);
+			uint32_t image = find_needs(m, &table->way, vertices, l, &l->needs[l->steps],
+				&l->shown[l->steps]);
 			if (image != ECO_NONE && l->image == ECO_NONE) {
 				l->image = image;
 				l->textured = l->steps;
@@ -186,7 +192,10 @@ static bool make_ladders(struct lod_allocation *m)
 	prices->needs = malloc((steps + 1u) * sizeof *prices->needs);
 	prices->gain = malloc((steps + 1u) * sizeof *prices->gain);
 	prices->rests = malloc((steps + 1u) * sizeof *prices->rests);
-	if (!prices->vertices || !prices->needs || !prices->gain || !prices->rests)
+	prices->more_px = malloc((steps + 1u) * sizeof *prices->more_px);
+	prices->shown = malloc((steps + 1u) * sizeof *prices->shown);
+	if (!prices->vertices || !prices->needs || !prices->gain || !prices->rests || !prices->more_px
+			|| !prices->shown)
 		return false;
 	steps = 0;
 	for (uint32_t i = 0; i < prices->ladder_count; i++) {
@@ -195,6 +204,8 @@ static bool make_ladders(struct lod_allocation *m)
 		l->needs = prices->needs + steps;
 		l->gain = prices->gain + steps;
 		l->rests = prices->rests + steps;
+		l->more_px = prices->more_px + steps;
+		l->shown = prices->shown + steps;
 		find_steps(m, l);
 		steps += l->steps;
 	}
@@ -326,6 +337,8 @@ void lod_prices_free(struct lod_allocation *m)
 	free(prices->needs);
 	free(prices->gain);
 	free(prices->rests);
+	free(prices->more_px);
+	free(prices->shown);
 	free(prices->instances);
 	free(prices->instances_waste);
 	free(prices->points);

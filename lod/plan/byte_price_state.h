@@ -29,9 +29,14 @@ struct ladder_price {
 	struct price used;           /* of what the last relaxation draws */
 	uint32_t limit, kept;        /* the last step that may be drawn; that of lod_prices_keep */
 	uint32_t image, textured;    /* its texture, in lod_prices.images; the first step that shows it */
-	bool shows;                  /* it, while organs are judged */
 	double image_part;           /* bytes of the texture that this ladder is asked for */
-	double textured_px, image_lost;      /* seen of it by plants that draw the ladder; wrong of these */
+	float *shown;                /* per step: share of what is drawn that shows the texture; ... */
+	double *more_px;             /* ... pixels that show it from there on, as `gain` */
+	bool shows;                  /* some of it, while organs are judged */
+	double seen_px;              /* of plants that draw the ladder */
+	double image_lost, outline_lost;     /* what each that shows it has wrong: all, and by its outline; ... */
+	double bare_lost;            /* ... and each that does not show it */
+	double whole_lost;           /* wrong pixels of plants drawn as a whole, which show none of it */
 };
 
 /* A texture: levels of colours, and of its outline. */
@@ -55,7 +60,8 @@ struct lod_prices {
 	/* of all ladders */
 	struct price *prefixes;
 	uint64_t *vertices;          struct chunks *needs;
-	double *gain;                bool *rests;
+	double *gain, *more_px;      bool *rests;
+	float *shown;
 	double *instances, *instances_waste, *points;        /* per node */
 	double *part;                /* per node: of its tile's bytes, that an occurrence pays */
 	struct lod_hull_point *room; /* for hulls of summaries */
@@ -77,6 +83,8 @@ void lod_prices_work(struct lod_allocation *allocation);
 /* The share of a slot's plants that draw a choice. `all`: of a ladder that shows the whole plant, as if no
  * organs were drawn. */
 double lod_prices_share(const struct lod_allocation *allocation, uint32_t ladder_choice, bool all);
+/* Pixels that these plants should cover with it. */
+double lod_prices_seen(const struct lod_allocation *allocation, uint32_t ladder_choice);
 
 /* Finds the textures of the ladders in view, all levels taken that the view resolves; false: no memory. */
 bool lod_images_make(struct lod_allocation *allocation);

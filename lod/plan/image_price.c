@@ -110,20 +110,36 @@ static bool shows(const struct ladder_price *l, uint32_t image)
 	return l->textured != ECO_NONE && l->image == image;
 }
 
-/* Adds, for each number of levels, what plants that draw a ladder lose by seeing no more of its texture. */
-static void add_texel_costs(const struct lod_allocation *m, struct ladder_price *l, double *costs,
-	uint32_t levels)
+/* Pixels of plants that are drawn as a whole in place of a choice. */
+static double whole_pixels(const struct lod_allocation *m, uint32_t id)
 {
-	l->textured_px = 0;
+	const struct lod_ladder_choice *choice = &m->ladder_choices[id];
+	const struct lod_slot_choice *slot_choice = &m->slot_choices[choice->slot];
+	if (slot_choice->whole == ECO_NONE || choice->when == LOD_NEAR)
+		return 0;
+	return m->uses.seen[choice->slot] * choice->weight_px
+		* lod_prices_share(m, slot_choice->whole, false);
+}
+
+/* Adds, for each number of levels, what plants that draw a ladder lose by seeing no more of its texture. Sets
+ * what is lost where it does not show: elements of one colour are as texels an octave wider than those of the
+ * first level. */
+static void add_texel_costs(const struct lod_allocation *m, struct ladder_price *l, double *costs)
+{
+	const struct image_price *image = &m->prices->images[l->image];
+	uint32_t levels = m->p->scene->lists[image->list].chunk_count;
+	l->seen_px = l->whole_lost = l->bare_lost = 0;
 	for (uint32_t i = 0; i < l->count; i++) {
 		uint32_t id = m->prices->choices[l->first + i];
-		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
-		double seen = m->uses.seen[choice->slot] * lod_prices_share(m, id, false) * choice->weight_px,
-			px = texel_px(m, l, id);
+		double seen = lod_prices_seen(m, id), px = texel_px(m, l, id),
+			bare = lod_texel_loss(px, levels) - lod_texel_loss(px, levels - image->most);
 		for (uint32_t n = levels; n > 0 && seen > 0; n--)
 			costs[n] += seen * lod_texel_loss(px, levels - n);
-		l->textured_px += seen;
+		l->seen_px += seen;
+		l->bare_lost += seen * bare;
+		l->whole_lost += whole_pixels(m, id) * bare;
 	}
+	l->bare_lost = l->seen_px > 0 ? l->bare_lost / l->seen_px : 0;
 }
 
 /* Levels of an outline that are worth their bytes where so many pixels are seen through it; *lost: wrong. */
@@ -145,8 +161,8 @@ static uint32_t outline_levels(const struct lod_allocation *m, uint32_t outline,
 }
 
 /* Levels of a texture that are worth their bytes; all where nobody draws it, as nothing says for whom.
- * Returns what is lost of each pixel that shows it. */
-static double limit_texture(struct lod_allocation *m, uint32_t i)
+ * Returns what is lost of each pixel that shows it, and *outline of it for a coarse outline. */
+static double limit_texture(struct lod_allocation *m, uint32_t i, double *outline)
 {
 	struct lod_prices *prices = m->prices;
 	struct image_price *image = &prices->images[i];
@@ -154,8 +170,8 @@ static double limit_texture(struct lod_allocation *m, uint32_t i)
 	double costs[ECO_TEXTURE_LEVELS_MAX + 1] = { 0 }, least = INFINITY, pixels = 0, lost;
 	for (uint32_t k = 0; k < prices->ladder_count; k++)
 		if (shows(&prices->ladders[k], i)) {
-			add_texel_costs(m, &prices->ladders[k], costs, levels_of(m, image->list));
-			pixels += prices->ladders[k].textured_px;
+			add_texel_costs(m, &prices->ladders[k], costs);
+			pixels += prices->ladders[k].seen_px;
 		}
 	for (uint32_t n = 1; n <= image->most && pixels > 0; n++) {
 		double cost = costs[n] + m->price * lod_prices_missing(m, image->list, 0, n);
@@ -163,16 +179,21 @@ static double limit_texture(struct lod_allocation *m, uint32_t i)
 		least = fmin(least, cost);
 	}
 	set_levels(m, image, best, outline_levels(m, image->outline, pixels, &lost));
+	*outline = pixels > 0 ? lost / pixels : 0;
 	return pixels > 0 ? (lost + costs[best] - costs[image->most]) / pixels : 0;
 }
 
 void lod_images_limit(struct lod_allocation *m)
 {
 	for (uint32_t i = 0; i < m->prices->image_count; i++) {
-		double lost = limit_texture(m, i);
-		for (uint32_t k = 0; k < m->prices->ladder_count; k++)
-			if (shows(&m->prices->ladders[k], i))
-				m->prices->ladders[k].image_lost = lost * m->prices->ladders[k].textured_px;
+		double outline, lost = limit_texture(m, i, &outline);
+		for (uint32_t k = 0; k < m->prices->ladder_count; k++) {
+			struct ladder_price *l = &m->prices->ladders[k];
+			if (!shows(l, i))
+				continue;
+			l->image_lost = lost;
+			l->outline_lost = outline;
+		}
 	}
 	share_images(m);
 }

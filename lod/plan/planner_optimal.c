@@ -298,7 +298,7 @@ enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, 
 	if (!code)
 		lod_explain_tiles(&fill);
 	m->p->cheapest = fill.cheapest;
-	m->p->wrong = fill.wrong + closed_wrong(m) + (m->price > 0 ? lod_prices_lost(m) : 0);
+	m->p->wrong = fill.wrong + closed_wrong(m) + (m->price > 0 && !m->spares ? lod_prices_lost(m) : 0);
 	m->p->q = q_of(m, &fill);
 	m->p->fill_lambda = fill.lambda;
 	lod_fill_free(&fill);

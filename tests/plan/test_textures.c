@@ -151,6 +151,94 @@ UNIT_TEST(levels_are_given_up_for_bytes)
 	assert_true(fewer > 3 && rough > 3);
 }
 
+/* Splats that show a plant nearly as well as its leaves, but for their texture. */
+static void add_good_splats(struct scene_builder *b, struct eco_ladder splats)
+{
+	splats.points = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_POINTS,
+		.attributes = ECO_ATTR_SPLAT, .other = ECO_NONE }, 64, 64);
+	splats.flags = ECO_LADDER_WHOLE;
+	splats.total = splats.level_end[0] = 64;
+	splats.level_count = 1;
+	splats.curve_first = b->scene.curve_count;
+	splats.curve_count = 2;
+	scene_add_curve(b, (struct eco_curve){ 1 / 64.f, 1, 1, .3f, .3f });
+	scene_add_curve(b, (struct eco_curve){ 1, 1, 1, .02f, .02f });
+	scene_add_ladder(b, splats);
+}
+
+/* Large levels, with texels of 1 cm. */
+static uint32_t add_large_texture(struct scene_builder *b)
+{
+	struct eco_list image = scene_list(b, &(struct scene_row){ .kind = ECO_LIST_IMAGE,
+		.other = ECO_NONE });
+	image.chunk_first = b->scene.chunk_count;
+	image.primitive_count = image.element_count = image.chunk_count = LEVELS;
+	image.unit_area = 1e-4f;
+	for (uint32_t k = 0; k < LEVELS; k++)
+		scene_add_chunk(b, (struct eco_chunk){ .size_bytes = 500u << (2 * k), .primitive_count = 1,
+			.element_count = 1 });
+	return scene_add_list(b, image);
+}
+
+/* A tree of cards, 13 m high. Returns its texture. */
+static uint32_t make_card_tree(struct scene_builder *b)
+{
+	static const float shares[] = { .01f, .3f, .98f, 1 }, errors[] = { .4f, .1f, 1e-5f, 0 };
+	*b = (struct scene_builder){ .state = 1, .like = { .grid_step = { 1e-3, 1e-3, 1e-3 },
+		.unit_area = 1e-3f } };
+	b->scene.near_m = 0.01;
+	scene_add_plant(b, (struct eco_plant){ .height_m = 13 });
+	uint32_t anchor = scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 6.5 }, 6.5 });
+	struct eco_ladder leaves = scene_ladder(0, anchor, ECO_ORGAN_FOLIAGE), splats = leaves;
+	leaves.triangles = random_fans(b, leaves.total = 160, 0);
+	leaves.area = 300;
+	leaves.curve_first = b->scene.curve_count;
+	leaves.curve_count = 4;
+	for (int i = 0; i < 4; i++)
+		scene_add_curve(b, (struct eco_curve){ shares[i], 1, shares[i], errors[i], errors[i] });
+	scene_add_ladder(b, leaves);
+	add_good_splats(b, splats);
+	uint32_t texture = add_large_texture(b);
+	b->lists[leaves.triangles].image = texture;
+	uint32_t tile = scene_add_tile(b, (struct eco_tile){ .low = { -7, -7, 0 }, .high = { 7, 7, 13 },
+		.instance_count = 1, .area = 300, .summary = ECO_NONE });
+	uint32_t list = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_INSTANCES, .owner = tile,
+		.other = ECO_NONE }, 1, 1);
+	scene_add_group(b, (struct eco_group){ tile, 0, list, b->scene.place_count, 0, 1 });
+	scene_add_place(b, (struct eco_place){ .scale = 65536 });
+	return texture;
+}
+
+/* Where there is room for cards and a part of their texture, they are drawn with that: splats show none of
+ * it. Which pixels are covered is not a matter of texels. */
+UNIT_TEST(a_coarse_texture_is_better_than_none)
+{
+	struct scene_builder b;
+	uint32_t image = make_card_tree(&b), coarse = 0;
+	for (double away = 12; away < 60; away *= 1.2) {
+		const struct eco_view view = { .target = { 0, 0, 6.5 }, .eye = { away, 0, 6 },
+			.up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 480, .height = 320 };
+		struct random_pack pack = { .pack.scene = b.scene };
+		struct eco_plan whole = plan_it(&pack, &view, ECO_TEXEL_PX_MIN), plan;
+		uint64_t all, finer = 0;
+		struct eco_error error = { 0 };
+		assert_ok(size_of(&b.scene, &whole, &all, &error), error);
+		assert_int_equal(shown(&whole, image), LEVELS);
+		for (uint32_t k = 1; k < LEVELS; k++)
+			finer += b.chunks[b.lists[image].chunk_first + k].size_bytes;
+		for (uint64_t bytes = all - finer + 300; bytes < all; bytes += bytes / 4) {
+			plan_within(&plan, &b.scene, &view, bytes);
+			assert_true(shown(&plan, image) > 0);
+			assert_true(eco_predicted_q(&plan.prediction) > 0.97);
+			coarse += shown(&plan, image) < LEVELS;
+			eco_plan_free(&plan);
+		}
+		eco_plan_free(&whole);
+	}
+	assert_true(coarse > 20);
+	scene_free(&b);
+}
+
 UNIT_TEST(coarser_outlines_lose_more)
 {
 	struct eco_list list = { .kind = ECO_LIST_OUTLINE, .chunk_count = LEVELS };
