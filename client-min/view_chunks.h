@@ -7,8 +7,8 @@
  *   view_chunks_forget(chunks);                              after a stream
  *   view_chunks_free(chunks);
  *
- * Redirects are followed, a few of them, by http and https; what fails is asked for once more. One thread at a
- * time. */
+ * Redirects are followed, a few of them, by http and https; what fails is asked for once more. One thread at
+ * a time. */
 #ifndef VIEW_CHUNKS_H
 #define VIEW_CHUNKS_H
 

@@ -257,7 +257,8 @@ static void spoil(int more)
 UNIT_TEST(hosts_that_lack_chunks_or_have_others_are_told)
 {
 	const struct eco_request request = request_of(150, ECO_BYTES_UNBOUNDED);
-	static const struct { int more; const char *says; } cases[] = { { 0, ": its bytes do not have the hash that names it; remove it there" },
+	static const struct { int more; const char *says; } cases[] = {
+		{ 0, ": its bytes do not have the hash that names it; remove it there" },
 		{ -1, "it has not the" }, { 1, "it has not the" } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct client named = client_new(FROM_HOST);
