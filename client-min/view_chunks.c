@@ -3,9 +3,11 @@
 #include "client-min/view_chunks.h"
 
 #include <curl/curl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "client-min/view_store.h"
 #include "ecofiles/base/room.h"
 #include "ecofiles/base/version.h"
 #include "ecofiles/format/chunk/chunk.h"
@@ -15,6 +17,7 @@
 #define AT_ONCE 8u                       /* chunks that are being fetched */
 #define WAIT_MS 100
 #define SLOW_BYTES_S 1024L
+#define REST_MAX_S 30                    /* that a host may ask for */
 
 enum phase { PHASE_WAITS, PHASE_COMES, PHASE_HERE, PHASE_FAILED };
 
@@ -29,7 +32,12 @@ struct wanted {
 	char text[96];
 };
 
-struct lane { CURL *curl; struct view_chunks *chunks; uint32_t wanted; bool busy; };
+struct lane {
+	CURL *curl;
+	struct view_chunks *chunks;
+	uint32_t wanted;
+	bool busy, rests;                        /* rests: busy, until the host wants to be asked */
+};
 
 struct view_chunks {
 	struct view_chunks_options options;
@@ -40,6 +48,8 @@ struct view_chunks {
 	uint32_t *table, table_size;     /* open addressing: index + 1; a power of two */
 	uint32_t next;                   /* those before it have been begun */
 	bool known;                      /* the host has sent a chunk, or said that it has trouble, once */
+	/* the host is not asked before; since when it only says so, 0: it does not */
+	double rest_until_ms, resting_ms;
 };
 
 static size_t on_bytes(char *bytes, size_t one, size_t size, void *ctx)
@@ -128,8 +138,9 @@ void view_chunks_forget(struct view_chunks *chunks)
 {
 	for (uint32_t i = 0; i < AT_ONCE; i++)
 		if (chunks->lanes[i].busy) {
-			curl_multi_remove_handle(chunks->multi, chunks->lanes[i].curl);
-			chunks->lanes[i].busy = false;
+			if (!chunks->lanes[i].rests)
+				curl_multi_remove_handle(chunks->multi, chunks->lanes[i].curl);
+			chunks->lanes[i].busy = chunks->lanes[i].rests = false;
 		}
 	for (uint32_t i = 0; i < chunks->count; i++)
 		free(chunks->wanted[i].bytes);
@@ -156,9 +167,18 @@ static void start(struct view_chunks *chunks, struct lane *lane)
 	curl_multi_add_handle(chunks->multi, lane->curl);
 }
 
-/* Gives free lanes something to do. Memory is taken here, not where a stream only says a size. */
+/* Gives free lanes something to do, and those that have rested. Memory is taken here, not where a stream only
+ * says a size. */
 static void begin(struct view_chunks *chunks)
 {
+	if (view_clock_ms() < chunks->rest_until_ms)
+		return;
+	for (uint32_t i = 0; i < AT_ONCE; i++) {
+		struct lane *lane = &chunks->lanes[i];
+		if (lane->rests)
+			start(chunks, lane);
+		lane->rests = false;
+	}
 	for (uint32_t i = 0; i < AT_ONCE && chunks->next < chunks->count; i++) {
 		struct lane *lane = &chunks->lanes[i];
 		struct wanted *w = &chunks->wanted[chunks->next];
@@ -180,6 +200,34 @@ static bool has_id(const struct wanted *w)
 	return memcmp(id.bytes, w->id.bytes, sizeof id.bytes) == 0;
 }
 
+/* It has too much to do, or is asked too much: nothing is wrong with the address. */
+static bool is_trouble(long status)
+{
+	return status >= 500 || status == 408 || status == 429;
+}
+
+/* A host that says when it wants to be asked again is not asked before, for as long as there is patience with
+ * one that sends nothing but that. */
+static bool rest(struct view_chunks *chunks, struct lane *lane)
+{
+	curl_off_t wait_s = 0;
+	double now_ms = view_clock_ms();
+	long status = 0;
+	curl_easy_getinfo(lane->curl, CURLINFO_RESPONSE_CODE, &status);
+	curl_easy_getinfo(lane->curl, CURLINFO_RETRY_AFTER, &wait_s);
+	if (!is_trouble(status) || wait_s < 1 || wait_s > REST_MAX_S)
+		return false;
+	double until_ms = now_ms + 1e3 * (double)wait_s;
+	if (!(chunks->resting_ms > 0))
+		chunks->resting_ms = now_ms;
+	if (until_ms > chunks->resting_ms + chunks->options.patience_ms)
+		return false;
+	chunks->rest_until_ms = fmax(chunks->rest_until_ms, until_ms);
+	chunks->wanted[lane->wanted].have = 0;
+	lane->busy = lane->rests = true;
+	return true;
+}
+
 /* Once more at once: what fails then costs the rest of the stream again. */
 static bool try_again(struct view_chunks *chunks, struct lane *lane)
 {
@@ -198,8 +246,10 @@ static void end(struct view_chunks *chunks, struct lane *lane, CURLcode rc)
 	bool came = !rc && w->have == w->size;
 	curl_multi_remove_handle(chunks->multi, lane->curl);
 	lane->busy = false;
-	if (!came && try_again(chunks, lane))
+	if (!came && (rest(chunks, lane) || try_again(chunks, lane)))
 		return;
+	if (came)
+		chunks->resting_ms = 0;
 	if (came)
 		w->damaged = !has_id(w);
 	else if (rc == CURLE_HTTP_RETURNED_ERROR)
@@ -209,7 +259,7 @@ static void end(struct view_chunks *chunks, struct lane *lane, CURLcode rc)
 	else
 		snprintf(w->text, sizeof w->text, "it has not the %u bytes that the stream names", w->size);
 	w->phase = came && !w->damaged ? PHASE_HERE : PHASE_FAILED;
-	chunks->known |= w->phase == PHASE_HERE || w->status >= 500;
+	chunks->known |= w->phase == PHASE_HERE || is_trouble(w->status);
 }
 
 bool view_chunks_known(const struct view_chunks *chunks)
@@ -286,8 +336,8 @@ static enum eco_code failed(const struct view_chunks *chunks, const struct wante
 			"remove it there, and export it again", url);
 	if (w->status)
 		return eco_fail(error, ECO_IO, "%.250s: the host answered %ld%s", url, w->status,
-			w->status < 500 ? "; it needs what `ecopack export` made of the pack that is served"
-			: "");
+			is_trouble(w->status) ? ""
+			: "; it needs what `ecopack export` made of the pack that is served");
 	return eco_fail(error, ECO_IO, "%.250s: %s", url, w->text);
 }
 

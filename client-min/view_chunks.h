@@ -7,8 +7,8 @@
  *   view_chunks_forget(chunks);                              after a stream
  *   view_chunks_free(chunks);
  *
- * Redirects are followed, a few of them, by http and https; what fails is asked for once more. One thread at
- * a time. */
+ * Redirects are followed, a few of them, by http and https; what fails is asked for once more; a host that
+ * says when (429 or 503 with Retry-After) is not asked before. One thread at a time. */
 #ifndef VIEW_CHUNKS_H
 #define VIEW_CHUNKS_H
 
@@ -24,6 +24,9 @@ struct view_chunks_options {
 	const char *url;                         /* a chunk is at url/ID, 32 hexadecimal digits */
 	/* milliseconds: to connect, and without a byte */
 	long connect_ms, stall_ms;
+	/* a host that sends nothing but when it wants to be asked again is asked for so long; 0: it is an error
+	 */
+	long patience_ms;
 	const volatile sig_atomic_t *stop;       /* not 0: end with ECO_INTERRUPTED; may be NULL */
 };
 
@@ -42,6 +45,6 @@ enum eco_code view_chunks_take(struct view_chunks *chunks, const struct eco_chun
 	const uint8_t **bytes, struct eco_error *error);
 void view_chunks_forget(struct view_chunks *chunks);
 /* Whether the host may have later what it had not: of one that never sent a chunk, and never said that it has
- * trouble (500 and above), the address may be wrong. */
+ * trouble (408, 429, 500 and above), the address may be wrong. */
 bool view_chunks_known(const struct view_chunks *chunks);
 #endif

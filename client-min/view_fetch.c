@@ -377,7 +377,8 @@ enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_op
 	set_options(fetch);
 	if (options->chunks)
 		code = view_chunks_new(&fetch->chunks, &(struct view_chunks_options){ options->chunks,
-			fetch->options.connect_ms, fetch->options.stall_ms, options->stop }, error);
+			fetch->options.connect_ms, fetch->options.stall_ms, options->patience_ms,
+			options->stop }, error);
 	if (code)
 		view_fetch_free(fetch);
 	else

@@ -47,7 +47,8 @@ struct view_fetch_options {
 	uint64_t name_from;
 	/* give up when connecting takes longer, or less than 1 KiB/s comes for so long; 0: 10 s, 120 s */
 	long connect_ms, stall_ms;
-	/* a server that is busy (503 with Retry-After) is asked again for so long; 0: it is an error */
+	/* a server that is busy (503 with Retry-After) is asked again for so long; 0: it is an error. So is a
+	 * host of chunks (429, too), while it sends none */
 	long patience_ms;
 	/* so often an answer is asked for again that broke off, stalled or was not had from a server that has
 	 * answered before: after a pause that doubles from .1 s, or as long as Retry-After says */

@@ -22,6 +22,9 @@ static struct host {
 	char folder[64];
 	pthread_t thread;
 	uint32_t asked, fails;           /* fails: so many requests are not answered */
+	/* so many requests are answered that they are too many, after each so many that are not */
+	uint32_t refuses, allows, allowed, refused;
+	const char *refusal;             /* a status and headers */
 	const char *moved;               /* files are there; NULL: where they are asked for */
 } host;
 
@@ -32,6 +35,14 @@ static void answer_one(int c)
 	request[size > 0 ? size : 0] = 0;
 	if (host.fails && host.fails--)
 		return;
+	if (host.refuses && host.allowed == host.allows) {
+		int at = snprintf(head, sizeof head, "HTTP/1.1 %s\r\nContent-Length: 0\r\nConnection: close"
+			"\r\n\r\n", host.refusal);
+		send(c, head, (size_t)at, MSG_NOSIGNAL);
+		host.allowed = ++host.refused % host.refuses ? host.allowed : 0;
+		return;
+	}
+	host.allowed += host.refuses > 0;
 	if (sscanf(request, "GET /moved/%40[0-9a-f] HTTP", name) != 1
 			&& sscanf(request, "GET /%40[0-9a-f] HTTP", name) == 1 && host.moved) {
 		int at = snprintf(head, sizeof head, "HTTP/1.1 302 Found\r\nLocation: %s%s\r\n"
@@ -105,14 +116,14 @@ struct client {
 
 enum from { CARRIED, FROM_SERVER, FROM_HOST };
 
-static struct client client_new(enum from from)
+static struct client patient_client(enum from from, long patience_ms)
 {
 	char url[64], chunks[80];
 	struct client c = { 0 };
 	struct eco_error error = { 0 };
 	const struct view_store_options options = { .images = false };
 	const struct view_fetch_options fetch = { .url = url, .chunks = from ? chunks : NULL,
-		.name_from = NAME_FROM, .resumes = 1 };
+		.name_from = NAME_FROM, .resumes = 1, .patience_ms = patience_ms };
 	snprintf(url, sizeof url, "http://127.0.0.1:%u" BASE, port);
 	if (from == FROM_SERVER)
 		snprintf(chunks, sizeof chunks, "%s/chunks/", url);
@@ -121,6 +132,11 @@ static struct client client_new(enum from from)
 	assert_ok(view_fetch_new(&c.fetch, &fetch, &error), error);
 	assert_ok(view_store_new(&c.store, &options, &error), error);
 	return c;
+}
+
+static struct client client_new(enum from from)
+{
+	return patient_client(from, 0);
 }
 
 static void client_free(struct client *c)
@@ -295,6 +311,44 @@ UNIT_TEST(a_chunk_that_fails_once_costs_nothing_else)
 		bytes = named.result.bytes;
 		client_free(&named);
 	}
+}
+
+/* A host that says when is not asked before, and nothing is lost; another is asked for the stream again. */
+UNIT_TEST(hosts_that_are_asked_too_much_get_time)
+{
+	static const struct { const char *refusal; long patience_ms; bool good; } cases[] = {
+		{ "429 Too Many Requests\r\nRetry-After: 1", 5000, true },
+		{ "503 Slow Down\r\nRetry-After: 1", 5000, true },
+		{ "429 Too Many Requests\r\nRetry-After: 1", 500, false },
+		{ "429 Too Many Requests\r\nRetry-After: 1000", 5000, false },
+		{ "429 Too Many Requests", 5000, false }, { "408 Request Timeout", 5000, false } };
+	const struct eco_request request = request_of(150, ECO_BYTES_UNBOUNDED);
+	assert_int_equal(run_export("300"), 0);
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct client named = patient_client(FROM_HOST, cases[i].patience_ms),
+			carried = client_new(CARRIED);
+		struct eco_error error = { 0 };
+		uint32_t asked = host.asked;
+		host.refusal = cases[i].refusal;
+		host.refuses = cases[i].good ? 9 : UINT32_MAX;   /* more than come at once */
+		host.allows = 1000;
+		host.allowed = host.allows - (cases[i].good ? 10 : 0);
+		host.refused = 0;
+		enum eco_code code = look(&named, &request, &error);
+		if (code != (cases[i].good ? ECO_OK : ECO_IO))
+			fail_msg("%s, %ld ms: '%s'", cases[i].refusal, cases[i].patience_ms, error.text);
+		if (!cases[i].good && (!strstr(error.text, "the host answered 4") || strstr(error.text, "export")))
+			fail_msg("%s: '%s'", cases[i].refusal, error.text);
+		assert_int_equal(named.result.requests, cases[i].good ? 1 : 2);
+		assert_ok(look(&carried, &request, &error), error);
+		if (cases[i].good) {
+			assert_string_equal(named.digest, carried.digest);
+			assert_int_equal(host.asked - asked, named.result.named);
+		}
+		client_free(&named);
+		client_free(&carried);
+	}
+	host.refuses = 0;
 }
 
 /* It may be that a host lacks a chunk for a while only; where it never had one the address is wrong. */
