@@ -29,7 +29,7 @@ struct wanted {
 	bool again;                              /* it failed once, and is asked for again */
 	bool damaged;                            /* a failure: other bytes came; else: */
 	long status;                             /* HTTP; 0: `text` says what happened */
-	char text[96];
+	char text[160];
 };
 
 struct lane {
@@ -37,6 +37,7 @@ struct lane {
 	struct view_chunks *chunks;
 	uint32_t wanted;
 	bool busy, rests;                        /* rests: busy, until the host wants to be asked */
+	char text[CURL_ERROR_SIZE];              /* of a failure: how long, how much, to where */
 };
 
 struct view_chunks {
@@ -83,6 +84,7 @@ static bool make_lane(struct view_chunks *chunks, struct lane *lane)
 	curl_easy_setopt(c, CURLOPT_WRITEFUNCTION, on_bytes);
 	curl_easy_setopt(c, CURLOPT_WRITEDATA, lane);
 	curl_easy_setopt(c, CURLOPT_PRIVATE, lane);
+	curl_easy_setopt(c, CURLOPT_ERRORBUFFER, lane->text);
 	return true;
 }
 
@@ -162,6 +164,7 @@ static void start(struct view_chunks *chunks, struct lane *lane)
 {
 	char url[URL_ROOM];
 	lane->busy = true;
+	lane->text[0] = 0;
 	url_of(chunks, &chunks->wanted[lane->wanted].id, url, sizeof url);
 	curl_easy_setopt(lane->curl, CURLOPT_URL, url);
 	curl_multi_add_handle(chunks->multi, lane->curl);
@@ -255,7 +258,7 @@ static void end(struct view_chunks *chunks, struct lane *lane, CURLcode rc)
 	else if (rc == CURLE_HTTP_RETURNED_ERROR)
 		curl_easy_getinfo(lane->curl, CURLINFO_RESPONSE_CODE, &w->status);
 	else if (rc && rc != CURLE_WRITE_ERROR)
-		snprintf(w->text, sizeof w->text, "%s", curl_easy_strerror(rc));
+		snprintf(w->text, sizeof w->text, "%.150s", lane->text[0] ? lane->text : curl_easy_strerror(rc));
 	else
 		snprintf(w->text, sizeof w->text, "it has not the %u bytes that the stream names", w->size);
 	w->phase = came && !w->damaged ? PHASE_HERE : PHASE_FAILED;

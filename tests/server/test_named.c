@@ -25,6 +25,7 @@ static struct host {
 	/* so many requests are answered that they are too many, after each so many that are not */
 	uint32_t refuses, allows, allowed, refused;
 	const char *refusal;             /* a status and headers */
+	uint32_t hangs_ms;               /* before the next answer */
 	const char *moved;               /* files are there; NULL: where they are asked for */
 } host;
 
@@ -33,6 +34,8 @@ static void answer_one(int c)
 	char request[2048], name[64] = "", path[160], head[240];
 	ssize_t size = recv(c, request, sizeof request - 1, 0);
 	request[size > 0 ? size : 0] = 0;
+	nanosleep(&(struct timespec){ host.hangs_ms / 1000, host.hangs_ms % 1000 * 1000000l }, NULL);
+	host.hangs_ms = 0;
 	if (host.fails && host.fails--)
 		return;
 	if (host.refuses && host.allowed == host.allows) {
@@ -116,6 +119,7 @@ struct client {
 
 enum from { CARRIED, FROM_SERVER, FROM_HOST };
 
+/* A host is given up after 1 s without a byte. */
 static struct client patient_client(enum from from, long patience_ms)
 {
 	char url[64], chunks[80];
@@ -123,7 +127,8 @@ static struct client patient_client(enum from from, long patience_ms)
 	struct eco_error error = { 0 };
 	const struct view_store_options options = { .images = false };
 	const struct view_fetch_options fetch = { .url = url, .chunks = from ? chunks : NULL,
-		.name_from = NAME_FROM, .resumes = 1, .patience_ms = patience_ms };
+		.name_from = NAME_FROM, .resumes = 1, .patience_ms = patience_ms,
+		.stall_ms = 1000 };
 	snprintf(url, sizeof url, "http://127.0.0.1:%u" BASE, port);
 	if (from == FROM_SERVER)
 		snprintf(chunks, sizeof chunks, "%s/chunks/", url);
@@ -380,6 +385,20 @@ UNIT_TEST(exports_hold_large_chunks_and_repair_what_has_another_size)
 		assert_int_equal(access(path, R_OK) == 0, scene()->chunks[i].size_bytes >= NAME_FROM);
 	}
 	assert_ok(look(&named, &request, &error), error);
+	client_free(&named);
+}
+
+/* Last, as it answers late. */
+UNIT_TEST(hosts_that_send_nothing_are_told_as_such)
+{
+	const struct eco_request request = request_of(150, ECO_BYTES_UNBOUNDED);
+	struct client named = client_new(FROM_HOST);
+	struct eco_error error = { 0 };
+	assert_int_equal(run_export("300"), 0);
+	host.hangs_ms = 2500;
+	assert_int_equal(look(&named, &request, &error), ECO_IO);
+	if (!strstr(error.text, "Less than 1024 bytes/sec transferred the last 1 seconds"))
+		fail_msg("%s", error.text);
 	client_free(&named);
 }
 
