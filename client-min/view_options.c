@@ -56,7 +56,8 @@ static const struct eco_option option_table[] = {
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.dir, .is_required = true,
 		.help = "where pictures and report.json go; made if missing" },
 	{ "bytes", 0, ECO_OPTION_COUNT, "M", &given.bytes, 0, INT64_MAX,
-		.help = "budget of each response; none if not given" },
+		.help = "budget of each response; none if not given. Where not all fits, nothing coarser comes "
+		"first, and there is no picture before most of them" },
 	{ "memory", 0, ECO_OPTION_READ, "SIZE", &given.memory, .read = view_cache_read_size,
 		.help = "of decoded data held, such as 64M (K, M, G; 8G if not given): what was not needed "
 		"for the longest time goes, and is fetched again where it is needed; not of the reference" },
