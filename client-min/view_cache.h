@@ -8,8 +8,8 @@
  * prefixes of lists, so a list loses its last chunk first.
  *
  * Time is a counter: each begin and each plan of a stream is one tick later. What has the current tick stays:
- * it came for the next plan. But while `wanted` is not empty, the next plan is known: what `wanted` names
- * stays, all else may go.
+ * it came for the next plan. But while `wanted` is not empty, it is known what a plan needs, the last one or
+ * the next: what `wanted` names stays, all else may go.
  *
  *   view_cache_begin(&cache);                       per stream: ages everything, drops lists of no chunk
  *   view_cache_make_room(&cache, bytes, false);     pops chunks until so many bytes fit; false: they cannot

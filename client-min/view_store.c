@@ -38,6 +38,7 @@ struct view_store {
 	uint64_t plan_tick;              /* of the cache, when the last plan came */
 	uint64_t came_bytes;             /* decoded, of the request under way */
 	uint64_t evictions_before;       /* it */
+	uint64_t evictions_planned;      /* when the last plan came, or was looked at since */
 	bool lacks;                      /* the last plan needs what is not held any more */
 	uint32_t repeats;                /* of the request under way */
 	double near_m;
@@ -112,14 +113,16 @@ static enum eco_code no_memory(struct eco_error *error, const char *what)
 	return eco_fail(error, ECO_NO_MEMORY, "no memory for %s", what);
 }
 
+static void notice_evictions(struct view_store *store);
+
 /* Makes room for a description, which nothing comes without: all chunks may go for it. */
 static enum eco_code describe(struct view_store *store, uint64_t bytes, struct eco_error *error)
 {
-	if (view_cache_make_room(&store->cache, bytes, false)
-			|| view_cache_make_room(&store->cache, bytes, true))
-		return ECO_OK;
-	return eco_fail(error, ECO_TOO_LARGE, "the descriptions of the plants and lists in view do not fit "
-		"in %.3f MiB of memory: allow more (ecoview --memory), or ask for fewer vertices",
+	bool fits = view_cache_make_room(&store->cache, bytes, false)
+		|| view_cache_make_room(&store->cache, bytes, true);
+	notice_evictions(store);
+	return fits ? ECO_OK : eco_fail(error, ECO_TOO_LARGE, "the descriptions of the plants and lists in "
+		"view do not fit in %.3f MiB of memory: allow more (ecoview --memory), or ask for fewer vertices",
 		(double)store->options.memory_max / (1 << 20));
 }
 
@@ -305,6 +308,7 @@ static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const st
 	count_chunk(store, id, ordinal, chunk);
 	code = keep(store, list, ordinal, chunk, &piece, error);
 	view_piece_free(&piece);
+	notice_evictions(store);
 	if (!code)
 		list->served++;
 	return code;
@@ -347,10 +351,26 @@ static void each_need(struct view_store *store, visit_need *visit)
 		}
 }
 
+/* What comes behind a plan, for the next one or for later, may have taken the place of what it needs: then it
+ * is none to draw. */
+static void check_needs(struct view_store *store, struct view_list *list, uint32_t chunks)
+{
+	store->lacks |= list->chunk_count < chunks && list->served >= chunks;
+}
+
+static void notice_evictions(struct view_store *store)
+{
+	if (!store->has_plan || store->cache.evictions == store->evictions_planned)
+		return;
+	store->evictions_planned = store->cache.evictions;
+	each_need(store, check_needs);
+	store->has_plan = !store->lacks;
+}
+
 static void touch_need(struct view_store *store, struct view_list *list, uint32_t chunks)
 {
 	view_cache_touch(&store->cache, list, chunks);
-	store->lacks |= list->chunk_count < chunks && list->served >= chunks;
+	check_needs(store, list, chunks);
 }
 
 /* Without memory to say so, what is needed may go once more, and REPEATS_MAX ends that. */
@@ -439,6 +459,16 @@ static enum eco_code show_textures(struct view_store *store, struct eco_error *e
 	return code;
 }
 
+/* What comes behind a plan, for a finer one, for the next view or for later, takes no place of what it needs.
+ * An answer that is asked for again has what its last plan needed before. */
+static void keep_needs(struct view_store *store)
+{
+	if (!store->has_plan || store->repeats)
+		return;
+	view_cache_want_nothing(&store->cache);
+	each_need(store, want_need);
+}
+
 static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error *error)
 {
 	struct view_store *store = ctx;
@@ -453,7 +483,9 @@ static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error 
 	store->lacks = false;
 	each_need(store, touch_need);
 	store->plan_tick = store->cache.tick;
+	store->evictions_planned = store->cache.evictions;
 	store->has_plan = !store->lacks;
+	keep_needs(store);
 	view_cache_tick(&store->cache);
 	return store->has_plan ? show_textures(store, error) : ECO_OK;
 }
@@ -473,7 +505,8 @@ static enum eco_code check_memory(struct view_store *store, struct eco_error *er
 	uint64_t bytes = view_cache_wanted_bytes(&store->cache);
 	if (store->repeats > REPEATS_EASY && bytes > store->options.memory_max)
 		return eco_fail(error, ECO_TOO_LARGE, "the view alone needs %.3f MiB of decoded data, %.3f "
-			"MiB are allowed: allow more (ecoview --memory), or ask for fewer vertices",
+			"MiB are allowed: allow more (ecoview --memory), or ask for fewer vertices or "
+			"for wider texels (--texel-px)",
 			mebibytes_up(bytes), (double)store->options.memory_max / (1 << 20));
 	if (store->repeats == REPEATS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "%.3f MiB of memory are too few for plans that change "
@@ -522,10 +555,14 @@ bool view_store_ahead(const struct view_store *store)
 	return store->ahead && store->has_plan;
 }
 
+/* What the plan needs does not go for the next view. */
 static enum eco_code on_ahead(void *ctx, struct eco_error *error)
 {
 	(void)error;
-	((struct view_store *)ctx)->ahead = true;
+	struct view_store *store = ctx;
+	store->ahead = true;
+	if (store->has_plan)
+		each_need(store, want_need);
 	return ECO_OK;
 }
 

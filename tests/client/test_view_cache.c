@@ -513,6 +513,40 @@ UNIT_TEST(budget_of_bytes_is_kept_with_little_memory)
 	view_store_free(c.store);
 }
 
+static void check_plan_is_held(const struct client *c)
+{
+	struct eco_holdings needs = { 0 };
+	assert_int_equal(lod_plan_needs(&scene->pack->scene, view_store_plan(c->store), &needs, NULL), ECO_OK);
+	for (uint32_t i = 0; i < needs.count; i++) {
+		const struct view_list *list = view_store_list(c->store, needs.items[i].list);
+		if (!list || list->chunk_count < needs.items[i].chunks)
+			fail_msg("list %u: %u chunks are held, %u needed", needs.items[i].list,
+				list ? list->chunk_count : 0, needs.items[i].chunks);
+	}
+	free(needs.items);
+}
+
+/* The rest of the bytes, and the next view's, come behind the plan: they take no place of what it needs. */
+UNIT_TEST(what_comes_behind_a_plan_leaves_what_it_needs)
+{
+	for (uint64_t bytes = 10000; bytes <= 80000; bytes *= 2)
+		for (int ahead = 0; ahead < 2; ahead++) {
+			struct client c = client_new(largest_need() * 11 / 10);
+			for (uint32_t step = 0; step < 24; step++) {
+				struct eco_request request = step_of_walk(step), next = step_of_walk(step + 5);
+				struct eco_error error = { 0 };
+				request.bytes = bytes;
+				request.next.given = ahead;
+				memcpy(request.next.eye, next.view.eye, sizeof next.view.eye);
+				memcpy(request.next.target, next.view.target, sizeof next.view.target);
+				assert_ok(visit(&c, &request, &error), error);
+				check_plan_is_held(&c);
+			}
+			assert_true(view_store_stats(c.store).evictions > 0);
+			view_store_free(c.store);
+		}
+}
+
 /* Any order of views, sizes and budgets, at random. */
 UNIT_TEST(random_views_and_memories)
 {
