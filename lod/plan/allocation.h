@@ -85,6 +85,8 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	uint32_t whole_count;        /* the last of these are LOD_WHOLE */
 	double seen, unoccluded;     /* mean pixels seen of a plant or cell; of these, unoccluded ones */
 	double fp_weight;            /* weight of a false positive: unoccluded / seen */
+	double wood_nearer, wood_behind;     /* as of visibilities, mean of a plant; of a cell, 1 and by its
+	                              * distance */
 	double own, parts;           /* only in lod_allocation_make: seen of its own lists beside cells; of
 	                              * its cells, before scaling */
 	double weight_px[2];         /* wrong pixels where nothing is drawn; [1] without the cells' */

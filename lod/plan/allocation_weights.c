@@ -60,25 +60,27 @@ static bool add_ladder_choice(struct lod_allocation *m, const struct lod_ladder_
 /* Pixels that one plant's organ would cover at full detail with nothing before it: random leaves on an
  * ellipse. Wood shows where leaves let it. Only the ratios between a plant's organs and cells matter: the
  * screen knows how much of the whole plant is seen. */
-static double organ_pixels(const struct lod_allocation *m, const struct eco_ladder *ladder, uint8_t band)
+static double organ_pixels(const struct lod_allocation *m, const struct eco_ladder *ladder, uint32_t s)
 {
 	const struct lod_planner *p = m->p;
 	const struct eco_plant *plant = &p->scene->plants[ladder->plant];
 	const struct eco_anchor *anchor = &p->scene->anchors[ladder->anchor];
+	const struct lod_slot_choice *slot_choice = &m->slot_choices[s];
 	struct lod_proxy_shape proxy_shape = { .area = ladder->area, .crown_across = anchor->radius,
 		.crown_up = anchor->radius };
 	if (ladder->anchor == plant->anchor_first) {
 		proxy_shape = lod_plan_tables_proxy_shapes(p->tables)[ladder->plant];
 		proxy_shape.area = ladder->area;
 	}
-	double r = lod_band_distance_m(band), px = 1 / (r * p->visible.eye.pixel_rad);
+	double r = lod_band_distance_m(p->visible.slots[s].band), px = 1 / (r * p->visible.eye.pixel_rad);
 	double pixels = lod_proxy_shape_opacity(&proxy_shape) * PI * proxy_shape.crown_across
 		* proxy_shape.crown_up * px * px;
 	if (ladder->organ != ECO_ORGAN_WOOD)
 		return pixels;
 	proxy_shape = lod_plan_tables_proxy_shapes(p->tables)[ladder->plant];
-	proxy_shape.area = fmax(0, plant->area - 2 * (double)ladder->area);
-	return pixels * fmax(HIDDEN_WOOD, 1 - lod_proxy_shape_opacity(&proxy_shape));
+	proxy_shape.area = slot_choice->wood_behind * fmax(0, plant->area - 2 * (double)ladder->area);
+	return pixels * slot_choice->wood_nearer
+		* fmax(HIDDEN_WOOD, 1 - lod_proxy_shape_opacity(&proxy_shape));
 }
 
 static double importance_of(const struct eco_ladder *ladder)
@@ -93,14 +95,15 @@ static double rest_of(const struct lod_slot *slot, const struct eco_ladder *ladd
 }
 
 /* Pixels of all ladders at the slot's anchor; of a cell, without what the plant's own lists draw. */
-static double anchor_pixels(const struct lod_allocation *m, const struct lod_slot *slot)
+static double anchor_pixels(const struct lod_allocation *m, uint32_t s)
 {
+	const struct lod_slot *slot = &m->p->visible.slots[s];
 	uint32_t count;
 	const uint32_t *ladders = lod_plan_tables_anchor(m->p->tables, slot->anchor, &count);
 	double sum = 0;
 	for (uint32_t i = 0; i < count; i++) {
 		const struct eco_ladder *ladder = &m->p->scene->ladders[ladders[i]];
-		sum += rest_of(slot, ladder) * organ_pixels(m, ladder, slot->band);
+		sum += rest_of(slot, ladder) * organ_pixels(m, ladder, s);
 	}
 	return sum;
 }
@@ -289,7 +292,7 @@ static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, stru
 	const struct eco_scene *scene = m->p->scene;
 	const struct lod_slot *slot = &m->p->visible.slots[s];
 	struct lod_slot_choice *slot_choice = &m->slot_choices[s];
-	double all = anchor_pixels(m, slot);
+	double all = anchor_pixels(m, s);
 	uint32_t count;
 	const uint32_t *ladders = lod_plan_tables_anchor(m->p->tables, slot->anchor, &count);
 	bool good = true;
@@ -300,7 +303,7 @@ static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, stru
 	for (uint32_t i = 0; good && i < count; i++) {
 		uint32_t id = ladders[i];
 		const struct eco_ladder *ladder = &scene->ladders[id];
-		double part = all > 0 ? rest_of(slot, ladder) * organ_pixels(m, ladder, slot->band) / all : 0;
+		double part = all > 0 ? rest_of(slot, ladder) * organ_pixels(m, ladder, s) / all : 0;
 		good = add_ladder_choices(m, s, id, part * slot_choice->seen * importance_of(ladder));
 	}
 	slot_choice->ladder_choice_count = m->ladder_choice_count - slot_choice->ladder_choice_first;
@@ -375,10 +378,18 @@ static void measure_plants(struct lod_allocation *m)
 			continue;
 		m->slot_choices[visibility->slot].own += seen_pixels(visibility);
 		m->slot_choices[visibility->slot].parts += unoccluded_pixels(visibility);
+		m->slot_choices[visibility->slot].wood_nearer += (double)visibility->wood_nearer;
+		m->slot_choices[visibility->slot].wood_behind += (double)visibility->wood_behind;
 		counts[visibility->slot] += 1;
 	}
 	for (uint32_t s = 0; s < p->visible.slot_count; s++) {
 		const struct lod_slot *slot = &p->visible.slots[s];
+		struct lod_slot_choice *slot_choice = &m->slot_choices[s];
+		double across = lod_plan_tables_proxy_shapes(p->tables)[slot->plant].crown_across,
+			r = lod_band_distance_m(slot->band);
+		slot_choice->wood_nearer = counts[s] > 0 ? slot_choice->wood_nearer / counts[s] : 1;
+		slot_choice->wood_behind = counts[s] > 0 ? slot_choice->wood_behind / counts[s]
+			: r < across ? r / across : 1;
 		if (!slot->cell)
 			m->slot_of[slot->plant * (size_t)ECO_BANDS + slot->band] = s + 1;
 	}
@@ -425,7 +436,7 @@ static void measure_cells(struct lod_allocation *m)
 	memset(m->scratch, 0, visible->slot_count * sizeof *m->scratch);
 	for (uint32_t s = 0; s < visible->slot_count; s++)
 		if (visible->slots[s].cell)
-			m->slot_choices[s].parts = anchor_pixels(m, &visible->slots[s]);
+			m->slot_choices[s].parts = anchor_pixels(m, s);
 	lod_allocation_cells(m, sum_parts);
 	lod_allocation_cells(m, add_cell);
 	for (uint32_t s = 0; s < visible->slot_count; s++)

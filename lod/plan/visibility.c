@@ -15,6 +15,7 @@
 #define SEEN_LEAST 1e-4          /* share seen of what is hidden or outside the picture: it may be seen
                                   * through an unknown gap */
 #define HILL 1.0f                /* columns on either side of a foot in which ground hides */
+#define TRUNK 0.1                /* of a crown's half extent across: wood is no nearer than this */
 #define CLEAR_LEAST 1e-6f        /* light through the own crown below which that of others is not told */
 #define DENSEST 0.66666666666666667 /* of a denser crown: it covers as much of a larger ellipse, so that false
                                      * positives lie around it */
@@ -137,6 +138,28 @@ static double apart(const double d[3], const struct lod_proxy_shape *proxy_shape
 	return (d[0] * d[0] + d[1] * d[1]) / (across * across) + d[2] * d[2] / (up * up);
 }
 
+/* An upright line of wood, at `level` metres along the ground, takes the integral of level / distance^3 over
+ * its height in the picture; its height / distance^2 from afar. Branches lie otherwise, so from above it is no
+ * less than that. */
+static double wood_nearer(const double d[3], const struct lod_proxy_shape *shape)
+{
+	double thick = TRUNK * shape->crown_across, level2 = d[0] * d[0] + d[1] * d[1] + thick * thick,
+		top = d[2] + shape->up, foot = d[2] - shape->up;
+	if (!(level2 > 0 && shape->up > 0))
+		return 1;
+	return fmax(1, (level2 + d[2] * d[2]) / (2 * shape->up * sqrt(level2))
+		* (top / sqrt(level2 + top * top) - foot / sqrt(level2 + foot * foot)));
+}
+
+/* From below the crown's middle, leaves lie before the trunk at the eye's height; from above, between the eye
+ * and that middle. */
+static double wood_behind(const double d[3], const struct lod_proxy_shape *shape)
+{
+	double down = d[2] + shape->rise < 0 && shape->crown_up > 0 ? (d[2] + shape->rise) / shape->crown_up : 0,
+		across = shape->crown_across;
+	return across > 0 ? fmin(1, sqrt((d[0] * d[0] + d[1] * d[1]) / (across * across) + down * down)) : 1;
+}
+
 struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double center[3],
 	const struct lod_proxy_shape *proxy_shape)
 {
@@ -173,7 +196,9 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 		.foot = (float)(y + proxy_shape->up * tilt.upright * rows),
 		.bottom = (float)screen->rows, .share = 1,
 		.beside = beside,
-		.within = (float)within, .before = (float)before };
+		.within = (float)within, .before = (float)before,
+		.wood_nearer = (float)wood_nearer(d, proxy_shape),
+		.wood_behind = (float)wood_behind(d, proxy_shape) };
 	set_opacity(visibility, &seen);
 	visibility->ellipse = (float)(PI * proxy_shape->crown_across * high * px * px);
 	visibility->pixels = visibility->opacity * visibility->ellipse;

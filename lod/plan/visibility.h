@@ -21,6 +21,9 @@
  * box: else plants around the eye would show several times as many pixels as the picture has. To split such a
  * plant into 64 proxy shapes makes shares change faster (lod/EXPERIMENTS.md, Plants around the eye).
  *
+ * Wood stands upright on a plant's axis. From afar it is as far away as the plant's middle and all leaves are
+ * before it; who stands at a trunk sees it larger, and fewer leaves, or none, between.
+ *
  * A false positive of a plant is wrong only where no other plant is, in front or behind; elsewhere the pixel
  * is covered anyway, by the wrong plant, which counts LOD_OWNER_WEIGHT. All that a tile's summary covers
  * counts so too, as nothing tells which plant a splat stands for; else near trees become heaps of squares
@@ -60,6 +63,9 @@ struct lod_visibility {
 	uint32_t node, slot;         /* the caller's */
 	uint16_t hash;               /* the caller's */
 	float above;                 /* the caller's: how far from above it is seen (lod_seen_above) */
+	float wood_nearer;           /* pixels of its wood, over those at the distance of its middle; 1 or
+	                              * more */
+	float wood_behind;           /* part of its crown's leaves that lie before its axis */
 	bool beside;                 /* around the eye, not in front: its position in the picture is
 	                              * unknown */
 	float within;                /* part of its box's visible share that counts, and that hides others; 1

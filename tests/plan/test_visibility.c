@@ -205,3 +205,52 @@ UNIT_TEST(what_passes_the_eye_goes_little_by_little)
 	}
 	assert_true(before[0] <= 0);
 }
+
+/* Wood on the tree's axis, slice by slice, over the same at the distance of the tree's middle. */
+static double wood_of(const double eye[3])
+{
+	double thick = 0.1 * tree.crown_across, level2 = eye[0] * eye[0] + eye[1] * eye[1] + thick * thick, sum = 0,
+		middle = level2 + (eye[2] - tree.up) * (eye[2] - tree.up);
+	for (int i = 0; i < 100000; i++) {
+		double z = 2 * tree.up * (i + 0.5) / 100000 - eye[2], apart = level2 + z * z;
+		sum += sqrt(level2) / (apart * sqrt(apart)) / 100000;
+	}
+	return middle * sum;
+}
+
+UNIT_TEST(a_trunk_is_as_large_as_it_is_near)
+{
+	static const double foot[1][3] = { { 0, 0, 0 } },
+		eyes[][3] = { { 0, -2000, 2 }, { 0, -40, 5 }, { 0, -8, 1.7 }, { 1, -2, 1.7 }, { 0, -0.3, 1.7 } };
+	float before = 0;
+	for (size_t i = 0; i < sizeof eyes / sizeof *eyes; i++) {
+		const double *at = eyes[i];
+		const struct eco_view view = { .eye = { at[0], at[1], at[2] }, .target = { 0, 100, at[2] },
+			.up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800, .height = 600 };
+		struct lod_screen screen;
+		look_at_trees(&screen, &view, foot, 1);
+		float nearer = screen.visibilities[0].wood_nearer;
+		assert_float_equal(nearer, fmax(1, wood_of(at)), 0.001 * (double)nearer);
+		assert_true(nearer >= before && (i > 0 || nearer < 1.001f));
+		before = nearer;
+		lod_screen_free(&screen);
+	}
+	assert_true(before > 5);
+}
+
+UNIT_TEST(leaves_hide_less_of_a_trunk_to_whoever_is_near_it)
+{
+	static const double foot[1][3] = { { 0, 0, 0 } };
+	static const struct { double eye[3], behind; } cases[] = { { { 0, -30, 1.7 }, 1 }, { { 0, -2, 1.7 }, 1 },
+		{ { 0, -1, 1.7 }, 0.5 }, { { 0, 0, 1.7 }, 0 }, { { 0, 0.001, 7 }, 0.5 }, { { 0, 0.001, 9 }, 1 },
+		{ { 0, 0.001, 60 }, 1 } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		const double *at = cases[i].eye;
+		const struct eco_view view = { .eye = { at[0], at[1], at[2] }, .target = { 0, 100, at[2] },
+			.up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800, .height = 600 };
+		struct lod_screen screen;
+		look_at_trees(&screen, &view, foot, 1);
+		assert_float_equal(screen.visibilities[0].wood_behind, cases[i].behind, 0.001);
+		lod_screen_free(&screen);
+	}
+}
