@@ -17,7 +17,6 @@
 #define AT_ONCE 8u                       /* chunks that are being fetched */
 #define WAIT_MS 100
 #define SLOW_BYTES_S 1024L
-#define REST_MAX_S 30                    /* that a host may ask for */
 
 enum phase { PHASE_WAITS, PHASE_COMES, PHASE_HERE, PHASE_FAILED };
 
@@ -218,7 +217,7 @@ static bool rest(struct view_chunks *chunks, struct lane *lane)
 	long status = 0;
 	curl_easy_getinfo(lane->curl, CURLINFO_RESPONSE_CODE, &status);
 	curl_easy_getinfo(lane->curl, CURLINFO_RETRY_AFTER, &wait_s);
-	if (!is_trouble(status) || wait_s < 1 || wait_s > REST_MAX_S)
+	if (!is_trouble(status) || wait_s < 1 || wait_s > VIEW_RETRY_MAX_S)
 		return false;
 	double until_ms = now_ms + 1e3 * (double)wait_s;
 	if (!(chunks->resting_ms > 0))
@@ -251,11 +250,10 @@ static void end(struct view_chunks *chunks, struct lane *lane, CURLcode rc)
 	lane->busy = false;
 	if (!came && (rest(chunks, lane) || try_again(chunks, lane)))
 		return;
-	if (came)
+	if (came) {
 		chunks->resting_ms = 0;
-	if (came)
 		w->damaged = !has_id(w);
-	else if (rc == CURLE_HTTP_RETURNED_ERROR)
+	} else if (rc == CURLE_HTTP_RETURNED_ERROR)
 		curl_easy_getinfo(lane->curl, CURLINFO_RESPONSE_CODE, &w->status);
 	else if (rc && rc != CURLE_WRITE_ERROR)
 		snprintf(w->text, sizeof w->text, "%.150s", lane->text[0] ? lane->text : curl_easy_strerror(rc));

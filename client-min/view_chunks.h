@@ -20,6 +20,8 @@ struct view_chunks;
 
 #define VIEW_REDIRECTS_MOST 5L           /* to where a host keeps a file: of buckets, CDNs, to https */
 
+#define VIEW_RETRY_MAX_S 30      /* that a server or a host may ask to wait */
+
 struct view_chunks_options {
 	const char *url;                         /* a chunk is at url/ID, 32 hexadecimal digits */
 	/* milliseconds: to connect, and without a byte */

@@ -18,7 +18,6 @@
 #define BODY_MAX_DEFAULT ((uint64_t)16 << 30)
 #define PROBLEM_MAX 16384u
 #define RETRY_MIN_MS 100.0
-#define RETRY_MAX_S 30.0
 #define PAUSE_MS 100.0           /* before an answer that broke off is asked for again; twice that then, ... */
 #define PAUSE_MAX_MS 5000.0
 #define MARK_MOST (UINT64_C(1) << 50)
@@ -160,7 +159,7 @@ double view_fetch_retry_ms(const char *value, size_t size)
 	memcpy(text, value, size);
 	text[size] = '\0';
 	double s = strtod(text, NULL);
-	return s >= 0 && s <= RETRY_MAX_S ? fmax(s * 1e3, RETRY_MIN_MS) : 0;
+	return s >= 0 && s <= VIEW_RETRY_MAX_S ? fmax(s * 1e3, RETRY_MIN_MS) : 0;
 }
 
 static size_t on_header(char *bytes, size_t one, size_t size, void *ctx)

@@ -18,10 +18,6 @@ static struct scene_builder scene;
 static uint32_t ladder_of_list[4 * LADDERS * SPECIES];
 static lod_rule *const rules[] = { lod_rule_optimal, lod_rule_deussen };
 
-static const struct eco_curve falling[] = { { 0.002f, 1, 0.005f, 0.45f, 0.6f },
-	{ 0.02f, 1, 0.05f, 0.3f, 0.4f }, { 0.1f, 1, 0.3f, 0.2f, 0.2f },
-	{ 0.3f, 1, 0.8f, 0.08f, 0.09f }, { 1, 1, 1, 0, 0 } };
-
 /* ---- A stand of two species in turn, each with many leaves and a few flowers, in tables ---- */
 
 static uint32_t add_list(uint8_t kind, uint8_t coder, uint32_t plant, uint32_t of, uint32_t count)
@@ -40,11 +36,11 @@ static void add_ladder(uint32_t plant, uint32_t anchor, uint32_t organ, uint32_t
 	l.length = 20;
 	l.total = count;
 	l.curve_first = scene.scene.curve_count;
-	l.curve_count = sizeof falling / sizeof *falling;
+	l.curve_count = sizeof scene_falling / sizeof *scene_falling;
 	l.triangles = add_list(ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, plant, ECO_NONE, count);
 	l.points = add_list(ECO_LIST_POINTS, ECO_CODER_FORM, plant, l.triangles, count);
 	for (uint32_t i = 0; i < l.curve_count; i++)
-		scene_add_curve(&scene, falling[i]);
+		scene_add_curve(&scene, scene_falling[i]);
 	scene_add_ladder(&scene, l);
 }
 

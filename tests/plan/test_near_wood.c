@@ -1,7 +1,6 @@
 /* Who stands at a trunk is sent more of it: of equal budgets, wood has a greater share near by than from afar.
  * The test fails where organs have the shares of a far view. */
 #include "lod/plan/planner.h"
-#include "tests/support/plan_twin.h"
 #include "tests/support/scene_builder.h"
 #include "tests/support/unit_test.h"
 
@@ -9,10 +8,6 @@
 
 static struct scene_builder scene;
 static uint32_t wood_list;
-
-static const struct eco_curve falling[] = { { 0.002f, 1, 0.005f, 0.45f, 0.6f },
-	{ 0.02f, 1, 0.05f, 0.3f, 0.4f }, { 0.1f, 1, 0.3f, 0.2f, 0.2f },
-	{ 0.3f, 1, 0.8f, 0.08f, 0.09f }, { 1, 1, 1, 0, 0 } };
 
 static uint32_t add_ladder(uint32_t plant, uint32_t anchor, uint32_t organ, float area)
 {
@@ -22,11 +17,11 @@ static uint32_t add_ladder(uint32_t plant, uint32_t anchor, uint32_t organ, floa
 	l.length = 20;
 	l.total = count;
 	l.curve_first = scene.scene.curve_count;
-	l.curve_count = sizeof falling / sizeof *falling;
+	l.curve_count = sizeof scene_falling / sizeof *scene_falling;
 	l.triangles = scene_add_bare(&scene, &(struct scene_row){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0,
 		plant, ECO_NONE, 0, 0 }, 2 * count, count);
 	for (uint32_t i = 0; i < l.curve_count; i++)
-		scene_add_curve(&scene, falling[i]);
+		scene_add_curve(&scene, scene_falling[i]);
 	scene_add_ladder(&scene, l);
 	return l.triangles;
 }

@@ -44,6 +44,10 @@ uint32_t scene_add_ladder(struct scene_builder *b, struct eco_ladder row)
 	return ADD(ladders, ladder_count, row);
 }
 
+const struct eco_curve scene_falling[5] = { { 0.002f, 1, 0.005f, 0.45f, 0.6f },
+	{ 0.02f, 1, 0.05f, 0.3f, 0.4f }, { 0.1f, 1, 0.3f, 0.2f, 0.2f },
+	{ 0.3f, 1, 0.8f, 0.08f, 0.09f }, { 1, 1, 1, 0, 0 } };
+
 uint32_t scene_add_curve(struct scene_builder *b, struct eco_curve row)
 {
 	return ADD(curves, curve_count, row);

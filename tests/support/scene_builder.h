@@ -51,6 +51,8 @@ struct scene_builder {
 uint32_t scene_add_plant(struct scene_builder *b, struct eco_plant row);
 uint32_t scene_add_anchor(struct scene_builder *b, struct eco_anchor row);
 uint32_t scene_add_ladder(struct scene_builder *b, struct eco_ladder row);
+/* A curve whose errors fall the less, the more is drawn. */
+extern const struct eco_curve scene_falling[5];
 uint32_t scene_add_curve(struct scene_builder *b, struct eco_curve row);
 uint32_t scene_add_tile(struct scene_builder *b, struct eco_tile row);
 /* Without a count: all of its list. */

@@ -116,9 +116,6 @@ static struct eco_request request_of(const struct scene_builder *t, uint64_t ver
 		.bytes = ECO_BYTES_UNBOUNDED };
 }
 
-static const struct eco_curve falling[] = { { 0.002f, 1, 0.005f, 0.45f, 0.6f },
-	{ 0.02f, 1, 0.05f, 0.3f, 0.4f }, { 0.1f, 1, 0.3f, 0.2f, 0.2f },
-	{ 0.3f, 1, 0.8f, 0.08f, 0.09f }, { 1, 1, 1, 0, 0 } };
 static const struct eco_curve flat[] = { { 0.002f, 1, 0.005f, 0.3f, 0.3f }, { 0.1f, 1, 0.3f, 0.3f, 0.3f },
 	{ 1, 1, 1, 0.3f, 0.3f } };
 static const struct eco_curve convex[] = { { 0.002f, 1, 0.005f, 0.4f, 0.599f },
@@ -132,8 +129,8 @@ static const struct eco_curve early_point[] = { { 0.01f, 1, 0.02f, 0.1f, 0.2f } 
 
 static void make_usual(struct scene_builder *t)
 {
-	static const struct kind kinds[] = { KIND(falling, 2000, 1), KIND(convex, 700, 1),
-		KIND(falling, 150, 3), KIND(flat, 40, 1) };
+	static const struct kind kinds[] = { KIND(scene_falling, 2000, 1), KIND(convex, 700, 1),
+		KIND(scene_falling, 150, 3), KIND(flat, 40, 1) };
 	make_tables(t, kinds, 4, (struct stand){ 4, 2, 4, 40 });
 }
 
@@ -353,7 +350,7 @@ void extreme_sweep(struct extreme *x)
 
 void extreme_jumps(struct extreme *x)
 {
-	static const struct kind kinds[] = { KIND(falling, 0, 1), KIND(falling, 300, 1) };
+	static const struct kind kinds[] = { KIND(scene_falling, 0, 1), KIND(scene_falling, 300, 1) };
 	struct scene_builder t;
 	struct hold h;
 	if (holds(x, &t, kinds, 2, (struct stand){ 2, 1, 2, 20 }, many, &h))
@@ -364,7 +361,7 @@ void extreme_jumps(struct extreme *x)
 
 void extreme_identical(struct extreme *x)
 {
-	static const struct kind one[] = { KIND(falling, 4000, 1) };
+	static const struct kind one[] = { KIND(scene_falling, 4000, 1) };
 	struct scene_builder t;
 	struct hold h;
 	struct sum sum = { 0 };
@@ -386,8 +383,8 @@ void extreme_identical(struct extreme *x)
 
 void extreme_one_better(struct extreme *x)
 {
-	static const struct kind kinds[] = { KIND(falling, 2000, 1e6f), KIND(falling, 2000, 1e-3f),
-		KIND(falling, 2000, 1e-3f), KIND(convex, 900, 1e-3f) };
+	static const struct kind kinds[] = { KIND(scene_falling, 2000, 1e6f), KIND(scene_falling, 2000, 1e-3f),
+		KIND(scene_falling, 2000, 1e-3f), KIND(convex, 900, 1e-3f) };
 	struct scene_builder t;
 	struct hold h;
 	struct eco_plan plan = { 0 };
@@ -414,10 +411,10 @@ void extreme_odd_curves(struct extreme *x)
 			{ "rising", KIND(rising, 500, 1) },
 		{ "one point at the end", KIND(point, 500, 1) },
 		{ "one point at 1 %", KIND(early_point, 500, 1) }, { "none", { point, 0, 500, 1 } },
-		{ "one leaf", KIND(falling, 1, 1) }, { "of no weight", KIND(falling, 500, 0) } };
+		{ "one leaf", KIND(scene_falling, 1, 1) }, { "of no weight", KIND(scene_falling, 500, 0) } };
 	bool good = true;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows && good; i++) {
-		const struct kind mixed[2] = { rows[i].kind, KIND(falling, 300, 1) };
+		const struct kind mixed[2] = { rows[i].kind, KIND(scene_falling, 300, 1) };
 		for (uint32_t kinds = 1; kinds <= 2 && good; kinds++) {
 			struct scene_builder t;
 			struct hold h;
