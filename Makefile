@@ -332,7 +332,7 @@ bench: deps
 
 # Damaged models, random requests and damages (MUTANTS=, REQUESTS=, DAMAGES= in the environment for hours of it), then clients for SECONDS
 soak: deps
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/requests $(B)/bench/damages $(B)/bench/mutants $(B)/bench/convert \
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/requests $(B)/bench/damages $(B)/bench/mutants $(B)/bench/convert $(B)/bench/wood \
 		$(B)/tests/fault.so
 	BUILD=$(B) SECONDS_LONG=$(SECONDS) sh tests/demo/soak.sh
 

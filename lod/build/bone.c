@@ -7,6 +7,7 @@
 #include "lod/build/tube.h"
 
 #define SIMILAR 1.6              /* widths that may differ along one line */
+#define OFF_CHORD 0.25           /* of the width: a joint's distance from the line that replaces it */
 #define RING_SLACK 1.25          /* how much wider than its widest ring a line may be */
 #define CHAIN_MAX 64u            /* joints that one line may skip */
 
@@ -35,8 +36,8 @@ static double width_of(const struct lod_tube *tube, const uint32_t *chain, uint3
 	return length > 0 ? fmin(area / (strip ? length : LOD_PI * length), most) : most;
 }
 
-/* Whether one line may replace the joints of chain[0 .. bones]: each is within half its radius of the line,
- * widths are similar. */
+/* Whether one line may replace the joints of chain[0 .. bones]: each is within a quarter of the width of the
+ * line, widths are similar. */
 static bool straight(const struct lod_tube *tube, const uint32_t *chain, const uint32_t *bone, uint32_t bones,
 	bool strip)
 {
@@ -58,24 +59,29 @@ static bool straight(const struct lod_tube *tube, const uint32_t *chain, const u
 		high = fmax(high, width);
 	}
 	for (uint32_t i = 1; i < bones; i++)
-		if (distance_to(tube->joints[chain[i]].place, a, b) > 0.5 * low)
+		if (distance_to(tube->joints[chain[i]].place, a, b) > OFF_CHORD * low)
 			return false;
 	return high <= SIMILAR * low;
 }
 
-struct lines { struct lod_bones *bones; uint32_t capacity; struct lod_arena *arena; };
+struct lines { struct lod_bones *bones; uint32_t capacity, span_capacity; struct lod_arena *arena; };
+
+/* `items`, with room for one more than `count`. */
+static void *grown(struct lines *lines, void *items, uint32_t count, uint32_t *capacity, size_t size)
+{
+	if (count < *capacity)
+		return items;
+	*capacity = *capacity ? 2 * *capacity : 1024;
+	void *bigger = lod_arena_take(lines->arena, *capacity, size);
+	if (count)
+		memcpy(bigger, items, count * size);
+	return bigger;
+}
 
 static struct lod_bone *add(struct lines *lines)
 {
 	struct lod_bones *out = lines->bones;
-	if (out->count == lines->capacity) {
-		uint32_t wanted = lines->capacity ? 2 * lines->capacity : 1024;
-		struct lod_bone *bigger = lod_arena_take(lines->arena, wanted, sizeof *bigger);
-		if (out->count)
-			memcpy(bigger, out->items, out->count * sizeof *bigger);
-		out->items = bigger;
-		lines->capacity = wanted;
-	}
+	out->items = grown(lines, out->items, out->count, &lines->capacity, sizeof *out->items);
 	return &out->items[out->count++];
 }
 
@@ -144,15 +150,14 @@ static void lay_lines(struct lod_tube *tube, struct lines *lines, uint32_t compo
 			}
 }
 
-/* Error and colour: each vertex counts for the nearest line through its piece; lines from `own` on are this
- * component's. */
-static void measure(struct lod_tube *tube, struct lod_bones *bones, uint32_t own,
-	const struct lod_organs *organs, struct lod_arena *arena)
+/* The lines through each piece p of a slab: line[first[p] .. first[p + 1]). */
+struct through { uint32_t *first, *line; };
+
+static struct through find_lines(struct lod_tube *tube, struct lod_arena *arena)
 {
-	struct lod_light *light = lod_arena_take(arena, bones->count - own, sizeof *light);
 	uint32_t most = tube->offset[tube->triangle_count],
 		*first = lod_arena_take(arena, (size_t)most + 2, sizeof *first);
-	uint32_t *through = lod_arena_take(arena, tube->bone_count, sizeof *through);
+	uint32_t *line = lod_arena_take(arena, tube->bone_count, sizeof *line);
 	for (uint32_t b = 0; b < tube->bone_count; b++)
 		first[tube->bones[b].piece + 2]++;
 	for (uint32_t p = 2; p <= most + 1; p++)
@@ -161,31 +166,92 @@ static void measure(struct lod_tube *tube, struct lod_bones *bones, uint32_t own
 		uint32_t into = b;
 		while (tube->bones[into].merged != ECO_NONE)
 			into = tube->bones[into].merged;
-		through[first[tube->bones[b].piece + 1]++] = tube->bones[into].line;
+		line[first[tube->bones[b].piece + 1]++] = tube->bones[into].line;
 	}
+	return (struct through){ first, line };
+}
+
+/* The nearest line through a piece, and how far `p` is from its surface; ECO_NONE if there is none. */
+static uint32_t nearest_line(const struct through *through, const struct lod_bones *bones, uint32_t piece,
+	struct lod_v3 p, double *away)
+{
+	uint32_t nearest = ECO_NONE;
+	*away = INFINITY;
+	for (uint32_t i = through->first[piece]; i < through->first[piece + 1]; i++) {
+		const struct lod_bone *line = &bones->items[through->line[i]];
+		double d = distance_to(p, line->end[0], line->end[1]) - line->width / 2;
+		if (d < *away) {
+			*away = d;
+			nearest = through->line[i];
+		}
+	}
+	return nearest;
+}
+
+/* Error and colour: each vertex counts for the nearest line through its piece; lines from `own` on are this
+ * component's. */
+static void measure(struct lod_tube *tube, const struct through *through, struct lod_bones *bones,
+	uint32_t own, const struct lod_organs *organs, struct lod_arena *arena)
+{
+	struct lod_light *light = lod_arena_take(arena, bones->count - own, sizeof *light);
 	for (uint32_t t = 0; t < tube->triangle_count; t++)
 		for (uint32_t k = 0; k < 3; k++) {
-			uint32_t v = tube->corner[3 * t + k], piece = lod_tube_piece(tube, t, k);
-			struct lod_bone *nearest = NULL;
-			double best = INFINITY;
-			for (uint32_t i = first[piece]; i < first[piece + 1]; i++) {
-				struct lod_bone *line = &bones->items[through[i]];
-				double d = distance_to(lod_tube_place(tube, v), line->end[0], line->end[1])
-					- line->width / 2;
-				if (d < best) {
-					best = d;
-					nearest = line;
-				}
-			}
-			if (!nearest)
+			double away;
+			uint32_t line = nearest_line(through, bones, lod_tube_piece_at(tube, t, k),
+				lod_tube_place(tube, tube->corner[3 * t + k]), &away);
+			if (line == ECO_NONE)
 				continue;
-			nearest->error = fmax(nearest->error, best);
-			lod_light_add(&light[nearest - bones->items - own], organs->rgb[tube->member[t]],
+			bones->items[line].error = fmax(bones->items[line].error, away);
+			lod_light_add(&light[line - own], organs->rgb[tube->member[t]],
 				organs->area[tube->member[t]]);
 		}
 	for (uint32_t i = own; i < bones->count; i++) {
 		memcpy(bones->items[i].rgb, organs->components[bones->items[i].component].rgb, 3);
 		lod_light_mean(&light[i - own], bones->items[i].rgb);
+	}
+}
+
+/* ---- Spans ---- */
+
+/* Triangle t of the mesh lies along line `bone`, between the least and the greatest place of its corners. */
+static void add_span(struct lines *lines, const struct lod_mesh *mesh, uint32_t bone, uint32_t t)
+{
+	struct lod_bones *out = lines->bones;
+	const struct lod_bone *line = &out->items[bone];
+	struct lod_v3 along = lod_v3_sub(line->end[1], line->end[0]);
+	double l2 = lod_v3_dot(along, along), from = 1, to = 0;
+	for (uint32_t k = 0; k < 3; k++) {
+		double at = l2 > 0 ? lod_v3_dot(lod_v3_sub(lod_mesh_corner(mesh, t, k), line->end[0]), along) / l2
+			: 0;
+		from = fmin(from, fmax(at, 0));
+		to = fmax(to, fmin(at, 1));
+	}
+	out->spans = grown(lines, out->spans, out->span_count, &lines->span_capacity, sizeof *out->spans);
+	out->spans[out->span_count++] = (struct lod_bone_span){ bone, t, (float)from, (float)to };
+}
+
+/* Spans of triangle t: lines of all pieces that it reaches into. */
+static void add_spans(struct lines *lines, struct lod_tube *tube, const struct through *through, uint32_t t)
+{
+	struct lod_bones *bones = lines->bones;
+	uint32_t begun = bones->span_count, of_mesh = tube->member[t];
+	struct lod_v3 middle = lod_v3_scale(lod_v3_add(lod_mesh_corner(tube->mesh, of_mesh, 0),
+		lod_v3_add(lod_mesh_corner(tube->mesh, of_mesh, 1), lod_mesh_corner(tube->mesh, of_mesh, 2))), 1.0 / 3);
+	double best = INFINITY, away;
+	for (uint32_t f = tube->offset[t]; f < tube->offset[t + 1]; f++) {
+		uint32_t piece = lod_tube_piece(tube, f),
+			nearest = nearest_line(through, bones, piece, middle, &away);
+		if (nearest != ECO_NONE && away < best) {
+			best = away;
+			bones->width_at[of_mesh] = bones->items[nearest].width;
+		}
+		for (uint32_t i = through->first[piece]; i < through->first[piece + 1]; i++) {
+			uint32_t s = begun;
+			while (s < bones->span_count && bones->spans[s].bone != through->line[i])
+				s++;
+			if (s == bones->span_count)
+				add_span(lines, tube->mesh, through->line[i], of_mesh);
+		}
 	}
 }
 
@@ -256,12 +322,15 @@ static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const st
 			+ lod_v3_dot(sum, sum)) / 12;
 	}
 	line->width = 2 * sqrt(square / area);
-	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++)
+	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++) {
 		for (uint32_t k = 0; k < 3; k++)
 			line->error =
 				fmax(line->error,
 				distance_to(lod_mesh_corner(mesh, mesh->member[i], k), line->end[0],
 				line->end[1]) - line->width / 2);
+		add_span(lines, mesh, lines->bones->count - 1, mesh->member[i]);
+		lines->bones->width_at[mesh->member[i]] = line->width;
+	}
 }
 
 /* ---- All ---- */
@@ -281,7 +350,10 @@ static void make_guarded(struct lines *lines, const struct lod_mesh *mesh, const
 		}
 		lod_tube_make(&tube, mesh, organs, c, local, scratch);
 		lay_lines(&tube, lines, c);
-		measure(&tube, lines->bones, own, organs, scratch);
+		struct through through = find_lines(&tube, scratch);
+		measure(&tube, &through, lines->bones, own, organs, scratch);
+		for (uint32_t t = 0; t < tube.triangle_count; t++)
+			add_spans(lines, &tube, &through, t);
 		lod_arena_free(scratch);
 	}
 }
@@ -291,7 +363,8 @@ static void make_guarded(struct lines *lines, const struct lod_mesh *mesh, const
 void lod_bones_make(struct lod_bones *bones, const struct lod_mesh *mesh, const struct lod_organs *organs,
 	struct lod_arena *arena)
 {
-	*bones = (struct lod_bones){ 0 };
+	*bones = (struct lod_bones){ .width_at =
+		lod_arena_take(arena, mesh->triangle_count, sizeof *bones->width_at) };
 	struct lod_arena *scratch = lod_arena_take(arena, 1, sizeof *scratch);
 	struct lines *lines = lod_arena_take(arena, 1, sizeof *lines);
 	*lines = (struct lines){ .bones = bones, .arena = arena };
@@ -316,9 +389,14 @@ void lod_bones_sort(struct lod_bones *bones, uint32_t seed, struct lod_arena *ar
 		by[i] = (struct lod_keyed){ octave << 32 | (uint32_t)lod_mix(lod_mix(seed) + i), i };
 	}
 	lod_sort(arena, by, bones->count);
-	for (uint32_t i = 0; i < bones->count; i++)
+	uint32_t *place = lod_arena_take(arena, bones->count, sizeof *place);
+	for (uint32_t i = 0; i < bones->count; i++) {
 		copy[i] = bones->items[by[i].value];
+		place[by[i].value] = i;
+	}
 	if (bones->count)
 		memcpy(bones->items, copy, bones->count * sizeof *copy);
+	for (uint32_t i = 0; i < bones->span_count; i++)
+		bones->spans[i].bone = place[bones->spans[i].bone];
 	lod_arena_release(arena, mark);
 }

@@ -21,14 +21,22 @@ struct lod_bone {
 	double width, error;         /* metres; error: greatest distance of its wood beyond its surface */
 	uint32_t component;
 	uint8_t rgb[3];              /* mean of its triangles */
+	uint32_t cell;               /* that it belongs to; 0 until lod_wood_split */
 };
+
+/* The part of a bone, from 0 at its first end to 1, that a triangle of the mesh lies along. */
+struct lod_bone_span { uint32_t bone, triangle; float from, to; };
 
 struct lod_bones {
 	uint32_t count;
 	struct lod_bone *items;
+	/* Every triangle of wood has a span for each bone that stands for a part of it. */
+	uint32_t span_count;
+	struct lod_bone_span *spans;
+	double *width_at;            /* per triangle of the mesh: width of the nearest of its bones, or 0 */
 };
 
-/* Lines of all wood, component by component. Array from `arena`. */
+/* Lines of all wood, component by component. Arrays from `arena`. */
 void lod_bones_make(struct lod_bones *bones, const struct lod_mesh *mesh, const struct lod_organs *organs,
 	struct lod_arena *arena);
 

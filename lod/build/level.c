@@ -62,22 +62,23 @@ static bool has_area(const struct lod_mesh *mesh, const struct lod_corner *c)
 	return u[1] * v[2] != u[2] * v[1] || u[2] * v[0] != u[0] * v[2] || u[0] * v[1] != u[1] * v[0];
 }
 
-/* Simplifies to 1 / divisor of the triangles and appends those with area to `out`, which has room for all. */
-static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, const uint32_t *triangles,
-	uint32_t count, uint32_t divisor, double reach, bool lock_border, struct lod_arena *arena)
+/* Simplifies a part to 1 / divisor of its triangles and appends those with area to `out`, which has room for
+ * all. */
+static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, const struct lod_levels_part *part,
+	uint32_t divisor, struct lod_arena *arena)
 {
-	if (count == 0)
+	if (part->count == 0)
 		return 0;
 	struct lod_arena_piece *mark = arena->last;
 	struct wedges w;
 	uint32_t kept = 0;
-	make_wedges(&w, mesh, triangles, count, arena);
-	unsigned int *simple = lod_arena_take(arena, 3 * (size_t)count, sizeof *simple);
+	make_wedges(&w, mesh, part->triangle, part->count, arena);
+	unsigned int *simple = lod_arena_take(arena, 3 * (size_t)part->count, sizeof *simple);
 	float extent = meshopt_simplifyScale(w.position, w.count, 3 * sizeof(float));
-	float error = extent > 0 ? (float)(reach / mesh->step / extent) : 1;
-	size_t indices = meshopt_simplify(simple, w.index, 3 * (size_t)count, w.position, w.count,
-		3 * sizeof(float), 3 * (size_t)(count / divisor), error,
-		lock_border ? meshopt_SimplifyLockBorder : 0, NULL);
+	float error = extent > 0 ? (float)(part->reach / mesh->step / extent) : 1;
+	size_t indices = meshopt_simplify(simple, w.index, 3 * (size_t)part->count, w.position, w.count,
+		3 * sizeof(float), 3 * (size_t)(part->count / divisor), error,
+		part->keep_border ? meshopt_SimplifyLockBorder : 0, NULL);
 	for (size_t i = 0; i + 2 < indices; i += 3) {
 		struct lod_corner c[3] = { w.corner[simple[i]], w.corner[simple[i + 1]],
 			w.corner[simple[i + 2]] };
@@ -91,19 +92,20 @@ static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, co
 }
 
 void lod_levels_make(struct lod_levels *levels, const struct lod_mesh *mesh,
-	const struct lod_levels_input *in, struct lod_arena *arena)
+	const struct lod_levels_part *parts, uint32_t part_count, struct lod_arena *arena)
 {
 	static const uint32_t divisors[LOD_LEVELS_SIMPLE] = { 16, 4 };
-	uint32_t all = in->whole_count + in->cut_count, finer = all;
-	struct { struct lod_corner *corner; uint32_t count; } made[LOD_LEVELS_SIMPLE];
+	uint32_t finer = 0;
+	struct { struct lod_corner *corner; uint32_t count; } made[LOD_LEVELS_SIMPLE] = { { NULL, 0 } };
 	bool pays[LOD_LEVELS_SIMPLE];
 	*levels = (struct lod_levels){ 0 };
+	for (uint32_t p = 0; p < part_count; p++)
+		finer += parts[p].count;
 	for (uint32_t i = 0; i < LOD_LEVELS_SIMPLE; i++) {
-		made[i].corner = lod_arena_take(arena, 3 * (size_t)all, sizeof *made[i].corner);
-		made[i].count = simplify(made[i].corner, mesh, in->whole, in->whole_count, divisors[i],
-			in->reach, false, arena);
-		made[i].count += simplify(made[i].corner + 3 * (size_t)made[i].count, mesh, in->cut,
-			in->cut_count, divisors[i], in->reach, true, arena);
+		made[i].corner = lod_arena_take(arena, 3 * (size_t)finer, sizeof *made[i].corner);
+		for (uint32_t p = 0; p < part_count; p++)
+			made[i].count += simplify(made[i].corner + 3 * (size_t)made[i].count, mesh, &parts[p],
+				divisors[i], arena);
 	}
 	for (uint32_t i = LOD_LEVELS_SIMPLE; i-- > 0;) {
 		pays[i] = made[i].count >= LEAST && made[i].count <= PAYS * finer;

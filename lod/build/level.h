@@ -2,10 +2,13 @@
  * them.
  *
  * Wood is never pruned into holes (a missing piece of branch is noticed at once), so its levels are exchanged
- * as a whole. Where a cell cuts a component the cut's border is kept, so that cells of different levels
- * meet. */
+ * as a whole. Branches of similar width are simplified together, by an error in proportion to that width: one
+ * error for all of them would take the thin ones away. Where a cell or a width ends the border is kept, so that
+ * different levels meet. */
 #ifndef LOD_LEVEL_H
 #define LOD_LEVEL_H
+
+#include <stdbool.h>
 
 #include "lod/build/weld.h"
 
@@ -19,18 +22,19 @@ struct lod_levels {
 	struct lod_corner *corner[LOD_LEVELS_SIMPLE];    /* 3 per triangle */
 };
 
-struct lod_levels_input {
-	/* Triangles of the mesh: of components that lie here as a whole, and of others. */
-	const uint32_t *whole, *cut;
-	uint32_t whole_count, cut_count;
+/* Triangles of the mesh that are simplified together, since they belong to branches of similar width. */
+struct lod_levels_part {
+	const uint32_t *triangle;
+	uint32_t count;
 	/* Metres by which the surface may move, less than a tube's radius, beyond which it would lose its
 	 * form. */
 	double reach;
+	bool keep_border;            /* neighbours of its triangles are in other parts, or in other cells */
 };
 
 /* Vertex counts ascend strictly, and each level has at most 70 % of the next one's triangles. Arrays from
  * `arena`. */
 void lod_levels_make(struct lod_levels *levels, const struct lod_mesh *mesh,
-	const struct lod_levels_input *input, struct lod_arena *arena);
+	const struct lod_levels_part *parts, uint32_t part_count, struct lod_arena *arena);
 
 #endif

@@ -388,6 +388,7 @@ static void build(struct lod_build *b)
 	enter(b, LOD_STAGE_LISTS);
 	find_groups(b);
 	find_cells(b);
+	lod_wood_split(b);
 	lod_leaves_represent(b);
 	make_palette(b);
 	advance(b, 0.92);

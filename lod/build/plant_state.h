@@ -28,7 +28,7 @@ struct lod_build {
 	struct lod_mesh mesh;
 	struct lod_organs organs;
 	struct lod_elements elements;
-	struct lod_bones bones;
+	struct lod_bones bones, parts;       /* of the plant; those of its cells (lod_wood_split) */
 	struct lod_cells cells;
 	struct lod_palette palette;
 	struct lod_draft draft;
@@ -37,6 +37,7 @@ struct lod_build {
 	uint32_t group_count;
 	struct lod_group *groups;
 	uint32_t *group_of_component;        /* wood's */
+	bool *cut;                   /* per component: of several widths or cells */
 
 	/* leaves, per element */
 	struct lod_v3 *center;
@@ -59,6 +60,10 @@ struct eco_ladder *lod_build_ladder(struct lod_build *build, const struct lod_gr
 void lod_leaves_measure(struct lod_build *build);
 enum eco_code lod_leaves_order(struct lod_build *build, struct eco_error *error);
 void lod_leaves_represent(struct lod_build *build);
+
+/* Lines of cells: each is the part of a bone that a cell's triangles lie along, so that a cell's lines, levels
+ * and triangles show the same wood, whatever its neighbours draw. */
+void lod_wood_split(struct lod_build *build);
 
 /* Whole-plant ladders, then those of cells. */
 void lod_leaves_ladders(struct lod_build *build, const struct lod_group *group, bool cells);

@@ -3,34 +3,93 @@
 #include <string.h>
 
 #include "lod/build/plant_state.h"
+#include "lod/sort.h"
 
 #define FAR_LINES 1024u          /* of the whole plant, the largest */
-#define LEVEL_RADII 0.75         /* mean tube radii by which simplified levels may differ */
+#define LEVEL_RADII 0.6          /* mean tube radii of a part by which its simplified levels may differ */
 
 struct region { struct lod_line *lines; uint32_t count; double length, area, error; };
 
-/* A line is in the cell of its triangles: its component's if that is kept whole, else that of its middle. */
-static uint32_t cell_of_bone(const struct lod_build *b, const struct lod_bone *bone)
+/* Width of the branch that a triangle of wood belongs to, metres; of a component that is kept whole, its mean. */
+static double width_at(const struct lod_build *b, uint32_t t)
 {
-	const struct lod_mesh *mesh = &b->mesh;
-	if (lod_build_whole(&b->organs.components[bone->component]))
-		return b->cell_of_triangle[mesh->member[mesh->member_first[bone->component]]];
-	return lod_build_cell(b, lod_v3_mix(bone->end[0], bone->end[1], 0.5));
+	const struct lod_component *component = &b->organs.components[b->mesh.component[t]];
+	return b->bones.width_at[t] > 0 && !lod_build_whole(component) ? b->bones.width_at[t]
+		: 2 * component->radius;
 }
 
-/* Lines of the group in `cell` (ECO_NONE: anywhere), in order, at most `most`; length, area and error are of
- * all of them. */
+/* Triangles of one part are simplified together: branches whose widths are in one octave, and components that
+ * are whole apart from those that are cut. */
+static uint64_t part_of(const struct lod_build *b, uint32_t t)
+{
+	int octave;
+	frexp(width_at(b, t), &octave);
+	return (uint64_t)b->cut[b->mesh.component[t]] << 32 | (uint32_t)(octave + 4096);
+}
+
+/* Components whose triangles are in several cells or parts. */
+static void find_cut(struct lod_build *b)
+{
+	const struct lod_mesh *mesh = &b->mesh;
+	b->cut = lod_arena_take(&b->arena, mesh->component_count, sizeof *b->cut);
+	for (uint32_t c = 0; c < mesh->component_count; c++) {
+		bool cut = false;
+		uint32_t first = mesh->member[mesh->member_first[c]];
+		for (uint32_t i = mesh->member_first[c]; i < mesh->member_first[c + 1]; i++)
+			cut = cut || b->cell_of_triangle[mesh->member[i]] != b->cell_of_triangle[first]
+				|| part_of(b, mesh->member[i]) != part_of(b, first);
+		b->cut[c] = cut;
+	}
+}
+
+/* Spans of one bone in one cell follow each other; together they are one line of that cell. */
+void lod_wood_split(struct lod_build *b)
+{
+	const struct lod_bones *bones = &b->bones;
+	struct lod_bones *parts = &b->parts;
+	find_cut(b);
+	*parts = (struct lod_bones){ .items =
+		lod_arena_take(&b->arena, b->cells.count ? bones->span_count : 0, sizeof *parts->items) };
+	if (b->cells.count == 0)
+		return;
+	struct lod_arena_piece *mark = b->arena.last;
+	struct lod_keyed *by = lod_arena_take(&b->arena, bones->span_count, sizeof *by);
+	for (uint32_t i = 0; i < bones->span_count; i++) {
+		const struct lod_bone_span *span = &bones->spans[i];
+		by[i] = (struct lod_keyed){ (uint64_t)span->bone << 32 | b->cell_of_triangle[span->triangle], i };
+	}
+	lod_sort(&b->arena, by, bones->span_count);
+	for (uint32_t i = 0, next; i < bones->span_count; i = next) {
+		double from = 1, to = 0;
+		for (next = i; next < bones->span_count && by[next].key == by[i].key; next++) {
+			from = fmin(from, bones->spans[by[next].value].from);
+			to = fmax(to, bones->spans[by[next].value].to);
+		}
+		const struct lod_bone *bone = &bones->items[by[i].key >> 32];
+		struct lod_bone *part = &parts->items[parts->count];
+		*part = *bone;
+		part->cell = (uint32_t)by[i].key;
+		part->end[0] = lod_v3_mix(bone->end[0], bone->end[1], from);
+		part->end[1] = lod_v3_mix(bone->end[0], bone->end[1], to);
+		parts->count += from < to;
+	}
+	lod_arena_release(&b->arena, mark);
+	lod_bones_sort(parts, b->options->seed, &b->arena);
+}
+
+/* Lines of the group in `cell` (ECO_NONE: of the whole plant), in order, at most `most`; length, area and error
+ * are of all of them. */
 static uint32_t take_lines(struct lod_build *b, const struct lod_group *group, uint32_t cell, uint32_t most,
 	struct region *region)
 {
 	uint32_t found = 0;
-	*region =
-		(struct region){ .lines = lod_arena_take(&b->arena, b->bones.count, sizeof *region->lines) };
-	for (uint32_t i = 0; i < b->bones.count; i++) {
-		const struct lod_bone *bone = &b->bones.items[i];
+	const struct lod_bones *bones = cell == ECO_NONE ? &b->bones : &b->parts;
+	*region = (struct region){ .lines = lod_arena_take(&b->arena, bones->count, sizeof *region->lines) };
+	for (uint32_t i = 0; i < bones->count; i++) {
+		const struct lod_bone *bone = &bones->items[i];
 		if (&b->groups[b->group_of_component[bone->component]] != group)
 			continue;
-		if (cell != ECO_NONE && cell_of_bone(b, bone) != cell)
+		if (cell != ECO_NONE && bone->cell != cell)
 			continue;
 		double length = lod_v3_distance(bone->end[0], bone->end[1]);
 		found++;
@@ -57,55 +116,59 @@ static void add_lines(struct lod_build *b, const struct lod_group *group, uint32
 	ladder->total = region.count < found ? found : stored;
 	ladder->length = (float)region.length;
 	ladder->epsilon = (float)region.error;
-	/* The lines of a cut component may reach into a cell without any of its triangles. */
+	/* Wood without area on the grid has lines alone. */
 	if (ladder->area <= 0)
 		ladder->area = (float)region.area;
 	lod_arena_release(&b->arena, mark);
 }
 
-/* Triangles of the group in the cell: first those of components that lie in it as a whole, then those of cut
- * components. */
+/* Triangles of the group in the cell, by the widths of their branches. */
+static uint32_t take_triangles(struct lod_build *b, const struct lod_group *group, uint32_t cell,
+	uint32_t *triangle)
+{
+	const struct lod_mesh *mesh = &b->mesh;
+	uint32_t count = 0;
+	struct lod_arena_piece *mark = b->arena.last;
+	struct lod_keyed *by = lod_arena_take(&b->arena, mesh->triangle_count, sizeof *by);
+	for (uint32_t c = 0; c < mesh->component_count; c++)
+		for (uint32_t i = mesh->member_first[c]; i < mesh->member_first[c + 1]; i++) {
+			uint32_t t = mesh->member[i];
+			if (b->organs.components[c].organ != ECO_ORGAN_WOOD || mesh->collapsed[t]
+					|| b->cell_of_triangle[t] != cell
+					|| &b->groups[b->group_of_component[c]] != group)
+				continue;
+			by[count++] = (struct lod_keyed){ part_of(b, t), t };
+		}
+	lod_sort(&b->arena, by, count);
+	for (uint32_t i = 0; i < count; i++)
+		triangle[i] = by[i].value;
+	lod_arena_release(&b->arena, mark);
+	return count;
+}
+
 static void add_triangles(struct lod_build *b, const struct lod_group *group, uint32_t cell,
 	struct eco_ladder *ladder)
 {
 	struct lod_arena_piece *mark = b->arena.last;
 	const struct lod_mesh *mesh = &b->mesh;
-	uint32_t *whole = lod_arena_take(&b->arena, mesh->triangle_count, sizeof *whole), whole_count = 0;
-	uint32_t *cut = lod_arena_take(&b->arena, mesh->triangle_count, sizeof *cut), cut_count = 0;
-	double area = 0, surface = 0, length = 0;
-	for (uint32_t c = 0; c < mesh->component_count; c++) {
-		bool same = true;
-		uint32_t from = whole_count;
-		if (b->organs.components[c].organ != ECO_ORGAN_WOOD || &b->groups[b->group_of_component[c]]
-				!= group)
-			continue;
-		for (uint32_t i = mesh->member_first[c]; i < mesh->member_first[c + 1]; i++) {
-			uint32_t t = mesh->member[i];
-			same = same && b->cell_of_triangle[t]
-				== b->cell_of_triangle[mesh->member[mesh->member_first[c]]];
-			if (mesh->collapsed[t] || b->cell_of_triangle[t] != cell)
-				continue;
-			whole[whole_count++] = t;
-			area += b->organs.area[t];
+	uint32_t *triangle = lod_arena_take(&b->arena, mesh->triangle_count, sizeof *triangle),
+		count = take_triangles(b, group, cell, triangle), part_count = 0;
+	struct lod_levels_part *parts = lod_arena_take(&b->arena, count, sizeof *parts);
+	double area = 0;
+	for (uint32_t i = 0, next; i < count; i = next) {
+		double width = 0;
+		for (next = i; next < count && part_of(b, triangle[next]) == part_of(b, triangle[i]); next++) {
+			area += b->organs.area[triangle[next]];
+			width += width_at(b, triangle[next]);
 		}
-		if (whole_count > from) {
-			surface += b->organs.components[c].area;
-			length += b->organs.components[c].length;
-		}
-		if (!same) {
-			memcpy(cut + cut_count, whole + from, (whole_count - from) * sizeof *cut);
-			cut_count += whole_count - from;
-			whole_count = from;
-		}
+		parts[part_count++] = (struct lod_levels_part){ triangle + i, next - i,
+			LEVEL_RADII * width / 2 / (next - i), b->cut[mesh->component[triangle[i]]] };
 	}
 	ladder->area = (float)area;
-	if (whole_count + cut_count) {
+	if (count) {
 		struct lod_levels levels;
-		lod_levels_make(&levels, mesh, &(struct lod_levels_input){ whole, cut, whole_count, cut_count,
-			length > 0 ? LEVEL_RADII * surface / (2 * LOD_PI * length) : 0 }, &b->arena);
-		memcpy(whole + whole_count, cut, cut_count * sizeof *cut);
-		ladder->triangles = lod_draft_wood(&b->draft, &levels, whole, whole_count + cut_count,
-			group->image, ladder);
+		lod_levels_make(&levels, mesh, parts, part_count, &b->arena);
+		ladder->triangles = lod_draft_wood(&b->draft, &levels, triangle, count, group->image, ladder);
 	}
 	lod_arena_release(&b->arena, mark);
 }

@@ -237,7 +237,7 @@ static uint32_t fragment(const struct lod_tube *tube, uint32_t t, uint32_t s)
 	return tube->offset[t] + s - low;
 }
 
-static uint32_t piece_of(struct lod_tube *tube, uint32_t f)
+uint32_t lod_tube_piece(struct lod_tube *tube, uint32_t f)
 {
 	return eco_union_root(tube->parent, f);
 }
@@ -302,7 +302,7 @@ static void cut_slabs(struct lod_tube *tube, struct lod_arena *arena)
 				f = fragment(tube, t, slab(tube, a));
 			if (at_vertex[a] == ECO_NONE)
 				at_vertex[a] = f;
-			tube->parent[piece_of(tube, f)] = piece_of(tube, at_vertex[a]);
+			tube->parent[lod_tube_piece(tube, f)] = lod_tube_piece(tube, at_vertex[a]);
 			by[3 * t + k] =
 				(struct lod_keyed){ a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a,
 				t };
@@ -316,11 +316,11 @@ static void cut_slabs(struct lod_tube *tube, struct lod_arena *arena)
 			continue;
 		uint32_t p = slab(tube, (uint32_t)by[i].key), q = slab(tube, (uint32_t)(by[i].key >> 32));
 		for (uint32_t s = p < q ? p : q; s <= (p < q ? q : p); s++)
-			tube->parent[piece_of(tube, fragment(tube, by[i].value, s))] =
-				piece_of(tube, fragment(tube, by[i - 1].value, s));
+			tube->parent[lod_tube_piece(tube, fragment(tube, by[i].value, s))] =
+				lod_tube_piece(tube, fragment(tube, by[i - 1].value, s));
 	}
 	for (uint32_t f = 0; f < total; f++) {
-		uint32_t root = piece_of(tube, f);
+		uint32_t root = lod_tube_piece(tube, f);
 		if (root != f) {
 			tube->area[root] += tube->area[f];
 			tube->area[f] = 0;
@@ -371,8 +371,8 @@ static void find_joints(struct lod_tube *tube, struct lod_arena *arena)
 			c->length = lod_v3_distance(p[0], p[1]);
 			c->slab = s;
 			by[count] =
-				(struct lod_keyed){ (uint64_t)piece_of(tube, fragment(tube, t, s - 1)) << 32
-				| piece_of(tube, fragment(tube, t, s)), count };
+				(struct lod_keyed){ (uint64_t)lod_tube_piece(tube, fragment(tube, t, s - 1)) << 32
+				| lod_tube_piece(tube, fragment(tube, t, s)), count };
 			count++;
 		}
 	}
@@ -427,7 +427,7 @@ static struct tip *find_tips(struct lod_tube *tube, int sign, struct lod_arena *
 		for (uint32_t t = 0; t < tube->triangle_count; t++)
 			for (uint32_t k = 0; k < 3; k++) {
 				uint32_t v = tube->corner[3 * t + k];
-				struct tip *tip = &tips[piece_of(tube, fragment(tube, t, slab(tube, v)))];
+				struct tip *tip = &tips[lod_tube_piece(tube, fragment(tube, t, slab(tube, v)))];
 				double level = sign * (tube->level[v] - slab(tube, v)) + 1; /* in (0, 2) */
 				if (pass == 0)
 					tip->level = fmax(tip->level, level);
@@ -652,7 +652,7 @@ void lod_tube_make(struct lod_tube *tube, const struct lod_mesh *mesh, const str
 	drop_spurs(tube);
 }
 
-uint32_t lod_tube_piece(struct lod_tube *tube, uint32_t t, uint32_t k)
+uint32_t lod_tube_piece_at(struct lod_tube *tube, uint32_t t, uint32_t k)
 {
-	return piece_of(tube, fragment(tube, t, slab(tube, tube->corner[3 * t + k])));
+	return lod_tube_piece(tube, fragment(tube, t, slab(tube, tube->corner[3 * t + k])));
 }

@@ -54,7 +54,8 @@ static inline struct lod_v3 lod_tube_place(const struct lod_tube *tube, uint32_t
 void lod_tube_make(struct lod_tube *tube, const struct lod_mesh *mesh, const struct lod_organs *organs,
 	uint32_t c, uint32_t *local, struct lod_arena *arena);
 
-/* The piece of a slab that contains vertex k of triangle t: less than offset[triangle_count]. */
-uint32_t lod_tube_piece(struct lod_tube *tube, uint32_t t, uint32_t k);
+/* The piece of a slab that contains fragment f, or vertex k of triangle t: less than offset[triangle_count]. */
+uint32_t lod_tube_piece(struct lod_tube *tube, uint32_t f);
+uint32_t lod_tube_piece_at(struct lod_tube *tube, uint32_t t, uint32_t k);
 
 #endif
