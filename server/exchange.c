@@ -17,6 +17,19 @@ static const char known_resources[] =
 	"plan, stream, species, chunks/{id} and plants/{list}";
 static const char bodies_are_many[] = "too many holdings are being received; ask again in a second";
 
+/* A page takes no parameters: its path alone is read, and what others append to a link to it is ignored. */
+static void read_target(struct srv_exchange *exchange)
+{
+	const char *raw = exchange->raw;
+	exchange->target_code = srv_target_parse(&exchange->target, raw, strcspn(raw, "?"), &exchange->error);
+	exchange->route = exchange->target_code ? NULL
+		: srv_route_find(&exchange->target, exchange->variables);
+	if (!exchange->target_code && !(exchange->route && exchange->route->is_page))
+		exchange->target_code = srv_target_parse(&exchange->target, raw, strlen(raw), &exchange->error);
+	if (exchange->target_code)
+		exchange->route = NULL;
+}
+
 struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection,
 	struct srv_lease *lease, const char *raw)
 {
@@ -33,7 +46,7 @@ struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connecti
 		free(exchange);
 		return NULL;
 	}
-	exchange->target_code = srv_target_parse(&exchange->target, raw, strlen(raw), &exchange->error);
+	read_target(exchange);
 	return exchange;
 }
 
@@ -165,8 +178,7 @@ static bool find_scene(struct srv_exchange *exchange)
 {
 	char detail[256];
 	const char *name = exchange->variables[0];
-	if (!name || exchange->route == &srv_routes[SRV_VIEWER]
-			|| exchange->route == &srv_routes[SRV_VIEWER_FILE])
+	if (!name || exchange->route->is_page)
 		return true;
 	exchange->scene =
 		srv_edition_find(exchange->edition, name, exchange->route == &srv_routes[SRV_CHUNK]);
@@ -346,8 +358,6 @@ static bool handle_head(struct srv_exchange *exchange, const char *method)
 	if (atomic_load(&host->draining))
 		return queue_problem(exchange, SRV_PROBLEM_STOPPING,
 			"the server is stopping; ask again in a moment", true);
-	exchange->route = exchange->target_code ? NULL
-		: srv_route_find(&exchange->target, exchange->variables);
 	bool takes_body = exchange->method == SRV_METHOD_POST && exchange->route == &srv_routes[SRV_STREAM];
 	enum srv_problem problem = judge_head(exchange, takes_body, &error);
 	if (problem)

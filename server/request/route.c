@@ -17,10 +17,10 @@ const struct srv_route srv_routes[SRV_RESOURCE_COUNT] = {
 	[SRV_CHUNK] = { "/v1/scenes/{scene}/chunks/{id}", "GET, HEAD, OPTIONS", READ },
 	[SRV_PLANTS] = { "/v1/scenes/{scene}/plants/{list}", "GET, HEAD, OPTIONS", READ },
 	[SRV_SPECIES] = { "/v1/scenes/{scene}/species", "GET, HEAD, OPTIONS", READ },
-	[SRV_INDEX] = { "/", "GET, HEAD, OPTIONS", READ },
-	[SRV_ICON] = { "/favicon.ico", "GET, HEAD, OPTIONS", READ },
-	[SRV_VIEWER] = { "/viewer/{file}", "GET, HEAD, OPTIONS", READ },
-	[SRV_VIEWER_FILE] = { "/viewer/{version}/{file}", "GET, HEAD, OPTIONS", READ },
+	[SRV_INDEX] = { "/", "GET, HEAD, OPTIONS", READ, .is_page = true },
+	[SRV_ICON] = { "/favicon.ico", "GET, HEAD, OPTIONS", READ, .is_page = true },
+	[SRV_VIEWER] = { "/viewer/{file}", "GET, HEAD, OPTIONS", READ, .is_page = true },
+	[SRV_VIEWER_FILE] = { "/viewer/{version}/{file}", "GET, HEAD, OPTIONS", READ, .is_page = true },
 };
 
 enum srv_method srv_method_of(const char *name)

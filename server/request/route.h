@@ -32,6 +32,7 @@ struct srv_route {
 	const char *allow;           /* value of the Allow header */
 	unsigned methods;            /* enum srv_method; HEAD goes with GET, OPTIONS with all */
 	bool is_operators;           /* and nobody else's */
+	bool is_page;                /* for people, whose links may have parameters that others appended */
 };
 extern const struct srv_route srv_routes[SRV_RESOURCE_COUNT];
 

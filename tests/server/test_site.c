@@ -148,6 +148,29 @@ UNIT_TEST(files_are_kept_for_good_at_addresses_that_name_their_content)
 	}
 }
 
+UNIT_TEST(parameters_that_others_append_to_a_link_are_ignored)
+{
+	static const char *const paths[] = { "/", "/favicon.ico", "/viewer/icon.svg",
+		"/viewer/0123abcd/icon.svg" };
+	static const char *const queries[] = { "?fbclid=IwAR0_x-1", "?utm_source=a%20b&utm_source=%C3%A4",
+		"?v=2", "?", "?v", "?V=", "?=1&&", "?%zz", "?next=/../..", "?ref=http://host/?a=b" };
+	for (size_t i = 0; i < sizeof paths / sizeof *paths; i++)
+		for (size_t k = 0; k < sizeof queries / sizeof *queries; k++) {
+			char target[128], place[128], place_without[128];
+			snprintf(target, sizeof target, "%s%s", paths[i], queries[k]);
+			struct http_answer answer = http_get(port, target), without = http_get(port, paths[i]);
+			if (answer.status != without.status || answer.size != without.size)
+				fail_msg("%s: %u\n%s", target, answer.status, answer.body);
+			assert_memory_equal(answer.body, without.body, answer.size);
+			bool moved = http_header(&answer, "Location", place, sizeof place);
+			assert_int_equal(moved, http_header(&without, "Location", place_without,
+				sizeof place_without));
+			assert_true(!moved || strcmp(place, place_without) == 0);
+			http_free(&answer);
+			http_free(&without);
+		}
+}
+
 UNIT_TEST(the_icon_is_where_browsers_ask_for_one)
 {
 	struct http_answer answer = http_get(port, "/favicon.ico");
