@@ -117,6 +117,9 @@ static void answer_viewer(struct srv_exchange *exchange, const char *version, co
 	} else if (version && strcmp(version, site->version) != 0) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE,
 			"the server has another version of the viewer: load the page again", false);
+	} else if (!page && strcmp(name, SRV_SITE_INDEX) == 0) {
+		/* its addresses are relative to where it is served */
+		srv_answer_elsewhere(&exchange->answer, version ? "../../" : "../");
 	} else if (page || version || !site->version[0]) {
 		answer_file(exchange, file, version);
 	} else {

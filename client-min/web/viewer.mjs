@@ -250,7 +250,7 @@ function open(name) {
 		return;
 	closeCard();
 	say('Loading');
-	const url = new URL(`/v1/scenes/${name}`, location.href).href, opened = token;
+	const url = new URL(`v1/scenes/${encodeURIComponent(name)}`, location.href).href, opened = token;
 	takeFirst(name).then((first) => {
 		if (settings.scene === name)
 			sendOpen({ type: 'open', url, token: opened }, first);
@@ -384,7 +384,7 @@ async function start() {
 	engine = await startEngine();
 	engine.onmessage = ({ data }) => heard[data.type](data);
 	goToAddress(null);
-	const answer = await fetch('/v1/scenes').catch(() => null);
+	const answer = await fetch('v1/scenes').catch(() => null);
 	if (!answer?.ok)
 		return say('The server does not answer; reload the page to try again.', true);
 	const { scenes } = await answer.json(), names = scenes.map(({ name }) => name);

@@ -113,11 +113,12 @@ $(W)/site/eco_client.mjs $(W)/site/eco_client.wasm: $(W)/site/%: $(W)/eco_client
 $(filter-out $(WEB_INDEX),$(WEB_PAGE)): $(W)/site/%: client-min/web/%
 	@mkdir -p $(@D)
 	cp $< $@
-# Addresses name what is there, so that browsers need not ask whether it has changed: /viewer/VERSION/NAME.
+# Addresses name what is there, so that browsers need not ask whether it has changed: viewer/VERSION/NAME. They are relative to the page,
+# which a proxy may have below a path.
 $(W)/site/version: $(WEB_FILES) client-min/web/index.html
 	cat $(sort $^) | sha256sum | cut -c 1-16 >$@
 $(WEB_INDEX): client-min/web/index.html $(W)/site/version
-	sed "s|/viewer/|&$$(cat $(W)/site/version)/|" $< >$@
+	sed "s|\"viewer/|&$$(cat $(W)/site/version)/|" $< >$@
 $(W)/site/%.gz: $(W)/site/%
 	gzip -9 -n -c $< >$@
 $(W)/site/%.br: $(W)/site/%

@@ -1,6 +1,7 @@
 #!/bin/sh
 # TLS by the proxies of server/proxy_*: as they stand there, but for ports, certificate and names of files. What comes through is what
-# ecoserve sends; what is the operator's does not; nobody gives himself another address. Status 77 where neither proxy is installed.
+# ecoserve sends; what is the operator's does not; nobody gives himself another address. The viewer's page finds its files and the scenes where
+# nginx has the server below a path. Status 77 where neither proxy is installed.
 set -u
 BUILD=${BUILD:-build}
 DIR=$(mktemp -d)
@@ -18,7 +19,15 @@ openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -subj 
 	-days 2 -keyout "$DIR/scenes.key" -out "$DIR/scenes.crt" 2>/dev/null || exit 77
 cat "$DIR/scenes.crt" "$DIR/scenes.key" >"$DIR/scenes.pem"
 
-"$BUILD/ecoserve" --listen 127.0.0.1:0 --trust-proxy 127.0.0.1 --log text "blade=$DIR/blade.eco" >"$DIR/ready" 2>"$DIR/log" &
+# the viewer as it is in the sources, of which the files that are compiled are none
+mkdir "$DIR/site"
+cp client-min/web/index.html client-min/web/*.mjs client-min/web/*.js client-min/web/*.css client-min/web/*.svg "$DIR/site"
+for file in eco_client.mjs eco_client.wasm; do echo 'stands for what is compiled' >"$DIR/site/$file"; done
+gzip -k "$DIR"/site/*
+for file in "$DIR"/site/*.gz; do cp "$file" "${file%.gz}.br"; done
+echo 0123abcd >"$DIR/site/version"
+
+"$BUILD/ecoserve" --listen 127.0.0.1:0 --viewer "$DIR/site" --trust-proxy 127.0.0.1 --log text "blade=$DIR/blade.eco" >"$DIR/ready" 2>"$DIR/log" &
 server=$!
 for _ in $(seq 100); do
 	port=$(sed -n 's/.*ready on http:.*:\([0-9]*\) .*/\1/p' "$DIR/ready")
@@ -57,6 +66,23 @@ goes_through() {
 	tried=$((tried + 1))
 }
 
+# below_a_path : the viewer by the proxy that has the server at /trees/ of $plain
+below_a_path() {
+	page=http://127.0.0.1:$plain/trees/
+	[ "$(curl -s -o "$DIR/page" -w '%{http_code}' "$page?fbclid=x&utm_source=a")" = 200 ] || complain "below a path: no page at $page?fbclid=x"
+	addresses=$(grep -oE '(src|href)="[^"]*"' "$DIR/page" | cut -d '"' -f 2)
+	[ "$(echo "$addresses" | wc -l)" -ge 12 ] || complain "below a path: the page names only $addresses"
+	for address in $addresses v1/scenes v1/scenes/blade; do
+		case $address in /*) found=${page%/trees/}$address ;; *) found=$page$address ;; esac
+		status=$(curl -sL -o /dev/null -w '%{http_code}' "$found")
+		[ "$status" = 200 ] || complain "below a path: $address is answered $status"
+	done
+	! grep -nE "^[^/]*['\"\`]/(v1|viewer)\b" client-min/web/*.mjs client-min/web/*.js || complain "below a path: these addresses are of the host's root"
+	[ "$(curl -s -o /dev/null -w '%{http_code} %{redirect_url}' "${page}viewer/eco_layer.mjs")" = "307 ${page}viewer/0123abcd/eco_layer.mjs" ] ||
+		complain "below a path: a module leads elsewhere"
+	tried=$((tried + 1))
+}
+
 free_port() { # one that nobody has now
 	python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
 }
@@ -67,16 +93,18 @@ adapt() { # FILE : as it stands, but for what the machine has
 
 if command -v nginx >/dev/null; then
 	tls=$(free_port)
+	plain=$(free_port)
 	adapt server/proxy_nginx.conf >"$DIR/ecoserve.conf"
 	{
 		[ "$(id -u)" -ne 0 ] || echo 'user root;'
 		echo "daemon off; error_log $DIR/nginx.log; pid $DIR/nginx.pid; events {} http { access_log off; include $DIR/ecoserve.conf;"
 		for kind in client_body proxy fastcgi uwsgi scgi; do echo "${kind}_temp_path $DIR/temp_$kind;"; done
-		echo '}'
+		echo "server { listen 127.0.0.1:$plain; location /trees/ { proxy_pass http://127.0.0.1:$port/; proxy_set_header Host \$host; } } }"
 	} >"$DIR/nginx.conf"
 	nginx -e "$DIR/nginx.log" -c "$DIR/nginx.conf" &
 	proxy=$!
 	goes_through nginx
+	below_a_path
 	kill $proxy; wait $proxy
 fi
 if command -v haproxy >/dev/null; then

@@ -431,9 +431,9 @@ UNIT_TEST(every_route_is_described_and_every_description_is_served)
 		unsigned status = strcmp(target, "/viewer/{file}") == 0
 			|| strcmp(target, "/favicon.ico") == 0 ? 307 : 200;
 		if (strstr(target, "{version}"))
-			sprintf(strstr(target, "{version}"), "%s/%s", sample_site.version, SRV_SITE_INDEX);
+			sprintf(strstr(target, "{version}"), "%s/%s", sample_site.version, SRV_SITE_ICON);
 		if (strstr(target, "{file}"))
-			strcpy(strstr(target, "{file}"), SRV_SITE_INDEX);
+			strcpy(strstr(target, "{file}"), SRV_SITE_ICON);
 		struct http_answer answer = http_ask(port, operation->method, target, post ? OCTETS : "",
 			post ? "\0\0\0\0" : NULL, post ? 4 : 0);
 		if (answer.status != status || !openapi_documents(operation, status))

@@ -128,22 +128,35 @@ UNIT_TEST(the_page_is_at_the_root_and_validated)
 
 UNIT_TEST(files_are_kept_for_good_at_addresses_that_name_their_content)
 {
-	struct http_answer answer = http_get(port, "/viewer/index.html");
+	struct http_answer answer = http_get(port, "/viewer/icon.svg");
 	assert_int_equal(answer.status, 307);
-	assert_header(&answer, "Location", "0123abcd/index.html");
+	assert_header(&answer, "Location", "0123abcd/icon.svg");
 	assert_header(&answer, "Cache-Control", "no-cache");
 	http_free(&answer);
-	answer = http_get(port, "/viewer/0123abcd/index.html");
+	answer = http_get(port, "/viewer/0123abcd/icon.svg");
 	assert_int_equal(answer.status, 200);
-	assert_string_equal(answer.body, "<!doctype html>");
+	assert_string_equal(answer.body, "<svg/>");
 	assert_header(&answer, "Cache-Control", "public, max-age=31536000, immutable");
 	http_free(&answer);
-	static const char *const others[] = { "/viewer/0123abce/index.html", "/viewer/0123abcd/none.mjs",
+	static const char *const others[] = { "/viewer/0123abce/icon.svg", "/viewer/0123abcd/none.mjs",
 		"/viewer/none.mjs" };
 	for (size_t i = 0; i < 3; i++) {
 		answer = http_get(port, others[i]);
 		assert_int_equal(answer.status, 404);
 		assert_header(&answer, "Cache-Control", "no-store");
+		http_free(&answer);
+	}
+}
+
+/* The page's addresses are relative to it. */
+UNIT_TEST(the_page_is_nowhere_but_at_the_root)
+{
+	static const char *const rows[][2] = { { "/viewer/index.html", "../" },
+		{ "/viewer/0123abcd/index.html", "../../" } };
+	for (size_t i = 0; i < 2; i++) {
+		struct http_answer answer = http_get(port, rows[i][0]);
+		assert_int_equal(answer.status, 307);
+		assert_header(&answer, "Location", rows[i][1]);
 		http_free(&answer);
 	}
 }

@@ -13,7 +13,7 @@ export function complain(error) {
 export async function openLayer(options) {
 	if (!given)
 		throw new Error('Say which scene: ?scene=http://127.0.0.1:8080/v1/scenes/NAME');
-	const { origin, href } = new URL('/viewer/eco_layer.mjs', given);
+	const { origin, href } = new URL('../../viewer/eco_layer.mjs', given.replace(/\/+$/, ''));
 	const { EcoLayer } = await import(href).catch((error) => {
 		throw new Error(`${origin} does not answer, or not to this page: is it running, by ecoserve --cors `
 			+ `${location.origin}? (${error.message})`);
