@@ -1,6 +1,7 @@
 // The viewer at /: which scene, where the camera is, and what people ask of it. All of it is in the address
 // (#scene=...), so that a link shows what its sender saw. A worker makes the picture (viewer_engine.mjs).
 import { Camera, cameraKeys, withModifier } from './viewer_camera.mjs';
+import { readLink, writeLink } from './viewer_link.mjs';
 import { nameSpecies, number, showFacts, showNorth, showPicked, showPlant, showReasons, showScale,
 	showWhy } from './viewer_panel.mjs';
 
@@ -13,6 +14,8 @@ const AHEAD_S = 1;                       // what a moving camera will need so so
 let engine = null, about = null, settled = true, frame = 0, movedAt = -Infinity, recording = null;
 let token = null;                        // of a scene that is not for all: #scene=NAME&token=TOKEN
 let asked = 0, drawn = null, picked = null, view = null, incompleteSince = 0, wasOffline = false;
+let faults = [], sunIsLinked = false;    // what the address has that cannot be read; whether it has a sun
+let located = null;                      // the scene whose coordinates the camera has
 
 const say = (text, error = false) => {
 	$('state').textContent = text;
@@ -22,30 +25,26 @@ const say = (text, error = false) => {
 // ---- The address ----
 
 function readAddress() {
-	const given = new URLSearchParams(location.hash.slice(1));
-	for (const key of ['scene', 'sun'])
-		settings[key] = given.get(key) ?? settings[key];
-	for (const key of ['mode', 'shadows'])
-		if ([...$(key).options].some(({ value }) => value === given.get(key)))
-			settings[key] = given.get(key);
-	for (const key of ['vertices', 'bytes', 'kind'])
-		if (given.has(key) && Number.isFinite(Number(given.get(key))))
-			settings[key] = Number(given.get(key));
-	settings.vertices = Math.min(Math.max(settings.vertices, 1), 2 ** $('vertices').max);
-	token = given.get('token') ?? token;
-	const points = ['eye', 'target'].map((key) => (given.get(key) ?? '').split(',').map(Number));
-	view = points.every((v) => v.length === 3 && v.every(Number.isFinite)) ? points : null;
+	const { values, faults: found } = readLink(location.hash), { token: given = token, view: at = null } = values;
+	for (const key of Object.keys(settings))
+		settings[key] = values[key] ?? settings[key];
+	[token, view, faults] = [given, at, found];
+	sunIsLinked = Boolean(values.sun);
+}
+
+const hasPlace = () => about?.origin?.longitude_deg !== undefined;
+
+function sayFaults() {
+	const noSun = sunIsLinked && about && !hasPlace()
+		? ["The link's sun is not used: the scene has no CRS, so its place on Earth is unknown."] : [];
+	if (faults.length || noSun.length)
+		say([...faults, ...noSun].join(' '), true);
 }
 
 function writeAddress() {
 	// before a scene is known the camera looks nowhere
-	if (!about)
-		return;
-	const text = (v) => v.map((n) => Number(n.toFixed(3))).join(',');
-	const { eye, target } = camera.view();
-	const parts = { ...settings, eye: text(eye), target: text(target) };
-	const pairs = Object.entries(parts).map(([key, value]) => `${key}=${value}`);
-	history.replaceState(null, '', `#${pairs.join('&')}`);
+	if (about)
+		history.replaceState(null, '', writeLink(settings, camera.view()));
 }
 
 // ---- Pictures ----
@@ -95,7 +94,7 @@ const redraw = () => { frame ||= requestAnimationFrame(draw); };
 function draw(now) {
 	frame = 0;
 	if (camera.step(now))
-		movedAt = now;
+		moved();
 	const moving = camera.moving() || now - movedAt < STILL_MS;
 	if (moving)
 		redraw();
@@ -119,8 +118,8 @@ function moved() {
 	redraw();
 }
 
-function lookAt(box) {
-	camera.frame(box, canvas.clientWidth / canvas.clientHeight);
+function lookAt(box, whole = false) {
+	camera.frame(box, canvas.clientWidth / canvas.clientHeight, whole);
 	moved();
 }
 
@@ -145,16 +144,22 @@ function showProgress({ complete, offline, received }) {
 		say(`Loading, ${number(received)} bytes so far`);
 }
 
-/** What a scene is: from now on views of it are asked for. */
+/** What a scene is: from now on views of it are asked for. The camera stays if the scene before lies at the same
+ * place. */
 function know(said) {
 	about = said;
 	showSettings();
 	document.title = `${about.title ?? settings.scene} – ecostream`;
 	camera.reach(about.bounds, about.near_m);
-	lookAt(about.look);
+	const stays = !view && located && camera.transfer(located, about);
+	located = about;
+	if (!stays)
+		lookAt(about.look);
 	if (view)
 		camera.look(...view);
 	settled = Boolean(view);
+	sayFaults();
+	moved();
 }
 
 /** Another may have been clicked meanwhile. */
@@ -265,8 +270,8 @@ function showSettings() {
 	$('kind').checked = settings.kind;
 	$('sun').value = settings.sun;
 	$('shadows').value = settings.shadows;
-	$('sun-row').hidden = about?.origin?.longitude_deg === undefined;
-	showNorth(about?.origin);
+	$('sun').disabled = about && !hasPlace();
+	$('sun-note').hidden = !$('sun').disabled;
 	showNorth(Boolean(about?.origin));
 	camera.setMode(settings.mode);
 	$('mode').value = settings.mode;
@@ -324,7 +329,11 @@ function save(name, blob) {
 	setTimeout(() => URL.revokeObjectURL(href), 1000);
 }
 
-const savePicture = () => engine.postMessage({ type: 'save' });
+function savePicture() {
+	if (canvas.dataset.complete !== 'true')
+		say('The picture is saved once all of it is here');
+	engine.postMessage({ type: 'save' });
+}
 
 async function copyLink() {
 	writeAddress();
@@ -335,7 +344,7 @@ async function copyLink() {
 
 function showWhole() {
 	if (about)
-		lookAt(about.bounds);
+		lookAt(about.bounds, true);
 }
 
 /** Two views a second until it is pressed again: a camera script that ecoview replays. */
@@ -377,7 +386,8 @@ function goToAddress(scenes) {
 		camera.look(...view);
 	showSettings();
 	if (!known && named)
-		say(`This server has no scene ${named}; this is ${settings.scene}.`, true);
+		faults.push(`This server has no scene ${named}; this is ${settings.scene}.`);
+	sayFaults();
 }
 
 async function start() {
@@ -393,7 +403,10 @@ async function start() {
 	if (!names.length)
 		return say('This server has no scenes.', true);
 	$('scene').replaceChildren(...names.map((name) => new Option(name)));
-	addEventListener('hashchange', () => goToAddress(names));
+	addEventListener('hashchange', () => {
+		say('');
+		goToAddress(names);
+	});
 	goToAddress(names);
 }
 
@@ -412,7 +425,7 @@ addEventListener('keydown', (event) => {
 });
 $('panel-button').onclick = togglePanel;
 $('scene').onchange = () => {
-	view = null;
+	[view, faults, sunIsLinked] = [null, [], false];
 	// so that the browser's way back leads to the scene before
 	clearTimeout(moved.timer);
 	writeAddress();
@@ -435,6 +448,7 @@ $('record').onclick = record;
 $('explain').onclick = () => engine.postMessage({ type: 'explain' });
 $('card-orbit').onclick = orbitPicked;
 $('card-close').onclick = closeCard;
+$('state').onclick = () => say('');
 start().catch((error) => say(error.message, true));
 // for tests and for the curious
-globalThis.viewer = { camera, settings, get drawn() { return drawn; }, get picked() { return picked; } };
+globalThis.viewer = { camera, settings, get about() { return about; }, get drawn() { return drawn; }, get picked() { return picked; } };

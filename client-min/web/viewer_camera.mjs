@@ -2,6 +2,7 @@
 // the ground, or flies. Mouse, touch and keyboard do the same three things: turn, move, come nearer.
 
 const FOV_Y_DEG = 45, PITCH_MAX = 1.55, TURN = 0.005, KEY_TURN = 1.2;
+const STEEP = -0.8;                      // pitch of the steepest first view
 const HAZE_M = 5200;                     // as view_sky.h has it
 const EYE_M = 1.7;                       // above the ground, of who walks
 const CLICK_PX = 6, CLICK_MS = 600;      // a pointer that moves more, or is held longer, drags
@@ -53,19 +54,35 @@ export class Camera {
 		[this.near, this.far] = [near, Math.hypot(...high.map((v, i) => v - low[i])) * 20 + 1e4];
 	}
 
-	/** Looks at a box in a picture whose width over height is `aspect`: from the south and above, as near as all
-	 * corners allow. */
-	frame({ low, high }, aspect) {
+	/** Looks at a box from the south and from above. `aspect`: the picture's width over its height; below 1 the camera
+	 * looks more from above, since a box would fill little of the height. `whole`: all corners are seen. Else, where
+	 * the width needs a larger distance than the height, the distance is the geometric mean of the two. */
+	frame({ low, high }, aspect, whole = false) {
 		const half = high.map((v, i) => (v - low[i]) / 2);
-		[this.yaw, this.pitch] = [Math.PI / 2, -0.4];
+		[this.yaw, this.pitch] = [Math.PI / 2, Math.max(-0.4 / Math.min(aspect, 1), STEEP)];
 		const [, ahead, down] = this.forward(), tan = Math.tan(FOV_Y_DEG * Math.PI / 360);
-		const distances = [-1, 1].flatMap((south) => [-1, 1].map((top) => {
-			const [y, z] = [south * half[1], top * half[2]];
-			const wide = Math.max(half[0] / aspect, Math.abs(z * ahead - y * down));
-			return wide / tan - (y * ahead + z * down);
-		}));
+		const corners = [-1, 1].flatMap((south) => [-1, 1].map((top) => [south * half[1], top * half[2]]));
+		const fits = (across) => Math.max(...corners.map((corner) => across(corner) / tan
+			- (corner[0] * ahead + corner[1] * down)), this.near * 10);
+		const wide = fits(() => half[0] / aspect), tall = fits(([y, z]) => Math.abs(z * ahead - y * down));
 		this.target = low.map((v, i) => (v + high[i]) / 2);
-		this.distance = Math.max(...distances, this.near * 10);
+		this.distance = whole || tall > wide ? Math.max(tall, wide) : Math.sqrt(tall * wide);
+	}
+
+	/** Takes the view from one scene (openapi.yaml's Scene) to another, if both lie at the same place: their bounds are
+	 * much the same, or, by a common CRS, the other has what is looked at. False: nothing changes. */
+	transfer(from, to) {
+		const way = [0, 1, 2].map((i) => (from.origin?.at[i] ?? 0) - (to.origin?.at[i] ?? 0));
+		const target = sum([this.target, way]), [a, b] = [from.bounds, to.bounds];
+		const size = ({ low, high }, i) => high[i] - low[i];
+		const common = (i) => Math.min(a.high[i] + way[i], b.high[i]) - Math.max(a.low[i] + way[i], b.low[i]);
+		const isSame = [0, 1].every((i) => common(i) >= Math.max(size(a, i), size(b, i)) / 2);
+		const isWithin = to.origin && [0, 1].every((i) => target[i] >= b.low[i] && target[i] <= b.high[i])
+			&& this.distance < 4 * Math.hypot(size(b, 0), size(b, 1));
+		if (from.origin?.crs !== to.origin?.crs || !(isSame || isWithin))
+			return false;
+		this.target = target;
+		return true;
 	}
 
 	/** Metres of haze as EcoLayer has them: the usual, unless more than a fifth of what is looked at is haze. */

@@ -10,7 +10,7 @@
 //                                                  its row, and 'explained': why so
 //   'named', once a picture is complete, brings the species that its plants stand for
 //   { type: 'explain' }                             why is the picture what it is?
-//   { type: 'save' }                                the picture as a PNG: 'saved'
+//   { type: 'save' }                                the picture as a PNG, once it is whole: 'saved'
 //
 // and from it these answers, 'drawn' with what there is to say of the picture, and 'failed'.
 import { EcoLayer } from './eco_layer.mjs';
@@ -65,8 +65,10 @@ class Engine {
 					await this.finished();
 					this.pace(performance.now() - since);
 				}
-				if (layer && layer === this.layer && !this.gl.isContextLost())
+				if (layer && layer === this.layer && !this.gl.isContextLost()) {
 					this.tell();
+					await this.offer();
+				}
 			} catch (error) {
 				// the next one may do without what was refused, as shadows
 				this.stale ||= error.message !== this.failed;
@@ -138,7 +140,7 @@ class Engine {
 		gl.clearDepth(1);
 		gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
 		const there = layer.draw(matrix, eye, size, next), { complete, offline, stream } = layer;
-		this.said = { number: wanted.number, facts: layer.facts(), complete, offline,
+		this.said = { number: wanted.number, moving, facts: layer.facts(), complete, offline,
 			received: stream.received, ahead: layer.ahead,
 			ground: stream.selected ? stream.ground(eye[0], eye[1]) : null };
 		return there;
@@ -191,8 +193,17 @@ class Engine {
 			rows: rows.slice(0, ROWS_MAX) });
 	}
 
-	async save() {
-		this.draw();
+	/** The next picture that is whole is saved: not a coarse one of a motion, nor one of which a part is to come. */
+	save() {
+		this.saving = true;
+		this.redraw();
+	}
+
+	async offer() {
+		const { moving, complete, offline } = this.said;
+		if (!this.saving || moving || !(complete || offline))
+			return;
+		this.saving = false;
 		const { canvas } = this;
 		const blob = canvas.convertToBlob ? await canvas.convertToBlob()
 			: await new Promise((done) => canvas.toBlob(done));

@@ -11,12 +11,16 @@
 		bytes: Math.min(bytes < 0 ? Infinity : bytes, 65536) };
 	const query = `eye=${eye}&target=${target}&fov_y_deg=45&${new URLSearchParams(wanted)}`;
 	const kept = (() => { try { return localStorage.getItem(`kept ${scene}`); } catch { return null; } })();
+	const { src } = document.currentScript;
+	// a preload is the page's alone: once read, the worker finds it in the browser's cache
+	fetch(new URL('eco_client.wasm', src)).then((client) => client.arrayBuffer()).catch(() => {});
 	if (HTMLCanvasElement.prototype.transferControlToOffscreen) {
-		globalThis.engine = new Worker(new URL('viewer_engine.mjs', document.currentScript.src), { type: 'module' });
+		globalThis.engine = new Worker(new URL('viewer_engine.mjs', src), { type: 'module' });
 		engine.onerror = () => { engine.failed = true; };
 	}
 	if (scene && !given.has('token')) {
-		const answer = eye && target && !kept ? fetch(`${url}/stream?${query}`) : null;
+		const numbers = [eye, target, vertices, bytes].flat();
+		const answer = numbers.every(Number.isFinite) && !kept ? fetch(`${url}/stream?${query}`) : null;
 		globalThis.first = { scene, about: fetch(url), answer, wanted,
 			view: { eye, target, up: [0, 0, 1], fov_y_deg: 45 } };
 		[first.about, answer].forEach((asked) => asked?.catch(() => {}));

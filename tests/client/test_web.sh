@@ -59,7 +59,8 @@ echo '{"plants": {"grass": {"model": "blade.obj"}}, "instances": [{"plant": "gra
 	"$dir/meadow.eco" "$dir/park.eco" "dusk=$dir/park.eco" "kinds=$dir/meadow.eco" "picture=$dir/picture.eco" \
 	"shade=$dir/picture.eco" >"$dir/ready" &
 server=$!
-trap 'kill $server 2>/dev/null' EXIT
+proxy=
+trap 'kill $server $proxy 2>/dev/null' EXIT
 for _ in $(seq 100); do grep -q ready "$dir/ready" && break; sleep 0.1; done
 url=$(sed -n 's/.*ready on \([^ ]*\) .*/\1/p' "$dir/ready")
 [ -n "$url" ] || fail "ecoserve did not start"
@@ -98,9 +99,25 @@ node tests/client/web/compare.mjs "$dir" build/web/site "$chromium" "$url/v1/sce
 	|| fail "the browser differs from ecoview"
 # the page, and that ecoview replays what it recorded
 if [ -n "$chromium" ]; then
+	below=
+	if command -v nginx >/dev/null; then
+		at=$PWD/$dir/nginx
+		mkdir "$at"
+		port=$(node -e "const s = require('net').createServer().listen(0, () => { console.log(s.address().port); s.close(); })")
+		{
+			[ "$(id -u)" -ne 0 ] || echo 'user root;'
+			echo "daemon off; pid $at/pid; events {} http { access_log off;"
+			for kind in client_body proxy fastcgi uwsgi scgi; do echo "${kind}_temp_path $at/$kind;"; done
+			echo "server { listen 127.0.0.1:$port; location /trees/ { proxy_pass $url/; } } }"
+		} >"$at/conf"
+		nginx -e "$at/log" -c "$at/conf" &
+		proxy=$!
+		below=http://127.0.0.1:$port/trees/
+		for _ in $(seq 100); do curl -sf -o /dev/null "$below" && break; sleep 0.1; done
+	fi
 	reload="cp $dir/meadow.eco $dir/next.eco && mv $dir/next.eco $dir/city.eco && kill -HUP $server"
 	node tests/client/web/viewer.mjs "$url/v1/scenes/city" "$chromium" "$dir/source-city/plants.csv" \
-		"$dir/recorded.json" "$reload" || fail "the viewer"
+		"$dir/recorded.json" "$reload" $below || fail "the viewer"
 	"$BUILD/ecoview" "$url/v1/scenes/city" --camera "$dir/recorded.json" --size 64x48 --vertices 3000 --glb \
 		--sun 2026-06-21T18:00Z -o "$dir/recorded" >/dev/null \
 		&& [ -s "$dir/recorded/frame-0001.png" ] && [ -s "$dir/recorded/frame-0001.glb" ] \

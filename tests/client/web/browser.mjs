@@ -25,7 +25,7 @@ export class Browser {
 			stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'], detached: true });
 		this.number = 0;
 		this.waiting = new Map();
-		this.complaints = [];           // of pages: exceptions, errors on their consoles, files not there
+		this.complaints = [];           // of pages: exceptions, errors on their consoles, files not there, preloads not used
 		let rest = '';
 		this.child.stdio[4].on('data', (bytes) => {
 			const parts = (rest + bytes).split('\0');
@@ -42,7 +42,8 @@ export class Browser {
 			const texts = params.args.map((arg) => arg.value ?? arg.description);
 			this.complaints.push(texts.join(' '));
 		}
-		if (method === 'Log.entryAdded' && params.entry.level === 'error')
+		if (method === 'Log.entryAdded'
+				&& (params.entry.level === 'error' || params.entry.text.includes('preload')))
 			this.complaints.push(`${params.entry.text} ${params.entry.url ?? ''}`);
 		this.waiting.get(id)?.(message);
 		this.waiting.delete(id);

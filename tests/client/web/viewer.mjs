@@ -1,13 +1,14 @@
-// viewer.mjs URL CHROMIUM PLANTS.csv SCRIPT.json RELOAD: the page at / as somebody uses it, by pointer and by
+// viewer.mjs URL CHROMIUM PLANTS.csv SCRIPT.json RELOAD [BELOW]: the page at / as somebody uses it, by pointer and by
 // keyboard. URL is the scene's, PLANTS.csv its inventory (plant, easting, northing, height_m). What was
 // recorded goes to SCRIPT.json. RELOAD is a command that gives the scene a pack of other plants. The server
-// also has scenes named park, and bare without a CRS.
+// also has scenes named park, dusk of the same pack, and bare without a CRS. BELOW is the page's address by a
+// proxy that has the server below a path.
 import { execSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { Browser } from './browser.mjs';
 import { shape } from './shape.mjs';
 
-const [url, chromium, inventory, script, reload] = process.argv.slice(2);
+const [url, chromium, inventory, script, reload, below] = process.argv.slice(2);
 const name = url.split('/').pop(), page = new URL(`/#scene=${name}`, url).href;
 const complete = "document.getElementById('picture')?.dataset.complete === 'true'";
 const rows = readFileSync(inventory, 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
@@ -98,7 +99,8 @@ async function showsItsFigures() {
 	expect(await focused() === 'panel', `the menu is open, and ${await focused()} has the focus`);
 	await browser.until("document.querySelectorAll('#species li').length > 0");
 	const two = "[...document.querySelectorAll('#species details')].find((box) => box.textContent.includes('Shown as cards-2'))";
-	await browser.until(two);
+	// a picture that comes later would take the focus from the list
+	await browser.until(`${complete} && ${two}`);
 	const both = await ask(`${two}.querySelector('summary').textContent`);
 	expect(['cards-2 and cards-3', 'cards-3 and cards-2'].includes(both), `the legend calls both ${both}`);
 	const high = `${two}.clientHeight`, low = await ask(high);
@@ -199,6 +201,22 @@ async function recordsAndSaves() {
 	const png = await saved(() => press('p'));
 	expect(png.toString('latin1', 1, 4) === 'PNG' && png.length > 10000,
 		`a picture of ${png.length} bytes`);
+}
+
+/** A picture that is asked for in a motion is saved once that has ended, and then it is the whole one. */
+async function savesWhatIsWhole() {
+	const hold = (type) => browser.send('Input.dispatchKeyEvent', { type, key: 'ArrowLeft' });
+	const moving = await saved(async () => {
+		const before = await ask('viewer.drawn.number');
+		await hold('keyDown');
+		await browser.until(`viewer.drawn.number > ${before} + 3`);
+		await press('p');
+		await ask('new Promise((done) => setTimeout(done, 300))');
+		expect(!await ask('globalThis.offered'), 'the picture of a motion is saved');
+		await hold('keyUp');
+	});
+	await browser.until(complete);
+	expect(moving.equals(await saved(() => press('p'))), 'what is saved in a motion is not the whole picture');
 }
 
 /** A link shows the same view, and what came once does not come again. */
@@ -389,15 +407,120 @@ async function takesAnotherPack() {
 	await browser.until(`${complete} && ${names} !== ${JSON.stringify(before)}`);
 }
 
-/** The scene named bare has no CRS: what needs one is not offered, and up is no north. */
+/** The scene named bare has no CRS: the page says that the sun needs one, and up is no north. */
 async function isNowhereOnEarth() {
-	const shown = (id) => ask(`getComputedStyle(document.getElementById('${id}')).display !== 'none'`);
-	expect(await shown('sun-row') && await text('north') === 'N', 'the city has no place');
-	await browser.open(new URL('/#scene=bare&vertices=-5&bytes=many', url).href, 640, 480);
+	const sun = () => ask(`(({ disabled, nextElementSibling: note }) => [disabled, note.hidden, note.textContent])(
+		document.getElementById('sun'))`);
+	const [off, noteOff] = await sun();
+	expect(!off && noteOff && await text('north') === 'N', 'the city has no place');
+	await browser.open(new URL('/#scene=bare&sun=2026-06-21T10:00Z', url).href, 640, 480);
 	await browser.until(complete);
-	expect(await ask('viewer.settings.vertices') === 1, `an address of -5 vertices asks for ${await ask('viewer.settings.vertices')}`);
-	expect(!await shown('sun-row'), 'a sun is offered without a place');
+	const [disabled, hidden, note] = await sun();
+	expect(disabled && !hidden && note.includes('CRS'), `without a place a sun is offered: ${note}`);
+	expect(await text('state').then((said) => said.includes('CRS')), 'nobody is told that the sun of a link is not used');
 	expect(await text('north') === 'Y', `without a CRS the arrow says ${await text('north')}`);
+	await ask("document.getElementById('state').click()");
+}
+
+/** What a link says is taken, in every form that is known; of a value that cannot be read the person is told. What
+ * others append is ignored. */
+async function readsLinks() {
+	const open = async (link) => {
+		await browser.open(new URL(link, url).href, 320, 240);
+		await browser.until(complete);
+		return { ...await ask('viewer.settings'), said: await text('state'), view: await ask('viewer.camera.view()'),
+			hash: await ask('location.hash') };
+	};
+	for (const [sun, taken] of [['2026-06-21T10:00Z', '2026-06-21T10:00'], ['2026-06-21T10:00', '2026-06-21T10:00'],
+		['2026-06-21T12:00+02:00', '2026-06-21T10:00'], ['2026-06-21T12:00%2B02:00', '2026-06-21T10:00'],
+		['2026-06-21T05:00:30-05:00', '2026-06-21T10:00:30'], ['', '']]) {
+		const { said, sun: got } = await open(`/#scene=city&sun=${sun}`);
+		expect(got === taken && said === '', `sun=${sun} is taken as ${got}: ${said}`);
+	}
+	for (const fault of ['sun=noon', 'sun=2026-06-21', 'sun=2026-13-21T10:00Z', 'mode=swim', 'shadows=soft', 'kind=red',
+		'vertices=-5', 'vertices=many', 'vertices=', 'vertices=1e9', 'bytes=-2', 'bytes=1.5', 'eye=1,2&target=0,0,0',
+		'eye=1,,3&target=0,0,0', 'eye=1,2,3,4&target=0,0,0']) {
+		const { said, vertices, bytes, mode } = await open(`/#scene=city&${fault}`), [first] = fault.split('&');
+		expect(said.includes(first) && said.includes('expected'), `${fault} is not said to be unreadable: ${said}`);
+		expect(vertices === 300000 && bytes === -1 && mode === 'orbit', `${fault} sets ${[vertices, bytes, mode]}`);
+	}
+	expect((await open('/#scene=city&eye=1,2,3')).said.includes('target'), 'an eye without a target is not told of');
+	expect((await open('/#scene=city&eye=1,2,3&target=1,2,3')).said.includes('one place'), 'an eye that looks nowhere is not told of');
+	const two = await open('/#scene=city&sun=noon&mode=fly&kind=x');
+	expect(two.said.includes('sun=noon') && two.said.includes('kind=x') && two.mode === 'fly', `of two values: ${two.said}`);
+	const { said, mode, view } = await open('/?fbclid=x&utm_source=a%20b#scene=city&mode=walk&eye=0,-90,40&target=0,0,5&fbclid=y&utm=z');
+	expect(said === '' && mode === 'walk' && view.target.length === 3, `what others append is told of: ${said}`);
+	await browser.until("location.hash.includes('eye=')");
+	expect(await ask("location.search === '?fbclid=x&utm_source=a%20b'"), 'the address has lost what it had');
+}
+
+/** Another scene of the same place is seen from where the camera is, one of another place from where there is something. */
+async function staysAtThePlace() {
+	const choose = async (scene) => {
+		await ask(`{ const box = document.getElementById('scene');
+			box.value = '${scene}'; box.dispatchEvent(new Event('change')); }`);
+		await browser.until(`viewer.about && viewer.settings.scene === '${scene}' && ${complete}`);
+	};
+	const apart = (a, b) => Math.hypot(...a.map((v, i) => v - b[i]));
+	await browser.open(new URL('/#scene=park', url).href, 640, 480);
+	await browser.until(complete);
+	await ask('viewer.camera.look([10, -40, 30], [3, 4, 10])');
+	await choose('dusk');
+	const dusk = await ask('viewer.camera.view()');
+	expect(apart(dusk.eye, [10, -40, 30]) < 1e-6 && apart(dusk.target, [3, 4, 10]) < 1e-6,
+		`another scene of the place is seen from ${dusk.eye}`);
+	await choose('bare');
+	expect(apart((await ask('viewer.camera.view()')).target, [0, 0, 0.5]) < 1, 'a scene of another place is not looked at');
+	const box = (x, y, size) => ({ low: [x, y, 0], high: [x + size, y + size, 20] });
+	const here = { crs: 'EPSG:32632', at: [1000, 2000, 500] }, there = { crs: 'EPSG:32632', at: [1100, 2000, 490] };
+	const elsewhere = { crs: 'EPSG:32633', at: [1000, 2000, 500] };
+	for (const [from, to, at] of [
+		[[here, box(0, 0, 100)], [here, box(0, 0, 100)], [50, 50, 0]],
+		[[here, box(0, 0, 100)], [there, box(-100, 0, 100)], [-50, 50, 10]],
+		[[here, box(0, 0, 100)], [here, box(30, 30, 40)], [50, 50, 0]],
+		[[here, box(0, 0, 100)], [here, box(-5000, -5000, 10000)], [50, 50, 0]],
+		[[null, box(0, 0, 100)], [null, box(5, 0, 90)], [50, 50, 0]],
+		[[here, box(0, 0, 100)], [there, box(0, 0, 100)], null],
+		[[here, box(0, 0, 100)], [elsewhere, box(0, 0, 100)], null],
+		[[here, box(0, 0, 100)], [null, box(0, 0, 100)], null],
+		[[here, box(0, 0, 100)], [here, box(49, 49, 2)], null],
+		[[null, box(0, 0, 100)], [null, box(40, 40, 30)], null]]) {
+		const scene = ([origin, bounds]) => JSON.stringify({ origin, bounds });
+		const [stays, target] = await ask(`(() => { const { camera } = viewer; camera.look([50, -100, 80], [50, 50, 0]);
+			return [camera.transfer(${scene(from)}, ${scene(to)}), camera.target]; })()`);
+		expect(stays === Boolean(at) && apart(target, at ?? [50, 50, 0]) < 1e-6, `from ${scene(from)} to ${scene(to)}: ${target}`);
+	}
+}
+
+/** On a phone, too, the first view fills much of the picture, and H shows all of the scene. */
+async function fillsAPhone() {
+	/** How much of the picture's height, and of its width, a box takes. */
+	const shares = ({ low, high }, [width, height]) => ask(`(() => {
+		const m = viewer.camera.matrix(${width / height}), [low, high] = ${JSON.stringify([low, high])};
+		const at = [0, 1, 2, 3, 4, 5, 6, 7].map((n) => [0, 1, 2].map((i) => (n >> i & 1 ? high : low)[i]))
+			.map(([x, y, z]) => [0, 1, 3].map((row) => m[row] * x + m[4 + row] * y + m[8 + row] * z + m[12 + row]));
+		return [1, 0].map((axis) => { const all = at.map((p) => p[axis] / p[2]);
+			return [(Math.max(...all) - Math.min(...all)) / 2, Math.max(...all.map(Math.abs))]; });
+	})()`);
+	for (const [width, height, mobile] of [[390, 844, true], [360, 740, true], [1280, 720, false], [844, 390, true]]) {
+		await browser.open(page, width, height, { mobile });
+		await browser.until(complete);
+		const { look, bounds } = await ask(`fetch('${url}').then((a) => a.json())`);
+		const [[fills]] = await shares(look, [width, height]);
+		expect(fills > 0.4, `at ${width} x ${height} the first view fills ${fills} of the height`);
+		await press('h');
+		const [[, high], [, wide]] = await shares(bounds, [width, height]);
+		expect(Math.max(high, wide) < 1.001, `at ${width} x ${height} the whole scene takes ${[high, wide]}`);
+	}
+}
+
+/** Behind a proxy that has the server below a path the page shows what it shows at the root. */
+async function showsBelowAPath() {
+	await browser.open(`${below}?utm_source=a`, 640, 480);
+	await browser.until(`viewer.drawn?.facts && ${complete}`);
+	await browser.open(`${below}#scene=park&eye=10,-40,30&target=3,4,10`, 640, 480);
+	await browser.until(`viewer.drawn?.facts && ${complete}`);
+	expect(await ask(`location.href.startsWith('${below}#scene=park')`), 'the page leaves its path');
 }
 
 /** One finger turns, two move and come nearer, a tap says what is there. */
@@ -485,11 +608,6 @@ async function saysAnyName() {
 try {
 	await browser.open(page, 640, 480);
 	await browser.until(complete);
-	// the page may ask for the client ahead, but only the worker uses it
-	const loaded = await ask(`performance.getEntriesByType('resource')
-		.filter(({ initiatorType }) => initiatorType !== 'link').map(({ name }) => name).join()`);
-	expect(loaded.includes('/v1/scenes') && !loaded.includes('.wasm'),
-		`the page decodes by itself: it fetched ${loaded}`);
 	await picksAPlant();
 	await showsItsFigures();
 	await movesByKeyboard();
@@ -497,6 +615,7 @@ try {
 	await hasASun();
 	await walks();
 	await recordsAndSaves();
+	await savesWhatIsWhole();
 	await comesBack();
 	await goesBack();
 	await leavesThePageFree();
@@ -507,6 +626,12 @@ try {
 	await saysAnyName();
 	const state = await text('state');
 	expect(state === '', `the page reports: ${state}`);
+	expect(!browser.complaints.length, browser.complaints.join('\n'));
+	await readsLinks();
+	await staysAtThePlace();
+	await fillsAPhone();
+	if (below)
+		await showsBelowAPath();
 	expect(!browser.complaints.length, browser.complaints.join('\n'));
 	await looksAtTheFirst();
 	await looksAhead();

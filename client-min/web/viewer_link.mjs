@@ -1,0 +1,72 @@
+// A link to a view: the part of the page's address after #, as NAME=VALUE&NAME=VALUE. Names that are not known
+// are ignored, as others append theirs to links; a value that cannot be read is reported.
+
+const VERTICES_MAX = 2 ** 24, SAID_MAX = 40;
+const TIME = /^(\d{4}-\d\d-\d\dT\d\d:\d\d)(:\d\d)?(Z|[+-]\d\d:?\d\d)?$/;
+
+const text = (value) => value;
+const choice = (...choices) => (value) => choices.includes(value) ? value : undefined;
+
+function whole(least, most) {
+	return (value) => {
+		const number = value.trim() === '' ? NaN : Number(value);
+		return Number.isInteger(number) && number >= least && number <= most ? number : undefined;
+	};
+}
+
+function point(value) {
+	const parts = value.split(',').map((part) => part.trim() === '' ? NaN : Number(part));
+	return parts.length === 3 && parts.every(Number.isFinite) ? parts : undefined;
+}
+
+/** A time as ecoview's --sun has it, or without a zone, which is UTC. '' is no time. */
+function time(value) {
+	// + is a space in a query
+	const [, minute, second = '', zone = 'Z'] = TIME.exec(value.replace(' ', '+')) ?? [];
+	const ms = Date.parse(`${minute}${second}${zone.replace(/(\d\d)(\d\d)$/, '$1:$2')}`);
+	return value === '' ? '' : Number.isNaN(ms) ? undefined : new Date(ms).toISOString().slice(0, second ? 19 : 16);
+}
+
+const A_POINT = 'X,Y,Z in metres';
+/** What reads a value, or finds it undefined, and what is expected of it. */
+const readers = {
+	scene: [text],
+	token: [text],
+	mode: [choice('orbit', 'walk', 'fly'), 'orbit, walk or fly'],
+	vertices: [whole(1, VERTICES_MAX), `a whole number from 1 to ${VERTICES_MAX}`],
+	bytes: [whole(-1, Number.MAX_SAFE_INTEGER), 'a whole number, -1 for no limit'],
+	kind: [whole(0, 1), '0 or 1'],
+	sun: [time, 'a time such as 2026-06-21T10:00Z'],
+	shadows: [choice('none', 'standard', 'perspective'), 'none, standard or perspective'],
+	eye: [point, A_POINT],
+	target: [point, A_POINT],
+};
+
+/** { values, faults }: what a link says, by name, and a sentence for each value that cannot be read. */
+export function readLink(hash) {
+	const given = new URLSearchParams(hash.replace(/^#/, '')), values = {}, faults = [];
+	for (const [name, [read, expected]] of Object.entries(readers)) {
+		const value = given.has(name) ? read(given.get(name)) : null;
+		if (value === undefined)
+			faults.push(`The link's ${name}=${given.get(name).slice(0, SAID_MAX)} cannot be read: `
+				+ `${expected} is expected.`);
+		else if (value !== null)
+			values[name] = value;
+	}
+	const { eye, target } = values;
+	if (given.has('eye') !== given.has('target'))
+		faults.push('The link has one of eye and target: both are needed.');
+	else if (eye && target && eye.every((v, i) => v === target[i]))
+		faults.push("The link's eye and target are one place.");
+	else if (eye && target)
+		values.view = [eye, target];
+	return { values, faults };
+}
+
+/** The link of settings, which have the names above, and a view. */
+export function writeLink({ scene, sun, ...settings }, { eye, target }) {
+	const place = (v) => v.map((n) => Number(n.toFixed(3))).join(',');
+	const parts = { scene: encodeURIComponent(scene), ...settings, sun: sun && `${sun}Z`, eye: place(eye),
+		target: place(target) };
+	return `#${Object.entries(parts).map(([key, value]) => `${key}=${value}`).join('&')}`;
+}
