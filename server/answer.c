@@ -182,6 +182,17 @@ void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file
 	add_validators(answer, validators, immutable ? "public, " IMMUTABLE : "no-cache");
 }
 
+void srv_answer_no_page(struct srv_answer *answer, const char *html)
+{
+	size_t size = strlen(html);
+	*answer = (struct srv_answer){ .status = MHD_HTTP_NOT_FOUND, .size_bytes = size,
+		.response = MHD_create_response_from_buffer(size, (void *)html, MHD_RESPMEM_PERSISTENT) };
+	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "text/html; charset=utf-8");
+	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
+	add_header(answer, "Content-Security-Policy",
+		"default-src 'none'; base-uri 'none'; form-action 'none'");
+}
+
 void srv_answer_elsewhere(struct srv_answer *answer, const char *location)
 {
 	answer_empty(answer, MHD_HTTP_TEMPORARY_REDIRECT);

@@ -72,6 +72,8 @@ void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32
  * content. */
 void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file, enum srv_form form,
 	bool immutable, const struct srv_validators *validators);
+/* A page that says that there is none (404). */
+void srv_answer_no_page(struct srv_answer *answer, const char *html);
 /* What is asked for is elsewhere for now. */
 void srv_answer_elsewhere(struct srv_answer *answer, const char *location);
 

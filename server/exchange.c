@@ -25,7 +25,8 @@ static void read_target(struct srv_exchange *exchange)
 	exchange->route = exchange->target_code ? NULL
 		: srv_route_find(&exchange->target, exchange->variables);
 	if (!exchange->target_code && !(exchange->route && exchange->route->is_page))
-		exchange->target_code = srv_target_parse(&exchange->target, raw, strlen(raw), &exchange->error);
+		exchange->target_code = srv_target_parse(&exchange->target, raw, strlen(raw),
+			&exchange->error);
 	if (exchange->target_code)
 		exchange->route = NULL;
 }

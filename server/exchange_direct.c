@@ -107,7 +107,9 @@ static void answer_viewer(struct srv_exchange *exchange, const char *version, co
 	bool page = exchange->route == &srv_routes[SRV_INDEX];
 	const char *folder = exchange->route == &srv_routes[SRV_ICON] ? "viewer/" : "";
 	char location[16 + SRV_SITE_VERSION_BYTES + SRV_SITE_NAME_BYTES];
-	if (!file) {
+	if (!file && page) {
+		srv_answer_no_page(&exchange->answer, srv_site_missing);
+	} else if (!file) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE,
 			site && site->count
 				? "the viewer has no such file"

@@ -135,7 +135,8 @@ static const struct eco_option options[] = {
 			"X-Forwarded-For says who asks" },
 	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &given.viewer,
 		.help = "what / shows in a browser: the folder that `make web` makes, build/web/site; if not "
-			"given, that one beside this program, or where `make install` put it" },
+			"given, that one beside this program, or where `make install` put it; without any, / "
+			"says how to get it" },
 	{ "token", 0, ECO_OPTION_READ, "SCENE=FILE", &given.access, .read = read_token,
 		.help = "the scene is for whoever sends the token that is the first line of FILE "
 			"(Authorization: Bearer); may be given more than once" },
@@ -174,8 +175,8 @@ static const struct eco_command command = { .name = "ecoserve",
 	.says = "Serves packs made by ecopack over HTTP.",
 	.options = options,
 	.notes =
-		"Prints one line when ready, with the names. SIGTERM and SIGINT finish running answers "
-		"(for at most 10 s) and end; a second one "
+		"Prints one line when ready, with the names, and whether the viewer is missing. SIGTERM and "
+		"SIGINT finish running answers (for at most 10 s) and end; a second one "
 		"ends at once. SIGHUP, or POST /v1/admin/reload, reads packs and folders again: what has "
 		"changed is served to who comes from then on, and what is not well leaves the scene as it "
 		"was.\n"
@@ -183,12 +184,13 @@ static const struct eco_command command = { .name = "ecoserve",
 		"capitals, as ECOSERVE_PLAN_WORK=5), the file of --config.\n"
 		"ECO_TRACE=plan,cuts,cache,connection prints on stderr why things are as they are.\n" };
 
-static enum eco_code announce(const char *what, const struct srv_store *store, struct eco_error *error)
+static enum eco_code announce(const char *what, const struct srv_store *store, const char *rest,
+	struct eco_error *error)
 {
 	bool bad = printf("ecoserve: %s (%u scene%s", what, store->count, store->count == 1 ? "" : "s") < 0;
 	for (uint32_t i = 0; i < store->count && i < NAMES_SHOWN; i++)
 		bad |= printf("%s%s", i ? ", " : " named ", store->scenes[i]->name) < 0;
-	if (printf("%s)\n", store->count > NAMES_SHOWN ? ", ..." : "") < 0 || fflush(stdout) || bad)
+	if (printf("%s)%s\n", store->count > NAMES_SHOWN ? ", ..." : "", rest) < 0 || fflush(stdout) || bad)
 		return eco_fail(error, ECO_IO, "cannot write to stdout: who started this does not want to "
 			"know");
 	return ECO_OK;
@@ -276,7 +278,8 @@ static enum eco_code serve_scenes(struct srv_store *store, const sigset_t *signa
 	if (code)
 		return code;
 	snprintf(what, sizeof what, "ready on %s", srv_daemon_url(daemon));
-	code = announce(what, store, error);
+	code = announce(what, store, srv_site_find(given.config.site, SRV_SITE_INDEX) ? ""
+		: "; the viewer is missing, `make web` builds it", error);
 	srv_store_free(store);
 	if (!code)
 		serve(daemon, signals);
@@ -321,7 +324,7 @@ static enum eco_code run(struct eco_error *error)
 	code = code ? code : srv_access_check(&given.access, &store, error);
 	code = code ? code : srv_caps_check(&given.caps, &store, error);
 	if (!code)
-		code = given.only_check ? announce("the configuration is good", &store, error)
+		code = given.only_check ? announce("the configuration is good", &store, "", error)
 			: serve_scenes(&store, &signals, error);
 	srv_store_free(&store);
 	srv_site_free(&site);

@@ -11,6 +11,17 @@
 
 const char *const srv_form_names[SRV_FORM_COUNT] = { NULL, "gzip", "br" };
 
+const char srv_site_missing[] =
+	"<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
+	"<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+	"<meta name=\"color-scheme\" content=\"light dark\">\n<title>ecoserve: no viewer</title>\n"
+	"<h1>This server has no viewer</h1>\n"
+	"<p>The viewer shows scenes in a browser. It is built apart from ecoserve: run <code>make web</code> "
+	"in the source tree of ecostream, some minutes, once, and start ecoserve again. It finds the viewer in "
+	"<code>web/site</code> beside itself, or in the folder of <code>ecoserve --viewer DIR</code>.</p>\n"
+	"<p>Scenes are served without it: <a href=\"v1/scenes\">v1/scenes</a> lists them, and "
+	"<code>ecoview</code> draws them.</p>\n</html>\n";
+
 static const struct { const char *extension, *type; } types[] = {
 	{ ".html", "text/html; charset=utf-8" }, { ".css", "text/css; charset=utf-8" },
 	{ ".js", "text/javascript; charset=utf-8" }, { ".mjs", "text/javascript; charset=utf-8" },

@@ -171,7 +171,8 @@ UNIT_TEST(parameters_that_others_append_to_a_link_are_ignored)
 		for (size_t k = 0; k < sizeof queries / sizeof *queries; k++) {
 			char target[128], place[128], place_without[128];
 			snprintf(target, sizeof target, "%s%s", paths[i], queries[k]);
-			struct http_answer answer = http_get(port, target), without = http_get(port, paths[i]);
+			struct http_answer answer = http_get(port, target);
+			struct http_answer without = http_get(port, paths[i]);
 			if (answer.status != without.status || answer.size != without.size)
 				fail_msg("%s: %u\n%s", target, answer.status, answer.body);
 			assert_memory_equal(answer.body, without.body, answer.size);
