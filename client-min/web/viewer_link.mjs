@@ -2,7 +2,7 @@
 // are ignored, as others append theirs to links; a value that cannot be read is reported.
 
 const VERTICES_MAX = 2 ** 24, SAID_MAX = 40;
-const TIME = /^(\d{4}-\d\d-\d\dT\d\d:\d\d)(:\d\d)?(Z|[+-]\d\d:?\d\d)?$/;
+const TIME = /^(\d{4}-\d\d-\d\dT\d\d:\d\d)(:\d\d(?:\.\d+)?)?(Z|[+-]\d\d:?\d\d)?$/;
 
 const text = (value) => value;
 const choice = (...choices) => (value) => choices.includes(value) ? value : undefined;
@@ -19,7 +19,7 @@ function point(value) {
 	return parts.length === 3 && parts.every(Number.isFinite) ? parts : undefined;
 }
 
-/** A time as ecoview's --sun has it, or without a zone, which is UTC. '' is no time. */
+/** A time as ecoview's --sun has it, with parts of seconds or without a zone, too: that is UTC. '' is no time. */
 function time(value) {
 	// + is a space in a query
 	const [, minute, second = '', zone = 'Z'] = TIME.exec(value.replace(' ', '+')) ?? [];
