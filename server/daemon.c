@@ -26,6 +26,7 @@ struct srv_daemon {
 	struct srv_host host;
 	struct MHD_Daemon *http;
 	struct srv_endpoint endpoint;
+	atomic_bool reload_waits, reload_cancelled;
 };
 
 /* ---- Callbacks ---- */
@@ -161,13 +162,6 @@ static enum eco_code start_http(struct srv_daemon *daemon, struct eco_error *err
 	return ECO_OK;
 }
 
-/* Before a scene is shown, so that no request waits for it. */
-static void find_typical(const struct srv_store *store)
-{
-	for (uint32_t i = 0; i < store->count; i++)
-		srv_typical_work(store->scenes[i]);
-}
-
 enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config *config,
 	const struct srv_store *store, struct eco_error *error)
 {
@@ -180,7 +174,7 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 	daemon->host.id_seed = (uint64_t)getpid() ^ srv_clock_us() << 20;
 	pthread_mutex_init(&daemon->host.reloading, NULL);
 	fill_defaults(&daemon->host.config);
-	find_typical(store);
+	srv_typical_find_all(store, NULL);       /* so that no request waits for it */
 	enum eco_code code = config->endpoint ? ECO_OK
 		: srv_endpoint_open(&daemon->endpoint, config->listen, error);
 	if (!code)
@@ -236,18 +230,20 @@ struct srv_counts srv_daemon_counts(const struct srv_daemon *daemon)
 
 enum eco_code srv_host_reload(struct srv_host *host, struct srv_reload *report, struct eco_error *error)
 {
-	const struct srv_sources *sources = host->config.sources;
+	struct srv_sources sources = { .count = 0 };
 	enum srv_log_form form = (enum srv_log_form)host->config.log_form;
 	struct srv_store store;
 	*report = (struct srv_reload){ 0 };
-	if (!sources)
+	if (!host->config.sources)
 		return eco_fail(error, ECO_UNSUPPORTED, "this server has nothing to load again");
+	sources = *host->config.sources;
+	sources.cancelled = &host->draining;
 	pthread_mutex_lock(&host->reloading);
 	struct srv_edition *before = srv_catalog_hold(host->catalog);
 	uint64_t now_us = srv_clock_us(), until_us = now_us + host->config.keep_s * 1000000;
-	enum eco_code code = srv_sources_load(sources, &before->store, &store, report, error);
-	if (!code)
-		find_typical(&store);
+	enum eco_code code = srv_sources_load(&sources, &before->store, &store, report, error);
+	if (!code && !srv_typical_find_all(&store, sources.cancelled))
+		code = eco_fail(error, ECO_INTERRUPTED, "the server is stopping");
 	if (!code)
 		code = srv_catalog_replace(host->catalog, &store, until_us, now_us, error);
 	srv_store_free(&store);
@@ -264,17 +260,35 @@ enum eco_code srv_host_reload(struct srv_host *host, struct srv_reload *report, 
 	return code;
 }
 
-enum eco_code srv_daemon_reload(struct srv_daemon *daemon, struct eco_error *error)
+static void reload(void *argument)
 {
+	struct srv_daemon *daemon = argument;
 	struct srv_reload report;
-	return srv_host_reload(&daemon->host, &report, error);
+	struct eco_error error = { 0 };
+	atomic_store(&daemon->reload_waits, false);
+	srv_host_reload(&daemon->host, &report, &error);
 }
 
-/* Without memory it is tried again. */
+static void end_reload(void *argument)
+{
+	(void)argument;
+}
+
+/* Where the queue is full, one of the reloads in it begins later than now. */
+void srv_daemon_reload(struct srv_daemon *daemon)
+{
+	if (!atomic_exchange(&daemon->reload_waits, true)
+			&& !srv_work_submit(daemon->host.chores, &(struct srv_job){ .run = reload,
+			.finish = end_reload, .argument = daemon, .cancelled = &daemon->reload_cancelled }))
+		atomic_store(&daemon->reload_waits, false);
+}
+
+/* Without memory, or while scenes are read, it is tried again. */
 void srv_daemon_tick(struct srv_daemon *daemon)
 {
 	struct eco_error error = { 0 };
-	pthread_mutex_lock(&daemon->host.reloading);
+	if (pthread_mutex_trylock(&daemon->host.reloading))
+		return;
 	srv_catalog_retire(daemon->host.catalog, srv_clock_us(), &error);
 	pthread_mutex_unlock(&daemon->host.reloading);
 }

@@ -3,7 +3,7 @@
  *   srv_store_init(&store); srv_store_add(&store, ...);
  *   srv_daemon_start(&daemon, &config, &store, &error);
  *   for each request: target -> route -> framing -> query -> plan (work threads) -> answer (answer.h)
- *   srv_daemon_reload(daemon, &error);        other packs for who comes from now on
+ *   srv_daemon_reload(daemon);                other packs for who comes from now on
  *   srv_daemon_quiesce(daemon);               new requests, /healthz too, are answered 503
  *   while (srv_daemon_busy(daemon)) wait;     what runs is finished, for as long as the caller cares to wait
  *   srv_daemon_stop(daemon);
@@ -69,10 +69,12 @@ uint16_t srv_daemon_port(const struct srv_daemon *daemon);
 const char *srv_daemon_url(const struct srv_daemon *daemon);
 struct srv_counts { uint64_t connections, accept_failures; };    /* open now; for want of descriptors */
 struct srv_counts srv_daemon_counts(const struct srv_daemon *daemon);
-/* Opens the scenes again that config.sources name, without failing a request; logs what became of them. */
-enum eco_code srv_daemon_reload(struct srv_daemon *daemon, struct eco_error *error);
+/* Opens the scenes again that config.sources name, on a thread, without failing a request; logs what became
+ * of them. Quiescing ends it. */
+void srv_daemon_reload(struct srv_daemon *daemon);
 /* Now and then: forgets replaced packs whose time is over. */
 void srv_daemon_tick(struct srv_daemon *daemon);
+/* A reload that runs ends soon, and changes nothing. */
 void srv_daemon_quiesce(struct srv_daemon *daemon);
 /* requests that have begun and are not answered yet */
 uint32_t srv_daemon_busy(const struct srv_daemon *daemon);

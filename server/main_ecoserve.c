@@ -20,6 +20,7 @@
 #include "server/sandbox.h"
 #include "server/site.h"
 #include "server/trace.h"
+#include "server/typical.h"
 
 #define ENVIRONMENT "ECOSERVE_"
 #define NAMES_SHOWN 8u
@@ -196,14 +197,31 @@ static enum eco_code announce(const char *what, const struct srv_store *store, c
 	return ECO_OK;
 }
 
+static void end_at_once(int number)
+{
+	(void)number;
+	_exit(1);
+}
+
+/* What still runs is waited for; a signal need not wait. */
+static void let_signals_end(void)
+{
+	sigset_t ends;
+	signal(SIGTERM, end_at_once);
+	signal(SIGINT, end_at_once);
+	sigemptyset(&ends);
+	sigaddset(&ends, SIGTERM);
+	sigaddset(&ends, SIGINT);
+	sigprocmask(SIG_UNBLOCK, &ends, NULL);
+}
+
 /* Signals stay blocked in all threads and are taken here, one after the other: no handler, no race. */
 static void serve(struct srv_daemon *daemon, const sigset_t *signals)
 {
 	const struct timespec pause = { 0, DRAIN_ROUND_MS * 1000000L }, second = { 1, 0 };
-	struct eco_error error = { 0 };
 	for (int number; (number = sigtimedwait(signals, NULL, &second)) < 0 || number == SIGHUP;) {
 		if (number == SIGHUP)
-			srv_daemon_reload(daemon, &error);       /* which logs what becomes of it */
+			srv_daemon_reload(daemon);
 		srv_daemon_tick(daemon);
 	}
 	srv_daemon_quiesce(daemon);
@@ -212,6 +230,7 @@ static void serve(struct srv_daemon *daemon, const sigset_t *signals)
 		if (number == SIGTERM || number == SIGINT)
 			_exit(1);
 	}
+	let_signals_end();
 	srv_daemon_stop(daemon);
 }
 
@@ -270,9 +289,11 @@ static enum eco_code serve_scenes(struct srv_store *store, const sigset_t *signa
 	struct srv_daemon *daemon;
 	struct srv_endpoint endpoint;
 	char what[NI_MAXHOST + 40];
-	sigprocmask(SIG_BLOCK, signals, NULL);
 	enum eco_code code = srv_endpoint_take(&endpoint, given.config.listen, error);
 	code = code ? code : enter_sandbox(store, error);
+	if (!code)
+		srv_typical_find_all(store, NULL);       /* a signal may end it here */
+	sigprocmask(SIG_BLOCK, signals, NULL);
 	given.config.endpoint = &endpoint;
 	code = code ? code : srv_daemon_start(&daemon, &given.config, store, error);
 	if (code)
@@ -308,7 +329,7 @@ static enum eco_code run(struct eco_error *error)
 	struct srv_store store;
 	struct srv_site site;
 	struct srv_reload report;
-	const struct srv_sources sources = { given.scenes.names, given.scenes.count, copies_folder() };
+	const struct srv_sources sources = { given.scenes.names, given.scenes.count, copies_folder(), NULL };
 	const sigset_t signals = prepare_signals();
 	raise_descriptors(given.config.connections_max);
 	given.config.site = &site;

@@ -61,7 +61,7 @@ static enum eco_code load_pack(struct loading *loading, const char *name, const 
 		++*(same ? &loading->report->same : &loading->report->opened);
 		return ECO_OK;
 	}
-	return loading->before && code != ECO_NO_MEMORY ? keep(loading, name, path, &why, error)
+	return loading->before && code != ECO_NO_MEMORY && code != ECO_INTERRUPTED ? keep(loading, name, path, &why, error)
 		: eco_fail(error, code, "%s", why.text);
 }
 
@@ -116,6 +116,7 @@ enum eco_code srv_sources_load(const struct srv_sources *sources, const struct s
 	enum eco_code code = ECO_OK;
 	srv_store_init(store);
 	store->copies = sources->copies;
+	store->cancelled = sources->cancelled;
 	*report = (struct srv_reload){ 0 };
 	for (uint32_t i = 0; i < sources->count && !code; i++)
 		code = load_argument(&loading, sources->arguments[i], error);

@@ -11,6 +11,7 @@
 struct srv_sources {
 	char *const *arguments; uint32_t count;
 	const char *copies;              /* as struct srv_store */
+	const atomic_bool *cancelled;
 };
 
 struct srv_reload {

@@ -194,7 +194,7 @@ static enum eco_code open_pack(struct eco_pack **pack, const struct srv_store *s
 	struct eco_error why = { 0 };
 	if (!store->copies)
 		return eco_pack_open(pack, path, error);
-	enum eco_code code = eco_pack_open_private(pack, path, store->copies, &why);
+	enum eco_code code = eco_pack_open_private(pack, path, store->copies, store->cancelled, &why);
 	const char *advice = code == ECO_IO && strstr(why.text, "private copy") ? ": make room there, name "
 		"another folder (--copies DIR), or serve packs where they are (--in-place)" : "";
 	return code ? eco_fail(error, code, "%s%s", why.text, advice) : ECO_OK;
@@ -237,6 +237,8 @@ enum eco_code srv_store_add(struct srv_store *store, const char *name, const cha
 	char chosen[SRV_NAME_BYTES];
 	struct eco_pack *pack;
 	enum eco_code code = name ? check_name(store, name, error) : ECO_OK;
+	if (!code && store->cancelled && atomic_load(store->cancelled))
+		code = eco_fail(error, ECO_INTERRUPTED, "%s: interrupted before it was read", path);
 	if (code)
 		return code;
 	/* before the pack is read: what changes meanwhile is read again at the next reload */

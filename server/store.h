@@ -64,6 +64,7 @@ struct srv_store {
 	 * checked, whatever becomes of its file. NULL: they are mapped where they are; a file that is
 	 * written over sends damage, and one that is cut short ends the process (SIGBUS). */
 	const char *copies;
+	const atomic_bool *cancelled;            /* set: no further pack is added (ECO_INTERRUPTED); or NULL */
 };
 
 void srv_store_init(struct srv_store *store);

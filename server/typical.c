@@ -9,6 +9,7 @@
 
 #define WORK_MOST 4000000u       /* of one of them: a scene so large is not asked for more */
 #define BYTES_EVERY 4u           /* requests with a byte budget */
+#define FAILED_MOST 4u           /* requests that need more tiles or plants than any may */
 
 static double between(uint64_t *state, double low, double high)
 {
@@ -46,25 +47,33 @@ static int ascending(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-static uint64_t median_work(const struct srv_scene *scene)
+/* 0: cancelled. */
+static uint64_t median_work(const struct srv_scene *scene, const atomic_bool *cancelled)
 {
 	const struct eco_scene *tables = &scene->pack->scene;
 	uint64_t works[SRV_TYPICAL_REQUESTS] = { 0 }, state = 1;
-	for (uint32_t i = 0; i < SRV_TYPICAL_REQUESTS && tables->tile_count; i++) {
+	for (uint32_t i = 0, failed = 0; i < SRV_TYPICAL_REQUESTS && tables->tile_count; i++) {
 		struct eco_request request = request_of(&tables->tiles[tables->root], &state, i);
 		struct srv_stream stream;
-		if (eco_view_check(&request.view, NULL) || srv_stream_plan(&stream,
-				&(struct srv_stream_input){ .scene = scene, .request = &request,
-				.work_max = WORK_MOST }, NULL))
+		if (eco_view_check(&request.view, NULL))
+			continue;
+		enum eco_code code = srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = scene,
+			.request = &request, .work_max = WORK_MOST, .cancelled = cancelled }, NULL);
+		if (code == ECO_INTERRUPTED)
+			return 0;
+		if (code == ECO_TOO_LARGE && ++failed == FAILED_MOST)
+			return WORK_MOST;
+		if (code)
 			continue;
 		works[i] = stream.work;
 		srv_stream_free(&stream);
 	}
 	qsort(works, SRV_TYPICAL_REQUESTS, sizeof *works, ascending);
-	return works[SRV_TYPICAL_REQUESTS / 2];
+	uint64_t work = works[SRV_TYPICAL_REQUESTS / 2];
+	return work > SRV_TYPICAL_WORK_LEAST ? work : SRV_TYPICAL_WORK_LEAST;
 }
 
-uint64_t srv_typical_work(struct srv_scene *scene)
+uint64_t srv_typical_find(struct srv_scene *scene, const atomic_bool *cancelled)
 {
 	static pthread_mutex_t finding = PTHREAD_MUTEX_INITIALIZER; /* one thread finds it, the others wait */
 	uint64_t work = atomic_load(&scene->typical_work);
@@ -73,10 +82,22 @@ uint64_t srv_typical_work(struct srv_scene *scene)
 	pthread_mutex_lock(&finding);
 	work = atomic_load(&scene->typical_work);
 	if (!work) {
-		work = median_work(scene);
-		work = work > SRV_TYPICAL_WORK_LEAST ? work : SRV_TYPICAL_WORK_LEAST;
+		work = median_work(scene, cancelled);
 		atomic_store(&scene->typical_work, work);
 	}
 	pthread_mutex_unlock(&finding);
 	return work;
+}
+
+uint64_t srv_typical_work(struct srv_scene *scene)
+{
+	return srv_typical_find(scene, NULL);
+}
+
+bool srv_typical_find_all(const struct srv_store *store, const atomic_bool *cancelled)
+{
+	for (uint32_t i = 0; i < store->count; i++)
+		if (!srv_typical_find(store->scenes[i], cancelled))
+			return false;
+	return true;
 }

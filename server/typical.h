@@ -15,5 +15,9 @@
 #define SRV_TYPICAL_REQUESTS 63u
 #define SRV_TYPICAL_WORK_LEAST 1000000u
 uint64_t srv_typical_work(struct srv_scene *scene);
+/* The same; 0: *cancelled was set meanwhile, and it was not found. */
+uint64_t srv_typical_find(struct srv_scene *scene, const atomic_bool *cancelled);
+/* Of all scenes of a store. */
+bool srv_typical_find_all(const struct srv_store *store, const atomic_bool *cancelled);
 
 #endif

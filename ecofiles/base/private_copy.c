@@ -31,14 +31,16 @@ static int nameless_file(const char *folder)
 	return file;
 }
 
-/* 0, or the error's number; ESTALE where the file ended before `size`. */
-static int copy_bytes(int copy, int file, off_t size)
+/* 0, or the error's number; ESTALE where the file ended before `size`, ECANCELED. */
+static int copy_bytes(int copy, int file, off_t size, const atomic_bool *cancelled)
 {
 	off_t at = 0;
 	if (!ioctl(copy, FICLONE, file))
 		return 0;
 	while (at < size) {
 		off_t left = size - at;
+		if (cancelled && atomic_load(cancelled))
+			return ECANCELED;
 		ssize_t sent = sendfile(copy, file, &at, left < PIECE_BYTES ? (size_t)left : PIECE_BYTES);
 		if (sent < 0 && errno != EINTR)
 			return errno;
@@ -49,7 +51,7 @@ static int copy_bytes(int copy, int file, off_t size)
 }
 
 enum eco_code eco_private_copy(int *copy, int file, const char *name, const char *folder,
-	struct eco_error *error)
+	const atomic_bool *cancelled, struct eco_error *error)
 {
 	struct stat before, after, copied;
 	*copy = -1;
@@ -59,7 +61,7 @@ enum eco_code eco_private_copy(int *copy, int file, const char *name, const char
 	if (made < 0)
 		return eco_fail(error, ECO_IO, "%s: cannot make a private copy in %s: %s", name, folder,
 			strerror(errno));
-	int failed = copy_bytes(made, file, before.st_size);
+	int failed = copy_bytes(made, file, before.st_size, cancelled);
 	if (!failed && (fstat(file, &after) || fstat(made, &copied)))
 		failed = errno;
 	if (!failed && after.st_size == before.st_size && copied.st_size == before.st_size) {
@@ -67,6 +69,8 @@ enum eco_code eco_private_copy(int *copy, int file, const char *name, const char
 		return ECO_OK;
 	}
 	close(made);
+	if (failed == ECANCELED)
+		return eco_fail(error, ECO_INTERRUPTED, "%s: its copying was interrupted", name);
 	if (failed && failed != ESTALE)
 		return eco_fail(error, ECO_IO, "%s: a private copy of %lld bytes in %s: %s", name,
 			(long long)before.st_size, folder, strerror(failed));

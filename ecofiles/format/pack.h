@@ -34,6 +34,7 @@
 #ifndef ECO_PACK_H
 #define ECO_PACK_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -132,6 +133,12 @@ struct eco_plant {
 	float area;                            /* m^2, all organs, a leaf counted once */
 	uint32_t triangles;                    /* full detail */
 };
+
+/* A view opens a tile or draws its summary. Below a tile that is open it opens all tiles without a summary,
+ * and looks at their plants one by one. A pack with more of these below one tile is refused: no view of it
+ * would ever be planned. */
+#define ECO_OPEN_TILES_MAX (1u << 16)
+#define ECO_OPEN_PLANTS_MAX (1u << 18)
 
 struct eco_tile {
 	double low[3], high[3];      /* bounds of all its plants, in the coordinates of its own eco file */
@@ -248,9 +255,9 @@ struct eco_pack {
 /* Opens and checks everything but the payloads; eco_pack_payload checks the hash of each. */
 enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco_error *error);
 /* The same of a private copy in `folder` (ecofiles/base/private_copy.h): the pack stays what it is,
- * whatever is done to the file meanwhile. */
+ * whatever is done to the file meanwhile. ECO_INTERRUPTED: *cancelled was set while it was copied. */
 enum eco_code eco_pack_open_private(struct eco_pack **pack, const char *path, const char *folder,
-	struct eco_error *error);
+	const atomic_bool *cancelled, struct eco_error *error);
 /* The same from memory that stays owned by the caller (fuzzing, tests). */
 enum eco_code eco_pack_open_memory(struct eco_pack **pack, const uint8_t *bytes, size_t size,
 	struct eco_error *error);

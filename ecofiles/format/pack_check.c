@@ -493,6 +493,46 @@ static enum eco_code check_tile(const struct eco_scene *s, uint32_t id, struct e
 	return ECO_OK;
 }
 
+/* What a view must open below a tile that is open. Sums stop at UINT32_MAX. */
+struct opening { uint32_t tiles, plants; };
+
+static uint32_t add_saturated(uint32_t a, uint64_t b)
+{
+	return b > UINT32_MAX - a ? UINT32_MAX : a + (uint32_t)b;
+}
+
+static struct opening opening_of(const struct eco_scene *s, const struct eco_tile *t,
+	const struct opening *openings)
+{
+	struct opening sum = { 0, 0 };
+	for (uint32_t i = 0; i < t->group_count; i++)
+		sum.plants = add_saturated(sum.plants, s->groups[t->group_first + i].count);
+	for (uint32_t i = 0; i < t->child_count; i++) {
+		uint32_t child = s->children[t->child_first + i].tile;
+		bool closes = s->tiles[child].summary != ECO_NONE;
+		sum.tiles = add_saturated(sum.tiles, 1ull + (closes ? 0 : openings[child].tiles));
+		sum.plants = add_saturated(sum.plants, closes ? 0 : openings[child].plants);
+	}
+	return sum;
+}
+
+/* Tiles and children have been checked: a child's number is greater than its parent's. */
+static enum eco_code check_openings(const struct eco_scene *s, struct eco_error *error)
+{
+	struct opening *openings = malloc((s->tile_count + 1u) * sizeof *openings);
+	enum eco_code code = openings ? ECO_OK
+		: eco_fail(error, ECO_NO_MEMORY, "scene: no memory for %u tiles", s->tile_count);
+	for (uint32_t i = s->tile_count; i-- > 0 && !code;) {
+		openings[i] = opening_of(s, &s->tiles[i], openings);
+		if (openings[i].tiles > ECO_OPEN_TILES_MAX || openings[i].plants > ECO_OPEN_PLANTS_MAX)
+			code = BAD("tile %u: no summary stands for the tiles and plants below it, which are "
+				"more than %u or %u, so that no view can be planned; make the pack again", i,
+				ECO_OPEN_TILES_MAX, ECO_OPEN_PLANTS_MAX);
+	}
+	free(openings);
+	return code;
+}
+
 static enum eco_code check_tiles(const struct eco_scene *s, struct eco_error *error)
 {
 	uint64_t groups = 0, children = 0;
@@ -513,7 +553,7 @@ static enum eco_code check_tiles(const struct eco_scene *s, struct eco_error *er
 	for (uint32_t i = s->tile_count; i-- > 0;)
 		if (check_tile(s, i, error) != ECO_OK)
 			return ECO_DAMAGED;
-	return ECO_OK;
+	return check_openings(s, error);
 }
 
 /* ---- Ground ---- */
@@ -717,9 +757,11 @@ enum eco_code eco_scene_check(const struct eco_scene *s, struct eco_error *error
 		return BAD("scene: near plane at %g m is impossible", s->near_m);
 	if (s->root >= s->tile_count)
 		return BAD("scene: root tile %u of %u is not there", s->root, s->tile_count);
-	if (check_lists(s, error) != ECO_OK || check_plants(s, error) != ECO_OK
-			|| check_tiles(s, error) != ECO_OK)
+	if (check_lists(s, error) != ECO_OK || check_plants(s, error) != ECO_OK)
 		return ECO_DAMAGED;
+	enum eco_code code = check_tiles(s, error);
+	if (code)
+		return code;
 	if (check_ground(s, error) != ECO_OK || check_ground_images(s, error) != ECO_OK
 			|| check_inventory(s, error) != ECO_OK)
 		return ECO_DAMAGED;

@@ -238,14 +238,14 @@ enum eco_code eco_pack_open_memory(struct eco_pack **pack, const uint8_t *bytes,
 
 /* Maps a regular file, or a private copy of it in `copies`, which *copy is then. */
 static enum eco_code map_file(void **map, size_t *size, int file, int *copy, const char *path,
-	const char *copies, struct eco_error *error)
+	const char *copies, const atomic_bool *cancelled, struct eco_error *error)
 {
 	struct stat status;
 	if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode))
 		return eco_fail(error, ECO_BAD_INPUT, "%s: not a regular file", path);
 	if (status.st_size < (off_t)ECO_PACK_HEADER_BYTES)
 		return BAD("%s: %lld bytes are too few for a pack", path, (long long)status.st_size);
-	enum eco_code code = copies ? eco_private_copy(copy, file, path, copies, error) : ECO_OK;
+	enum eco_code code = copies ? eco_private_copy(copy, file, path, copies, cancelled, error) : ECO_OK;
 	if (code)
 		return code;
 	*size = (size_t)status.st_size;
@@ -257,7 +257,7 @@ static enum eco_code map_file(void **map, size_t *size, int file, int *copy, con
 }
 
 static enum eco_code open_file(struct eco_pack **pack, const char *path, const char *copies,
-	struct eco_error *error)
+	const atomic_bool *cancelled, struct eco_error *error)
 {
 	struct eco_error inner = { 0 };
 	void *map = NULL;
@@ -267,7 +267,7 @@ static enum eco_code open_file(struct eco_pack **pack, const char *path, const c
 	if (file < 0)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.330s: cannot open: "
 			"%s%s", path, strerror(errno), eco_advice_read(errno));
-	enum eco_code code = map_file(&map, &size, file, &copy, path, copies, error);
+	enum eco_code code = map_file(&map, &size, file, &copy, path, copies, cancelled, error);
 	close(file);
 	if (!code)
 		code = open_bytes(pack, map, size, true, &inner);
@@ -280,13 +280,13 @@ static enum eco_code open_file(struct eco_pack **pack, const char *path, const c
 
 enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco_error *error)
 {
-	return open_file(pack, path, NULL, error);
+	return open_file(pack, path, NULL, NULL, error);
 }
 
 enum eco_code eco_pack_open_private(struct eco_pack **pack, const char *path, const char *folder,
-	struct eco_error *error)
+	const atomic_bool *cancelled, struct eco_error *error)
 {
-	return open_file(pack, path, folder, error);
+	return open_file(pack, path, folder, cancelled, error);
 }
 
 void eco_pack_close(struct eco_pack *pack)

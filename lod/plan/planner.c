@@ -8,6 +8,7 @@
 #include "lod/plan/explain_state.h"
 #include "lod/plan/lambda_search.h"
 
+#define CELLS_MOST (1u << 26)            /* of plants, whatever a pack says */
 #define IMAGE_PART 4u                    /* of an answer's bytes: 1 / so many */
 
 enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input,
@@ -27,6 +28,7 @@ enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_
 	code = lod_visible_tree_init(&p->visible, scene, &input->request->view,
 		input->tiles_max ? input->tiles_max : 1000000, input->placements_max ? input->placements_max
 		: 100000, error);
+	p->visible.cells_most = input->work_max ? CELLS_MOST : 0;
 	const struct eco_request *r = input->request;
 	return code ? code : lod_image_see(&p->image, scene, &p->visible.eye, &r->view,
 		r->texel_px > 0 ? fmax(r->texel_px, ECO_GROUND_TEXEL_PX_MIN) : ECO_GROUND_TEXEL_PX, error);

@@ -227,7 +227,8 @@ static enum eco_code open_step(struct lod_planner *p, int step, struct eco_error
 {
 	uint64_t most = p->input->work_max ? p->input->work_max / 4 / LOD_WORK_PLACE : PLACES_MOST;
 	p->visible.places_max = step > 0 && (p->scene->needs & ECO_NEED_SUMMARIES)
-		? (most < PLACES_MOST ? most : PLACES_MOST) + 1 : 0;
+		? (most < PLACES_MOST ? most : PLACES_MOST) + 1
+		: p->input->work_max ? PLACES_MOST + ECO_OPEN_PLANTS_MAX : 0;
 	enum eco_code code = lod_planner_open(p, distance_at(step), distance_at(step), error);
 	return code == ECO_TOO_LARGE && lod_visible_tree_restart(&p->visible, NULL) ? ECO_NO_MEMORY : code;
 }

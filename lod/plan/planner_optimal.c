@@ -593,6 +593,15 @@ static uint64_t nodes_most(const struct lod_planner *p)
 	return p->input->work_max && most < p->visible.nodes_max ? most + 1 : p->visible.nodes_max;
 }
 
+/* Bounds of a level that no coarser one follows: what a view must open below a tile that is open
+ * (ECO_OPEN_TILES_MAX) comes on top. A pack that needs more is no pack of ecopack's. */
+static void bound_last(struct lod_planner *p, uint64_t nodes_max)
+{
+	uint64_t nodes = nodes_most(p) + ECO_OPEN_TILES_MAX;
+	p->visible.nodes_max = nodes < nodes_max ? nodes : nodes_max;
+	p->visible.places_max = places_most(p) + ECO_OPEN_PLANTS_MAX;
+}
+
 /* Opens the finest level from `level` towards coarser ones that is within bounds. At eye height there may be
  * millions of plants up to the horizon, nearly all hidden or smaller than a pixel: their tiles are opened
  * only as far as the bounds allow, of plants and of work. At the coarsest level tiles beyond them show their
@@ -605,6 +614,8 @@ static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco
 		bool bound = *level > COARSEST && (p->scene->needs & ECO_NEED_SUMMARIES);
 		p->visible.places_max = bound ? places_most(p) : 0;
 		p->visible.nodes_max = bound ? nodes_most(p) : nodes_max;
+		if (!bound && p->input->work_max)
+			bound_last(p, nodes_max);
 		p->visible.places_few = bound || !p->input->work_max ? 0 : places_most(p);
 		p->visible.nodes_few = bound || !p->input->work_max ? 0 : nodes_most(p);
 		enum eco_code code = open_level(p, *level, &local);

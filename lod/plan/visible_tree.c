@@ -521,24 +521,26 @@ static enum eco_code open_tiles(struct lod_visible_tree *visible, double sample_
 	return code;
 }
 
-/* Cells of plants in open tiles, if all plants draw theirs. */
+/* Cells of plants in open tiles, if all plants draw theirs; and at most, if some do. */
 static enum eco_code count_cells(const struct lod_visible_tree *visible, const uint32_t *gates,
 	struct eco_error *error)
 {
 	const struct eco_scene *scene = visible->scene;
-	uint64_t cells = 0;
-	for (uint32_t i = 0; visible->cells_max && i < visible->node_count; i++) {
+	double cells = 0, most = 0;
+	uint64_t bound = visible->cells_max ? visible->cells_max : visible->cells_most;
+	for (uint32_t i = 0; bound && i < visible->node_count; i++) {
 		const struct eco_tile *tile = &scene->tiles[visible->nodes[i].tile];
 		for (uint32_t g = 0; visible->nodes[i].state == LOD_OPEN && g < tile->group_count; g++) {
 			const struct eco_group *group = &scene->groups[tile->group_first + g];
-			uint64_t each = scene->plants[group->plant].anchor_count - 1;
-			if (gates[group->plant] == ECO_BANDS * ECO_SHARE_ONE)
-				cells += group->count * each;
+			double each = (double)group->count * (scene->plants[group->plant].anchor_count - 1);
+			cells += gates[group->plant] == ECO_BANDS * ECO_SHARE_ONE ? each : 0;
+			most += gates[group->plant] ? each : 0;
 		}
 	}
-	return cells <= visible->cells_max ? ECO_OK : eco_fail(error, ECO_TOO_LARGE, "this view at this "
-		"detail looks at more than %llu cells of plants; ask for fewer vertices",
-		(unsigned long long)visible->cells_max);
+	bool few = (!visible->cells_max || cells <= (double)visible->cells_max)
+		&& (!visible->cells_most || most <= (double)visible->cells_most);
+	return few ? ECO_OK : eco_fail(error, ECO_TOO_LARGE, "this view at this detail looks at more than "
+		"%llu cells of plants; ask for fewer vertices", (unsigned long long)bound);
 }
 
 /* What a walk changes of the nodes that are there. */

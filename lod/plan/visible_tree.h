@@ -72,6 +72,7 @@ struct lod_visible_tree {
 	uint64_t places_walked, places_max; /* plants walked over since the start, and their bound; 0: no
 	                                     * bound */
 	uint64_t cells_max;          /* where all plants draw their cells: of all in open tiles; 0: no bound */
+	uint64_t cells_most;         /* where any plants of a species may, of all of it; 0: no bound */
 	struct lod_screen *screen;   /* may be NULL; every visible plant is added once, with its node and
 	                              * slot */
 	const struct lod_proxy_shape *proxy_shapes; /* with screen: per plant, at scale 1 */

@@ -48,7 +48,7 @@ UNIT_TEST(it_stays_when_the_file_changes)
 	struct stat status;
 	int file = file_of(SIZE), copy;
 	lseek(file, 77, SEEK_SET);
-	assert_int_equal(eco_private_copy(&copy, file, "bytes", FOLDER, &error), ECO_OK);
+	assert_int_equal(eco_private_copy(&copy, file, "bytes", FOLDER, NULL, &error), ECO_OK);
 	assert_int_equal(pwrite(file, bytes + 1000, 5000, 0), 5000);
 	assert_int_equal(ftruncate(file, 10), 0);
 	assert_int_equal(unlink(FILE_PATH), 0);
@@ -66,7 +66,7 @@ UNIT_TEST(no_folder_is_an_error_that_names_it)
 {
 	struct eco_error error = { 0 };
 	int file = file_of(10), copy;
-	assert_int_equal(eco_private_copy(&copy, file, "bytes", FOLDER "/none", &error), ECO_IO);
+	assert_int_equal(eco_private_copy(&copy, file, "bytes", FOLDER "/none", NULL, &error), ECO_IO);
 	assert_int_equal(copy, -1);
 	assert_string_equal(error.text,
 		"bytes: cannot make a private copy in " FOLDER "/none: No such file or "

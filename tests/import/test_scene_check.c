@@ -20,7 +20,7 @@
 	}
 #define BREAK(id, what) BREAK_OF(false, id, what)
 #define BREAK_SPLATS(id, what) BREAK_OF(true, id, what)
-#define BREAKS 158
+#define BREAKS 160
 
 static struct broken { const char *name; void (*apply)(struct scene_builder *); bool splats; } cases[BREAKS];
 static size_t case_count;
@@ -223,6 +223,46 @@ BREAK_SPLATS(impostor_missing, l->ladders[WHOLE].impostor = 3)
 BREAK_SPLATS(impostor_levels, l->lists[IMPOSTOR].primitive_count = l->lists[IMPOSTOR].element_count = 2)
 BREAK_SPLATS(impostor_coder, l->lists[IMPOSTOR].coder = ECO_CODER_ROWS)
 BREAK_SPLATS(splats_kind, l->lists[SPLATS].kind = ECO_LIST_LINES)
+
+/* ---- Tiles that no view can close ---- */
+
+/* Each has the next one twice. */
+static void nest_tiles(struct scene_builder *l)
+{
+	for (uint32_t i = 0; i < 16; i++) {
+		uint32_t tile = scene_add_tile(l, (struct eco_tile){ .summary = ECO_NONE });
+		scene_add_child(l, i, (struct eco_child){ .tile = tile, .placed = true, .scale = 1 });
+		scene_add_child(l, i, (struct eco_child){ .tile = tile, .placed = true, .scale = 1 });
+	}
+}
+
+static void place_often(struct scene_builder *l, bool summary)
+{
+	for (uint32_t i = 2; i <= ECO_OPEN_PLANTS_MAX / SMALL_PACK_PLANTS; i++)
+		scene_add_child(l, 0, (struct eco_child){ .tile = 1, .placed = true, .scale = 1 });
+	l->tiles[1].child_first = l->scene.child_count;
+	l->tiles[0].instance_count = SMALL_PACK_PLANTS * (uint64_t)l->scene.child_count;
+	l->tiles[1].summary = summary ? l->tiles[1].summary : ECO_NONE;
+}
+
+BREAK_SPLATS(open_tiles, nest_tiles(l))
+BREAK(open_plants, place_often(l, false))
+
+UNIT_TEST(a_summary_stands_for_any_number_of_plants)
+{
+	struct eco_error error = { 0 };
+	struct scene_builder made, l;
+	struct eco_pack *pack;
+	assert_ok(small_pack_write(&made, PATH, NULL, &error), error);
+	scene_free(&made);
+	assert_ok(eco_pack_open(&pack, PATH, &error), error);
+	scene_copy(&l, &pack->scene);
+	place_often(&l, true);
+	assert_ok(eco_scene_check(&l.scene, &error), error);
+	scene_free(&l);
+	eco_pack_close(pack);
+	unlink(PATH);
+}
 
 UNIT_TEST(every_inconsistency_is_found)
 {

@@ -438,6 +438,31 @@ UNIT_TEST(of_plants_around_the_eye_a_bounded_plan_looks_at_some)
 	assert_true(4 * places[1] < places[0]);
 }
 
+/* A tile without a summary is opened wherever it is in view. */
+UNIT_TEST(a_bounded_plan_gives_up_where_no_summary_stands_for_too_many_plants)
+{
+	const uint32_t leaves = 4, nested = 25000;
+	random_scene_sized(&scene, 33, nested, (struct random_sizes){ .species = 3, .leaves = leaves,
+		.elements = 20, .places = 300, .cells = 3 });
+	struct eco_request request = random_request(&scene);
+	request.view.eye[2] = 3000;
+	request.view.eye[0] = request.view.target[0] = request.view.target[1] = 0;
+	request.view.fov_y_deg = 60;
+	scene.tiles[0].summary = ECO_NONE;
+	for (int bare = 0; bare < 2; bare++) {
+		struct lod_planner_stats stats = { 0 };
+		struct lod_planner_input input = { .scene = &scene.scene, .request = &request,
+			.work_max = 1 << 20, .stats = &stats };
+		struct eco_plan plan;
+		scene.tiles[1 + leaves].summary = bare ? ECO_NONE : scene.tiles[1 + leaves].summary;
+		enum eco_code code = lod_plan(&plan, &input, NULL);
+		if (code != (bare ? ECO_TOO_LARGE : ECO_OK) || stats.places > ECO_OPEN_PLANTS_MAX)
+			fail_msg("%s: status %d, %llu plants looked at", bare ? "bare" : "summed up", code,
+				(unsigned long long)stats.places);
+		eco_plan_free(&plan);
+	}
+}
+
 /* Tiles say how many plants they have. */
 UNIT_TEST(a_walk_that_is_too_far_looks_at_no_plant)
 {
@@ -473,6 +498,11 @@ UNIT_TEST(a_walk_that_is_too_far_looks_at_no_plant)
 		gates[i] = ECO_BANDS * ECO_SHARE_ONE;
 	assert_int_equal(lod_visible_tree_count(&visible, 0, gates, &error), ECO_TOO_LARGE);
 	assert_int_equal(visible.nodes[0].state, LOD_OPEN);
+	visible.cells_max = 0;
+	visible.cells_most = 1;
+	for (uint32_t i = 0; i < scene.scene.plant_count; i++)
+		gates[i] = ECO_SHARE_ONE;
+	assert_int_equal(lod_visible_tree_count(&visible, 0, gates, &error), ECO_TOO_LARGE);
 	lod_visible_tree_free(&visible);
 	free(gates);
 }

@@ -58,7 +58,7 @@ static void put_in_place(const char *from)
 static struct srv_daemon *start(struct srv_config config, struct srv_store *scenes)
 {
 	static char *const paths[] = { served };
-	static const struct srv_sources sources = { paths, 1, "build/tmp" };
+	static const struct srv_sources sources = { paths, 1, "build/tmp", NULL };
 	struct srv_daemon *daemon;
 	struct srv_reload report;
 	struct eco_error error = { 0 };
@@ -209,7 +209,7 @@ UNIT_TEST(a_folder_is_all_packs_in_it)
 	struct eco_error error = { 0 };
 	snprintf(folder, sizeof folder, "build/tmp/operate-%d-folder", (int)getpid());
 	char *paths[] = { folder };
-	const struct srv_sources sources = { paths, 1, NULL };
+	const struct srv_sources sources = { paths, 1, NULL, NULL };
 	snprintf(command, sizeof command, "rm -rf %s && mkdir %s && touch %s/.hidden.eco %s/readme", folder,
 		folder, folder, folder);
 	assert_int_equal(system(command), 0);

@@ -61,7 +61,7 @@ static int prepare(void **state)
 static int enter(void)
 {
 	static char *const arguments[] = { PACK };
-	static const struct srv_sources sources = { arguments, 1, COPIES };
+	static const struct srv_sources sources = { arguments, 1, COPIES, NULL };
 	struct srv_user user;
 	struct srv_store store;
 	struct srv_reload report;
@@ -175,7 +175,7 @@ static int listener;
 static int do_what_it_does(void)
 {
 	static char *const arguments[] = { PACKS };
-	const struct srv_sources sources = { arguments, 1, COPIES };
+	const struct srv_sources sources = { arguments, 1, COPIES, NULL };
 	struct srv_store store;
 	struct srv_reload report;
 	struct eco_error error = { 0 };

@@ -14,7 +14,7 @@ const struct srv_site sample_site = { .count = 2, .version = "0123abcd", .files 
 		{ (uint8_t *)"brotli", 6 } } } } };
 
 static char *const sample_paths[] = { pack_path };
-static const struct srv_sources sample_sources = { sample_paths, 1, NULL };
+static const struct srv_sources sample_sources = { sample_paths, 1, NULL, NULL };
 
 const struct eco_scene *scene(void)
 {
