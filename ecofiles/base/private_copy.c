@@ -31,16 +31,23 @@ static int nameless_file(const char *folder)
 	return file;
 }
 
+static bool is_set(const atomic_bool *flag)
+{
+	return flag && atomic_load(flag);
+}
+
 /* 0, or the error's number; ESTALE where the file ended before `size`, ECANCELED. */
 static int copy_bytes(int copy, int file, off_t size, const atomic_bool *cancelled)
 {
 	off_t at = 0;
+	if (is_set(cancelled))
+		return ECANCELED;
 	if (!ioctl(copy, FICLONE, file))
 		return 0;
 	while (at < size) {
-		off_t left = size - at;
-		if (cancelled && atomic_load(cancelled))
+		if (is_set(cancelled))
 			return ECANCELED;
+		off_t left = size - at;
 		ssize_t sent = sendfile(copy, file, &at, left < PIECE_BYTES ? (size_t)left : PIECE_BYTES);
 		if (sent < 0 && errno != EINTR)
 			return errno;

@@ -74,6 +74,16 @@ UNIT_TEST(no_folder_is_an_error_that_names_it)
 	close(file);
 }
 
+UNIT_TEST(it_ends_when_it_is_cancelled)
+{
+	const atomic_bool cancelled = true;
+	struct eco_error error = { 0 };
+	int file = file_of(10), copy;
+	assert_int_equal(eco_private_copy(&copy, file, "bytes", FOLDER, &cancelled, &error), ECO_INTERRUPTED);
+	assert_int_equal(copy, -1);
+	close(file);
+}
+
 int main(void)
 {
 	return unit_tests_run(fill, NULL);

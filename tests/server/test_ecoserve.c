@@ -16,6 +16,7 @@
 #define PACK_PATH "build/tmp/test_ecoserve.eco"
 #define CUT_PATH "build/tmp/test_ecoserve_cut.eco"
 #define DAMAGED_PATH "build/tmp/test_ecoserve_damaged.eco"
+#define DEEP_PATH "build/tmp/test_ecoserve_deep.eco"
 
 static int prepare(void **state)
 {
@@ -349,6 +350,40 @@ UNIT_TEST(a_client_that_leaves_does_no_harm)
 	kill(process.pid, SIGTERM);
 	assert_int_equal(program_finish(&process, out, err), 0);
 	assert_true(only_warns(err));
+}
+
+/* A view would have to open all of its tiles, without end. */
+UNIT_TEST(a_pack_that_no_view_can_be_planned_of_is_refused)
+{
+	static const char *const arguments[] = { "--listen", "127.0.0.1:0", DEEP_PATH, NULL };
+	static const char says[] = "no summary stands for the tiles and plants below it";
+	char line[256], out[8192], err[8192];
+	struct eco_error error = { 0 };
+	struct eco_pack *pack;
+	if (!program_path[0])
+		skip();
+	assert_ok(deep_pack_write(DEEP_PATH, false, &error), error);
+	struct program process = program_start(arguments);
+	uint16_t port = program_ready(&process, line);
+	assert_true(port);
+	assert_ok(deep_pack_write(DEEP_PATH ".new", true, &error), error);
+	assert_int_equal(rename(DEEP_PATH ".new", DEEP_PATH), 0);
+	assert_int_equal(eco_pack_open(&pack, DEEP_PATH, &error), ECO_DAMAGED);
+	assert_non_null(strstr(error.text, says));
+	kill(process.pid, SIGHUP);
+	struct http_answer answer = http_ask(port, "POST", "/v1/admin/reload", "", NULL, 0);
+	assert_int_equal(answer.status, 500);
+	http_free(&answer);
+	answer = http_get(port, "/v1/scenes/deep/stream?eye=50,-30,12&target=50,30,2&width=400&height=300"
+		"&vertices=1000");
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	kill(process.pid, SIGTERM);
+	assert_int_equal(program_finish(&process, out, err), 0);
+	assert_non_null(strstr(err, says));
+	process = program_start(arguments);
+	assert_int_equal(program_finish(&process, out, err), 1);
+	assert_non_null(strstr(err, says));
 }
 
 /* Zeros in place of its bytes, then nothing: the answers stay those of the pack that was read. */

@@ -8,6 +8,7 @@
 #include "server/caps.h"
 #include "server/metrics.h"
 #include "server/reload.h"
+#include "server/typical.h"
 #include "tests/support/files.h"
 #include "tests/support/ground_tiles.h"
 
@@ -228,6 +229,29 @@ UNIT_TEST(a_folder_is_all_packs_in_it)
 		true);
 	srv_store_free(&second);
 	assert_int_equal(system(command), 0);
+}
+
+UNIT_TEST(reading_scenes_ends_when_it_is_cancelled)
+{
+	char *paths[] = { served };
+	atomic_bool cancelled = true;
+	const struct srv_sources sources = { paths, 1, "build/tmp", &cancelled },
+		whole = { paths, 1, "build/tmp", NULL };
+	struct srv_store scenes;
+	struct srv_reload report;
+	struct eco_error error = { 0 };
+	assert_ok(srv_sources_load(&whole, NULL, &scenes, &report, &error), error);
+	assert_int_equal(srv_typical_find(scenes.scenes[0], &cancelled), 0);
+	struct srv_store again;
+	assert_int_equal(srv_sources_load(&sources, NULL, &again, &report, &error), ECO_INTERRUPTED);
+	srv_store_free(&again);
+	assert_ok(srv_store_add(&scenes, "other", other, &error), error);
+	assert_int_equal(srv_sources_load(&sources, &scenes, &again, &report, &error), ECO_OK);
+	assert_int_equal(report.same, 1);        /* nothing had to be read */
+	srv_store_free(&again);
+	cancelled = false;
+	assert_true(srv_typical_find(scenes.scenes[0], &cancelled) > 0);
+	srv_store_free(&scenes);
 }
 
 /* ---- Caps ---- */

@@ -1,12 +1,13 @@
 #include "tests/support/scene_packs.h"
 
-#include <stdlib.h>
-
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/format/ground_tile.h"
 #include "tests/support/ground_tiles.h"
+#include "tests/support/pack_resign.h"
 
 /* ---- The sample ---- */
 
@@ -150,13 +151,14 @@ enum eco_code sample_pack_write(const char *path, struct eco_error *error)
 
 /* ---- The one with a large texture ---- */
 
-static void textured_bush(struct scene_builder *b)
+/* So many bushes in one tile, the last of `deep` + 1. */
+static void textured_bush(struct scene_builder *b, uint32_t deep, uint32_t bushes)
 {
 	static const uint8_t palette[2][3] = { { 30, 90, 30 }, { 90, 60, 30 } };
-	static const struct scene_row rows[] = {
+	const struct scene_row rows[] = {
 		{ ECO_LIST_IMAGE, ECO_CODER_BYTES, 0, 0, ECO_NONE, 0, 0 },
 		{ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_UV, 0, 0, 64, 4 },
-		{ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 0, ECO_NONE, 16, 1 } };
+		{ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, deep, ECO_NONE, bushes, 1 } };
 	scene_add_colors(b, palette, 2);
 	for (int i = 1; i <= 3; i++)
 		scene_add_curve(b, (struct eco_curve){ i / 3.0f, 1, i / 3.0f, 0.2f, 0.2f });
@@ -169,8 +171,8 @@ static void textured_bush(struct scene_builder *b)
 	ladder.area = 5;
 	ladder.curve_count = 3;
 	scene_add_ladder(b, ladder);
-	scene_add_tile(b, (struct eco_tile){ .low = { -5, -5, -5 }, .high = { 10, 10, 15 }, .area = 80,
-		.instance_count = 16, .summary = ECO_NONE });
+	scene_add_tile(b, (struct eco_tile){ .low = { -5, -5, -5 }, .high = { 10, 10, 15 }, .area = 5.0 * bushes,
+		.instance_count = bushes, .summary = ECO_NONE });
 	scene_add_instances(b, 2, 0);
 }
 
@@ -187,12 +189,59 @@ enum eco_code texture_pack_write(const char *path, const uint32_t *sizes, uint32
 		for (uint32_t at = 0; at < sizes[i]; at++)
 			levels[i].at[at] = (uint8_t)lcg_bits(&b.state);
 	}
-	textured_bush(&b);
+	textured_bush(&b, 0, 16);
 	enum eco_code code = scene_write(&b, path, "{\"name\":\"chunks\"}", NULL, error);
 	for (uint32_t i = 0; i < count; i++)
 		free(levels[i].at);
 	scene_free(&b);
 	return code;
+}
+
+/* ---- The deep one ---- */
+
+enum { DEEP = 4, WIDE = 10, BUSHES = 4096, TILE_BYTES = 84, SUMMARY_AT = 64 };
+
+static bool drop_summaries(const char *path)
+{
+	static uint8_t bytes[1 << 20];
+	FILE *file = fopen(path, "r+b");
+	size_t size = file ? fread(bytes, 1, sizeof bytes, file) : 0;
+	for (uint32_t i = 0; size && i < bytes[12]; i++) {
+		const uint8_t *section = bytes + ECO_PACK_HEADER_BYTES + i * ECO_PACK_SECTION_BYTES;
+		for (uint32_t t = 0; section[0] == ECO_SECTION_TILES && t <= DEEP; t++)
+			memset(bytes + resign_u64(section + 8) + t * TILE_BYTES + SUMMARY_AT, 0xff, 4);
+	}
+	pack_resign(bytes, size);
+	bool good = size && fseek(file, 0, SEEK_SET) == 0 && fwrite(bytes, 1, size, file) == size;
+	return (file && fclose(file) == 0) && good;
+}
+
+enum eco_code deep_pack_write(const char *path, bool bare, struct eco_error *error)
+{
+	static uint8_t image[16];
+	static const struct eco_bytes level = { image, sizeof image };
+	struct scene_builder b = { .state = 7, .scene = { .name = "deep", .near_m = 0.05,
+		.needs = ECO_NEED_TRIANGLES | ECO_NEED_TEXTURES | ECO_NEED_POINTS | ECO_NEED_SUMMARIES
+		| ECO_NEED_PLACEMENTS },
+		.like = { .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f, .palette_count = 2 },
+		.texture = { &level }, .texture_levels = 1 };
+	uint64_t plants = BUSHES;
+	for (uint32_t i = 0; i < DEEP; i++)
+		plants *= WIDE;
+	for (uint32_t i = 0; i < DEEP; i++, plants /= WIDE) {
+		scene_add_tile(&b, (struct eco_tile){ .low = { -5, -5, -5 }, .high = { 100, 10, 15 },
+			.area = 5.0 * (double)plants, .instance_count = plants, .summary = 3 + i });
+		for (uint32_t k = 0; k < WIDE; k++)
+			scene_add_child(&b, i, (struct eco_child){ .tile = i + 1, .placed = true,
+				.at = { k, 0, 0 }, .scale = 1 });
+	}
+	textured_bush(&b, DEEP, BUSHES);
+	for (uint32_t i = 0; i < DEEP; i++)
+		scene_add_rows(&b, &(struct scene_row){ ECO_LIST_POINTS, ECO_CODER_KD,
+			ECO_ATTR_COLOR | ECO_ATTR_PLANT, i, ECO_NONE, 64, 1 }, 1);
+	enum eco_code code = scene_write(&b, path, "{\"name\":\"deep\"}", NULL, error);
+	scene_free(&b);
+	return code || !bare || drop_summaries(path) ? code : eco_fail(error, ECO_IO, "%s", path);
 }
 
 /* ---- The small one ---- */

@@ -27,6 +27,9 @@ enum eco_code small_pack_write(struct scene_builder *b, const char *path, struct
 #define TEXTURE_LEVELS_MAX 8u
 enum eco_code texture_pack_write(const char *path, const uint32_t *sizes, uint32_t count,
 	struct eco_error *error);
+/* Bushes in a tile that another has ten times, which another has ten times, ...: 41 million. `bare`: no tile
+ * has a summary, and all hashes are right. */
+enum eco_code deep_pack_write(const char *path, bool bare, struct eco_error *error);
 /* Elements as it has them: spread over a small grid without a random source. */
 struct eco_elements small_pack_elements(const struct eco_list *list, uint32_t count, uint8_t corners);
 
