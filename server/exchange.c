@@ -10,6 +10,7 @@
 #include "ecofiles/base/mix.h"
 #include "server/access.h"
 #include "server/log.h"
+#define FORWARDED "X-Forwarded-For"
 #define BODY_STAKE_BYTES (4u << 10)     /* what a body is given before any of it is there */
 
 static const char known_resources[] =
@@ -146,7 +147,7 @@ void srv_exchange_work(struct srv_exchange *exchange, struct srv_work *work, voi
 
 /* ---- Who may ---- */
 
-static const char *const proxy_headers[] = { "X-Forwarded-For", "Forwarded", "Via" };
+static const char *const proxy_headers[] = { FORWARDED, "Forwarded", "Via" };
 
 /* On this machine, and speaks for nobody else: neither a proxy, as far as it says so, nor a page of a
  * browser. */
@@ -249,7 +250,32 @@ static void set_id(struct srv_exchange *exchange, const char *given)
 			(unsigned long long)eco_mix(host->id_seed, atomic_fetch_add(&host->id_count, 1)));
 }
 
-/* The head has passed the gate: what occurs is well formed, and once. */
+struct lines { char text[SRV_HEAD_BYTES_MAX]; size_t size; };
+
+static enum MHD_Result add_forwarded(void *context, enum MHD_ValueKind kind, const char *name,
+	const char *value)
+{
+	struct lines *lines = context;
+	size_t size = value ? strlen(value) : 0;
+	(void)kind;
+	if (strcasecmp(name, FORWARDED) != 0 || lines->size + size + 2 > sizeof lines->text)
+		return MHD_YES;
+	if (lines->size)
+		lines->text[lines->size++] = ',';
+	memcpy(lines->text + lines->size, value ? value : "", size + 1);
+	lines->size += size;
+	return MHD_YES;
+}
+
+/* A proxy may append a line to those of the client, which come first. */
+static struct srv_address client_of(const struct srv_exchange *exchange)
+{
+	struct lines lines = { .size = 0 };
+	MHD_get_connection_values(exchange->connection, MHD_HEADER_KIND, add_forwarded, &lines);
+	return srv_networks_client(&exchange->host->config.trusted, &exchange->lease->address, lines.text);
+}
+
+/* The head has passed the gate: what it reads is well formed, and once. */
 static void read_headers(struct srv_exchange *exchange)
 {
 	const char *length = srv_exchange_header(exchange, MHD_HTTP_HEADER_CONTENT_LENGTH);
@@ -261,8 +287,7 @@ static void read_headers(struct srv_exchange *exchange)
 		.if_none_match = srv_exchange_header(exchange, MHD_HTTP_HEADER_IF_NONE_MATCH),
 		.if_unmodified_since = srv_exchange_header(exchange, MHD_HTTP_HEADER_IF_UNMODIFIED_SINCE) };
 	if (exchange->lease->is_proxy)
-		exchange->client = srv_networks_client(&exchange->host->config.trusted,
-			&exchange->lease->address, srv_exchange_header(exchange, "X-Forwarded-For"));
+		exchange->client = client_of(exchange);
 	exchange->authorization = srv_exchange_header(exchange, MHD_HTTP_HEADER_AUTHORIZATION);
 	exchange->origin = srv_exchange_header(exchange, MHD_HTTP_HEADER_ORIGIN);
 	set_id(exchange, exchange->lease->is_proxy ? srv_exchange_header(exchange, "X-Request-Id") : NULL);

@@ -114,6 +114,31 @@ bool srv_networks_contain(const struct srv_networks *networks, const struct srv_
 	return false;
 }
 
+/* ":PORT", or nothing. */
+static bool is_port(const char *text, size_t size)
+{
+	char digits[6] = "";
+	uint64_t port;
+	if (size < 2 || size > sizeof digits || text[0] != ':')
+		return size == 0;
+	memcpy(digits, text + 1, size - 1);
+	return srv_parse_count(digits, &port) && port <= 65535;
+}
+
+/* As proxies write it: an address, IPv4:PORT, [IPv6] or [IPv6]:PORT. */
+static bool parse_forwarded(struct srv_address *address, const char *text, size_t size)
+{
+	const char *first = memchr(text, ':', size), *bracket = memchr(text, ']', size);
+	size_t before = first ? (size_t)(first - text) : size;
+	if (text[0] == '[')
+		return bracket && memchr(text, ':', (size_t)(bracket - text))
+			&& srv_address_parse(address, text + 1, (size_t)(bracket - text) - 1)
+			&& is_port(bracket + 1, size - (size_t)(bracket + 1 - text));
+	if (first && !memchr(first + 1, ':', size - before - 1))
+		return srv_address_parse(address, text, before) && is_port(first, size - before);
+	return srv_address_parse(address, text, size);
+}
+
 struct srv_address srv_networks_client(const struct srv_networks *trusted, const struct srv_address *peer,
 	const char *forwarded)
 {
@@ -125,7 +150,7 @@ struct srv_address srv_networks_client(const struct srv_networks *trusted, const
 			first--;
 		const char *text = first + strspn(first, " \t");
 		size_t size = strcspn(text, ", \t");
-		if (text >= end || !srv_address_parse(&next, text, size))
+		if (text >= end || !parse_forwarded(&next, text, size))
 			break;
 		client = next;
 		end = first > forwarded ? first - 1 : forwarded;

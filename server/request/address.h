@@ -29,7 +29,8 @@ struct srv_networks { struct srv_network items[SRV_NETWORKS_MAX]; uint32_t count
 /* "ADDRESS[/BITS],..."; ECO_BAD_USAGE names what is none. */
 enum eco_code srv_networks_parse(struct srv_networks *networks, const char *text, struct eco_error *error);
 bool srv_networks_contain(const struct srv_networks *networks, const struct srv_address *address);
-/* The client behind `peer`. `forwarded`: the value of X-Forwarded-For, or NULL. */
+/* The client behind `peer`. `forwarded`: the values of all X-Forwarded-For lines, in order, with commas between
+ * them; or NULL. */
 struct srv_address srv_networks_client(const struct srv_networks *trusted, const struct srv_address *peer,
 	const char *forwarded);
 

@@ -269,6 +269,39 @@ UNIT_TEST(logs_are_lines_of_json_without_tokens)
 	assert_true(lines >= 3);
 }
 
+/* The log tells who asks. */
+UNIT_TEST(the_last_line_of_a_trusted_proxy_says_who_asks)
+{
+	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--log", "text", "--trust-proxy",
+		"127.0.0.0/8", PACK_PATH, NULL };
+	static const struct { const char *headers, *client; } rows[] = {
+		{ "X-Forwarded-For: 6.6.6.6\r\nX-Forwarded-For: 1.2.3.4\r\n", "1.2.3.4" },
+		{ "x-forwarded-for: 6.6.6.6\r\nVia: x\r\nX-FORWARDED-FOR: 1.2.3.4:99\r\n", "1.2.3.4" },
+		{ "X-Forwarded-For: 6.6.6.6, 7.7.7.7\r\nX-Forwarded-For: 127.0.0.2\r\n", "7.7.7.7" },
+		{ "X-Forwarded-For: 6.6.6.6\r\nX-Forwarded-For: \r\n", "127.0.0.1" },
+		{ "X-Forwarded-For: \r\nX-Forwarded-For: [2001:db8::5]:1\r\n", "2001:db8::5" },
+		{ "X-Forwarded-For: 6.6.6.6\r\n", "6.6.6.6" }, { "", "127.0.0.1" } };
+	char line[256], out[8192], err[8192];
+	if (!program_path[0])
+		skip();
+	struct program process = program_start(arguments);
+	uint16_t port = program_ready(&process, line);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		snprintf(line, sizeof line, "/row-%zu", i);
+		struct http_answer answer = http_ask(port, "GET", line, rows[i].headers, NULL, 0);
+		assert_int_equal(answer.status, 404);
+		http_free(&answer);
+	}
+	kill(process.pid, SIGTERM);
+	assert_int_equal(program_finish(&process, out, err), 0);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		snprintf(line, sizeof line, "%s GET /row-%zu 404", rows[i].client, i);
+		const char *at = strstr(err, line);
+		if (!at || (at > err && at[-1] != '\n'))
+			fail_msg("no line '%s' in\n%s", line, err);
+	}
+}
+
 /* What is said to be the limit is. */
 UNIT_TEST(limits_are_options)
 {
