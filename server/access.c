@@ -5,6 +5,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "server/reload.h"
+
 /* ---- Tokens ---- */
 
 static bool is_token_byte(char c)
@@ -112,13 +114,33 @@ static bool has_token(const struct srv_access *access, const char *scene)
 	return false;
 }
 
-enum eco_code srv_access_check(const struct srv_access *access, const struct srv_store *store,
-	struct eco_error *error)
+/* A scene of the same file that had a token, where this one has none; or NULL. */
+static const struct srv_scene *opened_scene(const struct srv_access *access, const struct srv_scene *scene,
+	const struct srv_store *before)
 {
-	for (uint32_t i = 0; i < access->token_count; i++)
-		if (access->tokens[i].scene[0] && !srv_store_find(store, access->tokens[i].scene))
-			return eco_fail(error, ECO_BAD_USAGE,
-				"--token %s=FILE: there is no scene of this name", access->tokens[i].scene);
+	const char *path = before ? scene->file.path : NULL;
+	const struct srv_scene *old = path && !srv_store_find_file(before, scene->name, path, false)
+		? srv_store_find_file(before, NULL, path, false) : NULL;
+	return old && has_token(access, old->name) && !has_token(access, scene->name) ? old : NULL;
+}
+
+enum eco_code srv_access_check(const struct srv_access *access, const struct srv_store *store,
+	const struct srv_sources *sources, const struct srv_store *before, struct eco_error *error)
+{
+	for (uint32_t i = 0; access && i < access->token_count; i++) {
+		const char *scene = access->tokens[i].scene;
+		if (scene[0] && !srv_store_find(store, scene) && !srv_sources_name(sources, scene))
+			return eco_fail(error, ECO_BAD_USAGE, "--token %s=FILE: there is no scene of this "
+				"name, and it would be served without a token under any other: name its "
+				"pack, %s=OUT.eco", scene, scene);
+	}
+	for (uint32_t i = 0; access && i < store->count; i++) {
+		const struct srv_scene *old = opened_scene(access, store->scenes[i], before);
+		if (old)
+			return eco_fail(error, ECO_BAD_USAGE, "%s was scene '%s', which has a token, and is "
+				"'%s', which has none: name it, %s=OUT.eco, or give the other a token, too",
+				old->file.path, old->name, store->scenes[i]->name, old->name);
+	}
 	return ECO_OK;
 }
 

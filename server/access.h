@@ -27,9 +27,12 @@ enum eco_code srv_access_add_operator(struct srv_access *access, const char *fil
 /* "*", or "https://map.example:8443"; keeps the text. */
 enum eco_code srv_access_add_origin(struct srv_access *access, const char *origin, struct eco_error *error);
 
-/* ECO_BAD_USAGE names a scene that has a token, but is not there: it may be another that should have it. */
+struct srv_sources;
+/* ECO_BAD_USAGE names a scene that has a token, but is neither there nor named by an argument: another may be
+ * the one that should have it. `before`: the scenes of an earlier start or reload, or NULL; a file of one that
+ * has a token must not become one without. */
 enum eco_code srv_access_check(const struct srv_access *access, const struct srv_store *store,
-	struct eco_error *error);
+	const struct srv_sources *sources, const struct srv_store *before, struct eco_error *error);
 
 /* `authorization`: the header's value, or NULL. The operator's token opens every scene. */
 bool srv_access_scene(const struct srv_access *access, const char *scene, const char *authorization);

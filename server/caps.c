@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "server/reload.h"
 #include "server/request/query.h"
 
 enum eco_code srv_cap_add(struct srv_cap_list *list, const char *argument, const char *option,
@@ -23,20 +24,23 @@ enum eco_code srv_cap_add(struct srv_cap_list *list, const char *argument, const
 }
 
 static enum eco_code check(const struct srv_cap_list *list, const char *option, const struct srv_store *store,
-	struct eco_error *error)
+	const struct srv_sources *sources, struct eco_error *error)
 {
 	for (uint32_t i = 0; i < list->count; i++)
-		if (list->items[i].scene[0] && !srv_store_find(store, list->items[i].scene))
+		if (list->items[i].scene[0] && !srv_store_find(store, list->items[i].scene)
+				&& !srv_sources_name(sources, list->items[i].scene))
 			return eco_fail(error, ECO_BAD_USAGE, "--%s %s=%llu: there is no scene of this name",
 				option, list->items[i].scene, (unsigned long long)list->items[i].most);
 	return ECO_OK;
 }
 
 enum eco_code srv_caps_check(const struct srv_caps *caps, const struct srv_store *store,
-	struct eco_error *error)
+	const struct srv_sources *sources, struct eco_error *error)
 {
-	enum eco_code code = check(&caps->vertices, "cap-vertices", store, error);
-	return code ? code : check(&caps->bytes, "cap-bytes", store, error);
+	if (!caps)
+		return ECO_OK;
+	enum eco_code code = check(&caps->vertices, "cap-vertices", store, sources, error);
+	return code ? code : check(&caps->bytes, "cap-bytes", store, sources, error);
 }
 
 static uint64_t most_of(const struct srv_cap_list *list, const char *scene)

@@ -16,9 +16,10 @@ struct srv_caps { struct srv_cap_list vertices, bytes; };        /* 0: none */
 /* "N", or "SCENE=N", N above 0; the last of a scene holds. `option`: what errors call it. */
 enum eco_code srv_cap_add(struct srv_cap_list *list, const char *argument, const char *option,
 	struct eco_error *error);
-/* ECO_BAD_USAGE names a scene that has a cap, but is not there. */
+struct srv_sources;
+/* ECO_BAD_USAGE names a scene that has a cap, but is neither there nor named by an argument. */
 enum eco_code srv_caps_check(const struct srv_caps *caps, const struct srv_store *store,
-	struct eco_error *error);
+	const struct srv_sources *sources, struct eco_error *error);
 
 /* What a scene's answers may have, UINT64_MAX without a cap. `caps` NULL: none has one. */
 struct srv_most { uint64_t vertices, bytes; };

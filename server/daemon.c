@@ -13,6 +13,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "server/access.h"
+#include "server/caps.h"
 #include "server/exchange.h"
 #include "server/listener.h"
 #include "server/log.h"
@@ -174,6 +176,7 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 	daemon->host.id_seed = (uint64_t)getpid() ^ srv_clock_us() << 20;
 	pthread_mutex_init(&daemon->host.reloading, NULL);
 	fill_defaults(&daemon->host.config);
+	atomic_store(&daemon->host.bad_packs, config->bad_packs);
 	srv_typical_find_all(store, NULL);       /* so that no request waits for it */
 	enum eco_code code = config->endpoint ? ECO_OK
 		: srv_endpoint_open(&daemon->endpoint, config->listen, error);
@@ -242,20 +245,26 @@ enum eco_code srv_host_reload(struct srv_host *host, struct srv_reload *report, 
 	struct srv_edition *before = srv_catalog_hold(host->catalog);
 	uint64_t now_us = srv_clock_us(), until_us = now_us + host->config.keep_s * 1000000;
 	enum eco_code code = srv_sources_load(&sources, &before->store, &store, report, error);
+	if (!code)
+		code = srv_access_check(host->config.access, &store, &sources, &before->store, error);
+	if (!code)
+		code = srv_caps_check(host->config.caps, &store, &sources, error);
 	if (!code && !srv_typical_find_all(&store, sources.cancelled))
 		code = eco_fail(error, ECO_INTERRUPTED, "the server is stopping");
 	if (!code)
 		code = srv_catalog_replace(host->catalog, &store, until_us, now_us, error);
+	if (!code)
+		atomic_store(&host->bad_packs, report->bad);
 	srv_store_free(&store);
 	srv_edition_release(before);
 	pthread_mutex_unlock(&host->reloading);
 	srv_count(&host->metrics, SRV_COUNT_RELOADS, 1);
-	srv_count(&host->metrics, SRV_COUNT_RELOADS_FAILED, code || report->kept);
+	srv_count(&host->metrics, SRV_COUNT_RELOADS_FAILED, code || report->bad);
 	if (code)
 		srv_log_event(form, true, "reload: nothing is changed: %s", error->text);
 	else
-		srv_log_event(form, report->kept, "reload: %u scenes opened, %u as they were, %u gone%s%s",
-			report->opened, report->same, report->gone, report->kept
+		srv_log_event(form, report->bad, "reload: %u scenes opened, %u as they were, %u gone%s%s",
+			report->opened, report->same, report->gone, report->bad
 			? "; not well, and served as before where they were: " : "", report->why);
 	return code;
 }
@@ -301,6 +310,7 @@ struct srv_gauges srv_host_gauges(struct srv_host *host)
 		.waiting_plans = srv_work_waiting(host->work),
 		.scenes = edition->store.count,
 		.retired = edition->retired_count,
+		.bad_packs = atomic_load(&host->bad_packs),
 		.bodies_bytes = atomic_load(&host->bodies_bytes),
 		.kept_bytes = srv_plan_cache_bytes(host->plans),
 		.accept_failures = srv_listener_failures(host->listener),

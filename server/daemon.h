@@ -53,6 +53,7 @@ struct srv_config {              /* 0 is the default */
 	const struct srv_access *access;     /* tokens and origins; NULL: none. Outlives the daemon */
 	const struct srv_caps *caps; /* of scenes (caps.h); NULL: none. Outlives the daemon */
 	const struct srv_sources *sources; /* what a reload opens; NULL: there is none. Outlives the daemon */
+	uint32_t bad_packs;          /* of the sources: not well when they were read at the start */
 	uint64_t keep_s;             /* that chunks of a replaced pack are still served: 600 */
 	bool log;                    /* one line a request on stderr, ... */
 	int log_form;                /* ... an enum srv_log_form */

@@ -39,6 +39,7 @@ struct srv_host {                        /* what exchanges need of the daemon */
 	pthread_mutex_t reloading;
 	atomic_bool draining;
 	_Atomic(uint32_t) busy;
+	_Atomic(uint32_t) bad_packs;         /* at the start or the last reload that changed something */
 	_Atomic(uint64_t) bodies_bytes;      /* memory of the bodies that are held */
 };
 

@@ -133,7 +133,8 @@ static void answer_viewer(struct srv_exchange *exchange, const char *version, co
 static void answer_ready(struct srv_exchange *exchange)
 {
 	struct srv_json json = { 0 };
-	if (!srv_host_gauges(exchange->host).ready) {
+	const struct srv_gauges gauges = srv_host_gauges(exchange->host);
+	if (!gauges.ready) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_BUSY,
 			"no further plan can wait now; send requests to "
 			"another server for a moment",
@@ -142,6 +143,7 @@ static void answer_ready(struct srv_exchange *exchange)
 	}
 	srv_json_open(&json, '{');
 	srv_json_key_text(&json, "status", "ready");
+	srv_json_key_count(&json, "bad_packs", gauges.bad_packs);
 	srv_json_close(&json, '}');
 	answer_described(exchange, false, &json);
 }
@@ -168,7 +170,7 @@ void srv_exchange_reload(void *argument)
 	struct eco_error error = { 0 };
 	struct srv_json json = { 0 };
 	enum eco_code code = srv_host_reload(exchange->host, &report, &error);
-	if (code || report.kept) {
+	if (code || report.bad) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_RELOAD, code ? error.text : report.why, false);
 		return;
 	}

@@ -180,7 +180,8 @@ static const struct eco_command command = { .name = "ecoserve",
 		"SIGINT finish running answers (for at most 10 s) and end; a second one "
 		"ends at once. SIGHUP, or POST /v1/admin/reload, reads packs and folders again: what has "
 		"changed is served to who comes from then on, and what is not well leaves the scene as it "
-		"was.\n"
+		"was. A pack that is not well at the start is not served; the others are, and /readyz "
+		"counts it.\n"
 		"Options hold in this order: the command line, the environment (ECOSERVE_ and the name in "
 		"capitals, as ECOSERVE_PLAN_WORK=5), the file of --config.\n"
 		"ECO_TRACE=plan,cuts,cache,connection prints on stderr why things are as they are.\n" };
@@ -324,6 +325,16 @@ static sigset_t prepare_signals(void)
 	return signals;
 }
 
+/* The other packs are served. */
+static enum eco_code tell_bad(const struct srv_reload *report, struct eco_error *error)
+{
+	if (given.only_check)
+		return eco_fail(error, ECO_BAD_INPUT, "%s", report->why);
+	srv_log_event((enum srv_log_form)given.config.log_form, true, "warning: not served until a reload "
+		"finds it well: %s", report->why);
+	return ECO_OK;
+}
+
 static enum eco_code run(struct eco_error *error)
 {
 	struct srv_store store;
@@ -342,8 +353,11 @@ static enum eco_code run(struct eco_error *error)
 	code = code ? code : srv_endpoint_check(given.config.listen, error);
 	code = code ? code : check_sandbox(error);
 	code = code ? code : srv_sources_load(&sources, NULL, &store, &report, error);
-	code = code ? code : srv_access_check(&given.access, &store, error);
-	code = code ? code : srv_caps_check(&given.caps, &store, error);
+	if (!code && report.bad)
+		code = tell_bad(&report, error);
+	given.config.bad_packs = report.bad;
+	code = code ? code : srv_access_check(&given.access, &store, &sources, NULL, error);
+	code = code ? code : srv_caps_check(&given.caps, &store, &sources, error);
 	if (!code)
 		code = given.only_check ? announce("the configuration is good", &store, "", error)
 			: serve_scenes(&store, &signals, error);

@@ -109,5 +109,7 @@ void srv_metrics_write(struct eco_writer *out, struct srv_metrics *metrics, cons
 	add_value(out, "scenes", "gauge", "Scenes that are served.", gauges->scenes);
 	add_value(out, "retired_scenes", "gauge",
 		"Scenes that were replaced, and whose chunks are still served.", gauges->retired);
+	add_value(out, "bad_packs", "gauge",
+		"Packs that were not well when they were last read; see the log.", gauges->bad_packs);
 	add_value(out, "ready", "gauge", "1 where /readyz says so.", gauges->ready);
 }

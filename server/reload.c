@@ -15,12 +15,13 @@ struct loading {
 	const struct srv_store *before;  /* NULL: the first time */
 	struct srv_store *store;
 	struct srv_reload *report;
+	struct eco_error first;          /* of the first pack that is not well */
 };
 
 static void say_why(struct srv_reload *report, const char *text)
 {
 	size_t used = strlen(report->why);
-	snprintf(report->why + used, sizeof report->why - used, "%s%s", used ? "\n" : "", text);
+	snprintf(report->why + used, sizeof report->why - used, "%s%s", used ? "; " : "", text);
 }
 
 /* Folders that were named since by a link, for instance, are not among those of the start (sandbox.h). */
@@ -42,10 +43,18 @@ static enum eco_code keep(struct loading *loading, const char *name, const char 
 	struct eco_error *why, struct eco_error *error)
 {
 	say_confined(why, path);
-	struct srv_scene *old = srv_store_find_file(loading->before, name, path, false);
+	struct srv_scene *old = loading->before
+		? srv_store_find_file(loading->before, name, path, false) : NULL;
 	say_why(loading->report, why->text);
-	loading->report->kept++;
+	eco_fail(&loading->first, why->code, "%s", why->text);
+	loading->report->bad++;
 	return old ? srv_store_share(loading->store, old, error) : ECO_OK;
+}
+
+/* The other packs cannot be well, either, or nobody would know which of two is meant. */
+static bool stops(const struct loading *loading, enum eco_code code)
+{
+	return code == ECO_NO_MEMORY || code == ECO_INTERRUPTED || (code == ECO_BAD_USAGE && !loading->before);
 }
 
 /* `name` NULL: as the pack or its file is named. */
@@ -61,8 +70,8 @@ static enum eco_code load_pack(struct loading *loading, const char *name, const 
 		++*(same ? &loading->report->same : &loading->report->opened);
 		return ECO_OK;
 	}
-	return loading->before && code != ECO_NO_MEMORY && code != ECO_INTERRUPTED ? keep(loading, name, path, &why, error)
-		: eco_fail(error, code, "%s", why.text);
+	return stops(loading, code) ? eco_fail(error, code, "%s", why.text)
+		: keep(loading, name, path, &why, error);
 }
 
 static int is_pack(const struct dirent *entry)
@@ -77,8 +86,11 @@ static enum eco_code load_folder(struct loading *loading, const char *folder, st
 	char path[PATH_BYTES];
 	enum eco_code code = ECO_OK;
 	int count = scandir(folder, &entries, is_pack, alphasort);
+	struct eco_error why = { 0 };
+	if (count < 0 && (eco_fail_read(&why, folder, errno), loading->before))
+		return eco_fail(error, why.code, "%s", why.text);
 	if (count < 0)
-		return eco_fail_read(error, folder, errno);
+		return keep(loading, NULL, folder, &why, error);
 	for (int i = 0; i < count; i++) {
 		snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
 		code = code ? code : load_pack(loading, NULL, path, error);
@@ -89,16 +101,33 @@ static enum eco_code load_folder(struct loading *loading, const char *folder, st
 }
 
 /* "NAME=FILE" or "FILE"; a '=' behind a '/' belongs to the file. */
-static enum eco_code load_argument(struct loading *loading, const char *argument, struct eco_error *error)
+const char *srv_source_path(const char *argument, char name[SRV_NAME_BYTES + 1])
 {
 	const char *equals = strchr(argument, '='), *slash = strchr(argument, '/');
+	name[0] = 0;
+	if (!equals || (slash && slash < equals))
+		return argument;
+	snprintf(name, SRV_NAME_BYTES + 1, "%.*s", (int)(equals - argument), argument);
+	return equals + 1;
+}
+
+bool srv_sources_name(const struct srv_sources *sources, const char *scene)
+{
+	char name[SRV_NAME_BYTES + 1];
+	for (uint32_t i = 0; i < sources->count; i++)
+		if (srv_source_path(sources->arguments[i], name) && strcmp(name, scene) == 0)
+			return true;
+	return false;
+}
+
+static enum eco_code load_argument(struct loading *loading, const char *argument, struct eco_error *error)
+{
 	char name[SRV_NAME_BYTES + 1];
 	struct stat about;
-	if (!equals || (slash && slash < equals))
-		return stat(argument, &about) == 0 && S_ISDIR(about.st_mode)
-			? load_folder(loading, argument, error) : load_pack(loading, NULL, argument, error);
-	snprintf(name, sizeof name, "%.*s", (int)(equals - argument), argument);
-	return load_pack(loading, name, equals + 1, error);
+	const char *path = srv_source_path(argument, name);
+	bool has_name = path != argument;
+	return !has_name && stat(path, &about) == 0 && S_ISDIR(about.st_mode)
+		? load_folder(loading, path, error) : load_pack(loading, has_name ? name : NULL, path, error);
 }
 
 static uint32_t count_gone(const struct srv_store *before, const struct srv_store *store)
@@ -112,7 +141,7 @@ static uint32_t count_gone(const struct srv_store *before, const struct srv_stor
 enum eco_code srv_sources_load(const struct srv_sources *sources, const struct srv_store *before,
 	struct srv_store *store, struct srv_reload *report, struct eco_error *error)
 {
-	struct loading loading = { before, store, report };
+	struct loading loading = { before, store, report, { 0 } };
 	enum eco_code code = ECO_OK;
 	srv_store_init(store);
 	store->copies = sources->copies;
@@ -120,7 +149,9 @@ enum eco_code srv_sources_load(const struct srv_sources *sources, const struct s
 	*report = (struct srv_reload){ 0 };
 	for (uint32_t i = 0; i < sources->count && !code; i++)
 		code = load_argument(&loading, sources->arguments[i], error);
-	if (!code && !store->count)
+	if (!code && !store->count && loading.first.code)
+		code = eco_fail(error, loading.first.code, "%s", loading.first.text);
+	else if (!code && !store->count)
 		code = eco_fail(error, ECO_NOT_FOUND,
 			"there is no pack: no OUT.eco in the folders that are named");
 	report->gone = code || !before ? 0 : count_gone(before, store);

@@ -2,7 +2,7 @@
  * a pack, "FOLDER" all packs OUT.eco in it.
  *
  * Again: what has not changed is shared with the store before. Where a pack cannot be read, or is not well,
- * the scene that was made of its file before stays, and the report says so. */
+ * the scene that was made of its file before stays, if there is one, and the report says so. */
 #ifndef SRV_RELOAD_H
 #define SRV_RELOAD_H
 
@@ -15,12 +15,18 @@ struct srv_sources {
 };
 
 struct srv_reload {
-	uint32_t opened, same, kept, gone;       /* scenes; kept: in place of what is not well */
-	char why[2048]; /* what was not well, a line each; as many as there is room for */
+	uint32_t opened, same, gone;     /* scenes */
+	uint32_t bad;                    /* packs that are not well */
+	char why[2048]; /* what was not well, with "; " between; as many as there is room for */
 };
 
-/* Fills `store`, which the caller frees whatever comes. `before` NULL: the first time, when anything that is
- * not well is an error. */
+/* The file or folder of an argument; *name: SRV_NAME_BYTES + 1 bytes, "" where it names no scene. */
+const char *srv_source_path(const char *argument, char name[SRV_NAME_BYTES + 1]);
+/* Whether an argument gives a scene this name, so that no other pack may have it. */
+bool srv_sources_name(const struct srv_sources *sources, const char *scene);
+
+/* Fills `store`, which the caller frees whatever comes. `before` NULL: the first time, when names that cannot
+ * be are an error, too. Without any scene it fails as the first of its packs did. */
 enum eco_code srv_sources_load(const struct srv_sources *sources, const struct srv_store *before,
 	struct srv_store *store, struct srv_reload *report, struct eco_error *error);
 

@@ -12,9 +12,20 @@ static char **folders;
 static uint32_t folder_count;
 static const char *copies[2];
 
+static bool is_folder(const char *path)
+{
+	struct stat about;
+	return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
+}
+
+/* A folder that is not there holds a pack that is not there. */
 static enum eco_code add_folder(const char *path, size_t size, struct eco_error *error)
 {
 	char *folder = strndup(size ? path : ".", size ? size : 1);
+	if (folder && !is_folder(folder)) {
+		free(folder);
+		return ECO_OK;
+	}
 	for (uint32_t i = 0; folder && i < folder_count; i++)
 		if (strcmp(folders[i], folder) == 0) {
 			free(folder);
@@ -52,11 +63,10 @@ static enum eco_code add_folders_of(const char *path, struct eco_error *error)
 static enum eco_code list_folders(const struct srv_sandbox *sandbox, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-	struct stat about;
+	char name[SRV_NAME_BYTES + 1];
 	for (uint32_t i = 0; i < sandbox->sources->count && !code; i++) {
-		const char *argument = sandbox->sources->arguments[i];
-		if (stat(argument, &about) == 0 && S_ISDIR(about.st_mode))
-			code = add_folder(argument, strlen(argument), error);
+		const char *path = srv_source_path(sandbox->sources->arguments[i], name);
+		code = is_folder(path) ? add_folder(path, strlen(path), error) : add_folders_of(path, error);
 	}
 	for (uint32_t i = 0; i < sandbox->store->count && !code; i++)
 		code = add_folders_of(sandbox->store->scenes[i]->file.path, error);

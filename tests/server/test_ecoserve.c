@@ -16,6 +16,7 @@
 #define PACK_PATH "build/tmp/test_ecoserve.eco"
 #define CUT_PATH "build/tmp/test_ecoserve_cut.eco"
 #define DAMAGED_PATH "build/tmp/test_ecoserve_damaged.eco"
+#define LATE_PATH "build/tmp/test_ecoserve_late/late.eco"
 #define DEEP_PATH "build/tmp/test_ecoserve_deep.eco"
 
 static int prepare(void **state)
@@ -385,6 +386,14 @@ UNIT_TEST(a_client_that_leaves_does_no_harm)
 	assert_true(only_warns(err));
 }
 
+static unsigned status_of(uint16_t port, const char *method, const char *target)
+{
+	struct http_answer answer = http_ask(port, method, target, "", NULL, 0);
+	unsigned status = answer.status;
+	http_free(&answer);
+	return status;
+}
+
 /* A view would have to open all of its tiles, without end. */
 UNIT_TEST(a_pack_that_no_view_can_be_planned_of_is_refused)
 {
@@ -404,10 +413,8 @@ UNIT_TEST(a_pack_that_no_view_can_be_planned_of_is_refused)
 	assert_int_equal(eco_pack_open(&pack, DEEP_PATH, &error), ECO_DAMAGED);
 	assert_non_null(strstr(error.text, says));
 	kill(process.pid, SIGHUP);
-	struct http_answer answer = http_ask(port, "POST", "/v1/admin/reload", "", NULL, 0);
-	assert_int_equal(answer.status, 500);
-	http_free(&answer);
-	answer = http_get(port, "/v1/scenes/deep/stream?eye=50,-30,12&target=50,30,2&width=400&height=300"
+	assert_int_equal(status_of(port, "POST", "/v1/admin/reload"), 500);
+	struct http_answer answer = http_get(port, "/v1/scenes/deep/stream?eye=50,-30,12&target=50,30,2&width=400&height=300"
 		"&vertices=1000");
 	assert_int_equal(answer.status, 200);
 	http_free(&answer);
@@ -417,6 +424,59 @@ UNIT_TEST(a_pack_that_no_view_can_be_planned_of_is_refused)
 	process = program_start(arguments);
 	assert_int_equal(program_finish(&process, out, err), 1);
 	assert_non_null(strstr(err, says));
+}
+
+static int64_t bad_packs(uint16_t port)
+{
+	struct http_answer answer = http_get(port, "/readyz");
+	assert_int_equal(answer.status, 200);
+	json_t *json = json_loads(answer.body, 0, NULL);
+	assert_true(json_is_integer(json_object_get(json, "bad_packs")));
+	int64_t count = json_integer_value(json_object_get(json, "bad_packs"));
+	json_decref(json);
+	http_free(&answer);
+	return count;
+}
+
+/* Until a reload finds them well. */
+UNIT_TEST(one_good_pack_of_three_is_served)
+{
+	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--token", "late=" TOKEN_PATH,
+		"late=" LATE_PATH, PACK_PATH, "never=build/tmp/no such folder/none.eco", NULL };
+	static const char *const unnamed[] = { "--token", "late=" TOKEN_PATH, LATE_PATH, PACK_PATH, NULL };
+	static const char *const checks[] = { "--check-config", "late=" LATE_PATH, PACK_PATH, NULL };
+	char line[256], out[8192], err[8192];
+	struct eco_error error = { 0 };
+	if (!program_path[0])
+		skip();
+	folder_make("build/tmp/test_ecoserve_late");
+	write_file(LATE_PATH, "no pack");
+	write_file(TOKEN_PATH, "0123456789abcdef\n");
+	struct program process = program_start_in(arguments, program_sandboxed);
+	uint16_t port = program_ready(&process, line);
+	assert_true(port && strstr(line, "(1 scene named sample)"));
+	assert_int_equal(status_of(port, "GET", "/v1/scenes/sample"), 200);
+	assert_int_equal(bad_packs(port), 2);
+	assert_int_equal(unlink(LATE_PATH), 0);
+	assert_ok(sample_pack_write(LATE_PATH, &error), error);
+	assert_int_equal(status_of(port, "POST", "/v1/admin/reload"), 500);      /* of the third */
+	struct http_answer answer = http_ask(port, "GET", "/v1/scenes/late",
+		"Authorization: Bearer 0123456789abcdef\r\n", NULL, 0);
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	assert_int_equal(bad_packs(port), 1);
+	kill(process.pid, SIGTERM);
+	assert_int_equal(program_finish(&process, out, err), 0);
+	assert_non_null(strstr(err, "warning: not served until a reload finds it well: " LATE_PATH));
+	assert_non_null(strstr(err, "no such folder/none.eco"));
+	write_file(LATE_PATH, "no pack");
+	process = program_start(checks);
+	assert_int_equal(program_finish(&process, out, err), 1);
+	assert_non_null(strstr(err, LATE_PATH));
+	/* nobody knows whether the good one is the one that the token is for */
+	process = program_start(unnamed);
+	assert_int_equal(program_finish(&process, out, err), 2);
+	assert_non_null(strstr(err, "--token late=FILE: there is no scene of this name"));
 }
 
 /* Zeros in place of its bytes, then nothing: the answers stay those of the pack that was read. */

@@ -11,8 +11,9 @@
 #include "server/typical.h"
 #include "tests/support/files.h"
 #include "tests/support/ground_tiles.h"
+#include "tests/support/pack_resign.h"
 
-static char served[64], other[64], token_file[64];
+static char served[64], other[64], other_name[64], token_file[64];
 
 static double flat(double x, double y) { return 1 + 0.02 * x + 0 * y; }
 
@@ -32,6 +33,7 @@ static int prepare(void **state)
 	folder_make("build/tmp");
 	snprintf(served, sizeof served, "build/tmp/operate-%d.eco", pid);
 	snprintf(other, sizeof other, "build/tmp/operate-%d-other.eco", pid);
+	snprintf(other_name, sizeof other_name, "build/tmp/operate-%d-renamed.eco", pid);
 	snprintf(token_file, sizeof token_file, "build/tmp/operate-%d.token", pid);
 	FILE *file = fopen(token_file, "w");
 	if (!file || fputs("0123456789abcdef-park\nnot this\n", file) < 0 || fclose(file))
@@ -301,7 +303,7 @@ UNIT_TEST(answers_of_a_scene_may_be_capped)
 	assert_ok(srv_cap_add(&caps.vertices, "300", "cap-vertices", &error), error);
 	assert_ok(srv_cap_add(&caps.bytes, "4000", "cap-bytes", &error), error);
 	daemon = start((struct srv_config){ .caps = &caps }, &scenes);
-	assert_ok(srv_caps_check(&caps, &scenes, &error), error);
+	assert_ok(srv_caps_check(&caps, &scenes, &(struct srv_sources){ .count = 0 }, &error), error);
 	described = answered("GET", BASE, 200);
 	assert_int_equal(json_integer_value(json_object_get(described, "cap_vertices")), 700);
 	assert_int_equal(json_integer_value(json_object_get(described, "cap_bytes")), 4000);
@@ -368,10 +370,88 @@ UNIT_TEST(a_scene_with_a_token_is_for_its_holders)
 	assert_int_equal(json_array_size(json_object_get(list, "scenes")), 0);
 	json_decref(list);
 	srv_daemon_stop(daemon);
-	assert_int_equal(srv_access_check(&access, &scenes, &error), ECO_OK);
+	char *named[] = { "smaple=none.eco" };
+	const struct srv_sources none = { .count = 0 }, renamed = { named, 1, NULL, NULL };
+	assert_int_equal(srv_access_check(&access, &scenes, &none, NULL, &error), ECO_OK);
 	strcpy(access.tokens[0].scene, "smaple");
-	assert_int_equal(srv_access_check(&access, &scenes, &error), ECO_BAD_USAGE);
+	assert_int_equal(srv_access_check(&access, &scenes, &none, NULL, &error), ECO_BAD_USAGE);
+	assert_int_equal(srv_access_check(&access, &scenes, &renamed, NULL, &error), ECO_OK);
+	assert_int_equal(srv_access_check(&access, &scenes, &renamed, &scenes, &error), ECO_OK);
 	srv_store_free(&scenes);
+}
+
+/* The served pack, whose scene is called "sample", as one that has this name. */
+static void put_renamed(const char *name)
+{
+	static uint8_t bytes[8 << 20];
+	FILE *file = fopen(served, "rb"), *to = fopen(other_name, "wb");
+	assert_true(file && to);
+	size_t size = fread(bytes, 1, sizeof bytes, file);
+	for (uint32_t i = 0; i < bytes[12]; i++) {
+		const uint8_t *section = bytes + ECO_PACK_HEADER_BYTES + i * ECO_PACK_SECTION_BYTES;
+		if (section[0] == ECO_SECTION_SCENE)
+			strncpy((char *)bytes + resign_u64(section + 8), name, 64);
+	}
+	pack_resign(bytes, size);
+	assert_int_equal(fwrite(bytes, 1, size, to), size);
+	assert_true(fclose(file) == 0 && fclose(to) == 0);
+	assert_int_equal(rename(other_name, served), 0);
+}
+
+/* Under a name that has no token, or no cap, everybody would have it. */
+UNIT_TEST(a_reload_that_would_open_a_scene_changes_nothing)
+{
+	static struct srv_access access;
+	static struct srv_caps caps;
+	struct eco_error error = { 0 };
+	char argument[100];
+	for (int capped = 0; capped < 2; capped++) {
+		struct srv_store scenes;
+		access = (struct srv_access){ 0 };
+		caps = (struct srv_caps){ .vertices.count = 0 };
+		snprintf(argument, sizeof argument, "sample=%s", token_file);
+		assert_ok(capped ? srv_cap_add(&caps.vertices, "sample=700", "cap-vertices", &error)
+			: srv_access_add_token(&access, argument, &error), error);
+		assert_ok(sample_pack_write(served, &error), error);
+		struct srv_daemon *daemon = start((struct srv_config){ .access = &access, .caps = &caps },
+			&scenes);
+		put_renamed("simple");
+		json_t *problem = answered("POST", "/v1/admin/reload", 500);
+		assert_non_null(strstr(json_string_value(json_object_get(problem, "detail")), capped
+			? "--cap-vertices sample=700: there is no scene" : "--token sample=FILE: there is no scene"));
+		json_decref(problem);
+		assert_int_equal(status_of("GET", "/v1/scenes/simple", ""), 404);
+		assert_int_equal(status_of("GET", BASE, BEARER(TOKEN)), 200);
+		put_renamed("sample");
+		assert_int_equal(status_of("POST", "/v1/admin/reload", ""), 200);
+		srv_daemon_stop(daemon);
+		srv_store_free(&scenes);
+	}
+	assert_ok(sample_pack_write(served, &error), error);
+}
+
+/* The token's scene is there, but it is another file's now. */
+UNIT_TEST(a_file_keeps_its_token)
+{
+	static struct srv_access access;
+	struct srv_store before, after;
+	struct eco_error error = { 0 };
+	char argument[100];
+	access = (struct srv_access){ 0 };
+	snprintf(argument, sizeof argument, "one=%s", token_file);
+	assert_ok(srv_access_add_token(&access, argument, &error), error);
+	srv_store_init(&before);
+	srv_store_init(&after);
+	assert_ok(srv_store_add(&before, "one", served, &error), error);
+	assert_ok(srv_store_add(&before, "two", other, &error), error);
+	assert_ok(srv_store_add(&after, "two", served, &error), error);
+	assert_ok(srv_store_add(&after, "one", other, &error), error);
+	const struct srv_sources none = { .count = 0 };
+	assert_ok(srv_access_check(&access, &before, &none, &before, &error), error);
+	assert_int_equal(srv_access_check(&access, &after, &none, &before, &error), ECO_BAD_USAGE);
+	assert_non_null(strstr(error.text, served));
+	srv_store_free(&before);
+	srv_store_free(&after);
 }
 
 UNIT_TEST(the_operator_has_a_token_or_the_machine)
