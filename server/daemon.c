@@ -175,6 +175,7 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 	daemon->endpoint = config->endpoint ? *config->endpoint : (struct srv_endpoint){ .fd = -1 };
 	daemon->host.id_seed = (uint64_t)getpid() ^ srv_clock_us() << 20;
 	pthread_mutex_init(&daemon->host.reloading, NULL);
+	srv_log_start();
 	fill_defaults(&daemon->host.config);
 	atomic_store(&daemon->host.bad_packs, config->bad_packs);
 	srv_typical_find_all(store, NULL);       /* so that no request waits for it */
@@ -314,7 +315,8 @@ struct srv_gauges srv_host_gauges(struct srv_host *host)
 		.bodies_bytes = atomic_load(&host->bodies_bytes),
 		.kept_bytes = srv_plan_cache_bytes(host->plans),
 		.accept_failures = srv_listener_failures(host->listener),
-		.refused_heads = srv_gate_refused() };
+		.refused_heads = srv_gate_refused(),
+		.dropped_lines = srv_log_dropped() };
 	gauges.ready = !atomic_load(&host->draining) && gauges.waiting_plans < host->config.queue_max;
 	srv_edition_release(edition);
 	return gauges;
@@ -351,4 +353,5 @@ void srv_daemon_stop(struct srv_daemon *daemon)
 		close(daemon->endpoint.fd);
 	pthread_mutex_destroy(&daemon->host.reloading);
 	free(daemon);
+	srv_log_flush();
 }

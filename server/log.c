@@ -1,22 +1,132 @@
 #include "server/log.h"
 
+#include <errno.h>
+#include <poll.h>
+#include <pthread.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "ecofiles/base/utf8.h"
 #include "server/request/json.h"
 
 #define TARGET_BYTES 400u
+#define FLUSH_ROUNDS 100
 
-/* One line by one write, so that lines of several threads do not mix. */
+/* ---- The thread that writes ---- */
+
+static char buffers[2][SRV_LOG_BYTES];
+static struct {
+	pthread_mutex_t mutex;
+	pthread_cond_t filled;
+	char *lines; size_t size;        /* that wait, in one of the buffers; the other is written */
+	bool has_thread, is_writing;
+	_Atomic(uint64_t) dropped;
+} queue = { .mutex = PTHREAD_MUTEX_INITIALIZER, .filled = PTHREAD_COND_INITIALIZER, .lines = buffers[0] };
+
+/* Where stderr was made nonblocking it is waited for here. */
+static void write_out(const char *bytes, size_t size)
+{
+	struct pollfd room = { .fd = STDERR_FILENO, .events = POLLOUT };
+	while (size) {
+		ssize_t written = write(STDERR_FILENO, bytes, size);
+		if (written < 0 && errno == EAGAIN)
+			poll(&room, 1, -1);
+		else if (written <= 0 && errno != EINTR)
+			return;
+		bytes += written > 0 ? written : 0;
+		size -= written > 0 ? (size_t)written : 0;
+	}
+}
+
+static void *write_lines(void *nothing)
+{
+	pthread_mutex_lock(&queue.mutex);
+	for (;;) {
+		queue.is_writing = false;
+		while (!queue.size)
+			pthread_cond_wait(&queue.filled, &queue.mutex);
+		char *lines = queue.lines;
+		size_t size = queue.size;
+		queue.lines = lines == buffers[0] ? buffers[1] : buffers[0];
+		queue.size = 0;
+		queue.is_writing = true;
+		pthread_mutex_unlock(&queue.mutex);
+		write_out(lines, size);
+		pthread_mutex_lock(&queue.mutex);
+	}
+	return nothing;
+}
+
+void srv_log_start(void)
+{
+	pthread_t thread;
+	pthread_mutex_lock(&queue.mutex);
+	if (!queue.has_thread && !pthread_create(&thread, NULL, write_lines, NULL)) {
+		pthread_detach(thread);
+		queue.has_thread = true;
+	}
+	pthread_mutex_unlock(&queue.mutex);
+}
+
+void srv_log_flush(void)
+{
+	const struct timespec round = { 0, 1000000000L / FLUSH_ROUNDS };
+	bool done = false;
+	for (int i = 0; !done && i < FLUSH_ROUNDS; i++) {
+		pthread_mutex_lock(&queue.mutex);
+		done = !queue.size && !queue.is_writing;
+		pthread_mutex_unlock(&queue.mutex);
+		if (!done)
+			nanosleep(&round, NULL);
+	}
+}
+
+uint64_t srv_log_dropped(void)
+{
+	return atomic_load(&queue.dropped);
+}
+
+/* A line is written whole or not at all, so that lines of several threads do not mix. */
+static void put_line(const void *bytes, size_t size)
+{
+	pthread_mutex_lock(&queue.mutex);
+	bool waits = queue.has_thread, fits = size <= SRV_LOG_BYTES - queue.size;
+	if (waits && fits) {
+		memcpy(queue.lines + queue.size, bytes, size);
+		queue.size += size;
+		pthread_cond_signal(&queue.filled);
+	}
+	pthread_mutex_unlock(&queue.mutex);
+	if (!waits)
+		write_out(bytes, size);
+	else if (!fits)
+		atomic_fetch_add(&queue.dropped, 1);
+}
+
+/* ---- Lines ---- */
+
 static void print_line(struct eco_writer *out)
 {
 	eco_write_u8(out, '\n');
 	if (!out->failed)
-		(void)!write(STDERR_FILENO, out->bytes, out->size);
+		put_line(out->bytes, out->size);
 	eco_writer_free(out);
+}
+
+void srv_log_line(const char *text, size_t size)
+{
+	struct eco_writer out = { 0 };
+	for (const char *at = text, *end = text + size; at < end;) {
+		size_t length = eco_utf8_bytes(at, (size_t)(end - at));
+		bool shown = eco_utf8_printable(eco_utf8_code(at, length));
+		eco_write_bytes(&out, shown ? at : "?", shown ? length : 1);
+		at += length ? length : 1;
+	}
+	print_line(&out);
 }
 
 /* What is printable; parameters that are named like a token have no value. */
@@ -127,7 +237,8 @@ void srv_log_event(enum srv_log_form form, bool problem, const char *format, ...
 	vsnprintf(text, sizeof text, format, arguments);
 	va_end(arguments);
 	if (form == SRV_LOG_TEXT) {
-		fprintf(stderr, "ecoserve: %s\n", text);
+		char line[sizeof text + 16];
+		srv_log_line(line, (size_t)snprintf(line, sizeof line, "ecoserve: %s", text));
 		return;
 	}
 	srv_json_open(&json, '{');

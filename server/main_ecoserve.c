@@ -3,6 +3,7 @@
 #include <limits.h>
 #include <malloc.h>
 #include <netdb.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -151,8 +152,8 @@ static const struct eco_option options[] = {
 		.help = "that chunks of a replaced pack are still served; 600 if not given" },
 	{ "log", 0, ECO_OPTION_CHOICE, "FORM", &given.config.log_form, .choices = log_forms,
 		.given = &given.config.log,
-		.help = "one line a request on stderr, as text or json; what the daemon says has it, "
-			"too" },
+		.help = "one line a request on stderr, as text or json, which what the daemon says and errors "
+			"have, too; lines that nobody reads are dropped and counted (/metrics)" },
 	{ "slow", 0, ECO_OPTION_COUNT, "MS", &given.config.slow_ms, 1, 3600000,
 		.help = "log requests whose plan took longer, with what the plan tried" },
 	{ "user", 0, ECO_OPTION_TEXT, "NAME", &given.user,
@@ -242,8 +243,9 @@ static void pack_is_gone(int number)
 	static const char text[] = "ecoserve: a pack was cut short while it was served, or its disk failed "
 		"(SIGBUS): start ecoserve again. With --in-place put a new pack in place by renaming it (mv, "
 		"or ecopack make), not by writing over the old one (cp)\n";
+	struct pollfd room = { .fd = STDERR_FILENO, .events = POLLOUT };
 	(void)number;
-	_exit(write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 3 : 1);
+	_exit(poll(&room, 1, 0) == 1 && write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 3 : 1);
 }
 
 static const char *copies_folder(void)
@@ -366,23 +368,33 @@ static enum eco_code run(struct eco_error *error)
 	return code;
 }
 
-/* The file that --config names, or the environment; the command line is read for the rest afterwards. */
-static const char *settings_file(int argc, char **argv)
+/* What these arguments say of an option, `value` if nothing, before all of them can be read. */
+static const char *find_option(const char *option, const char *value, int argc, char *const *argv)
 {
-	static const char name[] = "--config";
-	const char *file = getenv(ENVIRONMENT "CONFIG");
+	size_t size = strlen(option);
 	for (int i = 0; i < argc && strcmp(argv[i], "--") != 0; i++)
-		if (strncmp(argv[i], name, sizeof name - 1) == 0)
-			file = argv[i][sizeof name - 1] == '=' ? argv[i] + sizeof name
-				: !argv[i][sizeof name - 1] && i + 1 < argc ? argv[i + 1] : file;
-	return file;
+		if (strncmp(argv[i], option, size) == 0)
+			value = argv[i][size] == '=' ? argv[i] + size + 1
+				: !argv[i][size] && i + 1 < argc ? argv[i + 1] : value;
+	return value;
+}
+
+/* Says what failed, in the form of the log. */
+static int end_failed(enum eco_code code, const struct eco_error *error, const char *form)
+{
+	bool json = form && strcmp(form, log_forms[SRV_LOG_JSON]) == 0;
+	if (error->text[0])
+		srv_log_event(json ? SRV_LOG_JSON : SRV_LOG_TEXT, true, "%s", error->text);
+	srv_log_flush();
+	return json ? eco_exit_status(code) : eco_command_end(&command, code, &(struct eco_error){ 0 });
 }
 
 int main(int argc, char **argv)
 {
 	struct eco_error error = { 0 };
 	struct eco_arguments arguments = { 0 };
-	const struct eco_settings settings = { settings_file(argc - 1, argv + 1), ENVIRONMENT, "pack" };
+	const char *file = find_option("--config", getenv(ENVIRONMENT "CONFIG"), argc - 1, argv + 1);
+	const struct eco_settings settings = { file, ENVIRONMENT, "pack" };
 	mallopt(M_TRIM_THRESHOLD, KEPT_BYTES);
 	mallopt(M_MMAP_THRESHOLD, KEPT_BYTES);
 	if (eco_command_answers(&command, argc - 1, argv + 1))
@@ -390,7 +402,9 @@ int main(int argc, char **argv)
 	enum eco_code code = eco_settings_read(&command, &settings, argc - 1, argv + 1, &arguments, &error);
 	code = code ? code : eco_command_read(&command, arguments.count, arguments.items, &error);
 	code = code ? code : run(&error);
-	int status = eco_command_end(&command, code, &error);
+	const char *form = find_option("--log", NULL, arguments.count, arguments.owned);
+	form = find_option("--log", getenv(ENVIRONMENT "LOG") ? getenv(ENVIRONMENT "LOG") : form, argc - 1, argv + 1);
+	int status = code ? end_failed(code, &error, form) : eco_command_end(&command, code, &error);
 	/* only now: options point into them, and inputs were moved to the front */
 	eco_arguments_free(&arguments);
 	return status;

@@ -99,6 +99,9 @@ void srv_metrics_write(struct eco_writer *out, struct srv_metrics *metrics, cons
 		"Times that no connection could be accepted, for want of "
 		"descriptors or memory.",
 		gauges->accept_failures);
+	add_value(out, "log_lines_dropped_total", "counter",
+		"Lines of the log that were dropped because nobody read stderr fast enough.",
+		gauges->dropped_lines);
 	add_value(out, "connections", "gauge", "Connections that are open.", gauges->connections);
 	add_value(out, "requests_in_flight", "gauge", "Requests that have begun and are not answered yet.",
 		gauges->busy);

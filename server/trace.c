@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "server/log.h"
+
 static const struct { const char *name, *text; } trace_rows[] = {
 #define X(bit, name, text) { name, text },
 	SRV_TRACE_BITS(X)
@@ -18,8 +20,8 @@ static enum eco_code unknown(const char *name, size_t size, struct eco_error *er
 {
 	char list[400] = "";
 	for (size_t i = 0, at = 0; i < SRV_TRACE_COUNT && at < sizeof list; i++)
-		at += (size_t)snprintf(list + at, sizeof list - at, "\n  %s: %s", trace_rows[i].name,
-			trace_rows[i].text);
+		at += (size_t)snprintf(list + at, sizeof list - at, "%s %s (%s)", i ? "," : "",
+			trace_rows[i].name, trace_rows[i].text);
 	return eco_fail(error, ECO_BAD_USAGE, "ECO_TRACE: there is no '%.*s'; known are%s",
 		(int)(size < 40 ? size : 40), name, list);
 }
@@ -59,5 +61,5 @@ void srv_trace(enum srv_trace_bit bit, const char *format, ...)
 		eco_write_u8(captured, '\n');
 	}
 	if (srv_trace_on(bit))
-		fprintf(stderr, "ecoserve: %s: %s\n", trace_rows[bit].name, line);
+		srv_log_event(SRV_LOG_TEXT, false, "%s: %s", trace_rows[bit].name, line);
 }

@@ -169,9 +169,7 @@ enum eco_code eco_settings_read(const struct eco_command *command, const struct 
 	size_t size = ((size_t)arguments->count + 1) * sizeof *arguments->items;
 	if (!code && !(arguments->items = calloc(1, size)))
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for arguments");
-	if (code)
-		eco_arguments_free(arguments);
-	else if (arguments->count)
+	if (!code && arguments->count)
 		memcpy(arguments->items, arguments->owned, size);
 	return code;
 }

@@ -18,11 +18,12 @@ struct eco_settings {
 	const char *input;               /* what an argument without an option is called in the file */
 };
 
-/* `items` may be moved about, as eco_command_read does; what they point to lives until they are freed. */
+/* `items` may be moved about, as eco_command_read does; what they point to, which `owned` has in its order, lives
+ * until they are freed. */
 struct eco_arguments { char **items, **owned; int count; };
 
-/* All of them: file, environment, argv. ECO_BAD_USAGE names file and line, or the variable. Frees what it
- * made on an error. */
+/* All of them: file, environment, argv. ECO_BAD_USAGE names file and line, or the variable: `owned` has what
+ * was read before then. The caller frees them in any case. */
 enum eco_code eco_settings_read(const struct eco_command *command, const struct eco_settings *settings,
 	int argc, char **argv, struct eco_arguments *arguments, struct eco_error *error);
 void eco_arguments_free(struct eco_arguments *arguments);

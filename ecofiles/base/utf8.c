@@ -46,3 +46,20 @@ bool eco_utf8_valid(const char *text, size_t size)
 {
 	return eco_utf8_cut(text, size, size) == size;
 }
+
+uint32_t eco_utf8_code(const char *text, size_t bytes)
+{
+	static const uint8_t first[5] = { 0, 0x7f, 0x1f, 0x0f, 0x07 };
+	uint32_t code = bytes ? (uint8_t)text[0] & first[bytes] : 0;
+	for (size_t i = 1; i < bytes; i++)
+		code = code << 6 | ((uint8_t)text[i] & 0x3f);
+	return code;
+}
+
+bool eco_utf8_printable(uint32_t code)
+{
+	bool control = code < 0x20 || (code >= 0x7f && code < 0xa0);
+	bool turns = code == 0x061c || code == 0x200e || code == 0x200f || (code >= 0x202a && code <= 0x202e)
+		|| (code >= 0x2066 && code <= 0x2069);
+	return !control && !turns && code != 0x2028 && code != 0x2029;
+}

@@ -4,9 +4,15 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /* Bytes of the character at the start of `text` (`size` bytes); 0: not UTF-8, NUL, or empty. */
 size_t eco_utf8_bytes(const char *text, size_t size);
+
+/* Code of a character of so many bytes, as eco_utf8_bytes counts them. */
+uint32_t eco_utf8_code(const char *text, size_t bytes);
+/* False of controls (C0, DEL, C1), of line and paragraph separators, and of what turns the direction of text. */
+bool eco_utf8_printable(uint32_t code);
 
 /* Whether `text` is UTF-8 without NUL. */
 bool eco_utf8_valid(const char *text, size_t size);

@@ -37,12 +37,13 @@ static void quote(struct srv_json *json, const char *text)
 	eco_write_u8(&json->out, '"');
 	for (const char *at = text, *end = text + strlen(text); at < end;) {
 		size_t length = eco_utf8_bytes(at, (size_t)(end - at));
+		uint32_t code = eco_utf8_code(at, length);
 		char escape[8];
 		if (length == 0) {
 			put(json, "\\ufffd");
 			length = 1;
-		} else if (*at == '"' || *at == '\\' || (length == 1 && *at < 0x20) || *at == 0x7f) {
-			snprintf(escape, sizeof escape, *at == '"' || *at == '\\' ? "\\%c" : "\\u%04x", *at);
+		} else if (*at == '"' || *at == '\\' || !eco_utf8_printable(code)) {
+			snprintf(escape, sizeof escape, *at == '"' || *at == '\\' ? "\\%c" : "\\u%04x", code);
 			put(json, escape);
 		} else {
 			eco_write_bytes(&json->out, at, length);

@@ -22,6 +22,22 @@ UNIT_TEST(characters_have_one_form)
 	assert_false(eco_utf8_valid("a\0b", 3) || eco_utf8_valid("W\xE4ldchen", 8));
 }
 
+UNIT_TEST(some_characters_are_not_printed)
+{
+	static const struct { const char *text; uint32_t code; bool printable; } cases[] = { { "a", 'a', true },
+		{ "\n", 10, false }, { "\x7F", 0x7f, false }, { "\xC2\x85", 0x85, false },
+		{ "\xC2\x9B", 0x9b, false }, { "\xC2\xA0", 0xa0, true }, { "\xC3\xA4", 0xe4, true },
+		{ "\xD8\x9C", 0x61c, false }, { "\xE2\x80\x8E", 0x200e, false },
+		{ "\xE2\x80\xA8", 0x2028, false }, { "\xE2\x80\xAE", 0x202e, false },
+		{ "\xE2\x80\xAF", 0x202f, true }, { "\xE2\x81\xA6", 0x2066, false },
+		{ "\xF0\x9F\x8C\xB2", 0x1f332, true } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		assert_int_equal(eco_utf8_code(cases[i].text, strlen(cases[i].text)), cases[i].code);
+		assert_int_equal(eco_utf8_printable(cases[i].code), cases[i].printable);
+	}
+	assert_false(eco_utf8_printable(eco_utf8_code("", 0)));
+}
+
 UNIT_TEST(names_are_cut_between_characters)
 {
 	static const struct { const char *text; size_t most, kept; } cases[] = {

@@ -270,6 +270,97 @@ UNIT_TEST(logs_are_lines_of_json_without_tokens)
 	assert_true(lines >= 3);
 }
 
+static unsigned status_of(uint16_t port, const char *method, const char *target)
+{
+	struct http_answer answer = http_ask(port, method, target, "", NULL, 0);
+	unsigned status = answer.status;
+	http_free(&answer);
+	return status;
+}
+
+/* Nor does a terminal obey it. */
+UNIT_TEST(a_name_of_a_file_makes_no_line_of_the_log)
+{
+	static const char odd[] = "build/tmp/test_ecoserve\nforged: \033[2J\302\233\342\200\250.eco",
+		clean[] = "build/tmp/test_ecoserve?forged: ?[2J??.eco";
+	static const char *const texts[] = { "--listen", "127.0.0.1:0", PACK_PATH, odd, NULL },
+				 *const objects[] = { "--listen", "127.0.0.1:0", "--log", "json", PACK_PATH, odd, NULL };
+	char line[256], out[8192], err[8192];
+	if (!program_path[0])
+		skip();
+	for (int json = 0; json < 2; json++) {
+		write_file(odd, "no pack");
+		struct program process = program_start(json ? objects : texts);
+		uint16_t port = program_ready(&process, line);
+		assert_int_equal(status_of(port, "POST", "/v1/admin/reload"), 500);
+		assert_int_equal(unlink(odd), 0);
+		kill(process.pid, SIGTERM);
+		assert_int_equal(program_finish(&process, out, err), 0);
+		assert_true(json || strstr(err, clean));
+		assert_null(strpbrk(err, "\033\302\342"));
+		for (char *at = strtok(err, "\n"); at; at = strtok(NULL, "\n"))
+			if (strncmp(at, json ? "{\"time\":" : "ecoserve: ", json ? 8 : 10) != 0)
+				fail_msg("a line of its own: %s", at);
+	}
+}
+
+UNIT_TEST(errors_of_a_start_have_the_form_of_the_log)
+{
+	static const struct { const char *arguments[6], *variable, *file, *says; int status; } rows[] = {
+		{ { "--log", "json", "build/tmp/none.eco" }, NULL, "", "build/tmp/none.eco", 1 },
+		{ { "--log=json", "--nonsense" }, NULL, "", "--nonsense", 2 },
+		{ { "--nonsense", "--log", "json" }, NULL, "", "--nonsense", 2 },
+		{ { PACK_PATH, "--listen", "nowhere" }, "json", "", "HOST:PORT", 2 },
+		{ { "--config", SETTINGS }, NULL, "log = json\nlisten = x\n", "a pack is missing", 2 },
+		{ { "--config", SETTINGS }, NULL, "log = json\nnonsense = x\n", "line 2", 2 } };
+	char out[8192], err[8192];
+	if (!program_path[0])
+		skip();
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		write_file(SETTINGS, rows[i].file);
+		if (rows[i].variable)
+			setenv("ECOSERVE_LOG", rows[i].variable, 1);
+		struct program process = program_start(rows[i].arguments);
+		unsetenv("ECOSERVE_LOG");
+		assert_int_equal(program_finish(&process, out, err), rows[i].status);
+		json_t *json = json_loads(err, 0, NULL);
+		const char *text = json_string_value(json_object_get(json, "text"));
+		if (!text || !strstr(text, rows[i].says))
+			fail_msg("row %zu: %s", i, err);
+		json_decref(json);
+	}
+}
+
+/* Nobody reads stderr until it has ended. */
+UNIT_TEST(a_log_that_nobody_reads_stops_nothing)
+{
+	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--log", "json", PACK_PATH, NULL };
+	enum { REQUESTS = 2000, LONG = 390 };
+	static const char dropped[] = "\necoserve_log_lines_dropped_total ";
+	char line[256], out[8192], err[8192], target[LONG + 2] = "/";
+	if (!program_path[0])
+		skip();
+	struct program process = program_start(arguments);
+	uint16_t port = program_ready(&process, line);
+	memset(target + 1, 'x', LONG);
+	for (int i = 0; i < REQUESTS; i++)
+		assert_int_equal(status_of(port, "GET", target), 404);
+	kill(process.pid, SIGHUP);
+	assert_int_equal(status_of(port, "POST", "/v1/admin/reload"), 200);
+	struct http_answer answer = http_get(port, "/metrics");
+	assert_int_equal(answer.status, 200);
+	const char *at = strstr(answer.body, dropped);
+	assert_non_null(at);
+	/* both buffers and the pipe are full of whole lines */
+	unsigned long count = strtoul(at + strlen(dropped), NULL, 10);
+	assert_in_range(count, REQUESTS / 4, REQUESTS);
+	http_free(&answer);
+	kill(process.pid, SIGTERM);
+	assert_int_equal(program_finish(&process, out, err), 0);
+	if (strncmp(err, "{\"time\":", 8) != 0)
+		fail_msg("%.300s", err);
+}
+
 /* The log tells who asks. */
 UNIT_TEST(the_last_line_of_a_trusted_proxy_says_who_asks)
 {
@@ -384,14 +475,6 @@ UNIT_TEST(a_client_that_leaves_does_no_harm)
 	kill(process.pid, SIGTERM);
 	assert_int_equal(program_finish(&process, out, err), 0);
 	assert_true(only_warns(err));
-}
-
-static unsigned status_of(uint16_t port, const char *method, const char *target)
-{
-	struct http_answer answer = http_ask(port, method, target, "", NULL, 0);
-	unsigned status = answer.status;
-	http_free(&answer);
-	return status;
 }
 
 /* A view would have to open all of its tiles, without end. */
