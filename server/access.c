@@ -5,6 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/options_file.h"
 #include "server/reload.h"
 
 /* ---- Tokens ---- */
@@ -18,9 +19,10 @@ static bool is_token_byte(char c)
 static enum eco_code read_token(uint8_t token[SRV_TOKEN_BYTES_MAX], const char *path, struct eco_error *error)
 {
 	char line[SRV_TOKEN_BYTES_MAX + 3] = "";
-	FILE *file = fopen(path, "r");
-	if (!file)
-		return eco_fail_read(error, path, errno);
+	FILE *file;
+	enum eco_code code = eco_open_regular(&file, path, "a token", error);
+	if (code)
+		return code;
 	bool has_line = fgets(line, sizeof line, file);
 	fclose(file);
 	size_t size = strcspn(line, "\r\n");

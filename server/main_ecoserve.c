@@ -125,10 +125,10 @@ static const struct eco_option options[] = {
 	{ "answer-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.response_max, 1, 1ull << 40,
 		.help = "of an answer at most; 2 GiB if not given" },
 	{ "cap-vertices", 0, ECO_OPTION_READ, "[SCENE=]N", &given.caps.vertices, .read = read_cap_vertices,
-		.help = "that an answer of the scene, or of any, draws at most: who asks for more gets so "
+		.times = ECO_ONCE_A_NAME, .help = "that an answer of the scene, or of any, draws at most: who asks for more gets so "
 			"much; may be given more than once" },
 	{ "cap-bytes", 0, ECO_OPTION_READ, "[SCENE=]BYTES", &given.caps.bytes, .read = read_cap_bytes,
-		.help = "that an answer of the scene, or of any, takes at most, in the same way" },
+		.times = ECO_ONCE_A_NAME, .help = "that an answer of the scene, or of any, takes at most, in the same way" },
 	{ "kept-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.plan_cache_bytes, 1, 1ull << 40,
 		.help = "of answers that are kept for who asks again; 64 MiB if not given" },
 	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted,
@@ -140,13 +140,13 @@ static const struct eco_option options[] = {
 			"given, that one beside this program, or where `make install` put it; without any, / "
 			"says how to get it" },
 	{ "token", 0, ECO_OPTION_READ, "SCENE=FILE", &given.access, .read = read_token,
-		.help = "the scene is for whoever sends the token that is the first line of FILE "
+		.times = ECO_OFTEN, .help = "the scene is for whoever sends the token that is the first line of FILE "
 			"(Authorization: Bearer); may be given more than once" },
 	{ "admin-token", 0, ECO_OPTION_READ, "FILE", &given.access, .read = read_operator,
-		.help = "/metrics and /v1/admin are for whoever sends this one, which opens all scenes, too; "
+		.times = ECO_OFTEN, .help = "/metrics and /v1/admin are for whoever sends this one, which opens all scenes, too; "
 			"else they are for this machine" },
 	{ "cors", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = read_origin,
-		.help = "whose pages may read answers, https://HOST[:PORT], or * for all; may be given more "
+		.times = ECO_OFTEN, .help = "whose pages may read answers, https://HOST[:PORT], or * for all; may be given more "
 			"than once" },
 	{ "keep", 0, ECO_OPTION_COUNT, "SECONDS", &given.config.keep_s, 1, 86400,
 		.help = "that chunks of a replaced pack are still served; 600 if not given" },
@@ -165,7 +165,8 @@ static const struct eco_option options[] = {
 	{ "no-sandbox", 0, ECO_OPTION_FLAG, NULL, &given.without_sandbox,
 		.help = "it may do whatever its user may, for debuggers and the like" },
 	{ "config", 0, ECO_OPTION_TEXT, "FILE", &given.settings,
-		.help = "lines of NAME = VALUE, as these options are named, and pack = [NAME=]OUT.eco" },
+		.help = "lines of NAME = VALUE, as these options are named, and pack = [NAME=]OUT.eco; '#' and a "
+			"space begin a comment; a value with '#' behind a space stands in double quotes" },
 	{ "check-config", 0, ECO_OPTION_FLAG, NULL, &given.only_check,
 		.help = "read everything, packs too, say whether it is good, and end" },
 	{ 0 }

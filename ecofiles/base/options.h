@@ -43,6 +43,13 @@ enum eco_option_kind {                   /* and what `value` points to */
 	ECO_OPTION_INPUTS
 };
 
+/* How often a file of settings may give an option: the last would hold, and nobody would be told. */
+enum eco_option_times {
+	ECO_ONCE,
+	ECO_ONCE_A_NAME,                 /* values are "NAME=VALUE", or "VALUE" for the name "" */
+	ECO_OFTEN                        /* all hold */
+};
+
 struct eco_inputs { char **names; uint32_t count; };       /* in argv */
 
 struct eco_option {
@@ -61,6 +68,7 @@ struct eco_option {
 	 * left out. */
 	enum eco_code (*read)(const char *text, void *value, struct eco_error *error);
 	bool *given;                     /* set if the option is given; may be NULL */
+	enum eco_option_times times;
 	bool is_required, has_optional_value;    /* --name or --name=VALUE; only of ECO_OPTION_READ */
 };
 

@@ -2,9 +2,12 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "ecofiles/base/room.h"
 
@@ -54,6 +57,57 @@ static char *trim(char *text)
 	return text;
 }
 
+/* Where the comment of a line begins, or its end. */
+static char *find_comment(char *line)
+{
+	bool quoted = false, space = true;
+	for (; *line && !(*line == '#' && space && !quoted); line++) {
+		quoted ^= *line == '"';
+		space = strchr(" \t", *line);
+	}
+	return line;
+}
+
+/* `value` may be in quotes, which have no escapes. */
+static enum eco_code unquote(char **value, const char *where, struct eco_error *error)
+{
+	size_t size = strlen(*value);
+	if (**value != '"')
+		return ECO_OK;
+	if (size < 2 || strchr(*value + 1, '"') != *value + size - 1)
+		return eco_fail(error, ECO_BAD_USAGE, "%s: a value in quotes ends with the second one", where);
+	(*value)[size - 1] = 0;
+	++*value;
+	return ECO_OK;
+}
+
+static enum eco_code cut_comment(char *line, const char *where, struct eco_error *error)
+{
+	char *comment = find_comment(line);
+	bool is_clear = comment == line + strspn(line, " \t") || !*comment || strchr(" \t\r\n#", comment[1]);
+	*comment = 0;
+	return is_clear ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%s: a comment begins with '#' and a space; "
+		"a value that has '#' behind a space stands in double quotes", where);
+}
+
+/* So far only the file's options are there. */
+static bool is_there(const struct adding *adding, const struct eco_option *option, const char *value)
+{
+	char key[LINE_BYTES + 8];
+	size_t size = (size_t)snprintf(key, sizeof key, "--%s%s", option->name, value ? "=" : ""),
+		name = value && option->times == ECO_ONCE_A_NAME && strchr(value, '=') ? strcspn(value, "=") + 1 : 0;
+	if (option->times == ECO_OFTEN)
+		return false;
+	snprintf(key + size, sizeof key - size, "%.*s", (int)name, value ? value : "");
+	for (int i = 0; i < adding->to->count; i++) {
+		const char *other = adding->to->owned[i];
+		bool same = strncmp(other, key, size + name) == 0;
+		if (same && (option->times == ECO_ONCE || name || !strchr(other + size, '=')))
+			return true;
+	}
+	return false;
+}
+
 /* A line without its comment; `where` is for messages. */
 static enum eco_code add_line(struct adding *adding, const struct eco_command *command, const char *input,
 	char *line, const char *where, struct eco_error *error)
@@ -67,6 +121,8 @@ static enum eco_code add_line(struct adding *adding, const struct eco_command *c
 	const struct eco_option *option = find(command, name);
 	if (!*name && !value)
 		return ECO_OK;
+	if (value && unquote(&value, where, error))
+		return ECO_BAD_USAGE;
 	if (value && strcmp(name, input) == 0 && !*value)
 		return eco_fail(error, ECO_BAD_USAGE, "%s: '%s =' names nothing", where, name);
 	if (value && strcmp(name, input) == 0)
@@ -83,6 +139,9 @@ static enum eco_code add_line(struct adding *adding, const struct eco_command *c
 		return eco_fail(error, ECO_BAD_USAGE, "%s: '%s' stands alone on its line", where, name);
 	if (option->kind != ECO_OPTION_FLAG && !value)
 		return eco_fail(error, ECO_BAD_USAGE, "%s: '%s = %s' is meant", where, name, option->word);
+	if (is_there(adding, option, value))
+		return eco_fail(error, ECO_BAD_USAGE, "%s: '%s' was set before in this file%s: leave one of them out",
+			where, name, option->times == ECO_ONCE ? "" : ", with this name");
 	return add_option(adding, name, value, error);
 }
 
@@ -96,16 +155,32 @@ static enum eco_code check_line(const char *line, const char *where, bool is_las
 		: eco_fail(error, ECO_BAD_USAGE, "%s has a NUL: this is no file of settings", where);
 }
 
+/* A pipe may never have an end, nor even a beginning. */
+enum eco_code eco_open_regular(FILE **file, const char *path, const char *what, struct eco_error *error)
+{
+	struct stat about;
+	int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+	bool is_file = descriptor >= 0 && fstat(descriptor, &about) == 0 && S_ISREG(about.st_mode);
+	*file = is_file ? fdopen(descriptor, "r") : NULL;
+	if (*file)
+		return ECO_OK;
+	enum eco_code code = descriptor < 0 || is_file ? eco_fail_read(error, path, errno)
+		: eco_fail(error, ECO_BAD_USAGE, "%s: %s must be read from a regular file", path, what);
+	if (descriptor >= 0)
+		close(descriptor);
+	return code;
+}
+
 static enum eco_code add_file(struct adding *adding, const struct eco_command *command, const char *input,
 	const char *path, struct eco_error *error)
 {
 	char line[LINE_BYTES], where[LINE_BYTES];
-	FILE *file = fopen(path, "r");
-	enum eco_code code = file ? ECO_OK : eco_fail_read(error, path, errno);
+	FILE *file;
+	enum eco_code code = eco_open_regular(&file, path, "settings", error);
 	for (uint32_t number = 1; !code && fgets(line, sizeof line, file); number++) {
 		snprintf(where, sizeof where, "%.3000s: line %u", path, number);
 		code = check_line(line, where, feof(file), error);
-		line[strcspn(line, "#")] = 0;
+		code = code ? code : cut_comment(line, where, error);
 		code = code ? code : add_line(adding, command, input, line, where, error);
 	}
 	if (!code && ferror(file))

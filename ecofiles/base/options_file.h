@@ -1,8 +1,11 @@
 /* Options from a file and from the environment, under the names that they have on the command line.
  *
- * Lines of the file are "name = value", or "name" of a flag; '#' begins a comment, and "pack = VALUE", where
- * "pack" is what the caller calls them, is an argument without an option. A file names no other one (config). The environment has PREFIX and the
- * name in capitals with '_' for '-': ECOSERVE_PLAN_WORK=5; of a flag "1", "yes" or "on", or "0", "no", "off"
+ * Lines of the file are "name = value", or "name" of a flag, and "pack = VALUE", where "pack" is what the
+ * caller calls them, is an argument without an option. '#' begins a comment at the start of a line, and with
+ * a space on both sides; it is part of a value in double quotes, and where no space is before it. An option
+ * stands there once, unless its table says otherwise. The file is a regular one and names no other (config).
+ *
+ * The environment has PREFIX and the name in capitals with '_' for '-': ECOSERVE_PLAN_WORK=5; of a flag "1", "yes" or "on", or "0", "no", "off"
  * or nothing.
  *
  * All become arguments in front of those that the program was started with, the file's before the
@@ -26,6 +29,9 @@ struct eco_arguments { char **items, **owned; int count; };
  * was read before then. The caller frees them in any case. */
 enum eco_code eco_settings_read(const struct eco_command *command, const struct eco_settings *settings,
 	int argc, char **argv, struct eco_arguments *arguments, struct eco_error *error);
+/* Opens a file that an option names, to be read. ECO_BAD_USAGE: it is a pipe, a device or a folder; `what` is for
+ * the message. */
+enum eco_code eco_open_regular(FILE **file, const char *path, const char *what, struct eco_error *error);
 void eco_arguments_free(struct eco_arguments *arguments);
 
 #endif

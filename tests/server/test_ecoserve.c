@@ -134,6 +134,8 @@ static struct http_answer whole_stream(uint16_t port)
 /* ---- Settings ---- */
 
 #define SETTINGS "build/tmp/test_ecoserve.conf"
+#define PIPE_PATH "build/tmp/test_ecoserve.pipe"
+#define HASH_PATH "build/tmp/test_ecoserve #1#.eco"
 #define TOKEN_PATH "build/tmp/test_ecoserve.token"
 
 static void write_file(const char *path, const char *text)
@@ -160,14 +162,23 @@ static int check(const char *file, const char *variable, const char *option, cha
 	return status;
 }
 
-/* Such lines have no end. */
+/* Such lines have no end, or no beginning. */
 UNIT_TEST(what_is_no_file_of_settings_is_refused)
 {
-	const char *arguments[] = { "--check-config", "--config=/dev/zero", NULL };
+	static const char *const rows[][4] = { { "--check-config", "--config=/dev/zero" },
+		{ "--check-config", "--config=" PIPE_PATH },
+		{ "--check-config", "--admin-token=" PIPE_PATH, PACK_PATH },
+		{ "--check-config", "--token=sample=" PIPE_PATH, PACK_PATH }, { "--check-config", "--config=build/tmp" },
+		{ "--check-config", "--token=sample=/dev/zero", PACK_PATH } };
 	char out[8192], err[8192];
-	struct program process = program_start(arguments);
-	assert_int_equal(program_finish(&process, out, err), 2);
-	assert_non_null(strstr(err, "/dev/zero: line 1 has a NUL: this is no file of settings"));
+	unlink(PIPE_PATH);
+	assert_int_equal(mkfifo(PIPE_PATH, 0600), 0);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct program process = program_start(rows[i]);
+		if (program_finish(&process, out, err) != 2 || !strstr(err, "from a regular file"))
+			fail_msg("%s: %s", rows[i][1], err);
+	}
+	unlink(PIPE_PATH);
 }
 
 UNIT_TEST(settings_come_from_a_file_the_environment_and_the_command_line)
@@ -210,11 +221,30 @@ UNIT_TEST(settings_come_from_a_file_the_environment_and_the_command_line)
 		{ "config = " SETTINGS "\npack = " PACK_PATH "\n", NULL, NULL, 2,
 			"line 1: a file of settings names no other one" },
 		{ "pack = " PACK_PATH "\nuser = nobody-at-all\n", NULL, NULL, 2,
-			"there is no user 'nobody-at-all'" } };
+			"there is no user 'nobody-at-all'" },
+		{ "pack = a#b=" PACK_PATH "\n", NULL, NULL, 2, "'a#b' cannot name a scene" },
+		{ "pack = a=build/tmp/#none.eco\n", NULL, NULL, 1, "build/tmp/#none.eco" },
+		{ "pack = a=" HASH_PATH "\n", NULL, NULL, 2, "line 1: a comment begins with '#' and a space" },
+		{ "pack = \"a=" HASH_PATH "\" # one\n", NULL, NULL, 0, "named a" },
+		{ "pack = \"a=" HASH_PATH "\n", NULL, NULL, 2, "line 1: a value in quotes ends with" },
+		{ "  # all\n\t#of it\n#none=\npack = " PACK_PATH " ## and\t# so on\n", NULL, NULL, 0, "is good" },
+		{ "listen = [::1]:80\npack = " PACK_PATH "\n listen=[::1]:81\n", NULL, NULL, 2,
+			"line 3: 'listen' was set before in this file" },
+		{ "plans = 7\nplans-per-address = 7\nplans = 7\n", NULL, PACK_PATH, 2, "line 3: 'plans' was set" },
+		{ "in-place\nin-place\n", NULL, PACK_PATH, 2, "line 2: 'in-place' was set before" },
+		{ "trust-proxy = ::1\ntrust-proxy = ::2\n", NULL, PACK_PATH, 2, "line 2: 'trust-proxy' was set" },
+		{ "cap-bytes = 7\ncap-bytes = sample=7\ncap-bytes = 8\n", NULL, PACK_PATH, 2,
+			"line 3: 'cap-bytes' was set before in this file, with this name" },
+		{ "cap-bytes = sample=7\ncap-bytes = 8\ncap-bytes = sample=8\n", NULL, PACK_PATH, 2,
+			"line 3: 'cap-bytes' was set" },
+		{ "cors = https://a.b\ncors = https://c.d\n", NULL, PACK_PATH, 0, "is good" },
+		{ "listen = [::1]:80\n", "ECOSERVE_LISTEN=[::1]:81", PACK_PATH, 0, "is good" } };
 	char out[8192], err[8192];
 	if (!program_path[0])
 		skip();
+	struct eco_error error = { 0 };
 	write_file(TOKEN_PATH, "0123456789abcdef\n");
+	assert_ok(sample_pack_write(HASH_PATH, &error), error);
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		int status = check(rows[i].file, rows[i].variable, rows[i].option, out, err);
 		if (status != rows[i].status || !strstr(status ? err : out, rows[i].says))
