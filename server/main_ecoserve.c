@@ -180,7 +180,8 @@ static const struct eco_command command = { .name = "ecoserve",
 	.notes =
 		"Prints one line when ready, with the names, and whether the viewer is missing. SIGTERM and "
 		"SIGINT finish running answers (for at most 10 s) and end; a second one "
-		"ends at once. SIGHUP, or POST /v1/admin/reload, reads packs and folders again: what has "
+		"ends at once. SIGUSR1, SIGUSR2 and the like do nothing. SIGHUP, or POST /v1/admin/reload, "
+		"reads packs and folders again: what has "
 		"changed is served to who comes from then on, and what is not well leaves the scene as it "
 		"was. A pack that is not well at the start is not served; the others are, and /readyz "
 		"counts it.\n"
@@ -313,11 +314,18 @@ static enum eco_code serve_scenes(struct srv_store *store, const sigset_t *signa
 	return code;
 }
 
-/* SIGHUP waits from the start: a reload that is asked for while packs are read comes after that. */
+/* SIGHUP waits from the start: a reload that is asked for while packs are read comes after that. Signals that mean
+ * something to other servers, such as SIGUSR1 (open the log again), mean nothing here; unignored they would
+ * end it. */
 static sigset_t prepare_signals(void)
 {
+	static const int others[] = { SIGPIPE, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGIO, SIGPWR, SIGSTKFLT,
+		SIGXFSZ };
 	sigset_t signals, reload;
-	signal(SIGPIPE, SIG_IGN);
+	for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+		signal(others[i], SIG_IGN);
+	for (int number = SIGRTMIN; number <= SIGRTMAX; number++)
+		signal(number, SIG_IGN);
 	signal(SIGBUS, pack_is_gone);
 	sigemptyset(&reload);
 	sigaddset(&reload, SIGHUP);
