@@ -151,6 +151,14 @@ bool srv_access_is_private(const struct srv_access *access, const char *scene)
 	return has_token(access, scene);
 }
 
+bool srv_access_has_private(const struct srv_access *access)
+{
+	for (uint32_t i = 0; access && i < access->token_count; i++)
+		if (access->tokens[i].scene[0])
+			return true;
+	return false;
+}
+
 bool srv_access_scene(const struct srv_access *access, const char *scene, const char *authorization)
 {
 	return !has_token(access, scene) || holds_token(access, scene, authorization);

@@ -37,6 +37,7 @@ enum eco_code srv_access_check(const struct srv_access *access, const struct srv
 /* `authorization`: the header's value, or NULL. The operator's token opens every scene. */
 bool srv_access_scene(const struct srv_access *access, const char *scene, const char *authorization);
 bool srv_access_is_private(const struct srv_access *access, const char *scene);
+bool srv_access_has_private(const struct srv_access *access);    /* any scene */
 bool srv_access_has_operator(const struct srv_access *access);
 bool srv_access_operator(const struct srv_access *access, const char *authorization);
 

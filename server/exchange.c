@@ -150,10 +150,12 @@ void srv_exchange_work(struct srv_exchange *exchange, struct srv_work *work, voi
 static const char *const proxy_headers[] = { FORWARDED, "Forwarded", "Via" };
 
 /* On this machine, and speaks for nobody else: neither a proxy, as far as it says so, nor a page of a
- * browser. */
+ * browser. A page whose name was led to this machine after it was loaded sends no origin, but its name. */
 static bool is_local(const struct srv_exchange *exchange)
 {
-	if (!srv_address_is_loopback(&exchange->client) || exchange->lease->is_proxy || exchange->origin)
+	const char *host = srv_exchange_header(exchange, MHD_HTTP_HEADER_HOST);
+	if (!srv_address_is_loopback(&exchange->client) || exchange->lease->is_proxy || exchange->origin
+			|| (host && !srv_host_is_loopback(host)))
 		return false;
 	for (size_t i = 0; i < sizeof proxy_headers / sizeof *proxy_headers; i++)
 		if (srv_exchange_header(exchange, proxy_headers[i]))
@@ -170,12 +172,14 @@ static bool may_operate(struct srv_exchange *exchange)
 	srv_exchange_problem(exchange, SRV_PROBLEM_OPERATOR,
 		by_token
 			? "send the operator's token: Authorization: Bearer TOKEN"
-			: "ask from the server's machine, not by a proxy; or start it with --admin-token",
+			: "ask from the server's machine by localhost or its address, not by a proxy; or start "
+			  "it with --admin-token",
 		false);
 	return false;
 }
 
-/* Sets the scene of a path that names one; false if an answer says why there is none. */
+/* Sets the scene of a path that names one; false if an answer says why there is none. Where scenes have tokens, one
+ * that is not there is answered as one whose token was not sent, so that nobody learns their names. */
 static bool find_scene(struct srv_exchange *exchange)
 {
 	char detail[256];
@@ -184,17 +188,16 @@ static bool find_scene(struct srv_exchange *exchange)
 		return true;
 	exchange->scene =
 		srv_edition_find(exchange->edition, name, exchange->route == &srv_routes[SRV_CHUNK]);
-	if (!exchange->scene) {
-		snprintf(detail, sizeof detail, "there is no scene '%.64s'; /v1/scenes lists what there is",
-			name);
-		srv_exchange_problem(exchange, SRV_PROBLEM_SCENE, detail, false);
-		return false;
-	}
-	if (srv_access_scene(exchange->host->config.access, name, exchange->authorization))
+	const struct srv_access *access = exchange->host->config.access;
+	bool may = srv_access_scene(access, name, exchange->authorization),
+		may_know = may && (exchange->scene || !srv_access_has_private(access)
+		|| srv_access_is_private(access, name) || srv_access_operator(access, exchange->authorization));
+	if (exchange->scene && may)
 		return true;
-	snprintf(detail, sizeof detail, "scene '%.64s' is opened by its token: Authorization: Bearer TOKEN",
-		name);
-	srv_exchange_problem(exchange, SRV_PROBLEM_TOKEN, detail, false);
+	exchange->scene = NULL;
+	snprintf(detail, sizeof detail, may_know ? "there is no scene '%.64s'; /v1/scenes lists what there is"
+		: "there is no scene '%.64s', or it is opened by its token: Authorization: Bearer TOKEN", name);
+	srv_exchange_problem(exchange, may_know ? SRV_PROBLEM_SCENE : SRV_PROBLEM_TOKEN, detail, false);
 	return false;
 }
 

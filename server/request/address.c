@@ -4,6 +4,7 @@
 #include <netinet/in.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "server/request/query.h"
 
@@ -52,6 +53,40 @@ bool srv_address_is_loopback(const struct srv_address *address)
 	static const uint8_t v4[12] = { [10] = 0xff, [11] = 0xff }, v6[16] = { [15] = 1 };
 	return (memcmp(address->bytes, v4, sizeof v4) == 0 && address->bytes[12] == 127)
 		|| memcmp(address->bytes, v6, sizeof v6) == 0;
+}
+
+/* ":PORT", or nothing. */
+static bool is_port(const char *text, size_t size)
+{
+	char digits[6] = "";
+	uint64_t port;
+	if (size < 2 || size > sizeof digits || text[0] != ':')
+		return size == 0;
+	memcpy(digits, text + 1, size - 1);
+	return srv_parse_count(digits, &port) && port <= 65535;
+}
+
+bool srv_address_parse_port(struct srv_address *address, const char *text, size_t size)
+{
+	const char *first = memchr(text, ':', size), *bracket = memchr(text, ']', size);
+	size_t before = first ? (size_t)(first - text) : size;
+	if (text[0] == '[')
+		return bracket && memchr(text, ':', (size_t)(bracket - text))
+			&& srv_address_parse(address, text + 1, (size_t)(bracket - text) - 1)
+			&& is_port(bracket + 1, size - (size_t)(bracket + 1 - text));
+	if (first && !memchr(first + 1, ':', size - before - 1))
+		return srv_address_parse(address, text, before) && is_port(first, size - before);
+	return srv_address_parse(address, text, size);
+}
+
+bool srv_host_is_loopback(const char *host)
+{
+	static const char name[] = "localhost";
+	struct srv_address address;
+	size_t size = strlen(host);
+	if (strncasecmp(host, name, sizeof name - 1) == 0)
+		return is_port(host + sizeof name - 1, size - (sizeof name - 1));
+	return size && srv_address_parse_port(&address, host, size) && srv_address_is_loopback(&address);
 }
 
 bool srv_address_same(const struct srv_address *a, const struct srv_address *b)
@@ -114,31 +149,6 @@ bool srv_networks_contain(const struct srv_networks *networks, const struct srv_
 	return false;
 }
 
-/* ":PORT", or nothing. */
-static bool is_port(const char *text, size_t size)
-{
-	char digits[6] = "";
-	uint64_t port;
-	if (size < 2 || size > sizeof digits || text[0] != ':')
-		return size == 0;
-	memcpy(digits, text + 1, size - 1);
-	return srv_parse_count(digits, &port) && port <= 65535;
-}
-
-/* As proxies write it: an address, IPv4:PORT, [IPv6] or [IPv6]:PORT. */
-static bool parse_forwarded(struct srv_address *address, const char *text, size_t size)
-{
-	const char *first = memchr(text, ':', size), *bracket = memchr(text, ']', size);
-	size_t before = first ? (size_t)(first - text) : size;
-	if (text[0] == '[')
-		return bracket && memchr(text, ':', (size_t)(bracket - text))
-			&& srv_address_parse(address, text + 1, (size_t)(bracket - text) - 1)
-			&& is_port(bracket + 1, size - (size_t)(bracket + 1 - text));
-	if (first && !memchr(first + 1, ':', size - before - 1))
-		return srv_address_parse(address, text, before) && is_port(first, size - before);
-	return srv_address_parse(address, text, size);
-}
-
 struct srv_address srv_networks_client(const struct srv_networks *trusted, const struct srv_address *peer,
 	const char *forwarded)
 {
@@ -150,7 +160,7 @@ struct srv_address srv_networks_client(const struct srv_networks *trusted, const
 			first--;
 		const char *text = first + strspn(first, " \t");
 		size_t size = strcspn(text, ", \t");
-		if (text >= end || !parse_forwarded(&next, text, size))
+		if (text >= end || !srv_address_parse_port(&next, text, size))
 			break;
 		client = next;
 		end = first > forwarded ? first - 1 : forwarded;

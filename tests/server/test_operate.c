@@ -324,6 +324,34 @@ UNIT_TEST(answers_of_a_scene_may_be_capped)
 #define BEARER(token) "Authorization: Bearer " token "\r\n"
 #define TOKEN "0123456789abcdef-park"
 
+/* A head without what is another one's by chance, and the body. */
+static char *told(const char *method, const char *scene, const char *below)
+{
+	static const char *const own[] = { "Date: ", "X-Request-Id: " };
+	char target[200];
+	snprintf(target, sizeof target, "/v1/scenes/%s%s", scene, below);
+	struct http_answer answer = http_ask(port, method, target, BEARER("0123456789abcdef-none"), NULL, 0);
+	char *text = NULL, *at;
+	assert_true(asprintf(&text, "%s\n%s", answer.head, answer.body ? answer.body : "") > 0);
+	for (size_t i = 0; i < sizeof own / sizeof *own; i++)
+		if ((at = strstr(text, own[i])))
+			memset(at, '-', strcspn(at, "\r"));
+	while ((at = strstr(text, scene)))
+		memset(at, '-', strlen(scene));
+	http_free(&answer);
+	return text;
+}
+
+/* A scene that needs a token, and one that is not there. */
+static void assert_alike(const char *method, const char *below)
+{
+	char *there = told(method, "sample", below), *none = told(method, "simple", below);
+	if (strcmp(there, none) != 0)
+		fail_msg("%s %s:\n%s\nbut\n%s", method, below, there, none);
+	free(there);
+	free(none);
+}
+
 UNIT_TEST(a_scene_with_a_token_is_for_its_holders)
 {
 	static struct srv_access access;
@@ -366,6 +394,13 @@ UNIT_TEST(a_scene_with_a_token_is_for_its_holders)
 					&& strncmp(value, "private", 7) == 0);
 			http_free(&answer);
 		}
+	static const char *const methods[] = { "GET", "HEAD", "POST", "OPTIONS" },
+				 *const under[] = { "", "/plan?" VIEW_BY("1000"), "/plan?x=1", "/stream?" VIEW_BY("1000"),
+		"/chunks/0123", "/plants/0", "/species", "/species?x=1", "/none" };
+	for (size_t i = 0; i < sizeof under / sizeof *under; i++)
+		for (size_t m = 0; m < sizeof methods / sizeof *methods; m++)
+			assert_alike(methods[m], under[i]);
+	assert_int_equal(status_of("GET", "/v1/scenes/simple", BEARER(TOKEN)), 401);
 	json_t *list = answered("GET", "/v1/scenes", 200);
 	assert_int_equal(json_array_size(json_object_get(list, "scenes")), 0);
 	json_decref(list);
@@ -420,7 +455,7 @@ UNIT_TEST(a_reload_that_would_open_a_scene_changes_nothing)
 		assert_non_null(strstr(json_string_value(json_object_get(problem, "detail")), capped
 			? "--cap-vertices sample=700: there is no scene" : "--token sample=FILE: there is no scene"));
 		json_decref(problem);
-		assert_int_equal(status_of("GET", "/v1/scenes/simple", ""), 404);
+		assert_int_equal(status_of("GET", "/v1/scenes/simple", ""), capped ? 404 : 401);
 		assert_int_equal(status_of("GET", BASE, BEARER(TOKEN)), 200);
 		put_renamed("sample");
 		assert_int_equal(status_of("POST", "/v1/admin/reload", ""), 200);
@@ -463,6 +498,18 @@ UNIT_TEST(the_operator_has_a_token_or_the_machine)
 	assert_int_equal(status_of("GET", "/metrics", ""), 200);
 	assert_int_equal(status_of("POST", "/v1/admin/reload", ""), 200);
 	assert_int_equal(status_of("POST", "/v1/admin/reload", "Origin: null\r\n"), 403);
+	static const struct { const char *host; unsigned status; } hosts[] = { { "evil.example", 403 },
+		{ "evil.example:80", 403 }, { "localhost.evil.example", 403 }, { "127.0.0.1:80", 200 },
+		{ "[::1]:9", 200 }, { "localhost", 200 } };
+	for (size_t i = 0; i < sizeof hosts / sizeof *hosts; i++) {
+		char request[200];
+		int size = snprintf(request, sizeof request, "GET /metrics HTTP/1.1\r\nHost: %s\r\n"
+			"Connection: close\r\n\r\n", hosts[i].host);
+		struct http_answer answer = http_raw(port, request, (size_t)size);
+		if (answer.status != hosts[i].status)
+			fail_msg("%s: %u", hosts[i].host, answer.status);
+		http_free(&answer);
+	}
 	srv_daemon_stop(daemon);
 	srv_store_free(&scenes);
 	access = (struct srv_access){ 0 };

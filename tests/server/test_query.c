@@ -319,6 +319,20 @@ UNIT_TEST(addresses_of_one_household_are_the_same)
 	}
 }
 
+UNIT_TEST(no_name_is_this_machine_but_localhost)
+{
+	static const struct { const char *host; bool is; } rows[] = { { "localhost", true },
+		{ "LOCALHOST:8080", true }, { "127.0.0.1", true }, { "127.9.9.9:1", true }, { "[::1]", true },
+		{ "[::1]:8080", true }, { "[::ffff:127.0.0.1]:80", true }, { "", false }, { ":80", false },
+		{ "localhost.evil.example", false }, { "localhost:", false }, { "localhost:x", false },
+		{ "evil.example", false }, { "evil", false }, { "127.0.0.1.evil.example", false },
+		{ "127.0.0.1:8080.evil.example", false }, { "10.0.0.1", false }, { "[::2]:80", false },
+		{ "evil@localhost", false }, { "127.1", false } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		if (srv_host_is_loopback(rows[i].host) != rows[i].is)
+			fail_msg("%s", rows[i].host);
+}
+
 UNIT_TEST(only_a_trusted_proxy_speaks_for_others)
 {
 	static const struct { const char *trusted, *peer, *forwarded, *client;

@@ -103,7 +103,7 @@ struct http_answer http_ask(uint16_t port, const char *method, const char *targe
 	char head[8192], length[64] = "";
 	if (body)
 		snprintf(length, sizeof length, "Content-Length: %zu\r\n", body_size);
-	int size = snprintf(head, sizeof head, "%s %s HTTP/1.1\r\nHost: test\r\nConnection: "
+	int size = snprintf(head, sizeof head, "%s %s HTTP/1.1\r\nHost: localhost\r\nConnection: "
 		"close\r\n%s%s\r\n", method, target, headers, length);
 	char *request = malloc((size_t)size + body_size + 1);
 	memcpy(request, head, (size_t)size);
