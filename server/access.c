@@ -176,18 +176,34 @@ bool srv_access_operator(const struct srv_access *access, const char *authorizat
 
 /* ---- Origins ---- */
 
-enum eco_code srv_access_add_origin(struct srv_access *access, const char *origin, struct eco_error *error)
+static enum eco_code check_origin(const char *option, const char *origin, struct eco_error *error)
 {
 	const char *scheme = strncmp(origin, "https://", 8) == 0 ? origin + 8
 		: strncmp(origin, "http://", 7) == 0 ? origin + 7 : NULL;
 	bool good = strcmp(origin, "*") == 0 || (scheme && *scheme);
 	for (const char *at = scheme; at && *at; at++)
 		good = good && (is_token_byte(*at) || strchr(":[]", *at)) && *at != '/';
-	if (!good)
-		return eco_fail(error, ECO_BAD_USAGE,
-			"--cors %.100s: must be * or an origin as browsers send it: "
-			"https://HOST[:PORT], without a path",
-			origin);
+	return good ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be * or an origin as browsers "
+		"send it: https://HOST[:PORT], without a path", option, origin);
+}
+
+enum eco_code srv_access_add_frame(struct srv_access *access, const char *origin, struct eco_error *error)
+{
+	size_t used = strlen(access->frames);
+	enum eco_code code = check_origin("embed", origin, error);
+	if (code)
+		return code;
+	if (used + strlen(origin) + 2 > sizeof access->frames)
+		return eco_fail(error, ECO_TOO_LARGE, "--embed: more than %u bytes of origins", SRV_FRAMES_BYTES);
+	snprintf(access->frames + used, sizeof access->frames - used, " %s", origin);
+	return ECO_OK;
+}
+
+enum eco_code srv_access_add_origin(struct srv_access *access, const char *origin, struct eco_error *error)
+{
+	enum eco_code code = check_origin("cors", origin, error);
+	if (code)
+		return code;
 	if (access->origin_count == SRV_ORIGINS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "--cors: more than %u origins", SRV_ORIGINS_MAX);
 	access->origins[access->origin_count++] = origin;

@@ -13,11 +13,13 @@
 #define SRV_TOKEN_BYTES_LEAST 16u
 #define SRV_TOKEN_BYTES_MAX 128u
 #define SRV_ORIGINS_MAX 16u
+#define SRV_FRAMES_BYTES 1024u
 
 struct srv_token { char scene[SRV_NAME_BYTES]; uint8_t bytes[SRV_TOKEN_BYTES_MAX]; };     /* 0s behind it */
 struct srv_access {
 	struct srv_token tokens[SRV_TOKENS_MAX]; uint32_t token_count;   /* scene "": the operator's */
 	const char *origins[SRV_ORIGINS_MAX]; uint32_t origin_count;     /* "*": any */
+	char frames[SRV_FRAMES_BYTES];   /* " ORIGIN ORIGIN": whose pages may have the viewer in a frame */
 };
 
 /* "SCENE=FILE", and FILE of the operator's: the first line of FILE is a token, of letters, digits and
@@ -26,6 +28,7 @@ enum eco_code srv_access_add_token(struct srv_access *access, const char *argume
 enum eco_code srv_access_add_operator(struct srv_access *access, const char *file, struct eco_error *error);
 /* "*", or "https://map.example:8443"; keeps the text. */
 enum eco_code srv_access_add_origin(struct srv_access *access, const char *origin, struct eco_error *error);
+enum eco_code srv_access_add_frame(struct srv_access *access, const char *origin, struct eco_error *error);
 
 struct srv_sources;
 /* ECO_BAD_USAGE names a scene that has a token, but is neither there nor named by an argument: another may be

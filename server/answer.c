@@ -13,6 +13,7 @@
 #include "ecofiles/base/version.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/wire.h"
+#include "server/access.h"
 #include "server/request/query.h"
 #include "server/trace.h"
 
@@ -166,18 +167,20 @@ void srv_answer_judge(struct srv_answer *answer, const struct srv_conditions *co
 
 /* A page runs what this server sends, and nothing else. */
 #define SITE_POLICY "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; img-src 'self' blob: data:; " \
-	"connect-src 'self' data:; base-uri 'none'; form-action 'none'"
+	"connect-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
 
 void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file, enum srv_form form,
-	bool immutable, const struct srv_validators *validators)
+	bool immutable, const char *frames, const struct srv_validators *validators)
 {
+	char policy[sizeof SITE_POLICY + SRV_FRAMES_BYTES];
+	snprintf(policy, sizeof policy, SITE_POLICY "%s", frames);
 	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = file->forms[form].size };
 	answer->response = MHD_create_response_from_buffer(file->forms[form].size, file->forms[form].bytes,
 		MHD_RESPMEM_PERSISTENT);
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, file->type);
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_ENCODING, srv_form_names[form]);
 	add_header(answer, MHD_HTTP_HEADER_VARY, MHD_HTTP_HEADER_ACCEPT_ENCODING);
-	add_header(answer, "Content-Security-Policy", SITE_POLICY);
+	add_header(answer, "Content-Security-Policy", policy);
 	add_header(answer, "X-Content-Type-Options", "nosniff");
 	add_validators(answer, validators, immutable ? "public, " IMMUTABLE : "no-cache");
 }

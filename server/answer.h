@@ -69,9 +69,9 @@ void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32
 	const struct srv_conditions *conditions, const struct srv_chunk_terms *terms, const char *instance);
 
 /* A file of the viewer in one of its forms. The site outlives the answer. `immutable`: its address names its
- * content. */
+ * content. `frames`: the origins beside its own whose pages may have it in a frame, each behind a space. */
 void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file, enum srv_form form,
-	bool immutable, const struct srv_validators *validators);
+	bool immutable, const char *frames, const struct srv_validators *validators);
 /* A page that says that there is none (404). */
 void srv_answer_no_page(struct srv_answer *answer, const char *html);
 /* What is asked for is elsewhere for now. */

@@ -95,7 +95,8 @@ static void answer_file(struct srv_exchange *exchange, const struct srv_site_fil
 	struct eco_chunk_id id = eco_chunk_hash(file->forms[form].bytes, file->forms[form].size);
 	struct srv_validators validators = { .modified_s = 0 };
 	srv_etag_of(validators.etag, &id);
-	srv_answer_file(&exchange->answer, file, form, immutable, &validators);
+	const struct srv_access *access = exchange->host->config.access;
+	srv_answer_file(&exchange->answer, file, form, immutable, access ? access->frames : "", &validators);
 	srv_exchange_judge(exchange, &validators);
 }
 

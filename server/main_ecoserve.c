@@ -71,6 +71,11 @@ static enum eco_code read_origin(const char *text, void *access, struct eco_erro
 	return srv_access_add_origin(access, text, error);
 }
 
+static enum eco_code read_frame(const char *text, void *access, struct eco_error *error)
+{
+	return srv_access_add_frame(access, text, error);
+}
+
 /* A descriptor a connection, and some for packs and threads: as many as this process may have. */
 static void raise_descriptors(uint64_t connections)
 {
@@ -148,6 +153,9 @@ static const struct eco_option options[] = {
 	{ "cors", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = read_origin,
 		.times = ECO_OFTEN, .help = "whose pages may read answers, https://HOST[:PORT], or * for all; may be given more "
 			"than once" },
+	{ "embed", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = read_frame, .times = ECO_OFTEN,
+		.help = "whose pages may show the viewer in a frame, https://HOST[:PORT], or * for all; may be "
+			"given more than once; only this server's own if not given" },
 	{ "keep", 0, ECO_OPTION_COUNT, "SECONDS", &given.config.keep_s, 1, 86400,
 		.help = "that chunks of a replaced pack are still served; 600 if not given" },
 	{ "log", 0, ECO_OPTION_CHOICE, "FORM", &given.config.log_form, .choices = log_forms,

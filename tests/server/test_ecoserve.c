@@ -242,6 +242,8 @@ UNIT_TEST(settings_come_from_a_file_the_environment_and_the_command_line)
 		{ "cap-bytes = sample=7\ncap-bytes = 8\ncap-bytes = sample=8\n", NULL, PACK_PATH, 2,
 			"line 3: 'cap-bytes' was set" },
 		{ "cors = https://a.b\ncors = https://c.d\n", NULL, PACK_PATH, 0, "is good" },
+		{ "embed = https://a.b\nembed = *\n", NULL, PACK_PATH, 0, "is good" },
+		{ "embed = here\n", NULL, PACK_PATH, 2, "--embed here: must be * or an origin" },
 		{ "listen = [::1]:80\n", "ECOSERVE_LISTEN=[::1]:81", PACK_PATH, 0, "is good" } };
 	char out[8192], err[8192];
 	if (!program_path[0])

@@ -576,6 +576,42 @@ UNIT_TEST(pages_of_some_origins_may_read_answers)
 		assert_int_equal(srv_access_add_origin(&access, bad[i], NULL), ECO_BAD_USAGE);
 }
 
+UNIT_TEST(pages_of_some_origins_may_have_the_viewer_in_a_frame)
+{
+	static const struct { const char *origins[2], *policy; } rows[] = { { { NULL }, "frame-ancestors 'self'" },
+		{ { "https://a.example" }, "frame-ancestors 'self' https://a.example" },
+		{ { "https://a.example", "http://b.example:81" },
+			"frame-ancestors 'self' https://a.example http://b.example:81" },
+		{ { "*" }, "frame-ancestors 'self' *" } };
+	static const char *const targets[] = { "/", "/viewer/0123abcd/index.html" };
+	static struct srv_access access;
+	for (size_t i = 0; i < 2 * sizeof rows / sizeof *rows; i++) {
+		struct srv_store scenes;
+		struct eco_error error = { 0 };
+		char value[1000];
+		access = (struct srv_access){ 0 };
+		for (int o = 0; o < 2 && rows[i / 2].origins[o]; o++)
+			assert_ok(srv_access_add_frame(&access, rows[i / 2].origins[o], &error), error);
+		struct srv_daemon *daemon = start((struct srv_config){ .access = &access, .site = &sample_site },
+			&scenes);
+		struct http_answer answer = http_get(port, targets[i % 2]);
+		assert_true(http_header(&answer, "Content-Security-Policy", value, sizeof value));
+		const char *frames = strstr(value, "frame-ancestors");
+		assert_non_null(frames);
+		assert_string_equal(frames, rows[i / 2].policy);
+		http_free(&answer);
+		srv_daemon_stop(daemon);
+		srv_store_free(&scenes);
+	}
+	static const char *const bad[] = { "a.example", "https://a.example/", "https://a;script-src *", "'none'", "" };
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+		assert_int_equal(srv_access_add_frame(&access, bad[i], NULL), ECO_BAD_USAGE);
+	enum eco_code code = ECO_OK;
+	for (int i = 0; i < 100 && !code; i++)
+		code = srv_access_add_frame(&access, "https://a.example", NULL);
+	assert_int_equal(code, ECO_TOO_LARGE);
+}
+
 UNIT_TEST(options_say_what_a_resource_takes)
 {
 	struct srv_store scenes;
