@@ -317,7 +317,7 @@ struct srv_gauges srv_host_gauges(struct srv_host *host)
 		.accept_failures = srv_listener_failures(host->listener),
 		.refused_heads = srv_gate_refused(),
 		.dropped_lines = srv_log_dropped() };
-	gauges.ready = !atomic_load(&host->draining) && gauges.waiting_plans < host->config.queue_max;
+	gauges.ready = !atomic_load(&host->draining) && srv_work_has_room(host->work);
 	srv_edition_release(edition);
 	return gauges;
 }

@@ -131,18 +131,24 @@ static void finish_work(void *argument)
 	MHD_resume_connection(exchange->connection);     /* from here on the exchange may be gone */
 }
 
+static void refuse_work(void *argument)
+{
+	struct srv_exchange *exchange = argument;
+	srv_count(&exchange->host->metrics, SRV_COUNT_PLANS_REFUSED, 1);
+	srv_exchange_problem(exchange, SRV_PROBLEM_BUSY,
+		"too many plans wait, or too many from this address; ask again in a second", false);
+	finish_work(exchange);
+}
+
 void srv_exchange_work(struct srv_exchange *exchange, struct srv_work *work, void (*run)(void *exchange))
 {
 	exchange->phase = SRV_PHASE_WORKING;
 	MHD_suspend_connection(exchange->connection);    /* first: the job may end before submit returns */
 	srv_reaper_watch(exchange->host->reaper, exchange->lease, &exchange->cancelled);
-	if (srv_work_submit(work, &(struct srv_job){ .run = run, .finish = finish_work, .argument = exchange,
+	if (!srv_work_submit(work, &(struct srv_job){ .run = run, .finish = finish_work,
+			.displaced = refuse_work, .argument = exchange,
 			.cancelled = &exchange->cancelled, .owner = exchange->client }))
-		return;
-	srv_count(&exchange->host->metrics, SRV_COUNT_PLANS_REFUSED, 1);
-	srv_exchange_problem(exchange, SRV_PROBLEM_BUSY,
-		"too many plans wait, or too many from this address; ask again in a second", false);
-	finish_work(exchange);
+		refuse_work(exchange);
 }
 
 /* ---- Who may ---- */

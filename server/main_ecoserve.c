@@ -109,9 +109,10 @@ static const struct eco_option options[] = {
 	{ "connections-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.connections_per_address, 1,
 		100000, .help = "of them from one address, or from one IPv6 /64; 128 if not given" },
 	{ "plans", 0, ECO_OPTION_COUNT, "N", &given.config.queue_max, 1, 100000,
-		.help = "that may wait for a thread; 64 if not given" },
+		.help = "that may wait for a thread; where all places are taken, the address that holds most "
+			"gives one to an address that holds less; 64 if not given" },
 	{ "plans-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.queue_share_max, 1, 100000,
-		.help = "of them for one address; addresses are served in turn; 32 if not given" },
+		.help = "of them for one address; 32 if not given" },
 	{ "plan-work", 0, ECO_OPTION_COUNT, "N", &given.config.plan_times, 1, 1000,
 		.help = "what planning a request may cost, counted in ordinary plans of its scene; it ends "
 			"there with what it has, which is the same on every machine; 5 if not given" },

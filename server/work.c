@@ -5,31 +5,50 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct waiting { struct srv_job job; uint64_t turn; };
+struct owner { struct srv_address address; uint32_t waiting, held; uint64_t turn; };     /* turn: of its next */
+struct waiting { struct srv_job job; struct owner *owner; uint64_t turn; };
 
 struct srv_work {
 	pthread_mutex_t mutex;
 	pthread_cond_t wake;
 	struct waiting *queue;           /* by arrival */
 	uint32_t count, capacity, share_max;
-	uint64_t turn;                   /* of the job that was begun last */
+	struct owner *owners;            /* one that holds nothing is free */
+	uint32_t owner_count;
+	uint64_t turn;                   /* of the latest turn that was begun */
+	bool in_turn;                    /* the job that was begun last was the next in turn */
 	bool stopping;
 	uint32_t thread_count, running_count;
 	atomic_bool **running;           /* the flags of the jobs that run; one a thread, or NULL */
 	pthread_t threads[];
 };
 
-static struct srv_job take_next(struct srv_work *work)
+static bool goes_first(const struct srv_work *work, const struct waiting *a, const struct waiting *b)
+{
+	if (!work->in_turn && a->owner->held != b->owner->held)
+		return a->owner->held < b->owner->held;
+	return a->turn < b->turn;
+}
+
+static struct waiting take_out(struct srv_work *work, uint32_t index)
+{
+	struct waiting waiting = work->queue[index];
+	work->count--;
+	memmove(&work->queue[index], &work->queue[index + 1], (work->count - index) * sizeof *work->queue);
+	waiting.owner->waiting--;
+	return waiting;
+}
+
+static struct waiting take_next(struct srv_work *work)
 {
 	uint32_t first = 0;
+	work->in_turn = !work->in_turn;
 	for (uint32_t i = 1; i < work->count; i++)
-		if (work->queue[i].turn < work->queue[first].turn)
+		if (goes_first(work, &work->queue[i], &work->queue[first]))
 			first = i;
-	struct waiting next = work->queue[first];
-	work->count--;
-	memmove(&work->queue[first], &work->queue[first + 1], (work->count - first) * sizeof *work->queue);
-	work->turn = next.turn;
-	return next.job;
+	struct waiting next = take_out(work, first);
+	work->turn = next.turn > work->turn ? next.turn : work->turn;
+	return next;
 }
 
 static void *run(void *argument)
@@ -42,14 +61,15 @@ static void *run(void *argument)
 			pthread_cond_wait(&work->wake, &work->mutex);
 		if (!work->count)
 			break;
-		struct srv_job job = take_next(work);
-		*mine = job.cancelled;
+		struct waiting next = take_next(work);
+		*mine = next.job.cancelled;
 		pthread_mutex_unlock(&work->mutex);
-		job.run(job.argument);
+		next.job.run(next.job.argument);
 		pthread_mutex_lock(&work->mutex);
 		*mine = NULL;
+		next.owner->held--;
 		pthread_mutex_unlock(&work->mutex);
-		job.finish(job.argument);
+		next.job.finish(next.job.argument);
 		pthread_mutex_lock(&work->mutex);
 	}
 	pthread_mutex_unlock(&work->mutex);
@@ -61,17 +81,21 @@ enum eco_code srv_work_start(struct srv_work **out, uint32_t threads, uint32_t q
 {
 	struct srv_work *work = calloc(1, sizeof *work + threads * sizeof *work->threads);
 	struct waiting *queue = calloc(queue_max, sizeof *queue);
+	struct owner *owners = calloc((size_t)queue_max + threads + 1, sizeof *owners);
 	atomic_bool **running = calloc(threads, sizeof *running);
 	*out = NULL;
-	if (!work || !queue || !running) {
+	if (!work || !queue || !owners || !running) {
 		free(work);
 		free(queue);
+		free(owners);
 		free(running);
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a queue of %u plans", queue_max);
 	}
 	pthread_mutex_init(&work->mutex, NULL);
 	pthread_cond_init(&work->wake, NULL);
 	work->queue = queue;
+	work->owners = owners;
+	work->owner_count = queue_max + threads + 1;
 	work->running = running;
 	work->capacity = queue_max;
 	work->share_max = share_max;
@@ -86,21 +110,74 @@ enum eco_code srv_work_start(struct srv_work **out, uint32_t threads, uint32_t q
 	return ECO_OK;
 }
 
+/* That of the address, or a free one: there is one more than all jobs that can be held. */
+static struct owner *owner_of(struct srv_work *work, const struct srv_address *address)
+{
+	struct owner *free_one = NULL;
+	for (uint32_t i = 0; i < work->owner_count; i++) {
+		struct owner *owner = &work->owners[i];
+		if (owner->held && srv_address_same(&owner->address, address))
+			return owner;
+		if (!owner->held && !free_one)
+			free_one = owner;
+	}
+	*free_one = (struct owner){ .address = *address };
+	return free_one;
+}
+
+/* The youngest waiting job of the address that holds most. */
+static const struct waiting *to_displace(const struct srv_work *work)
+{
+	const struct waiting *most = &work->queue[work->count - 1];
+	for (uint32_t i = work->count - 1; i-- > 0;)
+		if (work->queue[i].owner->held > most->owner->held)
+			most = &work->queue[i];
+	return most;
+}
+
+/* An address that holds `held` jobs may displace one, and is left with no more than the other then. */
+static bool may_displace(const struct srv_work *work, uint32_t held)
+{
+	return to_displace(work)->owner->held > held + 1;
+}
+
+static void enqueue(struct srv_work *work, const struct srv_job *job, struct owner *owner)
+{
+	uint64_t turn = owner->held && owner->turn > work->turn ? owner->turn : work->turn;
+	owner->turn = turn + 1;
+	owner->waiting++;
+	owner->held++;
+	work->queue[work->count++] = (struct waiting){ *job, owner, turn };
+	pthread_cond_signal(&work->wake);
+}
+
 bool srv_work_submit(struct srv_work *work, const struct srv_job *job)
 {
+	struct srv_job displaced = { 0 };
 	pthread_mutex_lock(&work->mutex);
-	uint64_t turn = work->turn;
-	uint32_t share = 0;
-	for (uint32_t i = 0; i < work->count; i++)
-		if (srv_address_same(&work->queue[i].job.owner, &job->owner)) {
-			share++;
-			turn = work->queue[i].turn + 1;
+	struct owner *owner = owner_of(work, &job->owner);
+	bool room = !work->stopping && owner->waiting < work->share_max;
+	if (room && work->count == work->capacity) {
+		room = may_displace(work, owner->held);
+		if (room) {
+			struct waiting out = take_out(work, (uint32_t)(to_displace(work) - work->queue));
+			out.owner->held--;
+			out.owner->turn--;
+			displaced = out.job;
 		}
-	bool room = work->count < work->capacity && share < work->share_max && !work->stopping;
-	if (room) {
-		work->queue[work->count++] = (struct waiting){ *job, turn };
-		pthread_cond_signal(&work->wake);
 	}
+	if (room)
+		enqueue(work, job, owner);
+	pthread_mutex_unlock(&work->mutex);
+	if (displaced.displaced)
+		displaced.displaced(displaced.argument);
+	return room;
+}
+
+bool srv_work_has_room(struct srv_work *work)
+{
+	pthread_mutex_lock(&work->mutex);
+	bool room = !work->stopping && (work->count < work->capacity || may_displace(work, 0));
 	pthread_mutex_unlock(&work->mutex);
 	return room;
 }
@@ -142,6 +219,7 @@ void srv_work_free(struct srv_work *work)
 	pthread_cond_destroy(&work->wake);
 	pthread_mutex_destroy(&work->mutex);
 	free(work->running);
+	free(work->owners);
 	free(work->queue);
 	free(work);
 }

@@ -1,10 +1,13 @@
 /* A few threads that make plans, so that a long plan never holds up a connection that only wants a chunk.
- * Bounded: what does not fit into the queue is refused at once (503) instead of waiting for nobody knows how
- * long.
+ * The queue is bounded: a job that finds no place is refused at once (503).
  *
- * Addresses are served in turn (start-time fair queueing, Goyal and others 1996, jobs of equal cost): each
- * job of an address that others wait behind is a turn later than the one before it, and no address may have
- * more than its share of the queue. */
+ * Admission and service are fair between addresses. An address holds the jobs that wait or run for it.
+ *   - Full queue: a job displaces the youngest waiting job of the address that holds most, if that address
+ *     still holds no less than the newcomer afterwards. Else the newcomer is refused.
+ *   - Service alternates. One job is the next in turn: each further job of an address is a turn later than the
+ *     one before it (start-time fair queueing, Goyal and others 1996, jobs of equal cost), so no address
+ *     starves. The other is a job of the address that holds least, so an address that asks for one plan does
+ *     not wait for a round of all others. */
 #ifndef SRV_WORK_H
 #define SRV_WORK_H
 
@@ -19,6 +22,7 @@ struct srv_work;
 struct srv_job {
 	void (*run)(void *argument);
 	void (*finish)(void *argument);  /* after it; may free what the job has, its flag too */
+	void (*displaced)(void *argument);       /* in place of both: an accepted job gave its place away */
 	void *argument;
 	atomic_bool *cancelled;          /* set by srv_work_stop, and by whoever else has reason to */
 	struct srv_address owner;
@@ -28,10 +32,12 @@ struct srv_job {
  * *work is NULL. */
 enum eco_code srv_work_start(struct srv_work **work, uint32_t threads, uint32_t queue_max, uint32_t share_max,
 	struct eco_error *error);
-/* Runs the job on some thread; false if the queue or the owner's share is full, or it is stopped. Every
- * accepted job is run, also while stopping. Any thread. */
+/* Runs the job on some thread; false if the owner's share is full, no place is found or it is stopped. May
+ * call another job's `displaced` first. Any other accepted job is run, also while stopping. Any thread. */
 bool srv_work_submit(struct srv_work *work, const struct srv_job *job);
 uint32_t srv_work_waiting(struct srv_work *work);
+/* A job of an address that holds none would be accepted. */
+bool srv_work_has_room(struct srv_work *work);
 /* Cancels all jobs, runs what is queued, and joins; nothing is accepted from then on. */
 void srv_work_stop(struct srv_work *work);
 /* stops it where that has not been done; NULL is fine */

@@ -1,4 +1,4 @@
-/* The queue of plans: whose turn it is, and how much of it one address may have. */
+/* The queue of plans: whose turn it is, how much of it one address may have, and who gives way to a newcomer. */
 #include <pthread.h>
 #include <string.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include "tests/support/unit_test.h"
 
 static pthread_mutex_t closed = PTHREAD_MUTEX_INITIALIZER;
-static char order[32];
+static char order[200], displaced[200];
 
 static void wait_at_door(void *argument)
 {
@@ -20,6 +20,11 @@ static void note(void *argument)
 	strcat(order, argument);
 }
 
+static void note_displaced(void *argument)
+{
+	strcat(displaced, argument);
+}
+
 static void do_nothing(void *argument)
 {
 }
@@ -27,7 +32,7 @@ static void do_nothing(void *argument)
 static struct srv_job job_of(char who, const char *name, atomic_bool *cancelled)
 {
 	struct srv_job job = { .run = name ? note : wait_at_door, .finish = do_nothing,
-		.argument = (void *)name, .cancelled = cancelled };
+		.displaced = note_displaced, .argument = (void *)name, .cancelled = cancelled };
 	job.owner.bytes[0] = (uint8_t)who;
 	return job;
 }
@@ -38,7 +43,7 @@ static struct srv_work *start_held(uint32_t capacity, uint32_t share, atomic_boo
 	struct srv_work *work;
 	struct eco_error error = { 0 };
 	struct srv_job first = job_of('x', NULL, cancelled);
-	order[0] = 0;
+	order[0] = displaced[0] = 0;
 	pthread_mutex_lock(&closed);
 	assert_ok(srv_work_start(&work, 1, capacity, share, &error), error);
 	assert_true(srv_work_submit(work, &first));
@@ -46,32 +51,102 @@ static struct srv_work *start_held(uint32_t capacity, uint32_t share, atomic_boo
 	return work;
 }
 
+static bool submit(struct srv_work *work, const char *name)
+{
+	static atomic_bool cancelled;
+	struct srv_job job = job_of(name[0], name, &cancelled);
+	return srv_work_submit(work, &job);
+}
+
+static void open_and_free(struct srv_work *work)
+{
+	pthread_mutex_unlock(&closed);
+	srv_work_free(work);
+}
+
+/* Every other job is of the address that holds least, the others are in turn. */
 UNIT_TEST(addresses_are_served_in_turn)
 {
 	static const char *const names[] = { "a", "a", "a", "a", "b", "c", "c", "b", "d" };
 	static atomic_bool cancelled;
 	struct srv_work *work = start_held(20, 20, &cancelled);
-	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-		struct srv_job job = job_of(names[i][0], names[i], &cancelled);
-		assert_true(srv_work_submit(work, &job));
-	}
-	pthread_mutex_unlock(&closed);
-	srv_work_free(work);
-	assert_string_equal(order, "abcdacbaa");
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+		assert_true(submit(work, names[i]));
+	open_and_free(work);
+	assert_string_equal(order, "dabccabaa");
+	assert_string_equal(displaced, "");
 }
 
 UNIT_TEST(no_address_has_more_than_its_share)
 {
 	static atomic_bool cancelled;
 	struct srv_work *work = start_held(5, 3, &cancelled);
-	struct srv_job a = job_of('a', "a", &cancelled), b = job_of('b', "b", &cancelled);
 	for (int i = 0; i < 5; i++)
-		assert_int_equal(srv_work_submit(work, &a), i < 3);
+		assert_int_equal(submit(work, "a"), i < 3);
 	for (int i = 0; i < 3; i++)
-		assert_int_equal(srv_work_submit(work, &b), i < 2);
-	pthread_mutex_unlock(&closed);
-	srv_work_free(work);
-	assert_string_equal(order, "ababa");
+		assert_int_equal(submit(work, "b"), i < 2);
+	assert_string_equal(displaced, "");
+	open_and_free(work);
+	assert_string_equal(order, "babaa");
+}
+
+/* Full of the jobs of a few addresses, in whatever order they came. */
+UNIT_TEST(a_newcomer_displaces_the_youngest_job_of_who_holds_most)
+{
+	static const struct { const char *held[8]; const char *newcomers, *displaced; } rows[] = {
+		{ { "a1", "a2", "a3", "b1", "b2" }, "c", "a3" },
+		{ { "a1", "b1", "b2", "a2", "b3" }, "c", "b3" },
+		{ { "a1", "a2", "a3", "a4", "b1" }, "cde", "a4a3a2" },
+		{ { "a1", "a2", "b1", "b2", "c1" }, "de", "b2a2" },
+		{ { "a1", "a2", "a3", "a4", "a5" }, "bb", "a5a4" },
+	};
+	static atomic_bool cancelled;
+	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
+		struct srv_work *work = start_held(5, 5, &cancelled);
+		for (int i = 0; i < 5; i++)
+			assert_true(submit(work, rows[r].held[i]));
+		for (const char *c = rows[r].newcomers; *c; c++) {
+			assert_true(srv_work_has_room(work));
+			assert_true(submit(work, (const char *[]){ "b", "c", "d", "e" }[*c - 'b']));
+		}
+		assert_string_equal(displaced, rows[r].displaced);
+		open_and_free(work);
+		assert_int_equal(strlen(order) + strlen(displaced), 10 + strlen(rows[r].newcomers));
+	}
+}
+
+/* An address that would hold as much as the one that gives way has no better claim. */
+UNIT_TEST(equals_displace_nobody)
+{
+	static atomic_bool cancelled;
+	struct srv_work *work = start_held(4, 4, &cancelled);
+	for (int i = 0; i < 4; i++)
+		assert_true(submit(work, (const char *[]){ "a", "b", "c", "d" }[i]));
+	assert_false(srv_work_has_room(work));
+	assert_false(submit(work, "e") || submit(work, "a"));
+	assert_string_equal(displaced, "");
+	open_and_free(work);
+	assert_string_equal(order, "abcd");
+}
+
+/* The server's defaults, full of what few or many addresses ask for. A newcomer comes in, and waits for at most
+ * one job of those that hold more; for one job each of those that hold as little. */
+UNIT_TEST(no_crowd_keeps_a_newcomer_waiting)
+{
+	static const struct { int addresses, jobs; size_t ahead; } crowds[] = { { 1, 32, 1 }, { 2, 32, 1 },
+		{ 3, 32, 1 }, { 8, 32, 1 }, { 13, 5, 1 }, { 20, 5, 1 }, { 32, 2, 2 }, { 50, 2, 50 } };
+	static atomic_bool cancelled;
+	for (size_t c = 0; c < sizeof crowds / sizeof *crowds; c++) {
+		struct srv_work *work = start_held(64, 32, &cancelled);
+		for (int i = 0; i < crowds[c].addresses * crowds[c].jobs; i++) {
+			struct srv_job job = job_of((char)('A' + i % crowds[c].addresses), "-", &cancelled);
+			srv_work_submit(work, &job);
+		}
+		assert_true(srv_work_has_room(work) && submit(work, "!"));
+		assert_in_range(srv_work_waiting(work), 1, 64);
+		open_and_free(work);
+		assert_in_range(strcspn(order, "!"), 0, crowds[c].ahead);
+	}
 }
 
 static void wait_for_flag(void *argument)
