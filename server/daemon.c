@@ -185,7 +185,10 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 		code = srv_catalog_new(&daemon->host.catalog, store, error);
 	if (!code)
 		code = srv_reaper_start(&daemon->host.reaper,
-			&(struct srv_reaper_limits){ .connections = daemon->host.config.connections_max,
+			&(struct srv_reaper_limits){
+				.held[SRV_HELD_CONNECTIONS] = daemon->host.config.connections_max,
+				.held[SRV_HELD_BODIES] = daemon->host.config.bodies_max,
+				.held[SRV_HELD_ANSWERS] = UINT64_MAX,
 				.per_address = daemon->host.config.connections_per_address,
 				.head_ms = daemon->host.config.head_ms,
 				.send_ms = daemon->host.config.send_ms,
@@ -226,7 +229,7 @@ const char *srv_daemon_url(const struct srv_daemon *daemon)
 
 struct srv_counts srv_daemon_counts(const struct srv_daemon *daemon)
 {
-	return (struct srv_counts){ .connections = srv_reaper_connections(daemon->host.reaper),
+	return (struct srv_counts){ .connections = srv_reaper_held(daemon->host.reaper, SRV_HELD_CONNECTIONS),
 		.accept_failures = srv_listener_failures(daemon->host.listener) };
 }
 
@@ -306,13 +309,13 @@ void srv_daemon_tick(struct srv_daemon *daemon)
 struct srv_gauges srv_host_gauges(struct srv_host *host)
 {
 	struct srv_edition *edition = srv_catalog_hold(host->catalog);
-	struct srv_gauges gauges = { .connections = srv_reaper_connections(host->reaper),
+	struct srv_gauges gauges = { .connections = srv_reaper_held(host->reaper, SRV_HELD_CONNECTIONS),
 		.busy = atomic_load(&host->busy),
 		.waiting_plans = srv_work_waiting(host->work),
 		.scenes = edition->store.count,
 		.retired = edition->retired_count,
 		.bad_packs = atomic_load(&host->bad_packs),
-		.bodies_bytes = atomic_load(&host->bodies_bytes),
+		.bodies_bytes = srv_reaper_held(host->reaper, SRV_HELD_BODIES),
 		.kept_bytes = srv_plan_cache_bytes(host->plans),
 		.accept_failures = srv_listener_failures(host->listener),
 		.refused_heads = srv_gate_refused(),

@@ -295,8 +295,10 @@ static void read_headers(struct srv_exchange *exchange)
 		.if_match = srv_exchange_header(exchange, MHD_HTTP_HEADER_IF_MATCH),
 		.if_none_match = srv_exchange_header(exchange, MHD_HTTP_HEADER_IF_NONE_MATCH),
 		.if_unmodified_since = srv_exchange_header(exchange, MHD_HTTP_HEADER_IF_UNMODIFIED_SINCE) };
-	if (exchange->lease->is_proxy)
+	if (exchange->lease->is_proxy) {
 		exchange->client = client_of(exchange);
+		srv_reaper_speak_for(exchange->host->reaper, exchange->lease, &exchange->client);
+	}
 	exchange->authorization = srv_exchange_header(exchange, MHD_HTTP_HEADER_AUTHORIZATION);
 	exchange->origin = srv_exchange_header(exchange, MHD_HTTP_HEADER_ORIGIN);
 	set_id(exchange, exchange->lease->is_proxy ? srv_exchange_header(exchange, "X-Request-Id") : NULL);
@@ -360,20 +362,17 @@ static enum srv_problem judge_head(struct srv_exchange *exchange, bool takes_bod
  * nothing. False if there is no memory, or too much is held for others. */
 static bool grow_body(struct srv_exchange *exchange, size_t size)
 {
-	struct srv_host *host = exchange->host;
 	size_t length = (size_t)exchange->length, room = exchange->body_room;
 	if (size <= room)
 		return true;
 	while (room < size)
 		room = room ? 2 * room : BODY_STAKE_BYTES;
 	room = room < length ? room : length + 1;
-	size_t more = room - exchange->body_room;
-	uint64_t held = atomic_fetch_add(&host->bodies_bytes, more) + more;
-	uint8_t *body = held <= host->config.bodies_max ? realloc(exchange->body, room) : NULL;
-	if (!body) {
-		atomic_fetch_sub(&host->bodies_bytes, more);
+	if (!srv_reaper_hold(exchange->host->reaper, exchange->lease, SRV_HELD_BODIES, room))
 		return false;
-	}
+	uint8_t *body = realloc(exchange->body, room);
+	if (!body)
+		return false;
 	exchange->body = body;
 	exchange->body_room = room;
 	return true;
@@ -407,7 +406,7 @@ static bool handle_head(struct srv_exchange *exchange, const char *method)
 /* The library takes no answer within a body: the rest of this one is read, kept nowhere, and then refused. */
 static void lose_body(struct srv_exchange *exchange)
 {
-	atomic_fetch_sub(&exchange->host->bodies_bytes, exchange->body_room);
+	srv_reaper_hold(exchange->host->reaper, exchange->lease, SRV_HELD_BODIES, 0);
 	free(exchange->body);
 	exchange->body = NULL;
 	exchange->body_room = 0;
@@ -491,7 +490,6 @@ void srv_exchange_end(struct srv_exchange *exchange)
 	count_and_log(exchange);
 	if (exchange->counted)
 		atomic_fetch_sub(&exchange->host->busy, 1);
-	atomic_fetch_sub(&exchange->host->bodies_bytes, exchange->body_room);
 	srv_gate_answering(&exchange->lease->gate, false);
 	srv_reaper_await(exchange->host->reaper, exchange->lease);
 	srv_answer_free(&exchange->answer);

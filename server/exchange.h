@@ -40,7 +40,6 @@ struct srv_host {                        /* what exchanges need of the daemon */
 	atomic_bool draining;
 	_Atomic(uint32_t) busy;
 	_Atomic(uint32_t) bad_packs;         /* at the start or the last reload that changed something */
-	_Atomic(uint64_t) bodies_bytes;      /* memory of the bodies that are held */
 };
 
 /* Opens the scenes again that config.sources name. One at a time; whoever comes meanwhile waits. *report says
@@ -73,7 +72,7 @@ struct srv_exchange {
 	bool has_length;
 	uint64_t length;                     /* of the body: 0 without one */
 	uint8_t *body;
-	size_t body_size, body_room;         /* room: counted in host->bodies_bytes */
+	size_t body_size, body_room;         /* room: held by the lease */
 	bool body_lost;                      /* there was no room for all of it */
 
 	struct srv_edition *edition;         /* held from the head on */

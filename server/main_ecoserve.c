@@ -105,7 +105,8 @@ static const struct eco_option options[] = {
 		.help = "serve the files themselves, for packs that nobody writes over: no room, no time to "
 			"copy, and memory shared with other servers" },
 	{ "connections", 0, ECO_OPTION_COUNT, "N", &given.config.connections_max, 1, 100000,
-		.help = "at once; where all are taken, one that only waits gives way; 1000 if not given" },
+		.help = "at once; where all are taken, one that only waits gives way, or one of the address "
+			"that holds most; 16 more are for addresses that hold none; 1000 if not given" },
 	{ "connections-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.connections_per_address, 1,
 		100000, .help = "of them from one address, or from one IPv6 /64; 128 if not given" },
 	{ "plans", 0, ECO_OPTION_COUNT, "N", &given.config.queue_max, 1, 100000,

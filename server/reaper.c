@@ -27,10 +27,23 @@
 #define LINGER_ROUND_BYTES (1u << 20)    /* ... and so much a round, ... */
 #define LINGER_ROUND_MS 10u              /* ... which are more often then: the window stays small */
 
+#define RESERVED 16u                     /* connections beyond the limit, for addresses that hold none */
+#define IDLE_US 1000000u                 /* so long a connection waits for a request before it is given up for any */
+
+struct srv_holder {                      /* an address, and what it holds */
+	struct srv_holder *next;
+	struct srv_address address;
+	bool is_proxy;
+	uint32_t users;                  /* leases that name it, as the peer or the client */
+	uint64_t held[SRV_HELD_COUNT];
+};
+
 struct srv_reaper {
 	pthread_mutex_t mutex;       /* guards everything below */
 	pthread_cond_t wake;
 	struct srv_lease leases;     /* ring */
+	struct srv_holder *holders;
+	uint64_t held[SRV_HELD_COUNT];
 	struct srv_reaper_limits limits;
 	bool stopping;
 	pthread_t thread;
@@ -43,10 +56,65 @@ uint64_t srv_clock_us(void)
 	return (uint64_t)now.tv_sec * 1000000 + (uint64_t)now.tv_nsec / 1000;
 }
 
-static void shut(struct srv_lease *lease, const char *why)
+/* ---- What addresses hold; under the mutex ---- */
+
+static struct srv_holder *holder_of(struct srv_reaper *reaper, const struct srv_address *address)
+{
+	struct srv_holder *holder = reaper->holders;
+	while (holder && !srv_address_same(&holder->address, address))
+		holder = holder->next;
+	return holder;
+}
+
+/* NULL: no memory */
+static struct srv_holder *use_holder(struct srv_reaper *reaper, const struct srv_address *address)
+{
+	struct srv_holder *holder = holder_of(reaper, address);
+	if (!holder) {
+		holder = calloc(1, sizeof *holder);
+		if (!holder)
+			return NULL;
+		holder->address = *address;
+		holder->is_proxy = srv_networks_contain(reaper->limits.trusted, address);
+		holder->next = reaper->holders;
+		reaper->holders = holder;
+	}
+	holder->users++;
+	return holder;
+}
+
+static void leave_holder(struct srv_reaper *reaper, struct srv_holder *holder)
+{
+	struct srv_holder **at = &reaper->holders;
+	if (--holder->users)
+		return;
+	while (*at != holder)
+		at = &(*at)->next;
+	*at = holder->next;
+	free(holder);
+}
+
+static void set_held(struct srv_reaper *reaper, struct srv_lease *lease, enum srv_held what, uint64_t amount)
+{
+	struct srv_holder *holder = what == SRV_HELD_CONNECTIONS ? lease->holder : lease->payer;
+	holder->held[what] += amount - lease->held[what];
+	reaper->held[what] += amount - lease->held[what];
+	lease->held[what] = amount;
+}
+
+static void give_back(struct srv_reaper *reaper, struct srv_lease *lease)
+{
+	for (enum srv_held what = 0; what < SRV_HELD_COUNT; what++)
+		set_held(reaper, lease, what, 0);
+}
+
+static void shut(struct srv_reaper *reaper, struct srv_lease *lease, const char *why)
 {
 	lease->due_us = 0;
 	lease->is_shut = true;
+	give_back(reaper, lease);
+	if (lease->gone)
+		atomic_store(lease->gone, true);
 	shutdown(lease->fd, SHUT_RDWR);
 	srv_trace(SRV_TRACE_CONNECTION, "socket %d %s", lease->fd, why);
 }
@@ -65,7 +133,7 @@ static bool renew(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t n
 	const struct srv_reaper_limits *limits = &reaper->limits;
 	uint64_t bytes = about(lease).tcpi_bytes_acked, least = limits->rate_bytes_s * limits->send_ms / 1000;
 	bool first = lease->taken_bytes == NOT_TAKEN;
-	if (!lease->is_sending || (!first && bytes - lease->taken_bytes < (least ? least : 1)))
+	if (lease->wait != SRV_WAIT_SENDING || (!first && bytes - lease->taken_bytes < (least ? least : 1)))
 		return false;
 	lease->taken_bytes = bytes;
 	lease->due_us = now + limits->send_ms * 1000;
@@ -86,7 +154,7 @@ static bool probe(struct srv_lease *lease, uint64_t now)
 		: sent == sizeof interim - 1 && about(lease).tcpi_state == CLOSE_WAIT;
 }
 
-static void tell_gone(struct srv_lease *lease, uint64_t now)
+static void tell_gone(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t now)
 {
 	if (!lease->gone)
 		return;
@@ -97,7 +165,7 @@ static void tell_gone(struct srv_lease *lease, uint64_t now)
 	lease->gone = NULL;
 	srv_trace(SRV_TRACE_CONNECTION, "socket %d hung up while its plan is made", lease->fd);
 	if (state == CLOSE_WAIT)         /* a part of the interim response may be out */
-		shut(lease, "is of no more use");
+		shut(reaper, lease, "is of no more use");
 }
 
 /* Drops what has come to a refused connection. False where it has ended. */
@@ -112,16 +180,19 @@ static bool drop_rest(struct srv_lease *lease, uint64_t now)
 		&& now < lease->due_us && now < lease->quiet_us;
 }
 
-static void unlink_lease(struct srv_lease *lease)
+static void unlink_lease(struct srv_reaper *reaper, struct srv_lease *lease)
 {
+	give_back(reaper, lease);
+	leave_holder(reaper, lease->payer);
+	leave_holder(reaper, lease->holder);
 	lease->before->next = lease->next;
 	lease->next->before = lease->before;
 }
 
-static void end_lingering(struct srv_lease *lease)
+static void end_lingering(struct srv_reaper *reaper, struct srv_lease *lease)
 {
 	close(lease->fd);
-	unlink_lease(lease);
+	unlink_lease(reaper, lease);
 	free(lease);
 }
 
@@ -134,12 +205,12 @@ static uint64_t shut_overdue(struct srv_reaper *reaper)
 		if (lease->lingers) {
 			again = LINGER_ROUND_MS;
 			if (!drop_rest(lease, now))
-				end_lingering(lease);
+				end_lingering(reaper, lease);
 			continue;
 		}
-		tell_gone(lease, now);
+		tell_gone(reaper, lease, now);
 		if (lease->due_us && lease->due_us <= now && !renew(reaper, lease, now))
-			shut(lease, "is past its deadline");
+			shut(reaper, lease, "is past its deadline");
 	}
 	return again;
 }
@@ -198,7 +269,7 @@ void srv_reaper_stop(struct srv_reaper *reaper)
 			srv_gate_close(&lease->gate);
 		if (lease->lingers)
 			close(lease->fd);
-		unlink_lease(lease);
+		unlink_lease(reaper, lease);
 		free(lease);
 	}
 	pthread_cond_destroy(&reaper->wake);
@@ -206,47 +277,102 @@ void srv_reaper_stop(struct srv_reaper *reaper)
 	free(reaper);
 }
 
-/* ---- Who may come in; under the mutex ---- */
+/* ---- Who gives way; under the mutex ---- */
 
-struct census {                      /* of connections that are not shut */
-	uint64_t all, same;          /* same: of the address */
-	struct srv_lease *idle, *same_idle;      /* that have waited the longest, or NULL */
-};
-
-static struct srv_lease *longer_idle(struct srv_lease *a, struct srv_lease *b)
+/* `other` may be NULL */
+static bool goes_before(const struct srv_lease *lease, const struct srv_lease *other)
 {
-	return b->idle_us && (!a || b->idle_us < a->idle_us) ? b : a;
+	return !other || (lease->wait != other->wait ? lease->wait < other->wait
+		: lease->since_us < other->since_us);
 }
 
-static struct census count(struct srv_reaper *reaper, const struct srv_address *address)
+/* Of those that wait for a request since before `since_us` the one that has waited the longest: of a holder;
+ * NULL: of any. */
+static struct srv_lease *longest_idle(struct srv_reaper *reaper, const struct srv_holder *holder,
+	uint64_t since_us)
 {
-	struct census census = { 0 };
-	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next) {
-		if (lease->is_shut)
-			continue;
-		census.all++;
-		census.idle = longer_idle(census.idle, lease);
-		if (!address || !srv_address_same(&lease->address, address))
-			continue;
-		census.same++;
-		census.same_idle = longer_idle(census.same_idle, lease);
-	}
-	return census;
+	struct srv_lease *longest = NULL;
+	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next)
+		if (!lease->is_shut && lease->wait == SRV_WAIT_REQUEST && lease->since_us < since_us
+				&& (!holder || lease->holder == holder) && goes_before(lease, longest))
+			longest = lease;
+	return longest;
+}
+
+/* NULL: only proxies hold any. */
+static struct srv_holder *largest_holder(const struct srv_reaper *reaper, enum srv_held what)
+{
+	struct srv_holder *largest = NULL;
+	for (struct srv_holder *holder = reaper->holders; holder; holder = holder->next)
+		if (!holder->is_proxy && holder->held[what] > (largest ? largest->held[what] : 0))
+			largest = holder;
+	return largest;
+}
+
+/* The connection with which a holder of at least so much gives way; NULL: no holder has it. */
+static struct srv_lease *of_largest(struct srv_reaper *reaper, uint64_t least)
+{
+	const struct srv_holder *holder = largest_holder(reaper, SRV_HELD_CONNECTIONS);
+	struct srv_lease *first = NULL;
+	if (!holder || holder->held[SRV_HELD_CONNECTIONS] < least)
+		return NULL;
+	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next)
+		if (!lease->is_shut && lease->holder == holder && goes_before(lease, first))
+			first = lease;
+	return first;
+}
+
+/* Who gives way to one more connection of a holder that has `same`; NULL: nobody. */
+static struct srv_lease *who_gives_way(struct srv_reaper *reaper, const struct srv_holder *newcomer)
+{
+	uint64_t same = newcomer->held[SRV_HELD_CONNECTIONS];
+	bool is_near = !newcomer->is_proxy && srv_address_is_loopback(&newcomer->address);
+	struct srv_lease *way = longest_idle(reaper, NULL, srv_clock_us() - IDLE_US);
+	way = way ? way : of_largest(reaper, same + (is_near ? 1 : 2));
+	way = way ? way : longest_idle(reaper, newcomer, UINT64_MAX);
+	return way || same ? way : longest_idle(reaper, NULL, UINT64_MAX);
 }
 
 /* NULL, or why not. */
-static const char *make_way(struct srv_reaper *reaper, const struct srv_address *address, bool is_proxy)
+static const char *make_way(struct srv_reaper *reaper, const struct srv_holder *newcomer)
 {
-	struct census census = count(reaper, address);
-	bool same_full = !is_proxy && census.same >= reaper->limits.per_address;
-	if (!same_full && census.all < reaper->limits.connections)
+	uint64_t same = newcomer->held[SRV_HELD_CONNECTIONS], all = reaper->held[SRV_HELD_CONNECTIONS];
+	bool same_full = !newcomer->is_proxy && same >= reaper->limits.per_address;
+	if (!same_full && all < reaper->limits.held[SRV_HELD_CONNECTIONS] + (same ? 0 : RESERVED))
 		return NULL;
-	struct srv_lease *way = same_full ? census.same_idle : census.idle;
+	struct srv_lease *way = same_full ? longest_idle(reaper, newcomer, UINT64_MAX)
+		: who_gives_way(reaper, newcomer);
 	if (way)
-		shut(way, "gives way to a new one");
+		shut(reaper, way, "gives way to a new one");
 	return way ? NULL : same_full ? "there are too many connections from this address; close some, or "
 		"use them for more than one request" : "there are too many connections; ask again in a "
 		"second";
+}
+
+/* The request of the holder that has most bytes, if they are more than the other's would be, gives way. */
+static struct srv_lease *heaviest(struct srv_reaper *reaper, enum srv_held what, uint64_t others)
+{
+	struct srv_lease *heaviest = NULL;
+	const struct srv_holder *holder = largest_holder(reaper, what);
+	if (!holder || holder->held[what] <= others)
+		return NULL;
+	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next)
+		if (lease->payer == holder && lease->held[what] > (heaviest ? heaviest->held[what] : 0))
+			heaviest = lease;
+	return heaviest;
+}
+
+static bool free_bytes(struct srv_reaper *reaper, const struct srv_lease *lease, enum srv_held what,
+	uint64_t more)
+{
+	uint64_t most = reaper->limits.held[what];
+	while (more > most || reaper->held[what] > most - more) {
+		struct srv_lease *way = heaviest(reaper, what, lease->payer->held[what] + more);
+		if (!way)
+			return false;
+		shut(reaper, way, what == SRV_HELD_BODIES ? "gives way with its body" : "gives way with its answer");
+	}
+	return true;
 }
 
 static struct srv_lease *find(struct srv_reaper *reaper, int fd)
@@ -263,18 +389,20 @@ static void forget_stale(struct srv_reaper *reaper, int fd)
 	struct srv_lease *stale = find(reaper, fd);
 	if (!stale)
 		return;
-	unlink_lease(stale);
+	unlink_lease(reaper, stale);
 	free(stale);
 }
 
 static const char *enter(struct srv_reaper *reaper, struct srv_lease *lease)
 {
-	forget_stale(reaper, lease->fd);
-	const char *why = make_way(reaper, &lease->address, lease->is_proxy);
+	const char *why = make_way(reaper, lease->holder);
 	if (why)
 		return why;
 	if (!srv_gate_open(&lease->gate, lease->fd))
 		return "there are too many descriptors; ask again in a second";
+	lease->payer = lease->holder;
+	lease->payer->users++;
+	set_held(reaper, lease, SRV_HELD_CONNECTIONS, 1);
 	lease->next = &reaper->leases;
 	lease->before = reaper->leases.before;
 	lease->before->next = lease->next->before = lease;
@@ -289,11 +417,17 @@ struct srv_lease *srv_reaper_open(struct srv_reaper *reaper, int fd, const struc
 	*why = "there is no memory; ask again in a second";
 	if (!lease)
 		return NULL;
-	*lease = (struct srv_lease){ .fd = fd, .address = *address, .idle_us = now,
-		.due_us = now + reaper->limits.head_ms * 1000,
-		.is_proxy = srv_networks_contain(reaper->limits.trusted, address) };
+	*lease = (struct srv_lease){ .fd = fd, .address = *address, .since_us = now,
+		.due_us = now + reaper->limits.head_ms * 1000 };
 	pthread_mutex_lock(&reaper->mutex);
-	*why = enter(reaper, lease);
+	forget_stale(reaper, fd);
+	lease->holder = use_holder(reaper, address);
+	if (lease->holder) {
+		lease->is_proxy = lease->holder->is_proxy;
+		*why = enter(reaper, lease);
+		if (*why)
+			leave_holder(reaper, lease->holder);
+	}
 	pthread_mutex_unlock(&reaper->mutex);
 	if (!*why)
 		return lease;
@@ -312,57 +446,83 @@ struct srv_lease *srv_reaper_find(struct srv_reaper *reaper, int fd)
 void srv_reaper_make_room(struct srv_reaper *reaper)
 {
 	pthread_mutex_lock(&reaper->mutex);
-	struct census census = count(reaper, NULL);
-	if (census.idle)
-		shut(census.idle, "gives its descriptor back");
+	struct srv_lease *way = longest_idle(reaper, NULL, UINT64_MAX);
+	way = way ? way : of_largest(reaper, 2);
+	if (way)
+		shut(reaper, way, "gives its descriptor back");
 	pthread_mutex_unlock(&reaper->mutex);
 }
 
-uint64_t srv_reaper_connections(struct srv_reaper *reaper)
+uint64_t srv_reaper_held(struct srv_reaper *reaper, enum srv_held what)
 {
 	pthread_mutex_lock(&reaper->mutex);
-	uint64_t all = count(reaper, NULL).all;
+	uint64_t held = reaper->held[what];
 	pthread_mutex_unlock(&reaper->mutex);
-	return all;
+	return held;
+}
+
+void srv_reaper_speak_for(struct srv_reaper *reaper, struct srv_lease *lease, const struct srv_address *client)
+{
+	pthread_mutex_lock(&reaper->mutex);
+	struct srv_holder *payer = use_holder(reaper, client);
+	if (payer) {
+		leave_holder(reaper, lease->payer);
+		lease->payer = payer;
+	}
+	pthread_mutex_unlock(&reaper->mutex);
+}
+
+bool srv_reaper_hold(struct srv_reaper *reaper, struct srv_lease *lease, enum srv_held what, uint64_t bytes)
+{
+	pthread_mutex_lock(&reaper->mutex);
+	bool held = bytes <= lease->held[what] || (!lease->is_shut
+		&& free_bytes(reaper, lease, what, bytes - lease->held[what]));
+	if (held && !lease->is_shut)
+		set_held(reaper, lease, what, bytes);
+	pthread_mutex_unlock(&reaper->mutex);
+	return held;
 }
 
 /* ---- Deadlines ---- */
 
-static void set_due(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t due_us, uint64_t idle_us)
+/* Under the mutex; 0: without a deadline. */
+static void set_wait(struct srv_lease *lease, enum srv_wait wait, uint64_t after_ms)
 {
-	if (!lease)
-		return;
-	pthread_mutex_lock(&reaper->mutex);
-	lease->due_us = lease->is_shut ? 0 : due_us;
-	lease->idle_us = idle_us;
-	lease->is_sending = false;
-	pthread_mutex_unlock(&reaper->mutex);
+	uint64_t now = srv_clock_us();
+	lease->due_us = lease->is_shut || !after_ms ? 0 : now + after_ms * 1000;
+	lease->wait = wait;
+	lease->since_us = now;
 }
 
 void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t after_ms)
 {
-	set_due(reaper, lease, srv_clock_us() + after_ms * 1000, 0);
+	pthread_mutex_lock(&reaper->mutex);
+	set_wait(lease, SRV_WAIT_BODY, after_ms);
+	pthread_mutex_unlock(&reaper->mutex);
 }
 
 void srv_reaper_send(struct srv_reaper *reaper, struct srv_lease *lease)
 {
 	pthread_mutex_lock(&reaper->mutex);
-	lease->due_us = lease->is_shut ? 0 : srv_clock_us() + reaper->limits.send_ms * 1000;
-	lease->idle_us = 0;
-	lease->is_sending = true;
+	set_wait(lease, SRV_WAIT_SENDING, reaper->limits.send_ms);
 	lease->taken_bytes = NOT_TAKEN;
 	pthread_mutex_unlock(&reaper->mutex);
 }
 
 void srv_reaper_clear(struct srv_reaper *reaper, struct srv_lease *lease)
 {
-	set_due(reaper, lease, 0, 0);
+	pthread_mutex_lock(&reaper->mutex);
+	set_wait(lease, SRV_WAIT_WORK, 0);
+	pthread_mutex_unlock(&reaper->mutex);
 }
 
 void srv_reaper_await(struct srv_reaper *reaper, struct srv_lease *lease)
 {
-	uint64_t now = srv_clock_us();
-	set_due(reaper, lease, now + reaper->limits.head_ms * 1000, now);
+	pthread_mutex_lock(&reaper->mutex);
+	set_wait(lease, SRV_WAIT_REQUEST, reaper->limits.head_ms);
+	set_held(reaper, lease, SRV_HELD_BODIES, 0);
+	set_held(reaper, lease, SRV_HELD_ANSWERS, 0);
+	pthread_mutex_unlock(&reaper->mutex);
 }
 
 void srv_reaper_watch(struct srv_reaper *reaper, struct srv_lease *lease, atomic_bool *gone)
@@ -383,9 +543,8 @@ static bool linger(struct srv_lease *lease)
 	shutdown(fd, SHUT_WR);
 	lease->lingers = true;
 	lease->fd = fd;
-	lease->idle_us = srv_clock_us();
-	lease->due_us = lease->idle_us + LINGER_MS * 1000;
-	lease->quiet_us = lease->idle_us + LINGER_QUIET_MS * 1000;
+	set_wait(lease, SRV_WAIT_REQUEST, LINGER_MS);
+	lease->quiet_us = lease->since_us + LINGER_QUIET_MS * 1000;
 	return true;
 }
 
@@ -397,7 +556,7 @@ void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease)
 	pthread_mutex_lock(&reaper->mutex);
 	bool lingers = linger(lease);
 	if (!lingers)
-		unlink_lease(lease);
+		unlink_lease(reaper, lease);
 	pthread_mutex_unlock(&reaper->mutex);
 	if (!lingers)
 		free(lease);

@@ -5,10 +5,17 @@
  * client has acknowledged. While the server itself works there is no deadline. A thread shuts overdue
  * sockets down; the library then closes them.
  *
- * It also decides who may come in: so many connections in all, and so many of one address (address.h). Where
- * it is full, the connection that has waited the longest for its client to send a request gives way, of the
- * same address where that is what is full; if none waits, the new one is refused. A trusted proxy has no
- * limit of its own.
+ * It also counts what each address holds of what there is for all: connections, bytes of request bodies and of
+ * answers. So many connections may come in of one address, and so many in all; a few more places than that are
+ * for addresses that hold none. Where it is full
+ *   - a connection that has waited for a request for a second gives way, the one that has waited the longest,
+ *     of the same address where that is what is full;
+ *   - else the address that holds most gives way, if it holds more than the newcomer does then: with the
+ *     connection that waits for a request, that sends a body, that takes an answer, or whose plan is made, in
+ *     this order, and the oldest of them;
+ *   - else the newcomer is refused. A loopback address that is no proxy's is taken where an equal gives way.
+ * Bytes are shared out in the same way. A trusted proxy has no limit of its own and gives way to nobody, but
+ * with connections that wait for a request.
  *
  * A request that is refused before all of it is here leaves bytes unread, and more may come: a socket that is
  * closed so makes the system send a reset, by which the client may lose the answer. So what still comes is
@@ -29,6 +36,11 @@
 
 struct srv_reaper;
 struct srv_exchange;
+struct srv_holder;
+
+enum srv_held { SRV_HELD_CONNECTIONS, SRV_HELD_BODIES, SRV_HELD_ANSWERS, SRV_HELD_COUNT };
+/* What a connection is at, in the order in which they give way. */
+enum srv_wait { SRV_WAIT_REQUEST, SRV_WAIT_BODY, SRV_WAIT_SENDING, SRV_WAIT_WORK };
 
 struct srv_lease {
 	/* the request that is under way, or NULL; the polling thread's. The library forgets to complete some
@@ -41,17 +53,21 @@ struct srv_lease {
 	bool is_proxy, is_shut;
 	int fd;
 	uint64_t due_us;                                 /* 0: no deadline */
-	uint64_t idle_us;                                /* since when a request is waited for; 0: none is */
+	enum srv_wait wait;
+	uint64_t since_us;                               /* since when it is at that */
+	/* the peer; who is asking, behind a proxy; and what it holds, bytes by `payer` */
+	struct srv_holder *holder, *payer;
+	uint64_t held[SRV_HELD_COUNT];
 	atomic_bool *gone;                               /* to be set; NULL: nobody cares */
 	uint64_t probe_us;                               /* when to find out again whether anyone reads */
-	bool is_sending;
 	uint64_t taken_bytes;                            /* acknowledged since it began, before the window */
 	bool lingers;                                    /* fd is the reaper's own; what comes is dropped, ... */
 	uint64_t dropped_bytes, quiet_us;                /* ... so much until now, and no longer than that */
 };
 
 struct srv_reaper_limits {
-	uint64_t connections, per_address, head_ms, send_ms, rate_bytes_s;
+	uint64_t held[SRV_HELD_COUNT];                   /* of all */
+	uint64_t per_address, head_ms, send_ms, rate_bytes_s;
 	const struct srv_networks *trusted;              /* proxies */
 };
 enum eco_code srv_reaper_start(struct srv_reaper **reaper, const struct srv_reaper_limits *limits,
@@ -65,12 +81,18 @@ struct srv_lease *srv_reaper_open(struct srv_reaper *reaper, int fd, const struc
 	const char **why);
 /* That of an open descriptor, or NULL. */
 struct srv_lease *srv_reaper_find(struct srv_reaper *reaper, int fd);
-/* Shuts the connection that has waited the longest for a request, if there is one. */
+/* Shuts the connection that has waited the longest for a request, else one of the address that holds most, if
+ * that holds two. */
 void srv_reaper_make_room(struct srv_reaper *reaper);
-uint64_t srv_reaper_connections(struct srv_reaper *reaper);      /* that are not shut */
-/* The next request is waited for, for head_ms. */
+uint64_t srv_reaper_held(struct srv_reaper *reaper, enum srv_held what);  /* of connections that are not shut */
+/* The lease's request is the client's, not the peer's; without memory it stays the peer's. It holds no bytes yet. */
+void srv_reaper_speak_for(struct srv_reaper *reaper, struct srv_lease *lease, const struct srv_address *client);
+/* The lease's request holds so many bytes from now on, until the next one is waited for. False where there is no
+ * room for them, which is never so where they are fewer than before. */
+bool srv_reaper_hold(struct srv_reaper *reaper, struct srv_lease *lease, enum srv_held what, uint64_t bytes);
+/* The next request is waited for, for head_ms. What the one before held is given back. */
 void srv_reaper_await(struct srv_reaper *reaper, struct srv_lease *lease);
-/* NULL lease: nothing */
+/* NULL lease: nothing. A body is received, for so long at most. */
 void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t after_ms);
 /* A response is sent. The first window only finds out how much had been taken before. */
 void srv_reaper_send(struct srv_reaper *reaper, struct srv_lease *lease);

@@ -1,12 +1,13 @@
-/* What random requests cost: the processor time of the plan of each, on one thread, and the work that it
+/* What random requests cost: the processor time of the answer to each, on one thread, and the work that it
  * counts. A request's cost is bounded where the worst of many is a small multiple of the median.
  *
- *   costs [--each] [--deussen] [--seed S] [--from NUMBER] [--times N] [--runs N] COUNT PACK...
+ *   costs [--each] [--deussen | --all] [--seed S] [--from NUMBER] [--times N] [--runs N] COUNT PACK...
  *
  * COUNT requests a pack. --times: one may take so much of the work that an ordinary one of the scene does
- * (server/typical.h); else any. --runs: each is planned so often, and the least time counts, as a busy machine
- * adds to some. --deussen: by that rule. Prints a line a pack; with --each one a request before it, for sort,
- * with a hash of its plans: two builds that plan the same print the same. */
+ * (server/typical.h); else any. --runs: each is answered so often, and the least time counts, as a busy machine
+ * adds to some. --deussen: plans by that rule. --all: answers by either rule, as a stream or as JSON that may
+ * explain itself, with a next view or without, as a server writes them. Prints a line a pack; with --each one a
+ * request before it, for sort, with a hash of its plans: two builds that plan the same print the same. */
 #include <getopt.h>
 #include <math.h>
 #include <stdio.h>
@@ -16,14 +17,22 @@
 
 #include <xxhash.h>
 
+#include "ecofiles/base/mix.h"
 #include "ecofiles/format/wire.h"
+#include "server/describe.h"
 #include "server/typical.h"
 #include "tests/support/serve/random_request.h"
 
 #define SOMETHING 1000u                  /* vertices: half of all random requests see less */
 
-struct run { uint64_t seed, from, count, times, runs; lod_rule *rule; bool each; };
-struct cost { uint64_t number; double ms, q; uint64_t work, vertices, hash; uint32_t steps; };
+#define ALL_SEED 0x5bd1e995u             /* of the parameters that --all adds */
+
+enum form { PLAN_ALONE, STREAM, JSON, JSON_EXPLAINED };
+static const char *const form_names[] = { "plan", "stream", "json", "explained" };
+
+struct run { uint64_t seed, from, count, times, runs; lod_rule *rule; bool each, all; };
+struct cost { uint64_t number; double ms, q; uint64_t work, vertices, hash, bytes; uint32_t steps; };
+struct question { struct eco_request request; lod_rule *rule; enum form form; };
 
 static double processor_ms(void)
 {
@@ -48,50 +57,114 @@ static uint64_t hash_of_plans(const struct srv_stream *stream)
 	return hash;
 }
 
-static void print_request(const struct eco_request *request, const struct cost *cost,
+static void print_request(const struct question *question, const struct cost *cost,
 	const struct srv_stream *stream)
 {
+	const struct eco_request *request = &question->request;
 	printf("%10.3f ms %9llu work %llu  %ux%u vertices=%llu bytes=%lld: %llu vertices, %u steps, "
-		"plans %016llx\n", cost->ms, (unsigned long long)cost->work, (unsigned long long)cost->number,
-		request->view.width, request->view.height, (unsigned long long)request->vertices,
+		"plans %016llx, %s%s%s, %llu bytes\n", cost->ms, (unsigned long long)cost->work,
+		(unsigned long long)cost->number, request->view.width, request->view.height,
+		(unsigned long long)request->vertices,
 		request->bytes == ECO_BYTES_UNBOUNDED ? -1 : (long long)request->bytes,
-		(unsigned long long)cost->vertices, stream->step_count, (unsigned long long)cost->hash);
+		(unsigned long long)cost->vertices, stream->step_count, (unsigned long long)cost->hash,
+		form_names[question->form], question->rule ? ", deussen" : "",
+		request->next.given ? ", ahead" : "", (unsigned long long)cost->bytes);
 }
 
-static void plan_once(struct srv_stream *stream, const struct srv_stream_input *input, struct cost *cost)
+static enum eco_code answer_json(struct srv_stream *stream, bool explain, struct cost *cost,
+	struct eco_error *error)
+{
+	struct srv_json json = { 0 };
+	struct lod_explanation why = { 0 };
+	enum eco_code code = explain ? srv_stream_explain(stream, &why, error) : ECO_OK;
+	if (!code)
+		srv_describe_plan(&json, stream, explain ? &why : NULL);
+	cost->bytes = json.out.size;
+	eco_writer_free(&json.out);
+	lod_explanation_free(&why);
+	return code;
+}
+
+static enum eco_code answer(struct srv_stream *stream, enum form form, struct cost *cost, struct eco_error *error)
+{
+	struct srv_body body;
+	if (form == JSON || form == JSON_EXPLAINED)
+		return answer_json(stream, form == JSON_EXPLAINED, cost, error);
+	if (form == PLAN_ALONE || !stream->fits)
+		return ECO_OK;
+	enum eco_code code = srv_stream_write(stream, &body, error);
+	cost->bytes = code ? 0 : body.size_bytes;
+	if (!code)
+		srv_body_free(&body);
+	return code;
+}
+
+/* An answer that is refused for its size costs what it takes to find that out. */
+static void answer_once(struct srv_stream *stream, const struct srv_stream_input *input, enum form form,
+	struct cost *cost)
 {
 	struct eco_error error = { 0 };
 	double begun = processor_ms();
 	if (srv_stream_plan(stream, input, &error))
 		random_stop("planning", &error);
+	enum eco_code code = answer(stream, form, cost, &error);
+	if (code && code != ECO_TOO_LARGE)
+		random_stop("answering", &error);
 	double ms = processor_ms() - begun;
 	cost->ms = cost->ms > 0 && cost->ms < ms ? cost->ms : ms;
+}
+
+/* A rule, a form and a next view, by the request's number. */
+static void add_parameters(struct question *question, const struct eco_scene *scene, uint64_t seed,
+	uint64_t number)
+{
+	uint64_t dice = eco_mix(seed ^ ALL_SEED, number);
+	struct eco_view next = question->request.view;
+	struct eco_request other;
+	question->rule = dice % 2 ? lod_rule_deussen : NULL;
+	question->form = STREAM + dice / 2 % 3;
+	if (dice / 8 % 4 != 0)
+		return;
+	if (dice / 32 % 2) {
+		for (int i = 0; i < 3; i++)
+			next.eye[i] += 0.1 * (next.target[i] - next.eye[i]);
+	} else if (random_request(&other, scene, seed ^ ALL_SEED, number)) {
+		memcpy(next.eye, other.view.eye, sizeof next.eye);
+		memcpy(next.target, other.view.target, sizeof next.target);
+	}
+	if (eco_view_check(&next, NULL))
+		return;
+	question->request.next.given = true;
+	memcpy(question->request.next.eye, next.eye, sizeof next.eye);
+	memcpy(question->request.next.target, next.target, sizeof next.target);
 }
 
 /* False where the request layer refuses the view. */
 static bool one_request(const struct srv_scene *scene, uint64_t number, uint64_t work_max,
 	const struct run *run, struct cost *cost)
 {
-	struct eco_request request;
+	struct question question = { .rule = run->rule, .form = PLAN_ALONE };
 	struct srv_stream stream;
-	if (!random_request(&request, &scene->pack->scene, run->seed, number))
+	if (!random_request(&question.request, &scene->pack->scene, run->seed, number))
 		return false;
-	const struct srv_stream_input input = { .scene = scene, .request = &request, .rule = run->rule,
-		.work_max = work_max };
+	if (run->all)
+		add_parameters(&question, &scene->pack->scene, run->seed, number);
+	const struct srv_stream_input input = { .scene = scene, .request = &question.request,
+		.rule = question.rule, .work_max = work_max };
 	*cost = (struct cost){ .number = number };
 	for (uint64_t i = 1; i < run->runs; i++) {
-		plan_once(&stream, &input, cost);
+		answer_once(&stream, &input, question.form, cost);
 		srv_stream_free(&stream);
 	}
-	plan_once(&stream, &input, cost);
-	const struct srv_step *answer = &stream.steps[stream.step_count - 1];
+	answer_once(&stream, &input, question.form, cost);
+	const struct srv_step *last = &stream.steps[stream.step_count - 1];
 	cost->work = stream.work;
-	cost->q = eco_predicted_q(&answer->plan.prediction);
-	cost->vertices = answer->plan.vertices;
+	cost->q = eco_predicted_q(&last->plan.prediction);
+	cost->vertices = last->plan.vertices;
 	cost->steps = stream.step_count;
 	cost->hash = run->each ? hash_of_plans(&stream) : 0;
 	if (run->each)
-		print_request(&request, cost, &stream);
+		print_request(&question, cost, &stream);
 	srv_stream_free(&stream);
 	return true;
 }
@@ -120,7 +193,7 @@ static void print_costs(const char *path, struct cost *costs, uint64_t count)
 	const struct cost *worst = &costs[count - 1];
 	uint64_t drawing;
 	double median = costs[count / 2].ms, busy = median_ms(costs, count, SOMETHING, &drawing);
-	printf("%s: %llu requests; plan CPU median %.3f ms, p90 %.3f, p99 %.3f, worst %.3f (request %llu), "
+	printf("%s: %llu requests; CPU median %.3f ms, p90 %.3f, p99 %.3f, worst %.3f (request %llu), "
 		"%.1f x the median; mean Q predicted %.4f, in %.2f steps; %llu "
 		"draw %u vertices or more, their median %.3f ms, the worst %.1f times that\n", slash ? slash + 1 : path,
 		(unsigned long long)count, median, costs[count * 9 / 10].ms, costs[count * 99 / 100].ms,
@@ -148,7 +221,7 @@ static void run_pack(const char *path, const struct run *run)
 
 int main(int argc, char **argv)
 {
-	static const struct option options[] = { { "each", no_argument, NULL, 'e' },
+	static const struct option options[] = { { "each", no_argument, NULL, 'e' }, { "all", no_argument, NULL, 'a' },
 		{ "deussen", no_argument, NULL, 'd' }, { "seed", required_argument, NULL, 's' },
 		{ "from", required_argument, NULL, 'f' }, { "times", required_argument, NULL, 't' },
 		{ "runs", required_argument, NULL, 'r' },
@@ -159,6 +232,7 @@ int main(int argc, char **argv)
 		uint64_t value = optarg ? strtoull(optarg, NULL, 10) : 0;
 		usable = usable && c != '?';
 		run.each = run.each || c == 'e';
+		run.all = run.all || c == 'a';
 		run.rule = c == 'd' ? lod_rule_deussen : run.rule;
 		run.seed = c == 's' ? value : run.seed;
 		run.from = c == 'f' ? value : run.from;
@@ -167,7 +241,7 @@ int main(int argc, char **argv)
 	}
 	run.count = argc - optind >= 2 ? strtoull(argv[optind], NULL, 10) : 0;
 	if (!usable || !run.count) {
-		fputs("usage: costs [--each] [--deussen] [--seed S] [--from NUMBER] [--times N] "
+		fputs("usage: costs [--each] [--deussen | --all] [--seed S] [--from NUMBER] [--times N] "
 			"[--runs N] COUNT PACK...\n", stderr);
 		return 2;
 	}

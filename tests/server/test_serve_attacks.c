@@ -1,4 +1,5 @@
-/* Attacks by one anonymous client that cost it little: none may cost the daemon much. */
+/* Attacks by anonymous clients, of one address or several, that cost them little: none may cost the daemon or
+ * others much. */
 #include "tests/support/serve/serve_daemon.h"
 
 #include <malloc.h>
@@ -157,6 +158,105 @@ UNIT_TEST(a_trusted_proxy_has_no_share_of_its_own)
 	assert_served(daemon);
 	assert_in_range(srv_daemon_counts(daemon).connections, 29, 30);
 	close_all(fds, 40);
+	srv_daemon_stop(daemon);
+}
+
+/* ---- Several addresses ---- */
+
+enum { PLACES = 40, PLACES_EACH = 30, CROWD_MAX = 120, HONEST = 1000 };
+static const char dripping[] = STREAM "Content-Length: 100\r\n\r\nab";
+
+/* Connections of address HONEST + 1 and on, `each` one after the other, that send a part of a body. */
+static void crowd(const struct srv_daemon *daemon, int addresses, int each, int *fds)
+{
+	assert_in_range(addresses * each, 1, CROWD_MAX);
+	for (int i = 0; i < addresses * each; i++) {
+		http_come_from((uint32_t)(HONEST + 1 + i / each));
+		fds[i] = http_connect(srv_daemon_port(daemon));
+		assert_true(http_send(fds[i], dripping, sizeof dripping - 1));
+		usleep(2000);
+	}
+	http_come_from(0);
+}
+
+static void assert_answered(const struct srv_daemon *daemon, uint32_t source, const char *target)
+{
+	http_come_from(source);
+	struct http_answer answer = http_get(srv_daemon_port(daemon), target);
+	http_come_from(0);
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+}
+
+/* Whatever few or many addresses hold: others come in, and what they have begun is theirs to end. */
+UNIT_TEST(crowds_of_addresses_lock_nobody_out)
+{
+	static const struct { int addresses, each; } rows[] = { { 2, 30 }, { 3, 20 }, { 8, 8 }, { 20, 4 }, { 40, 3 } };
+	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_max = PLACES,
+		.connections_per_address = PLACES_EACH };
+	char rest[98] = { 0 };
+	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
+		struct srv_daemon *daemon = start(&config);
+		int fds[CROWD_MAX];
+		http_come_from(HONEST);
+		int honest = http_connect(srv_daemon_port(daemon));
+		assert_true(http_send(honest, dripping, sizeof dripping - 1));
+		usleep(20000);
+		crowd(daemon, rows[r].addresses, rows[r].each, fds);
+		assert_answered(daemon, 0, "/healthz");
+		for (uint32_t i = 1; i < 20; i++)
+			assert_answered(daemon, HONEST - i, i % 2 ? "/healthz" : BASE "/stream?" VIEW_BY("1000"));
+		assert_in_range(srv_daemon_counts(daemon).connections, PLACES - 10, PLACES + 16);
+		assert_true(http_send(honest, rest, sizeof rest));
+		struct http_answer answer = http_receive(honest, false, false);
+		assert_int_equal(answer.status, 400);    /* read, and found to be no holdings */
+		http_free(&answer);
+		close(honest);
+		close_all(fds, rows[r].addresses * rows[r].each);
+		srv_daemon_stop(daemon);
+	}
+}
+
+/* Where each address holds one, and none waits, a newcomer has no better claim; but who watches the server from
+ * its own machine is answered. */
+UNIT_TEST(the_own_machine_is_answered_when_all_is_taken)
+{
+	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_max = PLACES };
+	struct srv_daemon *daemon = start(&config);
+	int fds[CROWD_MAX];
+	crowd(daemon, PLACES + 16, 1, fds);
+	for (int i = 0; i < 3; i++)
+		assert_answered(daemon, 0, "/healthz");
+	close_all(fds, PLACES + 16);
+	srv_daemon_stop(daemon);
+}
+
+/* The address whose bodies take most gives way, and not the one that needs a little. */
+UNIT_TEST(bodies_of_few_addresses_lock_nobody_out)
+{
+	enum { BODY = 200000, LATER = 100 };
+	static const char head[] = STREAM "Content-Length: 200100\r\n\r\n";
+	const struct srv_config config = { .listen = "127.0.0.1:0", .bodies_max = 1u << 20 };
+	struct srv_daemon *daemon = start(&config);
+	uint8_t *zeros = calloc(1, BODY + LATER);
+	int fds[12];
+	for (int i = 0; i < 12; i++) {           /* of three addresses, twice as much as there is room for */
+		http_come_from((uint32_t)(HONEST + 1 + i % 3));
+		fds[i] = http_connect(srv_daemon_port(daemon));
+		assert_true(http_send(fds[i], head, sizeof head - 1));
+		assert_true(http_send(fds[i], zeros, BODY));
+		usleep(20000);
+	}
+	for (uint32_t i = 0; i < 5; i++) {
+		http_come_from(HONEST - i);
+		struct http_answer answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"),
+			OCTETS, zeros, BODY / 2);
+		assert_int_equal(answer.status, 400);
+		http_free(&answer);
+	}
+	http_come_from(0);
+	close_all(fds, 12);
+	free(zeros);
 	srv_daemon_stop(daemon);
 }
 
