@@ -66,10 +66,13 @@ static void answer_empty(struct srv_answer *answer, unsigned status)
 		.response = MHD_create_response_from_buffer(0, (void *)"", MHD_RESPMEM_PERSISTENT) };
 }
 
-/* Takes json->out. */
+/* Takes json->out, without what its buffer has left. */
 static void answer_text(struct srv_answer *answer, unsigned status, struct srv_json *json, const char *type)
 {
-	*answer = (struct srv_answer){ .status = status, .size_bytes = json->out.size };
+	uint8_t *bytes = realloc(json->out.bytes, json->out.size + 1);
+	json->out.bytes = bytes ? bytes : json->out.bytes;
+	*answer = (struct srv_answer){ .status = status, .size_bytes = json->out.size,
+		.memory_bytes = status == MHD_HTTP_OK ? json->out.size : 0 };
 	if (!json->out.failed)
 		answer->response = MHD_create_response_from_buffer(json->out.size, json->out.bytes,
 			MHD_RESPMEM_MUST_FREE);
@@ -247,7 +250,8 @@ static ssize_t read_body(void *ctx, uint64_t position, char *block, size_t room)
 void srv_answer_stream(struct srv_answer *answer, struct srv_body *body,
 	const struct srv_validators *validators, const char *timing)
 {
-	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = body->size_bytes };
+	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = body->size_bytes,
+		.memory_bytes = body->frames.capacity + body->piece_count * sizeof *body->pieces + BLOCK_BYTES };
 	struct body_reader *reader = malloc(sizeof *reader);
 	if (reader) {
 		*reader = (struct body_reader){ .body = *body };
@@ -273,7 +277,8 @@ static void release_kept(void *body)
 void srv_answer_kept(struct srv_answer *answer, struct srv_kept_body *body, const char *type,
 	const struct srv_validators *validators, const char *timing)
 {
-	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = body->size };
+	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = body->size,
+		.memory_bytes = body->size };
 	answer->response = MHD_create_response_from_buffer_with_free_callback_cls(body->size, body->bytes,
 		release_kept, body);
 	if (answer->response)

@@ -19,6 +19,7 @@ struct srv_answer {
 	struct MHD_Response *response;
 	unsigned status;
 	uint64_t size_bytes;             /* of the body that a GET gets */
+	uint64_t memory_bytes;           /* that it takes until it is sent; 0: next to none of its own */
 	bool shared;                     /* the response is not ours to destroy */
 };
 

@@ -137,6 +137,7 @@ static void fill_defaults(struct srv_config *config)
 	DEFAULT(body_max, 4u << 20);
 	DEFAULT(bodies_max, 256u << 20);
 	DEFAULT(response_max, 1ull << 31);
+	DEFAULT(answers_max, 256u << 20);
 	DEFAULT(plan_cache_bytes, 64u << 20);
 	DEFAULT(plan_times, 5);
 	DEFAULT(keep_s, 600);
@@ -188,7 +189,7 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 			&(struct srv_reaper_limits){
 				.held[SRV_HELD_CONNECTIONS] = daemon->host.config.connections_max,
 				.held[SRV_HELD_BODIES] = daemon->host.config.bodies_max,
-				.held[SRV_HELD_ANSWERS] = UINT64_MAX,
+				.held[SRV_HELD_ANSWERS] = daemon->host.config.answers_max,
 				.per_address = daemon->host.config.connections_per_address,
 				.head_ms = daemon->host.config.head_ms,
 				.send_ms = daemon->host.config.send_ms,
@@ -316,6 +317,7 @@ struct srv_gauges srv_host_gauges(struct srv_host *host)
 		.retired = edition->retired_count,
 		.bad_packs = atomic_load(&host->bad_packs),
 		.bodies_bytes = srv_reaper_held(host->reaper, SRV_HELD_BODIES),
+		.answers_bytes = srv_reaper_held(host->reaper, SRV_HELD_ANSWERS),
 		.kept_bytes = srv_plan_cache_bytes(host->plans),
 		.accept_failures = srv_listener_failures(host->listener),
 		.refused_heads = srv_gate_refused(),

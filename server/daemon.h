@@ -47,6 +47,7 @@ struct srv_config {              /* 0 is the default */
 	uint64_t body_max;           /* of requests: 4 MiB */
 	uint64_t bodies_max;         /* arrived, of all requests that are received or planned: 256 MiB */
 	uint64_t response_max;       /* 2 GiB */
+	uint64_t answers_max;        /* memory of all answers that are being sent: 256 MiB */
 	uint64_t plan_cache_bytes;   /* of answers that are kept for who asks again: 64 MiB */
 	uint64_t tiles_max, placements_max;  /* of a plan's walk; lod/plan/planner.h's defaults */
 	uint64_t plan_times;         /* work of a plan, over an ordinary one of its scene (typical.h): 5 */

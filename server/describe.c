@@ -277,7 +277,7 @@ static void describe_who(struct srv_json *json, const struct eco_scene *scene, c
 static void describe_cuts(struct srv_json *json, const struct eco_scene *scene, const struct eco_plan *plan)
 {
 	srv_json_key_open(json, "cuts", '[');
-	for (uint32_t i = 0; i < plan->cut_count; i++) {
+	for (uint32_t i = 0; i < plan->cut_count && !json->out.failed; i++) {
 		const struct eco_cut *cut = &plan->cuts[i];
 		uint8_t kind = scene->lists[cut->list].kind;
 		srv_json_open(json, '{');
@@ -299,7 +299,7 @@ static void describe_cuts(struct srv_json *json, const struct eco_scene *scene, 
 static void describe_placements(struct srv_json *json, const struct eco_plan *plan)
 {
 	srv_json_key_open(json, "placements", '[');
-	for (uint32_t i = 0; i < plan->placement_count; i++) {
+	for (uint32_t i = 0; i < plan->placement_count && !json->out.failed; i++) {
 		srv_json_open(json, '{');
 		srv_json_key(json, "at");
 		srv_json_point(json, plan->placements[i].at);
@@ -314,7 +314,7 @@ static void describe_placements(struct srv_json *json, const struct eco_plan *pl
 static void describe_runs(struct srv_json *json, const struct eco_plan *plan)
 {
 	srv_json_key_open(json, "runs", '[');
-	for (uint32_t i = 0; i < plan->run_count; i++) {
+	for (uint32_t i = 0; i < plan->run_count && !json->out.failed; i++) {
 		srv_json_open(json, '{');
 		srv_json_key_count(json, "placement", plan->runs[i].placement);
 		srv_json_key_count(json, "list_first", plan->runs[i].list_first);
@@ -328,7 +328,7 @@ static void describe_runs(struct srv_json *json, const struct eco_plan *plan)
 static void describe_gates(struct srv_json *json, const struct eco_scene *scene, const struct eco_plan *plan)
 {
 	srv_json_key_open(json, "gates", '[');
-	for (uint32_t i = 0; i < plan->gate_count; i++) {
+	for (uint32_t i = 0; i < plan->gate_count && !json->out.failed; i++) {
 		uint32_t plant = plan->gates[i].plant;
 		srv_json_open(json, '{');
 		srv_json_key_text(json, "plant", plant < scene->plant_count ? scene->plants[plant].name
@@ -376,7 +376,7 @@ static void describe_explanation(struct srv_json *json, const struct eco_scene *
 	srv_json_key_number(json, "lambda", why->lambda);
 	srv_json_key_count(json, "omitted", why->omitted);
 	srv_json_key_open(json, "rows", '[');
-	for (uint32_t i = 0; i < why->count; i++)
+	for (uint32_t i = 0; i < why->count && !json->out.failed; i++)
 		describe_row(json, scene, why, &why->rows[i]);
 	srv_json_close(json, ']');
 	srv_json_close(json, '}');

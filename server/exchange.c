@@ -12,6 +12,7 @@
 #include "server/log.h"
 #define FORWARDED "X-Forwarded-For"
 #define BODY_STAKE_BYTES (4u << 10)     /* what a body is given before any of it is there */
+#define FREE_BYTES (16u << 10)          /* about what a connection takes itself */
 
 static const char known_resources[] =
 	"known are /, /healthz, /readyz, /metrics, /v1/scenes, and below a scene "
@@ -68,20 +69,6 @@ static void add_common_headers(struct srv_exchange *exchange)
 		srv_access_origins_vary(access));
 }
 
-static bool queue_answer(struct srv_exchange *exchange)
-{
-	struct srv_answer *answer = &exchange->answer;
-	if (answer->response && !answer->shared)
-		add_common_headers(exchange);
-	if (!answer->response)
-		return false;
-	srv_reaper_send(exchange->host->reaper, exchange->lease);
-	bool queued = MHD_queue_response(exchange->connection, answer->status, answer->response) == MHD_YES;
-	exchange->phase = SRV_PHASE_DONE;
-	srv_answer_free(answer);
-	return queued;
-}
-
 const char *srv_exchange_path(const struct srv_exchange *exchange, char path[SRV_TARGET_BYTES_MAX])
 {
 	if (exchange->target_code)
@@ -97,6 +84,38 @@ void srv_exchange_problem(struct srv_exchange *exchange, enum srv_problem proble
 	srv_answer_problem(&exchange->answer, &(struct srv_problem_details){ .problem = problem,
 		.detail = detail, .instance = srv_exchange_path(exchange, path), .close = close,
 		.allow = problem == SRV_PROBLEM_METHOD && exchange->route ? exchange->route->allow : NULL });
+}
+
+/* Answers that are being sent are held by who asked for them, within the bound of all. Small ones are not
+ * counted, so that /healthz is always answered. */
+static void hold_answer(struct srv_exchange *exchange)
+{
+	uint64_t bytes = exchange->answer.memory_bytes, most = exchange->host->config.answers_max;
+	struct eco_error error = { 0 };
+	if (bytes <= FREE_BYTES || srv_reaper_hold(exchange->host->reaper, exchange->lease, SRV_HELD_ANSWERS, bytes))
+		return;
+	srv_answer_free(&exchange->answer);
+	if (bytes > most)
+		eco_fail(&error, ECO_TOO_LARGE, "the answer takes %llu bytes of memory; at most %llu are given to "
+			"all answers: ask for fewer vertices, or set 'bytes'", (unsigned long long)bytes,
+			(unsigned long long)most);
+	srv_exchange_problem(exchange, bytes > most ? srv_problem_of(ECO_TOO_LARGE) : SRV_PROBLEM_BUSY,
+		bytes > most ? error.text : "too many answers are being sent; ask again in a second", false);
+}
+
+static bool queue_answer(struct srv_exchange *exchange)
+{
+	struct srv_answer *answer = &exchange->answer;
+	hold_answer(exchange);
+	if (answer->response && !answer->shared)
+		add_common_headers(exchange);
+	if (!answer->response)
+		return false;
+	srv_reaper_send(exchange->host->reaper, exchange->lease);
+	bool queued = MHD_queue_response(exchange->connection, answer->status, answer->response) == MHD_YES;
+	exchange->phase = SRV_PHASE_DONE;
+	srv_answer_free(answer);
+	return queued;
 }
 
 static bool queue_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *detail,

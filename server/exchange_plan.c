@@ -12,7 +12,7 @@
 #include "server/trace.h"
 #include "server/typical.h"
 
-#define PLAN_TEXT_MAX (64u << 20)
+#define PLAN_TEXT_MAX (64u << 20)        /* or --answer-bytes, if that is less */
 
 static void timing_text(char *text, size_t size, uint64_t begun_us, uint64_t planned_us)
 {
@@ -45,29 +45,38 @@ static bool answer_kept(struct srv_exchange *exchange, struct srv_kept_body *bod
 	return true;
 }
 
+static enum eco_code json_end(struct srv_json *json, const struct srv_stream *stream, struct eco_error *error)
+{
+	unsigned long long most = json->most;
+	enum eco_code code = srv_json_end(json);
+	if (code == ECO_TOO_LARGE)
+		eco_fail(error, code, "the plan has %u cuts, and its text more than %llu bytes; ask for fewer "
+			"vertices, or for the stream", stream->steps[stream->step_count - 1].plan.cut_count, most);
+	else if (code)
+		eco_fail(error, code, "the plan could not be written; ask again in a moment");
+	return code;
+}
+
 static enum eco_code answer_plan(struct srv_exchange *exchange, struct srv_stream *stream, uint64_t begun_us,
 	struct eco_error *error)
 {
-	uint64_t planned_us = srv_clock_us();
+	uint64_t planned_us = srv_clock_us(), most = exchange->host->config.response_max;
 	char timing[96];
-	struct srv_json json = { 0 };
+	struct srv_json json = { .most = most < PLAN_TEXT_MAX ? most : PLAN_TEXT_MAX,
+		.cancelled = &exchange->cancelled };
 	struct lod_explanation why = { 0 };
 	bool explain = exchange->query.explain;
 	enum eco_code code = explain ? srv_stream_explain(stream, &why, error) : ECO_OK;
-	if (!code)
+	if (!code) {
 		srv_describe_plan(&json, stream, explain ? &why : NULL);
+		code = json_end(&json, stream, error);
+	}
 	lod_explanation_free(&why);
 	if (code)
 		return code;
-	if (json.out.size > PLAN_TEXT_MAX) {
-		eco_writer_free(&json.out);
-		return eco_fail(error, ECO_TOO_LARGE, "the plan has %u cuts, too many to read; ask "
-			"for fewer vertices, or for the stream",
-			stream->steps[stream->step_count - 1].plan.cut_count);
-	}
 	timing_text(timing, sizeof timing, begun_us, planned_us);
 	const struct srv_piece text = { json.out.bytes, json.out.size };
-	if (!json.out.failed && answer_kept(exchange, srv_kept_body_copy(&text, 1, text.size), timing)) {
+	if (answer_kept(exchange, srv_kept_body_copy(&text, 1, text.size), timing)) {
 		eco_writer_free(&json.out);
 		return ECO_OK;
 	}

@@ -130,7 +130,10 @@ static const struct eco_option options[] = {
 	{ "bodies-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.bodies_max, 4, 1ull << 40,
 		.help = "of all bodies, as far as they have arrived; 256 MiB if not given" },
 	{ "answer-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.response_max, 1, 1ull << 40,
-		.help = "of an answer at most; 2 GiB if not given" },
+		.help = "of an answer at most; 2 GiB if not given, and 64 MiB of a plan as JSON" },
+	{ "answers-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.answers_max, 4, 1ull << 40,
+		.help = "of memory for all answers that are being sent, without the packs' own bytes; where they "
+			"are taken, the address that holds most gives way; 256 MiB if not given" },
 	{ "cap-vertices", 0, ECO_OPTION_READ, "[SCENE=]N", &given.caps.vertices, .read = read_cap_vertices,
 		.times = ECO_ONCE_A_NAME, .help = "that an answer of the scene, or of any, draws at most: who asks for more gets so "
 			"much; may be given more than once" },

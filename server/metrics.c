@@ -108,6 +108,8 @@ void srv_metrics_write(struct eco_writer *out, struct srv_metrics *metrics, cons
 	add_value(out, "plans_waiting", "gauge", "Plans that wait for a thread.", gauges->waiting_plans);
 	add_value(out, "bodies_bytes", "gauge", "Memory of the request bodies that are held.",
 		gauges->bodies_bytes);
+	add_value(out, "answers_bytes", "gauge", "Memory of the answers that are being sent.",
+		gauges->answers_bytes);
 	add_value(out, "kept_bytes", "gauge", "Memory of the answers that are kept.", gauges->kept_bytes);
 	add_value(out, "scenes", "gauge", "Scenes that are served.", gauges->scenes);
 	add_value(out, "retired_scenes", "gauge",

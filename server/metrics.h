@@ -49,8 +49,8 @@ void srv_count_plan(struct srv_metrics *metrics, uint64_t took_us, uint64_t work
 
 /* What is so now. */
 struct srv_gauges {
-	uint64_t connections, busy, waiting_plans, scenes, retired, bad_packs, bodies_bytes, kept_bytes, accept_failures,
-		refused_heads, dropped_lines;
+	uint64_t connections, busy, waiting_plans, scenes, retired, bad_packs, bodies_bytes, answers_bytes, kept_bytes,
+		accept_failures, refused_heads, dropped_lines;
 	bool ready;
 };
 /* The text format 0.0.4 of Prometheus. */

@@ -12,8 +12,28 @@ static void put(struct srv_json *json, const char *text)
 	eco_write_bytes(&json->out, text, strlen(text));
 }
 
+static bool is_cancelled(const struct srv_json *json)
+{
+	return json->cancelled && atomic_load_explicit(json->cancelled, memory_order_relaxed);
+}
+
+static bool is_too_large(const struct srv_json *json)
+{
+	return json->most && json->out.size > json->most;
+}
+
+enum eco_code srv_json_end(struct srv_json *json)
+{
+	enum eco_code code = is_cancelled(json) ? ECO_INTERRUPTED : is_too_large(json) ? ECO_TOO_LARGE
+		: json->out.failed ? ECO_NO_MEMORY : ECO_OK;
+	if (code)
+		eco_writer_free(&json->out);
+	return code;
+}
+
 static void before_value(struct srv_json *json)
 {
+	json->out.failed |= is_cancelled(json) || is_too_large(json);
 	if (json->comma)
 		eco_write_u8(&json->out, ',');
 	json->comma = true;

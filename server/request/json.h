@@ -6,16 +6,25 @@
  *   srv_json_close(&json, '}');
  *
  * A writer of our own, because counts go up to 2^63 and plans have ten thousands of cuts, which a tree of
- * objects would hold twice. Check json.out.failed once at the end. */
+ * objects would hold twice. Nothing more is written once json.out.failed is set: without memory, beyond `most`,
+ * or when it is cancelled. Long loops end then; srv_json_end says why. */
 #ifndef SRV_JSON_H
 #define SRV_JSON_H
 
+#include <stdatomic.h>
+
 #include "ecofiles/base/bytes.h"
+#include "ecofiles/base/status.h"
 
 struct srv_json {
 	struct eco_writer out;
 	bool comma;                  /* the next value or key follows another */
+	size_t most;                 /* bytes, about; 0: any number */
+	const atomic_bool *cancelled;        /* or NULL */
 };
+
+/* What kept it from being whole: ECO_INTERRUPTED, ECO_TOO_LARGE or ECO_NO_MEMORY; and then frees it. */
+enum eco_code srv_json_end(struct srv_json *json);
 
 void srv_json_open(struct srv_json *json, char bracket);         /* '{' or '[' */
 void srv_json_close(struct srv_json *json, char bracket);        /* '}' or ']' */

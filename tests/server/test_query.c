@@ -426,6 +426,26 @@ UNIT_TEST(routes_match_whole_paths)
 	}
 }
 
+/* The bound holds while a document is written, and so does the flag of who waits for it. */
+UNIT_TEST(json_ends_where_it_is_too_large_or_nobody_waits)
+{
+	for (int i = 0; i < 3; i++) {
+		atomic_bool cancelled = false;
+		struct srv_json json = { .most = i ? 0 : 10000, .cancelled = &cancelled };
+		srv_json_open(&json, '[');
+		for (uint32_t n = 0; n < 100000; n++) {
+			srv_json_text(&json, "twenty bytes or so ...");
+			atomic_store(&cancelled, i == 1 && n > 1000);
+		}
+		srv_json_close(&json, ']');
+		assert_int_equal(json.out.failed, i < 2);
+		assert_in_range(json.out.size, 10000, i < 2 ? 30000 : 3000000);
+		assert_int_equal(srv_json_end(&json), i == 0 ? ECO_TOO_LARGE : i == 1 ? ECO_INTERRUPTED : ECO_OK);
+		eco_writer_free(&json.out);
+		assert_null(json.out.bytes);
+	}
+}
+
 UNIT_TEST(json_escapes_and_keeps_numbers)
 {
 	struct srv_json json = { 0 };

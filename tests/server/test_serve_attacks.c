@@ -295,12 +295,60 @@ static int ask_much(const struct srv_daemon *daemon)
 	static const char request[] = "GET " BASE "/stream?" VIEW_BY("3000000") " HTTP/1.1\r\n" HOST "\r\n";
 	struct sockaddr_in at = { .sin_family = AF_INET, .sin_port = htons(srv_daemon_port(daemon)),
 		.sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
-	int fd = socket(AF_INET, SOCK_STREAM, 0), room = 4096;
+	int fd = http_socket(), room = 4096;
 	setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
 	assert_int_equal(connect(fd, (struct sockaddr *)&at, sizeof at), 0);
-	for (int i = 0; i < ANSWERS; i++)
-		assert_true(http_send(fd, request, sizeof request - 1));
+	for (int i = 0; i < ANSWERS && http_send(fd, request, sizeof request - 1); i++)
+		;
 	return fd;
+}
+
+static uint64_t gauge(const struct srv_daemon *daemon, const char *name)
+{
+	struct http_answer answer = http_get(srv_daemon_port(daemon), "/metrics");
+	assert_int_equal(answer.status, 200);
+	const char *at = strstr(answer.body, name);
+	assert_non_null(at);
+	uint64_t value = strtoull(at + strlen(name), NULL, 10);
+	http_free(&answer);
+	return value;
+}
+
+/* Connections that ask for much and take nothing: their answers stay within the bound, and what others ask for
+ * is sent to its end. */
+UNIT_TEST(answers_that_are_being_sent_are_bounded_together)
+{
+	enum { MOST = 1000000, STALLED = 24 };
+	const struct srv_config config = { .listen = "127.0.0.1:0", .answers_max = MOST };
+	struct srv_daemon *daemon = start(&config);
+	int fds[STALLED];
+	for (int i = 0; i < STALLED; i++) {
+		http_come_from((uint32_t)(HONEST + 1 + i % 3));
+		fds[i] = ask_much(daemon);
+	}
+	while (gauge(daemon, "\necoserve_answers_bytes ") < MOST / 2)
+		usleep(1000);
+	for (uint32_t i = 0; i < 20; i++) {
+		assert_answered(daemon, HONEST - i, i % 2 ? BASE "/stream?" VIEW_BY("3000000") : "/healthz");
+		assert_in_range(gauge(daemon, "\necoserve_answers_bytes "), 0, MOST);
+	}
+	close_all(fds, STALLED);
+	srv_daemon_stop(daemon);
+}
+
+/* What no bound of all answers can hold is said to be too large, not to be asked for again. */
+UNIT_TEST(an_answer_larger_than_all_may_be_is_refused)
+{
+	static const struct { const char *target; unsigned status; } rows[] = { { "/healthz", 200 },
+		{ BASE "/stream?" VIEW_BY("3000000"), 422 } };
+	const struct srv_config config = { .listen = "127.0.0.1:0", .answers_max = 1000 };
+	struct srv_daemon *daemon = start(&config);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct http_answer answer = http_get(srv_daemon_port(daemon), rows[i].target);
+		assert_int_equal(answer.status, rows[i].status);
+		http_free(&answer);
+	}
+	srv_daemon_stop(daemon);
 }
 
 /* Whoever takes nothing of an answer, however large it is, is closed after two windows. */

@@ -7,15 +7,25 @@ void http_come_from(uint32_t number)
 	source = number ? 0x7f000000u + number : 0;
 }
 
-int http_connect(uint16_t port)
+int http_socket(void)
 {
 	struct sockaddr_in from = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(source) };
+	int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+	if (fd >= 0 && source && bind(fd, (struct sockaddr *)&from, sizeof from) != 0) {
+		close(fd);
+		return -1;
+	}
+	return fd;
+}
+
+int http_connect(uint16_t port)
+{
 	struct sockaddr_in at = { .sin_family = AF_INET, .sin_port = htons(port),
 		.sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
 	struct timeval patience = { .tv_sec = 50 };      /* against hanging for ever, not a measurement */
-	int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+	int fd = http_socket();
 	setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-	if (fd < 0 || (source && bind(fd, (struct sockaddr *)&from, sizeof from) != 0) || connect(fd, (struct sockaddr *)&at, sizeof at) != 0) {
+	if (fd < 0 || connect(fd, (struct sockaddr *)&at, sizeof at) != 0) {
 		close(fd);
 		return -1;
 	}

@@ -25,7 +25,8 @@ struct http_answer {
 };
 
 int http_connect(uint16_t port);
-/* Connections come from 127.0.0.0 + `number` from now on; 0: from where the system likes. */
+int http_socket(void);               /* not connected yet */
+/* Sockets come from 127.0.0.0 + `number` from now on; 0: from where the system likes. */
 void http_come_from(uint32_t number);
 bool http_send(int fd, const void *bytes, size_t size);
 /* Value of a header into `value`, or false. */
