@@ -382,12 +382,12 @@ static void describe_explanation(struct srv_json *json, const struct eco_scene *
 	srv_json_close(json, '}');
 }
 
-void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream,
-	const struct lod_explanation *explanation)
+void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream)
 {
 	const struct eco_scene *scene = &stream->input.scene->pack->scene;
 	const struct eco_request *request = stream->input.request;
-	const struct eco_plan *plan = &stream->steps[stream->step_count - 1].plan;
+	const struct srv_step *last = &stream->steps[stream->step_count - 1];
+	const struct eco_plan *plan = &last->plan;
 	srv_json_open(json, '{');
 	srv_json_key_text(json, "scene", stream->input.scene->name);
 	key_id(json, "pack", &stream->input.scene->pack->id);
@@ -414,7 +414,7 @@ void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream,
 	describe_runs(json, plan);
 	describe_gates(json, scene, plan);
 	describe_cuts(json, scene, plan);
-	if (explanation)
-		describe_explanation(json, scene, explanation);
+	if (stream->input.explain)
+		describe_explanation(json, scene, &last->why);
 	srv_json_close(json, '}');
 }

@@ -11,8 +11,7 @@ void srv_describe_health(struct srv_json *json, const struct srv_store *store);
 void srv_describe_scenes(struct srv_json *json, const struct srv_store *store,
 	bool (*may_see)(const struct srv_scene *scene, const void *ctx), const void *ctx);
 void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene, const struct srv_most *most);
-/* may be NULL */
-void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream,
-	const struct lod_explanation *explanation);
+/* With its explanation, if that was asked for. */
+void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream);
 
 #endif

@@ -64,14 +64,8 @@ static enum eco_code answer_plan(struct srv_exchange *exchange, struct srv_strea
 	char timing[96];
 	struct srv_json json = { .most = most < PLAN_TEXT_MAX ? most : PLAN_TEXT_MAX,
 		.cancelled = &exchange->cancelled };
-	struct lod_explanation why = { 0 };
-	bool explain = exchange->query.explain;
-	enum eco_code code = explain ? srv_stream_explain(stream, &why, error) : ECO_OK;
-	if (!code) {
-		srv_describe_plan(&json, stream, explain ? &why : NULL);
-		code = json_end(&json, stream, error);
-	}
-	lod_explanation_free(&why);
+	srv_describe_plan(&json, stream);
+	enum eco_code code = json_end(&json, stream, error);
 	if (code)
 		return code;
 	timing_text(timing, sizeof timing, begun_us, planned_us);
@@ -116,7 +110,7 @@ void srv_exchange_make_plan(void *argument)
 	struct srv_exchange *exchange = argument;
 	struct srv_host *host = exchange->host;
 	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request,
-		.rule = exchange->query.rule, .holdings = &exchange->holdings,
+		.rule = exchange->query.rule, .explain = exchange->query.explain, .holdings = &exchange->holdings,
 		.body_max = host->config.response_max, .tiles_max = host->config.tiles_max,
 		.placements_max = host->config.placements_max, .cancelled = &exchange->cancelled,
 		.work_max = host->config.plan_times * srv_typical_work(exchange->scene) };

@@ -25,6 +25,7 @@
 static void step_free(struct srv_step *step)
 {
 	eco_plan_free(&step->plan);
+	lod_explanation_free(&step->why);
 	free(step->needs.items);
 	*step = (struct srv_step){ 0 };
 }
@@ -134,6 +135,7 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 	const struct lod_planner_coarser coarser = { STEP_RATIO, STEP_PRICED_LEAST, SRV_STEPS_MAX - 1,
 		take_coarser, stream };
 	planner.stats = &stats;
+	planner.explanation = input->explain ? &step->why : NULL;
 	*step = (struct srv_step){ .budget_vertices = vertices, .ground_px = ground_px };
 	if (input->cancelled && atomic_load(input->cancelled))
 		return eco_fail(error, ECO_INTERRUPTED, "the server is stopping; ask again in a moment");
@@ -589,46 +591,17 @@ static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, s
 	return code;
 }
 
-enum eco_code srv_stream_explain(const struct srv_stream *stream, struct lod_explanation *explanation,
-	struct eco_error *error)
-{
-	const struct srv_step *last = &stream->steps[stream->step_count - 1];
-	struct eco_request request = *stream->input.request;
-	struct lod_planner_input planner = planner_input(&stream->input, &request);
-	struct srv_stream again = { .input = stream->input };
-	struct srv_emit dry;
-	struct sizing sizing = { &again, &dry, request.bytes, last->ground_px, true };
-	struct eco_plan plan;
-	enum eco_code code = srv_emit_init(&dry, stream->input.scene, stream->input.holdings,
-		request.name_from, true, error);
-	if (code)
-		return code;
-	planner.explanation = explanation;
-	planner.size = searches(stream) ? NULL : size_answer;
-	planner.size_ctx = &sizing;
-	request.vertices = last->budget_vertices;
-	request.ground_px = last->ground_px;
-	code = lod_plan(&plan, &planner, error);
-	if (!code)
-		eco_plan_free(&plan);
-	srv_emit_free(&dry);
-	return code;
-}
-
-/* A plan that cannot be explained is sent all the same. */
 static void trace_cuts(const struct srv_stream *stream)
 {
-	struct lod_explanation why = { 0 };
 	const struct srv_scene *scene = stream->input.scene;
-	if (!srv_stream_explain(stream, &why, NULL))
-		srv_trace(SRV_TRACE_CUTS, "%s: lambda %.4g, %u rows, %llu more", scene->name, why.lambda,
-			why.count, (unsigned long long)why.omitted);
-	for (uint32_t i = 0; i < why.count; i++) {
+	const struct lod_explanation *why = &stream->steps[stream->step_count - 1].why;
+	srv_trace(SRV_TRACE_CUTS, "%s: lambda %.4g, %u rows, %llu more", scene->name, why->lambda, why->count,
+		(unsigned long long)why->omitted);
+	for (uint32_t i = 0; i < why->count; i++) {
 		char line[320];
-		lod_explain_line(line, sizeof line, &scene->pack->scene, &why, &why.rows[i]);
+		lod_explain_line(line, sizeof line, &scene->pack->scene, why, &why->rows[i]);
 		srv_trace(SRV_TRACE_CUTS, "%s: %s", scene->name, line);
 	}
-	lod_explanation_free(&why);
 }
 
 enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream_input *input,
@@ -636,17 +609,23 @@ enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream
 {
 	struct srv_emit dry;
 	*stream = (struct srv_stream){ .input = *input };
+	stream->input.explain |= srv_trace_on(SRV_TRACE_CUTS);
 	enum eco_code code = srv_emit_init(&dry, input->scene, input->holdings, input->request->name_from,
 		true, error);
 	if (code)
 		return code;
 	code = plan_all(stream, &dry, error);
 	srv_emit_free(&dry);
-	if (code)
+	if (code) {
 		srv_stream_free(stream);
-	else if (srv_trace_on(SRV_TRACE_CUTS))
+		return code;
+	}
+	struct srv_step *last = &stream->steps[stream->step_count - 1];
+	if (stream->input.explain)
+		lod_explain_ground(&last->why, &last->plan, &input->scene->pack->scene, last->ground_px);
+	if (srv_trace_on(SRV_TRACE_CUTS))
 		trace_cuts(stream);
-	return code;
+	return ECO_OK;
 }
 
 enum eco_code srv_stream_write(const struct srv_stream *stream, struct srv_body *body,

@@ -53,6 +53,7 @@ struct srv_stream_input {
 	lod_rule *rule;                              /* NULL: the optimiser */
 	bool ignore_occlusion;                       /* as struct lod_planner_input */
 	uint64_t work_max;                           /* of all its plans, as struct lod_planner_input */
+	bool explain;                                /* the answer says why it is as it is */
 	/* looked at between plans: ECO_INTERRUPTED; may be NULL */
 	const atomic_bool *cancelled;
 };
@@ -61,6 +62,7 @@ struct srv_step {
 	struct eco_plan plan;
 	struct eco_holdings needs;                   /* chunks per list that the plan needs, sorted */
 	uint64_t budget_vertices;                    /* what was asked of the planner */
+	struct lod_explanation why;                  /* of the last one, where it is asked for */
 	double wrong;                                /* as struct lod_planner_stats */
 	double ground_px;                            /* and how far its ground may be from where it is */
 	uint64_t missing_bytes;                      /* payloads that the client lacks at the beginning */
@@ -96,11 +98,6 @@ struct srv_body {
 };
 
 enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream_input *input,
-	struct eco_error *error);
-
-/* Why the last step's plan is what it is; plans it once more. The caller frees *explanation, which is empty.
- */
-enum eco_code srv_stream_explain(const struct srv_stream *stream, struct lod_explanation *explanation,
 	struct eco_error *error);
 
 /* body->size_bytes == stream->body_bytes - stream->named_bytes. ECO_DAMAGED if a payload is. */

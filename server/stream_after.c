@@ -58,6 +58,7 @@ enum eco_code srv_plan_next(struct srv_stream *stream, struct srv_emit *dry, str
 		request.bytes -= ahead;
 	input.request = &request;
 	input.holdings = &then;
+	input.explain = false;
 	input.work_max = input.work_max ? srv_work_left(stream) : 0;
 	if (!code)
 		code = srv_stream_plan(&next, &input, error);

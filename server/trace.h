@@ -10,7 +10,7 @@
 
 #define SRV_TRACE_BITS(X) \
 	X(PLAN, "plan", "vertex budgets tried for a byte budget, steps taken or left out, and why") \
-	X(CUTS, "cuts", "of each plan, why each cut is what it is (plans once more)") \
+	X(CUTS, "cuts", "of each plan, why each cut is what it is") \
 	X(CACHE, "cache", "chunk responses made, reused, refused") \
 	X(CONNECTION, "connection", "connections that were shut down, and why")
 

@@ -73,7 +73,14 @@ static const struct lod_ladder_choice *choice_of(const struct lod_fill *fill,
 	return &fill->allocation->ladder_choices[candidate->ladder_choice];
 }
 
-struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struct lod_candidate *candidate)
+/* Work since `before` was to explain. */
+static void count_explaining(struct lod_planner *p, uint64_t before)
+{
+	p->explaining += p->work - before;
+	p->work = before;
+}
+
+static struct lod_reason reason_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
 	struct lod_reason reason = { .next = lod_candidate_next(candidate), .ahead = candidate->ahead,
 		.between = candidate->between };
@@ -98,6 +105,16 @@ struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struc
 	return reason;
 }
 
+struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struct lod_candidate *candidate)
+{
+	struct lod_planner *p = fill->allocation->p;
+	uint64_t before = p->work;
+	lod_planner_work(p, LOD_WORK_CURVE);
+	struct lod_reason reason = reason_of(fill, candidate);
+	count_explaining(p, before);
+	return reason;
+}
+
 /* ---- Rows ---- */
 
 /* Without memory, or beyond the bound, a row is omitted: a plan does not fail for its explanation. */
@@ -117,6 +134,8 @@ void lod_explain_tiles(const struct lod_fill *fill)
 	struct lod_explanation *explanation = m->p->input->explanation;
 	if (!explanation)
 		return;
+	uint64_t before = m->p->work;
+	lod_planner_work(m->p, LOD_WORK_NODE * (uint64_t)m->p->visible.node_count);
 	explanation->lambda = fill->lambda;
 	explanation->count = 0;
 	explanation->omitted = 0;
@@ -133,6 +152,7 @@ void lod_explain_tiles(const struct lod_fill *fill)
 			.margin = fmax(0, more_by(plants, summary)) };
 		add_row(explanation, &row);
 	}
+	count_explaining(m->p, before);
 }
 
 void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry, const struct eco_cut *cut,
@@ -150,10 +170,21 @@ void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry,
 	add_row(p->input->explanation, &row);
 }
 
+static void drop_ground(struct lod_explanation *explanation)
+{
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < explanation->count; i++)
+		if (explanation->rows[i].reason.why != LOD_WHY_GROUND)
+			explanation->rows[kept++] = explanation->rows[i];
+	explanation->count = kept;
+}
+
 void lod_explain_ground(struct lod_explanation *explanation, const struct eco_plan *plan,
 	const struct eco_scene *scene, double error_px)
 {
 	error_px = error_px > 0 ? error_px : ECO_GROUND_PX;
+	if (explanation)
+		drop_ground(explanation);
 	for (uint32_t i = 0; explanation && i < plan->cut_count; i++) {
 		struct lod_explained row = { .cut = plan->cuts[i], .tile = ECO_NONE, .plant = ECO_NONE,
 			.reason = { .why = LOD_WHY_GROUND, .margin = error_px } };

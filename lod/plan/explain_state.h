@@ -11,10 +11,8 @@ struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struc
 /* Adds rows of tiles whose plants are drawn though they have a summary. Drops rows of a coarser level. */
 void lod_explain_tiles(const struct lod_fill *fill);
 
-/* Adds the row of a cut that `plants` of an entry draw; adds rows of a plan's cuts of ground. */
+/* Adds the row of a cut that `plants` of an entry draw. */
 void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry, const struct eco_cut *cut,
 	uint64_t plants);
-void lod_explain_ground(struct lod_explanation *explanation, const struct eco_plan *plan,
-	const struct eco_scene *scene, double error_px);
 
 #endif

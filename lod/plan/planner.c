@@ -47,6 +47,13 @@ void lod_planner_end(struct lod_planner *p)
 		lod_visible_tree_free(&p->visible);
 }
 
+static struct lod_planner_input without_explanation(const struct lod_planner_input *input)
+{
+	struct lod_planner_input unexplained = *input;
+	unexplained.explanation = NULL;
+	return unexplained;
+}
+
 enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error)
 {
 	struct lod_planner p;
@@ -71,10 +78,12 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 		lod_explain_ground(input->explanation, plan, input->scene, input->request->ground_px);
 	struct lod_planner_stats stats = { p.candidates, p.gains, p.looks, p.visible.places, 0, p.cheapest,
 		p.level, p.converged, p.bytes, p.sized, p.price, p.wrong };
+	const struct lod_planner_input unexplained = without_explanation(input);
+	p.input = &unexplained;          /* coarser answers have none */
 	bool many = input->coarser && (!input->size || p.bytes > input->coarser->least);
 	if (!code && many && p.search && !(p.price > 0))
 		code = lod_bytes_coarser(p.search, plan, error);
-	stats.work = p.work;
+	stats.work = p.work + p.explaining;
 	if (input->stats)
 		*input->stats = stats;
 	lod_planner_end(&p);

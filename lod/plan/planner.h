@@ -75,7 +75,7 @@ struct lod_planner_input {
 	uint64_t work_max;
 	struct lod_planner_stats *stats;             /* may be NULL */
 	struct lod_explanation *explanation;         /* lod/plan/explain.h, empty; NULL: no reasons */
-	const struct lod_planner_coarser *coarser;   /* NULL: none; not with an explanation */
+	const struct lod_planner_coarser *coarser;   /* NULL: none */
 	/* Exact bytes of the answer that carries a plan, which is without ground and may be changed; they
 	 * must be at most request->bytes. NULL: bytes do not count */
 	enum eco_code (*size)(void *ctx, struct eco_plan *plan, uint64_t *bytes, struct eco_error *error);

@@ -49,7 +49,8 @@ struct lod_planner {
 	                              * choose between organs and splats; errors count as in lod_hull_more,
 	                              * and twice where nothing is drawn */
 	uint64_t candidates, gains, looks; /* as in lod_planner_stats */
-	uint64_t work;               /* as in lod_planner_stats */
+	uint64_t work;               /* as in lod_planner_stats, without ... */
+	uint64_t explaining;         /* ... that of explanations, which changes no plan */
 	uint64_t work_most;          /* that the plan may take: the input's, less within bytes; 0: any */
 	uint64_t bytes;              /* as in lod_planner_stats */
 	uint32_t sized;

@@ -52,18 +52,32 @@ void srv_json_close(struct srv_json *json, char bracket)
 	json->comma = true;
 }
 
+/* Bytes from `at` on that stand for themselves. */
+static size_t plain_bytes(const char *at)
+{
+	size_t count = 0;
+	while (at[count] >= 0x20 && at[count] < 0x7f && at[count] != '"' && at[count] != '\\')
+		count++;
+	return count;
+}
+
 static void quote(struct srv_json *json, const char *text)
 {
 	eco_write_u8(&json->out, '"');
 	for (const char *at = text, *end = text + strlen(text); at < end;) {
-		size_t length = eco_utf8_bytes(at, (size_t)(end - at));
-		uint32_t code = eco_utf8_code(at, length);
+		size_t plain = plain_bytes(at), length;
 		char escape[8];
+		eco_write_bytes(&json->out, at, plain);
+		at += plain;
+		if (at == end)
+			break;
+		length = eco_utf8_bytes(at, (size_t)(end - at));
 		if (length == 0) {
 			put(json, "\\ufffd");
 			length = 1;
-		} else if (*at == '"' || *at == '\\' || !eco_utf8_printable(code)) {
-			snprintf(escape, sizeof escape, *at == '"' || *at == '\\' ? "\\%c" : "\\u%04x", code);
+		} else if (*at == '"' || *at == '\\' || !eco_utf8_printable(eco_utf8_code(at, length))) {
+			snprintf(escape, sizeof escape, length == 1 && *at >= 0x20 && *at < 0x7f ? "\\%c" : "\\u%04x",
+				eco_utf8_code(at, length));
 			put(json, escape);
 		} else {
 			eco_write_bytes(&json->out, at, length);
@@ -93,12 +107,15 @@ void srv_json_text(struct srv_json *json, const char *text)
 
 void srv_json_count(struct srv_json *json, uint64_t value)
 {
-	char text[24];
-	snprintf(text, sizeof text, "%llu", (unsigned long long)value);
+	char text[20], *at = text + sizeof text;
+	do
+		*--at = (char)('0' + value % 10);
+	while (value /= 10);
 	before_value(json);
-	put(json, text);
+	eco_write_bytes(&json->out, at, (size_t)(text + sizeof text - at));
 }
 
+/* 15 digits, without zeros at the end, are the shortest form of a number that has one of so many. */
 static void add_number(struct srv_json *json, double value)
 {
 	char text[32];
@@ -106,12 +123,19 @@ static void add_number(struct srv_json *json, double value)
 		srv_json_null(json);
 		return;
 	}
-	for (int digits = 6; digits <= 17; digits++) {
+	before_value(json);
+	if (fabs(value) < 1e15 && value == floor(value) && (value != 0 || !signbit(value))) {
+		json->comma = false;
+		if (value < 0)
+			eco_write_u8(&json->out, '-');
+		srv_json_count(json, (uint64_t)fabs(value));
+		return;
+	}
+	for (int digits = 15; digits <= 17; digits++) {
 		snprintf(text, sizeof text, "%.*g", digits, value);
 		if (strtod(text, NULL) == value)
 			break;
 	}
-	before_value(json);
 	put(json, text);
 }
 

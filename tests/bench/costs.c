@@ -25,6 +25,7 @@
 
 #define SOMETHING 1000u                  /* vertices: half of all random requests see less */
 
+#define JSON_MOST (64u << 20)            /* as a server's */
 #define ALL_SEED 0x5bd1e995u             /* of the parameters that --all adds */
 
 enum form { PLAN_ALONE, STREAM, JSON, JSON_EXPLAINED };
@@ -71,17 +72,13 @@ static void print_request(const struct question *question, const struct cost *co
 		request->next.given ? ", ahead" : "", (unsigned long long)cost->bytes);
 }
 
-static enum eco_code answer_json(struct srv_stream *stream, bool explain, struct cost *cost,
-	struct eco_error *error)
+static enum eco_code answer_json(struct srv_stream *stream, struct cost *cost)
 {
-	struct srv_json json = { 0 };
-	struct lod_explanation why = { 0 };
-	enum eco_code code = explain ? srv_stream_explain(stream, &why, error) : ECO_OK;
-	if (!code)
-		srv_describe_plan(&json, stream, explain ? &why : NULL);
+	struct srv_json json = { .most = JSON_MOST };
+	srv_describe_plan(&json, stream);
 	cost->bytes = json.out.size;
+	enum eco_code code = srv_json_end(&json);
 	eco_writer_free(&json.out);
-	lod_explanation_free(&why);
 	return code;
 }
 
@@ -89,7 +86,7 @@ static enum eco_code answer(struct srv_stream *stream, enum form form, struct co
 {
 	struct srv_body body;
 	if (form == JSON || form == JSON_EXPLAINED)
-		return answer_json(stream, form == JSON_EXPLAINED, cost, error);
+		return answer_json(stream, cost);
 	if (form == PLAN_ALONE || !stream->fits)
 		return ECO_OK;
 	enum eco_code code = srv_stream_write(stream, &body, error);
@@ -150,7 +147,7 @@ static bool one_request(const struct srv_scene *scene, uint64_t number, uint64_t
 	if (run->all)
 		add_parameters(&question, &scene->pack->scene, run->seed, number);
 	const struct srv_stream_input input = { .scene = scene, .request = &question.request,
-		.rule = question.rule, .work_max = work_max };
+		.rule = question.rule, .explain = question.form == JSON_EXPLAINED, .work_max = work_max };
 	*cost = (struct cost){ .number = number };
 	for (uint64_t i = 1; i < run->runs; i++) {
 		answer_once(&stream, &input, question.form, cost);
