@@ -33,6 +33,7 @@
 #define STEP_LAST (STEPS_PER_OCTAVE * 60)
 #define STRUCTURE_TRIES 12       /* finer structures looked at when budget is left over */
 #define PLACES_MOST 1000000u     /* plants looked at with a step, where summaries stand for the others */
+#define NODE_WORK 300u           /* of a tile in view, from opening it at many steps to sending its cut */
 
 /* ---- One level of detail ---- */
 
@@ -222,14 +223,22 @@ static enum eco_code count_vertices(struct lod_planner *p, int step, struct eco_
 
 /* ---- The budget ---- */
 
-/* After a step that is too large the tree is empty, so that a coarser step has all the room. */
+/* After a step that is too large the tree is empty, so that a coarser step has all the room. At the coarsest
+ * step tiles beyond the bounds show their summaries: a million plants may stand around the eye. */
 static enum eco_code open_step(struct lod_planner *p, int step, struct eco_error *error)
 {
-	uint64_t most = p->input->work_max ? p->input->work_max / 4 / LOD_WORK_PLACE : PLACES_MOST;
-	p->visible.places_max = step > 0 && (p->scene->needs & ECO_NEED_SUMMARIES)
-		? (most < PLACES_MOST ? most : PLACES_MOST) + 1
-		: p->input->work_max ? PLACES_MOST + ECO_OPEN_PLANTS_MAX : 0;
+	const uint64_t work = p->input->work_max, nodes_max = p->visible.nodes_max;
+	uint64_t places = work ? work / 4 / LOD_WORK_PLACE : PLACES_MOST, nodes = work ? work / NODE_WORK : nodes_max;
+	bool bound = step > 0 && (p->scene->needs & ECO_NEED_SUMMARIES);
+	places = (places < PLACES_MOST ? places : PLACES_MOST) + 1;
+	nodes = (nodes < nodes_max ? nodes : nodes_max - 1) + 1;
+	p->visible.places_max = bound ? places : work ? PLACES_MOST + ECO_OPEN_PLANTS_MAX : 0;
+	p->visible.nodes_max = bound ? nodes : nodes_max;
+	p->visible.places_few = step == 0 && work ? places : 0;
+	p->visible.nodes_few = step == 0 && work ? nodes : 0;
 	enum eco_code code = lod_planner_open(p, distance_at(step), distance_at(step), error);
+	p->visible.nodes_max = nodes_max;
+	p->visible.places_few = p->visible.nodes_few = 0;
 	return code == ECO_TOO_LARGE && lod_visible_tree_restart(&p->visible, NULL) ? ECO_NO_MEMORY : code;
 }
 
@@ -261,7 +270,7 @@ static enum eco_code solve(struct lod_planner *p, int *solution, struct eco_erro
 		if (!fits)
 			break;
 		low = high;
-		if (high == STEP_LAST)
+		if (high == STEP_LAST || lod_planner_over(p, 2))
 			break;
 		high = p->ended || high + STEPS_PER_OCTAVE > STEP_LAST ? STEP_LAST : high + STEPS_PER_OCTAVE;
 	}
@@ -316,7 +325,7 @@ static enum eco_code best_structure(struct lod_planner *p, int solved, int *best
 	uint64_t most = 0, budget = p->input->request->vertices;
 	*best = solved < 0 ? 0 : solved;
 	int step = *best, stride = 1;
-	for (int i = 0; i < STRUCTURE_TRIES && !(i && lod_planner_over(p, 3)); i++) {
+	for (int i = 0; i < STRUCTURE_TRIES && !(i && lod_planner_over(p, 2)); i++) {
 		struct eco_error local = { 0 };
 		enum eco_code code = plan_structure(p, step, &local);
 		if (code && code != ECO_TOO_LARGE)

@@ -1,6 +1,6 @@
 /* The rest of a budget once d' is found: see lod/plan/planner_state.h. Greedy by wrong pixels saved per
  * vertex, first on whole slots, then on shares of them, so that the last vertices go to as many plants as
- * possible. */
+ * possible. It ends early where the work is done that the plan may take. */
 #include "lod/plan/planner_state.h"
 
 #include <stdlib.h>
@@ -55,6 +55,9 @@ static double entry_gain(const struct lod_planner *p, const struct lod_entry *en
 	return (saved > 0 ? saved : 0) / (double)(target - entry->vertices);
 }
 
+#define STEP_WORK (3 * LOD_WORK_CURVE)
+#define SHARE_WORK 8000u         /* beside the plants that are gone through */
+
 /* Plants of one slot by hash. */
 struct hashes { uint32_t anchor; uint8_t band; uint32_t count[ECO_SHARE_ONE]; };
 
@@ -80,6 +83,7 @@ static uint64_t fill_share(struct lod_planner *p, struct lod_entry *entry, uint6
 	memset(hashes, 0, sizeof *hashes);
 	hashes->anchor = slot->anchor;
 	hashes->band = slot->band;
+	lod_planner_work(p, SHARE_WORK + LOD_WORK_TALLY * p->visible.plants);
 	lod_visible_tree_each(&p->visible, slot->plant, p->gates, collect_hash, hashes);
 	uint32_t share = 0;
 	while (share < ECO_SHARE_ONE && plants + hashes->count[share] <= most)
@@ -92,8 +96,31 @@ static uint64_t fill_share(struct lod_planner *p, struct lod_entry *entry, uint6
 	return plants * (next - entry->vertices);
 }
 
+/* Where all that is open fits, nothing has to be chosen. False: it does not. */
+static bool fill_all(struct lod_planner *p)
+{
+	uint64_t left = p->input->request->vertices - p->vertices, sum = 0, more;
+	for (uint32_t i = 0; i < p->entry_count; i++) {
+		const struct lod_entry *entry = &p->entries[i];
+		if (__builtin_mul_overflow(entry_floor(p, entry, entry->full) - entry->vertices, entry->count, &more)
+				|| __builtin_add_overflow(sum, more, &sum) || sum > left)
+			return false;
+	}
+	for (uint32_t i = 0; i < p->entry_count; i++) {
+		struct lod_entry *entry = &p->entries[i];
+		uint64_t most = entry_floor(p, entry, entry->full);
+		if (most > entry->vertices)
+			entry->reason.why = LOD_WHY_LEFT_OVER;
+		entry->vertices = most;
+	}
+	p->vertices += sum;
+	return true;
+}
+
 enum eco_code lod_planner_fill(struct lod_planner *p, struct eco_error *error)
 {
+	if (fill_all(p))
+		return ECO_OK;
 	uint64_t left = p->input->request->vertices - p->vertices;
 	struct lod_heap_item *heap = malloc((p->entry_count + 1) * sizeof *heap);
 	struct hashes *hashes = malloc(sizeof *hashes);
@@ -110,7 +137,9 @@ enum eco_code lod_planner_fill(struct lod_planner *p, struct eco_error *error)
 			heap[count++] = (struct lod_heap_item){ entry_gain(p, &p->entries[i], target), i };
 	}
 	lod_heap_make(heap, count);
-	while (count && left) {
+	lod_planner_work(p, STEP_WORK * (uint64_t)count);
+	while (count && left && !lod_planner_over(p, 4)) {
+		lod_planner_work(p, STEP_WORK);
 		struct lod_entry *entry = &p->entries[heap[0].id];
 		uint64_t target = entry_target(p, entry), affordable = entry->vertices + left / entry->count;
 		if (target > affordable)

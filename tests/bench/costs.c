@@ -178,7 +178,7 @@ static double median_ms(const struct cost *costs, uint64_t count, uint64_t verti
 	return *drawing ? costs[i - 1].ms : NAN;
 }
 
-static void print_costs(const char *path, struct cost *costs, uint64_t count)
+static void print_costs(const char *path, struct cost *costs, uint64_t count, uint64_t work_max)
 {
 	const char *slash = strrchr(path, '/');
 	double q = 0, steps = 0;
@@ -192,10 +192,10 @@ static void print_costs(const char *path, struct cost *costs, uint64_t count)
 	double median = costs[count / 2].ms, busy = median_ms(costs, count, SOMETHING, &drawing);
 	printf("%s: %llu requests; CPU median %.3f ms, p90 %.3f, p99 %.3f, worst %.3f (request %llu), "
 		"%.1f x the median; mean Q predicted %.4f, in %.2f steps; %llu "
-		"draw %u vertices or more, their median %.3f ms, the worst %.1f times that\n", slash ? slash + 1 : path,
+		"draw %u vertices or more, their median %.3f ms, the worst %.1f times that; each may take %llu work\n", slash ? slash + 1 : path,
 		(unsigned long long)count, median, costs[count * 9 / 10].ms, costs[count * 99 / 100].ms,
 		worst->ms, (unsigned long long)worst->number, worst->ms / median, q, steps,
-		(unsigned long long)drawing, SOMETHING, busy, worst->ms / busy);
+		(unsigned long long)drawing, SOMETHING, busy, worst->ms / busy, (unsigned long long)work_max);
 	fflush(stdout);
 }
 
@@ -211,7 +211,7 @@ static void run_pack(const char *path, const struct run *run)
 	uint64_t work_max = run->times ? run->times * srv_typical_work(scenes.scenes[0]) : 0;
 	for (uint64_t number = run->from; made < run->count; number++)
 		made += one_request(scenes.scenes[0], number, work_max, run, &costs[made]);
-	print_costs(path, costs, made);
+	print_costs(path, costs, made, work_max);
 	srv_store_free(&scenes);
 	free(costs);
 }
