@@ -13,7 +13,7 @@
  * File (little-endian, sections 64-byte aligned, padding zero):
  *
  *   0    8  "ECOPACK1"
- *   8    u32 version = 17     12  u32 section count n
+ *   8    u32 version = ECO_PACK_VERSION        12  u32 section count n
  *   16   u64 file size        24  u64 XXH3-64 of bytes [0,24) and of the section table
  *   32   n * 40-byte section records:
  *          u32 kind, u32 record count, u64 offset, u64 size, u64 XXH3-64 of the section's bytes (0 for
@@ -40,6 +40,8 @@
 #include <stdint.h>
 
 #include "ecofiles/format/list.h"
+
+#define ECO_PACK_VERSION 18u
 
 /* ---- The scene's tables. All cross references are indices; ECO_NONE where absent. ---- */
 

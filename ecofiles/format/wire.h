@@ -11,7 +11,7 @@
  *   8   u64 XXH3-64 of bytes [0,8), of the frame's number in the stream (u32, from 0) and of the payload
  *   16  n bytes
  *
- * SCENE  u32 version = 21, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, rows,
+ * SCENE  u32 version = ECO_WIRE_VERSION, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, rows,
  *        margin (3), u32 plant count, u32 list count, str name
  * BUNDLE v size of the directory, u8 zeros that were left off at its end, the directory, then payloads
  *        in the order of its chunks. The directory names plants, lists and chunks (wire_items.h): a plant

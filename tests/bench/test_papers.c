@@ -160,6 +160,23 @@ UNIT_TEST(every_entry_names_a_section_with_such_tables_and_pictures)
 	json_decref(papers);
 }
 
+UNIT_TEST(figures_that_ours_does_not_show_are_said_to_be_missing)
+{
+	json_t *papers = bench_json_read("tests/bench/report/papers.json"), *paper, *entry;
+	size_t i, k, found = 0;
+	json_array_foreach(papers, i, paper)
+		json_array_foreach(json_object_get(paper, "entries"), k, entry)
+			if (!strcmp(json_string_value(json_object_get(entry, "figure")), "Figures 9 and 10")) {
+				assert_non_null(strstr(json_string_value(json_object_get(entry, "says")),
+					"Not shown: "));
+				assert_non_null(strstr(json_string_value(json_object_get(entry, "why")),
+					"no instance has a tint"));
+				found++;
+			}
+	assert_int_equal(found, 1);
+	json_decref(papers);
+}
+
 int main(void)
 {
 	return unit_tests_run(open_folder, close_folder);

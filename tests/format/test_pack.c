@@ -486,3 +486,17 @@ UNIT_TEST(records_have_the_stated_sizes)
 #undef SIZE
 	eco_writer_free(&w);
 }
+
+/* A number would go out of date in one of two places. */
+UNIT_TEST(the_described_version_is_the_constant)
+{
+	static const char *const headers[] = { "ecofiles/format/pack.h", "ecofiles/format/wire.h" };
+	for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
+		size_t size;
+		char *text = (char *)file_read(headers[i], &size);
+		const char *version = strstr(text, "u32 version = ");
+		assert_non_null(version);
+		assert_int_equal(strncmp(version + strlen("u32 version = "), "ECO_", 4), 0);
+		free(text);
+	}
+}
