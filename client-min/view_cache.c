@@ -6,25 +6,6 @@
 
 #include "ecofiles/base/room.h"
 
-#define MEMORY_LEAST (64ull << 10)
-#define MEMORY_MOST (1ull << 40)
-
-enum eco_code view_cache_read_size(const char *text, void *value, struct eco_error *error)
-{
-	static const char units[] = "KMG";
-	uint64_t *bytes = value;
-	char *end;
-	unsigned long long number = strtoull(text, &end, 10);
-	const char *unit = *end ? strchr(units, *end) : NULL;
-	int shift = unit ? 10 * (int)(unit - units + 1) : 0;
-	if (*text < '0' || *text > '9' || (*end && (!unit || end[1])) || number > MEMORY_MOST >> shift
-			|| number << shift < MEMORY_LEAST)
-		return eco_fail(error, ECO_BAD_USAGE, "--memory %.100s: must be a size such as 64M or 2G, "
-			"from 64K to 1024G", text);
-	*bytes = (uint64_t)number << shift;
-	return ECO_OK;
-}
-
 void view_cache_free(struct view_cache *cache)
 {
 	for (uint32_t i = 0; i < cache->list_count; i++)

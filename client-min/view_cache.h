@@ -22,6 +22,9 @@
 #include "client-min/view_list.h"
 #include "client-min/view_table.h"
 
+#define VIEW_MEMORY_LEAST (64ull << 10)   /* limits of what --memory takes */
+#define VIEW_MEMORY_MOST (1ull << 40)
+
 struct view_victim { uint64_t used, bytes; uint32_t list; };     /* the last chunk of a list */
 
 /* Whether `a` goes before `b`. Of equals the list with the smaller id. */
@@ -73,9 +76,5 @@ uint64_t view_cache_wanted_bytes(const struct view_cache *cache);
 bool view_cache_make_room(struct view_cache *cache, uint64_t bytes, bool all);
 /* Pops, before a stream comes, until `bytes` fit or only what was needed at tick `since` or later is left. */
 void view_cache_leave_room(struct view_cache *cache, uint64_t bytes, uint64_t since);
-
-/* Reads a limit of memory such as 64M into *value, a uint64_t: a whole number, then K, M or G (of 1024) or
- * nothing for bytes, from 64K to 1024G. ECO_BAD_USAGE. */
-enum eco_code view_cache_read_size(const char *text, void *value, struct eco_error *error);
 
 #endif

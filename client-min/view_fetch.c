@@ -11,6 +11,7 @@
 
 #include "client-min/view_query.h"
 #include "ecofiles/base/mix.h"
+#include "ecofiles/base/options.h"
 #include "ecofiles/base/version.h"
 
 #define PACK_BYTES 40            /* "&pack=", 32 digits, 0 */
@@ -107,12 +108,13 @@ enum eco_code view_marks_read(struct view_marks *marks, const char *text, struct
 {
 	*marks = (struct view_marks){ 0 };
 	for (const char *at = text;; at++) {
-		char *end;
-		unsigned long long value = *at >= '0' && *at <= '9' ? strtoull(at, &end, 10) : 0;
-		bool ms = value && !strncmp(end, "ms", 2);
-		if (!value || value > MARK_MOST || (end[ms ? 2 : 0] && end[ms ? 2 : 0] != ','))
+		const char *end;
+		uint64_t value;
+		bool good = eco_count_read(at, ECO_OPTION_BYTES, &value, &end) && value;
+		bool ms = good && end[-1] <= '9' && !strncmp(end, "ms", 2);
+		if (!good || value > MARK_MOST || (end[ms ? 2 : 0] && end[ms ? 2 : 0] != ','))
 			return eco_fail(error, ECO_BAD_USAGE, "'%.40s': must be numbers of bytes or of "
-				"milliseconds, such as 20000,50000,200ms", at);
+				"milliseconds, such as 20000,50k,200ms", at);
 		if (marks->bytes_count + marks->ms_count == VIEW_MARKS_MAX)
 			return eco_fail(error, ECO_BAD_USAGE, "more than %u marks", VIEW_MARKS_MAX);
 		if (ms)

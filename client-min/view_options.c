@@ -55,11 +55,11 @@ static const struct eco_option option_table[] = {
 		.help = "budget a frame: points + 2 lines + 3 triangles drawn, instances counted" },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.dir, .is_required = true,
 		.help = "where pictures and report.json go; made if missing" },
-	{ "bytes", 0, ECO_OPTION_COUNT, "M", &given.bytes, 0, INT64_MAX,
+	{ "bytes", 0, ECO_OPTION_BYTES, "M", &given.bytes, 0, INT64_MAX,
 		.help = "budget of each response; none if not given. Where not all fits, nothing coarser comes "
 		"first, and there is no picture before most of them" },
-	{ "memory", 0, ECO_OPTION_READ, "SIZE", &given.memory, .read = view_cache_read_size,
-		.help = "of decoded data held, such as 64M (K, M, G; 8G if not given): what was not needed "
+	{ "memory", 0, ECO_OPTION_BYTES, "SIZE", &given.memory, VIEW_MEMORY_LEAST, VIEW_MEMORY_MOST,
+		.help = "of decoded data held, such as 64M; 8G if not given: what was not needed "
 		"for the longest time goes, and is fetched again where it is needed; not of the reference" },
 	{ "ground-px", 0, ECO_OPTION_NUMBER, "X", &given.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX,
 		.help = "how far the ground may be from where it is, 0.01 to 65536 pixels; 1 if not given" },

@@ -1,8 +1,9 @@
 #include "client-min/view_sky.h"
 
 #include <stdbool.h>
-#include <stdio.h>
 #include <string.h>
+
+#include "ecofiles/base/options.h"
 
 enum eco_code view_sky_read_shadows(const char *text, void *sky, struct eco_error *error)
 {
@@ -11,17 +12,17 @@ enum eco_code view_sky_read_shadows(const char *text, void *sky, struct eco_erro
 	struct view_sky *out = sky;
 	size_t length = strcspn(text, ",");
 	const char *rest = text + length;
-	unsigned size = VIEW_SHADOW_SIZE;
-	int used = 0;
+	uint64_t size = VIEW_SHADOW_SIZE;
+	const char *end;
 	for (int i = VIEW_SHADOWS_STANDARD; i <= VIEW_SHADOWS_PERSPECTIVE; i++)
 		if (length == strlen(names[i]) && strncmp(text, names[i], length) == 0)
 			out->shadows = (enum view_shadows)i;
-	bool good = !*rest || (rest[1] >= '0' && rest[1] <= '9' && sscanf(rest, ",%5u%n", &size, &used) == 1
-		&& !rest[used] && size >= VIEW_SHADOW_SIZE_MIN && size <= VIEW_SHADOW_SIZE_MAX);
+	bool good = !*rest || (eco_count_read(rest + 1, ECO_OPTION_COUNT, &size, &end) && !*end
+		&& size >= VIEW_SHADOW_SIZE_MIN && size <= VIEW_SHADOW_SIZE_MAX);
 	if (!out->shadows || !good)
 		return eco_fail(error, ECO_BAD_USAGE, "--shadows %.60s: must be standard or perspective, with "
 			"or without the map's size of %u to %u texels, such as perspective,2048", text,
 			VIEW_SHADOW_SIZE_MIN, VIEW_SHADOW_SIZE_MAX);
-	out->shadow_size = size;
+	out->shadow_size = (uint32_t)size;
 	return ECO_OK;
 }

@@ -5,17 +5,19 @@
 #include "server/reload.h"
 #include "server/request/query.h"
 
-enum eco_code srv_cap_add(struct srv_cap_list *list, const char *argument, const char *option,
-	struct eco_error *error)
+enum eco_code srv_cap_add(struct srv_cap_list *list, const char *argument, enum eco_option_kind kind,
+	const char *option, struct eco_error *error)
 {
 	struct srv_cap cap = { .most = 0 };
+	const char *end;
 	const char *equals = strchr(argument, '='), *number = equals ? equals + 1 : argument;
 	size_t size = equals ? (size_t)(equals - argument) : 0;
 	if (size < sizeof cap.scene)
 		memcpy(cap.scene, argument, size);
-	if ((equals && !srv_name_valid(cap.scene)) || !srv_parse_count(number, &cap.most) || !cap.most)
-		return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be N or SCENE=N, N above 0", option,
-			argument);
+	if ((equals && !srv_name_valid(cap.scene)) || !eco_count_read(number, kind, &cap.most, &end)
+			|| *end || !cap.most)
+		return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be N or SCENE=N, N a whole number above 0, "
+			"perhaps with k, M or G behind it, as in 64M", option, argument);
 	if (list->count == SRV_CAPS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "more than %u caps: --%s; one without SCENE= is for "
 			"all", SRV_CAPS_MAX, option);

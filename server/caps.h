@@ -4,6 +4,7 @@
 #ifndef SRV_CAPS_H
 #define SRV_CAPS_H
 
+#include "ecofiles/base/options.h"
 #include "ecofiles/format/view.h"
 #include "server/store.h"
 
@@ -13,9 +14,10 @@ struct srv_cap { char scene[SRV_NAME_BYTES]; uint64_t most; };   /* scene "": al
 struct srv_cap_list { struct srv_cap items[SRV_CAPS_MAX]; uint32_t count; };
 struct srv_caps { struct srv_cap_list vertices, bytes; };        /* 0: none */
 
-/* "N", or "SCENE=N", N above 0; the last of a scene holds. `option`: what errors call it. */
-enum eco_code srv_cap_add(struct srv_cap_list *list, const char *argument, const char *option,
-	struct eco_error *error);
+/* "N", or "SCENE=N", N above 0 and read as an option of `kind`; the last of a scene holds. `option`: what errors
+ * call it. */
+enum eco_code srv_cap_add(struct srv_cap_list *list, const char *argument, enum eco_option_kind kind,
+	const char *option, struct eco_error *error);
 struct srv_sources;
 /* ECO_BAD_USAGE names a scene that has a cap, but is neither there nor named by an argument. */
 enum eco_code srv_caps_check(const struct srv_caps *caps, const struct srv_store *store,

@@ -53,12 +53,12 @@ static enum eco_code read_token(const char *text, void *access, struct eco_error
 
 static enum eco_code read_cap_vertices(const char *text, void *caps, struct eco_error *error)
 {
-	return srv_cap_add(caps, text, "cap-vertices", error);
+	return srv_cap_add(caps, text, ECO_OPTION_COUNT, "cap-vertices", error);
 }
 
 static enum eco_code read_cap_bytes(const char *text, void *caps, struct eco_error *error)
 {
-	return srv_cap_add(caps, text, "cap-bytes", error);
+	return srv_cap_add(caps, text, ECO_OPTION_BYTES, "cap-bytes", error);
 }
 
 static enum eco_code read_operator(const char *text, void *access, struct eco_error *error)
@@ -123,15 +123,15 @@ static const struct eco_option options[] = {
 		.help = "to send its body; 30000 if not given" },
 	{ "send-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.send_ms, 10, 3600000,
 		.help = "in each of which an answer is taken at the least rate; 30000 if not given" },
-	{ "send-rate", 0, ECO_OPTION_COUNT, "BYTES", &given.config.rate_bytes_s, 1, 1 << 30,
+	{ "send-rate", 0, ECO_OPTION_BYTES, "BYTES", &given.config.rate_bytes_s, 1, 1 << 30,
 		.help = "a second, the least rate; 16384 if not given" },
-	{ "body-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.body_max, 4, 1 << 30,
+	{ "body-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.body_max, 4, 1 << 30,
 		.help = "of a request's body at most; 4 MiB if not given" },
-	{ "bodies-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.bodies_max, 4, 1ull << 40,
+	{ "bodies-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.bodies_max, 4, 1ull << 40,
 		.help = "of all bodies, as far as they have arrived; 256 MiB if not given" },
-	{ "answer-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.response_max, 1, 1ull << 40,
+	{ "answer-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.response_max, 1, 1ull << 40,
 		.help = "of an answer at most; 2 GiB if not given, and 64 MiB of a plan as JSON" },
-	{ "answers-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.answers_max, 4, 1ull << 40,
+	{ "answers-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.answers_max, 4, 1ull << 40,
 		.help = "of memory for all answers that are being sent, without the packs' own bytes; where they "
 			"are taken, the address that holds most gives way; 256 MiB if not given" },
 	{ "cap-vertices", 0, ECO_OPTION_READ, "[SCENE=]N", &given.caps.vertices, .read = read_cap_vertices,
@@ -139,7 +139,7 @@ static const struct eco_option options[] = {
 			"much; may be given more than once" },
 	{ "cap-bytes", 0, ECO_OPTION_READ, "[SCENE=]BYTES", &given.caps.bytes, .read = read_cap_bytes,
 		.times = ECO_ONCE_A_NAME, .help = "that an answer of the scene, or of any, takes at most, in the same way" },
-	{ "kept-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.plan_cache_bytes, 1, 1ull << 40,
+	{ "kept-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.plan_cache_bytes, 1, 1ull << 40,
 		.help = "of answers that are kept for who asks again; 64 MiB if not given" },
 	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted,
 		.read = read_networks,

@@ -24,16 +24,60 @@ static bool is_input(const struct eco_option *o)
 
 /* ---- Values ---- */
 
+/* The factor of k, M or G; 1 if `letter` is none of them. Small m is no suffix, as it is read as metres. */
+static uint64_t suffix(char letter, enum eco_option_kind kind)
+{
+	const uint64_t step = kind == ECO_OPTION_BYTES ? 1024 : 1000;
+	switch (letter) {
+	case 'k':
+	case 'K':
+		return step;
+	case 'M':
+		return step * step;
+	case 'G':
+		return step * step * step;
+	default:
+		return 1;
+	}
+}
+
+bool eco_count_read(const char *text, enum eco_option_kind kind, uint64_t *value, const char **end)
+{
+	char *rest;
+	errno = 0;
+	int64_t number = strtoll(text, &rest, 10);
+	uint64_t factor = suffix(*rest, kind);
+	*end = rest + (factor > 1);
+	if (text[0] < '0' || text[0] > '9' || errno || (uint64_t)number > INT64_MAX / factor)
+		return false;
+	*value = (uint64_t)number * factor;
+	return true;
+}
+
+/* A bound of bytes with the largest suffix that divides it. */
+static const char *bound_text(uint64_t bound, enum eco_option_kind kind, char text[32])
+{
+	static const char letters[] = "KMG";
+	int most = kind == ECO_OPTION_BYTES ? 3 : 0, shift = 0;
+	while (shift < most && bound >= 1024 && bound % 1024 == 0) {
+		bound /= 1024;
+		shift++;
+	}
+	snprintf(text, 32, "%" PRIu64 "%.1s", bound, shift ? &letters[shift - 1] : "");
+	return text;
+}
+
 static enum eco_code read_count(const struct eco_option *o, const char *text, struct eco_error *error)
 {
-	char *end;
-	errno = 0;
-	int64_t low = (int64_t)o->low, high = o->high < 0x1p63 ? (int64_t)o->high : INT64_MAX,
-		value = strtoll(text, &end, 10);
-	if (text[0] < '0' || text[0] > '9' || *end || errno || value < low || value > high)
-		return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be a whole number from %" PRId64
-			" to %" PRId64, o->name, text, low, high);
-	*(uint64_t *)o->value = (uint64_t)value;
+	uint64_t low = (uint64_t)o->low, high = o->high < 0x1p63 ? (uint64_t)o->high : INT64_MAX, value;
+	const char *end;
+	char bounds[2][32];
+	if (!eco_count_read(text, o->kind, &value, &end) || *end || value < low || value > high)
+		return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be a whole number %sfrom %s to %s%s",
+			o->name, text, o->kind == ECO_OPTION_BYTES ? "of bytes " : "",
+			bound_text(low, o->kind, bounds[0]), bound_text(high, o->kind, bounds[1]),
+			high < 1000 ? "" : ", perhaps with k, M or G behind it, as in 64M");
+	*(uint64_t *)o->value = value;
 	return ECO_OK;
 }
 
@@ -45,6 +89,9 @@ static enum eco_code read_numbers(const struct eco_option *o, const char *text, 
 	for (uint32_t i = 0; i < count; i++) {
 		char *end;
 		double number = strtod(rest, &end);
+		uint64_t factor = end > rest ? suffix(*end, o->kind) : 1;
+		end += factor > 1;
+		number *= (double)factor;
 		if (end == rest || *end != (i + 1 < count ? ',' : 0)
 				|| !(number >= o->low && number <= o->high))
 			return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be %u number%s from %g to "
@@ -91,6 +138,7 @@ static enum eco_code read_value(const struct eco_option *o, const char *text, st
 		*(bool *)o->value = true;
 		return ECO_OK;
 	case ECO_OPTION_COUNT:
+	case ECO_OPTION_BYTES:
 		return read_count(o, text, error);
 	case ECO_OPTION_NUMBER:
 		return read_numbers(o, text, 1, error);
@@ -295,6 +343,14 @@ static void print_table(const struct eco_option *table, unsigned column, FILE *o
 	}
 }
 
+static bool takes_suffixes(const struct eco_option *table)
+{
+	for (const struct eco_option *o = table; o && (o->name || o->help); o++)
+		if (o->kind == ECO_OPTION_COUNT || o->kind == ECO_OPTION_BYTES)
+			return true;
+	return false;
+}
+
 void eco_command_help(const struct eco_command *command, FILE *out)
 {
 	static const struct eco_option always[] =
@@ -314,6 +370,9 @@ void eco_command_help(const struct eco_command *command, FILE *out)
 		eco_help_wrap(out, command->notes, 0, 0);
 	if (command->print_more)
 		command->print_more(out);
+	if (takes_suffixes(command->options) || takes_suffixes(command->common))
+		eco_help_wrap(out, "Numbers may end with k, M or G: thousands, millions and billions; in bytes "
+			"1024, 1024^2 and 1024^3. 2M vertices are 2000000.", 0, 0);
 	fputs("Exit status: 0 done, 1 failed, 2 wrong usage.\n", out);
 }
 

@@ -33,6 +33,7 @@ enum eco_option_kind {                   /* and what `value` points to */
 	ECO_OPTION_FLAG,                 /* bool */
 	ECO_OPTION_TEXT,                 /* const char * */
 	ECO_OPTION_COUNT,                /* uint64_t from `low` to `high`; INT64_MAX at most */
+	ECO_OPTION_BYTES,                /* as ECO_OPTION_COUNT, with suffixes of 1024 */
 	ECO_OPTION_NUMBER,               /* double from `low` to `high` */
 	ECO_OPTION_NUMBERS,              /* double[count], each from `low` to `high`, separated by commas */
 	ECO_OPTION_SIZE,                 /* uint32_t[2], WIDTHxHEIGHT, each from `low` to `high` */
@@ -42,6 +43,10 @@ enum eco_option_kind {                   /* and what `value` points to */
 	/* struct eco_inputs: all such arguments, at most `high` if that is not 0 */
 	ECO_OPTION_INPUTS
 };
+
+/* Reads digits and perhaps a suffix: k, M or G, which is 1000, 1000^2 or 1000^3, in ECO_OPTION_BYTES 1024,
+ * 1024^2 or 1024^3. *end is what follows. False: there is no digit, or the number exceeds INT64_MAX. */
+bool eco_count_read(const char *text, enum eco_option_kind kind, uint64_t *value, const char **end);
 
 /* How often a file of settings may give an option: the last would hold, and nobody would be told. */
 enum eco_option_times {

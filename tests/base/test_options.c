@@ -10,7 +10,7 @@
 static struct {
 	const char *scene, *pack;
 	struct eco_inputs others;
-	uint64_t jobs, vertices;
+	uint64_t jobs, vertices, memory;
 	double pace, at[3];
 	uint32_t size[2];
 	int order;
@@ -35,6 +35,7 @@ static const struct eco_option table[] = {
 	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &given.pack, .help = "the pack", .is_required = true },
 	{ "jobs", 'j', ECO_OPTION_COUNT, "N", &given.jobs, 1, 64, .help = "threads" },
 	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.vertices, 0, INT64_MAX, .help = "budget" },
+	{ "memory", 0, ECO_OPTION_BYTES, "SIZE", &given.memory, 65536, 1ull << 40, .help = "held" },
 	{ "pace", 0, ECO_OPTION_NUMBER, "M", &given.pace, 0.001, 10,
 		.help = "metres a second, of which there may be so many that this must be "
 		"said in two lines of text" },
@@ -115,6 +116,11 @@ static const struct { const char *line, *says; } rows[] = {
 	{ "a -j 65", "--jobs 65: must" }, { "a -j -3", "--jobs -3: must" },
 	{ "a -j 3x", "--jobs 3x: must" }, { "a --jobs=", "--jobs : must" },
 	{ "a -j 99999999999999999999", "must be a whole number" },
+	{ "a --vertices 1T", "--vertices 1T: must be a whole number from 0 to 9223372036854775807, perhaps with "
+		"k, M or G behind it, as in 64M" },
+	{ "a --memory 64MB", "--memory 64MB: must be a whole number of bytes from 64K to 1024G, perhaps with k, M "
+		"or G behind it" },
+	{ "a --memory 63k", "--memory 63k: must be" }, { "a --memory 1025G", "--memory 1025G: must be" },
 	{ "a --pace nan", "--pace nan: must be 1 number from 0.001 to 10" },
 	{ "a --pace 1,2", "must be 1 number" },
 	{ "a --at 1,2", "--at 1,2: must be 3 numbers from -10 to 10, separated by commas" },
@@ -141,7 +147,8 @@ UNIT_TEST(numbers_are_read_whole_or_refused)
 	static const char *const bad[] = { "size=", "size=8", "size=8x", "size=x6", "size=8x6x", "size=0x6",
 		"size=8x0", "size=-8x6", "size=99999x6",
 		"jobs=", "jobs=-1", "jobs=+1", "jobs=1.5", "jobs=1e6", "jobs=0x10",
-		"jobs=18446744073709551616", "jobs=101", "pace=", "pace=0",
+		"jobs=18446744073709551616", "jobs=101", "jobs=1k", "vertices=1.5M", "vertices=1m", "vertices=1g",
+		"vertices=M", "vertices=1kk", "vertices=9223372037G", "memory=8589934592G", "pace=", "pace=0",
 		"pace=-1", "pace=nan", "pace=inf", "pace=1s", "vertices=9223372036854775808" };
 	struct eco_error error;
 	char line[64];
@@ -156,6 +163,19 @@ UNIT_TEST(numbers_are_read_whole_or_refused)
 		&& given.vertices == INT64_MAX);
 }
 
+UNIT_TEST(suffixes_are_thousands_and_of_bytes_1024)
+{
+	struct eco_error error;
+	assert_int_equal(read_line("a -o b --vertices 1M --memory 64M --pace .005k", &error), ECO_OK);
+	assert_true(given.vertices == 1000000 && given.memory == 64 << 20 && given.pace == 5);
+	assert_int_equal(read_line("a -o b --vertices=9223372036G --memory 1024G --at 0,.001k,2", &error), ECO_OK);
+	assert_true(given.vertices == 9223372036000000000 && given.memory == 1ull << 40 && given.at[1] == 1);
+	assert_int_equal(read_line("a -o b --vertices 20k --memory 65536", &error), ECO_OK);
+	assert_true(given.vertices == 20000 && given.memory == 65536);
+	assert_int_equal(read_line("a -o b --vertices 20K --memory 64K", &error), ECO_OK);
+	assert_true(given.vertices == 20000 && given.memory == 65536);
+}
+
 UNIT_TEST(help_names_everything_within_its_columns)
 {
 	char *text = NULL;
@@ -167,7 +187,7 @@ UNIT_TEST(help_names_everything_within_its_columns)
 	static const char *const parts[] = { "\nDoes this and that.\n", "\n  MORE                  more of "
 		"them\n", "\nWhat is written\n", "\n  -o, --output OUT.eco  the pack\n",
 		"[=X]\n                        anything\n", "\n  -q, --quiet",
-		"\n  -h, --help", "\n  -V, --version", "\nA note.\nExit status: 0" };
+		"\n  -h, --help", "\n  -V, --version", "\nA note.\nNumbers may end with k, M or G", "\nExit status: 0" };
 	for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
 		if (!strstr(text, parts[i]))
 			fail_msg("no '%s' in:\n%s", parts[i], text);

@@ -58,10 +58,34 @@ for path in ecopack ecoserve ecoview ecoload bench/ecobench; do
 	says err "^$program --help says how it is used$"
 done
 
+# ---- Counts and sizes of all programs take the same suffixes ----
+suffixes() { # PROGRAM [COMMAND] -- OPTION...
+	path=$1 program=$1; shift
+	words=
+	while [ "$1" != -- ]; do words="$words $1"; shift; done
+	shift
+	for option; do
+		run 2 $words "--$option" 1kB
+		says err "--$option 1kB: must be .*k, M or G behind it"
+		run 2 $words "--$option" 1k --nonsense
+		says err "has no --nonsense"
+	done
+}
+suffixes ecoview -- vertices bytes
+suffixes ecoload -- vertices bytes bandwidth name-from clients cold decode seed
+suffixes ecoserve -- send-rate body-bytes bodies-bytes answer-bytes kept-bytes cap-vertices cap-bytes connections plans head-ms
+suffixes ecopack make -- models cache-mb
+suffixes ecopack generate -- plants seed
+suffixes ecopack map -- size
+suffixes ecopack export -- from
+path=ecoload; program=ecoload
+run 2 --rate 2k --nonsense
+says err "has no --nonsense"
+
 path=ecoview; program=ecoview
 for size in '' 0 -1 63K 64MB 64X 1.5G ' 64M' 1025G 99999999999999999999G; do
 	run 2 http://localhost/v1/scenes/none --camera none.json --size 8x8 --vertices 1 -o "$DIR/none" --memory "$size"
-	says err "--memory .*such as 64M or 2G, from 64K to 1024G"
+	says err "--memory .*from 64K to 1024G, perhaps with k, M or G behind it"
 done
 run 2 http://localhost/v1/scenes/none --camera none.json --size 8x8 --vertices 1 -o "$DIR/none" --chunks http://localhost --progressive 20000
 says err "--progressive: not with --chunks"

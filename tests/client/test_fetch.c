@@ -293,11 +293,11 @@ UNIT_TEST(an_answer_that_drips_is_given_up)
 
 UNIT_TEST(marks_are_numbers_of_bytes_or_milliseconds)
 {
-	static const char *const wrong[] = { "", "0", "a", "5,", ",5", "5;6", "5m", "5 ms", "-1", "1e9",
+	static const char *const wrong[] = { "", "0", "a", "5,", ",5", "5;6", "5m", "5 ms", "5kms", "-1", "1e9",
 		"99999999999999999999", "5,x,6" };
 	struct view_marks m;
-	assert_int_equal(view_marks_read(&m, "500ms,20,10ms,20,7,10ms", NULL), ECO_OK);
-	assert_true(m.bytes_count == 2 && m.bytes[0] == 7 && m.bytes[1] == 20);
+	assert_int_equal(view_marks_read(&m, "500ms,2k,10ms,2048,7,10ms", NULL), ECO_OK);
+	assert_true(m.bytes_count == 2 && m.bytes[0] == 7 && m.bytes[1] == 2048);
 	assert_true(m.ms_count == 2 && m.ms[0] == 10 && m.ms[1] == 500);
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
 		assert_int_equal(view_marks_read(&m, wrong[i], NULL), ECO_BAD_USAGE);
