@@ -328,6 +328,26 @@ done
 sed 's/691505/191505/' "$DIR/photo.vrt" >"$DIR/afar.vrt"
 ground 1 'in which CRS is it.*say --image-crs' "$DIR/afar.vrt"
 
+# ---- Arguments in another order, or of another kind ----
+order() { # PATTERN ARGUMENT...
+	pattern=$1 table="order of $*"; shift
+	rm -rf "$DIR/my"
+	"$PACK" start "$@" -o "$DIR/my" >"$DIR/out" 2>&1 </dev/null && complain "$table: it is taken"
+	tr -s '\n ' ' ' <"$DIR/out" | grep -Eq -- "$pattern" || complain "$table: says nothing like /$pattern/: $(cat "$DIR/out")"
+	[ ! -e "$DIR/my" ] || complain "$table: left $(ls "$DIR/my")"
+}
+printf 'species,x,y\nrock,0,0\n' >"$DIR/table.csv"
+order 'TREES here is a folder, MODELS a table: is ecopack start .*/table.csv .*/models meant' "$DIR/models" "$DIR/table.csv"
+order 'TREES here is a model, MODELS a table: is ecopack start .*/table.csv .*/stieleiche.obj meant' "$DIR/models/stieleiche.obj" "$DIR/table.csv"
+order 'MODELS a raster: is ecopack start .*/table.csv .*/models .*/metres.asc meant' "$DIR/table.csv" "$DIR/metres.asc" "$DIR/models"
+order 'TREES here is a raster, MODELS a table: is ecopack start .*/table.csv .*/models .*/metres.asc meant' "$DIR/metres.asc" "$DIR/table.csv" "$DIR/models"
+order 'TREES, .*/models, is a folder: the first argument is the table' "$DIR/models" "$DIR/models"
+order 'TREES, .*/rock.obj, is a model: the first argument is the table' "$DIR/models/rock.obj" "$DIR/models"
+order 'MODELS, .*/table.csv, is neither a folder nor a model by its ending: .glb' "$DIR/table.csv" "$DIR/table.csv"
+printf 'glTF' >"$DIR/forest.glb"
+order 'TREES here is a model, MODELS a table: is ecopack start .*/table.csv .*/forest.glb meant' "$DIR/forest.glb" "$DIR/table.csv"
+order 'forest.glb: ' "$DIR/forest.glb" "$DIR/models"
+
 # ---- Nothing is replaced by mistake, and nothing half written ----
 start 0 '' zone.csv --crs EPSG:25832
 cp "$DIR/my/scene.json" "$DIR/kept.json"

@@ -164,6 +164,8 @@ static enum eco_code run_start(int argc, char **argv, struct eco_error *error)
 	if (!code)
 		code = read_options(&options, error);
 	if (!code)
+		code = start_check_order(given.inputs.names, given.inputs.count, error);
+	if (!code)
 		code = make_folder(&options, &made, error);
 	if (code)
 		return code;

@@ -1,5 +1,6 @@
 /* Inside `ecopack start`: from a table of trees and a folder of models to a scene that can be packed.
  *
+ *   start_check_order(...)        which argument is which                             start_order.c
  *   start_rasters(&start)         terrain and picture                                 start_rasters.c
  *   start_look(&start)            the table: columns, units, CRS                      start_look.c
  *   start_models_find(&start)     the folder: which files are models                  start_models.c
@@ -78,6 +79,10 @@ struct start {
 	char *scene;                         /* the text */
 };
 
+/* The arguments without options, two or more. ECO_BAD_INPUT: they are not in their order, and in which they are. */
+enum eco_code start_check_order(char **names, uint32_t count, struct eco_error *error);
+#define START_FORMATS ".glb, .gltf, .obj, .fbx, .dae, .ply, .3ds, .3mf or .stl"
+bool start_is_model(const char *path);               /* by its ending */
 enum eco_code start_rasters(struct start *s);
 /* `code` says why the table was not read; says so where it is a raster. */
 enum eco_code start_told_raster(struct start *s, enum eco_code code);

@@ -36,6 +36,8 @@ static size_t format_of(const char *path)
 	return FORMATS;
 }
 
+bool start_is_model(const char *path) { return format_of(path) < FORMATS; }
+
 /* `name` is that of a model, by which the file is found in a table. */
 struct file { char *path, *name; off_t bytes; };
 /* Names of the first `above` bytes of all paths, which lead to the folder of models, say nothing. */
@@ -285,8 +287,8 @@ enum eco_code start_models_find(struct start *s)
 	else
 		code = walk(s, &files, s->options->models, 0);
 	if (!code && files.count == 0)
-		code = eco_fail(s->error, ECO_NOT_FOUND, "%.200s: no model in it: .glb, .gltf, .obj, .fbx, "
-			".dae, .ply, .3ds, .3mf or .stl", s->options->models);
+		code = eco_fail(s->error, ECO_NOT_FOUND, "%.200s: no model in it: " START_FORMATS,
+			s->options->models);
 	if (!code && !name_files(&files))
 		code = eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
 	if (!code)
