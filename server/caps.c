@@ -14,10 +14,12 @@ enum eco_code srv_cap_add(struct srv_cap_list *list, const char *argument, enum 
 	size_t size = equals ? (size_t)(equals - argument) : 0;
 	if (size < sizeof cap.scene)
 		memcpy(cap.scene, argument, size);
-	if ((equals && !srv_name_valid(cap.scene)) || !eco_count_read(number, kind, &cap.most, &end)
-			|| *end || !cap.most)
-		return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be N or SCENE=N, N a whole number above 0, "
-			"perhaps with k, M or G behind it, as in 64M", option, argument);
+	if ((equals && !srv_name_valid(cap.scene)) || !eco_count_read(number, kind, &cap.most, &end) ||
+		*end || !cap.most)
+		return eco_fail(error, ECO_BAD_USAGE,
+			"--%s %.100s: must be N or SCENE=N, N a whole number above 0, "
+			"perhaps with k, M or G behind it, as in 64M",
+			option, argument);
 	if (list->count == SRV_CAPS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "more than %u caps: --%s; one without SCENE= is for "
 			"all", SRV_CAPS_MAX, option);

@@ -371,8 +371,10 @@ void eco_command_help(const struct eco_command *command, FILE *out)
 	if (command->print_more)
 		command->print_more(out);
 	if (takes_suffixes(command->options) || takes_suffixes(command->common))
-		eco_help_wrap(out, "Numbers may end with k, M or G: thousands, millions and billions; in bytes "
-			"1024, 1024^2 and 1024^3. 2M vertices are 2000000.", 0, 0);
+		eco_help_wrap(out,
+			"Numbers may end with k, M or G: thousands, millions and billions; in bytes "
+			"1024, 1024^2 and 1024^3. 2M vertices are 2000000.",
+			0, 0);
 	fputs("Exit status: 0 done, 1 failed, 2 wrong usage.\n", out);
 }
 

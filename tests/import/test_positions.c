@@ -380,17 +380,18 @@ UNIT_TEST(heights_come_from_the_first_source_that_has_one)
 {
 	static const char csv[] = "x,y,h,d\n1,1,12.5,300\n2,2,21 to 30,300\n3,3,N/A,100\n4,4,-1,\n5,5,> "
 		"101,\n6,6,40',\n7,7,9 m,\n8,8,0,NA\n";
-	expect("", csv, "\"plant\":\"oak\",\"height_m\":[{\"column\":\"h\",\"unit\":\"ft\"},"
+	expect("", csv,
+		"\"plant\":\"oak\",\"height_m\":[{\"column\":\"h\",\"unit\":\"ft\"},"
 		"{\"from_dbh\":\"d\",\"unit\":\"mm\",\"max\":35,"
 		"\"rate\":0.004},7]," XY,
 		"oak 1 1 h3.81 / oak 2 2 h7.772 / oak 3 3 h12.41 / oak 4 4 h7 / oak 5 5 h30.785 / oak 6 6 "
 		"h12.192 / oak 7 7 h9 / oak 8 8 h7",
 		"1  kept: a size as a range, its middle is taken (first in line 3: \"21 to 30\")|1  kept: a "
 		"size as a bound, the bound is taken (first in "
-			"line 6: \"> 101\")|"
+		"line 6: \"> 101\")|"
 		"1  kept: a size with a unit of its own, which counts (first in line 8: \"9 m\")|1  kept: a "
 		"size that is not understood, the next source or "
-			"the plant's own is taken (first in line 5: \"-1\")");
+		"the plant's own is taken (first in line 5: \"-1\", which became 7 m, as for rows without a size)");
 	expect("", csv, "\"plant\":\"oak\",\"height_m\":{\"column\":\"d\",\"unit\":\"cm\"}," XY,
 		"oak 1 1 h3 / oak 2 2 h3 / oak 3 3 h1 / oak 4 4 / oak "
 		"5 5 / oak 6 6 / oak 7 7 / oak 8 8", "5  kept at their plant's own height: the row says no "
@@ -428,13 +429,32 @@ UNIT_TEST(crowns_and_scales_are_handed_on)
 
 UNIT_TEST(implausible_sizes_are_said)
 {
-	expect("", "x,y,h,d\n1,1,200,\n2,2,,50000\n3,3,900,\n", "\"plant\":\"oak\","
+	expect("", "x,y,h,d\n1,1,200,\n2,2,,50000\n3,3,900,\n",
+		"\"plant\":\"oak\","
 		"\"height_m\":[{\"column\":\"h\"},{\"from_dbh_cm\":\"d\",\"max\":35,"
 		"\"rate\":0.004}]," XY,
-		"oak 1 1 h200 / oak 2 2 h35 / oak 3 3", "3  kept: a height > 116 m (not used if > 300 m), a "
-		"trunk > 12 m or a crown > 60 m; is \"unit\" "
-			"another? (first in line 2: \"200\")|1  kept at their plant's own height: the row says no usable "
-			"one (first in line 4: \"900\")");
+		"oak 1 1 h200 / oak 2 2 h35 / oak 3 3",
+		"2  kept at a size that no plant reaches: a height > 116 m, a trunk "
+		"> 12 m or a crown > 60 m; is \"unit\" another? (first in line 2: \"200\", which became 200 m by "
+		"\"h\")|1  kept at another size: a height below 0.01 or above 300 m, or a "
+		"crown above 100 m, is not used; is \"unit\" another? (first in line 4: \"900\", which became its plant's own "
+		"height)|1  kept at their plant's own height: the row says no usable one (first in line 4: \"900\")");
+	expect("", "x,y,h,d\n1,1,12,\n2,2,510.0,20\n3,3,510,\n4,4,.001,\n",
+		"\"plant\":\"oak\","
+		"\"height_m\":[{\"column\":\"h\"},{\"from_dbh_cm\":\"d\",\"max\":35,\"rate\":0.004},11]," XY,
+		"oak 1 1 h12 / oak 2 2 h19.858 / oak 3 3 h11 / oak 4 4 h11",
+		"3  kept at another size: a "
+		"height below 0.01 or above 300 m, or a crown above 100 m, is not used; is \"unit\" another? (first in line "
+		"3: \"510.0\", which became 19.9 m by \"d\")");
+	expect("", "x,y,h,k\n1,1,N/A,900\n2,2,old,8\n",
+		"\"plant\":\"oak\",\"crown_m\":{\"column\":\"k\","
+		"\"is\":\"radius\"},\"height_m\":[{\"column\":\"h\"}]," XY,
+		"oak 1 1 / oak 2 2 c8",
+		"(first in line 2: \"900\", which became its plant's own height)|1  kept: a size that is not understood, the "
+		"next source or the plant's own is taken (first in line 3: \"old\", which became its plant's own "
+		"height, scaled to its crown)");
+	expect("", "x,y,h\n1,1,510\n", "\"plant\":\"oak\",\"height_m\":[{\"column\":\"h\"},11]," XY,
+		"oak 1 1 h11", "(first in line 2: \"510\", which became 11 m, as for rows without a size)");
 }
 
 /* A unit that the scene states counts, and is doubted in a line; nothing is guessed. */

@@ -82,7 +82,7 @@ struct start {
 /* The arguments without options, two or more. ECO_BAD_INPUT: they are not in their order, and in which they are. */
 enum eco_code start_check_order(char **names, uint32_t count, struct eco_error *error);
 #define START_FORMATS ".glb, .gltf, .obj, .fbx, .dae, .ply, .3ds, .3mf or .stl"
-bool start_is_model(const char *path);               /* by its ending */
+bool start_is_model(const char *path); /* by its ending */
 enum eco_code start_rasters(struct start *s);
 /* `code` says why the table was not read; says so where it is a raster. */
 enum eco_code start_told_raster(struct start *s, enum eco_code code);

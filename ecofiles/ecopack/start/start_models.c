@@ -36,7 +36,10 @@ static size_t format_of(const char *path)
 	return FORMATS;
 }
 
-bool start_is_model(const char *path) { return format_of(path) < FORMATS; }
+bool start_is_model(const char *path)
+{
+	return format_of(path) < FORMATS;
+}
 
 /* `name` is that of a model, by which the file is found in a table. */
 struct file { char *path, *name; off_t bytes; };

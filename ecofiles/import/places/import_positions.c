@@ -419,6 +419,8 @@ static void remark(struct eco_positions *p, const struct eco_size_remarks *remar
 		count(p, ECO_KEPT_OTHER_UNIT, buffer);
 	if (remarks->unread)
 		count(p, ECO_KEPT_UNREAD, buffer);
+	if (remarks->unused)
+		count(p, ECO_KEPT_UNUSED, buffer);
 	if (remarks->implausible)
 		count(p, ECO_KEPT_IMPLAUSIBLE, buffer);
 }
@@ -468,6 +470,7 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 {
 	const struct eco_positions_spec *s = p->spec;
 	char buffer[48];
+	p->height_source = ECO_NONE;
 	for (uint32_t i = 0; i < s->height_count; i++) {
 		struct eco_size_remarks remarks = { .range = false };
 		const char *text = p->height_column[i] != ECO_NONE ? field(p, p->height_column[i]) : "";
@@ -481,6 +484,7 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 		if (isnan(height))
 			continue;
 		p->sized = true;
+		p->height_source = i;
 		return height;
 	}
 	if (s->height_count > 0)
@@ -488,6 +492,28 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 			p->height_column[0] != ECO_NONE ? shown(field(p, p->height_column[0]), buffer,
 			sizeof buffer) : "");
 	return NAN;
+}
+
+/* Of a size that does not count or can hardly be meant, the first row's plant shows what such rows become. */
+static void note_became(struct eco_positions *p, const struct eco_position *record)
+{
+	static const enum eco_skip odd[] = { ECO_KEPT_UNREAD, ECO_KEPT_UNUSED, ECO_KEPT_IMPLAUSIBLE };
+	for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
+		struct eco_skipped *s = &p->skipped[odd[i]];
+		const struct eco_size *size =
+			p->height_source != ECO_NONE ? &p->spec->heights[p->height_source] : NULL;
+		if (s->count == 0 || s->became[0] != 0)
+			continue;
+		if (size && size->column)
+			snprintf(s->became, sizeof s->became, "%.3g m by \"%.50s\"", record->height_m,
+				size->column);
+		else if (size)
+			snprintf(s->became, sizeof s->became, "%.3g m, as for rows without a size",
+				record->height_m);
+		else
+			snprintf(s->became, sizeof s->became, "its plant's own height%s",
+				isnan(record->crown_radius_m) ? "" : ", scaled to its crown");
+	}
 }
 
 static double read_yaw(struct eco_positions *p)
@@ -526,6 +552,7 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 		return verdict;
 	record->crown_radius_m = read_crown(p);
 	record->height_m = read_height(p, record->plant, record->crown_radius_m);
+	note_became(p, record);
 	record->yaw_deg = read_yaw(p);
 	record->scale = read_scale(p);
 	record->row = p->rows->row;

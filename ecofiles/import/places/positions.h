@@ -126,6 +126,7 @@ enum eco_skip {
 	ECO_KEPT_OPEN,               /* "> 101": its bound */
 	ECO_KEPT_OTHER_UNIT,         /* a value with its own unit, which counts */
 	ECO_KEPT_UNREAD,             /* no size in the text: the next source, else the plant's own */
+	ECO_KEPT_UNUSED,             /* height beyond 0.01 to 300 m, crown radius beyond 0.01 to 100 m: as UNREAD */
 	ECO_KEPT_IMPLAUSIBLE,        /* height > 116 m, dbh > 12 m, crown radius > 60 m */
 	ECO_KEPT_DUPLICATE,          /* at the place of an earlier plant */
 	ECO_SKIP_COUNT
@@ -135,6 +136,7 @@ extern const char *const eco_skip_names[ECO_SKIP_COUNT];
 struct eco_skipped {
 	uint64_t count, first_line;
 	char first_text[48];         /* the value there, shortened */
+	char became[80];             /* the size of that row's plant and where it is from; "": not said */
 };
 
 #define ECO_UNKNOWN_MOST 5u      /* unknown species named */

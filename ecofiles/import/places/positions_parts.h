@@ -48,12 +48,12 @@ void eco_levels_close(struct eco_levels *levels);
 /* ---- Sizes (positions_size.c) ---- */
 
 struct eco_size_remarks {
-	bool range, open, other_unit, unread, implausible;
+	bool range, open, other_unit, unread, unused, implausible;
 	double measured_m; /* what the text says, by the unit stated for the column; 0: by its own */
 };
 
-/* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none (also implausible,
- * above high_m). */
+/* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none (also where it is unused,
+ * as it is below low_m or above high_m). */
 double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant,
 	double low_m, double high_m, struct eco_size_remarks *remarks);
 
@@ -92,6 +92,7 @@ struct eco_positions {
 	double low[2], high[2], nearest_m;   /* nearest_m: to the origin */
 	double first[3];             /* the first place, in the file's coordinates */
 	bool sized;                  /* a size was understood */
+	uint32_t height_source;      /* of the row being read; ECO_NONE: none */
 	char said[ECO_SPECIES_BYTES + 1];    /* species of the row being read */
 	char *notes[ECO_ROWS_NOTES_MAX];
 	uint32_t note_count;

@@ -32,6 +32,7 @@ const char *const eco_skip_names[ECO_SKIP_COUNT] = {
 	[ECO_KEPT_OPEN] = "a size as a bound",
 	[ECO_KEPT_OTHER_UNIT] = "a size with a unit of its own",
 	[ECO_KEPT_UNREAD] = "a size that is not understood",
+	[ECO_KEPT_UNUSED] = "a size beyond the limits",
 	[ECO_KEPT_IMPLAUSIBLE] = "an implausible size",
 	[ECO_KEPT_DUPLICATE] = "kept at the place of an earlier plant",
 };
@@ -52,9 +53,15 @@ static const char *const lines[ECO_SKIP_COUNT] = {
 	[ECO_KEPT_OPEN] = "kept: a size as a bound, the bound is taken",
 	[ECO_KEPT_OTHER_UNIT] = "kept: a size with a unit of its own, which counts",
 	[ECO_KEPT_UNREAD] = "kept: a size that is not understood, the next source or the plant's own is "
-	"taken", [ECO_KEPT_IMPLAUSIBLE] = "kept: a height > 116 m (not used if > 300 m), a trunk > 12 m or "
-	"a crown > 60 m; is \"unit\" another?", [ECO_KEPT_DUPLICATE] = "kept: at the place of an earlier "
-	"plant, to the millimetre (\"duplicates\": \"skip\" leaves them out)",
+			    "taken",
+	[ECO_KEPT_UNUSED] =
+		"kept at another size: a height below 0.01 or above 300 m, or a crown above 100 m, is not used; "
+		"is \"unit\" another?",
+	[ECO_KEPT_IMPLAUSIBLE] =
+		"kept at a size that no plant reaches: a height > 116 m, a trunk > 12 m or a crown > 60 m; "
+		"is \"unit\" another?",
+	[ECO_KEPT_DUPLICATE] = "kept: at the place of an earlier "
+			       "plant, to the millimetre (\"duplicates\": \"skip\" leaves them out)",
 };
 
 struct report {
@@ -86,9 +93,9 @@ static void count_line(const struct report *r, const struct eco_skipped *s, cons
 	va_start(arguments, format);
 	vsnprintf(reason, sizeof reason, format, arguments);
 	va_end(arguments);
-	line(r, "%12s  %s (first in %s %llu%s%s%s)", eco_phrase_count(s->count, number), reason, where,
+	line(r, "%12s  %s (first in %s %llu%s%s%s%s%s)", eco_phrase_count(s->count, number), reason, where,
 		(unsigned long long)s->first_line, s->first_text[0] != 0 ? ": \"" : "", s->first_text,
-		s->first_text[0] != 0 ? "\"" : "");
+		s->first_text[0] != 0 ? "\"" : "", s->became[0] != 0 ? ", which became " : "", s->became);
 }
 
 static void head_line(const struct report *r, const struct eco_positions_counts *c)

@@ -51,13 +51,15 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 		return NAN;
 	remarks->measured_m = unit_m != 0 ? 0 : number * size->unit_m;
 	metres = number * (unit_m != 0 ? unit_m : size->unit_m) * size->factor;
-	remarks->implausible |= rule && metres > DBH_PLAUSIBLE_M;
+	bool trunk_too_thick = rule && metres > DBH_PLAUSIBLE_M;
 	if (rule)
 		metres = by_allometry(rule, metres);
 	metres = to_millimetres(metres);
-	remarks->implausible |= metres > high_m;
-	if (!(metres >= low_m && metres <= high_m))
+	if (!(metres >= low_m && metres <= high_m)) {
+		remarks->unused = true;
 		return NAN;
+	}
+	remarks->implausible |= trunk_too_thick;
 	remarks->range |= form == ECO_FORM_RANGE;
 	remarks->open |= form == ECO_FORM_OPEN;
 	remarks->other_unit |= unit_m != 0 && unit_m != size->unit_m;
