@@ -1,13 +1,14 @@
 #include "client-min/library/ecostream_status.h"
 
+#include <stdio.h>
 #include <string.h>
 
+#include "ecofiles/base/phrase.h"
 #include "ecofiles/base/version.h"
 
 _Static_assert((int)ECOSTREAM_BAD_USAGE == (int)ECO_BAD_USAGE && (int)ECOSTREAM_DAMAGED == (int)ECO_DAMAGED
 	&& (int)ECOSTREAM_IO == (int)ECO_IO && (int)ECOSTREAM_INTERRUPTED == (int)ECO_INTERRUPTED
 	&& (int)ECOSTREAM_INTERRUPTED + 1 == (int)ECO_CODE_COUNT, "public codes are the rooms'");
-_Static_assert(sizeof(struct ecostream_error) == sizeof(struct eco_error), "and so are texts");
 
 const char *ecostream_version(void) { return ECO_VERSION; }
 
@@ -16,7 +17,8 @@ enum ecostream_code library_done(struct ecostream_error *error, enum eco_code co
 {
 	if (code && error && !error->code) {
 		error->code = (enum ecostream_code)code;
-		memcpy(error->text, own->text, sizeof error->text);
+		eco_phrase_cut(error->text, sizeof error->text,
+			snprintf(error->text, sizeof error->text, "%s", own->text));
 	}
 	return (enum ecostream_code)code;
 }

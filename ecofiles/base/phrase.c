@@ -5,17 +5,41 @@
 #include <stdio.h>
 #include <string.h>
 
+/* What eco_phrase_add wrote for names that did not fit; NULL: all fitted. */
+static char *find_rest(char *list, uint32_t *missing)
+{
+	char *rest = NULL;
+	int used = 0;
+	for (char *at = list; (at = strstr(at, " and ")); at++)
+		rest = at;
+	if (rest && sscanf(rest, " and %" SCNu32 " more%n", missing, &used) == 1 && used > 0 && !rest[used])
+		return rest;
+	return sscanf(list, "%" SCNu32 " more%n", missing, &used) == 1 && used > 0 && !list[used] ? list : NULL;
+}
+
 void eco_phrase_add(char *list, size_t size, const char *name)
 {
-	static const char more[] = ", ...";
-	size_t used = strlen(list), length = strlen(name);
-	assert(size > sizeof more);
-	if (used >= sizeof more - 1 && strcmp(list + used - (sizeof more - 1), more) == 0)
-		return;
-	if (used + 2 + length + sizeof more <= size)
+	size_t used = strlen(list);
+	uint32_t missing = 0;
+	char *rest = find_rest(list, &missing);
+	assert(size >= 32);
+	if (!rest && used + strlen(", ") + strlen(name) + sizeof " and 4294967295 more" <= size) {
 		snprintf(list + used, size - used, "%s%s", used > 0 ? ", " : "", name);
-	else if (used + sizeof more <= size)
-		strcpy(list + used, used > 0 ? more : more + 2);
+		return;
+	}
+	rest = rest ? rest : list + used;
+	snprintf(rest, size - (size_t)(rest - list), "%s%" PRIu32 " more", rest > list ? " and " : "", missing + 1);
+}
+
+void eco_phrase_cut(char *text, size_t size, int wanted)
+{
+	static const char dots[] = " ...";
+	if (wanted < 0 || (size_t)wanted < size)
+		return;
+	size_t end = size - sizeof dots;
+	while (end > 0 && text[end] != ' ')
+		end--;
+	memcpy(text + (end > 0 ? end : size - sizeof dots), dots, sizeof dots);
 }
 
 const char *eco_phrase_count(uint64_t count, char text[32])

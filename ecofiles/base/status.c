@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "ecofiles/base/phrase.h"
+
 static const struct {
 	const char *name;
 	int exit_status;
@@ -40,7 +42,8 @@ enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *
 		return code;
 	error->code = code;
 	va_start(arguments, format);
-	vsnprintf(error->text, sizeof error->text, format, arguments);
+	eco_phrase_cut(error->text, sizeof error->text,
+		vsnprintf(error->text, sizeof error->text, format, arguments));
 	va_end(arguments);
 	tame(error->text);
 	return code;

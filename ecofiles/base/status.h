@@ -27,7 +27,7 @@ enum eco_code {
 
 struct eco_error {
 	enum eco_code code;
-	char text[512];
+	char text[1024];   /* what does not fit is left out after a whole word, for " ..." */
 };
 
 /* Records `code` and the formatted text in `error` unless it already holds a failure; returns `code`

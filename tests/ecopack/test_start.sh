@@ -196,7 +196,14 @@ start 0 'as you say' rome.csv --crs EPSG:3857
 gk() { awk -v first="$1" -v x="$2" -v y="$3" 'BEGIN { print first; for (i = 0; i < 50; i++) printf "Linde;%d;%d;%d\n", 5 + i % 9, x + 3 * i, y + 2 * i }'; }
 gk 'Baumart;Baumhöhe;Rechtswert;Hochwert' 3567210 5933820 >"$DIR/gk.csv"
 start 0 'where German, the columns. language, is written; a place at 10.01' gk.csv
-is .crs '"EPSG:5677"'
+is .crs '"EPSG:31467"'
+# ---- Where several grids fit, the usual one of the columns' language comes first, no candidate is cut, and the rest is counted ----
+gk 'Baumart;Baumhöhe;Rechtswert;Hochwert' 3567123 5802345 >"$DIR/gk.csv"
+start 1 '5802.* may be in EPSG:31467 .DHDN / 3-degree Gauss-Kruger zone 3; at 9\.99, 52\.35., EPSG:2174 ' gk.csv
+grep -Eq '(EPSG:[0-9]+ \([^;]*; at [-0-9.]+, [-0-9.]+\)(, | and [0-9]+ more)?)+; give it with --crs EPSG:\.\.\.$' "$DIR/out" || complain "gk: a candidate is cut: $(cat "$DIR/out")"
+gk 'Species;Height;Easting;Northing' 532100 181200 >"$DIR/gb.csv"
+start 1 "or the country's grid, EPSG:[^;]*; at [^;]*\)[^(]* EPSG:27700 .OSGB36 / British National Grid; at -0.09, 51.51|or the country's grid, EPSG:27700" gb.csv
+grep -Eq 'EPSG:[0-9]+ \([^;]*; at [-0-9.]+, [-0-9.]+\)( and [0-9]+ more)?$' "$DIR/out" || complain "gb: a candidate is cut: $(cat "$DIR/out")"
 gk 'Essence;Hauteur;coord_x;coord_y' 842510 6519012 >"$DIR/l93.csv"
 start 0 'where French, the columns. language, is written; a place at 4.83' l93.csv
 is .crs '"EPSG:2154"'

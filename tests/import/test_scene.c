@@ -177,7 +177,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{" MANY_PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [0, 0]}]}", ":1:",
 		"plants\": a23456789b23456789c23456789d23456789-1, "
 		"a23456789b23456789c23456789d23456789-2, a23456789b23456789c23456789d23456789-3, "
-		"a23456789b23456789c23456789d23456789-4, ..." },
+		"a23456789b23456789c23456789d23456789-4 and 2 more" },
 	{ "{\"importance\": 0}", ":1:16:", "between 0.01 and 100" },
 	{ "{\"models\": 0}", ":1:12:", "between 1 and 65536" },
 	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"parts\": [{\"name\": \"p\", \"importance\": "

@@ -12,7 +12,7 @@
 #include "tests/support/input_files.h"
 
 /* species: what each plant's row states; "": none, "-": no column does. */
-struct inventory { char plants[8000], species[8000], report[8000], error[600]; };
+struct inventory { char plants[8000], species[8000], report[8000], error[1024]; };
 
 /* `scene`: its fields before "plants", each with its comma; `entry`: fields of the entry, after "from".
  * Plants are oak, ash and elm; elm has three variants. The message of a failure is in `error`, which is empty

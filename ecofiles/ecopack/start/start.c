@@ -36,7 +36,7 @@ enum eco_code start_guess(struct start *s, const char *what, const char *took, c
 	struct start_guess *g = &s->guesses[s->guess_count++];
 	va_list arguments;
 	va_start(arguments, why);
-	vsnprintf(g->why, sizeof g->why, why, arguments);
+	eco_phrase_cut(g->why, sizeof g->why, vsnprintf(g->why, sizeof g->why, why, arguments));
 	va_end(arguments);
 	snprintf(g->what, sizeof g->what, "%s", what);
 	snprintf(g->took, sizeof g->took, "%s", took);

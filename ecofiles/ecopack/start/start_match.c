@@ -10,7 +10,6 @@
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/words.h"
 
-#define NAMED 5u                 /* species named in a line */
 #define COMMON 500u              /* species that a rare one is compared with */
 #define FEWER 20u                /* so many times rarer is a misspelling */
 
@@ -122,17 +121,15 @@ static enum eco_code say_tier(struct start *s, enum start_tier tier)
 		for (uint32_t i = 0; i < s->species.count; i++) {
 			if (s->matches[i].model != model || s->matches[i].tier != tier)
 				continue;
-			if (kinds++ < NAMED)
-				eco_phrase_add(names, sizeof names, s->species.items[i].text);
+			eco_phrase_add(names, sizeof names, s->species.items[i].text);
+			kinds++;
 			sum += s->species.items[i].rows;
 		}
 		if (kinds == 0)
 			continue;
 		snprintf(took, sizeof took, "%.60s: %u species, %s row%s", model == ECO_NONE ? "left out"
 			: s->models[model].name, kinds, eco_phrase_count(sum, rows), sum == 1 ? "" : "s");
-		enum eco_code code = start_guess(s, "model", took, "\"map\" in the scene", "%s: "
-			"%s%s", why[tier],
-			names, kinds > NAMED ? ", ..." : "");
+		enum eco_code code = start_guess(s, "model", took, "\"map\" in the scene", "%s: %s", why[tier], names);
 		if (code)
 			return code;
 	}

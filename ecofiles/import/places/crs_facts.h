@@ -30,16 +30,20 @@ enum eco_code eco_crs_place(const char *crs, const double xy[2], struct eco_crs_
 struct eco_crs_choice {
 	char code[32], name[96], area[96];
 	bool metric;                 /* in metres, not in feet */
+	uint32_t usual;              /* as eco_crs_usual */
 	double degrees[2], extent_deg;       /* of the place; of the area's longer side */
 };
 #define ECO_CRS_CHOICES_MAX 128u
 
-/* Projected CRSs that have a place within their areas of use, the smallest area first, one for each place
- * on Earth (of several datums, WGS 84's, else the one with the least code). With `words` (words.h, NULL for
+/* Projected CRSs that have a place within their areas of use, usual ones first, then those of small areas, one for
+ * each place on Earth (of several datums the usual one, else WGS 84's, else the first in the register). With `words` (words.h, NULL for
  * none) only those whose names have these, in this order. `choices` has room for
  * ECO_CRS_CHOICES_MAX; *found may exceed that. Without words it takes seconds. */
 enum eco_code eco_crs_choices(const double xy[2], const char *words,
 	struct eco_crs_choice *choices, uint32_t *found, struct eco_error *error);
+
+/* How usual a CRS is for tables of plants: 0 for most, the higher the more usual. */
+uint32_t eco_crs_usual(uint32_t epsg);
 
 /* The code of the UTM zone of a place in degrees: "EPSG:32632". */
 void eco_crs_utm(const double degrees[2], char code[32]);

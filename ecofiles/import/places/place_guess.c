@@ -27,7 +27,7 @@
 #define BARE_SOUTH -56.0         /* no tree stands beyond these latitudes */
 #define BARE_NORTH 75.0
 #define ZONES_LISTED 24u         /* UTM zones of a language that a question names */
-#define LISTED 6u                /* choices that a question names */
+#define LISTED 6u                /* zones where a language is written: if there are more, all zones are offered */
 #define WEB_MERCATOR "EPSG:3857"
 #define ROUND_M 10.0             /* origins are round */
 #define NEAR_DEG 0.01            /* places that differ by datum alone lie nearer together */
@@ -165,17 +165,17 @@ static void guess_degrees(struct look *l)
 
 /* ---- A grid ---- */
 
+/* As many as fit, and how many more there are; `choices` has ECO_CRS_CHOICES_MAX of them at most. */
 static void list_choices(const struct eco_crs_choice *choices, uint32_t found, char *text, size_t size)
 {
-	uint32_t most = found < LISTED ? found : LISTED;
-	size_t used = 0;
 	text[0] = 0;
-	for (uint32_t i = 0; i < most && used < size; i++)
-		used += (size_t)snprintf(text + used, size - used, "%s%s (%.40s; at %.2f, "
-			"%.2f)", i > 0 ? ", " : "",
-			choices[i].code, choices[i].name, choices[i].degrees[0], choices[i].degrees[1]);
-	if (found > most && used < size)
-		snprintf(text + used, size - used, " and %u more", found - most);
+	for (uint32_t i = 0; i < found; i++) {
+		char choice[200] = "";
+		if (i < ECO_CRS_CHOICES_MAX)
+			snprintf(choice, sizeof choice, "%s (%s; at %.2f, %.2f)", choices[i].code, choices[i].name,
+				choices[i].degrees[0], choices[i].degrees[1]);
+		eco_phrase_add(text, size, choice);
+	}
 }
 
 static bool may_be_utm(const struct look *l)
@@ -245,7 +245,7 @@ static void list_zones(const struct look *l, const struct eco_crs_choice *choice
 static enum eco_code ask_for_grid(struct look *l, struct eco_crs_choice *choices, uint32_t found,
 	uint32_t spoken)
 {
-	char list[330] = "such as EPSG:2154 in France", zones[160];
+	char list[400] = "such as EPSG:2154 in France", zones[160];
 	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
 	struct eco_crs_facts facts;
 	if (may_be_utm(l) && (spoken == 0 || spoken > LISTED)
@@ -254,11 +254,11 @@ static enum eco_code ask_for_grid(struct look *l, struct eco_crs_choice *choices
 		uint32_t grids = sort_zones_last(choices,
 			found < ECO_CRS_CHOICES_MAX ? found : ECO_CRS_CHOICES_MAX);
 		if (grids > 0)
-			list_choices(choices, grids < 2 ? grids : 2, list, sizeof list);
+			list_choices(choices, grids, list, sizeof list);
 		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, "
 			"%.0f is a place in each UTM zone, at latitude %.1f: give the zone of your "
 			"longitude, --crs EPSG:32601 (180 W) to EPSG:32660 (180 E), in the south "
-			"EPSG:32701 to EPSG:32760%s; or the country's grid, %.120s, ...",
+			"EPSG:32701 to EPSG:32760%s; or the country's grid, %s",
 			l->asked->table->path, at[0], at[1], facts.degrees[1], zones, list);
 	}
 	list_choices(choices, found, list, sizeof list);

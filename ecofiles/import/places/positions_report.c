@@ -11,7 +11,6 @@
 #include "ecofiles/import/places/size_units.h"
 
 #define LINE_BYTES 480u
-#define KEYS_NAMED 6u
 #define HEAP_M 1.0
 
 const char *const eco_skip_names[ECO_SKIP_COUNT] = {
@@ -76,7 +75,7 @@ static void line(const struct report *r, const char *format, ...)
 	char text[LINE_BYTES];
 	va_list arguments;
 	va_start(arguments, format);
-	vsnprintf(text, sizeof text, format, arguments);
+	eco_phrase_cut(text, sizeof text, vsnprintf(text, sizeof text, format, arguments));
 	va_end(arguments);
 	r->say(r->ctx, text);
 }
@@ -128,23 +127,23 @@ static void filter_lines(const struct report *r, const struct eco_positions_coun
 static void key_lines(const struct report *r, const struct eco_positions_counts *c)
 {
 	const struct eco_positions_spec *s = r->reader->spec;
-	char names[300] = "";
+	char names[300] = "", key[ECO_SPECIES_BYTES + 3];
 	uint32_t unused = 0;
-	size_t used = 0;
 	if (!s->species)
 		return;
 	for (uint32_t i = 0; i < s->map_count; i++) {
 		if (s->map[i].plant == ECO_NONE)
 			count_line(r, &c->keys[i], c->where, "left out by the map: %.80s", s->map[i].name);
-		if (c->keys[i].count == 0 && unused++ < KEYS_NAMED && used < sizeof names)
-			used += (size_t)snprintf(names + used, sizeof names - used, "%s\"%.40s\"",
-				used > 0 ? ", " : "", s->map[i].name);
+		if (c->keys[i].count > 0)
+			continue;
+		snprintf(key, sizeof key, "\"%s\"", s->map[i].name);
+		eco_phrase_add(names, sizeof names, key);
+		unused++;
 	}
 	if (s->fallback.name && s->fallback.plant == ECO_NONE)
 		count_line(r, &c->keys[s->map_count], c->where, "left out by the map: *");
 	if (unused > 0 && c->rows > 0)
-		line(r, "%12s  %u key%s of the map fit no row: %s%s", "", unused, unused == 1 ? "" : "s",
-			names, unused > KEYS_NAMED ? ", ..." : "");
+		line(r, "%12s  %u key%s of the map fit no row: %s", "", unused, unused == 1 ? "" : "s", names);
 }
 
 static void unknown_lines(const struct report *r, const struct eco_positions_counts *c)

@@ -217,7 +217,14 @@ static bool name_fits(const char *name, const char *code, const char *words)
 	return strcmp(wanted, code) == 0 || strstr(text, wanted);
 }
 
-/* Of CRSs that mean one place, the first stays unless the other is WGS 84's. */
+static bool is_better(const struct eco_crs_choice *choice, const struct eco_crs_choice *own)
+{
+	if (choice->usual != own->usual)
+		return choice->usual > own->usual;
+	return !own->usual && strncmp(choice->name, "WGS 84", 6) == 0 && strncmp(own->name, "WGS 84", 6) != 0;
+}
+
+/* Of CRSs that mean one place one stays. */
 static enum eco_code add_choice(struct choices *all, const struct eco_crs_choice *choice)
 {
 	for (uint32_t i = 0; i < all->count; i++) {
@@ -225,9 +232,8 @@ static enum eco_code add_choice(struct choices *all, const struct eco_crs_choice
 		if (fabs(own->degrees[0] - choice->degrees[0]) > SAME_DEG
 				|| fabs(own->degrees[1] - choice->degrees[1]) > SAME_DEG)
 			continue;
-		bool better = strncmp(choice->name, "WGS 84", 6) == 0 && strncmp(own->name, "WGS 84", 6) != 0;
 		double extent = fmin(own->extent_deg, choice->extent_deg);
-		if (better)
+		if (is_better(choice, own))
 			*own = *choice;
 		own->extent_deg = extent;
 		return ECO_OK;
@@ -259,6 +265,7 @@ static enum eco_code try_crs(PJ_CONTEXT *context, const PROJ_CRS_INFO *info, con
 	bool good = crs && degrees_of(context, crs, xy, choice.degrees) &&
 		within(choice.degrees, info->west_lon_degree, info->south_lat_degree, info->east_lon_degree,
 			info->north_lat_degree);
+	choice.usual = eco_crs_usual((uint32_t)strtoul(info->code, NULL, 10));
 	choice.metric = good && proj_is_metric_map(context, crs);
 	proj_destroy(crs);
 	snprintf(choice.name, sizeof choice.name, "%s", info->name);
@@ -266,9 +273,11 @@ static enum eco_code try_crs(PJ_CONTEXT *context, const PROJ_CRS_INFO *info, con
 	return good ? add_choice(all, &choice) : ECO_OK;
 }
 
-static int by_extent(const void *a, const void *b)
+static int by_use(const void *a, const void *b)
 {
 	const struct eco_crs_choice *p = a, *q = b;
+	if (p->usual != q->usual)
+		return p->usual > q->usual ? -1 : 1;
 	if (p->extent_deg != q->extent_deg)
 		return p->extent_deg < q->extent_deg ? -1 : 1;
 	return strcmp(p->code, q->code);
@@ -302,7 +311,7 @@ enum eco_code proj_crs_choices(const double xy[2], const char *words,
 	if (context)
 		code = try_all(context, xy, words, &all);
 	if (!code && all.count > 0) {
-		qsort(all.items, all.count, sizeof *all.items, by_extent);
+		qsort(all.items, all.count, sizeof *all.items, by_use);
 		*found = all.count;
 		memcpy(choices, all.items, (all.count < ECO_CRS_CHOICES_MAX ? all.count : ECO_CRS_CHOICES_MAX)
 			* sizeof *choices);

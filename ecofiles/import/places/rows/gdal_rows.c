@@ -18,6 +18,7 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "ecofiles/base/phrase.h"
 #include "ecofiles/import/ground/gdal_module.h"
 #include "ecofiles/import/places/rows/rows_formats.h"
 
@@ -64,7 +65,7 @@ static enum eco_code gdal_says(const char *path, enum eco_code code, const char 
 	struct eco_error *error)
 {
 	const char *why = CPLGetLastErrorMsg();
-	return eco_fail(error, code, "%.200s: %s%s%.220s", path, doing, *why != 0 ? ": " : "", why);
+	return eco_fail(error, code, "%.200s: %s%s%s", path, doing, *why != 0 ? ": " : "", why);
 }
 
 /* ---- The layer ---- */
@@ -85,12 +86,13 @@ static bool is_surface(OGRwkbGeometryType type)
 static enum eco_code ask_for_layer(struct ogr_rows *r, const char *wanted, struct eco_error *error)
 {
 	char names[300] = "";
-	size_t used = 0;
 	int count = GDALDatasetGetLayerCount(r->data);
-	for (int i = 0; i < count && used < sizeof names; i++) {
+	for (int i = 0; i < count; i++) {
 		OGRLayerH layer = GDALDatasetGetLayer(r->data, i);
-		used += (size_t)snprintf(names + used, sizeof names - used, "%s%.60s (%s)", i > 0 ? ", " : "",
-			OGR_L_GetName(layer), OGRGeometryTypeToName(OGR_L_GetGeomType(layer)));
+		char name[200];
+		snprintf(name, sizeof name, "%.150s (%s)", OGR_L_GetName(layer),
+			OGRGeometryTypeToName(OGR_L_GetGeomType(layer)));
+		eco_phrase_add(names, sizeof names, name);
 	}
 	if (wanted)
 		return eco_fail(error, ECO_BAD_INPUT, "%.150s: no layer \"%.60s\"; there are: %s", r->path,
