@@ -245,6 +245,13 @@ $(TESTS): $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
 	$(LINK_C) -o $@ $(filter %.o,$^) $(TRAPPED) $(LINK_TEST) -lcmocka
 
+# Import with each basic block counted: the work of an import is a number, the same in each run.
+COUNTED := $(patsubst %.c,$(B)/counted/%.o,$(call sources,ecofiles/import/model))
+$(B)/counted/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS_ALL) -fsanitize-coverage=trace-pc -MMD -MP -c -o $@ $<
+$(B)/tests/test_model_work: $(COUNTED)
+
 # Programs that measure: tests/bench/NAME.c each; but bench*.c and the folders are the sections of one, ecobench, and what they share.
 BENCHES := $(patsubst tests/bench/%.c,$(B)/bench/%,$(filter-out tests/bench/bench% tests/bench/test_%,$(wildcard tests/bench/*.c)))
 $(B)/bench/ecobench: $(BENCH_PARTS)
@@ -296,7 +303,7 @@ $(B)/obj/%.o: %.cpp
 	@mkdir -p $(@D)
 	$(CXX) $(CXXFLAGS_ALL) -MMD -MP -c -o $@ $<
 
--include $(shell find $(B)/obj $(B)/o0 -name '*.d' 2>/dev/null)
+-include $(shell find $(B)/obj $(B)/o0 $(B)/counted -name '*.d' 2>/dev/null)
 
 include client-min/web/web.mk
 

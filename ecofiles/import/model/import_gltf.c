@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/mix.h"
 #include "ecofiles/base/room.h"
 
 #define COARSE 1e-4                  /* share of the extent: a coarser rounding of coordinates is reported */
@@ -26,7 +27,7 @@ struct shape {                       /* a mesh, with the morph weights of the fi
 	const json_t *weights;
 	uint32_t first, count;       /* its pieces */
 	uint64_t triangles;
-	uint32_t next;               /* another shape of the same mesh */
+	uint32_t next;               /* another shape of the same slot */
 };
 
 struct place { uint32_t shape, node; double world[16]; };
@@ -41,7 +42,7 @@ struct soup {
 	struct gltf_look *looks;     uint32_t look_count;
 	struct piece *pieces;        uint32_t piece_count, piece_room;
 	struct shape *shapes;        uint32_t shape_count, shape_room;
-	uint32_t *first_shape;       /* per mesh */
+	uint32_t *first_shape, shape_mask;   /* slots by mesh and weights */
 	struct place *places;        uint32_t place_count, place_room;
 	struct gltf_skin *skins;     uint32_t skin_count;
 	struct eco_tints tints;
@@ -124,6 +125,19 @@ static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_
 	return too_many(s, s->read);
 }
 
+/* The slot of shapes with a mesh and weights: nodes may share one mesh with other weights each. */
+static uint32_t *shape_slot(struct soup *s, uint32_t mesh, const json_t *weights)
+{
+	uint64_t hash = mesh;
+	for (size_t i = 0; i < json_array_size(weights); i++) {
+		double weight = json_number_value(json_array_get(weights, i));
+		uint64_t bits;
+		memcpy(&bits, &weight, sizeof bits);
+		hash = eco_mix(hash, bits);
+	}
+	return &s->first_shape[eco_mix(0, hash) & s->shape_mask];
+}
+
 /* The shape of a node's mesh; reads it if it is new. */
 static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *node, uint32_t *found)
 {
@@ -135,18 +149,20 @@ static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *nod
 			eco_gltf_path(s->doc), mesh);
 	if (!weights)
 		weights = json_object_get(json, "weights");
-	for (*found = s->first_shape[mesh]; *found != ECO_NONE; *found = s->shapes[*found].next)
-		if (s->shapes[*found].weights == weights || json_equal(s->shapes[*found].weights, weights))
+	uint32_t *slot = shape_slot(s, mesh, weights);
+	for (*found = *slot; *found != ECO_NONE; *found = s->shapes[*found].next)
+		if (s->shapes[*found].mesh == mesh && (s->shapes[*found].weights == weights
+				|| json_equal(s->shapes[*found].weights, weights)))
 			return ECO_OK;
 	if (!eco_room(&s->shapes, &s->shape_room, s->shape_count, sizeof *s->shapes))
 		return out_of_memory(s);
 	struct shape *shape = &s->shapes[s->shape_count];
 	*shape = (struct shape){ .mesh = mesh, .weights = weights, .first = s->piece_count,
-		.next = s->first_shape[mesh] };
+		.next = *slot };
 	primitives = json_object_get(json, "primitives");
 	for (size_t i = 0; i < json_array_size(primitives) && code == ECO_OK; i++)
 		code = read_piece(s, shape, json_array_get(primitives, i), (uint32_t)i);
-	*found = s->first_shape[mesh] = s->shape_count++;
+	*found = *slot = s->shape_count++;
 	return code;
 }
 
@@ -450,17 +466,20 @@ static void tell(struct soup *s)
 
 static enum eco_code prepare(struct soup *s)
 {
-	size_t meshes = json_array_size(json_object_get(eco_gltf_json(s->doc), "meshes"));
+	size_t nodes = json_array_size(json_object_get(eco_gltf_json(s->doc), "nodes")), slots = 16;
 	size_t skins = json_array_size(json_object_get(eco_gltf_json(s->doc), "skins"));
 	snprintf(s->frame->format, sizeof s->frame->format, "glTF");
 	s->frame->unit_m = 1;
 	s->frame->up = s->frame->convention = ECO_UP_Y;
 	s->looks = gltf_looks_read(s->doc, &s->look_count);
-	s->first_shape = meshes < ECO_NONE ? malloc((meshes + 1) * sizeof *s->first_shape) : NULL;
+	while (slots < nodes && slots <= ECO_GLTF_NODES_MAX)
+		slots *= 2;
+	s->first_shape = malloc(slots * sizeof *s->first_shape);
+	s->shape_mask = (uint32_t)slots - 1;
 	s->skins = skins < ECO_NONE ? calloc(skins + 1, sizeof *s->skins) : NULL;
 	if (!s->looks || !s->first_shape || !s->skins)
 		return out_of_memory(s);
-	memset(s->first_shape, 0xff, (meshes + 1) * sizeof *s->first_shape);
+	memset(s->first_shape, 0xff, slots * sizeof *s->first_shape);
 	s->skin_count = (uint32_t)skins;
 	return check_required(s);
 }

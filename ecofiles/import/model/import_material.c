@@ -144,7 +144,8 @@ void eco_model_see_colourless(struct eco_model *model, struct eco_notes *notes)
 	if (red || blue)
 		eco_note(notes, "its vertex colours run from black to %s: they are taken for weights of wind "
 			"and shade, not for colours", red ? "red" : "blue");
-	for (uint32_t i = 0; (red || blue || shaded || is_one_grey(model)) && i < model->material_count; i++)
+	bool colourless = red || blue || shaded || is_one_grey(model);
+	for (uint32_t i = 0; colourless && i < model->material_count; i++)
 		model->materials[i].colourless = true;
 }
 

@@ -9,6 +9,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/texts.h"
+
 #define MTL_BYTES_MAX ((uint64_t)1 << 28)
 #define MATERIALS_MAX 65536u
 
@@ -178,15 +180,49 @@ enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_err
 	return ECO_OK;
 }
 
-const struct eco_mtl_material *eco_mtl_find(const struct eco_mtl *mtl, const char *name)
+/* The number of a name, in any case if `fold`; ECO_NONE when memory ran out. */
+static uint32_t number_name(struct eco_texts *names, const char *name, bool fold)
 {
-	for (uint32_t i = mtl->count; i-- > 0;)
-		if (strcmp(mtl->items[i].name, name) == 0)
-			return &mtl->items[i];
-	for (uint32_t i = mtl->count; i-- > 0;)
-		if (strcasecmp(mtl->items[i].name, name) == 0)
-			return &mtl->items[i];
-	return NULL;
+	char *text = strdup(name);
+	uint32_t number = ECO_NONE;
+	for (char *c = text; fold && c && *c != 0; c++)
+		*c = (char)tolower((unsigned char)*c);
+	if (text && !eco_texts_add(names, text, &number))
+		number = ECO_NONE;
+	free(text);
+	return number;
+}
+
+/* Finds the names that are not found yet. Each list of names is walked once: both may be long. */
+static bool find_names(const struct eco_mtl *mtl, char *const *names, uint32_t count, bool fold,
+	const struct eco_mtl_material **found)
+{
+	struct eco_texts known = { 0 };
+	uint32_t *last = malloc(((size_t)mtl->count + 1) * sizeof *last);
+	bool good = last != NULL;
+	for (uint32_t i = 0; i < mtl->count && good; i++) {
+		uint32_t number = number_name(&known, mtl->items[i].name, fold);
+		good = number != ECO_NONE;
+		if (good)
+			last[number] = i;
+	}
+	uint32_t known_count = known.count;
+	for (uint32_t i = 0; i < count && good; i++) {
+		uint32_t number = !found[i] ? number_name(&known, names[i], fold) : known_count;
+		good = number != ECO_NONE;
+		if (number < known_count)
+			found[i] = &mtl->items[last[number]];
+	}
+	free(last);
+	eco_texts_free(&known);
+	return good;
+}
+
+bool eco_mtl_find(const struct eco_mtl *mtl, char *const *names, uint32_t count,
+	const struct eco_mtl_material **found)
+{
+	memset(found, 0, count * sizeof *found);
+	return find_names(mtl, names, count, false, found) && find_names(mtl, names, count, true, found);
 }
 
 double eco_mtl_alpha(const struct eco_mtl_material *m)

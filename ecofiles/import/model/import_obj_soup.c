@@ -163,15 +163,14 @@ static enum eco_code make_materials(struct maker *m)
 	m->model->materials = calloc((size_t)count + 1, sizeof *m->model->materials);
 	m->of = calloc((size_t)count + 1, sizeof *m->of);
 	m->invisible = calloc((size_t)count + 1, sizeof *m->invisible);
-	if (!m->model->materials || !m->of || !m->invisible || !eco_images_start(&images)) {
+	if (!m->model->materials || !m->of || !m->invisible || !eco_images_start(&images)
+			|| !eco_mtl_find(&m->mtl, o->materials.items, count, m->of)) {
 		eco_images_end(&images);
 		return eco_fail(o->error, ECO_NO_MEMORY, "%.300s: out of memory for its materials",
 			o->text.path);
 	}
-	for (uint32_t i = 0; i < count; i++) {
-		m->of[i] = eco_mtl_find(&m->mtl, o->materials.items[i]);
+	for (uint32_t i = 0; i < count; i++)
 		m->invisible[i] = m->of[i] && eco_mtl_alpha(m->of[i]) * 255 + ALPHA_SLACK < 127.5;
-	}
 	note_unknown(m);
 	eco_model_see_invisible(m->invisible, count, o->notes);
 	m->model->material_count = count;

@@ -126,30 +126,50 @@ void eco_model_drop_spare(struct eco_model *m, const struct eco_part_rule *rules
 #define SHEET_AT 0.1             /* of the height, from the lower end: stems reach into the ground */
 #define LIES_BESIDE 1e-3         /* of its width: so far may the rest reach beyond it */
 
-static void grow(struct eco_component *box, const struct eco_component *by)
+/* Extremes of all components along an axis, and the next ones: they bound all but any one component, so that
+ * a model of many components is looked at once. */
+struct extremes {
+	double low[2], high[2];
+	uint32_t lowest, highest;    /* the components that low[0] and high[0] are of */
+};
+
+static void find_extremes(const struct eco_components *all, int axis, struct extremes *e)
 {
-	for (int a = 0; a < 3; a++) {
-		box->low[a] = fmin(box->low[a], by->low[a]);
-		box->high[a] = fmax(box->high[a], by->high[a]);
+	*e = (struct extremes){ .low = { INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY } };
+	for (uint32_t i = 0; i < all->count; i++) {
+		double low = all->items[i].low[axis], high = all->items[i].high[axis];
+		if (low < e->low[0]) {
+			e->low[1] = e->low[0];
+			e->low[0] = low;
+			e->lowest = i;
+		} else if (low < e->low[1]) {
+			e->low[1] = low;
+		}
+		if (high > e->high[0]) {
+			e->high[1] = e->high[0];
+			e->high[0] = high;
+			e->highest = i;
+		} else if (high > e->high[1]) {
+			e->high[1] = high;
+		}
 	}
 }
 
 /* Whether all else of the model stands on the component. */
-static bool is_sheet(const struct eco_components *all, uint32_t at)
+static bool is_sheet(const struct eco_components *all, const struct extremes of[3], uint32_t at)
 {
 	const struct eco_component *c = &all->items[at];
-	struct eco_component rest = { .low = { INFINITY, INFINITY, INFINITY },
-		.high = { -INFINITY, -INFINITY, -INFINITY } };
-	double wide = c->high[0] - c->low[0], deep = c->high[1] - c->low[1];
-	for (uint32_t i = 0; i < all->count; i++)
-		if (i != at)
-			grow(&rest, &all->items[i]);
-	double height = rest.high[2] - c->low[2];
+	double wide = c->high[0] - c->low[0], deep = c->high[1] - c->low[1], low[3], high[3];
+	for (int k = 0; k < 3; k++) {
+		low[k] = of[k].low[of[k].lowest == at];
+		high[k] = of[k].high[of[k].highest == at];
+	}
+	double height = high[2] - c->low[2];
 	if (!(height > 0) || c->high[2] - c->low[2] > SHEET_THICK * fmin(wide, deep)
-			|| c->area < SHEET_FULL * wide * deep || c->high[2] > rest.low[2] + SHEET_AT * height)
+			|| c->area < SHEET_FULL * wide * deep || c->high[2] > low[2] + SHEET_AT * height)
 		return false;
-	return rest.low[0] >= c->low[0] - LIES_BESIDE * wide && rest.high[0] <= c->high[0] + LIES_BESIDE * wide
-		&& rest.low[1] >= c->low[1] - LIES_BESIDE * deep && rest.high[1] <= c->high[1] + LIES_BESIDE * deep;
+	return low[0] >= c->low[0] - LIES_BESIDE * wide && high[0] <= c->high[0] + LIES_BESIDE * wide
+		&& low[1] >= c->low[1] - LIES_BESIDE * deep && high[1] <= c->high[1] + LIES_BESIDE * deep;
 }
 
 static void drop_component(struct eco_model *m, const struct eco_components *all, uint32_t at)
@@ -172,11 +192,14 @@ bool eco_model_drop_sheet(struct eco_model *m, const uint32_t *place, const stru
 	uint32_t count, struct eco_notes *notes)
 {
 	struct eco_components all = { .count = 0 };
+	struct extremes of[3];
 	if (!eco_components_find(&all, m, place, true))
 		return false;
+	for (int k = 0; k < 3; k++)
+		find_extremes(&all, k, &of[k]);
 	for (uint32_t i = 0; i < all.count && all.count > 1; i++) {
 		const char *name = m->part ? m->parts[m->part[all.items[i].first]].name : "";
-		if (!is_sheet(&all, i))
+		if (!is_sheet(&all, of, i))
 			continue;
 		if (!is_ruled(name, rules, count)) {
 			eco_note(notes, "a level sheet that it stands on (%u triangles of part \"%s\") is left "
