@@ -1,5 +1,6 @@
 /* Processor time of importing a model against its size: loose twigs and leaves, each a component of its own,
- * so that whatever looks at all pairs of them shows. tests/import/test_model_work.c holds the work to linear. */
+ * so that whatever looks at all pairs of them shows. tests/import/test_model_work.c holds the work to linear.
+ */
 #include <math.h>
 #include <stdio.h>
 
@@ -18,11 +19,12 @@ static void write_third(FILE *to, uint64_t *state)
 	double x = 4 * random_unit(state), y = 4 * random_unit(state), z = 2 + 3 * random_unit(state);
 	fprintf(to, "v %.4f %.4f %.4f\nv %.4f %.4f %.4f\nv %.4f %.4f %.4f\nv %.4f %.4f %.4f\nusemtl bark\n"
 		"f -4 -3 -2 -1\n", x, y, z, x + .01, y, z, x + .01, y, z + .4, x, y, z + .4);
-	fprintf(to, "v %.4f %.4f %.4f\nv %.4f %.4f %.4f\nv %.4f %.4f %.4f\nusemtl leaf\nf -3 -2 -1\n", x, y, z,
-		x + .08, y + .02, z + .05, x + .02, y + .07, z + .1);
+	fprintf(to, "v %.4f %.4f %.4f\nv %.4f %.4f %.4f\nv %.4f %.4f %.4f\nusemtl leaf\nf -3 -2 -1\n", x, y,
+		z, x + .08, y + .02, z + .05, x + .02, y + .07, z + .1);
 }
 
-static enum eco_code measure(struct bench *bench, uint32_t triangles, json_t **result, struct eco_error *error)
+static enum eco_code measure(struct bench *bench, uint32_t triangles, json_t **result,
+	struct eco_error *error)
 {
 	struct bench_model model = { .name = "loose" };
 	struct eco_model read;
@@ -61,14 +63,16 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	}
 	if (code)
 		return code;
-	struct bench_table *table = bench_table_open(bench, "import", "triangles,processor s,us a triangle", true);
+	struct bench_table *table = bench_table_open(bench, "import",
+		"triangles,processor s,us a triangle", true);
 	for (uint32_t i = 0; i < SIZES; i++)
 		bench_table_row(table, "%u,%.3f,%.2f", sizes[i], cpu_s[i], 1e6 * cpu_s[i] / sizes[i]);
 	bench_table_close(table);
-	bench_say(bench, "Import of a model of loose twigs and leaves, a component each. The time of a triangle is "
-		"the same in a small model and in a large one.");
+	bench_say(bench, "Import of a model of loose twigs and leaves, a component each. The time of a triangle "
+		"is the same in a small model and in a large one.");
 	bench_key(bench, "import_us_a_triangle", 1e6 * cpu_s[SIZES - 1] / sizes[SIZES - 1], "10 or less");
-	bench_key(bench, "import_growth", cpu_s[SIZES - 1] / cpu_s[SIZES - 2] / 2, "1.5 or less: linear is 1");
+	bench_key(bench, "import_growth", cpu_s[SIZES - 1] / cpu_s[SIZES - 2] / 2,
+		"1.5 or less: linear is 1");
 	return ECO_OK;
 }
 

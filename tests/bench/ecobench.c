@@ -7,7 +7,8 @@ extern const struct bench_section bench_packs, bench_frames, bench_pictures, ben
 	bench_rising, bench_cards, bench_flight, bench_ahead, bench_monotone, bench_rules, bench_species, bench_ladder,
 	bench_path, bench_drawn, bench_collapse, bench_sheet, bench_lee, bench_scale, bench_hierarchy, bench_colour,
 	bench_importance, bench_overhead, bench_steadiness, bench_extreme, bench_splats, bench_billboards, bench_deussen,
-	bench_neubert, bench_requests, bench_needs, bench_cache, bench_coders, bench_texels, bench_planner, bench_import;
+	bench_neubert, bench_requests, bench_needs, bench_cache, bench_coders, bench_texels, bench_planner,
+	bench_import;
 
 int main(int argc, char **argv)
 {

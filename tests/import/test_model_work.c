@@ -11,7 +11,8 @@
 #define MOST 1.5
 
 static struct eco_model m;
-static uint64_t unshared, *work = &unshared;     /* import runs in a child process: the page is shared with it */
+/* Import runs in a child process: the page is shared with it. */
+static uint64_t unshared, *work = &unshared;
 
 void __sanitizer_cov_trace_pc(void);
 void __sanitizer_cov_trace_pc(void)
@@ -53,8 +54,8 @@ static const char *write_sheets(unsigned count)
 	const char *path;
 	FILE *file = create("sheets.obj", &path);
 	for (unsigned i = 0; i < count; i++)
-		fprintf(file, "v %u 0 0\nv %u 0 1\nv %u 0 1\nv %u 0 0\nf -4 -3 -2 -1\n", 2 * i, 2 * i, 2 * i + 1,
-			2 * i + 1);
+		fprintf(file, "v %u 0 0\nv %u 0 1\nv %u 0 1\nv %u 0 0\nf -4 -3 -2 -1\n", 2 * i, 2 * i,
+			2 * i + 1, 2 * i + 1);
 	fprintf(file, "v 0 0 0\nv 1 0 0\nv 0 9 0\nf -3 -2 -1\n");
 	fclose(file);
 	return path;
@@ -116,10 +117,10 @@ static const char *write_nodes(unsigned count, const char *name, bool weights, b
 {
 	const char *path;
 	FILE *file = create(name, &path);
-	fprintf(file, "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"data:;base64,"
-		"%s\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,"
-		"\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],\"meshes\":[{\"primitives\":[{\"attributes\":"
-		"{\"POSITION\":0},\"targets\":[{\"POSITION\":0}]}]}],\"scene\":0,\"scenes\":[{\"nodes\":[0",
+	fprintf(file, "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"data:;"
+		"base64,%s\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,"
+		"\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],\"meshes\":[{\"primitives\":[{"
+		"\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":0}]}]}],\"scene\":0,\"scenes\":[{\"nodes\":[0",
 		TRIANGLE);
 	for (unsigned i = 1; i < count && !chain; i++)
 		fprintf(file, ",%u", i);
