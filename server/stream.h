@@ -21,7 +21,7 @@
  *
  * The rest. Bytes that the answer leaves go to chunks that it would need without their budget, of those lists
  * first that lack least. So a list that takes more than one answer's bytes comes in parts, to a client that
- * stays.
+ * stays. An answer that draws nothing sends no such chunks.
  *
  * Next view. Where the request gives one, its plan's chunks follow the answer within the same bytes: planned
  * with what is held by then, so that they are the last and only what is lacking.

@@ -143,7 +143,8 @@ enum eco_code srv_send_rest(struct srv_stream *stream, struct srv_emit *dry, str
 {
 	struct eco_holdings held;
 	uint64_t room = stream->input.request->bytes - stream->body_bytes;
-	if (!stream->wanted.count)
+	/* bytes go to a later picture only once there is one */
+	if (!stream->wanted.count || !stream->steps[stream->step_count - 1].plan.vertices)
 		return ECO_OK;
 	enum eco_code code = held_then(stream, &held, error);
 	struct lacking *lacking = malloc(stream->wanted.count * sizeof *lacking);

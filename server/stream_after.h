@@ -11,7 +11,7 @@ enum eco_code srv_plan_next(struct srv_stream *stream, struct srv_emit *dry, str
 void srv_stream_drop_next(struct srv_stream *stream);
 
 /* Adds lists that the answer wanted and bytes did not allow, those that lack least first, as far as there is
- * room. */
+ * room. An answer that draws nothing gets none. */
 enum eco_code srv_send_rest(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error);
 
 /* ---- In stream.c ---- */

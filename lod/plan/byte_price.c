@@ -457,9 +457,36 @@ double lod_prices_lists(const struct lod_allocation *m)
 	return sum;
 }
 
+/* Lists of a tile come once, as far as the occurrence needs that needs most, whatever parts of them were paid:
+ * the bytes that nobody has paid. */
+static double unpaid_bytes(const struct lod_allocation *m)
+{
+	const struct lod_prices *prices = m->prices;
+	double sum = 0, instances = 0, summary = 0;
+	for (uint32_t i = 0; i < prices->shared_count; i++) {
+		uint32_t n = prices->shared[i], next = i + 1 < prices->shared_count ? prices->shared[i + 1]
+			: ECO_NONE;
+		const struct lod_tile_choice *choice = &m->tile_choices[n];
+		if (m->uses.reach[n] > 0 && choice->open && choice->share > 0) {
+			instances = prices->instances[n] / prices->part[n];
+			sum -= prices->instances[n];
+		}
+		if (m->uses.reach[n] > 0 && choice->has_summary && choice->share < 1) {
+			double bytes = lod_prices_summary(m, n, choice->points).bytes;
+			summary = fmax(summary, bytes / prices->part[n]);
+			sum -= bytes;
+		}
+		if (next != ECO_NONE && m->p->visible.nodes[next].tile == m->p->visible.nodes[n].tile)
+			continue;
+		sum += instances + summary;
+		instances = summary = 0;
+	}
+	return sum;
+}
+
 double lod_prices_bytes(struct lod_allocation *m)
 {
-	double sum = m->cost.bytes + lod_prices_lists(m);
+	double sum = m->cost.bytes + unpaid_bytes(m) + lod_prices_lists(m);
 	for (uint32_t i = 0; i < m->prices->image_count; i++)
 		m->prices->images[i].used = false;
 	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {

@@ -14,7 +14,8 @@
  * beginning without limits, a fixed number of times. What is drawn then only becomes less, so the result
  * does not depend on what was asked before.
  *
- * Lists of a nested eco file are paid in equal parts by its visible occurrences. */
+ * Lists of a nested eco file are paid in equal parts by its visible occurrences. The sum counts them once and in
+ * whole, however few of these draw them. */
 #ifndef LOD_BYTE_PRICE_H
 #define LOD_BYTE_PRICE_H
 

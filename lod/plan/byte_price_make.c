@@ -214,24 +214,41 @@ static bool make_ladders(struct lod_allocation *m)
 
 /* ---- Tiles ---- */
 
+/* Sets the part that each occurrence of a tile in view pays, and the nodes that pay only a part. */
+static bool make_parts(struct lod_allocation *m)
+{
+	const struct lod_visible_tree *visible = &m->p->visible;
+	uint32_t tiles = m->p->scene->tile_count, *first = calloc(tiles + 2u, sizeof *first);
+	m->prices->part = malloc((visible->node_count + 1u) * sizeof *m->prices->part);
+	m->prices->shared = malloc((visible->node_count + 1u) * sizeof *m->prices->shared);
+	bool good = first && m->prices->part && m->prices->shared;
+	for (uint32_t n = 0; good && n < visible->node_count; n++)
+		first[visible->nodes[n].tile + 2]++;
+	for (uint32_t n = 0; good && n < visible->node_count; n++)
+		m->prices->part[n] = 1.0 / first[visible->nodes[n].tile + 2];
+	for (uint32_t t = 2; good && t < tiles + 2; t++)
+		first[t] = first[t - 1] + (first[t] > 1 ? first[t] : 0);
+	for (uint32_t n = 0; good && n < visible->node_count; n++)
+		if (m->prices->part[n] < 1)
+			m->prices->shared[first[visible->nodes[n].tile + 1]++] = n;
+	m->prices->shared_count = good ? first[tiles + 1] : 0;
+	free(first);
+	return good;
+}
+
 static bool make_tiles(struct lod_allocation *m)
 {
 	const struct lod_planner *p = m->p;
 	const struct eco_scene *scene = p->scene;
-	uint32_t nodes = p->visible.node_count, *occurrences = calloc(scene->tile_count + 1u,
-		sizeof *occurrences);
+	uint32_t nodes = p->visible.node_count;
 	m->prices->instances = calloc(nodes + 1u, sizeof *m->prices->instances);
 	m->prices->instances_waste = calloc(nodes + 1u, sizeof *m->prices->instances_waste);
 	m->prices->points = calloc(nodes + 1u, sizeof *m->prices->points);
-	if (!occurrences || !m->prices->instances || !m->prices->instances_waste || !m->prices->points) {
-		free(occurrences);
+	if (!make_parts(m) || !m->prices->instances || !m->prices->instances_waste || !m->prices->points)
 		return false;
-	}
-	for (uint32_t n = 0; n < nodes; n++)
-		occurrences[p->visible.nodes[n].tile]++;
 	for (uint32_t n = 0; n < nodes; n++) {
 		const struct eco_tile *tile = &scene->tiles[p->visible.nodes[n].tile];
-		double part = m->prices->part[n] = 1.0 / occurrences[p->visible.nodes[n].tile];
+		double part = m->prices->part[n];
 		for (uint32_t g = 0; m->tile_choices[n].open && g < tile->group_count; g++) {
 			uint32_t list = scene->groups[tile->group_first + g].list;
 			if (scene->groups[tile->group_first + g].first)
@@ -244,7 +261,6 @@ static bool make_tiles(struct lod_allocation *m)
 				* (missing_all(m, tile->summary) + waste_all(m, tile->summary))
 				/ scene->lists[tile->summary].primitive_count;
 	}
-	free(occurrences);
 	return true;
 }
 
@@ -307,8 +323,7 @@ enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holding
 		prices->kept_lambda = NAN;
 		prices->factor = waste;
 	}
-	bool good = prices && (prices->part = malloc((nodes + 1u) * sizeof *prices->part))
-		&& (prices->organs_off = calloc(plants + 1u, sizeof *prices->organs_off))
+	bool good = prices && (prices->organs_off = calloc(plants + 1u, sizeof *prices->organs_off))
 		&& (prices->organs = calloc(plants + 1u, sizeof *prices->organs))
 		&& (prices->noted = calloc(plants + 1u, sizeof *prices->noted))
 		&& (prices->saved = malloc((plants + 1u) * sizeof *prices->saved))
@@ -345,6 +360,7 @@ void lod_prices_free(struct lod_allocation *m)
 	free(prices->room);
 	free(prices->room_first);
 	free(prices->part);
+	free(prices->shared);
 	free(prices->organs_off);
 	free(prices->organs);
 	free(prices->noted);

@@ -64,6 +64,7 @@ struct lod_prices {
 	float *shown;
 	double *instances, *instances_waste, *points;        /* per node */
 	double *part;                /* per node: of its tile's bytes, that an occurrence pays */
+	uint32_t *shared, shared_count;      /* nodes that pay only a part, those of a tile together */
 	struct lod_hull_point *room; /* for hulls of summaries */
 	uint32_t *room_first;        /* per node */
 	bool *organs_off;            /* per plant */

@@ -13,6 +13,7 @@
 #include "lod/plan/price_search.h"
 
 #define PRICE_MORE 0.05          /* octaves, at first, by which a price is raised that no longer fits */
+#define PRICE_BACK 0.5           /* octaves: a raise by more is made smaller where it leaves half of the bytes */
 #define PRICE_RAISES 3           /* of lambda, up to the one that uses the vertices alone */
 #define PRICE_LAMBDAS 3          /* tried where vertices bind as well, ... */
 #define PRICE_ENOUGH 0.95        /* ... until they use so much of the budget */
@@ -204,6 +205,55 @@ static bool is_among(const double *tried, int count, double bytes)
 	return false;
 }
 
+/* Priced bytes of the largest answer that fits and of the smallest that does not, and what these have in all. */
+struct tried { double low, high, low_size, high_size; };
+
+/* Bytes of the next answer that may be priced: what is beside these is mostly the same again. Where that would
+ * not be between the two answers it grows with what is drawn: cuts and placements of many tiles. */
+static double next_target(struct tried *tried, double most, double bytes, double size)
+{
+	bool fits = size <= most;
+	if (fits ? bytes >= tried->low : bytes < tried->high) {
+		*(fits ? &tried->low : &tried->high) = bytes;
+		*(fits ? &tried->low_size : &tried->high_size) = size;
+	}
+	double target = most - (size - bytes);
+	if (tried->high == INFINITY || (target > tried->low && target < tried->high))
+		return target;
+	return tried->low + (tried->high - tried->low) * (most - tried->low_size)
+		/ (tried->high_size - tried->low_size);
+}
+
+static enum eco_code fill_dearer(const struct lod_lambda_search *s, struct fitted *fit, double more,
+	uint64_t budget, struct eco_error *error)
+{
+	fit->at.lists = fmin(LOD_PRICE_HIGHEST, fit->at.lists + more);
+	fit->at.tiles = fmin(LOD_PRICE_HIGHEST, fmax(fit->at.lists, fit->at.tiles + more));
+	return fill_fitted(s, fit, budget, error);
+}
+
+/* Raises prices until the answer fits. The last raise may be by many octaves, and leave hardly anything: then
+ * prices go back part of the way. */
+static enum eco_code raise_until_fits(const struct lod_lambda_search *s, struct fitted *fit, uint64_t budget,
+	struct eco_error *error)
+{
+	const struct lod_planner *p = s->allocation->p;
+	const uint64_t most = p->input->request->bytes;
+	double more = PRICE_MORE;
+	enum eco_code code = ECO_OK;
+	for (; !code && p->bytes > most && fit->at.lists < LOD_PRICE_HIGHEST; more *= 2)
+		code = fill_dearer(s, fit, more, budget, error);
+	for (more /= 4; !code && more > PRICE_BACK && p->bytes < most / 2; more /= 2) {
+		const struct lod_price fits = fit->at;
+		code = fill_dearer(s, fit, -more, budget, error);
+		if (code || p->bytes <= most)
+			continue;
+		fit->at = fits;
+		code = fill_fitted(s, fit, budget, error);
+	}
+	return code;
+}
+
 /* Fits best->kept, for which prices are made, from those of `first` on. What an answer has beside what is
  * priced, records and the plan itself, is learnt from the answers tried. `room`: per plant, for organs. */
 static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget,
@@ -220,6 +270,7 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 	now.wrong = 0;
 	now.both = false;
 	double most = (double)p->input->request->bytes, tried[SIZE_TRIES];
+	struct tried between = { 0, INFINITY, 0, 0 };
 	for (int i = 0; i < (best->kept ? SIZE_TRIES_MORE : SIZE_TRIES) && !code; i++) {
 		double before = now.size, bytes = tried[i] = find_prices(s, most - now.beside, budget, &now);
 		if (is_among(tried, i, bytes)) {         /* there is a gap: tries what lies beyond it */
@@ -236,17 +287,13 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 		if (now.size == before || (now.size <= most && now.size >= most * (1 - LOD_PRICE_SLACK))
 				|| (best->size <= most && lod_planner_over(p, 4)))
 			break;
-		now.beside = now.size - bytes;
+		now.beside = most - next_target(&between, most, bytes, now.size);
 	}
 	if (!code && (double)p->bytes != best->size)
 		code = fill_fitted(s, best, budget, error);
 	/* what was computed of summaries since then may change the choice a little */
-	for (double more = PRICE_MORE; !code && (double)p->bytes > most && best->at.lists < LOD_PRICE_HIGHEST;
-			more *= 2) {
-		best->at.lists = fmin(LOD_PRICE_HIGHEST, best->at.lists + more);
-		best->at.tiles = fmin(LOD_PRICE_HIGHEST, fmax(best->at.lists, best->at.tiles + more));
-		code = fill_fitted(s, best, budget, error);
-	}
+	if (!code && (double)p->bytes > most)
+		code = raise_until_fits(s, best, budget, error);
 	best->size = (double)p->bytes;
 	best->wrong = best->size <= most ? p->wrong : INFINITY;
 	return code;

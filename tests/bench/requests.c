@@ -6,6 +6,8 @@
  *                a stream passes through, each with what has come until then
  *   bytes        the body is within its budget
  *   twice        no chunk is sent to who holds it
+ *   undrawn      an answer that draws nothing brings no chunk but of its ground; and where some answer draws
+ *                something within so many bytes, no answer within as many draws nothing
  *   same         the same request has the same answer
  *   falls        more vertices never predict a lower Q
  *   unused       budget is left over only where it buys nothing: no step that is left and gains is as cheap,
@@ -33,15 +35,17 @@
 #include "server/typical.h"
 #include "tests/support/serve/random_request.h"
 
-enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, NOT_SAME, FALLS, UNUSED, WHOLE, SENSELESS, FAILED,
+enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, UNDRAWN, NOT_SAME, FALLS, UNUSED, WHOLE, SENSELESS, FAILED,
 VIOLATION_COUNT };
-static const char *const violation_names[] = { "vertices", "bytes", "twice", "same", "falls", "unused",
+static const char *const violation_names[] = { "vertices", "bytes", "twice", "undrawn", "same", "falls", "unused",
 	"whole", "senseless", "failed" };
 
 #define CLIENT_EVERY 500         /* a new client now and then, so that both full and empty hands are tried */
 #define TWICE_EVERY 10
 #define CHAIN_EVERY 4            /* planning for many budgets takes its time */
 #define CHAIN 10u
+#define FEW_EVERY 4              /* first visits within few bytes */
+#define FEW_VERTICES 3000u       /* of an answer whose bytes these are, at most */
 #define DESCRIBED_MOST 8
 #define SIXTEENTHS 0.25          /* pixels: predictions travel as sixteenths, by which Q may differ */
 /* A plan may be worse than another that fits by this share of what is wrong with nothing drawn. Plants of one
@@ -57,7 +61,8 @@ struct run {
 	uint64_t work_max;           /* of a plan; 0: any */
 	struct eco_request request;
 	struct view_store *store;
-	uint64_t count[VIOLATION_COUNT], requests, refused, empty, states, chains, described;
+	bool *came;                  /* per list: a chunk of it came with the last answer */
+	uint64_t count[VIOLATION_COUNT], requests, refused, empty, states, chains, few, described;
 	/* share of a budget that was left over while something was to be gained */
 	double unused_most;
 };
@@ -141,12 +146,30 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk,
 	const uint8_t *payload, struct eco_error *error)
 {
-	return view_store_events.chunk(((struct run *)ctx)->store, list, ordinal, chunk, payload, error);
+	struct run *run = ctx;
+	if (list < run->scene->pack->scene.list_count)
+		run->came[list] = true;
+	return view_store_events.chunk(run->store, list, ordinal, chunk, payload, error);
 }
 
 static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *error)
 {
 	return view_store_events.end(((struct run *)ctx)->store, vertices, error);
+}
+
+/* Its ground has cuts, too. */
+static void check_came(struct run *run)
+{
+	const struct eco_plan *plan = view_store_plan(run->store);
+	if (!plan || plan->vertices)
+		return;
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		run->came[plan->cuts[i].list] = false;
+	for (uint32_t list = 0; list < run->scene->pack->scene.list_count; list++)
+		if (run->came[list]) {
+			violated(run, UNDRAWN, "chunks of list %u come, and nothing is drawn", list);
+			return;
+		}
 }
 
 static bool receive(struct run *run, const struct srv_body *body)
@@ -156,6 +179,7 @@ static bool receive(struct run *run, const struct srv_body *body)
 	struct eco_wire_parser *parser;
 	struct eco_error error = { 0 };
 	view_store_begin(run->store);
+	memset(run->came, false, run->scene->pack->scene.list_count);
 	if (eco_wire_parser_new(&parser, &events, run, &error))
 		random_stop("parser", &error);
 	enum eco_code code = ECO_OK;
@@ -166,6 +190,8 @@ static bool receive(struct run *run, const struct srv_body *body)
 	eco_wire_parser_free(parser);
 	if (code)
 		violated(run, FAILED, "%s", error.text);
+	else
+		check_came(run);
 	return !code;
 }
 
@@ -217,6 +243,52 @@ static void check_stream(struct run *run)
 	else if (fits && !view_store_complete(run->store))
 		violated(run, FAILED, "the stream ends before its end");
 	srv_body_free(&body);
+}
+
+/* ---- One view, few bytes ---- */
+
+/* Plans the answer to a first visit; returns its bytes. `nothing`: it fits and draws nothing. */
+static uint64_t plan_visit(struct run *run, bool *nothing)
+{
+	const struct srv_stream_input input = { .scene = run->scene, .request = &run->request,
+		.work_max = run->work_max };
+	struct srv_stream stream;
+	struct eco_error error = { 0 };
+	*nothing = false;
+	if (srv_stream_plan(&stream, &input, &error)) {
+		violated(run, FAILED, "%s", error.text);
+		return 0;
+	}
+	const struct srv_step *last = &stream.steps[stream.step_count - 1];
+	const uint64_t bytes = stream.body_bytes, chunks = stream.chunk_bytes, needed = last->missing_bytes;
+	*nothing = stream.fits && !last->plan.vertices;
+	if (*nothing && chunks > needed)
+		violated(run, UNDRAWN, "%llu bytes of chunks, %llu of them for the ground, and nothing drawn",
+			(unsigned long long)chunks, (unsigned long long)needed);
+	srv_stream_free(&stream);
+	return bytes;
+}
+
+/* What few vertices take is enough for some of many. */
+static void check_few(struct run *run)
+{
+	const struct eco_request asked = run->request;
+	struct dice r = { run->seed + run->number };
+	bool nothing;
+	run->few++;
+	run->request.view = random_outlook(&run->scene->pack->scene, run->seed, run->number);
+	run->request.ground_px = 0;
+	run->request.bytes = ECO_BYTES_UNBOUNDED;
+	run->request.vertices = 1 + dice_bits(&r) % FEW_VERTICES;
+	uint64_t bytes = plan_visit(run, &nothing), few = run->request.vertices;
+	bool empty = nothing || !bytes;
+	run->request.vertices = (uint64_t)dice_power(&r, 3.5, 6.5);
+	run->request.bytes = bytes + dice_bits(&r) % (bytes + 1);
+	plan_visit(run, &nothing);
+	if (!empty && nothing)
+		violated(run, UNDRAWN, "nothing drawn in as many bytes as %llu vertices take",
+			(unsigned long long)few);
+	run->request = asked;
 }
 
 /* ---- One view, many budgets ---- */
@@ -333,6 +405,8 @@ static void one_request(struct run *run)
 	check_stream(run);
 	if (run->number % CHAIN_EVERY == 0)
 		check_chain(run);
+	if (run->number % FEW_EVERY == 1)
+		check_few(run);
 }
 
 static uint64_t sum_of(const struct run *run)
@@ -347,13 +421,14 @@ static void print_run(const struct run *run, bool json)
 {
 	const char *slash = strrchr(run->pack, '/');
 	printf(json ? "{\"pack\": \"%s\", \"requests\": %llu, \"refused\": %llu, \"empty\": %llu, "
-		"\"states\": %llu, \"chains\": %llu, "
+		"\"states\": %llu, \"chains\": %llu, \"few\": %llu, "
 		"\"unused_most\": %.6f, \"violations\": %llu" : "%s: %llu requests, %llu refused, %llu too "
 		"small for any picture, %llu states of streams, "
-		"%llu chains of budgets, at most %.4f of a budget left over: %llu violations",
+		"%llu chains of budgets, %llu pairs of few bytes, at most %.4f of a budget left over: %llu violations",
 		slash ? slash + 1 : run->pack, (unsigned long long)run->requests,
 		(unsigned long long)run->refused, (unsigned long long)run->empty,
-		(unsigned long long)run->states, (unsigned long long)run->chains, run->unused_most,
+		(unsigned long long)run->states, (unsigned long long)run->chains, (unsigned long long)run->few,
+		run->unused_most,
 		(unsigned long long)sum_of(run));
 	for (int i = 0; i < VIOLATION_COUNT; i++)
 		if (json)
@@ -374,6 +449,9 @@ static uint64_t run_pack(const char *path, uint64_t first, uint64_t count, const
 		random_stop(path, &error);
 	run.pack = path;
 	run.scene = scenes.scenes[0];
+	run.came = calloc(run.scene->pack->scene.list_count + 1u, sizeof *run.came);
+	if (!run.came)
+		random_stop(path, &(struct eco_error){ .text = "no memory" });
 	run.work_max *= run.work_max ? srv_typical_work(scenes.scenes[0]) : 0;
 	for (uint64_t i = 0; i < count; i++) {
 		if (i % CLIENT_EVERY == 0)
@@ -383,6 +461,7 @@ static uint64_t run_pack(const char *path, uint64_t first, uint64_t count, const
 	}
 	new_client(&run);
 	view_store_free(run.store);
+	free(run.came);
 	print_run(&run, json);
 	srv_store_free(&scenes);
 	return sum_of(&run);

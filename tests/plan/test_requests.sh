@@ -1,5 +1,5 @@
 #!/bin/sh
-# 10,000 random cameras and budgets over five generated scenes: what must always hold does (tests/bench/requests.c says what); 10^5 flipped
+# 10,000 random cameras and budgets over six generated scenes: what must always hold does (tests/bench/requests.c says what); 10^5 flipped
 # bits and cut ends of a pack and of a stream: each noticed. ECO_REQUESTS and ECO_DAMAGES change the counts; under sanitizers they
 # are a tenth.
 set -eu
@@ -15,6 +15,10 @@ each=${ECO_REQUESTS:-$((10000 / few))}
 "$BUILD/bench/requests" "$((each * 2 / 5))" "$dir/park.eco" "$dir/forest.eco" >"$dir/first" 2>&1 & first=$!
 "$BUILD/bench/requests" "$((each * 3 / 5))" "$dir/nested.eco" "$dir/meadow.eco" "$dir/tree.eco" || status=1
 wait "$first" || status=1
+# hectares that stand many times: summaries are shared by all views of them
+"$BUILD/ecopack" generate billion --plants 300000 -o "$dir/shared" --quiet
+"$BUILD/ecopack" make --draft "$dir/shared/scene.json" -o "$dir/shared.eco" --quiet 2>>"$dir/log" || status=1
+"$BUILD/bench/requests" "$((each / 40))" "$dir/shared.eco" || status=1
 cat "$dir/first"
 # the same within the work that a server allows
 "$BUILD/bench/requests" --times 3 "$((each / 10))" "$dir/park.eco" "$dir/meadow.eco" "$dir/nested.eco" || status=1
