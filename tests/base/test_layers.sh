@@ -72,7 +72,7 @@ mkdir -p "$DIR/lod/plan" "$DIR/lod/build" "$DIR/out/obj/lod/plan"
 echo '#include "lod/build/grid.h"' >"$DIR/lod/plan/planner.h"
 echo 'struct grid;' >"$DIR/lod/build/grid.h"
 printf '#include "lod/plan/planner.h"\nstruct grid *planned;\n' >"$DIR/lod/plan/planner.c"
-(cd "$DIR" && "${CC:-cc}" -I. -MMD -MP -c -o out/obj/lod/plan/planner.o lod/plan/planner.c) || complain "the planted source does not compile"
+(cd "$DIR" && ${CC:-cc} -I. -MMD -MP -c -o out/obj/lod/plan/planner.o lod/plan/planner.c) || complain "the planted source does not compile"
 layers && complain "is content with a compiled fault"
 names lod/plan/planner lod/build/grid.h "$may_not lod/plan may not include"
 

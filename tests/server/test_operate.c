@@ -445,7 +445,8 @@ UNIT_TEST(a_reload_that_would_open_a_scene_changes_nothing)
 		access = (struct srv_access){ 0 };
 		caps = (struct srv_caps){ .vertices.count = 0 };
 		snprintf(argument, sizeof argument, "sample=%s", token_file);
-		assert_ok(capped ? srv_cap_add(&caps.vertices, "sample=700", "cap-vertices", &error)
+		assert_ok(capped ? srv_cap_add(&caps.vertices, "sample=700", ECO_OPTION_COUNT, "cap-vertices",
+			&error)
 			: srv_access_add_token(&access, argument, &error), error);
 		assert_ok(sample_pack_write(served, &error), error);
 		struct srv_daemon *daemon = start((struct srv_config){ .access = &access, .caps = &caps },
