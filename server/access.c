@@ -194,7 +194,8 @@ enum eco_code srv_access_add_frame(struct srv_access *access, const char *origin
 	if (code)
 		return code;
 	if (used + strlen(origin) + 2 > sizeof access->frames)
-		return eco_fail(error, ECO_TOO_LARGE, "--embed: more than %u bytes of origins", SRV_FRAMES_BYTES);
+		return eco_fail(error, ECO_TOO_LARGE, "--embed: more than %u bytes of origins",
+			SRV_FRAMES_BYTES);
 	snprintf(access->frames + used, sizeof access->frames - used, " %s", origin);
 	return ECO_OK;
 }

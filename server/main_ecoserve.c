@@ -135,10 +135,12 @@ static const struct eco_option options[] = {
 		.help = "of memory for all answers that are being sent, without the packs' own bytes; where they "
 			"are taken, the address that holds most gives way; 256 MiB if not given" },
 	{ "cap-vertices", 0, ECO_OPTION_READ, "[SCENE=]N", &given.caps.vertices, .read = read_cap_vertices,
-		.times = ECO_ONCE_A_NAME, .help = "that an answer of the scene, or of any, draws at most: who asks for more gets so "
+		.times = ECO_ONCE_A_NAME,
+		.help = "that an answer of the scene, or of any, draws at most: who asks for more gets so "
 			"much; may be given more than once" },
 	{ "cap-bytes", 0, ECO_OPTION_READ, "[SCENE=]BYTES", &given.caps.bytes, .read = read_cap_bytes,
-		.times = ECO_ONCE_A_NAME, .help = "that an answer of the scene, or of any, takes at most, in the same way" },
+		.times = ECO_ONCE_A_NAME,
+		.help = "that an answer of the scene, or of any, takes at most, in the same way" },
 	{ "kept-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.plan_cache_bytes, 1, 1ull << 40,
 		.help = "of answers that are kept for who asks again; 64 MiB if not given" },
 	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted,
@@ -150,13 +152,16 @@ static const struct eco_option options[] = {
 			"given, that one beside this program, or where `make install` put it; without any, / "
 			"says how to get it" },
 	{ "token", 0, ECO_OPTION_READ, "SCENE=FILE", &given.access, .read = read_token,
-		.times = ECO_OFTEN, .help = "the scene is for whoever sends the token that is the first line of FILE "
+		.times = ECO_OFTEN,
+		.help = "the scene is for whoever sends the token that is the first line of FILE "
 			"(Authorization: Bearer); may be given more than once" },
 	{ "admin-token", 0, ECO_OPTION_READ, "FILE", &given.access, .read = read_operator,
-		.times = ECO_OFTEN, .help = "/metrics and /v1/admin are for whoever sends this one, which opens all scenes, too; "
+		.times = ECO_OFTEN,
+		.help = "/metrics and /v1/admin are for whoever sends this one, which opens all scenes, too; "
 			"else they are for this machine" },
 	{ "cors", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = read_origin,
-		.times = ECO_OFTEN, .help = "whose pages may read answers, https://HOST[:PORT], or * for all; may be given more "
+		.times = ECO_OFTEN,
+		.help = "whose pages may read answers, https://HOST[:PORT], or * for all; may be given more "
 			"than once" },
 	{ "embed", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = read_frame, .times = ECO_OFTEN,
 		.help = "whose pages may show the viewer in a frame, https://HOST[:PORT], or * for all; may be "
@@ -178,8 +183,8 @@ static const struct eco_option options[] = {
 	{ "no-sandbox", 0, ECO_OPTION_FLAG, NULL, &given.without_sandbox,
 		.help = "it may do whatever its user may, for debuggers and the like" },
 	{ "config", 0, ECO_OPTION_TEXT, "FILE", &given.settings,
-		.help = "lines of NAME = VALUE, as these options are named, and pack = [NAME=]OUT.eco; '#' and a "
-			"space begin a comment; a value with '#' behind a space stands in double quotes" },
+		.help = "lines of NAME = VALUE, as these options are named, and pack = [NAME=]OUT.eco; '#' and "
+			"a space begin a comment; a value with '#' behind a space stands in double quotes" },
 	{ "check-config", 0, ECO_OPTION_FLAG, NULL, &given.only_check,
 		.help = "read everything, packs too, say whether it is good, and end" },
 	{ 0 }
@@ -327,9 +332,9 @@ static enum eco_code serve_scenes(struct srv_store *store, const sigset_t *signa
 	return code;
 }
 
-/* SIGHUP waits from the start: a reload that is asked for while packs are read comes after that. Signals that mean
- * something to other servers, such as SIGUSR1 (open the log again), mean nothing here; unignored they would
- * end it. */
+/* SIGHUP waits from the start: a reload that is asked for while packs are read comes after that. Signals that
+ * mean something to other servers, such as SIGUSR1 (open the log again), are ignored: each would end this
+ * one. */
 static sigset_t prepare_signals(void)
 {
 	static const int others[] = { SIGPIPE, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGIO, SIGPWR, SIGSTKFLT,
@@ -425,7 +430,8 @@ int main(int argc, char **argv)
 	code = code ? code : eco_command_read(&command, arguments.count, arguments.items, &error);
 	code = code ? code : run(&error);
 	const char *form = find_option("--log", NULL, arguments.count, arguments.owned);
-	form = find_option("--log", getenv(ENVIRONMENT "LOG") ? getenv(ENVIRONMENT "LOG") : form, argc - 1, argv + 1);
+	const char *variable = getenv(ENVIRONMENT "LOG");
+	form = find_option("--log", variable ? variable : form, argc - 1, argv + 1);
 	int status = code ? end_failed(code, &error, form) : eco_command_end(&command, code, &error);
 	/* only now: options point into them, and inputs were moved to the front */
 	eco_arguments_free(&arguments);

@@ -94,8 +94,9 @@ static enum eco_code cut_comment(char *line, const char *where, struct eco_error
 static bool is_there(const struct adding *adding, const struct eco_option *option, const char *value)
 {
 	char key[LINE_BYTES + 8];
+	const char *equals = value && option->times == ECO_ONCE_A_NAME ? strchr(value, '=') : NULL;
 	size_t size = (size_t)snprintf(key, sizeof key, "--%s%s", option->name, value ? "=" : ""),
-		name = value && option->times == ECO_ONCE_A_NAME && strchr(value, '=') ? strcspn(value, "=") + 1 : 0;
+		name = equals ? (size_t)(equals + 1 - value) : 0;
 	if (option->times == ECO_OFTEN)
 		return false;
 	snprintf(key + size, sizeof key - size, "%.*s", (int)name, value ? value : "");
@@ -140,8 +141,8 @@ static enum eco_code add_line(struct adding *adding, const struct eco_command *c
 	if (option->kind != ECO_OPTION_FLAG && !value)
 		return eco_fail(error, ECO_BAD_USAGE, "%s: '%s = %s' is meant", where, name, option->word);
 	if (is_there(adding, option, value))
-		return eco_fail(error, ECO_BAD_USAGE, "%s: '%s' was set before in this file%s: leave one of them out",
-			where, name, option->times == ECO_ONCE ? "" : ", with this name");
+		return eco_fail(error, ECO_BAD_USAGE, "%s: '%s' was set before in this file%s: leave one of "
+			"them out", where, name, option->times == ECO_ONCE ? "" : ", with this name");
 	return add_option(adding, name, value, error);
 }
 

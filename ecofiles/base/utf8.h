@@ -11,7 +11,8 @@ size_t eco_utf8_bytes(const char *text, size_t size);
 
 /* Code of a character of so many bytes, as eco_utf8_bytes counts them. */
 uint32_t eco_utf8_code(const char *text, size_t bytes);
-/* False of controls (C0, DEL, C1), of line and paragraph separators, and of what turns the direction of text. */
+/* False for controls (C0, DEL, C1), for line and paragraph separators, and for what turns the direction of
+ * text. */
 bool eco_utf8_printable(uint32_t code);
 
 /* Whether `text` is UTF-8 without NUL. */

@@ -21,8 +21,8 @@ void srv_address_format(char text[SRV_ADDRESS_TEXT_BYTES], const struct srv_addr
 bool srv_address_is_loopback(const struct srv_address *address);
 /* ADDRESS, IPv4:PORT, [IPv6] or [IPv6]:PORT. */
 bool srv_address_parse_port(struct srv_address *address, const char *text, size_t size);
-/* Whether a Host header's value is "localhost" or an address of this machine's loopback, with or without a port: no
- * name that somebody else may lead here. */
+/* Whether a Host header's value is "localhost" or a loopback address, with or without a port: no name that
+ * somebody else may lead here. */
 bool srv_host_is_loopback(const char *host);
 /* Do both count as one client? */
 bool srv_address_same(const struct srv_address *a, const struct srv_address *b);
@@ -34,8 +34,8 @@ struct srv_networks { struct srv_network items[SRV_NETWORKS_MAX]; uint32_t count
 /* "ADDRESS[/BITS],..."; ECO_BAD_USAGE names what is none. */
 enum eco_code srv_networks_parse(struct srv_networks *networks, const char *text, struct eco_error *error);
 bool srv_networks_contain(const struct srv_networks *networks, const struct srv_address *address);
-/* The client behind `peer`. `forwarded`: the values of all X-Forwarded-For lines, in order, with commas between
- * them; or NULL. */
+/* The client behind `peer`. `forwarded`: the values of all X-Forwarded-For lines, in order, with commas
+ * between them; or NULL. */
 struct srv_address srv_networks_client(const struct srv_networks *trusted, const struct srv_address *peer,
 	const char *forwarded);
 

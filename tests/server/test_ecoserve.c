@@ -172,7 +172,8 @@ UNIT_TEST(what_is_no_file_of_settings_is_refused)
 	static const char *const rows[][4] = { { "--check-config", "--config=/dev/zero" },
 		{ "--check-config", "--config=" PIPE_PATH },
 		{ "--check-config", "--admin-token=" PIPE_PATH, PACK_PATH },
-		{ "--check-config", "--token=sample=" PIPE_PATH, PACK_PATH }, { "--check-config", "--config=build/tmp" },
+		{ "--check-config", "--token=sample=" PIPE_PATH, PACK_PATH },
+		{ "--check-config", "--config=build/tmp" },
 		{ "--check-config", "--token=sample=/dev/zero", PACK_PATH } };
 	char out[8192], err[8192];
 	unlink(PIPE_PATH);
@@ -231,12 +232,15 @@ UNIT_TEST(settings_come_from_a_file_the_environment_and_the_command_line)
 		{ "pack = a=" HASH_PATH "\n", NULL, NULL, 2, "line 1: a comment begins with '#' and a space" },
 		{ "pack = \"a=" HASH_PATH "\" # one\n", NULL, NULL, 0, "named a" },
 		{ "pack = \"a=" HASH_PATH "\n", NULL, NULL, 2, "line 1: a value in quotes ends with" },
-		{ "  # all\n\t#of it\n#none=\npack = " PACK_PATH " ## and\t# so on\n", NULL, NULL, 0, "is good" },
+		{ "  # all\n\t#of it\n#none=\npack = " PACK_PATH " ## and\t# so on\n", NULL, NULL, 0,
+			"is good" },
 		{ "listen = [::1]:80\npack = " PACK_PATH "\n listen=[::1]:81\n", NULL, NULL, 2,
 			"line 3: 'listen' was set before in this file" },
-		{ "plans = 7\nplans-per-address = 7\nplans = 7\n", NULL, PACK_PATH, 2, "line 3: 'plans' was set" },
+		{ "plans = 7\nplans-per-address = 7\nplans = 7\n", NULL, PACK_PATH, 2,
+			"line 3: 'plans' was set" },
 		{ "in-place\nin-place\n", NULL, PACK_PATH, 2, "line 2: 'in-place' was set before" },
-		{ "trust-proxy = ::1\ntrust-proxy = ::2\n", NULL, PACK_PATH, 2, "line 2: 'trust-proxy' was set" },
+		{ "trust-proxy = ::1\ntrust-proxy = ::2\n", NULL, PACK_PATH, 2,
+			"line 2: 'trust-proxy' was set" },
 		{ "cap-bytes = 7\ncap-bytes = sample=7\ncap-bytes = 8\n", NULL, PACK_PATH, 2,
 			"line 3: 'cap-bytes' was set before in this file, with this name" },
 		{ "cap-bytes = sample=7\ncap-bytes = 8\ncap-bytes = sample=8\n", NULL, PACK_PATH, 2,
@@ -320,7 +324,8 @@ UNIT_TEST(a_name_of_a_file_makes_no_line_of_the_log)
 	static const char odd[] = "build/tmp/test_ecoserve\nforged: \033[2J\302\233\342\200\250.eco",
 		clean[] = "build/tmp/test_ecoserve?forged: ?[2J??.eco";
 	static const char *const texts[] = { "--listen", "127.0.0.1:0", PACK_PATH, odd, NULL },
-				 *const objects[] = { "--listen", "127.0.0.1:0", "--log", "json", PACK_PATH, odd, NULL };
+				 *const objects[] = { "--listen", "127.0.0.1:0", "--log", "json", PACK_PATH, odd,
+		NULL };
 	char line[256], out[8192], err[8192];
 	if (!program_path[0])
 		skip();
@@ -533,8 +538,8 @@ UNIT_TEST(a_pack_that_no_view_can_be_planned_of_is_refused)
 	assert_non_null(strstr(error.text, says));
 	kill(process.pid, SIGHUP);
 	assert_int_equal(status_of(port, "POST", "/v1/admin/reload"), 500);
-	struct http_answer answer = http_get(port, "/v1/scenes/deep/stream?eye=50,-30,12&target=50,30,2&width=400&height=300"
-		"&vertices=1000");
+	struct http_answer answer = http_get(port, "/v1/scenes/deep/stream?eye=50,-30,12&target=50,30,2&"
+		"width=400&height=300&vertices=1000");
 	assert_int_equal(answer.status, 200);
 	http_free(&answer);
 	kill(process.pid, SIGTERM);

@@ -395,8 +395,8 @@ UNIT_TEST(a_scene_with_a_token_is_for_its_holders)
 			http_free(&answer);
 		}
 	static const char *const methods[] = { "GET", "HEAD", "POST", "OPTIONS" },
-				 *const under[] = { "", "/plan?" VIEW_BY("1000"), "/plan?x=1", "/stream?" VIEW_BY("1000"),
-		"/chunks/0123", "/plants/0", "/species", "/species?x=1", "/none" };
+				 *const under[] = { "", "/plan?" VIEW_BY("1000"), "/plan?x=1",
+		"/stream?" VIEW_BY("1000"), "/chunks/0123", "/plants/0", "/species", "/species?x=1", "/none" };
 	for (size_t i = 0; i < sizeof under / sizeof *under; i++)
 		for (size_t m = 0; m < sizeof methods / sizeof *methods; m++)
 			assert_alike(methods[m], under[i]);
@@ -454,7 +454,8 @@ UNIT_TEST(a_reload_that_would_open_a_scene_changes_nothing)
 		put_renamed("simple");
 		json_t *problem = answered("POST", "/v1/admin/reload", 500);
 		assert_non_null(strstr(json_string_value(json_object_get(problem, "detail")), capped
-			? "--cap-vertices sample=700: there is no scene" : "--token sample=FILE: there is no scene"));
+			? "--cap-vertices sample=700: there is no scene"
+			: "--token sample=FILE: there is no scene"));
 		json_decref(problem);
 		assert_int_equal(status_of("GET", "/v1/scenes/simple", ""), capped ? 404 : 401);
 		assert_int_equal(status_of("GET", BASE, BEARER(TOKEN)), 200);
@@ -579,7 +580,8 @@ UNIT_TEST(pages_of_some_origins_may_read_answers)
 
 UNIT_TEST(pages_of_some_origins_may_have_the_viewer_in_a_frame)
 {
-	static const struct { const char *origins[2], *policy; } rows[] = { { { NULL }, "frame-ancestors 'self'" },
+	static const struct { const char *origins[2], *policy;
+	} rows[] = { { { NULL }, "frame-ancestors 'self'" },
 		{ { "https://a.example" }, "frame-ancestors 'self' https://a.example" },
 		{ { "https://a.example", "http://b.example:81" },
 			"frame-ancestors 'self' https://a.example http://b.example:81" },
@@ -593,8 +595,8 @@ UNIT_TEST(pages_of_some_origins_may_have_the_viewer_in_a_frame)
 		access = (struct srv_access){ 0 };
 		for (int o = 0; o < 2 && rows[i / 2].origins[o]; o++)
 			assert_ok(srv_access_add_frame(&access, rows[i / 2].origins[o], &error), error);
-		struct srv_daemon *daemon = start((struct srv_config){ .access = &access, .site = &sample_site },
-			&scenes);
+		const struct srv_config config = { .access = &access, .site = &sample_site };
+		struct srv_daemon *daemon = start(config, &scenes);
 		struct http_answer answer = http_get(port, targets[i % 2]);
 		assert_true(http_header(&answer, "Content-Security-Policy", value, sizeof value));
 		const char *frames = strstr(value, "frame-ancestors");
@@ -604,7 +606,8 @@ UNIT_TEST(pages_of_some_origins_may_have_the_viewer_in_a_frame)
 		srv_daemon_stop(daemon);
 		srv_store_free(&scenes);
 	}
-	static const char *const bad[] = { "a.example", "https://a.example/", "https://a;script-src *", "'none'", "" };
+	static const char *const bad[] = { "a.example", "https://a.example/", "https://a;script-src *", "'none'",
+		"" };
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
 		assert_int_equal(srv_access_add_frame(&access, bad[i], NULL), ECO_BAD_USAGE);
 	enum eco_code code = ECO_OK;

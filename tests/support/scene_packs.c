@@ -171,8 +171,8 @@ static void textured_bush(struct scene_builder *b, uint32_t deep, uint32_t bushe
 	ladder.area = 5;
 	ladder.curve_count = 3;
 	scene_add_ladder(b, ladder);
-	scene_add_tile(b, (struct eco_tile){ .low = { -5, -5, -5 }, .high = { 10, 10, 15 }, .area = 5.0 * bushes,
-		.instance_count = bushes, .summary = ECO_NONE });
+	scene_add_tile(b, (struct eco_tile){ .low = { -5, -5, -5 }, .high = { 10, 10, 15 },
+		.area = 5.0 * bushes, .instance_count = bushes, .summary = ECO_NONE });
 	scene_add_instances(b, 2, 0);
 }
 
