@@ -10,6 +10,8 @@
 #define WORK_MOST 4000000u       /* of one of them: a scene so large is not asked for more */
 #define BYTES_EVERY 4u           /* requests with a byte budget */
 #define FAILED_MOST 4u           /* requests that need more tiles or plants than any may */
+#define PLANT_WORK 40u           /* least that is ordinary for each plant of the scene, ... */
+#define WIDE 10u                 /* ... up to so many times the least of all */
 
 static double between(uint64_t *state, double low, double high)
 {
@@ -73,6 +75,14 @@ static uint64_t median_work(const struct srv_scene *scene, const atomic_bool *ca
 	return work > SRV_TYPICAL_WORK_LEAST ? work : SRV_TYPICAL_WORK_LEAST;
 }
 
+static uint64_t least_work(const struct srv_scene *scene)
+{
+	const struct eco_scene *tables = &scene->pack->scene;
+	uint64_t plants = tables->tile_count ? tables->tiles[tables->root].instance_count : 0;
+	uint64_t wide = (uint64_t)WIDE * SRV_TYPICAL_WORK_LEAST, least = plants < wide ? PLANT_WORK * plants : wide;
+	return least < SRV_TYPICAL_WORK_LEAST ? SRV_TYPICAL_WORK_LEAST : least < wide ? least : wide;
+}
+
 uint64_t srv_typical_find(struct srv_scene *scene, const atomic_bool *cancelled)
 {
 	static pthread_mutex_t finding = PTHREAD_MUTEX_INITIALIZER; /* one thread finds it, the others wait */
@@ -83,6 +93,7 @@ uint64_t srv_typical_find(struct srv_scene *scene, const atomic_bool *cancelled)
 	work = atomic_load(&scene->typical_work);
 	if (!work) {
 		work = median_work(scene, cancelled);
+		work = work == 0 || work > least_work(scene) ? work : least_work(scene);
 		atomic_store(&scene->typical_work, work);
 	}
 	pthread_mutex_unlock(&finding);

@@ -8,12 +8,12 @@
 #include "server/store.h"
 
 /* Work of the median request (struct lod_planner_stats), found when it is first asked for, which takes about
- * SRV_TYPICAL_REQUESTS ordinary plans: the daemon asks before it shows a scene. At least
- * SRV_TYPICAL_WORK_LEAST, some 7 milliseconds: random requests to a wide scene mostly see little of it, and
- * those that see all of it need more than a few times that (lod/EXPERIMENTS.md, Wide scenes from the air).
- * Any thread. */
+ * SRV_TYPICAL_REQUESTS ordinary plans: the daemon asks before it shows a scene. Random requests to a wide scene
+ * mostly see little of it, and those that see all of it need more than a few times that (lod/EXPERIMENTS.md,
+ * Wide scenes from the air). So it is at least what a look at each plant takes, from SRV_TYPICAL_WORK_LEAST, some
+ * .7 milliseconds, up to ten times that. Any thread. */
 #define SRV_TYPICAL_REQUESTS 63u
-#define SRV_TYPICAL_WORK_LEAST 1000000u
+#define SRV_TYPICAL_WORK_LEAST 100000u
 uint64_t srv_typical_work(struct srv_scene *scene);
 /* The same; 0: *cancelled was set meanwhile, and it was not found. */
 uint64_t srv_typical_find(struct srv_scene *scene, const atomic_bool *cancelled);

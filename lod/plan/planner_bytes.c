@@ -105,7 +105,7 @@ static double relax_and_fill(struct lod_allocation *m, struct fitted *fit, doubl
 {
 	double bytes = lod_price_relax(m, fit->lambda, &fit->at);
 	bool done = lod_planner_over(m->p, 3);
-	if (fit->kept || (done && bytes > (1 - GAP_LARGE) * target))
+	if (fit->kept || lod_planner_spent(m->p) || (done && bytes > (1 - GAP_LARGE) * target))
 		return bytes;
 	return lod_price_fill(m, fit->lambda, target, &fit->at, over, done ? 1 : PRICE_GAPS);
 }
@@ -285,7 +285,7 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 		if (!code && (fits && fitted ? now.size > best->size : now.size < best->size))
 			keep_fitted(best, &now, plants);
 		if (now.size == before || (now.size <= most && now.size >= most * (1 - LOD_PRICE_SLACK))
-				|| (best->size <= most && lod_planner_over(p, 4)))
+				|| (best->size <= most && lod_planner_over(p, 4)) || (i > 0 && lod_planner_spent(p)))
 			break;
 		now.beside = most - next_target(&between, most, bytes, now.size);
 	}

@@ -52,11 +52,11 @@
 /* work of a plan, over that of one pass over all choices: these are how many of a slot, usually */
 #define SLOT_CHOICES 3
 #define FINER_WORK 4             /* of a finer level, over that of a level */
-#define PASSES_VERTICES 32
-#define PASSES_BYTES 50
+#define PASSES_VERTICES 96
+#define PASSES_BYTES 200
 #define HIDDEN_MOST 0.05         /* of what a picture has */
 #define UNCHANGED 2              /* one of so many tallies is summed again, for the others nothing changed */
-#define SUMMARY_TRIES 2          /* numbers of points that are tried of each */
+#define SUMMARY_TRIES 7          /* numbers of points that are tried of each */
 
 double lod_lambda_at(int index)
 {

@@ -89,6 +89,12 @@ static inline bool lod_planner_over(const struct lod_planner *p, uint64_t quarte
 	return p->work_most && p->work / quarters >= p->work_most / 4;
 }
 
+/* Is all of the work done that the input allows? What is begun is ended as cheaply as may be then. */
+static inline bool lod_planner_spent(const struct lod_planner *p)
+{
+	return p->input->work_max && p->work >= p->input->work_max;
+}
+
 static inline void lod_planner_work(struct lod_planner *p, uint64_t done)
 {
 	p->work += done;

@@ -427,7 +427,7 @@ UNIT_TEST(of_plants_around_the_eye_a_bounded_plan_looks_at_some)
 	for (int bounded = 0; bounded < 2; bounded++) {
 		struct lod_planner_stats stats;
 		struct lod_planner_input input = { .scene = &scene.scene, .request = &request,
-			.work_max = bounded ? 1 << 12 : 0, .stats = &stats };
+			.work_max = bounded ? 1 << 14 : 0, .stats = &stats };
 		struct eco_error error = { 0 };
 		struct eco_plan plan;
 		assert_ok(lod_plan(&plan, &input, &error), error);
