@@ -585,7 +585,7 @@ int main(int argc, char **argv)
 	enum eco_code code = view_options_read(argc, argv, &viewer.options, &error);
 	view_progress_begin(&viewer.progress, "ecoview");
 	catch_signals();
-	eco_draco_end_without_memory();
+	eco_draco_end_without_memory(NULL);
 	eco_json_watch();
 	if (!code)
 		code = view_fetch_setup(&error);

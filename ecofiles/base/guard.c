@@ -15,6 +15,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -34,6 +35,7 @@
 #endif
 
 #define GIB (1ull << 30)
+#define SMALL_FACTOR 64u             /* zipped tables take 10, zipped models about 50 */
 #define FILES_MAX 512u               /* a mosaic opens its parts */
 #define GRACE_S 5u                   /* from the signal that can be caught to the one that cannot */
 #define CRASH_STACK (64u << 10)
@@ -101,6 +103,27 @@ struct eco_guard_limits eco_guard_limits_for(uint64_t bytes)
 		.clock_s = (uint32_t)(2 * cpu_s) };
 }
 
+uint64_t eco_guard_small_memory(const char *const *paths, uint32_t count)
+{
+	uint64_t size = 0;
+	struct stat status;
+	for (uint32_t i = 0; i < count && size < ECO_GUARD_MEMORY; i++)
+		if (stat(paths[i], &status) == 0 && status.st_size > 0)
+			size += (uint64_t)status.st_size;
+	return size < (ECO_GUARD_MEMORY - GIB) / SMALL_FACTOR ? GIB + SMALL_FACTOR * size : ECO_GUARD_MEMORY;
+}
+
+bool eco_guard_unpacks(const char *path)
+{
+	char head[16] = "";
+	int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+	ssize_t size = file >= 0 ? read(file, head, sizeof head) : 0;
+	if (file >= 0)
+		close(file);
+	return (size >= 4 && memcmp(head, "PK\3\4", 4) == 0)
+		|| (size == sizeof head && memcmp(head, "SQLite format 3", sizeof head) == 0);
+}
+
 static double wish(const char *variable, double least, double most)
 {
 	const char *text = getenv(variable);
@@ -166,6 +189,12 @@ static void crashed(int number)
 		crash_note->no_memory = 1;
 	signal(number, SIG_DFL);
 	raise(number);
+}
+
+void eco_guard_no_memory(void)
+{
+	if (crash_note)
+		crash_note->no_memory = 1;
 }
 
 static void watch_crashes(struct shared *shared)
@@ -291,6 +320,9 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 	if (out && fflush(out) != 0 && !code)
 		code = eco_fail(&error, ECO_IO, "%s: the result could not be handed over: %s", g->what,
 			strerror(errno));
+	/* libraries may lose the reason on the way */
+	if (code && errno == ENOMEM)
+		eco_guard_no_memory();
 	error.code = code;
 	g->shared->error = error;
 	_exit(0);
@@ -342,7 +374,8 @@ static enum eco_code returned(const struct eco_guard *g, struct eco_error *error
 	const struct eco_error *said = &g->shared->error;
 	if ((unsigned)said->code >= ECO_CODE_COUNT)
 		return eco_fail(error, ECO_DAMAGED, "%s: the import came to no end", g->what);
-	if (said->code == ECO_NO_MEMORY || (said->code != ECO_OK && strstr(said->text, "bad_alloc")))
+	if (said->code == ECO_NO_MEMORY || (said->code != ECO_OK && (g->shared->no_memory
+			|| strstr(said->text, "bad_alloc") || strstr(said->text, ": out of memory"))))
 		return no_memory(g, error);
 	return said->code == ECO_OK ? ECO_OK : eco_fail(error, said->code, "%s", said->text);
 }
@@ -384,6 +417,8 @@ static enum eco_code verdict(struct eco_guard *g, int status, const struct rusag
 		return returned(g, error);
 	if (WIFSIGNALED(status))
 		return killed(g, WTERMSIG(status), cpu_s, error);
+	if (g->shared->no_memory)
+		return no_memory(g, error);
 	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with exit status %d: it is damaged, or meets "
 		"a bug in the library that reads it; save it anew with another program, or in another format",
 		g->what, WEXITSTATUS(status));

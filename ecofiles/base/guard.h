@@ -8,6 +8,7 @@
 #ifndef ECO_GUARD_H
 #define ECO_GUARD_H
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -26,6 +27,12 @@ struct eco_guard_limits {                /* a zero stands for the default */
 /* Limits for files of `bytes` in all: a generous base (textures and Draco unpack small files to large
  * data), and more for each byte. */
 struct eco_guard_limits eco_guard_limits_for(uint64_t bytes);
+
+/* Memory for files of tables, and for others that eco_guard_unpacks: 1 GiB, and 64 bytes for each byte of the
+ * files. A few kilobytes of a zip file or of a database's view can ask for any number of gigabytes. */
+uint64_t eco_guard_small_memory(const char *const *paths, uint32_t count);
+/* Whether the file is a zip file or an SQLite database, by its first bytes. */
+bool eco_guard_unpacks(const char *path);
 
 /* These environment variables replace any limit that a caller asks for: a rare file needs more, a server
  * may want less. Seconds are of processor time; the clock's limit is twice that. */
@@ -54,6 +61,9 @@ struct eco_guard;
 enum eco_code eco_guard_start(struct eco_guard **guard, eco_guard_work *work, void *ctx, const char *what,
 	const struct eco_guard_limits *limits, FILE **stream, struct eco_error *error);
 enum eco_code eco_guard_finish(struct eco_guard *guard, struct eco_error *error);
+
+/* Notes in a child that memory ran out, for code that then ends the process. Does nothing elsewhere. */
+void eco_guard_no_memory(void);
 
 /* Ends all children that run now; their parents' calls return ECO_INTERRUPTED. Async-signal-safe, for
  * signal handlers. */

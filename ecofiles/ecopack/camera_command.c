@@ -217,13 +217,16 @@ static struct camera given;
 static enum eco_code run_camera(int argc, char **argv, struct eco_error *error)
 {
 	struct camera *c = &given;
+	struct eco_guard_limits limits = { 0 };
 	struct eco_guard *guard;
 	FILE *from;
 	given = (struct camera){ .o = ECO_TRACK_DEFAULTS };
 	enum eco_code code = main_read(&main_command_camera, argc, argv, error);
 	code = code ? code : may_write(c->output, error);
 	code = code ? code : open_scene(c, error);
-	code = code ? code : eco_guard_start(&guard, work, c, c->input, NULL, &from, error);
+	if (!code)
+		limits.memory_bytes = eco_guard_small_memory(&c->input, 1);
+	code = code ? code : eco_guard_start(&guard, work, c, c->input, &limits, &from, error);
 	code = code ? code : take(c, guard, from, error);
 	if (c->o.ground)
 		eco_ground_free(&c->ground);

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "ecofiles/base/guard.h"
 #include "ecofiles/base/json_memory.h"
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/format/chunk/draco_shim.h"
@@ -307,7 +308,7 @@ int main(int argc, char **argv)
 	enum eco_code code = ECO_OK;
 	if (!eco_command_answers(&command->line, argc - 2, argv + 2)) {
 		main_catch_interrupts();
-		eco_draco_end_without_memory();
+		eco_draco_end_without_memory(eco_guard_no_memory);
 		eco_json_watch();
 		code = command->run(argc - 2, argv + 2, &error);
 		if (!code && eco_json_lost())

@@ -23,6 +23,7 @@
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/base/guard.h"
 #include "tests/support/input_files.h"
+#include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -570,6 +571,23 @@ UNIT_TEST(the_environment_has_the_last_word_on_limits)
 		ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "more than the 0.25 GB of memory"));
 	unsetenv(ECO_GUARD_MEMORY_VARIABLE);
+}
+
+UNIT_TEST(packed_files_are_known_by_their_first_bytes)
+{
+	static const struct { const char *bytes; size_t size; bool unpacks; } files[] = {
+		{ "PK\3\4", 4, true }, { "SQLite format 3\0more", 20, true },
+			{ "SQLite format 3", 15, false },
+		{ "PK\3", 3, false }, { "x,y\n", 4, false }, { "", 0, false } };
+	const char *path = input_path("guard", "head");
+	for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+		file_write(path, files[i].bytes, files[i].size);
+		assert_int_equal(eco_guard_unpacks(path), files[i].unpacks);
+		assert_int_equal(eco_guard_small_memory(&path, 1), (1ull << 30) + 64 * files[i].size);
+	}
+	remove(path);
+	assert_false(eco_guard_unpacks(path) || eco_guard_unpacks("."));
+	assert_int_equal(eco_guard_small_memory(&path, 1), 1ull << 30);
 }
 
 UNIT_TEST(larger_files_may_take_more)

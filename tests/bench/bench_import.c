@@ -68,8 +68,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	for (uint32_t i = 0; i < SIZES; i++)
 		bench_table_row(table, "%u,%.3f,%.2f", sizes[i], cpu_s[i], 1e6 * cpu_s[i] / sizes[i]);
 	bench_table_close(table);
-	bench_say(bench, "Import of a model of loose twigs and leaves, a component each. The time of a triangle "
-		"is the same in a small model and in a large one.");
+	bench_say(bench, "Import of a model of loose twigs and leaves, a component each. The time of a "
+		"triangle is the same in a small model and in a large one.");
 	bench_key(bench, "import_us_a_triangle", 1e6 * cpu_s[SIZES - 1] / sizes[SIZES - 1], "10 or less");
 	bench_key(bench, "import_growth", cpu_s[SIZES - 1] / cpu_s[SIZES - 2] / 2,
 		"1.5 or less: linear is 1");

@@ -47,6 +47,8 @@ enum eco_code contained(struct eco_error *error, enum eco_code otherwise, Body b
 	}
 }
 
+void (*note_no_memory)(void);
+
 [[noreturn]] void end_without_memory()
 {
 	static const char text[] = "error: out of memory within a library that cannot go on\n";
@@ -54,6 +56,8 @@ enum eco_code contained(struct eco_error *error, enum eco_code otherwise, Body b
 		if (std::current_exception())
 			throw;
 	} catch (const std::bad_alloc &) {
+		if (note_no_memory)
+			note_no_memory();
 		_exit(write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 3 : 1);
 	} catch (...) {
 	}
@@ -594,7 +598,8 @@ enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t 
 	return code;
 }
 
-void eco_draco_end_without_memory(void)
+void eco_draco_end_without_memory(void (*note)(void))
 {
+	note_no_memory = note;
 	std::set_terminate(end_without_memory);
 }

@@ -35,8 +35,9 @@ bool eco_draco_rows_start(const uint8_t *bytes, size_t size, enum eco_draco_orde
 bool eco_draco_mesh_start(const uint8_t *bytes, size_t size, uint32_t faces);
 
 /* From now on a C++ library that finds no memory where it can tell nobody ends the program with a message
- * and status 1, not by a signal: Draco in a destructor, meshoptimizer called from C. */
-void eco_draco_end_without_memory(void);
+ * and status 1, not by a signal: Draco in a destructor, meshoptimizer called from C. `note`, unless NULL, is
+ * called before. */
+void eco_draco_end_without_memory(void (*note)(void));
 
 /* Encodes `rows` >= 1 rows. Sequential columns must satisfy |value| <= ECO_DRACO_VALUE_MAX or, with
  * `difference`, be within ECO_DRACO_VALUE_MAX of each other: Draco allocates four bytes for each integer

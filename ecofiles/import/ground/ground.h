@@ -9,6 +9,7 @@
 #ifndef ECO_GROUND_H
 #define ECO_GROUND_H
 
+#include "ecofiles/base/guard.h"
 #include "ecofiles/base/status.h"
 #include "ecofiles/format/heights.h"
 #include "ecofiles/format/pack.h"
@@ -73,5 +74,7 @@ enum eco_code eco_ground_through(struct eco_ground *ground, const struct eco_gro
 
 /* Refuses what no reader reads: files that are not there, empty, packed, pointers of Git LFS, web pages. */
 enum eco_code eco_raster_file_check(const char *path, struct eco_error *error);
+/* Limits for reading rasters: memory is small where one of them unpacks (guard.h). */
+struct eco_guard_limits eco_raster_limits(const char *const *paths, uint32_t count);
 
 #endif

@@ -77,6 +77,15 @@ enum eco_code eco_raster_file_check(const char *path, struct eco_error *error)
 	return code;
 }
 
+struct eco_guard_limits eco_raster_limits(const char *const *paths, uint32_t count)
+{
+	struct eco_guard_limits limits = { 0 };
+	for (uint32_t i = 0; i < count; i++)
+		if (eco_guard_unpacks(paths[i]))
+			limits.memory_bytes = eco_guard_small_memory(paths, count);
+	return limits;
+}
+
 static enum eco_code check_files(const struct eco_ground_source *source, struct eco_error *error)
 {
 	for (uint32_t i = 0; i < source->height_count; i++) {
@@ -99,8 +108,11 @@ enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_grou
 	if (job.side_max < 2 || job.side_max > ECO_GROUND_SIDE_MAX)
 		job.side_max = ECO_GROUND_SIDE_MAX;
 	enum eco_code code = check_files(options->source, error);
+	struct eco_guard_limits limits = eco_raster_limits((const char *const *)options->source->heights,
+		options->source->height_count);
 	if (!code)
-		code = eco_guard_start(&guard, work, &job, options->source->heights[0], NULL, &result, error);
+		code = eco_guard_start(&guard, work, &job, options->source->heights[0], &limits, &result,
+			error);
 	if (code)
 		return code;
 	bool whole = get_ground(result, ground, &job);

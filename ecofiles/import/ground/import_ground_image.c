@@ -33,7 +33,9 @@ static enum eco_code start(struct eco_ground_image_reader *r, const struct eco_g
 		if (code)
 			return code;
 	}
-	return eco_guard_start(&r->guard, work, &r->job, source->files[0], NULL, &r->stream, error);
+	struct eco_guard_limits limits = eco_raster_limits((const char *const *)source->files,
+		source->file_count);
+	return eco_guard_start(&r->guard, work, &r->job, source->files[0], &limits, &r->stream, error);
 }
 
 /* The child's own verdict comes before what was missed here. */

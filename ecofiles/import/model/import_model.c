@@ -280,8 +280,11 @@ static void tell(const struct eco_model_options *options, struct eco_notes *note
 static struct eco_guard_limits limits_for(const char *path)
 {
 	struct stat status;
-	return eco_guard_limits_for(stat(path, &status) == 0 && status.st_size > 0 ? (uint64_t)status.st_size
-		: 0);
+	struct eco_guard_limits limits = eco_guard_limits_for(stat(path, &status) == 0 && status.st_size > 0
+		? (uint64_t)status.st_size : 0);
+	if (eco_guard_unpacks(path))
+		limits.memory_bytes = eco_guard_small_memory(&path, 1);
+	return limits;
 }
 
 /* Reads one file in a child of its own; warns of its notes at once. */

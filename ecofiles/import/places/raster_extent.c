@@ -22,8 +22,9 @@ enum eco_code eco_raster_extent(const char *path, struct eco_raster_extent *exte
 {
 	FILE *result = NULL;
 	enum eco_code code = eco_raster_file_check(path, error);
+	struct eco_guard_limits limits = eco_raster_limits(&path, 1);
 	if (!code)
-		code = eco_guard_run(work, (void *)path, path, NULL, &result, error);
+		code = eco_guard_run(work, (void *)path, path, &limits, &result, error);
 	if (code)
 		return code;
 	bool good = fread(extent, sizeof *extent, 1, result) == 1;

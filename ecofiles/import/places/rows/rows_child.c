@@ -326,6 +326,7 @@ enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source
 	struct eco_error *error)
 {
 	struct child *c = calloc(1, sizeof *c);
+	struct eco_guard_limits limits = { .memory_bytes = eco_guard_small_memory(&source->path, 1) };
 	enum eco_code code;
 	char kind = 0;
 	_Static_assert(offsetof(struct child, rows) == 0, "struct eco_rows is the start of struct child");
@@ -340,7 +341,7 @@ enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source
 	if (!c->path || !c->rows.fields)
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", source->path);
 	else
-		code = eco_guard_start(&c->guard, work, (void *)source, source->path, NULL, &c->stream,
+		code = eco_guard_start(&c->guard, work, (void *)source, source->path, &limits, &c->stream,
 			error);
 	if (!code)
 		code = receive(c, &kind, error);
