@@ -175,6 +175,30 @@ awk 'BEGIN { print "ESSENCE;HAUTEUR;CIRCONF;LONGITUDE;LATITUDE"
 start 0 'are swapped: its columns are French, which is written at 4.84, 45.76' lyon.csv
 is '[.crs, .instances[0].x]' '["EPSG:32631","LATITUDE"]'
 
+# ---- Degrees with a CRS in metres or feet: they would be one spot ----
+deg() { awk -v first="$1" -v x="$2" -v y="$3" 'BEGIN { print first; for (i = 0; i < 1200; i++) printf "oak,%d,%.5f,%.5f\n", 5 + i % 9, x + i % 40 / 2000, y + int(i / 40) / 2000 }'; }
+deg species,height,lon,lat 8.6 50.1 >"$DIR/degrees.csv"
+deg species,height,x,y 8.6 50.1 >"$DIR/degrees_xy.csv"
+for crs in EPSG:25832 EPSG:3857 EPSG:2056 EPSG:2263; do
+	for file in degrees degrees_xy; do
+		start 1 "look like degrees, but $crs .*, as you say. counts in metres or feet: all plants would stand on one spot.* give --crs EPSG:4326" $file.csv --crs $crs
+	done
+done
+start 0 'within 1.4 x 1.62 km' degrees.csv --crs EPSG:4326 --scene-crs EPSG:25832
+
+# ---- Longitude and latitude swapped where both stay valid: the areas of CRSs, terrain and language tell, a stated CRS or not ----
+deg species,height,lon,lat 50.1 8.6 >"$DIR/turned.csv"
+start 0 'are swapped: only so do they lie in the area of use of ETRS89, longitude -16.1 to 40.18' turned.csv --crs EPSG:4258
+is '[.crs, .instances[0].x, .instances[0].crs]' '["EPSG:32632","lat","EPSG:4258"]'
+start 0 'are swapped: only so do they lie in the area of use of ETRS89 / UTM zone 32N' turned.csv --crs EPSG:4326 --scene-crs EPSG:25832
+start 0 'WGS 84, as you say; a place at 50.110, 8.608' turned.csv --crs EPSG:4326
+start 0 'as you say; a place at .*; but its area of use is longitude 167.7 to -40.73' degrees.csv --crs EPSG:4269
+start 0 'are swapped: its columns are French, which is written at 4.84, 45.76' lyon.csv --crs EPSG:4326
+deg species,height,x,y 5580000 470000 | sed '1!s/\.00000//g' >"$DIR/turned_utm.csv"
+start 0 'are swapped: only so do they lie in the CRS.s area of use, longitude 6 to 12.01' turned_utm.csv --crs EPSG:25832
+echo '{"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::4258"}},"features":[{"type":"Feature","properties":{"species":"oak"},"geometry":{"type":"Point","coordinates":[50.1,8.6]}}]}' >"$DIR/turned.geojson"
+start 1 'x and y of its points are swapped, as 50.1, 8.6: only so do they lie in the area of use of ETRS89' turned.geojson
+
 # ---- Degrees, minutes and seconds ----
 awk 'BEGIN { print "especie;altura;latitud;longitud"
 	for (i = 0; i < 40; i++) printf "roble;%d;40\302\26024'"'"'%05.2f\" N;3\302\26041'"'"'%05.2f\" W\n", 4 + i % 17, i, i }' >"$DIR/minutes.csv"

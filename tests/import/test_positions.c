@@ -501,6 +501,32 @@ UNIT_TEST(latitude_and_longitude_swapped_are_no_silence)
 		"\"lat\"");
 }
 
+UNIT_TEST(degrees_in_a_crs_of_metres_are_refused)
+{
+	static const char csv[] = "x,y\n8.61,50.1\n8.62,50.11\n", swapped[] = "x,y\n50.1,8.61\n50.11,8.62\n";
+	expect_error(UTM32, csv, "\"plant\":\"oak\",\"crs\":\"EPSG:25832\"," XY, "such as 8.61, 50.1, look like degrees, "
+		"but its CRS, EPSG:25832, counts in metres or feet: all plants would stand on one spot, at 4.511, 0.000; if "
+		"they are longitude and latitude, say \"crs\": \"EPSG:4326\" in its entry");
+	expect_error(UTM32, swapped, "\"plant\":\"oak\",\"crs\":\"EPSG:25832\"," XY, "look like degrees");
+	expect_error(UTM32, csv, "\"plant\":\"oak\",\"crs\":\"EPSG:3857\"," XY, "look like degrees");
+	expect_error(UTM32, csv, "\"plant\":\"oak\",\"crs\":\"EPSG:2263\"," XY, "look like degrees");
+	expect_file("rows.geojson", UTM32, FEATURES(SAYS("urn:ogc:def:crs:EPSG::25832"), FEATURE("8.61", "50.1")),
+		"\"plant\":\"oak\"", NULL, "look like degrees, but its CRS, EPSG:25832");
+	/* one bad row does not refuse the others; a map of its own around the plot has such numbers */
+	expect(UTM32, "x,y\n690001,5335002\n8.61,50.1\n", "\"plant\":\"oak\",\"crs\":\"EPSG:25832\"," XY,
+		"oak 1 2 / oak -689991.39 -5334949.9", "2 plants");
+	expect("\"crs\":\"+proj=tmerc +lat_0=48.1 +lon_0=11.5 +type=crs\",\"origin\":[0,0,0],", "x,y\n8.5,50.25\n-20,3.5\n",
+		"\"plant\":\"oak\",\"crs\":\"+proj=tmerc +lat_0=48.1 +lon_0=11.5 +type=crs\"," XY,
+		"oak 8.5 50.25 / oak -20 3.5", "2 plants");
+}
+
+UNIT_TEST(swapped_places_are_compared_with_the_area_of_use)
+{
+	expect("\"crs\":\"EPSG:32639\",\"origin\":[400990,951020,0],", "lat,lon\n50.1,8.6\n", "\"plant\":\"oak\",\"crs\":"
+		"\"EPSG:4258\",\"x\":\"lat\",\"y\":\"lon\"", "oak -22.776 -273.92", "outside the area of use of its CRS, "
+		"EPSG:4258 (longitude -16.1 to 40.18, latitude 32.88 to 84.73), and inside with their coordinates swapped");
+}
+
 UNIT_TEST(levels_keep_the_tall_few_and_the_relative_error)
 {
 	char csv[20000] = "x,y,h\n", *at;

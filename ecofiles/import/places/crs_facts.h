@@ -13,12 +13,30 @@ struct eco_crs_facts {
 	bool x_is_north;             /* its own axis x counts to the north, as surveyors have it */
 	double degrees[2];           /* longitude, latitude of the place asked about; NaN: none */
 	bool inside;                 /* the CRS's area of use has the place, or is not stated */
+	double area[4];              /* of use: west, south, east, north in degrees; NaN: not stated */
 	char name[96], code[32];     /* "WGS 84 / UTM zone 32N", "EPSG:32632"; code "": not in the register */
 };
 
 /* `xy`: a place in it, easting or longitude first. ECO_BAD_INPUT: PROJ does not know it. */
 enum eco_code eco_crs_look(const char *crs, const double xy[2], struct eco_crs_facts *facts,
 	struct eco_error *error);
+
+enum eco_crs_fit {
+	ECO_CRS_FITS,                /* within the CRS's area of use, or this is not stated */
+	ECO_CRS_OUTSIDE,
+	ECO_CRS_SWAPPED,             /* outside, and within once x and y change places */
+	ECO_CRS_DEGREES              /* degrees where the CRS has metres or feet: no place of plants */
+};
+/* Whether a place can be meant in a CRS; `xy` and `facts` as in eco_crs_look, which went well. */
+enum eco_crs_fit eco_crs_fit(const char *crs, const double xy[2], const struct eco_crs_facts *facts);
+/* Whether numbers are small enough for longitude and latitude, in either order. */
+bool eco_crs_may_be_degrees(const double xy[2]);
+/* Plants of an inventory do not stand within so many metres: those are degrees. */
+#define ECO_HEAP_M 1.0
+/* Whether a place in degrees lies in an area of use; false if that is not stated. */
+bool eco_crs_area_has(const double area[4], const double degrees[2]);
+/* "longitude 6 to 12, latitude 38.76 to 84.33"; returns `text`. */
+const char *eco_crs_area_text(const double area[4], char text[80]);
 
 /* Where a place of a map lies on Earth: degrees of WGS 84, and how far the map's north is turned clockwise
  * from true north there (grid convergence). */

@@ -28,6 +28,7 @@
 #define BARE_NORTH 75.0
 #define ZONES_LISTED 24u         /* UTM zones of a language that a question names */
 #define LISTED 6u                /* zones where a language is written: if there are more, all zones are offered */
+#define ONLY_SO_TERRAIN "only so does the terrain lie there"
 #define WEB_MERCATOR "EPSG:3857"
 #define ROUND_M 10.0             /* origins are round */
 #define NEAR_DEG 0.01            /* places that differ by datum alone lie nearer together */
@@ -116,12 +117,19 @@ static bool dem_has(const struct look *l, const double degrees[2])
 		fabs(facts.degrees[1] - degrees[1]) < reach_deg;
 }
 
-static void say_swapped(struct look *l, const char *why)
+/* Columns change places; a file's points cannot. */
+static enum eco_code say_swapped(struct look *l, const char *why)
 {
+	if (l->guess->from_geometry)
+		return eco_fail(l->error, ECO_BAD_INPUT,
+			"%.150s: x and y of its points are swapped, as %.7g, %.7g: %s. x is "
+			"easting or longitude, y is northing or latitude: export it anew, or with x and y as columns",
+			l->asked->table->path, l->xy[0].middle, l->xy[1].middle, why);
 	l->guess->swapped = true;
 	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%s\"%.40s\" and \"%.40s\" are swapped: %s",
 		are_degrees(l, 0) || are_degrees(l, 1) ? "degrees; " : "", l->names[0] ? l->names[0] : "x",
 		l->names[1] ? l->names[1] : "y", why);
+	return ECO_OK;
 }
 
 static bool is_bare(const double degrees[2])
@@ -136,31 +144,58 @@ static bool speaks_for_swapping(const struct look *l, const double as_named[2], 
 		&& eco_speech_reaches(l->speech, swapped, true);
 }
 
-static void guess_degrees(struct look *l)
+/* Whether a place in degrees is outside the area of use of a CRS, and inside once swapped; *facts are the CRS's. */
+static bool area_speaks_for_swapping(const char *crs, const double as_named[2], const double swapped[2],
+	struct eco_crs_facts *facts)
+{
+	return crs && eco_crs_look(crs, as_named, facts, NULL) == ECO_OK && !isnan(facts->area[0]) &&
+		!eco_crs_area_has(facts->area, as_named) && eco_crs_area_has(facts->area, swapped);
+}
+
+/* Says why degrees in a CRS are what they should be only if longitude and latitude change places; "": they are not
+ * known to be. */
+static void look_for_swapping(const struct look *l, const char *crs, char why[ECO_WHY_BYTES])
 {
 	const double east = l->xy[0].middle,
-		as_named[2] = { east > 180 ? east - 360 : east, l->xy[1].middle },
-		swapped[2] = { l->xy[1].middle, l->xy[0].middle };
-	char why[160];
+		     as_named[2] = { east > 180 ? east - 360 : east, l->xy[1].middle },
+		     swapped[2] = { l->xy[1].middle, l->xy[0].middle };
+	struct eco_crs_facts facts;
+	char area[80];
+	why[0] = 0;
+	if (!are_degrees(l, 1))
+		return;
+	if (!are_degrees(l, 0))
+		snprintf(why, ECO_WHY_BYTES, "a latitude lies between -90 and 90");
+	else if (dem_has(l, as_named))
+		return;
+	else if (dem_has(l, swapped))
+		snprintf(why, ECO_WHY_BYTES, ONLY_SO_TERRAIN);
+	else if (is_bare(as_named) && !is_bare(swapped))
+		snprintf(why, ECO_WHY_BYTES, "no tree stands at latitude %.1f", as_named[1]);
+	else if (area_speaks_for_swapping(crs, as_named, swapped, &facts) ||
+		area_speaks_for_swapping(l->asked->scene_crs, as_named, swapped, &facts))
+		snprintf(why, ECO_WHY_BYTES, "only so do they lie in the area of use of %.60s, %s",
+			facts.name, eco_crs_area_text(facts.area, area));
+	else if (!l->guess->from_geometry && !l->asked->axes_said &&
+		speaks_for_swapping(l, as_named, swapped))
+		snprintf(why, ECO_WHY_BYTES,
+			"its columns are %s, which is written at %.2f, %.2f, and not at %.2f, %.2f",
+			eco_speech_name(l->speech), swapped[0], swapped[1], as_named[0], as_named[1]);
+}
+
+static enum eco_code guess_degrees(struct look *l)
+{
+	const double east = l->xy[0].middle,
+		     as_named[2] = { east > 180 ? east - 360 : east, l->xy[1].middle };
+	char why[ECO_WHY_BYTES];
 	snprintf(l->guess->crs, sizeof l->guess->crs, "EPSG:4326");
-	if (!are_degrees(l, 0)) {
-		say_swapped(l, "a latitude lies between -90 and 90");
-	} else if (are_degrees(l, 1) && !dem_has(l, as_named) && dem_has(l, swapped)) {
-		say_swapped(l, "only so does the terrain lie there");
-	} else if (are_degrees(l, 1) && is_bare(as_named) && !is_bare(swapped)) {
-		snprintf(why, sizeof why, "no tree stands at latitude %.1f", as_named[1]);
-		say_swapped(l, why);
-	} else if (are_degrees(l, 1) && !dem_has(l, as_named) && speaks_for_swapping(l, as_named, swapped)) {
-		snprintf(why, sizeof why, "its columns are %s, which is written at %.2f, %.2f, and not at "
-			"%.2f, %.2f", eco_speech_name(l->speech), swapped[0], swapped[1], as_named[0],
-			as_named[1]);
-		say_swapped(l, why);
-	} else {
-		snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "degrees, by %s: around %.4f, %.4f",
-			l->asked->columns->names_say_degrees ? "the columns' names and numbers" : "the "
-				"numbers",
-			as_named[0], as_named[1]);
-	}
+	look_for_swapping(l, NULL, why);
+	if (why[0] != 0)
+		return say_swapped(l, why);
+	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "degrees, by %s: around %.4f, %.4f",
+		l->asked->columns->names_say_degrees ? "the columns' names and numbers" : "the numbers",
+		as_named[0], as_named[1]);
+	return ECO_OK;
 }
 
 /* ---- A grid ---- */
@@ -319,10 +354,8 @@ static enum eco_code settle_axes(struct look *l)
 	struct eco_crs_facts named, turned;
 	if (!axes_are_open(l, &named, &turned) || dem_has(l, named.degrees))
 		return ECO_OK;
-	if (dem_has(l, turned.degrees)) {
-		say_swapped(l, "only so does the terrain lie there");
-		return ECO_OK;
-	}
+	if (dem_has(l, turned.degrees))
+		return say_swapped(l, ONLY_SO_TERRAIN);
 	return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: does \"%.40s\" count to the north, as x does in %s "
 		"(%.40s), or to the east, as in most tables? To the east the plants are at %.3f, %.3f: "
 		"--x \"%.40s\" --y \"%.40s\"; to the north at %.3f, %.3f: --x \"%.40s\" --y \"%.40s\"",
@@ -376,9 +409,31 @@ static bool take_bare_dem(struct look *l)
 	return on;
 }
 
+/* Degrees of some places, within a metre if they are taken for metres. */
+static bool is_heap_of_degrees(const struct look *l)
+{
+	return l->asked->table->row_count > 1 && (are_degrees(l, 0) || are_degrees(l, 1)) &&
+		(l->asked->columns->names_say_degrees ||
+			(l->xy[0].high - l->xy[0].low < ECO_HEAP_M &&
+				l->xy[1].high - l->xy[1].low < ECO_HEAP_M));
+}
+
+static enum eco_code refuse_degrees(const struct look *l, const char *crs, const struct eco_crs_facts *facts,
+	const char *who)
+{
+	return eco_fail(l->error, ECO_BAD_INPUT,
+		"%.150s: its coordinates, such as %.7g, %.7g, look like degrees, but %.40s "
+		"(%.80s, as %.60s) counts in metres or feet: all plants would stand on one spot, at %.3f, %.3f. If they are "
+		"longitude and latitude give --crs EPSG:4326 (and --scene-crs %.40s for a scene in that CRS); if they are "
+		"metres of a plot give no --crs",
+		l->asked->table->path, l->xy[0].middle, l->xy[1].middle, crs, facts->name, who,
+		facts->degrees[0], facts->degrees[1], crs);
+}
+
 static enum eco_code take_stated(struct look *l, const char *crs, const char *who)
 {
-	struct eco_crs_facts facts;
+	struct eco_crs_facts facts, other;
+	char why[ECO_WHY_BYTES] = "", area[80];
 	const double at[2] = { l->xy[0].middle, l->xy[1].middle }, turned[2] = { at[1], at[0] };
 	enum eco_code code = eco_crs_look(crs, at, &facts, l->error);
 	if (code)
@@ -388,15 +443,25 @@ static enum eco_code take_stated(struct look *l, const char *crs, const char *wh
 	else
 		snprintf(l->guess->crs, sizeof l->guess->crs, "%s", facts.code);
 	int used = snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, as %s", facts.name, who);
-	if (!facts.geographic && !isnan(facts.degrees[0]))
-		snprintf(l->guess->crs_why + used, sizeof l->guess->crs_why - (size_t)used,
+	if (!isnan(facts.degrees[0]))
+		used += snprintf(l->guess->crs_why + used, sizeof l->guess->crs_why - (size_t)used,
 			"; a place at %.3f, %.3f", facts.degrees[0], facts.degrees[1]);
-	if (facts.geographic && !are_degrees(l, 0) && are_degrees(l, 1) && !l->guess->from_geometry)
-		say_swapped(l, "a latitude lies between -90 and 90");
-	else if (!facts.inside && !isnan(facts.degrees[0]) &&
-		eco_crs_look(crs, turned, &facts, NULL) == ECO_OK && facts.inside &&
-		!l->guess->from_geometry && !facts.geographic)
-		say_swapped(l, "only so do they lie in the CRS's area of use");
+	enum eco_crs_fit fit = eco_crs_fit(crs, at, &facts);
+	if (!are_whole(l) && (fit == ECO_CRS_DEGREES || (!facts.geographic && is_heap_of_degrees(l))))
+		return refuse_degrees(l, crs, &facts, who);
+	if (facts.geographic)
+		look_for_swapping(l, crs, why);
+	else if (fit == ECO_CRS_SWAPPED)
+		snprintf(why, sizeof why, "only so do they lie in the CRS's area of use, %s",
+			eco_crs_area_text(facts.area, area));
+	else if (!dem_has(l, facts.degrees) && eco_crs_look(crs, turned, &other, NULL) == ECO_OK &&
+		dem_has(l, other.degrees))
+		snprintf(why, sizeof why, ONLY_SO_TERRAIN);
+	if (why[0] != 0)
+		return say_swapped(l, why);
+	if (fit == ECO_CRS_OUTSIDE)
+		snprintf(l->guess->crs_why + used, sizeof l->guess->crs_why - (size_t)used,
+			"; but its area of use is %s", eco_crs_area_text(facts.area, area));
 	return ECO_OK;
 }
 
@@ -575,8 +640,7 @@ static enum eco_code guess_crs(struct look *l)
 	bool can_be = are_degrees(l, 0) || are_degrees(l, 1);
 	if (can_be && ((narrow && !are_whole(l) && !l->unit && !g->offsets.quadrat_m)
 			|| a->columns->names_say_degrees)) {
-		guess_degrees(l);
-		return ECO_OK;
+		return guess_degrees(l);
 	}
 	double most = fmax(fmax(fabs(l->xy[0].low), fabs(l->xy[0].high)),
 		fmax(fabs(l->xy[1].low), fabs(l->xy[1].high)));

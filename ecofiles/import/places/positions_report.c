@@ -7,11 +7,11 @@
 
 #include "ecofiles/format/model.h"
 #include "ecofiles/base/phrase.h"
+#include "ecofiles/import/places/crs_facts.h"
 #include "ecofiles/import/places/positions_parts.h"
 #include "ecofiles/import/places/size_units.h"
 
 #define LINE_BYTES 480u
-#define HEAP_M 1.0
 
 const char *const eco_skip_names[ECO_SKIP_COUNT] = {
 	[ECO_SKIP_NO_COORDINATES] = "no coordinates",
@@ -110,7 +110,7 @@ static void head_line(const struct report *r, const struct eco_positions_counts 
 		eco_phrase_count(c->plants, plants), c->plants == 1 ? "" : "s", extent);
 	if (c->plants > 1 && wide == 0 && deep == 0)
 		line(r, "%s: all of them stand at one point; are x, y the right columns?", path);
-	else if (c->plants > 9 && wide < HEAP_M && deep < HEAP_M)
+	else if (c->plants > 9 && wide < ECO_HEAP_M && deep < ECO_HEAP_M)
 		line(r, "%s: all of them stand within a metre; are x, y in degrees? Then add \"crs\": "
 			"\"EPSG:4326\"", path);
 }

@@ -41,13 +41,6 @@ static bool degrees_of(PJ_CONTEXT *context, const PJ *crs, const double xy[2], d
 	return !isnan(degrees[0]);
 }
 
-static bool within(const double degrees[2], double west, double south, double east, double north)
-{
-	bool in_longitude = west <= east ? degrees[0] >= west && degrees[0] <= east
-		: degrees[0] >= west || degrees[0] <= east;      /* across the date line */
-	return in_longitude && degrees[1] >= south && degrees[1] <= north;
-}
-
 /* ---- One ---- */
 
 /* The register's code of a CRS, written as WKT perhaps. */
@@ -84,9 +77,18 @@ static bool x_is_north(PJ_CONTEXT *context, const PJ *crs)
 	return found;
 }
 
+static bool find_area(PJ_CONTEXT *context, const PJ *crs, double area[4])
+{
+	bool stated = proj_get_area_of_use(context, crs, &area[0], &area[1], &area[2], &area[3], NULL) &&
+		area[0] >= -1000;
+	for (int i = 0; i < 4 && !stated; i++)
+		area[i] = NAN;
+	return stated;
+}
+
 static void look(PJ_CONTEXT *context, PJ *crs, const double xy[2], struct eco_crs_facts *facts)
 {
-	double west, south, east, north;
+	double *area = facts->area;
 	PJ_TYPE type = proj_get_type(crs);
 	facts->geographic = type == PJ_TYPE_GEOGRAPHIC_2D_CRS || type == PJ_TYPE_GEOGRAPHIC_3D_CRS;
 	facts->metric_map = proj_is_metric_map(context, crs);
@@ -94,9 +96,14 @@ static void look(PJ_CONTEXT *context, PJ *crs, const double xy[2], struct eco_cr
 	snprintf(facts->name, sizeof facts->name, "%s", proj_get_name(crs) ? proj_get_name(crs) : "");
 	find_code(context, crs, facts->code);
 	degrees_of(context, crs, xy, facts->degrees);
-	facts->inside = !proj_get_area_of_use(context, crs, &west, &south, &east, &north, NULL) ||
-		west < -1000 ||
-		(!isnan(facts->degrees[0]) && within(facts->degrees, west, south, east, north));
+	if (!find_area(context, crs, area) && facts->code[0] != 0) { /* WKT of files often leaves it out */
+		PJ *registered = proj_create(context, facts->code);
+		if (registered)
+			find_area(context, registered, area);
+		proj_destroy(registered);
+	}
+	facts->inside =
+		isnan(area[0]) || (!isnan(facts->degrees[0]) && eco_crs_area_has(area, facts->degrees));
 }
 
 enum eco_code proj_crs_look(const char *text, const double xy[2], struct eco_crs_facts *facts,
@@ -254,6 +261,8 @@ static enum eco_code try_crs(PJ_CONTEXT *context, const PROJ_CRS_INFO *info, con
 	struct choices *all)
 {
 	struct eco_crs_choice choice;
+	const double area[4] = { info->west_lon_degree, info->south_lat_degree, info->east_lon_degree,
+		info->north_lat_degree };
 	double wide = info->east_lon_degree - info->west_lon_degree,
 		tall = info->north_lat_degree - info->south_lat_degree;
 	wide += wide < 0 ? 360 : 0;
@@ -262,9 +271,8 @@ static enum eco_code try_crs(PJ_CONTEXT *context, const PROJ_CRS_INFO *info, con
 		return ECO_OK;
 	snprintf(choice.code, sizeof choice.code, "EPSG:%.20s", info->code);
 	PJ *crs = proj_create(context, choice.code);
-	bool good = crs && degrees_of(context, crs, xy, choice.degrees) &&
-		within(choice.degrees, info->west_lon_degree, info->south_lat_degree, info->east_lon_degree,
-			info->north_lat_degree);
+	bool good =
+		crs && degrees_of(context, crs, xy, choice.degrees) && eco_crs_area_has(area, choice.degrees);
 	choice.usual = eco_crs_usual((uint32_t)strtoul(info->code, NULL, 10));
 	choice.metric = good && proj_is_metric_map(context, crs);
 	proj_destroy(crs);
