@@ -288,13 +288,19 @@ static void end_reload(void *argument)
 	(void)argument;
 }
 
-/* Where the queue is full, one of the reloads in it begins later than now. */
+static void forget_reload(void *argument)
+{
+	atomic_store(&((struct srv_daemon *)argument)->reload_waits, false);
+}
+
+/* Where the queue has no place for it, one of the reloads in it begins later than now. */
 void srv_daemon_reload(struct srv_daemon *daemon)
 {
 	if (!atomic_exchange(&daemon->reload_waits, true)
 			&& !srv_work_submit(daemon->host.chores, &(struct srv_job){ .run = reload,
-			.finish = end_reload, .argument = daemon, .cancelled = &daemon->reload_cancelled }))
-		atomic_store(&daemon->reload_waits, false);
+			.finish = end_reload, .displaced = forget_reload, .argument = daemon,
+			.cancelled = &daemon->reload_cancelled }))
+		forget_reload(daemon);
 }
 
 /* Without memory, or while scenes are read, it is tried again. */

@@ -1,6 +1,7 @@
 #include "server/log.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <poll.h>
 #include <pthread.h>
 #include <stdarg.h>
@@ -15,6 +16,7 @@
 
 #define TARGET_BYTES 400u
 #define FLUSH_ROUNDS 100
+#define DIRECT_MS 1000
 
 /* ---- The thread that writes ---- */
 
@@ -27,19 +29,21 @@ static struct {
 	_Atomic(uint64_t) dropped;
 } queue = { .mutex = PTHREAD_MUTEX_INITIALIZER, .filled = PTHREAD_COND_INITIALIZER, .lines = buffers[0] };
 
-/* Where stderr was made nonblocking it is waited for here. */
-static void write_out(const char *bytes, size_t size)
+/* Waits so long for room; a pipe that has some takes PIPE_BUF bytes. Lines that do not get out are dropped. */
+static void write_out(const char *bytes, size_t size, int wait_ms)
 {
 	struct pollfd room = { .fd = STDERR_FILENO, .events = POLLOUT };
+	ssize_t written = 0;
 	while (size) {
-		ssize_t written = write(STDERR_FILENO, bytes, size);
-		if (written < 0 && errno == EAGAIN)
-			poll(&room, 1, -1);
-		else if (written <= 0 && errno != EINTR)
-			return;
+		int ready = poll(&room, 1, wait_ms);
+		written = ready == 1 ? write(STDERR_FILENO, bytes, size < PIPE_BUF ? size : PIPE_BUF) : -1;
+		if (ready == 0 || (written < 0 && errno != EINTR && errno != EAGAIN))
+			break;
 		bytes += written > 0 ? written : 0;
 		size -= written > 0 ? (size_t)written : 0;
 	}
+	for (; size; size--)
+		atomic_fetch_add(&queue.dropped, *bytes++ == '\n');
 }
 
 static void *write_lines(void *nothing)
@@ -55,7 +59,7 @@ static void *write_lines(void *nothing)
 		queue.size = 0;
 		queue.is_writing = true;
 		pthread_mutex_unlock(&queue.mutex);
-		write_out(lines, size);
+		write_out(lines, size, -1);
 		pthread_mutex_lock(&queue.mutex);
 	}
 	return nothing;
@@ -102,7 +106,7 @@ static void put_line(const void *bytes, size_t size)
 	}
 	pthread_mutex_unlock(&queue.mutex);
 	if (!waits)
-		write_out(bytes, size);
+		write_out(bytes, size, DIRECT_MS);
 	else if (!fits)
 		atomic_fetch_add(&queue.dropped, 1);
 }

@@ -23,7 +23,8 @@ struct srv_log_request {
 	const char *trace;               /* of a slow plan: lines; NULL: none */
 };
 #define SRV_LOG_BYTES (256u << 10)
-/* Again and without a thread it does nothing: then lines are written where they are said. */
+/* Again, or where no thread can be had, it does nothing: without one lines are written where they are said, and
+ * dropped where nobody reads stderr within a second. */
 void srv_log_start(void);
 /* Waits until all is written, for a second at most. */
 void srv_log_flush(void);

@@ -7,6 +7,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/options_file.h"
+
 #define FILE_BYTES_MAX (16u << 20)
 
 const char *const srv_form_names[SRV_FORM_COUNT] = { NULL, "gzip", "br" };
@@ -45,10 +47,11 @@ static const char *type_of(const char *name)
 
 static enum eco_code read_whole(const char *path, uint8_t **bytes, size_t *size, struct eco_error *error)
 {
-	FILE *file = fopen(path, "rb");
+	FILE *file;
 	uint8_t *room = malloc(FILE_BYTES_MAX);
-	enum eco_code code = !file ? eco_fail_read(error, path, errno)
-		: !room ? eco_fail(error, ECO_NO_MEMORY, "no memory for %s", path) : ECO_OK;
+	enum eco_code code = eco_open_regular(&file, path, "the viewer", error);
+	if (!code && !room)
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %s", path);
 	if (!code) {
 		*size = fread(room, 1, FILE_BYTES_MAX, file);
 		if (ferror(file))

@@ -1,4 +1,5 @@
 /* The program: what it prints, how it ends, what it links. Skipped where it has not been built. */
+#include <fcntl.h>
 #include <jansson.h>
 #include <limits.h>
 #include <signal.h>
@@ -139,6 +140,7 @@ static struct http_answer whole_stream(uint16_t port)
 
 #define SETTINGS "build/tmp/test_ecoserve.conf"
 #define PIPE_PATH "build/tmp/test_ecoserve.pipe"
+#define PIPE_FOLDER "build/tmp/test_ecoserve_pipe"
 #define HASH_PATH "build/tmp/test_ecoserve #1#.eco"
 #define TOKEN_PATH "build/tmp/test_ecoserve.token"
 
@@ -174,16 +176,21 @@ UNIT_TEST(what_is_no_file_of_settings_is_refused)
 		{ "--check-config", "--admin-token=" PIPE_PATH, PACK_PATH },
 		{ "--check-config", "--token=sample=" PIPE_PATH, PACK_PATH },
 		{ "--check-config", "--config=build/tmp" },
+		{ "--check-config", "--viewer=" PIPE_FOLDER, PACK_PATH },
 		{ "--check-config", "--token=sample=/dev/zero", PACK_PATH } };
 	char out[8192], err[8192];
 	unlink(PIPE_PATH);
 	assert_int_equal(mkfifo(PIPE_PATH, 0600), 0);
+	folder_make(PIPE_FOLDER);
+	unlink(PIPE_FOLDER "/index.html");
+	assert_int_equal(mkfifo(PIPE_FOLDER "/index.html", 0600), 0);
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct program process = program_start(rows[i]);
 		if (program_finish(&process, out, err) != 2 || !strstr(err, "from a regular file"))
 			fail_msg("%s: %s", rows[i][1], err);
 	}
 	unlink(PIPE_PATH);
+	unlink(PIPE_FOLDER "/index.html");
 }
 
 UNIT_TEST(settings_come_from_a_file_the_environment_and_the_command_line)
@@ -372,12 +379,69 @@ UNIT_TEST(errors_of_a_start_have_the_form_of_the_log)
 	}
 }
 
+static int pipe_end;
+
+static void take_pipe(void)
+{
+	dup2(pipe_end, STDERR_FILENO);
+}
+
+/* Starts it with an end of a pipe as stderr. */
+static struct program start_on(int end)
+{
+	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--log", "text", PACK_PATH,
+		"none=build/tmp/none.eco", NULL };
+	pipe_end = end;
+	return program_start_in(arguments, take_pipe);
+}
+
+static uint64_t dropped_lines(uint16_t port)
+{
+	static const char name[] = "\necoserve_log_lines_dropped_total ";
+	struct http_answer answer = http_get(port, "/metrics");
+	const char *at = answer.status == 200 ? strstr(answer.body, name) : NULL;
+	assert_non_null(at);
+	uint64_t count = strtoull(at + strlen(name), NULL, 10);
+	http_free(&answer);
+	return count;
+}
+
+/* The reader of the pipe has gone, or has stopped before the start. */
+UNIT_TEST(a_log_that_cannot_be_written_stops_nothing)
+{
+	enum { REQUESTS = 20 };
+	char line[256], out[8192], err[8192], byte = 'x';
+	if (!program_path[0])
+		skip();
+	for (int stopped = 0; stopped < 2; stopped++) {
+		int ends[2];
+		assert_int_equal(pipe2(ends, O_CLOEXEC | O_NONBLOCK), 0);
+		while (stopped && write(ends[1], &byte, 1) == 1)
+			continue;
+		if (!stopped)
+			close(ends[0]);
+		assert_int_equal(fcntl(ends[1], F_SETFL, 0), 0);
+		struct program process = start_on(ends[1]);
+		uint16_t port = program_ready(&process, line);
+		for (int i = 0; i < REQUESTS; i++)
+			assert_int_equal(status_of(port, "GET", "/none"), 404);
+		if (stopped)
+			assert_true(dropped_lines(port) >= 1);   /* that a pack is not well */
+		while (!stopped && dropped_lines(port) <= REQUESTS)
+			usleep(10000);
+		kill(process.pid, SIGTERM);
+		assert_int_equal(program_finish(&process, out, err), 0);
+		if (stopped)
+			close(ends[0]);
+		close(ends[1]);
+	}
+}
+
 /* Nobody reads stderr until it has ended. */
 UNIT_TEST(a_log_that_nobody_reads_stops_nothing)
 {
 	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--log", "json", PACK_PATH, NULL };
 	enum { REQUESTS = 2000, LONG = 390 };
-	static const char dropped[] = "\necoserve_log_lines_dropped_total ";
 	char line[256], out[8192], err[8192], target[LONG + 2] = "/";
 	if (!program_path[0])
 		skip();
@@ -388,14 +452,8 @@ UNIT_TEST(a_log_that_nobody_reads_stops_nothing)
 		assert_int_equal(status_of(port, "GET", target), 404);
 	kill(process.pid, SIGHUP);
 	assert_int_equal(status_of(port, "POST", "/v1/admin/reload"), 200);
-	struct http_answer answer = http_get(port, "/metrics");
-	assert_int_equal(answer.status, 200);
-	const char *at = strstr(answer.body, dropped);
-	assert_non_null(at);
 	/* both buffers and the pipe are full of whole lines */
-	unsigned long count = strtoul(at + strlen(dropped), NULL, 10);
-	assert_in_range(count, REQUESTS / 4, REQUESTS);
-	http_free(&answer);
+	assert_in_range(dropped_lines(port), REQUESTS / 4, REQUESTS);
 	kill(process.pid, SIGTERM);
 	assert_int_equal(program_finish(&process, out, err), 0);
 	if (strncmp(err, "{\"time\":", 8) != 0)
