@@ -207,6 +207,8 @@ static void emit_plants(struct srv_emit *emit, uint32_t list)
 static enum eco_code emit_list(struct srv_emit *emit, uint32_t list, uint32_t chunks, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
+	if (emit->cancelled && atomic_load_explicit(emit->cancelled, memory_order_relaxed))
+		return eco_fail(error, ECO_INTERRUPTED, "nobody waits for the answer any more");
 	if (emit->have[list] == 0 && chunks > 0) {
 		begin_item(emit);
 		eco_wire_bundle_list(&emit->bundle, &emit->scene->pack->scene, list);

@@ -25,6 +25,7 @@ struct srv_payload { size_t at; const uint8_t *bytes; size_t size; };
 struct srv_emit {
 	const struct srv_scene *scene;
 	bool dry;
+	const atomic_bool *cancelled;        /* looked at before each list; NULL, or set after init */
 	uint32_t *have;                      /* per list: chunks of its prefix that the client has by now */
 	bool *known;                         /* per plant: the client knows it */
 	struct eco_writer frames;            /* dry: the current frame only */

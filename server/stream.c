@@ -21,6 +21,9 @@
 #define GROUND_TRIES 8u                      /* halvings of the way from the tolerance asked for to that */
 /* ground takes at most this part of a byte budget that plants do not fit in */
 #define GROUND_SHARE 4u
+#define SIZING_WORK 12u                      /* a cut or a list of which the bytes are counted */
+#define AHEAD_PART 4u                        /* the next view is planned if so much of the work is left */
+#define SEARCH_PART 8u                       /* of the work may each plan of a search of vertices take */
 
 static void step_free(struct srv_step *step)
 {
@@ -102,13 +105,27 @@ static struct lod_planner_input planner_input(const struct srv_stream_input *inp
 	return (struct lod_planner_input){ .scene = &input->scene->pack->scene,
 		.tables = input->scene->tables, .request = request, .holdings = input->holdings,
 		.tiles_max = input->tiles_max, .placements_max = input->placements_max, .rule = input->rule,
-		.ignore_occlusion = input->ignore_occlusion, .work_max = input->work_max };
+		.ignore_occlusion = input->ignore_occlusion, .work_max = input->work_max,
+		.cancelled = input->cancelled };
 }
 
 uint64_t srv_work_left(const struct srv_stream *stream)
 {
 	uint64_t most = stream->input.work_max;
 	return !most ? UINT64_MAX : most > stream->work ? most - stream->work : 0;
+}
+
+static enum eco_code check_cancelled(const struct srv_stream *stream, struct eco_error *error)
+{
+	const atomic_bool *cancelled = stream->input.cancelled;
+	return cancelled && atomic_load(cancelled) ? eco_fail(error, ECO_INTERRUPTED,
+		"nobody waits for the answer any more, or the server is stopping; ask again in a moment") : ECO_OK;
+}
+
+/* Deussen's rule knows no bytes: vertices are searched for it. */
+static bool searches(const struct srv_stream *stream)
+{
+	return stream->input.rule && stream->input.rule != lod_rule_optimal;
 }
 
 /* Sizes answers while they are planned, with their ground. */
@@ -134,11 +151,13 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 	struct lod_planner_input planner = planner_input(input, &request);
 	const struct lod_planner_coarser coarser = { STEP_RATIO, STEP_PRICED_LEAST, SRV_STEPS_MAX - 1,
 		take_coarser, stream };
+	if (searches(stream) && input->request->bytes != ECO_BYTES_UNBOUNDED)
+		planner.work_max /= SEARCH_PART;
 	planner.stats = &stats;
 	planner.explanation = input->explain ? &step->why : NULL;
 	*step = (struct srv_step){ .budget_vertices = vertices, .ground_px = ground_px };
-	if (input->cancelled && atomic_load(input->cancelled))
-		return eco_fail(error, ECO_INTERRUPTED, "the server is stopping; ask again in a moment");
+	if (check_cancelled(stream, error))
+		return ECO_INTERRUPTED;
 	request.vertices = vertices;
 	request.ground_px = ground_px;
 	if (sizing) {
@@ -215,11 +234,20 @@ static enum eco_code emit_all(struct srv_emit *emit, const struct srv_stream *st
 	return code;
 }
 
+/* What a dry run of the answer's frames takes, about. */
+static void count_sizing(struct srv_stream *stream, const struct srv_step *step)
+{
+	uint64_t lists = stream->input.scene->pack->scene.list_count;
+	stream->work += SIZING_WORK * ((uint64_t)step->plan.cut_count + step->needs.count) + lists / 4;
+}
+
 static enum eco_code size_of(struct srv_stream *stream, struct srv_emit *dry, const struct srv_step *step,
 	uint64_t *bytes, struct eco_error *error)
 {
+	count_sizing(stream, step);
 	srv_emit_restart(dry, stream->input.holdings);
-	enum eco_code code = emit_one(dry, step, error);
+	enum eco_code code = check_cancelled(stream, error);
+	code = code ? code : emit_one(dry, step, error);
 	*bytes = dry->bytes;
 	return code;
 }
@@ -464,8 +492,11 @@ static enum eco_code add_coarser(struct srv_stream *stream, uint32_t number, str
 enum eco_code srv_size_all(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
 {
 	uint64_t ends[SRV_STEPS_MAX];
+	for (uint32_t i = 0; i < stream->step_count; i++)
+		count_sizing(stream, &stream->steps[i]);
 	srv_emit_restart(dry, stream->input.holdings);
-	enum eco_code code = emit_all(dry, stream, ends, error);
+	enum eco_code code = check_cancelled(stream, error);
+	code = code ? code : emit_all(dry, stream, ends, error);
 	if (code)
 		return code;
 	for (uint32_t i = 0; i < stream->step_count; i++)
@@ -500,12 +531,6 @@ static enum eco_code fit_steps(struct srv_stream *stream, struct srv_emit *dry, 
 }
 
 /* ---- The answer ---- */
-
-/* Deussen's rule knows no bytes: vertices are searched for it. */
-static bool searches(const struct srv_stream *stream)
-{
-	return stream->input.rule && stream->input.rule != lod_rule_optimal;
-}
 
 /* `step` does not fit on the ground that sizing settled on. On ground that fits, some plants may, too. */
 static enum eco_code plan_on_scarce_ground(struct srv_stream *stream, struct sizing *sizing,
@@ -579,7 +604,7 @@ static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, s
 	if (code || !stream->fits)
 		return code;
 	code = fit_steps(stream, dry, error);
-	if (!code && request->next.given && srv_work_left(stream) > 0)
+	if (!code && request->next.given && srv_work_left(stream) >= stream->input.work_max / AHEAD_PART)
 		code = srv_plan_next(stream, dry, error);
 	if (!code)
 		code = srv_send_rest(stream, dry, error);
@@ -614,6 +639,7 @@ enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream
 		true, error);
 	if (code)
 		return code;
+	dry.cancelled = input->cancelled;
 	code = plan_all(stream, &dry, error);
 	srv_emit_free(&dry);
 	if (code) {
@@ -621,7 +647,7 @@ enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream
 		return code;
 	}
 	struct srv_step *last = &stream->steps[stream->step_count - 1];
-	if (stream->input.explain)
+	if (stream->input.explain && last->why.most)     /* else it was not planned */
 		lod_explain_ground(&last->why, &last->plan, &input->scene->pack->scene, last->ground_px);
 	if (srv_trace_on(SRV_TRACE_CUTS))
 		trace_cuts(stream);
@@ -638,6 +664,7 @@ enum eco_code srv_stream_write(const struct srv_stream *stream, struct srv_body 
 		stream->input.request->name_from, false, error);
 	if (code)
 		return code;
+	emit.cancelled = stream->input.cancelled;
 	code = emit_all(&emit, stream, NULL, error);
 	if (!code)
 		code = srv_emit_take(&emit, body, error);

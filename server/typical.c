@@ -10,8 +10,7 @@
 #define WORK_MOST 4000000u       /* of one of them: a scene so large is not asked for more */
 #define BYTES_EVERY 4u           /* requests with a byte budget */
 #define FAILED_MOST 4u           /* requests that need more tiles or plants than any may */
-#define PLANT_WORK 40u           /* least that is ordinary for each plant of the scene, ... */
-#define WIDE 10u                 /* ... up to so many times the least of all */
+#define PLANT_WORK 30u           /* least that is ordinary, for each plant of the scene */
 
 static double between(uint64_t *state, double low, double high)
 {
@@ -79,7 +78,7 @@ static uint64_t least_work(const struct srv_scene *scene)
 {
 	const struct eco_scene *tables = &scene->pack->scene;
 	uint64_t plants = tables->tile_count ? tables->tiles[tables->root].instance_count : 0;
-	uint64_t wide = (uint64_t)WIDE * SRV_TYPICAL_WORK_LEAST, least = plants < wide ? PLANT_WORK * plants : wide;
+	const uint64_t wide = SRV_TYPICAL_WORK_WIDE, least = plants < wide ? PLANT_WORK * plants : wide;
 	return least < SRV_TYPICAL_WORK_LEAST ? SRV_TYPICAL_WORK_LEAST : least < wide ? least : wide;
 }
 

@@ -8,6 +8,7 @@
 #include "ecofiles/base/room.h"
 
 #define ROUNDING 1e-9            /* slopes within this share are equal */
+#define ROW_WORK 2400u           /* of a bounded plan for each row that is made and written: four times what it takes */
 
 const char *const lod_why_names[LOD_WHY_COUNT] = {
 	[LOD_WHY_STEP] = "next step", [LOD_WHY_ROOM] = "no room", [LOD_WHY_BYTES] = "bytes", [LOD_WHY_PART] = "within a step",
@@ -80,6 +81,14 @@ static void count_explaining(struct lod_planner *p, uint64_t before)
 	p->work = before;
 }
 
+void lod_explain_begin(struct lod_explanation *explanation, uint64_t work_max)
+{
+	uint64_t most = work_max ? work_max / ROW_WORK : LOD_EXPLAINED_MAX;
+	most = most < LOD_EXPLAINED_LEAST ? LOD_EXPLAINED_LEAST : most;
+	lod_explanation_free(explanation);
+	explanation->most = most < LOD_EXPLAINED_MAX ? (uint32_t)most : LOD_EXPLAINED_MAX;
+}
+
 static struct lod_reason reason_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
 	struct lod_reason reason = { .next = lod_candidate_next(candidate), .ahead = candidate->ahead,
@@ -120,7 +129,7 @@ struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struc
 /* Without memory, or beyond the bound, a row is omitted: a plan does not fail for its explanation. */
 static void add_row(struct lod_explanation *explanation, const struct lod_explained *row)
 {
-	if (explanation->count == LOD_EXPLAINED_MAX
+	if (explanation->count >= explanation->most
 			|| !eco_room(&explanation->rows, &explanation->capacity, explanation->count,
 			sizeof *explanation->rows))
 		explanation->omitted++;

@@ -12,7 +12,8 @@
 
 #include "ecofiles/format/plan.h"
 
-#define LOD_EXPLAINED_MAX 10000u /* rows; further ones are counted in `omitted` */
+#define LOD_EXPLAINED_MAX 10000u /* rows; further ones are counted in `omitted`. Where the plan's work is bounded: */
+#define LOD_EXPLAINED_LEAST 1000u        /* so many, or more if a part of the work allows it */
 
 enum lod_why {
 	LOD_WHY_DISTANCE,            /* Deussen's rule: the sample distance asks for it */
@@ -64,6 +65,7 @@ struct lod_explanation {
 	double sample_distance;      /* d' of Deussen's rule, radians; else 0 */
 	struct lod_explained *rows;  uint32_t count, capacity;
 	uint64_t omitted;
+	uint32_t most;               /* rows, set by lod_plan */
 };
 void lod_explanation_free(struct lod_explanation *explanation);
 

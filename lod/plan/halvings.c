@@ -25,7 +25,8 @@ static double width_px(const struct lod_planner *p, const struct lod_entry *entr
 
 uint8_t lod_halvings(const struct lod_planner *p, const struct lod_entry *entry, double part_px)
 {
-	double width = entry->vertices && isfinite(part_px) ? width_px(p, entry) : 0;
+	bool seen = entry->vertices && isfinite(part_px) && p->visible.nodes[entry->ladder].distance > 0;
+	double width = seen ? width_px(p, entry) : 0;
 	uint8_t halvings = 0;
 	for (; width > part_px && halvings < ECO_HALVINGS_MAX; width *= M_SQRT1_2)
 		halvings++;

@@ -54,11 +54,22 @@ static struct lod_planner_input without_explanation(const struct lod_planner_inp
 	return unexplained;
 }
 
+/* They are sorted, as are the lists that they need. */
+static void count_cuts(struct lod_planner *p, const struct eco_plan *plan)
+{
+	uint64_t compares = 1;
+	for (uint32_t count = plan->cut_count; count; count /= 2)
+		compares++;
+	lod_planner_work(p, LOD_WORK_CUT * compares * plan->cut_count);
+}
+
 enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error)
 {
 	struct lod_planner p;
 	assert(input->request->vertices <= ECO_VERTICES_MAX);
 	*plan = (struct eco_plan){ 0 };
+	if (input->explanation)
+		lod_explain_begin(input->explanation, input->work_max);
 	enum eco_code code = lod_planner_begin(&p, input, error);
 	/* a rule that knows no bytes leaves the image a part of them */
 	if (!code && input->rule && input->rule != lod_rule_optimal
@@ -68,7 +79,10 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 	if (!code)
 		code = (input->rule ? input->rule : lod_rule_optimal)(&p, error);
 	if (!code)
+		code = lod_planner_check(&p, error);
+	if (!code)
 		code = lod_planner_emit(&p, plan, error);
+	count_cuts(&p, plan);
 	if (!code && input->explanation)
 		input->explanation->sample_distance = p.sample_distance;
 	if (!code)
@@ -83,6 +97,8 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 	bool many = input->coarser && (!input->size || p.bytes > input->coarser->least);
 	if (!code && many && p.search && !(p.price > 0))
 		code = lod_bytes_coarser(p.search, plan, error);
+	if (!code)
+		code = lod_planner_check(&p, error);
 	stats.work = p.work + p.explaining;
 	if (input->stats)
 		*input->stats = stats;

@@ -7,6 +7,7 @@
 #ifndef LOD_PLANNER_H
 #define LOD_PLANNER_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 
 #include "ecofiles/format/plan.h"
@@ -73,6 +74,7 @@ struct lod_planner_input {
 	 * within bytes takes what it has. Three coarser answers come from three quarters on. Whatever this is,
 	 * within bytes a plan takes at most some five times the work of the plan for the vertices alone. */
 	uint64_t work_max;
+	const atomic_bool *cancelled;                /* ends the plan: ECO_INTERRUPTED; may be NULL */
 	struct lod_planner_stats *stats;             /* may be NULL */
 	struct lod_explanation *explanation;         /* lod/plan/explain.h, empty; NULL: no reasons */
 	const struct lod_planner_coarser *coarser;   /* NULL: none */

@@ -181,8 +181,6 @@ static enum eco_code count_vertices(struct lod_planner *p, int step, struct eco_
 	p->entry_count = 0;
 	p->vertices = 0;
 	p->ended = true;
-	lod_planner_work(p, LOD_WORK_NODE * (uint64_t)p->visible.node_count
-		+ 6 * LOD_WORK_CHOICE * (uint64_t)p->visible.slot_count);
 	for (uint32_t s = 0; s < p->visible.slot_count; s++) {
 		const struct lod_slot *slot = &p->visible.slots[s];
 		double r = lod_band_distance_m(slot->band);
@@ -218,7 +216,10 @@ static enum eco_code count_vertices(struct lod_planner *p, int step, struct eco_
 			add_vertices(p, slot->count, entry.vertices);
 		}
 	}
-	return add_summaries(p, d, error);
+	enum eco_code code = add_summaries(p, d, error);
+	lod_planner_work(p, LOD_WORK_NODE * (uint64_t)p->visible.node_count
+		+ 2 * LOD_WORK_CURVE * (uint64_t)p->entry_count);
+	return code;
 }
 
 /* ---- The budget ---- */

@@ -55,7 +55,7 @@ static double entry_gain(const struct lod_planner *p, const struct lod_entry *en
 	return (saved > 0 ? saved : 0) / (double)(target - entry->vertices);
 }
 
-#define STEP_WORK (3 * LOD_WORK_CURVE)
+#define STEP_WORK (5 * LOD_WORK_CURVE)
 #define SHARE_WORK 8000u         /* beside the plants that are gone through */
 
 /* Plants of one slot by hash. */

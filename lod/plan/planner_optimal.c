@@ -54,6 +54,7 @@
 #define FINER_WORK 4             /* of a finer level, over that of a level */
 #define PASSES_VERTICES 96
 #define PASSES_BYTES 200
+#define NODE_BYTES 2             /* times that a tile is passed in each of these */
 #define HIDDEN_MOST 0.05         /* of what a picture has */
 #define UNCHANGED 2              /* one of so many tallies is summed again, for the others nothing changed */
 #define SUMMARY_TRIES 7          /* numbers of points that are tried of each */
@@ -117,6 +118,9 @@ static enum eco_code evaluate(struct lod_lambda_search *s, int at, const struct 
 	struct lod_allocation *m = s->allocation;
 	enum eco_code code = ECO_OK;
 	*result = (struct lod_evaluation){ .at = at, .prediction = before->prediction };
+	code = lod_planner_check(m->p, error);
+	if (code)
+		return code;
 	lod_allocation_relax(m, lod_lambda_at(index_of(s, at)));
 	result->outcome.vertices = within(m->cost.vertices, before->outcome.vertices,
 		after->outcome.vertices);
@@ -481,13 +485,16 @@ static enum eco_code search_level(struct lod_lambda_search *s, struct lod_planne
 {
 	uint64_t budget = p->input->request->vertices;
 	lod_allocation_free(s->allocation);
-	enum eco_code code = lod_allocation_make(s->allocation, p, error);
+	enum eco_code code = lod_planner_check(p, error);
+	code = code ? code : lod_allocation_make(s->allocation, p, error);
 	if (!code)
 		code = search_grid(s, budget, error);
-	if (!code && *predicts)
+	if (code)
+		return code;
+	if (*predicts)
 		predict(s, budget);
 	*predicts = *predicts && (s->index == LOD_LAMBDA_COUNT || hides_plants(s->allocation));
-	return code;
+	return ECO_OK;
 }
 
 /* Entries at one level, within both budgets. */
@@ -550,14 +557,19 @@ static bool complete(const struct lod_planner *p)
 	return true;
 }
 
+static bool within_bytes(const struct lod_planner *p)
+{
+	return p->input->request->bytes != ECO_BYTES_UNBOUNDED;
+}
+
 static uint64_t passes(const struct lod_planner *p)
 {
-	return p->input->request->bytes != ECO_BYTES_UNBOUNDED ? PASSES_BYTES : PASSES_VERTICES;
+	return within_bytes(p) ? PASSES_BYTES : PASSES_VERTICES;
 }
 
 static uint64_t work_of_node(const struct lod_planner *p)
 {
-	return LOD_WORK_NODE * passes(p) + SUMMARY_TRIES * LOD_WORK_SUMMARY;
+	return (within_bytes(p) ? NODE_BYTES : 1) * LOD_WORK_NODE * passes(p) + SUMMARY_TRIES * LOD_WORK_SUMMARY;
 }
 
 /* Work that the plan of this level is expected to take. Tiles, tallies and choices are gone through once for

@@ -80,19 +80,34 @@ enum lod_work_weight {
 	LOD_WORK_CURVE = 10,         /* a curve read anywhere on it */
 	LOD_WORK_SUMMARY = 100,      /* a number of a summary's points tried */
 	LOD_WORK_VISIBILITY = 16,    /* a plant on the coarse screen, and a cell of it */
-	LOD_WORK_CELL = 1
+	LOD_WORK_CELL = 1,
+	LOD_WORK_CUT = 3             /* a cut compared with another */
 };
+
+/* Nobody waits for the plan: all searches end. */
+static inline bool lod_planner_cancelled(const struct lod_planner *p)
+{
+	return p->input->cancelled && atomic_load_explicit(p->input->cancelled, memory_order_relaxed);
+}
+
+static inline enum eco_code lod_planner_check(const struct lod_planner *p, struct eco_error *error)
+{
+	return lod_planner_cancelled(p)
+		? eco_fail(error, ECO_INTERRUPTED, "nobody waits for the plan any more") : ECO_OK;
+}
 
 /* Are so many quarters of the work done that the plan may take? */
 static inline bool lod_planner_over(const struct lod_planner *p, uint64_t quarters)
 {
+	if (lod_planner_cancelled(p))
+		return true;
 	return p->work_most && p->work / quarters >= p->work_most / 4;
 }
 
 /* Is all of the work done that the input allows? What is begun is ended as cheaply as may be then. */
 static inline bool lod_planner_spent(const struct lod_planner *p)
 {
-	return p->input->work_max && p->work >= p->input->work_max;
+	return lod_planner_cancelled(p) || (p->input->work_max && p->work >= p->input->work_max);
 }
 
 static inline void lod_planner_work(struct lod_planner *p, uint64_t done)

@@ -1,6 +1,8 @@
 /* What a request may cost: counted work, bounded by what an ordinary request of the scene takes. */
 #include <stdio.h>
+#include <string.h>
 
+#include "server/describe.h"
 #include "server/typical.h"
 #include "tests/support/files.h"
 #include "tests/support/serve/random_request.h"
@@ -13,7 +15,7 @@
 #define SCARCE 300000u           /* work that many plans of the sample exceed */
 /* Tenths: nothing is begun any more at the bound, but what has begun ends: an answer at the coarsest level, a
  * price of bytes that fits; and three coarser answers come. */
-#define OVER 16u
+#define OVER 15u
 
 static struct srv_store packs;
 static struct srv_scene *sample;
@@ -37,18 +39,33 @@ static int clean(void **state)
 	return 0;
 }
 
-static uint64_t work_of(const struct eco_request *request, lod_rule *rule, uint64_t work_max, bool *cut_short)
+static uint64_t work_of(const struct eco_request *request, lod_rule *rule, bool explain, uint64_t work_max,
+	bool *cut_short)
 {
 	struct srv_stream stream;
 	struct eco_error error = { 0 };
 	assert_ok(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample, .request = request,
-		.rule = rule, .work_max = work_max }, &error), error);
+		.rule = rule, .explain = explain, .work_max = work_max }, &error), error);
 	uint64_t work = stream.work;
 	assert_true(!stream.fits || stream.body_bytes <= request->bytes);
 	assert_true(stream.steps[stream.step_count - 1].plan.vertices <= request->vertices);
 	*cut_short = stream.cut_short;
 	srv_stream_free(&stream);
 	return work;
+}
+
+/* Every third request says where its eye will be. */
+static bool any_request(struct eco_request *request, uint64_t seed, uint64_t number)
+{
+	struct eco_request next;
+	if (!random_request(request, &sample->pack->scene, seed, number))
+		return false;
+	if (number % 3 == 0 && random_request(&next, &sample->pack->scene, seed + 1, number)) {
+		request->next.given = true;
+		memcpy(request->next.eye, next.view.eye, sizeof request->next.eye);
+		memcpy(request->next.target, next.view.target, sizeof request->next.target);
+	}
+	return true;
 }
 
 UNIT_TEST(an_ordinary_request_costs_the_same_for_ever)
@@ -64,27 +81,76 @@ UNIT_TEST(an_ordinary_request_costs_the_same_for_ever)
 	srv_store_free(&again);
 }
 
-/* By either rule, and more than one is bounded by it. */
+/* By either rule, within bytes or not, explained or not, with a next view or without. */
 UNIT_TEST(no_request_costs_much_more_than_it_may)
 {
 	lod_rule *const rules[] = { NULL, lod_rule_deussen };
 	uint64_t may = SCARCE, most = 0;
 	uint32_t bounded = 0, cut = 0;
-	for (uint32_t i = 0; i < 2 * REQUESTS; i++) {
+	for (uint32_t i = 0; i < 4 * REQUESTS; i++) {
 		struct eco_request request;
-		bool cut_short, free_cut;
-		if (!random_request(&request, &sample->pack->scene, 9, i / 2))
+		bool cut_short, free_cut, explain = i / 2 % 2;
+		if (!any_request(&request, 9, i / 4))
 			continue;
-		uint64_t work = work_of(&request, rules[i % 2], may, &cut_short);
+		uint64_t work = work_of(&request, rules[i % 2], explain, may, &cut_short);
 		most = work > most ? work : most;
 		cut += cut_short;
 		if (cut_short)
-			bounded += work_of(&request, rules[i % 2], 0, &free_cut) > work && !free_cut;
+			bounded += work_of(&request, rules[i % 2], explain, 0, &free_cut) > work && !free_cut;
 	}
 	print_message("          most: %.2f of what a request may cost; %u ended early\n",
 		(double)most / (double)may, cut);
 	assert_true(10 * most <= OVER * may);
 	assert_true(bounded > 10);
+}
+
+/* Searches look at the flag, of whatever kind they are. */
+UNIT_TEST(a_plan_that_nobody_waits_for_ends_soon)
+{
+	static const atomic_bool cancelled = true;
+	lod_rule *const rules[] = { NULL, lod_rule_deussen };
+	for (int r = 0; r < 2; r++) {
+		uint64_t work[2] = { 0 };
+		for (uint32_t i = 0; i < REQUESTS; i++) {
+			struct eco_request request;
+			if (!any_request(&request, 12, i))
+				continue;
+			for (int k = 0; k < 2; k++) {
+				struct lod_planner_stats stats = { 0 };
+				struct eco_error error = { 0 };
+				struct eco_plan plan;
+				enum eco_code code = lod_plan(&plan, &(struct lod_planner_input){
+					.scene = &sample->pack->scene, .tables = sample->tables, .request = &request,
+					.rule = rules[r], .cancelled = k ? &cancelled : NULL, .stats = &stats }, &error);
+				assert_int_equal(code, k ? ECO_INTERRUPTED : ECO_OK);
+				work[k] += stats.work;
+				eco_plan_free(&plan);
+			}
+		}
+		print_message("          %.2f of the work\n", (double)work[1] / (double)work[0]);
+		assert_true(2 * work[1] < work[0]);
+	}
+}
+
+/* So does an answer that was planned before its client left. */
+UNIT_TEST(an_answer_that_nobody_waits_for_is_not_written)
+{
+	static atomic_bool cancelled;
+	struct eco_request request = { .view = { .eye = { 50, -30, 12 }, .target = { 50, 30, 2 },
+		.up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 800, .height = 600 },
+		.bytes = ECO_BYTES_UNBOUNDED, .vertices = 100000 };
+	struct eco_error error = { 0 };
+	struct srv_stream stream;
+	struct srv_body body;
+	struct srv_json json = { .cancelled = &cancelled };
+	assert_ok(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample, .request = &request,
+		.explain = true, .cancelled = &cancelled }, &error), error);
+	atomic_store(&cancelled, true);
+	assert_int_equal(srv_stream_write(&stream, &body, &error), ECO_INTERRUPTED);
+	srv_describe_plan(&json, &stream);
+	assert_in_range(json.out.size, 0, 100);
+	assert_int_equal(srv_json_end(&json), ECO_INTERRUPTED);
+	srv_stream_free(&stream);
 }
 
 /* Who looks at the scene as people do sees about what there is to see. */
