@@ -22,6 +22,9 @@ struct view_chunks;
 
 #define VIEW_RETRY_MAX_S 30      /* that a server or a host may ask to wait */
 
+/* A stream that names chunks is held until they are there. */
+#define VIEW_NAMED_STREAM_MAX ((uint64_t)256 << 20)
+
 struct view_chunks_options {
 	const char *url;                         /* a chunk is at url/ID, 32 hexadecimal digits */
 	/* milliseconds: to connect, and without a byte */

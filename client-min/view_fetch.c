@@ -17,6 +17,9 @@
 #define PACK_BYTES 40            /* "&pack=", 32 digits, 0 */
 #define RATE_MIN_BYTES_S 1024u
 #define BODY_MAX_DEFAULT ((uint64_t)16 << 30)
+/* bodies that are held whole: what is said of a scene or of plants, an explanation, a stream with names */
+#define TEXT_MAX ((uint64_t)8 << 20)
+#define EXPLANATION_MAX ((uint64_t)64 << 20)
 #define PROBLEM_MAX 16384u
 #define RETRY_MIN_MS 100.0
 #define PAUSE_MS 100.0           /* before an answer that broke off is asked for again; twice that then, ... */
@@ -37,6 +40,7 @@ struct view_fetch {
 	struct view_fetch_result *result;        /* of the answer that comes */
 	struct view_fetch_result before;         /* of those before it, to the same request */
 	struct eco_writer *text;                 /* where the body goes if it is no stream; else NULL */
+	uint64_t text_max;
 	const char *below;                       /* behind the scene's URL, of a text that is of no view */
 	struct eco_error stream_error;
 	/* where chunks are named: the host of them; finds names; the stream so far */
@@ -275,6 +279,13 @@ static bool has_turned(struct view_fetch *fetch)
 	return fetch->turned;
 }
 
+/* Bytes of a body, less where it is held whole. */
+static uint64_t body_most(const struct view_fetch *fetch)
+{
+	uint64_t whole = fetch->text ? fetch->text_max : fetch->chunks ? VIEW_NAMED_STREAM_MAX : UINT64_MAX;
+	return whole < fetch->options.body_max ? whole : fetch->options.body_max;
+}
+
 static size_t on_body(char *bytes, size_t one, size_t size, void *ctx)
 {
 	struct view_fetch *fetch = ctx;
@@ -292,9 +303,9 @@ static size_t on_body(char *bytes, size_t one, size_t size, void *ctx)
 		fetch->problem_size += take;
 		return take == size ? size : 0;
 	}
-	if (fetch->result->bytes + size > fetch->options.body_max) {
+	if (fetch->result->bytes + size > body_most(fetch)) {
 		eco_fail(&fetch->stream_error, ECO_TOO_LARGE, "the answer is longer than %llu bytes",
-			(unsigned long long)fetch->options.body_max);
+			(unsigned long long)body_most(fetch));
 		return 0;
 	}
 	if (fetch->text) {
@@ -647,7 +658,8 @@ static void wait_until(const struct view_fetch *fetch, double end_ms)
 static bool wait_for_retry(const struct view_fetch *fetch, double until_ms)
 {
 	double end_ms = view_clock_ms() + fetch->result->retry_ms;
-	if (fetch->result->status != 503 || !(fetch->result->retry_ms > 0) || end_ms > until_ms)
+	long status = fetch->result->status;
+	if ((status != 503 && status != 429) || !(fetch->result->retry_ms > 0) || end_ms > until_ms)
 		return false;
 	wait_until(fetch, end_ms);
 	return true;
@@ -723,7 +735,7 @@ enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *sto
 
 /* Without a request: what the server says of the scene, or of what is `below` it. */
 static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_request *request, const char *below,
-	char **text, struct eco_error *error)
+	uint64_t most, char **text, struct eco_error *error)
 {
 	double until_ms = view_clock_ms() + (double)fetch->options.patience_ms;
 	struct view_fetch_result result;
@@ -733,6 +745,7 @@ static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_reque
 	uint32_t broken = 0;
 	fetch->result = &result;
 	fetch->text = &body;
+	fetch->text_max = most;
 	fetch->below = below;
 	do {
 		begin(fetch);
@@ -754,12 +767,12 @@ static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_reque
 enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text,
 	struct eco_error *error)
 {
-	return fetch_text(fetch, request, "", text, error);
+	return fetch_text(fetch, request, "", EXPLANATION_MAX, text, error);
 }
 
 enum eco_code view_fetch_scene(struct view_fetch *fetch, char **text, struct eco_error *error)
 {
-	return fetch_text(fetch, NULL, "", text, error);
+	return fetch_text(fetch, NULL, "", TEXT_MAX, text, error);
 }
 
 enum eco_code view_fetch_plants(struct view_fetch *fetch, const struct eco_chunk_id *pack, uint32_t list,
@@ -768,5 +781,5 @@ enum eco_code view_fetch_plants(struct view_fetch *fetch, const struct eco_chunk
 	char below[64 + PACK_BYTES], of[PACK_BYTES];
 	write_pack(of, pack);
 	snprintf(below, sizeof below, "/plants/%u?first=%u&count=%u%s", list, first, count, of);
-	return fetch_text(fetch, NULL, below, text, error);
+	return fetch_text(fetch, NULL, below, TEXT_MAX, text, error);
 }

@@ -9,7 +9,8 @@
  * that is a problem of status 409, and a new store begins anew. With a host of chunks also name_from=..: the
  * stream is then read twice, for names while it comes, which are fetched at once, and into the store when it
  * is whole. Problem documents (RFC 9457) become errors with their title and detail. Everything is bounded:
- * the body, its rate, the time. */
+ * the body, its rate, the time. Bodies that are held whole have smaller bounds: descriptions of a scene or of
+ * plants 8 MiB, explanations 64 MiB, streams with names 256 MiB. */
 #ifndef VIEW_FETCH_H
 #define VIEW_FETCH_H
 
@@ -47,8 +48,8 @@ struct view_fetch_options {
 	uint64_t name_from;
 	/* give up when connecting takes longer, or less than 1 KiB/s comes for so long; 0: 10 s, 120 s */
 	long connect_ms, stall_ms;
-	/* a server that is busy (503 with Retry-After) is asked again for so long; 0: it is an error. So is a
-	 * host of chunks (429, too), while it sends none */
+	/* a server that is busy (503 or 429 with Retry-After) is asked again for so long; 0: it is an error.
+	 * So is a host of chunks, while it sends none */
 	long patience_ms;
 	/* so often an answer is asked for again that broke off, stalled or was not had from a server that has
 	 * answered before: after a pause that doubles from .1 s, or as long as Retry-After says */

@@ -104,6 +104,11 @@ static size_t on_stream(struct view_session *s, const char *bytes, size_t size)
 		s->problem_size += take;
 		return size;
 	}
+	if (s->names && s->stream.size + size > VIEW_NAMED_STREAM_MAX) {
+		eco_fail(&s->error, ECO_TOO_LARGE, "a stream with names is longer than %llu bytes",
+			(unsigned long long)VIEW_NAMED_STREAM_MAX);
+		return 0;
+	}
 	if (s->names)
 		eco_write_bytes(&s->stream, bytes, size);
 	return eco_wire_feed(s->names ? s->names : s->parser, (const uint8_t *)bytes, size, &s->error)
@@ -331,7 +336,7 @@ static void fail_status(struct view_session *s)
 		return;
 	}
 	snprintf(text, sizeof text, "%u %s", s->answer.status, s->problem);
-	fail(s, s->answer.status == 503 ? VIEW_BUSY : VIEW_REFUSED, text);
+	fail(s, s->answer.status == 503 || s->answer.status == 429 ? VIEW_BUSY : VIEW_REFUSED, text);
 }
 
 static void fail_transfer(struct view_session *s, CURLcode rc)

@@ -13,6 +13,7 @@
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
+#define ENDLESS_MOST ((size_t)400 << 20)
 #define STRANGER ", as no ecoserve does; a scene's URL is http://host:port/v1/scenes/NAME"
 
 static struct scene_builder scene;
@@ -31,6 +32,9 @@ static struct server {
 	size_t sent;                     /* of all these answers */
 	bool drips;                      /* a byte every 5 ms */
 	bool holds;                      /* the connection, until the client lets it go */
+	bool endless;                    /* the body is sent again and again */
+	bool patient;                    /* the client, also where the server is not busy first */
+	const char *busy_head;           /* status line and headers of the first; NULL: 503, Retry-After: 0 */
 	const uint8_t *body; size_t size, declared;
 	char heard[8192]; size_t heard_size;
 	pthread_t thread;
@@ -45,8 +49,7 @@ static size_t content_length(const char *text)
 	return at ? strtoul(at + 15, NULL, 10) : 0;
 }
 
-static const char busy_answer[] = "HTTP/1.1 503 Busy\r\nRetry-After: 0\r\nContent-Length: 0\r\nConnection: "
-	"close\r\n\r\n";
+static const char busy_head[] = "HTTP/1.1 503 Busy\r\nRetry-After: 0\r\n";
 
 /* The rest of the scene, for who holds what the request says. */
 static void make_answer(struct server *s, uint32_t number, struct eco_writer *w)
@@ -73,6 +76,8 @@ static void serve_one(struct server *s, uint32_t number)
 	char head[512], *end = NULL;
 	s->heard_size = 0;
 	int c = accept(s->listener, NULL, NULL);
+	if (c < 0)
+		return;
 	while (!end || s->heard_size < (size_t)(end + 4 - s->heard) + content_length(s->heard)) {
 		ssize_t n = recv(c, s->heard + s->heard_size, sizeof s->heard - 1 - s->heard_size, 0);
 		if (n <= 0)
@@ -83,10 +88,17 @@ static void serve_one(struct server *s, uint32_t number)
 	}
 	if (s->plan)
 		make_answer(s, number, &made);
-	int size = snprintf(head, sizeof head, "%sContent-Length: %zu\r\nConnection: close\r\n\r\n", s->head,
-		s->declared);
+	int size = snprintf(head, sizeof head, "%sConnection: close\r\n", s->head);
+	if (!s->endless)
+		size += snprintf(head + size, sizeof head - (size_t)size, "Content-Length: %zu\r\n",
+			s->declared);
+	size += snprintf(head + size, sizeof head - (size_t)size, "\r\n");
 	send(c, head, (size_t)size, MSG_NOSIGNAL);
-	for (size_t at = 0; at < s->size;) {
+	for (ssize_t n = 1; s->endless && s->sent < ENDLESS_MOST && n > 0;) {
+		n = send(c, s->body, s->size, MSG_NOSIGNAL);
+		s->sent += n > 0 ? (size_t)n : 0;
+	}
+	for (size_t at = 0; at < s->size && !s->endless;) {
 		size_t most = s->drips ? 1 : 1000, piece = s->size - at < most ? s->size - at : most;
 		usleep(s->drips ? 5000 : 0);
 		ssize_t n = send(c, s->body + at, piece, MSG_NOSIGNAL);
@@ -106,8 +118,12 @@ static void *serve(void *ctx)
 	char head[512];
 	for (uint32_t i = 0; i < s->busy; i++) {
 		int refused = accept(s->listener, NULL, NULL);
+		if (refused < 0)
+			return NULL;
 		assert_true(recv(refused, head, sizeof head, 0) > 0);
-		send(refused, busy_answer, sizeof busy_answer - 1, MSG_NOSIGNAL);
+		int size = snprintf(head, sizeof head, "%sContent-Length: 0\r\nConnection: close\r\n\r\n",
+			s->busy_head ? s->busy_head : busy_head);
+		send(refused, head, (size_t)size, MSG_NOSIGNAL);
 		shutdown(refused, SHUT_WR);
 		while (recv(refused, head, sizeof head, 0) > 0)
 			continue;
@@ -159,6 +175,14 @@ static void start(const char *head, const void *body, size_t size, size_t declar
 	start_busy(0, head, body, size, declared);
 }
 
+/* A client that gave up too early leaves the server waiting: that ends, too. */
+static void stop_server(void)
+{
+	shutdown(server.listener, SHUT_RDWR);
+	pthread_join(server.thread, NULL);
+	close(server.listener);
+}
+
 static struct view_marks marks;          /* none but in a test of them */
 static uint64_t reached[VIEW_MARKS_MAX];
 static double reached_ms[VIEW_MARKS_MAX];
@@ -188,7 +212,7 @@ static enum eco_code ask(uint64_t body_max)
 	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = 5000000 };
 	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test/", server.port);
 	struct view_fetch_options options = { .url = url, .body_max = body_max, .rule = "deussen",
-		.patience_ms = server.busy ? 20000 : 0, .stall_ms = server.drips ? 300 : 0,
+		.patience_ms = server.busy || server.patient ? 20000 : 0, .stall_ms = server.drips ? 300 : 0,
 		.resumes = server.resumes };
 	assert_int_equal(view_fetch_new(&fetch, &options, &error), ECO_OK);
 	view_fetch_mark(fetch, marks.bytes_count ? &marks : NULL, at_mark, &marks);
@@ -196,8 +220,7 @@ static enum eco_code ask(uint64_t body_max)
 	reached_count = 0;
 	enum eco_code code = view_fetch_stream(fetch, store, &request, &result, &error);
 	view_fetch_free(fetch);
-	pthread_join(server.thread, NULL);
-	close(server.listener);
+	stop_server();
 	return code;
 }
 
@@ -349,6 +372,78 @@ UNIT_TEST(a_busy_server_is_asked_again)
 	assert_true(result.status == 503 && result.retry_ms == 2000);
 	eco_writer_free(&w);
 	eco_plan_free(&plan);
+}
+
+/* As a proxy says it that counts requests; not for longer than there is patience. */
+UNIT_TEST(a_server_that_is_asked_too_much_is_asked_again)
+{
+	static const struct { const char *head; bool waits; } cases[] = {
+		{ "HTTP/1.1 429 Too Many Requests\r\nRetry-After: 1\r\n", true },
+		{ "HTTP/1.1 429 Too Many Requests\r\nRetry-After: 29\r\n", false },
+		{ "HTTP/1.1 429 Too Many Requests\r\nRetry-After: 3600\r\n", false },
+		{ "HTTP/1.1 429 Too Many Requests\r\n", false } };
+	struct eco_plan plan;
+	struct eco_writer w;
+	good_stream(&plan, &w);
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		double begun_ms = view_clock_ms();
+		if (cases[i].waits)
+			start_server((struct server){ .head = ok, .busy = 2, .busy_head = cases[i].head,
+				.body = w.bytes, .size = w.size, .declared = w.size }, 0);
+		else
+			start_server((struct server){ .head = cases[i].head, .patient = true }, 0);
+		assert_int_equal(ask(0), cases[i].waits ? ECO_OK : ECO_BAD_INPUT);
+		assert_int_equal(result.status, cases[i].waits ? 200 : 429);
+		assert_true(cases[i].waits ? view_clock_ms() - begun_ms >= 2000 : view_clock_ms() - begun_ms
+			< 10000);
+	}
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
+}
+
+typedef enum eco_code fetch_text(struct view_fetch *fetch, char **text);
+
+static enum eco_code fetch_scene(struct view_fetch *fetch, char **text)
+{
+	return view_fetch_scene(fetch, text, &error);
+}
+
+static enum eco_code fetch_explanation(struct view_fetch *fetch, char **text)
+{
+	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = ECO_BYTES_UNBOUNDED };
+	return view_fetch_explanation(fetch, &request, text, &error);
+}
+
+static enum eco_code fetch_plants(struct view_fetch *fetch, char **text)
+{
+	return view_fetch_plants(fetch, NULL, 0, 0, 1, text, &error);
+}
+
+UNIT_TEST(bodies_that_are_held_whole_are_bounded)
+{
+	static const char json[] = "HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n";
+	static char blanks[1 << 16];
+	static const struct { const char *what; fetch_text *fetch; size_t most; } cases[] = {
+		{ "scene", fetch_scene, 8u << 20 }, { "explanation", fetch_explanation, 64u << 20 },
+		{ "plants", fetch_plants, 8u << 20 } };
+	memset(blanks, ' ', sizeof blanks);
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		char url[64], *text = NULL;
+		struct view_fetch *fetch;
+		start_server((struct server){ .head = json, .endless = true, .body = (const uint8_t *)blanks,
+			.size = sizeof blanks }, 0);
+		snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test", server.port);
+		struct view_fetch_options options = { .url = url, .resumes = 3 };
+		assert_ok(view_fetch_new(&fetch, &options, &error), error);
+		assert_int_equal(cases[i].fetch(fetch, &text), ECO_TOO_LARGE);
+		assert_null(text);
+		assert_non_null(strstr(error.text, "the answer is longer than"));
+		view_fetch_free(fetch);
+		stop_server();
+		/* and what lies in the system's buffers */
+		if (server.sent < cases[i].most || server.sent > cases[i].most + (16u << 20))
+			fail_msg("%s: %zu bytes were taken", cases[i].what, server.sent);
+	}
 }
 
 UNIT_TEST(huge_problem_does_not_fill_memory)
