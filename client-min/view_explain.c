@@ -6,6 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "ecofiles/base/csv.h"
+
 static const char *const columns[] = { "list", "first", "end", "tile", "plant", "band", "distance_m",
 	"share_first", "share_end", "plants", "vertices", "gain_px", "next_lambda", "why", "reason" };
 #define COLUMNS (sizeof columns / sizeof *columns)
@@ -25,23 +27,10 @@ enum eco_code view_explain_open(struct view_explain *explain, const char *path, 
 	return ECO_OK;
 }
 
-/* Fields that hold what separates fields are quoted (RFC 4180). */
-static void write_text(FILE *out, const char *text)
-{
-	if (!text[strcspn(text, ",\"\n")]) {
-		fputs(text, out);
-		return;
-	}
-	fputc('"', out);
-	for (; *text; text++)
-		fprintf(out, *text == '"' ? "\"\"" : "%c", *text);
-	fputc('"', out);
-}
-
 static void write_value(FILE *out, const json_t *value)
 {
 	if (json_is_string(value))
-		write_text(out, json_string_value(value));
+		eco_csv_write_text(out, json_string_value(value));
 	else if (json_is_integer(value))
 		fprintf(out, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
 	else if (json_is_real(value))

@@ -21,6 +21,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "ecofiles/base/csv.h"
 #include "ecofiles/base/guard.h"
 
 #define PATH 1024
@@ -363,6 +364,23 @@ void bench_table_row(struct bench_table *table, const char *format, ...)
 	free(text);
 }
 
+/* Names in cells come from files. */
+static void write_cells(FILE *out, const char *row)
+{
+	for (;; row++) {
+		char *cell = strndup(row, strcspn(row, ",")), *end = NULL;
+		if (cell && (strtod(cell, &end), *end == 0))
+			fputs(cell, out);
+		else if (cell)
+			eco_csv_write_text(out, cell);
+		free(cell);
+		row += strcspn(row, ",");
+		fputc(*row == 0 ? '\n' : ',', out);
+		if (*row == 0)
+			return;
+	}
+}
+
 void bench_table_close(struct bench_table *table)
 {
 	char path[PATH], *bytes = NULL;
@@ -373,7 +391,7 @@ void bench_table_close(struct bench_table *table)
 	if (out) {
 		fprintf(out, "%s\n", json_string_value(json_object_get(table->item, "columns")));
 		json_array_foreach(table->rows, i, row)
-			fprintf(out, "%s\n", json_string_value(row));
+			write_cells(out, json_string_value(row));
 		fclose(out);
 		snprintf(path, sizeof path, "%s/%s.csv", table->bench->out, table->name);
 		if (bench_file_write(path, bytes, size, &error))

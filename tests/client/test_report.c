@@ -202,6 +202,16 @@ UNIT_TEST(an_explanation_is_a_table)
 	assert_string_equal(text, "3,0.5,7,0,4,,\"oak, \"\"old\"\"\",99,,,,2,24,1.25,,all,all of it is "
 		"drawn\n3,0.5,,,,1,,,,,,5,0,,,plants,\n");
 	free(text);
+	out = open_memstream(&text, &size);
+	assert_int_equal(view_explain_write(out, 0, "{\"explanation\": {\"lambda\": -1.5, \"rows\": "
+		"[{\"list\": -7, \"plant\": \"=cmd|' /C calc'!A0\", \"why\": \"+1;2\", "
+		"\"reason\": \"@a\\r\\n-b\"}, {\"plant\": \"-oak\", \"why\": \"\\t=1\", \"reason\": "
+		"\" =1\"}, {\"plant\": \"a=b\", \"why\": \"\", \"reason\": \"\uff1d1\"}]}}",
+		&error), ECO_OK);
+	fclose(out);
+	assert_string_equal(text, "0,-1.5,-7,,,,'=cmd|' /C calc'!A0,,,,,,,,,\"'+1;2\",\"'@a\r\n-b\"\n"
+		"0,-1.5,,,,,'-oak,,,,,,,,,\"'\t=1\",' =1\n0,-1.5,,,,,a=b,,,,,,,,,,'\uff1d1\n");
+	free(text);
 	assert_int_equal(view_explain_write(stdout, 0, "{\"cuts\": []}", &error), ECO_UNSUPPORTED);
 	assert_int_equal(view_explain_write(stdout, 0, "no JSON", &(struct eco_error){ 0 }), ECO_UNSUPPORTED);
 }
