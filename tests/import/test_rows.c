@@ -217,7 +217,7 @@ UNIT_TEST(a_file_that_is_no_table_is_refused_with_what_to_do)
 	expect_error("/dev/null", NULL, "it is not a file");
 	expect_error(input_bytes("rows", "empty.geojson", "", 0), NULL, "the file is empty");
 	expect_error(input_bytes("rows", "picture.png", "\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16), NULL,
-		"not a table that can be read");
+		"cannot be read: it is damaged or breaks off, or is no table of a known format");
 	expect_error(input_text("rows", "page.csv", "<!DOCTYPE html><html><body>404</body></html>"), NULL,
 		"web page");
 	expect_error(input_text("rows", "pointer.csv", "version https://git-lfs.github.com/spec/v1\noid "
@@ -387,6 +387,81 @@ UNIT_TEST(files_of_gis_bring_points_and_their_crs)
 		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,"
 		"icon,dbh / (11.5 48.1 0) oak,,,,,,-1,0,-1,,,30",
 			NULL, "EPSG:4326");
+}
+
+/* Opens and reads to the end. */
+static void read_whole(const char *path, struct eco_error *error)
+{
+	struct eco_rows_source source = { .path = path };
+	struct eco_rows *rows;
+	bool more = true;
+	*error = (struct eco_error){ .code = ECO_OK };
+	if (eco_rows_open_here(&rows, &source, error))
+		return;
+	while (rows->next(rows, &more, error) == ECO_OK && more)
+		;
+	eco_rows_close(rows);
+}
+
+static void expect_broken(const char *name, const uint8_t *bytes, size_t size, size_t where)
+{
+	struct eco_error error;
+	read_whole(input_bytes("rows", name, bytes, size), &error);
+	if (!strstr(error.text, "cannot be read"))
+		fail_msg("%s, damaged at %zu: %s", name, where, error.code ? error.text : "it is read");
+}
+
+/* Where a file ends early, or bytes in its middle are lost, it is neither empty nor shorter than it was. */
+UNIT_TEST(broken_files_cannot_be_read)
+{
+	static const struct made oak = { "trees", 4326, wkbPoint, "POINT (11.5 48.1)", "oak" },
+		row = { "trees", 0, wkbNone, NULL, "oak" };
+	static const struct { const char *driver, *good, *broken; const struct made *layer; } files[] = {
+		{ "XLSX", "whole.xlsx", "cut.xlsx", &row }, { "ODS", "whole.ods", "cut.ods", &row },
+		{ "GPKG", "whole.gpkg", "cut.gpkg", &oak }, { "FlatGeobuf", "whole.fgb", "cut.fgb", &oak },
+		{ "ESRI Shapefile", "cut.shp", "cut.shp", &oak }, { "LIBKML", "whole.kmz", "cut.kmz", &oak },
+		{ "GML", "whole.gml", "cut.gml", &oak }, { "GeoJSON", "whole.geojson", "cut.geojson", &oak } };
+	for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+		struct eco_error error;
+		const char *good = input_path("rows", files[i].good);
+		size_t size;
+		make_file(files[i].driver, good, files[i].layer, 1);
+		read_whole(good, &error);
+		assert_ok(error.code, error);
+		uint8_t *bytes = file_read(good, &size);
+		for (size_t part = 1; part <= 19; part++)
+			expect_broken(files[i].broken, bytes, size * part / 20, size * part / 20);
+		free(bytes);
+	}
+	for (int i = 1; i < 4; i++) {        /* texts where bytes are expected */
+		expect_broken("text.xlsx", (const uint8_t *)"PK\3\4", (size_t)i, 0);
+		expect_broken("text.gpkg", (const uint8_t *)"SQLite", (size_t)i, 0);
+	}
+	expect_broken("a.parquet", (const uint8_t *)"PAR1\0\0\0\0PAR1", 12, 0);
+}
+
+UNIT_TEST(workbooks_without_their_sheets_are_no_empty_tables)
+{
+	static const struct made row = { "trees", 0, wkbNone, NULL, "oak" };
+	static const char *const parts[] = { "xl/worksheets/sheet1.xml", "xl/sharedStrings.xml", "xl/workbook.xml" };
+	const char *path = input_path("rows", "sheets.xlsx");
+	size_t size;
+	make_file("XLSX", path, &row, 1);
+	uint8_t *bytes = file_read(path, &size);
+	for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+		uint8_t *other = malloc(size);
+		size_t length = strlen(parts[i]), seen = 0;
+		memcpy(other, bytes, size);
+		for (size_t at = 0; at + length <= size; at++)       /* under another name in the zip's lists */
+			if (memcmp(other + at, parts[i], length) == 0 && other[at - 1] != '/' && other[at - 1] != '"') {
+				other[at + length - 5] = '_';
+				seen++;
+			}
+		assert_int_equal(seen, 2);
+		expect_broken("parts.xlsx", other, size, i);
+		free(other);
+	}
+	free(bytes);
 }
 
 UNIT_TEST(parts_of_a_shapefile_that_are_missed_are_named)

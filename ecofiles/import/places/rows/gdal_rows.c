@@ -6,6 +6,7 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
+#include <cpl_vsi.h>
 #include <ctype.h>
 #include <gdal.h>
 #include <math.h>
@@ -16,6 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "ecofiles/base/phrase.h"
@@ -38,15 +40,26 @@ struct ogr_rows {
 	int line;
 	bool areas, vertices;
 	char *path;
+	char broken[200]; /* the first error by which GDAL says that the file does not hold together */
 	uint8_t *wkb; size_t wkb_capacity;
 	char *text; size_t text_capacity;        /* the row's fields that are not texts */
 	bool copied[ECO_COLUMNS_MAX], own[ECO_COLUMNS_MAX];
 	struct eco_rows_point text_point;        /* of a table without geometry; read is NULL if it has none */
 };
 
-static void quiet(void)
+/* Drivers go on after what they cannot parse, with fewer rows or none. */
+static void keep_error(CPLErr kind, CPLErrorNum number, const char *text)
 {
-	CPLPushErrorHandler(CPLQuietErrorHandler);
+	struct ogr_rows *r = CPLGetErrorHandlerUserData();
+	(void)number;
+	if (r && kind >= CE_Failure && !r->broken[0] && strcasestr(text, "parsing"))
+		eco_phrase_cut(r->broken, sizeof r->broken,
+			snprintf(r->broken, sizeof r->broken, "%s", text));
+}
+
+static void quiet(struct ogr_rows *r)
+{
+	CPLPushErrorHandlerEx(keep_error, r);
 	CPLSetConfigOption("OGR_GEOJSON_MAX_OBJ_SIZE", "512");
 	CPLSetConfigOption("OGR_XLSX_HEADERS", "FORCE");
 	CPLSetConfigOption("OGR_ODS_HEADERS", "FORCE");
@@ -55,7 +68,7 @@ static void quiet(void)
 
 bool gdal_rows_knows(const char *path)
 {
-	quiet();
+	quiet(NULL);
 	GDALDriverH driver = GDALIdentifyDriverEx(path, GDAL_OF_VECTOR, NULL, NULL);
 	CPLPopErrorHandler();
 	return driver && strcmp(GDALGetDriverShortName(driver), "CSV") != 0;
@@ -66,6 +79,14 @@ static enum eco_code gdal_says(const char *path, enum eco_code code, const char 
 {
 	const char *why = CPLGetLastErrorMsg();
 	return eco_fail(error, code, "%.200s: %s%s%s", path, doing, *why != 0 ? ": " : "", why);
+}
+
+static enum eco_code cannot_read(const struct ogr_rows *r, const char *why, struct eco_error *error)
+{
+	return eco_fail(error, ECO_DAMAGED,
+		"%.200s: it cannot be read, as it is damaged or breaks off: %s; copy, download or "
+		"export it again",
+		r->path, r->broken[0] ? r->broken : why);
 }
 
 /* ---- The layer ---- */
@@ -126,7 +147,7 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 {
 	int count = GDALDatasetGetLayerCount(r->data), fitting = 0, unknown = 0, found = 0;
 	if (count == 0)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has no layer, so no rows", r->path);
+		return cannot_read(r, "it has no layer", error);
 	if (wanted) {
 		r->layer = GDALDatasetGetLayerByName(r->data, wanted);
 		return r->layer ? ECO_OK : ask_for_layer(r, wanted, error);
@@ -153,6 +174,22 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 	return r->layer ? ECO_OK : gdal_says(r->path, ECO_BAD_INPUT, "its layer cannot be read", error);
 }
 
+/* A Shapefile is several files, and people often send one. */
+static bool lacks_part(const char *path, const char *extension)
+{
+	size_t length = strlen(path);
+	char beside[4096];
+	if (length < 4 || length + 1 > sizeof beside || strcasecmp(path + length - 4, ".shp") != 0)
+		return false;
+	memcpy(beside, path, length - 3);
+	strcpy(beside + length - 3, extension);
+	if (access(beside, F_OK) == 0)
+		return false;
+	for (char *c = beside + length - 3; *c != 0; c++)
+		*c = (char)toupper((unsigned char)*c);
+	return access(beside, F_OK) != 0;
+}
+
 /* ---- CRS ---- */
 
 static bool is_shapefile(const struct ogr_rows *r)
@@ -170,7 +207,9 @@ static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 	char *wkt = NULL, text[64];
 	if (!crs) {
 		if (is_shapefile(r))
-			snprintf(r->rows.no_crs, sizeof r->rows.no_crs, " (there is no .prj beside it)");
+			snprintf(r->rows.no_crs, sizeof r->rows.no_crs,
+				lacks_part(r->path, "prj") ? " (there is no .prj beside it)"
+							   : " (its .prj cannot be read)");
 		return ECO_OK;
 	}
 	if (OSRIsLocal(crs) || (!OSRIsProjected(crs) && !OSRIsGeographic(crs))) {
@@ -428,8 +467,12 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	r->feature = OGR_L_GetNextFeature(r->layer);
 	if (!r->feature) {
 		*more = false;
-		return CPLGetLastErrorType() >= CE_Failure ? gdal_says(r->path, ECO_DAMAGED, "it breaks off",
-			error) : ECO_OK;
+		/* a track is of use up to where its recorder stopped */
+		if ((r->broken[0] && !r->vertices) || CPLGetLastErrorType() >= CE_Failure)
+			return cannot_read(r, CPLGetLastErrorMsg(), error);
+		return rows->row == 0 && OGR_L_GetFeatureCount(r->layer, FALSE) > 0
+			? cannot_read(r, "its rows are missing", error)
+			: ECO_OK;
 	}
 	rows->row++;
 	rows->line++;
@@ -473,20 +516,60 @@ static void close_ogr(struct eco_rows *rows)
 	free(r);
 }
 
-/* A Shapefile is several files, and people often send one. */
-static bool lacks_part(const char *path, const char *extension)
+static bool read_bytes(const char *path, void *bytes, size_t count)
 {
-	size_t length = strlen(path);
-	char beside[4096];
-	if (length < 4 || length + 1 > sizeof beside || strcasecmp(path + length - 4, ".shp") != 0)
-		return false;
-	memcpy(beside, path, length - 3);
-	strcpy(beside + length - 3, extension);
-	if (access(beside, F_OK) == 0)
-		return false;
-	for (char *c = beside + length - 3; *c != 0; c++)
-		*c = (char)toupper((unsigned char)*c);
-	return access(beside, F_OK) != 0;
+	FILE *file = fopen(path, "rb");
+	bool good = file && fread(bytes, 1, count, file) == count;
+	if (file)
+		fclose(file);
+	return good;
+}
+
+/* A Shapefile says its length, in words of two bytes, and GDAL takes what is missing for rows without a place. */
+static enum eco_code check_shape(const struct ogr_rows *r, struct eco_error *error)
+{
+	unsigned char head[28];
+	struct stat status;
+	char why[80];
+	size_t length = strlen(r->path);
+	if (length < 4 || strcasecmp(r->path + length - 4, ".shp") != 0 ||
+		!read_bytes(r->path, head, sizeof head) || stat(r->path, &status) != 0)
+		return ECO_OK;
+	uint64_t bytes = 2 *
+		((uint64_t)head[24] << 24 | (uint64_t)head[25] << 16 | (uint64_t)head[26] << 8 | head[27]);
+	snprintf(why, sizeof why, "it has %llu of its %llu bytes", (unsigned long long)status.st_size,
+		(unsigned long long)bytes);
+	return head[2] == 0x27 && head[3] == 0x0a && bytes > (uint64_t)status.st_size
+		? cannot_read(r, why, error)
+		: ECO_OK;
+}
+
+/* A workbook lists its parts. GDAL takes a sheet that is missing for an empty one, and numbers for missing texts. */
+static enum eco_code check_workbook(const struct ogr_rows *r, struct eco_error *error)
+{
+	static const char list[] = "/[Content_Types].xml", key[] = "PartName=\"";
+	GDALDriverH driver = GDALGetDatasetDriver(r->data);
+	enum eco_code code = ECO_OK;
+	char path[4400], why[160];
+	GByte *text = NULL;
+	if (!driver || strcmp(GDALGetDriverShortName(driver), "XLSX") != 0)
+		return ECO_OK;
+	snprintf(path, sizeof path, "/vsizip/{%.4000s}%s", r->path, list);
+	if (!VSIIngestFile(NULL, path, &text, NULL, 1 << 20))
+		return ECO_OK;
+	for (const char *at = (char *)text; !code && (at = strstr(at, key));) {
+		VSIStatBufL status;
+		at += strlen(key);
+		int length = (int)strcspn(at, "\"");
+		snprintf(path, sizeof path, "/vsizip/{%.4000s}%.*s", r->path, length < 100 ? length : 100,
+			at);
+		snprintf(why, sizeof why, "it has no %.*s", length < 100 ? length : 100, at);
+		if ((strncmp(at, "/xl/worksheets/", 15) == 0 || strncmp(at, "/xl/sharedStrings", 17) == 0) &&
+			VSIStatL(path, &status) != 0)
+			code = cannot_read(r, why, error);
+	}
+	CPLFree(text);
+	return code;
 }
 
 static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source *source,
@@ -495,19 +578,30 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 	const char *options[] = { "AUTODETECT_TYPE=NO", source->vertices ? "FLATTEN_NESTED_ATTRIBUTES=YES"
 		: NULL, "NESTED_ATTRIBUTE_SEPARATOR=.", NULL };
 
-	quiet();
+	quiet(r);
 	CPLErrorReset();
 	if (lacks_part(source->path, "shx"))
 		return eco_fail(error, ECO_NOT_FOUND, "%.300s: a Shapefile is several files, and its .shx is "
 			"not beside it; copy all of them (.shp, .shx, .dbf, .prj, .cpg)", r->path);
 	if (lacks_part(source->path, "dbf"))
 		eco_rows_note(&r->rows, "its .dbf is not beside it, so it has no columns");
+	enum eco_code code = check_shape(r, error);
+	if (code)
+		return code;
 	r->data = GDALOpenEx(source->path, GDAL_OF_VECTOR | GDAL_OF_READONLY, NULL, options, NULL);
 	if (!r->data)
-		return gdal_says(r->path, ECO_BAD_INPUT, source->vertices ? "GDAL cannot read it: it is "
-			"damaged, or breaks off near its beginning" : "not a table that can be read (CSV, "
-			"GeoJSON, GeoPackage, Shapefile, GML, KML, FlatGeobuf, CityGML, glTF)", error);
-	return ECO_OK;
+		return gdal_says(r->path, ECO_BAD_INPUT,
+			source->vertices
+				? "GDAL cannot read it: it is "
+				  "damaged, or breaks off near its beginning"
+				: "it cannot be read: it is damaged or breaks off, or is "
+				  "no table of a known format (CSV, Excel .xlsx, OpenDocument, GeoJSON, GeoPackage, Shapefile, GML, KML, "
+				  "FlatGeobuf, CityGML, glTF)",
+			error);
+	if (is_shapefile(r) && !lacks_part(source->path, "dbf") &&
+		OGR_FD_GetFieldCount(OGR_L_GetLayerDefn(GDALDatasetGetLayer(r->data, 0))) == 0)
+		return cannot_read(r, "its .dbf has no columns", error);
+	return check_workbook(r, error);
 }
 
 enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_source *source,

@@ -137,7 +137,8 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 	struct eco_error *error)
 {
 	static const char *const csv_names[] = { "csv", "tsv", "txt", "psv", "dat", "asc", "", NULL },
-		*const tab[] = { "tab", NULL };
+		*const tab[] = { "tab", NULL }, *const binary[] = { "xlsx", "ods", "kmz", "gpkg", "sqlite", "fgb",
+		"shp", "parquet", NULL };
 	static const char *const gltf_names[] = { "gltf", "glb", NULL };
 	struct head *head = malloc(sizeof *head);
 	*rows = NULL;
@@ -147,6 +148,9 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 	unsigned char sign = first_sign(head);
 	if (code)
 		;
+	else if (head->size > 4 && memcmp(head->bytes, "PAR1", 4) == 0 && !ogr_knows(source->path))
+		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: it cannot be read: the installed GDAL has no driver for "
+			"Parquet; export GeoPackage, GeoJSON or CSV", source->path);
 	else if (has_extension(source->path, gltf_names))
 		code = eco_rows_open_gltf(rows, source->path, error);
 	else if (is_utf16(head))
@@ -162,9 +166,12 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 		code = eco_rows_open_citygml(rows, source->path, error);
 	else if (sign == '{' || sign == '[' || sign == '<' || !is_text(head))
 		code = open_ogr(rows, source, error);
+	else if (has_extension(source->path, binary) && !memchr(head->bytes, '\n', head->size))
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: it cannot be read: by its name it is binary, and it begins as "
+			"text, \"%.20s\"; copy, download or export it again", source->path, (char *)head->bytes);
 	else if (has_extension(source->path, csv_names)
 			|| (has_extension(source->path, tab) && memcmp(head->bytes, "!table", 6) != 0)
-		|| !ogr_knows(source->path))
+		|| (!has_extension(source->path, tab) && !ogr_knows(source->path)))
 		code = eco_rows_open_csv(rows, source->path, source->separator, error);
 	else
 		code = open_ogr(rows, source, error);
