@@ -506,7 +506,7 @@ UNIT_TEST(degrees_in_a_crs_of_metres_are_refused)
 	static const char csv[] = "x,y\n8.61,50.1\n8.62,50.11\n", swapped[] = "x,y\n50.1,8.61\n50.11,8.62\n";
 	expect_error(UTM32, csv, "\"plant\":\"oak\",\"crs\":\"EPSG:25832\"," XY, "such as 8.61, 50.1, look like degrees, "
 		"but its CRS, EPSG:25832, counts in metres or feet: all plants would stand on one spot, at 4.511, 0.000; if "
-		"they are longitude and latitude, say \"crs\": \"EPSG:4326\" in its entry");
+		"they are longitude and latitude, say \"EPSG:4326\" instead");
 	expect_error(UTM32, swapped, "\"plant\":\"oak\",\"crs\":\"EPSG:25832\"," XY, "look like degrees");
 	expect_error(UTM32, csv, "\"plant\":\"oak\",\"crs\":\"EPSG:3857\"," XY, "look like degrees");
 	expect_error(UTM32, csv, "\"plant\":\"oak\",\"crs\":\"EPSG:2263\"," XY, "look like degrees");

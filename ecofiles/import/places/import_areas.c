@@ -35,6 +35,7 @@ struct reading {
 	const char *path;
 	struct eco_rows *rows;
 	struct eco_crs *crs;
+	struct eco_crs_span span;
 	uint32_t number_column, filter_column[ECO_FILTERS_MAX];
 	bool converted, near;        /* of this feature, so far */
 };
@@ -46,6 +47,7 @@ static bool convert(void *ctx, double xy[2], struct eco_error *error)
 	const char *why;
 	if (eco_crs_convert(r->crs, xyz, &r->converted, &why, error) != ECO_OK)
 		return false;
+	eco_crs_span_add(&r->span, xy);
 	xy[0] = xyz[0];
 	xy[1] = xyz[1];
 	r->near = fabs(xy[0]) <= DISTANCE_MAX_M && fabs(xy[1]) <= DISTANCE_MAX_M;
@@ -148,6 +150,20 @@ static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_area
 			"that they are in", r.path, surfaces ? "crs" : "clear_crs");
 	if (!code)
 		code = read_rows(&r, areas, surfaces, error);
+	const char *stated = surfaces ? spec->crs : spec->clear_crs;
+	enum eco_crs_fit fit;
+	char area[80];
+	if (!code)
+		code = eco_crs_refuse_degrees(&r.span,
+			stated                  ? stated
+				: r.rows->local ? NULL
+						: r.rows->crs,
+			false, r.path, &fit, area, error);
+	if (!code && fit == ECO_CRS_SWAPPED)
+		note(input,
+			"its corners lie outside the area of use of their CRS (%s), and inside with their coordinates "
+			"swapped: x is easting or longitude, y is northing or latitude",
+			area);
 	if (!code)
 		code = eco_areas_index(areas, surfaces ? 0 : spec->clear_m, error);
 	eco_crs_close(r.crs);

@@ -323,11 +323,7 @@ static enum verdict convert(struct eco_positions *p, double xyz[3], struct eco_e
 	p->nearest_m = fmin(p->nearest_m, hypot(xyz[0], xyz[1]));
 	if (p->good_places == 0)
 		memcpy(p->first, was, sizeof was);
-	for (int k = 0; k < 2; k++) {
-		p->raw_low[k] = fmin(p->raw_low[k], was[k]);
-		p->raw_high[k] = fmax(p->raw_high[k], was[k]);
-		p->has_decimals |= floor(was[k]) != was[k];
-	}
+	eco_crs_span_add(&p->span, was);
 	return GOOD;
 }
 
@@ -357,36 +353,24 @@ static const char *stated_crs(const struct eco_positions *p)
 	return p->spec->crs ? p->spec->crs : p->from_geometry && !p->rows->local ? p->rows->crs : NULL;
 }
 
-/* Refuses a file whose places are all degrees, if its CRS counts in metres: it would become one spot. Notes places
- * that lie in the CRS's area of use only if x and y change places. */
+/* Refuses degrees in a CRS of metres; notes places that lie in the CRS's area of use only if x and y change places. */
 static enum eco_code check_area(struct eco_positions *p, struct eco_error *error)
 {
 	const char *crs = stated_crs(p);
-	struct eco_crs_facts facts;
+	enum eco_crs_fit fit;
 	char area[80];
-	if (!crs || p->good_places == 0 || eco_crs_look(crs, p->first, &facts, NULL) != ECO_OK)
-		return ECO_OK;
-	bool degrees = p->has_decimals && eco_crs_may_be_degrees(p->raw_low) &&
-		eco_crs_may_be_degrees(p->raw_high),
-	     heap = p->good_places >= HEAP_PLANTS && p->high[0] - p->low[0] < ECO_HEAP_M &&
+	bool heap = p->good_places >= HEAP_PLANTS && p->high[0] - p->low[0] < ECO_HEAP_M &&
 		p->high[1] - p->low[1] < ECO_HEAP_M;
-	enum eco_crs_fit fit = eco_crs_fit(crs, p->first, &facts);
+	enum eco_code code = eco_crs_refuse_degrees(&p->span, crs, heap, p->spec->path, &fit, area, error);
+	if (code || fit != ECO_CRS_SWAPPED)
+		return code;
 	char *name = eco_crs_short_name(crs);
-	enum eco_code code = ECO_OK;
-	if (degrees && !facts.geographic && (fit == ECO_CRS_DEGREES || heap))
-		code = eco_fail(error, ECO_BAD_INPUT,
-			"%.150s: its coordinates, such as %.10g, %.10g, look like degrees, but its "
-			"CRS, %.80s, counts in metres or feet: all plants would stand on one spot, at %.3f, %.3f; if they are "
-			"longitude and latitude, say \"crs\": \"EPSG:4326\" in its entry",
-			p->spec->path, p->first[0], p->first[1], name ? name : "?", facts.degrees[0],
-			facts.degrees[1]);
-	else if (fit == ECO_CRS_SWAPPED)
-		add_note(p,
-			"its places, such as %.10g, %.10g, lie outside the area of use of its CRS, %.80s (%s), and inside "
-			"with their coordinates swapped: x is easting or longitude, y is northing or latitude",
-			p->first[0], p->first[1], name ? name : "?", eco_crs_area_text(facts.area, area));
+	add_note(p,
+		"its places, such as %.10g, %.10g, lie outside the area of use of its CRS, %.80s (%s), and inside with "
+		"their coordinates swapped: x is easting or longitude, y is northing or latitude",
+		p->first[0], p->first[1], name ? name : "?", area);
 	free(name);
-	return code;
+	return ECO_OK;
 }
 
 /* Refuses a file without any place, if it had some with x and y swapped. */
@@ -635,10 +619,10 @@ static enum eco_code start_places(struct eco_positions *p, struct eco_error *err
 	eco_place_set_close(p->places);
 	p->places = eco_place_set_open();
 	for (int k = 0; k < 2; k++) {
-		p->low[k] = p->raw_low[k] = INFINITY;
-		p->high[k] = p->raw_high[k] = -INFINITY;
+		p->low[k] = INFINITY;
+		p->high[k] = -INFINITY;
 	}
-	p->has_decimals = false;
+	p->span = (struct eco_crs_span){ .any = false };
 	p->plants = p->good_places = p->bad_places = 0;
 	for (uint32_t i = 0; i < ECO_HEIGHT_SOURCES_MAX; i++)
 		eco_spread_free(&p->measured[i]);

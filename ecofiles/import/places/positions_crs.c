@@ -2,6 +2,7 @@
  * rest; it is loaded only to convert a place or to compare a CRS. */
 #include "ecofiles/import/places/positions_crs.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -90,6 +91,41 @@ enum eco_code eco_crs_convert(struct eco_crs *crs, double xyz[3], bool *converte
 		code = crs->proj->crs_convert(crs->path, xyz, converted, why, error);
 	for (int k = 0; code == ECO_OK && *converted && k < 3; k++)
 		xyz[k] -= k < 2 || crs->use_z ? crs->origin[k] : 0;
+	return code;
+}
+
+void eco_crs_span_add(struct eco_crs_span *span, const double xy[2])
+{
+	for (int k = 0; k < 2; k++) {
+		span->first[k] = span->any ? span->first[k] : xy[k];
+		span->low[k] = span->any ? fmin(span->low[k], xy[k]) : xy[k];
+		span->high[k] = span->any ? fmax(span->high[k], xy[k]) : xy[k];
+		span->has_decimals |= floor(xy[k]) != xy[k];
+	}
+	span->any = true;
+}
+
+enum eco_code eco_crs_refuse_degrees(const struct eco_crs_span *span, const char *crs, bool heap,
+	const char *path, enum eco_crs_fit *fit, char area[80], struct eco_error *error)
+{
+	struct eco_crs_facts facts;
+	*fit = ECO_CRS_FITS;
+	area[0] = 0;
+	if (!crs || !span->any || eco_crs_look(crs, span->first, &facts, NULL) != ECO_OK)
+		return ECO_OK;
+	*fit = eco_crs_fit(crs, span->first, &facts);
+	if (!isnan(facts.area[0]))
+		eco_crs_area_text(facts.area, area);
+	if (facts.geographic || !span->has_decimals || !eco_crs_may_be_degrees(span->low) ||
+		!eco_crs_may_be_degrees(span->high) || !(*fit == ECO_CRS_DEGREES || heap))
+		return ECO_OK;
+	char *name = eco_crs_short_name(crs);
+	enum eco_code code = eco_fail(error, ECO_BAD_INPUT,
+		"%.150s: its coordinates, such as %.10g, %.10g, look like "
+		"degrees, but its CRS, %.80s, counts in metres or feet: all plants would stand on one spot, at %.3f, %.3f; if "
+		"they are longitude and latitude, say \"EPSG:4326\" instead",
+		path, span->first[0], span->first[1], name ? name : "?", facts.degrees[0], facts.degrees[1]);
+	free(name);
 	return code;
 }
 

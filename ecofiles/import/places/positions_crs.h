@@ -9,6 +9,7 @@
 
 #include <stdbool.h>
 
+#include "ecofiles/import/places/crs_facts.h"
 #include "ecofiles/import/places/positions.h"
 
 struct eco_crs_request {
@@ -35,6 +36,14 @@ enum eco_code eco_crs_open(struct eco_crs **crs, const struct eco_crs_request *r
 enum eco_code eco_crs_convert(struct eco_crs *crs, double xyz[3], bool *converted, const char **why,
 	struct eco_error *error);
 void eco_crs_close(struct eco_crs *crs);
+
+/* Places in the coordinates of their file. */
+struct eco_crs_span { double first[2], low[2], high[2]; bool any, has_decimals; };
+void eco_crs_span_add(struct eco_crs_span *span, const double xy[2]);
+/* ECO_BAD_INPUT: all places are degrees, and the CRS that is stated for them (NULL: none) counts in metres or feet.
+ * `heap`: taken for metres they stand within one. *fit and *area ("" if not stated) are the first place's. */
+enum eco_code eco_crs_refuse_degrees(const struct eco_crs_span *span, const char *crs, bool heap, const char *path,
+	enum eco_crs_fit *fit, char area[80], struct eco_error *error);
 
 /* A CRS for messages: a code as it is, the quoted name of WKT. Malloc'ed; NULL when memory ran out. */
 char *eco_crs_short_name(const char *crs);

@@ -91,8 +91,7 @@ struct eco_positions {
 	struct eco_spread measured[ECO_HEIGHT_SOURCES_MAX];  /* metres, by source */
 	double low[2], high[2], nearest_m;   /* nearest_m: to the origin */
 	double first[3];             /* the first place, in the file's coordinates */
-	double raw_low[2], raw_high[2];      /* of all places, in the file's coordinates */
-	bool has_decimals;           /* not all of these are whole */
+	struct eco_crs_span span;    /* of all places, in the file's coordinates */
 	bool sized;                  /* a size was understood */
 	uint32_t height_source;      /* of the row being read; ECO_NONE: none */
 	char said[ECO_SPECIES_BYTES + 1];    /* species of the row being read */
