@@ -1,5 +1,6 @@
 /* One table of codes, so that printed texts, names of problem documents and exit statuses agree. */
 #include "ecofiles/base/status.h"
+#include "ecofiles/base/utf8.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -26,14 +27,6 @@ static const struct {
 	[ECO_INTERRUPTED] = { "interrupted", 1 },
 };
 
-/* Texts quote input: control characters must not reach a terminal. */
-static void tame(char *text)
-{
-	for (; *text; text++)
-		if (((unsigned char)*text < ' ' && *text != '\n' && *text != '\t') || *text == 127)
-			*text = '?';
-}
-
 enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *format, ...)
 {
 	va_list arguments;
@@ -45,7 +38,7 @@ enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *
 	eco_phrase_cut(error->text, sizeof error->text,
 		vsnprintf(error->text, sizeof error->text, format, arguments));
 	va_end(arguments);
-	tame(error->text);
+	eco_utf8_tame(error->text, "\n\t", '?');     /* texts quote input, which must not steer a terminal */
 	return code;
 }
 

@@ -1,6 +1,7 @@
 #include "ecofiles/base/utf8.h"
 
 #include <stdint.h>
+#include <string.h>
 
 /* The lead byte tells the length and the range of the second byte; further bytes are 80..BF. */
 size_t eco_utf8_bytes(const char *text, size_t size)
@@ -62,4 +63,30 @@ bool eco_utf8_printable(uint32_t code)
 	bool turns = code == 0x061c || code == 0x200e || code == 0x200f || (code >= 0x202a && code <= 0x202e)
 		|| (code >= 0x2066 && code <= 0x2069);
 	return !control && !turns && code != 0x2028 && code != 0x2029;
+}
+
+size_t eco_utf8_control(const char *text, size_t size)
+{
+	size_t bytes = eco_utf8_bytes(text, size);
+	if (size > 0 && *text == 0)
+		return 1;
+	return bytes && !eco_utf8_printable(eco_utf8_code(text, bytes)) ? bytes : 0;
+}
+
+bool eco_utf8_has_control(const char *text, size_t size)
+{
+	for (size_t i = 0; i < size; i++)
+		if (eco_utf8_control(text + i, size - i))
+			return true;
+	return false;
+}
+
+void eco_utf8_tame(char *text, const char *keep, char sign)
+{
+	for (size_t left = strlen(text), bytes; left > 0; text += bytes, left -= bytes) {
+		bytes = eco_utf8_control(text, left);
+		if (bytes && !strchr(keep, *text))
+			memset(text, sign, bytes);
+		bytes += !bytes;
+	}
 }

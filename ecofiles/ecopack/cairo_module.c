@@ -159,25 +159,19 @@ static void draw_clip_off(struct eco_canvas *canvas)
 
 /* ---- Texts ---- */
 
-/* Whether a character is a control: C0, DEL or C1. */
-static bool is_control(const char *s)
-{
-	const uint8_t *c = (const uint8_t *)s;
-	return c[0] < 0x20 || c[0] == 0x7f || (c[0] == 0xc2 && c[1] < 0xa0);
-}
-
 /* The whole characters of `text` that fit into TEXT_BYTES - 4. */
 static void clean(const char *text, char out[TEXT_BYTES])
 {
 	size_t used = 0;
 	for (const char *s = text, *end = text + strlen(text); s < end && used + 8 < TEXT_BYTES;) {
-		size_t bytes = is_control(s) ? 0 : eco_utf8_bytes(s, (size_t)(end - s));
+		size_t left = (size_t)(end - s), control = eco_utf8_control(s, left);
+		size_t bytes = control ? 0 : eco_utf8_bytes(s, left);
 		if (bytes)
 			memcpy(out + used, s, bytes);
 		else
 			out[used] = '?';
 		used += bytes ? bytes : 1;
-		s += bytes ? bytes : 1;
+		s += control ? control : bytes ? bytes : 1;
 	}
 	out[used] = 0;
 }

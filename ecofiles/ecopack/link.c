@@ -510,6 +510,7 @@ static void name_whole(struct link *l, const char *path)
 	size_t size = eco_utf8_cut(from, strcspn(from, "."), sizeof l->m.scene.name - 1);
 	snprintf(l->m.scene.name, sizeof l->m.scene.name, "%.*s", size ? (int)size : 63,
 		size ? from : "linked");
+	eco_utf8_tame(l->m.scene.name, "", '_');
 }
 
 static enum eco_code run(struct link *l, const struct link_options *options)

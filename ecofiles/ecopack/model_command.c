@@ -14,6 +14,7 @@
 #include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/scene/scene.h"
+#include "ecofiles/base/utf8.h"
 #include "lod/build/organ/organ.h"
 
 #define FILES_MAX 64u
@@ -154,9 +155,7 @@ static void plant_name(const struct seen *s, char name[64])
 	char *dot = strrchr(name, '.');
 	if (dot && dot != name)
 		*dot = 0;
-	for (char *c = name; *c; c++)
-		if ((unsigned char)*c < ' ')
-			*c = '_';
+	eco_utf8_tame(name, "", '_');
 }
 
 /* The plant's entry, with the options given and the guesses made. */

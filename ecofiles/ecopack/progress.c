@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "ecofiles/base/guard.h"
+#include "ecofiles/base/utf8.h"
 
 #define BAR 28
 #define TELLING_S 3              /* a stage tells what is left from then on */
@@ -131,8 +132,7 @@ void main_note(const char *format, ...)
 	va_start(args, format);
 	vsnprintf(text, sizeof text, format, args);
 	va_end(args);
-	for (char *c = text; *c; c++)                /* quotes from files must not steer a terminal */
-		*c = (unsigned char)*c < ' ' || *c == 127 ? '?' : *c;
+	eco_utf8_tame(text, "", '?');        /* quotes from files must not steer a terminal */
 	pthread_mutex_lock(&lock);
 	if (!silent) {
 		erase();

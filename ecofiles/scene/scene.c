@@ -128,6 +128,7 @@ static bool parse_name(struct eco_source *source, const struct eco_json *top)
 	}
 	bytes = eco_utf8_cut(name, bytes, sizeof source->name - 1);
 	memcpy(source->name, bytes ? name : "scene", bytes ? bytes : strlen("scene"));
+	eco_utf8_tame(source->name, "", '_');        /* a file's name may be any bytes */
 	return true;
 }
 

@@ -1,6 +1,7 @@
 /* Fields that several parts of a scene file have: paths, CRSs, units, texts to keep. */
 #include "ecofiles/base/confine.h"
 #include "ecofiles/scene/scene_parse.h"
+#include "ecofiles/base/utf8.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -164,9 +165,9 @@ bool eco_scene_parse_unit(const struct eco_json *at, double *unit_m)
 
 bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes)
 {
-	for (size_t i = 0; i < bytes; i++)
-		if ((unsigned char)name[i] < 0x20 || name[i] == 0x7f)
-			return eco_json_fail(at, ECO_BAD_INPUT, "a name with a control character in it");
+	if (eco_utf8_has_control(name, bytes))
+		return eco_json_fail(at, ECO_BAD_INPUT, "a name with a control character in it, or one that "
+			"steers the direction or the lines of text");
 	if (bytes == 0 || bytes > 63)
 		return eco_json_fail(at, ECO_BAD_INPUT, "a name of %zu bytes, it must have 1 to 63", bytes);
 	return true;

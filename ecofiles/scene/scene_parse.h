@@ -31,7 +31,8 @@ bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json 
 	char **crs);
 /* "unit" in metres, if present. */
 bool eco_scene_parse_unit(const struct eco_json *at, double *unit_m);
-/* Names end up in URLs, file names and messages: 1 to 63 bytes, no control characters. */
+/* Names end up in URLs, file names and messages: 1 to 63 bytes, no characters that
+ * eco_utf8_control finds. */
 bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes);
 
 /* "plants" (scene_plant.c). */

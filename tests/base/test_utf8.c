@@ -1,4 +1,5 @@
 /* Valid UTF-8, byte by byte. */
+#include <stdio.h>
 #include <string.h>
 
 #include "ecofiles/base/utf8.h"
@@ -36,6 +37,30 @@ UNIT_TEST(some_characters_are_not_printed)
 		assert_int_equal(eco_utf8_printable(cases[i].code), cases[i].printable);
 	}
 	assert_false(eco_utf8_printable(eco_utf8_code("", 0)));
+}
+
+UNIT_TEST(characters_that_steer_are_known)
+{
+	static const struct { const char *text; size_t bytes; } cases[] = {
+		{ "", 0 }, { "a", 0 }, { " ", 0 }, { "\n", 1 }, { "\x1f", 1 }, { "\x7f", 1 }, { "\x9b", 0 },
+		{ "\xc2\x80", 2 }, { "\xc2\x9b", 2 }, { "\xc2\x9f", 2 }, { "\u00a0", 0 }, { "\u00e4", 0 },
+		{ "\u061c", 2 }, { "\u061b", 0 }, { "\u200d", 0 }, { "\u200e", 3 }, { "\u200f", 3 },
+		{ "\u2010", 0 }, { "\u2027", 0 }, { "\u2028", 3 }, { "\u2029", 3 }, { "\u202a", 3 },
+		{ "\u202e", 3 }, { "\u202f", 0 }, { "\u2065", 0 }, { "\u2066", 3 }, { "\u2069", 3 },
+		{ "\u206a", 0 }, { "\u6728", 0 } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		size_t size = strlen(cases[i].text);
+		char text[16];
+		assert_int_equal(eco_utf8_control(cases[i].text, size), cases[i].bytes);
+		snprintf(text, sizeof text, "oak%s-", cases[i].text);
+		assert_int_equal(eco_utf8_has_control(text, strlen(text)), cases[i].bytes > 0);
+		eco_utf8_tame(text, "", '?');
+		assert_int_equal(strcspn(text, "?"), cases[i].bytes ? 3 : strlen(text));
+		assert_int_equal(strspn(text + 3, "?"), cases[i].bytes);
+	}
+	char kept[] = "a\n\tb\x1b";
+	eco_utf8_tame(kept, "\n\t", '?');
+	assert_string_equal(kept, "a\n\tb?");
 }
 
 UNIT_TEST(names_are_cut_between_characters)

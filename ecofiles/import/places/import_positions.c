@@ -49,9 +49,7 @@ static void count_in(const struct eco_positions *p, struct eco_skipped *counter,
 		return;
 	counter->first_line = p->rows->line;
 	snprintf(counter->first_text, sizeof counter->first_text, "%.47s", text);
-	for (char *c = counter->first_text; *c != 0; c++)
-		if (iscntrl((unsigned char)*c))
-			*c = ' ';
+	eco_utf8_tame(counter->first_text, "", ' ');
 }
 
 static void count(struct eco_positions *p, enum eco_skip why, const char *text)
@@ -110,10 +108,8 @@ static void tidy(char *text, bool is_cut)
 	size_t left = strlen(text);
 	for (size_t bytes; left > 0; text += bytes, left -= bytes) {
 		bytes = eco_utf8_bytes(text, left);
-		if (bytes == 2 && text[0] == '\xc2' && (unsigned char)text[1] < 0xa0)
-			text[0] = text[1] = ' ';     /* U+0080 to U+009F */
-		else if (bytes == 1 && iscntrl((unsigned char)*text))
-			*text = ' ';
+		if (eco_utf8_control(text, left))
+			memset(text, ' ', bytes);
 		else if (!bytes && is_cut && left < 4)
 			*text = 0;
 		else if (!bytes)
