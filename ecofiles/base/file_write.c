@@ -7,12 +7,18 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "ecofiles/base/unfinished.h"
+
 enum eco_code eco_file_write(const char *path, const void *bytes, size_t size, struct eco_error *error)
 {
 	char beside[4096];
 	if (snprintf(beside, sizeof beside, "%s.tmp-%ld", path, (long)getpid()) >= (int)sizeof beside)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s...: the path is too long", path);
 	FILE *out = fopen(beside, "wb");
+	while (out && !eco_unfinished_lock(fileno(out))) {
+		fclose(out);
+		out = fopen(beside, "wb");
+	}
 	bool good = out && fwrite(bytes, 1, size, out) == size;
 	if (out && fclose(out) != 0)
 		good = false;

@@ -4,17 +4,16 @@
  * the tables. The target's name appears only by renaming a complete, synced file. A process that is killed
  * leaves its unfinished file; the next one that writes the same pack removes it. */
 #include <assert.h>
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "ecofiles/base/room.h"
+#include "ecofiles/base/unfinished.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"
 #include "ecofiles/format/pack_writer.h"
@@ -71,53 +70,15 @@ static char *folder_of(const char *path)
 	return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
 }
 
-/* ---- Unfinished files, here or of a process that was killed ---- */
-
-/* "OUT.eco.tmp-4711", or that of its spool. */
-static bool is_unfinished(const char *name, const char *pack)
-{
-	size_t length = strlen(pack);
-	if (strncmp(name, pack, length) || strncmp(name + length, ".tmp-", 5))
-		return false;
-	const char *rest = name + length + 5;
-	size_t digits = strspn(rest, "0123456789");
-	return digits && (!rest[digits] || !strcmp(rest + digits, "-payloads"));
-}
-
-/* Whoever writes a file holds its lock; the system lets go of it when the process dies, however it does. */
-static void remove_unless_locked(int folder, const char *name)
-{
-	struct stat status;
-	int file = openat(folder, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-	if (file < 0)
-		return;
-	if (!fstat(file, &status) && S_ISREG(status.st_mode) && !flock(file, LOCK_EX | LOCK_NB))
-		unlinkat(folder, name, 0);
-	close(file);
-}
-
-static void remove_left_over(const struct eco_pack_writer *w)
-{
-	const char *slash = strrchr(w->path, '/'), *pack = slash ? slash + 1 : w->path;
-	DIR *folder = opendir(w->folder);
-	for (struct dirent *entry; folder && (entry = readdir(folder));)
-		if (is_unfinished(entry->d_name, pack))
-			remove_unless_locked(dirfd(folder), entry->d_name);
-	if (folder)
-		closedir(folder);
-}
-
 /* Creates the unfinished file and locks it; another process may have taken it for left over in between. */
 static enum eco_code open_unfinished(struct eco_pack_writer *w, struct eco_error *error)
 {
-	struct stat status;
-	remove_left_over(w);
+	eco_unfinished_remove(w->path, NULL);
 	for (;;) {
 		w->file = open(w->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 		if (w->file < 0)
 			return eco_pack_io_failed(w->path, "create", error);
-		/* a file system without locks: nobody else can lock the file to remove it, either */
-		if (flock(w->file, LOCK_EX) || fstat(w->file, &status) || status.st_nlink)
+		if (eco_unfinished_lock(w->file))
 			return ECO_OK;
 		close(w->file);
 	}

@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "ecofiles/ecopack/command.h"
@@ -463,6 +466,63 @@ UNIT_TEST(what_is_there_is_kept_and_failures_leave_nothing)
 	free(bytes);
 	assert_int_not_equal(run(ROOT "/damaged.eco --3dtiles " ROOT "/other", &error), ECO_OK);
 	assert_int_not_equal(access(ROOT "/other", F_OK), 0);
+}
+
+/* ---- What a killed export has left ---- */
+
+static void make_left_over(const char *path, bool whole)
+{
+	char name[200];
+	static const char *const below[] = { "", "/plants", "/tiles" };
+	for (int i = 0; i < (whole ? 3 : 1); i++) {
+		snprintf(name, sizeof name, "%s%s", path, below[i]);
+		assert_int_equal(mkdir(name, 0777), 0);
+		snprintf(name, sizeof name, "%s%s/%s", path, below[i], i ? "1.bin" : "tileset.json");
+		file_write(name, "x", 1);
+	}
+}
+
+UNIT_TEST(what_a_killed_export_left_is_removed_and_what_runs_is_not)
+{
+	struct eco_error error;
+	make_left_over(ROOT "/again.tmp-999999", true);
+	make_left_over(ROOT "/again.tmp-999998", false);
+	make_left_over(ROOT "/again.tmp-999997", true);      /* one runs */
+	make_left_over(ROOT "/again.tmp-999996", true);      /* one holds what no export writes */
+	file_write(ROOT "/again.tmp-999996/mine.txt", "x", 1);
+	make_left_over(ROOT "/again.tmp-oak", true);
+	make_left_over(ROOT "/other.tmp-999999", true);
+	int locked = open(ROOT "/again.tmp-999997", O_RDONLY | O_DIRECTORY);
+	assert_int_equal(flock(locked, LOCK_EX), 0);
+	assert_ok(run(ROOT "/sample.eco --3dtiles " ROOT "/again/", &error), error);
+	assert_int_equal(access(ROOT "/again/tileset.json", F_OK), 0);
+	assert_int_not_equal(access(ROOT "/again.tmp-999999", F_OK), 0);
+	assert_int_not_equal(access(ROOT "/again.tmp-999998", F_OK), 0);
+	assert_int_equal(access(ROOT "/again.tmp-999997/plants/1.bin", F_OK), 0);
+	assert_int_equal(access(ROOT "/again.tmp-999996/tiles/1.bin", F_OK), 0);
+	assert_int_equal(access(ROOT "/again.tmp-oak/tiles/1.bin", F_OK), 0);
+	assert_int_equal(access(ROOT "/other.tmp-999999/tiles/1.bin", F_OK), 0);
+	close(locked);
+}
+
+UNIT_TEST(what_a_killed_export_of_chunks_left_is_removed)
+{
+	static const char id[] = ROOT "/chunks/0123456789abcdef0123456789abcdef";
+	char left[200], runs[200];
+	struct eco_error error;
+	snprintf(left, sizeof left, "%s.tmp-999999", id);
+	snprintf(runs, sizeof runs, "%s.tmp-999998", id);
+	assert_int_equal(mkdir(ROOT "/chunks", 0777), 0);
+	file_write(left, "x", 1);
+	file_write(runs, "x", 1);
+	file_write(ROOT "/chunks/mine.tmp-999999", "x", 1);
+	int locked = open(runs, O_RDONLY);
+	assert_int_equal(flock(locked, LOCK_EX), 0);
+	assert_ok(run(ROOT "/sample.eco --static " ROOT "/chunks", &error), error);
+	assert_int_not_equal(access(left, F_OK), 0);
+	assert_int_equal(access(runs, F_OK), 0);
+	assert_int_equal(access(ROOT "/chunks/mine.tmp-999999", F_OK), 0);
+	close(locked);
 }
 
 int main(void)

@@ -1,6 +1,5 @@
 #include "ecofiles/ecopack/export/export.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -13,6 +12,7 @@
 #include "ecofiles/base/file_write.h"
 #include "ecofiles/base/json_memory.h"
 #include "ecofiles/base/phrase.h"
+#include "ecofiles/base/unfinished.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/progress.h"
 
@@ -37,33 +37,30 @@ enum eco_code export_json(struct export *x, const char *name, json_t *json)
 	return code;
 }
 
-/* Folders of this program alone: what is in them are files, and the two below. */
-static void remove_folder(const char *path)
-{
-	DIR *folder = opendir(path);
-	for (const struct dirent *entry; folder && (entry = readdir(folder));)
-		if (entry->d_name[0] != '.')
-			unlinkat(dirfd(folder), entry->d_name, 0);
-	if (folder)
-		closedir(folder);
-	rmdir(path);
-}
+/* What is in the folder: files that begin so, and these folders of files. */
+static const char *const parts[] = { "tileset", "plants", "tiles", NULL };
 
-static void remove_all(const struct export *x)
+/* Makes the folder under its first name, and locks it. */
+static enum eco_code make_first(struct export *x, const char *dir)
 {
-	static const char *const below[] = { "/plants", "/tiles", "" };
-	char path[PATH_MAX + EXPORT_NAME];
-	for (size_t i = 0; i < sizeof below / sizeof *below; i++) {
-		snprintf(path, sizeof path, "%s%s", x->dir, below[i]);
-		remove_folder(path);
+	eco_unfinished_remove(dir, parts);
+	for (;;) {
+		if (mkdir(x->dir, 0777))
+			return eco_fail_write(x->error, dir, errno);
+		x->folder = open(x->dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+		if (x->folder >= 0 && eco_unfinished_lock(x->folder))
+			return ECO_OK;
+		if (x->folder < 0 && errno != ENOENT)
+			return eco_fail_write(x->error, dir, errno);
+		if (x->folder >= 0)
+			close(x->folder);
 	}
 }
 
 static enum eco_code make_folders(struct export *x, const char *dir)
 {
-	static const char *const below[] = { "", "/plants", "/tiles" };
 	struct stat status;
-	char path[PATH_MAX + EXPORT_NAME];
+	char path[PATH_MAX + EXPORT_NAME], last[PATH_MAX];
 	size_t size = strlen(dir);
 	while (size > 1 && dir[size - 1] == '/')
 		size--;
@@ -73,13 +70,15 @@ static enum eco_code make_folders(struct export *x, const char *dir)
 		return eco_fail(x->error, ECO_BAD_USAGE,
 			"--3dtiles %s: it is there, and is kept. Take another name",
 			dir);
+	snprintf(last, sizeof last, "%.*s", (int)size, dir);
 	snprintf(x->dir, sizeof x->dir, "%.*s.tmp-%ld", (int)size, dir, (long)getpid());
-	for (size_t i = 0; i < sizeof below / sizeof *below; i++) {
-		snprintf(path, sizeof path, "%s%s", x->dir, below[i]);
+	enum eco_code code = make_first(x, last);
+	for (const char *const *below = parts + 1; *below && !code; below++) {
+		snprintf(path, sizeof path, "%s/%s", x->dir, *below);
 		if (mkdir(path, 0777))
-			return eco_fail_write(x->error, dir, errno);
+			code = eco_fail_write(x->error, dir, errno);
 	}
-	return ECO_OK;
+	return code;
 }
 
 /* ---- All ---- */
@@ -113,7 +112,7 @@ static void print_export(const struct export *x, const char *dir)
 
 enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain, struct eco_error *error)
 {
-	struct export x = { .error = error, .pack = pack, .is_plain = is_plain };
+	struct export x = { .folder = -1, .error = error, .pack = pack, .is_plain = is_plain };
 	enum eco_code code = make_folders(&x, dir);
 	if (!code)
 		code = write_all(&x);
@@ -123,8 +122,10 @@ enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain
 	if (!code && rename(x.dir, dir))
 		code = eco_fail_write(error, dir, errno);
 	main_progress_end();
-	if (code && x.dir[0])
-		remove_all(&x);
+	if (code && x.folder >= 0)
+		eco_unfinished_remove_folder(AT_FDCWD, x.dir, parts);
+	if (x.folder >= 0)
+		close(x.folder);
 	if (!code && !main_is_quiet)
 		print_export(&x, dir);
 	eco_inventory_free(&x.rows);

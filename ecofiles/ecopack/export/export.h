@@ -58,6 +58,7 @@ struct export {
 	struct eco_error *error;
 	struct eco_pack *pack;
 	bool is_plain;                   /* nothing is compressed */
+	int folder;                      /* `dir`, locked; -1: not made */
 	char dir[PATH_MAX];              /* where files are written until all are */
 	struct export_plant *plants;     /* of the scene */
 	struct eco_inventory_block rows; /* the block that was read last */

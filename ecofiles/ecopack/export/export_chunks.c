@@ -4,6 +4,7 @@
  * (client-min/view_chunks.h). */
 #include "ecofiles/ecopack/export/export.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -11,6 +12,7 @@
 #include <sys/stat.h>
 
 #include "ecofiles/base/file_write.h"
+#include "ecofiles/base/unfinished.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/format/inventory.h"
@@ -48,6 +50,20 @@ static enum eco_code write_chunk(const struct eco_pack *pack, uint32_t index, co
 	return eco_file_write(path, bytes, size, error);
 }
 
+/* What an export that was killed has left: "ID.tmp-4711". */
+static void remove_left_over(const char *dir)
+{
+	DIR *folder = opendir(dir);
+	for (const struct dirent *entry; folder && (entry = readdir(folder));) {
+		char id[2 * sizeof(struct eco_chunk_id) + 1];
+		snprintf(id, sizeof id, "%.*s", (int)sizeof id - 1, entry->d_name);
+		if (strspn(id, "0123456789abcdef") == sizeof id - 1 && eco_unfinished_is(entry->d_name, id))
+			eco_unfinished_remove_file(dirfd(folder), entry->d_name);
+	}
+	if (folder)
+		closedir(folder);
+}
+
 enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64_t from,
 	struct eco_error *error)
 {
@@ -60,6 +76,7 @@ enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64
 	if (mkdir(dir, 0777) && errno != EEXIST)
 		return eco_fail(error, ECO_IO, "--static %.330s: %s%s", dir, strerror(errno),
 			eco_advice_write(errno));
+	remove_left_over(dir);
 	for (uint32_t i = 0; i < count && !code; i++) {
 		if (scene->chunks[i].size_bytes < from)
 			continue;
