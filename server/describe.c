@@ -254,7 +254,7 @@ static void describe_who(struct srv_json *json, const struct eco_scene *scene, c
 				|| scene->lists[cut->list].kind == ECO_LIST_OUTLINE)
 			describe_plant(json, scene, cut);
 		else if (scene->lists[cut->list].kind == ECO_LIST_GROUND_IMAGE)
-			srv_json_key_number(json, "texel_m",
+			srv_json_key_figure(json, "texel_m",
 				eco_ground_image_texel_m(&scene->lists[cut->list], cut->end));
 		else if (scene->lists[cut->list].kind != ECO_LIST_GROUND)
 			srv_json_key_count(json, "tile", scene->lists[cut->list].owner);
@@ -265,11 +265,11 @@ static void describe_who(struct srv_json *json, const struct eco_scene *scene, c
 		srv_json_key_count(json, "anchor", cut->anchor);
 		srv_json_key_count(json, "band_first", cut->band_first);
 		srv_json_key_count(json, "band_end", cut->band_end);
-		srv_json_key_number(json, "distance_first_m", lod_band_distance_m(cut->band_first));
-		srv_json_key_number(json, "distance_last_m",
+		srv_json_key_figure(json, "distance_first_m", lod_band_distance_m(cut->band_first));
+		srv_json_key_figure(json, "distance_last_m",
 			lod_band_distance_m((uint8_t)(cut->band_end - 1)));
-		srv_json_key_number(json, "share_first", (double)cut->share_first / ECO_SHARE_ONE);
-		srv_json_key_number(json, "share_end", (double)cut->share_end / ECO_SHARE_ONE);
+		srv_json_key_figure(json, "share_first", (double)cut->share_first / ECO_SHARE_ONE);
+		srv_json_key_figure(json, "share_end", (double)cut->share_end / ECO_SHARE_ONE);
 	}
 	srv_json_close(json, '}');
 }
@@ -289,7 +289,7 @@ static void describe_cuts(struct srv_json *json, const struct eco_scene *scene, 
 		srv_json_key_count(json, "of", scene->lists[cut->list].primitive_count);
 		if (scene->lists[cut->list].partner != ECO_NONE)
 			srv_json_key_count(json, "form_of", scene->lists[cut->list].partner);
-		srv_json_key_number(json, "scale", (double)cut->scale);
+		srv_json_key_figure(json, "scale", (double)cut->scale);
 		describe_who(json, scene, cut);
 		srv_json_close(json, '}');
 	}
@@ -356,14 +356,14 @@ static void describe_row(struct srv_json *json, const struct eco_scene *scene,
 	if (row->plant != ECO_NONE) {
 		srv_json_key_text(json, "plant", scene->plants[row->plant].name);
 		srv_json_key_count(json, "band", row->cut.band_first);
-		srv_json_key_number(json, "distance_m", lod_band_distance_m(row->cut.band_first));
-		srv_json_key_number(json, "share_first", (double)row->cut.share_first / ECO_SHARE_ONE);
-		srv_json_key_number(json, "share_end", (double)row->cut.share_end / ECO_SHARE_ONE);
+		srv_json_key_figure(json, "distance_m", lod_band_distance_m(row->cut.band_first));
+		srv_json_key_figure(json, "share_first", (double)row->cut.share_first / ECO_SHARE_ONE);
+		srv_json_key_figure(json, "share_end", (double)row->cut.share_end / ECO_SHARE_ONE);
 	}
 	srv_json_key_count(json, "plants", row->plants);
 	srv_json_key_count(json, "vertices", row->vertices);
-	srv_json_key_number(json, "gain_px", row->reason.gain);
-	srv_json_key_number(json, "next_lambda", row->reason.next);
+	srv_json_key_figure(json, "gain_px", row->reason.gain);
+	srv_json_key_figure(json, "next_lambda", row->reason.next);
 	srv_json_key_text(json, "why", lod_why_names[row->reason.why]);
 	srv_json_key_text(json, "reason", reason);
 	srv_json_close(json, '}');
@@ -373,7 +373,7 @@ static void describe_explanation(struct srv_json *json, const struct eco_scene *
 	const struct lod_explanation *why)
 {
 	srv_json_key_open(json, "explanation", '{');
-	srv_json_key_number(json, "lambda", why->lambda);
+	srv_json_key_figure(json, "lambda", why->lambda);
 	srv_json_key_count(json, "omitted", why->omitted);
 	srv_json_key_open(json, "rows", '[');
 	for (uint32_t i = 0; i < why->count && !json->out.failed; i++)

@@ -10,7 +10,7 @@
 #define WORK_MOST 4000000u       /* of one of them: a scene so large is not asked for more */
 #define BYTES_EVERY 4u           /* requests with a byte budget */
 #define FAILED_MOST 4u           /* requests that need more tiles or plants than any may */
-#define PLANT_WORK 30u           /* least that is ordinary, for each plant of the scene */
+#define PLANT_WORK 40u           /* least that is ordinary, for each plant of the scene */
 
 static double between(uint64_t *state, double low, double high)
 {

@@ -11,9 +11,9 @@
  * SRV_TYPICAL_REQUESTS ordinary plans: the daemon asks before it shows a scene. Random requests to a wide scene
  * mostly see little of it, and those that see all of it need more than a few times that (lod/EXPERIMENTS.md,
  * Wide scenes from the air). So it is at least what a look at each plant takes, from SRV_TYPICAL_WORK_LEAST, some
- * .6 milliseconds, up to SRV_TYPICAL_WORK_WIDE. Any thread. */
+ * .7 milliseconds, up to SRV_TYPICAL_WORK_WIDE. Any thread. */
 #define SRV_TYPICAL_REQUESTS 63u
-#define SRV_TYPICAL_WORK_LEAST 80000u
+#define SRV_TYPICAL_WORK_LEAST 100000u
 #define SRV_TYPICAL_WORK_WIDE 1000000u
 uint64_t srv_typical_work(struct srv_scene *scene);
 /* The same; 0: *cancelled was set meanwhile, and it was not found. */

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define IN_TURN 4u               /* of so many jobs one is the next in turn */
+
 struct owner { struct srv_address address; uint32_t waiting, held; uint64_t turn; };     /* turn: of its next */
 struct waiting { struct srv_job job; struct owner *owner; uint64_t turn; };
 
@@ -16,7 +18,7 @@ struct srv_work {
 	struct owner *owners;            /* one that holds nothing is free */
 	uint32_t owner_count;
 	uint64_t turn;                   /* of the latest turn that was begun */
-	bool in_turn;                    /* the job that was begun last was the next in turn */
+	uint64_t begun;                  /* jobs */
 	bool stopping;
 	uint32_t thread_count, running_count;
 	atomic_bool **running;           /* the flags of the jobs that run; one a thread, or NULL */
@@ -25,7 +27,7 @@ struct srv_work {
 
 static bool goes_first(const struct srv_work *work, const struct waiting *a, const struct waiting *b)
 {
-	if (!work->in_turn && a->owner->held != b->owner->held)
+	if (work->begun % IN_TURN && a->owner->held != b->owner->held)
 		return a->owner->held < b->owner->held;
 	return a->turn < b->turn;
 }
@@ -42,11 +44,11 @@ static struct waiting take_out(struct srv_work *work, uint32_t index)
 static struct waiting take_next(struct srv_work *work)
 {
 	uint32_t first = 0;
-	work->in_turn = !work->in_turn;
 	for (uint32_t i = 1; i < work->count; i++)
 		if (goes_first(work, &work->queue[i], &work->queue[first]))
 			first = i;
 	struct waiting next = take_out(work, first);
+	work->begun++;
 	work->turn = next.turn > work->turn ? next.turn : work->turn;
 	return next;
 }

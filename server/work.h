@@ -4,10 +4,10 @@
  * Admission and service are fair between addresses. An address holds the jobs that wait or run for it.
  *   - Full queue: a job displaces the youngest waiting job of the address that holds most, if that address
  *     still holds no less than the newcomer afterwards. Else the newcomer is refused.
- *   - Service alternates. One job is the next in turn: each further job of an address is a turn later than the
- *     one before it (start-time fair queueing, Goyal and others 1996, jobs of equal cost), so no address
- *     starves. The other is a job of the address that holds least, so an address that asks for one plan does
- *     not wait for a round of all others. */
+ *   - Three of four jobs that are begun are of the address that holds least, so an address that asks for one
+ *     plan does not wait for a round of all others. The fourth is the next in turn: each further job of an
+ *     address is a turn later than the one before it (start-time fair queueing, Goyal and others 1996, jobs of
+ *     equal cost), so no address starves. */
 #ifndef SRV_WORK_H
 #define SRV_WORK_H
 

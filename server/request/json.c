@@ -7,6 +7,10 @@
 
 #include "ecofiles/base/utf8.h"
 
+#define FIGURE 9
+#define DIGITS 15                /* any decimal of so many survives a double */
+#define DIGITS_MOST 17
+
 static void put(struct srv_json *json, const char *text)
 {
 	eco_write_bytes(&json->out, text, strlen(text));
@@ -115,25 +119,22 @@ void srv_json_count(struct srv_json *json, uint64_t value)
 	eco_write_bytes(&json->out, at, (size_t)(text + sizeof text - at));
 }
 
-/* 15 digits, without zeros at the end, are the shortest form of a number that has one of so many. */
-static void add_number(struct srv_json *json, double value)
+/* In so many digits, without zeros at the end, or as many more as read back the same. */
+static void add_number(struct srv_json *json, double value, int digits)
 {
 	char text[32];
 	if (!isfinite(value)) {
 		srv_json_null(json);
 		return;
 	}
-	before_value(json);
-	if (fabs(value) < 1e15 && value == floor(value) && (value != 0 || !signbit(value))) {
-		json->comma = false;
-		if (value < 0)
-			eco_write_u8(&json->out, '-');
-		srv_json_count(json, (uint64_t)fabs(value));
+	if (value >= 0 && value < 1e15 && value == floor(value) && !signbit(value)) {
+		srv_json_count(json, (uint64_t)value);
 		return;
 	}
-	for (int digits = 15; digits <= 17; digits++) {
+	before_value(json);
+	for (; digits <= DIGITS_MOST; digits++) {
 		snprintf(text, sizeof text, "%.*g", digits, value);
-		if (strtod(text, NULL) == value)
+		if (digits == FIGURE || strtod(text, NULL) == value)
 			break;
 	}
 	put(json, text);
@@ -155,7 +156,7 @@ void srv_json_point(struct srv_json *json, const double value[3])
 {
 	srv_json_open(json, '[');
 	for (int i = 0; i < 3; i++)
-		add_number(json, value[i]);
+		add_number(json, value[i], DIGITS);
 	srv_json_close(json, ']');
 }
 
@@ -180,7 +181,13 @@ void srv_json_key_count(struct srv_json *json, const char *key, uint64_t value)
 void srv_json_key_number(struct srv_json *json, const char *key, double value)
 {
 	srv_json_key(json, key);
-	add_number(json, value);
+	add_number(json, value, DIGITS);
+}
+
+void srv_json_key_figure(struct srv_json *json, const char *key, double value)
+{
+	srv_json_key(json, key);
+	add_number(json, value, FIGURE);
 }
 
 void srv_json_key_bool(struct srv_json *json, const char *key, bool value)

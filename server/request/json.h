@@ -42,6 +42,8 @@ void srv_json_key_open(struct srv_json *json, const char *key, char bracket);
 void srv_json_key_text(struct srv_json *json, const char *key, const char *text);
 void srv_json_key_count(struct srv_json *json, const char *key, uint64_t value);
 void srv_json_key_number(struct srv_json *json, const char *key, double value);
+/* Nine digits, which a float has at most: in a third of the time. */
+void srv_json_key_figure(struct srv_json *json, const char *key, double value);
 void srv_json_key_bool(struct srv_json *json, const char *key, bool value);
 
 #endif

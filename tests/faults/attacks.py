@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
-"""What one address can do to another that asks ecoserve for something, measured: attacks.py PORT SCENE PID FIGURES.json [LEAKS]
+"""What some addresses can do to another that asks ecoserve for something, measured:
+attacks.py PORT SCENE PID FIGURES.json [LEAKS [SECONDS]]
 
-Attackers come from 127.0.0.2, honest clients from 127.0.0.3; ecoserve runs with its defaults. Prints a line an attack, ends with 1 if one
-succeeded: memory that grows by more than 1 % over LEAKS requests that the library would drop (100,000), honest plans whose 99th percentile is
-more than three times that without an attack, honest probes of which less than 99 % are answered within 1 s, requests that fail while packs
-are reloaded."""
+One attacker comes from 127.0.0.2, crowds from 127.1.x.y, honest clients from 127.0.0.3, and from 127.2.x.y where each holds nothing; ecoserve
+runs with its defaults. Prints a line an attack, ends with 1 if one succeeded: memory that grows by more than 1 % over LEAKS requests that the
+library would drop (100,000), honest plans whose 99th percentile is more than three times that without an attack, honest probes of which less
+than 99 % are answered within 1 s, requests that fail while packs are reloaded. Against crowds of several addresses, for SECONDS each (60), every
+honest plan and every /healthz must be answered."""
+import concurrent.futures
 import json
 import os
 import random
+import resource
 import signal
 import socket
 import sys
@@ -16,6 +20,7 @@ import time
 
 PORT, SCENE, PID, FIGURES = int(sys.argv[1]), sys.argv[2], int(sys.argv[3]), sys.argv[4]
 LEAKS = int(sys.argv[5]) if len(sys.argv) > 5 else 100000
+SECONDS = int(sys.argv[6]) if len(sys.argv) > 6 else 60
 ATTACKER, HONEST = "127.0.0.2", "127.0.0.3"
 failed = False
 figures = {}
@@ -198,6 +203,123 @@ def idle_bodies(number, stop):
         stop.wait(.2)
 
 
+def measure(seconds, seed):
+    """Plans of addresses that hold nothing, and /healthz of the machine itself: seconds each, and what failed. In a process of its own."""
+    rng = random.Random(seed)
+    plans, probes, failed_plans, failed_probes = [], [], 0, 0
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        status, took = ask(f"127.2.{rng.randrange(256)}.{rng.randrange(1, 255)}", view(rng))
+        plans.append(took)
+        failed_plans += status != 200
+        status, took = ask("127.0.0.1", "/healthz")
+        probes.append(took)
+        failed_probes += status != 200
+        time.sleep(.02)
+    return plans, probes, failed_plans, failed_probes
+
+
+def crowd_address(number):
+    return f"127.1.{number // 250}.{number % 250 + 1}"
+
+
+class Sockets:
+    """As many connections of as many addresses as it can keep: begin(socket) each, and tick(socket) every second."""
+
+    def __init__(self, addresses, each, begin, tick):
+        self.places = [crowd_address(i // each) for i in range(addresses * each)]
+        self.begin, self.tick = begin, tick
+        self.open = {}
+        self.stop = threading.Event()
+        self.thread = threading.Thread(target=self.run, daemon=True)
+
+    def fill(self):
+        for i, address in enumerate(self.places):
+            if i in self.open or self.stop.is_set():
+                continue
+            try:
+                s = connect(address)
+                self.begin(s)
+                s.setblocking(False)
+                self.open[i] = s
+            except OSError:
+                pass
+
+    def run(self):
+        while not self.stop.is_set():
+            self.fill()
+            for i, s in list(self.open.items()):
+                try:
+                    self.tick(s)
+                except BlockingIOError:
+                    pass
+                except OSError:
+                    self.open.pop(i).close()
+            self.stop.wait(1)
+
+    def __enter__(self):
+        self.thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self.stop.set()
+        self.thread.join(60)
+        for s in self.open.values():
+            s.close()
+
+
+def planners(addresses, each, views):
+    """So many plans of so many addresses that wait at any time, seldom asked for twice."""
+    def work(number, stop):
+        ask(crowd_address(number // each), views[random.randrange(len(views))] + str(random.randrange(1000)))
+    return Flood(addresses * each, work)
+
+
+def begin_body(s):
+    s.sendall(f"POST {small} HTTP/1.1\r\nHost: t\r\nContent-Type: application/octet-stream\r\nContent-Length: 4194304\r\n\r\n".encode())
+
+
+def begin_answer(s):
+    s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    target = view(random.Random()).replace("stream", "plan") + "0&explain=1"
+    s.sendall(f"GET {target} HTTP/1.1\r\nHost: t\r\n\r\n".encode() * 20)
+
+
+def drip_byte(s):
+    s.sendall(b"\0")
+
+
+def look_only(s):
+    s.recv(1, socket.MSG_PEEK)
+
+
+def crowds(pool):
+    rng = random.Random(2)
+    timed = []
+    for _ in range(60):
+        target = view(rng, 300000 if rng.random() < .5 else None)
+        timed.append((ask(ATTACKER, target)[1], target))
+    worst = [target for _, target in sorted(timed, reverse=True)[:10]]
+    kinds = [("3 addresses of 32 plans", lambda: planners(3, 32, worst)), ("20 addresses of 5 plans", lambda: planners(20, 5, worst)),
+             ("8 addresses of 128 dripping bodies", lambda: Sockets(8, 128, begin_body, drip_byte)),
+             ("50 addresses of 21 dripping bodies", lambda: Sockets(50, 21, begin_body, drip_byte)),
+             ("8 addresses of 30 answers that are not taken", lambda: Sockets(8, 30, begin_answer, look_only))]
+    for seed, (name, flood) in enumerate(kinds):
+        before = resident()
+        times = pool.submit(measure, SECONDS // 2, 20 + seed).result()[0]
+        with flood():
+            time.sleep(5)
+            plans, probes, failed_plans, failed_probes = pool.submit(measure, SECONDS, 10 + seed).result()
+        time.sleep(5)
+        alone = quantile(times + pool.submit(measure, SECONDS // 2, 30 + seed).result()[0], .99)
+        p99, grown = quantile(plans, .99), max(0, resident() - before) // 1024
+        tell(name, not failed_plans and not failed_probes and p99 <= 3 * alone and grown <= 512,
+             f"{len(plans) - failed_plans} of {len(plans)} honest plans, p99 {p99 * 1e3:.0f} ms, alone {alone * 1e3:.0f} ms; "
+             f"{len(probes) - failed_probes} of {len(probes)} /healthz, p99 {quantile(probes, .99) * 1e3:.0f} ms; {grown} MiB more memory",
+             alone_p99_s=alone, p99_s=p99, plans=len(plans), plans_failed=failed_plans, probes=len(probes), probes_failed=failed_probes,
+             memory_mib=grown)
+
+
 def reloads():
     bad, asked = [0], [0]
 
@@ -216,8 +338,12 @@ def reloads():
 
 
 small = f"/v1/scenes/{SCENE}/stream?eye=0,0,9&target=9,9,0&width=64&height=64&vertices=9"
-leak()
-worst_views()
+resource.setrlimit(resource.RLIMIT_NOFILE, (resource.getrlimit(resource.RLIMIT_NOFILE)[1],) * 2)
+with concurrent.futures.ProcessPoolExecutor(1) as others:
+    others.submit(quantile, [0], .5).result()   # before there are threads
+    leak()
+    worst_views()
+    crowds(others)
 with Flood(300, drip(b"GET /healthz HTTP/1.1\r\nX: " + b"a" * 200)):
     time.sleep(3)
     probes("slow heads", "/healthz")
