@@ -94,6 +94,7 @@ struct fitted {
 	                              * the lowest lambda there */
 	uint8_t *organs;             /* per plant, as lod_prices_organs */
 	const struct eco_holdings *kept;     /* as in lod_prices_make */
+	bool first;                  /* tells what is beside: gaps are filled in the next answer */
 	double wrong;                /* pixels that it leaves */
 	double beside;               /* bytes of the answer beside those that are priced */
 	bool both;                   /* vertices bind, too */
@@ -105,7 +106,8 @@ static double relax_and_fill(struct lod_allocation *m, struct fitted *fit, doubl
 {
 	double bytes = lod_price_relax(m, fit->lambda, &fit->at);
 	bool done = lod_planner_over(m->p, 3);
-	if (fit->kept || lod_planner_spent(m->p) || (done && bytes > (1 - GAP_LARGE) * target))
+	if (fit->kept || lod_planner_spent(m->p) || (fit->first && !done)
+			|| (done && bytes > (1 - GAP_LARGE) * target))
 		return bytes;
 	return lod_price_fill(m, fit->lambda, target, &fit->at, over, done ? 1 : PRICE_GAPS);
 }
@@ -271,7 +273,9 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 	now.both = false;
 	double most = (double)p->input->request->bytes, tried[SIZE_TRIES];
 	struct tried between = { 0, INFINITY, 0, 0 };
+	bool last = false;               /* the last answer is the best */
 	for (int i = 0; i < (best->kept ? SIZE_TRIES_MORE : SIZE_TRIES) && !code; i++) {
+		now.first = i == 0;
 		double before = now.size, bytes = tried[i] = find_prices(s, most - now.beside, budget, &now);
 		if (is_among(tried, i, bytes)) {         /* there is a gap: tries what lies beyond it */
 			if (now.size > most || best->kept)
@@ -281,15 +285,17 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 		}
 		code = fill_fitted(s, &now, budget, error);
 		now.size = (double)p->bytes;
+		now.wrong = p->wrong;
 		bool fits = now.size <= most, fitted = best->size <= most;
-		if (!code && (fits && fitted ? now.size > best->size : now.size < best->size))
+		last = !code && (fits && fitted ? now.wrong < best->wrong : now.size < best->size);
+		if (last)
 			keep_fitted(best, &now, plants);
 		if (now.size == before || (now.size <= most && now.size >= most * (1 - LOD_PRICE_SLACK))
 				|| (best->size <= most && lod_planner_over(p, 4)) || (i > 0 && lod_planner_spent(p)))
 			break;
 		now.beside = most - next_target(&between, most, bytes, now.size);
 	}
-	if (!code && (double)p->bytes != best->size)
+	if (!code && !last)
 		code = fill_fitted(s, best, budget, error);
 	/* what was computed of summaries since then may change the choice a little */
 	if (!code && (double)p->bytes > most)
@@ -332,7 +338,7 @@ static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budge
 	const struct fitted unknown = { .at = { NAN, NAN }, .near = point.octave, .lowest = point.lowest };
 	if (!code)
 		code = fit_prices(s, budget, &unknown, &alike, room, error);
-	bool twice = !code && !lod_planner_over(s->allocation->p, 3);
+	bool twice = !code && !lod_planner_over(s->allocation->p, 4);
 	if (twice)
 		code = lod_prices_make(s->allocation, kept, WASTE_FIT, error);
 	if (!code && twice)

@@ -520,7 +520,8 @@ static void enlarge_textures(struct random_pack *pack)
 }
 
 /* A plant whose organs do not fit beside the rest is left out, or the rest is coarser and it is kept. Pixels
- * left wrong, as a mean of logarithms: 9.544 where it is never kept, 9.516 where the work is not bounded. */
+ * left wrong, as a mean of logarithms: 9.544 where it is never kept, 9.516 where the work is not bounded,
+ * 9.537 where gaps are filled before it is known what an answer has beside its lists. */
 UNIT_TEST(gaps_are_closed_from_both_sides)
 {
 	double wrong = 0;
@@ -539,7 +540,7 @@ UNIT_TEST(gaps_are_closed_from_both_sides)
 		random_pack_free(pack);
 	}
 	print_message("          %u plans, %.4f\n", rows, wrong / rows);
-	assert_true(wrong / rows < 9.54);
+	assert_true(wrong / rows < 9.535);
 }
 
 /* What organs of all plants are said to take, and what their lists and textures have. */
