@@ -292,6 +292,11 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	f->requests = result.requests;
 	f->broken = result.broken;
 	f->cancelled = result.cancelled;
+	if (result.host_left) {
+		view_progress_clear(&v->progress);
+		fprintf(stderr, "ecoview: frame %u: %s hangs: chunks come from the scene's server from "
+			"now on\n", f->frame, v->options.chunks);
+	}
 	f->named = result.named;
 	f->named_bytes = result.named_bytes;
 	count_memory(v, &before, f);

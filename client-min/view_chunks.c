@@ -50,7 +50,25 @@ struct view_chunks {
 	bool known;                      /* the host has sent a chunk, or said that it has trouble, once */
 	/* the host is not asked before; since when it only says so, 0: it does not */
 	double rest_until_ms, resting_ms;
+	double waited_ms;                /* for the bytes that come next */
+	uint64_t heard_bytes;            /* meanwhile */
+	bool hangs;
 };
+
+/* A host that drips hangs, too: only so many bytes are heard. */
+static double silent_ms(const struct view_chunks *chunks)
+{
+	return fmin((double)chunks->options.stall_ms, VIEW_HOST_SILENT_MS);
+}
+
+static void hear(struct view_chunks *chunks, size_t size)
+{
+	chunks->heard_bytes += size;
+	if ((double)chunks->heard_bytes < silent_ms(chunks) * SLOW_BYTES_S / 1000)
+		return;
+	chunks->waited_ms = 0;
+	chunks->heard_bytes = 0;
+}
 
 static size_t on_bytes(char *bytes, size_t one, size_t size, void *ctx)
 {
@@ -59,6 +77,7 @@ static size_t on_bytes(char *bytes, size_t one, size_t size, void *ctx)
 	size *= one;
 	if (size > w->size - w->have)
 		return 0;
+	hear(lane->chunks, size);
 	memcpy(w->bytes + w->have, bytes, size);
 	w->have += (uint32_t)size;
 	return size;
@@ -148,6 +167,8 @@ void view_chunks_forget(struct view_chunks *chunks)
 	if (chunks->table_size)
 		memset(chunks->table, 0, chunks->table_size * sizeof *chunks->table);
 	chunks->count = chunks->next = 0;
+	chunks->waited_ms = 0;
+	chunks->heard_bytes = 0;
 }
 
 /* ---- Fetching ---- */
@@ -259,6 +280,8 @@ static void end(struct view_chunks *chunks, struct lane *lane, CURLcode rc)
 		snprintf(w->text, sizeof w->text, "%.150s", lane->text[0] ? lane->text : curl_easy_strerror(rc));
 	else
 		snprintf(w->text, sizeof w->text, "it has not the %u bytes that the stream names", w->size);
+	/* one that had chunks is down; of one that never had any the address may be wrong */
+	chunks->hangs |= rc == CURLE_OPERATION_TIMEDOUT || (rc == CURLE_COULDNT_CONNECT && chunks->known);
 	w->phase = came && !w->damaged ? PHASE_HERE : PHASE_FAILED;
 	chunks->known |= w->phase == PHASE_HERE || is_trouble(w->status);
 }
@@ -266,6 +289,11 @@ static void end(struct view_chunks *chunks, struct lane *lane, CURLcode rc)
 bool view_chunks_known(const struct view_chunks *chunks)
 {
 	return chunks->known;
+}
+
+bool view_chunks_hangs(const struct view_chunks *chunks)
+{
+	return chunks->hangs;
 }
 
 /* Moves on whatever has come. */
@@ -350,9 +378,15 @@ enum eco_code view_chunks_take(struct view_chunks *chunks, const struct eco_chun
 		return code;
 	const struct wanted *w = &chunks->wanted[*slot_of(chunks, id) - 1];
 	while (w->phase < PHASE_HERE) {
+		double begun_ms = view_clock_ms();
 		if (chunks->options.stop && *chunks->options.stop)
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+		chunks->hangs |= chunks->waited_ms > silent_ms(chunks);
+		if (chunks->hangs)
+			return eco_fail(error, ECO_IO, "%.250s: less than %ld bytes a second came for %g s",
+				chunks->url, SLOW_BYTES_S, silent_ms(chunks) / 1000);
 		curl_multi_poll(chunks->multi, NULL, 0, WAIT_MS, NULL);
+		chunks->waited_ms += begun_ms < chunks->rest_until_ms ? 0 : view_clock_ms() - begun_ms;
 		step(chunks);
 	}
 	if (w->phase == PHASE_FAILED)

@@ -8,7 +8,8 @@
  *   view_chunks_free(chunks);
  *
  * Redirects are followed, a few of them, by http and https; what fails is asked for once more; a host that
- * says when (429 or 503 with Retry-After) is not asked before. One thread at a time. */
+ * says when (429 or 503 with Retry-After) is not asked before. A host that sends less than 1 KiB/s for 10 s
+ * while its chunks are waited for hangs. One thread at a time. */
 #ifndef VIEW_CHUNKS_H
 #define VIEW_CHUNKS_H
 
@@ -24,6 +25,8 @@ struct view_chunks;
 
 /* A stream that names chunks is held until they are there. */
 #define VIEW_NAMED_STREAM_MAX ((uint64_t)256 << 20)
+
+#define VIEW_HOST_SILENT_MS 10000.0      /* and no longer than stall_ms */
 
 struct view_chunks_options {
 	const char *url;                         /* a chunk is at url/ID, 32 hexadecimal digits */
@@ -52,4 +55,6 @@ void view_chunks_forget(struct view_chunks *chunks);
 /* Whether the host may have later what it had not: of one that never sent a chunk, and never said that it has
  * trouble (408, 429, 500 and above), the address may be wrong. */
 bool view_chunks_known(const struct view_chunks *chunks);
+/* Whether it hangs, or had chunks and takes no connection now: what is wanted is to be had elsewhere. */
+bool view_chunks_hangs(const struct view_chunks *chunks);
 #endif

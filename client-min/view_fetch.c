@@ -189,6 +189,7 @@ static void add_result(struct view_fetch_result *last, const struct view_fetch_r
 {
 	last->requests += before->requests;
 	last->broken += before->broken;
+	last->host_left |= before->host_left;
 	last->bytes += before->bytes;
 	last->cancelled += before->cancelled;
 	last->named += before->named;
@@ -686,6 +687,17 @@ static uint64_t bytes_left(const struct view_store *store, uint64_t most, uint64
 	return most == ECO_BYTES_UNBOUNDED || !view_store_plan(store) ? most : most > came ? most - came : 0;
 }
 
+/* A host of chunks that hangs is asked no more: chunks come with the streams of the scene's server. */
+static bool leave_host(struct view_fetch *fetch)
+{
+	if (!fetch->chunks || !view_chunks_hangs(fetch->chunks) || fetch->stopped)
+		return false;
+	view_chunks_free(fetch->chunks);
+	fetch->chunks = NULL;
+	fetch->before.host_left = true;
+	return true;
+}
+
 static enum eco_code fail_asked(const struct eco_error *one, enum eco_code code, uint32_t broken,
 	struct eco_error *error)
 {
@@ -708,11 +720,14 @@ static enum eco_code ask(struct view_fetch *fetch, struct view_store *store,
 			continue;
 		add_result(fetch->result, &fetch->before);
 		fetch->before = *fetch->result;
-		if (!code || !wait_for_another(fetch, broken))
+		bool left = code == ECO_IO && leave_host(fetch);
+		if (!left && (!code || !wait_for_another(fetch, broken)))
 			return fail_asked(&one, code, broken, error);
-		broken++;
+		broken += !left;
 		view_store_resume(store);
-		now.bytes = bytes_left(store, request->bytes, fetch->before.bytes - came);
+		/* of the chunks that a host was to send few have come */
+		now.bytes = left ? request->bytes
+			: bytes_left(store, request->bytes, fetch->before.bytes - came);
 	}
 }
 

@@ -43,7 +43,7 @@ struct view_fetch_options {
 	const char *rule;
 	uint64_t body_max;                       /* 0: 16 GiB */
 	/* chunks of at least so many bytes (0: ECO_NAME_FROM) are named by the server, and fetched from here:
-	 * url/ID, several at once; NULL: all come with the stream */
+	 * url/ID, several at once; NULL: all come with the stream, as they do once the host hangs */
 	const char *chunks;
 	uint64_t name_from;
 	/* give up when connecting takes longer, or less than 1 KiB/s comes for so long; 0: 10 s, 120 s */
@@ -67,6 +67,7 @@ struct view_fetch_result {
 	uint64_t bytes;                          /* of the response bodies, and of chunks that they name: */
 	uint64_t named, named_bytes;             /* how many these are, and their bytes */
 	uint64_t most_bytes;                     /* of the largest of them */
+	bool host_left;                          /* the host of chunks hung: from now on none are named */
 	/* when a server that is busy wants to be asked again; 0 if it did not say */
 	double retry_ms;
 	uint64_t cancelled;                      /* bytes that were not waited for: view_fetch_turn */

@@ -74,7 +74,8 @@ static bool holds_nothing_else(int folder, const char *name, const char *const *
 	bool good = all != NULL;
 	for (const struct dirent *entry; good && (entry = readdir(all));)
 		good = is_hidden(entry) ? !strcmp(entry->d_name, ".") || !strcmp(entry->d_name, "..")
-			: is_below(entry->d_name, below) || !strncmp(entry->d_name, below[0], strlen(below[0]));
+			: is_below(entry->d_name, below)
+				|| !strncmp(entry->d_name, below[0], strlen(below[0]));
 	if (all)
 		closedir(all);
 	return good;
