@@ -56,7 +56,7 @@ uint64_t srv_clock_us(void)
 	return (uint64_t)now.tv_sec * 1000000 + (uint64_t)now.tv_nsec / 1000;
 }
 
-/* ---- What addresses hold; under the mutex ---- */
+/* ---- Holders; under the mutex ---- */
 
 static struct srv_holder *holder_of(struct srv_reaper *reaper, const struct srv_address *address)
 {
@@ -277,7 +277,7 @@ void srv_reaper_stop(struct srv_reaper *reaper)
 	free(reaper);
 }
 
-/* ---- Who gives way; under the mutex ---- */
+/* ---- Giving way; under the mutex ---- */
 
 /* `other` may be NULL */
 static bool goes_before(const struct srv_lease *lease, const struct srv_lease *other)
@@ -286,8 +286,8 @@ static bool goes_before(const struct srv_lease *lease, const struct srv_lease *o
 		: lease->since_us < other->since_us);
 }
 
-/* Of those that wait for a request since before `since_us` the one that has waited the longest: of a holder;
- * NULL: of any. */
+/* The connection that has waited for a request the longest, from before `since_us`: of a holder; NULL: of
+ * any. */
 static struct srv_lease *longest_idle(struct srv_reaper *reaper, const struct srv_holder *holder,
 	uint64_t since_us)
 {
@@ -322,7 +322,7 @@ static struct srv_lease *of_largest(struct srv_reaper *reaper, uint64_t least)
 	return first;
 }
 
-/* Who gives way to one more connection of a holder that has `same`; NULL: nobody. */
+/* The connection that gives way to one more of the newcomer; NULL: none does. */
 static struct srv_lease *who_gives_way(struct srv_reaper *reaper, const struct srv_holder *newcomer)
 {
 	uint64_t same = newcomer->held[SRV_HELD_CONNECTIONS];

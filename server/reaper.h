@@ -7,7 +7,7 @@
  *
  * It also counts what each address holds of what there is for all: connections, bytes of request bodies and of
  * answers. So many connections may come in of one address, and so many in all; a few more places than that are
- * for addresses that hold none. Where it is full
+ * for addresses that hold none. When it is full
  *   - a connection that has waited for a request for a second gives way, the one that has waited the longest,
  *     of the same address where that is what is full;
  *   - else the address that holds most gives way, if it holds more than the newcomer does then: with the
@@ -39,7 +39,7 @@ struct srv_exchange;
 struct srv_holder;
 
 enum srv_held { SRV_HELD_CONNECTIONS, SRV_HELD_BODIES, SRV_HELD_ANSWERS, SRV_HELD_COUNT };
-/* What a connection is at, in the order in which they give way. */
+/* Phases of a connection, in the order in which they give way. */
 enum srv_wait { SRV_WAIT_REQUEST, SRV_WAIT_BODY, SRV_WAIT_SENDING, SRV_WAIT_WORK };
 
 struct srv_lease {
@@ -90,7 +90,7 @@ void srv_reaper_speak_for(struct srv_reaper *reaper, struct srv_lease *lease, co
 /* The lease's request holds so many bytes from now on, until the next one is waited for. False where there is no
  * room for them, which is never so where they are fewer than before. */
 bool srv_reaper_hold(struct srv_reaper *reaper, struct srv_lease *lease, enum srv_held what, uint64_t bytes);
-/* The next request is waited for, for head_ms. What the one before held is given back. */
+/* The next request is waited for, for head_ms. Bytes that the one before held are given back. */
 void srv_reaper_await(struct srv_reaper *reaper, struct srv_lease *lease);
 /* NULL lease: nothing. A body is received, for so long at most. */
 void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t after_ms);

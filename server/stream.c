@@ -234,7 +234,7 @@ static enum eco_code emit_all(struct srv_emit *emit, const struct srv_stream *st
 	return code;
 }
 
-/* What a dry run of the answer's frames takes, about. */
+/* A dry run of the answer's frames takes about so much. */
 static void count_sizing(struct srv_stream *stream, const struct srv_step *step)
 {
 	uint64_t lists = stream->input.scene->pack->scene.list_count;

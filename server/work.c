@@ -112,7 +112,7 @@ enum eco_code srv_work_start(struct srv_work **out, uint32_t threads, uint32_t q
 	return ECO_OK;
 }
 
-/* That of the address, or a free one: there is one more than all jobs that can be held. */
+/* The address's owner, or a free one: there is one more than all jobs that can be held. */
 static struct owner *owner_of(struct srv_work *work, const struct srv_address *address)
 {
 	struct owner *free_one = NULL;

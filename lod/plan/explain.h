@@ -12,8 +12,8 @@
 
 #include "ecofiles/format/plan.h"
 
-#define LOD_EXPLAINED_MAX 10000u /* rows; further ones are counted in `omitted`. Where the plan's work is bounded: */
-#define LOD_EXPLAINED_LEAST 1000u        /* so many, or more if a part of the work allows it */
+#define LOD_EXPLAINED_MAX 10000u /* rows; further ones are counted in `omitted` */
+#define LOD_EXPLAINED_LEAST 1000u        /* the same where work is bounded; more if a part of it allows that */
 
 enum lod_why {
 	LOD_WHY_DISTANCE,            /* Deussen's rule: the sample distance asks for it */

@@ -96,7 +96,7 @@ static uint64_t fill_share(struct lod_planner *p, struct lod_entry *entry, uint6
 	return plants * (next - entry->vertices);
 }
 
-/* Where all that is open fits, nothing has to be chosen. False: it does not. */
+/* Nothing has to be chosen if all that is open fits. False: it does not. */
 static bool fill_all(struct lod_planner *p)
 {
 	uint64_t left = p->input->request->vertices - p->vertices, sum = 0, more;

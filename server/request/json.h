@@ -23,7 +23,7 @@ struct srv_json {
 	const atomic_bool *cancelled;        /* or NULL */
 };
 
-/* What kept it from being whole: ECO_INTERRUPTED, ECO_TOO_LARGE or ECO_NO_MEMORY; and then frees it. */
+/* The reason why it is not whole, if it is not: ECO_INTERRUPTED, ECO_TOO_LARGE or ECO_NO_MEMORY; and then frees it. */
 enum eco_code srv_json_end(struct srv_json *json);
 
 void srv_json_open(struct srv_json *json, char bracket);         /* '{' or '[' */

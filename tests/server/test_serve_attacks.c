@@ -188,7 +188,7 @@ static void assert_answered(const struct srv_daemon *daemon, uint32_t source, co
 	http_free(&answer);
 }
 
-/* Whatever few or many addresses hold: others come in, and what they have begun is theirs to end. */
+/* Others come in, however many addresses hold how much, and end what they have begun. */
 UNIT_TEST(crowds_of_addresses_lock_nobody_out)
 {
 	static const struct { int addresses, each; } rows[] = { { 2, 30 }, { 3, 20 }, { 8, 8 }, { 20, 4 }, { 40, 3 } };
@@ -217,8 +217,8 @@ UNIT_TEST(crowds_of_addresses_lock_nobody_out)
 	}
 }
 
-/* Where each address holds one, and none waits, a newcomer has no better claim; but who watches the server from
- * its own machine is answered. */
+/* A newcomer has no better claim if each address holds one, and none waits; but a watcher on the server's own
+ * machine is answered. */
 UNIT_TEST(the_own_machine_is_answered_when_all_is_taken)
 {
 	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_max = PLACES };
@@ -336,7 +336,7 @@ UNIT_TEST(answers_that_are_being_sent_are_bounded_together)
 	srv_daemon_stop(daemon);
 }
 
-/* What no bound of all answers can hold is said to be too large, not to be asked for again. */
+/* An answer that the bound of all can never hold is said to be too large, not to be asked for again. */
 UNIT_TEST(an_answer_larger_than_all_may_be_is_refused)
 {
 	static const struct { const char *target; unsigned status; } rows[] = { { "/healthz", 200 },

@@ -64,7 +64,7 @@ static void open_and_free(struct srv_work *work)
 	srv_work_free(work);
 }
 
-/* Of four jobs three are of the address that holds least, and one is in turn. */
+/* Three of four jobs are of the address that holds least, and one is in turn. */
 UNIT_TEST(addresses_are_served_in_turn)
 {
 	static const char *const names[] = { "a", "a", "a", "a", "b", "c", "c", "b", "d" };
