@@ -200,11 +200,11 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 	if (!code && !daemon->host.plans)
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for answers that are kept");
 	if (!code)
-		code = srv_work_start(&daemon->host.work, daemon->host.config.work_threads,
+		code = srv_work_start(&daemon->host.work, daemon->host.config.work_threads, true,
 			(uint32_t)daemon->host.config.queue_max,
 			(uint32_t)daemon->host.config.queue_share_max, error);
 	if (!code)
-		code = srv_work_start(&daemon->host.chores, 1, CHORES_MAX, CHORES_MAX, error);
+		code = srv_work_start(&daemon->host.chores, 1, false, CHORES_MAX, CHORES_MAX, error);
 	if (!code)
 		code = start_http(daemon, error);
 	if (!code)

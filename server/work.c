@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define NONE UINT32_MAX
 #define IN_TURN 4u               /* of so many jobs one is the next in turn */
 
 struct owner { struct srv_address address; uint32_t waiting, held; uint64_t turn; };     /* turn: of its next */
@@ -19,8 +20,8 @@ struct srv_work {
 	uint32_t owner_count;
 	uint64_t turn;                   /* of the latest turn that was begun */
 	uint64_t begun;                  /* jobs */
-	bool stopping;
-	uint32_t thread_count, running_count;
+	bool stopping, spare;            /* spare: the thread that comes first is */
+	uint32_t thread_count, running_count, idle_count;        /* idle: without the spare one */
 	atomic_bool **running;           /* the flags of the jobs that run; one a thread, or NULL */
 	pthread_t threads[];
 };
@@ -41,35 +42,48 @@ static struct waiting take_out(struct srv_work *work, uint32_t index)
 	return waiting;
 }
 
-static struct waiting take_next(struct srv_work *work)
+/* False if there is none for this thread. The spare one takes none that another thread is free for. */
+static bool take_next(struct srv_work *work, bool spare, struct waiting *taken)
 {
-	uint32_t first = 0;
-	for (uint32_t i = 1; i < work->count; i++)
-		if (goes_first(work, &work->queue[i], &work->queue[first]))
+	uint32_t first = NONE;
+	for (uint32_t i = 0; i < work->count && !(spare && work->idle_count && !work->stopping); i++)
+		if ((!spare || work->stopping || work->queue[i].owner->held == 1)
+				&& (first == NONE || goes_first(work, &work->queue[i], &work->queue[first])))
 			first = i;
+	if (first == NONE)
+		return false;
 	struct waiting next = take_out(work, first);
 	work->begun++;
 	work->turn = next.turn > work->turn ? next.turn : work->turn;
-	return next;
+	*taken = next;
+	return true;
 }
 
 static void *run(void *argument)
 {
 	struct srv_work *work = argument;
 	pthread_mutex_lock(&work->mutex);
+	bool spare = work->spare && !work->running_count;
 	atomic_bool **mine = &work->running[work->running_count++];
 	for (;;) {
-		while (!work->count && !work->stopping)
+		struct waiting next;
+		bool taken;
+		while (!(taken = take_next(work, spare, &next)) && !work->stopping) {
+			work->idle_count += !spare;
 			pthread_cond_wait(&work->wake, &work->mutex);
-		if (!work->count)
+			work->idle_count -= !spare;
+		}
+		if (taken && work->count)
+			pthread_cond_broadcast(&work->wake);
+		if (!taken)
 			break;
-		struct waiting next = take_next(work);
 		*mine = next.job.cancelled;
 		pthread_mutex_unlock(&work->mutex);
 		next.job.run(next.job.argument);
 		pthread_mutex_lock(&work->mutex);
 		*mine = NULL;
-		next.owner->held--;
+		if (--next.owner->held == 1)     /* the spare thread may take the other */
+			pthread_cond_broadcast(&work->wake);
 		pthread_mutex_unlock(&work->mutex);
 		next.job.finish(next.job.argument);
 		pthread_mutex_lock(&work->mutex);
@@ -78,9 +92,10 @@ static void *run(void *argument)
 	return NULL;
 }
 
-enum eco_code srv_work_start(struct srv_work **out, uint32_t threads, uint32_t queue_max, uint32_t share_max,
-	struct eco_error *error)
+enum eco_code srv_work_start(struct srv_work **out, uint32_t threads, bool spare, uint32_t queue_max,
+	uint32_t share_max, struct eco_error *error)
 {
+	threads += spare;
 	struct srv_work *work = calloc(1, sizeof *work + threads * sizeof *work->threads);
 	struct waiting *queue = calloc(queue_max, sizeof *queue);
 	struct owner *owners = calloc((size_t)queue_max + threads + 1, sizeof *owners);
@@ -101,6 +116,7 @@ enum eco_code srv_work_start(struct srv_work **out, uint32_t threads, uint32_t q
 	work->running = running;
 	work->capacity = queue_max;
 	work->share_max = share_max;
+	work->spare = spare;
 	for (; work->thread_count < threads; work->thread_count++) {
 		int failed = pthread_create(&work->threads[work->thread_count], NULL, run, work);
 		if (failed) {
@@ -150,7 +166,7 @@ static void enqueue(struct srv_work *work, const struct srv_job *job, struct own
 	owner->waiting++;
 	owner->held++;
 	work->queue[work->count++] = (struct waiting){ *job, owner, turn };
-	pthread_cond_signal(&work->wake);
+	pthread_cond_broadcast(&work->wake);
 }
 
 bool srv_work_submit(struct srv_work *work, const struct srv_job *job)

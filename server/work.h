@@ -28,10 +28,11 @@ struct srv_job {
 	struct srv_address owner;
 };
 
-/* `threads` of them, and room for queue_max jobs that wait, share_max of them of one address. On an error
- * *work is NULL. */
-enum eco_code srv_work_start(struct srv_work **work, uint32_t threads, uint32_t queue_max, uint32_t share_max,
-	struct eco_error *error);
+/* `threads` of them, and room for queue_max jobs that wait, share_max of them of one address. `spare`: one thread
+ * more, for jobs of addresses that hold no other, so that these wait for nobody's long job. On an error *work is
+ * NULL. */
+enum eco_code srv_work_start(struct srv_work **work, uint32_t threads, bool spare, uint32_t queue_max,
+	uint32_t share_max, struct eco_error *error);
 /* Runs the job on some thread; false if the owner's share is full, no place is found or it is stopped. May
  * call another job's `displaced` first. Any other accepted job is run, also while stopping. Any thread. */
 bool srv_work_submit(struct srv_work *work, const struct srv_job *job);

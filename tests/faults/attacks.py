@@ -269,9 +269,11 @@ class Sockets:
 
 
 def planners(addresses, each, views):
-    """So many plans of so many addresses that wait at any time, seldom asked for twice."""
+    """So many plans of so many addresses that wait at any time, seldom asked for twice. A refusal costs this machine a pause, not a loop."""
     def work(number, stop):
-        ask(crowd_address(number // each), views[random.randrange(len(views))] + str(random.randrange(1000)))
+        status, _ = ask(crowd_address(number // each), views[random.randrange(len(views))] + str(random.randrange(1000)))
+        if status != 200:
+            stop.wait(.5)
     return Flood(addresses * each, work)
 
 

@@ -17,7 +17,10 @@ static void wait_at_door(void *argument)
 
 static void note(void *argument)
 {
+	static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+	pthread_mutex_lock(&mutex);
 	strcat(order, argument);
+	pthread_mutex_unlock(&mutex);
 }
 
 static void note_displaced(void *argument)
@@ -45,7 +48,7 @@ static struct srv_work *start_held(uint32_t capacity, uint32_t share, atomic_boo
 	struct srv_job first = job_of('x', NULL, cancelled);
 	order[0] = displaced[0] = 0;
 	pthread_mutex_lock(&closed);
-	assert_ok(srv_work_start(&work, 1, capacity, share, &error), error);
+	assert_ok(srv_work_start(&work, 1, false, capacity, share, &error), error);
 	assert_true(srv_work_submit(work, &first));
 	usleep(50000);                           /* until it is taken from the queue */
 	return work;
@@ -149,6 +152,35 @@ UNIT_TEST(no_crowd_keeps_a_newcomer_waiting)
 	}
 }
 
+static void raise_flag(void *argument)
+{
+	atomic_store((atomic_bool *)argument, true);
+}
+
+/* One thread is held by a job of a crowd that has more. The other takes the job of an address that holds no
+ * other, and nothing of the crowd. */
+UNIT_TEST(the_spare_thread_is_for_who_holds_nothing)
+{
+	static atomic_bool cancelled, done;
+	struct srv_work *work;
+	struct eco_error error = { 0 };
+	struct srv_job crowd = job_of('a', NULL, &cancelled), note_crowd = job_of('a', "a", &cancelled),
+		other = { .run = raise_flag, .finish = do_nothing, .argument = &done, .cancelled = &cancelled };
+	order[0] = 0;
+	pthread_mutex_lock(&closed);
+	assert_ok(srv_work_start(&work, 1, true, 5, 5, &error), error);
+	usleep(50000);                           /* until both wait */
+	assert_true(srv_work_submit(work, &crowd));
+	for (int i = 0; i < 3; i++)
+		assert_true(srv_work_submit(work, &note_crowd));
+	assert_true(srv_work_submit(work, &other));
+	while (!atomic_load(&done))
+		usleep(1000);
+	assert_string_equal(order, "");
+	open_and_free(work);
+	assert_string_equal(order, "aaa");
+}
+
 static void wait_for_flag(void *argument)
 {
 	const atomic_bool *flag = argument;
@@ -164,7 +196,7 @@ UNIT_TEST(who_stops_ends_what_runs_and_what_waits)
 	struct srv_job first = { .run = wait_for_flag, .finish = do_nothing, .argument = &running,
 		.cancelled = &running }, second = first;
 	second.argument = second.cancelled = &waiting;
-	assert_ok(srv_work_start(&work, 1, 4, 4, &error), error);
+	assert_ok(srv_work_start(&work, 1, false, 4, 4, &error), error);
 	assert_true(srv_work_submit(work, &first) && srv_work_submit(work, &second));
 	srv_work_free(work);
 	assert_true(atomic_load(&running) && atomic_load(&waiting));
