@@ -329,7 +329,7 @@ static unsigned status_of(uint16_t port, const char *method, const char *target)
 UNIT_TEST(a_name_of_a_file_makes_no_line_of_the_log)
 {
 	static const char odd[] = "build/tmp/test_ecoserve\nforged: \033[2J\302\233\342\200\250.eco",
-		clean[] = "build/tmp/test_ecoserve?forged: ?[2J??.eco";
+		clean[] = "build/tmp/test_ecoserve?forged: ?[2J?????.eco";
 	static const char *const texts[] = { "--listen", "127.0.0.1:0", PACK_PATH, odd, NULL },
 				 *const objects[] = { "--listen", "127.0.0.1:0", "--log", "json", PACK_PATH, odd,
 		NULL };
