@@ -109,8 +109,8 @@ static const struct eco_option option_table[] = {
 		"without light, on gray ground before a black sky" },
 	{ "chunks", 0, ECO_OPTION_TEXT, "URL", &given.chunks,
 		.help = "fetch chunks of 1024 bytes or more by their names from URL/NAME: the scene's "
-		"URL/chunks, or a static host of what `ecopack export` wrote; others come with the stream, and "
-		"all of them once the host hangs" },
+		"URL/chunks, or a static host of what `ecopack export` wrote; others come with the stream, "
+		"and all of them once the host hangs" },
 	{ "progressive", 0, ECO_OPTION_READ, "LIST", &given.marks, .read = read_marks,
 		.help = "also draw what is there while an answer comes: after so many bytes or milliseconds, "
 		"such as 20000,50000,200ms; frame-0000-part-00.png, ... are the frames of a film, one for "
