@@ -14,6 +14,7 @@
 
 #define PRICE_MORE 0.05          /* octaves, at first, by which a price is raised that no longer fits */
 #define PRICE_BACK 0.5           /* octaves: a raise by more is made smaller where it leaves half of the bytes */
+#define PRICE_FAR_BACK 16.0      /* the same where nothing is drawn */
 #define PRICE_RAISES 3           /* of lambda, up to the one that uses the vertices alone */
 #define PRICE_LAMBDAS 3          /* tried where vertices bind as well, ... */
 #define PRICE_ENOUGH 0.95        /* ... until they use so much of the budget */
@@ -234,26 +235,34 @@ static enum eco_code fill_dearer(const struct lod_lambda_search *s, struct fitte
 	return fill_fitted(s, fit, budget, error);
 }
 
-/* Raises prices until the answer fits. The last raise may be by many octaves, and leave hardly anything: then
- * prices go back part of the way. */
-static enum eco_code raise_until_fits(const struct lod_lambda_search *s, struct fitted *fit, uint64_t budget,
-	struct eco_error *error)
+/* Lowers prices that leave hardly anything, or nothing, by so many octaves and less, as far as the answer fits. */
+static enum eco_code lower_while_fits(const struct lod_lambda_search *s, struct fitted *fit, double less,
+	uint64_t budget, struct eco_error *error)
 {
 	const struct lod_planner *p = s->allocation->p;
 	const uint64_t most = p->input->request->bytes;
-	double more = PRICE_MORE;
 	enum eco_code code = ECO_OK;
-	for (; !code && p->bytes > most && fit->at.lists < LOD_PRICE_HIGHEST; more *= 2)
-		code = fill_dearer(s, fit, more, budget, error);
-	for (more /= 4; !code && more > PRICE_BACK && p->bytes < most / 2; more /= 2) {
+	for (; !code && less > PRICE_BACK && p->bytes < most / 2; less /= 2) {
 		const struct lod_price fits = fit->at;
-		code = fill_dearer(s, fit, -more, budget, error);
+		code = fill_dearer(s, fit, -less, budget, error);
 		if (code || p->bytes <= most)
 			continue;
 		fit->at = fits;
 		code = fill_fitted(s, fit, budget, error);
 	}
 	return code;
+}
+
+/* Raises prices until the answer fits; the last raise may be by many octaves. */
+static enum eco_code raise_until_fits(const struct lod_lambda_search *s, struct fitted *fit, uint64_t budget,
+	struct eco_error *error)
+{
+	const struct lod_planner *p = s->allocation->p;
+	double more = PRICE_MORE;
+	enum eco_code code = ECO_OK;
+	for (; !code && p->bytes > p->input->request->bytes && fit->at.lists < LOD_PRICE_HIGHEST; more *= 2)
+		code = fill_dearer(s, fit, more, budget, error);
+	return code ? code : lower_while_fits(s, fit, more / 4, budget, error);
 }
 
 /* Fits best->kept, for which prices are made, from those of `first` on. What an answer has beside what is
@@ -300,6 +309,8 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 	/* what was computed of summaries since then may change the choice a little */
 	if (!code && (double)p->bytes > most)
 		code = raise_until_fits(s, best, budget, error);
+	if (!code && !p->vertices)
+		code = lower_while_fits(s, best, PRICE_FAR_BACK, budget, error);
 	best->size = (double)p->bytes;
 	best->wrong = best->size <= most ? p->wrong : INFINITY;
 	return code;
