@@ -559,7 +559,7 @@ static bool complete(const struct lod_planner *p)
 
 static bool within_bytes(const struct lod_planner *p)
 {
-	return p->input->request->bytes != ECO_BYTES_UNBOUNDED;
+	return !p->hidden && p->input->request->bytes != ECO_BYTES_UNBOUNDED;
 }
 
 static uint64_t passes(const struct lod_planner *p)
@@ -683,12 +683,13 @@ static enum eco_code plan_levels(struct lod_lambda_search *s, struct lod_planner
 	bool predicts = true, opened = true;
 	enum eco_code code = open_possible(p, &level, error);
 	while (!code && opened) {
-		bool finer = !complete(p) && level < FINER_TIMES && is_affordable(p, FINER_WORK);
+		bool may = !complete(p) && level < FINER_TIMES, finer = may && is_affordable(p, FINER_WORK);
 		p->level = (uint32_t)(level - COARSEST);
 		code = search_level(s, p, &predicts, error);
 		opened = false;
-		if (!code && finer && ((!bytes && s->index == LOD_LAMBDA_COUNT)
-				|| hides_plants(s->allocation))) {
+		p->hidden = !code && may && hides_plants(s->allocation);
+		if (!code && (p->hidden ? is_affordable(p, FINER_WORK)
+				: finer && !bytes && s->index == LOD_LAMBDA_COUNT)) {
 			code = open_finer(p, &level, &opened, error);
 			finer = false;
 		}
