@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -59,8 +60,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 	snprintf(path, sizeof path, "/proc/self/fd/%d", memory);
 	read_obj(path);
 	assert(eco_mtl_read(&mtl, path, &error) == ECO_OK);
+	char **names = calloc(mtl.count + 1, sizeof *names);
+	const struct eco_mtl_material **found = calloc(mtl.count + 1, sizeof *found);
+	assert(names && found);
 	for (uint32_t i = 0; i < mtl.count; i++)
-		assert(eco_mtl_find(&mtl, mtl.items[i].name) != NULL);
+		names[i] = mtl.items[i].name;
+	assert(eco_mtl_find(&mtl, names, mtl.count, found));
+	for (uint32_t i = 0; i < mtl.count; i++)
+		assert(found[i] && !strcasecmp(found[i]->name, names[i]));
+	free(names);
+	free(found);
 	eco_mtl_free(&mtl);
 	file.path = path;
 	assert(eco_ply_prepare(&file, base, &error) == error.code);
