@@ -34,7 +34,7 @@ struct srv_config {              /* 0 is the default */
 	const struct srv_endpoint *endpoint; /* in its place one that listens, which the daemon takes over */
 	const struct srv_site *site;         /* what / shows; NULL: how to make it. Outlives the daemon */
 	uint32_t polling_threads;    /* 2 */
-	uint32_t work_threads;       /* one a processor, at most 8; one more is for who holds no other plan (work.h) */
+	uint32_t work_threads;       /* one a processor, at most 8; beside the spare one (work.h) */
 	uint64_t queue_max;          /* plans waiting: 64 */
 	uint64_t queue_share_max;    /* of them of one address: 32 */
 	uint64_t connections_max;    /* 1000; where it is full idle ones give way (reaper.h) */

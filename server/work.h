@@ -6,8 +6,8 @@
  *     still holds no less than the newcomer afterwards. Else the newcomer is refused.
  *   - Three of four jobs that are begun are of the address that holds least, so an address that asks for one
  *     plan does not wait for a round of all others. The fourth is the next in turn: each further job of an
- *     address is a turn later than the one before it (start-time fair queueing, Goyal and others 1996, jobs of
- *     equal cost), so no address starves. */
+ *     address is a turn later than the one before it (start-time fair queueing, Goyal and others 1996, jobs
+ *     of equal cost), so no address starves. */
 #ifndef SRV_WORK_H
 #define SRV_WORK_H
 
@@ -28,9 +28,9 @@ struct srv_job {
 	struct srv_address owner;
 };
 
-/* `threads` of them, and room for queue_max jobs that wait, share_max of them of one address. `spare`: one thread
- * more, for jobs of addresses that hold no other, so that these wait for nobody's long job. On an error *work is
- * NULL. */
+/* `threads` of them, and room for queue_max jobs that wait, share_max of them of one address. `spare`: one
+ * thread more, which begins jobs of addresses that hold no other when all others are busy, so that these wait
+ * for nobody's long job. On an error *work is NULL. */
 enum eco_code srv_work_start(struct srv_work **work, uint32_t threads, bool spare, uint32_t queue_max,
 	uint32_t share_max, struct eco_error *error);
 /* Runs the job on some thread; false if the owner's share is full, no place is found or it is stopped. May

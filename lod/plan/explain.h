@@ -13,7 +13,7 @@
 #include "ecofiles/format/plan.h"
 
 #define LOD_EXPLAINED_MAX 10000u /* rows; further ones are counted in `omitted` */
-#define LOD_EXPLAINED_LEAST 1000u        /* the same where work is bounded; more if a part of it allows that */
+#define LOD_EXPLAINED_LEAST 1000u        /* the same where work is bounded, or more */
 
 enum lod_why {
 	LOD_WHY_DISTANCE,            /* Deussen's rule: the sample distance asks for it */

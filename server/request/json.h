@@ -23,7 +23,7 @@ struct srv_json {
 	const atomic_bool *cancelled;        /* or NULL */
 };
 
-/* The reason why it is not whole, if it is not: ECO_INTERRUPTED, ECO_TOO_LARGE or ECO_NO_MEMORY; and then frees it. */
+/* ECO_INTERRUPTED, ECO_TOO_LARGE or ECO_NO_MEMORY where it is not whole; frees it then. */
 enum eco_code srv_json_end(struct srv_json *json);
 
 void srv_json_open(struct srv_json *json, char bracket);         /* '{' or '[' */

@@ -165,7 +165,8 @@ UNIT_TEST(the_spare_thread_is_for_who_holds_nothing)
 	struct srv_work *work;
 	struct eco_error error = { 0 };
 	struct srv_job crowd = job_of('a', NULL, &cancelled), note_crowd = job_of('a', "a", &cancelled),
-		other = { .run = raise_flag, .finish = do_nothing, .argument = &done, .cancelled = &cancelled };
+		other = { .run = raise_flag, .finish = do_nothing, .argument = &done,
+		.cancelled = &cancelled };
 	order[0] = 0;
 	pthread_mutex_lock(&closed);
 	assert_ok(srv_work_start(&work, 1, true, 5, 5, &error), error);
