@@ -50,8 +50,11 @@ static enum eco_code make_first(struct export *x, const char *dir)
 		x->folder = open(x->dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 		if (x->folder >= 0 && eco_unfinished_lock(x->folder))
 			return ECO_OK;
-		if (x->folder < 0 && errno != ENOENT)
-			return eco_fail_write(x->error, dir, errno);
+		if (x->folder < 0 && errno != ENOENT) {
+			enum eco_code code = eco_fail_write(x->error, dir, errno);
+			rmdir(x->dir);
+			return code;
+		}
 		if (x->folder >= 0)
 			close(x->folder);
 	}
