@@ -26,6 +26,7 @@
  * with its coarser answers: without a bound the worst rows are 3 to 15 times, for .6 % fewer wrong pixels */
 #define BYTES_WORK 5
 #define CURVE_SHARE 0.8          /* of an answer's bytes, that plants usually get */
+#define FEW_FALL 4               /* vertices of one try over those of the next, where hardly any fit */
 #define SIZE_TRIES 4             /* answers whose bytes are counted; ... */
 #define SIZE_TRIES_MORE 2        /* ... where much is known of them */
 /* beside their bytes chunks cost so many times these that the answer without a limit lacks, ... */
@@ -372,6 +373,56 @@ static enum eco_code needs_of_entries(const struct lod_planner *p, struct eco_ho
 	return code;
 }
 
+/* Fills the budget at a lambda without a price, with no more vertices than asked for. */
+static enum eco_code fill_few(const struct lod_lambda_search *s, double lambda, uint64_t vertices,
+	struct eco_error *error)
+{
+	enum eco_code code = lod_planner_check(s->allocation->p, error);
+	code = code ? code : lod_search_fill(s, lambda, vertices, error);
+	return code ? code : lod_bytes_size(s->allocation->p, error);
+}
+
+/* Between two prices an answer may fall from too many bytes to nothing. Fewer vertices without a price draw
+ * something then: those of the lowest lambda of the grid that fits, else a few of those of the next. Textures and the image of the ground are as at the highest
+ * price. An empty answer that is left keeps the image that it has. */
+static enum eco_code fit_few(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
+{
+	struct lod_allocation *m = s->allocation;
+	struct lod_planner *p = m->p;
+	const uint64_t most = p->input->request->bytes;
+	int fits = s->first - 1, over = s->index < s->last ? s->index + 1 : s->last + 1;
+	uint64_t few = 0, many = budget;
+	const struct lod_price highest = { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST };
+	const double image_price = p->image_price;
+	enum eco_code code = ECO_OK;
+	lod_prices_set_organs(m, NULL);
+	lod_price_relax(m, lod_lambda_at(fits), &highest);
+	p->price = m->price;
+	lod_prices_lift(m);
+	m->price = 0;
+	while (!code && over - fits > 1) {
+		int middle = (fits + over) / 2;
+		lod_allocation_relax(m, lod_lambda_at(middle));
+		uint64_t vertices = (uint64_t)fmin((double)budget, m->cost.vertices);
+		code = fill_few(s, lod_lambda_at(middle), vertices, error);
+		bool within = p->bytes <= most;
+		*(within ? &fits : &over) = middle;
+		*(within ? &few : &many) = within && !p->vertices ? 0 : vertices;
+	}
+	if (!code && few)
+		return fill_few(s, lod_lambda_at(fits), few, error);
+	while (!code && (many /= FEW_FALL) > 0) {
+		code = fill_few(s, lod_lambda_at(fits), many, error);
+		if (p->bytes <= most && p->vertices)
+			return code;
+	}
+	if (code)
+		return code;
+	lod_price_relax(m, lod_lambda_at(fits), &highest);
+	p->image_price = image_price;
+	return fill_few(s, lod_lambda_at(fits), budget, error);
+}
+
 static void bound_work(struct lod_planner *p)
 {
 	uint64_t most = BYTES_WORK * p->work;
@@ -393,6 +444,8 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 			: eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", plants);
 	p->price = m->price;
 	m->limited = false;
+	if (!code && budget && !p->vertices)
+		code = fit_few(s, budget, error);
 	free(room);
 	if (p->input->wanted) {
 		free(p->input->wanted->items);
