@@ -10,6 +10,7 @@
 #   test [ONLY=NAME]     everything that tests, counted; or a room of tests/ (ONLY=plan), or one (ONLY=test_turn)
 #   check                the tests that a change reaches, cheapest first, in 30 s of processor time; the layers
 #   layers, headers      what each room may include; every header compiles alone
+#   lines                how long each room is, against its budget
 #   bench [FULL=1] [DATA=DIR] [ONLY=SECTION]    error against run time, this and the literature's methods: build/bench/report.html
 #   determinism          same pack and same plans by gcc -O0, by gcc -O3, by clang and under valgrind
 #   soak [SECONDS=60]    damaged models, random requests, damages, clients, faults, attacks
@@ -134,7 +135,7 @@ LIBS_VIEW := -lcurl -lEGL -lepoxy -ljpeg -lpng -lwebp
 # In config=fuzz the sanitizer is a library that is linked in, too, and what it puts in place of malloc must be seen by the C library.
 LINK := -Wl,--as-needed $(if $(filter fuzz,$(config)),,-Wl$(comma)--exclude-libs$(comma)ALL) -ldl -pthread
 
-.PHONY: all help deps told demo cluster-demo test check determinism bench forest survey soak layers headers clean fuzz
+.PHONY: all help deps told demo cluster-demo test check determinism bench forest survey soak layers headers lines clean fuzz
 .DELETE_ON_ERROR:
 
 all: $(PROGRAMS) $(MODULES) | told
@@ -395,6 +396,9 @@ layers: $(TEST_LIBS) $(MODULES)
 
 headers:
 	@tests/headers.sh $(CC) $(CFLAGS_ALL)
+
+lines:
+	@tests/lines.sh
 
 # make fuzz SECONDS=600: each target that long; needs clang's runtime
 SECONDS ?= 60
