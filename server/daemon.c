@@ -293,7 +293,7 @@ static void forget_reload(void *argument)
 	atomic_store(&((struct srv_daemon *)argument)->reload_waits, false);
 }
 
-/* Where the queue has no place for it, one of the reloads in it begins later than now. */
+/* If the queue has no place for it, one of the reloads in it begins later than now. */
 void srv_daemon_reload(struct srv_daemon *daemon)
 {
 	if (!atomic_exchange(&daemon->reload_waits, true)

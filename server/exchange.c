@@ -203,7 +203,7 @@ static bool may_operate(struct srv_exchange *exchange)
 	return false;
 }
 
-/* Sets the scene of a path that names one; false if an answer says why there is none. Where scenes have
+/* Sets the scene of a path that names one; false if an answer says why there is none. If scenes have
  * tokens, one that is not there is answered as one whose token was not sent, so that nobody learns their
  * names. */
 static bool find_scene(struct srv_exchange *exchange)

@@ -225,7 +225,7 @@ static void end_at_once(int number)
 	_exit(1);
 }
 
-/* What still runs is waited for; a signal need not wait. */
+/* Threads that still run are waited for; a signal need not wait. */
 static void let_signals_end(void)
 {
 	sigset_t ends;
@@ -395,7 +395,7 @@ static enum eco_code run(struct eco_error *error)
 	return code;
 }
 
-/* What these arguments say of an option, `value` if nothing, before all of them can be read. */
+/* The value that these arguments give an option, or else `value`, before all of them can be read. */
 static const char *find_option(const char *option, const char *value, int argc, char *const *argv)
 {
 	size_t size = strlen(option);

@@ -18,7 +18,7 @@
 uint64_t srv_typical_work(struct srv_scene *scene);
 /* The same; 0: *cancelled was set meanwhile, and it was not found. */
 uint64_t srv_typical_find(struct srv_scene *scene, const atomic_bool *cancelled);
-/* Of all scenes of a store. */
+/* Finds that of all scenes of a store. */
 bool srv_typical_find_all(const struct srv_store *store, const atomic_bool *cancelled);
 
 #endif

@@ -144,7 +144,7 @@ function showProgress({ complete, offline, received }) {
 		say(`Loading, ${number(received)} bytes so far`);
 }
 
-/** What a scene is: from now on views of it are asked for. The camera stays if the scene before lies at the same
+/** Takes a scene: from now on views of it are asked for. The camera stays if the scene before lies at the same
  * place. */
 function know(said) {
 	about = said;

@@ -28,7 +28,7 @@ function time(value) {
 }
 
 const A_POINT = 'X,Y,Z in metres';
-/** What reads a value, or finds it undefined, and what is expected of it. */
+/** Functions that read a value, or find it undefined, and a phrase for the value expected. */
 const readers = {
 	scene: [text],
 	token: [text],

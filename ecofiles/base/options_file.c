@@ -57,7 +57,7 @@ static char *trim(char *text)
 	return text;
 }
 
-/* Where the comment of a line begins, or its end. */
+/* The beginning of the comment of a line, or its end. */
 static char *find_comment(char *line)
 {
 	bool quoted = false, space = true;

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What eco_phrase_add wrote for names that did not fit; NULL: all fitted. */
+/* The words that eco_phrase_add wrote for names that did not fit; NULL: all fitted. */
 static char *find_rest(char *list, uint32_t *missing)
 {
 	char *rest = NULL;

@@ -493,7 +493,7 @@ static enum eco_code check_tile(const struct eco_scene *s, uint32_t id, struct e
 	return ECO_OK;
 }
 
-/* What a view must open below a tile that is open. Sums stop at UINT32_MAX. */
+/* Tiles and plants that a view must open below a tile that is open. Sums stop at UINT32_MAX. */
 struct opening { uint32_t tiles, plants; };
 
 static uint32_t add_saturated(uint32_t a, uint64_t b)

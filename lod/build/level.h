@@ -3,8 +3,8 @@
  *
  * Wood is never pruned into holes (a missing piece of branch is noticed at once), so its levels are exchanged
  * as a whole. Branches of similar width are simplified together, by an error in proportion to that width: one
- * error for all of them would take the thin ones away. Where a cell or a width ends the border is kept, so that
- * different levels meet. */
+ * error for all of them would take the thin ones away. The border at the end of a cell or a width is kept, so
+ * that different levels meet. */
 #ifndef LOD_LEVEL_H
 #define LOD_LEVEL_H
 

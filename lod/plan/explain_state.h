@@ -5,7 +5,7 @@
 #include "lod/plan/explain.h"
 #include "lod/plan/fill_budget.h"
 
-/* Of a plan that may take so much work; 0: any. */
+/* The plan may take so much work; 0: any. */
 void lod_explain_begin(struct lod_explanation *explanation, uint64_t work_max);
 
 /* The reason for a candidate's vertices. */

@@ -212,8 +212,8 @@ static bool is_among(const double *tried, int count, double bytes)
 /* Priced bytes of the largest answer that fits and of the smallest that does not, and what these have in all. */
 struct tried { double low, high, low_size, high_size; };
 
-/* Bytes of the next answer that may be priced: what is beside these is mostly the same again. Where that would
- * not be between the two answers it grows with what is drawn: cuts and placements of many tiles. */
+/* Bytes of the next answer that may be priced: what is beside these is mostly the same again. If that is not
+ * between the two answers it grows with what is drawn: cuts and placements of many tiles. */
 static double next_target(struct tried *tried, double most, double bytes, double size)
 {
 	bool fits = size <= most;

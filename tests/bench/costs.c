@@ -1,4 +1,4 @@
-/* What random requests cost: the processor time of the answer to each, on one thread, and the work that it
+/* Costs of random requests: the processor time of the answer to each, on one thread, and the work that it
  * counts. A request's cost is bounded where the worst of many is a small multiple of the median.
  *
  *   costs [--each] [--deussen | --all] [--seed S] [--from NUMBER] [--times N] [--runs N] COUNT PACK...

@@ -269,7 +269,7 @@ static uint64_t plan_visit(struct run *run, bool *nothing)
 	return bytes;
 }
 
-/* What few vertices take is enough for some of many. */
+/* As many bytes as few vertices take are enough for some of many. */
 static void check_few(struct run *run)
 {
 	const struct eco_request asked = run->request;

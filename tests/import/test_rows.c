@@ -411,7 +411,7 @@ static void expect_broken(const char *name, const uint8_t *bytes, size_t size, s
 		fail_msg("%s, damaged at %zu: %s", name, where, error.code ? error.text : "it is read");
 }
 
-/* Where a file ends early, or bytes in its middle are lost, it is neither empty nor shorter than it was. */
+/* A file that ends early, or that lost bytes in its middle, is neither empty nor shorter than it was. */
 UNIT_TEST(broken_files_cannot_be_read)
 {
 	static const struct made oak = { "trees", 4326, wkbPoint, "POINT (11.5 48.1)", "oak" },

@@ -97,7 +97,7 @@ static enum eco_code draw(struct state *s, uint32_t mix, uint32_t state, struct 
 
 struct covered { double mean, hole; };
 
-/* What the last picture covers. `all`: it is one of those that a mix may not fall below. */
+/* Shares that the last picture covers. `all`: it is one of those that a mix may not fall below. */
 static struct covered compare(struct state *s, bool all)
 {
 	struct covered covered = { 0, 0 };

@@ -37,7 +37,7 @@ enum eco_code export_json(struct export *x, const char *name, json_t *json)
 	return code;
 }
 
-/* What is in the folder: files that begin so, and these folders of files. */
+/* Contents of the folder: files that begin so, and these folders of files. */
 static const char *const parts[] = { "tileset", "plants", "tiles", NULL };
 
 /* Makes the folder under its first name, and locks it. */

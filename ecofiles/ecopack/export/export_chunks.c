@@ -50,7 +50,7 @@ static enum eco_code write_chunk(const struct eco_pack *pack, uint32_t index, co
 	return eco_file_write(path, bytes, size, error);
 }
 
-/* What an export that was killed has left: "ID.tmp-4711". */
+/* Removes files of an export that was killed: "ID.tmp-4711". */
 static void remove_left_over(const char *dir)
 {
 	DIR *folder = opendir(dir);

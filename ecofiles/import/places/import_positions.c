@@ -519,7 +519,7 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 	return NAN;
 }
 
-/* Of a size that does not count or can hardly be meant, the first row's plant shows what such rows become. */
+/* Rows whose size does not count or can hardly be meant: the plant of the first shows what they become. */
 static void note_became(struct eco_positions *p, const struct eco_position *record)
 {
 	static const enum eco_skip odd[] = { ECO_KEPT_UNREAD, ECO_KEPT_UNUSED, ECO_KEPT_IMPLAUSIBLE };

@@ -422,8 +422,8 @@ async function isNowhereOnEarth() {
 	await ask("document.getElementById('state').click()");
 }
 
-/** What a link says is taken, in every form that is known; of a value that cannot be read the person is told. What
- * others append is ignored. */
+/** A link's values are taken in every known form; the person is told of a value that cannot be read. Parameters
+ * that others append are ignored. */
 async function readsLinks() {
 	const open = async (link) => {
 		await browser.open(new URL(link, url).href, 320, 240);
