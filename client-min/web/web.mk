@@ -15,7 +15,7 @@ $(W)/obj/client-min/draw/view_light.o $(W)/obj/client-min/draw/view_shade.o: WEB
 export NODE_PATH := /usr/share/nodejs
 
 WEB_ROOMS := $(wildcard lod/*.c) lod/raster/texel.c $(wildcard client-min/web/*.c)
-WEB_BASE := bytes range room status turn utf8
+WEB_BASE := bytes phrase range room status turn utf8
 WEB_CHUNK := chunk chunk_columns chunk_corners chunk_counts chunk_decode chunk_ground chunk_mesh chunk_rows chunk_shapes shape
 WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor impostor_codec list model pack_check pack_record plan splat texture \
 	view $(patsubst ecofiles/format/%.c,%,$(wildcard ecofiles/format/wire_*.c))
