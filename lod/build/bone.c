@@ -150,10 +150,12 @@ static void lay_lines(struct lod_tube *tube, struct lines *lines, uint32_t compo
 			}
 }
 
-/* The lines through each piece p of a slab: line[first[p] .. first[p + 1]). */
-struct through { uint32_t *first, *line; };
+/* The lines through each piece p of a slab: line[first[p] .. first[p + 1]). `spanned`, per line from `own` on: 1 +
+ * the last triangle that has a span of it. */
+struct through { uint32_t *first, *line, *spanned, own; };
 
-static struct through find_lines(struct lod_tube *tube, struct lod_arena *arena)
+static struct through find_lines(struct lod_tube *tube, const struct lod_bones *bones, uint32_t own,
+	struct lod_arena *arena)
 {
 	uint32_t most = tube->offset[tube->triangle_count],
 		*first = lod_arena_take(arena, (size_t)most + 2, sizeof *first);
@@ -168,7 +170,7 @@ static struct through find_lines(struct lod_tube *tube, struct lod_arena *arena)
 			into = tube->bones[into].merged;
 		line[first[tube->bones[b].piece + 1]++] = tube->bones[into].line;
 	}
-	return (struct through){ first, line };
+	return (struct through){ first, line, lod_arena_take(arena, bones->count - own, sizeof *line), own };
 }
 
 /* The nearest line through a piece, and how far `p` is from its surface; ECO_NONE if there is none. */
@@ -234,9 +236,10 @@ static void add_span(struct lines *lines, const struct lod_mesh *mesh, uint32_t 
 static void add_spans(struct lines *lines, struct lod_tube *tube, const struct through *through, uint32_t t)
 {
 	struct lod_bones *bones = lines->bones;
-	uint32_t begun = bones->span_count, of_mesh = tube->member[t];
-	struct lod_v3 middle = lod_v3_scale(lod_v3_add(lod_mesh_corner(tube->mesh, of_mesh, 0),
-		lod_v3_add(lod_mesh_corner(tube->mesh, of_mesh, 1), lod_mesh_corner(tube->mesh, of_mesh, 2))), 1.0 / 3);
+	uint32_t of_mesh = tube->member[t];
+	struct lod_v3 sum = lod_v3_add(lod_mesh_corner(tube->mesh, of_mesh, 0),
+		lod_v3_add(lod_mesh_corner(tube->mesh, of_mesh, 1), lod_mesh_corner(tube->mesh, of_mesh, 2))),
+		middle = lod_v3_scale(sum, 1.0 / 3);
 	double best = INFINITY, away;
 	for (uint32_t f = tube->offset[t]; f < tube->offset[t + 1]; f++) {
 		uint32_t piece = lod_tube_piece(tube, f),
@@ -246,11 +249,10 @@ static void add_spans(struct lines *lines, struct lod_tube *tube, const struct t
 			bones->width_at[of_mesh] = bones->items[nearest].width;
 		}
 		for (uint32_t i = through->first[piece]; i < through->first[piece + 1]; i++) {
-			uint32_t s = begun;
-			while (s < bones->span_count && bones->spans[s].bone != through->line[i])
-				s++;
-			if (s == bones->span_count)
+			uint32_t *spanned = &through->spanned[through->line[i] - through->own];
+			if (*spanned != t + 1)
 				add_span(lines, tube->mesh, through->line[i], of_mesh);
+			*spanned = t + 1;
 		}
 	}
 }
@@ -350,7 +352,7 @@ static void make_guarded(struct lines *lines, const struct lod_mesh *mesh, const
 		}
 		lod_tube_make(&tube, mesh, organs, c, local, scratch);
 		lay_lines(&tube, lines, c);
-		struct through through = find_lines(&tube, scratch);
+		struct through through = find_lines(&tube, lines->bones, own, scratch);
 		measure(&tube, &through, lines->bones, own, organs, scratch);
 		for (uint32_t t = 0; t < tube.triangle_count; t++)
 			add_spans(lines, &tube, &through, t);

@@ -1,5 +1,6 @@
 /* Answers without bytes that nobody misses; answers within bytes: a price at which the answer has no more
- * than may be sent; and answers at higher prices, coarser ones on the way to it. */
+ * than may be sent; and answers at higher prices, coarser ones on the way to it. Longer than
+ * 600 lines: each of them searches prices with the same few functions. */
 #include "lod/plan/lambda_search.h"
 
 #include <math.h>

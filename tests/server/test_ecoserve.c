@@ -1,4 +1,5 @@
-/* The program: what it prints, how it ends, what it links. Skipped where it has not been built. */
+/* The program: what it prints, how it ends, what it links. Skipped where it has not been built.
+ * Longer than 600 lines: all tests share the ways to start it. */
 #include <fcntl.h>
 #include <jansson.h>
 #include <limits.h>

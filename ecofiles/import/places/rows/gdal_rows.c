@@ -1,6 +1,7 @@
 /* Tables with geometry, as OGR opens them: GeoJSON, GeoPackage, Shapefile, KML, GML, FlatGeobuf, ... Runs
  * in the child process of rows_child.c. Points are places; each point of a multipoint is a row of its own.
- * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. */
+ * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. Longer than
+ * 600 lines: what a driver hides of a broken file is found where that file is opened. */
 #include "ecofiles/import/places/rows/rows.h"
 
 #include <cpl_conv.h>
