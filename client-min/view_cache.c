@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 void view_cache_free(struct view_cache *cache)
 {
@@ -53,7 +53,7 @@ void view_cache_charge(struct view_cache *cache, const struct view_list *list, u
 
 bool view_cache_add(struct view_cache *cache, struct view_list *list)
 {
-	if (!eco_room(&cache->lists, &cache->list_room, cache->list_count, sizeof *cache->lists)
+	if (!eco_array_grow(&cache->lists, &cache->list_room, cache->list_count, sizeof *cache->lists)
 			|| !view_table_put(&cache->table, list->id, cache->list_count))
 		return false;
 	cache->lists[cache->list_count++] = list;
@@ -188,7 +188,7 @@ static void find_victims(struct view_cache *cache, bool all)
 {
 	cache->victim_count = 0;
 	for (uint32_t i = 0; i < cache->list_count; i++)
-		if (may_go(cache, cache->lists[i], all) && eco_room(&cache->victims, &cache->victim_room,
+		if (may_go(cache, cache->lists[i], all) && eco_array_grow(&cache->victims, &cache->victim_room,
 				cache->victim_count, sizeof *cache->victims))
 			cache->victims[cache->victim_count++] = victim_of(cache->lists[i]);
 	for (uint32_t i = cache->victim_count / 2; i-- > 0;)

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "client-min/view_store.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/version.h"
 #include "ecofiles/format/chunk/chunk.h"
 
@@ -326,7 +326,7 @@ static uint32_t *slot_of(const struct view_chunks *chunks, const struct eco_chun
 
 static bool grow(struct view_chunks *chunks)
 {
-	if (!eco_room(&chunks->wanted, &chunks->room, chunks->count, sizeof *chunks->wanted))
+	if (!eco_array_grow(&chunks->wanted, &chunks->room, chunks->count, sizeof *chunks->wanted))
 		return false;
 	if (2 * (chunks->count + 1) <= chunks->table_size)
 		return true;

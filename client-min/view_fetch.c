@@ -10,7 +10,7 @@
 #include <time.h>
 
 #include "client-min/view_query.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/base/options.h"
 #include "ecofiles/base/version.h"
 
@@ -671,10 +671,10 @@ static bool wait_for_retry(const struct view_fetch *fetch, double until_ms)
 static bool wait_for_another(struct view_fetch *fetch, uint32_t broken)
 {
 	double begun_ms = view_clock_ms(), pause_ms = fmin(ldexp(PAUSE_MS, (int)broken), PAUSE_MAX_MS);
-	uint64_t self = eco_mix((uint64_t)(begun_ms * 1e3), (uint64_t)(uintptr_t)fetch);
+	uint64_t self = eco_random((uint64_t)(begun_ms * 1e3), (uint64_t)(uintptr_t)fetch);
 	if (!fetch->lost || broken == fetch->options.resumes)
 		return false;
-	pause_ms *= 0.5 + 0.5 * eco_mix_unit(self);
+	pause_ms *= 0.5 + 0.5 * eco_random_unit(self);
 	wait_until(fetch, begun_ms + fmax(pause_ms, fetch->result->retry_ms));
 	fetch->before.broken++;
 	fetch->before.stream_ms += view_clock_ms() - begun_ms;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "lod/light.h"
 
 #define SIDE_LEAST (ECO_GROUND_IMAGE_SIDE >> (ECO_GROUND_IMAGE_LEVELS - 1))
@@ -119,7 +119,7 @@ static bool add_quarters(struct view_image *image, uint32_t *room, uint32_t node
 {
 	image->nodes[node] = image->node_count;
 	for (int k = 0; k < 4; k++) {
-		if (!eco_room(&image->nodes, room, image->node_count, sizeof *image->nodes))
+		if (!eco_array_grow(&image->nodes, room, image->node_count, sizeof *image->nodes))
 			return false;
 		image->nodes[image->node_count++] = 0;
 	}
@@ -164,7 +164,7 @@ static enum eco_code put_tiles(struct view_image *image, struct square *squares,
 	for (int k = 0; k < 2; k++)
 		image->origin[k] += (double)root.low[k] * largest_m;
 	image->side_m = ldexp(largest_m, root.above);
-	if (!eco_room(&image->nodes, &room, 0, sizeof *image->nodes))
+	if (!eco_array_grow(&image->nodes, &room, 0, sizeof *image->nodes))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the image of the ground");
 	image->nodes[image->node_count++] = 0;
 	enum eco_code code = ECO_OK;
@@ -208,7 +208,7 @@ enum eco_code view_image_make(struct view_image *image, const struct view_store 
 		const struct view_list *list = view_store_list(store, plan->cuts[i].list);
 		if (!shows(list, &plan->cuts[i]))
 			continue;
-		if (!eco_room(&tiles, &room, count, sizeof *tiles))
+		if (!eco_array_grow(&tiles, &room, count, sizeof *tiles))
 			code = eco_fail(error, ECO_NO_MEMORY, "no memory for the image of the ground");
 		else
 			tiles[count++] = (struct view_image_tile){ list, plan->cuts[i].end };

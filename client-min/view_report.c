@@ -1,7 +1,7 @@
 #include "client-min/view_report.h"
 #include "client-min/draw/view_shader.h"
 #include "ecofiles/base/json_memory.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -79,7 +79,7 @@ enum eco_code view_frame_check(const struct view_frame *f, uint64_t answer_bytes
 enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame,
 	struct eco_error *error)
 {
-	if (!eco_room(&report->frames, &report->room, report->count, sizeof *report->frames))
+	if (!eco_array_grow(&report->frames, &report->room, report->count, sizeof *report->frames))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the report");
 	report->frames[report->count++] = *frame;
 	return ECO_OK;
@@ -88,7 +88,7 @@ enum eco_code view_report_add(struct view_report *report, const struct view_fram
 enum eco_code view_report_add_part(struct view_report *report, const struct view_frame *part,
 	struct eco_error *error)
 {
-	if (!eco_room(&report->parts, &report->part_room, report->part_count, sizeof *report->parts))
+	if (!eco_array_grow(&report->parts, &report->part_room, report->part_count, sizeof *report->parts))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the report");
 	report->parts[report->part_count++] = *part;
 	return ECO_OK;

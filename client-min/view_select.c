@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "client-min/view_table.h"
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 
 #define INSTANCES_MAX (1u << 28)        /* looked at, seen or not */
 #define PAIRS_MAX (1u << 30)            /* of an instance and a cut */
@@ -293,7 +293,7 @@ static enum eco_code walk_once(struct walk *w, uint32_t cut)
 	const struct eco_placement *p = &w->plan->placements[w->plan->cuts[cut].placement];
 	struct view_instance instance = { .plant = ECO_NONE, .path = p->path };
 	memcpy(instance.place.at, p->at, sizeof p->at);
-	eco_turn_sincos(p->turn, &instance.place.sine, &instance.place.cosine);
+	eco_angle16_sincos(p->turn, &instance.place.sine, &instance.place.cosine);
 	instance.place.scale = p->scale;
 	enum eco_code code = add_instance(w, &instance);
 	return code ? code : add_pair(w, cut);

@@ -19,7 +19,7 @@
 #include "client-min/view_table.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/texture.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define MEMORY_MAX_DEFAULT ((uint64_t)8 << 30)
 #define REPEATS_MAX 4u                   /* of one request; with a budget of bytes its plans may differ */
@@ -170,7 +170,7 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 		return no_memory(error, "a plant");
 	copy->plant = *plant;
 	copy->anchors = malloc(anchor_bytes);
-	if (!copy->anchors || !eco_room(&store->plants, &store->plant_room, store->plant_count,
+	if (!copy->anchors || !eco_array_grow(&store->plants, &store->plant_room, store->plant_count,
 			sizeof *store->plants) ||
 		!view_table_put(&store->plant_table, id, store->plant_count)) {
 		free(copy->anchors);

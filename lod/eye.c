@@ -3,7 +3,7 @@
 #include <assert.h>
 #include <math.h>
 
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 
 static void cross(const double a[3], const double b[3], double out[3])
 {
@@ -106,11 +106,11 @@ void lod_place_instance(struct lod_place *out, const struct eco_placement *place
 	double p[3], sine, cosine;
 	for (int i = 0; i < 3; i++)
 		p[i] = list->grid_origin[i] + place->position[i] * list->grid_step[i];
-	eco_turn_sincos(placement->turn, &sine, &cosine);
+	eco_angle16_sincos(placement->turn, &sine, &cosine);
 	out->at[0] = placement->at[0] + placement->scale * (cosine * p[0] - sine * p[1]);
 	out->at[1] = placement->at[1] + placement->scale * (sine * p[0] + cosine * p[1]);
 	out->at[2] = placement->at[2] + placement->scale * p[2];
-	eco_turn_sincos((uint16_t)(placement->turn + place->turn), &out->sine, &out->cosine);
+	eco_angle16_sincos((uint16_t)(placement->turn + place->turn), &out->sine, &out->cosine);
 	out->scale = placement->scale * (place->scale / 65536.0);
 }
 

@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "lod/arena.h"
 
 struct lod_keyed { uint64_t key; uint32_t value; };
@@ -25,7 +25,7 @@ static inline uint64_t lod_sort_key(double value)
 /* A well mixed hash of a number: all pseudo-random choices in lod/ come from it. */
 static inline uint64_t lod_mix(uint64_t x)
 {
-	return eco_mix_next(&x);
+	return eco_random_next(&x);
 }
 
 #endif

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define BUNDLE_BYTES (32u << 10)  /* from which on a bundle is full: it is drawn once it is whole */
 
@@ -104,7 +104,7 @@ static void put(uint8_t *at, uint64_t value, int count)
 
 static bool keep_payload(struct srv_emit *emit, const uint8_t *bytes, size_t size)
 {
-	if (!eco_room(&emit->payloads, &emit->payload_capacity, emit->payload_count, sizeof *emit->payloads))
+	if (!eco_array_grow(&emit->payloads, &emit->payload_capacity, emit->payload_count, sizeof *emit->payloads))
 		return false;
 	emit->payloads[emit->payload_count++] = (struct srv_payload){ 0, bytes, size };
 	return true;

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "server/access.h"
 #include "server/log.h"
 #define FORWARDED "X-Forwarded-For"
@@ -276,7 +276,7 @@ static void set_id(struct srv_exchange *exchange, const char *given)
 		memcpy(exchange->id, given, size + 1);
 	else
 		snprintf(exchange->id, sizeof exchange->id, "%016llx",
-			(unsigned long long)eco_mix(host->id_seed, atomic_fetch_add(&host->id_count, 1)));
+			(unsigned long long)eco_random(host->id_seed, atomic_fetch_add(&host->id_count, 1)));
 }
 
 struct lines { char text[SRV_HEAD_BYTES_MAX]; size_t size; };

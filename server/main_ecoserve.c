@@ -12,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "ecofiles/base/beside.h"
+#include "ecofiles/base/data_path.h"
 #include "ecofiles/base/options_file.h"
 #include "server/access.h"
 #include "server/caps.h"
@@ -285,7 +285,7 @@ static enum eco_code read_site(struct srv_site *site, struct eco_error *error)
 		return code || srv_site_find(site, SRV_SITE_INDEX) ? code : eco_fail(error, ECO_NOT_FOUND,
 			"--viewer %s: no viewer there; `make web` makes one", given.viewer);
 	}
-	return eco_beside(places, "", path) ? srv_site_read(site, path, error) : ECO_OK;
+	return eco_data_path(places, "", path) ? srv_site_read(site, path, error) : ECO_OK;
 }
 
 static enum eco_code check_sandbox(struct eco_error *error)

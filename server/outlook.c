@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/crowd.h"
+#include "ecofiles/base/cluster.h"
 #include "ecofiles/format/plan.h"
 
 #define SQUARE_M 200.0
@@ -19,7 +19,7 @@ struct search {
 	struct file file;                /* that is looked into */
 	bool *below;                     /* of each tile: it is in this file */
 	double (*points)[2];             /* of plants */
-	struct eco_crowd *crowds;        /* of these points, and then one for each file that is placed in this */
+	struct eco_cluster *crowds;        /* of these points, and then one for each file that is placed in this */
 	struct file *placed;
 	uint32_t point_count, crowd_count, placed_count;
 	uint64_t apart, next;            /* one plant of so many is looked at, and in how many the next one */
@@ -115,7 +115,7 @@ static void place_file(struct search *s, const struct eco_child *child)
 {
 	struct file file = { child->tile, eco_placement_inside(&s->file.placement, child) };
 	const struct eco_tile *tile = &s->scene->tiles[child->tile];
-	struct eco_crowd *crowd = &s->crowds[s->crowd_count + s->placed_count];
+	struct eco_cluster *crowd = &s->crowds[s->crowd_count + s->placed_count];
 	double at[3], plants = (double)tile->instance_count / (double)s->apart;
 	for (int k = 0; k < 2; k++)
 		plants *= fmin(1, SQUARE_M / fmax((tile->high[k] - tile->low[k]) * file.placement.scale, 1e-9));
@@ -149,7 +149,7 @@ static void find_crowds(struct search *s)
 	s->apart = mark_tiles(s) / POINTS_MAX + 1;
 	s->point_count = s->placed_count = 0;
 	visit_plants(s, count_point, NULL);
-	s->crowd_count = eco_crowds_find(s->points, s->point_count, SQUARE_M, s->crowds);
+	s->crowd_count = eco_clusters_find(s->points, s->point_count, SQUARE_M, s->crowds);
 	for (uint32_t t = s->file.tile; t < s->scene->tile_count; t++) {
 		const struct eco_tile *tile = &s->scene->tiles[t];
 		for (uint32_t c = 0; s->below[t] && c < tile->child_count; c++)
@@ -162,7 +162,7 @@ static void find_crowds(struct search *s)
 static bool look_into(struct search *s, const double middle[3], struct srv_outlook *out)
 {
 	find_crowds(s);
-	const struct eco_crowd *crowd = eco_crowd_near(s->crowds, s->crowd_count + s->placed_count, middle);
+	const struct eco_cluster *crowd = eco_cluster_near(s->crowds, s->crowd_count + s->placed_count, middle);
 	if (!crowd)
 		return false;
 	if (crowd >= s->crowds + s->crowd_count) {

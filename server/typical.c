@@ -4,7 +4,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "server/stream.h"
 
 #define WORK_MOST 4000000u       /* of one of them: a scene so large is not asked for more */
@@ -14,7 +14,7 @@
 
 static double between(uint64_t *state, double low, double high)
 {
-	return low + (high - low) * eco_mix_unit(eco_mix_next(state));
+	return low + (high - low) * eco_random_unit(eco_random_next(state));
 }
 
 /* Each power of two as likely, by arithmetic that every machine rounds alike. */

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 
@@ -53,7 +53,7 @@ static uint32_t *row_of(const struct view_forms *forms, uint32_t list)
 static uint32_t *row_make(struct view_forms *forms, uint32_t list)
 {
 	uint32_t *row = row_of(forms, list);
-	if (row || !eco_room(&forms->rows, &forms->room, forms->count, sizeof *forms->rows)
+	if (row || !eco_array_grow(&forms->rows, &forms->room, forms->count, sizeof *forms->rows)
 			|| !view_table_put(&forms->table, list, forms->count))
 		return row;
 	return memset(forms->rows[forms->count++], 0xff, sizeof *forms->rows);

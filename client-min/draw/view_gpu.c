@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "client-min/view_record.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define UPLOAD_BYTES (64u << 20)         /* of records made in memory at a time, roughly */
 
@@ -305,7 +305,7 @@ enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list,
 {
 	uint32_t index = view_table_get(&gpu->table, list->id);
 	if (index == UINT32_MAX) {
-		if (!eco_room(&gpu->lists, &gpu->room, gpu->count, sizeof *gpu->lists))
+		if (!eco_array_grow(&gpu->lists, &gpu->room, gpu->count, sizeof *gpu->lists))
 			return out_of_memory(list, error);
 		index = gpu->count;
 		if (!view_table_put(&gpu->table, list->id, index))

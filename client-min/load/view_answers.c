@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 const char *const view_outcome_names[VIEW_OUTCOMES] = { "answered", "connection", "broken", "late", "busy",
 	"refused", "damaged", "unfinished", "other" };
@@ -27,7 +27,7 @@ const struct view_column_kind view_columns[VIEW_COLUMNS_COUNT] = {
 
 bool view_answers_add(struct view_answers *answers, const struct view_answer *answer)
 {
-	if (!eco_room(&answers->items, &answers->room, answers->count, sizeof *answers->items))
+	if (!eco_array_grow(&answers->items, &answers->room, answers->count, sizeof *answers->items))
 		return false;
 	answers->items[answers->count++] = *answer;
 	return true;

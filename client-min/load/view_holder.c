@@ -5,7 +5,7 @@
 
 #include "client-min/view_select.h"
 #include "client-min/view_table.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 struct view_holder {
 	struct view_store *store;                /* decodes; NULL: chunks are counted */
@@ -108,7 +108,7 @@ static enum eco_code count_chunk(struct view_holder *holder, uint32_t list, uint
 	uint32_t at = view_table_get(&holder->places, list);
 	if (at == UINT32_MAX) {
 		at = holder->count;
-		if (!eco_room(&holder->lists, &holder->room, at, sizeof *holder->lists)
+		if (!eco_array_grow(&holder->lists, &holder->room, at, sizeof *holder->lists)
 				|| !view_table_put(&holder->places, list, at))
 			return eco_fail(error, ECO_NO_MEMORY, "no memory for a list that is held");
 		holder->lists[holder->count++] = (struct eco_holding){ list, 0 };

@@ -11,8 +11,8 @@
 #include "client-min/load/view_holder.h"
 #include "client-min/view_fetch.h"
 #include "client-min/view_query.h"
-#include "ecofiles/base/mix.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/random.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/version.h"
 
 #define LANES 7u                 /* connections: one for streams, the others for chunks that are named */
@@ -232,7 +232,7 @@ static double gap_ms(struct view_session *s)
 {
 	const struct view_load_options *o = s->host->options;
 	double mean = 1e3 * o->clients / o->rate;
-	return o->random_arrivals ? -mean * log(1 - eco_mix_unit(eco_mix_next(&s->random))) : mean;
+	return o->random_arrivals ? -mean * log(1 - eco_random_unit(eco_random_next(&s->random))) : mean;
 }
 
 static void wait_for_next(struct view_session *s, double not_before_ms)
@@ -361,7 +361,7 @@ static enum eco_code on_name(void *ctx, const struct eco_chunk *chunk, const uin
 	for (uint32_t i = 1; i < LANES && !s->wanted_count; i++)
 		s->lanes[i].free_ms = free_ms;
 	s->wakes_ms = 0;                 /* a transfer cannot begin within another's callback */
-	if (!eco_room(&s->wanted, &s->wanted_room, s->wanted_count, sizeof *s->wanted))
+	if (!eco_array_grow(&s->wanted, &s->wanted_room, s->wanted_count, sizeof *s->wanted))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a named chunk");
 	s->wanted[s->wanted_count++] = (struct wanted){ .id = chunk->id, .size = chunk->size_bytes };
 	return ECO_OK;
@@ -612,7 +612,7 @@ enum eco_code view_session_new(struct view_session **out, struct view_session_ho
 	s->number = number;
 	s->cold = view_load_is_one_of(number, o->cold, o->clients);
 	s->frame = (uint32_t)((uint64_t)o->view_count * number / o->clients);
-	s->random = eco_mix(o->seed, number);
+	s->random = eco_random(o->seed, number);
 	s->due_ms = host->start_ms + (o->rate <= 0 ? 0 : o->random_arrivals ? gap_ms(s)
 		: 1e3 * number / o->rate);
 	s->phase = s->due_ms < host->end_ms ? PHASE_IDLE : PHASE_OVER;

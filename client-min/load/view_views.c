@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "client-min/view_stand.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 
 #define FRAMES 240u
 #define EYE_M 1.7
@@ -61,7 +61,7 @@ static void random_view(const struct extent *e, uint64_t *random, struct eco_vie
 {
 	double of[5];
 	for (int i = 0; i < 5; i++)
-		of[i] = eco_mix_unit(eco_mix_next(random));
+		of[i] = eco_random_unit(eco_random_next(random));
 	double most = fmax(0.5 * width_of(e), 2 * EYE_M);
 	set(view->eye, share_of(e, 0, of[0]), share_of(e, 1, of[1]), EYE_M * pow(most / EYE_M, of[2]));
 	set(view->target, share_of(e, 0, of[3]), share_of(e, 1, of[4]), 0);

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "client-min/web/web_program.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define BLOCK 1024u                      /* texels of the coarsest level of a tile */
 
@@ -76,7 +76,7 @@ static enum eco_code upload_tile(struct web_image *image, const struct view_imag
 {
 	uint32_t index = view_table_get(&image->table, tile->list->id);
 	if (index == UINT32_MAX) {
-		if (!eco_room(&image->slots, &image->room, image->count, sizeof *image->slots)
+		if (!eco_array_grow(&image->slots, &image->room, image->count, sizeof *image->slots)
 				|| !view_table_put(&image->table, tile->list->id, image->count))
 			return out_of_memory(error);
 		index = image->count++;

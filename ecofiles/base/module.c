@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "ecofiles/base/beside.h"
+#include "ecofiles/base/data_path.h"
 
 static const struct { const char *file, *symbol, *for_what, *package; } modules[ECO_MODULE_COUNT] = {
 	[ECO_MODULE_ASSIMP] = { "ecoassimp.so", "eco_assimp_module", "models other than OBJ and glTF",
@@ -36,7 +36,7 @@ bool eco_module_find(enum eco_module module, char path[PATH_MAX])
 {
 	const char *file = modules[module].file, *given = getenv(ECO_MODULES_VARIABLE);
 	if (!given || !*given)
-		return eco_beside(places, file, path);
+		return eco_data_path(places, file, path);
 	return snprintf(path, PATH_MAX, "%s/%s", given, file) < PATH_MAX && access(path, F_OK) == 0;
 }
 

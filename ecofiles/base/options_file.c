@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define LINE_BYTES 4096
 #define SETTINGS_OPTION "config"         /* which file it is, is known before it is read */
@@ -19,7 +19,7 @@ struct adding { struct eco_arguments *to; uint32_t capacity; };
 static bool add_text(struct adding *adding, char *text)
 {
 	uint32_t count = (uint32_t)adding->to->count;
-	if (!text || !eco_room(&adding->to->owned, &adding->capacity, count + 1, sizeof *adding->to->owned)) {
+	if (!text || !eco_array_grow(&adding->to->owned, &adding->capacity, count + 1, sizeof *adding->to->owned)) {
 		free(text);
 		return false;
 	}

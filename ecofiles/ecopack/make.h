@@ -22,7 +22,7 @@
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/ecopack/cache.h"
 #include "ecofiles/format/inventory.h"
-#include "ecofiles/base/texts.h"
+#include "ecofiles/base/string_pool.h"
 #include "ecofiles/scene/scene.h"
 #include "lod/build/plant.h"
 #include "lod/build/texture.h"
@@ -117,7 +117,7 @@ struct make {
 	double off_ground_m;
 	uint64_t off_side[MAKE_SIDES];
 	struct make_eco *ecos;       /* per source */
-	struct eco_texts species;    /* of places, as their rows, else their scene files, name them */
+	struct eco_string_pool species;    /* of places, as their rows, else their scene files, name them */
 	struct eco_pack_writer *writer;
 	struct make_kept *kept;      /* make_kept.c; NULL: build everything */
 	struct make_array textures;  /* make_textures.h */

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/import/ground/ground.h"
 #include "lod/eye.h"
@@ -54,7 +54,7 @@ static struct lod_place placed(const struct lod_place *file, const struct eco_ch
 	double sine, cosine;
 	if (!child->placed)
 		return inner;
-	eco_turn_sincos(child->turn, &sine, &cosine);
+	eco_angle16_sincos(child->turn, &sine, &cosine);
 	inner.at[0] += file->scale * (file->cosine * child->at[0] - file->sine * child->at[1]);
 	inner.at[1] += file->scale * (file->sine * child->at[0] + file->cosine * child->at[1]);
 	inner.at[2] += file->scale * child->at[2];

@@ -5,14 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 struct make_inventory {
 	struct eco_inventory_row rows[ECO_INVENTORY_PLACES];
 	uint32_t count;
 	struct eco_bytes *blocks;
 	uint32_t block_count, block_room;
-	struct eco_texts names;
+	struct eco_string_pool names;
 	uint32_t species, file; /* those of the row before */
 	bool is_needed;         /* something is to be said of a plant */
 };
@@ -23,13 +23,13 @@ static enum eco_code no_memory(struct make *m)
 }
 
 /* The kept name that equals `name`, or NULL; *number: of a kept one that it often is. False: no memory. */
-static bool keep_name(struct eco_texts *names, const char *name, uint32_t *number, const char **kept)
+static bool keep_name(struct eco_string_pool *names, const char *name, uint32_t *number, const char **kept)
 {
 	*kept = NULL;
 	if (!name)
 		return true;
 	bool is_same = *number < names->count && strcmp(names->items[*number], name) == 0;
-	if (!is_same && !eco_texts_add(names, name, number))
+	if (!is_same && !eco_string_pool_add(names, name, number))
 		return false;
 	*kept = names->items[*number];
 	return true;
@@ -38,7 +38,7 @@ static bool keep_name(struct eco_texts *names, const char *name, uint32_t *numbe
 static enum eco_code close_block(struct make *m)
 {
 	struct make_inventory *in = m->inventory;
-	if (!eco_room(&in->blocks, &in->block_room, in->block_count, sizeof *in->blocks))
+	if (!eco_array_grow(&in->blocks, &in->block_room, in->block_count, sizeof *in->blocks))
 		return no_memory(m);
 	enum eco_code code =
 		eco_inventory_encode(&in->blocks[in->block_count], in->rows, in->count, m->error);
@@ -88,7 +88,7 @@ void make_inventory_free(struct make *m)
 	for (uint32_t i = 0; i < in->block_count; i++)
 		free(in->blocks[i].at);
 	free(in->blocks);
-	eco_texts_free(&in->names);
+	eco_string_pool_free(&in->names);
 	free(in);
 	m->inventory = NULL;
 }

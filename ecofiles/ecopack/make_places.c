@@ -9,8 +9,8 @@
 
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/base/phrase.h"
-#include "ecofiles/base/room.h"
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/angle16.h"
 
 #define SCALE_LEAST (1.0 / 4096)
 #define SCALE_MOST 4000.0           /* a chunk's values must hold it in 1/65536 */
@@ -26,7 +26,7 @@ static enum eco_code add_place(struct make *m, struct make_eco *eco, const struc
 			"must be within 1/4096 and 4000 times the model's %g m (is the model's unit metres?)",
 			m->plants[place->plant].name, place->at[0], place->at[1], place->scale,
 			(double)m->plants[place->plant].built.plant.height_m);
-	if (eco->place_count == PLACES_MAX || !eco_room(&eco->places, &eco->place_capacity, eco->place_count,
+	if (eco->place_count == PLACES_MAX || !eco_array_grow(&eco->places, &eco->place_capacity, eco->place_count,
 			sizeof *eco->places))
 		return eco_fail(m->error, eco->place_count == PLACES_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY,
 			"no room for more than %u plants in one eco file; nest eco files instead",
@@ -70,7 +70,7 @@ static enum eco_code name_species(struct make *m, uint32_t source, uint32_t plan
 {
 	const char *species = !stated || m->options->no_rows ? m->sources.items[source].plants[plant].name
 		: *stated ? stated : ECO_INVENTORY_UNSTATED;
-	return eco_texts_add(&m->species, species, &place->species) ? ECO_OK
+	return eco_string_pool_add(&m->species, species, &place->species) ? ECO_OK
 		: eco_fail(m->error, ECO_NO_MEMORY, "no memory for the species of plants");
 }
 
@@ -83,7 +83,7 @@ static enum eco_code place_instances(struct make *m, uint32_t source)
 		struct make_place place =
 			{ .at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
 			.scale = scale_for(m, plant, instance->scale, instance->height_m), .plant = plant,
-				.turn = eco_turn_from_deg(instance->yaw_deg) };
+				.turn = eco_angle16_from_deg(instance->yaw_deg) };
 		enum eco_code code = name_species(m, source, instance->plant, NULL, &place);
 		if (!code)
 			code = add_place(m, &m->ecos[source], &place);
@@ -150,7 +150,7 @@ static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_posit
 			{ .at = { row.at[0], row.at[1], row.absolute ? row.at[2]
 			: on_ground(m, source, row.at) },
 			.scale = row_scale(m, plant, &row), .plant = plant,
-			.turn = eco_turn_from_deg(row.yaw_deg) };
+			.turn = eco_angle16_from_deg(row.yaw_deg) };
 		note_row(m, &place, reader, number + 1, &row);
 		code = name_species(m, source, row.plant, row.species, &place);
 		if (!code)
@@ -214,7 +214,7 @@ static enum eco_code place_scatters(struct make *m, uint32_t source)
 				{ .at = { row.at[0], row.at[1],
 				on_ground(m, source, (double[]){ row.at[0], row.at[1], 0 }) },
 				.scale = scale_for(m, plant, 1, row.height_m), .plant = plant,
-				.turn = eco_turn_from_deg(row.yaw_deg) };
+				.turn = eco_angle16_from_deg(row.yaw_deg) };
 			code = name_species(m, source, row.plant, NULL, &place);
 			if (!code)
 				code = add_place(m, &m->ecos[source], &place);
@@ -402,5 +402,5 @@ void make_places_free(struct make *m)
 	if (m->ecos)
 		make_places_drop(m);
 	free(m->ecos);
-	eco_texts_free(&m->species);
+	eco_string_pool_free(&m->species);
 }

@@ -6,13 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define SAID_MOST 32u    /* species of a plant that META names */
 #define PLANT_DIGITS 8u
 
 struct make_species {
-	struct eco_texts pairs; /* plant, as hexadecimal digits, and species */
+	struct eco_string_pool pairs; /* plant, as hexadecimal digits, and species */
 	uint64_t *counts;
 	uint32_t count_room;
 	uint32_t plant, pair;   /* counted last */
@@ -29,8 +29,8 @@ static bool find_pair(struct make_species *s, uint32_t plant, const char *specie
 	char key[PLANT_DIGITS + ECO_INVENTORY_NAME_MAX + 1];
 	snprintf(key, sizeof key, "%08x%.*s", plant, (int)ECO_INVENTORY_NAME_MAX, species);
 	uint32_t before = s->pairs.count;
-	if (!eco_texts_add(&s->pairs, key, pair)
-			|| !eco_room(&s->counts, &s->count_room, *pair, sizeof *s->counts))
+	if (!eco_string_pool_add(&s->pairs, key, pair)
+			|| !eco_array_grow(&s->counts, &s->count_room, *pair, sizeof *s->counts))
 		return false;
 	if (*pair == before)
 		s->counts[*pair] = 0;
@@ -115,7 +115,7 @@ void make_species_free(struct make *m)
 {
 	if (!m->stood_species)
 		return;
-	eco_texts_free(&m->stood_species->pairs);
+	eco_string_pool_free(&m->stood_species->pairs);
 	free(m->stood_species->counts);
 	free(m->stood_species);
 	m->stood_species = NULL;

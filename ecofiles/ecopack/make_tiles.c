@@ -11,7 +11,7 @@
 #include "ecofiles/ecopack/jobs.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/ecopack/times.h"
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 #include "lod/build/summary.h"
 
 /* ---- Instance lists ---- */
@@ -177,7 +177,7 @@ static enum eco_code add_nested(struct make *m, uint32_t source, const struct ma
 	const struct eco_source_child *child = &m->sources.items[source].children[item->child];
 	m->scene.needs |= ECO_NEED_PLACEMENTS;
 	return add_child(m, &(struct eco_child){ .tile = m->ecos[child->source].tile_first, .placed = true,
-		.at = { item->at[0], item->at[1], item->at[2] }, .turn = eco_turn_from_deg(child->yaw_deg),
+		.at = { item->at[0], item->at[1], item->at[2] }, .turn = eco_angle16_from_deg(child->yaw_deg),
 		.scale = (float)child->scale });
 }
 

@@ -12,7 +12,7 @@
 
 #include <math.h>
 
-#include "ecofiles/base/texts.h"
+#include "ecofiles/base/string_pool.h"
 #include "ecofiles/ecopack/chart.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/scene/scene.h"
@@ -45,7 +45,7 @@ struct map {
 	struct eco_ground ground;    bool has_ground;
 	struct map_kind *kinds;      uint32_t kind_count, other_count;
 	uint32_t **kind_of;          /* [source][plant of the source] */
-	struct eco_texts species;    /* as rows state them ("": none), else the kinds' names */
+	struct eco_string_pool species;    /* as rows state them ("": none), else the kinds' names */
 	/* inventories, for the rows of points; of the sources */
 	const char **files;          uint32_t file_count, file_capacity;
 	struct map_points *own;      /* per source: its own plants, in its coordinates */

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "ecofiles/ecopack/progress.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define CELL 3u                  /* pixels between samples of contour lines */
 #define LINES_WANTED 14u
@@ -94,7 +94,7 @@ struct lines { double *ends; uint32_t count, capacity; };
 
 static bool add_line(struct lines *lines, const double ends[4])
 {
-	if (!eco_room(&lines->ends, &lines->capacity, lines->count, 4 * sizeof *lines->ends))
+	if (!eco_array_grow(&lines->ends, &lines->capacity, lines->count, 4 * sizeof *lines->ends))
 		return false;
 	for (int k = 0; k < 4; k++)
 		lines->ends[4 * (size_t)lines->count + (size_t)k] = ends[k];

@@ -13,7 +13,7 @@
 #include "ecofiles/import/places/areas.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/base/phrase.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define EXPANDED_MAX 4000000u    /* plants of nested files drawn one by one */
 #define OUTLINES_MAX 4000u
@@ -27,7 +27,7 @@ static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count,
 static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
 {
 	va_list args;
-	if (!eco_room(&m->left, &m->left_capacity, m->left_count, sizeof *m->left))
+	if (!eco_array_grow(&m->left, &m->left_capacity, m->left_count, sizeof *m->left))
 		return map_no_memory(m);
 	struct map_left *left = &m->left[m->left_count++];
 	*left = (struct map_left){ .count = count, .kind = kind };
@@ -40,7 +40,7 @@ static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count,
 static enum eco_code add_point(struct map *m, struct map_points *points, const struct map_point *point)
 {
 	if (points->count >= POINTS_MAX
-			|| !eco_room(&points->items, &points->capacity, points->count, sizeof *point))
+			|| !eco_array_grow(&points->items, &points->capacity, points->count, sizeof *point))
 		return map_no_memory(m);
 	points->items[points->count++] = *point;
 	return ECO_OK;
@@ -96,7 +96,7 @@ static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, c
 	struct map_point point = { (float)at[0], (float)at[1],
 		height > 0 ? (float)(height * stand->scale) : 0, m->kind_of[source][plant], 0, stand->file,
 		stand->row, stand->line };
-	if (!eco_texts_add(&m->species, stand->species ? stand->species : m->kinds[point.kind].name,
+	if (!eco_string_pool_add(&m->species, stand->species ? stand->species : m->kinds[point.kind].name,
 			&point.species))
 		return map_no_memory(m);
 	if (source == 0 && m->has_ground) {
@@ -192,7 +192,7 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 	struct eco_positions *reader = NULL;
 	struct eco_position row;
 	uint32_t file = m->file_count;
-	if (!eco_room(&m->files, &m->file_capacity, file, sizeof *m->files))
+	if (!eco_array_grow(&m->files, &m->file_capacity, file, sizeof *m->files))
 		return map_no_memory(m);
 	m->files[m->file_count++] = eco_path_last(spec->path);
 	enum eco_code code = eco_positions_open(&reader, spec, &frame, m->error);
@@ -222,7 +222,7 @@ static enum eco_code add_edges(struct map *m, struct map_edges *edges, const str
 {
 	for (uint32_t i = 0; i < areas->edge_count && edges->count < EDGES_MAX; i++) {
 		const struct eco_edge *e = &areas->edges[i];
-		if (!eco_room(&edges->ends, &edges->capacity, edges->count, 4 * sizeof *edges->ends))
+		if (!eco_array_grow(&edges->ends, &edges->capacity, edges->count, 4 * sizeof *edges->ends))
 			return map_no_memory(m);
 		memcpy(edges->ends + 4 * (size_t)edges->count++,
 			(const double[]){ e->a[0], e->a[1], e->b[0], e->b[1] }, 4 * sizeof *edges->ends);
@@ -350,7 +350,7 @@ static enum eco_code add_bounds(struct map *m, uint32_t source, const struct tur
 {
 	if (m->outline_count == OUTLINES_MAX || map_is_empty(&m->bounds[source]))
 		return ECO_OK;
-	if (!eco_room(&m->outlines, &m->outline_capacity, m->outline_count, sizeof *m->outlines))
+	if (!eco_array_grow(&m->outlines, &m->outline_capacity, m->outline_count, sizeof *m->outlines))
 		return map_no_memory(m);
 	struct map_outline *outline = &m->outlines[m->outline_count++];
 	corners_of(t, &m->bounds[source], outline->corners);
@@ -503,7 +503,7 @@ void map_free(struct map *m)
 	free(m->bounds);
 	free(m->totals);
 	free(m->kinds);
-	eco_texts_free(&m->species);
+	eco_string_pool_free(&m->species);
 	free(m->points.items);
 	free(m->left);
 	free(m->outlines);

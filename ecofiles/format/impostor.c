@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 
 #define SIZE_MAX_M 1e6f
 
@@ -69,7 +69,7 @@ void eco_impostor_rings(enum eco_impostor_set set, struct eco_impostor_rings *ri
 		struct eco_impostor_ring *out = &rings->items[i];
 		*out = (struct eco_impostor_ring){ .first = first, .count = ring->count,
 			.stored = i ? ring->count : ring->count / 2 };
-		eco_turn_sincos(eco_turn_from_deg(ring->elevation_deg), &out->sine, &out->cosine);
+		eco_angle16_sincos(eco_angle16_from_deg(ring->elevation_deg), &out->sine, &out->cosine);
 		first += out->stored;
 	}
 }
@@ -89,10 +89,10 @@ void eco_impostor_axes(enum eco_impostor_set set, struct eco_impostor_axes out[E
 		const struct ring *ring = &sets[set].rings[k];
 		uint32_t stored = k ? ring->count : ring->count / 2;
 		double up, flat, s, c;
-		eco_turn_sincos(eco_turn_from_deg(ring->elevation_deg), &up, &flat);
+		eco_angle16_sincos(eco_angle16_from_deg(ring->elevation_deg), &up, &flat);
 		for (uint32_t i = 0; i < stored; i++, axes++) {
 			double step = (k & 1) && ring->count > 1 ? i + 0.5 : i;
-			eco_turn_sincos((uint16_t)(65536 * step / ring->count), &s, &c);
+			eco_angle16_sincos((uint16_t)(65536 * step / ring->count), &s, &c);
 			*axes = (struct eco_impostor_axes){ { flat * c, flat * s, up }, { -s, c, 0 },
 				{ -up * c, -up * s, flat } };
 		}

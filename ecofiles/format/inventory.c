@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/base/texts.h"
+#include "ecofiles/base/string_pool.h"
 #include "ecofiles/base/utf8.h"
 #include "ecofiles/format/chunk/chunk_columns.h"
 
@@ -17,18 +17,18 @@ enum { SPECIES, FILE_NAME, ROW, LINE, COLUMNS };
 
 /* A name's number, from 1 on; 0: NULL. Names come in runs, so the one before is tried first. False: no
  * memory. */
-static bool number_of(struct eco_texts *names, const char *name, uint32_t before, uint32_t *number)
+static bool number_of(struct eco_string_pool *names, const char *name, uint32_t before, uint32_t *number)
 {
 	*number = before;
 	if (!name || !before || strcmp(names->items[before - 1], name) != 0) {
-		if (name && !eco_texts_add(names, name, number))
+		if (name && !eco_string_pool_add(names, name, number))
 			return false;
 		*number = name ? *number + 1 : 0;
 	}
 	return true;
 }
 
-static void write_names(struct eco_writer *w, const struct eco_texts *names)
+static void write_names(struct eco_writer *w, const struct eco_string_pool *names)
 {
 	eco_write_varint(w, names->count);
 	for (uint32_t i = 0; i < names->count; i++) {
@@ -70,7 +70,7 @@ static struct eco_chunk_rows columns_over(int32_t *values, uint32_t count)
 }
 
 /* False: no memory. */
-static bool fill_columns(int32_t *values, struct eco_texts *names, const struct eco_inventory_row *rows,
+static bool fill_columns(int32_t *values, struct eco_string_pool *names, const struct eco_inventory_row *rows,
 	uint32_t count)
 {
 	uint32_t species = 0, file = 0;
@@ -93,7 +93,7 @@ static bool fill_columns(int32_t *values, struct eco_texts *names, const struct 
 enum eco_code eco_inventory_encode(struct eco_bytes *bytes, const struct eco_inventory_row *rows,
 	uint32_t count, struct eco_error *error)
 {
-	struct eco_texts names = { 0 };
+	struct eco_string_pool names = { 0 };
 	int32_t *values = malloc(COLUMNS * (size_t)count * sizeof *values);
 	struct eco_writer w = { 0 };
 	uint8_t *coded = NULL, zeros = 0;
@@ -114,7 +114,7 @@ enum eco_code eco_inventory_encode(struct eco_bytes *bytes, const struct eco_inv
 			code = eco_fail(error, ECO_NO_MEMORY, "no memory for the rows of %u plants", count);
 	}
 	free(coded);
-	eco_texts_free(&names);
+	eco_string_pool_free(&names);
 	free(values);
 	if (code)
 		eco_writer_free(&w);

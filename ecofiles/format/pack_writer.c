@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/unfinished.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"
@@ -193,7 +193,7 @@ static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, 
 	struct eco_chunk chunk = { .id = eco_chunk_hash(bytes, size), .offset = w->spooled,
 		.size_bytes = (uint32_t)size, .element_count = elements, .primitive_count = primitives };
 	if (w->chunk_count >= ECO_NONE / 4
-			|| !eco_room(&w->chunks, &w->chunk_capacity, w->chunk_count, sizeof *w->chunks)
+			|| !eco_array_grow(&w->chunks, &w->chunk_capacity, w->chunk_count, sizeof *w->chunks)
 			|| !grow_ids(w))
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u chunks", w->path,
 			w->chunk_count);
@@ -276,7 +276,7 @@ static enum eco_code add_form_chunks(struct eco_pack_writer *w, const struct eco
 static enum eco_code add_list(struct eco_pack_writer *w, const struct eco_list *list, uint32_t chunk_first,
 	uint32_t *list_id, struct eco_error *error)
 {
-	if (!eco_room(&w->lists, &w->list_capacity, w->list_count, sizeof *w->lists))
+	if (!eco_array_grow(&w->lists, &w->list_capacity, w->list_count, sizeof *w->lists))
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u lists", w->path,
 			w->list_count);
 	struct eco_list *stored = &w->lists[w->list_count];

@@ -20,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 
 void eco_plan_free(struct eco_plan *plan)
 {
@@ -287,7 +287,7 @@ uint32_t eco_owner_plant(uint64_t owner)
 void eco_placement_point(const struct eco_placement *placement, const double p[3], double world[3])
 {
 	double sine, cosine, x = p[0], y = p[1];
-	eco_turn_sincos(placement->turn, &sine, &cosine);
+	eco_angle16_sincos(placement->turn, &sine, &cosine);
 	world[0] = placement->at[0] + placement->scale * (cosine * x - sine * y);
 	world[1] = placement->at[1] + placement->scale * (sine * x + cosine * y);
 	world[2] = placement->at[2] + placement->scale * p[2];

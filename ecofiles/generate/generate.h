@@ -4,7 +4,7 @@
  *
  * The folder then holds scene.json, models/ (OBJ, MTL, PNG), dem.tif, camera.json and, for a forest,
  * stems.csv. The same name, plants and seed give the same bytes on every machine: random numbers are
- * integers, angles come from ecofiles/base/turn.h, other functions are polynomials and square roots, and
+ * integers, angles come from ecofiles/base/angle16.h, other functions are polynomials and square roots, and
  * coordinates are written with few decimals. */
 #ifndef ECO_GENERATE_H
 #define ECO_GENERATE_H

@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 
 #define KINDS 3
 #define HECTARE_M 100.0
@@ -114,7 +114,7 @@ static void print_children(FILE *out, struct gen_layout *layout, uint32_t level,
 {
 	uint32_t rows = (count + columns - 1) / columns;
 	double each_m = side_m(level - 1);
-	uint64_t seed = eco_mix(layout->options->seed + 61, level * KINDS + kind);
+	uint64_t seed = eco_random(layout->options->seed + 61, level * KINDS + kind);
 	fputs("  \"children\": [", out);
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t column = i % columns, row = i / columns;

@@ -10,20 +10,20 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "ecofiles/base/mix.h"
-#include "ecofiles/base/room.h"
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/random.h"
+#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/angle16.h"
 
 /* ---- Random numbers ---- */
 
 uint64_t gen_random_bits(struct gen_random *random)
 {
-	return eco_mix_next(&random->state);
+	return eco_random_next(&random->state);
 }
 
 double gen_random_unit(struct gen_random *random)
 {
-	return eco_mix_unit(gen_random_bits(random));
+	return eco_random_unit(gen_random_bits(random));
 }
 
 double gen_random_in(struct gen_random *random, double low, double high)
@@ -60,7 +60,7 @@ struct gen_v3 gen_across(struct gen_v3 a)
 struct gen_v3 gen_turned(struct gen_v3 v, struct gen_v3 axis, double degrees)
 {
 	double s, c;
-	eco_turn_sincos(eco_turn_from_deg(degrees), &s, &c);
+	eco_angle16_sincos(eco_angle16_from_deg(degrees), &s, &c);
 	return gen_add(gen_add(gen_mul(v, c), gen_mul(gen_cross(axis, v), s)),
 		gen_mul(axis, dot(axis, v) * (1 - c)));
 }
@@ -68,15 +68,15 @@ struct gen_v3 gen_turned(struct gen_v3 v, struct gen_v3 axis, double degrees)
 struct gen_v3 gen_heading(double azimuth_deg, double elevation_deg)
 {
 	double sa, ca, se, ce;
-	eco_turn_sincos(eco_turn_from_deg(azimuth_deg), &sa, &ca);
-	eco_turn_sincos(eco_turn_from_deg(elevation_deg), &se, &ce);
+	eco_angle16_sincos(eco_angle16_from_deg(azimuth_deg), &sa, &ca);
+	eco_angle16_sincos(eco_angle16_from_deg(elevation_deg), &se, &ce);
 	return gen_v3(ca * ce, sa * ce, se);
 }
 
 struct gen_v3 gen_random_way(struct gen_random *random)
 {
 	double z = gen_random_in(random, -1, 1), r = sqrt(1 - z * z), s, c;
-	eco_turn_sincos((uint16_t)gen_random_bits(random), &s, &c);
+	eco_angle16_sincos((uint16_t)gen_random_bits(random), &s, &c);
 	return gen_v3(r * c, r * s, z);
 }
 
@@ -150,7 +150,7 @@ static uint32_t add_vertex(struct gen_mesh *mesh, struct gen_v3 at, double u, do
 static void add_face(struct gen_mesh *mesh, uint8_t material, uint32_t corners, const uint32_t corner[])
 {
 	assert(corners == 3 || corners == 4);
-	mesh->failed = mesh->failed || !eco_room(&mesh->faces, &mesh->face_capacity, mesh->face_count,
+	mesh->failed = mesh->failed || !eco_array_grow(&mesh->faces, &mesh->face_capacity, mesh->face_count,
 		sizeof *mesh->faces);
 	if (mesh->failed)
 		return;
@@ -179,7 +179,7 @@ void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tu
 		uint32_t first = mesh->count;
 		for (uint32_t k = 0; k < (tip ? 1 : sides); k++) {
 			double s, c;
-			eco_turn_sincos((uint16_t)(65536u * k / sides), &s, &c);
+			eco_angle16_sincos((uint16_t)(65536u * k / sides), &s, &c);
 			struct gen_v3 out = gen_add(gen_mul(side, c), gen_mul(up, s));
 			add_vertex(mesh, gen_mad(tube->points[i], out, tube->radius[i]), (double)k / sides,
 				along_m);

@@ -13,7 +13,7 @@
 #include "ecofiles/format/model.h"
 #include "ecofiles/base/status.h"
 
-/* ---- Random numbers (mix.h) ---- */
+/* ---- Random numbers (random.h) ---- */
 
 struct gen_random { uint64_t state; };
 uint64_t gen_random_bits(struct gen_random *random);

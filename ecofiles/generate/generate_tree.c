@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define STEP_M 0.45              /* length of wood between two rings */
 #define LOBES_MAX 24
@@ -27,7 +27,7 @@ struct skeleton {
 
 static uint32_t add_node(struct skeleton *s, struct gen_v3 at, uint32_t parent)
 {
-	if (!eco_room(&s->nodes, &s->capacity, s->count, sizeof *s->nodes)) {
+	if (!eco_array_grow(&s->nodes, &s->capacity, s->count, sizeof *s->nodes)) {
 		s->failed = true;
 		return 0;
 	}

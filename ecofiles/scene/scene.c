@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/scene/scene_parse.h"
 #include "ecofiles/base/utf8.h"
 
@@ -37,7 +37,7 @@ static bool parse_instance(struct eco_source *source, const struct eco_json *at)
 		|| !eco_json_number(at, "scale", SCALE_MIN, SCALE_MAX, &instance.scale)
 		|| !eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &instance.height_m))
 		return false;
-	instance.plant += eco_mix_variant(0, source->instance_count,
+	instance.plant += eco_random_variant(0, source->instance_count,
 		source->plants[instance.plant].variant_count);
 	*slot = instance;
 	source->instance_count++;

@@ -3,7 +3,7 @@
 #include <assert.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "lod/light.h"
 
 #define SMALLEST_CHUNK 32u       /* elements: small first chunks draw coarse plants from few bytes */
@@ -15,7 +15,7 @@
 struct eco_ladder *lod_draft_ladder(struct lod_draft *draft)
 {
 	struct lod_plant *plant = draft->plant;
-	if (!eco_room(&plant->ladders, &draft->ladder_capacity, plant->ladder_count, sizeof *plant->ladders))
+	if (!eco_array_grow(&plant->ladders, &draft->ladder_capacity, plant->ladder_count, sizeof *plant->ladders))
 		longjmp(draft->arena->failed, 1);
 	struct eco_ladder *ladder = &plant->ladders[plant->ladder_count++];
 	*ladder = (struct eco_ladder){ .points = ECO_NONE, .lines = ECO_NONE, .simple = ECO_NONE,
@@ -29,7 +29,7 @@ struct shape { uint8_t kind, coder, attributes; uint32_t elements, corners, imag
 static struct lod_list_draft *add_list(struct lod_draft *draft, const struct shape *shape)
 {
 	struct lod_plant *plant = draft->plant;
-	if (!eco_room(&plant->lists, &draft->list_capacity, plant->list_count, sizeof *plant->lists))
+	if (!eco_array_grow(&plant->lists, &draft->list_capacity, plant->list_count, sizeof *plant->lists))
 		longjmp(draft->arena->failed, 1);
 	struct lod_list_draft *list = &plant->lists[plant->list_count++];
 	*list = (struct lod_list_draft){ .list = { .kind = shape->kind, .coder = shape->coder,

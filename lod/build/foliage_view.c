@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 
 #define DISTANCE_RADII 16.0
 #define FRAME 1.04 /* half the picture over the radius of the bounding sphere's silhouette */
@@ -24,8 +24,8 @@ static void turn_of(uint32_t seed, double *x, double *y)
 {
 	double length = 0;
 	for (uint64_t i = 0; !(length > 1e-3) || length > 1; i++) {
-		*x = 2 * share_of(eco_mix(seed, 2 * i)) - 1;
-		*y = 2 * share_of(eco_mix(seed, 2 * i + 1)) - 1;
+		*x = 2 * share_of(eco_random(seed, 2 * i)) - 1;
+		*y = 2 * share_of(eco_random(seed, 2 * i + 1)) - 1;
 		length = *x * *x + *y * *y;
 	}
 	length = sqrt(length);
@@ -44,7 +44,7 @@ static void turn_on(double *x, double *y)
 
 void lod_directions_spread(double (*directions)[3], uint32_t count, uint32_t seed)
 {
-	double x, y, shift = share_of(eco_mix(seed, SHIFT));
+	double x, y, shift = share_of(eco_random(seed, SHIFT));
 	turn_of(seed, &x, &y);
 	for (uint32_t i = 0; i < count; i++) {
 		double z = LOWEST + (HIGHEST - LOWEST) * (i + shift) / count, flat = sqrt(1 - z * z);

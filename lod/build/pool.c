@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "lod/build/foliage.h"
 #include "lod/geometry.h"
 #include "lod/raster/raster.h"
@@ -222,7 +222,7 @@ struct pooled { float at[3]; uint32_t color; };
 
 static void point_on(const struct patches *patches, uint32_t patch, uint32_t number, float out[3])
 {
-	double u = eco_mix_unit(eco_mix(SEED + 1, number)), v = eco_mix_unit(eco_mix(SEED + 2, number)),
+	double u = eco_random_unit(eco_random(SEED + 1, number)), v = eco_random_unit(eco_random(SEED + 2, number)),
 		root = sqrt(u);
 	double w[3] = { 1, 0, 0 };
 	const struct part *part = patches->parts;
@@ -248,7 +248,7 @@ static void point_on(const struct patches *patches, uint32_t patch, uint32_t num
 static void shuffle(struct pooled *points, uint32_t count)
 {
 	for (uint32_t i = count; i > 1; i--) {
-		uint32_t k = (uint32_t)(eco_mix(SEED, i) % i);
+		uint32_t k = (uint32_t)(eco_random(SEED, i) % i);
 		struct pooled spare = points[k];
 		points[k] = points[i - 1];
 		points[i - 1] = spare;
@@ -261,7 +261,7 @@ static void sample(const struct patches *patches, double total, struct pooled *o
 	double before = 0;
 	uint32_t at = 0;
 	for (uint32_t i = 0; i < count; i++) {
-		double target = (i + eco_mix_unit(eco_mix(SEED, i))) / count * total;
+		double target = (i + eco_random_unit(eco_random(SEED, i))) / count * total;
 		while (at + 1 < patches->count && before + patches->items[at].weight <= target)
 			before += patches->items[at++].weight;
 		point_on(patches, at, i, out[i].at);

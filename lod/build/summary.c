@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/random.h"
+#include "ecofiles/base/array_grow.h"
 #include "lod/eye.h"
 
 #define GOLDEN 0.61803398874989484820    /* multiples of it, modulo 1, fill [0, 1) evenly for any number of
@@ -34,7 +34,7 @@ static void shuffle(void *items, uint32_t count, size_t size, uint64_t seed)
 	char spare[64], *bytes = items;
 	assert(size <= sizeof spare);
 	for (uint32_t i = count; i > 1; i--) {
-		uint32_t k = (uint32_t)(eco_mix(seed, i) % i);
+		uint32_t k = (uint32_t)(eco_random(seed, i) % i);
 		memcpy(spare, bytes + k * size, size);
 		memcpy(bytes + k * size, bytes + (i - 1) * size, size);
 		memcpy(bytes + (i - 1) * size, spare, size);
@@ -63,7 +63,7 @@ uint32_t lod_summary_count(const struct eco_tile *tile)
 
 static bool push(struct drawing *d, const struct visit *visit)
 {
-	if (!eco_room(&d->stack, &d->capacity, d->depth, sizeof *d->stack))
+	if (!eco_array_grow(&d->stack, &d->capacity, d->depth, sizeof *d->stack))
 		return false;
 	d->stack[d->depth++] = *visit;
 	return true;
@@ -74,7 +74,7 @@ static uint64_t name_of(const struct eco_tile *tile)
 {
 	uint64_t bits;
 	memcpy(&bits, &tile->area, sizeof bits);
-	return eco_mix(bits, tile->instance_count);
+	return eco_random(bits, tile->instance_count);
 }
 
 /* Areas of the tile's own plants, summed: d->reach[i] ends the share of place i. Returns their number;
@@ -132,8 +132,8 @@ static void draw_points(struct drawing *d, const struct visit *visit, const stru
 	uint32_t places, uint32_t count)
 {
 	const struct eco_scene *scene = d->input->scene;
-	uint64_t seed = eco_mix(d->input->seed, name_of(tile));
-	double start = eco_mix_unit(seed), total = d->reach[places - 1];
+	uint64_t seed = eco_random(d->input->seed, name_of(tile));
+	double start = eco_random_unit(seed), total = d->reach[places - 1];
 	for (uint32_t k = 0; k < count; k++) {
 		double turn = start + k * GOLDEN;
 		uint32_t place = find_place(d->reach, places, (turn - floor(turn)) * total),
@@ -142,7 +142,7 @@ static void draw_points(struct drawing *d, const struct visit *visit, const stru
 			place -= scene->groups[g++].count;
 		const struct eco_group *group = &scene->groups[g];
 		const struct lod_pool *pool = &d->input->pools[group->plant];
-		uint32_t pick = (uint32_t)(eco_mix(seed, k) % pool->count);
+		uint32_t pick = (uint32_t)(eco_random(seed, k) % pool->count);
 		struct eco_place stored = eco_place_read(scene, group->place_first + place);
 		struct lod_place stands;
 		struct lod_summary_point *point = &d->out->points[d->out->count++];
@@ -219,7 +219,7 @@ static bool share_out(struct drawing *d, const struct visit *visit)
 		return true;
 	/* the sums are added in one order, so the last is exactly `total`; a random start within a step
 	 * favours no child */
-	double start = tile->child_count ? eco_mix_unit(eco_mix(d->input->seed + 1, name_of(tile))) : 0;
+	double start = tile->child_count ? eco_random_unit(eco_random(d->input->seed + 1, name_of(tile))) : 0;
 	given = given_until(own, total, visit->count, start);
 	if (given)
 		draw_points(d, visit, tile, places, given);
@@ -269,7 +269,7 @@ enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_sum
 	}
 	summary->level = (uint8_t)(d.leveled ? (d.levels + d.leveled / 2) / d.leveled : 0);
 	shuffle(summary->points, summary->count, sizeof *summary->points,
-		eco_mix(input->seed + 2, name_of(&input->scene->tiles[input->tile])));
+		eco_random(input->seed + 2, name_of(&input->scene->tiles[input->tile])));
 	return ECO_OK;
 }
 

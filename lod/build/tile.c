@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "ecofiles/format/model.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define DEPTH_MAX 60             /* halvings: beyond it doubles do not separate positions */
 
@@ -37,7 +37,7 @@ uint64_t lod_morton(uint32_t x, uint32_t y)
 static uint32_t add_node(struct build *b, uint32_t first, uint32_t count)
 {
 	struct lod_tiles *t = b->tiles;
-	if (!eco_room(&t->nodes, &b->node_capacity, t->node_count, sizeof *t->nodes)) {
+	if (!eco_array_grow(&t->nodes, &b->node_capacity, t->node_count, sizeof *t->nodes)) {
 		b->failed = true;
 		return 0;
 	}

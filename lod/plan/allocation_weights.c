@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "lod/ladder.h"
 #include "lod/plan/byte_price.h"
 #include "lod/plan/impostor_worth.h"
@@ -28,7 +28,7 @@
 static struct lod_hull_point *take_points(struct lod_allocation *m, uint32_t count)
 {
 	if (m->block_count == 0 || m->block_used + count > BLOCK) {
-		if (!eco_room(&m->blocks, &m->block_capacity, m->block_count, sizeof *m->blocks))
+		if (!eco_array_grow(&m->blocks, &m->block_capacity, m->block_count, sizeof *m->blocks))
 			return NULL;
 		if (!(m->blocks[m->block_count] = malloc(BLOCK * sizeof **m->blocks)))
 			return NULL;
@@ -45,7 +45,7 @@ static double fp_weight_of(double unoccluded, double seen)
 
 static bool add_ladder_choice(struct lod_allocation *m, const struct lod_ladder_choice *choice)
 {
-	if (!eco_room(&m->ladder_choices, &m->ladder_choice_capacity, m->ladder_choice_count,
+	if (!eco_array_grow(&m->ladder_choices, &m->ladder_choice_capacity, m->ladder_choice_count,
 			sizeof *m->ladder_choices))
 		return false;
 	m->ladder_choices[m->ladder_choice_count] = *choice;

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define ROUNDING 1e-9            /* slopes within this share are equal */
 #define ROW_WORK 2400u           /* of a bounded plan for each row that is made and written: four times what it takes */
@@ -130,7 +130,7 @@ struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struc
 static void add_row(struct lod_explanation *explanation, const struct lod_explained *row)
 {
 	if (explanation->count >= explanation->most
-			|| !eco_room(&explanation->rows, &explanation->capacity, explanation->count,
+			|| !eco_array_grow(&explanation->rows, &explanation->capacity, explanation->count,
 			sizeof *explanation->rows))
 		explanation->omitted++;
 	else

@@ -25,7 +25,7 @@
 
 #include <math.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "lod/ladder.h"
 
 #define SPLAT_FACTOR 1.3         /* c_p */
@@ -131,7 +131,7 @@ static double organ_pixels(const struct lod_planner *p, const struct eco_ladder 
 
 enum eco_code lod_planner_add(struct lod_planner *p, const struct lod_entry *entry, struct eco_error *error)
 {
-	if (!eco_room(&p->entries, &p->entry_capacity, p->entry_count, sizeof *p->entries))
+	if (!eco_array_grow(&p->entries, &p->entry_capacity, p->entry_count, sizeof *p->entries))
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for more than %u cuts",
 			p->entry_count);
 	p->entries[p->entry_count++] = *entry;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "lod/lanes.h"
 #include "lod/plan/splat_field.h"
 
@@ -163,7 +163,7 @@ static double wood_behind(const double d[3], const struct lod_proxy_shape *shape
 struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double center[3],
 	const struct lod_proxy_shape *proxy_shape)
 {
-	if (!eco_room(&screen->visibilities, &screen->capacity, screen->count, sizeof *screen->visibilities))
+	if (!eco_array_grow(&screen->visibilities, &screen->capacity, screen->count, sizeof *screen->visibilities))
 		return NULL;
 	const struct lod_eye *eye = screen->eye;
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/angle16.h"
 
 #define SPLAT_FACTOR 1.3         /* c_p, Deussen 2002, 5.1: 1.2 to 1.5 */
 
@@ -26,7 +26,7 @@ static void tile_box(const struct lod_visible_tree *visible, uint32_t tile, uint
 	const struct eco_tile *t = &visible->scene->tiles[tile];
 	const struct eco_placement *p = &visible->placements[placement];
 	double sine, cosine, middle[3];
-	eco_turn_sincos(p->turn, &sine, &cosine);
+	eco_angle16_sincos(p->turn, &sine, &cosine);
 	for (int i = 0; i < 3; i++) {
 		middle[i] = t->low[i] + (t->high[i] - t->low[i]) * 0.5;
 		box->half[i] = (t->high[i] - t->low[i]) * 0.5 * p->scale;
@@ -84,7 +84,7 @@ static enum eco_code add_node(struct lod_visible_tree *visible, uint32_t tile, u
 	if (visible->node_count >= visible->nodes_max)
 		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail opens more than %llu tiles; "
 			"ask for fewer vertices", (unsigned long long)visible->nodes_max);
-	if (!eco_room(&visible->nodes, &visible->node_capacity, visible->node_count, sizeof *visible->nodes))
+	if (!eco_array_grow(&visible->nodes, &visible->node_capacity, visible->node_count, sizeof *visible->nodes))
 		return no_memory(error);
 	struct lod_node *node = &visible->nodes[visible->node_count++];
 	struct box box;
@@ -104,7 +104,7 @@ static enum eco_code add_placement(struct lod_visible_tree *visible, uint32_t ou
 		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail places more than %llu "
 			"nested eco files; ask for fewer vertices",
 			(unsigned long long)visible->placements_max);
-	if (!eco_room(&visible->placements, &visible->placement_capacity, visible->placement_count,
+	if (!eco_array_grow(&visible->placements, &visible->placement_capacity, visible->placement_count,
 			sizeof *visible->placements))
 		return no_memory(error);
 	struct eco_placement inside = eco_placement_inside(&visible->placements[outer],
@@ -184,7 +184,7 @@ static enum eco_code find_slot(struct lod_visible_tree *visible, uint32_t plant,
 				return code;
 			entry = slot_entry(visible, at.anchor, at.band);
 		}
-		if (!eco_room(&visible->slots, &visible->slot_capacity, visible->slot_count,
+		if (!eco_array_grow(&visible->slots, &visible->slot_capacity, visible->slot_count,
 				sizeof *visible->slots))
 			return no_memory(error);
 		visible->slots[visible->slot_count++] = (struct lod_slot){ .anchor = at.anchor,
@@ -218,7 +218,7 @@ static enum eco_code tally(struct lod_visible_tree *visible, struct lod_node *no
 	}
 	s->last_node = index;
 	s->last_tally = node->tally_count;
-	if (!eco_room(&node->tallies, &node->tally_capacity, node->tally_count, sizeof *node->tallies))
+	if (!eco_array_grow(&node->tallies, &node->tally_capacity, node->tally_count, sizeof *node->tallies))
 		return no_memory(error);
 	node->tallies[node->tally_count++] = (struct lod_tally){ .slot = slot, .count = 1,
 		.whole_band = whole_band };
@@ -266,7 +266,7 @@ static bool add_visibility(struct lod_visible_tree *visible, const struct lod_no
 
 static bool add_seen(struct lod_visible_tree *visible, uint32_t slot, uint32_t index, uint32_t hash)
 {
-	if (!eco_room(&visible->seen, &visible->seen_capacity, visible->seen_count, sizeof *visible->seen))
+	if (!eco_array_grow(&visible->seen, &visible->seen_capacity, visible->seen_count, sizeof *visible->seen))
 		return false;
 	visible->seen[visible->seen_count++] = (struct lod_seen){ slot, index, (uint16_t)hash };
 	return true;

@@ -14,7 +14,7 @@ complain() { echo "test_flags: $*"; failed=1; }
 
 # Nothing is there, so that make -n says all that it would do.
 env -u MAKEFLAGS -u MAKELEVEL "${MAKE:-make}" -n config="$config" B=build/tmp/none-$$ CPPFLAGS=-DUSER_CPP CFLAGS=-DUSER_C CXXFLAGS=-DUSER_CXX \
-	LDFLAGS=-LUSER_LD all build/tmp/none-$$/bench/ecobench build/tmp/none-$$/bench/plans build/tmp/none-$$/tests/test_turn \
+	LDFLAGS=-LUSER_LD all build/tmp/none-$$/bench/ecobench build/tmp/none-$$/bench/plans build/tmp/none-$$/tests/test_angle16 \
 	build/tmp/none-$$/fuzz/fuzz_obj build/tmp/none-$$/o0/plans 2>/dev/null | sed -e :a -e "/\\\\$/{N;s/\\\\\n//;ta" -e "}" >"$commands"
 
 # every LINES-PATTERN FLAG: and there are some

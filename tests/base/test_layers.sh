@@ -35,11 +35,11 @@ source lod/plan/planner.c /usr/include/math.h ecofiles/base/status.h ecofiles/fo
 source lod/build/plant.c lod/build/grid.h lod/build/order/order.h lod/raster/raster.h ./ecofiles/base/bytes.h
 source ecofiles/format/chunk/draco_shim.cpp ecofiles/format/chunk/draco_shim.h
 source server/main_ecoserve.c ecofiles/ecopack/make.h lod/build/sample.h server/daemon.h
-source tests/base/test_turn.c lod/build/sample.h
+source tests/base/test_angle16.c lod/build/sample.h
 layers || complain "finds fault with what is allowed: $(cat "$DIR/said")"
 
 # (a) rooms that a room may not include, (b) private headers, (c) build and plan, (d) ecopack, (e) no room
-source ecofiles/base/turn.c ecofiles/format/list.h
+source ecofiles/base/angle16.c ecofiles/format/list.h
 source server/answer.c lod/build/order/order.h ecofiles/scene/scene.h
 source client-min/view_store.c server/daemon.h
 source lod/plan/hull.c lod/build/grid.h
@@ -52,7 +52,7 @@ source ecofiles/stray.c ecofiles/base/status.h
 source lod/light.c ecofiles/stray.h
 layers && complain "is content with faults: $(cat "$DIR/said")"
 may_not="is of a room that"
-names ecofiles/base/turn ecofiles/format/list.h "$may_not ecofiles/base may not include"
+names ecofiles/base/angle16 ecofiles/format/list.h "$may_not ecofiles/base may not include"
 names server/answer lod/build/order/order.h "$may_not server may not include"
 names server/answer ecofiles/scene/scene.h "$may_not server may not include"
 names client-min/view_store server/daemon.h "$may_not client-min may not include"

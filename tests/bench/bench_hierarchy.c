@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 
 #include "client-min/draw/view_picture.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/format/pack.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_times.h"
@@ -241,7 +241,7 @@ static enum eco_code write_inventory(const char *folder, uint32_t plants, struct
 		return eco_fail(error, ECO_IO, "%s: cannot be written", path);
 	fputs("species,x,y,height_m\n", file);
 	for (uint32_t i = 0; i < plants; i++) {
-		uint64_t bits = eco_mix(1, i), more = eco_mix(2, i);
+		uint64_t bits = eco_random(1, i), more = eco_random(2, i);
 		uint32_t kind = (uint32_t)(bits % 6);
 		fprintf(file, "%s,%.2f,%.2f,%.2f\n", names[kind], side * (double)(bits >> 32) / 4294967296.0,
 			side * (double)(more >> 32) / 4294967296.0,

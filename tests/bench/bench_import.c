@@ -4,14 +4,14 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_state.h"
 
 #define SIZES 4u
 static const uint32_t sizes[SIZES] = { 15000, 30000, 60000, 120000 };
 
-static double random_unit(uint64_t *state) { return eco_mix_unit(eco_mix_next(state)); }
+static double random_unit(uint64_t *state) { return eco_random_unit(eco_random_next(state)); }
 
 /* Two triangles of a twig, then one of a leaf. */
 static void write_third(FILE *to, uint64_t *state)

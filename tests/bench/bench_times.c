@@ -5,7 +5,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 
 #define REPETITIONS_MAX 200u
 #define REPETITIONS_LEAST 3u
@@ -82,7 +82,7 @@ double bench_copy_ms(void)
 #define PLACE_M 6.0              /* between neighbours */
 #define SAMPLES 12u
 
-static double unit(struct scene_builder *b) { return eco_mix_unit(eco_mix_next(&b->state)); }
+static double unit(struct scene_builder *b) { return eco_random_unit(eco_random_next(&b->state)); }
 
 /* Points, then triangles in their order: errors that fall ever more slowly, from one leaf to all. */
 static void add_plant(struct scene_builder *b)

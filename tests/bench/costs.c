@@ -17,7 +17,7 @@
 
 #include <xxhash.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/format/wire.h"
 #include "server/describe.h"
 #include "server/typical.h"
@@ -115,7 +115,7 @@ static void answer_once(struct srv_stream *stream, const struct srv_stream_input
 static void add_parameters(struct question *question, const struct eco_scene *scene, uint64_t seed,
 	uint64_t number)
 {
-	uint64_t dice = eco_mix(seed ^ ALL_SEED, number);
+	uint64_t dice = eco_random(seed ^ ALL_SEED, number);
 	struct eco_view next = question->request.view;
 	struct eco_request other;
 	question->rule = dice % 2 ? lod_rule_deussen : NULL;

@@ -27,7 +27,7 @@
 
 #include "ecofiles/base/guard.h"
 #include "ecofiles/format/image.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/import/model/model_import.h"
 
 #define MODELS_MAX 64
@@ -55,7 +55,7 @@ static uint64_t state;
 
 static uint64_t bits(void)
 {
-	return eco_mix_next(&state);
+	return eco_random_next(&state);
 }
 
 static size_t below(size_t most) { return most == 0 ? 0 : (size_t)(bits() % most); }

@@ -8,7 +8,7 @@
 
 #include <jpeglib.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 
 #define SIDE_MAX 8192u
 #define QUALITY 85
@@ -19,7 +19,7 @@ static void paint_row(uint8_t *row, uint32_t side, uint32_t y, uint64_t *state)
 {
 	for (uint32_t x = 0; x < side; x++) {
 		double ridge = fabs(sin(x * 0.05 + 2 * sin(y * 0.011) + (double)(*state & 1))),
-			light = 60 + 80 * ridge + 60 * eco_mix_unit(eco_mix_next(state));
+			light = 60 + 80 * ridge + 60 * eco_random_unit(eco_random_next(state));
 		row[3 * x] = sample(light * 1.05);
 		row[3 * x + 1] = sample(light * 0.85);
 		row[3 * x + 2] = sample(light * 0.65);

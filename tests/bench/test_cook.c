@@ -64,7 +64,7 @@ UNIT_TEST(contrast_keeps_the_variance_of_pixels)
 		for (uint32_t pixel = 0; pixel < 20000; pixel++) {
 			double mean = 0;
 			for (uint32_t i = 0; i < per_pixel; i++)
-				mean += contrast * (eco_mix_unit(lod_mix(pixel * 100u + i)) - 0.5)
+				mean += contrast * (eco_random_unit(lod_mix(pixel * 100u + i)) - 0.5)
 					/ per_pixel;
 			sum += mean;
 			squares += mean * mean;

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk/chunk.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "lod/build/ground_tree.h"
 #include "lod/raster/raster.h"
 #include "tests/support/ground_tiles.h"
@@ -15,10 +15,10 @@ static uint64_t noise_state;
 
 static uint64_t bits(void)
 {
-	return eco_mix_next(&noise_state);
+	return eco_random_next(&noise_state);
 }
 
-static double unit(void) { return eco_mix_unit(bits()); }
+static double unit(void) { return eco_random_unit(bits()); }
 
 static double rough(double x, double y)
 {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/format/plan.h"
 #include "lod/plan/summary_curve.h"
 #include "lod/plan/visibility.h"
@@ -390,11 +390,11 @@ UNIT_TEST(grids_have_origins_of_few_bits)
 {
 	uint64_t state = 3;
 	for (int i = 0; i < 2000; i++) {
-		double low[3], high[3], step = ldexp(1, -(int)(eco_mix_next(&state) % 12));
+		double low[3], high[3], step = ldexp(1, -(int)(eco_random_next(&state) % 12));
 		struct eco_list list = { .kind = ECO_LIST_INSTANCES };
 		for (int a = 0; a < 3; a++) {
-			low[a] = 2000 * (eco_mix_unit(eco_mix_next(&state)) - 0.5);
-			high[a] = low[a] + (a == 2 ? 0 : 100 * eco_mix_unit(eco_mix_next(&state)));
+			low[a] = 2000 * (eco_random_unit(eco_random_next(&state)) - 0.5);
+			high[a] = low[a] + (a == 2 ? 0 : 100 * eco_random_unit(eco_random_next(&state)));
 		}
 		lod_grid_place(&list, low, high, step);
 		for (int a = 0; a < 3; a++) {

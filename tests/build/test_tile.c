@@ -2,14 +2,14 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/format/model.h"
 #include "lod/build/tile.h"
 #include "tests/support/unit_test.h"
 
 enum layout { SCATTERED, CLUSTERED, ONE_PLACE, ONE_LINE, FAR_AWAY };
 
-static double unit(uint64_t seed, uint64_t n) { return eco_mix_unit(eco_mix(seed, n)); }
+static double unit(uint64_t seed, uint64_t n) { return eco_random_unit(eco_random(seed, n)); }
 
 static void lay_out(struct lod_tile_item *items, uint32_t count, enum layout layout)
 {

@@ -1,5 +1,5 @@
 /* Beginnings of orders look like all that is seen; colours stay a plant's own where they are few. */
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "lod/light.h"
 #include "lod/build/tone.h"
 #include "tests/support/plant_models.h"
@@ -24,11 +24,11 @@ static void mean_of(uint32_t first, uint32_t end, bool by_seen, double light[3])
 static void dark_first(uint32_t count, uint32_t colors)
 {
 	for (uint32_t i = 0; i < count; i++) {
-		uint32_t random = (uint32_t)(eco_mix(7, i) % count), step = (i + random) / 2 * colors / count;
+		uint32_t random = (uint32_t)(eco_random(7, i) % count), step = (i + random) / 2 * colors / count;
 		for (uint32_t k = 0; k < 3; k++)
 			rgb[i][k] = (uint8_t)(60 + 20 * k + 110 * step / colors);
-		area[i] = 0.5 + (double)(eco_mix(8, i) % 100) / 100;
-		seen[i] = (uint32_t)(eco_mix(9, i) % (1 + 10 * i / count));
+		area[i] = 0.5 + (double)(eco_random(8, i) % 100) / 100;
+		seen[i] = (uint32_t)(eco_random(9, i) % (1 + 10 * i / count));
 	}
 }
 

@@ -10,7 +10,7 @@
 #include "client-min/load/view_page.h"
 #include "client-min/load/view_session.h"
 #include "client-min/load/view_views.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "tests/support/files.h"
 #include "tests/support/ground_tiles.h"
 #include "tests/support/serve/serve_daemon.h"
@@ -153,7 +153,7 @@ UNIT_TEST(quantiles_are_those_of_a_simple_twin)
 		struct view_column column;
 		for (uint32_t i = 0; i < count; i++)
 			view_answers_add(&answers, &(struct view_answer){
-				.done_ms = (float)(eco_mix_next(&random) % 50) });
+				.done_ms = (float)(eco_random_next(&random) % 50) });
 		assert_true(view_answers_column(&answers, &view_columns[VIEW_COLUMN_LATENCY], VIEW_GROUP_ALL,
 			&column));
 		assert_int_equal(column.count, count);

@@ -10,7 +10,7 @@
 #include "ecofiles/ecopack/link.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/progress.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/format/wire.h"
 #include "lod/plan/planner.h"
 #include "tests/support/files.h"
@@ -53,7 +53,7 @@ static void write_model(const struct model *model)
 static uint32_t below(uint64_t *seed, uint32_t count)
 {
 	uint64_t number = (*seed)++;
-	return (uint32_t)(eco_mix(77, number) % count);
+	return (uint32_t)(eco_random(77, number) % count);
 }
 
 static struct plant random_plant(uint64_t *seed, uint32_t part)

@@ -7,8 +7,8 @@
 
 #include "client-min/view_reference.h"
 #include "client-min/view_select.h"
-#include "ecofiles/base/mix.h"
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/random.h"
+#include "ecofiles/base/angle16.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/progress.h"
 #include "tests/support/files.h"
@@ -45,7 +45,7 @@ static void find_feet(struct feet *feet, const struct eco_scene *s, uint32_t til
 			const float at[3] = { (float)child->at[0], (float)child->at[1], (float)child->at[2] };
 			double sine, cosine;
 			lod_place_point(file, at, inner.at);
-			eco_turn_sincos(child->turn, &sine, &cosine);
+			eco_angle16_sincos(child->turn, &sine, &cosine);
 			inner.sine = file->sine * cosine + file->cosine * sine;
 			inner.cosine = file->cosine * cosine - file->sine * sine;
 			inner.scale = file->scale * (double)child->scale;
@@ -136,7 +136,7 @@ static void is_covered(struct served *seen, double x, double y)
 
 #define PLANT "\"plants\": {\"a\": {\"model\": \"a.obj\"}}"
 
-static double unit(uint64_t *state) { return eco_mix_unit(eco_mix_next(state)); }
+static double unit(uint64_t *state) { return eco_random_unit(eco_random_next(state)); }
 
 /* `count` plants over a square; with_height: on hills. */
 static void write_rows(const char *name, uint32_t count, double side, bool with_height)

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/link.h"
 #include "ecofiles/ecopack/make.h"
@@ -23,7 +23,7 @@ static void write_image(const char *name, uint64_t seed)
 	static uint8_t rgba[SIDE * SIDE][4];
 	for (int y = 0; y < SIDE; y++)
 		for (int x = 0; x < SIDE; x++) {
-			uint64_t noise = eco_mix(seed, (uint64_t)(y / 8 * SIDE + x / 8));
+			uint64_t noise = eco_random(seed, (uint64_t)(y / 8 * SIDE + x / 8));
 			memcpy(rgba[y * SIDE + x], &noise, 3);
 			rgba[y * SIDE + x][3] = noise >> 32 & 3 ? 255 : 0;
 		}

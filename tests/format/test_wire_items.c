@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/format/wire_items.h"
 #include "tests/support/unit_test.h"
 
@@ -19,19 +19,19 @@ struct whole {
 	bool coloured;
 };
 
-static uint32_t below(uint64_t *state, uint32_t n) { return (uint32_t)(eco_mix_next(state) % n); }
+static uint32_t below(uint64_t *state, uint32_t n) { return (uint32_t)(eco_random_next(state) % n); }
 
 /* Any number, small ones and the edges of its range often. */
 static uint32_t any(uint64_t *state)
 {
 	static const uint32_t edges[] = { 0, 1, 0x7fffffff, 0x80000000, 0xfffffffe, 0xffffffff };
-	return below(state, 4) == 0 ? edges[below(state, 6)] : (uint32_t)(eco_mix_next(state) >> below(state, 64));
+	return below(state, 4) == 0 ? edges[below(state, 6)] : (uint32_t)(eco_random_next(state) >> below(state, 64));
 }
 
 static double any_real(uint64_t *state)
 {
 	static const double edges[] = { 0, -0.0, 1, -1, 0.1, 5e-324, 1.7976931348623157e308, INFINITY, NAN };
-	uint64_t bits = eco_mix_next(state);
+	uint64_t bits = eco_random_next(state);
 	double v;
 	memcpy(&v, &bits, sizeof v);
 	return below(state, 3) == 0 ? edges[below(state, 9)] : below(state, 2) ? v

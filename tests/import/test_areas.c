@@ -4,7 +4,7 @@
 
 #include "ecofiles/import/places/areas.h"
 #include "ecofiles/import/places/blue_noise.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "tests/support/unit_test.h"
 
 struct wkb { uint8_t bytes[65536]; size_t size; };
@@ -82,14 +82,14 @@ UNIT_TEST(bands_agree_with_every_edge)
 	uint32_t differ = 0;
 	for (uint32_t i = 0; i < CORNERS; i++)
 		for (int k = 0; k < 2; k++)
-			at[i][k] = (double)(eco_mix(7, 2 * i + (uint32_t)k) >> 40) / 1000;
+			at[i][k] = (double)(eco_random(7, 2 * i + (uint32_t)k) >> 40) / 1000;
 	put_head(&w, 3);
 	put(&w, &(uint32_t){ 1 }, 4);
 	put_path(&w, at, CORNERS);
 	add(&areas, &w);
 	assert_int_equal(eco_areas_index(&areas, 0, NULL), ECO_OK);
 	for (uint32_t i = 0; i < 5000; i++) {
-		double x = (double)(eco_mix(8, i) >> 40) / 1000, y = (double)(eco_mix(9, i) >> 40) / 1000;
+		double x = (double)(eco_random(8, i) >> 40) / 1000, y = (double)(eco_random(9, i) >> 40) / 1000;
 		bool inside = false;
 		for (uint32_t e = 0; e < CORNERS; e++) {
 			const double *a = at[e], *b = at[(e + 1) % CORNERS];
@@ -100,8 +100,8 @@ UNIT_TEST(bands_agree_with_every_edge)
 	}
 	assert_int_equal(differ, 0);
 	for (uint32_t i = 0; i < 500; i++) {
-		double low = (double)(eco_mix(10, i) >> 40) / 1000,
-			high = low + (double)(eco_mix(11, i) >> 40) / 1e5, span[2], least = INFINITY,
+		double low = (double)(eco_random(10, i) >> 40) / 1000,
+			high = low + (double)(eco_random(11, i) >> 40) / 1e5, span[2], least = INFINITY,
 			most = -INFINITY;
 
 		for (uint32_t e = 0; e < CORNERS; e++) {
@@ -137,7 +137,7 @@ UNIT_TEST(nearness_to_lines_and_points_agrees_with_every_edge)
 		uint32_t differ = 0, near = 0;
 		for (uint32_t i = 0; i < 60; i++)
 			for (int k = 0; k < 2; k++)
-				at[i][k] = (double)(eco_mix(3, 2 * i + (uint32_t)k) >> 44) / 1000 - 300;
+				at[i][k] = (double)(eco_random(3, 2 * i + (uint32_t)k) >> 44) / 1000 - 300;
 		put_head(&line, 2);
 		put_path(&line, at, 59);
 		put_head(&point, 1);
@@ -146,8 +146,8 @@ UNIT_TEST(nearness_to_lines_and_points_agrees_with_every_edge)
 		add(&areas, &point);
 		assert_int_equal(eco_areas_index(&areas, reach[r], NULL), ECO_OK);
 		for (uint32_t i = 0; i < 4000; i++) {
-			double x = (double)(eco_mix(4, i) >> 44) / 1000 - 300,
-				y = (double)(eco_mix(5, i) >> 44) / 1000 - 300;
+			double x = (double)(eco_random(4, i) >> 44) / 1000 - 300,
+				y = (double)(eco_random(5, i) >> 44) / 1000 - 300;
 			double least = square_to(at[59], at[59], x, y);
 			for (uint32_t e = 0; e < 58; e++)
 				least = fmin(least, square_to(at[e], at[e + 1], x, y));

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/import/ground/ground.h"
 #include "tests/support/ground_tiles.h"
@@ -12,7 +12,7 @@
 
 static uint64_t state;
 
-static double unit(void) { return eco_mix_unit(eco_mix_next(&state)); }
+static double unit(void) { return eco_random_unit(eco_random_next(&state)); }
 
 static double hills(double x, double y) { return 30 * sin(x / 90) * cos(y / 70) + 0.2 * x; }
 static double cliff(double x, double y) { return x > 150 ? 200 : y / 10; }

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/format/model.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/import/places/scatter.h"
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
@@ -31,7 +31,7 @@ static struct scattered scatter(const struct eco_scatter_spec *spec)
 	struct scattered out = { .count = 0 };
 	assert_ok(eco_scatter_open(&s, spec, &frame, NULL, NULL, &error), error);
 	while (eco_scatter_next(s, &place)) {
-		assert_true(eco_room(&out.places, &out.room, out.count, sizeof place));
+		assert_true(eco_array_grow(&out.places, &out.room, out.count, sizeof place));
 		out.places[out.count++] = place;
 	}
 	said[0] = 0;

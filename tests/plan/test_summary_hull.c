@@ -1,7 +1,7 @@
 /* Steps of summaries that are computed as they are asked for, against all of them. */
 #include <math.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "lod/plan/summary_hull.h"
 #include "tests/support/unit_test.h"
 
@@ -19,7 +19,7 @@ struct pair {
 
 static double random_real(uint64_t *state, double from, double to)
 {
-	return from + (to - from) * eco_mix_unit(eco_mix(++*state, 7));
+	return from + (to - from) * eco_random_unit(eco_random(++*state, 7));
 }
 
 static void begin(struct pair *pair, uint64_t *state)

@@ -2,7 +2,7 @@
 
 double foliage_dice(uint64_t *state)
 {
-	return 2 * eco_mix_unit(*state = lod_mix(*state)) - 1;
+	return 2 * eco_random_unit(*state = lod_mix(*state)) - 1;
 }
 
 static struct lod_v3 foliage_direction(uint64_t *state)

@@ -2,7 +2,7 @@
 
 double soup_random(struct soup *s, double low, double high)
 {
-	return low + (high - low) * eco_mix_unit(s->state = lod_mix(s->state));
+	return low + (high - low) * eco_random_unit(s->state = lod_mix(s->state));
 }
 
 void soup_begin(struct soup *s)

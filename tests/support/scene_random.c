@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/ground_image.h"
 #include "ecofiles/format/ground_tile.h"
@@ -12,10 +12,10 @@
 
 /* The order in which C evaluates operands and initialisers is open: an expression that draws twice is as the
  * compiler has it. */
-uint64_t random_bits(struct scene_builder *b) { return eco_mix_next(&b->state); }
+uint64_t random_bits(struct scene_builder *b) { return eco_random_next(&b->state); }
 double random_real(struct scene_builder *b, double low, double high)
 {
-	return low + (high - low) * eco_mix_unit(random_bits(b));
+	return low + (high - low) * eco_random_unit(random_bits(b));
 }
 uint32_t random_below(struct scene_builder *b, uint32_t n) { return (uint32_t)(random_bits(b) % n); }
 

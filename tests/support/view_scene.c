@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "lod/build/impostor/impostor_make.h"
 #include "tests/support/ground_tiles.h"
@@ -73,14 +73,14 @@ static void fill_wood(struct scene_builder *b)
 	for (uint32_t i = 0; i < 48; i++) {
 		for (uint32_t c = 0; c < 4; c++) {
 			double z = 6.0 * (i / 8 + (uint32_t)corner[c][1]) / 6, r = 0.25 * (1 - z / 8);
-			eco_turn_sincos((uint16_t)((i + (uint32_t)corner[c][0]) * 8192), &sine, &cosine);
+			eco_angle16_sincos((uint16_t)((i + (uint32_t)corner[c][0]) * 8192), &sine, &cosine);
 			put(b, L_WOOD, 4 * i + c, r * cosine, r * sine, z);
 		}
 		b->elements[L_WOOD].extra[i] = 4;
 	}
 	for (uint32_t i = 0; i < 30; i++) {
 		double z = 0.2 * i;
-		eco_turn_sincos((uint16_t)(i * 19000), &sine, &cosine);
+		eco_angle16_sincos((uint16_t)(i * 19000), &sine, &cosine);
 		put(b, L_LINES, 2 * i, 0, 0, z);
 		put(b, L_LINES, 2 * i + 1, i % 3 ? 1.4 * cosine : 0, i % 3 ? 1.4 * sine : 0,
 			z + (i % 3 ? 0.8 : 0.6));
@@ -95,7 +95,7 @@ static void fill_bush(struct scene_builder *b)
 	struct eco_elements *e = &b->elements[L_BUSH];
 	for (uint32_t i = 0; i < e->element_count; i++) {
 		double x = unit(b) - 0.5, y = unit(b) - 0.5, sine, cosine;
-		eco_turn_sincos((uint16_t)(unit(b) * 65535), &sine, &cosine);
+		eco_angle16_sincos((uint16_t)(unit(b) * 65535), &sine, &cosine);
 		for (uint32_t c = 0; c < 4; c++) {
 			double w = 0.4 * corner[c][0];
 			put(b, L_BUSH, 4 * i + c, x + w * cosine, y + w * sine, 0.9 * corner[c][1]);

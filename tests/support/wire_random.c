@@ -5,7 +5,7 @@
 /* The order in which C evaluates operands and initialisers is open: below, no expression draws twice. */
 static uint64_t wire_random_bits(struct wire_random *r)
 {
-	return eco_mix_next(&r->state);
+	return eco_random_next(&r->state);
 }
 
 uint32_t wire_random_below(struct wire_random *r, uint32_t n)

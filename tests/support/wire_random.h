@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk/chunk.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/format/wire.h"
 
 struct wire_random { uint64_t state; };

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "lod/build/measure/probe.h"
 
 #define PIXELS 1024u
@@ -85,7 +85,7 @@ static enum eco_code draw(struct state *s, uint32_t mix, uint32_t state, struct 
 	for (uint32_t i = 0; i < s->count && !code; i++) {
 		uint64_t random = (uint64_t)mix << 32 | i;
 		struct eco_cut cut = cut_of(s->probe.plant, s->ladder[i],
-			mix ? eco_mix_next(&random) % WOOD_STATES : state);
+			mix ? eco_random_next(&random) % WOOD_STATES : state);
 		if (cut.list == ECO_NONE)
 			continue;
 		code = lod_probe_add(&s->probe, &cut, error);

@@ -11,7 +11,7 @@
 
 #include "ecofiles/base/options.h"
 #include "ecofiles/base/phrase.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/progress.h"
 
@@ -31,7 +31,7 @@ static void print_guess(const struct start_guess *g)
 enum eco_code start_guess(struct start *s, const char *what, const char *took, const char *change,
 	const char *why, ...)
 {
-	if (!eco_room(&s->guesses, &s->guess_capacity, s->guess_count, sizeof *s->guesses))
+	if (!eco_array_grow(&s->guesses, &s->guess_capacity, s->guess_count, sizeof *s->guesses))
 		return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
 	struct start_guess *g = &s->guesses[s->guess_count++];
 	va_list arguments;

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/crowd.h"
+#include "ecofiles/base/cluster.h"
 
 #define SEEN 200u                /* plants around the middle that the picture is for */
 #define SQUARE_M 200.0
@@ -46,7 +46,7 @@ static bool find_crowd(const struct map *m, double at[2])
 {
 	uint32_t n = m->points.count;
 	double *sorted = malloc(n * sizeof *sorted), (*points)[2] = malloc(n * sizeof *points);
-	struct eco_crowd *crowds = malloc(n * sizeof *crowds);
+	struct eco_cluster *crowds = malloc(n * sizeof *crowds);
 	bool made = sorted && points && crowds;
 	for (int k = 0; k < 2 && made; k++) {
 		for (uint32_t i = 0; i < n; i++)
@@ -55,8 +55,8 @@ static bool find_crowd(const struct map *m, double at[2])
 		at[k] = sorted[n / 2];
 	}
 	if (made) {
-		const struct eco_crowd *near = eco_crowd_near(crowds,
-			eco_crowds_find(points, n, SQUARE_M, crowds), at);
+		const struct eco_cluster *near = eco_cluster_near(crowds,
+			eco_clusters_find(points, n, SQUARE_M, crowds), at);
 		if (count_around(points, n, at) < near->count)
 			memcpy(at, near->middle, sizeof near->middle);
 	}

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/words.h"
@@ -92,11 +92,11 @@ static struct start_match best_match(const struct start *s, const char *text)
 	if (match.model != ECO_NONE || match.flora.form == ECO_FORM_NOTHING)
 		return match;
 	for (const char *c = match.flora.genus ? match.flora.genus : words; *c != 0; c++)
-		hash = eco_mix(hash, (uint64_t)*c);
+		hash = eco_random(hash, (uint64_t)*c);
 	for (uint32_t i = 0; i < s->model_count; i++) {
 		enum start_tier tier;
 		int own = score(&match.flora, words, &s->models[i], &tier);
-		uint64_t order = eco_mix(hash, i);
+		uint64_t order = eco_random(hash, i);
 		if (own < best || (own == best && order > taken))
 			continue;
 		best = own;

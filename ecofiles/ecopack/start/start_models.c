@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 
 #include "ecofiles/base/phrase.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_spare.h"
@@ -48,7 +48,7 @@ struct files { struct file *file; uint32_t count, capacity; size_t above; };
 
 static enum eco_code add_file(struct start *s, struct files *files, char *path, off_t bytes)
 {
-	if (path && files->count < FILES_MAX && eco_room(&files->file, &files->capacity, files->count,
+	if (path && files->count < FILES_MAX && eco_array_grow(&files->file, &files->capacity, files->count,
 			sizeof *files->file)) {
 		files->file[files->count++] = (struct file){ .path = path, .bytes = bytes };
 		return ECO_OK;
@@ -214,7 +214,7 @@ static bool name_is_taken(const struct start *s, const char *name)
 static enum eco_code add_model(struct start *s, const char *path, const char *base, size_t bytes)
 {
 	struct start_model *m;
-	if (!eco_room(&s->models, &s->model_capacity, s->model_count, sizeof *s->models))
+	if (!eco_array_grow(&s->models, &s->model_capacity, s->model_count, sizeof *s->models))
 		return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
 	m = &s->models[s->model_count];
 	*m = (struct start_model){ .height_m = 0 };

@@ -10,7 +10,7 @@
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/chunk/chunk_payload.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 
 #define PAYLOAD_VERSION 1u
 #define PAYLOAD_PACKED 3u
@@ -31,7 +31,7 @@ void eco_chunk_permutation(uint32_t ordinal, uint32_t count, uint32_t *order)
 	for (uint32_t i = 0; i < count; i++)
 		order[i] = i;
 	for (uint32_t i = count; i > 1; i--) {
-		uint32_t j = (uint32_t)((eco_mix_next(&state) >> 32) * i >> 32);
+		uint32_t j = (uint32_t)((eco_random_next(&state) >> 32) * i >> 32);
 		uint32_t kept = order[j];
 		order[j] = order[i - 1];
 		order[i - 1] = kept;

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/random.h"
+#include "ecofiles/base/array_grow.h"
 
 #define COARSE 1e-4                  /* share of the extent: a coarser rounding of coordinates is reported */
 #define ONE_COLOR 0.02f
@@ -111,7 +111,7 @@ static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_
 	struct gltf_surface_source source = { .doc = s->doc, .looks = s->looks, .look_count = s->look_count,
 		.primitive = primitive, .weights = shape->weights, .mesh = shape->mesh, .number = number,
 		.triangles_max = s->triangles_max, .counts = &s->counts };
-	if (!eco_room(&s->pieces, &s->piece_room, s->piece_count, sizeof *s->pieces))
+	if (!eco_array_grow(&s->pieces, &s->piece_room, s->piece_count, sizeof *s->pieces))
 		return out_of_memory(s);
 	struct piece *piece = &s->pieces[s->piece_count];
 	enum eco_code code = gltf_surface_read(&piece->surface, &source, s->error);
@@ -133,9 +133,9 @@ static uint32_t *shape_slot(struct soup *s, uint32_t mesh, const json_t *weights
 		double weight = json_number_value(json_array_get(weights, i));
 		uint64_t bits;
 		memcpy(&bits, &weight, sizeof bits);
-		hash = eco_mix(hash, bits);
+		hash = eco_random(hash, bits);
 	}
-	return &s->first_shape[eco_mix(0, hash) & s->shape_mask];
+	return &s->first_shape[eco_random(0, hash) & s->shape_mask];
 }
 
 /* The shape of a node's mesh; reads it if it is new. */
@@ -154,7 +154,7 @@ static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *nod
 		if (s->shapes[*found].mesh == mesh && (s->shapes[*found].weights == weights
 				|| json_equal(s->shapes[*found].weights, weights)))
 			return ECO_OK;
-	if (!eco_room(&s->shapes, &s->shape_room, s->shape_count, sizeof *s->shapes))
+	if (!eco_array_grow(&s->shapes, &s->shape_room, s->shape_count, sizeof *s->shapes))
 		return out_of_memory(s);
 	struct shape *shape = &s->shapes[s->shape_count];
 	*shape = (struct shape){ .mesh = mesh, .weights = weights, .first = s->piece_count,
@@ -173,7 +173,7 @@ static enum eco_code add_place(struct soup *s, uint32_t shape, uint32_t node, co
 	s->triangles += s->shapes[shape].triangles;
 	if (too_many(s, s->triangles) != ECO_OK)
 		return ECO_TOO_LARGE;
-	if (!eco_room(&s->places, &s->place_room, s->place_count, sizeof *s->places))
+	if (!eco_array_grow(&s->places, &s->place_room, s->place_count, sizeof *s->places))
 		return out_of_memory(s);
 	struct place *place = &s->places[s->place_count++];
 	place->shape = shape;

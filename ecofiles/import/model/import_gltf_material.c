@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "ecofiles/format/image.h"
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 
 #define ALPHA_SLACK 1e-3          /* alpha equal to the cutoff is opaque, whatever the rounding */
 #define PI 3.14159265358979323846
@@ -74,7 +74,7 @@ static void read_transform(const json_t *texture, struct gltf_look *look)
 		if (fabs(look->uv.scale[k]) > 65536)
 			look->uv.scale[k] = 1;
 	}
-	eco_turn_sincos(eco_turn_from_deg(fabs(radians) <= 1e6 ? radians * (180 / PI) : 0), &look->uv.sine,
+	eco_angle16_sincos(eco_angle16_from_deg(fabs(radians) <= 1e6 ? radians * (180 / PI) : 0), &look->uv.sine,
 		&look->uv.cosine);
 	look->uv_set = eco_gltf_index(from, "texCoord");
 	if (look->uv_set == ECO_NONE)

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "ecofiles/base/texts.h"
+#include "ecofiles/base/string_pool.h"
 
 #define MTL_BYTES_MAX ((uint64_t)1 << 28)
 #define MATERIALS_MAX 65536u
@@ -181,13 +181,13 @@ enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_err
 }
 
 /* The number of a name, in any case if `fold`; ECO_NONE when memory ran out. */
-static uint32_t number_name(struct eco_texts *names, const char *name, bool fold)
+static uint32_t number_name(struct eco_string_pool *names, const char *name, bool fold)
 {
 	char *text = strdup(name);
 	uint32_t number = ECO_NONE;
 	for (char *c = text; fold && c && *c != 0; c++)
 		*c = (char)tolower((unsigned char)*c);
-	if (text && !eco_texts_add(names, text, &number))
+	if (text && !eco_string_pool_add(names, text, &number))
 		number = ECO_NONE;
 	free(text);
 	return number;
@@ -197,7 +197,7 @@ static uint32_t number_name(struct eco_texts *names, const char *name, bool fold
 static bool find_names(const struct eco_mtl *mtl, char *const *names, uint32_t count, bool fold,
 	const struct eco_mtl_material **found)
 {
-	struct eco_texts known = { 0 };
+	struct eco_string_pool known = { 0 };
 	uint32_t *last = malloc(((size_t)mtl->count + 1) * sizeof *last);
 	bool good = last != NULL;
 	for (uint32_t i = 0; i < mtl->count && good; i++) {
@@ -214,7 +214,7 @@ static bool find_names(const struct eco_mtl *mtl, char *const *names, uint32_t c
 			found[i] = &mtl->items[last[number]];
 	}
 	free(last);
-	eco_texts_free(&known);
+	eco_string_pool_free(&known);
 	return good;
 }
 

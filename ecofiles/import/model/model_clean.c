@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "ecofiles/import/model/import_model.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/import/model/model_spare.h"
@@ -59,7 +59,7 @@ static bool is_duplicate(struct clean *c, const uint32_t corners[3], uint32_t ma
 {
 	uint32_t sorted[3] = { corners[0], corners[1], corners[2] }, slot;
 	sort3(sorted);
-	slot = eco_mix_slot(sorted[0], sorted[1], sorted[2] ^ (material * 0x85ebca6bu)) & c->mask;
+	slot = eco_random_slot(sorted[0], sorted[1], sorted[2] ^ (material * 0x85ebca6bu)) & c->mask;
 	for (; c->table[slot] != ECO_NONE; slot = (slot + 1) & c->mask) {
 		uint32_t other[3];
 		corner_places(c, c->table[slot], other);

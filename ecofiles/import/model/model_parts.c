@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "ecofiles/import/model/import_model.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/base/union.h"
 #include "ecofiles/base/utf8.h"
 #include "ecofiles/import/model/model_import.h"
@@ -50,7 +50,7 @@ bool eco_model_places(struct eco_model *m, uint32_t *place)
 		for (int k = 0; k < 3; k++)
 			p[k] += 0.0f;                /* -0 is 0 */
 		memcpy(bits, p, sizeof bits);
-		slot = eco_mix_slot(bits[0], bits[1], bits[2]) & mask;
+		slot = eco_random_slot(bits[0], bits[1], bits[2]) & mask;
 		while (table[slot] != ECO_NONE
 				&& memcmp(&m->position[(size_t)table[slot] * 3], p, sizeof bits) != 0)
 			slot = (slot + 1) & mask;
@@ -100,7 +100,7 @@ static bool join_triangles(const struct eco_model *m, const uint32_t *place, boo
 	for (uint32_t corner = 0; corner < m->triangle_count * 3; corner++) {
 		uint32_t at = place[m->index[corner]], material = by_material ? m->material[corner / 3] : 0,
 			slot, a, b;
-		slot = eco_mix_slot(at, material, 0) & mask;
+		slot = eco_random_slot(at, material, 0) & mask;
 		while (table[slot] != ECO_NONE && (place[m->index[table[slot]]] != at
 			|| (by_material && m->material[table[slot] / 3] != material)))
 			slot = (slot + 1) & mask;

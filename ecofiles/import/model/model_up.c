@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/base/union.h"
 
 #define SLICES 32
@@ -243,7 +243,7 @@ static bool find_places(const struct eco_model *m, uint32_t *place)
 		place[i] = i;
 		if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
 			continue;            /* NaN equals nothing: the search would not end */
-		uint64_t at = eco_mix(eco_mix(bits[0], bits[1]), bits[2]) & (size - 1);
+		uint64_t at = eco_random(eco_random(bits[0], bits[1]), bits[2]) & (size - 1);
 		while (table[at] != ECO_NONE
 				&& (q = m->position + 3 * (size_t)table[at], q[0] != p[0] || q[1] != p[1]
 				|| q[2] != p[2]))

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define DEPTH_MAX 16
 #define STRIPS_MAX (1u << 20)
@@ -37,7 +37,7 @@ static enum eco_code add_edge(struct reading *r, const double a[2], const double
 {
 	struct eco_areas *s = r->areas;
 	if (s->edge_count == ECO_AREA_POINTS_MAX
-			|| !eco_room(&s->edges, &s->edge_capacity, s->edge_count, sizeof *s->edges))
+			|| !eco_array_grow(&s->edges, &s->edge_capacity, s->edge_count, sizeof *s->edges))
 		return eco_fail(r->error, s->edge_count == ECO_AREA_POINTS_MAX ? ECO_TOO_LARGE
 			: ECO_NO_MEMORY, "no room for more than %u corners of areas", s->edge_count);
 	s->edges[s->edge_count++] = (struct eco_edge){ { a[0], a[1] }, { b[0], b[1] } };
@@ -121,7 +121,7 @@ enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, siz
 	}
 	area.edge_count = areas->edge_count - area.edge_first;
 	*kept = code == ECO_OK && r.kept && area.edge_count > 0;
-	if (code == ECO_OK && *kept && !eco_room(&areas->items, &areas->capacity, areas->count,
+	if (code == ECO_OK && *kept && !eco_array_grow(&areas->items, &areas->capacity, areas->count,
 			sizeof *areas->items))
 		code = eco_fail(r.error, ECO_NO_MEMORY, "no memory for more than %u areas", areas->count);
 	if (code != ECO_OK || !*kept) {
@@ -335,7 +335,7 @@ static enum eco_code add_link(struct eco_areas *s, int64_t x, int64_t y, uint32_
 	struct eco_error *error)
 {
 	if (s->link_count == LINKS_MAX
-			|| !eco_room(&s->links, &s->link_capacity, s->link_count, sizeof *s->links))
+			|| !eco_array_grow(&s->links, &s->link_capacity, s->link_count, sizeof *s->links))
 		return eco_fail(error, s->link_count == LINKS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room "
 			"for the features to keep clear of; simplify them, or take a larger distance");
 	s->links[s->link_count++] = (struct eco_area_link){ x, y, edge, ECO_AREA_POINTS_MAX };

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 
 #define CANDIDATES (4 * ECO_BLUE_NOISE_POINTS)
 #define SIDE 65536.0
@@ -150,7 +150,7 @@ bool eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2])
 			.place = malloc(sizeof(uint32_t) * CANDIDATES) };
 	bool good = at && scratch && f.cell_first && f.member && f.weight && f.heap && f.place;
 	for (uint32_t i = 0; good && i < CANDIDATES; i++) {
-		uint64_t bits = eco_mix(4096, i);
+		uint64_t bits = eco_random(4096, i);
 		at[i][0] = (uint16_t)bits;
 		at[i][1] = (uint16_t)(bits >> 16);
 	}

@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "ecofiles/import/places/inventory_text.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/base/utf8.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/crs_facts.h"
@@ -550,7 +550,7 @@ static double read_yaw(struct eco_positions *p)
 	if (p->from_geometry && fabs(p->rows->place.yaw_deg) <= 1e6)
 		return p->rows->place.yaw_deg;
 	/* any of 64: nobody sees more, and it takes 10 bits less */
-	return (eco_mix_turn(p->spec->seed, p->rows->row) >> 10) * (360.0 / 64);
+	return (eco_random_angle16(p->spec->seed, p->rows->row) >> 10) * (360.0 / 64);
 }
 
 static double read_scale(struct eco_positions *p)
@@ -714,7 +714,7 @@ enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_positi
 		return code;
 	if (reader->levels && !isnan(record->height_m))
 		record->height_m = eco_levels_height(reader->levels, record->plant, record->height_m);
-	record->plant += eco_mix_variant(reader->spec->seed, record->row, record->variant_count);
+	record->plant += eco_random_variant(reader->spec->seed, record->row, record->variant_count);
 	return ECO_OK;
 }
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 
 bool eco_quadrat_corner(const struct eco_quadrat *quadrat, const char *text, double corner_m[2])
 {
@@ -20,7 +20,7 @@ bool eco_quadrat_corner(const struct eco_quadrat *quadrat, const char *text, dou
 void eco_polar_offset(const struct eco_polar *polar, double azimuth, double distance, double offset_m[2])
 {
 	double sine, cosine;
-	eco_turn_sincos(eco_turn_from_deg(azimuth / polar->whole_turn * 360), &sine, &cosine);
+	eco_angle16_sincos(eco_angle16_from_deg(azimuth / polar->whole_turn * 360), &sine, &cosine);
 	offset_m[0] = distance * polar->unit_m * sine;
 	offset_m[1] = distance * polar->unit_m * cosine;
 }

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/import/places/positions_parts.h"
 
 #define PARTS 256u
@@ -48,7 +48,7 @@ bool eco_place_set_add(struct eco_place_set *set, const double at[3], bool *know
 {
 	uint64_t hash = 0, *slot;
 	for (int k = 0; k < 3; k++)
-		hash = eco_mix(hash, (uint64_t)(int64_t)floor(at[k] * 1000 + 0.5));
+		hash = eco_random(hash, (uint64_t)(int64_t)floor(at[k] * 1000 + 0.5));
 	hash += hash == 0;
 	struct part *part = &set->parts[hash % PARTS];
 	if (part->count * 5ull >= part->capacity * 4ull && !grow(part))

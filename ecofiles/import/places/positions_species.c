@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/import/places/inventory_text.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/positions_parts.h"
 
@@ -97,7 +97,7 @@ static struct known *slot_of(const struct eco_species_table *t, const char *text
 	uint64_t hash = length;
 	for (size_t i = 0; i < length; i++)
 		hash = (hash ^ (unsigned char)text[i]) * 0x100000001b3u;
-	uint32_t at = (uint32_t)(eco_mix(0, hash) % SLOTS);
+	uint32_t at = (uint32_t)(eco_random(0, hash) % SLOTS);
 	while (t->known[at].text
 			&& (strncmp(t->known[at].text, text, length) != 0 || t->known[at].text[length] != 0))
 		at = at + 1 == SLOTS ? 0 : at + 1;

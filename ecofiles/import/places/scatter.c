@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "ecofiles/import/places/blue_noise.h"
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "ecofiles/format/model.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/import/places/scatter_parts.h"
 
 #define HECTARE_M2 10000.0
@@ -107,11 +107,11 @@ struct sweep {
 static void add_candidate(struct candidates *c, uint32_t rank, int64_t column, int64_t row, double x,
 	double y)
 {
-	if (!eco_room(&c->items, &c->capacity, c->count, sizeof *c->items)) {
+	if (!eco_array_grow(&c->items, &c->capacity, c->count, sizeof *c->items)) {
 		c->failed = true;
 		return;
 	}
-	c->items[c->count++] = (struct candidate){ rank, (uint32_t)eco_mix((uint64_t)column, (uint64_t)row),
+	c->items[c->count++] = (struct candidate){ rank, (uint32_t)eco_random((uint64_t)column, (uint64_t)row),
 		{ x, y } };
 }
 
@@ -172,7 +172,7 @@ static int candidate_order(const void *a, const void *b)
 
 static uint32_t *grid_head(const struct near_grid *g, int64_t x, int64_t y)
 {
-	return &g->head[(uint32_t)(eco_mix((uint64_t)x, (uint64_t)y) >> 32) & g->mask];
+	return &g->head[(uint32_t)(eco_random((uint64_t)x, (uint64_t)y) >> 32) & g->mask];
 }
 
 static void grid_put(struct near_grid *g, const struct eco_scatter_place *places, uint32_t place)
@@ -223,9 +223,9 @@ static bool is_near(const struct eco_scatter *s, const double at[2], double dist
 static enum eco_code add_place(struct eco_scatter *s, const double at[2], uint32_t plant)
 {
 	const struct eco_scatter_spec *spec = s->spec;
-	uint64_t key = eco_mix((uint64_t)(int64_t)floor(at[0] * 1000 + 0.5),
+	uint64_t key = eco_random((uint64_t)(int64_t)floor(at[0] * 1000 + 0.5),
 		(uint64_t)(int64_t)floor(at[1] * 1000 + 0.5));
-	uint64_t bits = eco_mix(spec->seed, key);
+	uint64_t bits = eco_random(spec->seed, key);
 	double share = (double)(bits >> 40) / (1 << 24);
 	if (s->count == s->capacity) {
 		uint64_t wanted = s->capacity ? 2 * s->capacity : 1024;
@@ -240,7 +240,7 @@ static enum eco_code add_place(struct eco_scatter *s, const double at[2], uint32
 			return no_memory(s);
 	}
 	s->places[s->count] = (struct eco_scatter_place){
-		.plant = spec->plants[plant].plant + eco_mix_variant(spec->seed, key,
+		.plant = spec->plants[plant].plant + eco_random_variant(spec->seed, key,
 			spec->plants[plant].variant_count), .at = { at[0], at[1] },
 		.yaw_deg = ((uint16_t)bits >> 10) * (360.0 / 64),      /* as inventories */
 		.height_m = spec->height_low_m + (spec->height_high_m - spec->height_low_m) * share };
@@ -375,14 +375,14 @@ static uint64_t wanted_in(const struct eco_scatter *s, uint32_t index)
 {
 	const struct eco_area *area = &s->input.areas.items[index];
 	double hectares = area->size_m2 / HECTARE_M2, number = total_weight(s->spec) * hectares;
-	uint64_t key = eco_mix((uint64_t)(int64_t)floor(area->low[0] * 1000 + 0.5),
+	uint64_t key = eco_random((uint64_t)(int64_t)floor(area->low[0] * 1000 + 0.5),
 		(uint64_t)(int64_t)floor(area->low[1] * 1000 + 0.5));
 	if (s->spec->count_column)
 		number = s->input.number[index];
 	else if (s->spec->density_column)
 		number = s->input.number[index] * hectares;
 	number = fmin(number, 2.0 * ECO_SCATTER_PLANTS_MAX);
-	return (uint64_t)(number + eco_mix_unit(eco_mix(s->spec->seed, key)));
+	return (uint64_t)(number + eco_random_unit(eco_random(s->spec->seed, key)));
 }
 
 static enum eco_code place_in_areas(struct eco_scatter *s)

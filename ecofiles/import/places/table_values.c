@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 struct reader {
 	struct eco_table_values *values;
@@ -23,7 +23,7 @@ static enum eco_code add(struct reader *r, const char *text, uint64_t line)
 	}
 	if (v->count == ECO_TABLE_VALUES_MAX)
 		return ECO_OK;
-	if (!eco_room(&v->items, &r->capacity, v->count, sizeof *v->items)
+	if (!eco_array_grow(&v->items, &r->capacity, v->count, sizeof *v->items)
 			|| json_object_set_new(r->index, text, json_integer(v->count)) != 0
 			|| !(v->items[v->count].text = strdup(text)))
 		return ECO_NO_MEMORY;

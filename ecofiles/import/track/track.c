@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/track/track_read.h"
 
@@ -42,7 +42,7 @@ enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, stru
 	if (track->count == ECO_TRACK_FIXES_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: more than %u fixes", track->path,
 			ECO_TRACK_FIXES_MAX);
-	if (!eco_room(&track->fixes, &track->capacity, track->count, sizeof f))
+	if (!eco_array_grow(&track->fixes, &track->capacity, track->count, sizeof f))
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: no memory for %u fixes", track->path,
 			track->count);
 	track->timed |= !isnan(f.time_s);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/import/model/gltf.h"
 #include "ecofiles/import/track/track_read.h"
 
@@ -77,7 +77,7 @@ static enum eco_code take_channel(struct motion *m, const json_t *animation, con
 	for (uint32_t i = 0; i < m->count; i++)
 		if (m->channels[i].node == c.node && m->channels[i].path == c.path)
 			return ECO_OK;
-	if (!eco_room(&m->channels, &m->capacity, m->count, sizeof c))
+	if (!eco_array_grow(&m->channels, &m->capacity, m->count, sizeof c))
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", eco_gltf_path(m->doc));
 	m->channels[m->count] = c;
 	return read_channel(m->doc, &m->channels[m->count++], sampler, error);

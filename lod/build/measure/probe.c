@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "lod/build/model_draw.h"
 #include "lod/build/weld.h"
 #include "lod/geometry.h"
@@ -218,7 +218,7 @@ void lod_probe_add_impostor(struct lod_probe *probe, const struct lod_impostor *
 
 static bool reserve(struct lod_probe *probe, size_t floats)
 {
-	if (!eco_room(&probe->drawings, &probe->drawing_capacity, probe->drawing_count,
+	if (!eco_array_grow(&probe->drawings, &probe->drawing_capacity, probe->drawing_count,
 			sizeof *probe->drawings))
 		return false;
 	if (probe->float_count + floats > probe->float_capacity) {

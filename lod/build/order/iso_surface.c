@@ -13,12 +13,12 @@
 #define WIDEST 64.0              /* radii in the largest extent at most: flat covers are wide and low */
 #define ISO 0.05
 
-static size_t node_at(const struct lod_hull *h, uint32_t x, uint32_t y, uint32_t z)
+static size_t node_at(const struct lod_iso_surface *h, uint32_t x, uint32_t y, uint32_t z)
 {
 	return ((size_t)z * h->size[1] + y) * h->size[0] + x;
 }
 
-static void place_grid(struct lod_hull *h, const struct lod_v3 *center, uint32_t count, double height)
+static void place_grid(struct lod_iso_surface *h, const struct lod_v3 *center, uint32_t count, double height)
 {
 	double low[3], high[3], extent = 0;
 	for (int a = 0; a < 3; a++) {
@@ -41,7 +41,7 @@ static void place_grid(struct lod_hull *h, const struct lod_v3 *center, uint32_t
 		h->size[a] = (uint32_t)((high[a] - low[a] + 2 * pad) / h->cell) + 2;
 }
 
-static void add_ball(struct lod_hull *h, struct lod_v3 p)
+static void add_ball(struct lod_iso_surface *h, struct lod_v3 p)
 {
 	uint32_t first[3], last[3];
 	for (int a = 0; a < 3; a++) {
@@ -62,7 +62,7 @@ static void add_ball(struct lod_hull *h, struct lod_v3 p)
 			}
 }
 
-static bool on_surface(const struct lod_hull *h, size_t node)
+static bool on_surface(const struct lod_iso_surface *h, size_t node)
 {
 	size_t row = h->size[0], slice = row * h->size[1];
 	const float *d = h->density + node;
@@ -109,7 +109,7 @@ static void transform_line(float *distance, uint32_t *nearest, size_t stride, ui
 	}
 }
 
-static void find_surface(struct lod_hull *h, struct lod_arena *arena)
+static void find_surface(struct lod_iso_surface *h, struct lod_arena *arena)
 {
 	size_t count = (size_t)h->size[0] * h->size[1] * h->size[2], longest = (size_t)h->size[0] + h->size[1]
 		+ h->size[2];
@@ -138,7 +138,7 @@ static void find_surface(struct lod_hull *h, struct lod_arena *arena)
 	lod_arena_release(arena, mark);
 }
 
-void lod_hull_make(struct lod_hull *h, const struct lod_v3 *center, uint32_t count, double height,
+void lod_iso_surface_make(struct lod_iso_surface *h, const struct lod_v3 *center, uint32_t count, double height,
 	struct lod_arena *arena)
 {
 	place_grid(h, center, count, height);
@@ -150,7 +150,7 @@ void lod_hull_make(struct lod_hull *h, const struct lod_v3 *center, uint32_t cou
 
 /* ---- Queries ---- */
 
-double lod_hull_density(const struct lod_hull *h, struct lod_v3 p)
+double lod_iso_surface_density(const struct lod_iso_surface *h, struct lod_v3 p)
 {
 	uint32_t i[3];
 	double t[3], sum = 0;
@@ -167,7 +167,7 @@ double lod_hull_density(const struct lod_hull *h, struct lod_v3 p)
 	return sum;
 }
 
-static struct lod_v3 normal_at(const struct lod_hull *h, size_t node)
+static struct lod_v3 normal_at(const struct lod_iso_surface *h, size_t node)
 {
 	size_t row = h->size[0], slice = row * h->size[1];
 	const float *d = h->density + node;
@@ -175,7 +175,7 @@ static struct lod_v3 normal_at(const struct lod_hull *h, size_t node)
 		(double)*(d - slice) - d[slice] });
 }
 
-bool lod_hull_normal(const struct lod_hull *h, struct lod_v3 p, struct lod_v3 *normal)
+bool lod_iso_surface_normal(const struct lod_iso_surface *h, struct lod_v3 p, struct lod_v3 *normal)
 {
 	uint32_t i[3];
 	for (int a = 0; a < 3; a++)

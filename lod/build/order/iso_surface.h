@@ -1,8 +1,8 @@
 /* The hull of a plant: the density of its elements in space and the iso-surface around them (Neubert 2011,
  * 3.1; balls of Blinn 1982).
  *
- *   lod_hull_make(&hull, center, count, height, &arena);
- *   lod_hull_density(&hull, p), lod_hull_normal(&hull, p, &normal)     for orders
+ *   lod_iso_surface_make(&hull, center, count, height, &arena);
+ *   lod_iso_surface_density(&hull, p), lod_iso_surface_normal(&hull, p, &normal)     for orders
  * (lod/build/order/order.h) */
 #ifndef LOD_ISO_SURFACE_H
 #define LOD_ISO_SURFACE_H
@@ -13,7 +13,7 @@
 #include "lod/arena.h"
 #include "lod/vector.h"
 
-struct lod_hull {                    /* arrays of an arena */
+struct lod_iso_surface {                    /* arrays of an arena */
 	struct lod_v3 low;
 	double radius, cell;         /* of a ball; distance of nodes */
 	uint32_t size[3];
@@ -23,14 +23,14 @@ struct lod_hull {                    /* arrays of an arena */
 
 /* height: of the plant; a ball's radius is 5 % of it, more if the elements extend far beyond it. At least one
  * element. Linear in elements. */
-void lod_hull_make(struct lod_hull *hull, const struct lod_v3 *center, uint32_t count, double height,
+void lod_iso_surface_make(struct lod_iso_surface *hull, const struct lod_v3 *center, uint32_t count, double height,
 	struct lod_arena *arena);
 
 /* Sum of the balls at a point within the bounds of the centres. */
-double lod_hull_density(const struct lod_hull *hull, struct lod_v3 at);
+double lod_iso_surface_density(const struct lod_iso_surface *hull, struct lod_v3 at);
 
 /* Outward unit normal of the iso-surface at its point nearest to `at` (within the bounds of the centres).
  * False if there is none. */
-bool lod_hull_normal(const struct lod_hull *hull, struct lod_v3 at, struct lod_v3 *normal);
+bool lod_iso_surface_normal(const struct lod_iso_surface *hull, struct lod_v3 at, struct lod_v3 *normal);
 
 #endif

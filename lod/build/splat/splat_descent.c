@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 
 #define BATCHES 4u               /* a round over all views is so many steps */
 /* with enough views and no blades; lod/EXPERIMENTS.md, Coarse views, fewer a step */
@@ -61,11 +61,11 @@ static void draw_level(struct state *s)
 static void draw_between(struct state *s, uint64_t *seed)
 {
 	const struct splat_descent *d = s->d;
-	double share = eco_mix_unit(eco_mix_next(seed));
+	double share = eco_random_unit(eco_random_next(seed));
 	s->moving = 0;
 	s->drawn_count = d->count;           /* parents that stay are gathered behind all children */
 	for (uint32_t i = 0; i < d->count / d->children; i++) {
-		if (eco_mix_unit(eco_mix_next(seed)) >= share) {
+		if (eco_random_unit(eco_random_next(seed)) >= share) {
 			s->drawn[s->drawn_count++] = d->parents[i];
 			continue;
 		}

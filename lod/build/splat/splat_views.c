@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "lod/build/model_draw.h"
 #include "lod/build/splat/splat_state.h"
 #include "lod/build/weld.h"
@@ -121,7 +121,7 @@ static void take_samples(struct splat_views *views, uint32_t index, const struct
 	uint32_t room = SAMPLES / views->count;
 	uint64_t seed = 0x51A7 + index;
 	for (uint32_t tries = 0; tries < 8 * room && view->sample_count < room; tries++) {
-		uint64_t bits = eco_mix_next(&seed);
+		uint64_t bits = eco_random_next(&seed);
 		uint32_t x = (uint32_t)(bits & 0xffffffff) % raster->width,
 			y = (uint32_t)(bits >> 32) % raster->height;
 		if (!raster->cover[(size_t)y * raster->width + x])

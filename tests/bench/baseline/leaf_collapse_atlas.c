@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "lod/raster/texel.h"
 
 #define WIDTH 1024u
@@ -239,7 +239,7 @@ static void pair_sheet(struct sheet *sheet, const struct bin *bin)
 		{ apart, 0, { cs[0], -cs[1] } } } };
 }
 
-static double unit_of(uint32_t number) { return eco_mix_unit(eco_mix(17, number)); }
+static double unit_of(uint32_t number) { return eco_random_unit(eco_random(17, number)); }
 
 /* Strewn by the two ratios of the plastic number, which leave no gap; turned at random. */
 static void strewn_sheet(struct sheet *sheet, const struct bin *bin)

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/format/wire.h"
 #include "tests/bench/baseline/paper_scene.h"
 
@@ -67,7 +67,7 @@ void paper_cut(struct paper *p, const struct lod_slot *slot, const struct eco_cu
 {
 	if (cut->end <= cut->first)
 		return;
-	if (!eco_room(&p->cuts, &p->cut_room, p->cut_count, sizeof *p->cuts)) {
+	if (!eco_array_grow(&p->cuts, &p->cut_room, p->cut_count, sizeof *p->cuts)) {
 		p->no_memory = true;
 		return;
 	}

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "tests/bench/collapse/bench_collapse_draw.h"
 #include "tests/bench/collapse/bench_collapse_q.h"
 
@@ -215,7 +215,7 @@ static enum eco_code write_means(struct bench *bench, const struct sums *sums, s
 
 struct made { uint32_t *first; float (*corner)[3]; };
 
-static double dice(uint64_t *state) { return 2 * eco_mix_unit(eco_mix_next(state)) - 1; }
+static double dice(uint64_t *state) { return 2 * eco_random_unit(eco_random_next(state)) - 1; }
 
 /* Squares strewn in a ball. */
 static void strew(struct made *made, uint32_t count, struct lod_arena *arena)

@@ -318,8 +318,8 @@ void extreme_orders(struct extreme *x)
 				struct lod_arena arena = { 0 };
 				uint64_t state = 7;
 				for (uint32_t k = 0; k < rows[i].count; k++) {
-					double u = eco_mix_unit(state = lod_mix(state + 1)),
-						v = eco_mix_unit(state = lod_mix(state + 1));
+					double u = eco_random_unit(state = lod_mix(state + 1)),
+						v = eco_random_unit(state = lod_mix(state + 1));
 					center[k] = rows[i].shape == 1 ? (struct lod_v3){ 0, 0, u }
 						: rows[i].shape == 2 ? (struct lod_v3){ u, v, 1 }
 						: rows[i].shape == 3

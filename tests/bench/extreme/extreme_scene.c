@@ -9,7 +9,7 @@
 
 #include "client-min/view_reference.h"
 #include "client-min/view_select.h"
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 #include "ecofiles/format/wire.h"
 #include "lod/build/summary.h"
 #include "tests/bench/bench_fetch.h"
@@ -53,7 +53,7 @@ static void scatter(struct extreme_stand *stand, uint32_t plant, uint32_t count,
 	for (uint32_t i = 0; i < count; i++) {
 		double unit[4];
 		for (int k = 0; k < 4; k++)
-			unit[k] = eco_mix_unit(seed = lod_mix(seed + 1));
+			unit[k] = eco_random_unit(seed = lod_mix(seed + 1));
 		extreme_stand_place(stand, &(struct extreme_place){ .plant = plant,
 			.at = { (unit[0] - 0.5) * stand->side, (unit[1] - 0.5) * stand->side, 0 },
 			.turn = (uint16_t)(unit[2] * 65535), .scale = 0.8 + 0.4 * unit[3] });
@@ -390,7 +390,7 @@ struct eco_view extreme_site_view(const struct extreme_site *site, const struct 
 {
 	struct eco_view out = *view;
 	double sine, cosine, scale = site->scale > 0 && !site->plain ? site->scale : 1;
-	eco_turn_sincos(site->plain ? 0 : site->turn, &sine, &cosine);
+	eco_angle16_sincos(site->plain ? 0 : site->turn, &sine, &cosine);
 	for (int point = 0; point < 3; point++) {
 		const double *p = point == 0 ? view->eye : point == 1 ? view->target : view->up;
 		double *to = point == 0 ? out.eye : point == 1 ? out.target : out.up,

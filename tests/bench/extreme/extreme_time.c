@@ -69,7 +69,7 @@ void extreme_still_streams(struct extreme *x)
 
 /* ---- Trembling ---- */
 
-static double unit(uint64_t *state) { return eco_mix_unit(*state = lod_mix(*state + 1)) * 2 - 1; }
+static double unit(uint64_t *state) { return eco_random_unit(*state = lod_mix(*state + 1)) * 2 - 1; }
 
 /* vertices, predicted wrong pixels */
 struct swing { uint64_t least, most; double wrong[2]; uint32_t changes; };

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/random.h"
+#include "ecofiles/base/angle16.h"
 #include "ecofiles/format/view.h"
 #include "tests/bench/baseline/billboard_cloud.h"
 #include "tests/bench/pictures/bench_billboards_q.h"
@@ -61,7 +61,7 @@ static int by_distance(const void *a, const void *b)
 	return x->away < y->away ? -1 : x->away > y->away;
 }
 
-static double dice(uint64_t *state) { return eco_mix_unit(eco_mix_next(state)); }
+static double dice(uint64_t *state) { return eco_random_unit(eco_random_next(state)); }
 
 /* Jittered rows before the eye. */
 static void place_plants(struct field *f)
@@ -72,7 +72,7 @@ static void place_plants(struct field *f)
 		struct stand s = { .place = { .at = { (i % SIDE + dice(&state) - SIDE / 2.0) * step,
 			(i / SIDE + dice(&state)) * step, 0 }, .scale = 0.75 + 0.5 * dice(&state) } };
 		double world[3];
-		eco_turn_sincos((uint16_t)eco_mix_next(&state), &s.place.sine, &s.place.cosine);
+		eco_angle16_sincos((uint16_t)eco_random_next(&state), &s.place.sine, &s.place.cosine);
 		const float center[3] = { (float)f->center[0], (float)f->center[1], (float)f->center[2] };
 		lod_place_point(&s.place, center, world);
 		for (int k = 0; k < 3; k++)
@@ -161,7 +161,7 @@ static void paint_pixel(const struct field *f, uint32_t panel, size_t i, uint8_t
 	const struct stand *s = &f->stands[raster->owner[i] - 1];
 	const uint8_t *from = panel == 0 ? plain : panel == 1 ? f->rgb[s->level][raster->item[i]]
 		: level_rgb[s->level];
-	double shade = 0.7 + 0.3 * eco_mix_unit(eco_mix(4, raster->owner[i]));
+	double shade = 0.7 + 0.3 * eco_random_unit(eco_random(4, raster->owner[i]));
 	for (int k = 0; k < 3; k++)
 		rgb[k] = (uint8_t)(shade * from[k]);
 }

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 #include "lod/build/order/order.h"
 #include "lod/build/order/rank.h"
 #include "lod/sort.h"
@@ -254,7 +254,7 @@ static enum eco_code study_turn(struct study *s, struct eco_error *error)
 	struct lod_billboard_cloud cloud;
 	for (uint32_t v = 0; v < BENCH_TURN_VIEWS; v++) {
 		double sine, cosine, flat = 1 / sqrt(1 + TURN_UP * TURN_UP);
-		eco_turn_sincos(eco_turn_from_deg(360.0 * v / BENCH_TURN_VIEWS), &sine, &cosine);
+		eco_angle16_sincos(eco_angle16_from_deg(360.0 * v / BENCH_TURN_VIEWS), &sine, &cosine);
 		directions[v][0] = flat * cosine, directions[v][1] = flat * sine;
 		directions[v][2] = flat * TURN_UP;
 	}

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 #include "ecofiles/format/chunk/chunk.h"
 
 /* ---- Lists ---- */
@@ -138,7 +138,7 @@ static struct eco_placement placed(const struct eco_placement *outer, const stru
 	double sine, cosine;
 	if (!child->placed)
 		return *outer;
-	eco_turn_sincos(outer->turn, &sine, &cosine);
+	eco_angle16_sincos(outer->turn, &sine, &cosine);
 	return (struct eco_placement){ .turn = (uint16_t)(outer->turn + child->turn),
 		.scale = outer->scale * (double)child->scale,
 		.at = { outer->at[0] + outer->scale * (cosine * child->at[0] - sine * child->at[1]),

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 #include "lod/build/weld.h"
 #include "lod/geometry.h"
 #include "tests/bench/pictures/bench_splats.h"
@@ -40,8 +40,8 @@ static void look(struct bench_splats_pictures *p)
 	for (uint32_t i = 0; i < BENCH_SPLATS_VIEWS; i++) {
 		struct lod_eye *eye = &p->eyes[i];
 		double s, c, up, flat;
-		eco_turn_sincos(eco_turn_from_deg(i * 137.5 + 31), &s, &c);
-		eco_turn_sincos(eco_turn_from_deg(-10 + 70 * (i + 0.5) / BENCH_SPLATS_VIEWS), &up, &flat);
+		eco_angle16_sincos(eco_angle16_from_deg(i * 137.5 + 31), &s, &c);
+		eco_angle16_sincos(eco_angle16_from_deg(-10 + 70 * (i + 0.5) / BENCH_SPLATS_VIEWS), &up, &flat);
 		const double from[3] = { flat * c, flat * s, up };
 		*eye = (struct lod_eye){ .right = { -s, c, 0 }, .up = { -up * c, -up * s, flat },
 			.tan_x = FRAME / AWAY, .tan_y = FRAME / AWAY };

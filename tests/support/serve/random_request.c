@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
+#include "ecofiles/base/random.h"
 #include "lod/eye.h"
 
-uint64_t dice_bits(struct dice *r) { return eco_mix_next(&r->state); }
+uint64_t dice_bits(struct dice *r) { return eco_random_next(&r->state); }
 static double dice_real(struct dice *r, double low, double high)
 {
-	return low + (high - low) * eco_mix_unit(dice_bits(r));
+	return low + (high - low) * eco_random_unit(dice_bits(r));
 }
 double dice_power(struct dice *r, double low, double high) { return pow(10, dice_real(r, low, high)); }
 

@@ -20,7 +20,7 @@
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/base/module.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/import/places/rows/rows_citygml.h"
 #include "ecofiles/import/places/rows/rows_formats.h"
 
@@ -296,7 +296,7 @@ static void end_object(struct citygml *c)
 			eco_write_u16(&c->kept, (uint16_t)i);
 			eco_write_bytes(&c->kept, c->values[i].text, strlen(c->values[i].text) + 1);
 		}
-	if (c->kept.failed || !eco_room(&c->trees, &c->tree_capacity, c->tree_count, sizeof *c->trees))
+	if (c->kept.failed || !eco_array_grow(&c->trees, &c->tree_capacity, c->tree_count, sizeof *c->trees))
 		out_of_memory(c);
 	else
 		c->trees[c->tree_count++] = (struct tree){ place_object(c), c->line, c->kept.size };

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #define FOOT_SHARE 0.05          /* of a geometry's height that counts as its foot */
 #define FOOT_LEAST_M 0.01
@@ -21,7 +21,7 @@ void eco_citygml_shape_begin(struct eco_citygml_shape *shape)
 static bool add_point(struct eco_citygml_shape *shape, const double at[3])
 {
 	if (shape->count == ECO_CITYGML_POINTS_MAX
-			|| !eco_room(&shape->points, &shape->capacity, shape->count, sizeof *shape->points))
+			|| !eco_array_grow(&shape->points, &shape->capacity, shape->count, sizeof *shape->points))
 		return false;
 	memcpy(shape->points[shape->count++], at, sizeof *shape->points);
 	return true;

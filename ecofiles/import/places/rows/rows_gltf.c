@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/import/model/gltf.h"
 
 enum fixed { X, Y, Z, NAME, MESH, YAW, SCALE, HEIGHT, FIXED };
@@ -63,7 +63,7 @@ static enum eco_code visit(void *ctx, uint32_t node, const double world[16])
 	if (g->instanced ? !holds_instances(g->doc, node)
 			: json_object_get(eco_gltf_item(g->doc, "nodes", node), "mesh") == NULL)
 		return ECO_OK;
-	if (!eco_room(&g->holders, &g->holder_capacity, g->holder_count, sizeof *g->holders))
+	if (!eco_array_grow(&g->holders, &g->holder_capacity, g->holder_count, sizeof *g->holders))
 		return ECO_NO_MEMORY;
 	g->holders[g->holder_count].node = node;
 	memcpy(g->holders[g->holder_count++].world, world, 16 * sizeof *world);

@@ -1,4 +1,4 @@
-#include "ecofiles/base/crowd.h"
+#include "ecofiles/base/cluster.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,13 +18,13 @@ static int by_cell(const void *a, const void *b, void *side)
 	return compare_cells(a, b, *(const double *)side);
 }
 
-uint32_t eco_crowds_find(double (*points)[2], uint32_t count, double side, struct eco_crowd *out)
+uint32_t eco_clusters_find(double (*points)[2], uint32_t count, double side, struct eco_cluster *out)
 {
 	uint32_t crowds = 0;
 	qsort_r(points, count, sizeof *points, by_cell, &side);
 	for (uint32_t i = 0, end; i < count; i = end) {
-		struct eco_crowd *crowd = &out[crowds++];
-		*crowd = (struct eco_crowd){ .count = 0 };
+		struct eco_cluster *crowd = &out[crowds++];
+		*crowd = (struct eco_cluster){ .count = 0 };
 		for (end = i; end < count && compare_cells(points[i], points[end], side) == 0; end++) {
 			crowd->count++;
 			for (int k = 0; k < 2; k++)
@@ -34,9 +34,9 @@ uint32_t eco_crowds_find(double (*points)[2], uint32_t count, double side, struc
 	return crowds;
 }
 
-const struct eco_crowd *eco_crowd_near(const struct eco_crowd *crowds, uint32_t count, const double at[2])
+const struct eco_cluster *eco_cluster_near(const struct eco_cluster *crowds, uint32_t count, const double at[2])
 {
-	const struct eco_crowd *nearest = NULL;
+	const struct eco_cluster *nearest = NULL;
 	uint32_t most = 0;
 	double least = INFINITY;
 	for (uint32_t i = 0; i < count; i++)

@@ -2,11 +2,11 @@
  * however many there are.
  *
  *   struct eco_edge *edges = NULL; uint32_t count = 0, capacity = 0;
- *   if (!eco_room(&edges, &capacity, count, sizeof *edges))
+ *   if (!eco_array_grow(&edges, &capacity, count, sizeof *edges))
  *           return out of memory; the array is as it was
  *   edges[count++] = edge;                                        the caller frees it */
-#ifndef ECO_ROOM_H
-#define ECO_ROOM_H
+#ifndef ECO_ARRAY_GROW_H
+#define ECO_ARRAY_GROW_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -14,6 +14,6 @@
 
 /* Makes room for one more item of `size` bytes behind `count` items. array: address of the pointer to the
  * items, which may move. False: no memory, or 2^31 items are there already. */
-bool eco_room(void *array, uint32_t *capacity, uint32_t count, size_t size);
+bool eco_array_grow(void *array, uint32_t *capacity, uint32_t count, size_t size);
 
 #endif

@@ -2,7 +2,7 @@
  * angles give values symmetric to the last bit and quarter turns are exact. Taylor's series to x^17 is
  * within half a unit in the last place there. libm is not used: its results differ between machines, and a
  * plan must not. */
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 
 #include <assert.h>
 #include <math.h>
@@ -43,7 +43,7 @@ static void quarter_sincos(uint32_t step, double *sine, double *cosine)
 	}
 }
 
-void eco_turn_sincos(uint16_t turn, double *sine, double *cosine)
+void eco_angle16_sincos(uint16_t turn, double *sine, double *cosine)
 {
 	double s, c;
 	quarter_sincos(turn % QUARTER, &s, &c);
@@ -55,7 +55,7 @@ void eco_turn_sincos(uint16_t turn, double *sine, double *cosine)
 	}
 }
 
-uint16_t eco_turn_from_deg(double degrees)
+uint16_t eco_angle16_from_deg(double degrees)
 {
 	assert(isfinite(degrees));
 	/* fmod is exact in IEEE arithmetic, unlike the rest of libm. */

@@ -1,10 +1,10 @@
-#include "ecofiles/base/texts.h"
+#include "ecofiles/base/string_pool.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/mix.h"
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/random.h"
+#include "ecofiles/base/array_grow.h"
 
 #define NOBODY UINT32_MAX
 #define FIRST_SLOTS 64u
@@ -14,11 +14,11 @@ static uint32_t hash_of(const char *text)
 	uint64_t hash = 0;
 	for (; *text; text++)
 		hash = (hash ^ (unsigned char)*text) * 0x100000001b3u;
-	return (uint32_t)eco_mix(0, hash);
+	return (uint32_t)eco_random(0, hash);
 }
 
 /* The slot where a text is, or belongs. */
-static uint32_t *slot_of(const struct eco_texts *t, const char *text)
+static uint32_t *slot_of(const struct eco_string_pool *t, const char *text)
 {
 	uint32_t at = hash_of(text) & (t->slot_count - 1);
 	while (t->slots[at] != NOBODY && strcmp(t->items[t->slots[at]], text) != 0)
@@ -27,7 +27,7 @@ static uint32_t *slot_of(const struct eco_texts *t, const char *text)
 }
 
 /* Half of the slots stay empty. */
-static bool make_slots(struct eco_texts *t)
+static bool make_slots(struct eco_string_pool *t)
 {
 	uint32_t count = t->slot_count ? 2 * t->slot_count : FIRST_SLOTS;
 	if (t->count < t->slot_count / 2)
@@ -44,10 +44,10 @@ static bool make_slots(struct eco_texts *t)
 	return true;
 }
 
-bool eco_texts_add(struct eco_texts *texts, const char *text, uint32_t *number)
+bool eco_string_pool_add(struct eco_string_pool *texts, const char *text, uint32_t *number)
 {
 	if (!make_slots(texts)
-			|| !eco_room(&texts->items, &texts->capacity, texts->count, sizeof *texts->items))
+			|| !eco_array_grow(&texts->items, &texts->capacity, texts->count, sizeof *texts->items))
 		return false;
 	uint32_t *slot = slot_of(texts, text);
 	if (*slot == NOBODY) {
@@ -59,11 +59,11 @@ bool eco_texts_add(struct eco_texts *texts, const char *text, uint32_t *number)
 	return true;
 }
 
-void eco_texts_free(struct eco_texts *texts)
+void eco_string_pool_free(struct eco_string_pool *texts)
 {
 	for (uint32_t i = 0; i < texts->count; i++)
 		free(texts->items[i]);
 	free(texts->items);
 	free(texts->slots);
-	*texts = (struct eco_texts){ 0 };
+	*texts = (struct eco_string_pool){ 0 };
 }

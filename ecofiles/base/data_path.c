@@ -1,10 +1,10 @@
-#include "ecofiles/base/beside.h"
+#include "ecofiles/base/data_path.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
-bool eco_beside(const char *const *places, const char *file, char path[PATH_MAX])
+bool eco_data_path(const char *const *places, const char *file, char path[PATH_MAX])
 {
 	char folder[PATH_MAX];
 	ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - 1);

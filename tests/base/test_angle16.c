@@ -4,7 +4,7 @@
 
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/base/status.h"
-#include "ecofiles/base/turn.h"
+#include "ecofiles/base/angle16.h"
 #include "tests/support/unit_test.h"
 
 UNIT_TEST(quarter_turns_are_exact)
@@ -14,7 +14,7 @@ UNIT_TEST(quarter_turns_are_exact)
 	};
 	double sine, cosine;
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-		eco_turn_sincos(cases[i].turn, &sine, &cosine);
+		eco_angle16_sincos(cases[i].turn, &sine, &cosine);
 		assert_true(sine == cases[i].sine);
 		assert_true(cosine == cases[i].cosine);
 	}
@@ -24,7 +24,7 @@ UNIT_TEST(every_turn_is_the_sine_within_an_ulp)
 {
 	for (uint32_t turn = 0; turn < 65536; turn++) {
 		double sine, cosine, radians = turn * (2 * 3.14159265358979323846 / 65536);
-		eco_turn_sincos((uint16_t)turn, &sine, &cosine);
+		eco_angle16_sincos((uint16_t)turn, &sine, &cosine);
 		assert_true(fabs(sine - sin(radians)) < 1e-15);
 		assert_true(fabs(cosine - cos(radians)) < 1e-15);
 		assert_true(fabs(sine * sine + cosine * cosine - 1) < 1e-15);
@@ -35,10 +35,10 @@ UNIT_TEST(opposite_turns_mirror_to_the_bit)
 {
 	for (uint32_t turn = 0; turn < 65536; turn++) {
 		double s, c, other_s, other_c;
-		eco_turn_sincos((uint16_t)turn, &s, &c);
-		eco_turn_sincos((uint16_t)-turn, &other_s, &other_c);
+		eco_angle16_sincos((uint16_t)turn, &s, &c);
+		eco_angle16_sincos((uint16_t)-turn, &other_s, &other_c);
 		assert_true(s == -other_s && c == other_c);
-		eco_turn_sincos((uint16_t)(turn + 16384), &other_s, &other_c);
+		eco_angle16_sincos((uint16_t)(turn + 16384), &other_s, &other_c);
 		assert_true(c == other_s && s == -other_c);
 	}
 }
@@ -51,7 +51,7 @@ UNIT_TEST(results_are_the_golden_ones)
 		0x00, 0xec, 0x92, 0xa3, 0xa6 };
 	struct eco_chunk_id id;
 	for (uint32_t turn = 0; turn < 65536; turn++)
-		eco_turn_sincos((uint16_t)turn, &all[2 * turn], &all[2 * turn + 1]);
+		eco_angle16_sincos((uint16_t)turn, &all[2 * turn], &all[2 * turn + 1]);
 	id = eco_chunk_hash((const uint8_t *)all, sizeof all);
 	assert_memory_equal(id.bytes, golden, sizeof golden);
 }
@@ -66,10 +66,10 @@ UNIT_TEST(degrees_go_to_the_nearest_step)
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
-		assert_int_equal(eco_turn_from_deg(cases[i].degrees), cases[i].turn);
+		assert_int_equal(eco_angle16_from_deg(cases[i].degrees), cases[i].turn);
 	/* Large angles give some step and no undefined conversion. */
-	(void)eco_turn_from_deg(1e300);
-	(void)eco_turn_from_deg(-1e300);
+	(void)eco_angle16_from_deg(1e300);
+	(void)eco_angle16_from_deg(-1e300);
 }
 
 UNIT_TEST(the_first_error_wins)

@@ -1,7 +1,7 @@
 /* Arrays that grow: what is in them stays, and what cannot be had leaves them as they were. */
 #include <stdlib.h>
 
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 #include "tests/support/unit_test.h"
 
 UNIT_TEST(items_stay_when_the_array_moves)
@@ -9,7 +9,7 @@ UNIT_TEST(items_stay_when_the_array_moves)
 	uint32_t *items = NULL, capacity = 0, moves = 0;
 	for (uint32_t count = 0; count < 100000; count++) {
 		uint32_t before = capacity;
-		assert_true(eco_room(&items, &capacity, count, sizeof *items));
+		assert_true(eco_array_grow(&items, &capacity, count, sizeof *items));
 		assert_true(capacity > count && capacity >= before);
 		moves += capacity != before;
 		items[count] = 7 * count;
@@ -29,7 +29,7 @@ UNIT_TEST(what_cannot_be_had_leaves_the_array_alone)
 		uint32_t capacity = rows[i].capacity;
 		if (i == 2)
 			items = NULL;
-		assert_false(eco_room(&items, &capacity, capacity, rows[i].size));
+		assert_false(eco_array_grow(&items, &capacity, capacity, rows[i].size));
 		assert_int_equal(capacity, rows[i].capacity);
 		assert_ptr_equal(items, i == 2 ? NULL : &byte);
 	}

@@ -1,4 +1,4 @@
-#include "ecofiles/base/room.h"
+#include "ecofiles/base/array_grow.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -6,7 +6,7 @@
 #define FIRST 64u
 #define MOST (1u << 31)
 
-bool eco_room(void *array, uint32_t *capacity, uint32_t count, size_t size)
+bool eco_array_grow(void *array, uint32_t *capacity, uint32_t count, size_t size)
 {
 	uint32_t wanted = *capacity ? 2 * *capacity : FIRST;
 	void *items, *bigger;
