@@ -20,7 +20,7 @@ rm -rf "$results"
 mkdir -p "$results" build/tmp
 
 case $folder in
-*/sanitize|*/fuzz) limit=1200 ;;
+*/sanitize|*/fuzz|*/coverage) limit=1200 ;;
 *) limit=600 ;;
 esac
 # a size that no machine has is an error to be handled, not the sanitizer's business
@@ -47,6 +47,11 @@ done
 
 for program in "$@"; do echo "$program"; done | xargs -n 1 -P "${JOBS:-$(nproc 2>/dev/null || echo 1)}" sh "$0" --one
 
+# processor time by test, the longest first
+for cpu in "$results"/*.cpu; do
+	[ ! -e "$cpu" ] || echo "$(cat "$cpu") $(basename "$cpu" .cpu)"
+done | sort -rn | tee "$folder/tests/cpu.txt" | awk -v file="$folder/tests/cpu.txt" '{ all += $1 }
+	END { printf "%.0f s of processor time; by test in %s\n", all, file }'
 cat "$results"/*.count | awk '{ passed += $1; failed += $2; skipped += $3 }
 	END { if (skipped) printf "%d skipped: what they need is not here\n", skipped
 	      printf "%d passed, %d failed\n", passed, failed; exit failed > 0 }'
