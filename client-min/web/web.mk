@@ -15,7 +15,7 @@ $(W)/obj/client-min/draw/view_light.o $(W)/obj/client-min/draw/view_shade.o: WEB
 export NODE_PATH := /usr/share/nodejs
 
 WEB_ROOMS := $(wildcard lod/*.c) lod/raster/texel.c $(wildcard client-min/web/*.c)
-WEB_BASE := bytes phrase range room status turn utf8
+WEB_BASE := angle16 array_grow bytes phrase range status utf8
 WEB_CHUNK := chunk chunk_columns chunk_corners chunk_counts chunk_decode chunk_ground chunk_mesh chunk_rows chunk_shapes shape
 WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor impostor_codec list model pack_check pack_record plan splat texture \
 	view $(patsubst ecofiles/format/%.c,%,$(wildcard ecofiles/format/wire_*.c))
@@ -82,47 +82,52 @@ $(W)/include/view_image_text.h: client-min/view_image.glsl
 $(W)/include/view_shadow_text.h: client-min/draw/view_shadow.glsl
 $(W)/include/view_light_text.h $(W)/include/view_image_text.h $(W)/include/view_shadow_text.h:
 	@mkdir -p $(@D)
-	sed -e '/^[[:blank:]]*\/\*.*\*\/$$/d; /^\/\*/,/\*\/$$/d; /^$$/d; s/\\/\\\\/g; s/"/\\"/g; s/.*/"&\\n"/' $< >$@
+	@sed -e '/^[[:blank:]]*\/\*.*\*\/$$/d; /^\/\*/,/\*\/$$/d; /^$$/d; s/\\/\\\\/g; s/"/\\"/g; s/.*/"&\\n"/' $< >$@
 $(W)/obj/client-min/web/web_light.o: $(W)/include/view_light_text.h
 $(W)/obj/client-min/web/web_image.o: $(W)/include/view_image_text.h
 $(W)/obj/client-min/web/web_shadow.o: $(W)/include/view_shadow_text.h
 
 $(WEB_OBJECTS): | $(W)/include/draco/draco_features.h
 $(W)/obj/draco/%.o: | $(W)/include/draco/draco_features.h
+	$(call say,em++,$@)
 	@mkdir -p $(@D)
-	em++ $(WEB_CXXFLAGS) -c -o $@ $(W)/src/draco/src/draco/$*.cc
+	$(Q)em++ $(WEB_CXXFLAGS) -c -o $@ $(W)/src/draco/src/draco/$*.cc
 $(W)/obj/libwebp/%.o: | $(W)/include/draco/draco_features.h
+	$(call say,emcc,$@)
 	@mkdir -p $(@D)
-	emcc $(WEB_FLAGS) -I$(W)/src/libwebp -c -o $@ $(W)/src/libwebp/src/$*.c
+	$(Q)emcc $(WEB_FLAGS) -I$(W)/src/libwebp -c -o $@ $(W)/src/libwebp/src/$*.c
 $(W)/obj/%.o: %.c
+	$(call say,emcc,$@)
 	@mkdir -p $(@D)
-	emcc $(WEB_CFLAGS) -MMD -MP -c -o $@ $<
+	$(Q)emcc $(WEB_CFLAGS) -MMD -MP -c -o $@ $<
 $(W)/obj/%.o: %.cpp
+	$(call say,em++,$@)
 	@mkdir -p $(@D)
-	em++ $(WEB_CXXFLAGS) -MMD -MP -c -o $@ $<
+	$(Q)em++ $(WEB_CXXFLAGS) -MMD -MP -c -o $@ $<
 -include $(shell find $(W)/obj -name '*.d' 2>/dev/null)
 
 # 2 GiB is what a page may grow to; what does not fit goes (view_cache.h)
 $(W)/eco_client.mjs: $(WEB_OBJECTS) client-min/web/web_client.h
-	emcc -Os -o $@ $(WEB_OBJECTS) -sMODULARIZE=1 -sEXPORT_ES6=1 -sENVIRONMENT=web,worker -sFILESYSTEM=0 -sALLOW_MEMORY_GROWTH=1 \
+	$(call say,emcc,$@)
+	$(Q)emcc -Os -o $@ $(WEB_OBJECTS) -sMODULARIZE=1 -sEXPORT_ES6=1 -sENVIRONMENT=web,worker -sFILESYSTEM=0 -sALLOW_MEMORY_GROWTH=1 \
 		-sUSE_WEBGL2=1 -sMIN_WEBGL_VERSION=2 -sMAX_WEBGL_VERSION=2 -sASSERTIONS=0 \
 		-sEXPORTED_FUNCTIONS=_malloc,_free,$(call comma_join,$(WEB_EXPORTS:%=_%)) -sEXPORTED_RUNTIME_METHODS=UTF8ToString,GL
 $(W)/site/eco_client.mjs $(W)/site/eco_client.wasm: $(W)/site/%: $(W)/eco_client.mjs
 	@mkdir -p $(@D)
-	cp $(W)/$* $@
+	@cp $(W)/$* $@
 $(filter-out $(WEB_INDEX),$(WEB_PAGE)): $(W)/site/%: client-min/web/%
 	@mkdir -p $(@D)
-	cp $< $@
+	@cp $< $@
 # Addresses name what is there, so that browsers need not ask whether it has changed: viewer/VERSION/NAME. They are relative to the page,
 # which a proxy may have below a path.
 $(W)/site/version: $(WEB_FILES) client-min/web/index.html
-	cat $(sort $^) | sha256sum | cut -c 1-16 >$@
+	@cat $(sort $^) | sha256sum | cut -c 1-16 >$@
 $(WEB_INDEX): client-min/web/index.html $(W)/site/version
-	sed "s|\"viewer/|&$$(cat $(W)/site/version)/|" $< >$@
+	@sed "s|\"viewer/|&$$(cat $(W)/site/version)/|" $< >$@
 $(W)/site/%.gz: $(W)/site/%
-	gzip -9 -n -c $< >$@
+	@gzip -9 -n -c $< >$@
 $(W)/site/%.br: $(W)/site/%
-	brotli -q 11 -c $< >$@
+	@brotli -q 11 -c $< >$@
 
 # Pages of other origins that have a scene as a layer: build/web/examples, for any web server, beside what they draw with, which npm fetches
 # (other packages of nodejs than Debian's bring it, and Debian's own then cannot be installed).
@@ -139,15 +144,15 @@ web-examples: web
 examples-site: $(EXAMPLE_PAGES) $(WEB_EXAMPLES)/.parts
 $(EXAMPLE_PAGES): $(WEB_EXAMPLES)/%: client-min/web/examples/%
 	@mkdir -p $(@D)
-	cp $< $@
+	@cp $< $@
 $(W)/npm/.done: client-min/web/examples/package.json client-min/web/examples/package-lock.json
 	@mkdir -p $(@D)
-	cp $^ $(@D)
+	@cp $^ $(@D)
 	npm ci --prefix $(@D) --ignore-scripts --no-audit --no-fund
 	touch $@
 $(WEB_EXAMPLES)/.parts: $(W)/npm/.done
 	@mkdir -p $(@D)
-	cp $(EXAMPLE_PARTS:%=$(W)/npm/node_modules/%) $(@D)
+	@cp $(EXAMPLE_PARTS:%=$(W)/npm/node_modules/%) $(@D)
 	touch $@
 
 # Other people's viewers and checkers of 3D Tiles, for tests/ecopack/test_tiles.sh.
