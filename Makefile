@@ -42,7 +42,7 @@ PACKAGES := gcc g++ libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-m
 LIBRARIES := gdal freetype2 assimp OpenImageIO draco proj jansson libcurl epoxy egl libmicrohttpd libjpeg libpng libwebp \
 	libxxhash libseccomp expat cmocka
 
-# What programs keep from one run to the next stays in here: demonstrations and tests leave the user's own cache alone.
+# The programs' cache is in the tree: demonstrations and tests leave the user's own cache alone.
 export XDG_CACHE_HOME := $(CURDIR)/build/cache
 
 WARN := -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith -Wvla $(if $(CI),-Werror)
@@ -129,7 +129,7 @@ TEST_SOURCES := $(wildcard tests/*/test_*.c)
 TESTS := $(patsubst %.c,$(B)/tests/%,$(notdir $(TEST_SOURCES)))
 FUZZERS := $(patsubst tests/fuzz/%.c,$(B)/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c))
 
-# What each program needs, and nothing else: the daemon knows neither Draco, OpenImageIO, assimp nor GDAL.
+# Libraries of each program, and no others: the daemon knows neither Draco, OpenImageIO, assimp nor GDAL.
 LIBS_CORE := -lxxhash -ljansson -lm
 # --wrap: see draco_shim.cpp
 LIBS_DRACO := -Wl,--wrap=_ZN5draco21ComputeShannonEntropyEPKjiiPi -l:libdraco.a -lstdc++
@@ -199,8 +199,8 @@ mandir ?= $(datadir)/man
 completiondir ?= $(datadir)/bash-completion/completions
 docdir ?= $(datadir)/doc/ecostream
 unitdir ?= $(PREFIX)/lib/systemd/system
-# Where programs find modules and the viewer, seen from their own folder: an installed tree may be moved. The objects that
-# know are made anew where this changed since.
+# Programs find modules and the viewer relative to their own folder: an installed tree may be moved. Objects that hold
+# these paths are compiled anew when the paths change.
 from_bindir = $(shell realpath -m --relative-to=$(bindir) $(1))
 INSTALLED := -DECO_MODULES_INSTALLED='"$(call from_bindir,$(libdir)/ecostream)"' \
 	-DECO_VIEWER_INSTALLED='"$(call from_bindir,$(datadir)/ecostream/viewer)"'
@@ -245,7 +245,7 @@ deb:
 	@tests/packages.sh $(PACKAGES) debhelper lintian
 	@.ci/package/deb.sh
 
-# What tests and measurements are linked with: all rooms, and what their source says by its own includes.
+# Tests and measurements are linked with all rooms.
 TEST_LIBS := $(call archive,$(BASELINE_ROOM) $(SUPPORT_ROOM) $(PACK_ROOM)) $(LIB_ALL)
 LINK_TEST = $(call group,$(TEST_LIBS)) $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 BENCH_PARTS := $(call objects,$(wildcard tests/bench/bench*.c) $(filter-out $(BASELINE_ROOM)/%,\
@@ -354,7 +354,7 @@ cluster-demo: deps
 	@$(MAKE) --no-print-directory -j$$(nproc) all
 	BUILD=$(B) sh tests/demo/cluster.sh
 
-# What is done is kept, and done anew only where programs or inputs changed; Ctrl-C, and go on another time. DATA is a folder as above;
+# Finished pieces are kept and done anew only if programs or inputs changed; Ctrl-C loses one piece. DATA is a folder as above;
 # the one beside the checkout if there is one, and without any there are generated plants and scenes only.
 DATA_BENCH = $(or $(DATA),$(if $(wildcard ../shared/data/models),../shared/data))
 bench: deps
@@ -379,7 +379,7 @@ deps:
 told:
 	@tests/packages.sh --tell $(PACKAGES)
 
-# What runs: everything, or what ONLY names: rooms, tests, or some of each.
+# Tests to run: all, or those that ONLY names: rooms, tests, or some of each.
 SCRIPTS := $(wildcard tests/*/test_*.sh)
 one_room = $(patsubst %.c,$(B)/tests/%,$(notdir $(filter tests/$(1)/%,$(TEST_SOURCES)))) $(filter tests/$(1)/%,$(SCRIPTS)) \
 	$(if $(filter fuzz,$(1)),$(FUZZERS))

@@ -1,4 +1,4 @@
-/* Who may have what: bearer tokens (RFC 6750) of scenes and of the operator, and the origins whose pages may
+/* Permissions: bearer tokens (RFC 6750) of scenes and of the operator, and the origins whose pages may
  * read answers (CORS). A scene without a token is everybody's. What is the operator's alone is asked for with
  * the operator's token; where there is none, from this machine, and by no page and no proxy.
  *

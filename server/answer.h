@@ -27,7 +27,7 @@ struct srv_answer {
 struct srv_problem_details { enum srv_problem problem; const char *detail, *instance, *allow; bool close; };
 void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_details *details);
 
-/* What names the state of an answer. `etag` with quotes; "": none, and the answer is not to be stored.
+/* Validators of an answer's state. `etag` with quotes; "": none, and the answer is not to be stored.
  * `modified_s`: since 1970, 0: not known. */
 struct srv_validators {
 	char etag[SRV_ETAG_BYTES];
@@ -45,7 +45,7 @@ void srv_answer_stream(struct srv_answer *answer, struct srv_body *body,
 /* From a body that is held; holds it, too. */
 void srv_answer_kept(struct srv_answer *answer, struct srv_kept_body *body, const char *type,
 	const struct srv_validators *validators, const char *timing);
-/* Of pieces with `size` bytes together: srv_kept_body_make. */
+/* srv_kept_body_make of pieces with `size` bytes together. */
 struct srv_kept_body *srv_kept_body_copy(const struct srv_piece *pieces, uint32_t count, uint64_t size);
 void srv_answer_no_stream(struct srv_answer *answer, const char *timing);        /* 204 */
 
@@ -75,15 +75,15 @@ void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file
 	bool immutable, const char *frames, const struct srv_validators *validators);
 /* A page that says that there is none (404). */
 void srv_answer_no_page(struct srv_answer *answer, const char *html);
-/* What is asked for is elsewhere for now. */
+/* A temporary redirect. */
 void srv_answer_elsewhere(struct srv_answer *answer, const char *location);
 
 /* The daemon's numbers; takes *text. */
 void srv_answer_metrics(struct srv_answer *answer, struct eco_writer *text);
 /* To OPTIONS: what the resource takes. */
 void srv_answer_options(struct srv_answer *answer, const char *allow);
-/* Who may read it from another page: value of Access-Control-Allow-Origin; NULL: nobody. `varies`: another
- * request would get another. To an answer that is not shared. */
+/* Adds Access-Control-Allow-Origin to an answer that is not shared; origin NULL: none. `varies`: the value
+ * depends on the request. */
 void srv_answer_allow_origin(struct srv_answer *answer, const char *origin, bool varies);
 void srv_answer_add(struct srv_answer *answer, const char *name, const char *value);
 

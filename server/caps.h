@@ -23,7 +23,7 @@ struct srv_sources;
 enum eco_code srv_caps_check(const struct srv_caps *caps, const struct srv_store *store,
 	const struct srv_sources *sources, struct eco_error *error);
 
-/* What a scene's answers may have, UINT64_MAX without a cap. `caps` NULL: none has one. */
+/* Caps of a scene's answers; UINT64_MAX: no cap. `caps` NULL: no scene has one. */
 struct srv_most { uint64_t vertices, bytes; };
 struct srv_most srv_caps_of(const struct srv_caps *caps, const char *scene);
 void srv_caps_apply(const struct srv_most *most, struct eco_request *request);

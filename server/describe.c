@@ -106,7 +106,7 @@ static void key_degrees(struct srv_json *json, const json_t *place, const char *
 	srv_json_key_number(json, key, json_number_value(json_object_get(place, key)));
 }
 
-/* Where the scene lies: its pack's META says so. null: it has no coordinates beside its own. */
+/* The scene's place on Earth, from the pack's META. null: the scene has its own coordinates only. */
 static void describe_origin(struct srv_json *json, const json_t *meta)
 {
 	const json_t *origin = json_object_get(meta, "origin"), *place = json_object_get(meta, "place");

@@ -60,7 +60,7 @@ const char *srv_exchange_header(const struct srv_exchange *exchange, const char 
 
 /* ---- Sending ---- */
 
-/* What answers have that are not shared. */
+/* Headers of answers that are not shared. */
 static void add_common_headers(struct srv_exchange *exchange)
 {
 	const struct srv_access *access = exchange->host->config.access;

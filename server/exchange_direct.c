@@ -57,7 +57,7 @@ static void answer_chunk(struct srv_exchange *exchange)
 	srv_exchange_problem(exchange, SRV_PROBLEM_CHUNK, detail, false);
 }
 
-/* What went wrong after a part was written takes its place. */
+/* An error after a part was written replaces that part. */
 static void answer_plants(struct srv_exchange *exchange)
 {
 	struct srv_plants_query query;

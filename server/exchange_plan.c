@@ -136,7 +136,7 @@ void srv_exchange_make_plan(void *argument)
 		srv_exchange_judge(exchange, &exchange->validators);
 }
 
-/* What was answered before to the same request. */
+/* Repeats an earlier answer to the same request. */
 static bool answer_again(struct srv_exchange *exchange)
 {
 	struct srv_kept_answer kept;

@@ -133,7 +133,7 @@ void srv_log_line(const char *text, size_t size)
 	print_line(&out);
 }
 
-/* What is printable; parameters that are named like a token have no value. */
+/* Keeps printable characters, and drops values of parameters whose names contain "token". */
 static void clean_target(char to[TARGET_BYTES], const char *target)
 {
 	size_t size = 0;

@@ -91,102 +91,102 @@ static const char *const log_forms[] = { [SRV_LOG_TEXT] = "text", [SRV_LOG_JSON]
 
 static const struct eco_option options[] = {
 	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", &given.scenes, .is_required = true,
-		.help = "a scene under /v1/scenes/NAME, or a folder of some; without NAME= it is the scene's "
-			"own name where that is a word of a-z, 0-9, '_' and '-', else the file's, in small "
-			"letters and with '-' for all else" },
+		.help = "a pack, or a folder of packs, served under /v1/scenes/NAME. Without NAME= the name is "
+			"the scene's own if that is a word of a-z, 0-9, '_' and '-'; else the file's, in small "
+			"letters with '-' for all other characters" },
 	{ "listen", 'l', ECO_OPTION_TEXT, "HOST:PORT", &given.config.listen,
-		.help = "where to listen; port 0 takes any free one; the socket that systemd hands over, or "
-			SRV_LISTEN_DEFAULT ", if not given" },
+		.help = "address to listen on; port 0 takes any free port. Default: the socket that systemd hands "
+			"over, else " SRV_LISTEN_DEFAULT },
 	{ "copies", 0, ECO_OPTION_TEXT, "DIR", &given.copies,
-		.help = "where private copies of the packs lie while they are served, so that nobody changes "
-			"them; they take as much room as the packs and go with the process; $TMPDIR or "
-			"/var/tmp if not given" },
+		.help = "folder for private copies of the packs, so that nobody changes a pack while it is "
+			"served. Copies need as much room as the packs and are deleted at the end. Default: "
+			"$TMPDIR or /var/tmp" },
 	{ "in-place", 0, ECO_OPTION_FLAG, NULL, &given.in_place,
-		.help = "serve the files themselves, for packs that nobody writes over: no room, no time to "
-			"copy, and memory shared with other servers" },
+		.help = "serve the files themselves, without copies. Only for packs that are replaced by "
+			"renaming, never written over" },
 	{ "connections", 0, ECO_OPTION_COUNT, "N", &given.config.connections_max, 1, 100000,
-		.help = "at once; where all are taken, one that only waits gives way, or one of the address "
-			"that holds most; 16 more are for addresses that hold none; 1000 if not given" },
+		.help = "most connections at once. When all are taken, an idle connection is closed, or one of "
+			"the address that holds most; 16 more are for addresses that hold none. Default: 1000" },
 	{ "connections-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.connections_per_address, 1,
-		100000, .help = "of them from one address, or from one IPv6 /64; 128 if not given" },
+		100000, .help = "most connections of one address, or of one IPv6 /64. Default: 128" },
 	{ "plans", 0, ECO_OPTION_COUNT, "N", &given.config.queue_max, 1, 100000,
-		.help = "that may wait for a thread; where all places are taken, the address that holds most "
-			"gives one to an address that holds less; 64 if not given" },
+		.help = "most plans that wait for a thread. When the queue is full, the address that holds most "
+			"gives one place to an address that holds less. Default: 64" },
 	{ "plans-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.queue_share_max, 1, 100000,
-		.help = "of them for one address; 32 if not given" },
+		.help = "most waiting plans of one address. Default: 32" },
 	{ "plan-work", 0, ECO_OPTION_COUNT, "N", &given.config.plan_times, 1, 1000,
-		.help = "what planning a request may cost, counted in ordinary plans of its scene; it ends "
-			"there with what it has, which is the same on every machine; 5 if not given" },
+		.help = "bound of the work for a request, as a multiple of an ordinary plan of its scene. A plan "
+			"that reaches it ends with the best result so far, the same on every machine. Default: 5" },
 	{ "head-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.head_ms, 10, 3600000,
-		.help = "to send a request's head, and to begin the next one; 20000 if not given" },
+		.help = "time for a client to send a request's head, or to begin the next request. Default: 20000" },
 	{ "body-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.body_ms, 10, 3600000,
-		.help = "to send its body; 30000 if not given" },
+		.help = "time for a client to send a request's body. Default: 30000" },
 	{ "send-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.send_ms, 10, 3600000,
-		.help = "in each of which an answer is taken at the least rate; 30000 if not given" },
+		.help = "window in which a client must read at least --send-rate bytes per second. Default: 30000" },
 	{ "send-rate", 0, ECO_OPTION_BYTES, "BYTES", &given.config.rate_bytes_s, 1, 1 << 30,
-		.help = "a second, the least rate; 16384 if not given" },
+		.help = "least bytes per second that a client must read of an answer. Default: 16384" },
 	{ "body-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.body_max, 4, 1 << 30,
-		.help = "of a request's body at most; 4 MiB if not given" },
+		.help = "largest body of a request. Default: 4 MiB" },
 	{ "bodies-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.bodies_max, 4, 1ull << 40,
-		.help = "of all bodies, as far as they have arrived; 256 MiB if not given" },
+		.help = "memory for all bodies that have arrived. Default: 256 MiB" },
 	{ "answer-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.response_max, 1, 1ull << 40,
-		.help = "of an answer at most; 2 GiB if not given, and 64 MiB of a plan as JSON" },
+		.help = "largest answer. Default: 2 GiB, and 64 MiB for a plan as JSON" },
 	{ "answers-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.answers_max, 4, 1ull << 40,
-		.help = "of memory for all answers that are being sent, without the packs' own bytes; where they "
-			"are taken, the address that holds most gives way; 256 MiB if not given" },
+		.help = "memory for all answers that are being sent, without the packs' own bytes. When it is "
+			"full, the address that holds most is disconnected. Default: 256 MiB" },
 	{ "cap-vertices", 0, ECO_OPTION_READ, "[SCENE=]N", &given.caps.vertices, .read = read_cap_vertices,
 		.times = ECO_ONCE_A_NAME,
-		.help = "that an answer of the scene, or of any, draws at most: who asks for more gets so "
-			"much; may be given more than once" },
+		.help = "most vertices of an answer, of one scene or of all. A request for more is answered as if "
+			"it asked for this many. May be given more than once" },
 	{ "cap-bytes", 0, ECO_OPTION_READ, "[SCENE=]BYTES", &given.caps.bytes, .read = read_cap_bytes,
 		.times = ECO_ONCE_A_NAME,
-		.help = "that an answer of the scene, or of any, takes at most, in the same way" },
+		.help = "most bytes of an answer, likewise" },
 	{ "kept-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.plan_cache_bytes, 1, 1ull << 40,
-		.help = "of answers that are kept for who asks again; 64 MiB if not given" },
+		.help = "memory for answers that are kept for repeated requests. Default: 64 MiB" },
 	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted,
 		.read = read_networks,
-		.help = "proxies that may open any number of connections, and whose "
-			"X-Forwarded-For says who asks" },
+		.help = "proxies that may open any number of connections, and whose X-Forwarded-For names the "
+			"client" },
 	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &given.viewer,
-		.help = "what / shows in a browser: the folder that `make web` makes, build/web/site; if not "
-			"given, that one beside this program, or where `make install` put it; without any, / "
-			"says how to get it" },
+		.help = "folder of the browser's viewer, shown at /. Default: web/site beside this program, or "
+			"the installed one; without a viewer, / says how to build it (`make web`)" },
 	{ "token", 0, ECO_OPTION_READ, "SCENE=FILE", &given.access, .read = read_token,
 		.times = ECO_OFTEN,
-		.help = "the scene is for whoever sends the token that is the first line of FILE "
-			"(Authorization: Bearer); may be given more than once" },
+		.help = "restrict a scene to requests with the token that is the first line of FILE "
+			"(Authorization: Bearer). May be given more than once" },
 	{ "admin-token", 0, ECO_OPTION_READ, "FILE", &given.access, .read = read_operator,
 		.times = ECO_OFTEN,
-		.help = "/metrics and /v1/admin are for whoever sends this one, which opens all scenes, too; "
-			"else they are for this machine" },
+		.help = "restrict /metrics and /v1/admin to requests with this token, which opens all scenes too. "
+			"Default: only this machine may ask for them" },
 	{ "cors", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = read_origin,
 		.times = ECO_OFTEN,
-		.help = "whose pages may read answers, https://HOST[:PORT], or * for all; may be given more "
-			"than once" },
+		.help = "origin whose pages may read answers: https://HOST[:PORT], or * for all. May be given "
+			"more than once" },
 	{ "embed", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = read_frame, .times = ECO_OFTEN,
-		.help = "whose pages may show the viewer in a frame, https://HOST[:PORT], or * for all; may be "
-			"given more than once; only this server's own if not given" },
+		.help = "origin whose pages may show the viewer in a frame: https://HOST[:PORT], or * for all. "
+			"May be given more than once. Default: only this server's own" },
 	{ "keep", 0, ECO_OPTION_COUNT, "SECONDS", &given.config.keep_s, 1, 86400,
-		.help = "that chunks of a replaced pack are still served; 600 if not given" },
+		.help = "seconds for which chunks of a replaced pack are still served. Default: 600" },
 	{ "log", 0, ECO_OPTION_CHOICE, "FORM", &given.config.log_form, .choices = log_forms,
 		.given = &given.config.log,
-		.help = "one line a request on stderr, as text or json, which what the daemon says and errors "
-			"have, too; lines that nobody reads are dropped and counted (/metrics)" },
+		.help = "print a line for each request on stderr, as text or json; messages and errors have the "
+			"same form. Lines that nobody reads are dropped and counted (/metrics)" },
 	{ "slow", 0, ECO_OPTION_COUNT, "MS", &given.config.slow_ms, 1, 3600000,
-		.help = "log requests whose plan took longer, with what the plan tried" },
+		.help = "log requests whose plan took longer than this, with the planner's trials" },
 	{ "user", 0, ECO_OPTION_TEXT, "NAME", &given.user,
-		.help = "who it becomes when root has started it and packs and port are open; "
-			SRV_USER_DEFAULT " if not given" },
+		.help = "user that the daemon becomes after root has started it and packs and port are open. "
+			"Default: " SRV_USER_DEFAULT },
 	{ "require-sandbox", 0, ECO_OPTION_FLAG, NULL, &given.require_sandbox,
-		.help = "end where the system cannot keep it to its packs and its system calls, instead of a "
-			"warning" },
+		.help = "refuse to start if the system cannot restrict the daemon to its packs and its system "
+			"calls; without it, a warning" },
 	{ "no-sandbox", 0, ECO_OPTION_FLAG, NULL, &given.without_sandbox,
-		.help = "it may do whatever its user may, for debuggers and the like" },
+		.help = "do not restrict the daemon, for debuggers and the like" },
 	{ "config", 0, ECO_OPTION_TEXT, "FILE", &given.settings,
-		.help = "lines of NAME = VALUE, as these options are named, and pack = [NAME=]OUT.eco; '#' and "
-			"a space begin a comment; a value with '#' behind a space stands in double quotes" },
+		.help = "file of settings: lines of NAME = VALUE, with the names of these options, and pack = "
+			"[NAME=]OUT.eco. '#' and a space begin a comment; a value that holds '#' behind a space "
+			"needs double quotes" },
 	{ "check-config", 0, ECO_OPTION_FLAG, NULL, &given.only_check,
-		.help = "read everything, packs too, say whether it is good, and end" },
+		.help = "read all settings and packs, say whether they are good, and end" },
 	{ 0 }
 };
 
@@ -196,16 +196,13 @@ static const struct eco_command command = { .name = "ecoserve",
 	.says = "Serves packs made by ecopack over HTTP.",
 	.options = options,
 	.notes =
-		"Prints one line when ready, with the names, and whether the viewer is missing. SIGTERM and "
-		"SIGINT finish running answers (for at most 10 s) and end; a second one "
-		"ends at once. SIGUSR1, SIGUSR2 and the like do nothing. SIGHUP, or POST /v1/admin/reload, "
-		"reads packs and folders again: what has "
-		"changed is served to who comes from then on, and what is not well leaves the scene as it "
-		"was. A pack that is not well at the start is not served; the others are, and /readyz "
-		"counts it.\n"
-		"Options hold in this order: the command line, the environment (ECOSERVE_ and the name in "
-		"capitals, as ECOSERVE_PLAN_WORK=5), the file of --config.\n"
-		"ECO_TRACE=plan,cuts,cache,connection prints on stderr why things are as they are.\n" };
+		"Prints one line when ready, with the names of the scenes. SIGTERM and SIGINT finish running answers, "
+		"for at most 10 s, and end; a second one ends at once. SIGHUP, or POST /v1/admin/reload, reads packs "
+		"and folders again: later requests get the changed packs, and a bad pack leaves its scene as it was. "
+		"A pack that is bad at the start is not served; the others are, and /readyz counts it.\n"
+		"The command line wins over the environment (ECOSERVE_ and the option's name, as "
+		"ECOSERVE_PLAN_WORK=5), the environment over the file of --config.\n"
+		"ECO_TRACE=plan,cuts,cache,connection prints on stderr the reasons for decisions.\n" };
 
 static enum eco_code announce(const char *what, const struct srv_store *store, const char *rest,
 	struct eco_error *error)
@@ -214,8 +211,7 @@ static enum eco_code announce(const char *what, const struct srv_store *store, c
 	for (uint32_t i = 0; i < store->count && i < NAMES_SHOWN; i++)
 		bad |= printf("%s%s", i ? ", " : " named ", store->scenes[i]->name) < 0;
 	if (printf("%s)%s\n", store->count > NAMES_SHOWN ? ", ..." : "", rest) < 0 || fflush(stdout) || bad)
-		return eco_fail(error, ECO_IO, "cannot write to stdout: who started this does not want to "
-			"know");
+		return eco_fail(error, ECO_IO, "cannot write to stdout");
 	return ECO_OK;
 }
 
@@ -274,7 +270,7 @@ static const char *copies_folder(void)
 	return given.in_place ? NULL : folder && *folder ? folder : "/var/tmp";
 }
 
-/* Where `make web` puts the viewer, and `make install` (ECO_VIEWER_INSTALLED, from the Makefile). */
+/* The viewer lies where `make web` or `make install` put it (ECO_VIEWER_INSTALLED, from the Makefile). */
 static enum eco_code read_site(struct srv_site *site, struct eco_error *error)
 {
 	static const char *const places[] = { "/web/site", "/" ECO_VIEWER_INSTALLED, NULL };

@@ -1,4 +1,4 @@
-/* What happened so far, in numbers, for Prometheus: a table of counters with a sentence each, requests by
+/* Counters for Prometheus: a table of counters with a sentence each, requests by
  * route and status, and how long plans took. Adding is one atomic addition; any thread. */
 #ifndef SRV_METRICS_H
 #define SRV_METRICS_H
@@ -47,7 +47,7 @@ static inline void srv_count(struct srv_metrics *metrics, enum srv_counter count
 void srv_count_request(struct srv_metrics *metrics, const struct srv_route *route, unsigned status);
 void srv_count_plan(struct srv_metrics *metrics, uint64_t took_us, uint64_t work, bool cut_short);
 
-/* What is so now. */
+/* Present values. */
 struct srv_gauges {
 	uint64_t connections, busy, waiting_plans, scenes, retired, bad_packs, bodies_bytes, answers_bytes, kept_bytes,
 		accept_failures, refused_heads, dropped_lines;

@@ -78,7 +78,7 @@ static void visit_group(struct search *s, const struct eco_group *group, plant_v
 	s->next = i - group->count;
 }
 
-/* Of the file's own, not of those that are placed in it. */
+/* Visits the file's own plants, without those of files placed in it. */
 static void visit_plants(struct search *s, plant_visit *visit, void *context)
 {
 	s->next = 0;

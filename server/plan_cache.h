@@ -19,8 +19,7 @@
 struct srv_kept_body { _Atomic(uint32_t) holders; size_t size; uint8_t bytes[]; };
 struct srv_kept_answer { unsigned status; uint64_t size_bytes; struct srv_kept_body *body; /* or NULL */ };
 
-/* Of `size` bytes, to be filled by the caller, who holds it; NULL if it is larger than what is kept, or
- * there is no memory. */
+/* A body of `size` bytes, which the caller fills and holds; NULL: no memory, or larger than SRV_KEPT_BODY_MAX. */
 struct srv_kept_body *srv_kept_body_make(uint64_t size);
 void srv_kept_body_hold(struct srv_kept_body *body);
 void srv_kept_body_release(struct srv_kept_body *body);          /* NULL is fine */

@@ -79,7 +79,7 @@ void srv_reaper_stop(struct srv_reaper *reaper);
 /* Opens the gate, too; a request is waited for. NULL if the connection may not come in: *why says so. */
 struct srv_lease *srv_reaper_open(struct srv_reaper *reaper, int fd, const struct srv_address *address,
 	const char **why);
-/* That of an open descriptor, or NULL. */
+/* The lease of an open descriptor, or NULL. */
 struct srv_lease *srv_reaper_find(struct srv_reaper *reaper, int fd);
 /* Shuts the connection that has waited the longest for a request, else one of the address that holds most, if
  * that holds two. */

@@ -42,14 +42,14 @@ static enum eco_code add_folder(const char *path, size_t size, struct eco_error 
 	return ECO_OK;
 }
 
-/* That the path names, up to its last slash: "/" for what lies there, "." for what has none. */
+/* The folder part of a path, up to its last slash: "/" for the root, "." without a slash. */
 static enum eco_code add_folder_of(const char *path, struct eco_error *error)
 {
 	const char *slash = strrchr(path, '/');
 	return add_folder(path, slash ? (size_t)(slash - path) + (slash == path) : 0, error);
 }
 
-/* Of a pack, and of the file that its name is a link to. */
+/* The folder of a pack, and that of the file that its name links to. */
 static enum eco_code add_folders_of(const char *path, struct eco_error *error)
 {
 	char *real = realpath(path, NULL);

@@ -1,4 +1,4 @@
-/* What the daemon may do once it serves, so that who takes it over has gained little:
+/* Limits of the daemon while it serves, so that an attacker who takes it over gains little:
  *
  *   srv_user_find(&user, "ecoserve", &error);                started as root, it becomes this user
  *   srv_sources_load(...); srv_endpoint_take(...);           what needs more comes first

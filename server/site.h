@@ -18,7 +18,7 @@
 #define SRV_SITE_VERSION "version"       /* the file of one line: lower-case hex digits */
 #define SRV_SITE_VERSION_BYTES 65u
 
-/* What / shows where there is no viewer. */
+/* The page at / without a viewer. */
 extern const char srv_site_missing[];
 
 enum srv_form { SRV_FORM_PLAIN, SRV_FORM_GZIP, SRV_FORM_BROTLI, SRV_FORM_COUNT };

@@ -70,8 +70,8 @@ static enum eco_code scene_index(struct srv_scene *scene, struct eco_error *erro
 	return ECO_OK;
 }
 
-/* What requests read of META. All of it, with a few kilobytes a plant, would take as long to parse as a small plan
- * takes. One that is no JSON says nothing. */
+/* Keeps the parts of META that requests read: parsing all of it, a few kilobytes a plant, would take as long as
+ * a small plan. A META that is no JSON counts as empty. */
 static enum eco_code scene_meta(struct srv_scene *scene, struct eco_error *error)
 {
 	static const char *const kept[] = { "crs", "origin", "place" };

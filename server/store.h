@@ -32,7 +32,7 @@
 
 struct MHD_Response;
 
-/* What a file is known again by. */
+/* The identity of a file. */
 struct srv_file { char *path; uint64_t device, number, size_bytes; int64_t modified_s, modified_ns; };
 
 struct srv_scene {

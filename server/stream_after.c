@@ -11,7 +11,7 @@ void srv_stream_drop_next(struct srv_stream *stream)
 	stream->next_count = 0;
 }
 
-/* What the client holds once the answer has come: the longest prefix of each list. */
+/* The client's holdings after the answer: the longest prefix of each list. */
 static enum eco_code held_then(const struct srv_stream *stream, struct eco_holdings *then,
 	struct eco_error *error)
 {
@@ -92,7 +92,7 @@ static int by_bytes(const void *a, const void *b)
 		: (x->item.list > y->item.list) - (x->item.list < y->item.list);
 }
 
-/* Of what is wanted, the lists that lack something; returns their number. */
+/* The wanted lists that lack something; returns their number. */
 static uint32_t find_lacking(const struct srv_stream *stream, const struct eco_holdings *held,
 	struct lacking *lacking)
 {

@@ -1,5 +1,5 @@
-/* What follows an answer in its stream: what the next view lacks, and what is left of the bytes. Both size
- * the stream anew with a dry run of its frames. */
+/* Additions to an answer's stream: chunks that the next view lacks, and more lists for bytes that are left. Both
+ * size the stream anew with a dry run of its frames. */
 #ifndef SRV_STREAM_AFTER_H
 #define SRV_STREAM_AFTER_H
 
@@ -21,7 +21,7 @@ enum eco_code srv_size_all(struct srv_stream *stream, struct srv_emit *dry, stru
 /* Bytes of the chunks that `needs` has and `holdings` (may be NULL) has not. */
 uint64_t srv_missing_bytes(const struct eco_scene *scene, const struct eco_holdings *holdings,
 	const struct eco_holdings *needs);
-/* Of the work that the answer may take. */
+/* The rest of the answer's work. */
 uint64_t srv_work_left(const struct srv_stream *stream);
 
 #endif

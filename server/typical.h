@@ -1,7 +1,6 @@
-/* What an ordinary request to a scene costs, counted, and so what any may. A scene is asked a few requests of
- * its own, always the same: eyes and targets anywhere in it and around it, pictures and budgets of any size.
- * Their median depends on the pack alone, and a bound that is a multiple of it cuts all servers' plans at the
- * same place. */
+/* The counted work of an ordinary request to a scene, which bounds that of any request. A scene is asked a few
+ * fixed requests: eyes and targets anywhere in it and around it, pictures and budgets of any size. Their median
+ * depends on the pack alone; a bound that is a multiple of it cuts all servers' plans at the same place. */
 #ifndef SRV_TYPICAL_H
 #define SRV_TYPICAL_H
 

@@ -65,7 +65,7 @@ enum eco_code srv_user_become(const struct srv_user *user, struct eco_error *err
 	if (!change(user))
 		return eco_fail(error, ECO_UNSUPPORTED, "cannot become user %u: %s", (unsigned)user->user,
 			strerror(errno));
-	/* Who asked to be ended with its parent is not forgotten over the change. */
+	/* The change of user clears the signal that ends this process with its parent: set it again. */
 	if (last_signal && (prctl(PR_SET_PDEATHSIG, last_signal) || getppid() != parent))
 		raise(last_signal);
 	return ECO_OK;

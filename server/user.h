@@ -1,4 +1,4 @@
-/* Who the daemon is once it serves. Root reads and writes everything: started by root, the daemon becomes
+/* The daemon's user while it serves. Root reads and writes everything: started by root, the daemon becomes
  * another user. It keeps, of root's rights, at most that to pass over the permissions of files, where its
  * packs or the folder of their copies need that and Landlock keeps it to them. */
 #ifndef SRV_USER_H

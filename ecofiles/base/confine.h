@@ -1,4 +1,4 @@
-/* What a process may open from now on: files below some folders, for reading or for writing, and what its
+/* Confines a process to files below some folders, for reading or for writing, and what its
  * own libraries need. For programs that read what strangers wrote (a VRT, a CSV or a glTF may name any
  * file that the user may read), and for those that strangers talk to.
  *

@@ -90,7 +90,7 @@ static enum eco_code cut_comment(char *line, const char *where, struct eco_error
 		"a value that has '#' behind a space stands in double quotes", where);
 }
 
-/* So far only the file's options are there. */
+/* At this point only the file's options are there. */
 static bool is_there(const struct adding *adding, const struct eco_option *option, const char *value)
 {
 	char key[LINE_BYTES + 8];

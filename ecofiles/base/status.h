@@ -39,7 +39,7 @@ enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *
  * system says and what to do. The code is ECO_NOT_FOUND for a file to read that is not there, else ECO_IO. */
 enum eco_code eco_fail_read(struct eco_error *error, const char *path, int reason);
 enum eco_code eco_fail_write(struct eco_error *error, const char *path, int reason);
-/* What to do about `reason`, after "; ", or "" where that goes without saying. */
+/* Advice about `reason`, after "; ", or "" if there is none. */
 const char *eco_advice_read(int reason);
 const char *eco_advice_write(int reason);
 

@@ -46,7 +46,7 @@
 #define ECO_IMPOSTOR_RINGS_MAX 7u
 #define ECO_IMPOSTOR_COLORS 32u          /* codes of a channel */
 
-/* What all levels share, metres in plant space. */
+/* Shared by all levels, metres in plant space. */
 struct eco_impostor_body {
 	float center[3], wide, high;     /* of the cylinder; its radius, half its height */
 	/* half the plant's thickness in the middle of a tile; it falls off as that of an ellipsoid */

@@ -40,7 +40,7 @@ static int32_t within(int32_t v, int32_t low, int32_t high)
 	return v < low ? low : v > high ? high : v;
 }
 
-/* What the neighbours predict (the median of left, up and left + up - upper left), and which models code
+/* The prediction by the neighbours (the median of left, up and left + up - upper left), and which models code
  * the difference. */
 static int32_t predict(const struct eco_impostor_cells *c, uint32_t tile, uint32_t x, uint32_t y,
 	uint32_t *model)

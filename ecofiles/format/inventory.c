@@ -129,7 +129,7 @@ struct names {
 	uint32_t count;
 };
 
-/* Of place i; false: it cannot be. */
+/* The row of place i; false: impossible. */
 static bool take_row(struct eco_inventory_row *row, const int32_t *values, uint32_t count, uint32_t i,
 	const struct names *names)
 {

@@ -1,4 +1,4 @@
-/* What each plant of a scene is by the inventory that it comes from: its row there, and its species where
+/* The inventory row of each plant of a scene: its row there, and its species where
  * the pack's plant has another name: as the row has it, be it a code or a name that the scene's map leads to
  * a model of another; else as the scene names it (plants that share a model, variants, few models).
  *
@@ -45,7 +45,7 @@ struct eco_inventory_block { /* owns what its rows point to */
 	struct eco_inventory_row *rows;
 	char *names;
 };
-/* Of `count` rows. ECO_DAMAGED: they are not as written. */
+/* Reads `count` rows. ECO_DAMAGED: they are not as written. */
 enum eco_code eco_inventory_decode(struct eco_inventory_block *block, const uint8_t *bytes, size_t size,
 	uint32_t count, struct eco_error *error);
 /* The block of a place below the scene's place_count; of a pack without a list all rows are empty. */

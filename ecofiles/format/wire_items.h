@@ -32,7 +32,7 @@
  * real     1 bit, modelled: 0: the same as what it is told by; else sign (1 bit), exponent less that of the
  *          other (signed), place of the lowest bit that is set less that of the other's (signed), and the
  *          bits between. So grids with few significant bits take few bits.
- * What says that it differs does so, or is refused. */
+ * A field that is marked as different must differ, or is refused. */
 #ifndef ECO_WIRE_ITEMS_H
 #define ECO_WIRE_ITEMS_H
 
@@ -56,7 +56,7 @@ enum eco_wire_field {
 struct eco_wire_number { struct eco_bit models[ECO_NUMBER_MODELS]; };
 struct eco_wire_real { struct eco_bit same; struct eco_wire_number exponent, low; };
 
-/* What a stream's next item is told by; about 90 kB. */
+/* Context that codes a stream's next item; about 90 kB. */
 struct eco_wire_items {
 	struct eco_bit kinds[ECO_ITEM_KINDS][4], list_kind[ECO_ITEM_LIST_KINDS][16],
 		coder[ECO_ITEM_LIST_KINDS][8], attributes[ECO_ITEM_LIST_KINDS][256],

@@ -221,7 +221,7 @@ struct cut_models {
 		scale_step;
 };
 
-/* What the next cut is told by. */
+/* Context that codes the next cut. */
 struct cut_state {
 	struct eco_cut before, older;
 	uint32_t group_band;                     /* first band of the list before's first cut */

@@ -53,7 +53,7 @@ static struct lod_cost whole_cost(const struct lod_allocation *m, uint32_t ladde
 	return cost;
 }
 
-/* What a plant's Q lacks. Errors count `more` times. */
+/* 1 - Q of a plant. Errors count `more` times. */
 static double q_lost(const struct lod_slot_choice *choice, const struct lod_cost *cost, double more)
 {
 	double each = choice->weight_px[0] > 0 ? more / choice->weight_px[0] : 0;
@@ -282,8 +282,7 @@ static double position_of(const struct lod_hull *hull, double vertices)
 		/ (double)(hull->points[i + 1].vertices - hull->points[i].vertices) : i;
 }
 
-/* What the summary comes to where bytes have a price: whole chunks, none, or what lambda asks for if that is
- * held. */
+/* Chooses the summary where bytes have a price: whole chunks, none, or lambda's choice if the client holds it. */
 static void price_summary(struct lod_allocation *m, uint32_t n)
 {
 	struct lod_tile_choice *choice = &m->tile_choices[n];
@@ -483,7 +482,7 @@ void lod_allocation_relax(struct lod_allocation *m, double lambda)
 
 /* ---- The picture ---- */
 
-/* Of a tile's summary, for all that stands in it. */
+/* The tile's summary, for all plants in it. */
 static struct lod_splats summary_splats(struct lod_tile_choice *choice)
 {
 	struct lod_cost cost = { 0 };

@@ -172,7 +172,7 @@ struct lod_uses {
 
 #define LOD_PRICE_TRIES 128      /* more are not kept */
 
-/* What came of prices for all bytes alike. */
+/* Results of one price for all bytes. */
 struct lod_price_tries {
 	uint32_t count;
 	struct { double lambda, octave, bytes; } at[LOD_PRICE_TRIES];        /* log2 of the price */

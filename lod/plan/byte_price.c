@@ -58,7 +58,7 @@ static uint32_t step_of(const struct ladder_price *l, uint64_t vertices)
 	return low;
 }
 
-/* Where lambda alone takes a choice. */
+/* The hull position that lambda alone gives a choice. */
 static double free_position(const struct lod_allocation *m, struct lod_ladder_choice *choice)
 {
 	struct lod_hull hull = choice->hull;
@@ -124,7 +124,7 @@ static void find_gains(struct lod_allocation *m, struct ladder_price *l, bool al
 		add_gain(m, l, m->prices->choices[i], m->prices->drawn[i].drawn, m->prices->drawn[i].seen);
 }
 
-/* What a ladder costs that is drawn up to a step. */
+/* Cost of a ladder that is drawn up to a step. */
 static double cost_of(const struct ladder_price *l, const struct price *price, uint32_t step)
 {
 	return price->bytes + price->waste + (step >= l->textured ? l->image_part : 0);
@@ -171,7 +171,7 @@ static void find_limit(struct lod_allocation *m, struct ladder_price *l, bool al
 	}
 }
 
-/* Of the points of its hull that a choice may take. */
+/* The best of the hull points that a choice may take. */
 static void set_count(struct lod_allocation *m, struct lod_ladder_choice *choice, uint32_t count)
 {
 	if (choice->hull.count == count)

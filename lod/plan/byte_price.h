@@ -1,4 +1,4 @@
-/* What a plan costs in bytes that the client lacks, and what a byte must save.
+/* Cost of a plan in bytes that the client lacks, and the saving that a byte must bring.
  *
  * A second Lagrangian multiplier, allocation->price, is the number of wrong pixels that a byte must save. At
  * a price of 0 a plan is that of its vertices alone. Above it

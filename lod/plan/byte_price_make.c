@@ -1,4 +1,4 @@
-/* What the lists in view take (lod/plan/byte_price.h): of ladders by steps, of tiles, of summaries. */
+/* Bytes of the lists in view (lod/plan/byte_price.h): ladders by steps, tiles, summaries. */
 #include "lod/plan/byte_price.h"
 
 #include <math.h>
@@ -29,7 +29,7 @@ double lod_prices_missing(const struct lod_allocation *m, uint32_t list, uint32_
 	return sum;
 }
 
-/* What these cost beside their bytes. */
+/* Their cost beside their bytes. */
 double lod_prices_waste(const struct lod_allocation *m, uint32_t list, uint32_t from, uint32_t to)
 {
 	uint32_t kept = m->prices->kept ? eco_holdings_chunks(m->prices->kept, list) : to;

@@ -1,5 +1,5 @@
-/* What prices of bytes keep between relaxations (lod/plan/byte_price.h), and the part of it that is about
- * textures: how many levels of each are worth their bytes. Only byte_price*.c and image_price.c know of it. */
+/* State of byte prices between relaxations (lod/plan/byte_price.h), and its part about textures: how many
+ * levels of each are worth their bytes. Only byte_price*.c and image_price.c know of it. */
 #ifndef LOD_BYTE_PRICE_STATE_H
 #define LOD_BYTE_PRICE_STATE_H
 

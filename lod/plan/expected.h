@@ -16,7 +16,7 @@
 /* Is the Q of `a` below that of `b`? */
 bool lod_expected_worse(const struct eco_prediction *a, const struct eco_prediction *b);
 
-/* What lies between `worse` and `better`, as far as `part`, 0 to 1, by Q. */
+/* Interpolates by Q between `worse` and `better`; part: 0 to 1. */
 struct eco_prediction lod_expected_between(const struct eco_prediction *worse,
 	const struct eco_prediction *better, double part);
 

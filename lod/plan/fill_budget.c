@@ -287,8 +287,8 @@ uint64_t lod_fill_share_next(struct lod_fill *fill, const struct lod_candidate *
 	return plants;
 }
 
-/* Where a share ends that holds so many plants, fewer than all: of all such ends the one with the fewest
- * bits, as they travel. */
+/* The end of a share that holds this many plants, fewer than all. Several ends may hold them: the result is
+ * the one with the fewest bits on the wire. */
 static uint32_t share_end(struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t plants)
 {
 	const uint16_t *hashes = hashes_of(fill, candidate);
@@ -336,8 +336,8 @@ static bool is_worse(const struct lod_fill *fill, const struct lod_candidate *ca
 		|| error_at(fill, candidate, vertices, own_q) < lod_hull_own_q(here) + LOD_HULL_Q_MORE;
 }
 
-/* What a plant may draw on the way from candidate->low to candidate->high: the most up to `vertices`, and the
- * least beyond `at`. */
+/* Vertices that a plant may draw between candidate->low and candidate->high: the most up to `vertices`, and
+ * the least beyond `at`. */
 static uint64_t part_floor(const struct lod_fill *fill, const struct lod_candidate *candidate,
 	uint64_t vertices)
 {

@@ -75,8 +75,8 @@ double lod_hull_absent(const struct eco_ladder *ladder)
 		: 0;
 }
 
-/* Where half of the elements are drawn, each as large as two, what is seen is half an octave coarser. Wood
- * has none: of a tree the thinnest twigs go first, and the others are drawn as they are. */
+/* Half of the elements, each as large as two, look half an octave coarser. Wood has no such loss: the thinnest
+ * twigs go first, and the others keep their width. */
 static double octaves_of(const struct lod_way *way, uint64_t vertices)
 {
 	if (way->has_splats)

@@ -63,7 +63,7 @@
 #define SWEEP_USUAL 2.8          /* octaves of the price that leaves one byte of a picture of one pixel, ... */
 #define SWEEP_USUAL_SLOPE -1.5   /* ... and for each octave of bytes; by measurement */
 
-/* What is only looked at has no reasons. */
+/* A trial plan records no reasons. */
 static enum eco_code emit_without_reasons(const struct lod_planner *p, struct eco_plan *plan,
 	struct eco_error *error)
 {
@@ -476,7 +476,7 @@ static enum eco_code fill_spared(const struct lod_lambda_search *s, double price
 	return code ? code : lod_bytes_size(m->p, error);
 }
 
-/* What entries come to. */
+/* Sum of entries. */
 struct outcome { double wrong, q; uint64_t bytes; };
 
 static bool hardly_misses(const struct lod_planner *p, const struct outcome *before, double price,
@@ -521,7 +521,7 @@ enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, stru
 
 /* ---- Coarser answers ---- */
 
-/* Where the last answer stands on the way to coarser ones. */
+/* Position of the last answer on the way to coarser ones. */
 struct sweep {
 	double lambda, octave, bytes;        /* log2 of the price; bytes of plants */
 	double slope;                        /* octaves of bytes for one of the price: negative */

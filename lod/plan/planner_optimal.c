@@ -403,9 +403,9 @@ static enum eco_code toggle_slots(const struct lod_lambda_search *s, uint64_t bu
 	return code;
 }
 
-/* Where few plants are in view, lambda may be far from the best choice for one of them between a ladder for
- * the whole plant and its organs. So all slots, and none, draw it too, in small scenes each slot is tried the
- * other way round, and what has the highest Q is kept. */
+/* With few plants in view, lambda may be far from the best choice for one of them between a ladder for the
+ * whole plant and its organs. Therefore all slots, and none, draw it too; in small scenes each slot is tried
+ * the other way round. The plan with the highest Q is kept. */
 static enum eco_code try_whole(const struct lod_lambda_search *s, double *lambda, uint64_t budget,
 	struct eco_error *error)
 {

@@ -135,8 +135,7 @@ static bool is_same(const struct lod_cost *a, const struct lod_cost *b)
 	return a->fp == b->fp && a->fn == b->fn && a->detail == b->detail && a->vertices == b->vertices;
 }
 
-/* Where near is another one, more or fewer of a plant's cells are drawn, which stand in the same tiles as it
- * does. Returns uses passed. */
+/* Another `near` draws more or fewer of a plant's cells, which stand in the plant's tiles. Returns uses passed. */
 static uint64_t set_each(struct lod_uses *uses, uint32_t s, double near, const struct lod_cost *cost)
 {
 	if (uses->near[s] == near && is_same(&uses->each[s], cost))

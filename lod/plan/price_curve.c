@@ -41,8 +41,8 @@ static double part_of(double value, double from, double to)
 	return to > from ? within((value - from) / (to - from), 0, 1) : 1;
 }
 
-/* Where vertices bind, too, it is what two lambdas come to, in the parts that use them: the highest and one
- * below it, or that and the lowest. */
+/* If vertices bind too, the result mixes two lambdas, in the parts that use them up: the highest and one below
+ * it, or that one and the lowest. */
 static enum eco_code evaluate(struct lod_allocation *m, const struct lod_price_bounds *bounds, int at,
 	struct evaluation *result, struct eco_error *error)
 {

@@ -1,4 +1,4 @@
-/* What so many bytes are expected to show, before any are spent: read off a grid of prices that do not depend
+/* The quality expected of a number of bytes, before any are spent: read off a grid of prices that do not depend
  * on the bytes, as planner_optimal.c reads the prediction off a grid of lambdas. Along the grid bytes never
  * fall, errors never rise and Q never falls, and between two prices all are linear. So more bytes never predict a
  * worse picture, whatever the search for their price finds. */

@@ -1,4 +1,4 @@
-/* What splats of summaries are expected to cover of a coarse screen (lod/plan/visibility.h).
+/* Expected cover of a coarse screen by splats of summaries (lod/plan/visibility.h).
  *
  * The points of a summary are drawn at random from leaves of its plants, so splats lie on crowns by chance,
  * independently of each other, and reach beyond them. Their area is spread over the crowns' boxes, and blurred

@@ -18,12 +18,12 @@ double lod_texel_px(const struct lod_planner *p, uint32_t image, uint32_t anchor
  * wide. */
 uint32_t lod_texture_levels(const struct lod_planner *p, uint32_t image, double px);
 
-/* What a pixel costs that is seen through texels of `px` pixels (any above 0, or INFINITY), in wrong pixels:
+/* Cost in wrong pixels of a pixel that is seen through texels of `px` pixels (any above 0, or INFINITY):
  * little for each octave up to a pixel, then as much as for elements that are wider (lod/plan/README.md). */
 double lod_texel_cost(double px);
 
-/* What a pixel costs that is seen through `fewer` levels less than all of a texture whose last texels are
- * `px` pixels wide. As nothing is finer than the last level, it costs no more than texels of a pixel: else all
+/* Cost of a pixel that is seen through `fewer` levels less than all of a texture whose last texels are `px`
+ * pixels wide. As nothing is finer than the last level, it costs no more than texels of a pixel: else all
  * levels would cost alike where each is wide, around the eye. */
 double lod_texel_loss(double px, uint32_t fewer);
 

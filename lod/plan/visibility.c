@@ -492,7 +492,7 @@ static lod_f4 uncovered_of(double shown, struct lod_wrong wrong)
 	return (lod_f4){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn), 1 };
 }
 
-/* What a crown covers of the screen, as far as it depends on nothing that is drawn. */
+/* Screen cover of a crown, as far as it does not depend on what is drawn. */
 struct lod_cover { struct span across, down; float shown, before; uint32_t of; };
 
 /* Those of all visibilities that are somewhere in the picture; false: no memory. */

@@ -543,7 +543,7 @@ static enum eco_code count_cells(const struct lod_visible_tree *visible, const u
 		"%llu cells of plants; ask for fewer vertices", (unsigned long long)bound);
 }
 
-/* What a walk changes of the nodes that are there. */
+/* The walk's changes to existing nodes. */
 struct kept { enum lod_state state; bool expanded; uint32_t left; double points; };
 
 static void keep_nodes(struct lod_visible_tree *visible, struct kept *kept)

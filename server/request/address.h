@@ -1,4 +1,4 @@
-/* Who a client is: an address, and those that count as one with it. An IPv4 address stands for itself; of
+/* A client: an address, and those that count as one with it. An IPv4 address stands for itself; of
  * IPv6 a whole /64 does, since that is what one household gets.
  *
  * A proxy that is trusted speaks for others: the last address of X-Forwarded-For that is no trusted proxy's

@@ -16,7 +16,7 @@ enum srv_verdict {
 	SRV_VERDICT_NOT_MODIFIED,        /* 304 */
 	SRV_VERDICT_FAILED               /* 412 */
 };
-/* What the preconditions say of an answer with this tag (NULL: it has none), from a pack that was last
+/* The verdict of the preconditions on an answer with this tag (NULL: it has none), from a pack that was last
  * changed at `modified_s` (seconds since 1970; 0: not known), in the order of RFC 9110, 13.2.2. */
 enum srv_verdict srv_conditions_judge(const struct srv_conditions *conditions, const char *etag,
 	int64_t modified_s);

@@ -23,7 +23,7 @@
 
 #define SRV_HEAD_BYTES_MAX 8192u
 #define SRV_HEADERS_MAX 100u
-/* What the library needs of its memory for a connection: the head, 56 bytes for each header, parameter and
+/* Memory that the library needs for a connection: the head, 56 bytes for each header, parameter and
  * cookie, and the cookies once more. That memory is filled with zeros after each request, so it is not
  * larger. */
 #define SRV_HEAD_MEMORY_MAX (12u << 10)

@@ -62,7 +62,7 @@ void srv_gate_answer(int fd, enum srv_problem problem, const char *detail, bool 
 	eco_writer_free(&json.out);
 }
 
-/* What lies unread when a socket is closed makes the system send a reset, which may overtake the answer. */
+/* Unread bytes make the system send a reset when a socket is closed, and the reset may overtake the answer. */
 static void drain(int fd)
 {
 	char bytes[4096];

@@ -79,7 +79,7 @@ static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *e)
 	return tell(t, 6, e);
 }
 
-/* What a host has under the name of any chunk; NULL: it is passed over. */
+/* The host's bytes for any chunk; NULL: it is passed over. */
 static const char *hosted;
 
 static enum eco_code on_fetch(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,

@@ -151,7 +151,7 @@ static void write_file(const char *path, const char *text)
 	assert_true(file && fputs(text, file) >= 0 && fclose(file) == 0);
 }
 
-/* What it says with --check-config, of a file, the environment ("NAME=VALUE" or NULL) and the command line.
+/* The output of --check-config for a file, the environment ("NAME=VALUE" or NULL) and the command line.
  * */
 static int check(const char *file, const char *variable, const char *option, char out[8192], char err[8192])
 {
@@ -494,7 +494,7 @@ UNIT_TEST(the_last_line_of_a_trusted_proxy_says_who_asks)
 	}
 }
 
-/* What is said to be the limit is. */
+/* The stated limits hold. */
 UNIT_TEST(limits_are_options)
 {
 	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--head-ms", "50",
@@ -540,7 +540,7 @@ UNIT_TEST(ipv6_is_served_where_there_is_some)
 	assert_non_null(strstr(line, "(1 scene named "));
 }
 
-/* What a system that has no Landlock, or lets no user be changed, is told of at every start. */
+/* Warnings of each start on a system without Landlock, or without a change of user. */
 static bool only_warns(const char *err)
 {
 	static const char warning[] = "ecoserve: warning: ";

@@ -65,7 +65,7 @@ static void check_chunk(int fd, uint32_t chunk, const char *more, unsigned statu
 	http_free(&answer);
 }
 
-/* Of several connections, so that each thread of the library sends some; twice, as responses are made once.
+/* Several connections, so that each thread of the library sends some; twice, as responses are made once.
  */
 static void check_all(void)
 {

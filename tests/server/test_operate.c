@@ -1,4 +1,4 @@
-/* What an operator does with a daemon that serves: other packs, tokens, pages of others, numbers.
+/* An operator's work on a daemon that serves: other packs, tokens, pages of others, numbers.
  * Longer than 600 lines: all tests share the daemon's start and its packs. */
 #include "tests/support/serve/serve_daemon.h"
 

@@ -31,7 +31,7 @@ static uint32_t add_tile(double x, double y, double width, uint32_t plants)
 		.summary = ECO_NONE, .instance_count = plants });
 }
 
-/* So many rows of as many plants of twice their size, `apart` metres. */
+/* `rows` rows of as many plants of twice their size, `apart` metres. */
 static void add_stand(uint32_t tile, int x, int y, int side, int apart)
 {
 	uint32_t count = (uint32_t)(side * side), list = scene_add_bare(&scene,

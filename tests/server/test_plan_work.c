@@ -1,4 +1,4 @@
-/* What a request may cost: counted work, bounded by what an ordinary request of the scene takes. */
+/* The cost of a request: counted work, bounded by that of an ordinary request to the scene. */
 #include <stdio.h>
 #include <string.h>
 
@@ -132,7 +132,7 @@ UNIT_TEST(a_plan_that_nobody_waits_for_ends_soon)
 	}
 }
 
-/* So does an answer that was planned before its client left. */
+/* An answer that was planned before its client left ends likewise. */
 UNIT_TEST(an_answer_that_nobody_waits_for_is_not_written)
 {
 	static atomic_bool cancelled;
@@ -153,7 +153,7 @@ UNIT_TEST(an_answer_that_nobody_waits_for_is_not_written)
 	srv_stream_free(&stream);
 }
 
-/* Who looks at the scene as people do sees about what there is to see. */
+/* Ordinary views show about all there is to see. */
 UNIT_TEST(ordinary_views_are_hardly_cut_short)
 {
 	static const uint64_t budgets[] = { 1000, 30000, 1000000, 3000000 };
@@ -207,7 +207,7 @@ UNIT_TEST(bytes_that_do_not_bind_change_little)
 	assert_true(asked > REQUESTS / 2 && 50 * worse <= asked);
 }
 
-/* Who waits for a large answer sees something of it soon, also where its plan has no work left. */
+/* A large answer shows something soon, even if its plan has no work left. */
 UNIT_TEST(what_is_cut_short_comes_in_steps)
 {
 	uint32_t large = 0;

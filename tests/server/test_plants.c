@@ -1,4 +1,4 @@
-/* What each plant is by its inventory, as the server says it. */
+/* The inventory rows of plants, as the server gives them. */
 #include <string.h>
 
 #include "server/plants.h"

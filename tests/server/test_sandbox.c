@@ -1,4 +1,4 @@
-/* What ecoserve may do once it serves: seen from inside, in children that enter its sandbox, and from
+/* The sandbox of ecoserve: seen from inside, in children that enter its sandbox, and from
  * outside, of the program. That it serves within is what all other tests of the program show. */
 #include <errno.h>
 #include <fcntl.h>
@@ -75,7 +75,7 @@ static int enter(void)
 	return (int)code;
 }
 
-/* What a child that has entered says of `tell`: the number of what was wrong, which it has printed. */
+/* Runs `tell` in a child inside the sandbox; returns the number of faults, which the child has printed. */
 static int inside(int (*tell)(void))
 {
 	int status;

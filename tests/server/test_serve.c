@@ -255,7 +255,7 @@ UNIT_TEST(a_tag_that_matches_needs_no_plan)
 	srv_daemon_stop(daemon);
 }
 
-/* What was planned says so with Server-Timing; what is kept has none. */
+/* A planned answer has Server-Timing; a kept one has none. */
 UNIT_TEST(what_was_answered_is_kept)
 {
 	static const struct { const char *method, *target; bool planned; unsigned status;

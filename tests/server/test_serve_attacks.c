@@ -351,7 +351,7 @@ UNIT_TEST(an_answer_larger_than_all_may_be_is_refused)
 	srv_daemon_stop(daemon);
 }
 
-/* Whoever takes nothing of an answer, however large it is, is closed after two windows. */
+/* A client that takes nothing of an answer is closed after two windows, however large the answer. */
 UNIT_TEST(answers_that_nobody_takes_are_given_up)
 {
 	const struct srv_config config = { .listen = "127.0.0.1:0", .send_ms = 200, .rate_bytes_s = 1 };
@@ -371,7 +371,7 @@ UNIT_TEST(answers_that_nobody_takes_are_given_up)
 	srv_daemon_stop(daemon);
 }
 
-/* Whoever takes some in each window gets all of it, however many windows that takes. */
+/* A client that takes some in each window gets all of it, however many windows that takes. */
 UNIT_TEST(answers_that_are_taken_slowly_arrive)
 {
 	const struct srv_config config = { .listen = "127.0.0.1:0", .send_ms = 1500, .rate_bytes_s = 1 };

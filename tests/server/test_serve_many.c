@@ -59,7 +59,7 @@ static void wait_for_busy(const struct srv_daemon *daemon, uint32_t busy)
 		usleep(1000);
 }
 
-/* What is declared costs a client nothing, so it takes nothing from others; what has arrived does. */
+/* Declared bytes cost a client nothing and take nothing from others; arrived bytes do. */
 UNIT_TEST(bodies_are_bounded_together)
 {
 	static const char start[] = STREAM "Content-Length: 4194304\r\n\r\n";

@@ -289,7 +289,7 @@ UNIT_TEST(explanations_are_of_the_plan_that_is_sent)
 	assert_true(bounded > ROUNDS / 8);
 }
 
-/* What the next view lacks comes after the answer, changes nothing of it, and is not asked for again
+/* Chunks that the next view lacks come after the answer, changes nothing of it, and is not asked for again
  * there. */
 UNIT_TEST(the_next_view_comes_last_and_within_the_same_bytes)
 {

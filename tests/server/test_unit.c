@@ -80,7 +80,7 @@ static bool set_family(const char *name, bool to)
 	return true;
 }
 
-/* What systemd allows whatever the unit says: to start the program. */
+/* Call that systemd allows whatever the unit says: to start the program. */
 static void allow(scmp_filter_ctx filter)
 {
 	for (int number = 0; number < CALLS_MAX; number++)

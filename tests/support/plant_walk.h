@@ -13,7 +13,7 @@
 
 #define PLANT_WALK_MAX 33u
 
-/* What may show a plant: all that its pack has, as users see it, or one kind alone. */
+/* Lists that may show a plant: all of its pack, as users see it, or one kind alone. */
 enum plant_kind { PLANT_ANY, PLANT_ORGANS, PLANT_SPLATS, PLANT_IMPOSTOR, PLANT_KINDS };
 
 /* Views all around, of elevation -10 to 60 degrees, as good as orthographic. */

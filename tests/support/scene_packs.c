@@ -151,7 +151,7 @@ enum eco_code sample_pack_write(const char *path, struct eco_error *error)
 
 /* ---- The one with a large texture ---- */
 
-/* So many bushes in one tile, the last of `deep` + 1. */
+/* Bushes in one tile, the last of `deep` + 1. */
 static void textured_bush(struct scene_builder *b, uint32_t deep, uint32_t bushes)
 {
 	static const uint8_t palette[2][3] = { { 30, 90, 30 }, { 90, 60, 30 } };

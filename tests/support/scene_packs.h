@@ -18,7 +18,7 @@ enum eco_code sample_pack_write(const char *path, struct eco_error *error);
  * levels, a texture, ground, a summary, instances in a tile of a nested eco file, their rows. `keep`: see scene_write; without rows.
  * Free *b with scene_free in any case. */
 #define SMALL_PACK_PLANTS 7u
-/* Of the small pack's places. */
+/* The small pack's places. */
 extern const struct eco_inventory_row small_pack_rows[SMALL_PACK_PLANTS];
 #define SMALL_PACK_META "{\"name\": \"small\"}"
 enum eco_code small_pack_write(struct scene_builder *b, const char *path, struct eco_pack_writer **keep,

@@ -16,7 +16,7 @@
 
 #define TRAPS (FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW)
 
-/* Where the compiler assumes that nobody looks (it moves computations to where their result is not needed),
+/* If the compiler assumes that nobody looks (it moves computations to where their result is not needed),
  * traps are not set. */
 #ifdef __clang__
 static int begin(int traps) { return traps; }

@@ -24,7 +24,7 @@ struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t 
 #define WIRE_RANDOM_LISTS 6u
 #define WIRE_RANDOM_PLANTS 2u
 
-/* Of the stream that is being written; a SCENE begins one. */
+/* State of the stream that is being written; a SCENE begins one. */
 extern struct eco_wire_items wire_items;
 /* The next bundle of it, between its items and its payloads. */
 struct eco_frame_mark wire_bundle_begin(struct eco_writer *w, uint32_t *number,

@@ -143,7 +143,7 @@ struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t cod
 	};
 }
 
-/* What follows the version in PAYLOAD_PACKED. */
+/* The byte after the version in PAYLOAD_PACKED. */
 static enum eco_code read_packed(struct eco_payload *payload, struct eco_reader *r, struct eco_error *error)
 {
 	struct eco_stream *s = &payload->streams[0];

@@ -34,7 +34,7 @@ struct columns {
 	uint32_t count;
 };
 
-/* What coding a component learns. */
+/* Adaptive state of a component's coder. */
 struct learnt {
 	struct eco_bit models[SLOTS * MODELS], sizes[ECO_RANGE_NUMBER], ranks[1u << RANK_BITS];
 	/* values, the last first; of GIVEN: those of the other component, the first first */
@@ -59,7 +59,7 @@ uint32_t eco_columns_number(struct eco_range *r, uint32_t value)
 	return unzigzag((uint32_t)eco_range_raw(r, bits < BITS_MAX ? bits : BITS_MAX, code));
 }
 
-/* Of component `index`. False: impossible. */
+/* Reads component `index`. False: impossible. */
 static bool code_head(struct eco_range *r, uint32_t index, struct head *h)
 {
 	h->way = (uint32_t)eco_range_raw(r, WAY_BITS, h->way);
@@ -202,7 +202,7 @@ static struct head head_of(const struct component *c, bool difference)
 	return h;
 }
 
-/* What VALUES or DIFFERENCES take, by how many bits are modelled. */
+/* Size of VALUES or DIFFERENCES, by the number of modelled bits. */
 static void field_sizes(const struct columns *columns, uint32_t index, struct head h,
 	size_t sizes[MODELLED_STEPS])
 {

@@ -146,7 +146,7 @@ static int64_t mean_of(const int64_t guesses[GUESSES], const struct sample *cons
 	return guesses[0] + (sum >= 0 ? sum + weights / 2 : sum - weights / 2) / weights;
 }
 
-/* Of the misses beside: the nearest two count twice. */
+/* Mean of the misses beside: the nearest two count twice. */
 static uint32_t kind_of(const struct sample *const *near, int count)
 {
 	uint64_t size = 0;

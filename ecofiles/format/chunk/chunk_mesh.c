@@ -1,6 +1,6 @@
 /* Connected wood through edgebreaker. It codes a vertex once for all its triangles and derives the triangles'
  * order from their neighbours. In return it chooses order and first corners itself, and may drop triangles.
- * So the encoder decodes its output, finds each triangle again, and stores colours and texture coordinates in
+ * Therefore the encoder decodes its output, finds each triangle again, and stores colours and texture coordinates in
  * that order; if a triangle is missing or altered, the caller codes the chunk in another way. */
 #include <stdlib.h>
 #include <string.h>

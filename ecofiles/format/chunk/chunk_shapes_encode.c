@@ -81,7 +81,7 @@ static bool take_sample(const struct encoding *c, struct sample *sample)
 	return sample->items;
 }
 
-/* What elements take with the steps in `shapes`. */
+/* Size of elements with the steps in `shapes`. */
 struct cost { double width; uint32_t placed, left; int32_t low[3], high[3]; };
 
 static void add_cost(struct cost *cost, const struct encoding *c, const struct eco_shapes *shapes,

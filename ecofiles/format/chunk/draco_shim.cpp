@@ -175,7 +175,7 @@ struct eco_error *error)
 	return ECO_OK;
 }
 
-// What a mesh stream holds after decoding, checked before it is used: Draco does not bound face indices
+// The content of a decoded mesh stream, checked before it is used: Draco does not bound face indices
 // itself.
 enum eco_code read_faces(const draco::Mesh &mesh, uint32_t faces, int32_t *position, uint32_t *vertex,
 struct eco_error *error)

@@ -18,7 +18,7 @@ _Noreturn void random_stop(const char *what, const struct eco_error *error);
 bool random_request(struct eco_request *request, const struct eco_scene *scene, uint64_t seed,
 	uint64_t number);
 
-/* What somebody may look at: a place in the scene, from 4 m to twice the scene's size away, from level to
+/* A likely view: a place in the scene, from 4 m to twice the scene's size away, from level to
  * nearly above, 800 x 600. */
 struct eco_view random_outlook(const struct eco_scene *scene, uint64_t seed, uint64_t number);
 
