@@ -2,7 +2,7 @@
  * program of its own, so that a crash is one violation and not the end of the bench. */
 #include <math.h>
 
-#include "tests/bench/bench.h"
+#include "tests/bench/bench_state.h"
 
 static const char *const scenes[] = { "park", "forest", "nested", "meadow", "tree" };
 #define SCENES (sizeof scenes / sizeof *scenes)
@@ -15,9 +15,12 @@ static const char *const kinds[] = { "vertices", "bytes", "twice", "same", "fall
 
 enum eco_code bench_request_packs(struct bench *bench, struct eco_error *error)
 {
+	int lock = bench_lock(bench);
 	bench_progress(bench, 0, "scenes for random requests");
-	return bench_command(bench, error, "BUILD='%s' CACHE='%s/plants' sh tests/bench/request_scenes.sh "
+	enum eco_code code = bench_command(bench, error, "BUILD='%s' CACHE='%s/plants' sh tests/bench/request_scenes.sh "
 		"'%s/requests'", bench->build, bench->cache, bench->cache);
+	bench_unlock(lock);
+	return code;
 }
 
 /* One block of one scene: what the program prints, or a violation of its own where it prints nothing. */

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "tests/bench/coders/bench_texels.h"
+#include "tests/bench/bench_texels.h"
 #include "tests/support/unit_test.h"
 
 UNIT_TEST(bytes_lie_between_two_settings)
@@ -48,21 +48,18 @@ UNIT_TEST(heads_of_avif_are_all_but_the_coded_data)
 		assert_int_equal(texels_avif_head(file, size), 0);
 }
 
-/* The stored WebP is one of the trials, and libwebp needs no program. */
 UNIT_TEST(webp_is_what_packs_have)
 {
 	uint8_t texels[3 * 1024], cut[1024];
 	struct eco_texture_part colors = { 32, 32, 3, texels }, outline = { 32, 32, 1, cut };
 	struct eco_error error = { 0 };
 	struct eco_writer w = { 0 };
-	struct texels_trial stored, finest;
+	struct texels_trial stored;
 	memset(cut, 255, sizeof cut);
 	for (size_t i = 0; i < sizeof texels; i++)
 		texels[i] = (uint8_t)(i * i / 97 + i % 3 * 40);
 	assert_ok(eco_texture_write_colors(&w, &colors, ECO_TEXTURE_QUALITY, &error), error);
 	assert_ok(texels_code(&stored, NULL, TEXELS_WEBP, &colors, &outline, 0, &error), error);
-	assert_true(stored.bytes == (double)w.size);
-	assert_ok(texels_code(&finest, NULL, TEXELS_PRESET, &colors, &outline, TEXELS_SETTINGS - 1, &error), error);
-	assert_true(finest.error < stored.error && finest.bytes > stored.bytes);
+	assert_true(stored.bytes == (double)w.size && stored.error > 0);
 	eco_writer_free(&w);
 }

@@ -1,9 +1,13 @@
-/* One plant drawn with few vertices, against the whole plant: what the section `splats` measures. */
+/* One plant drawn with few vertices, against the whole plant.
+ *
+ *   hard Q       one sample a pixel in both pictures
+ *   soft Q       shares of pixels, 4 x 4 samples in both
+ *
+ * Views are those of no fit. Sections on single plants set their methods beside these figures. */
 #ifndef TESTS_BENCH_SPLATS_H
 #define TESTS_BENCH_SPLATS_H
 
 #include "ecofiles/format/model.h"
-#include "lod/build/plant.h"
 #include "lod/build/splat/splat_fit.h"
 #include "lod/raster/raster.h"
 #include "tests/bench/bench.h"
@@ -22,10 +26,9 @@ struct bench_splats_pictures {
 	double center[3], radius;
 	struct lod_eye eyes[BENCH_SPLATS_VIEWS];
 	struct bench_splats_size sizes[BENCH_SPLATS_SIZES];
-	double ceiling;                  /* mean lod_q_ceiling of all pictures */
 };
-/* Means over views and sizes. */
-struct bench_splats_q { double hard, soft, precision, recall; };     /* the last two: of one sample a pixel */
+/* Means over views and sizes; precision and recall are of one sample a pixel. */
+struct bench_splats_q { double hard, soft, precision, recall; };
 
 /* Draws the whole plant in all pictures, in which it is that high. */
 enum eco_code bench_splats_open(struct bench_splats_pictures *pictures, const struct eco_model *model,
@@ -49,27 +52,22 @@ uint32_t bench_splats_state(const struct lod_splats *splats, uint32_t vertices, 
 struct bench_splats_drawn { const struct lod_splat *items; uint32_t count; };
 void bench_splats_draw(const void *drawn, struct lod_raster *raster);
 
-/* Square points, and lines for wood that has no points, of a built plant: the beginnings of its lists, each
- * organ by its area. `growth`: areas of points over those that keep the sum. */
-struct bench_points_drawn { const struct lod_plant *plant; uint32_t vertices; double growth; };
-void bench_points_draw(const void *drawn, struct lod_raster *raster);
-
-/* ---- Figures of the section `splats`, for others that stand beside them ---- */
+/* ---- Figures of our own representations (bench_splats.c) ---- */
 
 #define BENCH_SPLATS_BUDGETS 4u
 extern const uint32_t bench_splats_budgets[BENCH_SPLATS_BUDGETS];        /* vertices: 12, 48, 200, 1000 */
 extern const double bench_splats_heights_px[BENCH_SPLATS_SIZES];
-/* OPAQUE, OPACITY: splats. POINTS: square points of the pack's order. IMPOSTOR: the best level, of one
- * vertex. */
+/* OPAQUE, OPACITY: splats. POINTS: square points of the pack's order, grown by the best of eight factors.
+ * IMPOSTOR: the best level, of one vertex. */
 enum bench_splats_kind { BENCH_SPLATS_OPAQUE, BENCH_SPLATS_OPACITY, BENCH_SPLATS_POINTS,
 	BENCH_SPLATS_IMPOSTOR, BENCH_SPLATS_KINDS };
 extern const char *const bench_splats_kind_names[BENCH_SPLATS_KINDS];
 
-/* Whether it is one of the plants with leaves that the section's bars are for. */
+/* Whether it is one of the plants with leaves that these figures are compared on. */
 bool bench_splats_is_foliage(const struct bench_model *model);
 /* Recalls a plant's figures, or measures them; its hard and soft Q by kind and budget. */
 enum eco_code bench_splats_of(struct bench *bench, const struct bench_model *model,
 	struct bench_splats_q q[BENCH_SPLATS_KINDS][BENCH_SPLATS_BUDGETS], struct eco_error *error);
-#define BENCH_OBJECTS_SPLATS "tests/bench/pictures/bench_splats*.o tests/bench/pictures/bench_impostors*.o "
+#define BENCH_OBJECTS_SPLATS "tests/bench/pictures/bench_splats*.o "
 
 #endif

@@ -5,13 +5,12 @@
 
 #include "ecofiles/base/angle16.h"
 #include "lod/build/weld.h"
-#include "lod/geometry.h"
 #include "tests/bench/pictures/bench_splats.h"
 
 #define AWAY 512.0               /* of the camera, radii */
 #define FRAME 1.02
 #define SOUP 1024u
-#define SIDE 4u                  /* samples a pixel: SIDE x SIDE; twice that for the ceiling */
+#define SIDE 4u                  /* samples a pixel: SIDE x SIDE */
 
 /* ---- Views ---- */
 
@@ -99,25 +98,6 @@ static void count_samples(const struct lod_raster *fine, uint32_t side, uint32_t
 				fine->cover[(size_t)y * fine->width + x] & 1;
 }
 
-static enum eco_code add_ceiling(struct bench_splats_pictures *p, struct bench_splats_size *size,
-	struct eco_error *error)
-{
-	struct lod_raster finest;
-	uint32_t by = 2 * SIDE;
-	enum eco_code code = lod_raster_init(&finest, &(struct lod_raster_options){ .width = by * size->side,
-		.height = by * size->side, .silhouette = true }, error);
-	for (uint32_t view = 0; view < BENCH_SPLATS_VIEWS && !code; view++) {
-		start(p, view, &finest);
-		bench_model_draw(p->model, 1, &finest);
-		count_samples(&finest, size->side, by, size->count);
-		p->ceiling += lod_q_ceiling(size->count, size->hard[view], (size_t)size->side * size->side)
-			/ (BENCH_SPLATS_VIEWS * BENCH_SPLATS_SIZES);
-	}
-	if (!code)
-		lod_raster_free(&finest);
-	return code;
-}
-
 static enum eco_code make_size(struct bench_splats_pictures *p, struct bench_splats_size *size,
 	double height_px, double height, struct eco_error *error)
 {
@@ -141,7 +121,7 @@ static enum eco_code make_size(struct bench_splats_pictures *p, struct bench_spl
 		bench_model_draw(p->model, 1, &size->fine);
 		count_samples(&size->fine, size->side, SIDE, size->soft[view]);
 	}
-	return code ? code : add_ceiling(p, size, error);
+	return code;
 }
 
 enum eco_code bench_splats_open(struct bench_splats_pictures *p, const struct eco_model *model,
@@ -251,44 +231,5 @@ void bench_splats_draw(const void *drawn_of, struct lod_raster *raster)
 		lod_raster_splats(raster, &(struct lod_raster_batch){ .count = 1, .position = splat->center,
 			.half = splat->shape.half[0], .opacity = &splat->shape.opacity, .item = i,
 			.owner = 1 });
-	}
-}
-
-static void draw_list(const struct lod_list_draft *draft, uint32_t vertices, double growth,
-	struct lod_raster *raster)
-{
-	const struct eco_list *list = &draft->list;
-	uint32_t all = list->element_count, count = vertices / eco_list_vertices(list);
-	bool points = list->kind == ECO_LIST_POINTS;
-	count = count < all ? count : all;
-	double scale = points && count ? growth * all / count : 1;
-	struct lod_geometry geometry;
-	if (!count || !lod_geometry_make(&geometry, list, count, false))
-		return;
-	lod_list_geometry(list, &draft->elements, 0, count, (float)(scale > 1 ? scale : 1), &geometry);
-	struct lod_raster_batch batch = { .count = count, .position = geometry.position,
-		.width = geometry.width, .area = list->unit_area * (float)(scale > 1 ? scale : 1),
-		.size = geometry.size, .owner = 1 };
-	if (points)
-		lod_raster_points(raster, &batch);
-	else
-		lod_raster_lines(raster, &batch);
-	lod_geometry_free(&geometry);
-}
-
-void bench_points_draw(const void *drawn_of, struct lod_raster *raster)
-{
-	const struct bench_points_drawn *drawn = drawn_of;
-	const struct lod_plant *plant = drawn->plant;
-	double area = 0;
-	for (int organ = 0; organ < ECO_ORGAN_COUNT; organ++)
-		area += plant->organ[organ].area;
-	for (uint32_t i = 0; i < plant->ladder_count; i++) {
-		const struct eco_ladder *ladder = &plant->ladders[i];
-		uint32_t list = ladder->points != ECO_NONE ? ladder->points : ladder->lines;
-		if (ladder->anchor || ladder->flags & ECO_LADDER_WHOLE || list == ECO_NONE || !(area > 0))
-			continue;
-		double share = plant->organ[ladder->organ].area / area;
-		draw_list(&plant->lists[list], (uint32_t)(drawn->vertices * share), drawn->growth, raster);
 	}
 }

@@ -2,23 +2,21 @@
  * a file of its own, as it is a chunk of its own. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "lod/build/texture_levels.h"
 #include "tests/bench/bench_state.h"
-#include "tests/bench/coders/bench_texels.h"
+#include "tests/bench/bench_texels.h"
 
 enum { SMALL, MIDDLE, LARGE, GROUPS };
 static const char *const group_names[GROUPS] = { "up to 64", "65 to 256", "more" };
 
-struct sums { double bytes, head, encode_s, decode_s; };
+struct sums { double bytes, head; };
 struct group { double levels, left_out, texels, squares; struct sums of[TEXELS_CODERS]; };
 struct found { double textures; struct group groups[GROUPS]; };      /* doubles alone: a unit is an array */
 #define FOUND_NUMBERS (sizeof(struct found) / sizeof(double))
 struct study {
 	struct found all, model;             /* model: the one that is being studied */
 	bool there[TEXELS_CODERS];
-	struct texels_trial started[TEXELS_CODERS];      /* what a program takes for next to nothing */
 };
 
 static uint32_t group_of(const struct eco_texture_part *part)
@@ -45,7 +43,7 @@ static enum eco_code measure(struct sums *sums, struct bench *bench, enum texels
 		bytes = texels_bytes_at(trials, count, stored, &nearest);
 		setting += trial->error > stored ? 1u : -1u;         /* finer, or coarser; -1: no more */
 	}
-	*sums = (struct sums){ bytes, trials[nearest].head, trials[nearest].encode_s, trials[nearest].decode_s };
+	*sums = (struct sums){ bytes, trials[nearest].head };
 	return ECO_OK;
 }
 
@@ -56,9 +54,9 @@ static enum eco_code study_level(struct study *s, struct bench *bench, const str
 	struct texels_trial stored;
 	struct sums sums[TEXELS_CODERS];
 	enum eco_code code = texels_code(&stored, bench, TEXELS_WEBP, &level->colors, &level->outline, 0, error);
-	sums[TEXELS_WEBP] = (struct sums){ stored.bytes, 0, stored.encode_s, stored.decode_s };
+	sums[TEXELS_WEBP] = (struct sums){ stored.bytes, 0 };
 	bool all = stored.error > 0;
-	for (enum texels_coder c = TEXELS_PRESET; c < TEXELS_CODERS && !code && all; c++) {
+	for (enum texels_coder c = TEXELS_AVIF_420; c < TEXELS_CODERS && !code && all; c++) {
 		if (s->there[c])
 			code = measure(&sums[c], bench, c, level, stored.error, error);
 		all = !code && (!s->there[c] || sums[c].bytes > 0);
@@ -75,8 +73,6 @@ static enum eco_code study_level(struct study *s, struct bench *bench, const str
 		if (s->there[c]) {
 			group->of[c].bytes += sums[c].bytes;
 			group->of[c].head += sums[c].head;
-			group->of[c].encode_s += sums[c].encode_s - s->started[c].encode_s;
-			group->of[c].decode_s += sums[c].decode_s - s->started[c].decode_s;
 		}
 	return ECO_OK;
 }
@@ -162,21 +158,6 @@ static enum eco_code study_all(struct study *s, struct bench *bench, struct eco_
 	return code ? code : study_path(s, bench, &cards, error);
 }
 
-static enum eco_code start_programs(struct study *s, struct bench *bench, struct eco_error *error)
-{
-	uint8_t gray[3 * 64], opaque[64];
-	struct lod_texture_level tiny = { .colors = { 8, 8, 3, gray }, .outline = { 8, 8, 1, opaque } };
-	enum eco_code code = ECO_OK;
-	memset(gray, 128, sizeof gray);
-	memset(opaque, 255, sizeof opaque);
-	for (enum texels_coder c = 0; c < TEXELS_CODERS && !code; c++) {
-		s->there[c] = texels_coder_is_there(c);
-		if (s->there[c] && c >= TEXELS_AVIF_420)
-			code = texels_code(&s->started[c], bench, c, &tiny.colors, &tiny.outline, 3, error);
-	}
-	return code;
-}
-
 /* ---- The report ---- */
 
 static void add_group(struct bench_table *table, const struct study *s, uint32_t g)
@@ -185,14 +166,12 @@ static void add_group(struct bench_table *table, const struct study *s, uint32_t
 	const struct sums *stored = &group->of[TEXELS_WEBP];
 	for (enum texels_coder c = 0; c < TEXELS_CODERS && group->levels > 0; c++) {
 		const struct sums *sums = &group->of[c];
-		double each = g == LARGE ? 1e9 / group->texels : NAN;        /* else it is mostly starting */
 		if (s->there[c])
-			bench_table_row(table, "%s,%s,%.0f,%.0f,%.3f,%.2f,%.3f,%.3f,%.3f,%.1f,%.1f",
+			bench_table_row(table, "%s,%s,%.0f,%.0f,%.3f,%.2f,%.3f,%.3f,%.3f",
 				group_names[g], texels_names[c], group->levels, group->left_out,
 				group->texels / 1e6, sqrt(group->squares / group->texels),
 				8 * sums->bytes / group->texels, sums->bytes / stored->bytes,
-				(sums->bytes - sums->head) / stored->bytes, each * sums->encode_s,
-				each * sums->decode_s);
+				(sums->bytes - sums->head) / stored->bytes);
 	}
 }
 
@@ -212,22 +191,21 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	struct study *s = calloc(1, sizeof *s);
 	if (!s)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for figures");
-	enum eco_code code = start_programs(s, bench, error);
-	for (enum texels_coder c = TEXELS_AVIF_420; c < TEXELS_CODERS && !code; c++)
+	for (enum texels_coder c = 0; c < TEXELS_CODERS; c++) {
+		s->there[c] = texels_coder_is_there(c);
 		if (!s->there[c])
 			bench_say(bench, "%s is left out: apt-get install %s", texels_names[c],
 				c == TEXELS_JXL ? "libjxl-tools" : "libavif-bin");
-	if (!code)
-		code = study_all(s, bench, error);
+	}
+	enum eco_code code = study_all(s, bench, error);
 	struct bench_table *table = bench_table_open(bench, "texels", "side,coder,levels,left out,"
-		"megatexels,error,bits of a texel,of stored,without head,encoding ns,decoding ns", true);
+		"megatexels,error,bits of a texel,of stored,without head", true);
 	for (uint32_t g = 0; g < GROUPS && !code; g++)
 		add_group(table, s, g);
 	bench_table_close(table);
 	bench_say(bench, "%.0f textures. Bits of a texel at the error (sRGB bytes, opaque texels) that the stored "
 		"file of the same level has, between two settings of a coder; levels where it has none on both "
-		"sides are left out. Times are of processor, of a texel, at the nearer setting, less what the "
-		"program takes for 8 x 8 texels; programs also read and write an uncompressed picture.",
+		"sides are left out.",
 		s->all.textures);
 	if (!code)
 		add_key(bench, s);
@@ -236,4 +214,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_texels = { "texels", "Bits of a texel of colours by several coders", run,
-	.objects = "ecofiles-*.a lod-build.a tests/bench/coders/bench_texels*.o" };
+	.objects = "ecofiles-*.a lod-build.a tests/bench/bench_texels*.o" };

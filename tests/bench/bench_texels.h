@@ -1,32 +1,27 @@
 /* Colours of textures by coders of pictures: bytes and error at some settings.
  *
  *   texels_code(&trial, bench, TEXELS_WEBP, &colors, &outline, 0, &error);       of each setting
- *   bytes = texels_bytes_at(points, count, error_of_what_is_stored);
+ *   bytes = texels_bytes_at(trials, count, error_of_what_is_stored);
  *
- * WebP is libwebp's, called as packs are made, or as its preset for pictures is. The others are programs of Debian 12 that a child process runs: avifenc and avifdec (package
- * libavif-bin; libaom writes, dav1d reads), cjxl and djxl (libjxl-tools). */
+ * WebP is libwebp's, called as packs are made. The others are programs of Debian 12 that a child process runs:
+ * avifenc and avifdec (package libavif-bin; libaom writes, dav1d reads), cjxl and djxl (libjxl-tools). */
 #ifndef TESTS_BENCH_TEXELS_H
 #define TESTS_BENCH_TEXELS_H
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 
 #include "ecofiles/format/texture.h"
 #include "tests/bench/bench.h"
 
-enum texels_coder { TEXELS_WEBP, TEXELS_PRESET, TEXELS_AVIF_420, TEXELS_AVIF_444, TEXELS_JXL,
-	TEXELS_CODERS };
+enum texels_coder { TEXELS_WEBP, TEXELS_AVIF_420, TEXELS_AVIF_444, TEXELS_JXL, TEXELS_CODERS };
 extern const char *const texels_names[TEXELS_CODERS];
 #define TEXELS_SETTINGS 7u
 
 /* `head`: bytes of a file beside its coded picture, where a client could put them back; error: of sRGB bytes,
  * root of the mean square over opaque texels and channels. */
-struct texels_trial { double bytes, head, error, encode_s, decode_s; };
+struct texels_trial { double bytes, head, error; };
 
 /* False: the coder's programs are not there. */
 bool texels_coder_is_there(enum texels_coder coder);
-/* `setting`: below TEXELS_SETTINGS, from coarse to fine; the first of TEXELS_WEBP is what packs have. */
+/* `setting`: below TEXELS_SETTINGS, from coarse to fine; TEXELS_WEBP has one, that of packs. */
 enum eco_code texels_code(struct texels_trial *trial, struct bench *bench, enum texels_coder coder,
 	const struct eco_texture_part *colors, const struct eco_texture_part *outline, uint32_t setting,
 	struct eco_error *error);

@@ -1,25 +1,21 @@
-#include "tests/bench/coders/bench_texels.h"
+#include "tests/bench/bench_texels.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <webp/encode.h>
-
 #include "ecofiles/format/image.h"
-#include "tests/bench/bench_state.h"
 
-#define EFFORT 6
 #define PATH 1200
 #define FILE_MOST (256u << 20)      /* bytes */
 
-const char *const texels_names[TEXELS_CODERS] = { "WebP as stored", "WebP, its preset", "AVIF 4:2:0",
-	"AVIF 4:4:4", "JPEG XL" };
+const char *const texels_names[TEXELS_CODERS] = { "WebP as stored", "AVIF 4:2:0", "AVIF 4:4:4",
+	"JPEG XL" };
 
 /* WebP's quality, AVIF's quantizer, JPEG XL's distance */
 static const double settings[TEXELS_CODERS][TEXELS_SETTINGS] = { { ECO_TEXTURE_QUALITY },
-	{ 60, 70, 78, 85, 91, 96, 100 }, { 56, 46, 36, 27, 19, 11, 3 }, { 60, 52, 42, 32, 23, 14, 5 },
+	{ 56, 46, 36, 27, 19, 11, 3 }, { 60, 52, 42, 32, 23, 14, 5 },
 	{ 8, 4.5, 2.6, 1.5, 0.8, 0.4, 0.1 } };
 
 /* ---- Figures ---- */
@@ -69,43 +65,13 @@ size_t texels_avif_head(const uint8_t *bytes, size_t size)
 
 /* ---- WebP ---- */
 
-/* As eco_texture_write_colors, but all as the preset for pictures has it. */
-static enum eco_code write_preset(struct eco_writer *w, const struct eco_texture_part *colors,
-	double quality, struct eco_error *error)
-{
-	WebPConfig config;
-	WebPPicture picture;
-	WebPMemoryWriter memory;
-	if (!WebPConfigPreset(&config, WEBP_PRESET_PICTURE, (float)quality) || !WebPPictureInit(&picture))
-		return eco_fail(error, ECO_UNSUPPORTED, "libwebp has another version than its headers");
-	WebPMemoryWriterInit(&memory);
-	config.method = EFFORT;
-	picture.width = (int)colors->width;
-	picture.height = (int)colors->height;
-	picture.writer = WebPMemoryWrite;
-	picture.custom_ptr = &memory;
-	bool good = WebPPictureImportRGB(&picture, colors->texels, (int)(3 * colors->width))
-		&& WebPEncode(&config, &picture);
-	if (good)
-		eco_write_bytes(w, memory.mem, memory.size);
-	WebPPictureFree(&picture);
-	WebPMemoryWriterClear(&memory);
-	return good && !w->failed ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a WebP file");
-}
-
-static enum eco_code code_webp(struct texels_trial *trial, enum texels_coder coder,
-	const struct eco_texture_part *colors, struct eco_texture_part *back, uint32_t setting,
-	struct eco_error *error)
+static enum eco_code code_webp(struct texels_trial *trial, const struct eco_texture_part *colors,
+	struct eco_texture_part *back, struct eco_error *error)
 {
 	struct eco_writer w = { 0 };
-	double start = bench_cpu_s();
-	enum eco_code code = (coder == TEXELS_WEBP ? eco_texture_write_colors : write_preset)(&w, colors,
-		settings[coder][setting], error);
-	double middle = bench_cpu_s();
+	enum eco_code code = eco_texture_write_colors(&w, colors, settings[TEXELS_WEBP][0], error);
 	if (!code)
 		code = eco_texture_read_colors(back, w.bytes, w.size, error);
-	trial->encode_s = middle - start;
-	trial->decode_s = bench_cpu_s() - middle;
 	trial->bytes = (double)w.size;
 	eco_writer_free(&w);
 	return code;
@@ -115,7 +81,7 @@ static enum eco_code code_webp(struct texels_trial *trial, enum texels_coder cod
 
 bool texels_coder_is_there(enum texels_coder coder)
 {
-	if (coder < TEXELS_AVIF_420)
+	if (coder == TEXELS_WEBP)
 		return true;
 	return !system(coder == TEXELS_JXL ? "{ command -v cjxl && command -v djxl; } >/dev/null 2>&1"
 		: "{ command -v avifenc && command -v avifdec; } >/dev/null 2>&1");
@@ -182,14 +148,10 @@ static enum eco_code code_program(struct texels_trial *trial, struct bench *benc
 	snprintf(path, sizeof path, "%s.png", base);
 	enum eco_code code = eco_png_write(&(struct eco_pixels){ colors->width, colors->height, 3,
 		colors->texels }, path, error);
-	double start = bench_cpu_s(), middle = start;
 	if (!code)
 		code = encode(bench, coder, base, setting, error);
-	middle = bench_cpu_s();
 	if (!code)
 		code = decode(bench, coder, base, error);
-	trial->encode_s = middle - start;
-	trial->decode_s = bench_cpu_s() - middle;
 	if (!code)
 		code = weigh(trial, coder, base, error);
 	if (!code)
@@ -207,7 +169,7 @@ enum eco_code texels_code(struct texels_trial *trial, struct bench *bench, enum 
 {
 	struct eco_texture_part back = { 0 };
 	*trial = (struct texels_trial){ 0 };
-	enum eco_code code = coder < TEXELS_AVIF_420 ? code_webp(trial, coder, colors, &back, setting, error)
+	enum eco_code code = coder == TEXELS_WEBP ? code_webp(trial, colors, &back, error)
 		: code_program(trial, bench, coder, colors, &back, setting, error);
 	if (!code && (back.width != colors->width || back.height != colors->height))
 		code = eco_fail(error, ECO_DAMAGED, "%s: %u x %u texels became %u x %u", texels_names[coder],
