@@ -154,18 +154,6 @@ UNIT_TEST(a_plain_order_has_plain_codes)
 		assert_int_equal(rank.growth[i], ECO_GROWTH_PLAIN);
 }
 
-UNIT_TEST(unscaled_prefixes_cover_more_than_chance)
-{
-	struct lod_foliage f;
-	begin();
-	foliage_random(&f, &(struct foliage_random){ 600, 4, 1, 0.12, 6 }, &arena);
-	struct lod_rank rank = make(&f, (struct lod_rank_options){ .unscaled = true });
-	assert_permutation(&f, &rank);
-	for (uint32_t count = 60; count < 600; count += 120)
-		assert_true(quality(&f, rank.order, count, NULL, 1, NULL) > quality(&f, NULL, count, NULL, 1,
-			NULL));
-}
-
 static double least_wrong(const struct lod_foliage *foliage, const struct lod_rank *rank, uint32_t count)
 {
 	double least = 1, wrong;

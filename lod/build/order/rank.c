@@ -18,7 +18,6 @@
 #include <string.h>
 
 #include "ecofiles/format/list.h"
-#include "lod/build/order/cover.h"
 #include "lod/build/order/rank_crown.h"
 #include "lod/build/order/rank_simple.h"
 #include "lod/build/order/rank_refine.h"
@@ -448,20 +447,6 @@ static struct lod_crown_options crown_options(const struct lod_foliage *foliage,
 		.directions = options->directions, .seed = options->seed };
 }
 
-static enum eco_code order_unscaled(struct ranking *r, struct eco_error *error)
-{
-	const struct lod_rank_options *options = r->options;
-	uint32_t views = r->crown.views;
-	double (*directions)[3] = lod_arena_take(r->arena, views, sizeof *directions);
-	for (uint32_t v = 0; v < views; v++)
-		for (int k = 0; k < 3; k++)
-			directions[v][k] = -r->crown.level->sights.eyes[v].forward[k];
-	return lod_cover_order(r->order, r->crown.foliage, &(struct lod_cover_options){ .views = views,
-		.directions = (const double (*)[3])directions, .pixels = r->crown.level->sights.pixels,
-		.progress = options->progress,
-		.ctx = options->ctx }, r->arena, error);
-}
-
 static void shuffle(struct ranking *r)
 {
 	struct lod_arena_piece *mark = r->arena->last;
@@ -495,8 +480,8 @@ enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *fol
 	if (!code && options->random)
 		shuffle(&r);
 	else if (!code)
-		code = options->unscaled ? order_unscaled(&r, error) : make_steps(&r, error);
-	if (!code && !options->plain && !options->unscaled && !options->random
+		code = make_steps(&r, error);
+	if (!code && !options->plain && !options->random
 		&& !lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count, r.order,
 		r.growth,
 			r.points == (uint32_t)(POINTS_MOST * r.count) }, arena))

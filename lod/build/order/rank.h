@@ -22,7 +22,6 @@ struct lod_rank_options {
 	/* Minimises wrong pixels, as in Lee's table, instead of maximising Q; no leaf is drawn as a point. */
 	bool wrong_pixels;
 	double from_share;                   /* prefixes below this share of the triangles are not refined */
-	bool unscaled;                       /* for drawing at scale 1 throughout (cover.h) */
 	bool random;                         /* any order, without growth codes; simple triangles as ever */
 	/* as in lod_plant_options */
 	bool (*progress)(void *ctx, double share);

@@ -4,126 +4,387 @@
  * comes up is the cheapest of all. */
 #include "tests/bench/baseline/leaf_collapse.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "lod/heap.h"
 #include "lod/sort.h"
-#include "tests/bench/baseline/leaf_collapse_state.h"
+
+#define CORNERS_MAX (2 * ECO_CORNERS_MAX)
+/* an axis shorter than that over the leaves' extent has no direction: corners are floats */
+#define COINCIDENT 1e-6
+#define CELLS_MOST 128.0         /* of the grid along an axis */
 
 const struct lod_collapse_options lod_collapse_defaults = { .weight = { 1, 0.25, 1, 0.5, 0.1 },
 	.distance_most = 0.12, .angle_most_rad = LOD_PI * 4 / 9 };
 
-/* ---- The forest ---- */
+/* ---- Leaves ---- */
+
+static struct lod_v3 leaf_corner(const struct lod_collapse_leaves *leaves, uint32_t i, uint32_t k)
+{
+	return lod_v3_of(leaves->corner[leaves->first[i] + k]);
+}
+
+/* Half of the leaf's longest extent from its centre, and across it in the leaf's plane. */
+static void find_axes(struct lod_collapse_node *node, const struct lod_collapse_leaves *leaves, uint32_t i)
+{
+	struct lod_v3 far = { 0, 0, 0 }, across;
+	double wide = 0;
+	uint32_t corners = leaves->first[i + 1] - leaves->first[i];
+	for (uint32_t k = 0; k < corners; k++) {
+		struct lod_v3 d = lod_v3_sub(leaf_corner(leaves, i, k), node->center);
+		far = lod_v3_dot(d, d) > lod_v3_dot(far, far) ? d : far;
+	}
+	across = lod_v3_unit(lod_v3_cross(node->normal, far));
+	for (uint32_t k = 0; k < corners; k++)
+		wide = fmax(wide, fabs(lod_v3_dot(across,
+			lod_v3_sub(leaf_corner(leaves, i, k), node->center))));
+	node->half[0] = far;
+	node->half[1] = lod_v3_scale(across, wide);
+}
+
+void lod_collapse_node_of(struct lod_collapse_node *node, const struct lod_collapse_leaves *leaves,
+	uint32_t i)
+{
+	struct lod_v3 sum = { 0, 0, 0 }, first = leaf_corner(leaves, i, 0);
+	uint32_t corners = leaves->first[i + 1] - leaves->first[i];
+	*node = (struct lod_collapse_node){ .represents = 1, .child = { ECO_NONE, ECO_NONE },
+		.parent = ECO_NONE };
+	for (uint32_t k = 0; k < corners; k++)
+		node->center = lod_v3_add(node->center,
+			lod_v3_scale(leaf_corner(leaves, i, k), 1.0 / corners));
+	for (uint32_t k = 1; k + 1 < corners; k++) {
+		struct lod_v3 n = lod_v3_cross(lod_v3_sub(leaf_corner(leaves, i, k), first),
+			lod_v3_sub(leaf_corner(leaves, i, k + 1), first));
+		/* bent leaves: triangles add up, whichever way they are wound */
+		n = lod_v3_dot(n, sum) < 0 ? lod_v3_scale(n, -1) : n;
+		node->area += lod_v3_length(n) / 2;
+		sum = lod_v3_add(sum, n);
+	}
+	node->normal = lod_v3_unit(sum);
+	node->opaque_area = leaves->opaque_area ? leaves->opaque_area[i] : node->area;
+	find_axes(node, leaves, i);
+}
+
+uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
+	uint32_t id, struct lod_v3 corner[ECO_CORNERS_MAX])
+{
+	static const int sign[4][2] = { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } };
+	const struct lod_collapse_node *node = &collapse->node[id];
+	uint32_t leaf = id < collapse->leaves ? collapse->leaf[id] : ECO_NONE,
+		count = leaf == ECO_NONE ? 4 : leaves->first[leaf + 1] - leaves->first[leaf];
+	for (uint32_t k = 0; k < count; k++)
+		corner[k] = leaf != ECO_NONE ? leaf_corner(leaves, leaf, k)
+			: lod_v3_add(node->center, lod_v3_add(lod_v3_scale(node->half[0], sign[k][0]),
+			lod_v3_scale(node->half[1], sign[k][1])));
+	return count;
+}
+
+/* ---- The new quad (section 3.2) ---- */
+
+static struct lod_v3 in_plane(struct lod_v3 v, struct lod_v3 normal)
+{
+	return lod_v3_sub(v, lod_v3_scale(normal, lod_v3_dot(v, normal)));
+}
+
+/* The weighted mean of the normals; b's is turned to the side of a's first, as a leaf has no back. */
+static struct lod_v3 mean_normal(const struct lod_collapse_node *a, const struct lod_collapse_node *b)
+{
+	double turn = lod_v3_dot(a->normal, b->normal) < 0 ? -1 : 1;
+	struct lod_v3 sum = lod_v3_unit(lod_v3_add(lod_v3_scale(a->normal, a->represents),
+		lod_v3_scale(b->normal, turn * b->represents)));
+	return lod_v3_length(sum) > 0 ? sum : (struct lod_v3){ 0, 0, 1 };
+}
+
+/* The line through the projected centres; where they coincide, the larger leaf's own main axis; else any. */
+static struct lod_v3 main_axis(const struct lod_collapse_node *a, const struct lod_collapse_node *b,
+	struct lod_v3 normal)
+{
+	const struct lod_v3 tried[3] = { lod_v3_sub(b->center, a->center), b->area > a->area ? b->half[0]
+		: a->half[0], fabs(normal.z) < 0.9 ? (struct lod_v3){ 0, 0, 1 } : (struct lod_v3){ 1, 0,
+			0 } };
+	double extent = lod_v3_length(a->half[0]) + lod_v3_length(b->half[0]);
+	for (int i = 0; i < 2; i++)
+		if (lod_v3_length(in_plane(tried[i], normal)) > COINCIDENT * extent)
+			return lod_v3_unit(in_plane(tried[i], normal));
+	return lod_v3_unit(in_plane(tried[2], normal));
+}
+
+/* Sides of the rectangle along both axes that encloses all corners projected onto their plane. */
+static void enclose(double side[2], const struct lod_v3 *corner, uint32_t count, const struct lod_v3 axis[2])
+{
+	for (int a = 0; a < 2; a++) {
+		double low = INFINITY, high = -INFINITY;
+		for (uint32_t k = 0; k < count; k++) {
+			low = fmin(low, lod_v3_dot(corner[k], axis[a]));
+			high = fmax(high, lod_v3_dot(corner[k], axis[a]));
+		}
+		side[a] = high - low;
+	}
+}
+
+/* The quad in place of nodes a and b, as the last node. */
+static uint32_t add_quad(struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves, uint32_t a,
+	uint32_t b)
+{
+	uint32_t id = collapse->leaves + collapse->made++;
+	struct lod_collapse_node *node = &collapse->node[id], *one = &collapse->node[a],
+		*two = &collapse->node[b];
+	struct lod_v3 corner[CORNERS_MAX];
+	double weight = (double)two->represents / ((double)one->represents + two->represents), side[2];
+	*node = (struct lod_collapse_node){ .center = lod_v3_mix(one->center, two->center, weight),
+		.normal = mean_normal(one, two), .opaque_area = one->opaque_area + two->opaque_area,
+		.represents = one->represents + two->represents, .child = { a, b }, .parent = ECO_NONE };
+	one->parent = two->parent = id;
+	struct lod_v3 axis[2] = { main_axis(one, two, node->normal) };
+	axis[1] = lod_v3_cross(node->normal, axis[0]);
+	uint32_t count = lod_collapse_corners(collapse, leaves, a, corner);
+	count += lod_collapse_corners(collapse, leaves, b, corner + count);
+	enclose(side, corner, count, axis);
+	double enclosing = side[0] * side[1];
+	node->area = (one->area + two->area + enclosing) / 2;
+	/* seen from the side both leaves are a line: the quad has their area as a square */
+	double root = sqrt(node->area), grow = enclosing > 0 ? sqrt(node->area / enclosing) : 0;
+	node->half[0] = lod_v3_scale(axis[0], (enclosing > 0 ? grow * side[0] : root) / 2);
+	node->half[1] = lod_v3_scale(axis[1], (enclosing > 0 ? grow * side[1] : root) / 2);
+	return id;
+}
+
+/* ---- The best partner: rings of cells of a grid around the leaf ---- */
 
 struct work {
 	struct lod_collapse *collapse;
-	struct lod_collapse_search search;
+	const struct lod_collapse_leaves *leaves;
+	const struct lod_collapse_options *options;
+	struct lod_collapse_crown crown;
+	double low[3], side, most;   /* the grid's corner and cells; the greatest distance of partners */
+	int cells[3];
+	uint32_t *head, *next;       /* per cell and node: lists of nodes */
+	bool *dead;                  /* per node */
 	struct lod_heap_item *heap;
 	uint32_t heap_count, *partner;
 };
 
-/* The leaf at the top has this partner from now on, or leaves the heap. */
-static void settle(struct work *w, uint32_t id)
+static double difference(double a, double b)
 {
-	double cost;
-	w->partner[id] = lod_collapse_search_best(&w->search, id, &cost);
-	if (w->partner[id] != ECO_NONE)
-		w->heap[0] = (struct lod_heap_item){ -cost, id };
-	else
-		w->heap[0] = w->heap[--w->heap_count];
-	lod_heap_sift(w->heap, w->heap_count, 0);
+	return a + b > 0 ? fabs(a - b) / (a + b) : 0;
 }
 
-static void start(struct work *w, uint32_t count)
+/* A leaf without area lies in every plane. */
+static double angle_between(struct lod_v3 a, struct lod_v3 b)
 {
-	for (uint32_t i = 0; i < count; i++) {
-		double cost;
-		w->partner[i] = lod_collapse_search_best(&w->search, i, &cost);
-		if (w->partner[i] != ECO_NONE)
-			w->heap[w->heap_count++] = (struct lod_heap_item){ -cost, i };
+	double length = lod_v3_length(a) * lod_v3_length(b);
+	return length > 0 ? lod_arc_cosine(fabs(lod_v3_dot(a, b)) / length) : 0;
+}
+
+static double from_axis(const struct work *w, double x, double y)
+{
+	x -= w->leaves->axis_x;
+	y -= w->leaves->axis_y;
+	return sqrt(x * x + y * y);
+}
+
+/* The cost if that is below `least`; else anything that is not. Terms that take a root or an angle come last:
+ * most candidates are out by the others. */
+static double cost_below(const struct work *w, const struct lod_collapse_node *a,
+	const struct lod_collapse_node *b, double least)
+{
+	const double *weight = w->options->weight;
+	double apart = lod_v3_distance(a->center, b->center);
+	if (apart > w->most)
+		return INFINITY;
+	double cost = weight[LOD_COLLAPSE_DISTANCE] * (w->most > 0 ? apart / w->most : 0)
+		+ weight[LOD_COLLAPSE_LEAVES] * difference(a->represents, b->represents)
+		+ weight[LOD_COLLAPSE_AREA] * difference(a->area, b->area);
+	if (cost >= least)
+		return cost;
+	double angle = angle_between(a->normal, b->normal);
+	if (angle > w->options->angle_most_rad)
+		return INFINITY;
+	return cost + weight[LOD_COLLAPSE_INTERIORITY] * (w->crown.across > 0 ? from_axis(w,
+		(a->center.x + b->center.x) / 2, (a->center.y + b->center.y) / 2) / w->crown.across : 0)
+		+ weight[LOD_COLLAPSE_ANGLE] * angle / (LOD_PI / 2);
+}
+
+static void cell_of(const struct work *w, uint32_t id, int cell[3])
+{
+	for (int k = 0; k < 3; k++) {
+		double at = (lod_v3_axis(w->collapse->node[id].center, k) - w->low[k]) / w->side;
+		cell[k] = at > 0 ? at < w->cells[k] ? (int)at : w->cells[k] - 1 : 0;
 	}
-	lod_heap_make(w->heap, w->heap_count);
 }
 
-static void run(struct work *w, const struct lod_collapse_leaves *leaves)
+static uint32_t *list_at(const struct work *w, const int cell[3])
 {
-	while (w->heap_count) {
-		uint32_t id = w->heap[0].id, other = w->partner[id];
-		if (w->search.dead[id]) {
-			w->heap[0] = w->heap[--w->heap_count];
-			lod_heap_sift(w->heap, w->heap_count, 0);
-		} else if (w->search.dead[other]) {
-			settle(w, id);
-		} else {
-			lod_collapse_pair(w->collapse, leaves, id, other);
-			lod_collapse_search_remove(&w->search, id);
-			lod_collapse_search_remove(&w->search, other);
-			uint32_t made = leaves->count + w->collapse->made - 1;
-			lod_collapse_search_add(&w->search, made);
-			settle(w, made);
+	return &w->head[((size_t)cell[2] * w->cells[1] + cell[1]) * w->cells[0] + cell[0]];
+}
+
+static void put(struct work *w, uint32_t id)
+{
+	int cell[3];
+	cell_of(w, id, cell);
+	w->next[id] = *list_at(w, cell);
+	*list_at(w, cell) = id;
+}
+
+/* Those that are gone leave the list on the way. */
+static void look_at(struct work *w, uint32_t self, uint32_t *list, double *cost)
+{
+	const struct lod_collapse_node *node = w->collapse->node;
+	while (*list != ECO_NONE) {
+		uint32_t id = *list;
+		if (w->dead[id]) {
+			*list = w->next[id];
+			continue;
+		}
+		list = &w->next[id];
+		double now = id == self ? INFINITY : cost_below(w, &node[self], &node[id], *cost);
+		if (now < *cost) {
+			*cost = now;
+			w->partner[self] = id;
 		}
 	}
 }
 
-/* crown NULL: that of these leaves. */
-static void make_in(struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
-	const struct lod_collapse_crown *crown, const struct lod_collapse_options *options,
-	struct lod_arena *arena)
+/* Cells at `ring` cells from the middle along one axis at least. */
+static void look_around(struct work *w, uint32_t self, const int middle[3], int ring, double *cost)
 {
-	size_t n = leaves->count, room = n ? 2 * n - 1 : 0;
-	*collapse = (struct lod_collapse){ .leaves = leaves->count,
-		.node = lod_arena_take(arena, room, sizeof *collapse->node) };
-	for (uint32_t i = 0; i < leaves->count; i++)
-		lod_collapse_node_of(&collapse->node[i], leaves, i);
-	struct lod_arena_piece *mark = arena->last;
-	struct work w = { .collapse = collapse, .heap = lod_arena_take(arena, n, sizeof *w.heap),
-		.partner = lod_arena_take(arena, room, sizeof *w.partner) };
-	if (crown)
-		w.search.crown = *crown;
+	int low[3], high[3], cell[3];
+	for (int k = 0; k < 3; k++) {
+		low[k] = middle[k] > ring ? middle[k] - ring : 0;
+		high[k] = middle[k] + ring < w->cells[k] ? middle[k] + ring : w->cells[k] - 1;
+	}
+	for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
+		for (cell[1] = low[1]; cell[1] <= high[1]; cell[1]++) {
+			bool inside = abs(cell[2] - middle[2]) < ring && abs(cell[1] - middle[1]) < ring;
+			for (cell[0] = low[0]; cell[0] <= high[0]; cell[0]++)
+				if (!inside || abs(cell[0] - middle[0]) == ring)
+					look_at(w, self, list_at(w, cell), cost);
+		}
+}
+
+/* Finds the leaf's partner of least cost: the leaf stands in the heap with it, or leaves the heap without. */
+static void settle(struct work *w, uint32_t id, uint32_t at)
+{
+	double cost = INFINITY, per_m = w->most > 0 ? w->options->weight[LOD_COLLAPSE_DISTANCE] / w->most : 0;
+	int middle[3];
+	w->partner[id] = ECO_NONE;
+	cell_of(w, id, middle);
+	/* no cell of the ring is nearer than ring - 1 cells; 1e-9: sums of costs are rounded */
+	for (int ring = 0; (ring - 1) * w->side <= w->most && (ring - 1) * w->side * per_m <= cost
+		+ 1e-9; ring++)
+		look_around(w, id, middle, ring, &cost);
+	if (w->partner[id] != ECO_NONE)
+		w->heap[at] = (struct lod_heap_item){ -cost, id };
 	else
-		lod_collapse_extent(&w.search.crown, collapse->node, leaves);
-	lod_collapse_search_make(&w.search, collapse, options ? options : &lod_collapse_defaults,
-		(uint32_t)room, leaves->count, arena);
-	start(&w, leaves->count);
-	run(&w, leaves);
-	lod_arena_release(arena, mark);
-	lod_collapse_place(collapse, arena);
+		w->heap[at] = w->heap[--w->heap_count];
 }
 
-void lod_collapse_make(struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
-	const struct lod_collapse_options *options, struct lod_arena *arena)
+/* ---- The forest ---- */
+
+static void find_extent(struct lod_collapse_crown *crown, struct work *w, uint32_t count)
 {
-	make_in(collapse, leaves, NULL, options, arena);
+	struct lod_v3 low = { 0, 0, 0 }, high = low;
+	for (uint32_t i = 0; i < count; i++) {
+		struct lod_v3 at = w->collapse->node[i].center;
+		low = i ? (struct lod_v3){ fmin(low.x, at.x), fmin(low.y, at.y), fmin(low.z, at.z) } : at;
+		high = i ? (struct lod_v3){ fmax(high.x, at.x), fmax(high.y, at.y), fmax(high.z, at.z) } : at;
+		crown->across = fmax(crown->across, from_axis(w, at.x, at.y));
+	}
+	crown->radius = lod_v3_distance(low, high) / 2;
+	for (int k = 0; k < 3; k++)
+		w->low[k] = lod_v3_axis(low, k);
 }
 
-/* ---- Places ---- */
-
-struct line { uint32_t p, q; };      /* the first free place of each kind */
-
-static void place(struct lod_collapse *collapse, struct line *line, uint32_t id)
+static void make_grid(struct work *w, uint32_t count, size_t room, struct lod_arena *arena)
 {
-	collapse->place[id < collapse->leaves ? line->p++ : line->q++] = id;
+	struct lod_collapse_crown own = { 0 };
+	find_extent(&own, w, count);
+	w->crown = w->crown.radius > 0 ? w->crown : own;
+	w->most = w->options->distance_most * w->crown.radius;
+	w->side = fmax(w->most / 4, 2 * own.radius / CELLS_MOST);
+	w->side = w->side > 0 ? w->side : 1;
+	size_t cells = 1;
+	for (int k = 0; k < 3; k++) {
+		double high = w->low[k];
+		for (uint32_t i = 0; i < count; i++)
+			high = fmax(high, lod_v3_axis(w->collapse->node[i].center, k));
+		w->cells[k] = (int)((high - w->low[k]) / w->side) + 1;
+		cells *= (size_t)w->cells[k];
+	}
+	w->head = lod_arena_take(arena, cells, sizeof *w->head);
+	w->next = lod_arena_take(arena, room, sizeof *w->next);
+	memset(w->head, 0xff, cells * sizeof *w->head);          /* ECO_NONE */
+	for (uint32_t i = count; i-- > 0;)
+		put(w, i);
 }
 
-/* Roots that were made last are placed first: they are the largest. */
-void lod_collapse_place(struct lod_collapse *collapse, struct lod_arena *arena)
+static void collapse_all(struct work *w)
 {
-	uint32_t n = collapse->leaves, nodes = n + collapse->made;
-	struct line line = { 0, n };
+	while (w->heap_count) {
+		uint32_t id = w->heap[0].id, other = w->partner[id];
+		if (w->dead[id]) {
+			w->heap[0] = w->heap[--w->heap_count];
+		} else if (w->dead[other]) {
+			settle(w, id, 0);
+		} else {
+			uint32_t made = add_quad(w->collapse, w->leaves, id, other);
+			w->dead[id] = w->dead[other] = true;
+			put(w, made);
+			settle(w, made, 0);
+		}
+		lod_heap_sift(w->heap, w->heap_count, 0);
+	}
+}
+
+/* The line of places and the table of levels (section 4). Roots that were made last are placed first: they
+ * are
+ * the largest. */
+static void place_all(struct lod_collapse *collapse, struct lod_arena *arena)
+{
+	uint32_t n = collapse->leaves, nodes = n + collapse->made, p = 0,
+		q = n;         /* first free places */
 	collapse->place = lod_arena_take(arena, nodes, sizeof *collapse->place);
 	collapse->level = lod_arena_take(arena, (size_t)collapse->made + 1, sizeof *collapse->level);
 	for (uint32_t i = nodes; i-- > 0;)
 		if (collapse->node[i].parent == ECO_NONE)
-			place(collapse, &line, i);
-	collapse->roots = line.p + line.q - n;
-	collapse->level[0] = (struct lod_collapse_level){ line.p, n, line.q - n };
+			collapse->place[i < n ? p++ : q++] = i;
+	collapse->roots = p + q - n;
+	collapse->level[0] = (struct lod_collapse_level){ p, n, q - n };
 	for (uint32_t i = 0; i < collapse->made; i++) {
-		const struct lod_collapse_node *split = &collapse->node[collapse->place[n + i]];
-		place(collapse, &line, split->child[0]);
-		place(collapse, &line, split->child[1]);
-		uint32_t b = n + i + 1;
-		collapse->level[i + 1] = (struct lod_collapse_level){ line.p, b, line.q - b };
+		const uint32_t *child = collapse->node[collapse->place[n + i]].child;
+		for (int k = 0; k < 2; k++)
+			collapse->place[child[k] < n ? p++ : q++] = child[k];
+		collapse->level[i + 1] = (struct lod_collapse_level){ p, n + i + 1, q - n - i - 1 };
 	}
+}
+
+void lod_collapse_make(struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
+	const struct lod_collapse_options *options, const uint32_t *leaf, uint32_t count,
+	const struct lod_collapse_crown *crown, struct lod_arena *arena)
+{
+	size_t n = leaf ? count : leaves->count, room = n ? 2 * n - 1 : 0;
+	uint32_t *own = lod_arena_take(arena, n, sizeof *own);
+	*collapse = (struct lod_collapse){ .leaves = (uint32_t)n, .leaf = own,
+		.node = lod_arena_take(arena, room, sizeof *collapse->node) };
+	for (uint32_t i = 0; i < n; i++) {
+		own[i] = leaf ? leaf[i] : i;
+		lod_collapse_node_of(&collapse->node[i], leaves, own[i]);
+	}
+	struct lod_arena_piece *mark = arena->last;
+	struct work w = { .collapse = collapse, .leaves = leaves, .options = options ? options
+		: &lod_collapse_defaults, .heap = lod_arena_take(arena, n, sizeof *w.heap),
+		.partner = lod_arena_take(arena, room, sizeof *w.partner),
+		.dead = lod_arena_take(arena, room, sizeof *w.dead) };
+	if (crown)
+		w.crown = *crown;
+	make_grid(&w, (uint32_t)n, room, arena);
+	for (uint32_t i = 0; i < n; i++)
+		settle(&w, i, w.heap_count++);
+	lod_heap_make(w.heap, w.heap_count);
+	collapse_all(&w);
+	lod_arena_release(arena, mark);
+	place_all(collapse, arena);
 }
 
 const struct lod_collapse_level *lod_collapse_level_of(const struct lod_collapse *collapse, uint32_t count)
@@ -132,30 +393,19 @@ const struct lod_collapse_level *lod_collapse_level_of(const struct lod_collapse
 	return &collapse->level[i < collapse->made ? i : collapse->made];
 }
 
-/* The leaves below a node: down to the first child, then on to the next that is not done. */
-static void show_below(const struct lod_collapse *collapse, uint32_t root, uint32_t *shown)
-{
-	uint32_t id = root, from = ECO_NONE;
-	for (;;) {
-		const struct lod_collapse_node *node = &collapse->node[id];
-		uint32_t next = id < collapse->leaves || from == node->child[1] ? ECO_NONE
-			: from == node->child[0] ? node->child[1] : node->child[0];
-		if (id < collapse->leaves)
-			shown[id] = root;
-		if (next == ECO_NONE && id == root)
-			return;
-		from = next == ECO_NONE ? id : ECO_NONE;
-		id = next == ECO_NONE ? node->parent : next;
-	}
-}
-
 void lod_collapse_shown(const struct lod_collapse *collapse, const struct lod_collapse_level *level,
-	uint32_t *shown)
+	uint32_t *shown, struct lod_arena *arena)
 {
-	for (uint32_t i = 0; i < level->a; i++)
-		show_below(collapse, collapse->place[i], shown);
-	for (uint32_t i = level->b; i < level->b + level->c; i++)
-		show_below(collapse, collapse->place[i], shown);
+	struct lod_arena_piece *mark = arena->last;
+	bool *drawn = lod_arena_take(arena, (size_t)collapse->leaves + collapse->made, sizeof *drawn);
+	for (uint32_t i = 0; i < level->a + level->c; i++)
+		drawn[collapse->place[i < level->a ? i : level->b + i - level->a]] = true;
+	for (uint32_t i = 0; i < collapse->leaves; i++) {
+		shown[i] = i;
+		while (!drawn[shown[i]])
+			shown[i] = collapse->node[shown[i]].parent;
+	}
+	lod_arena_release(arena, mark);
 }
 
 /* ---- Sectors ---- */
@@ -185,11 +435,11 @@ static void divide(struct lod_collapse_sectors *sectors, const struct lod_collap
 {
 	uint32_t n = leaves->count;
 	struct lod_arena_piece *mark = arena->last;
-	struct lod_collapse_node *node = lod_arena_take(arena, n, sizeof *node);
+	struct lod_collapse all = { .node = lod_arena_take(arena, n, sizeof *all.node) };
 	double *away = lod_arena_take(arena, n, sizeof *away), *turn = lod_arena_take(arena, n, sizeof *turn);
 	for (uint32_t i = 0; i < n; i++) {
-		lod_collapse_node_of(&node[i], leaves, i);
-		double x = node[i].center.x - leaves->axis_x, y = node[i].center.y - leaves->axis_y;
+		lod_collapse_node_of(&all.node[i], leaves, i);
+		double x = all.node[i].center.x - leaves->axis_x, y = all.node[i].center.y - leaves->axis_y;
 		away[i] = x * x + y * y;
 		turn[i] = turn_of(x, y);
 		sectors->leaf[i] = i;
@@ -198,45 +448,21 @@ static void divide(struct lod_collapse_sectors *sectors, const struct lod_collap
 		sectors->first[s] = (uint32_t)((uint64_t)n * s / sectors->count);
 	sort_leaves(sectors->leaf, away, n, arena);
 	sort_leaves(sectors->leaf + sectors->first[1], turn, n - sectors->first[1], arena);
-	lod_collapse_extent(crown, node, leaves);
+	find_extent(crown, &(struct work){ .collapse = &all, .leaves = leaves }, n);
 	lod_arena_release(arena, mark);
-}
-
-static void copy_leaves(struct lod_collapse_leaves *to, const struct lod_collapse_leaves *from,
-	const uint32_t *leaf, uint32_t count, struct lod_arena *arena)
-{
-	size_t corners = 0;
-	for (uint32_t i = 0; i < count; i++)
-		corners += from->first[leaf[i] + 1] - from->first[leaf[i]];
-	uint32_t *first = lod_arena_take(arena, (size_t)count + 1, sizeof *first);
-	float (*corner)[3] = lod_arena_take(arena, corners, sizeof *corner);
-	double *area = from->opaque_area ? lod_arena_take(arena, count, sizeof *area) : NULL;
-	for (uint32_t i = 0; i < count; i++) {
-		uint32_t at = from->first[leaf[i]], size = from->first[leaf[i] + 1] - at;
-		memcpy(corner + first[i], from->corner + at, size * sizeof *corner);
-		first[i + 1] = first[i] + size;
-		if (area)
-			area[i] = from->opaque_area[leaf[i]];
-	}
-	*to = (struct lod_collapse_leaves){ count, first, (const float (*)[3])corner, area, from->axis_x,
-		from->axis_y };
 }
 
 void lod_collapse_sectors_make(struct lod_collapse_sectors *sectors, uint32_t count,
 	const struct lod_collapse_leaves *leaves, const struct lod_collapse_options *options,
 	struct lod_arena *arena)
 {
+	struct lod_collapse_crown crown = { 0 };
 	*sectors = (struct lod_collapse_sectors){ .count = count,
 		.first = lod_arena_take(arena, (size_t)count + 1, sizeof *sectors->first),
 		.leaf = lod_arena_take(arena, leaves->count, sizeof *sectors->leaf),
-		.forest = lod_arena_take(arena, count, sizeof *sectors->forest),
-		.leaves = lod_arena_take(arena, count, sizeof *sectors->leaves) };
-	struct lod_collapse_crown crown;
+		.forest = lod_arena_take(arena, count, sizeof *sectors->forest) };
 	divide(sectors, leaves, &crown, arena);
-	for (uint32_t s = 0; s < count; s++) {
-		uint32_t first = sectors->first[s];
-		copy_leaves(&sectors->leaves[s], leaves, sectors->leaf + first, sectors->first[s + 1] - first,
-			arena);
-		make_in(&sectors->forest[s], &sectors->leaves[s], &crown, options, arena);
-	}
+	for (uint32_t s = 0; s < count; s++)
+		lod_collapse_make(&sectors->forest[s], leaves, options, sectors->leaf + sectors->first[s],
+			sectors->first[s + 1] - sectors->first[s], &crown, arena);
 }

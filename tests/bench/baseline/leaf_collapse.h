@@ -1,7 +1,8 @@
 /* Leaf collapse (Hidalgo, Abad, Camahort, "Simplification for Efficient Rendering of Tree Foliage", 2007):
- * the two leaves whose cost is least become one quad, again and again. A baseline of ecobench.
+ * the
+ * two leaves whose cost is least become one quad, again and again. A baseline of ecobench.
  *
- *   lod_collapse_make(&collapse, &leaves, NULL, &arena);             collapses; a binary forest
+ *   lod_collapse_make(&collapse, &leaves, NULL, NULL, 0, NULL, &arena);      a binary forest
  *   const struct lod_collapse_level *level = lod_collapse_level_of(&collapse, 500);
  *   draw collapse.place[0 .. level->a) and collapse.place[level->b .. level->b + level->c)
  *
@@ -10,7 +11,7 @@
  * its place: of the quad that was placed first, not of the one that costs most. Else the quads that are left
  * would not be one run (section 4 of the paper, figure 4).
  *
- * Cost terms are in [0, 1] each, and a cost is their weighted sum:
+ * Cost terms are in [0, 1] each, and a cost is their weighted sum (section 3.1):
  *
  *   distance      of the centres, over the greatest one allowed
  *   angle         between the planes, over 90 degrees: a leaf has no back
@@ -20,16 +21,15 @@
  *                 leaves collapse first
  *
  * The paper prints no weights and no cut-offs: lod_collapse_defaults says those that did best on generated
- * plants (lod/EXPERIMENTS.md, Leaf collapse). Two cases that it leaves open: normals that oppose each other
- * are turned to one side first, and where the projected centres coincide the main axis is that of the larger
- * leaf. */
+ * plants. The paper leaves two cases open. Normals that oppose each other are turned to one side first. Where
+ * the projected centres coincide, the main axis is that of the larger leaf. */
 #ifndef TESTS_BENCH_BASELINE_LEAF_COLLAPSE_H
 #define TESTS_BENCH_BASELINE_LEAF_COLLAPSE_H
 
-#include <stdint.h>
-
 #include "ecofiles/format/list.h"
+#include "ecofiles/format/model.h"
 #include "lod/arena.h"
+#include "lod/build/order/footprint.h"
 #include "lod/vector.h"
 
 enum lod_collapse_term { LOD_COLLAPSE_DISTANCE, LOD_COLLAPSE_ANGLE, LOD_COLLAPSE_LEAVES, LOD_COLLAPSE_AREA,
@@ -39,7 +39,6 @@ struct lod_collapse_options {
 	double weight[LOD_COLLAPSE_TERMS];
 	double distance_most;        /* cut-off, over the radius of a ball around the crown; > 0 */
 	double angle_most_rad;       /* cut-off, at most pi / 2 */
-	uint32_t leaves_most;        /* a quad stands for no more leaves than that; 0: any number */
 };
 extern const struct lod_collapse_options lod_collapse_defaults;
 
@@ -52,7 +51,6 @@ struct lod_collapse_leaves {
 	double axis_x, axis_y;       /* the tree's axis is vertical and passes there */
 };
 
-/* Node i is leaf i of the input, or a quad where i >= leaves. */
 struct lod_collapse_node {
 	struct lod_v3 center, normal;        /* unit, or 0 for a leaf without area */
 	double area;                 /* of the polygon */
@@ -67,28 +65,29 @@ struct lod_collapse_level { uint32_t a, b, c; };
 
 struct lod_collapse {                /* arrays of an arena */
 	uint32_t leaves, made;       /* originals; quads, in the order of their collapses */
+	const uint32_t *leaf;        /* node i < leaves is that leaf of the input */
 	struct lod_collapse_node *node;      /* leaves + made */
 	uint32_t *place;                     /* leaves + made nodes, in the order of the vertex array */
 	struct lod_collapse_level *level;    /* made + 1, the coarsest first: level i has roots + i leaves */
 	uint32_t roots;
 };
 
-/* options NULL: lod_collapse_defaults. Near-linear in the count for leaves that are spread; no more than
- * LOD_COLLAPSE_LOOKS candidates are looked at for one leaf, so that leaves on one spot do not take long. */
-#define LOD_COLLAPSE_LOOKS 4096u
+/* Extent of a crown, that costs are over. */
+struct lod_collapse_crown { double radius, across; };
+
+/* Collapses the leaves leaf[0 .. count), or all for NULL. options NULL: lod_collapse_defaults. crown NULL:
+ * that
+ * of these leaves. Near-linear in the count for leaves that are spread. */
 void lod_collapse_make(struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
-	const struct lod_collapse_options *options, struct lod_arena *arena);
+	const struct lod_collapse_options *options, const uint32_t *leaf, uint32_t count,
+	const struct lod_collapse_crown *crown, struct lod_arena *arena);
 
 /* The level of so many leaves, or the nearest to it that there is. */
 const struct lod_collapse_level *lod_collapse_level_of(const struct lod_collapse *collapse, uint32_t count);
-static inline uint32_t lod_collapse_count(const struct lod_collapse_level *level)
-{
-	return level->a + level->c;
-}
 
-/* shown[leaf] becomes the node that stands for the leaf at that level. */
+/* shown[leaf] becomes the node that stands for the leaf (numbered as in `node`) at that level. */
 void lod_collapse_shown(const struct lod_collapse *collapse, const struct lod_collapse_level *level,
-	uint32_t *shown);
+	uint32_t *shown, struct lod_arena *arena);
 
 /* The corners of a node, in turn around it: 4 for a quad. Returns how many. */
 uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
@@ -96,30 +95,47 @@ uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct 
 
 /* ---- Sectors (section 4.1): a forest each ---- */
 
-/* leaf[first[s] .. first[s + 1]) are the leaves of sector s; its forest counts them from 0. Sector 0 holds
- * the innermost leaves, the others are wedges around the axis. All have as many leaves, within one: so
- * wedges are narrow where the foliage is dense. Costs and cut-offs are over the whole crown. */
-struct lod_collapse_sectors {
-	uint32_t count, *first, *leaf;
-	struct lod_collapse *forest;
-	struct lod_collapse_leaves *leaves;  /* of each, with arrays of the arena */
-};
+/* leaf[first[s] .. first[s + 1]) are the leaves of sector s. Sector 0 holds the innermost leaves, the others
+ * are wedges around the axis. All have as many leaves, within one: so wedges are narrow where the foliage is
+ * dense. Costs and cut-offs are over the whole crown. */
+struct lod_collapse_sectors { uint32_t count, *first, *leaf; struct lod_collapse *forest; };
 /* count >= 1. */
 void lod_collapse_sectors_make(struct lod_collapse_sectors *sectors, uint32_t count,
 	const struct lod_collapse_leaves *leaves, const struct lod_collapse_options *options,
 	struct lod_arena *arena);
 
-/* ---- Parts ---- */
+/* ---- Textures (section 3.3, figure 2; leaf_collapse_atlas.c) ----
+ *
+ *   first level   quads of two original leaves. The commonest pairs of distance and relative orientation
+ *                 get a tile each, that shows two leaves so
+ *   below         quads by how many leaves they stand for and how much of them is leaf: the commonest
+ *                 densities of each class of counts get a tile each, that shows leaves strewn at that density
+ *
+ * A tile's leaves are all of one shape, that of a leaf of the tree, and as large as makes the opaque share of
+ * the tile the mean density of its quads: the area of the foliage stays. A quad gets the nearest tile. */
+
+#define LOD_COLLAPSE_CLASSES 5u          /* 2, 3 to 4, 5 to 8, 9 to 32 and more leaves */
+#define LOD_COLLAPSE_CLASS_TILES 8u      /* of 128 x 128 texels in the first class, 64 x 64 in the others */
+
+struct lod_collapse_tile {
+	uint32_t x, y, side;         /* in texels; side 0: no quad has it */
+	double density;              /* wanted: mean of its quads, at most 1 */
+	double distance, turn;       /* first level: over the leaves' lengths; radians */
+};
+struct lod_collapse_atlas {
+	struct eco_image image;      /* of the arena; alpha is 0 or 255 */
+	struct lod_collapse_tile tile[LOD_COLLAPSE_CLASSES][LOD_COLLAPSE_CLASS_TILES];
+	uint8_t **of;                /* per forest and quad: its tile, counted through all classes */
+};
+/* `count` forests of one tree share it. `shape`: a leaf of the tree; rgb: of the leaves. */
+void lod_collapse_atlas_make(struct lod_collapse_atlas *atlas, const struct lod_collapse *forests,
+	uint32_t count, const struct lod_fan *shape, const uint8_t rgb[3], struct lod_arena *arena);
+
+/* Texture coordinates of a quad's corners, in the order of lod_collapse_corners. */
+void lod_collapse_atlas_uv(const struct lod_collapse_atlas *atlas, uint32_t tile, float uv[4][2]);
 
 /* Leaf i of the input as a node. */
 void lod_collapse_node_of(struct lod_collapse_node *node, const struct lod_collapse_leaves *leaves,
 	uint32_t i);
-
-/* Extent of a crown, that costs are over. */
-struct lod_collapse_crown { double radius, across, axis_x, axis_y; };
-
-/* INFINITY beyond a cut-off. */
-double lod_collapse_cost(const struct lod_collapse_node *a, const struct lod_collapse_node *b,
-	const struct lod_collapse_crown *crown, const struct lod_collapse_options *options);
 
 #endif

@@ -1,9 +1,8 @@
-#include "tests/bench/baseline/leaf_collapse_atlas.h"
-
+/* Textures of the quads that leaf collapse makes: leaf_collapse.h says which. */
 #include <string.h>
 
 #include "ecofiles/base/random.h"
-#include "lod/raster/texel.h"
+#include "tests/bench/baseline/leaf_collapse.h"
 
 #define WIDTH 1024u
 #define HEIGHT 256u
@@ -13,75 +12,48 @@
 #define DISTANCES 8u             /* bins of a quarter of the leaves' length */
 #define TURNS 4u                 /* bins of 22.5 degrees */
 #define DENSITIES 16u            /* bins */
+#define BINS (DISTANCES * TURNS)
 #define HALVINGS 16
 #define GROW_MOST 16.0           /* of a tile's leaves */
+#define SHAPE 64u
+#define FAR 1e5                  /* eye's distance over a leaf's length */
 
 /* ---- A leaf's shape ---- */
 
-struct flat { double x, y, u, v; };
+/* Its silhouette in the rectangle along its longest extent, as bits of rows. */
+struct shape {
+	uint64_t row[SHAPE];
+	double wide;                 /* the rectangle's width over its length */
+};
 
-/* Barycentric coordinates of (x, y), or false outside. */
-static bool within(const struct flat t[3], double x, double y, double weight[3])
+/* Seen straight onto its plane, from so far away that lines of sight are parallel. */
+static void make_shape(struct shape *shape, const struct lod_fan *fan, struct lod_arena *arena)
 {
-	double all = (t[1].x - t[0].x) * (t[2].y - t[0].y) - (t[2].x - t[0].x) * (t[1].y - t[0].y);
-	if (all == 0)
-		return false;
-	weight[1] = ((x - t[0].x) * (t[2].y - t[0].y) - (t[2].x - t[0].x) * (y - t[0].y)) / all;
-	weight[2] = ((t[1].x - t[0].x) * (y - t[0].y) - (x - t[0].x) * (t[1].y - t[0].y)) / all;
-	weight[0] = 1 - weight[1] - weight[2];
-	return weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0;
-}
-
-static bool covered(const struct flat *at, uint32_t corners, double x, double y,
-	const struct eco_image *cutout)
-{
-	for (uint32_t k = 1; k + 1 < corners; k++) {
-		const struct flat t[3] = { at[0], at[k], at[k + 1] };
-		double w[3];
-		if (!within(t, x, y, w))
-			continue;
-		if (!cutout || lod_texel_at(cutout, w[0] * t[0].u + w[1] * t[1].u + w[2] * t[2].u,
-				w[0] * t[0].v + w[1] * t[1].v + w[2] * t[2].v)[3] >= 128)
-			return true;
-	}
-	return false;
-}
-
-/* The corners in the leaf's own axes, in [-1, 1]. Returns the width over the length. */
-static double flatten(struct flat *at, const struct lod_collapse_leaves *leaf, const float (*uv)[2])
-{
-	struct lod_collapse collapse;
+	const uint32_t first[2] = { 0, fan->corners };
 	struct lod_collapse_node node;
-	struct lod_v3 corner[ECO_CORNERS_MAX];
-	collapse = (struct lod_collapse){ .leaves = 1, .node = &node };
-	lod_collapse_node_of(&node, leaf, 0);
-	uint32_t count = lod_collapse_corners(&collapse, leaf, 0, corner);
+	lod_collapse_node_of(&node, &(struct lod_collapse_leaves){ 1, first, fan->corner, NULL, 0, 0 }, 0);
 	double length = lod_v3_length(node.half[0]), wide = lod_v3_length(node.half[1]);
-	for (uint32_t k = 0; k < count; k++) {
-		struct lod_v3 d = lod_v3_sub(corner[k], node.center);
-		at[k] = (struct flat){ length > 0 ? lod_v3_dot(d, node.half[0]) / (length * length) : 0,
-			wide > 0 ? lod_v3_dot(d, node.half[1]) / (wide * wide) : 0, uv ? (double)uv[k][0] : 0,
-			uv ? (double)uv[k][1] : 0 };
-	}
-	return length > 0 ? wide / length : 0;
-}
-
-void lod_collapse_shape_make(struct lod_collapse_shape *shape, const float (*corner)[3],
-	const float (*uv)[2], uint32_t corners, const struct eco_image *cutout)
-{
-	const uint32_t first[2] = { 0, corners };
-	struct flat at[ECO_CORNERS_MAX];
-	shape->wide = flatten(at, &(struct lod_collapse_leaves){ 1, first, corner, NULL, 0, 0 }, uv);
-	for (uint32_t y = 0; y < LOD_COLLAPSE_SHAPE; y++)
-		for (uint32_t x = 0; x < LOD_COLLAPSE_SHAPE; x++)
-			shape->opaque[y][x] = covered(at, corners, (2 * x + 1.0) / LOD_COLLAPSE_SHAPE - 1,
-				(2 * y + 1.0) / LOD_COLLAPSE_SHAPE - 1, uv ? cutout : NULL);
+	*shape = (struct shape){ .wide = length > 0 ? wide / length : 0 };
+	if (!(shape->wide > 0))
+		return;
+	struct lod_footprint *print = lod_arena_take(arena, 1, sizeof *print);
+	struct lod_v3 u = lod_v3_unit(node.half[0]), v = lod_v3_unit(node.half[1]), n = lod_v3_cross(u, v),
+		at = lod_v3_add(node.center, lod_v3_scale(n, FAR * length));
+	const struct lod_eye eye = { .at = { at.x, at.y, at.z }, .right = { u.x, u.y, u.z },
+		.up = { -v.x, -v.y, -v.z }, .forward = { -n.x, -n.y, -n.z }, .tan_x = 1 / FAR,
+		.tan_y = wide / length / FAR };
+	struct lod_fan_seen seen;
+	lod_fan_see(&seen, fan, &eye);
+	if (lod_fan_cover(print, &seen, 1, SHAPE))
+		for (uint32_t y = 0; y < print->rows; y++)
+			shape->row[print->y + y] = print->bits[(size_t)y * print->words];
 }
 
 /* ---- Counting ---- */
 
 struct bin { uint32_t count; double area, opaque, distance, turn, wide, high, leaves; };
-struct count { struct bin pair[DISTANCES][TURNS], density[LOD_COLLAPSE_CLASSES][DENSITIES]; };
+/* Class 0: quads of two leaves by pose, DISTANCES x TURNS bins. The other classes: DENSITIES bins. */
+struct count { struct bin bin[LOD_COLLAPSE_CLASSES][BINS]; };
 
 /* Of a quad of two leaves: centres' distance over the leaves' lengths, and the angle between their main axes
  * as they lie in the quad's plane. */
@@ -107,20 +79,23 @@ static uint32_t bin_of(double share, uint32_t bins)
 
 static uint32_t class_of(uint32_t leaves)
 {
-	return leaves <= 4 ? 0 : leaves <= 8 ? 1 : leaves <= 32 ? 2 : 3;
+	return leaves <= 2 ? 0 : leaves <= 4 ? 1 : leaves <= 8 ? 2 : leaves <= 32 ? 3 : 4;
+}
+
+static double density_of(const struct lod_collapse_node *quad)
+{
+	return quad->area > 0 ? quad->opaque_area / quad->area : 0;
 }
 
 static struct bin *find_bin(struct count *count, const struct lod_collapse *c,
 	const struct lod_collapse_node *quad, double *distance, double *turn)
 {
 	*distance = *turn = 0;
-	if (quad->represents == 2) {
-		pose_of(c, quad, distance, turn);
-		return &count->pair[bin_of(*distance / (DISTANCES * 0.25), DISTANCES)]
-			[bin_of(*turn / (LOD_PI / 2), TURNS)];
-	}
-	return &count->density[class_of(quad->represents)]
-		[bin_of(quad->area > 0 ? quad->opaque_area / quad->area : 0, DENSITIES)];
+	if (quad->represents > 2)
+		return &count->bin[class_of(quad->represents)][bin_of(density_of(quad), DENSITIES)];
+	pose_of(c, quad, distance, turn);
+	return &count->bin[0][TURNS * bin_of(*distance / (DISTANCES * 0.25), DISTANCES)
+		+ bin_of(*turn / (LOD_PI / 2), TURNS)];
 }
 
 static void count_quads(struct count *count, const struct lod_collapse *c)
@@ -141,24 +116,13 @@ static void count_quads(struct count *count, const struct lod_collapse *c)
 	}
 }
 
-/* The `most` bins of greatest count, each taken once; returns how many have any. Ties: the first. */
-static uint32_t commonest(const struct bin *bins, uint32_t count, uint32_t most, uint32_t *chosen)
+/* The bin of greatest count, the first of equals; NULL if all are empty. */
+static struct bin *commonest(struct bin bins[BINS])
 {
-	uint32_t n = 0;
-	while (n < most) {
-		uint32_t best = ECO_NONE;
-		for (uint32_t i = 0; i < count; i++) {
-			bool taken = false;
-			for (uint32_t k = 0; k < n; k++)
-				taken = taken || chosen[k] == i;
-			if (!taken && bins[i].count && (best == ECO_NONE || bins[i].count > bins[best].count))
-				best = i;
-		}
-		if (best == ECO_NONE)
-			break;
-		chosen[n++] = best;
-	}
-	return n;
+	struct bin *best = bins;
+	for (struct bin *bin = bins; bin < bins + BINS; bin++)
+		best = bin->count > best->count ? bin : best;
+	return best->count ? best : NULL;
 }
 
 /* ---- Painting ---- */
@@ -171,7 +135,7 @@ struct sheet {                   /* a tile being painted */
 };
 
 /* The leaves, `grow` times as long, in white on black; returns the opaque share. */
-static double paint(const struct sheet *sheet, const struct lod_collapse_shape *shape, double grow,
+static double paint(const struct sheet *sheet, const struct shape *shape, double grow,
 	bool *texel)
 {
 	uint32_t opaque = 0, side = sheet->side;
@@ -186,8 +150,8 @@ static double paint(const struct sheet *sheet, const struct lod_collapse_shape *
 				aside = dy * leaf->along[0] - dx * leaf->along[1],
 				v = shape->wide > 0 ? aside / shape->wide : 2;
 			if (fabs(u) < 1 && fabs(v) < 1)
-				texel[i] = shape->opaque[(uint32_t)((v + 1) / 2 * LOD_COLLAPSE_SHAPE)]
-					[(uint32_t)((u + 1) / 2 * LOD_COLLAPSE_SHAPE)];
+				texel[i] = shape->row[(uint32_t)((v + 1) / 2 * SHAPE)]
+					>> (uint32_t)((u + 1) / 2 * SHAPE) & 1;
 		}
 		opaque += texel[i];
 	}
@@ -195,7 +159,7 @@ static double paint(const struct sheet *sheet, const struct lod_collapse_shape *
 }
 
 /* As large leaves as make the tile's density; a density of 1 is opaque all over. */
-static void paint_dense(const struct sheet *sheet, const struct lod_collapse_shape *shape, double density,
+static void paint_dense(const struct sheet *sheet, const struct shape *shape, double density,
 	bool *texel)
 {
 	double low = 0.01, high = GROW_MOST;
@@ -260,110 +224,80 @@ static void strewn_sheet(struct sheet *sheet, const struct bin *bin)
 
 /* ---- The atlas ---- */
 
-struct choice { uint32_t pair[LOD_COLLAPSE_PAIR_TILES], pairs,
-	density[LOD_COLLAPSE_CLASSES][LOD_COLLAPSE_DENSITIES], densities[LOD_COLLAPSE_CLASSES]; };
-
-static void make_tile(struct lod_collapse_atlas *atlas, uint32_t index, const struct bin *bin,
-	const struct lod_collapse_shape *shape, const uint8_t rgb[3])
+static void make_tile(struct lod_collapse_atlas *atlas, uint32_t class, uint32_t i, const struct bin *bin,
+	const struct shape *shape, const uint8_t rgb[3])
 {
 	bool texel[PAIR_SIDE * PAIR_SIDE];
-	struct lod_collapse_tile *tile = &atlas->tile[index];
 	struct sheet sheet;
-	bool pair = index < LOD_COLLAPSE_PAIR_TILES;
-	uint32_t k = index - LOD_COLLAPSE_PAIR_TILES, row = WIDTH / SIDE;
-	if (pair)
-		pair_sheet(&sheet, bin);
-	else
+	uint32_t k = (class - 1) * LOD_COLLAPSE_CLASS_TILES + i, row = WIDTH / SIDE;
+	if (class)
 		strewn_sheet(&sheet, bin);
-	*tile = (struct lod_collapse_tile){ .x = pair ? index * PAIR_SIDE : k % row * SIDE,
-		.y = pair ? 0 : PAIR_SIDE + k / row * SIDE, .side = sheet.side,
+	else
+		pair_sheet(&sheet, bin);
+	struct lod_collapse_tile *tile = &atlas->tile[class][i];
+	*tile = (struct lod_collapse_tile){ .x = class ? k % row * SIDE : i * PAIR_SIDE,
+		.y = class ? PAIR_SIDE + k / row * SIDE : 0, .side = sheet.side,
 		.density = bin->area > 0 ? fmin(1, bin->opaque / bin->area) : 1,
 		.distance = bin->distance / bin->count, .turn = bin->turn / bin->count };
 	paint_dense(&sheet, shape, tile->density, texel);
 	put_tile(atlas, tile, texel, rgb);
 }
 
-static void make_tiles(struct lod_collapse_atlas *atlas, const struct count *count, struct choice *choice,
-	const struct lod_collapse_shape *shape, const uint8_t rgb[3])
+/* Among the tiles of its class. */
+static uint8_t nearest(const struct lod_collapse_atlas *atlas, const struct lod_collapse *c,
+	const struct lod_collapse_node *quad)
 {
-	choice->pairs = commonest(&count->pair[0][0], DISTANCES * TURNS, LOD_COLLAPSE_PAIR_TILES,
-		choice->pair);
-	for (uint32_t i = 0; i < choice->pairs; i++)
-		make_tile(atlas, i, &count->pair[0][0] + choice->pair[i], shape, rgb);
-	for (uint32_t c = 0; c < LOD_COLLAPSE_CLASSES; c++) {
-		choice->densities[c] = commonest(count->density[c], DENSITIES, LOD_COLLAPSE_DENSITIES,
-			choice->density[c]);
-		for (uint32_t i = 0; i < choice->densities[c]; i++)
-			make_tile(atlas, LOD_COLLAPSE_PAIR_TILES + c * LOD_COLLAPSE_DENSITIES + i,
-				&count->density[c][choice->density[c][i]], shape, rgb);
-	}
-}
-
-/* Among the tiles of its level. */
-static uint32_t nearest(const struct lod_collapse_atlas *atlas, const struct choice *choice,
-	const struct lod_collapse *c, const struct lod_collapse_node *quad)
-{
-	bool pair = quad->represents == 2;
-	uint32_t class = pair ? 0 : class_of(quad->represents), best = 0,
-		first = pair ? 0 : LOD_COLLAPSE_PAIR_TILES + class * LOD_COLLAPSE_DENSITIES,
-		count = pair ? choice->pairs : choice->densities[class];
-	double density = quad->area > 0 ? fmin(1, quad->opaque_area / quad->area) : 1, distance, turn,
-		least = INFINITY;
-	if (pair)
+	uint32_t class = class_of(quad->represents), best = 0;
+	double density = quad->area > 0 ? fmin(1, density_of(quad)) : 1, distance, turn, least = INFINITY;
+	if (!class)
 		pose_of(c, quad, &distance, &turn);
-	for (uint32_t i = first; i < first + count; i++) {
-		const struct lod_collapse_tile *tile = &atlas->tile[i];
-		double off = pair ? fabs(tile->distance - distance) / 0.25 + fabs(tile->turn - turn)
-			/ (LOD_PI / 8) : fabs(tile->density - density);
+	for (uint32_t i = 0; i < LOD_COLLAPSE_CLASS_TILES && atlas->tile[class][i].side; i++) {
+		const struct lod_collapse_tile *tile = &atlas->tile[class][i];
+		double off = class ? fabs(tile->density - density) : fabs(tile->distance - distance) / 0.25
+			+ fabs(tile->turn - turn) / (LOD_PI / 8);
 		if (off < least) {
 			least = off;
 			best = i;
 		}
 	}
-	return best;
+	return (uint8_t)(class * LOD_COLLAPSE_CLASS_TILES + best);
 }
 
 void lod_collapse_atlas_make(struct lod_collapse_atlas *atlas, const struct lod_collapse *forests,
-	uint32_t count, const struct lod_collapse_shape *shape, const uint8_t rgb[3],
-	struct lod_arena *arena)
+	uint32_t count, const struct lod_fan *leaf, const uint8_t rgb[3], struct lod_arena *arena)
 {
-	struct choice choice;
+	struct shape shape;
+	struct bin *bin;
 	*atlas = (struct lod_collapse_atlas){
 		.image = { WIDTH, HEIGHT, lod_arena_take(arena, (size_t)WIDTH * HEIGHT, 4) },
 		.of = lod_arena_take(arena, count, sizeof *atlas->of) };
 	struct count *counted = lod_arena_take(arena, 1, sizeof *counted);
 	for (uint32_t s = 0; s < count; s++)
 		count_quads(counted, &forests[s]);
-	make_tiles(atlas, counted, &choice, shape, rgb);
+	make_shape(&shape, leaf, arena);
+	for (uint32_t class = 0; class < LOD_COLLAPSE_CLASSES; class++)
+		for (uint32_t i = 0; i < LOD_COLLAPSE_CLASS_TILES
+			&& (bin = commonest(counted->bin[class])); i++) {
+			make_tile(atlas, class, i, bin, &shape, rgb);
+			bin->count = 0;
+		}
 	for (uint32_t s = 0; s < count; s++) {
 		const struct lod_collapse *c = &forests[s];
 		atlas->of[s] = lod_arena_take(arena, c->made, sizeof **atlas->of);
-		for (uint32_t i = 0; i < c->made; i++) {
-			uint32_t tile = nearest(atlas, &choice, c, &c->node[c->leaves + i]);
-			atlas->of[s][i] = (uint8_t)tile;
-			atlas->tile[tile].quads++;
-		}
+		for (uint32_t i = 0; i < c->made; i++)
+			atlas->of[s][i] = nearest(atlas, c, &c->node[c->leaves + i]);
 	}
 }
 
 /* A quarter of a texel inside, so that no sample falls into the tile beside it. */
 void lod_collapse_atlas_uv(const struct lod_collapse_atlas *atlas, uint32_t index, float uv[4][2])
 {
-	const struct lod_collapse_tile *tile = &atlas->tile[index];
+	const struct lod_collapse_tile *tile = &atlas->tile[index / LOD_COLLAPSE_CLASS_TILES]
+		[index % LOD_COLLAPSE_CLASS_TILES];
 	const double low[2] = { (tile->x + 0.25) / WIDTH, (tile->y + 0.25) / HEIGHT },
 		high[2] = { (tile->x + tile->side - 0.25) / WIDTH, (tile->y + tile->side - 0.25) / HEIGHT };
 	for (int k = 0; k < 4; k++) {
 		uv[k][0] = (float)(k == 1 || k == 2 ? high[0] : low[0]);
 		uv[k][1] = (float)(k >= 2 ? high[1] : low[1]);
 	}
-}
-
-double lod_collapse_atlas_share(const struct lod_collapse_atlas *atlas, uint32_t index)
-{
-	const struct lod_collapse_tile *tile = &atlas->tile[index];
-	uint32_t opaque = 0;
-	for (uint32_t i = 0; i < tile->side * tile->side; i++)
-		opaque += atlas->image.rgba[4 * ((size_t)(tile->y + i / tile->side) * WIDTH + tile->x
-			+ i % tile->side) + 3] >= 128;
-	return tile->side ? (double)opaque / (tile->side * tile->side) : 0;
 }

@@ -1,6 +1,6 @@
 /* Leaf collapse (Hidalgo, Abad, Camahort 2007) against orders and splats at equal vertices, and the paper's
  * figures: the quad of two leaves (1), the atlas (2), an example of a chain and its table of levels (3, 4),
- * levels at distances (5), sectors (6). What the paper has no figure for is the time of the search for pairs.
+ * sectors (6).
  *
  * The paper compares with nothing and gives no count of leaves, no time and no frame rate; its scenes of
  * millions of trees are a matter of the renderer. The section measures Q: of levels drawn as the paper says
@@ -9,70 +9,441 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "ecofiles/base/random.h"
-#include "tests/bench/collapse/bench_collapse_draw.h"
-#include "tests/bench/collapse/bench_collapse_q.h"
+#include "tests/bench/bench_leaves.h"
+#include "tests/bench/collapse/bench_collapse_plant.h"
+#include "tests/bench/ladder/bench_savings.h"
+#include "tests/bench/pictures/bench_splats.h"
 
+#define TEST_SEED 90217u                 /* views of bench_savings.c, these and those that scales are from */
+#define TUNING_SEED 7411u
+#define TUNING_VIEWS 5u
+#define STEP_LOW (-16)                   /* eighths of an octave of area */
+#define STEP_HIGH 8
+#define SPLATS_MOST 8192u
+#define PIXELS 256u
+#define PASSES 8                         /* of giving what full sectors leave to the others */
+#define WEDGES 9u                        /* sectors: the innermost, and eight wedges */
 #define READ_QUICK 3u
 #define MADE_QUICK 1u
-#define CHAIN_LEAVES 10u
-#define CROWN_RADIUS 5.0
-#define LEAF_HALF 0.05
+#define TOP_SIDE 512u
+#define FAR 1e4
 
-/* ---- Kept ---- */
+/* PRINTED: quads as large as the paper has them. SOLID: opaque quads, at the scale that is best in other
+ * views. SECTORS: quads of the printed size; each sector has a level, the finer the more it faces the eye.
+ * SPLATS: of the whole plant, as many as there are vertices; wood is whole there, too. */
+enum kind { PRINTED, SOLID, SECTORS, SPLATS, KINDS };
+static const char *const kind_names[KINDS] = { "leaf collapse as printed", "leaf collapse without textures",
+	"leaf collapse by sectors", "splats" };
 
-static json_t *pack_row(const double *values, uint32_t count)
+struct study {
+	struct bench *bench;
+	const char *name;
+	struct bench_leaves leaves;
+	struct lod_foliage bare;             /* without quads */
+	struct lod_sights tuning, tests;
+	uint64_t vertices;
+	uint32_t views, *order;
+	double q[KINDS][BENCH_SHARES];       /* at bench_shares of all vertices */
+};
+
+/* ---- Pictures ---- */
+
+/* A raster of square metres seen along `forward`, with `half` metres from the middle to each side. */
+static enum eco_code open_canvas(struct lod_raster *raster, uint32_t side, struct lod_v3 middle,
+	struct lod_v3 right, struct lod_v3 up, double half, struct eco_error *error)
 {
-	json_t *row = json_array();
-	for (uint32_t i = 0; i < count; i++)
-		json_array_append_new(row, isfinite(values[i]) ? json_real(values[i]) : json_null());
-	return row;
+	struct lod_v3 back = lod_v3_cross(right, up), at = lod_v3_add(middle, lod_v3_scale(back, FAR * half));
+	const struct lod_eye eye = { .at = { at.x, at.y, at.z }, .right = { right.x, right.y, right.z },
+		.up = { up.x, up.y, up.z }, .forward = { -back.x, -back.y, -back.z }, .tan_x = 1 / FAR,
+		.tan_y = 1 / FAR, .pixel_rad = 2 / FAR / side };
+	enum eco_code code = lod_raster_init(raster, &(struct lod_raster_options){ .width = side,
+		.height = side, .owner = true }, error);
+	if (code)
+		return code;
+	lod_raster_camera(raster, &eye, half);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	return ECO_OK;
 }
 
-static void read_row(const json_t *row, double *values, uint32_t count)
+/* Colours by owner, from 1; white where nothing is. */
+static void paint_canvas(const struct lod_raster *raster, const uint8_t (*colors)[3], uint8_t *rgb,
+	size_t stride)
 {
-	for (uint32_t i = 0; i < count; i++) {
-		const json_t *value = json_array_get(row, i);
-		values[i] = json_is_number(value) ? json_number_value(value) : NAN;
+	static const uint8_t white[3] = { 255, 255, 255 };
+	for (size_t i = 0; i < (size_t)raster->width * raster->height; i++)
+		memcpy(rgb + 3 * (i / raster->width * stride + i % raster->width), raster->owner[i]
+			? colors[raster->owner[i] - 1] : white, 3);
+}
+
+static void draw_quad(struct lod_raster *raster, const struct lod_v3 corner[4], const float (*uv)[2],
+	const struct eco_image *cutout, uint64_t owner)
+{
+	float position[18], at[12];
+	for (uint32_t i = 0; i < 6; i++) {
+		static const uint32_t which[6] = { 0, 1, 2, 0, 2, 3 };
+		struct lod_v3 p = corner[which[i]];
+		position[3 * i] = (float)p.x, position[3 * i + 1] = (float)p.y, position[3 * i
+			+ 2] = (float)p.z;
+		for (int k = 0; k < 2; k++)
+			at[2 * i + (uint32_t)k] = uv ? uv[which[i]][k] : 0;
+	}
+	lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = 2, .position = position, .uv = at,
+		.cutout = cutout, .owner = owner });
+}
+
+/* A rectangle in the plane of the quad and before it, as four thin quads. */
+static void draw_frame(struct lod_raster *raster, const struct lod_collapse_node *quad, const double low[2],
+	const double high[2], uint64_t owner)
+{
+	struct lod_v3 axis[2] = { lod_v3_unit(quad->half[0]), lod_v3_unit(quad->half[1]) },
+		front = lod_v3_add(quad->center, lod_v3_cross(axis[0], axis[1]));
+	for (int side = 0; side < 4; side++) {
+		double from[2] = { low[0], low[1] }, to[2] = { high[0], high[1] };
+		*(side % 2 ? &from[side / 2] : &to[side / 2]) = side % 2 ? high[side / 2] - 0.015
+			: low[side / 2] + 0.015;
+		struct lod_v3 corner[4];
+		for (int k = 0; k < 4; k++)
+			corner[k] = lod_v3_add(front, lod_v3_add(lod_v3_scale(axis[0], k == 1 || k == 2
+				? to[0]
+				: from[0]), lod_v3_scale(axis[1], k < 2 ? from[1] : to[1])));
+		draw_quad(raster, corner, NULL, NULL, owner);
 	}
 }
 
-static json_t *pack(const struct bench_collapse_q *q)
+/* Figure 1: two leaves; what encloses them and the quad in their place; the quad with its texture. */
+static enum eco_code paint_pair(uint8_t *rgb, struct lod_arena *arena, struct eco_error *error)
 {
-	json_t *kinds = json_array(), *levels = json_array();
-	for (int k = 0; k < BENCH_COLLAPSE_KINDS; k++)
-		json_array_append_new(kinds, pack_row(q->q[k], BENCH_SHARES));
-	for (uint32_t i = 0; i < q->level_count; i++) {
-		const struct bench_collapse_level *l = &q->level[i];
-		const double row[4 + BENCH_COLLAPSE_SIZES] = { l->a, l->b, l->c, (double)l->vertices, l->q[0],
-			l->q[1], l->q[2], l->q[3] };
-		json_array_append_new(levels, pack_row(row, 4 + BENCH_COLLAPSE_SIZES));
+	static const float corner[8][3] = { { -1.1f, 0, 0 }, { -0.5f, -0.35f, 0.1f }, { 0.3f, 0, 0 },
+		{ -0.5f, 0.35f, 0.1f }, { 0.5f, -0.5f, 0 }, { 1.0f, 0.1f, -0.2f }, { 0.9f, 0.9f, -0.1f },
+		{ 0.4f, 0.3f, 0.1f } };
+	static const uint32_t first[3] = { 0, 4, 8 };
+	static const uint8_t colors[3][3] = { { 88, 132, 48 }, { 40, 40, 40 }, { 200, 60, 40 } };
+	const struct lod_collapse_leaves leaves = { 2, first, corner, NULL, 0, 0 };
+	struct lod_collapse c;
+	struct lod_collapse_atlas atlas;
+	struct lod_raster raster;
+	lod_collapse_make(&c, &leaves, &(struct lod_collapse_options){ .distance_most = 9,
+		.angle_most_rad = LOD_PI / 2 }, NULL, 0, NULL, arena);
+	lod_collapse_atlas_make(&atlas, &c, 1, &(struct lod_fan){ .corner = corner, .corners = 4 }, colors[0],
+		arena);
+	const struct lod_collapse_node *quad = &c.node[2];
+	struct lod_v3 p[3][ECO_CORNERS_MAX], right = lod_v3_unit(quad->half[0]),
+		up = lod_v3_unit(quad->half[1]);
+	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY },
+		half[2] = { lod_v3_length(quad->half[0]), lod_v3_length(quad->half[1]) };
+	enum eco_code code = open_canvas(&raster, PIXELS, quad->center, right, up, 1.83, error);
+	for (uint32_t i = 0; i < 3; i++)
+		for (uint32_t k = 0; k < lod_collapse_corners(&c, &leaves, i, p[i]) && i < 2; k++)
+			for (int a = 0; a < 2; a++) {
+				double at = lod_v3_dot(lod_v3_sub(p[i][k], quad->center), a ? up : right);
+				low[a] = fmin(low[a], at);
+				high[a] = fmax(high[a], at);
+			}
+	for (size_t panel = 0; panel < 3 && !code; panel++) {
+		float uv[4][2];
+		lod_raster_clear(&raster);
+		lod_collapse_atlas_uv(&atlas, atlas.of[0][0], uv);
+		for (uint32_t i = 0; i < 2 && panel < 2; i++)
+			draw_quad(&raster, p[i], NULL, NULL, 1);
+		if (panel == 1)
+			draw_frame(&raster, quad, low, high, 2);
+		if (panel == 2)
+			draw_quad(&raster, p[2], (const float (*)[2])uv, &atlas.image, 1);
+		if (panel)
+			draw_frame(&raster, quad, (const double[2]){ -half[0], -half[1] }, half, 3);
+		paint_canvas(&raster, colors, rgb + 3 * panel * PIXELS, 3 * (size_t)PIXELS);
 	}
-	const double plant[5] = { q->leaves, q->quads, q->roots, q->seconds, q->least };
-	return json_pack("{s:o,s:o,s:o}", "kinds", kinds, "levels", levels, "plant", pack_row(plant, 5));
+	lod_raster_free(&raster);
+	return code;
 }
 
-static void unpack(struct bench_collapse_q *q, const json_t *kept)
+/* Figure 6: leaves from above, in the colours of their sectors. The innermost lies over the others. */
+static enum eco_code paint_sectors(uint8_t *rgb, const struct lod_foliage *f,
+	const struct lod_collapse_sectors *sectors, struct eco_error *error)
 {
-	double plant[5], row[4 + BENCH_COLLAPSE_SIZES];
-	read_row(json_object_get(kept, "plant"), plant, 5);
-	*q = (struct bench_collapse_q){ (uint32_t)plant[0], (uint32_t)plant[1], (uint32_t)plant[2],
-		.seconds = plant[3], .least = plant[4] };
-	for (size_t k = 0; k < BENCH_COLLAPSE_KINDS; k++)
-		read_row(json_array_get(json_object_get(kept, "kinds"), k), q->q[k], BENCH_SHARES);
-	const json_t *levels = json_object_get(kept, "levels");
-	for (; q->level_count < BENCH_COLLAPSE_LEVELS && q->level_count < json_array_size(levels);
-		q->level_count++) {
-		struct bench_collapse_level *l = &q->level[q->level_count];
-		read_row(json_array_get(levels, q->level_count), row, 4 + BENCH_COLLAPSE_SIZES);
-		*l = (struct bench_collapse_level){ (uint32_t)row[0], (uint32_t)row[1], (uint32_t)row[2],
-			(uint64_t)row[3], { row[4], row[5], row[6], row[7] } };
+	static const uint8_t colors[WEDGES][3] = { { 60, 60, 60 }, { 214, 69, 65 }, { 244, 160, 60 },
+		{ 230, 210, 70 }, { 120, 180, 70 }, { 40, 140, 110 }, { 60, 150, 210 }, { 70, 80, 180 },
+		{ 170, 80, 170 } };
+	struct lod_raster raster;
+	double most = 0;
+	for (uint32_t i = 0; i < f->count; i++)
+		most = fmax(most, fmax(fabs(f->center[i].x), fabs(f->center[i].y)));
+	enum eco_code code = open_canvas(&raster, TOP_SIDE, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0,
+		0 },
+		(struct lod_v3){ 0, 1, 0 }, most / 0.96, error);
+	if (code)
+		return code;
+	lod_raster_clear(&raster);
+	double dot = 5 * 2 * most / 0.96 / TOP_SIDE;
+	for (uint32_t s = 0; s < sectors->count; s++)
+		for (uint32_t i = sectors->first[s]; i < sectors->first[s + 1]; i++) {
+			struct lod_v3 at = f->center[sectors->leaf[i]];
+			const float position[3] = { (float)at.x, (float)at.y, (float)(-most * s) };
+			lod_raster_points(&raster, &(struct lod_raster_batch){ .count = 1,
+				.position = position,
+				.area = (float)(dot * dot), .owner = s + 1 });
+		}
+	paint_canvas(&raster, colors, rgb, TOP_SIDE);
+	lod_raster_free(&raster);
+	return ECO_OK;
+}
+
+/* Figure 2, with the upper and left edges of tiles. */
+static void paint_atlas(uint8_t *rgb, const struct lod_collapse_atlas *atlas)
+{
+	static const uint8_t line[3] = { 40, 40, 40 };
+	const struct eco_image *image = &atlas->image;
+	memset(rgb, 255, 3 * (size_t)image->width * image->height);
+	for (uint32_t t = 0; t < LOD_COLLAPSE_CLASSES * LOD_COLLAPSE_CLASS_TILES; t++) {
+		const struct lod_collapse_tile *tile = &atlas->tile[t / LOD_COLLAPSE_CLASS_TILES]
+			[t % LOD_COLLAPSE_CLASS_TILES];
+		for (uint32_t i = 0; i < tile->side * tile->side; i++) {
+			uint32_t x = i % tile->side, y = i / tile->side;
+			size_t at = (size_t)(tile->y + y) * image->width + tile->x + x;
+			bool edge = x == 0 || y == 0;
+			if (edge || image->rgba[4 * at + 3] >= 128)
+				memcpy(rgb + 3 * at, edge ? line : image->rgba + 4 * at, 3);
+		}
 	}
 }
 
-static enum eco_code measure(struct bench *bench, const struct bench_model *model, struct bench_collapse_q *q,
+/* ---- One forest ---- */
+
+static double q_of(struct study *s, const struct lod_sights *sights, uint32_t count, const float *factor)
+{
+	struct bench_wrong sum = { 0 };
+	const struct lod_sights_drawing drawing = { .order = s->order, .count = count, .scale = 1,
+		.factor = factor };
+	for (uint32_t v = 0; v < sights->count; v++)
+		bench_leaves_compare(&s->leaves, sights, v, &drawing, &sum);
+	return bench_wrong_q(&sum);
+}
+
+/* The same with quads scaled by 2^(step / 8). */
+static double scaled_q(struct study *s, const struct lod_sights *sights, uint32_t count, int step,
+	float *factor)
+{
+	for (uint32_t k = 0; k < count; k++)
+		factor[s->order[k]] = s->order[k] < s->bare.count ? 1 : (float)exp2(step / 8.0);
+	return q_of(s, sights, count, factor);
+}
+
+/* At the scale that is best in other views. */
+static double best_q(struct study *s, uint32_t count, float *factor)
+{
+	double best = -INFINITY;
+	int best_step = 0;
+	for (int step = STEP_LOW; step <= STEP_HIGH; step += 2) {
+		double now = scaled_q(s, &s->tuning, count, step, factor);
+		best_step = now > best ? step : best_step;
+		best = fmax(best, now);
+	}
+	return scaled_q(s, &s->tests, count, best_step, factor);
+}
+
+static void grow(struct study *s, struct bench_collapse_plant *plant, uint32_t sectors, bool solid)
+{
+	bench_collapse_make(plant, &s->bare, &(struct bench_collapse_options){ sectors, solid },
+		&s->leaves.arena);
+	s->leaves.foliage = s->bare;
+	bench_collapse_extend(plant, &s->leaves.foliage, &s->leaves.arena);
+}
+
+static enum eco_code measure_forest(struct study *s, enum kind kind, struct eco_error *error)
+{
+	struct bench_collapse_plant plant;
+	char file[128];
+	grow(s, &plant, 0, kind == SOLID);
+	float *factor = lod_arena_take(&s->leaves.arena, (size_t)plant.leaves + plant.quads, sizeof *factor);
+	for (uint32_t i = 0; i < BENCH_SHARES; i++) {
+		double vertices = bench_shares[i] * (double)s->vertices;
+		uint32_t row = bench_collapse_row(&plant, 0, vertices),
+			count = bench_collapse_order(&plant, 0, row, s->order);
+		s->q[kind][i] = (double)plant.vertices[0][row] > vertices ? NAN : kind == SOLID
+			? best_q(s, count, factor) : q_of(s, &s->tests, count, NULL);
+	}
+	if (kind == SOLID)
+		return ECO_OK;
+	const struct eco_image *image = &plant.atlas.image;
+	uint8_t *rgb = lod_arena_take(&s->leaves.arena, (size_t)image->width * image->height, 3);
+	paint_atlas(rgb, &plant.atlas);
+	snprintf(file, sizeof file, "collapse-%s-atlas.png", s->name);
+	return bench_picture_write(s->bench, file, image->width, image->height, rgb, error);
+}
+
+/* ---- Sectors ---- */
+
+/* 1 for a wedge that faces the eye, 0 for one behind the tree. */
+static double facing(const struct lod_collapse *forest, const struct lod_eye *eye)
+{
+	struct lod_v3 sum = { 0, 0, 0 }, to = { -eye->forward[0], -eye->forward[1], 0 };
+	for (uint32_t i = 0; i < forest->leaves; i++)
+		sum = lod_v3_add(sum, forest->node[i].center);
+	sum.z = 0;
+	return 0.5 + 0.5 * lod_v3_dot(lod_v3_unit(sum), to);
+}
+
+/* Vertices of each sector: by its weight and size, and none more than it has. */
+static void allocate(const struct bench_collapse_plant *plant, const struct lod_eye *eye, double vertices,
+	double *given)
+{
+	double weight[WEDGES], all[WEDGES];
+	for (uint32_t k = 0; k < WEDGES; k++) {
+		const struct lod_collapse *forest = &plant->sectors.forest[k];
+		all[k] = (double)plant->vertices[k][forest->made];
+		weight[k] = all[k] * (0.5 + (k ? facing(forest, eye) : 0));
+		given[k] = 0;
+	}
+	for (int pass = 0; pass < PASSES; pass++) {
+		double left = vertices, sum = 0;
+		for (uint32_t k = 0; k < WEDGES; k++) {
+			left -= given[k];
+			sum += given[k] < all[k] ? weight[k] : 0;
+		}
+		for (uint32_t k = 0; k < WEDGES && sum > 0 && left > 0; k++)
+			if (given[k] < all[k])
+				given[k] = fmin(all[k], given[k] + left * weight[k] / sum);
+	}
+}
+
+/* NaN where the coarsest levels have more vertices. */
+static double sectors_q(struct study *s, const struct bench_collapse_plant *plant, double vertices)
+{
+	struct bench_wrong sum = { 0 };
+	for (uint32_t v = 0; v < s->views; v++) {
+		struct lod_sights_drawing drawing = { .order = s->order, .scale = 1 };
+		double given[WEDGES];
+		uint64_t drawn = 0;
+		allocate(plant, &s->tests.eyes[v], vertices, given);
+		for (uint32_t k = 0; k < WEDGES; k++) {
+			uint32_t row = bench_collapse_row(plant, k, given[k]);
+			drawn += plant->vertices[k][row];
+			drawing.count += bench_collapse_order(plant, k, row, s->order + drawing.count);
+		}
+		if ((double)drawn > vertices)
+			return NAN;
+		bench_leaves_compare(&s->leaves, &s->tests, v, &drawing, &sum);
+	}
+	return bench_wrong_q(&sum);
+}
+
+static enum eco_code measure_sectors(struct study *s, struct eco_error *error)
+{
+	struct bench_collapse_plant plant;
+	char file[128];
+	uint8_t *rgb = lod_arena_take(&s->leaves.arena, (size_t)TOP_SIDE * TOP_SIDE, 3);
+	grow(s, &plant, WEDGES, false);
+	for (uint32_t i = 0; i < BENCH_SHARES; i++)
+		s->q[SECTORS][i] = sectors_q(s, &plant, bench_shares[i] * (double)s->vertices);
+	enum eco_code code = paint_sectors(rgb, &s->bare, &plant.sectors, error);
+	snprintf(file, sizeof file, "collapse-%s-sectors.png", s->name);
+	return code ? code : bench_picture_write(s->bench, file, TOP_SIDE, TOP_SIDE, rgb, error);
+}
+
+/* ---- Splats ---- */
+
+static void compare_splats(struct study *s, const struct bench_splats_drawn *drawn, uint32_t view,
+	struct bench_wrong *sum)
+{
+	const struct lod_sights *sights = &s->tests;
+	struct lod_raster *raster = &s->leaves.cover;
+	uint32_t row_words = sights->words / sights->pixels;
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, &sights->eyes[view], sights->near_m);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	bench_splats_draw(drawn, raster);
+	for (size_t i = 0; i < (size_t)sights->pixels * sights->pixels; i++) {
+		size_t word = i / sights->pixels * row_words + i % sights->pixels / 64;
+		uint64_t bit = UINT64_C(1) << (i % sights->pixels % 64);
+		bool shown = raster->cover[i] || (sights->wood[view][word] & bit),
+			wanted = sights->reference[view][word] & bit;
+		sum->fp += shown && !wanted;
+		sum->fn += wanted && !shown;
+	}
+	sum->pixels += sights->reference_pixels[view];
+}
+
+static enum eco_code measure_splats(struct study *s, struct eco_error *error)
+{
+	struct lod_splats splats;
+	struct lod_splat *items = lod_arena_take(&s->leaves.arena, SPLATS_MOST, sizeof *items);
+	enum eco_code code = lod_splats_fit(&splats, &s->leaves.model, &(struct lod_splats_options){ 0 },
+		error);
+	for (uint32_t i = 0; i < BENCH_SHARES && !code && splats.level_count; i++) {
+		struct bench_wrong sum = { 0 };
+		double room = fmin(bench_shares[i] * (double)s->vertices, SPLATS_MOST);
+		struct bench_splats_drawn drawn = { items,
+			bench_splats_state(&splats, (uint32_t)room, items) };
+		for (uint32_t v = 0; v < s->views; v++)
+			compare_splats(s, &drawn, v, &sum);
+		s->q[SPLATS][i] = bench_wrong_q(&sum);
+	}
+	if (!code)
+		lod_splats_free(&splats);
+	return code;
+}
+
+/* ---- One plant ---- */
+
+static enum eco_code look(struct study *s, struct lod_sights *sights, uint32_t count, uint32_t seed,
+	struct eco_error *error)
+{
+	double directions[12][3];
+	lod_directions_spread(directions, count, seed);
+	return lod_sights_make(sights, &s->leaves.foliage, (const double (*)[3])directions, count, PIXELS,
+		&s->leaves.arena, error);
+}
+
+static enum eco_code run_study(struct study *s, struct eco_error *error)
+{
+	enum eco_code code = look(s, &s->tuning, TUNING_VIEWS, TUNING_SEED, error);
+	code = code ? code : look(s, &s->tests, s->views, TEST_SEED, error);
+	s->bare = s->leaves.foliage;
+	s->order = lod_arena_take(&s->leaves.arena, s->bare.count, sizeof *s->order);
+	for (uint32_t i = 0; i < s->bare.count; i++)
+		s->vertices += 3 * (s->bare.first[i + 1] - s->bare.first[i] - 2);
+	code = code ? code : measure_forest(s, SOLID, error);
+	code = code ? code : measure_forest(s, PRINTED, error);
+	code = code ? code : measure_sectors(s, error);
+	if (!code && bench_stopped(s->bench))
+		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	return code ? code : measure_splats(s, error);
+}
+
+/* Takes the model over. The result: leaves, then a row of Q for each kind. */
+static enum eco_code study_model(struct bench *bench, const char *name, struct eco_model *model, json_t **out,
+	struct eco_error *error)
+{
+	struct study *s = calloc(1, sizeof *s);
+	if (!s) {
+		eco_model_free(model);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a study of leaf collapse");
+	}
+	*s = (struct study){ .bench = bench, .name = name, .views = bench->full ? 12 : 6 };
+	enum eco_code code = bench_leaves_open(&s->leaves, model, PIXELS, error);
+	if (!code) {
+		code = setjmp(s->leaves.arena.failed) ? eco_fail(error, ECO_NO_MEMORY,
+			"no memory for levels of "
+			"leaves") : run_study(s, error);
+		bench_leaves_close(&s->leaves);
+	}
+	*out = json_pack("[i]", (int)s->bare.count);
+	for (int kind = 0; kind < KINDS; kind++) {
+		json_t *row = json_array();
+		for (uint32_t i = 0; i < BENCH_SHARES; i++)
+			json_array_append_new(row, isfinite(s->q[kind][i]) ? json_real(s->q[kind][i])
+				: json_null());
+		json_array_append_new(*out, row);
+	}
+	free(s);
+	if (code)
+		json_decref(*out);
+	return code;
+}
+
+static enum eco_code measure(struct bench *bench, const struct bench_model *model, json_t **q,
 	struct eco_error *error)
 {
 	char unit[96], stamp[64];
@@ -80,56 +451,51 @@ static enum eco_code measure(struct bench *bench, const struct bench_model *mode
 	snprintf(unit, sizeof unit, "collapse-%s", model->name);
 	snprintf(stamp, sizeof stamp, "%u views %016llx", bench->full ? 12 : 6,
 		(unsigned long long)bench_file_hash(model->path));
-	json_t *kept = bench_recall(bench, unit, stamp);
-	if (kept) {
-		unpack(q, kept);
+	*q = bench_recall(bench, unit, stamp);
+	if (*q)
 		return ECO_OK;
-	}
 	enum eco_code code = bench_model_read(bench, model, &read, error);
-	if (!code)
-		code = bench_collapse_measure(bench, model->name, q, &read, error);
-	if (!code)
-		bench_keep(bench, unit, stamp, pack(q));
+	code = code ? code : study_model(bench, model->name, &read, q, error);
+	*q = code ? NULL : bench_keep(bench, unit, stamp, *q);
 	return code;
 }
 
-/* ---- Plants ---- */
+/* ---- All plants ---- */
 
-#define ROWS (BENCH_METHODS + (int)BENCH_COLLAPSE_KINDS)
+#define ROWS (BENCH_METHODS + (int)KINDS)
 
-struct sums { double q[ROWS][BENCH_SHARES]; uint32_t count[ROWS][BENCH_SHARES], read, made; };
-struct tables { struct bench_table *q, *levels; };
+struct sums { double q[ROWS][BENCH_SHARES]; uint32_t read, made; };
 
 static const char *row_name(int row)
 {
-	return row < BENCH_METHODS ? bench_method_names[row] : bench_collapse_kind_names[row - BENCH_METHODS];
+	return row < BENCH_METHODS ? bench_method_names[row] : kind_names[row - BENCH_METHODS];
 }
 
-static void write_plant(const struct tables *t, struct sums *sums, const struct bench_model *model,
-	const struct bench_savings *s, const struct bench_collapse_q *q)
+/* A mean of which one plant has no figure is NaN. */
+static void write_plant(struct bench_table *table, struct sums *sums, const char *name,
+	const struct bench_savings *savings, const json_t *q)
 {
 	for (int row = 0; row < ROWS; row++) {
-		const double *at = row < BENCH_METHODS ? s->q[row] : q->q[row - BENCH_METHODS];
-		bench_table_row(t->q, "%s,%u,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", model->name, q->leaves,
-			row_name(row), at[0], at[1], at[2], at[3], at[4], at[5]);
-		for (uint32_t i = 0; i < BENCH_SHARES; i++)
-			if (isfinite(at[i])) {
-				sums->q[row][i] += at[i];
-				sums->count[row][i]++;
-			}
-	}
-	for (uint32_t i = 0; i < q->level_count; i++) {
-		const struct bench_collapse_level *l = &q->level[i];
-		bench_table_row(t->levels, "%s,%u,%u,%u,%u,%llu,%.3f,%.3f,%.3f,%.3f", model->name,
-			l->a + l->c, l->a, l->b, l->c, (unsigned long long)l->vertices, l->q[0], l->q[1],
-			l->q[2], l->q[3]);
+		double at[BENCH_SHARES];
+		for (uint32_t i = 0; i < BENCH_SHARES; i++) {
+			const json_t *value = json_array_get(json_array_get(q, (size_t)(row - BENCH_METHODS
+				+ 1)), i);
+			at[i] = row < BENCH_METHODS ? savings->q[row][i] : json_is_number(value)
+				? json_number_value(value) : NAN;
+			sums->q[row][i] += at[i];
+		}
+		bench_table_row(table, "%s,%d,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", name,
+			(int)json_integer_value(json_array_get(q, 0)), row_name(row), at[0], at[1], at[2],
+				at[3],
+			at[4], at[5]);
 	}
 }
 
-static enum eco_code study_plant(struct bench *bench, const struct bench_model *model, const struct tables *t,
+static enum eco_code study_plant(struct bench *bench, const struct bench_model *model,
+	struct bench_table *table,
 	struct sums *sums, struct eco_error *error)
 {
-	struct bench_collapse_q q;
+	json_t *q;
 	struct bench_savings savings;
 	char file[128];
 	enum eco_code code = measure(bench, model, &q, error);
@@ -139,10 +505,8 @@ static enum eco_code study_plant(struct bench *bench, const struct bench_model *
 	bench_objects(bench, before);
 	if (code)
 		return code;
-	write_plant(t, sums, model, &savings, &q);
+	write_plant(table, sums, model->name, &savings, q);
 	*(model->generated ? &sums->made : &sums->read) += 1;
-	snprintf(file, sizeof file, "collapse-%s-levels.png", model->name);
-	bench_picture(bench, file, "all leaves; levels of a quarter, a sixteenth and a 64th of the vertices");
 	snprintf(file, sizeof file, "collapse-%s-atlas.png", model->name);
 	bench_picture(bench, file, "its atlas: pairs of leaves, then classes of counts by density");
 	snprintf(file, sizeof file, "collapse-%s-sectors.png", model->name);
@@ -155,10 +519,9 @@ static enum eco_code study_plants(struct bench *bench, struct sums *sums, struct
 	struct bench_model *models = NULL;
 	uint32_t count = 0;
 	enum eco_code code = bench_models(bench, &models, &count, error);
-	const struct tables t = { bench_table_open(bench, "collapse", "plant,leaves,method,Q at 2 %,Q at 5 %,"
-		"Q at 10 %,Q at 20 %,Q at 30 %,Q at 50 % of the vertices", true),
-		bench_table_open(bench, "collapse_levels", "plant,leaves of the level,a,b,c,vertices,"
-		"Q at 256 pixels,Q at 128 pixels,Q at 64 pixels,Q at 32 pixels", true) };
+	struct bench_table *table = bench_table_open(bench, "collapse",
+		"plant,leaves,method,Q at 2 %,Q at 5 %,"
+		"Q at 10 %,Q at 20 %,Q at 30 %,Q at 50 % of the vertices", true);
 	for (uint32_t i = 0; i < count && !code; i++) {
 		uint32_t *done = models[i].generated ? &sums->made : &sums->read,
 			quick = models[i].generated ? MADE_QUICK : READ_QUICK;
@@ -170,134 +533,98 @@ static enum eco_code study_plants(struct bench *bench, struct sums *sums, struct
 		}
 		bench_progress(bench, (double)i / count, models[i].name);
 		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: study_plant(bench, &models[i], &t, sums, error);
+			: study_plant(bench, &models[i], table, sums, error);
 	}
-	bench_table_close(t.q);
-	bench_table_close(t.levels);
+	bench_table_close(table);
 	free(models);
 	return code;
 }
 
-/* As many as there are colours. */
-static bool is_plotted(int row)
+static enum eco_code write_means(struct bench *bench, struct sums *sums, struct eco_error *error)
 {
-	return row == BENCH_STOCHASTIC || row == BENCH_COLLAPSE || row >= BENCH_PRUNED;
-}
-
-/* A mean stands where all plants have a figure. */
-static enum eco_code write_means(struct bench *bench, const struct sums *sums, struct eco_error *error)
-{
-	double y[ROWS][BENCH_SHARES];
 	struct bench_series series[ROWS];
 	uint32_t plants = sums->read + sums->made, plotted = 0;
 	struct bench_table *table = bench_table_open(bench, "collapse_means", "method,Q at 2 %,Q at 5 %,Q at "
 		"10 %,Q at 20 %,Q at 30 %,Q at 50 % of the vertices,plants", true);
 	for (int row = 0; row < ROWS; row++) {
+		double *q = sums->q[row];
 		for (uint32_t i = 0; i < BENCH_SHARES; i++)
-			y[row][i] = plants && sums->count[row][i] == plants ? sums->q[row][i] / plants : NAN;
-		bench_table_row(table, "%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%u", row_name(row), y[row][0],
-			y[row][1], y[row][2], y[row][3], y[row][4], y[row][5], plants);
-		if (is_plotted(row))
-			series[plotted++] = (struct bench_series){ row_name(row), bench_shares, y[row],
-				BENCH_SHARES, false };
+			q[i] /= plants;
+		bench_table_row(table, "%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%u", row_name(row), q[0], q[1], q[2],
+			q[3], q[4], q[5], plants);
+		/* as many as there are colours */
+		if (row == BENCH_STOCHASTIC || row == BENCH_COLLAPSE || row >= BENCH_PRUNED)
+			series[plotted++] = (struct bench_series){ row_name(row), bench_shares, q,
+				BENCH_SHARES,
+				false };
 	}
 	bench_table_close(table);
-	bench_key(bench, "collapse_q_10", y[BENCH_COLLAPSE][2], "Q of leaf collapse at 10 % of the vertices");
-	bench_key(bench, "collapse_greedy_q_10", y[BENCH_PRUNED][2], "beside it: the greedy order");
-	bench_key(bench, "collapse_splats_q_10", y[BENCH_METHODS + (int)BENCH_COLLAPSE_SPLATS][2],
+	bench_key(bench, "collapse_q_10", sums->q[BENCH_COLLAPSE][2],
+		"Q of leaf collapse at 10 % of the vertices");
+	bench_key(bench, "collapse_greedy_q_10", sums->q[BENCH_PRUNED][2], "beside it: the greedy order");
+	bench_key(bench, "collapse_splats_q_10", sums->q[BENCH_METHODS + (int)SPLATS][2],
 		"beside it: splats");
 	return bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, "
 		"mean over plants", .x = "share of the vertices", .y = "Q", .log_x = true, .series = series,
 		.series_count = plotted }, error);
 }
 
-/* ---- Made leaves: an example of a chain, and times ---- */
+/* ---- Figures 1, 3 and 4: made leaves ---- */
 
-struct made { uint32_t *first; float (*corner)[3]; };
+#define CHAIN_LEAVES 10u
+#define CROWN_RADIUS 5.0
+#define LEAF_HALF 0.05
 
 static double dice(uint64_t *state) { return 2 * eco_random_unit(eco_random_next(state)) - 1; }
 
-/* Squares strewn in a ball. */
-static void strew(struct made *made, uint32_t count, struct lod_arena *arena)
+/* A square in a ball. */
+static void strew(uint64_t *state, float corner[4][3])
 {
 	static const int sign[4][2] = { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } };
-	uint64_t state = 2007;
-	made->first = lod_arena_take(arena, (size_t)count + 1, sizeof *made->first);
-	made->corner = lod_arena_take(arena, 4 * (size_t)count, sizeof *made->corner);
-	for (uint32_t i = 0; i < count; i++) {
-		struct lod_v3 at, n;
-		do
-			at = (struct lod_v3){ dice(&state), dice(&state), dice(&state) };
-		while (lod_v3_dot(at, at) > 1);
-		n = (struct lod_v3){ dice(&state), dice(&state), dice(&state) };
-		struct lod_v3 along = lod_v3_scale(lod_v3_unit(lod_v3_cross(n, (struct lod_v3){ 0, 0, 1 })),
-			LEAF_HALF), across = lod_v3_scale(lod_v3_unit(lod_v3_cross(n, along)), LEAF_HALF);
-		at = lod_v3_scale(at, CROWN_RADIUS);
-		for (uint32_t k = 0; k < 4; k++) {
-			struct lod_v3 p = lod_v3_add(at, lod_v3_add(lod_v3_scale(along, sign[k][0]),
-				lod_v3_scale(across, sign[k][1])));
-			float *to = made->corner[4 * i + k];
-			to[0] = (float)p.x, to[1] = (float)p.y, to[2] = (float)p.z;
-		}
-		made->first[i + 1] = 4 * (i + 1);
+	struct lod_v3 at, n;
+	do
+		at = (struct lod_v3){ dice(state), dice(state), dice(state) };
+	while (lod_v3_dot(at, at) > 1);
+	n = (struct lod_v3){ dice(state), dice(state), dice(state) };
+	struct lod_v3 along = lod_v3_scale(lod_v3_unit(lod_v3_cross(n, (struct lod_v3){ 0, 0, 1 })),
+		LEAF_HALF),
+		across = lod_v3_scale(lod_v3_unit(lod_v3_cross(n, along)), LEAF_HALF);
+	for (uint32_t k = 0; k < 4; k++) {
+		struct lod_v3 p = lod_v3_add(lod_v3_scale(at, CROWN_RADIUS), lod_v3_add(lod_v3_scale(along,
+			sign[k][0]), lod_v3_scale(across, sign[k][1])));
+		corner[k][0] = (float)p.x, corner[k][1] = (float)p.y, corner[k][2] = (float)p.z;
 	}
 }
 
-static void collapse(struct lod_collapse *c, uint32_t count, const struct lod_collapse_options *options,
-	struct lod_arena *arena)
-{
-	struct made made;
-	strew(&made, count, arena);
-	lod_collapse_make(c, &(struct lod_collapse_leaves){ count, made.first,
-		(const float (*)[3])made.corner, NULL, 0, 0 }, options, arena);
-}
-
-static void write_places(const struct lod_collapse *c, uint32_t from, uint32_t count, char *text, size_t room)
-{
-	size_t at = 0;
-	text[0] = 0;
-	for (uint32_t i = from; i < from + count && at < room; i++)
-		at += (size_t)snprintf(text + at, room - at, "%s%u", i > from ? " " : "", c->place[i]);
-}
-
-/* Figures 3 and 4: numbers up to 9 are leaves, the others quads in the order of their collapses. */
+/* Numbers up to 9 are leaves, the others quads in the order of their collapses. */
 static void write_chain(struct bench *bench, struct lod_arena *arena)
 {
 	struct lod_collapse c;
 	struct lod_collapse_options options = lod_collapse_defaults;
-	options.distance_most = 4;
+	float corner[4 * CHAIN_LEAVES][3];
+	uint32_t first[CHAIN_LEAVES + 1] = { 0 };
+	uint64_t state = 2007;
+	bench_head(bench, "A chain and its table of levels");
 	struct bench_table *table = bench_table_open(bench, "collapse_chain",
 		"level,leaves,a,b,c,first run [0;a),second run [b;b+c)", true);
-	collapse(&c, CHAIN_LEAVES, &options, arena);
+	options.distance_most = 4;
+	for (uint32_t i = 0; i < CHAIN_LEAVES; i++) {
+		strew(&state, corner + 4 * i);
+		first[i + 1] = 4 * (i + 1);
+	}
+	lod_collapse_make(&c, &(struct lod_collapse_leaves){ CHAIN_LEAVES, first, (const float (*)[3])corner,
+		NULL,
+		0, 0 }, &options, NULL, 0, NULL, arena);
 	for (uint32_t i = 0; i <= c.made; i++) {
 		const struct lod_collapse_level *l = &c.level[i];
-		char run[2][128];
-		write_places(&c, 0, l->a, run[0], sizeof run[0]);
-		write_places(&c, l->b, l->c, run[1], sizeof run[1]);
+		char run[2][128] = { "", "" };
+		for (uint32_t k = 0; k < l->a + l->c; k++) {
+			char *text = run[k >= l->a];
+			snprintf(text + strlen(text), sizeof run[0] - strlen(text), "%s%u", *text ? " " : "",
+				c.place[k < l->a ? k : l->b + k - l->a]);
+		}
 		bench_table_row(table, "%u,%u,%u,%u,%u,%s,%s", i, l->a + l->c, l->a, l->b, l->c, run[0],
 			run[1]);
-	}
-	bench_table_close(table);
-}
-
-static void write_times(struct bench *bench, struct lod_arena *arena)
-{
-	static const uint32_t counts[] = { 10000, 30000, 100000, 300000 };
-	struct bench_table *table = bench_table_open(bench, "collapse_times",
-		"leaves,CPU s,collapses,roots,microseconds a leaf", true);
-	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
-		struct lod_collapse c;
-		struct lod_arena_piece *mark = arena->last;
-		bench_progress(bench, 0.9 + 0.02 * (double)i, "search for pairs");
-		clock_t begun = clock();
-		collapse(&c, counts[i], NULL, arena);
-		double seconds = (double)(clock() - begun) / CLOCKS_PER_SEC;
-		bench_table_row(table, "%u,%.2f,%u,%u,%.1f", counts[i], seconds, c.made, c.roots,
-			1e6 * seconds / counts[i]);
-		if (counts[i] == 300000)
-			bench_key(bench, "collapse_300k_s", seconds,
-				"<= 60: processor time of 300,000 leaves");
-		lod_arena_release(arena, mark);
 	}
 	bench_table_close(table);
 }
@@ -307,39 +634,32 @@ static enum eco_code write_made(struct bench *bench, struct eco_error *error)
 	struct lod_arena arena = { 0 };
 	if (setjmp(arena.failed)) {
 		lod_arena_free(&arena);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for 300,000 leaves");
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for some leaves");
 	}
-	bench_head(bench, "A chain and its table of levels");
+	uint8_t *rgb = lod_arena_take(&arena, 3 * (size_t)PIXELS * PIXELS, 3);
+	enum eco_code code = paint_pair(rgb, &arena, error);
+	code = code ? code : bench_picture_write(bench, "collapse-pair.png", 3 * PIXELS, PIXELS, rgb, error);
+	bench_picture(bench, "collapse-pair.png", "two leaves; what encloses them (dark) and the "
+		"quad (red), whose area is the mean of both areas' sum and of what encloses them; "
+		"the quad with its texture");
 	write_chain(bench, &arena);
-	bench_head(bench, "Search for pairs");
-	write_times(bench, &arena);
 	lod_arena_free(&arena);
-	return ECO_OK;
+	return code;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	struct sums *sums = calloc(1, sizeof *sums);
-	enum eco_code code = sums ? bench_collapse_draw_pair(bench, "collapse-pair.png", error)
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for sums");
-	if (!code) {
-		bench_picture(bench, "collapse-pair.png", "two leaves; what encloses them (dark) and the "
-			"quad (red), whose area is the mean of both areas' sum and of what encloses them; "
-			"the quad with its texture");
-		code = study_plants(bench, sums, error);
-	}
+	struct sums sums = { 0 };
+	enum eco_code code = write_made(bench, error);
+	code = code ? code : study_plants(bench, &sums, error);
+	code = code ? code : write_means(bench, &sums, error);
 	if (!code)
-		code = write_means(bench, sums, error);
-	if (!code)
-		code = write_made(bench, error);
-	if (!code)
-		bench_say(bench, "Rows of orders, of leaf collapse and of its quads without textures have "
-			"each their best scale; those as printed and by sectors have the paper's sizes, "
-			"which are too large: quads reach beyond the crown. Splats show wood and leaves "
-			"together, "
-			"one vertex each, over wood that is drawn whole as in all other rows. There is no "
-			"figure where a coarsest level has more vertices than asked for.");
-	free(sums);
+		bench_say(bench,
+			"Rows of orders, of leaf collapse and of its quads without textures have each "
+			"their best scale; those as printed and by sectors have the paper's sizes, which are too "
+			"large: quads reach beyond the crown. Splats show wood and leaves together, one vertex "
+			"each, over wood that is drawn whole as in all other rows. There is no figure where a "
+			"coarsest level has more vertices than asked for.");
 	return code;
 }
 

@@ -9,8 +9,7 @@
 static uint32_t element_of(const struct bench_collapse_plant *plant, uint32_t sector, uint32_t node)
 {
 	const struct lod_collapse *forest = &plant->sectors.forest[sector];
-	return node < forest->leaves ? plant->sectors.leaf[plant->sectors.first[sector] + node]
-		: plant->base[sector] + node - forest->leaves;
+	return node < forest->leaves ? forest->leaf[node] : plant->base[sector] + node - forest->leaves;
 }
 
 /* The element whose area is the median: the shape of the leaves in all textures. */
@@ -21,22 +20,9 @@ static uint32_t median_leaf(const struct lod_foliage *f, struct lod_arena *arena
 	for (uint32_t i = 0; i < f->count; i++)
 		items[i] = (struct lod_keyed){ lod_sort_key(f->area[i]), i };
 	lod_sort(arena, items, f->count);
-	uint32_t median = f->count ? items[f->count / 2].value : 0;
+	uint32_t median = items[f->count / 2].value;
 	lod_arena_release(arena, mark);
 	return median;
-}
-
-static void make_atlas(struct bench_collapse_plant *plant, const struct lod_foliage *f,
-	struct lod_arena *arena)
-{
-	struct lod_collapse_shape *shape = lod_arena_take(arena, 1, sizeof *shape);
-	if (f->count) {
-		uint32_t leaf = median_leaf(f, arena), at = f->first[leaf];
-		lod_collapse_shape_make(shape, (const float (*)[3])(f->corner + at),
-			(const float (*)[2])(f->uv + at), f->first[leaf + 1] - at, f->cutout[leaf]);
-	}
-	lod_collapse_atlas_make(&plant->atlas, plant->sectors.forest, plant->sectors.count, shape,
-		(const uint8_t[3])LEAF_RGB, arena);
 }
 
 /* Vertices of every level: two runs, of which the first only grows. */
@@ -64,13 +50,16 @@ void bench_collapse_make(struct bench_collapse_plant *plant, const struct lod_fo
 		.base = lod_arena_take(arena, sectors, sizeof *plant->base),
 		.vertices = lod_arena_take(arena, sectors, sizeof *plant->vertices) };
 	lod_collapse_sectors_make(&plant->sectors, sectors, &(struct lod_collapse_leaves){ f->count, f->first,
-		(const float (*)[3])f->corner, f->area, 0, 0 }, options->collapse, arena);
+		(const float (*)[3])f->corner, f->area, 0, 0 }, NULL, arena);
 	for (uint32_t s = 0; s < sectors; s++) {
 		plant->base[s] = f->count + plant->quads;
 		plant->quads += plant->sectors.forest[s].made;
 		count_vertices(plant, s, f, arena);
 	}
-	make_atlas(plant, f, arena);
+	uint32_t leaf = median_leaf(f, arena);
+	const struct lod_fan shape = lod_foliage_fan(f, leaf, f->mask ? f->mask[leaf] : NULL);
+	lod_collapse_atlas_make(&plant->atlas, plant->sectors.forest, sectors, &shape, (const uint8_t[3])LEAF_RGB,
+		arena);
 }
 
 /* ---- Elements ---- */
@@ -89,8 +78,7 @@ static void fill_quad(const struct bench_collapse_plant *plant, uint32_t sector,
 	const struct lod_collapse_node *node = &forest->node[forest->leaves + quad];
 	uint32_t i = plant->base[sector] + quad, at = f->first[i], tile = plant->atlas.of[sector][quad];
 	struct lod_v3 corner[ECO_CORNERS_MAX];
-	f->first[i + 1] = at + lod_collapse_corners(forest, &plant->sectors.leaves[sector],
-		forest->leaves + quad, corner);
+	f->first[i + 1] = at + lod_collapse_corners(forest, NULL, forest->leaves + quad, corner);
 	f->triangle_first[i + 1] = f->triangle_first[i] + 2;
 	for (uint32_t k = 0; k < 4; k++) {
 		float *to = f->corner[at + k];
@@ -113,6 +101,8 @@ void bench_collapse_extend(const struct bench_collapse_plant *plant, struct lod_
 	f->corner = grown(arena, f->corner, corners, room, sizeof *f->corner);
 	f->uv = grown(arena, f->uv, corners, room, sizeof *f->uv);
 	f->cutout = grown(arena, f->cutout, n, all, sizeof *f->cutout);
+	if (f->mask)                             /* quads have none: their images are looked up */
+		f->mask = grown(arena, f->mask, n, all, sizeof *f->mask);
 	f->center = grown(arena, f->center, n, all, sizeof *f->center);
 	f->normal = grown(arena, f->normal, n, all, sizeof *f->normal);
 	f->area = grown(arena, f->area, n, all, sizeof *f->area);
@@ -154,7 +144,7 @@ void bench_collapse_shown(const struct bench_collapse_plant *plant, uint32_t sec
 	const struct lod_collapse *forest = &plant->sectors.forest[sector];
 	struct lod_arena_piece *mark = arena->last;
 	uint32_t *node = lod_arena_take(arena, forest->leaves, sizeof *node);
-	lod_collapse_shown(forest, &forest->level[row], node);
+	lod_collapse_shown(forest, &forest->level[row], node, arena);
 	for (uint32_t i = 0; i < forest->leaves; i++)
 		shown[element_of(plant, sector, i)] = element_of(plant, sector, node[i]);
 	lod_arena_release(arena, mark);

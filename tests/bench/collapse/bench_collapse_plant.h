@@ -9,10 +9,9 @@
 #define TESTS_BENCH_COLLAPSE_PLANT_H
 
 #include "lod/build/foliage.h"
-#include "tests/bench/baseline/leaf_collapse_atlas.h"
+#include "tests/bench/baseline/leaf_collapse.h"
 
 struct bench_collapse_options {
-	const struct lod_collapse_options *collapse;     /* NULL: lod_collapse_defaults */
 	uint32_t sectors;            /* 0: one forest */
 	bool solid;                  /* quads without textures */
 };
@@ -27,6 +26,7 @@ struct bench_collapse_plant {
 	uint64_t **vertices;
 };
 
+/* The foliage has leaves. */
 void bench_collapse_make(struct bench_collapse_plant *plant, const struct lod_foliage *foliage,
 	const struct bench_collapse_options *options, struct lod_arena *arena);
 void bench_collapse_extend(const struct bench_collapse_plant *plant, struct lod_foliage *foliage,

@@ -2,9 +2,6 @@
  * light. */
 #include "tests/bench/lee/bench_crown.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "ecofiles/generate/generate_plants.h"
 
 #define SHOOTS 246u
@@ -38,42 +35,6 @@ static void grow_leaves(struct gen_mesh *mesh, uint8_t bark, uint8_t leaf, const
 	}
 }
 
-static bool convert(struct eco_model *model, const struct gen_mesh *mesh)
-{
-	uint32_t triangles = 0;
-	for (uint32_t i = 0; i < mesh->face_count; i++)
-		triangles += mesh->faces[i].corners - 2u;
-	model->position = calloc(mesh->count, 3 * sizeof(float));
-	model->index = calloc(triangles, 3 * sizeof(uint32_t));
-	model->material = calloc(triangles, sizeof(uint32_t));
-	model->materials = calloc(mesh->material_count, sizeof *model->materials);
-	if (!model->position || !model->index || !model->material || !model->materials)
-		return false;
-	model->vertex_count = mesh->count;
-	model->material_count = mesh->material_count;
-	for (uint32_t i = 0; i < mesh->count; i++) {
-		const struct gen_v3 *p = &mesh->position[i];
-		const float position[3] = { (float)p->x, (float)p->y, (float)p->z };
-		memcpy(model->position + 3 * (size_t)i, position, sizeof position);
-	}
-	for (uint32_t i = 0; i < mesh->material_count; i++) {
-		struct eco_material *to = &model->materials[i];
-		to->image = ECO_NONE;
-		memcpy(to->name, mesh->materials[i].name, sizeof mesh->materials[i].name);
-		memcpy(to->rgb, mesh->materials[i].rgb, sizeof to->rgb);
-	}
-	for (uint32_t i = 0; i < mesh->face_count; i++)
-		for (uint32_t k = 0; k + 2 < mesh->faces[i].corners; k++) {
-			const uint32_t *corner = mesh->faces[i].corner,
-				triangle[3] = { corner[0], corner[k + 1], corner[k + 2] };
-			memcpy(model->index + 3 * (size_t)model->triangle_count, triangle, sizeof triangle);
-			model->material[model->triangle_count++] = mesh->faces[i].material;
-		}
-	model->triangles_in = model->triangle_count;
-	model->scale = 1;
-	return true;
-}
-
 static void grow(struct gen_mesh *mesh)
 {
 	struct gen_random random = { .state = 6143 };
@@ -87,19 +48,6 @@ static void grow(struct gen_mesh *mesh)
 		.shoots = SHOOTS }, &random, shoots);
 	for (uint32_t i = 0; i < SHOOTS; i++)
 		grow_leaves(mesh, bark, leaf, &shoots[i], &random, &left);
-}
-
-enum eco_code bench_crown_make(struct eco_model *model, struct eco_error *error)
-{
-	struct gen_mesh mesh = { 0 };
-	memset(model, 0, sizeof *model);
-	grow(&mesh);
-	bool made = !mesh.failed && convert(model, &mesh);
-	gen_mesh_free(&mesh);
-	if (made)
-		return ECO_OK;
-	eco_model_free(model);
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for a crown of %u leaves", BENCH_CROWN_LEAVES);
 }
 
 enum eco_code bench_crown_write(const char *folder, const char *name, struct eco_error *error)

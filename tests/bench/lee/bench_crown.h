@@ -2,13 +2,11 @@
 #ifndef TESTS_BENCH_CROWN_H
 #define TESTS_BENCH_CROWN_H
 
-#include "ecofiles/format/model.h"
+#include "ecofiles/base/status.h"
 
 #define BENCH_CROWN_LEAVES 6143u
 
-/* To be freed with eco_model_free. */
-enum eco_code bench_crown_make(struct eco_model *model, struct eco_error *error);
-/* The same as FOLDER/NAME.obj and .mtl. */
+/* Writes FOLDER/NAME.obj and .mtl. */
 enum eco_code bench_crown_write(const char *folder, const char *name, struct eco_error *error);
 
 #endif
