@@ -1,8 +1,7 @@
-/* The frame that sections run in: units kept on disk, records of what was said, progress, Ctrl-C.
+/* The frame that sections run in: units kept on disk, records of results, progress, Ctrl-C.
  *
- * A unit's file holds the stamp that it was done under, so that one of another program or input is not taken
- * for this one's; a file that is damaged counts as none. Nothing is ever half there: files are written beside
- * and renamed. */
+ * A unit's file holds the stamp that it was made under; a unit of another program or input is made anew, and
+ * so is a damaged one. Files are written beside and renamed. */
 #include "tests/bench/bench_state.h"
 
 #include <assert.h>
@@ -23,9 +22,9 @@
 
 #include "ecofiles/base/csv.h"
 #include "ecofiles/base/guard.h"
+#include "ecofiles/format/image.h"
 
 #define PATH 1024
-#define BAR 28
 
 /* ---- Interruption ---- */
 
@@ -33,7 +32,7 @@ static volatile sig_atomic_t interrupted, reported;
 
 #define TWICE_S 1.0               /* wrappers (timeout, make) may pass one Ctrl-C on twice */
 
-/* A second Ctrl-C ends the program at once, and costs the unit that runs. */
+/* A second Ctrl-C ends the program at once and loses the unit at hand. */
 static void ask_to_stop(int number)
 {
 	static double first_s;
@@ -51,26 +50,24 @@ static void ask_to_stop(int number)
 void bench_catch_interrupts(void)
 {
 	struct sigaction action = { .sa_handler = ask_to_stop };
-	sigemptyset(&action.sa_mask);
 	sigaction(SIGINT, &action, NULL);
 	sigaction(SIGTERM, &action, NULL);
 }
-
-bool bench_interrupted(void) { return interrupted != 0; }
 
 bool bench_stopped(const struct bench *bench)
 {
 	if (interrupted && !reported) {
 		reported = 1;
-		bench_note(bench, "stopping after this piece of work; what is done is kept (once more to "
-			"stop at once)");
+		bench_note(bench,
+			"stopping after this piece of work; finished pieces are kept (Ctrl-C again stops at "
+			"once)");
 	}
 	return interrupted != 0;
 }
 
 /* ---- Progress ---- */
 
-static bool bar_shown;
+static bool line_shown;
 
 double bench_now_s(void)
 {
@@ -91,11 +88,11 @@ double bench_cpu_s(void)
 	return sum;
 }
 
-static void erase_bar(void)
+static void erase_line(void)
 {
-	if (bar_shown)
+	if (line_shown)
 		fputs("\r\033[K", stderr);
-	bar_shown = false;
+	line_shown = false;
 }
 
 void bench_note(const struct bench *bench, const char *format, ...)
@@ -103,7 +100,7 @@ void bench_note(const struct bench *bench, const char *format, ...)
 	va_list args;
 	if (bench->state->quiet)
 		return;
-	erase_bar();
+	erase_line();
 	fputs("ecobench: ", stderr);
 	va_start(args, format);
 	vfprintf(stderr, format, args);
@@ -119,19 +116,10 @@ void bench_progress(struct bench *bench, double share, const char *what)
 	if (bench->state->quiet || now - last_s < (terminal ? 0.1 : 10))
 		return;
 	last_s = now;
-	share = share >= 0 ? share > 1 ? 1 : share : 0;
-	const char *name = bench->state->section ? bench->state->section->name : "";
-	if (!terminal) {
-		bench_note(bench, "%s: %s, %.0f %%", name, what ? what : "", 100 * share);
-		return;
-	}
-	char bar[BAR + 1];
-	memset(bar, '.', BAR);
-	memset(bar, '#', (size_t)(share * BAR));
-	bar[BAR] = 0;
-	fprintf(stderr, "\r\033[K[%s] %3.0f %%  %s: %.60s", bar, 100 * share, name, what ? what : "");
-	fflush(stderr);
-	bar_shown = true;
+	erase_line();
+	fprintf(stderr, "ecobench: %s: %.60s, %.0f %%%s", bench->state->section->name, what,
+		100 * fmin(fmax(share, 0), 1), terminal ? "" : "\n");
+	line_shown = terminal;
 }
 
 /* ---- Files ---- */
@@ -140,57 +128,37 @@ enum eco_code bench_folder_make(const char *path, struct eco_error *error)
 {
 	char part[PATH];
 	struct stat status;
-	if (snprintf(part, sizeof part, "%s", path) >= (int)sizeof part)
-		return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", path);
-	for (char *c = part + 1;; c++) {
-		char was = *c;
-		if (was && was != '/')
-			continue;
-		*c = 0;
+	for (const char *c = path; *c; c += strcspn(c, "/")) {
+		c += strspn(c, "/");
+		snprintf(part, sizeof part, "%.*s", (int)(c - path + (ptrdiff_t)strcspn(c, "/")), path);
 		if (mkdir(part, 0777) && errno != EEXIST)
 			return eco_fail(error, ECO_IO, "%s: cannot make this folder: %s", part,
 				strerror(errno));
-		*c = was;
-		if (!was)
-			break;
 	}
 	return stat(path, &status) == 0 && S_ISDIR(status.st_mode) ? ECO_OK
 		: eco_fail(error, ECO_IO, "%s: is no folder", path);
 }
 
-enum eco_code bench_file_write(const char *path, const char *bytes, size_t size, struct eco_error *error)
+json_t *bench_json_read(const char *path) { return json_load_file(path, JSON_REJECT_DUPLICATES, NULL); }
+
+enum eco_code bench_json_write(const char *path, const json_t *value, struct eco_error *error)
 {
-	char beside[PATH + 32];
-	snprintf(beside, sizeof beside, "%s.tmp-%ld", path, (long)getpid());
-	FILE *file = fopen(beside, "wb");
-	if (!file)
-		return eco_fail(error, ECO_IO, "%s: cannot be written: %s", beside, strerror(errno));
-	bool good = fwrite(bytes, 1, size, file) == size;
-	good = !fclose(file) && good;
-	if (good && rename(beside, path) == 0)
-		return ECO_OK;
-	enum eco_code code = eco_fail(error, ECO_IO, "%s: cannot be written: %s", path, strerror(errno));
-	unlink(beside);
+	char *text = value ? json_dumps(value, JSON_COMPACT) : NULL;
+	enum eco_code code = text ? eco_file_write(path, text, strlen(text), error)
+		: eco_fail(error, ECO_BAD_INPUT, "%s: holds a NaN, or text that is not UTF-8", path);
+	free(text);
 	return code;
 }
 
-json_t *bench_json_read(const char *path)
-{
-	json_error_t why;
-	json_t *value = json_load_file(path, JSON_REJECT_DUPLICATES, &why);
-	return value;
-}
-
 /* A readable name that no other text shares. */
-static void file_name(char out[PATH], const struct bench *bench, const char *folder, const char *unit)
+static void unit_path(char out[PATH], const struct bench *bench, const char *unit)
 {
 	char clean[80];
-	size_t n = 0;
-	for (const char *c = unit; *c && n + 1 < sizeof clean; c++)
-		clean[n++] = (*c >= '0' && *c <= '9') || (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z')
-			|| *c == '-' || *c == '_' ? *c : '-';
-	clean[n] = 0;
-	snprintf(out, PATH, "%s/%s/%s-%08x.json", bench->cache, folder, clean,
+	snprintf(clean, sizeof clean, "%s", unit);
+	for (char *c = clean; *c; c++)
+		if (!strchr("-_0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ", *c))
+			*c = '-';
+	snprintf(out, PATH, "%s/units/%s-%08x.json", bench->cache, clean,
 		(unsigned)XXH3_64bits(unit, strlen(unit)));
 }
 
@@ -200,31 +168,32 @@ static void add_cpu(struct bench_state *state, double cpu_s)
 {
 	state->units_cpu_s += cpu_s;
 	state->longest_cpu_s = fmax(state->longest_cpu_s, cpu_s);
+	state->unit_cpu_s = bench_cpu_s();
 }
 
 json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp)
 {
 	char path[PATH];
 	struct bench_state *s = bench->state;
-	file_name(path, bench, "units", unit);
+	unit_path(path, bench, unit);
 	if (access(path, F_OK))
 		return NULL;
-	json_t *kept = bench_json_read(path), *result = json_object_get(kept, "result");
-	const char *name = json_string_value(json_object_get(kept, "unit")),
-		*program = json_string_value(json_object_get(kept, "program"));
-	const char *under = json_string_value(json_object_get(kept, "stamp"));
-	bool whole = result && name && program && under && !strcmp(name, unit);
-	if (!whole)
+	const char *name = "", *program = "", *under = "";
+	json_t *kept = bench_json_read(path), *result = NULL;
+	double cpu_s = 0;
+	if (json_unpack(kept, "{s:s, s:s, s:s, s:F, s:o}", "unit", &name, "program", &program, "stamp",
+		&under,
+			"cpu_s", &cpu_s, "result", &result) || strcmp(name, unit)) {
 		bench_note(bench, "%s is damaged: this piece of work is done anew", path);
-	if (!whole || strcmp(under, stamp ? stamp : "") || (strcmp(program, s->program) && !s->trust)) {
-		json_decref(kept);
-		return NULL;
+		result = NULL;
+	} else if (strcmp(under, stamp ? stamp : "") || (strcmp(program, s->program) && !s->trust)) {
+		result = NULL;
+	} else {
+		json_array_append(s->held, result);
+		add_cpu(s, cpu_s);
+		s->recalled++;
 	}
-	json_array_append(s->held, result);
-	add_cpu(s, json_number_value(json_object_get(kept, "cpu_s")));
-	s->unit_cpu_s = bench_cpu_s();
 	json_decref(kept);
-	s->recalled++;
 	return result;
 }
 
@@ -233,29 +202,22 @@ json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, jso
 	char path[PATH];
 	struct bench_state *s = bench->state;
 	struct eco_error error = { 0 };
-	double now_s = bench_cpu_s();
-	file_name(path, bench, "units", unit);
+	double cpu_s = bench_cpu_s() - s->unit_cpu_s;
+	unit_path(path, bench, unit);
 	json_t *kept = json_pack("{s:s, s:s, s:s, s:f, s:O}", "unit", unit, "program", s->program, "stamp",
-		stamp ? stamp : "", "cpu_s", now_s - s->unit_cpu_s, "result", result);
-	add_cpu(s, now_s - s->unit_cpu_s);
-	s->unit_cpu_s = now_s;
-	char *text = kept ? json_dumps(kept, JSON_COMPACT) : NULL;
-	/* A full disk costs the next run some time, not this one its result. */
-	if (!text)
-		bench_note(bench, "%s: not kept, as it holds what JSON cannot (a NaN, or text that is not "
-			"UTF-8)", unit);
-	else if (bench_file_write(path, text, strlen(text), &error))
+		stamp ? stamp : "", "cpu_s", cpu_s, "result", result);
+	/* a full disk costs the next run some time, not this one its result */
+	if (bench_json_write(path, kept, &error))
 		bench_note(bench, "%s; not kept", error.text);
-	free(text);
 	json_decref(kept);
+	add_cpu(s, cpu_s);
 	json_array_append_new(s->held, result);
 	s->kept++;
 	return result;
 }
 
-/* ---- What a section says ---- */
+/* ---- Items of the record ---- */
 
-/* Takes the item over. */
 static void add_item(struct bench *bench, json_t *item) { json_array_append_new(bench->state->items, item); }
 
 /* As vasprintf, but there is always a text. The caller frees it. */
@@ -277,6 +239,11 @@ void bench_say(struct bench *bench, const char *format, ...)
 	free(text);
 }
 
+void bench_head(struct bench *bench, const char *text)
+{
+	add_item(bench, json_pack("{s:s, s:s}", "kind", "head", "text", text));
+}
+
 void bench_left_out(struct bench *bench, const char *name)
 {
 	json_object_set_new(bench->state->left_out, name, json_true());
@@ -284,34 +251,73 @@ void bench_left_out(struct bench *bench, const char *name)
 
 static void say_left_out(struct bench *bench)
 {
-	char *text = NULL;
-	size_t size = 0;
+	char text[4096] = "";
+	size_t used = 0;
 	const char *name;
 	json_t *value;
-	FILE *out = json_object_size(bench->state->left_out) ? open_memstream(&text, &size) : NULL;
-	if (!out)
-		return;
 	json_object_foreach(bench->state->left_out, name, value)
-		fprintf(out, "%s%s", ftell(out) ? ", " : "", name);
-	fclose(out);
-	bench_say(bench, "Left out without FULL=1: %s.", text);
-	free(text);
+		if (used < sizeof text)
+			used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", used ? ", " : "",
+				name);
+	if (used)
+		bench_say(bench, "Left out without FULL=1: %s.", text);
 }
 
-void bench_head(struct bench *bench, const char *text)
-{
-	add_item(bench, json_pack("{s:s, s:s}", "kind", "head", "text", text));
-}
+static json_t *number_or_null(double value) { return isfinite(value) ? json_real(value) : json_null(); }
 
 void bench_key(struct bench *bench, const char *key, double value, const char *bar)
 {
-	json_array_append_new(bench->state->keys,
-		json_pack("{s:s, s:o, s:s}", "key", key, "value", isfinite(value) ? json_real(value)
-		: json_null(),
-		"bar", bar ? bar : ""));
+	json_array_append_new(bench->state->keys, json_pack("{s:s, s:o, s:s}", "key", key, "value",
+		number_or_null(value), "bar", bar));
 }
 
-struct bench_table { struct bench *bench; char name[64]; json_t *item, *rows; uint32_t commas; };
+static json_t *numbers_of(const double *values, uint32_t count)
+{
+	json_t *all = json_array();
+	for (uint32_t i = 0; i < count; i++)
+		json_array_append_new(all, number_or_null(values[i]));
+	return all;
+}
+
+enum eco_code bench_plot(struct bench *bench, const struct bench_plot *plot, struct eco_error *error)
+{
+	json_t *all = json_array();
+	(void)error;
+	for (uint32_t i = 0; i < plot->series_count; i++) {
+		const struct bench_series *s = &plot->series[i];
+		json_array_append_new(all, json_pack("{s:s, s:o, s:o, s:b}", "name", s->name, "x",
+			numbers_of(s->x, s->count), "y", numbers_of(s->y, s->count), "points",
+			(int)s->points));
+	}
+	add_item(bench, json_pack("{s:s, s:s, s:s, s:s, s:s, s:b, s:b, s:o}", "kind", "plot", "name",
+		plot->name, "title", plot->title, "x", plot->x, "y", plot->y, "log_x", (int)plot->log_x,
+		"log_y", (int)plot->log_y, "series", all));
+	return ECO_OK;
+}
+
+void bench_picture(struct bench *bench, const char *file, const char *caption)
+{
+	add_item(bench, json_pack("{s:s, s:s, s:s}", "kind", "picture", "file", file, "caption", caption));
+}
+
+enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
+	const uint8_t *rgb, struct eco_error *error)
+{
+	char path[PATH];
+	uint8_t *png = NULL;
+	size_t size;
+	snprintf(path, sizeof path, "%s/%s", bench->out, file);
+	enum eco_code code = eco_png_encode(&(struct eco_pixels){ width, height, 3, rgb }, &png, &size,
+		error);
+	if (!code)
+		code = eco_file_write(path, png, size, error);
+	free(png);
+	return code;
+}
+
+/* ---- Tables ---- */
+
+struct bench_table { struct bench *bench; const char *name, *columns; json_t *rows; uint32_t commas; };
 
 static uint32_t commas_of(const char *text)
 {
@@ -321,35 +327,18 @@ static uint32_t commas_of(const char *text)
 	return count;
 }
 
-
-/* So that programs can ask for columns by name. */
-static bool all_differ(const char *columns)
-{
-	for (const char *a = columns; *a; a += strcspn(a, ",") + (a[strcspn(a, ",")] == ',')) {
-		size_t size = strcspn(a, ",");
-		for (const char *b = a + size; *b == ','; b += strcspn(b, ",")) {
-			b++;
-			if (strcspn(b, ",") == size && !strncmp(a, b, size))
-				return false;
-		}
-	}
-	return true;
-}
-
 struct bench_table *bench_table_open(struct bench *bench, const char *name, const char *columns, bool show)
 {
-	assert(all_differ(columns));
 	struct bench_table *table = calloc(1, sizeof *table);
 	if (!table)
 		abort();
-	table->bench = bench;
-	snprintf(table->name, sizeof table->name, "%s", name);
-	table->rows = json_array();
-	table->commas = commas_of(columns);
-	table->item = json_pack("{s:s, s:s, s:s, s:b, s:O}", "kind", "table", "name", name, "columns",
-		columns, "show", (int)show, "rows", table->rows);
+	json_t *item = json_pack("{s:s, s:s, s:s, s:b, s:[]}", "kind", "table", "name", name, "columns",
+		columns, "show", (int)show, "rows");
+	*table = (struct bench_table){ bench, json_string_value(json_object_get(item, "name")),
+		json_string_value(json_object_get(item, "columns")), json_object_get(item, "rows"),
+		commas_of(columns) };
 	/* in the report where it was opened */
-	add_item(bench, json_incref(table->item));
+	add_item(bench, item);
 	return table;
 }
 
@@ -388,38 +377,26 @@ void bench_table_close(struct bench_table *table)
 	struct eco_error error = { 0 };
 	json_t *row;
 	FILE *out = open_memstream(&bytes, &size);
-	if (out) {
-		fprintf(out, "%s\n", json_string_value(json_object_get(table->item, "columns")));
-		json_array_foreach(table->rows, i, row)
-			write_cells(out, json_string_value(row));
-		fclose(out);
-		snprintf(path, sizeof path, "%s/%s.csv", table->bench->out, table->name);
-		if (bench_file_write(path, bytes, size, &error))
-			bench_note(table->bench, "%s", error.text);
-		free(bytes);
-	}
-	json_decref(table->rows);
-	json_decref(table->item);
+	if (!out)
+		abort();
+	fprintf(out, "%s\n", table->columns);
+	json_array_foreach(table->rows, i, row)
+		write_cells(out, json_string_value(row));
+	fclose(out);
+	snprintf(path, sizeof path, "%s/%s.csv", table->bench->out, table->name);
+	if (eco_file_write(path, bytes, size, &error))
+		bench_note(table->bench, "%s", error.text);
+	free(bytes);
 	free(table);
-}
-
-void bench_picture(struct bench *bench, const char *file, const char *caption)
-{
-	add_item(bench, json_pack("{s:s, s:s, s:s}", "kind", "picture", "file", file, "caption",
-		caption ? caption : ""));
 }
 
 /* ---- Programs ---- */
 
-enum eco_code bench_command(struct bench *bench, struct eco_error *error, const char *format, ...)
+/* Returns the status of waitpid, -1 where there is none. Not system(), which would swallow Ctrl-C. The shell
+ * has a group of its own, so that Ctrl-C ends it and its children only where `stops`. */
+static int shell(const char *command, bool stops)
 {
-	va_list args;
-	va_start(args, format);
-	char *command = text_of(format, args);
-	va_end(args);
-	erase_bar();
-	/* not system(), which would swallow Ctrl-C; a group of its own, so that what the shell started ends
-	 * with it */
+	erase_line();
 	pid_t child = fork();
 	if (child == 0) {
 		setpgid(0, 0);
@@ -433,22 +410,31 @@ enum eco_code bench_command(struct bench *bench, struct eco_error *error, const 
 	bool told = false;
 	if (child > 0)
 		setpgid(child, child);
-	/* asked for in turns: a signal that came just before waiting would be waited through */
+	/* polled: a blocking wait would miss a signal that came just before it */
 	while (child > 0 && waitpid(child, &status, WNOHANG) == 0) {
-		if (interrupted && !told)
+		if (stops && interrupted && !told)
 			told = kill(-child, SIGTERM) == 0;
 		nanosleep(&(struct timespec){ 0, 20000000 }, NULL);
 	}
-	enum eco_code code = ECO_OK;
-	if (bench_stopped(bench))
-		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
-	else if (child < 0 || !WIFEXITED(status) || WEXITSTATUS(status))
-		code = eco_fail(error, ECO_IO, "this fails: %.400s", command);
+	return status;
+}
+
+enum eco_code bench_command(struct bench *bench, struct eco_error *error, const char *format, ...)
+{
+	va_list args;
+	va_start(args, format);
+	char *command = text_of(format, args);
+	va_end(args);
+	int status = shell(command, true);
+	enum eco_code code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+		: !WIFEXITED(status) || WEXITSTATUS(status) ? eco_fail(error, ECO_IO, "this fails: %.400s",
+			command)
+		: ECO_OK;
 	free(command);
 	return code;
 }
 
-/* ---- Runs ---- */
+/* ---- Stamps ---- */
 
 uint64_t bench_file_hash(const char *path)
 {
@@ -466,8 +452,6 @@ uint64_t bench_file_hash(const char *path)
 	return value;
 }
 
-static uint64_t mix(uint64_t sum, uint64_t value) { return XXH3_64bits_withSeed(&value, sizeof value, sum); }
-
 static void hash_objects(const struct bench *bench, const char *objects, char stamp[17])
 {
 	uint64_t sum = 0;
@@ -479,8 +463,10 @@ static void hash_objects(const struct bench *bench, const char *objects, char st
 		at += size;
 		if (glob(pattern, 0, NULL, &found))
 			continue;
-		for (size_t i = 0; i < found.gl_pathc; i++)
-			sum = mix(sum, bench_file_hash(found.gl_pathv[i]));
+		for (size_t i = 0; i < found.gl_pathc; i++) {
+			uint64_t one = bench_file_hash(found.gl_pathv[i]);
+			sum = XXH3_64bits_withSeed(&one, sizeof one, sum);
+		}
 		globfree(&found);
 	}
 	snprintf(stamp, 17, "%016llx", (unsigned long long)(sum ? sum : bench_file_hash("/proc/self/exe")));
@@ -488,13 +474,13 @@ static void hash_objects(const struct bench *bench, const char *objects, char st
 
 void bench_objects_stamp(const struct bench *bench, const char *objects, char stamp[17])
 {
-	static struct { char objects[256], stamp[17]; } made[32];
-	size_t i = 0, room = sizeof made / sizeof *made;
+	static struct { const char *objects; char stamp[17]; } made[64];
+	size_t i = 0;
 	objects = objects ? objects : "";
-	while (i + 1 < room && *made[i].stamp && strcmp(made[i].objects, objects))
+	while (i < 63 && made[i].objects && strcmp(made[i].objects, objects))
 		i++;
-	if (!*made[i].stamp || strcmp(made[i].objects, objects)) {
-		snprintf(made[i].objects, sizeof made[i].objects, "%s", objects);
+	if (!made[i].objects || strcmp(made[i].objects, objects)) {
+		made[i].objects = objects;
 		hash_objects(bench, objects, made[i].stamp);
 	}
 	memcpy(stamp, made[i].stamp, 17);
@@ -508,11 +494,12 @@ const char *bench_objects(struct bench *bench, const char *objects)
 	return before;
 }
 
+/* ---- Runs ---- */
+
 enum eco_code bench_open(struct bench *bench, struct eco_error *error)
 {
 	char path[PATH];
-	struct bench_state *s = bench->state;
-	s->held = json_array();
+	bench->state->held = json_array();
 	enum eco_code code = bench_folder_make(bench->out, error);
 	for (int i = 0; i < 2 && !code; i++) {
 		snprintf(path, sizeof path, "%s/%s", bench->cache, i ? "sections" : "units");
@@ -530,27 +517,26 @@ void bench_close(struct bench *bench)
 void bench_begin(struct bench *bench, const struct bench_section *section)
 {
 	struct bench_state *s = bench->state;
+	bench_objects(bench, section->objects);
 	s->section = section;
-	s->items = json_array();
-	s->keys = json_array();
+	s->record = json_pack("{s:s, s:s, s:s, s:b, s:[], s:[]}", "name", section->name, "title",
+		section->title, "program", s->program, "full", (int)bench->full, "items", "keys");
+	s->items = json_object_get(s->record, "items");
+	s->keys = json_object_get(s->record, "keys");
 	s->left_out = json_object();
 	s->kept = s->recalled = 0;
 	s->begun_s = bench_now_s();
 	s->begun_cpu_s = s->unit_cpu_s = bench_cpu_s();
 	s->units_cpu_s = s->longest_cpu_s = 0;
-	bench_objects(bench, section->objects);
-	s->record = json_pack("{s:s, s:s, s:s, s:b, s:O, s:O}", "name", section->name, "title",
-		section->title, "program", s->program, "full", (int)bench->full, "items", s->items, "keys",
-		s->keys);
 }
 
-/* An interrupted section does not replace what the same program once finished. */
+/* An interrupted section does not replace a complete one of the same program. */
 static bool better_there(const struct bench *bench, const char *path)
 {
 	json_t *old = bench_json_read(path);
-	const char *state = json_string_value(json_object_get(old, "state")),
-		*program = json_string_value(json_object_get(old, "program"));
-	bool better = state && program && !strcmp(state, "done") && !strcmp(program, bench->state->program);
+	const char *state = "", *program = "";
+	json_unpack(old, "{s:s, s:s}", "state", &state, "program", &program);
+	bool better = !strcmp(state, "done") && !strcmp(program, bench->state->program);
 	json_decref(old);
 	return better;
 }
@@ -559,36 +545,27 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 {
 	char path[PATH];
 	struct bench_state *s = bench->state;
-	double seconds = bench_now_s() - s->begun_s;
+	struct eco_error why = { 0 };
+	double seconds = bench_now_s() - s->begun_s, cpu_s = bench_cpu_s() - s->begun_cpu_s;
 	const char *state = code == ECO_OK ? "done" : code == ECO_INTERRUPTED ? "interrupted"
 		: code == ECO_NOT_FOUND ? "missing" : "failed";
-	erase_bar();
-	say_left_out(bench);
-	json_object_set_new(s->record, "state", json_string(state));
-	json_object_set_new(s->record, "seconds", json_real(seconds));
-	json_object_set_new(s->record, "cpu_s", json_real(bench_cpu_s() - s->begun_cpu_s));
-	json_object_set_new(s->record, "units_cpu_s", json_real(s->units_cpu_s));
-	json_object_set_new(s->record, "longest_cpu_s", json_real(s->longest_cpu_s));
-	if (code)
-		json_object_set_new(s->record, "why", json_string(error->text));
-	snprintf(path, sizeof path, "%s/sections/%s.json", bench->cache, s->section->name);
-	char *text = json_dumps(s->record, JSON_INDENT(1));
 	enum eco_code written = ECO_OK;
-	struct eco_error why = { 0 };
-	if (!text)
-		written = eco_fail(&why, ECO_BAD_INPUT, "%s: its record cannot be written as JSON",
-			s->section->name);
-	else if (code != ECO_INTERRUPTED || !better_there(bench, path))
-		written = bench_file_write(path, text, strlen(text), &why);
-	free(text);
-	bench_note(bench, "%s: %s in %.1f s, %.1f s of processor time (%u pieces of work done, %u were "
-		"there)%s%s", s->section->name, state, seconds, bench_cpu_s() - s->begun_cpu_s, s->kept,
-		s->recalled, code && code != ECO_INTERRUPTED ? ": " : "", code && code != ECO_INTERRUPTED
+	bool told = code && code != ECO_INTERRUPTED;
+	say_left_out(bench);
+	json_t *more = json_pack("{s:s, s:f, s:f, s:f, s:f, s:s}", "state", state, "seconds", seconds,
+		"cpu_s", cpu_s, "units_cpu_s", s->units_cpu_s, "longest_cpu_s", s->longest_cpu_s, "why", code
+		? error->text : "");
+	json_object_update(s->record, more);
+	json_decref(more);
+	snprintf(path, sizeof path, "%s/sections/%s.json", bench->cache, s->section->name);
+	if (code != ECO_INTERRUPTED || !better_there(bench, path))
+		written = bench_json_write(path, s->record, &why);
+	bench_note(bench,
+		"%s: %s in %.1f s, %.1f s of processor time (%u pieces of work done, %u were there)%s%s",
+		s->section->name, state, seconds, cpu_s, s->kept, s->recalled, told ? ": " : "", told
 		? error->text : "");
 	if (written)
 		bench_note(bench, "%s", why.text);
-	json_decref(s->items);
-	json_decref(s->keys);
 	json_decref(s->left_out);
 	json_decref(s->record);
 	json_array_clear(s->held);
@@ -603,7 +580,30 @@ void bench_lost(struct bench *bench, const struct bench_section *section, int st
 	if (WIFSIGNALED(status))
 		eco_fail(&error, ECO_IO, "its process was ended by signal %d", WTERMSIG(status));
 	else
-		eco_fail(&error, ECO_IO, "its process ended with status %d and without a word",
+		eco_fail(&error, ECO_IO, "its process ended with status %d and no result",
 			WEXITSTATUS(status));
 	bench_end(bench, ECO_IO, &error);
+}
+
+#define SCRIPT "tests/bench/report/report.py"
+
+enum eco_code bench_report_write(struct bench *bench, const struct bench_section *const *sections,
+	struct eco_error *error)
+{
+	char path[PATH], command[3 * PATH], stamp[17];
+	json_t *programs = json_object();
+	for (; *sections; sections++) {
+		bench_objects_stamp(bench, (*sections)->objects, stamp);
+		json_object_set_new(programs, (*sections)->name, json_string(stamp));
+	}
+	bench_objects_stamp(bench, NULL, stamp);
+	json_t *run = json_pack("{s:b, s:s, s:s?, s:o}", "full", (int)bench->full, "program", stamp, "data",
+		bench->data, "sections", programs);
+	snprintf(path, sizeof path, "%s/run.json", bench->cache);
+	enum eco_code code = bench_json_write(path, run, error);
+	json_decref(run);
+	snprintf(command, sizeof command, SCRIPT " '%s' '%s'", bench->out, bench->cache);
+	return code || !shell(command, false) ? code
+		: eco_fail(error, ECO_IO, "no report: " SCRIPT
+		" needs python3 and the source tree as working folder");
 }

@@ -166,7 +166,8 @@ struct bench_frame {
 struct bench_client;                 /* a pack open for many frames: a server's half and a viewer's half */
 enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error);
 void bench_client_close(struct bench_client *client);
-/* From now on frames have soft_q, ceiling, picture_error, widest_px and widest_ball_px, too: they take a few times longer. */
+/* From now on frames have soft_q, ceiling, picture_error, widest_px and widest_ball_px, too: they take a few
+ * times longer. */
 void bench_client_see(struct bench_client *client);
 /* From now on OpenGL draws nothing: draw_ms is the rasteriser's. */
 void bench_client_untimed(struct bench_client *client);

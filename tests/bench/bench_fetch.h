@@ -13,7 +13,8 @@ struct bench_fetch {
 	/* answered: until the body stands; until the last byte is decoded */
 	double plan_ms, decode_ms;
 	uint64_t bytes, plan_bytes;          /* of the body; of its last plan alone */
-	uint32_t requests;                   /* that it took: more than one where the store's memory is short */
+	/* that it took: more than one where the store's memory is short */
+	uint32_t requests;
 };
 
 /* `store` is told what it lacks; it may be empty. `fetch` may be NULL. ECO_TOO_LARGE where no answer is so
