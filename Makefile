@@ -317,6 +317,21 @@ ifeq ($(config),fuzz)
   $(B)/obj/tests/fuzz/%.o: CFLAGS_ALL += -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
 endif
 
+# Words that people add to: each table becomes an array of its rows. Comments begin with #; the first row names the columns; a column
+# whose first value is a number holds numbers.
+PLACES := ecofiles/import/places
+WORDS := $(patsubst $(PLACES)/words/%.tsv,build/words/%.table,$(wildcard $(PLACES)/words/*.tsv))
+build/words/%.table: $(PLACES)/words/%.tsv Makefile
+	$(call say,awk,$<)
+	@mkdir -p $(@D)
+	$(Q)LC_ALL=C awk -F '\t' 'BEGIN { print "static const struct {" } /^#/ { next } { gsub(/[\\"]/, "\\\\&") } \
+		!named { named = split($$0, name); next } \
+		!begun++ { for (i = 1; i <= named; i++) { number[i] = $$i ~ /^-?[0-9.]+$$/; \
+			print (number[i] ? "double " : "const char *") name[i] ";" } print "} $*_rows[] = {" } \
+		{ printf "{"; for (i = 1; i <= named; i++) printf number[i] ? " %s," : " \"%s\",", $$i; print " }," } \
+		END { print "};" }' $< >$@.part && mv $@.part $@
+$(call objects,$(wildcard $(PLACES)/*.c)): | $(WORDS)
+
 # cmocka's tests have a parameter that few of them look at
 $(B)/obj/tests/%.o: CFLAGS_ALL += -Wno-unused-parameter
 $(B)/obj/%.o: %.c

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "build/words/grids.table"
 #include "ecofiles/base/module.h"
 
 enum eco_code eco_crs_look(const char *crs, const double xy[2], struct eco_crs_facts *facts,
@@ -60,6 +61,14 @@ enum eco_code eco_crs_choices(const double xy[2], const char *words,
 {
 	const struct eco_proj_module *proj = eco_module(ECO_MODULE_PROJ, error);
 	return !proj ? ECO_NOT_FOUND : proj->crs_choices(xy, words, choices, found, error);
+}
+
+uint32_t eco_crs_usual(uint32_t epsg)
+{
+	for (size_t i = 0; i < sizeof grids_rows / sizeof *grids_rows; i++)
+		if (epsg >= grids_rows[i].first && epsg <= grids_rows[i].last)
+			return (uint32_t)grids_rows[i].rank;
+	return 0;
 }
 
 void eco_crs_utm(const double degrees[2], char code[32])

@@ -17,6 +17,7 @@
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/crs_facts.h"
 #include "ecofiles/import/places/positions_parts.h"
+#include "ecofiles/import/places/table_columns.h"
 
 #define DISTANCE_MAX_M 1e7
 #define HEIGHT_MIN_M 0.01
@@ -249,22 +250,6 @@ static enum verdict read_geometry(struct eco_positions *p, double xyz[3], struct
 		error) : GOOD;
 }
 
-static bool sounds_like_degrees(const char *x, const char *y)
-{
-	static const char *const longitudes[] = { "lon", "lon*", "lng", "*longitude*", "*_lon", "*länge*",
-		"lng*", "*_lng" };
-	static const char *const latitudes[] = { "lat", "*latitude*", "*_lat", "lat_*", "*breite*", "lati*" };
-	char fx[64], fy[64];
-	bool is_x = false, is_y = false;
-	eco_text_fold(x, fx, sizeof fx);
-	eco_text_fold(y, fy, sizeof fy);
-	for (size_t i = 0; i < sizeof longitudes / sizeof *longitudes; i++)
-		is_x |= eco_text_fits(fx, longitudes[i]) && !strstr(fx, "_m");
-	for (size_t i = 0; i < sizeof latitudes / sizeof *latitudes; i++)
-		is_y |= eco_text_fits(fy, latitudes[i]) && !strstr(fy, "_m");
-	return is_x && is_y;
-}
-
 /* Refuses degrees that would be taken for the scene's metres: a heap some metres wide, far away. */
 static enum verdict refuse_inherited(const struct eco_positions *p, const double xyz[3],
 	struct eco_error *error)
@@ -284,7 +269,8 @@ static enum verdict refuse_degrees(const struct eco_positions *p, const double x
 	struct eco_error *error)
 {
 	int zone = (int)floor((xyz[0] + 180) / 6) + 1;
-	if (p->frame.crs || p->spec->crs || p->from_geometry || !sounds_like_degrees(p->spec->x, p->spec->y)
+	if (p->frame.crs || p->spec->crs || p->from_geometry || !eco_column_says_degrees(p->spec->x)
+		|| !eco_column_says_degrees(p->spec->y)
 		|| fabs(xyz[0]) > 180 || fabs(xyz[1]) > 90)
 		return GOOD;
 	zone = zone < 1 ? 1 : zone > 60 ? 60 : zone;

@@ -9,6 +9,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "build/words/sizes.table"
+
 #define NUMBER_BYTES 64u
 
 /* Bytes of the space at the start of a text, 0 if there is none: ASCII, no-break (U+00A0), and thin spaces
@@ -33,19 +35,32 @@ static const char *skip_spaces(const char *text)
 	return text;
 }
 
+static bool is_small(char c) { return c >= 'a' && c <= 'z'; }
+
+/* Goes past the first phrase of that kind (words/sizes.tsv) that *text begins with; a word of letters must end
+ * there. Returns its metres; -1: none. */
+static double take_phrase(const char **text, const char *kind)
+{
+	const char *from = skip_spaces(*text);
+	for (size_t i = 0; i < sizeof sizes_rows / sizeof *sizes_rows; i++)
+		for (const char *at = sizes_rows[i].phrases; strcmp(sizes_rows[i].kind, kind) == 0 && *at != 0;) {
+			size_t length = strcspn(at, "|");
+			if (strncmp(from, at, length) == 0 && !(is_small(at[length - 1]) && is_small(from[length]))) {
+				*text = from + length;
+				return sizes_rows[i].metres;
+			}
+			at += length + (at[length] == '|');
+		}
+	return -1;
+}
+
 bool eco_text_is_missing(const char *text)
 {
-	static const char *const words[] = { "", "na", "n/a", "#n/a", "n.a.", "nan", "null", "nil", "none",
-		"-", "--", "?", ".", "(null)", "<null>",
-		"\\n", "k.a.", "s/d", "n.d.", "n/d", "unknown", "unbekannt", "inconnu", "desconocido",
-		"desconhecido" };
 	char folded[16];
 	if (eco_text_fold(text, folded, sizeof folded) + 1 == sizeof folded)
 		return false;
-	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-		if (strcmp(words[i], folded) == 0)
-			return true;
-	return false;
+	const char *at = folded;
+	return *folded == 0 || (take_phrase(&at, "nothing") >= 0 && *at == 0);
 }
 
 /* ---- Comparing ---- */
@@ -281,61 +296,13 @@ bool eco_text_grouped(const char *text, char thousands, double *number)
 
 /* ---- Sizes ---- */
 
-struct word { const char *text; double metres; };
+static double take_unit(const char **text) { return fmax(take_phrase(text, "unit"), 0); }
 
-static const struct word units[] = { { "mm", 0.001 }, { "cm", 0.01 }, { "dm", 0.1 }, { "meters", 1 },
-	{ "metres", 1 }, { "meter", 1 }, { "metre", 1 },
-	{ "mètres", 1 }, { "mètre", 1 }, { "metros", 1 }, { "metro", 1 }, { "metri", 1 }, { "m.", 1 },
-	{ "m", 1 },
-	{ "feet", 0.3048 }, { "foot", 0.3048 }, { "ft.", 0.3048 }, { "ft", 0.3048 }, { "fuß", 0.3048 },
-	{ "pies", 0.3048 },
-	{ "inches", 0.0254 }, { "inch", 0.0254 }, { "in.", 0.0254 }, { "in", 0.0254 }, { "''", 0.0254 },
-	{ "\"", 0.0254 }, { "\u2033", 0.0254 },
-	{ "\u201d", 0.0254 }, { "'", 0.3048 }, { "\u2032", 0.3048 }, { "\u2019", 0.3048 } };
-
-static const char *const about_words[] = { "ca.", "ca", "circa", "approx.", "approx", "about", "env.",
-	"environ", "etwa", "c.",
-	"~", "\u2248", "between", "zwischen",
-	"entre", "from", "von", "de", "(", "[" };
-static const char *const to_words[] = { "bis", "to", "and", "und", "et", "y", "à", "a", "tot", "hasta", "--",
-	"-", "\u2013", "\u2014", "..", "~" };
-static const char *const above_words[] = { "greater than", "more than", "over", "above", "at least",
-	"plus de", "mehr als", "über", "ab", ">=", ">",
-	"\u2265" };
-static const char *const below_words[] = { "less than", "under", "below", "up to", "at most", "moins de",
-	"weniger als",
-	"unter", "bis", "tot", "<=", "<",
-	"\u2264" };
-static const char *const more_words[] = { "+", "and more", "and over", "or more", "and above", "et plus",
-	"und mehr" };
-
-static const char *const closing_words[] = { ")", "]" };
-
-/* Removes one of the words from *text; a word of letters must end there. */
-static bool take(const char **text, const char *const *words, size_t count)
+/* Goes past a bracket that closes what "(5 to 10)" or "[5, 10)" opened. */
+static void take_bracket(const char **text)
 {
 	const char *at = skip_spaces(*text);
-	for (size_t i = 0; i < count; i++) {
-		size_t length = strlen(words[i]);
-		char last = words[i][length - 1], next;
-		if (strncmp(at, words[i], length) != 0)
-			continue;
-		next = at[length];
-		if (last >= 'a' && last <= 'z' && next >= 'a' && next <= 'z')
-			continue;
-		*text = at + length;
-		return true;
-	}
-	return false;
-}
-#define TAKE(text, words) take(text, words, sizeof(words) / sizeof *(words))
-
-static double take_unit(const char **text)
-{
-	for (size_t i = 0; i < sizeof units / sizeof *units; i++)
-		if (take(text, &units[i].text, 1))
-			return units[i].metres;
-	return 0;
+	*text = *at == ')' || *at == ']' ? at + 1 : *text;
 }
 
 static bool take_number(const char **text, char decimal, double *number)
@@ -376,24 +343,24 @@ static enum eco_size_form size_at(const char *at, char decimal, double *number, 
 	enum eco_size_form form = ECO_FORM_EXACT;
 	double high;
 	*unit_m = 0;
-	TAKE(&at, about_words);
-	if (TAKE(&at, above_words))
+	take_phrase(&at, "about");
+	if (take_phrase(&at, "above") >= 0)
 		form = ECO_FORM_OPEN;
-	else if (TAKE(&at, below_words))
+	else if (take_phrase(&at, "below") >= 0)
 		form = ECO_FORM_RANGE;
 	if (!take_measure(&at, decimal, number, unit_m))
 		return ECO_FORM_NONE;
 	if (form == ECO_FORM_RANGE) {
 		*number /= 2;
-	} else if (form == ECO_FORM_EXACT && TAKE(&at, more_words)) {
+	} else if (form == ECO_FORM_EXACT && take_phrase(&at, "more") >= 0) {
 		form = ECO_FORM_OPEN;
-	} else if (form == ECO_FORM_EXACT && TAKE(&at, to_words)) {
+	} else if (form == ECO_FORM_EXACT && take_phrase(&at, "to") >= 0) {
 		if (!take_measure(&at, decimal, &high, unit_m) || high < *number)
 			return ECO_FORM_NONE;
 		*number = (*number + high) / 2;
 		form = ECO_FORM_RANGE;
 	}
-	TAKE(&at, closing_words);
+	take_bracket(&at);
 	return *skip_spaces(at) == 0 ? form : ECO_FORM_NONE;
 }
 

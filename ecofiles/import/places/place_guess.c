@@ -14,7 +14,6 @@
 #include "ecofiles/import/places/place_words.h"
 #include "ecofiles/import/places/positions_crs.h"
 #include "ecofiles/import/places/size_units.h"
-#include "ecofiles/import/places/speech.h"
 #include "ecofiles/import/places/words.h"
 
 #define PLOT_M 100000.0          /* beyond this from 0 numbers are a grid's, not a plot's */
@@ -329,20 +328,13 @@ static enum eco_code take_turned(struct look *l, const char *hint, bool *taken)
 		: "where the columns' language is written; x counts to the north");
 }
 
-static bool has_letter(const char *name, const char *letter)
-{
-	char words[ECO_WORDS_BYTES];
-	eco_words_of(name, words, sizeof words);
-	return eco_words_have(words, letter);
-}
-
 /* Whether the columns are x and y, the CRS's own x counts to the north, and plants may stand at either
  * place. */
 static bool axes_are_open(const struct look *l, struct eco_crs_facts *named, struct eco_crs_facts *turned)
 {
 	const double at[2] = { l->xy[0].middle, l->xy[1].middle }, other[2] = { at[1], at[0] };
 	return !l->guess->from_geometry && !l->guess->swapped && !l->asked->axes_said && l->guess->crs[0] != 0
-		&& has_letter(l->names[0], "x") && has_letter(l->names[1], "y")
+		&& eco_words_any(l->names[0], "x") && eco_words_any(l->names[1], "y")
 		&& eco_crs_look(l->guess->crs, at, named, NULL) == ECO_OK && named->x_is_north
 		&& named->inside
 		&& eco_crs_look(l->guess->crs, other, turned, NULL) == ECO_OK && turned->inside;
@@ -501,7 +493,7 @@ static enum eco_code take_zone(struct look *l, bool *taken)
 	struct eco_zones zones;
 	char crs[32], who[100];
 	enum eco_code code = eco_zones_find(l->asked->table, l->asked->source,
-		has_letter(l->names[0] ? l->names[0] : "", "utm"), &zones, l->error);
+		l->names[0] && eco_words_any(l->names[0], "utm"), &zones, l->error);
 	if (code)
 		return code;
 	*taken = zones.column != ECO_NONE && (zones.zone.epsg || may_be_utm(l));

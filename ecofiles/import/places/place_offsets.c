@@ -62,16 +62,6 @@ static bool are_several(const struct eco_table *t, uint32_t plot, uint32_t *othe
 	return false;
 }
 
-static bool says_gon(const char *name)
-{
-	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
-	eco_words_of(name, words, sizeof words);
-	for (const char *at = words; eco_words_next(&at, word);)
-		if (eco_words_have("gon gons grade grades grads gradians", word))
-			return true;
-	return false;
-}
-
 static enum eco_code find_polar(struct eco_offsets *o, const struct eco_table *t, const struct eco_columns *c,
 	struct eco_error *error)
 {
@@ -90,7 +80,7 @@ static enum eco_code find_polar(struct eco_offsets *o, const struct eco_table *t
 			field(t, other, plot));
 	const char *unit = eco_unit_of_name(t->columns[distance]);
 	o->polar = true;
-	o->whole_turn = says_gon(t->columns[azimuth]) || quantile_of(t, azimuth, c, 1) > 360 ? 400 : 360;
+	o->whole_turn = eco_words_any(t->columns[azimuth], eco_words_set("gon")) || quantile_of(t, azimuth, c, 1) > 360 ? 400 : 360;
 	o->distance_unit = unit ? unit : "m";
 	return ECO_OK;
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "build/words/crs_names.table"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/table_values.h"
@@ -12,9 +13,6 @@
  * number is a zone's half, "32 n". */
 static void hint_of(const char *name, char *hint, size_t size)
 {
-	static const char dropped[] = "x y e n m coord koord coordinate coordinates east easting north "
-		"northing ostwert nordwert rechtswert hochwert point epsg koordinate este norte est nord "
-		"pos in ft";
 	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
 	bool after_number = false;
 	size_t used = 0;
@@ -23,17 +21,13 @@ static void hint_of(const char *name, char *hint, size_t size)
 	for (const char *at = words; eco_words_next(&at, word);) {
 		bool half = after_number && (strcmp(word, "n") == 0 || strcmp(word, "s") == 0);
 		after_number = word[0] >= '0' && word[0] <= '9';
-		if ((half || !eco_words_have(dropped, word)) && used + strlen(word) + 2 < size)
+		if ((half || !eco_words_have(eco_words_set("axis"), word)) && used + strlen(word) + 2 < size)
 			used += (size_t)snprintf(hint + used, size - used, "%s%s", used > 0 ? " " : "", word);
 	}
 }
 
 bool eco_place_hint(const char *const names[2], char hint[ECO_WORDS_BYTES])
 {
-	static const struct { const char *brief, *name; } known[] = { { "l 93", "lambert 93" }, { "bng",
-		"british national grid" }, { "osgb", "british national grid" }, { "rd", "rd new" }, { "lb 72",
-		"belgian lambert 72" }, { "nztm", "new zealand transverse mercator 2000" }, { "2180", "cs "
-		"92" }, { "puwg 1992", "cs 92" }, { "1992", "cs 92" } };
 	char other[ECO_WORDS_BYTES];
 	if (!names[0] || !names[1])
 		return false;
@@ -41,9 +35,9 @@ bool eco_place_hint(const char *const names[2], char hint[ECO_WORDS_BYTES])
 	hint_of(names[1], other, sizeof other);
 	if (strcmp(hint, other) != 0 || hint[0] == 0)
 		return false;
-	for (size_t i = 0; i < sizeof known / sizeof *known; i++)
-		if (strcmp(hint, known[i].brief) == 0)
-			snprintf(hint, ECO_WORDS_BYTES, "%s", known[i].name);
+	for (size_t i = 0; i < sizeof crs_names_rows / sizeof *crs_names_rows; i++)
+		if (strcmp(hint, crs_names_rows[i].brief) == 0)
+			snprintf(hint, ECO_WORDS_BYTES, "%s", crs_names_rows[i].name);
 	return true;
 }
 
@@ -57,13 +51,13 @@ static enum kind kind_of(const char *name)
 	bool utm = false, zone = false, code = false, other = false;
 	eco_words_of(name, words, sizeof words);
 	for (const char *at = words; eco_words_next(&at, word);) {
-		bool is_utm = eco_words_have("utm utmzone huso fuso fuseau", word);
-		bool is_zone = eco_words_have("zone zona utmzone huso fuso fuseau", word);
-		bool is_code = eco_words_have("epsg srid crs", word);
+		bool is_utm = eco_words_have(eco_words_set("utm"), word);
+		bool is_zone = eco_words_have(eco_words_set("zone"), word);
+		bool is_code = eco_words_have(eco_words_set("crs"), word);
 		utm |= is_utm;
 		zone |= is_zone;
 		code |= is_code;
-		other |= !is_utm && !is_zone && !is_code && !eco_words_have("code id no nr", word);
+		other |= !is_utm && !is_zone && !is_code && !eco_words_have(eco_words_set("number"), word);
 	}
 	if (other || (!zone && !code))
 		return NO_ZONES;

@@ -2,10 +2,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/positions_parts.h"
 #include "ecofiles/import/places/size_units.h"
+#include "ecofiles/import/places/table_columns.h"
 
 static enum eco_code find_column(struct eco_positions *p, uint32_t *column, const char *name,
 	struct eco_error *error)
@@ -16,33 +16,28 @@ static enum eco_code find_column(struct eco_positions *p, uint32_t *column, cons
 	return code;
 }
 
-/* A guess at the columns that hold coordinates, for a message only. */
-static const char *likely_column(const struct eco_rows *rows, const char *const *names)
+/* A guess at the column that holds a coordinate, for a message only; "...": none. */
+static const char *likely_column(const struct eco_rows *rows, enum eco_role role)
 {
-	char folded[64];
-	for (; *names; names++)
-		for (uint32_t i = 0; i < rows->column_count; i++)
-			if (eco_text_fold(rows->columns[i], folded, sizeof folded) > 0
-					&& strcmp(folded, *names) == 0)
-				return rows->columns[i];
-	return NULL;
+	const char *likely = "...";
+	int best = ECO_COLUMN_ENOUGH - 1;
+	for (uint32_t i = 0; i < rows->column_count; i++) {
+		int points = eco_column_points(role, rows->columns[i]);
+		likely = points > best ? rows->columns[i] : likely;
+		best = points > best ? points : best;
+	}
+	return likely;
 }
 
 static enum eco_code no_coordinates(const struct eco_positions *p, struct eco_error *error)
 {
-	static const char *const eastings[] = { "lon", "longitude", "long", "lng", "decimallongitude", "x",
-		"easting", "rechtswert", "ostwert", "utm_e", "xcoord", "point_x", "x_coord", "coord_x",
-		NULL };
-	static const char *const northings[] = { "lat", "latitude", "decimallatitude", "y", "northing",
-		"hochwert", "nordwert", "utm_n", "ycoord", "point_y", "y_coord", "coord_y", NULL };
-	const char *x = likely_column(p->rows, eastings), *y = likely_column(p->rows, northings);
 	char there[200];
 
 	eco_rows_list_columns(p->rows, there, sizeof there);
 	return eco_fail(error, ECO_BAD_INPUT, "%.120s: it has no geometry, so its entry must name the "
 		"columns with easting or longitude and northing "
 		"or latitude: add \"x\": \"%.40s\", \"y\": \"%.40s\"; there are: %s", p->spec->path,
-		x && y ? x : "...", x && y ? y : "...", there);
+		likely_column(p->rows, ECO_ROLE_X), likely_column(p->rows, ECO_ROLE_Y), there);
 }
 
 /* Names that say another unit than the metres which are meant without a CRS of the entry. */

@@ -7,19 +7,14 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "build/words/units.table"
 #include "ecofiles/import/places/words.h"
 
 #define SURE 0.7                 /* so much worse is the next unit, if a guess is to be made */
 #define FAR 3.2                  /* a misfit that no usual inventory has */
 #define DOUBT 2.2                /* so much better is another unit than the one stated */
 
-static const struct { const char *name; double metres; const char *words; } units[] = {
-	{ "m", 1, "m meter meters metre metres metros metri mtr" },
-	{ "cm", 0.01, "cm centimeter centimetre centimeters centimetres zentimeter centimetros" },
-	{ "mm", 0.001, "mm millimeter millimetre millimeters millimetres milimetros" },
-	{ "in", 0.0254, "in inch inches zoll pouces pulgadas pollici" },
-	{ "ft", 0.3048, "ft feet foot fuss pieds pies piedi" } };
-#define UNITS (sizeof units / sizeof *units)
+#define UNITS (sizeof units_rows / sizeof *units_rows)
 
 static const struct { double middle_m, high_m; const char *says; } typical[] = {
 	[ECO_QUANTITY_HEIGHT] = { 10, 22, "height" }, [ECO_QUANTITY_DBH] = { 0.22, 0.75, "trunk diameter" },
@@ -52,8 +47,8 @@ static size_t best_unit(enum eco_quantity quantity, const struct eco_size_number
 	for (size_t i = 0; i < UNITS; i++)
 		if (i != except &&
 			(best == UNITS ||
-				misfit(quantity, units[i].metres, n) <
-					misfit(quantity, units[best].metres, n)))
+				misfit(quantity, units_rows[i].metres, n) <
+					misfit(quantity, units_rows[best].metres, n)))
 			best = i;
 	return best;
 }
@@ -66,7 +61,7 @@ static size_t unit_of_name(const char *name)
 	eco_words_of(name ? name : "", words, sizeof words);
 	for (const char *at = words; eco_words_next(&at, word); count++)
 		for (size_t i = 0; i < UNITS; i++)
-			if (eco_words_have(units[i].words, word) && count > 0)
+			if (eco_words_have(units_rows[i].words, word) && count > 0)
 				found = i;
 	return found;
 }
@@ -74,30 +69,30 @@ static size_t unit_of_name(const char *name)
 const char *eco_unit_doubt(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *numbers)
 {
 	size_t best = best_unit(quantity, numbers, UNITS);
-	if (!(numbers->middle > 0) || fabs(units[best].metres / unit_m - 1) < 1e-4)
+	if (!(numbers->middle > 0) || fabs(units_rows[best].metres / unit_m - 1) < 1e-4)
 		return NULL;
-	return usual_misfit(quantity, unit_m, numbers) - usual_misfit(quantity, units[best].metres, numbers) > DOUBT
-		? units[best].name : NULL;
+	return usual_misfit(quantity, unit_m, numbers) - usual_misfit(quantity, units_rows[best].metres, numbers) > DOUBT
+		? units_rows[best].unit : NULL;
 }
 
 static void ask(struct eco_unit_guess *guess, enum eco_quantity quantity, size_t a, size_t b,
 	const struct eco_size_numbers *n)
 {
 	guess->unit = NULL;
-	guess->other = units[b].name;
+	guess->other = units_rows[b].unit;
 	snprintf(guess->why, sizeof guess->why, "half of them are above %.4g, the largest about %.4g: a %s "
 		"of %.3g m if in %s, of %.3g m if in %s", n->middle, n->high, typical[quantity].says,
-		n->middle * units[a].metres, units[a].name, n->middle * units[b].metres, units[b].name);
+		n->middle * units_rows[a].metres, units_rows[a].unit, n->middle * units_rows[b].metres, units_rows[b].unit);
 }
 
 static struct eco_unit_guess guess_by_name(enum eco_quantity quantity, size_t named,
 	const struct eco_size_numbers *n)
 {
-	struct eco_unit_guess guess = { .unit = units[named].name, .by_name = true };
-	const char *doubt = eco_unit_doubt(quantity, units[named].metres, n);
-	snprintf(guess.why, sizeof guess.why, "its name says %s", units[named].name);
+	struct eco_unit_guess guess = { .unit = units_rows[named].unit, .by_name = true };
+	const char *doubt = eco_unit_doubt(quantity, units_rows[named].metres, n);
+	snprintf(guess.why, sizeof guess.why, "its name says %s", units_rows[named].unit);
 	for (size_t i = 0; doubt && i < UNITS; i++)
-		if (strcmp(units[i].name, doubt) == 0)
+		if (strcmp(units_rows[i].unit, doubt) == 0)
 			ask(&guess, quantity, named, i, n);
 	return guess;
 }
@@ -105,7 +100,7 @@ static struct eco_unit_guess guess_by_name(enum eco_quantity quantity, size_t na
 const char *eco_unit_of_name(const char *name)
 {
 	size_t named = unit_of_name(name);
-	return named < UNITS ? units[named].name : NULL;
+	return named < UNITS ? units_rows[named].unit : NULL;
 }
 
 static size_t unit_at_end(const char *name)
@@ -114,7 +109,7 @@ static size_t unit_at_end(const char *name)
 	eco_words_of(name, words, sizeof words);
 	const char *last = strrchr(words, ' ');
 	for (size_t i = 0; last && i < UNITS; i++)
-		if (eco_words_have(units[i].words, last + 1))
+		if (eco_words_have(units_rows[i].words, last + 1))
 			return i;
 	return UNITS;
 }
@@ -123,8 +118,8 @@ const char *eco_unit_of_place(const char *x, const char *y, double *metres)
 {
 	size_t unit = unit_at_end(x);
 	bool both = unit < UNITS && unit_at_end(y) == unit;
-	*metres = both ? units[unit].metres : 1;
-	return both ? units[unit].name : NULL;
+	*metres = both ? units_rows[unit].metres : 1;
+	return both ? units_rows[unit].unit : NULL;
 }
 
 static bool is_metric(const char *unit) { return strcmp(unit, "ft") != 0 && strcmp(unit, "in") != 0; }
@@ -132,11 +127,11 @@ static bool is_metric(const char *unit) { return strcmp(unit, "ft") != 0 && strc
 /* Of two units that would do, the one of the system of the other sizes. */
 static bool decide_beside(struct eco_unit_guess *guess, size_t a, size_t b, const char *beside)
 {
-	if (!beside || is_metric(units[a].name) == is_metric(units[b].name))
+	if (!beside || is_metric(units_rows[a].unit) == is_metric(units_rows[b].unit))
 		return false;
-	guess->unit = is_metric(units[a].name) == is_metric(beside) ? units[a].name : units[b].name;
+	guess->unit = is_metric(units_rows[a].unit) == is_metric(beside) ? units_rows[a].unit : units_rows[b].unit;
 	snprintf(guess->why, sizeof guess->why, "it may be %s or %s by its numbers; other sizes are in %s",
-		units[a].name, units[b].name, beside);
+		units_rows[a].unit, units_rows[b].unit, beside);
 	return true;
 }
 
@@ -147,9 +142,9 @@ struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *nam
 	if (named < UNITS)
 		return guess_by_name(quantity, named, numbers);
 	size_t best = best_unit(quantity, numbers, UNITS), next = best_unit(quantity, numbers, best);
-	double fit = misfit(quantity, units[best].metres, numbers);
-	struct eco_unit_guess guess = { .unit = units[best].name };
-	bool sure = misfit(quantity, units[next].metres, numbers) - fit >= SURE;
+	double fit = misfit(quantity, units_rows[best].metres, numbers);
+	struct eco_unit_guess guess = { .unit = units_rows[best].unit };
+	bool sure = misfit(quantity, units_rows[next].metres, numbers) - fit >= SURE;
 	if (fit <= FAR && !sure && decide_beside(&guess, best, next, beside))
 		return guess;
 	if (fit > FAR || !sure)
@@ -157,7 +152,7 @@ struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *nam
 	else
 		snprintf(guess.why, sizeof guess.why, "half of them are above %.4g %s, the largest about "
 			"%.4g; in "
-			"%s half would be above %.3g m", numbers->middle, units[best].name, numbers->high,
-			units[next].name, numbers->middle * units[next].metres);
+			"%s half would be above %.3g m", numbers->middle, units_rows[best].unit, numbers->high,
+			units_rows[next].unit, numbers->middle * units_rows[next].metres);
 	return guess;
 }

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "build/words/columns.table"
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/words.h"
@@ -12,71 +13,12 @@
 const char *const eco_role_names[ECO_ROLE_COUNT] = { "x", "y", "species", "height", "trunk diameter",
 	"trunk girth", "plot", "azimuth", "distance", "quadrat" };
 
-#define ENOUGH 50                /* points that make a role */
 #define NEAR_POINTS 10           /* a rival is at most so much worse */
 #define CONTENT_POINTS 60
 #define NUMERIC_LEAST 0.5
-#define LOCAL_X "lx qx"          /* from a corner of a quadrat */
-#define LOCAL_Y "ly qy"
 
-/* Words of English, German, French, Spanish, Italian, Dutch, Portuguese, Polish, Czech, Swedish, Danish,
- * Russian, Ukrainian, Japanese, Chinese and Korean. A word of five letters (bytes) and more counts within a
- * longer one, too, "kronendurchmesser", one of four at its end, "baumhohe". */
-static const struct { enum eco_role role; int points; const char *words; } meanings[] = {
-	{ ECO_ROLE_X, 100, "longitude longitud longitudine lengtegraad laengengrad langengrad lange laenge "
-		"lon lng long dlugosc" },
-	{ ECO_ROLE_Y, 100, "latitude latitud latitudine breedtegraad breitengrad breite lat szerokosc" },
-	{ ECO_ROLE_X, 80, "easting eastings east ostwert rechtswert este est xcoord coordx pointx xkoord "
-		"rw" },
-	{ ECO_ROLE_Y, 80, "northing northings north nordwert hochwert norte nord ycoord coordy pointy "
-		"ykoord hw" },
-	{ ECO_ROLE_X, 100, "経度 经度 經度 경도" }, { ECO_ROLE_Y, 100, "緯度 纬度 위도" },
-	{ ECO_ROLE_SPECIES, 90, "樹種 树种 樹名 树名 수종" }, { ECO_ROLE_HEIGHT, 90, "樹高 树高 수고" },
-	{ ECO_ROLE_DBH, 95, "胸高直径 胸高直 胸径 胸徑 흉고직경" }, { ECO_ROLE_GIRTH, 95, "幹周 胸围 胸圍" },
-	{ ECO_ROLE_X, 100, "долгота довгота" }, { ECO_ROLE_Y, 100, "широта" },
-	{ ECO_ROLE_SPECIES, 90, "порода вид" }, { ECO_ROLE_HEIGHT, 90, "высота висота" },
-	{ ECO_ROLE_HEIGHT, -90, "кроны крони" }, { ECO_ROLE_DBH, 90, "диаметр діаметр" },
-	{ ECO_ROLE_DBH, -90, "кроны крони" }, { ECO_ROLE_GIRTH, 95, "окружность обхват" },
-	{ ECO_ROLE_X, 35, "gx px" }, { ECO_ROLE_Y, 35, "gy py" },
-	{ ECO_ROLE_X, 30, LOCAL_X }, { ECO_ROLE_Y, 30, LOCAL_Y },
-	{ ECO_ROLE_X, -90, "krone kronen stamm crown strasse" }, { ECO_ROLE_Y, -90, "krone kronen stamm "
-		"crown strasse" },
-	{ ECO_ROLE_SPECIES, 95, "scientific latin botanic botanisch botanique baumart boomsoort "
-		"wissenschaftlich wetenschappelijke taxon" },
-	{ ECO_ROLE_SPECIES, 90, "species espece especie specie gatunek tradart druh" },
-	{ ECO_ROLE_SPECIES, 80, "essence soort soortnaam gattung genus genre genero genere rodzaj art slag" },
-	{ ECO_ROLE_SPECIES, 70, "sp spp" }, { ECO_ROLE_SPECIES, 55, "common vernacular deutsch" },
-	{ ECO_ROLE_SPECIES, 20, "name nom nombre nome naam tree baum arbre arbol albero boom type typ tipo "
-		"libelle plant" },
-	{ ECO_ROLE_SPECIES, -60, "id code nr no num nummer street strasse rue calle via straat date datum "
-		"owner cultivar sorte variete site address" },
-	{ ECO_ROLE_HEIGHT, 90, "height heights hgt ht hoehe hohe hauteur altura altezza hoogte wysokosc "
-		"hojd hojde vyska hoyde" },
-	{ ECO_ROLE_HEIGHT, 60, "h haut" },
-	{ ECO_ROLE_HEIGHT, -90, "diameter diametre diametro durchmesser circumference umfang circonference "
-		"girth crown krone kronen kronenansatz kroon houppier copa chioma canopy fut first branch "
-		"elevation sea ground gelande altitude ansatz width breite date year jahr" },
-	{ ECO_ROLE_DBH, 95, "dbh bhd dhp dap brusthohendurchmesser stammdurchmesser stamdiameter" },
-	{ ECO_ROLE_DBH, 80, "diameter diametre diametro durchmesser diam srednica prumer" },
-	{ ECO_ROLE_DBH, -90, "crown krone kronen kroon houppier couronne copa chioma canopy spread korony "
-		"date year" },
-	{ ECO_ROLE_GIRTH, 95, "girth gbh cbh circumference umfang stammumfang circonference circonferenza "
-		"circunferencia perimetro perimetre omtrek obwod omkrets obvod" },
-	{ ECO_ROLE_GIRTH, 60, "cap circ" },
-	{ ECO_ROLE_GIRTH, -90, "crown krone kronen kroon houppier couronne copa chioma canopy date year" },
-	{ ECO_ROLE_PLOT, 90, "plot plots subplot subp parzelle probekreis probeflache placette parcela "
-		"parcelle stichprobe punkt provyta poletko" },
-	{ ECO_ROLE_PLOT, -90, "size area radius x y lat lon latitude longitude" },
-	{ ECO_ROLE_AZIMUTH, 90, "azimuth azimut acimut azi bearing rumbo peiling azymut azimutt "
-		"方位角 азимут" },
-	{ ECO_ROLE_AZIMUTH, 60, "az" }, { ECO_ROLE_AZIMUTH, -90, "sun slope crown lean krone hang" },
-	{ ECO_ROLE_DISTANCE, 90, "distance dist distanz entfernung distancia distanza afstand hdist abstand "
-		"avstand vzdalenost odleglosc расстояние 距離 距离" },
-	{ ECO_ROLE_DISTANCE, -90, "crown krone road building house street strasse wire curb edge nearest "
-		"neighbour neighbor spacing slope district" },
-	{ ECO_ROLE_QUADRAT, 90, "quadrat quadratname quad" }, { ECO_ROLE_QUADRAT, -90, "sub subquadrat" },
-};
-
+/* A word of five letters (bytes) and more counts within a longer one, too, "kronendurchmesser", one of four at
+ * its end, "baumhohe". */
 static bool means(const char *word, const char *list)
 {
 	char own[ECO_WORD_BYTES];
@@ -97,16 +39,17 @@ static int points_by_name(enum eco_role role, const char *name)
 	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
 	int best = 0, against = 0;
 	eco_words_of(name, words, sizeof words);
-	for (size_t i = 0; i < sizeof meanings / sizeof *meanings; i++) {
-		if (meanings[i].role != role)
+	for (size_t i = 0; i < sizeof columns_rows / sizeof *columns_rows; i++) {
+		int points = (int)columns_rows[i].points;
+		if (strcmp(columns_rows[i].role, eco_role_names[role]) != 0)
 			continue;
 		for (const char *at = words; eco_words_next(&at, word);) {
-			if (!means(word, meanings[i].words))
+			if (!means(word, columns_rows[i].words))
 				continue;
-			if (meanings[i].points < 0)
-				against = meanings[i].points;
-			else if (meanings[i].points > best)
-				best = meanings[i].points;
+			if (points < 0)
+				against = points;
+			else if (points > best)
+				best = points;
 		}
 	}
 	return best > 0 ? best + against : 0;
@@ -115,16 +58,7 @@ static int points_by_name(enum eco_role role, const char *name)
 /* "tree_type", "nom de l'arbre": a plant's word and one for its kind. */
 static int points_by_kind(const char *name)
 {
-	static const char plants[] = "tree baum arbre arbol albero boom plant planta plante pflanze",
-		kinds[] = "name names nom nombre nome naam type typ tipo kind sort";
-	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
-	bool plant = false, kind = false;
-	eco_words_of(name, words, sizeof words);
-	for (const char *at = words; eco_words_next(&at, word);) {
-		plant |= eco_words_have(plants, word);
-		kind |= eco_words_have(kinds, word);
-	}
-	return plant && kind ? 55 : 0;
+	return eco_words_any(name, eco_words_set("plant")) && eco_words_any(name, eco_words_set("kind")) ? 55 : 0;
 }
 
 /* "x", "coord_x", "utm17n_e": one letter at an end of the name. */
@@ -148,6 +82,17 @@ static int points_by_letter(enum eco_role role, const char *name)
 		if (strcmp(last, letters[role][i]) == 0 || strcmp(first, letters[role][i]) == 0)
 			return 70;
 	return 0;
+}
+
+int eco_column_points(enum eco_role role, const char *name)
+{
+	int by_name = points_by_name(role, name), by_letter = points_by_letter(role, name);
+	return by_name > by_letter ? by_name : by_letter;
+}
+
+bool eco_column_says_degrees(const char *name)
+{
+	return points_by_name(ECO_ROLE_X, name) + points_by_name(ECO_ROLE_Y, name) >= 100;
 }
 
 /* ---- Content ---- */
@@ -200,8 +145,7 @@ static double plants_share(const struct eco_table *table, uint32_t column)
 static int points(const struct eco_table *table, enum eco_role role, uint32_t column, char decimal)
 {
 	const char *name = table->columns[column];
-	int by_name = points_by_name(role, name), by_letter = points_by_letter(role, name);
-	int sum = by_name > by_letter ? by_name : by_letter;
+	int sum = eco_column_points(role, name);
 	if (role == ECO_ROLE_SPECIES) {
 		int by_kind = points_by_kind(name);
 		sum = by_kind > sum ? by_kind : sum;
@@ -235,9 +179,9 @@ static void choose(const struct eco_table *t, struct eco_columns *columns, enum 
 			rival = i;
 		}
 	}
-	if (best < ENOUGH)
+	if (best < ECO_COLUMN_ENOUGH)
 		columns->of[role] = ECO_NONE;
-	else if (second >= ENOUGH && second + NEAR_POINTS > best)
+	else if (second >= ECO_COLUMN_ENOUGH && second + NEAR_POINTS > best)
 		columns->rival[role] = rival;
 }
 
@@ -258,9 +202,7 @@ static void prefer_genus(const struct eco_table *t, struct eco_columns *columns)
 {
 	uint32_t *species = &columns->of[ECO_ROLE_SPECIES];
 	for (uint32_t i = 0; *species != ECO_NONE && i < t->column_count; i++) {
-		char words[ECO_WORDS_BYTES];
-		eco_words_of(t->columns[i], words, sizeof words);
-		if (eco_words_have("genus gattung genre genero genere geslacht rodzaj rod slakt slekt", words)
+		if (eco_words_any(t->columns[i], eco_words_set("genus"))
 				&& are_epithets(t, *species) && !are_epithets(t, i)) {
 			columns->rival[ECO_ROLE_SPECIES] = *species;
 			*species = i;
@@ -289,8 +231,8 @@ static void choose_place(const struct eco_table *t, struct eco_columns *columns)
 		for (uint32_t y = 0; y < t->column_count; y++) {
 			if (x == y || (x_given && x != given[0]) || (y_given && y != given[1]))
 				continue;
-			int px = x_given ? ENOUGH : points(t, ECO_ROLE_X, x, columns->decimal);
-			int py = y_given ? ENOUGH : points(t, ECO_ROLE_Y, y, columns->decimal);
+			int px = x_given ? ECO_COLUMN_ENOUGH : points(t, ECO_ROLE_X, x, columns->decimal);
+			int py = y_given ? ECO_COLUMN_ENOUGH : points(t, ECO_ROLE_Y, y, columns->decimal);
 			int sum = px + py + (are_pair(t->columns[x], t->columns[y]) ? 5 : 0);
 			if (px < 30 || py < 30 || sum <= best)
 				continue;
@@ -319,14 +261,13 @@ static char find_decimal(const struct eco_table *t)
 
 bool eco_columns_are_local(const struct eco_table *table, const struct eco_columns *columns)
 {
-	static const char *const locals[] = { LOCAL_X, LOCAL_Y };
 	for (int k = 0; k < 2; k++) {
 		char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
 		const char *at = words;
 		if (columns->of[k] == ECO_NONE)
 			return false;
 		eco_words_of(table->columns[columns->of[k]], words, sizeof words);
-		if (!eco_words_next(&at, word) || !eco_words_have(locals[k], word))
+		if (!eco_words_next(&at, word) || !eco_words_have(eco_words_set(k ? "quadrat y" : "quadrat x"), word))
 			return false;
 	}
 	return true;
@@ -334,12 +275,9 @@ bool eco_columns_are_local(const struct eco_table *table, const struct eco_colum
 
 static bool say_degrees(const struct eco_table *table, const struct eco_columns *columns)
 {
-	for (int k = 0; k < 2; k++) {
-		uint32_t i = columns->of[k];
-		if (i == ECO_NONE || points_by_name(ECO_ROLE_X, table->columns[i])
-				+ points_by_name(ECO_ROLE_Y, table->columns[i]) < 100)
+	for (int k = 0; k < 2; k++)
+		if (columns->of[k] == ECO_NONE || !eco_column_says_degrees(table->columns[columns->of[k]]))
 			return false;
-	}
 	return true;
 }
 

@@ -51,6 +51,11 @@ struct eco_columns {             /* ECO_NONE: no such column */
 	bool names_say_degrees;
 };
 
+#define ECO_COLUMN_ENOUGH 50
+/* How surely a column's name tells that role; ECO_COLUMN_ENOUGH makes it that. */
+int eco_column_points(enum eco_role role, const char *name);
+/* Whether a column is one of longitudes or latitudes by its name. */
+bool eco_column_says_degrees(const char *name);
 /* Columns that `columns` names already (not ECO_NONE) are left as they are. */
 void eco_table_columns(const struct eco_table *table, struct eco_columns *columns);
 /* Whether x and y count within quadrats, by their names: "lx", "qy". */

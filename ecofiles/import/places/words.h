@@ -1,10 +1,12 @@
 /* Names as words: "Höhe (m)", "HOEHE_M", "decimalLatitude" and "utm17n_e" become "hohe m", "hoehe m",
- * "decimal latitude" and "utm 17 n e". For comparing the names of columns, species and files. */
+ * "decimal latitude" and "utm 17 n e". For comparing the names of columns, species and files. The words that are
+ * known stand in words/NAME.tsv; the Makefile makes build/words/NAME.table of each, an array of its rows. */
 #ifndef ECO_WORDS_H
 #define ECO_WORDS_H
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #define ECO_WORDS_BYTES 256u
 #define ECO_WORD_BYTES 48u
@@ -16,8 +18,23 @@ size_t eco_words_of(const char *text, char *words, size_t size);
 bool eco_words_next(const char **at, char word[ECO_WORD_BYTES]);
 /* Whether a text of words has this word. */
 bool eco_words_have(const char *words, const char *word);
+/* Whether a name, as written, has one of these words. */
+bool eco_words_any(const char *name, const char *words);
+/* The words of a set of words/sets.tsv, which has it. */
+const char *eco_words_set(const char *set);
 /* Letters inserted, left out, replaced or swapped with their neighbours between two words; more than
  * `most`: most + 1. */
 unsigned eco_words_distance(const char *a, const char *b, unsigned most);
+
+/* ---- Languages: numbers do not tell Lyon from the coast of Somalia, which has its latitude and longitude
+ * swapped; columns named "hauteur" and "essence" do. Rough boxes decide only what nothing else decides. ---- */
+
+/* A bit for each language that most of the names are in; 0: none is known. */
+uint32_t eco_speech_of(const char *const *names, uint32_t count);
+/* "French"; the first of several. `languages` is not 0. */
+const char *eco_speech_name(uint32_t languages);
+/* Whether one of the languages is written at a place (longitude, latitude); `home`: in the countries that keep
+ * most of its inventories. */
+bool eco_speech_reaches(uint32_t languages, const double degrees[2], bool home);
 
 #endif
