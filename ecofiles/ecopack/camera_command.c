@@ -270,5 +270,5 @@ static const struct eco_option options[] = {
 
 const struct main_command main_command_camera = { { "ecopack camera",
 	"TRACK -o CAMERA.json [--scene SCENE.json] [--to X,Y,Z] ...",
-	"Makes a camera script of a recorded track: a drone's SRT, GPX, KML, GeoJSON, CSV, a glTF camera",
+	"Makes a camera script of a recorded track: a drone's SRT, GPX or CSV",
 	options, main_common, NULL, NULL }, run_camera };

@@ -13,11 +13,11 @@
 #include "tests/support/track_made.h"
 #include "tests/support/unit_test.h"
 
-static struct eco_flight flight_of(const struct eco_track *track)
+static struct eco_flight flight_with(const struct eco_track *track, const struct eco_track_options *options)
 {
 	struct eco_flight flight;
 	struct eco_error error = { 0 };
-	if (eco_flight_make(&flight, track, &track_defaults, &error))
+	if (eco_flight_make(&flight, track, options, &error))
 		fail_msg("%s", error.text);
 	for (uint32_t i = 0; i < flight.count; i++) {
 		const struct eco_sample *s = &flight.samples[i];
@@ -31,6 +31,8 @@ static struct eco_flight flight_of(const struct eco_track *track)
 	}
 	return flight;
 }
+
+static struct eco_flight flight_of(const struct eco_track *track) { return flight_with(track, &track_defaults); }
 
 static double yaw_of(const struct eco_sample *s) { return atan2(s->look[0], s->look[1]) * DEG; }
 
@@ -183,9 +185,7 @@ UNIT_TEST(scripts_keep_to_the_flight_as_they_say)
 
 UNIT_TEST(still_cameras_are_one_keyframe)
 {
-	struct eco_track track = track_of("{\"asset\": {\"version\": \"2.0\"}, \"cameras\": "
-		"[{\"perspective\": {\"yfov\": 0.8}}], \"nodes\": [{\"camera\": 0, "
-		"\"translation\": [5, 7, -6]}]}", "t.gltf");
+	struct eco_track track = track_of("t,x,y,z,yaw,fov\n0,5,6,7,0,45.837\n", "t.csv");
 	struct eco_script script;
 	cleaned(&track);
 	struct eco_flight f = flight_of(&track);
@@ -204,10 +204,11 @@ UNIT_TEST(cameras_that_turn_about_do_it_by_a_side)
 {
 	struct made m = made_track(40);
 	for (uint32_t i = 0; i < 40; i++)
-		put(&m, i * 0.004, i, 0, 20)->yaw_deg = i % 5 < 3 ? 0 : 180;
-	m.track.posed = true;
+		put(&m, i * 0.02, i, 0, 20)->yaw_deg = i % 5 < 3 ? 0 : 180;
 	cleaned(&m.track);
-	struct eco_flight f = flight_of(&m.track);
+	struct eco_track_options exact = track_defaults;
+	exact.smooth_s = 0;
+	struct eco_flight f = flight_with(&m.track, &exact);
 	struct eco_script script;
 	struct eco_camera *camera;
 	struct eco_error error = { 0 };

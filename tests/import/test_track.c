@@ -1,5 +1,5 @@
-/* Recorded tracks: every format to the number, and what is no track is said to be none. Each format is
- * written out as the small recording that shows it. */
+/* Recorded tracks: every format to the number, files that are no tracks, slips of recorders repaired and counted,
+ * and degrees brought to the scene's metres. Each format is written out as the small recording that shows it. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,7 +38,7 @@ static void assert_fix(const struct eco_fix *fix, const struct eco_fix *wanted, 
 #define FIX(t, x, y, z, above, yaw, pitch) { .time_s = t, .at = { x, y, z }, .above_m = above, \
 	.yaw_deg = yaw, .pitch_deg = pitch }
 
-static void subtitles_of_every_drone_are_read(void **state)
+UNIT_TEST(subtitles_of_every_drone_are_read)
 {
 	static const struct { const char *name, *text; uint32_t count; struct eco_fix last; } rows[] = {
 		{ "brackets, misspelt", "1\n00:00:00,000 --> 00:00:00,016\n<font size=\"36\">FrameCnt : 1, "
@@ -91,7 +91,7 @@ static void subtitles_of_every_drone_are_read(void **state)
 	}
 }
 
-static void focal_lengths_are_fields_of_view(void **state)
+UNIT_TEST(focal_lengths_are_fields_of_view)
 {
 	static const struct { const char *text; double mm; } rows[] = { { "[focal_len : 240]", 24 },
 		{ "[focal_len: 24.00]", 24 }, { "[focal_len: 40.00] [dzoom_ratio: 2.00]", 80 },
@@ -108,7 +108,7 @@ static void focal_lengths_are_fields_of_view(void **state)
 
 /* ---- Through GDAL: files, in the child ---- */
 
-static void gpx_tracks_win_over_way_points(void **state)
+UNIT_TEST(gpx_tracks_win_over_way_points)
 {
 	struct eco_track track = track_of("<?xml version=\"1.0\"?><gpx><wpt lat=\"1\" "
 		"lon=\"2\"><name>x</name></wpt><rte><rtept lat=\"3\" "
@@ -139,7 +139,7 @@ static void gpx_tracks_win_over_way_points(void **state)
 }
 
 /* A recorder whose battery died leaves a file without an end. */
-static void gpx_that_breaks_off_is_read_until_there(void **state)
+UNIT_TEST(gpx_that_breaks_off_is_read_until_there)
 {
 	const size_t room = 1u << 20;
 	char *text = malloc(room);
@@ -157,148 +157,9 @@ static void gpx_that_breaks_off_is_read_until_there(void **state)
 	free(text);
 }
 
-static void kml_points_have_times_and_lines_win_over_points_without(void **state)
-{
-	struct eco_track track = track_of("<kml "
-		"xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Folder><name>way</name><Placemark>"
-		"<TimeStamp>"
-		"<when>2010-05-28T02:02:09.5Z</when></TimeStamp><Point><altitudeMode>absolute</altitudeMode>"
-		"<coordinates>-122.2,37.3,156</coordinates></Point>"
-		"</Placemark><Placemark><TimeStamp><when>2010-05-28T04:02:35+02:00</when></TimeStamp><Point>"
-		"<coordinates>-122.1,37.4,157</coordinates></Point>"
-		"</Placemark></Folder></Document></kml>", "a.kml");
-	assert_int_equal(track.format, ECO_TRACK_KML);
-	assert_true(track.count == 2 && track.fixes[1].at[0] == -122.1 && track.fixes[1].at[2] == 157);
-	assert_true(track.fixes[0].time_s == 1275012129.5 && track.fixes[1].time_s - track.fixes[0].time_s
-		== 25.5);
-	eco_track_free(&track);
-	track = track_of("<kml><Document><Placemark><Point><coordinates>9,9,9</coordinates></Point>"
-		"</Placemark><Placemark><LineString><altitudeMode>"
-		"relativeToGround</altitudeMode><coordinates>\n 1,2,3\n 1.5,2.5,4 "
-		"</coordinates></LineString></Placemark></Document></kml>", "b.kml");
-	assert_true(track.count == 2 && track.fixes[1].at[0] == 1.5 && track.fixes[1].above_m == 4
-		&& isnan(track.fixes[1].at[2]) && !track.timed);
-	assert_true(strstr(track_notes, "positions beside them are left out"));
-	eco_track_free(&track);
-	/* their times and angles do not arrive */
-	fails("<kml xmlns='http://www.opengis.net/kml/2.2' "
-		"xmlns:gx='http://www.google.com/kml/ext/2.2'><Placemark><gx:Track>"
-		"<when>2010-05-28T02:02:09Z</when><when>2010-05-28T02:02:35Z</when><gx:coord>-122.2 37.3 "
-		"156</gx:coord><gx:coord>-122.1 37.4 157</gx:coord>"
-		"</gx:Track></Placemark></kml>", "gx.kml", "(of <when>, of a gx:Track) do not arrive through "
-		"GDAL; convert it to GPX or CSV");
-	fails("<kml xmlns='http://www.opengis.net/kml/2.3'><Placemark><Track>"
-		"<when>2010-05-28T02:02:09Z</when><coord>-122.2 37.3 156</coord></Track></Placemark></kml>",
-		"track23.kml", "do not arrive");
-	fails("<kml xmlns='http://www.opengis.net/kml/2.2'><Placemark><TimeStamp><when>in May</when>"
-		"</TimeStamp><Point><coordinates>9,9,9</coordinates></Point></Placemark></kml>", "may.kml",
-		"do not arrive");
-	fails("<kml xmlns='http://www.opengis.net/kml/2.2' "
-		"xmlns:gx='http://www.google.com/kml/ext/2.2'><gx:Tour><gx:Playlist><gx:FlyTo>"
-		"<gx:duration>2</gx:duration><Camera><longitude>10</longitude><latitude>50</latitude>"
-		"</Camera></gx:FlyTo></gx:Playlist></gx:Tour></kml>", "tour.kml", "gx:FlyTo");
-}
-
-static void geojson_lines_with_and_without_times(void **state)
-{
-	static const char *const lines[] = { "{\"type\":\"FeatureCollection\","
-		"\"features\":[{\"type\":\"Feature\",\"properties\":{\"coordTimes\":"
-		"[\"2020-01-01T00:00:00Z\",\"2020-01-01T00:00:02Z\"]},\"geometry\":{\"type\":\"LineString\","
-		"\"coordinates\":[[10,50,3],[10.1,50,4]]}}]}",
-		"{\"type\":\"Feature\","
-		"\"properties\":{\"coordinateProperties\":{\"times\":[\"2020-01-01T00:00:00Z\","
-		"\"2020-01-01T00:00:02Z\"]}},"
-		"\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[10,50,3],[10.1,50,4]]}}" };
-	for (size_t i = 0; i < 2; i++) {
-		struct eco_track track = track_of(lines[i], "a.json");
-		assert_int_equal(track.format, ECO_TRACK_GEOJSON);
-		assert_true(track.count == 2 && track.fixes[0].time_s == 1577836800 && track.fixes[1].time_s
-			== 1577836802);
-		assert_true(track.fixes[0].at[2] == 3 && track.fixes[1].at[2] == 4 && track.fixes[1].at[0]
-			== 10.1 && track.degrees);
-		eco_track_free(&track);
-	}
-	struct eco_track track = track_of("{\"type\":\"FeatureCollection\","
-		"\"features\":[{\"type\":\"Feature\",\"properties\":{\"timestamp\":"
-		"1577836800000,\"heading\":270,\"altitude\":7},\"geometry\":{\"type\":\"Point\","
-		"\"coordinates\":[10,50]}},{\"type\":\"Feature\",\"properties\":"
-		"{\"timestamp\":1577836801500,\"heading\":271,\"altitude\":8},"
-		"\"geometry\":{\"type\":\"Point\",\"coordinates\":[10,51]}}]}", "b.geojson");
-	assert_true(track.count == 2 && track.fixes[0].time_s == 1577836800 && track.fixes[1].time_s
-		== 1577836801.5);
-	assert_true(track.fixes[0].yaw_deg == 270 && track.fixes[0].at[2] == 7);
-	eco_track_free(&track);
-	track = track_of("{\"type\":\"Feature\","
-		"\"properties\":{\"time\":\"2020-01-01T01:00:00.25+01:00\"},\"geometry\":{\"type\":\"Point\","
-		"\"coordinates\":[10,50]}}", "t.geojson");
-	assert_true(track.count == 1 && track.fixes[0].time_s == 1577836800.25);
-	eco_track_free(&track);
-	track = track_of("{\"type\":\"LineString\",\"coordinates\":[[500000,5500000],[500001,"
-		"5500000]]}", "c.json");
-	assert_true(!track.degrees && track.count == 2 && strstr(track_notes, "--track-crs"));
-	eco_track_free(&track);
-	fails("{\"type\":\"Feature\","
-		"\"properties\":{\"coordTimes\":[[\"2020-01-01T00:00:00Z\",\"2020-01-01T00:00:01Z\"]]},"
-		"\"geometry\":"
-		"{\"type\":\"MultiLineString\",\"coordinates\":[[[10,50],[11,50]]]}}", "nested.json",
-		"coordTimes");
-	fails("{\"type\":\"Feature\","
-		"\"properties\":{\"coordTimes\":[\"2020-01-01T00:00:00Z\"]},"
-		"\"geometry\":{\"type\":\"LineString\","
-		"\"coordinates\":[[10,50],[11,50]]}}", "short.json", "coordTimes");
-	fails("{\"a\": 1}", "d.json", "no track that is known");
-	fails("{\"type\": \"LineString\", \"coordinates\": [[1, 2],]}", "e.json", "e.json:1:");
-	fails("{\"type\": \"Polygon\", \"coordinates\": [[[0,0],[1,0],[1,1],[0,0]]]}", "f.json",
-		"it has 1 record and no usable fix: no position, or one that cannot be; a track is made of points");
-}
-
-/* ---- Poses ---- */
-
-static void gltf_cameras_move_with_their_parents(void **state)
-{
-	/* times 0, 1, 2; the parent goes along x to 10 and turns a quarter to the left; the camera stands 1
-	 * behind it */
-	static const float numbers[] = { 0, 1, 2, 0, 0, 0, 5, 0, 0, 10, 0, 0, 0, 0, 0, 1, 0, 0.38268343f, 0,
-		0.92387953f, 0, 0.70710678f, 0, 0.70710678f };
-	char json[2000], base64[200];
-	static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-	const uint8_t *bytes = (const uint8_t *)numbers;
-	for (size_t i = 0, k = 0; i < sizeof numbers; i += 3, base64[k] = 0) {
-		uint32_t word = (uint32_t)bytes[i] << 16 | (uint32_t)bytes[i + 1] << 8 | bytes[i + 2];
-		for (int n = 0; n < 4; n++)
-			base64[k++] = digits[word >> (18 - 6 * n) & 63];
-	}
-	snprintf(json, sizeof json, "{\"asset\":{\"version\":\"2.0\"},\"cameras\":[{\"type\":\"perspective\","
-		"\"perspective\":{\"yfov\":0.7853981633974483,"
-		"\"znear\":0.1}}],\"nodes\":[{\"children\":[1]},{\"camera\":0,\"name\":\"eye\","
-		"\"translation\":[0,0,1]}],\"scenes\":[{\"nodes\":[0]}],"
-		"\"buffers\":[{\"byteLength\":96,\"uri\":\"data:application/octet-stream;base64,%s\"}],"
-		"\"bufferViews\":[{\"buffer\":0,\"byteLength\":96}],"
-		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"SCALAR\"},"
-		"{\"bufferView\":0,\"byteOffset\":12,"
-			"\"componentType\":5126,"
-		"\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":0,\"byteOffset\":48,\"componentType\":5126,"
-		"\"count\":3,\"type\":\"VEC4\"}],"
-			"\"animations\":[{\"channels\":"
-		"[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}},{\"sampler\":1,"
-		"\"target\":{\"node\":0,\"path\":\"rotation\"}}],"
-			"\"samplers\":[{\"input\":0,\"output\":1},{\"input\":0,\"output\":2}]}]}", base64);
-	struct eco_track track = track_of(json, "a.gltf");
-	const struct eco_fix *last = &track.fixes[track.count - 1];
-	assert_true(track.format == ECO_TRACK_GLTF && track.posed && track.count == 121);
-	assert_true(near(track.fixes[0].at[0], 0, 1e-5) && near(track.fixes[0].at[1], -1, 1e-5)
-		&& near(track.fixes[0].yaw_deg, 0, 1e-4));
-	assert_true(near(last->at[0], 11, 1e-5) && near(last->at[1], 0, 1e-5)
-		&& near(last->yaw_deg, -90, 1e-4) && last->time_s == 2);
-	assert_true(near(last->fov_y_deg, 45, 1e-9));
-	eco_track_free(&track);
-	fails("{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{}]}", "b.gltf",
-		"no node of it has a camera");
-}
-
 /* ---- Tables ---- */
 
-static void tables_are_read_by_the_names_of_their_columns(void **state)
+UNIT_TEST(tables_are_read_by_the_names_of_their_columns)
 {
 	static const struct { const char *name, *text; bool degrees; struct eco_fix first; } rows[] = {
 		{ "plain", "t,lon,lat,alt\n1,10,50,7\n", true, FIX(1, 10, 50, 7, NAN, NAN, NAN) },
@@ -321,6 +182,7 @@ static void tables_are_read_by_the_names_of_their_columns(void **state)
 			FIX(0, 10, 50, NAN, NAN, NAN, NAN) },
 		{ "preamble, comments, spaces", "log of 2020\n# t, east, north, up\n# a comment\n 1.0 , "
 			"2.0,3.0 ,4.0\n", false, FIX(1, 2, 3, 4, NAN, NAN, NAN) },
+		{ "points as text", "t,wkt\n0,POINT (10 50)\n", true, FIX(0, 10, 50, NAN, NAN, NAN, NAN) },
 		{ "west in 0 to 360", "t,lon,lat\n0,350,50\n", true, FIX(0, -10, 50, NAN, NAN, NAN, NAN) },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -332,7 +194,7 @@ static void tables_are_read_by_the_names_of_their_columns(void **state)
 	}
 }
 
-static void what_is_no_track_is_said_to_be_none(void **state)
+UNIT_TEST(what_is_no_track_is_said_to_be_none)
 {
 	static const struct { const char *text, *path, *says; } rows[] = {
 		{ "", "a.srt", "empty" }, { " \n\n", "a.gpx", "empty" }, { "PK\3\4xxxx", "a.kmz", "unzip" },
@@ -343,23 +205,26 @@ static void what_is_no_track_is_said_to_be_none(void **state)
 		{ "t,lon,lat\n", "a.csv", "no fix found; it was read as CSV. Read are SRT" },
 		{ "1\n", "a.srt", "no fix found" },
 		{ "$GPRMC,081836,A,3751.65,S,14507.36,E,000.0,360.0,130998,011.3,E*62\n", "log.nmea",
-			"GPSBabel converts other logs" },
+			"GPSBabel converts KML and logs" },
 		{ "AXXX001\nHFDTE270418\nB1101355206343N00006198WA0058700558\n", "a.igc", "Read are SRT" },
 		{ "<html></html>", "a.kml", "a web page, not a track" },
-		{ "<osm/>", "a.xml", "neither GPX nor KML" }, { "1 0 0 4 0 1 0 5\n", "00.txt", "name its "
-			"columns" },
-		{ "{\"frames\": []}", "poses.json", "no track that is known" },
+		{ "<kml><Document/></kml>", "a.kml", "no GPX. Read are SRT" },
+		{ "1 0 0 4 0 1 0 5\n", "00.txt", "name its columns" },
+		{ "{\"type\": \"LineString\"}", "a.geojson", "no \"keyframes\". Read are SRT" },
+		{ "{\"keyframes\": [1,]}", "e.json", "e.json:1:" },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		fails(rows[i].text, rows[i].path, rows[i].says);
-	struct eco_track track = { 0 };
+	struct eco_track track = track_of("{\"keyframes\": []}", "script.json");
 	struct eco_error error = { 0 };
+	assert_true(track.format == ECO_TRACK_SCRIPT && !track.count);
+	eco_track_free(&track);
 	assert_int_equal(eco_track_read(&track, "tests", &error), ECO_IO);
 	error = (struct eco_error){ 0 };
 	assert_int_equal(eco_track_read(&track, "no/such/file.srt", &error), ECO_NOT_FOUND);
 }
 
-static void records_without_a_position_are_counted(void **state)
+UNIT_TEST(records_without_a_position_are_counted)
 {
 	struct eco_track track = track_of("1\n00:00:00,000 --> 00:00:01,000\nHOME(8.2,47.4) "
 		"GPS(8.2,47.4,12.5m) BAROMETER:3\n\n2\n00:00:01,000 --> 00:00:02,000\nGPS(n/a,n/a,n/a)\n",
@@ -368,19 +233,224 @@ static void records_without_a_position_are_counted(void **state)
 	eco_track_free(&track);
 }
 
-int main(void)
+/* ---- Cleaning: every slip repaired and counted ---- */
+
+/* Each fix is where a motion of 10 m/s along x would have it. */
+static void assert_even(const struct eco_track *track, double start_x)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(subtitles_of_every_drone_are_read),
-		cmocka_unit_test(focal_lengths_are_fields_of_view),
-		cmocka_unit_test(gpx_tracks_win_over_way_points),
-		cmocka_unit_test(gpx_that_breaks_off_is_read_until_there),
-		cmocka_unit_test(kml_points_have_times_and_lines_win_over_points_without),
-		cmocka_unit_test(geojson_lines_with_and_without_times),
-		cmocka_unit_test(gltf_cameras_move_with_their_parents),
-		cmocka_unit_test(tables_are_read_by_the_names_of_their_columns),
-		cmocka_unit_test(what_is_no_track_is_said_to_be_none),
-		cmocka_unit_test(records_without_a_position_are_counted),
+	for (uint32_t i = 0; i < track->count; i++)
+		if (!isnan(track->fixes[i].at[0])
+				&& !near(track->fixes[i].at[0], start_x + 10 * track->fixes[i].time_s, 1e-3))
+			fail_msg("fix %u at %g s is at %g", i, track->fixes[i].time_s, track->fixes[i].at[0]);
+}
+
+UNIT_TEST(bogus_backward_equal_and_missing_stamps_are_repaired)
+{
+	static const struct { const char *name; struct { uint32_t fix; double time_s; } slips[4];
+		uint64_t wrong, missing; } rows[] = {
+		{ "1970", { { 0, -1.5e9 } }, 1, 0 }, { "years later", { { 20, 9e8 } }, 1, 0 },
+			{ "missing", { { 7, NAN }, { 8, NAN }, { 49, NAN } }, 0, 3 },
+		{ "one runs back", { { 30, 110.5 } }, 1, 0 }, { "one runs ahead", { { 30, 1000 } }, 1, 0 },
+		{ "first is missing", { { 0, NAN } }, 0, 1 },
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct made m = straight(50);
+		for (int k = 0; k < 4; k++)
+			if (rows[i].slips[k].time_s != 0 || k == 0)
+				m.track.fixes[rows[i].slips[k].fix].time_s = rows[i].slips[k].time_s;
+		struct eco_track_report report = cleaned(&m.track);
+		if (report.stamps_wrong != rows[i].wrong || report.stamps_missing != rows[i].missing
+				|| report.kept != 50)
+			fail_msg("%s: %lu %lu, %lu kept", rows[i].name, (unsigned long)report.stamps_wrong,
+				(unsigned long)report.stamps_missing, (unsigned long)report.kept);
+		assert_even(&m.track, 0);
+		eco_track_free(&m.track);
+	}
+}
+
+UNIT_TEST(whole_seconds_are_spread_over_their_fixes)
+{
+	struct made m = made_track(100);
+	for (uint32_t i = 0; i < 100; i++)
+		put(&m, floor(i / 10.0), i, 0, 0);
+	struct eco_track_report report = cleaned(&m.track);
+	assert_int_equal(report.stamps_equal, 90);
+	assert_even(&m.track, 0);
+	eco_track_free(&m.track);
+}
+
+UNIT_TEST(reversed_unsorted_and_reset_clocks_are_told_apart)
+{
+	struct made reversed = made_track(50), unsorted = made_track(64), reset = straight(50);
+	for (uint32_t i = 0; i < 50; i++)
+		put(&reversed, 50 - i, 10.0 * (50 - i), 0, 0);
+	struct eco_track_report report = cleaned(&reversed.track);
+	assert_true(report.sorted);
+	assert_even(&reversed.track, 10);
+	for (uint32_t i = 0; i < 64; i++)
+		put(&unsorted, i * 37 % 64, 10.0 * (i * 37 % 64), 0, 0);
+	report = cleaned(&unsorted.track);
+	assert_true(report.sorted && report.kept == 64);
+	assert_even(&unsorted.track, 0);
+	for (uint32_t i = 25; i < 50; i++)
+		reset.track.fixes[i].time_s -= 90;
+	report = cleaned(&reset.track);
+	assert_true(report.stamps_wrong == 25 && report.kept == 50);
+	assert_even(&reset.track, 0);
+	eco_track_free(&reversed.track);
+	eco_track_free(&unsorted.track);
+	eco_track_free(&reset.track);
+}
+
+UNIT_TEST(repeated_fixes_become_even_motion)
+{
+	/* 60 records a second, 7 positions a second, in motion; a look in every record */
+	struct made m = made_track(600);
+	for (uint32_t i = 0; i < 600; i++) {
+		double t = i / 60.0, update = floor(t * 7 + 1e-9) / 7;
+		put(&m, t, 10 * update, 0, 50)->yaw_deg = t;
+	}
+	struct eco_track_report report = cleaned(&m.track);
+	assert_true(report.kept == 71 && report.repeated == 529);
+	assert_int_equal(m.track.count, 600);
+	struct eco_flight flight;
+	struct eco_error error = { 0 };
+	assert_int_equal(eco_flight_make(&flight, &m.track, &track_defaults, &error), ECO_OK);
+	for (uint32_t i = 1; i < flight.count; i++) {
+		double v = (flight.samples[i].eye[0] - flight.samples[i - 1].eye[0]) / flight.step_s,
+			t = i * flight.step_s;
+		assert_true(t > 9 || (v > 9.5 && v < 10.5));
+		assert_true(near(atan2(flight.samples[i].look[0], flight.samples[i].look[1]) * DEG, t, 0.2));
+	}
+	eco_flight_free(&flight);
+	eco_track_free(&m.track);
+}
+
+UNIT_TEST(isolated_jumps_are_dropped_others_split)
+{
+	struct made spikes = straight(100), apart = made_track(100), glide = straight(100);
+	spikes.track.fixes[0].at[1] = 4000;
+	spikes.track.fixes[40].at[0] = -5e6;
+	spikes.track.fixes[60].at[1] = spikes.track.fixes[61].at[1] = 700;
+	spikes.track.fixes[80].at[2] = 5000;
+	struct eco_track_report report = cleaned(&spikes.track);
+	assert_true(report.jumped == 5 && report.kept == 95 && report.parts == 1);
+	assert_even(&spikes.track, 10);
+	for (uint32_t i = 0; i < 100; i++)
+		put(&apart, i, i < 40 ? 10.0 * i : 12000 + 10 * i, 0, 0);
+	report = cleaned(&apart.track);
+	assert_true(report.parts == 2 && report.kept == 60 && report.jumped == 40);
+	assert_even(&apart.track, 12400);
+	/* a receiver corrects itself by 100 m: no end, but no flash either */
+	for (uint32_t i = 50; i < 100; i++)
+		glide.track.fixes[i].at[0] += 100;
+	report = cleaned(&glide.track);
+	assert_true(report.retimed == 1 && report.parts == 1 && report.kept == 100);
+	assert_even(&glide.track, 0);
+	eco_track_free(&spikes.track);
+	eco_track_free(&apart.track);
+	eco_track_free(&glide.track);
+}
+
+UNIT_TEST(fast_stretches_are_no_jumps)
+{
+	/* a walk, a ride, a walk */
+	struct made m = made_track(300);
+	double x = 0;
+	for (uint32_t i = 0; i < 300; i++, x += i >= 140 && i < 160 ? 25 : 1.4)
+		put(&m, i, x, 0, 0);
+	struct eco_track_report report = cleaned(&m.track);
+	assert_true(report.kept == 300 && report.parts == 1 && report.retimed == 0);
+	eco_track_free(&m.track);
+}
+
+UNIT_TEST(gaps_without_motion_are_shortened)
+{
+	struct made m = made_track(200);
+	for (uint32_t i = 0; i < 200; i++)
+		put(&m, i < 100 ? i : i + 3600, 10.0 * (i < 100 ? i : i - 1), 0, 0);
+	struct eco_track_report report = cleaned(&m.track);
+	assert_true(report.retimed == 1 && near(m.track.fixes[m.track.count - 1].time_s, 99 + 60 + 99, 1.1));
+	eco_track_free(&m.track);
+}
+
+UNIT_TEST(without_times_a_pace_is_taken)
+{
+	struct made m = made_track(3);
+	put(&m, NAN, 0, 0, NAN);
+	put(&m, NAN, 30, 40, NAN);
+	put(&m, NAN, 30, 90, NAN);
+	struct eco_track_report report = cleaned(&m.track);
+	assert_true(report.untimed && near(m.track.fixes[1].time_s, 5, 1e-9)
+		&& near(m.track.fixes[2].time_s, 10, 1e-9));
+	eco_track_free(&m.track);
+}
+
+UNIT_TEST(heights_are_absolute_relative_or_interpolated)
+{
+	static const struct { enum eco_track_height wanted, taken; double first; } rows[] =
+		{ { ECO_HEIGHTS_DEFAULT, ECO_HEIGHTS_RELATIVE, 5 },
+		{ ECO_HEIGHTS_ABSOLUTE, ECO_HEIGHTS_ABSOLUTE, 305 } };
+	for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+		struct made m = straight(10);
+		for (uint32_t i = 0; i < 10; i++) {
+			m.track.fixes[i].at[2] = i == 4 ? NAN : 305 + i;
+			m.track.fixes[i].above_m = i == 4 ? NAN : 5 + i;
+		}
+		struct eco_track_options options = track_defaults;
+		options.height = rows[k].wanted;
+		m.track.notes = fmemopen(track_notes, sizeof track_notes, "w");
+		assert_int_equal(eco_track_place(&m.track, &options, NULL), ECO_OK);
+		fclose(m.track.notes);
+		assert_true(m.track.height == rows[k].taken && strstr(track_notes, "1 fixes have no height")
+			&& m.track.fixes[0].at[2] == rows[k].first);
+		eco_track_free(&m.track);
+	}
+	struct made m = straight(10), flat = made_track(1);
+	struct eco_track_options options = track_defaults;
+	options.height = ECO_HEIGHTS_RELATIVE;
+	assert_int_equal(eco_track_place(&m.track, &options, NULL), ECO_OK);
+	assert_true(m.track.height == ECO_HEIGHTS_RELATIVE && m.track.fixes[0].at[2] == 0);
+	put(&flat, 0, 0, 0, NAN);
+	assert_int_equal(eco_track_place(&flat.track, &options, NULL), ECO_BAD_INPUT);
+	assert_int_equal(eco_track_place(&flat.track, &track_defaults, NULL), ECO_OK);
+	assert_true(!flat.track.has_height);
+	eco_track_free(&m.track);
+	eco_track_free(&flat.track);
+}
+
+/* ---- Places ---- */
+
+UNIT_TEST(degrees_become_metres_of_the_scene)
+{
+	struct eco_track track = track_of("t,lon,lat,alt,yaw\n0,15,50,300,0\n1,15.001,50,301,0\n", "a.csv"),
+		grid = track_of("t,lon,lat,yaw\n0,16.5,50,0\n", "b.csv"),
+		metres = track_of("t,x,y\n0,500010,5538630\n", "c.csv");
+	struct eco_track_options utm = { .crs = "EPSG:32633", .origin = { 500000, 5538630, 290 } };
+	struct eco_error error = { 0 };
+	if (eco_track_place(&track, &utm, &error))
+		fail_msg("%s", error.text);
+	/* zone 33 has its meridian at 15 degrees; 50 degrees north are 5538630.70 m */
+	assert_true(near(track.fixes[0].at[0], 0, 1e-3) && near(track.fixes[0].at[1], 0.70, 0.01)
+		&& track.fixes[0].at[2] == 10);
+	assert_true(near(track.fixes[1].at[0], 71.67, 0.05) && near(track.fixes[0].yaw_deg, 0, 1e-3)
+		&& near(track.still_m, 71.5, 0.3));
+	/* a degree and a half east of it grid north is turned by about 1.5 sin 50 */
+	assert_int_equal(eco_track_place(&grid, &utm, &error), ECO_OK);
+	assert_true(near(grid.fixes[0].yaw_deg, -1.149, 0.01));
+	struct eco_track_options far = utm;
+	far.track_crs = "EPSG:32633";
+	assert_int_equal(eco_track_place(&metres, &far, &error), ECO_OK);
+	assert_true(near(metres.fixes[0].at[0], 10, 1e-6) && near(metres.fixes[0].at[1], 0, 1e-6));
+	eco_track_free(&grid);
+	grid = track_of("t,lon,lat\n0,16.5,50\n1,16.5,50.001\n", "b.csv");
+	assert_int_equal(eco_track_place(&grid, &(struct eco_track_options){ .crs = "EPSG:4326" }, &error),
+		ECO_BAD_INPUT);
+	assert_non_null(strstr(error.text, "not one in metres"));
+	error = (struct eco_error){ 0 };
+	assert_int_equal(eco_track_place(&grid, &(struct eco_track_options){ .crs = NULL }, &error), ECO_OK);
+	assert_true(near(grid.fixes[1].at[1] - grid.fixes[0].at[1], 111.23, 0.05));
+	eco_track_free(&track);
+	eco_track_free(&grid);
+	eco_track_free(&metres);
 }

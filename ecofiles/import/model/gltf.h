@@ -1,9 +1,9 @@
 /* A glTF 2.0 document, .glb or .gltf with its files: its JSON, numbers and nodes, checked. Its users give
- * it meaning: models (import_gltf.c), inventories (rows_gltf.c), cameras.
+ * it meaning: models (import_gltf.c), inventories (rows_gltf.c).
  *
  *   eco_gltf_open(&doc, path, &error);
  *   nodes = json_object_get(eco_gltf_json(doc), "nodes");
- *   eco_gltf_read_floats(doc, eco_gltf_index(sampler, "input"), 1, &times, &count, &error);    free(times)
+ *   eco_gltf_read_floats(doc, eco_gltf_index(attributes, "POSITION"), 3, &values, &count, &error);
  *   eco_gltf_node_matrix(doc, node, world, &error);
  *   eco_gltf_close(doc);
  *
@@ -100,11 +100,8 @@ enum eco_code eco_gltf_node_local(const struct eco_gltf *doc, uint32_t node, dou
 /* To the world: the product over its ancestors. Cycles are errors. */
 enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double matrix[16],
 	struct eco_error *error);
-/* The node above it, of which eco_gltf_node_matrix was asked before; ECO_NONE: a root. */
+/* The node above it; ECO_NONE: a root. After eco_gltf_node_matrix of it. */
 uint32_t eco_gltf_parent(const struct eco_gltf *doc, uint32_t node);
-/* Places a node anew, for an animation: "translation", "rotation" or "scale" of `count` finite numbers. */
-enum eco_code eco_gltf_place_node(struct eco_gltf *doc, uint32_t node, const char *path, const double *values,
-	uint32_t count, struct eco_error *error);
 /* a * b; out may be either */
 void eco_gltf_multiply(double out[16], const double a[16], const double b[16]);
 /* Translation, rotation (a quaternion, normalized here) and scale as a matrix. */

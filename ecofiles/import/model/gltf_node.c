@@ -103,18 +103,6 @@ enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double m
 
 uint32_t eco_gltf_parent(const struct eco_gltf *doc, uint32_t node) { return doc->parent[node]; }
 
-enum eco_code eco_gltf_place_node(struct eco_gltf *doc, uint32_t node, const char *path, const double *values,
-	uint32_t count, struct eco_error *error)
-{
-	json_t *json = json_array_get(json_object_get(doc->root, "nodes"), node), *numbers = json_array();
-	for (uint32_t i = 0; i < count; i++)
-		json_array_append_new(numbers, json_real(values[i]));
-	json_object_del(json, "matrix");
-	bool placed = json_array_size(numbers) == count && json_object_set(json, path, numbers) == 0;
-	json_decref(numbers);
-	return placed ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", doc->path);
-}
-
 /* ---- The scene ---- */
 
 struct entry { uint32_t node, depth; double world[16]; };

@@ -49,10 +49,9 @@ struct eco_track_options {       /* begin with ECO_TRACK_DEFAULTS; NaN: not stat
 
 enum eco_track_format {
 	ECO_TRACK_SRT,               /* subtitles of a drone's film */
-	ECO_TRACK_GPX, ECO_TRACK_KML, ECO_TRACK_GEOJSON,     /* through GDAL */
-	ECO_TRACK_CSV, ECO_TRACK_GLTF,
-	ECO_TRACK_SCRIPT,            /* our own: no fixes, `text` is to be taken as it is */
-	ECO_TRACK_FORMATS
+	ECO_TRACK_GPX,               /* through GDAL */
+	ECO_TRACK_CSV,
+	ECO_TRACK_SCRIPT             /* our own: no fixes, `text` is to be taken as it is */
 };
 
 /* time_s: since 1970 where the file has dates, else since a zero of its own. at: degrees east and north and
@@ -64,7 +63,6 @@ struct eco_fix {
 		double n[ECO_FIX_NUMBERS];
 	};
 	uint32_t line;               /* of the file, or number of the record, from 1 */
-	bool of_line;                /* GDAL: a vertex of a line, not a point */
 };
 
 /* Counted by cleaning. */
@@ -79,7 +77,6 @@ struct eco_track {
 	enum eco_track_format format;
 	bool degrees;                /* at[0], at[1] are degrees east and north, WGS 84 */
 	bool timed;                  /* some fixes have a time */
-	bool posed;                  /* poses of a camera are exact: nothing is smoothed unless asked for */
 	bool has_height;             /* of the kind `height`, which placing chose */
 	enum eco_track_height height;
 	bool local;                  /* nothing says where its degrees are in the scene; set by placing */

@@ -8,8 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/import/places/positions_crs.h"
 #include "ecofiles/import/track/track_read.h"
 
+#define METRES_PER_DEGREE 111195.0
+#define NORTH_STEP_DEG 1e-3              /* to see where north is in a grid */
+#define WINDOW_S 1.0                     /* speeds are measured over */
 #define FAR_S (30 * 86400.0)             /* from the middle stamp: another recording, or a clock not set */
 #define STAND_S 1.5                      /* a repeat that lasts longer may be a stand */
 #define ROUNDED_M 0.5                    /* positions in steps of more are rounded roughly */
@@ -18,6 +22,161 @@
 #define AHEAD 10u                        /* positions within which a track comes back from a jump */
 #define GLIDE_S 20.0                     /* a leap that takes longer at the track's own speed ends a part */
 #define PAUSE_S 60.0                     /* a gap without motion is shortened to it */
+
+/* ---- Places: degrees go to the scene's CRS, or to a plane of the track's own (azimuthal equidistant about its
+ * middle), where it will be moved ---- */
+
+/* The least difference of neighbours is the step of rounding; a degree of longitude is shorter. */
+static void find_step(struct eco_track *track)
+{
+	const struct eco_fix *f = track->fixes;
+	double least = track->degrees ? 1e-9 : 1e-6, step[2] = { INFINITY, INFINITY };
+	for (uint32_t i = 1; i < track->count; i++)
+		for (int k = 0; k < 2; k++) {
+			double d = fabs(f[i].at[k] - f[i - 1].at[k]);
+			step[k] = d > least ? fmin(d, step[k]) : step[k];
+		}
+	double finer = fmin(step[0] * (track->degrees ? cos(f[0].at[1] / TRACK_DEG) : 1), step[1]);
+	track->still_m = isfinite(finer) ? finer * (track->degrees ? METRES_PER_DEGREE : 1) : 0;
+}
+
+static bool convert(struct eco_crs *crs, double at[2])
+{
+	double xyz[3] = { at[0], at[1], 0 };
+	const char *why;
+	bool known;
+	if (eco_crs_convert(crs, xyz, &known, &why, NULL) || !known)
+		return false;
+	memcpy(at, xyz, 2 * sizeof *at);
+	return fabs(at[0]) < 1e9 && fabs(at[1]) < 1e9;
+}
+
+/* The bearing of true north in the grid is added to bearings. */
+static bool convert_fix(struct eco_crs *crs, struct eco_fix *fix, bool degrees)
+{
+	double north[2] = { fix->at[0], fix->at[1] + NORTH_STEP_DEG };
+	if (!convert(crs, fix->at))
+		return false;
+	if (degrees && !isnan(fix->yaw_deg) && convert(crs, north))
+		fix->yaw_deg += TRACK_DEG * atan2(north[0] - fix->at[0], north[1] - fix->at[1]);
+	return true;
+}
+
+static enum eco_code convert_all(struct eco_crs *crs, struct eco_track *track, const char *name,
+	struct eco_error *error)
+{
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < track->count; i++) {
+		track->fixes[kept] = track->fixes[i];
+		kept += convert_fix(crs, &track->fixes[kept], track->degrees);
+	}
+	if (kept < track->count)
+		eco_track_note(track, "%u fixes lie where the scene's CRS is not good and are left out",
+			track->count - kept);
+	track->count = kept;
+	return kept ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "no fix lies where the CRS \"%.100s\" is good; "
+		"--to 0,0,50 moves the track to the scene", name);
+}
+
+/* at[2] becomes the height that is asked for. */
+static enum eco_code choose_heights(struct eco_track *track, int wanted, struct eco_error *error)
+{
+	struct eco_fix *f = track->fixes;
+	uint32_t absolute = 0, relative = 0;
+	double first = 0;
+	for (uint32_t i = track->count; i-- > 0; ) {
+		absolute += !isnan(f[i].at[2]);
+		relative += !isnan(f[i].above_m);
+		first = isnan(f[i].at[2]) ? first : f[i].at[2];
+	}
+	bool above = wanted != ECO_HEIGHTS_ABSOLUTE && relative
+		&& (relative >= track->count / 2 || !absolute);
+	if (wanted && !above && !absolute)
+		return eco_fail(error, ECO_BAD_INPUT, "--height: the track has no heights of this kind%s",
+			relative ? ", only above take-off" : "");
+	track->has_height = above || absolute;
+	track->height = above || wanted == ECO_HEIGHTS_RELATIVE ? ECO_HEIGHTS_RELATIVE : ECO_HEIGHTS_ABSOLUTE;
+	/* take-off is where it begins */
+	double zero = wanted == ECO_HEIGHTS_RELATIVE ? first : 0;
+	for (uint32_t i = 0; i < track->count; i++)
+		f[i].at[2] = above ? f[i].above_m : f[i].at[2] - zero;
+	uint32_t known = above ? relative : absolute;
+	if (track->has_height && known < track->count)
+		eco_track_note(track, "%u fixes have no height: interpolated", track->count - known);
+	return ECO_OK;
+}
+
+enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_options *options,
+	struct eco_error *error)
+{
+	char plane[200];
+	bool own = track->degrees && (options->to_given || !options->crs);
+	track->local = own && !options->to_given;
+	struct eco_frame to = { .crs = own ? plane : options->crs };
+	struct eco_crs_request request = { .path = "the track", .frame = &to, .note = eco_track_note,
+		.ctx = track, .stated = track->degrees ? "EPSG:4326" : options->track_crs };
+	struct eco_crs *crs = NULL;
+	if (!track->degrees && options->track_crs && !options->crs)
+		return eco_fail(error, ECO_BAD_INPUT, "--track-crs says that the track is in %.80s, but no "
+			"CRS of the scene is known: add --scene SCENE.json, or --crs and --origin",
+			options->track_crs);
+	find_step(track);
+	if (options->crs && !own)
+		memcpy(to.origin, options->origin, sizeof to.origin);
+	const double *middle = track->fixes[track->count / 2].at;
+	snprintf(plane, sizeof plane, "+proj=aeqd +lat_0=%.9f +lon_0=%.9f +datum=WGS84 +units=m +type=crs",
+		middle[1], middle[0]);
+	enum eco_code code = request.stated ? eco_crs_open(&crs, &request, error) : ECO_OK;
+	if (crs)
+		code = convert_all(crs, track, to.crs, error);
+	eco_crs_close(crs);
+	for (uint32_t i = 0; !code && i < track->count; i++)
+		track->fixes[i].at[2] -= to.origin[2];
+	track->degrees &= code != ECO_OK;
+	return code ? code : choose_heights(track, options->height, error);
+}
+
+/* ---- Distances and speeds ---- */
+
+static double distance_of(const struct eco_fix *a, const struct eco_fix *b)
+{
+	double dz = b->at[2] - a->at[2], flat = hypot(b->at[0] - a->at[0], b->at[1] - a->at[1]);
+	return isnan(dz) ? flat : hypot(flat, dz);
+}
+
+static int by_value(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return (x > y) - (x < y);
+}
+
+double track_quantile(double *values, uint32_t count, double share)
+{
+	if (count)
+		qsort(values, count, sizeof *values, by_value);
+	return count ? values[(uint32_t)(share * (count - 1))] : 0;
+}
+
+uint32_t track_speeds(const struct eco_track *track, double *speeds)
+{
+	const struct eco_fix *f = track->fixes, *last = NULL;
+	uint32_t count = 0, still = 0;
+	double window_s = track->count ? fmin(WINDOW_S, (f[track->count - 1].time_s - f[0].time_s) / 8) : 0;
+	for (uint32_t i = 0; i < track->count; i++) {
+		double took_s = last ? f[i].time_s - last->time_s : window_s;
+		if (isnan(f[i].at[0]) || isnan(f[i].time_s) || !(took_s >= window_s))
+			continue;
+		double d = last ? distance_of(last, &f[i]) : 0;
+		if (d > 0)
+			speeds[count++] = d / fmax(took_s, 1e-9);
+		last = &f[i];
+	}
+	/* a slow drift is no motion either */
+	for (double high = track_quantile(speeds, count, 0.9); still < count && speeds[still] < 0.1 * high; )
+		still++;
+	memmove(speeds, speeds + still, (count - still) * sizeof *speeds);
+	return count - still;
+}
 
 struct clean {
 	struct eco_fix *f; uint32_t count;           /* the track's */
@@ -102,7 +261,7 @@ static void guess_times(struct clean *c, double step_s)
 	double m_s = track_quantile(c->scratch, speeds, 0.5);
 	c->scratch[0] = 0;
 	for (uint32_t i = 1; i < c->count; i++) {
-		double s = m_s > 0 ? track_distance(&c->f[i - 1], &c->f[i]) / m_s : step_s;
+		double s = m_s > 0 ? distance_of(&c->f[i - 1], &c->f[i]) / m_s : step_s;
 		c->scratch[i] = c->scratch[i - 1] + fmin(fmax(s, 0.01 * step_s), 20 * step_s);
 	}
 }
@@ -186,7 +345,7 @@ static void merge_repeats(struct clean *c)
 
 static double distance(const struct clean *c, uint32_t a, uint32_t b)
 {
-	return track_distance(c->place[a], c->place[b]);
+	return distance_of(c->place[a], c->place[b]);
 }
 
 /* Metres a second from place a to b; rounding is taken off. */
@@ -212,7 +371,7 @@ static void find_limits(struct clean *c)
 	for (uint32_t i = 1; i < c->places; i++)
 		if ((c->scratch[steps] = distance(c, i - 1, i)) > 0)
 			steps++;
-	c->limit_m = fmax(8 * track_quantile(c->scratch, steps, 0.5), c->track->posed ? 0 : 8);
+	c->limit_m = fmax(8 * track_quantile(c->scratch, steps, 0.5), 8);
 }
 
 /* Drops the places from which the track soon comes back to where it can have come from the last good one. */

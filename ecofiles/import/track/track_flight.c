@@ -9,7 +9,6 @@
 #include "ecofiles/import/track/track_read.h"
 
 #define SAMPLES_MAX 200000u
-#define STEP_LEAST_S 0.004
 #define SPAN 6.0                         /* of the filter, in standard deviations */
 #define SIGMA_MAX 250.0                  /* in samples */
 #define RADIUS_MAX 1504                  /* SPAN * SIGMA_MAX and more than one */
@@ -32,6 +31,34 @@ struct work {
 	double speed_m_s, slow_m_s;          /* median while it moves; and what most of it is faster than */
 };
 
+/* ---- Directions ---- */
+
+double eco_distance(const double a[3], const double b[3])
+{
+	return sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])
+		+ (b[2] - a[2]) * (b[2] - a[2]));
+}
+
+double eco_angle_deg(const double a[3], const double b[3])
+{
+	double cross[3] = { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
+	return atan2(sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]),
+		a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * TRACK_DEG;
+}
+
+/* Units at right angles. */
+static void axes(double yaw_deg, double pitch_deg, double roll_deg, double look[3], double up[3])
+{
+	double yaw = yaw_deg / TRACK_DEG, pitch = pitch_deg / TRACK_DEG, roll = roll_deg / TRACK_DEG;
+	double sy = sin(yaw), cy = cos(yaw), sp = sin(pitch), cp = cos(pitch);
+	const double ahead[3] = { cp * sy, cp * cy, sp }, right[3] = { cy, -sy, 0 };
+	const double level[3] = { -sp * sy, -sp * cy, cp };
+	for (int k = 0; k < 3; k++) {
+		look[k] = ahead[k];
+		up[k] = cos(roll) * level[k] + sin(roll) * right[k];
+	}
+}
+
 /* ---- Between fixes ---- */
 
 /* Takes number n of the fixes wherever it is known: w->time_s, w->value. Rounded heights stay on a step;
@@ -41,7 +68,7 @@ static double collect(struct work *w, enum track_role n)
 	w->count = 0;
 	for (uint32_t i = 0; i < w->track->count; i++) {
 		double value = w->track->fixes[i].n[n], last = w->count ? w->value[w->count - 1] : value;
-		bool stays = n == TRACK_Z && !w->track->posed && w->count && value == last;
+		bool stays = n == TRACK_Z && w->count && value == last;
 		if (isnan(value) || stays)
 			continue;
 		w->time_s[w->count] = w->track->fixes[i].time_s;
@@ -122,7 +149,7 @@ static double choose_smoothing(const struct work *w, double step_s)
 	double v = w->slow_m_s, rounding_s = 1.5 * w->track->still_m / v;
 	if (!isnan(w->options->smooth_s))
 		return w->options->smooth_s;
-	if (w->track->posed || !(v > 0))
+	if (!(v > 0))
 		return 0;
 	/* where each fix is off by a part of the way to the next, several are needed to know better */
 	if (w->track->still_m > 0.1 * w->speed_m_s * step_s)
@@ -136,8 +163,7 @@ static void choose_samples(struct work *w, double step_s, uint32_t looks)
 {
 	double length = w->track->fixes[w->track->count - 1].time_s, step = step_s > 0 ? step_s / 4 : length;
 	step = looks ? fmin(step, length / looks) : step;
-	step = fmax(fmax(step, w->flight->smooth_s / 20), fmax(w->track->posed ? STEP_LEAST_S : LOOK_S / 50,
-		length / (SAMPLES_MAX - 1)));
+	step = fmax(fmax(step, w->flight->smooth_s / 20), fmax(LOOK_S / 50, length / (SAMPLES_MAX - 1)));
 	bool moves = length >= 1e-6 && step > 0;
 	w->flight->count = moves ? (uint32_t)fmax(ceil(length / step - 1e-9), 1) + 1 : 1;
 	w->flight->step_s = moves ? length / (w->flight->count - 1) : 1;
@@ -167,7 +193,7 @@ static void follow_path(struct work *w)
 	const struct eco_flight *f = w->flight;
 	struct eco_sample *s = f->samples;
 	uint32_t n = f->count, last = ECO_NONE;
-	double sigma_s = fmax(w->track->posed ? 0 : LOOK_S, f->smooth_s);
+	double sigma_s = fmax(LOOK_S, f->smooth_s);
 	for (int axis = 0; axis < 2; axis++) {
 		for (uint32_t i = 0; i < n; i++) {
 			uint32_t a = i ? i - 1 : 0, b = i + 1 < n ? i + 1 : i;
@@ -196,9 +222,9 @@ static void follow_path(struct work *w)
 static void set_axes(struct eco_sample *s, const struct eco_sample *before)
 {
 	const double yaw_deg = s->n[YAW], pitch_deg = s->n[PITCH], roll_deg = s->n[ROLL];
-	track_axes(yaw_deg, pitch_deg, roll_deg, s->look, s->up);
+	axes(yaw_deg, pitch_deg, roll_deg, s->look, s->up);
 	if (before && eco_angle_deg(s->look, before->look) > TURN_MOST_DEG)
-		track_axes(yaw_deg - 90, pitch_deg, roll_deg, s->look, s->up);
+		axes(yaw_deg - 90, pitch_deg, roll_deg, s->look, s->up);
 }
 
 static void sample_eyes(struct work *w)
@@ -207,7 +233,7 @@ static void sample_eyes(struct work *w)
 	for (int k = 0; k < 3; k++) {
 		double step_s = collect(w, TRACK_X + k), sigma_s = f->smooth_s;
 		/* rounded heights stay on a step for longer than positions */
-		if (k == 2 && w->count > 2 && !w->track->posed && isnan(w->options->smooth_s))
+		if (k == 2 && w->count > 2 && isnan(w->options->smooth_s))
 			sigma_s = fmin(fmax(sigma_s, 0.6 * step_s), SMOOTH_MOST_S);
 		if (w->count)
 			sample(w, EYE + k, sigma_s);
@@ -224,7 +250,6 @@ static void sample_eyes(struct work *w)
 static void sample_looks(struct work *w)
 {
 	struct eco_flight *f = w->flight;
-	bool exact = w->track->posed && isnan(w->options->smooth_s);
 	for (uint32_t i = 0; i < f->count; i++) {
 		f->samples[i].n[PITCH] = f->pitch_deg;
 		f->samples[i].fov_y_deg = isnan(w->options->fov_y_deg) ? FOV_DEG : w->options->fov_y_deg;
@@ -232,7 +257,7 @@ static void sample_looks(struct work *w)
 	for (int k = 0; k < 3; k++) {
 		double step_s = collect(w, TRACK_YAW + k);
 		if (w->count && (k != 1 || f->pitch_recorded))
-			sample(w, YAW + k, exact ? 0 : fmin(f->smooth_s, fmax(0.6 * step_s, 0.1)));
+			sample(w, YAW + k, fmin(f->smooth_s, fmax(0.6 * step_s, 0.1)));
 	}
 	collect(w, TRACK_FOV);
 	if (w->count && isnan(w->options->fov_y_deg))
@@ -273,4 +298,89 @@ enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track 
 		eco_flight_free(flight);
 	free(w.time_s);
 	return code;
+}
+
+/* ---- Where the scene is ---- */
+
+void eco_flight_box(const struct eco_flight *f, double low[3], double high[3])
+{
+	memcpy(low, f->samples[0].eye, 3 * sizeof *low);
+	memcpy(high, low, 3 * sizeof *high);
+	for (uint32_t i = 0; i < 3 * f->count; i++) {
+		low[i % 3] = fmin(low[i % 3], f->samples[i / 3].eye[i % 3]);
+		high[i % 3] = fmax(high[i % 3], f->samples[i / 3].eye[i % 3]);
+	}
+}
+
+void eco_flight_free(struct eco_flight *flight)
+{
+	free(flight->samples);
+	*flight = (struct eco_flight){ 0 };
+}
+
+/* Turned about the first eye, which then goes to `to`. Heights that count from the ground stay. */
+static void place(struct eco_flight *f, const struct eco_track *track, const struct eco_track_options *m)
+{
+	double first[3], to[3], ground = 0;
+	double sine = sin(m->turn_deg / TRACK_DEG), cosine = cos(m->turn_deg / TRACK_DEG);
+	bool relative = track->height == ECO_HEIGHTS_RELATIVE, goes = m->to_given || track->local;
+	bool stays = (m->has_ground && !track->has_height) || (track->local && relative);
+	for (int k = 0; k < 3; k++) {
+		first[k] = f->samples[0].eye[k];
+		to[k] = goes && !(k == 2 && stays) ? m->to[k] : first[k];
+	}
+	if (!m->to_given && relative && m->ground) {
+		eco_ground_height(m->ground, first[0], first[1], &ground);
+		to[2] += ground;
+	}
+	for (struct eco_sample *s = f->samples; s < f->samples + f->count; s++) {
+		for (int k = 0; k < 3; k++)
+			s->eye[k] -= first[k];
+		for (double *v = s->n; v < s->n + 9; v += 3) {       /* eye, look, up */
+			double x = v[0];
+			v[0] = cosine * x - sine * v[1];
+			v[1] = sine * x + cosine * v[1];
+		}
+		for (int k = 0; k < 3; k++)
+			s->eye[k] += to[k];
+	}
+}
+
+static void stand(struct eco_flight *f, const struct eco_track *track, const struct eco_track_options *m)
+{
+	double low[3], high[3];
+	eco_flight_box(f, low, high);
+	/* without a scene the ground is unknown: take it as z = 0, and keep the whole track above */
+	double lift = track->local && !m->has_ground ? fmax(0, m->clearance_m - low[2]) : 0;
+	for (uint32_t i = 0; i < f->count; i++) {
+		double *eye = f->samples[i].eye, ground = 0;
+		f->off_ground += m->ground && !eco_ground_height(m->ground, eye[0], eye[1], &ground);
+		eye[2] += m->has_ground && !track->has_height ? ground : lift;
+		double lacks = m->has_ground ? ground + m->clearance_m - eye[2] : 0;
+		f->raised += lacks > 0;
+		f->raised_m = fmax(f->raised_m, lacks);
+		eye[2] += fmax(lacks, 0);
+	}
+}
+
+/* At the point itself it looks on as before. */
+static void look_at(struct eco_flight *f, const double at[3])
+{
+	for (uint32_t i = 0; i < f->count; i++) {
+		struct eco_sample *s = &f->samples[i];
+		const double x = at[0] - s->eye[0], y = at[1] - s->eye[1], z = at[2] - s->eye[2];
+		axes(atan2(x, y) * TRACK_DEG, atan2(z, hypot(x, y)) * TRACK_DEG, 0, s->look, s->up);
+		if (i && eco_distance(s->eye, at) < 1e-6)
+			memcpy(s->n + 3, s[-1].n + 3, 6 * sizeof *s->n);
+	}
+}
+
+void eco_flight_move(struct eco_flight *flight, const struct eco_track *track,
+	const struct eco_track_options *options)
+{
+	place(flight, track, options);
+	stand(flight, track, options);
+	if (options->look_at_given)
+		look_at(flight, options->look_at);
+	flight->step_s /= options->speed > 0 ? options->speed : 1;
 }

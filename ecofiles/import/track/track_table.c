@@ -1,7 +1,7 @@
-/* Tables: columns found by the names that drones' logs and spreadsheets give them, and the fix of a row. CSV
- * and GDAL's layers are tables, and subtitles have the same names. A name is compared in lower case, by its
- * letters and digits; a unit in brackets or behind the last underline is taken off and used
- * ("height_above_takeoff(feet)", "x_east_m"). */
+/* Tables: CSV, and GPX as GDAL hands it over. Columns are found by the names that drones' logs and spreadsheets
+ * give them; subtitles have the same names. A name is compared in lower case, by its letters and digits; a
+ * unit in brackets or behind the last underline is taken off and used ("height_above_takeoff(feet)",
+ * "x_east_m"). */
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,15 +9,22 @@
 #include <strings.h>
 #include <time.h>
 
+#include "ecofiles/import/places/rows/rows.h"
 #include "ecofiles/import/track/track_read.h"
 
 #define NAME_BYTES 64u
+#define HEADER_ROWS 50u
+
+struct table {
+	uint32_t column[TRACK_ROLES];        /* ECO_NONE: none */
+	double unit[TRACK_ROLES];            /* NaN: not stated */
+	bool degrees;                        /* it has longitudes and latitudes */
+};
 
 /* each between spaces, the best first (a gimbal's pitch before an aircraft's) */
 static const char *const names[TRACK_ROLES] = {
 	[TRACK_TIME] = " t time timestamp times seconds elapsed elapsedtime unixtime epoch datetime "
-		"datetimeutc utc gpstime offsettime flytime millisecond coordtimes coordinatetimes "
-		"coordinatepropertiestimes ",
+		"datetimeutc utc gpstime offsettime flytime millisecond ",
 	[TRACK_X] = " east easting x xeast e utmx px posx positionx camerax ",
 	[TRACK_Y] = " north northing y ynorth n utmy py posy positiony cameray ",
 	[TRACK_Z] = " up z zup pz posz positionz cameraz altitude alt altitudeabovesealevel altmsl absalt "
@@ -31,7 +38,7 @@ static const char *const names[TRACK_ROLES] = {
 	[TRACK_FOV] = " fovy fov fieldofview verticalfov ",
 	[TRACK_LON] = " lon longitude lng long longtitude gpslongitude gpslon positionlong ",
 	[TRACK_LAT] = " lat latitude gpslatitude gpslat positionlat ",
-	[TRACK_DATE] = " date day gpsdate dateutc ", [TRACK_MODE] = " altitudemode ",
+	[TRACK_DATE] = " date day gpsdate dateutc ",
 };
 
 /* The factor to seconds, metres and degrees; NaN: no unit. */
@@ -70,7 +77,8 @@ enum track_role track_role_of(const char *text, uint32_t *rank, double *unit)
 	return role;
 }
 
-bool track_find_columns(struct track_table *t, const char *const *columns, uint32_t count)
+/* False if there is no position among them. */
+static bool find_columns(struct table *t, const char *const *columns, uint32_t count)
 {
 	uint32_t rank, best[TRACK_ROLES];
 	double unit;
@@ -160,8 +168,7 @@ static double time_of(const char *time, const char *date, double unit)
 	return track_clock(&time, &time_s) ? time_s + (isnan(date_s) ? 0 : date_s) : date_s;
 }
 
-struct eco_fix track_row(const struct track_table *t, const char *const *fields, uint32_t count,
-	uint32_t line)
+static struct eco_fix fix_of(const struct table *t, const char *const *fields, uint32_t count, uint32_t line)
 {
 	struct eco_fix fix = TRACK_FIX(line);
 	const char *text[TRACK_ROLES];
@@ -176,4 +183,75 @@ struct eco_fix track_row(const struct track_table *t, const char *const *fields,
 		fix.at[i] = value[TRACK_LON + i] * (fabs(value[TRACK_LON + i]) > 1000 ? 1e-7 : 1);
 	fix.time_s = time_of(text[TRACK_TIME], text[TRACK_DATE], t->unit[TRACK_TIME]);
 	return fix;
+}
+
+/* ---- Rows ---- */
+
+static enum eco_code read_rows(struct eco_track *track, const struct table *table, struct eco_rows *rows,
+	struct eco_error *error)
+{
+	const struct eco_rows_place *place = &rows->place;
+	bool more = true;
+	enum eco_code code;
+	while (!(code = rows->next(rows, &more, error)) && more) {
+		struct eco_fix fix = fix_of(table, rows->fields, rows->field_count, (uint32_t)rows->line);
+		if (!rows->has_geometry && *rows->fields[0] == '#')
+			continue;
+		/* a geometry says more than columns do */
+		for (int k = 0; k < 3 && rows->has_geometry; k++)
+			fix.at[k] = place->kind == ECO_PLACE_POINT && !isnan(place->at[k]) ? place->at[k]
+				: k < 2 ? NAN : fix.at[k];
+		if ((code = track_add(track, &fix, error)))
+			return code;
+	}
+	return code;
+}
+
+/* The header is the first row in which a position is found, so that preambles may precede it. */
+static enum eco_code find_header(struct table *table, struct eco_rows *rows, const char *path,
+	const char *formats, struct eco_error *error)
+{
+	bool more = true, found = find_columns(table, (const char *const *)rows->columns, rows->column_count);
+	enum eco_code code = ECO_OK;
+	char list[200];
+	eco_rows_list_columns(rows, list, sizeof list);
+	while (!code && !found && !rows->has_geometry && more && rows->row < HEADER_ROWS)
+		if (!(code = rows->next(rows, &more, error)) && more)
+			found = find_columns(table, rows->fields, rows->field_count);
+	return code || found || rows->has_geometry ? code : eco_fail(error, ECO_BAD_INPUT, "%.100s: no "
+		"format is known that looks like this, and as a table it has no columns for a position; it "
+		"begins \"%.60s\". If it is one, name its columns in the first line: t,lon,lat,alt or "
+		"t,x,y,z, and yaw,pitch. %s", path, list, formats);
+}
+
+static enum eco_code read_layer(struct eco_track *track, const char *layer, const char *formats,
+	struct eco_error *error)
+{
+	struct eco_rows_source source = { .path = track->path, .layer = layer, .vertices = true };
+	struct eco_rows *rows;
+	struct table table;
+	enum eco_code code = layer ? eco_rows_open_here(&rows, &source, error)
+		: eco_rows_open_csv(&rows, track->path, 0, error);
+	if (code)
+		return code;
+	code = find_header(&table, rows, track->path, formats, error);
+	track->degrees = rows->has_geometry ? !rows->degrees_doubted : table.degrees;
+	code = code ? code : read_rows(track, &table, rows, error);
+	for (uint32_t i = 0; i < rows->note_count; i++)
+		eco_track_note(track, "%s", rows->notes[i]);
+	eco_rows_close(rows);
+	return code;
+}
+
+enum eco_code track_read_rows(struct eco_track *track, const char *formats, struct eco_error *error)
+{
+	static const char *const layers[] = { "track_points", "route_points", "waypoints" };
+	enum eco_code code = ECO_OK;
+	if (track->format == ECO_TRACK_CSV)
+		return read_layer(track, NULL, formats, error);
+	for (int i = 0; !code && !track->count && i < 3; i++)
+		code = read_layer(track, layers[i], formats, error);
+	if (!strstr(track->text, "</gpx>"))       /* GDAL is silent where a recorder's battery died */
+		eco_track_note(track, "the file breaks off: %u points are read", track->records);
+	return code;
 }

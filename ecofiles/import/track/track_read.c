@@ -1,0 +1,260 @@
+/* Which reader a file is for, by what it holds; and the fixes that readers add, which are checked here, so
+ * that no reader can let an impossible one through. Subtitles of drones are read here, too: a record is an
+ * index, a time line and lines of NAME: VALUE or NAME(VALUE, VALUE, ...), with or without brackets and HTML,
+ * in many dialects (all are in test_track.c).
+ *
+ *   [latitude : 31.45] [longtitude : 74.39] [altitude: 213.9]                     (the misspelling is theirs)
+ *   GPS (-58.8517, -34.2379, 15), D 698.70m, H 85.80m, G.PRY (-24.4°, 0.0°, 110.4°)
+ *
+ * Names are found one by one and not line by line; those of one value are the names of columns, too. The
+ * third number of GPS() is the number of satellites if it is whole, the height if it has decimals or "m";
+ * drones that write it with "M" mean a precision, and have the latitude first. */
+#include <jansson.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "ecofiles/base/array_grow.h"
+#include "ecofiles/import/model/import_file.h"
+#include "ecofiles/import/track/track_read.h"
+
+#define METRES_MAX 1e9
+#define HEIGHT_MAX_M 1e5
+#define SECONDS_MAX 1e11
+#define HEAD_BYTES 4096u
+#define NAME_BYTES 32
+#define LETTERS "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_."      /* of names */
+
+/* The end of messages about files of another kind. */
+#define FORMATS "Read are SRT (a drone writes it beside its film), GPX, CSV in UTF-8 and camera scripts; GPSBabel " \
+	"converts KML and logs of GPS to GPX"
+
+static const char *const format_names[] = { "a drone's subtitles (SRT)", "GPX", "CSV" };
+
+/* ---- Fixes ---- */
+
+/* Longitudes up to 360 are brought below 180. A receiver without a fix writes 0, 0. */
+enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, struct eco_error *error)
+{
+	const bool degrees = track->degrees;
+	const double most[ECO_FIX_NUMBERS] = { SECONDS_MAX, degrees ? 180 : METRES_MAX,
+		degrees ? 90 : METRES_MAX, degrees ? HEIGHT_MAX_M : METRES_MAX, HEIGHT_MAX_M, 1e6, 180, 360,
+		179 };
+	struct eco_fix f = *fix;
+	track->records++;
+	f.at[0] -= degrees && f.at[0] > 180 && f.at[0] <= 360 ? 360 : 0;
+	for (int i = 0; i < ECO_FIX_NUMBERS; i++)
+		f.n[i] = fabs(f.n[i]) <= most[i] ? f.n[i] : NAN;
+	f.fov_y_deg = f.fov_y_deg > 0.01 ? f.fov_y_deg : NAN;
+	if (isnan(f.at[0] + f.at[1]) || (degrees && f.at[0] == 0 && f.at[1] == 0)) {
+		track->skipped_line = track->skipped++ ? track->skipped_line : f.line;
+		return ECO_OK;
+	}
+	if (track->count == ECO_TRACK_FIXES_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: more than %u fixes", track->path,
+			ECO_TRACK_FIXES_MAX);
+	if (!eco_array_grow(&track->fixes, &track->capacity, track->count, sizeof f))
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: no memory for %u fixes", track->path,
+			track->count);
+	track->timed |= !isnan(f.time_s);
+	track->fixes[track->count++] = f;
+	return ECO_OK;
+}
+
+void eco_track_note(void *of, const char *format, ...)
+{
+	const struct eco_track *track = of;
+	va_list args;
+	va_start(args, format);
+	if (track->notes && vfprintf(track->notes, format, args) >= 0)
+		putc('\n', track->notes);
+	va_end(args);
+}
+
+void eco_track_free(struct eco_track *track)
+{
+	free(track->fixes);
+	free(track->text);
+	*track = (struct eco_track){ 0 };
+}
+
+/* ---- Subtitles ---- */
+
+struct values {
+	double number[3]; int count; /* NaN: "n/a" */
+	char unit;                   /* of the last: what follows it, or '.' for decimals */
+};
+
+struct srt {
+	struct eco_track *track;
+	struct eco_fix fix;          /* the record being read */
+	double focal_mm, zoom;       /* of it; as on film of 36 mm width */
+	bool open;                   /* it says something */
+};
+
+/* Behind a name: `: 1.5`, `(1, 2, 3)`, ` 1.5m`. */
+static struct values read_values(const char *text)
+{
+	struct values v = { .number = { NAN, NAN, NAN } };
+	text += strspn(text, " :(");
+	for (const char *from = text; v.count < 3 && track_number(&text, &v.number[v.count]); from = ++text) {
+		bool decimals = memchr(from, '.', (size_t)(text - from));
+		v.unit = *text == 'm' || *text == 'M' ? *text : decimals ? '.' : 0;
+		v.count++;
+		text += strcspn(text, ",) ]");
+		if (*text != ',')
+			break;
+	}
+	return v;
+}
+
+/* Takes into the record what a name and its values say. */
+static void set_values(struct srt *s, const char *name, const struct values *v)
+{
+	double *n = s->fix.n, unit;
+	uint32_t rank;
+	enum track_role role = track_role_of(name, &rank, &unit);
+	if (strcasecmp(name, "gps") == 0 || strcasecmp(name, "rtk") == 0) {
+		bool latitude_first = (v->count == 3 && v->unit == 'M') || fabs(v->number[1]) > 90;
+		n[TRACK_X] = v->number[latitude_first];
+		n[TRACK_Y] = v->number[!latitude_first];
+		if (v->count == 3 && (v->unit == 'm' || v->unit == '.'))
+			n[TRACK_Z] = v->number[2];
+	} else if (strcasecmp(name, "g.pry") == 0) {
+		memcpy(n + TRACK_PITCH, v->number, 2 * sizeof *n);
+		n[TRACK_YAW] = v->number[2];
+	} else if (strcasecmp(name, "focal_len") == 0)       /* 240 is 24.0 mm, 24.00 is too */
+		s->focal_mm = v->number[0] / (v->unit == '.' ? 1 : 10);
+	else if (strcasecmp(name, "dzoom_ratio") == 0)       /* so are 10000 and 1.00 */
+		s->zoom = v->number[0] / (v->number[0] >= 1000 ? 10000 : 1);
+	else if (role >= TRACK_Z && role <= TRACK_LAT)
+		n[role < TRACK_LON ? role : TRACK_X + (role - TRACK_LON)] = v->number[0];
+	else
+		return;
+	s->open = true;
+}
+
+static void read_names(struct srt *s, const char *text)
+{
+	for (size_t length; *text; text += length + !length) {
+		char name[NAME_BYTES];
+		length = strspn(text, LETTERS);
+		if (!length || length >= NAME_BYTES)
+			continue;
+		snprintf(name, sizeof name, "%.*s", (int)length, text);
+		struct values v = read_values(text + length);
+		set_values(s, name, &v);
+	}
+}
+
+static enum eco_code close_record(struct srt *s, uint32_t next_line, struct eco_error *error)
+{
+	double mm = s->focal_mm * (s->zoom > 0 ? s->zoom : 1);
+	if (mm >= 8 && mm <= 3000)           /* films are 16 : 9 */
+		s->fix.fov_y_deg = 2 * atan(36.0 * 9 / 16 / 2 / mm) * TRACK_DEG;
+	enum eco_code code = s->open ? track_add(s->track, &s->fix, error) : ECO_OK;
+	*s = (struct srt){ .track = s->track, .fix = TRACK_FIX(next_line) };
+	return code;
+}
+
+static enum eco_code read_srt(struct eco_track *track, struct eco_error *error)
+{
+	struct srt s = { .track = track, .fix = TRACK_FIX(1) };
+	enum eco_code code = ECO_OK;
+	uint32_t line = 1;
+	char *rest = track->text;
+	track->degrees = true;
+	for (const char *text; !code && (text = strsep(&rest, "\n")); line++) {
+		const char *at = text;
+		double time_s = NAN;
+		size_t digits = strspn(at, "0123456789");
+		bool index = digits && !at[digits + strspn(at + digits, " \t\r")];
+		/* 00:00:00,016 --> 00:00:00,033 */
+		if (index || (track_clock(&at, &time_s) && strstr(at, "-->"))) {
+			code = close_record(&s, line, error);
+			s.fix.time_s = time_s;
+		} else
+			read_names(&s, text);
+	}
+	return code ? code : close_record(&s, 0, error);
+}
+
+/* ---- What a file is: by content, then by the name's end ---- */
+
+static enum eco_code refuse(const struct eco_track *track, const char *is, struct eco_error *error)
+{
+	return eco_fail(error, ECO_UNSUPPORTED, "%.300s: %s. " FORMATS, track->path, is);
+}
+
+static enum eco_code find_json(struct eco_track *track, struct eco_error *error)
+{
+	json_error_t problem;
+	json_t *root = json_loadb(track->text, track->size, JSON_DECODE_INT_AS_REAL, &problem);
+	bool is_script = json_object_get(root, "keyframes");
+	track->format = ECO_TRACK_SCRIPT;
+	json_decref(root);
+	if (!root)
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s:%d:%d: %s", track->path, problem.line,
+			problem.column, problem.text);
+	return is_script ? ECO_OK : refuse(track, "JSON, but no camera script: it has no \"keyframes\"", error);
+}
+
+static enum eco_code find_text(struct eco_track *track, struct eco_error *error)
+{
+	char head[HEAD_BYTES + 1];
+	/* a recorder that lost power leaves blocks of zeros */
+	for (size_t i = 0; (i += strlen(track->text + i)) < track->size; )
+		track->text[i] = ' ';
+	snprintf(head, sizeof head, "%.*s", (int)HEAD_BYTES, track->text);
+	bool subtitles = strstr(head, " --> ") || strcasestr(head, "[latitude") || strcasestr(head, "HOME(")
+		|| eco_path_ends_with(track->path, ".srt"), xml = head[strspn(head, " \t\r\n")] == '<';
+	track->format = xml ? ECO_TRACK_GPX : subtitles ? ECO_TRACK_SRT : ECO_TRACK_CSV;
+	return !xml || strcasestr(head, "<gpx") ? ECO_OK : refuse(track, "XML, but no GPX", error);
+}
+
+static enum eco_code find_format(struct eco_track *track, struct eco_error *error)
+{
+	size_t blank = strspn(track->text, " \t\r\n"), length = strlen(track->text);
+	enum eco_code code = eco_file_check_head(track->path, track->text, blank < track->size ? track->size
+		: 0, false, "a track", error);
+	if (code)
+		return code;
+	if (length < track->size && length < HEAD_BYTES)
+		return refuse(track, "this is binary, or text in UTF-16", error);
+	return track->text[blank] == '{' ? find_json(track, error) : find_text(track, error);
+}
+
+static enum eco_code read_text(struct eco_track *track, struct eco_error *error)
+{
+	enum eco_code code = find_format(track, error);
+	if (code || track->format == ECO_TRACK_SCRIPT)
+		return code;
+	const char *name = format_names[track->format];
+	eco_track_note(track, "%s: read as %s", track->path, name);
+	code = track->format == ECO_TRACK_SRT ? read_srt(track, error) : track_read_rows(track, FORMATS, error);
+	if (code || track->count)
+		return code;
+	return !track->skipped ? eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s. "
+		FORMATS, track->path, name) : eco_fail(error, ECO_BAD_INPUT, "%.250s:%u: read as %s, it has "
+		"%u record%s and no usable fix: no position, or one that cannot be; positions are longitude "
+		"and latitude, or metres (--track-crs)", track->path, track->skipped_line, name,
+		track->records, track->records == 1 ? "" : "s");
+}
+
+enum eco_code eco_track_read(struct eco_track *track, const char *path, struct eco_error *error)
+{
+	uint8_t *bytes;
+	*track = (struct eco_track){ .notes = track->notes, .path = path };
+	enum eco_code code = eco_file_read(path, ECO_TRACK_BYTES_MAX, &bytes, &track->size, error);
+	track->text = (char *)bytes;
+	if (!code && strncmp(track->text, "\xef\xbb\xbf", 3) == 0) {
+		memmove(track->text, track->text + 3, track->size - 2);
+		track->size -= 3;
+	}
+	code = code ? code : read_text(track, error);
+	if (code)
+		eco_track_free(track);
+	return code;
+}
