@@ -42,14 +42,13 @@ bool eco_module_find(enum eco_module module, char path[PATH_MAX]);
 
 /* Each table begins with this number; a table of another version is refused. Raise it whenever a table, or
  * a type that passes through one, changes. */
-#define ECO_MODULE_VERSION 8u
+#define ECO_MODULE_VERSION 9u
 #define ECO_MODULE_EXPORT __attribute__((visibility("default")))
 
 /* ---- ecoassimp.so: models of formats that have no reader of their own ---- */
 
 struct eco_model;
 struct eco_model_frame;
-struct eco_model_file;
 struct eco_notes;
 
 struct eco_assimp_module {               /* eco_assimp_module */
@@ -57,7 +56,7 @@ struct eco_assimp_module {               /* eco_assimp_module */
 	/* Positions, uv from the top left, materials, parts and images, not cleaned; triangles_in and
 	 * triangles that assimp could not make are counted. Only in a guarded child. */
 	enum eco_code (*read)(struct eco_model *model, struct eco_model_frame *frame,
-		const struct eco_model_file *file, uint32_t triangles_max, struct eco_notes *notes,
+		const char *path, uint32_t triangles_max, struct eco_notes *notes,
 		struct eco_error *error);
 };
 

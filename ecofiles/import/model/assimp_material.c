@@ -15,7 +15,7 @@
 
 struct reader {
 	const struct aiScene *scene;
-	const struct eco_model_file *file;
+	bool linear_colors;          /* Blender's materials are linear, except in PLY, which has none */
 	struct eco_images images;
 };
 
@@ -159,7 +159,7 @@ static void read_material(struct reader *r, uint32_t index, uint32_t *channel, b
 	struct eco_material *to = &r->images.model->materials[index];
 	struct aiColor4D color;
 	name_of(from, to->name);
-	bool linear = color_of(from, &color) || r->file->linear_colors;
+	bool linear = color_of(from, &color) || r->linear_colors;
 	bool lost = !invisible && !read_image(r, from, to, color.a, channel);
 	to->rgb[0] = byte_of(linear, color.r);
 	to->rgb[1] = byte_of(linear, color.g);
@@ -172,16 +172,17 @@ static void read_material(struct reader *r, uint32_t index, uint32_t *channel, b
 }
 
 enum eco_code assimp_materials(struct eco_model *model, const struct aiScene *scene,
-	const struct eco_model_file *file, uint32_t *channel, bool *invisible, struct eco_notes *notes,
+	const char *path, uint32_t *channel, bool *invisible, struct eco_notes *notes,
 	struct eco_error *error)
 {
-	struct reader r = { .scene = scene, .file = file, .images = { .model = model, .path = file->path,
+	struct reader r = { .scene = scene, .linear_colors = !eco_path_ends_with(path, ".ply")
+		&& eco_file_head_has(path, 4096, "Blender"), .images = { .model = model, .path = path,
 		.notes = notes, .embedded = embedded, .ctx = (void *)scene } };
 
 	model->materials = calloc((size_t)scene->mNumMaterials + 1, sizeof *model->materials);
 	if (!model->materials || !eco_images_start(&r.images)) {
 		eco_images_end(&r.images);
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its materials", file->path);
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its materials", path);
 	}
 	model->material_count = scene->mNumMaterials;
 	for (uint32_t i = 0; i < scene->mNumMaterials; i++) {

@@ -17,7 +17,7 @@ void assimp_frame(const struct aiScene *scene, const char *path, struct eco_mode
  * materials' colours. `channel` receives the uv set of each material's image, `invisible` whether the
  * material is fully transparent. */
 enum eco_code assimp_materials(struct eco_model *model, const struct aiScene *scene,
-	const struct eco_model_file *file, uint32_t *channel, bool *invisible, struct eco_notes *notes,
+	const char *path, uint32_t *channel, bool *invisible, struct eco_notes *notes,
 	struct eco_error *error);
 
 /* Whether it names a picture as its colour, there or not. */

@@ -3,7 +3,6 @@
  * polygons into exactly n - 2 triangles: assimp's own clipper leaves some concave ones, and loses others. */
 #include "ecofiles/import/model/assimp_module.h"
 
-#include <assimp/cfileio.h>
 #include <assimp/cimport.h>
 #include <assimp/config.h>
 #include <assimp/scene.h>
@@ -14,111 +13,16 @@
 
 #include "ecofiles/base/polygon.h"
 
+#define PLY_HEAD_BYTES 65536u
 #define NODES_MAX (1u << 20)
 #define COARSE 1e-4                  /* share of the extent: a coarser rounding of coordinates is reported */
-
-/* ---- Files as assimp opens them: the model's own may be in memory ---- */
-
-struct stream {
-	struct aiFile file;
-	FILE *disk;
-	const uint8_t *bytes;
-	size_t size, at;
-};
-
-static size_t stream_read(struct aiFile *file, char *to, size_t size, size_t count)
-{
-	struct stream *s = (struct stream *)file->UserData;
-	if (s->disk)
-		return fread(to, size, count, s->disk);
-	size_t whole = size == 0 ? 0 : (s->size - s->at) / size;
-	if (whole > count)
-		whole = count;
-	memcpy(to, s->bytes + s->at, whole * size);
-	s->at += whole * size;
-	return whole;
-}
-
-static size_t stream_write(struct aiFile *file, const char *from, size_t size, size_t count)
-{
-	(void)file;
-	(void)from;
-	(void)size;
-	(void)count;
-	return 0;
-}
-
-static size_t stream_tell(struct aiFile *file)
-{
-	struct stream *s = (struct stream *)file->UserData;
-	return s->disk ? (size_t)ftell(s->disk) : s->at;
-}
-
-static size_t stream_size(struct aiFile *file)
-{
-	struct stream *s = (struct stream *)file->UserData;
-	long at, size;
-	if (!s->disk)
-		return s->size;
-	at = ftell(s->disk);
-	fseek(s->disk, 0, SEEK_END);
-	size = ftell(s->disk);
-	fseek(s->disk, at, SEEK_SET);
-	return size > 0 ? (size_t)size : 0;
-}
-
-static enum aiReturn stream_seek(struct aiFile *file, size_t offset, enum aiOrigin origin)
-{
-	struct stream *s = (struct stream *)file->UserData;
-	size_t base = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? s->at : s->size;
-	if (s->disk)
-		return fseek(s->disk, (long)offset, origin == aiOrigin_SET ? SEEK_SET : origin == aiOrigin_CUR
-			? SEEK_CUR : SEEK_END) == 0
-			? aiReturn_SUCCESS : aiReturn_FAILURE;
-	if (offset > s->size - base)
-		return aiReturn_FAILURE;
-	s->at = base + offset;
-	return aiReturn_SUCCESS;
-}
-
-static void stream_flush(struct aiFile *file)
-{
-	(void)file;
-}
-
-static struct aiFile *stream_open(struct aiFileIO *io, const char *path, const char *mode)
-{
-	const struct eco_model_file *model = (const struct eco_model_file *)io->UserData;
-	struct stream *s = strpbrk(mode, "wa+") == NULL ? calloc(1, sizeof *s) : NULL;
-	if (!s)
-		return NULL;
-	if (model->bytes && strcmp(path, model->path) == 0) {
-		s->bytes = model->bytes;
-		s->size = model->size_bytes;
-	} else if (!(s->disk = fopen(path, "rb"))) {
-		free(s);
-		return NULL;
-	}
-	s->file = (struct aiFile){ stream_read, stream_write, stream_tell, stream_size, stream_seek,
-		stream_flush, (char *)s };
-	return &s->file;
-}
-
-static void stream_close(struct aiFileIO *io, struct aiFile *file)
-{
-	struct stream *s = (struct stream *)file->UserData;
-	(void)io;
-	if (s->disk)
-		fclose(s->disk);
-	free(s);
-}
 
 /* ---- The walk ---- */
 
 struct soup {
 	struct eco_model *model;
 	const struct aiScene *scene;
-	const struct eco_model_file *file;
+	const char *path;
 	const struct eco_model_frame *frame;
 	/* from assimp's world to ours: rows of a matrix, unit included */
 	double axes[3][3];
@@ -442,7 +346,7 @@ static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint
 {
 	struct totals t = { .soup = s, .low = { INFINITY, INFINITY, INFINITY },
 		.high = { -INFINITY, -INFINITY, -INFINITY } };
-	const char *path = s->file->path;
+	const char *path = s->path;
 	double extent = 0;
 	if (!walk(s->scene, count_mesh, &t))
 		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: no nodes, or more than %u", path,
@@ -510,12 +414,12 @@ static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, u
 	s->channel = channel;
 	s->invisible = invisible;
 	if (!channel || !invisible)
-		code = eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", s->file->path);
+		code = eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", s->path);
 	else
-		code = assimp_materials(s->model, s->scene, s->file, channel, invisible, notes, s->error);
+		code = assimp_materials(s->model, s->scene, s->path, channel, invisible, notes, s->error);
 	if (!code) {
 		color_nameless(s->model, s->scene);
-		assimp_frame(s->scene, s->file->path, frame, s->axes);
+		assimp_frame(s->scene, s->path, frame, s->axes);
 		code = reserve(s, frame, triangles_max, notes);
 	}
 	if (!code)
@@ -532,32 +436,52 @@ static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, u
 	return code;
 }
 
-/* Asks for Collada's names, which people see, instead of its ids. */
-static const struct aiScene *import_scene(const struct eco_model_file *file, struct aiFileIO *io)
+/* assimp 5.2 takes a line feed at the start of binary PLY data for the header's end and loses a byte. Such a byte
+ * is raised by one: it is the lowest byte of the first vertex's first number, or (big-endian) the highest byte
+ * of a number near 10^-32. *bytes: NULL if the file is read as it is. */
+static enum eco_code mend_ply(const char *path, uint8_t **bytes, size_t *size, struct eco_error *error)
 {
-	struct aiPropertyStore *settings = aiCreatePropertyStore();
-	if (!settings)
-		return aiImportFileEx(file->path, 0, io);
-	aiSetImportPropertyInteger(settings, AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, 1);
-	const struct aiScene *scene = aiImportFileExWithProperties(file->path, 0, io, settings);
-	aiReleasePropertyStore(settings);
-	return scene;
+	static const char last[] = "end_header\n";
+	*bytes = NULL;
+	if (!eco_path_ends_with(path, ".ply") || !eco_file_head_has(path, PLY_HEAD_BYTES, "end_header\n\n")
+			|| eco_file_head_has(path, PLY_HEAD_BYTES, "format ascii"))
+		return ECO_OK;
+	enum eco_code code = eco_file_read(path, UINT32_MAX, bytes, size, error);
+	uint8_t *at = !code ? memmem(*bytes, *size, last, sizeof last - 1) : NULL;
+	if (at)
+		at[sizeof last - 1]++;
+	return code;
 }
 
-static enum eco_code read_model(struct eco_model *model, struct eco_model_frame *frame,
-	const struct eco_model_file *file, uint32_t triangles_max, struct eco_notes *notes,
-	struct eco_error *error)
+/* Asks for Collada's names, which people see, instead of its ids. */
+static enum eco_code import_scene(const struct aiScene **scene, const char *path, struct eco_error *error)
 {
-	struct aiFileIO io = { stream_open, stream_close, (char *)file };
-	const struct aiScene *scene = import_scene(file, &io);
-	struct soup soup = { .model = model, .scene = scene, .file = file, .frame = frame, .error = error };
-	enum eco_code code;
-	if (!scene)
-		return eco_fail(error, ECO_BAD_INPUT, "%.180s: %.200s; if another program opens it, save it "
-			"there as GLB", file->path, aiGetErrorString());
+	struct aiPropertyStore *settings = aiCreatePropertyStore();
+	uint8_t *bytes;
+	size_t size;
+	enum eco_code code = mend_ply(path, &bytes, &size, error);
+	if (code)
+		return code;
+	aiSetImportPropertyInteger(settings, AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, 1);
+	*scene = bytes ? aiImportFileFromMemoryWithProperties((char *)bytes, (unsigned)size, 0, "ply", settings)
+		: aiImportFileExWithProperties(path, 0, NULL, settings);
+	aiReleasePropertyStore(settings);
+	free(bytes);
+	return *scene ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "%.180s: %.200s; if another program opens it, "
+		"save it there as GLB", path, aiGetErrorString());
+}
+
+static enum eco_code read_model(struct eco_model *model, struct eco_model_frame *frame, const char *path,
+	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
+{
+	const struct aiScene *scene = NULL;
+	enum eco_code code = import_scene(&scene, path, error);
+	struct soup soup = { .model = model, .scene = scene, .path = path, .frame = frame, .error = error };
+	if (code)
+		return code;
 	if (!meshes_hold_together(scene))
 		code = eco_fail(error, ECO_DAMAGED, "%.300s: faces of its meshes name vertices that are not "
-			"there; if another program opens it, save it there as GLB", file->path);
+			"there; if another program opens it, save it there as GLB", path);
 	else
 		code = read_scene(&soup, frame, triangles_max, notes);
 	aiReleaseImport(scene);

@@ -1,21 +1,22 @@
 /* Views compressed with meshoptimizer (EXT_meshopt_compression, KHR_meshopt_compression). Its decoders
  * withstand damaged bytes but trust sizes, so sizes are checked here. The library of Debian 12 knows the
- * codec's first version; gltf_meshopt_v1.c has the second, which came with the KHR extension. */
+ * codec's first version; the second, and the filter COLOR, came with the KHR extension and are refused. */
 #include "ecofiles/import/model/gltf_document.h"
 
 #include <meshoptimizer.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/import/model/gltf_meshopt.h"
 #include "ecofiles/format/model.h"
 
 enum mode { ATTRIBUTES, TRIANGLES, INDICES, MODES };
 static const char *const mode_names[MODES] = { "ATTRIBUTES", "TRIANGLES", "INDICES" };
 
-enum filter { NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL, COLOR, FILTERS };
-static const char *const filter_names[FILTERS] = { "NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL",
-	"COLOR" };
+enum filter { NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL, FILTERS };
+static const char *const filter_names[FILTERS] = { "NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL" };
+
+#define EXPORT "export with EXT_meshopt_compression (gltfpack -ce ext), or without compression"
+#define SECOND_VERSION 0xa1u         /* first byte of attributes */
 
 struct packed {
 	uint32_t mode, filter;
@@ -46,8 +47,7 @@ static bool strides_fit(const struct packed *p)
 		return false;
 	switch (p->filter) {
 	case NONE: return true;
-	case OCTAHEDRAL:
-	case COLOR: return p->mode == ATTRIBUTES && (p->stride == 4 || p->stride == 8);
+	case OCTAHEDRAL: return p->mode == ATTRIBUTES && (p->stride == 4 || p->stride == 8);
 	case QUATERNION: return p->mode == ATTRIBUTES && p->stride == 8;
 	default: return p->mode == ATTRIBUTES;
 	}
@@ -63,17 +63,20 @@ static enum eco_code read_packed(struct eco_gltf *doc, uint32_t view, const json
 	p->stride = eco_gltf_whole(json, "byteStride", 0);
 	p->length = eco_gltf_whole(json, "byteLength", UINT64_MAX);
 	if (p->mode == MODES || p->filter == FILTERS)
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: bufferView %u: meshopt compression of an "
-			"unknown kind (mode %.20s, filter %.20s)", doc->path, view,
-			eco_gltf_text(json, "mode"), filter);
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: bufferView %u: meshopt compression of mode "
+			"%.20s, filter %.20s is not read; " EXPORT, doc->path, view, eco_gltf_text(json, "mode"),
+			filter);
 	if (!strides_fit(p) || p->count > ECO_GLTF_UNPACKED_MAX)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: meshopt compression with sizes "
 			"that make no sense", doc->path, view);
 	if (p->count * p->stride > ECO_GLTF_UNPACKED_MAX - doc->unpacked)
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: unpacks to more than %llu bytes", doc->path,
 			(unsigned long long)ECO_GLTF_UNPACKED_MAX);
-	return gltf_buffer_range(doc, eco_gltf_index(json, "buffer"), eco_gltf_whole(json, "byteOffset", 0),
-		p->length, &p->bytes, error);
+	enum eco_code code = gltf_buffer_range(doc, eco_gltf_index(json, "buffer"),
+		eco_gltf_whole(json, "byteOffset", 0), p->length, &p->bytes, error);
+	return code || p->mode != ATTRIBUTES || !p->length || p->bytes[0] != SECOND_VERSION ? code
+		: eco_fail(error, ECO_UNSUPPORTED, "%.300s: bufferView %u: the second version of meshopt's codec "
+			"is not read; " EXPORT, doc->path, view);
 }
 
 static bool decode(const struct packed *p, uint8_t *to)
@@ -83,8 +86,6 @@ static bool decode(const struct packed *p, uint8_t *to)
 		return meshopt_decodeIndexBuffer(to, count, stride, p->bytes, length) == 0;
 	if (p->mode == INDICES)
 		return meshopt_decodeIndexSequence(to, count, stride, p->bytes, length) == 0;
-	if (length > 0 && p->bytes[0] == GLTF_MESHOPT_V1)
-		return gltf_meshopt_decode_v1(to, count, stride, p->bytes, length);
 	return meshopt_decodeVertexBuffer(to, count, stride, p->bytes, length) == 0;
 }
 
@@ -95,7 +96,6 @@ static void undo_filter(const struct packed *p, uint8_t *bytes)
 	case OCTAHEDRAL: meshopt_decodeFilterOct(bytes, count, stride); break;
 	case QUATERNION: meshopt_decodeFilterQuat(bytes, count, stride); break;
 	case EXPONENTIAL: meshopt_decodeFilterExp(bytes, count, stride); break;
-	case COLOR: gltf_meshopt_filter_color(bytes, count, stride); break;
 	default: break;
 	}
 }

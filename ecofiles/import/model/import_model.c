@@ -152,12 +152,6 @@ static bool get_model(FILE *in, struct head *head, uint32_t triangles_max)
 
 struct job { const char *path; uint32_t triangles_max; };
 
-/* Blender's materials are linear, except in PLY, which has none. */
-static bool written_by_blender(const char *path)
-{
-	return !eco_path_ends_with(path, ".ply") && eco_file_head_has(path, 4096, "Blender");
-}
-
 /* Assimp has some fifty readers, most of them seldom used and seldom tested; and it looks for one that knows
  * the content where no reader has the extension. */
 static bool assimp_may_read(const char *path)
@@ -176,19 +170,8 @@ static enum eco_code read_with_assimp(struct head *head, const struct job *job, 
 			"PLY, Collada (.dae, .zae), STL, 3DS and 3MF, by these endings: export GLB",
 			job->path);
 	const struct eco_assimp_module *assimp = eco_module(ECO_MODULE_ASSIMP, error);
-	struct eco_model_file file = { .path = job->path };
-	double base[3] = { 0, 0, 0 };
-	enum eco_code code = assimp ? ECO_OK : ECO_NOT_FOUND;
-	file.linear_colors = written_by_blender(job->path);
-	if (code == ECO_OK && eco_path_ends_with(job->path, ".ply"))
-		code = eco_ply_prepare(&file, base, error);
-	if (!code)
-		code = assimp->read(&head->model, &head->frame, &file, job->triangles_max, &head->notes,
-			error);
-	for (int k = 0; k < 3; k++)
-		head->frame.base[k] += base[k];
-	free(file.bytes);
-	return code;
+	return !assimp ? ECO_NOT_FOUND : assimp->read(&head->model, &head->frame, job->path, job->triangles_max,
+		&head->notes, error);
 }
 
 static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)

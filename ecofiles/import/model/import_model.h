@@ -42,14 +42,6 @@ struct eco_model_frame {
 	enum eco_up convention;      /* Y or Z: usual in files of that format */
 };
 
-/* A model file as assimp sees it. */
-struct eco_model_file {
-	const char *path;
-	bool linear_colors;          /* material colours are linear */
-	uint8_t *bytes;              /* replaces the file's content, malloc'ed; NULL: as on disk */
-	size_t size_bytes;
-};
-
 /* ---- Files (import_file.c) ---- */
 
 /* Refuses files that are no models by name: folders, empty or packed files, pointers of Git LFS, scenes of
@@ -77,10 +69,6 @@ enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_f
 /* OBJ with MTL: positions, uv from the top left, materials, parts, images, triangles_in. Not cleaned. */
 enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *frame, const char *path,
 	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error);
-
-/* PLY for assimp: if the file has coordinates in double precision far from the origin, makes a copy near
- * it (file->bytes; *base is what was subtracted). Refuses files without faces. */
-enum eco_code eco_ply_prepare(struct eco_model_file *file, double base[3], struct eco_error *error);
 
 /* The base to subtract from coordinates between low and high so that floats hold them: 0 unless they are
  * far from the origin for their extent. Whole numbers. */
