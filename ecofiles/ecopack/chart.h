@@ -1,5 +1,5 @@
-/* Pictures for people: a canvas for shapes, texts and pictures, saved as PNG. Used for contact sheets,
- * maps and plots.
+/* Pictures for people: a canvas for shapes, texts and pictures, saved as PNG. Used for maps and
+ * plots.
  *
  *   eco_chart_new(&chart, width, height, &error);       white
  *   eco_chart_box, _line, _disc, _text, _pixels, ...    pixels from the top left; later covers earlier

@@ -253,7 +253,7 @@ const struct main_command main_command_generate = { { "ecopack generate", "NAME 
 
 static const struct main_command *const commands[] = { &main_command_start, &main_command_make,
 	&main_command_link, &main_command_info, &main_command_verify, &main_command_generate,
-	&main_command_model, &main_command_sheet, &main_command_map, &main_command_camera,
+	&main_command_model, &main_command_map, &main_command_camera,
 	&main_command_export };
 
 static void print_commands(FILE *out)

@@ -62,12 +62,8 @@ page() {
 				echo '</div>'
 			done
 		done
-		for picture in map sheet; do
-			if [ -f "$(dirname "$out")/$picture.png" ]; then
-				[ $picture = map ] && caption="Where everything stands (ecopack map)" || caption="Each plant with fewer and fewer vertices (ecopack sheet)"
-				echo "<h2>$caption</h2><img src=\"$picture.png\" alt=\"$picture\">"
-			fi
-		done
+		[ ! -f "$(dirname "$out")/map.png" ] ||
+			echo '<h2>Where everything stands (ecopack map)</h2><img src="map.png" alt="map">'
 		echo "<h2>Figures</h2><pre>"; jq . "$summary"; echo "</pre></html>"
 	} >"$out.tmp-$$" && mv "$out.tmp-$$" "$out"
 }

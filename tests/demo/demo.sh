@@ -10,7 +10,6 @@ rm -rf "$OUT"; mkdir -p "$OUT"
 "$BUILD/ecopack" make "$OUT/park/scene.json" -o "$OUT/park.eco"
 "$BUILD/ecopack" verify "$OUT/park.eco"
 "$BUILD/ecopack" map "$OUT/park/scene.json" -o "$OUT/map.png" --size 800
-"$BUILD/ecopack" sheet "$OUT/park.eco" -o "$OUT/sheet.png"
 serve "$OUT/serve.log" "park=$OUT/park.eco"
 URL=$BASE/v1/scenes/park
 

@@ -20,7 +20,6 @@ JSON
 [ -n "${KEEP_PACK:-}" ] && [ -f "$OUT/forest.eco" ] || "$BUILD/ecopack" make "$OUT/scene.json" -o "$OUT/forest.eco"
 "$BUILD/ecopack" verify "$OUT/forest.eco"
 "$BUILD/ecopack" map "$OUT/scene.json" -o "$OUT/map.png"
-"$BUILD/ecopack" sheet "$OUT/forest.eco" -o "$OUT/sheet.png"
 serve "$OUT/serve.log" "scbi=$OUT/forest.eco"
 URL=$BASE/v1/scenes/scbi
 for view in aerial eye; do

@@ -1,7 +1,7 @@
 #!/bin/sh
 # make survey DATA=DIR: what import makes of a whole folder. Every model under DATA/models is read, or refused by name; those that are read
-# stand on one contact sheet. Then the street trees of a city (Binghamton, NY: CSV in degrees and in feet, height classes, vacant sites and
-# stumps) become a map and a pack. Everything lands in build/survey/.
+# are packed. Then the street trees of a city (Binghamton, NY: CSV in degrees and in feet, height classes, vacant sites and stumps) become a
+# map and a pack. Everything lands in build/survey/.
 set -eu
 BUILD=${BUILD:-build}
 . "$(dirname "$0")/common.sh"
@@ -32,8 +32,7 @@ jq -Rn '{name: "models", plants: ([inputs | {key: (sub("^models/"; "") | .[-63:]
 	| .instances = [.plants | keys[] as $k | {plant: $k, at: [0, 0]}] | .instances |= [to_entries[] | .value.at = [(.key * 40), 0] | .value]' \
 	"$OUT/read.txt" >"$OUT/models-scene.json"
 "$BUILD/ecopack" make "$OUT/models-scene.json" -o "$OUT/models.eco" --times 2>"$OUT/models.log" >"$OUT/models-info.txt" || { cat "$OUT/models.log"; exit 1; }
-"$BUILD/ecopack" sheet "$OUT/models.eco" -o "$OUT/sheet.png"
-echo "$(wc -l <"$OUT/read.txt") models read, $refused refused: $OUT/sheet.png, $OUT/models-info.txt"
+echo "$(wc -l <"$OUT/read.txt") models read, $refused refused: $OUT/models.tsv, $OUT/models-info.txt"
 
 # ---- A city ----
 TREES=$DATA/inventories/binghamton_ny_street_trees.csv

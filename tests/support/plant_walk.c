@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/ecopack/sheet.h"
+#include "ecofiles/ecopack/export/plant_view.h"
 #include "lod/ladder.h"
 
 #define AWAY 64.0                /* of the camera, radii */
@@ -12,7 +12,7 @@
 #define SIDE 4u                  /* samples a pixel: SIDE x SIDE */
 
 struct walker {
-	struct sheet_plant plant;
+	struct plant_view plant;
 	struct eco_scene all;        /* the plant's scene before it was left one kind */
 	struct eco_ladder *ladders;  /* that kind's */
 	struct eco_curve *curves;
@@ -24,7 +24,7 @@ struct walker {
 
 static void look(struct walker *w, uint32_t view, uint32_t views)
 {
-	struct sheet_plant *p = &w->plant;
+	struct plant_view *p = &w->plant;
 	const struct eco_anchor *whole = &p->scene.anchors[p->scene.plants[p->number].anchor_first];
 	double turn = (view + 0.37) * M_PI * (3 - sqrt(5)),
 		rise = (-10 + 70 * (view + 0.5) / views) * M_PI / 180, away = AWAY * whole->radius;
@@ -41,24 +41,6 @@ static void look(struct walker *w, uint32_t view, uint32_t views)
 	lod_eye_make(&w->fine_eye, &fine);
 }
 
-static void draw(struct lod_raster *raster, const struct sheet_plant *p, const struct lod_eye *eye,
-	const struct sheet_drawing *drawing)
-{
-	lod_raster_clear(raster);
-	lod_raster_camera(raster, eye, p->scene.near_m);
-	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-	for (uint32_t i = 0; i < drawing->count; i++) {
-		const struct sheet_batch *b = &drawing->batches[i];
-		const struct sheet_list *image = b->geometry.uv ? &p->lists[b->list->image] : NULL;
-		if (b->impostor)
-			lod_raster_impostor(raster, b->impostor, &(struct lod_raster_batch){ .owner = 1 });
-		else
-			lod_raster_list(raster, b->list->list, &b->geometry, &(struct lod_raster_batch){
-			.count = b->count, .area = b->area, .owner = 1,
-			.cutout = image && image->cutout ? &image->picture : NULL });
-	}
-}
-
 static void count_samples(const struct walker *w)
 {
 	memset(w->count, 0, (size_t)w->pixels * w->pixels);
@@ -72,17 +54,17 @@ static void count_samples(const struct walker *w)
 static enum eco_code shoot(struct walker *w, uint64_t vertices, bool full, double *q, double *soft_q,
 	struct eco_error *error)
 {
-	struct sheet_drawing drawing;
+	struct plant_view_drawing drawing;
 	struct eco_scene scene = w->plant.scene;
 	if (full)
 		w->plant.scene = w->all;
-	enum eco_code code = sheet_drawing_make(&drawing, &w->plant, vertices, error);
+	enum eco_code code = plant_view_drawing_make(&drawing, &w->plant, vertices, error);
 	w->plant.scene = scene;
 	if (code)
 		return code;
-	draw(&w->raster, &w->plant, &w->plant.eye, &drawing);
-	draw(&w->fine, &w->plant, &w->fine_eye, &drawing);
-	sheet_drawing_free(&drawing);
+	plant_view_raster(&w->raster, &w->plant, &w->plant.eye, &drawing, false);
+	plant_view_raster(&w->fine, &w->plant, &w->fine_eye, &drawing, false);
+	plant_view_drawing_free(&drawing);
 	size_t pixels = (size_t)w->pixels * w->pixels;
 	count_samples(w);
 	if (full) {
@@ -198,7 +180,7 @@ enum eco_code plant_walk(struct plant_walk *walk, const struct eco_pack *pack, u
 {
 	struct walker w = { .pixels = options->pixels };
 	*walk = (struct plant_walk){ 0 };
-	enum eco_code code = sheet_plant_open(&w.plant, pack, number, options->pixels, error);
+	enum eco_code code = plant_view_open(&w.plant, pack, number, options->pixels, error);
 	if (code)
 		return code;
 	for (uint64_t v = 1; v < w.plant.full && walk->count + 1 < PLANT_WALK_MAX; v *= 2)
@@ -216,7 +198,7 @@ enum eco_code plant_walk(struct plant_walk *walk, const struct eco_pack *pack, u
 	free(w.soft);
 	free(w.ladders);
 	free(w.curves);
-	sheet_plant_close(&w.plant);
+	plant_view_close(&w.plant);
 	return code;
 }
 

@@ -17,9 +17,9 @@
  *    |-- tileset-N.json             a nested eco file, with its transform
  *    '-- ground tile ...
  *
- * Geometric errors are metres. A level of a plant has its radius times 1 - Q (against full detail, as on
- * a sheet); a summary, four of its points' widths; the ground, four times how far it is from where it should
- * be: viewers refine what is wrong by 16 pixels. */
+ * Geometric errors are metres. A level of a plant has its radius times 1 - Q (against full detail,
+ * plant_view.h); a summary, four of its points' widths; the ground, four times how far it is from where it
+ * should be: viewers refine what is wrong by 16 pixels. */
 #ifndef ECO_MAIN_EXPORT_H
 #define ECO_MAIN_EXPORT_H
 

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "ecofiles/ecopack/export/export.h"
-#include "ecofiles/ecopack/sheet.h"
+#include "ecofiles/ecopack/export/plant_view.h"
 #include "ecofiles/format/image.h"
 
 #define PIXELS 96u               /* a side of the picture that a level is scored in */
@@ -92,14 +92,14 @@ void export_mesh_free(struct export_mesh *mesh)
 /* ---- Plants ---- */
 
 static enum eco_code bake(struct export *x, struct export_mesh *mesh, struct eco_writer *file,
-	const struct sheet_drawing *drawing)
+	const struct plant_view_drawing *drawing)
 {
 	struct lod_bake *bakes = calloc(drawing->count + 1u, sizeof *bakes);
 	uint32_t *images = calloc(drawing->count + 1u, sizeof *images);
 	enum eco_code code = bakes && images ? ECO_OK : eco_fail(x->error, ECO_NO_MEMORY,
 		"no memory for triangles");
 	for (uint32_t i = 0; i < drawing->count && !code; i++) {
-		const struct sheet_batch *b = &drawing->batches[i];
+		const struct plant_view_batch *b = &drawing->batches[i];
 		images[i] = b->geometry.uv ? b->list->image : ECO_NONE;
 		code = lod_bake_make(&bakes[i], &(struct lod_bake_input){ b->list->list, b->list->palette,
 			&b->geometry, b->impostor, b->count, b->area }, x->error);
@@ -113,22 +113,7 @@ static enum eco_code bake(struct export *x, struct export_mesh *mesh, struct eco
 	return code;
 }
 
-/* How far a plant with so many vertices is from full detail. */
-static enum eco_code find_error(struct sheet_plant *plant, uint64_t vertices, double *error_m,
-	struct eco_error *error)
-{
-	const struct eco_scene *s = &plant->scene;
-	const struct eco_anchor *whole = &s->anchors[s->plants[plant->number].anchor_first];
-	struct sheet_picture picture = { .rgb = malloc((size_t)PIXELS * PIXELS * 3) };
-	if (!picture.rgb)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
-	enum eco_code code = sheet_plant_draw(plant, vertices, SHEET_NATURAL, &picture, error);
-	*error_m = fmin(fmax(1 - picture.q, 0), 1) * (double)whole->radius;
-	free(picture.rgb);
-	return code;
-}
-
-static enum eco_code write_images(struct export *x, const struct sheet_plant *plant)
+static enum eco_code write_images(struct export *x, const struct plant_view *plant)
 {
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < plant->list_count && !code; i++) {
@@ -148,14 +133,22 @@ static enum eco_code write_images(struct export *x, const struct sheet_plant *pl
 	return code;
 }
 
-static enum eco_code write_level(struct export *x, struct sheet_plant *plant, uint64_t vertices)
+/* How far a drawing is from full detail. */
+static double error_of(struct plant_view *plant, const struct plant_view_drawing *drawing)
+{
+	const struct eco_scene *s = &plant->scene;
+	const struct eco_anchor *whole = &s->anchors[s->plants[plant->number].anchor_first];
+	return fmin(fmax(1 - plant_view_q(plant, drawing), 0), 1) * (double)whole->radius;
+}
+
+static enum eco_code write_level(struct export *x, struct plant_view *plant, uint64_t vertices)
 {
 	struct export_plant *to = &x->plants[plant->number];
 	struct export_mesh *mesh = &to->level[to->levels];
-	struct sheet_drawing drawing;
+	struct plant_view_drawing drawing;
 	struct eco_writer file = { 0 };
 	char name[EXPORT_NAME];
-	enum eco_code code = sheet_drawing_make(&drawing, plant, vertices, x->error);
+	enum eco_code code = plant_view_drawing_make(&drawing, plant, vertices, x->error);
 	if (code)
 		return code;
 	code = bake(x, mesh, &file, &drawing);
@@ -165,25 +158,25 @@ static enum eco_code write_level(struct export *x, struct sheet_plant *plant, ui
 	double *error_m = &to->error_m[to->levels];
 	*error_m = 0;
 	if (!code && vertices < plant->full)
-		code = find_error(plant, vertices, error_m, x->error);
+		*error_m = error_of(plant, &drawing);
 	if (to->levels)
 		*error_m = fmin(*error_m, error_m[-1]);
 	to->levels++;
-	sheet_drawing_free(&drawing);
+	plant_view_drawing_free(&drawing);
 	eco_writer_free(&file);
 	return code;
 }
 
 enum eco_code export_plant(struct export *x, uint32_t number)
 {
-	struct sheet_plant plant;
-	enum eco_code code = sheet_plant_open(&plant, x->pack, number, PIXELS, x->error);
+	struct plant_view plant;
+	enum eco_code code = plant_view_open(&plant, x->pack, number, PIXELS, x->error);
 	if (code)
 		return code;
 	code = write_images(x, &plant);
 	for (uint32_t i = 0; i < EXPORT_LEVELS && !code; i++)
 		if (wanted[i] == UINT64_MAX || wanted[i] * 2 <= plant.full)
 			code = write_level(x, &plant, wanted[i] < plant.full ? wanted[i] : ECO_VERTICES_MAX);
-	sheet_plant_close(&plant);
+	plant_view_close(&plant);
 	return code;
 }

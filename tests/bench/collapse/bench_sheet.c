@@ -1,22 +1,21 @@
-/* Columns of `ecopack sheet` for what packs do not hold: leaf collapse (Hidalgo 2007) and billboard clouds
- * (Kratt 2014), each beside ours at as many vertices. A row is a plant, seen as ecopack draws it; the cells
- * of ours and full detail are ecopack's own. */
+/* A contact sheet of plants: full detail, then leaf collapse (Hidalgo 2007) and billboard clouds (Kratt
+ * 2014), each beside ours at as many vertices. A row is a plant. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/ecopack/chart.h"
-#include "ecofiles/ecopack/sheet.h"
 #include "ecofiles/base/phrase.h"
 #include "tests/bench/baseline/billboard_cloud.h"
 #include "tests/bench/bench_leaves.h"
 #include "tests/bench/bench_state.h"
 #include "tests/bench/collapse/bench_collapse_plant.h"
+#include "tests/bench/collapse/bench_sheet_draw.h"
 #include "tests/bench/ladder/bench_savings.h"
 #include "tests/bench/pictures/bench_billboards_q.h"
 
 #define PIXELS 200u
-#define BACKGROUND 236           /* as ecopack has it */
+#define BACKGROUND 236           /* as bench_sheet_draw has it */
 #define GAP 8.0
 #define HEAD 40.0
 #define CAPTION 20.0
@@ -34,7 +33,7 @@ struct cell { uint64_t vertices; double q; };
 struct row {
 	struct bench *bench;
 	const char *name;
-	struct sheet_plant plant;
+	struct plant_view plant;
 	struct bench_leaves leaves;
 	struct lod_sights sights;    /* one, the sheet's */
 	struct bench_collapse_plant levels;
@@ -61,9 +60,7 @@ static void put(struct row *r, uint32_t place, const char *title, const struct c
 static enum eco_code draw_ours(struct row *r, uint32_t place, const char *title, uint64_t vertices,
 	struct cell *cell, struct eco_error *error)
 {
-	struct sheet_picture picture = { .rgb = r->rgb };
-	enum eco_code code = sheet_plant_draw(&r->plant, vertices, SHEET_NATURAL, &picture, error);
-	*cell = (struct cell){ picture.vertices, picture.q };
+	enum eco_code code = bench_sheet_draw(&r->plant, vertices, r->rgb, &cell->vertices, &cell->q, error);
 	if (!code)
 		put(r, place, title, cell);
 	return code;
@@ -131,7 +128,7 @@ static enum eco_code draw_column(struct row *r, uint32_t column, struct eco_erro
 
 /* ---- A row ---- */
 
-/* What is drawn of leaves is drawn from where ecopack draws. */
+/* Leaves are drawn from the eye that draws ours. */
 static enum eco_code look(struct row *r, struct eco_error *error)
 {
 	static const double any[1][3] = { { 1, 0, 0 } };
@@ -174,7 +171,7 @@ static enum eco_code open_row(struct row *r, const struct bench_model *model, co
 	struct eco_error *error)
 {
 	struct eco_model read;
-	enum eco_code code = sheet_plant_open(&r->plant, pack, 0, PIXELS, error);
+	enum eco_code code = plant_view_open(&r->plant, pack, 0, PIXELS, error);
 	if (code)
 		return code;
 	code = bench_model_read(r->bench, model, &read, error);
@@ -190,7 +187,7 @@ static enum eco_code open_row(struct row *r, const struct bench_model *model, co
 		eco_chart_free(r->chart);
 		bench_leaves_close(&r->leaves);
 	}
-	sheet_plant_close(&r->plant);
+	plant_view_close(&r->plant);
 	return code;
 }
 
@@ -273,8 +270,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_table_close(table);
 	free(models);
 	if (!code)
-		bench_say(bench, "The %u plants with the fewest leaves (%u or more), as `ecopack sheet` "
-			"shows them, one view, %u pixels. Wood is whole under leaf collapse and counts; ours "
+		bench_say(bench, "The %u plants with the fewest leaves (%u or more), "
+			"one view, %u pixels. Wood is whole under leaf collapse and counts; ours "
 			"may draw as much. Billboards stand in their mean colours. Packs hold neither, as "
 			"neither is best anywhere (lod/EXPERIMENTS.md, Leaf collapse, Billboard clouds).",
 			done, BENCH_ELEMENTS_LEAST, PIXELS);
@@ -283,4 +280,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 
 const struct bench_section bench_sheet = { "sheet", "Leaf collapse and billboard clouds beside ours", run,
 	.objects = BENCH_OBJECTS_PLANTS "tests/bench/collapse/bench_sheet.o "
-	"tests/bench/collapse/bench_collapse_plant.o" };
+	"tests/bench/collapse/bench_sheet_draw.o tests/bench/collapse/bench_collapse_plant.o" };

@@ -1,6 +1,6 @@
 /* A plant of a pack alone: its decoded lists, a camera that fits it, and the cuts that the planner
  * chooses. */
-#include "ecofiles/ecopack/sheet.h"
+#include "ecofiles/ecopack/export/plant_view.h"
 
 #include <assert.h>
 #include <math.h>
@@ -19,15 +19,15 @@
 #define DOWN 0.22                /* slope of the view, downwards */
 #define MARGIN 1.06
 
-static enum eco_code no_memory(const struct sheet_plant *p, struct eco_error *error)
+static enum eco_code no_memory(const struct plant_view *p, struct eco_error *error)
 {
 	return eco_fail(error, ECO_NO_MEMORY, "%s: no memory to draw it", p->scene.plants[p->number].name);
 }
 
 /* ---- Lists ---- */
 
-static enum eco_code decode_impostor(struct sheet_list *to, uint32_t chunk, const uint8_t *bytes, size_t size,
-	struct eco_error *error)
+static enum eco_code decode_impostor(struct plant_view_list *to, uint32_t chunk, const uint8_t *bytes,
+	size_t size, struct eco_error *error)
 {
 	struct eco_impostor_body body;
 	struct eco_impostor_level level;
@@ -39,12 +39,12 @@ static enum eco_code decode_impostor(struct sheet_list *to, uint32_t chunk, cons
 	return code;
 }
 
-static enum eco_code decode_list(struct sheet_plant *p, uint32_t id, struct eco_error *error)
+static enum eco_code decode_list(struct plant_view *p, uint32_t id, struct eco_error *error)
 {
 	const struct eco_scene *s = &p->pack->scene;
 	const struct eco_list *list = &s->lists[id];
-	struct sheet_list *to = &p->lists[id];
-	*to = (struct sheet_list){ .list = list, .palette = s->palette + list->palette_first,
+	struct plant_view_list *to = &p->lists[id];
+	*to = (struct plant_view_list){ .list = list, .palette = s->palette + list->palette_first,
 		.image = list->image,
 		.chunks = calloc(list->chunk_count + 1u, sizeof *to->chunks),
 		.impostors = list->kind == ECO_LIST_IMPOSTOR
@@ -69,7 +69,7 @@ static enum eco_code decode_list(struct sheet_plant *p, uint32_t id, struct eco_
 	return code;
 }
 
-static enum eco_code decode_lists(struct sheet_plant *p, struct eco_error *error)
+static enum eco_code decode_lists(struct plant_view *p, struct eco_error *error)
 {
 	const struct eco_scene *s = &p->pack->scene;
 	const struct eco_plant *plant = &s->plants[p->number];
@@ -93,19 +93,19 @@ static enum eco_code decode_lists(struct sheet_plant *p, struct eco_error *error
 
 /* ---- Textures: files of strangers, so all of a plant are decoded in one child process ---- */
 
-static bool is_picture(const struct sheet_list *list)
+static bool is_picture(const struct plant_view_list *list)
 {
 	return list->list && list->list->kind == ECO_LIST_IMAGE && list->chunk_count;
 }
 
-static enum eco_code last_payload(const struct sheet_plant *p, const struct eco_list *list,
+static enum eco_code last_payload(const struct plant_view *p, const struct eco_list *list,
 	const uint8_t **bytes, size_t *size, struct eco_error *error)
 {
 	return eco_pack_payload(p->pack, list->chunk_first + list->chunk_count - 1, bytes, size, error);
 }
 
 /* Its finest level. */
-static enum eco_code decode_texture(const struct sheet_plant *p, const struct eco_list *list,
+static enum eco_code decode_texture(const struct plant_view *p, const struct eco_list *list,
 	struct eco_image *image, struct eco_error *error)
 {
 	const struct eco_list *cut = list->image == ECO_NONE ? NULL : &p->pack->scene.lists[list->image];
@@ -128,7 +128,7 @@ static enum eco_code decode_texture(const struct sheet_plant *p, const struct ec
 
 static enum eco_code decode_in_child(void *ctx, FILE *out, struct eco_error *error)
 {
-	const struct sheet_plant *p = ctx;
+	const struct plant_view *p = ctx;
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < p->list_count && !code; i++) {
 		struct eco_image image = { 0 };
@@ -147,7 +147,7 @@ static enum eco_code decode_in_child(void *ctx, FILE *out, struct eco_error *err
 	return code;
 }
 
-static enum eco_code read_picture(struct sheet_plant *p, struct sheet_list *to, FILE *from,
+static enum eco_code read_picture(struct plant_view *p, struct plant_view_list *to, FILE *from,
 	struct eco_error *error)
 {
 	uint32_t sides[2];
@@ -167,7 +167,7 @@ static enum eco_code read_picture(struct sheet_plant *p, struct sheet_list *to, 
 	return ECO_OK;
 }
 
-static enum eco_code decode_pictures(struct sheet_plant *p, struct eco_error *error)
+static enum eco_code decode_pictures(struct plant_view *p, struct eco_error *error)
 {
 	uint64_t bytes = 0;
 	FILE *from = NULL;
@@ -190,7 +190,7 @@ static enum eco_code decode_pictures(struct sheet_plant *p, struct eco_error *er
 
 /* ---- A scene of one plant ---- */
 
-static enum eco_code make_scene(struct sheet_plant *p, struct eco_error *error)
+static enum eco_code make_scene(struct plant_view *p, struct eco_error *error)
 {
 	const struct eco_scene *s = &p->pack->scene;
 	const struct eco_plant *plant = &s->plants[p->number];
@@ -224,20 +224,18 @@ static enum eco_code make_scene(struct sheet_plant *p, struct eco_error *error)
 	return ECO_OK;
 }
 
-static void set_view(struct sheet_plant *p, const double target[3], double half, uint32_t pixels)
+static void set_view(struct plant_view *p, const double target[3], double half, uint32_t pixels)
 {
 	memcpy(p->view.target, target, sizeof p->view.target);
 	p->view.up[2] = 1;
 	p->view.fov_y_deg = 2 * atan(half) * (180 / M_PI);
 	p->view.width = p->view.height = pixels;
 	lod_eye_make(&p->eye, &p->view);
-	struct eco_view fine = p->view;
-	fine.width = fine.height = pixels * SHEET_SAMPLES;
-	lod_eye_make(&p->fine_eye, &fine);
 }
 
 /* Extends low and high by the batch's corners as seen, in tangents. */
-static void see_batch(const struct lod_eye *eye, const struct sheet_batch *b, double low[2], double high[2])
+static void see_batch(const struct lod_eye *eye, const struct plant_view_batch *b, double low[2],
+	double high[2])
 {
 	size_t corners = b->impostor ? 0 : (size_t)b->count * eco_list_vertices(b->list->list);
 	for (size_t i = 0; i < corners; i++) {
@@ -251,42 +249,48 @@ static void see_batch(const struct lod_eye *eye, const struct sheet_batch *b, do
 	}
 }
 
-/* The camera stands to the south, a little above; the picture just holds the plant. */
-static enum eco_code fit_view(struct sheet_plant *p, uint32_t pixels, struct eco_error *error)
+static void fit_view(struct plant_view *p, const struct plant_view_drawing *all, double target[3],
+	double away)
 {
-	const struct eco_anchor *whole = &p->scene.anchors[p->scene.plants[p->number].anchor_first];
-	double target[3] = { whole->center[0], whole->center[1], whole->center[2] },
-		radius = whole->radius > 0 ? whole->radius : 1;
-	double away = AWAY_RADII * radius, low[2] = { INFINITY, INFINITY },
-		high[2] = { -INFINITY, -INFINITY };
-	p->view = (struct eco_view){ .eye = { target[0], target[1] - away, target[2] + DOWN * away } };
-	set_view(p, target, 1.2 / AWAY_RADII, pixels);
-	struct sheet_drawing all;
-	enum eco_code code = sheet_drawing_make(&all, p, ECO_VERTICES_MAX, error);
-	if (code)
-		return code;
-	for (uint32_t i = 0; i < all.count; i++)
-		see_batch(&p->eye, &all.batches[i], low, high);
-	p->full = all.vertices;
-	sheet_drawing_free(&all);
+	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
+	for (uint32_t i = 0; i < all->count; i++)
+		see_batch(&p->eye, &all->batches[i], low, high);
 	if (!(high[0] >= low[0]))
-		return ECO_OK;
+		return;
 	const struct lod_eye eye = p->eye;
 	double x = (low[0] + high[0]) / 2, y = (low[1] + high[1]) / 2,
 		half = fmax(high[0] - low[0], high[1] - low[1]) / 2 * MARGIN;
 	for (int k = 0; k < 3; k++)
 		target[k] = eye.at[k] + (eye.forward[k] + x * eye.right[k] + y * eye.up[k]) * away;
-	set_view(p, target, fmax(half, 1e-4), pixels);
-	p->metres_a_pixel = 2 * fmax(half, 1e-4) * away / pixels;
+	set_view(p, target, fmax(half, 1e-4), p->view.width);
+}
+
+/* Draws full detail, first into a view around the plant's sphere, then into one that just holds it. */
+static enum eco_code look(struct plant_view *p, uint32_t pixels, struct eco_error *error)
+{
+	const struct eco_anchor *whole = &p->scene.anchors[p->scene.plants[p->number].anchor_first];
+	double target[3] = { whole->center[0], whole->center[1], whole->center[2] },
+		away = AWAY_RADII * (whole->radius > 0 ? whole->radius : 1);
+	struct plant_view_drawing all;
+	p->view = (struct eco_view){ .eye = { target[0], target[1] - away, target[2] + DOWN * away } };
+	set_view(p, target, 1.2 / AWAY_RADII, pixels);
+	enum eco_code code = plant_view_drawing_make(&all, p, ECO_VERTICES_MAX, error);
+	if (code)
+		return code;
+	p->full = all.vertices;
+	fit_view(p, &all, target, away);
+	plant_view_raster(&p->raster, p, &p->eye, &all, false);
+	memcpy(p->reference, p->raster.cover, (size_t)pixels * pixels);
+	plant_view_drawing_free(&all);
 	return ECO_OK;
 }
 
 /* ---- The planner's cuts ---- */
 
-static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cut *cut, struct sheet_batch *b,
-	struct eco_error *error)
+static enum eco_code make_batch(const struct plant_view *p, const struct eco_cut *cut,
+	struct plant_view_batch *b, struct eco_error *error)
 {
-	const struct sheet_list *list = b->list = &p->lists[cut->list];
+	const struct plant_view_list *list = b->list = &p->lists[cut->list];
 	uint32_t count = cut->end - cut->first, from = 0, end;
 	bool textured = list->list->kind == ECO_LIST_TRIANGLES && list->image != ECO_NONE
 		&& list->list->attributes & ECO_ATTR_UV && p->lists[list->image].picture.rgba;
@@ -322,7 +326,7 @@ static bool draws(const struct eco_cut *cut, const struct lod_anchor_band *seen,
 	return false;
 }
 
-static enum eco_code add_cuts(struct sheet_drawing *d, const struct sheet_plant *p,
+static enum eco_code add_cuts(struct plant_view_drawing *d, const struct plant_view *p,
 	const struct eco_plan *plan, struct lod_anchor_band *seen, struct eco_error *error)
 {
 	const struct eco_plant *plant = &p->scene.plants[p->number];
@@ -344,7 +348,7 @@ static enum eco_code add_cuts(struct sheet_drawing *d, const struct sheet_plant 
 		const struct eco_cut *cut = &plan->cuts[i];
 		if (cut->anchor == ECO_NONE || !draws(cut, seen, count, hash))
 			continue;
-		struct sheet_batch *b = &d->batches[d->count++];
+		struct plant_view_batch *b = &d->batches[d->count++];
 		code = make_batch(p, cut, b, error);
 		b->first = d->primitives;
 		d->primitives += b->count;
@@ -353,14 +357,14 @@ static enum eco_code add_cuts(struct sheet_drawing *d, const struct sheet_plant 
 	return code;
 }
 
-enum eco_code sheet_drawing_make(struct sheet_drawing *drawing, const struct sheet_plant *plant,
+enum eco_code plant_view_drawing_make(struct plant_view_drawing *drawing, const struct plant_view *plant,
 	uint64_t vertices, struct eco_error *error)
 {
 	struct eco_request request = { .view = plant->view, .vertices = vertices,
 		.bytes = ECO_BYTES_UNBOUNDED };
 	struct lod_planner_input input = { .scene = &plant->scene, .request = &request };
 	struct eco_plan plan;
-	*drawing = (struct sheet_drawing){ 0 };
+	*drawing = (struct plant_view_drawing){ 0 };
 	enum eco_code code = lod_plan(&plan, &input, error);
 	if (code)
 		return code;
@@ -372,65 +376,98 @@ enum eco_code sheet_drawing_make(struct sheet_drawing *drawing, const struct she
 	free(seen);
 	eco_plan_free(&plan);
 	if (code)
-		sheet_drawing_free(drawing);
+		plant_view_drawing_free(drawing);
 	return code;
 }
 
-void sheet_drawing_free(struct sheet_drawing *drawing)
+void plant_view_drawing_free(struct plant_view_drawing *drawing)
 {
 	for (uint32_t i = 0; i < drawing->count; i++)
 		lod_geometry_free(&drawing->batches[i].geometry);
 	free(drawing->batches);
-	*drawing = (struct sheet_drawing){ 0 };
+	*drawing = (struct plant_view_drawing){ 0 };
+}
+
+/* ---- Drawing ---- */
+
+static void raster_batch(struct lod_raster *raster, const struct plant_view *view,
+	const struct plant_view_batch *b, bool one_by_one)
+{
+	const struct plant_view_list *image = b->geometry.uv ? &view->lists[b->list->image] : NULL;
+	struct lod_raster_batch batch = { .owner = one_by_one ? (uint64_t)b->first + 1 : 1,
+		.count = one_by_one ? 1 : b->count, .area = b->area,
+		.cutout = image && image->cutout ? &image->picture : NULL };
+	if (b->impostor) {
+		lod_raster_impostor(raster, b->impostor, &(struct lod_raster_batch){ .owner = batch.owner });
+		return;
+	}
+	for (uint32_t i = 0; i < b->count; i += batch.count, batch.owner++) {
+		struct lod_geometry from = lod_geometry_from(&b->geometry, b->list->list, i);
+		lod_raster_list(raster, b->list->list, &from, &batch);
+	}
+}
+
+void plant_view_raster(struct lod_raster *raster, const struct plant_view *view, const struct lod_eye *eye,
+	const struct plant_view_drawing *drawing, bool one_by_one)
+{
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, eye, view->scene.near_m);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	for (uint32_t i = 0; i < drawing->count; i++)
+		raster_batch(raster, view, &drawing->batches[i], one_by_one);
+}
+
+double plant_view_q(struct plant_view *view, const struct plant_view_drawing *drawing)
+{
+	struct lod_score score;
+	plant_view_raster(&view->raster, view, &view->eye, drawing, false);
+	lod_score(&score, &(struct lod_score_input){ .width = view->raster.width,
+		.height = view->raster.height, .cover = view->raster.cover, .reference = view->reference });
+	return score.q;
 }
 
 /* ---- The plant ---- */
 
-enum eco_code sheet_plant_open(struct sheet_plant *plant, const struct eco_pack *pack, uint32_t number,
+enum eco_code plant_view_open(struct plant_view *view, const struct eco_pack *pack, uint32_t number,
 	uint32_t pixels, struct eco_error *error)
 {
 	assert(number < pack->scene.plant_count);
-	*plant = (struct sheet_plant){ .pack = pack, .number = number, .scene = pack->scene,
+	*view = (struct plant_view){ .pack = pack, .number = number, .scene = pack->scene,
 		.list_count = pack->scene.list_count,
-		.lists = calloc(pack->scene.list_count + 1u, sizeof *plant->lists),
+		.lists = calloc(pack->scene.list_count + 1u, sizeof *view->lists),
 		.reference = calloc(pixels, pixels) };
-	uint32_t fine = pixels * SHEET_SAMPLES;
-	enum eco_code code = plant->lists && plant->reference ? ECO_OK : no_memory(plant, error);
+	enum eco_code code = view->lists && view->reference ? ECO_OK : no_memory(view, error);
 	if (!code)
-		code = lod_raster_init(&plant->fine,
-			&(struct lod_raster_options){ .width = fine, .height = fine, .owner = true,
-			.item = true }, error);
-	if (!code)
-		code = lod_raster_init(&plant->coarse,
+		code = lod_raster_init(&view->raster,
 			&(struct lod_raster_options){ .width = pixels, .height = pixels }, error);
 	if (!code)
-		code = decode_lists(plant, error);
+		code = decode_lists(view, error);
 	if (!code)
-		code = decode_pictures(plant, error);
+		code = decode_pictures(view, error);
 	if (!code)
-		code = make_scene(plant, error);
+		code = make_scene(view, error);
 	if (!code)
-		code = fit_view(plant, pixels, error);
+		code = look(view, pixels, error);
 	if (code)
-		sheet_plant_close(plant);
+		plant_view_close(view);
 	return code;
 }
 
-void sheet_plant_close(struct sheet_plant *plant)
+void plant_view_close(struct plant_view *view)
 {
-	for (uint32_t i = 0; plant->lists && i < plant->list_count; i++) {
-		for (uint32_t c = 0; c < plant->lists[i].chunk_count && plant->lists[i].chunks; c++)
-			eco_elements_free(&plant->lists[i].chunks[c]);
-		for (uint32_t c = 0; c < plant->lists[i].chunk_count && plant->lists[i].impostors; c++)
-			lod_impostor_close(&plant->lists[i].impostors[c]);
-		free(plant->lists[i].impostors);
-		free(plant->lists[i].chunks);
-		eco_image_free(&plant->lists[i].picture);
+	for (uint32_t i = 0; view->lists && i < view->list_count; i++) {
+		struct plant_view_list *list = &view->lists[i];
+		for (uint32_t c = 0; c < list->chunk_count && list->chunks; c++)
+			eco_elements_free(&list->chunks[c]);
+		for (uint32_t c = 0; c < list->chunk_count && list->impostors; c++)
+			lod_impostor_close(&list->impostors[c]);
+		free(list->impostors);
+		free(list->chunks);
+		eco_image_free(&list->picture);
 	}
-	free(plant->lists);
-	free(plant->scene_lists);
-	free(plant->reference);
-	lod_raster_free(&plant->fine);
-	lod_raster_free(&plant->coarse);
-	*plant = (struct sheet_plant){ 0 };
+	free(view->lists);
+	free(view->scene_lists);
+	free(view->reference);
+	lod_raster_free(&view->raster);
+	*view = (struct plant_view){ 0 };
 }
