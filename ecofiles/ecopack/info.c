@@ -314,26 +314,6 @@ static void print_plants(const struct eco_scene *s, const struct totals *t, cons
 	}
 }
 
-/* Of few models: what each stands for, a line each. */
-static void print_stood_for(const struct eco_scene *s, const json_t *meta, FILE *out)
-{
-	for (uint32_t i = 0; i < s->plant_count; i++) {
-		json_t *models = json_object_get(meta_plant(meta, i), "stands_for"), *model;
-		double sum = 0, plants = 0;
-		size_t k;
-		json_array_foreach(models, k, model) {
-			double count = json_number_value(json_object_get(model, "plants"));
-			sum += count * json_number_value(json_object_get(model, "difference"));
-			plants += count;
-		}
-		if (json_array_size(models) > 1)
-			fprintf(out, "%s stands for %zu models, %.0f plants; %.2f of their pictures "
-				"differs\n",
-				s->plants[i].name, json_array_size(models), plants,
-				plants > 0 ? sum / plants : 0);
-	}
-}
-
 /* One line; none without ground. */
 static void print_ground(const struct eco_scene *s, FILE *out)
 {
@@ -391,7 +371,6 @@ static void print_info(const struct eco_pack *pack, const struct totals *t, cons
 	print_ground(s, out);
 	print_ground_image(s, t, out);
 	print_plants(s, t, meta, out);
-	print_stood_for(s, meta, out);
 	fprintf(out, "\n%-12s %8s %8s %12s %12s %10s\n", "lists", "count", "chunks", "primitives", "bytes",
 		"bits each");
 	for (int i = 1; i < KIND_COUNT; i++)

@@ -20,7 +20,7 @@
 
 static struct {
 	struct make_options make;
-	uint64_t jobs, cache_mb, models;
+	uint64_t jobs, cache_mb;
 	int order;
 	bool times, uncached, order_given;
 	const char *confined_to;     /* NULL: it may read everywhere; "": below the scene's folder */
@@ -73,7 +73,6 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 			"or --draft");
 	make->order = make->draft ? LOD_ORDER_COMBINED : (enum lod_order_method)make_given.order;
 	make->jobs = (uint32_t)make_given.jobs;
-	make->models = (uint32_t)make_given.models;
 	make->cache_bytes = make_given.cache_mb << 20;
 	if (make_given.uncached)
 		make->cache = NULL;
@@ -105,10 +104,6 @@ static const struct eco_option make_options[] = {
 		"stochastic, density, orientation, combined" },
 	{ "jobs", 0, ECO_OPTION_COUNT, "N", &make_given.jobs, 1, 64,
 		.help = "threads; as many as there are processors if not given" },
-	{ "models", 0, ECO_OPTION_COUNT, "N", &make_given.models, 1, 65536,
-		.help = "so many of the models stand for all: those that look most like the others, by what "
-		"of the picture differs, and by the plants that use them; only these are built. Each plant "
-		"keeps its height" },
 	{ "no-rows", 0, ECO_OPTION_FLAG, NULL, &make_given.make.no_rows,
 		.help = "for packs that strangers see: leaves out which row of which inventory each plant is, "
 		"what the row says of its species, and the inventories' names" },
@@ -123,7 +118,7 @@ static const struct eco_option make_options[] = {
 		.help = "finished plants are kept there for the next time; $XDG_CACHE_HOME/ecostream or "
 		"~/.cache/ecostream if not given" },
 	{ "no-cache", 0, ECO_OPTION_FLAG, NULL, &make_given.uncached,
-		.help = "every plant is built, and nothing is taken from a pack that is there" },
+		.help = "every plant is built" },
 	{ "cache-mb", 0, ECO_OPTION_COUNT, "N", &make_given.cache_mb, 1, 1048576,
 		.help = "the plants used least recently leave the cache beyond this size; 2048 if not "
 		"given" }, { 0 } };

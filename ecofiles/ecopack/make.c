@@ -59,8 +59,6 @@ static enum eco_code build(struct make *m)
 	enum eco_code code = eco_sources_load(&m->sources, m->options->scene, m->error);
 	if (!code)
 		code = eco_pack_create(&m->writer, m->options->pack, m->error);
-	if (!code)
-		make_kept_open(m);
 	/* report errors of inventories and ground before the plants, which take longest */
 	if (!code)
 		code = make_places_check(m);
@@ -101,8 +99,6 @@ static enum eco_code build(struct make *m)
 		struct eco_pack_writer *writer = m->writer;
 		m->writer = NULL;        /* committing frees it in any case */
 		code = eco_pack_commit(writer, &m->scene, meta, m->error);
-		if (!code)
-			make_kept_note(m);
 	}
 	free(meta);
 	return code;
@@ -118,11 +114,10 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 		: MAIN_CACHE_LIMIT_MB * (uint64_t)1048576);
 	enum eco_code code = build(&m);
 	main_times_stage(MAIN_STAGE_NONE);
-	main_times_cache(m.cache.folder, m.cache.hits, m.cache.misses, make_kept_count(&m));
+	main_times_cache(m.cache.folder, m.cache.hits, m.cache.misses);
 	main_cache_close(&m.cache);
 	main_progress_end();
 	eco_pack_abort(m.writer);
-	make_kept_close(&m);
 	make_places_free(&m);
 	make_plants_free(&m);
 	make_ground_free(&m);

@@ -1,7 +1,6 @@
 /* From a scene source to a pack.
  *
  *   sources     eco_sources_load: the scene file and the files it nests, each once
- *   few         a few models are chosen to stand for all, if asked for (few.h)               make_few.c
  *   ground      eco_ground_import, rounded to the pack's grid, cut into tiles                make_ground.c
  *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure     make_plants.c
  *               or taken from the cache of finished plants                                   make_cache.c
@@ -34,7 +33,6 @@ struct make_options {
 	uint32_t jobs;               /* threads; 0: as many as there are processors */
 	enum lod_order_method order; /* of leaves; a draft's: LOD_ORDER_COMBINED */
 	bool draft;                  /* for a first look (lod/build/plant.h), with textures of few texels */
-	uint32_t models;             /* so many models stand for all; 0: as the scene says */
 	/* folder of finished plants; NULL or "": none. Does not change the pack */
 	const char *cache;
 	bool no_rows;                /* leaves out which row of which inventory a plant is */
@@ -64,15 +62,7 @@ struct make_plant {              /* a model on its way into the pack */
 	double reach, low, high;     /* bounds: within reach of the axis, z from low to high */
 	uint32_t triangles_in, dropped[ECO_DROP_COUNT];
 	double foot[3], scale;       /* as the model was re-based (struct eco_model) */
-	/* of few models: the height by which places were scaled, 0: none were; the models that it stands for,
-	 * itself the first */
-	double looked_m;
-	struct make_stood_for *stood_for;
-	uint32_t stood_count;
 };
-
-/* A model that another stands for; the plants that use it. */
-struct make_stood_for { char name[64]; uint64_t plants; double difference; };
 
 /* species: of m->species; file: of the source's inventories, from 1 on, 0: of none; row, line: positions.h */
 struct make_place {
@@ -95,7 +85,6 @@ struct make_eco {                /* an eco file with its places, tiled */
 enum { MAKE_WEST, MAKE_EAST, MAKE_SOUTH, MAKE_NORTH, MAKE_SIDES };
 
 struct make_array { void *items; uint64_t count, capacity; };
-struct make_kept;
 
 struct make {
 	const struct make_options *options;
@@ -104,7 +93,6 @@ struct make {
 	struct make_plant *plants;   uint32_t plant_count;
 	struct main_cache cache;
 	uint32_t **plant_of;         /* [source][plant of the source] */
-	uint32_t models_given;       /* few models: as many as there were; 0: all are built */
 	struct eco_ground ground;
 	bool has_ground, ground_through;         /* from rasters, or through the plants */
 	double ground_low_m, ground_step_m;      /* its heights are whole steps above this */
@@ -119,7 +107,6 @@ struct make {
 	struct make_eco *ecos;       /* per source */
 	struct eco_string_pool species;    /* of places, as their rows, else their scene files, name them */
 	struct eco_pack_writer *writer;
-	struct make_kept *kept;      /* make_kept.c; NULL: build everything */
 	struct make_array textures;  /* make_textures.h */
 	/* make_tiles.c: plants of one kind in one leaf; each a group and a list */
 	struct make_array stands;
@@ -163,24 +150,6 @@ enum eco_code make_add_list(struct make *m, const struct eco_list *list, const s
 enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded,
 	uint32_t *list_id);
 
-/* The same for a list of another pack. */
-enum eco_code make_add_copied(struct make *m, const struct eco_list *list, const struct eco_pack *from,
-	uint32_t from_list, uint32_t *list_id);
-
-/* Lists of the pack to be replaced that can be taken unchanged. */
-void make_kept_open(struct make *m);
-/* instance list of the old pack, or ECO_NONE */
-uint32_t make_kept_stand(const struct make *m, const uint8_t *places, size_t size);
-void make_kept_tiles(struct make *m);                /* once all tables but summaries are there */
-/* list of the old pack that has these colours, or ECO_NONE */
-uint32_t make_kept_summary(const struct make *m, uint32_t tile, const uint8_t (*rgb)[3], uint32_t count);
-const struct eco_list *make_kept_list(const struct make *m, uint32_t old);
-enum eco_code make_kept_take(struct make *m, uint32_t old, struct eco_list *record, uint32_t *list_id);
-uint64_t make_kept_count(const struct make *m);      /* lists taken */
-/* notes that the next make may take lists from the new pack */
-void make_kept_note(struct make *m);
-void make_kept_close(struct make *m);
-
 /* as many as the options ask for, or the machine has processors */
 uint32_t make_threads(const struct make *m);
 
@@ -196,11 +165,6 @@ enum eco_code make_image_look(struct make *m);       /* reports errors before pl
 /* Packs the image of the ground, if the scene names one, once tiles and ground are there. */
 enum eco_code make_image(struct make *m);
 enum eco_code make_plants(struct make *m);           /* finds, builds and packs them */
-/* Files of a plant to a model, as its scene asks for. `warns`: what is odd about them is said. */
-enum eco_code make_import(struct make_plant *plant, struct eco_model *model, bool warns,
-	struct eco_error *error);
-/* Reads places and looks of all models, and leaves as many plants as are asked for, to be built. */
-enum eco_code make_few(struct make *m);
 void make_plants_free(struct make *m);
 
 /* Call it before any library is loaded on demand: it hashes the libraries that are loaded. */
@@ -208,10 +172,8 @@ void make_cache_begin(void);
 /* False if the program's file cannot be read: then keep nothing. */
 bool make_cache_key(struct main_cache_key *key, const struct eco_model *model,
 	const struct lod_plant_options *options);
-/* The key of the note that this program made a pack. */
 /* Of bytes that follow from so many others by this program alone; `what` tells kinds of entries apart. */
 bool make_cache_bytes_key(struct main_cache_key *key, const char *what, const void *bytes, size_t size);
-bool make_cache_pack_key(struct main_cache_key *key, const struct eco_chunk_id *pack);
 /* Fetches the plant, as lod_plant_measure left it, and gives it that name; false: not in the cache. */
 bool make_cache_get(struct main_cache *cache, const struct main_cache_key *key, const struct eco_model *model,
 	const char *name, struct lod_plant *plant);
@@ -224,9 +186,7 @@ void make_doubt_ground(const struct make *m);
 
 /* opens each inventory and takes its first plant; reads areas and masks */
 enum eco_code make_places_check(struct make *m);
-/* Fills m->ecos with places, by the heights and reaches of m->plants. */
-enum eco_code make_places_read(struct make *m);
-/* Reads the places unless they are there, and tiles them. */
+/* Fills m->ecos with places, by the heights and reaches of m->plants, and tiles them. */
 enum eco_code make_places(struct make *m);
 void make_places_drop(struct make *m);               /* frees the parts of m->ecos that only tiles need */
 void make_places_free(struct make *m);

@@ -146,11 +146,6 @@ bool make_cache_bytes_key(struct main_cache_key *key, const char *what, const vo
 	return ok;
 }
 
-bool make_cache_pack_key(struct main_cache_key *key, const struct eco_chunk_id *pack)
-{
-	return make_cache_bytes_key(key, "pack", pack->bytes, sizeof pack->bytes);
-}
-
 /* ---- Plants ---- */
 
 bool make_cache_key(struct main_cache_key *key, const struct eco_model *model,

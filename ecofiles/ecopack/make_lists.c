@@ -97,13 +97,6 @@ enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, cons
 	return code ? code : make_keep_list(m, *list_id);
 }
 
-enum eco_code make_add_copied(struct make *m, const struct eco_list *list, const struct eco_pack *from,
-	uint32_t from_list, uint32_t *list_id)
-{
-	enum eco_code code = eco_pack_add_copied(m->writer, list, from, from_list, list_id, m->error);
-	return code ? code : make_keep_list(m, *list_id);
-}
-
 uint32_t make_threads(const struct make *m)
 {
 	long processors = sysconf(_SC_NPROCESSORS_ONLN);

@@ -101,20 +101,9 @@ static json_t *searches_json(const struct lod_plant *plant)
 	return searches;
 }
 
-/* What it stands for, of few models: itself first. */
-static json_t *stood_for_json(const struct make_plant *plant)
-{
-	json_t *models = json_array();
-	for (uint32_t i = 0; i < plant->stood_count; i++)
-		append(&models, json_pack("{s:s, s:I, s:f}", "name", plant->stood_for[i].name,
-			"plants", (json_int_t)plant->stood_for[i].plants, "difference",
-			floor(plant->stood_for[i].difference * 1e4 + 0.5) / 1e4));
-	return models;
-}
-
 static json_t *plant_json(const struct make_plant *plant)
 {
-	json_t *json = json_pack("{s:s, s:s, s:f, s:I, s:I, s:o, s:o, s:I, s:f, s:o, s:[f,f,f], s:f}", "name",
+	return json_pack("{s:s, s:s, s:f, s:I, s:I, s:o, s:o, s:I, s:f, s:o, s:[f,f,f], s:f}", "name",
 		plant->name, "model", basename(plant->path),
 		"height_m", floor((double)plant->built.plant.height_m * 1e4 + 0.5) / 1e4, "triangles_in",
 		(json_int_t)plant->built.triangles_in,
@@ -124,9 +113,6 @@ static json_t *plant_json(const struct make_plant *plant)
 		floor(half_a_pixel_m(&plant->built) * 1e4 + 0.5) / 1e4,
 		"searches", searches_json(&plant->built), "foot", plant->foot[0], plant->foot[1],
 		plant->foot[2], "scale", plant->scale);
-	if (json && plant->stood_count)
-		make_put(&json, "stands_for", stood_for_json(plant));
-	return json;
 }
 
 static json_t *rows_json(const struct make *m)

@@ -322,7 +322,7 @@ enum eco_code make_places_check(struct make *m)
 	return ECO_OK;
 }
 
-enum eco_code make_places_read(struct make *m)
+static enum eco_code read_places(struct make *m)
 {
 	m->ecos = calloc(m->sources.count, sizeof *m->ecos);
 	if (!m->ecos)
@@ -337,16 +337,6 @@ enum eco_code make_places_read(struct make *m)
 			return code;
 	}
 	return ECO_OK;
-}
-
-/* Places that were read before the plants were built are scaled to the heights as built. */
-static void rescale(struct make *m, struct make_eco *eco)
-{
-	for (uint32_t i = 0; i < eco->place_count; i++) {
-		const struct make_plant *plant = &m->plants[eco->places[i].plant];
-		if (plant->looked_m > 0)
-			eco->places[i].scale *= plant->looked_m / (double)plant->built.plant.height_m;
-	}
 }
 
 static void say_off_ground(const struct make *m)
@@ -366,12 +356,10 @@ static void say_off_ground(const struct make *m)
 
 enum eco_code make_places(struct make *m)
 {
-	enum eco_code code = m->ecos ? ECO_OK : make_places_read(m);
+	enum eco_code code = read_places(m);
 	/* nested files come after the files that nest them, and are needed first */
-	for (uint32_t s = m->sources.count; s-- > 0 && !code;) {
-		rescale(m, &m->ecos[s]);
+	for (uint32_t s = m->sources.count; s-- > 0 && !code;)
 		code = tile_places(m, s);
-	}
 	if (code)
 		return code;
 	if (m->off_ground)

@@ -285,14 +285,13 @@ static enum eco_code build_or_recall(struct job *job, const struct eco_model *mo
 	return code;
 }
 
-enum eco_code make_import(struct make_plant *plant, struct eco_model *model, bool warns,
-	struct eco_error *error)
+static enum eco_code import_model(struct make_plant *plant, struct eco_model *model, struct eco_error *error)
 {
 	return eco_model_import(model,
 		&(struct eco_model_options){ .paths = (const char *const *)plant->source->models,
 		.path_count = plant->source->model_count, .height_m = plant->source->height_m,
 		.unit_m = plant->source->unit_m, .up = plant->source->up, .rules = plant->source->parts,
-		.rule_count = plant->source->part_count, .warn = warns ? warn : NULL, .ctx = plant }, error);
+		.rule_count = plant->source->part_count, .warn = warn, .ctx = plant }, error);
 }
 
 #define DRAFT_TEXELS 512u                /* of a side of a draft's texture */
@@ -316,7 +315,7 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	pthread_mutex_lock(&job->work->libraries);
 	main_times_stage(MAIN_STAGE_MODELS);
-	enum eco_code code = make_import(plant, &model, true, error);
+	enum eco_code code = import_model(plant, &model, error);
 	main_times_stage(MAIN_STAGE_NONE);
 	pthread_mutex_unlock(&job->work->libraries);
 	if (code)
@@ -497,8 +496,6 @@ enum eco_code make_plants(struct make *m)
 {
 	enum eco_code code = find_plants(m);
 	if (!code)
-		code = make_few(m);
-	if (!code)
 		code = build_plants(m);
 	main_times_stage(MAIN_STAGE_PACKING);
 	m->table = code ? NULL : calloc(m->plant_count + 1u, sizeof *m->table);
@@ -526,7 +523,6 @@ void make_plants_free(struct make *m)
 		free(plant->textures);
 		free(plant->images);
 		free(plant->path);
-		free(plant->stood_for);
 		lod_plant_free(&plant->built);
 	}
 	for (uint32_t s = 0; m->plant_of && s < m->sources.count; s++)

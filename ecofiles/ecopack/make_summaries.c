@@ -13,7 +13,7 @@
 #define POOL_POINTS 2048u
 #define SUMMARY_CHUNK 256u       /* a far tile asks for few points: small first chunks */
 
-struct summary_list { struct eco_list list; struct eco_encoded encoded; bool any; uint32_t kept; };
+struct summary_list { struct eco_list list; struct eco_encoded encoded; bool any; };
 
 static enum eco_code encode_summary(void *ctx, uint64_t i, void *result, struct eco_error *error)
 {
@@ -23,12 +23,6 @@ static enum eco_code encode_summary(void *ctx, uint64_t i, void *result, struct 
 	struct lod_summary summary;
 	struct eco_elements elements;
 	uint32_t ends[64], tile = summing->first + (uint32_t)i;
-	made->kept = make_kept_summary(summing->m, tile, (const uint8_t (*)[3])summing->palette.rgb,
-		summing->palette.count);
-	if (made->kept != ECO_NONE) {
-		made->any = true;
-		return ECO_OK;
-	}
 	enum eco_code code = lod_summary_make(&summary, &(struct lod_summary_input){ .scene = scene,
 		.pools = summing->pools, .tile = tile, .count = lod_summary_count(&scene->tiles[tile]),
 		.seed = 1, .roots = (const struct lod_summary_root *const *)summing->roots,
@@ -58,13 +52,8 @@ static enum eco_code add_summary(void *ctx, uint64_t i, void *result, struct eco
 	if (made->any) {
 		uint32_t tile = summing->first + (uint32_t)i,
 			*list = &((struct eco_tile *)m->tiles.items)[tile].summary;
-		if (made->kept != ECO_NONE) {
-			made->list = *make_kept_list(m, made->kept);
-			made->list.owner = tile;
-		}
 		made->list.palette_first = summing->palette_first;
-		code = made->kept != ECO_NONE ? make_kept_take(m, made->kept, &made->list, list)
-			: make_add_encoded(m, &made->list, &made->encoded, list);
+		code = make_add_encoded(m, &made->list, &made->encoded, list);
 		m->scene.needs |= ECO_NEED_SUMMARIES;
 		make_refer(m);           /* the lists may have moved */
 	}

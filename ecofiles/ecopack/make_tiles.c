@@ -24,8 +24,7 @@ struct stand {
 };
 
 /* Their list, and the same as a range of the scene's places. */
-struct stand_list { struct eco_list list; struct eco_encoded encoded; struct eco_writer twin; uint32_t kept;
-	};
+struct stand_list { struct eco_list list; struct eco_encoded encoded; struct eco_writer twin; };
 
 #define HEIGHT_STEPS 2048.0      /* of the smallest plant's height, at least */
 #define TURN_STEP 8u             /* of 65536: a plant as wide as high moves by its height / 5215 at its rim */
@@ -113,7 +112,7 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 			: count;
 	if (code || made->twin.failed)
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u instances", count);
-	else if ((made->kept = make_kept_stand(m, made->twin.bytes, made->twin.size)) == ECO_NONE)
+	else
 		code = eco_pack_encode(&made->encoded, &made->list, &e, ends, end_count, error);
 	eco_elements_free(&e);
 	return code;
@@ -146,8 +145,7 @@ static enum eco_code add_stand(void *ctx, uint64_t i, void *result, struct eco_e
 			(unsigned long long)place_first);
 	if (i % 1024 == 0 && !main_progress("packing instances", NULL, (double)i / (double)m->stands.count))
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
-	enum eco_code code = made->kept != ECO_NONE ? make_kept_take(m, made->kept, &made->list, &list)
-		: make_add_encoded(m, &made->list, &made->encoded, &list);
+	enum eco_code code = make_add_encoded(m, &made->list, &made->encoded, &list);
 	if (!code)
 		code = add_rows(m, stand);
 	struct eco_group *group = (struct eco_group *)m->groups.items + stand->group_first;
@@ -303,7 +301,6 @@ enum eco_code make_tiles(struct make *m)
 	make_refer(m);
 	make_add_up(m, m->scene.tile_count);
 	main_times_stage(MAIN_STAGE_SUMMARIES);
-	make_kept_tiles(m);
 	code = m->palette.count ? make_summaries(m) : ECO_OK;
 	make_refer(m);
 	return code;

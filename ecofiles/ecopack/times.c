@@ -22,7 +22,7 @@ static struct { double elapsed_s, cpu_s, peak_mb; uint32_t threads; } stages[MAI
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static double start_s, total_mb;
 static bool by_stage;
-static struct { char folder[1024]; uint64_t hits, misses, lists; } cache;
+static struct { char folder[1024]; uint64_t hits, misses; } cache;
 
 static _Thread_local struct { enum main_stage stage; double since_s, cpu_s, readers_s, readers_mb; } mine;
 
@@ -107,12 +107,11 @@ enum main_stage main_times_now(void) { return mine.stage; }
 
 void main_times_memory(bool wanted) { by_stage = wanted; }
 
-void main_times_cache(const char *folder, uint64_t hits, uint64_t misses, uint64_t lists)
+void main_times_cache(const char *folder, uint64_t hits, uint64_t misses)
 {
 	snprintf(cache.folder, sizeof cache.folder, "%s", folder);
 	cache.hits = hits;
 	cache.misses = misses;
-	cache.lists = lists;
 }
 
 void main_times_print(FILE *out)
@@ -125,9 +124,6 @@ void main_times_print(FILE *out)
 	if (cache.folder[0])
 		fprintf(out, "%" PRIu64 " of %" PRIu64 " plants were built before and came from %s\n",
 			cache.hits, cache.hits + cache.misses, cache.folder);
-	if (cache.lists)
-		fprintf(out, "%" PRIu64 " lists of instances and summaries came from the pack that was "
-			"there\n", cache.lists);
 }
 
 void main_times_total(double *elapsed_s, double *most_mb)

@@ -34,9 +34,8 @@ enum main_stage main_times_now(void);        /* of the calling thread */
  * asked for. */
 void main_times_memory(bool wanted);
 
-/* Plants found in the cache (a folder; "": none), plants not found, and lists taken from the replaced
- * pack: for the lines under the table. */
-void main_times_cache(const char *folder, uint64_t hits, uint64_t misses, uint64_t lists);
+/* Plants found in the cache (a folder; "": none), and plants not found: for the line under the table. */
+void main_times_cache(const char *folder, uint64_t hits, uint64_t misses);
 
 /* A table: elapsed and processor seconds by stage, and the most memory while it ran. */
 void main_times_print(FILE *out);

@@ -328,8 +328,6 @@ enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list
 /* The same for a list of an open pack. */
 enum eco_code eco_pack_points(const struct eco_pack *pack, uint32_t list_id, struct eco_elements *points,
 	struct eco_error *error);
-/* The chunks added so far, with offsets not yet final (valid until the next add). */
-const struct eco_chunk *eco_pack_chunks(const struct eco_pack_writer *writer);
 /* The list as stored so far (valid until the next add). */
 const struct eco_list *eco_pack_list(const struct eco_pack_writer *writer, uint32_t list_id);
 

@@ -481,11 +481,6 @@ enum eco_code eco_pack_points(const struct eco_pack *pack, uint32_t list_id, str
 	return code;
 }
 
-const struct eco_chunk *eco_pack_chunks(const struct eco_pack_writer *writer)
-{
-	return writer->chunks;
-}
-
 const struct eco_list *eco_pack_list(const struct eco_pack_writer *writer, uint32_t list_id)
 {
 	assert(list_id < writer->list_count);

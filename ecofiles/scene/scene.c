@@ -17,7 +17,7 @@
 #define YAW_MAX 1e6
 
 static const char *const scene_fields[] = { "name", "crs", "vertical", "origin", "ground", "plants",
-	"instances", "children", "tile", "importance", "models", NULL };
+	"instances", "children", "tile", "importance", NULL };
 static const char *const instance_fields[] = { "plant", "at", "yaw_deg", "scale", "height_m", NULL };
 static const char *const child_fields[] = { "eco", "at", "yaw_deg", "scale", NULL };
 static const char *const tile_fields[] = { "instances", NULL };
@@ -157,10 +157,6 @@ static bool parse_document(struct eco_source *source, const struct eco_json *top
 	if (source->crs && !origin.value)
 		return eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene with a CRS needs "
 			"the point that is its 0, 0, 0, such as \"origin\": [747375, 4308510, 0]");
-	uint64_t models = 0;
-	if (!eco_json_whole(top, "models", 1, 65536, &models))
-		return false;
-	source->models = (uint32_t)models;
 	return parse_tile(source, top) && eco_scene_parse_ground(source, top)
 		&& eco_scene_parse_plants(source, top) && parse_instances(source, top)
 		&& parse_children(source, top);

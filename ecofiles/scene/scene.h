@@ -68,7 +68,6 @@ struct eco_source {
 	struct eco_ground_image_source ground_image;         /* file_count 0: none; as ground */
 	struct eco_ground_source ground;     /* height_count 0: none. Only the outermost file has ground */
 	uint32_t tile_instances;             /* a tile is split above this many */
-	uint32_t models;                     /* so many stand for all; 0: all. Counts in the outermost file */
 	struct eco_source_plant *plants;                uint32_t plant_count;
 	uint32_t *plants_by_name;            /* indices of first variants, sorted by name; name_count */
 	uint32_t name_count;

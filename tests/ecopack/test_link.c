@@ -400,56 +400,21 @@ static void edit(uint64_t *seed)
 }
 
 /* ECO_EDITS in the environment: how many. */
-UNIT_TEST(edited_packs_equal_full_builds)
+UNIT_TEST(edited_parts_that_are_linked_equal_the_whole)
 {
 	const char *wanted = getenv("ECO_EDITS");
 	int edits = wanted ? atoi(wanted) : 4;
 	uint64_t seed = 4;
 	struct eco_error error = { 0 };
 	write_parts(5);
-	unlink(in_root("whole.eco"));
-	make("whole.json", "whole.eco", true);
 	for (int i = 0; i < edits; i++) {
 		edit(&seed);
-		make("whole.json", "whole.eco", true);         /* from the pack that is there */
-		unlink(in_root("full.eco"));
-		make("whole.json", "full.eco", i % 16 != 0);   /* from nothing: now and then plants, too */
-		if (!same("whole.eco", "full.eco"))
-			fail_msg("edit %d: building again is not the same as building anew", i);
+		make("whole.json", "whole.eco", i % 16 != 0);
 		make_parts();
 		assert_ok(link_parts("linked.eco", &error), error);
-		if (!same("linked.eco", "full.eco"))
+		if (!same("linked.eco", "whole.eco"))
 			fail_msg("edit %d: parts that are linked are not the whole", i);
 	}
-}
-
-/* Parts that did not change are taken from the old pack: a plant at the edge of one part leaves the others'
- * lists alone. */
-UNIT_TEST(only_what_depends_on_a_change_is_built)
-{
-	struct make m = { .options = &(struct make_options){ .pack = in_root("whole.eco") } };
-	struct eco_error error = { 0 };
-	write_parts(6);
-	make("whole.json", "whole.eco", true);
-	main_cache_open(&m.cache, cache, 1 << 30);
-	m.error = &error;
-	make_kept_open(&m);
-	assert_non_null(m.kept);
-	struct eco_pack *pack = NULL;
-	assert_int_equal(eco_pack_open(&pack, in_root("whole.eco"), NULL), ECO_OK);
-	const struct eco_group *group = eco_list_groups(&pack->scene,
-		pack->scene.groups[pack->scene.group_count / 2].list);
-	const uint8_t *places = pack->scene.places + group->place_first * ECO_PLACE_BYTES;
-	size_t size = (size_t)pack->scene.lists[group->list].primitive_count * ECO_PLACE_BYTES;
-	uint8_t *changed = malloc(size);
-	memcpy(changed, places, size);
-	assert_int_equal(make_kept_stand(&m, changed, size), group->list);
-	changed[0] ^= 1;
-	assert_int_equal(make_kept_stand(&m, changed, size), ECO_NONE);
-	free(changed);
-	eco_pack_close(pack);
-	make_kept_close(&m);
-	main_cache_close(&m.cache);
 }
 
 /* Flips bytes of the payloads: what lies behind the tables, in the last quarter of the file. */
@@ -463,18 +428,6 @@ static void damage(const char *name)
 	assert_int_equal(fwrite(bytes, 1, size, file), size);
 	assert_int_equal(fclose(file), 0);
 	free(bytes);
-}
-
-UNIT_TEST(a_damaged_pack_is_built_anew)
-{
-	write_parts(7);
-	unlink(in_root("full.eco"));
-	make("whole.json", "full.eco", true);
-	make("whole.json", "whole.eco", true);
-	damage("whole.eco");
-	assert_false(same("whole.eco", "full.eco"));
-	make("whole.json", "whole.eco", true);
-	assert_true(same("whole.eco", "full.eco"));
 }
 
 UNIT_TEST(a_damaged_part_is_named)
