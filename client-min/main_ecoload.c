@@ -6,7 +6,6 @@
 #include <sys/resource.h>
 
 #include "client-min/load/view_load_report.h"
-#include "client-min/load/view_page.h"
 #include "client-min/load/view_views.h"
 #include "client-min/view_progress.h"
 #include "ecofiles/base/options.h"
@@ -24,7 +23,7 @@ static void on_signal(int number)
 
 static struct options {
 	struct view_load_options load;
-	const char *camera, *csv, *html;
+	const char *camera, *csv;
 	uint64_t clients, decode, cold, resumes, scores;
 	double snap_m;
 	bool has_decode, json;
@@ -90,8 +89,7 @@ static const struct eco_option option_table[] = {
 		.help = "after the run, so many of its views are asked for once more, drawn, and scored "
 		"against the full scene" },
 	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "figures as JSON" },
-	{ "csv", 0, ECO_OPTION_TEXT, "FILE", &given.csv, .help = "a line an answer" },
-	{ "html", 0, ECO_OPTION_TEXT, "FILE", &given.html, .help = "figures and plots" }, { 0 }
+	{ "csv", 0, ECO_OPTION_TEXT, "FILE", &given.csv, .help = "a line an answer" }, { 0 }
 };
 
 static const struct eco_command command = { .name = "ecoload", .options = option_table,
@@ -139,8 +137,6 @@ static enum eco_code report(struct options *o, const struct view_load_report *re
 		code = o->json ? print_json(&summary, error) : view_load_print(&summary, stdout, error);
 	if (!code && o->csv)
 		code = view_load_csv(&summary, o->csv, error);
-	if (!code && o->html)
-		code = view_page_write(&summary, o->html, error);
 	if (!code && !view_load_clean(result))
 		code = eco_fail(error, ECO_DAMAGED, "there were failures or violations, or no answer at all");
 	return code;

@@ -12,7 +12,6 @@
 #include "client-min/view_fetch.h"
 #include "client-min/draw/view_gl.h"
 #include "client-min/view_geojson.h"
-#include "client-min/view_glb.h"
 #include "client-min/view_measure.h"
 #include "client-min/view_options.h"
 #include "client-min/view_place.h"
@@ -47,7 +46,6 @@ struct viewer {                          /* everything that lives as long as the
 	double parts, part;
 	double turns_ms, begun_ms;               /* of the frame under way: turns_after, and when it began */
 	const struct lod_eye *eye;               /* of the frame under way, for its parts */
-	const struct eco_view *view;
 	struct view_frame *frame;
 	uint32_t frame_parts;                    /* drawn of it, ... */
 	struct view_frame drawn;                 /* ... the last of them */
@@ -164,9 +162,6 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 		code = view_select_casters(&casters, store, eye, error);
 	if (!code && v->options.digest && store == v->store)
 		code = view_digest_write(v->digest, store, &selection, error);
-	if (!code && v->options.glb && store == v->store && view_store_complete(store))
-		code = view_glb_save(&(struct view_glb_job){ store, &selection, v->view, v->asks },
-			v->options.dir, v->frame->frame, error);
 	double near_m = view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1, ground_m;
 	struct view_reference_job job = { store, &selection, eye, near_m, 0, &interrupted,
 		(enum view_tint)v->options.tint };
@@ -273,7 +268,6 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	struct view_store_stats before = view_store_stats(v->store);
 	step(v, f->frame, "stream");
 	v->eye = eye;
-	v->view = &request->view;
 	v->frame = f;
 	v->frame_parts = 0;
 	view_fetch_mark(v->fetch, &v->options.marks, save_part, v);
@@ -541,7 +535,7 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	if (!code && o->geojson)
 		code = view_map_fetch(v->fetch, &v->map, error);
 	fetch.chunks = NULL;
-	if (!code && (o->geojson || o->glb))
+	if (!code && o->geojson)
 		code = view_fetch_new(&v->asks, &fetch, error);
 	if (!code)
 		code = open_engine(v, error);

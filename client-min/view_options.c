@@ -88,9 +88,6 @@ static const struct eco_option option_table[] = {
 		.help =
 		"with the reference: also ours, full detail and the error that people see (FLIP) side by "
 		"side, with their numbers, as compare-0000.png" },
-	{ "glb", 0, ECO_OPTION_FLAG, NULL, &given.glb,
-		.help = "also writes what is drawn as frame-0000.glb (glTF 2.0) for other programs: plain "
-		"triangles, a node a plant, named by its species, with its row; a camera" },
 	{ "geojson", 0, ECO_OPTION_FLAG, NULL, &given.geojson,
 		.help = "also which plants are seen, as frame-0000.geojson: longitude and latitude (metres "
 		"where the scene has no CRS), species and what it is shown as, height, pixels, distance, how "
@@ -125,8 +122,7 @@ const struct eco_command view_command = { .name = "ecoview", .options = option_t
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
 	"[--ground-px X] [--texel-px X] [--ahead S] [--snap M] [--rule NAME] [--reference[=cpu|egl]] [--compare] "
 	"[--tint NAME] "
-	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--owners] [--glb] "
-	"[--geojson] "
+	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--owners] [--geojson] "
 	"[--frames A..B] [--progressive LIST] [--chunks URL] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "

@@ -1,7 +1,7 @@
 /* Load on a server: many clients, each asking for the views of a script, from a few threads.
  *
  *   view_load_run(&report, &options, &error);        returns after `seconds`, or when *stop is set
- *   ... view_load_print, view_load_json, view_page_write ...
+ *   ... view_load_print, view_load_json, view_load_csv ...
  *   view_load_free(&report);
  *
  * Clients that only count what they get share one thread; those that decode it share one a processor, so that

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The plants of a view, from an inventory to a GIS: those that the eye sees, each with its own species, though all share a model, and with the
-# row that it comes from, where the row says; nodes of a GLB say the same.
+# row that it comes from, where the row says.
 set -u
 dir=$(mktemp -d)
 trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$dir"' EXIT
@@ -48,19 +48,6 @@ jq -e '[.features[].properties | select(.species != .plant) | .species] == ["ash
 view bare --geojson -o "$dir/plain" || fail "$(cat "$dir/out")"
 jq -e '[.features[].properties | select(.row == null and .file == null) | .species] | sort == ["ash", "oak", "oak"]' \
 	"$dir/plain/frame-0000.geojson" >/dev/null || fail "without rows: $(cat "$dir/plain/frame-0000.geojson")"
-# the same as nodes: drawn are those behind others, too
-nodes() { # SCENE: what its nodes say of plants
-	view "$1" --glb -o "$dir/nodes-$1" || fail "$(cat "$dir/out")"
-	size=$(od -An -tu4 -j12 -N4 "$dir/nodes-$1/frame-0000.glb")
-	tail -c +21 "$dir/nodes-$1/frame-0000.glb" | head -c "$size" | jq -c '[.nodes[] | select(.extras.height_m)]'
-}
-nodes scene >"$dir/nodes"
-jq -e --slurpfile all "$dir/all.geojson" 'length == 4 and all(.[]; . as $n | any($all[0].features[].properties; .row == $n.extras.row
-	and .line == $n.extras.line and .file == $n.extras.file and .species == $n.extras.species and .species == $n.name))' "$dir/nodes" \
-	>/dev/null || fail "nodes: $(cat "$dir/nodes")"
-nodes bare >"$dir/nodes"
-jq -e 'length == 4 and ([.[].name] | sort == ["ash", "ash", "oak", "oak"]) and all(.[]; .extras.row == null)' "$dir/nodes" >/dev/null ||
-	fail "nodes without rows: $(cat "$dir/nodes")"
 # also while an answer comes, of which a picture is drawn on the way
 view scene --geojson --progressive 500,1000 -o "$dir/steps" || fail "in steps: $(cat "$dir/out")"
 jq -e 'all(.features[].properties; .row > 0)' "$dir/steps/frame-0000.geojson" >/dev/null || fail "in steps: no rows"

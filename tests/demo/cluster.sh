@@ -153,7 +153,7 @@ start_nginx() {
 load() {
 	name=$1 seconds=$2; shift 2
 	"$BUILD/ecoload" "$BASE/v1/scenes/park" --chunks "$BASE/v1/scenes/park/chunks" --camera flyover --clients 12 --cold 4 --decode 2 \
-		--seconds "$seconds" --vertices 60000 --bandwidth 1000000 --resume 3 --json --html "$OUT/$name.html" "$@" \
+		--seconds "$seconds" --vertices 60000 --bandwidth 1000000 --resume 3 --json --csv "$OUT/$name.csv" "$@" \
 		>"$OUT/$name.json" 2>"$OUT/$name.err" &
 	LOAD=$!
 }
@@ -225,6 +225,6 @@ gone=$(status "$AT_1" "$old" "") cached=$(status "${BASE#http://}" "$old" "")
 echo "a chunk of the pack that was replaced: $kept within $KEEP s, $gone after, $cached from nginx's cache"
 [ "$kept $gone $cached" = "200 404 200" ] || failed=1
 [ "$(jq .renewed "$OUT/replaced.json")" -gt 0 ] || { echo "no client saw the new pack"; failed=1; }
-echo "pages with plots: $OUT/{well,killed,drained,replaced}.html"
+echo "a line an answer: $OUT/{well,killed,drained,replaced}.csv"
 [ $failed = 0 ] && echo "cluster-demo: well" || echo "cluster-demo: not well"
 exit $failed
