@@ -97,7 +97,8 @@ BASELINE_ROOM := tests/bench/baseline
 VIEW_ROOMS := client-min client-min/draw client-min/load
 # both ends for programs of others: libecostream
 LIBRARY_ROOM := client-min/library
-ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server server/request $(VIEW_ROOMS) $(LIBRARY_ROOM) $(PACK_ROOM) $(SUPPORT_ROOM)
+LIBRARY_ROOMS := $(LIBRARY_ROOM) server/library
+ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server server/request $(VIEW_ROOMS) $(LIBRARY_ROOMS) $(PACK_ROOM) $(SUPPORT_ROOM)
 
 # Libraries that few scenes need are loaded when one does, by what calls them (ecofiles/base/module.h): NAME_*.c of any room make ecoNAME.so.
 MODULE_NAMES := assimp cairo gdal image proj
@@ -122,7 +123,7 @@ LIB_ECO := $(call archive,$(ECO_ROOMS))
 LIB_BUILD := $(call archive,$(BUILD_ROOMS) lod)
 LIB_SERVER := $(call archive,server server/request lod/plan $(CORE_ROOMS))
 LIB_VIEW := $(call archive,$(VIEW_ROOMS) lod/raster $(CORE_ROOMS))
-LIB_ALL := $(call archive,$(LIBRARY_ROOM) $(VIEW_ROOMS) server server/request lod/plan $(BUILD_ROOMS) lod $(ECO_ROOMS)) $(LIB_DRACO)
+LIB_ALL := $(call archive,server/library $(LIBRARY_ROOM) $(VIEW_ROOMS) server server/request lod/plan $(BUILD_ROOMS) lod $(ECO_ROOMS)) $(LIB_DRACO)
 
 PROGRAMS := $(B)/ecopack $(B)/ecoserve $(B)/ecoview $(B)/ecoload
 TEST_SOURCES := $(wildcard tests/*/test_*.c)
@@ -183,7 +184,7 @@ VERSION := $(shell sed -n 's/^#define ECO_VERSION "\(.*\)"/\1/p' ecofiles/base/v
 SOVERSION := 0
 LIBRARY := $(B)/libecostream.so.$(SOVERSION)
 LIBRARY_PARTS := $(call archive,$(VIEW_ROOMS) server server/request lod/raster lod/plan $(CORE_ROOMS)) $(LIB_DRACO)
-$(LIBRARY): $(LIBRARY_ROOM)/ecostream.map $(call objects,$(call sources,$(LIBRARY_ROOM))) $(LIBRARY_PARTS)
+$(LIBRARY): $(LIBRARY_ROOM)/ecostream.map $(call objects,$(foreach room,$(LIBRARY_ROOMS),$(call sources,$(room)))) $(LIBRARY_PARTS)
 	$(call say,ld,$@)
 	$(Q)$(LINK_C) -shared -o $@ -Wl,-soname,$(@F) -Wl,--version-script,$< $(filter %.o,$^) $(call group,$(LIBRARY_PARTS)) \
 		$(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) -ljpeg -lpng -lwebp $(LIBS_DRACO) $(LIBS_CORE)

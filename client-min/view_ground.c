@@ -109,6 +109,18 @@ void view_ground_place(const struct view_ground *ground, const struct view_groun
 		out[k] = (float)(at[k] - ground->anchor[k]) * ground->step[k];
 }
 
+const uint32_t view_ground_corners[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
+
+uint32_t view_ground_triangles(const struct view_ground *ground, const struct view_ground_tile *tile, float *out)
+{
+	for (uint32_t y = 0; y + 1 < tile->y.inner && out; y++)
+		for (uint32_t x = 0; x + 1 < tile->x.inner; x++)
+			for (int c = 0; c < 6; c++, out += 3)
+				view_ground_place(ground, tile, view_ground_sample(tile,
+					x + view_ground_corners[c][0], y + view_ground_corners[c][1]), out);
+	return 2 * (tile->x.inner - 1) * (tile->y.inner - 1);
+}
+
 /* The sample of the span's inner ones at or before `at`, but for the last, and how far `at` is on the way to
  * the next; false outside. Places of samples are `stride` apart. */
 static bool find_cell(const struct eco_ground_span *span, const int32_t *places, size_t stride, double at,

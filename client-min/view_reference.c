@@ -49,20 +49,6 @@ static bool stopped(const struct view_reference_job *job)
 	return job->stop && *job->stop;
 }
 
-/* Two triangles a cell, their diagonal from south-west to north-east. */
-static const uint32_t cell_corners[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
-
-static uint32_t tile_triangles(const struct view_ground *ground, const struct view_ground_tile *tile,
-	float *out)
-{
-	for (uint32_t y = 0; y + 1 < tile->y.inner; y++)
-		for (uint32_t x = 0; x + 1 < tile->x.inner; x++)
-			for (int c = 0; c < 6; c++, out += 3)
-				view_ground_place(ground, tile, view_ground_sample(tile,
-					x + cell_corners[c][0], y + cell_corners[c][1]), out);
-	return 2 * (tile->x.inner - 1) * (tile->y.inner - 1);
-}
-
 static void draw_ground(struct worker *w)
 {
 	const struct view_ground *ground = &w->scene->job->selection->ground;
@@ -71,7 +57,7 @@ static void draw_ground(struct worker *w)
 	lod_raster_object(&w->raster, &place);
 	for (uint32_t i = 0; i < ground->count && !stopped(w->scene->job); i++) {
 		struct lod_raster_batch batch = { .position = w->ground, .item = i * TILE_TRIANGLES };
-		batch.count = tile_triangles(ground, &ground->tiles[i], w->ground);
+		batch.count = view_ground_triangles(ground, &ground->tiles[i], w->ground);
 		lod_raster_triangles(&w->raster, &batch);
 	}
 }
@@ -181,7 +167,7 @@ static void find_facet(const struct view_ground *ground, uint32_t item, struct f
 	f->item = item;
 	f->made = true;
 	for (uint32_t c = 0; c < 3; c++) {
-		const uint32_t *at = cell_corners[3 * (triangle & 1) + c];
+		const uint32_t *at = view_ground_corners[3 * (triangle & 1) + c];
 		uint32_t sample = view_ground_sample(tile, triangle / 2 % columns + at[0],
 			triangle / 2 / columns + at[1]);
 		view_ground_place(ground, tile, sample, f->corner[c]);

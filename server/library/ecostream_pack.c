@@ -1,4 +1,4 @@
-/* Packs and answers: the server's store and streams, one scene at a time and without HTTP. */
+/* The end of libecostream where packs are: the server's store and streams, one scene at a time, without HTTP. */
 #include <stdlib.h>
 #include <string.h>
 
