@@ -5,7 +5,7 @@
  *   lod_raster_init(&r, &options, &error);           once; then lod_raster_clear for each picture
  *   lod_raster_camera(&r, &eye, near_m);             world -> pixels
  *   lod_raster_object(&r, &place);                   object -> world, for the batches that follow
- *   lod_raster_triangles / _lines / _points / _splats    filled by GL's rules
+ *   lod_raster_triangles / _lines / _splats    filled by GL's rules
  *
  * It agrees with OpenGL: window coordinates snapped to 1/256 pixel, centre sampling, top-left rule, triangles
  * clipped at the near plane, both sides drawn, depth tested per pixel. The nearer sample wins; at equal
@@ -15,14 +15,11 @@
  *
  * A client that draws the same by other means computes the following. v(p) is an object point in metres along
  * right, up and forward from the eye; the picture has W x H pixels; depth is w = forward; everything with w <
- * near_m is clipped, points are then not drawn.
+ * near_m is clipped.
  *   pixel     x = W/2 + W/2 v.right / (w tan_x),  y = H/2 - H/2 v.up / (w tan_y), from the top left;
  *             rounded to 1/256
  *   line      a, b = v(ends), m = (a + b) / 2, o = cross(b - a, m), o *= width * scale / 2 / |o|:
  *             the quad a-o, b-o, b+o, a+o (two triangles); nothing if |o| is 0
- *   point     h = sqrt(area * size) * scale * H / (2 tan_y) / w / 2 around the pixel position (x, y) of its
- *             centre: the pixels with centres in [x-h, x+h) x [y-h, y+h), bounds rounded to 1/256; all at
- *             the depth of the centre. There may be none.
  *   splat     the ellipse of lod/splat.h around the centre's pixel position, at the depth of its near
  *             side, but no nearer than near_m; drawn whole or not at all, by its centre's w. Without half
  *             axes it is a ball, whose disc has the area area * size: so are the points of packs
@@ -67,23 +64,22 @@ void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
 /* One batch: a range of one list. Positions are in object space. */
 struct lod_mask;
 struct lod_raster_batch {
-	uint32_t count;              /* triangles, lines or points */
-	/* 3 per vertex; triangles: 3 vertices each, lines: 2, points, splats: 1 */
+	uint32_t count;              /* triangles, lines or splats */
+	/* 3 per vertex; triangles: 3 vertices each, lines: 2, splats: 1 */
 	const float *position;
 	const float *uv;             /* triangles only, 2 per vertex, or NULL */
 	const struct eco_image *cutout;   /* samples with alpha < 0.5 (nearest texel, wrapping) are left out;
 	                                   * NULL: opaque */
 	const struct lod_mask *mask; /* the same by bits, which caches hold where they hold no image; or NULL */
 	const float *width;          /* lines: full width in object units, one each */
-	float area;                  /* points: area of the square in object units^2; balls: of the disc */
-	const float *size;           /* points: factors of `area`, one each, or NULL: all 1 */
+	float area;                  /* balls: area of the disc, object units^2 */
+	const float *size;           /* balls: factors of `area`, one each, or NULL: all 1 */
 	const float *half, *opacity; /* splats: three half axes (9), and 1, each; NULL: balls, opaque */
 	uint32_t item;               /* number of the first primitive; those after it count on */
 	uint64_t owner;              /* 0 draws ground, which hides and is not covered */
 };
 void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_batch *batch);
 void lod_raster_lines(struct lod_raster *raster, const struct lod_raster_batch *batch);
-void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch *batch);
 void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch *batch);
 /* One impostor (lod/impostor.h); pixels have the items batch->item + cell. As a splat it is drawn whole or
  * not at all, and not where the eye is in the ball around it. Only owner and item of the batch count. */
@@ -98,8 +94,8 @@ void lod_raster_list(struct lod_raster *raster, const struct eco_list *list,
 /* True if a world-space sphere is certainly hidden behind what has been drawn (coarse depth, ground
  * included), or outside the picture. Leaving out the contents of such a sphere changes no pixel. The sphere
  * must hold all that would be drawn: half a line's width around its ends, a ball's radius or a splat's
- * longest half axis around its centre, 0.71 sqrt(area * size) around a point; each times the place's scale.
- * Objects may be up to a thousand radii across. */
+ * longest half axis around its centre; each times the place's scale. Objects may be up to a thousand radii
+ * across. */
 bool lod_raster_hides(struct lod_raster *raster, const double center[3], double radius);
 
 /* Merges one finished picture into another of the same size and options by the rule of drawing. Threads may

@@ -322,13 +322,3 @@ void lod_fill_row(const struct lod_paint *paint, uint32_t row, uint32_t from, ui
 {
 	paint_span(paint, row, from, from, to, z, 0, &(struct slope){ z, 0, 0, z, z });
 }
-
-void lod_fill_box(const struct lod_paint *paint, int32_t x0, int32_t y0, int32_t x1, int32_t y1, float z)
-{
-	struct box box = { lod_pixel_from(x0), lod_pixel_from(y0), lod_pixel_from(x1) - 1,
-		lod_pixel_from(y1) - 1 };
-	if (!box_clamp(&box, paint->raster))
-		return;
-	for (int32_t row = box.top; row <= box.bottom; row++)
-		lod_fill_row(paint, (uint32_t)row, (uint32_t)box.left, (uint32_t)box.right + 1, z);
-}

@@ -66,9 +66,6 @@ void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner co
 /* Fills those lanes of four, without a cut-out, whose boxes are at most LOD_SMALL pixels wide and high and
  * inside the picture. */
 void lod_fill_small(const struct lod_paint *paint, const struct lod_four *four, unsigned lanes);
-/* Fills the box [x0, x1) x [y0, y1) (1/256 pixel) at depth z. */
-void lod_fill_box(const struct lod_paint *paint, int32_t x0, int32_t y0, int32_t x1, int32_t y1, float z);
-
 /* Fills pixels [from, to) of a row at depth z; from < to. */
 void lod_fill_row(const struct lod_paint *paint, uint32_t row, uint32_t from, uint32_t to, float z);
 

@@ -143,17 +143,6 @@ UNIT_TEST(a_triangle_for_each_leaf_keeps_most_of_the_picture)
 		fail_msg("Q of triangles is %.3f", q);
 }
 
-UNIT_TEST(a_plain_order_has_plain_codes)
-{
-	struct lod_foliage f;
-	begin();
-	foliage_random(&f, &(struct foliage_random){ 200, 4, 1, 0.1, 2 }, &arena);
-	struct lod_rank rank = make(&f, (struct lod_rank_options){ .plain = true });
-	assert_permutation(&f, &rank);
-	for (uint32_t i = 0; i < f.count; i++)
-		assert_int_equal(rank.growth[i], ECO_GROWTH_PLAIN);
-}
-
 static double least_wrong(const struct lod_foliage *foliage, const struct lod_rank *rank, uint32_t count)
 {
 	double least = 1, wrong;

@@ -216,7 +216,7 @@ UNIT_TEST(what_is_no_number_or_behind_draws_nothing)
 			lod_raster_lines(&raster,
 				&(struct lod_raster_batch){ .count = 1, .position = bad[i],
 				.width = (float[]){ NAN } });
-		lod_raster_points(&raster, &batch);
+		lod_raster_splats(&raster, &batch);
 		if (i != 5)
 			assert_int_equal(raster_covered(&raster), 0);
 		lod_raster_clear(&raster);

@@ -1,4 +1,4 @@
-/* The rasteriser's promises about depth, batches, merging, hiding, cut-outs, lines and points. */
+/* The rasteriser's promises about depth, batches, merging, hiding, cut-outs and lines. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -110,12 +110,12 @@ UNIT_TEST(nearer_wins_and_of_equals_the_smaller_owner)
 	}
 }
 
-/* Triangles from slivers to larger than the picture, some behind the eye; lines; points. */
+/* Triangles from slivers to larger than the picture, some behind the eye; lines. */
 static void draw_anything(struct lod_raster *raster, uint32_t count, const struct eco_image *image,
 	uint64_t owner)
 {
 	float position[9 * 64], uv[6 * 64], width[64];
-	for (uint32_t kind = 0; kind < 4; kind++) {
+	for (uint32_t kind = 0; kind < 3; kind++) {
 		double size = uniform(0, 1) < 0.5 ? 0.05 : 0.6;
 		for (uint32_t i = 0; i < count; i++) {
 			double at[3] = { uniform(-4, 4), uniform(-1, 12), uniform(-3, 3) };
@@ -126,14 +126,8 @@ static void draw_anything(struct lod_raster *raster, uint32_t count, const struc
 			width[i] = (float)uniform(0, 0.2);
 		}
 		struct lod_raster_batch batch = { .count = count, .position = position, .uv = uv,
-			.cutout = kind == 1 ? image : NULL, .width = width,
-			.area = (float)(size * size), .owner = owner };
-		if (kind < 2)
-			lod_raster_triangles(raster, &batch);
-		else if (kind == 2)
-			lod_raster_lines(raster, &batch);
-		else
-			lod_raster_points(raster, &batch);
+			.cutout = kind == 1 ? image : NULL, .width = width, .owner = owner };
+		(kind < 2 ? lod_raster_triangles : lod_raster_lines)(raster, &batch);
 	}
 }
 
@@ -292,7 +286,7 @@ UNIT_TEST(only_full_cover_hides)
 	lod_raster_free(&raster);
 }
 
-/* ---- Cut-outs, lines, points ---- */
+/* ---- Cut-outs, lines ---- */
 
 UNIT_TEST(cutouts_are_sampled_in_perspective_and_wrap)
 {
@@ -358,31 +352,6 @@ UNIT_TEST(lines_are_as_wide_as_they_say)
 	lod_raster_free(&raster);
 }
 
-UNIT_TEST(points_cover_exactly_their_boxes)
-{
-	struct lod_raster raster;
-	rnd_seed = 11;
-	raster_start(&raster, 40, 30, NULL);
-	for (int i = 0; i < 3000; i++) {
-		/* side of 2h / 256 pixels at distance 2 */
-		int x = (int)rnd(44 * 256) - 512, y = (int)rnd(34 * 256) - 512,
-			h = (int)rnd(i % 2 ? 200 : 3000) + 1;
-		float p[3];
-		raster_put(p, &raster, x, y, 2);
-		struct lod_raster_batch batch =
-			{ .count = 1, .position = p, .area = (float)h * (float)h / 4096, .owner = 1 };
-		lod_raster_clear(&raster);
-		lod_raster_points(&raster, &batch);
-		for (int py = 0; py < 30; py++)
-			for (int px = 0; px < 40; px++) {
-				int cx = px * 256 + 128, cy = py * 256 + 128;
-				bool in = cx >= x - h && cx < x + h && cy >= y - h && cy < y + h;
-				assert_int_equal(in, raster.cover[py * 40 + px] != 0);
-			}
-	}
-	lod_raster_free(&raster);
-}
-
 /* ---- Bits ---- */
 
 static uint64_t digest(const struct lod_raster *raster)
@@ -411,12 +380,9 @@ UNIT_TEST(every_build_paints_the_same_bits)
 		width[i] = (float)uniform(0.05, 0.3);
 	struct lod_raster_batch lines = { .count = 2000, .position = crowd.position + 31, .width = width,
 		.owner = 1001 };
-	struct lod_raster_batch points = { .count = 3333, .position = crowd.position + 7, .area = 0.3f,
-		.owner = 1002 };
 	lod_raster_lines(&raster, &lines);
-	lod_raster_points(&raster, &points);
 	assert_true(raster_covered(&raster) > 20000);
-	assert_true(digest(&raster) == 0xf95966c2ffa79889u);
+	assert_true(digest(&raster) == 0xf124b9c5252285c6u);
 	free(width);
 	crowd_free(&crowd);
 	lod_raster_free(&raster);

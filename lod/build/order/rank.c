@@ -127,8 +127,8 @@ static int64_t score_now(const struct ranking *r, const struct candidate *c)
 static void assess(const struct ranking *r, struct candidate *c, bool fresh)
 {
 	int64_t score[ECO_GROWTHS];
-	uint32_t code = c->code, first = code > 0 && !r->options->plain ? code - 1 : code;
-	uint32_t last = code + 1 < ECO_GROWTHS && !r->options->plain ? code + 1 : code;
+	uint32_t code = c->code, first = code > 0 ? code - 1 : code;
+	uint32_t last = code + 1 < ECO_GROWTHS ? code + 1 : code;
 	score[code] = c->score;
 	look(r, c->element, first, last, fresh ? code : ECO_NONE, score);
 	for (uint32_t next = first; next <= last; next++)
@@ -166,7 +166,7 @@ static void sift_down(struct candidate *heap, uint32_t count, uint32_t i)
 /* Reports progress now and then. The share never falls, although trials undo their picks. */
 static bool goes_on(struct ranking *r)
 {
-	double share = (r->options->plain ? 1 : LOD_RANK_REFINE_FROM) * r->picked / r->count;
+	double share = LOD_RANK_REFINE_FROM * r->picked / r->count;
 	r->share = share > r->share ? share : r->share;
 	if (!r->stopped && r->options->progress)
 		r->stopped = !r->options->progress(r->options->ctx, r->share);
@@ -475,16 +475,14 @@ enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *fol
 	r.taken = lod_arena_take(arena, r.count, sizeof *r.taken);
 	r.heap = lod_arena_take(arena, r.count, sizeof *r.heap);
 	enum eco_code code = lod_crown_open(&r.crown, foliage, &crown, arena, error);
-	if (!code && !options->plain && !run(&r, (r.count + BATCH - 1) / BATCH, fit_batch))
+	if (!code && !run(&r, (r.count + BATCH - 1) / BATCH, fit_batch))
 		code = eco_fail(error, ECO_INTERRUPTED, "interrupted while fitting simple leaves");
 	if (!code && options->random)
 		shuffle(&r);
 	else if (!code)
 		code = make_steps(&r, error);
-	if (!code && !options->plain && !options->random
-		&& !lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count, r.order,
-		r.growth,
-			r.points == (uint32_t)(POINTS_MOST * r.count) }, arena))
+	if (!code && !options->random && !lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count,
+			r.order, r.growth, r.points == (uint32_t)(POINTS_MOST * r.count) }, arena))
 		code = eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
 	lod_arena_release(arena, mark);
 	return code;

@@ -17,7 +17,6 @@ struct lod_rank_options {
 	/* `views` of them; NULL: spread all around. For lists per sector of view. */
 	const double (*directions)[3];
 	uint32_t seed;
-	bool plain;                          /* neither growth codes nor simple triangles: the order alone */
 	bool leaves;                         /* no leaf will be drawn as a point */
 	/* Minimises wrong pixels, as in Lee's table, instead of maximising Q; no leaf is drawn as a point. */
 	bool wrong_pixels;
@@ -32,7 +31,7 @@ struct lod_rank_options {
 /* Whether the beginning of the list is made for points. */
 static inline bool lod_rank_begins_with_points(const struct lod_rank_options *options)
 {
-	return !options->plain && !options->leaves && !options->wrong_pixels;
+	return !options->leaves && !options->wrong_pixels;
 }
 
 struct lod_rank {                    /* arrays of the arena */

@@ -181,7 +181,7 @@ static enum eco_code paint_sectors(uint8_t *rgb, const struct lod_foliage *f,
 		for (uint32_t i = sectors->first[s]; i < sectors->first[s + 1]; i++) {
 			struct lod_v3 at = f->center[sectors->leaf[i]];
 			const float position[3] = { (float)at.x, (float)at.y, (float)(-most * s) };
-			lod_raster_points(&raster, &(struct lod_raster_batch){ .count = 1,
+			lod_raster_splats(&raster, &(struct lod_raster_batch){ .count = 1,
 				.position = position,
 				.area = (float)(dot * dot), .owner = s + 1 });
 		}

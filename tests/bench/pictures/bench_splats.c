@@ -73,7 +73,7 @@ static void draw_list(const struct lod_list_draft *draft, uint32_t vertices, dou
 		.width = geometry.width, .area = list->unit_area * (float)(scale > 1 ? scale : 1),
 		.size = geometry.size, .owner = 1 };
 	if (points)
-		lod_raster_points(raster, &batch);
+		lod_raster_splats(raster, &batch);
 	else
 		lod_raster_lines(raster, &batch);
 	lod_geometry_free(&geometry);
