@@ -45,6 +45,15 @@ static inline struct lod_v3 lod_v3_unit(struct lod_v3 a) {
 	return length > 0 ? lod_v3_scale(a, 1 / length) : (struct lod_v3){ 0, 0, 0 };
 }
 
+/* Turns a unit vector of the plane by a golden angle, to the next direction of a Fibonacci spiral. */
+static inline void lod_turn_golden(double *x, double *y)
+{
+	const double turn_x = -0.7373688780783197, turn_y = 0.6754902942615238;
+	double next = *x * turn_x - *y * turn_y;
+	*y = *x * turn_y + *y * turn_x;
+	*x = next;
+}
+
 /* Arc cosine within 1e-4 (Abramowitz and Stegun 4.4.45): the last bit of libm's may differ from machine to
  * machine. */
 static inline double lod_arc_cosine(double c)

@@ -33,15 +33,6 @@ static void turn_of(uint32_t seed, double *x, double *y)
 	*y /= length;
 }
 
-/* Turns by a golden angle, to the next direction of a spiral. */
-static void turn_on(double *x, double *y)
-{
-	const double turn_x = -0.7373688780783197, turn_y = 0.6754902942615238;
-	double next = *x * turn_x - *y * turn_y;
-	*y = *x * turn_y + *y * turn_x;
-	*x = next;
-}
-
 void lod_directions_spread(double (*directions)[3], uint32_t count, uint32_t seed)
 {
 	double x, y, shift = share_of(eco_random(seed, SHIFT));
@@ -51,7 +42,7 @@ void lod_directions_spread(double (*directions)[3], uint32_t count, uint32_t see
 		directions[i][0] = flat * x;
 		directions[i][1] = flat * y;
 		directions[i][2] = z;
-		turn_on(&x, &y);
+		lod_turn_golden(&x, &y);
 	}
 }
 
@@ -83,13 +74,6 @@ static void place_eye(struct lod_eye *eye, const double direction[3], struct lod
 		.pixel_rad = 2 * half / pixels };
 }
 
-static void start_view(const struct lod_sights *sights, uint32_t view, struct lod_raster *raster)
-{
-	lod_raster_clear(raster);
-	lod_raster_camera(raster, &sights->eyes[view], sights->near_m);
-	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-}
-
 static void gather_bits(const struct lod_sights *sights, const struct lod_raster *raster, uint64_t *mask)
 {
 	uint32_t row_words = sights->words / sights->pixels;
@@ -103,7 +87,7 @@ static void gather_bits(const struct lod_sights *sights, const struct lod_raster
 static void draw_wood(const struct lod_sights *sights, uint32_t view, struct lod_raster *raster)
 {
 	const struct lod_foliage *foliage = sights->foliage;
-	start_view(sights, view, raster);
+	lod_raster_look(raster, &sights->eyes[view], sights->near_m);
 	for (uint64_t first = 0; first < foliage->wood_count; first += 1u << 20) {
 		uint64_t count = foliage->wood_count - first < 1u << 20 ? foliage->wood_count - first
 			: 1u << 20;
@@ -212,7 +196,7 @@ void lod_sights_draw(const struct lod_sights *sights, uint32_t view, const struc
 {
 	const struct lod_foliage *foliage = sights->foliage;
 	struct soup soup = { .raster = raster };
-	start_view(sights, view, raster);
+	lod_raster_look(raster, &sights->eyes[view], sights->near_m);
 	for (uint32_t k = 0; k < drawing->count; k++) {
 		uint32_t i = drawing->order ? drawing->order[k] : k, at = foliage->first[i];
 		double factor = drawing->factor ? drawing->factor[i] : drawing->scale, edge = factor == 1 ? 1

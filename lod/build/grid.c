@@ -10,7 +10,7 @@
 
 #include "lod/ladder.h"
 #include "lod/build/measure/probe.h"
-#include "lod/build/weld.h"
+#include "lod/build/model_draw.h"
 
 #define VIEWS 8u
 #define HIGH_PX 512.0
@@ -26,17 +26,10 @@ double lod_grid_nearest_m(const struct eco_list *list, double pixel_rad)
 
 uint32_t lod_grid_bits_least(const struct eco_model *model)
 {
-	float low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+	float low[3] = { 0 }, high[3] = { 0 };
 	double extent = 0;
 	uint32_t bits = LOD_GRID_BITS_MIN;
-	enum eco_drop why;
-	for (uint32_t t = 0; t < model->triangle_count; t++)
-		for (uint32_t k = 0; k < 3 && lod_mesh_usable(model, t, &why); k++)
-			for (uint32_t a = 0; a < 3; a++) {
-				float v = model->position[3 * (size_t)model->index[3 * (size_t)t + k] + a];
-				low[a] = fminf(low[a], v);
-				high[a] = fmaxf(high[a], v);
-			}
+	lod_model_bounds(model, low, high);
 	for (int a = 0; a < 3; a++)
 		extent = fmax(extent, (double)high[a] - low[a]);
 	for (; bits < LOD_GRID_BITS_MAX; bits++) {

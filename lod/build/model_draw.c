@@ -8,6 +8,46 @@
 
 #define SOUP 512u
 
+/* ---- Extent ---- */
+
+/* The corner of the model, or NULL if its triangle is not usable. */
+static const float *corner_at(const struct eco_model *model, size_t corner)
+{
+	return lod_mesh_usable(model, (uint32_t)(corner / 3), NULL)
+		? model->position + 3 * (size_t)model->index[corner] : NULL;
+}
+
+bool lod_model_bounds(const struct eco_model *model, float low[3], float high[3])
+{
+	bool any = false;
+	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
+		const float *at = corner_at(model, i);
+		for (int k = 0; k < 3 && at; k++) {
+			low[k] = !any || at[k] < low[k] ? at[k] : low[k];
+			high[k] = !any || at[k] > high[k] ? at[k] : high[k];
+		}
+		any |= at != NULL;
+	}
+	return any;
+}
+
+double lod_model_sphere(const struct eco_model *model, double center[3])
+{
+	float low[3] = { 0 }, high[3] = { 0 };
+	double far2 = 0;
+	lod_model_bounds(model, low, high);
+	for (int k = 0; k < 3; k++)
+		center[k] = ((double)low[k] + high[k]) / 2;
+	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
+		const float *at = corner_at(model, i);
+		double d2 = 0;
+		for (int k = 0; k < 3 && at; k++)
+			d2 += (at[k] - center[k]) * (at[k] - center[k]);
+		far2 = d2 > far2 ? d2 : far2;
+	}
+	return sqrt(far2);
+}
+
 /* ---- Colours of triangles ---- */
 
 static void color_triangle(uint8_t rgb[3], const struct eco_model *model, uint32_t t,
@@ -36,9 +76,8 @@ const uint8_t (*lod_model_colors(const struct eco_model *model, struct lod_arena
 			cut[model->materials[i].image] |= model->materials[i].cutout;
 	for (uint32_t i = 0; i < model->image_count; i++)
 		lod_texels_open(&texels[i], &model->images[i], cut[i], arena);
-	enum eco_drop why;
 	for (uint32_t t = 0; t < model->triangle_count; t++)
-		if (lod_mesh_usable(model, t, &why))
+		if (lod_mesh_usable(model, t, NULL))
 			color_triangle(rgb[t], model, t, texels);
 	return (const uint8_t (*)[3])rgb;
 }
@@ -78,8 +117,7 @@ void lod_model_draw(const struct eco_model *model, const struct lod_mask *masks,
 	struct soup soup;
 	soup.count = 0;
 	for (uint32_t t = 0; t < model->triangle_count; t++) {
-		enum eco_drop why;
-		bool good = lod_mesh_usable(model, t, &why);
+		bool good = lod_mesh_usable(model, t, NULL);
 		soup.first = soup.count ? soup.first : t;
 		for (uint32_t i = 0; i < 3 && good; i++) {
 			size_t vertex = model->index[3 * (size_t)t + i];

@@ -11,6 +11,11 @@
 #include "lod/raster/mask.h"
 #include "lod/raster/raster.h"
 
+/* The box around the usable triangles; false, and nothing is set, if there are none. */
+bool lod_model_bounds(const struct eco_model *model, float low[3], float high[3]);
+/* The radius of the sphere around the middle of that box; 0 for a model that is a point or nothing. */
+double lod_model_sphere(const struct eco_model *model, double center[3]);
+
 /* The colour of each triangle, from materials and textures. */
 const uint8_t (*lod_model_colors(const struct eco_model *model, struct lod_arena *arena))[3];
 

@@ -187,9 +187,7 @@ static bool count_seen(const struct patches *patches, uint32_t *seen)
 	for (uint32_t v = 0; v < LOD_TONE_VIEWS; v++) {
 		struct lod_eye eye;
 		lod_tone_eye(&eye, directions[v], center, radius);
-		lod_raster_clear(&raster);
-		lod_raster_camera(&raster, &eye, (LOD_TONE_AWAY - 4) * radius);
-		lod_raster_object(&raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+		lod_raster_look(&raster, &eye, (LOD_TONE_AWAY - 4) * radius);
 		draw_parts(&raster, patches);
 		for (size_t i = 0; i < (size_t)LOD_TONE_PIXELS * LOD_TONE_PIXELS; i++) {
 			if (!raster.cover[i])

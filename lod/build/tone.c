@@ -93,9 +93,7 @@ void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lo
 	for (uint32_t v = 0; v < VIEWS; v++) {
 		struct lod_eye eye;
 		lod_tone_eye(&eye, directions[v], center, radius);
-		lod_raster_clear(&raster);
-		lod_raster_camera(&raster, &eye, (AWAY - 4) * radius);
-		lod_raster_object(&raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+		lod_raster_look(&raster, &eye, (AWAY - 4) * radius);
 		draw_mesh(&raster, mesh);
 		count_named(&raster, names, seen);
 	}

@@ -26,6 +26,8 @@ static bool in_range(float v) { return isfinite(v) && fabsf(v) <= COORDINATE_MOS
 bool lod_mesh_usable(const struct eco_model *model, uint32_t t, enum eco_drop *why)
 {
 	const uint32_t *v = model->index + 3 * (size_t)t;
+	enum eco_drop unasked;
+	why = why ? why : &unasked;
 	*why = ECO_DROP_BAD_INDEX;
 	if (v[0] >= model->vertex_count || v[1] >= model->vertex_count || v[2] >= model->vertex_count)
 		return false;

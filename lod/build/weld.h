@@ -62,7 +62,7 @@ static inline struct lod_v3 lod_mesh_area_normal(const struct lod_mesh *mesh, ui
  * model->triangle_count. A mesh without triangles is a valid result. */
 void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bits, struct lod_arena *arena);
 
-/* Whether a triangle of the model has valid and finite corners; otherwise *why is set. */
+/* Whether a triangle of the model has valid and finite corners; otherwise *why (may be NULL) is set. */
 bool lod_mesh_usable(const struct eco_model *model, uint32_t triangle, enum eco_drop *why);
 
 /* Numbers components: triangles with one root (ecofiles/base/union.h: `parent` has one entry each) are one,

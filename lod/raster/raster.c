@@ -151,6 +151,13 @@ void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
 		}
 }
 
+void lod_raster_look(struct lod_raster *raster, const struct lod_eye *eye, double near_m)
+{
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, eye, near_m);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+}
+
 /* ---- Coarse depth ---- */
 
 /* The least depth in a block. Depths only grow, so an older value remains a lower bound. */

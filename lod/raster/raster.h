@@ -60,6 +60,8 @@ void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, dou
  * from column x and row y on. So a picture of any size is drawn in parts. */
 void lod_raster_window(struct lod_raster *raster, uint32_t width, uint32_t height, uint32_t x, uint32_t y);
 void lod_raster_object(struct lod_raster *raster, const struct lod_place *place);
+/* Clears the picture and sets the camera, for an object as it is in its own space. */
+void lod_raster_look(struct lod_raster *raster, const struct lod_eye *eye, double near_m);
 
 /* One batch: a range of one list. Positions are in object space. */
 struct lod_mask;

@@ -25,31 +25,17 @@ struct drawing {
 	struct lod_raster near[PARTS], far[PARTS];
 };
 
-static bool usable(const struct eco_model *model, size_t corner)
-{
-	enum eco_drop why;
-	return lod_mesh_usable(model, (uint32_t)(corner / 3), &why);
-}
-
 bool impostor_body_find(struct eco_impostor_body *body, const struct eco_model *model)
 {
-	float low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY },
-		wide2 = 0;
-	size_t corners = 3 * (size_t)model->triangle_count;
-	for (size_t i = 0; i < corners; i++)
-		for (int k = 0; k < 3 && usable(model, i); k++) {
-			float at = model->position[3 * (size_t)model->index[i] + (size_t)k];
-			low[k] = at < low[k] ? at : low[k];
-			high[k] = at > high[k] ? at : high[k];
-		}
-	if (!(low[0] <= high[0]))
+	float low[3], high[3], wide2 = 0;
+	if (!lod_model_bounds(model, low, high))
 		return false;
 	for (int k = 0; k < 3; k++)
 		body->center[k] = 0.5f * (low[k] + high[k]);
-	for (size_t i = 0; i < corners; i++) {
-		const float *at = model->position + 3 * (size_t)model->index[i];
-		if (!usable(model, i))
+	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
+		if (!lod_mesh_usable(model, (uint32_t)(i / 3), NULL))
 			continue;
+		const float *at = model->position + 3 * (size_t)model->index[i];
 		float x = at[0] - body->center[0], y = at[1] - body->center[1];
 		wide2 = fmaxf(wide2, x * x + y * y);
 	}
@@ -73,9 +59,7 @@ static void start(const struct drawing *d, uint32_t tile, bool opposite, struct 
 		eye.right[k] = side * axes->right[k];
 		eye.up[k] = axes->up[k];
 	}
-	lod_raster_clear(raster);
-	lod_raster_camera(raster, &eye, (AWAY - 2) * d->radius);
-	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	lod_raster_look(raster, &eye, (AWAY - 2) * d->radius);
 	lod_model_draw(d->model, d->masks, raster);
 }
 

@@ -7,8 +7,8 @@
 
 #include "ecofiles/base/array_grow.h"
 #include "lod/build/model_draw.h"
-#include "lod/build/weld.h"
 #include "lod/geometry.h"
+#include "lod/vector.h"
 
 #define DISTANCE_RADII 16.0
 #define FRAME 1.04 /* half the picture over the radius of the bounding sphere's silhouette */
@@ -27,43 +27,9 @@ struct lod_drawing {                 /* one cut; `floats`: where its geometry be
 
 /* ---- Set-up ---- */
 
-static bool usable(const struct eco_model *model, uint32_t triangle)
-{
-	enum eco_drop why;
-	return lod_mesh_usable(model, triangle, &why);
-}
-
-/* Centre of the bounding box, and the greatest distance of a vertex from it. */
-static void bounds(struct lod_probe *probe, const struct eco_model *model)
-{
-	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY },
-		far2 = 0;
-	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
-		if (!usable(model, (uint32_t)(i / 3)))
-			continue;
-		const float *p = model->position + 3 * (size_t)model->index[i];
-		for (int k = 0; k < 3; k++) {
-			low[k] = p[k] < low[k] ? p[k] : low[k];
-			high[k] = p[k] > high[k] ? p[k] : high[k];
-		}
-	}
-	for (int k = 0; k < 3; k++)
-		probe->center[k] = low[k] <= high[k] ? (low[k] + high[k]) / 2 : 0;
-	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
-		if (!usable(model, (uint32_t)(i / 3)))
-			continue;
-		const float *p = model->position + 3 * (size_t)model->index[i];
-		double d[3] = { p[0] - probe->center[0], p[1] - probe->center[1], p[2] - probe->center[2] };
-		double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-		far2 = d2 > far2 ? d2 : far2;
-	}
-	probe->radius = far2 > 0 ? sqrt(far2) : 1;
-}
-
 /* Each view is a golden angle on from the last: a rotation, without libm. */
 void lod_probe_look(struct lod_probe *probe, double low, double high)
 {
-	const double turn_x = -0.7373688780783197, turn_y = 0.6754902942615238;
 	double away = DISTANCE_RADII * probe->radius, x = 1, y = 0;
 	double half = FRAME * probe->radius / sqrt(away * away - probe->radius * probe->radius);
 	probe->near_m = away - 4 * probe->radius;
@@ -80,9 +46,7 @@ void lod_probe_look(struct lod_probe *probe, double low, double high)
 		eye->up[0] = -z * x, eye->up[1] = -z * y, eye->up[2] = flat;
 		eye->tan_x = eye->tan_y = half;
 		eye->pixel_rad = 2 * half / probe->options.pixels;
-		double next = x * turn_x - y * turn_y;
-		y = x * turn_y + y * turn_x;
-		x = next;
+		lod_turn_golden(&x, &y);
 	}
 }
 
@@ -177,7 +141,8 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 	}
 	for (uint32_t i = 0; i < plant->image_count; i++)
 		probe->cut[i] = eco_image_has_holes(&model->images[plant->images[i]]);
-	bounds(probe, model);
+	double radius = lod_model_sphere(model, probe->center);
+	probe->radius = radius > 0 ? radius : 1;
 	lod_probe_look(probe, LOD_PROBE_AROUND);
 	return ECO_OK;
 }
@@ -274,48 +239,9 @@ static void draw_all(const struct lod_probe *probe, struct lod_raster *raster)
 		lod_raster_impostor(raster, probe->impostor, &(struct lod_raster_batch){ .owner = 1 });
 }
 
-#define SOUP 512u
-
-static void flush(const struct lod_probe *probe, struct lod_raster *raster,
-	const struct eco_material *material, uint32_t count, const float *position, const float *uv)
-{
-	const struct eco_image *image = material->cutout && material->image < probe->model->image_count
-		? &probe->model->images[material->image] : NULL;
-	struct lod_raster_batch batch = { .count = count, .position = position, .uv = uv, .cutout = uv ? image
-		: NULL, .mask = uv ? lod_model_mask(probe->model, probe->masks, image) : NULL, .owner = 1 };
-	lod_raster_triangles(raster, &batch);
-}
-
 static void draw_model(const struct lod_probe *probe, struct lod_raster *raster)
 {
-	const struct eco_model *model = probe->model;
-	float position[SOUP * 9], uv[SOUP * 6];
-	uint32_t count = 0;
-	for (uint32_t t = 0; t < model->triangle_count; t++) {
-		bool good = usable(model, t);
-		for (uint32_t i = 0; i < 3 && good; i++) {
-			uint32_t vertex = model->index[3 * (size_t)t + i];
-			memcpy(position + 9 * count + 3 * i, model->position + 3 * (size_t)vertex,
-				3 * sizeof(float));
-			if (model->uv)
-				memcpy(uv + 6 * count + 2 * i, model->uv + 2 * (size_t)vertex,
-					2 * sizeof(float));
-		}
-		count += good;
-		bool last = t + 1 == model->triangle_count || model->material[t + 1] != model->material[t];
-		if (count == SOUP || last) {
-			flush(probe, raster, lod_mesh_material(model, model->material[t]), count, position,
-				model->uv ? uv : NULL);
-			count = 0;
-		}
-	}
-}
-
-static void start_view(const struct lod_probe *probe, struct lod_raster *raster, uint32_t view)
-{
-	lod_raster_clear(raster);
-	lod_raster_camera(raster, &probe->eyes[view], probe->near_m);
-	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	lod_model_draw(probe->model, probe->masks, raster);
 }
 
 /* ---- Views, several at a time: each writes only its own data ---- */
@@ -333,7 +259,7 @@ static void draw_part(void *pieces, uint32_t part)
 	struct lod_raster *raster = &d->probe->rasters[part];
 	for (uint32_t view = part * d->stride; view < d->probe->views;
 			view += d->probe->raster_count * d->stride) {
-		start_view(d->probe, raster, view);
+		lod_raster_look(raster, &d->probe->eyes[view], d->probe->near_m);
 		d->draw(d->probe, raster);
 		d->finish(d->probe, raster, view);
 	}

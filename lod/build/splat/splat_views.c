@@ -6,8 +6,8 @@
 #include "ecofiles/base/random.h"
 #include "lod/build/model_draw.h"
 #include "lod/build/splat/splat_state.h"
-#include "lod/build/weld.h"
 #include "lod/light.h"
+#include "lod/vector.h"
 
 #define SIDE 4u                  /* samples a pixel: SIDE x SIDE */
 #define FRAME 1.04               /* half the picture over the radius */
@@ -27,35 +27,9 @@ struct drawing {
 
 /* ---- Views ---- */
 
-static bool bounds(struct splat_views *views, const struct eco_model *model)
-{
-	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY },
-		far2 = 0;
-	for (int pass = 0; pass < 2; pass++)
-		for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
-			enum eco_drop why;
-			if (!lod_mesh_usable(model, (uint32_t)(i / 3), &why))
-				continue;
-			const float *p = model->position + 3 * (size_t)model->index[i];
-			double d2 = 0;
-			for (int k = 0; k < 3; k++) {
-				low[k] = p[k] < low[k] ? p[k] : low[k];
-				high[k] = p[k] > high[k] ? p[k] : high[k];
-				double middle = (low[k] + high[k]) / 2;
-				d2 += (p[k] - middle) * (p[k] - middle);
-			}
-			far2 = pass && d2 > far2 ? d2 : far2;
-		}
-	for (int k = 0; k < 3; k++)
-		views->center[k] = low[k] <= high[k] ? (low[k] + high[k]) / 2 : 0;
-	views->radius = sqrt(far2);
-	return far2 > 0;
-}
-
 /* Each view is a golden angle on from the last; the spiral begins elsewhere than that of curves (probe.c). */
 static void look(struct splat_views *views)
 {
-	const double turn_x = -0.7373688780783197, turn_y = 0.6754902942615238;
 	double x = 0.6, y = 0.8;
 	for (uint32_t i = 0; i < views->count; i++) {
 		struct splat_view *view = &views->items[i];
@@ -63,9 +37,7 @@ static void look(struct splat_views *views)
 		view->right[0] = -y, view->right[1] = x;
 		view->down[0] = z * x, view->down[1] = z * y, view->down[2] = -flat;
 		view->forward[0] = -flat * x, view->forward[1] = -flat * y, view->forward[2] = -z;
-		double next = x * turn_x - y * turn_y;
-		y = x * turn_y + y * turn_x;
-		x = next;
+		lod_turn_golden(&x, &y);
 	}
 }
 
@@ -79,9 +51,7 @@ static void start(const struct splat_views *views, const struct splat_view *view
 		eye.right[k] = view->right[k];
 		eye.up[k] = -view->down[k];
 	}
-	lod_raster_clear(raster);
-	lod_raster_camera(raster, &eye, (AWAY - 2) * views->radius);
-	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	lod_raster_look(raster, &eye, (AWAY - 2) * views->radius);
 }
 
 /* ---- Drawing ---- */
@@ -166,7 +136,8 @@ enum eco_code splat_views_make(struct splat_views *views, const struct eco_model
 		.stride = pixels + 4, .planes = 1, .scale = (float)(pixels / (2 * FRAME)) };
 	views->items = lod_arena_take(arena, views->count, sizeof *views->items);
 	look(views);
-	if (!bounds(views, model))
+	views->radius = lod_model_sphere(model, views->center);
+	if (!(views->radius > 0))
 		return ECO_OK;
 	allocate(views, arena);
 	struct drawing d = { views, model, lod_model_masks(model, arena),
