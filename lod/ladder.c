@@ -92,7 +92,7 @@ static uint64_t first_unit(const struct eco_scene *scene, const struct eco_ladde
 	return primitives(scene, ladder->lines) ? 2 : 1;
 }
 
-static uint64_t full_of(const struct eco_scene *scene, const struct eco_ladder *ladder)
+uint64_t lod_ladder_full(const struct eco_scene *scene, const struct eco_ladder *ladder)
 {
 	uint32_t levels = level_count(scene, ladder);
 	if (levels)
@@ -107,7 +107,7 @@ static uint64_t full_of(const struct eco_scene *scene, const struct eco_ladder *
 static uint64_t first_floor(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
 {
 	uint64_t unit = first_unit(scene, ladder), all = unit * primitives(scene, first_list(scene, ladder));
-	uint64_t full = full_of(scene, ladder);
+	uint64_t full = lod_ladder_full(scene, ladder);
 	if (all > full)
 		all = full / unit * unit;
 	return vertices < all ? vertices / unit * unit : all;
@@ -150,7 +150,7 @@ uint64_t lod_way_level_above(const struct lod_way *way, uint64_t vertices)
 
 void lod_way_begin(struct lod_way *way, const struct eco_scene *scene, const struct eco_ladder *ladder)
 {
-	*way = (struct lod_way){ .scene = scene, .ladder = ladder, .full = full_of(scene, ladder),
+	*way = (struct lod_way){ .scene = scene, .ladder = ladder, .full = lod_ladder_full(scene, ladder),
 		.stage_end = UINT64_MAX, .has_splats = eco_ladder_has_splats(scene, ladder) };
 	way->has_forms = lod_forms_find(&way->forms, scene, ladder);
 }
@@ -262,8 +262,7 @@ double lod_way_share(const struct lod_way *way, uint64_t vertices)
 		return lod_forms_share(&way->forms, vertices);
 	double share = (double)vertices / (double)way->full,
 		all = (double)primitives(way->scene, first_list(way->scene, ladder));
-	if (level_count(way->scene, ladder) == 0 && ladder->total > all)     /* only the largest lines are
-	                                                                      * stored */
+	if (level_count(way->scene, ladder) == 0 && ladder->total > all)     /* the largest lines are stored */
 		share *= all / ladder->total;
 	return share < 1 ? share : 1;
 }
@@ -316,8 +315,7 @@ static float scale_at(const struct lod_way *way, uint64_t vertices, double densi
 	density = density < 1 ? density : 1;
 	double share = way->has_forms && vertices < way->full ? lod_forms_first_share(&way->forms, vertices)
 		: lod_way_share(way, vertices);
-	if (density > lod_way_density(way, vertices)) {      /* the cells show more: this list is drawn at
-	                                                      * their scale */
+	if (density > lod_way_density(way, vertices)) {      /* cells show more: the list has their scale */
 		double half = ladder->total ? 0.5 / ladder->total : 0,
 			least = share_of_reach(way->scene, ladder, density - half);
 		share = share > least ? share : least;
@@ -384,61 +382,4 @@ uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double densi
 		}
 	assert(!"vertices is not a value that lod_way_floor returns");
 	return 0;
-}
-
-/* ---- For a single question ---- */
-
-uint64_t lod_ladder_full(const struct eco_scene *scene, const struct eco_ladder *ladder)
-{
-	return full_of(scene, ladder);
-}
-
-uint64_t lod_ladder_floor(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
-{
-	struct lod_way way;
-	lod_way_begin(&way, scene, ladder);
-	return lod_way_floor(&way, vertices);
-}
-
-uint64_t lod_ladder_next(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
-{
-	struct lod_way way;
-	lod_way_begin(&way, scene, ladder);
-	return lod_way_next(&way, vertices);
-}
-
-uint32_t lod_ladder_cuts(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices,
-	double density, struct eco_cut cuts[LOD_LADDER_CUTS_MAX])
-{
-	struct lod_way way;
-	lod_way_begin(&way, scene, ladder);
-	return lod_way_cuts(&way, vertices, density, 0, cuts);
-}
-
-double lod_ladder_density(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
-{
-	struct lod_way way;
-	lod_way_begin(&way, scene, ladder);
-	return lod_way_density(&way, vertices);
-}
-
-uint64_t lod_ladder_stage_end(const struct eco_scene *scene, const struct eco_ladder *ladder)
-{
-	struct lod_way way;
-	lod_way_begin(&way, scene, ladder);
-	return lod_way_stage_end(&way);
-}
-
-double lod_ladder_share(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
-{
-	struct lod_way way;
-	lod_way_begin(&way, scene, ladder);
-	return lod_way_share(&way, vertices);
-}
-
-uint64_t lod_ladder_vertices(const struct eco_scene *scene, const struct eco_ladder *ladder, double share)
-{
-	struct lod_way way;
-	lod_way_begin(&way, scene, ladder);
-	return lod_way_vertices(&way, share);
 }

@@ -7,9 +7,7 @@
  *   lod_way_begin(&way, scene, ladder);
  *   legs = malloc(lod_way_legs_bound(&way) * sizeof *legs);
  *   lod_way_keep(&way, legs);                       once; then constant, so threads may share it
- *   lod_way_floor(&way, vertices) ...
- *
- * lod_ladder_floor and the others begin a way for one question. */
+ *   lod_way_floor(&way, vertices) ... */
 #ifndef LOD_LADDER_H
 #define LOD_LADDER_H
 
@@ -31,10 +29,8 @@ void lod_way_keep(struct lod_way *way, struct lod_forms_leg *legs);
 uint64_t lod_ladder_full(const struct eco_scene *scene, const struct eco_ladder *ladder); /* of full detail */
 
 /* The greatest vertex count, not above `vertices`, that a set of cuts of the ladder draws. */
-uint64_t lod_ladder_floor(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices);
 uint64_t lod_way_floor(const struct lod_way *way, uint64_t vertices);
 /* The smallest such count above `vertices`, or UINT64_MAX at the end. */
-uint64_t lod_ladder_next(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices);
 uint64_t lod_way_next(const struct lod_way *way, uint64_t vertices);
 
 /* Splats: vertices of the smallest level with more than `vertices`. UINT64_MAX at the end, and of other
@@ -44,31 +40,25 @@ uint64_t lod_way_level_above(const struct lod_way *way, uint64_t vertices);
 /* The cuts that draw exactly `vertices` (a value that floor returns), to the primitive: writes at most 2 cuts
  * with list, first, end and scale, the rest zero; returns their number. `density`, in (0, 1], is the share of
  * the region's elements (or lines) that the picture shows in any form, the coarse list included: each is
- * scaled to stand for 1 / density. It is lod_ladder_density, except for a whole-plant list beside cells that
- * show more: there it is theirs. `above` is that of lod_ladder_curve_seen; lod_ladder_cuts takes 0. Splats
- * have density 1 and scale 1. */
+ * scaled to stand for 1 / density. It is lod_way_density, except for a whole-plant list beside cells that
+ * show more: there it is theirs. `above` is that of lod_ladder_curve_seen. Splats have density 1 and
+ * scale 1. */
 #define LOD_LADDER_CUTS_MAX 2
-uint32_t lod_ladder_cuts(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices,
-	double density, struct eco_cut cuts[LOD_LADDER_CUTS_MAX]);
 uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double density, double above,
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX]);
-double lod_ladder_density(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices);
 double lod_way_density(const struct lod_way *way, uint64_t vertices);
 
 /* The end of the first stage, beyond which this ladder alone does not suffice. Leaves: the vertices at which
  * a whole-plant list draws all its elements while the cells hold more (without cells: full detail). Unless
  * cells are drawn the list stops there, since an eighth of the leaves in full detail shows less of a plant
  * than the same leaves as points. Wood: the end of the lines. Splats: their end. */
-uint64_t lod_ladder_stage_end(const struct eco_scene *scene, const struct eco_ladder *ladder);
 uint64_t lod_way_stage_end(const struct lod_way *way);
 
 /* The share (lambda) of the region's full detail that `vertices` of this ladder amount to, together with the
  * region's elements in the whole-plant list (ladder->before). Curves are sampled over it. The whole-plant
  * list of a plant with cells has a share only together with the cells. */
-double lod_ladder_share(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices);
 double lod_way_share(const struct lod_way *way, uint64_t vertices);
 /* The greatest number of vertices whose share is at most `share`. */
-uint64_t lod_ladder_vertices(const struct eco_scene *scene, const struct eco_ladder *ladder, double share);
 uint64_t lod_way_vertices(const struct lod_way *way, double share);
 
 /* The curve at `share`, interpolated linearly and clamped; a ladder without a curve has scale 1 and no

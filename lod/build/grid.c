@@ -55,9 +55,11 @@ static enum eco_code add_full_detail(struct lod_probe *probe, struct eco_error *
 	for (uint32_t i = 0; i < probe->plant->ladder_count && !code; i++) {
 		const struct eco_ladder *ladder = &probe->plant->ladders[i];
 		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-		uint32_t count = ladder->flags & (ECO_LADDER_FAR | ECO_LADDER_WHOLE) ? 0
-			: lod_ladder_cuts(&probe->scene, ladder, lod_ladder_full(&probe->scene, ladder), 1,
-			cuts);
+		struct lod_way way;
+		if (ladder->flags & (ECO_LADDER_FAR | ECO_LADDER_WHOLE))
+			continue;
+		lod_way_begin(&way, &probe->scene, ladder);
+		uint32_t count = lod_way_cuts(&way, way.full, 1, 0, cuts);
 		for (uint32_t k = 0; k < count && !code; k++)
 			code = lod_probe_add(probe, &cuts[k], error);
 	}

@@ -72,12 +72,11 @@ static const struct eco_ladder *largest_foliage(const struct lod_plant *plant, c
 static enum eco_code draw(struct lod_probe *probe, const struct eco_ladder *ladder, double share,
 	double factor, struct eco_error *error)
 {
-	const struct eco_scene *scene = &probe->scene;
-	uint64_t full = lod_ladder_full(scene, ladder),
-		vertices = lod_ladder_floor(scene, ladder, (uint64_t)(share * (double)full + 0.5));
+	struct lod_way way;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-	uint32_t count = lod_ladder_cuts(scene, ladder, vertices, lod_ladder_density(scene, ladder, vertices),
-		cuts);
+	lod_way_begin(&way, &probe->scene, ladder);
+	uint64_t vertices = lod_way_floor(&way, (uint64_t)(share * (double)way.full + 0.5));
+	uint32_t count = lod_way_cuts(&way, vertices, lod_way_density(&way, vertices), 0, cuts);
 	enum eco_code code = ECO_OK;
 	lod_probe_clear(probe);
 	for (uint32_t i = 0; i < count && !code; i++) {

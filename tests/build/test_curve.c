@@ -373,10 +373,11 @@ UNIT_TEST(cells_share_the_curve_of_the_whole)
 static void add_share(struct lod_probe *probe, const struct eco_ladder *ladder, double share, double density)
 {
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-	uint64_t vertices = lod_ladder_vertices(&probe->scene, ladder, share);
-	double own = lod_ladder_density(&probe->scene, ladder, vertices);
-	uint32_t count = lod_ladder_cuts(&probe->scene, ladder, vertices, own > density ? own : density,
-		cuts);
+	struct lod_way way;
+	lod_way_begin(&way, &probe->scene, ladder);
+	uint64_t vertices = lod_way_vertices(&way, share);
+	double own = lod_way_density(&way, vertices);
+	uint32_t count = lod_way_cuts(&way, vertices, own > density ? own : density, 0, cuts);
 	for (uint32_t i = 0; i < count; i++)
 		assert_int_equal(lod_probe_add(probe, &cuts[i], NULL), ECO_OK);
 }

@@ -28,14 +28,13 @@ static void make(struct lod_plant *plant, struct lod_probe *probe, struct soup *
 		fail_msg("%s", error.text);
 }
 
-static double quality(struct lod_probe *probe, const struct eco_ladder *ladder, uint64_t vertices,
+static double quality(struct lod_probe *probe, const struct lod_way *way, uint64_t vertices,
 	double factor, bool keep)
 {
 	struct eco_error error = { 0 };
 	struct lod_probe_result result;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-	uint32_t count = lod_ladder_cuts(&probe->scene, ladder, vertices,
-		lod_ladder_density(&probe->scene, ladder, vertices), cuts);
+	uint32_t count = lod_way_cuts(way, vertices, lod_way_density(way, vertices), 0, cuts);
 	lod_probe_clear(probe);
 	for (uint32_t i = 0; i < count; i++) {
 		cuts[i].scale *= (float)factor;
@@ -62,15 +61,14 @@ UNIT_TEST(more_vertices_are_no_worse_and_the_scale_is_about_the_best)
 		struct lod_plant plant;
 		struct lod_probe probe;
 		make(&plant, &probe, &soup, crowns[c].leaves, crowns[c].textured);
-		const struct eco_ladder *ladder = leaves_of(&plant);
-		uint64_t full = lod_ladder_full(&probe.scene, ladder);
-		double best = quality(&probe, ladder, full, 1, true) - 1;
+		struct lod_way way;
+		lod_way_begin(&way, &probe.scene, leaves_of(&plant));
+		double best = quality(&probe, &way, way.full, 1, true) - 1;
 		for (double share = crowns[c].from; share < 1; share *= 1.1) {
-			uint64_t vertices = lod_ladder_floor(&probe.scene, ladder,
-				(uint64_t)(share * (double)full));
-			double q = quality(&probe, ladder, vertices, 1, false);
-			for (int way = -1; way <= 1; way += 2) {
-				double other = quality(&probe, ladder, vertices, way < 0 ? 0.7 : 1.4, false);
+			uint64_t vertices = lod_way_floor(&way, (uint64_t)(share * (double)way.full));
+			double q = quality(&probe, &way, vertices, 1, false);
+			for (int turn = -1; turn <= 1; turn += 2) {
+				double other = quality(&probe, &way, vertices, turn < 0 ? 0.7 : 1.4, false);
 				if (other > q + LITTLE)
 					fail_msg("%s, %.4f of all vertices: Q %.4f, with another scale %.4f",
 						crowns[c].what, share, q, other);

@@ -10,6 +10,13 @@
 
 static struct scene_builder scene;
 
+static const struct lod_way *way_of(const struct eco_ladder *ladder)
+{
+	static struct lod_way way;
+	lod_way_begin(&way, &scene.scene, ladder);
+	return &way;
+}
+
 static uint64_t drawn(const struct eco_cut *cuts, uint32_t count)
 {
 	uint64_t total = 0;
@@ -27,21 +34,21 @@ UNIT_TEST(every_step_draws_what_it_says)
 		(seed < 40 ? random_scene_make : random_scene_splats)(&scene, seed, 0);
 		for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
 			const struct eco_ladder *ladder = &scene.ladders[l];
-			uint64_t v = 0, full = lod_ladder_full(&scene.scene, ladder), steps = 0;
-			assert_int_equal(lod_ladder_floor(&scene.scene, ladder, 0), 0);
+			uint64_t v = 0, full = way_of(ladder)->full, steps = 0;
+			assert_int_equal(lod_way_floor(way_of(ladder), 0), 0);
 			while (v != full) {
-				uint64_t next = lod_ladder_next(&scene.scene, ladder, v);
+				uint64_t next = lod_way_next(way_of(ladder), v);
 				struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 				assert_true(next > v && next <= full);
-				assert_int_equal(lod_ladder_floor(&scene.scene, ladder, next), next);
-				assert_int_equal(lod_ladder_floor(&scene.scene, ladder, next - 1), v);
-				uint32_t n = lod_ladder_cuts(&scene.scene, ladder, next, 0.5, cuts);
+				assert_int_equal(lod_way_floor(way_of(ladder), next), next);
+				assert_int_equal(lod_way_floor(way_of(ladder), next - 1), v);
+				uint32_t n = lod_way_cuts(way_of(ladder), next, 0.5, 0, cuts);
 				assert_int_equal(drawn(cuts, n), next);
 				v = next;
 				assert_true(++steps < 100000);
 			}
-			assert_true(lod_ladder_next(&scene.scene, ladder, full) == UINT64_MAX);
-			assert_int_equal(lod_ladder_floor(&scene.scene, ladder, UINT64_MAX), full);
+			assert_true(lod_way_next(way_of(ladder), full) == UINT64_MAX);
+			assert_int_equal(lod_way_floor(way_of(ladder), UINT64_MAX), full);
 		}
 	}
 }
@@ -77,8 +84,8 @@ UNIT_TEST(forms_give_way_from_the_front)
 		for (uint32_t f = 1; f < k; f++) {
 			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 			uint64_t v = unit * k + (3 * rows[i].each - unit) * f;
-			assert_int_equal(lod_ladder_floor(&scene.scene, &ladder, v + 1), v);
-			assert_int_equal(lod_ladder_cuts(&scene.scene, &ladder, v, 1, cuts), 2);
+			assert_int_equal(lod_way_floor(way_of(&ladder), v + 1), v);
+			assert_int_equal(lod_way_cuts(way_of(&ladder), v, 1, 0, cuts), 2);
 			assert_int_equal(cuts[0].list, triangles);
 			assert_int_equal(cuts[0].first, 0);
 			assert_int_equal(cuts[0].end, rows[i].each * f);
@@ -131,10 +138,10 @@ UNIT_TEST(splats_give_way_to_their_children)
 				(ladder->level_end[last] - (last ? ladder->level_end[last - 1] : 0)) / roots;
 			uint64_t had[64] = { 0 }, before = 0;
 			assert_true(roots <= 64);
-			for (uint64_t v = lod_ladder_next(&scene.scene, ladder, 0); v != UINT64_MAX;
-					before = v, v = lod_ladder_next(&scene.scene, ladder, v), tried++) {
+			for (uint64_t v = lod_way_next(way_of(ladder), 0); v != UINT64_MAX;
+					before = v, v = lod_way_next(way_of(ladder), v), tried++) {
 				struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-				uint32_t count = lod_ladder_cuts(&scene.scene, ladder, v, 0.5, cuts);
+				uint32_t count = lod_way_cuts(way_of(ladder), v, 0.5, 0, cuts);
 				assert_true(v <= before + 3);
 				assert_int_equal(drawn(cuts, count), v);
 				for (uint32_t c = 0; c < count; c++) {
@@ -151,13 +158,12 @@ UNIT_TEST(splats_give_way_to_their_children)
 					assert_true(now <= (last + 1ull) * each);
 					had[i] = now;
 				}
-				assert_true(lod_ladder_density(&scene.scene, ladder, v) == 1);
-				assert_int_equal(lod_ladder_vertices(&scene.scene, ladder,
-					lod_ladder_share(&scene.scene, ladder, v)), v);
+				assert_true(lod_way_density(way_of(ladder), v) == 1);
+				assert_int_equal(lod_way_vertices(way_of(ladder), lod_way_share(way_of(ladder), v)), v);
 			}
 			for (uint32_t i = 0; i < roots; i++)
 				assert_int_equal(had[i], (last + 1ull) * each);
-			assert_int_equal(lod_ladder_stage_end(&scene.scene, ladder), before);
+			assert_int_equal(lod_way_stage_end(way_of(ladder)), before);
 		}
 	}
 	assert_true(tried > 2000);
@@ -204,12 +210,12 @@ UNIT_TEST(nothing_is_dropped_or_coarsened_as_amounts_grow)
 			if (ladder->organ == ECO_ORGAN_WOOD)
 				continue;
 			double last[4] = { 0, 0, 0, 0 }, share = 0, density = 0;
-			for (uint64_t v = lod_ladder_next(&scene.scene, ladder, 0); v != UINT64_MAX;
-					v = lod_ladder_next(&scene.scene, ladder, v)) {
+			for (uint64_t v = lod_way_next(way_of(ladder), 0); v != UINT64_MAX;
+					v = lod_way_next(way_of(ladder), v)) {
 				struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-				double now[4], now_share = lod_ladder_share(&scene.scene, ladder, v),
-					now_density = lod_ladder_density(&scene.scene, ladder, v);
-				uint32_t count = lod_ladder_cuts(&scene.scene, ladder, v, now_density, cuts);
+				double now[4], now_share = lod_way_share(way_of(ladder), v),
+					now_density = lod_way_density(way_of(ladder), v);
+				uint32_t count = lod_way_cuts(way_of(ladder), v, now_density, 0, cuts);
 				count_elements(ladder, cuts, count, now);
 				for (int form = 0; form < 4; form++) {
 					/* in mixed lists ends are means */
@@ -218,12 +224,11 @@ UNIT_TEST(nothing_is_dropped_or_coarsened_as_amounts_grow)
 				}
 				assert_true(now_share >= share && now_share <= 1 && now_density >= density
 					&& now_density <= 1);
-				assert_true(lod_ladder_vertices(&scene.scene, ladder, now_share) <= v);
+				assert_true(lod_way_vertices(way_of(ladder), now_share) <= v);
 				share = now_share;
 				density = now_density;
 			}
-			assert_true(lod_ladder_share(&scene.scene, ladder,
-				lod_ladder_full(&scene.scene, ladder)) == 1);
+			assert_true(lod_way_share(way_of(ladder), way_of(ladder)->full) == 1);
 		}
 	}
 }
@@ -251,12 +256,12 @@ UNIT_TEST(four_forms_follow_each_other)
 			scene.curves[i] = (struct eco_curve){ 0.02f * (float)(1 << i), 1,
 				(float)random_real(&scene, 0, 1), 0.1f, 0.1f };
 		double last[4] = { 0, 0, 0, 0 };
-		uint64_t before = 0, full = lod_ladder_full(&scene.scene, &ladder);
-		for (uint64_t v = lod_ladder_next(&scene.scene, &ladder, 0); v != UINT64_MAX;
-				before = v, v = lod_ladder_next(&scene.scene, &ladder, v)) {
+		uint64_t before = 0, full = way_of(&ladder)->full;
+		for (uint64_t v = lod_way_next(way_of(&ladder), 0); v != UINT64_MAX;
+				before = v, v = lod_way_next(way_of(&ladder), v)) {
 			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-			uint32_t count = lod_ladder_cuts(&scene.scene, &ladder, v,
-				lod_ladder_density(&scene.scene, &ladder, v), cuts);
+			uint32_t count = lod_way_cuts(way_of(&ladder), v,
+				lod_way_density(way_of(&ladder), v), 0, cuts);
 			uint64_t drawn = 0;
 			double now[4];
 			for (uint32_t i = 0; i < count; i++)
@@ -299,18 +304,18 @@ UNIT_TEST(amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms)
 		for (uint32_t i = 0; i < 5; i++)
 			scene.curves[i] = (struct eco_curve){ 0.02f * (float)(1 << i), 1,
 				(float)random_real(&scene, 0, 1), 0.1f, 0.1f };
-		uint64_t full = lod_ladder_full(&scene.scene, &ladder), next = 0, steps = 0;
+		uint64_t full = way_of(&ladder)->full, next = 0, steps = 0;
 		for (uint64_t asked = 1; asked <= full + 3; asked++) {
 			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-			uint64_t v = lod_ladder_floor(&scene.scene, &ladder, asked);
-			assert_true(v <= asked && lod_ladder_floor(&scene.scene, &ladder, v) == v);
+			uint64_t v = lod_way_floor(way_of(&ladder), asked);
+			assert_true(v <= asked && lod_way_floor(way_of(&ladder), v) == v);
 			if (v > 0)
 				assert_int_equal(drawn(cuts,
-					lod_ladder_cuts(&scene.scene, &ladder, v,
-					lod_ladder_density(&scene.scene, &ladder, v), cuts)), v);
+					lod_way_cuts(way_of(&ladder), v,
+					lod_way_density(way_of(&ladder), v), 0, cuts)), v);
 		}
-		while ((next = lod_ladder_next(&scene.scene, &ladder, next)) != UINT64_MAX && steps++ <= full)
-			assert_int_equal(lod_ladder_floor(&scene.scene, &ladder, next), next);
+		while ((next = lod_way_next(way_of(&ladder), next)) != UINT64_MAX && steps++ <= full)
+			assert_int_equal(lod_way_floor(way_of(&ladder), next), next);
 		assert_true(steps <= full);
 	}
 }
@@ -341,12 +346,12 @@ UNIT_TEST(scales_follow_the_curve_where_the_reach_stays)
 	memcpy(scene.curves, samples, sizeof samples);
 	ladder.curve_count = 3;
 	for (double share = 0.06; share < 0.2; share += 0.02) {
-		uint64_t v = lod_ladder_vertices(&scene.scene, &ladder, share);
-		double density = lod_ladder_density(&scene.scene, &ladder, v),
+		uint64_t v = lod_way_vertices(way_of(&ladder), share);
+		double density = lod_way_density(way_of(&ladder), v),
 			scale = lod_ladder_curve(&scene.scene, &ladder, share).scale;
 		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 		assert_float_equal(density, 123.0 / 300, 1e-6);
-		uint32_t count = lod_ladder_cuts(&scene.scene, &ladder, v, density, cuts);
+		uint32_t count = lod_way_cuts(way_of(&ladder), v, density, 0, cuts);
 		for (uint32_t i = 0; i < count; i++)
 			assert_true(fabs(cuts[i].scale * density - scale) < 0.05);
 	}
@@ -366,9 +371,9 @@ UNIT_TEST(cells_begin_in_the_form_of_their_plant)
 	memcpy(scene.curves, samples, sizeof samples);
 	ladder.curve_count = 6;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-	assert_true(lod_ladder_share(&scene.scene, &ladder, 0) < 0.02);
-	assert_int_equal(lod_ladder_cuts(&scene.scene, &ladder, lod_ladder_next(&scene.scene, &ladder, 0),
-		0.2, cuts), 1);
+	assert_true(lod_way_share(way_of(&ladder), 0) < 0.02);
+	assert_int_equal(lod_way_cuts(way_of(&ladder), lod_way_next(way_of(&ladder), 0),
+		0.2, 0, cuts), 1);
 	assert_int_equal(cuts[0].list, ladder.points);
 	assert_int_equal(cuts[0].end, 1);
 }
@@ -388,20 +393,19 @@ UNIT_TEST(cells_draw_what_the_whole_plant_list_does_not)
 	struct eco_curve samples[] = { { 0.01f, 1, 0.05f, 0.5f, 0.5f }, { 0.05f, 1, 0.25f, 0.4f, 0.4f },
 		{ 0.2f, 1, 1, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
 	memcpy(scene.curves, samples, sizeof samples);
-	assert_int_equal(lod_ladder_vertices(&scene.scene, &ladder, 0.05f), 0);
-	assert_float_equal(lod_ladder_share(&scene.scene, &ladder, 0), 0.05, 1e-6);
-	assert_float_equal(lod_ladder_density(&scene.scene, &ladder, 0), 0.25, 1e-6);
-	uint64_t all = lod_ladder_vertices(&scene.scene, &ladder, 0.2f);
-	assert_float_equal(lod_ladder_density(&scene.scene, &ladder, all), 1, 1e-6);
+	assert_int_equal(lod_way_vertices(way_of(&ladder), 0.05f), 0);
+	assert_float_equal(lod_way_share(way_of(&ladder), 0), 0.05, 1e-6);
+	assert_float_equal(lod_way_density(way_of(&ladder), 0), 0.25, 1e-6);
+	uint64_t all = lod_way_vertices(way_of(&ladder), 0.2f);
+	assert_float_equal(lod_way_density(way_of(&ladder), all), 1, 1e-6);
 	assert_true(all >= k);
 	/* the whole-plant list of a plant with cells: alone it reaches as far as it has elements */
 	ladder.before = 0;
 	ladder.total = 4 * k;
-	uint64_t end = lod_ladder_stage_end(&scene.scene, &ladder);
-	assert_float_equal(lod_ladder_density(&scene.scene, &ladder, end), 0.25, 1e-6);
-	assert_true(end >= k && end < lod_ladder_full(&scene.scene, &ladder));
-	assert_true(lod_ladder_density(&scene.scene, &ladder,
-		lod_ladder_floor(&scene.scene, &ladder, end - 1)) < 0.25);
+	uint64_t end = lod_way_stage_end(way_of(&ladder));
+	assert_float_equal(lod_way_density(way_of(&ladder), end), 0.25, 1e-6);
+	assert_true(end >= k && end < way_of(&ladder)->full);
+	assert_true(lod_way_density(way_of(&ladder), lod_way_floor(way_of(&ladder), end - 1)) < 0.25);
 }
 
 /* A whole-plant list that is all drawn as points stays that while cells go on: it is scaled by what the
@@ -417,7 +421,7 @@ UNIT_TEST(a_list_that_is_all_drawn_is_scaled_as_its_plant)
 		{ 0.75, 0.75 }, { 1, 0.5 } };
 	memcpy(scene.curves, samples, sizeof samples);
 	ladder.curve_count = 4;
-	uint64_t all = lod_ladder_stage_end(&scene.scene, &ladder);
+	uint64_t all = lod_way_stage_end(way_of(&ladder));
 	struct lod_forms_leg legs[16];
 	struct lod_way kept;
 	lod_way_begin(&kept, &scene.scene, &ladder);
@@ -425,7 +429,7 @@ UNIT_TEST(a_list_that_is_all_drawn_is_scaled_as_its_plant)
 	lod_way_keep(&kept, legs);
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_cut cuts[LOD_LADDER_CUTS_MAX], again[LOD_LADDER_CUTS_MAX];
-		assert_int_equal(lod_ladder_cuts(&scene.scene, &ladder, all, rows[i].density, cuts), 1);
+		assert_int_equal(lod_way_cuts(way_of(&ladder), all, rows[i].density, 0, cuts), 1);
 		assert_true(fabs(cuts[0].scale * rows[i].density - rows[i].scale) < 0.02);
 		assert_int_equal(lod_way_cuts(&kept, all, rows[i].density, 0, again), 1);
 		assert_true(cuts[0].scale == again[0].scale);
@@ -438,12 +442,12 @@ UNIT_TEST(wood_is_never_scaled_and_leaves_are_by_their_curve)
 	for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
 		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 		const struct eco_ladder *ladder = &scene.ladders[l];
-		uint64_t v = lod_ladder_next(&scene.scene, ladder, 0);
-		if (!lod_ladder_cuts(&scene.scene, ladder, v, 0.01, cuts))
+		uint64_t v = lod_way_next(way_of(ladder), 0);
+		if (!lod_way_cuts(way_of(ladder), v, 0.01, 0, cuts))
 			continue;
 		if (ladder->organ == ECO_ORGAN_WOOD)
 			assert_true(cuts[0].scale == 1);
-		else if (v < lod_ladder_full(&scene.scene, ladder) && cuts[0].list != ladder->triangles)
+		else if (v < way_of(ladder)->full && cuts[0].list != ladder->triangles)
 			assert_true(cuts[0].scale > 1);
 	}
 }

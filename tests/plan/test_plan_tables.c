@@ -19,20 +19,18 @@ UNIT_TEST(kept_ways_answer_as_walks_do)
 		assert_false(lod_plan_tables_make(&tables, &scene.scene, NULL));
 		for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
 			const struct lod_way *way = &lod_plan_tables_ladder(tables, l)->way;
-			const struct eco_ladder *ladder = &scene.ladders[l];
-			assert_true(way->full == lod_ladder_full(&scene.scene, ladder));
-			assert_true(lod_way_stage_end(way) == lod_ladder_stage_end(&scene.scene, ladder));
+			struct lod_way walk;
+			lod_way_begin(&walk, &scene.scene, &scene.ladders[l]);
+			assert_true(way->full == walk.full);
+			assert_true(lod_way_stage_end(way) == lod_way_stage_end(&walk));
 			for (uint64_t v = 0; v <= way->full + 2; v += 1 + v / 40, asked++) {
 				uint64_t floor = lod_way_floor(way, v);
 				double share = random_real(&scene, -0.1, 1.1);
-				assert_true(floor == lod_ladder_floor(&scene.scene, ladder, v));
-				assert_true(lod_way_next(way, v) == lod_ladder_next(&scene.scene, ladder, v));
-				assert_true(lod_way_share(way, floor) == lod_ladder_share(&scene.scene,
-					ladder, floor));
-				assert_true(lod_way_density(way, floor) == lod_ladder_density(&scene.scene,
-					ladder, floor));
-				assert_true(lod_way_vertices(way, share) == lod_ladder_vertices(&scene.scene,
-					ladder, share));
+				assert_true(floor == lod_way_floor(&walk, v));
+				assert_true(lod_way_next(way, v) == lod_way_next(&walk, v));
+				assert_true(lod_way_share(way, floor) == lod_way_share(&walk, floor));
+				assert_true(lod_way_density(way, floor) == lod_way_density(&walk, floor));
+				assert_true(lod_way_vertices(way, share) == lod_way_vertices(&walk, share));
 			}
 		}
 		lod_plan_tables_free(tables);

@@ -87,15 +87,15 @@ static void sample_levels(struct lod_curve_organ *curve)
 	for (uint32_t i = 1; i < curve->member_count; i++)
 		if (lod_ladder_full(scene, lod_curve_member(curve, i)) > lod_ladder_full(scene, largest))
 			largest = lod_curve_member(curve, i);
-	uint64_t first = lod_ladder_stage_end(scene, largest), full = lod_ladder_full(scene, largest),
-		unit = lod_ladder_next(scene, largest, 0);
+	struct lod_way way;
+	lod_way_begin(&way, scene, largest);
+	uint64_t first = lod_way_stage_end(&way), unit = lod_way_next(&way, 0);
 	if (first)
-		sample_geometrically(curve, (double)first / (double)unit,
-			lod_ladder_share(scene, largest, unit));
-	add_sample(curve, lod_ladder_share(scene, largest, first), curve->scaled);
-	for (uint64_t v = first; v < full;) {
-		v = lod_ladder_next(scene, largest, v);
-		add_sample(curve, lod_ladder_share(scene, largest, v), false);
+		sample_geometrically(curve, (double)first / (double)unit, lod_way_share(&way, unit));
+	add_sample(curve, lod_way_share(&way, first), curve->scaled);
+	for (uint64_t v = first; v < way.full;) {
+		v = lod_way_next(&way, v);
+		add_sample(curve, lod_way_share(&way, v), false);
 	}
 	add_sample(curve, 1, false);
 }

@@ -46,13 +46,15 @@ enum eco_code lod_curve_add(const struct lod_curve_organ *curve, const struct ec
 	measured.curve_count = sample->share < 1 ? 2 : 1;
 	probe->scene.curves = samples;
 	probe->scene.curve_count = 2;
-	uint64_t vertices = lod_ladder_vertices(&probe->scene, &measured, sample->share);
-	double density = lod_ladder_density(&probe->scene, &measured, vertices);
+	struct lod_way way;
+	lod_way_begin(&way, &probe->scene, &measured);
+	uint64_t vertices = lod_way_vertices(&way, sample->share);
+	double density = lod_way_density(&way, vertices);
 	/* a whole-plant list: the cells show the rest */
 	if ((curve->forms || curve->whole) && density < sample->reach)
 		density = sample->reach;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-	uint32_t count = lod_ladder_cuts(&probe->scene, &measured, vertices, density, cuts);
+	uint32_t count = lod_way_cuts(&way, vertices, density, 0, cuts);
 	probe->scene.curves = probe->plant->curves;
 	probe->scene.curve_count = probe->plant->curve_count;
 	enum eco_code code = ECO_OK;

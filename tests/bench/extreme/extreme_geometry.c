@@ -362,17 +362,19 @@ void extreme_lambda_to_0(struct extreme *x)
 	uint32_t tried = 0;
 	for (uint32_t i = 0; i < s->ladder_count; i++) {
 		const struct eco_ladder *l = &s->ladders[i];
+		struct lod_way way;
+		lod_way_begin(&way, s, l);
 		for (size_t k = 0; k < sizeof shares / sizeof *shares; k++) {
 			struct eco_curve c = lod_ladder_curve(s, l, shares[k]);
 			extreme_must(x, isfinite(c.scale) && isfinite(c.fp) && isfinite(c.fn),
 				"ladder %u at a share of %g is not finite", i, shares[k]);
-			extreme_must(x, lod_ladder_vertices(s, l, shares[k]) <= lod_ladder_full(s, l),
+			extreme_must(x, lod_way_vertices(&way, shares[k]) <= way.full,
 				"ladder %u at a share of %g", i, shares[k]);
 		}
-		uint64_t v = lod_ladder_next(s, l, 0);
-		for (int step = 0; step < 20 && v != UINT64_MAX; step++, v = lod_ladder_next(s, l, v)) {
+		uint64_t v = lod_way_next(&way, 0);
+		for (int step = 0; step < 20 && v != UINT64_MAX; step++, v = lod_way_next(&way, v)) {
 			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-			uint32_t count = lod_ladder_cuts(s, l, v, lod_ladder_density(s, l, v), cuts);
+			uint32_t count = lod_way_cuts(&way, v, lod_way_density(&way, v), 0, cuts);
 			for (uint32_t c = 0; c < count; c++, tried++) {
 				extreme_must(x, cuts[c].scale > 0 && cuts[c].scale <= 1e12f,
 					"ladder %u, %llu vertices: scale %g", i, (unsigned long long)v,

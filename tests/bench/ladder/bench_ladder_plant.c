@@ -88,10 +88,11 @@ static enum eco_code open_probe(struct study *s, const struct eco_model *model, 
 static enum eco_code add_at(struct study *s, const struct eco_ladder *ladder, uint64_t vertices, double reach,
 	struct eco_error *error)
 {
-	const struct eco_scene *scene = &s->probe.scene;
+	struct lod_way way;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-	double density = fmax(reach, lod_ladder_density(scene, ladder, vertices));
-	uint32_t count = lod_ladder_cuts(scene, ladder, vertices, density, cuts);
+	lod_way_begin(&way, &s->probe.scene, ladder);
+	double density = fmax(reach, lod_way_density(&way, vertices));
+	uint32_t count = lod_way_cuts(&way, vertices, density, 0, cuts);
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < count && !code; i++)
 		code = lod_probe_add(&s->probe, &cuts[i], error);
@@ -177,7 +178,9 @@ static enum eco_code draw_share(struct study *s, double share, struct bench_ladd
 		const struct eco_ladder *ladder = &s->plant.ladders[i];
 		if (!is_foliage(ladder))
 			continue;
-		uint64_t here = lod_ladder_vertices(&s->probe.scene, ladder, share);
+		struct lod_way way;
+		lod_way_begin(&way, &s->probe.scene, ladder);
+		uint64_t here = lod_way_vertices(&way, share);
 		vertices += here;
 		code = add_at(s, ladder, here, lod_ladder_curve(&s->probe.scene, ladder, share).reach, error);
 	}
@@ -373,13 +376,15 @@ static enum eco_code fill_splats(struct study *s, const struct eco_ladder *ladde
 	struct bench_ladder_curve *curve, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-	uint64_t full = lod_ladder_full(&s->probe.scene, ladder), v = full;
+	struct lod_way way;
+	lod_way_begin(&way, &s->probe.scene, ladder);
+	uint64_t v = way.full;
 	while (v > 1 && curve->count + 1 < BENCH_LADDER_POINTS && !code) {
 		lod_probe_clear(&s->probe);
 		code = add_at(s, ladder, v, 0, error);
 		if (!code)
 			curve->at[curve->count++] = score(s, (double)v / s->full);
-		v = lod_ladder_floor(&s->probe.scene, ladder, (uint64_t)((double)v / FACTOR));
+		v = lod_way_floor(&way, (uint64_t)((double)v / FACTOR));
 	}
 	return code ? code : add_impostor(s, curve, error);
 }
