@@ -1,7 +1,7 @@
 /* Wood, foliage and flowers by shape and colour. Longer than 600 lines: a case for each rule, on shared
  * soups. */
 #include "lod/build/organ/organ.h"
-#include "lod/build/organ/organ_name.h"
+#include "lod/build/organ/organ_state.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 

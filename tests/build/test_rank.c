@@ -2,8 +2,7 @@
  * seed decides it. */
 #include "ecofiles/format/list.h"
 #include "lod/build/order/footprint.h"
-#include "lod/build/order/rank.h"
-#include "lod/build/order/rank_simple.h"
+#include "lod/build/order/rank_state.h"
 #include "tests/support/foliage_random.h"
 #include "tests/support/unit_test.h"
 

@@ -537,7 +537,7 @@ UNIT_TEST(vertex_colours_become_materials)
 		assert_true(rgb[0] == (i != 1 ? 255 : 0) && rgb[1] == (i == 2 ? 255 : 0)
 			&& rgb[2] == (i != 0 ? 255 : 0));
 		assert_string_equal(m.materials[m.material[i]].name, "vertex colours 1");
-			/* one surface: lod/build/organ/organ_split.h */
+			/* one surface: lod_organs_split */
 	}
 }
 

@@ -76,7 +76,7 @@ uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb
 	}
 	t->key[t->count++] = key;
 	t->table[slot] = t->count;
-	/* lod/build/organ/organ_split.h knows a surface by its material's name, whatever its colours */
+	/* lod_organs_split knows a surface by its material's name, whatever its colours */
 	if (m->materials[material].name[0] == 0)
 		snprintf(m->materials[material].name, sizeof m->materials[material].name, "vertex colours %u",
 			(unsigned)material + 1);

@@ -18,9 +18,7 @@
 #include <string.h>
 
 #include "ecofiles/format/list.h"
-#include "lod/build/order/rank_crown.h"
-#include "lod/build/order/rank_simple.h"
-#include "lod/build/order/rank_refine.h"
+#include "lod/build/order/rank_state.h"
 #include "lod/sort.h"
 
 #define VIEWS_LEAST 24u

@@ -1,4 +1,4 @@
-#include "lod/build/order/rank_crown.h"
+#include "lod/build/order/rank_state.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* See rank_refine.h.
+/* See rank_state.h.
  *
  * Greedy picking is final: an early pick stays, with the code that was best at the time. The refinement looks
  * at the list cut at several keys. Each key has its own pictures, scale and values of a right and a wrong
@@ -9,7 +9,7 @@
  *
  * Variants and gains: lod/EXPERIMENTS.md, Refining the greedy order. Longer than 600 lines: one search
  * over one set of counted pictures. */
-#include "lod/build/order/rank_refine.h"
+#include "lod/build/order/rank_state.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,7 @@
  *
  * A quad is nearer to a leaf of three triangles or more and costs twice as much; triangles save more
  * (lod/EXPERIMENTS.md, Simple leaves: quads or triangles). */
-#include "lod/build/order/rank_simple.h"
+#include "lod/build/order/rank_state.h"
 
 #include <string.h>
 

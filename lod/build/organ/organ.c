@@ -4,10 +4,7 @@
 #include <string.h>
 
 #include "lod/light.h"
-#include "lod/build/organ/organ_flower.h"
-#include "lod/build/organ/organ_name.h"
-#include "lod/build/organ/organ_shape.h"
-#include "lod/build/organ/organ_split.h"
+#include "lod/build/organ/organ_state.h"
 #include "lod/sort.h"
 #include "lod/raster/texel.h"
 #include "lod/vector.h"

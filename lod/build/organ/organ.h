@@ -15,7 +15,7 @@
  *
  * A component in doubt follows the clear ones of its material, green ones and others apart: artists separate
  * bark and leaves by material, or by colours of one palette; this uses only the identity of a material, not
- * its name. Then names break the tie (organ_name.h), then colours.
+ * its name. Then names break the tie (organ_name.c), then colours.
  *
  * A thick component is a crown or fruit modelled as a hull, or a thing: a stump, a stout trunk, a pot, a
  * rock. A thing stands on the ground and has most of the plant above it, or it is brown and the plant is
@@ -53,7 +53,7 @@ struct lod_organs {
 	uint8_t (*rgb)[3];
 };
 
-/* Arrays come from `arena`. Regroups the mesh's components (organ_split.h). */
+/* Arrays come from `arena`. Regroups the mesh's components (organ_split.c). */
 void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const struct eco_model *model,
 	struct lod_arena *arena);
 

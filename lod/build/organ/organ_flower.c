@@ -1,4 +1,4 @@
-#include "lod/build/organ/organ_flower.h"
+#include "lod/build/organ/organ_state.h"
 
 #include "ecofiles/format/pack.h"
 #include "lod/vector.h"

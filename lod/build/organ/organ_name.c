@@ -2,7 +2,7 @@
  * long word of the table matches words that begin with it (leaf: leafs, but also leafcard). A short one
  * matches only itself, a plural or a number, so that `bois` is not found in unrelated names. German joins
  * words, so its longer ones also match at the end (Birkenrinde). */
-#include "lod/build/organ/organ_name.h"
+#include "lod/build/organ/organ_state.h"
 
 #include <stdbool.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * the sum of tetrahedra towards one point; each loop of an open component's border (tubes mostly are open at
  * both ends) is closed by a fan around its middle. Soups are wound at random, so triangles are first oriented
  * to one side. */
-#include "lod/build/organ/organ_shape.h"
+#include "lod/build/organ/organ_state.h"
 
 #include <math.h>
 

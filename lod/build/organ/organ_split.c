@@ -1,10 +1,9 @@
-#include "lod/build/organ/organ_split.h"
+#include "lod/build/organ/organ_state.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "ecofiles/base/union.h"
-#include "lod/build/organ/organ_shape.h"
 #include "lod/sort.h"
 #include "lod/vector.h"
 

@@ -1,4 +1,4 @@
-#include "lod/build/splat/splat_descent.h"
+#include "lod/build/splat/splat_state.h"
 
 #include <math.h>
 #include <string.h>

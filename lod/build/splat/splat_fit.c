@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "lod/bits.h"
-#include "lod/build/splat/splat_descent.h"
+#include "lod/build/splat/splat_state.h"
 #include "lod/lanes.h"
 #include "lod/sort.h"
 

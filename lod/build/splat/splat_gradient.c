@@ -97,7 +97,7 @@ static void clear(const struct splat_views *views, float *left)
 		left[i] = 1;
 }
 
-/* What ellipses may touch of a picture: columns from and to a multiple of four. Nothing is drawn beyond. */
+/* The part of a picture that ellipses may touch: columns from and to a multiple of four. */
 struct box { uint32_t x0, x1, y0, y1; };
 
 static uint32_t up_to_four(uint32_t x) { return (x + 3) & ~UINT32_C(3); }
@@ -232,7 +232,10 @@ static struct box whole(const struct splat_views *views)
 	return (struct box){ 0, views->pixels, 0, views->pixels };
 }
 
-LOD_INLINE struct splat_row count_row(const struct splat_views *views, const struct splat_view *view,
+/* The share that a row of a picture draws, and draws rightly. */
+struct row { double drawn, both; };
+
+LOD_INLINE struct row count_row(const struct splat_views *views, const struct splat_view *view,
 	const float *left, float chance, uint32_t y, const struct box *box)
 {
 	size_t plane = (size_t)views->pixels * views->stride, first = (size_t)y * views->stride;
@@ -245,7 +248,7 @@ LOD_INLINE struct splat_row count_row(const struct splat_views *views, const str
 			both += lod_f4_all(1 - chance) * lod_f4_min(a, b) + lod_f4_all(chance) * a * b;
 		}
 	}
-	return (struct splat_row){ sum4(drawn) * (float)views->planes, sum4(both) };
+	return (struct row){ sum4(drawn) * (float)views->planes, sum4(both) };
 }
 
 LOD_INLINE struct sums count_view(const struct splat_views *views, const struct splat_view *view,
@@ -253,7 +256,7 @@ LOD_INLINE struct sums count_view(const struct splat_views *views, const struct 
 {
 	struct sums sums = { 0, 0, view->covered };
 	for (uint32_t y = box->y0; y < box->y1; y++) {
-		struct splat_row row = count_row(views, view, left, chance, y, box);
+		struct row row = count_row(views, view, left, chance, y, box);
 		sums.drawn += row.drawn;
 		sums.both += row.both;
 	}
@@ -306,7 +309,8 @@ static void add_light(const struct splat_ellipse *e, const struct splat_views *v
 	}
 }
 
-void splat_view_light(const struct splat_views *views, uint32_t view_index, const struct splat_params *splats,
+/* Adds the light that the plant shows where a splat is in front. `order`: from the nearest to the farthest. */
+static void view_light(const struct splat_views *views, uint32_t view_index, const struct splat_params *splats,
 	const struct lod_keyed *order, uint32_t count, const struct splat_picture *picture,
 	struct lod_light *light)
 {
@@ -320,7 +324,8 @@ void splat_view_light(const struct splat_views *views, uint32_t view_index, cons
 	}
 }
 
-LOD_CLONES void splat_view_draw(const struct splat_views *views, uint32_t view,
+/* Draws splats over nothing: the share of each pixel that they leave free. */
+LOD_CLONES static void view_draw(const struct splat_views *views, uint32_t view,
 	const struct splat_params *splats, uint32_t count, const struct splat_softness *soft, float *left)
 {
 	struct splat_ellipse e;
@@ -357,8 +362,9 @@ static double score_of(const struct sums *sums)
 	return sums->covered > 0 ? loss_of(sums, &drawn, &p, &r) : 0;
 }
 
-LOD_CLONES double splat_view_score(const struct splat_views *views, uint32_t view, const float *left,
-	float chance, struct splat_row *rows)
+/* 1 - Q of that picture, and its rows. */
+LOD_CLONES static double view_score(const struct splat_views *views, uint32_t view, const float *left,
+	float chance, struct row *rows)
 {
 	struct sums sums = { 0, 0, views->items[view].covered };
 	const struct box box = whole(views);
@@ -377,11 +383,16 @@ static void reach(const struct splat_ellipse *e, int32_t rows[2])
 	rows[1] = e->y1 > rows[1] ? e->y1 : rows[1];
 }
 
-LOD_CLONES double splat_view_replace(const struct splat_views *views, uint32_t view,
-	const struct splat_exchange *what, const struct splat_softness *soft, const float *left,
-	const struct splat_row *rows, float *trial)
+/* Some splats of a picture, at most EXCHANGED, are taken out and others put in. */
+#define EXCHANGED 8u
+struct exchange { const struct splat_params *out, *in; uint32_t out_count, in_count; };
+
+/* 1 - Q of the picture after that. Only rows that these splats reach are looked at. `trial`: scratch. */
+LOD_CLONES static double view_replace(const struct splat_views *views, uint32_t view,
+	const struct exchange *what, const struct splat_softness *soft, const float *left,
+	const struct row *rows, float *trial)
 {
-	struct splat_ellipse e[SPLAT_EXCHANGED];
+	struct splat_ellipse e[EXCHANGED];
 	const struct splat_view *seen = &views->items[view];
 	struct sums sums = { 0, 0, seen->covered };
 	int32_t touched[2] = { (int32_t)views->pixels, 0 };
@@ -402,7 +413,7 @@ LOD_CLONES double splat_view_replace(const struct splat_views *views, uint32_t v
 			draw(&e[i], trial, views->stride);
 	}
 	for (int32_t y = 0; y < (int32_t)views->pixels; y++) {
-		struct splat_row row = y < touched[0] || y >= touched[1] ? rows[y]
+		struct row row = y < touched[0] || y >= touched[1] ? rows[y]
 			: count_row(views, seen, trial, soft->chance, (uint32_t)y, &box);
 		sums.drawn += row.drawn;
 		sums.both += row.both;
@@ -433,4 +444,93 @@ LOD_CLONES double splat_view_loss(const struct splat_views *views, uint32_t view
 	for (uint32_t i = 0; i < moving; i++)
 		pull(&e[i], views, view, picture->weight, splats[i].v[SPLAT_OPACITY], &gradient[i]);
 	return loss;
+}
+
+/* ---- Gains ---- */
+
+/* The gain of a splat that gives way to its children: the mean of the gain among parents and the gain among
+ * children, as it is the less the more its neighbours cover. */
+#define VIEW_STEP 4u             /* every fourth view decides */
+
+struct gains {
+	const struct splat_views *views;
+	const struct splat_params *parents, *level;
+	uint32_t count, children;
+	struct splat_softness soft;
+	float *coarse, *fine, *trial;
+	struct row *rows[2];       /* of `fine`, of `coarse` */
+	double *gain;
+};
+
+static double trial_score(const struct gains *g, uint32_t view, uint32_t parent, bool finer)
+{
+	const struct splat_params *one = &g->parents[parent], *many = &g->level[(size_t)parent * g->children];
+	struct exchange what = finer ? (struct exchange){ one, many, 1, g->children }
+		: (struct exchange){ many, one, g->children, 1 };
+	return view_replace(g->views, view, &what, &g->soft, finer ? g->coarse : g->fine,
+		g->rows[finer], g->trial);
+}
+
+static void add_view(const struct gains *g, uint32_t view)
+{
+	view_draw(g->views, view, g->parents, g->count, &g->soft, g->coarse);
+	view_draw(g->views, view, g->level, g->count * g->children, &g->soft, g->fine);
+	double coarse = view_score(g->views, view, g->coarse, g->soft.chance, g->rows[1]),
+		fine = view_score(g->views, view, g->fine, g->soft.chance, g->rows[0]);
+	for (uint32_t i = 0; i < g->count; i++)
+		g->gain[i] += coarse - trial_score(g, view, i, true) + trial_score(g, view, i, false) - fine;
+}
+
+void splat_gains(const struct splat_views *views, const struct splat_params *parents, uint32_t count,
+	const struct splat_params *level, uint32_t children, struct lod_arena *arena, double *gain)
+{
+	const struct lod_arena_piece *mark = arena->last;
+	size_t pixels = (size_t)views->pixels * views->stride;
+	struct gains g = { .views = views, .parents = parents, .level = level, .count = count,
+		.children = children, .soft = { .edge_px = 0.6f, .blur_px2 = 0.2f, .chance = 0.6f },
+		.gain = gain };
+	g.coarse = lod_arena_take(arena, pixels, sizeof *g.coarse);
+	g.fine = lod_arena_take(arena, pixels, sizeof *g.fine);
+	g.trial = lod_arena_take(arena, pixels, sizeof *g.trial);
+	for (int i = 0; i < 2; i++)
+		g.rows[i] = lod_arena_take(arena, views->pixels, sizeof *g.rows[i]);
+	memset(gain, 0, count * sizeof *gain);
+	for (uint32_t view = 0; view < views->count; view += VIEW_STEP)
+		add_view(&g, view);
+	lod_arena_release(arena, mark);
+}
+
+/* ---- Colours ---- */
+
+static void sort_by_depth(const struct splat_view *view, const struct splat_params *splats, uint32_t count,
+	struct lod_arena *arena, struct lod_keyed *order)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		double depth = 0;
+		for (int k = 0; k < 3; k++)
+			depth += view->forward[k] * (double)splats[i].v[k];
+		order[i] = (struct lod_keyed){ lod_sort_key(depth), i };
+	}
+	lod_sort(arena, order, count);
+}
+
+void splat_color_level(const struct splat_views *views, const struct splat_params *splats, uint32_t count,
+	const struct lod_splat *parents, uint32_t children, struct lod_arena *arena, struct lod_splat *out)
+{
+	static const uint8_t grey[3] = { 128, 128, 128 };
+	const struct lod_arena_piece *mark = arena->last;
+	size_t pixels = (size_t)views->pixels * views->stride;
+	struct lod_keyed *order = lod_arena_take(arena, count, sizeof *order);
+	struct lod_light *light = lod_arena_take(arena, count, sizeof *light);
+	struct splat_picture picture = { lod_arena_take(arena, pixels, sizeof(float)), NULL, NULL };
+	for (uint32_t view = 0; view < views->count; view++) {
+		sort_by_depth(&views->items[view], splats, count, arena, order);
+		view_light(views, view, splats, order, count, &picture, light);
+	}
+	for (uint32_t i = 0; i < count; i++) {
+		memcpy(out[i].rgb, parents ? parents[i / children].rgb : grey, 3);
+		if (light[i].weight > 0.25)
+			lod_light_mean(&light[i], out[i].rgb);
+	}
+	lod_arena_release(arena, mark);
 }

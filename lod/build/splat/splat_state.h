@@ -1,5 +1,5 @@
 /* The inside of fitting splats, shared by splat_fit.c (levels), splat_views.c (the plant's pictures),
- * splat_gradient.c (one picture of splats and its gradient), splat_blades.c and splat_order.c.
+ * splat_gradient.c (one picture of splats and its gradient), splat_descent.c and splat_blades.c.
  *
  * Everything is in units of the plant's bounding sphere: its centre is 0, its radius 1. */
 #ifndef LOD_SPLAT_STATE_H
@@ -69,21 +69,6 @@ struct splat_ellipse {
 /* A picture of splats, scratch: share that is left free, rows of stride; and each splat as it is drawn. */
 struct splat_picture { float *free; float *weight; struct splat_ellipse *ellipses; };
 
-/* Draws splats over nothing: the share of each pixel that they leave free. */
-void splat_view_draw(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
-	uint32_t count, const struct splat_softness *soft, float *left);
-/* What a row of a picture draws, and draws rightly. */
-struct splat_row { double drawn, both; };
-/* 1 - Q of that picture, and its rows. */
-double splat_view_score(const struct splat_views *views, uint32_t view, const float *left, float chance,
-	struct splat_row *rows);
-/* 1 - Q of that picture with some splats taken out and others put in, at most SPLAT_EXCHANGED together. Only
- * rows that these reach are looked at. `trial`: a picture, scratch. */
-#define SPLAT_EXCHANGED 8u
-struct splat_exchange { const struct splat_params *out, *in; uint32_t out_count, in_count; };
-double splat_view_replace(const struct splat_views *views, uint32_t view, const struct splat_exchange *what,
-	const struct splat_softness *soft, const float *left, const struct splat_row *rows, float *trial);
-
 /* 1 - Q of the picture of the splats in one view; adds its gradient to `gradient`, one for each of the first
  * `moving` splats. */
 double splat_view_loss(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
@@ -94,16 +79,35 @@ double splat_view_loss(const struct splat_views *views, uint32_t view, const str
 void splat_gains(const struct splat_views *views, const struct splat_params *parents, uint32_t count,
 	const struct splat_params *level, uint32_t children, struct lod_arena *arena, double *gain);
 
-/* Adds the light that the plant shows where a splat is in front, to the light of each splat. `order`: from
- * the nearest to the farthest, by index. */
-void splat_view_light(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
-	const struct lod_keyed *order, uint32_t count, const struct splat_picture *picture,
-	struct lod_light *light);
-
-/* The colours of a level: means of that light over all views. A splat that is nowhere in front gets that of
+/* The colours of a level: means of the light that the plant shows where a splat is in front. A splat that is nowhere in front gets that of
  * its parent, in `parents` (NULL in the first level), or grey. */
 void splat_color_level(const struct splat_views *views, const struct splat_params *splats, uint32_t count,
 	const struct lod_splat *parents, uint32_t children, struct lod_arena *arena, struct lod_splat *out);
+
+/* ---- Descent (splat_descent.c) ---- */
+
+/* Gradient descent of one level of splats: Adam (Kingma and Ba 2015) on batches of views, with falling steps
+ * and edges that grow sharper. */
+
+struct splat_descent {
+	const struct splat_views *views, *coarse;
+	float coarse_share;              /* so much of the descent looks at `coarse`, the rest at `views` */
+	struct splat_params *splats;     /* a level; in: where it begins, out: where it ends */
+	uint32_t count;
+	/* The level before, as it ended, or NULL: then some steps draw some of it with the children of the
+	 * others, so that pictures between two levels are good, too. */
+	const struct splat_params *parents;
+	uint32_t children;               /* of each parent */
+	bool opaque, blades;             /* blades: of a plant of blades, which takes more views a step */
+	float chance;                    /* struct splat_softness */
+	bool settle;                     /* shapes stay, as they have been rounded; a few steps of the rest */
+	uint32_t level, levels;          /* for progress */
+	const struct lod_splats_options *options;
+	double loss;                     /* out: mean 1 - soft Q of all views */
+};
+
+/* False if progress says stop. */
+bool splat_descend(struct splat_descent *descent, struct lod_arena *arena);
 
 /* ---- Shapes (splat_shape.c) ---- */
 

@@ -1,14 +1,19 @@
+/* The inside of the greedy order (rank.h), shared by rank.c and the files named below. */
+#ifndef LOD_RANK_STATE_H
+#define LOD_RANK_STATE_H
+
+#include "ecofiles/format/list.h"
+#include "lod/build/order/footprint.h"
+#include "lod/build/order/rank.h"
+
+/* ---- Covers (rank_crown.c) ---- */
+
 /* The cover of a plant's outline in all its views at once: an element's gain, and adding it.
  *
  *   lod_crown_open(&crown, &foliage, &options, &arena, &error);
  *   lod_crown_clear(&crown, views);                                      the wood alone
  *   lod_crown_gain(&crown, element, &edge, 1, views, &gain);             what it would add at that size
  *   lod_crown_add(&crown, element, edge, views); */
-#ifndef LOD_RANK_CROWN_H
-#define LOD_RANK_CROWN_H
-
-#include "ecofiles/format/list.h"
-#include "lod/build/order/footprint.h"
 
 /* The same views in several sizes: large elements are judged in small pictures, at a tenth of the work, where
  * they cover as many pixels as small ones do in large pictures. */
@@ -61,5 +66,28 @@ void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struc
 /* Pixels of the views: covered and in the reference, covered and not in it, in the reference. */
 struct lod_crown_sum { uint64_t right, wrong, wanted; };
 struct lod_crown_sum lod_crown_sum(const struct lod_crown *crown, struct lod_crown_views views);
+
+/* ---- The triangle that stands for a leaf (rank_simple.c) ---- */
+
+/* Fits the triangle with the fewest pixels that only one of the two covers, among the candidates, face on and
+ * from four oblique sides; a leaf of one triangle is its own. The triangle is opaque and fitted to the leaf's
+ * opaque part. Corners are finite and lie within the leaf's bounding sphere grown by a half. */
+void lod_simple_fit(struct lod_simple *simple, const struct lod_fan *leaf);
+
+/* ---- Refining: from which key on an element is drawn, and its growth code (rank_refine.c) ---- */
+
+/* The share of lod_rank_make's progress before the refinement. */
+#define LOD_RANK_REFINE_FROM 0.7
+
+struct lod_rank_refining {
+	struct lod_crown *crown;
+	const struct lod_rank_options *options;      /* progress, each, ctx */
+	uint32_t count;              /* elements */
+	uint32_t *order;             /* in and out */
+	uint8_t *growth;             /* per element: in and out */
+	bool many_points;            /* leaves are points far into the list */
+};
+/* False if progress returns false. The caller releases scratch memory of the arena. */
+bool lod_rank_refine(const struct lod_rank_refining *refining, struct lod_arena *arena);
 
 #endif
