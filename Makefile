@@ -7,7 +7,7 @@
 #   forest DATA=DIR      the SCBI plot; DIR has inventories/, terrain/ and models/
 #   survey DATA=DIR      what import makes of all models and of a city's trees; DIR has models/ and inventories/
 #   cluster-demo         three ecoserve behind nginx under load: one killed, others drained, the pack replaced; two minutes
-#   test [ONLY=NAME]     everything that tests, counted; or a room of tests/ (ONLY=plan), or one (ONLY=test_angle16)
+#   test [ONLY=NAME]     tests, counted; ALL=1: also those that take long, as .ci/run does; or a room of tests/ (ONLY=plan), or one (ONLY=test_angle16)
 #   check                the tests that a change reaches, cheapest first, in 30 s of processor time; the layers
 #   layers, headers      what each room may include; every header compiles alone
 #   lines                how long each room is, against its budget
@@ -397,13 +397,16 @@ told:
 
 # Tests to run: all, or those that ONLY names: rooms, tests, or some of each.
 SCRIPTS := $(wildcard tests/*/test_*.sh)
+# half of the processor time of all: run with ALL=1, or by name
+LONG := test_requests.sh test_determinism.sh test_country.sh test_mutants.sh test_faults_make.sh test_faults_export.sh test_faults_serve.sh \
+	test_extreme test_monotone test_install.sh
 one_room = $(patsubst %.c,$(B)/tests/%,$(notdir $(filter tests/$(1)/%,$(TEST_SOURCES)))) $(filter tests/$(1)/%,$(SCRIPTS)) \
 	$(if $(filter fuzz,$(1)),$(FUZZERS))
 one_test = $(filter %/$(1),$(TESTS) $(FUZZERS)) $(filter %/$(1).sh %/$(1),$(SCRIPTS))
 ifdef ONLY
   RUN := $(foreach name,$(subst $(comma), ,$(ONLY)),$(or $(strip $(call one_room,$(name)) $(call one_test,$(name))),none-$(name)))
 else
-  RUN := $(TESTS) $(FUZZERS) $(SCRIPTS)
+  RUN := $(if $(ALL),$(TESTS) $(FUZZERS) $(SCRIPTS),$(filter-out $(addprefix %/,$(LONG)),$(TESTS) $(FUZZERS) $(SCRIPTS)))
 endif
 TEST_ROOMS = $(sort $(patsubst tests/%/,%,$(dir $(TEST_SOURCES) $(SCRIPTS))) fuzz)
 # scripts run programs; all else is a program
