@@ -447,7 +447,7 @@ lines:
 # a test that fails is no reason to say nothing
 coverage:
 	@tests/packages.sh $(PACKAGES) gcovr
-	@$(MAKE) --no-print-directory config=coverage test || true
+	@$(MAKE) --no-print-directory config=coverage test ALL=1 || true
 	@tests/coverage.sh build/coverage
 
 # make fuzz SECONDS=600: each target that long; needs clang's runtime
