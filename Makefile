@@ -374,8 +374,8 @@ cluster-demo: deps
 # the one beside the checkout if there is one, and without any there are generated plants and scenes only.
 DATA_BENCH = $(or $(DATA),$(if $(wildcard ../shared/data/models),../shared/data))
 bench: deps
-	@tests/packages.sh python3-matplotlib x264 gltfpack libavif-bin libjxl-tools || true  # sections say what they leave out without these
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/ecobench $(B)/bench/requests $(B)/tests/test_link
+	@tests/packages.sh python3-matplotlib libavif-bin libjxl-tools || true  # sections say what they leave out without these
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/ecobench $(B)/bench/requests
 	$(B)/bench/ecobench --build $(B) --jobs 2 $(if $(FULL),--full) $(if $(DATA_BENCH),--data "$(DATA_BENCH)") $(if $(ONLY),--only $(ONLY))
 
 # Damaged models, random requests and damages (MUTANTS=, REQUESTS=, DAMAGES= in the environment for hours of it), then clients for SECONDS

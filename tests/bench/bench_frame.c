@@ -90,7 +90,7 @@ double bench_gl_ms(const struct view_store *store, const struct view_selection *
 }
 
 /* Figures asked for beside a picture: NULL, or where to put them. */
-struct beside { double *gl_ms, *ceiling, *widest_px, *widest_ball_px; bool soft; };   /* gl_ms: NaN where there is no OpenGL */
+struct beside { double *gl_ms, *ceiling, *widest_px; bool soft; };   /* gl_ms: NaN where there is no OpenGL */
 
 /* Draws the store's plan for a view. */
 static enum eco_code draw(const struct view_store *store, const struct eco_view *view,
@@ -111,9 +111,7 @@ static enum eco_code draw(const struct view_store *store, const struct eco_view 
 	if (!code && beside->ceiling)
 		code = view_measure_ceiling(&job, picture, beside->ceiling, error);
 	if (!code && beside->widest_px)
-		*beside->widest_px = bench_widest_px(store, &selection, &eye, picture, false);
-	if (!code && beside->widest_ball_px)
-		*beside->widest_ball_px = bench_widest_px(store, &selection, &eye, picture, true);
+		*beside->widest_px = bench_widest_px(store, &selection, &eye, picture);
 	if (!code && beside->gl_ms)
 		*beside->gl_ms = bench_gl_ms(store, &selection, view);
 	view_select_free(&selection);
@@ -224,9 +222,8 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 	struct view_picture drawn = { 0 };
 	double gl_ms = NAN;
 	struct beside beside = { .gl_ms = client->untimed ? NULL : &gl_ms,
-		.widest_px = client->sees ? &frame->widest_px : NULL,
-		.widest_ball_px = client->sees ? &frame->widest_ball_px : NULL, .soft = client->sees };
-	frame->widest_px = frame->widest_ball_px = NAN;
+		.widest_px = client->sees ? &frame->widest_px : NULL, .soft = client->sees };
+	frame->widest_px = NAN;
 	enum eco_code code = bench_client_reference(client, &frame->request, NULL, error);
 	if (!code)
 		code = view_store_new(&store, &options, error);

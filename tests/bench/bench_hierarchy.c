@@ -1,5 +1,4 @@
-/* Hierarchy at scale: forests of 10^6, 10^9 and 10^12 plants from one hectare in blocks of blocks;
- * inventories of many plants, each named; packs that are linked, and built again after a change.
+/* Hierarchy at scale: forests of 10^6, 10^9 and 10^12 plants from one hectare in blocks of blocks.
  *
  * That plans cost what is seen and not what exists is measured where both scenes show the same: the small one
  * is the thousand hectares of the large one around the point looked at, each placed by itself where it stands
@@ -7,11 +6,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include "client-min/draw/view_picture.h"
-#include "ecofiles/base/random.h"
 #include "ecofiles/format/pack.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_times.h"
@@ -134,60 +131,85 @@ static enum eco_code plan_ms(const char *path, const struct eco_request *request
 	return code;
 }
 
-/* From the walker's eyes to where all is seen; full detail is drawn where few enough plants are in view, but
- * for tiles at the horizon that are counted in the table. */
+/* From the walker's eyes to where all is seen. */
+static struct eco_request look_from_height(uint32_t i, double high)
+{
+	double h = i ? 16 * pow(high / 16, (i - 1.0) / (HEIGHTS - 2)) : 1.7;
+	return look((double[3]){ i ? 0.3 * h : 0.5, i ? -1.4 * h : -40, h },
+		(double[3]){ i ? 0 : 1.5, i == 1 ? 30 : 0, i ? 0 : 4 });
+}
+
+/* Full detail is drawn where few enough plants are in view, but for tiles at the horizon that are counted in
+ * the table. */
+static enum eco_code draw_height(struct bench *bench, const struct forest *f, const char *pack,
+	struct bench_client *client, uint32_t i, struct bench_table *table, double *worst_q,
+	struct eco_error *error)
+{
+	struct bench_frame frame = { .method = "optimal", .request = look_from_height(i, 1.7 * f->half_m) };
+	struct view_picture picture = { 0 };
+	bool scored = i == 1 || i == 2;
+	char name[64], caption[160];
+	double h = frame.request.view.eye[2], ms = NAN;
+	enum eco_code code = scored ? bench_client_reference(client, &frame.request, NULL, error) : ECO_OK;
+	if (!code)
+		code = bench_client_frame(client, &frame, &picture, error);
+	if (!code)
+		code = plan_ms(pack, &frame.request, &ms, error);
+	if (!code) {
+		snprintf(name, sizeof name, "hierarchy-%s-%u.png", f->name, i);
+		snprintf(caption, sizeof caption, "%s plants from %.4g m, %u vertices", f->name, h, VERTICES);
+		code = bench_picture_write(bench, name, picture.width, picture.height, picture.rgb, error);
+		bench_picture(bench, name, caption);
+		bench_table_row(table, "%s,%.4g,%llu,%llu,%.1f,%.4f,%.4f,%.0f", f->name, h,
+			(unsigned long long)frame.vertices, (unsigned long long)frame.bytes, ms,
+			frame.predicted_q, scored ? frame.score.q : NAN,
+			scored ? bench_client_summaries(client) : NAN);
+		*worst_q = scored ? fmin(*worst_q, frame.score.q) : *worst_q;
+	}
+	view_picture_free(&picture);
+	return code;
+}
+
 static enum eco_code draw_heights(struct bench *bench, const struct forest *f, const char *pack,
 	struct bench_table *table, double *worst_q, struct eco_error *error)
 {
 	struct bench_client *client = NULL;
-	char name[64], caption[160];
-	double high = 1.7 * f->half_m;
 	enum eco_code code = bench_client_open(&client, pack, error);
 	for (uint32_t i = 0; i < HEIGHTS && !code; i++) {
-		double h = i ? 16 * pow(high / 16, (i - 1.0) / (HEIGHTS - 2)) : 1.7, ms = NAN;
-		double eye[3] = { i ? 0.3 * h : 0.5, i ? -1.4 * h : -40, h },
-			target[3] = { i ? 0 : 1.5, i == 1 ? 30 : 0, i ? 0 : 4 };
-		struct bench_frame frame = { .method = "optimal", .request = look(eye, target) };
-		struct view_picture picture = { 0 };
-		bool scored = i == 1 || i == 2;
 		bench_progress(bench, (double)i / HEIGHTS, f->name);
-		if (bench_stopped(bench))
-			code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
-		if (!code && scored)
-			code = bench_client_reference(client, &frame.request, NULL, error);
-		if (!code)
-			code = bench_client_frame(client, &frame, &picture, error);
-		if (!code)
-			code = plan_ms(pack, &frame.request, &ms, error);
-		if (!code) {
-			snprintf(name, sizeof name, "hierarchy-%s-%u.png", f->name, i);
-			snprintf(caption, sizeof caption, "%s plants from %.4g m, %u vertices", f->name, h,
-				VERTICES);
-			code = bench_picture_write(bench, name, (uint32_t)frame.request.view.width,
-				(uint32_t)frame.request.view.height, picture.rgb, error);
-			bench_picture(bench, name, caption);
-			bench_table_row(table, "%s,%.4g,%llu,%llu,%.1f,%.4f,%.4f,%.0f", f->name, h,
-				(unsigned long long)frame.vertices, (unsigned long long)frame.bytes, ms,
-				frame.predicted_q, scored ? frame.score.q : NAN,
-				scored ? bench_client_summaries(client) : NAN);
-			*worst_q = scored ? fmin(*worst_q, frame.score.q) : *worst_q;
-		}
-		view_picture_free(&picture);
+		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+			: draw_height(bench, f, pack, client, i, table, worst_q, error);
 	}
 	bench_client_close(client);
 	return code;
 }
 
-static enum eco_code nested(struct bench *bench, struct eco_error *error)
+/* What ecoserve holds after random views. */
+struct resident { double now_mb, most_mb; int bad, views; };
+
+static enum eco_code serve(struct bench *bench, const char *pack, struct resident *r, struct eco_error *error)
+{
+	char path[512];
+	snprintf(path, sizeof path, "%s/hierarchy-resident.txt", bench->cache);
+	enum eco_code code = bench_command(bench, error, "sh tests/bench/hierarchy.sh '%s' '%s' %d %.0f '%s'",
+		bench->build, pack, bench->full ? 1000 : 100, forests[1].half_m, path);
+	FILE *file = code ? NULL : fopen(path, "r");
+	if (file && fscanf(file, "%lf %lf %d %d", &r->now_mb, &r->most_mb, &r->bad, &r->views) != 4)
+		r->now_mb = NAN;
+	if (file)
+		fclose(file);
+	return code;
+}
+
+static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct bench_table *table = bench_table_open(bench, "hierarchy",
 		"plants,height_m,vertices,bytes,plan_ms,predicted_q,q,reference_summaries", true);
-	char packs[3][512], near[512], resident[512];
-	double ms[2] = { NAN, NAN }, worst_q = 1, now = NAN, most = NAN;
-	int bad = -1, got = 0, views = bench->full ? 1000 : 100;
+	char packs[3][512], near[512];
+	double ms[2] = { NAN, NAN }, worst_q = 1;
+	struct resident resident = { NAN, NAN, -1, 0 };
 	size_t hectares = 0;
-	const double eye[3] = { 41, -191, LOOKED_AT }, target[3] = { 0, 0, 0 };
-	struct eco_request request = look(eye, target);
+	struct eco_request request = look((double[3]){ 41, -191, LOOKED_AT }, (double[3]){ 0, 0, 0 });
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < 3 && !code; i++) {
 		code = make_forest(bench, &forests[i], packs[i], error);
@@ -201,152 +223,23 @@ static enum eco_code nested(struct bench *bench, struct eco_error *error)
 		code = plan_ms(near, &request, &ms[0], error);
 	if (!code)
 		code = plan_ms(packs[1], &request, &ms[1], error);
-	snprintf(resident, sizeof resident, "%s/hierarchy-resident.txt", bench->cache);
 	if (!code)
-		code = bench_command(bench, error, "sh tests/bench/hierarchy.sh '%s' '%s' %d %.0f '%s'",
-			bench->build, packs[1], views, forests[1].half_m, resident);
-	FILE *file = code ? NULL : fopen(resident, "r");
-	if (file && fscanf(file, "%lf %lf %d %d", &now, &most, &bad, &got) != 4)
-		now = NAN;
-	if (file)
-		fclose(file);
+		code = serve(bench, packs[1], &resident, error);
 	if (code)
 		return code;
 	bench_key(bench, "hierarchy_pack_mb", megabytes(packs[1]), "<= 67: MB of 10^9 plants (64 MiB)");
 	bench_key(bench, "hierarchy_trillion_mb", megabytes(packs[2]),
 		"MB of 10^12 plants, which open and plan");
-	bench_key(bench, "hierarchy_resident_mb", now, "<= 134: MB of ecoserve after 1,000 random views "
-		"(128 MiB)");
+	bench_key(bench, "hierarchy_resident_mb", resident.now_mb,
+		"<= 134: MB of ecoserve after 1,000 random views (128 MiB)");
 	bench_key(bench, "hierarchy_plan_ratio", ms[1] / ms[0], "<= 1.5: times the plan of the 10^6 plants "
 		"that are seen");
 	bench_key(bench, "hierarchy_q", worst_q, ">= 0.8 where full detail can be drawn");
 	bench_say(bench, "A plan from %.0f m above: %.2f ms of %zu hectares alone, %.2f ms where they are "
-		"part of 10^9 plants. %d random views served, "
-		"%d not answered with a stream; %.1f MB resident at the end, %.1f at most.", LOOKED_AT, ms[0],
-		hectares, ms[1], got, bad, now, most);
+		"part of 10^9 plants. %d random views served, %d not answered with a stream; %.1f MB resident "
+		"at the end, %.1f at most.", LOOKED_AT, ms[0], hectares, ms[1], resident.views, resident.bad,
+		resident.now_mb, resident.most_mb);
 	return ECO_OK;
-}
-
-/* ---- Inventories ---- */
-
-static enum eco_code write_inventory(const char *folder, uint32_t plants, struct eco_error *error)
-{
-	static const char *const names[] = { "beech", "spruce", "pine", "birch", "shrub", "fern" };
-	static const double heights[] = { 20, 14, 16, 12, 2, 0.6 };
-	char path[600];
-	double side = sqrt(12.0 * plants);
-	snprintf(path, sizeof path, "%s/plants-%u.csv", folder, plants);
-	FILE *file = fopen(path, "w");
-	if (!file)
-		return eco_fail(error, ECO_IO, "%s: cannot be written", path);
-	fputs("species,x,y,height_m\n", file);
-	for (uint32_t i = 0; i < plants; i++) {
-		uint64_t bits = eco_random(1, i), more = eco_random(2, i);
-		uint32_t kind = (uint32_t)(bits % 6);
-		fprintf(file, "%s,%.2f,%.2f,%.2f\n", names[kind], side * (double)(bits >> 32) / 4294967296.0,
-			side * (double)(more >> 32) / 4294967296.0,
-			heights[kind] * (0.7 + 0.5 * (double)(more & 0xFFFF) / 65536));
-	}
-	bool good = fclose(file) == 0;
-	snprintf(path, sizeof path, "%s/plants-%u.json", folder, plants);
-	file = good ? fopen(path, "w") : NULL;
-	if (!file)
-		return eco_fail(error, ECO_IO, "%s: cannot be written", path);
-	fputs("{\"plants\": {", file);
-	for (int i = 0; i < 6; i++)
-		fprintf(file, "%s\"%s\": {\"model\": \"models/%s.obj\"}", i ? ", " : "", names[i], names[i]);
-	fprintf(file, "}, \"instances\": [{\"from\": \"plants-%u.csv\", \"x\": \"x\", \"y\": \"y\", "
-		"\"species\": \"species\", \"map\": {", plants);
-	for (int i = 0; i < 6; i++)
-		fprintf(file, "%s\"%s\": \"%s\"", i ? ", " : "", names[i], names[i]);
-	fputs("}, \"height_m\": {\"column\": \"height_m\"}}]}\n", file);
-	return fclose(file) == 0 ? ECO_OK : eco_fail(error, ECO_IO, "%s: cannot be written", path);
-}
-
-static double children_s(void)
-{
-	struct rusage usage;
-	getrusage(RUSAGE_CHILDREN, &usage);
-	return (double)usage.ru_utime.tv_sec + 1e-6 * (double)usage.ru_utime.tv_usec;
-}
-
-static enum eco_code time_inventory(struct bench *bench, uint32_t plants, double *seconds, double *memory_mb,
-	struct eco_error *error)
-{
-	char folder[480], log[512], line[256];
-	snprintf(folder, sizeof folder, "%s/hierarchy-billion", bench->cache);
-	snprintf(log, sizeof log, "%s/hierarchy-times.txt", bench->cache);
-	enum eco_code code = write_inventory(folder, plants, error);
-	double before = children_s();
-	if (!code)
-		code = bench_command(bench, error, "'%s/ecopack' make '%s/plants-%u.json' -o "
-			"'%s/hierarchy-plants.eco' --order stochastic --cache "
-			"'%s/plants' --times --quiet >'%s' 2>&1", bench->build, folder, plants, bench->cache,
-			bench->cache, log);
-	*seconds = children_s() - before;
-	*memory_mb = NAN;
-	FILE *file = code ? NULL : fopen(log, "r");
-	while (file && fgets(line, sizeof line, file)) {
-		const char *at = strstr(line, "at most ");
-		if (strstr(line, "built in") && at)
-			*memory_mb = atof(at + 8);
-	}
-	if (file)
-		fclose(file);
-	bench_command(bench, NULL, "rm -f '%s/hierarchy-plants.eco' '%s/plants-%u.csv'", bench->cache, folder,
-		plants);
-	return code;
-}
-
-static enum eco_code inventories(struct bench *bench, struct eco_error *error)
-{
-	static const uint32_t sizes[] = { 100000, 1000000, 10000000 };
-	struct bench_table *table = bench_table_open(bench, "inventories", "plants,seconds,us_each,memory_mb",
-		true);
-	double none, memory, seconds, each[3] = { NAN, NAN, NAN };
-	uint32_t count = bench->full ? 3 : 2;
-	/* what it takes however many there are; the first time plants are built */
-	enum eco_code code = time_inventory(bench, 100, &none, &memory, error);
-	if (!code)
-		code = time_inventory(bench, 100, &none, &memory, error);
-	for (uint32_t i = 0; i < count && !code; i++) {
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: time_inventory(bench, sizes[i], &seconds, &memory, error);
-		each[i] = 1e6 * (seconds - none) / sizes[i];
-		if (!code)
-			bench_table_row(table, "%u,%.1f,%.2f,%.0f", sizes[i], seconds, each[i], memory);
-	}
-	bench_table_close(table);
-	if (code)
-		return code;
-	bench_key(bench, "inventory_growth", each[count - 1] / each[0],
-		"<= 1.3: time a plant of 10^7 (quick: 10^6) over that of 10^5");
-	bench_key(bench, "inventory_memory_mb", memory, "<= 2147: MB, 10^7 plants (quick: 10^6)");
-	return ECO_OK;
-}
-
-static enum eco_code edits(struct bench *bench, struct eco_error *error)
-{
-	int count = bench->full ? 100 : 10;
-	enum eco_code code = bench_command(bench, error, "ECO_EDITS=%d '%s/tests/test_link' >&2", count,
-		bench->build);
-	if (code == ECO_INTERRUPTED)
-		return code;
-	bench_key(bench, "edits_equal", code ? NAN : count, ">= 10: random edits (100 with FULL=1), built "
-		"again and linked, that equal a full build "
-		"byte for byte");
-	return ECO_OK;
-}
-
-static enum eco_code run(struct bench *bench, struct eco_error *error)
-{
-	bench_say(bench, "Forests that nest one hectare, and inventories that name each plant.");
-	enum eco_code code = nested(bench, error);
-	if (!code)
-		code = inventories(bench, error);
-	if (!code)
-		code = edits(bench, error);
-	return code;
 }
 
 const struct bench_section bench_hierarchy = { "hierarchy", "Hierarchy at scale", run, BENCH_OBJECTS_FRAMES

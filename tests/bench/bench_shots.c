@@ -112,26 +112,19 @@ double bench_shot_number(const json_t *row, const char *key)
 	return json_is_number(value) ? json_number_value(value) : NAN;
 }
 
-static json_t *row_of(const struct bench_frame *frame)
+json_t *bench_shot_row(const struct bench_frame *f)
 {
+	const struct { const char *key; double value; } figures[] = { { "vertices", (double)f->vertices },
+		{ "bytes", (double)f->bytes }, { "plan_bytes", (double)f->plan_bytes }, { "q", f->score.q },
+		{ "p", f->score.precision }, { "r", f->score.recall },
+		{ "wrong", (double)(f->score.fp + f->score.fn) }, { "skill", f->score.skill },
+		{ "owner_q", f->score.owner_q }, { "colour", f->colour_rms }, { "soft_q", f->soft_q },
+		{ "ceiling", f->ceiling }, { "picture_error", f->picture_error },
+		{ "widest_px", f->widest_px }, { "predicted_q", f->predicted_q }, { "plan_ms", f->plan_ms },
+		{ "decode_ms", f->decode_ms }, { "draw_ms", f->draw_ms } };
 	json_t *row = json_object();
-	bench_shot_set(row, "vertices", (double)frame->vertices);
-	bench_shot_set(row, "bytes", (double)frame->bytes);
-	bench_shot_set(row, "plan_bytes", (double)frame->plan_bytes);
-	bench_shot_set(row, "q", frame->score.q);
-	bench_shot_set(row, "p", frame->score.precision);
-	bench_shot_set(row, "r", frame->score.recall);
-	bench_shot_set(row, "wrong", (double)(frame->score.fp + frame->score.fn));
-	bench_shot_set(row, "skill", frame->score.skill);
-	bench_shot_set(row, "owner_q", frame->score.owner_q);
-	bench_shot_set(row, "colour", frame->colour_rms);
-	bench_shot_set(row, "soft_q", frame->soft_q);
-	bench_shot_set(row, "ceiling", frame->ceiling);
-	bench_shot_set(row, "picture_error", frame->picture_error);
-	bench_shot_set(row, "predicted_q", frame->predicted_q);
-	bench_shot_set(row, "plan_ms", frame->plan_ms);
-	bench_shot_set(row, "decode_ms", frame->decode_ms);
-	bench_shot_set(row, "draw_ms", frame->draw_ms);
+	for (size_t i = 0; i < sizeof figures / sizeof *figures; i++)
+		bench_shot_set(row, figures[i].key, figures[i].value);
 	return row;
 }
 
@@ -157,7 +150,7 @@ static enum eco_code shoot(struct bench *bench, const char *scene, const struct 
 		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
 			: bench_client_frame(client, &frame, NULL, error);
 		if (!code)
-			json_array_append_new(made, row_of(&frame));
+			json_array_append_new(made, bench_shot_row(&frame));
 	}
 	bench_client_close(client);
 	if (code)

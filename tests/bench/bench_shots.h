@@ -37,12 +37,15 @@ uint32_t bench_shot_views(struct bench *bench, const char *scene,
 /* Eye level, or from above: looking down by more than 12 degrees. */
 bool bench_view_aerial(const struct eco_view *view);
 
-/* All budgets of one view: an array of objects, in the order of bench_budgets, with vertices, bytes,
- * plan_bytes, q, p, r, wrong (pixels), skill, owner_q, colour, predicted_q, plan_ms, decode_ms, draw_ms.
- * Borrowed; done if it is not there yet. ECO_NOT_FOUND where the scene needs data that is not there. */
-enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view,
-	json_t **rows, struct eco_error *error);
+/* An object with vertices, bytes, plan_bytes, q, p, r, wrong (pixels), skill, owner_q, colour, soft_q, ceiling,
+ * picture_error, widest_px, predicted_q, plan_ms, decode_ms, draw_ms; null where a figure was not asked for. */
+json_t *bench_shot_row(const struct bench_frame *frame);
 double bench_shot_number(const json_t *row, const char *key);        /* NaN where there is none */
 void bench_shot_set(json_t *row, const char *key, double value);     /* null where it is not finite */
+
+/* All budgets of one view: an array of rows, in the order of bench_budgets. Borrowed; done if it is not there
+ * yet. ECO_NOT_FOUND where the scene needs data that is not there. */
+enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view,
+	json_t **rows, struct eco_error *error);
 
 #endif

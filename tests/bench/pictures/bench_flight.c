@@ -1,81 +1,203 @@
-/* A flight of a minute: what is sent, with all that came held, and with it dropped every second, beside the
- * video that x264 makes of full detail, at the same picture error.
- *
- * A client asks ten times a second for the view of that moment. Bytes are whole answers, plans included.
- * Pictures do not depend on what is held (no budget of bytes binds), so the flight that drops is not drawn.
- * Full detail has one sample a pixel, as all pictures here, and so flickers in leaves, which costs video
- * much: pictures of more samples would be cheaper to encode. */
+/* A flight of a minute: what is sent, with all that came held, and with it dropped every second. A client asks
+ * ten times a second for the view of that moment. Bytes are whole answers, plans included. Pictures do not
+ * depend on what is held (no budget of bytes binds), so the flight that drops is not drawn. */
+#include "tests/bench/pictures/bench_flight.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
-#include "lod/raster/flip.h"
-#include "tests/bench/pictures/bench_flight.h"
+#include "client-min/draw/view_picture.h"
+#include "client-min/view_select.h"
+#include "ecofiles/format/view.h"
+#include "tests/bench/bench_fetch.h"
 
-#define FULL_EVERY 20u
-#define QUICK_EVERY 10u
-#define QUICK_FRAMES 60u
-#define QUICK_FIRST 170u         /* down to eye level, and on */
-#define MILLION 2u               /* budgets[MILLION] is compared with video */
-#define SPACE 4u                 /* between pictures side by side */
+/* ---- The path: from the bounds of a scene's plants and the height of its ground alone ---- */
 
-static const uint64_t budgets[] = { 100000, 300000, 1000000, 3000000 };
-#define BUDGETS (sizeof budgets / sizeof *budgets)
-static const uint32_t crfs[] = { 0, 8, 16, 24, 32, 40, 51 };          /* 0: without loss but of colours */
-#define CRFS (sizeof crfs / sizeof *crfs)
-/* Of scbi full detail takes ten seconds a frame from the air: the whole flight, a hundred minutes. */
-static const char *const scenes[] = { "park", "city", "scbi" };
-#define SCENES (sizeof scenes / sizeof *scenes)
+#define FOV_DEG 55.0
+#define EYE_M 2.5                        /* above the ground, where the flight goes through */
+#define EYE_LEAST_M 1.0                  /* between keyframes */
+#define DOWN_S 20u                       /* the air ends; the rest goes through */
+#define KEY_S 4u
 
-enum holding { KEPT, COLD, HOLDINGS };
-static const char *const holding_names[HOLDINGS] = { "kept", "dropped each second" };
-
-enum chroma { HALVED, WHOLE, CHROMAS };
-static const char *const chroma_names[CHROMAS] = { "4:2:0", "4:4:4" };
-
-struct curve { double bytes[CRFS], seen[CRFS]; uint32_t count; };       /* bytes fall; 0: no x264 */
-struct study {
-	struct bench_table *table, *video;
-	double worst[HOLDINGS];
+/* The longer horizontal side is along. */
+struct stage {
+	const struct view_ground *ground;
+	double centre[3], along[2], across[2], half_along, half_across, half;
 };
 
-/* ---- Ours ---- */
-
-static enum eco_code score(const struct bench_flight *flight, uint32_t n, const struct view_picture *picture,
-	double *q, double *seen, struct eco_error *error)
+/* Metres from the centre, and above the ground there. */
+static void put(const struct stage *s, double along, double across, double above, double out[3])
 {
-	struct view_picture full = { 0 };
-	struct lod_score found;
-	double one = 0;
-	enum eco_code code = bench_flight_full(flight, n, &full, error);
-	if (!code)
-		code = lod_flip(&(struct lod_flip_input){ picture->width, picture->height, picture->rgb,
-			full.rgb, NULL }, &one, error);
-	if (!code) {
-		lod_score(&found, &(struct lod_score_input){ picture->width, picture->height, picture->cover,
-			full.cover, picture->owner, full.owner });
-		*q += found.q / bench_flight_scored(flight);
-		*seen += one / bench_flight_scored(flight);
+	double ground;
+	for (int k = 0; k < 2; k++)
+		out[k] = s->centre[k] + along * s->along[k] + across * s->across[k];
+	bool has = view_ground_height(s->ground, out[0], out[1], &ground);
+	out[2] = above + (has ? ground : s->centre[2]);
+}
+
+/* Where the eye is on its way through, from 0 to 1. */
+static void put_through(const struct stage *s, double way, double above, double out[3])
+{
+	put(s, s->half_along * (1.8 * way - 0.9), 0.2 * s->half_across * sin(2 * M_PI * way), above, out);
+}
+
+static void put_keyframe(const struct stage *s, double time_s, double eye[3], double target[3])
+{
+	double way = (time_s - DOWN_S) / (BENCH_FLIGHT_S - DOWN_S), air = 1 - time_s / DOWN_S;
+	if (way >= 0) {
+		put_through(s, way, EYE_M, eye);
+		put_through(s, way + 0.15, EYE_M, target);
+		return;
 	}
-	view_picture_free(&full);
+	put(s, -s->half_along * (0.9 + 1.1 * air), s->half * 0.8 * air, EYE_M + s->half * 1.2 * air * air,
+		eye);
+	put(s, s->half_along * (-0.63 + 0.63 * air), 0, EYE_M, target);
+}
+
+static char *write_script(const struct stage *s)
+{
+	char *text = NULL;
+	size_t size;
+	FILE *out = open_memstream(&text, &size);
+	if (!out)
+		return NULL;
+	fprintf(out, "{\"fps\": %u, \"keyframes\": [", BENCH_FLIGHT_FPS);
+	for (uint32_t t = 0; t <= BENCH_FLIGHT_S; t += KEY_S) {
+		double eye[3], target[3];
+		put_keyframe(s, t, eye, target);
+		fprintf(out, "%s{\"time_s\": %u, \"eye\": [%.9g, %.9g, %.9g], "
+			"\"target\": [%.9g, %.9g, %.9g], \"fov_y_deg\": %g}", t ? ", " : "", t, eye[0],
+			eye[1], eye[2], target[0], target[1], target[2], FOV_DEG);
+	}
+	fputs("]}", out);
+	return fclose(out) ? free(text), NULL : text;
+}
+
+static void take_views(const struct stage *s, const struct eco_camera *camera, uint32_t first, uint32_t count,
+	struct eco_view *views)
+{
+	for (uint32_t f = 0; f < count; f++) {
+		struct eco_view *view = &views[f];
+		double ground;
+		*view = (struct eco_view){ 0 };
+		eco_camera_frame(camera, first + f, view);
+		view->width = BENCH_SHOT_WIDTH;
+		view->height = BENCH_SHOT_HEIGHT;
+		if (view_ground_height(s->ground, view->eye[0], view->eye[1], &ground))
+			view->eye[2] = fmax(view->eye[2], ground + EYE_LEAST_M);
+	}
+}
+
+static struct stage stage_of(const struct eco_tile *root, const struct view_ground *ground)
+{
+	double side[2] = { root->high[0] - root->low[0], root->high[1] - root->low[1] };
+	int longer = side[1] > side[0];
+	struct stage s = { .ground = ground, .centre = { 0, 0, root->low[2] } };
+	for (int k = 0; k < 2; k++)
+		s.centre[k] = (root->low[k] + root->high[k]) / 2;
+	s.along[longer] = s.across[!longer] = 1;
+	s.half_along = side[longer] / 2;
+	s.half_across = side[!longer] / 2;
+	s.half = fmax(s.half_along, root->high[2] - root->low[2]);
+	return s;
+}
+
+/* The whole ground, at full detail: a picture from straight above. */
+static enum eco_code fetch_ground(const struct srv_scene *scene, struct view_store *store,
+	struct view_selection *selection, struct eco_error *error)
+{
+	const struct eco_tile *root = &scene->pack->scene.tiles[scene->pack->scene.root];
+	struct eco_request request = { .bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN,
+		.view = { .up = { 0, 1, 0 }, .fov_y_deg = 90, .width = 512, .height = 512 } };
+	struct lod_eye eye;
+	for (int k = 0; k < 3; k++)
+		request.view.eye[k] = request.view.target[k] = (root->low[k] + root->high[k]) / 2;
+	request.view.eye[2] =
+		root->high[2] + hypot(root->high[0] - root->low[0], root->high[1] - root->low[1]);
+	lod_eye_make(&eye, &request.view);
+	enum eco_code code = bench_fetch(NULL, scene, &request, store, error);
+	return code ? code : view_select_make(selection, store, &eye, error);
+}
+
+static enum eco_code make_views(const struct srv_scene *scene, uint32_t first, uint32_t count,
+	struct eco_view *views, struct eco_error *error)
+{
+	const struct eco_scene *tables = &scene->pack->scene;
+	struct view_store_options options = { .images = false };
+	struct view_selection selection = { 0 };
+	struct view_store *store = NULL;
+	struct eco_camera *camera = NULL;
+	char *script = NULL;
+	enum eco_code code = view_store_new(&store, &options, error);
+	if (!code)
+		code = fetch_ground(scene, store, &selection, error);
+	struct stage stage = stage_of(&tables->tiles[tables->root], &selection.ground);
+	if (!code)
+		script = write_script(&stage);
+	if (!code)
+		code = script ? eco_camera_parse(&camera, script, strlen(script), "flight", error)
+			: eco_fail(error, ECO_NO_MEMORY, "no memory for a path");
+	if (!code)
+		take_views(&stage, camera, first, count, views);
+	eco_camera_free(camera);
+	free(script);
+	view_select_free(&selection);
+	view_store_free(store);
 	return code;
 }
 
+enum eco_code bench_flight_path(const char *pack, uint32_t first, uint32_t count, struct eco_view **views,
+	struct eco_error *error)
+{
+	struct srv_store served;
+	*views = malloc(count * sizeof **views);
+	if (!*views)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a path");
+	srv_store_init(&served);
+	enum eco_code code = srv_store_add(&served, "flight", pack, error);
+	if (!code)
+		code = make_views(served.scenes[0], first, count, *views, error);
+	srv_store_free(&served);
+	return code;
+}
+
+/* ---- A flight ---- */
+
+#define FULL_EVERY 20u                   /* frames of which the one in the middle is scored */
+#define QUICK_EVERY 10u
+#define QUICK_FRAMES 60u
+#define QUICK_FIRST 170u                 /* down to eye level, and on */
+
+static const uint64_t budgets[] = { 100000, 300000, 1000000, 3000000 };
+#define BUDGETS (sizeof budgets / sizeof *budgets)
+#define MILLION 2u
+static const char *const scenes[] = { "park", "city", "scbi" };
+#define SCENES (sizeof scenes / sizeof *scenes)
+enum holding { KEPT, COLD, HOLDINGS };
+static const char *const holding_names[HOLDINGS] = { "kept", "dropped each second" };
+
+struct flight { const char *scene, *pack; uint32_t count, every; struct eco_view *views; char stamp[128]; };
 struct sums { double bytes, first, plans, vertices, q, seen; };
 
-static enum eco_code step(const struct bench_flight *flight, struct bench_client *client, uint32_t f,
-	size_t budget, bool drawn, struct sums *sums, struct eco_error *error)
+/* Adds frame `f`; scores it where `scored`. */
+static enum eco_code step(const struct flight *flight, struct bench_client *client, uint32_t f, size_t budget,
+	bool scored, struct sums *sums, struct eco_error *error)
 {
 	struct bench_frame frame = { .rule = lod_rule_optimal, .request = { .view = flight->views[f],
 		.vertices = budgets[budget], .bytes = ECO_BYTES_UNBOUNDED } };
 	struct view_picture picture = { 0 };
-	uint32_t n = f / flight->every;
-	drawn = drawn && f == bench_flight_frame(flight, n);
-	enum eco_code code = bench_client_step(client, &frame, drawn ? &picture : NULL, error);
-	if (!code && drawn)
-		code = score(flight, n, &picture, &sums->q, &sums->seen, error);
-	if (!code && drawn && budget == MILLION && n == BENCH_FLIGHT_SHOWN(flight))
-		code = bench_flight_keep(flight, "ours", picture.rgb, error);
+	double share = (double)flight->every / flight->count;
+	enum eco_code code = scored ? bench_client_reference(client, &frame.request, NULL, error) : ECO_OK;
+	if (!code)
+		code = bench_client_step(client, &frame, scored ? &picture : NULL, error);
+	if (!code && scored)
+		code = bench_client_score(client, &frame, &picture, error);
+	if (!code && scored) {
+		sums->q += share * frame.score.q;
+		sums->seen += share * frame.picture_error;
+	}
 	view_picture_free(&picture);
 	sums->bytes += (double)frame.bytes;
 	sums->first += f ? 0 : (double)frame.bytes;
@@ -84,17 +206,23 @@ static enum eco_code step(const struct bench_flight *flight, struct bench_client
 	return code;
 }
 
-static enum eco_code fly(struct bench *bench, const struct bench_flight *flight, size_t budget,
-	enum holding holding, json_t **row, struct eco_error *error)
+static enum eco_code fly(struct bench *bench, const struct flight *flight, size_t budget, enum holding holding,
+	json_t **row, struct eco_error *error)
 {
 	struct bench_client *client = NULL;
 	struct sums sums = { 0 };
 	enum eco_code code = bench_client_open(&client, flight->pack, error);
+	if (!code) {
+		bench_client_see(client);
+		bench_client_keep(client, bench);
+		bench_client_untimed(client);
+	}
 	for (uint32_t f = 0; f < flight->count && !code; f++) {
 		if (holding == COLD && f % BENCH_FLIGHT_FPS == 0)
 			bench_client_forget(client);
 		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: step(flight, client, f, budget, holding == KEPT, &sums, error);
+			: step(flight, client, f, budget, holding == KEPT && f % flight->every
+			== flight->every / 2, &sums, error);
 	}
 	bench_client_close(client);
 	if (!code)
@@ -104,256 +232,74 @@ static enum eco_code fly(struct bench *bench, const struct bench_flight *flight,
 	return code;
 }
 
-/* [b][holding] of the flights' rows. */
-static enum eco_code fly_all(struct bench *bench, const struct bench_flight *flight,
-	json_t *rows[BUDGETS][HOLDINGS], struct eco_error *error)
+/* Q and picture error are those of the flight that keeps; *bytes: at a million vertices. */
+static enum eco_code add_rows(struct bench *bench, const struct flight *flight, struct bench_table *table,
+	double bytes[HOLDINGS], struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
-	for (size_t i = 0; i < BUDGETS * HOLDINGS && !code; i++) {
+	const json_t *drawn = NULL;
+	for (size_t i = 0; i < BUDGETS * HOLDINGS; i++) {
 		char unit[96];
 		size_t b = i / HOLDINGS, h = i % HOLDINGS;
 		snprintf(unit, sizeof unit, "flight-%s-%u-%llu-%zu", flight->scene, flight->count,
 			(unsigned long long)budgets[b], h);
-		bench_progress(bench, 0.3 + 0.1 * (double)i / (BUDGETS * HOLDINGS), flight->scene);
+		bench_progress(bench, (double)i / (BUDGETS * HOLDINGS), flight->scene);
 		json_t *row = bench_recall(bench, unit, flight->stamp);
-		if (!row) {
-			code = fly(bench, flight, b, (enum holding)h, &row, error);
-			row = code ? NULL : bench_keep(bench, unit, flight->stamp, row);
-		}
-		rows[b][h] = row;
-	}
-	return code;
-}
-
-/* ---- Video ---- */
-
-static enum eco_code encode_all(struct bench *bench, const struct bench_flight *flight, struct study *s,
-	struct curve curves[CHROMAS], struct eco_error *error)
-{
-	uint32_t count = bench_flight_has_x264() ? CHROMAS * CRFS : 0;
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < count && !code; i++) {
-		struct bench_flight_coding coding = { i / CRFS == WHOLE, crfs[i % CRFS] };
-		struct curve *curve = &curves[i / CRFS];
-		json_t *row;
-		bench_progress(bench, 0.4 + 0.6 * i / count, flight->scene);
-		code = bench_flight_video(bench, flight, &coding, &row, error);
+		enum eco_code code = row ? ECO_OK : fly(bench, flight, b, (enum holding)h, &row, error);
 		if (code)
-			break;
-		curve->bytes[curve->count] = bench_shot_number(row, "bytes");
-		curve->seen[curve->count] = bench_shot_number(row, "picture_error");
-		bench_table_row(s->video, "%s,%s,%u,%.0f,%.5f", flight->scene, chroma_names[i / CRFS],
-			coding.crf, curve->bytes[curve->count], curve->seen[curve->count]);
-		curve->count++;
-	}
-	return code;
-}
-
-/* Between two logarithms; NaN where the curve does not come by. */
-static double bytes_at(const struct curve *curve, double seen)
-{
-	for (uint32_t i = 1; i < curve->count; i++) {
-		double low = curve->seen[i - 1], high = curve->seen[i];
-		if (seen >= low && seen <= high && high > low) {
-			double t = (seen - low) / (high - low);
-			return exp((1 - t) * log(curve->bytes[i - 1]) + t * log(curve->bytes[i]));
-		}
-	}
-	return NAN;
-}
-
-/* Bytes of the smaller video of a picture error. *least: none is so good, and the best has so many. NaN where
- * even the worst is better, or there is none. */
-static double video_bytes(const struct curve curves[CHROMAS], double seen, bool *least)
-{
-	double bytes = fmin(bytes_at(&curves[HALVED], seen), bytes_at(&curves[WHOLE], seen));
-	const struct curve *best = &curves[curves[WHOLE].seen[0] < curves[HALVED].seen[0] ? WHOLE : HALVED];
-	*least = best->count && seen < best->seen[0];
-	return *least ? best->bytes[0] : bytes;
-}
-
-/* ---- The report ---- */
-
-static void write_rows(const struct bench_flight *flight, json_t *const rows[BUDGETS][HOLDINGS],
-	const struct curve curves[CHROMAS], struct study *s)
-{
-	for (size_t i = 0; i < BUDGETS * HOLDINGS; i++) {
-		size_t b = i / HOLDINGS, h = i % HOLDINGS;
-		const json_t *row = rows[b][h], *drawn = rows[b][KEPT];
-		bool least;
-		char cells[64] = "-,-";
-		double seen = bench_shot_number(drawn, "picture_error"),
-			bytes = bench_shot_number(row, "bytes"), video = video_bytes(curves, seen, &least),
-			ratio = bytes / video;
-		if (!isnan(ratio))
-			snprintf(cells, sizeof cells, "%s%.0f,%s%.4f", least ? "> " : "", video,
-				least ? "< " : "", ratio);
-		bench_table_row(s->table, "%s,%u,%llu,%s,%.0f,%.0f,%.0f,%.0f,%.4f,%.5f,%s", flight->scene,
+			return code;
+		row = bench_keep(bench, unit, flight->stamp, row);
+		drawn = h == KEPT ? row : drawn;
+		bench_table_row(table, "%s,%u,%llu,%s,%.0f,%.0f,%.0f,%.0f,%.4f,%.5f", flight->scene,
 			flight->count, (unsigned long long)budgets[b], holding_names[h],
-			bench_shot_number(row, "vertices"), bytes, bench_shot_number(row, "first"),
-			bench_shot_number(row, "plans"), bench_shot_number(drawn, "q"), seen, cells);
+			bench_shot_number(row, "vertices"), bench_shot_number(row, "bytes"),
+			bench_shot_number(row, "first"), bench_shot_number(row, "plans"),
+			bench_shot_number(drawn, "q"), bench_shot_number(drawn, "picture_error"));
 		if (b == MILLION)
-			s->worst[h] = isnan(ratio) || isnan(s->worst[h]) ? NAN : fmax(s->worst[h], ratio);
+			bytes[h] = fmax(bytes[h], bench_shot_number(row, "bytes"));
 	}
+	return ECO_OK;
 }
 
-static enum eco_code plot(struct bench *bench, const struct bench_flight *flight,
-	json_t *const rows[BUDGETS][HOLDINGS], const struct curve curves[CHROMAS], struct eco_error *error)
+static enum eco_code study_scene(struct bench *bench, const char *scene, struct bench_table *table,
+	double bytes[HOLDINGS], struct eco_error *error)
 {
-	double x[HOLDINGS][BUDGETS], y[BUDGETS];
-	char name[64], title[160];
-	const struct curve *halved = &curves[HALVED], *whole = &curves[WHOLE];
-	for (size_t b = 0; b < BUDGETS; b++) {
-		y[b] = bench_shot_number(rows[b][KEPT], "picture_error");
-		for (int h = 0; h < HOLDINGS; h++)
-			x[h][b] = bench_shot_number(rows[b][h], "bytes");
-	}
-	const struct bench_series series[] = { { "ours", x[KEPT], y, BUDGETS, false },
-		{ "ours, holdings dropped each second", x[COLD], y, BUDGETS, false },
-		{ "x264 slow, 4:2:0", halved->bytes, halved->seen, halved->count, false },
-		{ "x264 slow, 4:4:4", whole->bytes, whole->seen, whole->count, false } };
-	snprintf(name, sizeof name, "flight-%s", flight->scene);
-	snprintf(title, sizeof title, "%s: picture error for the bytes of a flight of %u s", flight->scene,
-		flight->count / BENCH_FLIGHT_FPS);
-	return bench_plot(bench, &(struct bench_plot){ .name = name, .title = title, .x = "bytes",
-		.y = "picture error", .log_x = true, .series = series,
-		.series_count = whole->count ? 4 : 2 }, error);
-}
-
-/* The video whose picture error is nearest, and its bytes. */
-static struct bench_flight_coding nearest(const struct curve curves[CHROMAS], double seen, double *bytes)
-{
-	struct bench_flight_coding best = { false, crfs[0] };
-	double off = INFINITY;
-	for (uint32_t i = 0; i < CHROMAS * CRFS && curves[WHOLE].count; i++) {
-		const struct curve *curve = &curves[i / CRFS];
-		if (fabs(curve->seen[i % CRFS] - seen) >= off)
-			continue;
-		off = fabs(curve->seen[i % CRFS] - seen);
-		best = (struct bench_flight_coding){ i / CRFS == WHOLE, crfs[i % CRFS] };
-		*bytes = curve->bytes[i % CRFS];
-	}
-	return best;
-}
-
-/* Full detail, ours and, where `video` is a name, the video, side by side. False where one of an earlier run
- * has gone. */
-static bool lay_out(const struct bench_flight *flight, const char *video, uint8_t *wide, uint32_t width)
-{
-	struct view_picture full = { 0 };
-	uint8_t *rgb = malloc(3 * BENCH_FLIGHT_PIXELS);
-	bool there = rgb && !bench_flight_full(flight, BENCH_FLIGHT_SHOWN(flight), &full, NULL);
-	for (uint32_t i = 0; i < (video ? 3 : 2) && there; i++) {
-		there = !i || bench_flight_kept(flight, i == 1 ? "ours" : video, rgb);
-		const uint8_t *from = i ? rgb : full.rgb;
-		for (size_t y = 0; y < BENCH_SHOT_HEIGHT && there; y++)
-			memcpy(wide + 3 * (y * width + i * (BENCH_SHOT_WIDTH + SPACE)),
-				from + 3 * y * BENCH_SHOT_WIDTH, 3 * BENCH_SHOT_WIDTH);
-	}
-	view_picture_free(&full);
-	free(rgb);
-	return there;
-}
-
-static enum eco_code show(struct bench *bench, const struct bench_flight *flight, const json_t *million,
-	const struct curve curves[CHROMAS], struct eco_error *error)
-{
-	double video_size = 0;
-	struct bench_flight_coding coding = nearest(curves, bench_shot_number(million, "picture_error"),
-		&video_size);
-	uint32_t parts = curves[WHOLE].count ? 3 : 2, width = parts * (BENCH_SHOT_WIDTH + SPACE) - SPACE;
-	uint8_t *wide = calloc(3u * width, BENCH_SHOT_HEIGHT);
-	char what[32], file[96], caption[256], video[64] = "";
-	enum eco_code code = ECO_OK;
-	if (!wide)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
-	bench_flight_coding_name(&coding, what);
-	if (video_size > 0)
-		snprintf(video, sizeof video, "; x264 (%s), %.0f kB", what, video_size / 1e3);
-	snprintf(file, sizeof file, "flight-%s-shown.png", flight->scene);
-	snprintf(caption, sizeof caption, "%s, frame %u of %u: full detail; ours at most %llu vertices, "
-		"%.0f kB%s", flight->scene, bench_flight_frame(flight, BENCH_FLIGHT_SHOWN(flight)),
-		flight->count, (unsigned long long)budgets[MILLION],
-		bench_shot_number(million, "bytes") / 1e3, video);
-	if (lay_out(flight, video_size > 0 ? what : NULL, wide, width)) {
-		code = bench_picture_write(bench, file, width, BENCH_SHOT_HEIGHT, wide, error);
-		if (!code)
-			bench_picture(bench, file, caption);
-	}
-	free(wide);
-	return code;
-}
-
-/* ---- Scenes ---- */
-
-static enum eco_code study_flight(struct bench *bench, struct bench_flight *flight, struct study *s,
-	struct eco_error *error)
-{
-	json_t *rows[BUDGETS][HOLDINGS];
-	struct curve curves[CHROMAS] = { { .count = 0 } };
-	double draw_ms = NAN;
-	enum eco_code code = bench_flight_path(bench, flight,
-		flight->count == BENCH_FLIGHT_FRAMES ? 0 : QUICK_FIRST, error);
-	if (!code)
-		code = bench_flight_reference(bench, flight, &draw_ms, error);
-	if (!code)
-		code = fly_all(bench, flight, rows, error);
-	if (!code)
-		code = encode_all(bench, flight, s, curves, error);
-	if (code)
+	char pack[512];
+	struct flight flight = { .scene = scene, .pack = pack,
+		.count = bench->full ? BENCH_FLIGHT_FRAMES : QUICK_FRAMES,
+		.every = bench->full ? FULL_EVERY : QUICK_EVERY };
+	enum eco_code code;
+	if (!bench_shot_scene(bench, scene, pack, &code, error) || code)
 		return code;
-	bench_say(bench, "%s: a frame of full detail is drawn in %.2f s.", flight->scene, draw_ms / 1e3);
-	write_rows(flight, rows, curves, s);
-	code = plot(bench, flight, rows, curves, error);
-	return code ? code : show(bench, flight, rows[MILLION][KEPT], curves, error);
-}
-
-static enum eco_code each_scene(struct bench *bench, struct study *s, struct eco_error *error)
-{
-	enum eco_code code = ECO_OK;
-	for (size_t i = 0; i < SCENES && !code; i++) {
-		char pack[512];
-		struct bench_flight flight = { .scene = scenes[i], .pack = pack,
-			.count = bench->full ? BENCH_FLIGHT_FRAMES : QUICK_FRAMES,
-			.every = bench->full ? FULL_EVERY : QUICK_EVERY };
-		if (!bench_shot_scene(bench, scenes[i], pack, &code, error) || code)
-			continue;
-		code = study_flight(bench, &flight, s, error);
-		free(flight.views);
+	code = bench_flight_path(pack, bench->full ? 0 : QUICK_FIRST, flight.count, &flight.views, error);
+	if (!code) {
+		snprintf(flight.stamp, sizeof flight.stamp, "%s %u %016llx", bench_pack_stamp(pack),
+			flight.every, (unsigned long long)XXH3_64bits(flight.views,
+			flight.count * sizeof *flight.views));
+		code = add_rows(bench, &flight, table, bytes, error);
 	}
+	free(flight.views);
 	return code;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	struct study s = { .worst = { 0, 0 } };
+	double bytes[HOLDINGS] = { NAN, NAN };
+	enum eco_code code = ECO_OK;
 	bench_say(bench, "%u frames a second, %u x %u, from the air down to eye level and through; picture "
-		"error and Q are means over every %u-th frame, bytes those of all. The video: full detail in "
-		"BT.601, by x264 --preset slow --keyint infinite at several rate factors; the smaller of "
-		"4:2:0 and 4:4:4 at our picture error counts, where neither is so good the best of them: then "
-		"ours over x264 is less than that.", BENCH_FLIGHT_FPS,
+		"error and Q are means over every %u-th frame, bytes those of all.", BENCH_FLIGHT_FPS,
 		BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT, bench->full ? FULL_EVERY : QUICK_EVERY);
-	if (!bench_flight_has_x264())
-		bench_say(bench, "x264 is not installed: apt-get install x264; the video's rows are left "
-			"out.");
-	s.table = bench_table_open(bench, "flight", "scene,frames,budget,holdings,vertices,bytes,"
-		"first frame bytes,bytes of plans,Q,picture error,bytes of x264 at that error,"
-		"ours over x264", true);
-	s.video = bench_table_open(bench, "flight_video", "scene,chroma,crf,bytes,picture error", true);
-	enum eco_code code = each_scene(bench, &s, error);
-	bench_table_close(s.table);
-	bench_table_close(s.video);
+	struct bench_table *table = bench_table_open(bench, "flight", "scene,frames,budget,holdings,vertices,"
+		"bytes,first frame bytes,bytes of plans,Q,picture error", true);
+	for (size_t i = 0; i < SCENES && !code; i++)
+		code = study_scene(bench, scenes[i], table, bytes, error);
+	bench_table_close(table);
 	if (code)
 		return code;
-	bench_key(bench, "flight_bytes_ratio", s.worst[KEPT] > 0 ? s.worst[KEPT] : NAN,
-		"<= 0.5: bytes of a flight over x264's at the picture error of 1,000,000 vertices, the worst "
-		"scene");
-	bench_key(bench, "flight_bytes_ratio_cold", s.worst[COLD] > 0 ? s.worst[COLD] : NAN,
-		"the same, with holdings dropped each second");
+	bench_key(bench, "flight_bytes", bytes[KEPT], "bytes of a flight at 1,000,000 vertices, the most");
+	bench_key(bench, "flight_bytes_cold", bytes[COLD], "the same, with holdings dropped each second");
 	return ECO_OK;
 }
 
-const struct bench_section bench_flight = { "flight", "Bytes of a flight beside video", run,
+const struct bench_section bench_flight = { "flight", "Bytes of a flight", run,
 	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/bench_shots.o "
-	"tests/bench/pictures/bench_flight.o tests/bench/pictures/bench_flight_path.o "
-	"tests/bench/pictures/bench_flight_video.o" };
+	"tests/bench/pictures/bench_flight.o" };

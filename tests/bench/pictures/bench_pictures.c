@@ -59,16 +59,19 @@ static const double *start_of(const struct study *s, const char *scene, const ch
 
 /* ---- Pictures ---- */
 
-static void name_picture(char file[128], const char *scene, const char *camera, uint64_t budget)
+static void name_picture(char file[128], const struct bench_view *view, uint32_t budget)
 {
-	snprintf(file, 128, "pictures-%s-%s-%llu.png", scene, camera, (unsigned long long)budget);
+	snprintf(file, 128, "pictures-%s-%s-%llu.png", view->scene, view->camera,
+		(unsigned long long)budgets[budget]);
 }
 
-static enum eco_code show(struct bench *bench, struct bench_client *client, const char *file,
-	const struct bench_frame *frame, const struct view_picture *picture, struct eco_error *error)
+static enum eco_code show(struct bench *bench, struct bench_client *client, const struct bench_view *view,
+	uint32_t budget, const struct bench_frame *frame, const struct view_picture *picture,
+	struct eco_error *error)
 {
-	char ours[160], full[96], seen[96];
+	char file[128], ours[160], full[96], seen[96];
 	const struct lod_score *score = &frame->score;
+	name_picture(file, view, budget);
 	snprintf(ours, sizeof ours, "%llu vertices, %.0f kB, Q %.4f, soft Q %.4f, owner_q %.3f",
 		(unsigned long long)frame->vertices, (double)frame->bytes / 1e3, score->q, frame->soft_q,
 		score->owner_q);
@@ -79,34 +82,13 @@ static enum eco_code show(struct bench *bench, struct bench_client *client, cons
 		error);
 }
 
-static json_t *row_of(const struct bench_frame *frame)
-{
-	const double values[FIGURES] = { (double)frame->vertices, (double)frame->bytes, frame->score.q,
-		frame->soft_q, frame->score.owner_q, frame->predicted_q, frame->picture_error,
-		frame->widest_px, frame->ceiling };
-	json_t *row = json_object();
-	for (int f = 0; f < FIGURES; f++)
-		bench_shot_set(row, keys[f], values[f]);
-	return row;
-}
-
 static void ask(uint32_t budget, struct bench_frame *frame)
 {
 	frame->request.vertices = budgets[budget];
 	frame->request.bytes = ECO_BYTES_UNBOUNDED;
 }
 
-static enum eco_code take(struct bench *bench, struct bench_client *client, const struct bench_view *view,
-	uint32_t budget, const struct bench_frame *frame, const struct view_picture *picture, json_t **row,
-	struct eco_error *error)
-{
-	char file[128];
-	name_picture(file, view->scene, view->camera, budgets[budget]);
-	*row = row_of(frame);
-	return show(bench, client, file, frame, picture, error);
-}
-
-static const struct bench_view_shoot shoot = { "seen", BUDGETS, ask, take };
+static const struct bench_view_shoot shoot = { "seen", BUDGETS, ask, show };
 
 /* ---- Rows ---- */
 
@@ -134,9 +116,10 @@ static void compare(struct study *s, const char *what, uint64_t budget, const do
 	}
 }
 
-static void add_row(struct study *s, const char *scene, const char *camera, size_t b, const json_t *row)
+static void add_row(struct study *s, const struct bench_view *view, size_t b, const json_t *row)
 {
 	static const double none[FIGURES] = { NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN };
+	const char *scene = view->scene, *camera = view->camera;
 	const double *start = start_of(s, scene, camera, budgets[b]);
 	double now[FIGURES];
 	char what[64];
@@ -164,34 +147,18 @@ static enum eco_code study_view(struct bench *bench, void *ctx, const struct ben
 {
 	json_t *rows;
 	enum eco_code code = bench_view_rows(bench, view, &shoot, &rows, error);
-	for (size_t b = 0; b < BUDGETS && !code; b++)
-		add_row(ctx, view->scene, view->camera, b, json_array_get(rows, b));
+	for (uint32_t b = 0; b < BUDGETS && !code; b++) {
+		char file[128], caption[160];
+		add_row(ctx, view, b, json_array_get(rows, b));
+		name_picture(file, view, b);
+		snprintf(caption, sizeof caption, "%s, %s, at most %llu vertices; full detail; error",
+			view->scene, view->camera, (unsigned long long)budgets[b]);
+		bench_picture(bench, file, caption);
+	}
 	return code;
 }
 
 /* ---- The report ---- */
-
-static void show_pictures(struct bench *bench, const json_t *scenes)
-{
-	for (size_t i = 0; i < json_array_size(scenes); i++) {
-		const json_t *item = json_array_get(scenes, i), *cameras = json_object_get(item, "cameras");
-		const char *scene = json_string_value(json_object_get(item, "scene"));
-		for (size_t n = 0; scene && n < json_array_size(cameras) * BUDGETS; n++) {
-			const char *camera = json_string_value(json_object_get(json_array_get(cameras,
-				n / BUDGETS), "camera"));
-			char file[128], path[1200], caption[160];
-			name_picture(file, scene, camera ? camera : "", budgets[n % BUDGETS]);
-			snprintf(path, sizeof path, "%s/%s", bench->out, file);
-			FILE *there = fopen(path, "rb");
-			if (!there)
-				continue;
-			fclose(there);
-			snprintf(caption, sizeof caption, "%s, %s, at most %llu vertices; full detail; error",
-				scene, camera, (unsigned long long)budgets[n % BUDGETS]);
-			bench_picture(bench, file, caption);
-		}
-	}
-}
 
 static void write_keys(struct bench *bench, const struct study *s)
 {
@@ -217,14 +184,9 @@ static void write_keys(struct bench *bench, const struct study *s)
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	json_t *views;
-	const json_t *scenes = bench_views_load(&views, error);
 	struct study *s = calloc(1, sizeof *s);
-	if (!s || !scenes) {
-		json_decref(views);
-		free(s);
-		return scenes ? eco_fail(error, ECO_NO_MEMORY, "no memory for figures") : ECO_BAD_INPUT;
-	}
+	if (!s)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for figures");
 	s->scbi_owner[0] = s->scbi_owner[1] = s->scbi_owner[2] = NAN;
 	read_start(s);
 	bench_say(bench, "Every picture %u x %u, all chunks sent anew, drawn and lit in software. The start "
@@ -234,18 +196,13 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"predicted Q,picture error,widest point px,ceiling,start vertices,start bytes,start Q,"
 		"start soft Q,start owner_q,start predicted Q,start picture error,start widest point px,"
 		"bytes ratio,picture error ratio", true);
-	enum eco_code code = bench_views_each(bench, scenes, SIZE_MAX, study_view, s, error);
+	enum eco_code code = bench_views_each(bench, SIZE_MAX, study_view, s, error);
 	bench_table_close(s->table);
-	if (!code) {
+	if (!code)
 		write_keys(bench, s);
-		show_pictures(bench, scenes);
-	}
-	json_decref(views);
 	free(s);
 	return code;
 }
 
 const struct bench_section bench_pictures = { "pictures", "What people see at small budgets", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o "
-	"tests/bench/pictures/bench_pictures.o tests/bench/pictures/bench_views.o "
-	"tests/bench/pictures/bench_widest.o" };
+	.objects = BENCH_OBJECTS_VIEWS "tests/bench/pictures/bench_pictures.o" };

@@ -31,20 +31,7 @@ static void ask(uint32_t budget, struct bench_frame *frame)
 	frame->request.bytes = budgets[budget];
 }
 
-static enum eco_code take(struct bench *bench, struct bench_client *client, const struct bench_view *view,
-	uint32_t budget, const struct bench_frame *frame, const struct view_picture *picture, json_t **row,
-	struct eco_error *error)
-{
-	(void)bench, (void)client, (void)view, (void)budget, (void)picture, (void)error;
-	*row = json_object();
-	bench_shot_set(*row, "bytes", (double)frame->bytes);
-	bench_shot_set(*row, "q", frame->score.q);
-	bench_shot_set(*row, "predicted_q", frame->predicted_q);
-	bench_shot_set(*row, "picture_error", frame->picture_error);
-	return ECO_OK;
-}
-
-static const struct bench_view_shoot shoot = { "rising", BUDGETS, ask, take };
+static const struct bench_view_shoot shoot = { "rising", BUDGETS, ask, NULL };
 
 /* All budgets from where all comes on are the same answer: one row of it counts. */
 static void add_rows(struct study *s, struct counts *counts, const struct bench_view *view,
@@ -95,24 +82,20 @@ static void sum_up(struct counts *all, const struct counts *c)
 }
 
 /* Every other one at random. The caller frees them. */
-static enum eco_code find_views(struct bench *bench, const char *scene, const char *pack,
-	struct eco_view **views, struct eco_error *error)
+static enum eco_code find_views(const char *pack, struct eco_view **views, struct eco_error *error)
 {
-	struct bench_flight flight = { .scene = scene, .pack = pack, .count = BENCH_FLIGHT_FRAMES,
-		.every = BENCH_FLIGHT_FRAMES };
 	struct eco_pack *open = NULL;
-	enum eco_code code = bench_flight_path(bench, &flight, 0, error);
+	enum eco_code code = bench_flight_path(pack, 0, BENCH_FLIGHT_FRAMES, views, error);
 	if (!code)
 		code = eco_pack_open(&open, pack, error);
 	for (uint32_t i = 0; i < VIEWS && !code; i++) {
-		struct eco_view *to = &flight.views[i];
+		struct eco_view *to = &(*views)[i];
 		*to = i % 2 ? random_outlook(&open->scene, SEED, i)
-			: flight.views[i * BENCH_FLIGHT_FRAMES / VIEWS];
+			: (*views)[i * BENCH_FLIGHT_FRAMES / VIEWS];
 		to->width = WIDTH;
 		to->height = HEIGHT;
 	}
 	eco_pack_close(open);
-	*views = flight.views;
 	return code;
 }
 
@@ -122,7 +105,7 @@ static enum eco_code study_scene(struct bench *bench, struct study *s, size_t nu
 	struct eco_view *views = NULL;
 	char pack[512], camera[32];
 	snprintf(pack, sizeof pack, "%s/requests/%s.eco", bench->cache, scenes[number]);
-	enum eco_code code = find_views(bench, scenes[number], pack, &views, error);
+	enum eco_code code = find_views(pack, &views, error);
 	for (uint32_t i = 0; i < VIEWS && !code; i += bench->full ? 1 : QUICK) {
 		json_t *rows;
 		snprintf(camera, sizeof camera, "%s-%u", i % 2 ? "random" : "flight", i);
@@ -171,6 +154,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_rising = { "rising", "More bytes, no worse a picture", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests-support.a "
-	"tests/bench/pictures/bench_rising.o tests/bench/pictures/bench_views.o "
-	"tests/bench/pictures/bench_flight_path.o tests/bench/pictures/bench_widest.o" };
+	.objects = BENCH_OBJECTS_VIEWS "tests-support.a tests/bench/pictures/bench_rising.o "
+	"tests/bench/pictures/bench_flight.o" };

@@ -2,16 +2,6 @@
 
 #define VIEWS "tests/bench/pictures/pictures.json"
 
-const json_t *bench_views_load(json_t **file, struct eco_error *error)
-{
-	*file = json_load_file(VIEWS, 0, NULL);
-	const json_t *scenes = json_object_get(*file, "scenes");
-	if (json_is_array(scenes))
-		return scenes;
-	eco_fail(error, ECO_BAD_INPUT, VIEWS " cannot be read");
-	return NULL;
-}
-
 static bool read_view(const json_t *item, struct bench_view *to, struct eco_error *error)
 {
 	struct eco_view *view = &to->view;
@@ -23,31 +13,41 @@ static bool read_view(const json_t *item, struct bench_view *to, struct eco_erro
 		&view->fov_y_deg) && !eco_view_check(view, error);
 }
 
-enum eco_code bench_views_each(struct bench *bench, const json_t *scenes, size_t quick, bench_view_call *call,
+/* `done`: the share of all scenes before this one. */
+static enum eco_code each_camera(struct bench *bench, const json_t *item, double done, bench_view_call *call,
 	void *ctx, struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
-	size_t count = json_array_size(scenes);
-	for (size_t i = 0; i < count && !code; i++) {
-		const json_t *item = json_array_get(scenes, i), *cameras = json_object_get(item, "cameras");
-		char pack[512];
-		struct bench_view view = { .pack = pack,
-			.scene = json_string_value(json_object_get(item, "scene")) };
-		if (view.scene && !bench->full && i >= quick) {
-			bench_left_out(bench, view.scene);
-			continue;
-		}
-		if (!view.scene || !bench_shot_scene(bench, view.scene, pack, &code, error))
-			continue;
-		for (size_t c = 0; c < json_array_size(cameras) && !code; c++) {
-			bench_progress(bench, ((double)i + (double)c / (double)json_array_size(cameras))
-				/ (double)count, view.scene);
-			code = read_view(json_array_get(cameras, c), &view, error)
-				? call(bench, ctx, &view, error)
+	const json_t *cameras = json_object_get(item, "cameras"), *camera;
+	char pack[512];
+	struct bench_view view = { .pack = pack, .scene = json_string_value(json_object_get(item, "scene")) };
+	enum eco_code code;
+	size_t i;
+	if (!bench_shot_scene(bench, view.scene, pack, &code, error))
+		return ECO_OK;
+	json_array_foreach(cameras, i, camera) {
+		bench_progress(bench, done, view.scene);
+		if (!code)
+			code = read_view(camera, &view, error) ? call(bench, ctx, &view, error)
 				: eco_fail(error, ECO_BAD_INPUT, VIEWS ": a camera of %s is not one",
 				view.scene);
-		}
 	}
+	return code;
+}
+
+enum eco_code bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, void *ctx,
+	struct eco_error *error)
+{
+	json_t *file = json_load_file(VIEWS, 0, NULL), *scenes = json_object_get(file, "scenes"), *item;
+	enum eco_code code = scenes ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, VIEWS " cannot be read");
+	size_t i;
+	json_array_foreach(scenes, i, item) {
+		if (!bench->full && i >= quick)
+			bench_left_out(bench, json_string_value(json_object_get(item, "scene")));
+		else if (!code)
+			code = each_camera(bench, item, (double)i / (double)json_array_size(scenes), call,
+				ctx, error);
+	}
+	json_decref(file);
 	return code;
 }
 
@@ -65,36 +65,29 @@ static enum eco_code make_rows(struct bench *bench, const struct bench_view *vie
 		struct bench_frame frame = { .method = "ours", .rule = lod_rule_optimal,
 			.request = { .view = view->view } };
 		struct view_picture picture = { 0 };
-		json_t *row = NULL;
 		shoot->ask(b, &frame);
 		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
 			: bench_client_frame(client, &frame, &picture, error);
 		bool few = code == ECO_TOO_LARGE && frame.request.bytes != ECO_BYTES_UNBOUNDED;
-		if (!code)
-			code = shoot->take(bench, client, view, b, &frame, &picture, &row, error);
-		else if (few)
-			code = ECO_OK;
-		if (!code)
-			json_array_append_new(rows, row ? row : json_null());
+		if (!code && shoot->show)
+			code = shoot->show(bench, client, view, b, &frame, &picture, error);
+		if (!code || few)
+			json_array_append_new(rows, code ? json_null() : bench_shot_row(&frame));
+		code = few ? ECO_OK : code;
 		view_picture_free(&picture);
 	}
 	bench_client_close(client);
 	return code;
 }
 
-void bench_view_stamp(const struct bench_view *view, char stamp[256])
-{
-	const struct eco_view *v = &view->view;
-	snprintf(stamp, 256, "%s %g %g %g %g %g %g %g", bench_pack_stamp(view->pack), v->eye[0], v->eye[1],
-		v->eye[2], v->target[0], v->target[1], v->target[2], v->fov_y_deg);
-}
-
 enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view,
 	const struct bench_view_shoot *shoot, json_t **rows, struct eco_error *error)
 {
+	const struct eco_view *v = &view->view;
 	char unit[96], stamp[256];
 	snprintf(unit, sizeof unit, "%s-%s-%s", shoot->name, view->scene, view->camera);
-	bench_view_stamp(view, stamp);
+	snprintf(stamp, sizeof stamp, "%s %g %g %g %g %g %g %g", bench_pack_stamp(view->pack), v->eye[0], v->eye[1],
+		v->eye[2], v->target[0], v->target[1], v->target[2], v->fov_y_deg);
 	*rows = bench_recall(bench, unit, stamp);
 	if (*rows)
 		return ECO_OK;

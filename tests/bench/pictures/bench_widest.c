@@ -88,14 +88,14 @@ static double widest_of_cut(struct look *look, const struct view_selection *s, u
 }
 
 double bench_widest_px(const struct view_store *store, const struct view_selection *selection,
-	const struct lod_eye *eye, const struct view_picture *picture, bool balls)
+	const struct lod_eye *eye, const struct view_picture *picture)
 {
 	const struct eco_plan *plan = view_store_plan(store);
 	double widest = 0;
 	for (uint32_t c = 0; c < selection->cut_count; c++) {
 		const struct eco_cut *cut = &plan->cuts[c];
 		const struct view_list *list = view_store_list(store, cut->list);
-		if (list->list.kind != ECO_LIST_POINTS || (balls && list->list.attributes & ECO_ATTR_SPLAT))
+		if (list->list.kind != ECO_LIST_POINTS)
 			continue;
 		struct look look = { .eye = eye, .picture = picture, .list = &list->list,
 			.area = ldexpf(list->list.unit_area * cut->scale, -cut->halvings) };

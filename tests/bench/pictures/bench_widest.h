@@ -7,9 +7,8 @@
 
 /* Pixels across the widest ball or splat that a selection draws and that is nearest at its own centre in its
  * picture: 0 where there is none, the picture's width where the eye stands in one. A point always stands for
- * something finer. A splat counts by its longest half axis, as it is seen from the eye. `balls`: of balls
- * alone, which are of one colour all over, where light makes splats round. NaN without memory. */
+ * something finer. A splat counts by its longest half axis, as it is seen from the eye. NaN without memory. */
 double bench_widest_px(const struct view_store *store, const struct view_selection *selection,
-	const struct lod_eye *eye, const struct view_picture *picture, bool balls);
+	const struct lod_eye *eye, const struct view_picture *picture);
 
 #endif
