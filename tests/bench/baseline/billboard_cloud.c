@@ -1,3 +1,4 @@
+/* A plant, its hidden parts, and clouds with their textures. */
 #include "tests/bench/baseline/billboard_cloud.h"
 
 #include <math.h>
@@ -6,28 +7,18 @@
 
 #include "ecofiles/format/image.h"
 #include "lod/raster/raster.h"
+#include "lod/raster/texel.h"
 #include "tests/bench/baseline/billboard_state.h"
 
 #define WELD_BITS 16u
 #define FLAT 0.05                    /* of the diagonal: lower plants are measured by that */
-#define TOLERANCE 0.001
+#define RADIUS 0.05                  /* of influence in the density field */
+#define TEXEL (1.0 / 256)
+#define SIDE_MOST 1024u
 #define EPSILON_FIRST (1.0 / 128)    /* of the ladder */
 #define EPSILON_STEP 1.41421356
 #define EPSILON_RUNGS 10
 #define ERROR_MOST 0.5               /* with which epsilon is chosen: beyond it parts are mostly invalid */
-
-static struct lod_billboard_options completed(const struct lod_billboard_options *given)
-{
-	struct lod_billboard_options o = *given;
-	o.tolerance = o.tolerance > 0 ? o.tolerance : TOLERANCE;
-	o.radius = o.radius > 0 ? o.radius : 0.05;
-	o.node = o.node > 0 ? o.node : 1.0 / 64;
-	o.sections = !o.sections ? 4 : o.sections < BILLBOARD_QUADS ? o.sections : BILLBOARD_QUADS;
-	o.bend = o.bend > 0 ? o.bend : 0.5;
-	o.texel = o.texel > 0 ? o.texel : o.pixels > 0 ? 1 / o.pixels : 1.0 / 256;
-	o.forms = o.forms ? o.forms : (1u << LOD_BILLBOARD_FORMS) - 1;
-	return o;
-}
 
 /* ---- A plant ---- */
 
@@ -56,45 +47,62 @@ static void scale_model(struct lod_billboard_plant *p)
 			- lod_v3_axis(p->middle, (int)(i % 3))) / p->unit);
 }
 
+/* The sum over all other generators of (1 - (d / radius)^2)^2 within the radius (section 3.4). */
+static double density_at(const struct lod_keyed *items, const struct lod_v3 *generators, uint32_t count,
+	struct lod_v3 p)
+{
+	double sum = 0;
+	for (int i = 0; i < 9; i++) {        /* a row of three cells lies together */
+		uint64_t last = billboard_cell(p, RADIUS, i % 3 - 1, i / 3 - 1, 1);
+		uint32_t k = billboard_find(items, count, billboard_cell(p, RADIUS, i % 3 - 1, i / 3 - 1,
+			-1));
+		for (; k < count && items[k].key <= last; k++) {
+			struct lod_v3 d = lod_v3_sub(p, generators[items[k].value]);
+			double share = lod_v3_dot(d, d) / (RADIUS * RADIUS);
+			sum += share < 1 ? (1 - share) * (1 - share) : 0;
+		}
+	}
+	return sum - 1;                      /* none hides itself */
+}
+
 /* Each node that has faces is a leaf or a piece of twig, and a generator of the density. */
-static void find_occlusion(struct lod_billboard_plant *p, double radius)
+static void find_occlusion(struct lod_billboard_plant *p)
 {
 	struct billboard_tree *tree = &p->tree;
 	struct lod_arena_piece *mark = p->arena.last;
-	struct lod_v3 *generators = lod_arena_take(&p->arena, tree->count, sizeof *generators);
-	double *density = lod_arena_take(&p->arena, tree->count, sizeof *density), most = 0;
+	struct lod_keyed *items = lod_arena_take(&p->arena, tree->count, sizeof *items);
 	uint32_t count = 0;
+	double most = 0;
 	for (uint32_t i = 0; i < tree->count; i++)
 		if (tree->area[i] > 0)
-			generators[count++] = tree->center[i];
-	billboard_density(density, generators, count, radius, &p->arena);
-	for (uint32_t i = 0; i < count; i++)
-		most = density[i] > most ? density[i] : most;
-	for (uint32_t i = tree->count; i-- > 0;)
-		tree->sigma[i] = tree->area[i] > 0 ? billboard_sigma(density[--count], most) : 1;
+			items[count++] = (struct lod_keyed){ billboard_cell(tree->center[i], RADIUS, 0, 0, 0),
+				i };
+	lod_sort(&p->arena, items, count);
+	for (uint32_t i = 0; i < tree->count; i++) {
+		tree->sigma[i] = tree->area[i] > 0 ? density_at(items, tree->center, count, tree->center[i])
+			: 0;
+		most = fmax(most, tree->sigma[i]);
+	}
+	for (uint32_t i = 0; i < tree->count; i++)           /* from density to the share that is seen */
+		tree->sigma[i] = tree->sigma[i] > 0 ? 1 - tree->sigma[i] / most : 1;
 	lod_arena_release(&p->arena, mark);
 }
 
 enum eco_code lod_billboard_plant_open(struct lod_billboard_plant **plant, const struct eco_model *model,
-	const struct lod_billboard_options *options, struct eco_error *error)
+	struct eco_error *error)
 {
-	const struct lod_billboard_options o = completed(options);
 	struct lod_billboard_plant *p = *plant = calloc(1, sizeof *p);
-	if (!p)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a plant of billboards");
-	if (setjmp(p->arena.failed)) {
+	if (!p || setjmp(p->arena.failed)) {
 		lod_billboard_plant_close(p);
 		*plant = NULL;
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for billboards of %u triangles",
 			model->triangle_count);
 	}
-	struct billboard_nodes nodes;
 	p->model = model;
 	scale_model(p);
 	lod_weld(&p->mesh, &p->scaled, WELD_BITS, &p->arena);
-	billboard_nodes_make(&nodes, &p->mesh, o.node, &p->arena);
-	billboard_tree_make(&p->tree, &nodes, &p->mesh, &p->arena);
-	find_occlusion(p, o.radius);
+	billboard_tree_make(&p->tree, &p->mesh, &p->arena);
+	find_occlusion(p);
 	return ECO_OK;
 }
 
@@ -105,17 +113,128 @@ void lod_billboard_plant_close(struct lod_billboard_plant *plant)
 	free(plant);
 }
 
+/* ---- Textures: faces seen straight onto a billboard, the nearest in front, texels opaque where their middle
+ * is covered ---- */
+
+struct canvas {
+	const struct billboard_work *work;
+	const struct billboard_quad *quad;
+	struct eco_image *image;
+	float *front;                /* height of the nearest over the billboard, per texel */
+};
+
+static uint32_t side_of(double half)
+{
+	double side = ceil(2 * half / TEXEL);
+	return side < 1 ? 1 : side < SIDE_MOST ? (uint32_t)side : SIDE_MOST;
+}
+
+/* In texels, and the height over the billboard. */
+static struct lod_v3 flatten(const struct canvas *c, struct lod_v3 p)
+{
+	struct lod_v3 d = lod_v3_sub(p, c->quad->center);
+	return (struct lod_v3){ (lod_v3_dot(d, c->quad->u) / c->quad->width + 1) / 2 * c->image->width,
+		(lod_v3_dot(d, c->quad->v) / c->quad->height + 1) / 2 * c->image->height,
+		lod_v3_dot(d, c->quad->normal) };
+}
+
+/* The model's colour under barycentric weights; false where it is cut out. */
+static bool look_up(const struct canvas *c, uint32_t triangle, const double weight[3], uint8_t rgb[3])
+{
+	const struct eco_model *model = c->work->plant->model;
+	uint32_t source = c->work->plant->mesh.source[triangle];
+	const struct eco_material *m = lod_mesh_material(model, model->material[source]);
+	const struct eco_image *image = lod_mesh_image(model, model->material[source]);
+	double uv[2] = { 0, 0 };
+	memcpy(rgb, m->rgb, 3);
+	if (!image || !image->width || !image->height)
+		return true;
+	for (int i = 0; i < 6; i++)
+		uv[i % 2] += weight[i / 2] * (double)model->uv[2 * (size_t)model->index[3 * (size_t)source
+			+ (size_t)(i / 2)] + (size_t)(i % 2)];
+	const uint8_t *texel = lod_texel_at(image, uv[0], uv[1]);
+	for (int k = 0; k < 3; k++)
+		rgb[k] = (uint8_t)(texel[k] * rgb[k] / 255);
+	return !m->cutout || texel[3] >= 128;
+}
+
+static void paint_texel(struct canvas *c, const struct lod_v3 p[3], double area, uint32_t triangle,
+	uint32_t x,
+	uint32_t y)
+{
+	double weight[3], at_x = x + 0.5, at_y = y + 0.5, h = 0;
+	for (int k = 0; k < 3; k++) {
+		const struct lod_v3 *a = &p[(k + 1) % 3], *b = &p[(k + 2) % 3];
+		weight[k] = ((a->x - at_x) * (b->y - at_y) - (b->x - at_x) * (a->y - at_y)) / area;
+		h += weight[k] * p[k].z;
+	}
+	size_t i = (size_t)y * c->image->width + x;
+	uint8_t rgb[3], *to = c->image->rgba + 4 * i;
+	if (weight[0] < 0 || weight[1] < 0 || weight[2] < 0 || (to[3] && !(h > (double)c->front[i]))
+			|| !look_up(c, triangle, weight, rgb))
+		return;
+	c->front[i] = (float)h;
+	memcpy(to, rgb, 3);
+	to[3] = 255;
+}
+
+static void paint_face(struct canvas *c, const struct billboard_face *face)
+{
+	struct lod_v3 p[3] = { flatten(c, face->corner[0]), flatten(c, face->corner[1]), flatten(c,
+		face->corner[2]) };
+	double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y),
+		low_x = fmin(p[0].x, fmin(p[1].x, p[2].x)), low_y = fmin(p[0].y, fmin(p[1].y, p[2].y)),
+		high_x = fmax(p[0].x, fmax(p[1].x, p[2].x)), high_y = fmax(p[0].y, fmax(p[1].y, p[2].y));
+	if (!(fabs(area) > 0))
+		return;
+	for (double y = fmax(0, ceil(low_y - 0.5)); y + 0.5 <= high_y && y < c->image->height; y++)
+		for (double x = fmax(0, ceil(low_x - 0.5)); x + 0.5 <= high_x && x < c->image->width; x++)
+			paint_texel(c, p, area, face->triangle, (uint32_t)x, (uint32_t)y);
+}
+
+/* What the part's billboard number q shows. Adds the area of faces that none holds to *invalid. */
+static enum eco_code bake(struct lod_billboard *item, struct billboard_work *work,
+	const struct billboard_part *part, uint32_t q, uint32_t faces, double *invalid,
+		struct eco_error *error)
+{
+	const struct billboard_fit *fit = &part->fit;
+	const struct lod_billboard_plant *plant = work->plant;
+	struct lod_arena_piece *mark = work->arena->last;
+	struct canvas c = { work, &fit->quads[q], &item->image, NULL };
+	item->center = lod_v3_add(plant->middle, lod_v3_scale(c.quad->center, plant->unit));
+	item->u = lod_v3_scale(c.quad->u, c.quad->width * plant->unit);
+	item->v = lod_v3_scale(c.quad->v, c.quad->height * plant->unit);
+	item->image.width = side_of(c.quad->width);
+	item->image.height = side_of(c.quad->height);
+	size_t texels = (size_t)item->image.width * item->image.height;
+	item->image.rgba = calloc(texels, 4);
+	if (!item->image.rgba)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for textures of billboards");
+	c.front = lod_arena_take(work->arena, texels, sizeof *c.front);
+	for (uint32_t i = 0; i < faces; i++) {
+		const struct billboard_face *face = work->faces[i];
+		uint32_t nearest;
+		double projected;
+		bool valid = billboard_face_judge(face, fit->quads, fit->quad_count, work->epsilon, &nearest,
+			&projected);
+		*invalid += q || valid ? 0 : face->area;
+		if ((valid || !work->options.valid_only) && (fit->form == LOD_BILLBOARD_CROSS
+			|| nearest == q))
+			paint_face(&c, face);
+	}
+	lod_arena_release(work->arena, mark);
+	return ECO_OK;
+}
+
 /* ---- A cloud ---- */
 
 /* The least epsilon of a ladder for which the error holds; it falls as epsilon grows. */
 static void settle(struct billboard_work *work)
 {
-	const struct lod_billboard_options *o = &work->options;
-	double rung[EPSILON_RUNGS] = { EPSILON_FIRST }, most = o->tolerance > TOLERANCE ? o->tolerance
-		: ERROR_MOST;
+	double rung[EPSILON_RUNGS] = { EPSILON_FIRST };
 	uint32_t low = 0, high = EPSILON_RUNGS - 1, last = ECO_NONE;
-	if (o->epsilon > 0 || o->pixels > 0) {
-		billboard_parts_settle(work, o->epsilon > 0 ? o->epsilon : 0.5 / o->pixels);
+	if (work->options.epsilon > 0) {
+		billboard_parts_settle(work, work->options.epsilon);
 		return;
 	}
 	for (uint32_t i = 1; i < EPSILON_RUNGS; i++)
@@ -123,7 +242,7 @@ static void settle(struct billboard_work *work)
 	while (low < high) {
 		last = (low + high) / 2;
 		billboard_parts_settle(work, rung[last]);
-		if (billboard_parts_error(work) <= most)
+		if (billboard_parts_error(work) <= ERROR_MOST)
 			high = last;
 		else
 			low = last + 1;
@@ -132,18 +251,18 @@ static void settle(struct billboard_work *work)
 		billboard_parts_settle(work, rung[low]);
 }
 
-static enum eco_code weigh_textures(struct lod_billboard_cloud *cloud, struct eco_error *error)
+/* Adds the sizes of a billboard's texture. */
+static enum eco_code weigh(struct lod_billboard_cloud *cloud, const struct eco_image *image,
+	struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < cloud->count && !code; i++) {
-		const struct eco_image *image = &cloud->items[i].image;
-		uint8_t *bytes = NULL;
-		size_t size = 0;
-		code = eco_png_encode(&(struct eco_pixels){ image->width, image->height, 4, image->rgba },
-			&bytes, &size, error);
-		free(bytes);
-		cloud->texture_bytes += size;
-	}
+	uint8_t *bytes = NULL;
+	size_t size = 0;
+	enum eco_code code = eco_png_encode(&(struct eco_pixels){ image->width, image->height, 4,
+		image->rgba },
+		&bytes, &size, error);
+	free(bytes);
+	cloud->texture_bytes += size;
+	cloud->texels += (size_t)image->width * image->height;
 	return code;
 }
 
@@ -155,41 +274,39 @@ static enum eco_code bake_all(struct lod_billboard_cloud *cloud, struct billboar
 	cloud->items = calloc((size_t)work->quad_count + 1, sizeof *cloud->items);
 	if (!cloud->items)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u billboards", work->quad_count);
-	cloud->count = work->quad_count;
 	cloud->parts = work->part_count;
 	cloud->error = billboard_parts_error(work);
 	cloud->epsilon = work->epsilon;
-	cloud->splits = work->splits;
-	cloud->merges = work->merges;
-	for (uint32_t i = 0, first = 0; i < work->part_count && !code; i++) {
+	for (uint32_t i = 0; i < work->part_count; i++) {
 		const struct billboard_part *part = &work->parts[i];
-		for (uint32_t q = 0; q < part->fit.quad_count; q++)
-			cloud->items[first + q].part = i;
+		uint32_t faces = billboard_part_faces(work, part->root, work->plant->tree.face_count);
 		cloud->forms[part->fit.form]++;
 		area += part->fit.area;
-		code = billboard_bake(cloud, first, work, part, &invalid, error);
-		first += part->fit.quad_count;
+		for (uint32_t q = 0; q < part->fit.quad_count && !code; q++) {
+			struct lod_billboard *item = &cloud->items[cloud->count++];
+			code = bake(item, work, part, q, faces, &invalid, error);
+			code = code ? code : weigh(cloud, &item->image, error);
+		}
 	}
 	cloud->invalid = area > 0 ? invalid / area : 0;
-	return code ? code : weigh_textures(cloud, error);
+	return code;
 }
 
 enum eco_code lod_billboard_cloud_make(struct lod_billboard_cloud *cloud,
 	const struct lod_billboard_plant *plant, const struct lod_billboard_options *options,
 	struct eco_error *error)
 {
-	const struct lod_billboard_options o = completed(options);
 	struct lod_arena arena = { 0 };
 	struct billboard_work work;
 	memset(cloud, 0, sizeof *cloud);
-	if (!o.cap || !plant->tree.face_count)
+	if (!options->cap || !plant->tree.face_count)
 		return ECO_OK;
 	if (setjmp(arena.failed)) {
 		lod_arena_free(&arena);
 		lod_billboard_cloud_free(cloud);
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a cloud of %u billboards", options->cap);
 	}
-	billboard_work_open(&work, plant, &o, &arena);
+	billboard_work_open(&work, plant, options, &arena);
 	settle(&work);
 	enum eco_code code = bake_all(cloud, &work, error);
 	lod_arena_free(&arena);

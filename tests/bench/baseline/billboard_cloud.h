@@ -1,16 +1,16 @@
 /* Billboard clouds of plants (Kratt, Coconu, Dapper, Schliep, Paar, Deussen 2014: Adaptive Billboard Clouds
- * for Botanical Tree Models).
+ * for Botanical Tree Models). A baseline of ecobench.
  *
- *   lod_billboard_plant_open(&plant, &model, &options, &error)      once a plant: its skeleton and density
+ *   lod_billboard_plant_open(&plant, &model, &error)                once a plant: its skeleton and density
  *   lod_billboard_cloud_make(&cloud, plant, &options, &error)       once a cap: an alternative, no prefix of
  *                                                                   the cloud of another cap
  *   lod_billboard_cloud_draw(&cloud, owner, &raster)
  *   lod_billboard_cloud_free(&cloud); lod_billboard_plant_close(plant);
  *
- * The plant becomes a tree of nodes, found from the mesh alone (billboard_attach.c, billboard_skeleton.c). A
- * part is a piece of that tree, and stands as the billboards of one generator (billboard_fit.c). Parts are
- * kept, split and merged by their error (billboard_quality.c, billboard_cloud.c) and their billboards get
- * textures (billboard_bake.c).
+ * The plant becomes a tree of nodes, found from the mesh alone (3.1; billboard_skeleton.c). A part is a piece
+ * of that tree, and stands as the billboards of one generator (3.3; billboard_fit.c). Parts are kept, split
+ * and merged by their error (3.2, 3.4; billboard_parts.c) and their billboards get textures
+ * (billboard_cloud.c).
  *
  *   valid      a face is valid if each corner lies within epsilon of its nearest billboard
  *   coverage   C = max(0, sum of valid faces' projected areas - sum of invalid ones'), projected on the
@@ -20,10 +20,10 @@
  *   error      sigma (1 - C / area of the faces). The print has quality = sigma C, which would replace
  *              hidden parts last and not, as the text says, first
  *
- * Both planes of a cross show the whole part; of planes and strips the one nearest to a face shows it.
- *
- * Lengths in options are shares of the plant's height, 0 takes the default. Only + - * / sqrt and comparisons
- * decide: every machine makes the same cloud. */
+ * The print gives no sizes: BILLBOARD_ constants in billboard_state.h and the files' own say ours, in shares
+ * of
+ * the plant's height. Both planes of a cross show the whole part; of planes and strips the one nearest to a
+ * face shows it. Only + - * / sqrt and comparisons decide: every machine makes the same cloud. */
 #ifndef TESTS_BENCH_BASELINE_BILLBOARD_CLOUD_H
 #define TESTS_BENCH_BASELINE_BILLBOARD_CLOUD_H
 
@@ -37,18 +37,7 @@ enum lod_billboard_form { LOD_BILLBOARD_CROSS, LOD_BILLBOARD_PLANE, LOD_BILLBOAR
 
 struct lod_billboard_options {
 	uint32_t cap;                /* billboards at most; 0: none are made */
-	double tolerance;            /* a part's error that is accepted: .001 */
-	/* 0: half a pixel, if there are pixels; else the least of a ladder for which the cloud's mean error
-	 * holds the tolerance, or .5 if that is not given */
-	double epsilon;
-	double pixels;               /* the plant's height on the screen: the viewer's distance */
-	double radius;               /* of influence in the density field: .05 */
-	double node;                 /* length of a node of the skeleton: 1/64; of open */
-	double box;                  /* diagonal of the first parts; 0: so that half the cap is used */
-	uint32_t sections;           /* of a strip before some are merged: 4, at most 8 */
-	double bend;                 /* sections merge while the distance from their plane, root mean square,
-	                              * is at most this share of epsilon: .5 */
-	double texel;                /* size of a texel: 1 / pixels, or 1/256 */
+	double epsilon;              /* 0: the least of a ladder for which the cloud's mean error is at most .5 */
 	uint32_t forms;              /* bits 1 << form of the generators that may be used; 0: all */
 	/* Faces that their part's billboards do not hold within epsilon are not drawn. The paper does not say
 	 * what becomes of them: without this they are drawn like the others. */
@@ -57,8 +46,6 @@ struct lod_billboard_options {
 
 struct lod_billboard {
 	struct lod_v3 center, u, v;  /* metres; u, v: half edges, at right angles */
-	uint32_t part;
-	uint8_t form;                /* enum lod_billboard_form */
 	struct eco_image image;      /* row 0 at center - v, column 0 at center - u; alpha is 0 or 255 */
 };
 
@@ -69,13 +56,12 @@ struct lod_billboard_cloud {
 	double invalid;              /* share of the faces' area that no billboard holds within epsilon */
 	double epsilon;              /* share of the height */
 	uint64_t texels, texture_bytes;      /* of the textures as PNG files */
-	uint32_t splits, merges;     /* that were kept */
 };
 
 struct lod_billboard_plant;
 /* ECO_NO_MEMORY, or ECO_OK for any model, also one without triangles. The model must outlive the plant. */
 enum eco_code lod_billboard_plant_open(struct lod_billboard_plant **plant, const struct eco_model *model,
-	const struct lod_billboard_options *options, struct eco_error *error);
+	struct eco_error *error);
 void lod_billboard_plant_close(struct lod_billboard_plant *plant);   /* NULL is fine */
 enum eco_code lod_billboard_cloud_make(struct lod_billboard_cloud *cloud,
 	const struct lod_billboard_plant *plant, const struct lod_billboard_options *options,

@@ -12,19 +12,23 @@
 
 /* ---- One part ---- */
 
+/* The node after this one of what begins at `root`, in preorder: parts that begin farther out are passed
+ * over. */
+static uint32_t next_of(const struct billboard_work *w, uint32_t root, uint32_t node)
+{
+	const struct billboard_tree *tree = &w->plant->tree;
+	for (node++; node < tree->end[root] && w->begins[node] != ECO_NONE;)
+		node = tree->end[node];
+	return node;
+}
+
 uint32_t billboard_part_faces(struct billboard_work *w, uint32_t root, uint32_t most)
 {
 	const struct billboard_tree *tree = &w->plant->tree;
 	uint32_t count = 0;
-	for (uint32_t i = root; i < tree->end[root];) {
-		if (i != root && w->begins[i] != ECO_NONE) {
-			i = tree->end[i];
-			continue;
-		}
+	for (uint32_t i = root; i < tree->end[root]; i = next_of(w, root, i))
 		for (uint32_t f = tree->face_first[i]; f < tree->face_first[i + 1]; f++)
 			w->faces[count++] = &tree->faces[f];
-		i++;
-	}
 	for (uint32_t i = 0; i < most && count > most; i++)
 		w->faces[i] = w->faces[(uint64_t)i * count / most];
 	return count < most ? count : most;
@@ -35,14 +39,9 @@ static void weigh(const struct billboard_work *w, uint32_t root, struct billboar
 {
 	const struct billboard_tree *tree = &w->plant->tree;
 	fit->area = fit->sigma = 0;
-	for (uint32_t i = root; i < tree->end[root];) {
-		if (i != root && w->begins[i] != ECO_NONE) {
-			i = tree->end[i];
-			continue;
-		}
+	for (uint32_t i = root; i < tree->end[root]; i = next_of(w, root, i)) {
 		fit->area += tree->area[i];
 		fit->sigma += tree->area[i] * tree->sigma[i];
-		i++;
 	}
 	fit->sigma = fit->area > 0 ? fit->sigma / fit->area : 0;
 }
@@ -55,12 +54,10 @@ static double loss(const struct billboard_work *w, const struct billboard_fit *f
 static void fit_form(const struct billboard_work *w, struct billboard_fit *fit, uint32_t root, uint32_t faces,
 	uint32_t most)
 {
-	const struct billboard_fit_input input = { w->faces, faces, w->plant->tree.connector[root],
-		w->options.sections, most, w->options.bend * w->epsilon };
-	struct billboard_coverage coverage;
+	const struct billboard_fit_input input = { w->faces, faces, w->plant->tree.connector[root], most,
+		w->epsilon };
 	fit->quad_count = billboard_fit(fit->quads, fit->form, &input);
-	billboard_coverage_of(&coverage, w->faces, faces, fit->quads, fit->quad_count, w->epsilon);
-	fit->error = billboard_error(&coverage, fit->sigma);
+	fit->error = fit->sigma * billboard_uncovered(&input, fit->quads, fit->quad_count);
 }
 
 /* The best billboards, at most `most`, for what begins at `root`, which has faces. */
@@ -97,18 +94,13 @@ static uint32_t find_cut(struct billboard_work *w, uint32_t root)
 	for (uint32_t i = tree->end[root]; --i > root;)
 		if (w->begins[i] == ECO_NONE)
 			w->sum[tree->parent[i]] += w->sum[i];
-	for (uint32_t i = root + 1; i < tree->end[root];) {
-		if (w->begins[i] != ECO_NONE) {
-			i = tree->end[i];
-			continue;
-		}
+	for (uint32_t i = next_of(w, root, root); i < tree->end[root]; i = next_of(w, root, i)) {
 		double less = fmin(w->sum[i], w->sum[root] - w->sum[i]);
 		/* what is left has faces, not only rounding errors */
 		if (less > best_less && less > 1e-9 * w->sum[root]) {
 			best_less = less;
 			best = i;
 		}
-		i++;
 	}
 	return best;
 }
@@ -180,7 +172,6 @@ static void merge(struct billboard_work *w, uint32_t part)
 	}
 	to = to == last ? part : to;
 	set_part(w, to, w->parts[to].root, &fit);
-	w->merges++;
 }
 
 /* As many merges as the cap wants, and others that cost nothing and hold the tolerance. */
@@ -188,7 +179,7 @@ static void merge_down(struct billboard_work *w)
 {
 	for (;;) {
 		bool over = w->quad_count > w->options.cap;
-		uint32_t part = cheapest_merge(w, ECO_NONE, over ? INFINITY : w->options.tolerance);
+		uint32_t part = cheapest_merge(w, ECO_NONE, over ? INFINITY : BILLBOARD_TOLERANCE);
 		if (part == ECO_NONE || (!over && w->parts[part].merge_cost > 0))
 			break;
 		merge(w, part);
@@ -207,7 +198,7 @@ static uint32_t worst_part(const struct billboard_work *w)
 	double most = 0;
 	for (uint32_t i = 0; i < w->part_count; i++) {
 		const struct billboard_fit *fit = &w->parts[i].fit;
-		if (w->parts[i].kept || fit->error <= w->options.tolerance)
+		if (w->parts[i].kept || fit->error <= BILLBOARD_TOLERANCE)
 			continue;
 		if (fit->area * fit->error > most) {
 			most = fit->area * fit->error;
@@ -247,13 +238,11 @@ static void split_or_keep(struct billboard_work *w, uint32_t part)
 	set_part(w, part, root, &fit[0]);
 	w->begins[cut] = w->part_count++;
 	set_part(w, w->begins[cut], cut, &fit[1]);
-	w->splits++;
 }
 
 /* ---- The first parts ---- */
 
 struct box { struct lod_v3 low, high; };
-static const struct box nothing = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
 
 static struct box joined(struct box a, struct box b)
 {
@@ -263,10 +252,11 @@ static struct box joined(struct box a, struct box b)
 
 static struct box own_box(const struct billboard_tree *tree, uint32_t node)
 {
-	struct box box = nothing;
-	for (uint32_t f = tree->face_first[node]; f < tree->face_first[node + 1]; f++)
-		for (int k = 0; k < 3; k++)
-			box = joined(box, (struct box){ tree->faces[f].corner[k], tree->faces[f].corner[k] });
+	struct box box = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
+	for (uint32_t i = 3 * tree->face_first[node]; i < 3 * tree->face_first[node + 1]; i++) {
+		struct lod_v3 p = tree->faces[i / 3].corner[i % 3];
+		box = joined(box, (struct box){ p, p });
+	}
 	return box;
 }
 
@@ -277,8 +267,7 @@ static uint32_t begin(struct billboard_work *w, const struct box *own, struct bo
 	const struct billboard_tree *tree = &w->plant->tree;
 	uint32_t count = 1, first = ECO_NONE;
 	memcpy(hangs, own, tree->count * sizeof *hangs);
-	for (uint32_t i = 0; i < tree->count; i++)
-		w->begins[i] = ECO_NONE;
+	memset(w->begins, 0xff, tree->count * sizeof *w->begins);        /* ECO_NONE */
 	for (uint32_t i = tree->count; --i > 0;) {
 		struct box *to = &hangs[tree->parent[i]], both = joined(*to, hangs[i]);
 		if (hangs[i].low.x > hangs[i].high.x)
@@ -306,18 +295,15 @@ static uint32_t begin_all(struct billboard_work *w)
 	struct lod_arena_piece *mark = w->arena->last;
 	struct box *own = lod_arena_take(w->arena, tree->count, sizeof *own),
 		*hangs = lod_arena_take(w->arena, tree->count, sizeof *hangs);
-	double low = 0, high = 64, most = w->options.box;
+	double low = 0, high = 64;
 	uint32_t wanted = w->options.cap / 2 > 1 ? w->options.cap / 2 : 1;
 	for (uint32_t i = 0; i < tree->count; i++)
 		own[i] = own_box(tree, i);
-	for (int step = 0; step < SEARCH_STEPS && !(w->options.box > 0); step++) {
-		most = (low + high) / 2;
-		if (begin(w, own, hangs, most) > wanted)
-			low = most;
-		else
-			high = most;
+	for (int step = 0; step < SEARCH_STEPS; step++) {
+		double middle = (low + high) / 2;
+		*(begin(w, own, hangs, middle) > wanted ? &low : &high) = middle;
 	}
-	uint32_t count = begin(w, own, hangs, w->options.box > 0 ? most : high);
+	uint32_t count = begin(w, own, hangs, high);
 	lod_arena_release(w->arena, mark);
 	return count;
 }
@@ -331,6 +317,7 @@ void billboard_work_open(struct billboard_work *w, const struct lod_billboard_pl
 		.faces = lod_arena_take(arena, tree->face_count, sizeof *w->faces),
 		.sum = lod_arena_take(arena, tree->count, sizeof *w->sum) };
 	w->parts = lod_arena_take(arena, (size_t)begin_all(w) + options->cap + 1, sizeof *w->parts);
+	w->options.forms = options->forms ? options->forms : (1u << LOD_BILLBOARD_FORMS) - 1;
 }
 
 void billboard_parts_settle(struct billboard_work *w, double epsilon)
@@ -341,7 +328,7 @@ void billboard_parts_settle(struct billboard_work *w, double epsilon)
 		weight += tree->area[i] * tree->sigma[i];
 	w->epsilon = epsilon;
 	w->price = PRICE * weight / w->options.cap;
-	w->part_count = w->quad_count = w->splits = w->merges = 0;
+	w->part_count = w->quad_count = 0;
 	begin_all(w);
 	for (uint32_t i = 0; i < tree->count; i++)
 		if (w->begins[i] != ECO_NONE)

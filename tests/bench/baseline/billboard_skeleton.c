@@ -1,25 +1,236 @@
-/* Nodes of the skeleton: the level sets of the distance along the surface from where a component hangs (Kratt
- * 2014, 3.1: extruded elements become chains of graph nodes). A tube becomes a chain of rings, one that forks
- * becomes a chain that forks; what is shorter than a node, such as a leaf, is one node. */
-#include <math.h>
-
+/* The skeleton (Kratt 2014, 3.1): extruded elements become chains of graph nodes, chains are connected at
+ * points
+ * of overlap. It becomes a binary tree in preorder, with its faces. */
+#include "ecofiles/base/status.h"
 #include "ecofiles/base/union.h"
-#include "lod/sort.h"
+#include "lod/heap.h"
 #include "tests/bench/baseline/billboard_state.h"
 
+#define NODE (1.0 / 64)              /* length of a node */
+#define CELL_FIRST (1.0 / 128)
+#define TRUNK_BELOW 0.05             /* the trunk begins this near the ground */
+#define SURPASSES 2.0                /* extent of a component that looks around a cell again */
+#define NEAR_MOST 8u                 /* half cells between points of neighbouring cells, more than that */
+
 struct skeleton {
-	struct billboard_nodes *nodes;
 	const struct lod_mesh *mesh;
 	struct lod_arena *arena;
-	double length;
-	const struct billboard_link *link;
-	uint32_t *around_first, *around;     /* triangles at a vertex */
+	double *extent;              /* per component */
+	/* how a component hangs on the one that bears it: a corner (3 * triangle + k) of each; ECO_NONE: a
+	 * root */
+	struct link { uint32_t parent, own; } *link;
+	struct lod_heap_item *heap;
+	uint32_t heap_count;
+	/* nodes of chains; a parent is smaller than the node's own number, ECO_NONE for node 0 */
+	uint32_t count, *parent, *of;        /* of: per triangle */
+	struct lod_v3 *connector;            /* where it meets its parent */
+	uint32_t *around_first, *around;     /* corners at a vertex */
 	double *distance;            /* per vertex, of the component at hand */
 	uint32_t *stamp;             /* per vertex: 1 + the component that `distance` is of */
 	uint32_t *level, *set;       /* per triangle: its level; union-find over those that are one node */
-	struct lod_heap_item *heap;
-	uint32_t heap_count;
 };
+
+static void *take(struct skeleton *s, size_t count, size_t size) { return lod_arena_take(s->arena, count,
+	size); }
+
+/* The heap has room for another item. */
+static void push(struct skeleton *s, double key, uint32_t id)
+{
+	uint32_t at = s->heap_count++;
+	s->heap[at] = (struct lod_heap_item){ key, id };
+	for (; at > 0 && lod_heap_before(s->heap[at], s->heap[(at - 1) / 2]); at = (at - 1) / 2) {
+		struct lod_heap_item item = s->heap[at];
+		s->heap[at] = s->heap[(at - 1) / 2];
+		s->heap[(at - 1) / 2] = item;
+	}
+}
+
+static uint32_t pop(struct skeleton *s)
+{
+	uint32_t id = s->heap[0].id;
+	s->heap[0] = s->heap[--s->heap_count];
+	lod_heap_sift(s->heap, s->heap_count, 0);
+	return id;
+}
+
+/* Items i with key[i] = k are list[first[k] .. first[k + 1]), for k < n; others are left out. Returns first.
+ * */
+static uint32_t *list_by(struct skeleton *s, const uint32_t *key, uint32_t count, uint32_t n, uint32_t **list)
+{
+	uint32_t *first = take(s, (size_t)n + 2, sizeof *first);
+	*list = take(s, count, sizeof **list);
+	for (uint32_t i = 0; i < count; i++)
+		if (key[i] < n)
+			first[key[i] + 2]++;
+	for (uint32_t k = 0; k < n; k++)
+		first[k + 2] += first[k + 1];
+	for (uint32_t i = 0; i < count; i++)
+		if (key[i] < n)
+			(*list)[first[key[i] + 1]++] = i;
+	return first;
+}
+
+static struct lod_v3 corner_at(const struct skeleton *s, uint32_t corner)
+{
+	return lod_mesh_corner(s->mesh, corner / 3, corner % 3);
+}
+
+/* ---- The tree of components ----
+ *
+ * Prim's algorithm on corners in cells: from the trunk upwards each component hangs on the nearest that hangs
+ * already. Of each component one corner a cell stands for all that it has there; a component that is taken
+ * looks for others in the cells around its own. What none has reached is looked for in cells twice as wide,
+ * and
+ * so on. A cell is looked around again only for a much larger component, so the work is linear in corners.
+ * Nearness counts in half cells, and among the equally near the largest bears: a leaf hangs on its twig and
+ * not
+ * on the leaf beside it. */
+
+struct attach {
+	struct skeleton *s;
+	bool *taken;
+	uint32_t *near, *bearer;     /* half cells away, and by which component, of what is not taken */
+	double side;                 /* of cells */
+	struct lod_keyed *cells;     /* by key; value: the first rep */
+	uint32_t cell_count, rep_count;
+	uint32_t *corner, *component, *cell;         /* of reps, by cell */
+	uint32_t *own_first, *own;   /* reps by component */
+	double *seen;                /* per cell: extent of what looked around it */
+};
+
+/* Extents; returns the largest component that begins near the ground, with its lowest corner. */
+static uint32_t find_trunk(struct skeleton *s, uint32_t *corner)
+{
+	const struct lod_mesh *mesh = s->mesh;
+	uint32_t best = 0;
+	double best_extent = -1;
+	for (uint32_t c = 0; c < mesh->component_count; c++) {
+		struct lod_v3 low = { 1e9, 1e9, 1e9 }, high = { -1e9, -1e9, -1e9 };
+		uint32_t lowest = ECO_NONE;
+		for (uint32_t i = 3 * mesh->member_first[c]; i < 3 * mesh->member_first[c + 1]; i++) {
+			uint32_t at = 3 * mesh->member[i / 3] + i % 3;
+			struct lod_v3 p = corner_at(s, at);
+			lowest = p.z < low.z ? at : lowest;
+			low = (struct lod_v3){ fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z) };
+			high = (struct lod_v3){ fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z) };
+		}
+		s->extent[c] = lod_v3_distance(low, high);
+		if (low.z <= (double)mesh->low[2] + TRUNK_BELOW && s->extent[c] > best_extent) {
+			best = c;
+			best_extent = s->extent[c];
+			*corner = lowest;
+		}
+	}
+	return best;
+}
+
+static void make_level(struct attach *a, double side)
+{
+	struct skeleton *s = a->s;
+	const struct lod_mesh *mesh = s->mesh;
+	uint32_t n = 3 * mesh->triangle_count;
+	struct lod_keyed *items = take(s, n, sizeof *items);
+	a->side = side;
+	a->cells = take(s, (size_t)n + 1, sizeof *a->cells);
+	a->seen = take(s, n, sizeof *a->seen);
+	a->corner = take(s, n, sizeof *a->corner);
+	a->component = take(s, n, sizeof *a->component);
+	a->cell = take(s, n, sizeof *a->cell);
+	/* in the order of components, which the sort keeps within a cell */
+	for (uint32_t i = 0; i < n; i++) {
+		uint32_t corner = 3 * mesh->member[i / 3] + i % 3;
+		items[i] = (struct lod_keyed){ billboard_cell(corner_at(s, corner), side, 0, 0, 0), corner };
+	}
+	lod_sort(s->arena, items, n);
+	a->rep_count = a->cell_count = 0;
+	for (uint32_t i = 0; i < n; i++) {
+		uint32_t component = mesh->component[items[i].value / 3];
+		bool new_cell = i == 0 || items[i].key != items[i - 1].key;
+		if (new_cell) {
+			a->seen[a->cell_count] = -1;
+			a->cells[a->cell_count++] = (struct lod_keyed){ items[i].key, a->rep_count };
+		}
+		if (!new_cell && a->component[a->rep_count - 1] == component)
+			continue;
+		a->corner[a->rep_count] = items[i].value;
+		a->component[a->rep_count] = component;
+		a->cell[a->rep_count++] = a->cell_count - 1;
+	}
+	a->cells[a->cell_count].value = a->rep_count;
+	a->own_first = list_by(s, a->component, a->rep_count, mesh->component_count, &a->own);
+	s->heap_count = 0;
+	s->heap = take(s, NEAR_MOST * (size_t)mesh->component_count, sizeof *s->heap);
+	for (uint32_t c = 0; c < mesh->component_count; c++)
+		a->near[c] = ECO_NONE;
+}
+
+static void offer(struct attach *a, uint32_t from, uint32_t to)
+{
+	uint32_t c = a->component[to], bearer = a->component[from],
+		near = (uint32_t)(2 * lod_v3_distance(corner_at(a->s, a->corner[from]),
+		corner_at(a->s, a->corner[to])) / a->side);
+	const double *extent = a->s->extent;
+	if (a->taken[c] || near > a->near[c] || (near == a->near[c]
+		&& !(extent[bearer] > extent[a->bearer[c]])))
+		return;
+	if (near < a->near[c])               /* extents stay below 64 */
+		push(a->s, -64.0 * near + extent[c], c);
+	a->near[c] = near;
+	a->bearer[c] = bearer;
+	a->s->link[c] = (struct link){ a->corner[from], a->corner[to] };
+}
+
+static void expand(struct attach *a, uint32_t component)
+{
+	double extent = a->s->extent[component];
+	for (uint32_t k = a->own_first[component]; k < a->own_first[component + 1]; k++) {
+		uint32_t from = a->own[k];
+		struct lod_v3 at = corner_at(a->s, a->corner[from]);
+		if (extent <= SURPASSES * a->seen[a->cell[from]])
+			continue;
+		a->seen[a->cell[from]] = extent;
+		for (int i = 0; i < 27; i++) {
+			uint64_t key = billboard_cell(at, a->side, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+			uint32_t cell = billboard_find(a->cells, a->cell_count, key);
+			if (cell == a->cell_count || a->cells[cell].key != key)
+				continue;
+			for (uint32_t to = a->cells[cell].value; to < a->cells[cell + 1].value; to++)
+				offer(a, from, to);
+		}
+	}
+}
+
+/* Fills `order` with all components, each after the one that bears it, and links. */
+static void attach_all(struct skeleton *s, uint32_t *order)
+{
+	uint32_t n = s->mesh->component_count, count = 1, lowest = 0, trunk = find_trunk(s, &lowest);
+	struct attach a = { .s = s, .taken = take(s, n, sizeof *a.taken), .near = take(s, n, sizeof *a.near),
+		.bearer = take(s, n, sizeof *a.bearer) };
+	s->link[trunk] = (struct link){ ECO_NONE, lowest };
+	a.taken[trunk] = true;
+	order[0] = trunk;
+	for (double side = CELL_FIRST; count < n; side *= 2) {
+		struct lod_arena_piece *mark = s->arena->last;
+		make_level(&a, side);
+		for (uint32_t i = 0; i < count; i++)
+			expand(&a, order[i]);
+		while (s->heap_count > 0) {
+			uint32_t c = pop(s);
+			if (a.taken[c])
+				continue;
+			a.taken[c] = true;
+			order[count++] = c;
+			expand(&a, c);
+		}
+		lod_arena_release(s->arena, mark);
+	}
+}
+
+/* ---- Nodes: level sets of the distance along the surface from where a component hangs ----
+ *
+ * A tube becomes a chain of rings, one that forks becomes a chain that forks. A component that is shorter
+ * than two
+ * nodes, such as a leaf, is one node. */
 
 static uint32_t vertex_of(const struct skeleton *s, uint32_t triangle, uint32_t k)
 {
@@ -31,29 +242,13 @@ static struct lod_v3 place_of(const struct skeleton *s, uint32_t vertex)
 	return lod_v3_of(s->mesh->place + 3 * (size_t)vertex);
 }
 
-static void list_around(struct skeleton *s)
-{
-	const struct lod_mesh *mesh = s->mesh;
-	size_t n = 3 * (size_t)mesh->triangle_count;
-	s->around_first = lod_arena_take(s->arena, (size_t)mesh->vertex_count + 2, sizeof *s->around_first);
-	s->around = lod_arena_take(s->arena, n, sizeof *s->around);
-	for (size_t i = 0; i < n; i++)
-		s->around_first[mesh->index[i] + 2]++;
-	for (uint32_t v = 0; v < mesh->vertex_count; v++)
-		s->around_first[v + 2] += s->around_first[v + 1];
-	for (size_t i = 0; i < n; i++)
-		s->around[s->around_first[mesh->index[i] + 1]++] = (uint32_t)(i / 3);
-}
-
-/* ---- Distances along the surface ---- */
-
 static void reach(struct skeleton *s, uint32_t component, uint32_t vertex, double distance)
 {
 	if (s->stamp[vertex] == component + 1 && s->distance[vertex] <= distance)
 		return;
 	s->stamp[vertex] = component + 1;
 	s->distance[vertex] = distance;
-	billboard_heap_push(s->heap, &s->heap_count, -distance, vertex);
+	push(s, -distance, vertex);
 }
 
 /* Dijkstra over edges. */
@@ -63,19 +258,16 @@ static void measure(struct skeleton *s, uint32_t component, uint32_t from)
 	reach(s, component, from, 0);
 	while (s->heap_count > 0) {
 		double at = -s->heap[0].key;
-		uint32_t v = billboard_heap_pop(s->heap, &s->heap_count);
-		if (at > s->distance[v])
-			continue;
-		for (uint32_t i = s->around_first[v]; i < s->around_first[v + 1]; i++)
-			for (uint32_t k = 0; k < 3 && s->mesh->component[s->around[i]] == component; k++) {
-				uint32_t to = vertex_of(s, s->around[i], k);
+		uint32_t v = pop(s);
+		for (uint32_t i = s->around_first[v]; i < s->around_first[v + 1] && at <= s->distance[v]; i++)
+			for (uint32_t k = 0; k < 3 && s->mesh->component[s->around[i]
+				/ 3] == component; k++) {
+				uint32_t to = vertex_of(s, s->around[i] / 3, k);
 				reach(s, component, to,
 					at + lod_v3_distance(place_of(s, v), place_of(s, to)));
 			}
 	}
 }
-
-/* ---- Levels ---- */
 
 static double nearest(const struct skeleton *s, uint32_t triangle)
 {
@@ -83,62 +275,54 @@ static double nearest(const struct skeleton *s, uint32_t triangle)
 		s->distance[vertex_of(s, triangle, 2)]));
 }
 
-/* Triangles of one level that share a vertex are of one node. */
-static void join_levels(struct skeleton *s, uint32_t component)
+/* A triangle at the vertex in the component, of the level (`lower`: of a lower one and of a node before
+ * `node`);
+ * ECO_NONE if there is none. */
+static uint32_t neighbour(const struct skeleton *s, uint32_t vertex, uint32_t triangle, bool lower,
+	uint32_t node)
 {
-	const struct lod_mesh *mesh = s->mesh;
-	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++) {
-		uint32_t t = mesh->member[i];
-		s->level[t] = (uint32_t)(nearest(s, t) / s->length);
-		s->set[t] = t;
+	for (uint32_t j = s->around_first[vertex]; j < s->around_first[vertex + 1]; j++) {
+		uint32_t other = s->around[j] / 3;
+		if (s->mesh->component[other] == s->mesh->component[triangle] && (lower
+				? s->level[other] < s->level[triangle] && s->of[other] < node
+				: s->level[other] == s->level[triangle]))
+			return other;
 	}
-	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++)
-		for (uint32_t k = 0; k < 3; k++) {
-			uint32_t t = mesh->member[i], v = vertex_of(s, t, k);
-			for (uint32_t j = s->around_first[v]; j < s->around_first[v + 1]; j++) {
-				uint32_t other = s->around[j];
-				if (mesh->component[other] != component || s->level[other] != s->level[t])
-					continue;
-				eco_union_join(s->set, t, other);      /* the first: all join that one */
-				break;
-			}
-		}
+	return ECO_NONE;
 }
 
-static uint32_t number_sets(struct skeleton *s, uint32_t component, struct lod_keyed *slices)
+/* Triangles of one level that share a vertex are of one node. Nodes are numbered by their distance. */
+static void make_nodes(struct skeleton *s, uint32_t component)
 {
 	const struct lod_mesh *mesh = s->mesh;
-	uint32_t count = 0;
-	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++) {
-		uint32_t t = mesh->member[i], root = eco_union_root(s->set, t);
-		double d = nearest(s, t);
+	const uint32_t *member = mesh->member + mesh->member_first[component];
+	uint32_t members = mesh->member_first[component + 1] - mesh->member_first[component], count = 0;
+	struct lod_arena_piece *mark = s->arena->last;
+	struct lod_keyed *slices = take(s, members, sizeof *slices);
+	for (uint32_t i = 0; i < members; i++) {
+		s->level[member[i]] = (uint32_t)(nearest(s, member[i]) / NODE);
+		s->set[member[i]] = member[i];
+	}
+	for (uint32_t i = 0; i < 3 * members; i++) {     /* the first at a vertex: all join that one */
+		uint32_t t = member[i / 3], other = neighbour(s, vertex_of(s, t, i % 3), t, false, 0);
+		eco_union_join(s->set, t, other);
+	}
+	for (uint32_t i = 0; i < members; i++) {         /* roots are the first of their sets */
+		uint32_t t = member[i], root = eco_union_root(s->set, t);
+		uint64_t key = lod_sort_key(nearest(s, t));
 		if (root == t) {
-			s->nodes->of[t] = count;
-			slices[count++] = (struct lod_keyed){ lod_sort_key(d), t };
+			s->of[t] = count;
+			slices[count++] = (struct lod_keyed){ key, t };
 		}
-		/* roots are the first of their sets */
-		struct lod_keyed *slice = &slices[s->nodes->of[root]];
-		uint64_t key = lod_sort_key(d);
+		struct lod_keyed *slice = &slices[s->of[root]];
 		slice->key = key < slice->key ? key : slice->key;
 	}
-	return count;
-}
-
-static void name_nodes(struct skeleton *s, uint32_t component, uint32_t first)
-{
-	const struct lod_mesh *mesh = s->mesh;
-	uint32_t members = mesh->member_first[component + 1] - mesh->member_first[component];
-	struct lod_arena_piece *mark = s->arena->last;
-	struct lod_keyed *slices = lod_arena_take(s->arena, members, sizeof *slices);
-	uint32_t count = number_sets(s, component, slices);
 	lod_sort(s->arena, slices, count);
 	for (uint32_t i = 0; i < count; i++)
-		s->nodes->of[slices[i].value] = first + i;
-	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++) {
-		uint32_t t = mesh->member[i];
-		s->nodes->of[t] = s->nodes->of[eco_union_root(s->set, t)];
-	}
-	s->nodes->count = first + count;
+		s->of[slices[i].value] = s->count + i;
+	for (uint32_t i = 0; i < members; i++)
+		s->of[member[i]] = s->of[eco_union_root(s->set, member[i])];
+	s->count += count;
 	lod_arena_release(s->arena, mark);
 }
 
@@ -147,93 +331,216 @@ static void name_nodes(struct skeleton *s, uint32_t component, uint32_t first)
 static void link_nodes(struct skeleton *s, uint32_t component, uint32_t first)
 {
 	const struct lod_mesh *mesh = s->mesh;
-	struct billboard_nodes *nodes = s->nodes;
 	struct lod_arena_piece *mark = s->arena->last;
-	uint32_t *shared = lod_arena_take(s->arena, nodes->count - first, sizeof *shared);
-	for (uint32_t n = first + 1; n < nodes->count; n++)
-		nodes->parent[n] = first;
-	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++)
-		for (uint32_t k = 0; k < 3; k++) {
-			uint32_t t = mesh->member[i], v = vertex_of(s, t, k), n = nodes->of[t],
-				below = ECO_NONE;
-			for (uint32_t j = s->around_first[v]; j < s->around_first[v + 1] && n > first; j++) {
-				uint32_t other = s->around[j];
-				if (mesh->component[other] == component && s->level[other] < s->level[t]
-						&& nodes->of[other] < n) {
-					below = nodes->of[other];
-					break;
-				}
-			}
-			if (below == ECO_NONE)
-				continue;
-			if (!shared[n - first]++)
-				nodes->parent[n] = below;
-			nodes->connector[n] = lod_v3_add(nodes->connector[n], place_of(s, v));
-		}
-	for (uint32_t n = first + 1; n < nodes->count; n++)
-		if (shared[n - first])
-			nodes->connector[n] = lod_v3_scale(nodes->connector[n], 1.0 / shared[n - first]);
-		else
-			nodes->connector[n] = nodes->connector[first];
+	uint32_t *shared = take(s, s->count - first, sizeof *shared);
+	for (uint32_t n = first + 1; n < s->count; n++)
+		s->parent[n] = first;
+	for (uint32_t i = 3 * mesh->member_first[component]; i < 3 * mesh->member_first[component + 1]; i++) {
+		uint32_t t = mesh->member[i / 3], v = vertex_of(s, t, i % 3), n = s->of[t],
+			below = n > first ? neighbour(s, v, t, true, n) : ECO_NONE;
+		if (below == ECO_NONE)
+			continue;
+		if (!shared[n - first]++)
+			s->parent[n] = s->of[below];
+		s->connector[n] = lod_v3_add(s->connector[n], place_of(s, v));
+	}
+	for (uint32_t n = first + 1; n < s->count; n++)
+		s->connector[n] = shared[n - first] ? lod_v3_scale(s->connector[n], 1.0 / shared[n - first])
+			: s->connector[first];
 	lod_arena_release(s->arena, mark);
-}
-
-/* ---- Components ---- */
-
-static double extent_of(const struct skeleton *s, uint32_t component)
-{
-	const struct lod_mesh *mesh = s->mesh;
-	struct lod_v3 low = { 1e9, 1e9, 1e9 }, high = { -1e9, -1e9, -1e9 };
-	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++)
-		for (uint32_t k = 0; k < 3; k++) {
-			struct lod_v3 p = place_of(s, vertex_of(s, mesh->member[i], k));
-			low = (struct lod_v3){ fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z) };
-			high = (struct lod_v3){ fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z) };
-		}
-	return lod_v3_distance(low, high);
 }
 
 static void add_component(struct skeleton *s, uint32_t component)
 {
 	const struct lod_mesh *mesh = s->mesh;
-	struct billboard_nodes *nodes = s->nodes;
-	const struct billboard_link *link = &s->link[component];
-	uint32_t first = nodes->count, own = mesh->index[link->own];
-	nodes->parent[first] = link->parent == ECO_NONE ? ECO_NONE : nodes->of[link->parent / 3];
-	nodes->connector[first] = place_of(s, own);
-	if (extent_of(s, component) > 2 * s->length) {
+	const struct link *link = &s->link[component];
+	uint32_t first = s->count, own = mesh->index[link->own];
+	s->parent[first] = link->parent == ECO_NONE ? ECO_NONE : s->of[link->parent / 3];
+	s->connector[first] = place_of(s, own);
+	if (s->extent[component] > 2 * NODE) {
 		measure(s, component, own);
-		join_levels(s, component);
-		name_nodes(s, component, first);
+		make_nodes(s, component);
 		link_nodes(s, component, first);
 		return;
 	}
 	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++)
-		nodes->of[mesh->member[i]] = first;
-	nodes->count++;
+		s->of[mesh->member[i]] = first;
+	s->count++;
 }
 
-void billboard_nodes_make(struct billboard_nodes *nodes, const struct lod_mesh *mesh, double length,
-	struct lod_arena *arena)
+/* ---- The binary tree ----
+ *
+ * Siblings are halved by the median of their middles along the axis in which these are widest, with a node
+ * without faces for each half: so a bough with a hundred leaves can be cut evenly. */
+
+struct growth {
+	struct skeleton *s;
+	struct billboard_tree *tree;
+	struct shape { struct lod_v3 center; double area; } *below;  /* per node of the skeleton: all that hangs on it */
+	uint32_t *child_first, *child;
+	uint32_t *place;             /* node of the skeleton -> node of the tree */
+	/* what is still to be placed: children [first, first + count) under a node of the tree, or with `own`
+	 * under a new one */
+	struct span { uint32_t first, count, parent; bool own; } *spans;
+	uint32_t span_count;
+};
+
+static void measure_below(struct growth *g)
 {
-	uint32_t n = mesh->component_count, most = mesh->triangle_count;
-	struct skeleton s = { .nodes = nodes, .mesh = mesh, .arena = arena, .length = length };
-	*nodes = (struct billboard_nodes){ .parent = lod_arena_take(arena, most, sizeof *nodes->parent),
-		.connector = lod_arena_take(arena, most, sizeof *nodes->connector),
-		.of = lod_arena_take(arena, most, sizeof *nodes->of) };
+	struct skeleton *s = g->s;
+	for (uint32_t t = 0; t < s->mesh->triangle_count; t++) {
+		struct shape *shape = &g->below[s->of[t]];
+		double area = lod_v3_length(lod_mesh_area_normal(s->mesh, t));
+		for (uint32_t k = 0; k < 3; k++)
+			shape->center = lod_v3_add(shape->center,
+				lod_v3_scale(lod_mesh_corner(s->mesh, t, k), area / 3));
+		shape->area += area;
+	}
+	for (uint32_t i = s->count; i-- > 1;) {
+		struct shape *to = &g->below[s->parent[i]];
+		to->center = lod_v3_add(to->center, g->below[i].center);
+		to->area += g->below[i].area;
+	}
+	for (uint32_t i = 0; i < s->count; i++)
+		g->below[i].center = g->below[i].area > 0 ? lod_v3_scale(g->below[i].center,
+			1 / g->below[i].area) : s->connector[i];
+}
+
+/* Sorts siblings along their widest axis. */
+static void sort_span(struct growth *g, const struct span *span)
+{
+	double low[3] = { 1e9, 1e9, 1e9 }, high[3] = { -1e9, -1e9, -1e9 };
+	struct lod_arena_piece *mark = g->s->arena->last;
+	struct lod_keyed *items = take(g->s, span->count, sizeof *items);
+	uint32_t *child = g->child + span->first;
+	int axis = 0;
+	for (int k = 0; k < 3; k++) {
+		for (uint32_t i = 0; i < span->count; i++) {
+			low[k] = fmin(low[k], lod_v3_axis(g->below[child[i]].center, k));
+			high[k] = fmax(high[k], lod_v3_axis(g->below[child[i]].center, k));
+		}
+		axis = high[k] - low[k] > high[axis] - low[axis] ? k : axis;
+	}
+	for (uint32_t i = 0; i < span->count; i++)
+		items[i] = (struct lod_keyed){ lod_sort_key(lod_v3_axis(g->below[child[i]].center, axis)),
+			child[i] };
+	lod_sort(g->s->arena, items, span->count);
+	for (uint32_t i = 0; i < span->count; i++)
+		child[i] = items[i].value;
+	lod_arena_release(g->s->arena, mark);
+}
+
+static uint32_t new_node(struct growth *g, uint32_t parent, struct lod_v3 connector)
+{
+	uint32_t node = g->tree->count++;
+	g->tree->parent[node] = parent;
+	g->tree->connector[node] = connector;
+	return node;
+}
+
+static void place_node(struct growth *g, uint32_t node, uint32_t parent)
+{
+	uint32_t count = g->child_first[node + 1] - g->child_first[node];
+	g->place[node] = new_node(g, parent, g->s->connector[node]);
+	if (count > 0)
+		g->spans[g->span_count++] = (struct span){ g->child_first[node], count, g->place[node],
+			false };
+}
+
+static void place_all(struct growth *g)
+{
+	struct billboard_tree *tree = g->tree;
+	place_node(g, 0, ECO_NONE);
+	while (g->span_count > 0) {
+		struct span span = g->spans[--g->span_count];
+		if (span.own)
+			span.parent = new_node(g, span.parent, tree->connector[span.parent]);
+		if (span.count == 1) {
+			place_node(g, g->child[span.first], span.parent);
+			continue;
+		}
+		if (span.count > 2)
+			sort_span(g, &span);
+		uint32_t half = span.count / 2, rest = span.count - half;
+		g->spans[g->span_count++] = (struct span){ span.first + half, rest, span.parent, rest > 1 };
+		g->spans[g->span_count++] = (struct span){ span.first, half, span.parent, half > 1 };
+	}
+	for (uint32_t i = tree->count; i-- > 0;) {
+		tree->end[i] = tree->end[i] > i + 1 ? tree->end[i] : i + 1;
+		if (i > 0 && tree->end[tree->parent[i]] < tree->end[i])
+			tree->end[tree->parent[i]] = tree->end[i];
+	}
+}
+
+static void sort_faces(struct growth *g)
+{
+	const struct lod_mesh *mesh = g->s->mesh;
+	struct billboard_tree *tree = g->tree;
+	uint32_t n = mesh->triangle_count, node = 0;
+	struct lod_keyed *items = take(g->s, n, sizeof *items);
+	for (uint32_t t = 0; t < n; t++)
+		items[t] = (struct lod_keyed){ g->place[g->s->of[t]], t };
+	lod_sort(g->s->arena, items, n);
+	for (uint32_t i = 0; i < n; i++) {
+		struct billboard_face *face = &tree->faces[tree->face_count];
+		struct lod_v3 normal = lod_mesh_area_normal(mesh, items[i].value);
+		*face = (struct billboard_face){ .normal = lod_v3_unit(normal), .area = lod_v3_length(normal),
+			.triangle = items[i].value };
+		if (!(face->area > 0))
+			continue;
+		while (node < items[i].key)
+			tree->face_first[++node] = tree->face_count;
+		tree->area[node] += face->area;
+		for (uint32_t k = 0; k < 3; k++) {
+			face->corner[k] = lod_mesh_corner(mesh, face->triangle, k);
+			tree->center[node] = lod_v3_add(tree->center[node],
+				lod_v3_scale(face->corner[k], face->area / 3));
+		}
+		tree->face_count++;
+	}
+	while (node < tree->count)
+		tree->face_first[++node] = tree->face_count;
+	for (uint32_t i = 0; i < tree->count; i++)
+		if (tree->area[i] > 0)
+			tree->center[i] = lod_v3_scale(tree->center[i], 1 / tree->area[i]);
+}
+
+void billboard_tree_make(struct billboard_tree *tree, const struct lod_mesh *mesh, struct lod_arena *arena)
+{
+	uint32_t n = mesh->component_count, most = mesh->triangle_count, room = 2 * most + 1;
+	struct skeleton s = { .mesh = mesh, .arena = arena };
+	*tree = (struct billboard_tree){ .parent = take(&s, room, sizeof *tree->parent),
+		.end = take(&s, room, sizeof *tree->end),
+		.face_first = take(&s, (size_t)room + 1, sizeof *tree->face_first),
+		.connector = take(&s, room, sizeof *tree->connector), .center = take(&s, room,
+			sizeof *tree->center),
+		.area = take(&s, room, sizeof *tree->area), .sigma = take(&s, room, sizeof *tree->sigma),
+		.faces = take(&s, most, sizeof *tree->faces) };
+	if (!n)
+		return;
 	struct lod_arena_piece *mark = arena->last;
-	struct billboard_link *link = lod_arena_take(arena, n, sizeof *link);
-	uint32_t *order = lod_arena_take(arena, n, sizeof *order);
-	billboard_attach(mesh, link, order, arena);
-	s.link = link;
-	s.distance = lod_arena_take(arena, mesh->vertex_count, sizeof *s.distance);
-	s.stamp = lod_arena_take(arena, mesh->vertex_count, sizeof *s.stamp);
-	s.level = lod_arena_take(arena, most, sizeof *s.level);
-	s.set = lod_arena_take(arena, most, sizeof *s.set);
-	/* each edge pushes at most once from each triangle and end */
-	s.heap = lod_arena_take(arena, 9 * (size_t)most + 1, sizeof *s.heap);
-	list_around(&s);
+	uint32_t *order = take(&s, n, sizeof *order);
+	s.extent = take(&s, n, sizeof *s.extent);
+	s.link = take(&s, n, sizeof *s.link);
+	attach_all(&s, order);
+	s.parent = take(&s, most, sizeof *s.parent);
+	s.of = take(&s, most, sizeof *s.of);
+	s.connector = take(&s, most, sizeof *s.connector);
+	s.distance = take(&s, mesh->vertex_count, sizeof *s.distance);
+	s.stamp = take(&s, mesh->vertex_count, sizeof *s.stamp);
+	s.level = take(&s, most, sizeof *s.level);
+	s.set = take(&s, most, sizeof *s.set);
+	s.heap = take(&s, 9 * (size_t)most + 1,
+		sizeof *s.heap);         /* each edge from each triangle and end */
+	s.around_first = list_by(&s, mesh->index, 3 * most, mesh->vertex_count, &s.around);
 	for (uint32_t i = 0; i < n; i++)
 		add_component(&s, order[i]);
+	struct growth g = { .s = &s, .tree = tree, .below = take(&s, s.count, sizeof *g.below),
+		.place = take(&s, s.count, sizeof *g.place),
+		.spans = take(&s, 2 * (size_t)s.count + 2, sizeof *g.spans) };
+	g.child_first = list_by(&s, s.parent, s.count, s.count, &g.child);
+	measure_below(&g);
+	place_all(&g);
+	sort_faces(&g);
 	lod_arena_release(arena, mark);
 }

@@ -7,48 +7,37 @@
 
 #include "lod/arena.h"
 #include "lod/build/weld.h"
-#include "lod/heap.h"
+#include "lod/sort.h"
 #include "tests/bench/baseline/billboard_cloud.h"
 
-#define BILLBOARD_QUADS 8u           /* of a part */
+#define BILLBOARD_QUADS 4u           /* of a part; sections of a strip before some are merged */
+#define BILLBOARD_TOLERANCE 0.001    /* a part's error that is accepted */
 
-/* The heap has room for another item. */
-static inline void billboard_heap_push(struct lod_heap_item *heap, uint32_t *count, double key, uint32_t id)
+/* ---- Cells of space, numbered in 20 bits ---- */
+
+static inline uint64_t billboard_cell(struct lod_v3 p, double side, int dx, int dy, int dz)
 {
-	uint32_t at = (*count)++;
-	heap[at] = (struct lod_heap_item){ key, id };
-	for (; at > 0 && lod_heap_before(heap[at], heap[(at - 1) / 2]); at = (at - 1) / 2) {
-		struct lod_heap_item item = heap[at];
-		heap[at] = heap[(at - 1) / 2];
-		heap[(at - 1) / 2] = item;
+	const double at[3] = { floor(p.x / side) + dx, floor(p.y / side) + dy, floor(p.z / side) + dz };
+	uint64_t key = 0;
+	for (int k = 0; k < 3; k++)
+		key = key << 21 | (uint64_t)(at[k] + 1048576.0);
+	return key;
+}
+/* The first item whose key is not less. */
+static inline uint32_t billboard_find(const struct lod_keyed *items, uint32_t count, uint64_t key)
+{
+	uint32_t low = 0;
+	while (low < count) {
+		uint32_t middle = low + (count - low) / 2;
+		if (items[middle].key < key)
+			low = middle + 1;
+		else
+			count = middle;
 	}
-}
-static inline uint32_t billboard_heap_pop(struct lod_heap_item *heap, uint32_t *count)
-{
-	uint32_t id = heap[0].id;
-	heap[0] = heap[--*count];
-	lod_heap_sift(heap, *count, 0);
-	return id;
+	return low;
 }
 
-/* ---- The skeleton ---- */
-
-/* How a component hangs on the one that bears it: a corner (3 * triangle + k) of each. ECO_NONE: a root. */
-struct billboard_link { uint32_t parent, own; };
-/* Fills `order` with all components, each after the one that bears it, and a link for each. */
-void billboard_attach(const struct lod_mesh *mesh, struct billboard_link *link, uint32_t *order,
-	struct lod_arena *arena);
-
-struct billboard_nodes {
-	uint32_t count;
-	uint32_t *parent;            /* smaller than the node's own number; ECO_NONE for node 0 */
-	struct lod_v3 *connector;    /* where it meets its parent */
-	uint32_t *of;                /* per triangle */
-};
-/* Components longer than `length` become chains of nodes of that length along the surface, which fork where
- * the surface forks; all others are one node each. */
-void billboard_nodes_make(struct billboard_nodes *nodes, const struct lod_mesh *mesh, double length,
-	struct lod_arena *arena);
+/* ---- The skeleton (billboard_skeleton.c) ---- */
 
 struct billboard_face { struct lod_v3 corner[3], normal; double area; uint32_t triangle; };
 
@@ -62,8 +51,8 @@ struct billboard_tree {
 	uint32_t face_count;
 	struct billboard_face *faces;
 };
-void billboard_tree_make(struct billboard_tree *tree, const struct billboard_nodes *nodes,
-	const struct lod_mesh *mesh, struct lod_arena *arena);
+/* All but sigma. */
+void billboard_tree_make(struct billboard_tree *tree, const struct lod_mesh *mesh, struct lod_arena *arena);
 
 struct lod_billboard_plant {
 	struct lod_arena arena;
@@ -75,58 +64,31 @@ struct lod_billboard_plant {
 	double unit;                 /* metres: the height */
 };
 
-/* ---- Quality ---- */
+/* ---- Generators and how well they stand for faces (billboard_fit.c) ---- */
 
 /* Half edges are unit u and v times width and height. */
 struct billboard_quad { struct lod_v3 center, u, v, normal; double width, height; };
-
-/* From a point to the rectangle. */
-double billboard_quad_distance(const struct billboard_quad *quad, struct lod_v3 point);
-
-struct billboard_validity {
-	bool valid;
-	uint32_t nearest;            /* quad */
-	double projected;            /* area on it */
-};
-void billboard_face_judge(struct billboard_validity *result, const struct billboard_face *face,
-	const struct billboard_quad *quads, uint32_t count, double epsilon);
-
-struct billboard_coverage { double valid, invalid, area, area_invalid; };
-static inline double billboard_coverage_value(const struct billboard_coverage *c)
-{
-	double value = c->valid - c->invalid;
-	return value > 0 ? value : 0;
-}
-void billboard_coverage_of(struct billboard_coverage *sum, const struct billboard_face *const *faces,
-	uint32_t face_count, const struct billboard_quad *quads, uint32_t count, double epsilon);
-/* sigma (1 - C / area); 0 without area */
-double billboard_error(const struct billboard_coverage *coverage, double sigma);
-
-/* The sum over all other generators of (1 - (d / radius)^2)^2 within `radius`, at each of them. */
-void billboard_density(double *density, const struct lod_v3 *generators, uint32_t count, double radius,
-	struct lod_arena *arena);
-/* 1 for density <= 0, 0 from `most` on, linear between; 1 if most is not above 0. */
-double billboard_sigma(double density, double most);
-
-/* ---- Generators ---- */
 
 struct billboard_fit_input {
 	const struct billboard_face *const *faces;
 	uint32_t count;              /* at least 1 */
 	struct lod_v3 connector;
-	uint32_t sections, most;     /* of a strip: before and after merging */
-	double bend;                 /* root mean square distance up to which sections merge */
+	uint32_t most;               /* quads of a strip after merging */
+	double epsilon;
 };
-/* Eigenvectors of a symmetric matrix (xx, yy, zz, xy, xz, yz) by Jacobi's rotations, the greatest value
- * first: orthonormal for any finite input. */
-void billboard_jacobi(const double matrix[6], struct lod_v3 axes[3], double values[3]);
-/* The mean of the vectors from the connector to all corners, of length 1; the widest axis where it is 0. */
-struct lod_v3 billboard_axis(const struct billboard_fit_input *input);
 /* Returns how many quads were written, at most BILLBOARD_QUADS. */
 uint32_t billboard_fit(struct billboard_quad *quads, enum lod_billboard_form form,
 	const struct billboard_fit_input *input);
 
-/* ---- Parts ---- */
+/* Whether the face is valid; its nearest quad, and its area projected on that. */
+bool billboard_face_judge(const struct billboard_face *face, const struct billboard_quad *quads,
+	uint32_t count,
+	double epsilon, uint32_t *nearest, double *projected);
+/* 1 - C / area of the faces, in [0, 1]. */
+double billboard_uncovered(const struct billboard_fit_input *input, const struct billboard_quad *quads,
+	uint32_t count);
+
+/* ---- Parts (billboard_parts.c) ---- */
 
 struct billboard_fit {               /* one generator's billboards for a part */
 	uint8_t form;
@@ -156,9 +118,7 @@ struct billboard_work {              /* of one cloud */
 	uint32_t *begins;            /* per node of the tree: the part that begins there, or ECO_NONE */
 	const struct billboard_face **faces;         /* scratch: of one part */
 	double *sum;                 /* scratch, per node */
-	uint32_t splits, merges;
 };
-/* All options are set but for epsilon. */
 void billboard_work_open(struct billboard_work *work, const struct lod_billboard_plant *plant,
 	const struct lod_billboard_options *options, struct lod_arena *arena);
 /* The faces of what begins at `root` into work->faces, at most `most` evenly chosen; returns how many. */
@@ -167,12 +127,5 @@ uint32_t billboard_part_faces(struct billboard_work *work, uint32_t root, uint32
 void billboard_parts_settle(struct billboard_work *work, double epsilon);
 /* Mean error over the area of all faces. */
 double billboard_parts_error(const struct billboard_work *work);
-
-/* ---- Textures ---- */
-
-/* Textures for the cloud's billboards from `first` on, which are the part's; adds the area of faces that none
- * of them holds to *invalid. */
-enum eco_code billboard_bake(struct lod_billboard_cloud *cloud, uint32_t first, struct billboard_work *work,
-	const struct billboard_part *part, double *invalid, struct eco_error *error);
 
 #endif

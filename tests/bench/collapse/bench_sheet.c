@@ -12,7 +12,7 @@
 #include "tests/bench/collapse/bench_collapse_plant.h"
 #include "tests/bench/collapse/bench_sheet_draw.h"
 #include "tests/bench/ladder/bench_savings.h"
-#include "tests/bench/pictures/bench_billboards_q.h"
+#include "tests/bench/pictures/bench_billboards.h"
 
 #define PIXELS 200u
 #define BACKGROUND 236           /* as bench_sheet_draw has it */
@@ -151,8 +151,7 @@ static enum eco_code draw_row(struct row *r, struct eco_error *error)
 		&r->leaves.arena);
 	bench_collapse_extend(&r->levels, &r->leaves.foliage, &r->leaves.arena);
 	if (!code)
-		code = lod_billboard_plant_open(&r->skeleton, &r->leaves.model,
-			&(struct lod_billboard_options){ 0 }, error);
+		code = lod_billboard_plant_open(&r->skeleton, &r->leaves.model, error);
 	for (uint32_t i = 0; i < COLUMNS && !code; i++)
 		code = bench_stopped(r->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
 			: draw_column(r, i, error);

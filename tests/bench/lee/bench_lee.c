@@ -18,7 +18,7 @@
 #include "lod/build/order/rank.h"
 #include "lod/heap.h"
 #include "tests/bench/baseline/lee.h"
-#include "tests/bench/bench_state.h"
+#include "tests/bench/bench.h"
 #include "tests/bench/bench_leaves.h"
 #include "tests/bench/lee/bench_crown.h"
 #include "tests/support/cone_views.h"
@@ -478,17 +478,6 @@ static enum eco_code run_study(struct study *s, json_t *table, json_t *sweep, st
 	return code ? code : measure_layers(s, sweep, error);
 }
 
-static enum eco_code read_crown(struct bench *bench, struct eco_model *model, struct eco_error *error)
-{
-	struct bench_model crown = { .generated = true };
-	char folder[480];
-	snprintf(folder, sizeof folder, "%s/scenes/lee", bench->cache);
-	snprintf(crown.path, sizeof crown.path, "%s/crown.obj", folder);
-	enum eco_code code = bench_folder_make(folder, error);
-	code = code ? code : bench_crown_write(folder, "crown", error);
-	return code ? code : bench_model_read(bench, &crown, model, error);
-}
-
 /* The unit: [figures of each width, rows of layers]. */
 static enum eco_code study(struct bench *bench, json_t **unit, struct eco_error *error)
 {
@@ -499,7 +488,7 @@ static enum eco_code study(struct bench *bench, json_t **unit, struct eco_error 
 	bench_progress(bench, 0, "crown of 6143 leaves");
 	struct study *s = calloc(1, sizeof *s);
 	json_t *table = json_array(), *sweep = json_array();
-	enum eco_code code = s ? read_crown(bench, &model, error) : eco_fail(error, ECO_NO_MEMORY,
+	enum eco_code code = s ? bench_crown_make(&model, error) : eco_fail(error, ECO_NO_MEMORY,
 		"no memory");
 	if (!code)
 		code = bench_leaves_open(&s->leaves, &model, PIXELS, error);

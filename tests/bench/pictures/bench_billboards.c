@@ -7,353 +7,567 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
-#include "tests/bench/bench.h"
-#include "tests/bench/pictures/bench_billboards_q.h"
+#include "ecofiles/base/angle16.h"
+#include "lod/build/order/rank.h"
+#include "tests/bench/baseline/billboard_cloud.h"
+#include "tests/bench/bench_leaves.h"
+#include "tests/bench/pictures/bench_billboards.h"
+#include "tests/bench/pictures/bench_splats.h"
 
-#define POINT_NUMBERS 15u
 #define PLANTS_MOST 8u
 #define PLANTS_QUICK 1u
+#define VIEW 7u                          /* of pictures, as for splats */
+#define PANELS 5u                        /* the whole plant, three caps, Precision and Recall */
+#define PIXELS 256u
+#define TURN_VIEWS 36u
+#define TURN_UP 0.1                      /* the eye's height over the plant's middle, as a slope */
+#define TUNING 6u                        /* of the turn's views: scales are chosen in these */
+#define STEPS 10                         /* of the search for a number of leaves */
+#define SCALES 7
+#define BUDGETS BENCH_SPLATS_BUDGETS
 
-/* ---- Kept ---- */
+/* ALL: as the method is. CROSSES: the only generator. VALID: faces that no billboard holds are not drawn. */
+enum kind { ALL, CROSSES, VALID, KINDS };
+static const char *const kind_names[KINDS] = { "billboards", "crosses only", "valid faces only" };
+/* The first caps have as many vertices, at 6 each, as bench_splats_budgets; other kinds have no others. Then
+ * that
+ * of Neubert's figure 11. */
+#define CAPS 6u
+#define TURNED 4u
+static const uint32_t caps[CAPS] = { 2, 8, 33, 166, 209, 333 };
+static const size_t field_cap[BENCH_FIELD_LEVELS] = { 5, 3, 2, 1 };
+/* A turn: billboards against three orders of leaves that are pruned to the same mean Q, each at its best
+ * scale. */
+enum turn { BILLBOARDS, STOCHASTIC, COMBINED, GREEDY, TURNS };
+static const char *const turn_names[TURNS] = { "209 billboards", "stochastic", "combined", "greedy" };
+/* Figures of one cloud. */
+enum figure { COUNT, PARTS, FORM_CROSS, FORM_PLANE, FORM_STRIP, ERROR, INVALID, EPSILON, TEXELS, BYTES,
+	SECONDS,
+	PRECISION, RECALL, HARD, SOFT };
 
-static json_t *pack(const struct bench_billboards_q *q)
-{
-	json_t *points = json_array(), *turns = json_array(), *vertices = json_array();
-	for (uint32_t i = 0; i < BENCH_BILLBOARDS_KINDS * BENCH_BILLBOARDS_CAPS; i++) {
-		const struct bench_billboards_point *p = &q->point[0][0] + i;
-		const double row[POINT_NUMBERS] = { p->count, p->parts, p->forms[0], p->forms[1], p->forms[2],
-			p->error, p->invalid, p->epsilon, p->texels, p->bytes, p->seconds, p->q.hard,
-			p->q.soft, p->q.precision, p->q.recall };
-		for (uint32_t k = 0; k < POINT_NUMBERS; k++)
-			json_array_append_new(points, json_real(row[k]));
-	}
-	for (uint32_t i = 0; i < BENCH_TURN_METHODS * BENCH_TURN_VIEWS; i++) {
-		double at = (&q->turn[0][0])[i];
-		json_array_append_new(turns, isfinite(at) ? json_real(at) : json_null());
-	}
-	for (int m = 0; m < BENCH_TURN_METHODS; m++)
-		json_array_append_new(vertices, json_real(q->vertices[m]));
-	json_array_append_new(vertices, json_real(q->wood_vertices));
-	return json_pack("{s:o,s:o,s:o}", "points", points, "turns", turns, "vertices", vertices);
-}
+struct study {
+	struct bench *bench;
+	const char *name;
+	struct bench_leaves leaves;
+	struct bench_splats_pictures pictures;
+	struct lod_billboard_plant *plant;
+	struct lod_sights turn;
+	uint32_t *order;
+	json_t *clouds,
+		*turns;              /* [of each kind [of each cap [figures]]]; [of each method [...]] */
+};
 
-static double number(const json_t *array, uint32_t i)
+/* The number at array[i][j]...; NaN if there is none. */
+static double number(const json_t *array, size_t i)
 {
 	const json_t *value = json_array_get(array, i);
 	return json_is_number(value) ? json_number_value(value) : NAN;
 }
 
-static void unpack(struct bench_billboards_q *q, const json_t *kept)
+/* ---- Clouds by cap ---- */
+
+static void draw_cloud(const void *cloud, struct lod_raster *raster)
 {
-	const json_t *points = json_object_get(kept, "points"), *turns = json_object_get(kept, "turns"),
-		*vertices = json_object_get(kept, "vertices");
-	for (uint32_t i = 0; i < BENCH_BILLBOARDS_KINDS * BENCH_BILLBOARDS_CAPS; i++) {
-		double row[POINT_NUMBERS];
-		for (uint32_t k = 0; k < POINT_NUMBERS; k++)
-			row[k] = number(points, POINT_NUMBERS * i + k);
-		(&q->point[0][0])[i] = (struct bench_billboards_point){ (uint32_t)row[0], (uint32_t)row[1],
-			{ (uint32_t)row[2], (uint32_t)row[3], (uint32_t)row[4] }, row[5], row[6], row[7],
-			row[8], row[9], row[10], { row[11], row[12], row[13], row[14] } };
-	}
-	for (uint32_t i = 0; i < BENCH_TURN_METHODS * BENCH_TURN_VIEWS; i++)
-		(&q->turn[0][0])[i] = number(turns, i);
-	for (uint32_t m = 0; m < BENCH_TURN_METHODS; m++)
-		q->vertices[m] = number(vertices, m);
-	q->wood_vertices = number(vertices, BENCH_TURN_METHODS);
+	lod_billboard_cloud_draw(cloud, 1, raster);
 }
 
-static enum eco_code measure(struct bench *bench, const struct bench_model *model,
-	struct bench_billboards_q *q, struct eco_error *error)
+void bench_billboards_color(const struct eco_image *image, uint8_t rgb[3])
 {
-	char unit[96], stamp[32];
-	struct eco_model read;
-	snprintf(unit, sizeof unit, "billboards-%s", model->name);
-	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
-	json_t *kept = bench_recall(bench, unit, stamp);
-	if (kept) {
-		unpack(q, kept);
+	double sum[3] = { 0 }, n = 1e-9;
+	for (size_t i = 0; i < (size_t)image->width * image->height; i++)
+		for (int k = 0; k < 3 && image->rgba[4 * i + 3]; k++) {
+			sum[k] += image->rgba[4 * i + (size_t)k];
+			n += k == 0;
+		}
+	for (int k = 0; k < 3; k++)
+		rgb[k] = (uint8_t)fmin(sum[k] / n, 254);
+}
+
+/* By view: light grey where both are, grey where the cloud is missing, black where only that is (figure 3).
+ * Both
+ * panels are painted; the second is overwritten. */
+static void compare_panels(const uint8_t *whole, uint8_t *panel, uint32_t side, uint32_t stride)
+{
+	for (size_t i = 0; i < (size_t)side * side; i++) {
+		size_t at = 3 * (i / side * stride + i % side);
+		bool wanted = whole[at] < 255, shown = panel[at] < 255;
+		if (wanted || shown)
+			memset(panel + at, !wanted ? 0 : shown ? 210 : 130, 3);
+	}
+}
+
+static enum eco_code paint(struct study *s, const struct lod_billboard_cloud *cloud, uint8_t *picture,
+	uint32_t panel, struct eco_error *error)
+{
+	uint32_t side = s->pictures.sizes[BENCH_SPLATS_SIZES - 1].side;
+	uint8_t (*rgb)[3] = malloc((cloud->count + 1) * sizeof *rgb), *to = picture + 3 * (size_t)panel
+		* side;
+	if (!rgb)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for colours");
+	for (uint32_t i = 0; i < cloud->count; i++)
+		bench_billboards_color(&cloud->items[i].image, rgb[i]);
+	bench_splats_paint(&s->pictures, VIEW, draw_cloud, cloud, (const uint8_t (*)[3])rgb, to, PANELS
+		* side);
+	if (panel + 2 == PANELS) {
+		to += 3 * (size_t)side;
+		bench_splats_paint(&s->pictures, VIEW, draw_cloud, cloud, NULL, to, PANELS * side);
+		compare_panels(picture, to, side, PANELS * side);
+	}
+	free(rgb);
+	return ECO_OK;
+}
+
+/* VALID: the same clouds as ALL, without a search for epsilon. */
+static enum eco_code measure_cap(struct study *s, enum kind kind, uint32_t cap, uint8_t *picture,
+	struct eco_error *error)
+{
+	struct lod_billboard_cloud cloud;
+	struct bench_splats_q q;
+	const struct lod_billboard_options options = { .cap = caps[cap], .epsilon = kind == VALID
+		? number(json_array_get(json_array_get(s->clouds, ALL), cap), EPSILON) : 0,
+		.forms = kind == CROSSES ? 1u << LOD_BILLBOARD_CROSS : 0, .valid_only = kind == VALID };
+	clock_t begun = clock();
+	enum eco_code code = lod_billboard_cloud_make(&cloud, s->plant, &options, error);
+	if (code)
+		return code;
+	double seconds = (double)(clock() - begun) / CLOCKS_PER_SEC;
+	bench_splats_score(&s->pictures, BENCH_SPLATS_SIZES, draw_cloud, &cloud, &q);
+	json_array_append_new(json_array_get(s->clouds, kind), json_pack("[iiiiifffIIfffff]",
+		(int)cloud.count,
+		(int)cloud.parts, (int)cloud.forms[0], (int)cloud.forms[1], (int)cloud.forms[2], cloud.error,
+		cloud.invalid, cloud.epsilon, (json_int_t)cloud.texels, (json_int_t)cloud.texture_bytes,
+			seconds,
+		q.precision, q.recall, q.hard, q.soft));
+	if (kind == ALL && cap >= 1 && cap <= 3)
+		code = paint(s, &cloud, picture, cap, error);
+	lod_billboard_cloud_free(&cloud);
+	return !code && bench_stopped(s->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : code;
+}
+
+static enum eco_code study_caps(struct study *s, struct eco_error *error)
+{
+	char file[128];
+	uint32_t side = s->pictures.sizes[BENCH_SPLATS_SIZES - 1].side;
+	uint8_t *picture = calloc((size_t)PANELS * side * side, 3);
+	enum eco_code code = picture ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+	if (!code)
+		bench_splats_paint(&s->pictures, VIEW, NULL, NULL, NULL, picture, PANELS * side);
+	for (enum kind kind = 0; kind < KINDS && !code; kind++) {
+		json_array_append_new(s->clouds, json_array());
+		for (uint32_t cap = 0; cap < (kind == ALL ? CAPS : BUDGETS) && !code; cap++)
+			code = measure_cap(s, kind, cap, picture, error);
+	}
+	snprintf(file, sizeof file, "billboards-%s.png", s->name);
+	code = code ? code : bench_picture_write(s->bench, file, PANELS * side, side, picture, error);
+	free(picture);
+	return code;
+}
+
+/* ---- A turn ---- */
+
+static double cloud_q(struct study *s, const struct lod_billboard_cloud *cloud, uint32_t view)
+{
+	const struct lod_sights *sights = &s->turn;
+	struct lod_raster *raster = &s->leaves.cover;
+	struct bench_wrong sum = { .pixels = sights->reference_pixels[view] };
+	uint32_t row_words = sights->words / sights->pixels;
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, &sights->eyes[view], sights->near_m);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	lod_billboard_cloud_draw(cloud, 1, raster);
+	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
+		uint64_t word = sights->reference[view][i / PIXELS * row_words + i % PIXELS / 64];
+		bool shown = raster->cover[i], wanted = word >> (i % PIXELS % 64) & 1;
+		sum.fp += shown && !wanted;
+		sum.fn += wanted && !shown;
+	}
+	return bench_wrong_q(&sum);
+}
+
+static double leaves_q(struct study *s, uint32_t count, float scale, uint32_t view)
+{
+	struct bench_wrong sum = { 0 };
+	const struct lod_sights_drawing drawing = { .order = s->order, .count = count, .scale = scale };
+	bench_leaves_compare(&s->leaves, &s->turn, view, &drawing, &sum);
+	return bench_wrong_q(&sum);
+}
+
+/* Q of each view of so many leaves at their best scale; returns the mean. */
+static double prune(struct study *s, uint32_t count, double q[TURN_VIEWS])
+{
+	double best = -INFINITY, mean = 0;
+	float best_scale = 1;
+	for (int i = 0; i < SCALES; i++) {
+		float scale = (float)pow((double)s->leaves.foliage.count / count, (double)i / (SCALES - 1));
+		double now = 0;
+		for (uint32_t v = 0; v < TUNING; v++)
+			now += leaves_q(s, count, scale, v * TURN_VIEWS / TUNING);
+		best_scale = now > best ? scale : best_scale;
+		best = fmax(best, now);
+	}
+	for (uint32_t v = 0; v < TURN_VIEWS; v++)
+		mean += (q[v] = leaves_q(s, count, best_scale, v)) / TURN_VIEWS;
+	return mean;
+}
+
+/* vertices, vertices of wood besides, Q of each view; null: the mean is not reached */
+static void keep_turn(struct study *s, double vertices, double wood, const double q[TURN_VIEWS], bool reached)
+{
+	json_t *row = json_pack("[ff]", vertices, wood);
+	for (uint32_t v = 0; v < TURN_VIEWS; v++)
+		json_array_append_new(row, reached ? json_real(q[v]) : json_null());
+	json_array_append_new(s->turns, row);
+}
+
+/* Prunes to a mean Q as near as can be, which is not reached if wood alone is better. */
+static void prune_to(struct study *s, double wanted)
+{
+	const struct lod_foliage *f = &s->leaves.foliage;
+	uint32_t low = 1, high = f->count;
+	double q[TURN_VIEWS], vertices = 0;
+	for (int i = 0; i < STEPS && low < high && !bench_stopped(s->bench); i++) {
+		/* counts are searched by their ratios */
+		uint32_t middle = (uint32_t)sqrt((double)low * high);
+		if (prune(s, middle, q) < wanted)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	double mean = prune(s, high, q);
+	for (uint32_t i = 0; i < high; i++)
+		vertices += 3 * (f->first[s->order[i] + 1] - f->first[s->order[i]] - 2);
+	keep_turn(s, vertices, 3.0 * (double)f->wood_count, q, fabs(mean - wanted) <= 0.02);
+}
+
+static bool rank_goes_on(void *ctx, double share)
+{
+	(void)share;
+	return !bench_stopped(ctx);
+}
+
+static enum eco_code make_order(struct study *s, enum turn method, struct eco_error *error)
+{
+	struct lod_rank rank;
+	if (method != GREEDY) {
+		s->order = bench_leaves_order(&s->leaves, method == COMBINED ? LOD_ORDER_COMBINED
+			: LOD_ORDER_STOCHASTIC, 0);
 		return ECO_OK;
 	}
-	enum eco_code code = bench_model_read(bench, model, &read, error);
+	enum eco_code code = lod_rank_make(&rank, &s->leaves.foliage, &(struct lod_rank_options){ .seed = 1,
+		.leaves = true, .progress = rank_goes_on, .ctx = s->bench }, &s->leaves.arena, error);
+	s->order = rank.order;
+	return code;
+}
+
+static enum eco_code study_turn(struct study *s, struct eco_error *error)
+{
+	double to[TURN_VIEWS][3], q[TURN_VIEWS], mean = 0;
+	struct lod_billboard_cloud cloud = { 0 };
+	for (uint32_t v = 0; v < TURN_VIEWS; v++) {
+		double sine, cosine, flat = 1 / sqrt(1 + TURN_UP * TURN_UP);
+		eco_angle16_sincos(eco_angle16_from_deg(360.0 * v / TURN_VIEWS), &sine, &cosine);
+		to[v][0] = flat * cosine, to[v][1] = flat * sine, to[v][2] = flat * TURN_UP;
+	}
+	enum eco_code code = lod_sights_make(&s->turn, &s->leaves.foliage, (const double (*)[3])to,
+		TURN_VIEWS,
+		PIXELS, &s->leaves.arena, error);
+	code = code ? code : lod_billboard_cloud_make(&cloud, s->plant, &(struct lod_billboard_options){
+		.cap = caps[TURNED] }, error);
+	for (uint32_t v = 0; v < TURN_VIEWS && !code; v++)
+		mean += (q[v] = cloud_q(s, &cloud, v)) / TURN_VIEWS;
 	if (!code)
-		code = bench_billboards_measure(bench, model->name, q, &read, error);
+		keep_turn(s, 6.0 * cloud.count, 0, q, true);
+	lod_billboard_cloud_free(&cloud);
+	for (enum turn m = STOCHASTIC; m < TURNS && !code; m++) {
+		code = make_order(s, m, error);
+		if (!code)
+			prune_to(s, mean);
+	}
+	return !code && bench_stopped(s->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : code;
+}
+
+/* ---- One plant ---- */
+
+static enum eco_code run_study(struct study *s, struct eco_error *error)
+{
+	enum eco_code code = bench_splats_open(&s->pictures, &s->leaves.model, bench_splats_heights_px,
+		error);
+	if (code)
+		return code;
+	code = lod_billboard_plant_open(&s->plant, &s->leaves.model, error);
+	code = code ? code : study_caps(s, error);
+	if (!code && setjmp(s->leaves.arena.failed))
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for a turn");
+	else if (!code)
+		code = study_turn(s, error);
+	lod_billboard_plant_close(s->plant);
+	bench_splats_close(&s->pictures);
+	return code;
+}
+
+/* A unit of a model, in `out`, or what it is kept under. */
+static void unit_of(struct bench *bench, const struct bench_model *model, const char *what, char unit[128],
+	char stamp[32], json_t **out)
+{
+	snprintf(unit, 128, "billboards%s-%s", what, model->name);
+	snprintf(stamp, 32, "%016llx", (unsigned long long)bench_file_hash(model->path));
+	*out = bench_recall(bench, unit, stamp);
+}
+
+/* The unit: [clouds, turns]. */
+static enum eco_code measure(struct bench *bench, const struct bench_model *model, json_t **out,
+	struct eco_error *error)
+{
+	char unit[128], stamp[32];
+	struct eco_model read;
+	unit_of(bench, model, "", unit, stamp, out);
+	if (*out)
+		return ECO_OK;
+	struct study *s = calloc(1, sizeof *s);
+	enum eco_code code = s ? bench_model_read(bench, model, &read, error)
+		: eco_fail(error, ECO_NO_MEMORY, "no memory for a study of billboards");
 	if (!code)
-		bench_keep(bench, unit, stamp, pack(q));
+		code = bench_leaves_open(&s->leaves, &read, PIXELS, error);
+	if (!code) {
+		s->bench = bench;
+		s->name = model->name;
+		*out = json_pack("[oo]", s->clouds = json_array(), s->turns = json_array());
+		code = run_study(s, error);
+		bench_leaves_close(&s->leaves);
+	}
+	free(s);
+	if (code)
+		json_decref(*out);
+	else
+		bench_keep(bench, unit, stamp, *out);
 	return code;
 }
 
 /* ---- Tables ---- */
 
 /* Rows of the comparison: kinds of billboards, what stands beside them, and the best of ours. */
-#define OURS ((int)BENCH_BILLBOARDS_KINDS)
+#define OURS ((int)KINDS)
 #define BEST (OURS + (int)BENCH_SPLATS_KINDS)
 #define ROWS (BEST + 1)
-#define BUDGETS BENCH_SPLATS_BUDGETS
 
-struct means {
-	struct bench_splats_q q[ROWS][BUDGETS];
-	double sd[BENCH_TURN_METHODS], cap_error[BENCH_BILLBOARDS_CAPS];
-	uint32_t plants, turned[BENCH_TURN_METHODS];
+struct section {
+	struct bench *bench;
+	struct bench_table *caps, *q, *turn;
+	uint32_t plants, turned[TURNS];
+	double sum[ROWS][2 * BUDGETS];       /* hard Q by budget, then soft */
+	double sd[TURNS], cap_error[CAPS], precision[PLANTS_MOST][CAPS], recall[PLANTS_MOST][CAPS];
 	char name[PLANTS_MOST][64];
-	double precision[PLANTS_MOST][BENCH_BILLBOARDS_CAPS], recall[PLANTS_MOST][BENCH_BILLBOARDS_CAPS];
 };
-struct tables { struct bench_table *caps, *q, *turn; };
 
 static const char *row_name(int row)
 {
-	return row == BEST ? "best of ours" : row < OURS ? bench_billboards_kind_names[row]
-		: bench_splats_kind_names[row - OURS];
+	return row == BEST ? "best of ours" : row < OURS ? kind_names[row] : bench_splats_kind_names[row
+		- OURS];
 }
 
-static void write_row(const struct tables *t, const char *plant, int row, const struct bench_splats_q *q)
+static void write_row(struct section *t, const char *plant, int row, const double q[2 * BUDGETS])
 {
-	bench_table_row(t->q, "%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", plant, row_name(row),
-		q[0].hard, q[1].hard, q[2].hard, q[3].hard, q[0].soft, q[1].soft, q[2].soft, q[3].soft);
+	bench_table_row(t->q, "%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", plant, row_name(row), q[0],
+		q[1],
+		q[2], q[3], q[4], q[5], q[6], q[7]);
 }
 
-static void write_caps(const struct tables *t, struct means *means, const char *plant,
-	const struct bench_billboards_q *q)
+static void write_caps(struct section *t, const char *plant, const json_t *clouds)
 {
-	for (uint32_t i = 0; i < BENCH_BILLBOARDS_KINDS * BENCH_BILLBOARDS_CAPS; i++) {
-		const struct bench_billboards_point *p = &q->point[0][0] + i;
-		uint32_t cap = i % BENCH_BILLBOARDS_CAPS;
-		if (!bench_billboards_has((int)(i / BENCH_BILLBOARDS_CAPS), cap))
+	for (size_t i = 0; i < KINDS * CAPS; i++) {
+		size_t cap = i % CAPS;
+		const json_t *p = json_array_get(json_array_get(clouds, i / CAPS), cap);
+		if (!p)
 			continue;
-		bench_table_row(t->caps, "%s,%s,%u,%u,%u,%u,%u,%u,%.3f,%.3f,%.4f,%.0f,%.0f,%.1f,%.3f,%.3f,"
-			"%.3f,%.3f", plant, bench_billboards_kind_names[i / BENCH_BILLBOARDS_CAPS],
-			bench_billboards_caps[cap], p->count, p->parts, p->forms[0], p->forms[1], p->forms[2],
-			p->error, p->invalid, p->epsilon, p->texels / 1000, p->bytes / 1000, p->seconds,
-			p->q.precision, p->q.recall, p->q.hard, p->q.soft);
-		if (i < BENCH_BILLBOARDS_CAPS)
-			means->cap_error[cap] += p->error;
+		bench_table_row(t->caps,
+			"%s,%s,%u,%.0f,%.0f,%.0f,%.0f,%.0f,%.3f,%.3f,%.4f,%.0f,%.0f,%.1f,%.3f,%.3f,"
+			"%.3f,%.3f", plant, kind_names[i / CAPS], caps[cap], number(p, COUNT), number(p,
+				PARTS),
+			number(p, FORM_CROSS), number(p, FORM_PLANE), number(p, FORM_STRIP), number(p, ERROR),
+			number(p, INVALID), number(p, EPSILON), number(p, TEXELS) / 1000, number(p, BYTES)
+				/ 1000,
+			number(p, SECONDS), number(p, PRECISION), number(p, RECALL), number(p, HARD),
+			number(p, SOFT));
+		if (i >= CAPS)
+			continue;
+		t->cap_error[cap] += number(p, ERROR);
+		t->precision[t->plants][cap] = number(p, PRECISION);
+		t->recall[t->plants][cap] = number(p, RECALL);
 	}
 }
 
-static void write_beside(const struct tables *t, struct means *means, const char *plant,
-	const struct bench_billboards_q *q, const struct bench_splats_q ours[BENCH_SPLATS_KINDS][BUDGETS])
+static void write_beside(struct section *t, const char *plant, const json_t *clouds,
+	struct bench_splats_q ours[BENCH_SPLATS_KINDS][BUDGETS])
 {
-	struct bench_splats_q rows[ROWS][BUDGETS] = { { { 0 } } };
-	for (uint32_t b = 0; b < BUDGETS; b++) {
-		for (int k = 0; k < OURS; k++)
-			rows[k][b] = q->point[k][b].q;
-		for (int k = 0; k < BENCH_SPLATS_KINDS; k++) {
-			rows[OURS + k][b] = ours[k][b];
-			rows[BEST][b].hard = fmax(rows[BEST][b].hard, ours[k][b].hard);
-			rows[BEST][b].soft = fmax(rows[BEST][b].soft, ours[k][b].soft);
-		}
-	}
+	double rows[ROWS][2 * BUDGETS] = { { 0 } };
 	for (int row = 0; row < ROWS; row++) {
+		for (uint32_t b = 0; b < BUDGETS && row < BEST; b++) {
+			const json_t *p = json_array_get(json_array_get(clouds, (size_t)row), b);
+			rows[row][b] = row < OURS ? number(p, HARD) : ours[row - OURS][b].hard;
+			rows[row][BUDGETS + b] = row < OURS ? number(p, SOFT) : ours[row - OURS][b].soft;
+		}
+		for (uint32_t b = 0; b < 2 * BUDGETS; b++) {
+			if (row >= OURS && row < BEST)
+				rows[BEST][b] = fmax(rows[BEST][b], rows[row][b]);
+			t->sum[row][b] += rows[row][b];
+		}
 		write_row(t, plant, row, rows[row]);
-		for (uint32_t b = 0; b < BUDGETS; b++) {
-			means->q[row][b].hard += rows[row][b].hard;
-			means->q[row][b].soft += rows[row][b].soft;
-		}
 	}
 }
 
-static void write_turn(const struct tables *t, struct means *means, const char *plant,
-	const struct bench_billboards_q *q)
-{
-	for (int m = 0; m < BENCH_TURN_METHODS; m++) {
-		double sum = 0, square = 0, least = INFINITY, most = -INFINITY;
-		for (uint32_t v = 0; v < BENCH_TURN_VIEWS; v++) {
-			double at = q->turn[m][v];
-			sum += at / BENCH_TURN_VIEWS;
-			least = fmin(least, at);
-			most = fmax(most, at);
-		}
-		for (uint32_t v = 0; v < BENCH_TURN_VIEWS; v++)
-			square += (q->turn[m][v] - sum) * (q->turn[m][v] - sum) / BENCH_TURN_VIEWS;
-		bench_table_row(t->turn, "%s,%s,%.0f,%.0f,%.3f,%.3f,%.3f,%.2e,%.4f", plant,
-			bench_turn_names[m], q->vertices[m], m == BENCH_TURN_BILLBOARDS ? 0
-			: q->wood_vertices, sum, least, most, square, sqrt(square));
-		if (isfinite(square)) {
-			means->sd[m] += sqrt(square);
-			means->turned[m]++;
-		}
-	}
-}
-
-static enum eco_code plot_turn(struct bench *bench, const char *plant, const struct bench_billboards_q *q,
+static enum eco_code write_turn(struct section *t, const char *plant, const json_t *turns,
 	struct eco_error *error)
 {
 	char name[100], title[160];
-	double degrees[BENCH_TURN_VIEWS];
-	struct bench_series series[BENCH_TURN_METHODS];
-	for (uint32_t v = 0; v < BENCH_TURN_VIEWS; v++)
-		degrees[v] = 360.0 * v / BENCH_TURN_VIEWS;
-	for (int m = 0; m < BENCH_TURN_METHODS; m++)
-		series[m] = (struct bench_series){ bench_turn_names[m], degrees, q->turn[m],
-			BENCH_TURN_VIEWS, false };
+	double degrees[TURN_VIEWS], q[TURNS][TURN_VIEWS];
+	struct bench_series series[TURNS];
+	for (int m = 0; m < TURNS; m++) {
+		const json_t *row = json_array_get(turns, (size_t)m);
+		double mean = 0, square = 0, least = INFINITY, most = -INFINITY;
+		for (uint32_t v = 0; v < TURN_VIEWS; v++) {
+			degrees[v] = 360.0 * v / TURN_VIEWS;
+			q[m][v] = number(row, 2 + v);
+			mean += q[m][v] / TURN_VIEWS;
+			least = fmin(least, q[m][v]);
+			most = fmax(most, q[m][v]);
+		}
+		for (uint32_t v = 0; v < TURN_VIEWS; v++)
+			square += (q[m][v] - mean) * (q[m][v] - mean) / TURN_VIEWS;
+		bench_table_row(t->turn, "%s,%s,%.0f,%.0f,%.3f,%.3f,%.3f,%.2e,%.4f", plant, turn_names[m],
+			number(row, 0), number(row, 1), mean, least, most, square, sqrt(square));
+		t->sd[m] += isfinite(square) ? sqrt(square) : 0;
+		t->turned[m] += isfinite(square);
+		series[m] = (struct bench_series){ turn_names[m], degrees, q[m], TURN_VIEWS, false };
+	}
 	snprintf(name, sizeof name, "billboards_turn_%s", plant);
 	snprintf(title, sizeof title, "%s: Q over a turn, equal in the mean", plant);
-	return bench_plot(bench, &(struct bench_plot){ .name = name, .title = title, .x = "degrees",
-		.y = "Q", .series = series, .series_count = BENCH_TURN_METHODS }, error);
+	return bench_plot(t->bench, &(struct bench_plot){ .name = name, .title = title, .x = "degrees",
+		.y = "Q", .series = series, .series_count = TURNS }, error);
 }
 
-static enum eco_code study_plant(struct bench *bench, const struct bench_model *model, const struct tables *t,
-	struct means *means, struct eco_error *error)
+static enum eco_code study_plant(struct section *t, const struct bench_model *model, struct eco_error *error)
 {
-	struct bench_billboards_q q;
+	json_t *unit;
 	struct bench_splats_q ours[BENCH_SPLATS_KINDS][BUDGETS];
 	char file[100];
-	enum eco_code code = measure(bench, model, &q, error);
-	if (!code)
-		code = bench_splats_of(bench, model, ours, error);
+	enum eco_code code = measure(t->bench, model, &unit, error);
+	code = code ? code : bench_splats_of(t->bench, model, ours, error);
 	if (code)
 		return code;
-	write_caps(t, means, model->name, &q);
-	write_beside(t, means, model->name, &q, (const struct bench_splats_q (*)[BUDGETS])ours);
-	write_turn(t, means, model->name, &q);
-	uint32_t plant = means->plants++;
-	snprintf(means->name[plant], sizeof means->name[plant], "%s", model->name);
-	for (uint32_t cap = 0; cap < BENCH_BILLBOARDS_CAPS; cap++) {
-		means->precision[plant][cap] = q.point[0][cap].q.precision;
-		means->recall[plant][cap] = q.point[0][cap].q.recall;
-	}
+	write_caps(t, model->name, json_array_get(unit, 0));
+	write_beside(t, model->name, json_array_get(unit, 0), ours);
+	snprintf(t->name[t->plants++], sizeof t->name[0], "%s", model->name);
 	snprintf(file, sizeof file, "billboards-%s.png", model->name);
-	bench_picture(bench, file, "full detail; at most 8, 33, 166 billboards, each in its mean colour; "
+	bench_picture(t->bench, file, "full detail; at most 8, 33, 166 billboards, each in its mean colour; "
 		"of the last Precision and Recall: light grey true, grey missing, black too many");
-	return plot_turn(bench, model->name, &q, error);
-}
-
-/* ---- A field ---- */
-
-static json_t *pack_field(const struct bench_field_q *q)
-{
-	return json_pack("[f,f,f,f,f,f,f,f,f,f]", (double)q->plants[0], (double)q->plants[1],
-		(double)q->plants[2], (double)q->plants[3], q->vertices, q->full, q->q, q->precision,
-		q->recall, q->owner_q);
-}
-
-static struct bench_field_q unpack_field(const json_t *kept)
-{
-	return (struct bench_field_q){ { (uint32_t)number(kept, 0), (uint32_t)number(kept, 1),
-		(uint32_t)number(kept, 2), (uint32_t)number(kept, 3) }, number(kept, 4), number(kept, 5),
-		number(kept, 6), number(kept, 7), number(kept, 8), number(kept, 9) };
-}
-
-static enum eco_code measure_field(struct bench *bench, const struct bench_model *model,
-	struct bench_field_q *q, struct eco_error *error)
-{
-	char unit[96], stamp[32];
-	struct bench_billboards_q known;
-	struct eco_model read;
-	enum eco_code code = measure(bench, model, &known, error);
-	snprintf(unit, sizeof unit, "billboards-field-%s", model->name);
-	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
-	json_t *kept = code ? NULL : bench_recall(bench, unit, stamp);
-	if (code || kept) {
-		*q = unpack_field(kept);
-		return code;
-	}
-	code = bench_model_read(bench, model, &read, error);
-	if (!code)
-		code = bench_billboards_field(bench, model->name, &known, q, &read, error);
-	if (!code)
-		bench_keep(bench, unit, stamp, pack_field(q));
-	return code;
+	return write_turn(t, model->name, json_array_get(unit, 1), error);
 }
 
 /* Figure 4, right: many times the plant of most leaves. */
 static enum eco_code study_field(struct bench *bench, const struct bench_model *model,
 	struct eco_error *error)
 {
-	struct bench_field_q q = { .q = NAN };
-	char file[128];
-	enum eco_code code = measure_field(bench, model, &q, error);
+	char unit[128], stamp[32], file[128];
+	double epsilon[BENCH_FIELD_LEVELS], q[10] = { 0 };
+	json_t *known, *kept;
+	struct eco_model read;
+	snprintf(file, sizeof file, "billboards_field-%s.png", model->name);
+	enum eco_code code = measure(bench, model, &known, error);
+	if (code)
+		return code;
+	for (size_t i = 0; i < BENCH_FIELD_LEVELS; i++)
+		epsilon[i] = number(json_array_get(json_array_get(json_array_get(known, 0), ALL),
+			field_cap[i]),
+			EPSILON);
+	unit_of(bench, model, "-field", unit, stamp, &kept);
+	if (!kept) {
+		code = bench_model_read(bench, model, &read, error);
+		code = code ? code : bench_billboards_field(bench, file, epsilon, &read, &kept, error);
+		if (code)
+			return code;
+		bench_keep(bench, unit, stamp, kept);
+	}
+	for (size_t i = 0; i < 10; i++)
+		q[i] = number(kept, i);
 	struct bench_table *table = bench_table_open(bench, "billboards_field", "plant,plants in view,"
 		"of 333 billboards,of 166,of 33,of 8,vertices,vertices of full detail,Q,Precision,Recall,"
 		"owner_q", true);
-	if (!code)
-		bench_table_row(table, "%s,%u,%u,%u,%u,%u,%.0f,%.0f,%.3f,%.3f,%.3f,%.3f", model->name,
-			q.plants[0] + q.plants[1] + q.plants[2] + q.plants[3], q.plants[0], q.plants[1],
-			q.plants[2], q.plants[3], q.vertices, q.full, q.q, q.precision, q.recall, q.owner_q);
+	bench_table_row(table, "%s,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.3f,%.3f,%.3f,%.3f", model->name,
+		q[0] + q[1] + q[2] + q[3], q[0], q[1], q[2], q[3], q[4], q[5], q[6], q[7], q[8], q[9]);
 	bench_table_close(table);
-	snprintf(file, sizeof file, "billboards_field-%s.png", model->name);
-	if (!code)
-		bench_picture(bench, file, "a field: full detail; clouds in their billboards' mean colours; "
-			"their levels: at most 333 billboards (red), 166 (orange), 33 (green), 8 (blue)");
-	return code;
+	bench_picture(bench, file, "a field: full detail; clouds in their billboards' mean colours; "
+		"their levels: at most 333 billboards (red), 166 (orange), 33 (green), 8 (blue)");
+	return ECO_OK;
 }
 
-/* ---- Plots ---- */
-
-static enum eco_code plot_means(struct bench *bench, struct means *means, struct eco_error *error)
+static enum eco_code plot_means(struct section *t, struct eco_error *error)
 {
-	double x[BUDGETS], y[ROWS][BUDGETS], caps[BENCH_BILLBOARDS_CAPS];
-	struct bench_series series[PLANTS_MOST > ROWS ? PLANTS_MOST : ROWS];
-	for (int row = 0; row < ROWS; row++) {
-		for (uint32_t b = 0; b < BUDGETS; b++) {
-			x[b] = bench_splats_budgets[b];
-			y[row][b] = means->q[row][b].hard;
-		}
-		series[row] = (struct bench_series){ row_name(row), x, y[row], BUDGETS, false };
-	}
-	enum eco_code code = bench_plot(bench, &(struct bench_plot){ .name = "billboards",
+	double x[BUDGETS], cap[CAPS];
+	struct bench_series series[ROWS];
+	for (uint32_t b = 0; b < BUDGETS; b++)
+		x[b] = bench_splats_budgets[b];
+	for (uint32_t i = 0; i < CAPS; i++)
+		cap[i] = caps[i];
+	for (int row = 0; row < ROWS; row++)
+		series[row] = (struct bench_series){ row_name(row), x, t->sum[row], BUDGETS, false };
+	enum eco_code code = bench_plot(t->bench, &(struct bench_plot){ .name = "billboards",
 		.title = "Hard Q at equal vertices, mean over plants", .x = "vertices", .y = "Q",
 		.log_x = true, .series = series, .series_count = ROWS }, error);
-	for (uint32_t cap = 0; cap < BENCH_BILLBOARDS_CAPS; cap++)
-		caps[cap] = bench_billboards_caps[cap];
-	series[0] = (struct bench_series){ "error of the mean part", caps, means->cap_error,
-		BENCH_BILLBOARDS_CAPS, false };
-	if (!code)
-		code = bench_plot(bench, &(struct bench_plot){ .name = "billboards_error",
-			.title = "The method's own error against the cap", .x = "billboards at most",
-			.y = "error", .log_x = true, .series = series, .series_count = 1 }, error);
-	for (uint32_t i = 0; i < means->plants; i++)
-		series[i] = (struct bench_series){ means->name[i], means->recall[i], means->precision[i],
-			BENCH_BILLBOARDS_CAPS, true };
-	return code ? code : bench_plot(bench, &(struct bench_plot){ .name = "billboards_pr",
+	series[0] = (struct bench_series){ "error of the mean part", cap, t->cap_error, CAPS, false };
+	code = code ? code : bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_error",
+		.title = "The method's own error against the cap", .x = "billboards at most",
+		.y = "error", .log_x = true, .series = series, .series_count = 1 }, error);
+	for (uint32_t i = 0; i < t->plants; i++)
+		series[i] = (struct bench_series){ t->name[i], t->recall[i], t->precision[i], CAPS, true };
+	return code ? code : bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_pr",
 		.title = "Precision and Recall of clouds of 2 to 333 billboards", .x = "Recall",
-		.y = "Precision", .series = series, .series_count = means->plants }, error);
+		.y = "Precision", .series = series, .series_count = t->plants }, error);
 }
 
-static void write_means(struct bench *bench, const struct tables *t, struct means *means)
+static void write_means(struct section *t)
 {
-	for (int row = 0; row < ROWS && means->plants; row++) {
-		for (uint32_t b = 0; b < BUDGETS; b++) {
-			means->q[row][b].hard /= means->plants;
-			means->q[row][b].soft /= means->plants;
-		}
-		write_row(t, "mean", row, means->q[row]);
+	for (int row = 0; row < ROWS; row++) {
+		for (uint32_t b = 0; b < 2 * BUDGETS; b++)
+			t->sum[row][b] /= t->plants;
+		write_row(t, "mean", row, t->sum[row]);
 	}
-	for (uint32_t cap = 0; cap < BENCH_BILLBOARDS_CAPS; cap++)
-		means->cap_error[cap] /= means->plants;
-	bench_key(bench, "billboards_hard_200", means->q[0][2].hard, "Q of at most 200 vertices");
-	bench_key(bench, "billboards_hard_1000", means->q[0][3].hard, "of at most 1000");
-	bench_key(bench, "billboards_best_of_ours_hard_200", means->q[BEST][2].hard, "beside it");
-	bench_key(bench, "billboards_best_of_ours_hard_1000", means->q[BEST][3].hard, "beside it");
-	for (int m = 0; m < BENCH_TURN_METHODS; m++) {
+	for (uint32_t cap = 0; cap < CAPS; cap++)
+		t->cap_error[cap] /= t->plants;
+	bench_key(t->bench, "billboards_hard_200", t->sum[ALL][2], "Q of at most 200 vertices");
+	bench_key(t->bench, "billboards_hard_1000", t->sum[ALL][3], "of at most 1000");
+	bench_key(t->bench, "billboards_best_of_ours_hard_200", t->sum[BEST][2], "beside it");
+	bench_key(t->bench, "billboards_best_of_ours_hard_1000", t->sum[BEST][3], "beside it");
+	for (int m = 0; m < TURNS; m++) {
 		char key[64];
-		snprintf(key, sizeof key, "billboards_turn_sd_%s", m ? bench_turn_names[m] : "billboards");
-		bench_key(bench, key, means->turned[m] ? means->sd[m] / means->turned[m] : NAN,
+		snprintf(key, sizeof key, "billboards_turn_sd_%s", m ? turn_names[m] : "billboards");
+		bench_key(t->bench, key, t->turned[m] ? t->sd[m] / t->turned[m] : NAN,
 			"standard deviation of Q over a turn, mean over plants");
 	}
 }
 
-static enum eco_code study_all(struct bench *bench, const struct tables *t, struct means *means,
-	struct eco_error *error)
+static enum eco_code study_all(struct section *t, struct eco_error *error)
 {
+	struct bench *bench = t->bench;
 	struct bench_model *models = NULL;
 	uint32_t count = 0, last = 0;
 	enum eco_code code = bench_models(bench, &models, &count, error);
-	for (uint32_t i = 0; i < count && !code && means->plants < PLANTS_MOST; i++) {
+	for (uint32_t i = 0; i < count && !code && t->plants < PLANTS_MOST; i++) {
 		/* without the data folder generated plants stand for those with leaves */
-		if (bench->data ? !bench_splats_is_foliage(&models[i]) : means->plants == 2)
+		if (bench->data ? !bench_splats_is_foliage(&models[i]) : t->plants == 2)
 			continue;
-		if (!bench->full && means->plants == PLANTS_QUICK) {
+		if (!bench->full && t->plants == PLANTS_QUICK) {
 			bench_left_out(bench, models[i].name);
 			continue;
 		}
 		bench_progress(bench, (double)i / count, models[i].name);
-		code = study_plant(bench, &models[i], t, means, error);
+		code = study_plant(t, &models[i], error);
 		last = i;
 		if (!code && bench_stopped(bench))
 			code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	}
-	if (!code && means->plants)
+	if (!code && t->plants)
 		code = study_field(bench, &models[last], error);
 	free(models);
 	return code;
@@ -361,29 +575,29 @@ static enum eco_code study_all(struct bench *bench, const struct tables *t, stru
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	struct means *means = calloc(1, sizeof *means);
-	if (!means)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for means");
-	const struct tables t = { bench_table_open(bench, "billboards_caps", "plant,kind,cap,billboards,"
-		"parts,crosses,planes,strips,error,invalid,epsilon,thousand texels,PNG kB,CPU s,Precision,"
-		"Recall,hard,soft", true), bench_table_open(bench, "billboards", "plant,kind,hard 12,hard 48,"
-		"hard 200,hard 1000,soft 12,soft 48,soft 200,soft 1000", true), bench_table_open(bench,
-		"billboards_turn", "plant,method,vertices,of wood besides,mean Q,least,most,variance,"
-		"standard deviation", true) };
-	enum eco_code code = study_all(bench, &t, means, error);
-	if (!code && means->plants)
-		write_means(bench, &t, means);
+	struct section t = { .bench = bench };
+	t.caps = bench_table_open(bench, "billboards_caps",
+		"plant,kind,cap,billboards,parts,crosses,planes,strips,"
+		"error,invalid,epsilon,thousand texels,PNG kB,CPU s,Precision,Recall,hard,soft", true);
+	t.q = bench_table_open(bench, "billboards",
+		"plant,kind,hard 12,hard 48,hard 200,hard 1000,soft 12,soft 48,"
+		"soft 200,soft 1000", true);
+	t.turn = bench_table_open(bench, "billboards_turn",
+		"plant,method,vertices,of wood besides,mean Q,least,"
+		"most,variance,standard deviation", true);
+	enum eco_code code = study_all(&t, error);
+	if (!code && t.plants)
+		write_means(&t);
 	bench_table_close(t.caps);
 	bench_table_close(t.q);
 	bench_table_close(t.turn);
-	if (!code && means->plants)
-		code = plot_means(bench, means, error);
+	if (!code && t.plants)
+		code = plot_means(&t, error);
 	if (!code)
 		bench_say(bench, "A billboard has six vertices, a splat or a point one. Vertices do not "
 			"count textures: a cloud of another cap has other ones, so that clouds are "
 			"alternatives and none continues another. Over a turn leaves are pruned over whole "
 			"wood.");
-	free(means);
 	return code;
 }
 
