@@ -3,17 +3,251 @@
  * whose list of points there are not enough show cells, each at its own distance (6.1). */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "ecofiles/format/chunk/chunk.h"
+#include "lod/geometry.h"
 #include "tests/bench/baseline/paper_rules.h"
 
 #define SPLAT_FACTOR 1.3
 
-/* The rule at one sample distance. */
-struct rule {
-	struct paper *p;
-	double d, splat_factor;
-	double *mean_m; /* per plant: the distance at which all its cells are drawn; NULL: each at its own */
-};
+/* ---- His lists (4.1) ---- */
+
+static double dice(uint64_t *state)
+{
+	*state = *state * 6364136223846793005u + 1442695040888963407u;
+	return (double)(*state >> 11) / 9007199254740992.0;
+}
+
+/* Uniform on the triangle: a point of the parallelogram, turned back where it lies outside. On the list's
+ * grid. */
+static void take_point(const float corners[9], uint64_t *state, const struct eco_list *list, int32_t out[3])
+{
+	double a = dice(state), b = dice(state);
+	if (a + b > 1) {
+		a = 1 - a;
+		b = 1 - b;
+	}
+	for (int k = 0; k < 3; k++) {
+		double o = (double)corners[k], at = o + a * ((double)corners[3 + k] - o)
+			+ b * ((double)corners[6 + k] - o);
+		out[k] = (int32_t)floor((at - list->grid_origin[k]) / list->grid_step[k] + 0.5);
+	}
+}
+
+/* `count` elements of one primitive with `corners` corners each; false without memory. */
+static bool take_elements(struct eco_elements *out, uint32_t count, uint8_t corners, uint32_t extra)
+{
+	*out = (struct eco_elements){ .element_count = count, .corner_count = corners * count,
+		.primitive_count = count, .extra_count = extra, .corners = malloc(count + 1u),
+		.position = malloc((3u * corners * (size_t)count + 1) * sizeof *out->position),
+		.extra = calloc((size_t)extra * count + 1, sizeof *out->extra) };
+	if (!out->corners || !out->position || !out->extra)
+		return false;
+	memset(out->corners, corners, count);
+	return true;
+}
+
+/* Two points on each triangle, one behind the other, in the colours of the points that the pack has. */
+static bool make_points(const struct view_list *from, const struct view_list *forms,
+	const struct eco_list *list,
+	struct eco_elements *out)
+{
+	uint32_t count = from->list.primitive_count, t = 0, colour = eco_list_extra_at(&forms->list,
+		ECO_ATTR_COLOR);
+	bool coloured = forms->list.attributes & ECO_ATTR_COLOR;
+	struct lod_geometry corners = { 0 };
+	uint64_t state = 1 + from->id;
+	if (!take_elements(out, 2 * count, 1, coloured) || !lod_geometry_make(&corners, &from->list, count,
+		false))
+		return false;
+	lod_list_geometry(&from->list, &from->elements, 0, count, 1, &corners);
+	for (uint32_t e = 0; e < from->elements.element_count; e++)
+		for (uint32_t last = t + from->elements.corners[e] - 2u; t < last; t++)
+			for (uint32_t i = 2 * t; i < 2 * t + 2; i++) {
+				take_point(corners.position + 9 * (size_t)t, &state, list, out->position + 3
+					* (size_t)i);
+				if (coloured)
+					out->extra[i] = forms->elements.extra[(size_t)e
+						* forms->elements.extra_count + colour];
+			}
+	lod_geometry_free(&corners);
+	return true;
+}
+
+/* Gives the store a list of its own. Chunks reorder their elements, but points must stay beside those of
+ * their
+ * triangle: the store's copy is put back into the order in which they were made. */
+static enum eco_code feed_made(struct paper_scene *s, uint32_t id, const struct eco_list *list,
+	const struct eco_elements *made, const struct view_list *like, struct eco_error *error)
+{
+	struct eco_chunk_input input = { .list = list, .elements = made, .end = made->element_count };
+	struct eco_chunk chunk = { .primitive_count = made->primitive_count,
+		.element_count = made->element_count };
+	uint8_t *bytes = NULL;
+	size_t size = 0;
+	enum eco_code code = eco_chunk_encode(&input, &bytes, &size, NULL, error);
+	chunk.size_bytes = (uint32_t)size;
+	code = code ? code : view_store_events.list(s->store, id, list, (const uint8_t (*)[3])like->palette,
+		NULL,
+		error);
+	if (!code) {
+		chunk.id = eco_chunk_hash(bytes, size);
+		code = view_store_events.chunk(s->store, id, 0, &chunk, bytes, error);
+	}
+	if (!code) {
+		const struct eco_elements *held = &view_store_list(s->store, id)->elements;
+		memcpy(held->position, made->position, 3 * (size_t)made->corner_count
+			* sizeof *made->position);
+		if (made->extra_count)
+			memcpy(held->extra, made->extra, (size_t)made->extra_count * made->element_count
+				* sizeof *made->extra);
+	}
+	free(bytes);
+	return code;
+}
+
+/* A list like another, of one chunk. */
+static struct eco_list list_like(const struct view_list *like)
+{
+	struct eco_list list = like->list;
+	list.coder = ECO_CODER_ELEMENTS;
+	list.partner = ECO_NONE;
+	list.chunk_count = 1;
+	list.chunk_first = 0;
+	return list;
+}
+
+static enum eco_code add_points(struct paper_scene *s, const struct eco_ladder *l, uint32_t id,
+	struct eco_error *error)
+{
+	const struct view_list *from = view_store_list(s->store, l->triangles),
+		*forms = view_store_list(s->store, l->points);
+	struct eco_list list = list_like(forms);
+	struct eco_elements points;
+	double region = (double)from->list.primitive_count * l->total / from->list.element_count;
+	list.attributes &= ECO_ATTR_COLOR;
+	list.primitive_count = list.element_count = 2 * from->list.primitive_count;
+	list.unit_area = (float)((double)l->area / 2 / (2 * region));
+	memcpy(list.grid_origin, from->list.grid_origin, sizeof list.grid_origin);
+	memcpy(list.grid_step, from->list.grid_step, sizeof list.grid_step);
+	enum eco_code code = make_points(from, forms, &list, &points) ? feed_made(s, id, &list, &points,
+		forms, error)
+		: eco_fail(error, ECO_NO_MEMORY, "no memory for points");
+	eco_elements_free(&points);
+	return code;
+}
+
+struct line { double width, length; uint32_t at; };
+
+/* In random order. */
+static struct line *read_lines(const struct view_list *from)
+{
+	const struct eco_elements *e = &from->elements;
+	uint32_t n = e->element_count, width = eco_list_extra_at(&from->list, ECO_ATTR_WIDTH);
+	struct line *lines = malloc((n + 1u) * sizeof *lines);
+	uint64_t state = 1 + from->id;
+	for (uint32_t i = 0; lines && i < n; i++) {
+		uint32_t other = (uint32_t)(dice(&state) * (i + 1));
+		const int32_t *at = e->position + 6 * (size_t)i;
+		double square = 0;
+		for (int k = 0; k < 3; k++) {
+			double d = from->list.grid_step[k] * ((double)at[3 + k] - at[k]);
+			square += d * d;
+		}
+		lines[i] = lines[other];
+		lines[other] = (struct line){ from->list.grid_step[0] * e->extra[(size_t)e->extra_count * i
+			+ width],
+			sqrt(square), i };
+	}
+	return lines;
+}
+
+/* Mean width of lines up to `most` wide. */
+static double mean_width(const struct line *lines, uint32_t count, double most)
+{
+	double area = 0, length = 0;
+	for (uint32_t i = 0; i < count; i++)
+		if (lines[i].width <= most) {
+			area += lines[i].width * lines[i].length;
+			length += lines[i].length;
+		}
+	return length > 0 ? area / length : 0;
+}
+
+/* Fills all of `made` but the list. */
+static bool make_lines(const struct view_list *from, const struct line *lines, double width,
+	struct paper_lines *made, struct eco_elements *out)
+{
+	const struct eco_elements *e = &from->elements;
+	uint32_t n = e->element_count, each = e->extra_count, next = 0,
+		extra = eco_list_extra_at(&from->list, ECO_ATTR_WIDTH);
+	if (!take_elements(out, n, 2, each))
+		return false;
+	for (int thick = 1; thick >= 0; thick--)
+		for (uint32_t i = 0; i < n; i++) {
+			if ((lines[i].width > width) != thick)
+				continue;
+			memcpy(out->position + 6 * (size_t)next, e->position + 6 * (size_t)lines[i].at,
+				6 * sizeof *out->position);
+			memcpy(out->extra + (size_t)each * next, e->extra + (size_t)each * lines[i].at,
+				each * sizeof *out->extra);
+			if (!thick)
+				out->extra[(size_t)each * next + extra] = (int32_t)fmin(fmax(1, width
+					/ from->list.grid_step[0]), 1 << 26);
+			made->thick += (uint32_t)thick;
+			next++;
+		}
+	made->width = width;
+	made->thin = mean_width(lines, n, width);
+	return true;
+}
+
+static enum eco_code add_lines(struct paper_scene *s, uint32_t ladder, uint32_t id, struct eco_error *error)
+{
+	const struct view_list *from = view_store_list(s->store, s->scene->ladders[ladder].lines);
+	const struct eco_list list = list_like(from);
+	struct line *lines = read_lines(from);
+	double mean = lines ? mean_width(lines, from->elements.element_count, INFINITY) : 0;
+	enum eco_code code = lines ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for lines");
+	for (uint32_t i = 0; i < PAPER_WIDTHS && !code && mean > 0; i++) {
+		struct paper_lines *made = &s->lines[(size_t)ladder * PAPER_WIDTHS + i];
+		struct eco_elements elements;
+		made->list = id + i;
+		code = make_lines(from, lines, mean * pow(2, i / 2.0), made, &elements)
+			? feed_made(s, id + i, &list, &elements, from, error)
+			: eco_fail(error, ECO_NO_MEMORY, "no memory for lines");
+		eco_elements_free(&elements);
+	}
+	free(lines);
+	return code;
+}
+
+enum eco_code paper_deussen_lists(struct paper_scene *s, struct eco_error *error)
+{
+	const struct eco_scene *scene = s->scene;
+	enum eco_code code = ECO_OK;
+	s->points = malloc((scene->ladder_count + 1u) * sizeof *s->points);
+	s->lines = calloc((scene->ladder_count + 1u) * (size_t)PAPER_WIDTHS, sizeof *s->lines);
+	if (!s->points || !s->lines)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for tables");
+	for (uint32_t i = 0, id = scene->list_count; i < scene->ladder_count && !code; i++) {
+		const struct eco_ladder *l = &scene->ladders[i];
+		s->points[i] = ECO_NONE;
+		if (l->lines != ECO_NONE && scene->lists[l->lines].primitive_count) {
+			code = add_lines(s, i, id, error);
+			id += PAPER_WIDTHS;
+		}
+		if (!code && paper_is_leaves(l) && l->points != ECO_NONE && l->lines == ECO_NONE
+				&& scene->lists[l->triangles].element_count) {
+			s->points[i] = id++;
+			code = add_points(s, l, s->points[i], error);
+		}
+	}
+	return code;
+}
+
+/* ---- His numbers (5) ---- */
 
 double paper_deussen_points(double area, double r, double d, double splat_factor)
 {
@@ -39,117 +273,79 @@ double paper_deussen_scale(double p, double k, double splat_factor)
 	return splat_factor * 2 * k / p;
 }
 
-/* ---- One ladder ---- */
+/* The rule at one sample distance. */
+struct rule {
+	struct paper *p;
+	double d, splat_factor;
+	double *mean_m; /* per plant: the distance at which all its cells are drawn; NULL: each at its own */
+};
 
-struct region {
-	double r, area, total, before;
-}; /* total, before: triangles or lines */
-
-/* Its own list holds `count` triangles after the `before` ones of the region that the whole plant's holds. */
-static void add_points(const struct rule *rule, const struct lod_slot *slot, uint32_t ladder,
-	const struct region *of)
+/* A ladder's own lists hold `count` triangles or lines after the `before` ones of the region, `total` in all,
+ * that
+ * the whole plant's lists hold. */
+static void cut_points(const struct rule *rule, const struct lod_slot *slot, uint32_t ladder, double r)
 {
 	struct paper *p = rule->p;
-	uint32_t list = p->s->scene->ladders[ladder].triangles,
-		 count = p->s->scene->lists[list].primitive_count;
-	uint32_t points = p->s->points[ladder];
-	double asked = paper_deussen_points(of->area, of->r, rule->d, rule->splat_factor);
-	double own = asked - 2 * of->before;
-	struct paper_blend blend = { .end = (uint32_t)fmin(fmax(0, own), 2.0 * count) };
+	const struct eco_ladder *l = &p->s->scene->ladders[ladder];
+	const struct eco_list *list = &p->s->scene->lists[l->triangles];
+	uint32_t count = list->primitive_count;
+	double each = list->element_count ? (double)count / list->element_count : 1, total = each * l->total,
+		before = each * l->before,
+		asked = paper_deussen_points((double)l->area, r, rule->d, rule->splat_factor);
+	struct paper_blend blend = { .end = (uint32_t)fmin(fmax(0, asked - 2 * before), 2.0 * count) };
 	/* triangles of the region as a whole are blended, not those of a part */
-	if (asked >= 2 * of->total)
-		blend = paper_deussen_blend(2.0 * count + fmax(0, asked - 2 * of->total - of->before), count);
-	double k = of->total > 0 ? of->total : 1;
-	paper_cut(p, slot, &(struct eco_cut){ .list = list, .end = blend.triangles, .scale = 1 });
-	paper_cut(p, slot,
-		&(struct eco_cut){ .list = points,
-			.first = blend.first,
-			.end = blend.end,
-			.scale = (float)paper_deussen_scale(asked, k, rule->splat_factor) });
+	if (asked >= 2 * total)
+		blend = paper_deussen_blend(2.0 * count + fmax(0, asked - 2 * total - before), count);
+	paper_cut(p, slot, &(struct eco_cut){ .list = l->triangles, .end = blend.triangles, .scale = 1 });
+	paper_cut(p, slot, &(struct eco_cut){ .list = p->s->points[ladder], .first = blend.first,
+		.end = blend.end,
+		.scale = (float)paper_deussen_scale(asked, total > 0 ? total : 1, rule->splat_factor) });
 }
 
-static uint32_t last_level(const struct eco_ladder *ladder, uint32_t *end, uint32_t all)
-{
-	uint8_t n = ladder->level_count;
-	*end = n ? ladder->level_end[n - 1] : all;
-	return n > 1 ? ladder->level_end[n - 2] : 0;
-}
-
-/* The lists of lines nearest to d' in width; NULL without lines. */
-static const struct paper_lines *lines_at(const struct paper *p, uint32_t ladder, double width)
-{
-	const struct paper_lines *lines = p->s->lines + (size_t)ladder * PAPER_WIDTHS;
-	if (!(lines->width > 0))
-		return NULL;
-	double step = floor(2 * log2(width / lines->width) + 0.5);
-	return lines + (int)fmin(fmax(0, step), PAPER_WIDTHS - 1);
-}
-
-static void add_lines(const struct rule *rule, const struct lod_slot *slot, uint32_t ladder,
-	const struct region *of)
+static void cut_lines(const struct rule *rule, const struct lod_slot *slot, uint32_t ladder, double r)
 {
 	struct paper *p = rule->p;
 	double d = rule->d;
 	const struct eco_ladder *l = &p->s->scene->ladders[ladder];
-	const struct paper_lines *lines = lines_at(p, ladder, d * of->r);
-	double q = lines ? paper_deussen_lines(lines->thin, of->r, d) : 2;
-	uint32_t end;
-	if (lines && (l->triangles == ECO_NONE || (q <= 1 && (double)l->epsilon / of->r < d))) {
+	const struct paper_lines *lines = p->s->lines + (size_t)ladder * PAPER_WIDTHS;
+	bool has_lines = lines->width > 0;
+	if (has_lines)                       /* those nearest to d' in width */
+		lines += (int)fmin(fmax(0, floor(2 * log2(d * r / lines->width) + 0.5)), PAPER_WIDTHS - 1);
+	double q = has_lines ? paper_deussen_lines(lines->thin, r, d) : 2;
+	if (has_lines && (l->triangles == ECO_NONE || (q <= 1 && (double)l->epsilon / r < d))) {
 		/* the first list of wood holds the thickest lines and stands for these; that of blades holds
 		 * some at random and stands for all */
 		uint32_t count = p->s->scene->lists[l->lines].primitive_count;
 		bool wood = l->organ == ECO_ORGAN_WOOD;
-		double total = wood ? count : of->total, before = wood ? 0 : of->before;
+		double total = wood ? count : l->total, before = wood ? 0 : l->before;
 		double own = lines->thick + fmin(q, 1) * fmax(0, total - lines->thick) - before;
 		paper_cut(p, slot, &(struct eco_cut){ .list = lines->list,
-			.end = (uint32_t)fmin(fmax(0, own), count),
-			.scale = (float)fmax(1, d * of->r / lines->width) });
-		return;
+			.end = (uint32_t)fmin(fmax(0, own), count), .scale = (float)fmax(1, d * r
+				/ lines->width) });
+	} else if (l->triangles != ECO_NONE) {       /* polygons of the last level */
+		uint8_t n = l->level_count;
+		paper_cut(p, slot, &(struct eco_cut){ .list = l->triangles,
+			.first = n > 1 ? l->level_end[n - 2] : 0, .end = n ? l->level_end[n - 1]
+			: (uint32_t)lod_planner_count(p->s->scene, l->triangles), .scale = 1 });
 	}
-	if (l->triangles == ECO_NONE)
-		return;
-	uint32_t first = last_level(l, &end, (uint32_t)lod_planner_count(p->s->scene, l->triangles));
-	paper_cut(p, slot, &(struct eco_cut){ .list = l->triangles, .first = first, .end = end, .scale = 1 });
 }
 
-static struct region region_of(const struct paper *p, const struct eco_ladder *l, double r, bool triangles)
-{
-	double each = 1;
-	if (triangles && p->s->scene->lists[l->triangles].element_count)
-		each = (double)p->s->scene->lists[l->triangles].primitive_count /
-			p->s->scene->lists[l->triangles].element_count;
-	return (struct region){ r, (double)l->area, each * l->total, each * l->before };
-}
-
-static void add_ladder(const struct rule *rule, const struct lod_slot *slot, uint32_t ladder)
-{
-	const struct paper *p = rule->p;
-	const struct eco_ladder *l = &p->s->scene->ladders[ladder];
-	double r = rule->mean_m ? rule->mean_m[slot->plant] : lod_band_distance_m(slot->band);
-	bool points = p->s->points[ladder] != ECO_NONE;
-	struct region of = region_of(p, l, r, points);
-	if (points)
-		add_points(rule, slot, ladder, &of);
-	else
-		add_lines(rule, slot, ladder, &of);
-}
-
-/* ---- Cells ---- */
+/* ---- Cells (6.1) ---- */
 
 /* Whether the whole plant's lists do not suffice at this distance. */
 static bool wants_cells(const struct rule *rule, const struct eco_ladder *l, double r)
 {
 	const struct paper *p = rule->p;
-	double d = rule->d;
 	if (l->flags & ECO_LADDER_WHOLE)
 		return false;
 	if (p->s->points[l - p->s->scene->ladders] != ECO_NONE)
-		return paper_deussen_points((double)l->area, r, d, rule->splat_factor) >
-			2.0 * p->s->scene->lists[l->triangles].primitive_count;
+		return paper_deussen_points((double)l->area, r, rule->d, rule->splat_factor)
+			> 2.0 * p->s->scene->lists[l->triangles].primitive_count;
 	/* all lines of the region, of which the whole plant's list may hold a few */
 	double area = (double)l->area * (l->organ == ECO_ORGAN_WOOD ? 0.5 : 1);
-	double q = l->length > 0 ? paper_deussen_lines(area / (double)l->length, r, d) : 2;
-	return q * l->total > (double)lod_planner_count(p->s->scene, l->lines) || (double)l->epsilon / r >= d;
+	double q = l->length > 0 ? paper_deussen_lines(area / (double)l->length, r, rule->d) : 2;
+	return q * l->total > (double)lod_planner_count(p->s->scene, l->lines)
+		|| (double)l->epsilon / r >= rule->d;
 }
 
 static uint32_t gate_of(const struct rule *rule, uint32_t plant)
@@ -158,8 +354,9 @@ static uint32_t gate_of(const struct rule *rule, uint32_t plant)
 	const struct eco_plant *of = &scene->plants[plant];
 	for (int band = ECO_BANDS - 1; band >= 0 && of->anchor_count > 1; band--)
 		for (uint32_t i = of->ladder_first; i < of->ladder_first + of->ladder_count; i++)
-			if (scene->ladders[i].anchor == of->anchor_first &&
-				wants_cells(rule, &scene->ladders[i], lod_band_distance_m((uint8_t)band)))
+			if (scene->ladders[i].anchor == of->anchor_first
+					&& wants_cells(rule, &scene->ladders[i],
+						lod_band_distance_m((uint8_t)band)))
 				return (uint32_t)(band + 1) * ECO_SHARE_ONE;
 	return 0;
 }
@@ -171,19 +368,16 @@ static enum eco_code find_means(struct rule *rule, struct eco_error *error)
 	uint32_t plants = p->s->scene->plant_count;
 	double *count = calloc(plants + 1u, sizeof *count);
 	rule->mean_m = calloc(plants + 1u, sizeof *rule->mean_m);
-	if (!count || !rule->mean_m) {
-		free(count);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u distances", plants);
-	}
-	for (uint32_t i = 0; i < p->p.visible.slot_count; i++) {
+	for (uint32_t i = 0; i < p->p.visible.slot_count && count && rule->mean_m; i++) {
 		const struct lod_slot *slot = &p->p.visible.slots[i];
 		rule->mean_m[slot->plant] += (double)slot->count * lod_band_distance_m(slot->band);
 		count[slot->plant] += (double)slot->count;
 	}
-	for (uint32_t i = 0; i < plants; i++)
+	for (uint32_t i = 0; i < plants && count && rule->mean_m; i++)
 		rule->mean_m[i] /= fmax(1, count[i]);
+	bool made = count && rule->mean_m;
 	free(count);
-	return ECO_OK;
+	return made ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u distances", plants);
 }
 
 enum eco_code paper_deussen(struct paper *p, double d, void *deussen, struct eco_error *error)
@@ -197,12 +391,16 @@ enum eco_code paper_deussen(struct paper *p, double d, void *deussen, struct eco
 		code = find_means(&rule, error);
 	for (uint32_t i = 0; i < p->p.visible.slot_count && !code; i++) {
 		const struct lod_slot *slot = &p->p.visible.slots[i];
-		uint32_t count;
-		const uint32_t *ladders =
-			slot->count ? lod_plan_tables_anchor(p->s->tables, slot->anchor, &count) : NULL;
-		for (uint32_t k = 0; ladders && k < count; k++)
+		double r = rule.mean_m ? rule.mean_m[slot->plant] : lod_band_distance_m(slot->band);
+		uint32_t count = 0;
+		const uint32_t *ladders = slot->count ? lod_plan_tables_anchor(p->s->tables, slot->anchor,
+			&count)
+			: NULL;
+		for (uint32_t k = 0; k < count; k++)
 			if (paper_applies(p, &p->s->scene->ladders[ladders[k]], slot))
-				add_ladder(&rule, slot, ladders[k]);
+				(p->s->points[ladders[k]] != ECO_NONE ? cut_points : cut_lines)(&rule, slot,
+					ladders[k],
+					r);
 	}
 	free(rule.mean_m);
 	return code;

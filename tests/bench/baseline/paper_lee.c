@@ -21,18 +21,15 @@ static void keep_from(uint32_t *kept, uint32_t method, const struct lod_lee_grou
 	lod_lee_keep(kept, (enum lod_lee_method)method, groups, count, &view, budget, arena);
 }
 
-/* From the eye's distance and height, in the middle of a sector. */
+/* From the eye's distance and height, in the middle of a sector; SECTORS: of the one that the eye is in. */
 static struct lod_v3 sector_eye(struct lod_v3 center, struct lod_v3 eye, uint32_t sector)
 {
 	double x = eye.x - center.x, y = eye.y - center.y, away = sqrt(x * x + y * y),
-	       turn = (sector + 0.5) * 2 * LOD_PI / SECTORS;
+		at = atan2(y, x) / (2 * LOD_PI);
+	if (sector == SECTORS)
+		sector = (uint32_t)((at < 0 ? at + 1 : at) * SECTORS) % SECTORS;
+	double turn = (sector + 0.5) * 2 * LOD_PI / SECTORS;
 	return (struct lod_v3){ center.x + away * cos(turn), center.y + away * sin(turn), eye.z };
-}
-
-static uint32_t sector_of(struct lod_v3 center, struct lod_v3 eye)
-{
-	double turn = atan2(eye.y - center.y, eye.x - center.x) / (2 * LOD_PI);
-	return (uint32_t)((turn < 0 ? turn + 1 : turn) * SECTORS) % SECTORS;
 }
 
 static void keep_static(uint32_t *kept, uint32_t method, const struct lod_lee_group *groups, uint32_t count,
@@ -69,82 +66,68 @@ void paper_lee_keep(uint32_t *kept, uint32_t rule, const struct lod_lee_group *g
 	if (order == PAPER_LEE_STATIC)
 		keep_static(kept, method, groups, count, *center, *eye, budget, arena);
 	else
-		keep_from(kept, method, groups, count, *center,
-			order == PAPER_LEE_SECTOR ? sector_eye(*center, *eye, sector_of(*center, *eye))
-						  : *eye,
-			budget, arena);
+		keep_from(kept, method, groups, count, *center, order == PAPER_LEE_SECTOR
+			? sector_eye(*center, *eye, SECTORS) : *eye, budget, arena);
 }
 
 /* ---- Cells ---- */
 
-static bool make_group(const struct paper_scene *s, uint32_t list, struct lod_lee_group *group)
+static void make_group(const struct paper_scene *s, uint32_t list, struct lod_lee_group *group,
+	struct lod_arena *arena)
 {
 	const struct view_list *held = view_store_list(s->store, list);
-	uint32_t n = held->elements.element_count, t = 0;
+	uint32_t n = held->elements.element_count, t = 0, triangles = held->elements.primitive_count;
+	struct lod_arena_piece *mark = arena->last;
 	struct lod_geometry corners = { 0 };
-	struct lod_v3 *center = malloc((n + 1u) * sizeof *center),
-		      *normal = malloc((n + 1u) * sizeof *normal);
-	uint32_t *leaves = malloc((n + 1u) * sizeof *leaves);
-	bool made = center && normal && leaves &&
-		lod_geometry_make(&corners, &held->list, held->elements.primitive_count, false);
-	if (made)
-		lod_list_geometry(&held->list, &held->elements, 0, held->elements.primitive_count, 1,
-			&corners);
-	for (uint32_t i = 0; made && i < n; t += held->elements.corners[i++] - 2u) {
+	struct lod_v3 *center = lod_arena_take(arena, n, sizeof *center),
+		*normal = lod_arena_take(arena, n, sizeof *normal);
+	uint32_t *leaves = lod_arena_take(arena, n, sizeof *leaves);
+	if (!lod_geometry_make(&corners, &held->list, triangles, false))
+		longjmp(arena->failed, 1);
+	lod_list_geometry(&held->list, &held->elements, 0, triangles, 1, &corners);
+	for (uint32_t i = 0; i < n; t += held->elements.corners[i++] - 2u) {
 		const float *c = corners.position + 9 * (size_t)t;
 		struct lod_v3 a = lod_v3_of(c), b = lod_v3_of(c + 3), d = lod_v3_of(c + 6);
 		center[i] = lod_v3_scale(lod_v3_add(a, lod_v3_add(b, d)), 1 / 3.0);
 		normal[i] = lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(d, a));
 		leaves[i] = i;
 	}
-	if (made)
-		lod_lee_group_make(group, center, normal, leaves, n);
+	lod_lee_group_make(group, center, normal, leaves, n);
 	lod_geometry_free(&corners);
-	free(center);
-	free(normal);
-	free(leaves);
-	return made;
+	lod_arena_release(arena, mark);
 }
 
-static bool make_plant(const struct paper_scene *s, uint32_t plant, struct paper_lee_plant *out)
+static void make_plant(const struct paper_scene *s, uint32_t plant, struct paper_lee_plant *out,
+	struct lod_arena *arena)
 {
 	const struct eco_plant *of = &s->scene->plants[plant];
-	out->groups = calloc(of->ladder_count + 1u, sizeof *out->groups);
-	out->ladders = calloc(of->ladder_count + 1u, sizeof *out->ladders);
+	out->groups = lod_arena_take(arena, of->ladder_count, sizeof *out->groups);
+	out->ladders = lod_arena_take(arena, of->ladder_count, sizeof *out->ladders);
 	for (uint32_t i = of->ladder_first; i < of->ladder_first + of->ladder_count; i++) {
 		const struct eco_ladder *l = &s->scene->ladders[i];
-		if (!out->groups || !out->ladders)
-			return false;
-		if (!paper_is_leaves(l) || l->anchor == of->anchor_first ||
-			!s->scene->lists[l->triangles].element_count)
+		if (!paper_is_leaves(l) || l->anchor == of->anchor_first
+				|| !s->scene->lists[l->triangles].element_count)
 			continue;
-		if (!make_group(s, l->triangles, &out->groups[out->count]))
-			return false;
+		make_group(s, l->triangles, &out->groups[out->count], arena);
+		out->leaves += out->groups[out->count].count;
 		out->ladders[out->count++] = i;
 	}
-	return true;
 }
 
 enum eco_code paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s, struct eco_error *error)
 {
-	lee->plant_count = s->scene->plant_count;
-	lee->plants = calloc(lee->plant_count + 1u, sizeof *lee->plants);
 	lee->arena = calloc(1, sizeof *lee->arena);
-	bool made = lee->plants && lee->arena;
-	for (uint32_t i = 0; i < lee->plant_count && made; i++)
-		made = make_plant(s, i, &lee->plants[i]);
-	return made
-		? ECO_OK
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for the cells of %u plants", lee->plant_count);
+	if (!lee->arena || setjmp(lee->arena->failed))
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the cells of %u plants",
+			s->scene->plant_count);
+	lee->plants = lod_arena_take(lee->arena, s->scene->plant_count, sizeof *lee->plants);
+	for (uint32_t i = 0; i < s->scene->plant_count; i++)
+		make_plant(s, i, &lee->plants[i], lee->arena);
+	return ECO_OK;
 }
 
 void paper_lee_end(struct paper_lee *lee)
 {
-	for (uint32_t i = 0; lee->plants && i < lee->plant_count; i++) {
-		free(lee->plants[i].groups);
-		free(lee->plants[i].ladders);
-	}
-	free(lee->plants);
 	if (lee->arena)
 		lod_arena_free(lee->arena);
 	free(lee->arena);
@@ -158,17 +141,14 @@ struct each {
 	double full_m;
 };
 
-static double leaves_of(const struct paper_lee_plant *plant)
+static double lambda_at(const struct each *e, uint8_t band)
 {
-	double sum = 0;
-	for (uint32_t i = 0; i < plant->count; i++)
-		sum += plant->groups[i].count;
-	return sum;
+	return paper_cook_lambda(lod_band_distance_m(band), e->full_m);
 }
 
-static double scale_at(const struct each *e, uint32_t plant, double lambda)
+static float scale_at(const struct each *e, uint32_t plant, double lambda)
 {
-	return e->lee->tables ? paper_tables_cook(e->lee->tables, plant, lambda) : 1;
+	return e->lee->tables ? (float)paper_tables_cook(e->lee->tables, plant, lambda) : 1;
 }
 
 /* Where cells are chosen the whole's leaves are not drawn: they belong to no cell. */
@@ -177,71 +157,59 @@ static void add_cells(const struct each *e, const struct lod_anchor_band *anchor
 {
 	const struct paper_lee_plant *of = &e->lee->plants[plant];
 	const struct eco_scene *scene = e->p->s->scene;
-	const struct eco_anchor *whole = &scene->anchors[scene->plants[plant].anchor_first];
-	double lambda = paper_cook_lambda(lod_band_distance_m(anchors[0].band), e->full_m);
+	double lambda = lambda_at(e, anchors[0].band);
 	struct lod_arena_piece *mark = e->lee->arena->last;
 	uint32_t *kept = lod_arena_take(e->lee->arena, of->count, sizeof *kept);
-	struct lod_v3 center = lod_v3_of(whole->center);
-	paper_lee_keep(kept, e->lee->rule, of->groups, of->count, &center, &eye,
-		(uint64_t)(lambda * leaves_of(of)), e->lee->arena);
+	struct lod_v3 center = lod_v3_of(scene->anchors[scene->plants[plant].anchor_first].center);
+	paper_lee_keep(kept, e->lee->rule, of->groups, of->count, &center, &eye, (uint64_t)(lambda
+		* of->leaves),
+		e->lee->arena);
 	for (uint32_t a = 1; a < count; a++)
 		for (uint32_t g = 0; g < of->count; g++) {
 			const struct eco_ladder *l = &scene->ladders[of->ladders[g]];
-			struct lod_slot slot = { .anchor = anchors[a].anchor,
-				.plant = plant,
+			struct lod_slot slot = { .anchor = anchors[a].anchor, .plant = plant,
 				.band = anchors[a].band };
 			if (l->anchor == anchors[a].anchor)
-				paper_cut(e->p, &slot,
-					&(struct eco_cut){ .list = l->triangles,
-						.end = paper_triangles(e->p->s, l->triangles, kept[g]),
-						.scale = (float)scale_at(e, plant, lambda),
-						.share_first = hash,
+				paper_cut(e->p, &slot, &(struct eco_cut){ .list = l->triangles,
+					.end = paper_triangles(e->p->s, l->triangles, kept[g]),
+					.scale = scale_at(e, plant, lambda), .share_first = hash,
 						.share_end = hash + 1 });
 		}
 	lod_arena_release(e->lee->arena, mark);
 }
 
-static void add_plant(const struct each *e, const struct lod_place *place,
-	const struct lod_anchor_band *anchors, uint32_t count, uint32_t plant, uint32_t hash)
-{
-	double d[3];
-	for (int k = 0; k < 3; k++)
-		d[k] = (e->p->p.visible.eye.at[k] - place->at[k]) / place->scale;
-	struct lod_v3 eye = { d[0] * place->cosine + d[1] * place->sine,
-		d[1] * place->cosine - d[0] * place->sine, d[2] };
-	if (e->lee->plants[plant].count && eco_gate_place(anchors[0].band, hash) < e->p->p.gates[plant])
-		add_cells(e, anchors, count, plant, hash, eye);
-}
-
-static void each_plant(const struct each *e, const struct lod_node *node, const struct eco_group *group,
-	struct lod_anchor_band *scratch)
+static void add_group(const struct each *e, const struct lod_node *node, const struct eco_group *group)
 {
 	struct paper *p = e->p;
 	const struct eco_scene *scene = p->s->scene;
 	const struct eco_plant *of = &scene->plants[group->plant];
 	const struct eco_placement *placement = &p->p.visible.placements[node->placement];
-	for (uint32_t i = 0; i < group->count; i++) {
+	struct lod_anchor_band *anchors = p->p.visible.scratch;
+	for (uint32_t i = 0; i < group->count && e->lee->plants[group->plant].count; i++) {
 		struct eco_place stored = eco_place_read(scene, group->place_first + i);
 		struct lod_place place;
 		lod_place_instance(&place, placement, &scene->lists[group->list], &stored);
 		uint32_t hash = lod_share_hash(placement->path, group->list, group->first + i);
-		uint32_t count = lod_open_hash(hash) < node->left
-			? 0
+		uint32_t count = lod_open_hash(hash) < node->left ? 0
 			: lod_instance_anchors(&p->p.visible.eye, &place, scene->anchors + of->anchor_first,
-				  of->anchor_first, of->anchor_count, p->p.gates[group->plant], hash,
-				  scratch);
-		if (count)
-			add_plant(e, &place, scratch, count, group->plant, hash);
+			of->anchor_first, of->anchor_count, p->p.gates[group->plant], hash, anchors);
+		if (!count || eco_gate_place(anchors[0].band, hash) >= p->p.gates[group->plant])
+			continue;
+		double d[3];
+		for (int k = 0; k < 3; k++)
+			d[k] = (p->p.visible.eye.at[k] - place.at[k]) / place.scale;
+		add_cells(e, anchors, count, group->plant, hash, (struct lod_v3){ d[0] * place.cosine
+			+ d[1] * place.sine, d[1] * place.cosine - d[0] * place.sine, d[2] });
 	}
 }
 
 /* Wood of all plants, and the leaves of those without cells of their own choice. */
 static void add_slot(const struct each *e, const struct lod_slot *slot)
 {
-	double lambda = paper_cook_lambda(lod_band_distance_m(slot->band), e->full_m);
-	const struct paper_lee_plant *of = &e->lee->plants[slot->plant];
+	double lambda = lambda_at(e, slot->band);
 	const struct eco_scene *scene = e->p->s->scene;
-	bool near = of->count && eco_gate_place(slot->band, 0) < e->p->p.gates[slot->plant];
+	bool near = e->lee->plants[slot->plant].count
+		&& eco_gate_place(slot->band, 0) < e->p->p.gates[slot->plant];
 	uint32_t count;
 	const uint32_t *ladders = lod_plan_tables_anchor(e->p->s->tables, slot->anchor, &count);
 	for (uint32_t k = 0; k < count; k++) {
@@ -255,20 +223,17 @@ static void add_slot(const struct each *e, const struct lod_slot *slot)
 		double own = fmin(lambda * l->total, scene->lists[l->triangles].element_count);
 		if (slot->cell || near || !(own > 0))
 			continue;
-		paper_cut(e->p, slot,
-			&(struct eco_cut){ .list = l->triangles,
-				.end = paper_triangles(e->p->s, l->triangles, own < 1 ? 1 : (uint32_t)own),
-				.scale = (float)scale_at(e, slot->plant, lambda),
-				.share_end =
-					own < 1 ? (uint32_t)fmax(1, own * ECO_SHARE_ONE) : ECO_SHARE_ONE });
+		paper_cut(e->p, slot, &(struct eco_cut){ .list = l->triangles,
+			.end = paper_triangles(e->p->s, l->triangles, own < 1 ? 1 : (uint32_t)own),
+			.scale = scale_at(e, slot->plant, lambda),
+			.share_end = own < 1 ? (uint32_t)fmax(1, own * ECO_SHARE_ONE) : ECO_SHARE_ONE });
 	}
 }
 
-static uint32_t gate_of(const struct paper_lee_plant *plant, double full_m)
+static uint32_t gate_of(const struct each *e, const struct paper_lee_plant *plant)
 {
 	for (int band = ECO_BANDS - 1; band >= 0 && plant->count; band--)
-		if (paper_cook_lambda(lod_band_distance_m((uint8_t)band), full_m) * leaves_of(plant) >=
-			LEAVES_A_CELL * plant->count)
+		if (lambda_at(e, (uint8_t)band) * plant->leaves >= LEAVES_A_CELL * plant->count)
 			return (uint32_t)(band + 1) * ECO_SHARE_ONE;
 	return 0;
 }
@@ -277,22 +242,20 @@ enum eco_code paper_lee(struct paper *p, double full_m, void *ctx, struct eco_er
 {
 	struct paper_lee *lee = ctx;
 	struct each e = { p, lee, full_m };
-	if (setjmp(lee->arena->failed)) {
-		lod_arena_free(lee->arena);
+	const struct eco_scene *scene = p->s->scene;
+	if (setjmp(lee->arena->failed))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for cells");
-	}
-	for (uint32_t i = 0; i < lee->plant_count; i++)
-		p->p.gates[i] = gate_of(&lee->plants[i], full_m);
+	for (uint32_t i = 0; i < scene->plant_count; i++)
+		p->p.gates[i] = gate_of(&e, &lee->plants[i]);
 	enum eco_code code = paper_open(p, 0, error);
 	for (uint32_t i = 0; i < p->p.visible.slot_count && !code; i++)
 		if (p->p.visible.slots[i].count)
 			add_slot(&e, &p->p.visible.slots[i]);
 	for (uint32_t n = 0; n < p->p.visible.node_count && !code; n++) {
 		const struct lod_node *node = &p->p.visible.nodes[n];
-		const struct eco_tile *tile = &p->s->scene->tiles[node->tile];
+		const struct eco_tile *tile = &scene->tiles[node->tile];
 		for (uint32_t g = 0; node->state == LOD_OPEN && g < tile->group_count; g++)
-			each_plant(&e, node, &p->s->scene->groups[tile->group_first + g],
-				p->p.visible.scratch);
+			add_group(&e, node, &scene->groups[tile->group_first + g]);
 	}
 	return code;
 }

@@ -14,15 +14,15 @@ enum { PAPER_LEE_VIEW, PAPER_LEE_SECTOR, PAPER_LEE_STATIC, PAPER_LEE_ORDERS };
 #define PAPER_LEE_RULES (LOD_LEE_COUNT * PAPER_LEE_ORDERS)
 extern const char *const paper_lee_names[PAPER_LEE_RULES];
 
-struct paper_lee_plant {
+struct paper_lee_plant { /* cells with leaves */
 	struct lod_lee_group *groups;
-	uint32_t *ladders, count, room;
+	uint32_t *ladders, count;
+	double leaves;
 };
 struct paper_lee {
 	const struct paper_tables *tables;
 	uint32_t rule;                  /* method * PAPER_LEE_ORDERS + order */
-	struct paper_lee_plant *plants; /* cells with leaves */
-	uint32_t plant_count;
+	struct paper_lee_plant *plants;
 	struct lod_arena *arena;
 };
 enum eco_code paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s, struct eco_error *error);

@@ -49,8 +49,6 @@ struct paper_sight_state {
 void paper_sight_step(struct paper_sight_state *state, double counted);
 void paper_sight_update(struct paper_sight *sight, const struct paper_frame *frame,
 	const struct eco_view *view);
-/* After a jump of the camera: everything counts as visible. */
-void paper_sight_forget(struct paper_sight *sight);
 /* 1 for plants not seen in the last frame, and of NULL. */
 double paper_sight_of(const struct paper_sight *sight, uint32_t plant, uint32_t hash);
 double paper_sight_share(double f); /* max(f, 0.1) */

@@ -23,6 +23,8 @@ struct paper_deussen {
 	bool whole;
 };
 
+/* The scene's points and lines. */
+enum eco_code paper_deussen_lists(struct paper_scene *s, struct eco_error *error);
 /* Points that a surface needs at distance r: c_p A / (2 r^2) / d'^2, equation 1 without its misprint. */
 double paper_deussen_points(double area, double r, double d, double splat_factor);
 /* q of equation 2: the share of lines that cover the wood or blades when each is as wide as d'; above 1 they

@@ -28,10 +28,6 @@ struct paper_lines {
 	double width, thin;          /* metres; thin: the mean of the others as they were modelled */
 };
 
-/* Fills all but the list; false without memory. The caller frees the elements in any case. */
-bool paper_make_lines(const struct view_list *from, double width, struct paper_lines *made,
-	struct eco_elements *out);
-
 struct paper_scene {
 	struct eco_pack *pack;
 	const struct eco_scene *scene;
@@ -49,9 +45,6 @@ void paper_scene_close(struct paper_scene *scene);
 uint32_t paper_triangles(const struct paper_scene *s, uint32_t list, uint32_t elements);
 /* A ladder of leaves: not of wood, not one that shows the whole plant, with triangles. */
 bool paper_is_leaves(const struct eco_ladder *ladder);
-
-/* Two points on a triangle, uniform in its area; `u` gives numbers in [0, 1). */
-void paper_two_points(const float corners[9], double u(void *ctx), void *ctx, double out[2][3]);
 
 struct paper {
 	const struct paper_scene *s;

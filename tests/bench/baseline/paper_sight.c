@@ -2,7 +2,6 @@
  * with one share hash are one. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "tests/bench/baseline/paper_neubert.h"
 
@@ -27,11 +26,11 @@ static void take_points(struct paper_sight *sight, uint32_t plant)
 	const struct eco_plant *of = &s->scene->plants[plant];
 	for (uint32_t i = of->ladder_first; i < of->ladder_first + of->ladder_count; i++) {
 		const struct eco_ladder *l = &s->scene->ladders[i];
-		if (!paper_is_leaves(l))
-			continue;
-		const struct view_list *list = view_store_list(s->store, l->triangles);
-		const int32_t *at = list->elements.position;
-		for (uint32_t e = 0; e < list->elements.element_count && sight->counts[plant] < POINTS; e++) {
+		const struct view_list *list = paper_is_leaves(l) ? view_store_list(s->store, l->triangles)
+			: NULL;
+		const int32_t *at = list ? list->elements.position : NULL;
+		for (uint32_t e = 0; list && e < list->elements.element_count
+			&& sight->counts[plant] < POINTS; e++) {
 			float *out = sight->points[plant][sight->counts[plant]++];
 			for (int k = 0; k < 3; k++)
 				out[k] = (float)(list->list.grid_origin[k] + list->list.grid_step[k] * at[k]);
@@ -43,23 +42,20 @@ static void take_points(struct paper_sight *sight, uint32_t plant)
 enum eco_code paper_sight_new(struct paper_sight **out, const struct paper_scene *scene,
 	struct eco_error *error)
 {
-	struct paper_sight *sight = *out = calloc(1, sizeof *sight);
 	uint32_t n = scene->scene->plant_count;
-	if (sight) {
-		*sight = (struct paper_sight){ .scene = scene,
-			.plants = calloc(n + 1, sizeof *sight->plants),
+	struct paper_sight *sight = *out = calloc(1, sizeof *sight);
+	if (sight)
+		*sight = (struct paper_sight){ .scene = scene, .plants = calloc(n + 1, sizeof *sight->plants),
 			.points = calloc(n + 1, sizeof *sight->points),
-			.counts = calloc(n + 1, sizeof *sight->counts),
-			.frame = 1 };
-		if (sight->plants && sight->points && sight->counts) {
-			for (uint32_t i = 0; i < n; i++)
-				take_points(sight, i);
-			return ECO_OK;
-		}
+			.counts = calloc(n + 1, sizeof *sight->counts), .frame = 1 };
+	if (!sight || !sight->plants || !sight->points || !sight->counts) {
+		paper_sight_free(sight);
+		*out = NULL;
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for what plants hide");
 	}
-	paper_sight_free(sight);
-	*out = NULL;
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for what plants hide");
+	for (uint32_t i = 0; i < n; i++)
+		take_points(sight, i);
+	return ECO_OK;
 }
 
 void paper_sight_free(struct paper_sight *sight)
@@ -81,10 +77,7 @@ void paper_sight_step(struct paper_sight_state *state, double counted)
 	state->smooth += SMOOTHING * (state->held - state->smooth);
 }
 
-double paper_sight_share(double f)
-{
-	return fmax(f, LEAST);
-}
+double paper_sight_share(double f) { return fmax(f, LEAST); }
 
 /* Outside the picture it counts as visible. */
 static bool is_hidden(const struct lod_eye *eye, const struct view_picture *picture, uint64_t owner,
@@ -93,16 +86,14 @@ static bool is_hidden(const struct lod_eye *eye, const struct view_picture *pict
 	double d[3];
 	for (int k = 0; k < 3; k++)
 		d[k] = world[k] - eye->at[k];
-	double z = lod_dot(d, eye->forward);
-	if (!(z > 0))
-		return false;
-	double x = (lod_dot(d, eye->right) / z / eye->tan_x + 1) / 2 * picture->width,
-	       y = (1 - lod_dot(d, eye->up) / z / eye->tan_y) / 2 * picture->height;
-	if (!(x >= 0 && x < picture->width && y >= 0 && y < picture->height))
+	double z = lod_dot(d, eye->forward), x = (lod_dot(d, eye->right) / z / eye->tan_x + 1) / 2
+		* picture->width,
+		y = (1 - lod_dot(d, eye->up) / z / eye->tan_y) / 2 * picture->height;
+	if (!(z > 0 && x >= 0 && x < picture->width && y >= 0 && y < picture->height))
 		return false;
 	size_t at = (size_t)y * picture->width + (size_t)x;
-	return picture->owner[at] && !eco_owner_match(picture->owner[at], owner) &&
-		(double)picture->depth[at] > 1 / z;
+	return picture->owner[at] && !eco_owner_match(picture->owner[at], owner)
+		&& (double)picture->depth[at] > 1 / z;
 }
 
 static double count_visible(const struct paper_sight *sight, const struct view_instance *instance,
@@ -138,11 +129,6 @@ void paper_sight_update(struct paper_sight *sight, const struct paper_frame *fra
 			paper_sight_step(&seen->state, count_visible(sight, instance, &eye, &frame->picture));
 		seen->frame = sight->frame;
 	}
-}
-
-void paper_sight_forget(struct paper_sight *sight)
-{
-	sight->frame += 2;
 }
 
 double paper_sight_of(const struct paper_sight *sight, uint32_t plant, uint32_t hash)

@@ -37,73 +37,51 @@ static void view_of(const struct alone *a, uint32_t number, struct eco_view *vie
 	view->eye[2] = view->target[2] + away * sin(up[number]);
 }
 
-static enum eco_code plan_leaves(const struct alone *a, double lambda, double scale, struct eco_plan *plan,
-	struct eco_error *error)
+/* A plan of the leaves alone, and the selection of it that a viewer would make. */
+static enum eco_code draw(const struct alone *a, double lambda, double scale, uint32_t number,
+	struct view_picture *picture, struct eco_error *error)
 {
 	const struct eco_scene *scene = a->s->scene;
 	const struct eco_plant *of = &scene->plants[a->plant];
-	*plan = (struct eco_plan){ .cuts = calloc(of->ladder_count + 1u, sizeof *plan->cuts),
-		.placements = calloc(1, sizeof *plan->placements),
-		.placement_count = 1 };
-	if (!plan->cuts || !plan->placements) {
-		eco_plan_free(plan);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a plant");
-	}
-	plan->placements[0].scale = 1;
-	for (uint32_t i = of->ladder_first; i < of->ladder_first + of->ladder_count; i++) {
+	size_t room = of->ladder_count + 1u;
+	struct eco_plan plan = { .cuts = calloc(room, sizeof *plan.cuts),
+		.placements = calloc(1, sizeof *plan.placements), .placement_count = 1 };
+	uint32_t *index = calloc(3 * (room + 1), sizeof *index), first[2] = { 0 };
+	uint8_t *roles = calloc(room, 1);
+	struct eco_view view;
+	struct lod_eye eye;
+	struct view_instance instance = { .place = { .cosine = 1, .scale = 1 }, .plant = a->plant,
+		.owner = eco_owner_instance(1, a->plant, 0) };
+	struct view_selection selection = { .instances = &instance, .instance_count = 1, .cut_first = first,
+		.cuts = index, .member_first = index + room, .members = index + 2 * room + 1,
+			.roles = roles };
+	struct view_reference_job job = { .store = a->s->store, .selection = &selection, .eye = &eye,
+		.near_m = 0.01 };
+	bool made = plan.cuts && plan.placements && index && roles;
+	for (uint32_t i = of->ladder_first; made && i < of->ladder_first + of->ladder_count; i++) {
 		const struct eco_ladder *l = &scene->ladders[i];
 		double own = paper_is_leaves(l) ? lambda * l->total - l->before : 0;
 		if (!(own >= 0.5) || !scene->lists[l->triangles].element_count)
 			continue;
-		plan->cuts[plan->cut_count++] = (struct eco_cut){ .list = l->triangles,
-			.anchor = l->anchor,
+		plan.cuts[plan.cut_count] = (struct eco_cut){ .list = l->triangles, .anchor = l->anchor,
 			.end = paper_triangles(a->s, l->triangles, (uint32_t)(own + 0.5)),
-			.scale = (float)scale,
-			.band_end = ECO_BANDS,
-			.share_end = ECO_SHARE_ONE };
+				.scale = (float)scale,
+			.band_end = ECO_BANDS, .share_end = ECO_SHARE_ONE };
+		index[plan.cut_count] = plan.cut_count;
+		plan.cut_count++;
+		selection.member_first[plan.cut_count] = plan.cut_count;
 	}
-	return ECO_OK;
-}
-
-static enum eco_code draw(const struct alone *a, double lambda, double scale, uint32_t number,
-	struct view_picture *picture, struct eco_error *error)
-{
-	struct eco_plan plan;
-	struct eco_view view;
-	struct lod_eye eye;
-	struct view_instance instance = { .place = { .cosine = 1, .scale = 1 },
-		.plant = a->plant,
-		.owner = eco_owner_instance(1, a->plant, 0) };
+	if (made)
+		plan.placements[0].scale = 1;
+	selection.cut_count = first[1] = plan.cut_count;
 	view_of(a, number, &view);
 	lod_eye_make(&eye, &view);
-	enum eco_code code = plan_leaves(a, lambda, scale, &plan, error);
-	if (code)
-		return code;
-	uint32_t count = plan.cut_count, *index = calloc(3u * (count + 2), sizeof *index),
-		 first[2] = { 0, count };
-	uint8_t *roles = calloc(count + 1, 1);
-	struct view_selection selection = { .instances = &instance,
-		.instance_count = 1,
-		.cut_count = count,
-		.cut_first = first,
-		.cuts = index,
-		.member_first = index + count + 1,
-		.members = index + 2 * count + 3,
-		.roles = roles };
-	for (uint32_t i = 0; index && i < count; i++) {
-		index[i] = i;
-		selection.member_first[i + 1] = i + 1;
-	}
-	struct view_reference_job job = { .store = a->s->store,
-		.selection = &selection,
-		.eye = &eye,
-		.near_m = 0.01 };
-	code = index && roles ? view_store_events.plan(a->s->store, &plan, error)
-			      : eco_fail(error, ECO_NO_MEMORY, "no memory for a plant");
-	if (!code)
-		code = view_picture_init(picture, SIDE, SIDE, error);
-	if (!code)
-		code = view_reference_draw(&job, picture, error);
+	enum eco_code code = made ? view_store_events.plan(a->s->store, &plan, error)
+		: eco_fail(error, ECO_NO_MEMORY, "no memory for a plant");
+	if (!made)
+		eco_plan_free(&plan);
+	code = code ? code : view_picture_init(picture, SIDE, SIDE, error);
+	code = code ? code : view_reference_draw(&job, picture, error);
 	free(index);
 	free(roles);
 	return code;

@@ -1,24 +1,22 @@
-/* A contact sheet of plants: full detail, then leaf collapse (Hidalgo 2007) and billboard clouds (Kratt
- * 2014), each beside ours at as many vertices. A row is a plant. */
+/* Plants side by side: full detail, then leaf collapse (Hidalgo 2007) and billboard clouds (Kratt 2014), each
+ * beside ours at as many vertices. A row of cells is a picture of its own. Wood, leaves and billboards are
+ * drawn in
+ * plain colours, and triangles by how they face the eye. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/ecopack/chart.h"
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/ecopack/export/plant_view.h"
+#include "lod/raster/texel.h"
 #include "tests/bench/baseline/billboard_cloud.h"
 #include "tests/bench/bench_leaves.h"
-#include "tests/bench/bench_state.h"
 #include "tests/bench/collapse/bench_collapse_plant.h"
-#include "tests/bench/collapse/bench_sheet_draw.h"
 #include "tests/bench/ladder/bench_savings.h"
 #include "tests/bench/pictures/bench_billboards.h"
 
 #define PIXELS 200u
-#define BACKGROUND 236           /* as bench_sheet_draw has it */
-#define GAP 8.0
-#define HEAD 40.0
-#define CAPTION 20.0
+#define BACKGROUND 236
+#define GAP 8u
 #define PLANTS 8u
 #define PLANTS_QUICK 2u
 
@@ -28,42 +26,77 @@ static const struct { const char *title; double share; uint32_t cap; } columns[]
 	{ "leaf collapse 1/64", 1 / 64.0, 0 }, { "166 billboards", 0, 166 }, { "33 billboards", 0, 33 } };
 #define COLUMNS (sizeof columns / sizeof *columns)
 #define CELLS (2 * COLUMNS)      /* theirs, ours */
+#define WIDTH (GAP + (1 + (uint32_t)CELLS) * (PIXELS + GAP))
 
 struct cell { uint64_t vertices; double q; };
 struct row {
 	struct bench *bench;
-	const char *name;
 	struct plant_view plant;
-	struct bench_leaves leaves;
-	struct lod_sights sights;    /* one, the sheet's */
+	struct bench_leaves leaves;  /* its ids are drawn into */
+	struct lod_sights sights;    /* one, the plant's */
 	struct bench_collapse_plant levels;
 	struct lod_billboard_plant *skeleton;
-	struct eco_chart *chart;
-	uint8_t rgb[3 * PIXELS * PIXELS];
+	uint8_t *rgb;
 	struct cell cells[CELLS];
 };
 
 /* ---- Cells ---- */
 
-static void put(struct row *r, uint32_t place, const char *title, const struct cell *cell)
+/* A pixel of a cell: 0 is full detail. */
+static uint8_t *pixel_of(const struct row *r, uint32_t cell, size_t i)
 {
-	char text[96], count[32];
-	struct eco_chart_style style = { .size = 12, .align = ECO_CHART_CENTER, .room = PIXELS };
-	double x = GAP + place * (PIXELS + GAP);
-	eco_phrase_count(cell->vertices, count);
-	eco_chart_pixels(r->chart, x, HEAD, PIXELS, PIXELS, r->rgb, false);
-	eco_chart_text(r->chart, x + PIXELS / 2.0, HEAD - 8, &style, title);
-	snprintf(text, sizeof text, "Q %.3f \xc2\xb7 %s", cell->q, count);
-	eco_chart_text(r->chart, x + PIXELS / 2.0, HEAD + PIXELS + 15, &style, text);
+	return r->rgb + 3 * (i / PIXELS * WIDTH + GAP + cell * (PIXELS + GAP) + i % PIXELS);
 }
 
-static enum eco_code draw_ours(struct row *r, uint32_t place, const char *title, uint64_t vertices,
-	struct cell *cell, struct eco_error *error)
+/* Colour of a primitive: its own, its texture's in the middle, or the organ's; by how a triangle faces the
+ * eye. */
+static void color_of(const struct plant_view *view, const struct plant_view_batch *b, uint32_t i,
+	uint8_t rgb[3])
 {
-	enum eco_code code = bench_sheet_draw(&r->plant, vertices, r->rgb, &cell->vertices, &cell->q, error);
-	if (!code)
-		put(r, place, title, cell);
-	return code;
+	static const uint8_t plain[ECO_ORGAN_COUNT][3] = { { 120, 96, 72 }, { 95, 127, 79 }, { 220, 190,
+		200 } };
+	const float *uv = b->geometry.uv + 6 * (size_t)i, *p = b->geometry.position + 9 * (size_t)i;
+	double light = 1;
+	memcpy(rgb, plain[b->list->organ], 3);
+	if (b->impostor)
+		memcpy(rgb, b->impostor->rgb[i], 3);
+	else if (b->geometry.color[i] >= 0 && (uint32_t)b->geometry.color[i] < b->list->list->palette_count)
+		memcpy(rgb, b->list->palette[b->geometry.color[i]], 3);
+	else if (b->geometry.uv)
+		memcpy(rgb, lod_texel_at(&view->lists[b->list->image].picture, (uv[0] + uv[2] + uv[4]) / 3,
+			(uv[1] + uv[3] + uv[5]) / 3), 3);
+	if (b->list->list->kind == ECO_LIST_TRIANGLES) {
+		const double *to = view->eye.forward;
+		struct lod_v3 n = lod_v3_unit(lod_v3_cross(lod_v3_sub(lod_v3_of(p + 3), lod_v3_of(p)),
+			lod_v3_sub(lod_v3_of(p + 6), lod_v3_of(p))));
+		light = 0.6 + 0.4 * fabs(n.x * to[0] + n.y * to[1] + n.z * to[2]);
+	}
+	for (int k = 0; k < 3; k++)
+		rgb[k] = (uint8_t)(light * rgb[k]);
+}
+
+static enum eco_code draw_ours(struct row *r, uint32_t place, uint64_t vertices, struct cell *cell,
+	struct eco_error *error)
+{
+	struct lod_raster *ids = &r->leaves.ids;
+	struct plant_view_drawing drawing;
+	enum eco_code code = plant_view_drawing_make(&drawing, &r->plant, vertices, error);
+	if (code)
+		return code;
+	*cell = (struct cell){ drawing.vertices, plant_view_q(&r->plant, &drawing) };
+	plant_view_raster(ids, &r->plant, &r->plant.eye, &drawing, true);
+	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
+		uint32_t primitive = (uint32_t)ids->owner[i] - 1, n = 0;
+		if (!ids->owner[i])
+			continue;
+		while (n + 1 < drawing.count && drawing.batches[n + 1].first <= primitive)
+			n++;
+		const struct plant_view_batch *batch = &drawing.batches[n];
+		color_of(&r->plant, batch, primitive - batch->first + (batch->impostor ? ids->item[i] : 0),
+			pixel_of(r, place, i));
+	}
+	plant_view_drawing_free(&drawing);
+	return ECO_OK;
 }
 
 static double score(const struct row *r)
@@ -74,7 +107,7 @@ static double score(const struct row *r)
 	return score.q;
 }
 
-static struct cell draw_level(struct row *r, double share)
+static struct cell draw_level(struct row *r, double share, uint32_t place)
 {
 	const struct lod_foliage *f = &r->leaves.foliage;
 	uint64_t all = 0;
@@ -87,11 +120,12 @@ static struct cell draw_level(struct row *r, double share)
 		&(struct lod_sights_drawing){ .order = order, .count = count, .scale = 1 });
 	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++)
 		if (r->leaves.ids.cover[i])
-			bench_leaves_color(&r->leaves, i, r->rgb + 3 * i);
+			bench_leaves_color(&r->leaves, i, pixel_of(r, place, i));
 	return (struct cell){ r->levels.vertices[0][row] + 3 * f->wood_count, score(r) };
 }
 
-static enum eco_code draw_cloud(struct row *r, uint32_t cap, struct cell *cell, struct eco_error *error)
+static enum eco_code draw_cloud(struct row *r, uint32_t cap, uint32_t place, struct cell *cell,
+	struct eco_error *error)
 {
 	struct lod_raster *raster = &r->leaves.ids;
 	struct lod_billboard_cloud cloud;
@@ -105,7 +139,7 @@ static enum eco_code draw_cloud(struct row *r, uint32_t cap, struct cell *cell, 
 	lod_billboard_cloud_draw(&cloud, 1, raster);
 	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++)
 		if (raster->cover[i])
-			bench_billboards_color(&cloud.items[raster->item[i]].image, r->rgb + 3 * i);
+			bench_billboards_color(&cloud.items[raster->item[i]].image, pixel_of(r, place, i));
 	*cell = (struct cell){ 6 * (uint64_t)cloud.count, score(r) };
 	lod_billboard_cloud_free(&cloud);
 	return ECO_OK;
@@ -115,15 +149,11 @@ static enum eco_code draw_column(struct row *r, uint32_t column, struct eco_erro
 {
 	struct cell *theirs = &r->cells[2 * column];
 	enum eco_code code = ECO_OK;
-	memset(r->rgb, BACKGROUND, sizeof r->rgb);
 	if (columns[column].cap)
-		code = draw_cloud(r, columns[column].cap, theirs, error);
+		code = draw_cloud(r, columns[column].cap, 1 + 2 * column, theirs, error);
 	else
-		*theirs = draw_level(r, columns[column].share);
-	if (code)
-		return code;
-	put(r, 1 + 2 * column, columns[column].title, theirs);
-	return draw_ours(r, 2 + 2 * column, "ours", theirs->vertices, theirs + 1, error);
+		*theirs = draw_level(r, columns[column].share, 1 + 2 * column);
+	return code ? code : draw_ours(r, 2 + 2 * column, theirs->vertices, theirs + 1, error);
 }
 
 /* ---- A row ---- */
@@ -139,31 +169,24 @@ static enum eco_code look(struct row *r, struct eco_error *error)
 	return code;
 }
 
-static enum eco_code draw_row(struct row *r, struct eco_error *error)
+static enum eco_code draw_row(struct row *r, const char *name, struct eco_error *error)
 {
 	struct cell full;
-	char path[1024];
-	struct eco_chart_file file = { .bytes = NULL };
+	char file[96];
 	enum eco_code code = look(r, error);
-	if (!code)
-		code = draw_ours(r, 0, "full detail", ECO_VERTICES_MAX, &full, error);
+	r->rgb = lod_arena_take(&r->leaves.arena, (size_t)WIDTH * PIXELS, 3);
+	memset(r->rgb, BACKGROUND, 3 * (size_t)WIDTH * PIXELS);
+	code = code ? code : draw_ours(r, 0, ECO_VERTICES_MAX, &full, error);
 	bench_collapse_make(&r->levels, &r->leaves.foliage, &(struct bench_collapse_options){ .sectors = 0 },
 		&r->leaves.arena);
 	bench_collapse_extend(&r->levels, &r->leaves.foliage, &r->leaves.arena);
-	if (!code)
-		code = lod_billboard_plant_open(&r->skeleton, &r->leaves.model, error);
+	code = code ? code : lod_billboard_plant_open(&r->skeleton, &r->leaves.model, error);
 	for (uint32_t i = 0; i < COLUMNS && !code; i++)
 		code = bench_stopped(r->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
 			: draw_column(r, i, error);
-	eco_chart_text(r->chart, GAP, 15, &(struct eco_chart_style){ .size = 14, .bold = true }, r->name);
-	if (!code)
-		code = eco_chart_png(r->chart, &file, error);
-	snprintf(path, sizeof path, "%s/sheet-%s.png", r->bench->out, r->name);
-	if (!code)
-		code = bench_file_write(path, (const char *)file.bytes, file.size, error);
-	free(file.bytes);
 	lod_billboard_plant_close(r->skeleton);
-	return code;
+	snprintf(file, sizeof file, "sheet-%s.png", name);
+	return code ? code : bench_picture_write(r->bench, file, WIDTH, PIXELS, r->rgb, error);
 }
 
 static enum eco_code open_row(struct row *r, const struct bench_model *model, const struct eco_pack *pack,
@@ -174,16 +197,10 @@ static enum eco_code open_row(struct row *r, const struct bench_model *model, co
 	if (code)
 		return code;
 	code = bench_model_read(r->bench, model, &read, error);
-	if (!code)
-		code = bench_leaves_open(&r->leaves, &read, PIXELS, error);
+	code = code ? code : bench_leaves_open(&r->leaves, &read, PIXELS, error);
 	if (!code) {
-		code = eco_chart_new(&r->chart, (uint32_t)(GAP + (1 + CELLS) * (PIXELS + GAP)),
-			(uint32_t)(HEAD + PIXELS + CAPTION), error);
-		if (!code && setjmp(r->leaves.arena.failed))
-			code = eco_fail(error, ECO_NO_MEMORY, "no memory for %s", model->name);
-		else if (!code)
-			code = draw_row(r, error);
-		eco_chart_free(r->chart);
+		code = setjmp(r->leaves.arena.failed) ? eco_fail(error, ECO_NO_MEMORY, "no memory for %s",
+			model->name) : draw_row(r, model->name, error);
 		bench_leaves_close(&r->leaves);
 	}
 	plant_view_close(&r->plant);
@@ -214,7 +231,7 @@ static enum eco_code measure(struct bench *bench, const struct bench_model *mode
 	struct row *r = calloc(1, sizeof *r);
 	if (!r)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a row of %s", model->name);
-	*r = (struct row){ .bench = bench, .name = model->name };
+	r->bench = bench;
 	code = eco_pack_open(&pack, path, error);
 	if (!code) {
 		code = open_row(r, model, pack, error);
@@ -279,4 +296,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 
 const struct bench_section bench_sheet = { "sheet", "Leaf collapse and billboard clouds beside ours", run,
 	.objects = BENCH_OBJECTS_PLANTS "tests/bench/collapse/bench_sheet.o "
-	"tests/bench/collapse/bench_sheet_draw.o tests/bench/collapse/bench_collapse_plant.o" };
+	"tests/bench/collapse/bench_collapse_plant.o" };
