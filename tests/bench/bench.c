@@ -4,7 +4,6 @@
  * so is a damaged one. Files are written beside and renamed. */
 #include "tests/bench/bench_state.h"
 
-#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <glob.h>
@@ -20,9 +19,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "ecofiles/base/csv.h"
 #include "ecofiles/base/guard.h"
-#include "ecofiles/format/image.h"
 
 #define PATH 1024
 
@@ -216,181 +213,37 @@ json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, jso
 	return result;
 }
 
-/* ---- Items of the record ---- */
+enum eco_code bench_go_on(const struct bench *bench, struct eco_error *error)
+{
+	return bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : ECO_OK;
+}
 
-static void add_item(struct bench *bench, json_t *item) { json_array_append_new(bench->state->items, item); }
+enum eco_code bench_unit(struct bench *bench, const char *unit, const char *stamp, bench_make *make, void
+	*ctx, json_t **result, struct eco_error *error)
+{
+	json_t *made = NULL;
+	enum eco_code code = bench_go_on(bench, error);
+	*result = code ? NULL : bench_recall(bench, unit, stamp);
+	if (code || *result)
+		return code;
+	code = make(ctx, &made, error);
+	if (code)
+		json_decref(made);
+	else
+		*result = bench_keep(bench, unit, stamp, made);
+	return code;
+}
+
+/* ---- Programs ---- */
 
 /* As vasprintf, but there is always a text. The caller frees it. */
-static char *text_of(const char *format, va_list args)
+char *bench_text(const char *format, va_list args)
 {
 	char *text = NULL;
 	if (vasprintf(&text, format, args) < 0 || !text)
 		abort();
 	return text;
 }
-
-void bench_say(struct bench *bench, const char *format, ...)
-{
-	va_list args;
-	va_start(args, format);
-	char *text = text_of(format, args);
-	va_end(args);
-	add_item(bench, json_pack("{s:s, s:s}", "kind", "say", "text", text));
-	free(text);
-}
-
-void bench_head(struct bench *bench, const char *text)
-{
-	add_item(bench, json_pack("{s:s, s:s}", "kind", "head", "text", text));
-}
-
-void bench_left_out(struct bench *bench, const char *name)
-{
-	json_object_set_new(bench->state->left_out, name, json_true());
-}
-
-static void say_left_out(struct bench *bench)
-{
-	char text[4096] = "";
-	size_t used = 0;
-	const char *name;
-	json_t *value;
-	json_object_foreach(bench->state->left_out, name, value)
-		if (used < sizeof text)
-			used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", used ? ", " : "",
-				name);
-	if (used)
-		bench_say(bench, "Left out without FULL=1: %s.", text);
-}
-
-static json_t *number_or_null(double value) { return isfinite(value) ? json_real(value) : json_null(); }
-
-void bench_key(struct bench *bench, const char *key, double value, const char *bar)
-{
-	json_array_append_new(bench->state->keys, json_pack("{s:s, s:o, s:s}", "key", key, "value",
-		number_or_null(value), "bar", bar));
-}
-
-static json_t *numbers_of(const double *values, uint32_t count)
-{
-	json_t *all = json_array();
-	for (uint32_t i = 0; i < count; i++)
-		json_array_append_new(all, number_or_null(values[i]));
-	return all;
-}
-
-enum eco_code bench_plot(struct bench *bench, const struct bench_plot *plot, struct eco_error *error)
-{
-	json_t *all = json_array();
-	(void)error;
-	for (uint32_t i = 0; i < plot->series_count; i++) {
-		const struct bench_series *s = &plot->series[i];
-		json_array_append_new(all, json_pack("{s:s, s:o, s:o, s:b}", "name", s->name, "x",
-			numbers_of(s->x, s->count), "y", numbers_of(s->y, s->count), "points",
-			(int)s->points));
-	}
-	add_item(bench, json_pack("{s:s, s:s, s:s, s:s, s:s, s:b, s:b, s:o}", "kind", "plot", "name",
-		plot->name, "title", plot->title, "x", plot->x, "y", plot->y, "log_x", (int)plot->log_x,
-		"log_y", (int)plot->log_y, "series", all));
-	return ECO_OK;
-}
-
-void bench_picture(struct bench *bench, const char *file, const char *caption)
-{
-	add_item(bench, json_pack("{s:s, s:s, s:s}", "kind", "picture", "file", file, "caption", caption));
-}
-
-enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
-	const uint8_t *rgb, struct eco_error *error)
-{
-	char path[PATH];
-	uint8_t *png = NULL;
-	size_t size;
-	snprintf(path, sizeof path, "%s/%s", bench->out, file);
-	enum eco_code code = eco_png_encode(&(struct eco_pixels){ width, height, 3, rgb }, &png, &size,
-		error);
-	if (!code)
-		code = eco_file_write(path, png, size, error);
-	free(png);
-	return code;
-}
-
-/* ---- Tables ---- */
-
-struct bench_table { struct bench *bench; const char *name, *columns; json_t *rows; uint32_t commas; };
-
-static uint32_t commas_of(const char *text)
-{
-	uint32_t count = 0;
-	for (; *text; text++)
-		count += *text == ',';
-	return count;
-}
-
-struct bench_table *bench_table_open(struct bench *bench, const char *name, const char *columns, bool show)
-{
-	struct bench_table *table = calloc(1, sizeof *table);
-	if (!table)
-		abort();
-	json_t *item = json_pack("{s:s, s:s, s:s, s:b, s:[]}", "kind", "table", "name", name, "columns",
-		columns, "show", (int)show, "rows");
-	*table = (struct bench_table){ bench, json_string_value(json_object_get(item, "name")),
-		json_string_value(json_object_get(item, "columns")), json_object_get(item, "rows"),
-		commas_of(columns) };
-	/* in the report where it was opened */
-	add_item(bench, item);
-	return table;
-}
-
-void bench_table_row(struct bench_table *table, const char *format, ...)
-{
-	va_list args;
-	va_start(args, format);
-	char *text = text_of(format, args);
-	va_end(args);
-	assert(commas_of(text) == table->commas);
-	json_array_append_new(table->rows, json_string(text));
-	free(text);
-}
-
-/* Names in cells come from files. */
-static void write_cells(FILE *out, const char *row)
-{
-	for (;; row++) {
-		char *cell = strndup(row, strcspn(row, ",")), *end = NULL;
-		if (cell && (strtod(cell, &end), *end == 0))
-			fputs(cell, out);
-		else if (cell)
-			eco_csv_write_text(out, cell);
-		free(cell);
-		row += strcspn(row, ",");
-		fputc(*row == 0 ? '\n' : ',', out);
-		if (*row == 0)
-			return;
-	}
-}
-
-void bench_table_close(struct bench_table *table)
-{
-	char path[PATH], *bytes = NULL;
-	size_t size = 0, i;
-	struct eco_error error = { 0 };
-	json_t *row;
-	FILE *out = open_memstream(&bytes, &size);
-	if (!out)
-		abort();
-	fprintf(out, "%s\n", table->columns);
-	json_array_foreach(table->rows, i, row)
-		write_cells(out, json_string_value(row));
-	fclose(out);
-	snprintf(path, sizeof path, "%s/%s.csv", table->bench->out, table->name);
-	if (eco_file_write(path, bytes, size, &error))
-		bench_note(table->bench, "%s", error.text);
-	free(bytes);
-	free(table);
-}
-
-/* ---- Programs ---- */
 
 /* Returns the status of waitpid, -1 where there is none. Not system(), which would swallow Ctrl-C. The shell
  * has a group of its own, so that Ctrl-C ends it and its children only where `stops`. */
@@ -423,13 +276,12 @@ enum eco_code bench_command(struct bench *bench, struct eco_error *error, const 
 {
 	va_list args;
 	va_start(args, format);
-	char *command = text_of(format, args);
+	char *command = bench_text(format, args);
 	va_end(args);
 	int status = shell(command, true);
-	enum eco_code code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-		: !WIFEXITED(status) || WEXITSTATUS(status) ? eco_fail(error, ECO_IO, "this fails: %.400s",
-			command)
-		: ECO_OK;
+	enum eco_code code = bench_go_on(bench, error);
+	if (!code && (!WIFEXITED(status) || WEXITSTATUS(status)))
+		code = eco_fail(error, ECO_IO, "this fails: %.400s", command);
 	free(command);
 	return code;
 }
@@ -495,6 +347,20 @@ const char *bench_objects(struct bench *bench, const char *objects)
 }
 
 /* ---- Runs ---- */
+
+static void say_left_out(struct bench *bench)
+{
+	char text[4096] = "";
+	size_t used = 0;
+	const char *name;
+	json_t *value;
+	json_object_foreach(bench->state->left_out, name, value)
+		if (used < sizeof text)
+			used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", used ? ", " : "",
+				name);
+	if (used)
+		bench_say(bench, "Left out without FULL=1: %s.", text);
+}
 
 enum eco_code bench_open(struct bench *bench, struct eco_error *error)
 {

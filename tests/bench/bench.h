@@ -1,13 +1,11 @@
 /* ecobench: error against run time, for the methods of the literature and ours, on the same scenes.
  *
- *   each section is a file bench_NAME.c with one `const struct bench_section`; main in ecobench.c runs those
- *   that were asked for
- *   a section does its work in units, each a JSON value that is kept on disk: run again, only what is missing
- *   is done
- *   from its units it writes tables (CSV), plots (PNG), paragraphs of report.html, and keys of summary.json
+ *   each section is a file bench_NAME.c with one `const struct bench_section`; ecobench.c lists them
+ *   a section works in units, each a JSON value that is kept on disk: the next run makes missing ones only
+ *   its units become tables (CSV), plots, pictures, paragraphs of report.html, and keys of summary.json
  *
- * A unit is kept under a stamp of what it depends on (the objects that its section is made of, and what the
- * section adds: packs, how many views): after a change there it is done anew, after any other it is not. */
+ * A unit is kept under a stamp: the objects that its section is made of, and the section's own (packs, number
+ * of views). A change of these makes the unit anew. */
 #ifndef TESTS_BENCH_H
 #define TESTS_BENCH_H
 
@@ -16,8 +14,11 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "ecofiles/format/model.h"
 #include "ecofiles/base/status.h"
+#include "ecofiles/format/model.h"
+#include "ecofiles/format/plan.h"
+#include "lod/plan/planner.h"
+#include "lod/raster/raster.h"
 
 struct bench {
 	const char *build;           /* folder of the programs: build, or build/CONFIG */
@@ -32,12 +33,10 @@ struct bench {
 struct bench_section {
 	const char *name, *title;
 	enum eco_code (*run)(struct bench *bench, struct eco_error *error);
-	/* Sources of its figures: patterns of object files and archives below BUILD/obj, words with blanks
-	 * between. NULL: the whole program. */
+	/* Sources of its figures: patterns of object files and archives below BUILD/obj, separated by blanks.
+	 * NULL: the whole program. */
 	const char *objects;
-	/* Whether it runs by itself, as what it makes is for others, or as it measures time. Such sections
-	 * wait for all before them. */
-	bool alone;
+	bool alone;                  /* measures time, or makes what others need: waits for all before it */
 };
 /* Objects that make all plans, streams and pictures. */
 #define BENCH_OBJECTS_FRAMES "ecofiles-*.a lod*.a server.a client-min.a tests/bench/bench_fetch.o " \
@@ -47,8 +46,9 @@ struct bench_section {
 #define BENCH_OBJECTS_SAVINGS "tests/bench/ladder/bench_savings*.o " \
 	"tests/bench/collapse/bench_collapse_plant.o "
 
-/* True after Ctrl-C: finish the unit, keep it, return ECO_INTERRUPTED. */
+/* True after Ctrl-C: finish the unit, keep it, return ECO_INTERRUPTED. bench_go_on returns that or ECO_OK. */
 bool bench_stopped(const struct bench *bench);
+enum eco_code bench_go_on(const struct bench *bench, struct eco_error *error);
 void bench_progress(struct bench *bench, double share, const char *what);
 
 /* Runs a shell command and waits; its output goes to standard error. ECO_INTERRUPTED after Ctrl-C, which ends
@@ -56,26 +56,45 @@ void bench_progress(struct bench *bench, double share, const char *what);
 enum eco_code bench_command(struct bench *bench, struct eco_error *error, const char *format,
 	...) __attribute__((format(printf, 3, 4)));
 
-/* The unit that an earlier run kept under this name and stamp (borrowed until the section ends), or NULL.
- * `stamp` may be NULL. */
-json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp);
-/* Units from here on come from these objects (see bench_section): for units that more than one section uses.
- * Returns those before, to put back. */
-const char *bench_objects(struct bench *bench, const char *objects);
-/* Keeps a result; takes over the reference and returns it, borrowed until the section ends. Written beside
- * and renamed. */
-json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, json_t *result);
+/* ---- Units ---- */
 
-/* A CSV file in `out`; the same rows as a table in the report where `show`. Columns separated by commas, as
- * in the file, of different names. */
+/* The unit of this name and stamp, from an earlier run or from `make`, which gives up its reference. Borrowed
+ * until the section ends. `stamp` may be NULL. ECO_INTERRUPTED after Ctrl-C. */
+typedef enum eco_code bench_make(void *ctx, json_t **result, struct eco_error *error);
+enum eco_code bench_unit(struct bench *bench, const char *unit, const char *stamp, bench_make *make, void
+	*ctx, json_t **result, struct eco_error *error);
+/* The two halves of bench_unit: NULL where it is not kept; keeps a result, takes over its reference and
+ * returns it. */
+json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp);
+json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, json_t *result);
+/* Units from here on come from these objects (see bench_section), for units of several sections. Returns the
+ * objects before, to put back. */
+const char *bench_objects(struct bench *bench, const char *objects);
+/* Numbers as a JSON array, null for what is not finite; a cell, or the first `count`, NaN for what is no
+ * number. */
+json_t *bench_reals(const double *values, uint32_t count);
+double bench_cell(const json_t *array, size_t i);
+void bench_cells(const json_t *array, double *values, uint32_t count);
+/* Hash of a file's bytes; 0 where it cannot be read. */
+uint64_t bench_file_hash(const char *path);
+
+/* ---- Results ---- */
+
+/* A CSV file in `out`; the same rows as a table in the report where `show`. `columns` and rows hold cells
+ * separated by commas, as many in each, without commas inside. */
 struct bench_table;
 struct bench_table *bench_table_open(struct bench *bench, const char *name, const char *columns, bool show);
-/* As many cells as there are columns, without commas in them. */
 void bench_table_row(struct bench_table *table, const char *format,
 	...) __attribute__((format(printf, 2, 3)));
 void bench_table_close(struct bench_table *table);
+/* A table whose columns after `first` hold numbers: a row is its first cells and the numbers. */
+struct bench_column { const char *head; unsigned decimals; };
+struct bench_table *bench_table_described(struct bench *bench, const char *name, const char *first,
+	const struct bench_column *columns, uint32_t count, bool show);
+void bench_table_values(struct bench_table *table, const double *values, const char *format,
+	...) __attribute__((format(printf, 3, 4)));
 
-/* A figure of summary.json; NaN becomes null: not reached, and the report says why. `bar` is what it should
+/* A figure of summary.json; NaN becomes null: not reached, and the report says why. `bar` names the figure to
  * reach, in words. */
 void bench_key(struct bench *bench, const char *key, double value, const char *bar);
 
@@ -86,7 +105,7 @@ void bench_say(struct bench *bench, const char *format, ...) __attribute__((form
 /* A plant, scene or view that only FULL=1 looks at: the section's last paragraph names them. */
 void bench_left_out(struct bench *bench, const char *name);
 
-/* Lines over a common axis, as NAME.png and in the report. NaN interrupts a line. */
+/* Lines over a common axis, as NAME.png and in the report (report.py draws them). NaN interrupts a line. */
 struct bench_series { const char *name; const double *x, *y; uint32_t count; bool points; };
 struct bench_plot {
 	const char *name, *title, *x, *y;
@@ -100,15 +119,14 @@ void bench_picture(struct bench *bench, const char *file, const char *caption);
 /* Writes one: 3 bytes a pixel, rows from the top. */
 enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
 	const uint8_t *rgb, struct eco_error *error);
+/* Pictures of one size beside each other. */
+enum eco_code bench_pictures_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
+	const uint8_t *const *rgb, uint32_t count, struct eco_error *error);
 
-/* Hash of a file's bytes; 0 where it cannot be read. */
-uint64_t bench_file_hash(const char *path);
+/* ---- Scenes and plants (bench_scene.c, bench_models.c) ---- */
 
-/* ---- Scenes and plants (bench_scene.c) ---- */
-
-/* Plant models of the data folder, then generated ones, those with the fewest leaves first: files that read
- * as one plant each. So a quick bench that stops after some sees as many as it can, and among them the sparse
- * ones, which are the hard ones. */
+/* Plant models of the data folder, then generated ones, by number of leaves: files that read as one plant
+ * each. A quick bench that stops after some sees many, and the sparse ones, which are hard. */
 struct bench_model { char name[64], path[512]; bool generated; uint32_t leaves; };
 enum eco_code bench_models(struct bench *bench, struct bench_model **models, uint32_t *count,
 	struct eco_error *error);
@@ -123,6 +141,10 @@ extern const char *const bench_scene_names[];
  * default). Writes its path. ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
 enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512],
 	struct eco_error *error);
+/* Packs of a scene in our order and in the stochastic one, and a stamp of both. */
+struct bench_pair { char ours[512], stochastic[512], stamp[128]; };
+enum eco_code bench_scene_pair(struct bench *bench, const char *name, struct bench_pair *pair,
+	struct eco_error *error);
 /* The pack of one model, made anew each time; its plant comes from a cache. */
 enum eco_code bench_model_pack(struct bench *bench, const struct bench_model *model, char pack[512],
 	struct eco_error *error);
@@ -136,17 +158,12 @@ enum eco_code bench_request_packs(struct bench *bench, struct eco_error *error);
 /* Whether the quick bench looks at a scene: in the orders of all its methods, or in ours alone. */
 enum bench_quick { BENCH_FULL_ONLY, BENCH_ONE_ORDER, BENCH_ALL_ORDERS };
 enum bench_quick bench_scene_quick(const char *name);
-/* Its cameras: `count` requests along the scene's path; views never used in building. */
-struct eco_request;
+/* Its cameras: `room` requests along the scene's path; views never used in building. Returns their number. */
 uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_request *requests,
 	uint32_t room);
 
 /* ---- One picture (bench_frame.c): plan -> stream -> decode -> draw -> score, in this process, each step
  * timed ---- */
-
-#include "ecofiles/format/plan.h"
-#include "lod/plan/planner.h"
-#include "lod/raster/raster.h"
 
 struct view_picture;
 /* zero with rule, occlusion and request set asks; the rest is the answer */
@@ -165,16 +182,15 @@ struct bench_frame {
 };
 struct bench_client;                 /* a pack open for many frames: a server's half and a viewer's half */
 enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error);
-void bench_client_close(struct bench_client *client);
-/* From now on frames have soft_q, ceiling, picture_error and widest_px, too: they take a few times longer. */
+void bench_client_close(struct bench_client *client);                /* NULL is fine */
+/* From now on frames have soft_q, ceiling, picture_error and widest_px: they take a few times longer. */
 void bench_client_see(struct bench_client *client);
 /* From now on OpenGL draws nothing: draw_ms is the rasteriser's. */
 void bench_client_untimed(struct bench_client *client);
-/* From now on references are kept in the cache, and taken from there (bench_reference.h): for views that
- * more than one section or method looks at. */
+/* From now on references are kept in the cache, and taken from there (bench_reference.h). */
 void bench_client_keep(struct bench_client *client, const struct bench *bench);
 /* Full detail of the request's view, or the nearest to it that a plan may come, drawn by the CPU rasteriser
- * and kept for this view. */
+ * and kept for this view. `draw_ms` may be NULL. */
 enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,
 	double *draw_ms, struct eco_error *error);
 /* The last reference. */
@@ -185,13 +201,13 @@ enum eco_code bench_client_score(const struct bench_client *client, struct bench
 	const struct view_picture *picture, struct eco_error *error);
 /* Tiles that are points even in the last reference; 0: it is full detail. */
 uint32_t bench_client_summaries(const struct bench_client *client);
-/* `picture` may be NULL; if not, the caller owns what is written there. Draws from an empty client: bytes are
- * those of a first visit. */
+/* `picture` may be NULL; if not, the caller frees it. Draws from an empty client: bytes are those of a first
+ * visit. */
 enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame,
 	struct view_picture *picture, struct eco_error *error);
-/* A step of a flight: what came in earlier steps is held, bytes are of what the view lacks. Fills vertices,
- * bytes, plan_bytes, plan_ms and decode_ms, and scores nothing. NULL in `picture`: nothing is drawn; else the
- * caller frees what is written there. */
+/* A step of a flight: earlier steps are held, bytes are of what the view lacks. Fills vertices, bytes,
+ * plan_bytes, plan_ms and decode_ms, and scores nothing. `picture` NULL: nothing is drawn; else the caller
+ * frees it. */
 enum eco_code bench_client_step(struct bench_client *client, struct bench_frame *frame,
 	struct view_picture *picture, struct eco_error *error);
 void bench_client_forget(struct bench_client *client);               /* the next step holds nothing */

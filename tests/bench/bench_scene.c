@@ -264,6 +264,17 @@ enum eco_code bench_scene(struct bench *bench, const char *name, const char *ord
 	return code;
 }
 
+enum eco_code bench_scene_pair(struct bench *bench, const char *name, struct bench_pair *pair,
+	struct eco_error *error)
+{
+	enum eco_code code = bench_scene(bench, name, NULL, pair->ours, error);
+	code = code ? code : bench_scene(bench, name, "stochastic", pair->stochastic, error);
+	int size = snprintf(pair->stamp, sizeof pair->stamp, "%s", bench_pack_stamp(pair->ours));
+	snprintf(pair->stamp + size, sizeof pair->stamp - (size_t)size, " %s",
+		bench_pack_stamp(pair->stochastic));
+	return code;
+}
+
 const char *bench_pack_stamp(const char *path)
 {
 	static char holds[64];

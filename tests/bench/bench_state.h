@@ -18,6 +18,8 @@
 #ifndef TESTS_BENCH_STATE_H
 #define TESTS_BENCH_STATE_H
 
+#include <stdarg.h>
+
 #include "ecofiles/base/file_write.h"
 #include "tests/bench/bench.h"
 
@@ -62,6 +64,8 @@ void bench_note(const struct bench *bench, const char *format, ...) __attribute_
 int bench_lock(const struct bench *bench);
 void bench_unlock(int lock);
 
+/* As vasprintf, but there is always a text. The caller frees it. */
+char *bench_text(const char *format, va_list args);
 #define bench_file_write eco_file_write
 enum eco_code bench_folder_make(const char *path, struct eco_error *error);      /* with those above it */
 /* NULL where the file is missing or damaged. */

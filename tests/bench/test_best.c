@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "tests/bench/ladder/bench_best.h"
-#include "tests/bench/frames/bench_still.h"
 #include "tests/bench/bench_times.h"
 #include "tests/support/unit_test.h"
 
@@ -96,26 +95,4 @@ UNIT_TEST(scenes_to_choose_in_are_sound_and_grow)
 		before = time.candidates;
 		bench_choice_free(&choice);
 	}
-}
-
-UNIT_TEST(views_between_two_are_on_the_way)
-{
-	struct eco_view a = { .eye = { 0, 0, 2 }, .target = { 10, 0, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 40,
-		.width = 8, .height = 6 }, b = a, v;
-	b.eye[0] = 4;
-	b.fov_y_deg = 60;
-	v = bench_still_between(&a, &b, 0);
-	assert_true(v.eye[0] == 0 && v.fov_y_deg == 40);
-	v = bench_still_between(&a, &b, 0.5);
-	assert_true(v.eye[0] == 2 && v.eye[2] == 2 && v.fov_y_deg == 50 && v.width == 8);
-}
-
-UNIT_TEST(nothing_is_drawn_of_no_pack)
-{
-	struct bench_still *still;
-	struct eco_error error = { 0 };
-	assert_int_not_equal(bench_still_open(&still, "build/tmp/no-such-pack.eco", &error), ECO_OK);
-	assert_null(still);
-	assert_true(error.text[0] != 0);
-	bench_still_close(NULL);
 }

@@ -1,16 +1,14 @@
 /* Importance of flowers (Deussen 2002, 4.3 and figure 4): a flowering shrub and poppies drawn at small
- * budgets, with flowers as important as leaves and more. Measured is the share of the reference's flower
- * pixels, those clearly more red than green, that a picture shows as such, beside Q of all that is
- * covered. */
+ * budgets, with flowers as important as leaves and more. The measure is the share of the reference's flower
+ * pixels, those clearly more red than green, that a picture shows as such, beside Q of all that is covered.
+ * */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include "lod/raster/raster.h"
+#include "client-min/draw/view_picture.h"
 #include "tests/bench/bench.h"
-#include "tests/bench/frames/bench_still.h"
 #include "tests/support/files.h"
 
 #define RED_LEAST 40                     /* bytes that red is above green; bark has fewer */
@@ -19,6 +17,7 @@ static const double importances[] = { 1, 2, 4, 8 };
 #define IMPORTANCES (sizeof importances / sizeof *importances)
 static const uint64_t budgets[] = { 1000, 3000, 10000 };
 #define BUDGETS (sizeof budgets / sizeof *budgets)
+#define SHOWN 1                          /* budget of the picture */
 
 static enum eco_code make_pack(struct bench *bench, double importance, char path[512],
 	struct eco_error *error)
@@ -53,8 +52,7 @@ static struct eco_request request_of(uint64_t vertices)
 {
 	return (struct eco_request){ .view = { .eye = { 4.5, 0, 1.6 }, .target = { 0.5, 0, 0.6 },
 		.up = { 0, 0, 1 }, .fov_y_deg = 35, .width = 480, .height = 360 }, .vertices = vertices,
-		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN,
-		.texel_px = ECO_TEXEL_PX_MIN };
+		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
 }
 
 static bool is_flower(const struct view_picture *p, size_t i)
@@ -72,83 +70,66 @@ static double shown(const struct view_picture *ours, const struct view_picture *
 	return all ? (double)both / (double)all : NAN;
 }
 
-/* ---- One pack ---- */
-
-/* Side by side: full detail, then a picture for each importance, at the budget in the middle. */
-struct strip { uint8_t *rgb; size_t row; };
-
-static void put(struct strip *strip, size_t column, const struct view_picture *picture)
-{
-	size_t row = 3 * (size_t)picture->width;
-	for (size_t y = 0; y < picture->height && strip->rgb; y++)
-		memcpy(strip->rgb + y * strip->row + column * row, picture->rgb + y * row, row);
-}
-
+/* pictures[0]: full detail; the others at budget SHOWN, by importance */
 static enum eco_code try_pack(struct bench *bench, size_t which, struct bench_table *table,
-	struct strip *strip, double share[BUDGETS], struct eco_error *error)
+	struct view_picture pictures[IMPORTANCES + 1], double share[BUDGETS], struct eco_error *error)
 {
 	char path[512];
-	struct bench_still *still = NULL;
-	struct view_picture full = { 0 }, ours = { 0 };
-	struct eco_request request = request_of(ECO_VERTICES_MAX);
+	struct bench_client *client = NULL;
+	struct view_picture other = { 0 };
 	enum eco_code code = make_pack(bench, importances[which], path, error);
+	code = code ? code : bench_client_open(&client, path, error);
 	if (!code)
-		code = bench_still_open(&still, path, error);
-	if (!code)
-		code = bench_still_draw(still, &request, &full, NULL, error);
-	if (!code && which == 0)
-		put(strip, 0, &full);
+		bench_client_untimed(client);
 	for (size_t b = 0; b < BUDGETS && !code; b++) {
-		struct lod_score score;
-		request = request_of(budgets[b]);
-		code = bench_still_draw(still, &request, &ours, NULL, error);
+		struct view_picture *at = b == SHOWN ? &pictures[which + 1] : &other;
+		struct bench_frame frame = { .request = request_of(budgets[b]) };
+		code = bench_client_frame(client, &frame, at, error);
 		if (code)
 			break;
-		lod_score(&score, &(struct lod_score_input){ ours.width, ours.height, ours.cover, full.cover,
-			ours.owner, full.owner });
-		share[b] = shown(&ours, &full);
+		share[b] = shown(at, bench_client_full(client));
 		bench_table_row(table, "%g,%llu,%llu,%.4f,%.4f", importances[which],
-			(unsigned long long)budgets[b], (unsigned long long)ours.vertices, share[b], score.q);
-		if (b == BUDGETS / 2)
-			put(strip, which + 1, &ours);
+			(unsigned long long)budgets[b], (unsigned long long)frame.vertices, share[b],
+			frame.score.q);
+		view_picture_free(&other);
 	}
-	view_picture_free(&full);
-	view_picture_free(&ours);
-	bench_still_close(still);
+	struct bench_frame full = { .request = request_of(ECO_VERTICES_MAX) };
+	if (!code && which == 0)
+		code = bench_client_frame(client, &full, &pictures[0], error);
+	bench_client_close(client);
 	return code;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	struct eco_view view = request_of(0).view;
-	struct strip strip = { .row = 3 * (IMPORTANCES + 1) * (size_t)view.width };
 	double share[IMPORTANCES][BUDGETS];
+	struct view_picture pictures[IMPORTANCES + 1] = { { 0 } };
+	const uint8_t *rgb[IMPORTANCES + 1];
 	enum eco_code code = ECO_OK;
-	strip.rgb = calloc(view.height, strip.row);
-	if (!strip.rgb)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
 	bench_say(bench, "A flowering shrub and poppies; the share of flower pixels of full detail that are "
 		"flowers in the picture, by the flowers' importance. Leaves count 1.");
 	struct bench_table *table = bench_table_open(bench, "importance",
 		"importance,budget,vertices,flowers_shown,q", true);
 	for (size_t i = 0; i < IMPORTANCES && !code; i++)
-		code = try_pack(bench, i, table, &strip, share[i], error);
+		code = try_pack(bench, i, table, pictures, share[i], error);
 	bench_table_close(table);
+	for (size_t i = 0; i <= IMPORTANCES; i++)
+		rgb[i] = pictures[i].rgb;
 	if (!code)
-		code = bench_picture_write(bench, "importance.png", (uint32_t)(strip.row / 3), view.height,
-			strip.rgb, error);
-	free(strip.rgb);
+		code = bench_pictures_write(bench, "importance.png", pictures[0].width, pictures[0].height,
+			rgb, IMPORTANCES + 1, error);
+	for (size_t i = 0; i <= IMPORTANCES; i++)
+		view_picture_free(&pictures[i]);
 	if (code)
 		return code;
 	bench_picture(bench, "importance.png", "Full detail; 3,000 vertices at importance 1, 2, 4 and 8 of "
 		"flowers.");
-	bench_key(bench, "importance_shown", share[IMPORTANCES - 2][BUDGETS / 2],
+	bench_key(bench, "importance_shown", share[IMPORTANCES - 2][SHOWN],
 		"flower pixels shown at importance 4 and 3,000 vertices");
-	bench_key(bench, "importance_shown_neutral", share[0][BUDGETS / 2], "the baseline: importance 1");
+	bench_key(bench, "importance_shown_neutral", share[0][SHOWN], "the baseline: importance 1");
 	return ECO_OK;
 }
 
 const struct bench_section bench_importance = { .name = "importance", .title = "Importance of flowers",
 	.run = run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/frames/bench_importance.o "
-	"tests/bench/frames/bench_still.o" };
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/frames/bench_importance.o" };

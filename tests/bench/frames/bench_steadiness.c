@@ -1,32 +1,36 @@
 /* Motion in pictures that should stand still: slow cameras, a plan for every frame, and beside each picture
- * the full detail of the same view. Two measures (Neubert 2011, section 4.3 fights the same with hysteresis,
- * which a stateless server does not have):
+ * the full detail of the same view. Two measures (Neubert 2011, section 4.3 has hysteresis against the same,
+ * which a stateless server has not):
  *
- *   pixels    that change from one frame to the next, over those that change in full detail: leaves move
- *             against each other there too. What changes only in ours is shown beside it
+ *   pixels    that change from one frame to the next, over those that change in full detail, where leaves
+ * move
+ *             against each other, too
  *   switches  the share of like plants (one model, in view in both frames) whose cuts change from one frame
- *             to the next, be it by one leaf; the worst frame counts. A plant that is drawn in parts, as near
- *             ones are, counts with the part that changes. Leaves that grow by less than a sixteenth of their
- *             area blend, and do not switch. Where only few of a model are in view a single plant would be a
- *             large share: those do not count. Plants of a model at all distances are like here, as few are
- *             at one distance; beside it stands the same for those within an octave of distance, how many
- *             change by more than an eighth of what they draw, and the share of vertices that change
+ * to the
+ *             next, be it by one leaf; the worst frame counts. A plant that is drawn in parts counts with the
+ * part that
+ *             changes. Leaves that grow by less than a sixteenth of their area blend, and do not switch. A
+ * model counts
+ *             with at least LIKE_LEAST plants in view. Beside it stands the share that changes by more than
+ * an eighth
+ *             of its vertices.
  *
  * Cameras move towards what they look at, around it, and zoom, all by about the same angle of the picture a
- * frame. Drawn by the software rasteriser: the same bits everywhere. */
+ * frame. The software rasteriser draws: the same bits everywhere. */
 #include <math.h>
 #include <stdlib.h>
 
+#include "client-min/draw/view_picture.h"
+#include "client-min/view_reference.h"
+#include "ecofiles/format/pack.h"
+#include "tests/bench/bench_fetch.h"
 #include "tests/bench/bench_shots.h"
-#include "tests/bench/frames/bench_still.h"
 
 #define WIDTH 480u
 #define HEIGHT 360u
 #define COLOR_TOLD 24            /* of 255 in a channel: a change that is seen */
 #define LIKE_LEAST 40u
-#define OCTAVES (ECO_BANDS / 4)
 #define SAME_SIZE (1 / 16.0)
-#define SWITCH_MOST 0.05         /* of like plants */
 #define VIEWS 2u                 /* starts along a scene's path */
 #define PAIRS_QUICK 2u           /* of frames, a start */
 #define PAIRS_FULL 12u
@@ -37,22 +41,17 @@ enum motion { DOLLY, ORBIT, ZOOM, MOTIONS };
 static const char *const motion_names[MOTIONS] = { "dolly", "orbit", "zoom" };
 static const uint64_t budgets[] = { 100000, 1000000 };
 #define BUDGETS (sizeof budgets / sizeof *budgets)
+#define FULL BUDGETS                                         /* the reel of full detail */
 static const char *const scenes[] = { "outdoor", "trees1276", "scbi", "sunflowers", "palms", "trees640",
 	"trees5000" };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
 struct sums {
-	uint64_t ours, reference, beyond, pixels, pairs;
-	double worst_pair, worst_switch, worst_octave, worst_jump;
-	/* plants; models in frames, and those of which too many switch */
-	uint64_t like, models, over;
-	double switched;
-	uint64_t vertices, vertices_changed; /* of like plants */
+	uint64_t ours, reference, pixels;
+	double worst_pair, worst_switch, worst_jump;
 };
 
-/* ---- Cameras ---- */
-
-/* The view after `t` frames. Around the target means around the vertical through it. */
+/* The view after `t` frames; ORBIT turns around the vertical through the target. */
 static struct eco_view moved(const struct eco_view *start, enum motion motion, double t)
 {
 	struct eco_view v = *start;
@@ -71,66 +70,128 @@ static struct eco_view moved(const struct eco_view *start, enum motion motion, d
 	return v;
 }
 
+/* ---- Frames of one budget ---- */
+
+struct cut { uint32_t list, first, end; float scale; uint64_t vertices; };
+/* `owner` names it in all pictures of a pack */
+struct plant { uint64_t owner, vertices; uint32_t plant, cut_first, cut_count; };
+struct frame {
+	struct view_picture picture;
+	struct plant *plants;                /* sorted by owner */
+	struct cut *cuts;
+	uint32_t count;
+};
+struct reel { struct view_store *store; struct frame frames[2]; };
+
+static void free_frame(struct frame *frame)
+{
+	view_picture_free(&frame->picture);
+	free(frame->plants);
+	free(frame->cuts);
+	*frame = (struct frame){ .count = 0 };
+}
+
+static int by_owner(const void *a, const void *b)
+{
+	const struct plant *x = a, *y = b;
+	return x->owner < y->owner ? -1 : x->owner > y->owner;
+}
+
+static void list_plants(const struct view_store *store, const struct view_selection *selection, struct frame
+	*frame)
+{
+	const struct eco_plan *plan = view_store_plan(store);
+	uint32_t cuts = 0;
+	frame->plants = malloc((selection->instance_count + 1u) * sizeof *frame->plants);
+	frame->cuts = malloc((selection->cut_first[selection->instance_count] + 1u) * sizeof *frame->cuts);
+	if (!frame->plants || !frame->cuts)
+		abort();
+	for (uint32_t i = 0; i < selection->instance_count; i++) {
+		const struct view_instance *instance = &selection->instances[i];
+		if (instance->plant == ECO_NONE)
+			continue;
+		struct plant *p = &frame->plants[frame->count++];
+		*p = (struct plant){ .owner = instance->owner, .plant = instance->plant, .cut_first = cuts };
+		for (uint32_t c = selection->cut_first[i]; c < selection->cut_first[i + 1]; c++) {
+			const struct eco_cut *cut = &plan->cuts[selection->cuts[c]];
+			uint64_t vertices = (uint64_t)(cut->end - cut->first)
+				* eco_list_vertices(&view_store_list(store, cut->list)->list);
+			frame->cuts[cuts++] = (struct cut){ cut->list, cut->first, cut->end, cut->scale,
+				vertices };
+			p->cut_count++;
+			p->vertices += vertices;
+		}
+	}
+	qsort(frame->plants, frame->count, sizeof *frame->plants, by_owner);
+}
+
+static enum eco_code next_frame(struct reel *reel, const struct srv_scene *scene, const struct eco_request
+	*request, struct eco_error *error)
+{
+	struct view_selection selection = { 0 };
+	struct lod_eye eye;
+	free_frame(&reel->frames[0]);
+	reel->frames[0] = reel->frames[1];
+	struct frame *frame = &reel->frames[1];
+	*frame = (struct frame){ .count = 0 };
+	lod_eye_make(&eye, &request->view);
+	enum eco_code code = reel->store ? ECO_OK
+		: view_store_new(&reel->store, &(struct view_store_options){ .images = true }, error);
+	code = code ? code : bench_fetch(NULL, scene, request, reel->store, error);
+	code = code ? code : view_select_make(&selection, reel->store, &eye, error);
+	code = code ? code : view_picture_init(&frame->picture, WIDTH, HEIGHT, error);
+	if (!code) {
+		double near_m = view_store_near_m(reel->store);
+		code = view_reference_draw(&(struct view_reference_job){ .store = reel->store,
+			.selection = &selection, .eye = &eye, .near_m = near_m > 0 ? near_m : 0.1 },
+			&frame->picture, error);
+		list_plants(reel->store, &selection, frame);
+	}
+	view_select_free(&selection);
+	return code;
+}
+
 /* ---- Two frames ---- */
 
-static bool changed(const struct view_picture *a, const struct view_picture *b, size_t i)
+static bool changed(const struct frame frames[2], size_t i)
 {
-	if (!a->cover[i] && !b->cover[i])
-		return false;
+	const struct view_picture *a = &frames[0].picture, *b = &frames[1].picture;
 	bool is = a->cover[i] != b->cover[i];
 	for (int k = 0; k < 3; k++)
 		is = is || abs(a->rgb[3 * i + k] - b->rgb[3 * i + k]) > COLOR_TOLD;
-	return is;
+	return is && (a->cover[i] || b->cover[i]);
 }
 
-static void count_pixels(struct sums *sums, const struct view_picture ours[2],
-	const struct view_picture full[2])
+static void count_pixels(struct sums *sums, const struct frame ours[2], const struct frame full[2])
 {
 	uint64_t mine = 0, theirs = 0;
 	for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
-		bool o = changed(&ours[0], &ours[1], i), r = changed(&full[0], &full[1], i);
-		mine += o;
-		theirs += r;
-		sums->beyond += o && !r;
+		mine += changed(ours, i);
+		theirs += changed(full, i);
 	}
 	sums->ours += mine;
 	sums->reference += theirs;
 	sums->pixels += (uint64_t)WIDTH * HEIGHT;
-	sums->pairs++;
 	if (theirs)
 		sums->worst_pair = fmax(sums->worst_pair, (double)mine / (double)theirs);
 }
 
-static const struct bench_plant *find(const struct bench_plants *plants, uint64_t owner)
+static const struct plant *find(const struct frame *frame, uint64_t owner)
 {
-	uint32_t low = 0, high = plants->count;
-	while (low < high) {
-		uint32_t middle = low + (high - low) / 2;
-		if (plants->items[middle].owner < owner)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return low < plants->count && plants->items[low].owner == owner ? &plants->items[low] : NULL;
+	const struct plant key = { .owner = owner };
+	return bsearch(&key, frame->plants, frame->count, sizeof key, by_owner);
 }
 
-/* A change that could be seen by itself: an eighth of a plant's vertices. */
-static bool is_jump(uint64_t a, uint64_t b)
-{
-	uint64_t more = a > b ? a : b, less = a > b ? b : a;
-	return more - less > more / 8;
-}
-
-/* Vertices of a that are not so in b. */
-static uint64_t unlike(const struct bench_plants *in, const struct bench_plant *a,
-	const struct bench_plants *of, const struct bench_plant *b)
+/* Vertices of plant `a` of one frame that plant `b` of another has not. */
+static uint64_t unlike(const struct frame *in, const struct plant *a, const struct frame *of,
+	const struct plant *b)
 {
 	uint64_t sum = 0;
 	for (uint32_t i = a->cut_first; i < a->cut_first + a->cut_count; i++) {
-		const struct bench_cut *x = &in->cuts[i];
+		const struct cut *x = &in->cuts[i];
 		bool same = false;
 		for (uint32_t k = b->cut_first; k < b->cut_first + b->cut_count && !same; k++) {
-			const struct bench_cut *y = &of->cuts[k];
+			const struct cut *y = &of->cuts[k];
 			same = x->list == y->list && x->first == y->first && x->end == y->end
 				&& fabsf(x->scale - y->scale) <= SAME_SIZE * fmaxf(x->scale, y->scale);
 		}
@@ -139,251 +200,165 @@ static uint64_t unlike(const struct bench_plants *in, const struct bench_plant *
 	return sum;
 }
 
-/* Switching share of a plant, between its cuts in [0] and those in [1]. */
-static double switched(struct sums *sums, const struct bench_plants some[2], const struct bench_plant *a,
-	const struct bench_plant *b)
-{
-	uint64_t from = unlike(&some[0], a, &some[1], b), to = unlike(&some[1], b, &some[0], a),
-		all = a->vertices > b->vertices ? a->vertices : b->vertices, most = from > to ? from : to;
-	sums->vertices += all;
-	sums->vertices_changed += most;
-	return all ? (double)most / (double)all : 0;
-}
-
 struct likes { uint32_t all, jumped; double switched; };
 
-static double switched_share(const struct likes *like)
+/* A plant of full detail may have no cuts in ours, where a tile's summary stands for it. */
+static void count_switches(struct sums *sums, uint32_t plant_count, const struct frame full[2],
+	const struct frame ours[2])
 {
-	return like->all < LIKE_LEAST ? 0 : like->switched / like->all;
-}
-
-/* `all`: the plants in view; `some`: those with cuts of their own, which may be fewer where a tile's summary
- * stands for its plants. */
-static bool count_switches(struct sums *sums, uint32_t plant_count, const struct bench_plants all[2],
-	const struct bench_plants some[2])
-{
-	struct likes *likes = calloc((size_t)plant_count + 1, (1 + OCTAVES) * sizeof *likes),
-		*octaves = likes + plant_count;
+	struct likes *likes = calloc(plant_count + 1u, sizeof *likes);
 	if (!likes)
-		return false;
-	for (uint32_t i = 0; i < all[0].count; i++) {
-		const struct bench_plant *plant = &all[0].items[i], none = { 0 };
-		if (!find(&all[1], plant->owner))
+		abort();
+	for (uint32_t i = 0; i < full[0].count; i++) {
+		const struct plant *plant = &full[0].plants[i], none = { 0 }, *a, *b;
+		if (!find(&full[1], plant->owner))
 			continue;
-		const struct bench_plant *a = find(&some[0], plant->owner), *b = find(&some[1], plant->owner);
+		a = find(&ours[0], plant->owner);
+		b = find(&ours[1], plant->owner);
 		a = a ? a : &none;
 		b = b ? b : &none;
-		struct likes *like = &likes[plant->plant],
-			*near = &octaves[plant->plant * (size_t)OCTAVES + plant->band / 4];
-		double part = switched(sums, some, a, b);
+		uint64_t from = unlike(&ours[0], a, &ours[1], b), to = unlike(&ours[1], b, &ours[0], a);
+		uint64_t more = a->vertices > b->vertices ? a->vertices : b->vertices,
+			less = a->vertices + b->vertices - more;
+		struct likes *like = &likes[plant->plant];
 		like->all++;
-		near->all++;
-		like->switched += part;
-		near->switched += part;
-		like->jumped += is_jump(a->vertices, b->vertices);
+		like->switched += more ? (double)(from > to ? from : to) / (double)more : 0;
+		like->jumped += more - less > more / 8;
 	}
 	for (uint32_t i = 0; i < plant_count; i++) {
-		sums->like += likes[i].all;
-		sums->switched += likes[i].switched;
-		for (uint32_t k = 0; k < OCTAVES; k++)
-			sums->worst_octave =
-				fmax(sums->worst_octave, switched_share(&octaves[i * (size_t)OCTAVES + k]));
 		if (likes[i].all < LIKE_LEAST)
 			continue;
-		sums->worst_switch = fmax(sums->worst_switch, switched_share(&likes[i]));
-		sums->models++;
-		sums->over += likes[i].switched > SWITCH_MOST * likes[i].all;
+		sums->worst_switch = fmax(sums->worst_switch, likes[i].switched / likes[i].all);
 		sums->worst_jump = fmax(sums->worst_jump, (double)likes[i].jumped / likes[i].all);
 	}
 	free(likes);
-	return true;
 }
 
 /* ---- One slow camera ---- */
 
-struct reel {                            /* the last two frames */
-	struct bench_still *still;
-	struct view_picture pictures[2];
-	struct bench_plants plants[2];
-};
+struct work { struct bench *bench; const char *pack; struct eco_request starts[VIEWS]; uint32_t count;
+	enum motion motion; };
 
-static enum eco_code next_frame(struct reel *reel, const struct eco_request *request, struct eco_error *error)
+/* All budgets along one camera: the full detail is drawn once for them. */
+static enum eco_code run_camera(const struct work *w, const struct srv_scene *scene, const struct eco_view
+	*start, struct sums *sums, struct eco_error *error)
 {
-	struct view_picture picture = reel->pictures[0];
-	struct bench_plants plants = reel->plants[0];
-	reel->pictures[0] = reel->pictures[1];
-	reel->plants[0] = reel->plants[1];
-	reel->pictures[1] = picture;
-	reel->plants[1] = plants;
-	return bench_still_draw(reel->still, request, &reel->pictures[1], &reel->plants[1], error);
-}
-
-static void reel_close(struct reel *reel)
-{
-	for (int i = 0; i < 2; i++) {
-		view_picture_free(&reel->pictures[i]);
-		bench_plants_free(&reel->plants[i]);
-	}
-	bench_still_close(reel->still);
-}
-
-/* All budgets along one camera: the full detail is drawn once for them. reels[BUDGETS] is the full detail. */
-static enum eco_code run_camera(struct bench *bench, struct reel *reels, const struct eco_view *start,
-	enum motion motion, struct sums *sums, struct eco_error *error)
-{
-	uint32_t pairs = bench->full ? PAIRS_FULL : PAIRS_QUICK,
-		plant_count = bench_still_scene(reels[BUDGETS].still)->plant_count;
+	struct reel reels[BUDGETS + 1] = { { NULL } };
+	uint32_t pairs = w->bench->full ? PAIRS_FULL : PAIRS_QUICK;
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i <= pairs && !code; i++) {
-		struct eco_request request = { .view = moved(start, motion, i),
-			.bytes = ECO_BYTES_UNBOUNDED };
+		struct eco_request request = { .view = moved(start, w->motion, i), .bytes =
+			ECO_BYTES_UNBOUNDED };
 		request.view.width = WIDTH;
 		request.view.height = HEIGHT;
-		if (bench_stopped(bench))
-			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
-		for (size_t b = BUDGETS + 1; b-- > 0 && !code;) {
-			request.vertices = b < BUDGETS ? budgets[b] : ECO_VERTICES_MAX;
-			request.ground_px = b < BUDGETS ? 0 : ECO_GROUND_PX_MIN;
-			request.texel_px = b < BUDGETS ? 0 : ECO_TEXEL_PX_MIN;
-			code = next_frame(&reels[b], &request, error);
-			if (code || i == 0 || b == BUDGETS)
+		code = bench_go_on(w->bench, error);
+		for (size_t b = FULL + 1; b-- > 0 && !code;) {
+			request.vertices = b < FULL ? budgets[b] : ECO_VERTICES_MAX;
+			request.ground_px = b < FULL ? 0 : ECO_GROUND_PX_MIN;
+			request.texel_px = b < FULL ? 0 : ECO_TEXEL_PX_MIN;
+			code = next_frame(&reels[b], scene, &request, error);
+			if (code || i == 0 || b == FULL)
 				continue;
-			count_pixels(&sums[b], reels[b].pictures, reels[BUDGETS].pictures);
-			if (!count_switches(&sums[b], plant_count, reels[BUDGETS].plants, reels[b].plants))
-				code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u plants", plant_count);
+			count_pixels(&sums[b], reels[b].frames, reels[FULL].frames);
+			count_switches(&sums[b], scene->pack->scene.plant_count, reels[FULL].frames,
+				reels[b].frames);
 		}
+	}
+	for (size_t b = 0; b <= FULL; b++) {
+		free_frame(&reels[b].frames[0]);
+		free_frame(&reels[b].frames[1]);
+		view_store_free(reels[b].store);
 	}
 	return code;
 }
 
-static json_t *json_of(const struct sums *s)
-{
-	double reference = s->reference ? (double)s->reference : 1, like = s->like ? (double)s->like : 1,
-		vertices = s->vertices ? (double)s->vertices : 1;
-	return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "ours",
-		(double)s->ours / (double)s->pixels, "reference", (double)s->reference / (double)s->pixels,
-		"ratio", (double)s->ours / reference, "beyond", (double)s->beyond / reference, "worst_pair",
-		s->worst_pair, "worst_switch", s->worst_switch, "worst_octave", s->worst_octave, "worst_jump",
-		s->worst_jump, "switched", s->switched / like,
-		"vertices", (double)s->vertices_changed / vertices, "over",
-		s->models ? (double)s->over / (double)s->models : 0);
-}
+static const struct bench_column columns[] = { { "changed %", 3 }, { "reference changed %", 3 }, { "ratio",
+	3 },
+	{ "worst frame", 3 }, { "worst model and frame %", 2 }, { "by over 1/8 of a plant %", 2 } };
+enum { RATIO = 2, SWITCH = 4, JUMP, COLUMNS };
 
-static enum eco_code run_motion(struct bench *bench, const char *pack, const struct eco_request *starts,
-	uint32_t count, enum motion motion, json_t **out, struct eco_error *error)
+/* The columns, as shares, for each budget. */
+static enum eco_code run_motion(void *ctx, json_t **made, struct eco_error *error)
 {
-	struct reel reels[BUDGETS + 1] = { { 0 } };
+	const struct work *w = ctx;
 	struct sums sums[BUDGETS] = { { 0 } };
-	enum eco_code code = ECO_OK;
-	for (size_t b = 0; b <= BUDGETS && !code; b++)
-		code = bench_still_open(&reels[b].still, pack, error);
-	for (uint32_t k = 0; k < count && !code; k++)
-		code = run_camera(bench, reels, &starts[k].view, motion, sums, error);
-	for (size_t b = 0; b <= BUDGETS; b++)
-		reel_close(&reels[b]);
-	if (code)
-		return code;
-	*out = json_array();
-	for (size_t b = 0; b < BUDGETS; b++)
-		json_array_append_new(*out, json_of(&sums[b]));
-	return ECO_OK;
+	struct srv_store store;
+	srv_store_init(&store);
+	enum eco_code code = srv_store_add(&store, "steadiness", w->pack, error);
+	for (uint32_t k = 0; k < w->count && !code; k++)
+		code = run_camera(w, store.scenes[0], &w->starts[k].view, sums, error);
+	srv_store_free(&store);
+	*made = json_array();
+	for (size_t b = 0; b < BUDGETS && !code; b++) {
+		const struct sums *s = &sums[b];
+		json_array_append_new(*made, bench_reals((double[]){ (double)s->ours / (double)s->pixels,
+			(double)s->reference / (double)s->pixels, (double)s->ours / fmax(1,
+			(double)s->reference), s->worst_pair, s->worst_switch, s->worst_jump }, COLUMNS));
+	}
+	return code;
 }
 
 /* ---- Report ---- */
 
-struct worst { double ratio, change, octave, jump; char ratio_of[96], change_of[96]; };
-
-static double number(const json_t *row, const char *key)
+static enum eco_code run_scene(struct bench *bench, const char *scene, const char *pack, struct bench_table
+	*table, double worst[COLUMNS], struct eco_error *error)
 {
-	return json_number_value(json_object_get(row, key));
-}
-
-static void add_rows(struct bench_table *table, struct worst *worst, const char *scene, enum motion motion,
-	const json_t *unit)
-{
-	for (size_t b = 0; b < BUDGETS; b++) {
-		const json_t *row = json_array_get(unit, b);
-		bench_table_row(table, "%s,%s,%llu,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.1f,%.2f,%.2f",
-			scene, motion_names[motion], (unsigned long long)budgets[b],
-			100 * number(row, "ours"), 100 * number(row, "reference"),
-			number(row, "ratio"), number(row, "beyond"),
-			number(row, "worst_pair"), 100 * number(row, "switched"),
-			100 * number(row, "vertices"),
-			100 * number(row, "worst_switch"), 100 * number(row, "over"),
-			100 * number(row, "worst_octave"), 100 * number(row, "worst_jump"));
-		if (!(number(row, "ratio") <= worst->ratio)) {
-			worst->ratio = number(row, "ratio");
-			snprintf(worst->ratio_of, sizeof worst->ratio_of, "%s, %s, %llu", scene,
-				motion_names[motion], (unsigned long long)budgets[b]);
-		}
-		worst->octave = fmax(worst->octave, number(row, "worst_octave"));
-		worst->jump = fmax(worst->jump, number(row, "worst_jump"));
-		if (!(number(row, "worst_switch") <= worst->change)) {
-			worst->change = number(row, "worst_switch");
-			snprintf(worst->change_of, sizeof worst->change_of, "%s, %s, %llu", scene,
-				motion_names[motion], (unsigned long long)budgets[b]);
-		}
-	}
-}
-
-static enum eco_code run_scene(struct bench *bench, size_t scene, struct bench_table *table,
-	struct worst *worst, struct eco_error *error)
-{
-	char pack[512], name[96];
-	struct eco_request starts[2 * VIEWS + 1];
-	const char *of = scenes[scene];
-	enum eco_code code = bench_scene(bench, of, NULL, pack, error);
-	uint32_t found = code ? 0 : bench_scene_views(bench, of, starts, VIEWS), done = 0;
+	struct work work = { .bench = bench, .pack = pack };
+	enum eco_code code = ECO_OK;
+	work.count = bench_scene_views(bench, scene, work.starts, VIEWS);
 	for (int m = 0; m < MOTIONS && !code; m++) {
-		snprintf(name, sizeof name, "steadiness-%s-%s-%s", of, motion_names[m], bench->full ? "full"
-			: "quick");
-		bench_progress(bench, ((double)scene + (double)done++ / MOTIONS) / SCENES, name);
-		json_t *unit = bench_recall(bench, name, bench_pack_stamp(pack));
-		if (!unit) {
-			code = run_motion(bench, pack, starts, found, (enum motion)m, &unit, error);
-			unit = code ? NULL : bench_keep(bench, name, bench_pack_stamp(pack), unit);
+		char name[96];
+		json_t *unit;
+		snprintf(name, sizeof name, "steadiness-%s-%s-%s", scene, motion_names[m], bench->full
+			? "full" : "quick");
+		bench_progress(bench, (double)m / MOTIONS, name);
+		work.motion = (enum motion)m;
+		code = bench_unit(bench, name, bench_pack_stamp(pack), run_motion, &work, &unit, error);
+		for (size_t b = 0; b < BUDGETS && !code; b++) {
+			double value[COLUMNS];
+			bench_cells(json_array_get(unit, b), value, COLUMNS);
+			for (size_t i = 0; i < COLUMNS; i++) {
+				worst[i] = fmax(worst[i], value[i]);
+				value[i] *= i == RATIO || i == RATIO + 1 ? 1 : 100;
+			}
+			bench_table_values(table, value, "%s,%s,%llu", scene, motion_names[m],
+				(unsigned long long)budgets[b]);
 		}
-		if (!code)
-			add_rows(table, worst, of, (enum motion)m, unit);
 	}
 	return code;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	struct worst worst = { .ratio = NAN, .change = NAN, .octave = NAN, .jump = NAN };
+	double worst[COLUMNS] = { NAN, NAN, NAN, NAN, NAN, NAN };
 	char pack[512];
 	enum eco_code code = ECO_OK;
-	struct bench_table *table = bench_table_open(bench, "steadiness",
-		"scene,camera,vertices,changed %,reference changed %,ratio,only ours over "
-		"reference,worst frame,plants switched %,vertices switched %,worst model and frame %,"
-		"models and frames over 5 %,worst octave of distance %,by over 1/8 of a plant %", true);
-	for (size_t i = 0; i < SCENES && !code; i++) {
+	struct bench_table *table = bench_table_described(bench, "steadiness", "scene,camera,vertices",
+		columns, COLUMNS, true);
+	for (size_t i = 0; i < SCENES && !code; i++)
 		if (bench_shot_scene(bench, scenes[i], pack, &code, error) && !code)
-			code = run_scene(bench, i, table, &worst, error);
-	}
+			code = run_scene(bench, scenes[i], pack, table, worst, error);
 	bench_table_close(table);
 	if (code)
 		return code;
-	bench_say(bench, "Slow cameras: %.1f %% nearer, %.2f degrees around or %.1f %% of zoom a frame, %u "
-		"x %u pixels. A pixel changes where it is covered in "
-		"one frame and not in the other, or a channel differs by more than %d. Worst ratio: %s. A "
-		"plant switches where anything of its cuts "
-		"changes, be it one leaf, a near one with the part of it that does; leaves that grow by "
-		"less than a sixteenth of their area do not. "
-		"Worst share of a model with at least %u plants in view, at all distances: %s.",
-		100 * (1 - NEARER), TURN_RAD * 57.29578, 100 * (1 - NEARER), WIDTH, HEIGHT, COLOR_TOLD,
-		worst.ratio_of, LIKE_LEAST, worst.change_of);
-	bench_key(bench, "steadiness_ratio", worst.ratio, "<= 1.5: pixels that change over those of the "
-		"reference, worst camera");
-	bench_key(bench, "steadiness_switch", worst.change, "<= 0.05: of a model's plants that switch at "
-		"once, worst frame");
-	bench_key(bench, "steadiness_octave", worst.octave, "of a model's plants within an octave of "
-		"distance, worst");
-	bench_key(bench, "steadiness_jump", worst.jump, "<= 0.05: of those, by more than an eighth of a "
-		"plant's vertices");
+	bench_say(bench,
+		"Slow cameras: %.1f %% nearer, %.2f degrees around or %.1f %% of zoom a frame, %u x %u "
+		"pixels. A "
+		"pixel changes where it is covered in one frame and not in the other, or a channel differs "
+		"by more than "
+		"%d. A plant switches where anything of its cuts changes, a near one with the part that "
+		"does; leaves "
+		"that grow by less than a sixteenth of their area do not. A model counts with %u plants in "
+		"view.", 100 * (1 - NEARER), TURN_RAD * 57.29578, 100 * (1 - NEARER), WIDTH, HEIGHT,
+		COLOR_TOLD, LIKE_LEAST);
+	bench_key(bench, "steadiness_ratio", worst[RATIO],
+		"<= 1.5: pixels that change over those of the reference, worst camera");
+	bench_key(bench, "steadiness_switch", worst[SWITCH],
+		"<= 0.05: of a model's plants that switch at once, worst frame");
+	bench_key(bench, "steadiness_jump", worst[JUMP],
+		"<= 0.05: of those, by more than an eighth of a plant's vertices");
 	return ECO_OK;
 }
 
 const struct bench_section bench_steadiness = { "steadiness", "Steadiness: slow cameras", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/frames/bench_st*.o" };
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/frames/bench_steadiness.o" };

@@ -1,15 +1,12 @@
-/* Neubert 2011, what no other section has: Precision and Recall by share and scale (figures 2, 3 and 5), the
- * best scale beside Cook's and in two views (figures 6 and 7), and the speed of drawing 5,000 trees at equal
- * Q (figure 12). Leaves at random, wood drawn whole. */
+/* Neubert 2011: Precision and Recall by share and scale (figures 2, 3 and 5), the best scale beside Cook's
+ * and in two views (figures 6 and 7). Leaves at random, wood drawn whole. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/bench/baseline/paper_neubert.h"
-#include "tests/bench/baseline/paper_rules.h"
 #include "tests/bench/bench_leaves.h"
-#include "tests/bench/bench_shots.h"
+#include "tests/bench/bench.h"
 
 #define PIXELS 256u
 #define VIEWS 8u
@@ -219,161 +216,5 @@ static enum eco_code write_plants(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-/* ---- Speed at equal Q (figure 12) ---- */
-
-#define HALVINGS 9
-static const uint64_t budgets[] = { 300000, 1000000, 3000000 };
-
-/* The fewest vertices at which our plan has at least Q, within a fifth of a per cent of them. */
-static enum eco_code match(struct bench_client *client, struct bench_frame *frame, double q,
-	struct eco_error *error)
-{
-	uint64_t low = 0, high = frame->request.vertices;
-	enum eco_code code = ECO_OK;
-	struct bench_frame at = *frame, best = *frame;
-	for (int i = 0; i < HALVINGS && !code; i++) {
-		at.request.vertices = low + (high - low) / 2;
-		code = bench_client_frame(client, &at, NULL, error);
-		if (!code && at.score.q >= q) {
-			best = at;
-			high = at.request.vertices;
-		} else {
-			low = at.request.vertices;
-		}
-	}
-	*frame = best;
-	return code;
-}
-
-struct race {
-	struct bench *bench;
-	struct bench_client *client;
-	struct paper_scene *papers;
-	struct paper_tables *tables;
-	struct eco_request request;
-};
-
-static enum eco_code draw_cook(struct race *race, struct bench_frame *cook, struct eco_error *error)
-{
-	struct paper_cook how = { .tables = race->tables };
-	struct paper paper;
-	struct eco_plan plan = { 0 };
-	struct paper_frame frame = { 0 };
-	double x;
-	enum eco_code code = paper_begin(&paper, race->papers, &race->request, error);
-	if (!code)
-		code = paper_solve(&paper, paper_cook, &how, 1e-3, 1e5, &x, &plan, error);
-	paper_end(&paper);
-	code = code ? code : paper_draw(race->papers, &plan, &race->request.view, false, &frame, error);
-	code = code ? code : bench_client_score(race->client, cook, &frame.picture, error);
-	cook->vertices = frame.picture.vertices;
-	cook->draw_ms = code ? NAN
-		: bench_gl_ms(race->papers->store, &frame.selection, &race->request.view);
-	paper_frame_free(&frame);
-	return code;
-}
-
-static json_t *row_of(const struct bench_frame *frame)
-{
-	json_t *row = json_object();
-	bench_shot_set(row, "vertices", (double)frame->vertices);
-	bench_shot_set(row, "q", frame->score.q);
-	bench_shot_set(row, "ms", frame->draw_ms);
-	return row;
-}
-
-static enum eco_code run_race(struct race *race, json_t **rows, struct eco_error *error)
-{
-	json_t *made = json_array();
-	enum eco_code code = ECO_OK;
-	for (size_t i = 0; i < sizeof budgets / sizeof *budgets && !code; i++) {
-		race->request.vertices = budgets[i];
-		struct bench_frame cook = { .request = race->request }, ours = cook;
-		code = bench_stopped(race->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: bench_client_reference(race->client, &race->request, NULL, error);
-		code = code ? code : draw_cook(race, &cook, error);
-		code = code ? code : bench_client_frame(race->client, &ours, NULL, error);
-		if (!code && ours.score.q >= cook.score.q)
-			code = match(race->client, &ours, cook.score.q, error);
-		if (!code)
-			json_array_append_new(made, json_pack("[oo]", row_of(&cook), row_of(&ours)));
-	}
-	if (code)
-		json_decref(made);
-	else
-		*rows = made;
-	return code;
-}
-
-static enum eco_code race_of(struct bench *bench, const char *packs[2], json_t **rows,
-	struct eco_error *error)
-{
-	struct race race = { .bench = bench };
-	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
-	bench_shot_views(bench, "trees5000", requests);
-	race.request = requests[0];
-	enum eco_code code = bench_client_open(&race.client, packs[0], error);
-	code = code ? code : paper_scene_open(&race.papers, packs[1], error);
-	code = code ? code : paper_tables_make(&race.tables, race.papers, error);
-	code = code ? code : run_race(&race, rows, error);
-	bench_client_close(race.client);
-	paper_tables_free(race.tables);
-	paper_scene_close(race.papers);
-	return code;
-}
-
-static enum eco_code write_race(struct bench *bench, struct eco_error *error)
-{
-	char ours[512], papers[512], stamp[128];
-	const char *packs[2] = { ours, papers };
-	bench_head(bench, "Speed at equal Q: 5,000 trees (figure 12)");
-	if (!bench_scene_asked(bench, "trees5000"))
-		return ECO_OK;
-	enum eco_code code = bench_scene(bench, "trees5000", NULL, ours, error);
-	code = code ? code : bench_scene(bench, "trees5000", "stochastic", papers, error);
-	if (code)
-		return code;
-	int size = snprintf(stamp, sizeof stamp, "%s", bench_pack_stamp(ours));
-	snprintf(stamp + size, sizeof stamp - (size_t)size, " %s", bench_pack_stamp(papers));
-	bench_progress(bench, 0.6, "5,000 trees at equal Q");
-	json_t *rows = bench_recall(bench, "neubert-race", stamp), *row;
-	if (!rows) {
-		code = race_of(bench, packs, &rows, error);
-		rows = code ? NULL : bench_keep(bench, "neubert-race", stamp, rows);
-	}
-	if (code)
-		return code;
-	size_t i;
-	struct bench_table *table = bench_table_open(bench, "neubert_speed",
-		"rule,vertices,Q,draw ms,frames/s,times as fast", true);
-	bench_table_row(table, "%s", "printed: full detail,26000000,1,-,0.8,-");
-	bench_table_row(table, "%s", "printed: Cook,-,-,-,9,-");
-	bench_table_row(table, "%s", "printed: Neubert,-,-,-,15,1.67");
-	json_array_foreach(rows, i, row) {
-		const json_t *cook = json_array_get(row, 0), *mine = json_array_get(row, 1);
-		double ms[2] = { bench_shot_number(cook, "ms"), bench_shot_number(mine, "ms") };
-		bench_table_row(table, "Cook corrected,%.0f,%.4f,%.0f,%.1f,1",
-			bench_shot_number(cook, "vertices"), bench_shot_number(cook, "q"), ms[0],
-			1000 / ms[0]);
-		bench_table_row(table, "ours,%.0f,%.4f,%.0f,%.1f,%.2f",
-			bench_shot_number(mine, "vertices"), bench_shot_number(mine, "q"), ms[1],
-			1000 / ms[1], ms[0] / ms[1]);
-	}
-	bench_table_close(table);
-	bench_say(bench, "Cook draws %u, %u and %u vertices, which the share lambda by distance decides; "
-		"ours the fewest at which Q is no less, to a 500th of that. Times are of OpenGL on this "
-		"machine at the second frame, %u x %u pixels; the paper's of a GTX 295 at 1600 x 1200.",
-		(unsigned)budgets[0], (unsigned)budgets[1], (unsigned)budgets[2], BENCH_SHOT_WIDTH,
-		BENCH_SHOT_HEIGHT);
-	return code;
-}
-
-static enum eco_code run(struct bench *bench, struct eco_error *error)
-{
-	enum eco_code code = write_plants(bench, error);
-	return code ? code : write_race(bench, error);
-}
-
-const struct bench_section bench_neubert = { "neubert", "Neubert 2011: scales, views, speed", run,
-	.objects = BENCH_OBJECTS_FRAMES BENCH_OBJECTS_PLANTS "tests/bench/bench_frame.o "
-	"tests/bench/ladder/bench_neubert.o tests/bench/bench_shots.o", .alone = true };
+const struct bench_section bench_neubert = { "neubert", "Neubert 2011: scales and views", write_plants,
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/ladder/bench_neubert.o" };
