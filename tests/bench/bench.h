@@ -98,6 +98,13 @@ void bench_table_values(struct bench_table *table, const double *values, const c
  * reach, in words. */
 void bench_key(struct bench *bench, const char *key, double value, const char *bar);
 
+/* The mean of values[0..count) and the middle 95 % of the means of `count` values drawn again and again, with
+ * a fixed seed (bootstrap over plants). */
+struct bench_interval {
+	double mean, low, high;
+};
+struct bench_interval bench_interval_of(const double *values, uint32_t count);
+
 /* A heading within the section, and a paragraph: plain text, escaped. */
 void bench_head(struct bench *bench, const char *text);
 void bench_say(struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));

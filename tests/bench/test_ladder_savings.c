@@ -2,7 +2,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "tests/bench/ladder/bench_interval.h"
 #include "tests/bench/ladder/bench_ladder_plant.h"
 #include "tests/bench/ladder/bench_savings.h"
 #include "tests/support/plant_models.h"

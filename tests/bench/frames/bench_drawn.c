@@ -13,7 +13,6 @@
 #include "tests/bench/baseline/paper_neubert.h"
 #include "tests/bench/baseline/paper_rules.h"
 #include "tests/bench/bench_shots.h"
-#include "tests/bench/ladder/bench_interval.h"
 
 #define LEAST 1e-3 /* of Cook's vertices: where the search begins */
 

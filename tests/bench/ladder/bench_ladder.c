@@ -5,7 +5,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/bench/ladder/bench_interval.h"
 #include "tests/bench/ladder/bench_ladder_plant.h"
 #include "tests/bench/bench_state.h"
 

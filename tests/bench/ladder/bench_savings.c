@@ -4,6 +4,7 @@
 #include "tests/bench/ladder/bench_savings.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,9 +30,6 @@
 #define NOISE_SMALL 0.05         /* "a small amount of randomness" (Neubert 2011, 3.2) */
 #define NOISE_MUCH 1.5
 #define WAYS 5                   /* from as they are to as many as can be, as triangles */
-#define BESIDE_FIRST 2u          /* distances that owners and colours are compared at */
-#define BESIDE_STRIDE 4u
-#define BESIDES ((BENCH_DISTANCES - BESIDE_FIRST + BESIDE_STRIDE - 1) / BESIDE_STRIDE)
 
 const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation",
 	"orientation with much noise", "combined", "combined with much noise", "leaf collapse",
@@ -49,11 +47,9 @@ struct study {
 	uint64_t *full[BENCH_METHODS], *simple;
 	uint8_t *growth;
 	struct bench_collapse_plant collapse;
-	uint32_t *stands;            /* per leaf: the element that shows it in a level of `collapse` */
 	struct lod_simple *triangle, *shape;
 	float *factor;
-	/* lod_cook_share of a leaf; leaves that a pixel has room for, in the pictures of the measurement */
-	double share, per_pixel, layers;
+	double share, layers;        /* lod_cook_share of a leaf; layers of leaves */
 	struct row rows[BENCH_METHODS][ROWS_MAX];
 	uint32_t row_count;
 };
@@ -92,7 +88,6 @@ static enum eco_code make_orders(struct bench *bench, struct study *s, struct ec
 	bench_collapse_make(&s->collapse, f, &(struct bench_collapse_options){ 0 }, arena);
 	bench_collapse_extend(&s->collapse, &s->leaves.foliage, arena);
 	s->order[BENCH_COLLAPSE] = lod_arena_take(arena, f->count, sizeof *s->order[BENCH_COLLAPSE]);
-	s->stands = lod_arena_take(arena, f->count, sizeof *s->stands);
 	s->order[BENCH_PLAIN] = s->order[BENCH_PRUNED] = s->order[BENCH_TRIANGLES] = rank.order;
 	s->growth = rank.growth;
 	s->triangle = rank.simple;
@@ -134,8 +129,7 @@ static void count_vertices(struct study *s)
 		s->simple[k + 1] = s->simple[k] + 3;
 }
 
-/* Measures that Cook's corrections need. Depth complexity: leaves' projected area over what they cover;
- * contrast: how many leaves a pixel has room for. */
+/* Depth complexity, for Cook's correction: leaves' projected area over what they cover. */
 static void measure_share(struct study *s)
 {
 	const struct lod_foliage *f = &s->leaves.foliage;
@@ -152,7 +146,6 @@ static void measure_share(struct study *s)
 	}
 	s->layers = covered > 0 ? projected / covered : 0;
 	s->share = lod_cook_share(s->n, projected / s->tuning.count, covered / s->tuning.count);
-	s->per_pixel = projected > 0 ? (double)s->n * s->tuning.count / projected : 1;
 }
 
 /* ---- A subset's quality ---- */
@@ -350,116 +343,6 @@ static struct row reach(const struct study *s, enum bench_method method, double 
 		low->fine + t * (high->fine - low->fine), q, high->way };
 }
 
-/* ---- Owners and colours ---- */
-
-struct picture { uint64_t *owner; uint8_t *rgb; };
-
-static void keep(const struct bench_leaves *leaves, struct picture *picture)
-{
-	size_t n = (size_t)leaves->pixels * leaves->pixels;
-	memcpy(picture->owner, leaves->ids.owner, n * sizeof *picture->owner);
-	for (size_t i = 0; i < n; i++)
-		bench_leaves_color(leaves, i, picture->rgb + 3 * i);
-}
-
-/* Q of pixels that show the leaf that they should: `right` of `shown`, and of `wanted`. */
-static double owner_q(double right, double shown, double wanted)
-{
-	double p = shown > 0 ? right / shown : 1, r = wanted > 0 ? right / wanted : 1;
-	return 1 - sqrt((1 - p) * (1 - p) + (1 - r) * (1 - r));
-}
-
-/* `stands`: per leaf, the element whose pixels are right for it; NULL: the leaf itself. */
-static void add_beside(const struct bench_leaves *leaves, const struct picture *reference,
-	const uint32_t *stands, double contrast, struct bench_beside *sum)
-{
-	const struct lod_raster *shown = &leaves->ids;
-	size_t n = (size_t)leaves->pixels * leaves->pixels, covered = 0, wanted = 0, right = 0, either = 0,
-		leafy = 0;
-	double mean[3] = { 0, 0, 0 }, square = 0;
-	for (size_t i = 0; i < n; i++)
-		for (int k = 0; k < 3 && reference->owner[i] && reference->owner[i] != BENCH_WOOD; k++) {
-			mean[k] += reference->rgb[3 * i + (size_t)k];
-			leafy += k == 0;
-		}
-	for (size_t i = 0; i < n; i++) {
-		bool a = shown->owner[i] != 0, b = reference->owner[i] != 0;
-		covered += a;
-		wanted += b;
-		right += a && b && (!stands || reference->owner[i] == BENCH_WOOD
-			? shown->owner[i] == reference->owner[i]
-			: shown->owner[i] == stands[reference->owner[i] - 1] + UINT64_C(1));
-		either += a || b;
-		uint8_t rgb[3];
-		bench_leaves_color(leaves, i, rgb);
-		for (int k = 0; k < 3 && (a || b); k++) {
-			double is = a ? rgb[k] : 0,
-				was = b ? reference->rgb[3 * i + (size_t)k] : 0;
-			if (a && shown->owner[i] != BENCH_WOOD && leafy)
-				is = mean[k] / (double)leafy + contrast * (is - mean[k] / (double)leafy);
-			square += (is - was) * (is - was) / (255.0 * 255.0);
-		}
-	}
-	sum->owner_q += owner_q((double)right, (double)covered, (double)wanted);
-	sum->colour_rms += either ? sqrt(square / (3.0 * (double)either)) : 0;
-}
-
-struct beside {                  /* what is summed over views */
-	struct picture reference;
-	struct bench_beside cook[2], method[BENCH_METHODS];
-};
-
-/* Cook's with and without his correction of contrast: the better of the two stands. */
-static void compare_beside(struct study *s, const struct bench_reach *at, uint32_t vertices, uint32_t view,
-	struct beside *b)
-{
-	bench_leaves_ids(&s->leaves, &s->tests, view, NULL);
-	keep(&s->leaves, &b->reference);
-	for (uint32_t k = 0; k < BESIDES; k++) {
-		uint32_t d = BESIDE_FIRST + k * BESIDE_STRIDE,
-			kept = whole(elements_at(s->full[BENCH_STOCHASTIC], s->n,
-			at->cook_lambda[d] * vertices), s->n);
-		const struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC],
-			.count = kept, .scale = (float)lod_cook_scale(kept, s->n) };
-		bench_leaves_ids(&s->leaves, &s->tests, view, &drawing);
-		add_beside(&s->leaves, &b->reference, NULL, 1, &b->cook[0]);
-		add_beside(&s->leaves, &b->reference, NULL, lod_cook_contrast(kept, s->n, s->per_pixel),
-			&b->cook[1]);
-		for (int m = 0; m < BENCH_METHODS; m++) {
-			const struct row row = reach(s, (enum bench_method)m, at->cook_q[d]);
-			const struct lod_sights_drawing ours = prepare(s, (enum bench_method)m, &row);
-			bench_leaves_ids(&s->leaves, &s->tests, view, &ours);
-			if (m == BENCH_COLLAPSE)
-				bench_collapse_shown(&s->collapse, 0, collapse_row(s, ours.count), s->stands,
-					&s->leaves.arena);
-			add_beside(&s->leaves, &b->reference, m == BENCH_COLLAPSE ? s->stands : NULL, 1,
-				&b->method[m]);
-		}
-	}
-}
-
-static enum eco_code measure_beside(struct bench *bench, struct study *s, struct bench_savings *savings,
-	struct eco_error *error)
-{
-	const struct bench_reach *at = &savings->at[BENCH_EVEN];
-	struct beside *b = lod_arena_take(&s->leaves.arena, 1, sizeof *b);
-	size_t n = (size_t)PIXELS * PIXELS;
-	b->reference = (struct picture){ lod_arena_take(&s->leaves.arena, n, sizeof(uint64_t)),
-		lod_arena_take(&s->leaves.arena, n, 3) };
-	for (uint32_t v = 0; v < s->tests.count; v++) {
-		if (bench_stopped(bench))
-			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
-		compare_beside(s, at, savings->vertices, v, b);
-	}
-	double pictures = (double)s->tests.count * BESIDES;
-	savings->cook = (struct bench_beside){ b->cook[0].owner_q / pictures,
-		fmin(b->cook[0].colour_rms, b->cook[1].colour_rms) / pictures };
-	for (int m = 0; m < BENCH_METHODS; m++)
-		savings->beside[m] = (struct bench_beside){ b->method[m].owner_q / pictures,
-			b->method[m].colour_rms / pictures };
-	return ECO_OK;
-}
-
 /* ---- Protocol ---- */
 
 /* Cook with the area kept, or with the area kept that is expected to be visible, whichever is better. */
@@ -526,7 +409,7 @@ static enum eco_code run_study(struct bench *bench, struct study *s, struct benc
 	for (uint32_t i = 0; i < BENCH_METHODS * BENCH_SHARES && !code; i++)
 		savings->q[i / BENCH_SHARES][i % BENCH_SHARES] = q_at(s,
 			(enum bench_method)(i / BENCH_SHARES), bench_shares[i % BENCH_SHARES]);
-	return code ? code : measure_beside(bench, s, savings, error);
+	return code;
 }
 
 enum eco_code bench_savings_measure(struct bench *bench, struct bench_savings *savings,
@@ -554,4 +437,70 @@ enum eco_code bench_savings_measure(struct bench *bench, struct bench_savings *s
 	}
 	free(s);
 	return code;
+}
+
+/* ---- Units and means ---- */
+
+#define SIZE ((sizeof(struct bench_savings) - offsetof(struct bench_savings, layers)) / sizeof(double))
+
+struct work { struct bench *bench; const char *name, *path; };
+
+/* [elements, vertices, all else in the order of the struct] */
+static enum eco_code make_savings(void *ctx, json_t **made, struct eco_error *error)
+{
+	const struct work *w = ctx;
+	struct bench_model file = { .generated = false };
+	struct eco_model model;
+	struct bench_savings savings;
+	snprintf(file.name, sizeof file.name, "%s", w->name);
+	snprintf(file.path, sizeof file.path, "%s", w->path);
+	enum eco_code code = bench_model_read(w->bench, &file, &model, error);
+	code = code ? code : bench_savings_measure(w->bench, &savings, &model, error);
+	if (!code)
+		*made = json_pack("[iio]", (int)savings.elements, (int)savings.vertices,
+			bench_reals(&savings.layers, SIZE));
+	return code;
+}
+
+enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *savings, const char *name,
+	const char *path, struct eco_error *error)
+{
+	char unit[96], stamp[32];
+	struct work work = { bench, name, path };
+	json_t *kept;
+	/* by what the file holds: the same plant in two scenes is measured once */
+	snprintf(unit, sizeof unit, "savings-%016llx", (unsigned long long)bench_file_hash(path));
+	snprintf(stamp, sizeof stamp, "%u views", bench->full ? 12 : 6);
+	enum eco_code code = bench_unit(bench, unit, stamp, make_savings, &work, &kept, error);
+	if (code)
+		return code;
+	savings->elements = (uint32_t)bench_cell(kept, 0);
+	savings->vertices = (uint32_t)bench_cell(kept, 1);
+	bench_cells(json_array_get(kept, 2), &savings->layers, SIZE);
+	return ECO_OK;
+}
+
+double bench_saving_beyond(const struct bench_savings *s, enum bench_spacing spacing,
+	enum bench_method method, double least)
+{
+	const struct bench_reach *at = &s->at[spacing];
+	double sum = 0;
+	uint32_t count = 0;
+	for (uint32_t d = 0; d < BENCH_DISTANCES; d++)
+		if (bench_distance(spacing, d) >= least - 1e-9) {
+			sum += 1 - at->lambda[method][d] / at->cook_lambda[d];
+			count++;
+		}
+	return sum / count;
+}
+
+double bench_saving_total(const struct bench_savings *s, enum bench_spacing spacing, enum bench_method method)
+{
+	const struct bench_reach *at = &s->at[spacing];
+	double ours = 0, cook = 0;
+	for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
+		ours += at->lambda[method][d];
+		cook += at->cook_lambda[d];
+	}
+	return 1 - ours / cook;
 }

@@ -20,17 +20,14 @@
 #define BENCH_ELEMENTS_LEAST 500u
 
 /* SMALL: with the little noise that the paper names; NOISY: with as much as suits our plants.
- * COLLAPSE: levels of leaf collapse with its textures, quads scaled; a pixel of a quad is right for the owner
- * of any leaf that the quad stands for. PLAIN: our order, made for leaves, drawn without its growth codes.
- * PRUNED: with one a leaf. TRIANGLES: and with leaves as one triangle where that serves better. Packs draw
- * the list's beginning as points, and their order is made for that (rank.h); here it is not. */
+ * COLLAPSE: levels of leaf collapse with its textures, quads scaled. PLAIN: our order, made for leaves, drawn
+ * without its growth codes. PRUNED: with one a leaf. TRIANGLES: and with leaves as one triangle where that
+ * serves better. Packs draw the list's beginning as points, and their order is made for that (rank.h); here
+ * it is not. */
 enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION_SMALL, BENCH_ORIENTATION_NOISY,
 	BENCH_COMBINED_SMALL, BENCH_COMBINED_NOISY, BENCH_COLLAPSE, BENCH_PLAIN,
 	BENCH_PRUNED, BENCH_TRIANGLES, BENCH_METHODS };
 extern const char *const bench_method_names[BENCH_METHODS];
-
-/* Means over some of the distances. */
-struct bench_beside { double owner_q, colour_rms; };
 
 enum bench_spacing { BENCH_EVEN, BENCH_NEAR, BENCH_SPACINGS };
 
@@ -45,22 +42,20 @@ struct bench_savings {
 	uint32_t elements, vertices;         /* foliage; below BENCH_ELEMENTS_LEAST nothing else is set */
 	double layers;                       /* of leaves: their projected area over what they cover */
 	struct bench_reach at[BENCH_SPACINGS];
-	struct bench_beside cook, beside[BENCH_METHODS];
 	double q[BENCH_METHODS][BENCH_SHARES];   /* each at its best scale; of test views */
+	/* all doubles follow `layers` without a gap */
 };
 
 double bench_distance(enum bench_spacing spacing, uint32_t i);
 /* Takes the model over. */
 enum eco_code bench_savings_measure(struct bench *bench, struct bench_savings *savings,
 	struct eco_model *model, struct eco_error *error);
-/* The same, kept as a piece of work called `name`; reads the model only if that is not there. */
+/* The same as a unit, by the content of the file at `path`; reads the model only if that is not there. */
 enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *savings, const char *name,
 	const char *path, struct eco_error *error);
 
-/* Mean of 1 - lambda / lambda of Cook; and of all vertices that are drawn at the distances together. */
-double bench_saving_mean(const struct bench_savings *savings, enum bench_spacing spacing,
-	enum bench_method method);
-/* The first over the distances from `least` on. */
+/* Mean of 1 - lambda / lambda of Cook over the distances from `least` on; and of all vertices that are drawn
+ * at the distances together. */
 double bench_saving_beyond(const struct bench_savings *savings, enum bench_spacing spacing,
 	enum bench_method method, double least);
 double bench_saving_total(const struct bench_savings *savings, enum bench_spacing spacing,
