@@ -11,7 +11,7 @@
 
 static bool is_held(const struct eco_list *list)
 {
-	return list->kind != ECO_LIST_IMPOSTOR && !(list->attributes & ECO_ATTR_SPLAT);
+	return list->coder != ECO_CODER_BYTES && !(list->attributes & ECO_ATTR_SPLAT);
 }
 
 /* A paper scales all leaves alike. */
