@@ -11,7 +11,8 @@
 
 static bool is_held(const struct eco_list *list)
 {
-	return list->coder != ECO_CODER_BYTES && !(list->attributes & ECO_ATTR_SPLAT);
+	return list->kind != ECO_LIST_IMPOSTOR && list->kind != ECO_LIST_OUTLINE
+		&& !(list->attributes & ECO_ATTR_SPLAT);
 }
 
 /* A paper scales all leaves alike. */

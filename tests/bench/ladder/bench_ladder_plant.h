@@ -65,7 +65,4 @@ double bench_ladder_reach(const struct bench_ladder_curve *lists, const struct b
 double bench_ladder_saving(const struct bench_ladder *ladder, const struct bench_ladder_curve *splats,
 	enum bench_ladder_row row, enum bench_spacing spacing, bool total);
 
-/* Whether constants were chosen on a model, by its file's name. */
-bool bench_ladder_tuned(const char *name);
-
 #endif
