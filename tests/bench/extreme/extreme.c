@@ -4,12 +4,14 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 #include "tests/bench/bench.h"
 
-const char *const extreme_kind_names[EXTREME_KINDS] = { "place", "camera", "stiff", "geometry",
-	"quantization", "time" };
+const struct extreme_kind extreme_kinds[EXTREME_KINDS] = { { "place", extreme_place }, { "camera",
+	extreme_camera },
+	{ "stiff", extreme_stiff }, { "geometry", extreme_geometry }, { "quantization",
+	extreme_quantization },
+	{ "time", extreme_time } };
 
 /* ---- Cases ---- */
 
@@ -17,6 +19,8 @@ void extreme_say(struct extreme *x, const char *format, ...)
 {
 	size_t used = strlen(x->measured);
 	va_list arguments;
+	if (x->failed)
+		return;
 	if (used > 0 && used + 3 < sizeof x->measured) {
 		strcat(x->measured, "; ");
 		used += 2;
@@ -28,16 +32,30 @@ void extreme_say(struct extreme *x, const char *format, ...)
 
 bool extreme_must(struct extreme *x, bool holds, const char *format, ...)
 {
-	char text[sizeof x->measured];
 	va_list arguments;
 	if (holds || x->failed)
 		return holds;
 	va_start(arguments, format);
-	vsnprintf(text, sizeof text, format, arguments);
+	vsnprintf(x->measured, sizeof x->measured, format, arguments);
 	va_end(arguments);
 	x->failed = true;
-	memcpy(x->measured, text, sizeof text);
 	return false;
+}
+
+bool extreme_most(struct extreme *x, const char *what, double value, double most)
+{
+	return extreme_must(x, value <= most, "%s: %.9g, at most %.9g", what, value, most);
+}
+
+bool extreme_least(struct extreme *x, const char *what, double value, double least)
+{
+	return extreme_must(x, value >= least, "%s: %.9g, at least %.9g", what, value, least);
+}
+
+bool extreme_same(struct extreme *x, const char *what, uint64_t value, uint64_t expected)
+{
+	return extreme_must(x, value == expected, "%s: %llu, not %llu", what, (unsigned long long)value,
+		(unsigned long long)expected);
 }
 
 bool extreme_good(struct extreme *x, enum eco_code code, const struct eco_error *error)
@@ -45,64 +63,39 @@ bool extreme_good(struct extreme *x, enum eco_code code, const struct eco_error 
 	return extreme_must(x, code == ECO_OK, "%s", error->text);
 }
 
-uint32_t extreme_run(enum extreme_kind kind, bool quick, extreme_told *told, void *ctx)
+uint32_t extreme_run(const struct extreme_kind *kind, bool quick, extreme_told *told, void *ctx)
 {
 	uint32_t failed = 0;
-	for (const struct extreme_case *row = extreme_cases; row < extreme_cases + EXTREME_CASES; row++) {
+	for (const struct extreme_case *row = kind->cases; row->name; row++) {
 		struct extreme x = { .made = row->made, .quick = quick };
 		bool run = !quick || !row->lengthy;
-		if (row->kind != kind)
-			continue;
 		if (run)
 			row->run(&x);
 		failed += x.failed;
-		told(ctx, row, &x, run);
+		told(ctx, kind->name, row, &x, run);
 	}
 	return failed;
 }
 
 /* ---- The section ---- */
 
-static double now_s(void)
-{
-	struct timespec t;
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* Commas end a column. */
-static const char *without_commas(const char *text, char *room, size_t size)
+static const char *without_commas(const char *text, char room[400])
 {
-	snprintf(room, size, "%s", text);
+	snprintf(room, 400, "%s", text);
 	for (char *c = room; *c; c++)
 		*c = *c == ',' ? ';' : *c == '\n' ? ' ' : *c;
 	return room;
 }
 
-static json_t *run_case(struct bench *bench, const struct extreme_case *row)
+static enum eco_code run_case(void *ctx, json_t **made, struct eco_error *error)
 {
-	char name[256], must[400];
-	snprintf(name, sizeof name, "extreme-%s-%s", extreme_kind_names[row->kind], row->name);
-	json_t *unit = bench_recall(bench, name, without_commas(row->must, must, sizeof must));
-	if (unit)
-		return unit;
-	double from = now_s();
+	const struct extreme_case *row = ctx;
 	struct extreme x = { .made = row->made };
+	(void)error;
 	row->run(&x);
-	return bench_keep(bench, name, must,
-		json_pack("{s:b, s:s, s:f}", "pass", !x.failed, "measured", x.measured, "seconds",
-		now_s() - from));
-}
-
-static bool tell_case(struct bench_table *table, const struct extreme_case *row, json_t *unit)
-{
-	char name[200], must[400], measured[400];
-	bool pass = json_is_true(json_object_get(unit, "pass"));
-	bench_table_row(table, "%s,%s,%s,%s,%s", extreme_kind_names[row->kind],
-		without_commas(row->name, name, sizeof name), without_commas(row->must, must, sizeof must),
-		without_commas(json_string_value(json_object_get(unit, "measured")), measured,
-		sizeof measured), pass ? "yes" : "NO");
-	return pass;
+	*made = json_pack("{s:b, s:s}", "pass", !x.failed, "measured", x.measured);
+	return ECO_OK;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
@@ -111,23 +104,40 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"family,case,what must hold,measured,pass", true);
 	uint32_t done = 0, failed = 0;
 	char names[160] = "";
-	for (; done < EXTREME_CASES && !bench_stopped(bench); done++) {
-		const struct extreme_case *row = &extreme_cases[done];
-		bench_progress(bench, (double)done / EXTREME_CASES, row->name);
-		if (!tell_case(table, row, run_case(bench, row)) && failed++ < 4)
-			snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s",
-				*names ? "; " : "", row->name);
-	}
+	enum eco_code code = ECO_OK;
+	for (uint32_t k = 0; k < EXTREME_KINDS; k++)
+		for (const struct extreme_case *row = extreme_kinds[k].cases; row->name && !code; row++) {
+			char unit[256], name[400], must[400], measured[400];
+			json_t *result;
+			bench_progress(bench, (double)done / EXTREME_CASES, row->name);
+			snprintf(unit, sizeof unit, "extreme-%s-%s", extreme_kinds[k].name, row->name);
+			code = bench_unit(bench, unit, without_commas(row->must, must), run_case,
+				(void *)(uintptr_t)row, &result, error);
+			if (code)
+				break;
+			bool pass = json_is_true(json_object_get(result, "pass"));
+			bench_table_row(table, "%s,%s,%s,%s,%s", extreme_kinds[k].name,
+				without_commas(row->name, name), must,
+				without_commas(json_string_value(json_object_get(result, "measured")),
+				measured), pass ? "yes" : "NO");
+			done++;
+			if (!pass && failed++ < 4)
+				snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s",
+					*names ? "; " : "", row->name);
+		}
 	bench_table_close(table);
-	if (done < EXTREME_CASES)
-		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	if (code)
+		return code;
 	bench_say(bench, "%u cases, %u of them passed; none was left out.", done, done - failed);
-	bench_say(bench, "Every loop has a bound: searches have a tolerance and a number of tries, and say "
-		"which of the two ended them (lod/solver.h: "
-		"plans by lod_planner_stats and ECO_TRACE=plan, grids and scales in a pack's META); "
-		"everything else makes a fixed number of passes. "
-		"Tests trap floating-point errors around lod/. Packs and plans of gcc -O0, gcc -O3 and "
-		"clang, and plans under valgrind, are compared by make determinism.");
+	bench_say(bench,
+		"Every loop has a bound: searches have a tolerance and a number of tries, and say which of "
+		"the "
+		"two ended them (lod/solver.h: plans by lod_planner_stats and ECO_TRACE=plan, grids and "
+		"scales in a "
+		"pack's META); everything else makes a fixed number of passes. Tests trap floating-point "
+		"errors around "
+		"lod/. Packs and plans of gcc -O0, gcc -O3 and clang, and plans under valgrind, are compared "
+		"by make " "determinism.");
 	bench_key(bench, "extreme_cases", done, "of the table");
 	bench_key(bench, "extreme_failed", failed, "<= 0: cases that do not hold");
 	return failed ? eco_fail(error, ECO_DAMAGED, "%u of %u extreme cases failed: %s", failed, done, names)

@@ -1,7 +1,7 @@
-/* Numerical stability: cases at the edge of what numbers can say, each with what must hold there, in one
- * table (extreme_cases.c).
+/* Numerical stability: cases at the edge of what numbers can say, each with what must hold there.
  *
- *   a case is a row: its kind, its name, what must hold, a function and what that is to make
+ *   a case is a row of its kind's table (extreme_KIND.c): name, what must hold, a function and what that is
+ * to make
  *   extreme_run(kind, quick, told, ctx)     runs the cases of a kind one after the other and tells each;
  *                                           returns how many failed
  *
@@ -19,35 +19,40 @@ struct extreme {                     /* a case while it runs */
 	const void *made;            /* what the row names */
 	bool quick;                  /* in the tests: fewer repetitions of the same */
 	bool failed;
-	/* what was found, in words; where it failed, what failed first comes first */
+	/* what was found, in words; the first failure only, where there is one */
 	char measured[400];
 };
 
-enum extreme_kind { EXTREME_PLACE, EXTREME_CAMERA, EXTREME_STIFF, EXTREME_GEOMETRY, EXTREME_QUANTIZATION,
-	EXTREME_TIME, EXTREME_KINDS };
-extern const char *const extreme_kind_names[EXTREME_KINDS];
-
 struct extreme_case {
-	enum extreme_kind kind;
 	const char *name, *must;
 	void (*run)(struct extreme *x);
 	const void *made;            /* NULL where `run` makes one thing only */
 	bool lengthy;                /* seconds, or much memory */
 };
+/* Tables end with a case without a name. */
+extern const struct extreme_case extreme_place[], extreme_camera[], extreme_stiff[], extreme_geometry[],
+	extreme_quantization[], extreme_time[];
+struct extreme_kind { const char *name; const struct extreme_case *cases; };
+#define EXTREME_KINDS 6u
+extern const struct extreme_kind extreme_kinds[EXTREME_KINDS];
 #define EXTREME_CASES 57u
-extern const struct extreme_case extreme_cases[EXTREME_CASES];
 
 /* Adds to what was measured. */
 void extreme_say(struct extreme *x, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* A condition that must hold, and what to say if it does not; returns `holds`. */
 bool extreme_must(struct extreme *x, bool holds, const char *format,
 	...) __attribute__((format(printf, 3, 4)));
+/* A number that must be at most, at least, or equal to another; `what` names it. */
+bool extreme_most(struct extreme *x, const char *what, double value, double most);
+bool extreme_least(struct extreme *x, const char *what, double value, double least);
+bool extreme_same(struct extreme *x, const char *what, uint64_t value, uint64_t expected);
 /* An answer that must be ECO_OK. */
 bool extreme_good(struct extreme *x, enum eco_code code, const struct eco_error *error);
 
 /* `told` hears of each case, also of those that were left to the bench (measured empty, not failed): then
  * `ran` is false. */
-typedef void extreme_told(void *ctx, const struct extreme_case *row, const struct extreme *x, bool ran);
-uint32_t extreme_run(enum extreme_kind kind, bool quick, extreme_told *told, void *ctx);
+typedef void extreme_told(void *ctx, const char *kind, const struct extreme_case *row, const struct extreme
+	*x, bool ran);
+uint32_t extreme_run(const struct extreme_kind *kind, bool quick, extreme_told *told, void *ctx);
 
 #endif

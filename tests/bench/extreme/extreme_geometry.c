@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "lod/ladder.h"
-#include "tests/bench/extreme/extreme_cases.h"
 #include "tests/bench/extreme/extreme_scene.h"
 
 /* ---- Plants of a soup ---- */
@@ -118,7 +117,7 @@ static void try_soup(struct extreme *x, struct soup *soup, const char *name, enu
 
 /* ---- Triangles ---- */
 
-void extreme_zero_area(struct extreme *x)
+static void zero_area(struct extreme *x)
 {
 	for (int alone = 0; alone < 2; alone++) {
 		struct soup s;
@@ -137,7 +136,7 @@ void extreme_zero_area(struct extreme *x)
 	}
 }
 
-void extreme_needles(struct extreme *x)
+static void needles(struct extreme *x)
 {
 	static const double ratio[] = { 1e3, 1e6, 1e9 };
 	for (int i = 0; i < 3; i++) {
@@ -158,7 +157,7 @@ void extreme_needles(struct extreme *x)
 	}
 }
 
-void extreme_coincident(struct extreme *x)
+static void coincident(struct extreme *x)
 {
 	struct soup s;
 	uint32_t m = begin(&s), other = soup_material(&s, 200, 40, 60, ECO_NONE, false);
@@ -181,7 +180,7 @@ void extreme_coincident(struct extreme *x)
 	try_soup(x, &s, "nearly the same", SEEN);
 }
 
-void extreme_non_manifold(struct extreme *x)
+static void non_manifold(struct extreme *x)
 {
 	struct soup s;
 	uint32_t m = begin(&s), foot = soup_vertex(&s, (struct lod_v3){ 0, 0, 0 }, 0, 0),
@@ -213,7 +212,7 @@ void extreme_non_manifold(struct extreme *x)
 	try_soup(x, &s, "a strip with one side", SEEN);
 }
 
-void extreme_not_finite(struct extreme *x)
+static void not_finite(struct extreme *x)
 {
 	static const struct { const char *name; float value; } rows[] =
 		{ { "NaN", NAN }, { "infinite", INFINITY }, { "minus infinite", -INFINITY },
@@ -231,7 +230,7 @@ void extreme_not_finite(struct extreme *x)
 		}
 }
 
-void extreme_few(struct extreme *x)
+static void few(struct extreme *x)
 {
 	struct soup s;
 	uint32_t m = begin(&s);
@@ -257,7 +256,7 @@ void extreme_few(struct extreme *x)
 
 /* ---- Many ---- */
 
-void extreme_materials(struct extreme *x)
+static void materials(struct extreme *x)
 {
 	struct soup s;
 	uint32_t count = x->quick ? 5000 : 100000;
@@ -277,7 +276,7 @@ void extreme_materials(struct extreme *x)
 	free(all);
 }
 
-void extreme_ten_million(struct extreme *x)
+static void ten_million(struct extreme *x)
 {
 	struct soup s;
 	struct lod_plant plant = { 0 };
@@ -302,7 +301,7 @@ void extreme_ten_million(struct extreme *x)
 
 /* ---- Orders and amounts ---- */
 
-void extreme_orders(struct extreme *x)
+static void orders(struct extreme *x)
 {
 	enum { MOST = 3000 };
 	static struct lod_v3 center[MOST], normal[MOST];
@@ -353,7 +352,7 @@ void extreme_orders(struct extreme *x)
 }
 
 /* Shares down to the least that can be drawn: leaves grow, but not without end. */
-void extreme_lambda_to_0(struct extreme *x)
+static void lambda_to_0(struct extreme *x)
 {
 	static const double shares[] = { 0, 1e-308, 1e-30, 1e-9, 1e-4 };
 	const struct extreme_world *world = extreme_world(x);
@@ -386,3 +385,26 @@ void extreme_lambda_to_0(struct extreme *x)
 	extreme_say(x, "%u ladders, %u cuts: the largest area factor is %.0f", s->ladder_count, tried,
 		largest);
 }
+
+/* ---- Cases ---- */
+
+#define BUILT "built, packed, planned, drawn, or refused with a reason; triangles in = stored + dropped; " \
+	"all numbers finite"
+
+const struct extreme_case extreme_geometry[] = {
+	{ "triangles of no area", BUILT, zero_area, NULL, false },
+	{ "needles of 1e3:1 to 1e9:1", BUILT, needles, NULL, false },
+	{ "coincident and duplicate triangles", BUILT, coincident, NULL, false },
+	{ "non-manifold surfaces", BUILT, non_manifold, NULL, false },
+	{ "NaN, infinite, denormal and huge corners", BUILT, not_finite, NULL,
+		false },
+	{ "empty plants, one triangle", BUILT, few, NULL, false },
+	{ "a plant of 1e7 triangles", BUILT "; stochastic order", ten_million, NULL,
+		true },
+	{ "1e5 materials", BUILT, materials, NULL, false },
+	{ "orders of one leaf and of all in one point",
+		"every order is finite, whatever the arrangement; such plants are built and "
+		"drawn", orders, NULL, false },
+	{ "lambda to 0", "curves and area factors are finite and bounded down to one "
+		"vertex", lambda_to_0, NULL, false },
+	{ .name = NULL } };

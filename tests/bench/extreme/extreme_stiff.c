@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "server/request/query.h"
-#include "tests/bench/extreme/extreme_cases.h"
 #include "tests/bench/extreme/extreme_scene.h"
 #include "tests/support/scene_builder.h"
 
@@ -158,7 +157,7 @@ static bool plan_for(struct extreme *x, const struct eco_scene *scene, struct ec
 	return good;
 }
 
-void extreme_tiny(struct extreme *x)
+static void tiny(struct extreme *x)
 {
 	static const uint64_t budgets[] = { 0, 1, 2, 3, 4, 5, 6, 7, 159, 160, 161 };
 	struct scene_builder t;
@@ -167,10 +166,8 @@ void extreme_tiny(struct extreme *x)
 	make_usual(&t);
 	for (size_t i = 0; i < sizeof budgets / sizeof *budgets && good; i++) {
 		good = plan_for(x, &t.scene, request_of(&t, 0), budgets[i], lod_rule_optimal, &sum)
-			&& extreme_must(x, sum.vertices == budgets[i], "%llu of %llu vertices used",
-			(unsigned long long)sum.vertices, (unsigned long long)budgets[i])
-			&& extreme_must(x, sum.error <= last.error + ROUNDING, "%llu vertices predict more error",
-			(unsigned long long)budgets[i])
+			&& extreme_same(x, "vertices", sum.vertices, budgets[i])
+			&& extreme_most(x, "predicted error", sum.error, last.error + ROUNDING)
 			&& plan_for(x, &t.scene, request_of(&t, 0), budgets[i], lod_rule_deussen, &last);
 		last = sum;
 	}
@@ -179,7 +176,7 @@ void extreme_tiny(struct extreme *x)
 }
 
 /* V(d') is a staircase: where it steps, one vertex decides which sample distance fits. */
-void extreme_steps(struct extreme *x)
+static void steps(struct extreme *x)
 {
 	struct scene_builder t;
 	struct eco_plan plan = { 0 };
@@ -206,16 +203,16 @@ void extreme_steps(struct extreme *x)
 			for (int d = 0; d < 3 && good; d++)
 				good = plan_for(x, &t.scene, request, v + (uint64_t)d - 1,
 					rule ? lod_rule_deussen : lod_rule_optimal, &sums[d]);
-			good = good
-				&& (rule
-				|| extreme_must(x, sums[0].error >= sums[1].error - ROUNDING
-				&& sums[1].error >= sums[2].error - ROUNDING,
-				"around %llu vertices error rises",
-				(unsigned long long)v))
-				&& extreme_must(x, rule ? sums[1].vertices + v / 50 + 60 >= v
+			if (good && !rule)
+				good = extreme_most(x, "error of a vertex more", sums[1].error,
+					sums[0].error + ROUNDING)
+					&& extreme_most(x, "error of a vertex more", sums[2].error,
+					sums[1].error + ROUNDING);
+			good = good && extreme_must(x, rule ? sums[1].vertices + v / 50 + 60 >= v
 				: v - sums[1].vertices < sums[1].stats.cheapest,
-				"%llu of %llu vertices used by %s rule", (unsigned long long)sums[1].vertices,
-				(unsigned long long)v, rule ? "Deussen's" : "our");
+				"%llu of %llu vertices used by %s " "rule",
+				(unsigned long long)sums[1].vertices, (unsigned long long)v, rule
+				? "Deussen's" : "our");
 			worst = rule && good ? fmax(worst, (double)(v - sums[1].vertices) / (double)v)
 				: worst;
 		}
@@ -225,7 +222,7 @@ void extreme_steps(struct extreme *x)
 	scene_free(&t);
 }
 
-void extreme_unbounded(struct extreme *x)
+static void unbounded(struct extreme *x)
 {
 	static const uint64_t budgets[] = { UINT64_C(1) << 32, UINT64_C(1) << 53, (UINT64_C(1) << 53) + 1,
 		(UINT64_C(1) << 63) - 2, (UINT64_C(1) << 63) - 1 };
@@ -241,14 +238,13 @@ void extreme_unbounded(struct extreme *x)
 			struct sum sum;
 			good = plan_for(x, &t.scene, request_of(&t, 0), budgets[i], rule ? lod_rule_deussen
 				: lod_rule_optimal, &sum)
-				&& extreme_must(x, sum.vertices == all, "%llu of all %llu vertices",
-				(unsigned long long)sum.vertices, (unsigned long long)all);
+				&& extreme_same(x, "vertices", sum.vertices, all);
 		}
 	extreme_say(x, "2^32 to 2^63-1: all %llu vertices are drawn, by both rules", (unsigned long long)all);
 	scene_free(&t);
 }
 
-void extreme_impossible(struct extreme *x)
+static void impossible(struct extreme *x)
 {
 	static const char *const bad[] = {
 		"vertices=nan", "vertices=-1", "vertices=-0", "vertices=9223372036854775808",
@@ -295,13 +291,10 @@ static bool hold_at(struct extreme *x, const struct scene_builder *t, uint64_t b
 {
 	if (!plan_for(x, &t->scene, request_of(t, 0), budget, lod_rule_optimal, sum))
 		return false;
-	bool good = extreme_must(x, sum->error <= h->last + ROUNDING, "budget %llu: an error of %.12g is "
-		"predicted, with less %.12g",
-			(unsigned long long)budget, sum->error, h->last)
+	bool good = extreme_most(x, "predicted error, with more budget", sum->error, h->last + ROUNDING)
 		&& extreme_must(x, budget - sum->vertices < sum->stats.cheapest,
-		"budget %llu: %llu used though a step of %llu is left",
-			(unsigned long long)budget, (unsigned long long)sum->vertices,
-			(unsigned long long)sum->stats.cheapest);
+		"budget %llu: %llu used though a step of %llu is left", (unsigned long long)budget,
+		(unsigned long long)sum->vertices, (unsigned long long)sum->stats.cheapest);
 	if (sum->stats.cheapest != UINT64_MAX && budget - sum->vertices > h->unused)
 		h->unused = budget - sum->vertices;
 	h->last = sum->error;
@@ -325,7 +318,7 @@ static const uint64_t many[] = { 1, 10, 100, 1000, 4001, 33333, 99999, 100000, 9
 	3000000, 4000002, 30000000, 1000000000, 0 };
 
 /* From one vertex to more than there is. */
-void extreme_sweep(struct extreme *x)
+static void sweep(struct extreme *x)
 {
 	struct scene_builder t;
 	struct hold h = { .last = INFINITY };
@@ -348,7 +341,7 @@ void extreme_sweep(struct extreme *x)
 	scene_free(&t);
 }
 
-void extreme_jumps(struct extreme *x)
+static void jumps(struct extreme *x)
 {
 	static const struct kind kinds[] = { KIND(scene_falling, 0, 1), KIND(scene_falling, 300, 1) };
 	struct scene_builder t;
@@ -359,7 +352,7 @@ void extreme_jumps(struct extreme *x)
 	scene_free(&t);
 }
 
-void extreme_identical(struct extreme *x)
+static void identical(struct extreme *x)
 {
 	static const struct kind one[] = { KIND(scene_falling, 4000, 1) };
 	struct scene_builder t;
@@ -381,10 +374,10 @@ void extreme_identical(struct extreme *x)
 	scene_free(&t);
 }
 
-void extreme_one_better(struct extreme *x)
+static void one_better(struct extreme *x)
 {
-	static const struct kind kinds[] = { KIND(scene_falling, 2000, 1e6f), KIND(scene_falling, 2000, 1e-3f),
-		KIND(scene_falling, 2000, 1e-3f), KIND(convex, 900, 1e-3f) };
+	static const struct kind kinds[] = { KIND(scene_falling, 2000, 1e6f), KIND(scene_falling, 2000,
+		1e-3f), KIND(scene_falling, 2000, 1e-3f), KIND(convex, 900, 1e-3f) };
 	struct scene_builder t;
 	struct hold h;
 	struct eco_plan plan = { 0 };
@@ -395,8 +388,7 @@ void extreme_one_better(struct extreme *x)
 		for (uint32_t i = 0; i < plan.cut_count; i++)
 			if (plan.cuts[i].list == t.ladders[0].triangles && plan.cuts[i].anchor != ECO_NONE)
 				best += 3 * (plan.cuts[i].end - plan.cuts[i].first);
-		extreme_must(x, best == 12000, "of 12000 vertices the best gets %llu triangles' worth",
-			(unsigned long long)best);
+		extreme_same(x, "vertices of the best", best, 12000);
 		extreme_say(x, "one weighs 1e9 times the others: the 12000 vertices that complete it are "
 			"its own; what is left over is below any step");
 	}
@@ -404,7 +396,7 @@ void extreme_one_better(struct extreme *x)
 	scene_free(&t);
 }
 
-void extreme_odd_curves(struct extreme *x)
+static void odd_curves(struct extreme *x)
 {
 	static const struct { const char *name; struct kind kind; } rows[] = {
 		{ "flat", KIND(flat, 500, 1) }, { "convex", KIND(convex, 500, 1) },
@@ -425,3 +417,28 @@ void extreme_odd_curves(struct extreme *x)
 			extreme_say(x, "%s", rows[i].name);
 	}
 }
+
+/* ---- Cases ---- */
+
+#define HOLD "the search converges; within the budget; what is left over is less than any step; more " \
+	"budget never predicts more error"
+
+const struct extreme_case extreme_stiff[] = {
+	{ "budgets 0, 1, 2, 3 ...", "every vertex is used where points cost one; more never "
+		"predicts more error", tiny, NULL,
+		false },
+	{ "each step of V(d'), one less and one more",
+		"within the budget, error does not rise, what is left over is less than any step; "
+		"by Deussen's rule at most 2 %", steps, NULL, false },
+	{ "budgets to 2^63-1", "all there is, exactly", unbounded, NULL, false },
+	{ "budgets and views that are no numbers",
+		"refused with a reason before anything is computed", impossible, NULL, false },
+	{ "1e5 budgets, swept", HOLD, sweep, NULL, false },
+	{ "jumps of 1e6 vertices", HOLD, jumps, NULL, false },
+	{ "1e6 identical candidates", HOLD "; also for 1e6 plants of one kind",
+		identical, NULL, false },
+	{ "one candidate 1e9 times better", HOLD "; the best is completed first",
+		one_better, NULL, false },
+	{ "flat, convex, rising and single-point curves", HOLD, odd_curves, NULL,
+		false },
+	{ .name = NULL } };
