@@ -11,7 +11,7 @@
 
 static bool is_held(const struct eco_list *list)
 {
-	return list->kind != ECO_LIST_IMPOSTOR && list->kind != ECO_LIST_OUTLINE
+	return list->kind != ECO_LIST_IMPOSTOR && list->kind != ECO_LIST_INVENTORY
 		&& !(list->attributes & ECO_ATTR_SPLAT);
 }
 
