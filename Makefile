@@ -36,11 +36,11 @@ B := build$(if $(filter-out release,$(config)),/$(config))
 
 PACKAGES := gcc g++ libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev libjpeg-dev libpng-dev \
 	libwebp-dev libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libmeshoptimizer-dev libxxhash-dev \
-	libseccomp-dev libcairo2-dev fonts-dejavu-core libexpat1-dev libcmocka-dev libzstd-dev pkg-config jq curl \
+	libseccomp-dev libcairo2-dev fonts-dejavu-core libcmocka-dev libzstd-dev pkg-config jq curl \
 	xz-utils help2man python3-jsonschema python3-yaml openapi-specification
 # what of these says by pkg-config where its headers are
 LIBRARIES := gdal freetype2 assimp OpenImageIO draco proj jansson libcurl epoxy egl libmicrohttpd libjpeg libpng libwebp \
-	libxxhash libseccomp expat cmocka
+	libxxhash libseccomp cmocka
 
 # The programs' cache is in the tree: demonstrations and tests leave the user's own cache alone.
 export XDG_CACHE_HOME := $(CURDIR)/build/cache
@@ -134,7 +134,7 @@ FUZZERS := $(patsubst tests/fuzz/%.c,$(B)/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c)
 LIBS_CORE := -lxxhash -ljansson -lm
 # --wrap: see draco_shim.cpp
 LIBS_DRACO := -Wl,--wrap=_ZN5draco21ComputeShannonEntropyEPKjiiPi -l:libdraco.a -lstdc++
-LIBS_IMPORT := -lmeshoptimizer -lseccomp -lexpat -ljpeg -lpng -lwebp
+LIBS_IMPORT := -lmeshoptimizer -lseccomp -ljpeg -lpng -lwebp
 # what programs that test or measure call themselves
 LIBS_CHECK := -lassimp -lcairo -lgdal -lzstd
 # linked in, so that what it reads passes server/request/gate.h

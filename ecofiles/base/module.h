@@ -152,7 +152,6 @@ struct eco_image_module {                /* eco_image_module */
 /* ---- ecoproj.so: coordinate reference systems ---- */
 
 struct eco_crs_request;
-struct eco_citygml_crs;
 struct eco_crs_path;
 struct eco_crs_facts;
 struct eco_crs_choice;
@@ -180,10 +179,6 @@ struct eco_proj_module {                 /* eco_proj_module */
 	 * not know the CRS, or a place is not on its map. */
 	enum eco_code (*crs_degrees)(const char *crs, double (*places)[2], size_t count,
 		struct eco_error *error);
-	/* Decides crs->swapped of a crs with a code: where only one order puts the places into the CRS's area
-	 * of use, it is that; else as the form of the srsName says. What is odd is written into note ("" if
-	 * nothing). */
-	void (*citygml_settle)(struct eco_citygml_crs *crs, char *note, size_t size);
 };
 
 #ifdef __cplusplus

@@ -377,7 +377,7 @@ order 'TREES, .*/rock.obj, is a model: the first argument is the table' "$DIR/mo
 order 'MODELS, .*/table.csv, is neither a folder nor a model by its ending: .glb' "$DIR/table.csv" "$DIR/table.csv"
 printf 'glTF' >"$DIR/forest.glb"
 order 'TREES here is a model, MODELS a table: is ecopack start .*/table.csv .*/forest.glb meant' "$DIR/forest.glb" "$DIR/table.csv"
-order 'forest.glb: ' "$DIR/forest.glb" "$DIR/models"
+order 'forest.glb, is a model' "$DIR/forest.glb" "$DIR/models"
 
 # ---- Nothing is replaced by mistake, and nothing half written ----
 start 0 '' zone.csv --crs EPSG:25832

@@ -1,5 +1,5 @@
 /* Tables that are read by code of our own, and the texts in them. The first byte says how the rest is read:
- * as a CSV with separator found or given, as CityGML, or as texts. Every row that comes out is whole; two
+ * as a CSV with separator found or given, or as texts. Every row that comes out is whole; two
  * readings are the same. */
 #include <assert.h>
 #include <math.h>
@@ -20,8 +20,7 @@ static enum eco_code open_rows(struct eco_rows **rows, uint8_t how, const char *
 {
 	static const char separators[] = { 0, ',', ';', '\t' };
 
-	return how >= 4 ? eco_rows_open_citygml(rows, path, error)
-		: eco_rows_open_csv(rows, path, separators[how], error);
+	return eco_rows_open_csv(rows, path, separators[how % 4], error);
 }
 
 /* A sum over all that was read, which must not depend on chance. */

@@ -227,6 +227,7 @@ UNIT_TEST(a_file_that_is_no_table_is_refused_with_what_to_do)
 		"an Excel workbook; give it its name .xlsx");
 	expect_error(input_bytes("rows", "old.xls", "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\0\0", 10), NULL,
 		"an old Excel");
+	expect_error(input_text("rows", "scene.gltf", "{\"asset\":{}}"), NULL, "glTF is a model, not a table");
 	expect_error(input_text("rows", "a.shx", "x"), NULL, "name the one that ends in .shp");
 	expect_error(input_bytes("rows", "trees.zip", "PK\3\4\x14\0\0\0\0\0trees.shp", 19), NULL, "packed");
 	expect_error(input_text("rows", "topo.json", "{\"type\":\"Topology\",\"objects\":{}}"), NULL,
@@ -534,6 +535,49 @@ UNIT_TEST(gml_has_easting_or_longitude_first_in_the_end)
 	expect("short.gml", text, "gml_id,soort / (4.9 52.4) b1,Tilia", NULL, "EPSG:4326");
 	snprintf(text, sizeof text, gml, "urn:ogc:def:crs:EPSG::31467", "5335000 3560000");
 	expect("north.gml", text, "gml_id,soort / (3560000 5335000) b1,Tilia", NULL, "EPSG:31467");
+}
+
+#define TREE(inside) "<core:cityObjectMember><veg:SolitaryVegetationObject gml:id=\"t\">" inside \
+	"</veg:SolitaryVegetationObject></core:cityObjectMember>"
+#define AT(pos) "<gml:Point><gml:pos srsDimension=\"3\">" pos "</gml:pos></gml:Point>"
+#define RING(corners) "<gml:surfaceMember><gml:Polygon><gml:exterior><gml:LinearRing><gml:posList srsDimension=\"3\">" \
+	corners "</gml:posList></gml:LinearRing></gml:exterior></gml:Polygon></gml:surfaceMember>"
+
+UNIT_TEST(trees_of_city_models_are_rows)
+{
+	static const struct { const char *name, *srs, *inside, *wanted, *note, *crs; } cases[] = {
+		/* an implicit geometry stands at its reference point */
+		{ "implicit.gml", "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH", TREE("<veg:species>1640</veg:species>"
+			"<veg:height uom=\"m\">12.5</veg:height><gen:stringAttribute name=\"Art\"><gen:value>Linde"
+			"</gen:value></gen:stringAttribute><veg:lod2ImplicitRepresentation><core:ImplicitGeometry>"
+			"<core:relativeGMLGeometry>" AT("1 2 3") "</core:relativeGMLGeometry><core:referencePoint>"
+			AT("690100.5 5335200.25 515") "</core:referencePoint></core:ImplicitGeometry>"
+			"</veg:lod2ImplicitRepresentation>"),
+			"gml_id,species,height,height_uom,Art / (690100.5 5335200.25 515) t,1640,12.5,m,Linde", NULL,
+			"EPSG:25832" },
+		/* another on the middle of its lowest part, a trunk under a leaning crown; buildings are none */
+		{ "foot.gml", "EPSG:25832", TREE("<veg:lod1Geometry><gml:MultiSurface>" RING("10 20 500 12 20 500 12 22 500 "
+			"10 22 500 10 20 500") RING("10 20 505 40 20 505 40 60 510 10 20 505")
+			"</gml:MultiSurface></veg:lod1Geometry>")
+			"<core:cityObjectMember><bldg:Building><bldg:height>9</bldg:height></bldg:Building>"
+			"</core:cityObjectMember><core:cityObjectMember><veg:PlantCover><veg:averageHeight>3"
+			"</veg:averageHeight></veg:PlantCover></core:cityObjectMember>",
+			"gml_id / (11 21 500) t", "its PlantCover are passed over", "EPSG:25832" },
+		{ "degrees.gml", "urn:ogc:def:crs:EPSG::4979", TREE("<veg:lod1Geometry>" AT("48.1 11.5 520")
+			"</veg:lod1Geometry>") TREE(""), "gml_id / (11.5 48.1 520) t / empty t", NULL, "EPSG:4979" },
+		{ "nowhere.gml", "urn:adv:crs:plan", TREE("<veg:lod1Geometry>" AT("1 2 3") "</veg:lod1Geometry>"),
+			"gml_id / (1 2 3) t", NULL, NULL },
+	};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		char text[4000];
+		snprintf(text, sizeof text, "<?xml version=\"1.0\"?><core:CityModel "
+			"xmlns:core=\"http://www.opengis.net/citygml/2.0\" xmlns:gml=\"http://www.opengis.net/gml\" "
+			"xmlns:veg=\"http://www.opengis.net/citygml/vegetation/2.0\" xmlns:bldg=\"b\" xmlns:gen=\"g\">"
+			"<gml:boundedBy><gml:Envelope srsName=\"%s\" srsDimension=\"3\"><gml:lowerCorner>0 0 0"
+			"</gml:lowerCorner><gml:upperCorner>1 1 1</gml:upperCorner></gml:Envelope></gml:boundedBy>"
+			"%s</core:CityModel>", cases[i].srs, cases[i].inside);
+		expect(cases[i].name, text, cases[i].wanted, cases[i].note, cases[i].crs);
+	}
 }
 
 /* ---- The child process ---- */

@@ -7,9 +7,9 @@
 
 #include "ecofiles/import/model/import_file.h"
 
-enum kind { ABSENT, FOLDER, MODEL, SCENE_OF_MODELS, RASTER, TABLE };
+enum kind { ABSENT, FOLDER, MODEL, RASTER, TABLE };
 
-/* By the ending, as each is told before it is read. glTF is a model, or a table of instances. */
+/* By the ending, as each is told before it is read. */
 static enum kind kind_of(const char *path)
 {
 	static const char *const rasters[] = { "tif", "tiff", "vrt", "asc", "img", "hgt", "bil", "jp2", "png",
@@ -20,8 +20,7 @@ static enum kind kind_of(const char *path)
 	if (S_ISDIR(status.st_mode))
 		return eco_path_ends_with(path, "gdb") ? TABLE : FOLDER;
 	if (start_is_model(path))
-		return eco_path_ends_with(path, "glb") || eco_path_ends_with(path, "gltf") ? SCENE_OF_MODELS
-											   : MODEL;
+		return MODEL;
 	for (size_t i = 0; i < sizeof rasters / sizeof *rasters; i++)
 		if (eco_path_ends_with(path, rasters[i]))
 			return RASTER;
@@ -38,7 +37,7 @@ static const char *name_of(enum kind kind)
 
 static bool is_models(enum kind kind)
 {
-	return kind == FOLDER || kind == MODEL || kind == SCENE_OF_MODELS;
+	return kind == FOLDER || kind == MODEL;
 }
 
 /* The first argument that can be models (folders before files), or a table but for `other`; `count`: none. */
@@ -47,7 +46,7 @@ static uint32_t find(char **names, uint32_t count, bool models, uint32_t other)
 	for (enum kind wanted = ABSENT + 1; wanted <= TABLE; wanted++)
 		for (uint32_t i = 0; i < count; i++)
 			if (i != other && kind_of(names[i]) == wanted &&
-				(models ? is_models(wanted) : wanted == SCENE_OF_MODELS || wanted == TABLE))
+				(models ? is_models(wanted) : wanted == TABLE))
 				return i;
 	return count;
 }

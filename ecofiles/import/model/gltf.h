@@ -1,5 +1,5 @@
 /* A glTF 2.0 document, .glb or .gltf with its files: its JSON, numbers and nodes, checked. Its users give
- * it meaning: models (import_gltf.c), inventories (rows_gltf.c).
+ * it meaning: models (import_gltf.c).
  *
  *   eco_gltf_open(&doc, path, &error);
  *   nodes = json_object_get(eco_gltf_json(doc), "nodes");

@@ -142,7 +142,7 @@ static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_area
 	enum eco_code code = eco_rows_open(&r.rows, &source, error);
 	if (!code)
 		code = eco_crs_open(&r.crs, &(struct eco_crs_request){ .path = r.path, .stated = surfaces
-			? spec->crs : spec->clear_crs, .of_file = r.rows->crs, .local = r.rows->local,
+			? spec->crs : spec->clear_crs, .of_file = r.rows->crs, 
 			.frame = frame, .note = note, .ctx = input }, error);
 	if (code == ECO_OK && r.rows->degrees_doubted && !(surfaces ? spec->crs : spec->clear_crs))
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, as its format "
@@ -155,9 +155,7 @@ static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_area
 	char area[80];
 	if (!code)
 		code = eco_crs_refuse_degrees(&r.span,
-			stated                  ? stated
-				: r.rows->local ? NULL
-						: r.rows->crs,
+			stated ? stated : r.rows->crs,
 			false, r.path, &fit, area, error);
 	if (!code && fit == ECO_CRS_SWAPPED)
 		note(input,

@@ -254,7 +254,7 @@ static enum verdict read_geometry(struct eco_positions *p, double xyz[3], struct
 static enum verdict refuse_inherited(const struct eco_positions *p, const double xyz[3],
 	struct eco_error *error)
 {
-	if (!p->frame.crs || p->spec->crs || (p->from_geometry && (p->rows->crs || p->rows->local))
+	if (!p->frame.crs || p->spec->crs || (p->from_geometry && p->rows->crs)
 			|| fabs(xyz[0]) > 180 || fabs(xyz[1]) > 180)
 		return GOOD;
 	eco_fail(error, ECO_BAD_INPUT, "%.150s: no CRS is stated for its coordinates, so they would be in "
@@ -287,7 +287,7 @@ static enum verdict convert(struct eco_positions *p, double xyz[3], struct eco_e
 	const char *why;
 	bool converted;
 	char text[80];
-	if (p->frame.crs && xyz[0] == 0 && xyz[1] == 0 && !p->rows->local)
+	if (p->frame.crs && xyz[0] == 0 && xyz[1] == 0)
 		return skip(p, ECO_SKIP_NO_COORDINATES, "0, 0");
 	if (p->good_places == 0 && (refuse_degrees(p, xyz, error) == FAILED
 			|| refuse_inherited(p, xyz, error) == FAILED))
@@ -332,7 +332,7 @@ static void note_far(struct eco_positions *p)
 /* The CRS that the entry or the file states for the places; NULL: the scene's, or none. */
 static const char *stated_crs(const struct eco_positions *p)
 {
-	return p->spec->crs ? p->spec->crs : p->from_geometry && !p->rows->local ? p->rows->crs : NULL;
+	return p->spec->crs ? p->spec->crs : p->from_geometry ? p->rows->crs : NULL;
 }
 
 /* Refuses degrees in a CRS of metres; notes places that lie in the CRS's area of use only if x and y change places. */
@@ -533,19 +533,16 @@ static double read_yaw(struct eco_positions *p)
 	if (p->column[ECO_COLUMN_YAW] != ECO_NONE && eco_text_number(field(p, p->column[ECO_COLUMN_YAW]),
 			decimal_of(p), &yaw) && fabs(yaw) <= 1e6)
 		return yaw;
-	if (p->from_geometry && fabs(p->rows->place.yaw_deg) <= 1e6)
-		return p->rows->place.yaw_deg;
 	/* any of 64: nobody sees more, and it takes 10 bits less */
 	return (eco_random_angle16(p->spec->seed, p->rows->row) >> 10) * (360.0 / 64);
 }
 
 static double read_scale(struct eco_positions *p)
 {
-	double scale = p->from_geometry ? p->rows->place.scale : NAN;
-	if (p->column[ECO_COLUMN_SCALE] != ECO_NONE && !eco_text_number(field(p, p->column[ECO_COLUMN_SCALE]),
-			decimal_of(p), &scale))
-		return 1;
-	return scale >= SCALE_MIN && scale <= SCALE_MAX ? scale : 1;
+	double scale;
+	bool there = p->column[ECO_COLUMN_SCALE] != ECO_NONE
+		&& eco_text_number(field(p, p->column[ECO_COLUMN_SCALE]), decimal_of(p), &scale);
+	return there && scale >= SCALE_MIN && scale <= SCALE_MAX ? scale : 1;
 }
 
 /* ---- Records ---- */
@@ -652,7 +649,7 @@ static enum eco_code open_crs(struct eco_positions *p, struct eco_error *error)
 		.vertical = p->spec->vertical,
 		.of_file = p->from_geometry ? rows->crs : NULL, .no_crs_says = p->from_geometry ? rows->no_crs
 		: NULL,
-		.local = p->from_geometry && rows->local, .use_z = p->use_z, .frame = &p->frame,
+		.use_z = p->use_z, .frame = &p->frame,
 		.note = add_note, .ctx = p };
 
 	if (p->from_geometry && rows->degrees_doubted && !p->spec->crs)

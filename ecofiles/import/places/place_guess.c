@@ -623,10 +623,6 @@ static enum eco_code guess_crs(struct look *l)
 		g->file_says = true;
 		return take_stated(l, a->table->crs, "the file says");
 	}
-	if (g->from_geometry && a->table->local) {
-		snprintf(g->crs_why, sizeof g->crs_why, "metres of a model");
-		return ECO_OK;
-	}
 	bool narrow =
 		l->xy[0].high - l->xy[0].low < DEGREES_SPAN && l->xy[1].high - l->xy[1].low < DEGREES_SPAN;
 	bool can_be = are_degrees(l, 0) || are_degrees(l, 1);

@@ -56,16 +56,13 @@ enum eco_code eco_crs_open(struct eco_crs **crs, const struct eco_crs_request *r
 {
 	struct eco_crs *c = calloc(1, sizeof *c);
 	const struct eco_frame *frame = request->frame;
-	bool stays = request->local && !request->stated;
 	enum eco_code code = ECO_OK;
 	*crs = NULL;
 	if (!c)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	c->use_z = request->use_z;
 	memcpy(c->origin, frame->origin, sizeof c->origin);
-	if (stays)
-		memset(c->origin, 0, sizeof c->origin);
-	else if (!frame->crs)
+	if (!frame->crs)
 		code = plain_metres(request, error);
 	else if (!request->stated && !request->of_file && request->no_crs_says && *request->no_crs_says)
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its CRS is not stated%s; add \"crs\": "

@@ -19,7 +19,6 @@ struct eco_crs_request {
 	/* why a file that should state its CRS does not: an error. NULL or "": places without a CRS of their
 	 * own are in the scene's */
 	const char *no_crs_says;
-	bool local;                  /* without `stated`, places count from the scene's origin */
 	bool use_z;                  /* heights are converted, so their datums matter */
 	const struct eco_frame *frame;
 	void (*note)(void *ctx, const char *format, ...) __attribute__((format(printf, 2, 3)));

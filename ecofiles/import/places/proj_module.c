@@ -6,7 +6,6 @@ ECO_MODULE_EXPORT const struct eco_proj_module eco_proj_module = {
 		.crs_close = proj_crs_close,
 	.crs_look = proj_crs_look, .crs_choices = proj_crs_choices,
 	.crs_place = proj_crs_place, .crs_degrees = proj_crs_degrees,
-	.citygml_settle = proj_citygml_settle,
 };
 
 PJ_CONTEXT *proj_quiet_context(void)

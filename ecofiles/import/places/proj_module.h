@@ -24,7 +24,6 @@ enum eco_code proj_crs_choices(const double xy[2], const char *words, struct eco
 enum eco_code proj_crs_place(const char *text, const double xy[2], struct eco_crs_place *place,
 	struct eco_error *error);
 enum eco_code proj_crs_degrees(const char *text, double (*places)[2], size_t count, struct eco_error *error);
-void proj_citygml_settle(struct eco_citygml_crs *crs, char *note, size_t size);
 
 extern const struct eco_proj_module eco_proj_module;
 

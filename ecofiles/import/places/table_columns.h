@@ -21,7 +21,7 @@ struct eco_table {               /* owns everything */
 	double (*places)[2];         /* per row; NaN: no point */
 	uint32_t row_count;
 	uint64_t rows;               /* in the file */
-	bool has_geometry, local, degrees_doubted;
+	bool has_geometry, degrees_doubted;
 	char *crs;                   /* of the geometry; NULL: not stated */
 	char *notes[ECO_ROWS_NOTES_MAX]; uint32_t note_count;
 };

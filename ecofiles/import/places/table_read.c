@@ -52,7 +52,6 @@ static bool keep_row(struct eco_table *t, const struct eco_rows *rows)
 static enum eco_code begin(struct eco_table *t, const struct eco_rows *rows, struct eco_error *error)
 {
 	t->has_geometry = rows->has_geometry;
-	t->local = rows->local;
 	t->degrees_doubted = rows->degrees_doubted;
 	t->crs = rows->crs ? strdup(rows->crs) : NULL;
 	t->columns = calloc(rows->column_count + 1u, sizeof *t->columns);

@@ -23,6 +23,7 @@
 
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/import/ground/gdal_module.h"
+#include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/places/rows/rows_formats.h"
 
 #define LOOKED_AT 64                 /* features looked at to judge the coordinates */
@@ -40,6 +41,7 @@ struct ogr_rows {
 	OGRGeometryH lines;
 	int line;
 	bool areas, vertices;
+	bool trees;                  /* of a city model */
 	char *path;
 	char broken[200]; /* the first error by which GDAL says that the file does not hold together */
 	uint8_t *wkb; size_t wkb_capacity;
@@ -143,6 +145,17 @@ static int longest_layer(struct ogr_rows *r, int count)
 	return longest;
 }
 
+/* CityGML names its trees; OGR reads them as any GML. */
+static bool find_trees(struct ogr_rows *r)
+{
+	r->layer = GDALDatasetGetLayerByName(r->data, "SolitaryVegetationObject");
+	r->trees = r->layer && !r->areas;
+	if (r->trees && GDALDatasetGetLayerByName(r->data, "PlantCover"))
+		eco_rows_note(&r->rows, "its PlantCover are passed over: they are areas; as GeoJSON polygons, \"scatter\" "
+			"fills them with plants");
+	return r->trees;
+}
+
 /* Chooses the layer asked for, or the only one, or the only one whose geometries fit. */
 static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct eco_error *error)
 {
@@ -153,6 +166,8 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 		r->layer = GDALDatasetGetLayerByName(r->data, wanted);
 		return r->layer ? ECO_OK : ask_for_layer(r, wanted, error);
 	}
+	if (find_trees(r))
+		return ECO_OK;
 	if (r->vertices && count > 1) {
 		r->layer = GDALDatasetGetLayer(r->data, longest_layer(r, count));
 		eco_rows_note(&r->rows, "of its %d layers the longest is taken, \"%.60s\"", count,
@@ -199,6 +214,18 @@ static bool is_shapefile(const struct ogr_rows *r)
 	return driver && strcmp(GDALGetDriverShortName(driver), "ESRI Shapefile") == 0;
 }
 
+/* "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH" of German surveys, which PROJ does not know. */
+static void take_german_crs(struct ogr_rows *r)
+{
+	static const char name[] = "\"urn:adv:crs:ETRS89_UTM";
+	size_t size;
+	char *head = eco_file_read_head(r->path, &size), *at = head ? strstr(head, name) : NULL;
+	int zone = at ? atoi(at + strlen(name)) : 0;
+	if (zone >= 28 && zone <= 38 && asprintf(&r->rows.crs, "EPSG:%d", 25800 + zone) < 0)
+		r->rows.crs = NULL;
+	free(head);
+}
+
 static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 {
 	OGRSpatialReferenceH crs = OGR_L_GetSpatialRef(r->layer);
@@ -207,6 +234,8 @@ static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 	const char *options[] = { "FORMAT=WKT2_2019", NULL };
 	char *wkt = NULL, text[64];
 	if (!crs) {
+		if (r->trees)
+			take_german_crs(r);
 		if (is_shapefile(r))
 			snprintf(r->rows.no_crs, sizeof r->rows.no_crs,
 				lacks_part(r->path, "prj") ? " (there is no .prj beside it)"
@@ -307,6 +336,32 @@ static void take_point(struct eco_rows_place *place, OGRGeometryH point)
 	place->at[2] = OGR_G_Is3D(point) ? OGR_G_GetZ(point, 0) : NAN;
 }
 
+#define FOOT_SHARE 0.05              /* of a tree's height that counts as its foot */
+#define FOOT_LEAST_M 0.01
+
+/* Widens a box by the places up to a height. */
+static void widen(OGREnvelope *box, OGRGeometryH geometry, double high)
+{
+	for (int i = 0; i < OGR_G_GetGeometryCount(geometry); i++)
+		widen(box, OGR_G_GetGeometryRef(geometry, i), high);
+	for (int i = 0; i < OGR_G_GetPointCount(geometry); i++) {
+		double x = OGR_G_GetX(geometry, i), y = OGR_G_GetY(geometry, i);
+		if (OGR_G_GetZ(geometry, i) <= high)
+			*box = (OGREnvelope){ fmin(box->MinX, x), fmax(box->MaxX, x), fmin(box->MinY, y), fmax(box->MaxY, y) };
+	}
+}
+
+/* The middle of a trunk's foot: that of the whole would follow a crown that leans over a street. */
+static void take_foot(struct eco_rows_place *place, OGRGeometryH tree)
+{
+	OGREnvelope3D whole;
+	OGREnvelope foot = { INFINITY, -INFINITY, INFINITY, -INFINITY };
+	OGR_G_GetEnvelope3D(tree, &whole);
+	widen(&foot, tree, whole.MinZ + fmax(FOOT_SHARE * (whole.MaxZ - whole.MinZ), FOOT_LEAST_M));
+	*place = (struct eco_rows_place){ .kind = ECO_PLACE_POINT, .at = { (foot.MinX + foot.MaxX) / 2,
+		(foot.MinY + foot.MaxY) / 2, OGR_G_Is3D(tree) ? whole.MinZ : NAN } };
+}
+
 /* Straight edges in two dimensions, as well-known binary. */
 static enum eco_code take_area(struct ogr_rows *r, OGRGeometryH geometry, struct eco_error *error)
 {
@@ -374,8 +429,7 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 	struct eco_rows_place *place = &r->rows.place;
 	OGRGeometryH geometry = OGR_F_GetGeometryRef(r->feature);
 	OGRwkbGeometryType type = geometry ? wkbFlatten(OGR_G_GetGeometryType(geometry)) : wkbUnknown;
-	*place = (struct eco_rows_place){ .kind = r->rows.has_geometry ? ECO_PLACE_EMPTY : ECO_PLACE_NONE,
-		.yaw_deg = NAN, .scale = NAN };
+	*place = (struct eco_rows_place){ .kind = r->rows.has_geometry ? ECO_PLACE_EMPTY : ECO_PLACE_NONE };
 	r->points = r->lines = NULL;
 	if (!geometry || OGR_G_IsEmpty(geometry))
 		return ECO_OK;
@@ -387,6 +441,8 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 		r->points = geometry;
 		r->point = 0;
 		take_vertex(r);
+	} else if (r->trees) {
+		take_foot(place, geometry);
 	} else if (r->vertices && (type == wkbLineString || type == wkbMultiLineString)) {
 		r->lines = type == wkbMultiLineString ? geometry : NULL;
 		r->points = r->lines ? OGR_G_GetGeometryRef(geometry, 0) : geometry;
@@ -597,7 +653,7 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 				  "damaged, or breaks off near its beginning"
 				: "it cannot be read: it is damaged or breaks off, or is "
 				  "no table of a known format (CSV, Excel .xlsx, OpenDocument, GeoJSON, GeoPackage, Shapefile, GML, KML, "
-				  "FlatGeobuf, CityGML, glTF)",
+				  "FlatGeobuf, CityGML)",
 			error);
 	if (is_shapefile(r) && !lacks_part(source->path, "dbf") &&
 		OGR_FD_GetFieldCount(OGR_L_GetLayerDefn(GDALDatasetGetLayer(r->data, 0))) == 0)

@@ -152,7 +152,8 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: it cannot be read: the installed GDAL has no driver for "
 			"Parquet; export GeoPackage, GeoJSON or CSV", source->path);
 	else if (has_extension(source->path, gltf_names))
-		code = eco_rows_open_gltf(rows, source->path, error);
+		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: glTF is a model, not a table: export the instances of its "
+			"scene as CSV with x, y, yaw_deg and scale", source->path);
 	else if (is_utf16(head))
 		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: its text is UTF-16; save it as UTF-8 "
 			"(\"CSV UTF-8\" in Excel)", source->path);
@@ -162,8 +163,6 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 	else if ((sign == '{' || sign == '[') && !holds(head, "\"type\"") && !holds(head, "\"esri"))
 		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: JSON, but not GeoJSON, whose features say "
 			"\"type\": \"Feature\"; export GeoJSON or CSV", source->path);
-	else if (sign == '<' && !source->areas && (holds(head, "citygml") || holds(head, "CityModel")))
-		code = eco_rows_open_citygml(rows, source->path, error);
 	else if (sign == '{' || sign == '[' || sign == '<' || !is_text(head))
 		code = open_ogr(rows, source, error);
 	else if (has_extension(source->path, binary) && !memchr(head->bytes, '\n', head->size))

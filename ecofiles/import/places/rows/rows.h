@@ -31,7 +31,6 @@ enum eco_place_kind {
 struct eco_rows_place {          /* the geometry of a row */
 	enum eco_place_kind kind;
 	double at[3];                /* easting or longitude first */
-	double yaw_deg, scale;       /* NaN: not in the format; then columns or the seed decide */
 	char what[16];
 	/* ECO_PLACE_AREA: well-known binary, two dimensions; valid until the next row */
 	const uint8_t *wkb;
@@ -48,9 +47,8 @@ struct eco_rows {
 	const char **fields;         /* of the current row, ended by 0; valid until the next call */
 	uint32_t field_count;
 	uint64_t row, line;          /* data rows from 1; line of the file where the row begins, from 1 */
-	const char *where;           /* unit of `line`: "line", "feature", "instance" */
+	const char *where;           /* unit of `line`: "line", "feature" */
 	bool has_geometry, has_z;    /* rows have places, and these a height */
-	bool local;                  /* places are metres from the scene's origin, unless a CRS is stated */
 	bool degrees_doubted;        /* degrees by the format alone, but the numbers cannot be degrees */
 	char *crs;                   /* of the places, as code or WKT; NULL: not stated */
 	char no_crs[112];            /* the reason, for an error; may be empty */
@@ -98,13 +96,5 @@ void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const c
  * geometry. */
 enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator,
 	struct eco_error *error);
-/* glTF and GLB: a row for each instance (EXT_mesh_gpu_instancing), or, in a file without instances, for
- * each node with a mesh. Columns: x, y, z (metres, Z up), name (of the node, else of its mesh), mesh,
- * yaw_deg (turn about the vertical), scale (cube root of the volumes' ratio; empty for quantized meshes),
- * height_m (of the mesh as placed; empty if the file does not state its bounds); then scalar attributes of
- * instances and "extras" of nodes, by their names. Line is row. */
-enum eco_code eco_rows_open_gltf(struct eco_rows **rows, const char *path, struct eco_error *error);
-/* SolitaryVegetationObject of CityGML 1 to 3. Memory: what is said of all trees. */
-enum eco_code eco_rows_open_citygml(struct eco_rows **rows, const char *path, struct eco_error *error);
 
 #endif

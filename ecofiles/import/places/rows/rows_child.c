@@ -3,10 +3,10 @@
  * after a bug in a library they are.
  *
  *   message  u32 bytes of the rest, u8 kind, then by kind
- *   'H'      head: u8 geometry | z << 1 | local << 2 | doubted << 3, u32 columns, texts: where, crs (""
+ *   'H'      head: u8 geometry | z << 1 | doubted << 2, u32 columns, texts: where, crs (""
  *            none), no_crs, names of columns
  *   'N'      note: text
- *   'R'      row: u64 row, u64 line, u8 place, f64 at[3] yaw scale, text what, u32 area bytes, the area, u32
+ *   'R'      row: u64 row, u64 line, u8 place, f64 at[3], text what, u32 area bytes, the area, u32
  *            fields, texts (unneeded ones are empty)
  *   'E'      end: u64 rows
  *
@@ -57,9 +57,7 @@ static enum eco_code send_message(const struct eco_writer *m, uint32_t most, FIL
 static void put_head(const struct eco_rows *rows, struct eco_writer *m)
 {
 	begin(m, 'H');
-	eco_write_u8(m,
-		(uint8_t)(rows->has_geometry | rows->has_z << 1 | rows->local << 2 | rows->degrees_doubted
-		<< 3));
+	eco_write_u8(m, (uint8_t)(rows->has_geometry | rows->has_z << 1 | rows->degrees_doubted << 2));
 	eco_write_u32(m, rows->column_count);
 	put_text(m, rows->where);
 	put_text(m, rows->crs ? rows->crs : "");
@@ -90,8 +88,6 @@ static void put_row(const struct eco_rows *rows, const bool *wanted, struct eco_
 	eco_write_u8(m, (uint8_t)place->kind);
 	for (int k = 0; k < 3; k++)
 		eco_write_f64(m, place->at[k]);
-	eco_write_f64(m, place->yaw_deg);
-	eco_write_f64(m, place->scale);
 	put_text(m, place->what);
 	eco_write_u32(m, area_bytes);
 	eco_write_bytes(m, place->wkb, area_bytes);
@@ -231,8 +227,7 @@ static enum eco_code get_head(struct child *c, struct eco_error *error)
 	rows->where = c->where;
 	rows->has_geometry = flags & 1;
 	rows->has_z = flags >> 1 & 1;
-	rows->local = flags >> 2 & 1;
-	rows->degrees_doubted = flags >> 3 & 1;
+	rows->degrees_doubted = flags >> 2 & 1;
 	const char *crs = get_text(r);
 	snprintf(rows->no_crs, sizeof rows->no_crs, "%.111s", get_text(r));
 	if (r->failed || columns > ECO_COLUMNS_MAX || strlen(crs) > ECO_ROWS_CRS_BYTES)
@@ -252,8 +247,6 @@ static bool get_place(struct eco_reader *r, struct eco_rows_place *place)
 	uint8_t kind = eco_read_u8(r);
 	for (int k = 0; k < 3; k++)
 		place->at[k] = eco_read_f64(r);
-	place->yaw_deg = eco_read_f64(r);
-	place->scale = eco_read_f64(r);
 	snprintf(place->what, sizeof place->what, "%.15s", get_text(r));
 	place->wkb_bytes = eco_read_u32(r);
 	place->wkb = eco_read_bytes(r, place->wkb_bytes);

@@ -4,7 +4,6 @@
 #include "ecofiles/import/places/rows/rows.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -379,7 +378,6 @@ enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char s
 	csv->rows.close = close_csv;
 	csv->separator = separator;
 	csv->rows.where = "line";
-	csv->rows.place.yaw_deg = csv->rows.place.scale = NAN;
 	csv->line = 1;
 	csv->line_end = '\n';
 	csv->path = strdup(path);
