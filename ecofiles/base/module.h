@@ -118,10 +118,10 @@ struct eco_gdal_module {                 /* eco_gdal_module */
 		struct eco_error *error);
 	enum eco_code (*raster_write)(const struct eco_raster *raster, const char *path,
 		struct eco_error *error);
-	/* As eco_raster_extent (raster_extent.h). Only in a guarded child. */
+	/* As eco_raster_extent (gis_files.h). Only in a guarded child. */
 	enum eco_code (*raster_extent)(const char *path, struct eco_raster_extent *extent,
 		struct eco_error *error);
-	/* As eco_points_write (point_table.h). */
+	/* As eco_points_write (gis_files.h). */
 	enum eco_code (*points_write)(const struct eco_point_table *table, const char *path, uint8_t **bytes,
 		size_t *size, struct eco_error *error);
 };
@@ -159,7 +159,7 @@ struct eco_crs_place;
 
 struct eco_proj_module {                 /* eco_proj_module */
 	uint32_t version;
-	/* From an inventory's coordinates to the scene's CRS (positions_crs.h): open fails for a CRS that
+	/* From an inventory's coordinates to the scene's CRS (crs.h): open fails for a CRS that
 	 * PROJ does not know. convert writes coordinates in the scene's CRS, not yet relative to the
 	 * origin; *converted is false where PROJ knows no way, and *why says why. */
 	enum eco_code (*crs_open)(struct eco_crs_path **path, const struct eco_crs_request *request,
@@ -167,12 +167,12 @@ struct eco_proj_module {                 /* eco_proj_module */
 	enum eco_code (*crs_convert)(struct eco_crs_path *path, double xyz[3], bool *converted,
 		const char **why, struct eco_error *error);
 	void (*crs_close)(struct eco_crs_path *path);
-	/* As eco_crs_look and eco_crs_choices (crs_facts.h). */
+	/* As eco_crs_look and eco_crs_choices (crs.h). */
 	enum eco_code (*crs_look)(const char *crs, const double xy[2], struct eco_crs_facts *facts,
 		struct eco_error *error);
 	enum eco_code (*crs_choices)(const double xy[2], const char *words, struct eco_crs_choice *choices,
 		uint32_t *found, struct eco_error *error);
-	/* As eco_crs_place (crs_facts.h). */
+	/* As eco_crs_place (crs.h). */
 	enum eco_code (*crs_place)(const char *crs, const double xy[2], struct eco_crs_place *place,
 		struct eco_error *error);
 	/* Places of a CRS, easting first, become longitude and latitude of WGS 84. ECO_BAD_INPUT: PROJ does

@@ -8,7 +8,7 @@
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/import/places/flora.h"
-#include "ecofiles/import/places/spread.h"
+#include "ecofiles/import/places/size_units.h"
 
 #define STEEP 3.0 /* metres up for one across: one slope in ten of a real DEM is never so steep */
 #define SLOPES 65536u

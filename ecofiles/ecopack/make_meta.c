@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "ecofiles/base/version.h"
-#include "ecofiles/import/places/crs_facts.h"
+#include "ecofiles/import/places/crs.h"
 #include "lod/build/grid.h"
 
 void make_put(json_t **object, const char *key, json_t *value)

@@ -13,7 +13,7 @@
 #include "ecofiles/ecopack/map.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/base/phrase.h"
-#include "ecofiles/import/places/point_table.h"
+#include "ecofiles/import/places/gis_files.h"
 
 #define MARGIN 20.0
 #define LEFT 62.0                /* room for texts beside and below the map */

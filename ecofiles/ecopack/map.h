@@ -88,7 +88,7 @@ static inline enum eco_code map_no_memory(struct map *m)
 /* Draws the map of what was gathered and writes it as a PNG. */
 enum eco_code map_write(struct map *m, const char *path, uint32_t pixels);
 
-/* Writes all plants that were gathered as a table with points (point_table.h). */
+/* Writes all plants that were gathered as a table with points (gis_files.h). */
 enum eco_code map_write_table(struct map *m, const char *path);
 
 double map_radius(const struct map *m, double height_m);         /* pixels; height 0: not known */

@@ -3,7 +3,7 @@
 #include "ecofiles/base/file_write.h"
 #include "ecofiles/ecopack/map.h"
 #include "ecofiles/ecopack/progress.h"
-#include "ecofiles/import/places/point_table.h"
+#include "ecofiles/import/places/gis_files.h"
 
 static void point_of(void *ctx, uint64_t index, struct eco_point *out)
 {

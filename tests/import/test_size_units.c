@@ -2,7 +2,6 @@
 #include <string.h>
 
 #include "ecofiles/import/places/size_units.h"
-#include "ecofiles/import/places/spread.h"
 #include "tests/support/unit_test.h"
 
 #include <math.h>

@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "ecofiles/format/model.h"
-#include "ecofiles/import/places/crs_facts.h"
+#include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/place_guess.h"
-#include "ecofiles/import/places/table_values.h"
+#include "ecofiles/import/places/table_columns.h"
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
 

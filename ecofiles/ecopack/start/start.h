@@ -21,9 +21,7 @@
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/place_guess.h"
 #include "ecofiles/import/places/size_units.h"
-#include "ecofiles/import/places/spread.h"
 #include "ecofiles/import/places/table_columns.h"
-#include "ecofiles/import/places/table_values.h"
 #include "ecofiles/import/places/words.h"
 
 struct start_options {           /* NULL: not given */

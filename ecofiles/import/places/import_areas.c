@@ -8,7 +8,7 @@
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/format/model.h"
-#include "ecofiles/import/places/positions_crs.h"
+#include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/rows/rows.h"
 #include "ecofiles/import/places/scatter_parts.h"
 

@@ -1,5 +1,5 @@
 /* From rows of texts to plants in the scene: the plant of a row (filters, species), its place (columns or
- * geometry, through positions_crs.c), and its size (positions_size.c). Each step counts the rows it leaves
+ * geometry, through crs.c), and its size (positions_size.c). Each step counts the rows it leaves
  * out, with the first line of each reason. Formats are behind rows.h. The file is longer than
  * most, as whole files are refused beside the rows that show why. */
 #include "ecofiles/import/places/positions.h"
@@ -15,7 +15,7 @@
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/utf8.h"
 #include "ecofiles/format/model.h"
-#include "ecofiles/import/places/crs_facts.h"
+#include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/positions_parts.h"
 #include "ecofiles/import/places/table_columns.h"
 

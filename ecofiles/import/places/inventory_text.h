@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /* Whether a text is empty or means "no value": NA, N/A, NaN, null, none, -, ... in any case. */
 bool eco_text_is_missing(const char *text);
@@ -37,5 +38,21 @@ enum eco_size_form {
 /* A size: a number, a range, or a bound, possibly with units ("12.5 m", "40'", "5 ft 6 in"). *unit_m is
  * the text's unit in metres, or 0 if it has none. The number is finite and >= 0. */
 enum eco_size_form eco_text_size(const char *text, char decimal, double *number, double *unit_m);
+
+#define ECO_FILTERS_MAX 64u
+
+/* text folded (inventory_text.h), "*" is any text; NULL: the number */
+struct eco_value { char *text; double number; };
+
+struct eco_filter {
+	char *column;
+	bool only;                   /* drops rows with none of the values; else rows with one of them */
+	struct eco_value *values;
+	uint32_t value_count;
+};
+
+/* Whether a row with this text in the column is kept. `decimal` as in eco_text_number. */
+bool eco_filter_passes(const struct eco_filter *filter, const char *text, char decimal);
+void eco_filters_free(struct eco_filter *filters, uint32_t count);
 
 #endif

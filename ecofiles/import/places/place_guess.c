@@ -1,18 +1,15 @@
 /* Numbers show by their size whether they are degrees, metres of a plot, or eastings and northings of some
  * grid. Of which grid they do not show: zones look alike. Then the columns' names decide, or the terrain,
- * or else the user. The file is longer than most, as each way to decide stands beside the error that asks
- * where it does not. */
-#include "ecofiles/import/places/place_guess.h"
+ * or else the user. */
+#include "ecofiles/import/places/place_parts.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "ecofiles/base/phrase.h"
-#include "ecofiles/import/places/crs_facts.h"
+#include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/inventory_text.h"
-#include "ecofiles/import/places/place_words.h"
-#include "ecofiles/import/places/positions_crs.h"
 #include "ecofiles/import/places/size_units.h"
 #include "ecofiles/import/places/words.h"
 
@@ -29,25 +26,11 @@
 #define LISTED 6u                /* zones where a language is written: if there are more, all zones are offered */
 #define ONLY_SO_TERRAIN "only so does the terrain lie there"
 #define WEB_MERCATOR "EPSG:3857"
-#define ROUND_M 10.0             /* origins are round */
 #define NEAR_DEG 0.01            /* places that differ by datum alone lie nearer together */
-
-struct range { double low, middle, high; };
-struct look {
-	const struct eco_place_asked *asked;
-	struct eco_place_guess *guess;
-	struct range xy[2];
-	const char *names[2];
-	const char *unit;            /* that the names say, or NULL */
-	double unit_m;
-	bool nowhere;                /* no place, only offsets from one centre */
-	uint32_t speech;             /* eco_speech_of the columns */
-	struct eco_error *error;
-};
 
 /* ---- The numbers ---- */
 
-static bool numbers_of(struct look *l, int k, struct eco_spread *spread)
+static bool numbers_of(struct eco_place_look *l, int k, struct eco_spread *spread)
 {
 	const struct eco_table *t = l->asked->table;
 	if (!l->guess->from_geometry)
@@ -59,12 +42,12 @@ static bool numbers_of(struct look *l, int k, struct eco_spread *spread)
 }
 
 /* The middle of those that are not 0, which stands for no place. */
-static enum eco_code measure(struct look *l)
+static enum eco_code measure(struct eco_place_look *l)
 {
 	for (int k = 0; k < 2; k++) {
 		struct eco_spread spread = { 0 };
 		bool good = numbers_of(l, k, &spread);
-		l->xy[k] = (struct range){ eco_spread_quantile(&spread, 0.02),
+		l->xy[k] = (struct place_range){ eco_spread_quantile(&spread, 0.02),
 			eco_spread_quantile(&spread, 0.5), eco_spread_quantile(&spread, 0.98) };
 		eco_spread_free(&spread);
 		if (!good)
@@ -75,20 +58,23 @@ static enum eco_code measure(struct look *l)
 				: eco_fail(l->error, ECO_BAD_INPUT, "%.200s: no row is a point; a table of plants has "
 				"a point for each (lines and areas are for \"scatter\" in a scene; coordinates "
 				"in quotes are none)", l->asked->table->path);
+		l->at[k] = l->turned[1 - k] = l->xy[k].middle;
 	}
+	l->as_named[0] = l->at[0] > 180 ? l->at[0] - 360 : l->at[0];
+	l->as_named[1] = l->at[1];
 	return ECO_OK;
 }
 
 /* Longitudes may count from 0 to 360 where names say what they are. */
-static bool are_degrees(const struct look *l, int longitude)
+static bool are_degrees(const struct eco_place_look *l, int longitude)
 {
-	const struct range *x = &l->xy[longitude], *y = &l->xy[1 - longitude];
+	const struct place_range *x = &l->xy[longitude], *y = &l->xy[1 - longitude];
 	double most = l->asked->columns->names_say_degrees ? 360 : 180;
 	return x->low >= -180 && x->high <= most && y->low >= -90 && y->high <= 90;
 }
 
 /* Degrees so near each other have decimals. */
-static bool are_whole(const struct look *l)
+static bool are_whole(const struct eco_place_look *l)
 {
 	for (int k = 0; k < 2; k++)
 		if (floor(l->xy[k].low) != l->xy[k].low || floor(l->xy[k].high) != l->xy[k].high)
@@ -98,26 +84,8 @@ static bool are_whole(const struct look *l)
 
 /* ---- Degrees ---- */
 
-static bool dem_has(const struct look *l, const double degrees[2])
-{
-	const struct eco_raster_extent *dem = l->asked->dem;
-	double middle[2];
-	struct eco_crs_facts facts;
-	if (!dem || dem->crs[0] == 0)
-		return false;
-	for (int k = 0; k < 2; k++)
-		middle[k] = (dem->low[k] + dem->high[k]) / 2;
-	/* within three of its lengths: a raster may leave some plants outside */
-	double reach = fmax(dem->high[0] - dem->low[0], dem->high[1] - dem->low[1]);
-	if (eco_crs_look(dem->crs, middle, &facts, NULL) != ECO_OK || isnan(facts.degrees[0]))
-		return false;
-	double reach_deg = 3 * (facts.geographic ? reach : reach / 60000);
-	return fabs(facts.degrees[0] - degrees[0]) < reach_deg &&
-		fabs(facts.degrees[1] - degrees[1]) < reach_deg;
-}
-
 /* Columns change places; a file's points cannot. */
-static enum eco_code say_swapped(struct look *l, const char *why)
+static enum eco_code say_swapped(struct eco_place_look *l, const char *why)
 {
 	if (l->guess->from_geometry)
 		return eco_fail(l->error, ECO_BAD_INPUT,
@@ -137,7 +105,7 @@ static bool is_bare(const double degrees[2])
 }
 
 /* Whether such an inventory may lie where its numbers say it does, and lies where it should if swapped. */
-static bool speaks_for_swapping(const struct look *l, const double as_named[2], const double swapped[2])
+static bool speaks_for_swapping(const struct eco_place_look *l, const double as_named[2], const double swapped[2])
 {
 	return l->speech && !eco_speech_reaches(l->speech, as_named, false)
 		&& eco_speech_reaches(l->speech, swapped, true);
@@ -153,11 +121,9 @@ static bool area_speaks_for_swapping(const char *crs, const double as_named[2], 
 
 /* Says why degrees in a CRS are what they should be only if longitude and latitude change places; "": they are not
  * known to be. */
-static void look_for_swapping(const struct look *l, const char *crs, char why[ECO_WHY_BYTES])
+static void look_for_swapping(const struct eco_place_look *l, const char *crs, char why[ECO_WHY_BYTES])
 {
-	const double east = l->xy[0].middle,
-		     as_named[2] = { east > 180 ? east - 360 : east, l->xy[1].middle },
-		     swapped[2] = { l->xy[1].middle, l->xy[0].middle };
+	const double *as_named = l->as_named, *swapped = l->turned;
 	struct eco_crs_facts facts;
 	char area[80];
 	why[0] = 0;
@@ -165,9 +131,9 @@ static void look_for_swapping(const struct look *l, const char *crs, char why[EC
 		return;
 	if (!are_degrees(l, 0))
 		snprintf(why, ECO_WHY_BYTES, "a latitude lies between -90 and 90");
-	else if (dem_has(l, as_named))
+	else if (eco_place_dem_has(l, as_named))
 		return;
-	else if (dem_has(l, swapped))
+	else if (eco_place_dem_has(l, swapped))
 		snprintf(why, ECO_WHY_BYTES, ONLY_SO_TERRAIN);
 	else if (is_bare(as_named) && !is_bare(swapped))
 		snprintf(why, ECO_WHY_BYTES, "no tree stands at latitude %.1f", as_named[1]);
@@ -182,10 +148,8 @@ static void look_for_swapping(const struct look *l, const char *crs, char why[EC
 			eco_speech_name(l->speech), swapped[0], swapped[1], as_named[0], as_named[1]);
 }
 
-static enum eco_code guess_degrees(struct look *l)
+static enum eco_code guess_degrees(struct eco_place_look *l)
 {
-	const double east = l->xy[0].middle,
-		     as_named[2] = { east > 180 ? east - 360 : east, l->xy[1].middle };
 	char why[ECO_WHY_BYTES];
 	snprintf(l->guess->crs, sizeof l->guess->crs, "EPSG:4326");
 	look_for_swapping(l, NULL, why);
@@ -193,11 +157,13 @@ static enum eco_code guess_degrees(struct look *l)
 		return say_swapped(l, why);
 	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "degrees, by %s: around %.4f, %.4f",
 		l->asked->columns->names_say_degrees ? "the columns' names and numbers" : "the numbers",
-		as_named[0], as_named[1]);
+		l->as_named[0], l->as_named[1]);
 	return ECO_OK;
 }
 
 /* ---- A grid ---- */
+
+static uint32_t listed(uint32_t found) { return found < ECO_CRS_CHOICES_MAX ? found : ECO_CRS_CHOICES_MAX; }
 
 /* As many as fit, and how many more there are; `choices` has ECO_CRS_CHOICES_MAX of them at most. */
 static void list_choices(const struct eco_crs_choice *choices, uint32_t found, char *text, size_t size)
@@ -212,19 +178,20 @@ static void list_choices(const struct eco_crs_choice *choices, uint32_t found, c
 	}
 }
 
-static bool may_be_utm(const struct look *l)
+static bool may_be_utm(const struct eco_place_look *l)
 {
 	return l->xy[0].middle > UTM_LEAST_M && l->xy[0].middle < UTM_MOST_M && l->xy[1].middle > 0
 		&& l->xy[1].middle < 1e7;
 }
 
-/* Those where the columns' language is written come first; returns how many. */
-static uint32_t sort_by_speech(const struct look *l, struct eco_crs_choice *choices, uint32_t found)
+/* Those that fit come first, in their order; returns how many. */
+static uint32_t put_first(const struct eco_place_look *l, struct eco_crs_choice *choices, uint32_t found,
+	bool (*fits)(const struct eco_place_look *, const struct eco_crs_choice *))
 {
 	uint32_t first = 0;
-	for (uint32_t i = 0; i < found && l->speech; i++) {
+	for (uint32_t i = 0; i < found; i++) {
 		struct eco_crs_choice choice = choices[i];
-		if (!eco_speech_reaches(l->speech, choice.degrees, true))
+		if (!fits(l, &choice))
 			continue;
 		memmove(&choices[first + 1], &choices[first], (i - first) * sizeof *choices);
 		choices[first++] = choice;
@@ -232,13 +199,24 @@ static uint32_t sort_by_speech(const struct look *l, struct eco_crs_choice *choi
 	return first;
 }
 
+/* Whether it has the plants where the columns' language is written. */
+static bool is_spoken(const struct eco_place_look *l, const struct eco_crs_choice *choice)
+{
+	return l->speech && eco_speech_reaches(l->speech, choice->degrees, true);
+}
+
+static bool is_no_zone(const struct eco_place_look *l, const struct eco_crs_choice *choice)
+{
+	(void)l;
+	return !strstr(choice->name, "UTM");
+}
+
 /* Whether they may be in the grid of maps on the web, which has the whole Earth: where the columns' language
  * is written. */
-static bool look_at_web(const struct look *l, struct eco_crs_choice *web)
+static bool look_at_web(const struct eco_place_look *l, struct eco_crs_choice *web)
 {
-	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
 	struct eco_crs_facts facts;
-	if (!l->speech || eco_crs_look(WEB_MERCATOR, at, &facts, NULL) != ECO_OK || isnan(facts.degrees[0])
+	if (!l->speech || eco_crs_look(WEB_MERCATOR, l->at, &facts, NULL) != ECO_OK || isnan(facts.degrees[0])
 			|| !eco_speech_reaches(l->speech, facts.degrees, true))
 		return false;
 	*web = (struct eco_crs_choice){ .code = WEB_MERCATOR, .name = "maps on the web",
@@ -246,23 +224,9 @@ static bool look_at_web(const struct look *l, struct eco_crs_choice *web)
 	return true;
 }
 
-/* Grids that are no UTM zone's come first; returns how many. */
-static uint32_t sort_zones_last(struct eco_crs_choice *choices, uint32_t found)
-{
-	uint32_t first = 0;
-	for (uint32_t i = 0; i < found; i++) {
-		struct eco_crs_choice choice = choices[i];
-		if (strstr(choice.name, "UTM"))
-			continue;
-		memmove(&choices[first + 1], &choices[first], (i - first) * sizeof *choices);
-		choices[first++] = choice;
-	}
-	return first;
-}
-
 /* "; Spanish is written in EPSG:32629, EPSG:32630": of the first `spoken`, those that are UTM zones; of a
  * language of many zones none, as no one is nearer then. */
-static void list_zones(const struct look *l, const struct eco_crs_choice *choices, uint32_t spoken,
+static void list_zones(const struct eco_place_look *l, const struct eco_crs_choice *choices, uint32_t spoken,
 	char *text, size_t size)
 {
 	char zones[120] = "";
@@ -276,32 +240,30 @@ static void list_zones(const struct look *l, const struct eco_crs_choice *choice
 }
 
 /* Names the few where the columns' language is written; else all UTM zones may be meant. */
-static enum eco_code ask_for_grid(struct look *l, struct eco_crs_choice *choices, uint32_t found,
+static enum eco_code ask_for_grid(struct eco_place_look *l, struct eco_crs_choice *choices, uint32_t found,
 	uint32_t spoken)
 {
 	char list[400] = "such as EPSG:2154 in France", zones[160];
-	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
 	struct eco_crs_facts facts;
 	if (may_be_utm(l) && (spoken == 0 || spoken > LISTED)
-			&& eco_crs_look("EPSG:32631", at, &facts, l->error) == ECO_OK) {
+			&& eco_crs_look("EPSG:32631", l->at, &facts, l->error) == ECO_OK) {
 		list_zones(l, choices, spoken, zones, sizeof zones);
-		uint32_t grids = sort_zones_last(choices,
-			found < ECO_CRS_CHOICES_MAX ? found : ECO_CRS_CHOICES_MAX);
+		uint32_t grids = put_first(l, choices, listed(found), is_no_zone);
 		if (grids > 0)
 			list_choices(choices, grids, list, sizeof list);
 		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, "
 			"%.0f is a place in each UTM zone, at latitude %.1f: give the zone of your "
 			"longitude, --crs EPSG:32601 (180 W) to EPSG:32660 (180 E), in the south "
 			"EPSG:32701 to EPSG:32760%s; or the country's grid, %s",
-			l->asked->table->path, at[0], at[1], facts.degrees[1], zones, list);
+			l->asked->table->path, l->at[0], l->at[1], facts.degrees[1], zones, list);
 	}
 	list_choices(choices, found, list, sizeof list);
 	return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, %.0f "
-		"%s%s; give it with --crs EPSG:...", l->asked->table->path, at[0], at[1],
+		"%s%s; give it with --crs EPSG:...", l->asked->table->path, l->at[0], l->at[1],
 		found > 0 ? "may be in " : "is in no CRS of PROJ's register as easting and northing", list);
 }
 
-static enum eco_code take_choice(struct look *l, const struct eco_crs_choice *choice, const char *why)
+static enum eco_code take_choice(struct eco_place_look *l, const struct eco_crs_choice *choice, const char *why)
 {
 	snprintf(l->guess->crs, sizeof l->guess->crs, "%s", choice->code);
 	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, %s; a place at %.3f, "
@@ -312,15 +274,13 @@ static enum eco_code take_choice(struct look *l, const struct eco_crs_choice *ch
 
 /* The only grid with the words of a hint, or else where the columns' language is written, that has the plants
  * if x and y change places. */
-static enum eco_code take_turned(struct look *l, const char *hint, bool *taken)
+static enum eco_code take_turned(struct eco_place_look *l, const char *hint, bool *taken)
 {
 	struct eco_crs_choice choices[ECO_CRS_CHOICES_MAX];
-	const double turned[2] = { l->xy[1].middle, l->xy[0].middle };
 	uint32_t found = 0;
 	enum eco_code code = l->guess->from_geometry ? ECO_OK
-		: eco_crs_choices(turned, hint, choices, &found, l->error);
-	uint32_t listed = found < ECO_CRS_CHOICES_MAX ? found : ECO_CRS_CHOICES_MAX;
-	*taken = !code && (hint ? found == 1 : sort_by_speech(l, choices, listed) == 1);
+		: eco_crs_choices(l->turned, hint, choices, &found, l->error);
+	*taken = !code && (hint ? found == 1 : put_first(l, choices, listed(found), is_spoken) == 1);
 	l->guess->swapped |= *taken;
 	if (!*taken)
 		return code;
@@ -328,25 +288,17 @@ static enum eco_code take_turned(struct look *l, const char *hint, bool *taken)
 		: "where the columns' language is written; x counts to the north");
 }
 
-/* Whether the columns are x and y, the CRS's own x counts to the north, and plants may stand at either
- * place. */
-static bool axes_are_open(const struct look *l, struct eco_crs_facts *named, struct eco_crs_facts *turned)
+/* Surveyors' grids call the northing x, most tables the easting: plants may stand at either place. */
+static enum eco_code settle_axes(struct eco_place_look *l)
 {
-	const double at[2] = { l->xy[0].middle, l->xy[1].middle }, other[2] = { at[1], at[0] };
-	return !l->guess->from_geometry && !l->guess->swapped && !l->asked->axes_said && l->guess->crs[0] != 0
-		&& eco_words_any(l->names[0], "x") && eco_words_any(l->names[1], "y")
-		&& eco_crs_look(l->guess->crs, at, named, NULL) == ECO_OK && named->x_is_north
-		&& named->inside
-		&& eco_crs_look(l->guess->crs, other, turned, NULL) == ECO_OK && turned->inside;
-}
-
-/* Surveyors' grids call the northing x, most tables the easting. */
-static enum eco_code settle_axes(struct look *l)
-{
+	const struct eco_place_guess *g = l->guess;
 	struct eco_crs_facts named, turned;
-	if (!axes_are_open(l, &named, &turned) || dem_has(l, named.degrees))
+	if (g->from_geometry || g->swapped || l->asked->axes_said || g->crs[0] == 0 || !eco_words_any(l->names[0], "x")
+			|| !eco_words_any(l->names[1], "y") || eco_crs_look(g->crs, l->at, &named, NULL) != ECO_OK
+			|| !named.x_is_north || !named.inside || eco_crs_look(g->crs, l->turned, &turned, NULL) != ECO_OK
+			|| !turned.inside || eco_place_dem_has(l, named.degrees))
 		return ECO_OK;
-	if (dem_has(l, turned.degrees))
+	if (eco_place_dem_has(l, turned.degrees))
 		return say_swapped(l, ONLY_SO_TERRAIN);
 	return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: does \"%.40s\" count to the north, as x does in %s "
 		"(%.40s), or to the east, as in most tables? To the east the plants are at %.3f, %.3f: "
@@ -357,17 +309,15 @@ static enum eco_code settle_axes(struct look *l)
 }
 
 /* The terrain's CRS, where its extent has the plants. */
-static bool take_dem(struct look *l)
+static bool take_dem(struct eco_place_look *l)
 {
 	const struct eco_raster_extent *dem = l->asked->dem;
 	struct eco_crs_facts facts;
-	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
-	if (!dem || dem->crs[0] == 0 || eco_crs_look(dem->crs, at, &facts, NULL) != ECO_OK || facts.geographic
+	if (!dem || dem->crs[0] == 0 || eco_crs_look(dem->crs, l->at, &facts, NULL) != ECO_OK || facts.geographic
 			|| facts.code[0] == 0)
 		return false;
-	for (int k = 0; k < 2; k++)
-		if (at[k] < dem->low[k] || at[k] > dem->high[k])
-			return false;
+	if (!eco_raster_extent_has(dem, l->at))
+		return false;
 	snprintf(l->guess->crs, sizeof l->guess->crs, "%s", facts.code);
 	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, the terrain's: the plants lie on it",
 		facts.name);
@@ -375,11 +325,11 @@ static bool take_dem(struct look *l)
 }
 
 /* The only grid that puts the plants where the terrain is. */
-static bool take_over_dem(struct look *l, const struct eco_crs_choice *choices, uint32_t count)
+static bool take_over_dem(struct eco_place_look *l, const struct eco_crs_choice *choices, uint32_t count)
 {
 	uint32_t over = 0, last = 0;
 	for (uint32_t i = 0; i < count; i++)
-		if (dem_has(l, choices[i].degrees)) {
+		if (eco_place_dem_has(l, choices[i].degrees)) {
 			over++;
 			last = i;
 		}
@@ -389,12 +339,10 @@ static bool take_over_dem(struct look *l, const struct eco_crs_choice *choices, 
 }
 
 /* Plants and a terrain that say nothing are in one grid of metres where its extent has them. */
-static bool take_bare_dem(struct look *l)
+static bool take_bare_dem(struct eco_place_look *l)
 {
 	const struct eco_raster_extent *dem = l->asked->dem;
-	bool on = dem && dem->crs[0] == 0;
-	for (int k = 0; on && k < 2; k++)
-		on = l->xy[k].middle >= dem->low[k] && l->xy[k].middle <= dem->high[k];
+	bool on = dem && dem->crs[0] == 0 && eco_raster_extent_has(dem, l->at);
 	if (on)
 		snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "metres of the terrain's grid, which says "
 			"no CRS either: the plants lie on it");
@@ -402,7 +350,7 @@ static bool take_bare_dem(struct look *l)
 }
 
 /* Degrees of some places, within a metre if they are taken for metres. */
-static bool is_heap_of_degrees(const struct look *l)
+static bool is_heap_of_degrees(const struct eco_place_look *l)
 {
 	return l->asked->table->row_count > 1 && (are_degrees(l, 0) || are_degrees(l, 1)) &&
 		(l->asked->columns->names_say_degrees ||
@@ -410,7 +358,7 @@ static bool is_heap_of_degrees(const struct look *l)
 				l->xy[1].high - l->xy[1].low < ECO_HEAP_M));
 }
 
-static enum eco_code refuse_degrees(const struct look *l, const char *crs, const struct eco_crs_facts *facts,
+static enum eco_code refuse_degrees(const struct eco_place_look *l, const char *crs, const struct eco_crs_facts *facts,
 	const char *who)
 {
 	return eco_fail(l->error, ECO_BAD_INPUT,
@@ -422,12 +370,11 @@ static enum eco_code refuse_degrees(const struct look *l, const char *crs, const
 		facts->degrees[0], facts->degrees[1], crs);
 }
 
-static enum eco_code take_stated(struct look *l, const char *crs, const char *who)
+static enum eco_code take_stated(struct eco_place_look *l, const char *crs, const char *who)
 {
 	struct eco_crs_facts facts, other;
 	char why[ECO_WHY_BYTES] = "", area[80];
-	const double at[2] = { l->xy[0].middle, l->xy[1].middle }, turned[2] = { at[1], at[0] };
-	enum eco_code code = eco_crs_look(crs, at, &facts, l->error);
+	enum eco_code code = eco_crs_look(crs, l->at, &facts, l->error);
 	if (code)
 		return code;
 	if (strlen(crs) < sizeof l->guess->crs)
@@ -438,7 +385,7 @@ static enum eco_code take_stated(struct look *l, const char *crs, const char *wh
 	if (!isnan(facts.degrees[0]))
 		used += snprintf(l->guess->crs_why + used, sizeof l->guess->crs_why - (size_t)used,
 			"; a place at %.3f, %.3f", facts.degrees[0], facts.degrees[1]);
-	enum eco_crs_fit fit = eco_crs_fit(crs, at, &facts);
+	enum eco_crs_fit fit = eco_crs_fit(crs, l->at, &facts);
 	if (!are_whole(l) && (fit == ECO_CRS_DEGREES || (!facts.geographic && is_heap_of_degrees(l))))
 		return refuse_degrees(l, crs, &facts, who);
 	if (facts.geographic)
@@ -446,8 +393,8 @@ static enum eco_code take_stated(struct look *l, const char *crs, const char *wh
 	else if (fit == ECO_CRS_SWAPPED)
 		snprintf(why, sizeof why, "only so do they lie in the CRS's area of use, %s",
 			eco_crs_area_text(facts.area, area));
-	else if (!dem_has(l, facts.degrees) && eco_crs_look(crs, turned, &other, NULL) == ECO_OK &&
-		dem_has(l, other.degrees))
+	else if (!eco_place_dem_has(l, facts.degrees) && eco_crs_look(crs, l->turned, &other, NULL) == ECO_OK &&
+		eco_place_dem_has(l, other.degrees))
 		snprintf(why, sizeof why, ONLY_SO_TERRAIN);
 	if (why[0] != 0)
 		return say_swapped(l, why);
@@ -458,17 +405,16 @@ static enum eco_code take_stated(struct look *l, const char *crs, const char *wh
 }
 
 /* Whether plants may stand in this half of a zone, by its latitude, the terrain and the columns' language. */
-static bool half_can_be(const struct look *l, const char *crs)
+static bool half_can_be(const struct eco_place_look *l, const char *crs)
 {
-	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
 	struct eco_crs_facts facts;
-	return eco_crs_look(crs, at, &facts, NULL) == ECO_OK && !isnan(facts.degrees[0])
+	return eco_crs_look(crs, l->at, &facts, NULL) == ECO_OK && !isnan(facts.degrees[0])
 		&& !is_bare(facts.degrees) && (!l->asked->dem || l->asked->dem->crs[0] == 0
-		|| dem_has(l, facts.degrees))
+		|| eco_place_dem_has(l, facts.degrees))
 		&& (!l->speech || eco_speech_reaches(l->speech, facts.degrees, false));
 }
 
-static enum eco_code zone_crs(struct look *l, const struct eco_zones *z, char crs[32])
+static enum eco_code zone_crs(struct eco_place_look *l, const struct eco_zones *z, char crs[32])
 {
 	const char *name = l->asked->table->columns[z->column];
 	char south[32];
@@ -488,7 +434,7 @@ static enum eco_code zone_crs(struct look *l, const struct eco_zones *z, char cr
 }
 
 /* The zone of a column, if all rows have one. */
-static enum eco_code take_zone(struct look *l, bool *taken)
+static enum eco_code take_zone(struct eco_place_look *l, bool *taken)
 {
 	struct eco_zones zones;
 	char crs[32], who[100];
@@ -512,19 +458,18 @@ static enum eco_code take_zone(struct look *l, bool *taken)
 }
 
 /* Without the grids in another unit than the names say. */
-static void keep_unit(const struct look *l, struct eco_crs_choice *choices, uint32_t *found)
+static void keep_unit(const struct eco_place_look *l, struct eco_crs_choice *choices, uint32_t *found)
 {
-	uint32_t kept = 0, listed = *found < ECO_CRS_CHOICES_MAX ? *found : ECO_CRS_CHOICES_MAX;
-	for (uint32_t i = 0; l->unit && i < listed; i++)
+	uint32_t kept = 0;
+	for (uint32_t i = 0; l->unit && i < listed(*found); i++)
 		if (choices[i].metric == (l->unit_m == 1))
 			choices[kept++] = choices[i];
 	*found = l->unit ? kept : *found;
 }
 
-static enum eco_code guess_grid(struct look *l)
+static enum eco_code guess_grid(struct eco_place_look *l)
 {
 	struct eco_crs_choice choices[ECO_CRS_CHOICES_MAX + 1];
-	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
 	char hint[ECO_WORDS_BYTES];
 	uint32_t found = 0;
 	enum eco_code code = ECO_OK;
@@ -532,7 +477,7 @@ static enum eco_code guess_grid(struct look *l)
 	if (take_dem(l))
 		return ECO_OK;
 	if (eco_place_hint(l->names, hint)) {
-		code = eco_crs_choices(at, hint, choices, &found, l->error);
+		code = eco_crs_choices(l->at, hint, choices, &found, l->error);
 		keep_unit(l, choices, &found);
 		if (!code && found == 1)
 			return take_choice(l, &choices[0], "by the columns' names");
@@ -545,15 +490,14 @@ static enum eco_code guess_grid(struct look *l)
 	if (code || taken)
 		return code;
 	if (found == 0)
-		code = eco_crs_choices(at, NULL, choices, &found, l->error);
+		code = eco_crs_choices(l->at, NULL, choices, &found, l->error);
 	if (code)
 		return code;
 	keep_unit(l, choices, &found);
-	uint32_t listed = found < ECO_CRS_CHOICES_MAX ? found : ECO_CRS_CHOICES_MAX,
-		spoken = sort_by_speech(l, choices, listed);
+	uint32_t spoken = put_first(l, choices, listed(found), is_spoken);
 	struct eco_crs_choice web;
 	char why[100];
-	if (take_over_dem(l, choices, listed) || take_bare_dem(l))
+	if (take_over_dem(l, choices, listed(found)) || take_bare_dem(l))
 		return ECO_OK;
 	if (look_at_web(l, &web)) {
 		memmove(&choices[spoken + 1], &choices[spoken],
@@ -576,20 +520,19 @@ static enum eco_code guess_grid(struct look *l)
 }
 
 /* Says so where the rows are in other zones than the CRS that the user names. */
-static enum eco_code doubt_stated(struct look *l)
+static enum eco_code doubt_stated(struct eco_place_look *l)
 {
-	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
-	struct look own = { .asked = l->asked, .guess = l->guess, .xy = { l->xy[0], l->xy[1] },
-		.speech = l->speech };
+	struct eco_place_look own = *l;
 	struct eco_zones zones;
 	struct eco_crs_facts named, other;
 	char crs[32], *why = l->guess->crs_why;
-	enum eco_code code = eco_crs_look(l->asked->crs, at, &named, l->error);
+	own.error = NULL;
+	enum eco_code code = eco_crs_look(l->asked->crs, l->at, &named, l->error);
 	if (!code)
 		code = eco_zones_find(l->asked->table, l->asked->source, may_be_utm(l), &zones, l->error);
 	if (code || named.geographic || zones.column == ECO_NONE)
 		return code;
-	bool elsewhere = zone_crs(&own, &zones, crs) == ECO_OK && eco_crs_look(crs, at, &other, NULL) == ECO_OK
+	bool elsewhere = zone_crs(&own, &zones, crs) == ECO_OK && eco_crs_look(crs, l->at, &other, NULL) == ECO_OK
 		&& hypot(named.degrees[0] - other.degrees[0], named.degrees[1] - other.degrees[1]) > NEAR_DEG;
 	size_t used = strlen(why);
 	const char *name = l->asked->table->columns[zones.column];
@@ -603,7 +546,7 @@ static enum eco_code doubt_stated(struct look *l)
 	return ECO_OK;
 }
 
-static enum eco_code guess_crs(struct look *l)
+static enum eco_code guess_crs(struct eco_place_look *l)
 {
 	const struct eco_place_asked *a = l->asked;
 	struct eco_place_guess *g = l->guess;
@@ -641,130 +584,11 @@ static enum eco_code guess_crs(struct look *l)
 	return ECO_OK;
 }
 
-/* ---- The scene's ---- */
-
-static enum eco_code metric(const char *crs, const double at[2], struct eco_crs_facts *facts,
-	struct eco_error *error)
-{
-	enum eco_code code = eco_crs_look(crs, at, facts, error);
-	if (!code && !facts->metric_map)
-		code = eco_fail(error, ECO_BAD_INPUT, "--scene-crs %.60s: a scene is in a projected CRS in "
-			"metres, such as a UTM zone", crs);
-	return code;
-}
-
-static enum eco_code guess_scene(struct look *l)
-{
-	struct eco_place_guess *g = l->guess;
-	struct eco_crs_facts own = { .metric_map = false }, other;
-	const struct eco_raster_extent *dem = l->asked->dem;
-	const int x = g->swapped;
-	const double at[2] = { l->xy[x].middle, l->xy[1 - x].middle };
-	const char *crs = g->crs[0] != 0 ? g->crs : l->asked->table->crs;
-	if (!crs) {
-		snprintf(g->scene_why, sizeof g->scene_why, "none: plain metres");
-		return ECO_OK;
-	}
-	enum eco_code code = eco_crs_look(crs, at, &own, l->error);
-	memcpy(g->degrees, own.degrees, sizeof g->degrees);
-	if (!code && l->asked->scene_crs) {
-		code = metric(l->asked->scene_crs, at, &other, l->error);
-		snprintf(g->scene_crs, sizeof g->scene_crs, "%.31s", l->asked->scene_crs);
-		snprintf(g->scene_why, sizeof g->scene_why, "as you say");
-	} else if (!code && own.metric_map && own.code[0] != 0) {
-		snprintf(g->scene_crs, sizeof g->scene_crs, "%s", own.code);
-		snprintf(g->scene_why, sizeof g->scene_why, "the table's: projected, in metres");
-	} else if (!code && dem && dem->crs[0] != 0 && dem_has(l, own.degrees)
-			&& eco_crs_look(dem->crs, dem->low, &other, NULL) == ECO_OK && other.metric_map
-			&& other.code[0] != 0) {
-		snprintf(g->scene_crs, sizeof g->scene_crs, "%s", other.code);
-		snprintf(g->scene_why, sizeof g->scene_why, "%.80s, the terrain's, which so stays as it is",
-			other.name);
-	} else if (!code && !isnan(own.degrees[0])) {
-		eco_crs_utm(own.degrees, g->scene_crs);
-		snprintf(g->scene_why, sizeof g->scene_why, "the UTM zone of %.4f, %.4f, the middle of the "
-			"plants",
-			own.degrees[0], own.degrees[1]);
-	} else if (!code) {
-		code = eco_fail(l->error, ECO_BAD_INPUT, "%.150s: %.10g, %.10g is no place in %.40s; give "
-			"the CRS of the coordinates with --crs", l->asked->table->path, at[0], at[1], crs);
-	}
-	return code;
-}
-
-static void note_nothing(void *ctx, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void note_nothing(void *ctx, const char *format, ...)
-{
-	(void)ctx;
-	(void)format;
-}
-
-/* The middle in the scene's CRS, rounded. */
-static enum eco_code guess_origin(struct look *l)
-{
-	struct eco_place_guess *g = l->guess;
-	const int x = g->swapped;
-	double at[3] = { l->xy[x].middle, l->xy[1 - x].middle, 0 };
-	if (l->nowhere || g->offsets.quadrat_m > 0) {
-		snprintf(g->origin_why, sizeof g->origin_why, "%s", l->nowhere ? "the plot's centre"
-			: "where the quadrats count from");
-		return ECO_OK;
-	}
-	struct eco_frame frame = { .crs = g->scene_crs };
-	struct eco_crs_request request = { .path = l->asked->table->path, .stated = g->crs[0] != 0 ? g->crs
-		: l->asked->table->crs, .frame = &frame, .note = note_nothing };
-	struct eco_crs *crs = NULL;
-	const char *why = "";
-	bool converted = true;
-	enum eco_code code = ECO_OK;
-	if (g->scene_crs[0] != 0) {
-		code = eco_crs_open(&crs, &request, l->error);
-		if (!code)
-			code = eco_crs_convert(crs, at, &converted, &why, l->error);
-		eco_crs_close(crs);
-	}
-	if (!code && !converted)
-		code = eco_fail(l->error, ECO_BAD_INPUT, "%.150s: %.10g, %.10g is no place in %.40s "
-			"(%.60s); give the "
-			"CRS of the coordinates with --crs", l->asked->table->path, l->xy[x].middle,
-			l->xy[1 - x].middle, g->crs, why);
-	for (int k = 0; k < 2; k++)
-		g->origin[k] = round(at[k] * (g->unit ? l->unit_m : 1) / ROUND_M) * ROUND_M;
-	snprintf(g->origin_why, sizeof g->origin_why, "the middle of the plants, rounded to %g m", ROUND_M);
-	return code;
-}
-
-/* A raster that does not say its CRS is in the table's or the scene's, where its numbers fit. */
-static void guess_dem(struct look *l)
-{
-	const struct eco_raster_extent *dem = l->asked->dem;
-	const double *o = l->guess->origin;
-	if (!dem || dem->crs[0] != 0 || l->guess->scene_crs[0] == 0)
-		return;
-	if (o[0] >= dem->low[0] && o[0] <= dem->high[0] && o[1] >= dem->low[1] && o[1] <= dem->high[1])
-		snprintf(l->guess->dem_crs, sizeof l->guess->dem_crs, "%s", l->guess->scene_crs);
-	else if (dem->low[0] >= -180 && dem->high[0] <= 180 && dem->low[1] >= -90 && dem->high[1] <= 90)
-		snprintf(l->guess->dem_crs, sizeof l->guess->dem_crs, "EPSG:4326");
-	else
-		snprintf(l->guess->dem_crs, sizeof l->guess->dem_crs, "%s", l->guess->crs);
-}
-
-/* Whether a name of a column is a number: then the first line is a plant's. */
-static bool lacks_header(const struct eco_table *table)
-{
-	double number;
-	for (uint32_t i = 0; i < table->column_count; i++)
-		if (eco_text_number(table->columns[i], '.', &number)
-				|| eco_text_number(table->columns[i], ',', &number))
-			return true;
-	return false;
-}
-
 enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_place_asked *asked,
 	struct eco_error *error)
 {
 	const struct eco_columns *columns = asked->columns;
-	struct look l = { .asked = asked, .guess = guess, .error = error, .unit_m = 1,
+	struct eco_place_look l = { .asked = asked, .guess = guess, .error = error, .unit_m = 1,
 		.speech = eco_speech_of((const char *const *)asked->table->columns,
 			asked->table->column_count) };
 	*guess = (struct eco_place_guess){ .from_geometry = columns->of[ECO_ROLE_X] == ECO_NONE
@@ -775,16 +599,8 @@ enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_pl
 		return code;
 	l.nowhere = guess->offsets.polar && !guess->from_geometry && columns->of[ECO_ROLE_X] == ECO_NONE;
 	for (int k = 0; k < 2 && !guess->from_geometry && !l.nowhere; k++) {
-		if (columns->of[k] == ECO_NONE) {
-			char there[250] = "";
-			for (uint32_t i = 0; i < asked->table->column_count; i++)
-				eco_phrase_add(there, sizeof there, asked->table->columns[i]);
-			return eco_fail(error, ECO_BAD_INPUT, "%.150s: which columns say where a plant "
-				"stands? Give --x (easting or longitude) and --y (northing or latitude); "
-				"there are: %s%s", asked->table->path, there, lacks_header(asked->table)
-				? "; if that is the first plant, put a line of names before it, such as "
-				"species,longitude,latitude" : "");
-		}
+		if (columns->of[k] == ECO_NONE)
+			return eco_place_ask(asked->table, error);
 		l.names[k] = asked->table->columns[columns->of[k]];
 	}
 	if (l.names[0])
@@ -795,11 +611,5 @@ enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_pl
 		code = guess_crs(&l);
 	if (!code)
 		code = settle_axes(&l);
-	if (!code)
-		code = guess_scene(&l);
-	if (!code)
-		code = guess_origin(&l);
-	if (!code)
-		guess_dem(&l);
-	return code;
+	return code ? code : eco_place_scene(&l);
 }

@@ -15,7 +15,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ecofiles/import/places/filter.h"
+#include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/base/status.h"
 
 #define ECO_SPECIES_BYTES 255u

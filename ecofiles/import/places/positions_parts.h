@@ -5,9 +5,9 @@
 #include <stddef.h>
 
 #include "ecofiles/import/places/positions.h"
-#include "ecofiles/import/places/positions_crs.h"
+#include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/rows/rows.h"
-#include "ecofiles/import/places/spread.h"
+#include "ecofiles/import/places/size_units.h"
 
 /* ---- Species (positions_species.c): the map's keys, and the key of each text met ---- */
 
@@ -31,7 +31,9 @@ struct eco_place_set *eco_place_set_open(void);
 bool eco_place_set_add(struct eco_place_set *set, const double at[3], bool *known);
 void eco_place_set_close(struct eco_place_set *set);
 
-/* ---- Levels (positions_levels.c): few heights instead of many ---- */
+/* ---- Levels (positions_size.c): few heights instead of many. A plant's heights are divided into classes of equal
+ * ratio between the least and the greatest, and each becomes the mean of its class: the relative error is bounded, and
+ * the few tall trees among many shrubs keep their height ---- */
 
 struct eco_levels;
 
@@ -57,7 +59,7 @@ struct eco_size_remarks {
 double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant,
 	double low_m, double high_m, struct eco_size_remarks *remarks);
 
-/* ---- Places that count from others (positions_offset.c) ---- */
+/* ---- Places that count from others (positions_size.c) ---- */
 
 /* The south-western corner of a quadrat by its four digits (fewer: zeros were lost before them). False: they
  * are none. */

@@ -7,7 +7,7 @@
 
 #include "ecofiles/format/model.h"
 #include "ecofiles/base/phrase.h"
-#include "ecofiles/import/places/crs_facts.h"
+#include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/positions_parts.h"
 #include "ecofiles/import/places/size_units.h"
 

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "ecofiles/import/places/positions_crs.h"
+#include "ecofiles/import/places/crs.h"
 
 struct eco_crs_path {
 	PJ_CONTEXT *context;

@@ -1,4 +1,4 @@
-/* CRSs of PROJ's register, looked at one by one. */
+/* ecoproj.so, the part of this system that calls PROJ: CRSs of its register, looked at one by one. */
 #include "ecofiles/import/places/proj_module.h"
 
 #include <math.h>
@@ -7,8 +7,25 @@
 #include <string.h>
 #include <strings.h>
 
-#include "ecofiles/import/places/crs_facts.h"
+#include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/words.h"
+
+ECO_MODULE_EXPORT const struct eco_proj_module eco_proj_module = {
+	.version = ECO_MODULE_VERSION, .crs_open = proj_crs_open, .crs_convert = proj_crs_convert,
+		.crs_close = proj_crs_close,
+	.crs_look = proj_crs_look, .crs_choices = proj_crs_choices,
+	.crs_place = proj_crs_place, .crs_degrees = proj_crs_degrees,
+};
+
+PJ_CONTEXT *proj_quiet_context(void)
+{
+	PJ_CONTEXT *context = proj_context_create();
+	if (context) {
+		proj_log_level(context, PJ_LOG_NONE);
+		proj_context_set_enable_network(context, 0);
+	}
+	return context;
+}
 
 #define WIDE_DEG 60.0            /* areas beyond this are for maps of continents */
 #define SAME_DEG 0.02            /* places that differ by datum alone lie nearer together */

@@ -4,6 +4,7 @@
 #define ECO_SIZE_UNITS_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 enum eco_quantity { ECO_QUANTITY_HEIGHT, ECO_QUANTITY_DBH, ECO_QUANTITY_GIRTH };
 
@@ -28,5 +29,20 @@ const char *eco_unit_of_place(const char *x, const char *y, double *metres);
 
 /* A unit in which these numbers would be far likelier than in unit_m (metres); NULL: unit_m can be. */
 const char *eco_unit_doubt(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *numbers);
+
+#define ECO_SPREAD_KEPT 4096u
+
+struct eco_spread {              /* zero is empty */
+	float *kept;                 /* owned; every `stride`-th number */
+	uint32_t count, stride;
+	uint64_t seen;
+	bool sorted;
+};
+
+/* False when memory ran out. */
+bool eco_spread_add(struct eco_spread *spread, double number);
+/* The number that this share of them does not exceed; NaN if there are none. */
+double eco_spread_quantile(struct eco_spread *spread, double share);
+void eco_spread_free(struct eco_spread *spread);
 
 #endif

@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 #include "ecofiles/import/places/rows/rows.h"
-#include "ecofiles/import/places/spread.h"
+#include "ecofiles/import/places/size_units.h"
 
 #define ECO_TABLE_ROWS 2048u
 
@@ -67,5 +67,18 @@ bool eco_table_spread(const struct eco_table *table, uint32_t column, const stru
 /* Coordinates of a column; false when memory ran out. */
 bool eco_table_coordinates(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
 	struct eco_spread *spread);
+
+#define ECO_TABLE_VALUES_MAX 65536u      /* further values are not told apart */
+
+struct eco_table_value { char *text; uint64_t rows, first_line; };
+struct eco_table_values {        /* owned; most rows first, of equals the earlier one */
+	struct eco_table_value *items;
+	uint32_t count;
+};
+
+/* Reads the whole file. Spaces around a text do not count. */
+enum eco_code eco_table_values_read(struct eco_table_values *values, const struct eco_rows_source *source,
+	const char *column, struct eco_error *error);
+void eco_table_values_free(struct eco_table_values *values);
 
 #endif

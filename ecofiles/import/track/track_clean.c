@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/import/places/positions_crs.h"
+#include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/track/track_read.h"
 
 #define METRES_PER_DEGREE 111195.0

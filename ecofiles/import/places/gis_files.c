@@ -1,4 +1,4 @@
-#include "ecofiles/import/places/raster_extent.h"
+#include "ecofiles/import/places/gis_files.h"
 
 #include <math.h>
 #include <string.h>
@@ -36,4 +36,17 @@ enum eco_code eco_raster_extent(const char *path, struct eco_raster_extent *exte
 		good = good && isfinite(extent->low[k]) && isfinite(extent->high[k])
 			&& extent->low[k] < extent->high[k];
 	return good ? ECO_OK : eco_fail(error, ECO_DAMAGED, "%.300s: it has no extent", path);
+}
+
+bool eco_points_knows(const char *path)
+{
+	const char *dot = strrchr(path, '.');
+	return dot && (strcmp(dot, ".gpkg") == 0 || strcmp(dot, ".geojson") == 0);
+}
+
+enum eco_code eco_points_write(const struct eco_point_table *table, const char *path, uint8_t **bytes,
+	size_t *size, struct eco_error *error)
+{
+	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, error);
+	return !gdal ? ECO_NOT_FOUND : gdal->points_write(table, path, bytes, size, error);
 }

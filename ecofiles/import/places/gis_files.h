@@ -1,12 +1,30 @@
-/* Plants as a table with points, for a GIS: GeoPackage or GeoJSON. */
-#ifndef ECO_POINT_TABLE_H
-#define ECO_POINT_TABLE_H
+/* Files of a GIS beside inventories: where a raster lies, and plants as a table with points. */
+#ifndef ECO_GIS_FILES_H
+#define ECO_GIS_FILES_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "ecofiles/base/status.h"
+
+/* Heights of the ground; its picture: bands of colours, or classes that have colours; or either. */
+enum eco_raster_kind { ECO_RASTER_HEIGHTS, ECO_RASTER_PICTURE, ECO_RASTER_DOUBTFUL };
+
+struct eco_raster_extent {
+	double low[2], high[2];      /* in its own CRS, easting or longitude first */
+	char crs[16384];             /* as WKT; "": not stated */
+	enum eco_raster_kind kind;
+	char bands[120];             /* what they are, as a phrase: why it is of that kind */
+};
+
+static inline bool eco_raster_extent_has(const struct eco_raster_extent *e, const double at[2])
+{
+	return at[0] >= e->low[0] && at[0] <= e->high[0] && at[1] >= e->low[1] && at[1] <= e->high[1];
+}
+
+/* Reads it in a child process (guard.h). A picture without a place is an error. */
+enum eco_code eco_raster_extent(const char *path, struct eco_raster_extent *extent, struct eco_error *error);
 
 struct eco_point {
 	double at[2];                /* in the table's CRS, easting first */

@@ -1,0 +1,50 @@
+/* Shared by the files of the guess of places; private. What a table's words say of its grid: the names of x and y, and
+ * a column with the UTM zone or the CRS of each row, "18N", "18 T", "18", "EPSG:32618". */
+#ifndef ECO_PLACE_PARTS_H
+#define ECO_PLACE_PARTS_H
+
+#include "ecofiles/import/places/place_guess.h"
+#include "ecofiles/import/places/words.h"
+
+/* Words that both names have and a CRS's name may have, too. False: none; a name may be NULL. */
+bool eco_place_hint(const char *const names[2], char hint[ECO_WORDS_BYTES]);
+
+enum eco_zone_half { ECO_HALF_OPEN, ECO_HALF_NORTH, ECO_HALF_SOUTH,
+	ECO_HALF_S };                /* "18S": the south, or the band from 32 to 40 degrees north */
+
+struct eco_zone { uint32_t epsg, number; enum eco_zone_half half; };     /* epsg 0: number and half */
+
+struct eco_zones {
+	uint32_t column;             /* ECO_NONE: none says a zone */
+	struct eco_zone zone;        /* of most rows */
+	/* texts of two rows that differ; other: "" if all rows agree */
+	char first[24], other[24];
+};
+
+/* The first column of which each text is a zone; all rows are read where a name speaks of zones. A zone by
+ * number alone counts where the column's name says that it is UTM's, or `utm`: others do. */
+enum eco_code eco_zones_find(const struct eco_table *table, const struct eco_rows_source *source, bool utm,
+	struct eco_zones *zones, struct eco_error *error);
+struct place_range { double low, middle, high; };
+struct eco_place_look {
+	const struct eco_place_asked *asked;
+	struct eco_place_guess *guess;
+	struct place_range xy[2];
+	double at[2], turned[2];     /* the middle; with x and y swapped */
+	double as_named[2];          /* the middle in degrees, longitudes up to 180 */
+	const char *names[2];
+	const char *unit;            /* that the names say, or NULL */
+	double unit_m;
+	bool nowhere;                /* no place, only offsets from one centre */
+	uint32_t speech;             /* eco_speech_of the columns */
+	struct eco_error *error;
+};
+
+/* ECO_BAD_INPUT: asks for the columns of x and y, which no name tells. */
+enum eco_code eco_place_ask(const struct eco_table *table, struct eco_error *error);
+/* Whether the terrain lies at a place in degrees, within three of its lengths. */
+bool eco_place_dem_has(const struct eco_place_look *look, const double degrees[2]);
+/* The scene's CRS and origin, and the terrain's CRS, once that of the table is known (place_scene.c). */
+enum eco_code eco_place_scene(struct eco_place_look *look);
+
+#endif
