@@ -9,7 +9,7 @@
 #define DENSITY_MAX 1e8              /* plants a hectare: ten thousand a square metre */
 
 static const char *const scatter_fields[] = { "scatter", "layer", "crs", "density_per_ha", "mix",
-	"density_column", "count_column", "full", "distance_m", "clear_of", "clear_layer", "clear_crs",
+	"density_column", "count_column", "distance_m", "clear_of", "clear_layer", "clear_crs",
 	"clear_m", "only", "skip", "height_m", "seed", NULL };
 static const char *const height_fields[] = { "min", "max", NULL };
 
@@ -100,7 +100,6 @@ bool eco_scene_parse_scatter(const struct eco_source *source, const struct eco_j
 	return eco_scene_object(at, scatter_fields) && eco_scene_parse_path(source, &where, &spec->path)
 		&& eco_scene_copy_text(at, "layer", ECO_COLUMN_BYTES, &spec->layer)
 		&& eco_scene_parse_crs(source, at, "crs", &spec->crs) && parse_numbers(source, at, spec)
-		&& eco_json_number(at, "full", 1e-9, 1e9, &spec->full)
 		&& eco_json_number(at, "distance_m", 0, 1e5, &spec->distance_m)
 		&& parse_clear(source, at, spec)
 		&& eco_scene_parse_filters(at, &spec->filters, &spec->filter_count) && parse_height(at, spec)

@@ -1,4 +1,4 @@
-/* Scattered plants: numbers, distances, holes, filters, masks; nothing depends on the order of the file. */
+/* Scattered plants: numbers, distances, holes, filters; nothing depends on the order of the file. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -211,52 +211,12 @@ UNIT_TEST(what_is_to_be_clear_is_clear)
 	free(s.places);
 }
 
-/* West a tenth, east all, in the middle nothing. */
-UNIT_TEST(a_mask_scales_densities)
-{
-	char text[64 * 64 * 4 + 200];
-	size_t used = (size_t)snprintf(text, sizeof text, "ncols 60\nnrows 40\nxllcorner 100\nyllcorner "
-		"0\ncellsize 5\nNODATA_value -1\n");
-	struct eco_scatter_spec spec;
-	struct scattered s;
-	size_t west = 0, east = 0;
-	for (int row = 0; row < 40; row++)
-		for (int column = 0; column < 60; column++)
-			used += (size_t)snprintf(text + used, sizeof text - used, "%s%s",
-				column < 20 ? "0.1" : column < 40 ? "-1" : "1", column < 59 ? " " : "\n");
-	spec = spec_of((char *)input_text("scatter", "mask.asc", text));
-	s = scatter(&spec);
-	for (size_t i = 0; i < s.count; i++) {
-		assert_true(s.places[i].at[0] >= 100 && s.places[i].at[0] <= 400 && s.places[i].at[1] >= 0
-			&& s.places[i].at[1] <= 200);
-		assert_false(s.places[i].at[0] > 202.5 && s.places[i].at[0] < 297.5);
-		west += s.places[i].at[0] < 250;
-		east += s.places[i].at[0] > 250;
-	}
-	/* two hectares of 40 and of 400 */
-	assert_in_range(west, 70, 90);
-	assert_in_range(east, 780, 820);
-	assert_true(count_of(&s, 0) > 2 * count_of(&s, 1));
-	free(s.places);
-	spec.full = 2;
-	s = scatter(&spec);
-	assert_in_range(s.count, 410, 470);
-	free(s.places);
-	spec = spec_of((char *)input_text("scatter", "bytes.asc",
-		"ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 100\n255 0\n0 51\n"));
-	s = scatter(&spec);
-	assert_in_range(s.count, 460, 500);          /* a hectare of 400 and one of a fifth */
-	assert_non_null(strstr(said, "255 is taken for the whole density"));
-	free(s.places);
-}
-
 UNIT_TEST(errors_say_what_to_do)
 {
 	static const struct { const char *name, *text, *says; } wrong[] = {
 		{ "wrong.geojson", "{\"type\":\"FeatureCollection\",\"features\":[", "wrong.geojson" },
 		{ "wrong.csv", "a,b\n1,2\n", "no polygons in it" },
-		{ "far.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\n1 2\n3 4000\n",
-			"add \"full\": 4000" },
+		{ "raster.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\n1 2\n3 4000\n", "gdal_polygonize" },
 		{ "degrees.geojson", HEAD "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
 			"\"coordinates\":[[[8.6,50.1],[8.61,50.1],[8.61,50.11],[8.6,50.1]]]}}]}", "look like degrees, but its "
 			"CRS, EPSG:32617, counts in metres or feet" },

@@ -1,19 +1,16 @@
-/* The input of a scatter. Areas come as rows with geometry, through the same child process, columns and
- * filters as inventories. A mask is a raster, read as ground is, with its heights taken as shares. */
+/* The input of a scatter. Areas come as rows with geometry, through the same child process, columns and filters as
+ * inventories. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/rows/rows.h"
 #include "ecofiles/import/places/scatter_parts.h"
 
-#define MASK_SIDE_MAX 8192u
-#define BYTE_FULL 255.0
 #define DISTANCE_MAX_M 1e7           /* as for inventories */
 
 static void note(void *ctx, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -169,85 +166,16 @@ static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_area
 	return code;
 }
 
-/* ---- A mask ---- */
-
-static void mask_note(void *ctx, const char *text)
-{
-	note(ctx, "%s", text);
-}
-
-/* Turns values into shares. Pixels without data get no plants; bytes are shares of 255, as programs that
- * paint masks write them. */
-static enum eco_code make_shares(struct eco_mask *mask, const struct eco_ground *raster,
-	const struct eco_scatter_spec *spec, struct eco_scatter_input *input, struct eco_error *error)
-{
-	size_t count = (size_t)raster->columns * raster->rows;
-	double most = 0, full = spec->full;
-	for (size_t i = 0; i < count; i++)
-		most = fmax(most, raster->height_m[i]);
-	if (full == 0 && most > BYTE_FULL)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its values go up to %g; add \"full\": %g, the "
-			"value that means the whole density", spec->path, most, most);
-	if (full == 0 && most > 1)
-		note(input, "its values go up to %g: 255 is taken for the whole density; \"full\" states "
-			"another", most);
-	if (full == 0)
-		full = most > 1 ? BYTE_FULL : 1;
-	mask->share = malloc(count * sizeof *mask->share);
-	if (!mask->share)
-		return eco_fail(error, ECO_NO_MEMORY, "%.200s: out of memory", spec->path);
-	for (uint32_t row = 0; row < raster->rows; row++)
-		for (uint32_t column = 0; column < raster->columns; column++) {
-			double share = raster->height_m[(size_t)(raster->rows - 1 - row) * raster->columns
-				+ column] / full;
-			mask->share[(size_t)row * raster->columns + column] =
-				(float)(share > 0 ? share < 1 ? share : 1 : 0);
-		}
-	return ECO_OK;
-}
-
-static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco_scatter_spec *spec,
-	const struct eco_frame *frame, struct eco_error *error)
-{
-	char *paths[] = { spec->path };
-	struct eco_ground_source source = { .heights = paths, .height_count = 1, .crs = spec->crs,
-		/* a mask has no holes but the file's own no data */
-		.nodata = -1e30, .has_nodata = true };
-	struct eco_ground raster = { .columns = 0 };
-	struct eco_mask *mask = &input->mask;
-
-	enum eco_code code = eco_ground_import(&raster, &(struct eco_ground_options){ .source = &source,
-		.scene_crs = frame->crs, .origin = { frame->origin[0], frame->origin[1], 0 },
-		.side_max = MASK_SIDE_MAX, .keep_missing = true, .warn = mask_note, .ctx = input }, error);
-	if (code)
-		return code;
-	*mask = (struct eco_mask){ .columns = raster.columns, .rows = raster.rows,
-		.west_m = raster.x_m - raster.step_x_m / 2,
-		.north_m = raster.y_m + (raster.rows - 0.5) * raster.step_y_m, .step_x_m = raster.step_x_m,
-		.step_y_m = raster.step_y_m };
-	code = make_shares(mask, &raster, spec, input, error);
-	eco_ground_free(&raster);
-	return code;
-}
-
 /* ---- Both ---- */
 
-/* Only the readers know the kind of a file, each in a child of its own: a table with areas, else a raster.
- * If it is neither, the table reader's error is reported. */
 enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco_scatter_spec *spec,
 	const struct eco_frame *frame, struct eco_error *error)
 {
-	struct eco_error no_areas = { .code = ECO_OK }, no_mask = { .code = ECO_OK };
-	enum eco_code code = read_areas(input, &input->areas, spec, frame, &no_areas);
-	bool columns = spec->density_column || spec->count_column || spec->filter_count > 0 || spec->layer;
-	if (code == ECO_BAD_INPUT && input->features == 0 && !columns) {
-		if (read_mask(input, spec, frame, &no_mask) == ECO_OK)
-			code = ECO_OK;
-		else if (!strstr(no_mask.text, "not a raster"))
-			no_areas = no_mask;
-	}
+	struct eco_error own = { .code = ECO_OK };
+	enum eco_code code = read_areas(input, &input->areas, spec, frame, &own);
 	if (code)
-		return eco_fail(error, no_areas.code, "%s", no_areas.text);
+		return eco_fail(error, code, "%s%s", own.text, code == ECO_BAD_INPUT && input->features == 0
+			? "; a raster of densities becomes polygons by gdal_polygonize.py, with \"density_column\"" : "");
 	return spec->clear_of ? read_areas(input, &input->clear, spec, frame, error) : ECO_OK;
 }
 
@@ -256,7 +184,6 @@ void eco_scatter_input_free(struct eco_scatter_input *input)
 	eco_areas_free(&input->areas);
 	eco_areas_free(&input->clear);
 	free(input->number);
-	free(input->mask.share);
 	for (uint32_t i = 0; i < input->note_count; i++)
 		free(input->notes[i]);
 }

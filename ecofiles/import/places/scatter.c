@@ -98,10 +98,7 @@ struct sweep {
 	struct eco_scatter *scatter;
 	double side, low[2], high[2];
 	uint32_t rank_end;
-	/* false: the place is not used */
-	bool (*wants)(const struct sweep *sweep, uint32_t rank, double x, double y);
-	uint32_t area;               /* ECO_NONE: the mask */
-	double full;                 /* density of the whole set, plants a m2 */
+	uint32_t area;
 };
 
 static void add_candidate(struct candidates *c, uint32_t rank, int64_t column, int64_t row, double x,
@@ -123,7 +120,7 @@ static void sweep_cell(const struct sweep *w, int64_t column, int64_t row, uint3
 		double x = w->side * ((double)column + l->point[rank][0] / 65536.0),
 			y = w->side * ((double)row + l->point[rank][1] / 65536.0);
 		if (rank < w->rank_end && x >= w->low[0] && x <= w->high[0] && y >= w->low[1]
-				&& y <= w->high[1] && w->wants(w, rank, x, y))
+				&& y <= w->high[1] && eco_area_holds(&w->scatter->input.areas, w->area, x, y))
 			add_candidate(&w->scatter->candidates, rank, column, row, x, y);
 	}
 }
@@ -133,8 +130,8 @@ static int64_t square_of(int64_t cell)
 	return cell >= 0 ? cell / LATTICE_CELLS : -((LATTICE_CELLS - 1 - cell) / LATTICE_CELLS);
 }
 
-/* Visits all places of the box with ranks below rank_end, cell row by cell row. In an area only as far as the
- * area reaches in that row, with a cell to spare: a road across the country is a small part of its box. */
+/* Visits all places of the area's box with ranks below rank_end, cell row by cell row, as far as the area reaches in
+ * that row, with a cell to spare: a road across the country is a small part of its box. */
 static bool sweep_box(const struct sweep *w)
 {
 	double cell = w->side / LATTICE_CELLS;
@@ -142,9 +139,7 @@ static bool sweep_box(const struct sweep *w)
 	for (int64_t y = (int64_t)floor(w->low[1] / cell); y <= (int64_t)floor(w->high[1] / cell); y++) {
 		double span[2] = { w->low[0], w->high[0] };
 		int64_t row = square_of(y);
-		if (w->area != ECO_NONE
-				&& !eco_area_span(&w->scatter->input.areas, w->area, (double)(y - 1) * cell,
-				(double)(y + 2) * cell, span))
+		if (!eco_area_span(&w->scatter->input.areas, w->area, (double)(y - 1) * cell, (double)(y + 2) * cell, span))
 			continue;
 		for (int64_t x = (int64_t)floor(span[0] / cell) - 1; x <= (int64_t)floor(span[1] / cell) + 1;
 				x++) {
@@ -250,12 +245,6 @@ static enum eco_code add_place(struct eco_scatter *s, const double at[2], uint32
 
 /* ---- Areas ---- */
 
-static bool area_wants(const struct sweep *w, uint32_t rank, double x, double y)
-{
-	(void)rank;
-	return eco_area_holds(&w->scatter->input.areas, w->area, x, y);
-}
-
 static bool is_clear(const struct eco_scatter *s, const double at[2])
 {
 	return !eco_areas_near(&s->input.clear, at[0], at[1])
@@ -304,7 +293,7 @@ static enum eco_code clear_share(struct eco_scatter *s, struct filling *f)
 	const struct eco_area *area = &s->input.areas.items[f->area];
 	const struct candidates *c = &s->candidates;
 	struct sweep w = { .scatter = s, .side = side_for((double)f->wanted / area->size_m2),
-		.wants = area_wants, .area = f->area, .rank_end = ECO_BLUE_NOISE_POINTS };
+		.area = f->area, .rank_end = ECO_BLUE_NOISE_POINTS };
 	size_t clear = 0;
 
 	if (s->input.clear.count == 0 || s->spec->count_column)
@@ -329,9 +318,8 @@ static enum eco_code fill_area(struct eco_scatter *s, struct filling *f)
 	enum eco_code code = ECO_OK;
 	for (int attempt = 0; attempt < TRIES && f->placed < f->wanted && code == ECO_OK;
 			attempt++, side /= 2) {
-		double full = ECO_BLUE_NOISE_POINTS / (side * side), expected = full * area->size_m2;
-		struct sweep w = { .scatter = s, .side = side, .wants = area_wants, .area = f->area,
-			.full = full };
+		double expected = ECO_BLUE_NOISE_POINTS / (side * side) * area->size_m2;
+		struct sweep w = { .scatter = s, .side = side, .area = f->area };
 		memcpy(w.low, area->low, sizeof w.low);
 		memcpy(w.high, area->high, sizeof w.high);
 		/* most areas find enough in few more ranks than they need; else all ranks are tried */
@@ -418,57 +406,6 @@ static enum eco_code place_in_areas(struct eco_scatter *s)
 	return code;
 }
 
-/* ---- A mask ---- */
-
-static double share_at(const struct eco_mask *mask, double x, double y)
-{
-	double column = floor((x - mask->west_m) / mask->step_x_m),
-		row = floor((mask->north_m - y) / mask->step_y_m);
-	return column >= 0 && column < mask->columns && row >= 0 && row < mask->rows
-		? (double)mask->share[(size_t)row * mask->columns + (size_t)column] : 0;
-}
-
-static bool mask_wants(const struct sweep *w, uint32_t rank, double x, double y)
-{
-	const struct eco_scatter *s = w->scatter;
-	double density = share_at(&s->input.mask, x, y) * total_weight(s->spec) / HECTARE_M2;
-	return (rank + 0.5) / ECO_BLUE_NOISE_POINTS * w->full < density;
-}
-
-static enum eco_code place_by_mask(struct eco_scatter *s)
-{
-	const struct eco_mask *mask = &s->input.mask;
-	struct sweep w = { .scatter = s, .rank_end = ECO_BLUE_NOISE_POINTS, .wants = mask_wants,
-		.area = ECO_NONE,
-		.low = { mask->west_m, mask->north_m - mask->rows * mask->step_y_m },
-		.high = { mask->west_m + mask->columns * mask->step_x_m, mask->north_m } };
-	uint64_t *given = calloc(s->spec->plant_count + 1u, sizeof *given);
-	struct filling f = { .given = given, .total = total_weight(s->spec), .wanted = UINT64_MAX,
-		.distance = fmax(NEAREST_M, s->spec->distance_m) };
-	double most = 0, sum = 0;
-	enum eco_code code;
-
-	for (size_t i = 0; i < (size_t)mask->columns * mask->rows; i++) {
-		most = fmax(most, mask->share[i]);
-		sum += mask->share[i];
-	}
-	s->hectares = sum * mask->step_x_m * mask->step_y_m / HECTARE_M2;
-	s->wanted = (uint64_t)(fmin(s->hectares * f.total, 2.0 * ECO_SCATTER_PLANTS_MAX) + 0.5);
-	if (!given)
-		return no_memory(s);
-	if (s->wanted > ECO_SCATTER_PLANTS_MAX)
-		code = too_many(s);
-	else if (most <= 0)
-		code = ECO_OK;
-	else {
-		w.side = side_for(most * f.total / HECTARE_M2);
-		w.full = ECO_BLUE_NOISE_POINTS / (w.side * w.side);
-		code = sweep_box(&w) ? take_candidates(s, &f) : no_memory(s);
-	}
-	free(given);
-	return code;
-}
-
 /* ---- The whole ---- */
 
 enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_scatter_spec *spec,
@@ -486,7 +423,7 @@ enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_sc
 	s->grid.cell_m = fmax(spec->distance_m, 1);
 	enum eco_code code = s->lattice ? eco_scatter_read(&s->input, spec, frame, s->error) : no_memory(s);
 	if (!code)
-		code = s->input.mask.share ? place_by_mask(s) : place_in_areas(s);
+		code = place_in_areas(s);
 	free(s->candidates.items);
 	s->candidates = (struct candidates){ .items = NULL };
 	s->error = NULL;
@@ -525,14 +462,9 @@ void eco_scatter_report(const struct eco_scatter *s, void (*say)(void *ctx, cons
 	char line[512];
 	for (uint32_t i = 0; i < s->input.note_count; i++)
 		say(ctx, s->input.notes[i]);
-	if (s->input.mask.share)
-		snprintf(line, sizeof line, "a mask of %u x %u: %llu plants of %llu expected",
-			s->input.mask.columns, s->input.mask.rows, (unsigned long long)s->count,
-			(unsigned long long)s->wanted);
-	else
-		snprintf(line, sizeof line, "%u area%s of %.4g ha: %llu plants of %llu wanted",
-			s->input.areas.count, s->input.areas.count == 1 ? "" : "s", s->hectares,
-			(unsigned long long)s->count, (unsigned long long)s->wanted);
+	snprintf(line, sizeof line, "%u area%s of %.4g ha: %llu plants of %llu wanted", s->input.areas.count,
+		s->input.areas.count == 1 ? "" : "s", s->hectares, (unsigned long long)s->count,
+		(unsigned long long)s->wanted);
 	say(ctx, line);
 	for (int i = 0; i < ECO_AREA_WHY_COUNT; i++)
 		if (s->input.skipped[i] > 0) {

@@ -1,7 +1,6 @@
-/* Plants that nobody counted one by one: a number per hectare within areas, or a raster of densities.
+/* Plants that nobody counted one by one: a number per hectare within areas.
  *
- *   eco_scatter_open(&scatter, &spec, &frame, &error);       reads the areas or the mask, and places
- *                                                            everything
+ *   eco_scatter_open(&scatter, &spec, &frame, &error);       reads the areas, and places everything
  *   while (eco_scatter_next(scatter, &place)) ...
  *   eco_scatter_report(scatter, say, ctx);
  *   eco_scatter_close(scatter);
@@ -29,8 +28,6 @@ struct eco_scatter_spec {        /* texts are owned by the spec's maker; NULL: n
 	struct eco_scatter_plant *plants; uint32_t plant_count;
 	char *density_column;        /* plants a hectare, all kinds; weights are then shares */
 	char *count_column;          /* plants in the area */
-	/* a mask's value for the whole density; 0: 1, or 255 if values exceed 1 */
-	double full;
 	double distance_m;           /* between any two plants of this entry; 0: none */
 	char *clear_of, *clear_layer, *clear_crs;        /* features kept clear, and clear_m around */
 	double clear_m;
@@ -54,14 +51,14 @@ struct eco_scatter;
 enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_scatter_spec *spec,
 	const struct eco_frame *frame, bool (*progress)(void *ctx, double share), void *ctx,
 	struct eco_error *error);
-/* Reads the areas or the mask and drops them, to report their errors before other work takes time. */
+/* Reads the areas and drops them, to report their errors before other work takes time. */
 enum eco_code eco_scatter_check(const struct eco_scatter_spec *spec, const struct eco_frame *frame,
 	struct eco_error *error);
 bool eco_scatter_next(struct eco_scatter *scatter, struct eco_scatter_place *place);
 /* Reports areas, hectares, plants wanted and placed, and features left out by reason: a line per call. */
 void eco_scatter_report(const struct eco_scatter *scatter, void (*say)(void *ctx, const char *text),
 	void *ctx);
-/* The areas (none: a mask) and the features kept clear of, for pictures. */
+/* The areas and the features kept clear of, for pictures. */
 struct eco_areas;
 const struct eco_areas *eco_scatter_areas(const struct eco_scatter *scatter);
 const struct eco_areas *eco_scatter_clear_of(const struct eco_scatter *scatter);

@@ -6,27 +6,18 @@
 #include "ecofiles/import/places/rows/rows.h"
 #include "ecofiles/import/places/scatter.h"
 
-/* shares of the densities, 0 to 1, pixel by pixel; x east, rows from the north */
-struct eco_mask {
-	uint32_t columns, rows;
-	/* of the outer corner, metres from the origin; steps > 0 */
-	double west_m, north_m, step_x_m, step_y_m;
-	float *share;
-};
-
 enum eco_scatter_why { ECO_AREA_NOT_A_SURFACE, ECO_AREA_NO_GEOMETRY, ECO_AREA_NO_CONVERSION, ECO_AREA_TOO_FAR,
 	ECO_AREA_NO_NUMBER, ECO_AREA_FILTERED, ECO_AREA_WHY_COUNT };
 
 struct eco_scatter_input {       /* the files' content, in metres from the origin */
 	struct eco_areas areas;
 	double *number;              /* per area: its density or count; NULL: no such column */
-	struct eco_mask mask;        /* share NULL: areas */
 	struct eco_areas clear;
 	uint64_t features, skipped[ECO_AREA_WHY_COUNT], first_line[ECO_AREA_WHY_COUNT];
 	char *notes[ECO_ROWS_NOTES_MAX]; uint32_t note_count;
 };
 
-/* Vector or raster, by content (import_areas.c). */
+/* Areas and what is to be clear (import_areas.c). */
 enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco_scatter_spec *spec,
 	const struct eco_frame *frame, struct eco_error *error);
 void eco_scatter_input_free(struct eco_scatter_input *input);
