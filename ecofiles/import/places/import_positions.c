@@ -418,22 +418,13 @@ static enum verdict read_place(struct eco_positions *p, struct eco_position *rec
 
 /* ---- Sizes ---- */
 
-static void remark(struct eco_positions *p, const struct eco_size_remarks *remarks, const char *text)
+static void count_remarks(struct eco_positions *p, uint32_t kinds, const char *text)
 {
 	char buffer[48];
 	shown(text, buffer, sizeof buffer);
-	if (remarks->range)
-		count(p, ECO_KEPT_RANGE, buffer);
-	if (remarks->open)
-		count(p, ECO_KEPT_OPEN, buffer);
-	if (remarks->other_unit)
-		count(p, ECO_KEPT_OTHER_UNIT, buffer);
-	if (remarks->unread)
-		count(p, ECO_KEPT_UNREAD, buffer);
-	if (remarks->unused)
-		count(p, ECO_KEPT_UNUSED, buffer);
-	if (remarks->implausible)
-		count(p, ECO_KEPT_IMPLAUSIBLE, buffer);
+	for (int kind = ECO_KEPT_RANGE; kind <= ECO_KEPT_IMPLAUSIBLE; kind++)
+		if (kinds >> kind & 1)
+			count(p, (enum eco_skip)kind, buffer);
 }
 
 /* Refuses a size with a decimal comma before any size was understood: all of them would be lost. */
@@ -464,15 +455,13 @@ static enum verdict check_sizes(struct eco_positions *p, struct eco_error *error
 
 static double read_crown(struct eco_positions *p)
 {
-	struct eco_size_remarks remarks = { .range = false };
+	struct eco_size_remarks remarks = { .kinds = 0 };
 	const char *text = p->column[ECO_COLUMN_CROWN] != ECO_NONE ? field(p, p->column[ECO_COLUMN_CROWN])
 		: "";
 	double radius = p->spec->crown.kind == ECO_SIZE_NONE ? NAN
 		: eco_size_read(&p->spec->crown, text, decimal_of(p), ECO_NONE, HEIGHT_MIN_M, CROWN_MAX_M,
 		&remarks);
-
-	remarks.implausible |= radius > CROWN_PLAUSIBLE_M;
-	remark(p, &remarks, text);
+	count_remarks(p, remarks.kinds | (uint32_t)(radius > CROWN_PLAUSIBLE_M) << ECO_KEPT_IMPLAUSIBLE, text);
 	p->sized |= !isnan(radius);
 	return radius;
 }
@@ -483,12 +472,11 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 	char buffer[48];
 	p->height_source = ECO_NONE;
 	for (uint32_t i = 0; i < s->height_count; i++) {
-		struct eco_size_remarks remarks = { .range = false };
+		struct eco_size_remarks remarks = { .kinds = 0 };
 		const char *text = p->height_column[i] != ECO_NONE ? field(p, p->height_column[i]) : "";
 		double height = eco_size_read(&s->heights[i], text, decimal_of(p), plant, HEIGHT_MIN_M,
 			HEIGHT_MAX_M, &remarks);
-		remarks.implausible |= height > HEIGHT_PLAUSIBLE_M;
-		remark(p, &remarks, text);
+		count_remarks(p, remarks.kinds | (uint32_t)(height > HEIGHT_PLAUSIBLE_M) << ECO_KEPT_IMPLAUSIBLE, text);
 		/* without memory there is no doubt */
 		if (remarks.measured_m > 0)
 			eco_spread_add(&p->measured[i], remarks.measured_m);

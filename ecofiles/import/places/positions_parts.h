@@ -50,7 +50,7 @@ void eco_levels_close(struct eco_levels *levels);
 /* ---- Sizes (positions_size.c) ---- */
 
 struct eco_size_remarks {
-	bool range, open, other_unit, unread, unused, implausible;
+	uint32_t kinds;              /* a bit for each enum eco_skip that the text shows */
 	double measured_m; /* what the text says, by the unit stated for the column; 0: by its own */
 };
 

@@ -40,6 +40,11 @@ static double by_allometry(const struct eco_allometry *rule, double dbh_m)
 	return 1.3 + (rule->max_m - 1.3) * (rule->shape == 1 ? grown : pow(grown, rule->shape));
 }
 
+static void remark(struct eco_size_remarks *remarks, enum eco_skip kind, bool there)
+{
+	remarks->kinds |= (uint32_t)there << kind;
+}
+
 double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant,
 	double low_m, double high_m, struct eco_size_remarks *remarks)
 {
@@ -50,7 +55,7 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 	if (size->kind == ECO_SIZE_DBH && !(rule = rule_of(size, plant)))
 		return NAN;
 	enum eco_size_form form = eco_text_size(text, decimal, &number, &unit_m);
-	remarks->unread |= form == ECO_FORM_NONE && !eco_text_is_missing(text);
+	remark(remarks, ECO_KEPT_UNREAD, form == ECO_FORM_NONE && !eco_text_is_missing(text));
 	if (form == ECO_FORM_NONE || !(number > 0))
 		return NAN;
 	remarks->measured_m = unit_m != 0 ? 0 : number * size->unit_m;
@@ -60,13 +65,13 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 		metres = by_allometry(rule, metres);
 	metres = to_millimetres(metres);
 	if (!(metres >= low_m && metres <= high_m)) {
-		remarks->unused = true;
+		remark(remarks, ECO_KEPT_UNUSED, true);
 		return NAN;
 	}
-	remarks->implausible |= trunk_too_thick;
-	remarks->range |= form == ECO_FORM_RANGE;
-	remarks->open |= form == ECO_FORM_OPEN;
-	remarks->other_unit |= unit_m != 0 && unit_m != size->unit_m;
+	remark(remarks, ECO_KEPT_IMPLAUSIBLE, trunk_too_thick);
+	remark(remarks, ECO_KEPT_RANGE, form == ECO_FORM_RANGE);
+	remark(remarks, ECO_KEPT_OPEN, form == ECO_FORM_OPEN);
+	remark(remarks, ECO_KEPT_OTHER_UNIT, unit_m != 0 && unit_m != size->unit_m);
 	return metres;
 }
 

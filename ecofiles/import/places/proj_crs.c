@@ -108,9 +108,8 @@ static bool is_local(const PJ *crs)
 		|| type == PJ_TYPE_VERTICAL_CRS;
 }
 
-static bool same(PJ_CONTEXT *context, const PJ *a, const PJ *b)
+static bool same(const PJ *a, const PJ *b)
 {
-	(void)context;
 	return proj_is_equivalent_to(a, b, PJ_COMP_EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS);
 }
 
@@ -147,7 +146,7 @@ static enum eco_code parse_source(struct eco_crs_path *c, const struct eco_crs_r
 	if (!r->stated || !r->of_file)
 		return ECO_OK;
 	of_file = parse(c->context, r->of_file);
-	if (!of_file || !same(c->context, of_file, c->from)) {
+	if (!of_file || !same(of_file, c->from)) {
 		char *name = eco_crs_short_name(r->of_file);
 		r->note(r->ctx, "the file says CRS \"%.80s\", its entry says \"%.80s\": the entry's is taken",
 			name ? name : "?", c->from_name);
@@ -193,8 +192,8 @@ static enum eco_code pair_heights(struct eco_crs_path *c, const struct eco_crs_r
 		r->note(r->ctx, "its heights (z) are taken for metres above the zero of the scene's: "
 			"neither says a vertical datum; if they differ, add "
 			"\"vertical\": \"EPSG:...\" to the scene and to its entry");
-	c->convert_z = has_from && !(h->from_ellipsoid && h->to_ellipsoid && same(c->context, c->from, c->to))
-		&& !(h->from && h->to && same(c->context, h->from, h->to));
+	c->convert_z = has_from && !(h->from_ellipsoid && h->to_ellipsoid && same(c->from, c->to))
+		&& !(h->from && h->to && same(h->from, h->to));
 	return ECO_OK;
 }
 
@@ -277,29 +276,23 @@ static void missing_grids(const struct eco_crs_path *c, double longitude, double
 
 static void degrees_of(const struct eco_crs_path *c, const double xyz[3], double *longitude, double *latitude)
 {
-	PJ *flat = horizontal_of(c->context, c->from), *world = proj_create(c->context, "EPSG:4326"),
-		*raw = NULL, *conversion = NULL;
+	PJ *flat = horizontal_of(c->context, c->from),
+		*conversion = flat ? proj_to_degrees(c->context, flat, proj_create(c->context, "EPSG:4326")) : NULL;
 	PJ_COORD at;
 	*longitude = *latitude = NAN;
-	if (flat && world)
-		raw = proj_create_crs_to_crs_from_pj(c->context, flat, world, NULL, NULL);
-	if (raw)
-		conversion = proj_normalize_for_visualization(c->context, raw);
 	if (conversion) {
 		at = proj_trans(conversion, PJ_FWD, proj_coord(xyz[0], xyz[1], 0, HUGE_VAL));
 		*longitude = at.xy.x;
 		*latitude = at.xy.y;
 	}
 	proj_destroy(conversion);
-	proj_destroy(raw);
-	proj_destroy(world);
 	proj_destroy(flat);
 }
 
 static enum eco_code open_conversion(struct eco_crs_path *c, const struct eco_crs_request *r,
 	struct eco_error *error)
 {
-	if (!c->convert_z && same(c->context, c->from, c->to))
+	if (!c->convert_z && same(c->from, c->to))
 		return ECO_OK;
 	PJ *raw = proj_create_crs_to_crs_from_pj(c->context, c->from, c->to, NULL,
 		c->convert_z ? (const char *const[]){ "ALLOW_BALLPARK=NO", NULL } : NULL);

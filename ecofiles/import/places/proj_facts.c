@@ -30,8 +30,7 @@ PJ_CONTEXT *proj_quiet_context(void)
 #define WIDE_DEG 60.0            /* areas beyond this are for maps of continents */
 #define SAME_DEG 0.02            /* places that differ by datum alone lie nearer together */
 
-/* To longitude and latitude of `geodetic`, which ends with it. */
-static PJ *to_degrees(PJ_CONTEXT *context, const PJ *crs, PJ *geodetic)
+PJ *proj_to_degrees(PJ_CONTEXT *context, const PJ *crs, PJ *geodetic)
 {
 	PJ *raw = NULL, *good = NULL;
 	if (geodetic)
@@ -45,7 +44,7 @@ static PJ *to_degrees(PJ_CONTEXT *context, const PJ *crs, PJ *geodetic)
 
 static bool degrees_of(PJ_CONTEXT *context, const PJ *crs, const double xy[2], double degrees[2])
 {
-	PJ *conversion = to_degrees(context, crs, proj_crs_get_geodetic_crs(context, crs));
+	PJ *conversion = proj_to_degrees(context, crs, proj_crs_get_geodetic_crs(context, crs));
 	degrees[0] = degrees[1] = NAN;
 	if (!conversion)
 		return false;
@@ -123,23 +122,40 @@ static void look(PJ_CONTEXT *context, PJ *crs, const double xy[2], struct eco_cr
 		isnan(area[0]) || (!isnan(facts->degrees[0]) && eco_crs_area_has(area, facts->degrees));
 }
 
+/* A CRS by its text, and the context that ends with it. */
+struct opened { PJ_CONTEXT *context; PJ *crs; };
+
+static void close_crs(struct opened *o)
+{
+	proj_destroy(o->crs);
+	if (o->context)
+		proj_context_destroy(o->context);
+}
+
+static enum eco_code open_crs(struct opened *o, const char *text, struct eco_error *error)
+{
+	*o = (struct opened){ .context = proj_quiet_context() };
+	if (!o->context)
+		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	o->crs = proj_create(o->context, text);
+	if (o->crs && proj_is_crs(o->crs))
+		return ECO_OK;
+	close_crs(o);
+	return eco_fail(error, ECO_BAD_INPUT, "the CRS \"%.100s\" is not known; write a code such as \"EPSG:4326\" "
+		"(degrees) or \"EPSG:32632\" (a UTM zone)", text);
+}
+
 enum eco_code proj_crs_look(const char *text, const double xy[2], struct eco_crs_facts *facts,
 	struct eco_error *error)
 {
-	PJ_CONTEXT *context = proj_quiet_context();
+	struct opened o;
+	enum eco_code code = open_crs(&o, text, error);
 	*facts = (struct eco_crs_facts){ .inside = false };
-	if (!context)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	PJ *crs = proj_create(context, text);
-	enum eco_code code = ECO_OK;
-	if (crs && proj_is_crs(crs))
-		look(context, crs, xy, facts);
-	else
-		code = eco_fail(error, ECO_BAD_INPUT, "the CRS \"%.100s\" is not known; write a code such as "
-			"\"EPSG:4326\" (degrees) or \"EPSG:32632\" (a UTM zone)", text);
-	proj_destroy(crs);
-	proj_context_destroy(context);
-	return code;
+	if (code)
+		return code;
+	look(o.context, o.crs, xy, facts);
+	close_crs(&o);
+	return ECO_OK;
 }
 
 /* ---- Where on Earth ---- */
@@ -160,7 +176,7 @@ static double rounded(double degrees) { return round(degrees * 1e7) / 1e7; }
 
 static bool place_of(PJ_CONTEXT *context, const PJ *crs, const double xy[2], struct eco_crs_place *place)
 {
-	PJ *conversion = to_degrees(context, crs, proj_create(context, "EPSG:4326"));
+	PJ *conversion = proj_to_degrees(context, crs, proj_create(context, "EPSG:4326"));
 	if (!conversion)
 		return false;
 	PJ_COORD at = proj_trans(conversion, PJ_FWD, proj_coord(xy[0], xy[1], 0, HUGE_VAL));
@@ -174,21 +190,20 @@ static bool place_of(PJ_CONTEXT *context, const PJ *crs, const double xy[2], str
 enum eco_code proj_crs_place(const char *text, const double xy[2], struct eco_crs_place *place,
 	struct eco_error *error)
 {
-	PJ_CONTEXT *context = proj_quiet_context();
-	if (!context)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	PJ *crs = proj_create(context, text);
-	enum eco_code code = crs && proj_is_crs(crs) && place_of(context, crs, xy, place) ? ECO_OK
-		: eco_fail(error, ECO_BAD_INPUT, "the place %.3f, %.3f of the CRS \"%.100s\" is not known",
-			xy[0], xy[1], text);
-	proj_destroy(crs);
-	proj_context_destroy(context);
+	struct opened o;
+	enum eco_code code = open_crs(&o, text, error);
+	if (code)
+		return code;
+	if (!place_of(o.context, o.crs, xy, place))
+		code = eco_fail(error, ECO_BAD_INPUT, "the place %.3f, %.3f of the CRS \"%.100s\" is not known", xy[0], xy[1],
+			text);
+	close_crs(&o);
 	return code;
 }
 
 static bool degrees_of_all(PJ_CONTEXT *context, const PJ *crs, double (*places)[2], size_t count)
 {
-	PJ *conversion = to_degrees(context, crs, proj_create(context, "EPSG:4326"));
+	PJ *conversion = proj_to_degrees(context, crs, proj_create(context, "EPSG:4326"));
 	bool good = conversion;
 	for (size_t i = 0; i < count && good; i++) {
 		PJ_COORD at = proj_trans(conversion, PJ_FWD, proj_coord(places[i][0], places[i][1], 0,
@@ -203,15 +218,14 @@ static bool degrees_of_all(PJ_CONTEXT *context, const PJ *crs, double (*places)[
 
 enum eco_code proj_crs_degrees(const char *text, double (*places)[2], size_t count, struct eco_error *error)
 {
-	PJ_CONTEXT *context = proj_quiet_context();
-	if (!context)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	PJ *crs = proj_create(context, text);
-	enum eco_code code = crs && proj_is_crs(crs) && degrees_of_all(context, crs, places, count) ? ECO_OK
-		: eco_fail(error, ECO_BAD_INPUT, "longitude and latitude of places of the CRS \"%.100s\" "
-			"are not known", text);
-	proj_destroy(crs);
-	proj_context_destroy(context);
+	struct opened o;
+	enum eco_code code = open_crs(&o, text, error);
+	if (code)
+		return code;
+	if (!degrees_of_all(o.context, o.crs, places, count))
+		code = eco_fail(error, ECO_BAD_INPUT, "longitude and latitude of places of the CRS \"%.100s\" are not known",
+			text);
+	close_crs(&o);
 	return code;
 }
 

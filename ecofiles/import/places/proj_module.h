@@ -8,6 +8,8 @@
 
 /* A context that neither prints nor asks the network; NULL: out of memory. */
 PJ_CONTEXT *proj_quiet_context(void);
+/* To longitude and latitude of `geodetic`, which it destroys; NULL: there is no way. */
+PJ *proj_to_degrees(PJ_CONTEXT *context, const PJ *crs, PJ *geodetic);
 /* Whether a CRS is projected and in metres, alone or as the map of a compound one. */
 bool proj_is_metric_map(PJ_CONTEXT *context, const PJ *crs);
 

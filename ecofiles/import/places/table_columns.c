@@ -97,49 +97,43 @@ bool eco_column_says_degrees(const char *name)
 
 /* ---- Content ---- */
 
-/* The share of a column's filled texts that are numbers; decimal 0: with either decimal sign. */
-static double numbers_share(const struct eco_table *table, uint32_t column, char decimal)
+/* The share of a column's filled texts, of the first rows, that are such. */
+static double share(const struct eco_table *table, uint32_t column, uint32_t rows, bool (*is)(const char *, char),
+	char decimal)
 {
-	uint32_t filled = 0, numbers = 0;
-	for (uint32_t row = 0; row < table->row_count; row++) {
+	uint32_t filled = 0, good = 0;
+	for (uint32_t row = 0; row < table->row_count && row < rows; row++) {
 		const char *text = eco_table_field(table, row, column);
-		double number;
-		if (eco_text_is_missing(text))
-			continue;
-		filled++;
-		numbers += eco_text_number(text, decimal ? decimal : '.', &number)
-			|| (!decimal && eco_text_number(text, ',', &number));
+		bool missing = eco_text_is_missing(text);
+		filled += !missing;
+		good += !missing && is(text, decimal);
 	}
-	return filled > 0 ? (double)numbers / filled : 0;
+	return filled > 0 ? (double)good / filled : 0;
 }
 
-/* The share of a column's texts that are sizes: numbers, ranges, bounds. */
-static double sizes_share(const struct eco_table *table, uint32_t column, char decimal)
+/* decimal 0: with either decimal sign */
+static bool is_number(const char *text, char decimal)
 {
-	uint32_t filled = 0, sizes = 0;
-	for (uint32_t row = 0; row < table->row_count; row++) {
-		const char *text = eco_table_field(table, row, column);
-		double number, unit_m;
-		if (eco_text_is_missing(text))
-			continue;
-		filled++;
-		sizes += eco_text_size(text, decimal, &number, &unit_m) != ECO_FORM_NONE;
-	}
-	return filled > 0 ? (double)sizes / filled : 0;
+	double number;
+	return eco_text_number(text, decimal ? decimal : '.', &number) || (!decimal && eco_text_number(text, ',', &number));
 }
 
-/* The share of a column's texts that name a plant. */
+/* A number, a range, a bound. */
+static bool is_size(const char *text, char decimal)
+{
+	double number, unit_m;
+	return eco_text_size(text, decimal, &number, &unit_m) != ECO_FORM_NONE;
+}
+
+static bool is_of_plants(const char *text, char decimal)
+{
+	(void)decimal;
+	return eco_flora_of(text, false).genus || eco_flora_is_code(text);
+}
+
 static double plants_share(const struct eco_table *table, uint32_t column)
 {
-	uint32_t filled = 0, plants = 0;
-	for (uint32_t row = 0; row < table->row_count && row < 256; row++) {
-		const char *text = eco_table_field(table, row, column);
-		if (eco_text_is_missing(text))
-			continue;
-		filled++;
-		plants += eco_flora_of(text, false).genus || eco_flora_is_code(text);
-	}
-	return filled > 0 ? (double)plants / filled : 0;
+	return share(table, column, 256, is_of_plants, 0);
 }
 
 static int points(const struct eco_table *table, enum eco_role role, uint32_t column, char decimal)
@@ -149,14 +143,13 @@ static int points(const struct eco_table *table, enum eco_role role, uint32_t co
 	if (role == ECO_ROLE_SPECIES) {
 		int by_kind = points_by_kind(name);
 		sum = by_kind > sum ? by_kind : sum;
-		bool text = numbers_share(table, column, decimal) < NUMERIC_LEAST;
+		bool text = share(table, column, UINT32_MAX, is_number, decimal) < NUMERIC_LEAST;
 		return text ? sum + (int)lround(CONTENT_POINTS * plants_share(table, column)) : 0;
 	}
 	if (sum <= 0 || role == ECO_ROLE_PLOT)
 		return sum;
-	double share = role == ECO_ROLE_X || role == ECO_ROLE_Y ? numbers_share(table, column, 0)
-		: sizes_share(table, column, decimal);
-	return share >= NUMERIC_LEAST ? sum : 0;
+	bool place = role == ECO_ROLE_X || role == ECO_ROLE_Y;
+	return share(table, column, UINT32_MAX, place ? is_number : is_size, place ? 0 : decimal) >= NUMERIC_LEAST ? sum : 0;
 }
 
 /* ---- Choice ---- */
@@ -185,16 +178,16 @@ static void choose(const struct eco_table *t, struct eco_columns *columns, enum 
 		columns->rival[role] = rival;
 }
 
+static bool is_small_word(const char *text, char decimal)
+{
+	(void)decimal;
+	return text[0] >= 'a' && text[0] <= 'z' && !strchr(text, ' ');
+}
+
 /* Words in small letters alone, as the second names of species are. */
 static bool are_epithets(const struct eco_table *t, uint32_t column)
 {
-	uint32_t filled = 0, small = 0;
-	for (uint32_t row = 0; row < t->row_count; row++) {
-		const char *text = eco_table_field(t, row, column);
-		filled += !eco_text_is_missing(text);
-		small += text[0] >= 'a' && text[0] <= 'z' && !strchr(text, ' ') && !eco_text_is_missing(text);
-	}
-	return small * 10 > filled * 8 && plants_share(t, column) < 0.5;
+	return share(t, column, UINT32_MAX, is_small_word, 0) > 0.8 && plants_share(t, column) < 0.5;
 }
 
 /* Epithets say nothing without the genus beside them. */
