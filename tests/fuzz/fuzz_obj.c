@@ -1,4 +1,4 @@
-/* Our own readers of models' text: OBJ, MTL, and the head of PLY. They read a soup that adds up, and whose
+/* Our own readers of models' text, OBJ and MTL. They read a soup that adds up, and whose
  * references fit; then it is cleaned as any other, with rules that look at all of it. */
 #include <assert.h>
 #include <stdio.h>
@@ -51,10 +51,8 @@ static void read_obj(const char *path)
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
 	int memory = memfd_create("fuzz", 0);
-	struct eco_model_file file = { .bytes = NULL };
 	struct eco_mtl mtl = { .count = 0 };
 	struct eco_error error = { .code = ECO_OK };
-	double base[3] = { 0, 0, 0 };
 	char path[64];
 	assert(memory >= 0 && write(memory, bytes, size) == (ssize_t)size);
 	snprintf(path, sizeof path, "/proc/self/fd/%d", memory);
@@ -71,9 +69,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 	free(names);
 	free(found);
 	eco_mtl_free(&mtl);
-	file.path = path;
-	assert(eco_ply_prepare(&file, base, &error) == error.code);
-	free(file.bytes);
 	close(memory);
 	return 0;
 }

@@ -1,5 +1,5 @@
 /* The axis of a soup that points up, by its shape. */
-#include "ecofiles/import/model/model_up.h"
+#include "ecofiles/import/model/model_clean.h"
 #include "tests/support/gltf_writer.h"
 #include "tests/support/model_try.h"
 #include "tests/support/plant_models.h"

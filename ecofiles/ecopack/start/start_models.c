@@ -13,7 +13,7 @@
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/import/model/model_import.h"
-#include "ecofiles/import/model/model_spare.h"
+#include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/import/places/words.h"
 
 #define DEPTH_MAX 4u

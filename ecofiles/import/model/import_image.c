@@ -142,18 +142,31 @@ uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted
 void eco_images_end(struct eco_images *images)
 {
 	struct eco_model *m = images->model;
-	uint32_t kept = 0;
+	uint32_t as[ECO_MODEL_IMAGES_MAX];
 	for (uint32_t i = 0; i < m->image_count && images->keys; i++) {
 		free(images->keys[i].texture);
 		free(images->keys[i].opacity);
-		if (!m->images[i].rgba)
-			continue;
-		for (uint32_t j = 0; j < m->material_count; j++)
-			if (m->materials[j].image == i)
-				m->materials[j].image = kept;
-		m->images[kept++] = m->images[i];
+		as[i] = m->images[i].rgba ? i : ECO_NONE;
 	}
-	m->image_count = kept;
+	eco_images_keep(m, as);
 	free(images->keys);
 	images->keys = NULL;
+}
+
+void eco_images_keep(struct eco_model *m, const uint32_t *as)
+{
+	uint32_t number[ECO_MODEL_IMAGES_MAX], kept = 0;
+	for (uint32_t i = 0; i < m->image_count; i++) {
+		if (as[i] == i) {
+			m->images[kept] = m->images[i];
+			number[i] = kept++;
+		} else {
+			free(m->images[i].rgba);
+			number[i] = as[i] == ECO_NONE ? ECO_NONE : number[as[i]];
+		}
+	}
+	for (uint32_t k = 0; k < m->material_count; k++)
+		if (m->materials[k].image != ECO_NONE)
+			m->materials[k].image = number[m->materials[k].image];
+	m->image_count = kept;
 }

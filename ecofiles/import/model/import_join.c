@@ -1,16 +1,14 @@
 /* Several files make one plant. They share one coordinate system, so the axes that one of them states hold
  * for those that state none. If none does, the shape of all together decides (model_up.h). Files whose
  * formats state different units (a GLB in metres, an FBX in centimetres) are brought to the first one's. */
-#include "ecofiles/base/phrase.h"
-#include "ecofiles/import/model/import_model.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/import/model/model_import.h"
-#include "ecofiles/import/model/model_up.h"
+#include "ecofiles/base/phrase.h"
+#include "ecofiles/import/model/model_clean.h"
 
 struct sums { uint64_t vertices, triangles, triangles_in, materials, images, parts; bool uv; };
 

@@ -1,7 +1,7 @@
 /* Reading a model. Each file is read in a child process, as assimp and the image readers have open
  * vulnerabilities. The soup comes back as bytes, is checked like any other input, joined with those of the
  * plant's other files, and cleaned, and its textures are coloured. */
-#include "ecofiles/import/model/import_model.h"
+#include "ecofiles/import/model/model_clean.h"
 
 #include <errno.h>
 #include <math.h>
@@ -13,21 +13,13 @@
 #include "ecofiles/base/guard.h"
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/format/image.h"
-#include "ecofiles/import/model/model_apart.h"
-#include "ecofiles/import/model/model_clean.h"
 #include "ecofiles/base/module.h"
-#include "ecofiles/import/model/model_import.h"
 
 #define TRIANGLES_MAX 20000000u
 #define FILES_MAX 64u
 #define WIDE_M 100.0             /* a plant is not wider */
 
 /* ---- From the child to the parent: counts, then arrays as they lie in memory ---- */
-
-static bool put(FILE *out, const void *bytes, size_t size)
-{
-	return size == 0 || fwrite(bytes, size, 1, out) == 1;
-}
 
 struct head {                    /* comes first; `model` for its counts, not its pointers */
 	struct eco_notes notes;
@@ -36,50 +28,45 @@ struct head {                    /* comes first; `model` for its counts, not its
 	bool uv, part;
 };
 
-static bool put_model(FILE *out, const struct head *head)
-{
-	const struct eco_model *m = &head->model;
-	bool good = put(out, head, sizeof *head)
-		&& put(out, m->position, (size_t)m->vertex_count * 3 * sizeof *m->position)
-		&& (!head->uv || put(out, m->uv, (size_t)m->vertex_count * 2 * sizeof *m->uv))
-		&& put(out, m->index, (size_t)m->triangle_count * 3 * sizeof *m->index)
-		&& put(out, m->material, (size_t)m->triangle_count * sizeof *m->material)
-		&& put(out, m->materials, (size_t)m->material_count * sizeof *m->materials)
-		&& (!head->part || (put(out, m->part, (size_t)m->triangle_count * sizeof *m->part)
-			&& put(out, m->parts, (size_t)m->part_count * sizeof *m->parts)));
+struct pipe { FILE *file; bool writes; };
 
-	for (uint32_t i = 0; good && i < m->image_count; i++)
-		good = put(out, &m->images[i], sizeof m->images[i])
-			&& put(out, m->images[i].rgba, (size_t)m->images[i].width * m->images[i].height * 4);
+/* Writes an array, or reads it into memory of its own. */
+static bool pass(const struct pipe *p, void *array, size_t count, size_t size)
+{
+	void *items;
+	memcpy(&items, array, sizeof items);
+	if (!p->writes) {
+		items = malloc(count * size + 1);
+		memcpy(array, &items, sizeof items);
+	}
+	return items && (count == 0 || (p->writes ? fwrite(items, size, count, p->file)
+		: fread(items, size, count, p->file)) == count);
+}
+
+static bool pass_images(const struct pipe *p, struct eco_model *m, uint32_t count)
+{
+	bool good = pass(p, &m->images, count, sizeof *m->images);
+	for (uint32_t i = 0; good && i < count; i++) {
+		struct eco_image *image = &m->images[i];
+		uint64_t pixels = (uint64_t)image->width * image->height;
+		good = pixels <= ECO_PIXELS_MAX && pass(p, &image->rgba, pixels, 4);
+		if (!p->writes && pixels <= ECO_PIXELS_MAX)
+			m->image_count = i + 1;
+	}
 	return good;
 }
 
-static void *get(FILE *in, size_t size)
+static bool pass_model(const struct pipe *p, struct eco_model *m, const struct head *head, uint32_t images)
 {
-	void *bytes = malloc(size + 1);
-	if (bytes && size > 0 && fread(bytes, size, 1, in) != 1) {
-		free(bytes);
-		return NULL;
-	}
-	return bytes;
-}
-
-static bool get_images(FILE *in, struct eco_model *m, uint32_t count)
-{
-	m->images = calloc((size_t)count + 1, sizeof *m->images);
-	if (!m->images)
-		return false;
-	for (uint32_t i = 0; i < count; i++) {
-		struct eco_image image;
-		if (fread(&image, sizeof image, 1, in) != 1 || (uint64_t)image.width * image.height
-				> ECO_PIXELS_MAX)
-			return false;
-		image.rgba = get(in, (size_t)image.width * image.height * 4);
-		if (!image.rgba)
-			return false;
-		m->images[m->image_count++] = image;
-	}
-	return true;
+	const size_t vertices = m->vertex_count, triangles = m->triangle_count;
+	return pass(p, &m->position, 3 * vertices, sizeof *m->position)
+		&& (!head->uv || pass(p, &m->uv, 2 * vertices, sizeof *m->uv))
+		&& pass(p, &m->index, 3 * triangles, sizeof *m->index)
+		&& pass(p, &m->material, triangles, sizeof *m->material)
+		&& pass(p, &m->materials, m->material_count, sizeof *m->materials)
+		&& (!head->part || (pass(p, &m->part, triangles, sizeof *m->part)
+			&& pass(p, &m->parts, m->part_count, sizeof *m->parts)))
+		&& pass_images(p, m, images);
 }
 
 static bool references_fit(struct eco_model *m)
@@ -117,35 +104,19 @@ static bool frame_fits(struct eco_model_frame *frame)
 		<= ECO_UP_Z;
 }
 
-static bool get_parts(FILE *in, struct eco_model *m, uint32_t count)
-{
-	m->part = get(in, (size_t)m->triangle_count * sizeof *m->part);
-	m->parts = m->part ? get(in, (size_t)count * sizeof *m->parts) : NULL;
-	m->part_count = m->parts ? count : 0;
-	return m->parts;
-}
-
 static bool get_model(FILE *in, struct head *head, uint32_t triangles_max)
 {
-	struct eco_model *m = &head->model, counts;
-	if (fread(head, sizeof *head, 1, in) != 1) {
-		*m = (struct eco_model){ .position = NULL };
-		return false;
-	}
-	counts = *m;
+	struct eco_model *m = &head->model, counts = { 0 };
+	bool whole = fread(head, sizeof *head, 1, in) == 1;
+	if (whole)
+		counts = *m;
 	*m = (struct eco_model){ .vertex_count = counts.vertex_count, .triangle_count = counts.triangle_count,
-		.material_count = counts.material_count, .triangles_in = counts.triangles_in };
+		.material_count = counts.material_count, .triangles_in = counts.triangles_in,
+		.part_count = head->part ? counts.part_count : 0 };
 	memcpy(m->dropped, counts.dropped, sizeof m->dropped);
-	if (!counts_fit(&counts, triangles_max) || !frame_fits(&head->frame))
-		return false;
 	head->notes.text[sizeof head->notes.text - 1] = 0;
-	return (m->position = get(in, (size_t)m->vertex_count * 3 * sizeof *m->position))
-		&& (!head->uv || (m->uv = get(in, (size_t)m->vertex_count * 2 * sizeof *m->uv)))
-		&& (m->index = get(in, (size_t)m->triangle_count * 3 * sizeof *m->index))
-		&& (m->material = get(in, (size_t)m->triangle_count * sizeof *m->material))
-		&& (m->materials = get(in, (size_t)m->material_count * sizeof *m->materials))
-		&& (!head->part || get_parts(in, m, counts.part_count))
-		&& get_images(in, m, counts.image_count) && references_fit(m);
+	return whole && counts_fit(&counts, triangles_max) && frame_fits(&head->frame)
+		&& pass_model(&(struct pipe){ in, false }, m, head, counts.image_count) && references_fit(m);
 }
 
 /* ---- In the child ---- */
@@ -192,7 +163,8 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 		code = read_with_assimp(head, job, error);
 	head->uv = head->model.uv != NULL;
 	head->part = head->model.part != NULL;
-	if (code == ECO_OK && !put_model(out, head))
+	if (!code && (fwrite(head, sizeof *head, 1, out) != 1
+			|| !pass_model(&(struct pipe){ out, true }, &head->model, head, head->model.image_count)))
 		code = eco_fail(error, ECO_IO, "%.300s: the model could not be handed over: %s", job->path,
 			strerror(errno));
 	eco_model_free(&head->model);
@@ -221,30 +193,26 @@ static void note_colourless(const struct eco_model *model, struct eco_notes *not
 			count == model->triangle_count ? "it has" : "a part of it has");
 }
 
-static void note_apart(const struct eco_model *model, struct eco_notes *notes)
+/* Notes several plants in one model, and one that is wider than any crown. */
+static void note_size(const struct eco_model *model, const char *path, struct eco_notes *notes)
 {
-	struct eco_apart apart = eco_model_apart(model);
-	if (apart.count > 1 && apart.count <= ECO_APART_MOST)
-		eco_note(notes, "%u plants stand apart in it, the first at %.3g, %.3g m, the second at "
-			"%.3g, %.3g m: each "
-			"place gets all of them; if they are meant one by one, make a file of each, as "
-			"\"variants\"",
-			apart.count, apart.at[0][0], apart.at[0][1], apart.at[1][0], apart.at[1][1]);
-}
-
-/* No crown is as wide. */
-static void note_wide(const struct eco_model *model, const char *path, struct eco_notes *notes)
-{
-	double size[3];
+	double low[3], high[3], size[3];
 	for (int k = 0; k < 3; k++) {
-		double low = INFINITY, high = -INFINITY;
+		low[k] = INFINITY;
+		high[k] = -INFINITY;
 		for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
 			double at = (double)model->position[3 * (size_t)model->index[i] + (size_t)k];
-			low = fmin(low, at);
-			high = fmax(high, at);
+			low[k] = fmin(low[k], at);
+			high[k] = fmax(high[k], at);
 		}
-		size[k] = high - low;
+		size[k] = high[k] - low[k];
 	}
+	struct eco_apart apart = eco_model_apart(model, low, high);
+	if (apart.count > 1 && apart.count <= ECO_APART_MOST)
+		eco_note(notes, "%u plants stand apart in it, the first at %.3g, %.3g m, the second at "
+			"%.3g, %.3g m: each place gets all of them; if they are meant one by one, make a file of "
+			"each, as \"variants\"", apart.count, apart.at[0][0], apart.at[0][1], apart.at[1][0],
+			apart.at[1][1]);
 	if (fmax(size[0], size[1]) > WIDE_M)
 		eco_note(notes, "%.200s is %.4g x %.4g m wide and %.3g m high, as a whole scene is: each place "
 			"gets all of it. Make a file of each plant; if it is one plant, \"unit\" or \"height_m\" "
@@ -338,8 +306,7 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 		drop_unused_uv(model);
 		eco_model_see_colourless(model, notes);
 		note_colourless(model, notes);
-		note_apart(model, notes);
-		note_wide(model, options->paths[0], notes);
+		note_size(model, options->paths[0], notes);
 	}
 	if (notes)
 		tell(options, notes);

@@ -108,6 +108,10 @@ uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted
 /* Frees working memory; drops images that could not be read, and renumbers the materials' images. */
 void eco_images_end(struct eco_images *images);
 
+/* Image as[i] stands for image i from now on: i itself, an earlier one, or ECO_NONE. Frees the images that are
+ * replaced and renumbers those of materials. At most ECO_MODEL_IMAGES_MAX images. */
+void eco_images_keep(struct eco_model *model, const uint32_t *as);
+
 /* ---- Materials and colours ---- */
 
 /* If all `count` materials are fully transparent, they were meant to be opaque: exporters disagree whether

@@ -1,6 +1,6 @@
 /* Seen from above on a coarse grid: cells that triangles touch grow together over a gap of one cell, so that
  * loose leaves of one crown are one piece. */
-#include "ecofiles/import/model/model_apart.h"
+#include "ecofiles/import/model/model_clean.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,20 +13,6 @@
 struct cell { float low, high; bool full, seen; };
 struct grid { struct cell cells[CELLS]; double from[2], step; int stack[CELLS]; };
 struct piece { float low, high; double sum[2]; uint32_t cells; };
-
-static void bounds_of(const struct eco_model *m, double low[3], double high[3])
-{
-	for (int k = 0; k < 3; k++) {
-		low[k] = INFINITY;
-		high[k] = -INFINITY;
-	}
-	for (size_t i = 0; i < 3 * (size_t)m->triangle_count; i++)
-		for (int k = 0; k < 3; k++) {
-			double value = (double)m->position[3 * (size_t)m->index[i] + (size_t)k];
-			low[k] = fmin(low[k], value);
-			high[k] = fmax(high[k], value);
-		}
-}
 
 static int cell_at(const struct grid *g, int k, double value)
 {
@@ -80,12 +66,10 @@ static struct piece grow(struct grid *g, int first)
 	return piece;
 }
 
-struct eco_apart eco_model_apart(const struct eco_model *model)
+struct eco_apart eco_model_apart(const struct eco_model *model, const double low[3], const double high[3])
 {
 	struct eco_apart apart = { .count = 0 };
 	struct grid *g = calloc(1, sizeof *g);
-	double low[3], high[3];
-	bounds_of(model, low, high);
 	double side = fmax(high[0] - low[0], high[1] - low[1]), tall = high[2] - low[2];
 	if (!g || !(side > 0) || !(tall > 0)) {
 		free(g);

@@ -1,6 +1,7 @@
-/* The steps after every reader of models: drops and counts triangles that cover nothing, applies rules
- * about parts (model_parts.c), puts the plant on its foot and to its height (model_stand.c), and removes
- * unused data. */
+/* The steps after every reader of models: drops and counts triangles that cover nothing, and what a file of a
+ * game holds beside the plant that it shows (coarser levels of detail, shapes to collide with, the ground that
+ * it was made on), applies rules about parts (model_parts.c), puts the plant on its foot and to its height
+ * (model_stand.c), and removes unused data. */
 #include "ecofiles/import/model/model_clean.h"
 
 #include <assert.h>
@@ -8,31 +9,34 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/import/model/import_model.h"
+#include "ecofiles/base/phrase.h"
 #include "ecofiles/base/random.h"
-#include "ecofiles/import/model/model_import.h"
-#include "ecofiles/import/model/model_parts.h"
-#include "ecofiles/import/model/model_spare.h"
+
+#define SHEET_THICK 0.002        /* of its width */
+#define SHEET_FULL 0.7           /* of its box: a disc has 0.79 */
+#define SHEET_AT 0.1             /* of the height, from the lower end: stems reach into the ground */
+#define LIES_BESIDE 1e-3         /* of its width: so far may the rest reach beyond it */
 
 /* ---- Triangles ---- */
 
-struct clean {
-	struct eco_model *model;
-	/* per vertex: the first vertex at its position; ECO_NONE: not finite */
-	uint32_t *place;
-	uint32_t *table, mask;               /* open addressing, ECO_NONE is free */
-};
-
-static bool table_new(struct clean *c, uint32_t entries)
+void model_drop(struct eco_model *m, const uint8_t *why)
 {
-	size_t size = 16;
-	while (size < (size_t)entries * 2)
-		size *= 2;
-	c->table = malloc(size * sizeof *c->table);
-	c->mask = (uint32_t)(size - 1);
-	if (c->table)
-		memset(c->table, 0xff, size * sizeof *c->table);
-	return c->table;
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < m->triangle_count; i++) {
+		if (why[i] != ECO_DROP_COUNT) {
+			m->dropped[why[i]]++;
+			continue;
+		}
+		memmove(&m->index[(size_t)kept * 3], &m->index[(size_t)i * 3], 3 * sizeof *m->index);
+		if (m->part)
+			m->part[kept] = m->part[i];
+		if (m->organ)
+			m->organ[kept] = m->organ[i];
+		if (m->importance)
+			m->importance[kept] = m->importance[i];
+		m->material[kept++] = m->material[i];
+	}
+	m->triangle_count = kept;
 }
 
 static void sort3(uint32_t v[3])
@@ -47,214 +51,272 @@ static void sort3(uint32_t v[3])
 	}
 }
 
-static void corner_places(const struct clean *c, uint32_t triangle, uint32_t places[3])
+/* The places of a triangle's corners, ascending; false: one is none. */
+static bool corner_places(const struct model_clean *c, uint32_t triangle, uint32_t places[3])
 {
 	for (int k = 0; k < 3; k++)
 		places[k] = c->place[c->model->index[(size_t)triangle * 3 + k]];
+	sort3(places);
+	return places[2] != ECO_NONE;
 }
 
-/* Whether a triangle at the places of `triangle` was seen before in its material; if not, remembers it as
- * number `kept`. */
-static bool is_duplicate(struct clean *c, const uint32_t corners[3], uint32_t material, uint32_t kept)
+/* Whether a triangle at these places was seen before in its material; if not, remembers it. */
+static bool is_duplicate(const struct model_clean *c, const uint32_t places[3], uint32_t triangle,
+	uint32_t *table, uint32_t mask)
 {
-	uint32_t sorted[3] = { corners[0], corners[1], corners[2] }, slot;
-	sort3(sorted);
-	slot = eco_random_slot(sorted[0], sorted[1], sorted[2] ^ (material * 0x85ebca6bu)) & c->mask;
-	for (; c->table[slot] != ECO_NONE; slot = (slot + 1) & c->mask) {
+	const uint32_t *material = c->model->material;
+	uint32_t slot = eco_random_slot(places[0], places[1], places[2] ^ (material[triangle] * 0x85ebca6bu)) & mask;
+	for (; table[slot] != ECO_NONE; slot = (slot + 1) & mask) {
 		uint32_t other[3];
-		corner_places(c, c->table[slot], other);
-		sort3(other);
-		if (memcmp(other, sorted, sizeof sorted) == 0 && c->model->material[c->table[slot]]
-				== material)
+		corner_places(c, table[slot], other);
+		if (memcmp(other, places, sizeof other) == 0 && material[table[slot]] == material[triangle])
 			return true;
 	}
-	c->table[slot] = kept;
+	table[slot] = triangle;
 	return false;
 }
 
-static enum eco_drop judge(struct clean *c, uint32_t triangle, uint32_t kept)
+static enum eco_drop judge(const struct model_clean *c, uint32_t triangle, uint32_t *table, uint32_t mask)
 {
 	const uint32_t *v = &c->model->index[(size_t)triangle * 3];
-	uint32_t places[3];
-	if (v[0] >= c->model->vertex_count || v[1] >= c->model->vertex_count
-			|| v[2] >= c->model->vertex_count)
+	uint32_t places[3], vertices = c->model->vertex_count;
+	if (v[0] >= vertices || v[1] >= vertices || v[2] >= vertices)
 		return ECO_DROP_BAD_INDEX;
-	for (int k = 0; k < 3; k++) {
-		places[k] = c->place[v[k]];
-		if (places[k] == ECO_NONE)
-			return ECO_DROP_NOT_FINITE;
-	}
-	if (places[0] == places[1] || places[1] == places[2] || places[2] == places[0]
-			|| !(eco_triangle_area(c->model, triangle) > 0))
+	if (!corner_places(c, triangle, places))
+		return ECO_DROP_NOT_FINITE;
+	if (places[0] == places[1] || places[1] == places[2] || !(eco_triangle_area(c->model, triangle) > 0))
 		return ECO_DROP_DEGENERATE;
-	return is_duplicate(c, places, c->model->material[triangle], kept) ? ECO_DROP_DUPLICATE
-		: ECO_DROP_COUNT;
+	return is_duplicate(c, places, triangle, table, mask) ? ECO_DROP_DUPLICATE : ECO_DROP_COUNT;
 }
 
-static bool drop_triangles(struct clean *c)
+static enum eco_code no_memory(const struct model_clean *c)
+{
+	return eco_fail(c->error, ECO_NO_MEMORY, "%.300s: out of memory", c->what);
+}
+
+static enum eco_code drop_triangles(struct model_clean *c)
 {
 	struct eco_model *m = c->model;
-	uint32_t kept = 0;
-	if (!table_new(c, m->triangle_count))
-		return false;
-	for (uint32_t i = 0; i < m->triangle_count; i++) {
-		enum eco_drop why = judge(c, i, kept);
-		if (why != ECO_DROP_COUNT) {
-			m->dropped[why]++;
-			continue;
-		}
-		memmove(&m->index[(size_t)kept * 3], &m->index[(size_t)i * 3], 3 * sizeof *m->index);
-		if (m->part)
-			m->part[kept] = m->part[i];
-		m->material[kept++] = m->material[i];
-	}
-	m->triangle_count = kept;
-	free(c->table);
-	c->table = NULL;
-	return true;
+	uint32_t mask, *table = model_table_new(m->triangle_count, &mask);
+	int most = 0;
+	if (!table)
+		return no_memory(c);
+	for (uint32_t i = 0; i < m->triangle_count; i++)
+		c->why[i] = (uint8_t)judge(c, i, table, mask);
+	free(table);
+	model_drop(m, c->why);
+	for (int i = 1; i < ECO_DROP_COUNT; i++)
+		most = m->dropped[i] > m->dropped[most] ? i : most;
+	if (m->triangle_count == 0)
+		return eco_fail(c->error, ECO_BAD_INPUT, "%.300s: none of its %u triangles can be drawn (%s); is "
+			"the file whole?", c->what, m->triangles_in, eco_drop_names[most]);
+	if (m->dropped[ECO_DROP_BAD_INDEX] > 0)
+		eco_note(c->notes, "%u triangles name vertices that the file does not have: left out",
+			m->dropped[ECO_DROP_BAD_INDEX]);
+	if (m->dropped[ECO_DROP_NOT_FINITE] > 0)
+		eco_note(c->notes, "%u triangles have coordinates that are no numbers (NaN, infinite): left out",
+			m->dropped[ECO_DROP_NOT_FINITE]);
+	return ECO_OK;
 }
 
-/* ---- Removing unused data ---- */
+/* ---- Levels of detail, shapes for collisions, ground ---- */
 
-/* Keeps materials and images in use. `used` has room for all of either. */
-static void compact_materials(struct eco_model *m, uint32_t *used)
+static bool is_ruled(const char *name, const struct eco_model_options *o)
 {
-	uint32_t kept = 0;
-	memset(used, 0xff, ((size_t)m->material_count + 1) * sizeof *used);
-	for (uint32_t i = 0; i < m->triangle_count; i++)
-		used[m->material[i]] = 0;
-	for (uint32_t i = 0; i < m->material_count; i++)
-		if (used[i] != ECO_NONE) {
-			m->materials[kept] = m->materials[i];
-			used[i] = kept++;
-		}
-	for (uint32_t i = 0; i < m->triangle_count; i++)
-		m->material[i] = used[m->material[i]];
-	m->material_count = kept;
-	memset(used, 0xff, ((size_t)m->image_count + 1) * sizeof *used);
-	for (uint32_t i = 0; i < m->material_count; i++)
-		if (m->materials[i].image != ECO_NONE)
-			used[m->materials[i].image] = 0;
-	kept = 0;
-	for (uint32_t i = 0; i < m->image_count; i++) {
-		if (used[i] == ECO_NONE) {
-			free(m->images[i].rgba);
-			continue;
-		}
-		m->images[kept] = m->images[i];
-		used[i] = kept++;
-	}
-	for (uint32_t i = 0; i < m->material_count; i++)
-		if (m->materials[i].image != ECO_NONE)
-			m->materials[i].image = used[m->materials[i].image];
-	m->image_count = kept;
+	for (uint32_t i = 0; i < o->rule_count; i++)
+		if (o->rules[i].kind == ECO_PART_NAME && eco_part_name_fits(o->rules[i].name, name))
+			return true;
+	return false;
 }
 
-/* Keeps parts in use. */
-static void compact_parts(struct eco_model *m, uint32_t *used)
+/* The level of each part that a triangle has, ECO_SPARE_NONE where it is to stay. */
+static void find_levels(const struct eco_model *m, const struct eco_model_options *options, int *level)
 {
-	uint32_t kept = 0;
-	if (!m->part)
-		return;
-	memset(used, 0xff, ((size_t)m->part_count + 1) * sizeof *used);
-	for (uint32_t i = 0; i < m->triangle_count; i++)
-		used[m->part[i]] = 0;
+	int finest = ECO_SPARE_CARD;
+	for (uint32_t i = 0; i < m->part_count; i++) {
+		level[i] = is_ruled(m->parts[i].name, options) ? ECO_SPARE_NONE
+			: eco_model_spare_level(m->parts[i].name);
+		finest = level[i] >= 0 && level[i] < finest ? level[i] : finest;
+	}
+	/* without levels a billboard is the plant */
 	for (uint32_t i = 0; i < m->part_count; i++)
-		if (used[i] != ECO_NONE) {
-			m->parts[kept] = m->parts[i];
-			used[i] = kept++;
-		}
-	for (uint32_t i = 0; i < m->triangle_count; i++)
-		m->part[i] = used[m->part[i]];
-	m->part_count = kept;
+		level[i] = level[i] == finest ? ECO_SPARE_NONE : level[i];
 }
 
-/* Keeps vertices in use. */
-static void compact(struct clean *c)
+/* Drops all parts but those of the finest level, unless a rule names them or nothing would be left. */
+static enum eco_code drop_spare(struct model_clean *c)
 {
 	struct eco_model *m = c->model;
-	uint32_t kept = 0, *new_index = c->place;    /* places are not needed any more */
-	memset(new_index, 0xff, (size_t)m->vertex_count * sizeof *new_index);
-	for (size_t i = 0; i < (size_t)m->triangle_count * 3; i++)
-		new_index[m->index[i]] = 0;
+	char names[200] = "";
+	uint32_t spare = 0;
+	int *level = malloc((m->part_count + 1u) * sizeof *level);
+	if (!level)
+		return no_memory(c);
+	find_levels(m, c->options, level);
+	for (uint32_t i = 0; i < m->triangle_count; i++) {
+		bool goes = m->part && level[m->part[i]] != ECO_SPARE_NONE;
+		c->why[i] = goes ? ECO_DROP_LEFT_OUT : ECO_DROP_COUNT;
+		spare += goes;
+	}
+	if (spare > 0 && spare < m->triangle_count) {
+		for (uint32_t i = 0; i < m->part_count; i++)
+			if (level[i] != ECO_SPARE_NONE)
+				eco_phrase_add(names, sizeof names, m->parts[i].name);
+		eco_note(c->notes, "%u triangles of coarser levels of detail or shapes for collisions are left "
+			"out: %s; name them in \"parts\" if they are the plant's", spare, names);
+		model_drop(m, c->why);
+	}
+	free(level);
+	return ECO_OK;
+}
+
+/* Extremes of all components along an axis, and the next ones: they bound all but any one component, so that
+ * a model of many components is looked at once. */
+struct extremes {
+	double low[2], high[2];
+	uint32_t lowest, highest;    /* the components that low[0] and high[0] are of */
+};
+
+static void find_extremes(const struct eco_components *all, int axis, struct extremes *e)
+{
+	*e = (struct extremes){ .low = { INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY } };
+	for (uint32_t i = 0; i < all->count; i++) {
+		double low = all->items[i].low[axis], high = all->items[i].high[axis];
+		if (low < e->low[0]) {
+			e->low[1] = e->low[0];
+			e->low[0] = low;
+			e->lowest = i;
+		} else if (low < e->low[1]) {
+			e->low[1] = low;
+		}
+		if (high > e->high[0]) {
+			e->high[1] = e->high[0];
+			e->high[0] = high;
+			e->highest = i;
+		} else if (high > e->high[1]) {
+			e->high[1] = high;
+		}
+	}
+}
+
+/* Whether all else of the model stands on the component. */
+static bool is_sheet(const struct eco_components *all, const struct extremes of[3], uint32_t at)
+{
+	const struct eco_component *c = &all->items[at];
+	double wide = c->high[0] - c->low[0], deep = c->high[1] - c->low[1], low[3], high[3];
+	for (int k = 0; k < 3; k++) {
+		low[k] = of[k].low[of[k].lowest == at];
+		high[k] = of[k].high[of[k].highest == at];
+	}
+	double height = high[2] - c->low[2];
+	if (!(height > 0) || c->high[2] - c->low[2] > SHEET_THICK * fmin(wide, deep)
+			|| c->area < SHEET_FULL * wide * deep || c->high[2] > low[2] + SHEET_AT * height)
+		return false;
+	return low[0] >= c->low[0] - LIES_BESIDE * wide && high[0] <= c->high[0] + LIES_BESIDE * wide
+		&& low[1] >= c->low[1] - LIES_BESIDE * deep && high[1] <= c->high[1] + LIES_BESIDE * deep;
+}
+
+/* Drops the level sheet at the foot that all else stands on, unless a rule names its part. */
+static enum eco_code drop_sheet(struct model_clean *c)
+{
+	struct eco_model *m = c->model;
+	struct eco_components all;
+	struct extremes of[3];
+	uint32_t at = 0;
+	if (!eco_components_find(&all, m, c->place, true))
+		return no_memory(c);
+	for (int k = 0; k < 3; k++)
+		find_extremes(&all, k, &of[k]);
+	while (at < all.count && !is_sheet(&all, of, at))
+		at++;
+	const char *name = at < all.count && m->part ? m->parts[m->part[all.items[at].first]].name : "";
+	if (all.count > 1 && at < all.count && !is_ruled(name, c->options)) {
+		eco_note(c->notes, "a level sheet that it stands on (%u triangles of part \"%s\") is left out, as "
+			"the scene has a ground; name it in \"parts\" if it is the plant's",
+			all.items[at].triangle_count, name);
+		for (uint32_t i = 0; i < m->triangle_count; i++)
+			c->why[i] = all.of[i] == at ? ECO_DROP_LEFT_OUT : ECO_DROP_COUNT;
+		model_drop(m, c->why);
+	}
+	eco_components_free(&all);
+	return ECO_OK;
+}
+
+/* ---- Unused data ---- */
+
+/* Marks the items that a list of numbers names, at `stride` from each other. */
+static void mark_used(uint32_t *used, uint32_t items, const uint32_t *of, size_t count, size_t stride)
+{
+	memset(used, 0xff, ((size_t)items + 1) * sizeof *used);
+	for (size_t i = 0; of && i < count; i++) {
+		uint32_t item = *(const uint32_t *)((const char *)of + i * stride);
+		if (item != ECO_NONE)
+			used[item] = 0;
+	}
+}
+
+/* Moves the items in use up, and renumbers them in the list. Returns how many there are. */
+static uint32_t compact(uint32_t *used, void *items, uint32_t item_count, size_t size, uint32_t *of, size_t count)
+{
+	uint32_t kept = 0;
+	mark_used(used, item_count, of, count, sizeof *of);
+	for (uint32_t i = 0; i < item_count; i++)
+		if (used[i] != ECO_NONE) {
+			memmove((char *)items + kept * size, (char *)items + i * size, size);
+			used[i] = kept++;
+		}
+	for (size_t i = 0; i < count; i++)
+		of[i] = used[of[i]];
+	return kept;
+}
+
+/* Keeps vertices, materials, images and parts in use. `used` has room for all of any. */
+static void remove_unused(struct eco_model *m, uint32_t *used)
+{
+	const size_t triangles = m->triangle_count;
+	uint32_t kept = 0;
+	m->material_count = compact(used, m->materials, m->material_count, sizeof *m->materials, m->material, triangles);
+	if (m->part)
+		m->part_count = compact(used, m->parts, m->part_count, sizeof *m->parts, m->part, triangles);
+	mark_used(used, m->image_count, m->material_count ? &m->materials->image : NULL, m->material_count,
+		sizeof *m->materials);
+	for (uint32_t i = 0; i < m->image_count; i++)
+		used[i] = used[i] == ECO_NONE ? ECO_NONE : i;
+	eco_images_keep(m, used);
+	mark_used(used, m->vertex_count, m->index, 3 * triangles, sizeof *m->index);
 	for (uint32_t i = 0; i < m->vertex_count; i++) {
-		if (new_index[i] == ECO_NONE)
+		if (used[i] == ECO_NONE)
 			continue;
 		memmove(&m->position[(size_t)kept * 3], &m->position[(size_t)i * 3], 3 * sizeof *m->position);
 		if (m->uv)
 			memmove(&m->uv[(size_t)kept * 2], &m->uv[(size_t)i * 2], 2 * sizeof *m->uv);
-		new_index[i] = kept++;
+		used[i] = kept++;
 	}
-	for (size_t i = 0; i < (size_t)m->triangle_count * 3; i++)
-		m->index[i] = new_index[m->index[i]];
+	for (size_t i = 0; i < 3 * triangles; i++)
+		m->index[i] = used[m->index[i]];
 	m->vertex_count = kept;
-}
-
-static void note_dropped(const struct eco_model *m, struct eco_notes *notes)
-{
-	if (m->dropped[ECO_DROP_BAD_INDEX] > 0)
-		eco_note(notes, "%u triangles name vertices that the file does not have: left out",
-			m->dropped[ECO_DROP_BAD_INDEX]);
-	if (m->dropped[ECO_DROP_NOT_FINITE] > 0)
-		eco_note(notes, "%u triangles have coordinates that are no numbers (NaN, infinite): left out",
-			m->dropped[ECO_DROP_NOT_FINITE]);
-}
-
-/* Says why most of them went. */
-static enum eco_code none_left(const struct eco_model *m, const char *what, struct eco_error *error)
-{
-	int most = 0;
-	for (int i = 1; i < ECO_DROP_COUNT; i++)
-		if (m->dropped[i] > m->dropped[most])
-			most = i;
-	return eco_fail(error, ECO_BAD_INPUT, "%.300s: none of its %u triangles can be drawn (%s); is the file "
-		"whole?", what, m->triangles_in, eco_drop_names[most]);
-}
-
-static uint32_t largest(uint32_t a, uint32_t b, uint32_t c)
-{
-	a = a > b ? a : b;
-	return a > c ? a : c;
 }
 
 enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_frame *frame,
 	const struct eco_model_options *options, const char *what, struct eco_notes *notes,
 	struct eco_error *error)
 {
-	struct clean c = { .model = model };
-	enum eco_code code = ECO_OK;
-	uint32_t *used =
-		malloc(((size_t)largest(model->material_count, model->image_count, model->part_count) + 1)
-		* sizeof *used);
+	static enum eco_code (*const steps[])(struct model_clean *) = { drop_triangles, drop_spare, drop_sheet,
+		model_apply_rules, model_stand };
+	size_t numbers = (size_t)model->vertex_count + model->material_count + model->image_count + model->part_count;
+	struct model_clean c = { .model = model, .frame = frame, .options = options, .what = what, .notes = notes,
+		.error = error, .place = malloc((numbers + 1) * sizeof *c.place),
+		.why = malloc((size_t)model->triangle_count + 1) };
 	uint64_t accounted = 0;
-	c.place = malloc(((size_t)model->vertex_count + 1) * sizeof *c.place);
-	if (!used || !c.place || !eco_model_places(model, c.place) || !drop_triangles(&c))
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", what);
-	else if (model->triangle_count == 0)
-		code = none_left(model, what, error);
-	if (!code) {
-		note_dropped(model, notes);
-		eco_model_drop_spare(model, options->rules, options->rule_count, notes);
-		if (!eco_model_drop_sheet(model, c.place, options->rules, options->rule_count, notes))
-			code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", what);
-	}
+	enum eco_code code = c.place && c.why && eco_model_places(model, c.place) ? ECO_OK : no_memory(&c);
+	for (size_t i = 0; i < sizeof steps / sizeof *steps && !code; i++)
+		code = steps[i](&c);
 	if (!code)
-		code = eco_model_apply_rules(model, c.place, options->rules, options->rule_count, what, notes,
-			error);
-	if (!code)
-		code = eco_model_stand(model, c.place, frame, options, what, notes, error);
-	if (!code) {
-		compact(&c);
-		compact_materials(model, used);
-		compact_parts(model, used);
-	}
-	free(used);
-	free(c.table);
+		remove_unused(model, c.place);
 	free(c.place);
-	if (code)
-		return code;
+	free(c.why);
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		accounted += model->dropped[i];
-	assert(accounted + model->triangle_count == model->triangles_in);
-	return ECO_OK;
+	assert(code || accounted + model->triangle_count == model->triangles_in);
+	return code;
 }

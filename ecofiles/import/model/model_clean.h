@@ -1,11 +1,9 @@
-/* The last steps of every reader of models. */
+/* The steps after every reader of models, and what each needs. */
 #ifndef ECO_MODEL_CLEAN_H
 #define ECO_MODEL_CLEAN_H
 
-#include "ecofiles/import/model/model_import.h"
-
-struct eco_model_frame;
-struct eco_notes;
+#include "ecofiles/import/model/import_model.h"
+#include "ecofiles/import/model/model_parts.h"
 
 /* Takes a soup as read: Z up, any place and size, anything in its indices and coordinates; triangles_in =
  * triangle_count + triangles that the reader dropped; frame: base and unit, 0 if not stated. Drops and
@@ -17,10 +15,55 @@ enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_fr
 	const struct eco_model_options *options, const char *what, struct eco_notes *notes,
 	struct eco_error *error);
 
-/* One of its steps (model_stand.c): foot to x = y = 0, ground to z = 0, then the height. `place` is from
- * eco_model_places. */
-enum eco_code eco_model_stand(struct eco_model *model, const uint32_t *place,
-	const struct eco_model_frame *frame, const struct eco_model_options *options, const char *what,
-	struct eco_notes *notes, struct eco_error *error);
+/* ---- Its steps ---- */
+
+struct model_clean {
+	struct eco_model *model;
+	const struct eco_model_frame *frame;
+	const struct eco_model_options *options;
+	const char *what;
+	struct eco_notes *notes;
+	struct eco_error *error;
+	uint32_t *place;             /* per vertex, of eco_model_places */
+	uint8_t *why;                /* per triangle, for model_drop */
+};
+
+/* A hash table for `entries` numbers by open addressing; free slots are ECO_NONE. NULL when memory ran out. */
+uint32_t *model_table_new(uint64_t entries, uint32_t *mask);
+/* Keeps the triangles whose `why` is ECO_DROP_COUNT; counts the others. */
+void model_drop(struct eco_model *model, const uint8_t *why);
+/* Applies the first rule that fits each triangle: drops and counts it (ECO_DROP_LEFT_OUT), or sets
+ * model->organ and, where a rule gives one, model->importance. Notes rules that fit nothing, with the names
+ * there are. Fails if no triangle is left. */
+enum eco_code model_apply_rules(struct model_clean *clean);
+/* Foot to x = y = 0, ground to z = 0, then the height. */
+enum eco_code model_stand(struct model_clean *clean);
+
+/* ---- What else the shape says ---- */
+
+/* The axis of a model that points up, by shape alone: formats rarely state it, and exporters disagree.
+ *
+ * A plant shows it from the side. It stands on a narrow foot, under its centre of mass, and spreads from
+ * there; seen from above it is about as wide as deep; to the sides both ends are alike, and end in a few
+ * leaves. If leaves reach to the ground, its large parts (stems, boughs, pots) still show this. Each of
+ * these properties, measured along the file's y and z axes, is a contrast between the two in [-1, 1];
+ * their weighted sum decides, and its size is the certainty. The file's zero at one end of one axis only
+ * counts a little.
+ *
+ * Returns ECO_UP_Y or ECO_UP_Z of a soup with the file's axes. Triangles that are not usable do not count.
+ * `certainty` receives 0 (no idea, and the answer is ECO_UP_Y) to 1. Scale does not matter. Linear in the
+ * triangles, and the same answer on every machine. Without memory large parts are not used. -0 becomes 0. */
+enum eco_up eco_model_find_up(struct eco_model *soup, double *certainty);
+/* Act on the answer from this certainty on; below it keep the format's convention. */
+#define ECO_UP_CERTAIN 0.5
+
+/* Several plants in one file: pieces that stand on the ground with bare ground between them. */
+#define ECO_APART_MOST 12u       /* more pieces are a meadow or a hedge */
+struct eco_apart {
+	uint32_t count; /* pieces that stand and are at least 0.4 times as high as the highest */
+	double at[ECO_APART_MOST][2];        /* their middles, metres */
+};
+/* Zero where memory ran out. low, high: the model's box. */
+struct eco_apart eco_model_apart(const struct eco_model *model, const double low[3], const double high[3]);
 
 #endif

@@ -1,24 +1,24 @@
 /* Components are found by joining triangles that share a place. For each material, part and component, the
  * first rule that fits is found once; a triangle takes the earliest of its three. */
-#include "ecofiles/import/model/model_parts.h"
+#include "ecofiles/import/model/model_clean.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
-#include "ecofiles/import/model/import_model.h"
+#include "ecofiles/base/phrase.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/union.h"
 #include "ecofiles/base/utf8.h"
-#include "ecofiles/import/model/model_import.h"
 
 #define COORDINATE_MAX 1e9f
 
 /* ---- Places ---- */
 
-/* Free slots are ECO_NONE. NULL when memory ran out. */
-static uint32_t *table_new(uint64_t entries, uint32_t *mask)
+uint32_t *model_table_new(uint64_t entries, uint32_t *mask)
 {
 	size_t size = 16;
 	while (size < entries * 2)
@@ -36,9 +36,18 @@ static bool vertex_fits(const float *p)
 		&& fabsf(p[2]) <= COORDINATE_MAX;
 }
 
+bool eco_triangle_usable(const struct eco_model *m, uint32_t triangle)
+{
+	const uint32_t *v = &m->index[(size_t)triangle * 3];
+	for (int k = 0; k < 3; k++)
+		if (v[k] >= m->vertex_count || !vertex_fits(m->position + 3 * (size_t)v[k]))
+			return false;
+	return true;
+}
+
 bool eco_model_places(struct eco_model *m, uint32_t *place)
 {
-	uint32_t mask, *table = table_new(m->vertex_count, &mask);
+	uint32_t mask, *table = model_table_new(m->vertex_count, &mask);
 	if (!table)
 		return false;
 	for (uint32_t i = 0; i < m->vertex_count; i++) {
@@ -92,25 +101,23 @@ double eco_component_diagonal(const struct eco_component *c)
 static bool join_triangles(const struct eco_model *m, const uint32_t *place, bool by_material,
 	uint32_t *parent)
 {
-	uint32_t mask, *table = table_new((uint64_t)m->triangle_count * 3, &mask);
+	uint32_t mask, *table = model_table_new((uint64_t)m->triangle_count * 3, &mask);
 	if (!table)
 		return false;
 	for (uint32_t i = 0; i < m->triangle_count; i++)
 		parent[i] = i;
 	for (uint32_t corner = 0; corner < m->triangle_count * 3; corner++) {
-		uint32_t at = place[m->index[corner]], material = by_material ? m->material[corner / 3] : 0,
-			slot, a, b;
-		slot = eco_random_slot(at, material, 0) & mask;
+		if (!eco_triangle_usable(m, corner / 3))
+			continue;
+		uint32_t at = place[m->index[corner]], material = by_material ? m->material[corner / 3] : 0;
+		uint32_t slot = eco_random_slot(at, material, 0) & mask;
 		while (table[slot] != ECO_NONE && (place[m->index[table[slot]]] != at
 			|| (by_material && m->material[table[slot] / 3] != material)))
 			slot = (slot + 1) & mask;
-		if (table[slot] == ECO_NONE) {
+		if (table[slot] == ECO_NONE)
 			table[slot] = corner;
-			continue;
-		}
-		a = eco_union_root(parent, table[slot] / 3);
-		b = eco_union_root(parent, corner / 3);
-		parent[a > b ? a : b] = a > b ? b : a;
+		else
+			eco_union_join(parent, table[slot] / 3, corner / 3);
 	}
 	free(table);
 	return true;
@@ -118,15 +125,17 @@ static bool join_triangles(const struct eco_model *m, const uint32_t *place, boo
 
 static void add_to(struct eco_component *c, const struct eco_model *m, uint32_t triangle)
 {
+	bool first = c->triangle_count++ == 0;
+	if (first)
+		c->first = triangle;
+	if (!eco_triangle_usable(m, triangle))
+		return;
 	for (int i = 0; i < 9; i++) {
 		double p = m->position[(size_t)m->index[(size_t)triangle * 3 + (size_t)(i / 3)] * 3
 			+ (size_t)(i % 3)];
-		bool first = c->triangle_count == 0 && i < 3;
-		c->low[i % 3] = first ? p : fmin(c->low[i % 3], p);
-		c->high[i % 3] = first ? p : fmax(c->high[i % 3], p);
+		c->low[i % 3] = first && i < 3 ? p : fmin(c->low[i % 3], p);
+		c->high[i % 3] = first && i < 3 ? p : fmax(c->high[i % 3], p);
 	}
-	if (c->triangle_count++ == 0)
-		c->first = triangle;
 	c->area += eco_triangle_area(m, triangle);
 }
 
@@ -176,6 +185,18 @@ bool eco_components_find(struct eco_components *c, const struct eco_model *m, co
 	if (!good)
 		eco_components_free(c);
 	return good;
+}
+
+void eco_components_bound(const struct eco_components *c, double low[3], double high[3])
+{
+	for (int k = 0; k < 3; k++) {
+		low[k] = INFINITY;
+		high[k] = -INFINITY;
+		for (uint32_t i = 0; i < c->count; i++) {
+			low[k] = fmin(low[k], c->items[i].low[k]);
+			high[k] = fmax(high[k], c->items[i].high[k]);
+		}
+	}
 }
 
 void eco_components_free(struct eco_components *c)
@@ -242,93 +263,105 @@ bool eco_part_name_fits(const char *pattern, const char *name)
 	return false;
 }
 
+static bool begins_word(const char *name, const char *at)
+{
+	return at == name || !isalnum((unsigned char)at[-1])
+		|| (islower((unsigned char)at[-1]) && isupper((unsigned char)*at));
+}
+
+static bool ends_word(const char *at) { return !isalpha((unsigned char)*at); }
+
+/* Whether a name has a word, as a word of its own. */
+static bool has_word(const char *name, const char *word)
+{
+	for (const char *at = name; (at = strcasestr(at, word)); at++)
+		if (begins_word(name, at) && ends_word(at + strlen(word)))
+			return true;
+	return false;
+}
+
+/* Names of Decentraland and Unity, of Unreal, and of Godot. */
+static bool is_collider(const char *name)
+{
+	static const char *const words[] = { "collider", "collision", "ucx", "ubx", "usp", "ucp", "colonly",
+		"convcolonly" };
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+		if (has_word(name, words[i]))
+			return true;
+	return false;
+}
+
+int eco_model_spare_level(const char *name)
+{
+	if (is_collider(name))
+		return ECO_SPARE_COLLIDER;
+	for (const char *at = name; (at = strcasestr(at, "lod")); at++) {
+		const char *digits = at + 3 + (at[3] == '_' || at[3] == '-' || at[3] == ' ');
+		if (begins_word(name, at) && isdigit((unsigned char)*digits) && !isdigit((unsigned char)digits[1]))
+			return *digits - '0';
+	}
+	return has_word(name, "billboard") || has_word(name, "impostor") || has_word(name, "imposter")
+		? ECO_SPARE_CARD : ECO_SPARE_NONE;
+}
+
 /* ---- Rules ---- */
+
+#define LISTED_MOST 1000u            /* names that a note looks at */
 
 struct rules {
 	struct eco_model *model;
 	const struct eco_part_rule *rules;
 	uint32_t count;
 	bool *fitted;                /* per rule: whether it fits anything */
+	uint8_t *importance;         /* per rule: its number in model->importances */
 	uint32_t *of_material, *of_part, *of_component;      /* the first rule that fits, or ECO_NONE */
 	struct eco_components components;
 	double diagonal;             /* of the whole model */
-	uint8_t *importance;         /* per rule: its number in model->importances */
 };
 
-static uint32_t rule_of_name(struct rules *r, const char *name)
+/* The first rule that fits a name, or a component if `name` is NULL. */
+static uint32_t first_rule(struct rules *r, const char *name, uint32_t component)
 {
+	double size = !name && r->diagonal > 0
+		? eco_component_diagonal(&r->components.items[component]) / r->diagonal : 0;
 	uint32_t first = ECO_NONE;
-	for (uint32_t i = 0; i < r->count; i++) {
-		if (r->rules[i].kind != ECO_PART_NAME || !eco_part_name_fits(r->rules[i].name, name))
-			continue;
-		r->fitted[i] = true;
-		first = first == ECO_NONE ? i : first;
-	}
-	return first;
-}
-
-static uint32_t rule_of_component(struct rules *r, uint32_t component)
-{
-	double size = r->diagonal > 0 ? eco_component_diagonal(&r->components.items[component]) / r->diagonal
-		: 0;
-	uint32_t first = ECO_NONE;
-	for (uint32_t i = 0; i < r->count; i++) {
+	for (uint32_t i = r->count; i-- > 0;) {
 		const struct eco_part_rule *rule = &r->rules[i];
-		if ((rule->kind == ECO_PART_COMPONENT && rule->component == component + 1)
-			|| (rule->kind == ECO_PART_SIZE && size >= rule->size[0] && size <= rule->size[1])) {
-			r->fitted[i] = true;
-			first = first == ECO_NONE ? i : first;
-		}
+		bool fits = rule->kind == ECO_PART_NAME ? name && eco_part_name_fits(rule->name, name)
+			: rule->kind == ECO_PART_COMPONENT ? !name && rule->component == component + 1
+			: !name && size >= rule->size[0] && size <= rule->size[1];
+		r->fitted[i] |= fits;
+		first = fits ? i : first;
 	}
 	return first;
-}
-
-static void measure_all(struct rules *r)
-{
-	struct eco_component all = { .area = 0 };
-	for (uint32_t i = 0; i < r->components.count; i++)
-		for (int k = 0; k < 3; k++) {
-			all.low[k] = i == 0 ? r->components.items[i].low[k]
-				: fmin(all.low[k], r->components.items[i].low[k]);
-			all.high[k] = i == 0 ? r->components.items[i].high[k]
-				: fmax(all.high[k], r->components.items[i].high[k]);
-		}
-	r->diagonal = eco_component_diagonal(&all);
 }
 
 /* Finds the first rule of each material, part and component; names count only if a triangle has them. */
 static bool match_all(struct rules *r, const uint32_t *place)
 {
 	const struct eco_model *m = r->model;
-	r->fitted = calloc((size_t)r->count + 1, sizeof *r->fitted);
-	r->of_material = malloc(((size_t)m->material_count + 1) * sizeof *r->of_material);
-	r->of_part = malloc(((size_t)m->part_count + 1) * sizeof *r->of_part);
-	if (!r->fitted || !r->of_material || !r->of_part
-			|| !eco_components_find(&r->components, m, place, true))
+	struct eco_component all;
+	size_t names = (size_t)m->material_count + m->part_count;
+	if (!eco_components_find(&r->components, m, place, true))
 		return false;
-	r->of_component = malloc(((size_t)r->components.count + 1) * sizeof *r->of_component);
-	if (!r->of_component)
+	r->of_material = calloc(names + r->components.count + 1, sizeof *r->of_material);
+	if (!r->of_material)
 		return false;
-	measure_all(r);
-	memset(r->of_material, 0, ((size_t)m->material_count + 1) * sizeof *r->of_material);
-	memset(r->of_part, 0, ((size_t)m->part_count + 1) * sizeof *r->of_part);
+	r->of_part = r->of_material + m->material_count;
+	r->of_component = r->of_part + m->part_count;
+	eco_components_bound(&r->components, all.low, all.high);
+	r->diagonal = eco_component_diagonal(&all);
 	for (uint32_t i = 0; i < m->triangle_count; i++) {
 		r->of_material[m->material[i]] = 1;
 		if (m->part)
 			r->of_part[m->part[i]] = 1;
 	}
-	for (uint32_t i = 0; i < m->material_count; i++)
-		r->of_material[i] = r->of_material[i] != 0 ? rule_of_name(r, m->materials[i].name) : ECO_NONE;
-	for (uint32_t i = 0; i < m->part_count; i++)
-		r->of_part[i] = r->of_part[i] != 0 ? rule_of_name(r, m->parts[i].name) : ECO_NONE;
+	for (uint32_t i = 0; i < names; i++)
+		r->of_material[i] = !r->of_material[i] ? ECO_NONE : first_rule(r, i < m->material_count
+			? m->materials[i].name : m->parts[i - m->material_count].name, 0);
 	for (uint32_t i = 0; i < r->components.count; i++)
-		r->of_component[i] = rule_of_component(r, i);
+		r->of_component[i] = first_rule(r, NULL, i);
 	return true;
-}
-
-static uint32_t earlier(uint32_t a, uint32_t b)
-{
-	return a < b ? a : b;                /* ECO_NONE is the largest */
 }
 
 /* Numbers the distinct importances of the rules; false: too many. */
@@ -350,75 +383,58 @@ static bool number_importances(struct rules *r)
 	return true;
 }
 
-static bool apply(struct rules *r)
+static uint32_t earlier(uint32_t a, uint32_t b)
+{
+	return a < b ? a : b;                /* ECO_NONE is the largest */
+}
+
+static bool apply(struct rules *r, uint8_t *why)
 {
 	struct eco_model *m = r->model;
-	uint32_t kept = 0;
 	m->organ = malloc((size_t)m->triangle_count + 1);
-	m->importance = m->importance_count > 1 ? malloc((size_t)m->triangle_count + 1) : NULL;
+	m->importance = m->importance_count > 1 ? calloc(1, (size_t)m->triangle_count + 1) : NULL;
 	if (!m->organ || (m->importance_count > 1 && !m->importance))
 		return false;
 	for (uint32_t i = 0; i < m->triangle_count; i++) {
-		uint32_t rule = earlier(r->of_material[m->material[i]], r->of_component[r->components.of[i]]);
-		uint8_t is;
-		if (m->part)
-			rule = earlier(rule, r->of_part[m->part[i]]);
-		is = rule == ECO_NONE ? ECO_ORGAN_FOUND : r->rules[rule].is;
-		if (is == ECO_PART_LEFT_OUT) {
-			m->dropped[ECO_DROP_LEFT_OUT]++;
-			continue;
-		}
-		memmove(&m->index[(size_t)kept * 3], &m->index[(size_t)i * 3], 3 * sizeof *m->index);
-		m->material[kept] = m->material[i];
-		if (m->part)
-			m->part[kept] = m->part[i];
-		if (m->importance)
-			m->importance[kept] = rule == ECO_NONE ? 0 : r->importance[rule];
-		m->organ[kept++] = is;
+		uint32_t rule = earlier(earlier(r->of_material[m->material[i]],
+			r->of_component[r->components.of[i]]), m->part ? r->of_part[m->part[i]] : ECO_NONE);
+		m->organ[i] = rule == ECO_NONE ? ECO_ORGAN_FOUND : r->rules[rule].is;
+		if (m->importance && rule != ECO_NONE)
+			m->importance[i] = r->importance[rule];
+		why[i] = m->organ[i] == ECO_PART_LEFT_OUT ? ECO_DROP_LEFT_OUT : ECO_DROP_COUNT;
 	}
-	m->triangle_count = kept;
+	model_drop(m, why);
 	return true;
 }
 
-/* ---- Reports of rules that fit nothing ---- */
-
-/* The first few distinct names, as a list in quotes. */
-static void list_names(char *to, size_t size, const char *first, size_t stride, uint32_t count)
+/* The distinct names, as a list in quotes. */
+static void list_names(char *list, size_t size, const char *first, size_t stride, uint32_t count)
 {
-	size_t used = 0;
-	uint32_t shown = 0, left = 0;
-	to[0] = 0;
-	for (uint32_t i = 0; i < count; i++) {
+	*list = 0;
+	for (uint32_t i = 0; i < count && i < LISTED_MOST; i++) {
 		const char *name = first + i * stride;
+		char quoted[72];
 		bool seen = *name == 0;
-		for (uint32_t k = 0; k < i && k < 1000 && !seen; k++)
+		for (uint32_t k = 0; k < i && !seen; k++)
 			seen = strcmp(first + k * stride, name) == 0;
-		if (seen)
-			continue;
-		if (shown == 12 || used + strlen(name) + 5 > size)
-			left++;
-		else
-			used += (size_t)snprintf(to + used, size - used, "%s\"%s\"", shown++ > 0 ? ", " : "",
-				name);
+		snprintf(quoted, sizeof quoted, "\"%.64s\"", name);
+		if (!seen)
+			eco_phrase_add(list, size, quoted);
 	}
-	if (shown == 0)
-		snprintf(to, size, "none with a name");
-	else if (left > 0)
-		snprintf(to + used, size - used, " and more");
+	if (!*list)
+		snprintf(list, size, "none with a name");
 }
 
-static void note_unfitted(const struct rules *r, uint32_t i, struct eco_notes *notes)
+static void note_unfitted(const struct rules *r, const struct eco_part_rule *rule, struct eco_notes *notes)
 {
-	const struct eco_part_rule *rule = &r->rules[i];
 	const struct eco_model *m = r->model;
 	char materials[400], parts[400];
 	if (rule->kind == ECO_PART_COMPONENT) {
 		eco_note(notes, "the rule {\"component\": %u} fits nothing: there are %u components",
 			rule->component, r->components.count);
 	} else if (rule->kind == ECO_PART_SIZE) {
-		eco_note(notes, "the rule {\"size\": [%g, %g]} fits nothing: no component's diagonal is "
-			"that share of the whole's; ecopack model lists "
-			"them", rule->size[0], rule->size[1]);
+		eco_note(notes, "the rule {\"size\": [%g, %g]} fits nothing: no component's diagonal is that "
+			"share of the whole's; ecopack model lists them", rule->size[0], rule->size[1]);
 	} else {
 		list_names(materials, sizeof materials, m->materials[0].name, sizeof *m->materials,
 			m->material_count);
@@ -429,32 +445,28 @@ static void note_unfitted(const struct rules *r, uint32_t i, struct eco_notes *n
 	}
 }
 
-enum eco_code eco_model_apply_rules(struct eco_model *model, const uint32_t *place,
-	const struct eco_part_rule *rules, uint32_t count, const char *what, struct eco_notes *notes,
-	struct eco_error *error)
+enum eco_code model_apply_rules(struct model_clean *c)
 {
-	struct rules r = { .model = model, .rules = rules, .count = count };
+	const uint32_t count = c->options->rule_count;
+	struct rules r = { .model = c->model, .rules = c->options->rules, .count = count,
+		.importance = malloc((size_t)count + 1), .fitted = calloc((size_t)count + 1, sizeof(bool)) };
 	enum eco_code code = ECO_OK;
-	if (count == 0)
-		return ECO_OK;
-	r.importance = malloc((size_t)count + 1);
-	if (r.importance && !number_importances(&r))
-		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: the rules in \"parts\" give more than %u "
-			"different importances", what, ECO_IMPORTANCES_MAX);
-	else if (!r.importance || !match_all(&r, place) || !apply(&r))
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for the rules about its parts",
-			what);
-	for (uint32_t i = 0; code == ECO_OK && i < count; i++)
+	bool good = r.importance && r.fitted;
+	if (count > 0 && good && !number_importances(&r))
+		code = eco_fail(c->error, ECO_TOO_LARGE, "%.300s: the rules in \"parts\" give more than %u "
+			"different importances", c->what, ECO_IMPORTANCES_MAX);
+	else if (count > 0 && (!good || !match_all(&r, c->place) || !apply(&r, c->why)))
+		code = eco_fail(c->error, ECO_NO_MEMORY, "%.300s: out of memory for the rules about its parts",
+			c->what);
+	for (uint32_t i = 0; !code && i < count; i++)
 		if (!r.fitted[i])
-			note_unfitted(&r, i, notes);
-	if (code == ECO_OK && model->triangle_count == 0)
-		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: the rules in \"parts\" leave out all of it",
-			what);
+			note_unfitted(&r, &r.rules[i], c->notes);
+	if (!code && c->model->triangle_count == 0)
+		code = eco_fail(c->error, ECO_BAD_INPUT, "%.300s: the rules in \"parts\" leave out all of it",
+			c->what);
 	eco_components_free(&r.components);
 	free(r.importance);
 	free(r.fitted);
 	free(r.of_material);
-	free(r.of_part);
-	free(r.of_component);
 	return code;
 }

@@ -19,9 +19,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/import/model/import_model.h"
-#include "ecofiles/import/model/model_import.h"
-#include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/format/pack.h"
 
 #define GUESS_MOST_M 60.0            /* higher trees are rarer than files in centimetres */
@@ -48,10 +45,12 @@ struct stance {
 	struct eco_components components;
 	bool *wood;                  /* per component */
 	double girth;                /* of the thickest long component; 0: nothing is long */
-	double low, high, area;      /* of the whole model, z */
+	double box[2][3], area;      /* of the whole model */
+	double low, high;            /* z of the box */
 	double wood_low, foot[3];
 };
 
+/* Not hypot, which differs between machines. */
 static double length_of(double x, double y)
 {
 	return sqrt(x * x + y * y);
@@ -71,13 +70,11 @@ static bool is_long(const struct eco_component *c)
 
 static void measure(struct stance *s)
 {
-	s->low = INFINITY;
-	s->high = -INFINITY;
-	for (uint32_t i = 0; i < s->components.count; i++) {
-		s->low = fmin(s->low, s->components.items[i].low[2]);
-		s->high = fmax(s->high, s->components.items[i].high[2]);
+	eco_components_bound(&s->components, s->box[0], s->box[1]);
+	s->low = s->box[0][2];
+	s->high = s->box[1][2];
+	for (uint32_t i = 0; i < s->components.count; i++)
 		s->area += s->components.items[i].area;
-	}
 }
 
 /* Candidates for stems: 2 may be a stem, 1 has enough triangles, 0 any. */
@@ -96,8 +93,7 @@ static void mark_by_shape(struct stance *s)
 	double largest = 0;
 	int rank = 0;
 	for (uint32_t i = 0; i < s->components.count; i++)
-		rank = rank_of(s, &s->components.items[i]) > rank ? rank_of(s, &s->components.items[i])
-			: rank;
+		rank = (int)fmax(rank, rank_of(s, &s->components.items[i]));
 	for (uint32_t i = 0; i < s->components.count; i++)
 		if (rank_of(s, &s->components.items[i]) >= rank)
 			largest = fmax(largest, s->components.items[i].area);
@@ -262,82 +258,59 @@ static const struct known_unit *guess_unit(double height)
 	return &known_units[2];
 }
 
-static enum eco_code find_scale(struct eco_model *m, double top, double unit_m,
-	const struct eco_model_options *options, const char *what, struct eco_notes *notes,
-	struct eco_error *error)
+static enum eco_code find_scale(struct model_clean *c, double top)
 {
+	const struct eco_model_options *options = c->options;
 	const struct known_unit *guess = guess_unit(top);
-	struct eco_model_source *source = &m->source;
-	source->unit_m = options->unit_m > 0 ? options->unit_m : unit_m;
-	source->unit_how = options->unit_m > 0 ? ECO_HOW_GIVEN : unit_m > 0 ? ECO_HOW_FORMAT
-		: ECO_HOW_GUESSED;
-	if (options->height_m > 0) {
-		if (!(top > 0))
-			return eco_fail(error, ECO_BAD_INPUT, "%.300s: the model is flat, so it cannot be "
-				"made %g m high: leave height_m out, "
-				"or say which axis is \"up\"", what, options->height_m);
-		m->scale = options->height_m / top;
-		if (source->unit_how == ECO_HOW_GUESSED) {
-			source->unit_m = m->scale;
-			source->unit_how = ECO_HOW_HEIGHT;
-		}
-		return ECO_OK;
-	}
-	if (source->unit_how == ECO_HOW_GUESSED) {
-		source->unit_m = guess->metres;
-		eco_note(notes, "%.4g units high, taken for %s: %.3g m; add \"unit\" or \"height_m\" if not",
+	struct eco_model_source *source = &c->model->source;
+	const double stated_m = options->unit_m > 0 ? options->unit_m : c->frame->unit_m;
+	source->unit_how = options->unit_m > 0 ? ECO_HOW_GIVEN : stated_m > 0 ? ECO_HOW_FORMAT
+		: options->height_m > 0 ? ECO_HOW_HEIGHT : ECO_HOW_GUESSED;
+	if (options->height_m > 0 && !(top > 0))
+		return eco_fail(c->error, ECO_BAD_INPUT, "%.300s: the model is flat, so it cannot be made %g m "
+			"high: leave height_m out, or say which axis is \"up\"", c->what, options->height_m);
+	source->unit_m = stated_m > 0 ? stated_m : options->height_m > 0 ? options->height_m / top : guess->metres;
+	c->model->scale = options->height_m > 0 ? options->height_m / top : source->unit_m;
+	if (source->unit_how == ECO_HOW_GUESSED)
+		eco_note(c->notes, "%.4g units high, taken for %s: %.3g m; add \"unit\" or \"height_m\" if not",
 			top, guess->name, top * guess->metres);
-	} else if (top * source->unit_m > ECO_PLANT_HEIGHT_MOST_M
-			|| top * source->unit_m < ECO_PLANT_HEIGHT_LEAST_M) {
-		eco_note(notes, "%.3g m high by %s unit (%.4g units of %.4g m), which no plant is; add "
+	else if (!(options->height_m > 0) && (top * source->unit_m > ECO_PLANT_HEIGHT_MOST_M
+			|| top * source->unit_m < ECO_PLANT_HEIGHT_LEAST_M))
+		eco_note(c->notes, "%.3g m high by %s unit (%.4g units of %.4g m), which no plant is; add "
 			"\"height_m\" or another \"unit\"", top * source->unit_m,
 			source->unit_how == ECO_HOW_GIVEN ? "the given" : "its file's", top, source->unit_m);
-	}
-	m->scale = source->unit_m;
 	return ECO_OK;
 }
 
 /* ---- All ---- */
 
-static enum eco_code stand(struct stance *s, struct eco_model *m, const struct eco_model_frame *frame,
-	const struct eco_model_options *options, const char *what, struct eco_notes *notes,
-	struct eco_error *error)
+static enum eco_code stand(struct stance *s, struct model_clean *c)
 {
+	struct eco_model *m = c->model;
 	measure(s);
 	find_wood(s);
 	find_foot(s);
-	find_ground(s, frame);
-	enum eco_code code = find_scale(m, s->high - s->foot[2], frame->unit_m, options, what, notes, error);
+	find_ground(s, c->frame);
+	enum eco_code code = find_scale(c, s->high - s->foot[2]);
 	if (code)
 		return code;
 	for (int k = 0; k < 3; k++) {
-		double low = INFINITY, high = -INFINITY;
-		for (uint32_t i = 0; i < s->components.count; i++) {
-			low = fmin(low, s->components.items[i].low[k]);
-			high = fmax(high, s->components.items[i].high[k]);
-		}
-		m->source.size[k] = high - low;
-		m->foot[k] = s->foot[k] + frame->base[k];
+		m->source.size[k] = s->box[1][k] - s->box[0][k];
+		m->foot[k] = s->foot[k] + c->frame->base[k];
 	}
 	m->source.below = s->foot[2] - s->low;
-	for (uint32_t i = 0; i < m->vertex_count; i++)
-		for (int k = 0; k < 3; k++)
-			m->position[(size_t)i * 3 + (size_t)k] =
-				(float)((m->position[(size_t)i * 3 + (size_t)k] - s->foot[k]) * m->scale);
+	for (size_t i = 0; i < 3 * (size_t)m->vertex_count; i++)
+		m->position[i] = (float)((m->position[i] - s->foot[i % 3]) * m->scale);
 	return ECO_OK;
 }
 
-enum eco_code eco_model_stand(struct eco_model *model, const uint32_t *place,
-	const struct eco_model_frame *frame, const struct eco_model_options *options, const char *what,
-	struct eco_notes *notes, struct eco_error *error)
+enum eco_code model_stand(struct model_clean *c)
 {
-	struct stance s = { .model = model };
-	enum eco_code code;
-	if (eco_components_find(&s.components, model, place, false)
-			&& (s.wood = calloc(s.components.count + 1u, sizeof *s.wood)))
-		code = stand(&s, model, frame, options, what, notes, error);
-	else
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", what);
+	struct stance s = { .model = c->model };
+	bool good = eco_components_find(&s.components, c->model, c->place, false)
+		&& (s.wood = calloc(s.components.count + 1u, sizeof *s.wood));
+	enum eco_code code = good ? stand(&s, c)
+		: eco_fail(c->error, ECO_NO_MEMORY, "%.300s: out of memory", c->what);
 	eco_components_free(&s.components);
 	free(s.wood);
 	return code;

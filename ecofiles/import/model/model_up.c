@@ -2,19 +2,14 @@
  * and spread of the slices give a handful of numbers per axis. The x axis is horizontal either way, so y
  * and z are compared with it to find how round the plant is. Weights and
  * limits: lod/EXPERIMENTS.md, Up axis by shape. */
-#include "ecofiles/import/model/model_up.h"
+#include "ecofiles/import/model/model_clean.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
-#include <string.h>
-
-#include "ecofiles/base/random.h"
-#include "ecofiles/base/union.h"
 
 #define SLICES 32
 #define SPLIT_MOST 32                /* most parts of a triangle's side, each about half a slice long */
-#define COORDINATE_MAX 1e9f
 #define STEM_WIDTH 0.35              /* of the whole's spread */
 #define STEM_AREA 0.002              /* of a slice's mean area: least area of a stem */
 #define LARGE 0.3                    /* of the diagonal: stems, boughs, pots */
@@ -47,15 +42,10 @@ enum trait {
 
 static bool usable(const struct eco_model *m, uint32_t t, const float *p[3])
 {
-	for (int k = 0; k < 3; k++) {
-		uint32_t v = m->index[3 * (size_t)t + k];
-		if (v >= m->vertex_count)
-			return false;
-		p[k] = m->position + 3 * (size_t)v;
-		for (int a = 0; a < 3; a++)
-			if (!(fabsf(p[k][a]) <= COORDINATE_MAX))
-				return false;
-	}
+	if (!eco_triangle_usable(m, t))
+		return false;
+	for (int k = 0; k < 3; k++)
+		p[k] = m->position + 3 * (size_t)m->index[3 * (size_t)t + (size_t)k];
 	return true;
 }
 
@@ -96,20 +86,8 @@ static void add_point(struct profile *profile, const struct box *box, int axis, 
 	profile->square[1] += area * y * y;
 }
 
-static double area_of(const float *p[3])
-{
-	double u[3], v[3], n[3];
-	for (int a = 0; a < 3; a++) {
-		u[a] = (double)p[1][a] - p[0][a];
-		v[a] = (double)p[2][a] - p[0][a];
-	}
-	for (int a = 0; a < 3; a++)
-		n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-	return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / 2;
-}
-
 /* Cuts the triangle into n * n congruent ones and adds their centres. */
-static void add_triangle(struct profile profile[3], const struct box *box, const float *p[3])
+static void add_triangle(struct profile profile[3], const struct box *box, const float *p[3], double area)
 {
 	double u[3], v[3], longest = 0;
 	for (int a = 0; a < 3; a++) {
@@ -117,7 +95,7 @@ static void add_triangle(struct profile profile[3], const struct box *box, const
 		v[a] = (double)p[2][a] - p[0][a];
 		longest = fmax(longest, fmax(fabs(u[a]), fmax(fabs(v[a]), fabs(u[a] - v[a]))));
 	}
-	double area = area_of(p), parts = longest / box->extent * 2 * SLICES + 1;
+	double parts = longest / box->extent * 2 * SLICES + 1;
 	int cuts = parts < SPLIT_MOST ? (int)parts : SPLIT_MOST;
 	for (int i = 0; i < cuts; i++)
 		for (int j = 0; i + j < cuts; j++)
@@ -202,7 +180,7 @@ double *sum)
 			return false;
 	for (uint32_t t = 0; t < soup->triangle_count; t++)
 		if ((!wanted || wanted[t]) && usable(soup, t, p))
-			add_triangle(profile, &box, p);
+			add_triangle(profile, &box, p, eco_triangle_area(soup, t));
 	if (!(profile[1].all.area > 0))
 		return false;
 	for (int axis = 1; axis < 3; axis++)
@@ -215,149 +193,62 @@ double *sum)
 
 /* ---- Parts ---- */
 
-struct part { float low[3], high[3]; };
-
-struct parts {
-	/* per vertex: the first one there; exporters repeat vertices along seams */
-	uint32_t *place;
-	uint32_t *owner;             /* per first vertex at a place: the first triangle there */
-	uint32_t *parent;            /* union-find over triangles */
-	struct part *part;           /* of roots */
-	bool *large;                 /* per triangle */
-};
-
-static bool find_places(const struct eco_model *m, uint32_t *place)
-{
-	uint64_t size = 16;
-	while (size < 2 * (uint64_t)m->vertex_count)
-		size *= 2;
-	uint32_t *table = malloc(size * sizeof *table);
-	if (!table)
-		return false;
-	memset(table, 0xff, size * sizeof *table);
-	for (uint32_t i = 0; i < m->vertex_count; i++) {
-		const float *p = m->position + 3 * (size_t)i, *q;
-		uint32_t bits[3];
-		float even[3] = { p[0] + 0.0f, p[1] + 0.0f, p[2] + 0.0f };       /* -0 is 0 */
-		memcpy(bits, even, sizeof bits);
-		place[i] = i;
-		if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
-			continue;            /* NaN equals nothing: the search would not end */
-		uint64_t at = eco_random(eco_random(bits[0], bits[1]), bits[2]) & (size - 1);
-		while (table[at] != ECO_NONE
-				&& (q = m->position + 3 * (size_t)table[at], q[0] != p[0] || q[1] != p[1]
-				|| q[2] != p[2]))
-			at = (at + 1) & (size - 1);
-		table[at] = table[at] == ECO_NONE ? i : table[at];
-		place[i] = table[at];
-	}
-	free(table);
-	return true;
-}
-
-/* Joins triangles of one material that share a place. A place belongs to its first triangle; triangles of
- * another material are joined elsewhere. */
-static void join(const struct eco_model *m, struct parts *parts)
-{
-	const float *p[3];
-	memset(parts->owner, 0xff, (size_t)m->vertex_count * sizeof *parts->owner);
-	for (uint32_t t = 0; t < m->triangle_count; t++) {
-		parts->parent[t] = t;
-		for (int k = 0; k < 3 && usable(m, t, p); k++) {
-			uint32_t *owner = &parts->owner[parts->place[m->index[3 * (size_t)t + (size_t)k]]];
-			if (*owner == ECO_NONE)
-				*owner = t;
-			if (m->material && m->material[*owner] != m->material[t])
-				continue;
-			uint32_t a = eco_union_root(parts->parent, *owner),
-				b = eco_union_root(parts->parent, t);
-			parts->parent[a < b ? b : a] = a < b ? a : b;
-		}
-	}
-}
-
-static void measure(const struct eco_model *m, struct parts *parts)
-{
-	const float *p[3];
-	for (uint32_t t = 0; t < m->triangle_count; t++) {
-		uint32_t root = eco_union_root(parts->parent, t);
-		struct part *of = &parts->part[root];
-		if (root == t)
-			*of = (struct part){ { INFINITY, INFINITY, INFINITY },
-				{ -INFINITY, -INFINITY, -INFINITY } };
-		for (int k = 0; k < 3 && usable(m, t, p); k++)
-			for (int a = 0; a < 3; a++) {
-				of->low[a] = fminf(of->low[a], p[k][a]);
-				of->high[a] = fmaxf(of->high[a], p[k][a]);
-			}
-	}
-}
-
 /* Marks the triangles of large parts; false if these tell nothing. */
-static bool mark_large(const struct eco_model *m, const struct box *box, struct parts *parts)
+static bool mark_large(const struct eco_model *m, const struct box *box, const struct eco_components *parts,
+	bool *large)
 {
 	double whole = 0, all = 0, some = 0;
-	const float *p[3];
 	for (int a = 0; a < 3; a++)
 		whole += (box->high[a] - box->low[a]) * (box->high[a] - box->low[a]);
 	for (uint32_t t = 0; t < m->triangle_count; t++) {
-		const struct part *of = &parts->part[eco_union_root(parts->parent, t)];
-		double size = 0;
-		if (!usable(m, t, p))
-			continue;
+		const struct eco_component *of = &parts->items[parts->of[t]];
+		double size = 0, area = eco_triangle_usable(m, t) ? eco_triangle_area(m, t) : 0;
 		for (int a = 0; a < 3; a++)
-			size += ((double)of->high[a] - of->low[a]) * ((double)of->high[a] - of->low[a]);
-		parts->large[t] = size > LARGE * LARGE * whole;
-		all += area_of(p);
-		some += parts->large[t] ? area_of(p) : 0;
+			size += (of->high[a] - of->low[a]) * (of->high[a] - of->low[a]);
+		large[t] = size > LARGE * LARGE * whole;
+		all += area;
+		some += large[t] ? area : 0;
 	}
 	return some > LARGE_LEAST * all && some < LARGE_MOST * all;
 }
 
 /* Share of the parts that begin at the lower end of an axis; 0 of few parts. */
-static double floor_share(const struct eco_model *m, const struct box *box, const struct parts *parts,
+static double floor_share(const struct eco_model *m, const struct box *box, const struct eco_components *parts,
 	int axis)
 {
 	double floor = box->low[axis] + AT_ZERO * (box->high[axis] - box->low[axis]);
 	uint32_t all = 0, on = 0;
-	const float *p[3];
-	for (uint32_t t = 0; t < m->triangle_count; t++) {
-		if (eco_union_root(parts->parent, t) != t || !usable(m, t, p))
-			continue;
-		all++;
-		on += parts->part[t].low[axis] <= floor;
+	for (uint32_t i = 0; i < parts->count; i++) {
+		bool counts = eco_triangle_usable(m, parts->items[i].first);
+		all += counts;
+		on += counts && parts->items[i].low[axis] <= floor;
 	}
 	return all >= FLOOR_PARTS ? (double)on / all : 0;
 }
 
 /* Tufts of a patch and trees of a row stand on one floor: 1 if along z alone, -1 along y alone. */
-static double floors(const struct eco_model *m, const struct box *box, const struct parts *parts)
+static double floors(const struct eco_model *m, const struct box *box, const struct eco_components *parts)
 {
 	double y = floor_share(m, box, parts, 1), z = floor_share(m, box, parts, 2);
 	return z >= FLOOR_LEAST && y <= FLOOR_OTHER ? 1 : y >= FLOOR_LEAST && z <= FLOOR_OTHER ? -1 : 0;
 }
 
-static void ask_parts(const struct eco_model *soup, const struct box *box, double *sum)
+static void ask_parts(struct eco_model *soup, const struct box *box, double *sum)
 {
 	static const struct rule rule[TRAITS] = { [NARROW] = { -0.2, 0.1 }, [HEAVY] = { 0.7, 0.02 },
 		[CENTRED] = { -0.5, 0.2 }, [ROUND] = { 0.2, 0.4 } };
-	size_t vertices = (size_t)soup->vertex_count + 1, triangles = (size_t)soup->triangle_count + 1;
-	struct parts parts = { malloc(vertices * sizeof *parts.place), malloc(vertices * sizeof *parts.owner),
-		malloc(triangles * sizeof *parts.parent), malloc(triangles * sizeof *parts.part),
-		calloc(triangles, sizeof *parts.large) };
-	if (parts.place && parts.owner && parts.parent && parts.part && parts.large
-			&& find_places(soup, parts.place)) {
-		join(soup, &parts);
-		measure(soup, &parts);
+	struct eco_components parts = { 0 };
+	uint32_t *place = malloc(((size_t)soup->vertex_count + 1) * sizeof *place);
+	bool *large = calloc((size_t)soup->triangle_count + 1, sizeof *large);
+	if (place && large && eco_model_places(soup, place)
+			&& eco_components_find(&parts, soup, place, soup->material != NULL)) {
 		*sum += FLOOR * floors(soup, box, &parts);
-		if (mark_large(soup, box, &parts))
-			compare(soup, parts.large, rule, sum);
+		if (mark_large(soup, box, &parts, large))
+			compare(soup, large, rule, sum);
 	}
-	free(parts.place);
-	free(parts.owner);
-	free(parts.parent);
-	free(parts.part);
-	free(parts.large);
+	eco_components_free(&parts);
+	free(place);
+	free(large);
 }
 
 /* ---- All ---- */
@@ -371,7 +262,7 @@ static double placed(const struct box *box)
 	return zero[0] || zero[1] == zero[2] ? 0 : zero[2] ? 1 : -1;
 }
 
-enum eco_up eco_model_find_up(const struct eco_model *soup, double *certainty)
+enum eco_up eco_model_find_up(struct eco_model *soup, double *certainty)
 {
 	static const struct rule rule[TRAITS] = { [NARROW] = { -1.0, 0.1 }, [HEAVY] = { 0.8, 0.01 },
 		[CENTRED] = { -0.4, 0.2 }, [ROUND] = { 0.7, 0.4 }, [LOPSIDED] = { 0.6, 0.2 },
