@@ -58,6 +58,9 @@ bool eco_model_find_beside(const char *model, const char *name, char *path, size
  * is NULL then. */
 bool eco_model_reserve(struct eco_model *model, uint64_t vertices, uint64_t triangles, uint64_t parts);
 
+/* A hash table for `entries` numbers by open addressing; free slots are ECO_NONE. NULL when memory ran out. */
+uint32_t *model_table_new(uint64_t entries, uint32_t *mask);
+
 /* glTF 2.0 and GLB: the scene that a viewer would show, with instances, at rest. Refuses by name required
  * extensions that are not read. */
 enum eco_code eco_gltf_read_model(struct eco_model *model, struct eco_model_frame *frame, const char *path,

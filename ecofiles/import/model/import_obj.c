@@ -14,6 +14,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/polygon.h"
 
 #define UNIT_LINES 200u              /* comments about units stand at the top */
@@ -75,90 +76,28 @@ struct eco_error *error)
 		word);
 }
 
-/* ---- Arrays and names ---- */
+/* ---- Statements ---- */
 
 static enum eco_code no_memory(const struct eco_obj *o)
 {
 	return eco_fail(o->error, ECO_NO_MEMORY, "%.300s: out of memory", o->text.path);
 }
 
-static void *append(struct eco_obj_array *a, size_t size)
-{
-	if (a->count == a->room) {
-		size_t room = a->room < 1024 ? 1024 : a->room * 2;
-		void *grown = realloc(a->items, room * size);
-		if (!grown)
-			return NULL;
-		a->items = grown;
-		a->room = room;
-	}
-	return (char *)a->items + a->count++ * size;
-}
+/* Makes room for one more of an array's items. */
+#define GROW(o, items, item) eco_array_grow(&(o)->items, &(o)->item##_room, (o)->item##_count, sizeof *(o)->items)
 
-static uint32_t hash_text(const char *text)
+/* Beyond `most` names each new one gets the last number. */
+static enum eco_code number_name(struct eco_obj *o, struct eco_string_pool *names, const char *name, uint32_t most,
+	uint32_t *number)
 {
-	uint64_t h = 0xcbf29ce484222325u;
-	for (; *text != 0; text++)
-		h = (h ^ (uint8_t)*text) * 0x100000001b3u;
-	return (uint32_t)(h ^ h >> 32);
+	*number = most - 1;
+	return names->count >= most || eco_string_pool_add(names, name, number) ? ECO_OK : no_memory(o);
 }
-
-static bool grow_names(struct eco_obj_names *n)
-{
-	uint32_t size = n->mask == 0 ? 64 : (n->mask + 1) * 2, *table = calloc(size, sizeof *table);
-	char **items = realloc(n->items, (size_t)size / 2 * sizeof *items);
-	if (items)
-		n->items = items;
-	if (!table || !items) {
-		free(table);
-		return false;
-	}
-	for (uint32_t i = 0; i < n->count; i++) {
-		uint32_t slot = hash_text(n->items[i]) & (size - 1);
-		while (table[slot] != 0)
-			slot = (slot + 1) & (size - 1);
-		table[slot] = i + 1;
-	}
-	free(n->table);
-	n->table = table;
-	n->mask = size - 1;
-	return true;
-}
-
-/* The number of a name; new names get the next number, beyond `most` the last one. ECO_NONE when memory
- * ran out. */
-static uint32_t name_number(struct eco_obj_names *n, const char *name, uint32_t most)
-{
-	if ((n->mask == 0 || n->count >= (n->mask + 1) / 2) && !grow_names(n))
-		return ECO_NONE;
-	uint32_t slot = hash_text(name) & n->mask;
-	while (n->table[slot] != 0 && strcmp(n->items[n->table[slot] - 1], name) != 0)
-		slot = (slot + 1) & n->mask;
-	if (n->table[slot] != 0)
-		return n->table[slot] - 1;
-	if (n->count == most)
-		return most - 1;
-	n->items[n->count] = strdup(name);
-	if (!n->items[n->count])
-		return ECO_NONE;
-	n->table[slot] = ++n->count;
-	return n->count - 1;
-}
-
-static void free_names(struct eco_obj_names *n)
-{
-	for (uint32_t i = 0; i < n->count; i++)
-		free(n->items[i]);
-	free(n->items);
-	free(n->table);
-}
-
-/* ---- Statements ---- */
 
 /* x y z, x y z w, x y z r g b, x y z r g b a */
 static enum eco_code read_vertex(struct eco_obj *o, char *rest)
 {
-	double number[7], *place;
+	double number[7];
 	int count = 0;
 	enum eco_code code = ECO_OK;
 	for (char *word; code == ECO_OK && count < 7 && (word = eco_obj_word(&rest)); count++)
@@ -168,38 +107,33 @@ static enum eco_code read_vertex(struct eco_obj *o, char *rest)
 	if (count < 3)
 		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: line %u: a vertex needs three numbers",
 			o->text.path, o->text.line);
-	place = append(&o->place, 3 * sizeof *place);
-	if (!place)
+	if (!GROW(o, place, place))
 		return no_memory(o);
-	memcpy(place, number, 3 * sizeof *place);
-	if (count < 6)
-		return ECO_OK;
-	while (o->color.count < o->place.count) {
-		float *color = append(&o->color, 3 * sizeof *color);
-		if (!color)
+	memcpy(o->place[o->place_count++], number, sizeof *o->place);
+	while (count >= 6 && o->color_count < o->place_count) {
+		if (!GROW(o, color, color))
 			return no_memory(o);
 		for (int k = 0; k < 3; k++)
-			color[k] = o->color.count == o->place.count && isfinite(number[3 + k])
-				? (float)number[3 + k] : -1;
+			o->color[o->color_count][k] = o->color_count + 1 == o->place_count
+				&& isfinite(number[3 + k]) ? (float)number[3 + k] : -1;
+		o->color_count++;
 	}
 	return ECO_OK;
 }
 
 static enum eco_code read_uv(struct eco_obj *o, char *rest)
 {
-	float *uv = append(&o->uv, 2 * sizeof *uv);
+	double number[2] = { 0, 0 };
+	enum eco_code code = ECO_OK;
 	char *word;
-	if (!uv)
+	if (!GROW(o, uv, uv))
 		return no_memory(o);
-	uv[0] = uv[1] = 0;
-	for (int k = 0; k < 2 && (word = eco_obj_word(&rest)); k++) {
-		double number;
-		enum eco_code code = read_number(&o->text, word, &number, o->error);
-		if (code)
-			return code;
-		uv[k] = fabs(number) <= 65536 ? (float)number : 0;
-	}
-	return ECO_OK;
+	for (int k = 0; k < 2 && !code && (word = eco_obj_word(&rest)); k++)
+		code = read_number(&o->text, word, &number[k], o->error);
+	for (int k = 0; k < 2; k++)
+		o->uv[o->uv_count][k] = fabs(number[k]) <= 65536 ? (float)number[k] : 0;
+	o->uv_count++;
+	return code;
 }
 
 /* An index counts from 1, or backwards from -1; ECO_NONE: neither. Whether the vertex exists is checked at
@@ -218,53 +152,52 @@ static uint32_t index_of(const char *digits, char **end, size_t count)
 static struct eco_obj_corner read_corner(const struct eco_obj *o, const char *word)
 {
 	char *end;
-	struct eco_obj_corner c = { index_of(word, &end, o->place.count), ECO_NONE };
+	struct eco_obj_corner c = { index_of(word, &end, o->place_count), ECO_NONE };
 	if (*end == '/' && end[1] != '/' && end[1] != 0)
-		c.vt = index_of(end + 1, &end, o->uv.count);
+		c.vt = index_of(end + 1, &end, o->uv_count);
 	return c;
 }
 
 /* Faces before the first `o`, `g` or `usemtl` have a nameless part and material. */
-static bool number_part(struct eco_obj *o)
+static enum eco_code number_part(struct eco_obj *o)
 {
 	char name[520];
 	bool both = o->object[0] != 0 && o->group[0] != 0 && strcmp(o->object, o->group) != 0;
 	snprintf(name, sizeof name, "%s%s%s", o->object, both ? "/" : "", both || o->object[0] == 0 ? o->group
 		: "");
-	o->part = name_number(&o->parts, name, ECO_MODEL_PARTS_MAX);
-	return o->part != ECO_NONE;
+	return number_name(o, &o->parts, name, ECO_MODEL_PARTS_MAX, &o->part);
 }
 
 static enum eco_code read_face(struct eco_obj *o, char *rest)
 {
-	size_t first = o->corners.count, n;
-	struct eco_obj_face *face;
+	uint32_t first = o->corner_count, n;
+	enum eco_code code = ECO_OK;
 	for (char *word; (word = eco_obj_word(&rest));) {
-		struct eco_obj_corner *c = append(&o->corners, sizeof *c);
-		if (!c)
+		if (!GROW(o, corners, corner))
 			return no_memory(o);
-		*c = read_corner(o, word);
+		o->corners[o->corner_count++] = read_corner(o, word);
 	}
-	n = o->corners.count - first;
+	n = o->corner_count - first;
 	if (n < 3) {
-		o->corners.count = first;
+		o->corner_count = first;
 		o->loose++;
 		return ECO_OK;
 	}
 	if (n > ECO_POLYGON_CORNERS_MAX)
-		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: line %u: a polygon of %zu corners, at most "
+		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: line %u: a polygon of %u corners, at most "
 			"%u are possible", o->text.path, o->text.line, n, (unsigned)ECO_POLYGON_CORNERS_MAX);
 	o->triangles += n - 2;
-	if (o->triangles > o->triangles_max || first > UINT32_MAX)
+	if (o->triangles > o->triangles_max)
 		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: %llu triangles by line %u, at most %u "
 			"triangles are possible", o->text.path, (unsigned long long)o->triangles,
 			o->text.line, o->triangles_max);
-	if ((o->part == ECO_NONE && !number_part(o))
-		|| (o->material == ECO_NONE
-		&& (o->material = name_number(&o->materials, "", ECO_MODEL_MATERIALS_MAX)) == ECO_NONE)
-		|| !(face = append(&o->faces, sizeof *face)))
-		return no_memory(o);
-	*face = (struct eco_obj_face){ (uint32_t)first, o->material, o->part };
+	if (o->part == ECO_NONE)
+		code = number_part(o);
+	if (!code && o->material == ECO_NONE)
+		code = number_name(o, &o->materials, "", ECO_MODEL_MATERIALS_MAX, &o->material);
+	if (code || !GROW(o, faces, face))
+		return code ? code : no_memory(o);
+	o->faces[o->face_count++] = (struct eco_obj_face){ first, o->material, o->part };
 	return ECO_OK;
 }
 
@@ -296,14 +229,6 @@ static void read_comment(struct eco_obj *o, const char *text)
 	}
 }
 
-static enum eco_code read_library(struct eco_obj *o, const char *names)
-{
-	char **slot = append(&o->libraries, sizeof *slot);
-	if (!slot || !(*slot = strdup(names)))
-		return no_memory(o);
-	return ECO_OK;
-}
-
 static enum eco_code read_line(struct eco_obj *o, char *line)
 {
 	char *rest = line + strcspn(line, " \t"), *key = line;
@@ -324,8 +249,7 @@ static enum eco_code read_line(struct eco_obj *o, char *line)
 	if (strcmp(key, "l") == 0 || strcmp(key, "p") == 0) {
 		o->loose++;
 	} else if (strcmp(key, "usemtl") == 0) {
-		o->material = name_number(&o->materials, rest, ECO_MODEL_MATERIALS_MAX - ECO_TINTS_MAX);
-		return o->material == ECO_NONE ? no_memory(o) : ECO_OK;
+		return number_name(o, &o->materials, rest, ECO_MODEL_MATERIALS_MAX - ECO_TINTS_MAX, &o->material);
 	} else if (strcmp(key, "o") == 0) {
 		snprintf(o->object, sizeof o->object, "%s", rest);
 		o->group[0] = 0;
@@ -334,7 +258,8 @@ static enum eco_code read_line(struct eco_obj *o, char *line)
 		snprintf(o->group, sizeof o->group, "%s", rest);
 		o->part = ECO_NONE;
 	} else if (strcmp(key, "mtllib") == 0) {
-		return read_library(o, rest);
+		uint32_t library;
+		return number_name(o, &o->libraries, rest, ECO_NONE, &library);
 	}
 	return ECO_OK;
 }
@@ -347,16 +272,13 @@ static enum eco_code read_text(struct eco_obj *o)
 		code = read_line(o, line);
 	if (code)
 		return code;
-	if (o->place.count >= ECO_NONE)
-		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: %zu vertices", o->text.path,
-			o->place.count);
-	if (o->place.count == 0 && o->faces.count == 0)
+	if (o->place_count == 0 && o->face_count == 0)
 		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: no vertices in it: not a Wavefront OBJ "
 			"file, or an empty one", o->text.path);
-	if (o->faces.count == 0)
-		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %zu vertices and "
+	if (o->face_count == 0)
+		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %u vertices and "
 			"%llu points or lines; a point cloud has no surfaces: make a mesh of it first",
-			o->text.path, o->place.count, (unsigned long long)o->loose);
+			o->text.path, o->place_count, (unsigned long long)o->loose);
 	return ECO_OK;
 }
 
@@ -364,16 +286,14 @@ static enum eco_code read_text(struct eco_obj *o)
 
 static void free_obj(struct eco_obj *o)
 {
-	for (size_t i = 0; i < o->libraries.count; i++)
-		free(((char **)o->libraries.items)[i]);
-	free(o->libraries.items);
-	free(o->place.items);
-	free(o->color.items);
-	free(o->uv.items);
-	free(o->corners.items);
-	free(o->faces.items);
-	free_names(&o->materials);
-	free_names(&o->parts);
+	free(o->place);
+	free(o->color);
+	free(o->uv);
+	free(o->corners);
+	free(o->faces);
+	eco_string_pool_free(&o->materials);
+	eco_string_pool_free(&o->parts);
+	eco_string_pool_free(&o->libraries);
 }
 
 /* Skips a byte order mark; refuses binary files. */

@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "ecofiles/base/string_pool.h"
 #include "ecofiles/import/model/import_model.h"
 
 /* ---- Lines and words of a text in memory, which is cut up in place ---- */
@@ -51,13 +52,6 @@ void eco_mtl_free(struct eco_mtl *mtl);
 
 /* ---- An OBJ file's content ---- */
 
-struct eco_obj_array { void *items; size_t count, room; };
-
-struct eco_obj_names {                   /* names by number, found by hash */
-	char **items;
-	uint32_t count, mask, *table;
-};
-
 struct eco_obj_corner { uint32_t v, vt; };   /* ECO_NONE: not given, or missing */
 struct eco_obj_face { uint32_t first, material, part; };     /* its corners end where the next face begins */
 
@@ -65,12 +59,12 @@ struct eco_obj {
 	struct eco_obj_text text;
 	struct eco_error *error;
 	struct eco_notes *notes;
-	struct eco_obj_array place;  /* double[3] */
-	struct eco_obj_array color;  /* float[3] per vertex up to the last that has one; r < 0: none */
-	struct eco_obj_array uv;     /* float[2] */
-	struct eco_obj_array corners, faces;
-	struct eco_obj_names materials, parts;
-	struct eco_obj_array libraries;      /* char * */
+	double (*place)[3];          uint32_t place_count, place_room;
+	float (*color)[3];           uint32_t color_count, color_room;   /* of the first vertices; r < 0: none */
+	float (*uv)[2];              uint32_t uv_count, uv_room;
+	struct eco_obj_corner *corners;      uint32_t corner_count, corner_room;
+	struct eco_obj_face *faces;  uint32_t face_count, face_room;
+	struct eco_string_pool materials, parts, libraries;
 	uint32_t material, part, triangles_max;
 	uint64_t triangles, loose;
 	char object[256], group[256];

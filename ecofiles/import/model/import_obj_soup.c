@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "ecofiles/base/polygon.h"
+#include "ecofiles/base/random.h"
 
 #define ALPHA_SLACK 1e-3
 #define GREY 0.6                     /* colour without a material, as sRGB */
@@ -32,86 +33,68 @@ struct maker {
 	uint32_t *split;
 };
 
-static const struct eco_obj_face *faces_of(const struct eco_obj *o)
-{
-	return o->faces.items;
-}
-
 /* Corners of face f: [*first, end). */
-static const struct eco_obj_corner *corners_of(const struct eco_obj *o, size_t f, uint32_t *n)
+static const struct eco_obj_corner *corners_of(const struct eco_obj *o, uint32_t f, uint32_t *n)
 {
-	size_t first = faces_of(o)[f].first, end = f + 1 < o->faces.count ? faces_of(o)[f + 1].first
-		: o->corners.count;
-	*n = (uint32_t)(end - first);
-	return (const struct eco_obj_corner *)o->corners.items + first;
+	uint32_t first = o->faces[f].first, end = f + 1 < o->face_count ? o->faces[f + 1].first : o->corner_count;
+	*n = end - first;
+	return o->corners + first;
 }
 
 static const double *place_of(const struct eco_obj *o, uint32_t v)
 {
-	return v < o->place.count ? (const double *)o->place.items + (size_t)v * 3 : NULL;
+	return v < o->place_count ? o->place[v] : NULL;
 }
 
 /* ---- Materials ---- */
 
-/* A line names one library, whose name may have spaces, or several. */
-static enum eco_code read_library(struct maker *m, char *names)
+static enum eco_code read_library(struct maker *m, const char *name, bool *found)
 {
-	const struct eco_obj *o = m->obj;
 	char path[4096];
-	if (eco_model_find_beside(o->text.path, names, path, sizeof path))
-		return eco_mtl_read(&m->mtl, path, o->error);
-	if (!strpbrk(names, " \t")) {
-		eco_note(o->notes, "its library of materials %.200s is not there: its materials have no "
-			"colour", names);
-		return ECO_OK;
-	}
-	for (char *name, *rest = names; (name = strsep(&rest, " \t"));) {
-		enum eco_code code = ECO_OK;
-		if (*name == 0)
-			continue;
-		if (eco_model_find_beside(o->text.path, name, path, sizeof path))
-			code = eco_mtl_read(&m->mtl, path, o->error);
-		else
-			eco_note(o->notes, "its library of materials %.200s is not there: its materials "
-				"have no colour", name);
-		if (code)
-			return code;
-	}
-	return ECO_OK;
+	*found = eco_model_find_beside(m->obj->text.path, name, path, sizeof path);
+	return *found ? eco_mtl_read(&m->mtl, path, m->obj->error) : ECO_OK;
 }
 
-/* If no library is named or found, tries the one with the model's name. */
+/* A line names one library, whose name may have spaces, or several. If none is named or found, tries the one
+ * with the model's name. */
 static enum eco_code read_libraries(struct maker *m)
 {
 	const struct eco_obj *o = m->obj;
-	const char *dot = strrchr(o->text.path, '.');
-	char path[4096];
+	const char *file = eco_path_last(o->text.path), *dot = strrchr(file, '.');
+	char own[300];
+	bool found = true;
 	enum eco_code code = ECO_OK;
-	for (size_t i = 0; i < o->libraries.count && code == ECO_OK; i++)
-		code = read_library(m, ((char **)o->libraries.items)[i]);
-	if (code != ECO_OK || m->mtl.count > 0 || !dot
-		|| snprintf(path, sizeof path, "%.*s.mtl", (int)(dot - o->text.path), o->text.path)
-		>= (int)sizeof path || !eco_model_find_beside(o->text.path, eco_path_last(path), path,
-		sizeof path))
+	for (uint32_t i = 0; i < o->libraries.count && !code; i++) {
+		char *rest = o->libraries.items[i];
+		code = read_library(m, rest, &found);
+		for (char *name; !found && !code && (name = strsep(&rest, " \t"));) {
+			bool there = true;
+			code = *name ? read_library(m, name, &there) : ECO_OK;
+			if (!there)
+				eco_note(o->notes, "its library of materials %.200s is not there: its materials "
+					"have no colour", name);
+		}
+	}
+	if (code || m->mtl.count > 0 || !dot)
 		return code;
-	if (o->libraries.count > 0)
-		eco_note(o->notes, "%.200s stands in for it", eco_path_last(path));
-	return eco_mtl_read(&m->mtl, path, o->error);
+	snprintf(own, sizeof own, "%.*s.mtl", (int)(dot - file), file);
+	code = read_library(m, own, &found);
+	if (found && o->libraries.count > 0)
+		eco_note(o->notes, "%.200s stands in for it", own);
+	return code;
 }
 
 static void note_unknown(const struct maker *m)
 {
 	const struct eco_obj *o = m->obj;
 	char names[300] = "";
-	size_t used = 0;
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < o->materials.count; i++) {
 		const char *name = o->materials.items[i];
 		if (m->of[i] || *name == 0 || strcasecmp(name, "none") == 0 || strcmp(name, "(null)") == 0)
 			continue;
-		if (count++ < 8 && used + strlen(name) + 3 < sizeof names)
-			used += (size_t)snprintf(names + used, sizeof names - used, "%s%s",
-				used > 0 ? ", " : "", name);
+		count++;
+		eco_phrase_add(names, sizeof names, name);
 	}
 	if (count > 0)
 		eco_note(o->notes, "%u of its materials are in no library (%s): they have no colour", count,
@@ -131,8 +114,8 @@ static void make_material(struct maker *m, uint32_t i, struct eco_images *images
 	struct eco_material *to = &m->model->materials[i];
 	snprintf(to->name, sizeof to->name, "%.63s", m->obj->materials.items[i]);
 	to->image = ECO_NONE;
-	memset(to->rgb, m->obj->color.count > 0 && (!from || !from->has_color) ? 255 : (int)(GREY * 255), 3);
-	to->colourless = m->obj->color.count == 0 && (!from || (!from->has_color && !from->texture));
+	memset(to->rgb, m->obj->color_count > 0 && (!from || !from->has_color) ? 255 : (int)(GREY * 255), 3);
+	to->colourless = m->obj->color_count == 0 && (!from || (!from->has_color && !from->texture));
 	for (int k = 0; k < 3 && from && from->has_color; k++)
 		to->rgb[k] = byte_of(m, from->rgb[k]);
 	if (!from || m->invisible[i] || !from->texture)
@@ -147,7 +130,7 @@ static void make_material(struct maker *m, uint32_t i, struct eco_images *images
 	/* the map replaces the colour, whatever exporters leave there (0.8, 0.64, 0) */
 	if (to->image != ECO_NONE)
 		memset(to->rgb, 255, 3);
-	else if (m->obj->color.count == 0)
+	else if (m->obj->color_count == 0)
 		eco_material_lost_picture(to);
 }
 
@@ -190,7 +173,7 @@ static struct eco_obj_corner key_of(struct maker *m, struct eco_obj_corner c, ui
 	*transform = ECO_NONE;
 	if (m->model->materials[material].image == ECO_NONE)
 		c.vt = ECO_NONE;
-	if (c.vt != ECO_NONE && c.vt >= m->obj->uv.count) {
+	if (c.vt != ECO_NONE && c.vt >= m->obj->uv_count) {
 		m->missing_uv++;
 		c.vt = ECO_NONE;
 	}
@@ -204,7 +187,7 @@ static struct eco_obj_corner key_of(struct maker *m, struct eco_obj_corner c, ui
 static void set_uv(const struct maker *m, struct eco_obj_corner c, uint32_t transform, float uv[2])
 {
 	static const float none[2] = { 0, 1 };
-	const float *from = c.vt != ECO_NONE ? (const float *)m->obj->uv.items + (size_t)c.vt * 2 : none;
+	const float *from = c.vt != ECO_NONE ? m->obj->uv[c.vt] : none;
 	double u = from[0], v = from[1];
 	if (transform != ECO_NONE) {
 		u = u * m->of[transform]->uv_scale[0] + m->of[transform]->uv_offset[0];
@@ -223,11 +206,7 @@ static uint32_t vertex_of(struct maker *m, struct eco_obj_corner corner, uint32_
 	if (!place)
 		return ECO_NONE;
 	struct eco_obj_corner key = key_of(m, corner, material, &transform);
-	uint64_t h = (key.v * 0x9e3779b97f4a7c15u) ^ (key.vt * 0xc2b2ae3d27d4eb4fu)
-		^ (transform * 0x165667b19e3779f9u);
-	h ^= h >> 29;
-	h *= 0xbf58476d1ce4e5b9u;
-	for (slot = (uint32_t)(h >> 32) & m->mask; (v = m->table[slot]) != ECO_NONE;
+	for (slot = eco_random_slot(key.v, key.vt, transform) & m->mask; (v = m->table[slot]) != ECO_NONE;
 			slot = (slot + 1) & m->mask)
 		if (m->key[v].v == key.v && m->key[v].vt == key.vt && m->transform[v] == transform)
 			return v;
@@ -244,8 +223,7 @@ static uint32_t vertex_of(struct maker *m, struct eco_obj_corner corner, uint32_
 
 static void color_of(const struct maker *m, uint32_t v, float rgb[3])
 {
-	const float *color = v < m->obj->color.count ? (const float *)m->obj->color.items + (size_t)v * 3
-		: NULL;
+	const float *color = v < m->obj->color_count ? m->obj->color[v] : NULL;
 	for (int k = 0; k < 3; k++)
 		rgb[k] = color && color[0] >= 0 ? color[k] * m->color_scale : (float)GREY;
 }
@@ -257,15 +235,15 @@ static void byte_color(const double rgb[3], double share, uint8_t to[3])
 }
 
 /* The one material of the run [first, end); ECO_NONE: vertex colours make several. */
-static uint32_t run_material(struct maker *m, size_t first, size_t end)
+static uint32_t run_material(struct maker *m, uint32_t first, uint32_t end)
 {
-	uint32_t material = faces_of(m->obj)[first].material;
+	uint32_t material = m->obj->faces[first].material;
 	double sum[3] = { 0, 0, 0 }, low[3] = { 1, 1, 1 }, high[3] = { 0, 0, 0 }, count = 0;
 	bool one = true;
 	uint8_t rgb[3];
-	if (m->obj->color.count == 0)
+	if (m->obj->color_count == 0)
 		return material;
-	for (size_t f = first; f < end; f++) {
+	for (uint32_t f = first; f < end; f++) {
 		uint32_t n;
 		const struct eco_obj_corner *c = corners_of(m->obj, f, &n);
 		for (uint32_t i = 0; i < n; i++, count++) {
@@ -326,9 +304,9 @@ static void split_face(struct maker *m, const struct eco_obj_corner *c, uint32_t
 	}
 }
 
-static void add_face(struct maker *m, size_t f, uint32_t whole)
+static void add_face(struct maker *m, uint32_t f, uint32_t whole)
 {
-	const struct eco_obj_face *face = &faces_of(m->obj)[f];
+	const struct eco_obj_face *face = &m->obj->faces[f];
 	struct eco_model *to = m->model;
 	uint32_t n;
 	const struct eco_obj_corner *c = corners_of(m->obj, f, &n);
@@ -347,22 +325,22 @@ static void add_face(struct maker *m, size_t f, uint32_t whole)
 static void add_faces(struct maker *m)
 {
 	const struct eco_obj *o = m->obj;
-	size_t end;
-	for (size_t first = 0; first < o->faces.count; first = end) {
-		const struct eco_obj_face *face = &faces_of(o)[first];
+	uint32_t end;
+	for (uint32_t first = 0; first < o->face_count; first = end) {
+		const struct eco_obj_face *face = &o->faces[first];
 		uint32_t whole, n;
-		for (end = first; end < o->faces.count && faces_of(o)[end].material == face->material
-				&& faces_of(o)[end].part == face->part; end++)
+		for (end = first; end < o->face_count && o->faces[end].material == face->material
+				&& o->faces[end].part == face->part; end++)
 			;
 		if (m->invisible[face->material]) {
-			for (size_t f = first; f < end; f++) {
+			for (uint32_t f = first; f < end; f++) {
 				corners_of(o, f, &n);
 				m->hidden += n - 2;
 			}
 			continue;
 		}
 		whole = run_material(m, first, end);
-		for (size_t f = first; f < end; f++)
+		for (uint32_t f = first; f < end; f++)
 			add_face(m, f, whole);
 	}
 	m->model->triangles_in = (uint32_t)o->triangles;
@@ -377,8 +355,8 @@ static void find_base(struct maker *m)
 	const struct eco_obj *o = m->obj;
 	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
 	float most = 0;
-	for (size_t i = 0; i < o->corners.count; i++) {
-		const double *p = place_of(o, ((const struct eco_obj_corner *)o->corners.items)[i].v);
+	for (uint32_t i = 0; i < o->corner_count; i++) {
+		const double *p = place_of(o, o->corners[i].v);
 		for (int k = 0; k < 3 && p && isfinite(p[0] + p[1] + p[2]); k++) {
 			low[k] = fmin(low[k], p[k]);
 			high[k] = fmax(high[k], p[k]);
@@ -386,8 +364,8 @@ static void find_base(struct maker *m)
 	}
 	if (low[0] <= high[0])
 		eco_model_choose_base(low, high, m->base);
-	for (size_t i = 0; i < o->color.count * 3; i++)
-		most = fmaxf(most, ((const float *)o->color.items)[i]);
+	for (size_t i = 0; i < 3 * (size_t)o->color_count; i++)
+		most = fmaxf(most, o->color[i / 3][i % 3]);
 	m->color_scale = most > 1.5f ? 1 / 255.0f : 1;
 }
 
@@ -395,20 +373,14 @@ static bool take_memory(struct maker *m)
 {
 	const struct eco_obj *o = m->obj;
 	struct eco_model *to = m->model;
-	size_t triangles = (size_t)o->triangles, vertices = o->corners.count, table = 16;
-	while (table < vertices * 2)
-		table *= 2;
+	size_t triangles = (size_t)o->triangles, vertices = o->corner_count;
 	bool good = eco_model_reserve(to, vertices, triangles, o->parts.count);
 	m->key = malloc((vertices + 1) * sizeof *m->key);
 	m->transform = malloc((vertices + 1) * sizeof *m->transform);
-	m->table = malloc(table * sizeof *m->table);
-	m->mask = (uint32_t)(table - 1);
+	m->table = model_table_new(vertices, &m->mask);
 	m->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *m->corners);
 	m->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *m->split);
-	if (m->table)
-		memset(m->table, 0xff, table * sizeof *m->table);
-	return good && m->key
-		&& m->transform && m->table && m->corners && m->split && eco_tints_start(&m->tints, to);
+	return good && m->key && m->transform && m->table && m->corners && m->split && eco_tints_start(&m->tints, to);
 }
 
 static void tell(const struct maker *m)

@@ -28,8 +28,6 @@ struct model_clean {
 	uint8_t *why;                /* per triangle, for model_drop */
 };
 
-/* A hash table for `entries` numbers by open addressing; free slots are ECO_NONE. NULL when memory ran out. */
-uint32_t *model_table_new(uint64_t entries, uint32_t *mask);
 /* Keeps the triangles whose `why` is ECO_DROP_COUNT; counts the others. */
 void model_drop(struct eco_model *model, const uint8_t *why);
 /* Applies the first rule that fits each triangle: drops and counts it (ECO_DROP_LEFT_OUT), or sets
