@@ -11,8 +11,6 @@
 
 #include "ecofiles/format/image.h"
 
-#define ALPHA_SLACK 1e-3          /* alpha equal to the cutoff is opaque, whatever the rounding */
-
 struct reader {
 	const struct aiScene *scene;
 	bool linear_colors;          /* Blender's materials are linear, except in PLY, which has none */
@@ -111,9 +109,7 @@ bool assimp_has_picture(const struct aiMaterial *material)
 
 static uint8_t byte_of(bool linear, float value)
 {
-	if (linear)
-		return eco_srgb_from_linear(isfinite(value) ? value : 0.6);
-	return value > 0 ? value < 1 ? (uint8_t)(value * 255 + 0.5f) : 255 : 0;
+	return !linear ? eco_byte_from_share(value) : eco_srgb_from_linear(isfinite(value) ? value : 0.6);
 }
 
 static void name_of(const struct aiMaterial *from, char name[64])
@@ -129,7 +125,7 @@ static void judge_alpha(const struct reader *r, uint32_t index, bool *invisible)
 {
 	struct aiColor4D color;
 	color_of(r->scene->mMaterials[index], &color);
-	*invisible = color.a * 255 + ALPHA_SLACK < 127.5;
+	*invisible = !eco_alpha_shows(color.a);
 }
 
 /* False if the material names a picture that cannot be read. */
@@ -145,7 +141,7 @@ static bool read_image(struct reader *r, const struct aiMaterial *from, struct e
 	mask = texture_name(from, aiTextureType_OPACITY, NULL);
 	wanted.texture = texture;
 	wanted.opacity = mask && strcmp(mask, texture) != 0 ? mask : NULL;
-	if (opacity * 255 + ALPHA_SLACK >= 127.5)
+	if (eco_alpha_shows(opacity))
 		wanted.gain = opacity;
 	to->image = eco_images_get(&r->images, &wanted, &to->cutout);
 	free(texture);

@@ -15,7 +15,6 @@
 
 #define PLY_HEAD_BYTES 65536u
 #define NODES_MAX (1u << 20)
-#define COARSE 1e-4                  /* share of the extent: a coarser rounding of coordinates is reported */
 
 /* ---- The walk ---- */
 
@@ -87,73 +86,38 @@ static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct
 	}
 }
 
-static uint8_t color_byte(float value)
+static void add_color(const struct aiMesh *mesh, unsigned v, struct eco_vertex_colors *colors)
 {
-	if (!isfinite(value))
-		return 255;
-	return value > 0 ? value < 1 ? (uint8_t)(value * 255 + 0.5f) : 255 : 0;
-}
-
-static void mean_color(const struct aiColor4D *colors, const unsigned *v, uint8_t rgb[3])
-{
-	float sum[3] = { 0, 0, 0 };
-	for (int c = 0; c < 3; c++) {
-		sum[0] += colors[v[c]].r / 3;
-		sum[1] += colors[v[c]].g / 3;
-		sum[2] += colors[v[c]].b / 3;
-	}
-	for (int k = 0; k < 3; k++)
-		rgb[k] = color_byte(sum[k]);
-}
-
-static bool one_color(const struct aiMesh *mesh)
-{
-	const struct aiColor4D *c = mesh->mColors[0];
-	for (unsigned i = 1; i < mesh->mNumVertices; i++)
-		if (fabsf(c[i].r - c[0].r) > 0.02f || fabsf(c[i].g - c[0].g) > 0.02f
-				|| fabsf(c[i].b - c[0].b) > 0.02f)
-			return false;
-	return true;
+	const struct aiColor4D *c = &mesh->mColors[0][v];
+	eco_vertex_colors_add(colors, (const float[3]){ c->r, c->g, c->b });
 }
 
 /* The one material of all the mesh's triangles; ECO_NONE: vertex colours make several. Beside a picture they
  * are no colours: games keep there how far wind moves a leaf. */
 static uint32_t mesh_material(struct soup *s, const struct aiMesh *mesh)
 {
-	const struct aiColor4D *colors = mesh->mColors[0];
-	double sum[3] = { 0, 0, 0 };
-	uint8_t rgb[3];
-	if (!colors || mesh->mNumVertices == 0)
-		return mesh->mMaterialIndex;
-	if (assimp_has_picture(s->scene->mMaterials[mesh->mMaterialIndex])) {
-		s->weighted++;
-		return mesh->mMaterialIndex;
-	}
-	if (!one_color(mesh))
-		return ECO_NONE;
-	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
-		sum[0] += colors[i].r;
-		sum[1] += colors[i].g;
-		sum[2] += colors[i].b;
-	}
-	for (int k = 0; k < 3; k++)
-		rgb[k] = color_byte((float)(sum[k] / mesh->mNumVertices));
-	return eco_tints_get(&s->tints, mesh->mMaterialIndex, rgb);
+	struct eco_vertex_colors colors = { .count = 0 };
+	uint32_t averaged = 0;
+	bool weights = mesh->mColors[0] && mesh->mNumVertices > 0
+		&& assimp_has_picture(s->scene->mMaterials[mesh->mMaterialIndex]);
+	s->weighted += weights;
+	for (unsigned i = 0; i < mesh->mNumVertices && mesh->mColors[0] && !weights; i++)
+		add_color(mesh, i, &colors);
+	return eco_tints_get_whole(&s->tints, mesh->mMaterialIndex, &colors, false, &averaged);
 }
 
-/* The material of a triangle: `whole`, or the mesh's with the mean of three vertex colours, in eight steps
- * a channel. */
+/* The material of a triangle: `whole`, or the mesh's with the mean of three vertex colours. */
 static uint32_t face_material(struct soup *s, const struct aiMesh *mesh, const unsigned *v, uint32_t whole)
 {
-	uint8_t rgb[3];
+	struct eco_vertex_colors colors = { .count = 0 };
 	if (whole != ECO_NONE)
 		return whole;
-	for (int c = 0; c < 3; c++)
+	for (int c = 0; c < 3; c++) {
 		if (v[c] >= mesh->mNumVertices)
 			return mesh->mMaterialIndex;
-	mean_color(mesh->mColors[0], v, rgb);
-	eco_tint_step(rgb);
-	return eco_tints_get(&s->tints, mesh->mMaterialIndex, rgb);
+		add_color(mesh, v[c], &colors);
+	}
+	return eco_tints_get_step(&s->tints, mesh->mMaterialIndex, &colors, false);
 }
 
 static void add_triangle(struct soup *s, const struct aiMesh *mesh, const unsigned v[3], uint32_t whole)
@@ -167,25 +131,18 @@ static void add_triangle(struct soup *s, const struct aiMesh *mesh, const unsign
 	m->material[m->triangle_count++] = face_material(s, mesh, v, whole);
 }
 
-/* A polygon with a missing or infinite corner has no shape: a fan keeps its count of triangles, and the
- * bad ones are dropped later. */
 static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct aiFace *face, uint32_t whole)
 {
 	unsigned n = face->mNumIndices;
-	uint32_t *triangles = s->split + n;
-	bool sound = true;
 	for (unsigned i = 0; i < n; i++) {
-		const struct aiVector3D *p = face->mIndices[i] < mesh->mNumVertices
-			? &mesh->mVertices[face->mIndices[i]] : NULL;
-		sound = sound && p && isfinite(p->x) && isfinite(p->y) && isfinite(p->z);
-		s->corners[i * 3] = sound ? p->x : 0;
-		s->corners[i * 3 + 1] = sound ? p->y : 0;
-		s->corners[i * 3 + 2] = sound ? p->z : 0;
+		bool there = face->mIndices[i] < mesh->mNumVertices;
+		const struct aiVector3D *p = &mesh->mVertices[there ? face->mIndices[i] : 0];
+		const double place[3] = { p->x, p->y, there ? p->z : NAN };
+		memcpy(&s->corners[3 * i], place, sizeof place);
 	}
-	if (sound)
-		eco_polygon_split(s->corners, n, s->split, triangles);
+	eco_model_split(s->corners, n, s->split);
 	for (unsigned i = 0; i + 2 < n; i++) {
-		const uint32_t fan[3] = { 0, i + 1, i + 2 }, *t = sound ? &triangles[i * 3] : fan;
+		const uint32_t *t = s->split + n + 3 * i;
 		const unsigned v[3] = { face->mIndices[t[0]], face->mIndices[t[1]], face->mIndices[t[2]] };
 		add_triangle(s, mesh, v, whole);
 	}
@@ -201,27 +158,6 @@ static size_t plain_name(const char *name)
 	return helper ? (size_t)(helper - name) : strlen(name);
 }
 
-/* NODE, MESH or NODE/MESH: some programs show one, some the other. */
-static void add_part(struct soup *s, const struct aiNode *node, const struct aiMesh *mesh)
-{
-	struct eco_model *m = s->model;
-	size_t of_node = plain_name(node->mName.data), of_mesh = plain_name(mesh->mName.data);
-	bool both = of_node > 0 && of_mesh > 0
-		&& (of_node != of_mesh || memcmp(node->mName.data, mesh->mName.data, of_node) != 0);
-	struct eco_part part = { .name = "" };
-	if (both)
-		snprintf(part.name, sizeof part.name, "%.*s/%.*s", (int)of_node, node->mName.data,
-			(int)of_mesh, mesh->mName.data);
-	else if (of_node > 0)
-		snprintf(part.name, sizeof part.name, "%.*s", (int)of_node, node->mName.data);
-	else
-		snprintf(part.name, sizeof part.name, "%.*s", (int)of_mesh, mesh->mName.data);
-	if (m->part_count == 0
-			|| (m->part_count < ECO_MODEL_PARTS_MAX
-			&& strcmp(m->parts[m->part_count - 1].name, part.name) != 0))
-		m->parts[m->part_count++] = part;
-}
-
 static void add_mesh(struct soup *s, const struct aiNode *node, unsigned index,
 	const struct aiMatrix4x4 *world)
 {
@@ -234,13 +170,12 @@ static void add_mesh(struct soup *s, const struct aiNode *node, unsigned index,
 		s->hidden += triangles;
 		return;
 	}
-	add_part(s, node, mesh);
+	eco_model_add_part(m, node->mName.data, plain_name(node->mName.data), mesh->mName.data,
+		plain_name(mesh->mName.data));
 	uint32_t whole = mesh_material(s, mesh);
 	add_vertices(s, mesh, world);
 	for (unsigned i = 0; i < mesh->mNumFaces; i++)
-		if (mesh->mFaces[i].mNumIndices == 3)
-			add_triangle(s, mesh, mesh->mFaces[i].mIndices, whole);
-		else if (mesh->mFaces[i].mNumIndices > 3)
+		if (mesh->mFaces[i].mNumIndices >= 3)
 			add_polygon(s, mesh, &mesh->mFaces[i], whole);
 	m->vertex_count += mesh->mNumVertices;
 }
@@ -283,7 +218,7 @@ static bool walk(const struct aiScene *scene, visit_mesh *visit, void *ctx)
 struct totals {
 	const struct soup *soup;
 	uint64_t vertices, triangles, meshes;
-	double low[3], high[3];
+	struct eco_bounds bounds;
 	/* largest coordinate of a vertex, which assimp holds in single precision */
 	double far;
 };
@@ -299,15 +234,10 @@ static void count_mesh(void *ctx, const struct aiNode *node, unsigned index, con
 	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
 		double place[3];
 		transform(t->soup, world, &mesh->mVertices[i], place);
-		if (!isfinite(place[0]) || !isfinite(place[1]) || !isfinite(place[2]))
+		if (!isfinite(place[0] + place[1] + place[2]))
 			continue;
-		for (int k = 0; k < 3; k++) {
-			t->low[k] = fmin(t->low[k], place[k]);
-			t->high[k] = fmax(t->high[k], place[k]);
-		}
-		t->far =
-			fmax(t->far,
-			fmax(fabs((double)mesh->mVertices[i].x),
+		eco_bounds_add(&t->bounds, place);
+		t->far = fmax(t->far, fmax(fabs((double)mesh->mVertices[i].x),
 			fmax(fabs((double)mesh->mVertices[i].y), fabs((double)mesh->mVertices[i].z))));
 	}
 }
@@ -344,28 +274,17 @@ static bool take_memory(struct soup *s, const struct totals *t)
 static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max,
 	struct eco_notes *notes)
 {
-	struct totals t = { .soup = s, .low = { INFINITY, INFINITY, INFINITY },
-		.high = { -INFINITY, -INFINITY, -INFINITY } };
+	struct totals t = { .soup = s, .bounds = ECO_NO_BOUNDS };
 	const char *path = s->path;
-	double extent = 0;
 	if (!walk(s->scene, count_mesh, &t))
 		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: no nodes, or more than %u", path,
 			NODES_MAX);
 	enum eco_code code = check_totals(&t, path, triangles_max, s->error);
 	if (code)
 		return code;
-	if (t.low[0] <= t.high[0]) {
-		double more[3];
-		eco_model_choose_base(t.low, t.high, more);
-		for (int k = 0; k < 3; k++) {
-			frame->base[k] = more[k];
-			extent = fmax(extent, t.high[k] - t.low[k]);
-		}
-	}
-	if (t.far * 0x1p-24 > extent * COARSE)
-		eco_note(notes, "its coordinates are up to %g from the origin, in single precision, and so "
-			"only exact to %.2g of their unit: export it "
-			"with a local origin", t.far, t.far * 0x1p-24);
+	if (t.bounds.low[0] <= t.bounds.high[0])
+		eco_model_choose_base(&t.bounds, frame->base);
+	eco_note_coarse(notes, t.far, eco_bounds_extent(&t.bounds));
 	if (!take_memory(s, &t))
 		return eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles", path,
 			(unsigned long long)t.triangles);

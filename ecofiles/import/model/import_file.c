@@ -241,22 +241,3 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 			code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: %s", path, others[i].says);
 	return code;
 }
-
-/* ---- Far from the origin ---- */
-
-#define NEAR 16.0                /* times the extent: floats then still resolve a millionth of it */
-
-void eco_model_choose_base(const double low[3], const double high[3], double base[3])
-{
-	double extent = 0, far = 0;
-	for (int k = 0; k < 3; k++) {
-		extent = high[k] - low[k] > extent ? high[k] - low[k] : extent;
-		far = high[k] > far ? high[k] : far;
-		far = -low[k] > far ? -low[k] : far;
-	}
-	for (int k = 0; k < 3; k++) {
-		double middle = (low[k] + high[k]) / 2;
-		base[k] = far > NEAR * extent && middle > -1e15 && middle < 1e15 ? (double)(int64_t)middle
-			: 0;
-	}
-}

@@ -14,9 +14,6 @@
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/array_grow.h"
 
-#define COARSE 1e-4                  /* share of the extent: a coarser rounding of coordinates is reported */
-#define ONE_COLOR 0.02f
-
 struct piece {                       /* a primitive, read */
 	struct gltf_surface surface;
 	uint32_t whole;              /* one material for all; ECO_NONE: vertex colours differ */
@@ -244,7 +241,7 @@ static void place_vertex(const struct gltf_surface *surface, uint32_t v, const s
 	out[2] = world[1];
 }
 
-struct bounds { double low[3], high[3], far; };
+struct reach { struct eco_bounds bounds; double far; };
 
 static double largest_scale(const double m[16])
 {
@@ -253,23 +250,6 @@ static double largest_scale(const double m[16])
 		most = fmax(most, m[c * 4] * m[c * 4] + m[c * 4 + 1] * m[c * 4 + 1]
 			+ m[c * 4 + 2] * m[c * 4 + 2]);
 	return sqrt(most);
-}
-
-static void bound_surface(struct bounds *b, const struct gltf_surface *surface, const struct place *place,
-	const struct gltf_skin *skin)
-{
-	if (!skin)
-		b->far = fmax(b->far, surface->far * largest_scale(place->world));
-	for (uint32_t v = 0; v < surface->vertex_count; v++) {
-		double at[3];
-		place_vertex(surface, v, place, skin, at);
-		if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2]))
-			continue;
-		for (int k = 0; k < 3; k++) {
-			b->low[k] = fmin(b->low[k], at[k]);
-			b->high[k] = fmax(b->high[k], at[k]);
-		}
-	}
 }
 
 /* Calls act(s, surface, ...) for every piece of every place. */
@@ -293,77 +273,51 @@ static enum eco_code for_all(struct soup *s, act_on *act, void *ctx)
 static enum eco_code measure(struct soup *s, void *ctx, const struct piece *piece, const struct place *place,
 	const struct gltf_skin *skin)
 {
-	bound_surface(ctx, &piece->surface, place, skin);
-	s->vertices += piece->surface.vertex_count;
+	const struct gltf_surface *surface = &piece->surface;
+	struct reach *r = ctx;
+	if (!skin)
+		r->far = fmax(r->far, surface->far * largest_scale(place->world));
+	for (uint32_t v = 0; v < surface->vertex_count; v++) {
+		double at[3];
+		place_vertex(surface, v, place, skin, at);
+		eco_bounds_add(&r->bounds, at);
+	}
+	s->vertices += surface->vertex_count;
 	return ECO_OK;
 }
 
 static enum eco_code choose_base(struct soup *s)
 {
-	struct bounds b = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY }, 0 };
-	double extent = 0;
-	enum eco_code code = for_all(s, measure, &b);
-	if (code != ECO_OK || b.low[0] > b.high[0])
+	struct reach r = { ECO_NO_BOUNDS, 0 };
+	enum eco_code code = for_all(s, measure, &r);
+	if (code || r.bounds.low[0] > r.bounds.high[0])
 		return code;
-	eco_model_choose_base(b.low, b.high, s->frame->base);
-	for (int k = 0; k < 3; k++)
-		extent = fmax(extent, b.high[k] - b.low[k]);
-	if (isfinite(b.far) && b.far * 0x1p-24 > extent * COARSE)
-		eco_note(s->notes, "its coordinates are up to %g from the origin, in single precision, and "
-			"so only exact to %.2g of their unit: export it "
-			"with a local origin", b.far, b.far * 0x1p-24);
+	eco_model_choose_base(&r.bounds, s->frame->base);
+	eco_note_coarse(s->notes, r.far, eco_bounds_extent(&r.bounds));
 	return ECO_OK;
 }
 
 /* ---- Colours of vertices ---- */
 
-static bool one_color(const struct gltf_surface *surface)
-{
-	const float *c = surface->color;
-	for (size_t i = 3; i < (size_t)surface->vertex_count * 3; i++)
-		if (fabsf(c[i] - c[i % 3]) > ONE_COLOR)
-			return false;
-	return true;
-}
-
-/* A textured primitive gets the mean of its colours: every further colour would need another image, and
- * would cut leaves and branches into pieces. */
 static void choose_whole(struct soup *s, struct piece *piece)
 {
 	const struct gltf_surface *surface = &piece->surface;
-	double sum[3] = { 0, 0, 0 };
-	uint8_t rgb[3];
-	piece->whole = surface->material;
-	if (!surface->color || surface->vertex_count == 0)
-		return;
-	if (!one_color(surface)) {
-		if (s->model->materials[surface->material].image == ECO_NONE) {
-			piece->whole = ECO_NONE;
-			return;
-		}
-		s->averaged++;
-	}
-	for (size_t i = 0; i < (size_t)surface->vertex_count * 3; i++)
-		sum[i % 3] += (double)surface->color[i];
-	for (int k = 0; k < 3; k++)
-		rgb[k] = eco_srgb_from_linear(sum[k] / surface->vertex_count);
-	piece->whole = eco_tints_get(&s->tints, surface->material, rgb);
+	struct eco_vertex_colors colors = { .count = 0 };
+	for (uint32_t v = 0; v < surface->vertex_count && surface->color; v++)
+		eco_vertex_colors_add(&colors, &surface->color[(size_t)v * 3]);
+	piece->whole = eco_tints_get_whole(&s->tints, surface->material, &colors, true, &s->averaged);
 }
 
 static uint32_t triangle_material(struct soup *s, const struct piece *piece, const uint32_t *v)
 {
-	const float *c = piece->surface.color;
-	uint8_t rgb[3];
+	struct eco_vertex_colors colors = { .count = 0 };
 	if (piece->whole != ECO_NONE)
 		return piece->whole;
 	if (v[0] == ECO_NONE || v[1] == ECO_NONE || v[2] == ECO_NONE)
 		return piece->surface.material;
-	for (size_t k = 0; k < 3; k++)
-		rgb[k] =
-			eco_srgb_from_linear(((double)c[(size_t)v[0] * 3 + k]
-			+ (double)c[(size_t)v[1] * 3 + k] + (double)c[(size_t)v[2] * 3 + k]) / 3);
-	eco_tint_step(rgb);
-	return eco_tints_get(&s->tints, piece->surface.material, rgb);
+	for (int k = 0; k < 3; k++)
+		eco_vertex_colors_add(&colors, &piece->surface.color[(size_t)v[k] * 3]);
+	return eco_tints_get_step(&s->tints, piece->surface.material, &colors, true);
 }
 
 /* ---- The soup ---- */
@@ -373,23 +327,6 @@ static bool take_memory(struct soup *s)
 	uint32_t parts = s->place_count < ECO_MODEL_PARTS_MAX ? s->place_count : ECO_MODEL_PARTS_MAX;
 	return eco_model_reserve(s->model, s->vertices, s->triangles, parts)
 		&& eco_tints_start(&s->tints, s->model);
-}
-
-/* NODE, MESH or NODE/MESH: some programs show one, some the other. */
-static void add_part(struct soup *s, const struct place *place)
-{
-	struct eco_model *m = s->model;
-	const char *node = eco_gltf_text(eco_gltf_item(s->doc, "nodes", place->node), "name");
-	const char *mesh = eco_gltf_text(eco_gltf_item(s->doc, "meshes", s->shapes[place->shape].mesh),
-		"name");
-	bool both = *node != 0 && *mesh != 0 && strcmp(node, mesh) != 0;
-	struct eco_part part = { .name = "" };
-	snprintf(part.name, sizeof part.name, "%s%s%s", node, both ? "/" : "", both || *node == 0 ? mesh
-		: "");
-	if (m->part_count == 0
-			|| (m->part_count < ECO_MODEL_PARTS_MAX
-			&& strcmp(m->parts[m->part_count - 1].name, part.name) != 0))
-		m->parts[m->part_count++] = part;
 }
 
 static void add_vertices(struct soup *s, const struct gltf_surface *surface, const struct place *place,
@@ -419,7 +356,9 @@ static enum eco_code add_piece(struct soup *s, void *ctx, const struct piece *pi
 		s->hidden += surface->triangle_count;
 		return ECO_OK;
 	}
-	add_part(s, place);
+	const char *node = eco_gltf_text(eco_gltf_item(s->doc, "nodes", place->node), "name"),
+		*mesh = eco_gltf_text(eco_gltf_item(s->doc, "meshes", s->shapes[place->shape].mesh), "name");
+	eco_model_add_part(m, node, strlen(node), mesh, strlen(mesh));
 	add_vertices(s, surface, place, skin);
 	for (uint32_t i = 0; i < surface->triangle_count; i++) {
 		const uint32_t *v = &surface->index[(size_t)i * 3];

@@ -13,7 +13,6 @@
 #include "ecofiles/format/image.h"
 #include "ecofiles/base/angle16.h"
 
-#define ALPHA_SLACK 1e-3          /* alpha equal to the cutoff is opaque, whatever the rounding */
 #define PI 3.14159265358979323846
 
 /* ---- JSON ---- */
@@ -56,7 +55,7 @@ static enum eco_alpha alpha_of(const json_t *material, float *gain)
 
 static bool opacity_shows(enum eco_alpha alpha, float gain, double opacity)
 {
-	return alpha == ECO_ALPHA_OPAQUE || (double)gain * opacity * 255 + ALPHA_SLACK >= 127.5;
+	return alpha == ECO_ALPHA_OPAQUE || eco_alpha_shows((double)gain * opacity);
 }
 
 /* ---- Looks ---- */

@@ -73,9 +73,27 @@ enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_f
 enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *frame, const char *path,
 	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error);
 
-/* The base to subtract from coordinates between low and high so that floats hold them: 0 unless they are
- * far from the origin for their extent. Whole numbers. */
-void eco_model_choose_base(const double low[3], const double high[3], double base[3]);
+struct eco_bounds { double low[3], high[3]; };
+#define ECO_NO_BOUNDS { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } }
+/* A place that is not finite does not count. */
+void eco_bounds_add(struct eco_bounds *bounds, const double place[3]);
+/* The greatest side; 0: nothing was added. */
+double eco_bounds_extent(const struct eco_bounds *bounds);
+/* The base to subtract from coordinates within bounds so that floats hold them: 0 unless they are far from the
+ * origin for their extent. Whole numbers. */
+void eco_model_choose_base(const struct eco_bounds *bounds, double base[3]);
+/* Notes coordinates up to `far` from the origin that single precision rounds for their extent. */
+void eco_note_coarse(struct eco_notes *notes, double far, double extent);
+
+/* Triangles of a polygon of n corners (3 coordinates each): 3 (n - 2) indices of corners, at split + n. `split`
+ * has room for 4 n. A polygon with a corner that is not finite has no shape: a fan keeps its count of triangles,
+ * and the bad ones are dropped later. */
+void eco_model_split(const double *corners, uint32_t n, uint32_t *split);
+
+/* Adds the part NODE, MESH or NODE/MESH, unless it is the last one: some programs show one name, some the
+ * other. */
+void eco_model_add_part(struct eco_model *model, const char *node, size_t node_bytes, const char *mesh,
+	size_t mesh_bytes);
 
 /* ---- Images (import_image.c) ---- */
 
@@ -144,6 +162,18 @@ bool eco_tints_start(struct eco_tints *tints, struct eco_model *model);
 uint32_t eco_tints_get(struct eco_tints *tints, uint32_t material, const uint8_t rgb[3]);
 /* Rounds a colour to eight steps a channel, which is used where vertex colours differ within a mesh. */
 void eco_tint_step(uint8_t rgb[3]);
+
+/* Vertex colours of a mesh or a triangle, added one by one; in linear light or sRGB. */
+struct eco_vertex_colors { float first[3]; double sum[3]; uint64_t count; bool differ; };
+void eco_vertex_colors_add(struct eco_vertex_colors *colors, const float rgb[3]);
+/* The material of a whole mesh, times the mean of its colours; ECO_NONE: they differ, and triangles have
+ * materials of their own. With a picture, colours that differ are averaged, and counted: every further colour
+ * would need another image, and would cut leaves and branches into pieces. */
+uint32_t eco_tints_get_whole(struct eco_tints *tints, uint32_t material, const struct eco_vertex_colors *colors,
+	bool linear, uint32_t *averaged);
+/* The material of a triangle: the mean of three colours, in steps. */
+uint32_t eco_tints_get_step(struct eco_tints *tints, uint32_t material, const struct eco_vertex_colors *colors,
+	bool linear);
 void eco_tints_end(struct eco_tints *tints);
 
 /* Pictures of which each triangle shows one colour become colours of materials, and are dropped. False when
@@ -157,6 +187,9 @@ enum eco_code eco_model_bake_tints(struct eco_model *model, const char *path, st
 	struct eco_error *error);
 
 uint8_t eco_srgb_from_linear(double linear);
+uint8_t eco_byte_from_share(double share);       /* 0 to 1; NaN is 0 */
+/* Whether a material with this alpha is drawn. */
+bool eco_alpha_shows(double alpha);
 double eco_linear_from_srgb(uint8_t srgb);
 
 /* ---- Several files (import_join.c) ---- */

@@ -12,7 +12,6 @@
 #include "ecofiles/base/polygon.h"
 #include "ecofiles/base/random.h"
 
-#define ALPHA_SLACK 1e-3
 #define GREY 0.6                     /* colour without a material, as sRGB */
 
 struct maker {
@@ -101,13 +100,6 @@ static void note_unknown(const struct maker *m)
 			names);
 }
 
-static uint8_t byte_of(const struct maker *m, double value)
-{
-	if (m->mtl.linear)
-		return eco_srgb_from_linear(value);
-	return value > 0 ? value < 1 ? (uint8_t)(value * 255 + 0.5) : 255 : 0;
-}
-
 static void make_material(struct maker *m, uint32_t i, struct eco_images *images)
 {
 	const struct eco_mtl_material *from = m->of[i];
@@ -117,12 +109,12 @@ static void make_material(struct maker *m, uint32_t i, struct eco_images *images
 	memset(to->rgb, m->obj->color_count > 0 && (!from || !from->has_color) ? 255 : (int)(GREY * 255), 3);
 	to->colourless = m->obj->color_count == 0 && (!from || (!from->has_color && !from->texture));
 	for (int k = 0; k < 3 && from && from->has_color; k++)
-		to->rgb[k] = byte_of(m, from->rgb[k]);
+		to->rgb[k] = m->mtl.linear ? eco_srgb_from_linear(from->rgb[k]) : eco_byte_from_share(from->rgb[k]);
 	if (!from || m->invisible[i] || !from->texture)
 		return;
 	const double alpha = eco_mtl_alpha(from);
 	struct eco_image_wanted wanted = { .texture = from->texture,
-		.gain = alpha * 255 + ALPHA_SLACK >= 127.5 && alpha < 1 ? (float)alpha : 1 };
+		.gain = eco_alpha_shows(alpha) && alpha < 1 ? (float)alpha : 1 };
 
 	if (from->opacity && strcmp(from->opacity, from->texture) != 0)
 		wanted.opacity = from->opacity;
@@ -153,7 +145,7 @@ static enum eco_code make_materials(struct maker *m)
 			o->text.path);
 	}
 	for (uint32_t i = 0; i < count; i++)
-		m->invisible[i] = m->of[i] && eco_mtl_alpha(m->of[i]) * 255 + ALPHA_SLACK < 127.5;
+		m->invisible[i] = m->of[i] && !eco_alpha_shows(eco_mtl_alpha(m->of[i]));
 	note_unknown(m);
 	eco_model_see_invisible(m->invisible, count, o->notes);
 	m->model->material_count = count;
@@ -221,87 +213,46 @@ static uint32_t vertex_of(struct maker *m, struct eco_obj_corner corner, uint32_
 
 /* ---- Colours of vertices ---- */
 
-static void color_of(const struct maker *m, uint32_t v, float rgb[3])
+static void add_color(const struct maker *m, uint32_t v, struct eco_vertex_colors *colors)
 {
 	const float *color = v < m->obj->color_count ? m->obj->color[v] : NULL;
+	float rgb[3];
 	for (int k = 0; k < 3; k++)
 		rgb[k] = color && color[0] >= 0 ? color[k] * m->color_scale : (float)GREY;
-}
-
-static void byte_color(const double rgb[3], double share, uint8_t to[3])
-{
-	for (int k = 0; k < 3; k++)
-		to[k] = (uint8_t)(fmin(fmax(rgb[k] * share, 0), 1) * 255 + 0.5);
+	eco_vertex_colors_add(colors, rgb);
 }
 
 /* The one material of the run [first, end); ECO_NONE: vertex colours make several. */
 static uint32_t run_material(struct maker *m, uint32_t first, uint32_t end)
 {
-	uint32_t material = m->obj->faces[first].material;
-	double sum[3] = { 0, 0, 0 }, low[3] = { 1, 1, 1 }, high[3] = { 0, 0, 0 }, count = 0;
-	bool one = true;
-	uint8_t rgb[3];
-	if (m->obj->color_count == 0)
-		return material;
-	for (uint32_t f = first; f < end; f++) {
+	struct eco_vertex_colors colors = { .count = 0 };
+	for (uint32_t f = first; f < end && m->obj->color_count; f++) {
 		uint32_t n;
 		const struct eco_obj_corner *c = corners_of(m->obj, f, &n);
-		for (uint32_t i = 0; i < n; i++, count++) {
-			float color[3];
-			color_of(m, c[i].v, color);
-			for (int k = 0; k < 3; k++) {
-				sum[k] += color[k];
-				low[k] = fmin(low[k], color[k]);
-				high[k] = fmax(high[k], color[k]);
-			}
-		}
+		for (uint32_t i = 0; i < n; i++)
+			add_color(m, c[i].v, &colors);
 	}
-	for (int k = 0; k < 3; k++)
-		one = one && high[k] - low[k] <= 0.02;
-	if (!one && m->model->materials[material].image == ECO_NONE)
-		return ECO_NONE;
-	m->averaged += !one;
-	byte_color(sum, 1 / count, rgb);
-	return eco_tints_get(&m->tints, material, rgb);
+	return eco_tints_get_whole(&m->tints, m->obj->faces[first].material, &colors, false, &m->averaged);
 }
 
 static uint32_t triangle_material(struct maker *m, const struct eco_obj_corner *c, const uint32_t t[3],
 	uint32_t material)
 {
-	double sum[3] = { 0, 0, 0 };
-	uint8_t rgb[3];
-	for (int i = 0; i < 3; i++) {
-		float color[3];
-		color_of(m, c[t[i]].v, color);
-		for (int k = 0; k < 3; k++)
-			sum[k] += color[k];
-	}
-	byte_color(sum, 1 / 3.0, rgb);
-	eco_tint_step(rgb);
-	return eco_tints_get(&m->tints, material, rgb);
+	struct eco_vertex_colors colors = { .count = 0 };
+	for (int i = 0; i < 3; i++)
+		add_color(m, c[t[i]].v, &colors);
+	return eco_tints_get_step(&m->tints, material, &colors, false);
 }
 
 /* ---- Faces ---- */
 
-/* A polygon with a missing or infinite corner has no shape: a fan keeps its count of triangles, and the
- * bad ones are dropped later. */
 static void split_face(struct maker *m, const struct eco_obj_corner *c, uint32_t n)
 {
-	uint32_t *triangles = m->split + n;
-	bool sound = n > 3;
-	for (uint32_t i = 0; i < n && sound; i++) {
-		const double *p = place_of(m->obj, c[i].v);
-		sound = p && isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
-		for (int k = 0; k < 3 && sound; k++)
-			m->corners[i * 3 + (uint32_t)k] = p[k] - m->base[k];
+	for (uint32_t i = 0; i < 3 * n; i++) {
+		const double *p = place_of(m->obj, c[i / 3].v);
+		m->corners[i] = p ? p[i % 3] - m->base[i % 3] : NAN;
 	}
-	if (sound)
-		eco_polygon_split(m->corners, n, m->split, triangles);
-	for (uint32_t i = 0; i + 2 < n && !sound; i++) {
-		triangles[i * 3] = 0;
-		triangles[i * 3 + 1] = i + 1;
-		triangles[i * 3 + 2] = i + 2;
-	}
+	eco_model_split(m->corners, n, m->split);
 }
 
 static void add_face(struct maker *m, uint32_t f, uint32_t whole)
@@ -353,17 +304,13 @@ static void add_faces(struct maker *m)
 static void find_base(struct maker *m)
 {
 	const struct eco_obj *o = m->obj;
-	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+	struct eco_bounds bounds = ECO_NO_BOUNDS;
 	float most = 0;
-	for (uint32_t i = 0; i < o->corner_count; i++) {
-		const double *p = place_of(o, o->corners[i].v);
-		for (int k = 0; k < 3 && p && isfinite(p[0] + p[1] + p[2]); k++) {
-			low[k] = fmin(low[k], p[k]);
-			high[k] = fmax(high[k], p[k]);
-		}
-	}
-	if (low[0] <= high[0])
-		eco_model_choose_base(low, high, m->base);
+	for (uint32_t i = 0; i < o->corner_count; i++)
+		if (place_of(o, o->corners[i].v))
+			eco_bounds_add(&bounds, place_of(o, o->corners[i].v));
+	if (bounds.low[0] <= bounds.high[0])
+		eco_model_choose_base(&bounds, m->base);
 	for (size_t i = 0; i < 3 * (size_t)o->color_count; i++)
 		most = fmaxf(most, o->color[i / 3][i % 3]);
 	m->color_scale = most > 1.5f ? 1 / 255.0f : 1;
