@@ -39,7 +39,7 @@ PACKAGES := gcc g++ libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-m
 	libseccomp-dev libcairo2-dev fonts-dejavu-core libcmocka-dev libzstd-dev pkg-config jq curl \
 	xz-utils help2man python3-jsonschema python3-yaml openapi-specification
 # what of these says by pkg-config where its headers are
-LIBRARIES := gdal freetype2 assimp OpenImageIO draco proj jansson libcurl epoxy egl libmicrohttpd libjpeg libpng libwebp \
+LIBRARIES := gdal assimp OpenImageIO draco proj jansson libcurl epoxy egl libmicrohttpd libjpeg libpng libwebp \
 	libxxhash libseccomp cmocka
 
 # The programs' cache is in the tree: demonstrations and tests leave the user's own cache alone.
@@ -104,7 +104,7 @@ ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server server/request $(VIEW_R
 MODULE_NAMES := assimp cairo gdal image proj
 MODULES := $(MODULE_NAMES:%=$(B)/eco%.so)
 LIBS_MODULE_assimp := -lassimp
-LIBS_MODULE_cairo := -lcairo -lfreetype
+LIBS_MODULE_cairo := -lcairo
 LIBS_MODULE_gdal := -lgdal
 LIBS_MODULE_image := -lOpenImageIO -lOpenImageIO_Util
 LIBS_MODULE_proj := -lproj

@@ -14,7 +14,7 @@
 static const struct { const char *file, *symbol, *for_what, *package; } modules[ECO_MODULE_COUNT] = {
 	[ECO_MODULE_ASSIMP] = { "ecoassimp.so", "eco_assimp_module", "models other than OBJ and glTF",
 		"libassimp5" },
-	[ECO_MODULE_CAIRO] = { "ecocairo.so", "eco_cairo_module", "maps and plots", "libcairo2" },
+	[ECO_MODULE_CAIRO] = { "ecocairo.so", "eco_cairo_module", "maps", "libcairo2" },
 	[ECO_MODULE_GDAL] = { "ecogdal.so", "eco_gdal_module", "rasters and tables with geometry",
 	"libgdal32" }, [ECO_MODULE_IMAGE] = { "ecoimage.so", "eco_image_module", "pictures",
 	"libopenimageio2.4" },

@@ -60,38 +60,14 @@ struct eco_assimp_module {               /* eco_assimp_module */
 		struct eco_error *error);
 };
 
-/* ---- ecocairo.so: pictures for people ---- */
+/* ---- ecocairo.so: maps ---- */
 
-struct eco_canvas;
-struct eco_color;
-struct eco_chart_path;
-struct eco_chart_style;
-struct eco_chart_file;
+struct map;
 
-struct eco_cairo_module {                /* eco_cairo_module: the functions of chart.h */
+struct eco_cairo_module {                /* eco_cairo_module */
 	uint32_t version;
-	enum eco_code (*open)(struct eco_canvas **canvas, uint32_t width, uint32_t height,
-		struct eco_error *error);
-	void (*close)(struct eco_canvas *canvas);
-	void (*box)(struct eco_canvas *canvas, double x, double y, double width, double height,
-		struct eco_color fill);
-	void (*frame)(struct eco_canvas *canvas, double x, double y, double width, double height, double line,
-		struct eco_color color);
-	void (*disc)(struct eco_canvas *canvas, double x, double y, double radius, struct eco_color fill);
-	void (*path)(struct eco_canvas *canvas, const struct eco_chart_path *path);
-	void (*lines)(struct eco_canvas *canvas, const double *ends, uint32_t count, double line,
-		struct eco_color color);
-	void (*pixels)(struct eco_canvas *canvas, double x, double y, uint32_t width, uint32_t height,
-		const uint8_t *pixels, bool alpha);
-	void (*clip)(struct eco_canvas *canvas, double x, double y, double width, double height);
-	void (*clip_off)(struct eco_canvas *canvas);
-	void (*text)(struct eco_canvas *canvas, double x, double y, const struct eco_chart_style *style,
-		const char *text);
-	double (*text_width)(struct eco_canvas *canvas, const struct eco_chart_style *style,
-		const char *text);
-	double (*paragraph)(struct eco_canvas *canvas, double x, double y, double leading,
-		const struct eco_chart_style *style, const char *text);
-	enum eco_code (*png)(struct eco_canvas *canvas, struct eco_chart_file *file, struct eco_error *error);
+	/* Draws the map (ecopack/map.h), whose view and image are set, as a PNG in memory: free(*png). */
+	enum eco_code (*map_png)(struct map *m, uint8_t **png, size_t *size);
 };
 
 /* ---- ecogdal.so: rasters and tables with geometry ---- */

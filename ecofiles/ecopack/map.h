@@ -1,27 +1,29 @@
 /* Inside `ecopack map`: everything seen from above, without building a model.
  *
- *   map_gather(&map)        scene files, ground, inventories: kinds, points, rows left out  map_places.c
- *   map_frame(&map)         the part of the world in the picture                            map_draw.c
- *   map_draw_ground(&map)   hillshade; map_draw_contours: lines                             map_ground.c
- *   map_draw_places(&map)   areas, outlines of nested files, plants as dots or as density   map_draw.c
- *   map_write_table(&map)   or, in place of a picture, all plants as points for a GIS       map_table.c
- *
- * The map's surroundings (legend, grid, arrow, bar) and the command are in map.c. */
+ *   map_gather(&map, scene)       scene files, ground, inventories: kinds, points, rows      map_places.c
+ *   map_write(&map, path, size)   the part of the world in the picture, the ground's image    map_command.c
+ *     eco_cairo_module->map_png   the picture                                                  cairo_map.h
+ *   map_write_table(&map, path)   or, in place of a picture, all plants as points for a GIS
+ *   map_free(&map) */
 #ifndef ECO_MAIN_MAP_H
 #define ECO_MAIN_MAP_H
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/string_pool.h"
-#include "ecofiles/ecopack/chart.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/scene/scene.h"
+
+#define MAP_COLORS 9u            /* kinds with a colour of their own */
 
 struct map_kind {                /* plants of one name, in whatever file */
 	char name[64];
 	uint64_t count;              /* plants of a nested file count each time it is placed */
 	double low_m, high_m;        /* known heights; INFINITY, -INFINITY: none */
-	uint32_t color;              /* index into eco_chart_colors; ECO_CHART_COLORS: the common gray */
+	uint32_t color;              /* MAP_COLORS: the common gray */
 };
 
 /* metres from the origin; height 0: not known; species: of m->species; row of an inventory, from 1; 0: it is
@@ -60,7 +62,7 @@ struct map {
 	uint64_t total, outside, off_ground, placements;
 	double typical_m;            /* median of the known heights */
 	/* the picture */
-	struct eco_chart *chart;
+	uint8_t *image;              /* the ground's: pixels of the map, straight alpha; NULL: it has none */
 	struct map_bounds view;      /* metres */
 	double x, y, width, height;  /* pixels of the map */
 	double scale;                /* pixels a metre */
@@ -72,26 +74,17 @@ struct map {
 enum eco_code map_gather(struct map *m, const char *scene);
 void map_free(struct map *m);
 
-/* Sets view, scale, width and height; the map's longer side gets `pixels`. */
-enum eco_code map_frame(struct map *m, uint32_t pixels);
-/* Pixels of the map, straight alpha, malloc'ed; NULL without an image. */
-enum eco_code map_read_image(struct map *m, uint8_t **rgba);
-enum eco_code map_draw_ground(struct map *m);
-enum eco_code map_draw_contours(struct map *m);
-enum eco_code map_draw_places(struct map *m);
-
 static inline enum eco_code map_no_memory(struct map *m)
 {
 	return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the map");
 }
 
-/* Draws the map of what was gathered and writes it as a PNG. */
+/* Draws the map of what was gathered, whose longer side gets `pixels`, and writes it as a PNG. Sorts the
+ * points. */
 enum eco_code map_write(struct map *m, const char *path, uint32_t pixels);
 
 /* Writes all plants that were gathered as a table with points (gis_files.h). */
 enum eco_code map_write_table(struct map *m, const char *path);
-
-double map_radius(const struct map *m, double height_m);         /* pixels; height 0: not known */
 
 static inline void map_extend(struct map_bounds *b, double x, double y)
 {
@@ -102,6 +95,26 @@ static inline void map_extend(struct map_bounds *b, double x, double y)
 }
 #define MAP_NOTHING ((struct map_bounds){ { INFINITY, INFINITY }, { -INFINITY, -INFINITY } })
 static inline bool map_is_empty(const struct map_bounds *b) { return !(b->low[0] <= b->high[0]); }
+
+/* False: no memory. ends: x0, y0, x1, y1. */
+static inline bool map_add_edge(struct map_edges *edges, const double ends[4])
+{
+	if (!eco_array_grow(&edges->ends, &edges->capacity, edges->count, 4 * sizeof *ends))
+		return false;
+	memcpy(edges->ends + 4 * (size_t)edges->count++, ends, 4 * sizeof *ends);
+	return true;
+}
+
+/* Heights of a kind; "" if none is known. */
+static inline const char *map_range_text(const struct map_kind *kind, char text[32])
+{
+	text[0] = 0;
+	if (kind->low_m < kind->high_m * 0.995)
+		snprintf(text, 32, "%.3g to %.3g m", kind->low_m, kind->high_m);
+	else if (kind->low_m <= kind->high_m)
+		snprintf(text, 32, "%.3g m", kind->high_m);
+	return text;
+}
 
 /* A place in metres to pixels. */
 static inline double map_x(const struct map *m, double x) { return m->x + (x - m->view.low[0]) * m->scale; }

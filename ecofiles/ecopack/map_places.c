@@ -222,10 +222,8 @@ static enum eco_code add_edges(struct map *m, struct map_edges *edges, const str
 {
 	for (uint32_t i = 0; i < areas->edge_count && edges->count < EDGES_MAX; i++) {
 		const struct eco_edge *e = &areas->edges[i];
-		if (!eco_array_grow(&edges->ends, &edges->capacity, edges->count, 4 * sizeof *edges->ends))
+		if (!map_add_edge(edges, (const double[4]){ e->a[0], e->a[1], e->b[0], e->b[1] }))
 			return map_no_memory(m);
-		memcpy(edges->ends + 4 * (size_t)edges->count++,
-			(const double[]){ e->a[0], e->a[1], e->b[0], e->b[1] }, 4 * sizeof *edges->ends);
 	}
 	return ECO_OK;
 }
@@ -403,8 +401,8 @@ static enum eco_code choose_colors(struct map *m)
 			order[present++] = &m->kinds[i];
 	qsort(order, present, sizeof *order, by_count);
 	for (uint32_t i = 0; i < present; i++)
-		order[i]->color = i < ECO_CHART_COLORS ? i : ECO_CHART_COLORS;
-	m->other_count = present > ECO_CHART_COLORS ? present - ECO_CHART_COLORS : 0;
+		order[i]->color = i < MAP_COLORS ? i : MAP_COLORS;
+	m->other_count = present > MAP_COLORS ? present - MAP_COLORS : 0;
 	free(order);
 	return ECO_OK;
 }
@@ -509,7 +507,7 @@ void map_free(struct map *m)
 	free(m->outlines);
 	free(m->areas.ends);
 	free(m->clear_of.ends);
-	eco_chart_free(m->chart);
+	free(m->image);
 	eco_ground_free(&m->ground);
 	eco_sources_free(&m->sources);
 	*m = (struct map){ 0 };

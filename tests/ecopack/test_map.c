@@ -147,9 +147,7 @@ UNIT_TEST(test_scattered_plants_are_shown_with_their_areas)
 	assert_int_equal(m.clear_of.count, 1);
 	assert_true(kind(&m, "oak")->count > 100 && m.total == kind(&m, "oak")->count
 		+ kind(&m, "ash")->count);
-	assert_int_equal(map_frame(&m, 300), ECO_OK);
-	assert_int_equal(eco_chart_new(&m.chart, 400, 400, NULL), ECO_OK);
-	assert_int_equal(map_draw_places(&m), ECO_OK);
+	assert_int_equal(map_write(&m, ROOT "/drawn.png", 300), ECO_OK);
 	assert_int_equal(m.outside, 0);
 	map_free(&m);
 }
@@ -181,9 +179,7 @@ UNIT_TEST(test_strays_do_not_shrink_the_rest)
 		write_rows(ROOT "/stray.csv", cases[i].count, cases[i].more);
 		file_write_text(ROOT "/stray.json", ROWS_SCENE("stray.csv"));
 		gather(&m, ROOT "/stray.json");
-		assert_int_equal(map_frame(&m, 400), ECO_OK);
-		assert_int_equal(eco_chart_new(&m.chart, 500, 500, NULL), ECO_OK);
-		assert_int_equal(map_draw_places(&m), ECO_OK);
+		assert_int_equal(map_write(&m, ROOT "/drawn.png", 400), ECO_OK);
 		assert_true(m.view.high[0] - m.view.low[0] <= cases[i].widest);
 		assert_int_equal(m.outside, cases[i].outside);
 		map_free(&m);
@@ -198,7 +194,7 @@ UNIT_TEST(test_one_plant_and_rows_of_plants_have_a_map)
 		write_rows(ROOT "/few.csv", 0, rows[i]);
 		file_write_text(ROOT "/few.json", ROWS_SCENE("few.csv"));
 		gather(&m, ROOT "/few.json");
-		assert_int_equal(map_frame(&m, 300), ECO_OK);
+		assert_int_equal(map_write(&m, ROOT "/drawn.png", 300), ECO_OK);
 		assert_true(m.width >= 90 && m.width <= 300 && m.height >= 90 && m.height <= 300);
 		map_free(&m);
 	}
@@ -216,9 +212,7 @@ UNIT_TEST(test_many_plants_become_density)
 		fclose(file);
 		file_write_text(ROOT "/dense.json", ROWS_SCENE("dense.csv"));
 		gather(&m, ROOT "/dense.json");
-		assert_int_equal(map_frame(&m, 400), ECO_OK);
-		assert_int_equal(eco_chart_new(&m.chart, 500, 500, NULL), ECO_OK);
-		assert_int_equal(map_draw_places(&m), ECO_OK);
+		assert_int_equal(map_write(&m, ROOT "/drawn.png", 400), ECO_OK);
 		assert_int_equal(m.is_density, count > 1000);
 		map_free(&m);
 	}
@@ -258,10 +252,7 @@ UNIT_TEST(test_ground_has_contour_lines)
 	gather(&m, ROOT "/hill.json");
 	assert_true(m.has_ground);
 	assert_int_equal(m.off_ground, 1);
-	assert_int_equal(map_frame(&m, 300), ECO_OK);
-	assert_int_equal(eco_chart_new(&m.chart, 400, 400, NULL), ECO_OK);
-	assert_int_equal(map_draw_ground(&m), ECO_OK);
-	assert_int_equal(map_draw_contours(&m), ECO_OK);
+	assert_int_equal(map_write(&m, ROOT "/drawn.png", 300), ECO_OK);
 	assert_true(m.contour_m == 5);
 	assert_true(m.low_m >= 0 && m.high_m <= 50 && m.high_m - m.low_m > 45);
 	map_free(&m);
@@ -344,6 +335,44 @@ UNIT_TEST(test_tables_are_inventories_of_the_same_plants)
 		map_free(&again);
 		assert_int_equal(run(line, &error), ECO_BAD_USAGE);
 		assert_non_null(strstr(error.text, "it is kept"));
+	}
+}
+
+/* Long names are cut, and lines of the legend are broken. */
+UNIT_TEST(test_long_texts_of_any_script_are_drawn)
+{
+	static const char *const names[] = { "Ahorn \xc3\xa4", "\xf0\x9f\x8c\xb3", "\xd0\xb4\xd1\x83\xd0\xb1",
+		"xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx",
+		"one two three four five six seven eight nine ten eleven" };
+	struct eco_error error;
+	FILE *file = fopen(ROOT "/texts.json", "wb");
+	fputs("{\"name\": \"a \xe2\x82\xac\", \"plants\": {", file);
+	for (size_t i = 0; i < 80; i++)
+		fprintf(file, "%s\"%zu %s\": {\"model\": \"any.obj\"}", i ? ", " : "", i, names[i % 5]);
+	fprintf(file, "}, \"instances\": [{\"plant\": \"0 %s\", \"at\": [0, 0]}, "
+		"{\"plant\": \"4 %s\", \"at\": [100, 100]}]}", names[0], names[4]);
+	fclose(file);
+	assert_ok(run(ROOT "/texts.json -o " ROOT "/texts.png --size 200", &error), error);
+	cairo_surface_t *picture = cairo_image_surface_create_from_png(ROOT "/texts.png");
+	assert_int_equal(cairo_image_surface_get_width(picture), 20 + 62 + 200 + 20 + 380 + 20);
+	cairo_surface_destroy(picture);
+}
+
+UNIT_TEST(test_only_pictures_are_replaced)
+{
+	static const struct { const char *path; bool allowed;
+	} cases[] = { { "text", false }, { "short", false }, { "empty", true }, { "old.png", true },
+		{ "new.PNG", true }, { "new.jpg", false }, { ".", false }, { "nowhere/x.png", false } };
+	file_write(ROOT "/text", "hello, world", 12);
+	file_write(ROOT "/short", "\x89PN", 3);
+	file_write(ROOT "/empty", "", 0);
+	file_write(ROOT "/old.png", "\x89PNG\r\n\x1a\n....", 12);
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct eco_error error;
+		char line[200];
+		snprintf(line, sizeof line, ROOT "/one.json -o " ROOT "/%s --size 200", cases[i].path);
+		assert_int_equal(run(line, &error) == ECO_OK, cases[i].allowed);
+		assert_int_equal(error.text[0] == 0, cases[i].allowed);
 	}
 }
 

@@ -1,0 +1,373 @@
+/* The land from above. The ground is lit from the north-west, as is usual on maps, and pale, so that plants
+ * stand out. With room, each plant is a dot, larger the taller it is; tall ones are drawn first, so that
+ * small ones stay visible. Where dots would only hide each other, the map shows density: a pixel has the mean
+ * colour of its plants, the fuller the more there are. Contour lines, by marching over triangles of cells of
+ * a few pixels, are drawn over the plants, which would hide the shape of the land. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/array_grow.h"
+#include "ecofiles/ecopack/cairo_map.h"
+
+#define CELL 3u                  /* pixels between samples of contour lines */
+#define LINES_WANTED 14u
+#define RELIEF 1.4               /* exaggeration of slopes */
+#define FLAT 0.93                /* brightness of level ground */
+#define PALE 0.6                 /* of the image's contrast is kept */
+#define BLOCK 8u                 /* side, in pixels, of the blocks that measure density */
+#define DENSE 0.25               /* plants a pixel, in blocks with any plant: above, density is shown */
+#define TALLY_MOST 4096u
+#define NAMED_MOST 12u           /* most outlines with a name */
+#define RADIUS_LEAST 0.9
+#define RADIUS_MOST 7.0
+
+const struct color kind_colors[MAP_COLORS + 1] = { { 0.07, 0.47, 0.20, 1 }, { 0.80, 0.40, 0.47, 1 },
+	{ 0.20, 0.13, 0.53, 1 }, { 0.87, 0.80, 0.47, 1 }, { 0.53, 0.80, 0.93, 1 }, { 0.53, 0.13, 0.33, 1 },
+	{ 0.60, 0.60, 0.20, 1 }, { 0.27, 0.67, 0.60, 1 }, { 0.67, 0.27, 0.60, 1 }, { 0.45, 0.45, 0.45, 1 } };
+
+/* ---- Hillshade ---- */
+
+struct grid { double *z; uint32_t columns, rows; };      /* NaN beyond the ground's border */
+
+static bool sample(const struct map *m, struct grid *grid, double pixels)
+{
+	grid->columns = (uint32_t)ceil(m->width / pixels) + 1;
+	grid->rows = (uint32_t)ceil(m->height / pixels) + 1;
+	size_t count = (size_t)grid->columns * grid->rows;
+	grid->z = malloc(count * sizeof *grid->z);
+	for (size_t i = 0; grid->z && i < count; i++) {
+		double x = m->view.low[0] + (double)(i % grid->columns) * pixels / m->scale,
+			y = m->view.high[1] - (double)(i / grid->columns) * pixels / m->scale;
+		if (!eco_ground_height(&m->ground, x, y, &grid->z[i]))
+			grid->z[i] = NAN;
+	}
+	return grid->z;
+}
+
+static uint8_t brightness(double east, double north)
+{
+	/* sun in the north-west, 45 degrees high */
+	double sun = (RELIEF * (east - north) * 0.5 + 0.7071067811865476)
+		/ sqrt(1 + RELIEF * RELIEF * (east * east + north * north));
+	double bright = FLAT + 0.55 * (sun - 0.7071067811865476);
+	return (uint8_t)(255 * fmin(fmax(bright, 0.45), 1) + 0.5);
+}
+
+/* A pixel of the image, pale, in the ground's light, over what is there. */
+static void lay_image(const uint8_t image[4], double light, uint8_t to[4])
+{
+	double alpha = image[3] / 255.0;
+	for (int k = 0; k < 3; k++) {
+		double pale = fmin(255, light * (255 - PALE * (255 - image[k])));
+		to[k] = (uint8_t)(alpha * pale + (1 - alpha) * (to[3] ? to[k] : pale) + 0.5);
+	}
+	to[3] = image[3] > to[3] ? image[3] : to[3];
+}
+
+static void shade(const struct map *m, const struct grid *grid, uint8_t *rgba)
+{
+	uint32_t width = (uint32_t)m->width;
+	for (size_t i = 0; i < (size_t)width * (uint32_t)m->height; i++) {
+		const double *z = grid->z ? grid->z + i / width * grid->columns + i % width : NULL;
+		double east = z ? (z[1] - z[0]) * m->scale : NAN,
+			north = z ? (z[0] - z[grid->columns]) * m->scale : NAN, light = 1;
+		if (!isnan(east + north)) {
+			uint8_t v = brightness(east, north);
+			memcpy(rgba + 4 * i, (uint8_t[4]){ v, v, (uint8_t)(v * 0.965), 255 }, 4);
+			light = v / (255 * FLAT);
+		}
+		if (m->image && m->image[4 * i + 3])
+			lay_image(m->image + 4 * i, light, rgba + 4 * i);
+	}
+}
+
+enum eco_code land_ground(struct map *m, cairo_t *canvas)
+{
+	struct grid grid = { .z = NULL };
+	if (!m->has_ground && !m->image)
+		return ECO_OK;
+	uint8_t *rgba = calloc((size_t)m->width * (size_t)m->height, 4);
+	bool good = rgba && (!m->has_ground || sample(m, &grid, 1));
+	if (good) {
+		shade(m, &grid, rgba);
+		canvas_pixels(canvas, m->x, m->y, (uint32_t)m->width, (uint32_t)m->height, rgba);
+	}
+	free(grid.z);
+	free(rgba);
+	return good ? ECO_OK : map_no_memory(m);
+}
+
+/* ---- Contour lines ---- */
+
+/* The points where a level crosses one triangle's sides: two points or none. A corner at the level counts
+ * as above. */
+static bool cross_triangle(const double corner[3][3], double level, double ends[4])
+{
+	int found = 0;
+	for (int i = 0; i < 3 && found < 2; i++) {
+		const double *a = corner[i], *b = corner[(i + 1) % 3];
+		if ((a[2] >= level) == (b[2] >= level))
+			continue;
+		double t = (level - a[2]) / (b[2] - a[2]);
+		ends[2 * found] = a[0] + t * (b[0] - a[0]);
+		ends[2 * found++ + 1] = a[1] + t * (b[1] - a[1]);
+	}
+	return found == 2;
+}
+
+/* kinds: thin lines, and each fifth. */
+static bool cross_cell(const struct map *m, const struct grid *grid, uint32_t column, uint32_t row,
+	struct map_edges kinds[2])
+{
+	static const uint32_t offsets[2][3][2] = { { { 0, 0 }, { 1, 0 }, { 1, 1 } },
+		{ { 0, 0 }, { 1, 1 }, { 0, 1 } } };
+	for (int half = 0; half < 2; half++) {
+		double corner[3][3], low = INFINITY, high = -INFINITY, sum = 0;
+		for (int i = 0; i < 3; i++) {
+			uint32_t c = column + offsets[half][i][0], r = row + offsets[half][i][1];
+			double z = grid->z[(size_t)r * grid->columns + c];
+			memcpy(corner[i], (double[]){ m->x + (double)CELL * c, m->y + (double)CELL * r, z },
+				sizeof corner[i]);
+			low = fmin(low, z);
+			high = fmax(high, z);
+			sum += z;
+		}
+		for (double n = ceil(low / m->contour_m); !isnan(sum) && n * m->contour_m <= high; n++) {
+			double ends[4];
+			struct map_edges *lines = &kinds[fmod(n, 5) == 0];
+			if (cross_triangle(corner, n * m->contour_m, ends) && !map_add_edge(lines, ends))
+				return false;
+		}
+	}
+	return true;
+}
+
+/* Labels the first thick lines along the middle of the map, not too close to each other. */
+static void name_lines(const struct map *m, cairo_t *canvas, const struct grid *grid)
+{
+	struct style style = { .size = 11, .align = ALIGN_CENTER, .color = COLOR(0x5c4524),
+		.halo = { 0.97, 0.97, 0.94, 0.9 } };
+	uint32_t middle = grid->columns / 2;
+	double step = 5 * m->contour_m, last = -1e9;
+	for (uint32_t r = 1; r + 1 < grid->rows; r++) {
+		double a = grid->z[(size_t)(r - 1) * grid->columns + middle],
+			b = grid->z[(size_t)r * grid->columns + middle];
+		double level = floor(fmax(a, b) / step) * step, y = m->y + CELL * (double)r;
+		if (isnan(a + b) || level < fmin(a, b) || y - last < 60 || y < m->y + 20)
+			continue;
+		char text[32];
+		snprintf(text, sizeof text, "%.6g", level + m->sources.items[0].origin[2] + 0.0);
+		canvas_text(canvas, m->x + CELL * (double)middle, y + 4, &style, text);
+		last = y;
+	}
+}
+
+enum eco_code land_contours(struct map *m, cairo_t *canvas)
+{
+	struct grid grid = { .z = NULL };
+	struct map_edges kinds[2] = { { 0 } };
+	if (!m->has_ground)
+		return ECO_OK;
+	bool good = sample(m, &grid, CELL);
+	m->low_m = INFINITY, m->high_m = -INFINITY;
+	for (size_t i = 0; good && i < (size_t)grid.columns * grid.rows; i++) {
+		m->low_m = fmin(m->low_m, grid.z[i]);
+		m->high_m = fmax(m->high_m, grid.z[i]);
+	}
+	m->contour_m = m->high_m > m->low_m ? ticks_between(m->low_m, m->high_m, LINES_WANTED).step : 0;
+	for (uint32_t r = 0; r + 1 < grid.rows && good && m->contour_m > 0; r++)
+		for (uint32_t c = 0; c + 1 < grid.columns && good; c++)
+			good = cross_cell(m, &grid, c, r, kinds);
+	if (good) {
+		canvas_lines(canvas, kinds[0].ends, kinds[0].count, 0.8,
+			(struct color){ 0.36, 0.27, 0.14, 0.55 });
+		canvas_lines(canvas, kinds[1].ends, kinds[1].count, 1.5,
+			(struct color){ 0.36, 0.27, 0.14, 0.65 });
+		if (m->contour_m > 0)
+			name_lines(m, canvas, &grid);
+	}
+	free(grid.z);
+	free(kinds[0].ends);
+	free(kinds[1].ends);
+	return good ? ECO_OK : map_no_memory(m);
+}
+
+/* ---- Density ---- */
+
+struct tally { float count, rgb[3]; };
+
+static bool pixel_of(const struct map *m, const struct map_point *p, uint32_t *x, uint32_t *y)
+{
+	double px = ((double)p->x - m->view.low[0]) * m->scale,
+		py = (m->view.high[1] - (double)p->y) * m->scale;
+	if (!(px >= 0 && py >= 0 && px < m->width && py < m->height))
+		return false;
+	*x = (uint32_t)px;
+	*y = (uint32_t)py;
+	return true;
+}
+
+/* Plants a pixel, over the blocks with any plant; negative: no memory. */
+static double density_of(struct map *m)
+{
+	uint32_t columns = (uint32_t)m->width / BLOCK + 1, rows = (uint32_t)m->height / BLOCK + 1, x, y;
+	uint8_t *any = calloc(columns, rows);
+	uint64_t shown = 0, blocks = 0;
+	if (!any)
+		return -1;
+	for (uint64_t i = 0; i < m->points.count; i++)
+		if (pixel_of(m, &m->points.items[i], &x, &y)) {
+			any[(size_t)(y / BLOCK) * columns + x / BLOCK] = 1;
+			shown++;
+		}
+	m->outside = m->points.count - shown;
+	for (size_t i = 0; i < (size_t)columns * rows; i++)
+		blocks += any[i];
+	free(any);
+	return blocks ? (double)shown / ((double)blocks * BLOCK * BLOCK) : 0;
+}
+
+/* The density that only one in two hundred pixels with plants exceeds: a few heaps must not make the rest
+ * pale. */
+static double dense_end(const struct tally *tally, size_t pixels)
+{
+	uint64_t counts[TALLY_MOST + 1] = { 0 }, occupied = 0, above = 0;
+	uint32_t end = TALLY_MOST;
+	for (size_t i = 0; i < pixels; i++)
+		if (tally[i].count > 0) {
+			counts[tally[i].count < (float)TALLY_MOST ? (uint32_t)tally[i].count : TALLY_MOST]++;
+			occupied++;
+		}
+	while (end > 1 && (above += counts[end]) <= occupied / 200)
+		end--;
+	return end;
+}
+
+static void color_density(struct map *m, struct tally *tally, uint8_t *rgba)
+{
+	size_t width = (uint32_t)m->width, pixels = width * (uint32_t)m->height;
+	for (uint64_t i = 0; i < m->points.count; i++) {
+		uint32_t x, y;
+		if (!pixel_of(m, &m->points.items[i], &x, &y))
+			continue;
+		struct tally *t = &tally[y * width + x];
+		const struct color *c = &kind_colors[m->kinds[m->points.items[i].kind].color];
+		t->count++;
+		t->rgb[0] += (float)c->r, t->rgb[1] += (float)c->g, t->rgb[2] += (float)c->b;
+	}
+	m->densest = dense_end(tally, pixels);
+	for (size_t i = 0; i < pixels; i++) {
+		if (!(tally[i].count > 0))
+			continue;
+		for (size_t k = 0; k < 3; k++)
+			rgba[4 * i + k] = (uint8_t)(255 * tally[i].rgb[k] / tally[i].count + 0.5f);
+		rgba[4 * i + 3] = (uint8_t)(255 * (0.35 + 0.65 * fmin(log(1 + (double)tally[i].count)
+			/ log(1 + m->densest), 1)));
+	}
+}
+
+static enum eco_code draw_density(struct map *m, cairo_t *canvas)
+{
+	size_t pixels = (size_t)m->width * (size_t)m->height;
+	struct tally *tally = calloc(pixels, sizeof *tally);
+	uint8_t *rgba = calloc(pixels, 4);
+	bool good = tally && rgba;
+	if (good) {
+		color_density(m, tally, rgba);
+		canvas_pixels(canvas, m->x, m->y, (uint32_t)m->width, (uint32_t)m->height, rgba);
+	}
+	free(tally);
+	free(rgba);
+	return good ? ECO_OK : map_no_memory(m);
+}
+
+/* ---- Dots ---- */
+
+static int by_height(const void *a, const void *b)
+{
+	const struct map_point *x = a, *y = b;
+	if (x->height_m != y->height_m)
+		return x->height_m > y->height_m ? -1 : 1;
+	if (x->kind != y->kind)
+		return x->kind < y->kind ? -1 : 1;
+	if (x->x != y->x)
+		return x->x < y->x ? -1 : 1;
+	return x->y < y->y ? -1 : x->y > y->y;
+}
+
+double land_radius(const struct map *m, double height_m)
+{
+	double ratio = height_m > 0 && m->typical_m > 0 ? sqrt(height_m / m->typical_m) : 1;
+	return fmin(fmax(m->dot * fmin(fmax(ratio, 0.5), 2.2), RADIUS_LEAST), 2 * RADIUS_MOST);
+}
+
+static void draw_dots(struct map *m, cairo_t *canvas)
+{
+	qsort(m->points.items, m->points.count, sizeof *m->points.items, by_height);
+	for (uint64_t i = 0; i < m->points.count; i++) {
+		const struct map_point *p = &m->points.items[i];
+		double x = map_x(m, (double)p->x), y = map_y(m, (double)p->y),
+			radius = land_radius(m, (double)p->height_m);
+		if (radius >= 2)
+			canvas_disc(canvas, x, y, radius + 0.7, (struct color){ 1, 1, 1, 0.75 });
+		canvas_disc(canvas, x, y, radius, kind_colors[m->kinds[p->kind].color]);
+	}
+}
+
+/* ---- All ---- */
+
+/* Turns `count` places in metres into pixels. */
+static void to_pixels(const struct map *m, const double *metres, double *pixels, size_t count)
+{
+	for (size_t i = 0; i < count; i++) {
+		pixels[2 * i] = map_x(m, metres[2 * i]);
+		pixels[2 * i + 1] = map_y(m, metres[2 * i + 1]);
+	}
+}
+
+static void draw_outlines(const struct map *m, cairo_t *canvas)
+{
+	struct style style = { .size = 11, .align = ALIGN_CENTER, .halo = { 1, 1, 1, 0.8 } };
+	for (uint32_t i = 0; i < m->outline_count; i++) {
+		double p[8];
+		to_pixels(m, m->outlines[i].corners, p, 4);
+		canvas_outline(canvas, p, 4, 1, COLOR(0x707070),
+			(struct color){ 0.5, 0.5, 0.5, m->not_expanded ? 0.15 : 0 });
+		if (m->outline_count <= NAMED_MOST)
+			canvas_text(canvas, (p[0] + p[2] + p[4] + p[6]) / 4, (p[1] + p[3] + p[5] + p[7]) / 4,
+				&style, m->outlines[i].name);
+	}
+}
+
+static enum eco_code draw_edges(struct map *m, cairo_t *canvas, const struct map_edges *edges, double line,
+	struct color color)
+{
+	double *ends = malloc(4 * (size_t)edges->count * sizeof *ends + 1);
+	if (!ends)
+		return map_no_memory(m);
+	to_pixels(m, edges->ends, ends, 2 * (size_t)edges->count);
+	canvas_lines(canvas, ends, edges->count, line, color);
+	free(ends);
+	return ECO_OK;
+}
+
+enum eco_code land_plants(struct map *m, cairo_t *canvas)
+{
+	double density = density_of(m);
+	enum eco_code code = density < 0 ? map_no_memory(m) : ECO_OK;
+	m->is_density = density > DENSE;
+	m->dot = density > 0 ? fmin(fmax(0.34 / sqrt(density), RADIUS_LEAST), RADIUS_MOST) : RADIUS_MOST;
+	if (!code && m->is_density)
+		code = draw_density(m, canvas);
+	else if (!code)
+		draw_dots(m, canvas);
+	if (!code)
+		code = draw_edges(m, canvas, &m->clear_of, 2, CLEAR_COLOR);
+	if (!code)
+		code = draw_edges(m, canvas, &m->areas, 1.2, AREAS_COLOR);
+	if (!code)
+		draw_outlines(m, canvas);
+	return code;
+}

@@ -1,0 +1,324 @@
+/* ecopack map: shows where everything stands, before hours are spent on building. Reads a scene's
+ * inventories as `ecopack make` does, so that a wrong column, zone or species map is seen at once, and so
+ * are the rows left out. */
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "ecofiles/base/file_write.h"
+#include "ecofiles/base/module.h"
+#include "ecofiles/base/phrase.h"
+#include "ecofiles/ecopack/command.h"
+#include "ecofiles/ecopack/map.h"
+#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/import/ground/ground_image_import.h"
+#include "ecofiles/import/places/gis_files.h"
+
+#define SIDE ECO_GROUND_IMAGE_SIDE
+#define SQUARES_MAX 1024u        /* of the ground's image, no finer than the map's pixels */
+#define STRAY_SHARE 0.002        /* this share at each end may lie off the picture ... */
+#define STRAY_FACTOR 5.0         /* ... if the picture can then be this much larger */
+
+/* ---- The picture's view ---- */
+
+static int by_double(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return x < y ? -1 : x > y;
+}
+
+/* Bounds without the outermost plants, where that changes much: one place without its latitude must not
+ * shrink a city to a dot. */
+static enum eco_code leave_strays(struct map *m, struct map_bounds *b)
+{
+	uint64_t stride = m->points.count / 200000 + 1, count = (m->points.count + stride - 1) / stride;
+	double *sorted = malloc((count + 1) * sizeof *sorted);
+	struct map_bounds core = *b;
+	if (!sorted)
+		return map_no_memory(m);
+	for (int k = 0; k < 2; k++) {
+		for (uint64_t i = 0; i < count; i++)
+			sorted[i] =
+				(double)(k ? m->points.items[i * stride].y : m->points.items[i * stride].x);
+		qsort(sorted, count, sizeof *sorted, by_double);
+		uint64_t few = (uint64_t)(STRAY_SHARE * (double)count + 0.999);
+		if (count < 20)
+			few = 0;
+		core.low[k] = sorted[few];
+		core.high[k] = sorted[count - 1 - few];
+		double spare = 0.2 * (core.high[k] - core.low[k]);
+		core.low[k] = fmax(core.low[k] - spare, b->low[k]);
+		core.high[k] = fmin(core.high[k] + spare, b->high[k]);
+	}
+	free(sorted);
+	double whole = fmax(b->high[0] - b->low[0], b->high[1] - b->low[1]),
+		inner = fmax(core.high[0] - core.low[0], core.high[1] - core.low[1]);
+	if (inner > 0 && whole > STRAY_FACTOR * inner)
+		*b = core;
+	return ECO_OK;
+}
+
+static enum eco_code find_bounds(struct map *m, struct map_bounds *b)
+{
+	*b = MAP_NOTHING;
+	for (uint64_t i = 0; i < m->points.count; i++)
+		map_extend(b, (double)m->points.items[i].x, (double)m->points.items[i].y);
+	enum eco_code code = m->points.count ? leave_strays(m, b) : ECO_OK;
+	for (uint32_t i = 0; i < m->outline_count; i++)
+		for (int k = 0; k < 4; k++)
+			map_extend(b, m->outlines[i].corners[2 * k], m->outlines[i].corners[2 * k + 1]);
+	for (uint32_t i = 0; i < 2 * m->areas.count; i++)
+		map_extend(b, m->areas.ends[2 * (size_t)i], m->areas.ends[2 * (size_t)i + 1]);
+	if (m->has_ground && map_is_empty(b)) {
+		const struct eco_ground *g = &m->ground;
+		map_extend(b, g->x_m, g->y_m);
+		map_extend(b, g->x_m + (g->columns - 1) * g->step_x_m, g->y_m + (g->rows - 1) * g->step_y_m);
+	}
+	return code;
+}
+
+static enum eco_code find_frame(struct map *m, uint32_t pixels)
+{
+	struct map_bounds b;
+	enum eco_code code = find_bounds(m, &b);
+	if (code)
+		return code;
+	if (map_is_empty(&b))
+		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there is nothing to show: no plant has a "
+			"usable place (what was left out: see \"instances\")", m->sources.items[0].path);
+	double side = fmax(fmax(b.high[0] - b.low[0], b.high[1] - b.low[1]), 1), spare = 0.03 * side;
+	for (int k = 0; k < 2; k++) {            /* neither side is less than a third of the other */
+		double middle = (b.low[k] + b.high[k]) / 2, half = fmax((b.high[k] - b.low[k]) / 2, side / 6)
+			+ spare;
+		m->view.low[k] = middle - half;
+		m->view.high[k] = middle + half;
+	}
+	m->scale = pixels / (side + 2 * spare);
+	m->width = floor((m->view.high[0] - m->view.low[0]) * m->scale);
+	m->height = floor((m->view.high[1] - m->view.low[1]) * m->scale);
+	return ECO_OK;
+}
+
+/* ---- The ground's image: squares as make reads them ---- */
+
+struct picture {
+	const struct map *m;
+	struct eco_ground_image_reader *reader;
+	uint8_t *rgba, *square;      /* the map's pixels; a square's texels */
+};
+
+/* The texels under the middles of the map's pixels. */
+static void paint(const struct picture *p, const struct eco_list *list)
+{
+	const struct map *m = p->m;
+	uint32_t width = (uint32_t)m->width, height = (uint32_t)m->height;
+	double texel_m = list->grid_step[0];
+	for (uint32_t y = 0; y < height; y++) {
+		double north = m->view.high[1] - (y + 0.5) / m->scale,
+			row = SIDE - (north - list->grid_origin[1]) / texel_m;
+		if (!(row >= 0 && row < SIDE))
+			continue;
+		for (uint32_t x = 0; x < width; x++) {
+			double east = m->view.low[0] + (x + 0.5) / m->scale,
+				column = (east - list->grid_origin[0]) / texel_m;
+			if (column >= 0 && column < SIDE)
+				memcpy(p->rgba + 4 * ((size_t)y * width + x),
+					p->square + 4 * ((size_t)row * SIDE + (size_t)column), 4);
+		}
+	}
+}
+
+static enum eco_code read_square(const struct picture *p, struct eco_list list, bool is_root)
+{
+	struct eco_ground_image_tile tile = { .rgba = p->square };
+	enum eco_code code = eco_ground_image_next(p->reader, &tile, p->m->error);
+	if (code)
+		return code;
+	if (is_root) {
+		memcpy(list.grid_origin, tile.low, sizeof tile.low);
+		list.grid_step[0] = list.grid_step[1] = tile.texel_m;
+	}
+	for (uint32_t q = 0; q < 4 && tile.split && !code; q++) {
+		struct eco_list quarter = list;
+		eco_ground_image_quarter(&quarter, q);
+		code = read_square(p, quarter, false);
+	}
+	if (!tile.split && !code)
+		paint(p, &list);
+	return code;
+}
+
+static enum eco_code read_image(struct map *m)
+{
+	const struct eco_source *source = &m->sources.items[0];
+	struct eco_ground_image_source image = source->ground_image;
+	struct eco_ground_image_options options = { .source = &image, .scene_crs = source->crs,
+		.origin = { source->origin[0], source->origin[1], source->origin[2] },
+		.low = { m->bounds[0].low[0], m->bounds[0].low[1] },
+		.high = { m->bounds[0].high[0], m->bounds[0].high[1] }, .tiles_max = SQUARES_MAX,
+		.warn = main_note_text };
+	struct eco_error missed = { .code = ECO_OK }, *error = m->error;
+	if (!image.file_count)
+		return ECO_OK;
+	if (!main_progress("drawing", "the ground's image", 0.1))
+		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	image.texel_m = image.texel_m > 1 / m->scale ? image.texel_m : 1 / m->scale;
+	struct picture p = { .m = m, .rgba = calloc((size_t)m->width * (size_t)m->height, 4),
+		.square = malloc(ECO_GROUND_IMAGE_BYTES) };
+	enum eco_code code = p.rgba && p.square ? eco_ground_image_open(&p.reader, &options, error)
+		: map_no_memory(m);
+	if (!code) {
+		m->error = &missed;      /* what the child says comes first */
+		code = read_square(&p, (struct eco_list){ .kind = ECO_LIST_GROUND_IMAGE }, true);
+		m->error = error;
+		enum eco_code verdict = eco_ground_image_close(p.reader, error);
+		if (!verdict && code)
+			eco_fail(error, code, "%s", missed.text);
+		code = verdict ? verdict : code;
+	}
+	free(p.square);
+	m->image = p.rgba;
+	return code;
+}
+
+/* ---- The picture ---- */
+
+enum eco_code map_write(struct map *m, const char *path, uint32_t pixels)
+{
+	const struct eco_cairo_module *cairo = eco_module(ECO_MODULE_CAIRO, m->error);
+	uint8_t *png = NULL;
+	size_t size = 0;
+	enum eco_code code = cairo ? find_frame(m, pixels) : ECO_NOT_FOUND;
+	if (!code)
+		code = read_image(m);
+	if (!code && !main_progress("drawing", NULL, 0.2))
+		code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	if (!code)
+		code = cairo->map_png(m, &png, &size);
+	if (!code && !main_progress("writing", NULL, 1))
+		code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	if (!code)
+		code = eco_file_write(path, png, size, m->error);
+	free(png);
+	return code;
+}
+
+/* ---- The table ---- */
+
+static void point_of(void *ctx, uint64_t index, struct eco_point *out)
+{
+	const struct map *m = ctx;
+	const struct map_point *p = &m->points.items[index];
+	const double *origin = m->sources.items[0].origin;
+	*out = (struct eco_point){ { origin[0] + (double)p->x, origin[1] + (double)p->y },
+		m->species.items[p->species], m->kinds[p->kind].name, p->row ? m->files[p->file] : "",
+		(double)p->height_m, p->row, p->line };
+}
+
+enum eco_code map_write_table(struct map *m, const char *path)
+{
+	const struct eco_source *outer = &m->sources.items[0];
+	struct eco_point_table table = { .name = "plants", .crs = outer->crs, .count = m->points.count,
+		.point = point_of, .ctx = m };
+	uint8_t *bytes = NULL;
+	size_t size = 0;
+	if (m->not_expanded)
+		return eco_fail(m->error, ECO_TOO_LARGE, "%s: nested files place %llu plants, more than a "
+			"table takes one by one; write the tables of the nested files", path,
+			(unsigned long long)m->not_expanded);
+	if (!main_progress("writing", NULL, 1))
+		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	enum eco_code code = eco_points_write(&table, path, &bytes, &size, m->error);
+	if (!code)
+		code = eco_file_write(path, bytes, size, m->error);
+	free(bytes);
+	return code;
+}
+
+/* ---- The command ---- */
+
+/* Whether a PNG may be written at `path`: its folder exists, and the path is free, a PNG or an empty file. */
+static enum eco_code may_write(const char *path, struct eco_error *error)
+{
+	static const uint8_t png[8] = { 0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n' };
+	const char *last = eco_path_last(path), *dot = strrchr(last, '.');
+	uint8_t start[8];
+	char folder[4096];
+	struct stat status;
+	bool there = stat(path, &status) == 0;
+	if (!there && dot && strcasecmp(dot, ".png") != 0)
+		return eco_fail(error, ECO_BAD_USAGE, "%.350s: pictures are PNG, so let its name end in "
+			".png (ecopack map also writes .gpkg and .geojson)", path);
+	int fd = there && S_ISREG(status.st_mode) ? open(path, O_RDONLY | O_CLOEXEC) : -1;
+	ssize_t got = fd >= 0 ? read(fd, start, sizeof start) : -1;
+	if (fd >= 0)
+		close(fd);
+	if (there && got != 0 && (got != 8 || memcmp(start, png, 8) != 0))
+		return eco_fail(error, ECO_BAD_INPUT,
+			"%.400s is there and is no PNG; it is kept. Take another name", path);
+	snprintf(folder, sizeof folder, "%.*s", last == path ? 1 : (int)(last - path),
+		last == path ? "." : path);
+	return access(folder, W_OK | X_OK) == 0 ? ECO_OK : eco_fail_write(error, folder, errno);
+}
+
+/* Prints the legend's content to a terminal. */
+static void print_map(const struct map *m, const char *path)
+{
+	char range[32];
+	printf("%s: %" PRIu64 " plant%s\n", path, m->total, m->total == 1 ? "" : "s");
+	for (uint32_t i = 0; i < m->kind_count; i++)
+		printf("  %-24s %10" PRIu64 "  %s\n", m->kinds[i].name, m->kinds[i].count,
+			map_range_text(&m->kinds[i], range));
+	if (m->outside)
+		printf("%" PRIu64 " stand outside the picture, far from the rest\n", m->outside);
+	if (m->off_ground)
+		printf("%" PRIu64 " stand beyond the ground's border\n", m->off_ground);
+}
+
+static struct { const char *scene, *output; uint64_t pixels; } given;
+
+static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
+{
+	struct map m = { .error = error };
+	memset(&given, 0, sizeof given);
+	given.pixels = 1200;
+	enum eco_code code = main_read(&main_command_map, argc, argv, error);
+	bool table = !code && eco_points_knows(given.output);
+	if (!code && table && access(given.output, F_OK) == 0)
+		code = eco_fail(error, ECO_BAD_USAGE,
+			"%s is there and may be somebody's inventory; it is kept. "
+			"Take another name", given.output);
+	else if (!code && !table)
+		code = may_write(given.output, error);
+	if (!code)
+		code = map_gather(&m, given.scene);
+	if (!code)
+		code = table ? map_write_table(&m, given.output)
+			: map_write(&m, given.output, (uint32_t)given.pixels);
+	main_progress_end();
+	if (!code && !main_is_quiet)
+		print_map(&m, given.output);
+	map_free(&m);
+	return code;
+}
+
+static const struct eco_option options[] = {
+	{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", &given.scene, .is_required = true },
+	{ "output", 'o', ECO_OPTION_TEXT, "MAP", &given.output, .is_required = true,
+		.help = "a PNG; or a table of all plants, with species, heights, files, rows and lines: .gpkg "
+		"in the scene's CRS, .geojson in longitude and latitude; it appears complete or not at all" },
+	{ "size", 0, ECO_OPTION_COUNT, "PX", &given.pixels, 200, 8000,
+		.help = "longer side of the map without its legend, 200 to 8000; 1200 if not given" },
+	{ 0 } };
+
+const struct main_command main_command_map = { { "ecopack map",
+	"SCENE.json -o MAP.png|MAP.gpkg|MAP.geojson [--size PX]",
+	"Draws where everything stands, without building models, and says what was left out.", options,
+	main_common, NULL, NULL }, run_map };
