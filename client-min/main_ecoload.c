@@ -7,7 +7,7 @@
 
 #include "client-min/load/view_load_report.h"
 #include "client-min/load/view_views.h"
-#include "client-min/view_progress.h"
+#include "client-min/view_report.h"
 #include "ecofiles/base/options.h"
 
 #define SCORES_MAX 1000

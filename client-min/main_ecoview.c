@@ -6,19 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_compare.h"
+#include "client-min/view_ask.h"
 #include "client-min/view_digest.h"
-#include "client-min/view_explain.h"
 #include "client-min/view_fetch.h"
 #include "client-min/draw/view_gl.h"
 #include "client-min/view_geojson.h"
-#include "client-min/view_measure.h"
 #include "client-min/view_options.h"
-#include "client-min/view_place.h"
-#include "client-min/view_progress.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
-#include "client-min/view_stand.h"
 #include "ecofiles/base/json_memory.h"
 #include "ecofiles/base/options.h"
 #include "ecofiles/format/chunk/draco_shim.h"

@@ -5,7 +5,7 @@
 
 #include <xxhash.h>
 
-#include "client-min/draw/view_impostor.h"
+#include "client-min/view_record.h"
 
 static uint64_t hash(uint64_t before, const void *bytes, size_t size)
 {

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_owners.h"
 #include "ecofiles/base/file_write.h"
 #include "ecofiles/base/json_memory.h"
 #include "ecofiles/base/module.h"
@@ -35,36 +34,27 @@ static int by_pixels(const void *a, const void *b)
 	return x->instance < y->instance ? -1 : x->instance > y->instance;
 }
 
-/* Pixels of each instance; *others: of what is no instance's. */
-static void count_pixels(const struct view_owners *owners, const struct view_picture *picture,
-	struct seen *seen, uint64_t *others)
-{
-	size_t count = (size_t)picture->width * picture->height;
-	for (size_t i = 0; i < count; i++) {
-		if (!picture->owner[i])
-			continue;
-		const struct view_instance *one = view_owners_find(owners, picture->owner[i]);
-		if (one)
-			seen[one - owners->selection->instances].pixels++;
-		else
-			++*others;
-	}
-}
-
-/* Those that are seen come first; *count of them. */
+/* Instances that are seen come first; *count: their number. *others: pixels of what is no instance. */
 static enum eco_code find_seen(const struct view_geojson_job *job, struct seen *seen, uint32_t *count,
 	uint64_t *others, struct eco_error *error)
 {
-	struct view_owners owners;
-	enum eco_code code = view_owners_make(&owners, job->selection, error);
-	if (code)
-		return code;
-	for (uint32_t i = 0; i < job->selection->instance_count; i++)
+	const struct view_selection *s = job->selection;
+	const struct view_picture *picture = job->picture;
+	struct view_table owners;
+	if (!view_owners_make(&owners, s)) {
+		view_table_free(&owners);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the plants of a view");
+	}
+	for (uint32_t i = 0; i < s->instance_count; i++)
 		seen[i].instance = i;
-	count_pixels(&owners, job->picture, seen, others);
-	view_owners_free(&owners);
-	qsort(seen, job->selection->instance_count, sizeof *seen, by_pixels);
-	for (*count = 0; *count < job->selection->instance_count && seen[*count].pixels;)
+	for (size_t i = 0; i < (size_t)picture->width * picture->height; i++) {
+		const struct view_instance *one = view_owners_find(&owners, s, picture->owner[i]);
+		if (picture->owner[i])
+			++*(one ? &seen[one - s->instances].pixels : others);
+	}
+	view_table_free(&owners);
+	qsort(seen, s->instance_count, sizeof *seen, by_pixels);
+	for (*count = 0; *count < s->instance_count && seen[*count].pixels;)
 		++*count;
 	return ECO_OK;
 }

@@ -17,8 +17,7 @@
 #include <jansson.h>
 
 #include "client-min/draw/view_picture.h"
-#include "client-min/view_place.h"
-#include "client-min/view_plants.h"
+#include "client-min/view_ask.h"
 #include "client-min/view_select.h"
 
 struct view_geojson_job {

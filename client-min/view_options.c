@@ -3,10 +3,10 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 #include "client-min/view_cache.h"
 #include "client-min/view_reference.h"
-#include "client-min/view_sun.h"
 #include "ecofiles/format/image.h"
 
 static struct view_options given = { .bytes = ECO_BYTES_UNBOUNDED, .sun_s = NAN };
@@ -38,6 +38,63 @@ static enum eco_code read_marks(const char *text, void *value, struct eco_error 
 	struct eco_error why = { 0 };
 	return view_marks_read(value, text, &why) ? eco_fail(error, ECO_BAD_USAGE, "--progressive %s",
 		why.text) : ECO_OK;
+}
+
+static bool read_zone(const char *text, int *minutes)
+{
+	int hours, rest, used = 0;
+	char sign;
+	*minutes = 0;
+	if (text[0] == 'Z' && !text[1])
+		return true;
+	if (sscanf(text, "%c%2d:%2d%n", &sign, &hours, &rest, &used) != 3 || text[used]
+			|| (sign != '+' && sign != '-') || hours < 0 || hours > 14 || rest < 0 || rest > 59)
+		return false;
+	*minutes = (sign == '-' ? -1 : 1) * (hours * 60 + rest);
+	return true;
+}
+
+enum eco_code view_time_read(const char *text, void *unix_s, struct eco_error *error)
+{
+	struct tm t = { 0 };
+	int used = 0, more = 0, zone;
+	bool good = sscanf(text, "%4d-%2d-%2dT%2d:%2d%n", &t.tm_year, &t.tm_mon, &t.tm_mday, &t.tm_hour,
+		&t.tm_min, &used) == 5;
+	if (good && text[used] == ':')
+		good = sscanf(text + used, ":%2d%n", &t.tm_sec, &more) == 1;
+	good = good && read_zone(text + used + more, &zone) && t.tm_year >= 1900 && t.tm_mon >= 1
+		&& t.tm_mon <= 12 && t.tm_mday >= 1 && t.tm_mday <= 31 && t.tm_hour >= 0 && t.tm_hour < 24
+		&& t.tm_min >= 0 && t.tm_min < 60 && t.tm_sec >= 0 && t.tm_sec < 60;
+	if (!good)
+		return eco_fail(error, ECO_BAD_USAGE,
+			"--sun %.60s: must be a time such as 2026-06-21T10:00Z or "
+			"2026-06-21T12:00+02:00", text);
+	t.tm_year -= 1900;
+	t.tm_mon -= 1;
+	*(double *)unix_s = (double)timegm(&t) - 60.0 * zone;
+	return ECO_OK;
+}
+
+static enum eco_code read_shadows(const char *text, void *sky, struct eco_error *error)
+{
+	static const char *const names[] = { [VIEW_SHADOWS_STANDARD] = "standard",
+		[VIEW_SHADOWS_PERSPECTIVE] = "perspective" };
+	struct view_sky *out = sky;
+	size_t length = strcspn(text, ",");
+	const char *rest = text + length;
+	uint64_t size = VIEW_SHADOW_SIZE;
+	const char *end;
+	for (int i = VIEW_SHADOWS_STANDARD; i <= VIEW_SHADOWS_PERSPECTIVE; i++)
+		if (length == strlen(names[i]) && strncmp(text, names[i], length) == 0)
+			out->shadows = (enum view_shadows)i;
+	bool good = !*rest || (eco_count_read(rest + 1, ECO_OPTION_COUNT, &size, &end) && !*end
+		&& size >= VIEW_SHADOW_SIZE_MIN && size <= VIEW_SHADOW_SIZE_MAX);
+	if (!out->shadows || !good)
+		return eco_fail(error, ECO_BAD_USAGE, "--shadows %.60s: must be standard or perspective, with "
+			"or without the map's size of %u to %u texels, such as perspective,2048", text,
+			VIEW_SHADOW_SIZE_MIN, VIEW_SHADOW_SIZE_MAX);
+	out->shadow_size = (uint32_t)size;
+	return ECO_OK;
 }
 
 const char *const view_rules[] = { "optimal", "deussen", NULL };
@@ -92,9 +149,9 @@ static const struct eco_option option_table[] = {
 		.help = "also which plants are seen, as frame-0000.geojson: longitude and latitude (metres "
 		"where the scene has no CRS), species and what it is shown as, height, pixels, distance, how "
 		"each is drawn, and which row of which inventory it is" },
-	{ "sun", 0, ECO_OPTION_READ, "TIME", &given.sun_s, .read = view_sun_read_time,
+	{ "sun", 0, ECO_OPTION_READ, "TIME", &given.sun_s, .read = view_time_read,
 		.help = "where the sun is at that time and the scene's place, such as 2026-06-21T10:00Z" },
-	{ "shadows", 0, ECO_OPTION_READ, "KIND[,SIZE]", &given.sky, .read = view_sky_read_shadows,
+	{ "shadows", 0, ECO_OPTION_READ, "KIND[,SIZE]", &given.sky, .read = read_shadows,
 		.help = "plants cast shadows on plants and ground, by a map of SIZE x SIZE texels (1024 if "
 		"not given): standard, of texels of one size, or perspective, with more of them near the "
 		"eye; of plants out of sight those that are held, as nothing is fetched for it" },

@@ -8,7 +8,7 @@
  *   point      { p.xyz, colour } and, in summaries, { owner low, owner high, key mask, 0 }
  *   splat      { p.xyz, colour } { half axis.xyz, 0 } three times
  *   ground     { column, row, height as whole steps; normal.x, .y as two signed 1/32767 }
- *   impostor   a level: see view_impostor.h
+ *   impostor   a level, in words of its own: see below
  *
  * A summary point's owner is that of placement path 0; the key's field lies in the high word, where a path is
  * added modulo its mask. Floats are stored as their bits; colour is r | g << 8 | b << 16 | code << 24, sRGB;
@@ -18,7 +18,7 @@
 #ifndef VIEW_RECORD_H
 #define VIEW_RECORD_H
 
-#include "client-min/view_store.h"
+#include "client-min/view_select.h"
 
 #define VIEW_TEXEL_BYTES 16u
 
@@ -33,5 +33,35 @@ enum eco_code view_record_write(const struct view_list *list, uint32_t first_chu
 
 /* The part of the high word of a summary point's owner that placement path `path` adds. */
 uint32_t view_record_path(uint32_t path);
+
+/* ---- Impostors ---- */
+
+/* Levels of impostors:
+ *
+ *   head       { centre.xyz, radius }
+ *              { thick, sides, counts, start of colours }   sides: of texels, depths and colours, and
+ *                                                           codes of depths; counts: rings, tiles of
+ *                                                           colours; a byte each
+ *              { start of tiles, of tiles of colours, of texels, of depths }
+ *   rings      { sine, cosine, first tile | tiles << 8 | directions << 16, 0 }
+ *   tiles      { right.x, up.x, toward.x, right.y } { up.y, toward.y, up.z, toward.z }
+ *              the axes of struct lod_impostor_tile; right.z is 0
+ *   texels     1 bit each, depths 4 bits, colours 16: red, green << 5, blue << 10. Tile by tile, rows from
+ *              the top, in words from the lowest bit up
+ *
+ * Starts are in texels from the head. All parts begin with a texel. */
+uint32_t view_impostor_texels(const struct lod_impostor *impostor);
+/* 4 * view_impostor_texels words. */
+void view_impostor_write(const struct lod_impostor *impostor, uint32_t *words);
+/* The surface of its pixels (view_light.h): points as large as texels. */
+uint32_t view_impostor_surface(const struct eco_list *list, const struct lod_impostor *impostor);
+
+/* ---- Instances ---- */
+
+/* Four texels: the rows of object -> view, then the instance's scale and half the width of its plant; plant: NULL for
+ * a summary's. */
+#define VIEW_INSTANCE_TEXELS 4
+void view_instance_write(uint32_t *words, const struct lod_eye *eye, const struct view_instance *instance,
+	const struct view_plant *plant);
 
 #endif

@@ -11,8 +11,8 @@
 #include <string.h>
 
 #include "client-min/draw/view_mesh.h"
-#include "client-min/view_owners.h"
 #include "client-min/view_threads.h"
+#include "lod/raster/flip.h"
 
 #define HIDE_TRIANGLES 24u               /* fewer are drawn sooner than asked about */
 #define TILE_TRIANGLES (2 * ECO_GROUND_CELLS * ECO_GROUND_CELLS)
@@ -24,7 +24,7 @@ struct scene {
 	struct view_mesh *meshes;        /* per cut */
 	uint32_t *items;                 /* per cut: number of its first item; and the end */
 	uint32_t *order;                 /* instances, near to far */
-	struct view_owners owners;
+	struct view_table owners;
 };
 
 struct worker {
@@ -223,7 +223,7 @@ static void look_plant(const struct scene *scene, struct view_picture *picture, 
 	const struct view_mesh *mesh = &scene->meshes[*cut];
 	if (mesh->image || mesh->geometry.half)
 		rays_of(scene->job, picture, x, y,
-			&view_owners_find(&scene->owners, picture->owner[i])->place, &rays);
+			&view_owners_find(&scene->owners, scene->job->selection, picture->owner[i])->place, &rays);
 	view_mesh_look(mesh, item - scene->items[*cut], &rays, picture->rgb + 3 * i, &picture->surface[i]);
 	if (scene->job->tint == VIEW_TINT_KIND)
 		memcpy(picture->rgb + 3 * i, view_tint_colors[scene->job->selection->roles[*cut]], 3);
@@ -335,8 +335,7 @@ static enum eco_code scene_make(struct scene *scene, const struct view_reference
 	for (uint32_t i = 0; i < s->instance_count; i++)
 		scene->order[i] = i;
 	qsort_r(scene->order, s->instance_count, sizeof *scene->order, by_distance, s->instances);
-	enum eco_code code = view_owners_make(&scene->owners, s, error);
-	return code ? code : make_meshes(scene, error);
+	return view_owners_make(&scene->owners, s) ? make_meshes(scene, error) : no_memory(error);
 }
 
 static void scene_free(struct scene *scene)
@@ -346,7 +345,7 @@ static void scene_free(struct scene *scene)
 	free(scene->meshes);
 	free(scene->items);
 	free(scene->order);
-	view_owners_free(&scene->owners);
+	view_table_free(&scene->owners);
 }
 
 static enum eco_code workers_make(struct worker **workers, const struct scene *scene,
@@ -432,4 +431,47 @@ enum eco_code view_reference_count(const struct view_reference_job *job, struct 
 	workers_free(workers);
 	scene_free(&scene);
 	return !code && stopped(job) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : code;
+}
+
+/* ---- Measures ---- */
+
+#define CEILING_SAMPLES 8u
+
+static enum eco_code count(const struct view_reference_job *job, const struct view_picture *picture,
+	uint32_t samples, uint8_t *counts, struct eco_error *error)
+{
+	struct view_coverage coverage = { picture->width, picture->height, samples, counts };
+	return counts ? view_reference_count(job, &coverage, error)
+		: eco_fail(error, ECO_NO_MEMORY, "no memory for the samples of a picture");
+}
+
+enum eco_code view_measure_soft(const struct view_reference_job *job, struct view_picture *picture,
+	struct eco_error *error)
+{
+	if (!picture->soft)
+		picture->soft = malloc((size_t)picture->width * picture->height);
+	return count(job, picture, VIEW_SOFT_SAMPLES, picture->soft, error);
+}
+
+enum eco_code view_measure_ceiling(const struct view_reference_job *job, const struct view_picture *reference,
+	double *ceiling, struct eco_error *error)
+{
+	size_t pixels = (size_t)reference->width * reference->height;
+	uint8_t *counts = malloc(pixels);
+	enum eco_code code = count(job, reference, CEILING_SAMPLES, counts, error);
+	if (!code)
+		*ceiling = lod_q_ceiling(counts, reference->cover, pixels);
+	free(counts);
+	return code;
+}
+
+enum eco_code view_measure_pair(const struct view_picture *picture, const struct view_picture *reference,
+	float *error_map, struct view_measures *measures, struct eco_error *error)
+{
+	lod_score(&measures->score, &(struct lod_score_input){ picture->width, picture->height,
+		picture->cover, reference->cover, picture->owner, reference->owner });
+	measures->soft_q = lod_soft_q(picture->soft, reference->soft,
+		(size_t)picture->width * picture->height);
+	return lod_flip(&(struct lod_flip_input){ picture->width, picture->height, picture->rgb,
+		reference->rgb, error_map }, &measures->picture_error, error);
 }

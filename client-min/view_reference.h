@@ -9,6 +9,7 @@
 #include "client-min/draw/view_light.h"
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_select.h"
+#include "lod/raster/raster.h"
 
 struct view_reference_job {
 	const struct view_store *store;
@@ -32,5 +33,19 @@ struct view_coverage {
 };
 enum eco_code view_reference_count(const struct view_reference_job *job, struct view_coverage *coverage,
 	struct eco_error *error);
+
+/* ---- Measures of a picture's error; samples are drawn in software, whatever drew the picture ---- */
+
+/* Fills picture->soft, from VIEW_SOFT_SAMPLES x VIEW_SOFT_SAMPLES samples a pixel. */
+#define VIEW_SOFT_SAMPLES 4u
+enum eco_code view_measure_soft(const struct view_reference_job *job, struct view_picture *picture,
+	struct eco_error *error);
+/* lod_q_ceiling of a reference, from 8 x 8 samples a pixel. */
+enum eco_code view_measure_ceiling(const struct view_reference_job *job, const struct view_picture *reference,
+	double *ceiling, struct eco_error *error);
+struct view_measures { struct lod_score score; double soft_q, picture_error; };  /* lod_soft_q; mean of lod_flip */
+/* Both pictures have their soft counts. `error_map`, if not NULL, receives lod_flip's error of each pixel. */
+enum eco_code view_measure_pair(const struct view_picture *picture, const struct view_picture *reference,
+	float *error_map, struct view_measures *measures, struct eco_error *error);
 
 #endif

@@ -3,9 +3,10 @@
 #ifndef VIEW_REPORT_H
 #define VIEW_REPORT_H
 
+#include <stdbool.h>
 #include <stdio.h>
 
-#include "client-min/view_measure.h"
+#include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/plan.h"
 
@@ -73,5 +74,14 @@ enum eco_code view_save(const char *dir, const char *format, uint32_t frame, con
 /* A score as people read it: four decimals, or "-" where there is none. Returns `text`. */
 #define VIEW_SCORE_BYTES 24
 const char *view_report_score(char text[VIEW_SCORE_BYTES], double v);
+
+/* ---- Progress on stderr ---- */
+
+/* One line redrawn on a terminal; elsewhere plain lines, at most one a second and none in the first. */
+struct view_progress { const char *program; bool terminal, drawn; double last_ms; };
+void view_progress_begin(struct view_progress *progress, const char *program);
+/* `done` of `total` parts are done; `what` is being done. */
+void view_progress_show(struct view_progress *progress, double done, double total, const char *what);
+void view_progress_clear(struct view_progress *progress);        /* before other output */
 
 #endif

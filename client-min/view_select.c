@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_table.h"
 #include "ecofiles/base/angle16.h"
 
 #define INSTANCES_MAX (1u << 28)        /* looked at, seen or not */
@@ -420,4 +419,21 @@ uint64_t view_summary_owner(const struct view_list *list, uint32_t index, uint32
 		+ eco_list_extra_at(&list->list, ECO_ATTR_PLANT);
 	return eco_owner_summary((uint32_t)extra[1] + eco_owner_leaf(list->list.owner) + path,
 		(uint32_t)extra[0]);
+}
+
+bool view_owners_make(struct view_table *owners, const struct view_selection *selection)
+{
+	bool good = true;
+	*owners = (struct view_table){ 0 };
+	for (uint32_t i = 0; i < selection->instance_count && good; i++)
+		good = view_table_get(owners, selection->instances[i].owner) != UINT32_MAX
+			|| view_table_put(owners, selection->instances[i].owner, i);
+	return good;
+}
+
+const struct view_instance *view_owners_find(const struct view_table *owners,
+	const struct view_selection *selection, uint64_t owner)
+{
+	uint32_t index = view_table_get(owners, owner);
+	return index == UINT32_MAX ? NULL : &selection->instances[index];
 }

@@ -17,6 +17,7 @@
 #include "client-min/view_image.h"
 #include "client-min/view_sky.h"
 #include "client-min/view_store.h"
+#include "client-min/view_table.h"
 #include "lod/eye.h"
 
 struct view_instance {
@@ -67,6 +68,12 @@ enum eco_code view_select_make(struct view_selection *selection, const struct vi
 enum eco_code view_select_casters(struct view_selection *selection, const struct view_store *store,
 	const struct lod_eye *eye, struct eco_error *error);
 void view_select_free(struct view_selection *selection);
+
+/* Instances by owner, the number that a picture's pixels hold. False: no memory. The caller frees the table. */
+bool view_owners_make(struct view_table *owners, const struct view_selection *selection);
+/* NULL: no instance has that owner, such as a summary's point. */
+const struct view_instance *view_owners_find(const struct view_table *owners,
+	const struct view_selection *selection, uint64_t owner);
 
 /* Owner of summary point `index` (an element of a list with ECO_ATTR_PLANT) in a placement. */
 uint64_t view_summary_owner(const struct view_list *list, uint32_t index, uint32_t path);

@@ -1,28 +1,26 @@
 #include "client-min/view_sky.h"
 
-#include <stdbool.h>
-#include <string.h>
+#include <math.h>
 
-#include "ecofiles/base/options.h"
+#define DEGREE (3.14159265358979323846 / 180)
+#define J2000_S 946728000.0              /* noon of 2000-01-01, in unix seconds */
 
-enum eco_code view_sky_read_shadows(const char *text, void *sky, struct eco_error *error)
+void view_sun_at(const struct view_sun_place *place, double unix_s, float sun[3])
 {
-	static const char *const names[] = { [VIEW_SHADOWS_STANDARD] = "standard",
-		[VIEW_SHADOWS_PERSPECTIVE] = "perspective" };
-	struct view_sky *out = sky;
-	size_t length = strcspn(text, ",");
-	const char *rest = text + length;
-	uint64_t size = VIEW_SHADOW_SIZE;
-	const char *end;
-	for (int i = VIEW_SHADOWS_STANDARD; i <= VIEW_SHADOWS_PERSPECTIVE; i++)
-		if (length == strlen(names[i]) && strncmp(text, names[i], length) == 0)
-			out->shadows = (enum view_shadows)i;
-	bool good = !*rest || (eco_count_read(rest + 1, ECO_OPTION_COUNT, &size, &end) && !*end
-		&& size >= VIEW_SHADOW_SIZE_MIN && size <= VIEW_SHADOW_SIZE_MAX);
-	if (!out->shadows || !good)
-		return eco_fail(error, ECO_BAD_USAGE, "--shadows %.60s: must be standard or perspective, with "
-			"or without the map's size of %u to %u texels, such as perspective,2048", text,
-			VIEW_SHADOW_SIZE_MIN, VIEW_SHADOW_SIZE_MAX);
-	out->shadow_size = (uint32_t)size;
-	return ECO_OK;
+	double n = (unix_s - J2000_S) / 86400;
+	double anomaly = (357.528 + 0.9856003 * n) * DEGREE;
+	double along = (280.460 + 0.9856474 * n + 1.915 * sin(anomaly) + 0.020 * sin(2 * anomaly)) * DEGREE,
+		tilt = (23.439 - 0.0000004 * n) * DEGREE;
+	double ascension = atan2(cos(tilt) * sin(along), cos(along)),
+		declination = asin(sin(tilt) * sin(along));
+	double sidereal = fmod(18.697374558 + 24.06570982441908 * n, 24) * 15 + place->longitude_deg;
+	double hour = sidereal * DEGREE - ascension, latitude = place->latitude_deg * DEGREE;
+	double up = sin(latitude) * sin(declination) + cos(latitude) * cos(declination) * cos(hour);
+	double east = -cos(declination) * sin(hour),
+		north = cos(latitude) * sin(declination) - sin(latitude) * cos(declination) * cos(hour);
+	/* the map's north is turned clockwise */
+	double turn = place->convergence_deg * DEGREE;
+	sun[0] = (float)(east * cos(turn) - north * sin(turn));
+	sun[1] = (float)(north * cos(turn) + east * sin(turn));
+	sun[2] = (float)up;
 }

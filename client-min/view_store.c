@@ -15,8 +15,6 @@
 #include <time.h>
 
 #include "client-min/view_cache.h"
-#include "client-min/draw/view_forms.h"
-#include "client-min/view_table.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/texture.h"
 #include "ecofiles/base/array_grow.h"

@@ -5,12 +5,13 @@
 
 #define EMPTY UINT32_MAX
 
-static uint32_t home_of(const struct view_table *table, uint32_t key)
+static uint32_t home_of(const struct view_table *table, uint64_t key)
 {
-	return (uint32_t)(((uint64_t)key * 0x9E3779B97F4A7C15u) >> 32) & (table->room - 1);
+	uint64_t folded = key ^ (key >> 32) * 0x85EBCA77u;
+	return (uint32_t)((folded * 0x9E3779B97F4A7C15u) >> 32) & (table->room - 1);
 }
 
-static uint32_t slot_of(const struct view_table *table, uint32_t key)
+static uint32_t slot_of(const struct view_table *table, uint64_t key)
 {
 	uint32_t slot = home_of(table, key);
 	while (table->slots[slot] != EMPTY && table->keys[slot] != key)
@@ -18,7 +19,7 @@ static uint32_t slot_of(const struct view_table *table, uint32_t key)
 	return slot;
 }
 
-uint32_t view_table_get(const struct view_table *table, uint32_t key)
+uint32_t view_table_get(const struct view_table *table, uint64_t key)
 {
 	return table->room ? table->slots[slot_of(table, key)] : EMPTY;
 }
@@ -44,7 +45,7 @@ static bool grow(struct view_table *table)
 	return true;
 }
 
-bool view_table_put(struct view_table *table, uint32_t key, uint32_t value)
+bool view_table_put(struct view_table *table, uint64_t key, uint32_t value)
 {
 	assert(value != EMPTY);
 	if (table->count * 2 >= table->room && !grow(table))
@@ -58,7 +59,7 @@ bool view_table_put(struct view_table *table, uint32_t key, uint32_t value)
 }
 
 /* Keys behind the gap that are looked for from before it move into it (Knuth 6.4, algorithm R). */
-void view_table_remove(struct view_table *table, uint32_t key)
+void view_table_remove(struct view_table *table, uint64_t key)
 {
 	uint32_t gap = table->room ? slot_of(table, key) : 0, mask = table->room - 1;
 	if (!table->room || table->slots[gap] == EMPTY)

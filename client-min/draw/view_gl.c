@@ -6,12 +6,9 @@
 #include <string.h>
 
 #include "client-min/draw/view_context.h"
-#include "client-min/draw/view_extent.h"
 #include "client-min/draw/view_gpu.h"
-#include "client-min/draw/view_impostor.h"
-#include "client-min/draw/view_instance.h"
 #include "client-min/view_record.h"
-#include "client-min/draw/view_shade.h"
+#include "client-min/draw/view_light.h"
 #include "client-min/draw/view_shadow.h"
 #include "lod/scattered.h"
 
@@ -458,7 +455,7 @@ static void draw_impostors(const struct frame *f, const struct view_shader *s, c
 	glUniform1i(s->uniform[VIEW_U_FIRST_RECORD], (int)view_record_span(list, 0, level));
 	glUniform1ui(s->uniform[VIEW_U_SURFACE], view_impostor_surface(&list->list, impostor));
 	/* with a pixel around the outline, and another for what floats round */
-	draw_level(f, s, f->map ? INFINITY : view_extent_balls_px(f->job, (const uint32_t[2]){ f->picture->width,
+	draw_level(f, s, f->map ? INFINITY : view_extent_balls_px(f->job->eye, f->job->selection, (const uint32_t[2]){ f->picture->width,
 		f->picture->height }, impostor, f->job->selection->members + first_member, count) + 4, count);
 }
 
@@ -488,7 +485,7 @@ static void draw_ellipses(struct frame *f, const struct view_shader *s, const st
 	most = at_once(f, most, count);
 	int width = (int)f->picture->width, height = (int)f->picture->height,
 		margin = f->map ? 0 : point_margin(f->gl);
-	bool points = margin > 0 && ellipse_px(f, view_extent_ellipses(f->job, g, list, cut,
+	bool points = margin > 0 && ellipse_px(f, view_extent_ellipses(f->job->eye, f->job->selection, g, list, cut,
 		f->job->selection->members + first_member, members)) <= 2 * margin;
 	margin = points ? margin : 0;
 	glUniform1i(s->uniform[VIEW_U_CORNERS], points ? 1 : 3);

@@ -4,11 +4,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "client-min/draw/view_impostor.h"
 #include "client-min/draw/view_light.h"
-#include "client-min/draw/view_shade.h"
-#include "client-min/draw/view_texture.h"
+#include "client-min/view_record.h"
 #include "lod/light.h"
+#include "lod/raster/texel.h"
 #include "lod/scattered.h"
 
 /* ---- Geometry ---- */
@@ -93,6 +92,51 @@ void view_mesh_free(struct view_mesh *mesh)
 
 /* ---- Looks ---- */
 
+#define STEPS_MAX 6                      /* samples along each side of a pixel */
+
+/* A pixel's side in the texture: at least a texel long. Returns its length in texels. */
+static double side_of(const struct eco_image *image, const double from[2], const double to[2], int axis,
+	double side[2])
+{
+	double size[2] = { image->width, image->height }, texels = 0;
+	for (int k = 0; k < 2; k++) {
+		side[k] = to[k] - from[k];
+		texels += side[k] * size[k] * side[k] * size[k];
+	}
+	texels = sqrt(texels);
+	if (texels >= 1)
+		return texels;
+	side[axis] = 1 / size[axis];
+	side[1 - axis] = 0;
+	return 1;
+}
+
+/* The mean light (1/65535) of the opaque texels under a pixel, which in software takes the place of filtering: uv at
+ * the pixel's centre, and one pixel to the right and one down. A pixel within a texel mixes it with its
+ * neighbours. Where nothing is opaque it is the texel at the centre. */
+static void texture_mean(const struct eco_image *image, const double uv[3][2], double light[3])
+{
+	struct lod_light sum = { .weight = 0 };
+	double side[2][2];
+	int steps[2];
+	for (int a = 0; a < 2; a++) {
+		double texels = side_of(image, uv[0], uv[1 + a], a, side[a]);
+		steps[a] = texels < STEPS_MAX - 1 ? 1 + (int)ceil(texels) : STEPS_MAX;
+	}
+	for (int i = 0; i < steps[0]; i++)
+		for (int j = 0; j < steps[1]; j++) {
+			double a = (i + 0.5) / steps[0] - 0.5, b = (j + 0.5) / steps[1] - 0.5;
+			const uint8_t *texel = lod_texel_at(image, uv[0][0] + a * side[0][0] + b * side[1][0],
+				uv[0][1] + a * side[0][1] + b * side[1][1]);
+			if (texel[3] >= 128)
+				lod_light_add(&sum, texel, 1);
+		}
+	if (!(sum.weight > 0))
+		lod_light_add(&sum, lod_texel_at(image, uv[0][0], uv[0][1]), 1);
+	for (int k = 0; k < 3; k++)
+		light[k] = sum.sum[k] / sum.weight;
+}
+
 static void cross(const double a[3], const double b[3], double out[3])
 {
 	for (int k = 0; k < 3; k++)
@@ -124,7 +168,7 @@ static void look_textured(const struct view_mesh *mesh, uint32_t triangle, const
 	double uv[3][2], light[3];
 	for (int i = 0; i < 3; i++)
 		find_uv(p, mesh->geometry.uv + 6 * (size_t)triangle, rays->eye, rays->ray[i], uv[i]);
-	view_texture_mean(&mesh->image->image, uv, light);
+	texture_mean(&mesh->image->image, uv, light);
 	for (int k = 0; k < 3; k++)
 		rgb[k] = lod_light_byte(light[k] * lod_light_of[rgb[k]] / 65535);
 }

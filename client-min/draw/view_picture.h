@@ -14,7 +14,7 @@ struct view_picture {                    /* owns its arrays */
 	uint64_t *owner;                 /* 0: nothing or ground */
 	float *depth;                    /* 1 / distance forward of the eye; 0: the sky */
 	uint32_t *surface;               /* view_light.h; of a plant or the ground */
-	uint8_t *soft;                   /* samples covered (view_measure.h); NULL until counted */
+	uint8_t *soft;                   /* samples covered (view_measure_soft); NULL until counted */
 	uint64_t vertices;               /* counted at the draw calls */
 	double draw_ms;
 	/* if shadows are cast: of these; texels for a pixel near the eye (view_shadow_sharpness) */
@@ -32,5 +32,16 @@ void view_picture_compare(const uint8_t *cover, const uint8_t *reference, uint32
 /* Whose each pixel is, 3 bytes a pixel into `rgb`: a plant has a colour of its own, which it keeps in other
  * pictures (two share one by chance, of 2^24), and what is no plant's is black. */
 void view_picture_owners(const struct view_picture *picture, uint8_t *rgb);
+
+/* Three pictures side by side, with words under each: ours, full detail, and the error that people see, from black
+ * (none) over violet and orange to pale yellow (1). */
+struct view_compare {
+	const struct view_picture *picture, *reference;
+	const float *error_map;                  /* lod_flip's, 0 to 1 a pixel */
+	const char *words[3];                    /* ASCII; letters are drawn as capitals */
+};
+/* *rgb is malloc'ed: 3 bytes a pixel, size[0] x size[1] pixels. */
+enum eco_code view_compare_draw(const struct view_compare *compare, uint8_t **rgb, uint32_t size[2],
+	struct eco_error *error);
 
 #endif

@@ -15,7 +15,6 @@
 #include <epoxy/gl.h>
 #include <stdio.h>
 
-#include "client-min/draw/view_shader_impostor.h"
 #include "client-min/draw/view_shadow.h"
 #include "ecofiles/format/list.h"
 #include "lod/hash.h"

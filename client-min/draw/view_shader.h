@@ -29,4 +29,7 @@ struct view_dialect { bool es; bool depth_zero_to_one; };
 enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which, bool shadow,
 	const struct view_dialect *dialect, struct eco_error *error);
 
+/* In view_shader_impostor.c. */
+extern const char view_shader_impostor_vertex[], view_shader_impostor_fragment[];
+
 #endif

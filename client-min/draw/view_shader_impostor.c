@@ -1,6 +1,6 @@
 /* Impostors: what lod/impostor_look.c and lod/raster/raster_impostor.c do, by the same operations in the same
  * order. A vertex chooses the tiles and the rays of pixels; a fragment follows its ray. Levels lie in records
- * as view_impostor.h says.
+ * as view_record.h says.
  *
  * A plant is one point that covers its outline. Points whose middle lies beside the picture may be clipped,
  * so the viewport is larger than the picture, and u_window is half of it. Outlines larger than u_point_max,
@@ -10,7 +10,7 @@
  * 64 radii towards the sun (view_shadow_cast.c). A beam (x, y) meets the disc where its two half axes have
  * shares s and t: (s, t, 1) is W times the inverse of the matrix of half axes and middle times (x, y, 1), so
  * that a ray, of any length, is linear in x and y. */
-#include "client-min/draw/view_shader_impostor.h"
+#include "client-min/draw/view_shader.h"
 
 #include "lod/impostor.h"
 

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/draw/view_shadow_cast.h"
 #include "client-min/draw/view_vec.h"
 
 /* ---- What view_shadow.glsl is written in ---- */

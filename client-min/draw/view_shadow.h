@@ -76,4 +76,9 @@ float view_shadow_lit(const struct view_shadow *shadow, const float to[3], const
 double view_shadow_sharpness(const struct view_shadow *shadow, const struct view_picture *picture,
 	const struct lod_eye *eye);
 
+/* In view_shadow_cast.c: raises shadow->top, which has been made, to all that the job's casters reach: triangles, with
+ * what their textures cut out, lines, points, splats and impostors. */
+enum eco_code view_shadow_cast(struct view_shadow *shadow, const struct view_shadow_job *job,
+	struct eco_error *error);
+
 #endif

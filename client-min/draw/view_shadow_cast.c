@@ -3,7 +3,7 @@
  *
  * Triangles and lines are drawn as polygons. Points are discs across the beams, and splats the outlines of
  * their ellipsoids, both flat, at the height of their middle: what of them is beyond it shades itself. */
-#include "client-min/draw/view_shadow_cast.h"
+#include "client-min/draw/view_shadow.h"
 
 #include <math.h>
 #include <stdlib.h>

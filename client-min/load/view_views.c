@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_stand.h"
+#include "client-min/view_ask.h"
 #include "ecofiles/base/random.h"
 
 #define FRAMES 240u

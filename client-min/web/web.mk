@@ -11,7 +11,7 @@ WEB_FLAGS := -Os -ffp-contract=off -fno-strict-aliasing -ffunction-sections -D_G
 WEB_CFLAGS := -std=c11 $(WARN) $(WEB_FLAGS) -I$(W)/src/libwebp/src
 WEB_CXXFLAGS := -std=c++17 -fno-rtti $(WEB_FLAGS) -isystem $(W)/src/draco/src
 # light is the longest part of a picture: .6 of the time with vectors, which all browsers of the last years have
-$(W)/obj/client-min/draw/view_light.o $(W)/obj/client-min/draw/view_shade.o: WEB_FLAGS += -O3 -msimd128
+$(W)/obj/client-min/draw/view_light.o: WEB_FLAGS += -O3 -msimd128
 export NODE_PATH := /usr/share/nodejs
 
 WEB_ROOMS := $(wildcard lod/*.c) lod/raster/texel.c $(wildcard client-min/web/*.c)
@@ -19,8 +19,8 @@ WEB_BASE := angle16 array_grow bytes phrase range status utf8
 WEB_CHUNK := chunk chunk_columns chunk_corners chunk_counts chunk_decode chunk_ground chunk_mesh chunk_rows chunk_shapes shape
 WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor impostor_codec list model pack_check pack_record plan splat texture \
 	view $(patsubst ecofiles/format/%.c,%,$(wildcard ecofiles/format/wire_*.c))
-WEB_VIEW := cache digest ground image list owners query record select store sun table threads
-WEB_DRAW := extent forms gl gpu impostor instance light mesh picture shade shader shader_impostor shadow shadow_cast texture
+WEB_VIEW := cache digest ground image list query record select sky store table threads
+WEB_DRAW := gl gpu light mesh picture shader shader_impostor shadow shadow_cast
 WEB_SOURCES := $(WEB_BASE:%=ecofiles/base/%.c) $(WEB_FORMAT:%=ecofiles/format/%.c) $(WEB_VIEW:%=client-min/view_%.c) \
 	$(WEB_DRAW:%=client-min/draw/view_%.c) $(WEB_ROOMS)
 

@@ -8,11 +8,10 @@
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_shader.h"
 #include "client-min/view_query.h"
-#include "client-min/view_sun.h"
+#include "client-min/view_sky.h"
 #include "client-min/web/web_light.h"
 #include "client-min/web/web_pick.h"
-#include "client-min/web/web_present.h"
-#include "client-min/web/web_text.h"
+#include "client-min/web/web_program.h"
 #include "ecofiles/base/bytes.h"
 
 struct web {
@@ -414,13 +413,19 @@ double web_ground(const struct web *web, double x, double y)
 
 const char *web_pick(struct web *web, double x, double y)
 {
-	struct view_owners owners;
-	if (!read_picture(web) || view_owners_make(&owners, &web->selection, &web->error))
+	struct view_table owners;
+	if (!read_picture(web))
 		return NULL;
+	bool made = view_owners_make(&owners, &web->selection);
 	web->text.size = 0;
 	struct web_pick pick = { web->store, &web->selection, &web->eye, &owners, &web->picture };
-	web_pick_write(&pick, x, y, &web->text);
-	view_owners_free(&owners);
+	if (made)
+		web_pick_write(&pick, x, y, &web->text);
+	view_table_free(&owners);
+	if (!made) {
+		eco_fail(&web->error, ECO_NO_MEMORY, "no memory for the owners of a picture");
+		return NULL;
+	}
 	eco_write_u8(&web->text, 0);
 	return web->text.failed ? NULL : (const char *)web->text.bytes;
 }

@@ -14,7 +14,7 @@
  *   web_select(web)                                 what the plan that has come draws from now on; -1: none
  *                                                   has
  *   web_draw(web, view, width, height, tint)        a picture, by the WebGL context that is current
- *   web_present(web, depth, viewport, sky, ground)  puts it into the page's framebuffer (web_present.h)
+ *   web_present(web, depth, viewport, sky, ground)  puts it into the page's framebuffer (web_program.h)
  *   web_facts(web)                                  JSON: what a page shows of it
  *   web_pick(web, x, y)                             JSON: what is seen at a pixel of it (web_pick.h)
  *   web_free(web)
@@ -45,7 +45,7 @@ int web_finish(struct web *web);
 int web_prepare(struct web *web, double width, double height);
 int web_select(struct web *web);
 int web_draw(struct web *web, const double view[10], double width, double height, double tint);
-/* From now on the sun is where it is at a place and time (view_sun.h); NaN: where it usually is. */
+/* From now on the sun is where it is at a place and time (view_sun_at); NaN: where it usually is. */
 void web_sun(struct web *web, double longitude_deg, double latitude_deg, double convergence_deg,
 	double unix_s);
 /* From now on shadows are cast (enum view_shadows: 0 none) by maps of so many texels a side (0: 1024), and

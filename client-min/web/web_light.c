@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "client-min/draw/view_gpu.h"
-#include "client-min/draw/view_shade.h"
+#include "client-min/draw/view_light.h"
 #include "client-min/view_record.h"
 #include "client-min/web/web_program.h"
 

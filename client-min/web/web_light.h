@@ -27,7 +27,7 @@ struct web_light {                       /* zero is empty */
 	bool held;
 	bool shaded;                     /* `shade` is of this selection and that sun */
 	float sun[3];
-	double low[2], side_m;           /* where `shade` lies: view_shade.h; side_m 0: nowhere */
+	double low[2], side_m;           /* where `shade` lies: view_light.h; side_m 0: nowhere */
 };
 
 /* Compiles what light needs, with an image on the ground or without, with shadows or without, which drawing

@@ -2,7 +2,16 @@
 
 #include <math.h>
 
-#include "client-min/web/web_text.h"
+void web_say_name(struct eco_writer *text, const char *name)
+{
+	eco_write_format(text, "\"");
+	for (; *name; name++)
+		if (*name == '"' || *name == '\\' || (unsigned char)*name < ' ')
+			eco_write_format(text, "\\u%04x", (unsigned char)*name);
+		else
+			eco_write_format(text, "%c", *name);
+	eco_write_format(text, "\"");
+}
 
 /* The pixel of a plant nearest to (x, y) and within reach, else that one; false beside the picture. */
 static bool find_pixel(const struct view_picture *picture, double x, double y, uint32_t at[2])
@@ -96,7 +105,7 @@ void web_pick_write(const struct web_pick *pick, double x, double y, struct eco_
 	}
 	double world[3], apart = 0;
 	uint64_t owner = picture->owner[pixel];
-	const struct view_instance *instance = owner ? view_owners_find(pick->owners, owner) : NULL;
+	const struct view_instance *instance = owner ? view_owners_find(pick->owners, pick->selection, owner) : NULL;
 	place_of(pick, at, (double)picture->depth[pixel], world);
 	for (int k = 0; k < 3; k++)
 		apart += (world[k] - pick->eye->at[k]) * (world[k] - pick->eye->at[k]);

@@ -2,8 +2,8 @@
 #ifndef WEB_PICK_H
 #define WEB_PICK_H
 
-#include "client-min/view_owners.h"
 #include "client-min/draw/view_picture.h"
+#include "client-min/view_select.h"
 #include "ecofiles/base/bytes.h"
 
 #define WEB_PICK_REACH 6         /* pixels: the nearest plant within is taken, as twigs are thin */
@@ -12,7 +12,7 @@ struct web_pick {
 	const struct view_store *store;
 	const struct view_selection *selection;
 	const struct lod_eye *eye;
-	const struct view_owners *owners;
+	const struct view_table *owners;
 	const struct view_picture *picture;
 };
 
@@ -28,5 +28,8 @@ struct web_pick {
  * is drawn, the pack's plant of that number, which may stand for several species. `list` and `index` name the
  * one that was picked to the server, which knows its species and its row. */
 void web_pick_write(const struct web_pick *pick, double x, double y, struct eco_writer *text);
+
+/* A string of JSON, with its quotes; UTF-8 stays as it is. */
+void web_say_name(struct eco_writer *text, const char *name);
 
 #endif

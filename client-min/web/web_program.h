@@ -2,6 +2,7 @@
 #ifndef WEB_PROGRAM_H
 #define WEB_PROGRAM_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "ecofiles/base/status.h"
@@ -28,5 +29,22 @@ unsigned web_program(const char *vertex, const char *const *parts, int count, co
 void web_program_texture(unsigned program, const char *name, int unit, unsigned texture);
 /* viewport: x, y, width, height */
 void web_program_fill(unsigned vertex_array, const int viewport[4]);
+
+/* ---- A lit picture in the page ---- */
+
+/* A lit picture, put into what the page's context draws to: colours, and depths that hide what the page draws
+ * itself, and are hidden by it. */
+struct web_present { unsigned program, vertex_array; };          /* zero is empty */
+
+/* The page's depth of a pixel is depth[0] + depth[1] / distance, in [0, 1]; where nothing is, the sky, it is
+ * 1, and without `sky` nothing is drawn there, nor without `ground` where no plant is. Into the framebuffer
+ * that is bound, all of `viewport`: x, y, width, height. */
+struct web_place { float depth[2]; int viewport[4]; bool sky, ground; };
+/* Compiles what drawing needs, which that else does itself. */
+enum eco_code web_present_prepare(struct web_present *present, struct eco_error *error);
+/* Textures: colours (web_light.h), and what was recorded (view_gl_target). */
+enum eco_code web_present_draw(struct web_present *present, unsigned lit, unsigned seen,
+	const struct web_place *place, struct eco_error *error);
+void web_present_free(struct web_present *present);
 
 #endif

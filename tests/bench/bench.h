@@ -182,7 +182,7 @@ struct bench_frame {
 	struct eco_request request;
 	struct lod_score score;
 	double predicted_q, colour_rms;      /* of sRGB bytes / 255 over pixels covered in either */
-	/* view_measure.h, and bench_widest.h; NaN unless asked for */
+	/* view_reference.h, and bench_widest.h; NaN unless asked for */
 	double soft_q, ceiling, picture_error, widest_px;
 	uint64_t vertices, bytes, plan_bytes;
 	double plan_ms, decode_ms, draw_ms;

@@ -7,9 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_compare.h"
 #include "client-min/draw/view_gl.h"
-#include "client-min/view_measure.h"
+#include "client-min/view_reference.h"
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_report.h"
 #include "tests/bench/bench.h"

@@ -3,8 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_compare.h"
-#include "client-min/view_measure.h"
+#include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"

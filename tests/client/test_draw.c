@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "client-min/draw/view_gl.h"
-#include "client-min/draw/view_shade.h"
+#include "client-min/draw/view_light.h"
 #include "client-min/draw/view_shader.h"
 #include "client-min/view_reference.h"
 #include "tests/support/plan_twin.h"

@@ -9,7 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "client-min/view_stand.h"
+#include "client-min/view_ask.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 

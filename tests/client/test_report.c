@@ -6,7 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "client-min/view_explain.h"
+#include "client-min/view_ask.h"
 #include "client-min/view_fetch.h"
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_query.h"

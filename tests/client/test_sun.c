@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "client-min/draw/view_shade.h"
-#include "client-min/view_sun.h"
+#include "client-min/draw/view_light.h"
+#include "client-min/view_options.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -14,7 +14,7 @@ static double time_of(const char *text)
 {
 	double unix_s = 0;
 	struct eco_error error = { 0 };
-	assert_ok(view_sun_read_time(text, &unix_s, &error), error);
+	assert_ok(view_time_read(text, &unix_s, &error), error);
 	return unix_s;
 }
 
@@ -85,7 +85,7 @@ UNIT_TEST(times_are_read_as_they_are_written)
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
 		struct eco_error error = { 0 };
 		double unix_s;
-		assert_int_equal(view_sun_read_time(bad[i], &unix_s, &error), ECO_BAD_USAGE);
+		assert_int_equal(view_time_read(bad[i], &unix_s, &error), ECO_BAD_USAGE);
 		assert_non_null(strstr(error.text, "2026-06-21T10:00Z"));
 	}
 }

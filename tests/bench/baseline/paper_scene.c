@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_measure.h"
+#include "client-min/view_reference.h"
 #include "lod/ladder.h"
 #include "tests/bench/baseline/paper_rules.h"
 

@@ -1,0 +1,236 @@
+#include "client-min/view_ask.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "client-min/view_ground.h"
+#include "ecofiles/base/csv.h"
+
+/* ---- The scene's place ---- */
+
+/* What the server says of the scene, which is the caller's, and its origin in it. */
+static enum eco_code fetch_origin(struct view_fetch *fetch, json_t **about, const json_t **origin,
+	struct eco_error *error)
+{
+	char *text;
+	enum eco_code code = view_fetch_scene(fetch, &text, error);
+	*about = code ? NULL : json_loads(text, 0, NULL);
+	*origin = json_object_get(*about, "origin");
+	if (!code)
+		free(text);
+	return code;
+}
+
+enum eco_code view_map_fetch(struct view_fetch *fetch, struct view_map *map, struct eco_error *error)
+{
+	json_t *about;
+	const json_t *origin;
+	enum eco_code code = fetch_origin(fetch, &about, &origin, error);
+	if (code)
+		return code;
+	const char *crs = json_string_value(json_object_get(origin, "crs"));
+	for (size_t i = 0; i < 3; i++)
+		map->at[i] = json_number_value(json_array_get(json_object_get(origin, "at"), i));
+	if (snprintf(map->crs, sizeof map->crs, "%s", crs ? crs : "") >= (int)sizeof map->crs)
+		code = eco_fail(error, ECO_UNSUPPORTED, "the scene's CRS has more than %zu letters; a pack "
+			"made with its code, such as \"EPSG:32632\", says the same", sizeof map->crs);
+	json_decref(about);
+	return code;
+}
+
+enum eco_code view_place_fetch(struct view_fetch *fetch, struct view_sun_place *place,
+	struct eco_error *error)
+{
+	json_t *about;
+	const json_t *origin;
+	enum eco_code code = fetch_origin(fetch, &about, &origin, error);
+	if (code)
+		return code;
+	json_t *read = (json_t *)origin;
+	if (json_unpack(read, "{s:F, s:F, s:F}", "longitude_deg", &place->longitude_deg, "latitude_deg",
+			&place->latitude_deg, "convergence_deg", &place->convergence_deg))
+		code = eco_fail(error, ECO_BAD_INPUT, "the scene does not say where on Earth it is: it needs a "
+			"crs, and a pack made anew");
+	json_decref(about);
+	return code;
+}
+
+/* ---- Plants ---- */
+
+#define TOGETHER 1024u /* plants that a server says at a time */
+
+static int by_list(const void *a, const void *b)
+{
+	const struct view_plant_asked *x = a, *y = b;
+	if (x->list != y->list)
+		return x->list < y->list ? -1 : 1;
+	return x->index < y->index ? -1 : x->index > y->index;
+}
+
+/* Of one list, all within TOGETHER of the first. */
+static enum eco_code ask_together(struct view_fetch *fetch, const struct eco_chunk_id *pack,
+	const struct view_plant_asked *plants, uint32_t count, struct eco_error *error)
+{
+	uint32_t first = plants[0].index;
+	char *text;
+	enum eco_code code = view_fetch_plants(fetch, pack, plants[0].list, first,
+		plants[count - 1].index - first + 1, &text, error);
+	if (code)
+		return code;
+	json_t *answer = json_loads(text, 0, NULL), *all = json_object_get(answer, "plants");
+	free(text);
+	for (uint32_t i = 0; i < count && !code; i++) {
+		*plants[i].said = json_incref(json_array_get(all, plants[i].index - first));
+		if (!json_is_object(*plants[i].said))
+			code = eco_fail(error, ECO_BAD_INPUT,
+				"the server says nothing of plant %u of list %u, which it sent", plants[i].index,
+				plants[i].list);
+	}
+	json_decref(answer);
+	return code;
+}
+
+enum eco_code view_plants_ask(struct view_fetch *fetch, const struct eco_chunk_id *pack,
+	struct view_plant_asked *plants, uint32_t count, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	qsort(plants, count, sizeof *plants, by_list);
+	for (uint32_t i = 0, end; i < count && !code; i = end) {
+		for (end = i + 1; end < count && plants[end].list == plants[i].list
+				&& plants[end].index - plants[i].index < TOGETHER;)
+			end++;
+		code = ask_together(fetch, pack, plants + i, end - i, error);
+	}
+	return code;
+}
+
+/* ---- The ground ---- */
+
+/* From so high, above every mountain, a pixel is as wide as the ground may be off. */
+#define FROM_M 1e5
+#define OFF_M 0.005
+#define DEG 57.295779513082321
+
+static enum eco_code ground_at(struct view_fetch *fetch, struct view_store *store, const double at[3],
+	double *ground_m, struct view_fetch_result *sum, struct eco_error *error)
+{
+	struct eco_view view = { .eye = { at[0], at[1], FROM_M }, .target = { at[0], at[1], 0 },
+		.up = { 0, 1, 0 }, .fov_y_deg = OFF_M / FROM_M * DEG, .width = 1, .height = 1 };
+	struct eco_request request = { .view = view, .bytes = ECO_BYTES_UNBOUNDED };
+	struct view_fetch_result result;
+	struct view_ground ground = { .count = 0 };
+	struct lod_eye eye;
+	enum eco_code code = view_fetch_stream(fetch, store, &request, &result, error);
+	sum->status = result.status;
+	sum->retry_ms = result.retry_ms;
+	sum->requests += result.requests;
+	sum->bytes += result.bytes;
+	lod_eye_make(&eye, &view);
+	if (!code)
+		code = view_ground_make(&ground, store, &eye, error);
+	if (code || !view_ground_height(&ground, at[0], at[1], ground_m))
+		*ground_m = 0;
+	view_ground_free(&ground);
+	return code;
+}
+
+enum eco_code view_stand(struct view_fetch *fetch, struct view_store *store, struct eco_request *request,
+	struct view_fetch_result *result, struct eco_error *error)
+{
+	double eye_m, target_m;
+	*result = (struct view_fetch_result){ .requests = 0 };
+	enum eco_code code = ground_at(fetch, store, request->view.eye, &eye_m, result, error);
+	if (!code)
+		code = ground_at(fetch, store, request->view.target, &target_m, result, error);
+	if (code)
+		return code;
+	request->view.eye[2] += eye_m;
+	request->view.target[2] += target_m;
+	request->next.eye[2] += eye_m;
+	request->next.target[2] += target_m;
+	return ECO_OK;
+}
+
+/* ---- Explanations ---- */
+
+static const char *const columns[] = { "list", "first", "end", "tile", "plant", "band", "distance_m",
+	"share_first", "share_end", "plants", "vertices", "gain_px", "next_lambda", "why", "reason" };
+#define COLUMNS (sizeof columns / sizeof *columns)
+
+enum eco_code view_explain_open(struct view_explain *explain, const char *path, struct eco_error *error)
+{
+	*explain = (struct view_explain){ .path = path };
+	if (asprintf(&explain->beside, "%s.tmp-%ld", path, (long)getpid()) < 0)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a table");
+	explain->out = fopen(explain->beside, "w");
+	if (!explain->out)
+		return eco_fail(error, ECO_IO, "--explain %s: %s", path, strerror(errno));
+	fputs("frame,lambda", explain->out);
+	for (size_t i = 0; i < COLUMNS; i++)
+		fprintf(explain->out, ",%s", columns[i]);
+	fputc('\n', explain->out);
+	return ECO_OK;
+}
+
+static void write_value(FILE *out, const json_t *value)
+{
+	if (json_is_string(value))
+		eco_csv_write_text(out, json_string_value(value));
+	else if (json_is_integer(value))
+		fprintf(out, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
+	else if (json_is_real(value))
+		fprintf(out, "%.9g", json_real_value(value));
+}
+
+enum eco_code view_explain_write(FILE *out, uint32_t frame, const char *json, struct eco_error *error)
+{
+	json_error_t where;
+	json_t *root = json_loads(json, 0, &where), *why = json_object_get(root, "explanation"),
+		*rows = json_object_get(why, "rows"), *row;
+	size_t i;
+	bool good = json_is_array(rows);
+	json_array_foreach(rows, i, row) {
+		fprintf(out, "%u,", frame);
+		write_value(out, json_object_get(why, "lambda"));
+		for (size_t c = 0; c < COLUMNS; c++) {
+			fputc(',', out);
+			write_value(out, json_object_get(row, columns[c]));
+		}
+		fputc('\n', out);
+	}
+	json_decref(root);
+	return good ? ECO_OK : eco_fail(error, ECO_UNSUPPORTED, "frame %u: the server does not explain its "
+		"plans; it is older than this program", frame);
+}
+
+enum eco_code view_explain_frame(struct view_explain *explain, struct view_fetch *fetch, uint32_t frame,
+	const struct eco_request *request, struct eco_error *error)
+{
+	char *text;
+	if (!explain->out)
+		return ECO_OK;
+	enum eco_code code = view_fetch_explanation(fetch, request, &text, error);
+	if (code)
+		return code;
+	code = view_explain_write(explain->out, frame, text, error);
+	free(text);
+	return code;
+}
+
+enum eco_code view_explain_close(struct view_explain *explain, bool keep, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	if (explain->out) {
+		bool failed = ferror(explain->out) != 0;
+		failed = fclose(explain->out) != 0 || failed;
+		if (keep && (failed || rename(explain->beside, explain->path)))
+			code = eco_fail(error, ECO_IO, "--explain %s: %s", explain->path, strerror(errno));
+		if (!keep || code)
+			unlink(explain->beside);
+	}
+	free(explain->beside);
+	*explain = (struct view_explain){ 0 };
+	return code;
+}
