@@ -1,5 +1,5 @@
-/* See client-min/view_chunks.h. Wanted chunks stand in an array in the order of their names in the stream,
- * found by id in a table beside it; a few of them at a time are being fetched. */
+/* Wanted chunks stand in an array in the order of their names in the stream, found by the first bytes of their ids in a
+ * table; a few of them at a time are being fetched. */
 #include "client-min/view_chunks.h"
 
 #include <curl/curl.h>
@@ -7,7 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "client-min/view_query.h"
 #include "client-min/view_store.h"
+#include "client-min/view_table.h"
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/version.h"
 #include "ecofiles/format/chunk/chunk.h"
@@ -17,6 +19,9 @@
 #define AT_ONCE 8u                       /* chunks that are being fetched */
 #define WAIT_MS 100
 #define SLOW_BYTES_S 1024L
+#define RETRY_MAX_S 30                   /* that a server or a host may ask to wait */
+#define RETRY_MIN_MS 100.0
+#define SILENT_MS 10000.0                /* of a host that hangs; no longer than stall_ms */
 
 enum phase { PHASE_WAITS, PHASE_COMES, PHASE_HERE, PHASE_FAILED };
 
@@ -45,7 +50,7 @@ struct view_chunks {
 	CURLM *multi;
 	struct lane lanes[AT_ONCE];
 	struct wanted *wanted;           uint32_t count, room;
-	uint32_t *table, table_size;     /* open addressing: index + 1; a power of two */
+	struct view_table table;         /* first 8 bytes of an id -> index in `wanted` */
 	uint32_t next;                   /* those before it have been begun */
 	bool known;                      /* the host has sent a chunk, or said that it has trouble, once */
 	/* the host is not asked before; since when it only says so, 0: it does not */
@@ -58,7 +63,7 @@ struct view_chunks {
 /* A host that drips hangs, too: only so many bytes are heard. */
 static double silent_ms(const struct view_chunks *chunks)
 {
-	return fmin((double)chunks->options.stall_ms, VIEW_HOST_SILENT_MS);
+	return fmin((double)chunks->options.stall_ms, SILENT_MS);
 }
 
 static void hear(struct view_chunks *chunks, size_t size)
@@ -83,22 +88,67 @@ static size_t on_bytes(char *bytes, size_t one, size_t size, void *ctx)
 	return size;
 }
 
+CURL *view_curl_new(const char *agent, long connect_ms)
+{
+	CURL *c = curl_easy_init();
+	if (!c)
+		return NULL;
+	curl_easy_setopt(c, CURLOPT_NOSIGNAL, 1L);
+	curl_easy_setopt(c, CURLOPT_TCP_NODELAY, 1L);
+	curl_easy_setopt(c, CURLOPT_CONNECTTIMEOUT_MS, connect_ms);
+	curl_easy_setopt(c, CURLOPT_USERAGENT, agent);
+	curl_easy_setopt(c, CURLOPT_PROTOCOLS_STR, "http,https");
+	curl_easy_setopt(c, CURLOPT_MAXREDIRS, 5L);      /* to where a host keeps a file: of buckets, CDNs, to https */
+	return c;
+}
+
+static const char *header_of(CURL *curl, const char *name)
+{
+	struct curl_header *header;
+	return curl_easy_header(curl, name, 0, CURLH_HEADER, -1, &header) ? "" : header->value;
+}
+
+double view_retry_ms(CURL *curl)
+{
+	char *end;
+	const char *value = header_of(curl, "Retry-After");
+	double s = strtod(value, &end);
+	return end > value && s >= 0 && s <= RETRY_MAX_S ? fmax(s * 1e3, RETRY_MIN_MS) : 0;
+}
+
+double view_plan_ms(CURL *curl)
+{
+	return view_plan_ms_read(header_of(curl, "Server-Timing"));
+}
+
+double view_plan_ms_read(const char *value)
+{
+	char *end;
+	const char *found = strstr(value, "plan;dur=");
+	if (!found || (found != value && !strchr(" ,\t", found[-1])))
+		return NAN;
+	double ms = strtod(found + 9, &end);
+	return end == found + 9 || !isfinite(ms) || ms < 0 ? NAN : ms;
+}
+
+int view_url_length(const char *url)
+{
+	size_t length = strlen(url);
+	while (length && url[length - 1] == '/')
+		length--;
+	return (int)length;
+}
+
 static bool make_lane(struct view_chunks *chunks, struct lane *lane)
 {
-	CURL *c = lane->curl = curl_easy_init();
+	CURL *c = lane->curl = view_curl_new("ecostream/" ECO_VERSION, chunks->options.connect_ms);
 	lane->chunks = chunks;
 	if (!c)
 		return false;
-	curl_easy_setopt(c, CURLOPT_NOSIGNAL, 1L);
-	curl_easy_setopt(c, CURLOPT_TCP_NODELAY, 1L);
 	curl_easy_setopt(c, CURLOPT_FAILONERROR, 1L);
-	curl_easy_setopt(c, CURLOPT_CONNECTTIMEOUT_MS, chunks->options.connect_ms);
 	curl_easy_setopt(c, CURLOPT_LOW_SPEED_LIMIT, SLOW_BYTES_S);
 	curl_easy_setopt(c, CURLOPT_LOW_SPEED_TIME, (chunks->options.stall_ms + 999) / 1000);
-	curl_easy_setopt(c, CURLOPT_USERAGENT, "ecostream/" ECO_VERSION);
-	curl_easy_setopt(c, CURLOPT_PROTOCOLS_STR, "http,https");
 	curl_easy_setopt(c, CURLOPT_FOLLOWLOCATION, 1L);
-	curl_easy_setopt(c, CURLOPT_MAXREDIRS, VIEW_REDIRECTS_MOST);
 	curl_easy_setopt(c, CURLOPT_WRITEFUNCTION, on_bytes);
 	curl_easy_setopt(c, CURLOPT_WRITEDATA, lane);
 	curl_easy_setopt(c, CURLOPT_PRIVATE, lane);
@@ -118,19 +168,15 @@ enum eco_code view_chunks_check_url(const char *url, struct eco_error *error)
 enum eco_code view_chunks_new(struct view_chunks **out, const struct view_chunks_options *options,
 	struct eco_error *error)
 {
-	const char *url = options->url;
-	enum eco_code code = view_chunks_check_url(url, error);
+	enum eco_code code = view_chunks_check_url(options->url, error);
 	*out = NULL;
 	if (code)
 		return code;
 	struct view_chunks *chunks = *out = calloc(1, sizeof *chunks);
-	bool good = chunks && (chunks->multi = curl_multi_init()) && (chunks->url = strdup(url));
-	if (good) {
-		size_t length = strlen(chunks->url);
-		while (length && chunks->url[length - 1] == '/')
-			chunks->url[--length] = 0;
+	bool good = chunks && (chunks->multi = curl_multi_init())
+		&& (chunks->url = strndup(options->url, (size_t)view_url_length(options->url)));
+	if (good)
 		chunks->options = *options;
-	}
 	for (uint32_t i = 0; good && i < AT_ONCE; i++)
 		good = make_lane(chunks, &chunks->lanes[i]);
 	if (good)
@@ -149,7 +195,6 @@ void view_chunks_free(struct view_chunks *chunks)
 		curl_easy_cleanup(chunks->lanes[i].curl);
 	curl_multi_cleanup(chunks->multi);
 	free(chunks->wanted);
-	free(chunks->table);
 	free(chunks->url);
 	free(chunks);
 }
@@ -164,8 +209,7 @@ void view_chunks_forget(struct view_chunks *chunks)
 		}
 	for (uint32_t i = 0; i < chunks->count; i++)
 		free(chunks->wanted[i].bytes);
-	if (chunks->table_size)
-		memset(chunks->table, 0, chunks->table_size * sizeof *chunks->table);
+	view_table_free(&chunks->table);
 	chunks->count = chunks->next = 0;
 	chunks->waited_ms = 0;
 	chunks->heard_bytes = 0;
@@ -175,9 +219,8 @@ void view_chunks_forget(struct view_chunks *chunks)
 
 static void url_of(const struct view_chunks *chunks, const struct eco_chunk_id *id, char *url, size_t room)
 {
-	size_t at = (size_t)snprintf(url, room, "%s/", chunks->url);
-	for (size_t i = 0; i < sizeof id->bytes; i++)
-		at += (size_t)snprintf(url + at, room - at, "%02x", id->bytes[i]);
+	char name[VIEW_ID_BYTES];
+	snprintf(url, room, "%s/%s", chunks->url, view_id_write(id, name));
 }
 
 static void start(struct view_chunks *chunks, struct lane *lane)
@@ -233,14 +276,11 @@ static bool is_trouble(long status)
  * one that sends nothing but that. */
 static bool rest(struct view_chunks *chunks, struct lane *lane)
 {
-	curl_off_t wait_s = 0;
-	double now_ms = view_clock_ms();
+	double now_ms = view_clock_ms(), wait_ms = view_retry_ms(lane->curl), until_ms = now_ms + wait_ms;
 	long status = 0;
 	curl_easy_getinfo(lane->curl, CURLINFO_RESPONSE_CODE, &status);
-	curl_easy_getinfo(lane->curl, CURLINFO_RETRY_AFTER, &wait_s);
-	if (!is_trouble(status) || wait_s < 1 || wait_s > VIEW_RETRY_MAX_S)
+	if (!is_trouble(status) || !(wait_ms > 0))
 		return false;
-	double until_ms = now_ms + 1e3 * (double)wait_s;
 	if (!(chunks->resting_ms > 0))
 		chunks->resting_ms = now_ms;
 	if (until_ms > chunks->resting_ms + chunks->options.patience_ms)
@@ -313,45 +353,24 @@ static void step(struct view_chunks *chunks)
 
 /* ---- Wanted chunks ---- */
 
-/* The place of an id in the table, or where it would stand. */
-static uint32_t *slot_of(const struct view_chunks *chunks, const struct eco_chunk_id *id)
+/* The index of a chunk that is wanted from now on; UINT32_MAX: no memory. */
+static uint32_t index_of(struct view_chunks *chunks, const struct eco_chunk_id *id, uint32_t size)
 {
-	uint32_t at, mask = chunks->table_size - 1;
-	memcpy(&at, id->bytes, sizeof at);       /* a hash already */
-	while (chunks->table[at & mask] && memcmp(chunks->wanted[chunks->table[at & mask] - 1].id.bytes,
-			id->bytes, sizeof id->bytes) != 0)
-		at++;
-	return &chunks->table[at & mask];
-}
-
-static bool grow(struct view_chunks *chunks)
-{
-	if (!eco_array_grow(&chunks->wanted, &chunks->room, chunks->count, sizeof *chunks->wanted))
-		return false;
-	if (2 * (chunks->count + 1) <= chunks->table_size)
-		return true;
-	uint32_t size = chunks->table_size ? 2 * chunks->table_size : 64;
-	uint32_t *table = calloc(size, sizeof *table);
-	if (!table)
-		return false;
-	free(chunks->table);
-	chunks->table = table;
-	chunks->table_size = size;
-	for (uint32_t i = 0; i < chunks->count; i++)
-		*slot_of(chunks, &chunks->wanted[i].id) = i + 1;
-	return true;
+	uint64_t key;
+	memcpy(&key, id->bytes, sizeof key);
+	uint32_t index = view_table_get(&chunks->table, key);
+	if (index != UINT32_MAX || !eco_array_grow(&chunks->wanted, &chunks->room, chunks->count,
+			sizeof *chunks->wanted) || !view_table_put(&chunks->table, key, chunks->count))
+		return index;
+	chunks->wanted[chunks->count] = (struct wanted){ .id = *id, .size = size };
+	return chunks->count++;
 }
 
 enum eco_code view_chunks_want(struct view_chunks *chunks, const struct eco_chunk_id *id, uint32_t size,
 	struct eco_error *error)
 {
-	if (!grow(chunks))
+	if (index_of(chunks, id, size) == UINT32_MAX)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u named chunks", chunks->count);
-	uint32_t *slot = slot_of(chunks, id);
-	if (!*slot) {
-		chunks->wanted[chunks->count] = (struct wanted){ .id = *id, .size = size };
-		*slot = ++chunks->count;
-	}
 	step(chunks);
 	return ECO_OK;
 }
@@ -376,7 +395,7 @@ enum eco_code view_chunks_take(struct view_chunks *chunks, const struct eco_chun
 	enum eco_code code = view_chunks_want(chunks, id, size, error);
 	if (code)
 		return code;
-	const struct wanted *w = &chunks->wanted[*slot_of(chunks, id) - 1];
+	const struct wanted *w = &chunks->wanted[index_of(chunks, id, size)];
 	while (w->phase < PHASE_HERE) {
 		double begun_ms = view_clock_ms();
 		if (chunks->options.stop && *chunks->options.stop)
@@ -391,9 +410,9 @@ enum eco_code view_chunks_take(struct view_chunks *chunks, const struct eco_chun
 	}
 	if (w->phase == PHASE_FAILED)
 		return failed(chunks, w, error);
-	if (w->size != size)
-		return eco_fail(error, ECO_DAMAGED, "a chunk is named with %u bytes, then with %u", w->size,
-			size);
+	if (w->size != size || memcmp(&w->id, id, sizeof *id) != 0)
+		return eco_fail(error, ECO_DAMAGED, "a chunk is named with %u bytes, then with %u "
+			"or another name", w->size, size);
 	*bytes = w->bytes;
 	return ECO_OK;
 }

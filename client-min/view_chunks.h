@@ -13,20 +13,15 @@
 #ifndef VIEW_CHUNKS_H
 #define VIEW_CHUNKS_H
 
+#include <curl/curl.h>
 #include <signal.h>
 
 #include "ecofiles/format/pack.h"
 
 struct view_chunks;
 
-#define VIEW_REDIRECTS_MOST 5L           /* to where a host keeps a file: of buckets, CDNs, to https */
-
-#define VIEW_RETRY_MAX_S 30      /* that a server or a host may ask to wait */
-
 /* A stream that names chunks is held until they are there. */
 #define VIEW_NAMED_STREAM_MAX ((uint64_t)256 << 20)
-
-#define VIEW_HOST_SILENT_MS 10000.0      /* and no longer than stall_ms */
 
 struct view_chunks_options {
 	const char *url;                         /* a chunk is at url/ID, 32 hexadecimal digits */
@@ -57,4 +52,17 @@ void view_chunks_forget(struct view_chunks *chunks);
 bool view_chunks_known(const struct view_chunks *chunks);
 /* Whether it hangs, or had chunks and takes no connection now: what is wanted is to be had elsewhere. */
 bool view_chunks_hangs(const struct view_chunks *chunks);
+
+/* ---- What all that ask by HTTP share ---- */
+
+/* A handle for http and https; it follows redirects where it is told to, at most 5. NULL: no memory. */
+CURL *view_curl_new(const char *agent, long connect_ms);
+/* Of the last answer: how long Retry-After asks to wait, from .1 to 30 s; 0: not, longer, or until a date. */
+double view_retry_ms(CURL *curl);
+/* Of the last answer: milliseconds of `plan;dur=` in Server-Timing; NaN: they are not there. */
+double view_plan_ms(CURL *curl);
+double view_plan_ms_read(const char *value);                     /* the same of the header's value */
+/* Length of a URL without slashes at its end. */
+int view_url_length(const char *url);
+
 #endif

@@ -1,7 +1,6 @@
 /* Longer than 600 lines: a transfer's callbacks, deadlines, repetitions and problems look at one state. */
 #include "client-min/view_fetch.h"
 
-#include <curl/curl.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
@@ -14,14 +13,12 @@
 #include "ecofiles/base/options.h"
 #include "ecofiles/base/version.h"
 
-#define PACK_BYTES 40            /* "&pack=", 32 digits, 0 */
 #define RATE_MIN_BYTES_S 1024u
 #define BODY_MAX_DEFAULT ((uint64_t)16 << 30)
 /* bodies that are held whole: what is said of a scene or of plants, an explanation, a stream with names */
 #define TEXT_MAX ((uint64_t)8 << 20)
 #define EXPLANATION_MAX ((uint64_t)64 << 20)
 #define PROBLEM_MAX 16384u
-#define RETRY_MIN_MS 100.0
 #define PAUSE_MS 100.0           /* before an answer that broke off is asked for again; twice that then, ... */
 #define PAUSE_MAX_MS 5000.0
 #define MARK_MOST (UINT64_C(1) << 50)
@@ -72,21 +69,6 @@ enum eco_code view_fetch_setup(struct eco_error *error)
 void view_fetch_teardown(void)
 {
 	curl_global_cleanup();
-}
-
-double view_fetch_plan_ms(const char *value, size_t size)
-{
-	char text[256];
-	if (size >= sizeof text)
-		size = sizeof text - 1;
-	memcpy(text, value, size);
-	text[size] = '\0';
-	const char *found = strstr(text, "plan;dur=");
-	if (!found || (found != text && !strchr(" ,\t", found[-1])))
-		return NAN;
-	char *end;
-	double ms = strtod(found + 9, &end);
-	return end == found + 9 || !isfinite(ms) || ms < 0 ? NAN : ms;
 }
 
 /* ---- Marks ---- */
@@ -156,33 +138,6 @@ static bool marks_pass(const struct view_marks *marks, struct marks_at *at, uint
 }
 
 /* ---- curl's callbacks ---- */
-
-double view_fetch_retry_ms(const char *value, size_t size)
-{
-	char text[32];
-	if (size >= sizeof text)
-		return 0;
-	memcpy(text, value, size);
-	text[size] = '\0';
-	double s = strtod(text, NULL);
-	return s >= 0 && s <= VIEW_RETRY_MAX_S ? fmax(s * 1e3, RETRY_MIN_MS) : 0;
-}
-
-static size_t on_header(char *bytes, size_t one, size_t size, void *ctx)
-{
-	static const char name[] = "Server-Timing:", retry[] = "Retry-After:";
-	struct view_fetch *fetch = ctx;
-	size *= one;
-	if (size > sizeof retry && strncasecmp(bytes, retry, sizeof retry - 1) == 0)
-		fetch->result->retry_ms = view_fetch_retry_ms(bytes + sizeof retry - 1, size - (sizeof retry - 1));
-	if (size > sizeof name && strncasecmp(bytes, name, sizeof name - 1) == 0) {
-		const char *value = bytes + sizeof name - 1;
-		double ms = view_fetch_plan_ms(value, size - (sizeof name - 1));
-		if (!isnan(ms))
-			fetch->result->plan_ms = ms;
-	}
-	return size;
-}
 
 /* What came before, added to the answer that came last. */
 static void add_result(struct view_fetch_result *last, const struct view_fetch_result *before)
@@ -334,14 +289,7 @@ static void set_options(struct view_fetch *fetch)
 	CURL *c = fetch->curl;
 	curl_easy_setopt(c, CURLOPT_HTTPHEADER, fetch->headers);
 	curl_easy_setopt(c, CURLOPT_ERRORBUFFER, fetch->curl_text);
-	curl_easy_setopt(c, CURLOPT_NOSIGNAL, 1L);
-	curl_easy_setopt(c, CURLOPT_TCP_NODELAY, 1L);
-	curl_easy_setopt(c, CURLOPT_CONNECTTIMEOUT_MS, fetch->options.connect_ms);
 	curl_easy_setopt(c, CURLOPT_BUFFERSIZE, 256L << 10);
-	curl_easy_setopt(c, CURLOPT_USERAGENT, "ecostream/" ECO_VERSION);
-	curl_easy_setopt(c, CURLOPT_PROTOCOLS_STR, "http,https");
-	curl_easy_setopt(c, CURLOPT_HEADERFUNCTION, on_header);
-	curl_easy_setopt(c, CURLOPT_HEADERDATA, fetch);
 	curl_easy_setopt(c, CURLOPT_WRITEFUNCTION, on_body);
 	curl_easy_setopt(c, CURLOPT_WRITEDATA, fetch);
 	curl_easy_setopt(c, CURLOPT_NOPROGRESS, 0L);
@@ -377,13 +325,10 @@ enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_op
 		fetch->options.connect_ms = 10000;
 	if (!fetch->options.stall_ms)
 		fetch->options.stall_ms = 120000;
-	size_t length = strlen(options->url);
-	while (length && options->url[length - 1] == '/')
-		length--;
-	fetch->curl = curl_easy_init();
+	fetch->curl = view_curl_new("ecostream/" ECO_VERSION, fetch->options.connect_ms);
 	fetch->headers = curl_slist_append(NULL, "Content-Type: application/octet-stream");
 	if (!fetch->curl || !fetch->headers || !curl_slist_append(fetch->headers, "Expect:") ||
-		asprintf(&fetch->url, "%.*s", (int)length, options->url) < 0) {
+		asprintf(&fetch->url, "%.*s", view_url_length(options->url), options->url) < 0) {
 		view_fetch_free(fetch);
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a connection");
 	}
@@ -521,26 +466,16 @@ static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_e
 	return fetch->text ? ECO_OK : finish_stream(fetch, error);
 }
 
-/* "&pack=" and its 32 hex digits, or nothing. */
-static void write_pack(char text[PACK_BYTES], const struct eco_chunk_id *pack)
-{
-	int at = pack ? snprintf(text, PACK_BYTES, "&pack=") : 0;
-	for (size_t i = 0; pack && i < sizeof pack->bytes; i++)
-		at += snprintf(text + at, PACK_BYTES - (size_t)at, "%02x", pack->bytes[i]);
-	text[at] = 0;
-}
-
 /* A stream if there is a body to post, which is of `pack` (NULL: of none), else an explanation. */
 static enum eco_code perform(struct view_fetch *fetch, const struct eco_request *request,
 	const struct eco_writer *body, const struct eco_chunk_id *pack, struct eco_error *error)
 {
-	char query[VIEW_QUERY_BYTES], of[PACK_BYTES], *url;
-	write_pack(of, pack);
+	char query[VIEW_QUERY_BYTES], *url;
 	const char *rule = fetch->options.rule;
 	bool made = !request ? asprintf(&url, "%s%s", fetch->url, fetch->below) >= 0
-		: view_query_write(request, query, sizeof query) < sizeof query
-			&& asprintf(&url, "%s/%s?%s%s%s%s%s", fetch->url, body ? "stream" : "plan", query,
-			rule ? "&rule=" : "", rule ? rule : "", body ? "" : "&explain=1", of) >= 0;
+		: view_query_write(request, pack, query, sizeof query) < sizeof query
+			&& asprintf(&url, "%s/%s?%s%s%s%s", fetch->url, body ? "stream" : "plan", query,
+			rule ? "&rule=" : "", rule ? rule : "", body ? "" : "&explain=1") >= 0;
 	if (!made)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a request");
 	curl_easy_setopt(fetch->curl, CURLOPT_URL, url);
@@ -558,6 +493,8 @@ static enum eco_code perform(struct view_fetch *fetch, const struct eco_request 
 	struct view_fetch_result *result = fetch->result;
 	curl_easy_getinfo(fetch->curl, CURLINFO_RESPONSE_CODE, &result->status);
 	fetch->answered |= result->status != 0;
+	result->plan_ms = view_plan_ms(fetch->curl);
+	result->retry_ms = view_retry_ms(fetch->curl);
 	result->stream_ms = view_clock_ms() - fetch->start_ms;
 	if (result->bytes == 0)
 		result->first_byte_ms = result->stream_ms;
@@ -793,8 +730,8 @@ enum eco_code view_fetch_scene(struct view_fetch *fetch, char **text, struct eco
 enum eco_code view_fetch_plants(struct view_fetch *fetch, const struct eco_chunk_id *pack, uint32_t list,
 	uint32_t first, uint32_t count, char **text, struct eco_error *error)
 {
-	char below[64 + PACK_BYTES], of[PACK_BYTES];
-	write_pack(of, pack);
-	snprintf(below, sizeof below, "/plants/%u?first=%u&count=%u%s", list, first, count, of);
+	char below[128], id[VIEW_ID_BYTES];
+	snprintf(below, sizeof below, "/plants/%u?first=%u&count=%u%s%s", list, first, count, pack ? "&pack=" : "",
+		pack ? view_id_write(pack, id) : "");
 	return fetch_text(fetch, NULL, below, TEXT_MAX, text, error);
 }

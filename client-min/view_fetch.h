@@ -115,9 +115,4 @@ enum eco_code view_fetch_scene(struct view_fetch *fetch, char **text, struct eco
 enum eco_code view_fetch_plants(struct view_fetch *fetch, const struct eco_chunk_id *pack, uint32_t list,
 	uint32_t first, uint32_t count, char **text, struct eco_error *error);
 
-/* Milliseconds of `plan;dur=` in the value of a Server-Timing header; NaN if it is not there. */
-double view_fetch_plan_ms(const char *value, size_t size);
-/* Of the value of a Retry-After header, within reason; 0: it says none. Dates are not understood. */
-double view_fetch_retry_ms(const char *value, size_t size);
-
 #endif

@@ -2,11 +2,16 @@
 #ifndef VIEW_QUERY_H
 #define VIEW_QUERY_H
 
+#include "ecofiles/format/pack.h"
 #include "ecofiles/format/view.h"
 
-/* Without '?': numbers with 17 digits, so that the server sees the same doubles. Returns its length; nothing
- * is written beyond `room`, where VIEW_QUERY_BYTES are always enough. */
-#define VIEW_QUERY_BYTES 896
-size_t view_query_write(const struct eco_request *request, char *out, size_t room);
+/* Without '?': numbers with 17 digits, so that the server sees the same doubles. pack: of what is held, or NULL.
+ * Returns the length; nothing is written beyond `room`, for which VIEW_QUERY_BYTES are always enough. */
+#define VIEW_QUERY_BYTES 960
+size_t view_query_write(const struct eco_request *request, const struct eco_chunk_id *pack, char *out, size_t room);
+
+/* 32 hexadecimal digits and 0. */
+#define VIEW_ID_BYTES 33
+const char *view_id_write(const struct eco_chunk_id *id, char out[VIEW_ID_BYTES]);
 
 #endif

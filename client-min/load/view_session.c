@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/socket.h>
 
 #include "client-min/load/view_holder.h"
@@ -76,19 +75,6 @@ static void on_plan(void *ctx, double predicted_q)
 		a->q80_ms = now;
 	if (isnan(a->q90_ms) && predicted_q >= 0.9)
 		a->q90_ms = now;
-}
-
-static size_t on_header(char *bytes, size_t one, size_t size, void *ctx)
-{
-	static const char timing[] = "Server-Timing:", retry[] = "Retry-After:";
-	struct view_session *s = ((struct lane *)ctx)->session;
-	size *= one;
-	if (size > sizeof retry && !strncasecmp(bytes, retry, sizeof retry - 1))
-		s->retry_ms = view_fetch_retry_ms(bytes + sizeof retry - 1, size - (sizeof retry - 1));
-	if (size > sizeof timing && !strncasecmp(bytes, timing, sizeof timing - 1))
-		s->answer.plan_ms = (float)view_fetch_plan_ms(bytes + sizeof timing - 1,
-			size - (sizeof timing - 1));
-	return size;
 }
 
 static size_t on_stream(struct view_session *s, const char *bytes, size_t size)
@@ -162,18 +148,10 @@ static CURL *open_lane(struct view_session *s, struct lane *lane)
 {
 	const struct view_load_options *o = s->host->options;
 	CURL *c = lane->curl;
-	if (c || !(c = lane->curl = curl_easy_init()))
+	if (c || !(c = lane->curl = view_curl_new("ecoload/" ECO_VERSION, CONNECT_MS)))
 		return c;
 	lane->session = s;
-	curl_easy_setopt(c, CURLOPT_NOSIGNAL, 1L);
-	curl_easy_setopt(c, CURLOPT_TCP_NODELAY, 1L);
-	curl_easy_setopt(c, CURLOPT_CONNECTTIMEOUT_MS, CONNECT_MS);
-	curl_easy_setopt(c, CURLOPT_USERAGENT, "ecoload/" ECO_VERSION);
-	curl_easy_setopt(c, CURLOPT_PROTOCOLS_STR, "http,https");
 	curl_easy_setopt(c, CURLOPT_FOLLOWLOCATION, lane == &s->lanes[0] ? 0L : 1L);
-	curl_easy_setopt(c, CURLOPT_MAXREDIRS, VIEW_REDIRECTS_MOST);
-	curl_easy_setopt(c, CURLOPT_HEADERFUNCTION, on_header);
-	curl_easy_setopt(c, CURLOPT_HEADERDATA, lane);
 	curl_easy_setopt(c, CURLOPT_WRITEFUNCTION, on_body);
 	curl_easy_setopt(c, CURLOPT_WRITEDATA, lane);
 	curl_easy_setopt(c, CURLOPT_PRIVATE, lane);
@@ -378,23 +356,12 @@ static enum eco_code find_named(void *ctx, const struct eco_chunk *chunk, const 
 	return ECO_OK;
 }
 
-/* Without a final slash. */
-static int length_of(const char *url)
-{
-	size_t length = strlen(url);
-	while (length && url[length - 1] == '/')
-		length--;
-	return (int)length;
-}
-
 static bool fetch_one(struct view_session *s, struct lane *lane)
 {
 	struct wanted *w = &s->wanted[s->wanted_next];
-	char url[2100];
+	char url[2100], id[VIEW_ID_BYTES];
 	const char *below = s->host->options->chunks;
-	int at = snprintf(url, sizeof url - 33, "%.*s/", length_of(below), below);
-	for (size_t i = 0; i < sizeof w->id.bytes; i++)
-		snprintf(url + at + 2 * i, 3, "%02x", w->id.bytes[i]);
+	snprintf(url, sizeof url, "%.*s/%s", view_url_length(below), below, view_id_write(&w->id, id));
 	w->bytes = malloc(w->size);
 	if (!w->bytes || !open_lane(s, lane))
 		return false;
@@ -436,6 +403,7 @@ static void end_named(struct view_session *s, struct lane *lane, CURLcode rc)
 		fail_transfer(s, rc);
 	} else if (status != 200) {
 		s->answer.status = (uint16_t)status;
+		s->retry_ms = view_retry_ms(lane->curl);
 		fail(s, status == 503 ? VIEW_BUSY : VIEW_REFUSED, "a chunk that the stream names is refused");
 	} else if (rc || w->have < w->size) {
 		fail(s, VIEW_DAMAGED, "a chunk has not the bytes that the stream names");
@@ -449,15 +417,11 @@ static void end_named(struct view_session *s, struct lane *lane, CURLcode rc)
 static bool write_url(struct view_session *s, char *url, size_t size)
 {
 	const struct view_load_options *o = s->host->options;
-	const struct eco_chunk_id *pack = view_holder_pack(s->holder);
-	char query[VIEW_QUERY_BYTES], of[48] = "";
+	char query[VIEW_QUERY_BYTES];
 	struct eco_request request = { .view = o->views[s->frame], .vertices = o->vertices, .bytes = o->bytes,
 		.name_from = o->chunks ? o->name_from ? o->name_from : ECO_NAME_FROM : 0 };
-	view_query_write(&request, query, sizeof query);
-	int at = pack ? snprintf(of, sizeof of, "&pack=") : 0;
-	for (size_t i = 0; pack && i < sizeof pack->bytes; i++)
-		at += snprintf(of + at, sizeof of - (size_t)at, "%02x", pack->bytes[i]);
-	return (size_t)snprintf(url, size, "%.*s/stream?%s%s", length_of(o->url), o->url, query, of) < size;
+	view_query_write(&request, view_holder_pack(s->holder), query, sizeof query);
+	return (size_t)snprintf(url, size, "%.*s/stream?%s", view_url_length(o->url), o->url, query) < size;
 }
 
 /* A first visit may be had from a cache on the way, so it is a GET. */
@@ -523,6 +487,8 @@ static void end_stream(struct view_session *s, CURLcode rc)
 	long status = 0;
 	curl_easy_getinfo(s->lanes[0].curl, CURLINFO_RESPONSE_CODE, &status);
 	s->answer.status = (uint16_t)status;
+	s->answer.plan_ms = (float)view_plan_ms(s->lanes[0].curl);
+	s->retry_ms = view_retry_ms(s->lanes[0].curl);
 	if (rc) {
 		fail_transfer(s, rc);
 	} else if (status == 204) {

@@ -128,7 +128,7 @@ const uint8_t *web_ask(struct web *web)
 	struct eco_holdings holdings;
 	eco_wire_parser_free(web->parser);
 	web->parser = NULL;
-	view_query_write(&web->request, web->query, sizeof web->query);
+	view_query_write(&web->request, NULL, web->query, sizeof web->query);
 	if (view_store_holdings(web->store, &holdings, &web->error))
 		return NULL;
 	eco_writer_free(&web->body);

@@ -144,7 +144,7 @@ UNIT_TEST(report_of_nothing_is_valid)
 UNIT_TEST(query_keeps_every_digit)
 {
 	char text[VIEW_QUERY_BYTES];
-	assert_true(view_query_write(&request, text, sizeof text) == strlen(text));
+	assert_true(view_query_write(&request, NULL, text, sizeof text) == strlen(text));
 	assert_string_equal(text, "eye=1.5,-2,0.10000000000000001&target=0,0,1.0000000000000001e-09&up=0,0,"
 		"1&fov_y_deg=45&width=800&height=600&vertices=1000");
 	struct eco_request most =
@@ -155,9 +155,9 @@ UNIT_TEST(query_keeps_every_digit)
 		most.view.target[i] = most.view.up[i] = most.view.eye[0];
 	most.view.fov_y_deg = most.view.eye[0];
 	most.view.width = most.view.height = UINT32_MAX;
-	assert_true(view_query_write(&most, text, sizeof text) < sizeof text);
+	assert_true(view_query_write(&most, &(struct eco_chunk_id){ { 0xab } }, text, sizeof text) < sizeof text);
 	assert_non_null(strstr(text, "&bytes=18446744073709551614"));
-	assert_true(view_query_write(&most, text, 50) >= 50);
+	assert_true(view_query_write(&most, &(struct eco_chunk_id){ { 0xab } }, text, 50) >= 50);
 }
 
 UNIT_TEST(plan_time_is_found_in_its_header)
@@ -169,10 +169,9 @@ UNIT_TEST(plan_time_is_found_in_its_header)
 		{ "total;dur=5", NAN },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-		double ms = view_fetch_plan_ms(rows[i].text, strlen(rows[i].text));
+		double ms = view_plan_ms_read(rows[i].text);
 		assert_true(isnan(rows[i].ms) ? isnan(ms) : ms == rows[i].ms);
 	}
-	assert_true(isnan(view_fetch_plan_ms("plan;dur=7", 9)));
 }
 
 UNIT_TEST(comparison_has_a_colour_for_each_case)
