@@ -74,7 +74,7 @@ static enum eco_code save_masks(struct viewer *v, uint32_t frame, struct eco_err
 	uint32_t count = v->options.width * v->options.height;
 	uint8_t *rgb = malloc((size_t)count * 3);
 	if (!rgb)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+		return eco_no_memory(error, "a picture");
 	view_picture_compare(v->picture.cover, v->reference.cover, count, rgb);
 	enum eco_code code = save(v, "reference-%04u.png", frame, v->reference.rgb, 3, error);
 	if (!code)
@@ -91,7 +91,7 @@ static enum eco_code save_owners(struct viewer *v, uint32_t frame, struct eco_er
 {
 	uint8_t *rgb = malloc((size_t)v->options.width * v->options.height * 3);
 	if (!rgb)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+		return eco_no_memory(error, "a picture");
 	view_picture_owners(&v->picture, rgb);
 	enum eco_code code = save(v, "frame-%04u.owners.png", frame, rgb, 3, error);
 	free(rgb);
@@ -543,7 +543,7 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	if (!code && o->compare)
 		v->error_map = malloc((size_t)o->width * o->height * sizeof *v->error_map);
 	if (!code && o->compare && !v->error_map)
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+		code = eco_no_memory(error, "a picture");
 	return code;
 }
 

@@ -163,7 +163,7 @@ enum eco_code view_explain_open(struct view_explain *explain, const char *path, 
 {
 	*explain = (struct view_explain){ .path = path };
 	if (asprintf(&explain->beside, "%s.tmp-%ld", path, (long)getpid()) < 0)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a table");
+		return eco_no_memory(error, "a table");
 	explain->out = fopen(explain->beside, "w");
 	if (!explain->out)
 		return eco_fail(error, ECO_IO, "--explain %s: %s", path, strerror(errno));

@@ -16,7 +16,6 @@ void view_cache_free(struct view_cache *cache)
 	view_table_free(&cache->wanted);
 	view_table_free(&cache->lost);
 	free(cache->lists);
-	free(cache->victims);
 	*cache = (struct view_cache){ 0 };
 }
 
@@ -88,7 +87,6 @@ static void remove_empty(struct view_cache *cache)
 void view_cache_tick(struct view_cache *cache)
 {
 	cache->tick++;
-	cache->has_victims = false;
 }
 
 void view_cache_begin(struct view_cache *cache)
@@ -149,19 +147,6 @@ uint64_t view_cache_wanted_bytes(const struct view_cache *cache)
 
 /* ---- Eviction ---- */
 
-bool view_victim_before(const struct view_victim *a, const struct view_victim *b)
-{
-	if (a->used != b->used)
-		return a->used < b->used;
-	return a->bytes != b->bytes ? a->bytes > b->bytes : a->list < b->list;
-}
-
-static struct view_victim victim_of(const struct view_list *list)
-{
-	const struct view_mark *mark = &list->marks[list->chunk_count - 1];
-	return (struct view_victim){ mark->used, mark->bytes, list->id };
-}
-
 static bool may_go(const struct view_cache *cache, const struct view_list *list, bool all)
 {
 	uint32_t last = list->chunk_count - 1;
@@ -171,52 +156,23 @@ static bool may_go(const struct view_cache *cache, const struct view_list *list,
 		: list->marks[last].used < cache->tick);
 }
 
-static void sift(struct view_cache *cache, uint32_t at)
+/* Whether the last chunk of `a` goes before that of `b`. */
+static bool goes_before(const struct view_list *a, const struct view_list *b)
 {
-	struct view_victim *heap = cache->victims;
-	for (uint32_t child; (child = 2 * at + 1) < cache->victim_count; at = child) {
-		if (child + 1 < cache->victim_count && view_victim_before(&heap[child + 1], &heap[child]))
-			child++;
-		if (!view_victim_before(&heap[child], &heap[at]))
-			return;
-		struct view_victim better = heap[child];
-		heap[child] = heap[at];
-		heap[at] = better;
-	}
+	const struct view_mark *x = &a->marks[a->chunk_count - 1], *y = &b->marks[b->chunk_count - 1];
+	if (x->used != y->used)
+		return x->used < y->used;
+	return x->bytes != y->bytes ? x->bytes > y->bytes : a->id < b->id;
 }
 
-/* One for each list whose last chunk may go. Without memory for it nothing goes. */
-static void find_victims(struct view_cache *cache, bool all)
+/* The list whose last chunk goes next, or NULL. */
+static struct view_list *next_victim(const struct view_cache *cache, bool all)
 {
-	cache->victim_count = 0;
+	struct view_list *victim = NULL;
 	for (uint32_t i = 0; i < cache->list_count; i++)
-		if (may_go(cache, cache->lists[i], all) && eco_array_grow(&cache->victims, &cache->victim_room,
-				cache->victim_count, sizeof *cache->victims))
-			cache->victims[cache->victim_count++] = victim_of(cache->lists[i]);
-	for (uint32_t i = cache->victim_count / 2; i-- > 0;)
-		sift(cache, i);
-	cache->has_victims = !all;
-}
-
-/* The list whose last chunk goes next, or NULL. Entries of lists that have changed since are put right when
- * they come up: a list can only have been touched, which makes it go later. */
-static struct view_list *next_victim(struct view_cache *cache, bool all)
-{
-	while (cache->victim_count > 0) {
-		struct view_victim *top = &cache->victims[0];
-		struct view_list *list = view_cache_find(cache, top->list);
-		if (!list || !may_go(cache, list, all)) {
-			*top = cache->victims[--cache->victim_count];
-			sift(cache, 0);
-			continue;
-		}
-		struct view_victim now = victim_of(list);
-		if (now.used == top->used && now.bytes == top->bytes)
-			return list;
-		*top = now;
-		sift(cache, 0);
-	}
-	return NULL;
+		if (may_go(cache, cache->lists[i], all) && (!victim || goes_before(cache->lists[i], victim)))
+			victim = cache->lists[i];
+	return victim;
 }
 
 static void evict(struct view_cache *cache, struct view_list *list)
@@ -245,26 +201,17 @@ bool view_cache_make_room(struct view_cache *cache, uint64_t bytes, bool all)
 		return false;
 	if (bytes > room_left(cache) && !cache->is_tight)
 		trim_all(cache);
-	if (bytes > room_left(cache) && (all || !cache->has_victims))
-		find_victims(cache, all);
-	bool is_fresh = all || !cache->wanted.count;
 	while (bytes > room_left(cache)) {
 		struct view_list *list = next_victim(cache, all);
-		if (list)
-			evict(cache, list);
-		else if (is_fresh)
+		if (!list)
 			return false;
-		else
-			find_victims(cache, all);        /* what came since may go, too,
-				unless it is wanted */
-		is_fresh |= !list;
+		evict(cache, list);
 	}
 	return true;
 }
 
 void view_cache_leave_room(struct view_cache *cache, uint64_t bytes, uint64_t since)
 {
-	find_victims(cache, false);
 	while (bytes > room_left(cache)) {
 		struct view_list *list = next_victim(cache, false);
 		if (!list || list->marks[list->chunk_count - 1].used >= since)
@@ -331,7 +278,7 @@ static enum eco_code enter(struct view_forms *forms, const struct view_list *lis
 {
 	uint32_t *row = row_make(forms, list->list.partner);
 	if (!row)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a list");
+		return eco_no_memory(error, "a list");
 	for (uint32_t i = 0; i < VIEW_FORMS_MAX; i++)
 		if (row[i] == list->id || row[i] == UINT32_MAX) {
 			row[i] = list->id;

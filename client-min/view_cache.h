@@ -25,11 +25,6 @@
 #define VIEW_MEMORY_LEAST (64ull << 10)   /* limits of what --memory takes */
 #define VIEW_MEMORY_MOST (1ull << 40)
 
-struct view_victim { uint64_t used, bytes; uint32_t list; };     /* the last chunk of a list */
-
-/* Whether `a` goes before `b`. Of equals the list with the smaller id. */
-bool view_victim_before(const struct view_victim *a, const struct view_victim *b);
-
 struct view_cache {
 	uint64_t memory_max, memory_bytes;       /* the second never exceeds the first */
 	uint64_t peak_bytes;                     /* the most that memory_bytes has been */
@@ -40,9 +35,6 @@ struct view_cache {
 	struct view_table wanted;                /* list -> chunks that must stay; empty: see above */
 	/* list -> chunks of it that came at some time, known once one of them went */
 	struct view_table lost;
-	struct view_victim *victims;             /* a heap, of the current tick if has_victims */
-	uint32_t victim_count, victim_room;
-	bool has_victims;
 	bool is_tight;           /* memory has been short: arrays take no more than they need */
 	uint64_t evictions, evicted_bytes;       /* chunks, and their decoded bytes */
 };

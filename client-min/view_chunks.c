@@ -183,7 +183,7 @@ enum eco_code view_chunks_new(struct view_chunks **out, const struct view_chunks
 		return ECO_OK;
 	view_chunks_free(chunks);
 	*out = NULL;
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for connections");
+	return eco_no_memory(error, "connections");
 }
 
 void view_chunks_free(struct view_chunks *chunks)

@@ -39,7 +39,7 @@ static enum eco_code hash_impostor(uint64_t *h, const struct lod_impostor *impos
 {
 	uint32_t texels = view_impostor_texels(impostor), *words = malloc((size_t)texels * 16 + 1);
 	if (!words)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a digest");
+		return eco_no_memory(error, "a digest");
 	view_impostor_write(impostor, words);
 	*h = hash(*h, words, (size_t)texels * 16);
 	free(words);

@@ -317,7 +317,7 @@ enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_op
 		return code;
 	struct view_fetch *fetch = calloc(1, sizeof *fetch);
 	if (!fetch)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a connection");
+		return eco_no_memory(error, "a connection");
 	fetch->options = *options;
 	if (!fetch->options.body_max)
 		fetch->options.body_max = BODY_MAX_DEFAULT;
@@ -330,7 +330,7 @@ enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_op
 	if (!fetch->curl || !fetch->headers || !curl_slist_append(fetch->headers, "Expect:") ||
 		asprintf(&fetch->url, "%.*s", view_url_length(options->url), options->url) < 0) {
 		view_fetch_free(fetch);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a connection");
+		return eco_no_memory(error, "a connection");
 	}
 	set_options(fetch);
 	if (options->chunks)
@@ -477,7 +477,7 @@ static enum eco_code perform(struct view_fetch *fetch, const struct eco_request 
 			&& asprintf(&url, "%s/%s?%s%s%s%s", fetch->url, body ? "stream" : "plan", query,
 			rule ? "&rule=" : "", rule ? rule : "", body ? "" : "&explain=1") >= 0;
 	if (!made)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a request");
+		return eco_no_memory(error, "a request");
 	curl_easy_setopt(fetch->curl, CURLOPT_URL, url);
 	if (body) {
 		curl_easy_setopt(fetch->curl, CURLOPT_POSTFIELDS, body->bytes ? (const char *)body->bytes
@@ -571,7 +571,7 @@ static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store,
 	struct eco_writer body = { 0 };
 	eco_wire_write_holdings(&body, &holdings);
 	free(holdings.items);
-	code = body.failed ? eco_fail(error, ECO_NO_MEMORY, "no memory for a request")
+	code = body.failed ? eco_no_memory(error, "a request")
 		: eco_wire_parser_new(&fetch->parser, &view_store_events, store, error);
 	if (!code) {
 		fetch->store = store;

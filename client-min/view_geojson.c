@@ -43,7 +43,7 @@ static enum eco_code find_seen(const struct view_geojson_job *job, struct seen *
 	struct view_table owners;
 	if (!view_owners_make(&owners, s)) {
 		view_table_free(&owners);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the plants of a view");
+		return eco_no_memory(error, "the plants of a view");
 	}
 	for (uint32_t i = 0; i < s->instance_count; i++)
 		seen[i].instance = i;
@@ -63,7 +63,7 @@ static enum eco_code place(const struct view_geojson_job *job, struct seen *seen
 	struct eco_error *error)
 {
 	double (*places)[2] = calloc(count + 1u, sizeof *places);
-	enum eco_code code = places ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for places");
+	enum eco_code code = places ? ECO_OK : eco_no_memory(error, "places");
 	for (uint32_t i = 0; i < count && !code; i++)
 		for (int k = 0; k < 2; k++)
 			places[i][k] =
@@ -98,7 +98,7 @@ static enum eco_code ask(const struct view_geojson_job *job, struct seen *seen, 
 	struct eco_error *error)
 {
 	struct view_plant_asked *asked = calloc(count + 1u, sizeof *asked);
-	enum eco_code code = asked ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for rows of plants");
+	enum eco_code code = asked ? ECO_OK : eco_no_memory(error, "rows of plants");
 	for (uint32_t i = 0; i < count && !code; i++) {
 		const struct view_instance *one = &job->selection->instances[seen[i].instance];
 		asked[i] = (struct view_plant_asked){ one->list, one->index, &seen[i].said };
@@ -156,7 +156,7 @@ static enum eco_code collect(const struct view_geojson_job *job, const struct se
 		return ECO_OK;
 	json_decref(*out);
 	*out = NULL;
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for the plants of a view");
+	return eco_no_memory(error, "the plants of a view");
 }
 
 enum eco_code view_geojson_make(const struct view_geojson_job *job, json_t **out, struct eco_error *error)
@@ -166,7 +166,7 @@ enum eco_code view_geojson_make(const struct view_geojson_job *job, json_t **out
 	uint64_t others = 0;
 	*out = NULL;
 	enum eco_code code = seen ? find_seen(job, seen, &count, &others, error)
-				  : eco_fail(error, ECO_NO_MEMORY, "no memory for the plants of a view");
+				  : eco_no_memory(error, "the plants of a view");
 	if (!code)
 		code = place(job, seen, count, error);
 	if (!code)
@@ -191,7 +191,7 @@ enum eco_code view_geojson_save(const struct view_geojson_job *job, const char *
 		return code;
 	char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(DIGITS));
 	code = text && !eco_json_lost() ? eco_file_write(path, text, strlen(text), error)
-		    : eco_fail(error, ECO_NO_MEMORY, "no memory for the plants of a view");
+		    : eco_no_memory(error, "the plants of a view");
 	free(text);
 	json_decref(json);
 	return code;

@@ -56,7 +56,7 @@ enum eco_code view_ground_make(struct view_ground *g, const struct view_store *s
 		code = same_grid(g, g->count++, error);
 	}
 	if (!tiles || !seams || !g->tiles || (!code && !lod_ground_seams(seams, tiles, g->count)))
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for the ground in view");
+		code = eco_no_memory(error, "the ground in view");
 	for (uint32_t i = 0; !code && i < g->count; i++)
 		g->tiles[i].seam = seams[i];
 	if (!code)

@@ -134,7 +134,7 @@ static enum eco_code put_tile(struct view_image *image, uint32_t *room, const st
 		return no_quadtree(error);
 	for (int bit = root->above + square->depth - 1; bit >= 0; bit--) {
 		if (!image->nodes[node] && !add_quarters(image, room, node))
-			return eco_fail(error, ECO_NO_MEMORY, "no memory for the image of the ground");
+			return eco_no_memory(error, "the image of the ground");
 		if (image->nodes[node] >= VIEW_IMAGE_LEAF)
 			return no_quadtree(error);
 		node = image->nodes[node];
@@ -165,7 +165,7 @@ static enum eco_code put_tiles(struct view_image *image, struct square *squares,
 		image->origin[k] += (double)root.low[k] * largest_m;
 	image->side_m = ldexp(largest_m, root.above);
 	if (!eco_array_grow(&image->nodes, &room, 0, sizeof *image->nodes))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the image of the ground");
+		return eco_no_memory(error, "the image of the ground");
 	image->nodes[image->node_count++] = 0;
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < image->count && !code; i++)
@@ -179,7 +179,7 @@ enum eco_code view_image_of(struct view_image *image, const struct view_image_ti
 	struct square *squares = malloc(count * sizeof *squares + 1);
 	*image = (struct view_image){ .tiles = malloc(count * sizeof *tiles + 1), .count = count };
 	enum eco_code code = squares && image->tiles ? ECO_OK
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for the image of the ground");
+		: eco_no_memory(error, "the image of the ground");
 	if (!code && count) {
 		memcpy(image->tiles, tiles, count * sizeof *tiles);
 		code = put_tiles(image, squares, error);
@@ -209,7 +209,7 @@ enum eco_code view_image_make(struct view_image *image, const struct view_store 
 		if (!shows(list, &plan->cuts[i]))
 			continue;
 		if (!eco_array_grow(&tiles, &room, count, sizeof *tiles))
-			code = eco_fail(error, ECO_NO_MEMORY, "no memory for the image of the ground");
+			code = eco_no_memory(error, "the image of the ground");
 		else
 			tiles[count++] = (struct view_image_tile){ list, plan->cuts[i].end };
 	}

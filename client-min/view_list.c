@@ -8,11 +8,6 @@
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 
-static enum eco_code no_memory(struct eco_error *error, const char *what)
-{
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for %s", what);
-}
-
 /* ---- Life ---- */
 
 static size_t palette_bytes(const struct eco_list *list)
@@ -288,7 +283,7 @@ static enum eco_code push_elements(struct view_list *list, const struct eco_elem
 	bool is_ample = rooms_growth(list, more, ample) - rooms_growth(list, more, exact) <= spare;
 	e->extra_count = more->extra_count;
 	if (!set_rooms(list, more, is_ample ? ample : exact))
-		return no_memory(error, "decoded elements");
+		return eco_no_memory(error, "decoded elements");
 	memcpy(e->corners + e->element_count, more->corners, more->element_count);
 	memcpy(e->position + 3 * (size_t)e->corner_count, more->position, 12 * (size_t)more->corner_count);
 	if (more->uv)
@@ -305,7 +300,7 @@ static enum eco_code push_elements(struct view_list *list, const struct eco_elem
 static enum eco_code push_impostor(struct view_list *list, struct view_piece *piece, struct eco_error *error)
 {
 	if (!resize(&list->impostors, list->chunk_count + (size_t)1, sizeof *list->impostors))
-		return no_memory(error, "an impostor");
+		return eco_no_memory(error, "an impostor");
 	list->impostors[list->chunk_count] = piece->impostor;
 	piece->impostor = (struct lod_impostor){ 0 };
 	list->bytes += piece->bytes;
@@ -315,7 +310,7 @@ static enum eco_code push_impostor(struct view_list *list, struct view_piece *pi
 static enum eco_code push_part(struct view_list *list, struct view_piece *piece, struct eco_error *error)
 {
 	if (!resize(&list->parts, list->chunk_count + (size_t)1, sizeof *list->parts))
-		return no_memory(error, "a texture");
+		return eco_no_memory(error, "a texture");
 	list->parts[list->chunk_count] = piece->part;
 	piece->part = (struct eco_texture_part){ 0 };
 	list->bytes += piece->bytes;

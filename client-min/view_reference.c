@@ -39,11 +39,6 @@ struct worker {
 
 /* ---- Drawing ---- */
 
-static enum eco_code no_memory(struct eco_error *error)
-{
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for the reference");
-}
-
 static bool stopped(const struct view_reference_job *job)
 {
 	return job->stop && *job->stop;
@@ -331,11 +326,11 @@ static enum eco_code scene_make(struct scene *scene, const struct view_reference
 	scene->items = calloc((size_t)s->cut_count + 1, sizeof *scene->items);
 	scene->order = malloc(((size_t)s->instance_count + 1) * sizeof *scene->order);
 	if (!scene->meshes || !scene->items || !scene->order)
-		return no_memory(error);
+		return eco_no_memory(error, "the reference");
 	for (uint32_t i = 0; i < s->instance_count; i++)
 		scene->order[i] = i;
 	qsort_r(scene->order, s->instance_count, sizeof *scene->order, by_distance, s->instances);
-	return view_owners_make(&scene->owners, s) ? make_meshes(scene, error) : no_memory(error);
+	return view_owners_make(&scene->owners, s) ? make_meshes(scene, error) : eco_no_memory(error, "the reference");
 }
 
 static void scene_free(struct scene *scene)
@@ -353,7 +348,7 @@ static enum eco_code workers_make(struct worker **workers, const struct scene *s
 {
 	uint32_t count = view_thread_count(scene->job->threads);
 	*workers = calloc(count, sizeof **workers);
-	enum eco_code code = *workers ? ECO_OK : no_memory(error);
+	enum eco_code code = *workers ? ECO_OK : eco_no_memory(error, "the reference");
 	for (uint32_t i = 0; i < count && !code; i++) {
 		(*workers)[i].scene = scene;
 		(*workers)[i].count = count;
@@ -442,7 +437,7 @@ static enum eco_code count(const struct view_reference_job *job, const struct vi
 {
 	struct view_coverage coverage = { picture->width, picture->height, samples, counts };
 	return counts ? view_reference_count(job, &coverage, error)
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for the samples of a picture");
+		: eco_no_memory(error, "the samples of a picture");
 }
 
 enum eco_code view_measure_soft(const struct view_reference_job *job, struct view_picture *picture,

@@ -80,7 +80,7 @@ enum eco_code view_report_add(struct view_report *report, const struct view_fram
 	struct eco_error *error)
 {
 	if (!eco_array_grow(&report->frames, &report->room, report->count, sizeof *report->frames))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the report");
+		return eco_no_memory(error, "the report");
 	report->frames[report->count++] = *frame;
 	return ECO_OK;
 }
@@ -89,7 +89,7 @@ enum eco_code view_report_add_part(struct view_report *report, const struct view
 	struct eco_error *error)
 {
 	if (!eco_array_grow(&report->parts, &report->part_room, report->part_count, sizeof *report->parts))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the report");
+		return eco_no_memory(error, "the report");
 	report->parts[report->part_count++] = *part;
 	return ECO_OK;
 }

@@ -47,7 +47,7 @@ static bool reserve(void *array, uint32_t *room, uint64_t count, size_t item)
 
 static enum eco_code no_memory(struct walk *w)
 {
-	return eco_fail(w->error, ECO_NO_MEMORY, "no memory for the plants in view");
+	return eco_no_memory(w->error, "the plants in view");
 }
 
 /* ---- Cuts by anchor ---- */

@@ -61,7 +61,7 @@ enum eco_code view_store_new(struct view_store **out, const struct view_store_op
 	struct view_store *store = calloc(1, sizeof *store);
 	*out = store;
 	if (!store)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the client's store");
+		return eco_no_memory(error, "the client's store");
 	store->options = *options;
 	if (!store->options.memory_max)
 		store->options.memory_max = MEMORY_MAX_DEFAULT;
@@ -104,11 +104,6 @@ void view_store_begin(struct view_store *store)
 	store->came_bytes = 0;
 	store->evictions_before = cache->evictions;
 	view_cache_begin(cache);
-}
-
-static enum eco_code no_memory(struct eco_error *error, const char *what)
-{
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for %s", what);
 }
 
 static void notice_evictions(struct view_store *store);
@@ -165,7 +160,7 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 		return code;
 	struct view_plant *copy = calloc(1, sizeof *copy);
 	if (!copy)
-		return no_memory(error, "a plant");
+		return eco_no_memory(error, "a plant");
 	copy->plant = *plant;
 	copy->anchors = malloc(anchor_bytes);
 	if (!copy->anchors || !eco_array_grow(&store->plants, &store->plant_room, store->plant_count,
@@ -173,7 +168,7 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 		!view_table_put(&store->plant_table, id, store->plant_count)) {
 		free(copy->anchors);
 		free(copy);
-		return no_memory(error, "a plant");
+		return eco_no_memory(error, "a plant");
 	}
 	memcpy(copy->anchors, anchors, anchor_bytes);
 	store->plants[store->plant_count++] = copy;
@@ -218,9 +213,9 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 	if (code)
 		return code;
 	struct view_list *copy = view_list_new(id, list, palette, groups);
-	code = copy ? view_forms_bind(&store->forms, &store->cache, copy, error) : no_memory(error, "a list");
+	code = copy ? view_forms_bind(&store->forms, &store->cache, copy, error) : eco_no_memory(error, "a list");
 	if (!code && !view_cache_add(&store->cache, copy))
-		code = no_memory(error, "a list");
+		code = eco_no_memory(error, "a list");
 	if (code)
 		view_list_free(copy);
 	return code;
@@ -485,7 +480,10 @@ static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error 
 	store->has_plan = !store->lacks;
 	keep_needs(store);
 	view_cache_tick(&store->cache);
-	return store->has_plan ? show_textures(store, error) : ECO_OK;
+	code = store->has_plan ? show_textures(store, error) : ECO_OK;
+	if (!code && store->options.planned)
+		store->options.planned(store->options.ctx, eco_predicted_q(&store->plan.prediction));
+	return code;
 }
 
 /* To three places, and no less than it is. */
@@ -660,7 +658,7 @@ enum eco_code view_store_holdings(const struct view_store *store, struct eco_hol
 	size_t room = (cache->list_count + (size_t)1) * sizeof *holdings->items;
 	*holdings = (struct eco_holdings){ malloc(room), 0 };
 	if (!holdings->items)
-		return no_memory(error, "the list of what is held");
+		return eco_no_memory(error, "the list of what is held");
 	for (uint32_t i = 0; i < cache->list_count; i++)
 		if (cache->lists[i]->chunk_count)
 			holdings->items[holdings->count++] = (struct eco_holding){ cache->lists[i]->id,

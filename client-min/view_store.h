@@ -44,6 +44,9 @@ struct view_store_options {
 	uint64_t memory_max;
 	/* decode textures and their outlines; false: their payloads are dropped */
 	bool images;
+	/* told of each plan that has come, and what it predicts (eco_predicted_q); may be NULL */
+	void (*planned)(void *ctx, double predicted_q);
+	void *ctx;
 };
 enum eco_code view_store_new(struct view_store **store, const struct view_store_options *options,
 	struct eco_error *error);

@@ -97,7 +97,7 @@ static enum eco_code make_quads(struct view_gl *gl, struct eco_error *error)
 	static const uint16_t corner[6] = { 0, 1, 2, 0, 2, 3 };
 	uint16_t *indices = malloc(QUADS * sizeof corner);
 	if (!indices)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for drawing");
+		return eco_no_memory(error, "drawing");
 	glGenVertexArrays(1, &gl->vertex_array);
 	glBindVertexArray(gl->vertex_array);
 	for (uint32_t i = 0; i < QUADS * 6; i++)
@@ -115,7 +115,7 @@ enum eco_code view_gl_open(struct view_gl **out, const struct view_gl_options *o
 	*out = NULL;
 	struct view_gl *gl = calloc(1, sizeof *gl);
 	if (!gl)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for drawing");
+		return eco_no_memory(error, "drawing");
 	enum eco_code code = view_context_open(&gl->context, error);
 	if (!code) {
 		view_gpu_init(&gl->gpu);
@@ -186,7 +186,7 @@ uint64_t view_gl_bytes(const struct view_gl *gl)
 
 static enum eco_code no_memory(const struct frame *f)
 {
-	return eco_fail(f->error, ECO_NO_MEMORY, "no memory for the plants in view");
+	return eco_no_memory(f->error, "the plants in view");
 }
 
 static enum eco_code note_owners(struct frame *f)
@@ -596,7 +596,7 @@ enum eco_code view_gl_read(struct view_gl *gl, struct view_picture *picture, str
 	size_t pixels = (size_t)picture->width * picture->height;
 	uint32_t *words = malloc(pixels * 16);
 	if (!words)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+		return eco_no_memory(error, "a picture");
 	view_context_use(&gl->context);
 	glBindFramebuffer(GL_FRAMEBUFFER, gl->framebuffer);
 	glPixelStorei(GL_PACK_ALIGNMENT, 1);

@@ -129,7 +129,7 @@ enum eco_code view_shade_make(struct view_shade *shade, const struct view_store 
 {
 	shade->texels = calloc((size_t)VIEW_SHADE_PIXELS * VIEW_SHADE_PIXELS, 2);
 	if (!shade->texels)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for shadows");
+		return eco_no_memory(error, "shadows");
 	double away[2];
 	bool shadows = find_throw(selection->sky.sun, away);
 	find_square(shade, selection);
@@ -483,10 +483,10 @@ enum eco_code view_light_picture(const struct view_light_job *job, struct view_p
 	}
 	struct lamp *lamp = calloc(1, sizeof *lamp);
 	if (!lamp)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory to light a picture");
+		return eco_no_memory(error, "the light of a picture");
 	lamp_init(lamp, job, picture);
 	enum eco_code code = view_owners_make(&lamp->owners, job->selection) ? ECO_OK
-		: eco_fail(error, ECO_NO_MEMORY, "no memory to light a picture");
+		: eco_no_memory(error, "the light of a picture");
 	if (!code && job->selection->ground.count)
 		code = view_shade_make(&lamp->shade, job->store, job->selection, error);
 	if (!code && job->selection->sky.shadows)

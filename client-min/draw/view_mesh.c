@@ -12,11 +12,6 @@
 
 /* ---- Geometry ---- */
 
-static enum eco_code no_memory(struct eco_error *error)
-{
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for the geometry of a picture");
-}
-
 static float length_of(const float v[3]) { return sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 float view_mesh_reach(const struct view_mesh *mesh, uint32_t i)
@@ -68,7 +63,7 @@ enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *st
 	if (image && image->image.rgba && list->list.attributes & ECO_ATTR_UV)
 		mesh->image = image;
 	if (!lod_geometry_make(&mesh->geometry, &list->list, count, mesh->image))
-		return no_memory(error);
+		return eco_no_memory(error, "the geometry of a picture");
 	uint32_t written = lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale,
 		&mesh->geometry);
 	assert(written == points);

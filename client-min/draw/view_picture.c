@@ -155,7 +155,7 @@ enum eco_code view_compare_draw(const struct view_compare *compare, uint8_t **rg
 	canvas.height = height + (lines * LETTER_HEIGHT + 2 * MARGIN) * canvas.dot;
 	canvas.rgb = calloc((size_t)canvas.width * canvas.height, 3);
 	if (!canvas.rgb)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+		return eco_no_memory(error, "a picture");
 	for (uint32_t y = 0; y < height; y++)
 		draw_row(compare, y, canvas.rgb + 3 * (size_t)y * canvas.width);
 	for (uint32_t i = 0; i < 3; i++)

@@ -18,7 +18,7 @@ enum ecostream_code ecostream_client_new(struct ecostream_client **out, struct e
 	struct eco_error own = { .code = ECO_OK };
 	struct ecostream_client *client = calloc(1, sizeof *client);
 	enum eco_code code = client ? view_store_new(&client->store, &(struct view_store_options){ 0 }, &own)
-		: eco_fail(&own, ECO_NO_MEMORY, "no memory for a client");
+		: eco_no_memory(&own, "a client");
 	if (code) {
 		free(client);
 		client = NULL;
@@ -55,7 +55,7 @@ enum ecostream_code ecostream_client_holdings(const struct ecostream_client *cli
 		eco_wire_write_holdings(&writer, &holdings);
 	free(holdings.items);
 	if (writer.failed)
-		code = eco_fail(&own, ECO_NO_MEMORY, "no memory for the list of what is held");
+		code = eco_no_memory(&own, "the list of what is held");
 	if (code) {
 		eco_writer_free(&writer);
 		return library_done(error, code, &own);
@@ -128,7 +128,7 @@ static enum eco_code make(struct ecostream_picture *picture, const struct eco_vi
 		return code;
 	picture->cuts = calloc(picture->plan->cut_count + (size_t)1, sizeof *picture->cuts);
 	if (!picture->cuts)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+		return eco_no_memory(error, "a picture");
 	for (uint32_t i = 0; i < picture->plan->cut_count; i++) {
 		picture->cuts[picture->count] = i;
 		picture->count += eco_list_vertices(&list_of(picture, picture->count)->list) > 0;
@@ -146,7 +146,7 @@ enum ecostream_code ecostream_picture_make(struct ecostream_picture **out,
 	struct ecostream_picture *picture = calloc(1, sizeof *picture);
 	*out = NULL;
 	if (!picture)
-		return library_done(error, eco_fail(&own, ECO_NO_MEMORY, "no memory for a picture"), &own);
+		return library_done(error, eco_no_memory(&own, "a picture"), &own);
 	picture->store = client->store;
 	picture->plan = view_store_plan(client->store);
 	enum eco_code code = make(picture, &view, &own);
@@ -315,7 +315,7 @@ enum ecostream_code ecostream_picture_geometry(const struct ecostream_picture *p
 	ecostream_picture_draw(picture, draw, &info);
 	if (!owned || !make_geometry(owned, picture, draw, info.kind)) {
 		ecostream_geometry_free(geometry);
-		return library_done(error, eco_fail(&own, ECO_NO_MEMORY, "no memory for geometry"), &own);
+		return library_done(error, eco_no_memory(&own, "geometry"), &own);
 	}
 	bool balls = info.kind == ECOSTREAM_POINTS || info.kind == ECOSTREAM_IMPOSTORS;
 	*geometry = (struct ecostream_geometry){ info.primitives, owned->made.position,

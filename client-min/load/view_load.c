@@ -178,17 +178,8 @@ static bool collect(struct view_load_report *into, struct view_load_report *from
 	bool good = add_answers(&into->answers, &from->answers);
 	for (int i = 0; i < VIEW_OUTCOMES; i++)
 		into->outcomes[i] += from->outcomes[i];
-	into->nothing += from->nothing;
-	into->bytes += from->bytes;
-	into->vertices += from->vertices;
-	into->chunks += from->chunks;
-	into->chunks_twice += from->chunks_twice;
-	into->decoded += from->decoded;
-	into->named += from->named;
-	into->resumed += from->resumed;
-	into->renewed += from->renewed;
-	into->vertex_violations += from->vertex_violations;
-	into->byte_violations += from->byte_violations;
+	for (int i = 0; i < VIEW_LOAD_COUNTS; i++)
+		into->counts[i] += from->counts[i];
 	if (from->first_failure[0] && !into->first_failure[0])
 		memcpy(into->first_failure, from->first_failure, sizeof into->first_failure);
 	view_answers_free(&from->answers);
@@ -272,7 +263,7 @@ static enum eco_code run_loops(struct view_load_report *report, const struct vie
 	for (uint32_t i = 0; i < count; i++) {
 		close_loop(&loops[i]);
 		if (!collect(report, &loops[i].report) && !code)
-			code = eco_fail(error, ECO_NO_MEMORY, "no memory for a report");
+			code = eco_no_memory(error, "a report");
 	}
 	if (report->answers.count)
 		qsort(report->answers.items, report->answers.count, sizeof *report->answers.items, by_due);

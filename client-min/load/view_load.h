@@ -44,16 +44,22 @@ struct view_load_options {
 	void *ctx;
 };
 
+#define VIEW_LOAD_COUNTS 11
 struct view_load_report {
 	double start_ms;                         /* when it began (view_clock_ms) */
 	double seconds, cpu_seconds;             /* cpu: of this process */
 	uint32_t processors;
 	struct view_answers answers;
 	uint64_t outcomes[VIEW_OUTCOMES];
-	uint64_t nothing, bytes, vertices, chunks, chunks_twice, decoded, named;
-	uint64_t resumed;                        /* answers that broke off, and came when asked for again */
-	uint64_t renewed;                        /* clients that began anew: the pack was replaced */
-	uint64_t vertex_violations, byte_violations;
+	union {
+		struct {
+			uint64_t nothing, bytes, vertices, chunks, chunks_decoded, chunks_named, chunks_twice;
+			uint64_t resumed;        /* answers that broke off, and came when asked for again */
+			uint64_t renewed;        /* clients that began anew: the pack was replaced */
+			uint64_t vertex_violations, byte_violations;
+		};
+		uint64_t counts[VIEW_LOAD_COUNTS];       /* the same, in this order */
+	};
 	char first_failure[512];                 /* text of one failure or violation; empty if none */
 };
 

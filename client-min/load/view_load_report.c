@@ -3,12 +3,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "client-min/view_fetch.h"
+#include "client-min/view_reference.h"
 #include "ecofiles/base/file_write.h"
-
-static enum eco_code no_memory(struct eco_error *error)
-{
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for a report");
-}
 
 /* All clients, and where there are both kinds, each of them. */
 static bool has_group(const struct view_load_options *o, enum view_group group)
@@ -68,7 +65,7 @@ static void print_faults(const struct view_load_summary *s, FILE *out)
 	fprintf(out,
 		"chunks            %llu, %llu decoded, %llu named, %llu sent twice; %llu answers without "
 		"a picture\n",
-		(unsigned long long)r->chunks, (unsigned long long)r->decoded, (unsigned long long)r->named,
+		(unsigned long long)r->chunks, (unsigned long long)r->chunks_decoded, (unsigned long long)r->chunks_named,
 		(unsigned long long)r->chunks_twice, (unsigned long long)r->nothing);
 	if (r->renewed)
 		fprintf(out, "packs             %llu times a client began anew, as the scene had another\n",
@@ -102,9 +99,9 @@ enum eco_code view_load_print(const struct view_load_summary *s, FILE *out, stru
 	for (int group = 0; group < VIEW_GROUPS; group++)
 		if (has_group(s->options, (enum view_group)group)
 				&& !print_group(s, (enum view_group)group, out))
-			return no_memory(error);
+			return eco_no_memory(error, "a report");
 	if (!view_answers_client_bytes(&s->report->answers, s->options->clients, &column))
-		return no_memory(error);
+		return eco_no_memory(error, "a report");
 	print_values(out, "bytes/client", &column, 1e-3, "kB");
 	view_column_free(&column);
 	print_faults(s, out);
@@ -178,20 +175,19 @@ static json_t *scored_json(const struct view_load_summary *s)
 
 static json_t *counts_json(const struct view_load_summary *s)
 {
+	static const char *const names[VIEW_LOAD_COUNTS] = { "nothing", "bytes", "vertices", "chunks",
+		"chunks_decoded", "chunks_named", "chunks_twice", "resumed", "renewed", "vertex_violations",
+		"byte_violations" };
 	const struct view_load_report *r = s->report;
-	return json_pack("{s:f, s:I, s:f, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, "
-		"s:I, s:o, s:o, s:o, s:o}",
-		"seconds", r->seconds, "requests", (json_int_t)r->answers.count,
-		"requests_per_s", r->answers.count / r->seconds, "bytes", (json_int_t)r->bytes,
-		"bytes_per_s", (double)r->bytes / r->seconds, "vertices", (json_int_t)r->vertices,
-		"chunks", (json_int_t)r->chunks, "chunks_decoded", (json_int_t)r->decoded,
-		"chunks_named", (json_int_t)r->named, "chunks_twice", (json_int_t)r->chunks_twice,
-		"nothing", (json_int_t)r->nothing, "resumed", (json_int_t)r->resumed,
-		"renewed", (json_int_t)r->renewed, "vertex_violations", (json_int_t)r->vertex_violations,
-		"byte_violations", (json_int_t)r->byte_violations, "cpu_seconds", r->cpu_seconds,
+	json_t *o = json_pack("{s:f, s:I, s:f, s:f, s:f, s:I, s:o, s:s?, s:o, s:o}", "seconds", r->seconds,
+		"requests", (json_int_t)r->answers.count, "requests_per_s", r->answers.count / r->seconds,
+		"bytes_per_s", (double)r->bytes / r->seconds, "cpu_seconds", r->cpu_seconds,
 		"processors", (json_int_t)r->processors, "failures", failures_json(r),
-		"first_failure", r->first_failure[0] ? json_string(r->first_failure) : json_null(),
-		"scored", scored_json(s), "options", options_json(s));
+		"first_failure", r->first_failure[0] ? r->first_failure : NULL, "scored", scored_json(s),
+		"options", options_json(s));
+	for (int i = 0; i < VIEW_LOAD_COUNTS; i++)
+		json_object_set_new(o, names[i], json_integer((json_int_t)r->counts[i]));
+	return o;
 }
 
 enum eco_code view_load_json(const struct view_load_summary *s, json_t **out, struct eco_error *error)
@@ -214,7 +210,7 @@ enum eco_code view_load_json(const struct view_load_summary *s, json_t **out, st
 		return ECO_OK;
 	json_decref(json);
 	*out = NULL;
-	return no_memory(error);
+	return eco_no_memory(error, "a report");
 }
 
 /* ---- CSV ---- */
@@ -237,14 +233,89 @@ enum eco_code view_load_csv(const struct view_load_summary *s, const char *path,
 	size_t size = 0;
 	FILE *out = open_memstream(&text, &size);
 	if (!out)
-		return no_memory(error);
+		return eco_no_memory(error, "a report");
 	fputs("client,view,holds,due_ms,outcome,status,resumed,bytes,vertices,predicted_q", out);
 	for (size_t i = 0; i < VIEW_COLUMNS_COUNT; i++)
 		fprintf(out, ",%s", view_columns[i].name);
 	fputc('\n', out);
 	for (uint32_t i = 0; i < s->report->answers.count; i++)
 		csv_line(out, &s->report->answers.items[i]);
-	enum eco_code code = fclose(out) ? no_memory(error) : eco_file_write(path, text, size, error);
+	enum eco_code code = fclose(out) ? eco_no_memory(error, "a report") : eco_file_write(path, text, size, error);
 	free(text);
+	return code;
+}
+
+/* ---- Scores ---- */
+
+/* Asks a client that holds nothing, and draws what it gets. */
+static enum eco_code draw(struct view_fetch *fetch, const struct eco_request *request,
+	const volatile sig_atomic_t *stop, struct view_picture *picture, double *predicted_q,
+	struct eco_error *error)
+{
+	struct view_store_options options = { .images = true };
+	struct view_fetch_result result;
+	struct view_selection selection = { 0 };
+	struct view_store *store;
+	struct lod_eye eye;
+	lod_eye_make(&eye, &request->view);
+	enum eco_code code = view_store_new(&store, &options, error);
+	if (!code)
+		code = view_fetch_stream(fetch, store, request, &result, error);
+	if (!code)
+		code = view_select_make(&selection, store, &eye, error);
+	if (!code) {
+		double near_m = view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1;
+		const struct eco_plan *plan = view_store_plan(store);
+		*predicted_q = plan ? eco_predicted_q(&plan->prediction) : NAN;
+		code = view_reference_draw(&(struct view_reference_job){ .store = store,
+			.selection = &selection, .eye = &eye, .near_m = near_m, .stop = stop }, picture,
+			error);
+	}
+	view_select_free(&selection);
+	view_store_free(store);
+	return code;
+}
+
+static enum eco_code score_one(const struct view_load_options *o, struct view_fetch *fetch,
+	struct view_picture pictures[2], struct view_scored *scored, struct eco_error *error)
+{
+	const struct eco_view *view = &o->views[scored->frame];
+	struct eco_request request = { .view = *view, .vertices = o->vertices, .bytes = o->bytes };
+	struct eco_request everything = { .view = *view, .vertices = ECO_VERTICES_MAX,
+		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
+	struct lod_score score;
+	double all_q;
+	enum eco_code code = draw(fetch, &request, o->stop, &pictures[0], &scored->predicted_q, error);
+	if (!code)
+		code = draw(fetch, &everything, o->stop, &pictures[1], &all_q, error);
+	if (code)
+		return code;
+	lod_score(&score, &(struct lod_score_input){ view->width, view->height, pictures[0].cover,
+		pictures[1].cover, pictures[0].owner, pictures[1].owner });
+	scored->q = score.q;
+	scored->precision = score.precision;
+	scored->recall = score.recall;
+	return ECO_OK;
+}
+
+enum eco_code view_score_sample(const struct view_load_options *o, const struct view_answers *answers,
+	struct view_fetch *fetch, uint32_t count, struct view_scored *scored, uint32_t *done,
+	struct eco_error *error)
+{
+	struct view_picture pictures[2] = { { 0 } };
+	enum eco_code code = ECO_OK;
+	*done = 0;
+	if (count > answers->count)
+		count = answers->count;
+	for (int i = 0; i < 2 && !code && count; i++)
+		code = view_picture_init(&pictures[i], o->views[0].width, o->views[0].height, error);
+	for (uint32_t i = 0; i < count && !code; i++) {
+		uint32_t at = (uint32_t)((uint64_t)answers->count * i / count);
+		scored[i] = (struct view_scored){ .frame = answers->items[at].frame };
+		code = score_one(o, fetch, pictures, &scored[i], error);
+		*done += !code;
+	}
+	for (int i = 0; i < 2; i++)
+		view_picture_free(&pictures[i]);
 	return code;
 }

@@ -236,7 +236,7 @@ static void record(struct view_session *s, enum view_outcome outcome)
 	report->bytes += a->bytes;
 	report->resumed += a->resumed && !outcome;
 	report->nothing += a->nothing;
-	report->named += s->wanted_count;
+	report->chunks_named += s->wanted_count;
 	if (!view_answers_add(&report->answers, a))
 		note(s, "no memory for a record of an answer");
 }
@@ -340,7 +340,7 @@ static enum eco_code on_name(void *ctx, const struct eco_chunk *chunk, const uin
 		s->lanes[i].free_ms = free_ms;
 	s->wakes_ms = 0;                 /* a transfer cannot begin within another's callback */
 	if (!eco_array_grow(&s->wanted, &s->wanted_room, s->wanted_count, sizeof *s->wanted))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a named chunk");
+		return eco_no_memory(error, "a named chunk");
 	s->wanted[s->wanted_count++] = (struct wanted){ .id = chunk->id, .size = chunk->size_bytes };
 	return ECO_OK;
 }
@@ -440,7 +440,7 @@ static enum eco_code write_body(struct view_session *s, struct eco_error *error)
 	free(holdings.items);
 	curl_easy_setopt(c, CURLOPT_POSTFIELDS, s->body.bytes);
 	curl_easy_setopt(c, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)s->body.size);
-	return s->body.failed ? eco_fail(error, ECO_NO_MEMORY, "no memory for a request") : ECO_OK;
+	return s->body.failed ? eco_no_memory(error, "a request") : ECO_OK;
 }
 
 static void ask(struct view_session *s)
@@ -448,10 +448,9 @@ static void ask(struct view_session *s)
 	static const struct eco_wire_events names = { .fetch = on_name };
 	char url[4096];
 	struct lane *lane = &s->lanes[0];
-	view_holder_begin(s->holder, on_plan, s);
-	enum eco_code code = write_body(s, &s->error);
+	enum eco_code code = view_holder_begin(s->holder, &s->parser, &s->error);
 	if (!code)
-		code = eco_wire_parser_new(&s->parser, &view_holder_events, s->holder, &s->error);
+		code = write_body(s, &s->error);
 	if (!code && s->host->options->chunks)
 		code = eco_wire_parser_new(&s->names, &names, s, &s->error);
 	if (code || !write_url(s, url, sizeof url)) {
@@ -573,7 +572,7 @@ enum eco_code view_session_new(struct view_session **out, struct view_session_ho
 	const struct view_load_options *o = host->options;
 	struct view_session *s = *out = calloc(1, sizeof *s);
 	if (!s)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a client");
+		return eco_no_memory(error, "a client");
 	s->host = host;
 	s->number = number;
 	s->cold = view_load_is_one_of(number, o->cold, o->clients);
@@ -583,13 +582,12 @@ enum eco_code view_session_new(struct view_session **out, struct view_session_ho
 		: 1e3 * number / o->rate);
 	s->phase = s->due_ms < host->end_ms ? PHASE_IDLE : PHASE_OVER;
 	s->wakes_ms = s->phase == PHASE_OVER ? INFINITY : s->due_ms;
-	enum eco_code code = view_holder_new(&s->holder, decodes, error);
+	enum eco_code code = view_holder_new(&s->holder, &(struct view_holder_options){ decodes,
+		o->chunks ? find_named : NULL, on_plan, s }, error);
 	s->headers = curl_slist_append(NULL, "Content-Type: application/octet-stream");
 	if (code || !s->headers || !curl_slist_append(s->headers, "Expect:") || !open_lane(s, &s->lanes[0]))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a client");
+		return eco_no_memory(error, "a client");
 	curl_easy_setopt(s->lanes[0].curl, CURLOPT_HTTPHEADER, s->headers);
-	if (o->chunks)
-		view_holder_find_by(s->holder, find_named, s);
 	return ECO_OK;
 }
 
@@ -602,7 +600,7 @@ void view_session_free(struct view_session *s)
 		: (struct view_holder_counts){ 0 };
 	s->host->report->chunks += counts.chunks;
 	s->host->report->chunks_twice += counts.chunks_twice;
-	s->host->report->decoded += counts.decoded;
+	s->host->report->chunks_decoded += counts.decoded;
 	for (uint32_t i = 0; i < LANES; i++)
 		curl_easy_cleanup(s->lanes[i].curl);
 	curl_slist_free_all(s->headers);

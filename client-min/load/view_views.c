@@ -95,7 +95,7 @@ static enum eco_code make_views(struct view_views *views, const struct view_view
 		return code;
 	views->items = calloc(FRAMES, sizeof *views->items);
 	if (!views->items)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for views");
+		return eco_no_memory(error, "views");
 	views->count = FRAMES;
 	*above_ground = e.has_ground;
 	for (uint32_t i = 0; i < FRAMES; i++) {

@@ -135,7 +135,7 @@ const uint8_t *web_ask(struct web *web)
 	eco_wire_write_holdings(&web->body, &holdings);
 	free(holdings.items);
 	if (web->body.failed)
-		eco_fail(&web->error, ECO_NO_MEMORY, "no memory for a request");
+		eco_no_memory(&web->error, "a request");
 	else
 		eco_wire_parser_new(&web->parser, &view_store_events, web->store, &web->error);
 	return web->parser ? web->body.bytes : NULL;
@@ -314,7 +314,7 @@ const uint8_t *web_owners(struct web *web)
 		return NULL;
 	uint8_t *rgb = realloc(web->owners, size);
 	if (!rgb) {
-		eco_fail(&web->error, ECO_NO_MEMORY, "no memory for the owners of a picture");
+		eco_no_memory(&web->error, "the owners of a picture");
 		return NULL;
 	}
 	web->owners = rgb;
@@ -423,7 +423,7 @@ const char *web_pick(struct web *web, double x, double y)
 		web_pick_write(&pick, x, y, &web->text);
 	view_table_free(&owners);
 	if (!made) {
-		eco_fail(&web->error, ECO_NO_MEMORY, "no memory for the owners of a picture");
+		eco_no_memory(&web->error, "the owners of a picture");
 		return NULL;
 	}
 	eco_write_u8(&web->text, 0);

@@ -31,11 +31,6 @@ static uint64_t count_blocks(const struct web_image *image, const struct view_im
 	return blocks;
 }
 
-static enum eco_code out_of_memory(struct eco_error *error)
-{
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for the image of the ground");
-}
-
 static void forget(struct web_image *image)
 {
 	view_table_free(&image->table);
@@ -60,7 +55,7 @@ static enum eco_code upload_level(const struct web_image *image, const struct ec
 	size_t count = (size_t)part->width * part->height;
 	uint8_t *rgba = malloc(4 * count);
 	if (!rgba)
-		return out_of_memory(error);
+		return eco_no_memory(error, "the image of the ground");
 	for (size_t i = 0; i < count; i++) {
 		const uint8_t *texel = part->texels + i * part->channels;
 		memcpy(rgba + 4 * i, texel, 3);
@@ -78,7 +73,7 @@ static enum eco_code upload_tile(struct web_image *image, const struct view_imag
 	if (index == UINT32_MAX) {
 		if (!eco_array_grow(&image->slots, &image->room, image->count, sizeof *image->slots)
 				|| !view_table_put(&image->table, tile->list->id, image->count))
-			return out_of_memory(error);
+			return eco_no_memory(error, "the image of the ground");
 		index = image->count++;
 		image->slots[index].levels = 0;
 	}
@@ -100,7 +95,7 @@ static enum eco_code upload_tree(struct web_image *image, struct view_gpu *gpu, 
 	size_t count = of->node_count + (size_t)of->count * ECO_GROUND_IMAGE_LEVELS;
 	uint32_t *words = malloc(count * sizeof *words);
 	if (!words)
-		return out_of_memory(error);
+		return eco_no_memory(error, "the image of the ground");
 	memcpy(words, of->nodes, of->node_count * sizeof *words);
 	for (uint32_t i = 0; i < of->count; i++)
 		memcpy(words + of->node_count + i * ECO_GROUND_IMAGE_LEVELS, find(image, &of->tiles[i])->block,

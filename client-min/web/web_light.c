@@ -222,7 +222,7 @@ static enum eco_code upload_plants(struct web_light *light, const struct view_li
 	uint32_t count = job->selection->instance_count;
 	float *texels = malloc((size_t)count * PLANT_TEXELS * VIEW_TEXEL_BYTES + 1);
 	if (!texels)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the plants in view");
+		return eco_no_memory(error, "the plants in view");
 	memcpy(light->origin, job->eye->at, sizeof light->origin);
 	for (uint32_t i = 0; i < count; i++)
 		put_plant(texels + (size_t)i * PLANT_TEXELS * 4, job, &job->selection->instances[i]);
@@ -369,7 +369,7 @@ enum eco_code web_light_read(const struct web_light *light, uint8_t *rgb, struct
 	size_t count = (size_t)light->width * light->height;
 	uint8_t *rgba = malloc(count * 4);
 	if (!rgba)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the colours of a picture");
+		return eco_no_memory(error, "the colours of a picture");
 	glBindFramebuffer(GL_FRAMEBUFFER, light->framebuffer);
 	glReadPixels(0, 0, (GLsizei)light->width, (GLsizei)light->height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
 	for (size_t i = 0; i < count; i++)

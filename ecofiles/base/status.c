@@ -76,6 +76,11 @@ const char *eco_advice_write(int reason)
 	return "";
 }
 
+enum eco_code eco_no_memory(struct eco_error *error, const char *what)
+{
+	return eco_fail(error, ECO_NO_MEMORY, "no memory for %s", what);
+}
+
 enum eco_code eco_fail_read(struct eco_error *error, const char *path, int reason)
 {
 	return eco_fail(error, reason == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.380s: %s%s", path,

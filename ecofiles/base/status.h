@@ -35,6 +35,9 @@ struct eco_error {
 enum eco_code eco_fail(struct eco_error *error, enum eco_code code, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
 
+/* ECO_NO_MEMORY: "no memory for " what. */
+enum eco_code eco_no_memory(struct eco_error *error, const char *what);
+
 /* As eco_fail, of a path that the system refused to read or to write for `reason` (an errno): with what the
  * system says and what to do. The code is ECO_NOT_FOUND for a file to read that is not there, else ECO_IO. */
 enum eco_code eco_fail_read(struct eco_error *error, const char *path, int reason);

@@ -15,11 +15,6 @@ struct ecostream_answer {
 	struct eco_holdings holdings;
 };
 
-static enum eco_code no_memory(struct eco_error *error, const char *what)
-{
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for %s", what);
-}
-
 /* ---- Packs ---- */
 
 enum ecostream_code ecostream_pack_open(struct ecostream_pack **out, const char *path,
@@ -29,7 +24,7 @@ enum ecostream_code ecostream_pack_open(struct ecostream_pack **out, const char 
 	struct ecostream_pack *pack = calloc(1, sizeof *pack);
 	*out = NULL;
 	if (!pack)
-		return library_done(error, no_memory(&own, "a pack"), &own);
+		return library_done(error, eco_no_memory(&own, "a pack"), &own);
 	srv_store_init(&pack->store);
 	enum eco_code code = srv_store_add(&pack->store, "pack", path, &own);
 	if (code)
@@ -92,7 +87,7 @@ enum ecostream_code ecostream_plan(struct ecostream_answer **out, const struct e
 	struct ecostream_answer *answer = calloc(1, sizeof *answer);
 	*out = NULL;
 	if (!answer)
-		return library_done(error, no_memory(&own, "an answer"), &own);
+		return library_done(error, eco_no_memory(&own, "an answer"), &own);
 	enum eco_code code = plan(answer, pack, request, &own);
 	if (code)
 		ecostream_answer_free(answer);

@@ -341,7 +341,7 @@ UNIT_TEST(clients_that_count_see_what_those_that_decode_see)
 		options.seconds = 0.35;
 		run_clean(&options);
 		assert_int_equal(report.answers.count, 4);
-		assert_int_equal(report.decoded, decodes ? report.chunks : 0);
+		assert_int_equal(report.chunks_decoded, decodes ? report.chunks : 0);
 		assert_true(report.chunks > 0 && report.vertices > 0);
 		bytes[decodes] = report.bytes;
 		chunks[decodes] = report.chunks;
@@ -373,11 +373,11 @@ UNIT_TEST(cold_clients_hold_nothing_and_named_chunks_are_fetched)
 	options.chunks = chunks;
 	options.name_from = 300;
 	run_clean(&options);
-	assert_true(report.named > 10);
-	assert_in_range(report.bytes, bytes, bytes + 40 * report.named);
+	assert_true(report.chunks_named > 10);
+	assert_in_range(report.bytes, bytes, bytes + 40 * report.chunks_named);
 	options.name_from = 1u << 30;
 	run_clean(&options);
-	assert_int_equal(report.named, 0);
+	assert_int_equal(report.chunks_named, 0);
 	options.name_from = 300;
 	options.chunks = url;                    /* no chunks lie there */
 	run(&options);

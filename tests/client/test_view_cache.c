@@ -184,19 +184,6 @@ UNIT_TEST(chunks_go_in_the_order_of_the_model)
 	view_cache_free(&cache);
 }
 
-/* The least recently used chunk goes though others are larger; of equals the largest. */
-UNIT_TEST(last_use_comes_before_size)
-{
-	static const struct { struct view_victim a, b; bool first; } pairs[] = {
-		{ { 1, 10, 5 }, { 2, 900, 1 }, true }, { { 3, 900, 5 }, { 2, 10, 1 }, false },
-		{ { 2, 900, 5 }, { 2, 10, 1 }, true }, { { 2, 10, 1 }, { 2, 900, 5 }, false },
-		{ { 2, 10, 1 }, { 2, 10, 5 }, true } };
-	for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
-		assert_int_equal(view_victim_before(&pairs[i].a, &pairs[i].b), pairs[i].first);
-		assert_int_equal(view_victim_before(&pairs[i].b, &pairs[i].a), !pairs[i].first);
-	}
-}
-
 /* What is wanted stays, though all else was used since. */
 UNIT_TEST(what_is_wanted_stays)
 {

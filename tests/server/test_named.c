@@ -247,7 +247,7 @@ UNIT_TEST(load_tests_follow_to_where_chunks_are_kept)
 	snprintf(chunks, sizeof chunks, "http://127.0.0.1:%u", host.port);
 	host.moved = "/moved/";
 	assert_ok(view_load_run(&report, &options, &error), error);
-	if (!view_load_clean(&report) || report.named < 10)
+	if (!view_load_clean(&report) || report.chunks_named < 10)
 		fail_msg("%s", report.first_failure);
 	view_load_free(&report);
 	host.moved = NULL;
