@@ -25,7 +25,7 @@
 #include "ecofiles/scene/scene.h"
 #include "lod/build/plant.h"
 #include "lod/build/texture.h"
-#include "lod/build/summary_palette.h"
+#include "lod/build/summary.h"
 #include "lod/build/tile.h"
 
 struct make_options {

@@ -5,7 +5,6 @@
 
 #include "lod/build/bone.h"
 #include "lod/build/element.h"
-#include "lod/build/level.h"
 #include "lod/build/palette.h"
 #include "lod/build/plant.h"
 
@@ -54,6 +53,17 @@ uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, 
 
 /* Fills `shade` and `shaded`, the colours of simplified levels; to be called before lod_draft_wood. */
 void lod_draft_shade(struct lod_draft *draft);
+
+/* Simplified levels of wood (plant_wood.c). */
+#define LOD_LEVELS_SIMPLE 2u
+
+struct lod_corner { uint32_t vertex, component; int32_t uv[2]; };        /* vertex of the mesh */
+
+struct lod_levels {
+	uint32_t count;              /* simplified levels that pay, coarse first, without full detail */
+	uint32_t triangle_count[LOD_LEVELS_SIMPLE];
+	struct lod_corner *corner[LOD_LEVELS_SIMPLE];    /* 3 per triangle */
+};
 
 /* Wood: simplified levels, then the triangles themselves. Sets level_count and level_end of `ladder` if there
  * are levels. */

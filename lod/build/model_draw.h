@@ -8,7 +8,7 @@
 
 #include "ecofiles/format/model.h"
 #include "lod/arena.h"
-#include "lod/raster/mask.h"
+#include "lod/raster/texel.h"
 #include "lod/raster/raster.h"
 
 /* The box around the usable triangles; false, and nothing is set, if there are none. */

@@ -9,7 +9,6 @@
 
 #include "lod/build/grid.h"
 #include "lod/build/plant_state.h"
-#include "lod/build/salience.h"
 #include "lod/build/summary.h"
 #include "lod/sort.h"
 #include "lod/vector.h"
@@ -17,6 +16,9 @@
 #define TRIANGLES_MAX (1u << 28)
 #define CELL_TRIANGLES 4096u
 #define WHOLE_COMPONENT 512u     /* wood of up to this many triangles goes to one cell as a whole */
+
+const char *const lod_solver_names[LOD_SOLVER_COUNT] =
+	{ [LOD_SOLVER_GRID] = "grid", [LOD_SOLVER_SCALE] = "scale" };
 
 enum { FAILED_MEMORY = 1, FAILED_INTERRUPTED, FAILED_REPORTED };
 
@@ -88,6 +90,70 @@ static void number_images(struct lod_build *b)
 	}
 }
 
+/* ---- Importance ---- */
+
+/* Importance from colours that stand out (Deussen 2002, 4.3: "objects seem to be important if their color is
+ * clearly distinguishable from the majority of element colors in a plant"): petals and fruit in a rare colour
+ * keep more of their vertices.
+ *
+ * A group's importance follows from the share of the plant's leaf area that clearly differs from the group's
+ * mean colour: 1 up to half, rising to SALIENT_MOST at all of it. So a plant of one colour, or of two in
+ * equal parts, has no important group. Hue and saturation count more than brightness, which light changes. */
+#define SALIENT_MOST 2.0             /* as much as users usually ask for */
+#define BINS 4096                    /* of colours of all leaves */
+/* Distances of colours in bytes: below ALIKE they are shades of one colour, beyond DIFFERENT they are clearly
+ * different (lod/EXPERIMENTS.md, Colours that stand out). */
+#define ALIKE 50.0
+#define DIFFERENT 100.0
+
+/* Area, and the sum of colours weighted by it. */
+struct tone { double area, rgb[3]; };
+struct tones { struct tone bins[BINS]; double area; };
+
+static void add_tone(struct tone *tone, const uint8_t rgb[3], double area)
+{
+	tone->area += area;
+	for (int k = 0; k < 3; k++)
+		tone->rgb[k] += area * rgb[k];
+}
+
+static void add_tones(struct tones *plant, const uint8_t rgb[3], double area)
+{
+	plant->area += area;
+	add_tone(&plant->bins[(rgb[0] >> 4) << 8 | (rgb[1] >> 4) << 4 | rgb[2] >> 4], rgb, area);
+}
+
+/* Brightness, and red and blue relative to it. */
+static void opponents(const struct tone *tone, double out[3])
+{
+	const double r = tone->rgb[0] / tone->area, g = tone->rgb[1] / tone->area,
+		b = tone->rgb[2] / tone->area;
+	out[0] = (2 * r + 5 * g + b) / 8;
+	out[1] = r - out[0];
+	out[2] = b - out[0];
+}
+
+static double distinct(const struct tone *a, const struct tone *b)
+{
+	double x[3], y[3];
+	opponents(a, x);
+	opponents(b, y);
+	double light = (x[0] - y[0]) / 2, red = x[1] - y[1], blue = x[2] - y[2];
+	return fmin(1, fmax(0, (sqrt(light * light + red * red + blue * blue) - ALIKE) / (DIFFERENT - ALIKE)));
+}
+
+/* Importance of a group of the plant's leaves, at least 1; 1 if either has no area. */
+static double salience_of(const struct tones *plant, const struct tone *group)
+{
+	double differs = 0;
+	if (!(plant->area > 0) || !(group->area > 0))
+		return 1;
+	for (uint32_t i = 0; i < BINS; i++)
+		if (plant->bins[i].area > 0)
+			differs += plant->bins[i].area * distinct(group, &plant->bins[i]);
+	return 1 + (SALIENT_MOST - 1) * fmax(0, 2 * differs / plant->area - 1);
+}
+
 /* The importance that the user asked for: a rule's before an organ's; for leaves from their colours if the
  * user asked for none. */
 static void find_importance(struct lod_build *b)
@@ -99,20 +165,20 @@ static void find_importance(struct lod_build *b)
 	for (uint32_t g = 0; g < b->group_count; g++)
 		b->groups[g].importance = asked[b->groups[g].organ] > 0 ? asked[b->groups[g].organ] : 1;
 	struct lod_arena_piece *mark = b->arena.last;
-	struct lod_salience *plant = lod_arena_take(&b->arena, 1, sizeof *plant);
-	struct lod_tone *groups = lod_arena_take(&b->arena, b->group_count, sizeof *groups);
+	struct tones *plant = lod_arena_take(&b->arena, 1, sizeof *plant);
+	struct tone *groups = lod_arena_take(&b->arena, b->group_count, sizeof *groups);
 	for (uint32_t g = 0; g < b->group_count && !any; g++)
 		for (uint32_t k = b->groups[g].first; k < b->groups[g].end; k++) {
 			const struct lod_element *e = &b->elements.items[b->order[k]];
 			for (uint32_t t = 0; t + 2 < e->corners; t++) {
 				const uint8_t *rgb = b->organs.rgb[e->triangle[t]];
-				lod_salience_add(plant, rgb, b->organs.area[e->triangle[t]]);
-				lod_tone_add(&groups[g], rgb, b->organs.area[e->triangle[t]]);
+				add_tones(plant, rgb, b->organs.area[e->triangle[t]]);
+				add_tone(&groups[g], rgb, b->organs.area[e->triangle[t]]);
 			}
 		}
 	for (uint32_t g = 0; g < b->group_count && !any; g++)
 		if (b->groups[g].organ != ECO_ORGAN_WOOD)
-			b->groups[g].importance = (float)lod_salience_of(plant, &groups[g]);
+			b->groups[g].importance = (float)salience_of(plant, &groups[g]);
 	for (uint32_t g = 0; g < b->group_count; g++)
 		if (b->groups[g].rule)
 			b->groups[g].importance = b->model->importances[b->groups[g].rule];

@@ -14,7 +14,31 @@
 #include "ecofiles/format/model.h"
 #include "ecofiles/format/pack.h"
 #include "lod/build/order/order.h"
-#include "lod/solver.h"
+
+/* Searches and how they end. A search has a tolerance, within which it has found its optimum, and a bound on
+ * tries, so that it always ends. A result at the bound is valid, but perhaps not the optimum, and is counted
+ * as not converged: in a pack's META (`ecopack info --json`, `searches`), and for plans in lod_planner_stats
+ * and ECO_TRACE=plan.
+ *
+ * Work with a fixed number of passes is not counted: orders are picked in one pass and refined in up to four
+ * (rank_refine.c), colours are cut into boxes once (palette.c), levels of wood are simplified once (level.c).
+ * Ground ends at its tolerance or at its bound on tiles, and states its error (ground_choice.h). */
+enum lod_solver {
+	LOD_SOLVER_GRID,             /* bits of a plant's grid: within LOD_GRID_LOSS of the model, or more
+	                              * bits do not help; bound: 18 */
+	LOD_SOLVER_SCALE,            /* scale of a curve's sample: its neighbours are worse; bound: 1/4 to 8
+	                              * times Cook's */
+	LOD_SOLVER_COUNT
+};
+extern const char *const lod_solver_names[LOD_SOLVER_COUNT];
+
+struct lod_solved { uint32_t runs, converged; };
+
+static inline void lod_solved_add(struct lod_solved *solved, bool converged)
+{
+	solved->runs++;
+	solved->converged += converged;
+}
 
 struct lod_list_draft {
 	struct eco_list list;                /* kind, coder, attributes, grid, unit_area, counts; image,
@@ -58,7 +82,7 @@ enum lod_plant_stage { LOD_STAGE_ELEMENTS, LOD_STAGE_ORDERS, LOD_STAGE_LISTS, LO
 
 struct lod_plant_options {
 	const char *name;
-	float importance[ECO_ORGAN_COUNT];   /* all 0: from colours (lod/build/salience.h); else 0 means 1 */
+	float importance[ECO_ORGAN_COUNT];   /* all 0: from colours; else 0 means 1 */
 	uint32_t seed;
 	/* 0: LOD_ORDER_GREEDY. It takes long, so with grid_bits 0 lod_plant_build makes a draft in combined
 	 * order, and lod_plant_measure builds again once the grid is chosen. */

@@ -39,7 +39,7 @@ struct lod_summary_input {
 	uint64_t seed;
 	/* Per tile, NULL for a tile to descend into; may itself be NULL. */
 	const struct lod_summary_root *const *roots;
-	/* Per colour of the scene, as pools and roots name it: that of a point (summary_palette.h). NULL: the
+	/* Per colour of the scene, as pools and roots name it: that of a point (lod_summary_palette). NULL: the
 	 * same, of at most 65536. */
 	const uint16_t *color_of;
 };
@@ -48,6 +48,29 @@ uint32_t lod_summary_count(const struct eco_tile *tile);
 /* Exactly `count` points in random order; fewer if nested summaries have fewer, none if the tile's area is 0.
  * The caller frees points. */
 enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input,
+	struct eco_error *error);
+
+/* The colours of the summaries of one eco file (summary.h): few, because each summary that is sent brings its
+ * colours with it. They are exactly those of the points if these have few, else a palette of them, in which
+ * colours weigh what they cover: a plant counts with its area, rounded down to a power of two of the file's.
+ * Colours stay, and with them the summaries, while a few plants come, go or move.
+ *
+ *   lod_summary_palette_make(&palette, &input, tile_first, tile_count, &error);
+ *   input.color_of = palette.color_of;                      lod_summary_make(&summary, &input, ...)
+ *   free(palette.color_of);
+ *
+ * A file takes nested files' colours from their stored summaries only, as it does their points. */
+#define LOD_SUMMARY_COLORS 32u
+
+struct lod_summary_palette {
+	uint8_t rgb[LOD_SUMMARY_COLORS][3];      uint32_t count; /* 0: the tiles show nothing */
+	uint16_t *color_of;          /* per colour of the scene: its entry, 0 if no point has it; owned */
+};
+
+/* Colours of points in tiles [tile_first, tile_first + tile_count), which are all of one eco file. The tile,
+ * its count and color_of of `input` are not read. */
+enum eco_code lod_summary_palette_make(struct lod_summary_palette *palette,
+	const struct lod_summary_input *input, uint32_t tile_first, uint32_t tile_count,
 	struct eco_error *error);
 
 /* The summary as a list with a grid step of at most 1/4096 of the tile; the writer sets counts and chunks.

@@ -9,7 +9,7 @@
 #include "ecofiles/format/list.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/base/union.h"
-#include "lod/raster/mask.h"
+#include "lod/raster/texel.h"
 #include "lod/sort.h"
 #include "lod/vector.h"
 

@@ -11,7 +11,7 @@
  * mostly rounding, and the coarse depth behind lod_raster_hides relies on no sample being nearer than its
  * triangle's nearest corner. */
 #include "lod/bits.h"
-#include "lod/raster/mask.h"
+#include "lod/raster/texel.h"
 #include "lod/raster/raster_state.h"
 
 #define NARROW 12                    /* pixels; up to here stepping beats dividing */

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lod/build/texture_levels.h"
+#include "lod/build/texture.h"
 #include "tests/bench/bench_state.h"
 #include "tests/bench/bench_texels.h"
 

@@ -4,10 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lod/build/measure/curve.h"
 #include "lod/build/grid.h"
 #include "lod/ladder.h"
-#include "lod/build/measure/probe.h"
+#include "lod/build/measure/curve_ways.h"
 #include "tests/support/unit_test.h"
 
 #define STEP 0.001
@@ -182,9 +181,10 @@ static void crown_free(struct crown *crown)
 
 static void measure(struct crown *crown, uint32_t pixels)
 {
-	struct lod_plant_options options = { .views = 8, .pixels = pixels };
+	struct lod_plant_options options = { .grid_bits = 1, .no_splats = true, .views = 8,
+		.pixels = pixels };
 	struct eco_error error = { 0 };
-	assert_int_equal(lod_curve_measure(&crown->plant, &crown->model, &options, &error), ECO_OK);
+	assert_int_equal(lod_plant_measure(&crown->plant, &crown->model, &options, &error), ECO_OK);
 }
 
 static double error_of(const struct eco_curve *sample)
@@ -588,9 +588,10 @@ UNIT_TEST(measuring_can_be_stopped_and_repeats_to_the_bit)
 	seed = 7;
 	crown_make(&crown, 200, 0.2);
 	add_ladder(&crown, ECO_NONE, add_triangles(&crown, 0, 200, 1));
-	struct lod_plant_options options = { .views = 4, .pixels = 64, .progress = stop_soon, .ctx = &calls };
+	struct lod_plant_options options = { .grid_bits = 1, .no_splats = true, .views = 4, .pixels = 64,
+		.progress = stop_soon, .ctx = &calls };
 	struct eco_error error = { 0 };
-	assert_int_equal(lod_curve_measure(&crown.plant, &crown.model, &options, &error), ECO_INTERRUPTED);
+	assert_int_equal(lod_plant_measure(&crown.plant, &crown.model, &options, &error), ECO_INTERRUPTED);
 	assert_int_equal(calls, 5);
 	measure(&crown, 64);
 	uint32_t count = crown.plant.curve_count;

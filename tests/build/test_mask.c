@@ -1,7 +1,7 @@
 /* Triangles of cut-outs that show nothing, against sampling; rims of thick leaves; a bound on all the work.
  */
 #include "ecofiles/format/list.h"
-#include "lod/raster/mask.h"
+#include "lod/raster/texel.h"
 #include "lod/build/organ/organ.h"
 #include "lod/build/sample.h"
 #include "tests/support/plant_models.h"

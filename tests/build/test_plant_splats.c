@@ -1,5 +1,4 @@
 /* Splats in a plant: they have the colours that were fitted, whatever colours the plant's parts have. */
-#include "lod/build/splat/plant_splats.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,5 @@
 /* The curve of a plant's splats. */
-#include "lod/build/impostor/plant_impostor.h"
-#include "lod/build/measure/curve.h"
+#include "lod/build/impostor/impostor_make.h"
 #include "lod/build/measure/probe.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"

@@ -1,5 +1,5 @@
 /* Colours of summaries: few, near those of the plants, the same while little changes. */
-#include "lod/build/summary_palette.h"
+#include "lod/build/summary.h"
 
 #include <stdlib.h>
 #include <string.h>

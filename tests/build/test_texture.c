@@ -7,7 +7,6 @@
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/texture.h"
 #include "lod/build/texture.h"
-#include "lod/build/texture_levels.h"
 #include "lod/light.h"
 #include "tests/support/scene_builder.h"
 #include "tests/support/unit_test.h"

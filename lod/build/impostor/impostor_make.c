@@ -1,13 +1,154 @@
-/* Levels of impostors from views of tiles. */
+/* Impostors: pictures of the model from the directions of tiles, then levels of them, then bytes of a plant. Each
+ * picture is taken from both sides: the middle between the nearest and the farthest surface serves opposite
+ * directions alike. */
 #include "lod/build/impostor/impostor_make.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "lod/build/impostor/impostor_state.h"
+#include "lod/arena.h"
 #include "lod/build/model_draw.h"
+#include "lod/build/weld.h"
 #include "lod/light.h"
 #include "lod/sort.h"
+
+#define VIEW_TEXELS ECO_IMPOSTOR_TEXELS_MAX
+#define VIEW_CELLS 16u                   /* a side, of depths and colours */
+#define VIEW_SAMPLES 4u                  /* a side of a texel */
+
+struct impostor_cell {
+	double count;                        /* covered samples */
+	double middle;                       /* sum: middle between near and far surface, towards the eye, radii */
+	double light[3];                     /* 1/65535 */
+};
+/* A tile as it is. */
+struct impostor_view {
+	uint8_t count[VIEW_TEXELS * VIEW_TEXELS];        /* covered samples */
+	struct impostor_cell cell[VIEW_CELLS * VIEW_CELLS];
+	double thick, ball;                  /* sums over samples: half the thickness, radii, and that of an
+	                                      * ellipsoid that fills the tile and is 1 in its middle */
+};
+
+/* ---- Pictures ---- */
+
+#define AWAY 512.0               /* of the camera, radii: as good as parallel */
+#define SIDE (VIEW_TEXELS * VIEW_SAMPLES)
+#define PARTS 4u                 /* that are drawn at a time */
+#define EXTENT_MIN 1e-5f         /* of the smaller side of the cylinder, metres */
+
+struct drawing {
+	struct impostor_view *views;
+	struct eco_impostor_axes axes[ECO_IMPOSTOR_TILES_MAX];
+	uint32_t tiles, parts;
+	const struct eco_impostor_body *body;
+	const struct eco_model *model;
+	const struct lod_mask *masks;
+	const uint8_t (*rgb)[3];
+	double radius;
+	struct lod_raster near[PARTS], far[PARTS];
+};
+
+/* The cylinder around the usable triangles, without `thick`. False: there are none. */
+static bool find_body(struct eco_impostor_body *body, const struct eco_model *model)
+{
+	float low[3], high[3], wide2 = 0;
+	if (!lod_model_bounds(model, low, high))
+		return false;
+	for (int k = 0; k < 3; k++)
+		body->center[k] = 0.5f * (low[k] + high[k]);
+	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
+		if (!lod_mesh_usable(model, (uint32_t)(i / 3), NULL))
+			continue;
+		const float *at = model->position + 3 * (size_t)model->index[i];
+		float x = at[0] - body->center[0], y = at[1] - body->center[1];
+		wide2 = fmaxf(wide2, x * x + y * y);
+	}
+	body->wide = fmaxf(sqrtf(wide2), EXTENT_MIN);
+	body->high = fmaxf(0.5f * (high[2] - low[2]), EXTENT_MIN);
+	body->thick = 0;
+	return true;
+}
+
+/* From the direction of a tile, or from the opposite one; then the picture is mirrored. */
+static void start(const struct drawing *d, uint32_t tile, bool opposite, struct lod_raster *raster)
+{
+	const struct eco_impostor_axes *axes = &d->axes[tile];
+	double away = AWAY * d->radius, side = opposite ? -1 : 1;
+	struct lod_eye eye = { .tan_x = d->body->wide / away,
+		.tan_y = eco_impostor_reach_up(d->body, axes) / away };
+	eye.pixel_rad = 2 * eye.tan_y / SIDE;
+	for (int k = 0; k < 3; k++) {
+		eye.at[k] = (double)d->body->center[k] + side * away * axes->toward[k];
+		eye.forward[k] = -side * axes->toward[k];
+		eye.right[k] = side * axes->right[k];
+		eye.up[k] = axes->up[k];
+	}
+	lod_raster_look(raster, &eye, (AWAY - 2) * d->radius);
+	lod_model_draw(d->model, d->masks, raster);
+}
+
+static void add_sample(const struct drawing *d, uint32_t tile, uint32_t part, uint32_t x, uint32_t y)
+{
+	const struct lod_raster *near = &d->near[part], *far = &d->far[part];
+	struct impostor_view *view = &d->views[tile];
+	size_t at = (size_t)y * SIDE + x, mirrored = (size_t)y * SIDE + (SIDE - 1 - x);
+	if (!near->cover[at])
+		return;
+	view->count[y / VIEW_SAMPLES * VIEW_TEXELS + x / VIEW_SAMPLES]++;
+	struct impostor_cell *cell = &view->cell[y * VIEW_CELLS / SIDE * VIEW_CELLS + x * VIEW_CELLS / SIDE];
+	double front = AWAY - 1 / (double)near->depth[at] / d->radius,
+		back = far->cover[mirrored] ? 1 / (double)far->depth[mirrored] / d->radius - AWAY : front;
+	double u = (x + 0.5) / SIDE * 2 - 1, v = 1 - (y + 0.5) / SIDE * 2, out2 = u * u + v * v;
+	view->thick += back < front ? 0.5 * (front - back) : 0;
+	view->ball += out2 < 1 ? sqrt(1 - out2) : 0;
+	cell->middle += 0.5 * (front + back);
+	cell->count++;
+	for (int k = 0; k < 3; k++)
+		cell->light[k] += lod_light_of[d->rgb[near->item[at]][k]];
+}
+
+static void draw_part(void *pieces, uint32_t part)
+{
+	struct drawing *d = pieces;
+	for (uint32_t tile = part; tile < d->tiles; tile += d->parts) {
+		start(d, tile, false, &d->near[part]);
+		start(d, tile, true, &d->far[part]);
+		for (uint32_t i = 0; i < SIDE * SIDE; i++)
+			add_sample(d, tile, part, i % SIDE, i / SIDE);
+	}
+}
+
+/* The views of all tiles of a set, in memory of the arena. */
+static enum eco_code make_views(struct impostor_view **views, enum eco_impostor_set set,
+	const struct eco_impostor_body *body, const struct eco_model *model,
+	const struct lod_impostors_options *options, const uint8_t (*rgb)[3], struct lod_arena *arena,
+	struct eco_error *error)
+{
+	struct drawing *d = lod_arena_take(arena, 1, sizeof *d);
+	enum eco_code code = ECO_OK;
+	*d = (struct drawing){ .tiles = eco_impostor_tiles(set), .parts = options->each ? PARTS : 1,
+		.body = body, .model = model,
+		.masks = lod_model_masks(model, arena), .rgb = rgb, .radius = eco_impostor_radius(body) };
+	*views = d->views = lod_arena_take(arena, d->tiles, sizeof **views);
+	eco_impostor_axes(set, d->axes);
+	for (uint32_t i = 0; i < d->parts && !code; i++) {
+		code = lod_raster_init(&d->near[i], &(struct lod_raster_options){ .width = SIDE,
+			.height = SIDE, .item = true }, error);
+		if (!code)
+			code = lod_raster_init(&d->far[i], &(struct lod_raster_options){ .width = SIDE,
+				.height = SIDE }, error);
+	}
+	if (!code && options->each)
+		options->each(options->ctx, d->parts, draw_part, d);
+	else if (!code)
+		draw_part(d, 0);
+	for (uint32_t i = 0; i < d->parts; i++) {
+		lod_raster_free(&d->near[i]);
+		lod_raster_free(&d->far[i]);
+	}
+	return code;
+}
 
 #define SETS 2u
 
@@ -193,7 +334,7 @@ static enum eco_code make_all(struct making *m, const struct eco_model *model,
 		if (!goes_on(options, (double)i / levels))
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 		if (!m->views[set])
-			code = impostor_views_make(&m->views[set], set, &m->out->body, model, options, rgb,
+			code = make_views(&m->views[set], set, &m->out->body, model, options, rgb,
 				m->arena, error);
 		if (!code && !i)
 			find_thickness(m);
@@ -214,7 +355,7 @@ enum eco_code lod_impostors_make(struct lod_impostors *impostors, const struct e
 		lod_impostors_free(impostors);
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for pictures of a plant");
 	}
-	enum eco_code code = impostor_body_find(&impostors->body, model)
+	enum eco_code code = find_body(&impostors->body, model)
 		? make_all(&m, model, options, error) : ECO_OK;
 	lod_arena_free(&arena);
 	if (code)
@@ -227,4 +368,86 @@ void lod_impostors_free(struct lod_impostors *impostors)
 	for (uint32_t i = 0; i < ECO_IMPOSTOR_LEVELS; i++)
 		eco_impostor_level_free(&impostors->levels[i]);
 	memset(impostors, 0, sizeof *impostors);
+}
+
+/* ---- Impostors of plants ---- */
+
+#define DRAFT_PIXELS 160u        /* of curves: below, a build is a draft */
+#define DRAFT_LEVELS 2u
+/* A triangle takes about 6 bytes in a pack, a texel of an image 0.4 to 0.7. Beyond the first, levels that need
+ * about twice the bytes of all of them are left out: the plant itself is sooner there. */
+#define BYTES_OF_TRIANGLE 12u
+#define BYTES_OF_TEXEL 1u
+
+static enum eco_code write_level(struct eco_bytes *bytes, const struct lod_impostors *made, uint32_t level,
+	struct eco_error *error)
+{
+	struct eco_writer w = { 0 };
+	enum eco_code code = eco_impostor_level_write(&w, &made->body, &made->levels[level], NULL, error);
+	if (code)
+		eco_writer_free(&w);
+	else
+		*bytes = (struct eco_bytes){ w.bytes, w.size };
+	return code;
+}
+
+static size_t level_bytes_most(const struct eco_model *model)
+{
+	size_t bytes = (size_t)BYTES_OF_TRIANGLE * model->triangle_count;
+	for (uint32_t i = 0; i < model->image_count; i++)
+		bytes += (size_t)BYTES_OF_TEXEL * model->images[i].width * model->images[i].height;
+	return bytes;
+}
+
+/* How level the plant's leaves lie, as its points say; 0 where it has none. */
+static uint8_t level_code(const struct lod_plant *plant)
+{
+	for (uint32_t i = 0; i < plant->list_count; i++)
+		if (plant->lists[i].list.kind == ECO_LIST_POINTS && plant->lists[i].list.level)
+			return plant->lists[i].list.level;
+	return 0;
+}
+
+enum eco_code lod_plant_add_impostor(struct lod_plant *plant, const struct eco_model *model,
+	const uint8_t (*rgb)[3], const struct lod_plant_options *options, struct eco_error *error)
+{
+	struct lod_impostors made;
+	bool draft = options->pixels && options->pixels < DRAFT_PIXELS;
+	struct lod_impostors_options how = { .levels = draft ? DRAFT_LEVELS : 0, .rgb = rgb,
+		.progress = options->progress, .each = options->each, .ctx = options->ctx };
+	enum eco_code code = lod_impostors_make(&made, model, &how, error);
+	if (code)
+		return code;
+	plant->impostor = calloc(made.level_count + 1u, sizeof *plant->impostor);
+	if (!plant->impostor)
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for an impostor");
+	for (uint32_t i = 0; i < made.level_count && !code; i++) {
+		code = write_level(&plant->impostor[i], &made, i, error);
+		if (!code && i && plant->impostor[i].size > level_bytes_most(model)) {
+			free(plant->impostor[i].at);
+			plant->impostor[i] = (struct eco_bytes){ 0 };
+			break;
+		}
+		plant->impostor_count += !code;
+	}
+	lod_impostors_free(&made);
+	if (!code && plant->impostor_count) {
+		plant->impostor_level = level_code(plant);
+		plant->ladders[plant->ladder_count - 1].impostor = plant->list_count;
+	}
+	return code;
+}
+
+enum eco_code lod_plant_open_impostor(struct lod_impostor *impostor, const struct lod_plant *plant,
+	uint32_t level, struct eco_error *error)
+{
+	struct eco_impostor_body body;
+	struct eco_impostor_level read;
+	enum eco_code code = eco_impostor_level_read(&read, &body, plant->impostor[level].at,
+		plant->impostor[level].size, error);
+	if (code)
+		return code;
+	code = lod_impostor_open(impostor, &body, &read, error);
+	eco_impostor_level_free(&read);
+	return code;
 }

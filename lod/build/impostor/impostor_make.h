@@ -13,6 +13,7 @@
 #include "ecofiles/format/impostor.h"
 #include "ecofiles/format/model.h"
 #include "lod/build/plant.h"
+#include "lod/impostor.h"
 
 struct lod_impostors {                   /* owns its levels */
 	struct eco_impostor_body body;
@@ -33,5 +34,16 @@ struct lod_impostors_options {
 enum eco_code lod_impostors_make(struct lod_impostors *impostors, const struct eco_model *model,
 	const struct lod_impostors_options *options, struct eco_error *error);
 void lod_impostors_free(struct lod_impostors *impostors);
+
+/* A plant's impostor, as bytes for a pack. */
+
+/* Makes the impostor's levels and adds them to the plant and its last ladder, which shows the whole plant
+ * with splats. A draft has fewer levels. `rgb` as in lod_impostors_options. */
+enum eco_code lod_plant_add_impostor(struct lod_plant *plant, const struct eco_model *model,
+	const uint8_t (*rgb)[3], const struct lod_plant_options *options, struct eco_error *error);
+
+/* Opens a level as a client does. Close it. */
+enum eco_code lod_plant_open_impostor(struct lod_impostor *impostor, const struct lod_plant *plant,
+	uint32_t level, struct eco_error *error);
 
 #endif

@@ -27,15 +27,14 @@
  *
  * This file chooses the shares and turns their samples into a curve for all ladders that share it;
  * curve_ways.c measures a sample. */
-#include "lod/build/measure/curve.h"
+#include "lod/build/measure/curve_ways.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "lod/build/measure/curve_ways.h"
 #include "lod/build/grid.h"
-#include "lod/build/impostor/plant_impostor.h"
-#include "lod/build/splat/plant_splats.h"
+#include "lod/build/impostor/impostor_make.h"
+#include "lod/build/splat/splat_fit.h"
 #include "lod/ladder.h"
 
 #define SAMPLES_MOST 42u             /* of LOD_CURVE_SAMPLES_MAX: the others are for levels */
@@ -456,7 +455,10 @@ static enum eco_code measure_all(struct lod_plant *plant, struct lod_probe *prob
 	return code;
 }
 
-enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model *model,
+/* Replaces the plant's curves by measured ones and assigns them to the ladders: one for each organ and texture
+ * (shared by the whole plant's ladder and those of its cells) and one for each organ's FAR ladders. Each is
+ * followed by a curve from above, for the same cuts at their best scale there. */
+static enum eco_code measure_plant(struct lod_plant *plant, const struct eco_model *model,
 	const struct lod_plant_options *options, struct eco_error *error)
 {
 	struct lod_probe probe;
@@ -496,5 +498,5 @@ enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model 
 		code = lod_plant_add_splats(plant, model, options, error);
 	if (!code && options->stage)
 		options->stage(options->ctx, LOD_STAGE_CURVES);
-	return code ? code : lod_curve_measure(plant, model, options, error);
+	return code ? code : measure_plant(plant, model, options, error);
 }

@@ -4,7 +4,6 @@
 #ifndef LOD_CURVE_WAYS_H
 #define LOD_CURVE_WAYS_H
 
-#include "lod/build/measure/curve.h"
 #include "lod/build/measure/probe.h"
 
 /* Scales are 2^(step/8) times Cook's, from 1/4 to 8. With other limits plants or scenes lose
@@ -12,6 +11,7 @@
 #define LOD_CURVE_STEP_LOW (-16)
 #define LOD_CURVE_STEP_HIGH 24
 #define LOD_CURVE_FORMS_MAX 4
+#define LOD_CURVE_SAMPLES_MAX 48u
 /* Reaches tried at a share: from all in full detail (0) to all in the coarsest form. */
 #define LOD_CURVE_WAYS_MAX 8
 

@@ -12,7 +12,7 @@
 #define LOD_FOOTPRINT_H
 
 #include "lod/build/foliage.h"
-#include "lod/raster/mask.h"
+#include "lod/raster/texel.h"
 
 #define LOD_FOOTPRINT_PIXELS 1024u       /* largest picture */
 

@@ -1,11 +1,10 @@
-#include "lod/build/splat/plant_splats.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "lod/build/grid.h"
-#include "lod/build/impostor/plant_impostor.h"
+#include "lod/build/impostor/impostor_make.h"
 #include "lod/build/organ/organ.h"
 #include "lod/build/palette.h"
 #include "lod/build/splat/splat_fit.h"

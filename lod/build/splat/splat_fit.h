@@ -55,6 +55,11 @@ enum eco_code lod_splats_fit(struct lod_splats *splats, const struct eco_model *
 	const struct lod_splats_options *options, struct eco_error *error);
 void lod_splats_free(struct lod_splats *splats);
 
+/* Fits splats to the model (splat_fit.h) and appends their list and ladder to a built plant. Appends nothing
+ * to a plant that shows nothing. */
+enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options, struct eco_error *error);
+
 static inline uint32_t lod_splats_first(const struct lod_splats *splats, uint32_t level)
 {
 	return level ? splats->level_end[level - 1] : 0;

@@ -6,10 +6,9 @@
 #include <string.h>
 
 #include "lod/build/foliage.h"
-#include "lod/build/impostor/plant_impostor.h"
-#include "lod/build/measure/curve.h"
+#include "lod/build/impostor/impostor_make.h"
 #include "lod/build/measure/probe.h"
-#include "lod/build/splat/plant_splats.h"
+#include "lod/build/splat/splat_fit.h"
 #include "lod/ladder.h"
 #include "tests/bench/baseline/cook.h"
 #include "tests/bench/bench_leaves.h"
