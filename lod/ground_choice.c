@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "lod/heap.h"
+
 /* ---- Neighbours ---- */
 
 enum { SIDES = 4 };              /* as LOD_GROUND_WEST and the others */
@@ -40,13 +42,11 @@ static const struct placed *coarser_beyond(const struct placed *all, uint32_t co
 
 /* ---- Choosing ---- */
 
-struct entry { double px; uint32_t tile; };
-
 struct search {
 	const struct eco_scene *scene;
 	const struct lod_eye *eye;
 	double origin[2], step[2];       /* of the grid of samples */
-	struct entry *heap;          /* the entry with the largest error on the screen on top */
+	struct lod_heap_item *heap;          /* the entry with the largest error on the screen on top */
 	uint32_t count, most;
 	uint32_t *done, done_count;      /* tiles that cannot be refined */
 	double error_px;
@@ -125,32 +125,11 @@ static double shown_px(const struct search *s, const struct eco_ground_tile *til
 	return depth > 0 ? (double)tile->error_m / (depth * s->eye->pixel_rad) : INFINITY;
 }
 
-/* The greater first; among equals the lower tile. */
-static bool before(const struct entry *a, const struct entry *b)
+static struct lod_heap_item pop(struct search *s)
 {
-	return a->px != b->px ? a->px > b->px : a->tile < b->tile;
-}
-
-static void push(struct search *s, struct entry entry)
-{
-	uint32_t i = s->count++;
-	for (; i > 0 && before(&entry, &s->heap[(i - 1) / 2]); i = (i - 1) / 2)
-		s->heap[i] = s->heap[(i - 1) / 2];
-	s->heap[i] = entry;
-}
-
-static struct entry pop(struct search *s)
-{
-	struct entry top = s->heap[0], last = s->heap[--s->count];
-	uint32_t i = 0;
-	for (uint32_t child = 1; child < s->count; i = child, child = 2 * i + 1) {
-		if (child + 1 < s->count && before(&s->heap[child + 1], &s->heap[child]))
-			child++;
-		if (!before(&s->heap[child], &last))
-			break;
-		s->heap[i] = s->heap[child];
-	}
-	s->heap[i] = last;
+	struct lod_heap_item top = s->heap[0];
+	s->heap[0] = s->heap[--s->count];
+	lod_heap_sift(s->heap, s->count, 0);
 	return top;
 }
 
@@ -187,7 +166,7 @@ static void look_at(struct search *s, uint32_t tile)
 	if (!lod_box_seen(s->eye, low, high))
 		return;
 	if (t->child_count > 0)
-		push(s, (struct entry){ shown_px(s, t, low, high), tile });
+		lod_heap_push(s->heap, s->count++, (struct lod_heap_item){ shown_px(s, t, low, high), tile });
 	else
 		s->done[s->done_count++] = tile;
 }
@@ -195,14 +174,14 @@ static void look_at(struct search *s, uint32_t tile)
 static void refine(struct search *s, double tolerance_px)
 {
 	/* refining adds at most three */
-	while (s->count > 0 && s->heap[0].px > tolerance_px && s->count + s->done_count + 3 <= s->most) {
-		const struct eco_ground_tile *t = &s->scene->ground[pop(s).tile];
+	while (s->count > 0 && s->heap[0].key > tolerance_px && s->count + s->done_count + 3 <= s->most) {
+		const struct eco_ground_tile *t = &s->scene->ground[pop(s).id];
 		for (uint32_t i = 0; i < t->child_count; i++)
 			look_at(s, t->child_first + i);
 	}
-	s->error_px = s->count > 0 ? s->heap[0].px : 0;
+	s->error_px = s->count > 0 ? s->heap[0].key : 0;
 	for (uint32_t i = 0; i < s->count; i++)
-		s->done[s->done_count++] = s->heap[i].tile;
+		s->done[s->done_count++] = s->heap[i].id;
 }
 
 /* Which of the chosen tiles touch one that is too much finer, and have children. */

@@ -28,6 +28,14 @@ static inline void lod_heap_sift(struct lod_heap_item *heap, uint32_t count, uin
 	}
 }
 
+/* Adds an item to a heap of `count`, which has room for it. Logarithmic in count. */
+static inline void lod_heap_push(struct lod_heap_item *heap, uint32_t count, struct lod_heap_item item)
+{
+	for (; count > 0 && lod_heap_before(item, heap[(count - 1) / 2]); count = (count - 1) / 2)
+		heap[count] = heap[(count - 1) / 2];
+	heap[count] = item;
+}
+
 /* Makes a heap of any `count` items: the best is heap[0]. Linear. */
 static inline void lod_heap_make(struct lod_heap_item *heap, uint32_t count)
 {

@@ -1,5 +1,19 @@
 #include "lod/sort.h"
 
+#include <assert.h>
+
+void lod_shuffle(void *items, uint32_t count, size_t size, uint64_t seed)
+{
+	char spare[64], *bytes = items;
+	assert(size <= sizeof spare);
+	for (uint32_t i = count; i > 1; i--) {
+		uint32_t k = (uint32_t)(eco_random(seed, i) % i);
+		memcpy(spare, bytes + k * size, size);
+		memcpy(bytes + k * size, bytes + (i - 1) * size, size);
+		memcpy(bytes + (i - 1) * size, spare, size);
+	}
+}
+
 /* Radix sort, least significant byte first; a pass in which all keys agree is left out. */
 void lod_sort(struct lod_arena *arena, struct lod_keyed *items, uint32_t count)
 {

@@ -13,6 +13,9 @@ struct lod_keyed { uint64_t key; uint32_t value; };
 /* Ascending by key; equal keys keep their order. */
 void lod_sort(struct lod_arena *arena, struct lod_keyed *items, uint32_t count);
 
+/* Puts items of at most 64 bytes into an order that the seed decides. */
+void lod_shuffle(void *items, uint32_t count, size_t size, uint64_t seed);
+
 /* A key that orders doubles ascending (no NaN). */
 static inline uint64_t lod_sort_key(double value)
 {

@@ -10,6 +10,7 @@
 #include "lod/geometry.h"
 #include "lod/raster/raster.h"
 #include "lod/build/tone.h"
+#include "lod/sort.h"
 
 #define SEED 0x5EEDu
 #define NAMES (1u << 24)         /* primitives that are looked at one by one */
@@ -19,10 +20,10 @@
 struct patch { double weight; uint32_t color; uint8_t organ; };
 
 struct part {                    /* primitives of one list, consecutive in `patches` */
+	const struct eco_list *list;
 	uint32_t corners;            /* 1: points, 2: lines, 3: triangles */
 	uint32_t first, count;
-	float unit_area;
-	float *position, *size, *width;
+	struct lod_geometry geometry;
 };
 
 struct patches {
@@ -57,16 +58,16 @@ static uint32_t list_of(const struct lod_plant *plant, const struct eco_ladder *
 
 static double area_of(const struct part *part, uint32_t i)
 {
-	const float *p = part->position + 3 * (size_t)part->corners * i;
+	const float *p = part->geometry.position + 3 * (size_t)part->corners * i;
 	double a[3], b[3];
 	if (part->corners == 1)
-		return part->unit_area * (double)part->size[i];
+		return part->list->unit_area * (part->geometry.size ? (double)part->geometry.size[i] : 1);
 	for (int k = 0; k < 3; k++) {
 		a[k] = p[3 + k] - p[k];
 		b[k] = part->corners == 3 ? p[6 + k] - p[k] : 0;
 	}
 	if (part->corners == 2)
-		return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]) * part->width[i];
+		return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]) * part->geometry.width[i];
 	double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
 	return 0.5 * sqrt(x * x + y * y + z * z);
 }
@@ -74,31 +75,25 @@ static double area_of(const struct part *part, uint32_t i)
 static bool add_part(struct patches *patches, const struct lod_list_draft *draft, uint8_t organ,
 	uint32_t palette_first, uint32_t first, uint32_t end)
 {
-	struct part *part = &patches->parts[patches->part_count++];
-	uint32_t corners = draft->list.kind == ECO_LIST_POINTS ? 1 : draft->list.kind == ECO_LIST_LINES ? 2
-		: 3, count = end - first;
-	*part = (struct part){ .corners = corners, .first = patches->count, .count = count,
-		.unit_area = draft->list.unit_area,
-		.position = malloc(3 * (size_t)corners * count * sizeof(float)),
-		.size = malloc(count * sizeof(float)),
-		.width = malloc(count * sizeof(float)) };
+	struct part *part = &patches->parts[patches->part_count];
+	const struct eco_list *list = &draft->list;
+	uint32_t count = end - first;
 	struct patch *bigger = realloc(patches->items, ((size_t)patches->count + count) * sizeof *bigger);
-	int32_t *color = malloc(count * sizeof *color);
-	if (bigger)
-		patches->items = bigger;
-	bool good = part->position && part->size && part->width && bigger && color;
-	if (good) {
-		struct lod_geometry to = { .position = part->position, .width = part->width,
-			.size = part->size, .color = color };
-		lod_list_geometry(&draft->list, &draft->elements, first, end, 1, &to);
-	}
-	for (uint32_t i = 0; good && i < count; i++) {
-		uint32_t in_list = color[i] > 0 ? (uint32_t)color[i] : 0;
+	if (!bigger)
+		return false;
+	patches->items = bigger;
+	*part = (struct part){ .list = list, .corners = eco_list_vertices(list), .first = patches->count,
+		.count = count };
+	if (!lod_geometry_make(&part->geometry, list, count, false))
+		return false;
+	patches->part_count++;
+	lod_list_geometry(list, &draft->elements, first, end, 1, &part->geometry);
+	for (uint32_t i = 0; i < count; i++) {
+		int32_t color = part->geometry.color[i];
 		patches->items[patches->count++] = (struct patch){ area_of(part, i),
-			palette_first + draft->list.palette_first + in_list, organ };
+			palette_first + list->palette_first + (color > 0 ? (uint32_t)color : 0), organ };
 	}
-	free(color);
-	return good;
+	return true;
 }
 
 static bool collect(struct patches *patches, const struct lod_plant *plant, uint32_t palette_first)
@@ -116,11 +111,8 @@ static bool collect(struct patches *patches, const struct lod_plant *plant, uint
 
 static void free_patches(struct patches *patches)
 {
-	for (uint32_t i = 0; i < patches->part_count; i++) {
-		free(patches->parts[i].position);
-		free(patches->parts[i].size);
-		free(patches->parts[i].width);
-	}
+	for (uint32_t i = 0; i < patches->part_count; i++)
+		lod_geometry_free(&patches->parts[i].geometry);
 	free(patches->parts);
 	free(patches->items);
 }
@@ -148,8 +140,8 @@ static bool sphere_of(const struct patches *patches, double center[3], double *r
 		square = 0;
 	for (uint32_t i = 0; i < patches->part_count; i++)
 		for (size_t c = 0; c < 3 * (size_t)patches->parts[i].corners * patches->parts[i].count; c++) {
-			low[c % 3] = fmin(low[c % 3], patches->parts[i].position[c]);
-			high[c % 3] = fmax(high[c % 3], patches->parts[i].position[c]);
+			low[c % 3] = fmin(low[c % 3], patches->parts[i].geometry.position[c]);
+			high[c % 3] = fmax(high[c % 3], patches->parts[i].geometry.position[c]);
 		}
 	for (int k = 0; k < 3; k++) {
 		center[k] = 0.5 * (low[k] + high[k]);
@@ -163,11 +155,8 @@ static void draw_parts(struct lod_raster *raster, const struct patches *patches)
 {
 	for (uint32_t i = 0; i < patches->part_count; i++) {
 		const struct part *part = &patches->parts[i];
-		struct lod_raster_batch batch = { .count = part->count, .position = part->position,
-			.width = part->width, .area = part->unit_area,
-			.size = part->size, .item = part->first, .owner = 1 };
-		(part->corners == 1 ? lod_raster_splats : part->corners == 2 ? lod_raster_lines
-			: lod_raster_triangles)(raster, &batch);
+		lod_raster_list(raster, part->list, &part->geometry, &(struct lod_raster_batch){
+			.count = part->count, .area = part->list->unit_area, .item = part->first, .owner = 1 });
 	}
 }
 
@@ -226,7 +215,7 @@ static void point_on(const struct patches *patches, uint32_t patch, uint32_t num
 	const struct part *part = patches->parts;
 	while (patch >= part->first + part->count)
 		part++;
-	const float *corner = part->position + 3 * (size_t)part->corners * (patch - part->first);
+	const float *corner = part->geometry.position + 3 * (size_t)part->corners * (patch - part->first);
 	if (part->corners == 2) {
 		w[0] = 1 - v;
 		w[1] = v;
@@ -243,16 +232,6 @@ static void point_on(const struct patches *patches, uint32_t patch, uint32_t num
 	}
 }
 
-static void shuffle(struct pooled *points, uint32_t count)
-{
-	for (uint32_t i = count; i > 1; i--) {
-		uint32_t k = (uint32_t)(eco_random(SEED, i) % i);
-		struct pooled spare = points[k];
-		points[k] = points[i - 1];
-		points[i - 1] = spare;
-	}
-}
-
 /* One point in each of `count` equal parts of the summed weights. */
 static void sample(const struct patches *patches, double total, struct pooled *out, uint32_t count)
 {
@@ -265,7 +244,7 @@ static void sample(const struct patches *patches, double total, struct pooled *o
 		point_on(patches, at, i, out[i].at);
 		out[i].color = patches->items[at].color;
 	}
-	shuffle(out, count);
+	lod_shuffle(out, count, sizeof *out, SEED);
 }
 
 static uint8_t level_of(const struct lod_plant *plant)

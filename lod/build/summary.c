@@ -31,18 +31,6 @@ void lod_grid_place(struct eco_list *list, const double low[3], const double hig
 	}
 }
 
-static void shuffle(void *items, uint32_t count, size_t size, uint64_t seed)
-{
-	char spare[64], *bytes = items;
-	assert(size <= sizeof spare);
-	for (uint32_t i = count; i > 1; i--) {
-		uint32_t k = (uint32_t)(eco_random(seed, i) % i);
-		memcpy(spare, bytes + k * size, size);
-		memcpy(bytes + k * size, bytes + (i - 1) * size, size);
-		memcpy(bytes + (i - 1) * size, spare, size);
-	}
-}
-
 /* ---- Summaries ---- */
 
 struct visit { uint32_t tile, count; struct eco_placement placement; };
@@ -270,7 +258,7 @@ enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_sum
 		return eco_fail(error, ECO_NO_MEMORY, "summary of tile %u: no memory", input->tile);
 	}
 	summary->level = (uint8_t)(d.leveled ? (d.levels + d.leveled / 2) / d.leveled : 0);
-	shuffle(summary->points, summary->count, sizeof *summary->points,
+	lod_shuffle(summary->points, summary->count, sizeof *summary->points,
 		eco_random(input->seed + 2, name_of(&input->scene->tiles[input->tile])));
 	return ECO_OK;
 }

@@ -398,15 +398,6 @@ static void settle_herbs(struct finder *f)
 
 /* ---- All ---- */
 
-static double area_of(const struct lod_mesh *mesh, uint32_t t)
-{
-	const uint32_t *v = mesh->index + 3 * (size_t)t;
-	struct lod_v3 a = lod_v3_of(mesh->place + 3 * (size_t)v[0]),
-		b = lod_v3_of(mesh->place + 3 * (size_t)v[1]);
-	return lod_v3_length(lod_v3_cross(lod_v3_sub(b, a),
-		lod_v3_sub(lod_v3_of(mesh->place + 3 * (size_t)v[2]), a))) / 2;
-}
-
 /* Triangles image by image, cut-outs separately, so that the sums of one image exist at a time. */
 static void colour_triangles(struct lod_organs *organs, const struct lod_mesh *mesh,
 	const struct eco_model *model, struct lod_arena *arena)
@@ -438,7 +429,7 @@ static void colour_triangles(struct lod_organs *organs, const struct lod_mesh *m
 			memcpy(organs->rgb[t], material->rgb, 3);
 		/* A triangle without an opaque sample may still show something: a fraction of a sample's area
 		 * keeps it drawable. */
-		organs->area[t] = area_of(mesh, t) * (share > 0 ? share : 1.0 / 256);
+		organs->area[t] = lod_v3_length(lod_mesh_area_normal(mesh, t)) * (share > 0 ? share : 1.0 / 256);
 	}
 	lod_arena_release(arena, mark);
 }
