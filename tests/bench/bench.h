@@ -141,10 +141,8 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out,
 	struct eco_error *error);
 
-/* Names of the scenes: crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park, city, cards-1
- * to cards-3, scbi. */
-extern const char *const bench_scene_names[];
-/* The pack of a scene, built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
+/* The pack of a scene (crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park, city, cards-1
+ * to cards-3, scbi), built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
  * default). Writes its path. ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
 enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512],
 	struct eco_error *error);
@@ -157,8 +155,6 @@ enum eco_code bench_model_pack(struct bench *bench, const struct bench_model *mo
 	struct eco_error *error);
 /* Stamp of the pack's content for units: the same for the same bytes. Borrowed until the next call. */
 const char *bench_pack_stamp(const char *path);
-/* Time that its build took: processor seconds and wall-clock seconds; NaN where that is not known. */
-void bench_pack_times(const char *path, double *cpu_s, double *wall_s);
 /* The packs that random requests are asked of, CACHE/requests/NAME.eco, where they are not there
  * (bench_requests.c). */
 enum eco_code bench_request_packs(struct bench *bench, struct eco_error *error);

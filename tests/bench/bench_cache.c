@@ -118,14 +118,7 @@ static void measure(struct walk *walk, const struct view_store *store)
 	walk->largest = view > walk->largest ? view : walk->largest;
 }
 
-static json_t *row_of(uint64_t memory, uint64_t frames, const struct bench_fetch *sums,
-	const struct view_store_stats *stats)
-{
-	return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "memory", (json_int_t)memory, "frames",
-		(json_int_t)frames, "bytes", (json_int_t)sums->bytes, "answers", (json_int_t)sums->requests,
-		"peak", (json_int_t)stats->memory_peak_bytes, "evictions", (json_int_t)stats->evictions,
-		"again", (json_int_t)stats->again_bytes);
-}
+enum figure { MEMORY, FRAMES, BYTES, ANSWERS, EVICTIONS, AGAIN, FIGURES };
 
 /* Without a limit (0) measures what the walk needs. A view that alone needs more than there is ends it: `frames`
  * says how far it came. */
@@ -154,7 +147,8 @@ static enum eco_code walk_with(const struct srv_scene *scene, struct walk *walk,
 			measure(walk, store);
 	}
 	struct view_store_stats stats = store ? view_store_stats(store) : (struct view_store_stats){ 0 };
-	json_array_append_new(rows, row_of(memory ? memory : walk->need, frames, &sums, &stats));
+	json_array_append_new(rows, bench_reals((double[FIGURES]){ (double)(memory ? memory : walk->need), frames,
+		(double)sums.bytes, sums.requests, (double)stats.evictions, (double)stats.again_bytes }, FIGURES));
 	view_store_free(store);
 	return code;
 }
@@ -165,54 +159,47 @@ static uint64_t memory_of(const struct walk *walk, uint32_t part)
 		: walk->need / part;
 }
 
-static enum eco_code run_path(struct bench *bench, size_t which, const char *pack, json_t **rows,
-	struct eco_error *error)
+struct work { struct bench *bench; size_t which; const char *pack; };
+
+static enum eco_code run_path(void *ctx, json_t **rows, struct eco_error *error)
 {
+	const struct work *w = ctx;
+	const char *scene = paths[w->which].scene;
 	struct srv_store served;
 	struct walk walk = { 0 };
 	*rows = json_array();
 	srv_store_init(&served);
-	enum eco_code code = paths[which].recorded ? recorded(bench, &walk, error)
-		: there_and_back(bench, paths[which].scene, &walk, error);
+	enum eco_code code = paths[w->which].recorded ? recorded(w->bench, &walk, error)
+		: there_and_back(w->bench, scene, &walk, error);
 	if (!code)
-		code = srv_store_add(&served, "scene", pack, error);
+		code = srv_store_add(&served, "scene", w->pack, error);
 	for (size_t i = 0; i < PARTS && !code; i++) {
-		bench_progress(bench, ((double)which + (double)i / PARTS) / PATHS, paths[which].scene);
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: walk_with(served.scenes[0], &walk, memory_of(&walk, parts[i]), *rows, error);
+		bench_progress(w->bench, ((double)w->which + (double)i / PARTS) / PATHS, scene);
+		code = bench_go_on(w->bench, error);
+		if (!code)
+			code = walk_with(served.scenes[0], &walk, memory_of(&walk, parts[i]), *rows, error);
 	}
 	srv_store_free(&served);
 	free(walk.requests);
-	if (code) {
-		json_decref(*rows);
-		*rows = NULL;
-	}
 	return code;
-}
-
-static double number(const json_t *row, const char *key)
-{
-	return (double)json_integer_value(json_object_get(row, key));
 }
 
 /* The bytes at half the need over those without a limit, of whole walks; NaN otherwise. */
 static double add_rows(struct bench_table *table, size_t which, const json_t *rows)
 {
-	const json_t *all = json_array_get(rows, 0);
-	double half = NAN;
+	double half = NAN, all[FIGURES], now[FIGURES];
+	bench_cells(json_array_get(rows, 0), all, FIGURES);
 	for (size_t i = 0; i < PARTS; i++) {
-		const json_t *row = json_array_get(rows, i);
-		double times = number(row, "bytes") / number(all, "bytes");
 		char part[24];
+		bench_cells(json_array_get(rows, i), now, FIGURES);
 		snprintf(part, sizeof part, parts[i] == NO_LIMIT ? "no limit" : parts[i] == LARGEST_VIEW
 			? "largest view" : "1/%u", parts[i]);
 		bench_table_row(table, "%s,%s,%s,%.2f,%.0f of %.0f,%.0f,%.2f,%.0f,%.0f,%.0f",
 			paths[which].scene, paths[which].recorded ? "recorded" : "there and back", part,
-			number(row, "memory") / (1 << 20), number(row, "frames"), number(all, "frames"),
-			number(row, "bytes"), times, number(row, "evictions"), number(row, "again"),
-			number(row, "answers") - number(row, "frames"));
-		if (parts[i] == 2 && number(row, "frames") == number(all, "frames"))
-			half = times;
+			now[MEMORY] / (1 << 20), now[FRAMES], all[FRAMES], now[BYTES], now[BYTES] / all[BYTES],
+			now[EVICTIONS], now[AGAIN], now[ANSWERS] - now[FRAMES]);
+		if (parts[i] == 2 && now[FRAMES] == all[FRAMES])
+			half = now[BYTES] / all[BYTES];
 	}
 	return half;
 }
@@ -221,18 +208,16 @@ static enum eco_code try_path(struct bench *bench, size_t which, struct bench_ta
 	struct eco_error *error)
 {
 	char pack[512], name[96];
+	json_t *rows;
 	enum eco_code code = ECO_OK;
 	if (!bench_shot_scene(bench, paths[which].scene, pack, &code, error) || code)
 		return code;
 	snprintf(name, sizeof name, "cache-%s-%s-%s", paths[which].scene,
 		paths[which].recorded ? "recorded" : "path", bench->full ? "full" : "quick");
-	json_t *unit = bench_recall(bench, name, bench_pack_stamp(pack));
-	if (!unit) {
-		code = run_path(bench, which, pack, &unit, error);
-		unit = code ? NULL : bench_keep(bench, name, bench_pack_stamp(pack), unit);
-	}
-	double times = unit ? add_rows(table, which, unit) : NAN;
-	*half = isnan(*half) || times > *half ? times : *half;
+	code = bench_unit(bench, name, bench_pack_stamp(pack), run_path, &(struct work){ bench, which, pack }, &rows,
+		error);
+	if (!code)
+		*half = fmax(*half, add_rows(table, which, rows));
 	return code;
 }
 

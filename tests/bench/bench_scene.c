@@ -42,8 +42,6 @@ static const struct scene { const char *name; enum origin origin; const char *ki
 	{ "cards-3", CARDS, NULL, 1, 1, BENCH_FULL_ONLY },
 	{ "scbi", SCBI, NULL, 0, 1, BENCH_FULL_ONLY } };
 #define SCENES (sizeof scenes / sizeof *scenes)
-const char *const bench_scene_names[] = { "crown", "trees640", "palms", "outdoor", "sunflowers", "trees1276",
-	"trees5000", "park", "city", "cards-1", "cards-2", "cards-3", "scbi", NULL };
 
 static const struct scene *find(const char *name)
 {
@@ -283,16 +281,6 @@ const char *bench_pack_stamp(const char *path)
 	const char *at = strstr(text, "\nholds ");
 	snprintf(holds, sizeof holds, "pack %.16s", at ? at + 7 : "");
 	return holds;
-}
-
-void bench_pack_times(const char *path, double *cpu_s, double *wall_s)
-{
-	char text[512];
-	stamp_read(path, text);
-	const char *at = strstr(text, "\ntook ");
-	*cpu_s = *wall_s = NAN;
-	if (at)
-		sscanf(at + 6, "%lf %lf", cpu_s, wall_s);
 }
 
 enum eco_code bench_model_pack(struct bench *bench, const struct bench_model *model, char pack[512],

@@ -128,58 +128,49 @@ json_t *bench_shot_row(const struct bench_frame *f)
 	return row;
 }
 
-static enum eco_code shoot(struct bench *bench, const char *scene, const struct bench_method *method,
-	const struct eco_request *request, const char *pack, json_t **rows, struct eco_error *error)
+struct work { struct bench *bench; const char *scene, *pack; const struct bench_method *method; uint32_t view; };
+
+static enum eco_code shoot(void *ctx, json_t **rows, struct eco_error *error)
 {
+	const struct work *w = ctx;
+	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 	uint64_t budgets[BENCH_BUDGETS_MAX];
-	uint32_t count = bench_budgets(bench, scene, budgets);
+	uint32_t count = bench_budgets(w->bench, w->scene, budgets),
+		views = bench_shot_views(w->bench, w->scene, requests);
 	struct bench_client *client = NULL;
-	double reference_ms;
-	enum eco_code code = bench_client_open(&client, pack, error);
+	if (w->view >= views)
+		return eco_fail(error, ECO_NOT_FOUND, "%s has %u views", w->scene, views);
+	enum eco_code code = bench_client_open(&client, w->pack, error);
 	if (!code) {
 		bench_client_see(client);
-		bench_client_keep(client, bench);
-		code = bench_client_reference(client, request, &reference_ms, error);
+		bench_client_keep(client, w->bench);
 	}
-	json_t *made = json_array();
+	*rows = json_array();
 	for (uint32_t i = 0; i < count && !code; i++) {
-		struct bench_frame frame = { .method = method->name, .rule = method->rule,
-			.ignore_occlusion = method->ignore_occlusion,
-			.request = *request };
+		struct bench_frame frame = { .method = w->method->name, .rule = w->method->rule,
+			.ignore_occlusion = w->method->ignore_occlusion, .request = requests[w->view] };
 		frame.request.vertices = budgets[i];
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: bench_client_frame(client, &frame, NULL, error);
+		code = bench_go_on(w->bench, error);
 		if (!code)
-			json_array_append_new(made, bench_shot_row(&frame));
+			code = bench_client_frame(client, &frame, NULL, error);
+		json_array_append_new(*rows, bench_shot_row(&frame));
 	}
 	bench_client_close(client);
-	if (code)
-		json_decref(made);
-	else
-		*rows = made;
 	return code;
 }
 
 enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view,
 	json_t **rows, struct eco_error *error)
 {
-	const struct bench_method *m = &bench_methods[method];
-	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 	char name[128], pack[512];
-	enum eco_code code = bench_scene(bench, scene, m->order, pack, error);
+	enum eco_code code = bench_scene(bench, scene, bench_methods[method].order, pack, error);
 	if (code)
 		return code;
 	const char *before = bench_objects(bench, BENCH_OBJECTS_FRAMES
 		"tests/bench/bench_frame.o tests/bench/bench_shots.o");
 	snprintf(name, sizeof name, "shots-%s-%u-%u-%s", scene, method, view, bench->full ? "full" : "quick");
-	*rows = bench_recall(bench, name, bench_pack_stamp(pack));
-	if (!*rows) {
-		uint32_t count = bench_shot_views(bench, scene, requests);
-		code = view < count ? shoot(bench, scene, m, &requests[view], pack, rows, error)
-			: eco_fail(error, ECO_NOT_FOUND, "%s has %u views", scene, count);
-		if (!code)
-			*rows = bench_keep(bench, name, bench_pack_stamp(pack), *rows);
-	}
+	code = bench_unit(bench, name, bench_pack_stamp(pack), shoot,
+		&(struct work){ bench, scene, pack, &bench_methods[method], view }, rows, error);
 	bench_objects(bench, before);
 	return code;
 }

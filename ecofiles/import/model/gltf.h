@@ -100,8 +100,6 @@ enum eco_code eco_gltf_node_local(const struct eco_gltf *doc, uint32_t node, dou
 /* To the world: the product over its ancestors. Cycles are errors. */
 enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double matrix[16],
 	struct eco_error *error);
-/* The node above it; ECO_NONE: a root. After eco_gltf_node_matrix of it. */
-uint32_t eco_gltf_parent(const struct eco_gltf *doc, uint32_t node);
 /* a * b; out may be either */
 void eco_gltf_multiply(double out[16], const double a[16], const double b[16]);
 /* Translation, rotation (a quaternion, normalized here) and scale as a matrix. */

@@ -101,8 +101,6 @@ enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double m
 	return code;
 }
 
-uint32_t eco_gltf_parent(const struct eco_gltf *doc, uint32_t node) { return doc->parent[node]; }
-
 /* ---- The scene ---- */
 
 struct entry { uint32_t node, depth; double world[16]; };

@@ -172,21 +172,21 @@ enum eco_code bench_flight_path(const char *pack, uint32_t first, uint32_t count
 
 static const uint64_t budgets[] = { 100000, 300000, 1000000, 3000000 };
 #define BUDGETS (sizeof budgets / sizeof *budgets)
-#define MILLION 2u
+#define MILLION 1000000u
 static const char *const scenes[] = { "park", "city", "scbi" };
 #define SCENES (sizeof scenes / sizeof *scenes)
 enum holding { KEPT, COLD, HOLDINGS };
 static const char *const holding_names[HOLDINGS] = { "kept", "dropped each second" };
 
 struct flight { const char *scene, *pack; uint32_t count, every; struct eco_view *views; char stamp[128]; };
-struct sums { double bytes, first, plans, vertices, q, seen; };
+enum figure { BYTES, FIRST, PLANS, DRAWN, QUALITY, SEEN, FIGURES };
 
 /* Adds frame `f`; scores it where `scored`. */
-static enum eco_code step(const struct flight *flight, struct bench_client *client, uint32_t f, size_t budget,
-	bool scored, struct sums *sums, struct eco_error *error)
+static enum eco_code step(const struct flight *flight, struct bench_client *client, uint32_t f,
+	uint64_t vertices, bool scored, double sums[FIGURES], struct eco_error *error)
 {
 	struct bench_frame frame = { .rule = lod_rule_optimal, .request = { .view = flight->views[f],
-		.vertices = budgets[budget], .bytes = ECO_BYTES_UNBOUNDED } };
+		.vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED } };
 	struct view_picture picture = { 0 };
 	double share = (double)flight->every / flight->count;
 	enum eco_code code = scored ? bench_client_reference(client, &frame.request, NULL, error) : ECO_OK;
@@ -195,40 +195,41 @@ static enum eco_code step(const struct flight *flight, struct bench_client *clie
 	if (!code && scored)
 		code = bench_client_score(client, &frame, &picture, error);
 	if (!code && scored) {
-		sums->q += share * frame.score.q;
-		sums->seen += share * frame.picture_error;
+		sums[QUALITY] += share * frame.score.q;
+		sums[SEEN] += share * frame.picture_error;
 	}
 	view_picture_free(&picture);
-	sums->bytes += (double)frame.bytes;
-	sums->first += f ? 0 : (double)frame.bytes;
-	sums->plans += (double)frame.plan_bytes;
-	sums->vertices += (double)frame.vertices / flight->count;
+	sums[BYTES] += (double)frame.bytes;
+	sums[FIRST] += f ? 0 : (double)frame.bytes;
+	sums[PLANS] += (double)frame.plan_bytes;
+	sums[DRAWN] += (double)frame.vertices / flight->count;
 	return code;
 }
 
-static enum eco_code fly(struct bench *bench, const struct flight *flight, size_t budget, enum holding holding,
-	json_t **row, struct eco_error *error)
+struct work { struct bench *bench; const struct flight *flight; size_t budget; enum holding holding; };
+
+static enum eco_code fly(void *ctx, json_t **row, struct eco_error *error)
 {
+	const struct work *w = ctx;
+	const struct flight *flight = w->flight;
 	struct bench_client *client = NULL;
-	struct sums sums = { 0 };
+	double sums[FIGURES] = { 0 };
 	enum eco_code code = bench_client_open(&client, flight->pack, error);
 	if (!code) {
 		bench_client_see(client);
-		bench_client_keep(client, bench);
+		bench_client_keep(client, w->bench);
 		bench_client_untimed(client);
 	}
 	for (uint32_t f = 0; f < flight->count && !code; f++) {
-		if (holding == COLD && f % BENCH_FLIGHT_FPS == 0)
+		bool scored = w->holding == KEPT && f % flight->every == flight->every / 2;
+		if (w->holding == COLD && f % BENCH_FLIGHT_FPS == 0)
 			bench_client_forget(client);
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: step(flight, client, f, budget, holding == KEPT && f % flight->every
-			== flight->every / 2, &sums, error);
+		code = bench_go_on(w->bench, error);
+		if (!code)
+			code = step(flight, client, f, budgets[w->budget], scored, sums, error);
 	}
 	bench_client_close(client);
-	if (!code)
-		*row = json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "bytes", sums.bytes, "first", sums.first,
-			"plans", sums.plans, "vertices", sums.vertices, "q", sums.q, "picture_error",
-			sums.seen);
+	*row = bench_reals(sums, FIGURES);
 	return code;
 }
 
@@ -236,26 +237,26 @@ static enum eco_code fly(struct bench *bench, const struct flight *flight, size_
 static enum eco_code add_rows(struct bench *bench, const struct flight *flight, struct bench_table *table,
 	double bytes[HOLDINGS], struct eco_error *error)
 {
-	const json_t *drawn = NULL;
+	double drawn[FIGURES] = { 0 }, now[FIGURES];
 	for (size_t i = 0; i < BUDGETS * HOLDINGS; i++) {
 		char unit[96];
-		size_t b = i / HOLDINGS, h = i % HOLDINGS;
-		snprintf(unit, sizeof unit, "flight-%s-%u-%llu-%zu", flight->scene, flight->count,
-			(unsigned long long)budgets[b], h);
+		json_t *row;
+		struct work work = { bench, flight, i / HOLDINGS, (enum holding)(i % HOLDINGS) };
+		unsigned long long budget = budgets[work.budget];
+		snprintf(unit, sizeof unit, "flight-%s-%u-%llu-%d", flight->scene, flight->count, budget,
+			(int)work.holding);
 		bench_progress(bench, (double)i / (BUDGETS * HOLDINGS), flight->scene);
-		json_t *row = bench_recall(bench, unit, flight->stamp);
-		enum eco_code code = row ? ECO_OK : fly(bench, flight, b, (enum holding)h, &row, error);
+		enum eco_code code = bench_unit(bench, unit, flight->stamp, fly, &work, &row, error);
 		if (code)
 			return code;
-		row = bench_keep(bench, unit, flight->stamp, row);
-		drawn = h == KEPT ? row : drawn;
+		bench_cells(row, now, FIGURES);
+		if (work.holding == KEPT)
+			memcpy(drawn, now, sizeof drawn);
 		bench_table_row(table, "%s,%u,%llu,%s,%.0f,%.0f,%.0f,%.0f,%.4f,%.5f", flight->scene,
-			flight->count, (unsigned long long)budgets[b], holding_names[h],
-			bench_shot_number(row, "vertices"), bench_shot_number(row, "bytes"),
-			bench_shot_number(row, "first"), bench_shot_number(row, "plans"),
-			bench_shot_number(drawn, "q"), bench_shot_number(drawn, "picture_error"));
-		if (b == MILLION)
-			bytes[h] = fmax(bytes[h], bench_shot_number(row, "bytes"));
+			flight->count, budget, holding_names[work.holding], now[DRAWN], now[BYTES], now[FIRST],
+			now[PLANS], drawn[QUALITY], drawn[SEEN]);
+		if (budget == MILLION)
+			bytes[work.holding] = fmax(bytes[work.holding], now[BYTES]);
 	}
 	return ECO_OK;
 }

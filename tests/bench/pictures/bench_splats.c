@@ -17,8 +17,6 @@ const char *const bench_splats_kind_names[BENCH_SPLATS_KINDS] = { "opaque splats
 	"square points", "best impostor" };
 const double bench_splats_heights_px[BENCH_SPLATS_SIZES] = { 64, 256 };
 
-typedef struct bench_splats_q figures[BENCH_SPLATS_KINDS][BUDGETS];
-
 bool bench_splats_is_foliage(const struct bench_model *model)
 {
 	static const char *const files[] = { "/eztree_oak_large.", "/eztree_pine_medium.", "/orchids.",
@@ -176,49 +174,51 @@ static enum eco_code score_impostors(struct bench_splats_pictures *pictures, con
 
 /* ---- A plant ---- */
 
-static enum eco_code measure(struct bench *bench, const struct bench_model *of, figures q,
-	struct eco_error *error)
+struct work { struct bench *bench; const struct bench_model *model; };
+
+/* Hard and soft Q of each kind and budget. */
+static enum eco_code measure(void *ctx, json_t **rows, struct eco_error *error)
 {
+	const struct work *w = ctx;
+	const char *name = w->model->name;
 	struct eco_model model;
 	struct bench_splats_pictures pictures;
-	enum eco_code code = bench_model_read(bench, of, &model, error);
+	struct bench_splats_q q[BENCH_SPLATS_KINDS][BUDGETS] = { { { 0 } } };
+	enum eco_code code = bench_model_read(w->bench, w->model, &model, error);
 	if (code)
 		return code;
 	code = bench_splats_open(&pictures, &model, bench_splats_heights_px, error);
 	if (!code) {
-		code = score_splats(&pictures, of->name, true, q[BENCH_SPLATS_OPAQUE], error);
+		code = score_splats(&pictures, name, true, q[BENCH_SPLATS_OPAQUE], error);
 		if (!code)
-			code = score_splats(&pictures, of->name, false, q[BENCH_SPLATS_OPACITY], error);
+			code = score_splats(&pictures, name, false, q[BENCH_SPLATS_OPACITY], error);
 		if (!code)
-			code = score_points(&pictures, of->name, q[BENCH_SPLATS_POINTS], error);
+			code = score_points(&pictures, name, q[BENCH_SPLATS_POINTS], error);
 		if (!code)
-			code = score_impostors(&pictures, of->name, q[BENCH_SPLATS_IMPOSTOR], error);
+			code = score_impostors(&pictures, name, q[BENCH_SPLATS_IMPOSTOR], error);
 		bench_splats_close(&pictures);
 	}
 	eco_model_free(&model);
+	*rows = json_array();
+	for (size_t i = 0; i < BENCH_SPLATS_KINDS * BUDGETS; i++)
+		json_array_append_new(*rows, bench_reals((double[]){ q[i / BUDGETS][i % BUDGETS].hard,
+			q[i / BUDGETS][i % BUDGETS].soft }, 2));
 	return code;
 }
 
-enum eco_code bench_splats_of(struct bench *bench, const struct bench_model *model, figures q,
-	struct eco_error *error)
+enum eco_code bench_splats_of(struct bench *bench, const struct bench_model *model,
+	struct bench_splats_q q[BENCH_SPLATS_KINDS][BENCH_SPLATS_BUDGETS], struct eco_error *error)
 {
 	char name[640];
+	json_t *rows;
 	snprintf(name, sizeof name, "splats-%s-%s", model->name, model->path);
 	const char *before = bench_objects(bench, BENCH_OBJECTS_PLANTS BENCH_OBJECTS_SPLATS);
-	const json_t *unit = bench_recall(bench, name, NULL);
-	enum eco_code code = unit ? ECO_OK : measure(bench, model, q, error);
-	json_t *rows = unit || code ? NULL : json_array();
-	for (size_t i = 0; i < BENCH_SPLATS_KINDS * BUDGETS && !code; i++) {
-		struct bench_splats_q *at = &q[0][0] + i;
-		if (rows)
-			json_array_append_new(rows, json_pack("[f, f]", at->hard, at->soft));
-		else
-			*at = (struct bench_splats_q){
-				.hard = json_number_value(json_array_get(json_array_get(unit, i), 0)),
-				.soft = json_number_value(json_array_get(json_array_get(unit, i), 1)) };
-	}
-	if (rows)
-		bench_keep(bench, name, NULL, rows);
+	enum eco_code code = bench_unit(bench, name, NULL, measure, &(struct work){ bench, model }, &rows, error);
 	bench_objects(bench, before);
+	for (size_t i = 0; i < BENCH_SPLATS_KINDS * BUDGETS && !code; i++) {
+		const json_t *row = json_array_get(rows, i);
+		q[i / BUDGETS][i % BUDGETS] = (struct bench_splats_q){ .hard = bench_cell(row, 0),
+			.soft = bench_cell(row, 1) };
+	}
 	return code;
 }

@@ -51,30 +51,40 @@ enum eco_code bench_views_each(struct bench *bench, size_t quick, bench_view_cal
 	return code;
 }
 
-static enum eco_code make_rows(struct bench *bench, const struct bench_view *view,
-	const struct bench_view_shoot *shoot, json_t *rows, struct eco_error *error)
+struct work { struct bench *bench; const struct bench_view *view; const struct bench_view_shoot *shoot; };
+
+/* null where no answer has so few bytes */
+static enum eco_code add_row(const struct work *w, struct bench_client *client, uint32_t budget, json_t *rows,
+	struct eco_error *error)
 {
+	struct bench_frame frame = { .method = "ours", .rule = lod_rule_optimal,
+		.request = { .view = w->view->view } };
+	struct view_picture picture = { 0 };
+	w->shoot->ask(budget, &frame);
+	enum eco_code code = bench_client_frame(client, &frame, &picture, error);
+	bool few = code == ECO_TOO_LARGE && frame.request.bytes != ECO_BYTES_UNBOUNDED;
+	if (!code && w->shoot->show)
+		code = w->shoot->show(w->bench, client, w->view, budget, &frame, &picture, error);
+	json_array_append_new(rows, code ? json_null() : bench_shot_row(&frame));
+	view_picture_free(&picture);
+	return few ? ECO_OK : code;
+}
+
+static enum eco_code make_rows(void *ctx, json_t **rows, struct eco_error *error)
+{
+	const struct work *w = ctx;
 	struct bench_client *client = NULL;
-	enum eco_code code = bench_client_open(&client, view->pack, error);
+	enum eco_code code = bench_client_open(&client, w->view->pack, error);
+	*rows = json_array();
 	if (!code) {
 		bench_client_see(client);
-		bench_client_keep(client, bench);
+		bench_client_keep(client, w->bench);
 		bench_client_untimed(client);
 	}
-	for (uint32_t b = 0; b < shoot->count && !code; b++) {
-		struct bench_frame frame = { .method = "ours", .rule = lod_rule_optimal,
-			.request = { .view = view->view } };
-		struct view_picture picture = { 0 };
-		shoot->ask(b, &frame);
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: bench_client_frame(client, &frame, &picture, error);
-		bool few = code == ECO_TOO_LARGE && frame.request.bytes != ECO_BYTES_UNBOUNDED;
-		if (!code && shoot->show)
-			code = shoot->show(bench, client, view, b, &frame, &picture, error);
-		if (!code || few)
-			json_array_append_new(rows, code ? json_null() : bench_shot_row(&frame));
-		code = few ? ECO_OK : code;
-		view_picture_free(&picture);
+	for (uint32_t b = 0; b < w->shoot->count && !code; b++) {
+		code = bench_go_on(w->bench, error);
+		if (!code)
+			code = add_row(w, client, b, *rows, error);
 	}
 	bench_client_close(client);
 	return code;
@@ -88,14 +98,5 @@ enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view
 	snprintf(unit, sizeof unit, "%s-%s-%s", shoot->name, view->scene, view->camera);
 	snprintf(stamp, sizeof stamp, "%s %g %g %g %g %g %g %g", bench_pack_stamp(view->pack), v->eye[0], v->eye[1],
 		v->eye[2], v->target[0], v->target[1], v->target[2], v->fov_y_deg);
-	*rows = bench_recall(bench, unit, stamp);
-	if (*rows)
-		return ECO_OK;
-	json_t *made = json_array();
-	enum eco_code code = make_rows(bench, view, shoot, made, error);
-	if (code)
-		json_decref(made);
-	else
-		*rows = bench_keep(bench, unit, stamp, made);
-	return code;
+	return bench_unit(bench, unit, stamp, make_rows, &(struct work){ bench, view, shoot }, rows, error);
 }
