@@ -90,46 +90,40 @@ static enum eco_code study_model(struct study *s, struct bench *bench, const str
 			return code;
 		s->model.textures += levels.texel_area > 0;
 		for (uint32_t i = 0; i < levels.count && levels.texel_area > 0 && !code; i++)
-			code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-				: study_level(s, bench, &levels.levels[i], error);
+			code = study_level(s, bench, &levels.levels[i], error);
 		lod_texture_levels_free(&levels);
 	}
 	return code;
 }
 
-static json_t *found_json(const struct found *found)
-{
-	json_t *numbers = json_array();
-	for (size_t i = 0; i < FOUND_NUMBERS; i++)
-		json_array_append_new(numbers, json_real(((const double *)found)[i]));
-	return numbers;
-}
+struct work { struct study *study; struct bench *bench; const struct bench_model *item; };
 
-static void found_add(struct found *all, const json_t *unit)
+static enum eco_code study_item(void *ctx, json_t **found, struct eco_error *error)
 {
-	for (size_t i = 0; i < FOUND_NUMBERS; i++)
-		((double *)all)[i] += json_number_value(json_array_get(unit, i));
+	const struct work *w = ctx;
+	struct eco_model model;
+	enum eco_code code = bench_model_read(w->bench, w->item, &model, error);
+	if (code)
+		return code;
+	w->study->model = (struct found){ 0 };
+	code = study_model(w->study, w->bench, &model, error);
+	eco_model_free(&model);
+	*found = bench_reals((const double *)&w->study->model, FOUND_NUMBERS);
+	return code;
 }
 
 static enum eco_code study_path(struct study *s, struct bench *bench, const struct bench_model *item,
 	struct eco_error *error)
 {
 	char unit[128], stamp[32];
-	struct eco_model model;
+	json_t *found;
 	snprintf(unit, sizeof unit, "texels-%s", item->name);
 	snprintf(stamp, sizeof stamp, "%016llx%d%d", (unsigned long long)bench_file_hash(item->path),
 		s->there[TEXELS_AVIF_420], s->there[TEXELS_JXL]);
-	const json_t *kept = bench_recall(bench, unit, stamp);
-	enum eco_code code = kept ? ECO_OK : bench_model_read(bench, item, &model, error);
-	if (!kept && !code) {
-		s->model = (struct found){ 0 };
-		code = study_model(s, bench, &model, error);
-		eco_model_free(&model);
-		if (!code)
-			kept = bench_keep(bench, unit, stamp, found_json(&s->model));
-	}
-	if (!code)
-		found_add(&s->all, kept);
+	enum eco_code code = bench_unit(bench, unit, stamp, study_item, &(struct work){ s, bench, item }, &found,
+		error);
+	for (size_t i = 0; i < FOUND_NUMBERS && !code; i++)
+		((double *)&s->all)[i] += bench_cell(found, i);
 	return code;
 }
 

@@ -116,45 +116,23 @@ static void check_state(struct run *run)
 	view_select_free(&selection);
 }
 
-static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error *error)
+/* Events of a parser go to the store as it is; two are looked at, for this run. */
+static struct run *receiving;
+
+static enum eco_code on_plan(void *store, struct eco_plan *plan, struct eco_error *error)
 {
-	struct run *run = ctx;
-	enum eco_code code = view_store_events.plan(run->store, plan, error);
+	enum eco_code code = view_store_events.plan(store, plan, error);
 	if (!code)
-		check_state(run);
+		check_state(receiving);
 	return code;
 }
 
-static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *id,
-	struct eco_error *error)
-{
-	return view_store_events.scene(((struct run *)ctx)->store, scene, id, error);
-}
-
-static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant,
-	const struct eco_anchor *anchors, struct eco_error *error)
-{
-	return view_store_events.plant(((struct run *)ctx)->store, id, plant, anchors, error);
-}
-
-static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
-	const struct eco_group *groups, struct eco_error *error)
-{
-	return view_store_events.list(((struct run *)ctx)->store, id, list, palette, groups, error);
-}
-
-static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk,
+static enum eco_code on_chunk(void *store, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk,
 	const uint8_t *payload, struct eco_error *error)
 {
-	struct run *run = ctx;
-	if (list < run->scene->pack->scene.list_count)
-		run->came[list] = true;
-	return view_store_events.chunk(run->store, list, ordinal, chunk, payload, error);
-}
-
-static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *error)
-{
-	return view_store_events.end(((struct run *)ctx)->store, vertices, error);
+	if (list < receiving->scene->pack->scene.list_count)
+		receiving->came[list] = true;
+	return view_store_events.chunk(store, list, ordinal, chunk, payload, error);
 }
 
 /* Its ground has cuts, too. */
@@ -174,13 +152,15 @@ static void check_came(struct run *run)
 
 static bool receive(struct run *run, const struct srv_body *body)
 {
-	static const struct eco_wire_events events = { on_scene, on_plant, on_list, on_chunk, on_plan,
-		on_end, NULL, NULL };
+	struct eco_wire_events events = view_store_events;
 	struct eco_wire_parser *parser;
 	struct eco_error error = { 0 };
+	events.plan = on_plan;
+	events.chunk = on_chunk;
+	receiving = run;
 	view_store_begin(run->store);
 	memset(run->came, false, run->scene->pack->scene.list_count);
-	if (eco_wire_parser_new(&parser, &events, run, &error))
+	if (eco_wire_parser_new(&parser, &events, run->store, &error))
 		random_stop("parser", &error);
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < body->piece_count && !code; i++)

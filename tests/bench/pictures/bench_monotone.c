@@ -16,18 +16,12 @@ static const double shares[] = { 2, 4, 8, 16, 32, 64 };      /* one of so many v
 #define SHARES (sizeof shares / sizeof *shares)
 static const char *const kinds[PLANT_KINDS] = { "none", "organs", "splats", "impostor" };
 
-static enum eco_code study(struct bench *bench, const char *name, const char *path, json_t **unit,
-	struct eco_error *error)
+static enum eco_code measure(void *ctx, json_t **unit, struct eco_error *error)
 {
-	char stamp[40], key[80];
-	snprintf(stamp, sizeof stamp, "pack %016llx, 2", (unsigned long long)bench_file_hash(path));
-	snprintf(key, sizeof key, "monotone-%s", name);
-	if ((*unit = bench_recall(bench, key, stamp)))
-		return ECO_OK;
 	struct eco_pack *pack;
 	struct plant_walk walk;
 	struct plant_regret regret;
-	enum eco_code code = eco_pack_open(&pack, path, error);
+	enum eco_code code = eco_pack_open(&pack, ctx, error);
 	if (code)
 		return code;
 	code = plant_walk(&walk, pack, 0, &(struct plant_walk_options){ .views = 24, .pixels = 128 }, error);
@@ -37,58 +31,56 @@ static enum eco_code study(struct bench *bench, const char *name, const char *pa
 	eco_pack_close(pack);
 	if (code)
 		return code;
-	json_t *vertices = json_array(), *q = json_array(), *soft = json_array();
-	for (uint32_t i = 0; i < walk.count; i++) {
+	json_t *vertices = json_array();
+	for (uint32_t i = 0; i < walk.count; i++)
 		json_array_append_new(vertices, json_integer((json_int_t)walk.vertices[i]));
-		json_array_append_new(q, json_real(walk.q[i]));
-		json_array_append_new(soft, json_real(walk.soft_q[i]));
-	}
-	*unit = bench_keep(bench, key, stamp, json_pack(
-		"{s:o, s:o, s:o, s:f, s:I, s:f, s:f, s:I, s:s, s:i, s:i}",
-		"vertices", vertices, "q", q, "soft", soft, "fall", walk.fall, "at",
-		(json_int_t)walk.fall_at, "regret", regret.mean, "worst regret", regret.worst, "regret at",
-		(json_int_t)regret.worst_at, "better", kinds[regret.best], "budgets", (int)regret.count,
-		"within", (int)regret.within));
+	*unit = json_pack("{s:o, s:o, s:o, s:f, s:I, s:f, s:f, s:I, s:s, s:i, s:i}", "vertices", vertices, "q",
+		bench_reals(walk.q, walk.count), "soft", bench_reals(walk.soft_q, walk.count), "fall",
+		walk.fall, "at", (json_int_t)walk.fall_at, "regret", regret.mean, "worst regret", regret.worst,
+		"regret at", (json_int_t)regret.worst_at, "better", kinds[regret.best], "budgets",
+		(int)regret.count, "within", (int)regret.within);
 	return ECO_OK;
 }
 
-/* Q at a share of all vertices, between two counts. */
-static double q_at(json_t *unit, const char *what, double share)
+static enum eco_code study(struct bench *bench, const char *name, const char *pack, json_t **unit,
+	struct eco_error *error)
 {
-	json_t *vertices = json_object_get(unit, "vertices"), *q = json_object_get(unit, what);
+	char stamp[40], key[80];
+	snprintf(stamp, sizeof stamp, "pack %016llx", (unsigned long long)bench_file_hash(pack));
+	snprintf(key, sizeof key, "monotone-%s", name);
+	return bench_unit(bench, key, stamp, measure, (void *)pack, unit, error);
+}
+
+/* Q at a share of all vertices, between two counts. */
+static double q_at(const json_t *vertices, const json_t *q, double share)
+{
 	size_t n = json_array_size(vertices);
-	double at = share * json_number_value(json_array_get(vertices, n - 1));
+	double at = share * bench_cell(vertices, n - 1);
 	for (size_t i = 1; i < n; i++) {
-		double low = json_number_value(json_array_get(vertices, i - 1)),
-			high = json_number_value(json_array_get(vertices, i)),
-			below = json_number_value(json_array_get(q, i - 1)),
-			above = json_number_value(json_array_get(q, i));
+		double low = bench_cell(vertices, i - 1), high = bench_cell(vertices, i),
+			below = bench_cell(q, i - 1), above = bench_cell(q, i);
 		if (at <= high)
 			return at < low ? below : below + (above - below) * (at - low) / (high - low);
 	}
 	return 1;
 }
 
-struct sums {
-	uint32_t plants, fallen;
-	double worst, regret, worst_regret;
-	uint32_t budgets, within;    /* of all plants; where the choice is as good as the best kind */
-};
+/* `within`: budgets where the choice is as good as the best kind. */
+struct sums { uint32_t plants, fallen, budgets, within; double worst, regret; };
 
 static double number(json_t *unit, const char *key) { return json_number_value(json_object_get(unit, key)); }
 
 static void add_row(struct bench_table *table, const char *name, json_t *unit, struct sums *sums)
 {
+	const json_t *vertices = json_object_get(unit, "vertices");
 	double fall = number(unit, "fall"), q[2][SHARES];
-	for (size_t i = 0; i < SHARES; i++) {
-		q[0][i] = q_at(unit, "q", 1 / shares[i]);
-		q[1][i] = q_at(unit, "soft", 1 / shares[i]);
-	}
+	for (size_t i = 0; i < 2 * SHARES; i++)
+		q[i / SHARES][i % SHARES] = q_at(vertices, json_object_get(unit, i < SHARES ? "q" : "soft"),
+			1 / shares[i % SHARES]);
 	sums->plants++;
 	sums->fallen += fall > FALL;
 	sums->worst = fmax(sums->worst, fall);
 	sums->regret += number(unit, "regret") * number(unit, "budgets");
-	sums->worst_regret = fmax(sums->worst_regret, number(unit, "worst regret"));
 	sums->budgets += (uint32_t)number(unit, "budgets");
 	sums->within += (uint32_t)number(unit, "within");
 	bench_table_row(table, "%s,%.4f,%lld,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,"
@@ -98,31 +90,35 @@ static void add_row(struct bench_table *table, const char *name, json_t *unit, s
 		json_string_value(json_object_get(unit, "better")));
 }
 
+/* `model` NULL: one of the trees of cards. */
+static enum eco_code study_plant(struct bench *bench, const char *name, const struct bench_model *model,
+	struct bench_table *table, struct sums *sums, struct eco_error *error)
+{
+	char pack[512];
+	json_t *unit;
+	enum eco_code code = model ? bench_model_pack(bench, model, pack, error)
+		: bench_scene(bench, name, NULL, pack, error);
+	if (!code)
+		code = study(bench, name, pack, &unit, error);
+	if (!code)
+		add_row(table, name, unit, sums);
+	return code;
+}
+
 static enum eco_code study_all(struct bench *bench, const struct bench_model *models, uint32_t count,
 	struct bench_table *table, struct sums *sums, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	uint32_t seen[2] = { 0, 0 };
-	for (uint32_t i = 0; i < CARDS + count && !code; i++) {
-		const struct bench_model *model = i < CARDS ? NULL : &models[i - CARDS];
-		const char *name = model ? model->name : cards[i];
-		char pack[512];
-		json_t *unit;
-		if (model && !bench->full && seen[model->generated]++ >= QUICK) {
-			bench_left_out(bench, name);
-			continue;
-		}
-		if (!model && !bench_scene_asked(bench, name))
-			continue;
-		bench_progress(bench, (double)i / (CARDS + count), name);
-		code = model ? bench_model_pack(bench, model, pack, error) : bench_scene(bench, name, NULL, pack,
-			error);
-		if (!code)
-			code = study(bench, name, pack, &unit, error);
-		if (!code)
-			add_row(table, name, unit, sums);
-		if (bench_stopped(bench))
-			code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	for (size_t i = 0; i < CARDS && !code; i++)
+		if (bench_scene_asked(bench, cards[i]))
+			code = study_plant(bench, cards[i], NULL, table, sums, error);
+	for (uint32_t i = 0; i < count && !code; i++) {
+		bench_progress(bench, (double)i / count, models[i].name);
+		if (!bench->full && seen[models[i].generated]++ >= QUICK)
+			bench_left_out(bench, models[i].name);
+		else
+			code = study_plant(bench, models[i].name, &models[i], table, sums, error);
 	}
 	return code;
 }
@@ -148,11 +144,11 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"up to half of full detail, 8 views; mean %.4f, within %g at %u of %u budgets.",
 		sums.budgets ? sums.regret / sums.budgets : NAN, PLANT_REGRET_FREE, sums.within,
 		sums.budgets);
-	if (!code)
+	if (!code) {
 		bench_key(bench, "choice_regret", sums.budgets ? sums.regret / sums.budgets : NAN,
 			"<= 0.005: mean over plants and budgets");
-	if (!code)
 		bench_key(bench, "monotone_fall", sums.plants ? sums.worst : NAN, "<= 0.005");
+	}
 	return code;
 }
 
