@@ -74,6 +74,31 @@ void bench_leaves_close(struct bench_leaves *leaves)
 	memset(leaves, 0, sizeof *leaves);
 }
 
+enum eco_code bench_leaves_unit(struct bench *bench, const struct bench_leaves_unit *unit, json_t **out,
+	struct eco_error *error)
+{
+	struct bench_leaves leaves;
+	struct eco_model model;
+	*out = bench_recall(bench, unit->name, unit->stamp);
+	if (*out)
+		return ECO_OK;
+	enum eco_code code = unit->make ? unit->make(&model, error)
+		: bench_model_read(bench, unit->model, &model, error);
+	code = code ? code : bench_leaves_open(&leaves, &model, unit->pixels, error);
+	if (code)
+		return code;
+	code = setjmp(leaves.arena.failed) ? eco_fail(error, ECO_NO_MEMORY, "no memory for %s", unit->name)
+		: unit->study(unit->ctx, &leaves, out, error);
+	bench_leaves_close(&leaves);
+	if (!code && bench_stopped(bench)) {
+		json_decref(*out);
+		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	}
+	if (!code)
+		bench_keep(bench, unit->name, unit->stamp, *out);
+	return code;
+}
+
 uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method method, double noise)
 {
 	const struct lod_foliage *f = &leaves->foliage;
@@ -104,6 +129,27 @@ void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *
 		uint64_t shown = leaves->mask[i] | wood[i];
 		sum->fp += (uint64_t)__builtin_popcountll(shown & ~reference[i]);
 		sum->fn += (uint64_t)__builtin_popcountll(reference[i] & ~shown);
+	}
+	sum->pixels += sights->reference_pixels[view];
+}
+
+void bench_leaves_compare_drawn(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
+	bool wood, void (*draw)(const void *what, struct lod_raster *raster), const void *what,
+	struct bench_wrong *sum)
+{
+	struct lod_raster *raster = &leaves->cover;
+	uint32_t row_words = sights->words / sights->pixels;
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, &sights->eyes[view], sights->near_m);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	draw(what, raster);
+	for (size_t i = 0; i < (size_t)sights->pixels * sights->pixels; i++) {
+		size_t word = i / sights->pixels * row_words + i % sights->pixels / 64;
+		uint64_t bit = UINT64_C(1) << (i % sights->pixels % 64);
+		bool shown = raster->cover[i] || (wood && sights->wood[view][word] & bit),
+			wanted = sights->reference[view][word] & bit;
+		sum->fp += shown && !wanted;
+		sum->fn += wanted && !shown;
 	}
 	sum->pixels += sights->reference_pixels[view];
 }

@@ -8,6 +8,7 @@
 
 #include "lod/build/foliage.h"
 #include "lod/build/order/order.h"
+#include "tests/bench/bench.h"
 
 struct bench_leaves {
 	struct lod_arena arena;
@@ -27,6 +28,22 @@ enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_m
 enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *model, uint32_t pixels,
 	struct eco_error *error);
 void bench_leaves_close(struct bench_leaves *leaves);
+
+/* A unit (bench_keep) of a model's leaves: recalled, or made by `study`, which sets *out if it succeeds. It
+ * may
+ * take from the leaves' arena. */
+struct bench_leaves_unit {
+	const char *name, *stamp;
+	const struct bench_model *model;
+	enum eco_code (*make)(struct eco_model *model,
+		struct eco_error *error);         /* NULL: `model` is read */
+	uint32_t pixels;
+	enum eco_code (*study)(void *ctx, struct bench_leaves *leaves, json_t **out, struct eco_error *error);
+	void *ctx;
+};
+enum eco_code bench_leaves_unit(struct bench *bench, const struct bench_leaves_unit *unit, json_t **out,
+	struct eco_error *error);
+
 /* Numbers of the leaves in an order of the literature, of seed 1; in the arena. noise: of lod_order_input. */
 uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method method, double noise);
 
@@ -34,6 +51,10 @@ uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method 
 struct bench_wrong { uint64_t fp, fn, pixels; };     /* pixels: of the reference */
 void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
 	const struct lod_sights_drawing *drawing, struct bench_wrong *sum);
+/* The same of anything that is drawn into leaves->cover, and wood if that is whole. */
+void bench_leaves_compare_drawn(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
+	bool wood, void (*draw)(const void *what, struct lod_raster *raster), const void *what,
+	struct bench_wrong *sum);
 double bench_wrong_share(const struct bench_wrong *wrong);          /* (fp + fn) / pixels */
 double bench_wrong_q(const struct bench_wrong *wrong);              /* Q of the sums */
 

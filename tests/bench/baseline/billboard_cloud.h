@@ -37,7 +37,7 @@ enum lod_billboard_form { LOD_BILLBOARD_CROSS, LOD_BILLBOARD_PLANE, LOD_BILLBOAR
 
 struct lod_billboard_options {
 	uint32_t cap;                /* billboards at most; 0: none are made */
-	double epsilon;              /* 0: the least of a ladder for which the cloud's mean error is at most .5 */
+	double epsilon;              /* 0: the least of a ladder that leaves a mean error of at most .5 */
 	uint32_t forms;              /* bits 1 << form of the generators that may be used; 0: all */
 	/* Faces that their part's billboards do not hold within epsilon are not drawn. The paper does not say
 	 * what becomes of them: without this they are drawn like the others. */

@@ -138,19 +138,22 @@ static double h_of(const struct strip *s, uint32_t i)
 static double slope_of(const struct strip *s, double from, double to, double *h0, bool first)
 {
 	double n = 0, sum_t = 0, sum_h = 0, tt = 0, th = 0, t0 = from;
-	for (uint32_t i = 0; i < 3 * s->in->count && first; i++)
-		if (t_of(s, i) >= from && t_of(s, i) <= to) {
-			n++;
-			sum_t += t_of(s, i);
-			sum_h += h_of(s, i);
-		}
+	for (uint32_t i = 0; i < 3 * s->in->count && first; i++) {
+		double t = t_of(s, i);
+		if (t < from || t > to)
+			continue;
+		n++;
+		sum_t += t;
+		sum_h += h_of(s, i);
+	}
 	double mid_t = n > 0 ? sum_t / n : t0, mid_h = n > 0 ? sum_h / n : *h0;
-	for (uint32_t i = 0; i < 3 * s->in->count; i++)
-		if (t_of(s, i) >= from && t_of(s, i) <= to) {
-			double t = t_of(s, i) - mid_t;
-			tt += t * t;
-			th += t * (h_of(s, i) - mid_h);
-		}
+	for (uint32_t i = 0; i < 3 * s->in->count; i++) {
+		double t = t_of(s, i);
+		if (t < from || t > to)
+			continue;
+		tt += (t - mid_t) * (t - mid_t);
+		th += (t - mid_t) * (h_of(s, i) - mid_h);
+	}
 	double slope = tt > 0 ? th / tt : 0, steepest = sqrt(1 - STEEP * STEEP) / STEEP;
 	slope = slope > steepest ? steepest : slope < -steepest ? -steepest : slope;
 	if (n > 0)
@@ -177,9 +180,10 @@ static double worst_error(const struct strip *s)
 		double n = 0, sum = 0, width = s->bound[k + 1] - s->bound[k],
 			slope = width > 0 ? (s->height[k + 1] - s->height[k]) / width : 0;
 		for (uint32_t i = 0; i < 3 * s->in->count; i++) {
-			double t = t_of(s, i), h = h_of(s, i) - (s->height[k] + slope * (t - s->bound[k]));
+			double t = t_of(s, i);
 			if (t < s->bound[k] || t > s->bound[k + 1])
 				continue;
+			double h = h_of(s, i) - (s->height[k] + slope * (t - s->bound[k]));
 			sum += h * h / (1 + slope * slope);
 			n++;
 		}

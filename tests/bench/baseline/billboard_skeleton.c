@@ -376,7 +376,8 @@ static void add_component(struct skeleton *s, uint32_t component)
 struct growth {
 	struct skeleton *s;
 	struct billboard_tree *tree;
-	struct shape { struct lod_v3 center; double area; } *below;  /* per node of the skeleton: all that hangs on it */
+	/* per node of the skeleton: all that hangs on it */
+	struct shape { struct lod_v3 center; double area; } *below;
 	uint32_t *child_first, *child;
 	uint32_t *place;             /* node of the skeleton -> node of the tree */
 	/* what is still to be placed: children [first, first + count) under a node of the tree, or with `own`

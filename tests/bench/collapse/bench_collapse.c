@@ -40,7 +40,7 @@ static const char *const kind_names[KINDS] = { "leaf collapse as printed", "leaf
 struct study {
 	struct bench *bench;
 	const char *name;
-	struct bench_leaves leaves;
+	struct bench_leaves *leaves;
 	struct lod_foliage bare;             /* without quads */
 	struct lod_sights tuning, tests;
 	uint64_t vertices;
@@ -217,7 +217,7 @@ static double q_of(struct study *s, const struct lod_sights *sights, uint32_t co
 	const struct lod_sights_drawing drawing = { .order = s->order, .count = count, .scale = 1,
 		.factor = factor };
 	for (uint32_t v = 0; v < sights->count; v++)
-		bench_leaves_compare(&s->leaves, sights, v, &drawing, &sum);
+		bench_leaves_compare(s->leaves, sights, v, &drawing, &sum);
 	return bench_wrong_q(&sum);
 }
 
@@ -246,9 +246,9 @@ static double best_q(struct study *s, uint32_t count, float *factor)
 static void grow(struct study *s, struct bench_collapse_plant *plant, uint32_t sectors, bool solid)
 {
 	bench_collapse_make(plant, &s->bare, &(struct bench_collapse_options){ sectors, solid },
-		&s->leaves.arena);
-	s->leaves.foliage = s->bare;
-	bench_collapse_extend(plant, &s->leaves.foliage, &s->leaves.arena);
+		&s->leaves->arena);
+	s->leaves->foliage = s->bare;
+	bench_collapse_extend(plant, &s->leaves->foliage, &s->leaves->arena);
 }
 
 static enum eco_code measure_forest(struct study *s, enum kind kind, struct eco_error *error)
@@ -256,7 +256,7 @@ static enum eco_code measure_forest(struct study *s, enum kind kind, struct eco_
 	struct bench_collapse_plant plant;
 	char file[128];
 	grow(s, &plant, 0, kind == SOLID);
-	float *factor = lod_arena_take(&s->leaves.arena, (size_t)plant.leaves + plant.quads, sizeof *factor);
+	float *factor = lod_arena_take(&s->leaves->arena, (size_t)plant.leaves + plant.quads, sizeof *factor);
 	for (uint32_t i = 0; i < BENCH_SHARES; i++) {
 		double vertices = bench_shares[i] * (double)s->vertices;
 		uint32_t row = bench_collapse_row(&plant, 0, vertices),
@@ -267,7 +267,7 @@ static enum eco_code measure_forest(struct study *s, enum kind kind, struct eco_
 	if (kind == SOLID)
 		return ECO_OK;
 	const struct eco_image *image = &plant.atlas.image;
-	uint8_t *rgb = lod_arena_take(&s->leaves.arena, (size_t)image->width * image->height, 3);
+	uint8_t *rgb = lod_arena_take(&s->leaves->arena, (size_t)image->width * image->height, 3);
 	paint_atlas(rgb, &plant.atlas);
 	snprintf(file, sizeof file, "collapse-%s-atlas.png", s->name);
 	return bench_picture_write(s->bench, file, image->width, image->height, rgb, error);
@@ -324,7 +324,7 @@ static double sectors_q(struct study *s, const struct bench_collapse_plant *plan
 		}
 		if ((double)drawn > vertices)
 			return NAN;
-		bench_leaves_compare(&s->leaves, &s->tests, v, &drawing, &sum);
+		bench_leaves_compare(s->leaves, &s->tests, v, &drawing, &sum);
 	}
 	return bench_wrong_q(&sum);
 }
@@ -333,7 +333,7 @@ static enum eco_code measure_sectors(struct study *s, struct eco_error *error)
 {
 	struct bench_collapse_plant plant;
 	char file[128];
-	uint8_t *rgb = lod_arena_take(&s->leaves.arena, (size_t)TOP_SIDE * TOP_SIDE, 3);
+	uint8_t *rgb = lod_arena_take(&s->leaves->arena, (size_t)TOP_SIDE * TOP_SIDE, 3);
 	grow(s, &plant, WEDGES, false);
 	for (uint32_t i = 0; i < BENCH_SHARES; i++)
 		s->q[SECTORS][i] = sectors_q(s, &plant, bench_shares[i] * (double)s->vertices);
@@ -344,32 +344,11 @@ static enum eco_code measure_sectors(struct study *s, struct eco_error *error)
 
 /* ---- Splats ---- */
 
-static void compare_splats(struct study *s, const struct bench_splats_drawn *drawn, uint32_t view,
-	struct bench_wrong *sum)
-{
-	const struct lod_sights *sights = &s->tests;
-	struct lod_raster *raster = &s->leaves.cover;
-	uint32_t row_words = sights->words / sights->pixels;
-	lod_raster_clear(raster);
-	lod_raster_camera(raster, &sights->eyes[view], sights->near_m);
-	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-	bench_splats_draw(drawn, raster);
-	for (size_t i = 0; i < (size_t)sights->pixels * sights->pixels; i++) {
-		size_t word = i / sights->pixels * row_words + i % sights->pixels / 64;
-		uint64_t bit = UINT64_C(1) << (i % sights->pixels % 64);
-		bool shown = raster->cover[i] || (sights->wood[view][word] & bit),
-			wanted = sights->reference[view][word] & bit;
-		sum->fp += shown && !wanted;
-		sum->fn += wanted && !shown;
-	}
-	sum->pixels += sights->reference_pixels[view];
-}
-
 static enum eco_code measure_splats(struct study *s, struct eco_error *error)
 {
 	struct lod_splats splats;
-	struct lod_splat *items = lod_arena_take(&s->leaves.arena, SPLATS_MOST, sizeof *items);
-	enum eco_code code = lod_splats_fit(&splats, &s->leaves.model, &(struct lod_splats_options){ 0 },
+	struct lod_splat *items = lod_arena_take(&s->leaves->arena, SPLATS_MOST, sizeof *items);
+	enum eco_code code = lod_splats_fit(&splats, &s->leaves->model, &(struct lod_splats_options){ 0 },
 		error);
 	for (uint32_t i = 0; i < BENCH_SHARES && !code && splats.level_count; i++) {
 		struct bench_wrong sum = { 0 };
@@ -377,7 +356,8 @@ static enum eco_code measure_splats(struct study *s, struct eco_error *error)
 		struct bench_splats_drawn drawn = { items,
 			bench_splats_state(&splats, (uint32_t)room, items) };
 		for (uint32_t v = 0; v < s->views; v++)
-			compare_splats(s, &drawn, v, &sum);
+			bench_leaves_compare_drawn(s->leaves, &s->tests, v, true, bench_splats_draw, &drawn,
+				&sum);
 		s->q[SPLATS][i] = bench_wrong_q(&sum);
 	}
 	if (!code)
@@ -392,43 +372,28 @@ static enum eco_code look(struct study *s, struct lod_sights *sights, uint32_t c
 {
 	double directions[12][3];
 	lod_directions_spread(directions, count, seed);
-	return lod_sights_make(sights, &s->leaves.foliage, (const double (*)[3])directions, count, PIXELS,
-		&s->leaves.arena, error);
+	return lod_sights_make(sights, &s->leaves->foliage, (const double (*)[3])directions, count, PIXELS,
+		&s->leaves->arena, error);
 }
 
-static enum eco_code run_study(struct study *s, struct eco_error *error)
+/* The number of leaves, then a row of Q for each kind. */
+static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
+	struct eco_error *error)
 {
+	struct study *s = ctx;
+	s->leaves = leaves;
 	enum eco_code code = look(s, &s->tuning, TUNING_VIEWS, TUNING_SEED, error);
 	code = code ? code : look(s, &s->tests, s->views, TEST_SEED, error);
-	s->bare = s->leaves.foliage;
-	s->order = lod_arena_take(&s->leaves.arena, s->bare.count, sizeof *s->order);
+	s->bare = leaves->foliage;
+	s->order = lod_arena_take(&leaves->arena, s->bare.count, sizeof *s->order);
 	for (uint32_t i = 0; i < s->bare.count; i++)
 		s->vertices += 3 * (s->bare.first[i + 1] - s->bare.first[i] - 2);
 	code = code ? code : measure_forest(s, SOLID, error);
 	code = code ? code : measure_forest(s, PRINTED, error);
 	code = code ? code : measure_sectors(s, error);
-	if (!code && bench_stopped(s->bench))
-		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
-	return code ? code : measure_splats(s, error);
-}
-
-/* Takes the model over. The result: leaves, then a row of Q for each kind. */
-static enum eco_code study_model(struct bench *bench, const char *name, struct eco_model *model, json_t **out,
-	struct eco_error *error)
-{
-	struct study *s = calloc(1, sizeof *s);
-	if (!s) {
-		eco_model_free(model);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a study of leaf collapse");
-	}
-	*s = (struct study){ .bench = bench, .name = name, .views = bench->full ? 12 : 6 };
-	enum eco_code code = bench_leaves_open(&s->leaves, model, PIXELS, error);
-	if (!code) {
-		code = setjmp(s->leaves.arena.failed) ? eco_fail(error, ECO_NO_MEMORY,
-			"no memory for levels of "
-			"leaves") : run_study(s, error);
-		bench_leaves_close(&s->leaves);
-	}
+	code = code ? code : measure_splats(s, error);
+	if (code)
+		return code;
 	*out = json_pack("[i]", (int)s->bare.count);
 	for (int kind = 0; kind < KINDS; kind++) {
 		json_t *row = json_array();
@@ -437,27 +402,20 @@ static enum eco_code study_model(struct bench *bench, const char *name, struct e
 				: json_null());
 		json_array_append_new(*out, row);
 	}
-	free(s);
-	if (code)
-		json_decref(*out);
-	return code;
+	return ECO_OK;
 }
 
 static enum eco_code measure(struct bench *bench, const struct bench_model *model, json_t **q,
 	struct eco_error *error)
 {
-	char unit[96], stamp[64];
-	struct eco_model read;
-	snprintf(unit, sizeof unit, "collapse-%s", model->name);
-	snprintf(stamp, sizeof stamp, "%u views %016llx", bench->full ? 12 : 6,
+	char name[96], stamp[64];
+	struct study s = { .bench = bench, .name = model->name, .views = bench->full ? 12 : 6 };
+	snprintf(name, sizeof name, "collapse-%s", model->name);
+	snprintf(stamp, sizeof stamp, "%u views %016llx", s.views,
 		(unsigned long long)bench_file_hash(model->path));
-	*q = bench_recall(bench, unit, stamp);
-	if (*q)
-		return ECO_OK;
-	enum eco_code code = bench_model_read(bench, model, &read, error);
-	code = code ? code : study_model(bench, model->name, &read, q, error);
-	*q = code ? NULL : bench_keep(bench, unit, stamp, *q);
-	return code;
+	return bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, NULL, PIXELS,
+		study_leaves,
+		&s }, q, error);
 }
 
 /* ---- All plants ---- */
@@ -654,11 +612,10 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	code = code ? code : study_plants(bench, &sums, error);
 	code = code ? code : write_means(bench, &sums, error);
 	if (!code)
-		bench_say(bench,
-			"Rows of orders, of leaf collapse and of its quads without textures have each "
-			"their best scale; those as printed and by sectors have the paper's sizes, which are too "
-			"large: quads reach beyond the crown. Splats show wood and leaves together, one vertex "
-			"each, over wood that is drawn whole as in all other rows. There is no figure where a "
+		bench_say(bench, "Orders, leaf collapse and its quads without textures each have their best "
+			"scale. Rows as printed and by sectors have the paper's sizes, which are too large: "
+			"quads reach beyond the crown. Splats show wood and leaves together, one vertex each, "
+			"over wood that is drawn whole as in all other rows. There is no figure where a "
 			"coarsest level has more vertices than asked for.");
 	return code;
 }

@@ -60,8 +60,10 @@ static bool convert(struct eco_model *model, const struct gen_mesh *mesh)
 	for (uint32_t i = 0; i < mesh->face_count; i++)
 		triangles += mesh->faces[i].corners - 2u;
 	*model = (struct eco_model){ .position = calloc(mesh->count, 3 * sizeof(float)),
-		.index = calloc(triangles, 3 * sizeof(uint32_t)), .material = calloc(triangles, sizeof(uint32_t)),
-		.materials = calloc(mesh->material_count, sizeof *model->materials), .vertex_count = mesh->count,
+		.index = calloc(triangles, 3 * sizeof(uint32_t)), .material = calloc(triangles,
+			sizeof(uint32_t)),
+		.materials = calloc(mesh->material_count, sizeof *model->materials),
+			.vertex_count = mesh->count,
 		.material_count = mesh->material_count, .triangles_in = (uint32_t)triangles, .scale = 1 };
 	if (!model->position || !model->index || !model->material || !model->materials)
 		return false;

@@ -54,7 +54,7 @@ enum figure { WRONG, SCALED_WRONG, OTHER_LEAF, FIGURES };        /* shares of th
 
 struct study {
 	struct bench *bench;
-	struct bench_leaves leaves;
+	struct bench_leaves *leaves;
 	struct lod_lee_group *single, *cells;
 	uint32_t cell_count, **cell_member;
 	uint32_t *fixed[METHODS][2];             /* orders that do not depend on the view: unscaled, scaled */
@@ -67,14 +67,15 @@ struct study {
 	uint64_t other[METHODS][SHARES], shown;
 };
 
-static void *take(struct study *s, size_t count, size_t size) { return lod_arena_take(&s->leaves.arena, count,
+static void *take(struct study *s, size_t count, size_t size) { return lod_arena_take(&s->leaves->arena,
+	count,
 	size); }
 
 /* ---- Which leaves ---- */
 
 static void make_groups(struct study *s)
 {
-	const struct lod_foliage *f = &s->leaves.foliage;
+	const struct lod_foliage *f = &s->leaves->foliage;
 	struct lod_cells cells;
 	uint32_t *one = take(s, f->count, sizeof *one);
 	s->single = take(s, f->count, sizeof *s->single);
@@ -110,9 +111,9 @@ static void keep(struct study *s, enum method method, uint32_t layer_count, cons
 	const struct lod_lee_view view = { { eye->at[0], eye->at[1], eye->at[2] },
 		{ eye->forward[0], eye->forward[1], eye->forward[2] }, layer_count };
 	bool cells = method >= CELL_DISTANCE;
-	uint32_t groups = cells ? s->cell_count : s->leaves.foliage.count, count = 0;
+	uint32_t groups = cells ? s->cell_count : s->leaves->foliage.count, count = 0;
 	lod_lee_keep(s->kept, (enum lod_lee_method)(method - (cells ? CELL_DISTANCE : 0)), cells ? s->cells
-		: s->single, groups, &view, budget, &s->leaves.arena);
+		: s->single, groups, &view, budget, &s->leaves->arena);
 	for (uint32_t g = 0; g < groups; g++)
 		for (uint32_t i = 0; i < s->kept[g]; i++)
 			s->chosen[count++] = cells ? s->cell_member[g][i] : g;
@@ -121,7 +122,7 @@ static void keep(struct study *s, enum method method, uint32_t layer_count, cons
 static struct lod_sights_drawing drawing_of(struct study *s, enum method method, const struct lod_eye *eye,
 	uint32_t share, bool scaled, double scale)
 {
-	uint32_t budget = (uint32_t)((uint64_t)s->leaves.foliage.count * percent[share] / 100);
+	uint32_t budget = (uint32_t)((uint64_t)s->leaves->foliage.count * percent[share] / 100);
 	struct lod_sights_drawing drawing = { .order = s->chosen, .count = budget, .scale = scaled
 		? (float)scale
 		: 1 };
@@ -146,7 +147,7 @@ static double wrong_at(struct study *s, enum method method, uint32_t share, doub
 	for (uint32_t v = 0; v < s->tuning.count; v++) {
 		struct lod_sights_drawing drawing = drawing_of(s, method, &s->tuning.eyes[v], share, true,
 			scale);
-		bench_leaves_compare(&s->leaves, &s->tuning, v, &drawing, &sum);
+		bench_leaves_compare(s->leaves, &s->tuning, v, &drawing, &sum);
 	}
 	return bench_wrong_share(&sum);
 }
@@ -230,11 +231,11 @@ static enum eco_code cover_order(struct study *s, uint32_t *order, const double 
 	uint32_t views,
 	struct eco_error *error)
 {
-	struct lod_arena_piece *mark = s->leaves.arena.last;
+	struct lod_arena_piece *mark = s->leaves->arena.last;
 	struct lod_sights sights;
-	struct cover c = { .foliage = &s->leaves.foliage, .sights = &sights };
+	struct cover c = { .foliage = &s->leaves->foliage, .sights = &sights };
 	uint32_t count = c.foliage->count;
-	enum eco_code code = lod_sights_make(&sights, c.foliage, directions, views, PIXELS, &s->leaves.arena,
+	enum eco_code code = lod_sights_make(&sights, c.foliage, directions, views, PIXELS, &s->leaves->arena,
 		error);
 	struct lod_heap_item *heap = take(s, count, sizeof *heap);
 	c.print = take(s, 1, sizeof *c.print);
@@ -258,7 +259,7 @@ static enum eco_code cover_order(struct study *s, uint32_t *order, const double 
 		}
 		lod_heap_sift(heap, left, 0);
 	}
-	lod_arena_release(&s->leaves.arena, mark);
+	lod_arena_release(&s->leaves->arena, mark);
 	return code;
 }
 
@@ -270,12 +271,12 @@ static enum eco_code make_lists(struct study *s, enum method method, const doubl
 	const double (*rank)[3], uint32_t ranks, struct eco_error *error)
 {
 	struct lod_rank made;
-	s->fixed[method][0] = take(s, s->leaves.foliage.count, sizeof(uint32_t));
+	s->fixed[method][0] = take(s, s->leaves->foliage.count, sizeof(uint32_t));
 	enum eco_code code = cover_order(s, s->fixed[method][0], cover, covers, error);
 	if (!code)
-		code = lod_rank_make(&made, &s->leaves.foliage, &(struct lod_rank_options){ .views = ranks,
+		code = lod_rank_make(&made, &s->leaves->foliage, &(struct lod_rank_options){ .views = ranks,
 			.directions = rank, .seed = 3, .wrong_pixels = true, .from_share = SHARE_LEAST },
-			&s->leaves.arena, error);
+			&s->leaves->arena, error);
 	if (!code) {
 		s->fixed[method][1] = made.order;
 		s->growth[method] = made.growth;
@@ -289,7 +290,7 @@ static enum eco_code look(struct study *s, struct lod_sights *sights, const doub
 	uint32_t count,
 	struct eco_error *error)
 {
-	return lod_sights_make(sights, &s->leaves.foliage, directions, count, PIXELS, &s->leaves.arena,
+	return lod_sights_make(sights, &s->leaves->foliage, directions, count, PIXELS, &s->leaves->arena,
 		error);
 }
 
@@ -299,13 +300,13 @@ static void measure(struct study *s, enum method method, uint32_t view, const ui
 		for (int scaled = 0; scaled < 2; scaled++) {
 			struct lod_sights_drawing drawing = drawing_of(s, method, &s->tests.eyes[view], share,
 				scaled, s->scale[method][share]);
-			bench_leaves_compare(&s->leaves, &s->tests, view, &drawing,
+			bench_leaves_compare(s->leaves, &s->tests, view, &drawing,
 				&s->wrong[method][share][scaled]);
 			if (scaled)
 				continue;
-			bench_leaves_ids(&s->leaves, &s->tests, view, &drawing);
+			bench_leaves_ids(s->leaves, &s->tests, view, &drawing);
 			for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++)
-				s->other[method][share] += s->leaves.ids.owner[i] != reference[i];
+				s->other[method][share] += s->leaves->ids.owner[i] != reference[i];
 		}
 }
 
@@ -313,16 +314,16 @@ static bool per_view(enum method method) { return method <= LAYER || method == S
 
 static void measure_view(struct study *s, size_t width, uint32_t view)
 {
-	struct lod_arena_piece *mark = s->leaves.arena.last;
+	struct lod_arena_piece *mark = s->leaves->arena.last;
 	size_t pixels = (size_t)PIXELS * PIXELS;
 	uint64_t *reference = take(s, pixels, sizeof *reference);
-	bench_leaves_ids(&s->leaves, &s->tests, view, NULL);
-	memcpy(reference, s->leaves.ids.owner, pixels * sizeof *reference);
+	bench_leaves_ids(s->leaves, &s->tests, view, NULL);
+	memcpy(reference, s->leaves->ids.owner, pixels * sizeof *reference);
 	s->shown += s->tests.reference_pixels[view];
 	for (enum method m = 0; m < METHODS; m++)
 		if (width == 0 || per_view(m))
 			measure(s, m, view, reference);
-	lod_arena_release(&s->leaves.arena, mark);
+	lod_arena_release(&s->leaves->arena, mark);
 }
 
 /* One sector: its own lists, then methods in test views in it. */
@@ -333,7 +334,7 @@ static enum eco_code measure_sector(struct study *s, size_t width, const double 
 	const double (*from)[3] = (const double (*)[3])build;
 	double cone = widths[width].degrees / 2 * LOD_PI / 180;
 	uint32_t count = widths[width].build_views;
-	struct lod_arena_piece *mark = s->leaves.arena.last;
+	struct lod_arena_piece *mark = s->leaves->arena.last;
 	cone_views(build, count, axis, cone, 3 * sector);
 	cone_views(test, views, axis, cone, 3 * sector + 1);
 	cone_views(tuning, TUNING_VIEWS, axis, cone, 3 * sector + 2);
@@ -345,7 +346,7 @@ static enum eco_code measure_sector(struct study *s, size_t width, const double 
 			tune_scales(s, m);
 	for (uint32_t view = 0; view < views && !code; view++)
 		measure_view(s, width, view);
-	lod_arena_release(&s->leaves.arena, mark);
+	lod_arena_release(&s->leaves->arena, mark);
 	return code;
 }
 
@@ -404,7 +405,7 @@ static enum eco_code measure_table(struct study *s, json_t *out, struct eco_erro
 static struct lod_sights_drawing layer_drawing(struct study *s, enum method method, uint32_t layer_count,
 	uint32_t of_100, uint32_t view)
 {
-	uint32_t budget = (uint32_t)((uint64_t)s->leaves.foliage.count * of_100 / 100);
+	uint32_t budget = (uint32_t)((uint64_t)s->leaves->foliage.count * of_100 / 100);
 	keep(s, method, layer_count, &s->tests.eyes[view], budget);
 	return (struct lod_sights_drawing){ .order = s->chosen, .count = budget, .scale = 1 };
 }
@@ -418,7 +419,7 @@ static json_t *layer_row(struct study *s, enum method method, uint32_t layer_cou
 		for (uint32_t v = 0; v < LAYER_VIEWS; v++) {
 			const struct lod_sights_drawing drawing = layer_drawing(s, method, layer_count,
 				percent[share], v);
-			bench_leaves_compare(&s->leaves, &s->tests, v, &drawing, &sum);
+			bench_leaves_compare(s->leaves, &s->tests, v, &drawing, &sum);
 		}
 		json_array_append_new(row, json_real(bench_wrong_share(&sum)));
 		json_array_append_new(of_picture, json_real((double)(sum.fp + sum.fn)
@@ -432,13 +433,13 @@ static json_t *layer_row(struct study *s, enum method method, uint32_t layer_cou
 static void draw_into(struct study *s, const struct lod_sights_drawing *drawing, uint32_t column,
 	uint8_t *rgb)
 {
-	bench_leaves_ids(&s->leaves, &s->tests, SHOWN, drawing);
+	bench_leaves_ids(s->leaves, &s->tests, SHOWN, drawing);
 	for (size_t pixel = 0; pixel < (size_t)PIXELS * PIXELS; pixel++) {
 		uint8_t *at = rgb + 3 * (pixel / PIXELS * COLUMNS * PIXELS + column * PIXELS
 			+ pixel % PIXELS);
 		memset(at, 255, 3);
-		if (s->leaves.ids.cover[pixel])
-			bench_leaves_color(&s->leaves, pixel, at);
+		if (s->leaves->ids.cover[pixel])
+			bench_leaves_color(s->leaves, pixel, at);
 	}
 }
 
@@ -468,44 +469,22 @@ static enum eco_code measure_layers(struct study *s, json_t *out, struct eco_err
 	return code;
 }
 
-static enum eco_code run_study(struct study *s, json_t *table, json_t *sweep, struct eco_error *error)
+/* The unit: [figures of each width, rows of layers]. */
+static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
+	struct eco_error *error)
 {
+	struct study *s = ctx;
+	json_t *table = json_array(), *sweep = json_array();
+	s->leaves = leaves;
 	for (enum method m = STOCHASTIC; m <= COMBINED; m++)
-		s->fixed[m][0] = s->fixed[m][1] = bench_leaves_order(&s->leaves, m == STOCHASTIC
+		s->fixed[m][0] = s->fixed[m][1] = bench_leaves_order(leaves, m == STOCHASTIC
 			? LOD_ORDER_STOCHASTIC : LOD_ORDER_COMBINED, 0);
 	make_groups(s);
 	enum eco_code code = measure_table(s, table, error);
-	return code ? code : measure_layers(s, sweep, error);
-}
-
-/* The unit: [figures of each width, rows of layers]. */
-static enum eco_code study(struct bench *bench, json_t **unit, struct eco_error *error)
-{
-	struct eco_model model;
-	*unit = bench_recall(bench, "lee-crown-6143", bench->full ? "full" : "quick");
-	if (*unit)
-		return ECO_OK;
-	bench_progress(bench, 0, "crown of 6143 leaves");
-	struct study *s = calloc(1, sizeof *s);
-	json_t *table = json_array(), *sweep = json_array();
-	enum eco_code code = s ? bench_crown_make(&model, error) : eco_fail(error, ECO_NO_MEMORY,
-		"no memory");
-	if (!code)
-		code = bench_leaves_open(&s->leaves, &model, PIXELS, error);
-	if (!code) {
-		s->bench = bench;
-		if (setjmp(s->leaves.arena.failed))
-			code = eco_fail(error, ECO_NO_MEMORY, "no memory for orders of leaves");
-		else
-			code = run_study(s, table, sweep, error);
-		bench_leaves_close(&s->leaves);
-	}
-	free(s);
-	json_t *both = json_pack("[oo]", table, sweep);
+	code = code ? code : measure_layers(s, sweep, error);
+	*out = json_pack("[oo]", table, sweep);
 	if (code)
-		json_decref(both);
-	else
-		*unit = bench_keep(bench, "lee-crown-6143", bench->full ? "full" : "quick", both);
+		json_decref(*out);
 	return code;
 }
 
@@ -610,7 +589,11 @@ static void write_layers(struct bench *bench, const json_t *rows)
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	json_t *unit;
-	enum eco_code code = study(bench, &unit, error);
+	struct study s = { .bench = bench };
+	bench_progress(bench, 0, "crown of 6143 leaves");
+	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ "lee-crown-6143",
+		bench->full
+		? "full" : "quick", NULL, bench_crown_make, PIXELS, study_leaves, &s }, &unit, error);
 	if (code)
 		return code;
 	write_table(bench, unit);

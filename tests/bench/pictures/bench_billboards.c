@@ -50,7 +50,7 @@ enum figure { COUNT, PARTS, FORM_CROSS, FORM_PLANE, FORM_STRIP, ERROR, INVALID, 
 struct study {
 	struct bench *bench;
 	const char *name;
-	struct bench_leaves leaves;
+	struct bench_leaves *leaves;
 	struct bench_splats_pictures pictures;
 	struct lod_billboard_plant *plant;
 	struct lod_sights turn;
@@ -169,20 +169,8 @@ static enum eco_code study_caps(struct study *s, struct eco_error *error)
 
 static double cloud_q(struct study *s, const struct lod_billboard_cloud *cloud, uint32_t view)
 {
-	const struct lod_sights *sights = &s->turn;
-	struct lod_raster *raster = &s->leaves.cover;
-	struct bench_wrong sum = { .pixels = sights->reference_pixels[view] };
-	uint32_t row_words = sights->words / sights->pixels;
-	lod_raster_clear(raster);
-	lod_raster_camera(raster, &sights->eyes[view], sights->near_m);
-	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-	lod_billboard_cloud_draw(cloud, 1, raster);
-	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
-		uint64_t word = sights->reference[view][i / PIXELS * row_words + i % PIXELS / 64];
-		bool shown = raster->cover[i], wanted = word >> (i % PIXELS % 64) & 1;
-		sum.fp += shown && !wanted;
-		sum.fn += wanted && !shown;
-	}
+	struct bench_wrong sum = { 0 };
+	bench_leaves_compare_drawn(s->leaves, &s->turn, view, false, draw_cloud, cloud, &sum);
 	return bench_wrong_q(&sum);
 }
 
@@ -190,7 +178,7 @@ static double leaves_q(struct study *s, uint32_t count, float scale, uint32_t vi
 {
 	struct bench_wrong sum = { 0 };
 	const struct lod_sights_drawing drawing = { .order = s->order, .count = count, .scale = scale };
-	bench_leaves_compare(&s->leaves, &s->turn, view, &drawing, &sum);
+	bench_leaves_compare(s->leaves, &s->turn, view, &drawing, &sum);
 	return bench_wrong_q(&sum);
 }
 
@@ -200,7 +188,7 @@ static double prune(struct study *s, uint32_t count, double q[TURN_VIEWS])
 	double best = -INFINITY, mean = 0;
 	float best_scale = 1;
 	for (int i = 0; i < SCALES; i++) {
-		float scale = (float)pow((double)s->leaves.foliage.count / count, (double)i / (SCALES - 1));
+		float scale = (float)pow((double)s->leaves->foliage.count / count, (double)i / (SCALES - 1));
 		double now = 0;
 		for (uint32_t v = 0; v < TUNING; v++)
 			now += leaves_q(s, count, scale, v * TURN_VIEWS / TUNING);
@@ -224,7 +212,7 @@ static void keep_turn(struct study *s, double vertices, double wood, const doubl
 /* Prunes to a mean Q as near as can be, which is not reached if wood alone is better. */
 static void prune_to(struct study *s, double wanted)
 {
-	const struct lod_foliage *f = &s->leaves.foliage;
+	const struct lod_foliage *f = &s->leaves->foliage;
 	uint32_t low = 1, high = f->count;
 	double q[TURN_VIEWS], vertices = 0;
 	for (int i = 0; i < STEPS && low < high && !bench_stopped(s->bench); i++) {
@@ -251,12 +239,12 @@ static enum eco_code make_order(struct study *s, enum turn method, struct eco_er
 {
 	struct lod_rank rank;
 	if (method != GREEDY) {
-		s->order = bench_leaves_order(&s->leaves, method == COMBINED ? LOD_ORDER_COMBINED
+		s->order = bench_leaves_order(s->leaves, method == COMBINED ? LOD_ORDER_COMBINED
 			: LOD_ORDER_STOCHASTIC, 0);
 		return ECO_OK;
 	}
-	enum eco_code code = lod_rank_make(&rank, &s->leaves.foliage, &(struct lod_rank_options){ .seed = 1,
-		.leaves = true, .progress = rank_goes_on, .ctx = s->bench }, &s->leaves.arena, error);
+	enum eco_code code = lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1,
+		.leaves = true, .progress = rank_goes_on, .ctx = s->bench }, &s->leaves->arena, error);
 	s->order = rank.order;
 	return code;
 }
@@ -270,9 +258,9 @@ static enum eco_code study_turn(struct study *s, struct eco_error *error)
 		eco_angle16_sincos(eco_angle16_from_deg(360.0 * v / TURN_VIEWS), &sine, &cosine);
 		to[v][0] = flat * cosine, to[v][1] = flat * sine, to[v][2] = flat * TURN_UP;
 	}
-	enum eco_code code = lod_sights_make(&s->turn, &s->leaves.foliage, (const double (*)[3])to,
+	enum eco_code code = lod_sights_make(&s->turn, &s->leaves->foliage, (const double (*)[3])to,
 		TURN_VIEWS,
-		PIXELS, &s->leaves.arena, error);
+		PIXELS, &s->leaves->arena, error);
 	code = code ? code : lod_billboard_cloud_make(&cloud, s->plant, &(struct lod_billboard_options){
 		.cap = caps[TURNED] }, error);
 	for (uint32_t v = 0; v < TURN_VIEWS && !code; v++)
@@ -290,58 +278,40 @@ static enum eco_code study_turn(struct study *s, struct eco_error *error)
 
 /* ---- One plant ---- */
 
-static enum eco_code run_study(struct study *s, struct eco_error *error)
+/* The unit: [clouds, turns]. */
+static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
+	struct eco_error *error)
 {
-	enum eco_code code = bench_splats_open(&s->pictures, &s->leaves.model, bench_splats_heights_px,
-		error);
+	struct study *s = ctx;
+	s->leaves = leaves;
+	enum eco_code code = bench_splats_open(&s->pictures, &leaves->model, bench_splats_heights_px, error);
 	if (code)
 		return code;
-	code = lod_billboard_plant_open(&s->plant, &s->leaves.model, error);
+	*out = json_pack("[oo]", s->clouds = json_array(), s->turns = json_array());
+	code = lod_billboard_plant_open(&s->plant, &leaves->model, error);
 	code = code ? code : study_caps(s, error);
-	if (!code && setjmp(s->leaves.arena.failed))
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for a turn");
-	else if (!code)
-		code = study_turn(s, error);
+	code = code ? code : study_turn(s, error);
 	lod_billboard_plant_close(s->plant);
 	bench_splats_close(&s->pictures);
+	if (code)
+		json_decref(*out);
 	return code;
 }
 
-/* A unit of a model, in `out`, or what it is kept under. */
-static void unit_of(struct bench *bench, const struct bench_model *model, const char *what, char unit[128],
-	char stamp[32], json_t **out)
-{
-	snprintf(unit, 128, "billboards%s-%s", what, model->name);
-	snprintf(stamp, 32, "%016llx", (unsigned long long)bench_file_hash(model->path));
-	*out = bench_recall(bench, unit, stamp);
-}
-
-/* The unit: [clouds, turns]. */
 static enum eco_code measure(struct bench *bench, const struct bench_model *model, json_t **out,
 	struct eco_error *error)
 {
-	char unit[128], stamp[32];
-	struct eco_model read;
-	unit_of(bench, model, "", unit, stamp, out);
-	if (*out)
-		return ECO_OK;
+	char name[96], stamp[32];
 	struct study *s = calloc(1, sizeof *s);
-	enum eco_code code = s ? bench_model_read(bench, model, &read, error)
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for a study of billboards");
-	if (!code)
-		code = bench_leaves_open(&s->leaves, &read, PIXELS, error);
-	if (!code) {
-		s->bench = bench;
-		s->name = model->name;
-		*out = json_pack("[oo]", s->clouds = json_array(), s->turns = json_array());
-		code = run_study(s, error);
-		bench_leaves_close(&s->leaves);
-	}
+	if (!s)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a study of billboards");
+	*s = (struct study){ .bench = bench, .name = model->name };
+	snprintf(name, sizeof name, "billboards-%s", model->name);
+	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
+	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, NULL,
+		PIXELS,
+		study_leaves, s }, out, error);
 	free(s);
-	if (code)
-		json_decref(*out);
-	else
-		bench_keep(bench, unit, stamp, *out);
 	return code;
 }
 
@@ -481,7 +451,9 @@ static enum eco_code study_field(struct bench *bench, const struct bench_model *
 		epsilon[i] = number(json_array_get(json_array_get(json_array_get(known, 0), ALL),
 			field_cap[i]),
 			EPSILON);
-	unit_of(bench, model, "-field", unit, stamp, &kept);
+	snprintf(unit, sizeof unit, "billboards-field-%s", model->name);
+	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
+	kept = bench_recall(bench, unit, stamp);
 	if (!kept) {
 		code = bench_model_read(bench, model, &read, error);
 		code = code ? code : bench_billboards_field(bench, file, epsilon, &read, &kept, error);
