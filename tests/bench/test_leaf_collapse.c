@@ -11,14 +11,14 @@
 static struct lod_arena arena;
 static uint32_t first[MOST + 1];
 static float corner[4 * MOST][3];
-static struct lod_collapse_leaves leaves;
+static struct lod_foliage leaves;
 static struct lod_collapse collapse;
 static const struct lod_collapse_options free_of_limits = { .weight = { 1, 0.25, 1, 0.5, 0.1 },
 	.distance_most = 4, .angle_most_rad = LOD_PI / 2 };
 
 static void none(void)
 {
-	leaves = (struct lod_collapse_leaves){ .first = first, .corner = (const float (*)[3])corner };
+	leaves = (struct lod_foliage){ .first = first, .corner = corner };
 }
 
 /* A rectangle: centre and both half axes. */

@@ -36,13 +36,7 @@ static void *take(struct skeleton *s, size_t count, size_t size) { return lod_ar
 /* The heap has room for another item. */
 static void push(struct skeleton *s, double key, uint32_t id)
 {
-	uint32_t at = s->heap_count++;
-	s->heap[at] = (struct lod_heap_item){ key, id };
-	for (; at > 0 && lod_heap_before(s->heap[at], s->heap[(at - 1) / 2]); at = (at - 1) / 2) {
-		struct lod_heap_item item = s->heap[at];
-		s->heap[at] = s->heap[(at - 1) / 2];
-		s->heap[(at - 1) / 2] = item;
-	}
+	lod_heap_push(s->heap, s->heap_count++, (struct lod_heap_item){ key, id });
 }
 
 static uint32_t pop(struct skeleton *s)

@@ -20,53 +20,44 @@ const struct lod_collapse_options lod_collapse_defaults = { .weight = { 1, 0.25,
 
 /* ---- Leaves ---- */
 
-static struct lod_v3 leaf_corner(const struct lod_collapse_leaves *leaves, uint32_t i, uint32_t k)
+void lod_collapse_node_of(struct lod_collapse_node *node, const float (*corner)[3], uint32_t corners)
 {
-	return lod_v3_of(leaves->corner[leaves->first[i] + k]);
-}
-
-/* Half of the leaf's longest extent from its centre, and across it in the leaf's plane. */
-static void find_axes(struct lod_collapse_node *node, const struct lod_collapse_leaves *leaves, uint32_t i)
-{
-	struct lod_v3 far = { 0, 0, 0 }, across;
+	struct lod_v3 sum = { 0, 0, 0 }, first = lod_v3_of(corner[0]), far = sum;
 	double wide = 0;
-	uint32_t corners = leaves->first[i + 1] - leaves->first[i];
-	for (uint32_t k = 0; k < corners; k++) {
-		struct lod_v3 d = lod_v3_sub(leaf_corner(leaves, i, k), node->center);
-		far = lod_v3_dot(d, d) > lod_v3_dot(far, far) ? d : far;
-	}
-	across = lod_v3_unit(lod_v3_cross(node->normal, far));
-	for (uint32_t k = 0; k < corners; k++)
-		wide = fmax(wide, fabs(lod_v3_dot(across,
-			lod_v3_sub(leaf_corner(leaves, i, k), node->center))));
-	node->half[0] = far;
-	node->half[1] = lod_v3_scale(across, wide);
-}
-
-void lod_collapse_node_of(struct lod_collapse_node *node, const struct lod_collapse_leaves *leaves,
-	uint32_t i)
-{
-	struct lod_v3 sum = { 0, 0, 0 }, first = leaf_corner(leaves, i, 0);
-	uint32_t corners = leaves->first[i + 1] - leaves->first[i];
 	*node = (struct lod_collapse_node){ .represents = 1, .child = { ECO_NONE, ECO_NONE },
 		.parent = ECO_NONE };
 	for (uint32_t k = 0; k < corners; k++)
-		node->center = lod_v3_add(node->center,
-			lod_v3_scale(leaf_corner(leaves, i, k), 1.0 / corners));
+		node->center = lod_v3_add(node->center, lod_v3_scale(lod_v3_of(corner[k]), 1.0 / corners));
 	for (uint32_t k = 1; k + 1 < corners; k++) {
-		struct lod_v3 n = lod_v3_cross(lod_v3_sub(leaf_corner(leaves, i, k), first),
-			lod_v3_sub(leaf_corner(leaves, i, k + 1), first));
+		struct lod_v3 n = lod_v3_cross(lod_v3_sub(lod_v3_of(corner[k]), first),
+			lod_v3_sub(lod_v3_of(corner[k + 1]), first));
 		/* bent leaves: triangles add up, whichever way they are wound */
 		n = lod_v3_dot(n, sum) < 0 ? lod_v3_scale(n, -1) : n;
 		node->area += lod_v3_length(n) / 2;
 		sum = lod_v3_add(sum, n);
 	}
 	node->normal = lod_v3_unit(sum);
-	node->opaque_area = leaves->opaque_area ? leaves->opaque_area[i] : node->area;
-	find_axes(node, leaves, i);
+	node->opaque_area = node->area;
+	/* half of the longest extent from the centre, and across it in the leaf's plane */
+	for (uint32_t k = 0; k < corners; k++) {
+		struct lod_v3 d = lod_v3_sub(lod_v3_of(corner[k]), node->center);
+		far = lod_v3_dot(d, d) > lod_v3_dot(far, far) ? d : far;
+	}
+	struct lod_v3 across = lod_v3_unit(lod_v3_cross(node->normal, far));
+	for (uint32_t k = 0; k < corners; k++)
+		wide = fmax(wide, fabs(lod_v3_dot(across, lod_v3_sub(lod_v3_of(corner[k]), node->center))));
+	node->half[0] = far;
+	node->half[1] = lod_v3_scale(across, wide);
 }
 
-uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
+static void leaf_node(struct lod_collapse_node *node, const struct lod_foliage *leaves, uint32_t i)
+{
+	uint32_t at = leaves->first[i];
+	lod_collapse_node_of(node, (const float (*)[3])(leaves->corner + at), leaves->first[i + 1] - at);
+	node->opaque_area = leaves->area ? leaves->area[i] : node->area;
+}
+
+uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct lod_foliage *leaves,
 	uint32_t id, struct lod_v3 corner[ECO_CORNERS_MAX])
 {
 	static const int sign[4][2] = { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } };
@@ -74,7 +65,7 @@ uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct 
 	uint32_t leaf = id < collapse->leaves ? collapse->leaf[id] : ECO_NONE,
 		count = leaf == ECO_NONE ? 4 : leaves->first[leaf + 1] - leaves->first[leaf];
 	for (uint32_t k = 0; k < count; k++)
-		corner[k] = leaf != ECO_NONE ? leaf_corner(leaves, leaf, k)
+		corner[k] = leaf != ECO_NONE ? lod_v3_of(leaves->corner[leaves->first[leaf] + k])
 			: lod_v3_add(node->center, lod_v3_add(lod_v3_scale(node->half[0], sign[k][0]),
 			lod_v3_scale(node->half[1], sign[k][1])));
 	return count;
@@ -124,7 +115,7 @@ static void enclose(double side[2], const struct lod_v3 *corner, uint32_t count,
 }
 
 /* The quad in place of nodes a and b, as the last node. */
-static uint32_t add_quad(struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves, uint32_t a,
+static uint32_t add_quad(struct lod_collapse *collapse, const struct lod_foliage *leaves, uint32_t a,
 	uint32_t b)
 {
 	uint32_t id = collapse->leaves + collapse->made++;
@@ -154,7 +145,7 @@ static uint32_t add_quad(struct lod_collapse *collapse, const struct lod_collaps
 
 struct work {
 	struct lod_collapse *collapse;
-	const struct lod_collapse_leaves *leaves;
+	const struct lod_foliage *leaves;
 	const struct lod_collapse_options *options;
 	struct lod_collapse_crown crown;
 	double low[3], side, most;   /* the grid's corner and cells; the greatest distance of partners */
@@ -164,6 +155,8 @@ struct work {
 	struct lod_heap_item *heap;
 	uint32_t heap_count, *partner;
 };
+
+static double from_axis(struct lod_v3 at) { return sqrt(at.x * at.x + at.y * at.y); }
 
 static double difference(double a, double b)
 {
@@ -175,13 +168,6 @@ static double angle_between(struct lod_v3 a, struct lod_v3 b)
 {
 	double length = lod_v3_length(a) * lod_v3_length(b);
 	return length > 0 ? lod_arc_cosine(fabs(lod_v3_dot(a, b)) / length) : 0;
-}
-
-static double from_axis(const struct work *w, double x, double y)
-{
-	x -= w->leaves->axis_x;
-	y -= w->leaves->axis_y;
-	return sqrt(x * x + y * y);
 }
 
 /* The cost if that is below `least`; else anything that is not. Terms that take a root or an angle come last:
@@ -201,8 +187,9 @@ static double cost_below(const struct work *w, const struct lod_collapse_node *a
 	double angle = angle_between(a->normal, b->normal);
 	if (angle > w->options->angle_most_rad)
 		return INFINITY;
-	return cost + weight[LOD_COLLAPSE_INTERIORITY] * (w->crown.across > 0 ? from_axis(w,
-		(a->center.x + b->center.x) / 2, (a->center.y + b->center.y) / 2) / w->crown.across : 0)
+	return cost + weight[LOD_COLLAPSE_INTERIORITY] * (w->crown.across > 0
+		? from_axis(lod_v3_mix(a->center,
+		b->center, 0.5)) / w->crown.across : 0)
 		+ weight[LOD_COLLAPSE_ANGLE] * angle / (LOD_PI / 2);
 }
 
@@ -289,7 +276,7 @@ static void find_extent(struct lod_collapse_crown *crown, struct work *w, uint32
 		struct lod_v3 at = w->collapse->node[i].center;
 		low = i ? (struct lod_v3){ fmin(low.x, at.x), fmin(low.y, at.y), fmin(low.z, at.z) } : at;
 		high = i ? (struct lod_v3){ fmax(high.x, at.x), fmax(high.y, at.y), fmax(high.z, at.z) } : at;
-		crown->across = fmax(crown->across, from_axis(w, at.x, at.y));
+		crown->across = fmax(crown->across, from_axis(at));
 	}
 	crown->radius = lod_v3_distance(low, high) / 2;
 	for (int k = 0; k < 3; k++)
@@ -359,7 +346,7 @@ static void place_all(struct lod_collapse *collapse, struct lod_arena *arena)
 	}
 }
 
-void lod_collapse_make(struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
+void lod_collapse_make(struct lod_collapse *collapse, const struct lod_foliage *leaves,
 	const struct lod_collapse_options *options, const uint32_t *leaf, uint32_t count,
 	const struct lod_collapse_crown *crown, struct lod_arena *arena)
 {
@@ -369,7 +356,7 @@ void lod_collapse_make(struct lod_collapse *collapse, const struct lod_collapse_
 		.node = lod_arena_take(arena, room, sizeof *collapse->node) };
 	for (uint32_t i = 0; i < n; i++) {
 		own[i] = leaf ? leaf[i] : i;
-		lod_collapse_node_of(&collapse->node[i], leaves, own[i]);
+		leaf_node(&collapse->node[i], leaves, own[i]);
 	}
 	struct lod_arena_piece *mark = arena->last;
 	struct work w = { .collapse = collapse, .leaves = leaves, .options = options ? options
@@ -430,7 +417,7 @@ static void sort_leaves(uint32_t *leaf, const double *key, uint32_t count, struc
 }
 
 /* leaf[] becomes sector after sector. Writes the whole crown's extent. */
-static void divide(struct lod_collapse_sectors *sectors, const struct lod_collapse_leaves *leaves,
+static void divide(struct lod_collapse_sectors *sectors, const struct lod_foliage *leaves,
 	struct lod_collapse_crown *crown, struct lod_arena *arena)
 {
 	uint32_t n = leaves->count;
@@ -438,22 +425,22 @@ static void divide(struct lod_collapse_sectors *sectors, const struct lod_collap
 	struct lod_collapse all = { .node = lod_arena_take(arena, n, sizeof *all.node) };
 	double *away = lod_arena_take(arena, n, sizeof *away), *turn = lod_arena_take(arena, n, sizeof *turn);
 	for (uint32_t i = 0; i < n; i++) {
-		lod_collapse_node_of(&all.node[i], leaves, i);
-		double x = all.node[i].center.x - leaves->axis_x, y = all.node[i].center.y - leaves->axis_y;
-		away[i] = x * x + y * y;
-		turn[i] = turn_of(x, y);
+		leaf_node(&all.node[i], leaves, i);
+		struct lod_v3 at = all.node[i].center;
+		away[i] = at.x * at.x + at.y * at.y;
+		turn[i] = turn_of(at.x, at.y);
 		sectors->leaf[i] = i;
 	}
 	for (uint32_t s = 0; s <= sectors->count; s++)
 		sectors->first[s] = (uint32_t)((uint64_t)n * s / sectors->count);
 	sort_leaves(sectors->leaf, away, n, arena);
 	sort_leaves(sectors->leaf + sectors->first[1], turn, n - sectors->first[1], arena);
-	find_extent(crown, &(struct work){ .collapse = &all, .leaves = leaves }, n);
+	find_extent(crown, &(struct work){ .collapse = &all }, n);
 	lod_arena_release(arena, mark);
 }
 
 void lod_collapse_sectors_make(struct lod_collapse_sectors *sectors, uint32_t count,
-	const struct lod_collapse_leaves *leaves, const struct lod_collapse_options *options,
+	const struct lod_foliage *leaves, const struct lod_collapse_options *options,
 	struct lod_arena *arena)
 {
 	struct lod_collapse_crown crown = { 0 };

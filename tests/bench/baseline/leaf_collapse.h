@@ -2,7 +2,7 @@
  * the
  * two leaves whose cost is least become one quad, again and again. A baseline of ecobench.
  *
- *   lod_collapse_make(&collapse, &leaves, NULL, NULL, 0, NULL, &arena);      a binary forest
+ *   lod_collapse_make(&collapse, &foliage, NULL, NULL, 0, NULL, &arena);      a binary forest
  *   const struct lod_collapse_level *level = lod_collapse_level_of(&collapse, 500);
  *   draw collapse.place[0 .. level->a) and collapse.place[level->b .. level->b + level->c)
  *
@@ -42,15 +42,6 @@ struct lod_collapse_options {
 };
 extern const struct lod_collapse_options lod_collapse_defaults;
 
-/* Leaf i has corners [first[i], first[i + 1]), 3 to ECO_CORNERS_MAX: a fan around the first. All finite. */
-struct lod_collapse_leaves {
-	uint32_t count;
-	const uint32_t *first;
-	const float (*corner)[3];
-	const double *opaque_area;   /* per leaf, or NULL: all of it is opaque */
-	double axis_x, axis_y;       /* the tree's axis is vertical and passes there */
-};
-
 struct lod_collapse_node {
 	struct lod_v3 center, normal;        /* unit, or 0 for a leaf without area */
 	double area;                 /* of the polygon */
@@ -75,10 +66,11 @@ struct lod_collapse {                /* arrays of an arena */
 /* Extent of a crown, that costs are over. */
 struct lod_collapse_crown { double radius, across; };
 
-/* Collapses the leaves leaf[0 .. count), or all for NULL. options NULL: lod_collapse_defaults. crown NULL:
+/* The tree's axis is that of z. Collapses the leaves leaf[0 .. count), or all for NULL. Of the foliage first,
+ * corner and area count; area NULL: all is opaque. options NULL: lod_collapse_defaults. crown NULL:
  * that
  * of these leaves. Near-linear in the count for leaves that are spread. */
-void lod_collapse_make(struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
+void lod_collapse_make(struct lod_collapse *collapse, const struct lod_foliage *leaves,
 	const struct lod_collapse_options *options, const uint32_t *leaf, uint32_t count,
 	const struct lod_collapse_crown *crown, struct lod_arena *arena);
 
@@ -90,7 +82,7 @@ void lod_collapse_shown(const struct lod_collapse *collapse, const struct lod_co
 	uint32_t *shown, struct lod_arena *arena);
 
 /* The corners of a node, in turn around it: 4 for a quad. Returns how many. */
-uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
+uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct lod_foliage *leaves,
 	uint32_t node, struct lod_v3 corner[ECO_CORNERS_MAX]);
 
 /* ---- Sectors (section 4.1): a forest each ---- */
@@ -101,7 +93,7 @@ uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct 
 struct lod_collapse_sectors { uint32_t count, *first, *leaf; struct lod_collapse *forest; };
 /* count >= 1. */
 void lod_collapse_sectors_make(struct lod_collapse_sectors *sectors, uint32_t count,
-	const struct lod_collapse_leaves *leaves, const struct lod_collapse_options *options,
+	const struct lod_foliage *leaves, const struct lod_collapse_options *options,
 	struct lod_arena *arena);
 
 /* ---- Textures (section 3.3, figure 2; leaf_collapse_atlas.c) ----
@@ -134,8 +126,7 @@ void lod_collapse_atlas_make(struct lod_collapse_atlas *atlas, const struct lod_
 /* Texture coordinates of a quad's corners, in the order of lod_collapse_corners. */
 void lod_collapse_atlas_uv(const struct lod_collapse_atlas *atlas, uint32_t tile, float uv[4][2]);
 
-/* Leaf i of the input as a node. */
-void lod_collapse_node_of(struct lod_collapse_node *node, const struct lod_collapse_leaves *leaves,
-	uint32_t i);
+/* A leaf, a fan of corners, as a node that is opaque all over. */
+void lod_collapse_node_of(struct lod_collapse_node *node, const float (*corner)[3], uint32_t corners);
 
 #endif

@@ -29,9 +29,8 @@ struct shape {
 /* Seen straight onto its plane, from so far away that lines of sight are parallel. */
 static void make_shape(struct shape *shape, const struct lod_fan *fan, struct lod_arena *arena)
 {
-	const uint32_t first[2] = { 0, fan->corners };
 	struct lod_collapse_node node;
-	lod_collapse_node_of(&node, &(struct lod_collapse_leaves){ 1, first, fan->corner, NULL, 0, 0 }, 0);
+	lod_collapse_node_of(&node, fan->corner, fan->corners);
 	double length = lod_v3_length(node.half[0]), wide = lod_v3_length(node.half[1]);
 	*shape = (struct shape){ .wide = length > 0 ? wide / length : 0 };
 	if (!(shape->wide > 0))

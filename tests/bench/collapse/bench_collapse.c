@@ -115,18 +115,19 @@ static void draw_frame(struct lod_raster *raster, const struct lod_collapse_node
 /* Figure 1: two leaves; what encloses them and the quad in their place; the quad with its texture. */
 static enum eco_code paint_pair(uint8_t *rgb, struct lod_arena *arena, struct eco_error *error)
 {
-	static const float corner[8][3] = { { -1.1f, 0, 0 }, { -0.5f, -0.35f, 0.1f }, { 0.3f, 0, 0 },
+	static float corner[8][3] = { { -1.1f, 0, 0 }, { -0.5f, -0.35f, 0.1f }, { 0.3f, 0, 0 },
 		{ -0.5f, 0.35f, 0.1f }, { 0.5f, -0.5f, 0 }, { 1.0f, 0.1f, -0.2f }, { 0.9f, 0.9f, -0.1f },
 		{ 0.4f, 0.3f, 0.1f } };
-	static const uint32_t first[3] = { 0, 4, 8 };
+	static uint32_t first[3] = { 0, 4, 8 };
 	static const uint8_t colors[3][3] = { { 88, 132, 48 }, { 40, 40, 40 }, { 200, 60, 40 } };
-	const struct lod_collapse_leaves leaves = { 2, first, corner, NULL, 0, 0 };
+	const struct lod_foliage leaves = { .count = 2, .first = first, .corner = corner };
 	struct lod_collapse c;
 	struct lod_collapse_atlas atlas;
 	struct lod_raster raster;
 	lod_collapse_make(&c, &leaves, &(struct lod_collapse_options){ .distance_most = 9,
 		.angle_most_rad = LOD_PI / 2 }, NULL, 0, NULL, arena);
-	lod_collapse_atlas_make(&atlas, &c, 1, &(struct lod_fan){ .corner = corner, .corners = 4 }, colors[0],
+	lod_collapse_atlas_make(&atlas, &c, 1, &(struct lod_fan){ .corner = (const float (*)[3])corner,
+		.corners = 4 }, colors[0],
 		arena);
 	const struct lod_collapse_node *quad = &c.node[2];
 	struct lod_v3 p[3][ECO_CORNERS_MAX], right = lod_v3_unit(quad->half[0]),
@@ -570,9 +571,9 @@ static void write_chain(struct bench *bench, struct lod_arena *arena)
 		strew(&state, corner + 4 * i);
 		first[i + 1] = 4 * (i + 1);
 	}
-	lod_collapse_make(&c, &(struct lod_collapse_leaves){ CHAIN_LEAVES, first, (const float (*)[3])corner,
-		NULL,
-		0, 0 }, &options, NULL, 0, NULL, arena);
+	lod_collapse_make(&c, &(struct lod_foliage){ .count = CHAIN_LEAVES, .first = first,
+		.corner = corner },
+		&options, NULL, 0, NULL, arena);
 	for (uint32_t i = 0; i <= c.made; i++) {
 		const struct lod_collapse_level *l = &c.level[i];
 		char run[2][128] = { "", "" };

@@ -49,8 +49,7 @@ void bench_collapse_make(struct bench_collapse_plant *plant, const struct lod_fo
 	*plant = (struct bench_collapse_plant){ .leaves = f->count, .solid = options->solid,
 		.base = lod_arena_take(arena, sectors, sizeof *plant->base),
 		.vertices = lod_arena_take(arena, sectors, sizeof *plant->vertices) };
-	lod_collapse_sectors_make(&plant->sectors, sectors, &(struct lod_collapse_leaves){ f->count, f->first,
-		(const float (*)[3])f->corner, f->area, 0, 0 }, NULL, arena);
+	lod_collapse_sectors_make(&plant->sectors, sectors, f, NULL, arena);
 	for (uint32_t s = 0; s < sectors; s++) {
 		plant->base[s] = f->count + plant->quads;
 		plant->quads += plant->sectors.forest[s].made;
