@@ -24,7 +24,7 @@ Deussen: importance is 1 @ s,double importance = .*,double importance = 1;,
 ours: importance is 1 @ s,return ladder->importance > 0 .*,return ladder->importance > 0 ? 1 : 1;,
 @ test_rules tests/bench/baseline/paper_cook.c
 Cook: lambda by distance, not its square @ s,fmax(LAMBDA_LEAST\, x \* x),fmax(LAMBDA_LEAST\, x),
-@ test_cook tests/bench/baseline/cook.c
+@ test_rules tests/bench/baseline/cook.c
 Cook: leaves keep their size @ s,return kept ? (double)count / kept : 0,return kept ? 1 + 0 * count : 0,
 Cook: no correction for depth @ /!(share > 0)/s,if (kept == 0,if (kept <= count,
 Cook: contrast without the root @ s,return sqrt(after / before),return after / before,
@@ -41,22 +41,23 @@ Neubert: combined is orientation alone @ s,survival\[i\] + density\[i\],survival
 @ test_rank lod/build/order/rank.c
 greedy: wrong pixels cost nothing @ s,- r->weights.wrong \* gain->wrong,- 0 * gain->wrong,
 greedy: a second layer is the first @ s,+ r->weights.second \* gain->second,+ r->weights.right * gain->second,
-@ test_lee tests/bench/baseline/lee.c
+@ test_rules tests/bench/baseline/lee.c
 Lee: the farthest first @ s,? lod_v3_dot(d\, d),? -lod_v3_dot(d\, d),
 Lee: what faces away first @ s,: -facing(&groups\[i\],: facing(\&groups[i],
 Lee: layers of one weight @ s,weight += layers - layer,weight += (layers + 1) / 2,
 Lee: no normals inside a layer @ s,lod_sort_key(-facing(&groups\[i\]\, view->eye))\, i };,i\, i };,
-@ test_leaf_collapse tests/bench/baseline/leaf_collapse_quad.c
+@ test_leaf_collapse tests/bench/baseline/leaf_collapse.c
 Hidalgo: distance costs nothing @ s,weight\[LOD_COLLAPSE_DISTANCE\],0,
 Hidalgo: angle costs nothing @ s,weight\[LOD_COLLAPSE_ANGLE\],0,
 Hidalgo: numbers of leaves cost nothing @ s,weight\[LOD_COLLAPSE_LEAVES\],0,
 Hidalgo: area costs nothing @ s,weight\[LOD_COLLAPSE_AREA\],0,
 Hidalgo: interiority costs nothing @ s,weight\[LOD_COLLAPSE_INTERIORITY\],0,
 Hidalgo: the quad has both leaves' area @ s,(one->area + two->area + enclosing) / 2,one->area + two->area,
-@ test_billboard_cloud tests/bench/baseline/billboard_quality.c
-Kratt: invalid faces cost nothing @ s,\*(v.valid ? &sum->valid : &sum->invalid) +=,sum->valid +=,
-Kratt: the first corner may be far @ s,result->valid = false,result->valid = k == 0 \&\& result->valid,
-Kratt: dense parts are not hidden @ s,return density < most ? 1 - density / most : 0,return 1,
+@ test_billboard_cloud tests/bench/baseline/billboard_fit.c
+Kratt: invalid faces cost nothing @ s,\*(is_valid ? &valid : &invalid) +=,valid +=,
+Kratt: the first corner may be far @ s,<= epsilon && valid,<= epsilon || k == 0,
+@ test_billboard_cloud tests/bench/baseline/billboard_cloud.c
+Kratt: dense parts are not hidden @ s,> 0 ? 1 - tree->sigma\[i\] / most : 1,> 0 ? 1 : 1,
 TABLE
 }
 

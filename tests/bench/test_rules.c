@@ -154,6 +154,9 @@ UNIT_TEST(lee_ranks_cells_by_distance_and_normal)
 		}
 		paper_lee_keep(kept, LOD_LEE_NORMAL * PAPER_LEE_ORDERS, groups, 8, &center, &eye, 80, &arena);
 		assert_int_equal(kept[5], 80);
+		lod_lee_keep(kept, LOD_LEE_LAYER, groups, 8, &(struct lod_lee_view){ eye, { 1, 0, 0 }, 1 }, 80,
+			&arena);
+		assert_int_equal(kept[5], 80);
 	}
 	for (uint32_t rule = 0; rule < PAPER_LEE_RULES; rule++)
 		for (uint64_t budget = 0, sum; budget <= 900; budget += 90) {

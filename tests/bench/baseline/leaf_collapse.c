@@ -253,14 +253,16 @@ static void look_around(struct work *w, uint32_t self, const int middle[3], int 
 /* Finds the leaf's partner of least cost: the leaf stands in the heap with it, or leaves the heap without. */
 static void settle(struct work *w, uint32_t id, uint32_t at)
 {
-	double cost = INFINITY, per_m = w->most > 0 ? w->options->weight[LOD_COLLAPSE_DISTANCE] / w->most : 0;
+	const double *weight = w->options->weight;
+	double cost = INFINITY, per_m = w->most > 0 ? weight[LOD_COLLAPSE_DISTANCE] / w->most : 0, away = 0;
 	int middle[3];
 	w->partner[id] = ECO_NONE;
 	cell_of(w, id, middle);
 	/* no cell of the ring is nearer than ring - 1 cells; 1e-9: sums of costs are rounded */
-	for (int ring = 0; (ring - 1) * w->side <= w->most && (ring - 1) * w->side * per_m <= cost
-		+ 1e-9; ring++)
+	for (int ring = 0; away <= w->most && away * per_m <= cost + 1e-9; ring++) {
 		look_around(w, id, middle, ring, &cost);
+		away = ring * w->side;
+	}
 	if (w->partner[id] != ECO_NONE)
 		w->heap[at] = (struct lod_heap_item){ -cost, id };
 	else
