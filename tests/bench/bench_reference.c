@@ -11,26 +11,19 @@
 #define FAST 1 /* zstd's level */
 
 struct head { uint64_t magic, width, height, soft, vertices, summaries; double draw_ms, ceiling; };
-struct part { void *bytes; size_t size; };
-#define PARTS 6u
 
-/* Soft counts are the last, and may be missing. */
-static uint32_t parts_of(const struct view_picture *p, struct part parts[PARTS])
+/* All parts of a picture to or from bytes; soft counts are the last, and may be missing. NULL: their size. */
+static size_t move_parts(struct view_picture *p, uint8_t *bytes, bool from)
 {
-	size_t n = (size_t)p->width * p->height;
-	const struct part all[PARTS] = { { p->rgb, 3 * n }, { p->cover, n },
-		{ p->owner, n * sizeof *p->owner },
-		{ p->depth, n * sizeof *p->depth }, { p->surface, n * sizeof *p->surface }, { p->soft, n } };
-	memcpy(parts, all, sizeof all);
-	return p->soft ? PARTS : PARTS - 1;
-}
-
-static size_t size_of(const struct part *parts, uint32_t count)
-{
-	size_t size = sizeof(struct head);
-	for (uint32_t i = 0; i < count; i++)
-		size += parts[i].size;
-	return size;
+	size_t n = (size_t)p->width * p->height, at = 0;
+	const struct { void *bytes; size_t size; } parts[] = { { p->rgb, 3 * n }, { p->cover, n },
+		{ p->owner, n * sizeof *p->owner }, { p->depth, n * sizeof *p->depth },
+		{ p->surface, n * sizeof *p->surface }, { p->soft, p->soft ? n : 0 } };
+	for (size_t i = 0; i < sizeof parts / sizeof *parts; at += parts[i++].size)
+		if (bytes && parts[i].size)
+			memcpy(from ? parts[i].bytes : bytes + at, from ? bytes + at : parts[i].bytes,
+				parts[i].size);
+	return at;
 }
 
 bool bench_reference_path(const struct bench *bench, const char *pack, const struct eco_view *view, bool sees,
@@ -47,52 +40,35 @@ bool bench_reference_path(const struct bench *bench, const char *pack, const str
 	return true;
 }
 
-/* ---- Writing ---- */
-
-static uint8_t *join(const struct bench_reference *reference, size_t *size)
-{
-	const struct view_picture *p = &reference->picture;
-	const struct head head = { MAGIC, p->width, p->height, p->soft != NULL, p->vertices,
-		reference->summaries, p->draw_ms, reference->ceiling };
-	struct part parts[PARTS];
-	uint32_t count = parts_of(p, parts);
-	uint8_t *bytes = malloc(*size = size_of(parts, count)), *at = bytes + sizeof head;
-	if (!bytes)
-		return NULL;
-	memcpy(bytes, &head, sizeof head);
-	for (uint32_t i = 0; i < count; at += parts[i++].size)
-		memcpy(at, parts[i].bytes, parts[i].size);
-	return bytes;
-}
-
 enum eco_code bench_reference_write(const char *path, const struct bench_reference *reference,
 	struct eco_error *error)
 {
+	struct view_picture p = reference->picture;
+	const struct head head = { MAGIC, p.width, p.height, p.soft != NULL, p.vertices, reference->summaries,
+		p.draw_ms, reference->ceiling };
 	char folder[BENCH_REFERENCE_PATH];
-	size_t size, room;
-	uint8_t *bytes = join(reference, &size), *packed = malloc(room = ZSTD_compressBound(size));
+	size_t size = sizeof head + move_parts(&p, NULL, false), room = ZSTD_compressBound(size);
+	uint8_t *bytes = malloc(size), *packed = malloc(room);
 	ZSTD_CCtx *coder = ZSTD_createCCtx();
-	enum eco_code code = bytes && packed && coder ? ECO_OK
-		: eco_fail(error, ECO_NO_MEMORY, "no memory to keep a picture");
-	if (!code) {
-		ZSTD_CCtx_setParameter(coder, ZSTD_c_compressionLevel, FAST);
-		ZSTD_CCtx_setParameter(coder, ZSTD_c_checksumFlag, 1);
-		room = ZSTD_compress2(coder, packed, room, bytes, size);
-		snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(path, '/') - path), path);
-		code = bench_folder_make(folder, error);
-	}
+	if (!bytes || !packed || !coder)
+		abort();
+	memcpy(bytes, &head, sizeof head);
+	move_parts(&p, bytes + sizeof head, false);
+	ZSTD_CCtx_setParameter(coder, ZSTD_c_compressionLevel, FAST);
+	ZSTD_CCtx_setParameter(coder, ZSTD_c_checksumFlag, 1);
+	room = ZSTD_compress2(coder, packed, room, bytes, size);
+	snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(path, '/') - path), path);
+	enum eco_code code = bench_folder_make(folder, error);
 	if (!code)
 		code = ZSTD_isError(room) ? eco_fail(error, ECO_NO_MEMORY, "%s", ZSTD_getErrorName(room))
-			: bench_file_write(path, (const char *)packed, room, error);
+			: eco_file_write(path, packed, room, error);
 	ZSTD_freeCCtx(coder);
 	free(packed);
 	free(bytes);
 	return code;
 }
 
-/* ---- Reading ---- */
-
-/* The file's bytes without its frame; NULL where it is none of ours. */
+/* The file's bytes without its frame; NULL where it is damaged. */
 static uint8_t *unpack(FILE *file, size_t *size)
 {
 	long packed_size = fseek(file, 0, SEEK_END) ? -1 : ftell(file);
@@ -111,35 +87,26 @@ static uint8_t *unpack(FILE *file, size_t *size)
 	return bytes;
 }
 
-static bool fill(struct view_picture *picture, const struct head *head, const uint8_t *bytes, size_t size)
-{
-	struct part parts[PARTS];
-	const uint8_t *at = bytes + sizeof *head;
-	picture->soft = head->soft ? malloc((size_t)head->width * head->height) : NULL;
-	uint32_t count = parts_of(picture, parts);
-	if (count != PARTS - !head->soft || size_of(parts, count) != size)
-		return false;
-	for (uint32_t i = 0; i < count; at += parts[i++].size)
-		memcpy(parts[i].bytes, at, parts[i].size);
-	picture->vertices = head->vertices;
-	picture->draw_ms = head->draw_ms;
-	return true;
-}
-
-static bool take_apart(struct bench_reference *reference, const uint8_t *bytes, size_t size)
+static bool take_apart(struct bench_reference *reference, uint8_t *bytes, size_t size)
 {
 	struct head head;
+	struct view_picture *p = &reference->picture;
 	memcpy(&head, bytes, sizeof head);
-	bool fits = head.magic == MAGIC && head.width && head.width <= UINT16_MAX && head.height
-		&& head.height <= UINT16_MAX && head.width * head.height < size;
-	if (!fits || view_picture_init(&reference->picture, (uint32_t)head.width, (uint32_t)head.height,
-			NULL))
+	if (head.magic != MAGIC || !head.width || head.width > UINT16_MAX || !head.height
+		|| head.height > UINT16_MAX
+			|| head.width * head.height >= size
+			|| view_picture_init(p, (uint32_t)head.width, (uint32_t)head.height, NULL))
 		return false;
+	p->soft = head.soft ? malloc(head.width * head.height) : NULL;
+	p->vertices = head.vertices;
+	p->draw_ms = head.draw_ms;
 	reference->ceiling = head.ceiling;
 	reference->summaries = (uint32_t)head.summaries;
-	if (fill(&reference->picture, &head, bytes, size))
+	if ((p->soft != NULL) == (head.soft != 0) && sizeof head + move_parts(p, NULL, true) == size) {
+		move_parts(p, bytes + sizeof head, true);
 		return true;
-	view_picture_free(&reference->picture);
+	}
+	view_picture_free(p);
 	return false;
 }
 
@@ -147,11 +114,10 @@ bool bench_reference_read(const char *path, struct bench_reference *reference)
 {
 	size_t size;
 	FILE *file = fopen(path, "rb");
-	if (!file)
-		return false;
 	*reference = (struct bench_reference){ .summaries = 0 };
-	uint8_t *bytes = unpack(file, &size);
-	fclose(file);
+	uint8_t *bytes = file ? unpack(file, &size) : NULL;
+	if (file)
+		fclose(file);
 	bool whole = bytes && take_apart(reference, bytes, size);
 	free(bytes);
 	return whole;

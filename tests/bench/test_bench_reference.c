@@ -1,9 +1,7 @@
 /* Pictures of full detail in the cache of ecobench. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/view.h"
 #include "tests/bench/bench_reference.h"
 #include "tests/support/files.h"
 #include "tests/support/scratch.h"
@@ -27,7 +25,7 @@ static int close_folder(void **state)
 
 static struct bench_reference make(bool soft)
 {
-	struct bench_reference r = { .ceiling = soft ? 0.875 : NAN, .summaries = 7 };
+	struct bench_reference r = { .ceiling = 0.875, .summaries = 7 };
 	struct eco_error error = { 0 };
 	assert_ok(view_picture_init(&r.picture, WIDTH, HEIGHT, &error), error);
 	r.picture.soft = soft ? malloc(PIXELS) : NULL;
@@ -45,81 +43,60 @@ static struct bench_reference make(bool soft)
 	return r;
 }
 
-static void assert_alike(const struct bench_reference *a, const struct bench_reference *b)
-{
-	assert_int_equal(a->picture.width, b->picture.width);
-	assert_int_equal(a->picture.height, b->picture.height);
-	assert_memory_equal(a->picture.rgb, b->picture.rgb, 3 * PIXELS);
-	assert_memory_equal(a->picture.cover, b->picture.cover, PIXELS);
-	assert_memory_equal(a->picture.owner, b->picture.owner, PIXELS * sizeof *a->picture.owner);
-	assert_memory_equal(a->picture.depth, b->picture.depth, PIXELS * sizeof *a->picture.depth);
-	assert_memory_equal(a->picture.surface, b->picture.surface, PIXELS * sizeof *a->picture.surface);
-	assert_int_equal(a->picture.soft == NULL, b->picture.soft == NULL);
-	if (a->picture.soft)
-		assert_memory_equal(a->picture.soft, b->picture.soft, PIXELS);
-	assert_int_equal(a->picture.vertices, b->picture.vertices);
-	assert_true(a->picture.draw_ms == b->picture.draw_ms);
-	assert_int_equal(isnan(a->ceiling), isnan(b->ceiling));
-	assert_true(isnan(a->ceiling) || a->ceiling == b->ceiling);
-	assert_int_equal(a->summaries, b->summaries);
-}
-
-UNIT_TEST(what_is_kept_is_read_again)
+UNIT_TEST(what_is_kept_is_read_again_unless_it_is_damaged)
 {
 	for (int soft = 0; soft < 2; soft++) {
 		struct bench_reference kept = make(soft), read;
 		struct eco_error error = { 0 };
+		size_t size;
 		assert_ok(bench_reference_write(in_root("references/one"), &kept, &error), error);
 		assert_true(bench_reference_read(in_root("references/one"), &read));
-		assert_alike(&kept, &read);
+		const struct view_picture *a = &kept.picture, *b = &read.picture;
+		assert_memory_equal(a->rgb, b->rgb, 3 * PIXELS);
+		assert_memory_equal(a->cover, b->cover, PIXELS);
+		assert_memory_equal(a->owner, b->owner, PIXELS * sizeof *a->owner);
+		assert_memory_equal(a->depth, b->depth, PIXELS * sizeof *a->depth);
+		assert_memory_equal(a->surface, b->surface, PIXELS * sizeof *a->surface);
+		assert_true(soft ? !memcmp(a->soft, b->soft, PIXELS) : !b->soft);
+		assert_true(a->width == b->width && a->height == b->height && a->vertices == b->vertices
+			&& a->draw_ms == b->draw_ms && read.ceiling == 0.875 && read.summaries == 7);
 		view_picture_free(&kept.picture);
 		view_picture_free(&read.picture);
+		uint8_t *bytes = file_read(in_root("references/one"), &size);
+		for (size_t at = 0; soft && at < size; at += 7) {
+			file_write(in_root("damaged"), bytes, at);
+			assert_false(bench_reference_read(in_root("damaged"), &read));
+			bytes[at] ^= 0x10;
+			file_write(in_root("damaged"), bytes, size);
+			assert_false(bench_reference_read(in_root("damaged"), &read));
+			bytes[at] ^= 0x10;
+		}
+		free(bytes);
 	}
 }
 
-UNIT_TEST(damaged_and_missing_ones_are_none)
-{
-	struct bench_reference kept = make(true), read;
-	struct eco_error error = { 0 };
-	size_t size;
-	assert_ok(bench_reference_write(in_root("two"), &kept, &error), error);
-	uint8_t *bytes = file_read(in_root("two"), &size);
-	for (size_t cut = 0; cut < size; cut += 7) {
-		file_write(in_root("cut"), bytes, cut);
-		assert_false(bench_reference_read(in_root("cut"), &read));
-	}
-	for (size_t at = 0; at < size; at += 7) {
-		bytes[at] ^= 0x10;
-		file_write(in_root("damaged"), bytes, size);
-		assert_false(bench_reference_read(in_root("damaged"), &read));
-		bytes[at] ^= 0x10;
-	}
-	assert_false(bench_reference_read(in_root("missing"), &read));
-	free(bytes);
-	view_picture_free(&kept.picture);
-}
-
-/* Another content, view or kind of counts is another picture; a pack that bench_scene did not build has
- * none. */
+/* Another content, view or kind of counts is another picture; a pack of another origin has none. */
 UNIT_TEST(names_follow_from_content_view_and_counts)
 {
-	char path[5][BENCH_REFERENCE_PATH];
+	static const struct { const char *holds; double x; bool sees; } cases[] = { { "0123456789abcdef", 1,
+		true },
+		{ "0123456789abcdef", 1, false }, { "0123456789abcdef", 1.5, true }, { "0123456789abcdee", 1,
+		true } };
+	enum { CASES = sizeof cases / sizeof *cases };
+	char path[CASES][BENCH_REFERENCE_PATH], again[BENCH_REFERENCE_PATH], stamp[80];
 	struct bench bench = { .cache = "cache", .build = "build" };
-	struct eco_view view = { .eye = { 1, 2, 3 }, .fov_y_deg = 45, .width = WIDTH, .height = HEIGHT };
-	file_write_text(in_root("pack.eco.stamp"), "-\nholds 0123456789abcdef\ntook 1 1\n");
-	assert_true(bench_reference_path(&bench, in_root("pack.eco"), &view, true, path[0]));
-	assert_true(bench_reference_path(&bench, in_root("pack.eco"), &view, true, path[1]));
-	assert_string_equal(path[0], path[1]);
-	assert_true(bench_reference_path(&bench, in_root("pack.eco"), &view, false, path[1]));
-	view.eye[0] = 1.5;
-	assert_true(bench_reference_path(&bench, in_root("pack.eco"), &view, true, path[2]));
-	view.eye[0] = 1;
-	file_write_text(in_root("pack.eco.stamp"), "-\nholds 0123456789abcdee\ntook 1 1\n");
-	assert_true(bench_reference_path(&bench, in_root("pack.eco"), &view, true, path[3]));
-	for (int i = 1; i < 4; i++)
+	for (int i = 0; i < CASES; i++) {
+		struct eco_view view = { .eye = { cases[i].x, 2, 3 }, .fov_y_deg = 45, .width = WIDTH, .height
+			= HEIGHT };
+		snprintf(stamp, sizeof stamp, "-\nholds %s\ntook 1 1\n", cases[i].holds);
+		file_write_text(in_root("pack.eco.stamp"), stamp);
+		assert_true(bench_reference_path(&bench, in_root("pack.eco"), &view, cases[i].sees, path[i]));
+		assert_true(bench_reference_path(&bench, in_root("pack.eco"), &view, cases[i].sees, again));
+		assert_string_equal(path[i], again);
 		for (int k = 0; k < i; k++)
 			assert_string_not_equal(path[i], path[k]);
-	assert_false(bench_reference_path(&bench, in_root("other.eco"), &view, true, path[4]));
+		assert_false(bench_reference_path(&bench, in_root("other.eco"), &view, true, again));
+	}
 }
 
 int main(void)
