@@ -12,6 +12,7 @@
 #include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
+#include <getopt.h>
 #include <limits.h>
 #include <malloc.h>
 #include <signal.h>
@@ -22,16 +23,16 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "client-min/view_store.h"
 #include "ecofiles/base/guard.h"
-#include "ecofiles/format/image.h"
 #include "ecofiles/base/random.h"
+#include "ecofiles/format/image.h"
 #include "ecofiles/import/model/model_import.h"
+#include "tests/support/files.h"
 
 #define MODELS_MAX 64
-#define SIZE_MOST (64u << 20)
 #ifdef __SANITIZE_ADDRESS__
 #define GROWTH_MAX_KB LONG_MAX       /* what is freed stays in quarantine; leaks are found otherwise */
 #else
@@ -220,27 +221,6 @@ static _Noreturn void stop(const char *what, const char *path)
 	exit(2);
 }
 
-static struct bytes read_file(const char *path)
-{
-	FILE *file = fopen(path, "rb");
-	struct bytes b = { malloc(SIZE_MOST), 0 };
-	if (!file || !b.at)
-		stop("cannot be read", path);
-	b.size = fread(b.at, 1, SIZE_MOST, file);
-	fclose(file);
-	if (b.size < 16 || b.size == SIZE_MOST)
-		stop("too small or too large", path);
-	b.at = realloc(b.at, b.size);
-	return b;
-}
-
-static void write_file(const char *path, const struct bytes *b)
-{
-	FILE *file = fopen(path, "wb");
-	if (!file || (b->size > 0 && fwrite(b->at, b->size, 1, file) != 1) || fclose(file) != 0)
-		stop("cannot be written", path);
-}
-
 /* Links the files that the model names beside its mutants, too. */
 static void link_neighbours(const char *path, const char *folder)
 {
@@ -287,13 +267,6 @@ static long resident_kb(void)
 	return kb;
 }
 
-static double now_s(void)
-{
-	struct timespec t;
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static volatile unsigned long long current;
 
 /* A sanitizer has more to say than this. */
@@ -333,13 +306,12 @@ static void try_mutant(struct model *m, uint64_t id, const struct options *o)
 	state = o->seed * 0xD1342543DE82EF95u + id;
 	struct bytes b = mutate(m);
 	snprintf(path, sizeof path, "%s/mutant.%s", o->folder, m->extension);
-	write_file(path, &b);
+	file_write(path, b.at, b.size);
 	free(b.at);
-	double start = now_s();
-	enum eco_code code =
-		eco_model_import(&model,
-		&(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1 }, &error);
-	double took = now_s() - start;
+	double start_ms = view_clock_ms();
+	enum eco_code code = eco_model_import(&model, &(struct eco_model_options){ .paths = (const char
+		*[]){ path }, .path_count = 1 }, &error);
+	double took = 1e-3 * (view_clock_ms() - start_ms);
 	if (!code)
 		look_at(&model);
 	eco_model_free(&model);
@@ -378,36 +350,32 @@ static bool report(const struct model *models, uint32_t count, long before_kb, l
 
 /* ---- The command line ---- */
 
+/* Returns how many models there are; 0: the command line is wrong. */
 static uint32_t read_arguments(int argc, char **argv, struct options *o, struct model *models)
 {
-	uint32_t count = 0;
-	for (int i = 1; i < argc; i++) {
-		const char *value = argv[i][0] == '-' && i + 1 < argc ? argv[i + 1] : NULL;
-		if (!value && argv[i][0] != '-' && count < MODELS_MAX) {
-			const char *dot = strrchr(argv[i], '.');
-			models[count++] = (struct model){ .path = argv[i], .extension = dot != NULL ? dot + 1
-				: "", .bytes = read_file(argv[i]) };
-			continue;
-		}
-		if (!value)
-			return 0;
-		if (strcmp(argv[i], "--count") == 0)
-			o->count = strtoull(value, NULL, 10);
-		else if (strcmp(argv[i], "--seed") == 0)
-			o->seed = strtoull(value, NULL, 10);
-		else if (strcmp(argv[i], "--only") == 0)
-			o->only = strtoull(value, NULL, 10);
-		else if (strcmp(argv[i], "--seconds") == 0)
-			o->seconds = strtod(value, NULL);
-		else if (strcmp(argv[i], "--memory") == 0)
-			o->memory_gb = strtod(value, NULL);
-		else if (strcmp(argv[i], "--folder") == 0)
-			o->folder = value;
-		else
-			return 0;
-		i++;
+	static const struct option names[] = { { "count", required_argument, NULL, 'c' },
+		{ "seed", required_argument, NULL, 'r' }, { "only", required_argument, NULL, 'o' },
+		{ "seconds", required_argument, NULL, 's' }, { "memory", required_argument, NULL, 'm' },
+		{ "folder", required_argument, NULL, 'f' }, { NULL, 0, NULL, 0 } };
+	bool usable = true;
+	for (int c; (c = getopt_long(argc, argv, "", names, NULL)) != -1;) {
+		usable = usable && c != '?';
+		o->count = c == 'c' ? strtoull(optarg, NULL, 10) : o->count;
+		o->seed = c == 'r' ? strtoull(optarg, NULL, 10) : o->seed;
+		o->only = c == 'o' ? strtoull(optarg, NULL, 10) : o->only;
+		o->seconds = c == 's' ? strtod(optarg, NULL) : o->seconds;
+		o->memory_gb = c == 'm' ? strtod(optarg, NULL) : o->memory_gb;
+		o->folder = c == 'f' ? optarg : o->folder;
 	}
-	return o->folder ? count : 0;
+	uint32_t count = 0;
+	for (; optind < argc && count < MODELS_MAX; optind++) {
+		struct model *m = &models[count++];
+		const char *dot = strrchr(argv[optind], '.');
+		*m = (struct model){ .path = argv[optind], .extension = dot ? dot + 1 : "" };
+		m->bytes.at = file_read(m->path, &m->bytes.size);
+		usable = usable && m->bytes.size >= 16;
+	}
+	return usable && o->folder ? count : 0;
 }
 
 /* The importer takes its limits from the environment, as from whoever runs ecopack. The module for pictures
@@ -418,8 +386,7 @@ static void prepare(const struct options *o, const struct model *models, uint32_
 	uint8_t pixel[4] = { 0 }, *png = NULL;
 	char text[32];
 	size_t size;
-	if (mkdir(o->folder, 0777) != 0 && errno != EEXIST)
-		stop("cannot be made", o->folder);
+	folder_make(o->folder);
 	for (uint32_t i = 0; i < count; i++)
 		link_neighbours(models[i].path, o->folder);
 	snprintf(text, sizeof text, "%g", o->seconds);

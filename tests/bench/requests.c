@@ -35,10 +35,11 @@
 #include "server/typical.h"
 #include "tests/support/serve/random_request.h"
 
-enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, UNDRAWN, NOT_SAME, FALLS, UNUSED, WHOLE, SENSELESS, FAILED,
+enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, UNDRAWN, NOT_SAME, FALLS, UNUSED, WHOLE, SENSELESS,
+	FAILED,
 VIOLATION_COUNT };
-static const char *const violation_names[] = { "vertices", "bytes", "twice", "undrawn", "same", "falls", "unused",
-	"whole", "senseless", "failed" };
+static const char *const violation_names[] = { "vertices", "bytes", "twice", "undrawn", "same", "falls",
+	"unused", "whole", "senseless", "failed" };
 
 #define CLIENT_EVERY 500         /* a new client now and then, so that both full and empty hands are tried */
 #define TWICE_EVERY 10
@@ -273,7 +274,8 @@ static void check_few(struct run *run)
 
 /* ---- One view, many budgets ---- */
 
-struct rung { uint64_t budget, vertices; double right, wrong, least, q; bool summed; struct lod_planner_stats stats; };
+struct rung { uint64_t budget, vertices; double right, wrong, least, q; bool summed;
+	struct lod_planner_stats stats; };
 
 static int by_budget(const void *a, const void *b)
 {
@@ -404,11 +406,11 @@ static void print_run(const struct run *run, bool json)
 		"\"states\": %llu, \"chains\": %llu, \"few\": %llu, "
 		"\"unused_most\": %.6f, \"violations\": %llu" : "%s: %llu requests, %llu refused, %llu too "
 		"small for any picture, %llu states of streams, "
-		"%llu chains of budgets, %llu pairs of few bytes, at most %.4f of a budget left over: %llu violations",
-		slash ? slash + 1 : run->pack, (unsigned long long)run->requests,
+		"%llu chains of budgets, %llu pairs of few bytes, at most %.4f of a budget left over: %llu "
+		"violations", slash ? slash + 1 : run->pack, (unsigned long long)run->requests,
 		(unsigned long long)run->refused, (unsigned long long)run->empty,
-		(unsigned long long)run->states, (unsigned long long)run->chains, (unsigned long long)run->few,
-		run->unused_most,
+		(unsigned long long)run->states, (unsigned long long)run->chains,
+		(unsigned long long)run->few, run->unused_most,
 		(unsigned long long)sum_of(run));
 	for (int i = 0; i < VIOLATION_COUNT; i++)
 		if (json)
