@@ -1,8 +1,8 @@
 /* Plants one by one: every model of the data folder that reads as a plant, and the generated kinds.
  *
- * Nothing here knows the names of files: all are tried whose endings ecopack reads, and those that fail are
- * left out, aloud. Packed ones (.xz) are read from an unpacked copy in the cache, which is made anew for
- * another folder and after a change in it. */
+ * Files are chosen by the endings that ecopack reads; those that fail to read are named and left out. Packed
+ * ones (.xz) are read from an unpacked copy in the cache, which is made anew for another folder and after a
+ * change in it. */
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,8 +23,8 @@ static const char *const endings[] = { ".glb", ".gltf", ".obj", ".fbx", ".dae", 
 static const char *const generated[] = { "park", "forest", "sunflowers" };
 
 struct list {
-	struct bench_model *items;
-	uint32_t count, room;
+	struct bench_model *items;   /* room for MODELS_MAX */
+	uint32_t count;
 	bool packed;
 	uint64_t stamp;              /* of all files: where they are, sizes and times; in any order */
 };
@@ -35,76 +35,43 @@ static bool ends_with(const char *name, const char *ending)
 	return n > e && !strcasecmp(name + n - e, ending);
 }
 
-static bool is_model(const char *name)
+static void add(struct list *list, const char *path, const char *name, bool made)
 {
+	bool model = false;
 	for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
-		if (ends_with(name, endings[i]))
-			return true;
-	return false;
-}
-
-static enum eco_code add(struct list *list, const char *path, const char *name, bool made,
-	struct eco_error *error)
-{
-	if (list->count == list->room) {
-		uint32_t room = list->room ? 2 * list->room : 32;
-		struct bench_model *bigger = room > MODELS_MAX ? NULL
-			: realloc(list->items, room * sizeof *bigger);
-		if (!bigger)
-			return eco_fail(error, ECO_TOO_LARGE, "%s: more than %u models, or no memory for "
-				"them", path, MODELS_MAX);
-		list->items = bigger;
-		list->room = room;
-	}
+		model = model || ends_with(name, endings[i]);
+	if (!model || list->count == MODELS_MAX)
+		return;
 	struct bench_model *m = &list->items[list->count++];
 	*m = (struct bench_model){ .generated = made };
 	snprintf(m->path, sizeof m->path, "%.511s", path);
 	snprintf(m->name, sizeof m->name, "%s%.50s", made ? "generated-" : "", name);
 	for (char *c = m->name; *c; c++)                     /* names stand in tables */
 		*c = *c == ',' || *c == '"' || (unsigned char)*c < ' ' ? '_' : *c;
-	return ECO_OK;
 }
 
-/* Whether a packed file's unpacked sibling is there. */
-static bool unpacked(const char *path)
+static void scan(struct list *list, const char *folder, bool made, uint32_t depth)
 {
-	char sibling[PATH];
-	snprintf(sibling, sizeof sibling, "%.*s", (int)(strlen(path) - 3), path);
-	return access(sibling, R_OK) == 0;
-}
-
-static uint64_t stamp_of(const char *path, const struct stat *status)
-{
-	uint64_t parts[3] = { (uint64_t)status->st_size, (uint64_t)status->st_mtim.tv_sec,
-		(uint64_t)status->st_mtim.tv_nsec };
-	return XXH3_64bits_withSeed(parts, sizeof parts, XXH3_64bits(path, strlen(path)));
-}
-
-static enum eco_code scan(struct list *list, const char *folder, bool made, uint32_t depth,
-	struct eco_error *error)
-{
-	enum eco_code code = ECO_OK;
 	DIR *dir = depth < DEPTH_MAX ? opendir(folder) : NULL;
-	for (struct dirent *entry; dir && !code && (entry = readdir(dir));) {
-		char path[PATH];
+	for (struct dirent *entry; dir && (entry = readdir(dir));) {
+		char path[PATH], sibling[PATH];
 		struct stat status;
-		if (*entry->d_name == '.' || snprintf(path, sizeof path, "%s/%s", folder, entry->d_name)
-				>= (int)sizeof ((struct bench_model *)0)->path ||
-			stat(path, &status))
-			continue;
+		int size = snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+		if (*entry->d_name == '.' || size >= (int)sizeof ((struct bench_model *)0)->path || stat(path,
+			&status)) continue;
 		if (S_ISDIR(status.st_mode)) {
-			code = scan(list, path, made, depth + 1, error);
+			scan(list, path, made, depth + 1);
 			continue;
 		}
-		list->stamp += stamp_of(path, &status);
-		if (is_model(entry->d_name))
-			code = add(list, path, entry->d_name, made, error);
-		else if (ends_with(entry->d_name, ".xz") && !unpacked(path))
-			list->packed = true;
+		uint64_t parts[3] = { (uint64_t)status.st_size, (uint64_t)status.st_mtim.tv_sec,
+			(uint64_t)status.st_mtim.tv_nsec };
+		list->stamp += XXH3_64bits_withSeed(parts, sizeof parts, XXH3_64bits(path, (size_t)size));
+		snprintf(sibling, sizeof sibling, "%.*s", size - 3, path);
+		list->packed = list->packed || (ends_with(path, ".xz") && access(sibling, R_OK));
+		add(list, path, entry->d_name, made);
 	}
 	if (dir)
 		closedir(dir);
-	return code;
 }
 
 static int by_name(const void *a, const void *b)
@@ -122,66 +89,51 @@ static int by_leaves(const void *a, const void *b)
 	return order ? order : x->leaves != y->leaves ? (x->leaves < y->leaves ? -1 : 1) : by_name(a, b);
 }
 
-/* ---- What is read ---- */
+/* ---- Reading ---- */
 
-static uint32_t count_leaves(const struct eco_model *model)
+struct work { struct bench *bench; const struct bench_model *model; };
+
+/* {"leaves"}, or {"why"} where it does not read. */
+static enum eco_code look_at(void *ctx, json_t **made, struct eco_error *error)
 {
+	const struct work *w = ctx;
+	struct eco_model read;
+	struct eco_error why = { 0 };
+	enum eco_code code = bench_model_read(w->bench, w->model, &read, &why);
+	if (code == ECO_INTERRUPTED)
+		return eco_fail(error, code, "interrupted");
+	if (code) {
+		*made = json_pack("{s:s}", "why", why.text);
+		return ECO_OK;
+	}
 	struct lod_arena arena = { 0 };
 	struct lod_foliage foliage;
-	struct eco_error why = { 0 };
-	uint32_t count = bench_foliage_make(&foliage, model, &arena, &why) ? 0 : foliage.count;
+	bool none = bench_foliage_make(&foliage, &read, &arena, &why);
+	*made = json_pack("{s:i}", "leaves", none ? 0 : (int)foliage.count);
 	lod_arena_free(&arena);
-	return count;
+	eco_model_free(&read);
+	return ECO_OK;
 }
 
-/* Whether it reads, and its leaves; kept, as it takes a second or two each. */
-static bool reads(struct bench *bench, struct bench_model *model)
+/* Kept, as it takes a second or two each. */
+static enum eco_code reads(struct bench *bench, struct bench_model *model, bool *good, struct eco_error
+	*error)
 {
 	char unit[640], stamp[64];
 	struct stat status;
-	struct eco_model read;
-	struct eco_error error = { 0 };
+	struct work work = { bench, model };
+	json_t *kept;
+	*good = false;
 	if (stat(model->path, &status))
-		return false;
+		return ECO_OK;
 	snprintf(unit, sizeof unit, "model-%s-%s", model->name, model->path);
 	snprintf(stamp, sizeof stamp, "%lld %lld", (long long)status.st_size, (long long)status.st_mtime);
-	json_t *kept = bench_recall(bench, unit, stamp);
-	if (!kept) {
-		enum eco_code code = bench_model_read(bench, model, &read, &error);
-		if (code == ECO_INTERRUPTED)
-			return false;
-		kept = bench_keep(bench, unit, stamp,
-			json_pack("{s:b, s:i, s:s}", "reads", (int)!code, "leaves",
-			code ? 0 : (int)count_leaves(&read), "why", error.text));
-		if (!code)
-			eco_model_free(&read);
-	}
-	bool good = json_is_true(json_object_get(kept, "reads"));
+	enum eco_code code = bench_unit(bench, unit, stamp, look_at, &work, &kept, error);
+	const char *why = json_string_value(json_object_get(kept, "why"));
+	*good = !code && !why;
 	model->leaves = (uint32_t)json_integer_value(json_object_get(kept, "leaves"));
-	if (!good)
-		bench_note(bench, "%s is left out: %s", model->path,
-			json_string_value(json_object_get(kept, "why")));
-	return good;
-}
-
-static enum eco_code make_generated(struct bench *bench, struct list *list, struct eco_error *error)
-{
-	char folder[PATH], models[PATH + 16];
-	enum eco_code code = ECO_OK;
-	for (size_t i = 0; i < sizeof generated / sizeof *generated && !code; i++) {
-		snprintf(folder, sizeof folder, "%s/scenes/plants-%s", bench->cache, generated[i]);
-		snprintf(models, sizeof models, "%s/scene.json", folder);
-		if (access(models, R_OK)) {
-			code = bench_folder_make(folder, error);
-			if (!code)
-				code = bench_command(bench, error,
-					"'%s/ecopack' generate %s -o '%s' --plants 20 --quiet", bench->build,
-					generated[i], folder);
-		}
-		snprintf(models, sizeof models, "%s/models", folder);
-		if (!code)
-			code = scan(list, models, true, 0, error);
-	}
+	if (!code && why)
+		bench_note(bench, "%s is left out: %s", model->path, why);
 	return code;
 }
 
@@ -191,47 +143,54 @@ static enum eco_code find_all(struct bench *bench, struct list *list, struct eco
 	enum eco_code code = ECO_OK;
 	if (bench->data) {
 		snprintf(folder, sizeof folder, "%s/models", bench->data);
-		code = scan(list, folder, false, 0, error);
-		if (!code && list->packed) {
-			snprintf(copy, sizeof copy, "%s/models-%016llx", bench->cache,
-				(unsigned long long)list->stamp);
-			if (access(copy, R_OK))
-				code = bench_command(bench, error,
-					"rm -rf '%s/models'* && cp -R '%s' '%s.tmp' && chmod -R u+w "
-					"'%s.tmp' && find '%s.tmp' -name '*.xz' "
-					"-exec xz -df {} + && mv '%s.tmp' '%s'", bench->cache, folder, copy,
-					copy, copy, copy, copy);
-			list->count = 0;
-			if (!code)
-				code = scan(list, copy, false, 0, error);
-		}
+		scan(list, folder, false, 0);
 	}
-	return code ? code : make_generated(bench, list, error);
+	if (list->packed) {
+		snprintf(copy, sizeof copy, "%s/models-%016llx", bench->cache,
+			(unsigned long long)list->stamp);
+		if (access(copy, R_OK))
+			code = bench_command(bench, error, "rm -rf '%s'/models* && cp -R '%s' '%s.tmp' && "
+				"chmod -R u+w '%s.tmp' && find '%s.tmp' -name '*.xz' -exec xz -df {} + && "
+				"mv '%s.tmp' '%s'", bench->cache, folder, copy, copy, copy, copy, copy);
+		list->count = 0;
+		scan(list, copy, false, 0);
+	}
+	for (size_t i = 0; i < sizeof generated / sizeof *generated && !code; i++) {
+		snprintf(folder, sizeof folder, "%s/scenes/plants-%s", bench->cache, generated[i]);
+		snprintf(copy, sizeof copy, "%.900s/models", folder);
+		if (access(copy, R_OK))
+			code = bench_command(bench, error,
+				"mkdir -p '%s' && '%s/ecopack' generate %s -o '%s' --plants 20 " "--quiet",
+				folder, bench->build, generated[i], folder);
+		scan(list, copy, true, 0);
+	}
+	return code;
 }
 
 enum eco_code bench_models(struct bench *bench, struct bench_model **models, uint32_t *count,
 	struct eco_error *error)
 {
-	struct list list = { 0 };
+	struct list list = { .items = calloc(MODELS_MAX, sizeof *list.items) };
+	if (!list.items)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a list of models");
 	int lock = bench_lock(bench);
 	enum eco_code code = find_all(bench, &list, error);
 	bench_unlock(lock);
 	const char *before = bench_objects(bench, BENCH_OBJECTS_PLANTS);
 	uint32_t kept = 0;
-	if (list.count)
-		qsort(list.items, list.count, sizeof *list.items, by_name);
+	qsort(list.items, list.count, sizeof *list.items, by_name);
 	for (uint32_t i = 0; i < list.count && !code; i++) {
-		bool twice = kept && list.items[i].generated
+		bool good, twice = kept && list.items[i].generated
 			&& !strcmp(list.items[kept - 1].name, list.items[i].name);
 		bench_progress(bench, (double)i / list.count, list.items[i].name);
-		if (!twice && reads(bench, &list.items[i]))
+		if (twice)
+			continue;
+		code = reads(bench, &list.items[i], &good, error);
+		if (good)
 			list.items[kept++] = list.items[i];
-		if (bench_stopped(bench))
-			code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	}
 	bench_objects(bench, before);
-	if (kept)
-		qsort(list.items, kept, sizeof *list.items, by_leaves);
+	qsort(list.items, kept, sizeof *list.items, by_leaves);
 	if (code) {
 		free(list.items);
 		return code;

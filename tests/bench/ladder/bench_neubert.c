@@ -22,97 +22,70 @@ static const double lambdas[] = { 0.05, 0.1, 0.2, 0.4, 0.6, 0.8 };
 
 /* ---- One plant ---- */
 
-struct point { double p, r, q; };
-
-static struct point point_of(const struct bench_wrong *wrong)
-{
-	double right = (double)(wrong->pixels - wrong->fn), shown = right + (double)wrong->fp;
-	return (struct point){ shown > 0 ? right / shown : 1,
-		wrong->pixels ? right / (double)wrong->pixels : 1, bench_wrong_q(wrong) };
-}
-
 static double scale_of(double lambda, uint32_t step)
 {
 	return exp2((STEP_LEAST + (double)step) / 8) / lambda;
 }
 
-/* {"leaves", "rows": per lambda and step [P, R, Q, Q in the first view, Q in the second]} */
+/* Per lambda and step [P, R, Q, Q in the first view, Q in the second]. */
+enum { P, R, Q, Q_FIRST, Q_SECOND, FIGURES };
+
 static json_t *measure(struct bench_leaves *leaves, const struct lod_sights *sights, const uint32_t *order)
 {
 	json_t *rows = json_array();
-	for (size_t l = 0; l < LAMBDAS; l++)
-		for (uint32_t step = 0; step < STEPS; step++) {
-			struct bench_wrong sum = { 0 };
-			double q[2] = { 0, 0 };
-			double kept = lambdas[l] * leaves->foliage.count;
-			const struct lod_sights_drawing drawing = { .order = order,
-				.count = (uint32_t)fmax(1, kept + 0.5),
-				.scale = (float)scale_of(lambdas[l], step) };
-			for (uint32_t v = 0; v < sights->count; v++) {
-				struct bench_wrong one = { 0 };
-				bench_leaves_compare(leaves, sights, v, &drawing, &one);
-				if (v < 2)
-					q[v] = bench_wrong_q(&one);
-				sum.fp += one.fp;
-				sum.fn += one.fn;
-				sum.pixels += one.pixels;
-			}
-			struct point at = point_of(&sum);
-			json_array_append_new(rows, json_pack("[fffff]", at.p, at.r, at.q, q[0], q[1]));
+	for (uint32_t i = 0; i < LAMBDAS * STEPS; i++) {
+		struct bench_wrong sum = { 0 };
+		double lambda = lambdas[i / STEPS], v[FIGURES];
+		const struct lod_sights_drawing drawing = { .order = order,
+			.count = (uint32_t)fmax(1, lambda * leaves->foliage.count + 0.5),
+			.scale = (float)scale_of(lambda, i % STEPS) };
+		for (uint32_t view = 0; view < sights->count; view++) {
+			struct bench_wrong one = { 0 };
+			bench_leaves_compare(leaves, sights, view, &drawing, &one);
+			if (view < 2)
+				v[Q_FIRST + view] = bench_wrong_q(&one);
+			sum.fp += one.fp;
+			sum.fn += one.fn;
+			sum.pixels += one.pixels;
 		}
-	return json_pack("{s:i, s:o}", "leaves", (int)leaves->foliage.count, "rows", rows);
+		double right = (double)(sum.pixels - sum.fn), shown = right + (double)sum.fp;
+		v[P] = shown > 0 ? right / shown : 1;
+		v[R] = sum.pixels ? right / (double)sum.pixels : 1;
+		v[Q] = bench_wrong_q(&sum);
+		json_array_append_new(rows, bench_reals(v, FIGURES));
+	}
+	return rows;
 }
 
-/* The first two views look level, a quarter of a turn apart, as those of the paper's study; the others from
- * all around. */
-static void directions(double out[VIEWS][3])
+struct work { struct bench *bench; const struct bench_model *model; };
+
+/* {"leaves", "rows"}; no rows for a plant of few leaves. The first two views look level, a quarter of a turn
+ * apart, as those of the paper's study; the others from all around. */
+static enum eco_code study(void *ctx, json_t **made, struct eco_error *error)
 {
 	static const double level[2][3] = { { 0.8, 0.6, 0 }, { -0.6, 0.8, 0 } };
-	lod_directions_spread(out, VIEWS, SEED);
-	memcpy(out, level, sizeof level);
-}
-
-static enum eco_code study_leaves(struct bench_leaves *leaves, json_t **unit, struct eco_error *error)
-{
-	struct lod_sights sights = { 0 };
-	double to[VIEWS][3];
-	volatile enum eco_code code = ECO_OK;
-	directions(to);
-	if (setjmp(leaves->arena.failed)) {
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u leaves", leaves->foliage.count);
-	} else {
-		code = lod_sights_make(&sights, &leaves->foliage, (const double (*)[3])to, VIEWS, PIXELS,
-			&leaves->arena, error);
-		if (!code)
-			*unit = measure(leaves, &sights,
-				bench_leaves_order(leaves, LOD_ORDER_STOCHASTIC, 0));
-	}
-	return code;
-}
-
-/* Kept as {"leaves": 0} for what has too few. */
-static enum eco_code study(struct bench *bench, const struct bench_model *model, json_t **unit,
-	struct eco_error *error)
-{
-	char name[96];
-	snprintf(name, sizeof name, "neubert-%s", model->name);
-	*unit = bench_recall(bench, name, NULL);
-	if (*unit)
-		return ECO_OK;
+	const struct work *w = ctx;
 	struct eco_model read = { 0 };
 	struct bench_leaves leaves;
-	enum eco_code code = bench_model_read(bench, model, &read, error);
-	json_t *made = NULL;
-	code = code ? code : bench_leaves_open(&leaves, &read, PIXELS, error);
+	struct lod_sights sights = { 0 };
+	double to[VIEWS][3];
+	volatile enum eco_code code = bench_model_read(w->bench, w->model, &read, error);
+	if (!code)
+		code = bench_leaves_open(&leaves, &read, PIXELS, error);
 	if (code)
 		return code;
-	if (leaves.foliage.count < LEAVES_LEAST)
-		made = json_pack("{s:i}", "leaves", 0);
-	else
-		code = study_leaves(&leaves, &made, error);
-	bench_leaves_close(&leaves);
+	lod_directions_spread(to, VIEWS, SEED);
+	memcpy(to, level, sizeof level);
+	if (setjmp(leaves.arena.failed))
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u leaves", leaves.foliage.count);
+	else if (leaves.foliage.count >= LEAVES_LEAST)
+		code = lod_sights_make(&sights, &leaves.foliage, (const double (*)[3])to, VIEWS, PIXELS,
+			&leaves.arena, error);
 	if (!code)
-		*unit = bench_keep(bench, name, NULL, made);
+		*made = json_pack("{s:i, s:o}", "leaves", (int)leaves.foliage.count, "rows", sights.count
+			? measure(&leaves, &sights, bench_leaves_order(&leaves, LOD_ORDER_STOCHASTIC, 0))
+			: json_array());
+	bench_leaves_close(&leaves);
 	return code;
 }
 
@@ -120,8 +93,7 @@ static enum eco_code study(struct bench *bench, const struct bench_model *model,
 
 static double value(const json_t *unit, size_t lambda, uint32_t step, size_t column)
 {
-	const json_t *row = json_array_get(json_object_get(unit, "rows"), lambda * STEPS + step);
-	return json_number_value(json_array_get(row, column));
+	return bench_cell(json_array_get(json_object_get(unit, "rows"), lambda * STEPS + step), column);
 }
 
 static uint32_t best_step(const json_t *unit, size_t lambda, size_t column)
@@ -135,12 +107,12 @@ static uint32_t best_step(const json_t *unit, size_t lambda, size_t column)
 static void write_scales(struct bench_table *table, const char *name, const json_t *unit)
 {
 	for (size_t l = 0; l < LAMBDAS; l++) {
-		uint32_t best = best_step(unit, l, 2), cook = (uint32_t)-STEP_LEAST;
+		uint32_t best = best_step(unit, l, Q), cook = (uint32_t)-STEP_LEAST;
 		bench_table_row(table, "%s,%d,%g,%.2f,%.2f,%.2f,%.2f,%.3f,%.3f", name,
 			(int)json_integer_value(json_object_get(unit, "leaves")), lambdas[l], 1 / lambdas[l],
-			scale_of(lambdas[l], best), scale_of(lambdas[l], best_step(unit, l, 3)),
-			scale_of(lambdas[l], best_step(unit, l, 4)), value(unit, l, cook, 2),
-			value(unit, l, best, 2));
+			scale_of(lambdas[l], best), scale_of(lambdas[l], best_step(unit, l, Q_FIRST)),
+			scale_of(lambdas[l], best_step(unit, l, Q_SECOND)), value(unit, l, cook, Q),
+			value(unit, l, best, Q));
 	}
 }
 
@@ -154,8 +126,8 @@ static enum eco_code plot_diagram(struct bench *bench, const char *name, const j
 	char file[96], title[160];
 	for (size_t l = 0; l < LAMBDAS; l++) {
 		for (uint32_t step = 0; step < STEPS; step++) {
-			p[l][step] = value(unit, l, step, 0);
-			r[l][step] = value(unit, l, step, 1);
+			p[l][step] = value(unit, l, step, P);
+			r[l][step] = value(unit, l, step, R);
 		}
 		series[l] = (struct bench_series){ words[l], p[l], r[l], STEPS, true };
 	}
@@ -172,7 +144,7 @@ static enum eco_code plot_scales(struct bench *bench, const char *name, const js
 	char file[96], title[160];
 	for (size_t l = 0; l < LAMBDAS; l++) {
 		cook[l] = 1 / lambdas[l];
-		best[l] = scale_of(lambdas[l], best_step(unit, l, 2));
+		best[l] = scale_of(lambdas[l], best_step(unit, l, Q));
 	}
 	const struct bench_series series[2] = { { "1 / lambda (Cook)", lambdas, cook, LAMBDAS, false },
 		{ "best", lambdas, best, LAMBDAS, false } };
@@ -197,12 +169,15 @@ static enum eco_code write_plants(struct bench *bench, struct eco_error *error)
 	bench_table_row(table, "%s", "Fagus Sylvatica (printed; users' choice),-,0.2,5.00,-,6.89,6.75,-,-");
 	bench_table_row(table, "%s", "Fagus Sylvatica (printed; users' choice),-,0.6,1.67,-,1.94,1.81,-,-");
 	for (uint32_t i = 0; i < count && found < most && !code; i++) {
-		json_t *unit = NULL;
+		struct work work = { bench, &models[i] };
+		char name[96];
+		json_t *unit;
 		if (models[i].leaves < LEAVES_LEAST)
 			continue;
-		bench_progress(bench, 0.5 * found / most, models[i].name);
-		code = study(bench, &models[i], &unit, error);
-		if (code || !json_integer_value(json_object_get(unit, "leaves")))
+		bench_progress(bench, (double)found / most, models[i].name);
+		snprintf(name, sizeof name, "neubert-%s", models[i].name);
+		code = bench_unit(bench, name, NULL, study, &work, &unit, error);
+		if (code || !json_array_size(json_object_get(unit, "rows")))
 			continue;
 		found++;
 		write_scales(table, models[i].name, unit);

@@ -14,6 +14,7 @@
 #define PATH 1024
 #define SCENE "trees1276"
 #define SPECIES_MAX 32u
+#define TREES_MAX 2000u
 #define FRAMES 240u
 #define FRAMES_QUICK 60u
 
@@ -22,8 +23,8 @@ struct tree { double at[3], height; uint32_t species; };
 struct path {
 	struct species species[SPECIES_MAX];
 	uint32_t species_count, tree_count, frame_count;
-	struct tree *trees;
-	struct eco_request *frames;
+	struct tree trees[TREES_MAX];
+	struct eco_request frames[FRAMES];
 	double farthest;
 };
 
@@ -47,8 +48,7 @@ static enum eco_code read_species(struct bench *bench, struct path *p, const jso
 		bench_progress(bench,
 			(double)p->species_count / (double)json_object_size(json_object_get(scene, "plants")),
 			s->name);
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: bench_savings_of(bench, &s->savings, name, path, error);
+		code = bench_savings_of(bench, &s->savings, name, path, error);
 		p->species_count++;
 	}
 	return code;
@@ -59,34 +59,23 @@ static enum eco_code read_trees(struct bench *bench, struct path *p, const json_
 	struct eco_error *error)
 {
 	char path[PATH], line[256], name[32];
-	uint32_t room = 0;
 	snprintf(path, sizeof path, "%s/scenes/" SCENE "/plants.csv", bench->cache);
 	FILE *file = fopen(path, "r");
-	if (!file)
-		return eco_fail(error, ECO_IO, "%s: cannot be read", path);
-	while (fgets(line, sizeof line, file)) {
-		struct tree tree = { .species = 0 };
-		if (sscanf(line, "%31[^,],%lf,%lf,%lf", name, &tree.at[0], &tree.at[1], &tree.height) != 4)
+	while (file && p->tree_count < TREES_MAX && fgets(line, sizeof line, file)) {
+		struct tree *tree = &p->trees[p->tree_count];
+		tree->species = 0;
+		if (sscanf(line, "%31[^,],%lf,%lf,%lf", name, &tree->at[0], &tree->at[1], &tree->height) != 4)
 			continue;
-		while (tree.species < p->species_count && strcmp(p->species[tree.species].name, name))
-			tree.species++;
-		if (p->tree_count == room) {
-			struct tree *bigger =
-				realloc(p->trees, (room = room ? 2 * room : 256) * sizeof *bigger);
-			if (!bigger) {
-				fclose(file);
-				return eco_fail(error, ECO_NO_MEMORY, "no memory for %u trees", room);
-			}
-			p->trees = bigger;
-		}
-		tree.at[0] -= json_number_value(json_array_get(origin, 0));
-		tree.at[1] -= json_number_value(json_array_get(origin, 1));
-		tree.at[2] = tree.height / 2;
-		if (tree.species < p->species_count && p->species[tree.species].savings.elements
-				>= BENCH_ELEMENTS_LEAST)
-			p->trees[p->tree_count++] = tree;
+		while (tree->species < p->species_count && strcmp(p->species[tree->species].name, name))
+			tree->species++;
+		tree->at[0] -= bench_cell(origin, 0);
+		tree->at[1] -= bench_cell(origin, 1);
+		tree->at[2] = tree->height / 2;
+		p->tree_count += tree->species < p->species_count
+			&& p->species[tree->species].savings.elements >= BENCH_ELEMENTS_LEAST;
 	}
-	fclose(file);
+	if (file)
+		fclose(file);
 	return p->tree_count ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "%s: no tree of a species with %u "
 		"leaves or more", path, BENCH_ELEMENTS_LEAST);
 }
@@ -94,17 +83,13 @@ static enum eco_code read_trees(struct bench *bench, struct path *p, const json_
 static enum eco_code read_path(struct bench *bench, struct path *p, struct eco_error *error)
 {
 	char path[PATH];
-	p->frames = calloc(FRAMES, sizeof *p->frames);
-	if (!p->frames)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u frames", FRAMES);
 	p->frame_count = bench_scene_views(bench, SCENE, p->frames, bench->full ? FRAMES : FRAMES_QUICK);
 	snprintf(path, sizeof path, "%s/scenes/" SCENE "/scene.json", bench->cache);
 	json_t *scene = json_load_file(path, 0, NULL);
 	if (!p->frame_count || !scene) {
 		json_decref(scene);
-		return bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: eco_fail(error, ECO_IO,
-			"%s: no scene or no camera path", path);
+		enum eco_code stopped = bench_go_on(bench, error);
+		return stopped ? stopped : eco_fail(error, ECO_IO, "%s: no scene or no camera path", path);
 	}
 	enum eco_code code = read_species(bench, p, scene, error);
 	if (!code)
@@ -155,72 +140,60 @@ static double ratio_at(const struct bench_savings *s, enum bench_method method, 
 		+ t * at->lambda[method][i + 1] / at->cook_lambda[i + 1];
 }
 
-static double saving_of(const struct path *p, const struct eco_view *view, enum bench_method method,
-	uint32_t *seen)
+/* NaN where no tree is in view. */
+static double saving_of(const struct path *p, const struct eco_view *view, enum bench_method method)
 {
 	double ours = 0, cook = 0;
-	*seen = 0;
 	for (uint32_t i = 0; i < p->tree_count; i++) {
 		const struct tree *tree = &p->trees[i];
-		if (!in_view(tree, view))
-			continue;
 		const struct bench_savings *s = &p->species[tree->species].savings;
 		double d = distance_of(tree, view) / p->farthest, vertices = (1 - d) * (1 - d) * s->vertices;
+		if (!in_view(tree, view))
+			continue;
 		cook += vertices;
 		ours += vertices * ratio_at(s, method, d);
-		++*seen;
 	}
 	return cook > 0 ? 1 - ours / cook : NAN;
 }
 
+/* Means, least and most of all frames. */
 static enum eco_code write_frames(struct bench *bench, const struct path *p, struct eco_error *error)
 {
-	static double x[FRAMES], y[BENCH_METHODS][FRAMES];
-	double least[BENCH_METHODS], most[BENCH_METHODS], sum[BENCH_METHODS] = { 0 };
-	struct bench_series series[BENCH_METHODS];
-	uint32_t seen = 0, counted = 0;
-	struct bench_table *table = bench_table_open(bench, "path_frames",
-		"frame,trees in view,stochastic %,density %,orientation %,orientation with much noise %,"
-		"combined %,combined with much noise %,leaf collapse %,"
-		"greedy at one scale %,greedy %,greedy with simpler leaves %", false);
-	for (uint32_t f = 0; f < p->frame_count; f++) {
-		x[f] = f;
-		for (int m = 0; m < BENCH_METHODS; m++) {
-			double saved = 100 * saving_of(p, &p->frames[f].view, (enum bench_method)m, &seen);
-			y[m][f] = saved;
-			least[m] = counted ? fmin(least[m], saved) : saved;
-			most[m] = counted ? fmax(most[m], saved) : saved;
-			sum[m] += seen ? saved : 0;
-		}
-		counted += seen > 0;
-		bench_table_row(table, "%u,%u,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f", f, seen,
-			y[0][f], y[1][f], y[2][f], y[3][f], y[4][f], y[5][f], y[6][f], y[7][f], y[8][f],
-			y[9][f]);
-	}
-	bench_table_close(table);
-	table = bench_table_open(bench, "path", "order (each with its best scale),mean %,least %,most "
-		"%,Neubert 2011: mean %,"
-		"Neubert 2011: least %,Neubert 2011: most %", true);
 	static const char *const printed[BENCH_METHODS] = { "10.1,4.3,43.7", "17.4,2.2,23.6",
-		"40.7,30.8,69.3", "-,-,-", "30.1,1.4,39.2", "-,-,-", "-,-,-", "-,-,-", "-,-,-",
-		"-,-,-" };
+		"40.7,30.8,69.3", "-,-,-", "30.1,1.4,39.2", "-,-,-", "-,-,-", "-,-,-", "-,-,-", "-,-,-" };
+	static double x[FRAMES], y[BENCH_METHODS][FRAMES];
+	struct bench_series series[BENCH_METHODS];
+	struct bench_table *table = bench_table_open(bench, "path",
+		"order (each with its best scale),mean %,least %,most "
+		"%,Neubert 2011: mean %,Neubert 2011: least %,Neubert 2011: most %", true);
 	for (int m = 0; m < BENCH_METHODS; m++) {
+		double least = INFINITY, most = -INFINITY, sum = 0;
+		uint32_t counted = 0;
+		for (uint32_t f = 0; f < p->frame_count; f++) {
+			double saved = 100 * saving_of(p, &p->frames[f].view, (enum bench_method)m);
+			x[f] = f;
+			y[m][f] = saved;
+			least = fmin(least, saved);
+			most = fmax(most, saved);
+			sum += isnan(saved) ? 0 : saved;
+			counted += !isnan(saved);
+		}
 		bench_table_row(table, "%s,%.1f,%.1f,%.1f,%s", bench_method_names[m],
-			counted ? sum[m] / counted : NAN, least[m], most[m], printed[m]);
+			counted ? sum / counted : NAN, least, most, printed[m]);
 		series[m] = (struct bench_series){ bench_method_names[m], x, y[m], p->frame_count, false };
+		if (m == BENCH_TRIANGLES)
+			bench_key(bench, "saving_frame_min", counted ? least / 100 : NAN,
+				">= 0.40: the worst frame of the path, simpler leaves too");
 	}
 	bench_table_close(table);
 	bench_say(bench, "The paper's trees and path are not to be had, and what its distances are over is "
-		"not said. Why its rows differ from ours is said "
-		"with the species; and here a frame's saving is over vertices, of which near trees have "
-		"most, where Cook draws nearly all and little can be "
+		"not said. Why its rows differ from ours is said with the species; and here a frame's saving "
+		"is over "
+		"vertices, of which near trees have most, where Cook draws nearly all and little can be "
 		"saved at equal Q.");
-	bench_key(bench, "saving_frame_min", counted ? least[BENCH_TRIANGLES] / 100 : NAN,
-		">= 0.40: the worst frame of the path, simpler leaves too");
-	return bench_plot(bench,
-		&(struct bench_plot){ .name = "path", .title = "1,276 trees: geometry saved against Cook at "
-		"equal Q", .x = "frame",
-		.y = "saved, %", .series = series, .series_count = BENCH_METHODS }, error);
+	return bench_plot(bench, &(struct bench_plot){ .name = "path", .title =
+		"1,276 trees: geometry saved against Cook " "at equal Q", .x = "frame", .y = "saved, %",
+		.series = series, .series_count = BENCH_METHODS }, error);
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
@@ -238,10 +211,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 			"a species comes from pictures of it alone, from views that no order or scale was "
 			"made with.", p->tree_count, p->species_count, p->frame_count, p->farthest);
 		code = write_frames(bench, p, error);
-	}
-	if (p) {
-		free(p->trees);
-		free(p->frames);
 	}
 	free(p);
 	return code;
