@@ -437,6 +437,7 @@ determinism:
 
 layers: $(TEST_LIBS) $(MODULES)
 	@tests/layers.sh tests/layers.txt $(B)
+	@tests/prose.sh
 
 headers:
 	@tests/headers.sh $(CC) $(CFLAGS_ALL)

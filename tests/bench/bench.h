@@ -158,9 +158,8 @@ const char *bench_pack_stamp(const char *path);
 /* The packs that random requests are asked of, CACHE/requests/NAME.eco, where they are not there
  * (bench_requests.c). */
 enum eco_code bench_request_packs(struct bench *bench, struct eco_error *error);
-/* Whether the quick bench looks at a scene: in the orders of all its methods, or in ours alone. */
-enum bench_quick { BENCH_FULL_ONLY, BENCH_ONE_ORDER, BENCH_ALL_ORDERS };
-enum bench_quick bench_scene_quick(const char *name);
+/* Whether the quick bench looks at a scene. */
+bool bench_scene_quick(const char *name);
 /* Its cameras: `room` requests along the scene's path; views never used in building. Returns their number. */
 uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_request *requests,
 	uint32_t room);

@@ -182,31 +182,6 @@ void bench_leaves_color(const struct bench_leaves *leaves, size_t pixel, uint8_t
 		memcpy(rgb, leaves->ids.owner[pixel] == BENCH_WOOD ? wood : green, 3);
 }
 
-/* Another shape for the leaf, opaque, about the mean of its own corners. */
-static void draw_shape(struct bench_leaves *leaves, const struct lod_eye *eye, uint32_t i, float scale,
-	const struct lod_simple *shape)
-{
-	struct lod_v3 n = lod_v3_cross(lod_v3_sub(lod_v3_of(shape->corner[1]), lod_v3_of(shape->corner[0])),
-		lod_v3_sub(lod_v3_of(shape->corner[2]), lod_v3_of(shape->corner[0])));
-	double light = lod_v3_length(n) > 0
-		? fabs(lod_v3_dot(lod_v3_unit(n),
-		(struct lod_v3){ eye->forward[0], eye->forward[1], eye->forward[2] })) : 0;
-	float position[18], center[3] = { 0, 0, 0 }, root = sqrtf(scale);
-	for (uint32_t c = 0; c < shape->corners; c++)
-		for (int a = 0; a < 3; a++)
-			center[a] += shape->corner[c][a] / shape->corners;
-	for (uint32_t t = 0; t + 2 < shape->corners; t++) {
-		const uint32_t corner[3] = { 0, t + 1, t + 2 };
-		for (int k = 0; k < 3; k++)
-			for (int a = 0; a < 3; a++)
-				position[9 * t + 3 * (uint32_t)k + (uint32_t)a] = center[a]
-					+ root * (shape->corner[corner[k]][a] - center[a]);
-	}
-	lod_raster_triangles(&leaves->ids,
-		&(struct lod_raster_batch){ .count = shape->corners - 2u, .position = position,
-		.item = lit_item(light), .owner = i + 1 });
-}
-
 static void draw_leaf(struct bench_leaves *leaves, const struct lod_eye *eye, uint32_t i, float scale)
 {
 	const struct lod_foliage *f = &leaves->foliage;
@@ -248,9 +223,6 @@ void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sigh
 	for (uint32_t k = 0; k < count; k++) {
 		uint32_t i = drawing ? drawing->order[k] : k;
 		float scale = !drawing ? 1 : drawing->factor ? drawing->factor[i] : drawing->scale;
-		if (drawing && drawing->shape && drawing->shape[i].corners)
-			draw_shape(leaves, eye, i, scale, &drawing->shape[i]);
-		else
-			draw_leaf(leaves, eye, i, scale);
+		draw_leaf(leaves, eye, i, scale);
 	}
 }

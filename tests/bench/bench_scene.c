@@ -6,8 +6,8 @@
  * forest inventory comes from the data folder.
  *
  * A scene is a folder with scene.json and camera.json, a pack one file per order. Each has a stamp beside it
- * of what it was made from: ecopack itself, what it was told, and the files that it read; a pack's also says
- * what it took and what came of it (a hash). One process makes them at a time. */
+ * of its sources: ecopack itself, its options, and the files that it read; a pack's also holds a hash of the
+ * pack. One process makes them at a time. */
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -27,20 +27,20 @@
 /* The quick bench looks at those whose packs take little: plants of few leaves. */
 enum origin { GENERATED, CROWN, CARDS, SCBI };
 static const struct scene { const char *name; enum origin origin; const char *kind; unsigned plants;
-	double detail; enum bench_quick quick; } scenes[] = {
-	{ "crown", CROWN, NULL, 1, 1, BENCH_ALL_ORDERS },
-	{ "trees640", GENERATED, "grove", 640, 1, BENCH_FULL_ONLY },
-	{ "palms", GENERATED, "palms", 1500, 1.16, BENCH_FULL_ONLY },
-	{ "outdoor", GENERATED, "outdoor", 40000, 1, BENCH_ALL_ORDERS },
-	{ "sunflowers", GENERATED, "sunflowers", 13001, 1, BENCH_FULL_ONLY },
-	{ "trees1276", GENERATED, "grove", 1276, 1, BENCH_FULL_ONLY },
-	{ "trees5000", GENERATED, "grove", 5000, 7, BENCH_FULL_ONLY },
-	{ "park", GENERATED, "park", 60, 1, BENCH_ALL_ORDERS },
-	{ "city", GENERATED, "city", 4000, 1, BENCH_FULL_ONLY },
-	{ "cards-1", CARDS, NULL, 1, 1, BENCH_ONE_ORDER },
-	{ "cards-2", CARDS, NULL, 1, 1, BENCH_FULL_ONLY },
-	{ "cards-3", CARDS, NULL, 1, 1, BENCH_FULL_ONLY },
-	{ "scbi", SCBI, NULL, 0, 1, BENCH_FULL_ONLY } };
+	double detail; bool quick; } scenes[] = {
+	{ "crown", CROWN, NULL, 1, 1, true },
+	{ "trees640", GENERATED, "grove", 640, 1, false },
+	{ "palms", GENERATED, "palms", 1500, 1.16, false },
+	{ "outdoor", GENERATED, "outdoor", 40000, 1, true },
+	{ "sunflowers", GENERATED, "sunflowers", 13001, 1, false },
+	{ "trees1276", GENERATED, "grove", 1276, 1, false },
+	{ "trees5000", GENERATED, "grove", 5000, 7, false },
+	{ "park", GENERATED, "park", 60, 1, true },
+	{ "city", GENERATED, "city", 4000, 1, false },
+	{ "cards-1", CARDS, NULL, 1, 1, true },
+	{ "cards-2", CARDS, NULL, 1, 1, false },
+	{ "cards-3", CARDS, NULL, 1, 1, false },
+	{ "scbi", SCBI, NULL, 0, 1, false } };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
 static const struct scene *find(const char *name)
@@ -51,10 +51,10 @@ static const struct scene *find(const char *name)
 	return NULL;
 }
 
-enum bench_quick bench_scene_quick(const char *name)
+bool bench_scene_quick(const char *name)
 {
 	const struct scene *scene = find(name);
-	return scene ? scene->quick : BENCH_FULL_ONLY;
+	return scene && scene->quick;
 }
 
 /* ---- Stamps ---- */
@@ -117,7 +117,7 @@ static enum eco_code stamp_write(const char *what, const char *stamp, struct eco
 {
 	char path[PATH + 32];
 	snprintf(path, sizeof path, "%s.stamp", what);
-	return bench_file_write(path, stamp, strlen(stamp), error);
+	return eco_file_write(path, stamp, strlen(stamp), error);
 }
 
 /* ---- Folders with scene.json ---- */
@@ -145,10 +145,10 @@ static enum eco_code make_crown(struct bench *bench, const char *folder, struct 
 	fputs("\n]}\n", out);
 	fclose(out);
 	if (!code)
-		code = bench_file_write(path, text, size, error);
+		code = eco_file_write(path, text, size, error);
 	free(text);
 	snprintf(path, sizeof path, "%s/scene.json", folder);
-	return code ? code : bench_file_write(path, scene, sizeof scene - 1, error);
+	return code ? code : eco_file_write(path, scene, sizeof scene - 1, error);
 }
 
 /* One tree of the city's, by its name. */
@@ -162,7 +162,7 @@ static enum eco_code make_cards(struct bench *bench, const char *name, const cha
 		"[0, 0, 0]}]}\n", name, name);
 	enum eco_code code = bench_command(bench, error, "'%s/ecopack' generate city -o '%s' --plants 1 "
 		"--quiet", bench->build, folder);
-	return code ? code : bench_file_write(path, scene, (size_t)size, error);
+	return code ? code : eco_file_write(path, scene, (size_t)size, error);
 }
 
 static enum eco_code make_scbi(struct bench *bench, const char *folder, struct eco_error *error)
@@ -224,14 +224,13 @@ static enum eco_code make_pack(struct bench *bench, const char *name, const char
 	const char *stamp, struct eco_error *error)
 {
 	char folder[PATH], text[512];
-	double cpu_s = bench_cpu_s(), wall_s = bench_now_s();
 	snprintf(folder, sizeof folder, "%s/scenes/%s", bench->cache, name);
 	bench_note(bench, "building %s%s%s", name, order ? ", leaves in order: " : "", order ? order : "");
 	enum eco_code code = bench_command(bench, error, "'%s/ecopack' make '%s/scene.json' -o '%s'%s%s%s "
 		"--cache '%s/plants' --cache-mb 16384", bench->build, folder, path, order ? " --order " : "",
 		order ? order : "", bench->state->quiet ? " --quiet" : "", bench->cache);
-	snprintf(text, sizeof text, "%.320sholds %016llx\ntook %.1f %.1f\n", stamp,
-		(unsigned long long)bench_file_hash(path), bench_cpu_s() - cpu_s, bench_now_s() - wall_s);
+	snprintf(text, sizeof text, "%.320sholds %016llx\n", stamp,
+		(unsigned long long)bench_file_hash(path));
 	return code ? code : stamp_write(path, text, error);
 }
 

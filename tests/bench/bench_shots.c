@@ -33,7 +33,7 @@ static const uint64_t full_budgets[] = { 10000, 20000, 50000, 100000, 200000, 50
 
 bool bench_scene_asked(struct bench *bench, const char *scene)
 {
-	bool asked = bench->full || bench_scene_quick(scene) != BENCH_FULL_ONLY;
+	bool asked = bench->full || bench_scene_quick(scene);
 	if (!asked)
 		bench_left_out(bench, scene);
 	return asked;
