@@ -41,11 +41,6 @@ void eco_source_plant_free(struct eco_source_plant *plant);
 
 /* "ground" (scene_ground.c). */
 bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top);
-/* "image" of it (scene_image.c), if present. */
-bool eco_scene_parse_image(struct eco_source *source, const struct eco_json *at);
-/* "north_west" and "pixel": the place of a picture that has no coordinates of its own. */
-bool eco_scene_parse_place(const struct eco_json *at, uint32_t files, bool *has_place, double corner[2],
-	double pixel[2]);
 void eco_ground_source_free(struct eco_ground_source *ground);
 
 /* The first plant of that name. The error, at `at`, lists the plants there are. */
@@ -57,7 +52,7 @@ bool eco_source_plant_of(const struct eco_source *source, const struct eco_json 
 enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, size_t size, const char *path,
 	bool on_disk, struct eco_error *error);
 
-/* "only" and "skip" of an entry (scene_filter.c). On failure they hold the part read so far. */
+/* "only" and "skip" of an entry (scene_rows.c). On failure they hold the part read so far. */
 bool eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count);
 
 /* One entry of "instances" with "scatter" (scene_scatter.c). On failure the spec holds the part read so

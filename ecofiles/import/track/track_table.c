@@ -227,7 +227,7 @@ static enum eco_code find_header(struct table *table, struct eco_rows *rows, con
 static enum eco_code read_layer(struct eco_track *track, const char *layer, const char *formats,
 	struct eco_error *error)
 {
-	struct eco_rows_source source = { .path = track->path, .layer = layer, .vertices = true };
+	struct eco_rows_source source = { .path = track->path, .layer = layer, .partial = true };
 	struct eco_rows *rows;
 	struct table table;
 	enum eco_code code = layer ? eco_rows_open_here(&rows, &source, error)

@@ -1,7 +1,7 @@
 /* Tables with geometry, as OGR opens them: GeoJSON, GeoPackage, Shapefile, KML, GML, FlatGeobuf, ... Runs
  * in the child process of rows_child.c. Points are places; each point of a multipoint is a row of its own.
- * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. Longer than
- * 600 lines: what a driver hides of a broken file is found where that file is opened. */
+ * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. Longer than 600 lines: what
+ * a driver hides of a broken file is found where that file is opened. */
 #include "ecofiles/import/places/rows/rows.h"
 
 #include <cpl_conv.h>
@@ -34,19 +34,15 @@ struct ogr_rows {
 	GDALDatasetH data;
 	OGRLayerH layer;
 	OGRFeatureH feature;
-	/* of the feature, if it has several: a multipoint or a line; owned by it */
-	OGRGeometryH points;
+	OGRGeometryH points;         /* a multipoint of the feature, owned by it; NULL: none */
 	int point;
-	/* of the feature, if it has several lines; points is number `line` of them */
-	OGRGeometryH lines;
-	int line;
-	bool areas, vertices;
+	bool areas, partial;
 	bool trees;                  /* of a city model */
 	char *path;
 	char broken[200]; /* the first error by which GDAL says that the file does not hold together */
 	uint8_t *wkb; size_t wkb_capacity;
 	char *text; size_t text_capacity;        /* the row's fields that are not texts */
-	bool copied[ECO_COLUMNS_MAX], own[ECO_COLUMNS_MAX];
+	bool copied[ECO_COLUMNS_MAX];
 	struct eco_rows_point text_point;        /* of a table without geometry; read is NULL if it has none */
 };
 
@@ -125,26 +121,6 @@ static enum eco_code ask_for_layer(struct ogr_rows *r, const char *wanted, struc
 		"another of: %s", r->path, OGR_L_GetName(GDALDatasetGetLayer(r->data, 0)), names);
 }
 
-/* The layer whose geometries are longest, as bytes. */
-static int longest_layer(struct ogr_rows *r, int count)
-{
-	int longest = 0;
-	uint64_t most = 0;
-	for (int i = 0; i < count; i++) {
-		OGRLayerH layer = GDALDatasetGetLayer(r->data, i);
-		OGRFeatureH feature;
-		uint64_t bytes = 0;
-		while ((feature = OGR_L_GetNextFeature(layer))) {
-			OGRGeometryH geometry = OGR_F_GetGeometryRef(feature);
-			bytes += geometry ? (uint64_t)OGR_G_WkbSize(geometry) : 0;
-			OGR_F_Destroy(feature);
-		}
-		longest = bytes > most ? i : longest;
-		most = bytes > most ? bytes : most;
-	}
-	return longest;
-}
-
 /* CityGML names its trees; OGR reads them as any GML. */
 static bool find_trees(struct ogr_rows *r)
 {
@@ -168,12 +144,6 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 	}
 	if (find_trees(r))
 		return ECO_OK;
-	if (r->vertices && count > 1) {
-		r->layer = GDALDatasetGetLayer(r->data, longest_layer(r, count));
-		eco_rows_note(&r->rows, "of its %d layers the longest is taken, \"%.60s\"", count,
-			OGR_L_GetName(r->layer));
-		return ECO_OK;
-	}
 	for (int i = 0; i < count; i++) {
 		OGRwkbGeometryType type = OGR_L_GetGeomType(GDALDatasetGetLayer(r->data, i));
 		bool fits = r->areas ? is_surface(type) : is_point(type);
@@ -208,10 +178,10 @@ static bool lacks_part(const char *path, const char *extension)
 
 /* ---- CRS ---- */
 
-static bool is_shapefile(const struct ogr_rows *r)
+static bool is_of(const struct ogr_rows *r, const char *format)
 {
 	GDALDriverH driver = GDALGetDatasetDriver(r->data);
-	return driver && strcmp(GDALGetDriverShortName(driver), "ESRI Shapefile") == 0;
+	return driver && strcmp(GDALGetDriverShortName(driver), format) == 0;
 }
 
 /* "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH" of German surveys, which PROJ does not know. */
@@ -236,7 +206,7 @@ static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 	if (!crs) {
 		if (r->trees)
 			take_german_crs(r);
-		if (is_shapefile(r))
+		if (is_of(r, "ESRI Shapefile"))
 			snprintf(r->rows.no_crs, sizeof r->rows.no_crs,
 				lacks_part(r->path, "prj") ? " (there is no .prj beside it)"
 							   : " (its .prj cannot be read)");
@@ -390,37 +360,12 @@ static enum eco_code take_area(struct ogr_rows *r, OGRGeometryH geometry, struct
 	return code;
 }
 
-/* Point number r->point of a line or a multipoint. */
-static void take_vertex(struct ogr_rows *r)
+/* To the next point of a multipoint; false after its last. */
+static bool next_point(struct ogr_rows *r)
 {
-	struct eco_rows_place *place = &r->rows.place;
-	if (wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbMultiPoint) {
-		take_point(place, OGR_G_GetGeometryRef(r->points, r->point));
-		return;
-	}
-	place->kind = ECO_PLACE_POINT;
-	place->at[0] = OGR_G_GetX(r->points, r->point);
-	place->at[1] = OGR_G_GetY(r->points, r->point);
-	place->at[2] = OGR_G_Is3D(r->points) ? OGR_G_GetZ(r->points, r->point) : NAN;
-	strcpy(place->what, r->point == 0 ? "line" : "vertex");
-}
-
-/* To the next point of the feature; false after its last. */
-static bool next_vertex(struct ogr_rows *r)
-{
-	int count = !r->points ? 0 : wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbMultiPoint
-		? OGR_G_GetGeometryCount(r->points)
-		: OGR_G_GetPointCount(r->points);
-
-	if (!r->points)
+	if (!r->points || ++r->point >= OGR_G_GetGeometryCount(r->points))
 		return false;
-	for (r->point++; r->point >= count; r->point = 0) {
-		if (!r->lines || ++r->line >= OGR_G_GetGeometryCount(r->lines))
-			return false;
-		r->points = OGR_G_GetGeometryRef(r->lines, r->line);
-		count = OGR_G_GetPointCount(r->points);
-	}
-	take_vertex(r);
+	take_point(&r->rows.place, OGR_G_GetGeometryRef(r->points, r->point));
 	return true;
 }
 
@@ -430,7 +375,7 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 	OGRGeometryH geometry = OGR_F_GetGeometryRef(r->feature);
 	OGRwkbGeometryType type = geometry ? wkbFlatten(OGR_G_GetGeometryType(geometry)) : wkbUnknown;
 	*place = (struct eco_rows_place){ .kind = r->rows.has_geometry ? ECO_PLACE_EMPTY : ECO_PLACE_NONE };
-	r->points = r->lines = NULL;
+	r->points = NULL;
 	if (!geometry || OGR_G_IsEmpty(geometry))
 		return ECO_OK;
 	if (r->areas)
@@ -439,37 +384,15 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 		take_point(place, geometry);
 	} else if (type == wkbMultiPoint) {
 		r->points = geometry;
-		r->point = 0;
-		take_vertex(r);
+		r->point = -1;
+		next_point(r);
 	} else if (r->trees) {
 		take_foot(place, geometry);
-	} else if (r->vertices && (type == wkbLineString || type == wkbMultiLineString)) {
-		r->lines = type == wkbMultiLineString ? geometry : NULL;
-		r->points = r->lines ? OGR_G_GetGeometryRef(geometry, 0) : geometry;
-		r->line = 0;
-		r->point = -1;
-		next_vertex(r);
 	} else {
 		place->kind = ECO_PLACE_OTHER;
 		snprintf(place->what, sizeof place->what, "%.15s", OGRGeometryTypeToName(type));
 	}
 	return ECO_OK;
-}
-
-/* A list with a value for each vertex of a line gives each its own. The lists belong to the feature. */
-static bool has_own(const struct ogr_rows *r, int field)
-{
-	return r->vertices && r->points && !r->lines
-		&& OGR_Fld_GetType(OGR_F_GetFieldDefnRef(r->feature, field)) == OFTStringList
-		&& wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbLineString
-		&& CSLCount(OGR_F_GetFieldAsStringList(r->feature, field)) == OGR_G_GetPointCount(r->points);
-}
-
-static void take_own(struct ogr_rows *r)
-{
-	for (uint32_t i = 0; i < r->rows.column_count; i++)
-		if (r->own[i])
-			r->rows.fields[i] = OGR_F_GetFieldAsStringList(r->feature, (int)i)[r->point];
 }
 
 /* OGR formats every number into one buffer, which the next one overwrites: so numbers are copied, one
@@ -479,10 +402,8 @@ static enum eco_code take_fields(struct ogr_rows *r, struct eco_error *error)
 	size_t used = 0;
 	for (int i = 0; i < (int)r->rows.column_count; i++) {
 		OGRFieldDefnH field = OGR_F_GetFieldDefnRef(r->feature, i);
-		bool there = OGR_F_IsFieldSetAndNotNull(r->feature, i) != 0, own = there && has_own(r, i);
-		const char *text = there && !own ? OGR_F_GetFieldAsString(r->feature, i) : "";
+		const char *text = OGR_F_IsFieldSetAndNotNull(r->feature, i) ? OGR_F_GetFieldAsString(r->feature, i) : "";
 		size_t size = strlen(text) + 1;
-		r->own[i] = own;
 		r->rows.fields[i] = text;
 		r->copied[i] = *text != 0 && OGR_Fld_GetType(field) != OFTString;
 		if (!r->copied[i])
@@ -503,7 +424,6 @@ static enum eco_code take_fields(struct ogr_rows *r, struct eco_error *error)
 			r->rows.fields[i] = r->text + used;
 			used += strlen(r->text + used) + 1;
 		}
-	take_own(r);
 	r->rows.field_count = r->rows.column_count;
 	return ECO_OK;
 }
@@ -512,20 +432,19 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 {
 	struct ogr_rows *r = (struct ogr_rows *)rows;
 	*more = true;
-	if (next_vertex(r)) {
-		take_own(r);
+	if (next_point(r)) {
 		rows->row++;
 		return ECO_OK;
 	}
 	if (r->feature)
 		OGR_F_Destroy(r->feature);
-	r->points = r->lines = NULL;
+	r->points = NULL;
 	CPLErrorReset();
 	r->feature = OGR_L_GetNextFeature(r->layer);
 	if (!r->feature) {
 		*more = false;
 		/* a track is of use up to where its recorder stopped */
-		if ((r->broken[0] && !r->vertices) || CPLGetLastErrorType() >= CE_Failure)
+		if ((r->broken[0] && !r->partial) || CPLGetLastErrorType() >= CE_Failure)
 			return cannot_read(r, CPLGetLastErrorMsg(), error);
 		return rows->row == 0 && OGR_L_GetFeatureCount(r->layer, FALSE) > 0
 			? cannot_read(r, "its rows are missing", error)
@@ -605,11 +524,10 @@ static enum eco_code check_shape(const struct ogr_rows *r, struct eco_error *err
 static enum eco_code check_workbook(const struct ogr_rows *r, struct eco_error *error)
 {
 	static const char list[] = "/[Content_Types].xml", key[] = "PartName=\"";
-	GDALDriverH driver = GDALGetDatasetDriver(r->data);
 	enum eco_code code = ECO_OK;
 	char path[4400], why[160];
 	GByte *text = NULL;
-	if (!driver || strcmp(GDALGetDriverShortName(driver), "XLSX") != 0)
+	if (!is_of(r, "XLSX"))
 		return ECO_OK;
 	snprintf(path, sizeof path, "/vsizip/{%.4000s}%s", r->path, list);
 	if (!VSIIngestFile(NULL, path, &text, NULL, 1 << 20))
@@ -618,8 +536,7 @@ static enum eco_code check_workbook(const struct ogr_rows *r, struct eco_error *
 		VSIStatBufL status;
 		at += strlen(key);
 		int length = (int)strcspn(at, "\"");
-		snprintf(path, sizeof path, "/vsizip/{%.4000s}%.*s", r->path, length < 100 ? length : 100,
-			at);
+		snprintf(path, sizeof path, "/vsizip/{%.4000s}%.*s", r->path, length < 100 ? length : 100, at);
 		snprintf(why, sizeof why, "it has no %.*s", length < 100 ? length : 100, at);
 		if ((strncmp(at, "/xl/worksheets/", 15) == 0 || strncmp(at, "/xl/sharedStrings", 17) == 0) &&
 			VSIStatL(path, &status) != 0)
@@ -632,8 +549,7 @@ static enum eco_code check_workbook(const struct ogr_rows *r, struct eco_error *
 static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source *source,
 	struct eco_error *error)
 {
-	const char *options[] = { "AUTODETECT_TYPE=NO", source->vertices ? "FLATTEN_NESTED_ATTRIBUTES=YES"
-		: NULL, "NESTED_ATTRIBUTE_SEPARATOR=.", NULL };
+	const char *options[] = { "AUTODETECT_TYPE=NO", NULL };
 
 	quiet(r);
 	CPLErrorReset();
@@ -648,14 +564,14 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 	r->data = GDALOpenEx(source->path, GDAL_OF_VECTOR | GDAL_OF_READONLY, NULL, options, NULL);
 	if (!r->data)
 		return gdal_says(r->path, ECO_BAD_INPUT,
-			source->vertices
+			source->partial
 				? "GDAL cannot read it: it is "
 				  "damaged, or breaks off near its beginning"
 				: "it cannot be read: it is damaged or breaks off, or is "
 				  "no table of a known format (CSV, Excel .xlsx, OpenDocument, GeoJSON, GeoPackage, Shapefile, GML, KML, "
 				  "FlatGeobuf, CityGML)",
 			error);
-	if (is_shapefile(r) && !lacks_part(source->path, "dbf") &&
+	if (is_of(r, "ESRI Shapefile") && !lacks_part(source->path, "dbf") &&
 		OGR_FD_GetFieldCount(OGR_L_GetLayerDefn(GDALDatasetGetLayer(r->data, 0))) == 0)
 		return cannot_read(r, "its .dbf has no columns", error);
 	return check_workbook(r, error);
@@ -676,7 +592,7 @@ enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_sourc
 	r->rows.close = close_ogr;
 	r->rows.where = "feature";
 	r->areas = source->areas;
-	r->vertices = source->vertices;
+	r->partial = source->partial;
 	enum eco_code code = open_data(r, source, error);
 	if (!code)
 		code = find_layer(r, source->layer, error);

@@ -63,9 +63,7 @@ struct eco_rows_source {
 	const char *const *wanted;   /* columns needed; others may come empty; NULL: all */
 	uint32_t wanted_count;
 	bool areas;                  /* geometries whole; files without any are refused */
-	/* each vertex of a line is a row, place.what "line" at the first and "vertex" at the others; a list
-	 * with a value for each vertex gives each its own. Of several layers the longest is taken */
-	bool vertices;
+	bool partial;                /* a file that breaks off is read until there */
 };
 
 /* Opens by content, then by extension. The error for a file that is not what it seems says what to do. */
