@@ -12,6 +12,7 @@
 /* ---- Species (positions_species.c): the map's keys, and the key of each text met ---- */
 
 struct eco_species_table;
+struct eco_place_set;
 
 /* NULL when memory ran out. `spec` must outlive it. */
 struct eco_species_table *eco_species_open(const struct eco_positions_spec *spec);
@@ -22,18 +23,10 @@ void eco_species_counted(const struct eco_species_table *table, struct eco_posit
 void eco_species_reset(struct eco_species_table *table);
 void eco_species_close(struct eco_species_table *table);
 
-/* ---- Places taken (positions_places.c): a set of 64-bit hashes, at most 16 bytes each ---- */
-
-struct eco_place_set;
-
-struct eco_place_set *eco_place_set_open(void);
-/* Adds a place, rounded to the millimetre. *known: it was in the set. False when memory ran out. */
-bool eco_place_set_add(struct eco_place_set *set, const double at[3], bool *known);
-void eco_place_set_close(struct eco_place_set *set);
-
-/* ---- Levels (positions_size.c): few heights instead of many. A plant's heights are divided into classes of equal
- * ratio between the least and the greatest, and each becomes the mean of its class: the relative error is bounded, and
- * the few tall trees among many shrubs keep their height ---- */
+/* ---- Levels (positions_size.c): few heights instead of many. A plant's heights are divided into classes of
+ * equal
+ * ratio between the least and the greatest, and each becomes the mean of its class: the relative error is
+ * bounded, and the few tall trees among many shrubs keep their height ---- */
 
 struct eco_levels;
 
@@ -54,18 +47,11 @@ struct eco_size_remarks {
 	double measured_m; /* what the text says, by the unit stated for the column; 0: by its own */
 };
 
-/* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none (also where it is unused,
+/* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none (also where it is
+ * unused,
  * as it is below low_m or above high_m). */
 double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant,
 	double low_m, double high_m, struct eco_size_remarks *remarks);
-
-/* ---- Places that count from others (positions_size.c) ---- */
-
-/* The south-western corner of a quadrat by its four digits (fewer: zeros were lost before them). False: they
- * are none. */
-bool eco_quadrat_corner(const struct eco_quadrat *quadrat, const char *text, double corner_m[2]);
-/* East and north of an azimuth and a distance. */
-void eco_polar_offset(const struct eco_polar *polar, double azimuth, double distance, double offset_m[2]);
 
 /* ---- The reader ---- */
 
@@ -102,7 +88,30 @@ struct eco_positions {
 	bool ended;
 };
 
-/* Opens the file (again, if it was open) and finds the columns (positions_columns.c). */
-enum eco_code eco_positions_open_rows(struct eco_positions *p, struct eco_error *error);
+enum verdict { GOOD, SKIPPED, FAILED };
+
+/* A field's text without leading spaces. */
+const char *eco_row_field(const struct eco_positions *p, uint32_t column);
+/* A text for a message: trimmed and shortened. */
+const char *eco_row_shown(const char *text, char *buffer, size_t size);
+char eco_row_decimal(const struct eco_positions *p);
+/* The row being read, for errors: FILE:LINE, or FILE, feature NUMBER in a file without meaningful lines. */
+const char *eco_row_name(const struct eco_positions *p, char *text, size_t size);
+#define ECO_ROW_NAME 280
+/* Counts the row being read, with the first line and text. */
+void eco_row_count(struct eco_positions *p, enum eco_skip why, const char *text);
+enum verdict eco_row_skip(struct eco_positions *p, enum eco_skip why, const char *text);
+/* Keeps a note of the reader's own, once. */
+void eco_row_note(void *reader, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* ---- Places (positions_places.c) ---- */
+
+/* Forgets the places of an earlier reading. */
+enum eco_code eco_positions_start_places(struct eco_positions *p, struct eco_error *error);
+enum verdict eco_positions_place(struct eco_positions *p, struct eco_position *record,
+	struct eco_error *error);
+/* What only all rows tell: places far from everything, degrees in a CRS of metres, x and y swapped. */
+enum eco_code eco_positions_check_places(struct eco_positions *p, struct eco_error *error);
+void eco_place_set_close(struct eco_place_set *set);
 
 #endif

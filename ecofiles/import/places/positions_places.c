@@ -1,19 +1,34 @@
-/* A set of places: open addressing over 64-bit hashes of millimetres, in 256 parts. Each part grows by
- * half when it is four fifths full, so that a place takes 10 to 15 bytes, also during growth. Two places
- * with one hash (in one of 10^5 inventories of 10^7 rows) count as one. */
-#include <math.h>
-#include <stdlib.h>
-
-#include "ecofiles/base/random.h"
+/* Where the plant of a row stands: from columns or a geometry, through crs.h. Files that show another
+ * notation, or
+ * degrees where the CRS has metres, are refused beside the rows that show it. */
 #include "ecofiles/import/places/positions_parts.h"
 
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/angle16.h"
+#include "ecofiles/base/random.h"
+#include "ecofiles/format/model.h"
+#include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/import/places/table_columns.h"
+
+#define DISTANCE_MAX_M 1e7
+#define FAR_M 100000.0
+#define HEAP_PLANTS 10u /* so many within a metre are degrees, where they could be */
 #define PARTS 256u
 #define FIRST 16u
 
+/* ---- Places taken ---- */
+
+/* A set of places: open addressing over 64-bit hashes of millimetres, in 256 parts. Each part grows by
+ * half when it is four fifths full, so that a place takes 10 to 15 bytes, also during growth. Two places
+ * with one hash (in one of 10^5 inventories of 10^7 rows) count as one. */
 struct part { uint64_t *slots; uint32_t count, capacity; };
 struct eco_place_set { struct part parts[PARTS]; };
 
-struct eco_place_set *eco_place_set_open(void)
+static struct eco_place_set *open_set(void)
 {
 	return calloc(1, sizeof(struct eco_place_set));
 }
@@ -44,7 +59,7 @@ static bool grow(struct part *part)
 	return true;
 }
 
-bool eco_place_set_add(struct eco_place_set *set, const double at[3], bool *known)
+static bool add_to_set(struct eco_place_set *set, const double at[3], bool *known)
 {
 	uint64_t hash = 0, *slot;
 	for (int k = 0; k < 3; k++)
@@ -65,4 +80,317 @@ void eco_place_set_close(struct eco_place_set *set)
 	for (uint32_t i = 0; set && i < PARTS; i++)
 		free(set->parts[i].slots);
 	free(set);
+}
+
+/* ---- From others ---- */
+
+/* The south-western corner of a quadrat by its four digits (fewer: zeros were lost before them). False: they
+ * are
+ * none. */
+static bool quadrat_corner(const struct eco_quadrat *quadrat, const char *text, double corner_m[2])
+{
+	size_t digits = strspn(text, "0123456789"), spaces = strspn(text + digits, " ");
+	if (digits == 0 || digits > 4 || text[digits + spaces] != 0)
+		return false;
+	unsigned long number = strtoul(text, NULL, 10);
+	corner_m[0] = (double)(number / 100) * quadrat->size_m;
+	corner_m[1] = (double)(number % 100) * quadrat->size_m;
+	return true;
+}
+
+/* East and north of an azimuth and a distance. */
+static void polar_offset(const struct eco_polar *polar, double azimuth, double distance, double offset_m[2])
+{
+	double sine, cosine;
+	eco_angle16_sincos(eco_angle16_from_deg(azimuth / polar->whole_turn * 360), &sine, &cosine);
+	offset_m[0] = distance * polar->unit_m * sine;
+	offset_m[1] = distance * polar->unit_m * cosine;
+}
+
+/* ---- Coordinates ---- */
+
+/* A bad coordinate before any good row shows the notation of the whole file: the other decimal sign, or
+ * degrees that are none. Then the file is refused. */
+static enum verdict refuse_notation(const struct eco_positions *p, const char *text, struct eco_error *error)
+{
+	double number;
+	char row[ECO_ROW_NAME];
+	if (p->spec->decimal == 0 && eco_text_number(text, ',', &number)) {
+		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\" has a decimal comma; add \"decimal\": \",\" "
+			"to its entry%s", eco_row_name(p, row, sizeof row), text,
+			eco_text_grouped(text, ',', &number) ? ", or \"thousands\": \",\" if it "
+			"parts thousands" : "");
+		return FAILED;
+	}
+	if (strstr(text, "\u00b0") && text[strspn(text, "+-")] >= '0' && text[strspn(text, "+-")] <= '9') {
+		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\": degrees with minutes and seconds are read "
+			"as 48\u00b0 8' 15\" N, with N, S, E or W; or export decimals, such as 48.1375",
+			eco_row_name(p, row, sizeof row), text);
+		return FAILED;
+	}
+	return GOOD;
+}
+
+static enum verdict read_coordinate(struct eco_positions *p, uint32_t column, double *number,
+	struct eco_error *error)
+{
+	const char *text = eco_row_field(p, column);
+	char buffer[48];
+	if ((p->spec->thousands && eco_text_grouped(text, p->spec->thousands, number))
+			|| eco_text_number(text, eco_row_decimal(p), number))
+		return GOOD;
+	eco_row_shown(text, buffer, sizeof buffer);
+	if (eco_text_is_missing(text))
+		return eco_row_skip(p, ECO_SKIP_NO_COORDINATES, buffer);
+	if (p->good_places == 0 && refuse_notation(p, buffer, error) == FAILED)
+		return FAILED;
+	return eco_row_skip(p, ECO_SKIP_BAD_NUMBER, buffer);
+}
+
+static enum verdict read_columns(struct eco_positions *p, double xyz[3], struct eco_error *error)
+{
+	double corner_m[2] = { 0, 0 }, unit_m = p->spec->unit_m > 0 ? p->spec->unit_m : 1;
+	enum verdict verdict = GOOD;
+	for (int k = 0; k < 3 && verdict == GOOD; k++)
+		if (p->column[k] != ECO_NONE)
+			verdict = read_coordinate(p, p->column[k], &xyz[k], error);
+	if (verdict == GOOD && p->column[ECO_COLUMN_QUADRAT] != ECO_NONE) {
+		const char *text = eco_row_field(p, p->column[ECO_COLUMN_QUADRAT]);
+		if (!quadrat_corner(&p->spec->quadrat, text, corner_m))
+			return eco_row_skip(p, eco_text_is_missing(text) ? ECO_SKIP_NO_COORDINATES
+				: ECO_SKIP_BAD_NUMBER, text);
+	}
+	for (int k = 0; k < 2; k++)
+		xyz[k] = corner_m[k] + xyz[k] * unit_m;
+	return verdict;
+}
+
+/* From a plot's centre, which is in the scene's metres already: grid north is taken for north. */
+static enum verdict add_polar(struct eco_positions *p, double xyz[3], struct eco_error *error)
+{
+	double azimuth, distance, offset_m[2];
+	if (p->column[ECO_COLUMN_AZIMUTH] == ECO_NONE)
+		return GOOD;
+	enum verdict verdict = read_coordinate(p, p->column[ECO_COLUMN_AZIMUTH], &azimuth, error);
+	if (verdict == GOOD)
+		verdict = read_coordinate(p, p->column[ECO_COLUMN_DISTANCE], &distance, error);
+	if (verdict != GOOD)
+		return verdict;
+	polar_offset(&p->spec->polar, azimuth, distance, offset_m);
+	for (int k = 0; k < 2; k++)
+		xyz[k] += offset_m[k];
+	return GOOD;
+}
+
+static enum verdict read_geometry(struct eco_positions *p, double xyz[3], struct eco_error *error)
+{
+	const struct eco_rows_place *place = &p->rows->place;
+	if (place->kind == ECO_PLACE_EMPTY || place->kind == ECO_PLACE_NONE)
+		eco_row_count(p, ECO_SKIP_NO_GEOMETRY, place->what);
+	else if (place->kind == ECO_PLACE_OTHER)
+		eco_row_count(p, ECO_SKIP_NOT_A_POINT, place->what);
+	if (place->kind != ECO_PLACE_POINT)
+		return SKIPPED;
+	memcpy(xyz, place->at, sizeof place->at);
+	if (!isfinite(xyz[0]) || !isfinite(xyz[1])
+			|| (p->use_z && p->column[ECO_COLUMN_Z] == ECO_NONE && !isfinite(xyz[2])))
+		return eco_row_skip(p, ECO_SKIP_BAD_NUMBER, "not finite");
+	return p->column[ECO_COLUMN_Z] != ECO_NONE ? read_coordinate(p, p->column[ECO_COLUMN_Z], &xyz[2],
+		error) : GOOD;
+}
+
+/* Refuses degrees that would be taken for the scene's metres: a heap some metres wide, far away. */
+static enum verdict refuse_inherited(const struct eco_positions *p, const double xyz[3],
+	struct eco_error *error)
+{
+	if (!p->frame.crs || p->spec->crs || (p->from_geometry && p->rows->crs)
+			|| fabs(xyz[0]) > 180 || fabs(xyz[1]) > 180)
+		return GOOD;
+	eco_fail(error, ECO_BAD_INPUT, "%.150s: no CRS is stated for its coordinates, so they would be in "
+		"the scene's, %.80s; but %.10g, %.10g looks like degrees: add \"crs\": \"EPSG:4326\" to "
+		"its entry, or \"crs\": \"%.80s\" if they are not", p->spec->path, p->frame.crs, xyz[0],
+		xyz[1], p->frame.crs);
+	return FAILED;
+}
+
+/* Refuses degrees in a scene of plain metres: they would become a heap a few millimetres wide. */
+static enum verdict refuse_degrees(const struct eco_positions *p, const double xyz[3],
+	struct eco_error *error)
+{
+	int zone = (int)floor((xyz[0] + 180) / 6) + 1;
+	if (p->frame.crs || p->spec->crs || p->from_geometry || !eco_column_says_degrees(p->spec->x)
+		|| !eco_column_says_degrees(p->spec->y)
+		|| fabs(xyz[0]) > 180 || fabs(xyz[1]) > 90)
+		return GOOD;
+	zone = zone < 1 ? 1 : zone > 60 ? 60 : zone;
+	eco_fail(error, ECO_BAD_INPUT, "%.150s: \"%.40s\" and \"%.40s\" are degrees, and the scene is in "
+		"plain metres; add \"crs\": \"EPSG:4326\" to its entry, and \"crs\": \"EPSG:%d\" (the UTM "
+		"zone of %.2f, %.2f) and an \"origin\" in it to the scene", p->spec->path, p->spec->x,
+		p->spec->y, (xyz[1] < 0 ? 32700 : 32600) + zone, xyz[0], xyz[1]);
+	return FAILED;
+}
+
+static enum verdict convert(struct eco_positions *p, double xyz[3], struct eco_error *error)
+{
+	const double was[3] = { xyz[0], xyz[1], xyz[2] };
+	const char *why;
+	bool converted;
+	char text[80];
+	if (p->frame.crs && xyz[0] == 0 && xyz[1] == 0)
+		return eco_row_skip(p, ECO_SKIP_NO_COORDINATES, "0, 0");
+	if (p->good_places == 0 && (refuse_degrees(p, xyz, error) == FAILED
+			|| refuse_inherited(p, xyz, error) == FAILED))
+		return FAILED;
+	if (eco_crs_convert(p->crs, xyz, &converted, &why, error) != ECO_OK)
+		return FAILED;
+	snprintf(text, sizeof text, "%.10g, %.10g%s%.30s", was[0], was[1], *why != 0 ? ": " : "", why);
+	if (!converted && p->bad_places++ == 0)
+		memcpy(p->first_bad, was, sizeof was);
+	if (!converted)
+		return eco_row_skip(p, ECO_SKIP_NO_CONVERSION, text);
+	for (int k = 0; k < 3; k++)
+		if (!(fabs(xyz[k]) <= DISTANCE_MAX_M))
+			return eco_row_skip(p, ECO_SKIP_OUTSIDE, text);
+	p->nearest_m = fmin(p->nearest_m, hypot(xyz[0], xyz[1]));
+	if (p->good_places == 0)
+		memcpy(p->first, was, sizeof was);
+	eco_crs_span_add(&p->span, was);
+	return GOOD;
+}
+
+/* Notes places far from everything: swapped columns, degrees taken for metres, and a wrong zone give valid
+ * coordinates. */
+static void note_far(struct eco_positions *p)
+{
+	double swapped[3] = { p->first[1], p->first[0], p->first[2] };
+	struct eco_error error = { .code = ECO_OK };
+	const char *why;
+	bool converted;
+	if (p->good_places == 0 || p->at_origin || p->nearest_m <= FAR_M)
+		return;
+	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted
+			&& hypot(swapped[0], swapped[1]) <= FAR_M)
+		eco_row_note(p, "its plants stand %.0f km and more from the scene's origin, and would be "
+		"near it "
+			"with their coordinates swapped: x is easting or longitude, y is northing or "
+			"latitude", p->nearest_m / 1000);
+	else
+		eco_row_note(p, "its plants stand %.0f km and more from the scene's origin; are x, y, crs "
+		"and "
+			"the origin what they should be?", p->nearest_m / 1000);
+}
+
+/* The CRS that the entry or the file states for the places; NULL: the scene's, or none. */
+static const char *stated_crs(const struct eco_positions *p)
+{
+	return p->spec->crs ? p->spec->crs : p->from_geometry ? p->rows->crs : NULL;
+}
+
+/* Refuses degrees in a CRS of metres; notes places that lie in the CRS's area of use only if x and y change
+ * places. */
+static enum eco_code check_area(struct eco_positions *p, struct eco_error *error)
+{
+	const char *crs = stated_crs(p);
+	enum eco_crs_fit fit;
+	char area[80];
+	bool heap = p->good_places >= HEAP_PLANTS && p->high[0] - p->low[0] < ECO_HEAP_M &&
+		p->high[1] - p->low[1] < ECO_HEAP_M;
+	enum eco_code code = eco_crs_refuse_degrees(&p->span, crs, heap, p->spec->path, &fit, area, error);
+	if (code || fit != ECO_CRS_SWAPPED)
+		return code;
+	char *name = eco_crs_short_name(crs);
+	eco_row_note(p,
+		"its places, such as %.10g, %.10g, lie outside the area of use of its CRS, %.80s (%s), and "
+		"inside with "
+		"their coordinates swapped: x is easting or longitude, y is northing or latitude",
+		p->first[0], p->first[1], name ? name : "?", area);
+	free(name);
+	return ECO_OK;
+}
+
+/* Refuses a file without any place, if it had some with x and y swapped. */
+static enum eco_code refuse_swapped(const struct eco_positions *p, struct eco_error *error)
+{
+	double swapped[3] = { p->first_bad[1], p->first_bad[0], p->first_bad[2] };
+	const char *why;
+	bool converted = false;
+	if (p->good_places > 0 || p->bad_places == 0
+			|| eco_crs_convert(p->crs, swapped, &converted, &why, NULL) != ECO_OK || !converted
+			|| !(fmax(fabs(swapped[0]), fabs(swapped[1])) <= DISTANCE_MAX_M))
+		return ECO_OK;
+	char columns[120] = "";
+	if (p->spec->x)
+		snprintf(columns, sizeof columns, "; add \"x\": \"%.40s\", \"y\": \"%.40s\" to its entry",
+			p->spec->y, p->spec->x);
+	return eco_fail(error, ECO_BAD_INPUT, "%.150s: none of its %llu places can be converted, such as "
+		"%.10g, %.10g; swapped they stand %.0f km from the scene's origin: x is easting or "
+		"longitude, y is northing or latitude%s", p->spec->path,
+		(unsigned long long)p->bad_places, p->first_bad[0], p->first_bad[1], hypot(swapped[0],
+		swapped[1]) / 1000, columns);
+}
+
+/* Whether an earlier plant stands at this place. */
+static enum verdict find_duplicate(struct eco_positions *p, const double at[3], struct eco_error *error)
+{
+	char text[80];
+	bool known;
+	if (!add_to_set(p->places, at, &known)) {
+		eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory to find duplicates among %llu plants",
+			p->spec->path, (unsigned long long)p->plants);
+		return FAILED;
+	}
+	if (!known)
+		return GOOD;
+	snprintf(text, sizeof text, "%.3f, %.3f", at[0], at[1]);
+	eco_row_count(p, p->spec->skip_duplicates ? ECO_SKIP_DUPLICATE : ECO_KEPT_DUPLICATE, text);
+	return p->spec->skip_duplicates ? SKIPPED : GOOD;
+}
+
+enum verdict eco_positions_place(struct eco_positions *p, struct eco_position *record,
+	struct eco_error *error)
+{
+	double xyz[3] = { 0, 0, 0 };
+	enum verdict verdict = p->from_geometry ? read_geometry(p, xyz, error) : read_columns(p, xyz, error);
+	record->absolute = p->use_z;
+	if (!p->use_z)
+		xyz[2] = 0;
+	if (verdict == GOOD && !p->at_origin)
+		verdict = convert(p, xyz, error);
+	if (verdict == GOOD)
+		verdict = add_polar(p, xyz, error);
+	if (verdict == GOOD)
+		verdict = find_duplicate(p, xyz, error);
+	if (verdict != GOOD)
+		return verdict;
+	p->good_places++;
+	memcpy(record->at, xyz, sizeof xyz);
+	for (int k = 0; k < 2; k++) {
+		p->low[k] = fmin(p->low[k], xyz[k]);
+		p->high[k] = fmax(p->high[k], xyz[k]);
+	}
+	return GOOD;
+}
+
+enum eco_code eco_positions_start_places(struct eco_positions *p, struct eco_error *error)
+{
+	eco_place_set_close(p->places);
+	p->places = open_set();
+	for (int k = 0; k < 2; k++) {
+		p->low[k] = INFINITY;
+		p->high[k] = -INFINITY;
+	}
+	p->span = (struct eco_crs_span){ .any = false };
+	p->plants = p->good_places = p->bad_places = 0;
+	for (uint32_t i = 0; i < ECO_HEIGHT_SOURCES_MAX; i++)
+		eco_spread_free(&p->measured[i]);
+	p->nearest_m = INFINITY;
+	p->ended = false;
+	return p->places ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
+}
+
+enum eco_code eco_positions_check_places(struct eco_positions *p, struct eco_error *error)
+{
+	note_far(p);
+	enum eco_code code = check_area(p, error);
+	return code ? code : refuse_swapped(p, error);
 }
