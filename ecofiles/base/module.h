@@ -84,7 +84,7 @@ struct eco_gdal_module {                 /* eco_gdal_module */
 	uint32_t version;
 	/* Reads all rasters of the job onto one grid (import_ground.h). Only in a guarded child. */
 	enum eco_code (*ground_read)(struct eco_ground_job *job, FILE *out, struct eco_error *error);
-	/* Reads the rasters of an image of the ground, square by square (import_ground_image.h). Only in a
+	/* Reads the rasters of an image of the ground, square by square (import_ground.h). Only in a
 	 * guarded child. */
 	enum eco_code (*ground_image_read)(struct eco_ground_image_job *job, FILE *out,
 		struct eco_error *error);

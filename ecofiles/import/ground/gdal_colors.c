@@ -1,7 +1,7 @@
 /* What a raster shows: which bands are its colours, or which colours its classes have; and the texels of a
  * square, which GDAL warps. Colours are mixed where texels are wider than pixels. Classes are taken as they
  * are, four a texel, and then their colours are mixed. */
-#include "ecofiles/import/ground/gdal_image.h"
+#include "ecofiles/import/ground/gdal_ground.h"
 
 #include <cpl_conv.h>
 #include <cpl_string.h>
@@ -236,33 +236,18 @@ enum eco_code ground_colors_locate(struct ground_colors *c, const struct eco_gro
 static GDALDatasetH warp(const struct ground_colors *c, const struct ground_scene *scene,
 	const double bounds[4], int side, struct eco_error *error)
 {
-	char **arguments = NULL, *wkt = NULL, text[40];
-	GDALDatasetH from = c->raster.file, to = NULL;
-	int usage = 0;
-	static const char *const fixed[] = { "-of", "MEM", "-dstalpha", "-et", "0.125", "-te", NULL };
-	for (int i = 0; fixed[i]; i++)
-		arguments = CSLAddString(arguments, fixed[i]);
-	for (int i = 0; i < 4; i++) {
-		snprintf(text, sizeof text, "%.17g", bounds[i]);
-		arguments = CSLAddString(arguments, text);
+	const char *how[11] = { "-dstalpha", "-et", "0.125", "-r", c->by_class ? "near" : "bilinear" };
+	int count = 5;
+	if (c->by_range) {
+		how[count++] = "-ot";
+		how[count++] = "Float32";
 	}
-	snprintf(text, sizeof text, "%d", side);
-	arguments = CSLAddString(CSLAddString(CSLAddString(arguments, "-ts"), text), text);
-	arguments = CSLAddString(CSLAddString(arguments, "-r"), c->by_class ? "near" : "bilinear");
-	if (c->by_range)
-		arguments = CSLAddString(CSLAddString(arguments, "-ot"), "Float32");
 	if (c->has_nodata) {
-		snprintf(text, sizeof text, "%.17g", c->nodata);
-		arguments = CSLAddString(CSLAddString(arguments, "-srcnodata"), text);
+		how[count++] = "-srcnodata";
+		how[count++] = CPLSPrintf("%.17g", c->nodata);
 	}
-	if (c->raster.crs && OSRExportToWkt(scene->crs, &wkt) == OGRERR_NONE)
-		arguments = CSLAddString(CSLAddString(arguments, "-t_srs"), wkt);
-	GDALWarpAppOptions *options = GDALWarpAppOptionsNew(arguments, NULL);
-	if (options)
-		to = GDALWarp("", NULL, 1, &from, options, &usage);
-	GDALWarpAppOptionsFree(options);
-	CSLDestroy(arguments);
-	CPLFree(wkt);
+	GDALDatasetH to = ground_warp(c->raster.file, c->raster.crs ? scene->crs : NULL, bounds,
+		(const int[2]){ side, side }, how);
 	if (!to)
 		ground_gdal_fail(c->raster.path, "it cannot be brought into the scene's CRS", error);
 	return to;

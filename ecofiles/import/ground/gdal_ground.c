@@ -7,7 +7,6 @@
 #include <cpl_error.h>
 #include <errno.h>
 #include <gdal_alg.h>
-#include <gdal_utils.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -184,53 +183,31 @@ static void reach(const struct ground_raster *r, const struct frame *f, int64_t 
 	}
 }
 
-static GDALDatasetH warp(GDALDatasetH from, const struct ground_raster *r, const struct job *job,
-	const struct frame *f, const int64_t first[2], const int64_t end[2])
-{
-	char bounds[4][40], size[2][24], *wkt = NULL;
-	char *arguments[24] = { "-of", "MEM", "-ot", "Float32", "-r", "bilinear", "-et", "0.01", "-novshift",
-		"-dstnodata", "nan", "-te", bounds[0], bounds[1], bounds[2], bounds[3], "-ts", size[0],
-		size[1], NULL };
-	GDALDatasetH to = NULL;
-	int usage = 0;
-
-	for (int k = 0; k < 2; k++) {
-		snprintf(bounds[k], sizeof bounds[k], "%.17g", f->low[k] + (double)first[k] * f->step[k]);
-		snprintf(bounds[k + 2], sizeof bounds[k + 2], "%.17g",
-			f->low[k] + (double)end[k] * f->step[k]);
-		snprintf(size[k], sizeof size[k], "%lld", (long long)(end[k] - first[k]));
-	}
-	if (r->crs && OSRExportToWkt(job->scene.crs, &wkt) == OGRERR_NONE) {
-		arguments[19] = "-t_srs";
-		arguments[20] = wkt;
-		arguments[21] = NULL;
-	}
-	GDALWarpAppOptions *options = GDALWarpAppOptionsNew(arguments, NULL);
-	if (options)
-		to = GDALWarp("", NULL, 1, &from, options, &usage);
-	GDALWarpAppOptionsFree(options);
-	CPLFree(wkt);
-	return to;
-}
-
 static enum eco_code put_resampled(struct eco_ground *g, const struct ground_samples *s,
 	const struct ground_raster *r, const struct job *job, const struct frame *f, struct eco_error *error)
 {
+	static const char *const how[] = { "-ot", "Float32", "-r", "bilinear", "-et", "0.01", "-novshift", "-dstnodata",
+		"nan", NULL };
 	int64_t first[2], end[2];
+	double box[4];
 	GDALDatasetH from, to = NULL;
 	reach(r, f, first, end);
 	if (first[0] >= end[0] || first[1] >= end[1])
 		return ECO_OK;
-	float *line = malloc((size_t)(end[0] - first[0]) * sizeof *line);
+	for (int k = 0; k < 2; k++) {
+		box[k] = f->low[k] + (double)first[k] * f->step[k];
+		box[k + 2] = f->low[k] + (double)end[k] * f->step[k];
+	}
+	const int size[2] = { (int)(end[0] - first[0]), (int)(end[1] - first[1]) };
+	float *line = malloc((size_t)size[0] * sizeof *line);
 	from = wrap(s, r->crs);
 	if (from && line)
-		to = warp(from, r, job, f, first, end);
+		to = ground_warp(from, r->crs ? job->scene.crs : NULL, box, size, how);
 	bool good = to != NULL;
-	for (int64_t y = 0; good && y < end[1] - first[1]; y++) {
-		int width = (int)(end[0] - first[0]);
-		good = GDALRasterIO(GDALGetRasterBand(to, 1), GF_Read, 0, (int)y, width, 1, line, width, 1,
+	for (int y = 0; good && y < size[1]; y++) {
+		good = GDALRasterIO(GDALGetRasterBand(to, 1), GF_Read, 0, y, size[0], 1, line, size[0], 1,
 			GDT_Float32, 0, 0) == CE_None;
-		for (int x = 0; good && x < width; x++)
+		for (int x = 0; good && x < size[0]; x++)
 			put(g, first[0] + x, end[1] - 1 - y, line[x], job->options->origin[2]);
 	}
 	if (to)

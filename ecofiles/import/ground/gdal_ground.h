@@ -1,4 +1,4 @@
-/* Inside ecogdal.so: rasters in the scene, and one raster as metres, on its own grid. */
+/* Inside ecogdal.so: rasters in the scene, one raster as metres, and its colours. */
 #ifndef ECO_GDAL_GROUND_H
 #define ECO_GDAL_GROUND_H
 
@@ -39,6 +39,10 @@ enum eco_code ground_raster_open(struct ground_raster *raster, struct ground_sce
 enum eco_code ground_raster_place(struct ground_raster *raster, const struct ground_scene *scene,
 	struct eco_error *error);
 void ground_raster_close(struct ground_raster *raster);
+/* Warps a dataset into a box of the scene's CRS (west, south, east, north; NULL: the dataset has no CRS to convert)
+ * with so many columns and rows. `more`: options of gdalwarp, ended by NULL. NULL: an error. */
+GDALDatasetH ground_warp(GDALDatasetH from, OGRSpatialReferenceH crs, const double box[4], const int size[2],
+	const char *const *more);
 /* ECO_BAD_INPUT with GDAL's last message. */
 enum eco_code ground_gdal_fail(const char *path, const char *doing, struct eco_error *error);
 
@@ -52,5 +56,35 @@ struct ground_samples {
 enum eco_code ground_samples_read(struct ground_samples *samples, const struct ground_raster *raster,
 	const struct eco_ground_source *source, uint32_t columns, uint32_t rows, struct ground_notes *notes,
 	struct eco_error *error);
+
+/* ---- Colours of one raster ---- */
+
+struct ground_colors {
+	struct ground_raster raster;
+	GDALDatasetH own;            /* what raster.file shows elsewhere; or NULL */
+	bool by_class;               /* numbers of classes; else colours */
+	bool by_range;               /* colours of numbers from range[0], black, to range[1], white */
+	double range[2];
+	int bands[3], alpha;         /* red, green, blue; alpha, 0: none */
+	struct eco_ground_class *classes;
+	uint32_t class_count; /* ascending; the scene's and the file's */
+	bool has_nodata;
+	double nodata;
+};
+
+/* Finds out what an opened raster shows; its CRS and place need not be known. `range`, black and white of
+ * bands that are no bytes, is guessed and noted where it is empty, and then holds for all rasters. */
+enum eco_code ground_colors_open(struct ground_colors *colors, const struct eco_ground_image_source *source,
+	double range[2], struct ground_notes *notes, struct eco_error *error);
+/* Puts a raster whose place was found where the scene says. */
+enum eco_code ground_colors_locate(struct ground_colors *colors, const struct eco_ground_image_source *source,
+	struct eco_error *error);
+/* Closes the raster, too. */
+void ground_colors_close(struct ground_colors *colors);
+
+/* What it shows of a square of ECO_GROUND_IMAGE_SIDE texels a side: west, south, east, north in the scene's
+ * CRS; rows from the north. */
+enum eco_code ground_colors_read(const struct ground_colors *colors, const struct ground_scene *scene,
+	const double bounds[4], uint8_t *rgba, struct eco_error *error);
 
 #endif

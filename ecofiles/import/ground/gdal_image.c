@@ -1,6 +1,6 @@
 /* Rasters become the ground's image: the tree of squares, and what each square shows. gdal_colors.c reads
  * one raster's colours. */
-#include "ecofiles/import/ground/gdal_image.h"
+#include "ecofiles/import/ground/gdal_ground.h"
 
 #include <cpl_conv.h>
 #include <cpl_error.h>

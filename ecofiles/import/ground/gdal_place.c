@@ -3,7 +3,9 @@
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
+#include <cpl_string.h>
 #include <gdal_alg.h>
+#include <gdal_utils.h>
 #include <math.h>
 #include <string.h>
 
@@ -12,6 +14,29 @@ enum eco_code ground_gdal_fail(const char *path, const char *doing, struct eco_e
 	const char *why = CPLGetLastErrorMsg();
 	return eco_fail(error, ECO_BAD_INPUT, "%.150s: %s: %.200s; gdalinfo says whether it is whole", path, doing,
 		why[0] != 0 ? why : "GDAL gives no reason");
+}
+
+GDALDatasetH ground_warp(GDALDatasetH from, OGRSpatialReferenceH crs, const double box[4], const int size[2],
+	const char *const *more)
+{
+	char **arguments = CSLAddString(CSLAddString(NULL, "-of"), "MEM"), *wkt = NULL;
+	GDALDatasetH to = NULL;
+	int usage = 0;
+	for (; *more; more++)
+		arguments = CSLAddString(arguments, *more);
+	for (int i = 0; i < 4; i++)
+		arguments = CSLAddString(i ? arguments : CSLAddString(arguments, "-te"), CPLSPrintf("%.17g", box[i]));
+	for (int i = 0; i < 2; i++)
+		arguments = CSLAddString(i ? arguments : CSLAddString(arguments, "-ts"), CPLSPrintf("%d", size[i]));
+	if (crs && OSRExportToWkt(crs, &wkt) == OGRERR_NONE)
+		arguments = CSLAddString(CSLAddString(arguments, "-t_srs"), wkt);
+	GDALWarpAppOptions *options = GDALWarpAppOptionsNew(arguments, NULL);
+	if (options)
+		to = GDALWarp("", NULL, 1, &from, options, &usage);
+	GDALWarpAppOptionsFree(options);
+	CSLDestroy(arguments);
+	CPLFree(wkt);
+	return to;
 }
 
 /* ---- CRS ---- */

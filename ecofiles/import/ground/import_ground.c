@@ -9,7 +9,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "ecofiles/base/guard.h"
 #include "ecofiles/base/module.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/import/model/import_file.h"
@@ -20,6 +19,29 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 	return !gdal ? ECO_NOT_FOUND : gdal->ground_read(ctx, out, error);
 }
 
+bool ground_notes_end(struct ground_notes *notes)
+{
+	for (uint32_t i = 0; i < notes->count && i < GROUND_NOTES_MAX; i++)
+		notes->text[i][GROUND_NOTE_BYTES - 1] = 0;
+	return notes->count <= GROUND_NOTES_MAX;
+}
+
+void ground_notes_tell(const struct ground_notes *notes, void (*warn)(void *ctx, const char *text), void *ctx)
+{
+	for (uint32_t i = 0; i < notes->count && warn; i++)
+		warn(ctx, notes->text[i]);
+}
+
+enum eco_code ground_finish(struct eco_guard *guard, bool whole, const char *path, struct eco_error *error)
+{
+	struct eco_error verdict = { .code = ECO_OK };
+	enum eco_code code = eco_guard_finish(guard, &verdict);
+	if (code)
+		return eco_fail(error, code, "%s", verdict.text);
+	return whole ? ECO_OK : eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader contradict each "
+		"other", path);
+}
+
 static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_job *job)
 {
 	struct eco_ground head;
@@ -27,10 +49,8 @@ static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_jo
 	if (fread(&job->notes, sizeof job->notes, 1, in) != 1 || fread(&head, sizeof head, 1, in) != 1
 		|| head.columns < 2 || head.rows < 2 || head.columns > job->side_max
 		|| head.rows > job->side_max || !(head.step_x_m > 0) || !(head.step_y_m > 0)
-		|| !isfinite(head.x_m) || !isfinite(head.y_m) || job->notes.count > GROUND_NOTES_MAX)
+		|| !isfinite(head.x_m) || !isfinite(head.y_m) || !ground_notes_end(&job->notes))
 		return false;
-	for (uint32_t i = 0; i < job->notes.count; i++)
-		job->notes.text[i][GROUND_NOTE_BYTES - 1] = 0;
 	count = (size_t)head.columns * head.rows;
 	head.height_m = malloc(count * sizeof *head.height_m);
 	if (!head.height_m)
@@ -49,11 +69,8 @@ static void tell(const struct eco_ground_options *options, const struct eco_grou
 	const struct eco_ground_job *job)
 {
 	char text[400];
-	if (!options->warn)
-		return;
-	for (uint32_t i = 0; i < job->notes.count; i++)
-		options->warn(options->ctx, job->notes.text[i]);
-	if (ground->filled == 0)
+	ground_notes_tell(&job->notes, options->warn, options->ctx);
+	if (ground->filled == 0 || !options->warn)
 		return;
 	snprintf(text, sizeof text, "%.250s: %llu of %llu samples have no height and were filled from their "
 		"neighbours", options->source->heights[0], (unsigned long long)ground->filled,
@@ -101,7 +118,6 @@ enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_grou
 	struct eco_error *error)
 {
 	struct eco_ground_job job = { .options = options, .side_max = options->side_max };
-	struct eco_error verdict = { .code = ECO_OK };
 	struct eco_guard *guard;
 	FILE *result;
 	*ground = (struct eco_ground){ .height_m = NULL };
@@ -115,13 +131,7 @@ enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_grou
 			error);
 	if (code)
 		return code;
-	bool whole = get_ground(result, ground, &job);
-	code = eco_guard_finish(guard, &verdict);
-	if (code)
-		eco_fail(error, code, "%s", verdict.text);
-	else if (!whole)
-		code = eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader contradict each other",
-			options->source->heights[0]);
+	code = ground_finish(guard, get_ground(result, ground, &job), options->source->heights[0], error);
 	if (!code)
 		tell(options, ground, &job);
 	else

@@ -1,10 +1,11 @@
-/* Shared by the reader of ground and ecogdal.so, which does the work in a child process. */
+/* Shared by the readers of ground and of its image, and ecogdal.so, which does the work in a child process. */
 #ifndef ECO_IMPORT_GROUND_H
 #define ECO_IMPORT_GROUND_H
 
 #include <stdint.h>
 
-#include "ecofiles/import/ground/ground.h"
+#include "ecofiles/base/guard.h"
+#include "ecofiles/import/ground/ground_image_import.h"
 
 /* Notes for the user travel to the parent with the samples. */
 #define GROUND_NOTES_MAX 24u
@@ -17,5 +18,23 @@ struct eco_ground_job {
 	uint32_t side_max;
 	struct ground_notes notes;
 };
+
+#define GROUND_IMAGE_DEPTH 24u           /* of the tree, at most */
+
+/* The child writes the head, then a byte for each square, depth first: 1 if it is split; else 0 and
+ * texels. */
+struct ground_image_head { struct ground_notes notes; double low[2], texel_m; };
+
+struct eco_ground_image_job {
+	const struct eco_ground_image_options *options;
+	bool only_look;                          /* ends after the head */
+	struct ground_image_head head;
+};
+
+/* The verdict on what came: the child's own comes before what was missed here. `path` is for the message. */
+enum eco_code ground_finish(struct eco_guard *guard, bool whole, const char *path, struct eco_error *error);
+/* Ends each note's text; false: there are more than can be. */
+bool ground_notes_end(struct ground_notes *notes);
+void ground_notes_tell(const struct ground_notes *notes, void (*warn)(void *ctx, const char *text), void *ctx);
 
 #endif

@@ -1,13 +1,11 @@
 /* The child process (gdal_image.c) hands squares back through a pipe; what comes is checked here. */
-#include "ecofiles/import/ground/import_ground_image.h"
+#include "ecofiles/import/ground/import_ground.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/guard.h"
 #include "ecofiles/base/module.h"
-#include "ecofiles/import/ground/ground.h"
 
 struct eco_ground_image_reader {
 	struct eco_ground_image_job job;
@@ -38,37 +36,17 @@ static enum eco_code start(struct eco_ground_image_reader *r, const struct eco_g
 	return eco_guard_start(&r->guard, work, &r->job, source->files[0], &limits, &r->stream, error);
 }
 
-/* The child's own verdict comes before what was missed here. */
-static enum eco_code finish(struct eco_ground_image_reader *r, enum eco_code read, struct eco_error *error)
-{
-	struct eco_error verdict = { .code = ECO_OK };
-	enum eco_code code = eco_guard_finish(r->guard, &verdict);
-	if (code)
-		return eco_fail(error, code, "%s", verdict.text);
-	return !read ? ECO_OK
-		     : eco_fail(error, ECO_DAMAGED,
-			       "%.300s: the data from its reader contradict each "
-			       "other",
-			       r->job.options->source->files[0]);
-}
-
 static bool read_head(struct eco_ground_image_reader *r)
 {
 	struct ground_image_head *head = &r->job.head;
-	if (fread(head, sizeof *head, 1, r->stream) != 1 || head->notes.count > GROUND_NOTES_MAX
-			|| !isfinite(head->low[0]) || !isfinite(head->low[1]) || !(head->texel_m > 0)
-			|| !isfinite(head->texel_m))
-		return false;
-	for (uint32_t i = 0; i < head->notes.count; i++)
-		head->notes.text[i][GROUND_NOTE_BYTES - 1] = 0;
-	return true;
+	return fread(head, sizeof *head, 1, r->stream) == 1 && ground_notes_end(&head->notes)
+		&& isfinite(head->low[0]) && isfinite(head->low[1]) && head->texel_m > 0
+		&& isfinite(head->texel_m);
 }
 
 static void warn_all(const struct eco_ground_image_reader *r)
 {
-	const struct eco_ground_image_options *o = r->job.options;
-	for (uint32_t i = 0; o->warn && i < r->job.head.notes.count; i++)
-		o->warn(o->ctx, r->job.head.notes.text[i]);
+	ground_notes_tell(&r->job.head.notes, r->job.options->warn, r->job.options->ctx);
 }
 
 enum eco_code eco_ground_image_look(const struct eco_ground_image_options *options, struct eco_error *error)
@@ -77,7 +55,7 @@ enum eco_code eco_ground_image_look(const struct eco_ground_image_options *optio
 	enum eco_code code = start(&r, options, true, error);
 	if (code)
 		return code;
-	code = finish(&r, read_head(&r) ? ECO_OK : ECO_DAMAGED, error);
+	code = ground_finish(r.guard, read_head(&r), options->source->files[0], error);
 	if (!code)
 		warn_all(&r);
 	return code;
@@ -126,7 +104,7 @@ enum eco_code eco_ground_image_close(struct eco_ground_image_reader *r, struct e
 {
 	if (!r)
 		return ECO_OK;
-	enum eco_code code = finish(r, ECO_OK, error);
+	enum eco_code code = ground_finish(r->guard, true, "", error);
 	free(r);
 	return code;
 }
