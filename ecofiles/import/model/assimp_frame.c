@@ -9,36 +9,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int metadata_whole(const struct aiScene *scene, const char *key, int otherwise)
+static const struct aiMetadataEntry *metadata(const struct aiScene *scene, const char *key)
 {
 	for (unsigned i = 0; scene->mMetaData && i < scene->mMetaData->mNumProperties; i++)
-		if (strcmp(scene->mMetaData->mKeys[i].data, key) == 0 && scene->mMetaData->mValues[i].mType
-				== AI_INT32)
-			return *(const int32_t *)scene->mMetaData->mValues[i].mData;
-	return otherwise;
+		if (strcmp(scene->mMetaData->mKeys[i].data, key) == 0)
+			return &scene->mMetaData->mValues[i];
+	return NULL;
 }
 
 static double metadata_number(const struct aiScene *scene, const char *key, double otherwise)
 {
-	for (unsigned i = 0; scene->mMetaData && i < scene->mMetaData->mNumProperties; i++) {
-		const struct aiMetadataEntry *entry = &scene->mMetaData->mValues[i];
-		if (strcmp(scene->mMetaData->mKeys[i].data, key) != 0)
-			continue;
-		if (entry->mType == AI_DOUBLE)
-			return *(const double *)entry->mData;
-		if (entry->mType == AI_FLOAT)
-			return (double)*(const float *)entry->mData;
+	const struct aiMetadataEntry *entry = metadata(scene, key);
+	switch (entry ? entry->mType : AI_META_MAX) {
+	case AI_INT32: return *(const int32_t *)entry->mData;
+	case AI_DOUBLE: return *(const double *)entry->mData;
+	case AI_FLOAT: return (double)*(const float *)entry->mData;
+	default: return otherwise;
 	}
-	return otherwise;
 }
 
 static const char *metadata_text(const struct aiScene *scene, const char *key)
 {
-	for (unsigned i = 0; scene->mMetaData && i < scene->mMetaData->mNumProperties; i++)
-		if (strcmp(scene->mMetaData->mKeys[i].data, key) == 0 && scene->mMetaData->mValues[i].mType
-				== AI_AISTRING)
-			return ((const struct aiString *)scene->mMetaData->mValues[i].mData)->data;
-	return "";
+	const struct aiMetadataEntry *entry = metadata(scene, key);
+	return entry && entry->mType == AI_AISTRING ? ((const struct aiString *)entry->mData)->data : "";
 }
 
 static void set_axes(double axes[3][3], const double to[3][3], double scale)
@@ -61,8 +54,8 @@ static void fbx_frame(const struct aiScene *scene, struct eco_model_frame *frame
 	int axis[3], sign[3];
 	frame->unit_m = isfinite(unit) && unit >= 1e-6 && unit <= 1e9 ? unit / 100 : 0;
 	for (int k = 0; k < 3; k++) {
-		axis[k] = metadata_whole(scene, names[k][0], k == 0 ? 0 : k == 1 ? 2 : 1);
-		sign[k] = metadata_whole(scene, names[k][1], 1) < 0 ? -1 : 1;
+		axis[k] = (int)metadata_number(scene, names[k][0], k == 0 ? 0 : k == 1 ? 2 : 1);
+		sign[k] = metadata_number(scene, names[k][1], 1) < 0 ? -1 : 1;
 		if (axis[k] >= 0 && axis[k] < 3)
 			to[k][axis[k]] = k == 1 ? -sign[k] : sign[k];
 	}

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/polygon.h"
 
 #define PLY_HEAD_BYTES 65536u
@@ -186,27 +187,20 @@ typedef void visit_mesh(void *ctx, const struct aiNode *node, unsigned mesh, con
 
 static bool walk(const struct aiScene *scene, visit_mesh *visit, void *ctx)
 {
-	struct entry { const struct aiNode *node; struct aiMatrix4x4 world; } *stack = malloc(sizeof *stack);
-	size_t count = 1, capacity = 1, seen = 0;
-	bool good = stack && scene->mRootNode;
+	struct entry { const struct aiNode *node; struct aiMatrix4x4 world; } *stack = NULL;
+	uint32_t count = 0, capacity = 0, seen = 0;
+	bool good = scene->mRootNode && eco_array_grow(&stack, &capacity, count, sizeof *stack);
 	if (good)
-		stack[0] = (struct entry){ scene->mRootNode, scene->mRootNode->mTransformation };
+		stack[count++] = (struct entry){ scene->mRootNode, scene->mRootNode->mTransformation };
 	while (good && count > 0) {
-		struct entry top = stack[--count];
+		const struct entry top = stack[--count];
 		for (unsigned i = 0; i < top.node->mNumMeshes; i++)
 			if (top.node->mMeshes[i] < scene->mNumMeshes)
 				visit(ctx, top.node, top.node->mMeshes[i], &top.world);
-		seen += top.node->mNumChildren;
-		if (seen > NODES_MAX) {
-			good = false;
-		} else if (count + top.node->mNumChildren > capacity) {
-			struct entry *grown =
-				realloc(stack,
-				(capacity = 2 * (count + top.node->mNumChildren)) * sizeof *stack);
-			good = grown != NULL;
-			stack = good ? grown : stack;
-		}
 		for (unsigned i = top.node->mNumChildren; good && i-- > 0;) {
+			good = ++seen <= NODES_MAX && eco_array_grow(&stack, &capacity, count, sizeof *stack);
+			if (!good)
+				break;
 			stack[count] = (struct entry){ top.node->mChildren[i], top.world };
 			aiMultiplyMatrix4(&stack[count++].world, &top.node->mChildren[i]->mTransformation);
 		}

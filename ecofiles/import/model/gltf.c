@@ -3,8 +3,9 @@
  * system's spelling, a GLB named .gltf. Damage is refused: a GLB shorter than its header says was cut off. */
 #include "ecofiles/import/model/gltf_document.h"
 
-#include <errno.h>
+#include <ctype.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -87,29 +88,18 @@ const char *eco_gltf_text(const json_t *object, const char *key)
 
 /* ---- Data URIs ---- */
 
-static int base64_value(char c)
-{
-	if (c >= 'A' && c <= 'Z')
-		return c - 'A';
-	if (c >= 'a' && c <= 'z')
-		return c - 'a' + 26;
-	if (c >= '0' && c <= '9')
-		return c - '0' + 52;
-	return c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
-}
-
 /* Accepts white space and the URL alphabet. False at any other character. */
 static bool decode_base64(const char *text, uint8_t *to, size_t *size)
 {
+	static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/-_";
 	uint32_t bits = 0, count = 0;
 	*size = 0;
-	for (; *text != 0 && *text != '='; text++) {
-		int value = base64_value(*text);
-		if (value < 0 && strchr(" \t\r\n", *text))
-			continue;
-		if (value < 0)
+	for (text += strspn(text, " \t\r\n"); *text != 0 && *text != '='; text += 1 + strspn(text + 1, " \t\r\n")) {
+		const char *digit = strchr(digits, *text);
+		if (!digit)
 			return false;
-		bits = bits << 6 | (uint32_t)value;
+		uint32_t value = (uint32_t)(digit - digits);
+		bits = bits << 6 | (value < 64 ? value : value - 2);
 		count += 6;
 		if (count >= 8) {
 			count -= 8;
@@ -119,22 +109,16 @@ static bool decode_base64(const char *text, uint8_t *to, size_t *size)
 	return true;
 }
 
-static int hex_value(char c)
-{
-	return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F'
-		? c - 'A' + 10 : -1;
-}
-
 static size_t decode_percent(const char *text, uint8_t *to)
 {
 	size_t size = 0;
 	for (; *text != 0; text++) {
-		if (*text == '%' && hex_value(text[1]) >= 0 && hex_value(text[2]) >= 0) {
-			to[size++] = (uint8_t)(hex_value(text[1]) << 4 | hex_value(text[2]));
-			text += 2;
-		} else {
-			to[size++] = (uint8_t)*text;
-		}
+		bool escaped = *text == '%' && isxdigit((unsigned char)text[1]) && isxdigit((unsigned char)text[2]);
+		unsigned byte = (uint8_t)*text;
+		if (escaped)
+			sscanf(text + 1, "%2x", &byte);
+		to[size++] = (uint8_t)byte;
+		text += escaped ? 2 : 0;
 	}
 	return size;
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/format/model.h"
 
 /* ---- Matrices ---- */
@@ -108,7 +109,7 @@ struct entry { uint32_t node, depth; double world[16]; };
 struct walk {
 	struct eco_gltf *doc;
 	struct entry *stack;
-	size_t count, capacity;
+	uint32_t count, capacity;
 	uint64_t seen;
 };
 
@@ -122,15 +123,8 @@ static enum eco_code push(struct walk *w, uint32_t node, uint32_t depth, const d
 	if (++w->seen > ECO_GLTF_NODES_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: more than %u nodes, as some have several parents",
 			w->doc->path, ECO_GLTF_NODES_MAX);
-	if (w->count == w->capacity) {
-		size_t capacity = 2 * w->capacity + 64;
-		struct entry *grown = realloc(w->stack, capacity * sizeof *grown);
-		if (!grown)
-			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its nodes",
-				w->doc->path);
-		w->stack = grown;
-		w->capacity = capacity;
-	}
+	if (!eco_array_grow(&w->stack, &w->capacity, w->count, sizeof *w->stack))
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its nodes", w->doc->path);
 	w->stack[w->count].node = node;
 	w->stack[w->count].depth = depth;
 	memcpy(w->stack[w->count++].world, world, 16 * sizeof *world);

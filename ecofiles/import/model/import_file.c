@@ -159,31 +159,20 @@ static const struct packed packed[] = {
 	{ "PK\x03\x04", 4, "zip", "unzip", "", "" },
 };
 
-struct other { const char *extension, *says; };
-
-#define NO_SURFACES "a point cloud: it has no surfaces; make a mesh of it first"
-
-#define CAD "surfaces of CAD are not read: export a mesh, as GLB or OBJ"
-
-static const struct other others[] = {
-	{ ".mtl", "a library of materials, not a model: name the OBJ file, which names its library itself" },
-	{ ".las", NO_SURFACES }, { ".laz", NO_SURFACES }, { ".e57", NO_SURFACES }, { ".pcd", NO_SURFACES },
-	{ ".usd", "USD is not read: export GLB or OBJ" }, { ".usda", "USD is not read: export GLB or OBJ" },
-	{ ".usdc", "USD is not read: export GLB or OBJ" }, { ".usdz", "USD is not read: export GLB or OBJ" },
-	{ ".skp", "SketchUp's own format is not read: export GLB, Collada or OBJ" },
-	{ ".max", "3ds Max's own format is not read: export FBX, GLB or OBJ" },
-	{ ".c4d", "Cinema 4D's own format is not read: export FBX, GLB or OBJ" },
-	{ ".ma", "Maya's own format is not read: export FBX, GLB or OBJ" },
-	{ ".mb", "Maya's own format is not read: export FBX, GLB or OBJ" },
-	{ ".spm", "SpeedTree's own format is not read: export FBX or OBJ" },
-	{ ".srt", "SpeedTree's own format is not read: export FBX or OBJ" },
-	{ ".st", "SpeedTree's own format is not read: export FBX or OBJ" },
-	{ ".abc", "Alembic is not read: export FBX, GLB or OBJ" },
-	{ ".3dm", "Rhino's own format is not read: export FBX, GLB or OBJ" }, { ".step", CAD },
-	{ ".stp", CAD }, { ".igs", CAD }, { ".iges", CAD },
-	{ ".vrm", "avatars are no plants: export GLB" }, { ".png", "a picture, not a model" },
-	{ ".jpg", "a picture, not a model" },
-	{ ".json", "not a model; glTF files end in .gltf or .glb" },
+static const struct { const char *extensions, *says; } others[] = {
+	{ ".mtl ", "a library of materials, not a model: name the OBJ file, which names its library itself" },
+	{ ".las .laz .e57 .pcd ", "a point cloud: it has no surfaces; make a mesh of it first" },
+	{ ".usd .usda .usdc .usdz ", "USD is not read: export GLB or OBJ" },
+	{ ".skp ", "SketchUp's own format is not read: export GLB, Collada or OBJ" },
+	{ ".max ", "3ds Max's own format is not read: export FBX, GLB or OBJ" },
+	{ ".c4d ", "Cinema 4D's own format is not read: export FBX, GLB or OBJ" },
+	{ ".ma .mb ", "Maya's own format is not read: export FBX, GLB or OBJ" },
+	{ ".spm .srt .st ", "SpeedTree's own format is not read: export FBX or OBJ" },
+	{ ".abc ", "Alembic is not read: export FBX, GLB or OBJ" },
+	{ ".3dm ", "Rhino's own format is not read: export FBX, GLB or OBJ" },
+	{ ".step .stp .igs .iges ", "surfaces of CAD are not read: export a mesh, as GLB or OBJ" },
+	{ ".vrm ", "avatars are no plants: export GLB" }, { ".png .jpg ", "a picture, not a model" },
+	{ ".json ", "not a model; glTF files end in .gltf or .glb" },
 };
 
 static enum eco_code refuse_packed(const char *path, const struct packed *p, struct eco_error *error)
@@ -236,8 +225,12 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 	enum eco_code code = !head ? eco_fail(error, ECO_NO_MEMORY, "%.400s: out of memory", path)
 		: eco_file_check_head(path, head, size, holds_zip, "a model", error);
 	free(head);
+	const char *dot = strrchr(eco_path_last(path), '.');
+	char extension[16];
+	if (dot)
+		snprintf(extension, sizeof extension, "%.10s ", dot);
 	for (size_t i = 0; code == ECO_OK && i < sizeof others / sizeof *others; i++)
-		if (eco_path_ends_with(path, others[i].extension))
+		if (dot && strcasestr(others[i].extensions, extension))
 			code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: %s", path, others[i].says);
 	return code;
 }

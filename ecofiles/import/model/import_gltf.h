@@ -57,7 +57,7 @@ enum eco_code gltf_surface_read(struct gltf_surface *surface, const struct gltf_
 	struct eco_error *error);
 void gltf_surface_free(struct gltf_surface *surface);
 
-/* ---- Skins at rest (import_gltf_skin.c) ---- */
+/* ---- Skins at rest ---- */
 
 struct gltf_skin {
 	uint32_t count;

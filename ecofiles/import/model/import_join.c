@@ -10,11 +10,11 @@
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/import/model/model_clean.h"
 
-struct sums { uint64_t vertices, triangles, triangles_in, materials, images, parts; bool uv; };
+struct sums { uint64_t vertices, triangles, triangles_in, materials, images, parts; };
 
 static struct sums add_up(const struct eco_model_piece *pieces, uint32_t count)
 {
-	struct sums s = { .uv = false };
+	struct sums s = { 0 };
 	for (uint32_t i = 0; i < count; i++) {
 		const struct eco_model *m = &pieces[i].model;
 		s.vertices += m->vertex_count;
@@ -23,23 +23,16 @@ static struct sums add_up(const struct eco_model_piece *pieces, uint32_t count)
 		s.materials += m->material_count;
 		s.images += m->image_count;
 		s.parts += m->part ? m->part_count : 1;
-		s.uv |= m->uv != NULL;
 	}
 	return s;
 }
 
 static bool take_memory(struct eco_model *m, const struct sums *s)
 {
-	m->position = malloc((s->vertices + 1) * 3 * sizeof *m->position);
-	m->uv = s->uv ? calloc((s->vertices + 1) * 2, sizeof *m->uv) : NULL;
-	m->index = malloc((s->triangles + 1) * 3 * sizeof *m->index);
-	m->material = malloc((s->triangles + 1) * sizeof *m->material);
-	m->part = malloc((s->triangles + 1) * sizeof *m->part);
+	bool good = eco_model_reserve(m, s->vertices, s->triangles, s->parts);
 	m->materials = malloc((s->materials + 1) * sizeof *m->materials);
 	m->images = calloc((size_t)s->images + 1, sizeof *m->images);
-	m->parts = calloc((size_t)s->parts + 1, sizeof *m->parts);
-	return m->position && (m->uv || !s->uv) && m->index && m->material && m->part
-		&& m->materials && m->images && m->parts;
+	return good && m->materials && m->images;
 }
 
 /* ---- Axes ---- */
