@@ -1,11 +1,9 @@
 /* Flights from tracks: cameras that look where they go and do not jitter, and scripts that keep to the track.
  */
-#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "ecofiles/import/track/track.h"
 #include "ecofiles/format/view.h"
@@ -224,66 +222,4 @@ UNIT_TEST(cameras_that_turn_about_do_it_by_a_side)
 	free(script.text);
 	eco_flight_free(&f);
 	eco_track_free(&m.track);
-}
-
-/* ---- Recordings, where they are at hand: each beside a table of its positions ---- */
-
-static double nearest(const struct eco_flight *f, double x, double y)
-{
-	double least = INFINITY;
-	for (uint32_t i = 0; i < f->count; i++)
-		least = fmin(least, hypot(f->samples[i].eye[0] - x, f->samples[i].eye[1] - y));
-	return least;
-}
-
-static void compare_with_table(const char *path)
-{
-	char table[1400];
-	struct eco_track track = { 0 }, wanted = { 0 };
-	struct eco_error error = { 0 };
-	uint32_t within = 0, seen = 0;
-	snprintf(table, sizeof table, "%s.csv", path);
-	if (eco_track_read(&track, path, &error) || eco_track_read(&wanted, table, &error) ||
-		eco_track_place(&track, &track_defaults, &error)
-		|| eco_track_clean(&track, &error))
-		fail_msg("%s", error.text);
-	struct eco_flight f = flight_of(&track);
-	/* the table's zero is the file's first fix, which may lie in another part */
-	double zero[2] = { 0 };
-	const struct eco_track_report report = track.report;
-	if (report.parts <= 1)
-		memcpy(zero, f.samples[0].eye, sizeof zero);
-	for (uint32_t i = 0; report.parts <= 1 && i < wanted.count && i < report.kept; i++, seen++)
-		within += nearest(&f, zero[0] + wanted.fixes[i].at[0], zero[1] + wanted.fixes[i].at[1])
-			<= fmax(3, 0.8 * track.still_m) +
-			/* tables count on a sphere */
-			0.002 * hypot(wanted.fixes[i].at[0], wanted.fixes[i].at[1]);
-	if (within < 0.9 * seen)
-		fail_msg("%s: %u of %u positions are near the path", path, within, seen);
-	eco_flight_free(&f);
-	eco_track_free(&track);
-	eco_track_free(&wanted);
-}
-
-UNIT_TEST(recordings_keep_near_their_positions)
-{
-	const char *data = getenv("ECO_DATA");
-	char folder[900];
-	if (!data)
-		skip();
-	snprintf(folder, sizeof folder, "%s/cameras", data);
-	DIR *files = opendir(folder);
-	if (!files)
-		skip();
-	for (const struct dirent *file; (file = readdir(files)); ) {
-		char recording[1300];
-		size_t length = strlen(file->d_name);
-		if (length < 8 || strcmp(file->d_name + length - 4, ".csv") != 0)
-			continue;
-		snprintf(recording, sizeof recording, "%s/%.*s", folder, (int)length - 4, file->d_name);
-		/* of a format that is not read, or packed still */
-		if (!strstr(recording, ".igc") && access(recording, R_OK) == 0)
-			compare_with_table(recording);
-	}
-	closedir(files);
 }

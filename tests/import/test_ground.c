@@ -44,16 +44,20 @@ static enum eco_code import(struct eco_ground *ground, const struct given *g, st
 	return eco_ground_import(ground, &options, error);
 }
 
-static void import_good(struct eco_ground *ground, const struct given *g)
+/* The ground that the test looks at; reading the next frees it. */
+static struct eco_ground ground;
+
+static void import_good(const struct given *g)
 {
 	struct eco_error error = { .code = ECO_OK };
-	assert_ok(import(ground, g, &error), error);
+	eco_ground_free(&ground);
+	assert_ok(import(&ground, g, &error), error);
 }
 
 static void import_fails(const struct given *g, const char *says)
 {
 	struct eco_error error = { .code = ECO_OK };
-	struct eco_ground ground;
+	eco_ground_free(&ground);
 	assert_int_not_equal(import(&ground, g, &error), ECO_OK);
 	assert_null(ground.height_m);
 	if (!strstr(error.text, says))
@@ -71,35 +75,28 @@ static bool said(const char *text)
 UNIT_TEST(samples_lie_at_pixel_centres_from_the_south_west)
 {
 	static const float wanted[] = { 4, 5, 6, 1, 2, 3 };
-	struct eco_ground g;
-	import_good(&g, &(struct given){ .path = input_text("ground", "a.asc", GRID "11 12 13\n14.0 15 16\n"),
+	import_good(&(struct given){ .path = input_text("ground", "a.asc", GRID "11 12 13\n14.0 15 16\n"),
 		.origin = { 90, 190, 10 } });
-	assert_int_equal(g.columns, 3);
-	assert_int_equal(g.rows, 2);
-	assert_true(g.x_m == 15 && g.y_m == 15 && g.step_x_m == 10 && g.step_y_m == 10);
-	assert_memory_equal(g.height_m, wanted, sizeof wanted);
-	assert_int_equal(g.filled, 0);
+	assert_int_equal(ground.columns, 3);
+	assert_int_equal(ground.rows, 2);
+	assert_true(ground.x_m == 15 && ground.y_m == 15 && ground.step_x_m == 10 && ground.step_y_m == 10);
+	assert_memory_equal(ground.height_m, wanted, sizeof wanted);
+	assert_int_equal(ground.filled, 0);
 	assert_true(said("what its heights count from is not said"));
-	eco_ground_free(&g);
-	assert_null(g.height_m);
 }
 
 UNIT_TEST(what_is_missing_grows_in_from_its_neighbours)
 {
-	struct eco_ground g;
-	import_good(&g, &(struct given){ .path = input_text("ground", "b.asc", "ncols 5\nnrows 3\nxllcorner "
+	import_good(&(struct given){ .path = input_text("ground", "b.asc", "ncols 5\nnrows 3\nxllcorner "
 		"0\nyllcorner 0\n"
 		"cellsize 1\nNODATA_value -9999\n7 -9999 -9999 -9999 -9999\n7 nan -3.4e38 -9999 -9999\n7.0 "
 		"1e6 -9999 -9999 -9999\n") });
-	assert_int_equal(g.filled, 12);
+	assert_int_equal(ground.filled, 12);
 	for (int i = 0; i < 15; i++)
-		assert_true(g.height_m[i] == 7);
+		assert_true(ground.height_m[i] == 7);
 	assert_true(said("12 of 15 samples"));
-	eco_ground_free(&g);
-	import_good(&g,
-		&(struct given){ .path = input_text("ground", "c.asc", GRID "0 -9999 10\n0.0 -9999 10\n") });
-	assert_true(g.height_m[1] == 5 && g.height_m[4] == 5);
-	eco_ground_free(&g);
+	import_good(&(struct given){ .path = input_text("ground", "c.asc", GRID "0 -9999 10\n0.0 -9999 10\n") });
+	assert_true(ground.height_m[1] == 5 && ground.height_m[4] == 5);
 }
 
 /* A slope with a hole is a slope again: no crease where what grew in from two sides meets. */
@@ -109,93 +106,117 @@ UNIT_TEST(a_hole_in_a_slope_is_levelled)
 	char text[8192];
 	size_t n = (size_t)snprintf(text, sizeof text, "ncols %d\nnrows %d\nxllcorner 0\nyllcorner "
 		"0\ncellsize 1\nNODATA_value -9999\n", SIDE, SIDE);
-	struct eco_ground g;
 	for (int y = 0; y < SIDE; y++)
 		for (int x = 0; x < SIDE; x++) {
 			bool hole = x > 6 && x < 16 && y > 8 && y < 18;
 			n += (size_t)snprintf(text + n, sizeof text - n, "%g%c",
 				hole ? -9999 : 0.5 * x - 0.25 * y, x + 1 < SIDE ? ' ' : '\n');
 		}
-	import_good(&g, &(struct given){ .path = input_text("ground", "slope.asc", text) });
-	assert_int_equal(g.filled, 81);
+	import_good(&(struct given){ .path = input_text("ground", "slope.asc", text) });
+	assert_int_equal(ground.filled, 81);
 	for (uint32_t y = 1; y + 1 < SIDE; y++)
 		for (uint32_t x = 1; x + 1 < SIDE; x++) {
-			const float *at = &g.height_m[y * SIDE + x];
+			const float *at = &ground.height_m[y * SIDE + x];
 			assert_true(fabs(at[-1] - 2.0 * at[0] + at[1]) < 0.1
 				&& fabs(at[-SIDE] - 2.0 * at[0] + at[SIDE]) < 0.1);
 		}
-	eco_ground_free(&g);
 }
 
-/* A GeoTIFF of whole numbers with scale and offset; rows from the south if `south_up`. */
-static const char *write_tiff(const char *name, bool south_up, int columns, int rows, const int16_t *samples,
-	const char *crs)
+struct raster {
+	const char *driver, *name, *crs, *unit;
+	GDALDataType type;
+	int columns, rows;
+	const double *place;         /* NULL: none */
+	const double *samples;
+	bool scaled;                 /* height = sample * 0.5 + 100; -1 is none */
+};
+
+static const char *write_raster(const struct raster *r)
 {
-	const char *path = input_path("ground", name);
-	double transform[6] = { 500000, 10, 0, south_up ? 1000 : 1000 + 10.0 * rows, 0, south_up ? 10 : -10 };
-	GDALDatasetH file;
-	GDALRasterBandH band;
+	const char *path = input_path("ground", r->name);
+	bool copies = strcmp(r->driver, "GTiff") != 0;
 	GDALAllRegister();
-	file = GDALCreate(GDALGetDriverByName("GTiff"), path, columns, rows, 1, GDT_Int16, NULL);
+	remove(path);
+	GDALDatasetH file = GDALCreate(GDALGetDriverByName(copies ? "MEM" : r->driver), path, r->columns, r->rows, 1,
+		r->type, NULL);
 	assert_non_null(file);
-	GDALSetGeoTransform(file, transform);
-	if (crs) {
+	GDALRasterBandH band = GDALGetRasterBand(file, 1);
+	if (r->place)
+		GDALSetGeoTransform(file, (double *)r->place);
+	if (r->crs) {
 		OGRSpatialReferenceH reference = OSRNewSpatialReference(NULL);
-		OSRSetFromUserInput(reference, crs);
+		OSRSetFromUserInput(reference, r->crs);
 		GDALSetSpatialRef(file, reference);
 		OSRDestroySpatialReference(reference);
 	}
-	band = GDALGetRasterBand(file, 1);
-	GDALSetRasterNoDataValue(band, -1);
-	GDALSetRasterScale(band, 0.5);
-	GDALSetRasterOffset(band, 100);
-	assert_int_equal(GDALRasterIO(band, GF_Write, 0, 0, columns, rows, (void *)samples, columns, rows,
-		GDT_Int16, 0, 0), CE_None);
+	if (r->scaled) {
+		GDALSetRasterNoDataValue(band, -1);
+		GDALSetRasterScale(band, 0.5);
+		GDALSetRasterOffset(band, 100);
+	}
+	if (r->unit)
+		GDALSetRasterUnitType(band, r->unit);
+	assert_int_equal(GDALRasterIO(band, GF_Write, 0, 0, r->columns, r->rows, (void *)r->samples, r->columns,
+		r->rows, GDT_Float64, 0, 0), CE_None);
+	if (copies)
+		GDALClose(GDALCreateCopy(GDALGetDriverByName(r->driver), path, file, FALSE, NULL, NULL, NULL));
 	GDALClose(file);
 	return path;
 }
 
+static const char *write_floats(const char *name, int side, const double *samples, const double place[6],
+	const char *crs)
+{
+	return write_raster(&(struct raster){ "GTiff", name, crs, NULL, GDT_Float32, side, side, place, samples, false });
+}
+
+/* Of whole numbers with scale and offset; rows from the south if `south_up`. */
+static const char *write_tiff(const char *name, bool south_up, int columns, int rows, const double *samples,
+	const char *crs)
+{
+	const double place[6] = { 500000, 10, 0, south_up ? 1000 : 1000 + 10.0 * rows, 0, south_up ? 10 : -10 };
+	return write_raster(&(struct raster){ "GTiff", name, crs, NULL, GDT_Int16, columns, rows, place, samples, true });
+}
+
+static const char *write_png(const char *name, const double *samples)
+{
+	return write_raster(&(struct raster){ "PNG", name, NULL, NULL, GDT_UInt16, 4, 4, NULL, samples, false });
+}
+
 UNIT_TEST(scale_offset_and_row_order_of_the_file_are_honoured)
 {
-	static const int16_t samples[] = { 2, 4, 6, 8, 10, 12 };
+	static const double samples[] = { 2, 4, 6, 8, 10, 12 };
 	struct given o = { .scene_crs = "EPSG:32631", .origin = { 500000, 1000, 100 } };
-	struct eco_ground g;
 	o.path = write_tiff("north.tif", false, 2, 3, samples, "EPSG:32631");
-	import_good(&g, &o);
-	assert_true(g.x_m == 5 && g.y_m == 5 && g.columns == 2 && g.rows == 3);
-	assert_true(g.height_m[0] == 5 && g.height_m[1] == 6 && g.height_m[4] == 1);
-	eco_ground_free(&g);
+	import_good(&o);
+	assert_true(ground.x_m == 5 && ground.y_m == 5 && ground.columns == 2 && ground.rows == 3);
+	assert_true(ground.height_m[0] == 5 && ground.height_m[1] == 6 && ground.height_m[4] == 1);
 	o.path = write_tiff("south.tif", true, 2, 3, samples, "EPSG:32631");
-	import_good(&g, &o);
-	assert_true(g.y_m == 5 && g.height_m[0] == 1 && g.height_m[5] == 6);
-	eco_ground_free(&g);
+	import_good(&o);
+	assert_true(ground.y_m == 5 && ground.height_m[0] == 1 && ground.height_m[5] == 6);
 }
 
 UNIT_TEST(a_crs_is_converted_and_never_guessed)
 {
-	static int16_t samples[40 * 30];
+	static double samples[40 * 30];
 	struct given o = { .scene_crs = "EPSG:32631", .origin = { 500000, 1000, 0 } };
-	struct eco_ground g;
 	double z;
 	for (int i = 0; i < 40 * 30; i++)
-		samples[i] = (int16_t)(i % 40 * 10);
+		samples[i] = i % 40 * 10;
 	o.path = write_tiff("utm.tif", false, 40, 30, samples, "EPSG:32631");
 	o.scene_crs = "EPSG:3857";           /* Mercator: metres too, but another place */
 	o.origin[0] = 333958.5;
 	o.origin[1] = 1000;
-	import_good(&g, &o);
+	import_good(&o);
 	/* about 20 columns in: 100 m + 0.5 * 10 * 19.5 */
-	assert_true(eco_ground_height(&g, 200, 150, &z));
+	assert_true(eco_ground_height(&ground, 200, 150, &z));
 	assert_true(fabs(z - 197.5) < 5);
-	eco_ground_free(&g);
 	o.crs = "EPSG:32631";                /* stated and contained agree: no warning of that kind */
-	import_good(&g, &o);
+	import_good(&o);
 	assert_false(said("which is used"));
-	eco_ground_free(&g);
 	o.crs = "EPSG:32632";
-	import_good(&g, &o);
+	import_good(&o);
 	assert_true(said("which is used"));
-	eco_ground_free(&g);
 
 	o = (struct given){ .path = write_tiff("none.tif", false, 40, 30, samples, NULL),
 		.scene_crs = "EPSG:32631" };
@@ -211,18 +232,16 @@ UNIT_TEST(a_crs_is_converted_and_never_guessed)
 
 UNIT_TEST(a_raster_that_is_too_large_is_averaged_down)
 {
-	static int16_t samples[64 * 32];
-	struct eco_ground g;
+	static double samples[64 * 32];
 	for (int i = 0; i < 64 * 32; i++)
-		samples[i] = (int16_t)(i % 64);
-	import_good(&g, &(struct given){ .path = write_tiff("large.tif", false, 64, 32, samples, NULL),
+		samples[i] = i % 64;
+	import_good(&(struct given){ .path = write_tiff("large.tif", false, 64, 32, samples, NULL),
 		.side_max = 16,
 		.origin = { 500000, 1000, 100 } });
-	assert_true(g.columns == 16 && g.rows == 16 && g.step_x_m == 40 && g.step_y_m == 20 && g.x_m == 20
-		&& g.y_m == 10);
-	assert_true(fabsf(g.height_m[0] - 0.75f) < 1e-4f && fabsf(g.height_m[17] - 2.75f) < 1e-4f);
+	assert_true(ground.columns == 16 && ground.rows == 16 && ground.step_x_m == 40 && ground.step_y_m == 20 && ground.x_m == 20
+		&& ground.y_m == 10);
+	assert_true(fabsf(ground.height_m[0] - 0.75f) < 1e-4f && fabsf(ground.height_m[17] - 2.75f) < 1e-4f);
 	assert_true(said("averaged down to 16 x 16"));
-	eco_ground_free(&g);
 }
 
 UNIT_TEST(what_is_no_raster_is_refused)
@@ -244,107 +263,65 @@ UNIT_TEST(what_is_no_raster_is_refused)
 
 /* ---- Values ---- */
 
-static const char *write_raster(const char *driver, const char *name, GDALDataType type, int columns,
-	int rows, const double *samples, const double transform[6], const char *crs)
-{
-	const char *path = input_path("ground", name);
-	GDALDriverH memory, target;
-	GDALDatasetH file, copy;
-	GDALAllRegister();
-	memory = GDALGetDriverByName("MEM");
-	target = GDALGetDriverByName(driver);
-	file = GDALCreate(memory, "", columns, rows, 1, type, NULL);
-	if (transform)
-		GDALSetGeoTransform(file, (double *)transform);
-	if (crs) {
-		OGRSpatialReferenceH reference = OSRNewSpatialReference(NULL);
-		OSRSetFromUserInput(reference, crs);
-		GDALSetSpatialRef(file, reference);
-		OSRDestroySpatialReference(reference);
-	}
-	assert_int_equal(GDALRasterIO(GDALGetRasterBand(file, 1), GF_Write, 0, 0, columns, rows,
-		(void *)samples, columns, rows, GDT_Float64, 0, 0), CE_None);
-	remove(path);
-	copy = GDALCreateCopy(target, path, file, FALSE, NULL, NULL, NULL);
-	assert_non_null(copy);
-	GDALClose(copy);
-	GDALClose(file);
-	return path;
-}
-
 static const double at_zero[6] = { 0, 10, 0, 40, 0, -10 };      /* 4 rows of 10 m */
 
 /* A height map as pictures have it: sixteen bits, no place, no scale. */
 UNIT_TEST(a_png_takes_its_meaning_from_the_scene)
 {
 	static const double samples[16] = { 0, 1000, 2000, 65535, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3 };
-	struct given g = { .path = write_raster("PNG", "map.png", GDT_UInt16, 4, 4, samples, NULL, NULL),
+	struct given g = { .path = write_png("map.png", samples),
 		.no_holes = true };
-	struct eco_ground ground;
 	remove("build/tmp/ground/map.png.aux.xml");
 	import_fails(&g, "add to the ground \"north_west\": [x, y]");
 	g.has_place = true;
 	g.corner[0] = 100;
 	g.corner[1] = 240;
 	g.pixel[0] = g.pixel[1] = 10;
-	import_good(&ground, &g);
+	import_good(&g);
 	assert_true(said("heights from 0 to 65535 m are not of this Earth"));
 	assert_true(ground.x_m == 105 && ground.y_m == 205 && ground.height_m[0] == 3 && ground.height_m[15]
 		== 65535);
-	eco_ground_free(&ground);
 	g.scale = 0.001;
 	g.offset = 273.5;
 	g.has_offset = true;
-	import_good(&ground, &g);
+	import_good(&g);
 	assert_false(said("not of this Earth"));
 	assert_true(fabsf(ground.height_m[13] - 274.5f) < 1e-4f && fabsf(ground.height_m[15] - 339.035f)
 		< 1e-4f);
-	eco_ground_free(&ground);
 	g.unit_m = 0.3048;                   /* feet: scale and offset first */
-	import_good(&ground, &g);
+	import_good(&g);
 	assert_true(fabsf(ground.height_m[13] - 274.5f * 0.3048f) < 1e-4f);
-	eco_ground_free(&ground);
 }
 
 UNIT_TEST(a_world_file_says_where_a_picture_lies)
 {
 	static const double samples[16] = { 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7, 8, 8, 8, 8 };
-	struct given g = { .path = write_raster("PNG", "world.png", GDT_UInt16, 4, 4, samples, NULL, NULL) };
-	struct eco_ground ground;
+	struct given g = { .path = write_png("world.png", samples) };
 	remove("build/tmp/ground/world.png.aux.xml");
 	input_text("ground", "world.pgw", "2\n0\n0\n-2\n1001\n2007\n");
-	import_good(&ground, &g);
+	import_good(&g);
 	assert_true(ground.x_m == 1001 && ground.y_m == 2001 && ground.step_x_m == 2 && ground.height_m[0]
 		== 8);
-	eco_ground_free(&ground);
 }
 
 UNIT_TEST(units_of_the_file_are_converted_and_said)
 {
 	double samples[16];
-	const char *path;
-	struct eco_ground ground;
-	GDALDatasetH file;
 	for (int i = 0; i < 16; i++)
 		samples[i] = 1000 + i;
-	path = write_raster("GTiff", "feet.tif", GDT_Float32, 4, 4, samples, at_zero, NULL);
-	file = GDALOpen(path, GA_Update);
-	GDALSetRasterUnitType(GDALGetRasterBand(file, 1), "US survey foot");
-	GDALClose(file);
-	import_good(&ground, &(struct given){ .path = path });
+	const char *path = write_raster(&(struct raster){ "GTiff", "feet.tif", NULL, "US survey foot", GDT_Float32, 4, 4,
+		at_zero, samples, false });
+	import_good(&(struct given){ .path = path });
 	assert_true(fabs((double)ground.height_m[12] - 1000 * 1200.0 / 3937) < 1e-3);
 	assert_true(said("units of 0.304800610 m") || said("units of 0.30480061 m"));
-	eco_ground_free(&ground);
-	import_good(&ground, &(struct given){ .path = path, .unit_m = 1 });
+	import_good(&(struct given){ .path = path, .unit_m = 1 });
 	assert_true(ground.height_m[12] == 1000);
-	eco_ground_free(&ground);
 }
 
 UNIT_TEST(a_band_is_chosen_and_colours_are_no_heights)
 {
 	const char *path = input_path("ground", "bands.tif");
 	static const uint8_t gray[4] = { 1, 2, 3, 4 };
-	struct eco_ground ground;
 	GDALDatasetH file;
 	GDALAllRegister();
 	file = GDALCreate(GDALGetDriverByName("GTiff"), path, 2, 2, 3, GDT_Byte, NULL);
@@ -356,9 +333,8 @@ UNIT_TEST(a_band_is_chosen_and_colours_are_no_heights)
 	GDALClose(file);
 	import_fails(&(struct given){ .path = path }, "it holds colours, not heights");
 	import_fails(&(struct given){ .path = path, .band = 4 }, "it has 3 bands, not a band 4");
-	import_good(&ground, &(struct given){ .path = path, .band = 2 });
+	import_good(&(struct given){ .path = path, .band = 2 });
 	assert_true(ground.height_m[0] == 3);
-	eco_ground_free(&ground);
 }
 
 /* ---- Holes that nothing marks ---- */
@@ -374,18 +350,15 @@ UNIT_TEST(holes_within_holes_are_found)
 {
 	static double samples[HOLES_SIDE * HOLES_SIDE];
 	static const double transform[6] = { 0, 1, 0, HOLES_SIDE, 0, -1 };
-	struct eco_ground ground;
 	for (int i = 0; i < HOLES_SIDE * HOLES_SIDE; i++) {
 		int x = i % HOLES_SIDE;
 		samples[i] = x < 4 ? -32768 : x < 6 ? 0 : terrain(x, i / HOLES_SIDE);
 	}
-	import_good(&ground, &(struct given){ .path = write_raster("GTiff", "within.tif", GDT_Float32, HOLES_SIDE,
-		HOLES_SIDE, samples, transform, NULL) });
+	import_good(&(struct given){ .path = write_floats("within.tif", HOLES_SIDE, samples, transform, NULL) });
 	assert_int_equal(ground.filled, 6 * HOLES_SIDE);
 	assert_true(said("stand out"));
 	for (int i = 0; i < HOLES_SIDE * HOLES_SIDE; i++)
 		assert_true(ground.height_m[i] > 300 && ground.height_m[i] < 600);
-	eco_ground_free(&ground);
 }
 
 UNIT_TEST(constants_that_stand_out_are_holes_and_seas_are_not)
@@ -402,8 +375,7 @@ UNIT_TEST(constants_that_stand_out_are_holes_and_seas_are_not)
 
 	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
 		struct given g = { 0 };
-		struct eco_ground ground;
-		uint64_t missing = 0;
+			uint64_t missing = 0;
 		for (int y = 0; y < HOLES_SIDE; y++)
 			for (int x = 0; x < HOLES_SIDE; x++) {
 				double *z = &samples[y * HOLES_SIDE + x];
@@ -415,43 +387,36 @@ UNIT_TEST(constants_that_stand_out_are_holes_and_seas_are_not)
 					*z = cases[k].value;
 				missing += here;
 			}
-		g.path = write_raster("GTiff", "holes.tif", GDT_Float32, HOLES_SIDE, HOLES_SIDE, samples,
+		g.path = write_floats("holes.tif", HOLES_SIDE, samples,
 			transform, NULL);
-		import_good(&ground, &g);
+		import_good(&g);
 		if (!cases[k].hole) {
 			assert_int_equal(ground.filled, 0);
 			assert_false(said("stand out"));
-			eco_ground_free(&ground);
 			continue;
 		}
 		assert_int_equal(ground.filled, missing);
 		assert_true(fabs(cases[k].value) > 1e6 || said("stand out"));
 		for (int i = 0; i < HOLES_SIDE * HOLES_SIDE; i++)
 			assert_true(ground.height_m[i] > 380 && ground.height_m[i] < 500);
-		eco_ground_free(&ground);
 		if (fabs(cases[k].value) > 1e6)
 			continue;                            /* no height in any case */
 		g.no_holes = true;
-		import_good(&ground, &g);
+		import_good(&g);
 		assert_int_equal(ground.filled, 0);
-		eco_ground_free(&ground);
 		g.no_holes = false;
 		g.has_nodata = true;
 		g.nodata = cases[k].value;
-		import_good(&ground, &g);
+		import_good(&g);
 		assert_int_equal(ground.filled, missing);
 		assert_false(said("stand out"));
-		eco_ground_free(&ground);
 	}
 }
 
 UNIT_TEST(ground_that_is_all_one_is_said)
 {
-	struct eco_ground ground;
-	import_good(&ground,
-		&(struct given){ .path = input_text("ground", "flat.asc", GRID "7 7 7\n7.0 7 7\n") });
+	import_good(&(struct given){ .path = input_text("ground", "flat.asc", GRID "7 7 7\n7.0 7 7\n") });
 	assert_true(said("every height is 7 m"));
-	eco_ground_free(&ground);
 }
 
 /* ---- Several rasters ---- */
@@ -461,7 +426,6 @@ UNIT_TEST(rasters_side_by_side_become_one_ground)
 	static double west[16], east[16], fine[64];
 	static const double east_at[6] = { 40, 10, 0, 40, 0, -10 }, fine_at[6] = { 80, 5, 0, 40, 0, -5 };
 	struct given g = { .no_holes = true };
-	struct eco_ground ground;
 	double z;
 	for (int i = 0; i < 16; i++) {
 		west[i] = 100 + i % 4;
@@ -469,31 +433,27 @@ UNIT_TEST(rasters_side_by_side_become_one_ground)
 	}
 	for (int i = 0; i < 64; i++)
 		fine[i] = 108 + (i % 8 - 0.5) * 0.5;
-	g.paths[0] = write_raster("GTiff", "west.tif", GDT_Float32, 4, 4, west, at_zero, NULL);
-	g.paths[1] = write_raster("GTiff", "east.tif", GDT_Float32, 4, 4, east, east_at, NULL);
-	import_good(&ground, &g);
+	g.paths[0] = write_floats("west.tif", 4, west, at_zero, NULL);
+	g.paths[1] = write_floats("east.tif", 4, east, east_at, NULL);
+	import_good(&g);
 	assert_true(ground.columns == 8 && ground.rows == 4 && ground.step_x_m == 10 && ground.x_m == 5
 		&& ground.filled == 0);
 	for (uint32_t i = 0; i < 32; i++)
 		assert_true(ground.height_m[i] == 100 + (float)(i % 8));
-	eco_ground_free(&ground);
 	/* a finer one beside them: all at its resolution, the others resampled */
-	g.paths[2] = write_raster("GTiff", "fine.tif", GDT_Float32, 8, 8, fine, fine_at, NULL);
-	import_good(&ground, &g);
+	g.paths[2] = write_floats("fine.tif", 8, fine, fine_at, NULL);
+	import_good(&g);
 	assert_true(ground.columns == 24 && ground.rows == 8 && ground.step_x_m == 5);
 	for (double x = 10; x < 110; x += 7) {
 		eco_ground_height(&ground, x, 20, &z);
 		assert_true(fabs(z - (100 + (x - 5) / 10)) < 0.3);
 	}
-	eco_ground_free(&ground);
 	/* where two have a height, the first counts */
-	g.paths[0] = write_raster("GTiff", "over.tif", GDT_Float32, 4, 4,
-		(double[16]){ 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9 }, at_zero, NULL);
-	g.paths[1] = write_raster("GTiff", "west.tif", GDT_Float32, 4, 4, west, at_zero, NULL);
+	g.paths[0] = write_floats("over.tif", 4, (double[16]){ 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9 }, at_zero, NULL);
+	g.paths[1] = write_floats("west.tif", 4, west, at_zero, NULL);
 	g.paths[2] = NULL;
-	import_good(&ground, &g);
+	import_good(&g);
 	assert_true(ground.height_m[5] == 9);
-	eco_ground_free(&ground);
 	g.paths[1] = "build/tmp/ground/gone.tif";
 	import_fails(&g, "gone.tif: No such file");
 }
@@ -505,23 +465,20 @@ UNIT_TEST(degrees_and_turned_rasters_are_resampled)
 	static const double degrees[6] = { 8.99, 0.001, 0, 48.04, 0, -0.001 },
 		turned[6] = { 0, 7, 7, 500, 7, -7 };
 	struct given g = { .scene_crs = "EPSG:32632", .origin = { 500000, 5316000, 0 } };
-	struct eco_ground ground;
 	double z, far_z = 0;
 	for (int i = 0; i < 3600; i++)
 		samples[i] = 500 + i / 60;           /* falls to the north: 500 in the first row */
-	g.path = write_raster("GTiff", "degrees.tif", GDT_Float32, 60, 60, samples, degrees, "EPSG:4326");
-	import_good(&ground, &g);
+	g.path = write_floats("degrees.tif", 60, samples, degrees, "EPSG:4326");
+	import_good(&g);
 	assert_true(ground.step_x_m > 60 && ground.step_x_m < 120);
 	assert_true(eco_ground_height(&ground, 0, 0, &z) && eco_ground_height(&ground, 0, 1112, &far_z));
 	assert_true(fabs(z - far_z - 10) < 0.5);     /* a hundredth of a degree, ten rows */
-	eco_ground_free(&ground);
-	g = (struct given){ .path = write_raster("GTiff", "turned.tif", GDT_Float32, 60, 60, samples, turned,
+	g = (struct given){ .path = write_floats("turned.tif", 60, samples, turned,
 		NULL), .no_holes = true };
-	import_good(&ground, &g);
+	import_good(&g);
 	/* its centre */
 	assert_true(eco_ground_height(&ground, 0 + 30 * 7 + 30 * 7, 500 + 30 * 7 - 30 * 7, &z)
 		&& fabs(z - 529.5) < 1);
-	eco_ground_free(&ground);
 }
 
 /* ---- Vertical datum ---- */
@@ -529,19 +486,15 @@ UNIT_TEST(degrees_and_turned_rasters_are_resampled)
 UNIT_TEST(one_vertical_datum_without_the_other_is_an_error)
 {
 	struct given g = { .path = input_text("ground", "v.asc", GRID "1 2 3\n4 5 6\n") };
-	struct eco_ground ground;
-	import_good(&ground, &g);
+	import_good(&g);
 	assert_true(said("add \"vertical\" to the scene and to its ground"));
-	eco_ground_free(&ground);
 	g.vertical = "EPSG:5703";
 	import_fails(&g, "add \"vertical\": \"EPSG:5703\" to the scene");
 	g.scene_vertical = "EPSG:5703";
-	import_good(&ground, &g);
+	import_good(&g);
 	assert_false(said("vertical"));
-	eco_ground_free(&ground);
 	g.vertical = "NAVD88 height";        /* the same by name */
-	import_good(&ground, &g);
-	eco_ground_free(&ground);
+	import_good(&g);
 	g.vertical = "EPSG:5773";
 	import_fails(&g, "no conversion is at hand");
 	g.vertical = NULL;
@@ -550,8 +503,7 @@ UNIT_TEST(one_vertical_datum_without_the_other_is_an_error)
 		/* a compound CRS states one too */
 	import_fails(&g, "add \"vertical\": \"EGM96 height\" to the ground");
 	g.crs = "EPSG:32632+5773";
-	import_good(&ground, &g);
-	eco_ground_free(&ground);
+	import_good(&g);
 }
 
 /* ---- Heights ---- */
@@ -583,20 +535,4 @@ UNIT_TEST(heights_lie_on_the_triangles_from_south_west_to_north_east)
 		assert_true(fabs(left - right) < 1e-6);
 	}
 	assert_false(eco_ground_height(&g, NAN, 3, &(double){ 0 }));
-}
-
-UNIT_TEST(the_shared_terrain_reads)
-{
-	const char *data = getenv("ECO_DATA");
-	char path[4096];
-	struct eco_ground g;
-	snprintf(path, sizeof path, "%s/terrain/scbi_plot_elevation.tif", data != NULL ? data : "");
-	if (!data || access(path, R_OK) != 0)
-		skip();
-	import_good(&g, &(struct given){ .path = path, .crs = "EPSG:26917", .scene_crs = "EPSG:26917",
-		.origin = { 747375, 4308510, 0 } });
-	assert_true(g.columns == 82 && g.rows == 129 && g.step_x_m == 5);
-	for (uint32_t i = 0; i < g.columns * g.rows; i++)
-		assert_true(g.height_m[i] > 273 && g.height_m[i] < 338);
-	eco_ground_free(&g);
 }

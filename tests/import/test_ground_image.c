@@ -147,31 +147,36 @@ static struct eco_ground_image_options options_of(struct given *g, char **paths)
 		.warn = note };
 }
 
-static void read_tree(struct tree *tree, struct given g)
+static void free_tree(struct tree *tree)
+{
+	for (uint32_t i = 0; i < tree->count; i++)
+		free(tree->leaves[i].rgba);
+	*tree = (struct tree){ .count = 0 };
+}
+
+/* The tree that the test looks at; reading the next frees it. */
+static struct tree tree;
+
+static void read_tree(struct given g)
 {
 	struct eco_error error = { .code = ECO_OK }, verdict = { .code = ECO_OK };
 	char *paths[1];
 	struct eco_ground_image_options options = options_of(&g, paths);
 	struct eco_ground_image_reader *reader;
-	*tree = (struct tree){ .count = 0 };
+	free_tree(&tree);
+	warnings[0] = 0;
 	assert_ok(eco_ground_image_open(&reader, &options, &error), error);
 	enum eco_code code =
-		read_square(reader, tree, (struct eco_list){ .kind = ECO_LIST_GROUND_IMAGE }, 0, &error);
+		read_square(reader, &tree, (struct eco_list){ .kind = ECO_LIST_GROUND_IMAGE }, 0, &error);
 	assert_ok(eco_ground_image_close(reader, &verdict), verdict);
 	assert_ok(code, error);
 }
 
-static void free_tree(struct tree *tree)
-{
-	for (uint32_t i = 0; i < tree->count; i++)
-		free(tree->leaves[i].rgba);
-}
-
 /* The texel at a place; NULL: no square holds it. */
-static const uint8_t *texel_at(const struct tree *tree, double x, double y)
+static const uint8_t *texel_at(double x, double y)
 {
-	for (uint32_t i = 0; i < tree->count; i++) {
-		const struct leaf *leaf = &tree->leaves[i];
+	for (uint32_t i = 0; i < tree.count; i++) {
+		const struct leaf *leaf = &tree.leaves[i];
 		double column = (x - leaf->low[0]) / leaf->texel_m,
 		       row = SIDE - (y - leaf->low[1]) / leaf->texel_m;
 		if (column >= 0 && column < SIDE && row >= 0 && row < SIDE)
@@ -186,10 +191,9 @@ static void fails(struct given g, const char *says)
 	char *paths[1];
 	struct eco_ground_image_options options = options_of(&g, paths);
 	struct eco_ground_image_reader *reader;
-	struct tree tree = { .count = 0 };
+	free_tree(&tree);
 	assert_ok(eco_ground_image_open(&reader, &options, &error), error);
 	read_square(reader, &tree, (struct eco_list){ .kind = 0 }, 0, &missed);
-	free_tree(&tree);
 	assert_int_not_equal(eco_ground_image_close(reader, &error), ECO_OK);
 	if (!strstr(error.text, says))
 		fail_msg("%s\n  wanted ... %s", error.text, says);
@@ -201,15 +205,13 @@ static void fails(struct given g, const char *says)
 
 UNIT_TEST(colours_lie_where_they_lie_in_the_raster_and_fade_at_its_border)
 {
-	struct tree tree;
-	read_tree(&tree,
-		(struct given)COLORS(make_raster(
+	read_tree((struct given)COLORS(make_raster(
 			&(struct raster){ "rgb.tif", 600, 3, ZONE, 0.5, GDT_Byte, .nodata = -1 })));
 	assert_true(tree.root.low[0] == 0 && tree.root.low[1] == 0 && tree.root.texel_m == 2);
 	assert_int_equal(tree.depth, 2);
 	for (int i = 0; i < 100; i++) {
 		double east = (i % 10 + 0.5) / 10, north = (i / 10 + 0.5) / 10;
-		const uint8_t *texel = texel_at(&tree, 300 * east, 300 * north);
+		const uint8_t *texel = texel_at(300 * east, 300 * north);
 		assert_non_null(texel);
 		assert_true(abs(texel[0] - value_at(east, north, 0)) <= 2 &&
 			abs(texel[1] - value_at(east, north, 1)) <= 2 && texel[2] == 128);
@@ -218,102 +220,83 @@ UNIT_TEST(colours_lie_where_they_lie_in_the_raster_and_fade_at_its_border)
 	}
 	uint8_t before = 0;
 	for (double y = 299.9; y > 270; y -= 0.5) {        /* from the northern border inwards */
-		uint8_t alpha = texel_at(&tree, 150, y)[3];
+		uint8_t alpha = texel_at(150, y)[3];
 		assert_true(alpha >= before && alpha - before < 40);
 		before = alpha;
 	}
 	assert_int_equal(before, 255);
-	assert_int_equal(texel_at(&tree, 150, 320)[3], 0);
-	free_tree(&tree);
+	assert_int_equal(texel_at(150, 320)[3], 0);
 }
 
 UNIT_TEST(rasters_of_another_crs_are_warped)
 {
-	struct tree tree;
 	struct raster r = { "zone33.tif", 100, 3, ZONE, 2, GDT_Byte, .nodata = -1 };
-	read_tree(&tree,
-		(struct given){ .path = make_raster(&r), .scene_crs = "EPSG:25832", .low = { 1, 1 } });
-	const uint8_t *texel = texel_at(&tree, 50, 150);
+	read_tree((struct given){ .path = make_raster(&r), .scene_crs = "EPSG:25832", .low = { 1, 1 } });
+	const uint8_t *texel = texel_at(50, 150);
 	assert_true(abs(texel[0] - 62) <= 3 && abs(texel[1] - 187) <= 3 && texel[3] == 255);
-	free_tree(&tree);
 }
 
 /* Alpha is the file's, whatever the bands hold: clear in the east. */
 UNIT_TEST(a_fourth_band_is_alpha)
 {
 	for (int deep = 0; deep < 2; deep++) {
-		struct tree tree;
 		struct raster r = { deep ? "rgba16.tif" : "rgba.tif", 300, 4, ZONE, 1, deep ? GDT_UInt16 : GDT_Byte,
 			.nodata = -1, .scale = deep ? 257 : 0 };
 		struct given g = COLORS(make_raster(&r));
 		g.source.has_range = deep;
 		g.source.range[1] = 65535;
-		read_tree(&tree, g);
-		const uint8_t *west = texel_at(&tree, 75, 150), *east = texel_at(&tree, 225, 150);
+		read_tree(g);
+		const uint8_t *west = texel_at(75, 150), *east = texel_at(225, 150);
 		assert_true(abs(west[0] - 62) <= 2 && abs(west[1] - 125) <= 2 && west[2] == 128 && west[3] == 255);
 		assert_int_equal(east[3], 0);
-		free_tree(&tree);
 	}
 }
 
 /* 16 bits: black and white are said, or guessed of all bands together and noted. */
 UNIT_TEST(numbers_that_are_no_bytes_have_a_black_and_a_white)
 {
-	struct tree tree;
 	struct given g = COLORS(make_raster(&(struct raster){ "deep.tif", 300, 3, ZONE, 1, GDT_UInt16, .nodata = -1,
 		.scale = 40 }));
-	warnings[0] = 0;
-	read_tree(&tree, g);
+	read_tree(g);
 	assert_non_null(strstr(warnings, "its bands hold UInt16"));
 	assert_non_null(strstr(warnings, "for black and 99"));       /* 250 x 40, less a two-hundredth */
-	const uint8_t *texel = texel_at(&tree, 150, 75);
+	const uint8_t *texel = texel_at(150, 75);
 	assert_true(abs(texel[0] - 127) <= 4 && abs(texel[1] - 63) <= 4 && abs(texel[2] - 131) <= 4);
-	free_tree(&tree);
 	g.source.has_range = true;
 	g.source.range[1] = 255 * 40;
-	warnings[0] = 0;
-	read_tree(&tree, g);
+	read_tree(g);
 	assert_string_equal(warnings, "");
-	texel = texel_at(&tree, 150, 75);
+	texel = texel_at(150, 75);
 	assert_true(abs(texel[0] - 125) <= 1 && abs(texel[1] - 62) <= 1 && texel[2] == 128);
-	free_tree(&tree);
 }
 
 /* What plants an image leaves out, and on which side. */
 UNIT_TEST(an_image_that_does_not_reach_the_plants_is_said_to)
 {
-	struct tree tree;
 	struct given g =
 		COLORS(make_raster(&(struct raster){ "small.tif", 64, 3, ZONE, 1, GDT_Byte, .nodata = -1 }));
 	g.low[0] = g.low[1] = 10;
 	g.high[0] = 104, g.high[1] = 64;
-	warnings[0] = 0;
-	read_tree(&tree, g);
-	free_tree(&tree);
+	read_tree(g);
 	assert_non_null(strstr(warnings, "does not reach all plants, which stand up to 40 m east of it"));
 	g.low[0] = g.low[1] = 5000;
 	g.high[0] = g.high[1] = 5100;
-	warnings[0] = 0;
-	read_tree(&tree, g);
-	free_tree(&tree);
+	read_tree(g);
 	assert_non_null(strstr(warnings, "the image shows no place where plants stand"));
 	g.low[0] = g.low[1] = 5;
 	g.high[0] = g.high[1] = 60;
-	warnings[0] = 0;
-	read_tree(&tree, g);
-	free_tree(&tree);
+	read_tree(g);
 	assert_string_equal(warnings, "");
 }
 
 /* Far from the plants no view resolves them; and so many squares are the most. */
 UNIT_TEST(texels_are_wider_where_no_plant_is_near)
 {
-	struct tree tree;
 	struct given g =
 		COLORS(make_raster(&(struct raster){ "wide.tif", 4096, 3, ZONE, 1, GDT_Byte, .nodata = -1 }));
 	g.low[0] = g.low[1] = 10;
 	g.high[0] = g.high[1] = 20;
-	read_tree(&tree, g);
+	read_tree(g);
 	uint32_t fine = 0, coarse = 0;
 	for (uint32_t i = 0; i < tree.count; i++) {
 		const struct leaf *leaf = &tree.leaves[i];
@@ -323,65 +306,55 @@ UNIT_TEST(texels_are_wider_where_no_plant_is_near)
 		coarse += leaf->texel_m > 1;
 	}
 	assert_true(fine > 16 && coarse > 0);
-	free_tree(&tree);
 	g.tiles_max = 16;
-	warnings[0] = 0;
-	read_tree(&tree, g);
+	read_tree(g);
 	assert_true(tree.count <= 16);
-	free_tree(&tree);
 	g.tiles_max = 0;
 	g.source.texel_m = 8;
-	read_tree(&tree, g);
+	read_tree(g);
 	assert_int_equal(tree.count, 4);
-	free_tree(&tree);
 }
 
 UNIT_TEST(classes_have_the_colours_of_the_file_or_of_the_scene)
 {
 	struct eco_ground_class classes[] = { { 1, { 9, 8, 7 }, false }, { 4, { 0 }, true } };
-	struct tree tree;
 	struct given g = COLORS(make_raster(&(struct raster){ "palette.tif", 300, 1, ZONE, 1, GDT_Byte, true,
 		.nodata = -1 }));
-	read_tree(&tree, g);
-	assert_int_equal(texel_at(&tree, 75, 75)[0], 50);
-	assert_int_equal(texel_at(&tree, 225, 75)[0], 100);
-	assert_int_equal(texel_at(&tree, 75, 225)[0], 150);
-	assert_int_equal(texel_at(&tree, 225, 225)[0], 200);
+	read_tree(g);
+	assert_int_equal(texel_at(75, 75)[0], 50);
+	assert_int_equal(texel_at(225, 75)[0], 100);
+	assert_int_equal(texel_at(75, 225)[0], 150);
+	assert_int_equal(texel_at(225, 225)[0], 200);
 	for (uint32_t i = 0; i < tree.count; i++)        /* a mean of colours of classes, never of their numbers */
 		for (size_t t = 0; t < ECO_GROUND_IMAGE_BYTES; t += 4) {
 			const uint8_t *texel = tree.leaves[i].rgba + t;
 			assert_true(!texel[3] || (texel[1] == 10 && texel[2] == 20));
 		}
-	free_tree(&tree);
 	g.source.classes = classes;
 	g.source.class_count = 2;
-	read_tree(&tree, g);
-	assert_int_equal(texel_at(&tree, 75, 75)[0], 9);
-	assert_int_equal(texel_at(&tree, 225, 75)[0], 100);
-	assert_int_equal(texel_at(&tree, 225, 225)[3], 0);
-	free_tree(&tree);
+	read_tree(g);
+	assert_int_equal(texel_at(75, 75)[0], 9);
+	assert_int_equal(texel_at(225, 75)[0], 100);
+	assert_int_equal(texel_at(225, 225)[3], 0);
 }
 
 UNIT_TEST(nodata_is_clear)
 {
-	struct tree tree;
 	struct eco_ground_class classes[] = { { 1, { 9, 8, 7 }, false }, { 2, { 9, 8, 7 }, false },
 		{ 3, { 9, 8, 7 }, false } };
 	struct given g = COLORS(make_raster(&(struct raster){ "hole.tif", 300, 1, ZONE, 1, GDT_Int16, false,
 		.nodata = 4 }));
 	g.source.classes = classes;
 	g.source.class_count = 3;
-	read_tree(&tree, g);
-	assert_int_equal(texel_at(&tree, 225, 225)[3], 0);
-	assert_int_equal(texel_at(&tree, 75, 75)[3], 255);
-	free_tree(&tree);
+	read_tree(g);
+	assert_int_equal(texel_at(225, 225)[3], 0);
+	assert_int_equal(texel_at(75, 75)[3], 255);
 	g.path =
 		make_raster(&(struct raster){ "hole2.tif", 300, 1, ZONE, 1, GDT_Int16, false, .nodata = -1 });
 	g.source.has_nodata = true;
 	g.source.nodata = 4;
-	read_tree(&tree, g);
-	assert_int_equal(texel_at(&tree, 225, 225)[3], 0);
-	free_tree(&tree);
+	read_tree(g);
+	assert_int_equal(texel_at(225, 225)[3], 0);
 }
 
 UNIT_TEST(what_lacks_is_said)
@@ -392,9 +365,7 @@ UNIT_TEST(what_lacks_is_said)
 	fails(g, "the file has no CRS; say it in the scene: \"ground\": {\"image\": {\"file\": ..., \"crs\": "
 		"\"EPSG:32632\"}}");
 	g.source.crs = (char *)"EPSG:32632";
-	struct tree tree;
-	read_tree(&tree, g);
-	free_tree(&tree);
+	read_tree(g);
 	g = (struct given)COLORS(
 		make_raster(&(struct raster){ "good.tif", 64, 3, ZONE, 1, GDT_Byte, .nodata = -1 }));
 	g.scene_crs = NULL;
@@ -422,7 +393,6 @@ UNIT_TEST(what_lacks_is_said)
 /* A picture without coordinates, put where the scene says. */
 UNIT_TEST(a_picture_without_coordinates_lies_where_the_scene_says)
 {
-	struct tree tree;
 	struct given g = COLORS(make_raster(
 		&(struct raster){ "photo.tif", 256, 3, 0, 1, GDT_Byte, .no_place = true, .nodata = -1 }));
 	g.source.crs = (char *)"EPSG:32632";
@@ -430,9 +400,8 @@ UNIT_TEST(a_picture_without_coordinates_lies_where_the_scene_says)
 	g.source.corner[0] = WEST + 100;
 	g.source.corner[1] = SOUTH + 612;
 	g.source.pixel[0] = g.source.pixel[1] = 2;
-	read_tree(&tree, g);
+	read_tree(g);
 	assert_true(tree.root.low[0] == 100 && tree.root.low[1] == 100 && tree.root.texel_m == 2);
-	assert_true(abs(texel_at(&tree, 100 + 128, 100 + 384)[0] - 62) <= 2);
-	assert_true(abs(texel_at(&tree, 100 + 128, 100 + 384)[1] - 187) <= 2);
-	free_tree(&tree);
+	assert_true(abs(texel_at(100 + 128, 100 + 384)[0] - 62) <= 2);
+	assert_true(abs(texel_at(100 + 128, 100 + 384)[1] - 187) <= 2);
 }

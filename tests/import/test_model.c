@@ -260,39 +260,3 @@ UNIT_TEST(a_crash_in_the_child_is_an_error_here)
 		fclose(result);
 	}
 }
-
-/* ---- Models of others ---- */
-
-UNIT_TEST(shared_models_arrive_whole)
-{
-	static const struct { const char *path; uint32_t triangles, degenerate, images; bool cutout;
-		double height; } models[] = {
-		{ "eztree/eztree_bush_1.glb", 13872, 0, 2, true, 30.15 },
-			{ "eztree/eztree_pine_medium.obj", 19872, 8, 2, true, 51.29 },
-		{ "eztree/grass.glb", 6, 0, 1, true, 2 },
-		{ "eztree/flower_yellow.glb", 788, 0, 4, false, 1.769 },
-		{ "quaternius/TreeStump.obj", 232, 0, 0, false, 0.622 },
-		{ "sh3d_scopia/bush/bush.obj", 40292, 0, 2, true, 1.3119 },
-		{ "sh3d_scopia/poplar/poplar.obj", 132050, 0, 1, false, 7.3003 },
-		{ "sh3d_cc0/plant/plant.obj", 14370, 0, 0, false, 1.171 },
-	};
-	const char *data = getenv("ECO_DATA");
-	if (!data)
-		skip();
-	for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
-		char path[4096];
-		bool cutout = false;
-		snprintf(path, sizeof path, "%s/models/%s", data, models[i].path);
-		if (access(path, R_OK) != 0)
-			continue;
-		import_high(&m, path, 0);
-		assert_int_equal(m.triangles_in, models[i].triangles);
-		assert_int_equal(m.dropped[ECO_DROP_DEGENERATE], models[i].degenerate);
-		assert_int_equal(m.image_count, models[i].images);
-		for (uint32_t k = 0; k < m.material_count; k++)
-			cutout |= m.materials[k].cutout;
-		assert_int_equal(cutout, models[i].cutout);
-		if (!(fabs((eco_model_height(&m) + m.source.below * m.scale) / models[i].height - 1) < 0.001))
-			fail_msg("%s: %g m high: %s", path, eco_model_height(&m), import_said);
-	}
-}

@@ -3,7 +3,6 @@
 #include "tests/support/model_try.h"
 
 #include "ecofiles/import/model/model_parts.h"
-#include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/format/pack.h"
 
 /* The model that the test looks at; reading the next frees it. */
