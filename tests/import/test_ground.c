@@ -170,7 +170,7 @@ static const char *write_floats(const char *name, int side, const double *sample
 	return write_raster(&(struct raster){ "GTiff", name, crs, NULL, GDT_Float32, side, side, place, samples, false });
 }
 
-/* Of whole numbers with scale and offset; rows from the south if `south_up`. */
+/* A GeoTIFF of whole numbers with scale and offset; rows from the south if `south_up`. */
 static const char *write_tiff(const char *name, bool south_up, int columns, int rows, const double *samples,
 	const char *crs)
 {

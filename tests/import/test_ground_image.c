@@ -270,7 +270,7 @@ UNIT_TEST(numbers_that_are_no_bytes_have_a_black_and_a_white)
 	assert_true(abs(texel[0] - 125) <= 1 && abs(texel[1] - 62) <= 1 && texel[2] == 128);
 }
 
-/* What plants an image leaves out, and on which side. */
+/* Plants beyond an image are said, with their side. */
 UNIT_TEST(an_image_that_does_not_reach_the_plants_is_said_to)
 {
 	struct given g =

@@ -1,5 +1,5 @@
-/* What a raster shows: which bands are its colours, or which colours its classes have; and the texels of a
- * square, which GDAL warps. Colours are mixed where texels are wider than pixels. Classes are taken as they
+/* Colours of a raster: the bands that hold them, or the colours of its classes; and the texels of a square,
+ * which GDAL warps. Colours are mixed where texels are wider than pixels. Classes are taken as they
  * are, four a texel, and then their colours are mixed. */
 #include "ecofiles/import/ground/gdal_ground.h"
 
@@ -13,7 +13,7 @@
 #define SIDE ECO_GROUND_IMAGE_SIDE
 #define CLASS_SAMPLES 2                  /* along each side of a texel */
 #define RANGE_SAMPLES 256                /* along each side of a raster whose range is guessed */
-#define RANGE_CUT 0.005                  /* of its values are below black, and so many above white */
+#define RANGE_CUT 0.005                  /* share of its values below black, and above white */
 
 /* ---- What it shows ---- */
 
@@ -200,7 +200,7 @@ void ground_colors_close(struct ground_colors *c)
 
 /* ---- A square ---- */
 
-/* What the scene says of its place goes into a copy that has no pixels of its own. */
+/* A place that the scene states goes into a copy that has no pixels of its own. */
 enum eco_code ground_colors_locate(struct ground_colors *c, const struct eco_ground_image_source *source,
 	struct eco_error *error)
 {

@@ -21,7 +21,7 @@ struct ground_raster {
 	double low[2], high[2], step[2];     /* in the scene's CRS: outer bounds, size of a pixel */
 };
 
-/* What rasters are placed in. */
+/* The frame in which rasters are placed. */
 struct ground_scene {
 	const struct eco_ground_options *options;    /* as the caller gave them */
 	struct ground_notes *notes;
@@ -40,7 +40,7 @@ enum eco_code ground_raster_place(struct ground_raster *raster, const struct gro
 	struct eco_error *error);
 void ground_raster_close(struct ground_raster *raster);
 /* Warps a dataset into a box of the scene's CRS (west, south, east, north; NULL: the dataset has no CRS to convert)
- * with so many columns and rows. `more`: options of gdalwarp, ended by NULL. NULL: an error. */
+ * with `size` columns and rows. `more`: options of gdalwarp, ended by NULL. NULL: an error. */
 GDALDatasetH ground_warp(GDALDatasetH from, OGRSpatialReferenceH crs, const double box[4], const int size[2],
 	const char *const *more);
 /* ECO_BAD_INPUT with GDAL's last message. */
@@ -82,7 +82,7 @@ enum eco_code ground_colors_locate(struct ground_colors *colors, const struct ec
 /* Closes the raster, too. */
 void ground_colors_close(struct ground_colors *colors);
 
-/* What it shows of a square of ECO_GROUND_IMAGE_SIDE texels a side: west, south, east, north in the scene's
+/* Colours of a square of ECO_GROUND_IMAGE_SIDE texels a side: west, south, east, north in the scene's
  * CRS; rows from the north. */
 enum eco_code ground_colors_read(const struct ground_colors *colors, const struct ground_scene *scene,
 	const double bounds[4], uint8_t *rgba, struct eco_error *error);

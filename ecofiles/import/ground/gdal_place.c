@@ -1,4 +1,4 @@
-/* Where rasters lie: their CRS, and their extent in the scene's. Heights and images are placed alike. */
+/* Places of rasters: their CRS, and their extent in the scene's. Heights and images are placed alike. */
 #include "ecofiles/import/ground/gdal_ground.h"
 
 #include <cpl_conv.h>

@@ -191,7 +191,7 @@ static int bucket_of(double step)
 	return exponent < -BUCKETS / 2 ? 0 : exponent >= BUCKETS / 2 ? BUCKETS - 1 : exponent + BUCKETS / 2;
 }
 
-/* Counts the step between two neighbours, both of which may be heights. */
+/* Counts the step between two neighbours that may both be heights. */
 static void count_step(struct census *c, double a, double b)
 {
 	int x = suspect_of(a), y = suspect_of(b);

@@ -115,7 +115,7 @@ enum eco_code eco_ground_fill(struct eco_ground *ground, struct eco_error *error
  * a ridge that the border cuts ends in a rounded hill, and not in a wall or in furrows to the horizon. */
 
 #define REACH_M 131072.0             /* from a tower of 1 km the horizon is 113 km away */
-#define REACH_EXTENTS 4.0            /* and seen from above, so many times as far as the ground is wide */
+#define REACH_EXTENTS 4.0            /* and, for views from above, times the ground's width */
 
 struct margin {
 	const struct eco_ground *inside;
@@ -134,7 +134,7 @@ static uint32_t margin_of(const struct eco_ground *g)
 	return margin;
 }
 
-/* Where sample (x, y) of the border comes along it. */
+/* The number of sample (x, y) along the border. */
 static uint32_t along_border(const struct eco_ground *g, uint32_t x, uint32_t y)
 {
 	uint32_t east = g->columns - 1, north = g->rows - 1;
@@ -229,9 +229,9 @@ enum eco_code eco_ground_extend(struct eco_ground *ground, struct eco_error *err
 
 /* ---- Through plants ----
  * Ground for a scene without rasters: a least-squares plane through the feet of its plants, then grids twice
- * as fine each, until all stand, each of which adds the residuals of the feet (Lee, Wolberg, Shin 1997,
+ * as fine each, until all stand; each adds the residuals of the feet (Lee, Wolberg, Shin 1997,
  * Scattered data interpolation with multilevel B-splines; of degree 1 here, on the triangles that are
- * drawn). Where no plant stands, the ground is that of the coarser grids. */
+ * drawn). Without plants the ground is that of the coarser grids. */
 
 #define LEVELS_MAX 9u
 #define CELL_LEAST_M 0.25

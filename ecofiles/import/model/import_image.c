@@ -1,7 +1,7 @@
 /* Textures of models: found, decoded, brought to one rule of alpha, each once.
  *
  * Alpha: afterwards the threshold is 128 everywhere; a cutoff and the material's own alpha are multiplied
- * into the texels. Lists of triangles say which image they have, not whether its alpha counts. So an image
+ * into the texels. Lists of triangles say which image they have, not whether its alpha counts. An image
  * that is not cut out gets alpha 255 all over, and a texture used both ways becomes two images. */
 #include "ecofiles/import/model/import_model.h"
 

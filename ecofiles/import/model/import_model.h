@@ -176,7 +176,7 @@ uint32_t eco_tints_get_step(struct eco_tints *tints, uint32_t material, const st
 	bool linear);
 void eco_tints_end(struct eco_tints *tints);
 
-/* Pictures of which each triangle shows one colour become colours of materials, and are dropped. False when
+/* A picture whose triangles show one colour each becomes colours of materials, and is dropped. False when
  * memory ran out. */
 bool eco_model_take_palettes(struct eco_model *model);
 

@@ -14,7 +14,7 @@
 #define MTL_BYTES_MAX ((uint64_t)1 << 28)
 #define MATERIALS_MAX 65536u
 
-/* its arguments: so many words, or up to so many numbers */
+/* its arguments: a number of words, or up to a number of numbers */
 struct option { const char *name; int words, numbers; };
 
 static const struct option options[] = { { "-blendu", 1, 0 }, { "-blendv", 1, 0 }, { "-cc", 1, 0 },

@@ -289,7 +289,7 @@ enum eco_code eco_model_bake_tints(struct eco_model *model, const char *path, st
 	return ECO_OK;
 }
 
-/* ---- Palettes: pictures of which every triangle shows one colour, as models of few triangles have them. They
+/* ---- Palettes: pictures whose triangles show one colour each, as models of few triangles have them. They
  * become colours of materials, which no coder of pictures blurs into those beside them ---- */
 
 #define PALETTE_MOST 256u        /* colours of one picture: more are no palette */

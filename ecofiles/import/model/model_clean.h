@@ -10,7 +10,7 @@
  * counts bad indices, coordinates that are not finite or beyond 1e9, triangles without area, duplicates
  * (by position, within a material, whatever their winding), and parts that rules leave out. Puts the plant
  * on its foot, scales it to height_m or to metres, and keeps only vertices, materials, parts and images in
- * use. Of the options it uses height_m, unit_m and rules. Errors name `what`. */
+ * use. Options used: height_m, unit_m, rules. Errors name `what`. */
 enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_frame *frame,
 	const struct eco_model_options *options, const char *what, struct eco_notes *notes,
 	struct eco_error *error);

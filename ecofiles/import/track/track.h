@@ -89,8 +89,8 @@ struct eco_track {
 	FILE *notes;                 /* lines for the user are written there; NULL: nowhere */
 };
 
-/* Reads a file, of which all but track->notes is set, in this process: it is a stranger's, so call this in a
- * child with limits (guard.h). A file without a usable fix is an error that says what was found instead.
+/* Reads a file; sets all of *track but notes. The file is a stranger's: call this in a child with limits
+ * (guard.h). A file without a usable fix is an error that says what was found instead.
  * `path` must outlive the track. Free with eco_track_free, which takes a zeroed one too. */
 enum eco_code eco_track_read(struct eco_track *track, const char *path, struct eco_error *error);
 void eco_track_free(struct eco_track *track);

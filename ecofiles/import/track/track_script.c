@@ -1,6 +1,6 @@
 /* The fewest keyframes whose spline keeps to a flight. Keyframes are put where the script that camera.c would
  * play leaves the flight most, one in each stretch that is not good enough, until all are (the idea of
- * Douglas and Peucker 1973, with the true spline in place of chords). So an overshoot between keyframes is an
+ * Douglas and Peucker 1973, with the true spline in place of chords). An overshoot between keyframes is an
  * error like any other, and the bound that is stated has been measured at every sample. */
 #include <math.h>
 #include <stdio.h>
