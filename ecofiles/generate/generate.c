@@ -23,7 +23,7 @@ const struct eco_generate_kind eco_generate_kinds[] = {
 	{ "city", "trees of alpha-cut cards along the streets of a grid", 4000 },
 	{ NULL, NULL, 0 },
 };
-static enum eco_code (*const layouts[])(struct gen_layout *, struct eco_error *) =
+static void (*const layouts[])(struct gen_layout *) =
 	{ gen_park, gen_forest, gen_meadow, gen_grove, gen_palms, gen_sunflowers, gen_outdoor, gen_billion,
 	gen_city };
 
@@ -65,6 +65,7 @@ enum eco_code eco_generate(const struct eco_generate_options *options, struct ec
 		return code;
 	struct gen_layout layout = { .options = options,
 		.plants = (uint32_t)(options->plants ? options->plants : eco_generate_kinds[kind].plants),
-		.random = { options->seed * 0x9E3779B97F4A7C15u + kind } };
-	return layouts[kind](&layout, error);
+		.random = { options->seed * 0x9E3779B97F4A7C15u + kind }, .error = error };
+	layouts[kind](&layout);
+	return layout.code;
 }

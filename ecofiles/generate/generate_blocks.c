@@ -76,35 +76,31 @@ static void plant_kind(struct gen_layout *layout, const struct share *kind, uint
 	}
 }
 
-static enum eco_code write_hectare(struct gen_layout *layout, uint32_t kind, uint32_t plants,
-	struct eco_error *error)
+static void write_hectare(struct gen_layout *layout, uint32_t kind, uint32_t plants)
 {
 	struct gen_stand stand;
-	struct gen_text text;
 	char name[NAME_BYTES];
-	bool first = true;
+	bool first = true, good = gen_stand_open(&stand, layout, plants, HECTARE_M / 2, 7);
 	double sum = 0;
 	uint32_t planted = 0;
-	enum eco_code code = gen_stand_open(&stand, plants, HECTARE_M / 2, 7, error);
-	if (code)
-		return code;
-	code = gen_text_open(&text, error);
-	if (!code) {
-		fprintf(text.out, "{\n  \"name\": \"hectare-%u\",\n", kind);
-		gen_print_plants(text.out, species);
-		fputs("  \"instances\": [", text.out);
-		for (uint32_t i = 0; i < SPECIES; i++) {
-			sum += hectares[kind][i].share;
-			uint32_t until = i + 1 == SPECIES ? plants : (uint32_t)(plants * sum + 0.5);
-			plant_kind(layout, &hectares[kind][i], until - planted, &stand, text.out, &first);
-			planted = until;
-		}
-		fputs("\n  ]\n}\n", text.out);
+	FILE *out = good ? gen_open(layout) : NULL;
+	if (out) {
+		fprintf(out, "{\n  \"name\": \"hectare-%u\",\n", kind);
+		gen_print_plants(out, species);
+		fputs("  \"instances\": [", out);
+	}
+	for (uint32_t i = 0; i < SPECIES && out; i++) {
+		sum += hectares[kind][i].share;
+		uint32_t until = i + 1 == SPECIES ? plants : (uint32_t)(plants * sum + 0.5);
+		plant_kind(layout, &hectares[kind][i], until - planted, &stand, out, &first);
+		planted = until;
+	}
+	if (out) {
+		fputs("\n  ]\n}\n", out);
 		file_name(name, 0, kind);
-		code = gen_text_write(&text, layout, name, error);
+		gen_close(layout, out, name);
 	}
 	gen_stand_close(&stand);
-	return code;
 }
 
 /* Children in rows from the south-west, around the origin: the first `count` of columns x columns. Noise
@@ -131,35 +127,24 @@ static void print_children(FILE *out, struct gen_layout *layout, uint32_t level,
 	fputs("\n  ]\n}\n", out);
 }
 
-static enum eco_code write_block(struct gen_layout *layout, uint32_t level, uint32_t kind,
-	struct eco_error *error)
+static void write_block(struct gen_layout *layout, uint32_t level, uint32_t kind)
 {
-	struct gen_text text;
 	char name[NAME_BYTES];
-	enum eco_code code = gen_text_open(&text, error);
-	if (code)
-		return code;
-	fprintf(text.out, "{\n  \"name\": \"block-%u-%u\",\n", level, kind);
-	print_children(text.out, layout, level, kind, SIDE, SIDE * SIDE);
+	FILE *out = gen_open(layout);
+	if (!out)
+		return;
+	fprintf(out, "{\n  \"name\": \"block-%u-%u\",\n", level, kind);
+	print_children(out, layout, level, kind, SIDE, SIDE * SIDE);
 	file_name(name, level, kind);
-	return gen_text_write(&text, layout, name, error);
+	gen_close(layout, out, name);
 }
 
 /* Camera heights, from a walker's eyes to a view of the whole, in equal ratios. */
 #define HEIGHTS 6
 #define EYE_M 1.7
 #define SECOND_M 16.0
-static enum eco_code write_heights(struct gen_layout *layout, const struct gen_terrain *flat, double half_m,
-	struct eco_error *error)
-{
-	struct gen_look looks[HEIGHTS] = { { 0, { 0.5, -40, EYE_M }, { 1.5, 0, 4 }, 55 } };
-	double times = pow(1.7 * half_m / SECOND_M, 1.0 / (HEIGHTS - 2)), h = SECOND_M;
-	for (uint32_t i = 1; i < HEIGHTS; i++, h *= times)
-		looks[i] = (struct gen_look){ i, { 0.3 * h, -1.4 * h, h }, { 0, i > 1 ? 0 : 30, 0 }, 50 };
-	return gen_write_camera(layout, flat, looks, HEIGHTS, error);
-}
 
-enum eco_code gen_billion(struct gen_layout *layout, struct eco_error *error)
+void gen_billion(struct gen_layout *layout)
 {
 	const struct gen_terrain flat = { layout->options->seed, 0, 1000, 0, 100 };
 	uint64_t plants = layout->options->plants ? layout->options->plants : 1000000000u,
@@ -171,24 +156,23 @@ enum eco_code gen_billion(struct gen_layout *layout, struct eco_error *error)
 	}
 	uint32_t columns = (uint32_t)ceil(sqrt((double)count));
 	double half_m = 0.5 * columns * side_m(level - 1);
-	struct gen_text text;
-	enum eco_code code = gen_write_models(layout, species, error);
-	if (!code)
-		code = gen_write_ground(layout, &flat, half_m * 1.25, half_m / 4, error);
-	if (!code)
-		code = write_heights(layout, &flat, half_m, error);
-	for (uint32_t kind = 0; kind < KINDS && !code; kind++)
-		code = write_hectare(layout, kind, plants_each, error);
-	for (uint32_t l = 1; l < level && !code; l++)
-		for (uint32_t kind = 0; kind < KINDS && !code; kind++)
-			code = write_block(layout, l, kind, error);
-	if (!code && !(code = gen_text_open(&text, error))) {
-		fputs("{\n  \"name\": \"billion\", \"crs\": \"" GEN_CRS
-			"\", \"ground\": {\"heights\": \"dem.tif\"},\n", text.out);
-		fprintf(text.out, "  \"origin\": [%.0f, %.0f, %.0f],\n", GEN_EASTING, GEN_NORTHING,
-			GEN_ALTITUDE);
-		print_children(text.out, layout, level, 0, columns, (uint32_t)count);
-		code = gen_text_write(&text, layout, "scene.json", error);
-	}
-	return code;
+	struct gen_look looks[HEIGHTS] = { { 0, { 0.5, -40, EYE_M }, { 1.5, 0, 4 }, 55 } };
+	double times = pow(1.7 * half_m / SECOND_M, 1.0 / (HEIGHTS - 2)), h = SECOND_M;
+	for (uint32_t i = 1; i < HEIGHTS; i++, h *= times)
+		looks[i] = (struct gen_look){ i, { 0.3 * h, -1.4 * h, h }, { 0, i > 1 ? 0 : 30, 0 }, 50 };
+	gen_write_setting(layout,
+		&(struct gen_setting){ species, &flat, half_m * 1.25, half_m / 4, looks, HEIGHTS });
+	for (uint32_t kind = 0; kind < KINDS; kind++)
+		write_hectare(layout, kind, plants_each);
+	for (uint32_t l = 1; l < level; l++)
+		for (uint32_t kind = 0; kind < KINDS; kind++)
+			write_block(layout, l, kind);
+	FILE *out = gen_open(layout);
+	if (!out)
+		return;
+	fputs("{\n  \"name\": \"billion\", \"crs\": \"" GEN_CRS
+		"\", \"ground\": {\"heights\": \"dem.tif\"},\n", out);
+	fprintf(out, "  \"origin\": [%.0f, %.0f, %.0f],\n", GEN_EASTING, GEN_NORTHING, GEN_ALTITUDE);
+	print_children(out, layout, level, 0, columns, (uint32_t)count);
+	gen_close(layout, out, "scene.json");
 }

@@ -25,15 +25,14 @@ static void print_tree(struct gen_layout *layout, double along, double across, b
 }
 
 /* Each place has a tree with the share of trees left to places left, so that the number holds. */
-static enum eco_code write_trees(struct gen_layout *layout, uint32_t blocks, struct eco_error *error)
+static void write_trees(struct gen_layout *layout, uint32_t blocks)
 {
 	double half_m = 0.5 * BLOCK_M * blocks;
 	uint64_t places = (uint64_t)blocks * blocks * PLACES, left = layout->plants;
-	struct gen_text text;
-	enum eco_code code = gen_text_open(&text, error);
-	if (code)
-		return code;
-	fputs("plant,easting,northing,height_m\n", text.out);
+	FILE *out = gen_open(layout);
+	if (!out)
+		return;
+	fputs("plant,easting,northing,height_m\n", out);
 	for (uint64_t i = 0; places; i++, places--) {
 		uint64_t block = i / PLACES;
 		uint32_t place = i % PLACES, row = place / ROW;
@@ -45,17 +44,18 @@ static enum eco_code write_trees(struct gen_layout *layout, uint32_t blocks, str
 		if (!(gen_random_unit(&layout->random) * (double)places < (double)left))
 			continue;
 		print_tree(layout, along + (turned ? corner_y : corner_x),
-			across + (turned ? corner_x : corner_y), turned, text.out);
+			across + (turned ? corner_x : corner_y), turned, out);
 		left--;
 	}
-	return gen_text_write(&text, layout, "plants.csv", error);
+	gen_close(layout, out, "plants.csv");
 }
 
-static enum eco_code write_camera(struct gen_layout *layout, const struct gen_terrain *terrain, double half_m,
-	uint32_t blocks, struct eco_error *error)
+void gen_city(struct gen_layout *layout)
 {
+	uint32_t blocks = (uint32_t)ceil(sqrt((double)layout->plants / PLANTED));
 	/* an odd number of blocks has a street through the origin, an even one half a block beside it */
-	double street = blocks % 2 ? 0 : 0.5 * BLOCK_M;
+	double half_m = 0.5 * BLOCK_M * blocks, street = blocks % 2 ? 0 : 0.5 * BLOCK_M;
+	struct gen_terrain terrain = { layout->options->seed + 61, 6, 420, 0, 40 };
 	struct gen_look looks[LOOKS] = {
 		{ 0, { 0.6 * half_m, -1.3 * half_m - 40, 0.5 * half_m + 60 }, { 0, 0, 0 }, 45 },
 		{ 3, { -0.3 * half_m, -0.9 * half_m - 30, 60 }, { 0, 0, 5 }, 50 },
@@ -64,27 +64,8 @@ static enum eco_code write_camera(struct gen_layout *layout, const struct gen_te
 		double y = half_m * (-0.4 + 0.08 * (i - 3));
 		looks[i] = (struct gen_look){ 5 + i, { street, y, 1.7 }, { street, y + 40, 4 }, 58 };
 	}
-	return gen_write_camera(layout, terrain, looks, LOOKS, error);
-}
-
-enum eco_code gen_city(struct gen_layout *layout, struct eco_error *error)
-{
-	uint32_t blocks = (uint32_t)ceil(sqrt((double)layout->plants / PLANTED));
-	double half_m = 0.5 * BLOCK_M * blocks;
-	struct gen_terrain terrain = { layout->options->seed + 61, 6, 420, 0, 40 };
-	struct gen_text text;
-	enum eco_code code = gen_write_models(layout, names, error);
-	if (!code)
-		code = gen_write_ground(layout, &terrain, half_m + 160, 5, error);
-	if (!code)
-		code = write_camera(layout, &terrain, half_m, blocks, error);
-	if (!code)
-		code = gen_progress(layout, "plants", 0.85, error);
-	if (!code)
-		code = write_trees(layout, blocks, error);
-	if (!code && !(code = gen_text_open(&text, error))) {
-		gen_print_listed(text.out, "city", 64, names);
-		code = gen_text_write(&text, layout, "scene.json", error);
-	}
-	return code;
+	gen_write_setting(layout, &(struct gen_setting){ names, &terrain, half_m + 160, 5, looks, LOOKS });
+	if (gen_progress(layout, "plants", 0.85))
+		write_trees(layout, blocks);
+	gen_write_listed(layout, "city", 64, names);
 }

@@ -3,13 +3,12 @@
 #include "ecofiles/generate/generate_mesh.h"
 
 #include <assert.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "ecofiles/base/file_write.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/angle16.h"
@@ -276,24 +275,6 @@ void gen_leaf(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *le
 
 /* ---- Files ---- */
 
-enum eco_code gen_file_write(const char *path, const void *bytes, size_t size, struct eco_error *error)
-{
-	char beside[4096];
-	if (snprintf(beside, sizeof beside, "%s.tmp-%ld", path, (long)getpid()) >= (int)sizeof beside)
-		return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", path);
-	FILE *file = fopen(beside, "wb");
-	if (!file)
-		return eco_fail_write(error, path, errno);
-	bool good = fwrite(bytes, 1, size, file) == size;
-	good = fclose(file) == 0 && good;
-	good = good && rename(beside, path) == 0;
-	if (good)
-		return ECO_OK;
-	enum eco_code code = eco_fail_write(error, path, errno);
-	unlink(beside);
-	return code;
-}
-
 /* Never "-0.0000": the sign of a zero may differ between machines where the number does not. */
 static double tidy(double v)
 {
@@ -365,7 +346,7 @@ enum eco_code gen_mesh_write(const struct gen_mesh *mesh, const char *folder, co
 			return eco_fail(error, ECO_NO_MEMORY, "generating %s: no memory", name);
 		part ? print_obj(mesh, name, out) : print_mtl(mesh, out);
 		enum eco_code code = fclose(out) ? eco_fail(error, ECO_NO_MEMORY, "generating %s: no memory",
-			name) : gen_file_write(path, text, size, error);
+			name) : eco_file_write(path, text, size, error);
 		free(text);
 		if (code)
 			return code;

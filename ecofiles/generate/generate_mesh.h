@@ -86,7 +86,4 @@ void gen_leaf(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *le
 enum eco_code gen_mesh_write(const struct gen_mesh *mesh, const char *folder, const char *name,
 	struct eco_error *error);
 
-/* Writes a temporary file beside `path`, then renames it. */
-enum eco_code gen_file_write(const char *path, const void *bytes, size_t size, struct eco_error *error);
-
 #endif

@@ -514,17 +514,26 @@ static void sunflower(struct gen_mesh *mesh, const void *kind, struct gen_random
 }
 
 const struct gen_plant gen_plants[] = {
-	{ "oak", NULL, grow_broad, &oak }, { "birch", NULL, grow_broad, &birch },
-	{ "linden", "spray.png", grow_broad, &linden }, { "beech", NULL, grow_broad, &beech },
-	{ "maple", "spray.png", grow_broad, &maple }, { "spruce", NULL, grow_conifer, &spruce },
-	{ "pine", NULL, grow_conifer, &pine }, { "palm", NULL, palm, NULL }, { "fern", NULL, fern, NULL },
-	{ "shrub", "leaf.png", shrub, NULL }, { "azalea", NULL, azalea, NULL },
-	{ "grass", NULL, grow_blades, &grass }, { "turf", NULL, grow_blades, &turf },
-	{ "daisy", NULL, grow_flower, &daisy }, { "poppy", NULL, grow_flower, &poppy },
-	{ "cornflower", NULL, grow_flower, &cornflower }, { "sunflower", NULL, sunflower, NULL },
-	{ "cards-1", "branch.png", grow_cards, &street_tree },
-	{ "cards-2", "branch.png", grow_cards, &street_tree },
-	{ "cards-3", "branch.png", grow_cards, &street_tree },
+	{ "oak", NULL, grow_broad, &oak, false },
+	{ "birch", NULL, grow_broad, &birch, false },
+	{ "linden", "spray.png", grow_broad, &linden, false },
+	{ "beech", NULL, grow_broad, &beech, false },
+	{ "maple", "spray.png", grow_broad, &maple, false },
+	{ "spruce", NULL, grow_conifer, &spruce, false },
+	{ "pine", NULL, grow_conifer, &pine, false },
+	{ "palm", NULL, palm, NULL, false },
+	{ "fern", NULL, fern, NULL, false },
+	{ "shrub", "leaf.png", shrub, NULL, false },
+	{ "azalea", NULL, azalea, NULL, true },
+	{ "grass", NULL, grow_blades, &grass, false },
+	{ "turf", NULL, grow_blades, &turf, false },
+	{ "daisy", NULL, grow_flower, &daisy, true },
+	{ "poppy", NULL, grow_flower, &poppy, true },
+	{ "cornflower", NULL, grow_flower, &cornflower, true },
+	{ "sunflower", NULL, sunflower, NULL, true },
+	{ "cards-1", "branch.png", grow_cards, &street_tree, false },
+	{ "cards-2", "branch.png", grow_cards, &street_tree, false },
+	{ "cards-3", "branch.png", grow_cards, &street_tree, false },
 };
 const uint32_t gen_plant_count = sizeof gen_plants / sizeof *gen_plants;
 

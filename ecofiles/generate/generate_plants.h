@@ -10,6 +10,7 @@ struct gen_plant {
 	const char *texture;         /* file that gen_texture_write paints, or NULL */
 	void (*grow)(struct gen_mesh *mesh, const void *kind, struct gen_random *random);
 	const void *kind;            /* what `grow` tells from others that it grows, or NULL */
+	bool flowers;
 };
 
 extern const struct gen_plant gen_plants[];

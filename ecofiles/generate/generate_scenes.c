@@ -20,14 +20,6 @@
 
 struct gen_instance { const char *plant; double x, y, yaw_deg, scale; };
 
-static void print_instances(FILE *out, const struct gen_instance *instances, uint32_t count)
-{
-	for (uint32_t i = 0; i < count; i++)
-		fprintf(out, "%s\n    {\"plant\": \"%s\", \"at\": [%.2f, %.2f, 0], \"yaw_deg\": %.1f, "
-			"\"scale\": %.3f}", i ? "," : "", instances[i].plant, instances[i].x, instances[i].y,
-			instances[i].yaw_deg, instances[i].scale);
-}
-
 /* ---- Park ---- */
 
 struct bed { const char *plant; double x, y, radius; uint32_t count; double room, small, large; };
@@ -92,52 +84,53 @@ static uint32_t plant_avenue(struct gen_layout *layout, double stretch, uint32_t
 	return count;
 }
 
-enum eco_code gen_park(struct gen_layout *layout, struct eco_error *error)
+/* Plants one by one, and then the scene's. */
+static void print_scene(FILE *out, const char *name, uint32_t tile_instances, const char *const names[],
+	const struct gen_instance *instances, uint32_t count)
+{
+	if (tile_instances)
+		gen_print_head(out, name, tile_instances);
+	else
+		fprintf(out, "{\n  \"name\": \"%s\",\n", name);
+	gen_print_plants(out, names);
+	fputs("  \"instances\": [", out);
+	for (uint32_t i = 0; i < count; i++)
+		fprintf(out, "%s\n    {\"plant\": \"%s\", \"at\": [%.2f, %.2f, 0], \"yaw_deg\": %.1f, "
+			"\"scale\": %.3f}", i ? "," : "", instances[i].plant, instances[i].x, instances[i].y,
+			instances[i].yaw_deg, instances[i].scale);
+	fputs("\n  ]", out);
+}
+
+void gen_park(struct gen_layout *layout)
 {
 	static const char *const names[] = { "oak", "linden", "birch", "spruce", "palm", "shrub", "azalea",
 		"grass", "turf", "daisy", "poppy", "cornflower", NULL };
 	double share = (double)layout->plants / PARK_PLANTS, stretch = share > 1 ? sqrt(share) : 1;
 	struct gen_terrain terrain = { layout->options->seed + 11, 9, 105, 0.5, 21 };
 	struct gen_stand stand;
-	struct gen_text text;
-	enum eco_code code = gen_write_models(layout, names, error);
-	if (!code)
-		code = gen_write_ground(layout, &terrain, 220 + 60 * stretch, 4, error);
 	const struct gen_look looks[] = {
 		{ 0, { 36 * stretch, -46 * stretch, 24 * stretch }, { -1, 1, 0 }, 42 },
-			{ 3, { 13, -36, 7 }, { -2, 0, 4 }, 45 },
+		{ 3, { 13, -36, 7 }, { -2, 0, 4 }, 45 },
 		{ 6, { 5, -22.5, 1.7 }, { -1, -6, 2.2 }, 50 },
 		{ 7, { 2.5, -18.6, 1.2 }, { -0.4, -12, 0.6 }, 50 } };
-	if (!code)
-		code = gen_write_camera(layout, &terrain, looks, 4, error);
-	if (!code)
-		code = gen_stand_open(&stand, layout->plants + 64, 50 * stretch, 11, error);
-	if (code)
-		return code;
+	gen_write_setting(layout, &(struct gen_setting){ names, &terrain, 220 + 60 * stretch, 4, looks, 4 });
 	struct gen_instance *instances = calloc((size_t)layout->plants + 64, sizeof *instances);
-	uint32_t count = 0;
-	if (instances) {
-		count = plant_avenue(layout, stretch, (uint32_t)(AVENUE * share + 0.5), &stand, instances);
-		for (size_t i = 0; i < sizeof park_beds / sizeof *park_beds && count < layout->plants; i++) {
-			uint32_t wanted = (uint32_t)(park_beds[i].count * share + 0.5),
-				left = layout->plants - count;
-			count += plant_bed(layout, &park_beds[i], stretch, wanted < left ? wanted : left,
-				&stand, instances + count);
-		}
-		code = gen_text_open(&text, error);
-	} else
-		code = eco_fail(error, ECO_NO_MEMORY, "generating: no memory for %u plants", layout->plants);
-	gen_stand_close(&stand);
-	if (!code) {
-		gen_print_head(text.out, "park", 16);
-		gen_print_plants(text.out, names);
-		fputs("  \"instances\": [", text.out);
-		print_instances(text.out, instances, count);
-		fputs("\n  ]\n}\n", text.out);
-		code = gen_text_write(&text, layout, "scene.json", error);
+	bool good = gen_stand_open(&stand, layout, layout->plants + 64, 50 * stretch, 11) && instances;
+	FILE *out = good ? gen_open(layout) : NULL;
+	uint32_t count =
+		out ? plant_avenue(layout, stretch, (uint32_t)(AVENUE * share + 0.5), &stand, instances) : 0;
+	for (size_t i = 0; i < sizeof park_beds / sizeof *park_beds && out && count < layout->plants; i++) {
+		uint32_t wanted = (uint32_t)(park_beds[i].count * share + 0.5), left = layout->plants - count;
+		count += plant_bed(layout, &park_beds[i], stretch, wanted < left ? wanted : left, &stand,
+			instances + count);
 	}
+	if (out) {
+		print_scene(out, "park", 16, names, instances, count);
+		fputs("\n}\n", out);
+		gen_close(layout, out, "scene.json");
+	}
+	gen_stand_close(&stand);
 	free(instances);
-	return code;
 }
 
 /* ---- Forest ---- */
@@ -171,15 +164,13 @@ static double stem_mm(double rank)
 	return 70 + 560 * thin * thin * (0.25 + 0.75 * thin);
 }
 
-static enum eco_code write_stems(struct gen_layout *layout, uint32_t trees, double half_m,
-	struct gen_stand *stand, struct eco_error *error)
+static void write_stems(struct gen_layout *layout, uint32_t trees, double half_m, struct gen_stand *stand)
 {
-	struct gen_text text;
 	uint64_t site_seed = layout->options->seed + 29;
-	enum eco_code code = gen_text_open(&text, error);
-	if (code)
-		return code;
-	fputs("tag,species,easting,northing,dbh_mm\n", text.out);
+	FILE *out = gen_open(layout);
+	if (!out)
+		return;
+	fputs("tag,species,easting,northing,dbh_mm\n", out);
 	for (uint32_t i = 0, tag = 1; i < trees; i++) {
 		double dbh = stem_mm((i + 0.5) / trees) * gen_random_in(&layout->random, 0.92, 1.08),
 			room = 1.3 + 0.0080 * dbh;
@@ -189,33 +180,26 @@ static enum eco_code write_stems(struct gen_layout *layout, uint32_t trees, doub
 				y = gen_random_in(&layout->random, -half_m, half_m);
 			if (!gen_stand_add(stand, x, y, room))
 				continue;
-			fprintf(text.out, "%u,%s,%.2f,%.2f,%.0f\n", tag++,
+			fprintf(out, "%u,%s,%.2f,%.2f,%.0f\n", tag++,
 				species_at(site_seed, x, y, &layout->random)->code, GEN_EASTING + x,
 				GEN_NORTHING + y, dbh);
 			break;
 		}
-		if (i % 65536 == 65535
-				&& (code = gen_progress(layout, "stems", 0.85 + 0.1 * i / trees, error)))
+		if (i % 65536 == 65535 && !gen_progress(layout, "stems", 0.85 + 0.1 * i / trees))
 			break;
 	}
-	if (code) {
-		fclose(text.out);
-		free(text.bytes);
-		return code;
-	}
-	return gen_text_write(&text, layout, "stems.csv", error);
+	gen_close(layout, out, "stems.csv");
 }
 
 /* Shrubs and ferns grow in patches where slow noise lets light in. */
-static enum eco_code write_understory(struct gen_layout *layout, uint32_t wanted, double half_m,
-	struct gen_stand *stand, struct eco_error *error)
+static void write_understory(struct gen_layout *layout, uint32_t wanted, double half_m,
+	struct gen_stand *stand)
 {
-	struct gen_text text;
 	uint64_t seed = layout->options->seed + 31;
-	enum eco_code code = gen_text_open(&text, error);
-	if (code)
-		return code;
-	fputs("plant,easting,northing,height_m\n", text.out);
+	FILE *out = gen_open(layout);
+	if (!out)
+		return;
+	fputs("plant,easting,northing,height_m\n", out);
 	for (uint64_t throw = 0, count = 0; throw < 2000ull * wanted && count < wanted; throw++) {
 		/* in the end also in the shade, and closer */
 		double crowding = throw / (8.0 * wanted), ease = crowding > 1 ? 1 / crowding : 1;
@@ -227,12 +211,12 @@ static enum eco_code write_understory(struct gen_layout *layout, uint32_t wanted
 		if (light + gen_random_in(&layout->random, -0.2, 0.2) < 0.5 * ease
 				|| !gen_stand_add(stand, x, y, (fern ? 0.8 : 1.7) * ease))
 			continue;
-		fprintf(text.out, "%s,%.2f,%.2f,%.2f\n", fern ? "fern" : "shrub", GEN_EASTING + x,
+		fprintf(out, "%s,%.2f,%.2f,%.2f\n", fern ? "fern" : "shrub", GEN_EASTING + x,
 			GEN_NORTHING + y, fern ? gen_random_in(&layout->random, 0.4, 0.75)
 			: gen_random_in(&layout->random, 1.0, 2.6));
 		count++;
 	}
-	return gen_text_write(&text, layout, "understory.csv", error);
+	gen_close(layout, out, "understory.csv");
 }
 
 static void print_forest(FILE *out, const char *const names[])
@@ -254,40 +238,30 @@ static void print_forest(FILE *out, const char *const names[])
 		"\"height_m\"}, \"seed\": 2}\n  ]\n}\n", out);
 }
 
-enum eco_code gen_forest(struct gen_layout *layout, struct eco_error *error)
+void gen_forest(struct gen_layout *layout)
 {
 	static const char *const names[] = { "beech", "maple", "birch", "pine", "spruce", "shrub", "fern",
 		NULL };
 	uint32_t low = layout->plants / 3, trees = layout->plants - low;
-	double half_m = 0.5 * sqrt(trees / 0.060);           /* 600 stems a hectare */
-	half_m = half_m < 8 ? 8 : half_m;
+	double half_m = fmax(0.5 * sqrt(trees / 0.060), 8);          /* 600 stems a hectare */
 	struct gen_terrain terrain = { layout->options->seed + 13, 38, 170, 5, 48 };
 	struct gen_stand stand;
-	struct gen_text text;
-	enum eco_code code = gen_write_models(layout, names, error);
-	if (!code)
-		code = gen_write_ground(layout, &terrain, half_m + 200, 5, error);
 	const struct gen_look looks[] = {
 		{ 0, { 0.6 * half_m, -half_m - 60, 0.55 * half_m + 45 }, { 0, -0.1 * half_m, 8 }, 45 },
 		{ 3, { 0.25 * half_m, -1.0 * half_m - 30, 18 }, { 0, 0, 10 }, 48 },
 		{ 6, { 0, -half_m - 4, 1.7 }, { -4, -half_m + 26, 6 }, 60 } };
-	if (!code)
-		code = gen_write_camera(layout, &terrain, looks, 3, error);
-	if (!code)
-		code = gen_stand_open(&stand, layout->plants, half_m, 6.9, error);
-	if (code)
-		return code;
-	code = gen_progress(layout, "stems", 0.85, error);
-	if (!code)
-		code = write_stems(layout, trees, half_m, &stand, error);
-	if (!code)
-		code = write_understory(layout, low, half_m, &stand, error);
-	gen_stand_close(&stand);
-	if (!code && !(code = gen_text_open(&text, error))) {
-		print_forest(text.out, names);
-		code = gen_text_write(&text, layout, "scene.json", error);
+	gen_write_setting(layout, &(struct gen_setting){ names, &terrain, half_m + 200, 5, looks, 3 });
+	if (gen_stand_open(&stand, layout, layout->plants, half_m, 6.9) &&
+		gen_progress(layout, "stems", 0.85)) {
+		write_stems(layout, trees, half_m, &stand);
+		write_understory(layout, low, half_m, &stand);
 	}
-	return code;
+	gen_stand_close(&stand);
+	FILE *out = gen_open(layout);
+	if (!out)
+		return;
+	print_forest(out, names);
+	gen_close(layout, out, "scene.json");
 }
 
 /* ---- Meadow ---- */
@@ -295,18 +269,21 @@ enum eco_code gen_forest(struct gen_layout *layout, struct eco_error *error)
 #define PATCH_M 5.0
 #define PATCH_PLANTS 52
 
+/* Kinds of patches: plants, and their shares. */
+static const struct patch { const char *name, *plants[5]; double shares[4]; } patches[] = {
+	{ "grasses", { "grass", "turf", "cornflower", NULL }, { 0.48, 0.48, 0.04 } },
+	{ "daisies", { "grass", "turf", "daisy", NULL }, { 0.3, 0.38, 0.32 } },
+	{ "poppies", { "grass", "turf", "poppy", "cornflower", NULL }, { 0.36, 0.32, 0.26, 0.06 } } };
+#define PATCHES (sizeof patches / sizeof *patches)
+
 /* An eco file around its origin: grasses of two kinds, and the flowers of the patch's kind. */
-static enum eco_code write_patch(struct gen_layout *layout, const char *name, const char *const plants[],
-	const double shares[], struct eco_error *error)
+static void write_patch(struct gen_layout *layout, const struct patch *patch)
 {
 	struct gen_instance instances[PATCH_PLANTS];
 	struct gen_stand stand;
-	struct gen_text text;
 	char path[64];
-	enum eco_code code = gen_stand_open(&stand, PATCH_PLANTS, PATCH_M, 1, error);
-	if (code)
-		return code;
-	for (uint32_t throw = 0; throw < 4000 && stand.count < PATCH_PLANTS; throw++) {
+	FILE *out = gen_stand_open(&stand, layout, PATCH_PLANTS, PATCH_M, 1) ? gen_open(layout) : NULL;
+	for (uint32_t throw = 0; throw < 4000 && out && stand.count < PATCH_PLANTS; throw++) {
 		/* a disc a little larger than the patch's share of the meadow, so that turned patches
 		 * leave no gaps */
 		double azimuth = gen_random_in(&layout->random, 0, 360),
@@ -314,41 +291,19 @@ static enum eco_code write_patch(struct gen_layout *layout, const char *name, co
 		double x = r * gen_heading(azimuth, 0).x, y = r * gen_heading(azimuth, 0).y;
 		double pick = gen_random_unit(&layout->random);
 		uint32_t kind = 0, at = stand.count;
-		while (plants[kind + 1] && (pick -= shares[kind]) >= 0)
+		while (patch->plants[kind + 1] && (pick -= patch->shares[kind]) >= 0)
 			kind++;
 		if (gen_stand_add(&stand, x, y, throw < 2000 ? 0.62 : 0.4))
-			instances[at] = (struct gen_instance){ plants[kind], x, y,
+			instances[at] = (struct gen_instance){ patch->plants[kind], x, y,
 				turn_anyhow(&layout->random), gen_random_in(&layout->random, 0.75, 1.25) };
 	}
-	uint32_t count = stand.count;
+	if (out) {
+		print_scene(out, patch->name, 0, patch->plants, instances, stand.count);
+		fputs("\n}\n", out);
+		snprintf(path, sizeof path, "%s.json", patch->name);
+		gen_close(layout, out, path);
+	}
 	gen_stand_close(&stand);
-	code = gen_text_open(&text, error);
-	if (code)
-		return code;
-	fprintf(text.out, "{\n  \"name\": \"%s\",\n", name);
-	gen_print_plants(text.out, plants);
-	fputs("  \"instances\": [", text.out);
-	print_instances(text.out, instances, count);
-	fputs("\n  ]\n}\n", text.out);
-	snprintf(path, sizeof path, "%s.json", name);
-	return gen_text_write(&text, layout, path, error);
-}
-
-static const char *const patch_names[] = { "grasses", "daisies", "poppies" };
-
-static enum eco_code write_patches(struct gen_layout *layout, struct eco_error *error)
-{
-	static const char *const grasses[] = { "grass", "turf", "cornflower", NULL };
-	static const char *const daisies[] = { "grass", "turf", "daisy", NULL };
-	static const char *const poppies[] = { "grass", "turf", "poppy", "cornflower", NULL };
-	enum eco_code code = write_patch(layout, patch_names[0], grasses, (double[]){ 0.48, 0.48, 0.04 },
-		error);
-	if (!code)
-		code = write_patch(layout, patch_names[1], daisies, (double[]){ 0.3, 0.38, 0.32 }, error);
-	if (!code)
-		code = write_patch(layout, patch_names[2], poppies, (double[]){ 0.36, 0.32, 0.26, 0.06 },
-			error);
-	return code;
 }
 
 static void print_patches(FILE *out, struct gen_layout *layout, double half_m)
@@ -361,7 +316,7 @@ static void print_patches(FILE *out, struct gen_layout *layout, double half_m)
 				0.12);
 			uint32_t kind = color > 0.64 ? 2 : color < 0.36 ? 1 : 0;
 			fprintf(out, "%s\n    {\"eco\": \"%s.json\", \"at\": [%.2f, %.2f, 0], \"yaw_deg\": "
-				"%u, \"scale\": %.3f}", first ? "" : ",", patch_names[kind],
+				"%u, \"scale\": %.3f}", first ? "" : ",", patches[kind].name,
 				x + gen_random_in(&layout->random, -0.5, 0.5),
 				y + gen_random_in(&layout->random, -0.5, 0.5),
 				(uint32_t)(gen_random_bits(&layout->random) % 360),
@@ -371,7 +326,7 @@ static void print_patches(FILE *out, struct gen_layout *layout, double half_m)
 	}
 }
 
-enum eco_code gen_meadow(struct gen_layout *layout, struct eco_error *error)
+void gen_meadow(struct gen_layout *layout)
 {
 	static const char *const names[] = { "oak", "birch", "shrub", "grass", "turf", "daisy", "poppy",
 		"cornflower", NULL };
@@ -380,24 +335,16 @@ enum eco_code gen_meadow(struct gen_layout *layout, struct eco_error *error)
 	struct gen_terrain terrain = { layout->options->seed + 17, 4, 95, 0.15, 25 };
 	struct gen_instance standing[48];
 	struct gen_stand stand;
-	struct gen_text text;
 	uint32_t count = 0, wanted = (uint32_t)gen_clamp(6 + layout->plants / 2000.0, 6, 48);
-	enum eco_code code = gen_write_models(layout, names, error);
-	if (!code)
-		code = gen_write_ground(layout, &terrain, half_m + 160, 4, error);
 	const struct gen_look looks[] = {
 		{ 0, { 0.7 * half_m, -1.5 * half_m - 8, 0.6 * half_m + 6 }, { 0, 0, 0 }, 45 },
-			{ 3, { 0.2 * half_m, -half_m - 4, 4 }, { 0, 0, 1 }, 50 },
+		{ 3, { 0.2 * half_m, -half_m - 4, 4 }, { 0, 0, 1 }, 50 },
 		{ 6, { 0, -0.6 * half_m, 1.2 }, { -1, -0.6 * half_m + 9, 0.5 }, 55 } };
-	if (!code)
-		code = gen_write_camera(layout, &terrain, looks, 3, error);
-	if (!code)
-		code = write_patches(layout, error);
-	if (!code)
-		code = gen_stand_open(&stand, 48, half_m, 9, error);
-	if (code)
-		return code;
-	for (uint32_t throw = 0; throw < 4000 && count < wanted; throw++) {
+	gen_write_setting(layout, &(struct gen_setting){ names, &terrain, half_m + 160, 4, looks, 3 });
+	for (size_t i = 0; i < PATCHES; i++)
+		write_patch(layout, &patches[i]);
+	FILE *out = gen_stand_open(&stand, layout, 48, half_m, 9) ? gen_open(layout) : NULL;
+	for (uint32_t throw = 0; throw < 4000 && out && count < wanted; throw++) {
 		const char *plant = trees[gen_random_bits(&layout->random) % 3];
 		double x = gen_random_in(&layout->random, -half_m, half_m),
 			y = gen_random_in(&layout->random, 0.1 * half_m, half_m);
@@ -405,16 +352,12 @@ enum eco_code gen_meadow(struct gen_layout *layout, struct eco_error *error)
 			standing[count++] = (struct gen_instance){ plant, x, y, turn_anyhow(&layout->random),
 				gen_random_in(&layout->random, 0.5, 0.95) };
 	}
+	if (out) {
+		print_scene(out, "meadow", 32, trees, standing, count);
+		fputs(",\n  \"children\": [", out);
+		print_patches(out, layout, half_m);
+		fputs("\n  ]\n}\n", out);
+		gen_close(layout, out, "scene.json");
+	}
 	gen_stand_close(&stand);
-	code = gen_text_open(&text, error);
-	if (code)
-		return code;
-	gen_print_head(text.out, "meadow", 32);
-	gen_print_plants(text.out, trees);
-	fputs("  \"instances\": [", text.out);
-	print_instances(text.out, standing, count);
-	fputs("\n  ],\n  \"children\": [", text.out);
-	print_patches(text.out, layout, half_m);
-	fputs("\n  ]\n}\n", text.out);
-	return gen_text_write(&text, layout, "scene.json", error);
 }

@@ -76,39 +76,31 @@ static void plant_stock(struct gen_layout *layout, const struct stand_kind *kind
 }
 
 /* Splits the number of plants by the shares, into whole numbers that add up. */
-static enum eco_code write_plants(struct gen_layout *layout, const struct stand_kind *kind, double half_m,
-	struct eco_error *error)
+static void write_plants(struct gen_layout *layout, const struct stand_kind *kind, double half_m)
 {
 	struct gen_stand stand;
-	struct gen_text text;
 	double room = fmax(kind->stocks[0].room_m * 1.2, kind->lone_room_m), sum = 0;
 	uint32_t left = layout->plants, planted = 0;
-	enum eco_code code = gen_stand_open(&stand, layout->plants + 1, half_m, room, error);
-	if (code)
-		return code;
-	code = gen_text_open(&text, error);
-	if (!code)
-		fputs("plant,easting,northing,height_m\n", text.out);
-	if (!code && kind->lone && left) {
+	bool good = gen_stand_open(&stand, layout, layout->plants + 1, half_m, room);
+	FILE *out = good ? gen_open(layout) : NULL;
+	if (out)
+		fputs("plant,easting,northing,height_m\n", out);
+	if (out && kind->lone) {
 		double y = 0.3 * half_m;
 		gen_stand_add(&stand, 0, y, kind->lone_room_m);
-		fprintf(text.out, "%s,%.2f,%.2f,%.2f\n", kind->lone, GEN_EASTING, GEN_NORTHING + y,
-			kind->lone_m);
+		fprintf(out, "%s,%.2f,%.2f,%.2f\n", kind->lone, GEN_EASTING, GEN_NORTHING + y, kind->lone_m);
 		left--;
 	}
-	for (uint32_t i = 0; i < kind->count && !code; i++) {
+	for (uint32_t i = 0; i < kind->count && out && gen_progress(layout, "plants", 0.85 + 0.15 * sum);
+		i++) {
 		sum += kind->stocks[i].share;
 		uint32_t until = i + 1 == kind->count ? left : (uint32_t)(left * sum + 0.5);
-		plant_stock(layout, kind, i, until - planted, half_m, &stand, text.out);
+		plant_stock(layout, kind, i, until - planted, half_m, &stand, out);
 		planted = until;
-		code = gen_progress(layout, "plants", 0.85 + 0.15 * sum, error);
-		if (code) {
-			fclose(text.out);
-			free(text.bytes);
-		}
 	}
+	if (out)
+		gen_close(layout, out, "plants.csv");
 	gen_stand_close(&stand);
-	return code ? code : gen_text_write(&text, layout, "plants.csv", error);
 }
 
 /* ---- The camera: over the stand, down, and along the ride at the height of a walker's eyes ---- */
@@ -152,12 +144,10 @@ static void list_names(const struct stand_kind *kind, const char *names[NAMES_MA
 	names[count] = NULL;
 }
 
-static enum eco_code write_stand(struct gen_layout *layout, const struct stand_kind *kind,
-	struct eco_error *error)
+static void write_stand(struct gen_layout *layout, const struct stand_kind *kind)
 {
 	const char *names[NAMES_MAX];
 	struct gen_look looks[FLIGHT + WALK];
-	struct gen_text text;
 	struct gen_terrain terrain = kind->terrain;
 	double half_m = fmax(0.5 * sqrt(layout->plants * kind->plant_m2), 6), tall_m = kind->lone_m;
 	for (uint32_t i = 0; i < kind->count; i++)
@@ -165,48 +155,40 @@ static enum eco_code write_stand(struct gen_layout *layout, const struct stand_k
 	terrain.seed += layout->options->seed;
 	list_names(kind, names);
 	make_looks(half_m, tall_m, looks);
-	enum eco_code code = gen_write_models(layout, names, error);
-	if (!code)
-		code = gen_write_ground(layout, &terrain, half_m + 160, 4, error);
-	if (!code)
-		code = gen_write_camera(layout, &terrain, looks, FLIGHT + WALK, error);
-	if (!code)
-		code = write_plants(layout, kind, half_m, error);
-	if (!code && !(code = gen_text_open(&text, error))) {
-		gen_print_listed(text.out, kind->name, kind->tile, names);
-		code = gen_text_write(&text, layout, "scene.json", error);
-	}
-	return code;
+	gen_write_setting(layout,
+		&(struct gen_setting){ names, &terrain, half_m + 160, 4, looks, FLIGHT + WALK });
+	write_plants(layout, kind, half_m);
+	gen_write_listed(layout, kind->name, kind->tile, names);
 }
 
 /* ---- Layouts ---- */
 
-enum eco_code gen_grove(struct gen_layout *layout, struct eco_error *error)
+void gen_grove(struct gen_layout *layout)
 {
 	static const struct stock stocks[] = { { "oak", 0.08, 8.5, 11, 16, 0 },
 		{ "linden", 0.22, 6, 9, 14, 60 }, { "beech", 0.12, 6, 16, 24, 80 },
 		{ "maple", 0.20, 5.5, 13, 21, 0 }, { "spruce", 0.20, 4.5, 10, 19, 50 },
 		{ "birch", 0.18, 4, 9, 15, 40 } };
-	return write_stand(layout, &(struct stand_kind){ .name = "grove", .stocks = stocks, .count = 6,
-		.plant_m2 = 52, .ride_m = 3, .terrain = { 43, 9, 190, 0.3, 60 }, .tile = 64 }, error);
+	write_stand(layout, &(struct stand_kind){ .name = "grove", .stocks = stocks, .count = 6,
+		.plant_m2 = 52, .ride_m = 3, .terrain = { 43, 9, 190, 0.3, 60 }, .tile = 64 });
 }
 
-enum eco_code gen_palms(struct gen_layout *layout, struct eco_error *error)
+void gen_palms(struct gen_layout *layout)
 {
 	static const struct stock stocks[] = { { "palm", 1, 4.2, 5, 10, 0 } };
-	return write_stand(layout, &(struct stand_kind){ .name = "palms", .stocks = stocks, .count = 1,
-		.plant_m2 = 27, .ride_m = 2, .terrain = { 47, 4, 160, 0.4, 30 }, .tile = 64 }, error);
+	write_stand(layout, &(struct stand_kind){ .name = "palms", .stocks = stocks, .count = 1,
+		.plant_m2 = 27, .ride_m = 2, .terrain = { 47, 4, 160, 0.4, 30 }, .tile = 64 });
 }
 
-enum eco_code gen_sunflowers(struct gen_layout *layout, struct eco_error *error)
+void gen_sunflowers(struct gen_layout *layout)
 {
 	static const struct stock stocks[] = { { "sunflower", 1, 0.42, 1.3, 2.1, 0 } };
-	return write_stand(layout, &(struct stand_kind){ .name = "sunflowers", .stocks = stocks, .count = 1,
+	write_stand(layout, &(struct stand_kind){ .name = "sunflowers", .stocks = stocks, .count = 1,
 		.plant_m2 = 0.42, .ride_m = 0.9, .terrain = { 53, 3, 130, 0.1, 25 }, .lone = "maple",
-		.lone_room_m = 9, .lone_m = 17, .tile = 128 }, error);
+		.lone_room_m = 9, .lone_m = 17, .tile = 128 });
 }
 
-enum eco_code gen_outdoor(struct gen_layout *layout, struct eco_error *error)
+void gen_outdoor(struct gen_layout *layout)
 {
 	static const struct stock stocks[] = { { "oak", 0.012, 9, 11, 16, 110 },
 		{ "linden", 0.014, 6.5, 9, 14, 90 }, { "beech", 0.018, 6, 16, 24, 120 },
@@ -216,6 +198,6 @@ enum eco_code gen_outdoor(struct gen_layout *layout, struct eco_error *error)
 		{ "grass", 0.30, 0.55, 0.4, 0.8, 14 },
 		{ "poppy", 0.14, 0.4, 0.35, 0.6, 10 }, { "daisy", 0.14, 0.4, 0.35, 0.6, 12 },
 		{ "cornflower", 0.12, 0.4, 0.35, 0.6, 9 } };
-	return write_stand(layout, &(struct stand_kind){ .name = "outdoor", .stocks = stocks, .count = 13,
-		.plant_m2 = 6, .ride_m = 1.8, .terrain = { 59, 16, 240, 0.4, 40 }, .tile = 128 }, error);
+	write_stand(layout, &(struct stand_kind){ .name = "outdoor", .stocks = stocks, .count = 13,
+		.plant_m2 = 6, .ride_m = 1.8, .terrain = { 59, 16, 240, 0.4, 40 }, .tile = 128 });
 }
