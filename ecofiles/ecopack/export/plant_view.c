@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk/chunk.h"
-#include "ecofiles/base/guard.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/texture.h"
 #include "lod/geometry.h"
@@ -22,6 +21,38 @@
 static enum eco_code no_memory(const struct plant_view *p, struct eco_error *error)
 {
 	return eco_fail(error, ECO_NO_MEMORY, "%s: no memory to draw it", p->scene.plants[p->number].name);
+}
+
+/* ---- Textures ---- */
+
+static enum eco_code last_payload(const struct plant_view *p, const struct eco_list *list,
+	const uint8_t **bytes, size_t *size, struct eco_error *error)
+{
+	return eco_pack_payload(p->pack, list->chunk_first + list->chunk_count - 1, bytes, size, error);
+}
+
+/* Its finest level. */
+static enum eco_code decode_picture(const struct plant_view *p, struct plant_view_list *to,
+	struct eco_error *error)
+{
+	const struct eco_list *cut = to->image == ECO_NONE ? NULL : &p->pack->scene.lists[to->image];
+	struct eco_texture_part colors = { 0 }, outline = { 0 };
+	const uint8_t *bytes;
+	size_t size;
+	enum eco_code code = last_payload(p, to->list, &bytes, &size, error);
+	if (!code)
+		code = eco_texture_read_colors(&colors, bytes, size, error);
+	if (!code && cut)
+		code = last_payload(p, cut, &bytes, &size, error);
+	if (!code && cut)
+		code = eco_texture_read_outline(&outline, bytes, size, error);
+	if (!code)
+		code = eco_texture_show(&to->picture, &colors, cut ? &outline : NULL, error);
+	for (size_t i = 0; !code && i < (size_t)to->picture.width * to->picture.height; i++)
+		to->cutout = to->cutout || to->picture.rgba[4 * i + 3] < 128;
+	eco_texture_part_free(&colors);
+	eco_texture_part_free(&outline);
+	return code;
 }
 
 /* ---- Lists ---- */
@@ -51,10 +82,8 @@ static enum eco_code decode_list(struct plant_view *p, uint32_t id, struct eco_e
 			? calloc(list->chunk_count + 1u, sizeof *to->impostors) : NULL };
 	if (!to->chunks || (list->kind == ECO_LIST_IMPOSTOR && !to->impostors))
 		return no_memory(p, error);
-	if (list->kind == ECO_LIST_IMAGE) {
-		to->chunk_count = list->chunk_count ? 1 : 0;
-		return ECO_OK;
-	}
+	if (list->kind == ECO_LIST_IMAGE)
+		return list->chunk_count ? decode_picture(p, to, error) : ECO_OK;
 	enum eco_code code = ECO_OK;
 	for (uint32_t c = 0; c < list->chunk_count && !code; c++) {
 		const struct eco_chunk *chunk = &s->chunks[list->chunk_first + c];
@@ -88,103 +117,6 @@ static enum eco_code decode_lists(struct plant_view *p, struct eco_error *error)
 				code = decode_list(p, image, error);
 		}
 	}
-	return code;
-}
-
-/* ---- Textures: files of strangers, so all of a plant are decoded in one child process ---- */
-
-static bool is_picture(const struct plant_view_list *list)
-{
-	return list->list && list->list->kind == ECO_LIST_IMAGE && list->chunk_count;
-}
-
-static enum eco_code last_payload(const struct plant_view *p, const struct eco_list *list,
-	const uint8_t **bytes, size_t *size, struct eco_error *error)
-{
-	return eco_pack_payload(p->pack, list->chunk_first + list->chunk_count - 1, bytes, size, error);
-}
-
-/* Its finest level. */
-static enum eco_code decode_texture(const struct plant_view *p, const struct eco_list *list,
-	struct eco_image *image, struct eco_error *error)
-{
-	const struct eco_list *cut = list->image == ECO_NONE ? NULL : &p->pack->scene.lists[list->image];
-	struct eco_texture_part colors = { 0 }, outline = { 0 };
-	const uint8_t *bytes;
-	size_t size;
-	enum eco_code code = last_payload(p, list, &bytes, &size, error);
-	if (!code)
-		code = eco_texture_read_colors(&colors, bytes, size, error);
-	if (!code && cut)
-		code = last_payload(p, cut, &bytes, &size, error);
-	if (!code && cut)
-		code = eco_texture_read_outline(&outline, bytes, size, error);
-	if (!code)
-		code = eco_texture_show(image, &colors, cut ? &outline : NULL, error);
-	eco_texture_part_free(&colors);
-	eco_texture_part_free(&outline);
-	return code;
-}
-
-static enum eco_code decode_in_child(void *ctx, FILE *out, struct eco_error *error)
-{
-	const struct plant_view *p = ctx;
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < p->list_count && !code; i++) {
-		struct eco_image image = { 0 };
-		if (!is_picture(&p->lists[i]))
-			continue;
-		code = decode_texture(p, p->lists[i].list, &image, error);
-		const uint32_t sides[2] = { image.width, image.height };
-		size_t texels = (size_t)image.width * image.height;
-		if (!code
-				&& (fwrite(sides, sizeof sides, 1, out) != 1
-				|| fwrite(image.rgba, 4, texels, out) != texels))
-			code = eco_fail(error, ECO_IO, "texture of %s: its pixels cannot be handed on",
-				p->scene.plants[p->number].name);
-		eco_image_free(&image);
-	}
-	return code;
-}
-
-static enum eco_code read_picture(struct plant_view *p, struct plant_view_list *to, FILE *from,
-	struct eco_error *error)
-{
-	uint32_t sides[2];
-	if (fread(sides, sizeof sides, 1, from) != 1 || !sides[0] || !sides[1]
-			|| (uint64_t)sides[0] * sides[1] > ECO_PIXELS_MAX)
-		return eco_fail(error, ECO_DAMAGED, "%s: its textures cannot be read",
-			p->scene.plants[p->number].name);
-	size_t texels = (size_t)sides[0] * sides[1];
-	to->picture = (struct eco_image){ sides[0], sides[1], malloc(4 * texels) };
-	if (!to->picture.rgba)
-		return no_memory(p, error);
-	if (fread(to->picture.rgba, 4, texels, from) != texels)
-		return eco_fail(error, ECO_DAMAGED, "%s: its textures cannot be read",
-			p->scene.plants[p->number].name);
-	for (size_t i = 0; i < texels && !to->cutout; i++)
-		to->cutout = to->picture.rgba[4 * i + 3] < 128;
-	return ECO_OK;
-}
-
-static enum eco_code decode_pictures(struct plant_view *p, struct eco_error *error)
-{
-	uint64_t bytes = 0;
-	FILE *from = NULL;
-	for (uint32_t i = 0; i < p->list_count; i++)
-		if (is_picture(&p->lists[i]))
-			bytes += p->pack->scene.chunks[p->lists[i].list->chunk_first
-				+ p->lists[i].list->chunk_count - 1].size_bytes;
-	if (!bytes)
-		return ECO_OK;
-	struct eco_guard_limits limits = eco_guard_limits_for(bytes);
-	enum eco_code code = eco_guard_run(decode_in_child, p, p->scene.plants[p->number].name, &limits,
-		&from, error);
-	for (uint32_t i = 0; i < p->list_count && !code; i++)
-		if (is_picture(&p->lists[i]))
-			code = read_picture(p, &p->lists[i], from, error);
-	if (from)
-		fclose(from);
 	return code;
 }
 
@@ -442,8 +374,6 @@ enum eco_code plant_view_open(struct plant_view *view, const struct eco_pack *pa
 			&(struct lod_raster_options){ .width = pixels, .height = pixels }, error);
 	if (!code)
 		code = decode_lists(view, error);
-	if (!code)
-		code = decode_pictures(view, error);
 	if (!code)
 		code = make_scene(view, error);
 	if (!code)
