@@ -9,29 +9,12 @@
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
-static struct scene_builder scene;
-
-static int open_all(void **state)
-{
-	scene_make(&scene, NULL, 0);
-	return 0;
-}
-
-static int close_all(void **state)
-{
-	scene_free(&scene);
-	return 0;
-}
-
 static struct view_picture drawn(double share, double *ceiling)
 {
-	struct eco_view view = scene_view();
-	struct view_picture p;
-	struct scene_held d = scene_hold_view(&scene, view, share);
+	struct scene_held d = scene_hold_view(&grove, scene_view(), share);
 	scene_select(&d);
 	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, 2, NULL, VIEW_TINT_NONE };
-	assert_int_equal(view_picture_init(&p, view.width, view.height, NULL), ECO_OK);
-	assert_int_equal(view_reference_draw(&job, &p, NULL), ECO_OK);
+	struct view_picture p = scene_draw(&d, false, VIEW_TINT_NONE);
 	assert_int_equal(view_measure_soft(&job, &p, NULL), ECO_OK);
 	if (ceiling)
 		assert_int_equal(view_measure_ceiling(&job, &p, ceiling, NULL), ECO_OK);
@@ -134,5 +117,5 @@ UNIT_TEST(narrow_pictures_break_their_words)
 
 int main(void)
 {
-	return unit_tests_run(open_all, close_all);
+	return unit_tests_run(scene_open, scene_close);
 }

@@ -10,29 +10,6 @@
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
-static struct scene_builder scene;
-static struct view_gl *gl;
-
-static int open_all(void **state)
-{
-	struct eco_view view = scene_view();
-	struct view_gl_options options = { view.width, view.height };
-	struct eco_error error = { 0 };
-	scene_make(&scene, NULL, 0);
-	if (view_gl_open(&gl, &options, &error))
-		print_message("OpenGL tests are skipped: %s\n", error.text);
-	else
-		print_message("drawn by %s\n", view_gl_renderer(gl));
-	return 0;
-}
-
-static int close_all(void **state)
-{
-	view_gl_close(gl);
-	scene_free(&scene);
-	return 0;
-}
-
 static struct view_store *empty_store(void)
 {
 	struct view_store *store;
@@ -80,11 +57,11 @@ static void assert_same(const struct view_picture *a, const struct view_picture 
 
 UNIT_TEST(empty_store_draws_an_empty_picture)
 {
-	if (!gl)
+	if (!scene_gl)
 		skip();
 	struct eco_view view = scene_view();
 	struct view_store *store = empty_store();
-	struct view_picture p = draw(gl, store, &view, false, VIEW_TINT_NONE);
+	struct view_picture p = draw(scene_gl, store, &view, false, VIEW_TINT_NONE);
 	assert_int_equal(covered(&p), 0);
 	assert_true(p.vertices == 0);
 	view_picture_free(&p);
@@ -93,14 +70,14 @@ UNIT_TEST(empty_store_draws_an_empty_picture)
 
 UNIT_TEST(ground_hides_and_is_not_covered)
 {
-	if (!gl)
+	if (!scene_gl)
 		skip();
 	struct eco_view view = scene_view(), below = scene_view();
 	struct eco_plan plan;
-	scene_plan(&scene, &view, 1, &plan);
-	struct view_store *store = scene_store(&scene, &plan, NULL);
-	struct view_picture with = draw(gl, store, &view, true, VIEW_TINT_NONE),
-		without = draw(gl, store, &view, false, VIEW_TINT_NONE);
+	scene_plan(&grove, &view, 1, &plan);
+	struct view_store *store = scene_store(&grove, &plan, NULL);
+	struct view_picture with = draw(scene_gl, store, &view, true, VIEW_TINT_NONE),
+		without = draw(scene_gl, store, &view, false, VIEW_TINT_NONE);
 	assert_true(covered(&with) > 10000 && covered(&without) > covered(&with));
 	for (uint32_t i = 0; i < with.width * with.height; i++)
 		assert_true(!with.cover[i] || without.cover[i]);
@@ -109,15 +86,15 @@ UNIT_TEST(ground_hides_and_is_not_covered)
 	/* from under a hill, looking up: the ground lies between, all over the picture */
 	below.eye[0] = 0, below.eye[1] = 0, below.eye[2] = -9, below.target[0] = 0.4, below.target[1] = 0.1,
 		below.target[2] = 0;
-	scene_plan(&scene, &below, 1, &plan);
+	scene_plan(&grove, &below, 1, &plan);
 	plan.run_count = 1;                      /* the others stand on no ground */
 	assert_true(plan.cuts[1].list == L_SUMMARY);
 	memmove(plan.cuts + 1, plan.cuts + 2, (--plan.cut_count - 1) * sizeof *plan.cuts);
-	plan.vertices = plan_twin_vertices(&scene.scene, &plan, &below, &plan.visible_plants);
+	plan.vertices = plan_twin_vertices(&grove.scene, &plan, &below, &plan.visible_plants);
 	assert_true(plan.vertices > 0);
-	store = scene_store(&scene, &plan, NULL);
-	struct view_picture hidden = draw(gl, store, &below, true, VIEW_TINT_NONE),
-		open = draw(gl, store, &below, false, VIEW_TINT_NONE);
+	store = scene_store(&grove, &plan, NULL);
+	struct view_picture hidden = draw(scene_gl, store, &below, true, VIEW_TINT_NONE),
+		open = draw(scene_gl, store, &below, false, VIEW_TINT_NONE);
 	/* but for feet: the ground's triangles are not exactly what plants were put on */
 	assert_true(covered(&hidden) * 50 < covered(&open));
 	view_picture_free(&open);
@@ -131,25 +108,25 @@ UNIT_TEST(ground_hides_and_is_not_covered)
 /* What no store holds any more goes from the GPU, and comes again where it is drawn. */
 UNIT_TEST(gpu_keeps_what_some_store_holds)
 {
-	if (!gl)
+	if (!scene_gl)
 		skip();
-	struct scene_held h = scene_hold(&scene), part = scene_hold_view(&scene, scene_view(), 0.2);
+	struct scene_held h = scene_hold(&grove), part = scene_hold_view(&grove, scene_view(), 0.2);
 	struct view_store *empty = empty_store();
-	struct view_picture first = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE);
-	uint64_t bytes = view_gl_bytes(gl);
-	view_gl_keep(gl, (const struct view_store *[]){ empty, h.store }, 2);
-	assert_true(bytes > 0 && view_gl_bytes(gl) == bytes);
+	struct view_picture first = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_NONE);
+	uint64_t bytes = view_gl_bytes(scene_gl);
+	view_gl_keep(scene_gl, (const struct view_store *[]){ empty, h.store }, 2);
+	assert_true(bytes > 0 && view_gl_bytes(scene_gl) == bytes);
 	/* lists of which that store has less go as a whole */
-	view_gl_keep(gl, (const struct view_store *[]){ part.store }, 1);
-	uint64_t rest = view_gl_bytes(gl);
+	view_gl_keep(scene_gl, (const struct view_store *[]){ part.store }, 1);
+	uint64_t rest = view_gl_bytes(scene_gl);
 	assert_true(rest > 0 && rest < bytes);
 	for (int i = 0; i < 2; i++) {
-		struct view_picture again = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE);
+		struct view_picture again = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_NONE);
 		assert_same(&first, &again);
-		assert_true(view_gl_bytes(gl) <= bytes);
+		assert_true(view_gl_bytes(scene_gl) <= bytes);
 		view_picture_free(&again);
-		view_gl_keep(gl, (const struct view_store *[]){ empty }, 1);
-		assert_true(view_gl_bytes(gl) == 0);
+		view_gl_keep(scene_gl, (const struct view_store *[]){ empty }, 1);
+		assert_true(view_gl_bytes(scene_gl) == 0);
 	}
 	view_picture_free(&first);
 	view_store_free(empty);
@@ -159,11 +136,11 @@ UNIT_TEST(gpu_keeps_what_some_store_holds)
 
 UNIT_TEST(mask_does_not_depend_on_shading)
 {
-	if (!gl)
+	if (!scene_gl)
 		skip();
-	struct scene_held h = scene_hold(&scene);
-	struct view_picture plain = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE),
-		tinted = draw(gl, h.store, &h.view, true, VIEW_TINT_KIND);
+	struct scene_held h = scene_hold(&grove);
+	struct view_picture plain = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_NONE),
+		tinted = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_KIND);
 	size_t pixels = (size_t)plain.width * plain.height;
 	assert_memory_equal(plain.cover, tinted.cover, pixels);
 	assert_memory_equal(plain.owner, tinted.owner, 8 * pixels);
@@ -176,11 +153,11 @@ UNIT_TEST(mask_does_not_depend_on_shading)
 /* The hue tells the representation: green triangles, red lines, blue points, yellow to orange blends. */
 UNIT_TEST(tint_shows_all_four_kinds)
 {
-	if (!gl)
+	if (!scene_gl)
 		skip();
-	struct scene_held h = scene_hold(&scene);
+	struct scene_held h = scene_hold(&grove);
 	uint32_t green = 0, red = 0, blue = 0, yellow = 0;
-	struct view_picture p = draw(gl, h.store, &h.view, true, VIEW_TINT_KIND);
+	struct view_picture p = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_KIND);
 	for (uint32_t i = 0; i < p.width * p.height; i++) {
 		const uint8_t *c = p.rgb + 3 * (size_t)i;
 		if (!p.cover[i])
@@ -196,34 +173,25 @@ UNIT_TEST(tint_shows_all_four_kinds)
 	scene_release(&h);
 }
 
-static void held_stream(const struct view_store *store, const struct eco_plan *plan, struct eco_writer *w)
-{
-	struct eco_holdings holdings;
-	uint32_t held[L_COUNT];
-	assert_int_equal(view_store_holdings(store, &holdings, NULL), ECO_OK);
-	for (uint32_t id = 0; id < L_COUNT; id++)
-		held[id] = eco_holdings_chunks(&holdings, id);
-	free(holdings.items);
-	scene_stream(&scene, plan, held, w);
-}
-
 /* Data uploaded for an earlier frame is extended; the picture is that of a context that has seen nothing
  * before. */
 UNIT_TEST(uploads_in_parts_draw_the_same)
 {
-	if (!gl)
+	if (!scene_gl)
 		skip();
 	struct eco_view view = scene_view();
 	struct view_gl_options options = { view.width, view.height };
 	struct eco_plan small, large;
 	struct eco_writer w;
 	struct view_gl *fresh;
-	scene_plan(&scene, &view, 0.1, &small);
-	scene_plan(&scene, &view, 1, &large);
+	uint32_t held[L_COUNT];
+	scene_plan(&grove, &view, 0.1, &small);
+	scene_plan(&grove, &view, 1, &large);
 	assert_int_equal(view_gl_open(&fresh, &options, NULL), ECO_OK);
-	struct view_store *store = scene_store(&scene, &small, NULL);
+	struct view_store *store = scene_store(&grove, &small, NULL);
 	struct view_picture first = draw(fresh, store, &view, true, VIEW_TINT_NONE);
-	held_stream(store, &large, &w);
+	scene_holdings(store, held);
+	scene_stream(&grove, &large, held, &w);
 	assert_int_equal(scene_feed(store, &w, NULL), ECO_OK);
 	struct view_picture grown = draw(fresh, store, &view, true, VIEW_TINT_NONE);
 	view_gl_close(fresh);
@@ -248,11 +216,11 @@ static struct scene_held hold_points(const struct eco_view *view, uint32_t count
 	struct eco_plan *plan = &h.plan;
 	struct eco_error error = { 0 };
 	lod_eye_make(&h.eye, view);
-	scene_plan(&scene, view, 1, plan);
+	scene_plan(&grove, view, 1, plan);
 	plan->cuts[0] = scene_rule(A_TREE, L_POINTS, 0, count, scale, 0, ECO_BANDS);
 	plan->cut_count = plan->run_count = 1;
-	plan->vertices = plan_twin_vertices(&scene.scene, plan, view, &plan->visible_plants);
-	h.store = scene_store(&scene, plan, &error);
+	plan->vertices = plan_twin_vertices(&grove.scene, plan, view, &plan->visible_plants);
+	h.store = scene_store(&grove, plan, &error);
 	assert_string_equal(error.text, "");
 	scene_select(&h);
 	view_ground_free(&h.selection.ground);
@@ -262,15 +230,8 @@ static struct scene_held hold_points(const struct eco_view *view, uint32_t count
 /* Pixels that one of software and OpenGL covers and the other does not. */
 static uint32_t differing(const struct scene_held *h, uint32_t *covers)
 {
-	struct view_picture soft, hard;
-	struct view_gl_job job = { h->store, &h->selection, &h->eye, 0.1, VIEW_TINT_NONE };
-	struct view_reference_job reference = { h->store, &h->selection, &h->eye, 0.1, 2, NULL,
-		VIEW_TINT_NONE };
+	struct view_picture soft = scene_draw(h, false, VIEW_TINT_NONE), hard = scene_draw(h, true, VIEW_TINT_NONE);
 	uint32_t count = 0;
-	assert_int_equal(view_picture_init(&soft, h->view.width, h->view.height, NULL), ECO_OK);
-	assert_int_equal(view_picture_init(&hard, h->view.width, h->view.height, NULL), ECO_OK);
-	assert_int_equal(view_gl_draw(gl, &job, &hard, NULL), ECO_OK);
-	assert_int_equal(view_reference_draw(&reference, &soft, NULL), ECO_OK);
 	for (uint32_t i = 0; i < soft.width * soft.height; i++)
 		count += soft.owner[i] != hard.owner[i];
 	*covers = covered(&soft);
@@ -284,7 +245,7 @@ UNIT_TEST(points_of_all_sizes_are_those_of_software)
 {
 	static const struct { double near; uint32_t count; float scale; } views[] = { { 8, 280, 1 },
 		{ 1, 280, 1 }, { 0.5, 3, 60 } };
-	if (!gl)
+	if (!scene_gl)
 		skip();
 	for (uint32_t i = 0; i < 3; i++) {
 		struct eco_view view = scene_view();
@@ -301,11 +262,11 @@ UNIT_TEST(points_of_all_sizes_are_those_of_software)
 
 UNIT_TEST(repeated_frames_are_the_same)
 {
-	if (!gl)
+	if (!scene_gl)
 		skip();
-	struct scene_held h = scene_hold(&scene);
-	struct view_picture a = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE),
-		b = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE);
+	struct scene_held h = scene_hold(&grove);
+	struct view_picture a = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_NONE),
+		b = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_NONE);
 	assert_same(&a, &b);
 	view_picture_free(&a);
 	view_picture_free(&b);
@@ -314,7 +275,7 @@ UNIT_TEST(repeated_frames_are_the_same)
 
 UNIT_TEST(wrong_size_is_refused)
 {
-	if (!gl)
+	if (!scene_gl)
 		skip();
 	struct view_store *store = empty_store();
 	struct view_selection selection = { 0 };
@@ -322,7 +283,7 @@ UNIT_TEST(wrong_size_is_refused)
 	struct view_gl_job job = { store, &selection, &eye, 0.1, VIEW_TINT_NONE };
 	struct view_picture picture;
 	assert_int_equal(view_picture_init(&picture, 7, 5, NULL), ECO_OK);
-	assert_int_not_equal(view_gl_draw(gl, &job, &picture, NULL), ECO_OK);
+	assert_int_not_equal(view_gl_draw(scene_gl, &job, &picture, NULL), ECO_OK);
 	view_picture_free(&picture);
 	view_store_free(store);
 }
@@ -330,7 +291,7 @@ UNIT_TEST(wrong_size_is_refused)
 /* Needs no OpenGL: shadows fall away from the sun, to the north-east, and nowhere without plants. */
 UNIT_TEST(shadows_fall_to_the_north_east)
 {
-	struct scene_held h = scene_hold(&scene);
+	struct scene_held h = scene_hold(&grove);
 	scene_select(&h);
 	const struct view_selection s = h.selection;
 	struct view_shade shade;
@@ -360,12 +321,12 @@ UNIT_TEST(shadows_fall_to_the_north_east)
 
 UNIT_TEST(own_colours_are_those_that_were_recorded)
 {
-	if (!gl)
+	if (!scene_gl)
 		skip();
-	struct scene_held h = scene_hold(&scene);
-	struct view_picture own = draw(gl, h.store, &h.view, true, VIEW_TINT_OWN), recorded;
+	struct scene_held h = scene_hold(&grove);
+	struct view_picture own = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_OWN), recorded;
 	assert_int_equal(view_picture_init(&recorded, own.width, own.height, NULL), ECO_OK);
-	assert_int_equal(view_gl_read(gl, &recorded, NULL), ECO_OK);
+	assert_int_equal(view_gl_read(scene_gl, &recorded, NULL), ECO_OK);
 	uint32_t ground = 0, plants = 0;
 	for (size_t i = 0; i < (size_t)own.width * own.height; i++) {
 		const uint8_t *seen = own.rgb + 3 * i, *is = recorded.rgb + 3 * i;
@@ -385,7 +346,7 @@ UNIT_TEST(programs_are_compiled_before_something_is_drawn_by_them)
 	const uint32_t wanted = 1u << VIEW_PROGRAM_GROUND | 1u << VIEW_PROGRAM_SUMMARY;
 	struct view_gl_options options = { 16, 16 };
 	struct view_gl *fresh;
-	if (!gl)
+	if (!scene_gl)
 		skip();
 	assert_int_equal(view_gl_open(&fresh, &options, NULL), ECO_OK);
 	assert_int_equal(view_gl_programs(fresh), 0);
@@ -396,5 +357,5 @@ UNIT_TEST(programs_are_compiled_before_something_is_drawn_by_them)
 
 int main(void)
 {
-	return unit_tests_run(open_all, close_all);
+	return unit_tests_run(scene_open_gl, scene_close);
 }

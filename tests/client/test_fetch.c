@@ -16,7 +16,8 @@
 #define ENDLESS_MOST ((size_t)400 << 20)
 #define STRANGER ", as no ecoserve does; a scene's URL is http://host:port/v1/scenes/NAME"
 
-static struct scene_builder scene;
+static struct eco_plan plan;             /* of scene_view, ... */
+static struct eco_writer good;           /* ... and its stream */
 
 /* The server of the test under way: begin makes it anew. */
 static struct server {
@@ -61,7 +62,7 @@ static void make_answer(struct server *s, uint32_t number, struct eco_writer *w)
 		&holdings, &error), error);
 	for (uint32_t i = 0; i < holdings.count; i++)
 		held[holdings.items[i].list] = holdings.items[i].chunks;
-	scene_stream(&scene, s->plan, holdings.count ? held : NULL, w);
+	scene_stream(&grove, s->plan, holdings.count ? held : NULL, w);
 	free(holdings.items);
 	s->body = w->bytes;
 	s->declared = w->size;
@@ -224,24 +225,14 @@ static enum eco_code ask(uint64_t body_max)
 	return code;
 }
 
-static void good_stream(struct eco_plan *plan, struct eco_writer *w)
-{
-	struct eco_view view = scene_view();
-	scene_plan(&scene, &view, 1, plan);
-	scene_stream(&scene, plan, NULL, w);
-}
-
 static const char ok[] = "HTTP/1.1 200 OK\r\nContent-Type: application/octet-stream\r\nServer-Timing: "
 	"plan;dur=7.25\r\n";
 
 UNIT_TEST(stream_arrives_in_pieces)
 {
-	struct eco_plan plan;
-	struct eco_writer w;
-	good_stream(&plan, &w);
-	start(ok, w.bytes, w.size, w.size);
+	start(ok, good.bytes, good.size, good.size);
 	assert_int_equal(ask(0), ECO_OK);
-	assert_true(result.status == 200 && result.bytes == w.size && result.plan_ms == 7.25
+	assert_true(result.status == 200 && result.bytes == good.size && result.plan_ms == 7.25
 		&& !result.nothing);
 	assert_true(result.first_byte_ms <= result.stream_ms);
 	assert_true(view_store_plan(store)->vertices == plan.vertices);
@@ -250,40 +241,30 @@ UNIT_TEST(stream_arrives_in_pieces)
 		"1&fov_y_deg=45&width=480&height=320"
 		"&vertices=1000&bytes=5000000&rule=deussen HTTP/1.1\r\n"));
 	assert_int_equal(content_length(server.heard), 4);
-	eco_writer_free(&w);
-	eco_plan_free(&plan);
 }
 
 UNIT_TEST(a_picture_may_be_drawn_after_so_many_bytes)
 {
-	struct eco_plan plan;
-	struct eco_writer w;
-	good_stream(&plan, &w);
 	assert_int_equal(view_marks_read(&marks, "3,70,100000000,1500", &error), ECO_OK);
 	for (refuse_at = 0; refuse_at < 3; refuse_at += 2) {
-		start(ok, w.bytes, w.size, w.size);
+		start(ok, good.bytes, good.size, good.size);
 		assert_int_equal(ask(0), refuse_at ? ECO_INTERRUPTED : ECO_OK);
 		assert_int_equal(reached_count, refuse_at ? 2 : 3);
 		assert_true(reached[0] == 3 && reached[1] == 70 && (refuse_at || reached[2] == 1500));
-		assert_true(refuse_at || result.bytes == w.size);
+		assert_true(refuse_at || result.bytes == good.size);
 	}
 	assert_string_equal(strstr(error.text, "enough"), "enough");
 	marks = (struct view_marks){ .bytes_count = 0 };
 	refuse_at = 0;
-	eco_writer_free(&w);
-	eco_plan_free(&plan);
 }
 
 /* A picture that takes longer than from one mark to the next: each mark has its own, of what was there. */
 UNIT_TEST(each_mark_is_reached_once_and_without_what_came_later)
 {
-	struct eco_plan plan;
-	struct eco_writer w;
 	uint32_t seen = 0;
-	good_stream(&plan, &w);
 	assert_int_equal(view_marks_read(&marks, "7ms,1,3ms,1400,5ms,1,3ms", &error), ECO_OK);
 	slow_ms = 20;
-	start(ok, w.bytes, w.size, w.size);
+	start(ok, good.bytes, good.size, good.size);
 	assert_int_equal(ask(0), ECO_OK);
 	assert_int_equal(reached_count, 5);
 	for (uint32_t i = 0; i < 4; i++) {
@@ -294,24 +275,17 @@ UNIT_TEST(each_mark_is_reached_once_and_without_what_came_later)
 	assert_int_equal(reached[4], 1400);
 	slow_ms = 0;
 	marks = (struct view_marks){ .bytes_count = 0 };
-	eco_writer_free(&w);
-	eco_plan_free(&plan);
 }
 
 /* A byte now and then keeps a connection alive, but no client waiting. */
 UNIT_TEST(an_answer_that_drips_is_given_up)
 {
-	struct eco_plan plan;
-	struct eco_writer w;
-	good_stream(&plan, &w);
-	start_server((struct server){ .head = ok, .body = w.bytes, .size = w.size, .declared = w.size,
-		.drips = true }, 0);
-	assert_true(w.size > 2000);
+	start_server((struct server){ .head = ok, .body = good.bytes, .size = good.size,
+		.declared = good.size, .drips = true }, 0);
+	assert_true(good.size > 2000);
 	assert_int_equal(ask(0), ECO_IO);
 	assert_non_null(strstr(error.text, "bytes a second came"));
-	assert_in_range(result.bytes, 1, w.size - 1);
-	eco_writer_free(&w);
-	eco_plan_free(&plan);
+	assert_in_range(result.bytes, 1, good.size - 1);
 }
 
 UNIT_TEST(marks_are_numbers_of_bytes_or_milliseconds)
@@ -359,19 +333,14 @@ UNIT_TEST(problems_become_readable_errors)
 
 UNIT_TEST(a_busy_server_is_asked_again)
 {
-	struct eco_plan plan;
-	struct eco_writer w;
-	good_stream(&plan, &w);
-	start_busy(3, ok, w.bytes, w.size, w.size);
+	start_busy(3, ok, good.bytes, good.size, good.size);
 	assert_int_equal(ask(0), ECO_OK);
 	assert_int_equal(error.code, ECO_OK);
-	assert_true(result.status == 200 && result.bytes == w.size && view_store_plan(store)->vertices
+	assert_true(result.status == 200 && result.bytes == good.size && view_store_plan(store)->vertices
 		== plan.vertices);
 	start("HTTP/1.1 503 Busy\r\nRetry-After: 2\r\n", "", 0, 0);
 	assert_int_equal(ask(0), ECO_IO);
 	assert_true(result.status == 503 && result.retry_ms == 2000);
-	eco_writer_free(&w);
-	eco_plan_free(&plan);
 }
 
 /* As a proxy says it that counts requests; not for longer than there is patience. */
@@ -382,14 +351,11 @@ UNIT_TEST(a_server_that_is_asked_too_much_is_asked_again)
 		{ "HTTP/1.1 429 Too Many Requests\r\nRetry-After: 29\r\n", false },
 		{ "HTTP/1.1 429 Too Many Requests\r\nRetry-After: 3600\r\n", false },
 		{ "HTTP/1.1 429 Too Many Requests\r\n", false } };
-	struct eco_plan plan;
-	struct eco_writer w;
-	good_stream(&plan, &w);
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		double begun_ms = view_clock_ms();
 		if (cases[i].waits)
 			start_server((struct server){ .head = ok, .busy = 2, .busy_head = cases[i].head,
-				.body = w.bytes, .size = w.size, .declared = w.size }, 0);
+				.body = good.bytes, .size = good.size, .declared = good.size }, 0);
 		else
 			start_server((struct server){ .head = cases[i].head, .patient = true }, 0);
 		assert_int_equal(ask(0), cases[i].waits ? ECO_OK : ECO_BAD_INPUT);
@@ -397,8 +363,6 @@ UNIT_TEST(a_server_that_is_asked_too_much_is_asked_again)
 		assert_true(cases[i].waits ? view_clock_ms() - begun_ms >= 2000 : view_clock_ms() - begun_ms
 			< 10000);
 	}
-	eco_writer_free(&w);
-	eco_plan_free(&plan);
 }
 
 typedef enum eco_code fetch_text(struct view_fetch *fetch, char **text);
@@ -460,21 +424,16 @@ UNIT_TEST(huge_problem_does_not_fill_memory)
 
 UNIT_TEST(cut_or_damaged_streams_are_refused)
 {
-	struct eco_plan plan;
-	struct eco_writer w;
-	good_stream(&plan, &w);
 	for (int i = 0; i < 4; i++) {
-		size_t half = w.size / 2;
-		if (i == 3)
-			w.bytes[half] ^= 4;
+		size_t half = good.size / 2;
+		good.bytes[half] ^= i == 3 ? 4 : 0;
 		/* cut in the connection; cut in the answer; cut by the client's limit; damaged */
-		start(ok, w.bytes, i < 2 ? half : w.size, i == 1 ? half : w.size);
+		start(ok, good.bytes, i < 2 ? half : good.size, i == 1 ? half : good.size);
 		enum eco_code code = ask(i == 2 ? half : 0);
 		assert_int_equal(code, i == 0 ? ECO_IO : i == 2 ? ECO_TOO_LARGE : ECO_DAMAGED);
 		assert_false(view_store_complete(store));
+		good.bytes[half] ^= i == 3 ? 4 : 0;
 	}
-	eco_writer_free(&w);
-	eco_plan_free(&plan);
 }
 
 /* Behind the last plan, so many bytes are to come for the next view. */
@@ -492,9 +451,8 @@ static void say_ahead(struct eco_writer *w)
 /* The server has all of it to send yet, and sends nothing: whoever turns need not wait. */
 UNIT_TEST(who_turns_does_not_wait_for_the_next_view)
 {
-	struct eco_plan plan;
-	struct eco_writer w;
-	good_stream(&plan, &w);
+	struct eco_writer w = { 0 };
+	eco_write_bytes(&w, good.bytes, good.size);
 	say_ahead(&w);
 	for (turns_at = 1; turns_at <= 2; turns_at++) {
 		turn_asked = 0;
@@ -512,7 +470,6 @@ UNIT_TEST(who_turns_does_not_wait_for_the_next_view)
 	assert_true(result.cancelled == 0 && !view_store_complete(store));
 	turns_at = 0;
 	eco_writer_free(&w);
-	eco_plan_free(&plan);
 }
 
 static const char *heard_head(void)
@@ -524,18 +481,15 @@ static const char *heard_head(void)
 /* Wherever an answer breaks off: no chunk comes twice, and what is there then is what had come at once. */
 UNIT_TEST(an_answer_that_breaks_off_goes_on_with_what_came)
 {
-	struct eco_plan plan;
-	struct eco_writer w;
-	good_stream(&plan, &w);
 	uint64_t chunk_bytes = 0;
-	for (size_t at = w.size + 150; at > 150; at = at > w.size ? w.size - 1 : at - at / 6) {
+	for (size_t at = good.size + 150; at > 150; at = at > good.size ? good.size - 1 : at - at / 6) {
 		const size_t cuts[] = { at, SIZE_MAX };
-		bool breaks = at < w.size;
+		bool breaks = at < good.size;
 		start_server((struct server){ .head = ok, .again = breaks, .plan = &plan, .cuts = cuts,
 			.resumes = 1 }, 0);
 		assert_ok(ask(0), error);
 		assert_true(result.broken == breaks && result.requests == 1u + breaks && !result.nothing);
-		assert_true(result.bytes == server.sent && result.most_bytes <= w.size);
+		assert_true(result.bytes == server.sent && result.most_bytes <= good.size);
 		assert_true(view_store_complete(store) && view_store_plan(store)->vertices == plan.vertices);
 		struct view_store_stats stats = view_store_stats(store);
 		assert_int_equal(stats.chunks_twice, 0);
@@ -543,20 +497,15 @@ UNIT_TEST(an_answer_that_breaks_off_goes_on_with_what_came)
 			chunk_bytes = stats.chunk_bytes;
 		assert_int_equal(stats.chunk_bytes, chunk_bytes);
 		/* what is sent twice: the scene, and the frame in whose middle it broke */
-		assert_true(result.bytes < w.size + w.size / 3);
+		assert_true(result.bytes < good.size + good.size / 3);
 		/* a picture has come before the last frame: what is left of the budget is asked for */
-		assert_int_equal(strstr(heard_head(), "&bytes=5000000&") != NULL, at != w.size - 1);
+		assert_int_equal(strstr(heard_head(), "&bytes=5000000&") != NULL, at != good.size - 1);
 	}
-	eco_writer_free(&w);
-	eco_plan_free(&plan);
 }
 
 UNIT_TEST(breaks_are_counted_and_bounded)
 {
-	struct eco_plan plan;
-	struct eco_writer w;
-	good_stream(&plan, &w);
-	const size_t cuts[] = { w.size / 2, 0, 500, SIZE_MAX };
+	const size_t cuts[] = { good.size / 2, 0, 500, SIZE_MAX };
 	for (uint32_t resumes = 2; resumes <= 3; resumes++) {
 		start_server((struct server){ .head = ok, .again = resumes, .plan = &plan, .cuts = cuts,
 			.resumes = resumes }, 0);
@@ -567,25 +516,18 @@ UNIT_TEST(breaks_are_counted_and_bounded)
 		double least_ms = resumes < 3 ? 50 + 100 : 50 + 100 + 200;       /* and at most twice that */
 		assert_true(view_clock_ms() - begun_ms >= least_ms && result.stream_ms >= least_ms);
 	}
-	eco_writer_free(&w);
-	eco_plan_free(&plan);
 }
 
 /* It says that it is back in a second, in another's name; and a server that never was there is not waited for.
  */
 UNIT_TEST(a_lost_server_is_asked_again_when_it_says)
 {
-	struct eco_plan plan;
-	struct eco_writer w;
-	good_stream(&plan, &w);
 	start_server((struct server){ .head = "HTTP/1.1 502 Bad Gateway\r\nRetry-After: 1\r\n", .again = 2,
 		.resumes = 2 }, 0);
 	double begun_ms = view_clock_ms();
 	assert_int_equal(ask(0), ECO_IO);
 	assert_true(result.broken == 2 && view_clock_ms() - begun_ms > 1000);
 	assert_non_null(strstr(error.text, "asked 3 times"));
-	eco_writer_free(&w);
-	eco_plan_free(&plan);
 	begin(0);
 	struct view_fetch *fetch;
 	struct view_fetch_options options = { .url = "http://127.0.0.1:9/v1/scenes/x", .resumes = 20 };
@@ -618,36 +560,35 @@ UNIT_TEST(stop_flag_and_bad_urls_end_at_once)
 
 static int set_up(void **state)
 {
-	scene_make(&scene, NULL, 0);
+	struct eco_view view = scene_view();
+	scene_open(state);
+	scene_plan(&grove, &view, 1, &plan);
+	scene_stream(&grove, &plan, NULL, &good);
 	return view_fetch_setup(NULL);
 }
 
 static int tear_down(void **state)
 {
 	view_store_free(store);
-	scene_free(&scene);
+	eco_writer_free(&good);
+	eco_plan_free(&plan);
 	view_fetch_teardown();
-	return 0;
+	return scene_close(state);
 }
 
 /* What had to go while the answer came is asked for again: with a budget of bytes, for as many vertices as
  * that plan has. This server does not listen to holdings, and so the second answer is refused. */
 UNIT_TEST(short_memory_asks_again_for_the_same_plan)
 {
-	struct eco_plan plan;
-	struct eco_writer w = { 0 };
 	char vertices[64];
-	good_stream(&plan, &w);
-	start_server((struct server){ .head = ok, .again = 1, .body = w.bytes, .size = w.size,
-		.declared = w.size }, 20000);
+	start_server((struct server){ .head = ok, .again = 1, .body = good.bytes, .size = good.size,
+		.declared = good.size }, 20000);
 	assert_int_equal(ask(0), ECO_DAMAGED);
 	assert_non_null(strstr(error.text, "sent again"));
 	snprintf(vertices, sizeof vertices, "&vertices=%llu&", (unsigned long long)plan.vertices);
 	assert_non_null(strstr(server.heard, vertices));
-	assert_true(result.requests == 2 && result.bytes > w.size && result.most_bytes == w.size);
+	assert_true(result.requests == 2 && result.bytes > good.size && result.most_bytes == good.size);
 	assert_true(plan.vertices != 1000 && view_store_stats(store).memory_peak_bytes <= 20000);
-	eco_writer_free(&w);
-	eco_plan_free(&plan);
 }
 
 /* Of the hilly ground of view_scene.c. */
@@ -655,19 +596,17 @@ static double ground_at(double x, double y) { return 0.02 * x + 0.00045 * (x * x
 
 UNIT_TEST(views_stand_on_the_ground_below_eye_and_target)
 {
-	struct eco_plan plan;
-	struct eco_writer first, then;
+	struct eco_writer then;
 	char url[64];
 	struct view_fetch *fetch;
 	uint32_t held[L_COUNT];
 	struct eco_request request = { .view = scene_view(), .next = { true, { 1, 2, 3 }, { 4, 5, 6 } } };
 	const struct eco_view view = request.view;
-	good_stream(&plan, &first);
 	for (uint32_t i = 0; i < L_COUNT; i++)
-		held[i] = scene_needs(&scene, &plan, i);
-	scene_stream(&scene, &plan, held, &then);
-	start_server((struct server){ .head = ok, .again = 1, .then = &then, .body = first.bytes,
-		.size = first.size, .declared = first.size }, 0);
+		held[i] = scene_needs(&grove, &plan, i);
+	scene_stream(&grove, &plan, held, &then);
+	start_server((struct server){ .head = ok, .again = 1, .then = &then, .body = good.bytes,
+		.size = good.size, .declared = good.size }, 0);
 	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test", server.port);
 	assert_int_equal(view_fetch_new(&fetch, &(struct view_fetch_options){ .url = url }, &error), ECO_OK);
 	assert_ok(view_stand(fetch, store, &request, &result, &error), error);
@@ -681,13 +620,11 @@ UNIT_TEST(views_stand_on_the_ground_below_eye_and_target)
 	assert_true(fabs(request.next.eye[2] - 3 - eye_m) < 0.03 &&
 		fabs(request.next.target[2] - 6 - target_m) < 0.03);
 	assert_true(request.view.eye[0] == view.eye[0] && request.view.target[1] == view.target[1]);
-	assert_true(result.requests == 2 && result.bytes == first.size + then.size);
+	assert_true(result.requests == 2 && result.bytes == good.size + then.size);
 	/* the last was asked at the target, straight down */
 	assert_non_null(strstr(server.heard, "stream?eye=0,0,100000&target=0,0,0&up=0,1,0&"));
 	assert_non_null(strstr(server.heard, "&width=1&height=1&vertices=0"));
-	eco_writer_free(&first);
 	eco_writer_free(&then);
-	eco_plan_free(&plan);
 }
 
 int main(void)

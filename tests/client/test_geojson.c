@@ -8,20 +8,15 @@
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
-static struct scene_builder scene;
 static struct scene_held held;
 static struct view_picture picture;
 
 static int make_picture(void **state)
 {
-	struct eco_error error = { 0 };
-	scene_make(&scene, NULL, 0);
-	held = scene_hold(&scene);
+	scene_open(state);
+	held = scene_hold(&grove);
 	scene_select(&held);
-	struct view_reference_job job = { held.store, &held.selection, &held.eye, 0.1, 1, NULL,
-		VIEW_TINT_NONE };
-	assert_ok(view_picture_init(&picture, held.view.width, held.view.height, &error), error);
-	assert_ok(view_reference_draw(&job, &picture, &error), error);
+	picture = scene_draw(&held, false, VIEW_TINT_NONE);
 	return 0;
 }
 
@@ -29,8 +24,7 @@ static int free_picture(void **state)
 {
 	view_picture_free(&picture);
 	scene_release(&held);
-	scene_free(&scene);
-	return 0;
+	return scene_close(state);
 }
 
 static json_t *make(const struct view_map *map)

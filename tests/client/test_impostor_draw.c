@@ -17,29 +17,12 @@
 #define TOLERANCE 0.0005                 /* of all pixels */
 #define LEVELS ECO_IMPOSTOR_LEVELS
 
-static struct scene_builder scene;
-static struct view_gl *gl;
-
 static int open_all(void **state)
 {
-	struct eco_view view = scene_view();
-	struct view_gl_options options = { view.width, view.height };
-	struct eco_error error = { 0 };
-	scene_make(&scene, NULL, 0);
-	scene_make_impostor(&scene, 1500);
-	assert_int_equal(scene.lists[L_IMPOSTOR].chunk_count, LEVELS);
-	if (view_gl_open(&gl, &options, &error))
-		print_message("OpenGL tests are skipped: %s\n", error.text);
-	else
-		print_message("drawn by %s\n", view_gl_renderer(gl));
-	return 0;
-}
-
-static int close_all(void **state)
-{
-	view_gl_close(gl);
-	scene_free(&scene);
-	return 0;
+	scene_open(state);
+	scene_make_impostor(&grove, 1500);
+	assert_int_equal(grove.lists[L_IMPOSTOR].chunk_count, LEVELS);
+	return scene_open_gl(state);
 }
 
 /* Groves of trees, side by side, `side` times `side`. */
@@ -68,34 +51,18 @@ static struct scene_held hold(const struct eco_view *view, uint32_t level, uint3
 	struct eco_plan *plan = &h.plan;
 	struct eco_error error = { 0 };
 	lod_eye_make(&h.eye, view);
-	scene_plan(&scene, view, 1, plan);
+	scene_plan(&grove, view, 1, plan);
 	memset(plan->cuts, 0, plan->cut_count * sizeof *plan->cuts);
 	plan->cuts[0] = cut;
 	plan->cut_count = 1;
 	plant(plan, groves);
-	plan->vertices = plan_twin_vertices(&scene.scene, plan, view, &plan->visible_plants);
-	h.store = scene_store(&scene, plan, &error);
+	plan->vertices = plan_twin_vertices(&grove.scene, plan, view, &plan->visible_plants);
+	h.store = scene_store(&grove, plan, &error);
 	if (!h.store)
 		fail_msg("%s", error.text);
 	assert_int_equal(view_store_list(h.store, L_IMPOSTOR)->chunk_count, level + 1);
 	scene_select(&h);
 	return h;
-}
-
-static void draw_gl(const struct scene_held *h, struct view_picture *picture)
-{
-	struct view_gl_job job = { h->store, &h->selection, &h->eye, 0.1, VIEW_TINT_NONE };
-	struct eco_error error = { 0 };
-	assert_ok(view_picture_init(picture, h->view.width, h->view.height, &error), error);
-	assert_ok(view_gl_draw(gl, &job, picture, &error), error);
-}
-
-static void draw_software(const struct scene_held *h, struct view_picture *picture)
-{
-	struct view_reference_job job = { h->store, &h->selection, &h->eye, 0.1, 2, NULL, VIEW_TINT_NONE };
-	struct eco_error error = { 0 };
-	assert_ok(view_picture_init(picture, h->view.width, h->view.height, &error), error);
-	assert_ok(view_reference_draw(&job, picture, &error), error);
 }
 
 static void save(const char *name, const char *by, const struct view_picture *p)
@@ -132,10 +99,8 @@ static struct difference compare(const struct view_picture *a, const struct view
 
 static void assert_agree(const char *name, struct eco_view view, uint32_t level, uint32_t groves)
 {
-	struct view_picture soft, hard;
 	struct scene_held h = hold(&view, level, groves);
-	draw_software(&h, &soft);
-	draw_gl(&h, &hard);
+	struct view_picture soft = scene_draw(&h, false, VIEW_TINT_NONE), hard = scene_draw(&h, true, VIEW_TINT_NONE);
 	struct difference d = compare(&soft, &hard);
 	print_message("%s: %llu plants cover %.2f %%; owners differ in %.4f %%, depths in %.4f %%, "
 		"colours in %.4f %% of pixels\n", name, (unsigned long long)hard.vertices, 100 * d.covered,
@@ -154,7 +119,7 @@ static void assert_agree(const char *name, struct eco_view view, uint32_t level,
 UNIT_TEST(opengl_and_software_agree_on_all_levels)
 {
 	static const double sizes[] = { 5, 12, 40, 100, 192 }, up[] = { 0, 50, -20, 12, 85 };
-	if (!gl)
+	if (!scene_gl)
 		skip();
 	for (uint32_t level = 0; level < LEVELS; level++)        /* each added to those on the GPU */
 		for (uint32_t i = 0; i < 5; i++) {
@@ -173,7 +138,7 @@ UNIT_TEST(opengl_and_software_agree_on_all_levels)
 /* Hundreds stand at the edges of the picture. */
 UNIT_TEST(forests_agree)
 {
-	if (!gl)
+	if (!scene_gl)
 		skip();
 	for (uint32_t level = 0; level < LEVELS; level++) {
 		struct eco_view view = scene_view();
@@ -190,8 +155,7 @@ UNIT_TEST(impostors_cast_the_shadow_of_what_is_seen_from_the_sun)
 {
 	struct eco_view view = { { -400, -300, 400 }, { 0, 0, 3 }, { 0, 0, 1 }, 3, 512, 512 };
 	struct scene_held h = hold(&view, LEVELS - 1, 1);
-	struct view_picture picture;
-	draw_software(&h, &picture);
+	struct view_picture picture = scene_draw(&h, false, VIEW_TINT_NONE);
 	for (int kind = VIEW_SHADOWS_STANDARD; kind <= VIEW_SHADOWS_PERSPECTIVE; kind++) {
 		const double *f = h.eye.forward;
 		struct view_shadow_job job = { h.store, &h.selection, &h.eye, &picture,
@@ -224,8 +188,8 @@ UNIT_TEST(impostors_cast_the_shadow_of_what_is_seen_from_the_sun)
 			near);
 		assert_true(plants > 5000 && met > 0.95 * plants && near > 0.9 * plants);
 		view_shadow_free(&shadow);
-		if (gl)
-			assert_true(shadow_gl_compare(gl, &job, "by OpenGL") > 1000);
+		if (scene_gl)
+			assert_true(shadow_gl_compare(scene_gl, &job, "by OpenGL") > 1000);
 	}
 	view_picture_free(&picture);
 	scene_release(&h);
@@ -233,5 +197,5 @@ UNIT_TEST(impostors_cast_the_shadow_of_what_is_seen_from_the_sun)
 
 int main(void)
 {
-	return unit_tests_run(open_all, close_all);
+	return unit_tests_run(open_all, scene_close);
 }

@@ -13,19 +13,11 @@
 #define LIST "list 15"
 _Static_assert(L_IMPOSTOR == 15, "LIST says which it is");
 
-static struct scene_builder scene;
-
-static int make_scene(void **state)
+static int open_all(void **state)
 {
-	scene_make(&scene, NULL, 0);
-	scene_make_impostor(&scene, 200);
-	assert_int_equal(scene.lists[L_IMPOSTOR].chunk_count, LEVELS);
-	return 0;
-}
-
-static int free_scene(void **state)
-{
-	scene_free(&scene);
+	scene_open(state);
+	scene_make_impostor(&grove, 200);
+	assert_int_equal(grove.lists[L_IMPOSTOR].chunk_count, LEVELS);
 	return 0;
 }
 
@@ -34,18 +26,18 @@ static struct eco_plan plan_levels(uint32_t first, uint32_t end)
 {
 	struct eco_view view = scene_view();
 	struct eco_plan plan;
-	scene_plan(&scene, &view, 1, &plan);
+	scene_plan(&grove, &view, 1, &plan);
 	plan.cuts[0] = scene_rule(A_TREE, L_IMPOSTOR, first, end, 1, 0, ECO_BANDS);
 	plan.cut_count = 1;
-	plan.vertices = plan_twin_vertices(&scene.scene, &plan, &view, &plan.visible_plants);
+	plan.vertices = plan_twin_vertices(&grove.scene, &plan, &view, &plan.visible_plants);
 	return plan;
 }
 
 static const uint8_t *payload_of(uint32_t level, size_t *size)
 {
-	uint32_t chunk = scene.lists[L_IMPOSTOR].chunk_first + level;
-	*size = scene.chunks[chunk].size_bytes;
-	return scene.payloads[chunk];
+	uint32_t chunk = grove.lists[L_IMPOSTOR].chunk_first + level;
+	*size = grove.chunks[chunk].size_bytes;
+	return grove.payloads[chunk];
 }
 
 /* ---- What is held ---- */
@@ -76,20 +68,16 @@ UNIT_TEST(levels_are_held_as_a_prefix_and_extended)
 {
 	struct eco_plan small = plan_levels(0, 1), large = plan_levels(LEVELS - 1, LEVELS);
 	struct eco_error error = { 0 };
-	struct eco_holdings holdings;
 	struct eco_writer w;
-	struct view_store *store = scene_store(&scene, &small, &error);
+	struct view_store *store = scene_store(&grove, &small, &error);
 	assert_string_equal(error.text, "");
 	const struct view_list *list = view_store_list(store, L_IMPOSTOR);
 	assert_int_equal(list->chunk_count, 1);
 	uint64_t before = view_store_stats(store).memory_bytes, more = 0;
 	uint32_t held[L_COUNT];
-	assert_ok(view_store_holdings(store, &holdings, &error), error);
-	for (uint32_t id = 0; id < L_COUNT; id++)
-		held[id] = eco_holdings_chunks(&holdings, id);
-	free(holdings.items);
+	scene_holdings(store, held);
 	assert_int_equal(held[L_IMPOSTOR], 1);
-	scene_stream(&scene, &large, held, &w);
+	scene_stream(&grove, &large, held, &w);
 	assert_ok(scene_feed(store, &w, &error), error);
 	assert_int_equal(list->chunk_count, LEVELS);
 	for (uint32_t i = 0; i < LEVELS; i++) {
@@ -109,7 +97,7 @@ UNIT_TEST(a_tree_is_one_vertex_whatever_its_level)
 	for (uint32_t level = 0; level < LEVELS; level++) {
 		struct scene_held h = { .view = scene_view(), .plan = plan_levels(level, level + 1) };
 		lod_eye_make(&h.eye, &h.view);
-		h.store = scene_store(&scene, &h.plan, NULL);
+		h.store = scene_store(&grove, &h.plan, NULL);
 		assert_non_null(h.store);
 		scene_select(&h);
 		uint32_t trees = h.selection.member_first[1];
@@ -151,13 +139,13 @@ struct forged {
 
 static void forge(struct forged *f)
 {
-	uint32_t count = scene.scene.chunk_count;
-	*f = (struct forged){ .b = scene, .first = scene.lists[L_IMPOSTOR].chunk_first };
-	f->b.scene.lists = f->b.lists = memcpy(f->lists, scene.lists, sizeof f->lists);
+	uint32_t count = grove.scene.chunk_count;
+	*f = (struct forged){ .b = grove, .first = grove.lists[L_IMPOSTOR].chunk_first };
+	f->b.scene.lists = f->b.lists = memcpy(f->lists, grove.lists, sizeof f->lists);
 	f->chunks = malloc(count * sizeof *f->chunks);
 	f->payloads = malloc(count * sizeof *f->payloads);
-	f->b.scene.chunks = f->b.chunks = memcpy(f->chunks, scene.chunks, count * sizeof *f->chunks);
-	f->b.payloads = memcpy(f->payloads, scene.payloads, count * sizeof *f->payloads);
+	f->b.scene.chunks = f->b.chunks = memcpy(f->chunks, grove.chunks, count * sizeof *f->chunks);
+	f->b.payloads = memcpy(f->payloads, grove.payloads, count * sizeof *f->payloads);
 }
 
 static void forged_free(struct forged *f)
@@ -225,8 +213,8 @@ static struct eco_writer stream_of(struct forged *f, enum fault fault)
 	uint32_t number = 0;
 	plan.run_count = 0;
 	plan.vertices = 0;
-	scene_frame(&w, &scene, ECO_FRAME_SCENE, &number, 0, 0);
-	scene_frame(&w, &scene, ECO_FRAME_BUNDLE, &number, 0, SCENE_PLANT);
+	scene_frame(&w, &grove, ECO_FRAME_SCENE, &number, 0, 0);
+	scene_frame(&w, &grove, ECO_FRAME_BUNDLE, &number, 0, SCENE_PLANT);
 	scene_frame(&w, &f->b, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, SCENE_RECORD);
 	if (fault == OTHER_LIST) {
 		f->lists[L_IMPOSTOR].level = 7;
@@ -318,5 +306,5 @@ UNIT_TEST(levels_count_against_the_memory_limit)
 
 int main(void)
 {
-	return unit_tests_run(make_scene, free_scene);
+	return unit_tests_run(open_all, scene_close);
 }

@@ -9,27 +9,6 @@
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
-static struct scene_builder scene;
-static struct view_gl *gl;
-
-static int open_all(void **state)
-{
-	struct eco_view view = scene_view();
-	struct view_gl_options options = { view.width, view.height };
-	struct eco_error error = { 0 };
-	scene_make(&scene, NULL, 0);
-	if (view_gl_open(&gl, &options, &error))
-		print_message("OpenGL tests are skipped: %s\n", error.text);
-	return 0;
-}
-
-static int close_all(void **state)
-{
-	view_gl_close(gl);
-	scene_free(&scene);
-	return 0;
-}
-
 /* ---- Leaves ---- */
 
 /* One leaf of the first plant in view, as one pixel of a picture: lit in *rgb. */
@@ -62,7 +41,7 @@ static void light_leaf(const struct scene_held *h, const float sun[3], const flo
 
 UNIT_TEST(leaves_have_two_sides_and_let_light_through)
 {
-	struct scene_held h = scene_hold(&scene);
+	struct scene_held h = scene_hold(&grove);
 	scene_select(&h);
 	const double *f = h.eye.forward;
 	const float normal[3] = { -(float)f[0], -(float)f[1], -(float)f[2] }, back[3] = { (float)f[0],
@@ -88,18 +67,11 @@ UNIT_TEST(leaves_have_two_sides_and_let_light_through)
 
 /* ---- Pictures ---- */
 
-static void draw(const struct scene_held *h, const struct view_sky *sky, bool by_gl, struct view_picture *p)
+static struct view_picture draw(const struct scene_held *h, const struct view_sky *sky, bool by_gl)
 {
-	struct eco_error error = { 0 };
-	struct view_selection s = h->selection;
-	s.sky = *sky;
-	assert_ok(view_picture_init(p, h->view.width, h->view.height, &error), error);
-	if (by_gl)
-		assert_ok(view_gl_draw(gl, &(struct view_gl_job){ h->store, &s, &h->eye, 0.1,
-			VIEW_TINT_NONE }, p, &error), error);
-	else
-		assert_ok(view_reference_draw(&(struct view_reference_job){ h->store, &s, &h->eye, 0.1, 2, NULL,
-			VIEW_TINT_NONE }, p, &error), error);
+	struct scene_held under = *h;
+	under.selection.sky = *sky;
+	return scene_draw(&under, by_gl, VIEW_TINT_NONE);
 }
 
 static double mean_difference(const struct view_picture *a, const struct view_picture *b)
@@ -130,18 +102,18 @@ static double mean_of(const struct view_picture *p, int channel, bool ground)
 
 UNIT_TEST(shadows_are_drawn_alike_by_both_engines)
 {
-	if (!gl)
+	if (!scene_gl)
 		skip();
-	struct scene_held h = scene_hold(&scene);
+	struct scene_held h = scene_hold(&grove);
 	scene_select(&h);
 	const struct view_sky none = { .shadows = VIEW_SHADOWS_NONE };
 	for (int kind = VIEW_SHADOWS_STANDARD; kind <= VIEW_SHADOWS_PERSPECTIVE; kind++) {
 		struct view_sky sky = { .shadows = (enum view_shadows)kind, .shadow_size = 1024 };
 		struct view_picture soft, hard, soft_off, hard_off;
-		draw(&h, &sky, false, &soft);
-		draw(&h, &sky, true, &hard);
-		draw(&h, &none, false, &soft_off);
-		draw(&h, &none, true, &hard_off);
+		soft = draw(&h, &sky, false);
+		hard = draw(&h, &sky, true);
+		soft_off = draw(&h, &none, false);
+		hard_off = draw(&h, &none, true);
 		double with = mean_difference(&soft, &hard), without = mean_difference(&soft_off, &hard_off);
 		print_message("engines differ by %.3f of 255 with shadows, %.3f without; shadows by %.3f\n", with,
 			without, mean_difference(&soft, &soft_off));
@@ -159,20 +131,20 @@ UNIT_TEST(shadows_are_drawn_alike_by_both_engines)
 /* Neither a shader nor anything on the GPU, whether or not they are cast; and nothing stays of them. */
 UNIT_TEST(shadows_need_no_shader_and_leave_nothing)
 {
-	if (!gl)
+	if (!scene_gl)
 		skip();
-	struct scene_held h = scene_hold(&scene);
+	struct scene_held h = scene_hold(&grove);
 	scene_select(&h);
 	const struct view_sky none = { .shadow_size = 1024 }, sky = { .shadows = VIEW_SHADOWS_PERSPECTIVE,
 		.shadow_size = 1024 };
 	struct view_picture before, with, after;
-	draw(&h, &none, true, &before);
-	uint32_t programs = view_gl_programs(gl);
-	uint64_t bytes = view_gl_bytes(gl);
-	draw(&h, &sky, true, &with);
-	draw(&h, &none, true, &after);
-	assert_int_equal(view_gl_programs(gl), programs);
-	assert_true(programs && view_gl_bytes(gl) == bytes);
+	before = draw(&h, &none, true);
+	uint32_t programs = view_gl_programs(scene_gl);
+	uint64_t bytes = view_gl_bytes(scene_gl);
+	with = draw(&h, &sky, true);
+	after = draw(&h, &none, true);
+	assert_int_equal(view_gl_programs(scene_gl), programs);
+	assert_true(programs && view_gl_bytes(scene_gl) == bytes);
 	assert_true(memcmp(before.rgb, with.rgb, 3 * (size_t)with.width * with.height) != 0);
 	assert_memory_equal(before.rgb, after.rgb, 3 * (size_t)with.width * with.height);
 	view_picture_free(&before);
@@ -183,12 +155,12 @@ UNIT_TEST(shadows_need_no_shader_and_leave_nothing)
 
 UNIT_TEST(nearer_haze_hides_more)
 {
-	struct scene_held h = scene_hold(&scene);
+	struct scene_held h = scene_hold(&grove);
 	scene_select(&h);
 	struct view_picture usual, same, near;
-	draw(&h, &(struct view_sky){ .haze_m = 0 }, false, &usual);
-	draw(&h, &(struct view_sky){ .haze_m = 5200 }, false, &same);
-	draw(&h, &(struct view_sky){ .haze_m = 30 }, false, &near);
+	usual = draw(&h, &(struct view_sky){ .haze_m = 0 }, false);
+	same = draw(&h, &(struct view_sky){ .haze_m = 5200 }, false);
+	near = draw(&h, &(struct view_sky){ .haze_m = 30 }, false);
 	assert_memory_equal(usual.rgb, same.rgb, 3 * (size_t)usual.width * usual.height);
 	print_message("blue of ground: %.1f, in haze %.1f; of the sky %.1f\n", mean_of(&usual, 2, true),
 		mean_of(&near, 2, true), mean_of(&near, 2, false));
@@ -205,7 +177,7 @@ UNIT_TEST(a_low_sun_reddens_the_horizon)
 {
 	struct eco_view level = scene_view();
 	level.target[2] = level.eye[2] + 3;
-	struct scene_held h = scene_hold_view(&scene, level, 1);
+	struct scene_held h = scene_hold_view(&grove, level, 1);
 	scene_select(&h);
 	const double *f = h.eye.forward;
 	const struct view_sky low = { .sun = { (float)f[0], (float)f[1], 0.08f } }, away = { .sun = {
@@ -214,7 +186,7 @@ UNIT_TEST(a_low_sun_reddens_the_horizon)
 	double red[3];
 	for (int i = 0; i < 3; i++) {
 		struct view_picture p;
-		draw(&h, skies[i], false, &p);
+		p = draw(&h, skies[i], false);
 		red[i] = mean_of(&p, 0, false) / mean_of(&p, 2, false);
 		view_picture_free(&p);
 	}
@@ -226,5 +198,5 @@ UNIT_TEST(a_low_sun_reddens_the_horizon)
 
 int main(void)
 {
-	return unit_tests_run(open_all, close_all);
+	return unit_tests_run(scene_open_gl, scene_close);
 }

@@ -18,8 +18,6 @@
 #define SEEN 0.005                       /* mean error that people see: textures are filtered in two ways */
 #define TOLERANCE 0.0005                 /* of all pixels: vertices that floats snap to another 1/256 pixel */
 
-static struct scene_builder scene;
-static struct view_gl *gl;
 static struct lod_texture texture;
 
 /* A leaf-shaped picture: a disc with holes. */
@@ -42,27 +40,20 @@ static void make_texture(void)
 
 static int open_all(void **state)
 {
-	struct eco_view view = scene_view();
-	struct view_gl_options options = { view.width, view.height };
-	struct eco_error error = { 0 };
 	make_texture();
 	static struct eco_bytes levels[2][2];
 	for (uint32_t i = 0; i < texture.count; i++) {
 		levels[0][i] = (struct eco_bytes){ texture.colors[i].bytes, texture.colors[i].size };
 		levels[1][i] = (struct eco_bytes){ texture.outlines[i].bytes, texture.outlines[i].size };
 	}
-	scene_make(&scene, (const struct eco_bytes *const[2]){ levels[0], levels[1] }, texture.count);
-	if (view_gl_open(&gl, &options, &error))
-		print_message("OpenGL tests are skipped: %s\n", error.text);
-	return 0;
+	scene_make(&grove, (const struct eco_bytes *const[2]){ levels[0], levels[1] }, texture.count);
+	return scene_open_gl(state);
 }
 
 static int close_all(void **state)
 {
-	view_gl_close(gl);
-	scene_free(&scene);
 	lod_texture_free(&texture);
-	return 0;
+	return scene_close(state);
 }
 
 static void draw_software(const struct scene_held *d, const struct eco_view *view, uint32_t threads,
@@ -72,16 +63,6 @@ static void draw_software(const struct scene_held *d, const struct eco_view *vie
 		VIEW_TINT_NONE };
 	assert_int_equal(view_picture_init(picture, view->width, view->height, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&job, picture, NULL), ECO_OK);
-}
-
-static void draw_gl(const struct scene_held *d, const struct eco_view *view, struct view_picture *picture)
-{
-	struct view_gl_job job = { d->store, &d->selection, &d->eye, 0.1, VIEW_TINT_NONE };
-	struct eco_error error = { 0 };
-	assert_int_equal(view_picture_init(picture, view->width, view->height, NULL), ECO_OK);
-	if (view_gl_draw(gl, &job, picture, &error))
-		print_message("%s\n", error.text);
-	assert_string_equal(error.text, "");
 }
 
 static void save(const char *name, const struct view_picture *p)
@@ -121,19 +102,17 @@ UNIT_TEST(opengl_and_software_agree)
 	static const double eyes[][6] = { { -22, -19, 6.5, 0, 0, 2.5 }, { 0, -40, 30, 0, 0, 0 },
 		{ 2, 1, 1.7, 9, 9, 3 }, { 4, -3, 40, 4.1, -3, 0 },
 		{ 30, 3, 2, 0, 0, 4 } };
-	if (!gl)
+	if (!scene_gl)
 		skip();
 	for (size_t i = 0; i < sizeof eyes / sizeof eyes[0]; i++) {
 		struct eco_view view = scene_view();
-		struct view_picture soft, hard;
 		double masks, owners, difference;
 		char name[32];
 		memcpy(view.eye, eyes[i], sizeof view.eye);
 		memcpy(view.target, eyes[i] + 3, sizeof view.target);
-		struct scene_held d = scene_hold_view(&scene, view, 1);
+		struct scene_held d = scene_hold_view(&grove, view, 1);
 		scene_select(&d);
-		draw_software(&d, &view, 2, &soft);
-		draw_gl(&d, &view, &hard);
+		struct view_picture soft = scene_draw(&d, false, VIEW_TINT_NONE), hard = scene_draw(&d, true, VIEW_TINT_NONE);
 		compare(&soft, &hard, &masks, &owners);
 		double seen = error_seen(&soft, &hard, &difference);
 		print_message("view %zu: %llu vertices, masks differ in %.4f %%, owners in %.4f %% of "
@@ -156,7 +135,7 @@ UNIT_TEST(threads_do_not_change_the_picture)
 	struct eco_view view = scene_view();
 	struct view_picture one, many;
 	double masks, owners;
-	struct scene_held d = scene_hold_view(&scene, view, 1);
+	struct scene_held d = scene_hold_view(&grove, view, 1);
 	scene_select(&d);
 	draw_software(&d, &view, 1, &one);
 	for (uint32_t threads = 2; threads <= 5; threads++) {
@@ -176,7 +155,7 @@ UNIT_TEST(something_is_seen_and_scores_as_itself)
 	struct view_picture p;
 	struct lod_score score;
 	uint32_t kinds[2] = { 0 }, hidden = 0;
-	struct scene_held d = scene_hold_view(&scene, view, 1);
+	struct scene_held d = scene_hold_view(&grove, view, 1);
 	scene_select(&d);
 	draw_software(&d, &view, 2, &p);
 	for (uint32_t i = 0; i < view.width * view.height; i++) {
@@ -196,7 +175,7 @@ UNIT_TEST(software_stops_when_told)
 	struct eco_view view = scene_view();
 	struct view_picture p;
 	static volatile sig_atomic_t stop = 1;
-	struct scene_held d = scene_hold_view(&scene, view, 1);
+	struct scene_held d = scene_hold_view(&grove, view, 1);
 	scene_select(&d);
 	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, 2, &stop,
 		VIEW_TINT_NONE };
@@ -221,7 +200,7 @@ UNIT_TEST(samples_count_what_is_covered)
 	struct view_picture p;
 	uint32_t pixels = view.width * view.height;
 	uint8_t *counts = malloc(2 * (size_t)pixels), *again = counts + pixels;
-	struct scene_held d = scene_hold_view(&scene, view, 1);
+	struct scene_held d = scene_hold_view(&grove, view, 1);
 	scene_select(&d);
 	draw_software(&d, &view, 2, &p);
 	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, 1, NULL, VIEW_TINT_NONE };

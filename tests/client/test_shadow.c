@@ -15,19 +15,11 @@
 #define MAP 2048u
 #define FULL 0.9999f                    /* light, but for what floats round */
 
-static struct scene_builder scene;
-
 static int open_all(void **state)
 {
-	scene_make(&scene, NULL, 0);
-	scene_make_impostor(&scene, 300);
-	return 0;
-}
-
-static int close_all(void **state)
-{
-	scene_free(&scene);
-	return 0;
+	scene_open(state);
+	scene_make_impostor(&grove, 300);
+	return scene_open_gl(state);
 }
 
 /* ---- What is drawn and lit ---- */
@@ -41,13 +33,10 @@ struct lit {
 static void draw_view(struct lit *l, struct eco_view view)
 {
 	struct eco_error error = { 0 };
-	l->h = scene_hold_view(&scene, view, 1);
+	l->h = scene_hold_view(&grove, view, 1);
 	scene_select(&l->h);
 	assert_ok(view_select_casters(&l->casters, l->h.store, &l->h.eye, &error), error);
-	assert_ok(view_picture_init(&l->picture, view.width, view.height, &error), error);
-	struct view_reference_job job = { l->h.store, &l->h.selection, &l->h.eye, 0.1, 1, NULL,
-		VIEW_TINT_NONE };
-	assert_ok(view_reference_draw(&job, &l->picture, &error), error);
+	l->picture = scene_draw(&l->h, false, VIEW_TINT_NONE);
 }
 
 static void close_view(struct lit *l)
@@ -455,9 +444,7 @@ static struct view_selection only(const struct view_selection *all, uint32_t cut
 UNIT_TEST(opengl_casts_the_same_shadows)
 {
 	struct lit l;
-	struct view_gl *gl;
-	struct view_gl_options size = { 16, 16 };
-	if (view_gl_open(&gl, &size, NULL))
+	if (!scene_gl)
 		skip();
 	draw_view(&l, standing());
 	for (size_t i = 0; i < sizeof suns / sizeof *suns; i++)
@@ -465,7 +452,7 @@ UNIT_TEST(opengl_casts_the_same_shadows)
 			double sun[3];
 			find_sun(&l, i, sun);
 			struct view_shadow_job job = job_of(&l, sun, (enum view_shadows)kind);
-			assert_true(shadow_gl_compare(gl, &job, suns[i].name) > 10000);
+			assert_true(shadow_gl_compare(scene_gl, &job, suns[i].name) > 10000);
 		}
 	for (uint32_t cut = 0; cut < l.casters.cut_count; cut++) {
 		struct view_selection one = only(&l.casters, cut);
@@ -475,10 +462,9 @@ UNIT_TEST(opengl_casts_the_same_shadows)
 		struct view_shadow_job job = job_of(&l, sun, VIEW_SHADOWS_PERSPECTIVE);
 		job.casters = &one;
 		snprintf(name, sizeof name, "list %u", one.plan_cuts->list);
-		shadow_gl_compare(gl, &job, name);
+		shadow_gl_compare(scene_gl, &job, name);
 	}
 	close_view(&l);
-	view_gl_close(gl);
 }
 
 /* ---- No map ---- */
@@ -504,5 +490,5 @@ UNIT_TEST(no_map_without_a_sun_or_anything_seen)
 
 int main(void)
 {
-	return unit_tests_run(open_all, close_all);
+	return unit_tests_run(open_all, scene_close);
 }

@@ -10,20 +10,6 @@
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
-static struct scene_builder scene;
-
-static int make_scene(void **state)
-{
-	scene_make(&scene, NULL, 0);
-	return 0;
-}
-
-static int free_scene(void **state)
-{
-	scene_free(&scene);
-	return 0;
-}
-
 UNIT_TEST(table_keeps_what_was_put)
 {
 	struct view_table table = { 0 };
@@ -70,8 +56,8 @@ UNIT_TEST(stream_fills_the_store)
 	struct eco_view view = scene_view();
 	struct eco_plan plan;
 	struct eco_error error = { 0 };
-	scene_plan(&scene, &view, 1, &plan);
-	struct view_store *store = scene_store(&scene, &plan, &error);
+	scene_plan(&grove, &view, 1, &plan);
+	struct view_store *store = scene_store(&grove, &plan, &error);
 	assert_string_equal(error.text, "");
 	assert_non_null(store);
 	assert_true(view_store_complete(store));
@@ -88,9 +74,9 @@ UNIT_TEST(stream_fills_the_store)
 	assert_null(view_store_list(store, L_COUNT));
 	for (uint32_t id = 0; id < L_COUNT; id++) {
 		const struct view_list *list = view_store_list(store, id);
-		uint32_t chunks = scene_needs(&scene, &plan, id), elements = 0;
+		uint32_t chunks = scene_needs(&grove, &plan, id), elements = 0;
 		for (uint32_t c = 0; c < chunks; c++)
-			elements += scene.chunks[scene.lists[id].chunk_first + c].element_count;
+			elements += grove.chunks[grove.lists[id].chunk_first + c].element_count;
 		if (!chunks) {
 			assert_null(list);
 			continue;
@@ -107,9 +93,9 @@ UNIT_TEST(stream_fills_the_store)
 /* ROWS keep their order: what was coded is what comes back. */
 UNIT_TEST(ground_and_instances_come_back_in_order)
 {
-	struct scene_held h = scene_hold(&scene);
+	struct scene_held h = scene_hold(&grove);
 	for (uint32_t id = L_TREES; id <= L_GROUND; id++) {
-		const struct eco_elements *in = &scene.elements[id],
+		const struct eco_elements *in = &grove.elements[id],
 			*out = &view_store_list(h.store, id)->elements;
 		assert_int_equal(in->element_count, out->element_count);
 		assert_memory_equal(in->position, out->position, 12 * (size_t)in->element_count);
@@ -120,17 +106,6 @@ UNIT_TEST(ground_and_instances_come_back_in_order)
 	scene_release(&h);
 }
 
-static void holdings_of(const struct view_store *store, uint32_t held[L_COUNT])
-{
-	struct eco_holdings holdings;
-	assert_int_equal(view_store_holdings(store, &holdings, NULL), ECO_OK);
-	for (uint32_t id = 0; id < L_COUNT; id++)
-		held[id] = eco_holdings_chunks(&holdings, id);
-	for (uint32_t i = 1; i < holdings.count; i++)
-		assert_true(holdings.items[i - 1].list < holdings.items[i].list);
-	free(holdings.items);
-}
-
 UNIT_TEST(second_stream_extends_the_first)
 {
 	struct eco_view view = scene_view();
@@ -138,13 +113,13 @@ UNIT_TEST(second_stream_extends_the_first)
 	uint32_t held[L_COUNT];
 	struct eco_error error = { 0 };
 	struct eco_writer w;
-	scene_plan(&scene, &view, 0.2, &small);
-	scene_plan(&scene, &view, 1, &large);
-	struct view_store *store = scene_store(&scene, &small, NULL),
-		*whole = scene_store(&scene, &large, NULL);
-	holdings_of(store, held);
-	assert_true(held[L_LEAVES] > 0 && held[L_LEAVES] < scene.lists[L_LEAVES].chunk_count);
-	scene_stream(&scene, &large, held, &w);
+	scene_plan(&grove, &view, 0.2, &small);
+	scene_plan(&grove, &view, 1, &large);
+	struct view_store *store = scene_store(&grove, &small, NULL),
+		*whole = scene_store(&grove, &large, NULL);
+	scene_holdings(store, held);
+	assert_true(held[L_LEAVES] > 0 && held[L_LEAVES] < grove.lists[L_LEAVES].chunk_count);
+	scene_stream(&grove, &large, held, &w);
 	assert_int_equal(scene_feed(store, &w, &error), ECO_OK);
 	for (uint32_t id = 0; id < L_COUNT; id++) {
 		const struct view_list *a = view_store_list(store, id), *b = view_store_list(whole, id);
@@ -171,21 +146,21 @@ enum fault { SAME_CHUNK_TWICE, CHUNK_SKIPPED, CHUNK_WITHOUT_LIST, LIST_CHANGED, 
 static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writer *w)
 {
 	uint32_t number = 0;
-	struct scene_builder other = scene;
+	struct scene_builder other = grove;
 	struct eco_list lists[L_COUNT];
 	struct eco_anchor anchors[A_COUNT];
-	other.scene.lists = other.lists = memcpy(lists, scene.lists, sizeof lists);
-	other.scene.anchors = other.anchors = memcpy(anchors, scene.anchors, sizeof anchors);
+	other.scene.lists = other.lists = memcpy(lists, grove.lists, sizeof lists);
+	other.scene.anchors = other.anchors = memcpy(anchors, grove.anchors, sizeof anchors);
 	*w = (struct eco_writer){ 0 };
-	scene_frame(w, &scene, ECO_FRAME_SCENE, &number, 0, 0);
-	scene_frame(w, &scene, ECO_FRAME_BUNDLE, &number, 0, SCENE_PLANT);
+	scene_frame(w, &grove, ECO_FRAME_SCENE, &number, 0, 0);
+	scene_frame(w, &grove, ECO_FRAME_BUNDLE, &number, 0, SCENE_PLANT);
 	if (fault == COLOR_OUTSIDE) {
 		other.lists[L_LEAVES].palette_count = 1;
 		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, L_LEAVES, SCENE_RECORD);
 	} else if (fault != CHUNK_WITHOUT_LIST) {
-		scene_frame(w, &scene, ECO_FRAME_BUNDLE, &number, L_LEAVES, SCENE_RECORD);
+		scene_frame(w, &grove, ECO_FRAME_BUNDLE, &number, L_LEAVES, SCENE_RECORD);
 	}
-	scene_frame(w, &scene, ECO_FRAME_BUNDLE, &number, L_LEAVES, fault == CHUNK_SKIPPED);
+	scene_frame(w, &grove, ECO_FRAME_BUNDLE, &number, L_LEAVES, fault == CHUNK_SKIPPED);
 	plan->cuts[0] = scene_rule(A_TREE, L_LEAVES, 0, fault == PLAN_BEYOND_HELD ? 500 : 10, 1, 0,
 		ECO_BANDS);
 	plan->cut_count = 1;
@@ -196,7 +171,7 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 			: 17 * 15, .scale = 1, .anchor = ECO_NONE };
 	switch (fault) {
 	case SAME_CHUNK_TWICE:
-		scene_frame(w, &scene, ECO_FRAME_BUNDLE, &number, L_LEAVES, 0);
+		scene_frame(w, &grove, ECO_FRAME_BUNDLE, &number, L_LEAVES, 0);
 		break;
 	case LIST_CHANGED:
 		other.lists[L_LEAVES].grid_step[1] = 0.002;
@@ -217,8 +192,8 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 		plan->cuts[0].list = L_WOOD;
 		break;
 	case PLAN_OF_INSTANCES:
-		scene_frame(w, &scene, ECO_FRAME_BUNDLE, &number, L_TREES, SCENE_RECORD);
-		scene_frame(w, &scene, ECO_FRAME_BUNDLE, &number, L_TREES, 0);
+		scene_frame(w, &grove, ECO_FRAME_BUNDLE, &number, L_TREES, SCENE_RECORD);
+		scene_frame(w, &grove, ECO_FRAME_BUNDLE, &number, L_TREES, 0);
 		plan->cuts[0].list = L_TREES;
 		break;
 	default:
@@ -241,7 +216,7 @@ UNIT_TEST(wrong_streams_are_refused_with_a_reason)
 		struct eco_error error = { 0 };
 		struct eco_writer w;
 		struct eco_plan plan;
-		scene_plan(&scene, &view, 1, &plan);
+		scene_plan(&grove, &view, 1, &plan);
 		assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
 		write_fault((enum fault)fault, &plan, &w);
 		enum eco_code code = scene_feed(store, &w, &error);
@@ -285,19 +260,19 @@ static void forge_chunk(struct scene_builder *other, uint32_t list, uint32_t cou
 /* Leaves, then their points, or the other way round. */
 static void write_forms(enum form_fault fault, bool points_first, struct eco_writer *w)
 {
-	struct scene_builder other = scene;
+	struct scene_builder other = grove;
 	uint32_t number = 0,
 		order[2] = { points_first ? L_POINTS : L_LEAVES, points_first ? L_LEAVES : L_POINTS };
 	uint8_t *payload = NULL;
-	uint32_t first = scene.chunks[scene.lists[L_POINTS].chunk_first].element_count;
+	uint32_t first = grove.chunks[grove.lists[L_POINTS].chunk_first].element_count;
 	struct eco_list lists[L_LOW_POINTS + 9 > L_COUNT ? L_LOW_POINTS + 9 : L_COUNT];
 	struct eco_chunk chunks[512];
 	uint8_t *payloads[512];
-	assert_true(scene.scene.chunk_count <= 512);
-	other.scene.lists = other.lists = memcpy(lists, scene.lists, L_COUNT * sizeof *lists);
+	assert_true(grove.scene.chunk_count <= 512);
+	other.scene.lists = other.lists = memcpy(lists, grove.lists, L_COUNT * sizeof *lists);
 	other.scene.chunks = other.chunks =
-		memcpy(chunks, scene.chunks, scene.scene.chunk_count * sizeof *chunks);
-	other.payloads = memcpy(payloads, scene.payloads, scene.scene.chunk_count * sizeof *payloads);
+		memcpy(chunks, grove.chunks, grove.scene.chunk_count * sizeof *chunks);
+	other.payloads = memcpy(payloads, grove.payloads, grove.scene.chunk_count * sizeof *payloads);
 	*w = (struct eco_writer){ 0 };
 	other.lists[L_POINTS].element_count += fault == FORM_COUNT;
 	other.lists[L_POINTS].primitive_count = other.lists[L_POINTS].element_count;
@@ -309,7 +284,7 @@ static void write_forms(enum form_fault fault, bool points_first, struct eco_wri
 	else if (fault == FORM_GROWTH || fault == FORM_SIZE)
 		forge_chunk(&other, fault == FORM_GROWTH ? L_LEAVES : L_POINTS, first, fault == FORM_GROWTH
 			? (int32_t)ECO_GROWTHS : -1, &payload);
-	scene_frame(w, &scene, ECO_FRAME_SCENE, &number, 0, 0);
+	scene_frame(w, &grove, ECO_FRAME_SCENE, &number, 0, 0);
 	if (fault == FORM_PARTNER)
 		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, L_LINES, SCENE_RECORD);
 	for (int i = 0; i < 2; i++) {
@@ -352,10 +327,10 @@ UNIT_TEST(forms_that_do_not_pair_are_refused)
 /* The twin of pairing: forms were made of their elements, and that is what they are after coding. */
 UNIT_TEST(forms_pair_with_their_elements)
 {
-	struct scene_held h = scene_hold(&scene);
+	struct scene_held h = scene_hold(&grove);
 	const struct eco_elements *leaves = &view_store_list(h.store, L_LOW)->elements,
 		*points = &view_store_list(h.store, L_LOW_POINTS)->elements;
-	assert_true(points->element_count == scene.lists[L_LOW].element_count && leaves->element_count > 100);
+	assert_true(points->element_count == grove.lists[L_LOW].element_count && leaves->element_count > 100);
 	for (uint32_t i = 0; i < leaves->element_count; i++) {
 		const int32_t *leaf = leaves->position + 12 * (size_t)i;
 		for (int k = 0; k < 3; k++)
@@ -367,13 +342,13 @@ UNIT_TEST(forms_pair_with_their_elements)
 
 UNIT_TEST(chunk_that_is_held_is_refused)
 {
-	struct scene_held h = scene_hold(&scene);
+	struct scene_held h = scene_hold(&grove);
 	struct eco_error error = { 0 };
 	struct eco_writer w;
 	uint32_t held[L_COUNT];
-	holdings_of(h.store, held);
+	scene_holdings(h.store, held);
 	held[L_WOOD] = 0;
-	scene_stream(&scene, &h.plan, held, &w);
+	scene_stream(&grove, &h.plan, held, &w);
 	assert_int_equal(scene_feed(h.store, &w, &error), ECO_DAMAGED);
 	assert_non_null(strstr(error.text, "sent again"));
 	assert_int_equal(view_store_stats(h.store).chunks_twice, 1);
@@ -399,9 +374,9 @@ UNIT_TEST(memory_is_bounded)
 	struct eco_error error = { 0 };
 	struct eco_writer w;
 	struct eco_plan plan;
-	scene_plan(&scene, &view, 1, &plan);
+	scene_plan(&grove, &view, 1, &plan);
 	assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
-	scene_stream(&scene, &plan, NULL, &w);
+	scene_stream(&grove, &plan, NULL, &w);
 	/* it ends, but cannot be drawn; and in the end it is clear why */
 	assert_int_equal(scene_feed(store, &w, &error), ECO_OK);
 	assert_true(!view_store_complete(store) && !view_store_plan(store));
@@ -410,9 +385,9 @@ UNIT_TEST(memory_is_bounded)
 	for (uint64_t vertices; !code && view_store_again(store, &vertices); times++) {
 		uint32_t held[L_COUNT];
 		assert_true(vertices == plan.vertices && view_store_stats(store).memory_peak_bytes <= 20000);
-		holdings_of(store, held);
+		scene_holdings(store, held);
 		eco_writer_free(&w);
-		scene_stream(&scene, &plan, held, &w);
+		scene_stream(&grove, &plan, held, &w);
 		code = feed_on(store, &w, &error);
 	}
 	assert_true(code == ECO_TOO_LARGE && times == 2);
@@ -434,9 +409,9 @@ UNIT_TEST(selection_draws_what_the_plan_says)
 		struct eco_error error = { 0 };
 		view.eye[0] += 5 * step;
 		view.eye[1] += step;
-		scene_plan(&scene, &view, 0.5 + step / 24.0, &plan);
+		scene_plan(&grove, &view, 0.5 + step / 24.0, &plan);
 		lod_eye_make(&eye, &view);
-		struct view_store *store = scene_store(&scene, &plan, NULL);
+		struct view_store *store = scene_store(&grove, &plan, NULL);
 		assert_int_equal(view_select_make(&s, store, &eye, &error), ECO_OK);
 		assert_true(s.vertices == plan.vertices && s.visible_plants == plan.visible_plants);
 		uint32_t pairs = 0;
@@ -461,10 +436,10 @@ UNIT_TEST(selection_refuses_a_plan_that_miscounts)
 	struct lod_eye eye;
 	struct view_selection s;
 	struct eco_error error = { 0 };
-	scene_plan(&scene, &view, 1, &plan);
+	scene_plan(&grove, &view, 1, &plan);
 	plan.vertices++;
 	lod_eye_make(&eye, &view);
-	struct view_store *store = scene_store(&scene, &plan, NULL);
+	struct view_store *store = scene_store(&grove, &plan, NULL);
 	assert_int_equal(view_select_make(&s, store, &eye, &error), ECO_DAMAGED);
 	assert_non_null(strstr(error.text, "disagree"));
 	assert_null(s.instances);
@@ -474,7 +449,7 @@ UNIT_TEST(selection_refuses_a_plan_that_miscounts)
 
 UNIT_TEST(blends_are_recognised)
 {
-	struct scene_held h = scene_hold(&scene);
+	struct scene_held h = scene_hold(&grove);
 	scene_select(&h);
 	const struct view_selection s = h.selection;
 	for (uint32_t c = 0; c < s.cut_count; c++) {
@@ -507,7 +482,7 @@ UNIT_TEST(no_plan_selects_nothing)
 /* The shader adds a placement's path to a record's owner; that must be what the library says. */
 UNIT_TEST(summary_records_carry_owners)
 {
-	struct scene_held h = scene_hold(&scene);
+	struct scene_held h = scene_hold(&grove);
 	const struct view_list *list = view_store_list(h.store, L_SUMMARY);
 	uint32_t *words = malloc((size_t)list->elements.primitive_count * 8 * 4);
 	assert_int_equal(view_record_texels(&list->list), 2);
@@ -525,5 +500,5 @@ UNIT_TEST(summary_records_carry_owners)
 
 int main(void)
 {
-	return unit_tests_run(make_scene, free_scene);
+	return unit_tests_run(scene_open, scene_close);
 }

@@ -115,9 +115,8 @@ UNIT_TEST(shadows_fall_away_from_the_sun)
 {
 	static const float suns[][3] = { { 0.6f, 0, 0.8f }, { -0.6f, 0, 0.8f }, { 0, 0.6f, 0.8f },
 		{ 0.4f, -0.5f, 0.768f } };
-	struct scene_builder scene;
-	scene_make(&scene, NULL, 0);
-	struct scene_held h = scene_hold(&scene);
+	scene_open(NULL);
+	struct scene_held h = scene_hold(&grove);
 	scene_select(&h);
 	uint32_t tree = 0;
 	while (h.selection.instances[tree].plant != 0)
@@ -134,5 +133,5 @@ UNIT_TEST(shadows_fall_away_from_the_sun)
 	memcpy(alone.sky.sun, (const float[3]){ 0.9f, 0.3f, -0.3f }, sizeof alone.sky.sun);
 	assert_true(shadow_of(&h, &alone, mean) == 0);
 	scene_release(&h);
-	scene_free(&scene);
+	scene_close(NULL);
 }

@@ -6,6 +6,7 @@ set -u
 dir=build/tmp/test_web
 fail() { echo "test_web: $*"; exit 1; }
 skip() { echo "test_web: skipped: $*"; exit 77; }
+. tests/support/nginx.sh
 
 command -v node >/dev/null || skip "there is no node; make web installs it"
 ${MAKE:-make} --no-print-directory -q web-site 2>/dev/null \
@@ -101,17 +102,9 @@ node tests/client/web/compare.mjs "$dir" build/web/site "$chromium" "$url/v1/sce
 if [ -n "$chromium" ]; then
 	below=
 	if command -v nginx >/dev/null; then
-		at=$PWD/$dir/nginx
-		mkdir "$at"
-		port=$(node -e "const s = require('net').createServer().listen(0, () => { console.log(s.address().port); s.close(); })")
-		{
-			[ "$(id -u)" -ne 0 ] || echo 'user root;'
-			echo "daemon off; pid $at/pid; events {} http { access_log off;"
-			for kind in client_body proxy fastcgi uwsgi scgi; do echo "${kind}_temp_path $at/$kind;"; done
-			echo "server { listen 127.0.0.1:$port; location /trees/ { proxy_pass $url/; } } }"
-		} >"$at/conf"
-		nginx -e "$at/log" -c "$at/conf" &
-		proxy=$!
+		mkdir "$dir/nginx"
+		port=$(free_port)
+		nginx_start "$PWD/$dir/nginx" "server { listen 127.0.0.1:$port; location /trees/ { proxy_pass $url/; } }"
 		below=http://127.0.0.1:$port/trees/
 		for _ in $(seq 100); do curl -sf -o /dev/null "$below" && break; sleep 0.1; done
 	fi

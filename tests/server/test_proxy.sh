@@ -10,6 +10,7 @@ tried=0
 server= proxy=
 trap 'kill $server $proxy 2>/dev/null; rm -rf "$DIR"' EXIT
 complain() { echo "test_proxy: $*"; failed=1; }
+. tests/support/nginx.sh
 
 for program in openssl curl; do command -v $program >/dev/null || exit 77; done
 printf 'v -0.05 0 0\nv 0.05 0 0\nv 0 0 1\nf 1 2 3\n' >"$DIR/blade.obj"
@@ -83,9 +84,6 @@ below_a_path() {
 	tried=$((tried + 1))
 }
 
-free_port() { # one that nobody has now
-	python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
-}
 adapt() { # FILE : as it stands, but for what the machine has
 	sed "s|127.0.0.1:8080|127.0.0.1:$port|; s|/etc/ssl/scenes.example.key|$DIR/scenes.key|; s|/etc/ssl/scenes.example.pem|$DIR/scenes.pem|
 		s|listen 443|listen 127.0.0.1:$tls|; s|bind :443|bind 127.0.0.1:$tls|" "$1"
@@ -95,14 +93,8 @@ if command -v nginx >/dev/null; then
 	tls=$(free_port)
 	plain=$(free_port)
 	adapt server/proxy_nginx.conf >"$DIR/ecoserve.conf"
-	{
-		[ "$(id -u)" -ne 0 ] || echo 'user root;'
-		echo "daemon off; error_log $DIR/nginx.log; pid $DIR/nginx.pid; events {} http { access_log off; include $DIR/ecoserve.conf;"
-		for kind in client_body proxy fastcgi uwsgi scgi; do echo "${kind}_temp_path $DIR/temp_$kind;"; done
-		echo "server { listen 127.0.0.1:$plain; location /trees/ { proxy_pass http://127.0.0.1:$port/; proxy_set_header Host \$host; } } }"
-	} >"$DIR/nginx.conf"
-	nginx -e "$DIR/nginx.log" -c "$DIR/nginx.conf" &
-	proxy=$!
+	nginx_start "$DIR" "include $DIR/ecoserve.conf;
+		server { listen 127.0.0.1:$plain; location /trees/ { proxy_pass http://127.0.0.1:$port/; proxy_set_header Host \$host; } }"
 	goes_through nginx
 	below_a_path
 	kill $proxy; wait $proxy

@@ -10,6 +10,8 @@
 #include "tests/support/ground_tiles.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/plant_models.h"
+#include "client-min/view_reference.h"
+#include "tests/support/unit_test.h"
 
 /* ---- Elements ---- */
 
@@ -427,4 +429,58 @@ void scene_release(struct scene_held *h)
 	view_select_free(&h->selection);
 	view_store_free(h->store);
 	eco_plan_free(&h->plan);
+}
+
+struct view_picture scene_draw(const struct scene_held *h, bool by_gl, enum view_tint tint)
+{
+	struct view_picture picture;
+	struct eco_error error = { 0 };
+	assert_ok(view_picture_init(&picture, h->view.width, h->view.height, &error), error);
+	if (by_gl)
+		assert_ok(view_gl_draw(scene_gl, &(struct view_gl_job){ h->store, &h->selection, &h->eye, 0.1, tint },
+			&picture, &error), error);
+	else
+		assert_ok(view_reference_draw(&(struct view_reference_job){ h->store, &h->selection, &h->eye, 0.1, 2,
+			NULL, tint }, &picture, &error), error);
+	return picture;
+}
+
+void scene_holdings(const struct view_store *store, uint32_t held[L_COUNT])
+{
+	struct eco_holdings holdings;
+	assert_int_equal(view_store_holdings(store, &holdings, NULL), ECO_OK);
+	for (uint32_t id = 0; id < L_COUNT; id++)
+		held[id] = eco_holdings_chunks(&holdings, id);
+	for (uint32_t i = 1; i < holdings.count; i++)
+		assert_true(holdings.items[i - 1].list < holdings.items[i].list);
+	free(holdings.items);
+}
+
+struct scene_builder grove;
+struct view_gl *scene_gl;
+
+int scene_open(void **state)
+{
+	scene_make(&grove, NULL, 0);
+	return 0;
+}
+
+int scene_open_gl(void **state)
+{
+	struct eco_view view = scene_view();
+	struct eco_error error = { 0 };
+	if (!grove.lists)
+		scene_open(state);
+	if (view_gl_open(&scene_gl, &(struct view_gl_options){ view.width, view.height }, &error))
+		print_message("OpenGL tests are skipped: %s\n", error.text);
+	else
+		print_message("drawn by %s\n", view_gl_renderer(scene_gl));
+	return 0;
+}
+
+int scene_close(void **state)
+{
+	view_gl_close(scene_gl);
+	scene_free(&grove);
+	return 0;
 }

@@ -6,10 +6,13 @@
  *   scene_make(&b, texture, levels);          scene_free(&b)
  *   scene_plan(&b, &view, 1, &plan);          cuts of every kind
  *   store = scene_store(&b, &plan, &error);   what holds that plan, streamed
- *   h = scene_hold(&b); scene_release(&h);    both at once */
+ *   h = scene_hold(&b); scene_release(&h);    both at once
+ *
+ * A file's tests share `grove`, which scene_open or scene_open_gl makes and scene_close frees. */
 #ifndef TESTS_VIEW_SCENE_H
 #define TESTS_VIEW_SCENE_H
 
+#include "client-min/draw/view_gl.h"
 #include "client-min/view_select.h"
 #include "ecofiles/format/wire.h"
 #include "tests/support/scene_builder.h"
@@ -65,5 +68,15 @@ struct scene_held scene_hold_view(const struct scene_builder *b, struct eco_view
 struct scene_held scene_hold(const struct scene_builder *b);
 void scene_select(struct scene_held *h);
 void scene_release(struct scene_held *h);
+/* A picture of the selection, lit by its sky: by OpenGL (scene_gl), or in software. The caller frees it. */
+struct view_picture scene_draw(const struct scene_held *h, bool by_gl, enum view_tint tint);
+/* Chunks of each list that a store holds. */
+void scene_holdings(const struct view_store *store, uint32_t held[L_COUNT]);
+
+extern struct scene_builder grove;
+extern struct view_gl *scene_gl;                 /* NULL: there is no OpenGL here */
+int scene_open(void **state);
+int scene_open_gl(void **state);                 /* with OpenGL for pictures of scene_view */
+int scene_close(void **state);
 
 #endif
