@@ -55,22 +55,6 @@ UNIT_TEST(a_straight_tube_is_one_line)
 	}
 }
 
-UNIT_TEST(a_tapering_tube_is_a_few_lines)
-{
-	soup_begin(&soup);
-	soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), (struct lod_v3){ 0, 0, 0 },
-		(struct lod_v3){ 0, 0, 8 }, 0.2, 0.01, 8, 60);
-	make();
-	assert_in_range(made.bones.count, 3, 16);
-	assert_true(fabs(made.length - 8) < 0.2);
-	assert_true(fabs(made.area * LOD_PI / made.surface - 1) < 0.05);
-	for (uint32_t i = 0; i < made.bones.count; i++)              /* thick below, thin above */
-		for (uint32_t j = 0; j < made.bones.count; j++)
-			if (made.bones.items[i].end[0].z + 0.5 < made.bones.items[j].end[0].z)
-				assert_true(made.bones.items[i].width >= made.bones.items[j].width * 0.99);
-	finish();
-}
-
 static void expect_one_line(struct lod_v3 foot, struct lod_v3 top)
 {
 	struct lod_mesh mesh;
@@ -209,27 +193,6 @@ UNIT_TEST(lines_have_the_colour_of_the_bark_that_they_replace)
 		}
 	}
 	assert_true(dark > 0 && bright > 0);
-	finish();
-}
-
-UNIT_TEST(all_tubes_of_a_tree_have_lines_largest_first)
-{
-	soup_tree(&soup, 0, 0, false);
-	make();
-	lod_bones_sort(&made.bones, 1, &arena);
-	bool seen[13] = { false };
-	double last = INFINITY;
-	for (uint32_t i = 0; i < made.bones.count; i++) {
-		const struct lod_bone *b = &made.bones.items[i];
-		double size = lod_v3_distance(b->end[0], b->end[1]) * b->width;
-		/* half an octave, and what a linear one leaves over */
-		assert_true(size <= 1.6 * last);
-		last = fmin(last, size);
-		seen[b->component] = true;
-	}
-	for (int c = 0; c < 13; c++)
-		assert_true(seen[c]);
-	assert_true(fabs(made.area * LOD_PI / made.surface - 1) < 0.05);
 	finish();
 }
 

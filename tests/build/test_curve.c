@@ -275,23 +275,6 @@ UNIT_TEST(the_scale_is_better_than_its_neighbours_and_cooks)
 	crown_free(&crown);
 }
 
-UNIT_TEST(half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any)
-{
-	double scale[2];
-	for (int dense = 0; dense < 2; dense++) {
-		struct crown crown;
-		seed = 3;
-		crown_make(&crown, dense ? 3000 : 120, 0.25);
-		uint32_t triangles = add_triangles(&crown, 0, crown.leaves, 1);
-		struct eco_ladder *ladder = add_ladder(&crown, ECO_NONE, triangles);
-		measure(&crown, 128);
-		scale[dense] = at(&crown.plant, ladder, 0.5).scale;
-		crown_free(&crown);
-	}
-	/* where each leaf shows, a missing one is not made good by inflating others */
-	assert_true(scale[0] < 0.65 && scale[1] > scale[0] && scale[1] < 1);
-}
-
 /* Needles that cover little would be right soonest as a few balloons that cover everything beside them. */
 UNIT_TEST(a_few_leaves_of_a_sparse_crown_are_no_balloons)
 {
@@ -308,28 +291,6 @@ UNIT_TEST(a_few_leaves_of_a_sparse_crown_are_no_balloons)
 			assert_true(error_of(&crown.plant.curves[i]) < 2.1);
 		crown_free(&crown);
 	}
-}
-
-UNIT_TEST(size_on_screen_hardly_changes_a_curve)
-{
-	struct eco_curve curve[3][3];
-	for (int i = 0; i < 3; i++) {
-		struct crown crown;
-		seed = 4;
-		crown_make(&crown, 800, 0.3);
-		uint32_t triangles = add_triangles(&crown, 0, 800, 1);
-		struct eco_ladder *ladder = add_ladder(&crown, ECO_NONE, triangles);
-		measure(&crown, 128u << i);
-		for (int k = 0; k < 3; k++)
-			curve[i][k] = at(&crown.plant, ladder, (double[]){ 0.03, 0.2, 0.6 }[k]);
-		crown_free(&crown);
-	}
-	for (int i = 1; i < 3; i++)
-		for (int k = 0; k < 3; k++) {
-			assert_true(fabs(error_of(&curve[i][k]) - error_of(&curve[0][k])) < 0.04);
-			assert_true(curve[i][k].scale < 1.25 * curve[0][k].scale && curve[0][k].scale
-				< 1.25 * curve[i][k].scale);
-		}
 }
 
 /* The same leaves as one ladder, and as a coarse list with the rest in cells (round robin, so that no cell is
@@ -602,32 +563,4 @@ UNIT_TEST(measuring_can_be_stopped_and_repeats_to_the_bit)
 	assert_memory_equal(first, crown.plant.curves, count * sizeof *first);
 	free(first);
 	crown_free(&crown);
-}
-
-static void round_lists(struct crown *crown, int32_t to)
-{
-	for (uint32_t i = 0; i < crown->plant.list_count; i++) {
-		struct eco_elements *elements = &crown->lists[i].elements;
-		for (uint32_t k = 0; k < 3 * elements->corner_count; k++)
-			elements->position[k] = (elements->position[k] + to / 2) / to * to;
-	}
-}
-
-UNIT_TEST(what_a_grid_loses_is_proportional_to_its_step)
-{
-	static const int32_t to[] = { 1, 8, 32 };
-	double loss[3];
-	for (int i = 0; i < 3; i++) {
-		struct crown crown;
-		seed = 8;
-		crown_make(&crown, 300, 0.3);
-		uint32_t triangles = add_triangles(&crown, 0, 300, 1);
-		add_ladder(&crown, add_points(&crown, 0, 300, 1, triangles), triangles);
-		round_lists(&crown, to[i]);
-		assert_int_equal(lod_grid_loss(&crown.plant, &crown.model, &(struct lod_plant_options){ 0 },
-			&loss[i], NULL), ECO_OK);
-		crown_free(&crown);
-	}
-	assert_true(loss[0] < 1e-4);
-	assert_true(loss[1] > 0.001 && loss[2] > 2.5 * loss[1] && loss[2] < 6 * loss[1]);
 }

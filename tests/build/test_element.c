@@ -244,20 +244,3 @@ UNIT_TEST(seams_of_the_texture_part_fans)
 	}
 	finish();
 }
-
-UNIT_TEST(closed_surfaces_and_trees_keep_every_triangle)
-{
-	soup_begin(&soup);
-	soup_ball(&soup, soup_material(&soup, 0, 200, 0, ECO_NONE, false), (struct lod_v3){ 0, 0, 2 }, 1, 9);
-	make(14);
-	check_elements();
-	check_counts();
-	finish();
-	for (uint32_t bits = 4; bits <= 14; bits += 5) {
-		soup_tree(&soup, 300, 20, bits == 9);
-		make(bits);
-		check_elements();
-		check_counts();
-		finish();
-	}
-}

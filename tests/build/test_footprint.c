@@ -230,19 +230,6 @@ UNIT_TEST(what_lies_outside_covers_nothing)
 	cover(behind, 3, 1);
 }
 
-UNIT_TEST(footprints_fill_the_picture_at_any_size)
-{
-	static const float leaf[6][3] = { { -1, 0, 0 }, { -0.5f, -0.9f, 0 }, { 0.5f, -0.9f, 0 }, { 1, 0, 0 },
-		{ 0.5f, 0.9f, 0 }, { -0.5f, 0.9f, 0 } };
-	for (double edge = 4; edge < 1e12; edge *= 10) {
-		uint64_t bits = 0;
-		assert_true(cover(leaf, 6, edge));
-		for (uint32_t i = 0; i < print.rows * print.words; i++)
-			bits += bits_of(print.bits[i]);
-		assert_int_equal(bits, 64 * 64);
-	}
-}
-
 /* Folded and crossed fans: the union of their triangles, whichever way they are filled. */
 UNIT_TEST(fans_that_turn_back_are_their_triangles)
 {

@@ -426,67 +426,6 @@ static uint32_t random_cover(const struct world *w, struct eco_ground_tile *out,
 
 #define BORDER_PX 40
 
-UNIT_TEST(from_above_there_is_no_gap_and_no_larger_error)
-{
-	static const uint32_t chances[] = { 100, 90, 75, 50 };
-	for (size_t k = 0; k < TERRAINS; k++) {
-		struct world w;
-		noise_state = 200 + k;
-		world_make(&w, &terrains[k], 0);
-		double width = place_x(&w, w.ground.columns - 1 - w.ground.margin) * terrains[k].step,
-			depth = place_y(&w, w.ground.rows - 1 - w.ground.margin) * terrains[k].step;
-		/* not so high that gaps are seen edge on */
-		struct eco_view view = { { width * 0.47, depth * 0.53, 0.5 * fmax(width, depth) + 130 },
-			{ width * 0.47, depth * 0.53, 0 }, { 0, 1, 0 }, 95, 901, 733 };
-		struct eco_ground_tile *tiles = malloc(w.tree.count * sizeof *tiles);
-		struct lod_raster_options options = { .width = view.width, .height = view.height };
-		struct lod_raster whole, parts;
-		struct lod_eye eye;
-		lod_eye_make(&eye, &view);
-		assert_int_equal(lod_raster_init(&whole, &options, NULL), ECO_OK);
-		assert_int_equal(lod_raster_init(&parts, &options, NULL), ECO_OK);
-		lod_raster_camera(&whole, &eye, 0.1);
-		lod_raster_clear(&whole);
-		draw_tiles(&whole, &w, tiles, random_cover(&w, tiles, 100));
-		for (int n = 0; n < 8; n++) {
-			uint32_t count = random_cover(&w, tiles, chances[n % 4]);
-			double most = 0;
-			for (uint32_t i = 0; i < count; i++)
-				most = fmax(most, (double)tiles[i].error_m);
-			lod_raster_clear(&parts);
-			lod_raster_camera(&parts, &eye, 0.1);
-			draw_tiles(&parts, &w, tiles, count);
-			uint32_t inside = 0;
-			for (uint32_t p = 0; p < view.width * view.height; p++) {
-				/* only near the border may it differ: where that is higher or lower, it
-				 * appears elsewhere */
-				uint32_t px = p % view.width, py = p / view.width, m = BORDER_PX;
-				bool edge = px < m || py < m || px + m >= view.width || py + m >= view.height
-					|| whole.depth[p - m] == 0 || whole.depth[p + m] == 0
-					|| whole.depth[p - m * view.width] == 0
-					|| whole.depth[p + m * view.width] == 0;
-				if (whole.depth[p] == 0 || edge)
-					continue;
-				inside++;
-				if (parts.depth[p] == 0)
-					fail_msg("%s: a gap at pixel %u, %u of a cover of %u tiles",
-						terrains[k].name, px, py, count);
-				/* a seam may be off by both tiles' errors, along a pixel's ray a little more
-				 * on steep ground */
-				double off = fabs(1 / (double)whole.depth[p] - 1 / (double)parts.depth[p]);
-				if (off > 2 * most + 0.02 * fmax(width, depth) * (most > 0))
-					fail_msg("%s: off by %g m at pixel %u, %u; the largest error is %g m",
-						terrains[k].name, off, px, py, most);
-			}
-			assert_true(inside > 100 || w.ground.columns < 20 || w.ground.rows < 20);
-		}
-		lod_raster_free(&whole);
-		lod_raster_free(&parts);
-		free(tiles);
-		world_free(&w);
-	}
-}
-
 /* A chosen ground is drawn where the full detail is, to the tolerance and a pixel. */
 UNIT_TEST(the_picture_is_that_of_the_full_detail)
 {

@@ -85,31 +85,6 @@ UNIT_TEST(hidden_is_what_no_sample_sees)
 	}
 }
 
-UNIT_TEST(one_texel_is_enough)
-{
-	struct lod_arena arena = { 0 };
-	uint8_t rgba[130 * 3 * 4] = { 0 };
-	struct eco_image image = { 130, 3, rgba };
-	assert_int_equal(setjmp(arena.failed), 0);
-	for (uint32_t x = 0; x < 130; x++) {
-		struct lod_mask mask;
-		uint64_t work = 0;
-		memset(rgba, 0, sizeof rgba);
-		rgba[4 * (130 + x) + 3] = 128;
-		lod_mask_open(&mask, &image, &arena);
-		int32_t around[6] = { -ECO_UV_ONE, -ECO_UV_ONE, 2 * ECO_UV_ONE, -ECO_UV_ONE, 0,
-			3 * ECO_UV_ONE };
-		int32_t left[6] = { 0, 0, (int32_t)(x * ECO_UV_ONE / 130) - 12, ECO_UV_ONE - 1, 0,
-			ECO_UV_ONE - 1 };
-		int32_t above[6] = { 0, 0, ECO_UV_ONE - 1, 0, 0, ECO_UV_ONE / 3 - 100 };
-		assert_false(lod_mask_hidden(&mask, around, &work));
-		assert_true(lod_mask_hidden(&mask, above, &work));
-		if (x >= 2 && x < 129)                /* the left edge touches the last texel */
-			assert_true(lod_mask_hidden(&mask, left, &work));
-	}
-	lod_arena_free(&arena);
-}
-
 UNIT_TEST(work_is_bounded)
 {
 	struct soup soup;

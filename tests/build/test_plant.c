@@ -427,33 +427,6 @@ UNIT_TEST(what_has_no_colour_is_drawn_in_its_organ_s_everywhere)
 	finish();
 }
 
-UNIT_TEST(two_builds_are_equal)
-{
-	build(TEXTURED_TREE);
-	struct lod_plant a = plant;
-	soup_free(&soup);
-	build(TEXTURED_TREE);
-	const struct lod_plant b = plant;
-	assert_int_equal(a.list_count, b.list_count);
-	assert_int_equal(a.ladder_count, b.ladder_count);
-	assert_memory_equal(a.ladders, b.ladders, a.ladder_count * sizeof *a.ladders);
-	assert_memory_equal(a.anchors, b.anchors, a.plant.anchor_count * sizeof *a.anchors);
-	assert_memory_equal(a.palette, b.palette, 3 * a.palette_count);
-	for (uint32_t l = 0; l < a.list_count; l++) {
-		const struct eco_elements *x = &a.lists[l].elements, *y = &b.lists[l].elements;
-		assert_int_equal(x->corner_count, y->corner_count);
-		assert_memory_equal(x->corners, y->corners, x->element_count);
-		assert_memory_equal(x->position, y->position, 12 * (size_t)x->corner_count);
-		if (x->uv)
-			assert_memory_equal(x->uv, y->uv, 8 * (size_t)x->corner_count);
-		if (x->extra)
-			assert_memory_equal(x->extra, y->extra,
-				4 * (size_t)x->extra_count * x->element_count);
-	}
-	lod_plant_free(&a);
-	finish();
-}
-
 struct watch { double last, stop; };
 
 static bool watch_progress(void *ctx, double share)

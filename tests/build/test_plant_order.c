@@ -127,26 +127,6 @@ UNIT_TEST(orders_differ)
 	lod_plant_free(&a);
 }
 
-UNIT_TEST(the_same_again)
-{
-	struct lod_plant a, b;
-	build(&a, LOD_ORDER_GREEDY, 12);
-	build(&b, LOD_ORDER_GREEDY, 12);
-	assert_int_equal(a.list_count, b.list_count);
-	for (uint32_t i = 0; i < a.list_count; i++) {
-		const struct eco_elements *x = &a.lists[i].elements, *y = &b.lists[i].elements;
-		assert_int_equal(x->corner_count, y->corner_count);
-		assert_memory_equal(x->position, y->position,
-			3 * (size_t)x->corner_count * sizeof *x->position);
-		assert_int_equal(x->extra_count, y->extra_count);
-		if (x->extra)
-			assert_memory_equal(x->extra, y->extra,
-				(size_t)x->extra_count * x->element_count * sizeof *x->extra);
-	}
-	lod_plant_free(&a);
-	lod_plant_free(&b);
-}
-
 /* While the grid is still to be chosen there is a draft, which measuring replaces. */
 UNIT_TEST(order_waits_for_the_grid)
 {

@@ -118,53 +118,6 @@ UNIT_TEST(covers_what_the_twin_covers_in_perspective)
 	lod_raster_free(&raster);
 }
 
-/* A jittered grid of quads, each cut along either diagonal, reaching beyond the picture. */
-UNIT_TEST(neighbours_share_each_pixel_once)
-{
-	enum { SIDE = 40 };
-	struct lod_raster raster;
-	raster_start(&raster, 96, 80, NULL);
-	for (int round = 0; round < 12; round++) {
-		double step = round % 3 == 0 ? 1.3 : round % 3 == 1 ? 2.6 : 6.0;
-		static double at[SIDE + 1][SIDE + 1][3];
-		for (int y = 0; y <= SIDE; y++)
-			for (int x = 0; x <= SIDE; x++) {
-				double jitter = 0.24 * step;
-				at[y][x][0] =
-					rint(256 * ((x - SIDE / 2) * step + uniform(-jitter, jitter) + 48));
-				at[y][x][1] =
-					rint(256 * ((y - SIDE / 2) * step + uniform(-jitter, jitter) + 40));
-				at[y][x][2] = 1u << rnd(3);
-			}
-		static uint8_t times[96 * 80];
-		memset(times, 0, sizeof times);
-		for (int i = 0; i < 2 * SIDE * SIDE; i++) {
-			int x = i / 2 % SIDE, y = i / 2 / SIDE, cut = (x * 7 + y * 3) & 1;
-			int corner[2][2][3][2] =
-				{ { { { 0, 0 }, { 1, 0 }, { 1, 1 } }, { { 0, 0 }, { 1, 1 }, { 0, 1 } } },
-				{ { { 0, 0 }, { 1, 0 }, { 0, 1 } }, { { 0, 1 }, { 1, 0 }, { 1, 1 } } } };
-			float p[9];
-			for (int k = 0; k < 3; k++) {
-				const double *c =
-					at[y + corner[cut][i & 1][k][1]][x + corner[cut][i & 1][k][0]];
-				raster_put(p + 3 * k, &raster, c[0], c[1], c[2]);
-			}
-			lod_raster_clear(&raster);
-			raster_draw(&raster, p, 1, 1);
-			for (size_t k = 0; k < sizeof times; k++)
-				times[k] = (uint8_t)(times[k] + (raster.cover[k] != 0));
-		}
-		double half = step * (SIDE / 2 - 1);
-		for (int y = 0; y < 80; y++)
-			for (int x = 0; x < 96; x++) {
-				assert_true(times[y * 96 + x] <= 1);
-				if (fabs(x + 0.5 - 48) < half && fabs(y + 0.5 - 40) < half)
-					assert_int_equal(times[y * 96 + x], 1);
-			}
-	}
-	lod_raster_free(&raster);
-}
-
 /* A plane below the eye, from behind it to far beyond: what is in front of the near plane covers, the rest
  * does not. */
 UNIT_TEST(planes_through_the_near_plane_cover_up_to_the_horizon)

@@ -55,31 +55,6 @@ static struct lod_eye wide_eye(void)
 	return eye;
 }
 
-UNIT_TEST(batches_of_any_size_paint_the_same)
-{
-	struct lod_raster whole, parts;
-	struct lod_eye eye = wide_eye();
-	rnd_seed = 4;
-	raster_start(&whole, 200, 150, &eye);
-	raster_start(&parts, 200, 150, &eye);
-	struct crowd crowd = crowd_make(3001, 1, 3);
-	struct lod_raster_batch all = { .count = 3001, .position = crowd.position, .item = 70, .owner = 9 };
-	lod_raster_triangles(&whole, &all);
-	for (uint32_t first = 0, n; first < 3001; first += n) {
-		n = 1 + rnd(9);
-		n = n > 3001 - first ? 3001 - first : n;
-		struct lod_raster_batch some = { .count = n, .position = crowd.position + 9 * first,
-			.item = 70 + first, .owner = 9 };
-		lod_raster_triangles(&parts, &some);
-	}
-	assert_true(raster_covered(&whole) > 5000);
-	assert_true(same_picture(&whole, &parts));
-	assert_memory_equal(whole.item, parts.item, 200 * 150 * sizeof *whole.item);
-	crowd_free(&crowd);
-	lod_raster_free(&whole);
-	lod_raster_free(&parts);
-}
-
 UNIT_TEST(nearer_wins_and_of_equals_the_smaller_owner)
 {
 	static const struct { double w[2]; uint64_t owner[2], wins; } rows[] = {

@@ -202,41 +202,6 @@ UNIT_TEST(tiles_do_not_leak)
 	soup_free(&soup);
 }
 
-/* A plant that is placed, turned and scaled looks as if the eye moved the other way; and in parts as in
- * whole. */
-UNIT_TEST(places_and_parts_of_pictures_change_nothing)
-{
-	struct soup soup;
-	struct lod_impostor impostor;
-	struct lod_raster part;
-	const double at[3] = { 0, 0, 3 }, moved[3] = { 1000, -500, 16 };
-	uint32_t differ = 0;
-	soup_tree(&soup, 200, 20, false);
-	open_level(&impostor, &soup.model, BEST);
-	look(&whole, at, 30, 20, 40, 5);
-	draw(&whole, &impostor, 1);
-	look(&raster, moved, 120, 20, 80, 10);
-	lod_raster_object(&raster, &(struct lod_place){ .at = { 1000, -500, 10 }, .sine = 1, .scale = 2 });
-	draw(&raster, &impostor, 1);
-	for (uint32_t k = 0; k < SIDE * SIDE; k++)
-		differ += raster.cover[k] != whole.cover[k] || raster.item[k] != whole.item[k];
-	assert_true(differ < 20);
-	assert_int_equal(lod_raster_init(&part, &(struct lod_raster_options){ .width = 100, .height = 60,
-		.owner = true, .item = true }, NULL), ECO_OK);
-	lod_raster_window(&part, SIDE, SIDE, 90, 130);
-	look(&part, at, 30, 20, 40, 5);
-	draw(&part, &impostor, 1);
-	differ = 0;
-	for (uint32_t k = 0; k < 6000; k++) {
-		size_t i = (130 + k / 100) * SIDE + 90 + k % 100;
-		differ += part.cover[k] != whole.cover[i] || part.item[k] != whole.item[i];
-	}
-	assert_true(differ < 10);
-	lod_raster_free(&part);
-	lod_impostor_close(&impostor);
-	soup_free(&soup);
-}
-
 UNIT_TEST(what_cannot_be_drawn_is_left_out)
 {
 	struct soup soup;

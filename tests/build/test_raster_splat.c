@@ -171,36 +171,6 @@ UNIT_TEST(opacity_is_a_share_of_pixels)
 	}
 }
 
-/* Two splats of half opacity cover three quarters: their pixels do not depend on each other. */
-UNIT_TEST(splats_do_not_share_their_pixels)
-{
-	const float half[9] = { 6, 0, 0, 0, 6, 0, 0, 0, 6 }, a[3] = { 0, 0, 0 },
-		b[3] = { 0.01f, 0.5f, 0.01f };
-	look(10);
-	draw(a, half, 1, 1);
-	uint32_t all = covered();
-	look(10);
-	draw(a, half, 0.5f, 1);
-	draw(b, half, 0.5f, 2);
-	assert_float_equal(covered(), 0.75 * all, 0.02 * all);
-}
-
-UNIT_TEST(the_nearer_centre_wins_whatever_the_order)
-{
-	const float half[9] = { 2, 0, 0, 0, 2, 0, 0, 0, 2 }, near[3] = { 0, -1, 0 }, far[3] = { 1, 1, 0 };
-	uint64_t *first = malloc(SIDE * SIDE * sizeof *first);
-	look(10);
-	draw(near, half, 0.7f, 1);
-	draw(far, half, 1, 2);
-	memcpy(first, raster.owner, SIDE * SIDE * sizeof *first);
-	look(10);
-	draw(far, half, 1, 2);
-	draw(near, half, 0.7f, 1);
-	assert_memory_equal(first, raster.owner, SIDE * SIDE * sizeof *first);
-	assert_int_equal(raster.owner[SIDE / 2 * SIDE + SIDE / 2 + 50], 2);
-	free(first);
-}
-
 UNIT_TEST(what_cannot_be_drawn_is_left_out)
 {
 	static const float behind[3] = { 0, -101, 0 }, here[3] = { 0, 0, 0 }, wild[3] = { 1e30f, 0, 1e30f },

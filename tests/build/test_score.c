@@ -61,19 +61,6 @@ UNIT_TEST(known_masks_have_known_scores)
 	}
 }
 
-UNIT_TEST(rows_add_up)
-{
-	uint8_t cover[12] = { 1, 1, 0, 0, 9, 0, 0, 0, 0, 0, 0, 255 },
-		reference[12] = { 1, 0, 0, 4, 1, 0, 0, 0, 0, 0, 0, 1 };
-	struct lod_score score;
-	lod_score(&score, &(struct lod_score_input){ .width = 4, .height = 3, .cover = cover,
-		.reference = reference });
-	assert_int_equal(score.tp, 3);
-	assert_int_equal(score.fp, 1);
-	assert_int_equal(score.fn, 1);
-	assert_int_equal(score.pixels, 12);
-}
-
 UNIT_TEST(owners_must_match_where_they_are_known)
 {
 	uint32_t leaf = eco_owner_leaf(3), other = eco_owner_leaf(4);
@@ -88,19 +75,6 @@ UNIT_TEST(owners_must_match_where_they_are_known)
 	assert_int_equal(score.tp_owner, 2);
 	NEAR(score.q, 1);
 	NEAR(score.owner_q, 1 - hypot(0.5, 0.5));
-}
-
-UNIT_TEST(predicted_q_is_computed_as_q_is)
-{
-	uint8_t cover[100] = { 0 }, reference[100] = { 0 };
-	struct lod_score score;
-	memset(cover, 1, 60);
-	memset(reference + 20, 1, 60);
-	lod_score(&score, &(struct lod_score_input){ 10, 10, cover, reference, NULL, NULL });
-	NEAR(eco_predicted_q(&(struct eco_prediction){ 40, 20, 20 }), score.q);
-	assert_true(eco_predicted_q(&(struct eco_prediction){ 0, 0, 0 }) == 1);
-	assert_true(eco_predicted_q(&(struct eco_prediction){ 10, 0, 0 }) == 1);
-	assert_true(eco_predicted_q(&(struct eco_prediction){ 0, 0, 5 }) == 0);
 }
 
 UNIT_TEST(soft_q_of_half_covered_pixels)

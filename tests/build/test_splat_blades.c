@@ -94,33 +94,6 @@ UNIT_TEST(a_level_has_a_splat_for_each_blade)
 	}
 }
 
-static void check_usual(const struct eco_model *model)
-{
-	static const uint32_t ends[] = { 1, 4, 16, 64 };
-	struct lod_splats splats;
-	fit(&splats, model, &(struct lod_splats_options){ .views = 8, .pixels = 40, .levels = 4 });
-	for (uint32_t level = 0; level < splats.level_count; level++)
-		assert_int_equal(splats.level_end[level], ends[level]);
-	lod_splats_free(&splats);
-}
-
-UNIT_TEST(other_plants_have_the_usual_levels)
-{
-	struct soup soup;
-	make_blades(&soup, &(struct field){ 40, 0.5, 0.4, 0.015, 0.4 });         /* few blades */
-	check_usual(&soup.model);
-	soup_free(&soup);
-	make_blades(&soup, &(struct field){ 1100, 0.5, 0.4, 0.015, 0.4 });       /* many */
-	check_usual(&soup.model);
-	soup_free(&soup);
-	make_blades(&soup, &(struct field){ 100, 0.5, 0.4, 0.3, 0.4 });          /* broad ones */
-	check_usual(&soup.model);
-	soup_free(&soup);
-	soup_tree(&soup, 300, 25, false);
-	check_usual(&soup.model);
-	soup_free(&soup);
-}
-
 /* A sample or two is all that shows of such blades. */
 UNIT_TEST(blades_that_hardly_show_are_a_plant)
 {

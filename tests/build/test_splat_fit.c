@@ -86,27 +86,6 @@ UNIT_TEST(opaque_splats_are_opaque)
 
 /* ---- Threads and progress ---- */
 
-UNIT_TEST(threads_do_not_change_a_byte)
-{
-	struct soup soup;
-	struct lod_splats one, two;
-	struct lod_splats_options options = quick;
-	make_tree(&soup);
-	options.levels = 4;
-	fit(&one, &soup.model, &options);
-	options.each = in_two_threads;
-	fit(&two, &soup.model, &options);
-	assert_int_equal(one.level_count, two.level_count);
-	for (uint32_t i = 0; i < one.level_end[one.level_count - 1]; i++) {
-		assert_memory_equal(one.items[i].at, two.items[i].at, sizeof one.items[i].at);
-		assert_memory_equal(one.items[i].code, two.items[i].code, sizeof one.items[i].code);
-		assert_memory_equal(one.items[i].rgb, two.items[i].rgb, 3);
-	}
-	lod_splats_free(&one);
-	lod_splats_free(&two);
-	soup_free(&soup);
-}
-
 struct watch { double last, stop_at; };
 
 static bool watched(void *ctx, double share)

@@ -120,37 +120,6 @@ UNIT_TEST(test_points_follow_area)
 	free(s.points);
 }
 
-UNIT_TEST(test_points_lie_on_plants)
-{
-	static struct world w;
-	make_world(&w);
-	struct lod_summary s = summary_of(&w, 1, 300);
-	for (uint32_t i = 0; i < s.count; i++) {
-		double nearest = INFINITY;
-		for (uint32_t k = 0; k < 10; k++) {
-			double dx = s.points[i].at[0] - k, dy = s.points[i].at[1] - k % 3;
-			nearest = fmin(nearest, sqrt(dx * dx + dy * dy));
-		}
-		assert_true(nearest <= 0.31);
-		assert_true(fabs(s.points[i].at[2] - 0.1) < 1e-6);
-		assert_int_equal(s.points[i].plant, 0);
-		assert_true(s.points[i].color < 3);
-	}
-	free(s.points);
-	/* placed twice as large, 2 m up becomes 4 m; turned a quarter, +x becomes +y; lifted by 3 m */
-	s = summary_of(&w, 0, 1000);
-	for (uint32_t i = 0; i < s.count; i++) {
-		const struct lod_summary_point *p = &s.points[i];
-		if (p->at[0] < -100)
-			assert_true(fabs(p->at[2] - (p->plant ? 4 : 0.2)) < 1e-5);
-		else if (p->at[0] > 300) {
-			assert_true(fabs(p->at[2] - (p->plant ? 5 : 3.1)) < 1e-5);
-			assert_true(p->at[1] > -0.5 && p->at[0] < 501);
-		}
-	}
-	free(s.points);
-}
-
 UNIT_TEST(test_keys_match_owners)
 {
 	static struct world w;
@@ -337,27 +306,6 @@ UNIT_TEST(test_large_splats_do_not_fill_a_low_tile)
 		assert_true(fn <= before);
 		before = fn;
 	}
-}
-
-/* The fewer and larger splats are, the more of them lies around their tile: all of it where one is far
- * larger, hardly any of many small ones. */
-UNIT_TEST(test_large_splats_stand_out_around_their_tile)
-{
-	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5,
-		.points = 4096, .weight_px = 100 };
-	/* where the tile lies in the picture is not known */
-	assert_true(lod_summary_outside(&view, 1) == 0);
-	view.wide = 200;
-	view.high = 10;
-	double before = INFINITY;
-	for (double n = 1; n <= view.points; n *= 2) {
-		double outside = lod_summary_outside(&view, n) * view.weight_px;
-		assert_true(outside < before && outside <= view.area);
-		before = outside;
-	}
-	assert_true(lod_summary_outside(&view, 1) * view.weight_px
-		> 0.9 * (view.area - view.wide * view.high));
-	assert_true(before < 0.1 * view.area);
 }
 
 /* Ellipsoids from all around, against points on them. */

@@ -210,39 +210,6 @@ UNIT_TEST(payloads_tell_their_texels)
 	free(card.image.rgba);
 }
 
-UNIT_TEST(finer_levels_show_it_better)
-{
-	struct card card;
-	card_make(&card, leaves(SIDE, SIDE, 40), 3);
-	struct lod_texture texture = make(&card);
-	struct eco_texture_part colors = read_level(&texture, 1, false);
-	struct eco_error error = { 0 };
-	double before = 1;
-	for (uint32_t i = 0; i < texture.count; i++) {
-		struct eco_texture_part outline = read_level(&texture, i, true);
-		struct eco_image image;
-		assert_ok(eco_texture_show(&image, &colors, &outline, &error), error);
-		assert_int_equal(image.width, i < 1 ? 64 : 32u << i);
-		size_t wrong = 0, each = SIDE / image.width;
-		for (size_t y = 0; y < SIDE; y++)
-			for (size_t x = 0; x < SIDE; x++)
-				wrong += (card.image.rgba[4 * (y * SIDE + x) + 3] >= 128)
-					!= (image.rgba[4 * (y / each * image.width + x / each) + 3] >= 128);
-		double now = (double)wrong / (SIDE * SIDE);
-		assert_true(now < before);
-		if (i + 2 == texture.count)      /* of it half is too much, half too little */
-			assert_true(fabs(texture.loss - 255 * now / 2 / covered(card.image.rgba + 3,
-				SIDE * SIDE, 4)) <= 0.5 && texture.loss > 1);
-		before = now;
-		eco_image_free(&image);
-		eco_texture_part_free(&outline);
-	}
-	assert_true(before == 0);
-	eco_texture_part_free(&colors);
-	lod_texture_free(&texture);
-	free(card.image.rgba);
-}
-
 UNIT_TEST(texels_that_no_view_resolves_are_left_out)
 {
 	/* .767 mm a pixel: a leaf of 10 cm shows 130 texels */

@@ -119,19 +119,6 @@ UNIT_TEST(test_leaves_are_not_nearly_empty)
 	}
 }
 
-UNIT_TEST(test_same_input_same_tiles)
-{
-	struct lod_tile_item items[800];
-	struct lod_tiles a, b;
-	lay_out(items, 800, CLUSTERED);
-	assert_int_equal(lod_tiles_build(&a, items, 800, 16, NULL), ECO_OK);
-	assert_int_equal(lod_tiles_build(&b, items, 800, 16, NULL), ECO_OK);
-	assert_int_equal(a.node_count, b.node_count);
-	assert_memory_equal(a.order, b.order, 800 * sizeof *a.order);
-	lod_tiles_free(&a);
-	lod_tiles_free(&b);
-}
-
 /* Neighbours in Morton order are near each other: much shorter steps than in the order of the file. */
 UNIT_TEST(test_neighbours_lie_near)
 {

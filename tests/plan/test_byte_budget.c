@@ -157,23 +157,6 @@ UNIT_TEST(what_is_held_is_free)
 	}
 }
 
-UNIT_TEST(the_same_again)
-{
-	for (uint64_t seed = 1; seed <= SCENES; seed++) {
-		struct random_pack *pack = random_pack_make(seed, seed % 3, 2);
-		const struct eco_scene *scene = &pack->pack.scene;
-		struct eco_view view = random_view(&pack->r);
-		struct eco_plan a, b;
-		uint64_t all = bytes_of(scene, &view, 20000, ECO_BYTES_UNBOUNDED, NULL, NULL);
-		plan_it(&a, scene, &view, 20000, all / 3, NULL);
-		plan_it(&b, scene, &view, 20000, all / 3, NULL);
-		assert_same(&a, &b);
-		eco_plan_free(&a);
-		eco_plan_free(&b);
-		random_pack_free(pack);
-	}
-}
-
 /* ---- Relaxations ---- */
 
 #define RELAXATIONS 30

@@ -165,36 +165,3 @@ UNIT_TEST(every_reason_is_plain_and_fits)
 				assert_plain(text);
 			}
 }
-
-UNIT_TEST(words_are_plain)
-{
-	static const struct { struct lod_reason reason; const char *says; } cases[] = {
-		{ { .why = LOD_WHY_STEP, .next = 0.5 }, "more detail would hardly be seen here: elsewhere it "
-			"improves the picture 2.1 times as much" },
-		{ { .why = LOD_WHY_STEP, .next = 1 }, "more detail would be worth nearly as much here as "
-			"elsewhere" },
-		{ { .why = LOD_WHY_STEP }, "more detail would not be seen from here" },
-		{ { .why = LOD_WHY_PART, .margin = 0.25 }, "there are vertices for more detail in 25 % of such "
-			"plants" },
-		{ { .why = LOD_WHY_PLANTS, .margin = 0.07 }, "single plants look best from here (7 % more "
-			"pixels right than by points for many of them)" },
-		{ { .why = LOD_WHY_SUMMARY, .margin = INFINITY }, "points that stand for many plants look best "
-			"from here: single plants would put no pixel right" },
-		{ { .why = LOD_WHY_BYTES, .next = 2 }, "more detail would be worth its vertices, but not the "
-			"bytes that it takes to send" },
-		{ { .why = LOD_WHY_ALL }, "its full detail is drawn" },
-		{ { .why = LOD_WHY_WHOLE, .margin = 0.12, .share = 1 }, "drawn as a whole, without single "
-			"leaves, it looks best from here (12 % more pixels right than by leaves)" },
-		{ { .why = LOD_WHY_WHOLE, .share = 1 }, "drawn as a whole, without single leaves, it looks best "
-			"for so few vertices" },
-		{ { .why = LOD_WHY_WHOLE, .share = 0.4 }, "drawn as a whole, without single leaves, it looks "
-			"nearly as good from here: 40 % of such plants are" },
-	};
-	const struct lod_explanation why = { .lambda = 1.05 };
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct lod_explained row = { .reason = cases[i].reason };
-		char text[160];
-		lod_explain_text(text, sizeof text, &why, &row);
-		assert_string_equal(text, cases[i].says);
-	}
-}

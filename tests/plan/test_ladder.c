@@ -233,54 +233,6 @@ UNIT_TEST(nothing_is_dropped_or_coarsened_as_amounts_grow)
 	}
 }
 
-/* Points, lines, simple ones and triangles of the same elements: each form gives way to the next, and every
- * vertex asked is drawn but for less than one element's. */
-UNIT_TEST(four_forms_follow_each_other)
-{
-	const uint32_t k = 200;
-	for (uint64_t seed = 1; seed < 20; seed++) {
-		random_scene_make(&scene, seed, 0);
-		uint32_t triangles = random_fans(&scene, k, 0);
-		scene.lists[triangles].primitive_count = 4 * k;
-		for (uint32_t c = 0; c < scene.lists[triangles].chunk_count; c++) {
-			struct eco_chunk *chunk = &scene.chunks[scene.lists[triangles].chunk_first + c];
-			chunk->primitive_count = 4 * chunk->element_count;
-		}
-		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .triangles = triangles, .total = k,
-			.impostor = ECO_NONE,
-			.curve_count = 5,
-			.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1),
-			.lines = random_form(&scene, ECO_LIST_LINES, triangles, 2),
-			.simple = random_form(&scene, ECO_LIST_TRIANGLES, triangles, 4) };
-		for (uint32_t i = 0; i < 5; i++)
-			scene.curves[i] = (struct eco_curve){ 0.02f * (float)(1 << i), 1,
-				(float)random_real(&scene, 0, 1), 0.1f, 0.1f };
-		double last[4] = { 0, 0, 0, 0 };
-		uint64_t before = 0, full = way_of(&ladder)->full;
-		for (uint64_t v = lod_way_next(way_of(&ladder), 0); v != UINT64_MAX;
-				before = v, v = lod_way_next(way_of(&ladder), v)) {
-			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-			uint32_t count = lod_way_cuts(way_of(&ladder), v,
-				lod_way_density(way_of(&ladder), v), 0, cuts);
-			uint64_t drawn = 0;
-			double now[4];
-			for (uint32_t i = 0; i < count; i++)
-				drawn +=
-					(uint64_t)(cuts[i].end - cuts[i].first)
-					* eco_list_vertices(&scene.lists[cuts[i].list]);
-			assert_int_equal(drawn, v);
-			assert_true(v <= before + 12);
-			count_elements(&ladder, cuts, count, now);
-			for (int form = 0; form < 4; form++) {
-				assert_true(now[form] >= last[form]);
-				last[form] = now[form];
-			}
-		}
-		assert_int_equal(before, full);
-		assert_true(last[3] == k);
-	}
-}
-
 /* Some leaves have a triangle less than what stands for them: a step may then cost less than nothing. Every
  * amount that is named can be drawn, all the same. */
 UNIT_TEST(amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms)
@@ -433,22 +385,6 @@ UNIT_TEST(a_list_that_is_all_drawn_is_scaled_as_its_plant)
 		assert_true(fabs(cuts[0].scale * rows[i].density - rows[i].scale) < 0.02);
 		assert_int_equal(lod_way_cuts(&kept, all, rows[i].density, 0, again), 1);
 		assert_true(cuts[0].scale == again[0].scale);
-	}
-}
-
-UNIT_TEST(wood_is_never_scaled_and_leaves_are_by_their_curve)
-{
-	random_scene_make(&scene, 3, 0);
-	for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
-		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-		const struct eco_ladder *ladder = &scene.ladders[l];
-		uint64_t v = lod_way_next(way_of(ladder), 0);
-		if (!lod_way_cuts(way_of(ladder), v, 0.01, 0, cuts))
-			continue;
-		if (ladder->organ == ECO_ORGAN_WOOD)
-			assert_true(cuts[0].scale == 1);
-		else if (v < way_of(ladder)->full && cuts[0].list != ladder->triangles)
-			assert_true(cuts[0].scale > 1);
 	}
 }
 

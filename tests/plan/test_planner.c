@@ -286,25 +286,6 @@ UNIT_TEST(both_rules_keep_the_budget_and_predict)
 	assert_true(drawn[0] && drawn[1]);
 }
 
-UNIT_TEST(same_request_same_bytes)
-{
-	for (uint64_t seed = 100; seed < 120; seed++) {
-		(seed < 110 ? random_scene_make : random_scene_splats)(&scene, seed, 3);
-		struct eco_request request = random_request(&scene);
-		struct eco_writer bytes[2] = { { 0 }, { 0 } };
-		for (int i = 0; i < 2; i++) {
-			struct eco_plan plan;
-			plan_it(&plan, &request);
-			eco_wire_write_plan(&bytes[i], &plan);
-			eco_plan_free(&plan);
-		}
-		assert_int_equal(bytes[0].size, bytes[1].size);
-		assert_memory_equal(bytes[0].bytes, bytes[1].bytes, bytes[0].size);
-		eco_writer_free(&bytes[0]);
-		eco_writer_free(&bytes[1]);
-	}
-}
-
 UNIT_TEST(an_unlimited_budget_draws_every_visible_triangle_once)
 {
 	random_scene_make(&scene, 7, 0);

@@ -200,16 +200,6 @@ UNIT_TEST(few_of_like_plants_switch_at_once)
 	assert_true(tally.worst < 0.2);
 }
 
-/* Here a plant has a handful of splats, so a splat more is much of it. */
-UNIT_TEST(few_of_like_plants_switch_at_once_with_splats)
-{
-	struct tally tally = move_often(true);
-	assert_true(tally.frames > 200);
-	assert_true(tally.sum / tally.frames < 0.02);
-	assert_true(tally.over < tally.frames / 16);
-	assert_true(tally.worst < 0.4);
-}
-
 UNIT_TEST(a_still_camera_has_one_plan)
 {
 	static struct scene_builder r;
