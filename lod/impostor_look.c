@@ -199,7 +199,7 @@ LOD_INLINE float depth_at(const float *depth, uint32_t side, float x, float y)
 		+ v * ((1 - u) * at[below] + u * at[below + right]);
 }
 
-/* Where a ray meets a tile: along the ray, and the square of the distance from the tile's middle. */
+/* The point at which a ray meets a tile: along the ray, and the square of the distance from the tile's middle. */
 struct met { float along, out2; };
 
 /* How much of a tile's texels the ray meets. */

@@ -14,7 +14,7 @@
  * multiples of 1/32, so that floats hold it and shaders find the same (hash.h). */
 void lod_scattered_offset(float offset[3], uint32_t point, uint32_t part);
 
-/* Of the ball that a point of the list is at an area factor, metres. */
+/* Radius of the ball that a point of the list is at an area factor, metres. */
 double lod_ball_radius(const struct eco_list *list, float scale);
 
 /* Makes `count` points, the first of which is number `first` of its list, 2^halvings as many, in place, where

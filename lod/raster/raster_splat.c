@@ -75,7 +75,7 @@ uint32_t lod_outline_from(float at, uint32_t size)
 	return whole + ((float)whole < at);
 }
 
-/* Where only the cover is wanted, all of it may be at the depth of the centre. */
+/* A silhouette may lie at the depth of the centre as a whole. */
 static void fill_row(const struct lod_paint *paint, const struct disc *disc, uint32_t row, float y,
 	uint32_t from, uint32_t to)
 {

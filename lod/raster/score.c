@@ -38,7 +38,7 @@ static void count_row(struct lod_score *score, const uint8_t *cover, const uint8
 	uint32_t both = 0, covered = 0, wanted = 0, x = 0;
 	while (width - x >= 8) {
 		uint64_t boths = 0, covers = 0, wants = 0;
-		/* So many counts fit a byte. */
+		/* 255 counts fit a byte. */
 		for (uint32_t most = 255; most && width - x >= 8; most--, x += 8) {
 			uint64_t a = set_bytes(cover + x), b = set_bytes(reference + x);
 			boths += a & b;

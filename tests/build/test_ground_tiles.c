@@ -109,7 +109,7 @@ static double height_of(const struct world *w, uint32_t column, uint32_t row)
 	return (double)w->ground.height_m[(size_t)row * w->ground.columns + column];
 }
 
-/* Where a sample lies in steps, and places between samples. */
+/* The place of a sample in steps, and places between samples. */
 static double place_x(const struct world *w, double sample)
 {
 	uint32_t i = (uint32_t)fmin(sample, w->ground.columns - 2), m = w->ground.margin;

@@ -94,7 +94,7 @@ UNIT_TEST(soft_q_of_half_covered_pixels)
 			1 - hypot(1 - soft[i].precision, 1 - soft[i].recall));
 }
 
-/* Where all is covered wholly or not at all, soft Q is Q. */
+/* Soft Q is Q if each pixel is covered wholly or not at all. */
 UNIT_TEST(soft_q_of_masks_is_q)
 {
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {

@@ -281,7 +281,7 @@ static void make_bushes(struct scene_builder *b)
 			.attributes = ECO_ATTR_PLANT, .owner = tile, .other = ECO_NONE }, SUMMARY, SUMMARY);
 }
 
-/* What a client has that holds all summaries. The caller frees it. */
+/* Holdings of a client that has all summaries. The caller frees them. */
 static struct eco_holdings summaries_of(const struct eco_scene *scene)
 {
 	struct eco_holdings held = { .items = calloc(scene->tile_count, sizeof *held.items),
@@ -292,7 +292,7 @@ static struct eco_holdings summaries_of(const struct eco_scene *scene)
 	return held;
 }
 
-/* What the choice of a tile with a summary has come to: does it draw a part of both? */
+/* Whether the choice of a tile with a summary draws a part of both. */
 static bool draws_both(const struct lod_allocation *m, uint32_t n)
 {
 	const struct lod_tile_choice *choice = &m->tile_choices[n];
@@ -526,7 +526,7 @@ UNIT_TEST(gaps_are_closed_from_both_sides)
 	assert_true(wrong / rows < 9.535);
 }
 
-/* What organs of all plants are said to take, and what their lists and textures have. */
+/* Bytes that organs of all plants are said to take equal those of their lists and textures. */
 static void assert_paid_once(struct lod_allocation *m, uint32_t *shared)
 {
 	const struct lod_prices *prices = m->prices;

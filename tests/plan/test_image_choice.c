@@ -1,4 +1,4 @@
-/* What a plan shows of the ground's image: leaves of its tree, fewer bytes at a higher price. */
+/* The part of the ground's image that a plan shows: leaves of its tree, fewer bytes at a higher price. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -112,7 +112,7 @@ UNIT_TEST(narrower_texels_are_more_bytes)
 	}
 }
 
-/* Where bytes do not count, what is in view comes in all detail: no tile stands for its quarters. */
+/* If bytes do not count, all that is in view comes in all detail: no tile stands for its quarters. */
 UNIT_TEST(without_a_price_all_detail_is_shown)
 {
 	uint32_t whole = 0, coarse = 0;

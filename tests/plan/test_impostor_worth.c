@@ -27,7 +27,7 @@ static struct eco_request request_of(uint64_t seed, uint64_t vertices)
 
 /* ---- Levels by pixels ---- */
 
-/* Where levels are worth their bytes many times. */
+/* Levels are worth their bytes many times. */
 static uint32_t level_of(uint32_t levels, double pixels)
 {
 	uint32_t level = 0;
@@ -212,7 +212,7 @@ UNIT_TEST(a_level_is_used_if_it_sets_enough_pixels_right)
 
 /* ---- In plans ---- */
 
-/* Of a list: the levels that the largest cut of it needs. */
+/* The levels of a list that its largest cut needs. */
 static uint32_t prefix_of(const struct eco_plan *plan, uint32_t list)
 {
 	uint32_t end = 0;

@@ -1,4 +1,4 @@
-/* Who stands at a trunk is sent more of it: of equal budgets, wood has a greater share near by than from afar.
+/* An eye at a trunk is sent more of it: of equal budgets, wood has a greater share near by than from afar.
  * The test fails where organs have the shares of a far view. */
 #include "lod/plan/planner.h"
 #include "tests/support/scene_builder.h"

@@ -196,7 +196,7 @@ static struct eco_request at_the_crowd(uint64_t vertices)
 		.bytes = ECO_BYTES_UNBOUNDED };
 }
 
-/* Whoever can afford a plant's organs a thousand times over draws them, though splats are nearly as good. */
+/* A budget of a thousand times a plant's organs draws them, though splats are nearly as good. */
 UNIT_TEST(splats_that_are_nearly_right_leave_near_plants_their_organs)
 {
 	make_plant_of_splats((struct eco_curve){ 1 / 16.f, 1, 1, .2f, .2f },
@@ -217,7 +217,7 @@ UNIT_TEST(splats_that_are_nearly_right_leave_near_plants_their_organs)
 	eco_plan_free(&plan);
 }
 
-/* Of curves that are equal but for noise the sharper splats are better. */
+/* If curves are equal but for noise, the sharper splats are better. */
 UNIT_TEST(splats_that_are_as_right_and_sharper_are_drawn)
 {
 	make_plant_of_splats((struct eco_curve){ 1 / 16.f, 1, 1, .180f, .151f },
@@ -376,7 +376,7 @@ UNIT_TEST(a_bounded_walk_still_answers)
 	}
 }
 
-/* Where pixels are so narrow, or wide, that numbers nearly end. */
+/* Pixels are so narrow, or wide, that numbers nearly end. */
 UNIT_TEST(the_narrowest_and_the_widest_views_are_planned)
 {
 	static const double fov_deg[] = { ECO_FOV_LEAST_DEG, 1e-6, 180 - 1e-6, 180 - ECO_FOV_LEAST_DEG };
@@ -392,7 +392,7 @@ UNIT_TEST(the_narrowest_and_the_widest_views_are_planned)
 	}
 }
 
-/* Where all plants stand at one place the eye is in all tiles: those beyond the work show their summaries. */
+/* All plants stand at one place, so the eye is in all tiles: those beyond the work show their summaries. */
 UNIT_TEST(of_plants_around_the_eye_a_bounded_plan_looks_at_some)
 {
 	random_scene_sized(&scene, 33, 6, (struct random_sizes){ .species = 3, .leaves = 4, .elements = 20,

@@ -209,7 +209,7 @@ static uint32_t make_card_tree(struct scene_builder *b)
 	return texture;
 }
 
-/* Where there is room for cards and a part of their texture, they are drawn with that: splats show none of
+/* If there is room for cards and a part of their texture, they are drawn with that: splats show none of
  * it. Which pixels are covered is not a matter of texels. */
 UNIT_TEST(a_coarse_texture_is_better_than_none)
 {

@@ -122,7 +122,7 @@ static uint32_t material_of(const struct finder *f, uint32_t component)
 	return m < f->model->material_count ? m : f->model->material_count;
 }
 
-/* What speaks with one voice: a material's green components, and its others. A palette or an atlas for a
+/* A voice is a material's green components, or its others. A palette or an atlas for a
  * whole plant has one material for bark and leaves, and tells them apart by colour alone. */
 static uint32_t voice_of(const struct finder *f, uint32_t component)
 {
@@ -165,7 +165,7 @@ static bool is_clear_wood(const struct finder *f, uint32_t i)
 	return f->verdict[i] == CLEARLY_WOOD || log;
 }
 
-/* What a voice's clear components say: area of leaves and of wood, and the radius of the thickest wood. */
+/* Sums over a voice's clear components: area of leaves and of wood; the radius of the thickest wood. */
 struct clear { double area[2], radius; };
 
 /* A solid of a voice of wood is wood, too. But trees do not grow thicker upwards: above the ground, and

@@ -376,7 +376,7 @@ static bool descend(struct fit *fit, uint32_t level, uint32_t levels, bool settl
 
 /* ---- Blades ---- */
 
-/* Where pixels are covered little, half of the blades drawn well are better than haze: the level before that
+/* Pixels that are covered little: half of the blades drawn well are better than haze, so the level before that
  * of the blades becomes half of its splats. Where blades are dense, splats that stand for two are better. */
 static void keep_heads(struct fit *fit)
 {
