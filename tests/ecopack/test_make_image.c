@@ -143,21 +143,18 @@ UNIT_TEST(the_map_shows_it)
 {
 	struct eco_error error = { 0 };
 	struct map m = { .error = &error };
-	uint8_t *rgba = NULL;
 	assert_ok(map_gather(&m, in_root("photo.json")), error);
-	assert_ok(map_frame(&m, 200), error);
-	assert_ok(map_read_image(&m, &rgba), error);
-	assert_non_null(rgba);
+	assert_ok(map_write(&m, in_root("map.png"), 200), error);
+	assert_non_null(m.image);
 	for (uint32_t y = 20; y < 180; y += 20)
 		for (uint32_t x = 20; x < 180; x += 20) {
 			double east = m.view.low[0] + (x + 0.5) / m.scale, north = m.view.high[1] - (y + 0.5) / m.scale;
 			uint8_t wanted[3];
-			const uint8_t *pixel = rgba + 4 * ((size_t)y * (uint32_t)m.width + x);
+			const uint8_t *pixel = m.image + 4 * ((size_t)y * (uint32_t)m.width + x);
 			color_at(east, north, wanted);
 			if (fabs(east) > 2 && fabs(north) > 2)
 				assert_true(pixel[3] == 255 && memcmp(pixel, wanted, 3) == 0);
 		}
-	free(rgba);
 	map_free(&m);
 }
 
