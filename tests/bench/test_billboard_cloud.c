@@ -182,33 +182,6 @@ UNIT_TEST(coverage_is_of_valid_faces_less_invalid_ones)
 	assert_true(billboard_uncovered(&(struct billboard_fit_input){ list, 2, O, 4, 0.3 }, &flat, 1) == 1);
 }
 
-/* ---- The skeleton ---- */
-
-UNIT_TEST(the_tree_is_binary_and_has_every_face_once)
-{
-	struct billboard_tree tree;
-	struct lod_mesh mesh;
-	bool seen[MOST] = { false };
-	assert_int_equal(setjmp(arena.failed), 0);
-	grow_tree(5, 12, 20);
-	lod_weld(&mesh, &model, 16, &arena);
-	billboard_tree_make(&tree, &mesh, &arena);
-	for (uint32_t i = 0; i < tree.count; i++) {
-		uint32_t children = 0;
-		for (uint32_t k = i + 1; k < tree.end[i]; k = tree.end[k], children++)
-			assert_int_equal(tree.parent[k], i);
-		assert_true(children <= 2);
-	}
-	assert_int_equal(tree.end[0], tree.count);
-	assert_int_equal(tree.face_first[tree.count], mesh.triangle_count);
-	for (uint32_t f = 0; f < tree.face_count; f++) {
-		assert_false(seen[tree.faces[f].triangle]);
-		seen[tree.faces[f].triangle] = true;
-	}
-	/* the trunk first, and more leaves above its middle than below: all boughs hang there */
-	assert_true(tree.faces[tree.face_first[0]].corner[0].z < 0.3);
-}
-
 /* ---- Clouds ---- */
 
 /* Q of the cloud seen against y, from far away; the eye's right is x. */

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/format/image.h"
+#include "lod/build/model_draw.h"
 #include "lod/raster/raster.h"
 #include "lod/raster/texel.h"
 #include "tests/bench/baseline/billboard_state.h"
@@ -25,23 +26,16 @@
 static void scale_model(struct lod_billboard_plant *p)
 {
 	const struct eco_model *model = p->model;
-	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
-	enum eco_drop why;
-	for (size_t i = 0; i < 9 * (size_t)model->triangle_count; i++)
-		if (lod_mesh_usable(model, (uint32_t)(i / 9), &why)) {
-			double x = (double)model->position[3 * (size_t)model->index[i / 3] + i % 3];
-			low[i % 3] = fmin(low[i % 3], x);
-			high[i % 3] = fmax(high[i % 3], x);
-		}
+	float low[3], high[3];
 	p->scaled = *model;
 	p->scaled.position = lod_arena_take(&p->arena, 3 * (size_t)model->vertex_count, sizeof(float));
 	p->unit = 1;
-	if (!(low[0] <= high[0]))
+	if (!lod_model_bounds(model, low, high))
 		return;
-	const struct lod_v3 size = { high[0] - low[0], high[1] - low[1], high[2] - low[2] };
+	const struct lod_v3 size = lod_v3_sub(lod_v3_of(high), lod_v3_of(low));
 	double diagonal = lod_v3_length(size);
 	p->unit = size.z > FLAT * diagonal ? size.z : diagonal > 0 ? diagonal : 1;
-	p->middle = (struct lod_v3){ (low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2 };
+	p->middle = lod_v3_scale(lod_v3_add(lod_v3_of(low), lod_v3_of(high)), 0.5);
 	for (size_t i = 0; i < 3 * (size_t)model->vertex_count; i++)
 		p->scaled.position[i] = (float)(((double)model->position[i]
 			- lod_v3_axis(p->middle, (int)(i % 3))) / p->unit);

@@ -7,6 +7,8 @@
 #include "ecofiles/base/angle16.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/view.h"
+#include "lod/build/model_draw.h"
+#include "lod/vector.h"
 #include "tests/bench/baseline/billboard_cloud.h"
 #include "tests/bench/pictures/bench_billboards.h"
 #include "tests/bench/pictures/bench_splats.h"
@@ -40,19 +42,12 @@ struct field {
 
 static void look(struct field *f)
 {
-	const struct eco_model *m = f->model;
-	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
-	for (size_t i = 0; i < 9 * (size_t)m->triangle_count; i++) {
-		double at = m->position[3 * (size_t)m->index[i / 3] + i % 3];
-		low[i % 3] = fmin(low[i % 3], at);
-		high[i % 3] = fmax(high[i % 3], at);
-	}
-	for (int k = 0; k < 3; k++) {
-		f->center[k] = (float)((low[k] + high[k]) / 2);
-		f->radius += (high[k] - low[k]) * (high[k] - low[k]) / 4;
-	}
-	f->radius = sqrt(f->radius);
-	f->height = high[2] - low[2];
+	float low[3] = { 0 }, high[3] = { 0 };
+	lod_model_bounds(f->model, low, high);
+	for (int k = 0; k < 3; k++)
+		f->center[k] = (float)(((double)low[k] + high[k]) / 2);
+	f->radius = lod_v3_distance(lod_v3_of(low), lod_v3_of(high)) / 2;
+	f->height = (double)high[2] - low[2];
 	lod_eye_make(&f->eye, &(struct eco_view){ .eye = { 0, -2 * f->height, 2.2 * f->height },
 		.target = { 0, 8 * f->height, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 40, .width = WIDTH,
 		.height = HEIGHT });
