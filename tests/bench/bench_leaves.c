@@ -74,29 +74,30 @@ void bench_leaves_close(struct bench_leaves *leaves)
 	memset(leaves, 0, sizeof *leaves);
 }
 
-enum eco_code bench_leaves_unit(struct bench *bench, const struct bench_leaves_unit *unit, json_t **out,
-	struct eco_error *error)
+struct opening { struct bench *bench; const struct bench_leaves_unit *unit; };
+
+static enum eco_code make_unit(void *ctx, json_t **made, struct eco_error *error)
 {
+	const struct opening *o = ctx;
+	const struct bench_leaves_unit *unit = o->unit;
 	struct bench_leaves leaves;
 	struct eco_model model;
-	*out = bench_recall(bench, unit->name, unit->stamp);
-	if (*out)
-		return ECO_OK;
 	enum eco_code code = unit->make ? unit->make(&model, error)
-		: bench_model_read(bench, unit->model, &model, error);
+		: bench_model_read(o->bench, unit->model, &model, error);
 	code = code ? code : bench_leaves_open(&leaves, &model, unit->pixels, error);
 	if (code)
 		return code;
 	code = setjmp(leaves.arena.failed) ? eco_fail(error, ECO_NO_MEMORY, "no memory for %s", unit->name)
-		: unit->study(unit->ctx, &leaves, out, error);
+		: unit->study(unit->ctx, &leaves, made, error);
 	bench_leaves_close(&leaves);
-	if (!code && bench_stopped(bench)) {
-		json_decref(*out);
-		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
-	}
-	if (!code)
-		bench_keep(bench, unit->name, unit->stamp, *out);
-	return code;
+	return code ? code : bench_go_on(o->bench, error);
+}
+
+enum eco_code bench_leaves_unit(struct bench *bench, const struct bench_leaves_unit *unit, json_t **out,
+	struct eco_error *error)
+{
+	return bench_unit(bench, unit->name, unit->stamp, make_unit, &(struct opening){ bench, unit }, out,
+		error);
 }
 
 uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method method, double noise)

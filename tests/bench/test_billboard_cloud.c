@@ -167,8 +167,7 @@ UNIT_TEST(coverage_is_of_valid_faces_less_invalid_ones)
 		faces[i % 2] = (struct billboard_face){ .normal = { 0, 0.6, 0.8 }, .area = 0.5 };
 		memcpy(faces[i % 2].corner, judged[i].corner, sizeof judged[i].corner);
 		assert_int_equal(billboard_face_judge(&faces[i % 2], &flat, 1, judged[i].epsilon, &nearest,
-			&projected),
-			judged[i].valid);
+			&projected), judged[i].valid);
 		assert_true(fabs(projected - 0.4) < 1e-9);
 	}
 	memcpy(faces[0].corner, judged[0].corner, sizeof judged[0].corner);

@@ -97,15 +97,12 @@ static const struct {
 } quads[] = {
 	/* the sum of areas is 2, what encloses both is 3 by 1 */
 	{ { { -1, 0, 0 }, { 1, 0, 0 } }, { { 0.5, 0, 0 }, { 0.5, 0, 0 } }, { { 0, 0.5, 0 }, { 0, 0.5, 0 } },
-		true,
-		2.5, 3, { 1, 0, 0 }, { 0, 0, 1 } },
+		true, 2.5, 3, { 1, 0, 0 }, { 0, 0, 1 } },
 	/* opposing normals: a leaf has no back */
 	{ { { 0, 0, 0 }, { 0, 1, 0 } }, { { 0, 0.5, 0 }, { 0, 0.5, 0 } }, { { 0, 0, 0.5 }, { 0, 0, -0.5 } },
-		true,
-		2, 2, { 0, 1, 0 }, { 1, 0, 0 } },
+		true, 2, 2, { 0, 1, 0 }, { 1, 0, 0 } },
 	{ { { 1, 1, 0 }, { 1, 1, 0 } }, { { 0.5, 0, 0 }, { 0, 2, 0 } }, { { 0, 0.01, 0 }, { 0.01, 0, 0 } },
-		false,
-		2.05, 4, { 0.005, 1, 0 }, { 0, 0, 1 } },
+		false, 2.05, 4, { 0.005, 1, 0 }, { 0, 0, 1 } },
 };
 
 UNIT_TEST(two_leaves_become_the_quad_of_the_paper)
@@ -179,8 +176,7 @@ UNIT_TEST(the_search_finds_the_cheapest_of_all_pairs)
 				for (uint32_t b = 0; b < a && !gone[a]; b++)
 					if (!gone[b])
 						least = fmin(least, cost_of(&collapse.node[a],
-							&collapse.node[b], &crown,
-							all[k]));
+							&collapse.node[b], &crown, all[k]));
 			const uint32_t *child = collapse.node[end].child;
 			assert_true(!gone[child[0]] && !gone[child[1]]);
 			assert_true(cost_of(&collapse.node[child[0]], &collapse.node[child[1]], &crown,

@@ -148,8 +148,7 @@ UNIT_TEST(lee_ranks_cells_by_distance_and_normal)
 		struct lod_v3 eye = { 40 * cos(turn), 40 * sin(turn), 5 };
 		for (uint32_t order = PAPER_LEE_VIEW; order < PAPER_LEE_ORDERS; order++) {
 			paper_lee_keep(kept, LOD_LEE_DISTANCE * PAPER_LEE_ORDERS + order, groups, 8, &center,
-				&eye, 80,
-				&arena);
+				&eye, 80, &arena);
 			assert_int_equal(kept[i], order == PAPER_LEE_STATIC ? 10 : 80);
 		}
 		paper_lee_keep(kept, LOD_LEE_NORMAL * PAPER_LEE_ORDERS, groups, 8, &center, &eye, 80, &arena);

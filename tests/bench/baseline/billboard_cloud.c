@@ -153,8 +153,7 @@ static bool look_up(const struct canvas *c, uint32_t triangle, const double weig
 }
 
 static void paint_texel(struct canvas *c, const struct lod_v3 p[3], double area, uint32_t triangle,
-	uint32_t x,
-	uint32_t y)
+	uint32_t x, uint32_t y)
 {
 	double weight[3], at_x = x + 0.5, at_y = y + 0.5, h = 0;
 	for (int k = 0; k < 3; k++) {
@@ -252,8 +251,7 @@ static enum eco_code weigh(struct lod_billboard_cloud *cloud, const struct eco_i
 	uint8_t *bytes = NULL;
 	size_t size = 0;
 	enum eco_code code = eco_png_encode(&(struct eco_pixels){ image->width, image->height, 4,
-		image->rgba },
-		&bytes, &size, error);
+		image->rgba }, &bytes, &size, error);
 	free(bytes);
 	cloud->texture_bytes += size;
 	cloud->texels += (size_t)image->width * image->height;

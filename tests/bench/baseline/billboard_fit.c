@@ -291,8 +291,7 @@ static double distance_to(const struct billboard_quad *quads, uint32_t count, st
 }
 
 bool billboard_face_judge(const struct billboard_face *face, const struct billboard_quad *quads,
-	uint32_t count,
-	double epsilon, uint32_t *nearest, double *projected)
+	uint32_t count, double epsilon, uint32_t *nearest, double *projected)
 {
 	struct lod_v3 middle = lod_v3_scale(lod_v3_add(face->corner[0],
 		lod_v3_add(face->corner[1], face->corner[2])), 1.0 / 3);

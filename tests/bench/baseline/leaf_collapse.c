@@ -188,8 +188,7 @@ static double cost_below(const struct work *w, const struct lod_collapse_node *a
 	if (angle > w->options->angle_most_rad)
 		return INFINITY;
 	return cost + weight[LOD_COLLAPSE_INTERIORITY] * (w->crown.across > 0
-		? from_axis(lod_v3_mix(a->center,
-		b->center, 0.5)) / w->crown.across : 0)
+		? from_axis(lod_v3_mix(a->center, b->center, 0.5)) / w->crown.across : 0)
 		+ weight[LOD_COLLAPSE_ANGLE] * angle / (LOD_PI / 2);
 }
 
@@ -442,8 +441,7 @@ static void divide(struct lod_collapse_sectors *sectors, const struct lod_foliag
 }
 
 void lod_collapse_sectors_make(struct lod_collapse_sectors *sectors, uint32_t count,
-	const struct lod_foliage *leaves, const struct lod_collapse_options *options,
-	struct lod_arena *arena)
+	const struct lod_foliage *leaves, const struct lod_collapse_options *options, struct lod_arena *arena)
 {
 	struct lod_collapse_crown crown = { 0 };
 	*sectors = (struct lod_collapse_sectors){ .count = count,

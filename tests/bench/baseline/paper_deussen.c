@@ -50,8 +50,7 @@ static bool take_elements(struct eco_elements *out, uint32_t count, uint8_t corn
 
 /* Two points on each triangle, one behind the other, in the colours of the points that the pack has. */
 static bool make_points(const struct view_list *from, const struct view_list *forms,
-	const struct eco_list *list,
-	struct eco_elements *out)
+	const struct eco_list *list, struct eco_elements *out)
 {
 	uint32_t count = from->list.primitive_count, t = 0, colour = eco_list_extra_at(&forms->list,
 		ECO_ATTR_COLOR);
@@ -89,8 +88,7 @@ static enum eco_code feed_made(struct paper_scene *s, uint32_t id, const struct 
 	enum eco_code code = eco_chunk_encode(&input, &bytes, &size, NULL, error);
 	chunk.size_bytes = (uint32_t)size;
 	code = code ? code : view_store_events.list(s->store, id, list, (const uint8_t (*)[3])like->palette,
-		NULL,
-		error);
+		NULL, error);
 	if (!code) {
 		chunk.id = eco_chunk_hash(bytes, size);
 		code = view_store_events.chunk(s->store, id, 0, &chunk, bytes, error);
@@ -157,8 +155,7 @@ static struct line *read_lines(const struct view_list *from)
 		}
 		lines[i] = lines[other];
 		lines[other] = (struct line){ from->list.grid_step[0] * e->extra[(size_t)e->extra_count * i
-			+ width],
-			sqrt(square), i };
+			+ width], sqrt(square), i };
 	}
 	return lines;
 }
@@ -399,8 +396,7 @@ enum eco_code paper_deussen(struct paper *p, double d, void *deussen, struct eco
 		for (uint32_t k = 0; k < count; k++)
 			if (paper_applies(p, &p->s->scene->ladders[ladders[k]], slot))
 				(p->s->points[ladders[k]] != ECO_NONE ? cut_points : cut_lines)(&rule, slot,
-					ladders[k],
-					r);
+					ladders[k], r);
 	}
 	free(rule.mean_m);
 	return code;

@@ -162,8 +162,7 @@ static void add_cells(const struct each *e, const struct lod_anchor_band *anchor
 	uint32_t *kept = lod_arena_take(e->lee->arena, of->count, sizeof *kept);
 	struct lod_v3 center = lod_v3_of(scene->anchors[scene->plants[plant].anchor_first].center);
 	paper_lee_keep(kept, e->lee->rule, of->groups, of->count, &center, &eye, (uint64_t)(lambda
-		* of->leaves),
-		e->lee->arena);
+		* of->leaves), e->lee->arena);
 	for (uint32_t a = 1; a < count; a++)
 		for (uint32_t g = 0; g < of->count; g++) {
 			const struct eco_ladder *l = &scene->ladders[of->ladders[g]];

@@ -172,8 +172,7 @@ static enum eco_code paint_sectors(uint8_t *rgb, const struct lod_foliage *f,
 	for (uint32_t i = 0; i < f->count; i++)
 		most = fmax(most, fmax(fabs(f->center[i].x), fabs(f->center[i].y)));
 	enum eco_code code = open_canvas(&raster, TOP_SIDE, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0,
-		0 },
-		(struct lod_v3){ 0, 1, 0 }, most / 0.96, error);
+		0 }, (struct lod_v3){ 0, 1, 0 }, most / 0.96, error);
 	if (code)
 		return code;
 	lod_raster_clear(&raster);
@@ -396,13 +395,8 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 	if (code)
 		return code;
 	*out = json_pack("[i]", (int)s->bare.count);
-	for (int kind = 0; kind < KINDS; kind++) {
-		json_t *row = json_array();
-		for (uint32_t i = 0; i < BENCH_SHARES; i++)
-			json_array_append_new(row, isfinite(s->q[kind][i]) ? json_real(s->q[kind][i])
-				: json_null());
-		json_array_append_new(*out, row);
-	}
+	for (int kind = 0; kind < KINDS; kind++)
+		json_array_append_new(*out, bench_reals(s->q[kind], BENCH_SHARES));
 	return ECO_OK;
 }
 
@@ -415,8 +409,7 @@ static enum eco_code measure(struct bench *bench, const struct bench_model *mode
 	snprintf(stamp, sizeof stamp, "%u views %016llx", s.views,
 		(unsigned long long)bench_file_hash(model->path));
 	return bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, NULL, PIXELS,
-		study_leaves,
-		&s }, q, error);
+		study_leaves, &s }, q, error);
 }
 
 /* ---- All plants ---- */
@@ -436,11 +429,10 @@ static void write_plant(struct bench_table *table, struct sums *sums, const char
 {
 	for (int row = 0; row < ROWS; row++) {
 		double at[BENCH_SHARES];
+		if (row >= BENCH_METHODS)
+			bench_cells(json_array_get(q, (size_t)(row - BENCH_METHODS + 1)), at, BENCH_SHARES);
 		for (uint32_t i = 0; i < BENCH_SHARES; i++) {
-			const json_t *value = json_array_get(json_array_get(q, (size_t)(row - BENCH_METHODS
-				+ 1)), i);
-			at[i] = row < BENCH_METHODS ? savings->q[row][i] : json_is_number(value)
-				? json_number_value(value) : NAN;
+			at[i] = row < BENCH_METHODS ? savings->q[row][i] : at[i];
 			sums->q[row][i] += at[i];
 		}
 		bench_table_row(table, "%s,%d,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", name,
@@ -451,8 +443,7 @@ static void write_plant(struct bench_table *table, struct sums *sums, const char
 }
 
 static enum eco_code study_plant(struct bench *bench, const struct bench_model *model,
-	struct bench_table *table,
-	struct sums *sums, struct eco_error *error)
+	struct bench_table *table, struct sums *sums, struct eco_error *error)
 {
 	json_t *q;
 	struct bench_savings savings;
@@ -491,8 +482,8 @@ static enum eco_code study_plants(struct bench *bench, struct sums *sums, struct
 			continue;
 		}
 		bench_progress(bench, (double)i / count, models[i].name);
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: study_plant(bench, &models[i], table, sums, error);
+		code = bench_go_on(bench, error);
+		code = code ? code : study_plant(bench, &models[i], table, sums, error);
 	}
 	bench_table_close(table);
 	free(models);
@@ -514,8 +505,7 @@ static enum eco_code write_means(struct bench *bench, struct sums *sums, struct 
 		/* as many as there are colours */
 		if (row == BENCH_STOCHASTIC || row == BENCH_COLLAPSE || row >= BENCH_PRUNED)
 			series[plotted++] = (struct bench_series){ row_name(row), bench_shares, q,
-				BENCH_SHARES,
-				false };
+				BENCH_SHARES, false };
 	}
 	bench_table_close(table);
 	bench_key(bench, "collapse_q_10", sums->q[BENCH_COLLAPSE][2],
@@ -615,7 +605,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	if (!code)
 		bench_say(bench, "Orders, leaf collapse and its quads without textures each have their best "
 			"scale. Rows as printed and by sectors have the paper's sizes, which are too large: "
-			"quads reach beyond the crown. Splats show wood and leaves together, one vertex each, "
+			"quads reach beyond the crown. Splats show wood and leaves, one vertex each, "
 			"over wood that is drawn whole as in all other rows. There is no figure where a "
 			"coarsest level has more vertices than asked for.");
 	return code;

@@ -58,8 +58,7 @@ void bench_collapse_make(struct bench_collapse_plant *plant, const struct lod_fo
 	uint32_t leaf = median_leaf(f, arena);
 	const struct lod_fan shape = lod_foliage_fan(f, leaf, f->mask ? f->mask[leaf] : NULL);
 	lod_collapse_atlas_make(&plant->atlas, plant->sectors.forest, sectors, &shape,
-		(const uint8_t[3])LEAF_RGB,
-		arena);
+		(const uint8_t[3])LEAF_RGB, arena);
 }
 
 /* ---- Elements ---- */

@@ -31,8 +31,9 @@ static const struct { const char *title; double share; uint32_t cap; } columns[]
 struct cell { uint64_t vertices; double q; };
 struct row {
 	struct bench *bench;
+	const char *name, *pack;
 	struct plant_view plant;
-	struct bench_leaves leaves;  /* its ids are drawn into */
+	struct bench_leaves *leaves; /* its ids are drawn into */
 	struct lod_sights sights;    /* one, the plant's */
 	struct bench_collapse_plant levels;
 	struct lod_billboard_plant *skeleton;
@@ -78,7 +79,7 @@ static void color_of(const struct plant_view *view, const struct plant_view_batc
 static enum eco_code draw_ours(struct row *r, uint32_t place, uint64_t vertices, struct cell *cell,
 	struct eco_error *error)
 {
-	struct lod_raster *ids = &r->leaves.ids;
+	struct lod_raster *ids = &r->leaves->ids;
 	struct plant_view_drawing drawing;
 	enum eco_code code = plant_view_drawing_make(&drawing, &r->plant, vertices, error);
 	if (code)
@@ -103,31 +104,31 @@ static double score(const struct row *r)
 {
 	struct lod_score score;
 	lod_score(&score, &(struct lod_score_input){ .width = PIXELS, .height = PIXELS,
-		.cover = r->leaves.ids.cover, .reference = r->plant.reference });
+		.cover = r->leaves->ids.cover, .reference = r->plant.reference });
 	return score.q;
 }
 
 static struct cell draw_level(struct row *r, double share, uint32_t place)
 {
-	const struct lod_foliage *f = &r->leaves.foliage;
+	const struct lod_foliage *f = &r->leaves->foliage;
 	uint64_t all = 0;
 	for (uint32_t i = 0; i < f->count; i++)
 		all += 3 * (f->first[i + 1] - f->first[i] - 2);
-	uint32_t *order = lod_arena_take(&r->leaves.arena, r->levels.leaves, sizeof *order);
+	uint32_t *order = lod_arena_take(&r->leaves->arena, r->levels.leaves, sizeof *order);
 	uint32_t row = bench_collapse_row(&r->levels, 0, share * (double)all);
 	uint32_t count = bench_collapse_order(&r->levels, 0, row, order);
-	bench_leaves_ids(&r->leaves, &r->sights, 0,
+	bench_leaves_ids(r->leaves, &r->sights, 0,
 		&(struct lod_sights_drawing){ .order = order, .count = count, .scale = 1 });
 	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++)
-		if (r->leaves.ids.cover[i])
-			bench_leaves_color(&r->leaves, i, pixel_of(r, place, i));
+		if (r->leaves->ids.cover[i])
+			bench_leaves_color(r->leaves, i, pixel_of(r, place, i));
 	return (struct cell){ r->levels.vertices[0][row] + 3 * f->wood_count, score(r) };
 }
 
 static enum eco_code draw_cloud(struct row *r, uint32_t cap, uint32_t place, struct cell *cell,
 	struct eco_error *error)
 {
-	struct lod_raster *raster = &r->leaves.ids;
+	struct lod_raster *raster = &r->leaves->ids;
 	struct lod_billboard_cloud cloud;
 	enum eco_code code = lod_billboard_cloud_make(&cloud, r->skeleton,
 		&(struct lod_billboard_options){ .cap = cap }, error);
@@ -162,101 +163,81 @@ static enum eco_code draw_column(struct row *r, uint32_t column, struct eco_erro
 static enum eco_code look(struct row *r, struct eco_error *error)
 {
 	static const double any[1][3] = { { 1, 0, 0 } };
-	enum eco_code code = lod_sights_make(&r->sights, &r->leaves.foliage, any, 1, PIXELS,
-		&r->leaves.arena, error);
+	enum eco_code code = lod_sights_make(&r->sights, &r->leaves->foliage, any, 1, PIXELS,
+		&r->leaves->arena, error);
 	r->sights.eyes[0] = r->plant.eye;
 	r->sights.near_m = r->plant.scene.near_m;
 	return code;
 }
 
-static enum eco_code draw_row(struct row *r, const char *name, struct eco_error *error)
+static enum eco_code draw_row(struct row *r, struct eco_error *error)
 {
 	struct cell full;
 	char file[96];
+	struct lod_arena *arena = &r->leaves->arena;
 	enum eco_code code = look(r, error);
-	r->rgb = lod_arena_take(&r->leaves.arena, (size_t)WIDTH * PIXELS, 3);
+	r->rgb = lod_arena_take(arena, (size_t)WIDTH * PIXELS, 3);
 	memset(r->rgb, BACKGROUND, 3 * (size_t)WIDTH * PIXELS);
 	code = code ? code : draw_ours(r, 0, ECO_VERTICES_MAX, &full, error);
-	bench_collapse_make(&r->levels, &r->leaves.foliage, &(struct bench_collapse_options){ .sectors = 0 },
-		&r->leaves.arena);
-	bench_collapse_extend(&r->levels, &r->leaves.foliage, &r->leaves.arena);
-	code = code ? code : lod_billboard_plant_open(&r->skeleton, &r->leaves.model, error);
-	for (uint32_t i = 0; i < COLUMNS && !code; i++)
-		code = bench_stopped(r->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: draw_column(r, i, error);
+	bench_collapse_make(&r->levels, &r->leaves->foliage, &(struct bench_collapse_options){ 0 }, arena);
+	bench_collapse_extend(&r->levels, &r->leaves->foliage, arena);
+	code = code ? code : lod_billboard_plant_open(&r->skeleton, &r->leaves->model, error);
+	for (uint32_t i = 0; i < COLUMNS && !code; i++) {
+		code = bench_go_on(r->bench, error);
+		code = code ? code : draw_column(r, i, error);
+	}
 	lod_billboard_plant_close(r->skeleton);
-	snprintf(file, sizeof file, "sheet-%s.png", name);
+	snprintf(file, sizeof file, "sheet-%s.png", r->name);
 	return code ? code : bench_picture_write(r->bench, file, WIDTH, PIXELS, r->rgb, error);
 }
 
-static enum eco_code open_row(struct row *r, const struct bench_model *model, const struct eco_pack *pack,
+/* The unit: vertices and Q of each cell. */
+static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
 	struct eco_error *error)
 {
-	struct eco_model read;
-	enum eco_code code = plant_view_open(&r->plant, pack, 0, PIXELS, error);
+	struct row *r = ctx;
+	struct eco_pack *pack;
+	double kept[2 * CELLS];
+	enum eco_code code = eco_pack_open(&pack, r->pack, error);
 	if (code)
 		return code;
-	code = bench_model_read(r->bench, model, &read, error);
-	code = code ? code : bench_leaves_open(&r->leaves, &read, PIXELS, error);
+	r->leaves = leaves;
+	code = plant_view_open(&r->plant, pack, 0, PIXELS, error);
 	if (!code) {
-		code = setjmp(r->leaves.arena.failed) ? eco_fail(error, ECO_NO_MEMORY, "no memory for %s",
-			model->name) : draw_row(r, model->name, error);
-		bench_leaves_close(&r->leaves);
+		code = draw_row(r, error);
+		plant_view_close(&r->plant);
 	}
-	plant_view_close(&r->plant);
+	eco_pack_close(pack);
+	for (size_t i = 0; i < CELLS; i++) {
+		kept[2 * i] = (double)r->cells[i].vertices;
+		kept[2 * i + 1] = r->cells[i].q;
+	}
+	*out = bench_reals(kept, 2 * CELLS);
 	return code;
-}
-
-static json_t *pack_cells(const struct cell *cells)
-{
-	json_t *kept = json_array();
-	for (size_t i = 0; i < CELLS; i++)
-		json_array_append_new(kept, json_pack("[f,f]", (double)cells[i].vertices, cells[i].q));
-	return kept;
 }
 
 static enum eco_code measure(struct bench *bench, const struct bench_model *model, json_t **kept,
 	struct eco_error *error)
 {
-	char unit[96], path[512], stamp[40];
-	struct eco_pack *pack;
+	char name[96], path[512], stamp[40];
+	struct row r = { .bench = bench, .name = model->name, .pack = path };
 	enum eco_code code = bench_model_pack(bench, model, path, error);
-	if (code)
-		return code;
-	snprintf(unit, sizeof unit, "sheet-%s", model->name);
+	snprintf(name, sizeof name, "sheet-%s", model->name);
 	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(path));
-	*kept = bench_recall(bench, unit, stamp);
-	if (*kept)
-		return ECO_OK;
-	struct row *r = calloc(1, sizeof *r);
-	if (!r)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a row of %s", model->name);
-	r->bench = bench;
-	code = eco_pack_open(&pack, path, error);
-	if (!code) {
-		code = open_row(r, model, pack, error);
-		eco_pack_close(pack);
-	}
-	if (!code)
-		*kept = bench_keep(bench, unit, stamp, pack_cells(r->cells));
-	free(r);
-	return code;
+	return code ? code : bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, NULL,
+		PIXELS, study_leaves, &r }, kept, error);
 }
 
 /* ---- The section ---- */
-
-static double number(const json_t *kept, size_t cell, size_t i)
-{
-	return json_number_value(json_array_get(json_array_get(kept, cell), i));
-}
 
 static void write_row(struct bench *bench, struct bench_table *table, const char *name, const json_t *kept)
 {
 	char file[96];
 	for (size_t i = 0; i < COLUMNS; i++)
-		bench_table_row(table, "%s,%s,%.0f,%.3f,%.0f,%.3f", name, columns[i].title,
-			number(kept, 2 * i, 0), number(kept, 2 * i, 1), number(kept, 2 * i + 1, 0),
-			number(kept, 2 * i + 1, 1));
+		bench_table_row(table, "%s,%s,%.0f,%.3f,%.0f,%.3f", name, columns[i].title, bench_cell(kept,
+			4 * i),
+			bench_cell(kept, 4 * i + 1), bench_cell(kept, 4 * i + 2), bench_cell(kept, 4 * i
+				+ 3));
 	snprintf(file, sizeof file, "sheet-%s.png", name);
 	bench_picture(bench, file, "full detail; leaf collapse and billboard clouds, each beside ours at as "
 		"many vertices");

@@ -44,8 +44,7 @@ static const uint32_t layers[] = { 1, 2, 3, 5, 8, 12, 20, 40 };
 #define LAYERS (sizeof layers / sizeof *layers)
 
 enum method { DISTANCE, NORMAL, LAYER, CELL_DISTANCE, CELL_NORMAL, CELL_LAYER, STOCHASTIC, COMBINED, STATIC,
-	SECTOR,
-	METHODS };
+	SECTOR, METHODS };
 static const char *const names[METHODS] = { "distance", "normal", "layer+normal", "distance (cells)",
 	"normal (cells)", "layer+normal (cells)", "stochastic", "combined", "our list",
 		"our lists per sector" };
@@ -67,8 +66,7 @@ struct study {
 };
 
 static void *take(struct study *s, size_t count, size_t size) { return lod_arena_take(&s->leaves->arena,
-	count,
-	size); }
+	count, size); }
 
 /* ---- Which leaves ---- */
 
@@ -227,8 +225,7 @@ static uint64_t cover_leaf(struct cover *c, uint32_t leaf, bool add)
 }
 
 static enum eco_code cover_order(struct study *s, uint32_t *order, const double (*directions)[3],
-	uint32_t views,
-	struct eco_error *error)
+	uint32_t views, struct eco_error *error)
 {
 	struct lod_arena_piece *mark = s->leaves->arena.last;
 	struct lod_sights sights;
@@ -266,8 +263,7 @@ static enum eco_code cover_order(struct study *s, uint32_t *order, const double 
  * views that
  * packs are made with). */
 static enum eco_code make_lists(struct study *s, enum method method, const double (*cover)[3],
-	uint32_t covers,
-	const double (*rank)[3], uint32_t ranks, struct eco_error *error)
+	uint32_t covers, const double (*rank)[3], uint32_t ranks, struct eco_error *error)
 {
 	struct lod_rank made;
 	s->fixed[method][0] = take(s, s->leaves->foliage.count, sizeof(uint32_t));
@@ -306,8 +302,7 @@ static void cone_views(double (*directions)[3], uint32_t count, const double axi
 }
 
 static enum eco_code look(struct study *s, struct lod_sights *sights, const double (*directions)[3],
-	uint32_t count,
-	struct eco_error *error)
+	uint32_t count, struct eco_error *error)
 {
 	return lod_sights_make(sights, &s->leaves->foliage, directions, count, PIXELS, &s->leaves->arena,
 		error);
@@ -387,15 +382,15 @@ static json_t *width_figures(const struct study *s)
 {
 	json_t *methods = json_array();
 	for (enum method m = 0; m < METHODS; m++) {
+		double row[FIGURES][SHARES];
 		json_t *figures = json_array();
-		for (int figure = WRONG; figure < FIGURES; figure++) {
-			json_t *row = json_array();
-			for (uint32_t share = 0; share < SHARES; share++)
-				json_array_append_new(row, json_real(figure == OTHER_LEAF
-					? (double)s->other[m][share] / (double)s->shown
-					: bench_wrong_share(&s->wrong[m][share][figure == SCALED_WRONG])));
-			json_array_append_new(figures, row);
+		for (uint32_t share = 0; share < SHARES; share++) {
+			row[WRONG][share] = bench_wrong_share(&s->wrong[m][share][0]);
+			row[SCALED_WRONG][share] = bench_wrong_share(&s->wrong[m][share][1]);
+			row[OTHER_LEAF][share] = (double)s->other[m][share] / (double)s->shown;
 		}
+		for (int figure = WRONG; figure < FIGURES; figure++)
+			json_array_append_new(figures, bench_reals(row[figure], SHARES));
 		json_array_append_new(methods, figures);
 	}
 	return methods;
@@ -411,9 +406,11 @@ static enum eco_code measure_table(struct study *s, json_t *out, struct eco_erro
 		memset(s->other, 0, sizeof s->other);
 		s->shown = 0;
 		lod_directions_spread(axes, sectors, 77);
-		for (uint32_t i = 0; i < sectors && !code; i++)
-			code = bench_stopped(s->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-				: measure_sector(s, width, axes[i], i, s->bench->full ? 4 : 2, error);
+		for (uint32_t i = 0; i < sectors && !code; i++) {
+			code = bench_go_on(s->bench, error);
+			code = code ? code : measure_sector(s, width, axes[i], i, s->bench->full ? 4 : 2,
+				error);
+		}
 		json_array_append_new(out, width_figures(s));
 	}
 	return code;
@@ -432,7 +429,7 @@ static struct lod_sights_drawing layer_drawing(struct study *s, enum method meth
 /* Row: wrong pixels over the reference's pixels for each share, then over all pixels of the picture. */
 static json_t *layer_row(struct study *s, enum method method, uint32_t layer_count)
 {
-	json_t *row = json_array(), *of_picture = json_array();
+	double row[2 * SHARES];
 	for (uint32_t share = 0; share < SHARES; share++) {
 		struct bench_wrong sum = { 0 };
 		for (uint32_t v = 0; v < LAYER_VIEWS; v++) {
@@ -440,13 +437,10 @@ static json_t *layer_row(struct study *s, enum method method, uint32_t layer_cou
 				percent[share], v);
 			bench_leaves_compare(s->leaves, &s->tests, v, &drawing, &sum);
 		}
-		json_array_append_new(row, json_real(bench_wrong_share(&sum)));
-		json_array_append_new(of_picture, json_real((double)(sum.fp + sum.fn)
-			/ ((double)LAYER_VIEWS * PIXELS * PIXELS)));
+		row[share] = bench_wrong_share(&sum);
+		row[SHARES + share] = (double)(sum.fp + sum.fn) / ((double)LAYER_VIEWS * PIXELS * PIXELS);
 	}
-	json_array_extend(row, of_picture);
-	json_decref(of_picture);
-	return row;
+	return bench_reals(row, 2 * SHARES);
 }
 
 static void draw_into(struct study *s, const struct lod_sights_drawing *drawing, uint32_t column,
@@ -468,8 +462,7 @@ static enum eco_code draw_figure_2(struct study *s, struct eco_error *error)
 	draw_into(s, NULL, 0, rgb);
 	for (uint32_t i = 0; i < COLUMNS - 1; i++) {
 		const struct lod_sights_drawing drawing = layer_drawing(s, (enum method)(i % 3), 0, i < 3
-			? 50 : 30,
-			SHOWN);
+			? 50 : 30, SHOWN);
 		draw_into(s, &drawing, i + 1, rgb);
 	}
 	return bench_picture_write(s->bench, "lee-figure-2.png", COLUMNS * PIXELS, PIXELS, rgb, error);
@@ -502,14 +495,10 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 	enum eco_code code = measure_table(s, table, error);
 	code = code ? code : measure_layers(s, sweep, error);
 	*out = json_pack("[oo]", table, sweep);
-	if (code)
-		json_decref(*out);
 	return code;
 }
 
 /* ---- Tables ---- */
-
-static double number(const json_t *array, size_t i) { return json_number_value(json_array_get(array, i)); }
 
 static const json_t *figures_of(const json_t *unit, size_t width, enum method method, enum figure figure)
 {
@@ -530,7 +519,7 @@ static void write_table(struct bench *bench, const json_t *unit)
 			: " (12 degrees)");
 		for (uint32_t i = 0; i < FIGURES * SHARES; i++)
 			at += snprintf(text + at, sizeof text - (size_t)at, ",%.1f", 100
-				* number(figures_of(unit,
+				* bench_cell(figures_of(unit,
 				row == METHODS, method, (enum figure)(i / SHARES)), i % SHARES));
 		bench_table_row(table, "%s", text);
 	}
@@ -547,7 +536,7 @@ static enum eco_code plot_table(struct bench *bench, const json_t *unit, struct 
 			continue;
 		for (uint32_t share = 0; share < SHARES; share++) {
 			x[share] = percent[share];
-			y[m][share] = 100 * number(figures_of(unit, 0, m, WRONG), share);
+			y[m][share] = 100 * bench_cell(figures_of(unit, 0, m, WRONG), share);
 		}
 		series[count++] = (struct bench_series){ names[m], x, y[m], SHARES, false };
 	}
@@ -570,9 +559,10 @@ static void write_keys(struct bench *bench, const json_t *unit)
 			char key[48];
 			double best = INFINITY;
 			for (enum method m = DISTANCE; m <= LAYER; m++)
-				best = fmin(best, number(figures_of(unit, 0, m, contests[c].figure), share));
+				best = fmin(best, bench_cell(figures_of(unit, 0, m, contests[c].figure),
+					share));
 			snprintf(key, sizeof key, "%s_%u", contests[c].key, percent[share]);
-			bench_key(bench, key, number(figures_of(unit, 0, contests[c].method,
+			bench_key(bench, key, bench_cell(figures_of(unit, 0, contests[c].method,
 				contests[c].figure), share)
 				/ best, contests[c].bars[share]);
 		}
@@ -593,7 +583,7 @@ static void write_layers(struct bench *bench, const json_t *rows)
 		int at = snprintf(text, sizeof text, "%s,%s", names[row < LAYER ? row : LAYER], count);
 		for (size_t i = 0; i < 2 * SHARES; i++)
 			at += snprintf(text + at, sizeof text - (size_t)at, ",%.2f",
-				100 * number(json_array_get(rows, row), i));
+				100 * bench_cell(json_array_get(rows, row), i));
 		bench_table_row(table, "%s", text);
 	}
 	bench_table_close(table);

@@ -44,8 +44,7 @@ enum turn { BILLBOARDS, STOCHASTIC, COMBINED, GREEDY, TURNS };
 static const char *const turn_names[TURNS] = { "209 billboards", "stochastic", "combined", "greedy" };
 /* Figures of one cloud. */
 enum figure { COUNT, PARTS, FORM_CROSS, FORM_PLANE, FORM_STRIP, ERROR, INVALID, EPSILON, TEXELS, BYTES,
-	SECONDS,
-	PRECISION, RECALL, HARD, SOFT };
+	SECONDS, PRECISION, RECALL, HARD, SOFT };
 
 struct study {
 	struct bench *bench;
@@ -58,13 +57,6 @@ struct study {
 	json_t *clouds,
 		*turns;              /* [of each kind [of each cap [figures]]]; [of each method [...]] */
 };
-
-/* The number at array[i][j]...; NaN if there is none. */
-static double number(const json_t *array, size_t i)
-{
-	const json_t *value = json_array_get(array, i);
-	return json_is_number(value) ? json_number_value(value) : NAN;
-}
 
 /* ---- Clouds by cap ---- */
 
@@ -126,7 +118,7 @@ static enum eco_code measure_cap(struct study *s, enum kind kind, uint32_t cap, 
 	struct lod_billboard_cloud cloud;
 	struct bench_splats_q q;
 	const struct lod_billboard_options options = { .cap = caps[cap], .epsilon = kind == VALID
-		? number(json_array_get(json_array_get(s->clouds, ALL), cap), EPSILON) : 0,
+		? bench_cell(json_array_get(json_array_get(s->clouds, ALL), cap), EPSILON) : 0,
 		.forms = kind == CROSSES ? 1u << LOD_BILLBOARD_CROSS : 0, .valid_only = kind == VALID };
 	clock_t begun = clock();
 	enum eco_code code = lod_billboard_cloud_make(&cloud, s->plant, &options, error);
@@ -143,7 +135,7 @@ static enum eco_code measure_cap(struct study *s, enum kind kind, uint32_t cap, 
 	if (kind == ALL && cap >= 1 && cap <= 3)
 		code = paint(s, &cloud, picture, cap, error);
 	lod_billboard_cloud_free(&cloud);
-	return !code && bench_stopped(s->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : code;
+	return code ? code : bench_go_on(s->bench, error);
 }
 
 static enum eco_code study_caps(struct study *s, struct eco_error *error)
@@ -203,10 +195,10 @@ static double prune(struct study *s, uint32_t count, double q[TURN_VIEWS])
 /* vertices, vertices of wood besides, Q of each view; null: the mean is not reached */
 static void keep_turn(struct study *s, double vertices, double wood, const double q[TURN_VIEWS], bool reached)
 {
-	json_t *row = json_pack("[ff]", vertices, wood);
+	double row[2 + TURN_VIEWS] = { vertices, wood };
 	for (uint32_t v = 0; v < TURN_VIEWS; v++)
-		json_array_append_new(row, reached ? json_real(q[v]) : json_null());
-	json_array_append_new(s->turns, row);
+		row[2 + v] = reached ? q[v] : NAN;
+	json_array_append_new(s->turns, bench_reals(row, 2 + TURN_VIEWS));
 }
 
 /* Prunes to a mean Q as near as can be, which is not reached if wood alone is better. */
@@ -259,8 +251,7 @@ static enum eco_code study_turn(struct study *s, struct eco_error *error)
 		to[v][0] = flat * cosine, to[v][1] = flat * sine, to[v][2] = flat * TURN_UP;
 	}
 	enum eco_code code = lod_sights_make(&s->turn, &s->leaves->foliage, (const double (*)[3])to,
-		TURN_VIEWS,
-		PIXELS, &s->leaves->arena, error);
+		TURN_VIEWS, PIXELS, &s->leaves->arena, error);
 	code = code ? code : lod_billboard_cloud_make(&cloud, s->plant, &(struct lod_billboard_options){
 		.cap = caps[TURNED] }, error);
 	for (uint32_t v = 0; v < TURN_VIEWS && !code; v++)
@@ -273,7 +264,7 @@ static enum eco_code study_turn(struct study *s, struct eco_error *error)
 		if (!code)
 			prune_to(s, mean);
 	}
-	return !code && bench_stopped(s->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : code;
+	return code ? code : bench_go_on(s->bench, error);
 }
 
 /* ---- One plant ---- */
@@ -293,8 +284,6 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 	code = code ? code : study_turn(s, error);
 	lod_billboard_plant_close(s->plant);
 	bench_splats_close(&s->pictures);
-	if (code)
-		json_decref(*out);
 	return code;
 }
 
@@ -309,8 +298,7 @@ static enum eco_code measure(struct bench *bench, const struct bench_model *mode
 	snprintf(name, sizeof name, "billboards-%s", model->name);
 	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
 	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, NULL,
-		PIXELS,
-		study_leaves, s }, out, error);
+		PIXELS, study_leaves, s }, out, error);
 	free(s);
 	return code;
 }
@@ -340,8 +328,7 @@ static const char *row_name(int row)
 static void write_row(struct section *t, const char *plant, int row, const double q[2 * BUDGETS])
 {
 	bench_table_row(t->q, "%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", plant, row_name(row), q[0],
-		q[1],
-		q[2], q[3], q[4], q[5], q[6], q[7]);
+		q[1], q[2], q[3], q[4], q[5], q[6], q[7]);
 }
 
 static void write_caps(struct section *t, const char *plant, const json_t *clouds)
@@ -353,18 +340,21 @@ static void write_caps(struct section *t, const char *plant, const json_t *cloud
 			continue;
 		bench_table_row(t->caps,
 			"%s,%s,%u,%.0f,%.0f,%.0f,%.0f,%.0f,%.3f,%.3f,%.4f,%.0f,%.0f,%.1f,%.3f,%.3f,"
-			"%.3f,%.3f", plant, kind_names[i / CAPS], caps[cap], number(p, COUNT), number(p,
-				PARTS),
-			number(p, FORM_CROSS), number(p, FORM_PLANE), number(p, FORM_STRIP), number(p, ERROR),
-			number(p, INVALID), number(p, EPSILON), number(p, TEXELS) / 1000, number(p, BYTES)
+			"%.3f,%.3f", plant, kind_names[i / CAPS], caps[cap], bench_cell(p, COUNT),
+				bench_cell(p, PARTS),
+			bench_cell(p, FORM_CROSS), bench_cell(p, FORM_PLANE), bench_cell(p, FORM_STRIP),
+				bench_cell(p, ERROR),
+			bench_cell(p, INVALID), bench_cell(p, EPSILON), bench_cell(p, TEXELS) / 1000,
+				bench_cell(p, BYTES)
 				/ 1000,
-			number(p, SECONDS), number(p, PRECISION), number(p, RECALL), number(p, HARD),
-			number(p, SOFT));
+			bench_cell(p, SECONDS), bench_cell(p, PRECISION), bench_cell(p, RECALL), bench_cell(p,
+				HARD),
+			bench_cell(p, SOFT));
 		if (i >= CAPS)
 			continue;
-		t->cap_error[cap] += number(p, ERROR);
-		t->precision[t->plants][cap] = number(p, PRECISION);
-		t->recall[t->plants][cap] = number(p, RECALL);
+		t->cap_error[cap] += bench_cell(p, ERROR);
+		t->precision[t->plants][cap] = bench_cell(p, PRECISION);
+		t->recall[t->plants][cap] = bench_cell(p, RECALL);
 	}
 }
 
@@ -375,8 +365,8 @@ static void write_beside(struct section *t, const char *plant, const json_t *clo
 	for (int row = 0; row < ROWS; row++) {
 		for (uint32_t b = 0; b < BUDGETS && row < BEST; b++) {
 			const json_t *p = json_array_get(json_array_get(clouds, (size_t)row), b);
-			rows[row][b] = row < OURS ? number(p, HARD) : ours[row - OURS][b].hard;
-			rows[row][BUDGETS + b] = row < OURS ? number(p, SOFT) : ours[row - OURS][b].soft;
+			rows[row][b] = row < OURS ? bench_cell(p, HARD) : ours[row - OURS][b].hard;
+			rows[row][BUDGETS + b] = row < OURS ? bench_cell(p, SOFT) : ours[row - OURS][b].soft;
 		}
 		for (uint32_t b = 0; b < 2 * BUDGETS; b++) {
 			if (row >= OURS && row < BEST)
@@ -398,7 +388,7 @@ static enum eco_code write_turn(struct section *t, const char *plant, const json
 		double mean = 0, square = 0, least = INFINITY, most = -INFINITY;
 		for (uint32_t v = 0; v < TURN_VIEWS; v++) {
 			degrees[v] = 360.0 * v / TURN_VIEWS;
-			q[m][v] = number(row, 2 + v);
+			q[m][v] = bench_cell(row, 2 + v);
 			mean += q[m][v] / TURN_VIEWS;
 			least = fmin(least, q[m][v]);
 			most = fmax(most, q[m][v]);
@@ -406,7 +396,7 @@ static enum eco_code write_turn(struct section *t, const char *plant, const json
 		for (uint32_t v = 0; v < TURN_VIEWS; v++)
 			square += (q[m][v] - mean) * (q[m][v] - mean) / TURN_VIEWS;
 		bench_table_row(t->turn, "%s,%s,%.0f,%.0f,%.3f,%.3f,%.3f,%.2e,%.4f", plant, turn_names[m],
-			number(row, 0), number(row, 1), mean, least, most, square, sqrt(square));
+			bench_cell(row, 0), bench_cell(row, 1), mean, least, most, square, sqrt(square));
 		t->sd[m] += isfinite(square) ? sqrt(square) : 0;
 		t->turned[m] += isfinite(square);
 		series[m] = (struct bench_series){ turn_names[m], degrees, q[m], TURN_VIEWS, false };
@@ -439,30 +429,18 @@ static enum eco_code study_plant(struct section *t, const struct bench_model *mo
 static enum eco_code study_field(struct bench *bench, const struct bench_model *model,
 	struct eco_error *error)
 {
-	char unit[128], stamp[32], file[128];
-	double epsilon[BENCH_FIELD_LEVELS], q[10] = { 0 };
-	json_t *known, *kept;
-	struct eco_model read;
+	char file[128];
+	double epsilon[BENCH_FIELD_LEVELS], q[10];
+	json_t *known, *field;
 	snprintf(file, sizeof file, "billboards_field-%s.png", model->name);
 	enum eco_code code = measure(bench, model, &known, error);
+	for (size_t i = 0; i < BENCH_FIELD_LEVELS && !code; i++)
+		epsilon[i] = bench_cell(json_array_get(json_array_get(json_array_get(known, 0), ALL),
+			field_cap[i]), EPSILON);
+	code = code ? code : bench_billboards_field(bench, model, file, epsilon, &field, error);
 	if (code)
 		return code;
-	for (size_t i = 0; i < BENCH_FIELD_LEVELS; i++)
-		epsilon[i] = number(json_array_get(json_array_get(json_array_get(known, 0), ALL),
-			field_cap[i]),
-			EPSILON);
-	snprintf(unit, sizeof unit, "billboards-field-%s", model->name);
-	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
-	kept = bench_recall(bench, unit, stamp);
-	if (!kept) {
-		code = bench_model_read(bench, model, &read, error);
-		code = code ? code : bench_billboards_field(bench, file, epsilon, &read, &kept, error);
-		if (code)
-			return code;
-		bench_keep(bench, unit, stamp, kept);
-	}
-	for (size_t i = 0; i < 10; i++)
-		q[i] = number(kept, i);
+	bench_cells(field, q, 10);
 	struct bench_table *table = bench_table_open(bench, "billboards_field", "plant,plants in view,"
 		"of 333 billboards,of 166,of 33,of 8,vertices,vertices of full detail,Q,Precision,Recall,"
 		"owner_q", true);
@@ -536,8 +514,7 @@ static enum eco_code study_all(struct section *t, struct eco_error *error)
 		bench_progress(bench, (double)i / count, models[i].name);
 		code = study_plant(t, &models[i], error);
 		last = i;
-		if (!code && bench_stopped(bench))
-			code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
+		code = code ? code : bench_go_on(bench, error);
 	}
 	if (!code && t->plants)
 		code = study_field(bench, &models[last], error);

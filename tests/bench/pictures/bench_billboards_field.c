@@ -28,7 +28,10 @@ static const uint8_t level_rgb[LEVELS][3] = { { 200, 60, 40 }, { 235, 160, 50 },
 
 struct stand { struct lod_place place; double world[3], away; uint32_t level; };
 struct field {
-	struct eco_model *model;
+	struct bench *bench;
+	const char *file;
+	const double *epsilon;
+	struct eco_model model;
 	double height, radius;
 	float center[3];
 	struct lod_eye eye;
@@ -43,7 +46,7 @@ struct field {
 static void look(struct field *f)
 {
 	float low[3] = { 0 }, high[3] = { 0 };
-	lod_model_bounds(f->model, low, high);
+	lod_model_bounds(&f->model, low, high);
 	for (int k = 0; k < 3; k++)
 		f->center[k] = (float)(((double)low[k] + high[k]) / 2);
 	f->radius = lod_v3_distance(lod_v3_of(low), lod_v3_of(high)) / 2;
@@ -84,18 +87,18 @@ static void place_plants(struct field *f)
 
 /* ---- Drawing ---- */
 
-static enum eco_code make_clouds(struct field *f, const double epsilon[LEVELS], struct eco_error *error)
+static enum eco_code make_clouds(struct field *f, struct eco_error *error)
 {
 	struct lod_billboard_plant *plant;
-	enum eco_code code = lod_billboard_plant_open(&plant, f->model, error);
+	enum eco_code code = lod_billboard_plant_open(&plant, &f->model, error);
 	for (uint32_t i = 0; i < LEVELS && !code; i++)
 		code = lod_billboard_cloud_make(&f->clouds[i], plant, &(struct lod_billboard_options){
-			.cap = bench_field_caps[i], .epsilon = epsilon[i] }, error);
+			.cap = bench_field_caps[i], .epsilon = f->epsilon[i] }, error);
 	lod_billboard_plant_close(plant);
 	return code;
 }
 
-static enum eco_code draw(struct bench *bench, struct field *f, bool clouds, struct eco_error *error)
+static enum eco_code draw(struct field *f, bool clouds, struct eco_error *error)
 {
 	struct lod_raster *raster = clouds ? &f->drawn : &f->full;
 	enum eco_code code = lod_raster_init(raster, &(struct lod_raster_options){ .width = WIDTH,
@@ -112,9 +115,9 @@ static enum eco_code draw(struct bench *bench, struct field *f, bool clouds, str
 		if (clouds)
 			lod_billboard_cloud_draw(&f->clouds[s->level], i + 1, raster);
 		else
-			bench_model_draw(f->model, i + 1, raster);
+			bench_model_draw(&f->model, i + 1, raster);
 	}
-	return bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : ECO_OK;
+	return bench_go_on(f->bench, error);
 }
 
 /* Neighbours of one colour are told apart by how dark they are. */
@@ -133,15 +136,14 @@ static void paint_pixel(const struct field *f, uint32_t panel, size_t i, uint8_t
 		rgb[k] = (uint8_t)(shade * (panel == 2 ? level_rgb[s->level] : from)[k]);
 }
 
-static enum eco_code write_picture(struct bench *bench, const struct field *f, const char *file,
-	struct eco_error *error)
+static enum eco_code write_picture(const struct field *f, struct eco_error *error)
 {
 	uint8_t *rgb = malloc((size_t)PANELS * WIDTH * HEIGHT * 3);
 	if (!rgb)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
 	for (size_t i = 0; i < (size_t)PANELS * WIDTH * HEIGHT; i++)
 		paint_pixel(f, i / WIDTH % PANELS, i / (PANELS * WIDTH) * WIDTH + i % WIDTH, rgb + 3 * i);
-	enum eco_code code = bench_picture_write(bench, file, PANELS * WIDTH, HEIGHT, rgb, error);
+	enum eco_code code = bench_picture_write(f->bench, f->file, PANELS * WIDTH, HEIGHT, rgb, error);
 	free(rgb);
 	return code;
 }
@@ -158,30 +160,41 @@ static json_t *score(const struct field *f)
 		vertices += 6.0 * f->clouds[f->stands[i].level].count;
 	}
 	return json_pack("[iiiiffffff]", plants[0], plants[1], plants[2], plants[3], vertices,
-		3.0 * f->count * f->model->triangle_count, score.q, score.precision, score.recall,
+		3.0 * f->count * f->model.triangle_count, score.q, score.precision, score.recall,
 			score.owner_q);
 }
 
-enum eco_code bench_billboards_field(struct bench *bench, const char *file, const double epsilon[LEVELS],
-	struct eco_model *model, json_t **out, struct eco_error *error)
+static enum eco_code make_field(void *ctx, json_t **out, struct eco_error *error)
 {
+	struct field *f = ctx;
+	look(f);
+	place_plants(f);
+	enum eco_code code = make_clouds(f, error);
+	code = code ? code : draw(f, false, error);
+	code = code ? code : draw(f, true, error);
+	code = code ? code : write_picture(f, error);
+	*out = code ? NULL : score(f);
+	for (uint32_t i = 0; i < LEVELS; i++)
+		lod_billboard_cloud_free(&f->clouds[i]);
+	lod_raster_free(&f->full);
+	lod_raster_free(&f->drawn);
+	return code;
+}
+
+enum eco_code bench_billboards_field(struct bench *bench, const struct bench_model *model, const char *file,
+	const double epsilon[LEVELS], json_t **out, struct eco_error *error)
+{
+	char stamp[32];
 	struct field *f = calloc(1, sizeof *f);
-	enum eco_code code = f ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a field of plants");
-	if (!code) {
-		f->model = model;
-		look(f);
-		place_plants(f);
-		code = make_clouds(f, epsilon, error);
-		code = code ? code : draw(bench, f, false, error);
-		code = code ? code : draw(bench, f, true, error);
-		code = code ? code : write_picture(bench, f, file, error);
-		*out = code ? NULL : score(f);
-		for (uint32_t i = 0; i < LEVELS; i++)
-			lod_billboard_cloud_free(&f->clouds[i]);
-		lod_raster_free(&f->full);
-		lod_raster_free(&f->drawn);
-	}
+	if (!f)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a field of plants");
+	f->bench = bench;
+	f->file = file;
+	f->epsilon = epsilon;
+	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
+	enum eco_code code = bench_model_read(bench, model, &f->model, error);
+	code = code ? code : bench_unit(bench, file, stamp, make_field, f, out, error);
+	eco_model_free(&f->model);
 	free(f);
-	eco_model_free(model);
 	return code;
 }
