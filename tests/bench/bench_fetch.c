@@ -81,3 +81,20 @@ enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *sce
 	fetch->plan_bytes = !code && view_store_plan(store) ? plan_bytes(view_store_plan(store)) : 0;
 	return code;
 }
+
+double bench_near_m(const struct view_store *store)
+{
+	return view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1;
+}
+
+enum eco_code bench_draw(struct bench_drawing *drawing, const struct view_store *store, const struct eco_view
+	*view, struct view_picture *picture, struct eco_error *error)
+{
+	*drawing = (struct bench_drawing){ .job = { .store = store, .selection = &drawing->selection,
+		.eye = &drawing->eye, .near_m = bench_near_m(store) } };
+	lod_eye_make(&drawing->eye, view);
+	enum eco_code code = view_select_make(&drawing->selection, store, &drawing->eye, error);
+	if (!code)
+		code = view_picture_init(picture, view->width, view->height, error);
+	return code ? code : view_reference_draw(&drawing->job, picture, error);
+}

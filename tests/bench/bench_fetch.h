@@ -3,6 +3,7 @@
 #ifndef TESTS_BENCH_FETCH_H
 #define TESTS_BENCH_FETCH_H
 
+#include "client-min/view_reference.h"
 #include "client-min/view_store.h"
 #include "server/stream.h"
 
@@ -21,5 +22,13 @@ struct bench_fetch {
  * small, and where bounds of the walk or of memory do not hold a view. */
 enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *scene,
 	const struct eco_request *request, struct view_store *store, struct eco_error *error);
+
+/* Nearest plane of pictures of the store's plan. */
+double bench_near_m(const struct view_store *store);
+/* Draws the store's plan by the rasteriser. The caller frees the picture and the selection, also after an
+ * error; `drawing` must stay where it is while its job is used. */
+struct bench_drawing { struct view_selection selection; struct lod_eye eye; struct view_reference_job job; };
+enum eco_code bench_draw(struct bench_drawing *drawing, const struct view_store *store, const struct eco_view
+	*view, struct view_picture *picture, struct eco_error *error);
 
 #endif

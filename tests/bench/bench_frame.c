@@ -63,11 +63,6 @@ void bench_client_keep(struct bench_client *client, const struct bench *bench) {
 
 /* ---- Drawing ---- */
 
-static double near_of(const struct view_store *store)
-{
-	return view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1;
-}
-
 double bench_gl_ms(const struct view_store *store, const struct view_selection *selection,
 	const struct eco_view *view)
 {
@@ -75,13 +70,13 @@ double bench_gl_ms(const struct view_store *store, const struct view_selection *
 	struct view_picture picture = { 0 };
 	struct view_gl *gl = NULL;
 	struct eco_error why = { 0 };
+	double near_m = bench_near_m(store);
 	lod_eye_make(&eye, view);
 	bool drawn = !view_gl_open(&gl, &(struct view_gl_options){ view->width, view->height }, &why) &&
 		!view_picture_init(&picture, view->width, view->height, &why);
 	for (int i = 0; i < 2 && drawn; i++)
-		drawn = !view_gl_draw(gl,
-			&(struct view_gl_job){ store, selection, &eye, near_of(store), VIEW_TINT_NONE },
-			&picture, &why);
+		drawn = !view_gl_draw(gl, &(struct view_gl_job){ store, selection, &eye, near_m,
+			VIEW_TINT_NONE }, &picture, &why);
 	double ms = drawn ? picture.draw_ms : NAN;
 	view_gl_close(gl);
 	view_picture_free(&picture);
@@ -91,29 +86,20 @@ double bench_gl_ms(const struct view_store *store, const struct view_selection *
 /* Figures asked for beside a picture: NULL, or where to put them. */
 struct beside { double *gl_ms, *ceiling, *widest_px; bool soft; };   /* gl_ms: NaN where there is no OpenGL */
 
-/* Draws the store's plan for a view. */
 static enum eco_code draw(const struct view_store *store, const struct eco_view *view,
 	struct view_picture *picture, const struct beside *beside, struct eco_error *error)
 {
-	struct view_selection selection = { 0 };
-	struct lod_eye eye;
-	lod_eye_make(&eye, view);
-	struct view_reference_job job = { .store = store, .selection = &selection, .eye = &eye,
-		.near_m = near_of(store) };
-	enum eco_code code = view_select_make(&selection, store, &eye, error);
-	if (!code)
-		code = view_picture_init(picture, view->width, view->height, error);
-	if (!code)
-		code = view_reference_draw(&job, picture, error);
+	struct bench_drawing drawing;
+	enum eco_code code = bench_draw(&drawing, store, view, picture, error);
 	if (!code && beside->soft)
-		code = view_measure_soft(&job, picture, error);
+		code = view_measure_soft(&drawing.job, picture, error);
 	if (!code && beside->ceiling)
-		code = view_measure_ceiling(&job, picture, beside->ceiling, error);
+		code = view_measure_ceiling(&drawing.job, picture, beside->ceiling, error);
 	if (!code && beside->widest_px)
-		*beside->widest_px = bench_widest_px(store, &selection, &eye, picture);
+		*beside->widest_px = bench_widest_px(store, &drawing.selection, &drawing.eye, picture);
 	if (!code && beside->gl_ms)
-		*beside->gl_ms = bench_gl_ms(store, &selection, view);
-	view_select_free(&selection);
+		*beside->gl_ms = bench_gl_ms(store, &drawing.selection, view);
+	view_select_free(&drawing.selection);
 	return code;
 }
 
@@ -211,12 +197,31 @@ enum eco_code bench_client_score(const struct bench_client *client, struct bench
 	return code;
 }
 
+/* One answer into the store, which is made where it is NULL. */
+static enum eco_code answer(struct bench_client *client, struct bench_frame *frame, struct view_store **store,
+	struct eco_error *error)
+{
+	struct bench_fetch fetch = { .rule = frame->rule, .ignore_occlusion = frame->ignore_occlusion,
+		.cut = frame->cut };
+	enum eco_code code = *store ? ECO_OK
+		: view_store_new(store, &(struct view_store_options){ .images = true }, error);
+	if (!code)
+		code = bench_fetch(&fetch, client->scenes.scenes[0], &frame->request, *store, error);
+	if (code)
+		return code;
+	const struct eco_plan *plan = view_store_plan(*store);
+	frame->predicted_q = plan ? eco_predicted_q(&plan->prediction) : NAN;
+	frame->vertices = plan ? plan->vertices : 0;
+	frame->bytes = fetch.bytes;
+	frame->plan_bytes = fetch.plan_bytes;
+	frame->plan_ms = fetch.plan_ms;
+	frame->decode_ms = fetch.decode_ms;
+	return ECO_OK;
+}
+
 enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame,
 	struct view_picture *picture, struct eco_error *error)
 {
-	struct view_store_options options = { .images = true };
-	struct bench_fetch fetch = { .rule = frame->rule, .ignore_occlusion = frame->ignore_occlusion,
-		.cut = frame->cut };
 	struct view_store *store = NULL;
 	struct view_picture drawn = { 0 };
 	double gl_ms = NAN;
@@ -225,23 +230,13 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 	frame->widest_px = NAN;
 	enum eco_code code = bench_client_reference(client, &frame->request, NULL, error);
 	if (!code)
-		code = view_store_new(&store, &options, error);
-	if (!code)
-		code = bench_fetch(&fetch, client->scenes.scenes[0], &frame->request, store, error);
+		code = answer(client, frame, &store, error);
 	if (!code)
 		code = draw(store, &frame->request.view, &drawn, &beside, error);
 	if (!code)
 		code = bench_client_score(client, frame, &drawn, error);
-	if (!code) {
-		const struct eco_plan *plan = view_store_plan(store);
-		frame->predicted_q = plan ? eco_predicted_q(&plan->prediction) : NAN;
-		frame->vertices = drawn.vertices;
-		frame->bytes = fetch.bytes;
-		frame->plan_bytes = fetch.plan_bytes;
-		frame->plan_ms = fetch.plan_ms;
-		frame->decode_ms = fetch.decode_ms;
-		frame->draw_ms = isnan(gl_ms) ? drawn.draw_ms : gl_ms;
-	}
+	frame->vertices = drawn.vertices;
+	frame->draw_ms = isnan(gl_ms) ? drawn.draw_ms : gl_ms;
 	view_store_free(store);
 	if (picture && !code)
 		*picture = drawn;
@@ -261,22 +256,9 @@ void bench_client_forget(struct bench_client *client)
 enum eco_code bench_client_step(struct bench_client *client, struct bench_frame *frame,
 	struct view_picture *picture, struct eco_error *error)
 {
-	struct view_store_options options = { .images = true };
-	struct bench_fetch fetch = { .rule = frame->rule, .ignore_occlusion = frame->ignore_occlusion };
-	enum eco_code code = client->steps ? ECO_OK : view_store_new(&client->steps, &options, error);
-	if (!code)
-		code = bench_fetch(&fetch, client->scenes.scenes[0], &frame->request, client->steps, error);
-	if (code)
-		return code;
-	const struct eco_plan *plan = view_store_plan(client->steps);
-	frame->vertices = plan ? plan->vertices : 0;
-	frame->bytes = fetch.bytes;
-	frame->plan_bytes = fetch.plan_bytes;
-	frame->plan_ms = fetch.plan_ms;
-	frame->decode_ms = fetch.decode_ms;
-	return picture ? draw(client->steps, &frame->request.view, picture,
-		&(struct beside){ .soft = client->sees }, error)
-		: ECO_OK;
+	enum eco_code code = answer(client, frame, &client->steps, error);
+	return code || !picture ? code : draw(client->steps, &frame->request.view, picture,
+		&(struct beside){ .soft = client->sees }, error);
 }
 
 enum eco_code bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,

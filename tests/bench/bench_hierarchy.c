@@ -184,7 +184,7 @@ static enum eco_code draw_heights(struct bench *bench, const struct forest *f, c
 	return code;
 }
 
-/* What ecoserve holds after random views. */
+/* Memory of ecoserve after random views. */
 struct resident { double now_mb, most_mb; int bad, views; };
 
 static enum eco_code serve(struct bench *bench, const char *pack, struct resident *r, struct eco_error *error)
@@ -236,9 +236,9 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"that are seen");
 	bench_key(bench, "hierarchy_q", worst_q, ">= 0.8 where full detail can be drawn");
 	bench_say(bench, "A plan from %.0f m above: %.2f ms of %zu hectares alone, %.2f ms where they are "
-		"part of 10^9 plants. %d random views served, %d not answered with a stream; %.1f MB resident "
-		"at the end, %.1f at most.", LOOKED_AT, ms[0], hectares, ms[1], resident.views, resident.bad,
-		resident.now_mb, resident.most_mb);
+		"part of 10^9 plants. %d random views served, %d not answered with a stream; %.1f MB "
+		"resident " "at the end, %.1f at most.", LOOKED_AT, ms[0], hectares, ms[1], resident.views,
+		resident.bad, resident.now_mb, resident.most_mb);
 	return ECO_OK;
 }
 

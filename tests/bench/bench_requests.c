@@ -33,7 +33,7 @@ enum eco_code bench_request_packs(struct bench *bench, struct eco_error *error)
 
 struct block { struct bench *bench; const char *scene; uint32_t number; };
 
-/* What the program counts; a violation of its own where it prints nothing. */
+/* The counts of the program; a violation of its own where it prints nothing. */
 static enum eco_code run_block(void *ctx, json_t **made, struct eco_error *error)
 {
 	const struct block *b = ctx;

@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "client-min/view_reference.h"
 #include "client-min/view_select.h"
 #include "ecofiles/base/angle16.h"
 #include "ecofiles/format/wire.h"
@@ -472,24 +471,15 @@ bool extreme_again(struct extreme *x, const struct eco_scene *scene, const struc
 bool extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
 	struct view_picture *picture)
 {
-	struct view_store_options options = { .images = true };
+	struct bench_drawing drawing = { .job = { .near_m = 0 } };
 	struct view_store *store = NULL;
-	struct view_selection selection = { 0 };
 	struct eco_error error = { 0 };
-	struct lod_eye eye;
-	lod_eye_make(&eye, &request->view);
-	enum eco_code code = view_store_new(&store, &options, &error);
+	enum eco_code code = view_store_new(&store, &(struct view_store_options){ .images = true }, &error);
 	if (!code)
 		code = bench_fetch(NULL, world->scene, request, store, &error);
 	if (!code)
-		code = view_select_make(&selection, store, &eye, &error);
-	if (!code)
-		code = view_picture_init(picture, request->view.width, request->view.height, &error);
-	if (!code)
-		code = view_reference_draw(&(struct view_reference_job){ .store = store,
-			.selection = &selection, .eye = &eye,
-			.near_m = extreme_tables(world)->near_m }, picture, &error);
-	view_select_free(&selection);
+		code = bench_draw(&drawing, store, &request->view, picture, &error);
+	view_select_free(&drawing.selection);
 	view_store_free(store);
 	return extreme_good(x, code, &error);
 }

@@ -10,7 +10,7 @@
  *   extreme_plan, extreme_draw                       what the server answers; what a viewer draws of it
  *   extreme_world_close(&world); extreme_stand_free(&stand)
  *
- * What returns a bool or a pointer has failed the case where that is false or NULL. */
+ * A function that returns false or NULL has failed the case. */
 #ifndef TESTS_BENCH_EXTREME_SCENE_H
 #define TESTS_BENCH_EXTREME_SCENE_H
 

@@ -11,7 +11,7 @@
 /* Figures of a frame; FULL: triangles in sight at full detail; PX: d'. */
 enum { TRIANGLES, LINES, POINTS, VERTICES, FULL, WRONG, P, R, Q, MS, PX, FIGURES };
 
-/* What is drawn: a scene's view, or some of them, each by some rules. */
+/* A scene's pack, and the view at hand. */
 struct study {
 	struct bench *bench;
 	struct eco_request request;

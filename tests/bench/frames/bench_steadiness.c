@@ -21,7 +21,6 @@
 #include <stdlib.h>
 
 #include "client-min/draw/view_picture.h"
-#include "client-min/view_reference.h"
 #include "ecofiles/format/pack.h"
 #include "tests/bench/bench_fetch.h"
 #include "tests/bench/bench_shots.h"
@@ -128,26 +127,18 @@ static void list_plants(const struct view_store *store, const struct view_select
 static enum eco_code next_frame(struct reel *reel, const struct srv_scene *scene, const struct eco_request
 	*request, struct eco_error *error)
 {
-	struct view_selection selection = { 0 };
-	struct lod_eye eye;
+	struct bench_drawing drawing = { .job = { .near_m = 0 } };
+	struct frame *frame = &reel->frames[1];
 	free_frame(&reel->frames[0]);
 	reel->frames[0] = reel->frames[1];
-	struct frame *frame = &reel->frames[1];
 	*frame = (struct frame){ .count = 0 };
-	lod_eye_make(&eye, &request->view);
 	enum eco_code code = reel->store ? ECO_OK
 		: view_store_new(&reel->store, &(struct view_store_options){ .images = true }, error);
 	code = code ? code : bench_fetch(NULL, scene, request, reel->store, error);
-	code = code ? code : view_select_make(&selection, reel->store, &eye, error);
-	code = code ? code : view_picture_init(&frame->picture, WIDTH, HEIGHT, error);
-	if (!code) {
-		double near_m = view_store_near_m(reel->store);
-		code = view_reference_draw(&(struct view_reference_job){ .store = reel->store,
-			.selection = &selection, .eye = &eye, .near_m = near_m > 0 ? near_m : 0.1 },
-			&frame->picture, error);
-		list_plants(reel->store, &selection, frame);
-	}
-	view_select_free(&selection);
+	code = code ? code : bench_draw(&drawing, reel->store, &request->view, &frame->picture, error);
+	if (!code)
+		list_plants(reel->store, &drawing.selection, frame);
+	view_select_free(&drawing.selection);
 	return code;
 }
 

@@ -188,7 +188,7 @@ static double saving(const struct plant *p, int row, int spacing, bool total)
 	return sum;
 }
 
-/* Of the total: the pack's order over a random one. */
+/* The share of the pack's order in the total, over a random order. */
 static double order_share(const struct plant *p, bool lists, int spacing)
 {
 	return saving(p, lists ? BENCH_LADDER_LISTS : BENCH_LADDER_OURS, spacing, true) -

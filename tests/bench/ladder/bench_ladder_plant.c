@@ -110,7 +110,7 @@ static enum eco_code add_wood(struct study *s, struct eco_error *error)
 	return code;
 }
 
-/* Of views [first, first + count). */
+/* Q over views [first, first + count). */
 static double q_of(const struct study *s, uint32_t first, uint32_t count)
 {
 	struct bench_wrong sum = { 0 };

@@ -26,7 +26,7 @@ extern const char *const bench_ladder_names[BENCH_LADDER_ROWS];
 
 #define BENCH_LADDER_POINTS 72u
 
-/* What a share of the foliage's vertices reaches, by falling lambda. */
+/* Q of shares of the foliage's vertices, by falling lambda. */
 struct bench_ladder_point {
 	double lambda, tuned, q;
 };
