@@ -47,7 +47,7 @@ enum eco_code bench_leaves_unit(struct bench *bench, const struct bench_leaves_u
 /* Numbers of the leaves in an order of the literature, of seed 1; in the arena. noise: of lod_order_input. */
 uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method method, double noise);
 
-/* Adds what is wrong in one view. */
+/* Adds the wrong pixels of one view. */
 struct bench_wrong { uint64_t fp, fn, pixels; };     /* pixels: of the reference */
 void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
 	const struct lod_sights_drawing *drawing, struct bench_wrong *sum);

@@ -34,7 +34,7 @@
 
 #define MODELS_MAX 64
 #ifdef __SANITIZE_ADDRESS__
-#define GROWTH_MAX_KB LONG_MAX       /* what is freed stays in quarantine; leaks are found otherwise */
+#define GROWTH_MAX_KB LONG_MAX       /* freed memory stays in quarantine; leaks are found otherwise */
 #else
 #define GROWTH_MAX_KB (32 << 10)     /* caches that fill once; what leaks at each import is more */
 #endif
@@ -378,8 +378,8 @@ static uint32_t read_arguments(int argc, char **argv, struct options *o, struct 
 	return usable && o->folder ? count : 0;
 }
 
-/* The importer takes its limits from the environment, as from whoever runs ecopack. The module for pictures
- * is loaded once here, not by each child anew. */
+/* The importer takes its limits from the environment. The module for pictures is loaded once here, not in
+ * each child. */
 static void prepare(const struct options *o, const struct model *models, uint32_t count)
 {
 	static const int numbers[] = { SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL };

@@ -1,11 +1,11 @@
-/* Random views and budgets against packs, through everything but the socket: plan, stream, parse, decode,
- * select. Each is checked for what must hold for any request:
+/* Random views and budgets against packs, through all stages but the socket: plan, stream, parse, decode,
+ * select. For any request must hold:
  *
  *   vertices     what is drawn is within the budget, counted by the client that draws it, and is what the
  *                plan says: in every state that
  *                a stream passes through, each with what has come until then
  *   bytes        the body is within its budget
- *   twice        no chunk is sent to who holds it
+ *   twice        no chunk is sent to a client that holds it
  *   undrawn      an answer that draws nothing brings no chunk but of its ground; and where some answer draws
  *                something within so many bytes, no answer within as many draws nothing
  *   same         the same request has the same answer

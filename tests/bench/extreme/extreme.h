@@ -19,7 +19,7 @@ struct extreme {                     /* a case while it runs */
 	const void *made;            /* what the row names */
 	bool quick;                  /* in the tests: fewer repetitions of the same */
 	bool failed;
-	/* what was found, in words; the first failure only, where there is one */
+	/* result in words; the first failure only, if there is one */
 	char measured[400];
 };
 
@@ -37,7 +37,7 @@ struct extreme_kind { const char *name; const struct extreme_case *cases; };
 extern const struct extreme_kind extreme_kinds[EXTREME_KINDS];
 #define EXTREME_CASES 57u
 
-/* Adds to what was measured. */
+/* Adds to `measured`, unless the case has failed. */
 void extreme_say(struct extreme *x, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* A condition that must hold, and what to say if it does not; returns `holds`. */
 bool extreme_must(struct extreme *x, bool holds, const char *format,

@@ -1,5 +1,4 @@
-/* Camera: places and lenses that no one would choose and some script will. Everything that a view check lets
- * through must be planned and drawn. */
+/* Camera: unusual places and lenses. Every view that passes the check must be planned and drawn. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -142,7 +141,7 @@ static void look_at(struct extreme *x)
 
 /* ---- The largest picture ---- */
 
-/* One cut for all plants that draw it; what is covered is all that is asked. */
+/* Covers the pixels of one cut, for all plants that draw it. */
 static bool draw_cut(struct lod_raster *raster, const struct view_store *store,
 	const struct view_selection *s, uint32_t c)
 {

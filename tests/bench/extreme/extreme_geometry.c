@@ -1,4 +1,4 @@
-/* Geometry: models that no modeller would make and every scanner does. Each is built into a plant, packed,
+/* Geometry: broken models, as scanners make them. Each is built into a plant, packed,
  * planned and drawn; or refused with a reason. Every triangle of the source is stored or counted as dropped,
  * and no number that is written is not a number. */
 #include <math.h>
@@ -24,7 +24,7 @@ static uint32_t begin(struct soup *s)
 	return soup_material(s, 60, 140, 50, ECO_NONE, false);
 }
 
-/* A small sound crown, for what is bad to hide in. */
+/* A small sound crown around the broken part. */
 static void some_leaves(struct soup *s, uint32_t material, uint32_t count)
 {
 	for (uint32_t i = 0; i < count; i++)
@@ -92,8 +92,7 @@ static bool grows(struct extreme *x, struct extreme_stand *stand, const char *na
 
 enum wanted { SEEN, REFUSED, ANSWERED };     /* ANSWERED: sound or refused */
 
-/* Builds what is in the soup, and frees it: it must be refused with a reason, or something of it must be
- * seen. */
+/* Builds the soup and frees it: the build must be refused with a reason, or the plant must be visible. */
 static void try_soup(struct extreme *x, struct soup *soup, const char *name, enum wanted wanted)
 {
 	struct extreme_stand stand = { .side = 20, .near_m = 1e-6 };

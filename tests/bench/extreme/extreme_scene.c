@@ -205,7 +205,7 @@ static void add_plant(struct packing *p, uint32_t id)
 	b->scene.needs |= plant->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0;
 }
 
-/* The tile grows by what is within these bounds. */
+/* Extends the tile by plants within these bounds. */
 static void grow_tile(struct eco_tile *tile, const double low[3], const double high[3], uint64_t count,
 	double area)
 {
@@ -362,7 +362,7 @@ bool extreme_world_open(struct extreme *x, struct extreme_world *world, const st
 	srv_store_init(&world->store);
 	if (!code)
 		code = srv_store_add(&world->store, "extreme", path, &error);
-	unlink(path);                            /* what is mapped stays */
+	unlink(path);                            /* the mapping stays */
 	world->scene = code ? NULL : world->store.scenes[0];
 	return extreme_good(x, code, &error);
 }

@@ -1,5 +1,4 @@
-/* The best that there is for a budget, by trying everything, in scenes so small that this can be done: what
- * the planner is held against. */
+/* The best plan for a budget, by exhaustive search in small scenes: the measure of the planner. */
 #ifndef TESTS_BENCH_BEST_H
 #define TESTS_BENCH_BEST_H
 
@@ -17,13 +16,12 @@ struct bench_best {
 	uint32_t whole_slots;                /* that could draw their plants whole */
 };
 
-/* A random tree of tiles with a few plants, some with cells, from a random eye. `empty` is 0 where nothing is
- * in view. The same for the same seed. Every choice of tiles opened and of bands whose plants draw their
- * cells is tried, and for each the best amounts of every single plant and summary are found by dynamic
- * programming over vertices: all amounts that a ladder can draw, by the planner's own objective. With
- * `splats` scenes are smaller still, some plants have a ladder of splats for the whole plant, and for each
- * slot both choices are tried: all its plants draw that, or none. The planner itself keeps splats where
- * organs have the lower Q. */
+/* A random tree of tiles with a few plants, some with cells, from a random eye; the same for the same seed.
+ * `empty` is 0 where nothing is in view. The search tries every choice of open tiles and of bands whose
+ * plants draw their cells. For each, dynamic programming over vertices finds the best amounts of every plant
+ * and summary, of all amounts that a ladder can draw, by the planner's own objective. With `splats` scenes
+ * are smaller, some plants have a ladder of splats for the whole plant, and each slot is tried with it and
+ * without. The planner itself keeps splats where organs have the lower Q. */
 enum eco_code bench_best_find(uint64_t seed, bool splats, struct bench_best *best, struct eco_error *error);
 
 #endif

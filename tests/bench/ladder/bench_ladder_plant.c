@@ -122,7 +122,7 @@ static double q_of(const struct study *s, uint32_t first, uint32_t count)
 	return bench_wrong_q(&sum);
 }
 
-/* Scores what was added. */
+/* Scores the picture. */
 static struct bench_ladder_point score(struct study *s, double lambda)
 {
 	struct lod_probe_result result;

@@ -29,7 +29,7 @@
 #define STEPS_MOST 24            /* eighths of an octave about Cook's scale */
 #define NOISE_SMALL 0.05         /* "a small amount of randomness" (Neubert 2011, 3.2) */
 #define NOISE_MUCH 1.5
-#define WAYS 5                   /* from as they are to as many as can be, as triangles */
+#define WAYS 5                   /* from full leaves to triangles only */
 
 const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation",
 	"orientation with much noise", "combined", "combined with much noise", "leaf collapse",
