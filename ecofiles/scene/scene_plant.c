@@ -87,7 +87,7 @@ static bool parse_variants(struct eco_source *source, const struct eco_json *at,
 	if ((model.value != NULL) == (variants.value != NULL))
 		return eco_json_fail(at, ECO_BAD_INPUT, "a plant has either \"model\": \"FILE\" (or several "
 			"files that make it up: [\"wood.obj\", \"leaves.obj\"]), or \"variants\": [\"FILE\", "
-			"...], of which each instance takes one");
+			"...], one for each instance");
 	if (model.value)
 		return add_variant(source, &model, plant);
 	if (!eco_json_array(&variants, VARIANTS_MAX))

@@ -8,8 +8,8 @@
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
 
-/* Where SCENES_KEPT names a folder, documents go there with what the reader says of them: test_scene_schema.sh
- * holds the schema against them. */
+/* Documents go to the folder that SCENES_KEPT names, with the reader's verdicts: test_scene_schema.sh holds the schema
+ * against them. */
 static void keep(const char *verdict, const char *json, const char *says)
 {
 	static unsigned number;

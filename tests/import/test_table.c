@@ -1,4 +1,4 @@
-/* What the columns of a table mean, and where its plants stand. */
+/* The meaning of a table's columns, and the places of its plants. */
 #include <math.h>
 #include <string.h>
 

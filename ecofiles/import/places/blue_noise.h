@@ -1,8 +1,8 @@
 /* Points that are evenly spread for any number of them: a progressive blue-noise set on a square that
  * repeats without seams.
  *
- * Of random candidates the most crowded is removed until the wanted number is left, and again for each
- * halving of that number; the order of removal, reversed, is the order of the set (Yuksel 2015, sample
+ * The most crowded random candidate is removed until the wanted number is left, and again for each halving of that
+ * number. The reversed order of removal is the order of the set (Yuksel 2015, sample
  * elimination, with its progressive ordering). */
 #ifndef ECO_BLUE_NOISE_H
 #define ECO_BLUE_NOISE_H

@@ -44,8 +44,8 @@ bool eco_crs_area_has(const double area[4], const double degrees[2]);
 /* "longitude 6 to 12, latitude 38.76 to 84.33"; returns `text`. */
 const char *eco_crs_area_text(const double area[4], char text[80]);
 
-/* Where a place of a map lies on Earth: degrees of WGS 84, and how far the map's north is turned clockwise
- * from true north there (grid convergence). */
+/* The place on Earth of a place of a map: degrees of WGS 84, and the clockwise turn of the map's north from true
+ * north there (grid convergence). */
 struct eco_crs_place { double longitude_deg, latitude_deg, convergence_deg; };
 /* `xy`: easting and northing. ECO_BAD_INPUT: PROJ does not know the CRS, or the place is not on its map. */
 enum eco_code eco_crs_place(const char *crs, const double xy[2], struct eco_crs_place *place,

@@ -142,7 +142,7 @@ static bool is_binomial(const char *words)
 		&& ends_in_one_of(epithet, "a us um is i ii ae ens ans oides or ior");
 }
 
-/* Of a Latin name, only the first word may be a genus: "rosea" is no rose. */
+/* Only the first word of a Latin name may be a genus: "rosea" is no rose. */
 static void find_misspelt(const char *words, struct eco_flora *flora)
 {
 	char word[ECO_WORD_BYTES];

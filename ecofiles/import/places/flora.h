@@ -22,8 +22,8 @@ struct eco_flora {
 	char coded[64];              /* the species that a code stands for; "": it is none */
 };
 
-/* What a name says. `spelling`: words of five letters and more that are nearly a genus or its common name
- * count, too, and so do codes of two or three letters of each word of a common species: "fasy", "QUEROB". */
+/* The plant that a name means. `spelling`: also by words of five letters and more that are nearly a genus or its
+ * common name, and by codes of two or three letters of each word of a common species: "fasy", "QUEROB". */
 struct eco_flora eco_flora_of(const char *name, bool spelling);
 
 /* Whether a name is such a code. */

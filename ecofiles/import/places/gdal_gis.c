@@ -116,7 +116,7 @@ static bool add_fields(OGRLayerH layer)
 	return good;
 }
 
-/* What is empty, or 0, is null. */
+/* An empty text, or 0, is null. */
 static void set_text(OGRFeatureH feature, enum field field, const char *text)
 {
 	if (*text)

@@ -234,7 +234,7 @@ static int take_hemisphere(const char **text)
 	return !letter ? 0 : letter - letters < 2 ? 1 : -1;
 }
 
-/* What follows the sign of degrees: minutes, seconds and a hemisphere, each if it is there. */
+/* Minutes, seconds and a hemisphere behind the sign of degrees, each if it is there. */
 static bool add_sixtieths(const char *text, char decimal, int sign, double *number)
 {
 	static const char *const minute[] = { "'", "\u2032", "\u2019" }, *const second[] = { "''", "\"",

@@ -1,4 +1,4 @@
-/* What the columns of a table say of places: words of a CRS, a zone for each row, offsets from another place. */
+/* The columns of a table that tell places: words of a CRS, a zone for each row, offsets from another place. */
 #include "ecofiles/import/places/place_parts.h"
 
 #include <math.h>

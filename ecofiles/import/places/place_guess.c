@@ -1,6 +1,5 @@
-/* Numbers show by their size whether they are degrees, metres of a plot, or eastings and northings of some
- * grid. Of which grid they do not show: zones look alike. Then the columns' names decide, or the terrain,
- * or else the user. */
+/* Numbers show by their size whether they are degrees, metres of a plot, or eastings and northings of a grid. They do
+ * not show which grid, as zones look alike: the columns' names decide, or the terrain, or else the user. */
 #include "ecofiles/import/places/place_parts.h"
 
 #include <math.h>

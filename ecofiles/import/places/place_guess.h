@@ -1,4 +1,4 @@
-/* Where a table's plants stand: the CRS of its numbers, and the scene's CRS and origin that suit them. */
+/* The places of a table's plants: the CRS of its numbers, and the scene's CRS and origin that suit them. */
 #ifndef ECO_PLACE_GUESS_H
 #define ECO_PLACE_GUESS_H
 
@@ -12,9 +12,9 @@ struct eco_offsets {
 	double quadrat_m;            /* 0: x and y count from one point */
 };
 
-/* ECO_BAD_INPUT where plants of several plots have no centre, or it does not show which quadrats are
- * meant: it says which columns to add. A plant's own place counts more than an azimuth. And where many
- * rows share each x and y, which so are no plants', unless the user `said` these columns. */
+/* ECO_BAD_INPUT, with the columns to add: plants of several plots have no centre; the quadrats that are meant do not
+ * show; or many rows share each x and y, unless the user `said` these columns. A plant's own place counts more than
+ * an azimuth. */
 enum eco_code eco_offsets_find(struct eco_offsets *offsets, const struct eco_table *table,
 	const struct eco_columns *columns, bool said, struct eco_error *error);
 

@@ -110,7 +110,7 @@ void eco_row_note(void *reader, const char *format, ...) __attribute__((format(p
 enum eco_code eco_positions_start_places(struct eco_positions *p, struct eco_error *error);
 enum verdict eco_positions_place(struct eco_positions *p, struct eco_position *record,
 	struct eco_error *error);
-/* What only all rows tell: places far from everything, degrees in a CRS of metres, x and y swapped. */
+/* Checks that need all rows: places far from everything, degrees in a CRS of metres, x and y swapped. */
 enum eco_code eco_positions_check_places(struct eco_positions *p, struct eco_error *error);
 void eco_place_set_close(struct eco_place_set *set);
 

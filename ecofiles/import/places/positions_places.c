@@ -1,4 +1,4 @@
-/* Where the plant of a row stands: from columns or a geometry, through crs.h. Files that show another
+/* The place of a row's plant: from columns or a geometry, through crs.h. Files that show another
  * notation, or
  * degrees where the CRS has metres, are refused beside the rows that show it. */
 #include "ecofiles/import/places/positions_parts.h"

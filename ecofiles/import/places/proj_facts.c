@@ -262,7 +262,7 @@ static bool is_better(const struct eco_crs_choice *choice, const struct eco_crs_
 	return !own->usual && strncmp(choice->name, "WGS 84", 6) == 0 && strncmp(own->name, "WGS 84", 6) != 0;
 }
 
-/* Of CRSs that mean one place one stays. */
+/* One of several CRSs that mean one place stays. */
 static enum eco_code add_choice(struct choices *all, const struct eco_crs_choice *choice)
 {
 	for (uint32_t i = 0; i < all->count; i++) {

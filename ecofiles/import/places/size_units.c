@@ -125,7 +125,7 @@ const char *eco_unit_of_place(const char *x, const char *y, double *metres)
 
 static bool is_metric(const char *unit) { return strcmp(unit, "ft") != 0 && strcmp(unit, "in") != 0; }
 
-/* Of two units that would do, the one of the system of the other sizes. */
+/* Takes the one of two possible units that belongs to the system of the other sizes. */
 static bool decide_beside(struct eco_unit_guess *guess, size_t a, size_t b, const char *beside)
 {
 	if (!beside || is_metric(units_rows[a].unit) == is_metric(units_rows[b].unit))

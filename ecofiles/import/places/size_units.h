@@ -1,5 +1,5 @@
 /* The unit of a column of sizes: by its name, else by how its numbers spread, held against plants as they
- * grow. Where two units would do, none is taken. The same measure doubts a unit that a scene states. */
+ * grow. No unit is taken if two would do. The same measure doubts a unit that a scene states. */
 #ifndef ECO_SIZE_UNITS_H
 #define ECO_SIZE_UNITS_H
 

@@ -1,4 +1,4 @@
-/* What the columns of a table mean, by their names, in several languages, and by what stands in them.
+/* The meaning of a table's columns, by their names in several languages and by their content.
  *
  *   eco_table_read(&table, &source, &error);         an even selection of the rows, as texts
  *   eco_table_columns(&table, &columns)              which one is the longitude, the species, the height, ...
