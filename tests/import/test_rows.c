@@ -48,6 +48,96 @@ static void expect_error(const char *path, const char *layer, const char *says)
 		print_message("%s\n", error.text);
 }
 
+/* ---- Files and their rows ---- */
+
+#define FEATURE(geometry, \
+	properties) "{\"type\":\"Feature\",\"geometry\":" geometry ",\"properties\":{" properties "}}"
+#define POINT(coordinates) "{\"type\":\"Point\",\"coordinates\":[" coordinates "]}"
+#define COLLECTION(crs, features) "{\"type\":\"FeatureCollection\"," crs "\"features\":[" features "]}"
+
+#define SAYS(name) "\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"" name "\"}},"
+#define GML(crs, at) "<?xml version=\"1.0\"?><ogr:FeatureCollection xmlns:ogr=\"http://ogr.maptools.org/\" " \
+	"xmlns:gml=\"http://www.opengis.net/gml/3.2\"><ogr:featureMember><ogr:boom gml:id=\"b1\"><ogr:geometry>" \
+	"<gml:Point srsName=\"" crs "\"><gml:pos>" at "</gml:pos></gml:Point></ogr:geometry>" \
+	"<ogr:soort>Tilia</ogr:soort></ogr:boom></ogr:featureMember></ogr:FeatureCollection>"
+
+/* name: NULL: as above; note, crs NULL: none */
+static const struct { const char *name, *file, *text, *wanted, *note, *crs; } cases[] = {
+	{ "separators_are_found_in_the_header", "a.csv", "x,y\n1,2\n", "x,y / 1,2", NULL, NULL },
+	{ NULL, "b.csv", "x;y;\"a,b,c,d\"\n1,5;2,5;z\n", "x,y,a,b,c,d / 1,5,2,5,z", "separated by \";\"",
+		NULL },
+	{ NULL, "c.txt", "x\ty\n1\t2\n", "x,y / 1,2", "tabs", NULL },
+	{ NULL, "d.psv", "x|y\n1|2\n", "x,y / 1,2", "separated by \"|\"", NULL },
+	{ NULL, "e.csv", "sep=;\r\nx;y\r\n1;2\r\n", "x,y / 1,2", NULL, NULL },
+	{ NULL, "f.csv", "x\n1\n", "x / 1", NULL, NULL },
+	{ NULL, "noextension", "x,y\n1,2\n", "x,y / 1,2", NULL, NULL },
+	{ NULL, "g.tab", "x\ty\n1\t2\n", "x,y / 1,2", "tabs", NULL },
+	{ "text_of_western_pages_becomes_utf8", "latin.csv", "Art,x\nB\xe4rlauch,1\nutf \xc3\xa4,2\n"
+		"\x80\x84\x93,3\n", "Art,x / Bärlauch,1 / utf ä,2 / €„“,3", "first in line 2", NULL },
+	{ NULL, "header.csv", "H\xf6he,x\n1,2\n", "Höhe,x / 1,2", "Windows-1252", NULL },
+	{ "rows_may_be_short_or_long", "short.csv", "a,b,c\n1\n1,2,3,4\n,,\n", "a,b,c / 1 / 1,2,3,4 / ,,",
+		NULL, NULL },
+	{ NULL, "old.csv", "a,b\r1,2\r3,4\r", "a,b / 1,2 / 3,4", NULL, NULL },
+	{ "points_as_text_are_the_geometry", "wkb.csv", "the_geom,species\n0101000020E6100000000000000000274"
+		"09A999999990D4840,oak\n010100000000000000000027409A999999990D48,ash\n", "the_geom,species /"
+		" (11.5 48.10625) 0101000020E610000000000000000027409A999999990D4840,oak / 010100000000000 "
+		"010100000000000000000027409A999999990D48,ash", NULL, NULL },
+	{ NULL, "wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 4)\",\"elm\n"
+		"red\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n", "WKT,species / (11.5 48.1) POINT (11.5 48.1),"
+		"oak / empty ,ash / LINESTRING LINESTRING (1 2,3 4),elm\nred / empty POINT EMPTY,fir / "
+		"POINT POINT (x y),bad", NULL, NULL },
+	{ NULL, "the_geom.csv", "id;the_geom\n1;SRID=4326;POINT(1 2)\n",
+		"id,the_geom / 1,SRID=4326,POINT(1 2)", "separated by", NULL },
+	{ NULL, "ewkt.csv", "id,geom\n1,SRID=4326;POINT Z (1 2.5 -3e1)\n",
+		"id,geom / (1 2.5 -30) 1,SRID=4326;POINT Z (1 2.5 -3e1)", NULL, NULL },
+	{ "latitude_and_longitude_in_one_field_are_the_geometry", "pair.csv",
+		"id,geo_point_2d\n1,\n2,\"48.88398, 2.36\"\n3,\"-33.5,151.25\"\n4,\"n.n., 5\"\n",
+		"id,geo_point_2d / empty 1, / (2.36 48.88398) 2,48.88398, 2.36 / (151.25 -33.5) 3,-33.5,"
+		"151.25 / n.n., 4,n.n., 5", "latitude and longitude in one field", "EPSG:4326" },
+	{ NULL, "address.csv", "id,Location\n1,\"5 Elm (rear)\n(40.7128, -74.0060)\"\n",
+		"id,Location / (-74.006 40.7128) 1,5 Elm (rear)\n(40.7128, -74.0060)",
+		"latitude and longitude in one field", "EPSG:4326" },
+	{ NULL, "both.csv", "a,b\n\"48.8839, 2.3600\",POINT (1 2)\n",
+		"a,b / (1 2) 48.8839, 2.3600,POINT (1 2)", NULL, NULL },
+	{ NULL, "numbers.csv", "a,b,c\n\"12, 14\",\"1.5, 2.5\",\"91.0000, 2.3600\"\n",
+		"a,b,c / 12, 14,1.5, 2.5,91.0000, 2.3600", NULL, NULL },
+	{ "each_feature_is_a_row_whatever_its_geometry", "e.geojson",
+		COLLECTION("", FEATURE("null", "\"id\":1") ","
+		FEATURE("{\"type\":\"Point\",\"coordinates\":[]}", "\"id\":2") ","
+		FEATURE("{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[1,0],[1,1],[0,0]]]}", "\"id\":3") ","
+		FEATURE("{\"type\":\"MultiPoint\",\"coordinates\":[[5,6],[7,8]]}", "\"id\":4") ","
+		FEATURE("{\"type\":\"MultiPoint\",\"coordinates\":[]}", "\"id\":5") ","
+		FEATURE("{\"type\":\"LineString\",\"coordinates\":[[5,6],[7,8]]}", "\"id\":6") ","
+		FEATURE("{\"type\":\"GeometryCollection\",\"geometries\":[" POINT("1,2") "]}", "\"id\":7")),
+		"id / empty 1 / empty 2 / Polygon 3 / (5 6) 4 / (7 8) 4 / empty 5 / Line String 6 / "
+		"Geometry Collec 7", NULL, "EPSG:4326" },
+	{ NULL, "f.geojsonl", FEATURE(POINT("1,2"), "\"s\":\"oak\"") "\n"
+		FEATURE(POINT("3,4"), "\"s\":\"ash\"") "\n", "s / (1 2) oak / (3 4) ash", NULL, "EPSG:4326" },
+	{ NULL, "g.geojson", "\xef\xbb\xbf" COLLECTION("", FEATURE(POINT("1,2"), "\"Größe\":3.5")),
+		"Größe / (1 2) 3.5", NULL, "EPSG:4326" },
+	{ "geojson_is_degrees_unless_it_says_otherwise", "a.geojson", COLLECTION("", FEATURE(POINT("2.35,48.85"),
+		"\"genre\":\"Platanus\",\"hauteurenm\":12,\"ok\":true,\"no\":null")),
+		"genre,hauteurenm,ok,no / (2.35 48.85) Platanus,12,1,", NULL, "EPSG:4326" },
+	{ NULL, "b.geojson", COLLECTION(SAYS("urn:ogc:def:crs:EPSG::28992"), FEATURE(POINT("121000,487000"), "\"id\":1")),
+		"id / (121000 487000) 1", NULL, "EPSG:28992" },
+	{ NULL, "c.geojson", COLLECTION(SAYS("urn:ogc:def:crs:OGC:1.3:CRS84"), FEATURE(POINT("2,48"), "\"id\":1")),
+		"id / (2 48) 1", NULL, "EPSG:4326" },
+	{ NULL, "d.json", FEATURE(POINT("2,48,35.5"), "\"id\":1"), "id / (2 48 35.5) 1", NULL, "EPSG:4979" },
+	{ "gml_has_easting_or_longitude_first_in_the_end", "boom.gml", GML("urn:ogc:def:crs:EPSG::28992", "121000 487000"),
+		"gml_id,soort / (121000 487000) b1,Tilia", NULL, "EPSG:28992" },
+	{ NULL, "degrees.gml", GML("urn:ogc:def:crs:EPSG::4326", "52.4 4.9"), "gml_id,soort / (4.9 52.4) b1,Tilia", NULL,
+		"EPSG:4326" },
+	{ NULL, "short.gml", GML("EPSG:4326", "4.9 52.4"), "gml_id,soort / (4.9 52.4) b1,Tilia", NULL, "EPSG:4326" },
+	{ NULL, "north.gml", GML("urn:ogc:def:crs:EPSG::31467", "5335000 3560000"),
+		"gml_id,soort / (3560000 5335000) b1,Tilia", NULL, "EPSG:31467" },
+};
+
+UNIT_TEST(files_become_rows)
+{
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+		expect(cases[i].file, cases[i].text, cases[i].wanted, cases[i].note, cases[i].crs);
+}
+
 /* ---- CSV ---- */
 
 UNIT_TEST(quotes_line_breaks_marks_and_endings_are_read)
@@ -103,32 +193,6 @@ UNIT_TEST(titles_before_the_names_are_passed_over)
 	}
 }
 
-UNIT_TEST(separators_are_found_in_the_header)
-{
-	expect("a.csv", "x,y\n1,2\n", "x,y / 1,2", NULL, NULL);
-	expect("b.csv", "x;y;\"a,b,c,d\"\n1,5;2,5;z\n", "x,y,a,b,c,d / 1,5,2,5,z", "separated by \";\"",
-		NULL);
-	expect("c.txt", "x\ty\n1\t2\n", "x,y / 1,2", "tabs", NULL);
-	expect("d.psv", "x|y\n1|2\n", "x,y / 1,2", "separated by \"|\"", NULL);
-	expect("e.csv", "sep=;\r\nx;y\r\n1;2\r\n", "x,y / 1,2", NULL, NULL);
-	expect("f.csv", "x\n1\n", "x / 1", NULL, NULL);
-	expect("noextension", "x,y\n1,2\n", "x,y / 1,2", NULL, NULL);
-	expect("g.tab", "x\ty\n1\t2\n", "x,y / 1,2", "tabs", NULL);
-}
-
-UNIT_TEST(text_of_western_pages_becomes_utf8)
-{
-	expect("latin.csv", "Art,x\nB\xe4rlauch,1\nutf \xc3\xa4,2\n\x80\x84\x93,3\n",
-		"Art,x / Bärlauch,1 / utf ä,2 / €„“,3", "first in line 2", NULL);
-	expect("header.csv", "H\xf6he,x\n1,2\n", "Höhe,x / 1,2", "Windows-1252", NULL);
-}
-
-UNIT_TEST(rows_may_be_short_or_long)
-{
-	expect("short.csv", "a,b,c\n1\n1,2,3,4\n,,\n", "a,b,c / 1 / 1,2,3,4 / ,,", NULL, NULL);
-	expect("old.csv", "a,b\r1,2\r3,4\r", "a,b / 1,2 / 3,4", NULL, NULL);
-}
-
 UNIT_TEST(files_that_are_no_csv_are_refused_with_a_line)
 {
 	static const struct { const char *bytes; size_t size; const char *says; } inputs[] = {
@@ -165,39 +229,6 @@ UNIT_TEST(a_row_without_end_is_bounded)
 	assert_int_equal(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &error),
 		ECO_TOO_LARGE);
 	free(bytes);
-}
-
-UNIT_TEST(points_as_text_are_the_geometry)
-{
-	expect("wkb.csv", "the_geom,species\n0101000020E610000000000000000027409A999999990D4840,oak\n"
-		"010100000000000000000027409A999999990D48,ash\n",
-		"the_geom,species / (11.5 48.10625) 0101000020E610000000000000000027409A999999990D4840,oak / "
-		"010100000000000 010100000000000000000027409A999999990D48,ash", NULL, NULL);
-	expect("wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 "
-		"4)\",\"elm\nred\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n",
-		"WKT,species / (11.5 48.1) POINT (11.5 48.1),oak / empty ,ash / LINESTRING LINESTRING (1 "
-		"2,3 4),elm\nred / empty POINT EMPTY,fir / POINT "
-		"POINT (x y),bad", NULL, NULL);
-	expect("the_geom.csv", "id;the_geom\n1;SRID=4326;POINT(1 2)\n",
-		"id,the_geom / 1,SRID=4326,POINT(1 2)", "separated by", NULL);
-	expect("ewkt.csv", "id,geom\n1,SRID=4326;POINT Z (1 2.5 -3e1)\n",
-		"id,geom / (1 2.5 -30) 1,SRID=4326;POINT Z (1 2.5 -3e1)", NULL, NULL);
-}
-
-UNIT_TEST(latitude_and_longitude_in_one_field_are_the_geometry)
-{
-	expect("pair.csv", "id,geo_point_2d\n1,\n2,\"48.88398, 2.36\"\n3,\"-33.5,151.25\"\n4,\"n.n., 5\"\n",
-		"id,geo_point_2d / empty 1, / (2.36 48.88398) 2,48.88398, 2.36 / (151.25 -33.5) "
-		"3,-33.5,151.25 / n.n., 4,n.n., 5",
-		"latitude and longitude in one field", "EPSG:4326");
-	expect("address.csv", "id,Location\n1,\"5 Elm (rear)\n(40.7128, -74.0060)\"\n",
-		"id,Location / (-74.006 40.7128) 1,5 Elm (rear)\n(40.7128, -74.0060)",
-		"latitude and longitude in one field", "EPSG:4326");
-	/* well-known text is taken before pairs; house numbers, sizes and what no degrees can be are none */
-	expect("both.csv", "a,b\n\"48.8839, 2.3600\",POINT (1 2)\n",
-		"a,b / (1 2) 48.8839, 2.3600,POINT (1 2)", NULL, NULL);
-	expect("numbers.csv", "a,b,c\n\"12, 14\",\"1.5, 2.5\",\"91.0000, 2.3600\"\n",
-		"a,b,c / 12, 14,1.5, 2.5,91.0000, 2.3600", NULL, NULL);
 }
 
 /* ---- Which reader ---- */
@@ -240,50 +271,13 @@ UNIT_TEST(a_file_that_is_no_table_is_refused_with_what_to_do)
 
 /* ---- GeoJSON ---- */
 
-#define FEATURE(geometry, \
-	properties) "{\"type\":\"Feature\",\"geometry\":" geometry ",\"properties\":{" properties "}}"
-#define POINT(coordinates) "{\"type\":\"Point\",\"coordinates\":[" coordinates "]}"
-#define COLLECTION(crs, features) "{\"type\":\"FeatureCollection\"," crs "\"features\":[" features "]}"
-
-UNIT_TEST(geojson_is_degrees_unless_it_says_otherwise)
+UNIT_TEST(numbers_that_cannot_be_degrees_are_doubted)
 {
-	struct eco_rows_source source = { .path = NULL };
-	struct eco_rows *rows;
-	expect("a.geojson", COLLECTION("", FEATURE(POINT("2.35,48.85"), "\"genre\":\"Platanus\","
-		"\"hauteurenm\":12,\"ok\":true,\"no\":null")),
-		"genre,hauteurenm,ok,no / (2.35 48.85) Platanus,12,1,", NULL, "EPSG:4326");
-	expect("b.geojson", COLLECTION("\"crs\":{\"type\":\"name\","
-		"\"properties\":{\"name\":\"urn:ogc:def:crs:EPSG::28992\"}},",
-		FEATURE(POINT("121000,487000"), "\"id\":1")), "id / (121000 487000) 1", NULL, "EPSG:28992");
-	expect("c.geojson", COLLECTION("\"crs\":{\"type\":\"name\","
-		"\"properties\":{\"name\":\"urn:ogc:def:crs:OGC:1.3:CRS84\"}},",
-		FEATURE(POINT("2,48"), "\"id\":1")), "id / (2 48) 1", NULL, "EPSG:4326");
-	expect("d.json", FEATURE(POINT("2,48,35.5"), "\"id\":1"), "id / (2 48 35.5) 1", NULL, "EPSG:4979");
-	source.path = input_text("rows", "metres.geojson",
-		COLLECTION("", FEATURE(POINT("690000,5335000"), "")));
-	rows = open_good(&source);
+	struct eco_rows_source source = { .path = input_text("rows", "metres.geojson",
+		COLLECTION("", FEATURE(POINT("690000,5335000"), ""))) };
+	struct eco_rows *rows = open_good(&source);
 	assert_true(rows->degrees_doubted);
 	eco_rows_close(rows);
-}
-
-UNIT_TEST(each_feature_is_a_row_whatever_its_geometry)
-{
-	expect("e.geojson",
-		COLLECTION("", FEATURE("null", "\"id\":1") "," FEATURE("{\"type\":\"Point\","
-		"\"coordinates\":[]}", "\"id\":2") ","
-		FEATURE("{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[1,0],[1,1],[0,0]]]}", "\"id\":3") ","
-		FEATURE("{\"type\":\"MultiPoint\",\"coordinates\":[[5,6],[7,8]]}", "\"id\":4") ","
-		FEATURE("{\"type\":\"MultiPoint\",\"coordinates\":[]}", "\"id\":5") ","
-		FEATURE("{\"type\":\"LineString\",\"coordinates\":[[5,6],[7,8]]}", "\"id\":6") ","
-		FEATURE("{\"type\":\"GeometryCollection\",\"geometries\":[" POINT("1,2") "]}", "\"id\":7")),
-		"id / empty 1 / empty 2 / Polygon 3 / (5 6) 4 / (7 8) 4 / empty 5 / Line String 6 / "
-		"Geometry Collec 7", NULL, "EPSG:4326");
-	expect("f.geojsonl",
-		FEATURE(POINT("1,2"), "\"s\":\"oak\"") "\n" FEATURE(POINT("3,4"), "\"s\":\"ash\"") "\n",
-		"s / (1 2) oak / (3 4) ash", NULL,
-		"EPSG:4326");
-	expect("g.geojson", "\xef\xbb\xbf" COLLECTION("", FEATURE(POINT("1,2"), "\"Größe\":3.5")),
-		"Größe / (1 2) 3.5", NULL, "EPSG:4326");
 }
 
 /* ---- Others of OGR ---- */
@@ -517,26 +511,6 @@ UNIT_TEST(the_layer_that_fits_is_taken_or_asked_for)
 	expect_error(path, "herbs", "no layer \"herbs\"; there are: trees");
 }
 
-UNIT_TEST(gml_has_easting_or_longitude_first_in_the_end)
-{
-	static const char gml[] = "<?xml version=\"1.0\"?><ogr:FeatureCollection "
-		"xmlns:ogr=\"http://ogr.maptools.org/\" "
-		"xmlns:gml=\"http://www.opengis.net/gml/3.2\">"
-		"<ogr:featureMember><ogr:boom gml:id=\"b1\"><ogr:geometry><gml:Point "
-		"srsName=\"%s\"><gml:pos>%s</gml:pos></gml:Point></ogr:geometry>"
-		"<ogr:soort>Tilia</ogr:soort></ogr:boom></ogr:featureMember></ogr:FeatureCollection>";
-	char text[2000];
-
-	snprintf(text, sizeof text, gml, "urn:ogc:def:crs:EPSG::28992", "121000 487000");
-	expect("boom.gml", text, "gml_id,soort / (121000 487000) b1,Tilia", NULL, "EPSG:28992");
-	snprintf(text, sizeof text, gml, "urn:ogc:def:crs:EPSG::4326", "52.4 4.9");
-	expect("degrees.gml", text, "gml_id,soort / (4.9 52.4) b1,Tilia", NULL, "EPSG:4326");
-	snprintf(text, sizeof text, gml, "EPSG:4326", "4.9 52.4");
-	expect("short.gml", text, "gml_id,soort / (4.9 52.4) b1,Tilia", NULL, "EPSG:4326");
-	snprintf(text, sizeof text, gml, "urn:ogc:def:crs:EPSG::31467", "5335000 3560000");
-	expect("north.gml", text, "gml_id,soort / (3560000 5335000) b1,Tilia", NULL, "EPSG:31467");
-}
-
 #define TREE(inside) "<core:cityObjectMember><veg:SolitaryVegetationObject gml:id=\"t\">" inside \
 	"</veg:SolitaryVegetationObject></core:cityObjectMember>"
 #define AT(pos) "<gml:Point><gml:pos srsDimension=\"3\">" pos "</gml:pos></gml:Point>"
@@ -545,7 +519,7 @@ UNIT_TEST(gml_has_easting_or_longitude_first_in_the_end)
 
 UNIT_TEST(trees_of_city_models_are_rows)
 {
-	static const struct { const char *name, *srs, *inside, *wanted, *note, *crs; } cases[] = {
+	static const struct { const char *name, *srs, *inside, *wanted, *note, *crs; } models[] = {
 		/* an implicit geometry stands at its reference point */
 		{ "implicit.gml", "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH", TREE("<veg:species>1640</veg:species>"
 			"<veg:height uom=\"m\">12.5</veg:height><gen:stringAttribute name=\"Art\"><gen:value>Linde"
@@ -568,15 +542,15 @@ UNIT_TEST(trees_of_city_models_are_rows)
 		{ "nowhere.gml", "urn:adv:crs:plan", TREE("<veg:lod1Geometry>" AT("1 2 3") "</veg:lod1Geometry>"),
 			"gml_id / (1 2 3) t", NULL, NULL },
 	};
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+	for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
 		char text[4000];
 		snprintf(text, sizeof text, "<?xml version=\"1.0\"?><core:CityModel "
 			"xmlns:core=\"http://www.opengis.net/citygml/2.0\" xmlns:gml=\"http://www.opengis.net/gml\" "
 			"xmlns:veg=\"http://www.opengis.net/citygml/vegetation/2.0\" xmlns:bldg=\"b\" xmlns:gen=\"g\">"
 			"<gml:boundedBy><gml:Envelope srsName=\"%s\" srsDimension=\"3\"><gml:lowerCorner>0 0 0"
 			"</gml:lowerCorner><gml:upperCorner>1 1 1</gml:upperCorner></gml:Envelope></gml:boundedBy>"
-			"%s</core:CityModel>", cases[i].srs, cases[i].inside);
-		expect(cases[i].name, text, cases[i].wanted, cases[i].note, cases[i].crs);
+			"%s</core:CityModel>", models[i].srs, models[i].inside);
+		expect(models[i].name, text, models[i].wanted, models[i].note, models[i].crs);
 	}
 }
 
