@@ -14,7 +14,7 @@ green_inputs() { # PROGRAM
 	*)
 		ls "$1" "$BUILD"/*.so
 		for source in tests/*/"$name.c"; do
-			grep -oE '"(tests|server)/[a-z0-9_./]+"' "$source" | tr -d '"'
+			grep -oE '"((tests|server)/[a-z0-9_./]+|ecofiles/[a-z/]+/words)"' "$source" | tr -d '"'
 			grep -oE '/eco(pack|serve|view|load)"' "$source" | sed "s|^|$BUILD|; s|\"||"
 		done
 		;;
