@@ -1,6 +1,5 @@
-/* Three indices answer the questions. Inside one surface: bands of y, each with the edges that cross it.
- * Inside any of many surfaces: first a coarse grid of their boxes. Near: a grid of cells as wide as
- * near_m, each with the edges that come within one cell. */
+/* Two indices answer the questions. Inside: bands of y, with the edges of a surface that touch each, and the surfaces
+ * themselves. Near: a grid of cells as wide as near_m, each with the edges that come within one cell. */
 #include "ecofiles/import/places/areas.h"
 
 #include <math.h>
@@ -12,7 +11,6 @@
 
 #define DEPTH_MAX 16
 #define STRIPS_MAX (1u << 20)
-#define BOXES_SIDE_MAX 512u
 #define LINKS_MAX (1u << 27)
 
 enum { WKB_POINT = 1, WKB_LINE = 2, WKB_POLYGON = 3, WKB_POINTS = 4, WKB_LINES = 5, WKB_POLYGONS = 6,
@@ -136,45 +134,54 @@ enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, siz
 
 /* ---- Surfaces ---- */
 
-static uint32_t strip_of(const struct eco_area *area, double y)
+static uint32_t strip_of(const struct eco_strips *s, double y)
 {
-	double at = (y - area->low[1]) / (area->high[1] - area->low[1]) * area->strips;
-	return !(at > 0) ? 0 : at >= area->strips ? area->strips - 1 : (uint32_t)at;
+	double at = (y - s->low) / (s->high - s->low) * s->count;
+	return !(at > 0) ? 0 : at >= s->count ? s->count - 1 : (uint32_t)at;
 }
 
-/* Puts each edge into every band that it touches. */
-static enum eco_code index_area(struct eco_areas *areas, struct eco_area *area, struct eco_error *error)
+/* Puts each item into every band of its range of y; an empty range: none. */
+static enum eco_code fill_strips(struct eco_strips *s, uint32_t items,
+	void (*range)(const void *ctx, uint32_t item, double y[2]), const void *ctx, struct eco_error *error)
 {
-	const struct eco_edge *edges = areas->edges + area->edge_first;
 	uint64_t total = 0;
-	area->strips = area->ring_edges / 4 + 1;
-	area->strips = area->strips > STRIPS_MAX ? STRIPS_MAX : area->strips;
-	area->strip_first = calloc((size_t)area->strips + 2, sizeof *area->strip_first);
-	if (!area->strip_first)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
-	for (int pass = 0; pass < 2; pass++) {
-		for (uint32_t i = 0; i < area->ring_edges; i++) {
-			uint32_t first = strip_of(area, fmin(edges[i].a[1], edges[i].b[1])),
-				last = strip_of(area, fmax(edges[i].a[1], edges[i].b[1]));
-			total += pass == 0 ? last - first + 1u : 0;
-			for (uint32_t s = first; s <= last; s++) {
+	s->count = items / 4 + 1 > STRIPS_MAX ? STRIPS_MAX : items / 4 + 1;
+	s->first = calloc((size_t)s->count + 2, sizeof *s->first);
+	for (int pass = 0; s->first && pass < 2 && (pass == 0 || s->member); pass++) {
+		for (uint32_t i = 0; i < items; i++) {
+			double y[2];
+			range(ctx, i, y);
+			uint32_t strip = strip_of(s, y[0]), end = y[0] <= y[1] ? strip_of(s, y[1]) + 1 : strip;
+			total += pass == 0 ? end - strip : 0;
+			for (; strip < end; strip++) {
 				if (pass == 0)
-					area->strip_first[s + 2]++;
+					s->first[strip + 2]++;
 				else
-					area->strip[area->strip_first[s + 1]++] = i;
+					s->member[s->first[strip + 1]++] = i;
 			}
 			if (total > LINKS_MAX)
 				return eco_fail(error, ECO_TOO_LARGE, "an area with too many long edges");
 		}
-		if (pass > 0)
-			break;
-		for (uint32_t s = 0; s < area->strips; s++)
-			area->strip_first[s + 2] += area->strip_first[s + 1];
-		area->strip = malloc((total + 1) * sizeof *area->strip);
-		if (!area->strip)
-			return eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
+		for (uint32_t k = 0; pass == 0 && k < s->count; k++)
+			s->first[k + 2] += s->first[k + 1];
+		if (pass == 0)
+			s->member = malloc((total + 1) * sizeof *s->member);
 	}
-	return ECO_OK;
+	return s->first && s->member ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
+}
+
+static void edge_range(const void *edges, uint32_t edge, double y[2])
+{
+	const struct eco_edge *e = (const struct eco_edge *)edges + edge;
+	y[0] = fmin(e->a[1], e->b[1]);
+	y[1] = fmax(e->a[1], e->b[1]);
+}
+
+static void area_range(const void *areas, uint32_t area, double y[2])
+{
+	const struct eco_area *a = (const struct eco_area *)areas + area;
+	y[0] = a->ring_edges > 0 ? a->low[1] : INFINITY;
+	y[1] = a->high[1];
 }
 
 /* Whether a ray from (x, y) towards greater x crosses the edge. */
@@ -192,9 +199,9 @@ bool eco_area_holds(const struct eco_areas *areas, uint32_t index, double x, dou
 	if (area->ring_edges == 0 || x < area->low[0] || x > area->high[0] || y < area->low[1]
 			|| y > area->high[1])
 		return false;
-	uint32_t s = strip_of(area, y);
-	for (uint32_t i = area->strip_first[s]; i < area->strip_first[s + 1]; i++)
-		if (crosses(&edges[area->strip[i]], x, y))
+	uint32_t s = strip_of(&area->strips, y);
+	for (uint32_t i = area->strips.first[s]; i < area->strips.first[s + 1]; i++)
+		if (crosses(&edges[area->strips.member[i]], x, y))
 			inside = !inside;
 	return inside;
 }
@@ -207,9 +214,9 @@ bool eco_area_span(const struct eco_areas *areas, uint32_t index, double low_y, 
 	span[1] = -INFINITY;
 	if (area->ring_edges == 0 || high_y < area->low[1] || low_y > area->high[1])
 		return false;
-	for (uint32_t i = area->strip_first[strip_of(area, low_y)];
-			i < area->strip_first[strip_of(area, high_y) + 1]; i++) {
-		const struct eco_edge *e = &edges[area->strip[i]];
+	const struct eco_strips *s = &area->strips;
+	for (uint32_t i = s->first[strip_of(s, low_y)]; i < s->first[strip_of(s, high_y) + 1]; i++) {
+		const struct eco_edge *e = &edges[s->member[i]];
 		double rise = e->b[1] - e->a[1], run = e->b[0] - e->a[0];
 		double from = rise != 0 ? (low_y - e->a[1]) / rise : 0,
 			to = rise != 0 ? (high_y - e->a[1]) / rise : 1;
@@ -230,11 +237,10 @@ static bool ring_is_hole(const struct eco_areas *areas, const struct eco_area *a
 	const struct eco_edge *edges = areas->edges + area->edge_first;
 	double x = (edges[first].a[0] + edges[first].b[0]) / 2,
 		y = (edges[first].a[1] + edges[first].b[1]) / 2;
-	uint32_t s = strip_of(area, y);
+	const struct eco_strips *s = &area->strips;
 	bool inside = false;
-	for (uint32_t i = area->strip_first[s]; i < area->strip_first[s + 1]; i++)
-		if ((area->strip[i] < first || area->strip[i] >= end)
-				&& crosses(&edges[area->strip[i]], x, y))
+	for (uint32_t k = strip_of(s, y), i = s->first[k]; i < s->first[k + 1]; i++)
+		if ((s->member[i] < first || s->member[i] >= end) && crosses(&edges[s->member[i]], x, y))
 			inside = !inside;
 	return inside;
 }
@@ -259,64 +265,24 @@ static double surface_of(const struct eco_areas *areas, const struct eco_area *a
 
 /* ---- Many surfaces ---- */
 
-static uint32_t box_column(const struct eco_area_boxes *b, int k, double at)
+static enum eco_code index_areas(struct eco_areas *areas, struct eco_error *error)
 {
-	double column = (at - b->low[k]) / b->step[k];
-	return !(column > 0) ? 0 : column >= b->side ? b->side - 1 : (uint32_t)column;
-}
-
-/* Counts the entries of each cell, or fills them in. */
-static void fill_boxes(struct eco_areas *areas, uint32_t *at, bool count)
-{
-	struct eco_area_boxes *b = &areas->boxes;
+	areas->strips.low = INFINITY;
+	areas->strips.high = -INFINITY;
 	for (uint32_t i = 0; i < areas->count; i++) {
-		const struct eco_area *area = &areas->items[i];
-		uint32_t x0 = box_column(b, 0, area->low[0]), x1 = box_column(b, 0, area->high[0]);
-		uint32_t y0 = box_column(b, 1, area->low[1]), y1 = box_column(b, 1, area->high[1]);
-		for (uint32_t y = y0; y <= y1 && area->ring_edges > 0; y++)
-			for (uint32_t x = x0; x <= x1; x++)
-				if (count)
-					at[y * b->side + x]++;
-				else
-					b->member[at[y * b->side + x]++] = i;
+		areas->strips.low = fmin(areas->strips.low, areas->items[i].low[1]);
+		areas->strips.high = fmax(areas->strips.high, areas->items[i].high[1]);
 	}
-}
-
-static enum eco_code index_boxes(struct eco_areas *areas, struct eco_error *error)
-{
-	struct eco_area_boxes *b = &areas->boxes;
-	double high[2] = { -INFINITY, -INFINITY };
-	b->low[0] = b->low[1] = INFINITY;
-	for (uint32_t i = 0; i < areas->count; i++)
-		for (int k = 0; k < 2; k++) {
-			b->low[k] = fmin(b->low[k], areas->items[i].low[k]);
-			high[k] = fmax(high[k], areas->items[i].high[k]);
-		}
-	b->side = (uint32_t)fmin(sqrt(areas->count) + 1, BOXES_SIDE_MAX);
-	for (int k = 0; k < 2; k++)
-		b->step[k] = high[k] > b->low[k] ? (high[k] - b->low[k]) / b->side : 1;
-	b->first = calloc((size_t)b->side * b->side + 1, sizeof *b->first);
-	uint32_t *at = calloc((size_t)b->side * b->side + 1, sizeof *at);
-	if (b->first && at) {
-		fill_boxes(areas, b->first + 1, true);
-		for (uint32_t c = 0; c < b->side * b->side; c++)
-			at[c + 1] = b->first[c + 1] += b->first[c];
-		b->member = malloc(((size_t)b->first[b->side * b->side] + 1) * sizeof *b->member);
-		if (b->member)
-			fill_boxes(areas, at, false);
-	}
-	free(at);
-	return b->member ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
+	return fill_strips(&areas->strips, areas->count, area_range, areas->items, error);
 }
 
 bool eco_areas_hold(const struct eco_areas *areas, double x, double y)
 {
-	const struct eco_area_boxes *b = &areas->boxes;
+	const struct eco_strips *s = &areas->strips;
 	if (areas->count == 0)
 		return false;
-	uint32_t cell = box_column(b, 1, y) * b->side + box_column(b, 0, x);
-	for (uint32_t i = b->first[cell]; i < b->first[cell + 1]; i++)
-		if (eco_area_holds(areas, b->member[i], x, y))
+	for (uint32_t k = strip_of(s, y), i = s->first[k]; i < s->first[k + 1]; i++)
+		if (eco_area_holds(areas, s->member[i], x, y))
 			return true;
 	return false;
 }
@@ -417,22 +383,25 @@ enum eco_code eco_areas_index(struct eco_areas *areas, double near_m, struct eco
 	enum eco_code code = ECO_OK;
 	areas->near_m = near_m;
 	for (uint32_t i = 0; i < areas->count && code == ECO_OK; i++) {
-		code = index_area(areas, &areas->items[i], error);
-		areas->items[i].size_m2 = surface_of(areas, &areas->items[i]);
+		struct eco_area *area = &areas->items[i];
+		area->strips.low = area->low[1];
+		area->strips.high = area->high[1];
+		code = fill_strips(&area->strips, area->ring_edges, edge_range, areas->edges + area->edge_first, error);
+		area->size_m2 = code ? 0 : surface_of(areas, area);
 	}
 	if (code == ECO_OK && areas->count > 0)
-		code = index_boxes(areas, error);
+		code = index_areas(areas, error);
 	return code == ECO_OK && near_m > 0 ? index_near(areas, error) : code;
 }
 
 void eco_areas_free(struct eco_areas *areas)
 {
 	for (uint32_t i = 0; i < areas->count; i++) {
-		free(areas->items[i].strip_first);
-		free(areas->items[i].strip);
+		free(areas->items[i].strips.first);
+		free(areas->items[i].strips.member);
 	}
-	free(areas->boxes.first);
-	free(areas->boxes.member);
+	free(areas->strips.first);
+	free(areas->strips.member);
 	free(areas->items);
 	free(areas->edges);
 	free(areas->cell_head);

@@ -17,18 +17,20 @@
 
 struct eco_edge { double a[2], b[2]; };  /* of a ring or a line; a point: twice the same */
 
+/* Items by the bands of y that they touch, in their order: those of band i are member[first[i]] to first[i + 1]. */
+struct eco_strips { double low, high; uint32_t count, *first, *member; };
+
 struct eco_area {                        /* a feature: all its rings, by the even-odd rule */
 	uint32_t edge_first, edge_count, ring_edges;     /* first the rings', then lines' and points' */
 	double low[2], high[2];
 	double size_m2;                      /* of the surface without its holes */
-	uint32_t strips, *strip_first, *strip;           /* edges by bands of y; after eco_areas_index */
+	struct eco_strips strips;                        /* its rings' edges; after eco_areas_index */
 };
 
 struct eco_areas {                       /* owns its arrays; zero-initialised is empty */
 	struct eco_area *items; uint32_t count, capacity;
 	struct eco_edge *edges; uint32_t edge_count, edge_capacity;
-	/* features by the cells that their boxes touch */
-	struct eco_area_boxes { double low[2], step[2]; uint32_t side, *first, *member; } boxes;
+	struct eco_strips strips;            /* features with a surface */
 	double near_m;
 	double cell_m; uint32_t *cell_head, cell_mask; /* edges by cells of a grid, hashed */
 	struct eco_area_link { int64_t x, y; uint32_t edge, next; } *links; uint32_t link_count,
