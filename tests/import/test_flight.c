@@ -189,8 +189,7 @@ UNIT_TEST(still_cameras_are_one_keyframe)
 	struct eco_flight f = flight_of(&track);
 	assert_int_equal(eco_script_fit(&script, &f, &track_defaults, NULL), ECO_OK);
 	assert_string_equal(script.text, "{\"fps\": 30, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [5, 6, "
-		"7], \"target\": [5, 16, 7], "
-		"\"up\": [0, 0, 1], \"fov_y_deg\": 45.837}\n]}\n");
+		"7], \"target\": [5, 16, 7], \"up\": [0, 0, 1], \"fov_y_deg\": 45.837}\n]}\n");
 	free(script.text);
 	eco_flight_free(&f);
 	eco_track_free(&track);

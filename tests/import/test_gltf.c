@@ -8,7 +8,7 @@
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
 
-#define CHUNK_JSON ",\"meshes\":[]"
+#define CHUNK_JSON ",'meshes':[]"
 
 static struct eco_gltf *doc;
 static uint8_t *file_bytes;          /* of the open document */
@@ -123,7 +123,7 @@ UNIT_TEST(buffers_are_found_beside_or_within)
 		char buffer[200];
 		gw_begin();
 		gw_floats(p, 1, "VEC3", 3);
-		snprintf(buffer, sizeof buffer, ",\"uri\":\"%s\"", uris[i]);
+		snprintf(buffer, sizeof buffer, ",'uri':'%s'", uris[i]);
 		assert_ok(eco_gltf_open(&doc, input_text("gltf", "b.gltf", gw_json(buffer, CHUNK_JSON)),
 			&error), error);
 		expect_floats(0, 3, (const double[]){ 1, 2, 3 }, 1);
@@ -134,11 +134,11 @@ UNIT_TEST(buffers_are_found_beside_or_within)
 UNIT_TEST(a_buffer_that_is_missing_is_told_when_it_is_needed)
 {
 	static const struct { const char *buffer; enum eco_code code; const char *says; } cases[] = {
-		{ ",\"uri\":\"none.bin\"", ECO_NOT_FOUND, "none.bin" },
+		{ ",'uri':'none.bin'", ECO_NOT_FOUND, "none.bin" },
 			{ "", ECO_DAMAGED, "buffer 0 has no data" },
-		{ ",\"uri\":\"data:base64\"", ECO_DAMAGED, "comma" },
-		{ ",\"uri\":\"data:;base64,?\"", ECO_DAMAGED, "base64" },
-		{ ",\"uri\":\"data:;base64,AAAA\"", ECO_DAMAGED, "has only 3 bytes" },
+		{ ",'uri':'data:base64'", ECO_DAMAGED, "comma" },
+		{ ",'uri':'data:;base64,?'", ECO_DAMAGED, "base64" },
+		{ ",'uri':'data:;base64,AAAA'", ECO_DAMAGED, "has only 3 bytes" },
 	};
 	static const float p[3] = { 1, 2, 3 };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -177,7 +177,7 @@ UNIT_TEST(numbers_of_every_type_are_read)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		gw_begin();
 		gw_accessor(gw_view(cases[i].from, cases[i].size, ""), cases[i].type, 4, "SCALAR",
-			cases[i].normalized ? ",\"normalized\":true" : "");
+			cases[i].normalized ? ",'normalized':true" : "");
 		open_good("");
 		expect_floats(0, 1, cases[i].wanted, 4);
 		close_good();
@@ -190,8 +190,8 @@ UNIT_TEST(strides_offsets_and_columns_are_kept)
 	static const uint8_t columns[2 * 12] = { 1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 11, 12, 13, 0, 14, 15,
 		16, 0, 17, 18, 19, 0 };
 	gw_begin();
-	gw_accessor(gw_view(interleaved, sizeof interleaved, ",\"byteStride\":16.0"), GLTF_FLOAT, 2, "VEC2",
-		",\"byteOffset\":4");
+	gw_accessor(gw_view(interleaved, sizeof interleaved, ",'byteStride':16.0"), GLTF_FLOAT, 2, "VEC2",
+		",'byteOffset':4");
 	gw_accessor(gw_view(columns, sizeof columns, ""), GLTF_UBYTE, 2, "MAT3", "");
 	open_good("");
 	expect_floats(0, 2, (const double[]){ 1, 2, 3, 4 }, 2);
@@ -212,9 +212,8 @@ UNIT_TEST(sparse_accessors_are_filled_in)
 	i8 = gw_view(bytes, sizeof bytes, "");
 	i32 = gw_view(words, sizeof words, "");
 	for (int i = 0; i < 3; i++)
-		snprintf(sparse[i], sizeof sparse[i], ",\"sparse\":{\"count\":%d,"
-			"\"indices\":{\"bufferView\":%d,\"componentType\":%d},\"values\":{"
-			"\"bufferView\":%d}}", i == 2 ? 1 : 2, i == 0 ? i8 : i32,
+		snprintf(sparse[i], sizeof sparse[i], ",'sparse':{'count':%d,'indices':{'bufferView':%d,"
+			"'componentType':%d},'values':{'bufferView':%d}}", i == 2 ? 1 : 2, i == 0 ? i8 : i32,
 			i == 0 ? GLTF_UBYTE : GLTF_UINT, v);
 	gw_accessor(gw_view(base, sizeof base, ""), GLTF_FLOAT, 4, "SCALAR", sparse[0]);
 	gw_accessor(-1, GLTF_FLOAT, 4, "SCALAR", sparse[0]);         /* of zeros */
@@ -236,10 +235,10 @@ UNIT_TEST(accessors_beyond_their_bytes_are_refused)
 	static const struct { const char *more; size_t count; const char *kind; enum eco_code code;
 		const char *says; } cases[] = {
 		{ "", 5, "SCALAR", ECO_DAMAGED, "needs 20 bytes" },
-			{ ",\"byteOffset\":4", 4, "SCALAR", ECO_DAMAGED, "needs 16 bytes" },
-		{ ",\"byteOffset\":-4", 1, "SCALAR", ECO_DAMAGED, "needs 4 bytes" },
+			{ ",'byteOffset':4", 4, "SCALAR", ECO_DAMAGED, "needs 16 bytes" },
+		{ ",'byteOffset':-4", 1, "SCALAR", ECO_DAMAGED, "needs 4 bytes" },
 		{ "", 2, "VEC3", ECO_DAMAGED, "needs 24 bytes" },
-		{ ",\"byteOffset\":18446744073709551615", 1, "SCALAR", ECO_DAMAGED, "" },
+		{ ",'byteOffset':18446744073709551615", 1, "SCALAR", ECO_DAMAGED, "" },
 		{ "", 1, "VEC5", ECO_DAMAGED, "VEC5" },
 		{ "", (size_t)1 << 40, "SCALAR", ECO_TOO_LARGE, "more numbers" } };
 
@@ -319,11 +318,11 @@ UNIT_TEST(filters_of_meshopt_are_undone)
 	meshopt_encodeFilterOct(filtered, 4, 8, 16, normals[0]);
 	gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, filtered, 4, 8), 4, 8,
 		"ATTRIBUTES", "OCTAHEDRAL",
-		"EXT_meshopt_compression"), GLTF_SHORT, 4, "VEC4", ",\"normalized\":true");
+		"EXT_meshopt_compression"), GLTF_SHORT, 4, "VEC4", ",'normalized':true");
 	meshopt_encodeFilterQuat(filtered, 2, 8, 16, turns[0]);
 	gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, filtered, 2, 8), 2, 8,
 		"ATTRIBUTES", "QUATERNION",
-		"EXT_meshopt_compression"), GLTF_SHORT, 2, "VEC4", ",\"normalized\":true");
+		"EXT_meshopt_compression"), GLTF_SHORT, 2, "VEC4", ",'normalized':true");
 	meshopt_encodeFilterExp(filtered, 2, 12, 24, places[0]);
 	gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, filtered, 2, 12), 2,
 		12, "ATTRIBUTES", "EXPONENTIAL",
@@ -385,11 +384,9 @@ UNIT_TEST(nodes_stand_where_their_ancestors_put_them)
 	struct eco_error error = { .code = ECO_OK };
 	double m[16], p[3];
 	gw_begin();
-	open_good(",\"nodes\":[{\"children\":[1],\"translation\":[0,2,0],\"scale\":[2,2,2]},"
-		"{\"children\":[2],\"rotation\":[0,0.6,0,0.6]},"
-		"{\"matrix\":[1,0,0,0, 0,1,0,0, 0,0,1,0, "
-		"5,6,7,1]},{\"children\":[4]},{\"children\":[3]},{\"rotation\":[0,0,0,0]},{\"scale\":[1,"
-		"\"x\"]}]");
+	open_good(",'nodes':[{'children':[1],'translation':[0,2,0],'scale':[2,2,2]},"
+		"{'children':[2],'rotation':[0,0.6,0,0.6]},{'matrix':[1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,"
+		"1]},{'children':[4]},{'children':[3]},{'rotation':[0,0,0,0]},{'scale':[1,'x']}]");
 	assert_int_equal(eco_gltf_node_matrix(doc, 2, m, NULL), ECO_OK);
 	/* (6, 6, 7), a quarter turn about Y: (7, 6, -6), twice, 2 up */
 	eco_gltf_apply(m, (const double[]){ 1, 0, 0 }, p);
@@ -413,17 +410,17 @@ static enum eco_code note_node(void *ctx, uint32_t node, const double world[16])
 UNIT_TEST(what_a_viewer_would_show_is_walked)
 {
 	static const struct { const char *rest, *order; enum eco_code code; } cases[] = {
-		{ ",\"scene\":1,\"scenes\":[{\"nodes\":[0]},{\"nodes\":[2,1]}],\"nodes\":[{},"
-			"{\"children\":[3,4]},{},{},{}]", "2 1 3 4 ", ECO_OK },
-		{ ",\"scenes\":[{\"nodes\":[1]},{\"nodes\":[0]}],\"nodes\":[{},{}]", "1 ", ECO_OK },
-		{ ",\"nodes\":[{},{\"children\":[0]},{}]", "1 0 2 ", ECO_OK },
-		{ ",\"nodes\":[{\"children\":[1],\"extensions\":{\"KHR_node_visibility\":{\"visible\":false}"
+		{ ",'scene':1,'scenes':[{'nodes':[0]},{'nodes':[2,1]}],'nodes':[{},"
+			"{'children':[3,4]},{},{},{}]", "2 1 3 4 ", ECO_OK },
+		{ ",'scenes':[{'nodes':[1]},{'nodes':[0]}],'nodes':[{},{}]", "1 ", ECO_OK },
+		{ ",'nodes':[{},{'children':[0]},{}]", "1 0 2 ", ECO_OK },
+		{ ",'nodes':[{'children':[1],'extensions':{'KHR_node_visibility':{'visible':false}"
 			"}},{},{}]", "2 ", ECO_OK },
-		{ ",\"scene\":3,\"scenes\":[{}],\"nodes\":[{},{\"children\":[0]}]", "1 0 ", ECO_OK },
-		{ ",\"scene\":\"hello\",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{},{}]", "0 1 ", ECO_OK },
-		{ ",\"scene\":0", "", ECO_OK },
-		{ ",\"scenes\":[{\"nodes\":[5]}],\"nodes\":[{}]", "", ECO_DAMAGED },
-		{ ",\"nodes\":[{\"children\":[-1]}]", "0 ", ECO_DAMAGED },
+		{ ",'scene':3,'scenes':[{}],'nodes':[{},{'children':[0]}]", "1 0 ", ECO_OK },
+		{ ",'scene':'hello','scenes':[{'nodes':[0]}],'nodes':[{},{}]", "0 1 ", ECO_OK },
+		{ ",'scene':0", "", ECO_OK },
+		{ ",'scenes':[{'nodes':[5]}],'nodes':[{}]", "", ECO_DAMAGED },
+		{ ",'nodes':[{'children':[-1]}]", "0 ", ECO_DAMAGED },
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -447,14 +444,14 @@ static enum eco_code ignore_node(void *ctx, uint32_t node, const double world[16
 /* The first two are seen at once; 32 nodes, each twice below the one before, are 2^32 to visit. */
 UNIT_TEST(a_tree_that_is_none_ends)
 {
-	char twice[1024] = ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[";
+	char twice[1024] = ",'scenes':[{'nodes':[0]}],'nodes':[";
 	for (int i = 1; i < 32; i++)
-		sprintf(twice + strlen(twice), "{\"children\":[%d,%d]},", i, i);
+		sprintf(twice + strlen(twice), "{'children':[%d,%d]},", i, i);
 	strcat(twice, "{}]");
 	const struct { const char *rest; enum eco_code code; const char *says; } cases[] = {
-		{ ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1]},{\"children\":[0]}]",
+		{ ",'scenes':[{'nodes':[0]}],'nodes':[{'children':[1]},{'children':[0]}]",
 			ECO_DAMAGED, "node 0 or one above it lies below itself" },
-		{ ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[0,0]}]", ECO_DAMAGED,
+		{ ",'scenes':[{'nodes':[0]}],'nodes':[{'children':[0,0]}]", ECO_DAMAGED,
 			"lies below itself" },
 		{ twice, ECO_TOO_LARGE, "more than 1048576 nodes" } };
 

@@ -80,8 +80,8 @@ static void gw_square(size_t count)
 	gw_floats(square[0], count, "VEC3", 3);
 }
 
-#define ONE_MESH(attributes, more) ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}]," \
-	"\"meshes\":[{\"primitives\":[{\"attributes\":{" attributes "}" more "}]}]"
+#define ONE_MESH(attributes, more) ",'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0}]," \
+	"'meshes':[{'primitives':[{'attributes':{" attributes "}" more "}]}]"
 
 UNIT_TEST(indices_of_every_type_or_none_make_triangles)
 {
@@ -96,8 +96,8 @@ UNIT_TEST(indices_of_every_type_or_none_make_triangles)
 			gw_accessor(gw_view(shorts, sizeof shorts, ""), GLTF_USHORT, 6, "SCALAR", "");
 		else
 			gw_accessor(gw_view(words, sizeof words, ""), GLTF_UINT, 6, "SCALAR", "");
-		read_good(i < 3 ? ONE_MESH("\"POSITION\":0", ",\"indices\":1")
-			: ONE_MESH("\"POSITION\":0", ""));
+		read_good(i < 3 ? ONE_MESH("'POSITION':0", ",'indices':1")
+			: ONE_MESH("'POSITION':0", ""));
 		assert_int_equal(m.triangle_count, i < 3 ? 2 : 1);
 		expect_corner(0, 1, 1, 0, 0);
 		if (i < 3)
@@ -111,14 +111,14 @@ UNIT_TEST(strips_and_fans_become_triangles)
 	gw_square(4);
 	gw_accessor(gw_view(strip, sizeof strip, ""), GLTF_USHORT, 8, "SCALAR", "");
 	gw_accessor(gw_view(fan, sizeof fan, ""), GLTF_USHORT, 4, "SCALAR", "");
-	read_good(ONE_MESH("\"POSITION\":0", ",\"indices\":1,\"mode\":5"));
+	read_good(ONE_MESH("'POSITION':0", ",'indices':1,'mode':5"));
 	assert_int_equal(m.triangle_count, 3);       /* and one behind the restart */
 	expect_corner(0, 2, 0, 1, 0);
 	expect_corner(1, 0, 0, 1, 0);            /* the second keeps the first's winding */
 	expect_corner(1, 1, 1, 0, 0);
 	expect_corner(1, 2, 1, 1, 0);
 	expect_corner(2, 0, 1, 1, 0);
-	read_good(ONE_MESH("\"POSITION\":0", ",\"indices\":2,\"mode\":6"));
+	read_good(ONE_MESH("'POSITION':0", ",'indices':2,'mode':6"));
 	assert_int_equal(m.triangle_count, 2);
 	expect_corner(1, 0, 0, 0, 0);
 	expect_corner(1, 1, 1, 1, 0);
@@ -128,16 +128,15 @@ UNIT_TEST(strips_and_fans_become_triangles)
 UNIT_TEST(points_and_lines_are_counted_and_said)
 {
 	gw_square(4);
-	read_good(",\"nodes\":[{\"mesh\":0}],"
-		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},"
-		"{\"attributes\":{\"POSITION\":0},"
-		"\"mode\":0},{\"attributes\":{\"POSITION\":0},\"mode\":3},{\"attributes\":{}}]}]");
+	read_good(",'nodes':[{'mesh':0}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}},"
+		"{'attributes':{'POSITION':0},'mode':0},{'attributes':{'POSITION':0},'mode':3},"
+		"{'attributes':{}}]}]");
 	assert_int_equal(m.triangle_count, 1);
 	assert_non_null(strstr(notes.text, "4 points and 3 lines are left out"));
 	assert_non_null(strstr(notes.text, "1 primitives without positions"));
 	assert_non_null(strstr(notes.text, "1 corners"));
-	read_fails(ONE_MESH("\"POSITION\":0", ",\"mode\":0"), ECO_BAD_INPUT, "only 4 points");
-	read_fails(ONE_MESH("\"POSITION\":0", ",\"mode\":9"), ECO_DAMAGED,
+	read_fails(ONE_MESH("'POSITION':0", ",'mode':0"), ECO_BAD_INPUT, "only 4 points");
+	read_fails(ONE_MESH("'POSITION':0", ",'mode':9"), ECO_DAMAGED,
 		"meshes[0].primitives[0]: its mode");
 	read_fails("", ECO_BAD_INPUT, "no triangles in its scene");
 }
@@ -147,7 +146,7 @@ UNIT_TEST(a_broken_index_is_kept_apart)
 	static const uint16_t indices[6] = { 0, 1, 2, 2, 1, 4 };
 	gw_square(4);
 	gw_accessor(gw_view(indices, sizeof indices, ""), GLTF_USHORT, 6, "SCALAR", "");
-	read_good(ONE_MESH("\"POSITION\":0", ",\"indices\":1"));
+	read_good(ONE_MESH("'POSITION':0", ",'indices':1"));
 	assert_int_equal(m.triangle_count, 2);
 	assert_int_equal(m.index[5], ECO_NONE);
 	assert_int_equal(m.vertex_count, 3);         /* what nobody names is left behind */
@@ -158,14 +157,13 @@ UNIT_TEST(quantized_meshes_are_read)
 	static const uint16_t corners[3][4] = { { 0, 0, 0 }, { 65535, 0, 0 }, { 0, 65535, 0 } };
 	static const int8_t small[3][4] = { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 20, -30 } };
 	gw_begin();
-	gw_accessor(gw_view(corners, sizeof corners, ",\"byteStride\":8"), GLTF_USHORT, 3, "VEC3",
-		",\"normalized\":true");
-	gw_accessor(gw_view(small, sizeof small, ",\"byteStride\":4"), GLTF_BYTE, 3, "VEC3", "");
-	read_good(",\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"scenes\":[{\"nodes\":[0,1]}],"
-		"\"nodes\":[{\"mesh\":0,\"scale\":[4,4,4],"
-		"\"translation\":[1,0,0]},{\"mesh\":1}],"
-		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},"
-		"{\"primitives\":[{\"attributes\":{\"POSITION\":1}}]}]");
+	gw_accessor(gw_view(corners, sizeof corners, ",'byteStride':8"), GLTF_USHORT, 3, "VEC3",
+		",'normalized':true");
+	gw_accessor(gw_view(small, sizeof small, ",'byteStride':4"), GLTF_BYTE, 3, "VEC3", "");
+	read_good(",'extensionsRequired':['KHR_mesh_quantization'],'scenes':[{'nodes':[0,1]}],"
+		"'nodes':[{'mesh':0,'scale':[4,4,4],'translation':[1,0,0]},{'mesh':1}],"
+		"'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]},"
+		"{'primitives':[{'attributes':{'POSITION':1}}]}]");
 	expect_corner(0, 0, 1, 0, 0);
 	expect_corner(0, 1, 5, 0, 0);
 	expect_corner(1, 2, 0, 20, -30);
@@ -177,24 +175,22 @@ UNIT_TEST(places_far_from_the_origin_keep_their_detail)
 	static const float far[3][3] = { { 1e7f, 0, 0 }, { 1e7f + 1, 0, 0 }, { 1e7f, 1, 0 } };
 	gw_square(3);
 	gw_floats(far[0], 3, "VEC3", 3);
-	read_good(",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":[5000000.25,100,"
-		"0]}],"
-		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
+	read_good(",'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0,'translation':[5000000.25,100,0]}],"
+		"'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]");
 	assert_true(frame.base[0] == 5000000 && (double)m.position[0] == 0.25 && (double)m.position[3]
 		== 1.25);
 	assert_string_equal(notes.text, "");
-	read_good(ONE_MESH("\"POSITION\":1", ""));
+	read_good(ONE_MESH("'POSITION':1", ""));
 	assert_non_null(strstr(notes.text, "in single precision"));
 }
 
 UNIT_TEST(parts_are_nodes_and_meshes)
 {
 	gw_square(3);
-	read_good(",\"nodes\":[{\"mesh\":0,\"name\":\"Tree\"},{\"mesh\":0},{\"mesh\":0,"
-		"\"name\":\"Leaves\"},{\"mesh\":1,\"name\":\"Pot\"},"
-		"{\"mesh\":1,\"name\":\"Pot\"}],"
-		"\"meshes\":[{\"name\":\"Leaves\",\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},"
-		"{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
+	read_good(",'nodes':[{'mesh':0,'name':'Tree'},{'mesh':0},{'mesh':0,'name':'Leaves'},"
+		"{'mesh':1,'name':'Pot'},{'mesh':1,'name':'Pot'}],"
+		"'meshes':[{'name':'Leaves','primitives':[{'attributes':{'POSITION':0}}]},"
+		"{'primitives':[{'attributes':{'POSITION':0}}]}]");
 	assert_int_equal(m.part_count, 3);
 	assert_string_equal(m.parts[m.part[0]].name, "Tree/Leaves");
 	assert_string_equal(m.parts[m.part[1]].name, "Leaves");
@@ -208,17 +204,16 @@ UNIT_TEST(instances_of_a_model_are_expanded)
 	static const float places[3][3] = { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 0, 10 } },
 		sizes[3][3] = { { 1, 1, 1 }, { 2, 2, 2 }, { 1, 1, 1 } };
 	static const int16_t turns[3][4] = { { 0, 0, 0, 32767 }, { 0, 0, 0, 32767 }, { 0, 23170, 0, 23170 } };
-	static const char rest[] = ",\"extensionsRequired\":[\"EXT_mesh_gpu_instancing\"],"
-		"\"nodes\":[{\"mesh\":0,\"translation\":[0,1,0],\"extensions\":{"
-		"\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":1,\"SCALE\":2,\"ROTATION\":3}}"
-		"}}],\"meshes\":[{\"primitives\":[{\"attributes\":"
-		"{\"POSITION\":0}}]}]";
+	static const char rest[] = ",'extensionsRequired':['EXT_mesh_gpu_instancing'],"
+		"'nodes':[{'mesh':0,'translation':[0,1,0],"
+		"'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'TRANSLATION':1,'SCALE':2,"
+		"'ROTATION':3}}}}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]";
 	struct eco_error error = { .code = ECO_OK };
 
 	gw_square(3);
 	gw_floats(places[0], 3, "VEC3", 3);
 	gw_floats(sizes[0], 3, "VEC3", 3);
-	gw_accessor(gw_view(turns, sizeof turns, ""), GLTF_SHORT, 3, "VEC4", ",\"normalized\":true");
+	gw_accessor(gw_view(turns, sizeof turns, ""), GLTF_SHORT, 3, "VEC4", ",'normalized':true");
 	read_good(rest);
 	assert_int_equal(m.triangle_count, 3);
 	expect_corner(0, 1, 1, 1, 0);
@@ -233,9 +228,9 @@ UNIT_TEST(instances_without_end_are_refused_at_once)
 	struct eco_error error = { .code = ECO_OK };
 	gw_square(3);
 	gw_accessor(-1, GLTF_FLOAT, 80000000, "VEC3", "");           /* zeros, which cost nothing */
-	assert_int_equal(read_model(",\"nodes\":[{\"mesh\":0,"
-		"\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":1}}}}],"
-		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", 100, &error),
+	assert_int_equal(read_model(",'nodes':[{'mesh':0,"
+		"'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'TRANSLATION':1}}}}],"
+		"'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]", 100, &error),
 		ECO_TOO_LARGE);
 }
 
@@ -251,12 +246,10 @@ UNIT_TEST(skins_stand_where_their_joints_hold_them)
 	gw_accessor(gw_view(joints, sizeof joints, ""), GLTF_UBYTE, 3, "VEC4", "");
 	gw_floats(weights[0], 3, "VEC4", 4);
 	gw_floats(inverse[0], 2, "MAT4", 16);
-	read_good(",\"nodes\":[{\"mesh\":0,\"skin\":0,\"translation\":[1000,0,0]},{\"translation\":[5,0,"
-		"0],\"scale\":[100,100,100]},"
-		"{\"translation\":[7,0,0]}],"
-		"\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":3}],"
-		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":1,"
-		"\"WEIGHTS_0\":2}}]}]");
+	read_good(",'nodes':[{'mesh':0,'skin':0,'translation':[1000,0,0]},{'translation':[5,0,0],"
+		"'scale':[100,100,100]},{'translation':[7,0,0]}],'skins':[{'joints':[1,2],"
+		"'inverseBindMatrices':3}],'meshes':[{'primitives':[{'attributes':{'POSITION':0,"
+		"'JOINTS_0':1,'WEIGHTS_0':2}}]}]");
 	expect_corner(0, 0, 5, 0, 0);
 	expect_corner(0, 1, 7, 0, 0);            /* between 6 and 8 */
 	expect_corner(0, 2, 7, 1, 0);
@@ -267,9 +260,8 @@ UNIT_TEST(morph_targets_have_their_default_weights)
 	static const float delta[3][3] = { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 0, 0 } };
 	gw_square(3);
 	gw_floats(delta[0], 3, "VEC3", 3);
-	read_good(",\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"weights\":[0]},{\"mesh\":0}],"
-		"\"meshes\":[{\"weights\":[0.5],"
-		"\"primitives\":[{\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":1}]}]}]");
+	read_good(",'nodes':[{'mesh':0},{'mesh':0,'weights':[0]},{'mesh':0}],'meshes':[{'weights':[0.5],"
+		"'primitives':[{'attributes':{'POSITION':0},'targets':[{'POSITION':1}]}]}]");
 	expect_corner(0, 1, 3, 0, 0);
 	expect_corner(1, 1, 1, 0, 0);
 	expect_corner(2, 1, 3, 0, 0);
@@ -279,9 +271,9 @@ UNIT_TEST(vertex_colours_count_in_linear_light)
 {
 	static const uint8_t colors[3][4] = { { 255, 0, 0, 255 }, { 255, 0, 0, 255 }, { 255, 0, 0, 0 } };
 	gw_square(3);
-	gw_accessor(gw_view(colors, sizeof colors, ""), GLTF_UBYTE, 3, "VEC4", ",\"normalized\":true");
-	read_good(ONE_MESH("\"POSITION\":0,\"COLOR_0\":1", ",\"material\":0") ","
-		"\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,1,1]}}]");
+	gw_accessor(gw_view(colors, sizeof colors, ""), GLTF_UBYTE, 3, "VEC4", ",'normalized':true");
+	read_good(ONE_MESH("'POSITION':0,'COLOR_0':1", ",'material':0") ","
+		"'materials':[{'pbrMetallicRoughness':{'baseColorFactor':[0.5,1,1,1]}}]");
 	assert_int_equal(m.materials[m.material[0]].rgb[0], 188);
 	assert_int_equal(m.materials[m.material[0]].rgb[1], 0);
 	assert_non_null(strstr(notes.text, "1 vertices have colours with alpha below 0.5"));
@@ -290,14 +282,13 @@ UNIT_TEST(vertex_colours_count_in_linear_light)
 UNIT_TEST(the_older_materials_and_those_without_any_have_colours)
 {
 	gw_square(3);
-	read_good(",\"nodes\":[{\"mesh\":0}],"
-		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},"
-		"{\"attributes\":{\"POSITION\":0}},"
-		"{\"attributes\":{\"POSITION\":0},\"material\":1}]}],\"materials\":[{\"name\":\"old\","
-			"\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0,0,1]},"
-		"\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0,1,0,1]}}},"
-		"{\"name\":\"thin\",\"alphaMode\":\"BLEND\","
-		"\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0,0,0.2]}}]");
+	read_good(",'nodes':[{'mesh':0}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},"
+		"'material':0},{'attributes':{'POSITION':0}},{'attributes':{'POSITION':0},"
+		"'material':1}]}],'materials':[{'name':'old',"
+		"'pbrMetallicRoughness':{'baseColorFactor':[1,0,0,1]},"
+		"'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseFactor':[0,1,0,1]}}},"
+		"{'name':'thin','alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorFactor':[1,"
+		"0,0,0.2]}}]");
 	assert_int_equal(m.triangle_count, 2);
 	assert_int_equal(m.dropped[ECO_DROP_TRANSPARENT], 1);
 	assert_string_equal(m.materials[m.material[0]].name, "old");
@@ -324,24 +315,21 @@ UNIT_TEST(pictures_come_from_anywhere_or_are_missed_aloud)
 	gw_floats(uv[0], 3, "VEC2", 2);
 	gw_floats(second[0], 3, "VEC2", 2);
 	gw_view(png, size, "");
-	snprintf(rest, sizeof rest, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[");
+	snprintf(rest, sizeof rest, ",'nodes':[{'mesh':0}],'meshes':[{'primitives':[");
 	for (int i = 0; i < 5; i++)
 		snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
-			"%s{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},"
-			"\"material\":%d}", i > 0 ? "," : "", i);
-	snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "]}],\"materials\":[");
+			"%s{'attributes':{'POSITION':0,'TEXCOORD_0':1,'TEXCOORD_1':2},"
+			"'material':%d}", i > 0 ? "," : "", i);
+	snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "]}],'materials':[");
 	for (int i = 0; i < 5; i++)
 		snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
-			"%s{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":%d,"
-			"\"texCoord\":%d%s}}}",
+			"%s{'pbrMetallicRoughness':{'baseColorTexture':{'index':%d,'texCoord':%d%s}}}",
 			i > 0 ? "," : "", i, i == 0, i == 1 ? ","
-			"\"extensions\":{\"KHR_texture_transform\":{\"texCoord\":1,\"scale\":[2,2]}}" : "");
+			"'extensions':{'KHR_texture_transform':{'texCoord':1,'scale':[2,2]}}" : "");
 	snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
-		"],\"textures\":[{\"source\":0},{\"source\":1},"
-		"{\"extensions\":{\"EXT_texture_webp\":{\"source\":2}}},"
-		"{\"source\":3},{}],\"images\":[{\"bufferView\":3,\"mimeType\":\"image/png\"},"
-		"{\"uri\":\"data:image/png,%s\"},{\"uri\":\"bark%%20one.png\"},"
-		"{\"uri\":\"none.png\"}]", text);
+		"],'textures':[{'source':0},{'source':1},{'extensions':{'EXT_texture_webp':{'source':2}}},"
+		"{'source':3},{}],'images':[{'bufferView':3,'mimeType':'image/png'},{'uri':'data:image/png,"
+		"%s'},{'uri':'bark%%20one.png'},{'uri':'none.png'}]", text);
 	free(png);
 	read_good(rest);
 	assert_int_equal(m.image_count, 3);
@@ -385,12 +373,10 @@ UNIT_TEST(draco_meshes_of_any_size_are_read)
 	gw_accessor(-1, GLTF_UINT, faces * 3, "SCALAR", "");
 	gw_accessor(-1, GLTF_UINT, faces * 3 - 3, "SCALAR", "");
 	for (int i = 1; i <= 2; i++) {
-		snprintf(rest, sizeof rest, ",\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],"
-			"\"nodes\":[{\"mesh\":0}],"
-			"\"meshes\":[{\"primitives\":[{\"attributes\":"
-			"{\"POSITION\":0},\"indices\":%d,"
-			"\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":%d,"
-			"\"attributes\":{\"POSITION\":0}}}}]}]",
+		snprintf(rest, sizeof rest, ",'extensionsRequired':['KHR_draco_mesh_compression'],"
+			"'nodes':[{'mesh':0}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},"
+			"'indices':%d,'extensions':{'KHR_draco_mesh_compression':{'bufferView':%d,"
+			"'attributes':{'POSITION':0}}}}]}]",
 				i, view);
 		if (i == 2) {
 			/* fewer faces declared than there are */
@@ -452,39 +438,36 @@ UNIT_TEST(draco_attributes_are_found_by_their_ids)
 UNIT_TEST(what_a_file_requires_and_is_not_read_is_named)
 {
 	static const struct { const char *list, *says; enum eco_code code; } cases[] = {
-		{ "\"extensionsRequired\":[\"KHR_texture_basisu\"]", "KHR_texture_basisu", ECO_UNSUPPORTED },
-		{ "\"extensionsRequired\":[\"KHR_mesh_quantization\",\"VENDOR_secret\"]", "VENDOR_secret",
+		{ "'extensionsRequired':['KHR_texture_basisu']", "KHR_texture_basisu", ECO_UNSUPPORTED },
+		{ "'extensionsRequired':['KHR_mesh_quantization','VENDOR_secret']", "VENDOR_secret",
 			ECO_UNSUPPORTED },
-		{ "\"extensionsRequired\":[3]", "not a name", ECO_UNSUPPORTED },
-		{ "\"extensionsUsed\":[\"VENDOR_secret\"]", "", ECO_OK },
-		{ "\"extensionsRequired\":[\"KHR_materials_anything\"]", "", ECO_OK },
+		{ "'extensionsRequired':[3]", "not a name", ECO_UNSUPPORTED },
+		{ "'extensionsUsed':['VENDOR_secret']", "", ECO_OK },
+		{ "'extensionsRequired':['KHR_materials_anything']", "", ECO_OK },
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		char rest[500];
 		gw_square(3);
-		snprintf(rest, sizeof rest, ONE_MESH("\"POSITION\":0", "") ",%s", cases[i].list);
+		snprintf(rest, sizeof rest, ONE_MESH("'POSITION':0", "") ",%s", cases[i].list);
 		read_fails(rest, cases[i].code, cases[i].says);
 	}
 }
 
 static const struct { const char *rest, *says; } references_to_cases[] = {
-	{ ",\"nodes\":[{\"mesh\":4}]", "mesh 4" }, { ONE_MESH("\"POSITION\":9", ""), "accessor 9" },
-	{ ONE_MESH("\"POSITION\":0", ",\"indices\":8"), "accessor 8" },
-	{ ONE_MESH("\"POSITION\":1", ""), "components" },
-	{ ",\"nodes\":[{\"mesh\":0,\"skin\":2}],"
-		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "skin" },
-	{ ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{}}}],"
-		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]",
+	{ ",'nodes':[{'mesh':4}]", "mesh 4" }, { ONE_MESH("'POSITION':9", ""), "accessor 9" },
+	{ ONE_MESH("'POSITION':0", ",'indices':8"), "accessor 8" },
+	{ ONE_MESH("'POSITION':1", ""), "components" },
+	{ ",'nodes':[{'mesh':0,'skin':2}],"
+		"'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]", "skin" },
+	{ ",'nodes':[{'mesh':0,'extensions':{'EXT_mesh_gpu_instancing':{}}}],"
+		"'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]",
 		"instances without" },
-	{ ",\"nodes\":[{\"mesh\":0,"
-		"\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0,\"SCALE\":2}"
-		"}}}],"
-		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]",
+	{ ",'nodes':[{'mesh':0,'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'TRANSLATION':0,"
+		"'SCALE':2}}}}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]",
 		"3 and 2 places" },
-	{ ONE_MESH("\"POSITION\":0", ","
-		"\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,"
-		"\"attributes\":{\"POSITION\":0}}}"),
+	{ ONE_MESH("'POSITION':0", ",'extensions':{'KHR_draco_mesh_compression':{'bufferView':0,"
+		"'attributes':{'POSITION':0}}}"),
 		"Draco" },
 };
 
@@ -508,7 +491,7 @@ UNIT_TEST(a_glb_is_known_by_its_content)
 	eco_model_free(&m);
 	for (int i = 0; i < 3; i++) {
 		gw_square(3);
-		size = gw_glb_bytes(ONE_MESH("\"POSITION\":0", ""), ' ', &bytes);
+		size = gw_glb_bytes(ONE_MESH("'POSITION':0", ""), ' ', &bytes);
 		path = input_bytes("gltf_model", i == 0 ? "leaf.glb" : i == 1 ? "leaf.gltf" : "leaf.bin",
 			bytes, size);
 		if (eco_model_import(&m, &(struct eco_model_options){ .paths = &path, .path_count = 1 },
@@ -524,18 +507,17 @@ UNIT_TEST(a_glb_is_known_by_its_content)
 UNIT_TEST(without_its_scene_all_nodes_are_read_and_it_is_said)
 {
 	static const struct { const char *scenes, *says; uint32_t triangles; } cases[] = {
-		{ ",\"scene\":7,\"scenes\":[{\"nodes\":[0]}]", "its default scene is not there: all of its "
+		{ ",'scene':7,'scenes':[{'nodes':[0]}]", "its default scene is not there: all of its "
 			"nodes are read", 2 },
 		{ "", "no scene in it: all of its nodes are read", 2 },
-		{ ",\"scene\":0,\"scenes\":[{\"nodes\":[0]}]", "", 1 },
+		{ ",'scene':0,'scenes':[{'nodes':[0]}]", "", 1 },
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		char rest[1000];
 		gw_square(3);
-		snprintf(rest, sizeof rest, "%s,\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[5,0,0]}"
-			"],\"meshes\":[{\"primitives\":[{\"attributes\":"
-			"{\"POSITION\":0}}]}]", cases[i].scenes);
+		snprintf(rest, sizeof rest, "%s,'nodes':[{'mesh':0},{'mesh':0,'translation':[5,0,0]}],"
+			"'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]", cases[i].scenes);
 		read_good(rest);
 		assert_int_equal(m.triangle_count, cases[i].triangles);
 		assert_non_null(strstr(notes.text, cases[i].says));

@@ -87,10 +87,9 @@ UNIT_TEST(samples_lie_at_pixel_centres_from_the_south_west)
 
 UNIT_TEST(what_is_missing_grows_in_from_its_neighbours)
 {
-	import_good(&(struct given){ .path = input_text("ground", "b.asc", "ncols 5\nnrows 3\nxllcorner "
-		"0\nyllcorner 0\n"
-		"cellsize 1\nNODATA_value -9999\n7 -9999 -9999 -9999 -9999\n7 nan -3.4e38 -9999 -9999\n7.0 "
-		"1e6 -9999 -9999 -9999\n") });
+	import_good(&(struct given){ .path = input_text("ground", "b.asc", "ncols 5\nnrows 3\nxllcorner 0\n"
+		"yllcorner 0\ncellsize 1\nNODATA_value -9999\n7 -9999 -9999 -9999 -9999\n7 nan -3.4e38 -9999 "
+		"-9999\n7.0 1e6 -9999 -9999 -9999\n") });
 	assert_int_equal(ground.filled, 12);
 	for (int i = 0; i < 15; i++)
 		assert_true(ground.height_m[i] == 7);
@@ -254,8 +253,7 @@ UNIT_TEST(what_is_no_raster_is_refused)
 	import_fails(&(struct given){ .path = input_text("ground", "text.tif", "not a raster") },
 		"not a raster that GDAL can read");
 	import_fails(&(struct given){ .path = input_text("ground", "one.asc", "ncols 1\nnrows 1\nxllcorner "
-		"0\nyllcorner 0\n"
-		"cellsize 1\n5\n") }, "at least 2 x 2");
+		"0\nyllcorner 0\ncellsize 1\n5\n") }, "at least 2 x 2");
 	import_fails(&(struct given){
 		.path = input_text("ground", "void.asc", GRID "-9999 -9999 -9999\n-9999 -9999 -9999\n") },
 		"no height at all");

@@ -39,9 +39,8 @@ UNIT_TEST(y_up_becomes_z_up_on_its_foot_at_its_height)
 UNIT_TEST(polygons_count_as_corners_minus_two)
 {
 	/* an L of six corners, concave, and a quad: areas 3 and 1 */
-	const char *obj = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 5 0 0\nv 6 0 0\nv 6 1 "
-		"0\nv 5 1 0\n"
-		"f 1 2 3 4 5 6\nf 7 8 9 10\np 1\nl 1 2\n";
+	const char *obj = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\n"
+		"v 5 1 0\nf 1 2 3 4 5 6\nf 7 8 9 10\np 1\nl 1 2\n";
 	double area = 0;
 
 	import_high(&m, input_text("model", "l.obj", obj), 0);

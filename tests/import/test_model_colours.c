@@ -292,15 +292,15 @@ UNIT_TEST(invisible_materials_are_left_out_and_counted)
 /* ---- glTF ---- */
 
 static const struct { const char *mode; bool cutout; uint8_t alpha[2]; } modes[] = {
-	{ "\"alphaMode\":\"OPAQUE\",", false, { 255, 255 } }, { "", false, { 255, 255 } },
-		{ "\"alphaMode\":\"BLEND\",", true, { 100, 200 } },
-	{ "\"alphaMode\":\"MASK\",", true, { 100, 200 } },
-	{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.25,", false, { 255, 255 } },
-	{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.9,", true, { 56, 111 } },
+	{ "'alphaMode':'OPAQUE',", false, { 255, 255 } }, { "", false, { 255, 255 } },
+		{ "'alphaMode':'BLEND',", true, { 100, 200 } },
+	{ "'alphaMode':'MASK',", true, { 100, 200 } },
+	{ "'alphaMode':'MASK','alphaCutoff':0.25,", false, { 255, 255 } },
+	{ "'alphaMode':'MASK','alphaCutoff':0.9,", true, { 56, 111 } },
 	/* equal to the cutoff is opaque: 200/255, 100/255, and whatever there is */
-	{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.78431373,", true, { 64, 128 } },
-	{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.39215687,", false, { 255, 255 } },
-	{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0,", false, { 255, 255 } },
+	{ "'alphaMode':'MASK','alphaCutoff':0.78431373,", true, { 64, 128 } },
+	{ "'alphaMode':'MASK','alphaCutoff':0.39215687,", false, { 255, 255 } },
+	{ "'alphaMode':'MASK','alphaCutoff':0,", false, { 255, 255 } },
 };
 
 UNIT_TEST(alpha_modes_and_linear_colours_mean_what_gltf_says)
@@ -309,11 +309,10 @@ UNIT_TEST(alpha_modes_and_linear_colours_mean_what_gltf_says)
 	write_png("a b.png", rgba, 2, 1);
 	for (size_t i = 0; i < sizeof modes / sizeof *modes; i++) {
 		char rest[500];
-		snprintf(rest, sizeof rest, ","
-			"\"materials\":[{%s\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,0,1],"
-			"\"baseColorTexture\":{\"index\":0}}}],\"textures\":[{\"source\":0}],"
-			"\"images\":[{\"uri\":\"a%%20b.png\"}]", modes[i].mode);
-		import_high(&m, gltf("alpha.gltf", "{\"mesh\":0}", rest), 0);
+		snprintf(rest, sizeof rest, ",'materials':[{%s'pbrMetallicRoughness':{'baseColorFactor':[0.5,"
+			"1,0,1],'baseColorTexture':{'index':0}}}],'textures':[{'source':0}],"
+			"'images':[{'uri':'a%%20b.png'}]", modes[i].mode);
+		import_high(&m, gltf("alpha.gltf", "{'mesh':0}", rest), 0);
 		assert_int_equal(m.image_count, 1);
 		assert_int_equal(m.materials[0].cutout, modes[i].cutout);
 		assert_int_equal(m.images[0].rgba[3], modes[i].alpha[0]);
@@ -336,16 +335,16 @@ static void import_textured(struct eco_model *model, const char *materials, cons
 	write_png("row.png", rgba, width, 1);
 	for (uint32_t i = 0; i < 3; i++) {
 		mesh += (size_t)snprintf(meshes + mesh, sizeof meshes - mesh,
-			"%s{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},"
-			"\"indices\":2,\"material\":%u}]}", i > 0 ? "," : "", i);
+			"%s{'primitives':[{'attributes':{'POSITION':0,'TEXCOORD_0':1},"
+			"'indices':2,'material':%u}]}", i > 0 ? "," : "", i);
 		node += (size_t)snprintf(nodes + node, sizeof nodes - node,
-			",{\"mesh\":%u,\"translation\":[%u,0,0]}", i, 2 * i);
+			",{'mesh':%u,'translation':[%u,0,0]}", i, 2 * i);
 	}
-	snprintf(text, sizeof text, "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,"
-		"1,2,3]}],\"buffers\":[" BUFFER "]," VIEWS
-		",\"meshes\":[%s],\"nodes\":[{}%s],\"materials\":[%s],\"textures\":[{\"source\":0}],"
-		"\"images\":[{\"uri\":\"row.png\"}]}", meshes, nodes, materials);
-	import_high(model, input_text(TEST_FOLDER, "row.gltf", text), 0);
+	snprintf(text, sizeof text, "{'asset':{'version':'2.0'},'scene':0,'scenes':[{'nodes':[0,"
+		"1,2,3]}],'buffers':[" BUFFER "]," VIEWS
+		",'meshes':[%s],'nodes':[{}%s],'materials':[%s],'textures':[{'source':0}],"
+		"'images':[{'uri':'row.png'}]}", meshes, nodes, materials);
+	import_high(model, input_json(TEST_FOLDER, "row.gltf", text), 0);
 }
 
 static void assert_texel(const struct eco_model *model, const char *material, uint32_t x,
@@ -363,11 +362,11 @@ static void assert_texel(const struct eco_model *model, const char *material, ui
 UNIT_TEST(a_texture_takes_each_colour_it_is_used_with)
 {
 	static const uint8_t rgba[] = { 255, 128, 0, 255, 188, 188, 255, 255 };
-	import_textured(&m, "{\"name\":\"half\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,"
-		"1],\"baseColorTexture\":{\"index\":0}}},"
-		"{\"name\":\"plain\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
-		"{\"name\":\"also\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],"
-		"\"baseColorTexture\":{\"index\":0}}}", rgba, 2);
+	import_textured(&m, "{'name':'half','pbrMetallicRoughness':{'baseColorFactor':[0.5,0.5,0.5,"
+		"1],'baseColorTexture':{'index':0}}},"
+		"{'name':'plain','pbrMetallicRoughness':{'baseColorTexture':{'index':0}}},"
+		"{'name':'also','pbrMetallicRoughness':{'baseColorFactor':[0.5,0.5,0.5,1],"
+		"'baseColorTexture':{'index':0}}}", rgba, 2);
 	assert_int_equal(m.triangle_count, 3);
 	assert_int_equal(m.image_count, 2);
 	assert_int_equal(material_of(&m, "half")->image, material_of(&m, "also")->image);
@@ -381,9 +380,9 @@ UNIT_TEST(a_texture_takes_each_colour_it_is_used_with)
 UNIT_TEST(a_picture_of_one_colour_is_that_colour)
 {
 	static const uint8_t moss[] = { 90, 120, 40, 255, 90, 120, 40, 255 };
-	import_textured(&m, "{\"name\":\"half\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],"
-		"\"baseColorTexture\":{\"index\":0}}},"
-		"{\"name\":\"moss\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}", moss, 2);
+	import_textured(&m, "{'name':'half','pbrMetallicRoughness':{'baseColorFactor':[0.5,0.5,0.5,1],"
+		"'baseColorTexture':{'index':0}}},"
+		"{'name':'moss','pbrMetallicRoughness':{'baseColorTexture':{'index':0}}}", moss, 2);
 	assert_int_equal(m.image_count, 0);
 	assert_int_equal(material_of(&m, "moss")->image, ECO_NONE);
 	assert_memory_equal(material_of(&m, "moss")->rgb, moss, 3);
@@ -393,12 +392,11 @@ UNIT_TEST(a_picture_of_one_colour_is_that_colour)
 UNIT_TEST(a_texture_cut_out_here_is_opaque_there)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 180, 7, 7, 7, 0 };
-	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\","
-		"\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
-		"{\"name\":\"bark\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
-		"{\"name\":\"veil\",\"alphaMode\":\"BLEND\","
-		"\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.6],\"baseColorTexture\":"
-		"{\"index\":0}}}", rgba, 3);
+	import_textured(&m, "{'name':'leaf','alphaMode':'MASK',"
+		"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}},{'name':'bark',"
+		"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}},{'name':'veil',"
+		"'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.6],"
+		"'baseColorTexture':{'index':0}}}", rgba, 3);
 	assert_int_equal(m.image_count, 3);
 	assert_true(material_of(&m, "leaf")->cutout && material_of(&m, "veil")->cutout
 		&& !material_of(&m, "bark")->cutout);
@@ -414,12 +412,11 @@ UNIT_TEST(a_texture_cut_out_here_is_opaque_there)
 UNIT_TEST(alpha_that_cuts_nothing_out_makes_no_other_image)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 240 };
-	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\","
-		"\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
-		"{\"name\":\"bark\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
-		"{\"name\":\"veil\",\"alphaMode\":\"BLEND\","
-		"\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.4],\"baseColorTexture\":"
-		"{\"index\":0}}}", rgba, 2);
+	import_textured(&m, "{'name':'leaf','alphaMode':'MASK',"
+		"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}},{'name':'bark',"
+		"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}},{'name':'veil',"
+		"'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.4],"
+		"'baseColorTexture':{'index':0}}}", rgba, 2);
 	assert_int_equal(m.image_count, 1);
 	assert_false(material_of(&m, "leaf")->cutout);
 	assert_texel(&m, "leaf", 1, (const uint8_t[]){ 8, 8, 8, 255 });
@@ -463,8 +460,7 @@ UNIT_TEST(vertex_colours_of_a_textured_mesh_become_their_mean)
 	write_png("white.png", white, 2, 1);
 	input_text(TEST_FOLDER, "vt.mtl", "newmtl m\nmap_Kd white.png\n");
 	import_high(&m, input_text(TEST_FOLDER, "vt.obj", "mtllib vt.mtl\nv 0 0 0 1 1 0\nv 1 0 0 0.4 1 0\nv "
-		"0 1 0 0.4 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
-		"usemtl m\nf 1/1 2/2 3/3\n"), 0);
+		"0 1 0 0.4 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"), 0);
 	assert_int_equal(m.image_count, 1);
 	assert_int_equal(m.material_count, 1);
 	assert_texel(&m, "m", 0, (const uint8_t[]){ 153, 255, 0, 255 });
@@ -474,15 +470,14 @@ UNIT_TEST(vertex_colours_of_a_textured_mesh_become_their_mean)
 UNIT_TEST(a_webp_texture_that_gltf_requires_is_read)
 {
 	/* 4 x 1 pixels, the first (200,0,0) at alpha 128 */
-	const char *rest = ",\"extensionsUsed\":[\"EXT_texture_webp\"],"
-		"\"extensionsRequired\":[\"EXT_texture_webp\"],\"materials\":[{\"name\":\"g\","
-		"\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}],"
-		"\"textures\":[{\"extensions\":"
-		"{\"EXT_texture_webp\":{\"source\":0}}}],\"images\":[{\"mimeType\":\"image/webp\","
-		"\"uri\":\"data:image/webp;base64,"
-		"UklGRjIAAABXRUJQVlA4TCUAAAAvAwAAEB8gECD43/FnQyyYzP+MKqxBEQgQ1p05E8DsrKHGEf0PAA==\"}]";
+	const char *rest = ",'extensionsUsed':['EXT_texture_webp'],"
+		"'extensionsRequired':['EXT_texture_webp'],'materials':[{'name':'g',"
+		"'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorTexture':{'index':0}}}],"
+		"'textures':[{'extensions':{'EXT_texture_webp':{'source':0}}}],"
+		"'images':[{'mimeType':'image/webp','uri':'data:image/webp;base64,"
+		"UklGRjIAAABXRUJQVlA4TCUAAAAvAwAAEB8gECD43/FnQyyYzP+MKqxBEQgQ1p05E8DsrKHGEf0PAA=='}]";
 
-	import_high(&m, gltf("webp.gltf", "{\"mesh\":0}", rest), 0);
+	import_high(&m, gltf("webp.gltf", "{'mesh':0}", rest), 0);
 	assert_int_equal(m.image_count, 1);
 	assert_int_equal(m.images[0].width, 4);
 	assert_true(material_of(&m, "g")->cutout);
@@ -508,10 +503,10 @@ UNIT_TEST(texture_transforms_turn_about_the_images_corner)
 {
 	uint8_t rgba[4 * 4 * 4];
 	static const struct { const char *transform; float uv[3][2]; } cases[] = {
-		{ "\"offset\":[0.25,0.125],\"scale\":[0.5,2]",
+		{ "'offset':[0.25,0.125],'scale':[0.5,2]",
 			{ { 0.25f, 0.125f }, { 0.75f, 0.125f }, { 0.25f, 2.125f } } },
 		/* the lower left quadrant, a quarter turn: the example of the extension's specification */
-		{ "\"offset\":[0,1],\"rotation\":1.57079632679,\"scale\":[0.5,0.5]",
+		{ "'offset':[0,1],'rotation':1.57079632679,'scale':[0.5,0.5]",
 		{ { 0, 1 }, { 0, 0.5f }, { 0.5f, 1 } } },
 	};
 
@@ -520,13 +515,13 @@ UNIT_TEST(texture_transforms_turn_about_the_images_corner)
 	write_png("one.png", rgba, 4, 4);
 	for (size_t i = 0; i < 2; i++) {
 		char rest[700];
-		snprintf(rest, sizeof rest, ",\"extensionsUsed\":[\"KHR_texture_transform\"],"
-			"\"extensionsRequired\":[\"KHR_texture_transform\"],"
-			"\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,"
-			"\"extensions\":{\"KHR_texture_transform\":{%s}}}}}],"
-			"\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"one.png\"}]",
+		snprintf(rest, sizeof rest, ",'extensionsUsed':['KHR_texture_transform'],"
+			"'extensionsRequired':['KHR_texture_transform'],"
+			"'materials':[{'pbrMetallicRoughness':{'baseColorTexture':{'index':0,"
+			"'extensions':{'KHR_texture_transform':{%s}}}}}],"
+			"'textures':[{'source':0}],'images':[{'uri':'one.png'}]",
 			cases[i].transform);
-		import_high(&m, gltf("turn.gltf", "{\"mesh\":0}", rest), 0);
+		import_high(&m, gltf("turn.gltf", "{'mesh':0}", rest), 0);
 		assert_true(has_vertex(&m, -0.5f, 0, 0, cases[i].uv[0])
 			&& has_vertex(&m, 0.5f, 0, 0, cases[i].uv[1])
 			&& has_vertex(&m, -0.5f, 0, 1, cases[i].uv[2]));

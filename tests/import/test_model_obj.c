@@ -31,9 +31,8 @@ UNIT_TEST(any_line_end_and_byte_order_mark_will_do)
 
 UNIT_TEST(indices_that_are_not_there_cost_their_triangles_only)
 {
-	import_file(&m, input_text("formats", "index.obj", TRIANGLE "v 1 1 0\nf 1 2 3\nf 1 2 900\nf 0 1 "
-		"2\nf -5 1 2\nf 1 x 2\nf 2 4 3 900 1\n"
-		"f 99999999999999999999 1 2\nf 1 2\nf 1\nf\n"), NULL);
+	import_file(&m, input_text("formats", "index.obj", TRIANGLE "v 1 1 0\nf 1 2 3\nf 1 2 900\nf 0 1 2\nf "
+		"-5 1 2\nf 1 x 2\nf 2 4 3 900 1\nf 99999999999999999999 1 2\nf 1 2\nf 1\nf\n"), NULL);
 	assert_int_equal(m.triangles_in, 1 + 4 + 3 + 1);
 	assert_int_equal(m.dropped[ECO_DROP_BAD_INDEX], 4 + 2 + 1);
 	assert_int_equal(m.triangle_count, 2);
@@ -158,8 +157,7 @@ UNIT_TEST(transparency_is_read_with_sense)
 UNIT_TEST(objects_and_groups_are_parts)
 {
 	import_file(&m, input_text("formats", "parts.obj", TRIANGLE "v 0 0 1\nv 0 0 2\nv 0 0 3\nf 1 2 3\no "
-		"Oak Tree\nf 1 2 4\ng leaves\nf 1 2 5\no Pot\n"
-		"f 1 2 6\n"), NULL);
+		"Oak Tree\nf 1 2 4\ng leaves\nf 1 2 5\no Pot\nf 1 2 6\n"), NULL);
 	assert_int_equal(m.part_count, 4);
 	assert_string_equal(m.parts[m.part[0]].name, "");
 	assert_string_equal(m.parts[m.part[1]].name, "Oak Tree");

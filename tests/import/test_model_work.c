@@ -117,12 +117,11 @@ static const char *write_nodes(unsigned count, const char *name, bool weights, b
 {
 	const char *path;
 	FILE *file = create(name, &path);
-	fprintf(file, "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"data:;"
-		"base64,%s\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{"
-		"\"bufferView\":0,"
-		"\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],\"meshes\":[{\"primitives\":[{"
-		"\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":0}]}]}],\"scene\":0,"
-		"\"scenes\":[{\"nodes\":[0",
+	fprintf(file, "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,"
+		"\"uri\":\"data:;base64,%s\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},"
+		"\"targets\":[{\"POSITION\":0}]}]}],\"scene\":0,\"scenes\":[{\"nodes\":[0",
 		TRIANGLE);
 	for (unsigned i = 1; i < count && !chain; i++)
 		fprintf(file, ",%u", i);

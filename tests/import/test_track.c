@@ -42,14 +42,12 @@ UNIT_TEST(subtitles_of_every_drone_are_read)
 {
 	static const struct { const char *name, *text; uint32_t count; struct eco_fix last; } rows[] = {
 		{ "brackets, misspelt", "1\n00:00:00,000 --> 00:00:00,016\n<font size=\"36\">FrameCnt : 1, "
-			"DiffTime : 16ms\n2020-04-02 15:19:58,720,764\n"
-			"[iso : 120] [shutter : 1/2500.0] [latitude : 31.452012] [longtitude : 74.398751] "
-			"[altitude: 213.983002] </font>\n", 1,
+			"DiffTime : 16ms\n2020-04-02 15:19:58,720,764\n[iso : 120] [shutter : 1/2500.0] "
+			"[latitude : 31.452012] [longtitude : 74.398751] [altitude: 213.983002] </font>\n", 1,
 			FIX(0, 74.398751, 31.452012, 213.983002, NAN, NAN, NAN) },
 		{ "rel_alt, abs_alt, gimbal", "1\r\n00:00:00,000 --> 00:00:00,033\r\n[latitude: 31.2] "
-			"[longitude: 121.6] [rel_alt: 79.969 abs_alt: "
-			"96.474]\r\n\r\n2\r\n00:00:00,033 --> 00:00:00,066\r\n[latitude: 31.3] [longitude: "
-			"121.7] [rel_alt: 80 abs_alt: 97] "
+			"[longitude: 121.6] [rel_alt: 79.969 abs_alt: 96.474]\r\n\r\n2\r\n00:00:00,033 --> "
+			"00:00:00,066\r\n[latitude: 31.3] [longitude: 121.7] [rel_alt: 80 abs_alt: 97] "
 			"[gb_yaw: -67.6 gb_pitch: -30.0 gb_roll: 0.0]\r\n", 2,
 			FIX(0.033, 121.7, 31.3, 97, 80, -67.6, -30) },
 		{ "gimbal in brackets of its own", "1\n00:00:01,500 --> 00:00:02,000\n[latitude : 40.7] "
@@ -63,11 +61,10 @@ UNIT_TEST(subtitles_of_every_drone_are_read)
 		{ "Hb, Hs", "1\n00:00:01,000 --> 00:00:02,000\nHOME(149.0251,-20.2532) 2017.8.5 "
 			"14:11:51\nGPS(149.0251,-20.2533,16) Hb:1.9 Hs:2.5\n", 1,
 			FIX(1, 149.0251, -20.2533, NAN, 1.9, NAN, NAN) },
-		{ "F.PRY and G.PRY", "1\n00:00:00,000 --> 00:00:01,000\nF/5.6, SS 400, GPS "
-			"(-58.85, -34.23, 15), HOME (-58.84, -34.24, "
-			"-57.98m), D 698.70m, H 85.80m, H.S 0.00m/s, V.S 0.00m/s, F.PRY (2.7\xc2\xb0, "
-			"-7.0\xc2\xb0, 110.1\xc2\xb0), G.PRY (-24.4\xc2\xb0, "
-			"0.0\xc2\xb0, 110.4\xc2\xb0)\n", 1,
+		{ "F.PRY and G.PRY", "1\n00:00:00,000 --> 00:00:01,000\nF/5.6, SS 400, GPS (-58.85, -34.23, "
+			"15), HOME (-58.84, -34.24, -57.98m), D 698.70m, H 85.80m, H.S 0.00m/s, V.S 0.00m/s, "
+			"F.PRY (2.7\xc2\xb0, -7.0\xc2\xb0, 110.1\xc2\xb0), G.PRY (-24.4\xc2\xb0, 0.0\xc2\xb0,"
+			" 110.4\xc2\xb0)\n", 1,
 			FIX(0, -58.85, -34.23, NAN, 85.80, 110.4, -24.4) },
 		{ "RTK in place of GPS", "1\n00:00:35,000 --> 00:00:36,000\nF/6.3, RTK (120.08, 30.21, 28), "
 			"H 76.19m, H.S n/a, V.S n/a\n", 1,
@@ -75,11 +72,10 @@ UNIT_TEST(subtitles_of_every_drone_are_read)
 		{ "latitude first with a capital M", "1\n00:00:00,000 --> 00:00:01,000\n2022.06.21 "
 			"16:06:17\nGPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M\n", 1,
 			FIX(0, -6.1120, 36.6146, NAN, 0.3, NAN, NAN) },
-		{ "no GPS at first, cut off at the end", "1\n00:00:00,000 --> 00:00:01,000\nF/2.8, GPS "
-			"(n/a, n/a, n/a), H 1.0m\n\n2\n"
-			"00:00:01,000 --> 00:00:02,000\n[latitude: 0.000000] [longitude: "
-			"0.000000]\n\n3\n00:00:02,000 --> 00:00:03,000\nGPS (8.2, 47.4, 18), "
-			"H 45.60m\n\n4\n00:00:03,000 --> 00:0", 1, FIX(2, 8.2, 47.4, NAN, 45.6, NAN, NAN) },
+		{ "no GPS at first, cut off at the end", "1\n00:00:00,000 --> 00:00:01,000\nF/2.8, GPS (n/a, "
+			"n/a, n/a), H 1.0m\n\n2\n00:00:01,000 --> 00:00:02,000\n[latitude: 0.000000] "
+			"[longitude: 0.000000]\n\n3\n00:00:02,000 --> 00:00:03,000\nGPS (8.2, 47.4, 18), H "
+			"45.60m\n\n4\n00:00:03,000 --> 00:0", 1, FIX(2, 8.2, 47.4, NAN, 45.6, NAN, NAN) },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_track track = track_of(rows[i].text, "film.SRT");
@@ -112,12 +108,10 @@ UNIT_TEST(gpx_tracks_win_over_way_points)
 {
 	struct eco_track track = track_of("<?xml version=\"1.0\"?><gpx><wpt lat=\"1\" "
 		"lon=\"2\"><name>x</name></wpt><rte><rtept lat=\"3\" "
-		"lon=\"4\"/></rte>"
-		"<trk><trkseg></trkseg><trkseg><trkpt lat=\"45.5\" lon=\"14.25\"><ele> 733.6 "
-		"</ele></trkpt><trkpt lon=\"14.5\" lat=\"45.75\">"
-		"<time>2010-10-03T09:36:30.25Z</time><extensions><heading>12.5</heading></extensions>"
-		"</trkpt></trkseg><trkseg>"
-		"<trkpt lat='46' "
+		"lon=\"4\"/></rte><trk><trkseg></trkseg><trkseg><trkpt lat=\"45.5\" lon=\"14.25\"><ele> "
+		"733.6 </ele></trkpt><trkpt lon=\"14.5\" "
+		"lat=\"45.75\"><time>2010-10-03T09:36:30.25Z</time><extensions><heading>12.5</heading></exten"
+		"sions></trkpt></trkseg><trkseg><trkpt lat='46' "
 		"lon='15'><time>2010-10-03T11:36:31+02:00</time></trkpt></trkseg></trk></gpx>", "a.gpx");
 	assert_int_equal(track.format, ECO_TRACK_GPX);
 	assert_true(track.count == 3 && track.degrees && track.timed);
@@ -164,10 +158,9 @@ UNIT_TEST(tables_are_read_by_the_names_of_their_columns)
 	static const struct { const char *name, *text; bool degrees; struct eco_fix first; } rows[] = {
 		{ "plain", "t,lon,lat,alt\n1,10,50,7\n", true, FIX(1, 10, 50, 7, NAN, NAN, NAN) },
 		{ "airdata", "time(millisecond),datetime(utc),latitude,longitude,height_above_takeoff(feet),"
-			"altitude_above_seaLevel(feet), "
-			"compass_heading(degrees), pitch(degrees), "
-			"gimbal_heading(degrees),gimbal_pitch(degrees)\n1500,2020-01-01 "
-			"00:00:00,50,10,100,1000,1,2,-170.5,-30\n", true,
+			"altitude_above_seaLevel(feet), compass_heading(degrees), pitch(degrees), "
+			"gimbal_heading(degrees),gimbal_pitch(degrees)\n1500,2020-01-01 00:00:00,50,10,100,"
+			"1000,1,2,-170.5,-30\n", true,
 			FIX(1.5, 10, 50, 304.8, 30.48, -170.5, -30) },
 		{ "metres", "t_s,x_east_m,y_north_m,z_up_m,yaw_deg,pitch_deg,roll_deg\n0.5,1,2,3,110,,\n",
 			false, FIX(0.5, 1, 2, 3, NAN, 110, NAN) },

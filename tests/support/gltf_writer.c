@@ -49,8 +49,7 @@ int gw_packed(const void *bytes, size_t size, size_t count, size_t stride, const
 {
 	size_t at = gw_put(bytes, size);
 	gw_append(gw.views, sizeof gw.views, "%s{\"buffer\":1,\"byteLength\":%zu,"
-		"\"extensions\":{\"%s\":{\"buffer\":0,\"byteOffset\":%zu,"
-		"\"byteLength\":%zu,"
+		"\"extensions\":{\"%s\":{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,"
 		"\"byteStride\":%zu,\"count\":%zu,\"mode\":\"%s\",\"filter\":\"%s\"}}}",
 		gw.view_count > 0 ? "," : "", count * stride, extension, at, size, stride, count, mode,
 		filter);
@@ -80,6 +79,8 @@ const char *gw_json(const char *buffer, const char *rest)
 		"\"buffers\":[{\"byteLength\":%zu%s},{\"byteLength\":1048576,\"extensions\":"
 		"{\"EXT_meshopt_compression\":{\"fallback\":true}}}],\"bufferViews\":[%s],"
 		"\"accessors\":[%s]%s}", gw.size, buffer, gw.views, gw.accessors, rest);
+	for (char *at = gw.json; (at = strchr(at, '\'')); )
+		*at = '"';
 	return gw.json;
 }
 

@@ -1,4 +1,5 @@
-/* Writes small glTF files for tests: views and accessors one by one into a buffer, the rest as JSON text. */
+/* Writes small glTF files for tests: views and accessors one by one into a buffer, the rest as JSON text, in which
+ * ' stands for ". */
 #ifndef TESTS_GLTF_WRITER_H
 #define TESTS_GLTF_WRITER_H
 

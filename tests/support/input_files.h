@@ -33,4 +33,12 @@ static inline const char *input_text(const char *test, const char *name, const c
 	return input_bytes(test, name, text, strlen(text));
 }
 
+/* JSON in which ' stands for ". */
+static inline const char *input_json(const char *test, const char *name, char *text)
+{
+	for (char *at = text; (at = strchr(at, '\'')); )
+		*at = '"';
+	return input_text(test, name, text);
+}
+
 #endif

@@ -61,9 +61,8 @@ static enum eco_code check_vertical(const struct ground_raster *r, struct job *j
 			"the raster first (gdalwarp -s_srs ... -t_srs ...)", r->path, own, scene);
 	if (!scene && r == job->rasters)
 		ground_note(&job->asked->notes, "%.200s: what its heights count from %s%.60s%s, and the "
-			"scene does not say either; they "
-			"are taken as they are (to "
-			"be sure, add \"vertical\" to the scene and to its ground)", r->path,
+			"scene does not say either; they are taken as they are (to be sure, add \"vertical\" "
+			"to the scene and to its ground)", r->path,
 			own[0] != 0 ? "is said to be " : "is not said", own, own[0] != 0 ? " by the file"
 			: "");
 	return ECO_OK;
@@ -108,8 +107,7 @@ static enum eco_code place_frame(struct frame *f, struct job *job, struct eco_er
 	}
 	if (f->step[0] > step[0] || f->step[1] > step[1])
 		ground_note(&job->asked->notes, "%.200s: %.0f x %.0f samples, averaged down to %u x %u; cut "
-			"out the part that is needed "
-			"to keep its resolution",
+			"out the part that is needed to keep its resolution",
 			first->path, (high[0] - low[0]) / step[0], (high[1] - low[1]) / step[1],
 			f->samples[0], f->samples[1]);
 	return ECO_OK;

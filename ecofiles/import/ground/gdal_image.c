@@ -99,9 +99,8 @@ static void bound_squares(struct job *job)
 	}
 	if (job->finest_m > finest)
 		ground_note(job->scene.notes,
-			"%.200s: texels of %.3g m, averaged up to %.3g m, as an image has "
-			"%llu squares of %u x %u texels at most; cut out the part that is needed, or say "
-			"\"texel_m\"",
+			"%.200s: texels of %.3g m, averaged up to %.3g m, as an image has %llu squares of %u "
+			"x %u texels at most; cut out the part that is needed, or say \"texel_m\"",
 			job->rasters[0].raster.path, finest, job->finest_m, (unsigned long long)most, SIDE,
 			SIDE);
 }
