@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/random.h"
 #include "ecofiles/base/array_grow.h"
 
 struct piece {                       /* a primitive, read */
@@ -19,12 +18,11 @@ struct piece {                       /* a primitive, read */
 	uint32_t whole;              /* one material for all; ECO_NONE: vertex colours differ */
 };
 
-struct shape {                       /* a mesh, with the morph weights of the first node that uses it */
+struct shape {                       /* a mesh at rest, or with the morph weights of a node */
 	uint32_t mesh;
 	const json_t *weights;
 	uint32_t first, count;       /* its pieces */
 	uint64_t triangles;
-	uint32_t next;               /* another shape of the same slot */
 };
 
 struct place { uint32_t shape, node; double world[16]; };
@@ -39,7 +37,7 @@ struct soup {
 	struct gltf_look *looks;     uint32_t look_count;
 	struct piece *pieces;        uint32_t piece_count, piece_room;
 	struct shape *shapes;        uint32_t shape_count, shape_room;
-	uint32_t *first_shape, shape_mask;   /* slots by mesh and weights */
+	uint32_t *at_rest;                   /* per mesh: its shape, or ECO_NONE */
 	struct place *places;        uint32_t place_count, place_room;
 	struct gltf_skin *skins;     uint32_t skin_count;
 	struct eco_tints tints;
@@ -122,44 +120,28 @@ static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_
 	return too_many(s, s->read);
 }
 
-/* The slot of shapes with a mesh and weights: nodes may share one mesh with other weights each. */
-static uint32_t *shape_slot(struct soup *s, uint32_t mesh, const json_t *weights)
-{
-	uint64_t hash = mesh;
-	for (size_t i = 0; i < json_array_size(weights); i++) {
-		double weight = json_number_value(json_array_get(weights, i));
-		uint64_t bits;
-		memcpy(&bits, &weight, sizeof bits);
-		hash = eco_random(hash, bits);
-	}
-	return &s->first_shape[eco_random(0, hash) & s->shape_mask];
-}
-
-/* The shape of a node's mesh; reads it if it is new. */
+/* The shape of a node's mesh; reads it if it is new. A node with weights has a shape of its own. */
 static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *node, uint32_t *found)
 {
-	const json_t *json = eco_gltf_item(s->doc, "meshes", mesh),
-		*weights = json_object_get(node, "weights"), *primitives;
+	const json_t *json = eco_gltf_item(s->doc, "meshes", mesh), *own = json_object_get(node, "weights"),
+		*primitives = json_object_get(json, "primitives");
 	enum eco_code code = ECO_OK;
 	if (!json)
 		return eco_fail(s->error, ECO_DAMAGED, "%.300s: names mesh %u, which is not there",
 			eco_gltf_path(s->doc), mesh);
-	if (!weights)
-		weights = json_object_get(json, "weights");
-	uint32_t *slot = shape_slot(s, mesh, weights);
-	for (*found = *slot; *found != ECO_NONE; *found = s->shapes[*found].next)
-		if (s->shapes[*found].mesh == mesh && (s->shapes[*found].weights == weights
-				|| json_equal(s->shapes[*found].weights, weights)))
-			return ECO_OK;
+	*found = own ? ECO_NONE : s->at_rest[mesh];
+	if (*found != ECO_NONE)
+		return ECO_OK;
 	if (!eco_array_grow(&s->shapes, &s->shape_room, s->shape_count, sizeof *s->shapes))
 		return out_of_memory(s);
 	struct shape *shape = &s->shapes[s->shape_count];
-	*shape = (struct shape){ .mesh = mesh, .weights = weights, .first = s->piece_count,
-		.next = *slot };
-	primitives = json_object_get(json, "primitives");
+	*shape = (struct shape){ .mesh = mesh, .weights = own ? own : json_object_get(json, "weights"),
+		.first = s->piece_count };
 	for (size_t i = 0; i < json_array_size(primitives) && code == ECO_OK; i++)
 		code = read_piece(s, shape, json_array_get(primitives, i), (uint32_t)i);
-	*found = *slot = s->shape_count++;
+	*found = s->shape_count++;
+	if (!own)
+		s->at_rest[mesh] = *found;
 	return code;
 }
 
@@ -405,20 +387,17 @@ static void tell(struct soup *s)
 
 static enum eco_code prepare(struct soup *s)
 {
-	size_t nodes = json_array_size(json_object_get(eco_gltf_json(s->doc), "nodes")), slots = 16;
+	size_t meshes = json_array_size(json_object_get(eco_gltf_json(s->doc), "meshes"));
 	size_t skins = json_array_size(json_object_get(eco_gltf_json(s->doc), "skins"));
 	snprintf(s->frame->format, sizeof s->frame->format, "glTF");
 	s->frame->unit_m = 1;
 	s->frame->up = s->frame->convention = ECO_UP_Y;
 	s->looks = gltf_looks_read(s->doc, &s->look_count);
-	while (slots < nodes && slots <= ECO_GLTF_NODES_MAX)
-		slots *= 2;
-	s->first_shape = malloc(slots * sizeof *s->first_shape);
-	s->shape_mask = (uint32_t)slots - 1;
+	s->at_rest = malloc((meshes + 1) * sizeof *s->at_rest);
 	s->skins = skins < ECO_NONE ? calloc(skins + 1, sizeof *s->skins) : NULL;
-	if (!s->looks || !s->first_shape || !s->skins)
+	if (!s->looks || !s->at_rest || !s->skins)
 		return out_of_memory(s);
-	memset(s->first_shape, 0xff, slots * sizeof *s->first_shape);
+	memset(s->at_rest, 0xff, meshes * sizeof *s->at_rest);
 	s->skin_count = (uint32_t)skins;
 	return check_required(s);
 }
@@ -473,7 +452,7 @@ enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_f
 	free(s.places);
 	free(s.skins);
 	free(s.looks);
-	free(s.first_shape);
+	free(s.at_rest);
 	return code;
 }
 
