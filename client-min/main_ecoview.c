@@ -187,7 +187,7 @@ static void note_under_ground(struct viewer *v, uint32_t frame)
 		"from the scene's origin, unless it says \"above_ground\": true\n", frame, v->under_m);
 }
 
-/* What the frame did to the store, whose figures were `before` before it. */
+/* Notes the store's figures, which were `before` before the frame. */
 static void count_memory(struct viewer *v, const struct view_store_stats *before, struct view_frame *f)
 {
 	struct view_store_stats now = view_store_stats(v->store);

@@ -10,7 +10,7 @@
 
 /* ---- The scene's place ---- */
 
-/* What the server says of the scene, which is the caller's, and its origin in it. */
+/* The server's description of the scene, which is the caller's, and the origin in it. */
 static enum eco_code fetch_origin(struct view_fetch *fetch, json_t **about, const json_t **origin,
 	struct eco_error *error)
 {
@@ -69,7 +69,7 @@ static int by_list(const void *a, const void *b)
 	return x->index < y->index ? -1 : x->index > y->index;
 }
 
-/* Of one list, all within TOGETHER of the first. */
+/* Plants of one list, all within TOGETHER of the first. */
 static enum eco_code ask_together(struct view_fetch *fetch, const struct eco_chunk_id *pack,
 	const struct view_plant_asked *plants, uint32_t count, struct eco_error *error)
 {

@@ -1,5 +1,5 @@
-/* What else than pictures a server is asked: where a scene is on Earth, what its plants are, how high its ground is,
- * and why a plan is what it is. */
+/* Questions to a server beside pictures: the scene's place on Earth, what its plants are, the height of its
+ * ground, and why a plan is what it is. */
 #ifndef VIEW_ASK_H
 #define VIEW_ASK_H
 
@@ -30,13 +30,15 @@ enum eco_code view_plants_ask(struct view_fetch *fetch, const struct eco_chunk_i
 
 /* ---- Views whose heights count from the ground (eco_camera_above_ground) ---- */
 
-/* Raises eye and target of request->view by the ground below each, and the next view's by as much. Asks for the
- * ground straight below, as for a picture of one pixel from far above: tiles of full detail come, which the view
- * needs anyway, and are held for it. The store's plan is then not one to draw. *result: bytes and requests. */
+/* Raises eye and target of request->view by the ground below each, and the next view's by as much. Asks for
+ * the ground straight below, as for a picture of one pixel from far above: tiles of full detail come, which
+ * the view needs anyway, and are held for it. The store's plan is then not one to draw. *result: bytes and
+ * requests. */
 enum eco_code view_stand(struct view_fetch *fetch, struct view_store *store, struct eco_request *request,
 	struct view_fetch_result *result, struct eco_error *error);
 
-/* ---- Why each cut of a plan is what it is (plan?explain=1), as a table; it appears complete or not at all ---- */
+/* ---- Why each cut of a plan is what it is (plan?explain=1), as a table; it appears complete or not at all
+ * ---- */
 
 struct view_explain { const char *path; char *beside; FILE *out; };      /* out NULL: nothing is explained */
 

@@ -1,5 +1,5 @@
-/* Wanted chunks stand in an array in the order of their names in the stream, found by the first bytes of their ids in a
- * table; a few of them at a time are being fetched. */
+/* Wanted chunks stand in an array in the order of their names in the stream, found by the first bytes of
+ * their ids in a table; a few of them at a time are being fetched. */
 #include "client-min/view_chunks.h"
 
 #include <curl/curl.h>

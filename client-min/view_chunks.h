@@ -27,7 +27,8 @@ struct view_chunks_options {
 	const char *url;                         /* a chunk is at url/ID, 32 hexadecimal digits */
 	/* milliseconds: to connect, and without a byte */
 	long connect_ms, stall_ms;
-	/* a host that sends nothing but when it wants to be asked again is asked for so long; 0: it is an error
+	/* a host that sends nothing but when it wants to be asked again is asked for so long; 0: it is an
+	 * error
 	 */
 	long patience_ms;
 	const volatile sig_atomic_t *stop;       /* not 0: end with ECO_INTERRUPTED; may be NULL */
@@ -57,9 +58,9 @@ bool view_chunks_hangs(const struct view_chunks *chunks);
 
 /* A handle for http and https; it follows redirects where it is told to, at most 5. NULL: no memory. */
 CURL *view_curl_new(const char *agent, long connect_ms);
-/* Of the last answer: how long Retry-After asks to wait, from .1 to 30 s; 0: not, longer, or until a date. */
+/* Time that the last answer's Retry-After asks to wait, from .1 to 30 s; 0: none, a longer one, or a date. */
 double view_retry_ms(CURL *curl);
-/* Of the last answer: milliseconds of `plan;dur=` in Server-Timing; NaN: they are not there. */
+/* Milliseconds of `plan;dur=` in the last answer's Server-Timing; NaN: they are not there. */
 double view_plan_ms(CURL *curl);
 double view_plan_ms_read(const char *value);                     /* the same of the header's value */
 /* Length of a URL without slashes at its end. */

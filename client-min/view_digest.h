@@ -7,8 +7,7 @@
 
 #define VIEW_DIGEST_BYTES 34             /* elements-cuts, 16 hexadecimal digits each, and 0 */
 
-/* Of all lists that the store holds, in any order of arrival, and of the selection with the plan that it is
- * of. */
+/* Hashes all lists of the store, in any order of arrival, and the selection with its plan. */
 enum eco_code view_digest_write(char out[VIEW_DIGEST_BYTES], const struct view_store *store,
 	const struct view_selection *selection, struct eco_error *error);
 

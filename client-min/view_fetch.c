@@ -125,7 +125,8 @@ static uint64_t marks_room(const struct view_marks *marks, const struct marks_at
 	return UINT64_MAX;
 }
 
-/* Steps over the next mark that has been reached, and sets *ms to where it is if it is one of milliseconds. */
+/* Steps over the next mark that has been reached, and sets *ms to where it is if it is one of milliseconds.
+ * */
 static bool marks_pass(const struct view_marks *marks, struct marks_at *at, uint64_t bytes, double *ms)
 {
 	bool by_ms = at->ms < marks->ms_count && (double)marks->ms[at->ms] <= *ms;
@@ -139,7 +140,7 @@ static bool marks_pass(const struct view_marks *marks, struct marks_at *at, uint
 
 /* ---- curl's callbacks ---- */
 
-/* What came before, added to the answer that came last. */
+/* Adds the answers before it to the last one. */
 static void add_result(struct view_fetch_result *last, const struct view_fetch_result *before)
 {
 	last->requests += before->requests;
@@ -226,7 +227,7 @@ static void hear(struct view_fetch *fetch, size_t size)
 	fetch->heard_bytes = 0;
 }
 
-/* What comes still is of no use any more. */
+/* The rest of this answer is obsolete. */
 static bool has_turned(struct view_fetch *fetch)
 {
 	fetch->turned = fetch->turned || (fetch->turned_by && fetch->store && !fetch->chunks
@@ -618,7 +619,7 @@ static bool wait_for_another(struct view_fetch *fetch, uint32_t broken)
 	return true;
 }
 
-/* What is left of a budget of bytes; all of it where there is no picture yet. */
+/* The rest of a budget of bytes; all of it while there is no picture yet. */
 static uint64_t bytes_left(const struct view_store *store, uint64_t most, uint64_t came)
 {
 	return most == ECO_BYTES_UNBOUNDED || !view_store_plan(store) ? most : most > came ? most - came : 0;

@@ -37,43 +37,37 @@ enum eco_code view_marks_read(struct view_marks *marks, const char *text, struct
 /* ---- Asking ---- */
 
 struct view_fetch_options {
-	/* of a scene, http://host:port/v1/scenes/NAME; a final slash is ignored */
-	const char *url;
-	/* how the server is to spend the budget: optimal or deussen; NULL: as it likes */
-	const char *rule;
-	uint64_t body_max;                       /* 0: 16 GiB */
-	/* chunks of at least so many bytes (0: ECO_NAME_FROM) are named by the server, and fetched from here:
-	 * url/ID, several at once; NULL: all come with the stream, as they do once the host hangs */
+	const char *url;         /* of a scene, http://host:port/v1/scenes/NAME; a final slash is ignored */
+	const char *rule;        /* how the server spends the budget: optimal or deussen; NULL: as it likes */
+	uint64_t body_max;       /* 0: 16 GiB */
+	/* the server names chunks of at least name_from bytes (0: ECO_NAME_FROM), and they are fetched from
+	 * chunks/ID, several at once; NULL: all come with the stream, as they do once the host hangs */
 	const char *chunks;
 	uint64_t name_from;
-	/* give up when connecting takes longer, or less than 1 KiB/s comes for so long; 0: 10 s, 120 s */
-	long connect_ms, stall_ms;
-	/* a server that is busy (503 or 429 with Retry-After) is asked again for so long; 0: it is an error.
-	 * So is a host of chunks, while it sends none */
+	long connect_ms;         /* 0: 10 s */
+	long stall_ms;           /* the time in which at least 1 KiB/s must come; 0: 120 s */
+	/* a server that is busy (503 or 429 with Retry-After), or a host of chunks that says so, is asked
+	 * again for so long; 0: it is an error */
 	long patience_ms;
-	/* so often an answer is asked for again that broke off, stalled or was not had from a server that has
+	/* limit of repetitions after an answer that broke off, stalled or did not come from a server that has
 	 * answered before: after a pause that doubles from .1 s, or as long as Retry-After says */
 	uint32_t resumes;
 	const volatile sig_atomic_t *stop;       /* not 0: end with ECO_INTERRUPTED; may be NULL */
 };
 
 struct view_fetch_result {
-	long status;                             /* HTTP; 0 if there was none */
-	/* 204: no valid stream fits the budget; the store holds no plan */
-	bool nothing;
-	/* more than 1: see view_store_again, and: so many of them were answers that broke off or did not come
-	 */
-	uint32_t requests, broken;
-	uint64_t bytes;                          /* of the response bodies, and of chunks that they name: */
-	uint64_t named, named_bytes;             /* how many these are, and their bytes */
-	uint64_t most_bytes;                     /* of the largest of them */
-	bool host_left;                          /* the host of chunks hung: from now on none are named */
-	/* when a server that is busy wants to be asked again; 0 if it did not say */
-	double retry_ms;
-	uint64_t cancelled;                      /* bytes that were not waited for: view_fetch_turn */
-	double plan_ms;                          /* from Server-Timing; NaN if the server did not say */
-	/* from asking to the first byte and to the last, decoding included */
-	double first_byte_ms, stream_ms;
+	long status;                     /* HTTP; 0: there was none */
+	bool nothing;                    /* 204: no valid stream fits the budget; the store holds no plan */
+	uint32_t requests;               /* more than 1: see view_store_again, and: */
+	uint32_t broken;                 /* answers that broke off or did not come */
+	uint64_t bytes;                  /* of the bodies, and of chunks that they name: */
+	uint64_t named, named_bytes;     /* number of these, and their bytes */
+	uint64_t most_bytes;             /* of the largest answer */
+	bool host_left;                  /* the host of chunks hung: from now on none are named */
+	double retry_ms;                 /* when a busy server wants to be asked again; 0: it did not say */
+	uint64_t cancelled;              /* bytes that were not waited for: view_fetch_turn */
+	double plan_ms;                  /* from Server-Timing; NaN: the server did not say */
+	double first_byte_ms, stream_ms; /* from asking to the first byte and to the last, decoding included */
 };
 
 /* Once per process, before any thread fetches. */
@@ -89,10 +83,10 @@ void view_fetch_free(struct view_fetch *fetch);                  /* NULL is fine
 enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store,
 	const struct eco_request *request, struct view_fetch_result *result, struct eco_error *error);
 
-/* From now on `reached` is called where an answer has come to a mark, once for each, with what there is of the
- * result: the store can be drawn, as far as it has come. At a mark of milliseconds that is what had been fed by
- * then; so_far->stream_ms is the mark. Marks beyond an answer's end are not reached. An error ends the answer.
- * Both must outlive the fetching; marks NULL: no more. */
+/* From now on `reached` is called where an answer has come to a mark, once for each, with what there is of
+ * the result: the store can be drawn, as far as it has come. At a mark of milliseconds that is what had been
+ * fed by then; so_far->stream_ms is the mark. Marks beyond an answer's end are not reached. An error ends the
+ * answer. Both must outlive the fetching; marks NULL: no more. */
 typedef enum eco_code view_fetch_reached(void *ctx, const struct view_fetch_result *so_far,
 	struct eco_error *error);
 void view_fetch_mark(struct view_fetch *fetch, const struct view_marks *marks, view_fetch_reached *reached,
@@ -107,10 +101,11 @@ void view_fetch_turn(struct view_fetch *fetch, view_fetch_turned *turned, void *
  * nothing. *text ends with 0; the caller frees it. */
 enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text,
 	struct eco_error *error);
-/* What the server says of the scene (openapi.yaml's Scene), as text of the caller. */
+/* The server's description of the scene (openapi.yaml's Scene), as text of the caller. */
 enum eco_code view_fetch_scene(struct view_fetch *fetch, char **text, struct eco_error *error);
 
-/* What the server says of plants of a list of a pack (openapi.yaml's Plants): at most `count`, from `first` on.
+/* The server's description of plants of a list of a pack (openapi.yaml's Plants): at most `count`, from
+ * `first` on.
  */
 enum eco_code view_fetch_plants(struct view_fetch *fetch, const struct eco_chunk_id *pack, uint32_t list,
 	uint32_t first, uint32_t count, char **text, struct eco_error *error);

@@ -111,7 +111,8 @@ void view_ground_place(const struct view_ground *ground, const struct view_groun
 
 const uint32_t view_ground_corners[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
 
-uint32_t view_ground_triangles(const struct view_ground *ground, const struct view_ground_tile *tile, float *out)
+uint32_t view_ground_triangles(const struct view_ground *ground, const struct view_ground_tile *tile,
+	float *out)
 {
 	for (uint32_t y = 0; y + 1 < tile->y.inner && out; y++)
 		for (uint32_t x = 0; x + 1 < tile->x.inner; x++)

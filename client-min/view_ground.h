@@ -32,13 +32,15 @@ void view_ground_free(struct view_ground *ground);
 /* Index, in its list, of the sample drawn at a corner: column < x.inner, row < y.inner. */
 uint32_t view_ground_sample(const struct view_ground_tile *tile, uint32_t column, uint32_t row);
 
-/* Where a sample is drawn, from ground->at: in single floats, as OpenGL has them. */
+/* A sample's drawn position, from ground->at: in single floats, as OpenGL has them. */
 void view_ground_place(const struct view_ground *ground, const struct view_ground_tile *tile, uint32_t sample,
 	float out[3]);
-/* A cell is two triangles, their diagonal from south-west to north-east: columns and rows of their corners. */
+/* A cell is two triangles, their diagonal from south-west to north-east: columns and rows of their corners.
+ * */
 extern const uint32_t view_ground_corners[6][2];
 /* Number of a tile's triangles. `out`, unless NULL: their corners as view_ground_place, 9 floats each. */
-uint32_t view_ground_triangles(const struct view_ground *ground, const struct view_ground_tile *tile, float *out);
+uint32_t view_ground_triangles(const struct view_ground *ground, const struct view_ground_tile *tile,
+	float *out);
 
 /* Upwards, of length 1, at a sample of a ground list: from the samples on either side, which is what a tile's
  * ring is for. */

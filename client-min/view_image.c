@@ -61,7 +61,7 @@ struct view_image_color view_image_at(const struct view_image *image, const stru
 
 /* ---- Tiles ---- */
 
-/* Where a tile lies among squares of its size, from the first tile's corner. */
+/* A tile's place among squares of its size, from the first tile's corner. */
 struct square { int64_t at[2]; int depth; };     /* depth: below the largest tiles */
 
 static enum eco_code no_quadtree(struct eco_error *error)

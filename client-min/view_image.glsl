@@ -12,7 +12,7 @@
 struct image_color { float red, green, blue, alpha, texel; };
 /* The tile at a place, a leaf of the tree (0: none), its side, and the place within it, in its sides. */
 struct image_spot { uint leaf; float side, x, y; };
-/* What a pixel shows: its middle, and half its extents along and across where it is longest. */
+/* The place that a pixel shows: its middle, and half its extents along and across where it is longest. */
 struct image_pixel { wide x, y; float along_x, along_y, across; };
 
 /* Word i of view_image.nodes. */
@@ -44,7 +44,7 @@ LIGHT image_spot image_find(tree t, wide x, wide y)
 	return image_spot(node, side, real(u), real(v));
 }
 
-/* Of a place (x, y), so far from where `at` is: mostly in the same tile. */
+/* Spot of a place (x, y) at that distance from `at`: mostly in the same tile. */
 LIGHT image_spot image_beside(tree t, image_spot at, float east, float north, wide x, wide y)
 {
 	float u = at.x + east / at.side, v = at.y + north / at.side;

@@ -1,6 +1,6 @@
 /* The image on the ground as a plan shows it: a colour for each place.
  *
- * Whoever lights a picture asks for the colour under a pixel; nothing that draws the ground's triangles knows
+ * Light asks for the colour under a pixel; nothing that draws the ground's triangles knows
  * of it. Tiles do not overlap (ecofiles/format/ground_image.h), and levels that are held are mip levels. A
  * texel beside a tile's border is mixed with that of the next tile, whatever its level. */
 #ifndef VIEW_IMAGE_H
@@ -26,12 +26,13 @@ struct view_image {                      /* zero is none */
 /* The tiles that the store's plan shows. ECO_DAMAGED where they are no quadtree. */
 enum eco_code view_image_make(struct view_image *image, const struct view_store *store,
 	struct eco_error *error);
-/* Of so many tiles, which it copies; their lists must outlive the image. */
+/* An image of these tiles, which it copies; their lists must outlive it. */
 enum eco_code view_image_of(struct view_image *image, const struct view_image_tile *tiles, uint32_t count,
 	struct eco_error *error);
 void view_image_free(struct view_image *image);
 
-/* What a pixel shows: its middle, and half its extents along and across where it is longest, metres. */
+/* The place that a pixel shows: its middle, and half its extents along and across where it is longest,
+ * metres. */
 struct view_image_spot { double at[2], along[2], across_m; };
 /* Light (0 to 1) of red, green and blue, and how much of the ground it covers; the width of the texels there,
  * 0 where none are. Threads may ask at a time. */

@@ -297,22 +297,20 @@ static enum eco_code push_elements(struct view_list *list, const struct eco_elem
 	return ECO_OK;
 }
 
-static enum eco_code push_impostor(struct view_list *list, struct view_piece *piece, struct eco_error *error)
+/* A level of an impostor or a texture, which the list takes over. */
+static enum eco_code push_level(struct view_list *list, struct view_piece *piece, struct eco_error *error)
 {
-	if (!resize(&list->impostors, list->chunk_count + (size_t)1, sizeof *list->impostors))
-		return eco_no_memory(error, "an impostor");
-	list->impostors[list->chunk_count] = piece->impostor;
-	piece->impostor = (struct lod_impostor){ 0 };
-	list->bytes += piece->bytes;
-	return ECO_OK;
-}
-
-static enum eco_code push_part(struct view_list *list, struct view_piece *piece, struct eco_error *error)
-{
-	if (!resize(&list->parts, list->chunk_count + (size_t)1, sizeof *list->parts))
-		return eco_no_memory(error, "a texture");
-	list->parts[list->chunk_count] = piece->part;
+	size_t room = list->chunk_count + (size_t)1;
+	bool part = is_texture(list);
+	if (part ? !resize(&list->parts, room, sizeof *list->parts)
+			: !resize(&list->impostors, room, sizeof *list->impostors))
+		return eco_no_memory(error, part ? "a texture" : "an impostor");
+	if (part)
+		list->parts[list->chunk_count] = piece->part;
+	else
+		list->impostors[list->chunk_count] = piece->impostor;
 	piece->part = (struct eco_texture_part){ 0 };
+	piece->impostor = (struct lod_impostor){ 0 };
 	list->bytes += piece->bytes;
 	return ECO_OK;
 }
@@ -359,13 +357,8 @@ void view_list_mark(struct view_list *list, uint32_t ordinal, const struct eco_c
 enum eco_code view_list_push(struct view_list *list, struct view_piece *piece, const struct eco_chunk *chunk,
 	uint64_t spare, struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
-	if (is_element_list(list))
-		code = push_elements(list, &piece->elements, spare, error);
-	else if (list->list.kind == ECO_LIST_IMPOSTOR)
-		code = push_impostor(list, piece, error);
-	else
-		code = push_part(list, piece, error);
+	enum eco_code code = is_element_list(list) ? push_elements(list, &piece->elements, spare, error)
+		: push_level(list, piece, error);
 	if (code)
 		return code;
 	if (list->list.kind == ECO_LIST_GROUND)

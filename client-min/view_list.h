@@ -44,7 +44,7 @@ struct view_list {                       /* stays where it is until its last chu
 	struct eco_ground_tile tile;
 };
 
-/* What a list that is described and holds nothing takes. */
+/* Memory of a list that is described and holds nothing. */
 uint64_t view_list_bytes(const struct eco_list *list);
 /* `palette` and `groups` are copied. NULL: no memory. */
 struct view_list *view_list_new(uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],

@@ -1,4 +1,4 @@
-/* What ecoview is told: its command line.
+/* The command line of ecoview.
  *
  *   view_options_read(argc, argv, &options, &error); */
 #ifndef VIEW_OPTIONS_H
@@ -30,8 +30,8 @@ extern const char *const view_rules[];           /* as the server calls them */
 /* ECO_BAD_USAGE says what is wrong. Once in a process. */
 enum eco_code view_options_read(int argc, char **argv, struct view_options *options, struct eco_error *error);
 
-/* Reads a time such as 2026-06-21T10:00Z, 2026-06-21T10:00:30Z or 2026-06-21T12:00+02:00 into *unix_s, a double.
- * ECO_BAD_USAGE. */
+/* Reads a time such as 2026-06-21T10:00Z, 2026-06-21T10:00:30Z or 2026-06-21T12:00+02:00 into *unix_s, a
+ * double. ECO_BAD_USAGE. */
 enum eco_code view_time_read(const char *text, void *unix_s, struct eco_error *error);
 
 #endif

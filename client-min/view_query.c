@@ -16,7 +16,8 @@ const char *view_id_write(const struct eco_chunk_id *id, char out[VIEW_ID_BYTES]
 	return out;
 }
 
-size_t view_query_write(const struct eco_request *request, const struct eco_chunk_id *pack, char *out, size_t room)
+size_t view_query_write(const struct eco_request *request, const struct eco_chunk_id *pack, char *out,
+	size_t room)
 {
 	const struct eco_view *v = &request->view;
 	char id[VIEW_ID_BYTES];

@@ -20,7 +20,7 @@ enum { TEXEL_BITS = 1, DEPTH_BITS = 4, COLOR_BITS = 16 };
 _Static_assert(ECO_IMPOSTOR_TILES_MAX < 256 && ECO_IMPOSTOR_TEXELS_MAX < 256 && ECO_IMPOSTOR_COLORS <= 32,
 	"fields of records are wide enough");
 
-/* Where the parts of a level start, and where it ends. */
+/* Starts of the parts of a level, and its end. */
 struct layout { uint32_t tiles, color_tiles, texels, depths, colors, end; };
 
 static uint32_t texels_of(uint32_t tiles, uint32_t side, uint32_t bits)

@@ -58,8 +58,8 @@ uint32_t view_impostor_surface(const struct eco_list *list, const struct lod_imp
 
 /* ---- Instances ---- */
 
-/* Four texels: the rows of object -> view, then the instance's scale and half the width of its plant; plant: NULL for
- * a summary's. */
+/* Four texels: the rows of object -> view, then the instance's scale and half the width of its plant; plant:
+ * NULL for a summary's. */
 #define VIEW_INSTANCE_TEXELS 4
 void view_instance_write(uint32_t *words, const struct lod_eye *eye, const struct view_instance *instance,
 	const struct view_plant *plant);

@@ -218,7 +218,8 @@ static void look_plant(const struct scene *scene, struct view_picture *picture, 
 	const struct view_mesh *mesh = &scene->meshes[*cut];
 	if (mesh->image || mesh->geometry.half)
 		rays_of(scene->job, picture, x, y,
-			&view_owners_find(&scene->owners, scene->job->selection, picture->owner[i])->place, &rays);
+			&view_owners_find(&scene->owners, scene->job->selection,
+			picture->owner[i])->place, &rays);
 	view_mesh_look(mesh, item - scene->items[*cut], &rays, picture->rgb + 3 * i, &picture->surface[i]);
 	if (scene->job->tint == VIEW_TINT_KIND)
 		memcpy(picture->rgb + 3 * i, view_tint_colors[scene->job->selection->roles[*cut]], 3);
@@ -330,7 +331,8 @@ static enum eco_code scene_make(struct scene *scene, const struct view_reference
 	for (uint32_t i = 0; i < s->instance_count; i++)
 		scene->order[i] = i;
 	qsort_r(scene->order, s->instance_count, sizeof *scene->order, by_distance, s->instances);
-	return view_owners_make(&scene->owners, s) ? make_meshes(scene, error) : eco_no_memory(error, "the reference");
+	return view_owners_make(&scene->owners, s) ? make_meshes(scene, error)
+		: eco_no_memory(error, "the reference");
 }
 
 static void scene_free(struct scene *scene)

@@ -12,34 +12,39 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* The numbers of a frame by name, once: for the frames, and for their means. */
-static const struct { const char *name; size_t offset; } measures[] = {
-	{ "precision", offsetof(struct view_frame, precision) },
-	{ "recall", offsetof(struct view_frame, recall) },
-	{ "q", offsetof(struct view_frame, q) },
-	{ "skill", offsetof(struct view_frame, skill) },
-	{ "owner_q", offsetof(struct view_frame, owner_q) },
-	{ "soft_q", offsetof(struct view_frame, soft_q) },
-	{ "ceiling", offsetof(struct view_frame, ceiling) },
-	{ "picture_error", offsetof(struct view_frame, picture_error) },
-	{ "predicted_q", offsetof(struct view_frame, predicted_q) },
-	{ "plan_ms", offsetof(struct view_frame, plan_ms) },
-	{ "first_byte_ms", offsetof(struct view_frame, first_byte_ms) },
-	{ "stream_ms", offsetof(struct view_frame, stream_ms) },
-	{ "decode_ms", offsetof(struct view_frame, decode_ms) },
-	{ "draw_ms", offsetof(struct view_frame, draw_ms) },
-	{ "reference_ms", offsetof(struct view_frame, reference_ms) },
-	{ "shadow_ms", offsetof(struct view_frame, shadow_ms) },
-	{ "shadow_texels_per_pixel", offsetof(struct view_frame, shadow_texels) },
-	{ "reference_summaries", offsetof(struct view_frame, reference_summaries) },
-};
+/* The figures of a frame by name, for frames and their means; `score`: as a line for people calls it. */
+#define FIGURE(name) offsetof(struct view_frame, name)
+static const struct { const char *name, *score; size_t offset; } measures[] = {
+	{ "precision", "P", FIGURE(precision) }, { "recall", "R", FIGURE(recall) }, { "q", "Q", FIGURE(q) },
+	{ "skill", "skill", FIGURE(skill) }, { "owner_q", "owner_q", FIGURE(owner_q) },
+	{ "soft_q", "soft_q", FIGURE(soft_q) }, { "ceiling", "ceiling", FIGURE(ceiling) },
+	{ "picture_error", "picture_error", FIGURE(picture_error) },
+	{ "predicted_q", NULL, FIGURE(predicted_q) }, { "plan_ms", NULL, FIGURE(plan_ms) },
+	{ "first_byte_ms", NULL, FIGURE(first_byte_ms) }, { "stream_ms", NULL, FIGURE(stream_ms) },
+	{ "decode_ms", NULL, FIGURE(decode_ms) }, { "draw_ms", NULL, FIGURE(draw_ms) },
+	{ "reference_ms", NULL, FIGURE(reference_ms) }, { "shadow_ms", NULL, FIGURE(shadow_ms) },
+	{ "shadow_texels_per_pixel", NULL, FIGURE(shadow_texels) },
+	{ "reference_summaries", NULL, FIGURE(reference_summaries) } };
 #define MEASURES (sizeof measures / sizeof measures[0])
+static const struct { const char *name; size_t offset; } counts[] = {
+	{ "budget_vertices", FIGURE(budget_vertices) }, { "vertices", FIGURE(vertices) }, { "bytes", FIGURE(bytes) }, { "requests", FIGURE(requests) },
+	{ "broken_answers", FIGURE(broken) }, { "cancelled_bytes", FIGURE(cancelled) },
+	{ "named_chunks", FIGURE(named) }, { "named_bytes", FIGURE(named_bytes) },
+	{ "memory_bytes", FIGURE(memory_bytes) }, { "evicted_chunks", FIGURE(evictions) },
+	{ "refetched_bytes", FIGURE(again_bytes) } };
 
 static double measure(const struct view_frame *frame, size_t i)
 {
 	double v;
 	memcpy(&v, (const char *)frame + measures[i].offset, sizeof v);
 	return v;
+}
+
+static json_t *count(const struct view_frame *frame, size_t i)
+{
+	uint64_t v;
+	memcpy(&v, (const char *)frame + counts[i].offset, sizeof v);
+	return json_integer((json_int_t)v);
 }
 
 struct view_frame view_frame_empty(uint32_t frame, double time_s, const struct eco_request *request)
@@ -103,22 +108,11 @@ const char *view_report_score(char text[VIEW_SCORE_BYTES], double v)
 	return text;
 }
 
-static void print_score(FILE *out, const char *name, double v)
-{
-	char text[VIEW_SCORE_BYTES];
-	fprintf(out, "  %s %s", name, view_report_score(text, v));
-}
-
 static void print_scores(const struct view_frame *f, FILE *out)
 {
-	print_score(out, "P", f->precision);
-	print_score(out, "R", f->recall);
-	print_score(out, "Q", f->q);
-	print_score(out, "skill", f->skill);
-	print_score(out, "owner_q", f->owner_q);
-	print_score(out, "soft_q", f->soft_q);
-	print_score(out, "ceiling", f->ceiling);
-	print_score(out, "picture_error", f->picture_error);
+	char text[VIEW_SCORE_BYTES];
+	for (size_t i = 0; i < MEASURES && measures[i].score; i++)
+		fprintf(out, "  %s %s", measures[i].score, view_report_score(text, measure(f, i)));
 	fputc('\n', out);
 	fflush(out);
 }
@@ -182,18 +176,11 @@ static json_t *text_json(const char *text)
 
 static json_t *frame_json(const struct view_frame *f)
 {
-	json_t *o = json_pack("{s:I, s:o, s:I, s:I, s:o, s:I}", "frame", (json_int_t)f->frame,
-		"time_s", number(f->time_s), "budget_vertices", (json_int_t)f->budget_vertices,
-		"vertices", (json_int_t)f->vertices, "budget_bytes", f->budget_bytes == ECO_BYTES_UNBOUNDED
-		? json_null() : json_integer((json_int_t)f->budget_bytes), "bytes", (json_int_t)f->bytes);
-	json_object_set_new(o, "requests", json_integer((json_int_t)f->requests));
-	json_object_set_new(o, "broken_answers", json_integer((json_int_t)f->broken));
-	json_object_set_new(o, "cancelled_bytes", json_integer((json_int_t)f->cancelled));
-	json_object_set_new(o, "named_chunks", json_integer((json_int_t)f->named));
-	json_object_set_new(o, "named_bytes", json_integer((json_int_t)f->named_bytes));
-	json_object_set_new(o, "memory_bytes", json_integer((json_int_t)f->memory_bytes));
-	json_object_set_new(o, "evicted_chunks", json_integer((json_int_t)f->evictions));
-	json_object_set_new(o, "refetched_bytes", json_integer((json_int_t)f->again_bytes));
+	json_t *o = json_pack("{s:I, s:o, s:o}", "frame", (json_int_t)f->frame, "time_s", number(f->time_s),
+		"budget_bytes", f->budget_bytes == ECO_BYTES_UNBOUNDED ? json_null()
+		: json_integer((json_int_t)f->budget_bytes));
+	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+		json_object_set_new(o, counts[i].name, count(f, i));
 	for (size_t i = 0; i < MEASURES; i++)
 		json_object_set_new(o, measures[i].name, number(measure(f, i)));
 	return o;

@@ -19,8 +19,8 @@ struct view_frame {
 	double plan_ms, first_byte_ms, stream_ms, decode_ms, draw_ms, reference_ms;
 	double shadow_ms, shadow_texels;         /* view_picture's, where shadows are cast */
 	/* answers that the frame took, and how many of them broke off or did not come; bytes of
-	 * the next view that were not waited for; decoded bytes held after it; chunks that went while it came, and bytes
-	 * fetched that had been fetched before */
+	 * the next view that were not waited for; decoded bytes held after it; chunks that went while it
+	 * came, and bytes fetched that had been fetched before */
 	uint64_t requests, broken, cancelled, memory_bytes, evictions, again_bytes;
 	uint64_t named, named_bytes;             /* chunks that were named and fetched, of `bytes` */
 	/* tiles that even the reference shows as points: 0 where it is full detail */

@@ -69,7 +69,8 @@ enum eco_code view_select_casters(struct view_selection *selection, const struct
 	const struct lod_eye *eye, struct eco_error *error);
 void view_select_free(struct view_selection *selection);
 
-/* Instances by owner, the number that a picture's pixels hold. False: no memory. The caller frees the table. */
+/* Instances by owner, the number that a picture's pixels hold. False: no memory. The caller frees the table.
+ * */
 bool view_owners_make(struct view_table *owners, const struct view_selection *selection);
 /* NULL: no instance has that owner, such as a summary's point. */
 const struct view_instance *view_owners_find(const struct view_table *owners,

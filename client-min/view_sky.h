@@ -1,4 +1,4 @@
-/* What lights a picture, beside what is in it. */
+/* Light of a picture: the sun, haze and shadows. */
 #ifndef VIEW_SKY_H
 #define VIEW_SKY_H
 
@@ -20,9 +20,9 @@ struct view_sky {                        /* zero is the usual light */
 };
 
 struct view_sun_place { double longitude_deg, latitude_deg, convergence_deg; };  /* openapi.yaml: origin */
-/* Towards the sun in the scene's coordinates, of length 1; below the horizon sun[2] < 0. `unix_s`: seconds since
- * 1970, UTC. Source: Michalsky 1988, "The Astronomical Almanac's algorithm for approximate solar position", Solar
- * Energy 40(3); within 0.01 degrees from 1950 to 2050. */
+/* Towards the sun in the scene's coordinates, of length 1; below the horizon sun[2] < 0. `unix_s`: seconds
+ * since 1970, UTC. Source: Michalsky 1988, "The Astronomical Almanac's algorithm for approximate solar
+ * position", Solar Energy 40(3); within 0.01 degrees from 1950 to 2050. */
 void view_sun_at(const struct view_sun_place *place, double unix_s, float sun[3]);
 
 #endif

@@ -1,4 +1,4 @@
-/* What the client holds is one number per list, as lists hold prefixes of their chunks; a plan of any later
+/* Holdings are one number per list, as lists hold prefixes of their chunks; a plan of any later
  * frame is a set of ranges over that, and GPU copies are extended and never rewritten. Longer than 600 lines:
  * one structure, which every event of a stream changes.
  *
@@ -46,6 +46,9 @@ struct view_store {
 	struct view_plant **plants;      uint32_t plant_count, plant_room;
 	struct view_table plant_table;
 	struct eco_plan plan;
+	/* of a store that counts: chunks of lists, in order of arrival */
+	struct eco_holding *counted;     uint32_t counted_count, counted_room;
+	struct view_table counted_table;
 };
 
 double view_clock_ms(void)
@@ -81,6 +84,8 @@ void view_store_free(struct view_store *store)
 	view_forms_free(&store->forms);
 	view_table_free(&store->plant_table);
 	eco_plan_free(&store->plan);
+	view_table_free(&store->counted_table);
+	free(store->counted);
 	free(store->plants);
 	free(store);
 }
@@ -145,6 +150,8 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 {
 	struct view_store *store = ctx;
 	const struct view_plant *held = view_store_plant(store, id);
+	if (store->options.counts)
+		return ECO_OK;
 	if (held) {
 		if (held->plant.anchor_first != plant->anchor_first || held->plant.anchor_count
 				!= plant->anchor_count ||
@@ -203,6 +210,8 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 	struct view_store *store = ctx;
 	const struct view_list *held = view_store_list(store, id);
 	size_t palette_bytes = (size_t)list->palette_count * sizeof *palette;
+	if (store->options.counts)
+		return ECO_OK;
 	if (held) {
 		if (!same_record(&held->list, list) || !same_groups(held, groups)
 				|| (palette_bytes && memcmp(held->palette, palette, palette_bytes) != 0))
@@ -279,11 +288,32 @@ static void count_chunk(struct view_store *store, uint32_t list, uint32_t ordina
 	store->stats.again_bytes += chunk->size_bytes;
 }
 
+static enum eco_code count_only(struct view_store *store, uint32_t id, uint32_t ordinal, struct eco_error *error)
+{
+	uint32_t at = view_table_get(&store->counted_table, id);
+	if (at == UINT32_MAX) {
+		at = store->counted_count;
+		if (!eco_array_grow(&store->counted, &store->counted_room, at, sizeof *store->counted)
+				|| !view_table_put(&store->counted_table, id, at))
+			return eco_no_memory(error, "a list that is held");
+		store->counted[store->counted_count++] = (struct eco_holding){ id, 0 };
+	}
+	struct eco_holding *held = &store->counted[at];
+	store->stats.chunks++;
+	store->stats.chunks_twice += ordinal < held->chunks;
+	if (ordinal > held->chunks)
+		return BAD("chunk %u of list %u comes where chunk %u is the next", ordinal, id, held->chunks);
+	held->chunks += ordinal == held->chunks;
+	return ECO_OK;
+}
+
 static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const struct eco_chunk *chunk,
 	const uint8_t *payload, struct eco_error *error)
 {
 	struct view_store *store = ctx;
 	struct view_list *list = view_cache_find(&store->cache, id);
+	if (store->options.counts)
+		return count_only(store, id, ordinal, error);
 	if (!list)
 		return BAD("chunk %u of list %u came before the list's description", ordinal, id);
 	enum eco_code code = check_chunk(store, list, ordinal, chunk, error);
@@ -344,8 +374,7 @@ static void each_need(struct view_store *store, visit_need *visit)
 		}
 }
 
-/* What comes behind a plan, for the next one or for later, may have taken the place of what it needs: then it
- * is none to draw. */
+/* Chunks that came behind a plan may have taken the place of those that it needs: then it cannot be drawn. */
 static void check_needs(struct view_store *store, struct view_list *list, uint32_t chunks)
 {
 	store->lacks |= list->chunk_count < chunks && list->served >= chunks;
@@ -452,7 +481,7 @@ static enum eco_code show_textures(struct view_store *store, struct eco_error *e
 	return code;
 }
 
-/* What comes behind a plan, for a finer one, for the next view or for later, takes no place of what it needs.
+/* Chunks that come behind a plan, for a finer one or a later view, take no place of those that it needs.
  * An answer that is asked for again has what its last plan needed before. */
 static void keep_needs(struct view_store *store)
 {
@@ -462,17 +491,8 @@ static void keep_needs(struct view_store *store)
 	each_need(store, want_need);
 }
 
-static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error *error)
+static enum eco_code take_plan(struct view_store *store, struct eco_error *error)
 {
-	struct view_store *store = ctx;
-	enum eco_code code = check_plan(store, plan, error);
-	if (code) {
-		eco_plan_free(plan);
-		return code;
-	}
-	eco_plan_free(&store->plan);
-	store->plan = *plan;
-	*plan = (struct eco_plan){ 0 };
 	store->lacks = false;
 	each_need(store, touch_need);
 	store->plan_tick = store->cache.tick;
@@ -480,7 +500,25 @@ static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error 
 	store->has_plan = !store->lacks;
 	keep_needs(store);
 	view_cache_tick(&store->cache);
-	code = store->has_plan ? show_textures(store, error) : ECO_OK;
+	return store->has_plan ? show_textures(store, error) : ECO_OK;
+}
+
+static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error *error)
+{
+	struct view_store *store = ctx;
+	bool counts = store->options.counts;
+	enum eco_code code = counts ? ECO_OK : check_plan(store, plan, error);
+	if (!code) {
+		eco_plan_free(&store->plan);
+		store->plan = counts ? (struct eco_plan){ .vertices = plan->vertices,
+			.prediction = plan->prediction } : *plan;
+		if (!counts)
+			*plan = (struct eco_plan){ 0 };
+	}
+	eco_plan_free(plan);
+	if (!code && !counts)
+		code = take_plan(store, error);
+	store->has_plan |= counts;
 	if (!code && store->options.planned)
 		store->options.planned(store->options.ctx, eco_predicted_q(&store->plan.prediction));
 	return code;
@@ -551,7 +589,7 @@ bool view_store_ahead(const struct view_store *store)
 	return store->ahead && store->has_plan;
 }
 
-/* What the plan needs does not go for the next view. */
+/* Chunks that the plan needs do not go for the next view. */
 static enum eco_code on_ahead(void *ctx, struct eco_error *error)
 {
 	(void)error;
@@ -655,14 +693,16 @@ enum eco_code view_store_holdings(const struct view_store *store, struct eco_hol
 	struct eco_error *error)
 {
 	const struct view_cache *cache = &store->cache;
-	size_t room = (cache->list_count + (size_t)1) * sizeof *holdings->items;
-	*holdings = (struct eco_holdings){ malloc(room), 0 };
+	uint32_t most = store->options.counts ? store->counted_count : cache->list_count;
+	*holdings = (struct eco_holdings){ malloc((most + (size_t)1) * sizeof *holdings->items), 0 };
 	if (!holdings->items)
 		return eco_no_memory(error, "the list of what is held");
-	for (uint32_t i = 0; i < cache->list_count; i++)
-		if (cache->lists[i]->chunk_count)
-			holdings->items[holdings->count++] = (struct eco_holding){ cache->lists[i]->id,
-				cache->lists[i]->chunk_count };
+	for (uint32_t i = 0; i < most; i++) {
+		struct eco_holding one = store->options.counts ? store->counted[i]
+			: (struct eco_holding){ cache->lists[i]->id, cache->lists[i]->chunk_count };
+		if (one.chunks)
+			holdings->items[holdings->count++] = one;
+	}
 	if (holdings->count > ECO_HOLDINGS_MAX) {
 		free(holdings->items);
 		*holdings = (struct eco_holdings){ 0 };

@@ -1,4 +1,4 @@
-/* What the client holds of a scene: lists decoded chunk by chunk as a stream arrives, plants, and the plan to
+/* A client's part of a scene: lists decoded chunk by chunk as a stream arrives, plants, and the plan to
  * draw.
  *
  *   view_store_new(&store, &options, &error);       once per scene
@@ -25,25 +25,26 @@ struct view_plant {
 };
 
 struct view_store_stats {
-	uint64_t memory_bytes;           /* decoded data held; never above memory_max */
-	uint64_t memory_peak_bytes;      /* the most that it has been */
-	uint64_t chunks, chunk_bytes;    /* decoded since the store was made */
-	/* chunks that were already held: each is a fault of the server */
-	uint64_t chunks_twice;
-	uint64_t evictions, evicted_bytes;       /* chunks that went for want of memory, decoded */
-	uint64_t chunks_again, again_bytes;      /* of those above: chunks that had come before, and gone */
-	double decode_ms;                /* since view_store_begin */
+	uint64_t memory_bytes, memory_peak_bytes;        /* decoded data held, and its maximum; at most memory_max */
+	uint64_t chunks, chunk_bytes;                    /* decoded since the store was made */
+	uint64_t chunks_twice;                           /* that were already held: each is a fault of the server */
+	uint64_t evictions, evicted_bytes;               /* chunks that went for want of memory, decoded */
+	uint64_t chunks_again, again_bytes;              /* of `chunks`: those that had come before, and gone */
+	double decode_ms;                                /* since view_store_begin */
 };
 
 struct view_store;
 
 struct view_store_options {
-	/* of decoded data; 0: 8 GiB. Beyond it chunks go, those first that were not needed for the longest
-	 * time (view_cache.h). A stream whose view alone needs more fails with ECO_TOO_LARGE, and says how
-	 * much. What decoding takes for a moment, tables by id and copies on the GPU are not counted */
+	/* of decoded data; 0: 8 GiB. Beyond it chunks go (view_cache.h). A stream whose view alone needs more
+	 * fails with ECO_TOO_LARGE, and says how much. Scratch of decoding, tables and copies on the GPU do
+	 * not count */
 	uint64_t memory_max;
 	/* decode textures and their outlines; false: their payloads are dropped */
 	bool images;
+	/* decode nothing: count chunks, and check that none comes twice or out of order. Of a plan there are
+	 * then only its vertices and its prediction */
+	bool counts;
 	/* told of each plan that has come, and what it predicts (eco_predicted_q); may be NULL */
 	void (*planned)(void *ctx, double predicted_q);
 	void *ctx;
@@ -64,8 +65,8 @@ void view_store_begin(struct view_store *store);
  * again, with the holdings of now, and what that plan needs stays; *vertices is its count, which a request
  * with a budget of bytes asks for in place of its own, as such plans depend on what is held. */
 bool view_store_again(struct view_store *store, uint64_t *vertices);
-/* After an answer that broke off: what came of it is held, and its last plan still is one to draw. The rest is
- * to be asked for with the holdings of now. */
+/* After an answer that broke off: what came of it is held, and its last plan still is one to draw. The rest
+ * is to be asked for with the holdings of now. */
 void view_store_resume(struct view_store *store);
 /* The last plan is all there is to come; false if there is none. */
 bool view_store_settle(struct view_store *store);
@@ -78,7 +79,7 @@ const struct eco_plan *view_store_plan(const struct view_store *store);
 uint32_t view_store_summaries(const struct view_store *store);
 /* True once END has come, whose count of vertices equals the plan's, or the store has been settled. */
 bool view_store_complete(const struct view_store *store);
-/* Of what it holds, which the next request names; NULL before the first SCENE. */
+/* The pack of its holdings, which the next request names; NULL before the first SCENE. */
 const struct eco_chunk_id *view_store_pack(const struct view_store *store);
 double view_store_near_m(const struct view_store *store);        /* 0 before the first SCENE */
 const char *view_store_scene_name(const struct view_store *store);
@@ -92,7 +93,7 @@ uint32_t view_store_list_count(const struct view_store *store);
 /* in order of arrival, until a list has gone */
 const struct view_list *view_store_list_at(const struct view_store *store, uint32_t index);
 
-/* What to tell the server. Sorted by list; the caller frees items. */
+/* Holdings for the next request, sorted by list; the caller frees items. */
 enum eco_code view_store_holdings(const struct view_store *store, struct eco_holdings *holdings,
 	struct eco_error *error);
 struct view_store_stats view_store_stats(const struct view_store *store);

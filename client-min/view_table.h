@@ -1,5 +1,5 @@
-/* A map from ids to positions in an array. Open addressing; a multiplicative hash spreads ids, so that a hostile
- * stream makes it at worst slow in its own linear size. */
+/* A map from ids to positions in an array. Open addressing; a multiplicative hash spreads ids, so that a
+ * hostile stream makes it at worst slow in its own linear size. */
 #ifndef VIEW_TABLE_H
 #define VIEW_TABLE_H
 

@@ -69,7 +69,7 @@ static bool open_surfaceless(struct view_context *context)
 		context, eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL));
 }
 
-/* What OpenGL and its dialects do not do alike. */
+/* Settings that OpenGL and its dialects do not share. */
 static void set_rules(struct view_context *context)
 {
 	bool es = context->dialect.es;

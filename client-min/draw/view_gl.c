@@ -455,8 +455,9 @@ static void draw_impostors(const struct frame *f, const struct view_shader *s, c
 	glUniform1i(s->uniform[VIEW_U_FIRST_RECORD], (int)view_record_span(list, 0, level));
 	glUniform1ui(s->uniform[VIEW_U_SURFACE], view_impostor_surface(&list->list, impostor));
 	/* with a pixel around the outline, and another for what floats round */
-	draw_level(f, s, f->map ? INFINITY : view_extent_balls_px(f->job->eye, f->job->selection, (const uint32_t[2]){ f->picture->width,
-		f->picture->height }, impostor, f->job->selection->members + first_member, count) + 4, count);
+	const uint32_t size[2] = { f->picture->width, f->picture->height };
+	draw_level(f, s, f->map ? INFINITY : 4 + view_extent_balls_px(f->job->eye, f->job->selection, size, impostor,
+		f->job->selection->members + first_member, count), count);
 }
 
 /* How wide an ellipse may be that touches the picture and whose half axis is such a part of its distance:
@@ -485,8 +486,8 @@ static void draw_ellipses(struct frame *f, const struct view_shader *s, const st
 	most = at_once(f, most, count);
 	int width = (int)f->picture->width, height = (int)f->picture->height,
 		margin = f->map ? 0 : point_margin(f->gl);
-	bool points = margin > 0 && ellipse_px(f, view_extent_ellipses(f->job->eye, f->job->selection, g, list, cut,
-		f->job->selection->members + first_member, members)) <= 2 * margin;
+	bool points = margin > 0 && ellipse_px(f, view_extent_ellipses(f->job->eye, f->job->selection, g, list,
+		cut, f->job->selection->members + first_member, members)) <= 2 * margin;
 	margin = points ? margin : 0;
 	glUniform1i(s->uniform[VIEW_U_CORNERS], points ? 1 : 3);
 	glUniform1i(s->uniform[VIEW_U_FIRST], (int)(cut->first << cut->halvings));

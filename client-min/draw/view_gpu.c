@@ -346,7 +346,8 @@ double view_extent_balls_px(const struct lod_eye *eye, const struct view_selecti
 }
 
 double view_extent_ellipses(const struct lod_eye *eye, const struct view_selection *selection,
-	const struct view_gpu_list *g, const struct view_list *list, const struct eco_cut *cut, const uint32_t *members, uint32_t count)
+	const struct view_gpu_list *g, const struct view_list *list, const struct eco_cut *cut,
+	const uint32_t *members, uint32_t count)
 {
 	bool splats = list->list.attributes & ECO_ATTR_SPLAT;
 	double ball = lod_ball_radius(&list->list, cut->scale), radius = cut->halvings ? 2 * ball : 0;

@@ -63,12 +63,12 @@ enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_texels *stre
 
 /* ---- How large what is drawn of some plants becomes at most, which says how view_gl.c may draw it ---- */
 
-/* Width or height of the largest outline of the balls around these members of the selection in a picture of that
- * size. Balls that reach the eye's plane are not drawn. */
+/* Width or height of the largest outline of the balls around these members of the selection in a picture of
+ * that size. Balls that reach the eye's plane are not drawn. */
 double view_extent_balls_px(const struct lod_eye *eye, const struct view_selection *selection,
 	const uint32_t size[2], const struct lod_impostor *impostor, const uint32_t *members, uint32_t count);
-/* The largest ratio of a half axis of these members' ellipses to its distance from the eye's plane; INFINITY: it may
- * be more than half. */
+/* The largest ratio of a half axis of these members' ellipses to its distance from the eye's plane; INFINITY:
+ * it may be more than half. */
 double view_extent_ellipses(const struct lod_eye *eye, const struct view_selection *selection,
 	const struct view_gpu_list *g, const struct view_list *list, const struct eco_cut *cut,
 	const uint32_t *members, uint32_t count);

@@ -203,7 +203,7 @@ static float noise_at(ground_place at, int which);
 #include "client-min/draw/view_light.glsl"
 #include "client-min/draw/view_glsl_end.h"
 
-/* Of each octave the place is turned or not, and stretched and moved. */
+/* The place is turned or not, stretched and moved for each octave. */
 static const struct { bool turned; double x, y, moved; } octaves[VIEW_OCTAVES] = { { false, 9, 9, 0 },
 	{ false, 38, 31, 0 }, { true, 1.3, 1.3, 0 }, { false, 0.47, 0.47, 0 }, { true, 0.045, 0.045, 7 },
 	{ false, 0.13, 0.13, 0 } };

@@ -3,7 +3,7 @@
  * Before it both say what vec3, uint, real(x), max, mix, dot and so on are, and ground_place with noise_at.
  * Numbers have points, as GLSL makes no float of a whole number, and no name is a word of GLSL. */
 
-/* Where the sun is; its light, what a leaf lets through of it, and the sky's and the earth's on surfaces;
+/* Direction of the sun; its light, what a leaf lets through of it, and the sky's and the earth's on surfaces;
  * how bright the sky is, and how red around the sun. */
 struct sunlight { vec3 to, color, through, sky, earth; float day, glow; };
 /* Sunlight on what is seen of something, and through it; height of the mean normal. */
@@ -14,7 +14,7 @@ struct crown { float shade, open, rise; };
 /* The plant of a pixel: how it is turned, its shape, its tone. Summaries' points have no place in a plant:
  * half_height is 0. */
 struct plant { float sine, cosine, center_z, half_width, half_height, tone; };
-/* What a pixel's surface is: its normal, if it has one, and the share of a crown that stands in it. */
+/* A pixel's surface: its normal, if it has one, and the share of a crown that stands in it. */
 struct face { sunny sun; vec3 n; bool facet; float reach; };
 
 /* ---- Arithmetic ---- */
@@ -45,7 +45,7 @@ LIGHT vec3 grey(vec3 c, vec3 weight)
 	return blend(c, vec3(g, g, g), 0.7f);
 }
 
-/* Of the word of view_light.h. */
+/* Reads the word of view_light.h. */
 LIGHT vec3 direction_of(uint surface)
 {
 	float x = real(surface & 32767u) / 32767.0f * 2.0f - 1.0f;
@@ -141,7 +141,7 @@ LIGHT vec3 turned(plant p, vec3 v)
 	return vec3(v.x * p.cosine - v.y * p.sine, v.x * p.sine + v.y * p.cosine, v.z);
 }
 
-/* Of a point that stands for plants whose owner it has: the owner's upper word. */
+/* A point that stands for plants whose owner it has: the owner's upper word. */
 LIGHT float summary_tone(uint owner)
 {
 	float t = real(owner >> 14 & 4095u) * 0.61803f;
@@ -194,7 +194,7 @@ LIGHT crown crown_of(sunlight s, plant p, vec3 local, vec3 to_eye, float t)
 		mix(here.rise, mean.rise, t));
 }
 
-/* Of a plant that stands alone: VIEW_TINT_UNSHADED. */
+/* A plant that stands alone: VIEW_TINT_UNSHADED. */
 LIGHT crown crown_alone(sunlight s, vec3 to_eye)
 {
 	return crown_at(s, unit(add(to_eye, vec3(0.0f, 0.0f, 0.8f))), 0.88f, 0.75f);

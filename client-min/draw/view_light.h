@@ -48,7 +48,7 @@ struct view_light_job {
 enum eco_code view_light_picture(const struct view_light_job *job, struct view_picture *picture,
 	struct eco_error *error);
 
-/* What the same light takes on the GPU, where view_light.glsl is a part of a shader (web/web_light.h):
+/* Inputs of the same light on the GPU, where view_light.glsl is a part of a shader (web/web_light.h):
  * sunlight with its haze, plants, and where the octaves of the ground's noise have a place of the ground. */
 struct view_light_sun { float to[3], color[3], through[3], sky[3], earth[3], day, glow, haze_m; };
 void view_light_sun(const struct view_sky *sky, double eye_z, struct view_light_sun *out);
@@ -66,7 +66,7 @@ void view_light_octave(int which, const double at[2], double out[2]);
 struct view_shape { float center_z, half_width, half_height; };          /* plant space, metres */
 struct view_shape view_shape_of(const struct view_plant *plant);
 
-/* Where no shadow map is asked for: soft discs thrown along the sun's direction into a map over the part of the scene
+/* Without a shadow map: soft discs thrown along the sun's direction into a map over the part of the scene
  * that is near. Pictures only; masks and scores know nothing of it. */
 #define VIEW_SHADE_PIXELS 1024
 struct view_shade {

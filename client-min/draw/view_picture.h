@@ -33,8 +33,8 @@ void view_picture_compare(const uint8_t *cover, const uint8_t *reference, uint32
  * pictures (two share one by chance, of 2^24), and what is no plant's is black. */
 void view_picture_owners(const struct view_picture *picture, uint8_t *rgb);
 
-/* Three pictures side by side, with words under each: ours, full detail, and the error that people see, from black
- * (none) over violet and orange to pale yellow (1). */
+/* Three pictures side by side, with words under each: ours, full detail, and the error that people see, from
+ * black (none) over violet and orange to pale yellow (1). */
 struct view_compare {
 	const struct view_picture *picture, *reference;
 	const float *error_map;                  /* lod_flip's, 0 to 1 a pixel */

@@ -7,7 +7,7 @@
  * by the root of their area factor: what each growth code comes to at the cut's scale is a uniform, as is the
  * side of a point of each size code.
  *
- * What is drawn is not a picture yet, but what view_light.h makes one of: of each pixel four words, as
+ * The result is not a picture yet, but the input of view_light.h: of each pixel four words, as
  * view_gl.h has them. With SHADOW it is a shadow map: a picture in which W is distance, whose depths are
  * heights towards the sun; the rules are those of view_shadow_cast.c. */
 #include "client-min/draw/view_shader.h"
@@ -49,7 +49,7 @@ static const char common[] =
 	"}\n"
 	"uvec4 record_at(int i) { return texel_of(u_records, u_shift.x, i); }\n";
 
-/* What a fragment needs of its ellipse, in as few vectors as it fits, as software drivers make a copy for
+/* A fragment's ellipse, in as few vectors as possible, as software drivers make a copy for
  * each primitive; and what all share is among it, as they look up uniforms pixel by pixel
  * (lod/EXPERIMENTS.md, A frame's time). Then lod_splat_covers. */
 static const char splat_common[] =
@@ -465,36 +465,38 @@ static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up"
 	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
 	"u_point_max", "u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count", "u_map" };
 
-/* Linking says whether it compiles: so a browser's driver is waited for once, not three times. */
-static unsigned compile(unsigned type, const char *const *parts, int count)
+static unsigned compile(unsigned program, unsigned type, const char *const *parts, int count)
 {
 	unsigned shader = glCreateShader(type);
 	glShaderSource(shader, count, parts, NULL);
 	glCompileShader(shader);
+	glAttachShader(program, shader);
 	return shader;
 }
 
-static enum eco_code link(struct view_shader *shader, unsigned vertex, unsigned fragment, const char *name,
-	struct eco_error *error)
+/* Linking says whether it compiles: so a browser's driver is waited for once, not three times. */
+unsigned view_shader_link(const struct view_shader_text *text, const char *what, struct eco_error *error)
 {
-	shader->program = glCreateProgram();
-	glAttachShader(shader->program, vertex);
-	glAttachShader(shader->program, fragment);
-	glLinkProgram(shader->program);
-	int ok = 0;
-	glGetProgramiv(shader->program, GL_LINK_STATUS, &ok);
-	if (ok)
-		return ECO_OK;
+	unsigned program = glCreateProgram(), vertex = compile(program, GL_VERTEX_SHADER, text->vertex,
+		text->vertex_count), fragment = compile(program, GL_FRAGMENT_SHADER, text->fragment,
+		text->fragment_count);
 	char log[400] = "";
-	glGetShaderInfoLog(vertex, sizeof log, NULL, log);
-	if (!log[0])
-		glGetShaderInfoLog(fragment, sizeof log, NULL, log);
-	if (!log[0])
-		glGetProgramInfoLog(shader->program, sizeof log, NULL, log);
-	glDeleteProgram(shader->program);
-	shader->program = 0;
-	return eco_fail(error, ECO_UNSUPPORTED, "the graphics driver does not compile the program for %s: %s",
-		name, log);
+	int linked = 0;
+	glLinkProgram(program);
+	glGetProgramiv(program, GL_LINK_STATUS, &linked);
+	if (!linked) {
+		glGetShaderInfoLog(vertex, sizeof log, NULL, log);
+		if (!log[0])
+			glGetShaderInfoLog(fragment, sizeof log, NULL, log);
+		if (!log[0])
+			glGetProgramInfoLog(program, sizeof log, NULL, log);
+		eco_fail(error, ECO_UNSUPPORTED, "the graphics driver does not compile the program for %s: %s",
+			what, log);
+		glDeleteProgram(program);
+	}
+	glDeleteShader(vertex);
+	glDeleteShader(fragment);
+	return linked ? program : 0;
 }
 
 enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which, bool shadow,
@@ -507,12 +509,9 @@ enum eco_code view_shader_compile(struct view_shader *shader, enum view_program 
 		splat_common, vertex_common, vertex_shadow, programs[which].shared, programs[which].vertex };
 	const char *fs[] = { start, "#define FLAT flat in\n", target, programs[which].defines, common,
 		splat_common, fragment_common, programs[which].fragment };
-	unsigned vertex = compile(GL_VERTEX_SHADER, vs, 11), fragment = compile(GL_FRAGMENT_SHADER, fs, 8);
-	enum eco_code code = link(shader, vertex, fragment, programs[which].name, error);
-	glDeleteShader(vertex);
-	glDeleteShader(fragment);
-	if (code)
-		return code;
+	shader->program = view_shader_link(&(struct view_shader_text){ vs, 11, fs, 8 }, programs[which].name, error);
+	if (!shader->program)
+		return ECO_UNSUPPORTED;
 	for (int i = 0; i < VIEW_UNIFORM_COUNT; i++)
 		shader->uniform[i] = glGetUniformLocation(shader->program, uniform_names[i]);
 	return ECO_OK;

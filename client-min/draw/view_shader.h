@@ -29,6 +29,16 @@ struct view_dialect { bool es; bool depth_zero_to_one; };
 enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which, bool shadow,
 	const struct view_dialect *dialect, struct eco_error *error);
 
+/* Parts of the texts of a program. */
+struct view_shader_text {
+	const char *const *vertex;
+	int vertex_count;
+	const char *const *fragment;
+	int fragment_count;
+};
+/* 0, with *error: the driver refuses it. */
+unsigned view_shader_link(const struct view_shader_text *text, const char *what, struct eco_error *error);
+
 /* In view_shader_impostor.c. */
 extern const char view_shader_impostor_vertex[], view_shader_impostor_fragment[];
 

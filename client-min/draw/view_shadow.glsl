@@ -1,4 +1,4 @@
-/* Where a shadow map lies, and what light it lets through, in words that C and GLSL share: view_shadow.c
+/* The place of a shadow map, and the light that it lets through, in words that C and GLSL share: view_shadow.c
  * includes this text, and the client in a browser compiles it as parts of shaders
  * (client-min/web/web_shadow.c), so that there is one definition of both. The rules of view_light.glsl hold.
  * Before it both define what cells and tops are, after it what is in them; parts for which one is not defined
@@ -26,7 +26,7 @@ struct shadow_cell { float west, east, south, north, nearest, farthest, plant; }
 struct shadow_range { float nearest, farthest; };
 struct shadow_sides { vec3 first, second; };
 struct shadow_extent { float low_x, low_y, high_x, high_y; };
-/* Where a place lies in the map, texels, and its W; that is 0 beyond the edges. */
+/* Position of a place in the map, texels, and its W; that is 0 beyond the edges. */
 struct shadow_spot { float x, y, w; };
 /* The share of sunlight that arrives, -1: beyond the map; how large a texel is there. */
 struct shadow_light { float lit, texel_m; };
@@ -66,7 +66,7 @@ LIGHT vec3 corner_of(shadow_eye e, shadow_cell s, float nearness, int k)
 	return scale(add(e.forward, add(across, up)), 1.0f / nearness);
 }
 
-/* Of W; or of U / W and V / W, which are extreme at corners as W is positive. */
+/* Ranges of W, or of U / W and V / W, which are extreme at corners as W is positive. */
 LIGHT shadow_extent extent_of(cells c, shadow_eye e, float farthest_m, shadow_map m, bool of_w)
 {
 	shadow_extent x = shadow_extent(NOTHING, NOTHING, -NOTHING, -NOTHING);
@@ -169,7 +169,7 @@ LIGHT float slack_of(vec3 sun, vec3 right, vec3 down, vec3 n, bool facet)
 	return 1.5f * sum / (facet ? max(abs(dot(n, sun)), 0.1f) : 1.0f);
 }
 
-/* Of three texels in a row the share of one, for a place in the middle one: `part` of its way. */
+/* The share of one of three texels in a row, for a place in the middle one: `part` of its way. */
 LIGHT float share_of(float part, int i)
 {
 	return i == 1 ? 0.5f : 0.5f * (i == 0 ? 1.0f - part : part);

@@ -25,7 +25,7 @@
  * Both kinds are fitted to the pixels of the picture, in cells of which the nearest and the farthest count,
  * so that few texels lie where nothing is seen. Nothing is fetched: what casts is what is held. The ground
  * casts no shadow. Where a map lies and how it is looked up is one text for C and GLSL (view_shadow.glsl).
- * What casts is drawn in software (view_shadow_cast.c), so that it is the same for every engine of ecoview; in
+ * Casters are drawn in software (view_shadow_cast.c), so that it is the same for every engine of ecoview; in
  * a browser, where no pixel is read, by OpenGL (view_gl_cast). */
 #ifndef VIEW_SHADOW_H
 #define VIEW_SHADOW_H
@@ -64,7 +64,7 @@ enum eco_code view_shadow_make(struct view_shadow *shadow, const struct view_sha
 	struct eco_error *error);
 void view_shadow_free(struct view_shadow *shadow);
 
-/* Where a place (from the eye, world's axes) lies in the map, in texels; false: beyond its edges. */
+/* Position in the map, in texels, of a place (from the eye, world's axes); false: beyond its edges. */
 bool view_shadow_place(const struct view_shadow *shadow, const float to[3], float texel[2]);
 /* Share of sunlight that arrives at a place of a surface, the mean of 3 x 3 texels; NULL: of all directions.
  * -1: beyond the map. *texel_m: how large a texel is there. */
@@ -76,8 +76,8 @@ float view_shadow_lit(const struct view_shadow *shadow, const float to[3], const
 double view_shadow_sharpness(const struct view_shadow *shadow, const struct view_picture *picture,
 	const struct lod_eye *eye);
 
-/* In view_shadow_cast.c: raises shadow->top, which has been made, to all that the job's casters reach: triangles, with
- * what their textures cut out, lines, points, splats and impostors. */
+/* In view_shadow_cast.c: raises shadow->top, which has been made, to all that the job's casters reach:
+ * triangles, with what their textures cut out, lines, points, splats and impostors. */
 enum eco_code view_shadow_cast(struct view_shadow *shadow, const struct view_shadow_job *job,
 	struct eco_error *error);
 

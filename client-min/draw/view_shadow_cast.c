@@ -225,7 +225,8 @@ static void draw_lines(const struct caster *c, const struct object *o, const str
 
 /* ---- Discs, ellipsoids and impostors ---- */
 
-/* What an ellipsoid covers of the map, exactly: W is to it what distance is to a picture (lod/splat.h). */
+/* The part of the map that an ellipsoid covers, exactly: W is to it what distance is to a picture
+ * (lod/splat.h). */
 struct outline { float x, y, height; struct lod_ellipse ellipse; int across[2], down[2]; };
 
 static bool outline_of(const struct caster *c, const struct object *o, const float center[3],
@@ -290,7 +291,7 @@ static void draw_points(const struct caster *c, const struct object *o, const st
 	}
 }
 
-/* Where a texel's beam meets the plane through `m` along two half axes: how much of each. */
+/* Shares of two half axes at which a texel's beam meets their plane through `m`. */
 static void meet_plane(const struct object *o, const struct corner *m, const float (*half)[3], int x, int y,
 	float share[2])
 {

@@ -120,7 +120,7 @@ enum ecostream_code ecostream_encode(const struct ecostream_answer *answer, ecos
 
 /* ---- Decoding ---- */
 
-/* What came of one scene, over any number of streams: at most 8 GiB, decoded. */
+/* Data of one scene, over any number of streams: at most 8 GiB, decoded. */
 struct ecostream_client;
 
 enum ecostream_code ecostream_client_new(struct ecostream_client **client, struct ecostream_error *error);
@@ -141,12 +141,12 @@ enum ecostream_code ecostream_client_end(struct ecostream_client *client, struct
 
 /* ---- Drawing ---- */
 
-/* What the last plan draws, for the view that it was asked for. It lends from the client: free it before the
- * next stream begins. */
+/* The picture of the last plan, for the view that it was asked for. It lends from the client: free it before
+ * the next stream begins. */
 struct ecostream_picture;
 
-/* Of `request` the view counts. ECOSTREAM_NOT_FOUND: no plan has come. ECOSTREAM_DAMAGED: it draws another
- * number of vertices than the stream said, as for another view. */
+/* Only the view of `request` counts. ECOSTREAM_NOT_FOUND: no plan has come. ECOSTREAM_DAMAGED: it draws
+ * another number of vertices than the stream said, as for another view. */
 enum ecostream_code ecostream_picture_make(struct ecostream_picture **picture,
 	const struct ecostream_client *client, const struct ecostream_request *request,
 	struct ecostream_error *error);

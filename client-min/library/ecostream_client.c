@@ -1,5 +1,6 @@
-/* The end of libecostream where pictures are: the store of ecoview, fed by hand, and what its plan draws. Draws
- * are the plan's cuts, with the instances that view_select_make finds for each; tiles of the ground follow. */
+/* The end of libecostream where pictures are: the store of ecoview, fed by hand, and what its plan draws.
+ * Draws are the plan's cuts, with the instances that view_select_make finds for each; tiles of the ground
+ * follow. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

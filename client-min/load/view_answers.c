@@ -49,7 +49,7 @@ static bool is_of(const struct view_answer *answer, enum view_group group)
 	return group == VIEW_GROUP_ALL || answer->cold == (group == VIEW_GROUP_COLD);
 }
 
-/* What failed at once says nothing of times; what was given up took at least so long. */
+/* A failure at once says nothing of times; an answer that was given up took at least so long. */
 static bool has_time(const struct view_answer *answer, const struct view_column_kind *kind)
 {
 	return answer->outcome == VIEW_ANSWERED || (kind->given_up && (answer->outcome == VIEW_LATE

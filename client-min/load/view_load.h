@@ -30,7 +30,7 @@ struct view_load_options {
 	bool random_arrivals;
 	uint64_t seed;
 	uint64_t vertices, bytes;
-	/* Of each client's line: bytes a second (0: no limit), and how long each request takes on its way. */
+	/* Each client's line: bytes a second (0: no limit), and how long each request takes on its way. */
 	uint64_t bandwidth_bytes_s;
 	double latency_ms;
 	double deadline_ms;                      /* of an answer, since it was due; 0: two minutes */

@@ -65,8 +65,8 @@ static void print_faults(const struct view_load_summary *s, FILE *out)
 	fprintf(out,
 		"chunks            %llu, %llu decoded, %llu named, %llu sent twice; %llu answers without "
 		"a picture\n",
-		(unsigned long long)r->chunks, (unsigned long long)r->chunks_decoded, (unsigned long long)r->chunks_named,
-		(unsigned long long)r->chunks_twice, (unsigned long long)r->nothing);
+		(unsigned long long)r->chunks, (unsigned long long)r->chunks_decoded,
+		(unsigned long long)r->chunks_named, (unsigned long long)r->chunks_twice, (unsigned long long)r->nothing);
 	if (r->renewed)
 		fprintf(out, "packs             %llu times a client began anew, as the scene had another\n",
 			(unsigned long long)r->renewed);

@@ -23,9 +23,9 @@ enum eco_code view_load_json(const struct view_load_summary *summary, json_t **j
 enum eco_code view_load_csv(const struct view_load_summary *summary, const char *path,
 	struct eco_error *error);
 
-/* Scores a sample of a run's views: after it, each is asked for once more by a client that holds nothing, drawn in
- * software, and scored against every triangle of the scene. So the load is not disturbed, and what the server
- * predicts of its answers is seen to hold.
+/* Scores a sample of a run's views: after it, each is asked for once more by a client that holds nothing,
+ * drawn in software, and scored against every triangle of the scene. So the load is not disturbed, and what
+ * the server predicts of its answers is seen to hold.
  *
  * `count` of the views that were answered, evenly spread over the run, into scored[0 .. *done). */
 enum eco_code view_score_sample(const struct view_load_options *options, const struct view_answers *answers,

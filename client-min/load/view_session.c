@@ -7,9 +7,9 @@
 #include <string.h>
 #include <sys/socket.h>
 
-#include "client-min/load/view_holder.h"
 #include "client-min/view_fetch.h"
 #include "client-min/view_query.h"
+#include "client-min/view_select.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/version.h"
@@ -42,7 +42,8 @@ struct view_session {
 	double wakes_ms, due_ms, asked_ms, until_ms;
 	double line_ms;                          /* when the line has carried all that came so far */
 	uint64_t random;                         /* of its arrivals */
-	struct view_holder *holder;
+	bool decodes;
+	struct view_store *store;
 	struct view_answer answer;               /* under way */
 	struct eco_wire_parser *parser, *names;
 	struct eco_writer body, stream;          /* of the request; the answer's, where chunks are named */
@@ -55,6 +56,33 @@ struct view_session {
 	char problem[PROBLEM_BYTES];
 	size_t problem_size;
 };
+
+static void on_plan(void *ctx, double predicted_q);
+static view_store_find find_named;
+
+static void end_store(struct view_session *s)
+{
+	struct view_load_report *report = s->host->report;
+	if (!s->store)
+		return;
+	struct view_store_stats stats = view_store_stats(s->store);
+	report->chunks += stats.chunks;
+	report->chunks_decoded += s->decodes ? stats.chunks : 0;
+	report->chunks_twice += stats.chunks_twice;
+	view_store_free(s->store);
+	s->store = NULL;
+}
+
+/* Holds nothing from then on. */
+static enum eco_code forget(struct view_session *s, struct eco_error *error)
+{
+	end_store(s);
+	enum eco_code code = view_store_new(&s->store, &(struct view_store_options){ .counts = !s->decodes,
+		.planned = on_plan, .ctx = s }, error);
+	if (!code && s->host->options->chunks)
+		view_store_find_by(s->store, find_named, s);
+	return code;
+}
 
 /* ---- What comes ---- */
 
@@ -264,7 +292,7 @@ static void send_after(struct view_session *s, double pause_ms)
 	s->wakes_ms = view_clock_ms() + pause_ms + s->host->options->latency_ms;
 }
 
-/* What breaks on its way may come the next time; what the server says stays said. */
+/* An answer that broke on its way may come the next time; a refusal stays one. */
 static void fail(struct view_session *s, enum view_outcome outcome, const char *text)
 {
 	bool gone = outcome == VIEW_CONNECTION || outcome == VIEW_BROKEN || s->answer.status == 502
@@ -279,7 +307,7 @@ static void fail(struct view_session *s, enum view_outcome outcome, const char *
 	double pause_ms = fmax(s->retry_ms, PAUSE_MS);
 	clear(s);
 	if (outcome == VIEW_DAMAGED || outcome == VIEW_OTHER)
-		view_holder_forget(s->holder, NULL);
+		forget(s, NULL);
 	wait_for_next(s, view_clock_ms() + pause_ms);
 }
 
@@ -290,10 +318,28 @@ static void fail_stream(struct view_session *s)
 	fail(s, s->error.code == ECO_DAMAGED ? VIEW_DAMAGED : VIEW_OTHER, text);
 }
 
+/* Vertices of the last plan; a client that decodes counts them anew from the selection, which may find
+ * damage. */
+static enum eco_code count_vertices(struct view_session *s, const struct eco_view *view)
+{
+	const struct eco_plan *plan = view_store_plan(s->store);
+	struct view_selection selection;
+	struct lod_eye eye;
+	s->answer.vertices = plan ? plan->vertices : 0;
+	if (!s->decodes)
+		return ECO_OK;
+	lod_eye_make(&eye, view);
+	enum eco_code code = view_select_make(&selection, s->store, &eye, &s->error);
+	if (!code)
+		s->answer.vertices = selection.vertices;
+	view_select_free(&selection);
+	return code;
+}
+
 static void succeed(struct view_session *s)
 {
 	const struct eco_view *view = &s->host->options->views[s->frame];
-	if (!s->answer.nothing && view_holder_vertices(s->holder, view, &s->answer.vertices, &s->error)) {
+	if (!s->answer.nothing && count_vertices(s, view)) {
 		fail_stream(s);
 		return;
 	}
@@ -307,9 +353,9 @@ static void fail_status(struct view_session *s)
 {
 	char text[PROBLEM_BYTES + 32];
 	s->problem[s->problem_size] = 0;
-	if (s->answer.status == PACK_CHANGED && view_holder_pack(s->holder)) {
+	if (s->answer.status == PACK_CHANGED && view_store_pack(s->store)) {
 		s->host->report->renewed++;
-		view_holder_forget(s->holder, NULL);
+		forget(s, NULL);
 		send_after(s, 0);
 		return;
 	}
@@ -420,7 +466,7 @@ static bool write_url(struct view_session *s, char *url, size_t size)
 	char query[VIEW_QUERY_BYTES];
 	struct eco_request request = { .view = o->views[s->frame], .vertices = o->vertices, .bytes = o->bytes,
 		.name_from = o->chunks ? o->name_from ? o->name_from : ECO_NAME_FROM : 0 };
-	view_query_write(&request, view_holder_pack(s->holder), query, sizeof query);
+	view_query_write(&request, view_store_pack(s->store), query, sizeof query);
 	return (size_t)snprintf(url, size, "%.*s/stream?%s", view_url_length(o->url), o->url, query) < size;
 }
 
@@ -429,11 +475,11 @@ static enum eco_code write_body(struct view_session *s, struct eco_error *error)
 {
 	CURL *c = s->lanes[0].curl;
 	struct eco_holdings holdings;
-	if (s->cold && !view_holder_pack(s->holder)) {
+	if (s->cold && !view_store_pack(s->store)) {
 		curl_easy_setopt(c, CURLOPT_HTTPGET, 1L);
 		return ECO_OK;
 	}
-	enum eco_code code = view_holder_holdings(s->holder, &holdings, error);
+	enum eco_code code = view_store_holdings(s->store, &holdings, error);
 	if (code)
 		return code;
 	eco_wire_write_holdings(&s->body, &holdings);
@@ -448,9 +494,10 @@ static void ask(struct view_session *s)
 	static const struct eco_wire_events names = { .fetch = on_name };
 	char url[4096];
 	struct lane *lane = &s->lanes[0];
-	enum eco_code code = view_holder_begin(s->holder, &s->parser, &s->error);
+	view_store_begin(s->store);
+	enum eco_code code = write_body(s, &s->error);
 	if (!code)
-		code = write_body(s, &s->error);
+		code = eco_wire_parser_new(&s->parser, &view_store_events, s->store, &s->error);
 	if (!code && s->host->options->chunks)
 		code = eco_wire_parser_new(&s->names, &names, s, &s->error);
 	if (code || !write_url(s, url, sizeof url)) {
@@ -473,7 +520,7 @@ static void begin(struct view_session *s)
 		.frame = s->frame, .cold = s->cold, .asked_ms = (float)(s->asked_ms - s->due_ms),
 		.first_byte_ms = NAN, .picture_ms = NAN, .q80_ms = NAN, .q90_ms = NAN, .plan_ms = NAN,
 		.predicted_q = NAN };
-	if (s->cold && view_holder_forget(s->holder, &s->error))
+	if (s->cold && forget(s, &s->error))
 		fail_stream(s);
 	else if (s->asked_ms >= s->until_ms)
 		fail(s, VIEW_LATE, "its deadline passed before it could be asked for");
@@ -582,8 +629,8 @@ enum eco_code view_session_new(struct view_session **out, struct view_session_ho
 		: 1e3 * number / o->rate);
 	s->phase = s->due_ms < host->end_ms ? PHASE_IDLE : PHASE_OVER;
 	s->wakes_ms = s->phase == PHASE_OVER ? INFINITY : s->due_ms;
-	enum eco_code code = view_holder_new(&s->holder, &(struct view_holder_options){ decodes,
-		o->chunks ? find_named : NULL, on_plan, s }, error);
+	s->decodes = decodes;
+	enum eco_code code = forget(s, error);
 	s->headers = curl_slist_append(NULL, "Content-Type: application/octet-stream");
 	if (code || !s->headers || !curl_slist_append(s->headers, "Expect:") || !open_lane(s, &s->lanes[0]))
 		return eco_no_memory(error, "a client");
@@ -596,15 +643,10 @@ void view_session_free(struct view_session *s)
 	if (!s)
 		return;
 	clear(s);
-	struct view_holder_counts counts = s->holder ? view_holder_counts(s->holder)
-		: (struct view_holder_counts){ 0 };
-	s->host->report->chunks += counts.chunks;
-	s->host->report->chunks_twice += counts.chunks_twice;
-	s->host->report->chunks_decoded += counts.decoded;
+	end_store(s);
 	for (uint32_t i = 0; i < LANES; i++)
 		curl_easy_cleanup(s->lanes[i].curl);
 	curl_slist_free_all(s->headers);
-	view_holder_free(s->holder);
 	free(s->wanted);
 	free(s);
 }

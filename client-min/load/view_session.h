@@ -14,7 +14,7 @@
 
 struct view_session;
 
-/* What the sessions of a thread share. */
+/* Shared by the sessions of a thread. */
 struct view_session_host {
 	CURLM *multi;
 	const struct view_load_options *options;

@@ -1,4 +1,4 @@
-// What the server answered about a pack, kept by the browser until the next visit: the same answers, fed to
+// Answers of the server about a pack, kept by the browser until the next visit: the same answers, fed to
 // a new client in the same order, make it hold what the last one held. A pack's id names its content, so
 // nothing here is ever out of date. IndexedDB, as the Cache API is only for pages that come by TLS.
 
@@ -21,7 +21,7 @@ function openDatabase() {
 }
 
 export class EcoKeep {
-	/** Of a pack's id. Without a database, as in a private window, nothing is kept. */
+	/** Answers by a pack's id. Without a database, as in a private window, nothing is kept. */
 	static async open(pack) {
 		const keep = new EcoKeep();
 		Object.assign(keep, { pack, database: null, count: 0, bytes: 0 });

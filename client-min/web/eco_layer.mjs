@@ -67,7 +67,7 @@ const alike = (a, b) => a && b
 
 const cross = ([a, b, c], [x, y, z]) => [b * z - c * y, c * x - a * z, a * y - b * x];
 
-/** What a page draws with, and how to put it back. */
+/** A page's state of drawing, and how to put it back. */
 function stateOf(gl) {
 	const caps = [gl.BLEND, gl.CULL_FACE, gl.DEPTH_TEST, gl.DITHER, gl.SCISSOR_TEST, gl.STENCIL_TEST]
 		.map((cap) => [cap, gl.isEnabled(cap)]);
@@ -213,7 +213,7 @@ export class EcoLayer {
 		return this.stream.selected && this.present(view, depth, width, height);
 	}
 
-	/** What a picture is of: one of the same key looks the same. */
+	/** A picture's key: pictures of the same key look the same. */
 	keyOf(view, width, height) {
 		const size = [width, height].map((n) => Math.max(1, Math.round(n * this.scale)));
 		return [view, size, this.tint, this.version, this.sun, this.shadows, this.shadowSize, this.haze];
@@ -324,7 +324,7 @@ export class EcoLayer {
 		return this.stream?.selected ? this.stream.facts() : null;
 	}
 
-	/** What `read` gives, with our context and the page's state put back: it reads what was drawn last from the
+	/** The result of `read`, with our context and the page's state put back: it reads what was drawn last from the
 	 * GPU. */
 	reading(read) {
 		const state = stateOf(this.gl);
@@ -343,7 +343,7 @@ export class EcoLayer {
 		return this.module.HEAPU8.slice(at, at + perPixel * width * height);
 	}
 
-	/** What is seen at a place of the picture that was drawn last (x and y in [0, 1], from the top left),
+	/** The thing that is seen at a place of the picture that was drawn last (x and y in [0, 1], from the top left),
 	 * or null without one: its `kind` is sky, ground, summary or plant (web_pick.h). */
 	pick(x, y) {
 		if (!this.drawn)

@@ -7,7 +7,7 @@ const RETRY_MAX_MS = 30000;
 
 const pause = (ms = 0) => new Promise((done) => setTimeout(done, ms));
 
-/** What a server or the client says is wrong: `message` is for people, `status` HTTP's, if it is that. */
+/** A fault that a server or the client reports: `message` is for people, `status` HTTP's, if it is that. */
 export class EcoError extends Error {}
 
 const access = (token) => token ? { Authorization: `Bearer ${token}` } : {};
@@ -22,10 +22,10 @@ async function problemOf(url, answer) {
 	return Object.assign(error, { status: answer.status });
 }
 
-/** What fetch throws where there is no answer, or it breaks off. */
+/** The error of fetch where there is no answer, or it breaks off. */
 export const isOffline = (error) => error instanceof TypeError;
 
-/** What a scene is: openapi.yaml's Scene. */
+/** A scene: openapi.yaml's Scene. */
 export async function aboutScene(url, token) {
 	const answer = await fetch(url, { headers: access(token) }).catch((error) => {
 		throw isOffline(error) ? new EcoError(`${url}: the server does not answer`) : error;
@@ -198,7 +198,7 @@ export class EcoStream {
 		return JSON.parse(this.text(this.module._web_facts(this.web)));
 	}
 
-	/** What is seen at a pixel of the last picture: web_pick.h. */
+	/** The thing that is seen at a pixel of the last picture: web_pick.h. */
 	pick(x, y) {
 		const text = this.module._web_pick(this.web, x, y);
 		this.check(!text);
@@ -211,7 +211,7 @@ export class EcoStream {
 		return Number.isNaN(height) ? null : height;
 	}
 
-	/** What the server says of a plant that was picked: its species, and file, row and line of the inventory
+	/** The server's description of a plant that was picked: its species, and file, row and line of the inventory
 	 * that it comes from, as far as it comes from one, and the plant that it is shown as (openapi.yaml's
 	 * Plants). */
 	async plant({ list, index }) {

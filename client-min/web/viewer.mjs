@@ -74,7 +74,7 @@ async function startEngine() {
 	return worker;
 }
 
-/** Where a camera that moves will soon be: as it went on since the last frame; null: it stands. */
+/** The place where a moving camera will soon be: as it went on since the last frame; null: it stands. */
 function nextView(now, moving) {
 	const { eye, target } = camera.view(), { last } = nextView, s = (now - last?.now) / 1000;
 	nextView.last = moving ? { now, eye, target } : null;
@@ -211,7 +211,7 @@ const heard = {
 
 // ---- Scenes and settings ----
 
-/** What the page's head asked for (viewer_first.js), for the engine; null where that is no longer wanted, or
+/** The answer that the page's head asked for (viewer_first.js), for the engine; null where that is no longer wanted, or
  * went wrong: then the engine asks by itself. What the scene is, the page knows before the engine. */
 async function takeFirst(name) {
 	const { scene, about, answer, view, wanted } = globalThis.first ?? {};
@@ -308,7 +308,7 @@ function closeCard() {
 	picked = null;
 }
 
-/** What is seen at a place of the picture; without one, in its middle. */
+/** The thing that is seen at a place of the picture; without a place, in its middle. */
 function pick(at = [0.5, 0.5]) {
 	if (about)
 		engine.postMessage({ type: 'pick', at });
@@ -371,7 +371,7 @@ const shortcuts = {
 	h: showWhole,
 };
 
-/** What the address says: at first, and when a link is pasted over it. `scenes`: names; before they are
+/** Reads the address: at first, and when a link is pasted over it. `scenes`: names; before they are
  * known the scene that the address names is taken on trust, so that its picture comes sooner. */
 function goToAddress(scenes) {
 	const before = settings.scene;

@@ -174,7 +174,7 @@ export class Camera {
 		return this.held.size > 0;
 	}
 
-	/** What held keys do in the time that has passed; whether they do anything. */
+	/** Moves by held keys for the time that has passed; whether they do anything. */
 	step(now) {
 		const s = Math.min((now - (this.last ?? now)) / 1000, 0.1);
 		const speed = this.mode === 'walk' ? 3 : Math.max(this.distance * 0.6, 2);

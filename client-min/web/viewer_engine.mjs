@@ -1,4 +1,4 @@
-// What draws the viewer's picture: a worker, so that neither decoding nor drawing keeps the page from its
+// The viewer's picture is drawn by a worker, so that neither decoding nor drawing keeps the page from its
 // input; in a browser that has no canvas for workers, the page itself. Messages to it:
 //
 //   { type: 'open', url, token, first }             another scene; 'opened' brings what is said of it;
@@ -172,7 +172,7 @@ class Engine {
 			this.post({ type: 'explained', picked, reasons: await this.reasonsOf(picked) });
 	}
 
-	/** Of each cut that draws a plant, the row of its distance: what it says, and the vertices that it is for. */
+	/** The row of its distance for each cut that draws a plant: its text, and its vertices. */
 	async reasonsOf({ cuts, distance_m, scale }) {
 		const { rows } = await this.layer.stream.explain();
 		const distance = distance_m / scale;

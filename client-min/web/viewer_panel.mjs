@@ -1,4 +1,4 @@
-// What the viewer says of the picture: figures, a legend, scale and north, which plant was clicked, and why
+// The viewer's words on the picture: figures, a legend, scale and north, which plant was clicked, and why
 // the picture is what it is.
 
 const $ = (id) => document.getElementById(id);
@@ -42,7 +42,7 @@ let known = [];                  // by the number of a plant of the pack: openap
 
 const UNSTATED = 'species not stated';
 
-/** What the server says of the plants' species, or null. */
+/** The server's description of the plants' species, or null. */
 export function nameSpecies(species) {
 	known = species ?? [];
 }
@@ -125,13 +125,13 @@ export function showNorth(known) {
 
 // ---- What was clicked ----
 
-/** Where a place is for people: in the scene's coordinates if it has some, which find it in an inventory. */
+/** A place for people: in the scene's coordinates if it has some, which find it in an inventory. */
 function placeText([x, y, z], origin) {
 	const text = (value, i) => (value + (origin?.at[i] ?? 0)).toFixed(2);
 	return `${text(x, 0)}, ${text(y, 1)}, ${text(z, 2)}${origin?.crs ? ` (${origin.crs})` : ' m'}`;
 }
 
-/** What draws a plant: primitives by representation. Those that a list has beside them may be another form of the
+/** A plant's primitives by representation. Those that a list has beside them may be another form of the
  * same, so that they say nothing of what is lacking. */
 function drawnBy(cuts) {
 	const sums = new Map();
@@ -163,7 +163,7 @@ export function showPicked(picked, origin) {
 	$('card').hidden = false;
 }
 
-/** What the plant is by the inventory that it comes from, if it comes from one. The picture alone knows only what
+/** The plant by the inventory that it comes from, if it comes from one. The picture alone knows only what
  * it is shown as, which may stand for several species. */
 export function showPlant({ species, plant, file, row: number, line }) {
 	$('card-title').textContent = species ?? 'Species not stated';
@@ -206,7 +206,7 @@ const meanings = {
 
 const percent = (share) => share < 0.01 ? '< 1 %' : `${Math.round(100 * share)} %`;
 
-/** What the vertices are spent on, most first. */
+/** The uses of the vertices, most first. */
 function spentOn(spent) {
 	const all = Object.values(spent).reduce((a, b) => a + b, 0);
 	return Object.entries(spent).filter(([, vertices]) => vertices).sort(([, a], [, b]) => b - a)

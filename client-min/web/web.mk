@@ -2,7 +2,7 @@
 # It takes some minutes of processor time once, and a network: Draco's and libwebp's sources are Debian's source packages. So it is no part of
 # `make all` or `make test`, whose test_web.sh is skipped without it.
 #
-# What the client is made of: rooms where all of a room compiles, else its sources. Nothing that encodes, reads packs or imports.
+# Sources of the client: rooms where all of a room compiles, else its sources. Nothing that encodes, reads packs or imports.
 
 WEB_PACKAGES := emscripten nodejs dpkg-dev brotli libxxhash-dev
 W := build/web

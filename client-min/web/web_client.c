@@ -171,7 +171,7 @@ int web_finish(struct web *web)
 
 /* ---- What is drawn ---- */
 
-/* What casts shadows, if any are asked for, of the plan that the store has. */
+/* Casters of shadows of the store's plan, if any are asked for. */
 static enum eco_code select_casters(struct web *web)
 {
 	struct lod_eye eye;
@@ -254,7 +254,7 @@ int web_draw(struct web *web, const double view[10], double width, double height
 	return (int)code;
 }
 
-/* What was drawn last, in memory; false, with an error: it cannot be read. */
+/* Reads the last picture into memory; false, with an error: it cannot be read. */
 static bool read_picture(struct web *web)
 {
 	forget_error(web);

@@ -1,5 +1,6 @@
 /* view_context.h in a browser: the context that the page made current (GL.makeContextCurrent of emscripten)
- * is taken, and left to it. Depths are from 0 to 1, as ecoview's, where it can say so (eco_layer.mjs does). */
+ * is taken, and left to it. Depths are from 0 to 1, as ecoview's, where it can say so (eco_layer.mjs does).
+ * */
 #include <GLES3/gl3.h>
 #include <emscripten/html5_webgl.h>
 #include <stdio.h>

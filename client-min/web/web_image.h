@@ -27,7 +27,8 @@ enum eco_code web_image_upload(struct web_image *image, struct view_gpu *gpu, co
 	struct eco_error *error);
 void web_image_free(struct web_image *image);
 
-/* For fragment shaders, behind the text of light: vec3 ground_own(vec3 n, vec3 to), the ground's own colour. */
+/* For fragment shaders, behind the text of light: vec3 ground_own(vec3 n, vec3 to), the ground's own colour.
+ * */
 extern const char web_image_text[];
 /* Sets its uniforms in the program that is in use; takes texture units `unit` and the next. */
 void web_image_set(const struct web_image *image, unsigned program, int unit, const struct view_image *of,

@@ -13,7 +13,7 @@
 
 #define PLANT_TEXELS 3
 
-/* What view_light.glsl is written in; places on the ground are metres from the eye. */
+/* The language of view_light.glsl; places on the ground are metres from the eye. */
 static const char language[] = WEB_LANGUAGE
 	"#define ground_place vec2\n"
 	"float noise_at(vec2 at, int which);\n";
@@ -22,11 +22,11 @@ static const char light_text[] =
 #include "view_light_text.h"
 	;
 
-/* What is the same for all pixels comes to them from the vertices: software drivers look up a uniform for
- * each pixel (lod/EXPERIMENTS.md, A frame's time). u_frame: where the sun is and the day, its light and its glow,
- * its light through leaves and haze_m, the sky's and by_kind, the earth's and unshaded, from where feet are
- * told to the eye and the shift of plants, u_shade's corner from the eye and 1 / its side. u_part, u_cell:
- * where the eye is in octaves, two a vector. 15 vectors, as many as any driver has. */
+/* Values that all pixels share come to them from the vertices: software drivers look up a uniform for
+ * each pixel (lod/EXPERIMENTS.md, A frame's time). u_frame: where the sun is and the day, its light and its
+ * glow, its light through leaves and haze_m, the sky's and by_kind, the earth's and unshaded, from where feet
+ * are told to the eye and the shift of plants, u_shade's corner from the eye and 1 / its side. u_part,
+ * u_cell: where the eye is in octaves, two a vector. 15 vectors, as many as any driver has. */
 #define FRAME \
 	"FLAT vec4 v_frame[7], v_part[3];\n" \
 	"FLAT ivec4 v_cell[3];\n" \
@@ -309,7 +309,7 @@ static void set_rays(const struct web_light *light, const struct lod_eye *eye)
 	glUniformMatrix3fv(uniform(light, "u_ray"), 1, GL_FALSE, ray);
 }
 
-/* Where the octaves have the eye. */
+/* The eye's place in each octave. */
 static void set_octaves(const struct web_light *light, const struct view_light_job *job)
 {
 	const double *origin = job->selection->ground.origin, *eye = job->eye->at;

@@ -35,7 +35,7 @@ static bool find_pixel(const struct view_picture *picture, double x, double y, u
 	return true;
 }
 
-/* What is seen at a pixel, `depth` being 1 / distance forward of the eye. */
+/* The place that is seen at a pixel, `depth` being 1 / distance forward of the eye. */
 static void place_of(const struct web_pick *pick, const uint32_t at[2], double depth, double world[3])
 {
 	const struct lod_eye *eye = pick->eye;

@@ -1,4 +1,4 @@
-/* What is seen at a pixel of a drawn picture: which plant, and the cuts that draw it. */
+/* The thing that is seen at a pixel of a drawn picture: which plant, and the cuts that draw it. */
 #ifndef WEB_PICK_H
 #define WEB_PICK_H
 

@@ -3,6 +3,8 @@
 #include <GLES3/gl3.h>
 #include <stddef.h>
 
+#include "client-min/draw/view_shader.h"
+
 #define PARTS_MAX 8
 
 static const char vertex_text[] = "#version 300 es\n"
@@ -22,27 +24,6 @@ static const char fragment_head[] = "#version 300 es\n"
 	"#define FLAT flat in\n"
 	"in vec2 v_at;\n";
 
-static unsigned compile(unsigned type, const char *const *parts, int count)
-{
-	unsigned shader = glCreateShader(type);
-	glShaderSource(shader, count, parts, NULL);
-	glCompileShader(shader);
-	return shader;
-}
-
-static void explain(unsigned program, unsigned vertex, unsigned fragment, const char *what,
-	struct eco_error *error)
-{
-	char log[400] = "";
-	glGetShaderInfoLog(vertex, sizeof log, NULL, log);
-	if (!log[0])
-		glGetShaderInfoLog(fragment, sizeof log, NULL, log);
-	if (!log[0])
-		glGetProgramInfoLog(program, sizeof log, NULL, log);
-	eco_fail(error, ECO_UNSUPPORTED, "the graphics driver does not compile the shader for %s: %s", what,
-		log);
-}
-
 unsigned web_program(const char *more, const char *const *parts, int count, const char *what,
 	struct eco_error *error)
 {
@@ -50,22 +31,8 @@ unsigned web_program(const char *more, const char *const *parts, int count, cons
 		*fragment_parts[PARTS_MAX] = { fragment_head };
 	for (int i = 0; i < count && i + 1 < PARTS_MAX; i++)
 		fragment_parts[i + 1] = parts[i];
-	unsigned vertex = compile(GL_VERTEX_SHADER, vertex_parts, 2),
-		fragment = compile(GL_FRAGMENT_SHADER, fragment_parts, count + 1),
-		program = glCreateProgram();
-	int linked = 0;
-	glAttachShader(program, vertex);
-	glAttachShader(program, fragment);
-	glLinkProgram(program);
-	glGetProgramiv(program, GL_LINK_STATUS, &linked);
-	if (!linked) {
-		explain(program, vertex, fragment, what, error);
-		glDeleteProgram(program);
-		program = 0;
-	}
-	glDeleteShader(vertex);
-	glDeleteShader(fragment);
-	return program;
+	return view_shader_link(&(struct view_shader_text){ vertex_parts, 2, fragment_parts, count + 1 }, what,
+		error);
 }
 
 void web_program_texture(unsigned program, const char *name, int unit, unsigned texture)

@@ -20,9 +20,9 @@
 	"vec3 blend(vec3 a, vec3 b, float t) { return mix(a, b, t); }\n" \
 	"vec3 unit(vec3 a) { return a / max(length(a), 1e-20); }\n"
 
-/* Of a fragment shader in parts, after its version and precisions; `v_at` is the place in a picture whose
- * first row is the top, [0, 1]. vertex: NULL, or the text of `void more()`, which sets more of a vertex whose
- * gl_Position is set. 0, with *error: the driver refuses it. */
+/* A program of a fragment shader in parts, after its version and precisions; `v_at` is the place in a picture
+ * whose first row is the top, [0, 1]. vertex: NULL, or the text of `void more()`, which sets more of a vertex
+ * whose gl_Position is set. 0, with *error: the driver refuses it. */
 unsigned web_program(const char *vertex, const char *const *parts, int count, const char *what,
 	struct eco_error *error);
 /* A texture that the program in use reads by that name. */

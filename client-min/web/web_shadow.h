@@ -5,7 +5,7 @@
  *   web_shadow_set(&shadow, program, unit);                 a program with web_shadow_text
  *   web_shadow_free(&shadow);
  *
- * What is seen becomes cells, these become the map's rows, and what casts is drawn by them. Nothing is made,
+ * The picture becomes cells, these become the map's rows, and casters are drawn by them. Nothing is made,
  * nor compiled, before the first picture with shadows; where the driver refuses, that fails once, and
  * pictures have none from then on. */
 #ifndef WEB_SHADOW_H
@@ -23,7 +23,7 @@ struct web_shadow {                      /* zero is empty */
 
 /* Whether a picture has any: they are asked for, can be had, and the sun is not too low. */
 bool web_shadow_wanted(const struct web_shadow *shadow, const struct view_sky *sky);
-/* Of the picture of that width and height that gl has recorded, of the job's selection. */
+/* The map of the picture of that width and height that gl has recorded, of the job's selection. */
 enum eco_code web_shadow_draw(struct web_shadow *shadow, struct view_gl *gl, const struct view_light_job *job,
 	const uint32_t picture[2], struct eco_error *error);
 void web_shadow_free(struct web_shadow *shadow);

@@ -1,4 +1,5 @@
-/* The end of libecostream where packs are: the server's store and streams, one scene at a time, without HTTP. */
+/* The end of libecostream where packs are: the server's store and streams, one scene at a time, without HTTP.
+ * */
 #include <stdlib.h>
 #include <string.h>
 

@@ -105,7 +105,7 @@ UNIT_TEST(ground_hides_and_is_not_covered)
 	view_picture_free(&hidden);
 }
 
-/* What no store holds any more goes from the GPU, and comes again where it is drawn. */
+/* Lists that no store holds any more go from the GPU, and come again where they are drawn. */
 UNIT_TEST(gpu_keeps_what_some_store_holds)
 {
 	if (!scene_gl)
@@ -230,7 +230,8 @@ static struct scene_held hold_points(const struct eco_view *view, uint32_t count
 /* Pixels that one of software and OpenGL covers and the other does not. */
 static uint32_t differing(const struct scene_held *h, uint32_t *covers)
 {
-	struct view_picture soft = scene_draw(h, false, VIEW_TINT_NONE), hard = scene_draw(h, true, VIEW_TINT_NONE);
+	struct view_picture soft = scene_draw(h, false, VIEW_TINT_NONE),
+		hard = scene_draw(h, true, VIEW_TINT_NONE);
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < soft.width * soft.height; i++)
 		count += soft.owner[i] != hard.owner[i];
@@ -240,7 +241,7 @@ static uint32_t differing(const struct scene_held *h, uint32_t *covers)
 	return count;
 }
 
-/* Of less than a pixel, of some, and wider than a driver's points. */
+/* Points of less than a pixel, of some, and wider than a driver's points. */
 UNIT_TEST(points_of_all_sizes_are_those_of_software)
 {
 	static const struct { double near; uint32_t count; float scale; } views[] = { { 8, 280, 1 },

@@ -518,7 +518,8 @@ UNIT_TEST(breaks_are_counted_and_bounded)
 	}
 }
 
-/* It says that it is back in a second, in another's name; and a server that never was there is not waited for.
+/* It says that it is back in a second, in another's name; and a server that never was there is not waited
+ * for.
  */
 UNIT_TEST(a_lost_server_is_asked_again_when_it_says)
 {
@@ -576,8 +577,8 @@ static int tear_down(void **state)
 	return scene_close(state);
 }
 
-/* What had to go while the answer came is asked for again: with a budget of bytes, for as many vertices as
- * that plan has. This server does not listen to holdings, and so the second answer is refused. */
+/* Chunks that had to go while the answer came are asked for again: with a budget of bytes, for as many
+ * vertices as that plan has. This server does not listen to holdings, and so the second answer is refused. */
 UNIT_TEST(short_memory_asks_again_for_the_same_plan)
 {
 	char vertices[64];
@@ -591,7 +592,7 @@ UNIT_TEST(short_memory_asks_again_for_the_same_plan)
 	assert_true(plan.vertices != 1000 && view_store_stats(store).memory_peak_bytes <= 20000);
 }
 
-/* Of the hilly ground of view_scene.c. */
+/* The hilly ground of view_scene.c. */
 static double ground_at(double x, double y) { return 0.02 * x + 0.00045 * (x * x - y * y); }
 
 UNIT_TEST(views_stand_on_the_ground_below_eye_and_target)

@@ -100,7 +100,8 @@ static struct difference compare(const struct view_picture *a, const struct view
 static void assert_agree(const char *name, struct eco_view view, uint32_t level, uint32_t groves)
 {
 	struct scene_held h = hold(&view, level, groves);
-	struct view_picture soft = scene_draw(&h, false, VIEW_TINT_NONE), hard = scene_draw(&h, true, VIEW_TINT_NONE);
+	struct view_picture soft = scene_draw(&h, false, VIEW_TINT_NONE),
+		hard = scene_draw(&h, true, VIEW_TINT_NONE);
 	struct difference d = compare(&soft, &hard);
 	print_message("%s: %llu plants cover %.2f %%; owners differ in %.4f %%, depths in %.4f %%, "
 		"colours in %.4f %% of pixels\n", name, (unsigned long long)hard.vertices, 100 * d.covered,

@@ -292,7 +292,7 @@ static bool draw_cut(struct ecostream_client *client, const struct body *body, s
 	return true;
 }
 
-/* What came is drawn and held: the next answer brings the rest, and the whole picture. */
+/* The part that came is drawn and held: the next answer brings the rest, and the whole picture. */
 UNIT_TEST(a_stream_may_be_cut_anywhere_and_goes_on)
 {
 	struct ecostream_request request = request_of(50000);

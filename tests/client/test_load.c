@@ -130,7 +130,7 @@ static void run_clean(const struct view_load_options *options)
 
 /* ---- Figures ---- */
 
-/* Of the definition: the first value such that a share of all does not exceed it. */
+/* By definition: the first value such that a share of all does not exceed it. */
 static float twin_quantile(const float *values, uint32_t count, double share)
 {
 	float best = INFINITY;

@@ -112,7 +112,8 @@ UNIT_TEST(opengl_and_software_agree)
 		memcpy(view.target, eyes[i] + 3, sizeof view.target);
 		struct scene_held d = scene_hold_view(&grove, view, 1);
 		scene_select(&d);
-		struct view_picture soft = scene_draw(&d, false, VIEW_TINT_NONE), hard = scene_draw(&d, true, VIEW_TINT_NONE);
+		struct view_picture soft = scene_draw(&d, false, VIEW_TINT_NONE),
+		hard = scene_draw(&d, true, VIEW_TINT_NONE);
 		compare(&soft, &hard, &masks, &owners);
 		double seen = error_seen(&soft, &hard, &difference);
 		print_message("view %zu: %llu vertices, masks differ in %.4f %%, owners in %.4f %% of "

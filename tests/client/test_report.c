@@ -50,7 +50,8 @@ static json_t *written(const struct view_report *report)
 UNIT_TEST(report_has_every_figure)
 {
 	static const char *const names[] = { "frame", "time_s", "budget_vertices", "vertices", "budget_bytes",
-		"bytes", "requests", "broken_answers", "cancelled_bytes", "named_chunks", "named_bytes", "memory_bytes", "evicted_chunks",
+		"bytes", "requests", "broken_answers", "cancelled_bytes", "named_chunks", "named_bytes",
+		"memory_bytes", "evicted_chunks",
 		"refetched_bytes", "precision", "recall",
 		"q", "skill", "owner_q", "soft_q", "ceiling", "picture_error", "predicted_q", "plan_ms",
 		"first_byte_ms", "stream_ms", "decode_ms",

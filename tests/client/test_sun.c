@@ -1,4 +1,4 @@
-/* Where the sun is: published positions, facts of the year, times as people write them, and shadows that fall
+/* The sun: published positions, facts of the year, times as people write them, and shadows that fall
  * away from it. */
 #include <math.h>
 #include <string.h>

@@ -184,7 +184,7 @@ UNIT_TEST(chunks_go_in_the_order_of_the_model)
 	view_cache_free(&cache);
 }
 
-/* What is wanted stays, though all else was used since. */
+/* Wanted chunks stay, though all else was used since. */
 UNIT_TEST(what_is_wanted_stays)
 {
 	struct view_cache cache = { .is_tight = true, .memory_max = 1 << 20 };
@@ -221,7 +221,7 @@ static struct client client_new(uint64_t memory_max)
 	return c;
 }
 
-/* What the lists say they hold, counted from their arrays. */
+/* Memory of a list, counted from its arrays. */
 static uint64_t list_bytes(const struct view_list *list)
 {
 	const struct eco_elements *e = &list->elements;
@@ -353,7 +353,7 @@ static void same_picture(const struct client *a, const struct client *b, const s
 	}
 }
 
-/* What a view alone needs, as the refusal of a client with too little says it. */
+/* The need of a view alone, as the refusal of a client with too little says it. */
 static uint64_t refused_need(struct client *c, const struct eco_request *request)
 {
 	struct eco_error error = { 0 };

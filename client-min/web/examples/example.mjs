@@ -1,4 +1,4 @@
-// What the example pages share: which scene (?scene=http://HOST:PORT/v1/scenes/NAME), the module of its
+// Shared by the example pages: which scene (?scene=http://HOST:PORT/v1/scenes/NAME), the module of its
 // server, and a complaint where something fails. A page of your own needs the two lines of openLayer alone.
 
 const given = new URLSearchParams(location.search).get('scene');
@@ -23,7 +23,7 @@ export async function openLayer(options) {
 	return layer;
 }
 
-/** Where a scene is looked at from, metres: beside its middle, at `turn` radians from east, and from above. */
+/** The eye of a scene's first view, metres: beside its middle, at `turn` radians from east, and from above. */
 export function eyeBeside({ low, high }, turn) {
 	const middle = low.map((v, i) => (v + high[i]) / 2), size = Math.hypot(high[0] - low[0], high[1] - low[1]);
 	const eye = [middle[0] + Math.cos(turn) * size * 0.7, middle[1] + Math.sin(turn) * size * 0.7, high[2] + size * 0.2];

@@ -88,7 +88,7 @@ export class Browser {
 		await this.send('Page.navigate', { url });
 	}
 
-	/** What an expression comes to in the page; promises are waited for. */
+	/** The value of an expression in the page; promises are waited for. */
 	async evaluate(expression) {
 		const { result, exceptionDetails } = await this.send('Runtime.evaluate',
 			{ expression, awaitPromise: true, returnByValue: true });

@@ -56,7 +56,7 @@ async function reds() {
 	})()`);
 }
 
-/** Of what three.js draws alone, the plants and the ground hide a part. */
+/** The plants and the ground hide a part of what three.js draws alone. */
 async function sharesDepths() {
 	const both = await reds();
 	await ask('example.alone = true; example.redraw(); new Promise((done) => setTimeout(done, 300))');

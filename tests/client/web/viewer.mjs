@@ -163,7 +163,7 @@ async function hasASun() {
 	expect(usual.equals(await picture()), 'without an hour the picture is not what it was');
 }
 
-/** Who walks stands on the ground, and stays there. */
+/** A walker stands on the ground, and stays there. */
 async function walks() {
 	const choose = (mode) => ask(`{ const box = document.getElementById('mode');
 		box.value = '${mode}'; box.dispatchEvent(new Event('change')); }`);
@@ -306,7 +306,7 @@ async function goesBack() {
 	await shows(name);
 }
 
-/** Who comes first sees where the server says that there is something; the button leads to the whole scene. An eye that
+/** A first visitor sees the place that the server names; the button leads to the whole scene. An eye that
  * the ground hides rises above it. */
 async function looksWhereThereIsSomething() {
 	const middle = ({ low, high }) => low.map((v, i) => (v + high[i]) / 2), same = (a, b) => Math.hypot(...a.map((v, i) => v - b[i])) < 1e-6;
@@ -333,7 +333,7 @@ async function looksWhereThereIsSomething() {
 	await browser.until(complete);
 }
 
-/** Who names no scene sees what there is to see of one, however long the server takes to say which there are. */
+/** A visitor who names no scene sees one, however long the server takes to say which there are. */
 async function looksAtTheFirst() {
 	const { port, close } = await shape(new URL(url).port, 1e7, 600);
 	await browser.open(`http://127.0.0.1:${port}/`, 640, 480);
@@ -345,7 +345,7 @@ async function looksAtTheFirst() {
 	close();
 }
 
-/** Who moves on is sent what comes next, until he turns. The line is slow, so that there is something to give
+/** A visitor who moves on is sent what comes next, until he turns. The line is slow, so that there is something to give
  * up, and the park is large; the browser keeps nothing of this address. */
 async function looksAhead() {
 	const { port, close } = await shape(new URL(url).port, 3e5, 50);
@@ -363,7 +363,7 @@ async function looksAhead() {
 	await losesTheServer(port);
 }
 
-/** Who has no server any more is told so, and sees what he asked for once there is one again. */
+/** A visitor who has no server any more is told so, and sees what he asked for once there is one again. */
 async function losesTheServer(port) {
 	await press('w');
 	await browser.until("document.getElementById('state').textContent.includes('does not answer')");
@@ -373,7 +373,7 @@ async function losesTheServer(port) {
 	close();
 }
 
-/** What a driver loses is drawn anew once there is one again, and who looks on is told. The page draws by itself here, as
+/** Drawings that a driver lost are drawn anew once there is one again, and who looks on is told. The page draws by itself here, as
  * in a browser without canvases for workers. */
 async function losesTheContext() {
 	const { identifier } = await browser.send('Page.addScriptToEvaluateOnNewDocument', { source: `{
