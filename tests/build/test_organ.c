@@ -1,5 +1,4 @@
-/* Wood, foliage and flowers by shape and colour. Longer than 600 lines: a case for each rule, on shared
- * soups. */
+/* Wood, foliage and flowers by shape and colour. */
 #include "lod/build/organ/organ.h"
 #include "lod/build/organ/organ_state.h"
 #include "tests/support/plant_models.h"
@@ -107,7 +106,7 @@ UNIT_TEST(hulls_and_blades_are_foliage)
 	finish();
 }
 
-/* One material and no colours: lumps on a thinner trunk are its crown; the short upper piece of a trunk is wood. */
+/* One material and no colours: lumps on a thinner trunk are its crown. */
 UNIT_TEST(wood_grows_no_thicker_upwards)
 {
 	soup_begin(&soup);
@@ -120,13 +119,6 @@ UNIT_TEST(wood_grows_no_thicker_upwards)
 		const struct lod_component *b = &found.organs.components[c];
 		assert_int_equal(b->organ, b->low[2] < 0.1 ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE);
 	}
-	finish();
-	soup_begin(&soup);
-	one = soup_material(&soup, 231, 231, 231, ECO_NONE, false);
-	soup_tube(&soup, one, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 6 }, 0.2, 0.15, 8, 6);
-	soup_tube(&soup, one, (struct lod_v3){ 0, 0, 6.1 }, (struct lod_v3){ 0, 0, 7 }, 0.15, 0.1, 8, 2);
-	find();
-	assert_int_equal(organ_of(one), ECO_ORGAN_WOOD);
 	finish();
 }
 
@@ -286,218 +278,151 @@ static void bare_tree(struct soup *s, uint32_t material)
 
 enum { W = ECO_ORGAN_WOOD, F = ECO_ORGAN_FOLIAGE, B = ECO_ORGAN_FLOWER };
 
-static void ringed_palm(struct soup *s)  /* ring on ring, each its own */
-{
-	uint32_t stem = named(s, "a", 120, 100, 80), crown = named(s, "b", 70, 120, 40);
-	for (int i = 0; i < 10; i++)
-		soup_tube(s, stem, (struct lod_v3){ 0, 0, 0.5 * i }, (struct lod_v3){ 0, 0, 0.5 * i + 0.5 },
-			0.16, 0.13, 8, 1);
-	for (int i = 0; i < 14; i++)
-		frond(s, crown, (struct lod_v3){ 0, 0, 5 },
-			lod_v3_scale((struct lod_v3){ cos(0.45 * i), sin(0.45 * i), 0.4 }, 2), 0.3, 8);
-}
+/* `pieces` of a part: rings of a tube along it; fronds all around; boxes `first` apart along x, `last` upwards;
+ * tubes of a twine, each turned by half a radian. first, last: radii; for leaves their spread and size. */
+enum kind { TUBE = 1, TWINE, BALL, LEAVES, BOX, QUAD, FRONDS, POT, DISC, BARE };
+struct part {
+	enum kind kind;
+	uint32_t material;
+	struct lod_v3 at, to;            /* or size */
+	double first, last;
+	uint32_t around, along, pieces;
+};
 
-static void palm(struct soup *s)
+static void part_make(struct soup *s, const struct part *p)
 {
-	uint32_t stem = named(s, "a", 120, 100, 80), crown = named(s, "b", 70, 120, 40);
-	for (int i = 0; i < 10; i++)         /* rings around a stem */
-		soup_tube(s, stem, (struct lod_v3){ 0, 0, 0.5 * i }, (struct lod_v3){ 0, 0, 0.5 * i + 0.5 },
-			0.16, 0.13, 8, 1);
-	soup_tube(s, stem, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 5 }, 0.12, 0.12, 8, 10);
-	for (int i = 0; i < 14; i++)
-		frond(s, crown, (struct lod_v3){ 0, 0, 5 },
-			lod_v3_scale((struct lod_v3){ cos(0.45 * i), sin(0.45 * i), 0.4 }, 2), 0.3, 8);
-}
-
-static void bamboo(struct soup *s)
-{
-	uint32_t culm = named(s, "a", 90, 140, 50), leaf = named(s, "b", 60, 150, 40);
-	for (int i = 0; i < 9; i++) {
-		soup_tube(s, culm, (struct lod_v3){ 0.3 * i, 0.1 * i, 0 },
-			(struct lod_v3){ 0.3 * i, 0.1 * i + 0.3, 5 }, 0.04, 0.02, 8, 12);
-		soup_leaves(s, leaf, 60, (struct lod_v3){ 0.3 * i, 0.1 * i, 4 }, 0.8, 0.2);
+	uint32_t pieces = p->pieces ? p->pieces : 1;
+	struct lod_v3 step = lod_v3_scale(lod_v3_sub(p->to, p->at), 1.0 / pieces);
+	for (uint32_t i = 0; i < pieces; i++) {
+		double turn = 2 * LOD_PI * i / pieces, half = 0.5 * i;
+		struct lod_v3 at = lod_v3_add(p->at, lod_v3_scale(step, i));
+		if (p->kind == TUBE)
+			soup_tube(s, p->material, at, lod_v3_add(at, step), p->first, p->last, p->around, p->along);
+		else if (p->kind == TWINE)
+			soup_tube(s, p->material, (struct lod_v3){ 0.3 * cos(half), 0.3 * sin(half), 0.3 * half },
+				(struct lod_v3){ 0.3 * cos(half + 0.5), 0.3 * sin(half + 0.5), 0.3 * half + 0.15 },
+				p->first, p->last, p->around, p->along);
+		else if (p->kind == BALL)
+			soup_ball(s, p->material, p->at, p->first, p->around);
+		else if (p->kind == LEAVES)
+			soup_leaves(s, p->material, p->around, p->at, p->first, p->last);
+		else if (p->kind == BOX)
+			box(s, p->material, lod_v3_add(p->at, (struct lod_v3){ i * p->first, 0, i * p->last }), p->to);
+		else if (p->kind == QUAD)
+			soup_quad(s, p->material, p->at, (struct lod_v3){ p->to.x, 0, 0 },
+				(struct lod_v3){ 0, p->to.y, 0 });
+		else if (p->kind == FRONDS)
+			frond(s, p->material, p->at, (struct lod_v3){ p->to.x * cos(turn), p->to.x * sin(turn),
+				p->to.z }, p->first, (int)p->along);
+		else if (p->kind == POT)
+			pot(s, p->material, p->first, p->last);
+		else if (p->kind == DISC)
+			disc(s, p->material, p->at.z, p->first);
+		else
+			bare_tree(s, p->material);
 	}
 }
 
-static void grass_of_boxes(struct soup *s)
-{
-	uint32_t blade = named(s, "", 153, 153, 153);
-	for (int i = 0; i < 30; i++)
-		box(s, blade, (struct lod_v3){ soup_random(s, 0, 1), soup_random(s, 0, 1), 0 },
-			(struct lod_v3){ 0.03, 0.003, soup_random(s, 0.4, 0.6) });
-}
+#define O { 0, 0, 0 }
 
-static void grass_of_spikes(struct soup *s)
-{
-	uint32_t blade = named(s, "", 80, 120, 50);
-	for (int i = 0; i < 12; i++)
-		soup_tube(s, blade, (struct lod_v3){ 0.1 * i, 0, 0 }, (struct lod_v3){ 0.1 * i, 0.1, 1 },
-			0.02, 0.001, 4, 2);
-}
-
-static void cactus(struct soup *s)
-{
-	uint32_t green = named(s, "", 60, 110, 60);
-	soup_tube(s, green, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 3 }, 0.1, 0.09, 12, 10);
-	soup_tube(s, green, (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 0.8, 0, 2.5 }, 0.05, 0.05, 12, 10);
-}
-
-static void low_poly_tree(struct soup *s)
-{
-	uint32_t trunk = named(s, "", 153, 153, 153);
-	soup_tube(s, trunk, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 2 }, 0.1, 0.07, 6, 2);
-	uint32_t crown = named(s, "", 153, 153, 153);
-	soup_ball(s, crown, (struct lod_v3){ 0, 0, 3 }, 1.2, 6);
-}
-
-static void stout_trunk_and_hull(struct soup *s)
-{
-	uint32_t trunk = named(s, "", 110, 90, 70), crown = named(s, "", 70, 110, 60);
-	soup_tube(s, trunk, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 0.7 }, 0.25, 0.2, 12, 4);
-	soup_ball(s, crown, (struct lod_v3){ 0, 0, 2.5 }, 2, 12);
-}
-
-static void stump(struct soup *s)
-{
-	soup_tube(s, named(s, "", 110, 80, 60), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 0.5 }, 0.4,
-		0.35, 12, 3);
-}
-
-static void named_rock(struct soup *s)
-{
-	soup_ball(s, named(s, "Rock_01", 128, 128, 128), (struct lod_v3){ 0, 0, 0.5 }, 0.5, 8);
-}
-
-static void hedge(struct soup *s)
-{
-	box(s, named(s, "", 60, 100, 50), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 4, 0.6, 1.2 });
-}
-
-static void potted(struct soup *s)
-{
-	uint32_t clay = named(s, "", 170, 100, 80), soil = named(s, "", 60, 45, 35),
-		stem = named(s, "", 90, 120, 60), leaf = named(s, "", 60, 140, 40);
-	pot(s, clay, 0.25, 0.4);
-	disc(s, soil, 0.36, 0.22);
-	soup_tube(s, stem, (struct lod_v3){ 0, 0, 0.3 }, (struct lod_v3){ 0.1, 0, 1.2 }, 0.02, 0.01, 8, 8);
-	soup_leaves(s, leaf, 100, (struct lod_v3){ 0, 0, 1.1 }, 0.5, 0.2);
-}
-
-static void tulip(struct soup *s)        /* mostly petals, large ones */
-{
-	uint32_t stem = named(s, "", 80, 130, 60), leaf = named(s, "", 70, 130, 70),
-		petal = named(s, "", 210, 40, 30);
-	for (int i = 0; i < 4; i++) {
-		soup_tube(s, stem, (struct lod_v3){ 0.1 * i, 0, 0 }, (struct lod_v3){ 0.1 * i, 0, 0.4 },
-			0.008, 0.006, 6, 6);
-		for (int k = 0; k < 6; k++)
-			frond(s, petal, (struct lod_v3){ 0.1 * i, 0, 0.4 },
-				(struct lod_v3){ 0.02 * cos(k), 0.02 * sin(k), 0.09 }, 0.06, 6);
-		frond(s, leaf, (struct lod_v3){ 0.1 * i, 0, 0 }, (struct lod_v3){ 0.05, 0.08, 0.2 }, 0.02, 8);
-	}
-}
-
-static void cherry_in_bloom(struct soup *s)
-{
-	uint32_t bark = named(s, "", 80, 60, 55), petal = named(s, "", 240, 170, 200);
-	bare_tree(s, bark);
-	soup_leaves(s, petal, 500, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.1);
-}
-
-static void autumn(struct soup *s)       /* yellow, orange and red, some still green */
-{
-	uint32_t bark = named(s, "", 90, 75, 60), yellow = named(s, "", 220, 180, 40),
-		red = named(s, "", 200, 60, 30), green = named(s, "", 90, 120, 40);
-	bare_tree(s, bark);
-	soup_leaves(s, yellow, 300, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
-	soup_leaves(s, red, 200, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
-	soup_leaves(s, green, 150, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
-}
-
-static void some_leaves_turn_yellow(struct soup *s)
-{
-	uint32_t bark = named(s, "", 90, 75, 60), green = named(s, "", 90, 130, 50),
-		yellow = named(s, "", 210, 180, 60);
-	bare_tree(s, bark);
-	soup_leaves(s, green, 500, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
-	soup_leaves(s, yellow, 40, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
-}
-
-static void vine(struct soup *s)
-{
-	uint32_t stem = named(s, "", 153, 153, 153), leaf = named(s, "", 154, 154, 154);
-	struct lod_v3 at = { 0, 0, 0 };
-	for (int i = 0; i < 20; i++) {
-		struct lod_v3 next = { 0.3 * cos(0.5 * i), 0.3 * sin(0.5 * i), 0.15 * i };
-		soup_tube(s, stem, at, next, 0.012, 0.012, 5, 2);
-		at = next;
-	}
-	soup_leaves(s, leaf, 80, (struct lod_v3){ 0, 0, 1.5 }, 1, 0.1);
-}
-
-static void posts_and_rails(struct soup *s)
-{
-	uint32_t wood = named(s, "", 130, 110, 90);
-	for (int i = 0; i < 5; i++)
-		box(s, wood, (struct lod_v3){ i, 0, 0 }, (struct lod_v3){ 0.1, 0.1, 1.2 });
-	for (int i = 0; i < 2; i++)
-		box(s, wood, (struct lod_v3){ 2, 0.08, 0.4 + 0.5 * i }, (struct lod_v3){ 4, 0.05, 0.1 });
-}
-
-static void brown_crown_of_hulls(struct soup *s)
-{
-	uint32_t stem = named(s, "a", 98, 67, 62), crown = named(s, "b", 169, 111, 69),
-		top = named(s, "c", 140, 90, 50);
-	soup_tube(s, stem, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 2.4 }, 0.1, 0.06, 8, 6);
-	soup_ball(s, crown, (struct lod_v3){ 0.2, 0, 2 }, 0.9, 8);
-	soup_ball(s, top, (struct lod_v3){ -0.2, 0.1, 2.9 }, 0.6, 8);
-}
-
-static void hollow_log(struct soup *s)   /* with a sheet of snow */
-{
-	uint32_t log = named(s, "Holz", 98, 67, 62), snow = named(s, "Snow", 170, 162, 174);
-	soup_tube(s, log, (struct lod_v3){ -1.2, 0, 0.3 }, (struct lod_v3){ 1.2, 0, 0.3 }, 0.3, 0.28, 10, 4);
-	soup_tube(s, log, (struct lod_v3){ -1.2, 0, 0.3 }, (struct lod_v3){ 1.2, 0, 0.3 }, 0.2, 0.22, 10, 4);
-	soup_quad(s, snow, (struct lod_v3){ -1, -0.1, 0.62 }, (struct lod_v3){ 2, 0, 0 },
-		(struct lod_v3){ 0, 0.2, 0 });
-}
+/* Each `times`, `apart` along x. */
+static const struct {
+	const char *name;
+	struct { int organ; uint32_t rgb; const char *name; } material[4];
+	struct part parts[5];
+	uint32_t times;
+	double apart;
+} plants[] = {
+	{ "palm", { { W, 0x786450, "" }, { F, 0x467828, "" } }, {
+		{ TUBE, 0, O, { 0, 0, 5 }, 0.16, 0.13, 8, 1, 10 },
+		{ TUBE, 0, O, { 0, 0, 5 }, 0.12, 0.12, 8, 10, 1 },
+		{ FRONDS, 1, { 0, 0, 5 }, { 2, 0, 0.8 }, 0.3, 0, 0, 8, 14 } }, 1, 0 },
+	{ "palm of rings, each its own", { { W, 0x786450, "" }, { F, 0x467828, "" } }, {
+		{ TUBE, 0, O, { 0, 0, 5 }, 0.16, 0.13, 8, 1, 10 },
+		{ FRONDS, 1, { 0, 0, 5 }, { 2, 0, 0.8 }, 0.3, 0, 0, 8, 14 } }, 1, 0 },
+	{ "bamboo", { { W, 0x5a8c32, "" }, { F, 0x3c9628, "" } }, {
+		{ TUBE, 0, O, { 0, 0.3, 5 }, 0.04, 0.02, 8, 12, 1 },
+		{ LEAVES, 1, { 0, 0, 4 }, O, 0.8, 0.2, 60, 0, 1 } }, 9, 0.3 },
+	{ "grass of thin boxes", { { F, 0x999999, "" } }, {
+		{ BOX, 0, O, { 0.03, 0.003, 0.5 }, 0.05, 0, 0, 0, 30 } }, 1, 0 },
+	{ "grass of spikes", { { F, 0x507832, "" } }, {
+		{ TUBE, 0, O, { 0, 0.1, 1 }, 0.02, 0.001, 4, 2, 1 } }, 12, 0.1 },
+	{ "bare tree", { { W, 0x999999, "" } }, { { BARE, 0, O, O, 0, 0, 0, 0, 1 } }, 1, 0 },
+	{ "cactus", { { F, 0x3c6e3c, "" } }, {
+		{ TUBE, 0, O, { 0, 0, 3 }, 0.1, 0.09, 12, 10, 1 },
+		{ TUBE, 0, { 0, 0, 1 }, { 0.8, 0, 2.5 }, 0.05, 0.05, 12, 10, 1 } }, 1, 0 },
+	{ "low-poly tree without colours", { { W, 0x999999, "" }, { F, 0x999999, "" } }, {
+		{ TUBE, 0, O, { 0, 0, 2 }, 0.1, 0.07, 6, 2, 1 },
+		{ BALL, 1, { 0, 0, 3 }, O, 1.2, 0, 6, 0, 1 } }, 1, 0 },
+	{ "stout trunk and hull", { { W, 0x6e5a46, "" }, { F, 0x466e3c, "" } }, {
+		{ TUBE, 0, O, { 0, 0, 0.7 }, 0.25, 0.2, 12, 4, 1 },
+		{ BALL, 1, { 0, 0, 2.5 }, O, 2, 0, 12, 0, 1 } }, 1, 0 },
+	{ "trunk of two pieces, without colours", { { W, 0xe7e7e7, "" } }, {
+		{ TUBE, 0, O, { 0, 0, 6 }, 0.2, 0.15, 8, 6, 1 },
+		{ TUBE, 0, { 0, 0, 6.1 }, { 0, 0, 7 }, 0.15, 0.1, 8, 2, 1 } }, 1, 0 },
+	{ "stump", { { W, 0x6e503c, "" } }, { { TUBE, 0, O, { 0, 0, 0.5 }, 0.4, 0.35, 12, 3, 1 } }, 1, 0 },
+	{ "rock by its name", { { W, 0x808080, "Rock_01" } }, {
+		{ BALL, 0, { 0, 0, 0.5 }, O, 0.5, 0, 8, 0, 1 } }, 1, 0 },
+	{ "hedge", { { F, 0x3c6432, "" } }, { { BOX, 0, O, { 4, 0.6, 1.2 }, 0, 0, 0, 0, 1 } }, 1, 0 },
+	{ "potted plant",
+		{ { W, 0xaa6450, "" }, { W, 0x3c2d23, "" }, { W, 0x5a783c, "" }, { F, 0x3c8c28, "" } }, {
+		{ POT, 0, O, O, 0.25, 0.4, 0, 0, 1 }, { DISC, 1, { 0, 0, 0.36 }, O, 0.22, 0, 0, 0, 1 },
+		{ TUBE, 2, { 0, 0, 0.3 }, { 0.1, 0, 1.2 }, 0.02, 0.01, 8, 8, 1 },
+		{ LEAVES, 3, { 0, 0, 1.1 }, O, 0.5, 0.2, 100, 0, 1 } }, 1, 0 },
+	{ "tulips, mostly large petals", { { W, 0x50823c, "" }, { F, 0x468246, "" }, { B, 0xd2281e, "" } }, {
+		{ TUBE, 0, O, { 0, 0, 0.4 }, 0.008, 0.006, 6, 6, 1 },
+		{ FRONDS, 2, { 0, 0, 0.4 }, { 0.02, 0, 0.09 }, 0.06, 0, 0, 6, 6 },
+		{ FRONDS, 1, O, { 0.094, 0, 0.2 }, 0.02, 0, 0, 8, 1 } }, 4, 0.1 },
+	{ "cherry in bloom", { { W, 0x503c37, "" }, { B, 0xf0aac8, "" } }, {
+		{ BARE, 0, O, O, 0, 0, 0, 0, 1 },
+		{ LEAVES, 1, { 0, 0, 3.5 }, O, 1.8, 0.1, 500, 0, 1 } }, 1, 0 },
+	{ "autumn, some still green",
+		{ { W, 0x5a4b3c, "" }, { F, 0xdcb428, "" }, { F, 0xc83c1e, "" }, { F, 0x5a7828, "" } }, {
+		{ BARE, 0, O, O, 0, 0, 0, 0, 1 },
+		{ LEAVES, 1, { 0, 0, 3.5 }, O, 1.8, 0.12, 300, 0, 1 },
+		{ LEAVES, 2, { 0, 0, 3.5 }, O, 1.8, 0.12, 200, 0, 1 },
+		{ LEAVES, 3, { 0, 0, 3.5 }, O, 1.8, 0.12, 150, 0, 1 } }, 1, 0 },
+	{ "some yellow leaves", { { W, 0x5a4b3c, "" }, { F, 0x5a8232, "" }, { F, 0xd2b43c, "" } }, {
+		{ BARE, 0, O, O, 0, 0, 0, 0, 1 },
+		{ LEAVES, 1, { 0, 0, 3.5 }, O, 1.8, 0.12, 500, 0, 1 },
+		{ LEAVES, 2, { 0, 0, 3.5 }, O, 1.8, 0.12, 40, 0, 1 } }, 1, 0 },
+	{ "vine", { { W, 0x999999, "" }, { F, 0x9a9a9a, "" } }, {
+		{ TWINE, 0, O, O, 0.012, 0.012, 5, 2, 20 },
+		{ LEAVES, 1, { 0, 0, 1.5 }, O, 1, 0.1, 80, 0, 1 } }, 1, 0 },
+	{ "brown crown of hulls", { { W, 0x62433e, "" }, { F, 0xa96f45, "" }, { F, 0x8c5a32, "" } }, {
+		{ TUBE, 0, O, { 0, 0, 2.4 }, 0.1, 0.06, 8, 6, 1 },
+		{ BALL, 1, { 0.2, 0, 2 }, O, 0.9, 0, 8, 0, 1 },
+		{ BALL, 2, { -0.2, 0.1, 2.9 }, O, 0.6, 0, 8, 0, 1 } }, 1, 0 },
+	{ "hollow log by its name, with snow", { { W, 0x62433e, "Holz" }, { F, 0xaaa2ae, "Snow" } }, {
+		{ TUBE, 0, { -1.2, 0, 0.3 }, { 1.2, 0, 0.3 }, 0.3, 0.28, 10, 4, 1 },
+		{ TUBE, 0, { -1.2, 0, 0.3 }, { 1.2, 0, 0.3 }, 0.2, 0.22, 10, 4, 1 },
+		{ QUAD, 1, { -1, -0.1, 0.62 }, { 2, 0.2, 0 }, 0, 0, 0, 0, 1 } }, 1, 0 },
+	{ "fence", { { W, 0x826e5a, "" } }, {
+		{ BOX, 0, O, { 0.1, 0.1, 1.2 }, 1, 0, 0, 0, 5 },
+		{ BOX, 0, { 2, 0.08, 0.4 }, { 4, 0.05, 0.1 }, 0, 0.5, 0, 0, 2 } }, 1, 0 },
+};
 
 UNIT_TEST(plants_are_what_they_look_like)
 {
-	static const struct { const char *name; void (*make)(struct soup *s); int organ[4]; } plants[] = {
-		{ "palm", palm, { W, F, -1, -1 } },
-		{ "palm of rings", ringed_palm, { W, F, -1, -1 } },
-		{ "bamboo", bamboo, { W, F, -1, -1 } },
-		{ "grass of thin boxes", grass_of_boxes, { F, -1, -1, -1 } },
-		{ "grass of spikes", grass_of_spikes, { F, -1, -1, -1 } },
-		{ "bare tree", NULL, { W, -1, -1, -1 } },
-		{ "cactus", cactus, { F, -1, -1, -1 } },
-		{ "low-poly tree without colours", low_poly_tree, { W, F, -1, -1 } },
-		{ "stout trunk and hull", stout_trunk_and_hull, { W, F, -1, -1 } },
-		{ "stump", stump, { W, -1, -1, -1 } },
-		{ "rock by its name", named_rock, { W, -1, -1, -1 } },
-		{ "hedge", hedge, { F, -1, -1, -1 } },
-		{ "potted plant", potted, { W, W, W, F } },
-		{ "tulips", tulip, { W, F, B, -1 } },
-		{ "cherry in bloom", cherry_in_bloom, { W, B, -1, -1 } },
-		{ "autumn", autumn, { W, F, F, F } },
-		{ "some yellow leaves", some_leaves_turn_yellow, { W, F, F, -1 } },
-		{ "vine", vine, { W, F, -1, -1 } },
-		{ "brown crown of hulls", brown_crown_of_hulls, { W, F, F, -1 } },
-		{ "hollow log by its name", hollow_log, { W, F, -1, -1 } },
-		{ "fence", posts_and_rails, { W, -1, -1, -1 } },
-	};
 	uint32_t wrong = 0;
 	for (size_t i = 0; i < sizeof plants / sizeof *plants; i++) {
 		soup_begin(&soup);
-		if (plants[i].make)
-			plants[i].make(&soup);
-		else
-			bare_tree(&soup, named(&soup, "", 153, 153, 153));
+		for (uint32_t m = 0; m < 4 && plants[i].material[m].rgb; m++) {
+			uint32_t rgb = plants[i].material[m].rgb;
+			named(&soup, plants[i].material[m].name, (uint8_t)(rgb >> 16),
+				(uint8_t)(rgb >> 8), (uint8_t)rgb);
+		}
+		for (uint32_t n = 0; n < plants[i].times; n++)
+			for (const struct part *p = plants[i].parts; p < plants[i].parts + 5 && p->kind; p++) {
+				uint32_t first = soup.model.vertex_count;
+				part_make(&soup, p);
+				for (uint32_t v = first; v < soup.model.vertex_count; v++)
+					soup.model.position[3 * v] += (float)(n * plants[i].apart);
+			}
 		find();
 		for (uint32_t c = 0; c < found.mesh.component_count; c++) {
 			const struct lod_component *part = &found.organs.components[c];
-			if (part->organ == plants[i].organ[part->material])
+			if (part->organ == plants[i].material[part->material].organ)
 				continue;
 			print_error("%s: a component of material %u, %u triangles, is %s\n", plants[i].name,
 				part->material, part->triangle_count, eco_organ_names[part->organ]);

@@ -1,5 +1,4 @@
-/* Plants from models: nothing is lost, nothing is twice, and everything refers to what it should. Longer
- * than 600 lines: the plants to try are shared. */
+/* Plants from models: nothing is lost, nothing is twice, and everything refers to what it should. */
 #include "ecofiles/format/chunk/chunk.h"
 #include "lod/build/plant.h"
 #include "lod/geometry.h"
@@ -113,24 +112,19 @@ static uint32_t source_triangles(struct corners *out)
 	return model->triangle_count;
 }
 
-UNIT_TEST(every_triangle_is_stored_once)
+static void check_triangles(void)
 {
-	for (enum kind kind = 0; kind < KINDS; kind++) {
-		build(kind);
-		uint32_t dropped = 0, n = soup.model.triangle_count;
-		for (int d = 0; d < ECO_DROP_COUNT; d++)
-			dropped += plant.dropped[d];
-		assert_int_equal(plant.triangles_in, plant.triangles_stored + dropped);
-		assert_int_equal(plant.triangles_in, n);
-		assert_int_equal(dropped, 0);            /* nothing here is too small or hidden */
-		struct corners *stored = calloc(n, sizeof *stored), *source = calloc(n, sizeof *source);
-		assert_int_equal(stored_triangles(stored), n);
-		source_triangles(source);
-		assert_memory_equal(stored, source, n * sizeof *stored);
-		free(stored);
-		free(source);
-		finish();
-	}
+	uint32_t n = soup.model.triangle_count;
+	struct corners *stored = calloc(n, sizeof *stored), *source = calloc(n, sizeof *source);
+	assert_int_equal(plant.triangles_in, n);
+	assert_int_equal(plant.triangles_stored, n);     /* nothing here is too small or hidden */
+	for (int d = 0; d < ECO_DROP_COUNT; d++)
+		assert_int_equal(plant.dropped[d], 0);
+	assert_int_equal(stored_triangles(stored), n);
+	source_triangles(source);
+	assert_memory_equal(stored, source, n * sizeof *stored);
+	free(stored);
+	free(source);
 }
 
 UNIT_TEST(organs_are_counted)
@@ -218,49 +212,34 @@ static void check_form(const struct lod_list_draft *form)
 		<= 3 * fans->list.primitive_count);
 }
 
-UNIT_TEST(lists_are_consistent)
+static void check_coded(const struct lod_list_draft *draft)
 {
-	for (enum kind kind = 0; kind < KINDS; kind++) {
-		build(kind);
-		for (uint32_t l = 0; l < plant.list_count; l++) {
-			check_list(&plant.lists[l]);
-			for (int a = 0; a < 3; a++) {            /* one grid for the whole plant */
-				assert_true(plant.lists[l].list.grid_origin[a]
-					== plant.lists[0].list.grid_origin[a]);
-				assert_true(plant.lists[l].list.grid_step[a]
-					== plant.lists[0].list.grid_step[0]);
-			}
-			if (plant.lists[l].list.coder == ECO_CODER_FORM)
-				check_form(&plant.lists[l]);
-		}
-		finish();
+	struct eco_error error = { 0 };
+	const struct lod_list_draft *of = draft->list.coder == ECO_CODER_FORM ? &plant.lists[draft->list.partner]
+		: draft;
+	for (uint32_t c = 0; c < draft->end_count && c < 4; c++) {
+		struct eco_chunk_input input =
+			{ &of->list, &of->elements, c ? of->ends[c - 1] : 0, of->ends[c], c };
+		uint8_t *bytes;
+		size_t size;
+		assert_ok(of == draft ? eco_chunk_encode(&input, &bytes, &size, NULL, &error)
+			: eco_chunk_encode_form(&input, &draft->list, &draft->elements, &bytes, &size, &error),
+			error);
+		free(bytes);
 	}
 }
 
-UNIT_TEST(every_chunk_can_be_coded)
+static void check_lists(void)
 {
-	struct eco_error error = { 0 };
-	for (enum kind kind = 0; kind < KINDS; kind++) {
-		build(kind);
-		for (uint32_t l = 0; l < plant.list_count; l++) {
-			const struct lod_list_draft *draft = &plant.lists[l];
-			for (uint32_t c = 0; c < draft->end_count && c < 4; c++) {
-				const struct lod_list_draft *of = draft->list.coder == ECO_CODER_FORM
-					? &plant.lists[draft->list.partner] : draft;
-				struct eco_chunk_input input =
-					{ &of->list, &of->elements, c ? of->ends[c - 1] : 0, of->ends[c], c };
-				uint8_t *bytes;
-				size_t size;
-				enum eco_code code = of == draft
-					? eco_chunk_encode(&input, &bytes, &size, NULL, &error)
-					: eco_chunk_encode_form(&input, &draft->list, &draft->elements,
-					&bytes, &size, &error);
-				if (code)
-					fail_msg("list %u chunk %u: %s", l, c, error.text);
-				free(bytes);
-			}
+	for (uint32_t l = 0; l < plant.list_count; l++) {
+		check_list(&plant.lists[l]);
+		check_coded(&plant.lists[l]);
+		for (int a = 0; a < 3; a++) {            /* one grid for the whole plant */
+			assert_true(plant.lists[l].list.grid_origin[a] == plant.lists[0].list.grid_origin[a]);
+			assert_true(plant.lists[l].list.grid_step[a] == plant.lists[0].list.grid_step[0]);
 		}
-		finish();
+		if (plant.lists[l].list.coder == ECO_CODER_FORM)
+			check_form(&plant.lists[l]);
 	}
 }
 
@@ -320,19 +299,24 @@ static void check_ladder(const struct eco_ladder *l)
 		assert_int_equal(last, primitives(l->triangles));
 }
 
-UNIT_TEST(ladders_are_consistent)
+UNIT_TEST(every_triangle_is_stored_once_and_lists_and_ladders_are_consistent)
 {
 	for (enum kind kind = 0; kind < KINDS; kind++) {
 		build(kind);
+		check_triangles();
+		check_lists();
 		assert_true((plant.plant.anchor_count > 1) == (kind != SMALL_TREE));
-		uint32_t anchor = 0;
+		uint32_t anchor = 0, flowers = 0;
 		for (uint32_t l = 0; l < plant.ladder_count; l++) {
 			check_ladder(&plant.ladders[l]);
 			assert_true(plant.ladders[l].anchor >= anchor || anchor > 0);
 			anchor = plant.ladders[l].anchor ? plant.ladders[l].anchor : anchor;
 			/* the whole plant's come first */
 			assert_true(anchor == 0 || plant.ladders[l].anchor != 0);
+			flowers += plant.ladders[l].organ == ECO_ORGAN_FLOWER;
 		}
+		assert_int_equal(plant.image_count, kind == TEXTURED_TREE);
+		assert_true(kind != TEXTURED_TREE || flowers == 1);      /* 40 of them are not parted */
 		finish();
 	}
 }
@@ -363,17 +347,6 @@ UNIT_TEST(cells_add_up)
 		assert_true(before >= 256 && before <= total / 3);
 		assert_true(fabs(area - whole->area) < 1e-3 * area);
 	}
-	finish();
-}
-
-UNIT_TEST(small_groups_are_not_sharded)
-{
-	build(TEXTURED_TREE);         /* 40 flowers */
-	uint32_t flowers = 0;
-	for (uint32_t l = 0; l < plant.ladder_count; l++)
-		flowers += plant.ladders[l].organ == ECO_ORGAN_FLOWER;
-	assert_int_equal(flowers, 1);
-	assert_int_equal(plant.image_count, 1);
 	finish();
 }
 

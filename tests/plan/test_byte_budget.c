@@ -239,43 +239,15 @@ UNIT_TEST(what_is_kept_from_one_relaxation_to_the_next_changes_none)
 #define BUSHES 150u
 #define SUMMARY 512u
 
-static uint32_t add_bushes(struct scene_builder *b, double x, double y)
-{
-	uint32_t tile = scene_add_tile(b, (struct eco_tile){ .low = { x, y, 0 }, .high = { x + 40, y + 40, 4 },
-		.instance_count = BUSHES, .area = 30.0 * BUSHES });
-	uint32_t list = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_INSTANCES, .owner = tile,
-		.other = ECO_NONE }, BUSHES, BUSHES);
-	uint64_t first = b->scene.place_count;
-	b->lists[list].grid_origin[0] = x;
-	b->lists[list].grid_origin[1] = y;
-	for (uint32_t i = 0; i < BUSHES; i++)
-		scene_add_place(b, (struct eco_place){ .position = { (int32_t)random_below(b, 40000),
-			(int32_t)random_below(b, 40000), 0 }, .scale = 65536 });
-	scene_add_group(b, (struct eco_group){ tile, 0, list, first, 0, BUSHES });
-	scene_add_child(b, 0, (struct eco_child){ .tile = tile, .scale = 1 });
-	return tile;
-}
-
 static void make_bushes(struct scene_builder *b)
 {
-	static const float shares[] = { .01f, .1f, .5f, 1 }, errors[] = { .6f, .4f, .2f, 0 };
-	b->state = 1;
-	b->like = (struct eco_list){ .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f };
-	b->scene.near_m = 0.01;
-	scene_add_plant(b, (struct eco_plant){ .height_m = 4 });
-	uint32_t anchor = scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 2 }, 2 });
-	struct eco_ladder leaves = scene_ladder(0, anchor, ECO_ORGAN_FOLIAGE);
-	leaves.triangles = random_fans(b, leaves.total = 300, 0);
-	leaves.area = 30;
-	leaves.curve_first = b->scene.curve_count;
-	leaves.curve_count = 4;
-	for (int i = 0; i < 4; i++)
-		scene_add_curve(b, (struct eco_curve){ shares[i], 1, shares[i], errors[i], errors[i] });
-	scene_add_ladder(b, leaves);
-	scene_add_tile(b, (struct eco_tile){ .low = { 0, 0, 0 }, .high = { 80, 80, 4 },
+	random_stand_make(b, 4, (const float[]){ .6f, .4f, .2f, 0 }, (struct eco_tile){ .high = { 80, 80, 4 },
 		.instance_count = 4 * BUSHES, .area = 4 * 30.0 * BUSHES });
-	for (int i = 0; i < 4; i++)
-		add_bushes(b, i % 2 * 40, i / 2 * 40);
+	for (int i = 0; i < 4; i++) {
+		double x = i % 2 * 40, y = i / 2 * 40;
+		random_crowd(b, (struct eco_tile){ .low = { x, y, 0 }, .high = { x + 40, y + 40, 4 },
+			.instance_count = BUSHES }, (const double[]){ x, y }, 40);
+	}
 	for (uint32_t tile = 0; tile < 5; tile++)
 		b->tiles[tile].summary = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_POINTS,
 			.attributes = ECO_ATTR_PLANT, .owner = tile, .other = ECO_NONE }, SUMMARY, SUMMARY);

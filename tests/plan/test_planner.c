@@ -140,41 +140,19 @@ UNIT_TEST(more_budget_is_never_predicted_to_be_worse)
 	}
 }
 
-/* A tile of so many of plant 0 around a point. */
 static void add_crowd(double x, uint32_t count)
 {
-	uint32_t tile = scene_add_tile(&scene, (struct eco_tile){ .low = { x - 30, -30, 0 },
-		.high = { x + 30, 30, 20 }, .instance_count = count, .area = 30.0 * count,
-		.summary = ECO_NONE });
-	uint32_t list = scene_add_bare(&scene, &(struct scene_row){ .kind = ECO_LIST_INSTANCES,
-		.owner = tile, .other = ECO_NONE }, count, count);
-	uint64_t first = scene.scene.place_count;
-	scene.lists[list].grid_origin[0] = x;
-	for (uint32_t i = 0; i < count; i++)
-		scene_add_place(&scene, (struct eco_place){ .position = { (int32_t)random_below(&scene, 20000),
-			(int32_t)random_below(&scene, 20000), 0 }, .scale = 65536 });
-	scene_add_group(&scene, (struct eco_group){ tile, 0, list, first, 0, count });
-	scene_add_child(&scene, 0, (struct eco_child){ .tile = tile, .scale = 1 });
+	random_crowd(&scene, (struct eco_tile){ .low = { x - 30, -30, 0 }, .high = { x + 30, 30, 20 },
+		.instance_count = count, .summary = ECO_NONE }, (const double[]){ x, 0 }, 20);
 }
 
 /* A plant of 300 leaves, and of 16 splats; errors of the first of them, and of all. */
 static void make_plant_of_splats(struct eco_curve first, struct eco_curve all)
 {
-	scene_free(&scene);
-	scene.state = 1;
-	scene.like = (struct eco_list){ .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f };
-	scene.scene.near_m = 0.01;
-	static const float shares[] = { .01f, .1f, .5f, 1 }, errors[] = { .4f, .3f, .2f, 0 };
-	scene_add_plant(&scene, (struct eco_plant){ .height_m = 10 });
-	uint32_t anchor = scene_add_anchor(&scene, (struct eco_anchor){ { 0, 0, 5 }, 5 });
-	struct eco_ladder leaves = scene_ladder(0, anchor, ECO_ORGAN_FOLIAGE), splats = leaves;
-	leaves.triangles = random_fans(&scene, leaves.total = 300, 0);
-	leaves.area = 30;
-	leaves.curve_first = scene.scene.curve_count;
-	leaves.curve_count = 4;
-	for (int i = 0; i < 4; i++)
-		scene_add_curve(&scene, (struct eco_curve){ shares[i], 1, shares[i], errors[i], errors[i] });
-	scene_add_ladder(&scene, leaves);
+	random_stand_make(&scene, 10, (const float[]){ .4f, .3f, .2f, 0 },
+		(struct eco_tile){ .low = { -30, -30, 0 }, .high = { 4000, 30, 20 },
+		.instance_count = 2100, .area = 30.0 * 2100, .summary = ECO_NONE });
+	struct eco_ladder splats = scene_ladder(0, 0, ECO_ORGAN_FOLIAGE);
 	splats.points = scene_add_bare(&scene, &(struct scene_row){ .kind = ECO_LIST_POINTS,
 		.attributes = ECO_ATTR_SPLAT, .other = ECO_NONE }, 16, 16);
 	splats.flags = ECO_LADDER_WHOLE;
@@ -185,8 +163,6 @@ static void make_plant_of_splats(struct eco_curve first, struct eco_curve all)
 	scene_add_curve(&scene, first);
 	scene_add_curve(&scene, all);
 	scene_add_ladder(&scene, splats);
-	scene_add_tile(&scene, (struct eco_tile){ .low = { -30, -30, 0 }, .high = { 4000, 30, 20 },
-		.instance_count = 2100, .area = 30.0 * 2100, .summary = ECO_NONE });
 }
 
 static struct eco_request at_the_crowd(uint64_t vertices)

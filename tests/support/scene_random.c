@@ -374,6 +374,44 @@ static void finish_lists(struct scene_builder *b)
 		b->lists[b->tiles[i].summary].attributes = ECO_ATTR_PLANT;
 }
 
+void random_stand_make(struct scene_builder *b, double height_m, const float errors[4], struct eco_tile tile)
+{
+	static const float shares[] = { .01f, .1f, .5f, 1 };
+	scene_free(b);
+	b->state = 1;
+	b->like = (struct eco_list){ .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f };
+	b->scene.near_m = 0.01;
+	scene_add_plant(b, (struct eco_plant){ .height_m = (float)height_m });
+	uint32_t anchor = scene_add_anchor(b, (struct eco_anchor){ { 0, 0, (float)height_m / 2 }, (float)height_m / 2 });
+	struct eco_ladder leaves = scene_ladder(0, anchor, ECO_ORGAN_FOLIAGE);
+	leaves.triangles = random_fans(b, leaves.total = 300, 0);
+	leaves.area = 30;
+	leaves.curve_first = b->scene.curve_count;
+	leaves.curve_count = 4;
+	for (int i = 0; i < 4; i++)
+		scene_add_curve(b, (struct eco_curve){ shares[i], 1, shares[i], errors[i], errors[i] });
+	scene_add_ladder(b, leaves);
+	scene_add_tile(b, tile);
+}
+
+uint32_t random_crowd(struct scene_builder *b, struct eco_tile tile, const double origin[2], double size_m)
+{
+	uint32_t count = tile.instance_count, index, list;
+	uint64_t first = b->scene.place_count;
+	tile.area = 30.0 * count;
+	index = scene_add_tile(b, tile);
+	list = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_INSTANCES, .owner = index, .other = ECO_NONE },
+		count, count);
+	for (int i = 0; i < 2; i++)
+		b->lists[list].grid_origin[i] = origin[i];
+	for (uint32_t i = 0; i < count; i++)
+		scene_add_place(b, (struct eco_place){ .position = { (int32_t)random_below(b, (uint32_t)(1000 * size_m)),
+			(int32_t)random_below(b, (uint32_t)(1000 * size_m)), 0 }, .scale = 65536 });
+	scene_add_group(b, (struct eco_group){ index, 0, list, first, 0, count });
+	scene_add_child(b, 0, (struct eco_child){ .tile = index, .scale = 1 });
+	return index;
+}
+
 struct random_pack *random_pack_make(uint64_t seed, uint32_t nested, uint32_t factor)
 {
 	struct random_pack *p = calloc(1, sizeof *p);
