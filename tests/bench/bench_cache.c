@@ -1,10 +1,9 @@
-/* A client with little memory (Deussen 2002, section 6.3): how many bytes it fetches along a path as the
- * memory that it may hold falls, what it gives up (client-min/view_cache.h) and how often it has to ask
- * twice.
+/* A client with little memory (Deussen 2002, section 6.3): bytes fetched along a path, chunks given up
+ * (client-min/view_cache.h) and requests repeated, by the memory that the client may hold.
  *
- * Paths go there and back, so that all of it is needed again; where there is data, a drone's recorded flight
- * over the SCBI forest, too. The whole need is what a client without a limit holds at the end. Nothing is
- * drawn: tests/client/test_view_cache.c holds the pictures against each other. */
+ * Paths go there and back, which needs everything twice; with the data folder there is a drone's recorded flight
+ * over the SCBI forest, too. The whole need is the memory of a client without a limit at the end. Nothing is
+ * drawn: tests/client/test_view_cache.c compares the pictures. */
 #include <math.h>
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -18,12 +17,11 @@
 #define FRAMES_FULL 60u                  /* one way */
 #define FRAMES_QUICK 20u
 #define TRACK "cameras/dji_p4_rtk.SRT"   /* 661 m in 54 s */
-/* where its first fix lies in the scbi scene, so that it crosses the plot; and a view as of who flies there
- * */
+/* the place of its first fix in the scbi scene, from which it crosses the plot; a pilot's view */
 #define TRACK_PLACE "--to 100,30,345 --pitch -15 --fps 1"
 
-/* Parts of the whole need; or no limit, or what the view that needs most needs alone, and 2 % for descriptions
- * of what only its coarse steps show. */
+/* Parts of the whole need; no limit; the need of the largest view alone, and 2 % for descriptions of what only
+ * its coarse steps show. */
 enum { NO_LIMIT = 0, LARGEST_VIEW = UINT32_MAX };
 static const uint32_t parts[] = { NO_LIMIT, 1, 2, 4, LARGEST_VIEW };
 #define PARTS (sizeof parts / sizeof *parts)
@@ -83,8 +81,7 @@ static bool has_track(const struct bench *bench)
 
 /* ---- One path ---- */
 
-/* What the store holds of chunks needed at tick `since` or later, and of lists that have such: without what its
- * arrays have to spare. */
+/* Bytes of chunks needed at tick `since` or later, and of their lists, without the spare room of arrays. */
 static uint64_t held_since(const struct view_store *store, uint64_t since)
 {
 	uint64_t bytes = view_store_stats(store).memory_bytes;
@@ -120,8 +117,7 @@ static void measure(struct walk *walk, const struct view_store *store)
 
 enum figure { MEMORY, FRAMES, BYTES, ANSWERS, EVICTIONS, AGAIN, FIGURES };
 
-/* Without a limit (0) measures what the walk needs. A view that alone needs more than there is ends it: `frames`
- * says how far it came. */
+/* Without a limit (0) measures what the walk needs. A view that needs more than there is ends the walk. */
 static enum eco_code walk_with(const struct srv_scene *scene, struct walk *walk, uint64_t memory,
 	json_t *rows, struct eco_error *error)
 {
@@ -233,12 +229,11 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_table_close(table);
 	if (code)
 		return code;
-	bench_say(bench, "A client may hold a part of the decoded data that a whole path needs, at %u "
-		"vertices a "
-		"frame. The chunk that no plan needed for the longest time goes first, of equals the "
-			"largest. A path ends where one view alone needs more than there is.", VERTICES);
-	bench_key(bench, "cache_bytes_at_half", half, "bytes fetched with half the memory over those with "
-		"all, worst path");
+	bench_say(bench, "A client may hold a part of the decoded data that a whole path needs, at %u vertices a "
+		"frame. The chunk that no plan needed for the longest time goes first; ties: the largest. A path "
+		"ends where one view alone needs more than there is.", VERTICES);
+	bench_key(bench, "cache_bytes_at_half", half,
+		"bytes fetched with half the memory over those with all, worst path");
 	return ECO_OK;
 }
 

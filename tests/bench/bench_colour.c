@@ -1,17 +1,13 @@
-/* Colours of a plan against those of full detail, drawn as a viewer draws them: by OpenGL, and in software.
- * Measures:
+/* Colours of a plan against those of full detail, drawn by OpenGL and in software.
  *
- *   rms          root mean square of sRGB bytes / 255 over the pixels that either covers; wrong pixels are in
- *                it
- *   tone         mean light over covered pixels, as an sRGB byte / 255, ours less full detail's: does a far
- *                forest keep its tone
+ *   rms          root mean square of sRGB bytes / 255 over the pixels that either covers
+ *   tone         mean light over covered pixels as an sRGB byte / 255, less that of full detail
  *   perceptual   pixels that a person would call different (Yee 2001 in OpenImageIO, as `idiff -p`: by hue,
- *                image.h), over
- *                covered ones
+ *                image.h), over covered ones
  *
- * Beside ours, what prefiltering is worth, on the same plan: without self-occlusion (every leaf lit as if it
- * were alone), and with flat colours on top of that: what is not textured has one colour a list, for cut-outs
- * the plain mean of the texture's bytes, clear texels included. */
+ * Variants of the same plan show the worth of prefiltering: without self-occlusion (every leaf lit as if it
+ * were alone); besides, with flat colours (one colour a list without a texture; for cut-outs the plain mean of
+ * the texture's bytes, clear texels included). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -96,9 +92,8 @@ static enum eco_code open_frame(struct frame *frame, const struct srv_scene *sce
 {
 	*frame = (struct frame){ .view = &request->view };
 	lod_eye_make(&frame->eye, &request->view);
-	enum eco_code code =
-		view_store_new(&frame->store,
-		&(struct view_store_options){ .images = true, .memory_max = 16ull << 30 }, error);
+	const struct view_store_options options = { .images = true, .memory_max = 16ull << 30 };
+	enum eco_code code = view_store_new(&frame->store, &options, error);
 	if (!code)
 		code = bench_fetch(NULL, scene, request, frame->store, error);
 	return code ? code : view_select_make(&frame->selection, frame->store, &frame->eye, error);
@@ -109,14 +104,12 @@ static enum eco_code draw(const struct frame *frame, struct view_gl *gl, enum vi
 {
 	double near_m = view_store_near_m(frame->store) > 0 ? view_store_near_m(frame->store) : 0.1;
 	enum eco_code code = view_picture_init(picture, frame->view->width, frame->view->height, error);
-	if (code)
-		return code;
-	return gl
-		? view_gl_draw(gl, &(struct view_gl_job){ frame->store, &frame->selection, &frame->eye,
-		near_m, tint }, picture, error)
-		: view_reference_draw(&(struct view_reference_job){ .store = frame->store,
-		.selection = &frame->selection, .eye = &frame->eye,
-		.near_m = near_m, .tint = tint }, picture, error);
+	if (!code && gl)
+		return view_gl_draw(gl, &(struct view_gl_job){ frame->store, &frame->selection, &frame->eye,
+			near_m, tint }, picture, error);
+	return code ? code : view_reference_draw(&(struct view_reference_job){ .store = frame->store,
+		.selection = &frame->selection, .eye = &frame->eye, .near_m = near_m, .tint = tint }, picture,
+		error);
 }
 
 /* Plain mean of an image's bytes, whatever is clear. */
@@ -170,11 +163,12 @@ static void flatten(const struct view_store *store, const struct view_store *ful
 				|| list->list.attributes & ECO_ATTR_PLANT || list->list.image != ECO_NONE)
 			continue;
 		uint8_t mean[3];
-		for (uint32_t e = 0; e < count; e++)
+		for (uint32_t e = 0; e < count; e++) {
+			const uint8_t *rgb = list->palette[list->elements.extra[(size_t)e
+				* list->elements.extra_count]];
 			for (int k = 0; k < 3; k++)
-				sum[k] +=
-					list->palette[list->elements.extra[(size_t)list->elements.extra_count
-					* e]][k];
+				sum[k] += rgb[k];
+		}
 		for (int k = 0; k < 3; k++)
 			mean[k] = (uint8_t)(sum[k] / count);
 		const struct eco_image *image = image_of(full, mean);

@@ -1,8 +1,7 @@
 /* Hierarchy at scale: forests of 10^6, 10^9 and 10^12 plants from one hectare in blocks of blocks.
  *
- * That plans cost what is seen and not what exists is measured where both scenes show the same: the small one
- * is the thousand hectares of the large one around the point looked at, each placed by itself where it stands
- * there. */
+ * A plan costs what is seen, not what exists: two scenes that show the same have plans that take as long. The
+ * small scene is the thousand hectares of the large one around the point looked at, each placed by itself. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -7,18 +7,15 @@
 #include "ecofiles/format/view.h"
 
 const struct bench_method bench_methods[BENCH_METHODS] = {
-	[BENCH_OURS] = { .name = "ours", .rule = lod_rule_optimal },
-	[BENCH_DEUSSEN_RULE] = { .name = "Deussen's rule", .rule = lod_rule_deussen },
-	[BENCH_STOCHASTIC] = { .name = "stochastic order", .order = "stochastic", .rule = lod_rule_optimal },
-	[BENCH_UNOCCLUDED] = { .name = "occlusion ignored", .rule = lod_rule_optimal,
-	.ignore_occlusion = true }, [BENCH_COMBINED] = { .name = "combined order", .order = "combined",
-	.rule = lod_rule_optimal, .full_only = true },
-	[BENCH_DEUSSEN_2002] = { .name = "Deussen's rule on the stochastic order", .order = "stochastic",
-	.rule = lod_rule_deussen,
-	.full_only = true }, [BENCH_DENSITY_ORDER] = { .name = "density order", .order = "density",
-	.rule = lod_rule_optimal, .full_only = true },
-	[BENCH_ORIENTATION_ORDER] = { .name = "orientation order", .order = "orientation",
-	.rule = lod_rule_optimal, .full_only = true } };
+	[BENCH_OURS] = { "ours", NULL, lod_rule_optimal, false, false },
+	[BENCH_DEUSSEN_RULE] = { "Deussen's rule", NULL, lod_rule_deussen, false, false },
+	[BENCH_STOCHASTIC] = { "stochastic order", "stochastic", lod_rule_optimal, false, false },
+	[BENCH_UNOCCLUDED] = { "occlusion ignored", NULL, lod_rule_optimal, true, false },
+	[BENCH_COMBINED] = { "combined order", "combined", lod_rule_optimal, false, true },
+	[BENCH_DEUSSEN_2002] = { "Deussen's rule on the stochastic order", "stochastic", lod_rule_deussen, false,
+		true },
+	[BENCH_DENSITY_ORDER] = { "density order", "density", lod_rule_optimal, false, true },
+	[BENCH_ORIENTATION_ORDER] = { "orientation order", "orientation", lod_rule_optimal, false, true } };
 
 /* Vertices of the pictures in Deussen 2002, table 1: points + 2 lines + 3 triangles; Neubert 2011 for the
  * 5,000 trees. */

@@ -37,7 +37,7 @@ static void put(const struct stage *s, double along, double across, double above
 	out[2] = above + (has ? ground : s->centre[2]);
 }
 
-/* Where the eye is on its way through, from 0 to 1. */
+/* The eye on its way through, from 0 to 1. */
 static void put_through(const struct stage *s, double way, double above, double out[3])
 {
 	put(s, s->half_along * (1.8 * way - 0.9), 0.2 * s->half_across * sin(2 * M_PI * way), above, out);
@@ -165,7 +165,7 @@ enum eco_code bench_flight_path(const char *pack, uint32_t first, uint32_t count
 
 /* ---- A flight ---- */
 
-#define FULL_EVERY 20u                   /* frames of which the one in the middle is scored */
+#define FULL_EVERY 20u                   /* the middle one of so many frames is scored */
 #define QUICK_EVERY 10u
 #define QUICK_FRAMES 60u
 #define QUICK_FIRST 170u                 /* down to eye level, and on */
