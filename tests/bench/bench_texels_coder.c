@@ -87,26 +87,18 @@ bool texels_coder_is_there(enum texels_coder coder)
 		: "{ command -v avifenc && command -v avifdec; } >/dev/null 2>&1");
 }
 
-static enum eco_code encode(struct bench *bench, enum texels_coder coder, const char *base, uint32_t setting,
-	struct eco_error *error)
-{
-	double value = settings[coder][setting];
-	if (coder == TEXELS_JXL)
-		return bench_command(bench, error, "cjxl --quiet --num_threads=0 --container=0 -d %g '%s.png' "
-			"'%s.coded' 2>/dev/null", value, base, base);
-	return bench_command(bench, error, "avifenc -j 1 -c aom -s 6 -y %s --min 0 --max 63 -a end-usage=q "
-		"-a cq-level=%g -o '%s.coded' '%s.png' >/dev/null", coder == TEXELS_AVIF_420 ? "420" : "444",
-		value, base, base);
-}
-
-static enum eco_code decode(struct bench *bench, enum texels_coder coder, const char *base,
+/* BASE.png becomes BASE.coded and, back from that, BASE.back. */
+static enum eco_code run_programs(struct bench *bench, enum texels_coder coder, const char *base, double value,
 	struct eco_error *error)
 {
 	if (coder == TEXELS_JXL)
-		return bench_command(bench, error, "djxl --quiet --num_threads=0 '%s.coded' '%s.ppm' && mv "
-			"'%s.ppm' '%s.back'", base, base, base, base);
-	return bench_command(bench, error, "avifdec -j 1 -c dav1d --png-compress 0 '%s.coded' '%s.out.png' "
-		">/dev/null && mv '%s.out.png' '%s.back'", base, base, base, base);
+		return bench_command(bench, error, "cd '%s' && cjxl --quiet --num_threads=0 --container=0 -d %g "
+			"%s.png %s.coded 2>/dev/null && djxl --quiet --num_threads=0 %s.coded %s.ppm && "
+			"mv %s.ppm %s.back", bench->cache, value, base, base, base, base, base, base);
+	return bench_command(bench, error, "cd '%s' && avifenc -j 1 -c aom -s 6 -y %s --min 0 --max 63 -a "
+		"end-usage=q -a cq-level=%g -o %s.coded %s.png >/dev/null && avifdec -j 1 -c dav1d "
+		"--png-compress 0 %s.coded %s.out.png >/dev/null && mv %s.out.png %s.back", bench->cache,
+		coder == TEXELS_AVIF_420 ? "420" : "444", value, base, base, base, base, base, base);
 }
 
 static enum eco_code weigh(struct texels_trial *trial, enum texels_coder coder, const char *base,
@@ -143,15 +135,14 @@ static enum eco_code code_program(struct texels_trial *trial, struct bench *benc
 	const struct eco_texture_part *colors, struct eco_texture_part *back, uint32_t setting,
 	struct eco_error *error)
 {
-	char base[PATH], path[PATH + 8];
-	snprintf(base, sizeof base, "%s/texels-%ld", bench->cache, (long)getpid());
+	char name[32], base[PATH], path[PATH + 8];
+	snprintf(name, sizeof name, "texels-%ld", (long)getpid());
+	snprintf(base, sizeof base, "%s/%s", bench->cache, name);
 	snprintf(path, sizeof path, "%s.png", base);
 	enum eco_code code = eco_png_write(&(struct eco_pixels){ colors->width, colors->height, 3,
 		colors->texels }, path, error);
 	if (!code)
-		code = encode(bench, coder, base, setting, error);
-	if (!code)
-		code = decode(bench, coder, base, error);
+		code = run_programs(bench, coder, name, settings[coder][setting], error);
 	if (!code)
 		code = weigh(trial, coder, base, error);
 	if (!code)

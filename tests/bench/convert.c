@@ -1,5 +1,5 @@
-/* convert IN OUT: a model in another format, by OUT's extension, through assimp. For tests that want one
- * plant in all formats; what is read here is trusted. */
+/* convert IN OUT: a model in another format, by OUT's extension, through assimp. Tests get one plant in all
+ * formats by it; its input is trusted. */
 #include <stdio.h>
 #include <string.h>
 
@@ -7,8 +7,7 @@
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
 
-/* assimp names formats by ids that are not always extensions: binary PLY; FBX as text, as what it writes as
- * binary nobody reads */
+/* ids of assimp that are not extensions: binary PLY; FBX as text, as its binary FBX cannot be read again */
 static const struct { const char *extension, *id; } formats[] = { { "glb", "glb2" }, { "gltf", "gltf2" },
 	{ "dae", "collada" },
 	{ "ply", "plyb" }, { "stl", "stlb" }, { "fbx", "fbxa" } };

@@ -1,13 +1,13 @@
-/* Costs of random requests: the processor time of the answer to each, on one thread, and the work that it
- * counts. A request's cost is bounded where the worst of many is a small multiple of the median.
+/* Costs of random requests: processor time of each answer on one thread, and the work that it counts. The worst
+ * of many should be a small multiple of the median.
  *
  *   costs [--each] [--deussen | --all] [--seed S] [--from NUMBER] [--times N] [--runs N] COUNT PACK...
  *
- * COUNT requests a pack. --times: one may take so much of the work that an ordinary one of the scene does
- * (server/typical.h); else any. --runs: each is answered so often, and the least time counts, as a busy machine
- * adds to some. --deussen: plans by that rule. --all: answers by either rule, as a stream or as JSON that may
- * explain itself, with a next view or without, as a server writes them. Prints a line a pack; with --each one a
- * request before it, for sort, with a hash of its plans: two builds that plan the same print the same. */
+ * COUNT requests a pack. --times: a request may take N times the work of an ordinary one of the scene
+ * (server/typical.h); default: any work. --runs: answers each N times and counts the least time. --deussen: plans
+ * by that rule. --all: answers by either rule, as a stream or as JSON with or without explanations, with a next
+ * view or without. Prints a line a pack; --each: before it a line a request with a hash of its plans, which is
+ * the same for builds that plan the same. */
 #include <getopt.h>
 #include <math.h>
 #include <stdio.h>

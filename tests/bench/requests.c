@@ -1,27 +1,24 @@
-/* Random views and budgets against packs, through all stages but the socket: plan, stream, parse, decode,
- * select. For any request must hold:
+/* Random views and budgets against packs, through everything but the socket: plan, stream, parse, decode,
+ * select. These rules hold for any request:
  *
- *   vertices     what is drawn is within the budget, counted by the client that draws it, and is what the
- *                plan says: in every state that
- *                a stream passes through, each with what has come until then
+ *   vertices     in every state of a stream the client draws as many vertices as planned, within the budget
  *   bytes        the body is within its budget
  *   twice        no chunk is sent to a client that holds it
- *   undrawn      an answer that draws nothing brings no chunk but of its ground; and where some answer draws
- *                something within so many bytes, no answer within as many draws nothing
+ *   undrawn      an answer that draws nothing brings chunks of its ground only; a budget of bytes in which
+ *                some answer draws something has no answer that draws nothing
  *   same         the same request has the same answer
  *   falls        more vertices never predict a lower Q
- *   unused       budget is left over only where it buys nothing: no step that is left and gains is as cheap,
- *                and no plan of a greater
- *                budget would have fitted and is better
- *   whole        where every plant in view is drawn whole, next to nothing is expected to be wrong
+ *   unused       budget is left over only where it buys nothing: no remaining step that gains is as cheap,
+ *                and no better plan of a greater budget fits
+ *   whole        next to nothing is expected to be wrong where every plant in view is drawn whole
  *   senseless    predictions are finite and not negative, errors do not exceed the picture
  *
  *   requests [--json] [--seed S] [--only NUMBER] [--times N] COUNT PACK...
  *
- * COUNT requests, shared among the packs. --times: a plan may take so much of the work that an ordinary one
- * of the scene does (server/typical.h); else any.
+ * COUNT requests, shared among the packs. --times: a plan may take N times the work of an ordinary one of the
+ * scene (server/typical.h); default: any work.
  *
- * Prints a line a pack, or JSON; the first violations are described. Exit 1 if there was one. */
+ * Prints a line a pack, or JSON, and describes the first violations. Exit 1 if there was one. */
 #include <getopt.h>
 #include <math.h>
 #include <stdarg.h>
@@ -117,7 +114,7 @@ static void check_state(struct run *run)
 	view_select_free(&selection);
 }
 
-/* Events of a parser go to the store as it is; two are looked at, for this run. */
+/* The store takes all events of a parser; two of them are checked for this run. */
 static struct run *receiving;
 
 static enum eco_code on_plan(void *store, struct eco_plan *plan, struct eco_error *error)

@@ -1,6 +1,6 @@
-/* Does what is streamed look like the file it came from? Rasterises a source model by a path of its own
- * (assimp's arrays, no import, no lists, no packs of ours; only the filling of triangles is shared) and
- * compares with the masks that ecoview wrote.
+/* Compares streamed pictures with the file that the plant came from: rasterises the source model from assimp's
+ * arrays, without import, lists or packs (the filling of triangles alone is shared), and compares with the masks
+ * that ecoview wrote.
  *
  *   source_check MODEL SCALE FOOT_X,FOOT_Y,FOOT_Z CAMERA.json FRAMES_DIR
  *

@@ -1,6 +1,6 @@
-/* wood MODEL ...: how much of their wood plants show whatever their cells draw it as (tests/support/wood_cover.h);
- * exit 1 where a mix of cells has a hole, or a level has one or loses more than 2 % of the wood. Lines are printed
- * only: from above a line does not show the foot of a trunk, and a pot is no line. */
+/* wood MODEL ...: the share of their wood that plants show, by the forms that their cells draw
+ * (tests/support/wood_cover.h). Exit 1 where a mix of cells or a level has a hole, or a level loses more than 2 % of
+ * the wood. Lines alone have no bound: from above a line does not show the foot of a trunk, and a pot is no line. */
 #include <stdio.h>
 
 #include "ecofiles/import/model/model_import.h"
