@@ -16,7 +16,7 @@ static bool near(double a, double b) { return fabs(a - b) <= 1e-9 * (fabs(b) + 1
 
 /* ---- Deussen 2002, section 5 ---- */
 
-/* Of k = 37 triangles, by the vertices that are asked for: triangles, points [first, end). */
+/* Blends of k = 37 triangles, by the vertices that are asked for: triangles, points [first, end). */
 static const struct { double p; struct paper_blend blend; } blends[] = { { -1, { 0, 0, 0 } }, { 0.9, { 0, 0,
 	0 } },
 	{ 73.5, { 0, 0, 73 } }, { 74, { 0, 0, 74 } }, { 80, { 6, 12, 74 } }, { 110.2, { 36, 72, 74 } },

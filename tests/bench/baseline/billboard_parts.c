@@ -83,7 +83,7 @@ static void fit_part(struct billboard_work *w, uint32_t root, uint32_t most, str
 	*best = fit;
 }
 
-/* Where a part splits most evenly by area; ECO_NONE if it cannot. */
+/* The node at which a part splits most evenly by area; ECO_NONE if it cannot. */
 static uint32_t find_cut(struct billboard_work *w, uint32_t root)
 {
 	const struct billboard_tree *tree = &w->plant->tree;

@@ -54,7 +54,7 @@ struct bin { uint32_t count; double area, opaque, distance, turn, wide, high, le
 /* Class 0: quads of two leaves by pose, DISTANCES x TURNS bins. The other classes: DENSITIES bins. */
 struct count { struct bin bin[LOD_COLLAPSE_CLASSES][BINS]; };
 
-/* Of a quad of two leaves: centres' distance over the leaves' lengths, and the angle between their main axes
+/* The pose of two leaves: centres' distance over the leaves' lengths, and the angle between their main axes
  * as they lie in the quad's plane. */
 static void pose_of(const struct lod_collapse *c, const struct lod_collapse_node *quad, double *distance,
 	double *turn)

@@ -38,7 +38,7 @@ void paper_wood(struct paper *p, const struct lod_slot *slot, uint32_t ladder, d
 	}
 }
 
-/* Leaves [0, kept) of a region, of which this list holds those after `before`. Fewer than one leaf is one
+/* Leaves [0, kept) of a region. The ladder's list holds those after `before`. Fewer than one leaf is one
  * leaf of some of the plants. */
 static void add_leaves(struct paper *p, const struct lod_slot *slot, const struct eco_ladder *l, double kept,
 	double scale, uint32_t share_first, uint32_t share_end)
@@ -62,7 +62,7 @@ struct pruned {
 	double lambda, scale;
 };
 
-/* Of leaves of plant `plant` at distance r. */
+/* The leaves of a plant at distance r. */
 static struct pruned prune(const struct paper_cook *cook, uint32_t plant, double r, double full_m, double f)
 {
 	struct pruned out = { paper_cook_lambda(r, full_m), 1 };

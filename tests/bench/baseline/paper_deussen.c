@@ -338,7 +338,7 @@ static bool wants_cells(const struct rule *rule, const struct eco_ladder *l, dou
 	if (p->s->points[l - p->s->scene->ladders] != ECO_NONE)
 		return paper_deussen_points((double)l->area, r, rule->d, rule->splat_factor)
 			> 2.0 * p->s->scene->lists[l->triangles].primitive_count;
-	/* all lines of the region, of which the whole plant's list may hold a few */
+	/* all lines of the region; the whole plant's list may hold a few of them */
 	double area = (double)l->area * (l->organ == ECO_ORGAN_WOOD ? 0.5 : 1);
 	double q = l->length > 0 ? paper_deussen_lines(area / (double)l->length, r, rule->d) : 2;
 	return q * l->total > (double)lod_planner_count(p->s->scene, l->lines)
@@ -358,7 +358,7 @@ static uint32_t gate_of(const struct rule *rule, uint32_t plant)
 	return 0;
 }
 
-/* Of each plant's instances and their cells: that of the plant itself where its model stands once. */
+/* Mean distance of each plant's instances and their cells: the plant's own if its model stands once. */
 static enum eco_code find_means(struct rule *rule, struct eco_error *error)
 {
 	const struct paper *p = rule->p;

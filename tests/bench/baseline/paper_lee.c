@@ -151,7 +151,7 @@ static float scale_at(const struct each *e, uint32_t plant, double lambda)
 	return e->lee->tables ? (float)paper_tables_cook(e->lee->tables, plant, lambda) : 1;
 }
 
-/* Where cells are chosen the whole's leaves are not drawn: they belong to no cell. */
+/* Cells replace the whole plant's leaves, which belong to no cell. */
 static void add_cells(const struct each *e, const struct lod_anchor_band *anchors, uint32_t count,
 	uint32_t plant, uint32_t hash, struct lod_v3 eye)
 {

@@ -1,4 +1,4 @@
-/* What other plants hide of each plant, from the owners and depths of the last frame. Plants of a species
+/* The share of each plant that other plants hide, from the owners and depths of the last frame. Plants of a species
  * with one share hash are one. */
 #include <math.h>
 #include <stdlib.h>

@@ -423,7 +423,7 @@ static const char *row_name(int row)
 	return row < BENCH_METHODS ? bench_method_names[row] : kind_names[row - BENCH_METHODS];
 }
 
-/* A mean of which one plant has no figure is NaN. */
+/* A mean is NaN if one plant has no figure. */
 static void write_plant(struct bench_table *table, struct sums *sums, const char *name,
 	const struct bench_savings *savings, const json_t *q)
 {

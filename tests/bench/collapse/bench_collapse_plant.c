@@ -25,7 +25,7 @@ static uint32_t median_leaf(const struct lod_foliage *f, struct lod_arena *arena
 	return median;
 }
 
-/* Vertices of every level: two runs, of which the first only grows. */
+/* Vertices of every level: two runs; the first only grows. */
 static void count_vertices(struct bench_collapse_plant *plant, uint32_t sector, const struct lod_foliage *f,
 	struct lod_arena *arena)
 {

@@ -9,7 +9,7 @@
 
 #define SHOOTS 246u
 #define TWIGS 5u
-#define LEAVES 5u                /* on a twig: 6,150, of which the last twigs bear a few less */
+#define LEAVES 5u                /* on a twig: 6,150; the last twigs bear a few less */
 
 static void grow_leaves(struct gen_mesh *mesh, uint8_t bark, uint8_t leaf, const struct gen_shoot *shoot,
 	struct gen_random *random, uint32_t *left)

@@ -196,7 +196,7 @@ struct cover {
 	struct lod_footprint *print;
 };
 
-/* What a leaf adds to all views; `add`: adds it. */
+/* The value of a leaf in all views; `add`: it is taken. */
 static uint64_t cover_leaf(struct cover *c, uint32_t leaf, bool add)
 {
 	uint64_t sum = 0;
