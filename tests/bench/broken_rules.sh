@@ -24,13 +24,13 @@ Deussen: importance is 1 @ s,double importance = .*,double importance = 1;,
 ours: importance is 1 @ s,return ladder->importance > 0 .*,return ladder->importance > 0 ? 1 : 1;,
 @ test_rules tests/bench/baseline/paper_cook.c
 Cook: lambda by distance, not its square @ s,fmax(LAMBDA_LEAST\, x \* x),fmax(LAMBDA_LEAST\, x),
-@ test_rules tests/bench/baseline/cook.c
+@ test_rules tests/bench/baseline/paper_cook.c
 Cook: leaves keep their size @ s,return kept ? (double)count / kept : 0,return kept ? 1 + 0 * count : 0,
 Cook: no correction for depth @ /!(share > 0)/s,if (kept == 0,if (kept <= count,
 Cook: contrast without the root @ s,return sqrt(after / before),return after / before,
-@ test_rules tests/bench/baseline/paper_tables.c
+@ test_rules tests/bench/baseline/paper_neubert.c
 Neubert: lambda_opt is Cook's lambda @ s,return fmin(found\, lambda),return fmin(2 * found\, lambda),
-@ test_rules tests/bench/baseline/paper_sight.c
+@ test_rules tests/bench/baseline/paper_neubert.c
 Neubert: hidden plants keep nothing @ s,return fmax(f\, LEAST),return fmax(f\, 0),
 Neubert: no hysteresis @ s,>= PAPER_SIGHT_HYSTERESIS,>= 0,
 Neubert: no smoothing in time @ s,+= SMOOTHING \* (,+= (,
@@ -41,7 +41,7 @@ Neubert: combined is orientation alone @ s,survival\[i\] + density\[i\],survival
 @ test_rank lod/build/order/rank.c
 greedy: wrong pixels cost nothing @ s,- r->weights.wrong \* gain->wrong,- 0 * gain->wrong,
 greedy: a second layer is the first @ s,+ r->weights.second \* gain->second,+ r->weights.right * gain->second,
-@ test_rules tests/bench/baseline/lee.c
+@ test_rules tests/bench/baseline/paper_lee.c
 Lee: the farthest first @ s,? lod_v3_dot(d\, d),? -lod_v3_dot(d\, d),
 Lee: what faces away first @ s,: -facing(&groups\[i\],: facing(\&groups[i],
 Lee: layers of one weight @ s,weight += layers - layer,weight += (layers + 1) / 2,

@@ -3,8 +3,7 @@
  *   Deussen 2002   the sample distance d' (paper_deussen)
  *   Cook 2007      the distance r up to which all leaves are drawn (paper_cook): lambda = min(1, (r / R)^2),
  *                  so that leaves keep their size in pixels beyond it
- *   Neubert 2011   the same r, for the lambda whose quality is to be kept (paper_cook with tables of
- *                  paper_neubert.h)
+ *   Neubert 2011   the same r, for the lambda whose quality is to be kept (paper_cook with its tables)
  *   Lee 2007       the same lambda as a budget of leaves for each plant (paper_lee)
  *
  * Wood: Deussen's lines and polygons; the other papers prune leaves alone, and their wood is what our ladders
@@ -12,7 +11,8 @@
 #ifndef TESTS_BENCH_BASELINE_PAPER_RULES_H
 #define TESTS_BENCH_BASELINE_PAPER_RULES_H
 
-#include "tests/bench/baseline/lee.h"
+#include "lod/arena.h"
+#include "lod/vector.h"
 #include "tests/bench/baseline/paper_scene.h"
 
 /* ---- Deussen 2002, section 5 ---- */
@@ -43,12 +43,57 @@ double paper_deussen_scale(double p, double k, double splat_factor);
 /* d: the sample distance. deussen: struct paper_deussen, or NULL. */
 enum eco_code paper_deussen(struct paper *p, double d, void *deussen, struct eco_error *error);
 
+/* ---- Neubert 2011: tables (section 3) and occlusion (section 4) ----
+ *
+ *   paper_tables_make(&tables, scene, &error);      draws the leaves of every plant alone
+ *   paper_sight_new(&sight, scene);
+ *   ... a plan by paper_cook with both, a frame ...
+ *   paper_sight_update(sight, &frame, &view);       before the next plan
+ *
+ * An iso-surface's points that its own crown hides count as hidden in the paper. Here only other plants
+ * hide, so that a plant alone has f = 1. */
+
+#define PAPER_LAMBDAS 12u
+
+struct paper_table { /* of one plant's leaves, lambda ascending to 1 */
+	double lambda[PAPER_LAMBDAS], s_opt[PAPER_LAMBDAS], s_cook[PAPER_LAMBDAS];
+	double q_opt[PAPER_LAMBDAS], q_cook[PAPER_LAMBDAS];
+	double leaves, share; /* share: lod_cook_share */
+};
+struct paper_tables;
+enum eco_code paper_tables_make(struct paper_tables **tables, struct paper_scene *scene,
+	struct eco_error *error);
+void paper_tables_free(struct paper_tables *tables);
+const struct paper_table *paper_tables_of(const struct paper_tables *tables, uint32_t plant);
+
+/* The smallest lambda whose Q with s_opt is at least that of Cook at lambda; never above it. */
+double paper_table_optimal(const struct paper_table *table, double lambda);
+double paper_tables_optimal(const struct paper_tables *tables, uint32_t plant, double lambda);
+double paper_tables_scale(const struct paper_tables *tables, uint32_t plant, double lambda);
+/* Cook's, with the correction for depth complexity. */
+double paper_tables_cook(const struct paper_tables *tables, uint32_t plant, double lambda);
+
+struct paper_sight;
+enum eco_code paper_sight_new(struct paper_sight **sight, const struct paper_scene *scene,
+	struct eco_error *error);
+void paper_sight_free(struct paper_sight *sight);
+/* One step in time of f as it is used, from the f that was counted: held while they differ by less than the
+ * hysteresis, and smoothed. */
+#define PAPER_SIGHT_HYSTERESIS 0.1
+struct paper_sight_state {
+	double held, smooth;
+};
+void paper_sight_step(struct paper_sight_state *state, double counted);
+void paper_sight_update(struct paper_sight *sight, const struct paper_frame *frame,
+	const struct eco_view *view);
+/* 1 for plants not seen in the last frame, and of NULL. */
+double paper_sight_of(const struct paper_sight *sight, uint32_t plant, uint32_t hash);
+double paper_sight_share(double f); /* max(f, 0.1) */
+
 /* ---- Cook 2007, and Neubert 2011 ---- */
 
 double paper_cook_lambda(double r, double full_m);
 
-struct paper_sight;
-struct paper_tables;
 struct paper_cook {
 	/* per plant, of paper_tables_make; NULL: scale 1 / lambda without correction */
 	const struct paper_tables *tables;
@@ -60,5 +105,71 @@ enum eco_code paper_cook(struct paper *p, double full_m, void *cook, struct eco_
 /* Cuts of wood for a share of its vertices. */
 void paper_wood(struct paper *p, const struct lod_slot *slot, uint32_t ladder, double lambda,
 	uint32_t share_first, uint32_t share_end);
+
+/* ---- Lee 2007: leaves of groups under a budget ----
+ *
+ * Groups of leaves are ranked for one view, and the budget says how many leaves of each are kept. A group is
+ * one leaf, as in the paper's table, or a cell of the plant (lod/build/cell.h), as the paper says that it
+ * must be at run time; inside a cell the first of the cell's own static order are kept.
+ *
+ *   distance       the nearest group first, by Euclidean distance
+ *   normal         the group that faces the eye best first: |normal . direction to the eye|
+ *   layer+normal   G layers of equal thickness along the view; layer i from the front gets (G - i + 1) / (1 +
+ *                  ... + G) of the budget, what it cannot use goes to the next, and what the last cannot use
+ *                  goes to the front again; inside a layer by normal */
+
+enum lod_lee_method { LOD_LEE_DISTANCE, LOD_LEE_NORMAL, LOD_LEE_LAYER, LOD_LEE_COUNT };
+
+/* The paper does not say how many. */
+#define LOD_LEE_LAYERS 5u
+
+struct lod_lee_group {
+	struct lod_v3 center;
+	/* mean of n n^T over its leaves' unit normals: xx, yy, zz, xy, xz, yz. Then sqrt(v^T F v) is the root
+	 * mean square of |n . v|, and for one leaf |n . v| itself */
+	double facing[6];
+	uint32_t count;              /* leaves */
+};
+
+/* One group from its leaves; normals of any length, zero ones face nowhere. */
+void lod_lee_group_make(struct lod_lee_group *group, const struct lod_v3 *center, const struct lod_v3 *normal,
+	const uint32_t *leaves, uint32_t count);
+
+/* forward: unit; layers: 0 for LOD_LEE_LAYERS */
+struct lod_lee_view { struct lod_v3 eye, forward; uint32_t layers; };
+
+/* kept[i] becomes how many leaves of groups[i] are drawn: in all the budget, or all there are. Ties go to the
+ * smaller index. */
+void lod_lee_keep(uint32_t *kept, enum lod_lee_method method, const struct lod_lee_group *groups,
+	uint32_t group_count, const struct lod_lee_view *view, uint64_t budget, struct lod_arena *arena);
+
+/* On whole scenes the three orders choose among the cells of each plant, for a budget of leaves that Cook's
+ * lambda gives each plant. The view is the plant's own; rounded to one of eight
+ * sectors, so that orders could be made beforehand; or none (static): the eight sectors share the budget.
+ *
+ * A cell keeps the first leaves of its list, scaled as Cook's are. A plant with a budget of so few
+ * leaves that most cells would be empty draws the first leaves of the whole. */
+enum { PAPER_LEE_VIEW, PAPER_LEE_SECTOR, PAPER_LEE_STATIC, PAPER_LEE_ORDERS };
+#define PAPER_LEE_RULES (LOD_LEE_COUNT * PAPER_LEE_ORDERS)
+extern const char *const paper_lee_names[PAPER_LEE_RULES];
+
+struct paper_lee_plant { /* cells with leaves */
+	struct lod_lee_group *groups;
+	uint32_t *ladders, count;
+	double leaves;
+};
+struct paper_lee {
+	const struct paper_tables *tables;
+	uint32_t rule;                  /* method * PAPER_LEE_ORDERS + order */
+	struct paper_lee_plant *plants;
+	struct lod_arena *arena;
+};
+enum eco_code paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s, struct eco_error *error);
+void paper_lee_end(struct paper_lee *lee);
+enum eco_code paper_lee(struct paper *p, double full_m, void *lee, struct eco_error *error);
+
+/* Leaves of each group for an eye in the plant's own coordinates. */
+void paper_lee_keep(uint32_t *kept, uint32_t rule, const struct lod_lee_group *groups, uint32_t count,
+	const struct lod_v3 *center, const struct lod_v3 *eye, uint64_t budget, struct lod_arena *arena);
 
 #endif

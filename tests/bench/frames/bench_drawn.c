@@ -10,7 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/bench/baseline/paper_neubert.h"
 #include "tests/bench/baseline/paper_rules.h"
 #include "tests/bench/bench_shots.h"
 

@@ -17,7 +17,7 @@
 #include "lod/build/order/footprint.h"
 #include "lod/build/order/rank.h"
 #include "lod/heap.h"
-#include "tests/bench/baseline/lee.h"
+#include "tests/bench/baseline/paper_rules.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_leaves.h"
 #include "tests/bench/lee/bench_crown.h"
