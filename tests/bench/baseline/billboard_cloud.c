@@ -185,7 +185,8 @@ static void paint_face(struct canvas *c, const struct billboard_face *face)
 			paint_texel(c, p, area, face->triangle, (uint32_t)x, (uint32_t)y);
 }
 
-/* The texture of the part's billboard number q. Adds the area of faces that no billboard holds to *invalid. */
+/* The texture of the part's billboard number q. Adds the area of faces that no billboard holds to *invalid.
+ * */
 static enum eco_code bake(struct lod_billboard *item, struct billboard_work *work,
 	const struct billboard_part *part, uint32_t q, uint32_t faces, double *invalid,
 		struct eco_error *error)

@@ -25,11 +25,11 @@ void paper_wood(struct paper *p, const struct lod_slot *slot, uint32_t ladder, d
 		return;
 	}
 	double full = l->flags & ECO_LADDER_FAR ? p->s->wood_full[l->plant] : (double)table->way.full;
-	uint64_t vertices =
-		lod_way_floor(&table->way, (uint64_t)fmin(lambda * full, (double)table->way.full));
-	uint32_t count = vertices
-		? lod_way_cuts(&table->way, vertices, lod_way_density(&table->way, vertices), 0, cuts)
-		: 0;
+	uint64_t vertices = lod_way_floor(&table->way, (uint64_t)fmin(lambda * full,
+		(double)table->way.full));
+	uint32_t count = vertices ? lod_way_cuts(&table->way, vertices, lod_way_density(&table->way,
+		vertices),
+		0, cuts) : 0;
 	for (uint32_t i = 0; i < count; i++) {
 		cuts[i].share_first = share_first;
 		cuts[i].share_end = share_end;
@@ -37,15 +37,11 @@ void paper_wood(struct paper *p, const struct lod_slot *slot, uint32_t ladder, d
 	}
 }
 
-/* Leaves [0, kept) of a region. The ladder's list holds those after `before`. Fewer than one leaf is one
- * leaf of some of the plants. */
-static void add_leaves(struct paper *p, const struct lod_slot *slot, const struct eco_ladder *l, double kept,
+void paper_leaves(struct paper *p, const struct lod_slot *slot, const struct eco_ladder *l, double kept,
 	double scale, uint32_t share_first, uint32_t share_end)
 {
 	double own = fmin(kept - l->before, p->s->scene->lists[l->triangles].element_count);
-	struct eco_cut cut = { .list = l->triangles,
-		.scale = (float)scale,
-		.share_first = share_first,
+	struct eco_cut cut = { .list = l->triangles, .scale = (float)scale, .share_first = share_first,
 		.share_end = share_end };
 	if (!(own > 0))
 		return;
@@ -57,9 +53,7 @@ static void add_leaves(struct paper *p, const struct lod_slot *slot, const struc
 	paper_cut(p, slot, &cut);
 }
 
-struct pruned {
-	double lambda, scale;
-};
+struct pruned { double lambda, scale; };
 
 /* The leaves of a plant at distance r. */
 static struct pruned prune(const struct paper_cook *cook, uint32_t plant, double r, double full_m, double f)
@@ -68,9 +62,8 @@ static struct pruned prune(const struct paper_cook *cook, uint32_t plant, double
 	if (cook->optimal && cook->tables)
 		out.lambda = paper_tables_optimal(cook->tables, plant, out.lambda);
 	out.lambda *= paper_sight_share(f);
-	out.scale = !cook->tables ? 1 / out.lambda
-		: cook->optimal   ? paper_tables_scale(cook->tables, plant, out.lambda)
-				  : paper_tables_cook(cook->tables, plant, out.lambda);
+	out.scale = !cook->tables ? 1 / out.lambda : (cook->optimal ? paper_tables_scale : paper_tables_cook)(
+		cook->tables, plant, out.lambda);
 	return out;
 }
 
@@ -87,18 +80,14 @@ static void add_slot(struct paper *p, const struct paper_cook *cook, const struc
 		if (!paper_applies(p, l, slot))
 			continue;
 		if (paper_is_leaves(l))
-			add_leaves(p, slot, l, at.lambda * l->total, at.scale, share_first, share_end);
+			paper_leaves(p, slot, l, at.lambda * l->total, at.scale, share_first, share_end);
 		else if (!(l->flags & ECO_LADDER_WHOLE))
 			paper_wood(p, slot, ladders[k], at.lambda, share_first, share_end);
 	}
 }
 
 /* Each plant is one by its hash: those of a species with the same hash are seen alike. */
-struct each {
-	struct paper *p;
-	const struct paper_cook *cook;
-	double full_m;
-};
+struct each { struct paper *p; const struct paper_cook *cook; double full_m; };
 
 static void add_plant(void *ctx, const struct lod_anchor_band *anchors, uint32_t count, uint32_t plant,
 	uint32_t hash)
@@ -106,8 +95,7 @@ static void add_plant(void *ctx, const struct lod_anchor_band *anchors, uint32_t
 	struct each *e = ctx;
 	double f = paper_sight_of(e->cook->sight, plant, hash);
 	for (uint32_t a = 0; a < count; a++) {
-		struct lod_slot slot = { .anchor = anchors[a].anchor,
-			.plant = plant,
+		struct lod_slot slot = { .anchor = anchors[a].anchor, .plant = plant,
 			.band = anchors[a].band };
 		add_slot(e->p, e->cook, &slot, e->full_m, f, hash, hash + 1);
 	}

@@ -242,11 +242,7 @@ void paper_lee_end(struct paper_lee *lee)
 
 /* ---- Plants in view ---- */
 
-struct each {
-	struct paper *p;
-	const struct paper_lee *lee;
-	double full_m;
-};
+struct each { struct paper *p; const struct paper_lee *lee; double full_m; };
 
 static double lambda_at(const struct each *e, uint8_t band)
 {
@@ -322,17 +318,12 @@ static void add_slot(const struct each *e, const struct lod_slot *slot)
 		const struct eco_ladder *l = &scene->ladders[ladders[k]];
 		if (!paper_applies(e->p, l, slot))
 			continue;
-		if (!paper_is_leaves(l)) {
+		if (!paper_is_leaves(l))
 			paper_wood(e->p, slot, ladders[k], lambda, 0, ECO_SHARE_ONE);
-			continue;
-		}
-		double own = fmin(lambda * l->total, scene->lists[l->triangles].element_count);
-		if (slot->cell || near || !(own > 0))
-			continue;
-		paper_cut(e->p, slot, &(struct eco_cut){ .list = l->triangles,
-			.end = paper_triangles(e->p->s, l->triangles, own < 1 ? 1 : (uint32_t)own),
-			.scale = scale_at(e, slot->plant, lambda),
-			.share_end = own < 1 ? (uint32_t)fmax(1, own * ECO_SHARE_ONE) : ECO_SHARE_ONE });
+		else if (!slot->cell && !near)
+			paper_leaves(e->p, slot, l, lambda * l->total, (double)scale_at(e, slot->plant,
+				lambda), 0,
+				ECO_SHARE_ONE);
 	}
 }
 

@@ -13,9 +13,7 @@
 #define SIDE 128u
 #define SCALES 13u /* tried from near 1 to Cook's and one beyond, in proportion */
 
-struct paper_tables {
-	struct paper_table *plants;
-};
+struct paper_tables { struct paper_table *plants; };
 
 /* The leaves of a plant as one selection. */
 struct alone {
@@ -54,7 +52,7 @@ static enum eco_code draw(const struct alone *a, double lambda, double scale, ui
 		.owner = eco_owner_instance(1, a->plant, 0) };
 	struct view_selection selection = { .instances = &instance, .instance_count = 1, .cut_first = first,
 		.cuts = index, .member_first = index + room, .members = index + 2 * room + 1,
-			.roles = roles };
+		.roles = roles };
 	struct view_reference_job job = { .store = a->s->store, .selection = &selection, .eye = &eye,
 		.near_m = 0.01 };
 	bool made = plan.cuts && plan.placements && index && roles;
@@ -65,8 +63,7 @@ static enum eco_code draw(const struct alone *a, double lambda, double scale, ui
 			continue;
 		plan.cuts[plan.cut_count] = (struct eco_cut){ .list = l->triangles, .anchor = l->anchor,
 			.end = paper_triangles(a->s, l->triangles, (uint32_t)(own + 0.5)),
-				.scale = (float)scale,
-			.band_end = ECO_BANDS, .share_end = ECO_SHARE_ONE };
+			.scale = (float)scale, .band_end = ECO_BANDS, .share_end = ECO_SHARE_ONE };
 		index[plan.cut_count] = plan.cut_count;
 		plan.cut_count++;
 		selection.member_first[plan.cut_count] = plan.cut_count;
@@ -97,9 +94,9 @@ static enum eco_code measure(const struct alone *a, double lambda, double scale,
 		struct lod_score score;
 		code = draw(a, lambda, scale, v, &picture, error);
 		if (!code) {
-			lod_score(&score,
-				&(struct lod_score_input){ SIDE, SIDE, picture.cover, a->full[v].cover,
-					picture.owner, a->full[v].owner });
+			lod_score(&score, &(struct lod_score_input){ SIDE, SIDE, picture.cover,
+				a->full[v].cover,
+				picture.owner, a->full[v].owner });
 			sum += score.q;
 		}
 		view_picture_free(&picture);

@@ -175,8 +175,8 @@ enum eco_code paper_begin(struct paper *p, const struct paper_scene *s, const st
 {
 	*p = (struct paper){ .s = s, .request = *request };
 	p->request.texel_px = ECO_TEXEL_PX_MIN;
-	p->input =
-		(struct lod_planner_input){ .scene = s->scene, .tables = s->tables, .request = &p->request };
+	p->input = (struct lod_planner_input){ .scene = s->scene, .tables = s->tables,
+		.request = &p->request };
 	return lod_planner_begin(&p->p, &p->input, error);
 }
 
@@ -201,10 +201,7 @@ static enum eco_code add_summaries(struct paper *p, double d, struct eco_error *
 		if (node->state != LOD_SUMMARY)
 			continue;
 		uint64_t full = lod_planner_count(p->s->scene, p->s->scene->tiles[node->tile].summary);
-		struct lod_entry entry = { .slot = ECO_NONE,
-			.ladder = i,
-			.count = 1,
-			.full = full,
+		struct lod_entry entry = { .slot = ECO_NONE, .ladder = i, .count = 1, .full = full,
 			.wanted = lod_summary_points(node, d) };
 		entry.vertices = entry.wanted < (double)full ? (uint64_t)entry.wanted : full;
 		code = lod_planner_add(&p->p, &entry, error);
@@ -249,8 +246,7 @@ static int by_plants(const void *a, const void *b)
 	const struct eco_cut *x = a, *y = b;
 	uint32_t kx[7] = { x->anchor, x->band_first, x->share_first, x->share_end, x->list, x->first,
 		y->end },
-		 ky[7] = { y->anchor, y->band_first, y->share_first, y->share_end, y->list, y->first,
-			 x->end };
+		ky[7] = { y->anchor, y->band_first, y->share_first, y->share_end, y->list, y->first, x->end };
 	for (int i = 0; i < 7; i++)
 		if (kx[i] != ky[i])
 			return kx[i] < ky[i] ? -1 : 1;
@@ -337,16 +333,14 @@ enum eco_code paper_finish(struct paper *p, struct eco_plan *plan, struct eco_er
 {
 	*plan = (struct eco_plan){ 0 };
 	paper_vertices(p);
-	enum eco_code code = p->no_memory
-		? eco_fail(error, ECO_NO_MEMORY, "no memory for %u cuts", p->cut_count)
+	enum eco_code code = p->no_memory ? eco_fail(error, ECO_NO_MEMORY, "no memory for %u cuts",
+		p->cut_count)
 		: lod_planner_emit(&p->p, plan, error);
 	/* ground first: it looks cuts up in the pack, which has not all of the rule's lists */
 	if (!code)
 		code = lod_plan_ground(plan, p->s->scene, &p->request.view, p->request.ground_px, error);
-	struct eco_cut *cuts = code
-		? NULL
-		: realloc(plan->cuts, ((size_t)plan->cut_count + p->cut_count + p->s->scene->list_count + 1)
-		* sizeof *cuts);
+	struct eco_cut *cuts = code ? NULL : realloc(plan->cuts, ((size_t)plan->cut_count + p->cut_count
+		+ p->s->scene->list_count + 1) * sizeof *cuts);
 	if (!code && !cuts)
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u cuts", p->cut_count);
 	if (cuts) {

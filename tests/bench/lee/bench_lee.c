@@ -260,8 +260,7 @@ static enum eco_code cover_order(struct study *s, uint32_t *order, const double 
 }
 
 /* A method's two lists: for leaves as they are from `cover`, for scaled ones from `rank` (NULL: from the
- * views that
- * packs are made with). */
+ * views that packs are made with). */
 static enum eco_code make_lists(struct study *s, enum method method, const double (*cover)[3],
 	uint32_t covers, const double (*rank)[3], uint32_t ranks, struct eco_error *error)
 {
