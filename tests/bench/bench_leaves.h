@@ -29,9 +29,7 @@ enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *m
 	struct eco_error *error);
 void bench_leaves_close(struct bench_leaves *leaves);
 
-/* A unit (bench_unit) of a model's leaves, made by `study`. It
- * may
- * take from the leaves' arena. */
+/* A unit (bench_unit) of a model's leaves, made by `study`. It may take from the leaves' arena. */
 struct bench_leaves_unit {
 	const char *name, *stamp;
 	const struct bench_model *model;

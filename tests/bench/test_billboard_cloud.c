@@ -116,8 +116,7 @@ static void make(const struct lod_billboard_options *options)
 /* ---- Generators and validity ---- */
 
 /* Fronds along x of half width .1, by their height there; how far their corners are from the billboards of
- * each
- * generator at most, and how many these are. */
+ * each generator at most, and how many these are. */
 static double level(double x) { return 0.3 * x; }
 static double arch(double x) { return x * (1 - x); }
 static const struct { double (*rise)(double x); enum lod_billboard_form form; uint32_t count; double away; }

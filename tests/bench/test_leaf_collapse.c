@@ -87,8 +87,7 @@ UNIT_TEST(every_level_is_two_runs_and_a_cut_of_the_forest)
 }
 
 /* Section 3.2: two leaves and their quad, or no quad within the default cut-offs. Half axes of 0.5 but for
- * the
- * coincident centres, where the axis is that of the larger leaf. */
+ * the coincident centres, where the axis is that of the larger leaf. */
 static const struct {
 	struct lod_v3 at[2], along[2], across[2];
 	bool apart;

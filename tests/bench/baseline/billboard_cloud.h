@@ -21,9 +21,8 @@
  *              hidden parts last and not, as the text says, first
  *
  * The print gives no sizes: BILLBOARD_ constants in billboard_state.h and the files' own say ours, in shares
- * of
- * the plant's height. Both planes of a cross show the whole part; of planes and strips the one nearest to a
- * face shows it. Only + - * / sqrt and comparisons decide: every machine makes the same cloud. */
+ * of the plant's height. Both planes of a cross show the whole part; of planes and strips the one nearest to
+ * a face shows it. Only + - * / sqrt and comparisons decide: every machine makes the same cloud. */
 #ifndef TESTS_BENCH_BASELINE_BILLBOARD_CLOUD_H
 #define TESTS_BENCH_BASELINE_BILLBOARD_CLOUD_H
 

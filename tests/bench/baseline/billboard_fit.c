@@ -1,6 +1,5 @@
 /* The generators (Kratt 2014, 3.3): two crossed planes, a fitted plane, a strip of fitted planes; and how
- * well
- * billboards stand for faces (3.4). */
+ * well billboards stand for faces (3.4). */
 #include <math.h>
 
 #include "lod/build/splat/splat_state.h"

@@ -1,6 +1,5 @@
 /* The skeleton (Kratt 2014, 3.1): extruded elements become chains of graph nodes, chains are connected at
- * points
- * of overlap. It becomes a binary tree in preorder, with its faces. */
+ * points of overlap. It becomes a binary tree in preorder, with its faces. */
 #include "ecofiles/base/status.h"
 #include "ecofiles/base/union.h"
 #include "lod/heap.h"
@@ -74,11 +73,9 @@ static struct lod_v3 corner_at(const struct skeleton *s, uint32_t corner)
  * Prim's algorithm on corners in cells: from the trunk upwards each component hangs on the nearest that hangs
  * already. Of each component one corner a cell stands for all that it has there; a component that is taken
  * looks for others in the cells around its own. What none has reached is looked for in cells twice as wide,
- * and
- * so on. A cell is looked around again only for a much larger component, so the work is linear in corners.
- * Nearness counts in half cells, and among the equally near the largest bears: a leaf hangs on its twig and
- * not
- * on the leaf beside it. */
+ * and so on. A cell is looked around again only for a much larger component, so the work is linear in
+ * corners. Nearness counts in half cells, and among the equally near the largest bears: a leaf hangs on its
+ * twig and not on the leaf beside it. */
 
 struct attach {
 	struct skeleton *s;
@@ -223,8 +220,7 @@ static void attach_all(struct skeleton *s, uint32_t *order)
 /* ---- Nodes: level sets of the distance along the surface from where a component hangs ----
  *
  * A tube becomes a chain of rings, one that forks becomes a chain that forks. A component that is shorter
- * than two
- * nodes, such as a leaf, is one node. */
+ * than two nodes, such as a leaf, is one node. */
 
 static uint32_t vertex_of(const struct skeleton *s, uint32_t triangle, uint32_t k)
 {
@@ -270,8 +266,7 @@ static double nearest(const struct skeleton *s, uint32_t triangle)
 }
 
 /* A triangle at the vertex in the component, of the level (`lower`: of a lower one and of a node before
- * `node`);
- * ECO_NONE if there is none. */
+ * `node`); ECO_NONE if there is none. */
 static uint32_t neighbour(const struct skeleton *s, uint32_t vertex, uint32_t triangle, bool lower,
 	uint32_t node)
 {

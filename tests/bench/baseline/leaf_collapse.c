@@ -326,8 +326,7 @@ static void collapse_all(struct work *w)
 }
 
 /* The line of places and the table of levels (section 4). Roots that were made last are placed first: they
- * are
- * the largest. */
+ * are the largest. */
 static void place_all(struct lod_collapse *collapse, struct lod_arena *arena)
 {
 	uint32_t n = collapse->leaves, nodes = n + collapse->made, p = 0,

@@ -1,6 +1,5 @@
 /* Leaf collapse (Hidalgo, Abad, Camahort, "Simplification for Efficient Rendering of Tree Foliage", 2007):
- * the
- * two leaves whose cost is least become one quad, again and again. A baseline of ecobench.
+ * the two leaves whose cost is least become one quad, again and again. A baseline of ecobench.
  *
  *   lod_collapse_make(&collapse, &foliage, NULL, NULL, 0, NULL, &arena);      a binary forest
  *   const struct lod_collapse_level *level = lod_collapse_level_of(&collapse, 500);
@@ -67,9 +66,8 @@ struct lod_collapse {                /* arrays of an arena */
 struct lod_collapse_crown { double radius, across; };
 
 /* The tree's axis is that of z. Collapses the leaves leaf[0 .. count), or all for NULL. Of the foliage first,
- * corner and area count; area NULL: all is opaque. options NULL: lod_collapse_defaults. crown NULL:
- * that
- * of these leaves. Near-linear in the count for leaves that are spread. */
+ * corner and area count; area NULL: all is opaque. options NULL: lod_collapse_defaults. crown NULL: that of
+ * these leaves. Near-linear in the count for leaves that are spread. */
 void lod_collapse_make(struct lod_collapse *collapse, const struct lod_foliage *leaves,
 	const struct lod_collapse_options *options, const uint32_t *leaf, uint32_t count,
 	const struct lod_collapse_crown *crown, struct lod_arena *arena);

@@ -28,8 +28,7 @@ void paper_wood(struct paper *p, const struct lod_slot *slot, uint32_t ladder, d
 	uint64_t vertices = lod_way_floor(&table->way, (uint64_t)fmin(lambda * full,
 		(double)table->way.full));
 	uint32_t count = vertices ? lod_way_cuts(&table->way, vertices, lod_way_density(&table->way,
-		vertices),
-		0, cuts) : 0;
+		vertices), 0, cuts) : 0;
 	for (uint32_t i = 0; i < count; i++) {
 		cuts[i].share_first = share_first;
 		cuts[i].share_end = share_end;

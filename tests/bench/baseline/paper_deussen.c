@@ -75,8 +75,7 @@ static bool make_points(const struct view_list *from, const struct view_list *fo
 }
 
 /* Gives the store a list of its own. Chunks reorder their elements, but points must stay beside those of
- * their
- * triangle: the store's copy is put back into the order in which they were made. */
+ * their triangle: the store's copy is put back into the order in which they were made. */
 static enum eco_code feed_made(struct paper_scene *s, uint32_t id, const struct eco_list *list,
 	const struct eco_elements *made, const struct view_list *like, struct eco_error *error)
 {
@@ -278,8 +277,7 @@ struct rule {
 };
 
 /* A ladder's own lists hold `count` triangles or lines after the `before` ones of the region, `total` in all,
- * that
- * the whole plant's lists hold. */
+ * that the whole plant's lists hold. */
 static void cut_points(const struct rule *rule, const struct lod_slot *slot, uint32_t ladder, double r)
 {
 	struct paper *p = rule->p;

@@ -322,8 +322,7 @@ static void add_slot(const struct each *e, const struct lod_slot *slot)
 			paper_wood(e->p, slot, ladders[k], lambda, 0, ECO_SHARE_ONE);
 		else if (!slot->cell && !near)
 			paper_leaves(e->p, slot, l, lambda * l->total, (double)scale_at(e, slot->plant,
-				lambda), 0,
-				ECO_SHARE_ONE);
+				lambda), 0, ECO_SHARE_ONE);
 	}
 }
 

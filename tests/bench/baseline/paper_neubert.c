@@ -95,8 +95,7 @@ static enum eco_code measure(const struct alone *a, double lambda, double scale,
 		code = draw(a, lambda, scale, v, &picture, error);
 		if (!code) {
 			lod_score(&score, &(struct lod_score_input){ SIDE, SIDE, picture.cover,
-				a->full[v].cover,
-				picture.owner, a->full[v].owner });
+				a->full[v].cover, picture.owner, a->full[v].owner });
 			sum += score.q;
 		}
 		view_picture_free(&picture);

@@ -103,8 +103,7 @@ struct paper_cook {
 enum eco_code paper_cook(struct paper *p, double full_m, void *cook, struct eco_error *error);
 
 /* Leaves [0, kept) of a region. The ladder's list holds those after `before`. Fewer than one leaf is one leaf
- * of
- * some of the plants. */
+ * of some of the plants. */
 void paper_leaves(struct paper *p, const struct lod_slot *slot, const struct eco_ladder *l, double kept,
 	double scale, uint32_t share_first, uint32_t share_end);
 /* Cuts of wood for a share of its vertices. */

@@ -63,8 +63,7 @@ void paper_clear(struct paper *p);
 /* Tiles whose summary suffices for d' become summaries; 0: every plant is counted. p->p.gates are set. */
 enum eco_code paper_open(struct paper *p, double d, struct eco_error *error);
 /* Takes list, first, end, scale and shares from `cut`; share_end 0: all plants of the slot. Empty cuts are
- * left
- * out. */
+ * left out. */
 void paper_cut(struct paper *p, const struct lod_slot *slot, const struct eco_cut *cut);
 /* Whether a ladder is drawn in a slot: some only where a plant's cells are not. */
 bool paper_applies(const struct paper *p, const struct eco_ladder *ladder, const struct lod_slot *slot);

@@ -1,7 +1,6 @@
 /* Plants side by side: full detail, then leaf collapse (Hidalgo 2007) and billboard clouds (Kratt 2014), each
  * beside ours at as many vertices. A row of cells is a picture of its own. Wood, leaves and billboards are
- * drawn in
- * plain colours, and triangles by how they face the eye. */
+ * drawn in plain colours, and triangles by how they face the eye. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

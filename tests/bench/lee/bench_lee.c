@@ -181,9 +181,8 @@ static void tune_scales(struct study *s, enum method method)
 /* ---- Our lists for leaves as they are: greedy coverage ----
  *
  * Each time the leaf is next that covers most new pixels over all views, lazily. A pixel counts until LEVELS
- * leaves
- * cover it, each time an eighth of its value before: between two of the pictures the leaf in front may have
- * moved. */
+ * leaves cover it, each time an eighth of its value before: between two of the pictures the leaf in front may
+ * have moved. */
 
 #define LEVELS 4
 #define LEVEL_SHIFT 3

@@ -32,8 +32,7 @@
 enum kind { ALL, CROSSES, VALID, KINDS };
 static const char *const kind_names[KINDS] = { "billboards", "crosses only", "valid faces only" };
 /* The first caps have as many vertices, at 6 each, as bench_splats_budgets; other kinds have no others. Then
- * that
- * of Neubert's figure 11. */
+ * that of Neubert's figure 11. */
 #define CAPS 6u
 #define TURNED 4u
 static const uint32_t caps[CAPS] = { 2, 8, 33, 166, 209, 333 };
@@ -78,8 +77,7 @@ void bench_billboards_color(const struct eco_image *image, uint8_t rgb[3])
 }
 
 /* By view: light grey where both are, grey where the cloud is missing, black where only that is (figure 3).
- * Both
- * panels are painted; the second is overwritten. */
+ * Both panels are painted; the second is overwritten. */
 static void compare_panels(const uint8_t *whole, uint8_t *panel, uint32_t side, uint32_t stride)
 {
 	for (size_t i = 0; i < (size_t)side * side; i++) {
