@@ -123,11 +123,11 @@ static bool take_shot(struct extreme *x, const struct extreme_world *world, cons
 		return false;
 	double share = (double)look.covered / ((double)view.width * view.height);
 	extreme_least(x, shot->name, shot->planned_only ? 1 : share, shot->least);
-	extreme_say(x, "%s: %llu plants, %llu vertices", shot->name, (unsigned long long)look.plants,
-		(unsigned long long)look.vertices);
-	size_t used = strlen(x->measured);
+	char covered[32] = "";
 	if (!shot->planned_only)
-		snprintf(x->measured + used, sizeof x->measured - used, ", %.1f %% covered", 100 * share);
+		snprintf(covered, sizeof covered, ", %.1f %% covered", 100 * share);
+	extreme_say(x, "%s: %llu plants, %llu vertices%s", shot->name, (unsigned long long)look.plants,
+		(unsigned long long)look.vertices, covered);
 	return true;
 }
 

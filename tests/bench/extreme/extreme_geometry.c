@@ -18,6 +18,13 @@ static void corner_triangle(struct soup *s, uint32_t material, struct lod_v3 a, 
 	soup_triangle(s, material, i, k, l);
 }
 
+/* Corners (0, 0, 0), (x, 0, 0), (0, y, z). */
+static void right_triangle(struct soup *s, uint32_t material, double x, double y, double z)
+{
+	corner_triangle(s, material, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ x, 0, 0 },
+		(struct lod_v3){ 0, y, z });
+}
+
 static uint32_t begin(struct soup *s)
 {
 	soup_begin(s);
@@ -169,8 +176,7 @@ static void coincident(struct extreme *x)
 	try_soup(x, &s, "each five times; once in another colour", SEEN);
 	m = begin(&s);
 	for (int i = 0; i < 300; i++)
-		corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
-			(struct lod_v3){ 0, 0, 1 });
+		right_triangle(&s, m, 1, 0, 1);
 	try_soup(x, &s, "one triangle 300 times", SEEN);
 	m = begin(&s);
 	for (int i = 0; i < 300; i++)
@@ -231,26 +237,22 @@ static void not_finite(struct extreme *x)
 
 static void few(struct extreme *x)
 {
+	static const struct { const char *name; double corner[3]; } rows[] = { { "one triangle", { 1, 0.5,
+		1 } },
+		{ "one of 10 micrometres", { 1e-5, 0, 1e-5 } }, { "one of 100 km", { 1e5, 0, 1e5 } } };
 	struct soup s;
-	uint32_t m = begin(&s);
-	(void)m;
+	begin(&s);
 	try_soup(x, &s, "empty", REFUSED);
-	m = begin(&s);
-	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
-		(struct lod_v3){ 0, 0.5, 1 });
-	try_soup(x, &s, "one triangle", SEEN);
-	m = begin(&s);
-	soup_quad(&s, m, (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 1, 0, 0 },
-		(struct lod_v3){ 0, 0.3, 1 });
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		const double *c = rows[i].corner;
+		uint32_t m = begin(&s);
+		right_triangle(&s, m, c[0], c[1], c[2]);
+		try_soup(x, &s, rows[i].name, SEEN);
+	}
+	uint32_t m = begin(&s);
+	soup_quad(&s, m, (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 0.3,
+		1 });
 	try_soup(x, &s, "one leaf", SEEN);
-	m = begin(&s);
-	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1e-5, 0, 0 },
-		(struct lod_v3){ 0, 0, 1e-5 });
-	try_soup(x, &s, "one of 10 micrometres", SEEN);
-	m = begin(&s);
-	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1e5, 0, 0 },
-		(struct lod_v3){ 0, 0, 1e5 });
-	try_soup(x, &s, "one of 100 km", SEEN);
 }
 
 /* ---- Many ---- */

@@ -14,6 +14,11 @@ struct point { int32_t p[3]; };
 
 static int compare(const void *a, const void *b) { return memcmp(a, b, sizeof(struct point)); }
 
+static double on_grid(const struct eco_model *model, const struct eco_list *grid, uint32_t vertex, uint32_t k)
+{
+	return ((double)model->position[3 * vertex + k] - grid->grid_origin[k]) / grid->grid_step[k];
+}
+
 /* All corners of the plant's triangles, sorted. Their lists are on one grid: `grid` is one of them. */
 static struct point *corners_of(const struct lod_plant *plant, const struct eco_list **grid, size_t *count,
 	bool *one_grid)
@@ -56,9 +61,7 @@ static double farthest(const struct eco_model *model, const struct eco_list *gri
 			struct point q;
 			double square = 0;
 			for (int k = 0, digit = near; k < 3; k++, digit /= 3) {
-				double at =
-					((double)model->position[3 * v + (uint32_t)k] - grid->grid_origin[k])
-					/ grid->grid_step[k];
+				double at = on_grid(model, grid, v, (uint32_t)k);
 				q.p[k] = (int32_t)floor(at + 0.5) + digit % 3 - 1;
 				square += (at - q.p[k]) * (at - q.p[k]) * grid->grid_step[k]
 					* grid->grid_step[k];
@@ -84,9 +87,7 @@ static struct source *sources_of(const struct eco_model *model, const struct eco
 	for (uint32_t v = 0; v < model->vertex_count && sources; v++) {
 		sources[v].vertex = v;
 		for (uint32_t k = 0; k < 3; k++)
-			sources[v].at.p[k] =
-				(int32_t)floor(((double)model->position[3 * v + k] - grid->grid_origin[k])
-				/ grid->grid_step[k] + 0.5);
+			sources[v].at.p[k] = (int32_t)floor(on_grid(model, grid, v, k) + 0.5);
 	}
 	if (sources)
 		qsort(sources, model->vertex_count, sizeof *sources, compare);
@@ -134,10 +135,8 @@ static uint32_t measure_lists(struct extreme *x, const struct lod_plant *plant, 
 		if (d->list.kind != ECO_LIST_TRIANGLES || d->list.coder == ECO_CODER_FORM)
 			continue;
 		sources = sources ? sources : sources_of(model, &d->list);
-		double error = sources
-			? list_error(d, model,
-			sources)
-			/ (lod_grid_nearest_m(&d->list, LOD_GRID_PIXEL_RAD) * LOD_GRID_PIXEL_RAD) : INFINITY;
+		double one = lod_grid_nearest_m(&d->list, LOD_GRID_PIXEL_RAD) * LOD_GRID_PIXEL_RAD,
+			error = sources ? list_error(d, model, sources) / one : INFINITY;
 		extreme_most(x, "pixels that a list is off at the stated distance", error, 0.5 * (1 + 1e-4));
 		px[0] = fmin(px[0], error);
 		px[1] = fmax(px[1], error);

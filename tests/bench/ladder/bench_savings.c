@@ -328,19 +328,28 @@ static enum eco_code fill_tables(struct bench *bench, struct study *s, struct ec
 }
 
 /* The least lambda from which on Q is reached; rows are by falling lambda. */
-static struct row reach(const struct study *s, enum bench_method method, double q)
+static double reach(const struct row *rows, uint32_t count, double q)
 {
-	const struct row *rows = s->rows[method];
-	uint32_t i = s->row_count - 1;
+	uint32_t i = count - 1;
 	while (i > 0 && rows[i].q < q)
 		i--;
-	if (i + 1 == s->row_count || rows[i].q < q)
-		return rows[i];
+	if (i + 1 == count || rows[i].q < q)
+		return rows[i].lambda;
 	const struct row *high = &rows[i], *low = &rows[i + 1];
 	double t = high->q > low->q ? (q - low->q) / (high->q - low->q) : 1;
-	return (struct row){ low->lambda + t * (high->lambda - low->lambda),
-		low->step + t * (high->step - low->step), low->count + t * (high->count - low->count),
-		low->fine + t * (high->fine - low->fine), q, high->way };
+	return low->lambda + t * (high->lambda - low->lambda);
+}
+
+/* Q at a share, between the rows around it. */
+static double q_at(const struct row *rows, uint32_t count, double lambda)
+{
+	uint32_t i = 0;
+	while (i + 1 < count && rows[i + 1].lambda > lambda)
+		i++;
+	if (i + 1 == count)
+		return rows[i].q;
+	double t = (lambda - rows[i + 1].lambda) / (rows[i].lambda - rows[i + 1].lambda);
+	return rows[i + 1].q + t * (rows[i].q - rows[i + 1].q);
 }
 
 /* ---- Protocol ---- */
@@ -359,19 +368,6 @@ static void measure_cook(struct study *s, enum bench_spacing spacing, uint32_t v
 		reach->cook_lambda[d] = lambda;
 		reach->cook_q[d] = fmax(plain, q_of(s, &s->tests, &drawing, plain));
 	}
-}
-
-/* Q where so much is drawn: between the rows around it. Rows are by falling lambda. */
-static double q_at(const struct study *s, enum bench_method method, double lambda)
-{
-	const struct row *rows = s->rows[method];
-	uint32_t i = 0;
-	while (i + 1 < s->row_count && rows[i + 1].lambda > lambda)
-		i++;
-	if (i + 1 == s->row_count)
-		return rows[i].q;
-	double t = (lambda - rows[i + 1].lambda) / (rows[i].lambda - rows[i + 1].lambda);
-	return rows[i + 1].q + t * (rows[i].q - rows[i + 1].q);
 }
 
 static enum eco_code run_study(struct bench *bench, struct study *s, struct bench_savings *savings,
@@ -400,15 +396,15 @@ static enum eco_code run_study(struct bench *bench, struct study *s, struct benc
 	for (int g = 0; g < BENCH_SPACINGS; g++)
 		measure_cook(s, (enum bench_spacing)g, savings->vertices, &savings->at[g]);
 	code = fill_tables(bench, s, error);
-	for (int i = 0; i < BENCH_SPACINGS * BENCH_METHODS && !code; i++)
-		for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
-			struct bench_reach *at = &savings->at[i / BENCH_METHODS];
-			at->lambda[i % BENCH_METHODS][d] = reach(s, (enum bench_method)(i % BENCH_METHODS),
-				at->cook_q[d]).lambda;
+	for (int m = 0; m < BENCH_METHODS && !code; m++) {
+		for (uint32_t i = 0; i < BENCH_SPACINGS * BENCH_DISTANCES; i++) {
+			struct bench_reach *at = &savings->at[i / BENCH_DISTANCES];
+			uint32_t d = i % BENCH_DISTANCES;
+			at->lambda[m][d] = reach(s->rows[m], s->row_count, at->cook_q[d]);
 		}
-	for (uint32_t i = 0; i < BENCH_METHODS * BENCH_SHARES && !code; i++)
-		savings->q[i / BENCH_SHARES][i % BENCH_SHARES] = q_at(s,
-			(enum bench_method)(i / BENCH_SHARES), bench_shares[i % BENCH_SHARES]);
+		for (uint32_t i = 0; i < BENCH_SHARES; i++)
+			savings->q[m][i] = q_at(s->rows[m], s->row_count, bench_shares[i]);
+	}
 	return code;
 }
 
