@@ -39,7 +39,7 @@ static enum eco_code run_block(void *ctx, json_t **made, struct eco_error *error
 	const struct block *b = ctx;
 	char command[2048], line[2048] = "";
 	double count[COUNTS] = { [VIOLATIONS] = 1, [FAILED] = 1 };
-	snprintf(command, sizeof command, "'%s/bench/requests' --json --seed %u %u '%s/requests/%s.eco'",
+	snprintf(command, sizeof command, "'%s/bench/requests' --seed %u %u '%s/requests/%s.eco'",
 		b->bench->build, b->number + 1, BLOCK, b->bench->cache, b->scene);
 	FILE *pipe = popen(command, "r");
 	if (pipe && !fgets(line, sizeof line, pipe))

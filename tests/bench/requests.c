@@ -13,12 +13,12 @@
  *   whole        next to nothing is expected to be wrong where every plant in view is drawn whole
  *   senseless    predictions are finite and not negative, errors do not exceed the picture
  *
- *   requests [--json] [--seed S] [--only NUMBER] [--times N] COUNT PACK...
+ *   requests [--seed S] [--only NUMBER] [--times N] COUNT PACK...
  *
  * COUNT requests, shared among the packs. --times: a plan may take N times the work of an ordinary one of the
  * scene (server/typical.h); default: any work.
  *
- * Prints a line a pack, or JSON, and describes the first violations. Exit 1 if there was one. */
+ * Prints a JSON object for each pack and describes the first violations. Exit 1 if there was one. */
 #include <getopt.h>
 #include <math.h>
 #include <stdarg.h>
@@ -55,12 +55,12 @@ static const char *const violation_names[] = { "vertices", "bytes", "twice", "un
 struct run {
 	const struct srv_scene *scene;
 	const char *pack;
-	uint64_t seed, number;       /* of the request at hand */
+	unsigned long long seed, number;     /* of the request at hand */
 	uint64_t work_max;           /* of a plan; 0: any */
 	struct eco_request request;
 	struct view_store *store;
 	bool *came;                  /* per list: a chunk of it came with the last answer */
-	uint64_t count[VIOLATION_COUNT], requests, refused, empty, states, chains, few, described;
+	unsigned long long count[VIOLATION_COUNT], requests, refused, empty, states, chains, few, described;
 	/* share of a budget that was left over while something was to be gained */
 	double unused_most;
 };
@@ -82,8 +82,8 @@ static void violated(struct run *run, enum violation what, const char *format, .
 	va_end(args);
 	fprintf(stderr, "\n    --seed %llu --only %llu: "
 		"eye=%.17g,%.17g,%.17g&target=%.17g,%.17g,%.17g&up=%.17g,%.17g,%.17g&fov_y_deg=%.17g"
-		"&width=%u&height=%u&vertices=%llu", (unsigned long long)run->seed,
-		(unsigned long long)run->number, q->view.eye[0], q->view.eye[1], q->view.eye[2],
+		"&width=%u&height=%u&vertices=%llu", run->seed,
+		run->number, q->view.eye[0], q->view.eye[1], q->view.eye[2],
 		q->view.target[0], q->view.target[1], q->view.target[2], q->view.up[0], q->view.up[1],
 		q->view.up[2], q->view.fov_y_deg, q->view.width, q->view.height,
 		(unsigned long long)q->vertices);
@@ -271,7 +271,7 @@ static void check_few(struct run *run)
 
 /* ---- One view, many budgets ---- */
 
-struct rung { uint64_t budget, vertices; double right, wrong, least, q; bool summed;
+struct rung { unsigned long long budget, vertices; double right, wrong, least, q; bool summed;
 	struct lod_planner_stats stats; };
 
 static int by_budget(const void *a, const void *b)
@@ -291,7 +291,7 @@ static bool plan_rung(struct run *run, struct rung *rung)
 			&(struct lod_planner_input){ .scene = &run->scene->pack->scene,
 			.tables = run->scene->tables, .request = &request,
 			.work_max = run->work_max, .stats = &rung->stats }, &error)) {
-		violated(run, FAILED, "at %llu vertices: %s", (unsigned long long)rung->budget, error.text);
+		violated(run, FAILED, "at %llu vertices: %s", rung->budget, error.text);
 		return false;
 	}
 	const struct eco_prediction *p = &plan.prediction;
@@ -305,11 +305,11 @@ static bool plan_rung(struct run *run, struct rung *rung)
 		rung->summed = rung->summed || plan.cuts[i].anchor == ECO_NONE;
 	if (plan.vertices > rung->budget)
 		violated(run, OVER_VERTICES, "%llu vertices planned for %llu",
-			(unsigned long long)plan.vertices, (unsigned long long)rung->budget);
+			(unsigned long long)plan.vertices, rung->budget);
 	if (!(p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && p->tp + p->fn <= pixels * (1 + 1e-6)
 			&& p->fp <= pixels * (1 + 1e-6)))
 		violated(run, SENSELESS, "at %llu vertices %g right, %g too many, %g missing of %g pixels",
-			(unsigned long long)rung->budget, p->tp, p->fp, p->fn, pixels);
+			rung->budget, p->tp, p->fp, p->fn, pixels);
 	eco_plan_free(&plan);
 	return true;
 }
@@ -335,7 +335,7 @@ static void check_unused(struct run *run, const struct rung *rungs, uint32_t i)
 	uint64_t left = rung->budget - rung->vertices;
 	if (left >= rung->stats.cheapest)
 		violated(run, UNUSED, "%llu of %llu vertices left over, the cheapest step takes %llu",
-			(unsigned long long)left, (unsigned long long)rung->budget,
+			(unsigned long long)left, rung->budget,
 			(unsigned long long)rung->stats.cheapest);
 	if (left > 0 && rung->stats.cheapest != UINT64_MAX)
 		run->unused_most = fmax(run->unused_most, (double)left / (double)rung->budget);
@@ -343,9 +343,9 @@ static void check_unused(struct run *run, const struct rung *rungs, uint32_t i)
 		if (rungs[k].stats.level == rungs[0].stats.level && rungs[k].vertices <= rung->budget
 			&& rungs[k].stats.wrong < rung->stats.wrong - WORSE_MOST * rungs[0].stats.wrong) {
 			violated(run, UNUSED, "%g wrong pixels at a budget of %llu, %g at %llu with %llu "
-				"vertices", rung->stats.wrong, (unsigned long long)rung->budget,
-				rungs[k].stats.wrong, (unsigned long long)rungs[k].budget,
-				(unsigned long long)rungs[k].vertices);
+				"vertices", rung->stats.wrong, rung->budget,
+				rungs[k].stats.wrong, rungs[k].budget,
+				rungs[k].vertices);
 			return;
 		}
 }
@@ -362,8 +362,8 @@ static void check_chain(struct run *run)
 		if (i > 0 && (rungs[i - 1].q - rungs[i].q) * fmin(rungs[i - 1].least, rungs[i].least)
 				> SIXTEENTHS)
 			violated(run, FALLS, "Q %.17g at %llu vertices, %.17g at %llu", rungs[i - 1].q,
-				(unsigned long long)rungs[i - 1].budget, rungs[i].q,
-				(unsigned long long)rungs[i].budget);
+				rungs[i - 1].budget, rungs[i].q,
+				rungs[i].budget);
 		check_unused(run, rungs, i);
 	}
 	const struct rung *all = &rungs[CHAIN - 1];
@@ -388,37 +388,28 @@ static void one_request(struct run *run)
 		check_few(run);
 }
 
-static uint64_t sum_of(const struct run *run)
+static unsigned long long sum_of(const struct run *run)
 {
-	uint64_t sum = 0;
+	unsigned long long sum = 0;
 	for (int i = 0; i < VIOLATION_COUNT; i++)
 		sum += run->count[i];
 	return sum;
 }
 
-static void print_run(const struct run *run, bool json)
+static void print_run(const struct run *run)
 {
 	const char *slash = strrchr(run->pack, '/');
-	printf(json ? "{\"pack\": \"%s\", \"requests\": %llu, \"refused\": %llu, \"empty\": %llu, "
-		"\"states\": %llu, \"chains\": %llu, \"few\": %llu, "
-		"\"unused_most\": %.6f, \"violations\": %llu" : "%s: %llu requests, %llu refused, %llu too "
-		"small for any picture, %llu states of streams, "
-		"%llu chains of budgets, %llu pairs of few bytes, at most %.4f of a budget left over: %llu "
-		"violations", slash ? slash + 1 : run->pack, (unsigned long long)run->requests,
-		(unsigned long long)run->refused, (unsigned long long)run->empty,
-		(unsigned long long)run->states, (unsigned long long)run->chains,
-		(unsigned long long)run->few, run->unused_most,
-		(unsigned long long)sum_of(run));
+	printf("{\"pack\": \"%s\", \"requests\": %llu, \"refused\": %llu, \"empty\": %llu, \"states\": %llu, "
+		"\"chains\": %llu, \"few\": %llu, \"unused_most\": %.6f, \"violations\": %llu",
+		slash ? slash + 1 : run->pack, run->requests, run->refused, run->empty, run->states,
+		run->chains, run->few, run->unused_most, sum_of(run));
 	for (int i = 0; i < VIOLATION_COUNT; i++)
-		if (json)
-			printf(", \"%s\": %llu", violation_names[i], (unsigned long long)run->count[i]);
-		else if (run->count[i])
-			printf(", %s %llu", violation_names[i], (unsigned long long)run->count[i]);
-	puts(json ? "}" : "");
+		printf(", \"%s\": %llu", violation_names[i], run->count[i]);
+	puts("}");
 	fflush(stdout);
 }
 
-static uint64_t run_pack(const char *path, uint64_t first, uint64_t count, const struct run *as, bool json)
+static uint64_t run_pack(const char *path, uint64_t first, uint64_t count, const struct run *as)
 {
 	struct run run = *as;
 	struct srv_store scenes;
@@ -441,38 +432,36 @@ static uint64_t run_pack(const char *path, uint64_t first, uint64_t count, const
 	new_client(&run);
 	view_store_free(run.store);
 	free(run.came);
-	print_run(&run, json);
+	print_run(&run);
 	srv_store_free(&scenes);
 	return sum_of(&run);
 }
 
 int main(int argc, char **argv)
 {
-	static const struct option options[] = { { "json", no_argument, NULL, 'j' },
-		{ "seed", required_argument, NULL, 's' },
+	static const struct option options[] = { { "seed", required_argument, NULL, 's' },
 		{ "only", required_argument, NULL, 'o' }, { "times", required_argument, NULL, 't' },
 		{ NULL, 0, NULL, 0 } };
 	struct run run = { .seed = 1 };
 	uint64_t only = UINT64_MAX, violations = 0;
-	bool json = false, usable = true;
+	bool usable = true;
 	for (int c; (c = getopt_long(argc, argv, "", options, NULL)) != -1;) {
 		usable = usable && c != '?';
-		json = json || c == 'j';
 		run.seed = c == 's' ? strtoull(optarg, NULL, 10) : run.seed;
 		run.work_max = c == 't' ? strtoull(optarg, NULL, 10) : run.work_max;
 		only = c == 'o' ? strtoull(optarg, NULL, 10) : only;
 	}
 	int packs = argc - optind - 1;
 	if (!usable || packs < 1) {
-		fputs("usage: requests [--json] [--seed S] [--only NUMBER] [--times N] COUNT PACK...\n",
+		fputs("usage: requests [--seed S] [--only NUMBER] [--times N] COUNT PACK...\n",
 			stderr);
 		return 2;
 	}
 	uint64_t count = strtoull(argv[optind], NULL, 10);
 	for (int i = 0; i < packs; i++) {
 		uint64_t share = count / (uint64_t)packs + ((uint64_t)i < count % (uint64_t)packs);
-		violations += only == UINT64_MAX ? run_pack(argv[optind + 1 + i], 0, share, &run, json)
-			: run_pack(argv[optind + 1 + i], only, 1, &run, json);
+		violations += only == UINT64_MAX ? run_pack(argv[optind + 1 + i], 0, share, &run)
+			: run_pack(argv[optind + 1 + i], only, 1, &run);
 	}
 	return violations ? 1 : 0;
 }
