@@ -26,13 +26,31 @@ static void close_good(void)
 	free(file_bytes);
 }
 
+/* The whole accessor; *values is malloc'ed: count * components. */
+static enum eco_code read_floats(uint32_t accessor, uint32_t components, double **values, uint64_t *count,
+	struct eco_error *error)
+{
+	struct eco_gltf_accessor a;
+	enum eco_code code = eco_gltf_accessor_open(doc, accessor, components, &a, error);
+	*values = NULL;
+	*count = 0;
+	if (code)
+		return code;
+	*values = malloc(((size_t)a.count * a.components + 1) * sizeof **values);
+	*count = a.count;
+	for (uint64_t i = 0; i < *count; i++)
+		eco_gltf_element(&a, i, *values + i * a.components);
+	eco_gltf_accessor_close(&a);
+	return code;
+}
+
 static void expect_floats(int accessor, uint32_t components, const double *wanted,
 	uint64_t wanted_count)
 {
 	struct eco_error error = { .code = ECO_OK };
 	double *values;
 	uint64_t count;
-	assert_ok(eco_gltf_read_floats(doc, (uint32_t)accessor, components, &values, &count, &error), error);
+	assert_ok(read_floats((uint32_t)accessor, components, &values, &count, &error), error);
 	assert_int_equal(count, wanted_count);
 	for (uint64_t i = 0; i < count * components; i++)
 		if (fabs(values[i] - wanted[i]) > 1e-6)
@@ -45,7 +63,7 @@ static void expect_refused(int accessor, enum eco_code wanted, const char *says)
 	struct eco_error error = { .code = ECO_OK };
 	double *values;
 	uint64_t count;
-	assert_int_equal(eco_gltf_read_floats(doc, (uint32_t)accessor, 0, &values, &count, &error), wanted);
+	assert_int_equal(read_floats((uint32_t)accessor, 0, &values, &count, &error), wanted);
 	assert_null(values);
 	if (!strstr(error.text, says))
 		fail_msg("%s\n  wanted ... %s", error.text, says);
@@ -289,14 +307,14 @@ UNIT_TEST(views_compressed_with_meshopt_are_unpacked)
 		double *values;
 		uint64_t count;
 		expect_floats(e * 3, 4, wanted, 100);
-		assert_int_equal(eco_gltf_read_floats(doc, (uint32_t)e * 3 + 1, 1, &values, &count, NULL),
+		assert_int_equal(read_floats((uint32_t)e * 3 + 1, 1, &values, &count, NULL),
 			ECO_OK);
 		/* triangles keep their order, and may begin at another corner */
 		for (unsigned i = 0; i < 300; i += 3)
 			assert_true(values[i] + values[i + 1] + values[i + 2] == corners[i] + corners[i + 1]
 				+ corners[i + 2]);
 		free(values);
-		assert_int_equal(eco_gltf_read_floats(doc, (uint32_t)e * 3 + 2, 1, &values, &count, NULL),
+		assert_int_equal(read_floats((uint32_t)e * 3 + 2, 1, &values, &count, NULL),
 			ECO_OK);
 		for (unsigned i = 0; i < 100; i++)
 			assert_true(values[i] == list[i]);
@@ -328,11 +346,11 @@ UNIT_TEST(filters_of_meshopt_are_undone)
 		12, "ATTRIBUTES", "EXPONENTIAL",
 		"EXT_meshopt_compression"), GLTF_FLOAT, 2, "VEC3", "");
 	open_good("");
-	assert_int_equal(eco_gltf_read_floats(doc, 0, 4, &values, &count, NULL), ECO_OK);
+	assert_int_equal(read_floats(0, 4, &values, &count, NULL), ECO_OK);
 	for (int i = 0; i < 16; i++)
 		assert_true(i % 4 == 3 || fabs(values[i] - (double)normals[i / 4][i % 4]) < 1e-3);
 	free(values);
-	assert_int_equal(eco_gltf_read_floats(doc, 1, 4, &values, &count, NULL), ECO_OK);
+	assert_int_equal(read_floats(1, 4, &values, &count, NULL), ECO_OK);
 	for (int i = 0; i < 8; i++)
 		assert_true(fabs(values[i] - (double)turns[i / 4][i % 4]) < 1e-3);
 	free(values);

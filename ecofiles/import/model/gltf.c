@@ -27,11 +27,6 @@ const char *eco_gltf_path(const struct eco_gltf *doc)
 	return doc->path;
 }
 
-bool eco_gltf_is_path(const char *path)
-{
-	return eco_path_ends_with(path, ".glb") || eco_path_ends_with(path, ".gltf");
-}
-
 const json_t *eco_gltf_item(const struct eco_gltf *doc, const char *array, uint64_t index)
 {
 	return index < SIZE_MAX ? json_array_get(json_object_get(doc->root, array), (size_t)index) : NULL;

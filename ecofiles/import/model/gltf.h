@@ -3,7 +3,7 @@
  *
  *   eco_gltf_open(&doc, path, &error);
  *   nodes = json_object_get(eco_gltf_json(doc), "nodes");
- *   eco_gltf_read_floats(doc, eco_gltf_index(attributes, "POSITION"), 3, &values, &count, &error);
+ *   eco_gltf_accessor_open(doc, eco_gltf_index(attributes, "POSITION"), 3, &positions, &error);
  *   eco_gltf_node_matrix(doc, node, world, &error);
  *   eco_gltf_close(doc);
  *
@@ -38,9 +38,6 @@ void eco_gltf_close(struct eco_gltf *doc);       /* NULL is fine */
 
 const json_t *eco_gltf_json(const struct eco_gltf *doc);     /* an object; owned by the document */
 const char *eco_gltf_path(const struct eco_gltf *doc);
-
-/* Whether .glb or .gltf, by the path. */
-bool eco_gltf_is_path(const char *path);
 
 /* ---- JSON of strangers: a missing or wrong value becomes the default ---- */
 
@@ -81,10 +78,6 @@ void eco_gltf_accessor_close(struct eco_gltf_accessor *a);
 void eco_gltf_element(const struct eco_gltf_accessor *a, uint64_t i, double *values);
 /* Component 0 of element i as a whole number; ECO_NONE: not a whole number. */
 uint32_t eco_gltf_element_index(const struct eco_gltf_accessor *a, uint64_t i);
-
-/* The whole accessor; *values is malloc'ed: count * components. */
-enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint32_t components,
-	double **values, uint64_t *count, struct eco_error *error);
 
 /* Bytes of a buffer view, decompressed; live as long as the document. */
 enum eco_code eco_gltf_view(struct eco_gltf *doc, uint32_t view, const uint8_t **bytes, size_t *size,

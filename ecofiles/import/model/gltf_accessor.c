@@ -227,24 +227,3 @@ uint32_t eco_gltf_element_index(const struct eco_gltf_accessor *a, uint64_t i)
 	double value = component(a->bytes + i * a->stride, a->type, false);
 	return value >= 0 && value < ECO_NONE ? (uint32_t)value : ECO_NONE;
 }
-
-enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint32_t components,
-	double **values, uint64_t *count, struct eco_error *error)
-{
-	struct eco_gltf_accessor a;
-	enum eco_code code = eco_gltf_accessor_open(doc, accessor, components, &a, error);
-	*values = NULL;
-	*count = 0;
-	if (code)
-		return code;
-	*values = malloc(((size_t)a.count * a.components + 1) * sizeof **values);
-	if (!*values)
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for accessor %u", doc->path,
-			accessor);
-	else
-		*count = a.count;
-	for (uint64_t i = 0; i < *count; i++)
-		eco_gltf_element(&a, i, *values + i * a.components);
-	eco_gltf_accessor_close(&a);
-	return code;
-}

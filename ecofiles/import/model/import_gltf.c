@@ -365,8 +365,8 @@ static void tell(struct soup *s)
 	else if (scenes > 1)
 		eco_note(s->notes, "%zu scenes are in it: the default one is read, else the first", scenes);
 	if (s->instances > 0)
-		eco_note(s->notes, "%llu instances in it (EXT_mesh_gpu_instancing) make one plant: if it is "
-			"an inventory, name it in \"from\"", (unsigned long long)s->instances);
+		eco_note(s->notes, "%llu instances in it (EXT_mesh_gpu_instancing) make one plant",
+			(unsigned long long)s->instances);
 	if (s->counts.points > 0 || s->counts.lines > 0)
 		eco_note(s->notes, "%llu points and %llu lines are left out: only triangles are drawn",
 			(unsigned long long)s->counts.points, (unsigned long long)s->counts.lines);

@@ -156,7 +156,8 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 	if (code == ECO_OK && eco_path_ends_with(job->path, ".obj"))
 		code = eco_obj_read(&head->model, &head->frame, job->path, job->triangles_max, &head->notes,
 			error);
-	else if (code == ECO_OK && (eco_gltf_is_path(job->path) || eco_file_head_has(job->path, 4, "glTF")))
+	else if (code == ECO_OK && (eco_path_ends_with(job->path, ".glb")
+			|| eco_path_ends_with(job->path, ".gltf") || eco_file_head_has(job->path, 4, "glTF")))
 		code = eco_gltf_read_model(&head->model, &head->frame, job->path, job->triangles_max,
 			&head->notes, error);
 	else if (!code)
@@ -216,8 +217,7 @@ static void note_size(const struct eco_model *model, const char *path, struct ec
 	if (fmax(size[0], size[1]) > WIDE_M)
 		eco_note(notes, "%.200s is %.4g x %.4g m wide and %.3g m high, as a whole scene is: each place "
 			"gets all of it. Make a file of each plant; if it is one plant, \"unit\" or \"height_m\" "
-			"says its size. A glTF scene gives the places of its plants as an inventory: {\"from\": "
-			"\"%.200s\", ...}", path, size[0], size[1], size[2], eco_path_last(path));
+			"says its size", path, size[0], size[1], size[2]);
 }
 
 static void tell(const struct eco_model_options *options, struct eco_notes *notes)
