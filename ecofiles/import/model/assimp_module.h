@@ -8,11 +8,6 @@
 struct aiMaterial;
 struct aiScene;
 
-/* Fills format, unit, up and convention of the frame. axes: from assimp's world to ours, rows of a matrix,
- * unit included; Z up if the format states its axes, else as in the file. */
-void assimp_frame(const struct aiScene *scene, const char *path, struct eco_model_frame *frame,
-	double axes[3][3]);
-
 /* Fills model->materials and images from the scene's materials; images are not yet multiplied by the
  * materials' colours. `channel` receives the uv set of each material's image, `invisible` whether the
  * material is fully transparent. */

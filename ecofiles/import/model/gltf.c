@@ -1,7 +1,7 @@
 /* The document: container, JSON, buffers. Common departures from the specification are accepted: a JSON
  * chunk padded with zeros, a byte order mark, whole numbers written as 3.0, names of buffers in another
  * system's spelling, a GLB named .gltf. Damage is refused: a GLB shorter than its header says was cut off. */
-#include "ecofiles/import/model/gltf_document.h"
+#include "ecofiles/import/model/import_gltf.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -10,7 +10,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "ecofiles/import/model/import_model.h"
 
 #define CHUNK_JSON 0x4e4f534au
 #define CHUNK_BIN 0x004e4942u

@@ -1,6 +1,6 @@
 /* Nodes: their places in the world, in double, and their instances. No recursion: a stranger's file may
  * have a tree of any depth, or none. */
-#include "ecofiles/import/model/gltf_document.h"
+#include "ecofiles/import/model/import_gltf.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,6 @@
  *   eco_model_file_check     the kind of file: empty, packed, not a model (import_file.c)
  *   eco_FORMAT_read          a soup, in the file's axes and units unless the format states them
  *   (the above in a child process, one per file)
- *   eco_model_join           soups of several files become one, turned (import_join.c)
  *   eco_model_clean          triangles, rules, foot, height (model_clean.c, model_parts.c, model_stand.c) */
 #ifndef ECO_IMPORT_MODEL_H
 #define ECO_IMPORT_MODEL_H
@@ -95,7 +94,7 @@ void eco_model_split(const double *corners, uint32_t n, uint32_t *split);
 void eco_model_add_part(struct eco_model *model, const char *node, size_t node_bytes, const char *mesh,
 	size_t mesh_bytes);
 
-/* ---- Images (import_image.c) ---- */
+/* ---- Images (import_material.c) ---- */
 
 enum eco_alpha { ECO_ALPHA_BY_IMAGE, ECO_ALPHA_OPAQUE, ECO_ALPHA_MASK };
 
@@ -191,20 +190,5 @@ uint8_t eco_byte_from_share(double share);       /* 0 to 1; NaN is 0 */
 /* Whether a material with this alpha is drawn. */
 bool eco_alpha_shows(double alpha);
 double eco_linear_from_srgb(uint8_t srgb);
-
-/* ---- Several files (import_join.c) ---- */
-
-struct eco_model_piece {         /* a file after its reader */
-	struct eco_model model;
-	struct eco_model_frame frame;
-	const char *path;
-};
-
-/* Makes one soup of the pieces, which become empty: Z up, in the unit of the first file, parts named after
- * their files if there are several. Axes that a format does not state come from `options`, from another
- * piece, or from the shape, which is noted. `frame` receives base, unit and up of the whole. */
-enum eco_code eco_model_join(struct eco_model *model, struct eco_model_frame *frame,
-	struct eco_model_piece *pieces, uint32_t count, const struct eco_model_options *options,
-	struct eco_notes *notes, struct eco_error *error);
 
 #endif
