@@ -31,10 +31,4 @@ struct eco_ground_image_job {
 	struct ground_image_head head;
 };
 
-/* The verdict on what came: the child's own comes before what was missed here. `path` is for the message. */
-enum eco_code ground_finish(struct eco_guard *guard, bool whole, const char *path, struct eco_error *error);
-/* Ends each note's text; false: there are more than can be. */
-bool ground_notes_end(struct ground_notes *notes);
-void ground_notes_tell(const struct ground_notes *notes, void (*warn)(void *ctx, const char *text), void *ctx);
-
 #endif
