@@ -245,18 +245,15 @@ UNIT_TEST(a_raster_that_is_too_large_is_averaged_down)
 
 UNIT_TEST(what_is_no_raster_is_refused)
 {
+	static const struct { const char *name, *text, *says; } cases[] = {
+		{ "lfs.tif", "version https://git-lfs.github.com/spec/v1\n", "lfs.tif: a pointer of Git LFS" },
+		{ "empty.tif", "", "empty.tif: the file is empty" },
+		{ "text.tif", "not a raster", "not a raster that GDAL can read" },
+		{ "one.asc", "ncols 1\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n5\n", "at least 2 x 2" },
+		{ "void.asc", GRID "-9999 -9999 -9999\n-9999 -9999 -9999\n", "no height at all" } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+		import_fails(&(struct given){ .path = input_text("ground", cases[i].name, cases[i].text) }, cases[i].says);
 	import_fails(&(struct given){ .path = "build/tmp/ground/gone.tif" }, "gone.tif: No such file");
-	import_fails(&(struct given){ .path = input_text("ground", "lfs.tif",
-		"version https://git-lfs.github.com/spec/v1\n") }, "lfs.tif: a pointer of Git LFS");
-	import_fails(&(struct given){ .path = input_text("ground", "empty.tif", "") },
-		"empty.tif: the file is empty");
-	import_fails(&(struct given){ .path = input_text("ground", "text.tif", "not a raster") },
-		"not a raster that GDAL can read");
-	import_fails(&(struct given){ .path = input_text("ground", "one.asc", "ncols 1\nnrows 1\nxllcorner "
-		"0\nyllcorner 0\ncellsize 1\n5\n") }, "at least 2 x 2");
-	import_fails(&(struct given){
-		.path = input_text("ground", "void.asc", GRID "-9999 -9999 -9999\n-9999 -9999 -9999\n") },
-		"no height at all");
 }
 
 /* ---- Values ---- */
@@ -483,25 +480,28 @@ UNIT_TEST(degrees_and_turned_rasters_are_resampled)
 
 UNIT_TEST(one_vertical_datum_without_the_other_is_an_error)
 {
+	static const struct { const char *crs, *scene_crs, *vertical, *scene_vertical, *fails; } cases[] = {
+		{ NULL, NULL, "EPSG:5703", NULL, "add \"vertical\": \"EPSG:5703\" to the scene" },
+		{ NULL, NULL, "EPSG:5703", "EPSG:5703", NULL },
+		{ NULL, NULL, "NAVD88 height", "EPSG:5703", NULL },              /* the same by name */
+		{ NULL, NULL, "EPSG:5773", "EPSG:5703", "no conversion is at hand" },
+		{ NULL, NULL, NULL, "EPSG:5703", "add \"vertical\": \"EPSG:5703\" to the ground" },
+		/* a compound CRS states one too */
+		{ "EPSG:32632", "EPSG:32632+5773", NULL, NULL, "add \"vertical\": \"EGM96 height\" to the ground" },
+		{ "EPSG:32632+5773", "EPSG:32632+5773", NULL, NULL, NULL } };
 	struct given g = { .path = input_text("ground", "v.asc", GRID "1 2 3\n4 5 6\n") };
 	import_good(&g);
 	assert_true(said("add \"vertical\" to the scene and to its ground"));
-	g.vertical = "EPSG:5703";
-	import_fails(&g, "add \"vertical\": \"EPSG:5703\" to the scene");
-	g.scene_vertical = "EPSG:5703";
-	import_good(&g);
-	assert_false(said("vertical"));
-	g.vertical = "NAVD88 height";        /* the same by name */
-	import_good(&g);
-	g.vertical = "EPSG:5773";
-	import_fails(&g, "no conversion is at hand");
-	g.vertical = NULL;
-	import_fails(&g, "add \"vertical\": \"EPSG:5703\" to the ground");
-	g = (struct given){ .path = g.path, .crs = "EPSG:32632", .scene_crs = "EPSG:32632+5773" };
-		/* a compound CRS states one too */
-	import_fails(&g, "add \"vertical\": \"EGM96 height\" to the ground");
-	g.crs = "EPSG:32632+5773";
-	import_good(&g);
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		g = (struct given){ .path = g.path, .crs = cases[i].crs, .scene_crs = cases[i].scene_crs,
+			.vertical = cases[i].vertical, .scene_vertical = cases[i].scene_vertical };
+		if (cases[i].fails) {
+			import_fails(&g, cases[i].fails);
+			continue;
+		}
+		import_good(&g);
+		assert_false(said("vertical"));
+	}
 }
 
 /* ---- Heights ---- */

@@ -210,21 +210,19 @@ static const char *write_parts(const char *const names[4])
 
 UNIT_TEST(levels_and_colliders_of_games_are_left_out)
 {
-	static const char *const game[] = { "UCX_tree", "tree_LOD0", "tree_LOD1", "tree_Billboard" },
-		*const cards[] = { "billboard", "trunk", "leaves", "fruit" },
-		*const only[] = { "collider", "collider", "collider", "collider" };
-	struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = "*LOD1", .is = ECO_ORGAN_FOUND };
-	import_file(&m, write_parts(game), &(struct eco_model_options){ .up = ECO_UP_Y });
-	assert_int_equal(m.triangle_count, 2);
+	static const struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = "*LOD1", .is = ECO_ORGAN_FOUND };
+	static const struct { const char *names[4]; uint32_t rules, triangles; } cases[] = {
+		{ { "UCX_tree", "tree_LOD0", "tree_LOD1", "tree_Billboard" }, 1, 4 },
+		{ { "billboard", "trunk", "leaves", "fruit" }, 0, 8 },
+		{ { "collider", "collider", "collider", "collider" }, 0, 8 },
+		{ { "UCX_tree", "tree_LOD0", "tree_LOD1", "tree_Billboard" }, 0, 2 } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		import_file(&m, write_parts(cases[i].names), &(struct eco_model_options){ .up = ECO_UP_Y, .rules = &rule,
+			.rule_count = cases[i].rules });
+		assert_int_equal(m.triangle_count, cases[i].triangles);
+	}
 	assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 6);
 	assert_string_equal(m.parts[m.part[0]].name, "tree_LOD0");
-	import_file(&m, write_parts(game), &(struct eco_model_options){ .up = ECO_UP_Y, .rules = &rule,
-		.rule_count = 1 });
-	assert_int_equal(m.triangle_count, 4);
-	import_file(&m, write_parts(cards), &(struct eco_model_options){ .up = ECO_UP_Y });
-	assert_int_equal(m.triangle_count, 8);
-	import_file(&m, write_parts(only), &(struct eco_model_options){ .up = ECO_UP_Y });
-	assert_int_equal(m.triangle_count, 8);
 }
 
 /* A stem with twigs on a sheet of `side`, in a file of its own, y up. */
@@ -240,22 +238,15 @@ static const char *write_on_sheet(double side, double level)
 
 UNIT_TEST(a_level_sheet_that_it_stands_on_is_left_out)
 {
-	struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = "floor", .is = ECO_ORGAN_FOUND };
-	import_file(&m, write_on_sheet(8, 0), &(struct eco_model_options){ .up = ECO_UP_Y });
-	assert_int_equal(m.triangle_count, 2);
-	assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 2);
-	import_file(&m, write_on_sheet(8, 0), &(struct eco_model_options){ .up = ECO_UP_Y, .rules = &rule,
-		.rule_count = 1 });
-	assert_int_equal(m.triangle_count, 4);
-	import_file(&m, write_on_sheet(8, 0.4), &(struct eco_model_options){ .up = ECO_UP_Y });
-	assert_int_equal(m.triangle_count, 2);
-	import_file(&m, write_on_sheet(8, 0.6), &(struct eco_model_options){ .up = ECO_UP_Y });
-	assert_int_equal(m.triangle_count, 4);
-	/* a leaf at the foot, a roof, and a card */
-	import_file(&m, write_on_sheet(1, 0), &(struct eco_model_options){ .up = ECO_UP_Y });
-	assert_int_equal(m.triangle_count, 4);
-	import_file(&m, write_on_sheet(8, 5), &(struct eco_model_options){ .up = ECO_UP_Y });
-	assert_int_equal(m.triangle_count, 4);
-	import_file(&m, write_on_sheet(8, 0), &(struct eco_model_options){ .up = ECO_UP_Z });
-	assert_int_equal(m.triangle_count, 4);
+	static const struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = "floor", .is = ECO_ORGAN_FOUND };
+	static const struct { double side, level; enum eco_up up; uint32_t rules, triangles; } cases[] = {
+		{ 8, 0, ECO_UP_Y, 0, 2 }, { 8, 0, ECO_UP_Y, 1, 4 }, { 8, 0.4, ECO_UP_Y, 0, 2 }, { 8, 0.6, ECO_UP_Y, 0, 4 },
+		/* a leaf at the foot, a roof, and a card */
+		{ 1, 0, ECO_UP_Y, 0, 4 }, { 8, 5, ECO_UP_Y, 0, 4 }, { 8, 0, ECO_UP_Z, 0, 4 } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		import_file(&m, write_on_sheet(cases[i].side, cases[i].level), &(struct eco_model_options){
+			.up = cases[i].up, .rules = &rule, .rule_count = cases[i].rules });
+		assert_int_equal(m.triangle_count, cases[i].triangles);
+		assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 4 - cases[i].triangles);
+	}
 }

@@ -212,13 +212,10 @@ void eco_components_free(struct eco_components *c)
  * returned as they are. */
 static uint32_t next_letter(const char **at, const char *end)
 {
-	const unsigned char *p = (const unsigned char *)*at;
 	size_t bytes = eco_utf8_bytes(*at, (size_t)(end - *at));
 	if (*at >= end)
 		return 0;
-	uint32_t c = bytes > 1 ? *p & (0x7fu >> bytes) : *p;
-	for (size_t i = 1; i < bytes; i++)
-		c = c << 6 | (p[i] & 0x3fu);
+	uint32_t c = bytes > 0 ? eco_utf8_code(*at, bytes) : (unsigned char)**at;
 	*at += bytes > 0 ? bytes : 1;
 	if ((c >= 'A' && c <= 'Z') || (c >= 0xc0 && c <= 0xde && c != 0xd7) || (c >= 0x391 && c <= 0x3a9)
 			|| (c >= 0x410 && c <= 0x42f))
