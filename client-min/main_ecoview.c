@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "client-min/view_ask.h"
-#include "client-min/view_digest.h"
 #include "client-min/view_fetch.h"
 #include "client-min/draw/view_gl.h"
 #include "client-min/view_geojson.h"

@@ -26,6 +26,7 @@ struct view_mark {
 struct view_list {                       /* stays where it is until its last chunk has gone */
 	uint32_t id;
 	struct eco_list list;            /* as the stream described it */
+	uint64_t description;            /* hash of it, its palette and its groups */
 	uint8_t (*palette)[3];           /* list.palette_count colours, sRGB */
 	struct eco_group *groups;        /* list.group_count */
 	uint32_t chunk_count;            /* chunks held: a prefix */

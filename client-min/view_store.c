@@ -14,6 +14,8 @@
 #include <string.h>
 #include <time.h>
 
+#include <xxhash.h>
+
 #include "client-min/view_cache.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/texture.h"
@@ -183,25 +185,20 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 	return ECO_OK;
 }
 
-static bool same_record(const struct eco_list *a, const struct eco_list *b)
+/* The same number for the same description. */
+static uint64_t hash_description(const struct eco_list *list, const uint8_t (*palette)[3],
+	const struct eco_group *groups)
 {
-	struct eco_writer wa = { 0 }, wb = { 0 };
-	eco_list_write(&wa, a);
-	eco_list_write(&wb, b);
-	bool same = !wa.failed && !wb.failed && wa.size == wb.size && memcmp(wa.bytes, wb.bytes, wa.size)
-		== 0;
-	eco_writer_free(&wa);
-	eco_writer_free(&wb);
-	return same;
-}
-
-static bool same_groups(const struct view_list *held, const struct eco_group *groups)
-{
-	uint32_t i = 0;
-	while (i < held->list.group_count && held->groups[i].plant == groups[i].plant
-			&& held->groups[i].count == groups[i].count)
-		i++;
-	return i == held->list.group_count;
+	struct eco_writer w = { 0 };
+	eco_list_write(&w, list);
+	eco_write_bytes(&w, palette, (size_t)list->palette_count * sizeof *palette);
+	for (uint32_t i = 0; i < list->group_count; i++) {
+		eco_write_u32(&w, groups[i].plant);
+		eco_write_u32(&w, groups[i].count);
+	}
+	uint64_t hash = w.failed ? 0 : XXH3_64bits(w.bytes, w.size);
+	eco_writer_free(&w);
+	return hash;
 }
 
 static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
@@ -209,19 +206,18 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 {
 	struct view_store *store = ctx;
 	const struct view_list *held = view_store_list(store, id);
-	size_t palette_bytes = (size_t)list->palette_count * sizeof *palette;
 	if (store->options.counts)
 		return ECO_OK;
-	if (held) {
-		if (!same_record(&held->list, list) || !same_groups(held, groups)
-				|| (palette_bytes && memcmp(held->palette, palette, palette_bytes) != 0))
-			return BAD("list %u was described twice, and differently", id);
-		return ECO_OK;
-	}
+	uint64_t description = hash_description(list, palette, groups);
+	if (held)
+		return held->description == description ? ECO_OK
+			: BAD("list %u was described twice, and differently", id);
 	enum eco_code code = describe(store, view_list_bytes(list), error);
 	if (code)
 		return code;
 	struct view_list *copy = view_list_new(id, list, palette, groups);
+	if (copy)
+		copy->description = description;
 	code = copy ? view_forms_bind(&store->forms, &store->cache, copy, error) : eco_no_memory(error, "a list");
 	if (!code && !view_cache_add(&store->cache, copy))
 		code = eco_no_memory(error, "a list");

@@ -19,7 +19,7 @@ WEB_BASE := angle16 array_grow bytes phrase range status utf8
 WEB_CHUNK := chunk chunk_columns chunk_corners chunk_counts chunk_decode chunk_ground chunk_mesh chunk_rows chunk_shapes shape
 WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor impostor_codec list model pack_check pack_record plan splat texture \
 	view $(patsubst ecofiles/format/%.c,%,$(wildcard ecofiles/format/wire_*.c))
-WEB_VIEW := cache digest ground image list query record select sky store table threads
+WEB_VIEW := cache ground image list query record select sky store table threads
 WEB_DRAW := gl gpu light mesh picture shader shader_impostor shadow shadow_cast
 WEB_SOURCES := $(WEB_BASE:%=ecofiles/base/%.c) $(WEB_FORMAT:%=ecofiles/format/%.c) $(WEB_VIEW:%=client-min/view_%.c) \
 	$(WEB_DRAW:%=client-min/draw/view_%.c) $(WEB_ROOMS)

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_digest.h"
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_shader.h"
 #include "client-min/view_query.h"

@@ -227,20 +227,6 @@ static struct scene_held hold_points(const struct eco_view *view, uint32_t count
 	return h;
 }
 
-/* Pixels that one of software and OpenGL covers and the other does not. */
-static uint32_t differing(const struct scene_held *h, uint32_t *covers)
-{
-	struct view_picture soft = scene_draw(h, false, VIEW_TINT_NONE),
-		hard = scene_draw(h, true, VIEW_TINT_NONE);
-	uint32_t count = 0;
-	for (uint32_t i = 0; i < soft.width * soft.height; i++)
-		count += soft.owner[i] != hard.owner[i];
-	*covers = covered(&soft);
-	view_picture_free(&soft);
-	view_picture_free(&hard);
-	return count;
-}
-
 /* Points of less than a pixel, of some, and wider than a driver's points. */
 UNIT_TEST(points_of_all_sizes_are_those_of_software)
 {
@@ -253,10 +239,14 @@ UNIT_TEST(points_of_all_sizes_are_those_of_software)
 		for (int k = 0; k < 3; k++)
 			view.eye[k] = view.target[k] + (view.eye[k] - view.target[k]) * views[i].near;
 		struct scene_held h = hold_points(&view, views[i].count, views[i].scale);
-		uint32_t covers, apart = differing(&h, &covers);
-		print_message("at %g times the distance: %u pixels, %u of other owners\n", views[i].near,
-			covers, apart);
-		assert_true(covers > 100 && apart * 200 <= covers);
+		struct view_picture soft = scene_draw(&h, false, VIEW_TINT_NONE),
+			hard = scene_draw(&h, true, VIEW_TINT_NONE);
+		struct picture_difference apart = picture_compare(&soft, &hard);
+		print_message("at %g times the distance: %.4f %% covered, %.4f %% of other owners\n", views[i].near,
+			100 * apart.covered, 100 * apart.owners);
+		assert_true(covered(&soft) > 100 && apart.owners * 200 <= apart.covered);
+		view_picture_free(&soft);
+		view_picture_free(&hard);
 		scene_release(&h);
 	}
 }

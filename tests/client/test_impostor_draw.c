@@ -7,8 +7,6 @@
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_shadow.h"
 #include "client-min/view_reference.h"
-#include "ecofiles/format/image.h"
-#include "tests/support/files.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/shadow_gl.h"
 #include "tests/support/unit_test.h"
@@ -65,51 +63,22 @@ static struct scene_held hold(const struct eco_view *view, uint32_t level, uint3
 	return h;
 }
 
-static void save(const char *name, const char *by, const struct view_picture *p)
-{
-	char path[128];
-	snprintf(path, sizeof path, "build/tmp/impostors-%s-%s.png", name, by);
-	folder_make("build/tmp");
-	eco_png_write(&(struct eco_pixels){ p->width, p->height, 3, p->rgb }, path, NULL);
-}
-
-/* Shares of all pixels whose owner differs; and of those of one owner, whose depth or colour differs much. */
-struct difference { double covered, owner, depth, color; };
-
-static struct difference compare(const struct view_picture *a, const struct view_picture *b)
-{
-	struct difference d = { 0 };
-	double part = 1.0 / (a->width * a->height);
-	for (uint32_t i = 0; i < a->width * a->height; i++) {
-		const uint8_t *p = a->rgb + 3 * (size_t)i, *q = b->rgb + 3 * (size_t)i;
-		d.covered += a->cover[i] ? part : 0;
-		if (a->owner[i] != b->owner[i] || a->cover[i] != b->cover[i]) {
-			d.owner += part;
-			continue;
-		}
-		d.depth += fabsf(a->depth[i] - b->depth[i]) > 1e-4f * a->depth[i] ? part : 0;
-		for (int k = 0; k < 3; k++)
-			if (abs(p[k] - q[k]) > 1) {
-				d.color += part;
-				break;
-			}
-	}
-	return d;
-}
-
 static void assert_agree(const char *name, struct eco_view view, uint32_t level, uint32_t groves)
 {
+	char file[96];
 	struct scene_held h = hold(&view, level, groves);
 	struct view_picture soft = scene_draw(&h, false, VIEW_TINT_NONE),
 		hard = scene_draw(&h, true, VIEW_TINT_NONE);
-	struct difference d = compare(&soft, &hard);
+	struct picture_difference d = picture_compare(&soft, &hard);
 	print_message("%s: %llu plants cover %.2f %%; owners differ in %.4f %%, depths in %.4f %%, "
 		"colours in %.4f %% of pixels\n", name, (unsigned long long)hard.vertices, 100 * d.covered,
-		100 * d.owner, 100 * d.depth, 100 * d.color);
-	save(name, "gl", &hard);
-	save(name, "cpu", &soft);
+		100 * d.owners, 100 * d.depths, 100 * d.colors);
+	snprintf(file, sizeof file, "impostors-%s-gl", name);
+	picture_save(file, &hard);
+	snprintf(file, sizeof file, "impostors-%s-cpu", name);
+	picture_save(file, &soft);
 	assert_true(d.covered > 0 && hard.vertices == h.selection.vertices);
-	assert_true(d.owner <= TOLERANCE && d.depth <= TOLERANCE && d.color <= TOLERANCE);
+	assert_true(d.owners <= TOLERANCE && d.depths <= TOLERANCE && d.colors <= TOLERANCE);
 	view_picture_free(&soft);
 	view_picture_free(&hard);
 	scene_release(&h);

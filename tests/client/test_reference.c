@@ -3,15 +3,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "client-min/draw/view_gl.h"
 #include "client-min/view_reference.h"
-#include "ecofiles/format/image.h"
 #include "lod/build/texture.h"
-#include "lod/raster/flip.h"
 #include "lod/raster/raster.h"
-#include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -65,38 +61,6 @@ static void draw_software(const struct scene_held *d, const struct eco_view *vie
 	assert_int_equal(view_reference_draw(&job, picture, NULL), ECO_OK);
 }
 
-static void save(const char *name, const struct view_picture *p)
-{
-	char path[128];
-	snprintf(path, sizeof path, "build/tmp/%s.png", name);
-	folder_make("build/tmp");
-	eco_png_write(&(struct eco_pixels){ p->width, p->height, 3, p->rgb }, path, NULL);
-}
-
-static void compare(const struct view_picture *a, const struct view_picture *b, double *masks, double *owners)
-{
-	uint32_t pixels = a->width * a->height, mask = 0, owner = 0;
-	for (uint32_t i = 0; i < pixels; i++) {
-		mask += a->cover[i] != b->cover[i];
-		owner += a->owner[i] != b->owner[i];
-	}
-	*masks = (double)mask / pixels;
-	*owners = (double)owner / pixels;
-}
-
-/* Mean error seen, and mean difference of bytes. */
-static double error_seen(const struct view_picture *a, const struct view_picture *b, double *difference)
-{
-	struct lod_flip_input input = { a->width, a->height, a->rgb, b->rgb, NULL };
-	size_t bytes = 3 * (size_t)a->width * a->height;
-	double mean = 1, sum = 0;
-	assert_int_equal(lod_flip(&input, &mean, NULL), ECO_OK);
-	for (size_t i = 0; i < bytes; i++)
-		sum += abs(a->rgb[i] - b->rgb[i]);
-	*difference = sum / (double)bytes;
-	return mean;
-}
-
 UNIT_TEST(opengl_and_software_agree)
 {
 	static const double eyes[][6] = { { -22, -19, 6.5, 0, 0, 2.5 }, { 0, -40, 30, 0, 0, 0 },
@@ -106,7 +70,6 @@ UNIT_TEST(opengl_and_software_agree)
 		skip();
 	for (size_t i = 0; i < sizeof eyes / sizeof eyes[0]; i++) {
 		struct eco_view view = scene_view();
-		double masks, owners, difference;
 		char name[32];
 		memcpy(view.eye, eyes[i], sizeof view.eye);
 		memcpy(view.target, eyes[i] + 3, sizeof view.target);
@@ -114,16 +77,16 @@ UNIT_TEST(opengl_and_software_agree)
 		scene_select(&d);
 		struct view_picture soft = scene_draw(&d, false, VIEW_TINT_NONE),
 		hard = scene_draw(&d, true, VIEW_TINT_NONE);
-		compare(&soft, &hard, &masks, &owners);
-		double seen = error_seen(&soft, &hard, &difference);
+		struct picture_difference apart = picture_compare(&soft, &hard);
 		print_message("view %zu: %llu vertices, masks differ in %.4f %%, owners in %.4f %% of "
 			"pixels, bytes by %.4f, error seen %.5f\n", i, (unsigned long long)hard.vertices,
-			100 * masks, 100 * owners, difference, seen);
+			100 * apart.masks, 100 * apart.owners, apart.bytes, apart.seen);
 		snprintf(name, sizeof name, "reference-gl-%zu", i);
-		save(name, &hard);
+		picture_save(name, &hard);
 		snprintf(name, sizeof name, "reference-cpu-%zu", i);
-		save(name, &soft);
-		assert_true(masks <= TOLERANCE && owners <= TOLERANCE && seen <= SEEN && difference < 0.1);
+		picture_save(name, &soft);
+		assert_true(apart.masks <= TOLERANCE && apart.owners <= TOLERANCE && apart.seen <= SEEN
+			&& apart.bytes < 0.1);
 		assert_true(hard.vertices == d.plan.vertices && soft.vertices == d.plan.vertices);
 		view_picture_free(&soft);
 		view_picture_free(&hard);
@@ -135,14 +98,13 @@ UNIT_TEST(threads_do_not_change_the_picture)
 {
 	struct eco_view view = scene_view();
 	struct view_picture one, many;
-	double masks, owners;
 	struct scene_held d = scene_hold_view(&grove, view, 1);
 	scene_select(&d);
 	draw_software(&d, &view, 1, &one);
 	for (uint32_t threads = 2; threads <= 5; threads++) {
 		draw_software(&d, &view, threads, &many);
-		compare(&one, &many, &masks, &owners);
-		assert_true(masks == 0 && owners == 0);
+		assert_memory_equal(one.cover, many.cover, view.width * view.height);
+		assert_memory_equal(one.owner, many.owner, view.width * view.height * sizeof *one.owner);
 		assert_memory_equal(one.rgb, many.rgb, 3 * view.width * view.height);
 		view_picture_free(&many);
 	}

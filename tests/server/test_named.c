@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "client-min/load/view_load.h"
-#include "client-min/view_digest.h"
+#include "client-min/view_select.h"
 #include "client-min/view_fetch.h"
 #include "ecofiles/ecopack/command.h"
 #include "lod/eye.h"

@@ -1,5 +1,6 @@
 #include "tests/support/view_scene.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +13,9 @@
 #include "tests/support/plant_models.h"
 #include "client-min/view_reference.h"
 #include "tests/support/unit_test.h"
+#include "ecofiles/format/image.h"
+#include "lod/raster/flip.h"
+#include "tests/support/files.h"
 
 /* ---- Elements ---- */
 
@@ -443,6 +447,37 @@ struct view_picture scene_draw(const struct scene_held *h, bool by_gl, enum view
 		assert_ok(view_reference_draw(&(struct view_reference_job){ h->store, &h->selection, &h->eye, 0.1, 2,
 			NULL, tint }, &picture, &error), error);
 	return picture;
+}
+
+struct picture_difference picture_compare(const struct view_picture *a, const struct view_picture *b)
+{
+	struct picture_difference d = { .seen = 1 };
+	size_t pixels = (size_t)a->width * a->height;
+	double part = 1 / (double)pixels;
+	for (size_t i = 0; i < pixels; i++) {
+		bool color = false, same = a->owner[i] == b->owner[i] && a->cover[i] == b->cover[i];
+		for (size_t k = 3 * i; k < 3 * i + 3; k++) {
+			int apart = abs(a->rgb[k] - b->rgb[k]);
+			d.bytes += apart * part / 3;
+			color |= apart > 1;
+		}
+		d.covered += a->cover[i] ? part : 0;
+		d.masks += a->cover[i] != b->cover[i] ? part : 0;
+		d.owners += same ? 0 : part;
+		d.depths += same && fabsf(a->depth[i] - b->depth[i]) > 1e-4f * a->depth[i] ? part : 0;
+		d.colors += same && color ? part : 0;
+	}
+	struct lod_flip_input input = { a->width, a->height, a->rgb, b->rgb, NULL };
+	assert_int_equal(lod_flip(&input, &d.seen, NULL), ECO_OK);
+	return d;
+}
+
+void picture_save(const char *name, const struct view_picture *p)
+{
+	char path[128];
+	snprintf(path, sizeof path, "build/tmp/%s.png", name);
+	folder_make("build/tmp");
+	eco_png_write(&(struct eco_pixels){ p->width, p->height, 3, p->rgb }, path, NULL);
 }
 
 void scene_holdings(const struct view_store *store, uint32_t held[L_COUNT])

@@ -70,6 +70,12 @@ void scene_select(struct scene_held *h);
 void scene_release(struct scene_held *h);
 /* A picture of the selection, lit by its sky: by OpenGL (scene_gl), or in software. The caller frees it. */
 struct view_picture scene_draw(const struct scene_held *h, bool by_gl, enum view_tint tint);
+/* Shares of all pixels: covered by `a`; of another mask; of another owner or mask; of one owner, but of another depth
+ * or colour. Mean differences of bytes, and as people see them (lod_flip). */
+struct picture_difference { double covered, masks, owners, depths, colors, bytes, seen; };
+struct picture_difference picture_compare(const struct view_picture *a, const struct view_picture *b);
+/* As build/tmp/NAME.png, for people. */
+void picture_save(const char *name, const struct view_picture *picture);
 /* Chunks of each list that a store holds. */
 void scene_holdings(const struct view_store *store, uint32_t held[L_COUNT]);
 
