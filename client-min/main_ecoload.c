@@ -13,14 +13,6 @@
 #define SCORES_MAX 1000
 #define PATIENCE_MS 10000
 
-static volatile sig_atomic_t interrupted;
-
-static void on_signal(int number)
-{
-	(void)number;
-	interrupted = 1;
-}
-
 static struct options {
 	struct view_load_options load;
 	const char *camera, *csv;
@@ -145,9 +137,9 @@ static enum eco_code report(struct options *o, const struct view_load_report *re
 static enum eco_code run(struct options *o, struct eco_error *error)
 {
 	struct view_fetch_options at = { .url = o->load.url, .patience_ms = PATIENCE_MS,
-		.stop = &interrupted };
+		.stop = &view_interrupted };
 	struct view_views_options cameras = { .camera = o->camera, .width = o->size[0], .height = o->size[1],
-		.seed = o->load.seed, .snap_m = o->snap_m, .stop = &interrupted };
+		.seed = o->load.seed, .snap_m = o->snap_m, .stop = &view_interrupted };
 	struct view_fetch *fetch = NULL;
 	struct view_views views = { 0 };
 	struct view_load_report result;
@@ -159,13 +151,13 @@ static enum eco_code run(struct options *o, struct eco_error *error)
 	if (!code) {
 		o->load.views = views.items;
 		o->load.view_count = views.count;
-		o->load.stop = &interrupted;
+		o->load.stop = &view_interrupted;
 		o->load.tick = on_tick;
 		o->load.ctx = &progress;
 		code = view_load_run(&result, &o->load, error);
 		view_progress_clear(&progress.bar);
 		if (!code) {
-			interrupted = 0;             /* what there is is reported; the next signal kills */
+			view_interrupted = 0;             /* what there is is reported; the next signal kills */
 			code = report(o, &result, fetch, error);
 			view_load_free(&result);
 		}
@@ -208,11 +200,9 @@ static void allow_descriptors(void)
 int main(int argc, char **argv)
 {
 	struct eco_error error = { 0 };
-	struct sigaction action = { .sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND };
 	if (eco_command_answers(&command, argc - 1, argv + 1))
 		return eco_command_end(&command, ECO_OK, &error);
-	sigaction(SIGINT, &action, NULL);
-	sigaction(SIGTERM, &action, NULL);
+	view_catch_signals();
 	signal(SIGPIPE, SIG_IGN);
 	allow_descriptors();
 	enum eco_code code = read_line(argc, argv, &given, &error);

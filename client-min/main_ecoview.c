@@ -1,7 +1,6 @@
 /* ecoview: streams the frames of a camera script, draws them, and scores them against the full-detail
  * reference. */
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,14 +49,6 @@ struct viewer {                          /* everything that lives as long as the
 	struct view_sky sky;
 	struct view_map map;                     /* with --geojson, ... */
 };
-
-static volatile sig_atomic_t interrupted;
-
-static void on_signal(int number)
-{
-	(void)number;
-	interrupted = 1;
-}
 
 /* ---- Files ---- */
 
@@ -157,7 +148,7 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 	if (!code && v->options.digest && store == v->store)
 		code = view_digest_write(v->digest, store, &selection, error);
 	double near_m = view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1, ground_m;
-	struct view_reference_job job = { store, &selection, eye, near_m, 0, &interrupted,
+	struct view_reference_job job = { store, &selection, eye, near_m, 0, &view_interrupted,
 		(enum view_tint)v->options.tint };
 	if (!code)
 		code = !v->gl ? view_reference_draw(&job, picture, error)
@@ -466,7 +457,7 @@ static enum eco_code all_frames(struct viewer *v, struct eco_error *error)
 	v->parts = (double)(o->frame_last - o->frame_first + 1) * (o->reference ? 4 : 2);
 	enum eco_code code = ECO_OK;
 	for (uint64_t i = o->frame_first; i <= o->frame_last && !code; i++)
-		code = interrupted ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+		code = view_interrupted ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
 			: whole_frame(v, (uint32_t)i, error);
 	v->report.complete = code == ECO_OK;
 	view_progress_clear(&v->progress);
@@ -514,7 +505,7 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	const struct view_options *o = &v->options;
 	struct view_fetch_options fetch = { .url = o->url, .chunks = o->chunks,
 		.rule = o->rule ? view_rules[o->rule] : NULL,
-		.patience_ms = PATIENCE_MS, .resumes = RESUMES, .stop = &interrupted };
+		.patience_ms = PATIENCE_MS, .resumes = RESUMES, .stop = &view_interrupted };
 	enum eco_code code = eco_camera_load(&v->camera, o->camera, error);
 	if (!code)
 		code = view_save_dir(o->dir, error);
@@ -560,15 +551,6 @@ static void finish(struct viewer *v)
 	eco_camera_free(v->camera);
 }
 
-static void catch_signals(void)
-{
-	struct sigaction action = { .sa_handler = on_signal };
-	sigemptyset(&action.sa_mask);
-	action.sa_flags = (int)SA_RESETHAND;     /* a second Ctrl-C ends at once */
-	sigaction(SIGINT, &action, NULL);
-	sigaction(SIGTERM, &action, NULL);
-}
-
 int main(int argc, char **argv)
 {
 	static struct viewer viewer;
@@ -577,7 +559,7 @@ int main(int argc, char **argv)
 		return eco_command_end(&view_command, ECO_OK, &error);
 	enum eco_code code = view_options_read(argc, argv, &viewer.options, &error);
 	view_progress_begin(&viewer.progress, "ecoview");
-	catch_signals();
+	view_catch_signals();
 	eco_draco_end_without_memory(NULL);
 	eco_json_watch();
 	if (!code)

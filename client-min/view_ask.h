@@ -18,16 +18,6 @@ enum eco_code view_map_fetch(struct view_fetch *fetch, struct view_map *map, str
 enum eco_code view_place_fetch(struct view_fetch *fetch, struct view_sun_place *place,
 	struct eco_error *error);
 
-/* ---- Plants by the inventories that they come from (openapi.yaml's Plants) ---- */
-
-struct view_plant_asked {
-	uint32_t list, index;        /* of view_instance */
-	json_t **said;               /* the caller's: {species, plant, file, row, line}, as far as known */
-};
-/* Sorts `plants`, and asks for those of a list together. On failure some may have been said. */
-enum eco_code view_plants_ask(struct view_fetch *fetch, const struct eco_chunk_id *pack,
-	struct view_plant_asked *plants, uint32_t count, struct eco_error *error);
-
 /* ---- Views whose heights count from the ground (eco_camera_above_ground) ---- */
 
 /* Raises eye and target of request->view by the ground below each, and the next view's by as much. Asks for

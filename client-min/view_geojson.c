@@ -94,17 +94,68 @@ static void say_roles(const struct view_selection *s, uint32_t instance, char te
 	}
 }
 
+/* Plants by the inventories that they come from (openapi.yaml's Plants): {species, plant, file, row, line}. */
+struct asked { uint32_t list, index; json_t **said; };        /* list, index: of view_instance */
+
+#define TOGETHER 1024u /* plants that a server says at a time */
+
+static int by_list(const void *a, const void *b)
+{
+	const struct asked *x = a, *y = b;
+	if (x->list != y->list)
+		return x->list < y->list ? -1 : 1;
+	return x->index < y->index ? -1 : x->index > y->index;
+}
+
+/* Plants of one list, all within TOGETHER of the first. */
+static enum eco_code ask_together(struct view_fetch *fetch, const struct eco_chunk_id *pack,
+	const struct asked *plants, uint32_t count, struct eco_error *error)
+{
+	uint32_t first = plants[0].index;
+	char *text;
+	enum eco_code code = view_fetch_plants(fetch, pack, plants[0].list, first,
+		plants[count - 1].index - first + 1, &text, error);
+	if (code)
+		return code;
+	json_t *answer = json_loads(text, 0, NULL), *all = json_object_get(answer, "plants");
+	free(text);
+	for (uint32_t i = 0; i < count && !code; i++) {
+		*plants[i].said = json_incref(json_array_get(all, plants[i].index - first));
+		if (!json_is_object(*plants[i].said))
+			code = eco_fail(error, ECO_BAD_INPUT,
+				"the server says nothing of plant %u of list %u, which it sent", plants[i].index,
+				plants[i].list);
+	}
+	json_decref(answer);
+	return code;
+}
+
+/* Sorts `plants`, and asks for those of a list together. On failure some may have been said. */
+static enum eco_code ask_all(struct view_fetch *fetch, const struct eco_chunk_id *pack,
+	struct asked *plants, uint32_t count, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	qsort(plants, count, sizeof *plants, by_list);
+	for (uint32_t i = 0, end; i < count && !code; i = end) {
+		for (end = i + 1; end < count && plants[end].list == plants[i].list
+				&& plants[end].index - plants[i].index < TOGETHER;)
+			end++;
+		code = ask_together(fetch, pack, plants + i, end - i, error);
+	}
+	return code;
+}
+
 static enum eco_code ask(const struct view_geojson_job *job, struct seen *seen, uint32_t count,
 	struct eco_error *error)
 {
-	struct view_plant_asked *asked = calloc(count + 1u, sizeof *asked);
+	struct asked *asked = calloc(count + 1u, sizeof *asked);
 	enum eco_code code = asked ? ECO_OK : eco_no_memory(error, "rows of plants");
 	for (uint32_t i = 0; i < count && !code; i++) {
 		const struct view_instance *one = &job->selection->instances[seen[i].instance];
-		asked[i] = (struct view_plant_asked){ one->list, one->index, &seen[i].said };
+		asked[i] = (struct asked){ one->list, one->index, &seen[i].said };
 	}
 	if (!code && job->fetch)
-		code = view_plants_ask(job->fetch, view_store_pack(job->store), asked, count, error);
+		code = ask_all(job->fetch, view_store_pack(job->store), asked, count, error);
 	free(asked);
 	return code;
 }

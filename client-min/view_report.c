@@ -293,6 +293,23 @@ enum eco_code view_save_dir(const char *dir, struct eco_error *error)
 	return ECO_OK;
 }
 
+/* ---- Signals ---- */
+
+volatile sig_atomic_t view_interrupted;
+
+static void on_signal(int number)
+{
+	(void)number;
+	view_interrupted = 1;
+}
+
+void view_catch_signals(void)
+{
+	struct sigaction action = { .sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND };
+	sigaction(SIGINT, &action, NULL);
+	sigaction(SIGTERM, &action, NULL);
+}
+
 /* ---- Progress ---- */
 
 #define BAR 24

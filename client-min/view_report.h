@@ -3,6 +3,7 @@
 #ifndef VIEW_REPORT_H
 #define VIEW_REPORT_H
 
+#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -74,6 +75,12 @@ enum eco_code view_save(const char *dir, const char *format, uint32_t frame, con
 /* A score as people read it: four decimals, or "-" where there is none. Returns `text`. */
 #define VIEW_SCORE_BYTES 24
 const char *view_report_score(char text[VIEW_SCORE_BYTES], double v);
+
+/* ---- Programs ---- */
+
+/* Set by Ctrl-C or SIGTERM once view_catch_signals was called; a second signal ends the program at once. */
+extern volatile sig_atomic_t view_interrupted;
+void view_catch_signals(void);
 
 /* ---- Progress on stderr ---- */
 

@@ -13,7 +13,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "client-min/load/view_session.h"
 #include "client-min/view_store.h"
 #include "ecofiles/base/array_grow.h"
 

@@ -1,4 +1,4 @@
-#include "client-min/load/view_session.h"
+#include "client-min/load/view_load.h"
 
 #include <assert.h>
 #include <math.h>

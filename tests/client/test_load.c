@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "client-min/load/view_load_report.h"
-#include "client-min/load/view_session.h"
 #include "client-min/load/view_views.h"
 #include "ecofiles/base/random.h"
 #include "tests/support/files.h"
