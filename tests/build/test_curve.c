@@ -371,8 +371,7 @@ static double curve_gap(struct crown *crown, uint32_t views)
 UNIT_TEST(ladders_draw_what_their_curve_was_measured_with)
 {
 	static const struct { uint32_t leaves; double size; bool cells; } rows[] =
-		{ { 900, 0.25, false }, { 1500, 0.12, false }, { 3000, 0.2, false },
-		{ 1600, 0.2, true }, { 2400, 0.12, true } };
+		{ { 900, 0.25, false }, { 1500, 0.12, false }, { 1600, 0.2, true } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct crown crown;
 		uint32_t n = rows[i].leaves, whole = rows[i].cells ? n / 8 : n;

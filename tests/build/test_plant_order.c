@@ -69,16 +69,24 @@ UNIT_TEST(each_leaf_has_a_code_and_a_simpler_form)
 	lod_plant_free(&plant);
 }
 
-UNIT_TEST(static_orders_have_neither)
+UNIT_TEST(orders_differ_and_static_ones_have_neither)
 {
-	for (int order = LOD_ORDER_STOCHASTIC; order < LOD_ORDER_COUNT; order++) {
-		struct lod_plant plant;
-		const struct lod_list_draft *simple;
-		build(&plant, (enum lod_order_method)order, 12);
-		assert_false(leaves_of(&plant, &simple)->list.attributes & ECO_ATTR_GROWTH);
-		assert_null(simple);
-		lod_plant_free(&plant);
+	struct lod_plant a, b;
+	const struct lod_list_draft *simple;
+	build(&a, LOD_ORDER_STOCHASTIC, 12);
+	for (int order = 0; order < LOD_ORDER_COUNT; order++) {
+		build(&b, (enum lod_order_method)order, 12);
+		const struct lod_list_draft *leaves = leaves_of(&b, &simple);
+		const struct eco_elements *x = &leaves_of(&a, &(const struct lod_list_draft *){ NULL })->elements,
+			*y = &leaves->elements;
+		assert_int_equal(x->corner_count, y->corner_count);
+		assert_true((order == LOD_ORDER_STOCHASTIC) == !memcmp(x->position, y->position,
+			3 * (size_t)x->corner_count * sizeof *x->position));
+		assert_true((order == LOD_ORDER_GREEDY) == !!(leaves->list.attributes & ECO_ATTR_GROWTH));
+		assert_true((order == LOD_ORDER_GREEDY) == (simple != NULL));
+		lod_plant_free(&b);
 	}
+	lod_plant_free(&a);
 }
 
 /* All that the greedy lists have but codes. */
@@ -108,23 +116,6 @@ UNIT_TEST(random_leaves_have_a_simpler_form_and_no_code)
 		3 * (size_t)greedy->elements.corner_count * sizeof *greedy->elements.position);
 	lod_plant_free(&plant[0]);
 	lod_plant_free(&plant[1]);
-}
-
-UNIT_TEST(orders_differ)
-{
-	struct lod_plant a, b;
-	const struct lod_list_draft *simple;
-	build(&a, LOD_ORDER_STOCHASTIC, 12);
-	for (int order = 0; order < LOD_ORDER_COUNT; order++) {
-		build(&b, (enum lod_order_method)order, 12);
-		const struct eco_elements *x = &leaves_of(&a, &simple)->elements,
-			*y = &leaves_of(&b, &simple)->elements;
-		assert_int_equal(x->corner_count, y->corner_count);
-		assert_true((order == LOD_ORDER_STOCHASTIC) == !memcmp(x->position, y->position,
-			3 * (size_t)x->corner_count * sizeof *x->position));
-		lod_plant_free(&b);
-	}
-	lod_plant_free(&a);
 }
 
 /* While the grid is still to be chosen there is a draft, which measuring replaces. */

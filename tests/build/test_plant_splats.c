@@ -63,7 +63,7 @@ static double mean_error(const struct lod_plant *plant, const struct soup *soup)
 /* Green leaves and white blossoms: a splat's mean of them is far from both. */
 UNIT_TEST(mixed_colours_are_kept)
 {
-	for (int blossoms = 0; blossoms <= 300; blossoms += 150) {
+	for (int blossoms = 0; blossoms <= 300; blossoms += 300) {
 		struct soup soup;
 		struct lod_plant plant;
 		soup_begin(&soup);

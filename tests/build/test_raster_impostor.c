@@ -12,9 +12,12 @@
 #include "tests/support/unit_test.h"
 
 #define SIDE 300u
-#define BEST (ECO_IMPOSTOR_LEVELS - 1)
+#define LEVELS ECO_IMPOSTOR_LEVELS
+#define BEST (LEVELS - 1)
 
 static struct lod_raster raster, whole;
+static struct soup ball;
+static struct lod_impostor balls[LEVELS];
 static const struct lod_place origin = { .cosine = 1, .scale = 1 };
 
 /* From `far` metres to a point, that many degrees around and up; half_m: from the middle of the picture to
@@ -34,15 +37,22 @@ static void look(struct lod_raster *r, const double at[3], double turn_deg, doub
 	lod_raster_object(r, &origin);
 }
 
-static void open_level(struct lod_impostor *impostor, const struct eco_model *model, uint32_t which)
+static void open_levels(struct lod_impostor *levels, const struct eco_model *model)
 {
 	struct lod_impostors made;
 	struct eco_error error = { 0 };
-	assert_ok(lod_impostors_make(&made, model, &(struct lod_impostors_options){ .levels = which + 1 },
-		&error), error);
-	assert_int_equal(made.level_count, which + 1);
-	assert_ok(lod_impostor_open(impostor, &made.body, &made.levels[which], &error), error);
+	assert_ok(lod_impostors_make(&made, model, &(struct lod_impostors_options){ .levels = LEVELS }, &error),
+		error);
+	assert_int_equal(made.level_count, LEVELS);
+	for (uint32_t i = 0; i < LEVELS; i++)
+		assert_ok(lod_impostor_open(&levels[i], &made.body, &made.levels[i], &error), error);
 	lod_impostors_free(&made);
+}
+
+static void close_levels(struct lod_impostor *levels)
+{
+	for (uint32_t i = 0; i < LEVELS; i++)
+		lod_impostor_close(&levels[i]);
 }
 
 static void draw(struct lod_raster *r, const struct lod_impostor *impostor, uint64_t owner)
@@ -69,12 +79,6 @@ static double mean_q(const struct eco_model *model, const struct lod_impostor *i
 	return mean;
 }
 
-static void make_ball(struct soup *soup)
-{
-	soup_begin(soup);
-	soup_ball(soup, soup_material(soup, 200, 30, 10, ECO_NONE, false), (struct lod_v3){ 1, 2, 3 }, 1, 48);
-}
-
 static void make_box(struct soup *soup)
 {
 	soup_begin(soup);
@@ -97,39 +101,36 @@ UNIT_TEST(balls_boxes_and_trees_keep_their_outlines)
 		{ { .30, .41 }, { .29, .39 } } };
 	for (int kind = 0; kind < 3; kind++) {
 		struct soup soup;
-		if (kind == 0)
-			make_ball(&soup);
-		else if (kind == 1)
+		struct lod_impostor made[LEVELS];
+		if (kind == 1)
 			make_box(&soup);
-		else
+		else if (kind == 2)
 			soup_tree(&soup, 400, 0, false);
+		if (kind)
+			open_levels(made, &soup.model);
 		for (uint32_t level = 1; level <= BEST; level++) {
-			struct lod_impostor impostor;
-			open_level(&impostor, &soup.model, level);
-			double far = mean_q(&soup.model, &impostor, 300 * impostor.radius),
-				near = mean_q(&soup.model, &impostor, 6 * impostor.radius);
-			assert_true(far > least[kind].far[level - 1]);
-			assert_true(near > least[kind].near[level - 1]);
-			lod_impostor_close(&impostor);
+			const struct lod_impostor *impostor = kind ? &made[level] : &balls[level];
+			const struct eco_model *model = kind ? &soup.model : &ball.model;
+			assert_true(mean_q(model, impostor, 300 * impostor->radius) > least[kind].far[level - 1]);
+			assert_true(mean_q(model, impostor, 6 * impostor->radius) > least[kind].near[level - 1]);
 		}
-		soup_free(&soup);
+		if (kind) {
+			close_levels(made);
+			soup_free(&soup);
+		}
 	}
 }
 
 /* Those of the model, but at the outline, where depths change fast. */
 UNIT_TEST(depths_are_those_of_the_near_side)
 {
-	struct soup soup;
-	struct lod_impostor impostor;
 	const double at[3] = { 1, 2, 3 };
 	double off = 0, pixels = 0;
-	make_ball(&soup);
-	open_level(&impostor, &soup.model, BEST);
 	for (int i = 0; i < 8; i++) {
 		look(&whole, at, 50 * i, 12 * i - 10, 12, 1.3);
-		lod_model_draw(&soup.model, NULL, &whole);
+		lod_model_draw(&ball.model, NULL, &whole);
 		look(&raster, at, 50 * i, 12 * i - 10, 12, 1.3);
-		draw(&raster, &impostor, 1);
+		draw(&raster, &balls[BEST], 1);
 		for (uint32_t k = 0; k < SIDE * SIDE; k++)
 			if (raster.cover[k] && whole.cover[k]) {
 				double miss = fabs(1 / raster.depth[k] - 1 / whole.depth[k]);
@@ -139,19 +140,13 @@ UNIT_TEST(depths_are_those_of_the_near_side)
 			}
 	}
 	assert_true(off / pixels < 0.15);
-	lod_impostor_close(&impostor);
-	soup_free(&soup);
 }
 
 UNIT_TEST(the_nearer_plant_owns_the_pixels_whatever_the_order)
 {
-	struct soup soup;
-	struct lod_impostor impostor;
 	const double at[3] = { 1, 2, 3 };
 	uint64_t *first = malloc(SIDE * SIDE * sizeof *first);
 	uint32_t count[3] = { 0 };
-	make_ball(&soup);
-	open_level(&impostor, &soup.model, BEST);
 	for (int order = 0; order < 2; order++) {
 		look(&raster, at, 0, 10, 30, 2.5);
 		for (int i = 0; i < 2; i++) {
@@ -159,7 +154,7 @@ UNIT_TEST(the_nearer_plant_owns_the_pixels_whatever_the_order)
 			bool far = i != order;
 			lod_raster_object(&raster, &(struct lod_place){
 				.at = { far ? -1 : 0, far ? 1 : 0, 0 }, .cosine = 1, .scale = 1 });
-			draw(&raster, &impostor, far ? 2 : 1);
+			draw(&raster, &balls[BEST], far ? 2 : 1);
 		}
 		if (order)
 			assert_memory_equal(first, raster.owner, SIDE * SIDE * sizeof *first);
@@ -172,54 +167,46 @@ UNIT_TEST(the_nearer_plant_owns_the_pixels_whatever_the_order)
 	/* a disc, and what a disc a radius aside shows of itself: 61 % at least */
 	assert_true(count[2] > 0.55 * count[1] && count[2] < 0.75 * count[1]);
 	free(first);
-	lod_impostor_close(&impostor);
-	soup_free(&soup);
 }
 
 /* Nothing lies outside of what the plant covers, grown by two texels: tiles do not leak into each other. */
 UNIT_TEST(tiles_do_not_leak)
 {
 	struct soup soup;
+	struct lod_impostor made[LEVELS];
 	make_box(&soup);
-	for (uint32_t level = 0; level < ECO_IMPOSTOR_LEVELS; level++) {
-		struct lod_impostor impostor;
-		open_level(&impostor, &soup.model, level);
+	open_levels(made, &soup.model);
+	for (uint32_t level = 0; level < LEVELS; level++) {
 		const double at[3] = { 0, 0, 2 };
 		double grown = 1 + 4.0 / eco_impostor_sizes[level].texels;
 		for (int i = 0; i < 8; i++) {
 			look(&raster, at, 45 * i, 11 * i, 300, 4);
-			draw(&raster, &impostor, 1);
+			draw(&raster, &made[level], 1);
 			look(&whole, at, 45 * i, 11 * i, 300, 4);
-			double size = impostor.radius * grown * SIDE / 8, middle = SIDE / 2.0;
+			double size = made[level].radius * grown * SIDE / 8, middle = SIDE / 2.0;
 			for (uint32_t k = 0; k < SIDE * SIDE; k++) {
 				double x = k % SIDE + 0.5 - middle, y = k / SIDE + 0.5 - middle;
 				if (x * x + y * y > size * size || fabs(x) > 1.12 * grown * SIDE / 8)
 					assert_int_equal(raster.cover[k], 0);
 			}
 		}
-		lod_impostor_close(&impostor);
 	}
+	close_levels(made);
 	soup_free(&soup);
 }
 
 UNIT_TEST(what_cannot_be_drawn_is_left_out)
 {
-	struct soup soup;
-	struct lod_impostor impostor;
 	const double at[3] = { 1, 2, 3 };
-	make_ball(&soup);
-	open_level(&impostor, &soup.model, 0);
 	for (int i = 0; i < 3; i++) {
 		look(&raster, at, 0, 10, i < 2 ? 0.5 + i * 0.5 : 30, 2);
 		if (i == 2)                                  /* behind the eye */
 			lod_raster_object(&raster, &(struct lod_place){ .at = { 60, 0, 0 }, .cosine = 1,
 				.scale = 1 });
-		draw(&raster, &impostor, 1);
+		draw(&raster, &balls[0], 1);
 		for (uint32_t k = 0; k < SIDE * SIDE; k++)
 			assert_int_equal(raster.cover[k], 0);
 	}
-	lod_impostor_close(&impostor);
-	soup_free(&soup);
 }
 
 static int set_up(void **state)
@@ -227,12 +214,17 @@ static int set_up(void **state)
 	const struct lod_raster_options options = { .width = SIDE, .height = SIDE, .owner = true,
 		.item = true };
 	(void)state;
+	soup_begin(&ball);
+	soup_ball(&ball, soup_material(&ball, 200, 30, 10, ECO_NONE, false), (struct lod_v3){ 1, 2, 3 }, 1, 48);
+	open_levels(balls, &ball.model);
 	return lod_raster_init(&raster, &options, NULL) || lod_raster_init(&whole, &options, NULL);
 }
 
 static int tear_down(void **state)
 {
 	(void)state;
+	close_levels(balls);
+	soup_free(&ball);
 	lod_raster_free(&raster);
 	lod_raster_free(&whole);
 	return 0;

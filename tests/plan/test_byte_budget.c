@@ -2,48 +2,28 @@
  * free. */
 #include <math.h>
 #include <stdlib.h>
-
 #include <string.h>
 
 #include "lod/plan/byte_price.h"
 #include "lod/plan/byte_price_state.h"
 #include "lod/plan/price_search.h"
+#include "tests/support/plan_size.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"
 
 #define SCENES 40
 #define VIEWS 3
 #define BUDGETS 6
-#define FRAME 60                 /* beside each payload */
-
-struct sizer { const struct eco_scene *scene; const struct eco_holdings *holdings; };
-
-static enum eco_code size_of(void *ctx, struct eco_plan *plan, uint64_t *bytes, struct eco_error *error)
-{
-	const struct sizer *sizer = ctx;
-	struct eco_holdings needs;
-	enum eco_code code = lod_plan_needs(sizer->scene, plan, &needs, error);
-	*bytes = 100;
-	for (uint32_t i = 0; !code && i < needs.count; i++) {
-		const struct eco_list *list = &sizer->scene->lists[needs.items[i].list];
-		for (uint32_t c = eco_holdings_chunks(sizer->holdings, needs.items[i].list);
-				c < needs.items[i].chunks; c++)
-			*bytes += sizer->scene->chunks[list->chunk_first + c].size_bytes + FRAME;
-	}
-	if (!code)
-		free(needs.items);
-	return code;
-}
 
 static struct lod_planner_stats plan_it(struct eco_plan *plan, const struct eco_scene *scene,
 	const struct eco_view *view, uint64_t vertices, uint64_t bytes, const struct eco_holdings *holdings)
 {
-	struct sizer sizer = { scene, holdings };
+	struct plan_sizer sizer = { scene, holdings };
 	struct lod_planner_stats stats;
 	struct eco_error error = { 0 };
 	const struct eco_request request = { .view = *view, .vertices = vertices, .bytes = bytes };
 	struct lod_planner_input input = { .scene = scene, .request = &request, .holdings = holdings,
-		.stats = &stats, .size = size_of, .size_ctx = &sizer };
+		.stats = &stats, .size = plan_size, .size_ctx = &sizer };
 	assert_ok(lod_plan(plan, &input, &error), error);
 	return stats;
 }
@@ -67,26 +47,24 @@ UNIT_TEST(never_above_the_bytes_most_of_them_used_and_more_never_predict_a_worse
 	for (uint64_t seed = 1; seed <= SCENES; seed++) {
 		struct random_pack *pack = random_pack_make(seed, seed % 2 ? 0 : 3, 1 + seed % 5);
 		const struct eco_scene *scene = &pack->pack.scene;
-		for (int v = 0; v < VIEWS; v++) {
-			struct eco_view view = random_view(&pack->r);
-			uint64_t vertices = UINT64_C(1) << (6 + random_below(&pack->r, 14));
-			uint64_t all = bytes_of(scene, &view, vertices, ECO_BYTES_UNBOUNDED, NULL, NULL),
-				least = bytes_of(scene, &view, vertices, 0, NULL, NULL);   /* nothing fits */
-			double before = -INFINITY;
-			assert_true(least <= all);
-			for (int i = 1; i <= BUDGETS; i++) {
-				struct eco_prediction p;
-				uint64_t most = least + (all - least) * (uint64_t)i / BUDGETS,
-					bytes = bytes_of(scene, &view, vertices, most, NULL, &p);
-				double q = eco_predicted_q(&p), sixteenths = 0.25 / fmax(0.5, p.tp + fmin(p.fp, p.fn));
-				assert_true(bytes <= most);
-				used += (double)bytes;
-				asked += (double)most;
-				assert_true(q >= before - sixteenths);
-				better += q > before;
-				before = q;
-				plans++;
-			}
+		struct eco_view view = random_view(&pack->r);
+		uint64_t vertices = UINT64_C(1) << (6 + random_below(&pack->r, 14));
+		uint64_t all = bytes_of(scene, &view, vertices, ECO_BYTES_UNBOUNDED, NULL, NULL),
+			least = bytes_of(scene, &view, vertices, 0, NULL, NULL);   /* nothing fits */
+		double before = -INFINITY;
+		assert_true(least <= all);
+		for (int i = 1; i <= BUDGETS; i++) {
+			struct eco_prediction p;
+			uint64_t most = least + (all - least) * (uint64_t)i / BUDGETS,
+				bytes = bytes_of(scene, &view, vertices, most, NULL, &p);
+			double q = eco_predicted_q(&p), sixteenths = 0.25 / fmax(0.5, p.tp + fmin(p.fp, p.fn));
+			assert_true(bytes <= most);
+			used += (double)bytes;
+			asked += (double)most;
+			assert_true(q >= before - sixteenths);
+			better += q > before;
+			before = q;
+			plans++;
 		}
 		random_pack_free(pack);
 	}
@@ -241,12 +219,14 @@ UNIT_TEST(what_is_kept_from_one_relaxation_to_the_next_changes_none)
 
 static void make_bushes(struct scene_builder *b)
 {
-	random_stand_make(b, 4, (const float[]){ .6f, .4f, .2f, 0 }, (struct eco_tile){ .high = { 80, 80, 4 },
-		.instance_count = 4 * BUSHES, .area = 4 * 30.0 * BUSHES });
+	random_stand_make(b, &(struct random_stand){ .height_m = 4, .leaves = 300, .area = 30,
+		.shares = { .01f, .1f, .5f, 1 }, .errors = { .6f, .4f, .2f, 0 } });
+	scene_add_tile(b, (struct eco_tile){ .high = { 80, 80, 4 }, .instance_count = 4 * BUSHES,
+		.area = 4 * 30.0 * BUSHES });
 	for (int i = 0; i < 4; i++) {
 		double x = i % 2 * 40, y = i / 2 * 40;
 		random_crowd(b, (struct eco_tile){ .low = { x, y, 0 }, .high = { x + 40, y + 40, 4 },
-			.instance_count = BUSHES }, (const double[]){ x, y }, 40);
+			.instance_count = BUSHES, .area = 30.0 * BUSHES }, (const double[]){ x, y }, 40);
 	}
 	for (uint32_t tile = 0; tile < 5; tile++)
 		b->tiles[tile].summary = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_POINTS,
@@ -363,14 +343,14 @@ UNIT_TEST(bytes_that_set_hardly_anything_right_are_spared)
 			struct lod_planner_stats free_stats, stats;
 			struct lod_planner_input input = { .scene = scene, .request = &request,
 				.stats = &free_stats };
-			struct sizer sizer = { scene, NULL };
+			struct plan_sizer sizer = { scene, NULL };
 			struct eco_plan free_plan, plan;
 			uint64_t before, after;
 			assert_int_equal(lod_plan(&free_plan, &input, NULL), ECO_OK);
 			stats = plan_it(&plan, scene, &request.view, request.vertices, ECO_BYTES_UNBOUNDED,
 				NULL);
-			assert_int_equal(size_of(&sizer, &free_plan, &before, NULL), ECO_OK);
-			assert_int_equal(size_of(&sizer, &plan, &after, NULL), ECO_OK);
+			assert_int_equal(plan_size(&sizer, &free_plan, &before, NULL), ECO_OK);
+			assert_int_equal(plan_size(&sizer, &plan, &after, NULL), ECO_OK);
 			assert_true(after <= before);
 			if (after < before)
 				assert_true(stats.wrong <= fmax(1.0051 * free_stats.wrong,
@@ -409,12 +389,12 @@ static enum eco_code take(void *ctx, struct eco_plan *plan, double wrong, struct
 static uint64_t needed(const struct eco_scene *scene, const struct eco_plan *plan,
 	const struct eco_holdings *answer, uint64_t *wasted)
 {
-	struct sizer sizer = { scene, answer };
+	struct plan_sizer sizer = { scene, answer };
 	struct eco_plan copy = *plan;
 	uint64_t all;
-	assert_int_equal(size_of(&sizer, &copy, wasted, NULL), ECO_OK);
+	assert_int_equal(plan_size(&sizer, &copy, wasted, NULL), ECO_OK);
 	sizer.holdings = NULL;
-	assert_int_equal(size_of(&sizer, &copy, &all, NULL), ECO_OK);
+	assert_int_equal(plan_size(&sizer, &copy, &all, NULL), ECO_OK);
 	return all;
 }
 
@@ -431,9 +411,9 @@ UNIT_TEST(coarser_answers_are_within_the_vertices_and_mostly_of_what_the_answer_
 		const struct eco_request request = { .view = view, .bytes = ECO_BYTES_UNBOUNDED,
 			.vertices = UINT64_C(1) << (6 + random_below(&pack->r, 14)) };
 		struct lod_planner_stats stats;
-		struct sizer sizer = { scene, NULL };
+		struct plan_sizer sizer = { scene, NULL };
 		struct lod_planner_input input = { .scene = scene, .request = &request, .stats = &stats,
-			.coarser = &coarser, .size = size_of, .size_ctx = &sizer };
+			.coarser = &coarser, .size = plan_size, .size_ctx = &sizer };
 		struct eco_plan answer, alone;
 		struct eco_holdings needs;
 		struct eco_error error = { 0 };

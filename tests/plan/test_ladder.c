@@ -53,6 +53,28 @@ UNIT_TEST(every_step_draws_what_it_says)
 	}
 }
 
+static void set_curve(struct eco_ladder *ladder, const struct eco_curve *samples, uint32_t count)
+{
+	memcpy(scene.curves, samples, count * sizeof *samples);
+	ladder->curve_count = count;
+}
+
+/* `k` elements of `each` triangles, and points of them. */
+static struct eco_ladder points_and_fans(uint32_t k, uint32_t each)
+{
+	random_scene_make(&scene, 3, 0);
+	uint32_t triangles = random_fans(&scene, k, 0);
+	struct eco_list *fans = &scene.lists[triangles];
+	for (uint32_t c = 0; c < fans->chunk_count; c++)
+		scene.chunks[fans->chunk_first + c].primitive_count =
+			each * scene.chunks[fans->chunk_first + c].element_count;
+	fans->primitive_count = each * k;
+	return (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE,
+		.impostor = ECO_NONE,
+		.triangles = triangles, .total = k,
+		.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1) };
+}
+
 /* Everything is shown, and finer from the front: what is drawn in the finer form is missing in the coarser
  * one. */
 UNIT_TEST(forms_give_way_from_the_front)
@@ -60,27 +82,17 @@ UNIT_TEST(forms_give_way_from_the_front)
 	static const struct { uint32_t corners, each, unit; } rows[] =
 		{ { 1, 2, 1 }, { 1, 4, 1 }, { 2, 2, 2 }, { 4, 4, 6 }, { 3, 2, 3 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		random_scene_make(&scene, 3, 0);
-		const uint32_t k = 50;
-		uint32_t triangles = random_fans(&scene, k, 0), unit = rows[i].unit;
-		struct eco_list *fans = &scene.lists[triangles];
-		for (uint32_t c = 0; c < fans->chunk_count; c++)
-			scene.chunks[fans->chunk_first + c].primitive_count =
-				rows[i].each * scene.chunks[fans->chunk_first + c].element_count;
-		fans->primitive_count = rows[i].each * k;
-		uint8_t kind = rows[i].corners == 1 ? ECO_LIST_POINTS : rows[i].corners == 2 ? ECO_LIST_LINES
-			: ECO_LIST_TRIANGLES;
-		uint32_t coarse = random_form(&scene, kind, triangles, rows[i].corners),
-			per = rows[i].corners == 4 ? 2 : 1;
-		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE,
-			.lines = ECO_NONE, .simple = ECO_NONE, .impostor = ECO_NONE,
-			.triangles = triangles, .total = k };
-		*(kind == ECO_LIST_POINTS ? &ladder.points : kind == ECO_LIST_LINES ? &ladder.lines
-			: &ladder.simple) = coarse;
-		struct eco_curve samples[] = { { unit * k / (3.0f * rows[i].each * k), 1, 1, 0.5f, 0.5f },
-			{ 1, 1, 1, 0, 0 } };
-		memcpy(scene.curves, samples, sizeof samples);
-		ladder.curve_count = 2;
+		const uint32_t k = 50, corners = rows[i].corners, unit = rows[i].unit, per = corners == 4 ? 2 : 1;
+		struct eco_ladder ladder = points_and_fans(k, rows[i].each);
+		uint32_t triangles = ladder.triangles, coarse = ladder.points;
+		if (corners > 1) {
+			coarse = random_form(&scene, corners == 2 ? ECO_LIST_LINES : ECO_LIST_TRIANGLES, triangles,
+				corners);
+			*(corners == 2 ? &ladder.lines : &ladder.simple) = coarse;
+			ladder.points = ECO_NONE;
+		}
+		set_curve(&ladder, (const struct eco_curve[]){ { unit / (3.0f * rows[i].each), 1, 1, 0.5f, 0.5f },
+			{ 1, 1, 1, 0, 0 } }, 2);
 		for (uint32_t f = 1; f < k; f++) {
 			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 			uint64_t v = unit * k + (3 * rows[i].each - unit) * f;
@@ -272,22 +284,6 @@ UNIT_TEST(amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms)
 	}
 }
 
-/* `k` elements of `each` triangles, and points of them. */
-static struct eco_ladder points_and_fans(uint32_t k, uint32_t each)
-{
-	random_scene_make(&scene, 3, 0);
-	uint32_t triangles = random_fans(&scene, k, 0);
-	struct eco_list *fans = &scene.lists[triangles];
-	for (uint32_t c = 0; c < fans->chunk_count; c++)
-		scene.chunks[fans->chunk_first + c].primitive_count =
-			each * scene.chunks[fans->chunk_first + c].element_count;
-	fans->primitive_count = each * k;
-	return (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE,
-		.impostor = ECO_NONE,
-		.triangles = triangles, .total = k,
-		.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1) };
-}
-
 /* While as many elements are drawn, ever more of them in full, the scale is that of the amount, not of where
  * the reach goes on. */
 UNIT_TEST(scales_follow_the_curve_where_the_reach_stays)
@@ -295,8 +291,7 @@ UNIT_TEST(scales_follow_the_curve_where_the_reach_stays)
 	struct eco_ladder ladder = points_and_fans(300, 4);
 	const struct eco_curve samples[] = { { 0.05f, 2, 0.4093f, 0.5f, 0.5f },
 		{ 0.2f, 0.5f, 0.4093f, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
-	memcpy(scene.curves, samples, sizeof samples);
-	ladder.curve_count = 3;
+	set_curve(&ladder, samples, 3);
 	for (double share = 0.06; share < 0.2; share += 0.02) {
 		uint64_t v = lod_way_vertices(way_of(&ladder), share);
 		double density = lod_way_density(way_of(&ladder), v),
@@ -320,8 +315,7 @@ UNIT_TEST(cells_begin_in_the_form_of_their_plant)
 	const struct eco_curve samples[] = { { 0.0003f, 1, 0.0026f, 0.9f, 0.9f },
 		{ 0.001f, 1, 0.0026f, 0.8f, 0.8f }, { 0.01f, 1, 0.1f, 0.4f, 0.4f },
 		{ 0.025f, 1, 0.3f, 0.3f, 0.3f }, { 0.4f, 1, 1, 0.1f, 0.1f }, { 1, 1, 1, 0, 0 } };
-	memcpy(scene.curves, samples, sizeof samples);
-	ladder.curve_count = 6;
+	set_curve(&ladder, samples, 6);
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	assert_true(lod_way_share(way_of(&ladder), 0) < 0.02);
 	assert_int_equal(lod_way_cuts(way_of(&ladder), lod_way_next(way_of(&ladder), 0),
@@ -334,17 +328,13 @@ UNIT_TEST(cells_begin_in_the_form_of_their_plant)
  * beyond them. */
 UNIT_TEST(cells_draw_what_the_whole_plant_list_does_not)
 {
-	random_scene_make(&scene, 3, 0);
-	const uint32_t k = 300, before = 100;
-	uint32_t triangles = random_fans(&scene, k, 0);
-	struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE,
-		.impostor = ECO_NONE,
-		.triangles = triangles, .before = before,
-		.total = before + k, .points = random_form(&scene, ECO_LIST_POINTS, triangles, 1),
-		.curve_count = 4 };
+	const uint32_t k = 300;
+	struct eco_ladder ladder = points_and_fans(k, 4);
+	ladder.before = 100;
+	ladder.total = 100 + k;
 	struct eco_curve samples[] = { { 0.01f, 1, 0.05f, 0.5f, 0.5f }, { 0.05f, 1, 0.25f, 0.4f, 0.4f },
 		{ 0.2f, 1, 1, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
-	memcpy(scene.curves, samples, sizeof samples);
+	set_curve(&ladder, samples, 4);
 	assert_int_equal(lod_way_vertices(way_of(&ladder), 0.05f), 0);
 	assert_float_equal(lod_way_share(way_of(&ladder), 0), 0.05, 1e-6);
 	assert_float_equal(lod_way_density(way_of(&ladder), 0), 0.25, 1e-6);
@@ -371,8 +361,7 @@ UNIT_TEST(a_list_that_is_all_drawn_is_scaled_as_its_plant)
 		{ 800 / 9600.f, 0.5f, 1, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
 	static const struct { double density, scale; } rows[] = { { 0.125, 4 }, { 0.3125, 2.5 }, { 0.5, 1 },
 		{ 0.75, 0.75 }, { 1, 0.5 } };
-	memcpy(scene.curves, samples, sizeof samples);
-	ladder.curve_count = 4;
+	set_curve(&ladder, samples, 4);
 	uint64_t all = lod_way_stage_end(way_of(&ladder));
 	struct lod_forms_leg legs[16];
 	struct lod_way kept;

@@ -143,26 +143,18 @@ UNIT_TEST(more_budget_is_never_predicted_to_be_worse)
 static void add_crowd(double x, uint32_t count)
 {
 	random_crowd(&scene, (struct eco_tile){ .low = { x - 30, -30, 0 }, .high = { x + 30, 30, 20 },
-		.instance_count = count, .summary = ECO_NONE }, (const double[]){ x, 0 }, 20);
+		.instance_count = count, .area = 30.0 * count, .summary = ECO_NONE }, (const double[]){ x, 0 }, 20);
 }
 
-/* A plant of 300 leaves, and of 16 splats; errors of the first of them, and of all. */
-static void make_plant_of_splats(struct eco_curve first, struct eco_curve all)
+/* A plant of 300 leaves, and of 16 splats; fp and fn of the first of them, and of all. */
+static void make_plant_of_splats(const float errors[2][2])
 {
-	random_stand_make(&scene, 10, (const float[]){ .4f, .3f, .2f, 0 },
-		(struct eco_tile){ .low = { -30, -30, 0 }, .high = { 4000, 30, 20 },
+	struct random_stand stand = { .height_m = 10, .leaves = 300, .area = 30,
+		.shares = { .01f, .1f, .5f, 1 }, .errors = { .4f, .3f, .2f, 0 }, .splats = 16 };
+	memcpy(stand.splat_errors, errors, sizeof stand.splat_errors);
+	random_stand_make(&scene, &stand);
+	scene_add_tile(&scene, (struct eco_tile){ .low = { -30, -30, 0 }, .high = { 4000, 30, 20 },
 		.instance_count = 2100, .area = 30.0 * 2100, .summary = ECO_NONE });
-	struct eco_ladder splats = scene_ladder(0, 0, ECO_ORGAN_FOLIAGE);
-	splats.points = scene_add_bare(&scene, &(struct scene_row){ .kind = ECO_LIST_POINTS,
-		.attributes = ECO_ATTR_SPLAT, .other = ECO_NONE }, 16, 16);
-	splats.flags = ECO_LADDER_WHOLE;
-	splats.total = splats.level_end[0] = 16;
-	splats.level_count = 1;
-	splats.curve_first = scene.scene.curve_count;
-	splats.curve_count = 2;
-	scene_add_curve(&scene, first);
-	scene_add_curve(&scene, all);
-	scene_add_ladder(&scene, splats);
 }
 
 static struct eco_request at_the_crowd(uint64_t vertices)
@@ -175,8 +167,7 @@ static struct eco_request at_the_crowd(uint64_t vertices)
 /* A budget of a thousand times a plant's organs draws them, though splats are nearly as good. */
 UNIT_TEST(splats_that_are_nearly_right_leave_near_plants_their_organs)
 {
-	make_plant_of_splats((struct eco_curve){ 1 / 16.f, 1, 1, .2f, .2f },
-		(struct eco_curve){ 1, 1, 1, .02f, .02f });
+	make_plant_of_splats((const float[2][2]){ { .2f, .2f }, { .02f, .02f } });
 	add_crowd(60, 100);
 	add_crowd(3000, 2000);
 	struct eco_request request = at_the_crowd(500000);
@@ -196,8 +187,7 @@ UNIT_TEST(splats_that_are_nearly_right_leave_near_plants_their_organs)
 /* If curves are equal but for noise, the sharper splats are better. */
 UNIT_TEST(splats_that_are_as_right_and_sharper_are_drawn)
 {
-	make_plant_of_splats((struct eco_curve){ 1 / 16.f, 1, 1, .180f, .151f },
-		(struct eco_curve){ 1, 1, 1, .167f, .165f });
+	make_plant_of_splats((const float[2][2]){ { .180f, .151f }, { .167f, .165f } });
 	add_crowd(60, 100);
 	struct eco_request request = at_the_crowd(1600);
 	struct eco_plan plan;

@@ -5,6 +5,7 @@
 
 #include "lod/plan/planner.h"
 #include "lod/plan/texture_levels.h"
+#include "tests/support/plan_size.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"
 
@@ -85,31 +86,17 @@ UNIT_TEST(a_texture_is_shown_where_something_has_it)
 	assert_true(textured > SCENES && coarse > 0);
 }
 
-static enum eco_code size_of(void *ctx, struct eco_plan *plan, uint64_t *bytes, struct eco_error *error)
-{
-	const struct eco_scene *scene = ctx;
-	struct eco_holdings needs;
-	enum eco_code code = lod_plan_needs(scene, plan, &needs, error);
-	*bytes = 0;
-	for (uint32_t i = 0; !code && i < needs.count; i++)
-		for (uint32_t c = 0; c < needs.items[i].chunks; c++)
-			*bytes += scene->chunks[scene->lists[needs.items[i].list].chunk_first + c].size_bytes;
-	if (!code)
-		free(needs.items);
-	return code;
-}
-
-static struct lod_planner_stats plan_within(struct eco_plan *plan, const struct eco_scene *scene,
+static void plan_within(struct eco_plan *plan, const struct eco_scene *scene,
 	const struct eco_view *view, uint64_t bytes)
 {
 	const struct eco_request request = { .view = *view, .vertices = 1000000, .bytes = bytes,
 		.texel_px = ECO_TEXEL_PX_MIN };
 	struct lod_planner_stats stats;
+	struct plan_sizer sizer = { scene, NULL };
 	struct eco_error error = { 0 };
 	assert_ok(lod_plan(plan, &(struct lod_planner_input){ .scene = scene, .request = &request,
-		.stats = &stats, .size = size_of, .size_ctx = (void *)scene }, &error), error);
+		.stats = &stats, .size = plan_size, .size_ctx = &sizer }, &error), error);
 	assert_true(stats.bytes <= bytes);
-	return stats;
 }
 
 /* Levels of a list as large as they are where textures are large: all else comes first. */
@@ -132,7 +119,7 @@ UNIT_TEST(levels_are_given_up_for_bytes)
 		struct eco_plan whole = plan_it(pack, &view, ECO_TEXEL_PX_MIN), plan;
 		uint64_t bytes;
 		struct eco_error error = { 0 };
-		assert_ok(size_of((void *)scene, &whole, &bytes, &error), error);
+		assert_ok(plan_size(&(struct plan_sizer){ scene, NULL }, &whole, &bytes, &error), error);
 		for (uint64_t part = 2; part <= 8 && shown(&whole, image); part *= 2) {
 			plan_within(&plan, scene, &view, bytes / part);
 			uint32_t levels = shown(&plan, image), border = shown(&plan, outline);
@@ -151,21 +138,6 @@ UNIT_TEST(levels_are_given_up_for_bytes)
 	assert_true(fewer > 3 && rough > 3);
 }
 
-/* Splats that show a plant nearly as well as its leaves, but for their texture. */
-static void add_good_splats(struct scene_builder *b, struct eco_ladder splats)
-{
-	splats.points = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_POINTS,
-		.attributes = ECO_ATTR_SPLAT, .other = ECO_NONE }, 64, 64);
-	splats.flags = ECO_LADDER_WHOLE;
-	splats.total = splats.level_end[0] = 64;
-	splats.level_count = 1;
-	splats.curve_first = b->scene.curve_count;
-	splats.curve_count = 2;
-	scene_add_curve(b, (struct eco_curve){ 1 / 64.f, 1, 1, .3f, .3f });
-	scene_add_curve(b, (struct eco_curve){ 1, 1, 1, .02f, .02f });
-	scene_add_ladder(b, splats);
-}
-
 /* Large levels, with texels of 1 cm. */
 static uint32_t add_large_texture(struct scene_builder *b)
 {
@@ -180,26 +152,16 @@ static uint32_t add_large_texture(struct scene_builder *b)
 	return scene_add_list(b, image);
 }
 
-/* A tree of cards, 13 m high. Returns its texture. */
+/* A tree of cards, 13 m high, and splats that show it nearly as well as its leaves, but for their texture, which
+ * is returned. */
 static uint32_t make_card_tree(struct scene_builder *b)
 {
-	static const float shares[] = { .01f, .3f, .98f, 1 }, errors[] = { .4f, .1f, 1e-5f, 0 };
-	*b = (struct scene_builder){ .state = 1, .like = { .grid_step = { 1e-3, 1e-3, 1e-3 },
-		.unit_area = 1e-3f } };
-	b->scene.near_m = 0.01;
-	scene_add_plant(b, (struct eco_plant){ .height_m = 13 });
-	uint32_t anchor = scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 6.5 }, 6.5 });
-	struct eco_ladder leaves = scene_ladder(0, anchor, ECO_ORGAN_FOLIAGE), splats = leaves;
-	leaves.triangles = random_fans(b, leaves.total = 160, 0);
-	leaves.area = 300;
-	leaves.curve_first = b->scene.curve_count;
-	leaves.curve_count = 4;
-	for (int i = 0; i < 4; i++)
-		scene_add_curve(b, (struct eco_curve){ shares[i], 1, shares[i], errors[i], errors[i] });
-	scene_add_ladder(b, leaves);
-	add_good_splats(b, splats);
+	*b = (struct scene_builder){ .state = 0 };
+	random_stand_make(b, &(struct random_stand){ .height_m = 13, .leaves = 160, .area = 300,
+		.shares = { .01f, .3f, .98f, 1 }, .errors = { .4f, .1f, 1e-5f, 0 }, .splats = 64,
+		.splat_errors = { { .3f, .3f }, { .02f, .02f } } });
 	uint32_t texture = add_large_texture(b);
-	b->lists[leaves.triangles].image = texture;
+	b->lists[b->ladders[0].triangles].image = texture;
 	uint32_t tile = scene_add_tile(b, (struct eco_tile){ .low = { -7, -7, 0 }, .high = { 7, 7, 13 },
 		.instance_count = 1, .area = 300, .summary = ECO_NONE });
 	uint32_t list = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_INSTANCES, .owner = tile,
@@ -222,7 +184,7 @@ UNIT_TEST(a_coarse_texture_is_better_than_none)
 		struct eco_plan whole = plan_it(&pack, &view, ECO_TEXEL_PX_MIN), plan;
 		uint64_t all, finer = 0;
 		struct eco_error error = { 0 };
-		assert_ok(size_of(&b.scene, &whole, &all, &error), error);
+		assert_ok(plan_size(&(struct plan_sizer){ &b.scene, NULL }, &whole, &all, &error), error);
 		assert_int_equal(shown(&whole, image), LEVELS);
 		for (uint32_t k = 1; k < LEVELS; k++)
 			finer += b.chunks[b.lists[image].chunk_first + k].size_bytes;

@@ -374,39 +374,51 @@ static void finish_lists(struct scene_builder *b)
 		b->lists[b->tiles[i].summary].attributes = ECO_ATTR_PLANT;
 }
 
-void random_stand_make(struct scene_builder *b, double height_m, const float errors[4], struct eco_tile tile)
+void random_stand_make(struct scene_builder *b, const struct random_stand *stand)
 {
-	static const float shares[] = { .01f, .1f, .5f, 1 };
 	scene_free(b);
 	b->state = 1;
 	b->like = (struct eco_list){ .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f };
 	b->scene.near_m = 0.01;
-	scene_add_plant(b, (struct eco_plant){ .height_m = (float)height_m });
-	uint32_t anchor = scene_add_anchor(b, (struct eco_anchor){ { 0, 0, (float)height_m / 2 }, (float)height_m / 2 });
-	struct eco_ladder leaves = scene_ladder(0, anchor, ECO_ORGAN_FOLIAGE);
-	leaves.triangles = random_fans(b, leaves.total = 300, 0);
-	leaves.area = 30;
+	scene_add_plant(b, (struct eco_plant){ .height_m = stand->height_m });
+	float half = stand->height_m / 2;
+	uint32_t anchor = scene_add_anchor(b, (struct eco_anchor){ { 0, 0, half }, half });
+	struct eco_ladder leaves = scene_ladder(0, anchor, ECO_ORGAN_FOLIAGE), splats = leaves;
+	leaves.triangles = random_fans(b, leaves.total = stand->leaves, 0);
+	leaves.area = stand->area;
 	leaves.curve_first = b->scene.curve_count;
 	leaves.curve_count = 4;
 	for (int i = 0; i < 4; i++)
-		scene_add_curve(b, (struct eco_curve){ shares[i], 1, shares[i], errors[i], errors[i] });
+		scene_add_curve(b, (struct eco_curve){ stand->shares[i], 1, stand->shares[i], stand->errors[i],
+			stand->errors[i] });
 	scene_add_ladder(b, leaves);
-	scene_add_tile(b, tile);
+	if (!stand->splats)
+		return;
+	splats.points = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_POINTS,
+		.attributes = ECO_ATTR_SPLAT, .other = ECO_NONE }, stand->splats, stand->splats);
+	splats.flags = ECO_LADDER_WHOLE;
+	splats.total = splats.level_end[0] = stand->splats;
+	splats.level_count = 1;
+	splats.curve_first = b->scene.curve_count;
+	splats.curve_count = 2;
+	for (int i = 0; i < 2; i++)
+		scene_add_curve(b, (struct eco_curve){ i ? 1 : 1.0f / (float)stand->splats, 1, 1,
+			stand->splat_errors[i][0], stand->splat_errors[i][1] });
+	scene_add_ladder(b, splats);
 }
 
-uint32_t random_crowd(struct scene_builder *b, struct eco_tile tile, const double origin[2], double size_m)
+uint32_t random_crowd(struct scene_builder *b, struct eco_tile tile, const double origin[2], double size)
 {
-	uint32_t count = tile.instance_count, index, list;
+	uint32_t count = tile.instance_count, index, list, side = (uint32_t)(1000 * size);
 	uint64_t first = b->scene.place_count;
-	tile.area = 30.0 * count;
 	index = scene_add_tile(b, tile);
-	list = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_INSTANCES, .owner = index, .other = ECO_NONE },
-		count, count);
+	list = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_INSTANCES, .owner = index,
+		.other = ECO_NONE }, count, count);
 	for (int i = 0; i < 2; i++)
 		b->lists[list].grid_origin[i] = origin[i];
 	for (uint32_t i = 0; i < count; i++)
-		scene_add_place(b, (struct eco_place){ .position = { (int32_t)random_below(b, (uint32_t)(1000 * size_m)),
-			(int32_t)random_below(b, (uint32_t)(1000 * size_m)), 0 }, .scale = 65536 });
+		scene_add_place(b, (struct eco_place){ .position = { (int32_t)random_below(b, side),
+			(int32_t)random_below(b, side), 0 }, .scale = 65536 });
 	scene_add_group(b, (struct eco_group){ index, 0, list, first, 0, count });
 	scene_add_child(b, 0, (struct eco_child){ .tile = index, .scale = 1 });
 	return index;

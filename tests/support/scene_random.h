@@ -27,10 +27,15 @@ void random_scene_splats(struct scene_builder *b, uint64_t seed, uint32_t nested
 uint32_t random_fans(struct scene_builder *b, uint32_t elements, uint32_t owner);
 uint32_t random_form(struct scene_builder *b, uint8_t kind, uint32_t of, uint32_t corners);
 
-/* A scene of one plant as high as `height_m`, of 300 leaves with a curve of these errors, and a tile for crowds
- * of it: tiles of plants that stand in a square from `origin` on. */
-void random_stand_make(struct scene_builder *b, double height_m, const float errors[4], struct eco_tile tile);
-uint32_t random_crowd(struct scene_builder *b, struct eco_tile tile, const double origin[2], double size_m);
+/* A scene of one plant: leaves with a curve, and if there are `splats` so many in a ladder for the whole plant,
+ * with fp and fn of the first of them and of all. */
+struct random_stand {
+	float height_m, area, shares[4], errors[4], splat_errors[2][2];
+	uint32_t leaves, splats;
+};
+void random_stand_make(struct scene_builder *b, const struct random_stand *stand);
+/* A tile, with its instances of plant 0 in a square from `origin` on, m. */
+uint32_t random_crowd(struct scene_builder *b, struct eco_tile tile, const double origin[2], double size);
 
 /* The server never decodes, so that this is a pack to it; ground, an image and textured triangles are added.
  * Payloads of about `factor` times 10 bytes a primitive. */
