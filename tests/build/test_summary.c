@@ -16,12 +16,12 @@
  * (area 1) with a pool near its foot, a large one (area 8) with a pool two metres up. */
 enum { TILES = 4 };
 
-struct world {
+static struct {
 	struct scene_builder b;
 	struct lod_pool pools[2];
 	float pool_at[2][16][3];
 	uint32_t pool_color[2][16];
-};
+} w;
 
 static void add_group(struct scene_builder *b, uint32_t tile, uint32_t plant, uint32_t count, double x,
 	double y)
@@ -40,19 +40,20 @@ static void add_group(struct scene_builder *b, uint32_t tile, uint32_t plant, ui
 	b->tiles[tile].area += count * (double)b->plants[plant].area;
 }
 
-static void make_pool(struct world *to, int p)
+static void make_pool(int p)
 {
 	for (int i = 0; i < 16; i++) {
-		to->pool_at[p][i][0] = (float)(i % 4) * 0.1f;
-		to->pool_at[p][i][2] = p == 0 ? 0.1f : 2.0f;
-		to->pool_color[p][i] = (uint32_t)(10 * p + i % 3);
+		w.pool_at[p][i][0] = (float)(i % 4) * 0.1f;
+		w.pool_at[p][i][2] = p == 0 ? 0.1f : 2.0f;
+		w.pool_color[p][i] = (uint32_t)(10 * p + i % 3);
 	}
-	to->pools[p] = (struct lod_pool){ 16, to->pool_at[p], to->pool_color[p], (uint8_t)(100 + p) };
+	w.pools[p] = (struct lod_pool){ 16, w.pool_at[p], w.pool_color[p], (uint8_t)(100 + p) };
 }
 
-static void make_world(struct world *w)
+static void make_world(void)
 {
-	struct scene_builder *b = &w->b;
+	struct scene_builder *b = &w.b;
+	scene_free(b);
 	b->like = (struct eco_list){ .grid_step = { 0.01, 0.01, 0.01 } };
 	scene_add_plant(b, (struct eco_plant){ .area = 1 });
 	scene_add_plant(b, (struct eco_plant){ .area = 8 });
@@ -71,25 +72,24 @@ static void make_world(struct world *w)
 	scene_add_child(b, 0, (struct eco_child){ .tile = 3, .placed = true, .at = { -500, 0, 0 },
 		.scale = 2 });
 	for (int p = 0; p < 2; p++)
-		make_pool(w, p);
+		make_pool(p);
 }
 
-static struct lod_summary summary_of(const struct world *w, uint32_t tile, uint32_t count)
+static struct lod_summary summary_of(uint32_t tile, uint32_t count)
 {
 	struct lod_summary s;
 	assert_int_equal(lod_summary_make(&s,
-		&(struct lod_summary_input){ .scene = &w->b.scene, .pools = w->pools, .tile = tile,
+		&(struct lod_summary_input){ .scene = &w.b.scene, .pools = w.pools, .tile = tile,
 		.count = count, .seed = 7 }, NULL), ECO_OK);
 	return s;
 }
 
 UNIT_TEST(test_as_many_points_as_asked)
 {
-	static struct world w;
-	make_world(&w);
+	make_world();
 	for (uint32_t tile = 0; tile < TILES; tile++) {
 		for (uint32_t count = 0; count < 400; count += 37) {
-			struct lod_summary s = summary_of(&w, tile, count);
+			struct lod_summary s = summary_of(tile, count);
 			assert_int_equal(s.count, count);
 			free(s.points);
 		}
@@ -98,10 +98,9 @@ UNIT_TEST(test_as_many_points_as_asked)
 
 UNIT_TEST(test_points_follow_area)
 {
-	static struct world w;
 	double per[4] = { 0 };               /* leaf 1, leaf 2, placed right, placed left */
-	make_world(&w);
-	struct lod_summary s = summary_of(&w, 0, 1700);
+	make_world();
+	struct lod_summary s = summary_of(0, 1700);
 	for (uint32_t i = 0; i < s.count; i++) {
 		double x = s.points[i].at[0];
 		per[x < -100 ? 3 : x > 300 ? 2 : x > 80 ? 1 : 0]++;
@@ -113,7 +112,7 @@ UNIT_TEST(test_points_follow_area)
 	free(s.points);
 	/* inside a leaf: 8 small ones have half the area */
 	double large = 0;
-	s = summary_of(&w, 3, 1000);
+	s = summary_of(3, 1000);
 	for (uint32_t i = 0; i < s.count; i++)
 		large += s.points[i].plant == 1;
 	assert_true(fabs(large - 500) <= 10);
@@ -122,9 +121,8 @@ UNIT_TEST(test_points_follow_area)
 
 UNIT_TEST(test_keys_match_owners)
 {
-	static struct world w;
-	make_world(&w);
-	struct lod_summary s = summary_of(&w, 0, 500);
+	make_world();
+	struct lod_summary s = summary_of(0, 500);
 	for (uint32_t i = 0; i < s.count; i++) {
 		const struct lod_summary_point *p = &s.points[i];
 		uint32_t leaf = p->at[0] > 300 || p->at[0] < -100 ? 3 : p->at[0] > 80 ? 2 : 1;
@@ -144,9 +142,8 @@ static int by_place(const void *a, const void *b) { return memcmp(a, b, sizeof(s
  * that leaf has too. */
 UNIT_TEST(test_parents_merge_children)
 {
-	static struct world w;
-	make_world(&w);
-	struct lod_summary parent = summary_of(&w, 0, 170), leaf = summary_of(&w, 2, 200);
+	make_world();
+	struct lod_summary parent = summary_of(0, 170), leaf = summary_of(2, 200);
 	uint32_t taken = 0;
 	qsort(leaf.points, leaf.count, sizeof *leaf.points, by_place);
 	for (uint32_t i = 0; i < parent.count; i++) {
@@ -166,18 +163,17 @@ UNIT_TEST(test_parents_merge_children)
 /* The stored summaries of nested eco files are enough; a file that has none is left out. */
 UNIT_TEST(test_nested_summaries_stand_for_their_files)
 {
-	static struct world w;
 	struct lod_summary inner, outer;
 	struct lod_summary_root root = { 0 };
 	const struct lod_summary_root *roots[TILES] = { NULL };
 	struct lod_summary_input input = { .scene = &w.b.scene, .tile = 0, .count = 100, .seed = 7,
 		.roots = roots };
-	make_world(&w);
+	make_world();
 	w.b.tiles[0].child_first = w.b.tiles[0].child_count = 2;     /* both of tile 3 */
 	assert_int_equal(lod_summary_make(&outer, &input, NULL), ECO_OK);
 	assert_int_equal(outer.count, 0);
 	free(outer.points);
-	inner = summary_of(&w, 3, 200);
+	inner = summary_of(3, 200);
 	assert_int_equal(lod_summary_list(&inner, &w.b.scene, 3, 20, &root.list, &root.elements, NULL),
 		ECO_OK);
 	roots[3] = &root;
@@ -192,11 +188,10 @@ UNIT_TEST(test_nested_summaries_stand_for_their_files)
 
 UNIT_TEST(test_list_holds_the_points)
 {
-	static struct world w;
 	struct eco_list list;
 	struct eco_elements e;
-	make_world(&w);
-	struct lod_summary s = summary_of(&w, 2, 256);
+	make_world();
+	struct lod_summary s = summary_of(2, 256);
 	assert_int_equal(lod_summary_list(&s, &w.b.scene, 2, 40, &list, &e, NULL), ECO_OK);
 	assert_int_equal(e.element_count, 256);
 	assert_true(fabs((double)list.unit_area * 256 - w.b.tiles[2].area / 2) < 1e-3);

@@ -127,36 +127,7 @@ UNIT_TEST(impossible_parts_are_refused)
 	assert_null(part.texels);
 }
 
-UNIT_TEST(levels_halve_and_cover_as_much)
-{
-	struct card card;
-	card_make(&card, leaves(SIDE, SIDE / 2, 30), 2);
-	struct lod_texture texture = make(&card);
-	double all = covered(card.image.rgba + 3, SIDE * SIDE / 2, 4);
-	assert_int_equal(texture.count, 4);      /* 32, 64, 128, 256 wide */
-	assert_true(fabs((double)texture.texel_area / (2.0 * 2.0 / (SIDE * SIDE / 2)) - 1) < 1e-3);
-	for (uint32_t i = 0; i < texture.count; i++) {
-		struct eco_texture_part outline = read_level(&texture, i, true),
-			colors = read_level(&texture, i, false);
-		size_t count = (size_t)outline.width * outline.height;
-		assert_int_equal(outline.width, 32u << i);
-		assert_int_equal(outline.height, 16u << i);
-		assert_int_equal(colors.width, outline.width);
-		double now = covered(outline.texels, count, 1);
-		print_message("          %u x %u: %.3f of %.3f, %zu and %zu bytes\n", outline.width,
-			outline.height, now, all, texture.outlines[i].size, texture.colors[i].size);
-		assert_true(fabs(now - all) < 0.01);
-		/* leaves are green, and what lies around them is: nothing of the clear texels' own colour */
-		for (size_t k = 0; k < count; k++)
-			assert_true(colors.texels[3 * k] < colors.texels[3 * k + 1]);
-		eco_texture_part_free(&outline);
-		eco_texture_part_free(&colors);
-	}
-	lod_texture_free(&texture);
-	free(card.image.rgba);
-}
-
-UNIT_TEST(levels_are_what_payloads_hold)
+UNIT_TEST(levels_halve_cover_as_much_and_are_what_payloads_hold)
 {
 	struct card card;
 	struct lod_texture_levels levels;
@@ -164,48 +135,41 @@ UNIT_TEST(levels_are_what_payloads_hold)
 	card_make(&card, leaves(SIDE, SIDE / 2, 30), 2);
 	struct lod_texture texture = make(&card);
 	assert_ok(lod_texture_levels_make(&levels, &card.model, 0, &error), error);
+	double all = covered(card.image.rgba + 3, SIDE * SIDE / 2, 4);
+	assert_int_equal(texture.count, 4);      /* 32, 64, 128, 256 wide */
 	assert_int_equal(levels.count, texture.count);
+	assert_true(fabs((double)texture.texel_area / (2.0 * 2.0 / (SIDE * SIDE / 2)) - 1) < 1e-3);
 	assert_true(levels.texel_area == texture.texel_area);
-	for (uint32_t i = 0; i < levels.count; i++) {
-		const struct eco_texture_part *colors = &levels.levels[i].colors,
-			*outline = &levels.levels[i].outline;
-		struct eco_texture_part cut = read_level(&texture, i, true),
-			seen = read_level(&texture, i, false);
-		size_t count = (size_t)colors->width * colors->height;
+	for (uint32_t i = 0; i < texture.count; i++) {
+		struct eco_texture_part cut = read_level(&texture, i, true), seen = read_level(&texture, i, false);
+		const struct eco_texture_part *colors = &levels.levels[i].colors;
+		const struct eco_writer *payload[2] = { &texture.colors[i], &texture.outlines[i] };
+		struct eco_writer w = { 0 };
+		size_t count = (32u << i) * (16u << i);
 		double squares = 0;
-		assert_int_equal(colors->width, seen.width);
-		assert_int_equal(colors->height, seen.height);
-		assert_memory_equal(outline->texels, cut.texels, count);
+		assert_true(cut.width == 32u << i && cut.height == 16u << i);
+		assert_true(seen.width == cut.width && seen.height == cut.height);
+		assert_true(colors->width == cut.width && colors->height == cut.height);
+		assert_true(fabs(covered(cut.texels, count, 1) - all) < 0.01);
+		assert_memory_equal(levels.levels[i].outline.texels, cut.texels, count);
+		/* leaves are green, and what lies around them is: nothing of the clear texels' own colour */
+		for (size_t k = 0; k < count; k++)
+			assert_true(seen.texels[3 * k] < seen.texels[3 * k + 1]);
 		for (size_t k = 0; k < 3 * count; k++)
 			squares += pow(colors->texels[k] - seen.texels[k], 2);
 		assert_true(sqrt(squares / (3 * (double)count)) < 12);
-		struct eco_writer w = { 0 };
 		assert_ok(eco_texture_write_colors(&w, colors, ECO_TEXTURE_QUALITY, &error), error);
 		assert_int_equal(w.size, texture.colors[i].size);
 		assert_memory_equal(w.bytes, texture.colors[i].bytes, w.size);
+		for (int outline = 0; outline < 2; outline++) {
+			assert_true(eco_texture_texels(payload[outline]->bytes, payload[outline]->size, outline) == count);
+			assert_true(eco_texture_texels(payload[outline]->bytes, 5, outline) == 0);
+		}
 		eco_writer_free(&w);
 		eco_texture_part_free(&cut);
 		eco_texture_part_free(&seen);
 	}
 	lod_texture_levels_free(&levels);
-	lod_texture_free(&texture);
-	free(card.image.rgba);
-}
-
-UNIT_TEST(payloads_tell_their_texels)
-{
-	struct card card;
-	card_make(&card, leaves(SIDE, SIDE / 2, 30), 2);
-	struct lod_texture texture = make(&card);
-	for (uint32_t i = 0; i < texture.count; i++) {
-		uint64_t texels = (32u << i) * (16u << i);
-		assert_true(eco_texture_texels(texture.colors[i].bytes, texture.colors[i].size, false)
-			== texels);
-		assert_true(eco_texture_texels(texture.outlines[i].bytes, texture.outlines[i].size, true)
-			== texels);
-		assert_true(eco_texture_texels(texture.colors[i].bytes, 5, false) == 0);
-		assert_true(eco_texture_texels(texture.outlines[i].bytes, 5, true) == 0);
-	}
 	lod_texture_free(&texture);
 	free(card.image.rgba);
 }
