@@ -60,39 +60,24 @@ static void check_counts(void)
 
 /* ---- Welding ---- */
 
-UNIT_TEST(equal_positions_become_one_vertex)
+/* Two quads side by side, without a common vertex, a hair apart. */
+UNIT_TEST(equal_positions_become_one_vertex_and_materials_part_components)
 {
-	soup_begin(&soup);
-	uint32_t m = soup_material(&soup, 0, 200, 0, ECO_NONE, false);
-	/* two quads side by side, without a common vertex, a hair apart */
-	for (int i = 0; i < 2; i++) {
-		double gap = 1e-7 * i;
-		soup_quad(&soup, m, (struct lod_v3){ i + gap, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
-			(struct lod_v3){ 0, 1, 0 });
+	for (uint32_t materials = 1; materials <= 2; materials++) {
+		soup_begin(&soup);
+		soup_material(&soup, 0, 200, 0, ECO_NONE, false);
+		soup_material(&soup, 90, 60, 0, ECO_NONE, false);
+		for (uint32_t i = 0; i < 2; i++)
+			soup_quad(&soup, i % materials, (struct lod_v3){ i + 1e-7 * i, 0, 0 },
+				(struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 1, 0 });
+		make(14);
+		assert_int_equal(made.mesh.vertex_count, 6);
+		assert_int_equal(made.mesh.component_count, materials);
+		assert_int_equal(made.elements.count, materials);
+		check_counts();
+		check_elements();
+		finish();
 	}
-	make(14);
-	assert_int_equal(made.mesh.vertex_count, 6);
-	assert_int_equal(made.mesh.component_count, 1);
-	check_counts();
-	check_elements();
-	finish();
-}
-
-UNIT_TEST(materials_part_components)
-{
-	soup_begin(&soup);
-	uint32_t a = soup_material(&soup, 0, 200, 0, ECO_NONE, false),
-		b = soup_material(&soup, 90, 60, 0, ECO_NONE, false);
-	soup_quad(&soup, a, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
-		(struct lod_v3){ 0, 1, 0 });
-	soup_quad(&soup, b, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
-		(struct lod_v3){ 0, 1, 0 });
-	make(14);
-	assert_int_equal(made.mesh.vertex_count, 6);
-	assert_int_equal(made.mesh.component_count, 2);
-	assert_int_equal(made.elements.count, 2);
-	check_elements();
-	finish();
 }
 
 UNIT_TEST(useless_triangles_are_dropped_by_reason)
@@ -125,17 +110,6 @@ UNIT_TEST(useless_triangles_are_dropped_by_reason)
 		assert_int_equal(made.mesh.dropped[d], expected[d]);
 	check_counts();
 	check_elements();
-	finish();
-}
-
-UNIT_TEST(a_triangle_with_any_opaque_texel_is_kept)
-{
-	soup_begin(&soup);
-	uint32_t cut = soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 64), true);
-	soup_quad(&soup, cut, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
-		(struct lod_v3){ 0, 1, 0 });
-	make(12);
-	assert_int_equal(made.mesh.triangle_count, 2);
 	finish();
 }
 

@@ -1,6 +1,6 @@
 /* Importance (Deussen 2002, 4.3 and 6.2): an important ladder keeps more of its elements at an equal budget,
  * and its share grows with its importance. Both rules are asked. The tests fail when either takes all ladders
- * for equally important. */
+ * for equally important; and where organs near by have the shares of a far view. */
 #include <stdlib.h>
 
 #include "lod/plan/planner.h"
@@ -20,61 +20,66 @@ static lod_rule *const rules[] = { lod_rule_optimal, lod_rule_deussen };
 
 /* ---- A stand of two species in turn, each with many leaves and a few flowers, in tables ---- */
 
-static uint32_t add_list(uint8_t kind, uint8_t coder, uint32_t plant, uint32_t of, uint32_t count)
+static struct eco_ladder *add_ladder(uint32_t plant, uint32_t anchor, enum eco_organ organ, uint32_t count,
+	float area)
 {
-	uint32_t list = scene_add_bare(&scene, &(struct scene_row){ kind, coder, 0, plant, of, 0, 0 },
-		kind == ECO_LIST_POINTS ? count : 2 * count, count);
-	ladder_of_list[list] = scene.scene.ladder_count;
-	return list;
-}
-
-static void add_ladder(uint32_t plant, uint32_t anchor, uint32_t organ, uint32_t count, float area)
-{
-	struct eco_ladder l = scene_ladder(plant, anchor, organ == FLOWERS ? ECO_ORGAN_FLOWER
-		: ECO_ORGAN_FOLIAGE);
+	struct eco_ladder l = scene_ladder(plant, anchor, organ);
 	l.area = area;
 	l.length = 20;
 	l.total = count;
 	l.curve_first = scene.scene.curve_count;
 	l.curve_count = sizeof scene_falling / sizeof *scene_falling;
-	l.triangles = add_list(ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, plant, ECO_NONE, count);
-	l.points = add_list(ECO_LIST_POINTS, ECO_CODER_FORM, plant, l.triangles, count);
+	l.triangles = scene_add_bare(&scene, &(struct scene_row){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, plant,
+		ECO_NONE, 0, 0 }, 2 * count, count);
+	ladder_of_list[l.triangles] = scene.scene.ladder_count;
 	for (uint32_t i = 0; i < l.curve_count; i++)
 		scene_add_curve(&scene, scene_falling[i]);
 	scene_add_ladder(&scene, l);
+	return &scene.ladders[scene.scene.ladder_count - 1];
+}
+
+/* Points of a ladder's triangles. */
+static void add_points(struct eco_ladder *l, uint32_t plant)
+{
+	l->points = scene_add_bare(&scene, &(struct scene_row){ ECO_LIST_POINTS, ECO_CODER_FORM, 0, plant,
+		l->triangles, 0, 0 }, l->total, l->total);
+	ladder_of_list[l->points] = ladder_of_list[l->triangles];
 }
 
 static void add_species(void)
 {
 	uint32_t plant = scene_add_plant(&scene, (struct eco_plant){ .height_m = 6, .area = 60 });
 	uint32_t anchor = scene_add_anchor(&scene, (struct eco_anchor){ { 0, 0, 3 }, 3 });
-	add_ladder(plant, anchor, LEAVES, 4000, 50);
-	add_ladder(plant, anchor, FLOWERS, 1000, 10);
+	add_points(add_ladder(plant, anchor, ECO_ORGAN_FOLIAGE, 4000, 50), plant);
+	add_points(add_ladder(plant, anchor, ECO_ORGAN_FLOWER, 1000, 10), plant);
 }
 
-static void add_places(uint32_t plant)
+/* Every second place of a square, in turn with the other species. */
+static void add_places(uint32_t plant, uint32_t side)
 {
-	uint32_t count = SIDE * SIDE / SPECIES;
+	uint32_t count = side > 1 ? side * side / SPECIES : 1;
 	uint32_t list = scene_add_bare(&scene, &(struct scene_row){ ECO_LIST_INSTANCES, ECO_CODER_ROWS, 0, 0,
 		ECO_NONE, 0, 0 }, count, count);
 	scene_add_group(&scene, (struct eco_group){ 0, plant, list, scene.scene.place_count, 0, 0 });
-	for (uint32_t i = 0; i < SIDE * SIDE; i++)
-		if ((i % SIDE + i / SIDE) % SPECIES == plant)
-			scene_add_place(&scene, (struct eco_place){ { (int32_t)(1000 * PLACE_M * (i % SIDE)),
-				(int32_t)(1000 * PLACE_M * (i / SIDE)), 0 }, 0, 65536 });
+	for (uint32_t i = 0; i < side * side; i++)
+		if ((i % side + i / side) % SPECIES == plant)
+			scene_add_place(&scene, (struct eco_place){ { (int32_t)(1000 * PLACE_M * (i % side)),
+				(int32_t)(1000 * PLACE_M * (i / side)), 0 }, 0, 65536 });
 }
+
+static const struct scene_builder nothing = { .scene.near_m = 0.1,
+	.like = { .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f } };
 
 static int stand_make(void **state)
 {
 	double size = SIDE * PLACE_M;
-	scene = (struct scene_builder){ .scene.near_m = 0.1,
-		.like = { .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f } };
+	scene = nothing;
 	for (uint32_t i = 0; i < SPECIES; i++)
 		add_species();
 	scene_add_tile(&scene, (struct eco_tile){ .low = { -3, -3, 0 }, .high = { size + 3, size + 3, 6 },
 		.summary = ECO_NONE, .instance_count = SIDE * SIDE, .area = 60.0 * SIDE * SIDE });
 	for (uint32_t i = 0; i < SPECIES; i++)
-		add_places(i);
+		add_places(i, SIDE);
 	return 0;
 }
 
@@ -88,19 +93,16 @@ static int stand_free(void **state)
 
 /* ---- Shares of a plan ---- */
 
-/* All of the stand in view. */
-static struct eco_request request_of(uint64_t vertices)
+static struct eco_view view_of(const double eye[3], const double target[3])
 {
-	double size = SIDE * PLACE_M;
-	return (struct eco_request){ .view = { .eye = { size / 2, -0.6 * size, 0.5 * size },
-		.target = { size / 2, size / 2, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 60, .width = 800,
-		.height = 600 }, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
+	return (struct eco_view){ .eye = { eye[0], eye[1], eye[2] }, .target = { target[0], target[1], target[2] },
+		.up = { 0, 0, 1 }, .fov_y_deg = 60, .width = 800, .height = 600 };
 }
 
 /* The share of the budget that the lists of these ladders take: of ladder i where bit i is set. */
-static double share_of(lod_rule *rule, uint64_t vertices, unsigned ladders)
+static double share_of(lod_rule *rule, const struct eco_view *view, uint64_t vertices, unsigned ladders)
 {
-	struct eco_request request = request_of(vertices);
+	struct eco_request request = { .view = *view, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
 	struct lod_planner_input input = { .scene = &scene.scene, .request = &request, .rule = rule };
 	struct eco_error error = { 0 };
 	struct eco_plan plan, part;
@@ -113,10 +115,19 @@ static double share_of(lod_rule *rule, uint64_t vertices, unsigned ladders)
 	for (uint32_t i = 0; i < plan.cut_count; i++)
 		if (ladders >> ladder_of_list[plan.cuts[i].list] & 1)
 			part.cuts[part.cut_count++] = plan.cuts[i];
-	uint64_t drawn = plan_twin_vertices(&scene.scene, &part, &request.view, NULL);
+	uint64_t drawn = plan_twin_vertices(&scene.scene, &part, view, NULL);
 	free(part.cuts);
 	eco_plan_free(&plan);
 	return (double)drawn / (double)vertices;
+}
+
+/* Of all of the stand in view. */
+static double stand_share(lod_rule *rule, uint64_t vertices, unsigned ladders)
+{
+	double size = SIDE * PLACE_M;
+	struct eco_view view = view_of((double[]){ size / 2, -0.6 * size, 0.5 * size },
+		(double[]){ size / 2, size / 2, 0 });
+	return share_of(rule, &view, vertices, ladders);
 }
 
 /* Sets the importance of these ladders, and leaves the others' at 1. */
@@ -137,7 +148,7 @@ static void check_growth(unsigned ladders, double more)
 			double last = 0, first = 1, neutral = 0;
 			for (int i = 0; i < 7; i++) {
 				set_importance(ladders, importances[i]);
-				double share = share_of(rules[r], budgets[b], ladders);
+				double share = stand_share(rules[r], budgets[b], ladders);
 				assert_true(share >= last);
 				last = share;
 				first = i == 0 ? share : first;
@@ -165,10 +176,35 @@ IMPORTANCE_TEST(plants_of_an_important_eco_file_keep_more)
 
 IMPORTANCE_TEST(plants_that_are_all_as_important_share_alike)
 {
-	double share = share_of(lod_rule_optimal, 40000, 1u << LEAVES | 1u << FLOWERS);
+	double share = stand_share(lod_rule_optimal, 40000, 1u << LEAVES | 1u << FLOWERS);
 	assert_true(share > 0.4 && share < 0.6);
 	for (int i = 0; i < LADDERS * (int)SPECIES; i++)
 		scene.ladders[i].importance = 5;
-	double scaled = share_of(lod_rule_optimal, 40000, 1u << LEAVES | 1u << FLOWERS);
+	double scaled = stand_share(lod_rule_optimal, 40000, 1u << LEAVES | 1u << FLOWERS);
 	assert_true(scaled > share - 0.01 && scaled < share + 0.01);
+}
+
+/* An eye at a trunk is sent more of it: of equal budgets, wood has a greater share near by than from afar. */
+UNIT_TEST_BETWEEN(near_a_trunk_there_is_more_of_it, NULL, stand_free)
+{
+	const double height = 12;
+	double sum[2] = { 0 };
+	scene = nothing;
+	uint32_t plant = scene_add_plant(&scene, (struct eco_plant){ .height_m = (float)height, .area = 220 }),
+		anchor = scene_add_anchor(&scene, (struct eco_anchor){ { 0, 0, (float)height / 2 }, 7 });
+	add_ladder(plant, anchor, ECO_ORGAN_FOLIAGE, 3000, 200);
+	add_ladder(plant, anchor, ECO_ORGAN_WOOD, 3000, 20);
+	scene_add_tile(&scene, (struct eco_tile){ .low = { -5, -5, 0 }, .high = { 5, 5, height },
+		.summary = ECO_NONE, .instance_count = 1, .area = 220 });
+	add_places(plant, 1);
+	for (uint64_t vertices = 1500; vertices <= 15000; vertices += 1500) {
+		double share[2];
+		for (int near = 0; near < 2; near++) {
+			struct eco_view view = view_of((double[]){ 0, near ? -2.5 : -60, 1.7 }, (double[]){ 0, 0, 1.7 });
+			share[near] = share_of(lod_rule_optimal, &view, vertices, 1u << 1);
+			sum[near] += share[near];
+		}
+		assert_true(share[1] >= share[0]);
+	}
+	assert_true(sum[0] > 0 && sum[1] > 1.5 * sum[0]);
 }
