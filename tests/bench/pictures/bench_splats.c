@@ -14,7 +14,7 @@
 #define STATE_MOST 4096u
 const uint32_t bench_splats_budgets[BUDGETS] = { 12, 48, 200, 1000 };
 const char *const bench_splats_kind_names[BENCH_SPLATS_KINDS] = { "opaque splats", "splats with opacity",
-	"square points", "best impostor" };
+	"points", "best impostor" };
 const double bench_splats_heights_px[BENCH_SPLATS_SIZES] = { 64, 256 };
 
 bool bench_splats_is_foliage(const struct bench_model *model)
@@ -50,7 +50,7 @@ static enum eco_code score_splats(struct bench_splats_pictures *pictures, const 
 	return code;
 }
 
-/* ---- Square points, and lines for wood that has no points, by the areas of organs ---- */
+/* ---- Points as balls, and lines for wood that has no points, by the areas of organs ---- */
 
 struct points { const struct lod_plant *plant; uint32_t vertices; double growth; };
 

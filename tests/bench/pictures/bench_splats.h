@@ -57,7 +57,7 @@ void bench_splats_draw(const void *drawn, struct lod_raster *raster);
 #define BENCH_SPLATS_BUDGETS 4u
 extern const uint32_t bench_splats_budgets[BENCH_SPLATS_BUDGETS];        /* vertices: 12, 48, 200, 1000 */
 extern const double bench_splats_heights_px[BENCH_SPLATS_SIZES];
-/* OPAQUE, OPACITY: splats. POINTS: square points of the pack's order, grown by the best of eight factors.
+/* OPAQUE, OPACITY: splats. POINTS: balls of the pack's order, grown by the best of eight factors.
  * IMPOSTOR: the best level, of one vertex. */
 enum bench_splats_kind { BENCH_SPLATS_OPAQUE, BENCH_SPLATS_OPACITY, BENCH_SPLATS_POINTS,
 	BENCH_SPLATS_IMPOSTOR, BENCH_SPLATS_KINDS };
