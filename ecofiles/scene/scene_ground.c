@@ -91,8 +91,7 @@ static bool parse_classes(struct eco_ground_image_source *image, const struct ec
 		return false;
 	if (!json_object_size(at->value))
 		return eco_json_fail(at, ECO_BAD_INPUT,
-			"\"classes\" has no class; leave it out for the file's own "
-			"colours");
+			"\"classes\" has no class; leave it out for the file's own colours");
 	image->classes = calloc(json_object_size(at->value), sizeof *image->classes);
 	if (!image->classes)
 		return eco_json_no_memory(at);

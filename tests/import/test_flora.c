@@ -60,8 +60,7 @@ UNIT_TEST(genera_and_forms_are_known_in_several_languages)
 	} names[] = { { "Quercus robur", "quercus", ECO_FORM_BROAD },
 		{ "Stieleiche", "quercus", ECO_FORM_BROAD },
 		{ "ch\u00eane p\u00e9doncul\u00e9", "quercus", ECO_FORM_BROAD },
-		{ "oak, pin (Quercus "
-		  "palustris)",
+		{ "oak, pin (Quercus palustris)",
 			"quercus", ECO_FORM_BROAD },
 		{ "d\u0105b szypu\u0142kowy", "quercus", ECO_FORM_BROAD },
 		{ "sosna zwyczajna", "pinus", ECO_FORM_CONIFER }, { "b\u0159\u00edza", "betula", ECO_FORM_BROAD },

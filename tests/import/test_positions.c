@@ -64,12 +64,11 @@ static const struct { const char *name, *scene, *text, *entry, *plants, *says; }
 	{ "rows_that_cannot_be_used_are_counted_by_reason", "", "sp,x,y\noak,1,2\nlime,1,2\noak,,2\noak,1,"
 		"NA\noak,1,2m\noak,0x10,2\noak,nan,2\nstump,1,2\noak,1\noak,1e9,2\nlime,3,3\n Oak ,7,8\n",
 		"'species':'sp','map':{'oak':'oak','stump':null,'gone':null}", "oak 1 2 / oak 7 8",
-		"12 rows, 2 plants|3  left out: no coordinates (first in line 4)|2  left out: a "
-		"coordinate that is not a number (first in line 6: \"2m\")|1  left out: more than 10,000 "
-		"km|1  left out by the map: stump (first in line 9: \"stump\")|1  left out: too few "
-		"fields (first in line 10: \"oak\")|2  left out: 1 species that the map does not have; "
-		"add them, or \"*\" (first in line 3: \"lime\")|of these 2: \"lime\"|1 key of the map fit "
-		"no row: \"gone\"" },
+		"12 rows, 2 plants|3  left out: no coordinates (first in line 4)|2  left out: a coordinate "
+		"that is not a number (first in line 6: \"2m\")|1  left out: more than 10,000 km|1  left out "
+		"by the map: stump (first in line 9: \"stump\")|1  left out: too few fields (first in line "
+		"10: \"oak\")|2  left out: 1 species that the map does not have; add them, or \"*\" (first "
+		"in line 3: \"lime\")|of these 2: \"lime\"|1 key of the map fit no row: \"gone\"" },
 	{ NULL, "", "x,y\n", "", "", "it has no rows" },
 	{ "species_fit_exactly_before_by_wildcard_before_by_fallback", "", species_csv, "'species':'s',"
 		"'map':{'Quercus robur':'oak','Quercus*':'ash','Quercus robur*':'elm','*':null}",
@@ -308,9 +307,8 @@ static const struct { const char *name, *scene, *text, *entry, *plants, *says; }
 		"cm\r\n\"0001\";Linde;390001,25;5820002,5;12,5;8,0;120\r\n\"0002\";Eiche;390.010,"
 		"00;5.820.020,75;k.A.;;99\r\n\"0003\";;;;;;\r\n", "'x':'Rechtswert','y':'Hochwert',"
 		"'crs':'EPSG:25833','decimal':',','species':'Gattung_Deutsch','map':{'linde':'ash',"
-		"'EICHE':'oak'},'height_m':[{'column':'Höhe (m)'},{'from_girth':'Stammumfang cm',"
-		"'unit':'cm','max':30,'rate':0.005}],'crown_m':{'column':'Kronendurchmesser',"
-		"'is':'diameter'}", "ash 1.25 2.5 h12.5 c4 / oak 10 20.75 h24.063",
+		"'EICHE':'oak'},'height_m':[{'column':'Höhe (m)'},{'from_girth':'Stammumfang cm','unit':'cm',"
+		"'max':30,'rate':0.005}],'crown_m':{'column':'Kronendurchmesser','is':'diameter'}", "ash 1.25 2.5 h12.5 c4 / oak 10 20.75 h24.063",
 		"3 rows, 2 plants|Windows-1252|1  left out: 1 species that the map does not have" },
 	/* a census: trunk diameters in inches, a state of each tree, degrees */
 	{ NULL, "\"crs\":\"EPSG:32618\",\"origin\":[583960,4507523,0],", "created_at,tree_id,tree_dbh,"
@@ -412,8 +410,7 @@ UNIT_TEST(a_unit_that_cannot_be_is_said_and_kept)
 		"oak 1 1 h35 / oak 2 2 h35 / oak 3 3 h34.998", "half of its \"d\" are above 3 m, the largest about 4 m, which "
 		"few trunks are; is their \"unit\" \"mm\"?");
 	const struct inventory *in = inventory_of("positions", "", "rows.csv",
-		"\"plant\":\"oak\",\"height_m\":"
-		"{\"column\":\"h\",\"unit\":\"ft\"}," XY);
+		"\"plant\":\"oak\",\"height_m\":{\"column\":\"h\",\"unit\":\"ft\"}," XY);
 	if (strstr(in->report, "is their"))
 		fail_msg("%s", in->report);
 }

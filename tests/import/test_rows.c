@@ -374,11 +374,10 @@ UNIT_TEST(files_of_gis_bring_points_and_their_crs)
 	expect_made("ODS", "a.ods", &table, 1, NULL, "species / oak", NULL, NULL);
 	expect_made("FlatGeobuf", "a.fgb", &oak, 1, NULL, "species / (690000 5335000) oak", NULL,
 		"EPSG:25832");
-	expect("a.kml", "<kml "
-		"xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>oak</name>"
-		"<ExtendedData><Data "
-		"name=\"dbh\"><value>30</value></Data></ExtendedData><Point><coordinates>11.5,48.1,"
-		"0</coordinates></Point></Placemark></Document></kml>",
+	expect("a.kml", "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>oak</"
+		"name><ExtendedData><Data name=\"dbh\"><value>30</value></Data></"
+		"ExtendedData><Point><coordinates>11.5,48.1,0</coordinates></Point></Placemark></Document></"
+		"kml>",
 		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,"
 		"icon,dbh / (11.5 48.1 0) oak,,,,,,-1,0,-1,,,30",
 			NULL, "EPSG:4326");

@@ -187,8 +187,7 @@ UNIT_TEST(what_is_to_be_clear_is_clear)
 	struct eco_scatter_spec spec = spec_of(areas("clear.geojson", FIELD));
 	struct scattered s;
 	spec.clear_of = areas("road.geojson", "{\"type\":\"Feature\",\"properties\":{},"
-		"\"geometry\":{\"type\":\"LineString\","
-		"\"coordinates\":[[0,10],[200,10]]}},"
+		"\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[0,10],[200,10]]}},"
 		"{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
 		"\"coordinates\":[[[0,80],[20,80],[20,100],[0,100],[0,80]]]}}");
 	spec.clear_m = 5;
@@ -267,8 +266,7 @@ UNIT_TEST(what_is_too_far_or_too_much_is_said)
 		"feature 2)"));
 	free(s.places);
 	spec = spec_of(areas("large.geojson", "{\"type\":\"Feature\",\"properties\":{},"
-		"\"geometry\":{\"type\":\"Polygon\",\"coordinates\":"
-		"[[[0,0],[9e6,0],[9e6,9e6],[0,0]]]}}"));
+		"\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[9e6,0],[9e6,9e6],[0,0]]]}}"));
 	assert_int_equal(eco_scatter_open(&none, &spec, &frame, NULL, NULL, &error), ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "more than 100000000 plants; take lower densities"));
 }

@@ -36,19 +36,15 @@ UNIT_TEST(everything_that_may_be_said_is_read)
 	struct eco_source s;
 	const struct eco_positions_spec *p;
 	parse_good(&s, "{ \"name\": \"n\", \"crs\": \"EPSG:26917\", \"origin\": [747375, 4308510, 2], "
-		"\"tile\": {\"instances\": 7},\n"
-		"\"ground\": {\"heights\": \"dem.tif\", \"crs\": \"EPSG:26917\"},\n"
-		"\"plants\": {\"oak\": {\"variants\": [\"a.glb\", \"/b.obj\"], \"height_m\": 18, "
-		"\"importance\": {\"flower\": 3}}, \"ash\": {\"model\": "
-			"\"c.obj\"}},\n"
+		"\"tile\": {\"instances\": 7},\n\"ground\": {\"heights\": \"dem.tif\", \"crs\": "
+		"\"EPSG:26917\"},\n\"plants\": {\"oak\": {\"variants\": [\"a.glb\", \"/b.obj\"], "
+		"\"height_m\": 18, \"importance\": {\"flower\": 3}}, \"ash\": {\"model\": \"c.obj\"}},\n"
 		"\"instances\": [{\"plant\": \"ash\", \"at\": [1, 2, 3], \"yaw_deg\": 30, \"scale\": 1.5}, "
-		"{\"plant\": \"ash\", \"at\": [1, 2]},\n"
-		"  {\"from\": \"t.csv\", \"x\": \"e\", \"y\": \"n\", \"z\": \"h\", \"crs\": \"EPSG:4326\", "
-		"\"species\": \"sp\", \"separator\": \";\",\n"
-		"   \"map\": {\"q\": \"oak\", \"stump\": null, \"*\": \"ash\"}, \"seed\": 9, \"yaw_deg\": "
-		"\"y\",\n"
-		"   \"height_m\": {\"from_dbh_mm\": \"d\", \"max\": 35, \"rate\": 0.004, \"levels\": 8}}],\n"
-		"\"children\": [{\"eco\": \"sub/h.json\", \"at\": [100, 0, 0], \"yaw_deg\": 90, \"scale\": "
+		"{\"plant\": \"ash\", \"at\": [1, 2]},\n  {\"from\": \"t.csv\", \"x\": \"e\", \"y\": \"n\", "
+		"\"z\": \"h\", \"crs\": \"EPSG:4326\", \"species\": \"sp\", \"separator\": \";\",\n   "
+		"\"map\": {\"q\": \"oak\", \"stump\": null, \"*\": \"ash\"}, \"seed\": 9, \"yaw_deg\": \"y\","
+		"\n   \"height_m\": {\"from_dbh_mm\": \"d\", \"max\": 35, \"rate\": 0.004, \"levels\": 8}}],"
+		"\n\"children\": [{\"eco\": \"sub/h.json\", \"at\": [100, 0, 0], \"yaw_deg\": 90, \"scale\": "
 		"2}] }");
 	assert_string_equal(s.name, "n");
 	assert_string_equal(s.crs, "EPSG:26917");
@@ -90,9 +86,8 @@ UNIT_TEST(ground_may_be_several_rasters_and_say_what_they_do_not)
 {
 	struct eco_source s;
 	parse_good(&s, "{\"crs\": \"EPSG:26917\", \"origin\": [0, 0], \"vertical\": \"EPSG:5703\", "
-		"\"ground\": {\"heights\": [\"a.tif\", \"/b.tif\"],"
-		" \"vertical\": \"NAVD88 height\", \"band\": 2, \"scale\": 0.001, \"offset\": 273.5, "
-		"\"unit\": \"ft\", \"nodata\": -1}}");
+		"\"ground\": {\"heights\": [\"a.tif\", \"/b.tif\"], \"vertical\": \"NAVD88 height\", "
+		"\"band\": 2, \"scale\": 0.001, \"offset\": 273.5, \"unit\": \"ft\", \"nodata\": -1}}");
 	assert_string_equal(s.vertical, "EPSG:5703");
 	assert_int_equal(s.ground.height_count, 2);
 	assert_string_equal(s.ground.heights[0], "dir/a.tif");
@@ -126,8 +121,7 @@ UNIT_TEST(defaults_fill_what_is_not_said)
 	assert_string_equal(s.name, "marked");
 	eco_source_free(&s);
 	parse_good(&s, "{\"plants\": {\"b\": {\"model\": \"b.obj\"}, \"a\": {\"model\": \"a.obj\"}}, "
-		"\"instances\": [{\"from\": \"t.csv\", \"x\": \"x\","
-		" \"y\": \"y\", \"species\": \"s\"}]}");
+		"\"instances\": [{\"from\": \"t.csv\", \"x\": \"x\", \"y\": \"y\", \"species\": \"s\"}]}");
 	assert_int_equal(s.positions[0].map_count, 2);       /* species are plants' names */
 	assert_string_equal(s.positions[0].map[1].name, "a");
 	assert_int_equal(s.positions[0].map[1].plant, 1);
@@ -181,12 +175,10 @@ static const struct { const char *json, *place, *says; } bad[] = {
 		"\"at\": [0, 0]}]}", ":3:12:",
 		"plant \"elm\" is not among \"plants\": oak" },
 	{ "{" MANY_PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [0, 0]}]}", ":1:",
-		"plants\": a23456789b23456789c23456789d23456789-1, "
-		"a23456789b23456789c23456789d23456789-2, a23456789b23456789c23456789d23456789-3, "
-		"a23456789b23456789c23456789d23456789-4 and 2 more" },
+		"plants\": a23456789b23456789c23456789d23456789-1, a23456789b23456789c23456789d23456789-2, "
+		"a23456789b23456789c23456789d23456789-3, a23456789b23456789c23456789d23456789-4 and 2 more" },
 	{ "{\"importance\": 0}", ":1:16:", "between 0.01 and 100" },
-	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"parts\": [{\"name\": \"p\", \"importance\": "
-		"101}]}}}", ":1:73:", "between 0.01 and 100" },
+	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"parts\": [{\"name\": \"p\", \"importance\": 101}]}}}", ":1:73:", "between 0.01 and 100" },
 	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"parts\": [{\"name\": \"p\"}]}}}", ":1:45:",
 		"\"is\" is missing" },
 	{ "{" PLANTS ", \"instances\": [{\"plant\": \"oak\"}]}", ":1:", "\"at\" is missing" },
@@ -211,8 +203,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 		"\"unit\": \"yd\"}}]}", ":2:",
 		"not one of m, cm" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": "
-		"\"d\", \"unit\": \"cm\", \"max\": 9, \"rate\": "
-		"1}}]}", ":2:", "leave out \"unit\"" },
+		"\"d\", \"unit\": \"cm\", \"max\": 9, \"rate\": 1}}]}", ":2:", "leave out \"unit\"" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"separator\": \"ab\"}]}", ":2:",
 		"\"separator\"" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"decimal\": \",\", \"thousands\": "
@@ -261,8 +252,7 @@ UNIT_TEST(what_may_not_be_said_has_a_line_and_a_column)
 UNIT_TEST(every_truncation_is_an_error)
 {
 	static const char json[] = "{" PLANTS ", \"instances\": [{" ROWS
-		", \"species\": \"s\", \"map\": {\"a\": \"oak\"}}, {\"plant\": \"oak\", "
-		"\"at\": [0, 0]}]}";
+		", \"species\": \"s\", \"map\": {\"a\": \"oak\"}}, {\"plant\": \"oak\", \"at\": [0, 0]}]}";
 
 	for (size_t size = 0; size < sizeof json - 1; size++) {
 		struct eco_source s;
@@ -280,9 +270,8 @@ UNIT_TEST(nested_files_are_read_once_and_come_after_their_parents)
 	input_text("scene", "leaf.json", "{}");
 	input_text("scene", "mid.json", "{\"children\": [{\"eco\": \"leaf.json\", \"at\": [0, 0]}]}");
 	root = input_text("scene", "root.json", "{\"children\": [{\"eco\": \"leaf.json\", \"at\": [0, 0]}, "
-		"{\"eco\": \"leaf.json\", \"at\": [9, 0]},"
-		" {\"eco\": \"mid.json\", \"at\": [0, 0]}, {\"eco\": \"../scene/mid.json\", \"at\": [0, "
-		"5]}]}");
+		"{\"eco\": \"leaf.json\", \"at\": [9, 0]}, {\"eco\": \"mid.json\", \"at\": [0, 0]}, "
+		"{\"eco\": \"../scene/mid.json\", \"at\": [0, 5]}]}");
 	assert_ok(eco_sources_load(&sources, root, &error), error);
 	assert_int_equal(sources.count, 3);
 	assert_string_equal(sources.items[0].name, "root");

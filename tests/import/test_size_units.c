@@ -58,8 +58,7 @@ UNIT_TEST(units_are_those_of_plants_or_asked_for)
 		const char *unit = guess.unit ? guess.unit : "?",
 			   *wanted = guesses[i].unit ? guesses[i].unit : "?";
 		if (strcmp(unit, wanted) != 0 || guess.why[0] == 0 || (!guess.unit && !guess.other))
-			fail_msg("%s of %g, %g: %s, not %s "
-				"(%s)", guesses[i].name, guesses[i].middle, guesses[i].high,
+			fail_msg("%s of %g, %g: %s, not %s (%s)", guesses[i].name, guesses[i].middle, guesses[i].high,
 				unit, wanted, guess.why);
 	}
 }

@@ -105,8 +105,7 @@ static enum eco_code plain_metres(const struct eco_crs_request *r, struct eco_er
 	if (crs) {
 		name = eco_crs_short_name(crs);
 		eco_fail(error, ECO_BAD_INPUT, "%.200s is in %.80s, but the scene has no CRS; add \"crs\": "
-			"\"%.80s\" (if it is one in metres) and \"origin\" "
-			"to the scene", r->path, name ? name : "?", strlen(crs) <= 80 ? crs
+			"\"%.80s\" (if it is one in metres) and \"origin\" to the scene", r->path, name ? name : "?", strlen(crs) <= 80 ? crs
 			: "EPSG:...");
 		free(name);
 		return ECO_BAD_INPUT;

@@ -143,8 +143,7 @@ static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_area
 			.frame = frame, .note = note, .ctx = input }, error);
 	if (code == ECO_OK && r.rows->degrees_doubted && !(surfaces ? spec->crs : spec->clear_crs))
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, as its format "
-			"says; add \"%s\": \"EPSG:...\", the CRS "
-			"that they are in", r.path, surfaces ? "crs" : "clear_crs");
+			"says; add \"%s\": \"EPSG:...\", the CRS that they are in", r.path, surfaces ? "crs" : "clear_crs");
 	if (!code)
 		code = read_rows(&r, areas, surfaces, error);
 	const char *stated = surfaces ? spec->crs : spec->clear_crs;

@@ -265,8 +265,7 @@ static enum eco_code ask_for_grid(struct eco_place_look *l, struct eco_crs_choic
 static enum eco_code take_choice(struct eco_place_look *l, const struct eco_crs_choice *choice, const char *why)
 {
 	snprintf(l->guess->crs, sizeof l->guess->crs, "%s", choice->code);
-	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, %s; a place at %.3f, "
-		"%.3f", choice->name, why,
+	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, %s; a place at %.3f, %.3f", choice->name, why,
 		choice->degrees[0], choice->degrees[1]);
 	return ECO_OK;
 }

@@ -108,9 +108,8 @@ static enum eco_code guess_origin(struct eco_place_look *l)
 		eco_crs_close(crs);
 	}
 	if (!code && !converted)
-		code = eco_fail(l->error, ECO_BAD_INPUT, "%.150s: %.10g, %.10g is no place in %.40s "
-			"(%.60s); give the "
-			"CRS of the coordinates with --crs", l->asked->table->path, l->xy[x].middle,
+		code = eco_fail(l->error, ECO_BAD_INPUT, "%.150s: %.10g, %.10g is no place in %.40s (%.60s); "
+			"give the CRS of the coordinates with --crs", l->asked->table->path, l->xy[x].middle,
 			l->xy[1 - x].middle, g->crs, why);
 	for (int k = 0; k < 2; k++)
 		g->origin[k] = round(at[k] * (g->unit ? l->unit_m : 1) / ROUND_M) * ROUND_M;

@@ -271,13 +271,11 @@ static void note_far(struct eco_positions *p)
 	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted
 			&& hypot(swapped[0], swapped[1]) <= FAR_M)
 		eco_row_note(p, "its plants stand %.0f km and more from the scene's origin, and would be "
-		"near it "
-			"with their coordinates swapped: x is easting or longitude, y is northing or "
-			"latitude", p->nearest_m / 1000);
+		"near it with their coordinates swapped: x is easting or longitude, y is northing or "
+		"latitude", p->nearest_m / 1000);
 	else
 		eco_row_note(p, "its plants stand %.0f km and more from the scene's origin; are x, y, crs "
-		"and "
-			"the origin what they should be?", p->nearest_m / 1000);
+		"and the origin what they should be?", p->nearest_m / 1000);
 }
 
 /* The CRS that the entry or the file states for the places; NULL: the scene's, or none. */
@@ -301,8 +299,7 @@ static enum eco_code check_area(struct eco_positions *p, struct eco_error *error
 	char *name = eco_crs_short_name(crs);
 	eco_row_note(p,
 		"its places, such as %.10g, %.10g, lie outside the area of use of its CRS, %.80s (%s), and "
-		"inside with "
-		"their coordinates swapped: x is easting or longitude, y is northing or latitude",
+		"inside with their coordinates swapped: x is easting or longitude, y is northing or latitude",
 		p->first[0], p->first[1], name ? name : "?", area);
 	free(name);
 	return ECO_OK;

@@ -173,9 +173,8 @@ static void unit_lines(const struct report *r)
 		struct eco_size_numbers numbers = { middle / size->unit_m, high / size->unit_m };
 		const char *other = eco_unit_doubt(quantity, size->unit_m, &numbers);
 		if (other)
-			line(r, "%s: half of its \"%.40s\" are above %.3g m, the largest about %.3g m, "
-				"which few "
-				"%s are; is their \"unit\" \"%s\"?", s->path, size->column, middle, high,
+			line(r, "%s: half of its \"%.40s\" are above %.3g m, the largest about %.3g m, which "
+				"few %s are; is their \"unit\" \"%s\"?", s->path, size->column, middle, high,
 				quantity == ECO_QUANTITY_HEIGHT ? "plants" : "trunks", other);
 	}
 }

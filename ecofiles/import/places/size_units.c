@@ -152,8 +152,7 @@ struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *nam
 		ask(&guess, quantity, best, next, numbers);
 	else
 		snprintf(guess.why, sizeof guess.why, "half of them are above %.4g %s, the largest about "
-			"%.4g; in "
-			"%s half would be above %.3g m", numbers->middle, units_rows[best].unit, numbers->high,
+			"%.4g; in %s half would be above %.3g m", numbers->middle, units_rows[best].unit, numbers->high,
 			units_rows[next].unit, numbers->middle * units_rows[next].metres);
 	return guess;
 }

@@ -565,8 +565,7 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 	if (!r->data)
 		return gdal_says(r->path, ECO_BAD_INPUT,
 			source->partial
-				? "GDAL cannot read it: it is "
-				  "damaged, or breaks off near its beginning"
+				? "GDAL cannot read it: it is damaged, or breaks off near its beginning"
 				: "it cannot be read: it is damaged or breaks off, or is "
 				  "no table of a known format (CSV, Excel .xlsx, OpenDocument, GeoJSON, GeoPackage, Shapefile, GML, KML, "
 				  "FlatGeobuf, CityGML)",
