@@ -23,8 +23,19 @@ static void keep(const char *verdict, const char *json, const char *says)
 	file_write_text(path, says);
 }
 
-static void parse_good(struct eco_source *source, const char *json)
+/* JSON in which ' stands for ". */
+static const char *json_of(const char *text)
 {
+	static char json[8192];
+	snprintf(json, sizeof json, "%s", text);
+	for (char *at = json; (at = strchr(at, '\''));)
+		*at = '"';
+	return json;
+}
+
+static void parse_good(struct eco_source *source, const char *text)
+{
+	const char *json = json_of(text);
 	struct eco_error error = { .code = ECO_OK };
 	enum eco_code code = eco_source_parse(source, json, strlen(json), "dir/scene.json", &error);
 	assert_ok(code, error);
@@ -35,17 +46,15 @@ UNIT_TEST(everything_that_may_be_said_is_read)
 {
 	struct eco_source s;
 	const struct eco_positions_spec *p;
-	parse_good(&s, "{ \"name\": \"n\", \"crs\": \"EPSG:26917\", \"origin\": [747375, 4308510, 2], "
-		"\"tile\": {\"instances\": 7},\n\"ground\": {\"heights\": \"dem.tif\", \"crs\": "
-		"\"EPSG:26917\"},\n\"plants\": {\"oak\": {\"variants\": [\"a.glb\", \"/b.obj\"], "
-		"\"height_m\": 18, \"importance\": {\"flower\": 3}}, \"ash\": {\"model\": \"c.obj\"}},\n"
-		"\"instances\": [{\"plant\": \"ash\", \"at\": [1, 2, 3], \"yaw_deg\": 30, \"scale\": 1.5}, "
-		"{\"plant\": \"ash\", \"at\": [1, 2]},\n  {\"from\": \"t.csv\", \"x\": \"e\", \"y\": \"n\", "
-		"\"z\": \"h\", \"crs\": \"EPSG:4326\", \"species\": \"sp\", \"separator\": \";\",\n   "
-		"\"map\": {\"q\": \"oak\", \"stump\": null, \"*\": \"ash\"}, \"seed\": 9, \"yaw_deg\": \"y\","
-		"\n   \"height_m\": {\"from_dbh_mm\": \"d\", \"max\": 35, \"rate\": 0.004, \"levels\": 8}}],"
-		"\n\"children\": [{\"eco\": \"sub/h.json\", \"at\": [100, 0, 0], \"yaw_deg\": 90, \"scale\": "
-		"2}] }");
+	parse_good(&s, "{ 'name': 'n', 'crs': 'EPSG:26917', 'origin': [747375, 4308510, 2], 'tile': "
+		"{'instances': 7},\n'ground': {'heights': 'dem.tif', 'crs': 'EPSG:26917'},\n'plants': "
+		"{'oak': {'variants': ['a.glb', '/b.obj'], 'height_m': 18, 'importance': {'flower': 3}}, "
+		"'ash': {'model': 'c.obj'}},\n'instances': [{'plant': 'ash', 'at': [1, 2, 3], 'yaw_deg': 30, "
+		"'scale': 1.5}, {'plant': 'ash', 'at': [1, 2]},\n  {'from': 't.csv', 'x': 'e', 'y': 'n', "
+		"'z': 'h', 'crs': 'EPSG:4326', 'species': 'sp', 'separator': ';',\n   'map': {'q': 'oak', "
+		"'stump': null, '*': 'ash'}, 'seed': 9, 'yaw_deg': 'y',\n   'height_m': {'from_dbh_mm': 'd', "
+		"'max': 35, 'rate': 0.004, 'levels': 8}}],\n'children': [{'eco': 'sub/h.json', 'at': [100, 0,"
+		" 0], 'yaw_deg': 90, 'scale': 2}] }");
 	assert_string_equal(s.name, "n");
 	assert_string_equal(s.crs, "EPSG:26917");
 	assert_true(s.origin[0] == 747375 && s.origin[1] == 4308510 && s.origin[2] == 2);
@@ -85,9 +94,9 @@ UNIT_TEST(everything_that_may_be_said_is_read)
 UNIT_TEST(ground_may_be_several_rasters_and_say_what_they_do_not)
 {
 	struct eco_source s;
-	parse_good(&s, "{\"crs\": \"EPSG:26917\", \"origin\": [0, 0], \"vertical\": \"EPSG:5703\", "
-		"\"ground\": {\"heights\": [\"a.tif\", \"/b.tif\"], \"vertical\": \"NAVD88 height\", "
-		"\"band\": 2, \"scale\": 0.001, \"offset\": 273.5, \"unit\": \"ft\", \"nodata\": -1}}");
+	parse_good(&s, "{'crs': 'EPSG:26917', 'origin': [0, 0], 'vertical': 'EPSG:5703', "
+		"'ground': {'heights': ['a.tif', '/b.tif'], 'vertical': 'NAVD88 height', "
+		"'band': 2, 'scale': 0.001, 'offset': 273.5, 'unit': 'ft', 'nodata': -1}}");
 	assert_string_equal(s.vertical, "EPSG:5703");
 	assert_int_equal(s.ground.height_count, 2);
 	assert_string_equal(s.ground.heights[0], "dir/a.tif");
@@ -98,8 +107,8 @@ UNIT_TEST(ground_may_be_several_rasters_and_say_what_they_do_not)
 	assert_true(s.ground.nodata == -1 && s.ground.has_nodata && !s.ground.no_holes
 		&& !s.ground.has_place);
 	eco_source_free(&s);
-	parse_good(&s, "{\"ground\": {\"heights\": \"map.png\", \"nodata\": null, \"north_west\": [10, 20], "
-		"\"pixel\": 2}}");
+	parse_good(&s, "{'ground': {'heights': 'map.png', 'nodata': null, 'north_west': [10, 20], "
+		"'pixel': 2}}");
 	assert_true(s.ground.no_holes && !s.ground.has_nodata && !s.ground.has_offset && s.ground.scale == 0
 		&& s.ground.unit_m == 0);
 	assert_true(s.ground.has_place && s.ground.corner[1] == 20 && s.ground.pixel[0] == 2
@@ -116,118 +125,109 @@ UNIT_TEST(defaults_fill_what_is_not_said)
 	assert_int_equal(s.tile_instances, ECO_TILE_INSTANCES);
 	assert_int_equal(s.plant_count + s.instance_count + s.positions_count + s.child_count, 0);
 	eco_source_free(&s);
-	parse_good(&s, "\xef\xbb\xbf{\"name\": \"marked\"}");
+	parse_good(&s, "\xef\xbb\xbf{'name': 'marked'}");
 		/* by an editor, with a byte order mark */
 	assert_string_equal(s.name, "marked");
 	eco_source_free(&s);
-	parse_good(&s, "{\"plants\": {\"b\": {\"model\": \"b.obj\"}, \"a\": {\"model\": \"a.obj\"}}, "
-		"\"instances\": [{\"from\": \"t.csv\", \"x\": \"x\", \"y\": \"y\", \"species\": \"s\"}]}");
+	parse_good(&s, "{'plants': {'b': {'model': 'b.obj'}, 'a': {'model': 'a.obj'}}, "
+		"'instances': [{'from': 't.csv', 'x': 'x', 'y': 'y', 'species': 's'}]}");
 	assert_int_equal(s.positions[0].map_count, 2);       /* species are plants' names */
 	assert_string_equal(s.positions[0].map[1].name, "a");
 	assert_int_equal(s.positions[0].map[1].plant, 1);
 	eco_source_free(&s);
 }
 
-#define PLANTS "\"plants\": {\"oak\": {\"model\": \"o.obj\"}}"
-#define LONG(n) "\"a23456789b23456789c23456789d23456789-" #n "\": {\"model\": \"o.obj\"}"
+#define PLANTS "'plants': {'oak': {'model': 'o.obj'}}"
+#define LONG(n) "'a23456789b23456789c23456789d23456789-" #n "': {'model': 'o.obj'}"
 #define MANY_PLANTS \
-	"\"plants\": {" LONG(1) ", " LONG(2) ", " LONG(3) ", " LONG(4) ", " LONG(5) ", " LONG(6) "}"
-#define ROWS "\"from\": \"t.csv\", \"x\": \"x\", \"y\": \"y\""
+	"'plants': {" LONG(1) ", " LONG(2) ", " LONG(3) ", " LONG(4) ", " LONG(5) ", " LONG(6) "}"
+#define ROWS "'from': 't.csv', 'x': 'x', 'y': 'y'"
 
 static const struct { const char *json, *place, *says; } bad[] = {
 	{ "", ":1:", "" },
 	{ "[1]", ":1:1:", "must be an object" },
-	{ "{\"name\": \"a\",\n  \"nam\": 1}", ":2:3:", "unknown field \"nam\"; known here: name, crs" },
-	{ "{\"name\": \"a\", \"name\": \"b\"}", ":1:", "duplicate" },
-	{ "{\"name\":\n\n   3}", ":3:4:", "\"name\" must be a text, not a number" },
-	{ "{\"\\u00e9\": 1, \"x\": 2}", ":1:2:", "unknown field" },
-	{ "{\"name\": \"\"}", ":1:10:", "1 to 63" },
-	{ "{\"name\": \"a\\u001bb\"}", ":1:10:", "control character" },
-	{ "{\"name\": \"a\\u009b31m\"}", ":1:10:", "control character" },
-	{ "{\"name\": \"a\\u202eb\"}", ":1:10:", "steers the direction" },
-	{ "{\"name\": \"a\\u2028b\"}", ":1:10:", "the lines of text" },
-	{ "{\"plants\": {\"o\\u2066ak\": {\"model\": \"o\"}}}", ":1:", "control character" },
-	{ "{\"plants\": {\"o\\u0085ak\": {\"model\": \"o\"}}}", ":1:", "control character" },
-	{ "{\"crs\": \"EPSG:1\"}", ":1:1:", "\"origin\" is missing" },
-	{ "{\"origin\": [1]}", ":1:12:", "2 or 3" },
-	{ "{\"origin\": [1, \"2\", 3]}", ":1:16:", "must be a number, not a text" },
-	{ "{\"origin\": [1, 1e300, 3]}", ":1:16:", "between" },
-	{ "{\"tile\": {\"instances\": 0}}", ":1:24:", "between 1 and 65536" },
-	{ "{\"tile\": {\"instances\": 1.5}}", ":1:24:", "whole number" },
-	{ "{\"ground\": {\"crs\": \"EPSG:1\"}}", ":1:12:", "\"heights\" is missing" },
-	{ "{\"ground\": {\"heights\": \"a\", \"crs\": \"EPSG:1\"}}", ":1:36:", "add \"crs\": \"EPSG:1\"" },
-	{ "{\"ground\": {\"heights\": []}}", ":1:24:", "names no raster" },
-	{ "{\"ground\": {\"heights\": [\"a\", 3]}}", ":1:30:", "must be a text" },
-	{ "{\"ground\": {\"heights\": \"a\", \"scale\": 0}}", ":1:38:", "would make all heights one" },
-	{ "{\"ground\": {\"heights\": \"a\", \"unit\": \"yd\"}}", ":1:37:", "is not one of m, cm" },
-	{ "{\"ground\": {\"heights\": \"a\", \"pixel\": 3}}", ":1:12:", "go together" },
-	{ "{\"ground\": {\"heights\": [\"a\", \"b\"], \"pixel\": 3, \"north_west\": [1, 2]}}", ":1:62:",
-		"a world file" },
-	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"height\": 3}}}", ":1:35:",
+	{ "{'name': 'a',\n  'nam': 1}", ":2:3:", "unknown field \"nam\"; known here: name, crs" },
+	{ "{'name': 'a', 'name': 'b'}", ":1:", "duplicate" },
+	{ "{'name':\n\n   3}", ":3:4:", "\"name\" must be a text, not a number" },
+	{ "{'\\u00e9': 1, 'x': 2}", ":1:2:", "unknown field" },
+	{ "{'name': ''}", ":1:10:", "1 to 63" },
+	{ "{'name': 'a\\u001bb'}", ":1:10:", "control character" },
+	{ "{'name': 'a\\u009b31m'}", ":1:10:", "control character" },
+	{ "{'name': 'a\\u202eb'}", ":1:10:", "steers the direction" },
+	{ "{'name': 'a\\u2028b'}", ":1:10:", "the lines of text" },
+	{ "{'plants': {'o\\u2066ak': {'model': 'o'}}}", ":1:", "control character" },
+	{ "{'plants': {'o\\u0085ak': {'model': 'o'}}}", ":1:", "control character" },
+	{ "{'crs': 'EPSG:1'}", ":1:1:", "\"origin\" is missing" },
+	{ "{'origin': [1]}", ":1:12:", "2 or 3" },
+	{ "{'origin': [1, '2', 3]}", ":1:16:", "must be a number, not a text" },
+	{ "{'origin': [1, 1e300, 3]}", ":1:16:", "between" },
+	{ "{'tile': {'instances': 0}}", ":1:24:", "between 1 and 65536" },
+	{ "{'tile': {'instances': 1.5}}", ":1:24:", "whole number" },
+	{ "{'ground': {'crs': 'EPSG:1'}}", ":1:12:", "\"heights\" is missing" },
+	{ "{'ground': {'heights': 'a', 'crs': 'EPSG:1'}}", ":1:36:", "add \"crs\": \"EPSG:1\"" },
+	{ "{'ground': {'heights': []}}", ":1:24:", "names no raster" },
+	{ "{'ground': {'heights': ['a', 3]}}", ":1:30:", "must be a text" },
+	{ "{'ground': {'heights': 'a', 'scale': 0}}", ":1:38:", "would make all heights one" },
+	{ "{'ground': {'heights': 'a', 'unit': 'yd'}}", ":1:37:", "is not one of m, cm" },
+	{ "{'ground': {'heights': 'a', 'pixel': 3}}", ":1:12:", "go together" },
+	{ "{'ground': {'heights': ['a', 'b'], 'pixel': 3, 'north_west': [1, 2]}}", ":1:62:", "a world file" },
+	{ "{'plants': {'oak': {'model': 'o', 'height': 3}}}", ":1:35:",
 		"known here: model, variants, height_m, unit, up, parts, importance" },
-	{ "{\"plants\": {\"oak\": {}}}", ":1:20:", "a plant has either \"model\"" },
-	{ "{\"plants\": {\"oak\": {\"model\": []}}}", ":1:30:", "names no file" },
-	{ "{\"plants\": {\"oak\": {\"model\": [\"a\", 3]}}}", ":1:36:", "must be a text" },
-	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"height_m\": -3}}}", ":1:47:", "between" },
-	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"importance\": {\"root\": 1}}}}", ":1:50:",
+	{ "{'plants': {'oak': {}}}", ":1:20:", "a plant has either \"model\"" },
+	{ "{'plants': {'oak': {'model': []}}}", ":1:30:", "names no file" },
+	{ "{'plants': {'oak': {'model': ['a', 3]}}}", ":1:36:", "must be a text" },
+	{ "{'plants': {'oak': {'model': 'o', 'height_m': -3}}}", ":1:47:", "between" },
+	{ "{'plants': {'oak': {'model': 'o', 'importance': {'root': 1}}}}", ":1:50:",
 		"wood, foliage, flower" },
-	{ "{" PLANTS ", \"instances\": [\n {\"plant\": \"oak\", \"at\": [0, 0]},\n {\"plant\": \"elm\", "
-		"\"at\": [0, 0]}]}", ":3:12:",
+	{ "{" PLANTS ", 'instances': [\n {'plant': 'oak', 'at': [0, 0]},\n {'plant': 'elm', 'at': [0, 0]}]}", ":3:12:",
 		"plant \"elm\" is not among \"plants\": oak" },
-	{ "{" MANY_PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [0, 0]}]}", ":1:",
+	{ "{" MANY_PLANTS ", 'instances': [{'plant': 'elm', 'at': [0, 0]}]}", ":1:",
 		"plants\": a23456789b23456789c23456789d23456789-1, a23456789b23456789c23456789d23456789-2, "
 		"a23456789b23456789c23456789d23456789-3, a23456789b23456789c23456789d23456789-4 and 2 more" },
-	{ "{\"importance\": 0}", ":1:16:", "between 0.01 and 100" },
-	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"parts\": [{\"name\": \"p\", \"importance\": 101}]}}}", ":1:73:", "between 0.01 and 100" },
-	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"parts\": [{\"name\": \"p\"}]}}}", ":1:45:",
-		"\"is\" is missing" },
-	{ "{" PLANTS ", \"instances\": [{\"plant\": \"oak\"}]}", ":1:", "\"at\" is missing" },
-	{ "{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0], \"scale\": 0}]}", ":1:",
-		"between" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS "}]}", ":2:15:", "say what stands there" },
-	{ "{" PLANTS ",\n\"instances\": [{\"from\": \"t.csv\", \"y\": \"y\", \"plant\": \"oak\"}]}", ":2:15:",
+	{ "{'importance': 0}", ":1:16:", "between 0.01 and 100" },
+	{ "{'plants': {'oak': {'model': 'o', 'parts': [{'name': 'p', 'importance': 101}]}}}", ":1:73:", "between 0.01 and 100" },
+	{ "{'plants': {'oak': {'model': 'o', 'parts': [{'name': 'p'}]}}}", ":1:45:", "\"is\" is missing" },
+	{ "{" PLANTS ", 'instances': [{'plant': 'oak'}]}", ":1:", "\"at\" is missing" },
+	{ "{" PLANTS ", 'instances': [{'plant': 'oak', 'at': [0, 0], 'scale': 0}]}", ":1:", "between" },
+	{ "{" PLANTS ",\n'instances': [{" ROWS "}]}", ":2:15:", "say what stands there" },
+	{ "{" PLANTS ",\n'instances': [{'from': 't.csv', 'y': 'y', 'plant': 'oak'}]}", ":2:15:",
 		"\"x\" is missing" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"species\": \"s\"}]}", ":2:62:",
-		"leave out" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"species\": \"s\", \"map\": {\"a\": \"oak\", \"b\": "
-		"\"elm\"}}]}", ":2:", "\"elm\" is not among" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"crs\": \"EPSG:4326\"}]}", ":2:",
+	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'species': 's'}]}", ":2:62:", "leave out" },
+	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'species': 's', 'map': {'a': 'oak', 'b': 'elm'}}]}", ":2:", "\"elm\" is not among" },
+	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'crs': 'EPSG:4326'}]}", ":2:",
 		"the scene has no CRS" },
-	{ "{\"name\": \"a\",\n \"notes\": {\"crs\": 3}}", ":2:19:", "a note is a text" },
-	{ "{\"notes\": [\"a\", [\"b\"]]}", ":1:17:", "a note is a text" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": "
-		"\"d\"}}]}", ":2:", "needs \"max\"" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"column\": \"d\", "
-		"\"value\": 3}}]}", ":2:", "exactly one" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"column\": \"d\", "
-		"\"unit\": \"yd\"}}]}", ":2:",
+	{ "{'name': 'a',\n 'notes': {'crs': 3}}", ":2:19:", "a note is a text" },
+	{ "{'notes': ['a', ['b']]}", ":1:17:", "a note is a text" },
+	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'height_m': {'from_dbh_mm': 'd'}}]}", ":2:", "needs \"max\"" },
+	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'height_m': {'column': 'd', 'value': 3}}]}", ":2:", "exactly one" },
+	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'height_m': {'column': 'd', "
+		"'unit': 'yd'}}]}", ":2:",
 		"not one of m, cm" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": "
-		"\"d\", \"unit\": \"cm\", \"max\": 9, \"rate\": 1}}]}", ":2:", "leave out \"unit\"" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"separator\": \"ab\"}]}", ":2:",
+	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'height_m': {'from_dbh_mm': "
+		"'d', 'unit': 'cm', 'max': 9, 'rate': 1}}]}", ":2:", "leave out \"unit\"" },
+	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'separator': 'ab'}]}", ":2:",
 		"\"separator\"" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"decimal\": \",\", \"thousands\": "
-		"\",\"}]}", ":2:", "are different signs" },
-	{ "{" PLANTS ",\n\"instances\": [{\"from\": \"t.csv\", \"plant\": \"oak\", \"unit\": \"cm\"}]}", ":2:",
+	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'decimal': ',', 'thousands': ','}]}", ":2:", "are different signs" },
+	{ "{" PLANTS ",\n'instances': [{'from': 't.csv', 'plant': 'oak', 'unit': 'cm'}]}", ":2:",
 		"\"unit\" is that of x and y without" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"polar\": {\"azimuth\": \"a\"}}]}", ":2:",
+	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'polar': {'azimuth': 'a'}}]}", ":2:",
 		"\"distance\" is missing" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"polar\": {\"azimuth\": \"a\", \"distance\": "
-		"\"d\", \"whole_turn\": 380}}]}", ":2:", "360 (degrees) or 400 (gon)" },
-	{ "{" PLANTS ",\n\"instances\": [{\"from\": \"t.csv\", \"plant\": \"oak\", \"quadrat\": {\"column\": \"q\", \"size_m\": 20}}]}",
+	{ "{" PLANTS ",\n'instances': [{" ROWS ", 'plant': 'oak', 'polar': {'azimuth': 'a', 'distance': "
+		"'d', 'whole_turn': 380}}]}", ":2:", "360 (degrees) or 400 (gon)" },
+	{ "{" PLANTS ",\n'instances': [{'from': 't.csv', 'plant': 'oak', 'quadrat': {'column': 'q', 'size_m': 20}}]}",
 		":2:", "\"x\" is missing" },
-	{ "{\"children\": [{\"at\": [0, 0]}]}", ":1:15:", "\"eco\" is missing" },
-	{ "{\"children\": {}}", ":1:14:", "must be an array" },
-	{ "{\"instances\": [[]]}", ":1:16:", "must be an object" },
-	{ "{\"origin\": [0, 0],\n}", ":2:1:", "(no comma stands before a closing bracket)" },
-	{ "{\"origin\": [0, 0, ]}", ":1:19:", "(no comma stands before a closing bracket)" },
-	{ "{\"name\": \"a\"\n \"crs\": 3}", ":2:6:", "(is a comma missing before it?)" },
-	{ "{\"name\": \"a\", // mine\n}", ":1:15:", "(JSON has no comments)" },
+	{ "{'children': [{'at': [0, 0]}]}", ":1:15:", "\"eco\" is missing" },
+	{ "{'children': {}}", ":1:14:", "must be an array" },
+	{ "{'instances': [[]]}", ":1:16:", "must be an object" },
+	{ "{'origin': [0, 0],\n}", ":2:1:", "(no comma stands before a closing bracket)" },
+	{ "{'origin': [0, 0, ]}", ":1:19:", "(no comma stands before a closing bracket)" },
+	{ "{'name': 'a'\n 'crs': 3}", ":2:6:", "(is a comma missing before it?)" },
+	{ "{'name': 'a', // mine\n}", ":1:15:", "(JSON has no comments)" },
 	{ "ECOPACK1 and more", ":1:1:", "not a JSON file" },
 	{ "glTF\x02 and more", ":1:1:", "a model, not a JSON file" },
 	{ "\x89PNG\r\n and more", ":1:1:", "a picture, not a JSON file" },
 	{ "\xff\xfe{", ":1:1:", "save it as UTF-8" },
-	{ "\xef\xbb\xbf{\"name\": 3}", ":1:10:", "must be a text" },
+	{ "\xef\xbb\xbf{'name': 3}", ":1:10:", "must be a text" },
 };
 
 UNIT_TEST(what_may_not_be_said_has_a_line_and_a_column)
@@ -236,25 +236,24 @@ UNIT_TEST(what_may_not_be_said_has_a_line_and_a_column)
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_source s;
 		char start[64];
-		assert_int_not_equal(eco_source_parse(&s, bad[i].json, strlen(bad[i].json), "s.json", &error),
-			ECO_OK);
+		const char *json = json_of(bad[i].json);
+		assert_int_not_equal(eco_source_parse(&s, json, strlen(json), "s.json", &error), ECO_OK);
 		assert_null(s.path);
-		keep("bad", bad[i].json, error.text);
+		keep("bad", json, error.text);
 		snprintf(start, sizeof start, "s.json%s", bad[i].place);
 		if (strncmp(error.text, start, strlen(start)) != 0 || !strstr(error.text, bad[i].says))
-			fail_msg("%s\n  gives  %s\n  wanted %s ... %s", bad[i].json, error.text, start,
-				bad[i].says);
-		assert_int_not_equal(eco_source_parse(&s, bad[i].json, strlen(bad[i].json), "s.json", NULL),
-			ECO_OK);
+			fail_msg("%s\n  gives  %s\n  wanted %s ... %s", json, error.text, start, bad[i].says);
+		assert_int_not_equal(eco_source_parse(&s, json, strlen(json), "s.json", NULL), ECO_OK);
 	}
 }
 
 UNIT_TEST(every_truncation_is_an_error)
 {
-	static const char json[] = "{" PLANTS ", \"instances\": [{" ROWS
-		", \"species\": \"s\", \"map\": {\"a\": \"oak\"}}, {\"plant\": \"oak\", \"at\": [0, 0]}]}";
+	static const char text[] = "{" PLANTS ", 'instances': [{" ROWS
+		", 'species': 's', 'map': {'a': 'oak'}}, {'plant': 'oak', 'at': [0, 0]}]}";
 
-	for (size_t size = 0; size < sizeof json - 1; size++) {
+	const char *json = json_of(text);
+	for (size_t size = 0; size < sizeof text - 1; size++) {
 		struct eco_source s;
 		assert_int_not_equal(eco_source_parse(&s, json, size, "s.json", NULL), ECO_OK);
 	}
@@ -267,11 +266,11 @@ UNIT_TEST(nested_files_are_read_once_and_come_after_their_parents)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_sources sources;
 	const char *root;
-	input_text("scene", "leaf.json", "{}");
-	input_text("scene", "mid.json", "{\"children\": [{\"eco\": \"leaf.json\", \"at\": [0, 0]}]}");
-	root = input_text("scene", "root.json", "{\"children\": [{\"eco\": \"leaf.json\", \"at\": [0, 0]}, "
-		"{\"eco\": \"leaf.json\", \"at\": [9, 0]}, {\"eco\": \"mid.json\", \"at\": [0, 0]}, "
-		"{\"eco\": \"../scene/mid.json\", \"at\": [0, 5]}]}");
+	input_json("scene", "leaf.json", (char[]){ "{}" });
+	input_json("scene", "mid.json", (char[]){ "{'children': [{'eco': 'leaf.json', 'at': [0, 0]}]}" });
+	root = input_json("scene", "root.json", (char[]){ "{'children': [{'eco': 'leaf.json', 'at': [0, 0]}, "
+		"{'eco': 'leaf.json', 'at': [9, 0]}, {'eco': 'mid.json', 'at': [0, 0]}, "
+		"{'eco': '../scene/mid.json', 'at': [0, 5]}]}" });
 	assert_ok(eco_sources_load(&sources, root, &error), error);
 	assert_int_equal(sources.count, 3);
 	assert_string_equal(sources.items[0].name, "root");
@@ -296,34 +295,34 @@ static void load_fails(const char *path, const char *says, const char *also)
 UNIT_TEST(a_cycle_shows_its_chain)
 {
 	const char *root;
-	input_text("scene", "b.json", "{\"children\": [{\"eco\": \"c.json\", \"at\": [0, 0]}]}");
-	input_text("scene", "c.json", "{\"name\": \"c\",\n \"children\": [{\"at\": [0, 0], \"eco\": "
-		"\"b.json\"}]}");
-	root = input_text("scene", "a.json", "{\"children\": [{\"eco\": \"b.json\", \"at\": [0, 0]}]}");
+	input_json("scene", "b.json", (char[]){ "{'children': [{'eco': 'c.json', 'at': [0, 0]}]}" });
+	input_json("scene", "c.json", (char[]){ "{'name': 'c',\n 'children': [{'at': [0, 0], 'eco': "
+		"'b.json'}]}" });
+	root = input_json("scene", "a.json", (char[]){ "{'children': [{'eco': 'b.json', 'at': [0, 0]}]}" });
 	load_fails(root, "c.json:2:37: a file cannot be inside itself: ",
 		"b.json -> build/tmp/scene/c.json -> build/tmp/scene/b.json");
-	root = input_text("scene", "self.json", "{\"children\": [{\"eco\": \"self.json\", \"at\": [0, 0]}]}");
+	root = input_json("scene", "self.json", (char[]){ "{'children': [{'eco': 'self.json', 'at': [0, 0]}]}" });
 	load_fails(root, "self.json:1:23:", "self.json -> build/tmp/scene/self.json");
 }
 
 UNIT_TEST(a_missing_file_is_named_where_it_is_named)
 {
 	load_fails("build/tmp/scene/none.json", "none.json", "No such file");
-	load_fails(input_text("scene", "m.json", "{\"plants\": {\n \"oak\": {\"model\": \"gone.obj\"}}}"),
+	load_fails(input_json("scene", "m.json", (char[]){ "{'plants': {\n 'oak': {'model': 'gone.obj'}}}" }),
 		"m.json:2:19:", "gone.obj: No such file");
-	load_fails(input_text("scene", "m.json", "{\"ground\": {\"heights\":\n\"gone.tif\"}}"), "m.json:2:1:",
+	load_fails(input_json("scene", "m.json", (char[]){ "{'ground': {'heights':\n'gone.tif'}}" }), "m.json:2:1:",
 		"gone.tif");
-	load_fails(input_text("scene", "m.json", "{\"children\": [{\"eco\": \"gone.json\", \"at\": [0, "
-		"0]}]}"), "m.json:1:23:", "gone.json");
-	input_text("scene", "o.obj", "");
-	load_fails(input_text("scene", "m.json", "{" PLANTS ", \"instances\": [{" ROWS
-		", \"plant\": \"oak\"}]}"), "m.json:1:", "t.csv");
+	load_fails(input_json("scene", "m.json", (char[]){ "{'children': [{'eco': 'gone.json', 'at': [0, "
+		"0]}]}" }), "m.json:1:23:", "gone.json");
+	input_json("scene", "o.obj", (char[]){ "" });
+	load_fails(input_json("scene", "m.json", (char[]){ "{" PLANTS ", 'instances': [{" ROWS
+		", 'plant': 'oak'}]}" }), "m.json:1:", "t.csv");
 }
 
 UNIT_TEST(ground_belongs_to_the_outermost_file)
 {
-	input_text("scene", "dem.tif", "");
-	input_text("scene", "g.json", "{\"ground\": {\"heights\": \"dem.tif\"}}");
-	load_fails(input_text("scene", "n.json", "{\"children\": [{\"eco\": \"g.json\", \"at\": [0, 0]}]}"),
+	input_json("scene", "dem.tif", (char[]){ "" });
+	input_json("scene", "g.json", (char[]){ "{'ground': {'heights': 'dem.tif'}}" });
+	load_fails(input_json("scene", "n.json", (char[]){ "{'children': [{'eco': 'g.json', 'at': [0, 0]}]}" }),
 		"n.json:1:23:", "only the outermost");
 }
