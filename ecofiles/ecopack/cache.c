@@ -12,8 +12,9 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 
 #define MAGIC "ECOCACHE"
 #define HEADER_BYTES 40u
@@ -198,16 +199,10 @@ void main_cache_put(struct main_cache *cache, const struct main_cache_key *key, 
 		return;
 	}
 	bool ok = write_entry(file, key, bytes, size);
-	int reason = errno;
-	if (close(file) != 0 && ok) {
-		ok = false;
-		reason = errno;
-	}
-	if (ok && rename(beside, path) != 0) {
-		ok = false;
-		reason = errno;
-	}
-	if (!ok) {
+	int reason = ok ? 0 : errno ? errno : EIO;
+	if (close(file) != 0 || (ok && rename(beside, path) != 0))
+		reason = reason ? reason : errno;
+	if (reason) {
 		unlink(beside);
 		tell(cache, cache->folder, reason);
 		return;
@@ -243,23 +238,11 @@ static bool is_ours(const char *name, bool *unfinished)
 	return !*unfinished || name[whole] == '.';
 }
 
-static bool append(struct entry **entries, size_t *entry_count, const struct entry *entry)
-{
-	if ((*entry_count & (*entry_count - 1)) == 0) {
-		struct entry *bigger =
-			realloc(*entries, (*entry_count ? 2 * *entry_count : 1) * sizeof *bigger);
-		if (!bigger)
-			return false;
-		*entries = bigger;
-	}
-	(*entries)[(*entry_count)++] = *entry;
-	return true;
-}
-
 /* Lists the entries, and removes those that were left unfinished long ago. */
-static uint64_t list_entries(DIR *folder, struct entry **entries, size_t *entry_count)
+static uint64_t list_entries(DIR *folder, struct entry **entries, uint32_t *entry_count)
 {
 	uint64_t sum = 0;
+	uint32_t capacity = 0;
 	for (struct dirent *d; (d = readdir(folder));) {
 		struct stat status;
 		struct entry entry = { .size = 0 };
@@ -275,8 +258,9 @@ static uint64_t list_entries(DIR *folder, struct entry **entries, size_t *entry_
 		snprintf(entry.name, sizeof entry.name, "%.*s", (int)sizeof entry.name - 1, d->d_name);
 		entry.size = (uint64_t)status.st_size;
 		entry.used = status.st_mtim;
-		if (!append(entries, entry_count, &entry))
+		if (!eco_array_grow(entries, &capacity, *entry_count, sizeof entry))
 			break;
+		(*entries)[(*entry_count)++] = entry;
 		sum += entry.size;
 	}
 	return sum;
@@ -285,14 +269,14 @@ static uint64_t list_entries(DIR *folder, struct entry **entries, size_t *entry_
 static void trim(struct main_cache *cache)
 {
 	struct entry *entries = NULL;
-	size_t entry_count = 0;
+	uint32_t entry_count = 0;
 	DIR *folder = opendir(cache->folder);
 	if (!folder)
 		return;
 	uint64_t sum = list_entries(folder, &entries, &entry_count);
 	if (entry_count)
 		qsort(entries, entry_count, sizeof *entries, by_use);
-	for (size_t i = 0; i < entry_count && sum > cache->limit_bytes; i++)
+	for (uint32_t i = 0; i < entry_count && sum > cache->limit_bytes; i++)
 		if (unlinkat(dirfd(folder), entries[i].name, 0) == 0 || errno == ENOENT)
 			sum -= entries[i].size;
 	free(entries);

@@ -7,7 +7,7 @@
 #include "ecofiles/base/file_write.h"
 #include "ecofiles/base/guard.h"
 #include "ecofiles/ecopack/command.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/scene/scene.h"
 #include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/track/track.h"

@@ -1,6 +1,6 @@
 #include "ecofiles/ecopack/command.h"
 
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 
 bool main_is_quiet;
 

@@ -18,7 +18,4 @@ struct inspect_counts { uint64_t lists, chunks, primitives, damaged; };
 enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts *counts,
 	struct eco_error *error);
 
-/* Checks the ground of an open pack; calls `say` once for each fault. Skips chunks that cannot be read. */
-void inspect_verify_ground(const struct eco_pack *pack, void (*say)(void *ctx, const char *text), void *ctx);
-
 #endif

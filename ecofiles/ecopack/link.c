@@ -17,8 +17,7 @@
 
 #include "ecofiles/base/version.h"
 #include "ecofiles/format/chunk/chunk.h"
-#include "ecofiles/ecopack/link_part.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/base/utf8.h"
 #include "lod/build/summary.h"
 
@@ -567,17 +566,8 @@ static void link_free(struct link *l)
 		free(l->parts[i].color_of);
 		free(l->parts[i].list_of);
 	}
-	struct make_array *arrays[] = { &l->m.anchors, &l->m.ladders, &l->m.curves, &l->m.tiles, &l->m.groups,
-		&l->m.children, &l->m.lists, &l->m.places, &l->m.palette, &l->m.textures };
-	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-		free(arrays[i]->items);
-	eco_pack_abort(l->m.writer);
+	make_tables_free(&l->m);
 	json_decref(l->plants);
-	make_ground_free(&l->m);
-	make_inventory_free(&l->m);
-	make_species_free(&l->m);
-	free(l->m.table);
-	free(l->m.plants);
 	free(l->known);
 	free(l->parts);
 }

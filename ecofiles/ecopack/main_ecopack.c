@@ -13,8 +13,7 @@
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/link.h"
 #include "ecofiles/ecopack/make.h"
-#include "ecofiles/ecopack/progress.h"
-#include "ecofiles/ecopack/times.h"
+#include "ecofiles/ecopack/run.h"
 
 /* ---- make ---- */
 

@@ -1,12 +1,14 @@
 #include "ecofiles/ecopack/make.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-#include "ecofiles/ecopack/progress.h"
-#include "ecofiles/ecopack/times.h"
+#include "ecofiles/base/confine.h"
+#include "ecofiles/ecopack/run.h"
 #include "lod/build/summary.h"
 
 /* Height of the smallest plant in each tile; INFINITY where there are none. */
@@ -51,48 +53,25 @@ double make_near_m(const struct make *m)
 	return lod_power_below(fmax(near, 1e-6));
 }
 
-static enum eco_code build(struct make *m)
+static enum eco_code begin(struct make *m)
 {
-	main_times_stage(MAIN_STAGE_SCENE);
 	if (!main_progress("reading the scene", NULL, 0))
 		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 	enum eco_code code = eco_sources_load(&m->sources, m->options->scene, m->error);
-	if (!code)
-		code = eco_pack_create(&m->writer, m->options->pack, m->error);
-	/* report errors of inventories and ground before the plants, which take longest */
-	if (!code)
-		code = make_places_check(m);
-	main_times_stage(MAIN_STAGE_GROUND);
-	if (!code)
-		code = make_ground_read(m);
-	if (!code && m->has_ground)
-		make_doubt_ground(m);
-	if (!code)
-		code = make_image_look(m);
-	if (!code)
-		code = make_plants(m);
-	main_times_stage(MAIN_STAGE_GROUND);
-	if (!code)
-		code = make_ground_pack(m);
-	main_times_stage(MAIN_STAGE_POSITIONS);
-	if (!code)
-		code = make_places(m);
-	if (!code)
-		code = make_tiles(m);
-	main_times_stage(MAIN_STAGE_GROUND);
-	if (!code && !m->sources.items[0].ground.none)
-		code = make_ground_through(m);
-	if (!code)
-		code = make_image(m);
-	if (!code)
-		code = make_inventory_pack(m);
-	if (code)
-		return code;
+	return code ? code : eco_pack_create(&m->writer, m->options->pack, m->error);
+}
+
+static enum eco_code lay_ground(struct make *m)
+{
+	return m->sources.items[0].ground.none ? ECO_OK : make_ground_through(m);
+}
+
+static enum eco_code commit(struct make *m)
+{
+	char *meta = NULL;
 	snprintf(m->scene.name, sizeof m->scene.name, "%s", m->sources.items[0].name);
 	m->scene.near_m = make_near_m(m);
-	char *meta = NULL;
-	main_times_stage(MAIN_STAGE_WRITING);
-	code = make_meta(m, &meta, m->error);
+	enum eco_code code = make_meta(m, &meta, m->error);
 	if (!code && !main_progress("writing", NULL, 1))
 		code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 	if (!code) {
@@ -102,6 +81,38 @@ static enum eco_code build(struct make *m)
 	}
 	free(meta);
 	return code;
+}
+
+/* Errors of inventories and ground are reported before the plants, which take longest. */
+static enum eco_code build(struct make *m)
+{
+	static const struct { enum main_stage stage; enum eco_code (*run)(struct make *m); } steps[] = {
+		{ MAIN_STAGE_SCENE, begin }, { MAIN_STAGE_SCENE, make_places_check },
+		{ MAIN_STAGE_GROUND, make_ground_read }, { MAIN_STAGE_GROUND, make_image_look },
+		{ MAIN_STAGE_GROUND, make_plants }, { MAIN_STAGE_GROUND, make_ground_pack },
+		{ MAIN_STAGE_POSITIONS, make_places }, { MAIN_STAGE_POSITIONS, make_tiles },
+		{ MAIN_STAGE_GROUND, lay_ground }, { MAIN_STAGE_GROUND, make_image },
+		{ MAIN_STAGE_GROUND, make_inventory_pack }, { MAIN_STAGE_WRITING, commit } };
+	enum eco_code code = ECO_OK;
+	for (size_t i = 0; i < sizeof steps / sizeof *steps && !code; i++) {
+		main_times_stage(steps[i].stage);
+		code = steps[i].run(m);
+	}
+	return code;
+}
+
+void make_tables_free(struct make *m)
+{
+	struct make_array *arrays[] = { &m->anchors, &m->ladders, &m->curves, &m->tiles, &m->groups,
+		&m->children, &m->lists, &m->places, &m->palette, &m->stands, &m->textures };
+	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+		free(arrays[i]->items);
+	free(m->plants);
+	free(m->table);
+	eco_pack_abort(m->writer);
+	make_ground_free(m);
+	make_inventory_free(m);
+	make_species_free(m);
 }
 
 enum eco_code make_pack(const struct make_options *options, struct eco_error *error)
@@ -117,16 +128,139 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 	main_times_cache(m.cache.folder, m.cache.hits, m.cache.misses);
 	main_cache_close(&m.cache);
 	main_progress_end();
-	eco_pack_abort(m.writer);
 	make_places_free(&m);
 	make_plants_free(&m);
-	make_ground_free(&m);
-	make_inventory_free(&m);
-	make_species_free(&m);
 	eco_sources_free(&m.sources);
-	struct make_array *arrays[] = { &m.anchors, &m.ladders, &m.curves, &m.tiles, &m.groups, &m.children,
-		&m.lists, &m.places, &m.palette, &m.stands };
-	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-		free(arrays[i]->items);
+	make_tables_free(&m);
+	return code;
+}
+
+/* ---- Tables ---- */
+
+/* Used by every step of a build: tables that grow, lists stored and kept in them, the number of threads. */
+
+void *make_append(struct make *m, struct make_array *array, size_t size)
+{
+	if (array->count == array->capacity) {
+		uint64_t wanted = array->capacity ? 2 * array->capacity : 64;
+		void *bigger = wanted < ECO_NONE ? realloc(array->items, wanted * size) : NULL;
+		if (!bigger) {
+			eco_fail(m->error, ECO_NO_MEMORY, "no memory for %llu records",
+				(unsigned long long)wanted);
+			return NULL;
+		}
+		array->items = bigger;
+		array->capacity = wanted;
+	}
+	return (uint8_t *)array->items + size * array->count++;
+}
+
+enum eco_code make_add(struct make *m, struct make_array *array, const void *records, uint32_t count,
+	size_t size)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		void *added = make_append(m, array, size);
+		if (!added)
+			return ECO_NO_MEMORY;
+		memcpy(added, (const uint8_t *)records + i * size, size);
+	}
+	return ECO_OK;
+}
+
+enum eco_code make_add_colors(struct make *m, const uint8_t (*rgb)[3], uint32_t count, uint32_t *first)
+{
+	const uint8_t (*palette)[3] = m->palette.items;
+	size_t size = count * sizeof *rgb;
+	*first = 0;
+	while (*first + (uint64_t)count <= m->palette.count && memcmp(palette[*first], rgb, size) != 0)
+		++*first;
+	if (*first + (uint64_t)count <= m->palette.count)
+		return ECO_OK;
+	*first = (uint32_t)m->palette.count;
+	return make_add(m, &m->palette, rgb, count, sizeof *rgb);
+}
+
+static uint32_t moved(const uint32_t *to, uint32_t index) { return index == ECO_NONE ? ECO_NONE : to[index]; }
+
+enum eco_code make_add_plant(struct make *m, uint32_t id, const struct make_tables *from,
+	const uint32_t *lists)
+{
+	struct eco_plant *plant = &m->table[id];
+	uint32_t curve_first = (uint32_t)m->curves.count;
+	plant->anchor_first = (uint32_t)m->anchors.count;
+	plant->ladder_first = (uint32_t)m->ladders.count;
+	plant->ladder_count = from->ladder_count;
+	enum eco_code code = make_add(m, &m->anchors, from->anchors, plant->anchor_count,
+		sizeof *from->anchors);
+	if (!code)
+		code = make_add(m, &m->curves, from->curves, from->curve_count, sizeof *from->curves);
+	for (uint32_t i = 0; i < from->ladder_count && !code; i++) {
+		struct eco_ladder ladder = from->ladders[i];
+		ladder.plant = id;
+		ladder.anchor += plant->anchor_first - from->anchor_first;
+		ladder.curve_first += curve_first - from->curve_first;
+		ladder.points = moved(lists, ladder.points);
+		ladder.lines = moved(lists, ladder.lines);
+		ladder.simple = moved(lists, ladder.simple);
+		ladder.triangles = moved(lists, ladder.triangles);
+		ladder.impostor = moved(lists, ladder.impostor);
+		code = make_add(m, &m->ladders, &ladder, 1, sizeof ladder);
+	}
+	return code;
+}
+
+enum eco_code make_keep_list(struct make *m, uint32_t list_id)
+{
+	const struct eco_list *stored = eco_pack_list(m->writer, list_id);
+	m->scene.needs |= eco_list_needs(stored);
+	return make_add(m, &m->lists, stored, 1, sizeof *stored);
+}
+
+enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements,
+	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id)
+{
+	enum eco_code code = eco_pack_add_list(m->writer, list, elements, ends, end_count, partner, list_id,
+		m->error);
+	return code ? code : make_keep_list(m, *list_id);
+}
+
+enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded,
+	uint32_t *list_id)
+{
+	enum eco_code code = eco_pack_add_encoded(m->writer, list, encoded, list_id, m->error);
+	return code ? code : make_keep_list(m, *list_id);
+}
+
+uint32_t make_threads(const struct make *m)
+{
+	long processors = sysconf(_SC_NPROCESSORS_ONLN);
+	return m->options->jobs ? m->options->jobs : processors > 64 ? 64 : processors > 0
+		? (uint32_t)processors : 1;
+}
+
+/* ---- --confine ---- */
+
+/* Which folders a make needs: nothing that a scene names is among them unless it lies below its own. */
+
+static void folder_of(char folder[PATH_MAX], const char *path)
+{
+	const char *slash = strrchr(path, '/');
+	snprintf(folder, PATH_MAX, "%.*s", slash ? (int)(slash - path + 1) : 1, slash ? path : ".");
+}
+
+enum eco_code make_confine(const struct make_options *options, const char *folder, struct eco_error *error)
+{
+	static char scene[PATH_MAX], pack[PATH_MAX];
+	static const char *readable[] = { NULL, NULL }, *writable[] = { pack, NULL, NULL };
+	folder_of(scene, options->scene);
+	folder_of(pack, options->pack);
+	readable[0] = *folder ? folder : scene;
+	if (options->cache && *options->cache && main_cache_make(options->cache))
+		writable[1] = options->cache;
+	const struct eco_confined_paths paths = { .readable = readable, .writable = writable };
+	enum eco_code code = eco_confine(&paths, error);
+	if (!code && !eco_confined_may_read(options->scene))
+		code = eco_fail(error, ECO_BAD_USAGE, "%.200s does not lie below %.200s, to which --confine "
+			"keeps reading", options->scene, readable[0]);
 	return code;
 }

@@ -9,7 +9,7 @@
  *   tiles       lod_tiles_build; instance lists, tables, point summaries       make_tiles.c, make_summaries.c
  *   image       rasters of colours or classes, cut into tiles                                 make_image.c
  *   inventory   which row of which inventory each plant is, and of which species
- *                                                                        make_inventory.c, make_species.c
+ *                                                                                        make_inventory.c
  *   commit      tables, META, rename                                                         make_meta.c
  *
  * Everything up to the commit is deterministic and independent of the number of threads. */
@@ -21,6 +21,7 @@
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/ecopack/cache.h"
 #include "ecofiles/format/inventory.h"
+#include "ecofiles/format/texture.h"
 #include "ecofiles/base/string_pool.h"
 #include "ecofiles/scene/scene.h"
 #include "lod/build/plant.h"
@@ -107,7 +108,7 @@ struct make {
 	struct make_eco *ecos;       /* per source */
 	struct eco_string_pool species;    /* of places, as their rows, else their scene files, name them */
 	struct eco_pack_writer *writer;
-	struct make_array textures;  /* make_textures.h */
+	struct make_array textures;  /* struct make_texture */
 	/* make_tiles.c: plants of one kind in one leaf; each a group and a list */
 	struct make_array stands;
 	struct make_inventory *inventory;        /* make_inventory.c; NULL before the first place */
@@ -118,6 +119,8 @@ struct make {
 	struct eco_scene scene;
 };
 
+/* Frees what make and link have in common, the writer too. */
+void make_tables_free(struct make *m);
 /* Room for one more record; NULL: no memory, and m->error is set. */
 void *make_append(struct make *m, struct make_array *array, size_t size);
 /* Appends `count` records. */
@@ -180,10 +183,6 @@ bool make_cache_get(struct main_cache *cache, const struct main_cache_key *key, 
 void make_cache_put(struct main_cache *cache, const struct main_cache_key *key,
 	const struct lod_plant *plant);
 
-/* What can hardly be meant, a line each (make_doubts.c): sizes of plants that stand, slopes of the ground. */
-void make_doubt_plants(const struct make *m);
-void make_doubt_ground(const struct make *m);
-
 /* opens each inventory and takes its first plant; reads areas and masks */
 enum eco_code make_places_check(struct make *m);
 /* Fills m->ecos with places, by the heights and reaches of m->plants, and tiles them. */
@@ -233,5 +232,23 @@ enum eco_code make_meta(const struct make *m, char **json, struct eco_error *err
 void make_put(json_t **object, const char *key, json_t *value);
 /* META of an object, which is freed; NULL: no memory. */
 enum eco_code make_text(json_t *root, char **json, struct eco_error *error);
+
+/* Textures of a pack belong to no plant: models that show one image, at whatever size, share its lists, and
+ * a stream sends them once. Levels halve from the image (lod/build/texture.h): fewer levels are the first ones
+ * of more, and the most that a plant needs serve all. */
+struct make_texture {
+	uint32_t count;              /* of levels */
+	bool outlined;
+	struct eco_chunk_id colors[ECO_TEXTURE_LEVELS_MAX], outlines[ECO_TEXTURE_LEVELS_MAX];
+	float texel_area;            /* of the last level, on the plant where it is largest */
+	void *from;                  /* the caller's: where its levels come from */
+	uint32_t list;               /* in the pack, once it is there; before, the caller's */
+};
+
+/* Where a texture is in m->textures, which it joins, or makes finer, if need be. */
+enum eco_code make_share_texture(struct make *m, const struct make_texture *texture, uint32_t *at);
+
+/* Packs the textures of all plants, and sets their `images`. */
+enum eco_code make_textures(struct make *m);
 
 #endif

@@ -11,7 +11,7 @@
 #include <xxhash.h>
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "lod/build/plant_bytes.h"
 
 /* ---- The program ---- */

@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/ecopack/jobs.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "lod/build/image_levels.h"
 
 #define BATCH 64u                        /* tiles whose texels wait to be encoded */

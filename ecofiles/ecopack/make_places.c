@@ -7,10 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/ecopack/progress.h"
-#include "ecofiles/base/phrase.h"
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/angle16.h"
+#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/phrase.h"
+#include "ecofiles/ecopack/run.h"
+#include "ecofiles/import/places/flora.h"
+#include "ecofiles/import/places/size_units.h"
 
 #define SCALE_LEAST (1.0 / 4096)
 #define SCALE_MOST 4000.0           /* a chunk's values must hold it in 1/65536 */
@@ -339,6 +341,61 @@ static enum eco_code read_places(struct make *m)
 	return ECO_OK;
 }
 
+/* ---- Doubts: sizes that no such plant has; a line says what to add ---- */
+
+/* By the plant's name; of a name that says nothing, by its first file's. */
+static struct eco_flora flora_of(const struct make_plant *plant)
+{
+	struct eco_flora flora = eco_flora_of(plant->source->name, false);
+	return flora.genus || flora.form != ECO_FORM_UNKNOWN ? flora
+		: eco_flora_of(eco_path_last(plant->source->models[0]), false);
+}
+
+static void doubt_height(const struct make *m, uint32_t id, double middle_m, uint64_t count)
+{
+	const struct make_plant *plant = &m->plants[id];
+	struct eco_flora flora = flora_of(plant);
+	struct eco_form_size usual = eco_form_size(flora.form);
+	char number[32];
+	if (middle_m >= usual.least_m && middle_m <= usual.most_m)
+		return;
+	main_note("%s: half of its %s plants are %s %.3g m high, where a %s has %.3g to %.3g m; is the "
+		"unit of its model or of its heights another? (\"height_m\" or \"unit\" of the plant says "
+		"it)", plant->name,
+		eco_phrase_count(count, number), middle_m > usual.most_m ? "more than" : "less "
+			"than", middle_m,
+		eco_form_names[flora.form], usual.least_m, usual.most_m);
+}
+
+static void doubt_plant(const struct make *m, uint32_t id, struct eco_spread *heights)
+{
+	const struct make_plant *plant = &m->plants[id];
+	if (heights->seen > 0 && flora_of(plant).form == ECO_FORM_NOTHING)
+		main_note("%s: by its name it is no plant; rocks and stumps take vertices from the "
+			"plants", plant->name);
+	else if (heights->seen > 0 && plant->source->height_m == 0)
+		doubt_height(m, id, eco_spread_quantile(heights, 0.5), heights->seen);
+}
+
+/* Without memory there is no doubt. */
+static void doubt_plants(const struct make *m)
+{
+	struct eco_spread *heights = calloc(m->plant_count + 1u, sizeof *heights);
+	for (uint32_t s = 0; heights && s < m->sources.count; s++)
+		for (uint32_t i = 0; i < m->ecos[s].place_count; i++) {
+			const struct make_place *place = &m->ecos[s].places[i];
+			eco_spread_add(&heights[place->plant],
+				place->scale * (double)m->plants[place->plant].built.plant.height_m);
+		}
+	for (uint32_t i = 0; heights && i < m->plant_count; i++) {
+		doubt_plant(m, i, &heights[i]);
+		eco_spread_free(&heights[i]);
+	}
+	free(heights);
+}
+
+/* ---- All ---- */
+
 static void say_off_ground(const struct make *m)
 {
 	static const char *const names[MAKE_SIDES] = { "west", "east", "south", "north" };
@@ -364,7 +421,7 @@ enum eco_code make_places(struct make *m)
 		return code;
 	if (m->off_ground)
 		say_off_ground(m);
-	make_doubt_plants(m);
+	doubt_plants(m);
 	if (m->ecos[0].instances == 0)
 		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there are no plants to pack; add "
 			"\"instances\" or \"children\"", m->sources.items[0].path);

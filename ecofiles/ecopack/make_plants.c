@@ -1,10 +1,9 @@
 /* Models become plants, several at a time. Source plants of the same files, read in the same way, are one
  * plant. */
-#include "ecofiles/ecopack/make_textures.h"
+#include "ecofiles/ecopack/make.h"
 
 #include <math.h>
 #include <pthread.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,8 +11,7 @@
 
 #include "ecofiles/format/impostor.h"
 #include "ecofiles/format/texture.h"
-#include "ecofiles/ecopack/progress.h"
-#include "ecofiles/ecopack/times.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/model/model_import.h"
 
 /* ---- Distinct plants ---- */
@@ -217,43 +215,15 @@ static void enter(void *ctx, enum lod_plant_stage stage)
 	main_times_stage(stages[stage]);
 }
 
-/* ---- Pieces of one plant's work, shared with idle threads ---- */
-
-struct shared { void (*piece)(void *pieces, uint32_t i); void *pieces; uint32_t count; enum main_stage stage;
-	atomic_uint next; };
-
-static void *take_pieces(void *ctx)
-{
-	struct shared *shared = ctx;
-	for (uint32_t i; (i = atomic_fetch_add(&shared->next, 1)) < shared->count;)
-		shared->piece(shared->pieces, i);
-	return NULL;
-}
-
-static void *help(void *ctx)
-{
-	main_times_stage(((struct shared *)ctx)->stage);
-	take_pieces(ctx);
-	main_times_stage(MAIN_STAGE_NONE);
-	return NULL;
-}
-
+/* Does pieces of one plant's work with the help of idle threads. */
 static void each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
 {
 	struct work *work = ((struct job *)ctx)->work;
-	struct shared shared = { .piece = piece, .pieces = pieces, .count = count,
-		.stage = main_times_now() };
-	pthread_t helpers[64];
-	uint32_t started = 0;
 	pthread_mutex_lock(&work->lock);
 	uint32_t taken = work->idle < count - 1 ? work->idle : count - 1;
 	work->idle -= taken;
 	pthread_mutex_unlock(&work->lock);
-	while (started < taken && started < 64 && pthread_create(&helpers[started], NULL, help, &shared) == 0)
-		started++;
-	take_pieces(&shared);
-	for (uint32_t i = 0; i < started; i++)
-		pthread_join(helpers[i], NULL);
+	main_each(&(struct main_each){ taken + 1, count, 1, piece, pieces });
 	pthread_mutex_lock(&work->lock);
 	work->idle += taken;
 	pthread_mutex_unlock(&work->lock);
@@ -388,7 +358,7 @@ static enum eco_code build_plants(struct make *m)
 	struct work work = { .m = m, .idle = all - jobs, .lock = PTHREAD_MUTEX_INITIALIZER,
 		.libraries = PTHREAD_MUTEX_INITIALIZER, .failed = ECO_NONE,
 		.share = calloc(m->plant_count + 1u, sizeof(double)) };
-	pthread_t threads[64];
+	pthread_t threads[MAIN_THREADS_MAX];
 	if (!work.share)
 		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
 	while (started + 1 < jobs && pthread_create(&threads[started], NULL, work_on, &work) == 0)
@@ -528,7 +498,4 @@ void make_plants_free(struct make *m)
 	for (uint32_t s = 0; m->plant_of && s < m->sources.count; s++)
 		free(m->plant_of[s]);
 	free(m->plant_of);
-	free(m->textures.items);
-	free(m->plants);
-	free(m->table);
 }

@@ -6,8 +6,7 @@
 #include <stdlib.h>
 
 #include "ecofiles/format/chunk/chunk.h"
-#include "ecofiles/ecopack/jobs.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "lod/build/summary.h"
 
 #define POOL_POINTS 2048u

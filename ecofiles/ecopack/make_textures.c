@@ -1,5 +1,5 @@
-/* Textures of a pack: see make_textures.h. */
-#include "ecofiles/ecopack/make_textures.h"
+/* Textures of a pack, shared by its plants. */
+#include "ecofiles/ecopack/make.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -8,9 +8,7 @@
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/base/phrase.h"
-#include "ecofiles/ecopack/jobs.h"
-#include "ecofiles/ecopack/progress.h"
-#include "ecofiles/ecopack/times.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/base/angle16.h"
 #include "lod/build/summary.h"
 

@@ -17,7 +17,7 @@
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/map.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/ground/ground_image_import.h"
 #include "ecofiles/import/places/gis_files.h"
 

@@ -11,7 +11,7 @@
 
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/places/areas.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/base/array_grow.h"
 

@@ -9,7 +9,7 @@
 
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/ecopack/command.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/format/pack.h"

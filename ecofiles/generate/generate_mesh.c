@@ -1,6 +1,6 @@
 /* Random numbers, vectors and meshes for parametric plants. Coordinates are written as multiples of 0.1
  * mm, so that a square root or a sine that differs in its last bit changes nothing. */
-#include "ecofiles/generate/generate_mesh.h"
+#include "ecofiles/generate/generate_plants.h"
 
 #include <assert.h>
 #include <math.h>

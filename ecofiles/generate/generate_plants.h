@@ -1,9 +1,92 @@
-/* Parametric plants: each kind is a function from random numbers to a mesh of believable proportions, in
- * metres. */
+/* Parametric plants: random numbers, vectors, a mesh of tubes, leaves and blades that is written as OBJ, and
+ * kinds of plants, each a function from random numbers to a mesh of believable proportions.
+ *
+ * Plants grow along +Z here, in metres, and are written Y-up, as OBJ files are. A mesh that ran out of
+ * memory stays failed: check when writing. */
 #ifndef ECO_GENERATE_PLANTS_H
 #define ECO_GENERATE_PLANTS_H
 
-#include "ecofiles/generate/generate_mesh.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ecofiles/base/status.h"
+#include "ecofiles/format/model.h"
+
+/* ---- Random numbers (random.h) ---- */
+
+struct gen_random { uint64_t state; };
+uint64_t gen_random_bits(struct gen_random *random);
+double gen_random_unit(struct gen_random *random);                             /* [0, 1) */
+double gen_random_in(struct gen_random *random, double low, double high);
+
+/* ---- Vectors ---- */
+
+struct gen_v3 { double x, y, z; };
+struct gen_v3 gen_v3(double x, double y, double z);
+struct gen_v3 gen_add(struct gen_v3 a, struct gen_v3 b);
+struct gen_v3 gen_sub(struct gen_v3 a, struct gen_v3 b);
+struct gen_v3 gen_mul(struct gen_v3 a, double s);
+struct gen_v3 gen_mad(struct gen_v3 a, struct gen_v3 b, double s);             /* a + s b */
+struct gen_v3 gen_cross(struct gen_v3 a, struct gen_v3 b);
+double gen_length(struct gen_v3 a);
+/* +Z for a vector of length 0 */
+struct gen_v3 gen_unit(struct gen_v3 a);
+/* some unit vector at right angles */
+struct gen_v3 gen_across(struct gen_v3 a);
+struct gen_v3 gen_turned(struct gen_v3 v, struct gen_v3 axis, double degrees); /* about a unit axis */
+struct gen_v3 gen_heading(double azimuth_deg, double elevation_deg);           /* unit vector */
+/* unit vector, any direction */
+struct gen_v3 gen_random_way(struct gen_random *random);
+double gen_clamp(double v, double low, double high);
+double gen_smooth(double from, double to, double v);                           /* 0..1, cubic */
+
+/* ---- Meshes ---- */
+
+/* texture: file name beside the OBJ, or NULL */
+struct gen_material { char name[32]; uint8_t rgb[3]; const char *texture; };
+struct gen_face { uint32_t corner[4]; uint8_t corners, material; };
+
+#define GEN_MATERIALS_MAX 24
+struct gen_mesh {
+	struct gen_v3 *position;     uint32_t count, capacity;
+	float (*uv)[2];              /* one per vertex */
+	struct gen_face *faces;      uint32_t face_count, face_capacity;
+	struct gen_material materials[GEN_MATERIALS_MAX];
+	uint32_t material_count;
+	double detail;               /* leaves times this, each as much smaller; 0: 1 */
+	bool failed;
+};
+void gen_mesh_free(struct gen_mesh *mesh);
+
+/* rgb, dark, bright: 0xRRGGBB */
+uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint32_t rgb, const char *texture);
+/* `count` materials from the dark colour to the bright one, named NAME-0, ...; returns the first. */
+uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, uint32_t dark, uint32_t bright,
+	uint32_t count);
+
+/* A closed tube through points; radius 0 at the last point is a tip. */
+struct gen_tube { const struct gen_v3 *points; const double *radius; uint32_t count, sides; };
+void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tube);
+
+/* A leaf from `at` along `along`, facing `face`: a card (one textured rectangle), a rhomb, an arched
+ * hexagon or a pointed blade. */
+enum gen_leaf_shape { GEN_LEAF_CARD, GEN_LEAF_RHOMB, GEN_LEAF_HEXAGON, GEN_LEAF_BLADE };
+struct gen_leaf {
+	struct gen_v3 at, along, face;
+	double length, width;
+	double bend;                 /* how far the tip sinks, in lengths (hexagon, blade) */
+	/* of a card: quarter of the texture, 0 to 3 from the bottom left, row by row */
+	uint32_t cell;
+	enum gen_leaf_shape shape;
+};
+void gen_leaf(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf);
+
+/* Writes NAME.obj and NAME.mtl into `folder`, each to a temporary file first. */
+enum eco_code gen_mesh_write(const struct gen_mesh *mesh, const char *folder, const char *name,
+	struct eco_error *error);
+
+/* ---- Plants ---- */
 
 struct gen_plant {
 	const char *name;            /* of the model's files */

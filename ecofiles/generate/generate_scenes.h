@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 #include "ecofiles/generate/generate.h"
-#include "ecofiles/generate/generate_mesh.h"
+#include "ecofiles/generate/generate_plants.h"
 
 /* ---- Ground: hills from smooth noise, in two sizes ---- */
 

@@ -12,7 +12,7 @@
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/link.h"
 #include "ecofiles/ecopack/make.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "tests/support/files.h"
 #include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"

@@ -15,7 +15,7 @@
 
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/export/export.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/model/gltf.h"

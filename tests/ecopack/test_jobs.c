@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/ecopack/jobs.h"
+#include "ecofiles/ecopack/run.h"
 #include "tests/support/unit_test.h"
 
 struct made { uint64_t *value; };

@@ -9,7 +9,7 @@
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/link.h"
 #include "ecofiles/ecopack/make.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/wire.h"
 #include "lod/plan/planner.h"

@@ -9,7 +9,7 @@
 
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/make.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/impostor.h"
 #include "lod/eye.h"
 #include "tests/support/files.h"

@@ -10,7 +10,7 @@
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/angle16.h"
 #include "ecofiles/ecopack/make.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "tests/support/files.h"
 #include "tests/support/scratch.h"
 #include "tests/support/serve/served.h"

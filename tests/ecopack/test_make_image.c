@@ -10,7 +10,7 @@
 #include "ecofiles/ecopack/export/export.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/map.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/image.h"
 #include "tests/support/files.h"
 #include "tests/support/scratch.h"

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "ecofiles/ecopack/make.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "lod/plan/planner.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/scratch.h"

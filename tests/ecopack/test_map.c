@@ -10,7 +10,7 @@
 
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/map.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 

@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 #include "ecofiles/ecopack/make.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/generate/generate.h"
 #include "tests/support/files.h"
 #include "tests/support/plant_walk.h"

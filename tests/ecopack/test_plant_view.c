@@ -6,7 +6,7 @@
 
 #include "ecofiles/ecopack/export/plant_view.h"
 #include "ecofiles/ecopack/make.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/image.h"
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"

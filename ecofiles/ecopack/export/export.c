@@ -1,5 +1,6 @@
 #include "ecofiles/ecopack/export/export.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -14,7 +15,9 @@
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/base/unfinished.h"
 #include "ecofiles/ecopack/command.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
+#include "ecofiles/format/inventory.h"
+#include "ecofiles/format/view.h"
 
 /* ---- Files ---- */
 
@@ -138,3 +141,134 @@ enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain
 	free(x.plants);
 	return code;
 }
+
+/* ---- Chunks ---- */
+
+/* A pack's chunks as files for static hosts. A file is named by the chunk's id, the hash of
+ * its bytes, so it never changes: what another pack has left in the folder is as good, and what is there is
+ * kept. Servers answer with streams that name such chunks (server/stream.h), clients fetch them
+ * (client-min/view_chunks.h). */
+
+struct counts { uint64_t files, bytes, kept; };
+
+static bool is_there(const char *path, const struct eco_chunk *chunk)
+{
+	struct stat status;
+	return stat(path, &status) == 0 && S_ISREG(status.st_mode)
+		&& status.st_size == (off_t)chunk->size_bytes;
+}
+
+static enum eco_code write_chunk(const struct eco_pack *pack, uint32_t index, const char *dir,
+	struct counts *counts, struct eco_error *error)
+{
+	const struct eco_chunk *chunk = &pack->scene.chunks[index];
+	char path[4096];
+	const uint8_t *bytes;
+	size_t size;
+	int at = snprintf(path, sizeof path - 2 * sizeof chunk->id.bytes, "%s/", dir);
+	if (at >= (int)(sizeof path - 2 * sizeof chunk->id.bytes))
+		return eco_fail(error, ECO_BAD_USAGE, "--static %.200s...: the path is too long", dir);
+	for (size_t i = 0; i < sizeof chunk->id.bytes; i++)
+		at += snprintf(path + at, 3, "%02x", chunk->id.bytes[i]);
+	enum eco_code code = eco_pack_payload(pack, index, &bytes, &size, error);
+	if (code)
+		return code;
+	counts->files++;
+	counts->bytes += size;
+	if (is_there(path, chunk)) {
+		counts->kept++;
+		return ECO_OK;
+	}
+	return eco_file_write(path, bytes, size, error);
+}
+
+/* Removes files of an export that was killed: "ID.tmp-4711". */
+static void remove_left_over(const char *dir)
+{
+	DIR *folder = opendir(dir);
+	for (const struct dirent *entry; folder && (entry = readdir(folder));) {
+		char id[2 * sizeof(struct eco_chunk_id) + 1];
+		snprintf(id, sizeof id, "%.*s", (int)sizeof id - 1, entry->d_name);
+		if (strspn(id, "0123456789abcdef") == sizeof id - 1 && eco_unfinished_is(entry->d_name, id))
+			eco_unfinished_remove_file(dirfd(folder), entry->d_name);
+	}
+	if (folder)
+		closedir(folder);
+}
+
+/* Chunks of `from` bytes and more into a folder, which is made if missing. */
+static enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64_t from,
+	struct eco_error *error)
+{
+	const struct eco_scene *scene = &pack->scene;
+	const struct eco_list *rows = eco_inventory_list(scene);
+	/* no stream names those of rows */
+	uint32_t count = rows ? rows->chunk_first : scene->chunk_count;
+	struct counts counts = { 0 };
+	enum eco_code code = ECO_OK;
+	if (mkdir(dir, 0777) && errno != EEXIST)
+		return eco_fail(error, ECO_IO, "--static %.330s: %s%s", dir, strerror(errno),
+			eco_advice_write(errno));
+	remove_left_over(dir);
+	for (uint32_t i = 0; i < count && !code; i++) {
+		if (scene->chunks[i].size_bytes < from)
+			continue;
+		code = main_progress("exporting", scene->name, (double)i / count)
+			? write_chunk(pack, i, dir, &counts, error)
+			: eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	}
+	if (!code && counts.kept < counts.files)
+		code = eco_folder_sync(dir, error);
+	main_progress_end();
+	if (!code && !main_is_quiet)
+		printf("%s: %" PRIu64 " chunks, %" PRIu64 " bytes; %" PRIu64 " were there\n", dir,
+			counts.files, counts.bytes, counts.kept);
+	return code;
+}
+
+/* ---- The command ---- */
+
+static struct { const char *pack, *chunks, *tiles; uint64_t from; bool plain; } given;
+
+static enum eco_code run(int argc, char **argv, struct eco_error *error)
+{
+	struct eco_pack *pack = NULL;
+	memset(&given, 0, sizeof given);
+	given.from = ECO_NAME_FROM;
+	enum eco_code code = main_read(&main_command_export, argc, argv, error);
+	if (!code && !given.chunks && !given.tiles)
+		code = eco_fail(error, ECO_BAD_USAGE,
+			"what to export? Give --static DIR, --3dtiles DIR or both");
+	if (!code)
+		code = eco_pack_open(&pack, given.pack, error);
+	if (!code && given.chunks)
+		code = export_chunks(pack, given.chunks, given.from, error);
+	if (!code && given.tiles)
+		code = export_tiles(pack, given.tiles, given.plain, error);
+	eco_pack_close(pack);
+	return code;
+}
+
+static const struct eco_option options[] = {
+	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &given.pack, .is_required = true },
+	{ "static", 0, ECO_OPTION_TEXT, "DIR", &given.chunks,
+		.help = "chunks as files, each named by the hash of its bytes: they never change, and packs "
+		"may share a folder, which is made if missing" },
+	{ "from", 0, ECO_OPTION_COUNT, "N", &given.from, 1, INT64_MAX,
+		.help = "of chunks, only those of so many bytes; 1024 if not given, from where on ecoview "
+		"fetches chunks by their names" },
+	{ "3dtiles", 0, ECO_OPTION_TEXT, "DIR", &given.tiles,
+		.help = "3D Tiles 1.1 for CesiumJS and others, into a folder that is not there yet; it "
+		"appears complete or not at all" },
+	{ "plain", 0, ECO_OPTION_FLAG, NULL, &given.plain,
+		.help = "3D Tiles without EXT_meshopt_compression, for programs that do not read it; about "
+		"three times the bytes" },
+	{ 0 } };
+
+const struct main_command main_command_export = { { "ecopack export",
+	"OUT.eco [--static DIR [--from N]] [--3dtiles DIR [--plain]]",
+	"Writes a pack as plain files that any web server or object store can serve.", options, main_common,
+	"Chunks are for a server's answers that only name them: ecoview --chunks URL fetches them there. In "
+	"3D Tiles plants are instances of shared files in three levels of detail, with species and height; "
+	"far tiles are their summaries, as small triangles. ecoserve chooses for each view; these files are "
+	"chosen once.\n", NULL }, run };

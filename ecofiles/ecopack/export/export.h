@@ -1,7 +1,6 @@
 /* Inside `ecopack export`: a pack as plain files for any static server.
  *
- *   export_chunks(...)         its chunks, each named by its id                        export_chunks.c
- *   export_tiles(...)          3D Tiles 1.1:                                           export.c
+ * Its chunks, each named by its id, or 3D Tiles 1.1 (export.c):
  *
  *   export_plant(&x, number)   a plant in up to three levels: plants/N-L.bin           export_plant.c
  *   export_mesh_compress(...)  its triangles, for EXT_meshopt_compression              export_compress.c
@@ -65,11 +64,7 @@ struct export {
 	uint64_t files, bytes, tiles, instances; /* written; plants of leaf tiles, each once */
 };
 
-/* Chunks of `from` bytes and more into a folder, which is made if missing; what is there in the same size is
- * kept. */
-enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64_t from,
-	struct eco_error *error);
-/* Into a folder that is not there yet, which appears complete or not at all. */
+/* 3D Tiles into a folder that is not there yet, which appears complete or not at all. */
 enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain, struct eco_error *error);
 
 /* Writes DIR/NAME. */

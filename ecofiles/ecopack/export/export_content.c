@@ -21,28 +21,44 @@
 /* ---- Documents ---- */
 
 /* fallback: the buffer where compressed views would lie if they were not; NULL: none is compressed */
-struct document { json_t *buffers, *views, *accessors, *meshes, *nodes, *materials, *textures, *images,
-	*inner, *fallback; json_int_t fallback_at; };
+struct document { json_t *root, *fallback; json_int_t fallback_at; };
 
-static void document_begin(struct document *d)
+static const char *const arrays[] = { "buffers", "bufferViews", "accessors", "meshes", "materials",
+	"textures", "images" };
+#define ARRAYS (sizeof arrays / sizeof *arrays)
+
+/* Nodes 0 and 1 turn Z up to Y up and move to the tile's middle; those added lie below. */
+static void document_begin(struct document *d, const double middle[3])
 {
-	json_t **arrays[] = { &d->buffers, &d->views, &d->accessors, &d->meshes, &d->nodes, &d->materials,
-		&d->textures, &d->images, &d->inner };
-	d->fallback = NULL;
-	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-		*arrays[i] = json_array();
+	double r = sqrt(0.5);
+	*d = (struct document){ .root = json_pack("{s:{s:s, s:s}, s:i, s:[{s:[i]}], s:[{s:[f,i,i,f], s:[i]}, "
+						  "{s:[f,f,f]}]}",
+					"asset", "version", "2.0", "generator", "ecopack " ECO_VERSION,
+					"scene", 0, "scenes", "nodes", 0, "nodes", "rotation", -r, 0, 0, r,
+					"children", 1, "translation", middle[0], middle[1], middle[2]) };
+	for (size_t i = 0; i < ARRAYS; i++)
+		json_object_set_new(d->root, arrays[i], json_array());
 }
 
-static size_t add(json_t *array, json_t *item)
+/* Returns the item's number. */
+static json_int_t add(struct document *d, const char *array, json_t *item)
 {
-	json_array_append_new(array, item);
-	return json_array_size(array) - 1;
+	json_t *items = json_object_get(d->root, array);
+	json_array_append_new(items, item);
+	return (json_int_t)json_array_size(items) - 1;
+}
+
+static void add_node(struct document *d, json_t *node)
+{
+	json_t *above = json_array_get(json_object_get(d->root, "nodes"), 1);
+	if (!json_object_get(above, "children"))
+		json_object_set_new(above, "children", json_array());
+	json_array_append_new(json_object_get(above, "children"), json_integer(add(d, "nodes", node)));
 }
 
 static json_int_t add_buffer(struct document *d, const char *uri, size_t size)
 {
-	return (json_int_t)add(d->buffers, json_pack("{s:s, s:I}", "uri", uri, "byteLength",
-		(json_int_t)size));
+	return add(d, "buffers", json_pack("{s:s, s:I}", "uri", uri, "byteLength", (json_int_t)size));
 }
 
 static json_int_t add_view(struct document *d, json_int_t buffer, size_t from, size_t size, int target)
@@ -52,7 +68,7 @@ static json_int_t add_view(struct document *d, json_int_t buffer, size_t from, s
 		(json_int_t)size);
 	if (target)
 		json_object_set_new(view, "target", json_integer(target));
-	return (json_int_t)add(d->views, view);
+	return add(d, "bufferViews", view);
 }
 
 /* Takes room in the fallback buffer, which no file holds. */
@@ -61,7 +77,7 @@ static json_int_t add_fallback(struct document *d, size_t size)
 	if (!d->fallback) {
 		d->fallback = json_pack("{s:i, s:{s:{s:b}}}", "byteLength", 0, "extensions", MESHOPT,
 			"fallback", 1);
-		d->fallback_at = (json_int_t)add(d->buffers, d->fallback);
+		d->fallback_at = add(d, "buffers", d->fallback);
 	}
 	json_int_t from = json_integer_value(json_object_get(d->fallback, "byteLength"));
 	json_object_set_new(d->fallback, "byteLength", json_integer(from + (json_int_t)size));
@@ -81,8 +97,8 @@ static json_int_t add_packed_view(struct document *d, json_int_t buffer, const s
 		array == EXPORT_INDEX ? "TRIANGLES" : "ATTRIBUTES");
 	if (array == EXPORT_POSITION || array == EXPORT_UV)
 		json_object_set_new(packed, "filter", json_string("EXPONENTIAL"));
-	json_object_set_new(json_array_get(d->views, (size_t)view), "extensions",
-		json_pack("{s:o}", MESHOPT, packed));
+	json_object_set_new(json_array_get(json_object_get(d->root, "bufferViews"), (size_t)view),
+		"extensions", json_pack("{s:o}", MESHOPT, packed));
 	return view;
 }
 
@@ -94,7 +110,7 @@ static json_int_t add_accessor(struct document *d, json_int_t view, uint32_t cou
 		"type", shape, "count", (json_int_t)count);
 	if (type == 5123)
 		json_object_set_new(accessor, "normalized", json_true());
-	return (json_int_t)add(d->accessors, accessor);
+	return add(d, "accessors", accessor);
 }
 
 static json_int_t add_array(struct document *d, json_int_t buffer, const struct export_part *part,
@@ -118,14 +134,13 @@ static json_int_t add_material(struct document *d, const char *uri, bool cutout,
 	if (unlit)
 		json_object_set_new(material, "extensions", json_pack("{s:{}}", "KHR_materials_unlit"));
 	if (uri) {
-		size_t source = add(d->images, json_pack("{s:s}", "uri", uri)),
-			texture = add(d->textures, json_pack("{s:I}", "source", (json_int_t)source));
-		json_object_set_new(rough, "baseColorTexture", json_pack("{s:I}", "index",
-			(json_int_t)texture));
+		json_int_t source = add(d, "images", json_pack("{s:s}", "uri", uri)),
+			texture = add(d, "textures", json_pack("{s:I}", "source", source));
+		json_object_set_new(rough, "baseColorTexture", json_pack("{s:I}", "index", texture));
 	}
 	if (uri && cutout)
 		json_object_set_new(material, "alphaMode", json_string("MASK"));
-	return (json_int_t)add(d->materials, material);
+	return add(d, "materials", material);
 }
 
 /* texture: the URI of all parts' textures; NULL: those of plants */
@@ -138,7 +153,7 @@ static json_int_t add_mesh(struct document *d, const struct export_mesh *mesh, j
 		json_int_t position = add_array(d, buffer, p, EXPORT_POSITION),
 			color = add_array(d, buffer, p, EXPORT_COLOR),
 			index = add_array(d, buffer, p, EXPORT_INDEX);
-		json_t *at = json_array_get(d->accessors, (size_t)position);
+		json_t *at = json_array_get(json_object_get(d->root, "accessors"), (size_t)position);
 		json_object_set_new(at, "min", json_pack("[f,f,f]", (double)p->low[0], (double)p->low[1],
 			(double)p->low[2]));
 		json_object_set_new(at, "max", json_pack("[f,f,f]", (double)p->high[0], (double)p->high[1],
@@ -149,61 +164,39 @@ static json_int_t add_mesh(struct document *d, const struct export_mesh *mesh, j
 				EXPORT_UV)));
 		char uri[EXPORT_NAME];
 		snprintf(uri, sizeof uri, "../plants/image-%u.png", p->image);
-		json_int_t material = add_material(d, p->image == ECO_NONE ? NULL : texture ? texture : uri, !texture,
-			unlit);
+		json_int_t material = add_material(d,
+			p->image == ECO_NONE ? NULL
+				: texture    ? texture
+					     : uri,
+			!texture, unlit);
 		json_array_append_new(primitives, json_pack("{s:o, s:I, s:I}", "attributes", attributes,
 			"indices", index, "material", material));
 	}
-	return (json_int_t)add(d->meshes, json_pack("{s:o}", "primitives", primitives));
+	return add(d, "meshes", json_pack("{s:o}", "primitives", primitives));
 }
 
-/* Nodes 0 and 1 turn Z up to Y up and move to the tile's middle; those added lie below. */
-static void add_node(struct document *d, json_t *node)
+static enum eco_code document_end(struct export *x, struct document *d, json_t *extensions, json_t *used,
+	const char *name)
 {
-	json_array_append_new(d->inner, json_integer((json_int_t)(2 + add(d->nodes, node))));
-}
-
-static void set_array(json_t *root, const char *name, json_t *array)
-{
-	if (json_array_size(array))
-		json_object_set(root, name, array);
-	json_decref(array);
-}
-
-static enum eco_code document_end(struct export *x, struct document *d, const double middle[3],
-	json_t *extensions, json_t *used, const char *name)
-{
-	double r = sqrt(0.5);
-	json_t *nodes = json_pack("[{s:[f,i,i,f], s:[i]}, {s:[f,f,f]}]", "rotation", -r, 0, 0, r, "children",
-		1,
-		"translation", middle[0], middle[1], middle[2]);
-	if (json_array_size(d->inner))
-		json_object_set(json_array_get(nodes, 1), "children", d->inner);
-	json_decref(d->inner);
-	json_array_extend(nodes, d->nodes);
-	json_decref(d->nodes);
-	json_t *root = json_pack("{s:{s:s, s:s}, s:i, s:[{s:[i]}], s:o}", "asset", "version", "2.0",
-		"generator",
-		"ecopack " ECO_VERSION, "scene", 0, "scenes", "nodes", 0, "nodes", nodes);
-	set_array(root, "buffers", d->buffers);
-	set_array(root, "bufferViews", d->views);
-	set_array(root, "accessors", d->accessors);
-	set_array(root, "meshes", d->meshes);
-	set_array(root, "materials", d->materials);
-	set_array(root, "textures", d->textures);
-	set_array(root, "images", d->images);
-	if (extensions)
-		json_object_set_new(root, "extensions", extensions);
 	json_t *required = json_array();
-	if (extensions)
+	for (size_t i = 0; i < ARRAYS; i++)
+		if (!json_array_size(json_object_get(d->root, arrays[i])))
+			json_object_del(d->root, arrays[i]);
+	if (extensions) {
+		json_object_set_new(d->root, "extensions", extensions);
 		json_array_append_new(required, json_string("EXT_mesh_gpu_instancing"));
+	}
 	if (d->fallback) {
 		json_array_append_new(required, json_string(MESHOPT));
 		json_array_append_new(used, json_string(MESHOPT));
 	}
-	set_array(root, "extensionsUsed", used);
-	set_array(root, "extensionsRequired", required);
-	return export_json(x, name, root);
+	if (json_array_size(used))
+		json_object_set(d->root, "extensionsUsed", used);
+	if (json_array_size(required))
+		json_object_set(d->root, "extensionsRequired", required);
+	json_decref(used);
+	json_decref(required);
+	return export_json(x, name, d->root);
 }
 
 static void middle_of(const struct eco_tile *tile, double middle[3])
@@ -416,7 +409,7 @@ enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char
 	}
 	*error_m = 0;
 	middle_of(t, middle);
-	document_begin(&d);
+	document_begin(&d, middle);
 	snprintf(uri, sizeof uri, "%u.bin", tile);
 	json_int_t instances = add_buffer(&d, uri, l.end);
 	for (uint32_t g = 0; g < t->group_count; g++) {
@@ -435,7 +428,7 @@ enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char
 	json_t *extensions = metadata_of(&d, instances, &l);
 	snprintf(name, EXPORT_NAME, "tiles/%u-%u.gltf", tile, level);
 	layout_free(&l);
-	return document_end(x, &d, middle, extensions, json_pack("[s,s,s]", "EXT_mesh_gpu_instancing",
+	return document_end(x, &d, extensions, json_pack("[s,s,s]", "EXT_mesh_gpu_instancing",
 		"EXT_instance_features", "EXT_structural_metadata"), name);
 }
 
@@ -461,7 +454,7 @@ static enum eco_code write_baked(struct export *x, const struct lod_bake *bake, 
 	if (!code)
 		code = export_file(x, name, file.bytes, file.size);
 	if (!code)
-		document_begin(&d);
+		document_begin(&d, c->middle);
 	if (!code && mesh.part_count) {
 		json_int_t number = add_mesh(&d, &mesh, add_buffer(&d, uri, mesh.bytes), c->texture,
 			c->unlit);
@@ -469,7 +462,7 @@ static enum eco_code write_baked(struct export *x, const struct lod_bake *bake, 
 	}
 	if (!code) {
 		snprintf(name, sizeof name, "tiles/%.50s.gltf", c->stem);
-		code = document_end(x, &d, c->middle, NULL, c->unlit ? json_pack("[s]", "KHR_materials_unlit")
+		code = document_end(x, &d, NULL, c->unlit ? json_pack("[s]", "KHR_materials_unlit")
 			: json_array(), name);
 	}
 	export_mesh_free(&mesh);

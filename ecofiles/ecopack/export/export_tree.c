@@ -5,7 +5,7 @@
 
 #include "ecofiles/base/version.h"
 #include "ecofiles/ecopack/export/export.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 
 #define DEPTH_MAX 256u
 #define GROUND_ERROR 4.0

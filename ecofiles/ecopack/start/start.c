@@ -13,7 +13,7 @@
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/ecopack/command.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 
 /* ---- Guesses ---- */
 

@@ -11,7 +11,7 @@
 
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/base/array_grow.h"
-#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/import/places/words.h"

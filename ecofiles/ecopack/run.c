@@ -1,0 +1,381 @@
+/* One line, redrawn at most ten times a second. Without a terminal: lines at least four seconds apart,
+ * none equal to the one before. */
+#include "ecofiles/ecopack/run.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "ecofiles/base/guard.h"
+#include "ecofiles/base/utf8.h"
+
+#define BAR 28
+#define TELLING_S 3              /* a stage tells what is left from then on */
+#define TELLING_SHARE 0.02
+
+static volatile sig_atomic_t interrupted;
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static bool silent, shown;
+static double last_s = -1000;
+static struct { char name[64]; double since_s; } stage_now;
+
+static void ask_to_stop(int number)
+{
+	(void)number;
+	interrupted = 1;
+	eco_guard_interrupt();               /* a wait for a child would not notice */
+}
+
+void main_catch_interrupts(void)
+{
+	struct sigaction action = { .sa_handler = ask_to_stop };
+	sigemptyset(&action.sa_mask);
+	sigaction(SIGINT, &action, NULL);
+	sigaction(SIGTERM, &action, NULL);
+	action.sa_handler = SIG_IGN;
+	sigaction(SIGXFSZ, &action, NULL);
+}
+
+static double now_s(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_MONOTONIC, &t);
+	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void erase(void)
+{
+	if (shown)
+		fputs("\r\033[K", stderr);
+	shown = false;
+}
+
+void main_progress_left(char text[32], double elapsed_s, double share)
+{
+	double left_s = share > 0 ? elapsed_s * (1 - share) / share : 0;
+	text[0] = 0;
+	if (elapsed_s < TELLING_S || share < TELLING_SHARE || !(left_s >= 1))
+		return;
+	if (left_s < 90)
+		snprintf(text, 32, ", about %.0f s left", left_s);
+	else
+		snprintf(text, 32, ", about %.0f min left", fmin(left_s / 60, 1e6));
+}
+
+/* What is left of a stage, by how long it took so far. */
+static void find_left(char text[32], const char *stage, double now, double share)
+{
+	if (strncmp(stage_now.name, stage, sizeof stage_now.name - 1) != 0) {
+		snprintf(stage_now.name, sizeof stage_now.name, "%s", stage);
+		stage_now.since_s = now;
+	}
+	main_progress_left(text, now - stage_now.since_s, share);
+}
+
+static void say(const char *stage, const char *detail, double share, const char *left)
+{
+	static char last[256];
+	char text[sizeof last];
+	snprintf(text, sizeof text, "%s%s%.150s, %.0f %%%s", stage, detail ? ": " : "", detail ? detail : "",
+		100 * share, left);
+	if (strcmp(text, last) != 0)
+		fprintf(stderr, "ecopack: %s\n", text);
+	memcpy(last, text, sizeof last);
+}
+
+bool main_progress(const char *stage, const char *detail, double share)
+{
+	double now = now_s();
+	bool terminal = isatty(STDERR_FILENO) == 1;
+	char left[32];
+	pthread_mutex_lock(&lock);
+	share = share < 0 ? 0 : share > 1 ? 1 : share;
+	find_left(left, stage, now, share);
+	if (!silent && now - last_s >= (terminal ? 0.1 : 4.0)) {
+		/* a run that ends within a few seconds prints nothing */
+		bool first = last_s < 0;
+		last_s = now;
+		if (terminal) {
+			char bar[BAR + 1];
+			memset(bar, '.', BAR);
+			memset(bar, '#', (size_t)(share * BAR));
+			bar[BAR] = 0;
+			fprintf(stderr, "\r\033[K[%s] %3.0f %%  %s%s%s%s", bar, 100 * share, stage,
+				detail ? ": " : "", detail ? detail : "", left);
+			fflush(stderr);
+			shown = true;
+		} else if (!first)
+			say(stage, detail, share, left);
+	}
+	pthread_mutex_unlock(&lock);
+	return !interrupted;
+}
+
+void main_progress_end(void)
+{
+	pthread_mutex_lock(&lock);
+	erase();
+	pthread_mutex_unlock(&lock);
+}
+
+void main_progress_quiet(bool quiet) { silent = quiet; }
+
+void main_note(const char *format, ...)
+{
+	va_list args;
+	char text[2048];
+	va_start(args, format);
+	vsnprintf(text, sizeof text, format, args);
+	va_end(args);
+	eco_utf8_tame(text, "", '?');        /* quotes from files must not steer a terminal */
+	pthread_mutex_lock(&lock);
+	if (!silent) {
+		erase();
+		fprintf(stderr, "ecopack: %s\n", text);
+	}
+	pthread_mutex_unlock(&lock);
+}
+
+void main_note_text(void *unused, const char *text)
+{
+	(void)unused;
+	main_note("%s", text);
+}
+
+/* ---- Times ---- */
+
+/* A thread that changes its stage adds the clock and processor time since its last change to the stage it
+ * leaves. Memory is the process's: the peak since the last change counts for every stage that was running. */
+
+static const char *const names[MAIN_STAGE_COUNT] =
+	{ [MAIN_STAGE_SCENE] = "scene", [MAIN_STAGE_GROUND] = "ground",
+		[MAIN_STAGE_MODELS] = "reading models", [MAIN_STAGE_CACHE] = "cache",
+		[MAIN_STAGE_ELEMENTS] = "organs and elements", [MAIN_STAGE_ORDERS] = "orders",
+		[MAIN_STAGE_LISTS] = "levels lines points", [MAIN_STAGE_SPLATS] = "splats",
+		[MAIN_STAGE_CURVES] = "curves and scales",
+		[MAIN_STAGE_TEXTURES] = "textures", [MAIN_STAGE_PACKING] = "packing plants",
+		[MAIN_STAGE_POSITIONS] = "positions", [MAIN_STAGE_TILES] = "tiles",
+		[MAIN_STAGE_SUMMARIES] = "summaries", [MAIN_STAGE_WRITING] = "writing" };
+
+static struct { double elapsed_s, cpu_s, peak_mb; uint32_t threads; } stages[MAIN_STAGE_COUNT];
+static pthread_mutex_t times_lock = PTHREAD_MUTEX_INITIALIZER;
+static double start_s, total_mb;
+static bool by_stage;
+static struct { char folder[1024]; uint64_t hits, misses; } times_cache;
+
+static _Thread_local struct { enum main_stage stage; double since_s, cpu_s, readers_s, readers_mb; } mine;
+
+static double seconds(clockid_t clock)
+{
+	struct timespec t;
+	clock_gettime(clock, &t);
+	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static double of(struct timeval t) { return (double)t.tv_sec + 1e-6 * (double)t.tv_usec; }
+
+/* Child processes that have ended: processor time of all, memory of the largest. */
+static void readers(double *cpu_s, double *most_mb)
+{
+	struct rusage used;
+	getrusage(RUSAGE_CHILDREN, &used);
+	*cpu_s = of(used.ru_utime) + of(used.ru_stime);
+	*most_mb = (double)used.ru_maxrss / 1024;
+}
+
+/* The peak since the last reset. */
+static double peak_mb(void)
+{
+	char line[128];
+	double kb = 0;
+	FILE *file = fopen("/proc/self/status", "re");
+	while (file && fgets(line, sizeof line, file))
+		if (sscanf(line, "VmHWM: %lf", &kb) == 1)
+			break;
+	if (file)
+		fclose(file);
+	if (by_stage && (file = fopen("/proc/self/clear_refs", "we"))) {
+		fputs("5", file);
+		fclose(file);
+	}
+	return kb / 1024;
+}
+
+static double max(double a, double b) { return a > b ? a : b; }
+
+static void take_peak(void)
+{
+	double mb = peak_mb();
+	total_mb = max(total_mb, mb);
+	for (int i = 0; i < MAIN_STAGE_COUNT; i++)
+		if (stages[i].threads)
+			stages[i].peak_mb = max(stages[i].peak_mb, mb);
+}
+
+void main_times_stage(enum main_stage stage)
+{
+	double now = seconds(CLOCK_MONOTONIC), cpu = seconds(CLOCK_THREAD_CPUTIME_ID), readers_s, readers_mb;
+	if (stage == mine.stage)
+		return;
+	readers(&readers_s, &readers_mb);
+	pthread_mutex_lock(&times_lock);
+	start_s = start_s > 0 ? start_s : now;
+	take_peak();
+	if (mine.stage != MAIN_STAGE_NONE) {
+		stages[mine.stage].elapsed_s += now - mine.since_s;
+		stages[mine.stage].cpu_s += cpu - mine.cpu_s;
+		stages[mine.stage].threads--;
+	}
+	if (mine.stage == MAIN_STAGE_MODELS || mine.stage == MAIN_STAGE_GROUND
+			|| mine.stage == MAIN_STAGE_POSITIONS) {
+		stages[mine.stage].cpu_s += readers_s - mine.readers_s;
+		if (readers_mb > mine.readers_mb)
+			stages[mine.stage].peak_mb = max(stages[mine.stage].peak_mb, readers_mb);
+	}
+	if (stage != MAIN_STAGE_NONE)
+		stages[stage].threads++;
+	pthread_mutex_unlock(&times_lock);
+	mine.stage = stage;
+	mine.since_s = now;
+	mine.cpu_s = cpu;
+	mine.readers_s = readers_s;
+	mine.readers_mb = readers_mb;
+}
+
+enum main_stage main_times_now(void) { return mine.stage; }
+
+void main_times_memory(bool wanted) { by_stage = wanted; }
+
+void main_times_cache(const char *folder, uint64_t hits, uint64_t misses)
+{
+	snprintf(times_cache.folder, sizeof times_cache.folder, "%s", folder);
+	times_cache.hits = hits;
+	times_cache.misses = misses;
+}
+
+void main_times_print(FILE *out)
+{
+	fprintf(out, "\n%-22s %9s %9s %9s\n", "stage", "elapsed", "processor", "memory");
+	for (int i = 1; i < MAIN_STAGE_COUNT; i++)
+		if (stages[i].elapsed_s > 0)
+			fprintf(out, "%-22s %7.2f s %7.2f s %6.0f MB\n", names[i], stages[i].elapsed_s,
+				stages[i].cpu_s, stages[i].peak_mb);
+	if (times_cache.folder[0])
+		fprintf(out, "%" PRIu64 " of %" PRIu64 " plants were built before and came from %s\n",
+			times_cache.hits, times_cache.hits + times_cache.misses, times_cache.folder);
+}
+
+void main_times_total(double *elapsed_s, double *most_mb)
+{
+	double readers_s, readers_mb;
+	readers(&readers_s, &readers_mb);
+	pthread_mutex_lock(&times_lock);
+	take_peak();
+	*elapsed_s = seconds(CLOCK_MONOTONIC) - start_s;
+	*most_mb = max(total_mb, readers_mb);
+	pthread_mutex_unlock(&times_lock);
+}
+
+/* ---- Work in threads ---- */
+
+#define ROUND 1024u
+#define RUN 8u                   /* numbers of a round that a thread draws at once */
+
+struct each { const struct main_each *what; atomic_uint next; enum main_stage stage; };
+
+static void do_pieces(struct each *each)
+{
+	const struct main_each *what = each->what;
+	for (uint32_t from; (from = atomic_fetch_add(&each->next, what->run)) < what->count;)
+		for (uint32_t i = from; i < from + what->run && i < what->count; i++)
+			what->piece(what->ctx, i);
+}
+
+static void *help(void *ctx)
+{
+	main_times_stage(((struct each *)ctx)->stage);
+	do_pieces(ctx);
+	main_times_stage(MAIN_STAGE_NONE);
+	return NULL;
+}
+
+void main_each(const struct main_each *what)
+{
+	struct each each = { .what = what, .stage = main_times_now() };
+	pthread_t helpers[MAIN_THREADS_MAX];
+	uint32_t wanted = what->threads < MAIN_THREADS_MAX ? what->threads : MAIN_THREADS_MAX, started = 0;
+	while (started + 1 < wanted && (started + 1) * what->run < what->count
+			&& pthread_create(&helpers[started], NULL, help, &each) == 0)
+		started++;
+	do_pieces(&each);
+	for (uint32_t i = 0; i < started; i++)
+		pthread_join(helpers[i], NULL);
+}
+
+/* ---- Results in order ---- */
+
+struct done { enum eco_code code; struct eco_error *error; };
+
+struct round {
+	const struct main_jobs *jobs;
+	uint64_t first;
+	uint32_t count;
+	struct done *done;
+	uint8_t *results;
+};
+
+static void do_piece(void *ctx, uint32_t k)
+{
+	struct round *r = ctx;
+	struct eco_error error = { .code = ECO_OK };
+	struct done *done = &r->done[k];
+	done->code = r->jobs->work(r->jobs->ctx, r->first + k, r->results + k * r->jobs->result_size, &error);
+	if (done->code && (done->error = malloc(sizeof error)))
+		*done->error = error;
+}
+
+/* Takes the results before the first failure. */
+static enum eco_code take_round(struct round *r, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t k = 0; k < r->count; k++) {
+		struct done *done = &r->done[k];
+		void *result = r->results + k * r->jobs->result_size;
+		if (!code && done->code)
+			code = eco_fail(error, done->code, "%s", done->error ? done->error->text
+				: "out of memory");
+		if (!code)
+			code = r->jobs->take(r->jobs->ctx, r->first + k, result, error);
+		r->jobs->drop(result);
+		free(done->error);
+	}
+	return code;
+}
+
+enum eco_code main_jobs_run(const struct main_jobs *jobs, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (uint64_t first = 0; first < jobs->count && !code; first += ROUND) {
+		struct round r = { .jobs = jobs, .first = first, .count = jobs->count - first < ROUND
+			? (uint32_t)(jobs->count - first) : ROUND };
+		r.done = calloc(r.count, sizeof *r.done);
+		r.results = calloc(r.count, jobs->result_size);
+		if (r.done && r.results) {
+			main_each(&(struct main_each){ jobs->threads, r.count, RUN, do_piece, &r });
+			code = take_round(&r, error);
+		} else
+			code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u results", r.count);
+		free(r.done);
+		free(r.results);
+	}
+	return code;
+}

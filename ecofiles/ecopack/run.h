@@ -1,0 +1,105 @@
+/* Long runs: progress, time and memory by stage, and work in threads. */
+#ifndef ECO_MAIN_RUN_H
+#define ECO_MAIN_RUN_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "ecofiles/base/status.h"
+
+/* ---- Progress ---- */
+
+/* Progress of a long run, on standard error: a bar with the stage's name on a terminal, else a line every
+ * few seconds; and whether the user wants to stop. Shared by all threads. */
+
+/* After this Ctrl-C and SIGTERM ask to stop instead of ending the program, and a file beyond the user's
+ * size limit is a failed write: so nothing half written stays. */
+void main_catch_interrupts(void);
+
+/* "" while that is not known, else ", about 40 s left": of a stage of which `share` took `elapsed_s`. */
+void main_progress_left(char text[32], double elapsed_s, double share);
+
+/* `share` of the stage in [0, 1]; `detail` may be NULL. False when the user wants to stop. */
+bool main_progress(const char *stage, const char *detail, double share);
+void main_progress_end(void);        /* removes the bar */
+void main_progress_quiet(bool quiet);
+
+/* Prints a line for people without spoiling the bar. */
+void main_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void main_note_text(void *unused, const char *text);     /* the same, as a callback */
+
+/* ---- Times ---- */
+
+/* Time and memory of a build by stage, for `ecopack make --times`. Nothing of it goes into the pack. */
+
+enum main_stage {
+	MAIN_STAGE_NONE,
+	MAIN_STAGE_SCENE,            /* scene files, inventories opened */
+	MAIN_STAGE_GROUND,
+	MAIN_STAGE_MODELS,           /* with time and memory of the child processes */
+	MAIN_STAGE_CACHE,            /* plants of earlier builds */
+	MAIN_STAGE_ELEMENTS,         /* welding, organs, elements */
+	MAIN_STAGE_ORDERS,
+	MAIN_STAGE_LISTS,            /* cells, points, lines, levels */
+	MAIN_STAGE_SPLATS,           /* fitted to whole plants */
+	MAIN_STAGE_CURVES,           /* scales s_opt, and fineness of grids */
+	MAIN_STAGE_TEXTURES,
+	MAIN_STAGE_PACKING,          /* the plants' lists */
+	MAIN_STAGE_POSITIONS,
+	MAIN_STAGE_TILES,            /* the tile tree and its instance lists */
+	MAIN_STAGE_SUMMARIES,
+	MAIN_STAGE_WRITING,
+	MAIN_STAGE_COUNT
+};
+
+/* Sets the calling thread's stage from now on. Times of threads in one stage add up. */
+void main_times_stage(enum main_stage stage);
+enum main_stage main_times_now(void);        /* of the calling thread */
+
+/* Memory by stage resets the kernel's peak between stages, so that other tools read too little: only if
+ * asked for. */
+void main_times_memory(bool wanted);
+
+/* Plants found in the cache (a folder; "": none), and plants not found: for the line under the table. */
+void main_times_cache(const char *folder, uint64_t hits, uint64_t misses);
+
+/* A table: elapsed and processor seconds by stage, and the most memory while it ran. */
+void main_times_print(FILE *out);
+
+/* Since the first stage: seconds by the clock, and greatest memory of this process and of any child, in
+ * MB. */
+void main_times_total(double *elapsed_s, double *most_mb);
+
+/* ---- Work in threads ---- */
+
+#define MAIN_THREADS_MAX 64u
+
+/* Does pieces 0 to count - 1 in so many threads (0: one), the caller's among them, each of which draws `run` of
+ * them at once. The others are in the caller's stage. */
+struct main_each { uint32_t threads, count, run; void (*piece)(void *ctx, uint32_t i); void *ctx; };
+void main_each(const struct main_each *what);
+
+/* Numbered pieces of work, done in threads, with results taken in order: the outcome does not depend on
+ * the number of threads.
+ *
+ * Work is done in rounds: all threads work on some hundreds of pieces, then wait while the caller's thread
+ * takes the results one by one. So `work` may read without locks what `take` changes. */
+
+struct main_jobs {
+	uint64_t count;
+	uint32_t threads;            /* 0: one */
+	size_t result_size;          /* results start as zeros */
+	/* any thread, any order */
+	enum eco_code (*work)(void *ctx, uint64_t i, void *result, struct eco_error *error);
+	/* the caller's thread, ascending */
+	enum eco_code (*take)(void *ctx, uint64_t i, void *result, struct eco_error *error);
+	void (*drop)(void *result);  /* frees a result's content, after `take` or after a failure */
+	void *ctx;
+};
+
+/* Returns the error of the lowest piece that failed; the pieces before it were taken. */
+enum eco_code main_jobs_run(const struct main_jobs *jobs, struct eco_error *error);
+
+#endif
