@@ -170,7 +170,7 @@ void paper_frame_free(struct paper_frame *frame)
 
 #define HALVINGS 26
 
-enum eco_code paper_begin(struct paper *p, const struct paper_scene *s, const struct eco_request *request,
+static enum eco_code begin(struct paper *p, const struct paper_scene *s, const struct eco_request *request,
 	struct eco_error *error)
 {
 	*p = (struct paper){ .s = s, .request = *request };
@@ -180,13 +180,13 @@ enum eco_code paper_begin(struct paper *p, const struct paper_scene *s, const st
 	return lod_planner_begin(&p->p, &p->input, error);
 }
 
-void paper_end(struct paper *p)
+static void end(struct paper *p)
 {
 	lod_planner_end(&p->p);
 	free(p->cuts);
 }
 
-void paper_clear(struct paper *p)
+static void clear(struct paper *p)
 {
 	p->cut_count = 0;
 	p->p.entry_count = 0;
@@ -286,7 +286,9 @@ static void count_plant(void *ctx, const struct lod_anchor_band *anchors, uint32
 		}
 }
 
-uint64_t paper_vertices(struct paper *p)
+/* Vertices of all cuts and summaries, by a walk over the plants. Sorts the cuts; of two of the same list,
+ * band and plants the longer one stays. */
+static uint64_t count_vertices(struct paper *p)
 {
 	uint32_t kept = 0;
 	if (p->cut_count)
@@ -329,10 +331,10 @@ static void add_textures(const struct eco_scene *scene, struct eco_plan *plan)
 				.share_end = ECO_SHARE_ONE };
 }
 
-enum eco_code paper_finish(struct paper *p, struct eco_plan *plan, struct eco_error *error)
+static enum eco_code finish(struct paper *p, struct eco_plan *plan, struct eco_error *error)
 {
 	*plan = (struct eco_plan){ 0 };
-	paper_vertices(p);
+	count_vertices(p);
 	enum eco_code code = p->no_memory ? eco_fail(error, ECO_NO_MEMORY, "no memory for %u cuts",
 		p->cut_count)
 		: lod_planner_emit(&p->p, plan, error);
@@ -361,33 +363,47 @@ static enum eco_code try_rule(struct paper *p, paper_rule *rule, void *ctx, doub
 	struct eco_error *error)
 {
 	struct eco_error local = { 0 };
-	paper_clear(p);
+	clear(p);
 	enum eco_code code = rule(p, x, ctx, &local);
 	if (code == ECO_TOO_LARGE) {
 		*fits = false;
 		return lod_visible_tree_restart(&p->p.visible, error);
 	}
-	*fits = !code && paper_vertices(p) <= p->request.vertices;
+	*fits = !code && count_vertices(p) <= p->request.vertices;
 	return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;
 }
 
-enum eco_code paper_solve(struct paper *p, paper_rule *rule, void *ctx, double few, double many, double *x,
-	struct eco_plan *plan, struct eco_error *error)
+/* Between a value of few vertices and one of many. */
+static enum eco_code solve(struct paper *p, paper_rule *rule, void *ctx, double few, double many, double *x,
+	struct eco_error *error)
 {
 	bool fits;
-	enum eco_code code = try_rule(p, rule, ctx, many, &fits, error);
-	*x = many;
-	if (!code && !fits) {
-		for (int i = 0; i < HALVINGS && !code; i++) {
-			double middle = sqrt(few * many);
-			code = try_rule(p, rule, ctx, middle, &fits, error);
-			*(fits ? &few : &many) = middle;
-		}
-		*x = few;
-		if (!code)
-			code = try_rule(p, rule, ctx, few, &fits, error);
-		if (!code && !fits)
-			paper_clear(p);
+	enum eco_code code = try_rule(p, rule, ctx, *x = many, &fits, error);
+	if (code || fits)
+		return code;
+	for (int i = 0; i < HALVINGS && !code; i++) {
+		double middle = sqrt(few * many);
+		code = try_rule(p, rule, ctx, middle, &fits, error);
+		*(fits ? &few : &many) = middle;
 	}
-	return code ? code : paper_finish(p, plan, error);
+	code = code ? code : try_rule(p, rule, ctx, *x = few, &fits, error);
+	if (!code && !fits)
+		clear(p);
+	return code;
+}
+
+enum eco_code paper_shoot(struct paper_scene *s, const struct eco_request *request, paper_rule *rule,
+	void *ctx,
+	double *x, bool soft, struct paper_frame *frame, struct eco_error *error)
+{
+	struct paper p;
+	struct eco_plan plan = { 0 };
+	bool deussen = rule == paper_deussen;        /* d' in radians; the others have a distance in metres */
+	enum eco_code code = begin(&p, s, request, error);
+	if (!code)
+		code = *x > 0 ? rule(&p, *x, ctx, error)
+			: solve(&p, rule, ctx, deussen ? 2 : 1e-3, deussen ? 1e-6 : 1e5, x, error);
+	code = code ? code : finish(&p, &plan, error);
+	end(&p);
+	return code ? code : paper_draw(s, &plan, &request->view, soft, frame, error);
 }

@@ -3,12 +3,9 @@
  * pack holds.
  *
  *   paper_scene_open(&s, path, &error);
- *   paper_begin(&p, s, &request, &error);           walks the view; then, as often as a rule likes:
- *     paper_clear(&p); paper_open(&p, d, &error);   no cuts; opens tiles and counts plants by slot
+ *   paper_shoot(s, &request, rule, ctx, &x, soft, &frame, &error);       calls the rule as often as it likes:
+ *     paper_open(&p, d, &error);                    opens tiles and counts plants by slot
  *     paper_cut(&p, slot, &cut);                    a cut for all plants of a slot, or by share of hash
- *   paper_finish(&p, &plan, &error);                cuts and ground as an ordinary plan
- *   paper_end(&p);
- *   paper_draw(s, &plan, &view, &frame, &error);
  *
  * Deussen's lists (2002, section 4.1, stratified): two points for each triangle, one behind the other, so
  * that points [2i, 2i + 2) stand for triangle i. The packs' own orders are random (`--order stochastic`). */
@@ -55,11 +52,6 @@ struct paper {
 	uint32_t cut_count, cut_room;
 	bool no_memory;
 };
-/* End p whatever begin returns. */
-enum eco_code paper_begin(struct paper *p, const struct paper_scene *s, const struct eco_request *request,
-	struct eco_error *error);
-void paper_end(struct paper *p);
-void paper_clear(struct paper *p);
 /* Tiles whose summary suffices for d' become summaries; 0: every plant is counted. p->p.gates are set. */
 enum eco_code paper_open(struct paper *p, double d, struct eco_error *error);
 /* Takes list, first, end, scale and shares from `cut`; share_end 0: all plants of the slot. Empty cuts are
@@ -67,11 +59,6 @@ enum eco_code paper_open(struct paper *p, double d, struct eco_error *error);
 void paper_cut(struct paper *p, const struct lod_slot *slot, const struct eco_cut *cut);
 /* Whether a ladder is drawn in a slot: some only where a plant's cells are not. */
 bool paper_applies(const struct paper *p, const struct eco_ladder *ladder, const struct lod_slot *slot);
-/* Vertices of all cuts and summaries, by a walk over the plants. Sorts the cuts; of two of the same list,
- * band and plants the longer one stays. */
-uint64_t paper_vertices(struct paper *p);
-enum eco_code paper_finish(struct paper *p, struct eco_plan *plan, struct eco_error *error);
-
 struct paper_frame { /* owns both */
 	struct view_picture picture;
 	struct view_selection selection;
@@ -83,9 +70,10 @@ void paper_frame_free(struct paper_frame *frame);
 
 /* A rule at one value of its only parameter makes cuts. */
 typedef enum eco_code paper_rule(struct paper *p, double x, void *ctx, struct eco_error *error);
-/* The plan within the budget at the x between `few` and `many` vertices where vertices are most; x is
- * searched in proportion. Nothing is drawn where even `few` is too much. */
-enum eco_code paper_solve(struct paper *p, paper_rule *rule, void *ctx, double few, double many, double *x,
-	struct eco_plan *plan, struct eco_error *error);
+/* Draws the plan of a rule. *x is its parameter; 0: the value with most vertices within the budget, which *x
+ * becomes. It is searched in proportion; nothing is drawn if all are too many. */
+enum eco_code paper_shoot(struct paper_scene *s, const struct eco_request *request, paper_rule *rule,
+	void *ctx,
+	double *x, bool soft, struct paper_frame *frame, struct eco_error *error);
 
 #endif

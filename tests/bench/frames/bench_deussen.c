@@ -68,23 +68,12 @@ static enum eco_code draw(struct study *s, double px, struct paper_deussen how, 
 {
 	struct bench_frame frame = { .request = s->request };
 	struct paper_frame picture = { 0 };
-	struct eco_plan plan = { 0 };
-	struct paper paper;
 	const struct eco_view *view = &s->request.view;
 	double one = 2 * tan(view->fov_y_deg * M_PI / 360) / view->height, x = px * one;
 	enum eco_code code = open_study(s, error);
 	code = code ? code : bench_client_reference(s->client, &s->request, NULL, error);
-	code = code ? code : paper_begin(&paper, s->scene, &s->request, error);
-	if (code)
-		return code;
-	if (px > 0) {
-		code = paper_deussen(&paper, x, &how, error);
-		code = code ? code : paper_finish(&paper, &plan, error);
-	} else {
-		code = paper_solve(&paper, paper_deussen, &how, 2, 1e-6, &x, &plan, error);
-	}
-	paper_end(&paper);
-	code = code ? code : paper_draw(s->scene, &plan, view, false, &picture, error);
+	code = code ? code : paper_shoot(s->scene, &s->request, paper_deussen, &how, &x, false, &picture,
+		error);
 	code = code ? code : bench_client_score(s->client, &frame, &picture.picture, error);
 	if (!code) {
 		const struct lod_score *score = &frame.score;

@@ -52,16 +52,9 @@ static enum eco_code draw_cook(struct rivals *s, bool depth, bool timed, struct 
 	struct eco_error *error)
 {
 	struct paper_cook cook = { .tables = depth ? s->tables : NULL };
-	struct paper paper;
 	struct paper_frame drawn = { 0 };
-	struct eco_plan plan = { 0 };
-	double x;
-	enum eco_code code = paper_begin(&paper, s->papers, &s->request, error);
-	if (!code)
-		code = paper_solve(&paper, paper_cook, &cook, 1e-3, 1e5, &x, &plan, error);
-	paper_end(&paper);
-	if (!code)
-		code = paper_draw(s->papers, &plan, &s->request.view, false, &drawn, error);
+	double x = 0;
+	enum eco_code code = paper_shoot(s->papers, &s->request, paper_cook, &cook, &x, false, &drawn, error);
 	*frame = (struct bench_frame){ .request = s->request, .vertices = drawn.picture.vertices };
 	if (!code)
 		code = bench_client_reference(s->client[0], &s->request, NULL, error);

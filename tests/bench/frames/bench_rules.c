@@ -86,17 +86,11 @@ static enum eco_code plan_plain(struct shot *shot, struct eco_plan *plan, struct
 	return code;
 }
 
-static enum eco_code solve(struct shot *shot, paper_rule *rule, void *ctx, double few, double many,
-	struct paper_frame *frame, struct eco_error *error)
+static enum eco_code solve(struct shot *shot, paper_rule *rule, void *ctx, struct paper_frame *frame,
+	struct eco_error *error)
 {
-	struct paper paper;
-	struct eco_plan plan = { 0 };
-	double x;
-	enum eco_code code = paper_begin(&paper, shot->papers, &shot->request, error);
-	if (!code)
-		code = paper_solve(&paper, rule, ctx, few, many, &x, &plan, error);
-	paper_end(&paper);
-	return code ? code : paper_draw(shot->papers, &plan, &shot->request.view, true, frame, error);
+	double x = 0;
+	return paper_shoot(shot->papers, &shot->request, rule, ctx, &x, true, frame, error);
 }
 
 /* The same view some times: f of each comes from the frame before. */
@@ -106,7 +100,7 @@ static enum eco_code solve_occluded(struct shot *shot, struct paper_frame *frame
 	enum eco_code code = paper_sight_new(&cook.sight, shot->papers, error);
 	for (uint32_t i = 0; i < FRAMES && !code; i++) {
 		paper_frame_free(frame);
-		code = solve(shot, paper_cook, &cook, 1e-3, 1e5, frame, error);
+		code = solve(shot, paper_cook, &cook, frame, error);
 		if (!code)
 			paper_sight_update(cook.sight, frame, &shot->request.view);
 	}
@@ -126,16 +120,16 @@ static enum eco_code draw_rule(struct shot *shot, uint32_t rule, struct paper_fr
 		code = plan_plain(shot, &plan, error);
 		return code ? code : paper_draw(shot->ours, &plan, &shot->request.view, true, frame, error);
 	case DEUSSEN_2002:
-		return solve(shot, paper_deussen, NULL, 2, 1e-6, frame, error);
+		return solve(shot, paper_deussen, NULL, frame, error);
 	case COOK:
 	case COOK_CORRECTED:
 	case NEUBERT:
-		return solve(shot, paper_cook, &cook, 1e-3, 1e5, frame, error);
+		return solve(shot, paper_cook, &cook, frame, error);
 	case NEUBERT_OCCLUDED:
 		return solve_occluded(shot, frame, error);
 	default:
 		code = paper_lee_begin(&lee, shot->papers, error);
-		code = code ? code : solve(shot, paper_lee, &lee, 1e-3, 1e5, frame, error);
+		code = code ? code : solve(shot, paper_lee, &lee, frame, error);
 		paper_lee_end(&lee);
 		return code;
 	}
