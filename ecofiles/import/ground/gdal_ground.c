@@ -74,7 +74,7 @@ static enum eco_code open_raster(struct ground_raster *r, struct job *job, struc
 	if (!code && (r->columns < 2 || r->rows < 2))
 		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: %d x %d samples are no ground, at least 2 x "
 			"2 are needed", r->path, r->columns, r->rows);
-	if (code == ECO_OK && !job->options->keep_missing)
+	if (!code)
 		code = check_vertical(r, job, error);
 	return code ? code : ground_raster_place(r, &job->scene, error);
 }
@@ -285,7 +285,7 @@ static enum eco_code import(struct eco_ground *ground, struct job *job, struct e
 	}
 	if (!code)
 		code = merge(ground, job, error);
-	if (code == ECO_OK && !job->options->keep_missing && eco_ground_fill(ground, &cause) != ECO_OK)
+	if (!code && eco_ground_fill(ground, &cause) != ECO_OK)
 		code = eco_fail(error, cause.code, "%.300s: %s", source->heights[0], cause.text);
 	return code;
 }

@@ -39,7 +39,6 @@ struct eco_ground_options {
 	double origin[3];            /* of the scene, in its CRS */
 	/* most columns and rows; 0: ECO_GROUND_SIDE_MAX; more are averaged down */
 	uint32_t side_max;
-	bool keep_missing;           /* missing samples stay NaN, datums are ignored: not heights */
 	void (*warn)(void *ctx, const char *text);   /* may be NULL; one sentence per call */
 	void *ctx;
 };

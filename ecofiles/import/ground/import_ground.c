@@ -61,8 +61,7 @@ static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_jo
 	if (fread(ground->height_m, sizeof *ground->height_m, count, in) != count || fgetc(in) != EOF)
 		return false;
 	for (size_t i = 0; i < count; i++)
-		if (!isfinite(ground->height_m[i])
-				&& !(job->options->keep_missing && isnan(ground->height_m[i])))
+		if (!isfinite(ground->height_m[i]))
 			return false;
 	return true;
 }
