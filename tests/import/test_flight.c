@@ -30,7 +30,10 @@ static struct eco_flight flight_with(const struct eco_track *track, const struct
 	return flight;
 }
 
-static struct eco_flight flight_of(const struct eco_track *track) { return flight_with(track, &track_defaults); }
+static struct eco_flight flight_of(const struct eco_track *track)
+{
+	return flight_with(track, &track_defaults);
+}
 
 static double yaw_of(const struct eco_sample *s) { return atan2(s->look[0], s->look[1]) * DEG; }
 

@@ -361,15 +361,19 @@ UNIT_TEST(filters_of_meshopt_are_undone)
 UNIT_TEST(meshopt_that_makes_no_sense_is_refused)
 {
 	static const uint8_t bytes[64] = { 0xa0 };
-	static const struct { size_t count, stride; const char *mode, *filter; enum eco_code code; } cases[] =
-		{
-		{ 10, 12, "ATTRIBUTES", "NONE", ECO_DAMAGED }, { 10, 13, "ATTRIBUTES", "NONE", ECO_DAMAGED },
-			{ 10, 512, "ATTRIBUTES", "NONE", ECO_DAMAGED },
-		{ 10, 0, "ATTRIBUTES", "NONE", ECO_DAMAGED }, { 10, 4, "TRIANGLES", "NONE", ECO_DAMAGED },
-		{ 9, 3, "TRIANGLES", "NONE", ECO_DAMAGED }, { 9, 4, "TRIANGLES", "OCTAHEDRAL", ECO_DAMAGED },
+	static const struct { size_t count, stride; const char *mode, *filter; enum eco_code code;
+	} cases[] = {
+		{ 10, 12, "ATTRIBUTES", "NONE", ECO_DAMAGED },
+		{ 10, 13, "ATTRIBUTES", "NONE", ECO_DAMAGED },
+		{ 10, 512, "ATTRIBUTES", "NONE", ECO_DAMAGED },
+		{ 10, 0, "ATTRIBUTES", "NONE", ECO_DAMAGED },
+		{ 10, 4, "TRIANGLES", "NONE", ECO_DAMAGED },
+		{ 9, 3, "TRIANGLES", "NONE", ECO_DAMAGED },
+		{ 9, 4, "TRIANGLES", "OCTAHEDRAL", ECO_DAMAGED },
 		{ 10, 12, "ATTRIBUTES", "QUATERNION", ECO_DAMAGED },
 		{ 10, 12, "ATTRIBUTES", "SECRET", ECO_UNSUPPORTED },
-		{ 10, 12, "QUADS", "NONE", ECO_UNSUPPORTED }, { 10, 4, "ATTRIBUTES", "COLOR", ECO_UNSUPPORTED },
+		{ 10, 12, "QUADS", "NONE", ECO_UNSUPPORTED },
+		{ 10, 4, "ATTRIBUTES", "COLOR", ECO_UNSUPPORTED },
 		{ (size_t)1 << 31, 256, "ATTRIBUTES", "NONE", ECO_TOO_LARGE },
 		{ (size_t)1 << 20, 256, "ATTRIBUTES", "NONE", ECO_DAMAGED },
 	};

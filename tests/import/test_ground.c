@@ -94,7 +94,8 @@ UNIT_TEST(what_is_missing_grows_in_from_its_neighbours)
 	for (int i = 0; i < 15; i++)
 		assert_true(ground.height_m[i] == 7);
 	assert_true(said("12 of 15 samples"));
-	import_good(&(struct given){ .path = input_text("ground", "c.asc", GRID "0 -9999 10\n0.0 -9999 10\n") });
+	import_good(
+		&(struct given){ .path = input_text("ground", "c.asc", GRID "0 -9999 10\n0.0 -9999 10\n") });
 	assert_true(ground.height_m[1] == 5 && ground.height_m[4] == 5);
 }
 
@@ -136,8 +137,8 @@ static const char *write_raster(const struct raster *r)
 	bool copies = strcmp(r->driver, "GTiff") != 0;
 	GDALAllRegister();
 	remove(path);
-	GDALDatasetH file = GDALCreate(GDALGetDriverByName(copies ? "MEM" : r->driver), path, r->columns, r->rows, 1,
-		r->type, NULL);
+	GDALDatasetH file = GDALCreate(GDALGetDriverByName(copies ? "MEM" : r->driver), path, r->columns,
+		r->rows, 1, r->type, NULL);
 	assert_non_null(file);
 	GDALRasterBandH band = GDALGetRasterBand(file, 1);
 	if (r->place)
@@ -155,10 +156,12 @@ static const char *write_raster(const struct raster *r)
 	}
 	if (r->unit)
 		GDALSetRasterUnitType(band, r->unit);
-	assert_int_equal(GDALRasterIO(band, GF_Write, 0, 0, r->columns, r->rows, (void *)r->samples, r->columns,
-		r->rows, GDT_Float64, 0, 0), CE_None);
+	assert_int_equal(GDALRasterIO(band, GF_Write, 0, 0, r->columns, r->rows, (void *)r->samples,
+				 r->columns, r->rows, GDT_Float64, 0, 0),
+		CE_None);
 	if (copies)
-		GDALClose(GDALCreateCopy(GDALGetDriverByName(r->driver), path, file, FALSE, NULL, NULL, NULL));
+		GDALClose(
+			GDALCreateCopy(GDALGetDriverByName(r->driver), path, file, FALSE, NULL, NULL, NULL));
 	GDALClose(file);
 	return path;
 }
@@ -166,20 +169,24 @@ static const char *write_raster(const struct raster *r)
 static const char *write_floats(const char *name, int side, const double *samples, const double place[6],
 	const char *crs)
 {
-	return write_raster(&(struct raster){ "GTiff", name, crs, NULL, GDT_Float32, side, side, place, samples, false });
+	return write_raster(
+		&(struct raster){ "GTiff", name, crs, NULL, GDT_Float32, side, side, place, samples, false });
 }
 
 /* A GeoTIFF of whole numbers with scale and offset; rows from the south if `south_up`. */
 static const char *write_tiff(const char *name, bool south_up, int columns, int rows, const double *samples,
 	const char *crs)
 {
-	const double place[6] = { 500000, 10, 0, south_up ? 1000 : 1000 + 10.0 * rows, 0, south_up ? 10 : -10 };
-	return write_raster(&(struct raster){ "GTiff", name, crs, NULL, GDT_Int16, columns, rows, place, samples, true });
+	const double place[6] = { 500000, 10, 0, south_up ? 1000 : 1000 + 10.0 * rows, 0,
+		south_up ? 10 : -10 };
+	return write_raster(
+		&(struct raster){ "GTiff", name, crs, NULL, GDT_Int16, columns, rows, place, samples, true });
 }
 
 static const char *write_png(const char *name, const double *samples)
 {
-	return write_raster(&(struct raster){ "PNG", name, NULL, NULL, GDT_UInt16, 4, 4, NULL, samples, false });
+	return write_raster(
+		&(struct raster){ "PNG", name, NULL, NULL, GDT_UInt16, 4, 4, NULL, samples, false });
 }
 
 UNIT_TEST(scale_offset_and_row_order_of_the_file_are_honoured)
@@ -237,22 +244,25 @@ UNIT_TEST(a_raster_that_is_too_large_is_averaged_down)
 	import_good(&(struct given){ .path = write_tiff("large.tif", false, 64, 32, samples, NULL),
 		.side_max = 16,
 		.origin = { 500000, 1000, 100 } });
-	assert_true(ground.columns == 16 && ground.rows == 16 && ground.step_x_m == 40 && ground.step_y_m == 20 && ground.x_m == 20
-		&& ground.y_m == 10);
+	assert_true(ground.columns == 16 && ground.rows == 16 && ground.step_x_m == 40 &&
+		ground.step_y_m == 20 && ground.x_m == 20 && ground.y_m == 10);
 	assert_true(fabsf(ground.height_m[0] - 0.75f) < 1e-4f && fabsf(ground.height_m[17] - 2.75f) < 1e-4f);
 	assert_true(said("averaged down to 16 x 16"));
 }
 
 UNIT_TEST(what_is_no_raster_is_refused)
 {
-	static const struct { const char *name, *text, *says; } cases[] = {
-		{ "lfs.tif", "version https://git-lfs.github.com/spec/v1\n", "lfs.tif: a pointer of Git LFS" },
+	static const struct { const char *name, *text, *says;
+	} cases[] = { { "lfs.tif", "version https://git-lfs.github.com/spec/v1\n",
+			      "lfs.tif: a pointer of Git LFS" },
 		{ "empty.tif", "", "empty.tif: the file is empty" },
 		{ "text.tif", "not a raster", "not a raster that GDAL can read" },
-		{ "one.asc", "ncols 1\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n5\n", "at least 2 x 2" },
+		{ "one.asc", "ncols 1\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n5\n",
+			"at least 2 x 2" },
 		{ "void.asc", GRID "-9999 -9999 -9999\n-9999 -9999 -9999\n", "no height at all" } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-		import_fails(&(struct given){ .path = input_text("ground", cases[i].name, cases[i].text) }, cases[i].says);
+		import_fails(&(struct given){ .path = input_text("ground", cases[i].name, cases[i].text) },
+			cases[i].says);
 	import_fails(&(struct given){ .path = "build/tmp/ground/gone.tif" }, "gone.tif: No such file");
 }
 
@@ -304,8 +314,8 @@ UNIT_TEST(units_of_the_file_are_converted_and_said)
 	double samples[16];
 	for (int i = 0; i < 16; i++)
 		samples[i] = 1000 + i;
-	const char *path = write_raster(&(struct raster){ "GTiff", "feet.tif", NULL, "US survey foot", GDT_Float32, 4, 4,
-		at_zero, samples, false });
+	const char *path = write_raster(&(struct raster){ "GTiff", "feet.tif", NULL, "US survey foot",
+		GDT_Float32, 4, 4, at_zero, samples, false });
 	import_good(&(struct given){ .path = path });
 	assert_true(fabs((double)ground.height_m[12] - 1000 * 1200.0 / 3937) < 1e-3);
 	assert_true(said("units of 0.304800610 m") || said("units of 0.30480061 m"));
@@ -349,7 +359,8 @@ UNIT_TEST(holes_within_holes_are_found)
 		int x = i % HOLES_SIDE;
 		samples[i] = x < 4 ? -32768 : x < 6 ? 0 : terrain(x, i / HOLES_SIDE);
 	}
-	import_good(&(struct given){ .path = write_floats("within.tif", HOLES_SIDE, samples, transform, NULL) });
+	import_good(
+		&(struct given){ .path = write_floats("within.tif", HOLES_SIDE, samples, transform, NULL) });
 	assert_int_equal(ground.filled, 6 * HOLES_SIDE);
 	assert_true(said("stand out"));
 	for (int i = 0; i < HOLES_SIDE * HOLES_SIDE; i++)
@@ -444,7 +455,8 @@ UNIT_TEST(rasters_side_by_side_become_one_ground)
 		assert_true(fabs(z - (100 + (x - 5) / 10)) < 0.3);
 	}
 	/* where two have a height, the first counts */
-	g.paths[0] = write_floats("over.tif", 4, (double[16]){ 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9 }, at_zero, NULL);
+	g.paths[0] = write_floats("over.tif", 4,
+		(double[16]){ 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9 }, at_zero, NULL);
 	g.paths[1] = write_floats("west.tif", 4, west, at_zero, NULL);
 	g.paths[2] = NULL;
 	import_good(&g);
@@ -480,14 +492,15 @@ UNIT_TEST(degrees_and_turned_rasters_are_resampled)
 
 UNIT_TEST(one_vertical_datum_without_the_other_is_an_error)
 {
-	static const struct { const char *crs, *scene_crs, *vertical, *scene_vertical, *fails; } cases[] = {
-		{ NULL, NULL, "EPSG:5703", NULL, "add \"vertical\": \"EPSG:5703\" to the scene" },
+	static const struct { const char *crs, *scene_crs, *vertical, *scene_vertical, *fails;
+	} cases[] = { { NULL, NULL, "EPSG:5703", NULL, "add \"vertical\": \"EPSG:5703\" to the scene" },
 		{ NULL, NULL, "EPSG:5703", "EPSG:5703", NULL },
-		{ NULL, NULL, "NAVD88 height", "EPSG:5703", NULL },              /* the same by name */
+		{ NULL, NULL, "NAVD88 height", "EPSG:5703", NULL }, /* the same by name */
 		{ NULL, NULL, "EPSG:5773", "EPSG:5703", "no conversion is at hand" },
 		{ NULL, NULL, NULL, "EPSG:5703", "add \"vertical\": \"EPSG:5703\" to the ground" },
 		/* a compound CRS states one too */
-		{ "EPSG:32632", "EPSG:32632+5773", NULL, NULL, "add \"vertical\": \"EGM96 height\" to the ground" },
+		{ "EPSG:32632", "EPSG:32632+5773", NULL, NULL,
+			"add \"vertical\": \"EGM96 height\" to the ground" },
 		{ "EPSG:32632+5773", "EPSG:32632+5773", NULL, NULL, NULL } };
 	struct given g = { .path = input_text("ground", "v.asc", GRID "1 2 3\n4 5 6\n") };
 	import_good(&g);

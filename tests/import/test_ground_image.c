@@ -240,14 +240,15 @@ UNIT_TEST(rasters_of_another_crs_are_warped)
 UNIT_TEST(a_fourth_band_is_alpha)
 {
 	for (int deep = 0; deep < 2; deep++) {
-		struct raster r = { deep ? "rgba16.tif" : "rgba.tif", 300, 4, ZONE, 1, deep ? GDT_UInt16 : GDT_Byte,
-			.nodata = -1, .scale = deep ? 257 : 0 };
+		struct raster r = { deep ? "rgba16.tif" : "rgba.tif", 300, 4, ZONE, 1,
+			deep ? GDT_UInt16 : GDT_Byte, .nodata = -1, .scale = deep ? 257 : 0 };
 		struct given g = COLORS(make_raster(&r));
 		g.source.has_range = deep;
 		g.source.range[1] = 65535;
 		read_tree(g);
 		const uint8_t *west = texel_at(75, 150), *east = texel_at(225, 150);
-		assert_true(abs(west[0] - 62) <= 2 && abs(west[1] - 125) <= 2 && west[2] == 128 && west[3] == 255);
+		assert_true(abs(west[0] - 62) <= 2 && abs(west[1] - 125) <= 2 && west[2] == 128 &&
+			west[3] == 255);
 		assert_int_equal(east[3], 0);
 	}
 }
@@ -255,8 +256,8 @@ UNIT_TEST(a_fourth_band_is_alpha)
 /* 16 bits: black and white are said, or guessed of all bands together and noted. */
 UNIT_TEST(numbers_that_are_no_bytes_have_a_black_and_a_white)
 {
-	struct given g = COLORS(make_raster(&(struct raster){ "deep.tif", 300, 3, ZONE, 1, GDT_UInt16, .nodata = -1,
-		.scale = 40 }));
+	struct given g = COLORS(make_raster(
+		&(struct raster){ "deep.tif", 300, 3, ZONE, 1, GDT_UInt16, .nodata = -1, .scale = 40 }));
 	read_tree(g);
 	assert_non_null(strstr(warnings, "its bands hold UInt16"));
 	assert_non_null(strstr(warnings, "for black and 99"));       /* 250 x 40, less a two-hundredth */
@@ -325,7 +326,7 @@ UNIT_TEST(classes_have_the_colours_of_the_file_or_of_the_scene)
 	assert_int_equal(texel_at(225, 75)[0], 100);
 	assert_int_equal(texel_at(75, 225)[0], 150);
 	assert_int_equal(texel_at(225, 225)[0], 200);
-	for (uint32_t i = 0; i < tree.count; i++)        /* a mean of colours of classes, never of their numbers */
+	for (uint32_t i = 0; i < tree.count; i++) /* a mean of colours of classes, never of their numbers */
 		for (size_t t = 0; t < ECO_GROUND_IMAGE_BYTES; t += 4) {
 			const uint8_t *texel = tree.leaves[i].rgba + t;
 			assert_true(!texel[3] || (texel[1] == 10 && texel[2] == 20));

@@ -160,18 +160,20 @@ UNIT_TEST(the_foot_is_the_trunks_not_a_hanging_branchs)
 
 UNIT_TEST(files_that_are_no_models_are_refused)
 {
-	static const struct { const char *name, *text; enum eco_code code; const char *says; } cases[] = {
-		{ "empty.obj", "", ECO_BAD_INPUT, "empty.obj" },
+	static const struct { const char *name, *text; enum eco_code code; const char *says;
+	} cases[] = { { "empty.obj", "", ECO_BAD_INPUT, "empty.obj" },
 		{ "points.obj", "v 0 0 0\nv 1 1 1\n", ECO_BAD_INPUT, "points.obj" },
 		{ "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", ECO_BAD_INPUT,
 			"none of its 1 triangles can be drawn (degenerate); is the file whole?" },
 		{ "what.xyz", "v 0 0 0\n", ECO_UNSUPPORTED, "what.xyz" },
-		{ "stems.csv", "species,x,y\nquru,1,2\n", ECO_UNSUPPORTED, "stems.csv: models are GLB, glTF, OBJ" },
+		{ "stems.csv", "species,x,y\nquru,1,2\n", ECO_UNSUPPORTED,
+			"stems.csv: models are GLB, glTF, OBJ" },
 		{ "cut.glb", "glTF", ECO_DAMAGED, "cut.glb" },
 		{ "json.gltf", "{\"asset\":", ECO_BAD_INPUT, "json.gltf: line 1" },
 		{ "index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 900\n", ECO_BAD_INPUT, "index.obj" } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-		import_refuses(input_text("model", cases[i].name, cases[i].text), cases[i].code, cases[i].says);
+		import_refuses(input_text("model", cases[i].name, cases[i].text), cases[i].code,
+			cases[i].says);
 	import_refuses("build/tmp/model/none.obj", ECO_NOT_FOUND, "No such file");
 }
 

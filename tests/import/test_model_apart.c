@@ -47,8 +47,10 @@ UNIT_TEST(plants_that_stand_apart_are_counted_and_said)
 	import_stems((const double[][2]){ { 0, 5 }, { 4, 4 }, { 8, 6 } }, 3);
 	const char *said = strstr(notes, "3 plants stand apart in it");
 	assert_non_null(said);
-	assert_int_equal(sscanf(said, "3 plants stand apart in it, the first at %lf, %lf m, the second at %lf, %lf", &x[0],
-		&y[0], &x[1], &y[1]), 4);
+	assert_int_equal(
+		sscanf(said, "3 plants stand apart in it, the first at %lf, %lf m, the second at %lf, %lf",
+			&x[0], &y[0], &x[1], &y[1]),
+		4);
 	assert_true(fabs(x[1] - x[0] - 4) < 0.5);
 	assert_non_null(strstr(notes, "\"variants\""));
 }

@@ -41,10 +41,12 @@ UNIT_TEST(textures_lie_the_right_way_up_and_replace_the_colour)
 	assert_true(has_vertex(&m, 0.5f, 0, 0, (const float[]){ 1, 1 }));
 }
 
-#define SWATCHES "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nvt 0.2 0.9\nvt 0.3 0.6\nvt 0.75 0.25\nusemtl m\n" \
+#define SWATCHES \
+	"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nvt 0.2 0.9\nvt 0.3 0.6\nvt 0.75 0.25\nusemtl m\n" \
 	"f 1/1 2/2 3/2\nf 4/3 5/3 1/3\n"
 
-/* Triangles that show one colour each need no picture, which would blur into its neighbours where it is coded. */
+/* Triangles that show one colour each need no picture, which would blur into its neighbours where it is
+ * coded. */
 UNIT_TEST(a_picture_of_which_each_triangle_shows_one_colour_is_a_palette)
 {
 	static const uint8_t rgba[] = { 200, 10, 20, 255, 0, 255, 0, 255, 0, 0, 255, 255, 30, 90, 40, 255 };
@@ -87,7 +89,8 @@ static struct eco_model model_of_palettes(uint32_t count, uint32_t users)
 	for (uint32_t t = 0; t < triangles; t++) {
 		uint32_t own = t / 256;
 		model.material[t] = own;
-		model.materials[own] = (struct eco_material){ .rgb = { 255, 255, 255 }, .image = own % count };
+		model.materials[own] =
+			(struct eco_material){ .rgb = { 255, 255, 255 }, .image = own % count };
 		model.uv[2 * (size_t)t] = ((float)(t % 256) + 0.5f) / 256;
 		model.uv[2 * (size_t)t + 1] = 0.5f;
 		for (int c = 0; c < 3; c++)
@@ -136,9 +139,15 @@ UNIT_TEST(a_place_in_no_picture_shows_no_colour)
 		float uv[2] = { places[i], places[i] };
 		uint32_t index[3] = { 0, 0, 0 }, material[1] = { 0 };
 		struct eco_image image = { .width = 2, .height = 1, .rgba = rgba };
-		struct eco_model model = { .uv = uv, .index = index, .material = material, .vertex_count = 1,
-			.triangle_count = 1, .materials = calloc(1, sizeof *model.materials), .material_count = 1,
-			.images = &image, .image_count = 1 };
+		struct eco_model model = { .uv = uv,
+			.index = index,
+			.material = material,
+			.vertex_count = 1,
+			.triangle_count = 1,
+			.materials = calloc(1, sizeof *model.materials),
+			.material_count = 1,
+			.images = &image,
+			.image_count = 1 };
 		assert_true(eco_model_take_palettes(&model));
 		assert_int_equal(model.image_count, 1);
 		free(model.materials);
@@ -179,14 +188,15 @@ UNIT_TEST(a_missing_or_broken_texture_is_told_not_fatal)
 
 UNIT_TEST(a_grey_that_nobody_chose_is_no_colour)
 {
-	static const struct { const char *mtl; bool colourless; } cases[] = {
-		{ "newmtl m\nKd 1 1 1\nmap_Kd null\n", true },
-			/* the picture is lost, and what it was multiplied with is white */
+	static const struct { const char *mtl; bool colourless;
+	} cases[] = { { "newmtl m\nKd 1 1 1\nmap_Kd null\n", true },
+		/* the picture is lost, and what it was multiplied with is white */
 		{ "newmtl m\nKd 0 0 0\nmap_Kd lost.png\n", true },
-		{ "newmtl m\nKd 0.8 0.8 0.8\n", true },                   /* one grey all over: a default */
-		{ "newmtl m\nKd 0.1 0.1 0.1\n", false },                  /* too dark for one: charred wood */
+		{ "newmtl m\nKd 0.8 0.8 0.8\n", true },  /* one grey all over: a default */
+		{ "newmtl m\nKd 0.1 0.1 0.1\n", false }, /* too dark for one: charred wood */
 		{ "newmtl m\nKd 0.5 0.6 0.4\nmap_Kd lost.png\n", false },
-		{ "newmtl m\nKd 1 1 1\nmap_Kd white.png\n", true },       /* left by a tool that took pictures out */
+		{ "newmtl m\nKd 1 1 1\nmap_Kd white.png\n",
+			true }, /* left by a tool that took pictures out */
 		{ "newmtl m\nKd 1 1 1\nmap_Kd snow.png\n", false } };
 	const uint8_t white[8] = { 255, 255, 255, 255, 255, 255, 255, 255 },
 		snow[8] = { 255, 255, 255, 255, 250, 250, 255, 255 };
@@ -212,7 +222,7 @@ UNIT_TEST(a_grey_that_nobody_chose_is_no_colour)
 		/* defaults of two programs */
 	import_high(&m, "build/tmp/" TEST_FOLDER "/greys.obj", 0);
 	assert_true(m.materials[m.material[0]].colourless && m.materials[m.material[1]].colourless);
-	input_text(TEST_FOLDER, "grey.mtl", "newmtl m\nKd 0.8 0.8 0.8\n");         /* a default, and nothing */
+	input_text(TEST_FOLDER, "grey.mtl", "newmtl m\nKd 0.8 0.8 0.8\n"); /* a default, and nothing */
 	import_high(&m, "build/tmp/" TEST_FOLDER "/greys.obj", 0);
 	assert_true(m.materials[m.material[0]].colourless && m.materials[m.material[1]].colourless);
 }
@@ -223,8 +233,8 @@ static void import_ramp(double (*rgb)[3])
 	char text[2000] = "", faces[200] = "";
 	for (int v = 0; v < 18; v++) {
 		const double *own = rgb[v / 3];
-		sprintf(text + strlen(text), "v %d %d %d %g %g %g\n", v % 3 == 1, v % 3 == 2, v / 3, own[0], own[1],
-			own[2]);
+		sprintf(text + strlen(text), "v %d %d %d %g %g %g\n", v % 3 == 1, v % 3 == 2, v / 3, own[0],
+			own[1], own[2]);
 		if (v % 3 == 2)
 			sprintf(faces + strlen(faces), "f %d %d %d\n", v - 1, v, v + 1);
 	}

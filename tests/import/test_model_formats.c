@@ -27,9 +27,13 @@ UNIT_TEST(ply_text_brings_colours_and_counts_bad_faces)
 
 UNIT_TEST(coordinates_far_from_the_origin_are_said_to_be_coarse)
 {
-	import_file(&m, input_text("formats", "utm.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty "
-		"double x\nproperty double y\nproperty double z\nelement face 1\nproperty list uchar int "
-		"vertex_indices\nend_header\n500000 4000000 0\n500002 4000000 0\n500000 4000000 3\n3 0 1 2\n"),
+	import_file(&m,
+		input_text("formats", "utm.ply",
+			"ply\nformat ascii 1.0\nelement vertex 3\nproperty "
+			"double x\nproperty double y\nproperty double z\nelement face 1\nproperty list uchar "
+			"int "
+			"vertex_indices\nend_header\n500000 4000000 0\n500002 4000000 0\n500000 4000000 3\n3 "
+			"0 1 2\n"),
 		&(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1 });
 	import_says("in single precision");
 	assert_true(close_to(m.foot[0], 500000, 2) && close_to(eco_model_height(&m), 3, 1e-6));
@@ -37,11 +41,12 @@ UNIT_TEST(coordinates_far_from_the_origin_are_said_to_be_coarse)
 
 UNIT_TEST(a_point_cloud_is_refused_as_one)
 {
-	import_refuses(input_text("formats", "cloud.ply", "ply\nformat ascii 1.0\nelement vertex "
-		"3\nproperty float x\nproperty float y\nproperty "
-		"float z\n"
-		"end_header\n0 0 0\n1 0 0\n0 1 0\n"), ECO_BAD_INPUT,
-		"no triangles in it, only 3 points or lines; a point cloud has no surfaces: make a mesh of it first");
+	import_refuses(input_text("formats", "cloud.ply",
+			       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+			       "property float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n"),
+		ECO_BAD_INPUT,
+		"no triangles in it, only 3 points or lines; a point cloud has no surfaces: make a mesh of "
+		"it first");
 	import_refuses(input_text("formats", "cloud.laz", "LASF"), ECO_UNSUPPORTED, "a point cloud");
 }
 
@@ -100,7 +105,8 @@ UNIT_TEST(a_point_cloud_is_refused_as_one)
 	"\tC: \"OO\",3000,2000\n}\n"
 
 /* A triangle with red vertices, and a picture that is not there. */
-#define WEIGHTED_DAE "<?xml version=\"1.0\"?>\n<COLLADA " \
+#define WEIGHTED_DAE \
+	"<?xml version=\"1.0\"?>\n<COLLADA " \
 	"xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset/>" \
 	"<library_images><image id=\"i\"><init_from>leaf.psd</init_from></image></library_images>" \
 	"<library_effects><effect id=\"e\"><profile_COMMON><newparam sid=\"f\"><surface type=\"2D\">" \
@@ -312,9 +318,13 @@ UNIT_TEST(binary_ply_may_begin_with_any_byte)
 	for (int first = -1; first < 256; first += first < 64 ? 1 : 13) {        /* -1: big-endian */
 		bool big = first < 0;
 		uint8_t file[600];
-		size_t used = (size_t)snprintf((char *)file, sizeof file, "ply\nformat binary_%s_endian 1.0\nelement "
-			"vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty "
-			"list uchar int vertex_indices\nend_header\n", big ? "big" : "little"), data = used;
+		size_t used = (size_t)snprintf((char *)file, sizeof file,
+			       "ply\nformat binary_%s_endian 1.0\nelement "
+			       "vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face "
+			       "2\nproperty "
+			       "list uchar int vertex_indices\nend_header\n",
+			       big ? "big" : "little"),
+		       data = used;
 		for (size_t i = 0; i < sizeof places; i++)
 			file[used++] = ((const uint8_t *)places)[big ? i ^ 3 : i];
 		if (!big)

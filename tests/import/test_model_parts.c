@@ -185,9 +185,12 @@ UNIT_TEST(rules_that_leave_nothing_are_an_error)
 
 UNIT_TEST(levels_are_known_by_names)
 {
-	static const struct { const char *name; int level; } cases[] = { { "tree_LOD0", 0 }, { "Tree.lod1/bark", 1 },
-		{ "treeLOD2", 2 }, { "oak_lod_3", 3 }, { "LOD1", 1 }, { "LOD1.001", 1 }, { "Tree", ECO_SPARE_NONE },
-		{ "melody1", ECO_SPARE_NONE }, { "exploded1", ECO_SPARE_NONE }, { "lod12", ECO_SPARE_NONE },
+	static const struct {
+		const char *name;
+		int level;
+	} cases[] = { { "tree_LOD0", 0 }, { "Tree.lod1/bark", 1 }, { "treeLOD2", 2 }, { "oak_lod_3", 3 },
+		{ "LOD1", 1 }, { "LOD1.001", 1 }, { "Tree", ECO_SPARE_NONE }, { "melody1", ECO_SPARE_NONE },
+		{ "exploded1", ECO_SPARE_NONE }, { "lod12", ECO_SPARE_NONE },
 		{ "UCX_tree_00", ECO_SPARE_COLLIDER }, { "Tree_collider/mesh.0", ECO_SPARE_COLLIDER },
 		{ "tree-colonly", ECO_SPARE_COLLIDER }, { "Collisions", ECO_SPARE_NONE },
 		{ "Tree_Billboard", ECO_SPARE_CARD }, { "", ECO_SPARE_NONE } };
@@ -210,15 +213,19 @@ static const char *write_parts(const char *const names[4])
 
 UNIT_TEST(levels_and_colliders_of_games_are_left_out)
 {
-	static const struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = "*LOD1", .is = ECO_ORGAN_FOUND };
+	static const struct eco_part_rule rule = { .kind = ECO_PART_NAME,
+		.name = "*LOD1",
+		.is = ECO_ORGAN_FOUND };
 	static const struct { const char *names[4]; uint32_t rules, triangles; } cases[] = {
 		{ { "UCX_tree", "tree_LOD0", "tree_LOD1", "tree_Billboard" }, 1, 4 },
 		{ { "billboard", "trunk", "leaves", "fruit" }, 0, 8 },
 		{ { "collider", "collider", "collider", "collider" }, 0, 8 },
 		{ { "UCX_tree", "tree_LOD0", "tree_LOD1", "tree_Billboard" }, 0, 2 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		import_file(&m, write_parts(cases[i].names), &(struct eco_model_options){ .up = ECO_UP_Y, .rules = &rule,
-			.rule_count = cases[i].rules });
+		import_file(&m, write_parts(cases[i].names),
+			&(struct eco_model_options){ .up = ECO_UP_Y,
+				.rules = &rule,
+				.rule_count = cases[i].rules });
 		assert_int_equal(m.triangle_count, cases[i].triangles);
 	}
 	assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 6);
@@ -238,9 +245,12 @@ static const char *write_on_sheet(double side, double level)
 
 UNIT_TEST(a_level_sheet_that_it_stands_on_is_left_out)
 {
-	static const struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = "floor", .is = ECO_ORGAN_FOUND };
-	static const struct { double side, level; enum eco_up up; uint32_t rules, triangles; } cases[] = {
-		{ 8, 0, ECO_UP_Y, 0, 2 }, { 8, 0, ECO_UP_Y, 1, 4 }, { 8, 0.4, ECO_UP_Y, 0, 2 }, { 8, 0.6, ECO_UP_Y, 0, 4 },
+	static const struct eco_part_rule rule = { .kind = ECO_PART_NAME,
+		.name = "floor",
+		.is = ECO_ORGAN_FOUND };
+	static const struct { double side, level; enum eco_up up; uint32_t rules, triangles;
+	} cases[] = { { 8, 0, ECO_UP_Y, 0, 2 }, { 8, 0, ECO_UP_Y, 1, 4 }, { 8, 0.4, ECO_UP_Y, 0, 2 },
+		{ 8, 0.6, ECO_UP_Y, 0, 4 },
 		/* a leaf at the foot, a roof, and a card */
 		{ 1, 0, ECO_UP_Y, 0, 4 }, { 8, 5, ECO_UP_Y, 0, 4 }, { 8, 0, ECO_UP_Z, 0, 4 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -98,7 +98,8 @@ static void patch_of_tufts(struct soup *s)
 		double x = soup_random(s, -11, 11), y = soup_random(s, -9, 9), a = soup_random(s, 0, LOD_PI);
 		for (int k = 0; k < 2; k++, a += LOD_PI / 2)
 			soup_quad(s, m, (struct lod_v3){ x, y, 0.6 },
-				(struct lod_v3){ 0.6 * cos(a), 0.6 * sin(a), 0 }, (struct lod_v3){ 0, 0, 0.6 });
+				(struct lod_v3){ 0.6 * cos(a), 0.6 * sin(a), 0 },
+				(struct lod_v3){ 0, 0, 0.6 });
 	}
 }
 
@@ -317,7 +318,8 @@ static void import_glb(struct eco_model *m, bool y_up, enum eco_up up)
 	gw_floats(at, corners, "VEC3", 3);
 	size_t size = gw_glb_bytes(",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", ' ', &bytes);
-	import_file(m, input_bytes("model_up", "tree.glb", bytes, size), &(struct eco_model_options){ .up = up });
+	import_file(m, input_bytes("model_up", "tree.glb", bytes, size),
+		&(struct eco_model_options){ .up = up });
 	free(bytes);
 	free(at);
 	soup_free(&soup);

@@ -1,5 +1,6 @@
-/* Recorded tracks: every format to the number, files that are no tracks, slips of recorders repaired and counted,
- * and degrees brought to the scene's metres. Each format is written out as the small recording that shows it. */
+/* Recorded tracks: every format to the number, files that are no tracks, slips of recorders repaired and
+ * counted, and degrees brought to the scene's metres. Each format is written out as the small recording
+ * that shows it. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

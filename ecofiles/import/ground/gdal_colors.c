@@ -100,13 +100,16 @@ static size_t sample_band(const struct ground_colors *c, int number, float *valu
 		down = rows < RANGE_SAMPLES ? rows : RANGE_SAMPLES, has_nodata = 0;
 	double nodata = GDALGetRasterNoDataValue(band, &has_nodata);
 	size_t count = 0;
-	if (GDALRasterIO(band, GF_Read, 0, 0, columns, rows, values, across, down, GDT_Float32, 0, 0) != CE_None
-			|| (c->alpha && GDALRasterIO(GDALGetRasterBand(c->raster.file, c->alpha), GF_Read, 0, 0, columns,
+	if (GDALRasterIO(band, GF_Read, 0, 0, columns, rows, values, across, down, GDT_Float32, 0, 0) !=
+			CE_None ||
+		(c->alpha &&
+			GDALRasterIO(GDALGetRasterBand(c->raster.file, c->alpha), GF_Read, 0, 0, columns,
 				rows, alpha, across, down, GDT_Float32, 0, 0) != CE_None))
 		return 0;
 	for (size_t i = 0; i < (size_t)across * (size_t)down; i++)
-		if (isfinite(values[i]) && !(c->alpha && !(alpha[i] > 0)) && !(has_nodata && (double)values[i] == nodata)
-				&& !(c->has_nodata && (double)values[i] == c->nodata))
+		if (isfinite(values[i]) && !(c->alpha && !(alpha[i] > 0)) &&
+			!(has_nodata && (double)values[i] == nodata) &&
+			!(c->has_nodata && (double)values[i] == c->nodata))
 			values[count++] = values[i];
 	return count;
 }
@@ -120,7 +123,8 @@ static enum eco_code guess_range(const struct ground_colors *c, double range[2],
 	if (!values)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the ground's image");
 	for (int k = 0; k < 3; k++)
-		count += sample_band(c, c->bands[k], values + count, values + 3 * RANGE_SAMPLES * RANGE_SAMPLES);
+		count += sample_band(c, c->bands[k], values + count,
+			values + 3 * RANGE_SAMPLES * RANGE_SAMPLES);
 	if (count) {
 		qsort(values, count, sizeof *values, by_value);
 		range[0] = (double)values[(size_t)(RANGE_CUT * (double)(count - 1))];
@@ -128,13 +132,17 @@ static enum eco_code guess_range(const struct ground_colors *c, double range[2],
 	}
 	free(values);
 	if (!(range[0] < range[1]))
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: %s; say which of its values are black and white: "
-			"\"image\": {\"file\": ..., \"range\": [0, 65535]}", c->raster.path,
-			count ? "all its pixels are alike" : "it has no pixel with a value");
-	ground_note(notes, "%.200s: its bands hold %s; %.6g is taken for black and %.6g for white, which leaves "
-		"out the darkest and the brightest 1/200 (\"range\": [black, white] beside \"file\" says others)",
-		c->raster.path, GDALGetDataTypeName(GDALGetRasterDataType(GDALGetRasterBand(c->raster.file,
-			c->bands[0]))), range[0], range[1]);
+		return eco_fail(error, ECO_BAD_INPUT,
+			"%.200s: %s; say which of its values are black and white: "
+			"\"image\": {\"file\": ..., \"range\": [0, 65535]}",
+			c->raster.path, count ? "all its pixels are alike" : "it has no pixel with a value");
+	ground_note(notes,
+		"%.200s: its bands hold %s; %.6g is taken for black and %.6g for white, which leaves "
+		"out the darkest and the brightest 1/200 (\"range\": [black, white] beside \"file\" says "
+		"others)",
+		c->raster.path,
+		GDALGetDataTypeName(GDALGetRasterDataType(GDALGetRasterBand(c->raster.file, c->bands[0]))),
+		range[0], range[1]);
 	return ECO_OK;
 }
 
@@ -155,7 +163,8 @@ static enum eco_code find_range(struct ground_colors *c, bool said, double range
 	if (!c->by_range)
 		return ECO_OK;
 	if (!(range[0] < range[1]) && c->bands[0] == c->bands[1])
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: it has one band of %s: heights, classes or grey? If "
+		return eco_fail(error, ECO_BAD_INPUT,
+			"%.200s: it has one band of %s: heights, classes or grey? If "
 			"they are classes, give their colours: \"image\": {\"file\": ..., \"classes\": "
 			"{\"1\": \"#4c7300\"}}; if grey, black and white: \"range\": [0, 65535]",
 			c->raster.path, GDALGetDataTypeName(other));
@@ -266,7 +275,8 @@ static enum eco_code no_class(const struct ground_colors *c, const double bounds
 	double step = (bounds[2] - bounds[0]) / side;
 	return eco_fail(error, ECO_BAD_INPUT,
 		"%.200s: class %.0f, at %.1f, %.1f, has no colour; add it to the "
-		"scene's \"ground\": {\"image\": {..., \"classes\": {\"%.0f\": \"#4c7300\"}}}, or null in place "
+		"scene's \"ground\": {\"image\": {..., \"classes\": {\"%.0f\": \"#4c7300\"}}}, or null in "
+		"place "
 		"of a colour to leave it out",
 		c->raster.path, value, bounds[0] + (at % side + 0.5) * step,
 		bounds[3] - (at / side + 0.5) * step, value);
@@ -344,8 +354,11 @@ enum eco_code ground_colors_read(const struct ground_colors *c, const struct gro
 	/* the warp's own alpha comes last, or takes the place of the file's */
 	for (int k = 0; k < 4 && good; k++)
 		good = k < 3 && c->by_range ? read_range(c, from, k, rgba)
-			: read_band(from, k < 3 ? c->bands[k] : c->alpha ? c->alpha : GDALGetRasterCount(from),
-				SIDE, rgba + k, GDT_Byte, 4);
+					    : read_band(from,
+						      k < 3              ? c->bands[k]
+							      : c->alpha ? c->alpha
+									 : GDALGetRasterCount(from),
+						      SIDE, rgba + k, GDT_Byte, 4);
 	if (from)
 		GDALClose(from);
 	return good ? ECO_OK : !from ? ECO_BAD_INPUT

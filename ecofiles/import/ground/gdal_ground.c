@@ -184,8 +184,8 @@ static void reach(const struct ground_raster *r, const struct frame *f, int64_t 
 static enum eco_code put_resampled(struct eco_ground *g, const struct ground_samples *s,
 	const struct ground_raster *r, const struct job *job, const struct frame *f, struct eco_error *error)
 {
-	static const char *const how[] = { "-ot", "Float32", "-r", "bilinear", "-et", "0.01", "-novshift", "-dstnodata",
-		"nan", NULL };
+	static const char *const how[] = { "-ot", "Float32", "-r", "bilinear", "-et", "0.01", "-novshift",
+		"-dstnodata", "nan", NULL };
 	int64_t first[2], end[2];
 	double box[4];
 	GDALDatasetH from, to = NULL;

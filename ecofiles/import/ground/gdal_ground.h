@@ -39,8 +39,8 @@ enum eco_code ground_raster_open(struct ground_raster *raster, struct ground_sce
 enum eco_code ground_raster_place(struct ground_raster *raster, const struct ground_scene *scene,
 	struct eco_error *error);
 void ground_raster_close(struct ground_raster *raster);
-/* Warps a dataset into a box of the scene's CRS (west, south, east, north; NULL: the dataset has no CRS to convert)
- * with `size` columns and rows. `more`: options of gdalwarp, ended by NULL. NULL: an error. */
+/* Warps a dataset into a box of the scene's CRS (west, south, east, north; NULL: the dataset has no CRS
+ * to convert) with `size` columns and rows. `more`: options of gdalwarp, ended by NULL. NULL: an error. */
 GDALDatasetH ground_warp(GDALDatasetH from, OGRSpatialReferenceH crs, const double box[4], const int size[2],
 	const char *const *more);
 /* ECO_BAD_INPUT with GDAL's last message. */

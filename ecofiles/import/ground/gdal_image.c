@@ -152,16 +152,21 @@ static void doubt_overlap(struct job *job)
 		double beyond = side % 2 ? o->high[k] - job->high[k] : job->low[k] - o->low[k];
 		size_t used = strlen(where);
 		if (beyond > fmax(BEYOND_M, job->finest_m))
-			snprintf(where + used, sizeof where - used, "%s%.0f m %s", used ? ", " : "", beyond, sides[side]);
+			snprintf(where + used, sizeof where - used, "%s%.0f m %s", used ? ", " : "", beyond,
+				sides[side]);
 	}
 	if (away > 0)
-		ground_note(job->scene.notes, "%.200s: the image shows no place where plants stand: it lies from "
-			"%.0f, %.0f to %.0f, %.0f in the scene, %.0f m away from them; look at its CRS and at the "
-			"scene's \"crs\" and \"origin\"", path, job->low[0], job->low[1], job->high[0],
-			job->high[1], away);
+		ground_note(job->scene.notes,
+			"%.200s: the image shows no place where plants stand: it lies from "
+			"%.0f, %.0f to %.0f, %.0f in the scene, %.0f m away from them; look at its CRS and "
+			"at the "
+			"scene's \"crs\" and \"origin\"",
+			path, job->low[0], job->low[1], job->high[0], job->high[1], away);
 	else if (where[0])
-		ground_note(job->scene.notes, "%.200s: the image does not reach all plants, which stand up to %s of "
-			"it; the ground is plain there", path, where);
+		ground_note(job->scene.notes,
+			"%.200s: the image does not reach all plants, which stand up to %s of "
+			"it; the ground is plain there",
+			path, where);
 }
 
 /* ---- Squares ---- */

@@ -12,8 +12,8 @@
 enum eco_code ground_gdal_fail(const char *path, const char *doing, struct eco_error *error)
 {
 	const char *why = CPLGetLastErrorMsg();
-	return eco_fail(error, ECO_BAD_INPUT, "%.150s: %s: %.200s; gdalinfo says whether it is whole", path, doing,
-		why[0] != 0 ? why : "GDAL gives no reason");
+	return eco_fail(error, ECO_BAD_INPUT, "%.150s: %s: %.200s; gdalinfo says whether it is whole", path,
+		doing, why[0] != 0 ? why : "GDAL gives no reason");
 }
 
 GDALDatasetH ground_warp(GDALDatasetH from, OGRSpatialReferenceH crs, const double box[4], const int size[2],
@@ -25,9 +25,11 @@ GDALDatasetH ground_warp(GDALDatasetH from, OGRSpatialReferenceH crs, const doub
 	for (; *more; more++)
 		arguments = CSLAddString(arguments, *more);
 	for (int i = 0; i < 4; i++)
-		arguments = CSLAddString(i ? arguments : CSLAddString(arguments, "-te"), CPLSPrintf("%.17g", box[i]));
+		arguments = CSLAddString(i ? arguments : CSLAddString(arguments, "-te"),
+			CPLSPrintf("%.17g", box[i]));
 	for (int i = 0; i < 2; i++)
-		arguments = CSLAddString(i ? arguments : CSLAddString(arguments, "-ts"), CPLSPrintf("%d", size[i]));
+		arguments = CSLAddString(i ? arguments : CSLAddString(arguments, "-ts"),
+			CPLSPrintf("%d", size[i]));
 	if (crs && OSRExportToWkt(crs, &wkt) == OGRERR_NONE)
 		arguments = CSLAddString(CSLAddString(arguments, "-t_srs"), wkt);
 	GDALWarpAppOptions *options = GDALWarpAppOptionsNew(arguments, NULL);

@@ -57,11 +57,11 @@ static double metres_of(const struct meaning *m, double raw)
 
 static double unit_named(const char *name)
 {
-	static const struct { const char *names; double metres; } units[] = {
-		{ "|m|metre|meter|metres|meters|", 1 }, { "|ft|foot|feet|international foot|", FOOT_M },
+	static const struct { const char *names; double metres;
+	} units[] = { { "|m|metre|meter|metres|meters|", 1 }, { "|ft|foot|feet|international foot|", FOOT_M },
 		{ "|us survey foot|us survey feet|us survey ft|ftus|us-ft|foot_us|", US_FOOT_M },
-		{ "|cm|centimetre|centimeter|", 0.01 }, { "|mm|", 0.001 }, { "|dm|decimetre|decimeter|", 0.1 },
-		{ "|km|", 1000 } };
+		{ "|cm|centimetre|centimeter|", 0.01 }, { "|mm|", 0.001 },
+		{ "|dm|decimetre|decimeter|", 0.1 }, { "|km|", 1000 } };
 	char word[60];
 	snprintf(word, sizeof word, "|%s|", name);
 	for (size_t i = 0; i < sizeof units / sizeof *units; i++)
@@ -306,9 +306,12 @@ static bool find_holes(struct meaning *m, struct rows *rows, struct ground_notes
 	for (size_t s = 0; good && s < SUSPECTS; s++)
 		if (stands_out(c, s))
 			add_hole(m, suspects[s], path, c->suspect[s].samples, notes);
-	for (int n = 0; good && n < SPAN - 1 && (lies_beyond(m, c, c->lowest, c->lowest_count, end_of(m, c->highest,
-			c->highest_count), &value) || lies_beyond(m, c, c->highest, c->highest_count, end_of(m,
-			c->lowest, c->lowest_count), &value)); n++) {
+	for (int n = 0; good && n < SPAN - 1 &&
+		(lies_beyond(m, c, c->lowest, c->lowest_count, end_of(m, c->highest, c->highest_count),
+			 &value) ||
+			lies_beyond(m, c, c->highest, c->highest_count, end_of(m, c->lowest, c->lowest_count),
+				&value));
+		n++) {
 		int s = suspect_of(value);
 		add_hole(m, value, path, s >= 0 ? c->suspect[s].samples : 0, notes);
 	}

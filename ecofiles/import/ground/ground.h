@@ -58,8 +58,8 @@ enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_grou
 enum eco_code eco_ground_fill(struct eco_ground *ground, struct eco_error *error);
 
 /* Adds margins (heights.h): at the border the heights of the ground, graded to their mean towards the
- * horizon, 131 km away or more. Not twice; at most ECO_GROUND_INSIDE_MAX samples a side. On failure the ground
- * stays. */
+ * horizon, 131 km away or more. Not twice; at most ECO_GROUND_INSIDE_MAX samples a side. On failure the
+ * ground stays. */
 #define ECO_GROUND_INSIDE_MAX (ECO_GROUND_SIDE_MAX - 2 * ECO_GROUND_MARGIN_MAX)
 enum eco_code eco_ground_extend(struct eco_ground *ground, struct eco_error *error);
 

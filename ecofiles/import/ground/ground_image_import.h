@@ -1,21 +1,20 @@
 /* The picture on the ground: rasters of colours, or of classes, cut into a quadtree of squares of texels.
  *
- *   eco_ground_image_look(&options, &error);                 only whether they can be read, and where they
- * lie
+ *   eco_ground_image_look(&options, &error);            whether they can be read, and where they lie
  *   eco_ground_image_open(&reader, &options, &error);
- *   eco_ground_image_next(reader, &tile, &error);            the root, then depth first: split, or texels
- *   eco_ground_image_close(reader, &error);                  the verdict: what the child says that read them
+ *   eco_ground_image_next(reader, &tile, &error);       the root, then depth first: split, or texels
+ *   eco_ground_image_close(reader, &error);             the verdict of the child that read them
  *
- * A raster in another CRS is warped into the scene's. Each square is read for itself, at its own resolution:
- * of a large raster with overviews nothing is read that is not stored. Squares are split while their texels
- * are wider than the rasters', and than a pixel of a picture 1080 pixels high, of 45 degrees, that is taken
- * 1 m from the ground among the plants; so squares far away from all plants have wider ones.
+ * A raster in another CRS is warped into the scene's. Each square is read at its own resolution, so only the
+ * overview that it needs is read. A square is split while its texels are wider than the rasters', and wider
+ * than a pixel of a picture 1080 pixels high, of 45 degrees, taken 1 m from the ground among the plants;
+ * squares far from all plants have wider texels.
  *
- * Colours are red, green, blue, or grey, with alpha or not. Bytes are taken as they are; of other numbers
- * the scene says which are black and white, or they are guessed from three bands and noted. A raster with a
- * table of colours (palette), or for which the scene gives classes, holds numbers of classes instead: those
- * are never mixed, their colours are. Texels outside the rasters, NODATA, masks and classes without colour are clear; towards
- * them the image fades within a thirty-second of the root's side. */
+ * Colours are red, green, blue, or grey, with alpha or not. Bytes are taken as they are. For other numbers the
+ * scene says which are black and white, or they are guessed from three bands and noted. A raster with a table
+ * of colours (palette), or with classes in the scene, holds numbers of classes: their colours are mixed, never
+ * the numbers. Texels outside the rasters, NODATA, masks and classes without colour are clear; towards them
+ * the image fades within a thirty-second of the root's side. */
 #ifndef ECO_GROUND_IMAGE_IMPORT_H
 #define ECO_GROUND_IMAGE_IMPORT_H
 

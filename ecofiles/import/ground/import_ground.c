@@ -1,5 +1,5 @@
-/* Ground from rasters: a child process reads them (gdal_ground.c, gdal_image.c) and hands back struct eco_ground
- * and its samples, or squares of texels, through a pipe; both are checked here. */
+/* Ground from rasters: a child process reads them (gdal_ground.c, gdal_image.c) and hands back struct
+ * eco_ground and its samples, or squares of texels, through a pipe; both are checked here. */
 #include "ecofiles/import/ground/import_ground.h"
 
 #include <errno.h>
@@ -27,21 +27,25 @@ static bool ground_notes_end(struct ground_notes *notes)
 	return notes->count <= GROUND_NOTES_MAX;
 }
 
-static void ground_notes_tell(const struct ground_notes *notes, void (*warn)(void *ctx, const char *text), void *ctx)
+static void ground_notes_tell(const struct ground_notes *notes, void (*warn)(void *ctx, const char *text),
+	void *ctx)
 {
 	for (uint32_t i = 0; i < notes->count && warn; i++)
 		warn(ctx, notes->text[i]);
 }
 
 /* The child's own verdict comes before what was missed here. `path` is for the message. */
-static enum eco_code ground_finish(struct eco_guard *guard, bool whole, const char *path, struct eco_error *error)
+static enum eco_code ground_finish(struct eco_guard *guard, bool whole, const char *path,
+	struct eco_error *error)
 {
 	struct eco_error verdict = { .code = ECO_OK };
 	enum eco_code code = eco_guard_finish(guard, &verdict);
 	if (code)
 		return eco_fail(error, code, "%s", verdict.text);
-	return whole ? ECO_OK : eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader contradict each "
-		"other", path);
+	return whole ? ECO_OK
+		     : eco_fail(error, ECO_DAMAGED,
+			       "%.300s: the data from its reader contradict each other",
+			       path);
 }
 
 static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_job *job)

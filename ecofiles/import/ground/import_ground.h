@@ -1,4 +1,5 @@
-/* Shared by the readers of ground and of its image, and ecogdal.so, which does the work in a child process. */
+/* Shared by the readers of ground and of its image, and ecogdal.so, which does the work in a child
+ * process. */
 #ifndef ECO_IMPORT_GROUND_H
 #define ECO_IMPORT_GROUND_H
 

@@ -99,8 +99,8 @@ static void collada_frame(const char *path, struct eco_model_frame *frame, doubl
 	set_axes(axes, up_from_y, 1 / frame->unit_m);
 }
 
-/* Fills format, unit, up and convention of the frame. axes: from assimp's world to ours, rows of a matrix, unit
- * included; Z up if the format states its axes, else as in the file. */
+/* Fills format, unit, up and convention of the frame. axes: from assimp's world to ours, rows of a
+ * matrix, unit included; Z up if the format states its axes, else as in the file. */
 static void assimp_frame(const struct aiScene *scene, const char *path, struct eco_model_frame *frame,
 	double axes[3][3])
 {
@@ -445,8 +445,10 @@ static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, u
 		walk(s->scene, add_mesh_of, s);
 	eco_note_colors(notes, s->hidden, "d, Tr, opacity", 0);
 	if (s->weighted > 0)
-		eco_note(notes, "%u meshes have vertex colours beside a picture: they are taken for weights of "
-			"wind and shade, not for colours", s->weighted);
+		eco_note(notes,
+			"%u meshes have vertex colours beside a picture: they are taken for weights of "
+			"wind and shade, not for colours",
+			s->weighted);
 	eco_tints_end(&s->tints);
 	free(s->corners);
 	free(s->split);
@@ -455,9 +457,9 @@ static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, u
 	return code;
 }
 
-/* assimp 5.2 takes a line feed at the start of binary PLY data for the header's end and loses a byte. Such a byte
- * is raised by one: it is the lowest byte of the first vertex's first number, or (big-endian) the highest byte
- * of a number near 10^-32. *bytes: NULL if the file is read as it is. */
+/* assimp 5.2 takes a line feed at the start of binary PLY data for the header's end and loses a byte.
+ * Such a byte is raised by one: it is the lowest byte of the first vertex's first number, or (big-endian)
+ * the highest byte of a number near 10^-32. *bytes: NULL if the file is read as it is. */
 static enum eco_code mend_ply(const char *path, uint8_t **bytes, size_t *size, struct eco_error *error)
 {
 	static const char last[] = "end_header\n";
@@ -482,12 +484,15 @@ static enum eco_code import_scene(const struct aiScene **scene, const char *path
 	if (code)
 		return code;
 	aiSetImportPropertyInteger(settings, AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, 1);
-	*scene = bytes ? aiImportFileFromMemoryWithProperties((char *)bytes, (unsigned)size, 0, "ply", settings)
+	*scene = bytes
+		? aiImportFileFromMemoryWithProperties((char *)bytes, (unsigned)size, 0, "ply", settings)
 		: aiImportFileExWithProperties(path, 0, NULL, settings);
 	aiReleasePropertyStore(settings);
 	free(bytes);
-	return *scene ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "%.180s: %.200s; if another program opens it, "
-		"save it there as GLB", path, aiGetErrorString());
+	return *scene ? ECO_OK
+		      : eco_fail(error, ECO_BAD_INPUT,
+				"%.180s: %.200s; if another program opens it, save it there as GLB",
+				path, aiGetErrorString());
 }
 
 static enum eco_code read_model(struct eco_model *model, struct eco_model_frame *frame, const char *path,

@@ -88,7 +88,8 @@ static bool decode_base64(const char *text, uint8_t *to, size_t *size)
 	static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/-_";
 	uint32_t bits = 0, count = 0;
 	*size = 0;
-	for (text += strspn(text, " \t\r\n"); *text != 0 && *text != '='; text += 1 + strspn(text + 1, " \t\r\n")) {
+	for (text += strspn(text, " \t\r\n"); *text != 0 && *text != '=';
+		text += 1 + strspn(text + 1, " \t\r\n")) {
 		const char *digit = strchr(digits, *text);
 		if (!digit)
 			return false;
@@ -107,7 +108,8 @@ static size_t decode_percent(const char *text, uint8_t *to)
 {
 	size_t size = 0;
 	for (; *text != 0; text++) {
-		bool escaped = *text == '%' && isxdigit((unsigned char)text[1]) && isxdigit((unsigned char)text[2]);
+		bool escaped =
+			*text == '%' && isxdigit((unsigned char)text[1]) && isxdigit((unsigned char)text[2]);
 		unsigned byte = (uint8_t)*text;
 		if (escaped)
 			sscanf(text + 1, "%2x", &byte);

@@ -288,9 +288,10 @@ static enum eco_code read_packed(struct eco_gltf *doc, uint32_t view, const json
 	p->stride = eco_gltf_whole(json, "byteStride", 0);
 	p->length = eco_gltf_whole(json, "byteLength", UINT64_MAX);
 	if (p->mode == MODES || p->filter == FILTERS)
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: bufferView %u: meshopt compression of mode "
-			"%.20s, filter %.20s is not read; " EXPORT, doc->path, view, eco_gltf_text(json, "mode"),
-			filter);
+		return eco_fail(error, ECO_UNSUPPORTED,
+			"%.300s: bufferView %u: meshopt compression of mode "
+			"%.20s, filter %.20s is not read; " EXPORT,
+			doc->path, view, eco_gltf_text(json, "mode"), filter);
 	if (!strides_fit(p) || p->count > ECO_GLTF_UNPACKED_MAX)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: meshopt compression with sizes "
 			"that make no sense", doc->path, view);
@@ -299,9 +300,11 @@ static enum eco_code read_packed(struct eco_gltf *doc, uint32_t view, const json
 			(unsigned long long)ECO_GLTF_UNPACKED_MAX);
 	enum eco_code code = gltf_buffer_range(doc, eco_gltf_index(json, "buffer"),
 		eco_gltf_whole(json, "byteOffset", 0), p->length, &p->bytes, error);
-	return code || p->mode != ATTRIBUTES || !p->length || p->bytes[0] != SECOND_VERSION ? code
-		: eco_fail(error, ECO_UNSUPPORTED, "%.300s: bufferView %u: the second version of meshopt's codec "
-			"is not read; " EXPORT, doc->path, view);
+	return code || p->mode != ATTRIBUTES || !p->length || p->bytes[0] != SECOND_VERSION
+		? code
+		: eco_fail(error, ECO_UNSUPPORTED,
+			  "%.300s: bufferView %u: the second version of meshopt's codec is not read; " EXPORT,
+			  doc->path, view);
 }
 
 static bool decode(const struct packed *p, uint8_t *to)

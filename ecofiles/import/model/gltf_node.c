@@ -118,11 +118,13 @@ static enum eco_code push(struct walk *w, uint32_t node, uint32_t depth, const d
 	struct eco_error *error)
 {
 	if (depth >= w->doc->node_count)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: node %u or one above it lies below itself: nodes must "
-			"be a tree", w->doc->path, node);
+		return eco_fail(error, ECO_DAMAGED,
+			"%.300s: node %u or one above it lies below itself: nodes must be a tree",
+			w->doc->path, node);
 	if (++w->seen > ECO_GLTF_NODES_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: more than %u nodes, as some have several parents",
-			w->doc->path, ECO_GLTF_NODES_MAX);
+		return eco_fail(error, ECO_TOO_LARGE,
+			"%.300s: more than %u nodes, as some have several parents", w->doc->path,
+			ECO_GLTF_NODES_MAX);
 	if (!eco_array_grow(&w->stack, &w->capacity, w->count, sizeof *w->stack))
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its nodes", w->doc->path);
 	w->stack[w->count].node = node;

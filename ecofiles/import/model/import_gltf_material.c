@@ -73,8 +73,8 @@ static void read_transform(const json_t *texture, struct gltf_look *look)
 		if (fabs(look->uv.scale[k]) > 65536)
 			look->uv.scale[k] = 1;
 	}
-	eco_angle16_sincos(eco_angle16_from_deg(fabs(radians) <= 1e6 ? radians * (180 / PI) : 0), &look->uv.sine,
-		&look->uv.cosine);
+	eco_angle16_sincos(eco_angle16_from_deg(fabs(radians) <= 1e6 ? radians * (180 / PI) : 0),
+		&look->uv.sine, &look->uv.cosine);
 	look->uv_set = eco_gltf_index(from, "texCoord");
 	if (look->uv_set == ECO_NONE)
 		look->uv_set = eco_gltf_index(texture, "texCoord");

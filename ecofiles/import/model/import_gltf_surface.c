@@ -468,8 +468,8 @@ void gltf_surface_free(struct gltf_surface *s)
 	*s = (struct gltf_surface){ .position = NULL };
 }
 
-/* ---- Skins at rest: joints place a skinned mesh. The specification says to ignore its node's own place, which is
- * wrong by a factor of a hundred in files whose skeletons carry the scale or the axis ---- */
+/* ---- Skins at rest: joints place a skinned mesh. The specification says to ignore its node's own place,
+ * which is wrong by a factor of a hundred in files whose skeletons carry the scale or the axis ---- */
 
 static enum eco_code read_inverse(struct eco_gltf *doc, const json_t *json, struct eco_gltf_accessor *inverse,
 	struct eco_error *error)

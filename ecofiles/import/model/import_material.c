@@ -68,8 +68,10 @@ void eco_model_choose_base(const struct eco_bounds *b, double base[3])
 void eco_note_coarse(struct eco_notes *notes, double far, double extent)
 {
 	if (isfinite(far) && far * 0x1p-24 > extent * COARSE)
-		eco_note(notes, "its coordinates are up to %g from the origin, in single precision, and so only "
-			"exact to %.2g of their unit: export it with a local origin", far, far * 0x1p-24);
+		eco_note(notes,
+			"its coordinates are up to %g from the origin, in single precision, and so only "
+			"exact to %.2g of their unit: export it with a local origin",
+			far, far * 0x1p-24);
 }
 
 void eco_model_split(const double *corners, uint32_t n, uint32_t *split)
@@ -87,7 +89,8 @@ void eco_model_split(const double *corners, uint32_t n, uint32_t *split)
 	}
 }
 
-void eco_model_add_part(struct eco_model *m, const char *node, size_t node_bytes, const char *mesh, size_t mesh_bytes)
+void eco_model_add_part(struct eco_model *m, const char *node, size_t node_bytes, const char *mesh,
+	size_t mesh_bytes)
 {
 	bool both = node_bytes && mesh_bytes
 		&& (node_bytes != mesh_bytes || memcmp(node, mesh, node_bytes) != 0);
@@ -117,7 +120,8 @@ uint8_t eco_byte_from_share(double share)
 
 uint8_t eco_srgb_from_linear(double linear)
 {
-	return eco_byte_from_share(linear <= 0.0031308 ? linear * 12.92 : 1.055 * pow(linear, 1 / 2.4) - 0.055);
+	return eco_byte_from_share(
+		linear <= 0.0031308 ? linear * 12.92 : 1.055 * pow(linear, 1 / 2.4) - 0.055);
 }
 
 bool eco_alpha_shows(double alpha) { return alpha * 255 + ALPHA_SLACK >= 127.5; }
@@ -166,8 +170,8 @@ static bool is_one_grey(const struct eco_model *model)
 #define RAMP_OTHER 64u                /* values of the other channels are below */
 #define RAMP_LEAST 4u                 /* of them are there, from the lowest two to the highest two */
 
-/* Whether all colours are shades of one primary, from black to full; or (channel 3) shades of white in steps of
- * vertex colours, which so are shade. */
+/* Whether all colours are shades of one primary, from black to full; or (channel 3) shades of white in
+ * steps of vertex colours, which so are shade. */
 static bool is_ramp(const struct eco_model *model, int channel)
 {
 	bool there[RAMP_STEPS] = { false };
@@ -177,11 +181,13 @@ static bool is_ramp(const struct eco_model *model, int channel)
 		const uint8_t *rgb = m->rgb;
 		uint8_t step[3] = { rgb[0], rgb[1], rgb[2] };
 		eco_tint_step(step);
-		if (m->image != ECO_NONE || (channel == 3 && (rgb[1] != rgb[0] || rgb[2] != rgb[0] || step[0] != rgb[0])))
+		if (m->image != ECO_NONE ||
+			(channel == 3 && (rgb[1] != rgb[0] || rgb[2] != rgb[0] || step[0] != rgb[0])))
 			return false;
 		if (channel < 3 && (m->colourless || is_default(rgb)))
 			continue;
-		if (channel < 3 && (rgb[(channel + 1) % 3] >= RAMP_OTHER || rgb[(channel + 2) % 3] >= RAMP_OTHER))
+		if (channel < 3 &&
+			(rgb[(channel + 1) % 3] >= RAMP_OTHER || rgb[(channel + 2) % 3] >= RAMP_OTHER))
 			return false;
 		there[rgb[channel % 3] * RAMP_STEPS / 256] = true;
 	}

@@ -142,8 +142,9 @@ static enum eco_code read_with_assimp(struct head *head, const struct job *job, 
 			"PLY, Collada (.dae, .zae), STL, 3DS and 3MF, by these endings: export GLB",
 			job->path);
 	const struct eco_assimp_module *assimp = eco_module(ECO_MODULE_ASSIMP, error);
-	return !assimp ? ECO_NOT_FOUND : assimp->read(&head->model, &head->frame, job->path, job->triangles_max,
-		&head->notes, error);
+	return !assimp ? ECO_NOT_FOUND
+		       : assimp->read(&head->model, &head->frame, job->path, job->triangles_max, &head->notes,
+				 error);
 }
 
 static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
@@ -165,8 +166,10 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 		code = read_with_assimp(head, job, error);
 	head->uv = head->model.uv != NULL;
 	head->part = head->model.part != NULL;
-	if (!code && (fwrite(head, sizeof *head, 1, out) != 1
-			|| !pass_model(&(struct pipe){ out, true }, &head->model, head, head->model.image_count)))
+	if (!code &&
+		(fwrite(head, sizeof *head, 1, out) != 1 ||
+			!pass_model(&(struct pipe){ out, true }, &head->model, head,
+				head->model.image_count)))
 		code = eco_fail(error, ECO_IO, "%.300s: the model could not be handed over: %s", job->path,
 			strerror(errno));
 	eco_model_free(&head->model);
@@ -458,14 +461,19 @@ static void note_size(const struct eco_model *model, const char *path, struct ec
 	}
 	struct eco_apart apart = eco_model_apart(model, low, high);
 	if (apart.count > 1 && apart.count <= ECO_APART_MOST)
-		eco_note(notes, "%u plants stand apart in it, the first at %.3g, %.3g m, the second at "
-			"%.3g, %.3g m: each place gets all of them; if they are meant one by one, make a file of "
-			"each, as \"variants\"", apart.count, apart.at[0][0], apart.at[0][1], apart.at[1][0],
-			apart.at[1][1]);
+		eco_note(notes,
+			"%u plants stand apart in it, the first at %.3g, %.3g m, the second at "
+			"%.3g, %.3g m: each place gets all of them; if they are meant one by one, make a "
+			"file of "
+			"each, as \"variants\"",
+			apart.count, apart.at[0][0], apart.at[0][1], apart.at[1][0], apart.at[1][1]);
 	if (fmax(size[0], size[1]) > WIDE_M)
-		eco_note(notes, "%.200s is %.4g x %.4g m wide and %.3g m high, as a whole scene is: each place "
-			"gets all of it. Make a file of each plant; if it is one plant, \"unit\" or \"height_m\" "
-			"says its size", path, size[0], size[1], size[2]);
+		eco_note(notes,
+			"%.200s is %.4g x %.4g m wide and %.3g m high, as a whole scene is: each place "
+			"gets all of it. Make a file of each plant; if it is one plant, \"unit\" or "
+			"\"height_m\" "
+			"says its size",
+			path, size[0], size[1], size[2]);
 }
 
 static void tell(const struct eco_model_options *options, struct eco_notes *notes)

@@ -57,7 +57,8 @@ bool eco_model_find_beside(const char *model, const char *name, char *path, size
  * is NULL then. */
 bool eco_model_reserve(struct eco_model *model, uint64_t vertices, uint64_t triangles, uint64_t parts);
 
-/* A hash table for `entries` numbers by open addressing; free slots are ECO_NONE. NULL when memory ran out. */
+/* A hash table for `entries` numbers by open addressing; free slots are ECO_NONE. NULL when memory ran
+ * out. */
 uint32_t *model_table_new(uint64_t entries, uint32_t *mask);
 
 /* glTF 2.0 and GLB: the scene that a viewer would show, with instances, at rest. Refuses by name required
@@ -78,15 +79,15 @@ struct eco_bounds { double low[3], high[3]; };
 void eco_bounds_add(struct eco_bounds *bounds, const double place[3]);
 /* The greatest side; 0: nothing was added. */
 double eco_bounds_extent(const struct eco_bounds *bounds);
-/* The base to subtract from coordinates within bounds so that floats hold them: 0 unless they are far from the
- * origin for their extent. Whole numbers. */
+/* The base to subtract from coordinates within bounds so that floats hold them: 0 unless they are far
+ * from the origin for their extent. Whole numbers. */
 void eco_model_choose_base(const struct eco_bounds *bounds, double base[3]);
 /* Notes coordinates up to `far` from the origin that single precision rounds for their extent. */
 void eco_note_coarse(struct eco_notes *notes, double far, double extent);
 
-/* Triangles of a polygon of n corners (3 coordinates each): 3 (n - 2) indices of corners, at split + n. `split`
- * has room for 4 n. A polygon with a corner that is not finite has no shape: a fan keeps its count of triangles,
- * and the bad ones are dropped later. */
+/* Triangles of a polygon of n corners (3 coordinates each): 3 (n - 2) indices of corners, at split + n.
+ * `split` has room for 4 n. A polygon with a corner that is not finite has no shape: a fan keeps its
+ * count of triangles, and the bad ones are dropped later. */
 void eco_model_split(const double *corners, uint32_t n, uint32_t *split);
 
 /* Adds the part NODE, MESH or NODE/MESH, unless it is the last one: some programs show one name, some the
@@ -128,8 +129,8 @@ uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted
 /* Frees working memory; drops images that could not be read, and renumbers the materials' images. */
 void eco_images_end(struct eco_images *images);
 
-/* Image as[i] stands for image i from now on: i itself, an earlier one, or ECO_NONE. Frees the images that are
- * replaced and renumbers those of materials. At most ECO_MODEL_IMAGES_MAX images. */
+/* Image as[i] stands for image i from now on: i itself, an earlier one, or ECO_NONE. Frees the images
+ * that are replaced and renumbers those of materials. At most ECO_MODEL_IMAGES_MAX images. */
 void eco_images_keep(struct eco_model *model, const uint32_t *as);
 
 /* ---- Materials and colours ---- */
@@ -168,11 +169,11 @@ void eco_vertex_colors_add(struct eco_vertex_colors *colors, const float rgb[3])
 /* The material of a whole mesh, times the mean of its colours; ECO_NONE: they differ, and triangles have
  * materials of their own. With a picture, colours that differ are averaged, and counted: every further colour
  * would need another image, and would cut leaves and branches into pieces. */
-uint32_t eco_tints_get_whole(struct eco_tints *tints, uint32_t material, const struct eco_vertex_colors *colors,
-	bool linear, uint32_t *averaged);
+uint32_t eco_tints_get_whole(struct eco_tints *tints, uint32_t material,
+	const struct eco_vertex_colors *colors, bool linear, uint32_t *averaged);
 /* The material of a triangle: the mean of three colours, in steps. */
-uint32_t eco_tints_get_step(struct eco_tints *tints, uint32_t material, const struct eco_vertex_colors *colors,
-	bool linear);
+uint32_t eco_tints_get_step(struct eco_tints *tints, uint32_t material,
+	const struct eco_vertex_colors *colors, bool linear);
 void eco_tints_end(struct eco_tints *tints);
 
 /* A picture whose triangles show one colour each becomes colours of materials, and is dropped. False when

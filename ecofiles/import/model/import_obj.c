@@ -84,11 +84,12 @@ static enum eco_code no_memory(const struct eco_obj *o)
 }
 
 /* Makes room for one more of an array's items. */
-#define GROW(o, items, item) eco_array_grow(&(o)->items, &(o)->item##_room, (o)->item##_count, sizeof *(o)->items)
+#define GROW(o, items, item) \
+	eco_array_grow(&(o)->items, &(o)->item##_room, (o)->item##_count, sizeof *(o)->items)
 
 /* Beyond `most` names each new one gets the last number. */
-static enum eco_code number_name(struct eco_obj *o, struct eco_string_pool *names, const char *name, uint32_t most,
-	uint32_t *number)
+static enum eco_code number_name(struct eco_obj *o, struct eco_string_pool *names, const char *name,
+	uint32_t most, uint32_t *number)
 {
 	*number = most - 1;
 	return names->count >= most || eco_string_pool_add(names, name, number) ? ECO_OK : no_memory(o);
@@ -249,7 +250,8 @@ static enum eco_code read_line(struct eco_obj *o, char *line)
 	if (strcmp(key, "l") == 0 || strcmp(key, "p") == 0) {
 		o->loose++;
 	} else if (strcmp(key, "usemtl") == 0) {
-		return number_name(o, &o->materials, rest, ECO_MODEL_MATERIALS_MAX - ECO_TINTS_MAX, &o->material);
+		return number_name(o, &o->materials, rest, ECO_MODEL_MATERIALS_MAX - ECO_TINTS_MAX,
+			&o->material);
 	} else if (strcmp(key, "o") == 0) {
 		snprintf(o->object, sizeof o->object, "%s", rest);
 		o->group[0] = 0;

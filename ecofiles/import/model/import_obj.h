@@ -60,7 +60,8 @@ struct eco_obj {
 	struct eco_error *error;
 	struct eco_notes *notes;
 	double (*place)[3];          uint32_t place_count, place_room;
-	float (*color)[3];           uint32_t color_count, color_room;   /* of the first vertices; r < 0: none */
+	float (*color)[3];
+	uint32_t color_count, color_room; /* of the first vertices; r < 0: none */
 	float (*uv)[2];              uint32_t uv_count, uv_room;
 	struct eco_obj_corner *corners;      uint32_t corner_count, corner_room;
 	struct eco_obj_face *faces;  uint32_t face_count, face_room;

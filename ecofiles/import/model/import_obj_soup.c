@@ -35,7 +35,8 @@ struct maker {
 /* Corners of face f: [*first, end). */
 static const struct eco_obj_corner *corners_of(const struct eco_obj *o, uint32_t f, uint32_t *n)
 {
-	uint32_t first = o->faces[f].first, end = f + 1 < o->face_count ? o->faces[f + 1].first : o->corner_count;
+	uint32_t first = o->faces[f].first,
+		 end = f + 1 < o->face_count ? o->faces[f + 1].first : o->corner_count;
 	*n = end - first;
 	return o->corners + first;
 }
@@ -70,8 +71,10 @@ static enum eco_code read_libraries(struct maker *m)
 			bool there = true;
 			code = *name ? read_library(m, name, &there) : ECO_OK;
 			if (!there)
-				eco_note(o->notes, "its library of materials %.200s is not there: its materials "
-					"have no colour", name);
+				eco_note(o->notes,
+					"its library of materials %.200s is not there: its materials "
+					"have no colour",
+					name);
 		}
 	}
 	if (code || m->mtl.count > 0 || !dot)
@@ -109,7 +112,8 @@ static void make_material(struct maker *m, uint32_t i, struct eco_images *images
 	memset(to->rgb, m->obj->color_count > 0 && (!from || !from->has_color) ? 255 : (int)(GREY * 255), 3);
 	to->colourless = m->obj->color_count == 0 && (!from || (!from->has_color && !from->texture));
 	for (int k = 0; k < 3 && from && from->has_color; k++)
-		to->rgb[k] = m->mtl.linear ? eco_srgb_from_linear(from->rgb[k]) : eco_byte_from_share(from->rgb[k]);
+		to->rgb[k] = m->mtl.linear ? eco_srgb_from_linear(from->rgb[k])
+					   : eco_byte_from_share(from->rgb[k]);
 	if (!from || m->invisible[i] || !from->texture)
 		return;
 	const double alpha = eco_mtl_alpha(from);
@@ -327,7 +331,8 @@ static bool take_memory(struct maker *m)
 	m->table = model_table_new(vertices, &m->mask);
 	m->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *m->corners);
 	m->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *m->split);
-	return good && m->key && m->transform && m->table && m->corners && m->split && eco_tints_start(&m->tints, to);
+	return good && m->key && m->transform && m->table && m->corners && m->split &&
+		eco_tints_start(&m->tints, to);
 }
 
 static void tell(const struct maker *m)

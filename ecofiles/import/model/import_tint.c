@@ -114,8 +114,8 @@ static void mean_of(const struct eco_vertex_colors *c, bool linear, uint8_t rgb[
 	}
 }
 
-uint32_t eco_tints_get_whole(struct eco_tints *t, uint32_t material, const struct eco_vertex_colors *c, bool linear,
-	uint32_t *averaged)
+uint32_t eco_tints_get_whole(struct eco_tints *t, uint32_t material, const struct eco_vertex_colors *c,
+	bool linear, uint32_t *averaged)
 {
 	uint8_t rgb[3];
 	if (c->count == 0)
@@ -127,7 +127,8 @@ uint32_t eco_tints_get_whole(struct eco_tints *t, uint32_t material, const struc
 	return eco_tints_get(t, material, rgb);
 }
 
-uint32_t eco_tints_get_step(struct eco_tints *t, uint32_t material, const struct eco_vertex_colors *c, bool linear)
+uint32_t eco_tints_get_step(struct eco_tints *t, uint32_t material, const struct eco_vertex_colors *c,
+	bool linear)
 {
 	uint8_t rgb[3];
 	mean_of(c, linear, rgb);
@@ -336,8 +337,8 @@ static bool one_colour(const struct eco_model *m, uint32_t t, const struct eco_i
 		return false;
 	for (double v = y; v < y + height; v++)
 		for (double u = x; u < x + width; u++) {
-			const uint8_t *texel = image->rgba + 4 * ((size_t)wrap(v, image->height) * image->width
-				+ wrap(u, image->width));
+			const uint8_t *texel = image->rgba +
+				4 * ((size_t)wrap(v, image->height) * image->width + wrap(u, image->width));
 			if (texel[3] < 128 || (one && memcmp(one, texel, 3) != 0))
 				return false;
 			one = texel;

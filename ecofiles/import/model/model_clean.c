@@ -1,7 +1,7 @@
-/* The steps after every reader of models: drops and counts triangles that cover nothing, and what a file of a
- * game holds beside the plant that it shows (coarser levels of detail, shapes to collide with, the ground that
- * it was made on), applies rules about parts (model_parts.c), puts the plant on its foot and to its height
- * (model_stand.c), and removes unused data. */
+/* The steps after every reader of models: drops and counts triangles that cover nothing, and what a file
+ * of a game holds beside the plant that it shows (coarser levels of detail, shapes to collide with, the
+ * ground that it was made on), applies rules about parts (model_parts.c), puts the plant on its foot and
+ * to its height (model_stand.c), and removes unused data. */
 #include "ecofiles/import/model/model_clean.h"
 
 #include <assert.h>
@@ -65,7 +65,8 @@ static bool is_duplicate(const struct model_clean *c, const uint32_t places[3], 
 	uint32_t *table, uint32_t mask)
 {
 	const uint32_t *material = c->model->material;
-	uint32_t slot = eco_random_slot(places[0], places[1], places[2] ^ (material[triangle] * 0x85ebca6bu)) & mask;
+	uint32_t slot =
+		eco_random_slot(places[0], places[1], places[2] ^ (material[triangle] * 0x85ebca6bu)) & mask;
 	for (; table[slot] != ECO_NONE; slot = (slot + 1) & mask) {
 		uint32_t other[3];
 		corner_places(c, table[slot], other);
@@ -108,13 +109,15 @@ static enum eco_code drop_triangles(struct model_clean *c)
 	for (int i = 1; i < ECO_DROP_COUNT; i++)
 		most = m->dropped[i] > m->dropped[most] ? i : most;
 	if (m->triangle_count == 0)
-		return eco_fail(c->error, ECO_BAD_INPUT, "%.300s: none of its %u triangles can be drawn (%s); is "
-			"the file whole?", c->what, m->triangles_in, eco_drop_names[most]);
+		return eco_fail(c->error, ECO_BAD_INPUT,
+			"%.300s: none of its %u triangles can be drawn (%s); is the file whole?",
+			c->what, m->triangles_in, eco_drop_names[most]);
 	if (m->dropped[ECO_DROP_BAD_INDEX] > 0)
 		eco_note(c->notes, "%u triangles name vertices that the file does not have: left out",
 			m->dropped[ECO_DROP_BAD_INDEX]);
 	if (m->dropped[ECO_DROP_NOT_FINITE] > 0)
-		eco_note(c->notes, "%u triangles have coordinates that are no numbers (NaN, infinite): left out",
+		eco_note(c->notes,
+			"%u triangles have coordinates that are no numbers (NaN, infinite): left out",
 			m->dropped[ECO_DROP_NOT_FINITE]);
 	return ECO_OK;
 }
@@ -162,8 +165,10 @@ static enum eco_code drop_spare(struct model_clean *c)
 		for (uint32_t i = 0; i < m->part_count; i++)
 			if (level[i] != ECO_SPARE_NONE)
 				eco_phrase_add(names, sizeof names, m->parts[i].name);
-		eco_note(c->notes, "%u triangles of coarser levels of detail or shapes for collisions are left "
-			"out: %s; name them in \"parts\" if they are the plant's", spare, names);
+		eco_note(c->notes,
+			"%u triangles of coarser levels of detail or shapes for collisions are left "
+			"out: %s; name them in \"parts\" if they are the plant's",
+			spare, names);
 		model_drop(m, c->why);
 	}
 	free(level);
@@ -231,7 +236,8 @@ static enum eco_code drop_sheet(struct model_clean *c)
 		at++;
 	const char *name = at < all.count && m->part ? m->parts[m->part[all.items[at].first]].name : "";
 	if (all.count > 1 && at < all.count && !is_ruled(name, c->options)) {
-		eco_note(c->notes, "a level sheet that it stands on (%u triangles of part \"%s\") is left out, as "
+		eco_note(c->notes,
+			"a level sheet that it stands on (%u triangles of part \"%s\") is left out, as "
 			"the scene has a ground; name it in \"parts\" if it is the plant's",
 			all.items[at].triangle_count, name);
 		for (uint32_t i = 0; i < m->triangle_count; i++)
@@ -256,7 +262,8 @@ static void mark_used(uint32_t *used, uint32_t items, const uint32_t *of, size_t
 }
 
 /* Moves the items in use up, and renumbers them in the list. Returns how many there are. */
-static uint32_t compact(uint32_t *used, void *items, uint32_t item_count, size_t size, uint32_t *of, size_t count)
+static uint32_t compact(uint32_t *used, void *items, uint32_t item_count, size_t size, uint32_t *of,
+	size_t count)
 {
 	uint32_t kept = 0;
 	mark_used(used, item_count, of, count, sizeof *of);
@@ -275,7 +282,8 @@ static void remove_unused(struct eco_model *m, uint32_t *used)
 {
 	const size_t triangles = m->triangle_count;
 	uint32_t kept = 0;
-	m->material_count = compact(used, m->materials, m->material_count, sizeof *m->materials, m->material, triangles);
+	m->material_count =
+		compact(used, m->materials, m->material_count, sizeof *m->materials, m->material, triangles);
 	if (m->part)
 		m->part_count = compact(used, m->parts, m->part_count, sizeof *m->parts, m->part, triangles);
 	mark_used(used, m->image_count, m->material_count ? &m->materials->image : NULL, m->material_count,
@@ -301,11 +309,17 @@ enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_fr
 	const struct eco_model_options *options, const char *what, struct eco_notes *notes,
 	struct eco_error *error)
 {
-	static enum eco_code (*const steps[])(struct model_clean *) = { drop_triangles, drop_spare, drop_sheet,
-		model_apply_rules, model_stand };
-	size_t numbers = (size_t)model->vertex_count + model->material_count + model->image_count + model->part_count;
-	struct model_clean c = { .model = model, .frame = frame, .options = options, .what = what, .notes = notes,
-		.error = error, .place = malloc((numbers + 1) * sizeof *c.place),
+	static enum eco_code (*const steps[])(struct model_clean *) = { drop_triangles, drop_spare,
+		drop_sheet, model_apply_rules, model_stand };
+	size_t numbers =
+		(size_t)model->vertex_count + model->material_count + model->image_count + model->part_count;
+	struct model_clean c = { .model = model,
+		.frame = frame,
+		.options = options,
+		.what = what,
+		.notes = notes,
+		.error = error,
+		.place = malloc((numbers + 1) * sizeof *c.place),
 		.why = malloc((size_t)model->triangle_count + 1) };
 	uint64_t accounted = 0;
 	enum eco_code code = c.place && c.why && eco_model_places(model, c.place) ? ECO_OK : no_memory(&c);

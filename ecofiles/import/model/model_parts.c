@@ -294,7 +294,8 @@ int eco_model_spare_level(const char *name)
 		return ECO_SPARE_COLLIDER;
 	for (const char *at = name; (at = strcasestr(at, "lod")); at++) {
 		const char *digits = at + 3 + (at[3] == '_' || at[3] == '-' || at[3] == ' ');
-		if (begins_word(name, at) && isdigit((unsigned char)*digits) && !isdigit((unsigned char)digits[1]))
+		if (begins_word(name, at) && isdigit((unsigned char)*digits) &&
+			!isdigit((unsigned char)digits[1]))
 			return *digits - '0';
 	}
 	return has_word(name, "billboard") || has_word(name, "impostor") || has_word(name, "imposter")
@@ -453,8 +454,8 @@ enum eco_code model_apply_rules(struct model_clean *c)
 		code = eco_fail(c->error, ECO_TOO_LARGE, "%.300s: the rules in \"parts\" give more than %u "
 			"different importances", c->what, ECO_IMPORTANCES_MAX);
 	else if (count > 0 && (!good || !match_all(&r, c->place) || !apply(&r, c->why)))
-		code = eco_fail(c->error, ECO_NO_MEMORY, "%.300s: out of memory for the rules about its parts",
-			c->what);
+		code = eco_fail(c->error, ECO_NO_MEMORY,
+			"%.300s: out of memory for the rules about its parts", c->what);
 	for (uint32_t i = 0; !code && i < count; i++)
 		if (!r.fitted[i])
 			note_unfitted(&r, &r.rules[i], c->notes);

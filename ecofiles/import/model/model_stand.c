@@ -267,13 +267,18 @@ static enum eco_code find_scale(struct model_clean *c, double top)
 	source->unit_how = options->unit_m > 0 ? ECO_HOW_GIVEN : stated_m > 0 ? ECO_HOW_FORMAT
 		: options->height_m > 0 ? ECO_HOW_HEIGHT : ECO_HOW_GUESSED;
 	if (options->height_m > 0 && !(top > 0))
-		return eco_fail(c->error, ECO_BAD_INPUT, "%.300s: the model is flat, so it cannot be made %g m "
-			"high: leave height_m out, or say which axis is \"up\"", c->what, options->height_m);
-	source->unit_m = stated_m > 0 ? stated_m : options->height_m > 0 ? options->height_m / top : guess->metres;
+		return eco_fail(c->error, ECO_BAD_INPUT,
+			"%.300s: the model is flat, so it cannot be made %g m "
+			"high: leave height_m out, or say which axis is \"up\"",
+			c->what, options->height_m);
+	source->unit_m = stated_m > 0   ? stated_m
+		: options->height_m > 0 ? options->height_m / top
+					: guess->metres;
 	c->model->scale = options->height_m > 0 ? options->height_m / top : source->unit_m;
 	if (source->unit_how == ECO_HOW_GUESSED)
-		eco_note(c->notes, "%.4g units high, taken for %s: %.3g m; add \"unit\" or \"height_m\" if not",
-			top, guess->name, top * guess->metres);
+		eco_note(c->notes,
+			"%.4g units high, taken for %s: %.3g m; add \"unit\" or \"height_m\" if not", top,
+			guess->name, top * guess->metres);
 	else if (!(options->height_m > 0) && (top * source->unit_m > ECO_PLANT_HEIGHT_MOST_M
 			|| top * source->unit_m < ECO_PLANT_HEIGHT_LEAST_M))
 		eco_note(c->notes, "%.3g m high by %s unit (%.4g units of %.4g m), which no plant is; add "

@@ -213,8 +213,8 @@ static bool mark_large(const struct eco_model *m, const struct box *box, const s
 }
 
 /* Share of the parts that begin at the lower end of an axis; 0 of few parts. */
-static double floor_share(const struct eco_model *m, const struct box *box, const struct eco_components *parts,
-	int axis)
+static double floor_share(const struct eco_model *m, const struct box *box,
+	const struct eco_components *parts, int axis)
 {
 	double floor = box->low[axis] + AT_ZERO * (box->high[axis] - box->low[axis]);
 	uint32_t all = 0, on = 0;

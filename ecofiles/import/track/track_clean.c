@@ -23,8 +23,8 @@
 #define GLIDE_S 20.0                     /* a leap that takes longer at the track's own speed ends a part */
 #define PAUSE_S 60.0                     /* a gap without motion is shortened to it */
 
-/* ---- Places: degrees go to the scene's CRS, or to a plane of the track's own (azimuthal equidistant about its
- * middle), where it will be moved ---- */
+/* ---- Places: degrees go to the scene's CRS, or to a plane of the track's own (azimuthal equidistant
+ * about its middle), where it will be moved ---- */
 
 /* The least difference of neighbours is the step of rounding; a degree of longitude is shorter. */
 static void find_step(struct eco_track *track)

@@ -28,7 +28,8 @@
 #define LETTERS "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_."      /* of names */
 
 /* The end of messages about files of another kind. */
-#define FORMATS "Read are SRT (a drone writes it beside its film), GPX, CSV in UTF-8 and camera scripts; GPSBabel " \
+#define FORMATS \
+	"Read are SRT (a drone writes it beside its film), GPX, CSV in UTF-8 and camera scripts; GPSBabel " \
 	"converts KML and logs of GPS to GPX"
 
 static const char *const format_names[] = { "a drone's subtitles (SRT)", "GPX", "CSV" };
@@ -198,7 +199,8 @@ static enum eco_code find_json(struct eco_track *track, struct eco_error *error)
 	if (!root)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s:%d:%d: %s", track->path, problem.line,
 			problem.column, problem.text);
-	return is_script ? ECO_OK : refuse(track, "JSON, but no camera script: it has no \"keyframes\"", error);
+	return is_script ? ECO_OK
+			 : refuse(track, "JSON, but no camera script: it has no \"keyframes\"", error);
 }
 
 static enum eco_code find_text(struct eco_track *track, struct eco_error *error)
@@ -233,7 +235,8 @@ static enum eco_code read_text(struct eco_track *track, struct eco_error *error)
 		return code;
 	const char *name = format_names[track->format];
 	eco_track_note(track, "%s: read as %s", track->path, name);
-	code = track->format == ECO_TRACK_SRT ? read_srt(track, error) : track_read_rows(track, FORMATS, error);
+	code = track->format == ECO_TRACK_SRT ? read_srt(track, error)
+					      : track_read_rows(track, FORMATS, error);
 	if (code || track->count)
 		return code;
 	return !track->skipped ? eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s. "

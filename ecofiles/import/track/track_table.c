@@ -1,7 +1,7 @@
-/* Tables: CSV, and GPX as GDAL hands it over. Columns are found by the names that drones' logs and spreadsheets
- * give them; subtitles have the same names. A name is compared in lower case, by its letters and digits; a
- * unit in brackets or behind the last underline is taken off and used ("height_above_takeoff(feet)",
- * "x_east_m"). */
+/* Tables: CSV, and GPX as GDAL hands it over. Columns are found by the names that drones' logs and
+ * spreadsheets give them; subtitles have the same names. A name is compared in lower case, by its letters
+ * and digits; a unit in brackets or behind the last underline is taken off and used
+ * ("height_above_takeoff(feet)", "x_east_m"). */
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
