@@ -6,7 +6,7 @@
  *   payloads    copied without decoding, except summaries whose plants are renumbered
  *   summaries   of the tiles above the parts, from the parts' own
  *
- * So linking takes about as long as copying. The parts' order is that of an outer scene's children: see
+ * Linking takes about as long as copying. The parts' order is that of an outer scene's children: see
  * eco_sources for the order of tables. */
 #include "ecofiles/ecopack/link.h"
 
@@ -204,7 +204,7 @@ static enum eco_code copy_ground(struct link *l)
 	return code;
 }
 
-/* Where no part has rasters; parts without any ground stay so. */
+/* Lays ground through the plants if no part has rasters; parts without any ground stay so. */
 static enum eco_code lay_ground(struct link *l)
 {
 	bool wanted = false;
@@ -252,7 +252,7 @@ static enum eco_code add_outer(struct link *l, const struct lod_tiles *tiles)
 	return ECO_OK;
 }
 
-/* What the group's plants are by their inventories. A plant of the whole may have its name from another
+/* Adds the rows of the group's plants. A plant of the whole may have its name from another
  * part. */
 static enum eco_code add_rows(struct link *l, struct link_part *part, const struct eco_group *group)
 {

@@ -59,7 +59,7 @@ static void write_ladder(struct eco_writer *w, const struct eco_scene *s, uint32
 		eco_curve_write(w, &s->curves[ladder->curve_first + i]);
 }
 
-/* Of textures, which are linked before, the whole's numbers. */
+/* Textures are linked before and have the whole's numbers. */
 static void write_list(struct eco_writer *w, const struct link_part *part, const struct eco_list *list,
 	uint32_t list_first, uint32_t color_first)
 {

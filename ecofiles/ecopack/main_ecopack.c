@@ -32,7 +32,7 @@ static enum eco_code read_confine(const char *text, void *value, struct eco_erro
 	return ECO_OK;
 }
 
-/* What a file names and may not be read is missing or forbidden to its reader, which knows no more. */
+/* A reader finds a file missing or forbidden and knows no more; the option that forbids it is named here. */
 static enum eco_code made_confined(const struct make_options *make, struct eco_error *error)
 {
 	struct eco_error why = { 0 };

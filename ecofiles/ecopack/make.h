@@ -175,7 +175,7 @@ void make_cache_begin(void);
 /* False if the program's file cannot be read: then keep nothing. */
 bool make_cache_key(struct main_cache_key *key, const struct eco_model *model,
 	const struct lod_plant_options *options);
-/* Of bytes that follow from so many others by this program alone; `what` tells kinds of entries apart. */
+/* The key of what this program makes of these bytes; `what` tells kinds of entries apart. */
 bool make_cache_bytes_key(struct main_cache_key *key, const char *what, const void *bytes, size_t size);
 /* Fetches the plant, as lod_plant_measure left it, and gives it that name; false: not in the cache. */
 bool make_cache_get(struct main_cache *cache, const struct main_cache_key *key, const struct eco_model *model,
@@ -213,7 +213,7 @@ enum eco_code make_summing_run(struct make_summing *summing, uint32_t first, uin
 enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile);
 void make_summing_end(struct make_summing *summing);
 enum eco_code make_summaries(struct make *m);        /* of all tiles */
-/* What the next place of section PLACES, of that plant, is by its inventory. Names are kept. */
+/* Adds the row of the next place of section PLACES, which has that plant. Names are copied. */
 enum eco_code make_inventory_add(struct make *m, uint32_t plant, const struct eco_inventory_row *row);
 /* Packs them, as the last list, unless there is nothing to be said of any. */
 enum eco_code make_inventory_pack(struct make *m);
@@ -245,7 +245,7 @@ struct make_texture {
 	uint32_t list;               /* in the pack, once it is there; before, the caller's */
 };
 
-/* Where a texture is in m->textures, which it joins, or makes finer, if need be. */
+/* Finds a texture in m->textures, adds it, or makes the one there finer. */
 enum eco_code make_share_texture(struct make *m, const struct make_texture *texture, uint32_t *at);
 
 /* Packs the textures of all plants, and sets their `images`. */

@@ -79,7 +79,7 @@ enum eco_code make_ground_finish(struct make *m)
 	return code;
 }
 
-/* What can hardly be meant: slopes that no land has. */
+/* Reports slopes that no land has: a unit may be wrong. */
 static void doubt_ground(const struct make *m)
 {
 	const struct eco_ground *g = &m->ground;

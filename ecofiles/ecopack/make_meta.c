@@ -136,7 +136,7 @@ const char *make_ground_origin(const struct make *m)
 	return m->ground_through ? MAKE_GROUND_THROUGH : m->has_ground ? "rasters" : "none";
 }
 
-/* Where the origin lies on Earth; null without a CRS that PROJ knows. */
+/* The origin's place on Earth; null without a CRS that PROJ knows. */
 static json_t *place_json(const struct eco_source *outer)
 {
 	struct eco_crs_place place;

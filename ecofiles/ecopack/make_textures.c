@@ -44,7 +44,7 @@ static struct make_texture describe(struct lod_texture *texture)
 	return t;
 }
 
-/* Where each plant's textures are among the shared ones. */
+/* Finds each plant's textures among the shared ones. */
 static enum eco_code find(struct make *m)
 {
 	enum eco_code code = ECO_OK;

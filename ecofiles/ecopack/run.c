@@ -71,7 +71,7 @@ void main_progress_left(char text[32], double elapsed_s, double share)
 		snprintf(text, 32, ", about %.0f min left", fmin(left_s / 60, 1e6));
 }
 
-/* What is left of a stage, by how long it took so far. */
+/* Estimates what is left of a stage from the time that it took so far. */
 static void find_left(char text[32], const char *stage, double now, double share)
 {
 	if (strncmp(stage_now.name, stage, sizeof stage_now.name - 1) != 0) {

@@ -541,7 +541,7 @@ static void verify_says(const struct eco_bytes *levels, uint32_t count, uint32_t
 	fclose(out);
 }
 
-/* So many leaves on a sphere: a plant worth two levels. */
+/* Leaves on a sphere, enough for two levels. */
 static void write_sphere(const char *name, uint32_t leaves)
 {
 	FILE *file = open_text(name);
@@ -554,7 +554,7 @@ static void write_sphere(const char *name, uint32_t leaves)
 	assert_int_equal(fclose(file), 0);
 }
 
-/* What a hash does not tell: the bytes of a level are no level, or another one. */
+/* Hashes hold, but the bytes of a level are no level, or another one. */
 UNIT_TEST(test_damaged_impostors_are_named)
 {
 	struct eco_error error = { 0 };

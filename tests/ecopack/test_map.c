@@ -281,7 +281,7 @@ UNIT_TEST(test_the_same_scene_gives_the_same_picture)
 #define UTM "\"crs\": \"EPSG:32632\", \"origin\": [691000, 5334000, 500], "
 #define TWO_MAPPED "\"map\": {\"oak\": \"oak\", \"ash\": \"ash\"}, \"height_m\": {\"column\": "
 
-/* What is written is an inventory: read as one, it gives the same plants, and each says its row. */
+/* A table that map wrote is an inventory: read as one, it gives the same plants with their rows. */
 UNIT_TEST(test_tables_are_inventories_of_the_same_plants)
 {
 	static const char *const names[] = { "table.gpkg", "table.geojson" };

@@ -31,7 +31,7 @@
 
 #define EXPORT_LEVELS 3u
 
-/* What a part's vertices have: 3 floats, 4 normalized uint16, 2 floats; and 3 uint32 a triangle. */
+/* Arrays of a part: a vertex has 3 floats, 4 normalized uint16 and 2 floats; a triangle, 3 uint32. */
 enum export_array { EXPORT_POSITION, EXPORT_COLOR, EXPORT_UV, EXPORT_INDEX, EXPORT_ARRAYS };
 
 struct export_part {             /* triangles of one material, in a file */
@@ -93,7 +93,7 @@ enum eco_code export_summary(struct export *x, uint32_t tile, char name[EXPORT_N
 enum eco_code export_instances(struct export *x, uint32_t tile);
 enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char name[EXPORT_NAME],
 	double *error_m);
-/* Of the ground only what the rasters hold; an empty name: nothing of it. */
+/* Ground that the rasters hold; an empty name: they hold nothing of the tile. */
 enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], double low[3],
 	double high[3]);
 

@@ -23,7 +23,7 @@ size_t export_array_bytes(const struct export_part *part, enum export_array arra
 	return strides[array] * (array == EXPORT_INDEX ? part->indices : part->vertices);
 }
 
-/* Of the smallest power of two that is not below |value|; of those which the filter knows. */
+/* Exponent of the smallest power of two, among those that the filter knows, that is not below |value|. */
 static int exponent_of(float value)
 {
 	int exponent;

@@ -102,7 +102,7 @@ static json_int_t add_packed_view(struct document *d, json_int_t buffer, const s
 	return view;
 }
 
-/* Of all that a view holds. */
+/* An accessor of all that a view holds. */
 static json_int_t add_accessor(struct document *d, json_int_t view, uint32_t count, int type,
 	const char *shape)
 {
@@ -207,7 +207,7 @@ static void middle_of(const struct eco_tile *tile, double middle[3])
 
 /* ---- Instances ---- */
 
-/* Of each species in a tile: translations, turns, scales and numbers, then heights and names of all. */
+/* Offsets in a tile's file: translations, turns, scales and numbers by group, then heights and names of all. */
 struct layout { size_t *group, height, name, offset, end; char **species; uint32_t count; };
 
 static size_t aligned(size_t at) { return (at + 7) & ~(size_t)7; }

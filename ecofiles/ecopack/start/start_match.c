@@ -77,7 +77,7 @@ static uint32_t model_named(const struct start *s, const char *words)
 	return ECO_NONE;
 }
 
-/* Of models that are equally good, a hash of the genus takes one, so that not all woods look alike. */
+/* Ties: a hash of the genus takes one of the models, so that not all woods look alike. */
 static struct start_match best_match(const struct start *s, const char *text)
 {
 	struct start_match match = { .model = ECO_NONE, .tier = START_LEFT_OUT,

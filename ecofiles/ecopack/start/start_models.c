@@ -347,7 +347,7 @@ static enum eco_code read_model(struct start *s, struct eco_model *model,
 		"stand for its species", own.text, s->options->models);
 }
 
-/* What cannot be read is told now, not when the scene is packed. */
+/* Models that cannot be read are reported now, not when the scene is packed. */
 static enum eco_code see_variants(struct start *s, const struct start_model *m)
 {
 	enum eco_code code = ECO_OK;

@@ -25,7 +25,7 @@ static enum eco_code keep(struct start *s, struct start_raster *raster, const ch
 	return ECO_OK;
 }
 
-/* What comes without an option is what its bands say. */
+/* A raster without an option is sorted by its bands. */
 static enum eco_code sort_raster(struct start *s, const char *path)
 {
 	struct eco_raster_extent *extent = NULL;
