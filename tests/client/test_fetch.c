@@ -140,6 +140,9 @@ static void *serve(void *ctx)
 	return NULL;
 }
 
+static const char ok[] = "HTTP/1.1 200 OK\r\nContent-Type: application/octet-stream\r\nServer-Timing: "
+	"plan;dur=7.25\r\n";
+
 static void begin(uint64_t memory_max)
 {
 	struct view_store_options options = { .memory_max = memory_max };
@@ -156,6 +159,11 @@ static void start_server(struct server given, uint64_t memory_max)
 	begin(memory_max);
 	struct server *s = &server;
 	*s = given;
+	if (given.head == ok && !given.body && !given.plan) {
+		s->body = good.bytes;
+		s->size = good.size;
+		s->declared = given.declared ? given.declared : good.size;
+	}
 	s->listener = socket(AF_INET, SOCK_STREAM, 0);
 	assert_int_equal(bind(s->listener, (struct sockaddr *)&at, sizeof at), 0);
 	assert_int_equal(listen(s->listener, 4), 0);
@@ -164,16 +172,9 @@ static void start_server(struct server given, uint64_t memory_max)
 	assert_int_equal(pthread_create(&s->thread, NULL, serve, NULL), 0);
 }
 
-static void start_busy(uint32_t busy, const char *head, const void *body, size_t size,
-	size_t declared)
-{
-	start_server((struct server){ .head = head, .busy = busy, .body = body, .size = size,
-		.declared = declared }, 0);
-}
-
 static void start(const char *head, const void *body, size_t size, size_t declared)
 {
-	start_busy(0, head, body, size, declared);
+	start_server((struct server){ .head = head, .body = body, .size = size, .declared = declared }, 0);
 }
 
 /* A client that gave up too early leaves the server waiting: that ends, too. */
@@ -225,12 +226,9 @@ static enum eco_code ask(uint64_t body_max)
 	return code;
 }
 
-static const char ok[] = "HTTP/1.1 200 OK\r\nContent-Type: application/octet-stream\r\nServer-Timing: "
-	"plan;dur=7.25\r\n";
-
 UNIT_TEST(stream_arrives_in_pieces)
 {
-	start(ok, good.bytes, good.size, good.size);
+	start_server((struct server){ .head = ok }, 0);
 	assert_int_equal(ask(0), ECO_OK);
 	assert_true(result.status == 200 && result.bytes == good.size && result.plan_ms == 7.25
 		&& !result.nothing);
@@ -247,7 +245,7 @@ UNIT_TEST(a_picture_may_be_drawn_after_so_many_bytes)
 {
 	assert_int_equal(view_marks_read(&marks, "3,70,100000000,1500", &error), ECO_OK);
 	for (refuse_at = 0; refuse_at < 3; refuse_at += 2) {
-		start(ok, good.bytes, good.size, good.size);
+		start_server((struct server){ .head = ok }, 0);
 		assert_int_equal(ask(0), refuse_at ? ECO_INTERRUPTED : ECO_OK);
 		assert_int_equal(reached_count, refuse_at ? 2 : 3);
 		assert_true(reached[0] == 3 && reached[1] == 70 && (refuse_at || reached[2] == 1500));
@@ -264,7 +262,7 @@ UNIT_TEST(each_mark_is_reached_once_and_without_what_came_later)
 	uint32_t seen = 0;
 	assert_int_equal(view_marks_read(&marks, "7ms,1,3ms,1400,5ms,1,3ms", &error), ECO_OK);
 	slow_ms = 20;
-	start(ok, good.bytes, good.size, good.size);
+	start_server((struct server){ .head = ok }, 0);
 	assert_int_equal(ask(0), ECO_OK);
 	assert_int_equal(reached_count, 5);
 	for (uint32_t i = 0; i < 4; i++) {
@@ -280,8 +278,7 @@ UNIT_TEST(each_mark_is_reached_once_and_without_what_came_later)
 /* A byte now and then keeps a connection alive, but no client waiting. */
 UNIT_TEST(an_answer_that_drips_is_given_up)
 {
-	start_server((struct server){ .head = ok, .body = good.bytes, .size = good.size,
-		.declared = good.size, .drips = true }, 0);
+	start_server((struct server){ .head = ok, .drips = true }, 0);
 	assert_true(good.size > 2000);
 	assert_int_equal(ask(0), ECO_IO);
 	assert_non_null(strstr(error.text, "bytes a second came"));
@@ -333,7 +330,7 @@ UNIT_TEST(problems_become_readable_errors)
 
 UNIT_TEST(a_busy_server_is_asked_again)
 {
-	start_busy(3, ok, good.bytes, good.size, good.size);
+	start_server((struct server){ .head = ok, .busy = 3 }, 0);
 	assert_int_equal(ask(0), ECO_OK);
 	assert_int_equal(error.code, ECO_OK);
 	assert_true(result.status == 200 && result.bytes == good.size && view_store_plan(store)->vertices
@@ -354,8 +351,7 @@ UNIT_TEST(a_server_that_is_asked_too_much_is_asked_again)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		double begun_ms = view_clock_ms();
 		if (cases[i].waits)
-			start_server((struct server){ .head = ok, .busy = 2, .busy_head = cases[i].head,
-				.body = good.bytes, .size = good.size, .declared = good.size }, 0);
+			start_server((struct server){ .head = ok, .busy = 2, .busy_head = cases[i].head }, 0);
 		else
 			start_server((struct server){ .head = cases[i].head, .patient = true }, 0);
 		assert_int_equal(ask(0), cases[i].waits ? ECO_OK : ECO_BAD_INPUT);
@@ -582,8 +578,7 @@ static int tear_down(void **state)
 UNIT_TEST(short_memory_asks_again_for_the_same_plan)
 {
 	char vertices[64];
-	start_server((struct server){ .head = ok, .again = 1, .body = good.bytes, .size = good.size,
-		.declared = good.size }, 20000);
+	start_server((struct server){ .head = ok, .again = 1 }, 20000);
 	assert_int_equal(ask(0), ECO_DAMAGED);
 	assert_non_null(strstr(error.text, "sent again"));
 	snprintf(vertices, sizeof vertices, "&vertices=%llu&", (unsigned long long)plan.vertices);
@@ -606,8 +601,7 @@ UNIT_TEST(views_stand_on_the_ground_below_eye_and_target)
 	for (uint32_t i = 0; i < L_COUNT; i++)
 		held[i] = scene_needs(&grove, &plan, i);
 	scene_stream(&grove, &plan, held, &then);
-	start_server((struct server){ .head = ok, .again = 1, .then = &then, .body = good.bytes,
-		.size = good.size, .declared = good.size }, 0);
+	start_server((struct server){ .head = ok, .again = 1, .then = &then }, 0);
 	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test", server.port);
 	assert_int_equal(view_fetch_new(&fetch, &(struct view_fetch_options){ .url = url }, &error), ECO_OK);
 	assert_ok(view_stand(fetch, store, &request, &result, &error), error);

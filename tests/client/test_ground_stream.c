@@ -7,10 +7,7 @@
 #include "client-min/draw/view_gl.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_select.h"
-#include "server/stream.h"
-#include "tests/support/files.h"
-#include "tests/support/ground_tiles.h"
-#include "tests/support/scene_packs.h"
+#include "tests/support/serve/served.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -34,23 +31,14 @@ static double hills(double x, double y)
 
 static int open_all(void **state)
 {
-	struct eco_ground ground = ground_make(SIDE, SIDE, -HALF_M, -HALF_M, STEP_M, hills);
-	struct eco_error error = { 0 };
-	folder_make("build/tmp");
-	remove(PATH);
-	srv_store_init(&store);
-	if (sample_pack_write_on(PATH, &ground, true, &error) || srv_store_add(&store, "hills", PATH, &error))
-		fail_msg("%s", error.text);
-	scene = srv_store_find(&store, "hills");
+	scene = served_sample(&store, PATH, SIDE, STEP_M, true, hills);
 	assert_non_null(scene);
-	eco_ground_free(&ground);
 	return 0;
 }
 
 static int close_all(void **state)
 {
 	srv_store_free(&store);
-	remove(PATH);
 	return 0;
 }
 
@@ -82,20 +70,11 @@ static uint32_t ground_tiles(const struct srv_step *step)
 
 static struct view_store *receive(struct view_store *into, const struct srv_stream *stream)
 {
-	struct eco_wire_parser *parser;
 	struct eco_error error = { 0 };
-	struct srv_body body;
 	if (!into)
 		assert_int_equal(view_store_new(&into, &(struct view_store_options){ 0 }, NULL), ECO_OK);
 	view_store_begin(into);
-	assert_int_equal(eco_wire_parser_new(&parser, &view_store_events, into, NULL), ECO_OK);
-	assert_int_equal(srv_stream_write(stream, &body, &error), ECO_OK);
-	for (uint32_t i = 0; i < body.piece_count && !error.code; i++)
-		eco_wire_feed(parser, body.pieces[i].bytes, body.pieces[i].size, &error);
-	if (error.code || eco_wire_finish(parser, &error))
-		fail_msg("%s", error.text);
-	eco_wire_parser_free(parser);
-	srv_body_free(&body);
+	assert_ok(served_feed(into, stream, NULL, &error), error);
 	assert_int_equal(view_store_stats(into).chunks_twice, 0);
 	return into;
 }

@@ -9,16 +9,12 @@
 #include "client-min/view_cache.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_select.h"
-#include "server/stream.h"
-#include "tests/support/files.h"
-#include "tests/support/ground_tiles.h"
-#include "tests/support/scene_packs.h"
+#include "tests/support/serve/served.h"
 #include "tests/support/unit_test.h"
 
 #define PATH "build/tmp/cache.eco"
 #define SIDE 257u
 #define STEP_M 3.0
-#define HALF_M (STEP_M * (SIDE - 1) / 2)
 #define WIDTH 120u
 #define HEIGHT 80u
 
@@ -29,23 +25,13 @@ static double hills(double x, double y) { return 8 * sin(0.021 * x) * cos(0.017 
 
 static int open_pack(void **state)
 {
-	struct eco_ground ground = ground_make(SIDE, SIDE, -HALF_M, -HALF_M, STEP_M, hills);
-	struct eco_error error = { 0 };
-	folder_make("build/tmp");
-	remove(PATH);
-	srv_store_init(&packs);
-	if (sample_pack_write_on(PATH, &ground, false, &error) || srv_store_add(&packs, "cache", PATH,
-		&error))
-		fail_msg("%s", error.text);
-	scene = srv_store_find(&packs, "cache");
-	eco_ground_free(&ground);
+	scene = served_sample(&packs, PATH, SIDE, STEP_M, false, hills);
 	return 0;
 }
 
 static int close_pack(void **state)
 {
 	srv_store_free(&packs);
-	remove(PATH);
 	return 0;
 }
 
@@ -255,27 +241,17 @@ static void check_bytes(const struct client *c)
 static enum eco_code answer(struct client *c, const struct eco_request *request, struct eco_error *error)
 {
 	struct eco_holdings holdings;
-	struct eco_wire_parser *parser;
 	struct srv_stream stream;
-	struct srv_body body;
+	uint64_t bytes;
 	assert_int_equal(view_store_holdings(c->store, &holdings, NULL), ECO_OK);
 	struct srv_stream_input input = { .scene = scene, .request = request, .holdings = &holdings };
 	assert_int_equal(srv_holdings_check(&scene->pack->scene, &holdings, NULL), ECO_OK);
 	assert_int_equal(srv_stream_plan(&stream, &input, NULL), ECO_OK);
 	assert_true(stream.fits && stream.body_bytes <= request->bytes);
-	assert_int_equal(srv_stream_write(&stream, &body, NULL), ECO_OK);
-	assert_int_equal(eco_wire_parser_new(&parser, &view_store_events, c->store, NULL), ECO_OK);
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < body.piece_count && !code; i++) {
-		code = eco_wire_feed(parser, body.pieces[i].bytes, body.pieces[i].size, error);
-		assert_true(!c->memory_max || view_store_stats(c->store).memory_bytes <= c->memory_max);
-	}
-	if (!code)
-		code = eco_wire_finish(parser, error);
+	enum eco_code code = served_feed(c->store, &stream, &bytes, error);
+	assert_true(!c->memory_max || view_store_stats(c->store).memory_peak_bytes <= c->memory_max);
 	c->answers++;
-	c->bytes += body.size_bytes;
-	eco_wire_parser_free(parser);
-	srv_body_free(&body);
+	c->bytes += bytes;
 	srv_stream_free(&stream);
 	free(holdings.items);
 	return code;

@@ -4,7 +4,45 @@
 #include <stdlib.h>
 
 #include "ecofiles/ecopack/make.h"
+#include "tests/support/files.h"
+#include "tests/support/ground_tiles.h"
+#include "tests/support/scene_packs.h"
 #include "tests/support/scratch.h"
+
+enum eco_code served_feed(struct view_store *held, const struct srv_stream *stream, uint64_t *bytes,
+	struct eco_error *error)
+{
+	struct eco_wire_parser *parser;
+	struct srv_body body;
+	enum eco_code code = ECO_OK;
+	assert_int_equal(eco_wire_parser_new(&parser, &view_store_events, held, NULL), ECO_OK);
+	assert_int_equal(srv_stream_write(stream, &body, NULL), ECO_OK);
+	for (uint32_t i = 0; i < body.piece_count && !code; i++)
+		code = eco_wire_feed(parser, body.pieces[i].bytes, body.pieces[i].size, error);
+	if (!code)
+		code = eco_wire_finish(parser, error);
+	if (bytes)
+		*bytes = body.size_bytes;
+	eco_wire_parser_free(parser);
+	srv_body_free(&body);
+	return code;
+}
+
+const struct srv_scene *served_sample(struct srv_store *packs, const char *path, uint32_t side, double step_m,
+	bool plain, double (*height)(double x, double y))
+{
+	double half_m = step_m * (side - 1) / 2;
+	struct eco_ground ground = ground_make(side, side, -half_m, -half_m, step_m, height);
+	struct eco_error error = { 0 };
+	folder_make("build/tmp");
+	remove(path);
+	srv_store_init(packs);
+	assert_ok(sample_pack_write_on(path, &ground, plain, &error), error);
+	assert_ok(srv_store_add(packs, "sample", path, &error), error);
+	eco_ground_free(&ground);
+	remove(path);
+	return srv_store_find(packs, "sample");
+}
 
 void served_open(struct served *seen, const char *json, const char *pack)
 {
@@ -28,19 +66,11 @@ void served_look(struct served *seen, const struct eco_view *view, double ground
 	struct eco_holdings holdings = { 0 };
 	struct srv_stream_input input = { .scene = seen->scene, .request = &request, .holdings = &holdings };
 	struct srv_stream stream;
-	struct srv_body body;
-	struct eco_wire_parser *parser;
 	struct eco_error error = { 0 };
 	assert_int_equal(view_store_holdings(seen->held, &holdings, NULL), ECO_OK);
 	assert_ok(srv_stream_plan(&stream, &input, &error), error);
 	view_store_begin(seen->held);
-	assert_int_equal(eco_wire_parser_new(&parser, &view_store_events, seen->held, NULL), ECO_OK);
-	assert_int_equal(srv_stream_write(&stream, &body, NULL), ECO_OK);
-	for (uint32_t i = 0; i < body.piece_count && !error.code; i++)
-		eco_wire_feed(parser, body.pieces[i].bytes, body.pieces[i].size, &error);
-	assert_ok(eco_wire_finish(parser, &error), error);
-	eco_wire_parser_free(parser);
-	srv_body_free(&body);
+	assert_ok(served_feed(seen->held, &stream, NULL, &error), error);
 	srv_stream_free(&stream);
 	free(holdings.items);
 	lod_eye_make(&seen->eye, view);
