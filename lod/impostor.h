@@ -37,7 +37,7 @@ struct lod_impostor {                    /* owns its arrays */
 	float *depth;
 	uint8_t (*rgb)[3];               /* sRGB, of cells: few tiles * colors * colors */
 	uint32_t cell_count;
-	struct eco_impostor_rings rings, color_rings;
+	struct eco_impostor_rings rings;
 	struct lod_impostor_tile tile[ECO_IMPOSTOR_TILES_MAX], color_tile[ECO_IMPOSTOR_TILES_MAX];
 };
 /* The level is not needed afterwards. */

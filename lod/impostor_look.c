@@ -48,7 +48,6 @@ enum eco_code lod_impostor_open(struct lod_impostor *impostor, const struct eco_
 		for (int k = 0; k < 3; k++)
 			impostor->rgb[i][k] = eco_impostor_color(level->color[3 * i + (size_t)k]);
 	eco_impostor_rings(size->set, &impostor->rings);
-	eco_impostor_rings(ECO_IMPOSTOR_FEW, &impostor->color_rings);
 	make_tiles(impostor->tile, size->set, body, impostor->radius);
 	make_tiles(impostor->color_tile, ECO_IMPOSTOR_FEW, body, impostor->radius);
 	return ECO_OK;

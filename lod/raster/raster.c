@@ -121,7 +121,6 @@ void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, dou
 		state->project[i][i] = (float)scale[i];
 	for (int i = 0; i < 2; i++)
 		state->project[i][2] = (float)(0 - state->shift[i]);
-	state->focal = (float)-scale[1];
 	struct lod_place place = state->place;
 	lod_raster_object(raster, &place);
 }

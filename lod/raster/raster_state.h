@@ -26,7 +26,6 @@ struct lod_raster_state {
 	float clip[3][4]; /* object -> x w, y w in 1/256 pixel from the picture's middle (y down), and w */
 	float view[3][4];                /* object -> right, up, forward; metres from the eye */
 	float project[3][4];             /* view -> as clip */
-	float focal;                     /* height of one metre at distance 1, in 1/256 pixels */
 	uint32_t blocks_x, blocks_y;
 	float *block;                    /* lower bound of the depths in a block; exact where not stale */
 	uint8_t *stale;
