@@ -89,7 +89,7 @@ static size_t find_descendants(void)
 	return mark_children(getpid());
 }
 
-/* Of all descendants, those that live and those that are gone. */
+/* The processor time of all descendants, living and gone. */
 static double used_s(void)
 {
 	struct rusage usage;

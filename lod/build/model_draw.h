@@ -25,7 +25,7 @@ void lod_model_draw(const struct eco_model *model, const struct lod_mask *masks,
 
 /* The masks of cut-outs, by image; of others they have no words. */
 const struct lod_mask *lod_model_masks(const struct eco_model *model, struct lod_arena *arena);
-/* That of an image of the model; NULL: it has none. `masks` may be NULL. */
+/* The mask of an image of the model; NULL: it has none. `masks` may be NULL. */
 static inline const struct lod_mask *lod_model_mask(const struct eco_model *model,
 	const struct lod_mask *masks, const struct eco_image *image)
 {

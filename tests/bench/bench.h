@@ -218,7 +218,7 @@ struct view_store;
 struct view_selection;
 double bench_gl_ms(const struct view_store *store, const struct view_selection *selection,
 	const struct eco_view *view);
-/* That picture beside full detail of the same view and the error that people see, as `file` of the report's
+/* Writes that picture beside full detail of the same view and the error that people see, as `file` of the report's
  * folder, with words under each (ASCII). Only of a client that sees. */
 enum eco_code bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,
 	const struct view_picture *picture, const char *const words[3], struct eco_error *error);

@@ -121,7 +121,7 @@ static double share_of(lod_rule *rule, const struct eco_view *view, uint64_t ver
 	return (double)drawn / (double)vertices;
 }
 
-/* Of all of the stand in view. */
+/* The sum over the stand in view. */
 static double stand_share(lod_rule *rule, uint64_t vertices, unsigned ladders)
 {
 	double size = SIDE * PLACE_M;

@@ -1,4 +1,4 @@
-/* What chunks a plan needs take, with frames: for a planner input's size. */
+/* Bytes of the chunks that a plan needs, with frames: for a planner input's size. */
 #ifndef TESTS_PLAN_SIZE_H
 #define TESTS_PLAN_SIZE_H
 
