@@ -1,5 +1,6 @@
-/* Numbers show by their size whether they are degrees, metres of a plot, or eastings and northings of a grid. They do
- * not show which grid, as zones look alike: the columns' names decide, or the terrain, or else the user. */
+/* Numbers show by their size whether they are degrees, metres of a plot, or eastings and northings of a grid.
+ * They do not show which grid, as zones look alike: the columns' names decide, or the terrain, or else the
+ * user. Longer than 600 lines: each way to decide stands beside the error that asks. */
 #include "ecofiles/import/places/place_parts.h"
 
 #include <math.h>
