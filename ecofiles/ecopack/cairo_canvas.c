@@ -56,14 +56,14 @@ enum eco_code canvas_png(cairo_t *canvas, uint8_t **bytes, size_t *size, struct 
 
 /* ---- Shapes ---- */
 
-void canvas_ink(cairo_t *canvas, struct color color)
+static void ink(cairo_t *canvas, struct color color)
 {
 	cairo_set_source_rgba(canvas, color.r, color.g, color.b, color.a);
 }
 
 void canvas_box(cairo_t *canvas, double x, double y, double width, double height, struct color fill)
 {
-	canvas_ink(canvas, fill);
+	ink(canvas, fill);
 	cairo_rectangle(canvas, x, y, width, height);
 	cairo_fill(canvas);
 }
@@ -71,7 +71,7 @@ void canvas_box(cairo_t *canvas, double x, double y, double width, double height
 void canvas_frame(cairo_t *canvas, double x, double y, double width, double height, double line,
 	struct color color)
 {
-	canvas_ink(canvas, color);
+	ink(canvas, color);
 	cairo_set_line_width(canvas, line);
 	cairo_rectangle(canvas, x, y, width, height);
 	cairo_stroke(canvas);
@@ -79,7 +79,7 @@ void canvas_frame(cairo_t *canvas, double x, double y, double width, double heig
 
 void canvas_disc(cairo_t *canvas, double x, double y, double radius, struct color fill)
 {
-	canvas_ink(canvas, fill);
+	ink(canvas, fill);
 	cairo_arc(canvas, x, y, radius, 0, 2 * M_PI);
 	cairo_fill(canvas);
 }
@@ -90,9 +90,9 @@ void canvas_outline(cairo_t *canvas, const double *points, uint32_t count, doubl
 	for (uint32_t i = 0; i < count; i++)
 		cairo_line_to(canvas, points[2 * (size_t)i], points[2 * (size_t)i + 1]);
 	cairo_close_path(canvas);
-	canvas_ink(canvas, fill);
+	ink(canvas, fill);
 	cairo_fill_preserve(canvas);
-	canvas_ink(canvas, color);
+	ink(canvas, color);
 	cairo_set_line_width(canvas, line);
 	if (line > 0)
 		cairo_stroke(canvas);
@@ -101,7 +101,7 @@ void canvas_outline(cairo_t *canvas, const double *points, uint32_t count, doubl
 
 void canvas_lines(cairo_t *canvas, const double *ends, uint32_t count, double line, struct color color)
 {
-	canvas_ink(canvas, color);
+	ink(canvas, color);
 	cairo_set_line_width(canvas, line);
 	for (uint32_t i = 0; i < count; i++, ends += 4) {
 		cairo_move_to(canvas, ends[0], ends[1]);
@@ -188,12 +188,12 @@ void canvas_text(cairo_t *canvas, double x, double y, const struct style *style,
 	cairo_move_to(canvas, 0, 0);
 	if (style->halo.a > 0) {
 		cairo_text_path(canvas, cleaned);
-		canvas_ink(canvas, style->halo);
+		ink(canvas, style->halo);
 		cairo_set_line_width(canvas, style->size / 3.5);
 		cairo_stroke(canvas);
 		cairo_move_to(canvas, 0, 0);
 	}
-	canvas_ink(canvas, style->color.a > 0 ? style->color : COLOR(0x303030));
+	ink(canvas, style->color.a > 0 ? style->color : COLOR(0x303030));
 	cairo_show_text(canvas, cleaned);
 	cairo_restore(canvas);
 	cairo_new_path(canvas);

@@ -34,7 +34,6 @@ struct style {
 cairo_t *canvas_new(uint32_t width, uint32_t height);
 enum eco_code canvas_png(cairo_t *canvas, uint8_t **bytes, size_t *size, struct eco_error *error);
 
-void canvas_ink(cairo_t *canvas, struct color color);
 void canvas_box(cairo_t *canvas, double x, double y, double width, double height, struct color fill);
 void canvas_frame(cairo_t *canvas, double x, double y, double width, double height, double line,
 	struct color color);

@@ -218,8 +218,6 @@ enum eco_code make_inventory_add(struct make *m, uint32_t plant, const struct ec
 /* Packs them, as the last list, unless there is nothing to be said of any. */
 enum eco_code make_inventory_pack(struct make *m);
 void make_inventory_free(struct make *m);
-/* Counts a plant of a species, as eco_inventory_row has it or the plant is named. */
-enum eco_code make_species_count(struct make *m, uint32_t plant, const char *species);
 /* Adds "species" to plants of META that are of any: {"of": how many, "most": [[name, or null where rows state
  * none, plants], ...]}, the commonest first, as many as fit a legend. */
 enum eco_code make_species_say(const struct make *m, json_t *plants);

@@ -127,20 +127,34 @@ static void add_options(XXH3_state_t *hash, const struct lod_plant_options *opti
 	ADD(hash, options->importance);
 }
 
+/* False if the program's file cannot be read; else *hash has the program. */
+static bool key_begin(XXH3_state_t **hash)
+{
+	*hash = XXH3_createState();
+	make_cache_begin();
+	if (!*hash || !program.known)
+		return false;
+	XXH3_128bits_reset(*hash);
+	ADD(*hash, program.hash.low64);
+	ADD(*hash, program.hash.high64);
+	return true;
+}
+
+static void key_end(struct main_cache_key *key, const XXH3_state_t *hash)
+{
+	XXH128_canonical_t canonical;
+	XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(hash));
+	memcpy(key->bytes, canonical.digest, sizeof key->bytes);
+}
+
 bool make_cache_bytes_key(struct main_cache_key *key, const char *what, const void *bytes, size_t size)
 {
-	XXH3_state_t *hash = XXH3_createState();
-	make_cache_begin();
-	bool ok = hash && program.known;
+	XXH3_state_t *hash;
+	bool ok = key_begin(&hash);
 	if (ok) {
-		XXH128_canonical_t canonical;
-		XXH3_128bits_reset(hash);
-		ADD(hash, program.hash.low64);
-		ADD(hash, program.hash.high64);
 		add(hash, what, strlen(what));
 		add(hash, bytes, size);
-		XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(hash));
-		memcpy(key->bytes, canonical.digest, sizeof key->bytes);
+		key_end(key, hash);
 	}
 	XXH3_freeState(hash);
 	return ok;
@@ -151,18 +165,12 @@ bool make_cache_bytes_key(struct main_cache_key *key, const char *what, const vo
 bool make_cache_key(struct main_cache_key *key, const struct eco_model *model,
 	const struct lod_plant_options *options)
 {
-	XXH3_state_t *hash = XXH3_createState();
-	make_cache_begin();
-	bool ok = hash && program.known;
+	XXH3_state_t *hash;
+	bool ok = key_begin(&hash);
 	if (ok) {
-		XXH3_128bits_reset(hash);
-		ADD(hash, program.hash.low64);
-		ADD(hash, program.hash.high64);
 		add_model(hash, model);
 		add_options(hash, options);
-		XXH128_canonical_t canonical;
-		XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(hash));
-		memcpy(key->bytes, canonical.digest, sizeof key->bytes);
+		key_end(key, hash);
 	}
 	XXH3_freeState(hash);
 	return ok;

@@ -8,6 +8,126 @@
 
 #include "ecofiles/base/array_grow.h"
 
+/* ---- Species ---- */
+
+/* The species that each plant of the pack stands for, and how many plants of the scene have each: for a
+ * legend, which cannot look at every plant. A nested file counts once. */
+
+#define SAID_MOST 32u    /* species of a plant that META names */
+#define PLANT_DIGITS 8u
+
+struct make_species {
+	struct eco_string_pool pairs; /* plant, as hexadecimal digits, and species */
+	uint64_t *counts;
+	uint32_t count_room;
+	uint32_t plant, pair;   /* counted last */
+};
+
+static const char *species_of(const struct make_species *s, uint32_t pair)
+{
+	return s->pairs.items[pair] + PLANT_DIGITS;
+}
+
+/* The pair's number. False: no memory. */
+static bool find_pair(struct make_species *s, uint32_t plant, const char *species, uint32_t *pair)
+{
+	char key[PLANT_DIGITS + ECO_INVENTORY_NAME_MAX + 1];
+	snprintf(key, sizeof key, "%08x%.*s", plant, (int)ECO_INVENTORY_NAME_MAX, species);
+	uint32_t before = s->pairs.count;
+	if (!eco_string_pool_add(&s->pairs, key, pair)
+			|| !eco_array_grow(&s->counts, &s->count_room, *pair, sizeof *s->counts))
+		return false;
+	if (*pair == before)
+		s->counts[*pair] = 0;
+	return true;
+}
+
+static enum eco_code make_species_count(struct make *m, uint32_t plant, const char *species)
+{
+	struct make_species *s = m->stood_species;
+	if (!s && !(s = m->stood_species = calloc(1, sizeof *s)))
+		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the species of plants");
+	if (!s->pairs.count || plant != s->plant || strcmp(species_of(s, s->pair), species) != 0)
+		if (!find_pair(s, plant, species, &s->pair))
+			return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the species of plants");
+	s->plant = plant;
+	s->counts[s->pair]++;
+	return ECO_OK;
+}
+
+/* By plant; of a plant, the commonest first. */
+static int by_most(const void *a, const void *b, void *ctx)
+{
+	const struct make_species *s = ctx;
+	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+	int plants = memcmp(s->pairs.items[x], s->pairs.items[y], PLANT_DIGITS);
+	if (plants)
+		return plants;
+	if (s->counts[x] != s->counts[y])
+		return s->counts[x] > s->counts[y] ? -1 : 1;
+	return strcmp(species_of(s, x), species_of(s, y));
+}
+
+/* {"of": number of species, "most": [[name, or null where rows state none, plants], ...]} */
+static json_t *said_of(const struct make_species *s, const uint32_t *pairs, uint32_t count)
+{
+	json_t *most = json_array();
+	for (uint32_t i = 0; i < count && i < SAID_MOST && most; i++) {
+		const char *name = species_of(s, pairs[i]);
+		bool is_stated = strcmp(name, ECO_INVENTORY_UNSTATED) != 0;
+		json_t *one = json_pack("[s?, I]", is_stated ? name : NULL, (json_int_t)s->counts[pairs[i]]);
+		if (json_array_append_new(most, one)) {
+			json_decref(most);
+			most = NULL;
+		}
+	}
+	return most ? json_pack("{s:I, s:o}", "of", (json_int_t)count, "most", most) : NULL;
+}
+
+/* False: no memory. */
+static bool say_species(const struct make_species *s, const uint32_t *order, json_t *plants)
+{
+	for (uint32_t i = 0, end; i < s->pairs.count; i = end) {
+		const char *digits = s->pairs.items[order[i]];
+		for (end = i + 1; end < s->pairs.count
+				&& memcmp(s->pairs.items[order[end]], digits, PLANT_DIGITS) == 0;)
+			end++;
+		char plant[PLANT_DIGITS + 1] = "";
+		memcpy(plant, digits, PLANT_DIGITS);
+		if (json_object_set_new(json_array_get(plants, strtoul(plant, NULL, 16)), "species",
+				said_of(s, order + i, end - i)))
+			return false;
+	}
+	return true;
+}
+
+enum eco_code make_species_say(const struct make *m, json_t *plants)
+{
+	const struct make_species *s = m->stood_species;
+	uint32_t *order = s ? malloc(((size_t)s->pairs.count + 1) * sizeof *order) : NULL;
+	if (!s)
+		return ECO_OK;
+	for (uint32_t i = 0; i < s->pairs.count && order; i++)
+		order[i] = i;
+	if (order)
+		qsort_r(order, s->pairs.count, sizeof *order, by_most, (void *)s);
+	bool good = order && say_species(s, order, plants);
+	free(order);
+	return good ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "no memory for the species of plants");
+}
+
+void make_species_free(struct make *m)
+{
+	if (!m->stood_species)
+		return;
+	eco_string_pool_free(&m->stood_species->pairs);
+	free(m->stood_species->counts);
+	free(m->stood_species);
+	m->stood_species = NULL;
+}
+
+/* ---- Rows ---- */
+
 struct make_inventory {
 	struct eco_inventory_row rows[ECO_INVENTORY_PLACES];
 	uint32_t count;
@@ -92,122 +212,4 @@ void make_inventory_free(struct make *m)
 	eco_string_pool_free(&in->names);
 	free(in);
 	m->inventory = NULL;
-}
-
-/* ---- Species ---- */
-
-/* The species that each plant of the pack stands for, and how many plants of the scene have each: for a
- * legend, which cannot look at every plant. A nested file counts once. */
-
-#define SAID_MOST 32u    /* species of a plant that META names */
-#define PLANT_DIGITS 8u
-
-struct make_species {
-	struct eco_string_pool pairs; /* plant, as hexadecimal digits, and species */
-	uint64_t *counts;
-	uint32_t count_room;
-	uint32_t plant, pair;   /* counted last */
-};
-
-static const char *species_of(const struct make_species *s, uint32_t pair)
-{
-	return s->pairs.items[pair] + PLANT_DIGITS;
-}
-
-/* The pair's number. False: no memory. */
-static bool find_pair(struct make_species *s, uint32_t plant, const char *species, uint32_t *pair)
-{
-	char key[PLANT_DIGITS + ECO_INVENTORY_NAME_MAX + 1];
-	snprintf(key, sizeof key, "%08x%.*s", plant, (int)ECO_INVENTORY_NAME_MAX, species);
-	uint32_t before = s->pairs.count;
-	if (!eco_string_pool_add(&s->pairs, key, pair)
-			|| !eco_array_grow(&s->counts, &s->count_room, *pair, sizeof *s->counts))
-		return false;
-	if (*pair == before)
-		s->counts[*pair] = 0;
-	return true;
-}
-
-enum eco_code make_species_count(struct make *m, uint32_t plant, const char *species)
-{
-	struct make_species *s = m->stood_species;
-	if (!s && !(s = m->stood_species = calloc(1, sizeof *s)))
-		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the species of plants");
-	if (!s->pairs.count || plant != s->plant || strcmp(species_of(s, s->pair), species) != 0)
-		if (!find_pair(s, plant, species, &s->pair))
-			return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the species of plants");
-	s->plant = plant;
-	s->counts[s->pair]++;
-	return ECO_OK;
-}
-
-/* By plant; of a plant, the commonest first. */
-static int by_most(const void *a, const void *b, void *ctx)
-{
-	const struct make_species *s = ctx;
-	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-	int plants = memcmp(s->pairs.items[x], s->pairs.items[y], PLANT_DIGITS);
-	if (plants)
-		return plants;
-	if (s->counts[x] != s->counts[y])
-		return s->counts[x] > s->counts[y] ? -1 : 1;
-	return strcmp(species_of(s, x), species_of(s, y));
-}
-
-/* {"of": number of species, "most": [[name, or null where rows state none, plants], ...]} */
-static json_t *said_of(const struct make_species *s, const uint32_t *pairs, uint32_t count)
-{
-	json_t *most = json_array();
-	for (uint32_t i = 0; i < count && i < SAID_MOST && most; i++) {
-		const char *name = species_of(s, pairs[i]);
-		bool is_stated = strcmp(name, ECO_INVENTORY_UNSTATED) != 0;
-		json_t *one = json_pack("[s?, I]", is_stated ? name : NULL, (json_int_t)s->counts[pairs[i]]);
-		if (json_array_append_new(most, one)) {
-			json_decref(most);
-			most = NULL;
-		}
-	}
-	return most ? json_pack("{s:I, s:o}", "of", (json_int_t)count, "most", most) : NULL;
-}
-
-/* False: no memory. */
-static bool say_species(const struct make_species *s, const uint32_t *order, json_t *plants)
-{
-	for (uint32_t i = 0, end; i < s->pairs.count; i = end) {
-		const char *digits = s->pairs.items[order[i]];
-		for (end = i + 1; end < s->pairs.count
-				&& memcmp(s->pairs.items[order[end]], digits, PLANT_DIGITS) == 0;)
-			end++;
-		char plant[PLANT_DIGITS + 1] = "";
-		memcpy(plant, digits, PLANT_DIGITS);
-		if (json_object_set_new(json_array_get(plants, strtoul(plant, NULL, 16)), "species",
-				said_of(s, order + i, end - i)))
-			return false;
-	}
-	return true;
-}
-
-enum eco_code make_species_say(const struct make *m, json_t *plants)
-{
-	const struct make_species *s = m->stood_species;
-	uint32_t *order = s ? malloc(((size_t)s->pairs.count + 1) * sizeof *order) : NULL;
-	if (!s)
-		return ECO_OK;
-	for (uint32_t i = 0; i < s->pairs.count && order; i++)
-		order[i] = i;
-	if (order)
-		qsort_r(order, s->pairs.count, sizeof *order, by_most, (void *)s);
-	bool good = order && say_species(s, order, plants);
-	free(order);
-	return good ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "no memory for the species of plants");
-}
-
-void make_species_free(struct make *m)
-{
-	if (!m->stood_species)
-		return;
-	eco_string_pool_free(&m->stood_species->pairs);
-	free(m->stood_species->counts);
-	free(m->stood_species);
-	m->stood_species = NULL;
 }

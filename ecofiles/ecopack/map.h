@@ -83,9 +83,6 @@ static inline enum eco_code map_no_memory(struct map *m)
  * points. */
 enum eco_code map_write(struct map *m, const char *path, uint32_t pixels);
 
-/* Writes all plants that were gathered as a table with points (gis_files.h). */
-enum eco_code map_write_table(struct map *m, const char *path);
-
 static inline void map_extend(struct map_bounds *b, double x, double y)
 {
 	b->low[0] = x < b->low[0] ? x : b->low[0];

@@ -222,7 +222,8 @@ static void point_of(void *ctx, uint64_t index, struct eco_point *out)
 		(double)p->height_m, p->row, p->line };
 }
 
-enum eco_code map_write_table(struct map *m, const char *path)
+/* Writes all plants that were gathered as a table with points (gis_files.h). */
+static enum eco_code map_write_table(struct map *m, const char *path)
 {
 	const struct eco_source *outer = &m->sources.items[0];
 	struct eco_point_table table = { .name = "plants", .crs = outer->crs, .count = m->points.count,

@@ -251,8 +251,6 @@ void main_times_stage(enum main_stage stage)
 	mine.readers_mb = readers_mb;
 }
 
-enum main_stage main_times_now(void) { return mine.stage; }
-
 void main_times_memory(bool wanted) { by_stage = wanted; }
 
 void main_times_cache(const char *folder, uint64_t hits, uint64_t misses)
@@ -310,7 +308,7 @@ static void *help(void *ctx)
 
 void main_each(const struct main_each *what)
 {
-	struct each each = { .what = what, .stage = main_times_now() };
+	struct each each = { .what = what, .stage = mine.stage };
 	pthread_t helpers[MAIN_THREADS_MAX];
 	uint32_t wanted = what->threads < MAIN_THREADS_MAX ? what->threads : MAIN_THREADS_MAX, started = 0;
 	while (started + 1 < wanted && (started + 1) * what->run < what->count

@@ -56,7 +56,6 @@ enum main_stage {
 
 /* Sets the calling thread's stage from now on. Times of threads in one stage add up. */
 void main_times_stage(enum main_stage stage);
-enum main_stage main_times_now(void);        /* of the calling thread */
 
 /* Memory by stage resets the kernel's peak between stages, so that other tools read too little: only if
  * asked for. */

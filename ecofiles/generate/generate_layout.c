@@ -19,7 +19,9 @@
 
 /* ---- Files ---- */
 
-void gen_fail(struct gen_layout *layout, enum eco_code code, const char *format, ...)
+static void gen_fail(struct gen_layout *layout, enum eco_code code, const char *format, ...)
+	__attribute__((format(printf, 3, 4)));
+static void gen_fail(struct gen_layout *layout, enum eco_code code, const char *format, ...)
 {
 	char text[512];
 	va_list args;

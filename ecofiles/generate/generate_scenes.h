@@ -46,9 +46,6 @@ void gen_city(struct gen_layout *layout);
 
 /* ---- Shared by layouts (generate_layout.c) ---- */
 
-/* Sets layout->code. */
-void gen_fail(struct gen_layout *layout, enum eco_code code, const char *format, ...)
-	__attribute__((format(printf, 3, 4)));
 /* False where the caller, or a failure before, stops it. */
 bool gen_progress(struct gen_layout *layout, const char *stage, double share);
 

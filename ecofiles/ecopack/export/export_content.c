@@ -207,7 +207,7 @@ static void middle_of(const struct eco_tile *tile, double middle[3])
 
 /* ---- Instances ---- */
 
-/* Offsets in a tile's file: translations, turns, scales and numbers by group, then heights and names of all. */
+/* Offsets in a tile's file: translations, turns, scales and numbers by group, then heights and names. */
 struct layout { size_t *group, height, name, offset, end; char **species; uint32_t count; };
 
 static size_t aligned(size_t at) { return (at + 7) & ~(size_t)7; }

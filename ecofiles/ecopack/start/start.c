@@ -56,7 +56,7 @@ void start_say(const char *format, ...)
 	fflush(stdout);
 }
 
-void start_free(struct start *s)
+static void start_free(struct start *s)
 {
 	for (uint32_t i = 0; i < s->model_count; i++) {
 		for (uint32_t k = 0; k < s->models[i].path_count; k++)

@@ -91,7 +91,6 @@ enum eco_code start_match_species(struct start *s);
 enum eco_code start_models_see(struct start *s);
 enum eco_code start_scene(struct start *s);
 enum eco_code start_write(struct start *s);
-void start_free(struct start *s);
 
 /* Keeps a guess and prints it. `change`: the option or the field that changes it; "" if nothing does. */
 enum eco_code start_guess(struct start *s, const char *what, const char *took, const char *change,
@@ -110,8 +109,5 @@ static inline const char *start_column(const struct start *s, uint32_t column)
 {
 	return column == ECO_NONE ? NULL : s->table.columns[column];
 }
-
-/* A camera script of one picture: from above the ground to the middle of the plants. Malloc'ed. */
-enum eco_code start_camera(const struct map *map, char **text, struct eco_error *error);
 
 #endif

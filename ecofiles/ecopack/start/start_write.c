@@ -63,62 +63,6 @@ static enum eco_code name_files(struct writing *w)
 	return ECO_OK;
 }
 
-/* ---- Content ---- */
-
-static enum eco_code write_camera(struct writing *w)
-{
-	char *text = NULL;
-	enum eco_code code = start_camera(&w->map, &text, w->start->error);
-	if (!code)
-		code = eco_file_write(w->beside[CAMERA], text, strlen(text), w->start->error);
-	free(text);
-	return code;
-}
-
-/* The scene is read back as make reads it: what is wrong with it shows now. */
-static enum eco_code write_all(struct writing *w)
-{
-	struct start *s = w->start;
-	w->map.error = s->error;
-	enum eco_code code = eco_file_write(w->beside[SCENE], s->scene, strlen(s->scene), s->error);
-	if (!code)
-		code = map_gather(&w->map, w->beside[SCENE]);
-	if (!code && w->map.total == 0)
-		code = eco_fail(s->error, ECO_BAD_INPUT, "%.200s: no row became a plant", s->options->table);
-	if (!code)
-		code = write_camera(w);
-	return code ? code : map_write(&w->map, w->beside[MAP], MAP_PIXELS);
-}
-
-static enum eco_code give_names(struct writing *w)
-{
-	for (int i = 0; i < FILES; i++)
-		if (rename(w->beside[i], w->path[i]) != 0)
-			return eco_fail_write(w->start->error, w->path[i], errno);
-	return ECO_OK;
-}
-
-enum eco_code start_write(struct start *s)
-{
-	struct writing w = { .start = s };
-	enum eco_code code = name_files(&w);
-	if (!code)
-		code = write_all(&w);
-	if (!code)
-		code = give_names(&w);
-	if (!code && w.map.off_ground > 0)
-		main_note("%s: %llu of %llu plants stand beyond its border", s->dem.path,
-			(unsigned long long)w.map.off_ground, (unsigned long long)w.map.total);
-	for (int i = 0; i < FILES; i++) {
-		if (w.beside[i])
-			unlink(w.beside[i]);
-		free(w.beside[i]);
-		free(w.path[i]);
-	}
-	map_free(&w.map);
-	return code;
-}
-
 /* ---- The camera ---- */
 
 /* The first look: from the south and a little above, at where many plants stand, near enough that a plant is
@@ -238,7 +182,8 @@ static double tall_m(const struct map *m)
 	return tall > 0 ? tall : UNKNOWN_M;
 }
 
-enum eco_code start_camera(const struct map *map, char **text, struct eco_error *error)
+/* A camera script of one picture, malloc'ed. */
+static enum eco_code start_camera(const struct map *map, char **text, struct eco_error *error)
 {
 	double middle[2] = { 0, 0 }, reach = 0, tall = tall_m(map);
 	*text = NULL;
@@ -261,4 +206,60 @@ enum eco_code start_camera(const struct map *map, char **text, struct eco_error 
 		return ECO_OK;
 	*text = NULL;
 	return eco_fail(error, ECO_NO_MEMORY, "no memory for the camera");
+}
+
+/* ---- Content ---- */
+
+static enum eco_code write_camera(struct writing *w)
+{
+	char *text = NULL;
+	enum eco_code code = start_camera(&w->map, &text, w->start->error);
+	if (!code)
+		code = eco_file_write(w->beside[CAMERA], text, strlen(text), w->start->error);
+	free(text);
+	return code;
+}
+
+/* The scene is read back as make reads it: what is wrong with it shows now. */
+static enum eco_code write_all(struct writing *w)
+{
+	struct start *s = w->start;
+	w->map.error = s->error;
+	enum eco_code code = eco_file_write(w->beside[SCENE], s->scene, strlen(s->scene), s->error);
+	if (!code)
+		code = map_gather(&w->map, w->beside[SCENE]);
+	if (!code && w->map.total == 0)
+		code = eco_fail(s->error, ECO_BAD_INPUT, "%.200s: no row became a plant", s->options->table);
+	if (!code)
+		code = write_camera(w);
+	return code ? code : map_write(&w->map, w->beside[MAP], MAP_PIXELS);
+}
+
+static enum eco_code give_names(struct writing *w)
+{
+	for (int i = 0; i < FILES; i++)
+		if (rename(w->beside[i], w->path[i]) != 0)
+			return eco_fail_write(w->start->error, w->path[i], errno);
+	return ECO_OK;
+}
+
+enum eco_code start_write(struct start *s)
+{
+	struct writing w = { .start = s };
+	enum eco_code code = name_files(&w);
+	if (!code)
+		code = write_all(&w);
+	if (!code)
+		code = give_names(&w);
+	if (!code && w.map.off_ground > 0)
+		main_note("%s: %llu of %llu plants stand beyond its border", s->dem.path,
+			(unsigned long long)w.map.off_ground, (unsigned long long)w.map.total);
+	for (int i = 0; i < FILES; i++) {
+		if (w.beside[i])
+			unlink(w.beside[i]);
+		free(w.beside[i]);
+		free(w.path[i]);
+	}
+	map_free(&w.map);
+	return code;
 }
