@@ -163,6 +163,54 @@ UNIT_TEST(orders_for_wrong_pixels_have_fewer)
 		fail_msg("wrong pixels sum to %.3f of the picture, by an order for Q to %.3f", ours, of_q);
 }
 
+/* Leaves [0, n) of a sparse plant, [n, 2 n) just behind them, [2 n, 3 n) elsewhere and a third as large. */
+static void stack_leaves(struct lod_foliage *f, uint32_t n)
+{
+	foliage_random(f, &(struct foliage_random){ 3 * n, 4, 1, 0.12, 12 }, &arena);
+	for (uint32_t c = 0; c < f->first[n]; c++)
+		for (int a = 0; a < 3; a++)
+			f->corner[f->first[n] + c][a] = 0.999f * f->corner[c][a];
+	for (uint32_t i = n; i < 2 * n; i++)
+		f->center[i] = lod_v3_scale(f->center[i - n], 0.999);
+	for (uint32_t i = 2 * n; i < 3 * n; i++) {
+		f->area[i] *= 0.36;
+		for (uint32_t c = f->first[i]; c < f->first[i + 1]; c++) {
+			struct lod_v3 p = lod_v3_mix(f->center[i], lod_v3_of(f->corner[c]), 0.6);
+			f->corner[c][0] = (float)p.x, f->corner[c][1] = (float)p.y;
+			f->corner[c][2] = (float)p.z;
+		}
+	}
+}
+
+UNIT_TEST(a_second_layer_waits_for_smaller_leaves_elsewhere)
+{
+	enum { N = 60 };
+	struct lod_foliage f;
+	uint32_t place[3 * N], doubled = 0;
+	begin();
+	stack_leaves(&f, N);
+	struct lod_rank rank = make(&f, (struct lod_rank_options){ .leaves = true, .views = 24 });
+	for (uint32_t i = 0; i < 3 * N; i++)
+		place[rank.order[i]] = i;
+	for (uint32_t i = 0; i < N; i++)
+		doubled += place[i] < 2 * N && place[N + i] < 2 * N;
+	if (doubled > N / 10)
+		fail_msg("%u of %u leaves are there twice, before smaller ones alone", doubled, N);
+}
+
+UNIT_TEST(leaves_of_a_sparse_plant_grow_no_further_than_they_are_worth)
+{
+	struct lod_foliage f;
+	double sum = 0;
+	begin();
+	foliage_random(&f, &(struct foliage_random){ 150, 4, 1, 0.08, 13 }, &arena);
+	struct lod_rank rank = make(&f, (struct lod_rank_options){ .leaves = true, .views = 24 });
+	for (uint32_t i = 0; i < 30; i++)
+		sum += eco_growth(rank.growth[rank.order[i]], 5) / 30;
+	if (sum > 0.5 * eco_growth(ECO_GROWTH_PLAIN, 5))
+		fail_msg("the first leaves grow %.2f times, where all alike grow 5", sum);
+}
+
 /* ---- The same whatever runs it ---- */
 
 static void backwards(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
