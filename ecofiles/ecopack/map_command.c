@@ -266,7 +266,7 @@ static enum eco_code may_write(const char *path, struct eco_error *error)
 			"%.400s is there and is no PNG; it is kept. Take another name", path);
 	snprintf(folder, sizeof folder, "%.*s", last == path ? 1 : (int)(last - path),
 		last == path ? "." : path);
-	return access(folder, W_OK | X_OK) == 0 ? ECO_OK : eco_fail_write(error, folder, errno);
+	return access(folder, W_OK | X_OK) == 0 ? ECO_OK : eco_fail_write(error, path, errno);
 }
 
 /* Prints the legend's content to a terminal. */

@@ -74,7 +74,7 @@ suffixes() { # PROGRAM [COMMAND] -- OPTION...
 suffixes ecoview -- vertices bytes
 suffixes ecoload -- vertices bytes bandwidth name-from clients cold decode seed
 suffixes ecoserve -- send-rate body-bytes bodies-bytes answer-bytes kept-bytes cap-vertices cap-bytes connections plans head-ms
-suffixes ecopack make -- models cache-mb
+suffixes ecopack make -- cache-mb
 suffixes ecopack generate -- plants seed
 suffixes ecopack map -- size
 suffixes ecopack export -- from
