@@ -536,7 +536,7 @@ UNIT_TEST(trees_of_city_models_are_rows)
 			"</core:cityObjectMember><core:cityObjectMember><veg:PlantCover><veg:averageHeight>3"
 			"</veg:averageHeight></veg:PlantCover></core:cityObjectMember>",
 			"gml_id / (11 21 500) t", "its PlantCover are passed over", "EPSG:25832" },
-		{ "degrees.gml", "urn:ogc:def:crs:EPSG::4979", TREE("<veg:lod1Geometry>" AT("48.1 11.5 520")
+		{ "globe.gml", "urn:ogc:def:crs:EPSG::4979", TREE("<veg:lod1Geometry>" AT("48.1 11.5 520")
 			"</veg:lod1Geometry>") TREE(""), "gml_id / (11.5 48.1 520) t / empty t", NULL, "EPSG:4979" },
 		{ "nowhere.gml", "urn:adv:crs:plan", TREE("<veg:lod1Geometry>" AT("1 2 3") "</veg:lod1Geometry>"),
 			"gml_id / (1 2 3) t", NULL, NULL },
