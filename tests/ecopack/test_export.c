@@ -30,24 +30,12 @@
 
 static double slope(double x, double y) { return 0.1 * x + sin(0.05 * y); }
 
-static void remove_tiles(const char *dir)
-{
-	static const char *const below[] = { "/plants", "/tiles", "" };
-	for (size_t i = 0; i < sizeof below / sizeof *below; i++) {
-		char path[200];
-		snprintf(path, sizeof path, "%s%s", dir, below[i]);
-		folder_empty(path);
-		rmdir(path);
-	}
-}
-
 static int make_pack(void **state)
 {
 	struct eco_error error = { 0 };
 	struct eco_ground ground = ground_make(90, 70, -8, -8, 8, slope);
+	assert_int_equal(system("rm -rf " ROOT), 0);
 	folder_make(ROOT);
-	remove_tiles(DIR);
-	remove_tiles(PLAIN);
 	main_progress_quiet(true);
 	assert_ok(eco_ground_extend(&ground, &error), error);
 	assert_ok(sample_pack_write_on(ROOT "/sample.eco", &ground, true, &error), error);
