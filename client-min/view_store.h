@@ -42,8 +42,8 @@ struct view_store_options {
 	uint64_t memory_max;
 	/* decode textures and their outlines; false: their payloads are dropped */
 	bool images;
-	/* decode nothing: count chunks, and check that none comes twice or out of order. Of a plan there are
-	 * then only its vertices and its prediction */
+	/* decode nothing: count chunks, and check that none comes twice or out of order. A plan then has
+	 * only its vertices and its prediction */
 	bool counts;
 	/* told of each plan that has come, and what it predicts (eco_predicted_q); may be NULL */
 	void (*planned)(void *ctx, double predicted_q);

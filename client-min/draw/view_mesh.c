@@ -108,7 +108,7 @@ static double side_of(const struct eco_image *image, const double from[2], const
 
 /* The mean light (1/65535) of the opaque texels under a pixel, which in software takes the place of
  * filtering: uv at the pixel's centre, and one pixel to the right and one down. A pixel within a texel mixes
- * it with its neighbours. Where nothing is opaque it is the texel at the centre. */
+ * it with its neighbours. If nothing is opaque, it is the texel at the centre. */
 static void texture_mean(const struct eco_image *image, const double uv[3][2], double light[3])
 {
 	struct lod_light sum = { .weight = 0 };

@@ -1,6 +1,6 @@
 /* The land from above. The ground is lit from the north-west, as is usual on maps, and pale, so that plants
  * stand out. With room, each plant is a dot, larger the taller it is; tall ones are drawn first, so that
- * small ones stay visible. Where dots would only hide each other, the map shows density: a pixel has the mean
+ * small ones stay visible. If dots would hide each other, the map shows density: a pixel has the mean
  * colour of its plants, the fuller the more there are. Contour lines, by marching over triangles of cells of
  * a few pixels, are drawn over the plants, which would hide the shape of the land. */
 #include <math.h>

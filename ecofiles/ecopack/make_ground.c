@@ -196,8 +196,8 @@ void make_ground_free(struct make *m)
 /* ---- Ground through plants ---- */
 
 /* The ground of a scene without rasters, laid through the feet of its plants. These come from the scene's
- * tables, which `make` and `link` both have, so that linked packs get the ground of the whole. Of more than
- * FEET_MAX plants, as many are taken, each so many plants along the tree. */
+ * tables, which `make` and `link` both have, so that linked packs get the ground of the whole. Beyond
+ * FEET_MAX plants, that many are taken, evenly along the tree. */
 
 #define FEET_MAX (1u << 20)
 #define OFF_NOTED_M 0.1

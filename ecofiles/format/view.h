@@ -86,7 +86,7 @@ enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, siz
 	struct eco_error *error);
 uint32_t eco_camera_frame_count(const struct eco_camera *camera);
 /* Whether the z of eye and target count from the ground below each of them, in every frame anew, and not from
- * the scene's origin. Who draws knows the ground: client-min/view_ask.h. */
+ * the scene's origin. The drawing client knows the ground: client-min/view_ask.h. */
 bool eco_camera_above_ground(const struct eco_camera *camera);
 /* returns time_s; leaves size */
 double eco_camera_frame(const struct eco_camera *camera, uint32_t frame, struct eco_view *view);

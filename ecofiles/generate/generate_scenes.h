@@ -25,7 +25,7 @@ double gen_terrain_height(const struct gen_terrain *terrain, double x, double y)
 
 /* ---- Layouts ---- */
 
-/* Each writes its scene.json last. What fails first stays; after it nothing is written. */
+/* Each writes its scene.json last. The first error stays, and nothing is written after it. */
 struct gen_layout {
 	const struct eco_generate_options *options;
 	uint32_t plants;             /* low 32 bits of those asked for; not 0 */
