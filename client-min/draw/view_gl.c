@@ -1,3 +1,4 @@
+/* Longer than 600 lines: uploads, passes and shadow maps all work on struct view_gl, which no other file sees. */
 #include "client-min/draw/view_gl.h"
 
 #include <epoxy/gl.h>

@@ -1,3 +1,4 @@
+/* Longer than 600 lines: one state machine of a client, whose struct view_session no other file sees. */
 #include "client-min/load/view_load.h"
 
 #include <assert.h>

@@ -1,4 +1,5 @@
-/* The relaxation at a lambda: see lod/plan/allocation.h. */
+/* The relaxation at a lambda: see lod/plan/allocation.h.
+ * Longer than 600 lines: slots, gates and tiles are relaxed together. */
 #include "lod/plan/allocation.h"
 
 #include <math.h>

@@ -17,7 +17,8 @@
  * The prediction is read off the grid, whose lambdas do not depend on the budget: along it vertices never
  * fall and errors never rise, and between two lambdas both are linear, as on a lower convex hull. The
  * predicted picture is interpolated likewise, by its Q (lod/plan/expected.h). So a larger budget never
- * predicts a worse picture. */
+ * predicts a worse picture.
+ * Longer than 600 lines: these steps are one search, with one state. */
 #include "lod/plan/planner_state.h"
 
 #include <math.h>

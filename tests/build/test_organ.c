@@ -1,4 +1,5 @@
-/* Wood, foliage and flowers by shape and colour. */
+/* Wood, foliage and flowers by shape and colour.
+ * Longer than 600 lines: one table of plants and what builds them. */
 #include "lod/build/organ/organ.h"
 #include "lod/build/organ/organ_state.h"
 #include "tests/support/plant_models.h"

@@ -1,5 +1,6 @@
 /* Fetching from a server that answers well, with problems, or badly: a thread with a socket and a list of
- * canned answers. */
+ * canned answers.
+ * Longer than 600 lines: all tests share that thread. */
 #include <arpa/inet.h>
 #include <math.h>
 #include <pthread.h>

@@ -1,5 +1,6 @@
 /* More requests that no friendly client sends, place by place: what test_hostile_requests.c holds ecoserve
- * to, and what nginx 1.22.1 of Debian 12 answered to the same bytes. */
+ * to, and what nginx 1.22.1 of Debian 12 answered to the same bytes.
+ * Longer than 600 lines: one table. */
 #ifndef TESTS_HOSTILE_ROWS_H
 #define TESTS_HOSTILE_ROWS_H
 

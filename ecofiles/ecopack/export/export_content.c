@@ -1,6 +1,7 @@
 /* Contents of tiles: glTF 2.0 whose plants are instances of shared files (EXT_mesh_gpu_instancing), each with
  * its species and height (EXT_instance_features, EXT_structural_metadata). Z is up, and turned; places count
- * from the tile's middle. */
+ * from the tile's middle.
+ * Longer than 600 lines: all parts of a content fill one document and its buffer. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

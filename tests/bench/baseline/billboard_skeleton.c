@@ -71,9 +71,9 @@ static struct lod_v3 corner_at(const struct skeleton *s, uint32_t corner)
 /* ---- The tree of components ----
  *
  * Prim's algorithm on corners in cells: from the trunk upwards each component hangs on the nearest that hangs
- * already. Of each component one corner a cell stands for all that it has there; a component that is taken
- * looks for others in the cells around its own. What none has reached is looked for in cells twice as wide,
- * and so on. A cell is looked around again only for a much larger component, so the work is linear in
+ * already. One corner of a component stands for all its corners in a cell; a component that is taken looks
+ * for others in the cells around its own. Components that none has reached are looked for in cells twice as
+ * wide, and so on. A cell is looked around again only for a much larger component, so the work is linear in
  * corners. Nearness counts in half cells, and among the equally near the largest bears: a leaf hangs on its
  * twig and not on the leaf beside it. */
 

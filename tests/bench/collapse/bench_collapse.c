@@ -5,7 +5,8 @@
  * The paper compares with nothing and gives no count of leaves, no time and no frame rate; its scenes of
  * millions of trees are a matter of the renderer. The section measures Q: of levels drawn as the paper says
  * (quads of the printed size), of levels whose quads are scaled as all other methods here are
- * (bench_savings.h), without textures, and by sectors that each have a level by how they face the eye. */
+ * (bench_savings.h), without textures, and by sectors that each have a level by how they face the eye.
+ * Longer than 600 lines: the figures of one paper, from one study. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
