@@ -11,7 +11,7 @@
 #   check                the tests that a change reaches, cheapest first, in 30 s of processor time; the layers
 #   layers, headers      what each room may include; every header compiles alone
 #   lines                how long each room is, against its budget
-#   coverage             lines and branches of each room that the tests reach (gcov): an hour of processor time
+#   coverage             lines and branches of each room that the tests reach (gcov): half an hour of processor time
 #   bench [FULL=1] [DATA=DIR] [ONLY=SECTION]    error against run time, this and the literature's methods: build/bench/report.html
 #   determinism          same pack and same plans by gcc -O0, by gcc -O3, by clang and under valgrind
 #   soak [SECONDS=60]    damaged models, random requests, damages, clients, faults, attacks
