@@ -28,69 +28,70 @@ static const char *const arrivals[] = { "even", "random", NULL };
 
 static const struct eco_option option_table[] = {
 	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.load.url,
-		.help = "of a scene: http://host:port/v1/scenes/NAME", .is_required = true },
+		.help = "address of the scene: http://host:port/v1/scenes/NAME", .is_required = true },
 	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA", &given.camera,
-		.help = "a camera script, or walk, flyover or random: made for the scene",
+		.help = "a camera script; or walk, flyover or random, which are made for the scene",
 		.is_required = true },
-	{ "clients", 0, ECO_OPTION_COUNT, "N", &given.clients, 1, VIEW_CLIENTS_MAX, .help = "1 to 10000",
+	{ "clients", 0, ECO_OPTION_COUNT, "N", &given.clients, 1, VIEW_CLIENTS_MAX,
+		.help = "number of clients, 1 to 10000",
 		.is_required = true },
 	{ "seconds", 0, ECO_OPTION_NUMBER, "S", &given.load.seconds, 0.001, 1e6,
-		.help = "how long answers are due; those are then waited for, at most 10 s",
+		.help = "time in which requests are sent; answers may then take 10 s more",
 		.is_required = true },
-	{ NULL, 0, ECO_OPTION_HEADING, .help = "What is asked for" },
+	{ NULL, 0, ECO_OPTION_HEADING, .help = "Requests" },
 	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.load.vertices, 0, ECO_VERTICES_MAX,
-		.help = "budget a view; 1000000 if not given" },
+		.help = "vertices of a view; default 1000000" },
 	{ "bytes", 0, ECO_OPTION_BYTES, "M", &given.load.bytes, 0, INT64_MAX,
-		.help = "budget of each response; none if not given" },
+		.help = "bytes of each response; default: no limit" },
 	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX,
-		.help = "of the views; 800x600 if not given" },
+		.help = "size of the views in pixels; default 800x600" },
 	{ "snap", 0, ECO_OPTION_NUMBER, "M", &given.snap_m, 0.001, 1000,
-		.help = "eye and target stand on a grid of so many metres, so that views that are nearly "
-		"alike are answered by one plan; each moves by at most .87 of that" },
+		.help = "round eye and target to a grid of M metres: views that are nearly alike then "
+		"share a plan. Each moves by at most .87 M" },
 	{ "chunks", 0, ECO_OPTION_TEXT, "URL", &given.load.chunks,
-		.help = "where chunks lie that answers then name: URL/ID, up to six fetched at once" },
+		.help = "fetch chunks that answers only name from URL/ID, up to six at once" },
 	{ "name-from", 0, ECO_OPTION_BYTES, "BYTES", &given.load.name_from, 1, INT64_MAX,
-		.help = "chunks so large are named, with --chunks; 1024 if not given" },
-	{ NULL, 0, ECO_OPTION_HEADING, .help = "When" },
+		.help = "with --chunks: chunks of at least so many bytes are named; default 1024" },
+	{ NULL, 0, ECO_OPTION_HEADING, .help = "Times" },
 	{ "rate", 0, ECO_OPTION_NUMBER, "R", &given.load.rate, 0.001, 1e6,
-		.help = "open loop: so many requests a second of all clients together are due, whether "
-		"or not others were answered; without it each client asks when it has its last answer" },
+		.help = "open loop: R requests a second in all, sent whether or not earlier ones were "
+		"answered. Without it each client sends a request when its last answer is "
+		"complete" },
 	{ "arrivals", 0, ECO_OPTION_CHOICE, "KIND", &given.arrivals, .choices = arrivals,
-		.help = "of an open loop: even (if not given), or random, a Poisson process" },
+		.help = "with --rate: even (the default), or random (a Poisson process)" },
 	{ "deadline", 0, ECO_OPTION_NUMBER, "MS", &given.load.deadline_ms, 1, 1e7,
-		.help = "answers that are not whole so long after they were due have failed; 120000 if not "
-		"given" },
-	{ NULL, 0, ECO_OPTION_HEADING, .help = "What clients are like" },
+		.help = "time from due to complete after which an answer counts as failed; default "
+		"120000" },
+	{ NULL, 0, ECO_OPTION_HEADING, .help = "Clients" },
 	{ "cold", 0, ECO_OPTION_COUNT, "N", &given.cold, 0, VIEW_CLIENTS_MAX,
-		.help = "so many hold nothing: each view is a first visit, a GET on a connection of its "
-		"own" },
+		.help = "clients that hold nothing: each view is a first visit, a GET on a new "
+		"connection" },
 	{ "decode", 0, ECO_OPTION_COUNT, "N", &given.decode, 0, VIEW_CLIENTS_MAX, .given = &given.has_decode,
-		.help = "so many decode what they get and count its vertices anew, the others check "
-		"frames and hashes; 16, or all where there are fewer, if not given" },
+		.help = "clients that decode their answers and count the vertices; the others check "
+		"frames and hashes. Default 16, or all if there are fewer" },
 	{ "bandwidth", 0, ECO_OPTION_BYTES, "BYTES/S", &given.load.bandwidth_bytes_s, 1, INT64_MAX,
-		.help = "of each client's line" },
+		.help = "bandwidth of each client" },
 	{ "latency", 0, ECO_OPTION_NUMBER, "MS", &given.load.latency_ms, 0, 60000,
-		.help = "of each client's line: how long each request is on its way" },
+		.help = "delay of each request on its way" },
 	{ "resume", 0, ECO_OPTION_COUNT, "N", &given.resumes, 0, 100,
-		.help = "an answer that breaks off is asked for again so often, with what has come; 1 if not "
-		"given" },
+		.help = "attempts to continue an answer that broke off; default 1" },
 	{ "seed", 0, ECO_OPTION_COUNT, "N", &given.load.seed, 0, INT64_MAX,
-		.help = "of random views and arrivals; 1 if not given" },
-	{ NULL, 0, ECO_OPTION_HEADING, .help = "What is reported" },
+		.help = "seed of random views and arrivals; default 1" },
+	{ NULL, 0, ECO_OPTION_HEADING, .help = "Report" },
 	{ "score", 0, ECO_OPTION_COUNT, "N", &given.scores, 0, SCORES_MAX,
-		.help = "after the run, so many of its views are asked for once more, drawn, and scored "
-		"against the full scene" },
-	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "figures as JSON" },
-	{ "csv", 0, ECO_OPTION_TEXT, "FILE", &given.csv, .help = "a line an answer" }, { 0 }
+		.help = "after the run, fetch and draw N of its views once more and score them against "
+		"full detail" },
+	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "print the figures as JSON" },
+	{ "csv", 0, ECO_OPTION_TEXT, "FILE", &given.csv, .help = "write a line for each answer" }, { 0 }
 };
 
 static const struct eco_command command = { .name = "ecoload", .options = option_table,
 	.synopsis = "URL --camera CAMERA --clients N --seconds S [OPTIONS]",
-	.says = "N clients ask for the views of a camera script, each from its own place in it. Times count "
-		"from when an answer was due: in an open loop also what requests wait behind others is the "
-		"server's. A client that is refused because the server has too much to do waits as long as "
-		"it asks for. Ctrl-C ends with a report of what there is; a second one at once.",
-	.notes = "Failures and violations of budgets are failures of ecoload, too.\n" };
+	.says = "Loads a server with N clients, each of which starts at its own frame of a camera script. "
+		"Times count from the moment a request is due, so an open loop includes waiting behind other "
+		"requests. A client that gets 503 waits as long as Retry-After says. Ctrl-C ends the run and "
+		"prints the report; a second Ctrl-C ends without one.",
+	.notes = "A failed answer or one above its budget makes ecoload fail, too.\n" };
 
 struct progress { struct view_progress bar; double seconds; };
 

@@ -103,91 +103,95 @@ static const char *const tints[] = { [VIEW_TINT_NONE] = "none", [VIEW_TINT_KIND]
 
 static const struct eco_option option_table[] = {
 	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.url,
-		.help = "of a scene: http://host:port/v1/scenes/NAME", .is_required = true },
+		.help = "address of the scene: http://host:port/v1/scenes/NAME", .is_required = true },
 	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA.json", &given.camera, .help = "camera script",
 		.is_required = true },
 	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX, .is_required = true,
-		.help = "of the pictures, in pixels; at most 16384 either way and 2^26 in all" },
+		.help = "size of the pictures in pixels; at most 16384 either way and 2^26 in all" },
 	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.vertices, 0, ECO_VERTICES_MAX, .is_required = true,
-		.help = "budget a frame: points + 2 lines + 3 triangles drawn, instances counted" },
+		.help = "vertices drawn in a frame: points + 2 lines + 3 triangles, each instance "
+		"counted" },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.dir, .is_required = true,
-		.help = "where pictures and report.json go; made if missing" },
+		.help = "folder for pictures and report.json; made if missing" },
 	{ "bytes", 0, ECO_OPTION_BYTES, "M", &given.bytes, 0, INT64_MAX,
-		.help = "budget of each response; none if not given. Where not all fits, nothing coarser comes "
-		"first, and there is no picture before most of them" },
+		.help = "bytes of each response; default: no limit. A limit that cannot hold the whole "
+		"answer leaves out the coarse first pictures" },
 	{ "memory", 0, ECO_OPTION_BYTES, "SIZE", &given.memory, VIEW_MEMORY_LEAST, VIEW_MEMORY_MOST,
-		.help = "of decoded data held, such as 64M; 8G if not given: what was not needed "
-		"for the longest time goes, and is fetched again where it is needed; not of the reference" },
+		.help = "decoded data to hold, such as 64M; default 8G. The data that was needed longest "
+		"ago leaves first and is fetched again on need. The reference is not counted" },
 	{ "ground-px", 0, ECO_OPTION_NUMBER, "X", &given.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX,
-		.help = "how far the ground may be from where it is, 0.01 to 65536 pixels; 1 if not given" },
+		.help = "error of the ground in pixels, 0.01 to 65536; default 1" },
 	{ "texel-px", 0, ECO_OPTION_NUMBER, "X", &given.texel_px, ECO_TEXEL_PX_MIN, ECO_TEXEL_PX_MAX,
-		.help = "how wide a texture's texels may be where it has finer, 0.000001 to 65536 pixels; "
-		"0.03125 if not given" },
+		.help = "width of a texel on the screen in pixels, 0.000001 to 65536, where the texture "
+		"is fine enough; default 0.03125" },
 	{ "ahead", 0, ECO_OPTION_NUMBER, "S", &given.ahead_s, 0.001, 3600,
-		.help = "also ask for what the script's view so many seconds later will need; it comes last, "
-		"within --bytes, and is not waited for once the script looks elsewhere, but with --chunks" },
+		.help = "also fetch for the view that the script reaches S seconds later. These data "
+		"come last, within --bytes; without --chunks they are dropped when the script "
+		"has moved on" },
 	{ "snap", 0, ECO_OPTION_NUMBER, "M", &given.snap_m, 0.001, 1000,
-		.help = "eye and target stand on a grid of so many metres, so that views that are nearly "
-		"alike are answered by one plan; each moves by at most .87 of that" },
+		.help = "round eye and target to a grid of M metres: views that are nearly alike then "
+		"share a plan. Each moves by at most .87 M" },
 	{ "rule", 0, ECO_OPTION_CHOICE, "NAME", &given.rule, .choices = view_rules,
 		.help = "how the server spends the budget: optimal (the default), or deussen (Deussen "
-		"2002), to compare with" },
+		"2002), for comparison" },
 	{ "reference", 0, ECO_OPTION_READ, "cpu|egl", &given.reference, .read = read_reference,
 		.has_optional_value = true,
-		.help = "also draw everything at full detail, and score; by default with OpenGL on "
-		"hardware, else in software" },
+		.help = "draw each frame at full detail as well, and score it; with OpenGL on hardware, "
+		"else in software" },
 	{ "digest", 0, ECO_OPTION_FLAG, NULL, &given.digest,
-		.help = "says of each frame by two hashes what was decoded and is drawn, as a browser does" },
+		.help = "print two hashes for each frame, of the decoded data and of the drawn ranges; a "
+		"browser prints the same" },
 	{ "owners", 0, ECO_OPTION_FLAG, NULL, &given.owners,
-		.help = "also whose each pixel is, as frame-0000.owners.png: a colour for each plant, the "
-		"same in all frames, and black for what is none's" },
+		.help = "write frame-0000.owners.png: one colour for each plant, the same in all frames; "
+		"black where there is no plant" },
 	{ "compare", 0, ECO_OPTION_FLAG, NULL, &given.compare,
-		.help =
-		"with the reference: also ours, full detail and the error that people see (FLIP) side by "
-		"side, with their numbers, as compare-0000.png" },
+		.help = "with --reference: write compare-0000.png, which shows the frame, full detail "
+		"and the visible error (FLIP) side by side with their scores" },
 	{ "geojson", 0, ECO_OPTION_FLAG, NULL, &given.geojson,
-		.help = "also which plants are seen, as frame-0000.geojson: longitude and latitude (metres "
-		"where the scene has no CRS), species and what it is shown as, height, pixels, distance, how "
-		"each is drawn, and which row of which inventory it is" },
+		.help = "write frame-0000.geojson: the plants in view, each with longitude and latitude "
+		"(metres where the scene has no CRS), species, the species whose model is shown, "
+		"height, pixels, distance, representation, and its row of its inventory" },
 	{ "sun", 0, ECO_OPTION_READ, "TIME", &given.sun_s, .read = view_time_read,
-		.help = "where the sun is at that time and the scene's place, such as 2026-06-21T10:00Z" },
+		.help = "place the sun by time and the scene's place, such as 2026-06-21T10:00Z" },
 	{ "shadows", 0, ECO_OPTION_READ, "KIND[,SIZE]", &given.sky, .read = read_shadows,
-		.help = "plants cast shadows on plants and ground, by a map of SIZE x SIZE texels (1024 if "
-		"not given): standard, of texels of one size, or perspective, with more of them near the "
-		"eye; of plants out of sight those that are held, as nothing is fetched for it" },
+		.help = "draw shadows of plants on plants and ground, with a map of SIZE x SIZE texels "
+		"(default 1024). standard: texels of one size; perspective: smaller texels near "
+		"the eye. Plants outside the view cast shadows only if their data are already "
+		"there" },
 	{ "haze", 0, ECO_OPTION_NUMBER, "M", &given.sky.haze_m, 1, 1e9,
-		.help = "metres after which haze hides all but 1/e, at sea level; 5200 if not given" },
+		.help = "distance in metres at which haze at sea level leaves 1/e of the light; default "
+		"5200" },
 	{ "tint", 0, ECO_OPTION_CHOICE, "NAME", &given.tint, .choices = tints,
-		.help = "kind: colour by representation: green triangles, red lines, blue points, yellow and "
-		"orange blends, violet ellipsoids for whole plants; own: plants in their own colours, "
-		"without light, on gray ground before a black sky" },
+		.help = "kind: colour by representation (green triangles, red lines, blue points, yellow "
+		"and orange blends, violet ellipsoids for whole plants). own: the plants' own "
+		"colours without light, on gray ground before a black sky" },
 	{ "chunks", 0, ECO_OPTION_TEXT, "URL", &given.chunks,
-		.help = "fetch chunks of 1024 bytes or more by their names from URL/NAME: the scene's "
-		"URL/chunks, or a static host of what `ecopack export` wrote; others come with the stream, "
-		"and all of them once the host hangs" },
+		.help = "fetch chunks of 1024 bytes or more from URL/NAME: the scene's URL/chunks, or a "
+		"static host with the output of `ecopack export`. Smaller chunks come with the "
+		"stream, and all chunks do when the host does not answer" },
 	{ "progressive", 0, ECO_OPTION_READ, "LIST", &given.marks, .read = read_marks,
-		.help = "also draw what is there while an answer comes: after so many bytes or milliseconds, "
-		"such as 20000,50000,200ms; frame-0000-part-00.png, ... are the frames of a film, one for "
-		"each until the answer is whole" },
+		.help = "also draw the incomplete frame after so many bytes or milliseconds, such as "
+		"20000,50000,200ms, as frame-0000-part-00.png, ...; with each answer's end these "
+		"are a film" },
 	{ "explain", 0, ECO_OPTION_TEXT, "FILE.csv", &given.explain,
-		.help = "a table of why each cut of each frame is what it is; the server plans twice for "
-		"it" },
+		.help = "write a table with the reason for each cut of each frame; the server makes each "
+		"plan twice for it" },
 	{ "frames", 0, ECO_OPTION_READ, "A..B", &given, .read = read_frames,
-		.help = "only these frames of the script (inclusive)" }, { 0 } };
+		.help = "draw only these frames of the script, both included" }, { 0 } };
 
 const struct eco_command view_command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
-	"[--ground-px X] [--texel-px X] [--ahead S] [--snap M] [--rule NAME] [--reference[=cpu|egl]] [--compare] "
-	"[--tint NAME] "
+	"[--ground-px X] [--texel-px X] [--ahead S] [--snap M] [--rule NAME] [--reference[=cpu|egl]] "
+	"[--compare] [--tint NAME] "
 	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--owners] [--geojson] "
 	"[--frames A..B] [--progressive LIST] [--chunks URL] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "
 	"reference-0000.mask.png and pr-0000.png (light: right, orange: too much, blue: missing).\n\n"
-	"Scores: P and R, Precision and Recall of covered pixels; Q, 1 less the distance of P and R from 1; "
-	"skill, the gain over a picture with all covered; owner_q, Q where only the right plant counts; "
-	"soft_q, Q of how much of each pixel is covered; ceiling, the best Q without the reference's own "
-	"chance; picture_error, what people see of the difference (mean FLIP), 0 to 1.\n" };
+	"Scores: P and R, Precision and Recall of covered pixels; Q = 1 - distance of (P, R) from (1, 1); "
+	"skill, gain over a picture that is covered everywhere; owner_q, Q that counts only pixels of the "
+	"right plant; soft_q, Q by the covered part of each pixel; ceiling, the highest Q that the sampling "
+	"noise of the reference permits; picture_error, visible difference (mean FLIP), 0 to 1.\n" };
 
 enum eco_code view_options_read(int argc, char **argv, struct view_options *o, struct eco_error *error)
 {

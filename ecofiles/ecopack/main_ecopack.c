@@ -93,39 +93,37 @@ static const struct eco_option make_options[] = {
 	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &make_given.make.pack, .is_required = true,
 		.help = "the pack, which appears complete or not at all and replaces nothing but a pack" },
 	{ "draft", 0, ECO_OPTION_FLAG, NULL, &make_given.make.draft,
-		.help = "for a first look, in a fraction of the time: crowns thin out more roughly, textures "
-		"have at most 512 texels a side. The same command without it makes the pack as if there had "
-		"been no draft" },
+		.help = "a first look in a fraction of the time: crowns thin out more roughly and "
+		"textures have at most 512 texels a side. A later run without it is not affected" },
 	{ "order", 0, ECO_OPTION_CHOICE, "NAME", &make_given.order, .choices = lod_order_names,
 		.given = &make_given.order_given,
-		.help = "which leaves come first: greedy (the default: those that make most pixels right), "
-		"or a method to compare with: "
-		"stochastic, density, orientation, combined" },
+		.help = "order of leaves: greedy (the default: first those that make most pixels right); "
+		"for comparison: stochastic, density, orientation, combined" },
 	{ "jobs", 0, ECO_OPTION_COUNT, "N", &make_given.jobs, 1, 64,
-		.help = "threads; as many as there are processors if not given" },
+		.help = "threads; default: the number of processors" },
 	{ "no-rows", 0, ECO_OPTION_FLAG, NULL, &make_given.make.no_rows,
-		.help = "for packs that strangers see: leaves out which row of which inventory each plant is, "
-		"what the row says of its species, and the inventories' names" },
+		.help = "leave out inventories' names, row numbers and species texts: for packs that "
+		"strangers see" },
 	{ "confine", 0, ECO_OPTION_READ, "DIR", &make_given.confined_to, .read = read_confine,
 		.has_optional_value = true,
-		.help = "for scenes of strangers: reads only what lies below DIR, or below the scene's "
-		"folder, whatever the scene, its models, tables and rasters name; refused where the kernel "
-		"cannot enforce it" },
-	{ "times", 0, ECO_OPTION_FLAG, NULL, &make_given.times, .help = "where the time went, and the "
-		"memory, by stage" },
+		.help = "for scenes of strangers: read only files below DIR (default: the scene's "
+		"folder), whatever the scene, its models, tables and rasters name. Fails where "
+		"the kernel cannot enforce this" },
+	{ "times", 0, ECO_OPTION_FLAG, NULL, &make_given.times,
+		.help = "print time and memory of each stage" },
 	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &make_given.make.cache,
-		.help = "finished plants are kept there for the next time; $XDG_CACHE_HOME/ecostream or "
-		"~/.cache/ecostream if not given" },
+		.help = "folder that keeps finished plants for the next run; default "
+		"$XDG_CACHE_HOME/ecostream or ~/.cache/ecostream" },
 	{ "no-cache", 0, ECO_OPTION_FLAG, NULL, &make_given.uncached,
-		.help = "every plant is built" },
+		.help = "build every plant" },
 	{ "cache-mb", 0, ECO_OPTION_COUNT, "N", &make_given.cache_mb, 1, 1048576,
-		.help = "the plants used least recently leave the cache beyond this size; 2048 if not "
-		"given" }, { 0 } };
+		.help = "size of the cache in MiB; the plants used longest ago leave first; default 2048" },
+	{ 0 } };
 
 const struct main_command main_command_make = { {
 	"ecopack make", "SCENE.json -o OUT.eco [--draft | --order NAME] [--jobs N] [--no-rows] [--times] "
 		"[--cache DIR | --no-cache]",
-	"Builds a pack; every field of SCENE.json is described in ecofiles/README.md.", make_options,
+	"Builds a pack. ecofiles/README.md describes the fields of SCENE.json.", make_options,
 	main_common, NULL, NULL }, run_make };
 
 /* ---- link ---- */
@@ -152,13 +150,13 @@ static const struct eco_option link_options[] = {
 	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &link_given.pack, .help = "the pack to write",
 		.is_required = true },
 	{ "jobs", 0, ECO_OPTION_COUNT, "N", &link_given.jobs, 1, 64,
-		.help = "threads; as many as there are processors if not given" },
+		.help = "threads; default: the number of processors" },
 	{ 0 } };
 
 const struct main_command main_command_link = { { "ecopack link", "A.eco B.eco ... -o OUT.eco [--jobs N]",
 	"Makes one pack of packs that were built apart, each where its origin is.", link_options, main_common,
-	"All must have one crs. What is alike is stored once. Ground is taken from the first pack that has "
-	"some.\n", NULL }, run_link };
+	"All packs must have the same CRS. Equal data are stored once. The ground comes from the first pack "
+	"that has one.\n", NULL }, run_link };
 
 /* ---- info, verify ---- */
 
@@ -173,11 +171,11 @@ static enum eco_code run_info(int argc, char **argv, struct eco_error *error)
 
 static const struct eco_option info_options[] = {
 	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &look_given.pack, .is_required = true },
-	{ "json", 0, ECO_OPTION_FLAG, NULL, &look_given.json, .help = "for scripts" }, { 0 } };
+	{ "json", 0, ECO_OPTION_FLAG, NULL, &look_given.json, .help = "print JSON" }, { 0 } };
 
 const struct main_command main_command_info =
-	{ { "ecopack info", "OUT.eco [--json]", "Says what is in a pack.", info_options, main_common, NULL,
-	NULL }, run_info };
+	{ { "ecopack info", "OUT.eco [--json]", "Prints the contents of a pack.", info_options, main_common,
+	NULL, NULL }, run_info };
 
 static enum eco_code run_verify(int argc, char **argv, struct eco_error *error)
 {
@@ -228,20 +226,20 @@ static enum eco_code run_generate(int argc, char **argv, struct eco_error *error
 static const struct eco_option generate_options[] = {
 	{ "the name of a scene", 0, ECO_OPTION_INPUT, "NAME", &generate_given.generate.name,
 		.is_required = true,
-		.help = "one of those that ecopack --help lists" },
+		.help = "a name from the list in ecopack --help" },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &generate_given.generate.folder, .help = "the folder",
 		.is_required = true },
 	{ "plants", 0, ECO_OPTION_COUNT, "N", &generate_given.plants, 1, ECO_GENERATE_PLANTS_MAX,
-		.help = "about so many plants" },
+		.help = "number of plants, approximately" },
 	{ "detail", 0, ECO_OPTION_NUMBER, "D", &generate_given.generate.detail, 0.1, ECO_GENERATE_DETAIL_MAX,
-		.help = "woody plants have D times as many leaves, each as much smaller" },
+		.help = "number of leaves of woody plants, as a multiple; leaves shrink accordingly" },
 	{ "seed", 0, ECO_OPTION_COUNT, "S", &generate_given.generate.seed, 0, 9007199254740992.0,
-		.help = "another scene of the same kind; 1 if not given" }, { 0 } };
+		.help = "seed: another scene of the same kind; default 1" }, { 0 } };
 
 const struct main_command main_command_generate = { { "ecopack generate", "NAME -o DIR [--plants N] "
 	"[--detail D] [--seed S]",
-	"Writes an example scene with models of its own into a folder, where files of the same names are "
-	"replaced.", generate_options, main_common, NULL, NULL }, run_generate };
+	"Writes an example scene and its models into a folder; files of the same names are replaced.",
+	generate_options, main_common, NULL, NULL }, run_generate };
 
 /* ---- The program ---- */
 

@@ -501,5 +501,6 @@ static const struct eco_option options[] = {
 
 const struct main_command main_command_model = { {
 	"ecopack model", "FILE... [--unit U] [--up x|y|z] [--height M] [--json] [--as-plant]",
-	"Says what import sees in a model (several files make one plant), as SCENE.json would name it.",
+	"Prints the facts that import finds in a model, in the words of SCENE.json. Several files make one "
+	"plant.",
 	options, main_common, NULL, NULL }, run_model };

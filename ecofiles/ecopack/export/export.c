@@ -252,23 +252,23 @@ static enum eco_code run(int argc, char **argv, struct eco_error *error)
 static const struct eco_option options[] = {
 	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &given.pack, .is_required = true },
 	{ "static", 0, ECO_OPTION_TEXT, "DIR", &given.chunks,
-		.help = "chunks as files, each named by the hash of its bytes: they never change, and packs "
-		"may share a folder, which is made if missing" },
+		.help = "write chunks as files, each named by the hash of its bytes. These files never "
+		"change; packs may share a folder, which is made if missing" },
 	{ "from", 0, ECO_OPTION_COUNT, "N", &given.from, 1, INT64_MAX,
-		.help = "of chunks, only those of so many bytes; 1024 if not given, from where on ecoview "
-		"fetches chunks by their names" },
+		.help = "with --static: only chunks of at least N bytes; default 1024, from which "
+		"ecoview fetches chunks by name" },
 	{ "3dtiles", 0, ECO_OPTION_TEXT, "DIR", &given.tiles,
-		.help = "3D Tiles 1.1 for CesiumJS and others, into a folder that is not there yet; it "
-		"appears complete or not at all" },
+		.help = "write 3D Tiles 1.1 for CesiumJS and others into a new folder, which appears "
+		"complete or not at all" },
 	{ "plain", 0, ECO_OPTION_FLAG, NULL, &given.plain,
-		.help = "3D Tiles without EXT_meshopt_compression, for programs that do not read it; about "
-		"three times the bytes" },
+		.help = "3D Tiles without EXT_meshopt_compression, for programs that cannot read it; "
+		"about three times the bytes" },
 	{ 0 } };
 
 const struct main_command main_command_export = { { "ecopack export",
 	"OUT.eco [--static DIR [--from N]] [--3dtiles DIR [--plain]]",
 	"Writes a pack as plain files that any web server or object store can serve.", options, main_common,
-	"Chunks are for a server's answers that only name them: ecoview --chunks URL fetches them there. In "
-	"3D Tiles plants are instances of shared files in three levels of detail, with species and height; "
-	"far tiles are their summaries, as small triangles. ecoserve chooses for each view; these files are "
-	"chosen once.\n", NULL }, run };
+	"`ecoview --chunks URL` fetches exported chunks from any host; the server's answers then only name "
+	"them. 3D Tiles hold plants as instances of shared files in three levels of detail, with species "
+	"and height, and far tiles as summaries of small triangles. ecoserve chooses anew for each view; a "
+	"tile set has one choice for all views.\n", NULL }, run };

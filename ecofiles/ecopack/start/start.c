@@ -186,38 +186,44 @@ static const struct eco_option options[] = {
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.options.folder, .is_required = true,
 		.help = "the folder for scene.json, map.png and camera.json, which appear together or not "
 			"at all" },
-	{ "force", 0, ECO_OPTION_FLAG, NULL, &given.options.force, .help = "replaces those files" },
-	{ "crs", 0, ECO_OPTION_TEXT, "CRS", &given.options.crs, .help = "of the table's coordinates, such as "
-		"EPSG:4326 for degrees" },
-	{ "scene-crs", 0, ECO_OPTION_TEXT, "CRS", &given.options.scene_crs, .help = "of the scene: a "
-		"projected one in metres" },
-	{ "x", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.x, .help = "easting or longitude" },
-	{ "y", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.y, .help = "northing or latitude" },
+	{ "force", 0, ECO_OPTION_FLAG, NULL, &given.options.force, .help = "replace these files" },
+	{ "crs", 0, ECO_OPTION_TEXT, "CRS", &given.options.crs,
+		.help = "CRS of the table, such as EPSG:4326 for "
+		"degrees" },
+	{ "scene-crs", 0, ECO_OPTION_TEXT, "CRS", &given.options.scene_crs,
+		.help = "projected CRS of the scene, in metres" },
+	{ "x", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.x, .help = "column of eastings or longitudes" },
+	{ "y", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.y, .help = "column of northings or latitudes" },
 	{ "species-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.species,
-		.help = "species, Latin or common" },
+		.help = "column of species, Latin or common names" },
 	{ "plant", 0, ECO_OPTION_TEXT, "NAME", &given.options.plant, .help = "one model for all rows" },
 	{ "height-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.height,
-		.help = "heights of plants" },
-	{ "height-unit", 0, ECO_OPTION_TEXT, "U", &given.options.height_unit, .help = "m, cm, mm, in, ft" },
-	{ "dbh-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.dbh, .help = "diameters of trunks at "
-		"breast height" },
-	{ "dbh-unit", 0, ECO_OPTION_TEXT, "U", &given.options.dbh_unit, .help = "of diameters or girths" },
-	{ "dem", 0, ECO_OPTION_TEXT, "FILE", &given.options.dem, .help = "a raster of heights, whatever its bands "
-		"look like" },
-	{ "image", 0, ECO_OPTION_TEXT, "FILE", &given.options.image, .help = "a picture of the ground, or its "
-		"classes in colours" },
-	{ "image-crs", 0, ECO_OPTION_TEXT, "CRS", &given.options.image_crs, .help = "of the picture, where its file "
-		"says none" },
-	{ "layer", 0, ECO_OPTION_TEXT, "NAME", &given.options.layer, .help = "of a file with several" },
-	{ "separator", 0, ECO_OPTION_TEXT, "S", &given.options.separator, .help = ", ; | or tab" },
-	{ "decimal", 0, ECO_OPTION_TEXT, "S", &given.options.decimal, .help = ". or ," }, { 0 } };
+		.help = "column of heights of plants" },
+	{ "height-unit", 0, ECO_OPTION_TEXT, "U", &given.options.height_unit,
+		.help = "unit of heights: m, cm, mm, in, ft" },
+	{ "dbh-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.dbh,
+		.help = "column of trunk diameters at breast height" },
+	{ "dbh-unit", 0, ECO_OPTION_TEXT, "U", &given.options.dbh_unit,
+		.help = "unit of diameters or girths" },
+	{ "dem", 0, ECO_OPTION_TEXT, "FILE", &given.options.dem,
+		.help = "raster of heights; no guess by its bands" },
+	{ "image", 0, ECO_OPTION_TEXT, "FILE", &given.options.image,
+		.help = "picture of the ground, or its classes in colours" },
+	{ "image-crs", 0, ECO_OPTION_TEXT, "CRS", &given.options.image_crs,
+		.help = "CRS of the picture, if its file has none" },
+	{ "layer", 0, ECO_OPTION_TEXT, "NAME", &given.options.layer,
+		.help = "layer, in a file with several" },
+	{ "separator", 0, ECO_OPTION_TEXT, "S", &given.options.separator,
+		.help = "separator of columns: , ; | or tab" },
+	{ "decimal", 0, ECO_OPTION_TEXT, "S", &given.options.decimal,
+		.help = "decimal sign: . or ," }, { 0 } };
 
 const struct main_command main_command_start = { { "ecopack start",
 	"TREES MODELS [RASTER...] -o DIR [--force] "
 	"[--crs CRS] [--x COLUMN --y COLUMN] [--height-unit U] ...",
-	"Makes a scene of an inventory of plants, a folder of models and perhaps a terrain and a picture of the "
-	"ground (rasters, in any order): finds columns, units, CRS, origin, models for the species and a camera, "
-	"and says each guess with its reason and what changes it.",
+	"Makes a scene from an inventory of plants, a folder of models and optional rasters (terrain, "
+	"picture of the ground, in any order). It finds columns, units, CRS, origin, a model for each "
+	"species and a camera, and prints each guess with its reason and the option that changes it.",
 	options, main_common,
-	"Where two answers are equally good it asks: an error names them and the option that decides. It "
-	"reads nothing from the terminal.\n", NULL }, run_start };
+	"When two answers are equally good, it fails with an error that names both and the option that "
+	"decides. It never reads from the terminal.\n", NULL }, run_start };
