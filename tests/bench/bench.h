@@ -43,8 +43,6 @@ struct bench_section {
 	"tests/bench/bench_scene.o "
 #define BENCH_OBJECTS_PLANTS "ecofiles-*.a lod*.a tests-bench-baseline.a tests/bench/bench_leaves.o " \
 	"tests/bench/bench_models.o "
-#define BENCH_OBJECTS_SAVINGS "tests/bench/ladder/bench_savings*.o " \
-	"tests/bench/collapse/bench_collapse_plant.o "
 
 /* True after Ctrl-C: finish the unit, keep it, return ECO_INTERRUPTED. bench_go_on returns that or ECO_OK. */
 bool bench_stopped(const struct bench *bench);
@@ -177,20 +175,18 @@ struct bench_frame {
 	struct eco_request request;
 	struct lod_score score;
 	double predicted_q, colour_rms;      /* of sRGB bytes / 255 over pixels covered in either */
-	/* view_reference.h, and bench_widest.h; NaN unless asked for */
-	double soft_q, ceiling, picture_error, widest_px;
+	/* view_reference.h; NaN unless asked for */
+	double soft_q, ceiling, picture_error;
 	uint64_t vertices, bytes, plan_bytes;
 	double plan_ms, decode_ms, draw_ms;
 };
 struct bench_client;                 /* a pack open for many frames: a server's half and a viewer's half */
 enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error);
 void bench_client_close(struct bench_client *client);                /* NULL is fine */
-/* From now on frames have soft_q, ceiling, picture_error and widest_px: they take a few times longer. */
+/* From now on frames have soft_q, ceiling and picture_error: they take a few times longer. */
 void bench_client_see(struct bench_client *client);
 /* From now on OpenGL draws nothing: draw_ms is the rasteriser's. */
 void bench_client_untimed(struct bench_client *client);
-/* From now on references are kept in the cache, and taken from there (bench_reference.h). */
-void bench_client_keep(struct bench_client *client, const struct bench *bench);
 /* Full detail of the request's view, or the nearest to it that a plan may come, drawn by the CPU rasteriser
  * and kept for this view. `draw_ms` may be NULL. */
 enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,

@@ -13,19 +13,15 @@
 #include "client-min/view_report.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_fetch.h"
-#include "tests/bench/bench_reference.h"
-#include "tests/bench/bench_state.h"
-#include "tests/bench/pictures/bench_widest.h"
 
 struct bench_client {
 	struct srv_store scenes;
 	struct view_store *full;             /* holds full detail of all views so far */
 	struct view_store *steps;            /* holds what came in steps; NULL: nothing did */
-	struct bench_reference reference;
-	struct eco_view of;                  /* that the reference is drawn of */
+	struct view_picture reference;       /* full detail of the view `of` */
+	struct eco_view of;
+	double ceiling;                      /* of the reference; NaN: not measured */
 	bool has_reference, sees, untimed;
-	const struct bench *keeper;          /* whose cache holds references; NULL: none does */
-	char pack[512];
 };
 
 enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error)
@@ -34,7 +30,6 @@ enum eco_code bench_client_open(struct bench_client **client, const char *pack, 
 	struct bench_client *c = *client = calloc(1, sizeof *c);
 	if (!c)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory to draw %s", pack);
-	snprintf(c->pack, sizeof c->pack, "%s", pack);
 	srv_store_init(&c->scenes);
 	enum eco_code code = srv_store_add(&c->scenes, "bench", pack, error);
 	if (!code)
@@ -50,7 +45,7 @@ void bench_client_close(struct bench_client *client)
 {
 	if (!client)
 		return;
-	view_picture_free(&client->reference.picture);
+	view_picture_free(&client->reference);
 	view_store_free(client->full);
 	view_store_free(client->steps);
 	srv_store_free(&client->scenes);
@@ -59,7 +54,6 @@ void bench_client_close(struct bench_client *client)
 
 void bench_client_see(struct bench_client *client) { client->sees = true; }
 void bench_client_untimed(struct bench_client *client) { client->untimed = true; }
-void bench_client_keep(struct bench_client *client, const struct bench *bench) { client->keeper = bench; }
 
 /* ---- Drawing ---- */
 
@@ -84,7 +78,7 @@ double bench_gl_ms(const struct view_store *store, const struct view_selection *
 }
 
 /* Figures asked for beside a picture: NULL, or where to put them. */
-struct beside { double *gl_ms, *ceiling, *widest_px; bool soft; };   /* gl_ms: NaN where there is no OpenGL */
+struct beside { double *gl_ms, *ceiling; bool soft; };   /* gl_ms: NaN where there is no OpenGL */
 
 static enum eco_code draw(const struct view_store *store, const struct eco_view *view,
 	struct view_picture *picture, const struct beside *beside, struct eco_error *error)
@@ -95,8 +89,6 @@ static enum eco_code draw(const struct view_store *store, const struct eco_view 
 		code = view_measure_soft(&drawing.job, picture, error);
 	if (!code && beside->ceiling)
 		code = view_measure_ceiling(&drawing.job, picture, beside->ceiling, error);
-	if (!code && beside->widest_px)
-		*beside->widest_px = bench_widest_px(store, &drawing.selection, &drawing.eye, picture);
 	if (!code && beside->gl_ms)
 		*beside->gl_ms = bench_gl_ms(store, &drawing.selection, view);
 	view_select_free(&drawing.selection);
@@ -108,33 +100,12 @@ static enum eco_code draw(const struct view_store *store, const struct eco_view 
 static enum eco_code draw_reference(struct bench_client *client, const struct eco_view *view,
 	struct eco_error *error)
 {
-	struct bench_reference *r = &client->reference;
 	struct eco_request full = { .view = *view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED,
 		.ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
-	struct beside beside = { .ceiling = client->sees ? &r->ceiling : NULL, .soft = client->sees };
+	struct beside beside = { .ceiling = client->sees ? &client->ceiling : NULL, .soft = client->sees };
 	enum eco_code code = bench_fetch(NULL, client->scenes.scenes[0], &full, client->full, error);
-	r->ceiling = NAN;
-	if (!code)
-		code = draw(client->full, view, &r->picture, &beside, error);
-	r->summaries = view_store_summaries(client->full);
-	return code;
-}
-
-/* From the cache, or drawn and put there. */
-static enum eco_code find_reference(struct bench_client *client, const struct eco_view *view,
-	struct eco_error *error)
-{
-	char path[BENCH_REFERENCE_PATH];
-	struct eco_error why = { 0 };
-	bool keeps = client->keeper
-		&& bench_reference_path(client->keeper, client->pack, view, client->sees, path);
-	if (keeps && bench_reference_read(path, &client->reference))
-		return ECO_OK;
-	enum eco_code code = draw_reference(client, view, error);
-	/* a full disk costs the next section some time, not this one its result */
-	if (!code && keeps && bench_reference_write(path, &client->reference, &why))
-		bench_note(client->keeper, "%s; not kept", why.text);
-	return code;
+	client->ceiling = NAN;
+	return code ? code : draw(client->full, view, &client->reference, &beside, error);
 }
 
 enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,
@@ -142,21 +113,21 @@ enum eco_code bench_client_reference(struct bench_client *client, const struct e
 {
 	enum eco_code code = ECO_OK;
 	if (!client->has_reference || memcmp(&client->of, &request->view, sizeof client->of)) {
-		view_picture_free(&client->reference.picture);
-		code = find_reference(client, &request->view, error);
+		view_picture_free(&client->reference);
+		code = draw_reference(client, &request->view, error);
 		client->of = request->view;
 		client->has_reference = !code;
 	}
 	if (draw_ms)
-		*draw_ms = code ? NAN : client->reference.picture.draw_ms;
+		*draw_ms = code ? NAN : client->reference.draw_ms;
 	return code;
 }
 
-uint32_t bench_client_summaries(const struct bench_client *client) { return client->reference.summaries; }
+uint32_t bench_client_summaries(const struct bench_client *client) { return view_store_summaries(client->full); }
 
 const struct view_picture *bench_client_full(const struct bench_client *client)
 {
-	return &client->reference.picture;
+	return &client->reference;
 }
 
 /* ---- Frames ---- */
@@ -181,7 +152,7 @@ static double colour_rms(const struct view_picture *a, const struct view_picture
 enum eco_code bench_client_score(const struct bench_client *client, struct bench_frame *frame,
 	const struct view_picture *picture, struct eco_error *error)
 {
-	const struct view_picture *reference = &client->reference.picture;
+	const struct view_picture *reference = &client->reference;
 	struct view_measures measures = { .soft_q = NAN, .picture_error = NAN };
 	enum eco_code code = ECO_OK;
 	if (client->sees)
@@ -192,7 +163,7 @@ enum eco_code bench_client_score(const struct bench_client *client, struct bench
 	frame->score = measures.score;
 	frame->soft_q = measures.soft_q;
 	frame->picture_error = measures.picture_error;
-	frame->ceiling = client->reference.ceiling;
+	frame->ceiling = client->ceiling;
 	frame->colour_rms = colour_rms(picture, reference);
 	return code;
 }
@@ -226,8 +197,7 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 	struct view_picture drawn = { 0 };
 	double gl_ms = NAN;
 	struct beside beside = { .gl_ms = client->untimed ? NULL : &gl_ms,
-		.widest_px = client->sees ? &frame->widest_px : NULL, .soft = client->sees };
-	frame->widest_px = NAN;
+		.soft = client->sees };
 	enum eco_code code = bench_client_reference(client, &frame->request, NULL, error);
 	if (!code)
 		code = answer(client, frame, &store, error);
@@ -270,9 +240,9 @@ enum eco_code bench_client_compare(struct bench_client *client, struct bench *be
 	float *map = malloc((size_t)picture->width * picture->height * sizeof *map);
 	enum eco_code code = map ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
 	if (!code)
-		code = view_measure_pair(picture, &client->reference.picture, map, &measures, error);
+		code = view_measure_pair(picture, &client->reference, map, &measures, error);
 	if (!code)
-		code = view_compare_draw(&(struct view_compare){ picture, &client->reference.picture, map,
+		code = view_compare_draw(&(struct view_compare){ picture, &client->reference, map,
 			{ words[0], words[1], words[2] } }, &rgb, size, error);
 	if (!code)
 		code = bench_picture_write(bench, file, size[0], size[1], rgb, error);

@@ -88,21 +88,6 @@ uint32_t bench_shot_views(struct bench *bench, const char *scene,
 	return count;
 }
 
-bool bench_view_aerial(const struct eco_view *view)
-{
-	double d[3], length = 0;
-	for (int k = 0; k < 3; k++) {
-		d[k] = view->target[k] - view->eye[k];
-		length += d[k] * d[k];
-	}
-	return d[2] < -0.2 * sqrt(length);
-}
-
-void bench_shot_set(json_t *row, const char *key, double value)
-{
-	json_object_set_new(row, key, isfinite(value) ? json_real(value) : json_null());
-}
-
 double bench_shot_number(const json_t *row, const char *key)
 {
 	const json_t *value = json_object_get(row, key);
@@ -117,11 +102,12 @@ json_t *bench_shot_row(const struct bench_frame *f)
 		{ "wrong", (double)(f->score.fp + f->score.fn) }, { "skill", f->score.skill },
 		{ "owner_q", f->score.owner_q }, { "colour", f->colour_rms }, { "soft_q", f->soft_q },
 		{ "ceiling", f->ceiling }, { "picture_error", f->picture_error },
-		{ "widest_px", f->widest_px }, { "predicted_q", f->predicted_q }, { "plan_ms", f->plan_ms },
+		{ "predicted_q", f->predicted_q }, { "plan_ms", f->plan_ms },
 		{ "decode_ms", f->decode_ms }, { "draw_ms", f->draw_ms } };
 	json_t *row = json_object();
 	for (size_t i = 0; i < sizeof figures / sizeof *figures; i++)
-		bench_shot_set(row, figures[i].key, figures[i].value);
+		json_object_set_new(row, figures[i].key,
+			isfinite(figures[i].value) ? json_real(figures[i].value) : json_null());
 	return row;
 }
 
@@ -138,10 +124,8 @@ static enum eco_code shoot(void *ctx, json_t **rows, struct eco_error *error)
 	if (w->view >= views)
 		return eco_fail(error, ECO_NOT_FOUND, "%s has %u views", w->scene, views);
 	enum eco_code code = bench_client_open(&client, w->pack, error);
-	if (!code) {
+	if (!code)
 		bench_client_see(client);
-		bench_client_keep(client, w->bench);
-	}
 	*rows = json_array();
 	for (uint32_t i = 0; i < count && !code; i++) {
 		struct bench_frame frame = { .method = w->method->name, .rule = w->method->rule,

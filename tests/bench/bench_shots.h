@@ -34,14 +34,10 @@ uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t bu
  * bench_scene_views, at our size. */
 uint32_t bench_shot_views(struct bench *bench, const char *scene,
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX]);
-/* Eye level, or from above: looking down by more than 12 degrees. */
-bool bench_view_aerial(const struct eco_view *view);
-
 /* An object with vertices, bytes, plan_bytes, q, p, r, wrong (pixels), skill, owner_q, colour, soft_q, ceiling,
- * picture_error, widest_px, predicted_q, plan_ms, decode_ms, draw_ms; null where a figure was not asked for. */
+ * picture_error, predicted_q, plan_ms, decode_ms, draw_ms; null where a figure was not asked for. */
 json_t *bench_shot_row(const struct bench_frame *frame);
 double bench_shot_number(const json_t *row, const char *key);        /* NaN where there is none */
-void bench_shot_set(json_t *row, const char *key, double value);     /* null where it is not finite */
 
 /* All budgets of one view: an array of rows, in the order of bench_budgets. Borrowed; done if it is not there
  * yet. ECO_NOT_FOUND where the scene needs data that is not there. */

@@ -1,8 +1,8 @@
 /* Leaf collapse (Hidalgo 2007): which pairs collapse, into which quads, and how levels lie in one array. */
 #include <math.h>
-#include <string.h>
 
-#include "tests/bench/collapse/bench_collapse_plant.h"
+#include "lod/build/foliage.h"
+#include "tests/bench/baseline/leaf_collapse.h"
 #include "tests/support/foliage_random.h"
 #include "tests/support/unit_test.h"
 
@@ -56,32 +56,23 @@ static void strew(uint32_t count, uint64_t seed)
 	}
 }
 
-/* Figures 3 and 4: each level is two runs, and each leaf has one node that stands for it. */
+/* Figures 3 and 4: each level is two runs of leaves and quads, which stand for all leaves. */
 UNIT_TEST(every_level_is_two_runs_and_a_cut_of_the_forest)
 {
-	uint32_t shown[MOST];
 	for (uint64_t seed = 1; seed <= 4; seed++) {
 		strew(60 * (uint32_t)seed, seed);
 		make(seed % 2 ? &free_of_limits : NULL);
-		uint32_t n = collapse.leaves;
-		assert_int_equal(collapse.roots + collapse.made, n);
+		assert_int_equal(collapse.roots + collapse.made, collapse.leaves);
 		for (uint32_t i = 0; i <= collapse.made; i++) {
 			const struct lod_collapse_level *level = &collapse.level[i];
 			uint64_t represented = 0;
 			assert_int_equal(level->a + level->c, collapse.roots + i);
-			assert_ptr_equal(lod_collapse_level_of(&collapse, level->a + level->c), level);
 			for (uint32_t k = 0; k < level->a + level->c; k++) {
 				uint32_t id = collapse.place[k < level->a ? k : level->b + k - level->a];
-				assert_int_equal(k < level->a, id < n);
+				assert_int_equal(k < level->a, id < collapse.leaves);
 				represented += collapse.node[id].represents;
 			}
-			assert_int_equal(represented, n);
-			lod_collapse_shown(&collapse, level, shown, &arena);
-			for (uint32_t leaf = 0; leaf < n; leaf++) {
-				uint32_t id = leaf;
-				while (id != shown[leaf])
-					id = collapse.node[id].parent;
-			}
+			assert_int_equal(represented, collapse.leaves);
 		}
 	}
 }
@@ -186,52 +177,43 @@ UNIT_TEST(the_search_finds_the_cheapest_of_all_pairs)
 	}
 }
 
-/* Figures 2 and 6: sectors hold every leaf once; their levels are elements; tiles are as dense as their
- * quads. */
+/* Figures 2 and 6: sectors hold every leaf once; tiles are as dense as their quads. */
 UNIT_TEST(sectors_and_tiles_show_the_whole_crown)
 {
+	enum { TILES = LOD_COLLAPSE_CLASSES * LOD_COLLAPSE_CLASS_TILES };
 	struct lod_foliage foliage;
-	struct bench_collapse_plant plant;
+	struct lod_collapse_sectors sectors;
+	struct lod_collapse_atlas atlas;
 	bool seen[2000] = { false };
-	double sum[LOD_COLLAPSE_CLASSES * LOD_COLLAPSE_CLASS_TILES] = { 0 };
-	uint32_t quads_of[LOD_COLLAPSE_CLASSES * LOD_COLLAPSE_CLASS_TILES] = { 0 };
+	double sum[TILES] = { 0 };
+	uint32_t quads_of[TILES] = { 0 };
 	lod_arena_free(&arena);
 	assert_int_equal(setjmp(arena.failed), 0);
 	foliage_random(&foliage, &(struct foliage_random){ 2000, 4, 3, 0.25, 21 }, &arena);
-	bench_collapse_make(&plant, &foliage, &(struct bench_collapse_options){ .sectors = 5 }, &arena);
-	bench_collapse_extend(&plant, &foliage, &arena);
-	uint32_t *order = lod_arena_take(&arena, foliage.count, sizeof *order);
+	lod_collapse_sectors_make(&sectors, 5, &foliage, NULL, &arena);
+	const struct lod_fan shape = lod_foliage_fan(&foliage, 0, NULL);
+	lod_collapse_atlas_make(&atlas, sectors.forest, 5, &shape, (const uint8_t[3]){ 76, 110, 40 }, &arena);
 	for (uint32_t s = 0; s < 5; s++) {
-		const struct lod_collapse *forest = &plant.sectors.forest[s];
-		uint32_t count = bench_collapse_order(&plant, s, forest->made, order);
-		assert_int_equal(count, 400);
-		for (uint32_t i = 0; i < count; i++) {
-			assert_false(seen[order[i]]);
-			seen[order[i]] = true;
-		}
-		for (uint32_t row = 0; row <= forest->made; row += 7) {
-			uint64_t vertices = 0;
-			count = bench_collapse_order(&plant, s, row, order);
-			for (uint32_t i = 0; i < count; i++)
-				vertices += 3 * (foliage.first[order[i] + 1] - foliage.first[order[i]] - 2);
-			assert_int_equal(vertices, plant.vertices[s][row]);
+		const struct lod_collapse *forest = &sectors.forest[s];
+		assert_int_equal(forest->leaves, 400);
+		for (uint32_t i = 0; i < 400; i++) {
+			assert_false(seen[forest->leaf[i]]);
+			seen[forest->leaf[i]] = true;
 		}
 		for (uint32_t i = 0; i < forest->made; i++) {
 			const struct lod_collapse_node *quad = &forest->node[forest->leaves + i];
-			sum[plant.atlas.of[s][i]] += fmin(1, quad->opaque_area / quad->area);
-			quads_of[plant.atlas.of[s][i]]++;
-			assert_int_equal(quad->represents == 2,
-				plant.atlas.of[s][i] < LOD_COLLAPSE_CLASS_TILES);
+			sum[atlas.of[s][i]] += fmin(1, quad->opaque_area / quad->area);
+			quads_of[atlas.of[s][i]]++;
+			assert_int_equal(quad->represents == 2, atlas.of[s][i] < LOD_COLLAPSE_CLASS_TILES);
 		}
 	}
-	for (uint32_t t = 0; t < LOD_COLLAPSE_CLASSES * LOD_COLLAPSE_CLASS_TILES; t++) {
-		const struct lod_collapse_tile *tile = &plant.atlas.tile[0][0] + t;
-		uint32_t opaque = 0;
-		for (uint32_t i = 0; i < tile->side * tile->side; i++)
-			opaque += plant.atlas.image.rgba[4 * ((size_t)(tile->y + i / tile->side)
-				* plant.atlas.image.width + tile->x + i % tile->side) + 3] == 255;
-		assert_true(!tile->side || fabs((double)opaque / (tile->side * tile->side)
-			- tile->density) < 0.02);
+	for (uint32_t t = 0; t < TILES; t++) {
+		const struct lod_collapse_tile *tile = &atlas.tile[0][0] + t;
+		uint32_t opaque = 0, texels = tile->side * tile->side;
+		for (uint32_t i = 0; i < texels; i++)
+			opaque += atlas.image.rgba[4 * ((size_t)(tile->y + i / tile->side) * atlas.image.width
+				+ tile->x + i % tile->side) + 3] == 255;
+		assert_true(!texels || fabs((double)opaque / texels - tile->density) < 0.02);
 		assert_true(quads_of[t] < 20 || fabs(sum[t] / quads_of[t] - tile->density) < 0.15);
 	}
 	lod_arena_free(&arena);

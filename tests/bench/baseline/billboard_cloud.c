@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/image.h"
 #include "lod/build/model_draw.h"
 #include "lod/raster/raster.h"
 #include "lod/raster/texel.h"
@@ -212,8 +211,7 @@ static enum eco_code bake(struct lod_billboard *item, struct billboard_work *wor
 		bool valid = billboard_face_judge(face, fit->quads, fit->quad_count, work->epsilon, &nearest,
 			&projected);
 		*invalid += q || valid ? 0 : face->area;
-		if ((valid || !work->options.valid_only) && (fit->form == LOD_BILLBOARD_CROSS
-			|| nearest == q))
+		if (fit->form == LOD_BILLBOARD_CROSS || nearest == q)
 			paint_face(&c, face);
 	}
 	lod_arena_release(work->arena, mark);
@@ -227,10 +225,6 @@ static void settle(struct billboard_work *work)
 {
 	double rung[EPSILON_RUNGS] = { EPSILON_FIRST };
 	uint32_t low = 0, high = EPSILON_RUNGS - 1, last = ECO_NONE;
-	if (work->options.epsilon > 0) {
-		billboard_parts_settle(work, work->options.epsilon);
-		return;
-	}
 	for (uint32_t i = 1; i < EPSILON_RUNGS; i++)
 		rung[i] = rung[i - 1] * EPSILON_STEP;
 	while (low < high) {
@@ -243,20 +237,6 @@ static void settle(struct billboard_work *work)
 	}
 	if (last != low)
 		billboard_parts_settle(work, rung[low]);
-}
-
-/* Adds the sizes of a billboard's texture. */
-static enum eco_code weigh(struct lod_billboard_cloud *cloud, const struct eco_image *image,
-	struct eco_error *error)
-{
-	uint8_t *bytes = NULL;
-	size_t size = 0;
-	enum eco_code code = eco_png_encode(&(struct eco_pixels){ image->width, image->height, 4,
-		image->rgba }, &bytes, &size, error);
-	free(bytes);
-	cloud->texture_bytes += size;
-	cloud->texels += (size_t)image->width * image->height;
-	return code;
 }
 
 static enum eco_code bake_all(struct lod_billboard_cloud *cloud, struct billboard_work *work,
@@ -278,7 +258,7 @@ static enum eco_code bake_all(struct lod_billboard_cloud *cloud, struct billboar
 		for (uint32_t q = 0; q < part->fit.quad_count && !code; q++) {
 			struct lod_billboard *item = &cloud->items[cloud->count++];
 			code = bake(item, work, part, q, faces, &invalid, error);
-			code = code ? code : weigh(cloud, &item->image, error);
+			cloud->texels += (size_t)item->image.width * item->image.height;
 		}
 	}
 	cloud->invalid = area > 0 ? invalid / area : 0;
@@ -286,20 +266,19 @@ static enum eco_code bake_all(struct lod_billboard_cloud *cloud, struct billboar
 }
 
 enum eco_code lod_billboard_cloud_make(struct lod_billboard_cloud *cloud,
-	const struct lod_billboard_plant *plant, const struct lod_billboard_options *options,
-	struct eco_error *error)
+	const struct lod_billboard_plant *plant, uint32_t cap, struct eco_error *error)
 {
 	struct lod_arena arena = { 0 };
 	struct billboard_work work;
 	memset(cloud, 0, sizeof *cloud);
-	if (!options->cap || !plant->tree.face_count)
+	if (!cap || !plant->tree.face_count)
 		return ECO_OK;
 	if (setjmp(arena.failed)) {
 		lod_arena_free(&arena);
 		lod_billboard_cloud_free(cloud);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a cloud of %u billboards", options->cap);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a cloud of %u billboards", cap);
 	}
-	billboard_work_open(&work, plant, options, &arena);
+	billboard_work_open(&work, plant, cap, &arena);
 	settle(&work);
 	enum eco_code code = bake_all(cloud, &work, error);
 	lod_arena_free(&arena);
@@ -316,8 +295,7 @@ void lod_billboard_cloud_free(struct lod_billboard_cloud *cloud)
 	memset(cloud, 0, sizeof *cloud);
 }
 
-void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, uint64_t owner,
-	struct lod_raster *raster)
+void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, struct lod_raster *raster)
 {
 	static const int corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
 	for (uint32_t i = 0; i < cloud->count; i++) {
@@ -336,6 +314,6 @@ void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, uint64_t 
 		for (uint32_t k = 0; k < 2; k++)
 			lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = 1,
 				.position = position + 9 * k, .uv = uv + 6 * k, .cutout = &item->image,
-				.item = i, .owner = owner });
+				.item = i, .owner = 1 });
 	}
 }

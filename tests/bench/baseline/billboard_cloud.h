@@ -2,9 +2,9 @@
  * for Botanical Tree Models). A baseline of ecobench.
  *
  *   lod_billboard_plant_open(&plant, &model, &error)                once a plant: its skeleton and density
- *   lod_billboard_cloud_make(&cloud, plant, &options, &error)       once a cap: an alternative, no prefix of
+ *   lod_billboard_cloud_make(&cloud, plant, cap, &error)            once a cap: an alternative, no prefix of
  *                                                                   the cloud of another cap
- *   lod_billboard_cloud_draw(&cloud, owner, &raster)
+ *   lod_billboard_cloud_draw(&cloud, &raster)
  *   lod_billboard_cloud_free(&cloud); lod_billboard_plant_close(plant);
  *
  * The plant becomes a tree of nodes, found from the mesh alone (3.1; billboard_skeleton.c). A part is a piece
@@ -34,15 +34,6 @@ struct lod_raster;
 enum lod_billboard_form { LOD_BILLBOARD_CROSS, LOD_BILLBOARD_PLANE, LOD_BILLBOARD_STRIP,
 	LOD_BILLBOARD_FORMS };
 
-struct lod_billboard_options {
-	uint32_t cap;                /* billboards at most; 0: none are made */
-	double epsilon;              /* 0: the least of a ladder that leaves a mean error of at most .5 */
-	uint32_t forms;              /* bits 1 << form of the generators that may be used; 0: all */
-	/* Faces that their part's billboards do not hold within epsilon are not drawn. The paper does not say
-	 * what becomes of them: without this they are drawn like the others. */
-	bool valid_only;
-};
-
 struct lod_billboard {
 	struct lod_v3 center, u, v;  /* metres; u, v: half edges, at right angles */
 	struct eco_image image;      /* row 0 at center - v, column 0 at center - u; alpha is 0 or 255 */
@@ -54,7 +45,7 @@ struct lod_billboard_cloud {
 	double error;                /* mean over the area of all faces */
 	double invalid;              /* share of the faces' area that no billboard holds within epsilon */
 	double epsilon;              /* share of the height */
-	uint64_t texels, texture_bytes;      /* of the textures as PNG files */
+	uint64_t texels;             /* of the textures */
 };
 
 struct lod_billboard_plant;
@@ -62,13 +53,14 @@ struct lod_billboard_plant;
 enum eco_code lod_billboard_plant_open(struct lod_billboard_plant **plant, const struct eco_model *model,
 	struct eco_error *error);
 void lod_billboard_plant_close(struct lod_billboard_plant *plant);   /* NULL is fine */
+/* At most `cap` billboards, within the least epsilon of a ladder that leaves a mean error of at most .5. Faces
+ * that no billboard holds within epsilon are drawn like the others: the paper does not say what becomes of
+ * them. */
 enum eco_code lod_billboard_cloud_make(struct lod_billboard_cloud *cloud,
-	const struct lod_billboard_plant *plant, const struct lod_billboard_options *options,
-	struct eco_error *error);
+	const struct lod_billboard_plant *plant, uint32_t cap, struct eco_error *error);
 void lod_billboard_cloud_free(struct lod_billboard_cloud *cloud);
 
-/* Two triangles a billboard; items are numbered as in the cloud. */
-void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, uint64_t owner,
-	struct lod_raster *raster);
+/* Two triangles a billboard; items are numbered as in the cloud, their owner is 1. */
+void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, struct lod_raster *raster);
 
 #endif

@@ -68,7 +68,7 @@ static void fit_part(struct billboard_work *w, uint32_t root, uint32_t most, str
 	bool any = false;
 	weigh(w, root, &fit);
 	for (uint32_t form = 0; form < LOD_BILLBOARD_FORMS; form++) {
-		if (!(w->options.forms >> form & 1) || (form == LOD_BILLBOARD_CROSS && most < 2))
+		if (form == LOD_BILLBOARD_CROSS && most < 2)
 			continue;
 		fit.form = (uint8_t)form;
 		fit_form(w, &fit, root, faces, most);
@@ -76,11 +76,6 @@ static void fit_part(struct billboard_work *w, uint32_t root, uint32_t most, str
 			*best = fit;
 		any = true;
 	}
-	if (any)
-		return;
-	fit.form = LOD_BILLBOARD_PLANE;      /* a cross has no room */
-	fit_form(w, &fit, root, faces, most);
-	*best = fit;
 }
 
 /* The node at which a part splits most evenly by area; ECO_NONE if it cannot. */
@@ -178,15 +173,15 @@ static void merge(struct billboard_work *w, uint32_t part)
 static void merge_down(struct billboard_work *w)
 {
 	for (;;) {
-		bool over = w->quad_count > w->options.cap;
+		bool over = w->quad_count > w->cap;
 		uint32_t part = cheapest_merge(w, ECO_NONE, over ? INFINITY : BILLBOARD_TOLERANCE);
 		if (part == ECO_NONE || (!over && w->parts[part].merge_cost > 0))
 			break;
 		merge(w, part);
 	}
-	if (w->quad_count > w->options.cap) {        /* one is left */
+	if (w->quad_count > w->cap) {        /* one is left */
 		struct billboard_fit fit;
-		fit_part(w, 0, w->options.cap, &fit);
+		fit_part(w, 0, w->cap, &fit);
 		w->quad_count = 0;
 		set_part(w, 0, 0, &fit);
 	}
@@ -223,13 +218,13 @@ static void split_or_keep(struct billboard_work *w, uint32_t part)
 	double gain = loss(w, &w->parts[part].fit) - loss(w, &fit[0]) - loss(w, &fit[1]);
 	before = w->parts[part].fit.quad_count;
 	after = fit[0].quad_count + fit[1].quad_count;
-	if (w->quad_count - before + after > w->options.cap) {
+	if (w->quad_count - before + after > w->cap) {
 		merged = cheapest_merge(w, part, INFINITY);
 		if (merged == ECO_NONE || !(w->parts[merged].merge_cost < gain))
 			return;
 		merge(w, merged);
 		part = w->begins[root];
-		if (w->quad_count - before + after > w->options.cap) {       /* another must go */
+		if (w->quad_count - before + after > w->cap) {       /* another must go */
 			w->parts[part].kept = false;
 			return;
 		}
@@ -296,7 +291,7 @@ static uint32_t begin_all(struct billboard_work *w)
 	struct box *own = lod_arena_take(w->arena, tree->count, sizeof *own),
 		*hangs = lod_arena_take(w->arena, tree->count, sizeof *hangs);
 	double low = 0, high = 64;
-	uint32_t wanted = w->options.cap / 2 > 1 ? w->options.cap / 2 : 1;
+	uint32_t wanted = w->cap / 2 > 1 ? w->cap / 2 : 1;
 	for (uint32_t i = 0; i < tree->count; i++)
 		own[i] = own_box(tree, i);
 	for (int step = 0; step < SEARCH_STEPS; step++) {
@@ -309,15 +304,14 @@ static uint32_t begin_all(struct billboard_work *w)
 }
 
 void billboard_work_open(struct billboard_work *w, const struct lod_billboard_plant *plant,
-	const struct lod_billboard_options *options, struct lod_arena *arena)
+	uint32_t cap, struct lod_arena *arena)
 {
 	const struct billboard_tree *tree = &plant->tree;
-	*w = (struct billboard_work){ .arena = arena, .plant = plant, .options = *options,
+	*w = (struct billboard_work){ .arena = arena, .plant = plant, .cap = cap,
 		.begins = lod_arena_take(arena, tree->count, sizeof *w->begins),
 		.faces = lod_arena_take(arena, tree->face_count, sizeof *w->faces),
 		.sum = lod_arena_take(arena, tree->count, sizeof *w->sum) };
-	w->parts = lod_arena_take(arena, (size_t)begin_all(w) + options->cap + 1, sizeof *w->parts);
-	w->options.forms = options->forms ? options->forms : (1u << LOD_BILLBOARD_FORMS) - 1;
+	w->parts = lod_arena_take(arena, (size_t)begin_all(w) + cap + 1, sizeof *w->parts);
 }
 
 void billboard_parts_settle(struct billboard_work *w, double epsilon)
@@ -327,7 +321,7 @@ void billboard_parts_settle(struct billboard_work *w, double epsilon)
 	for (uint32_t i = 0; i < tree->count; i++)
 		weight += tree->area[i] * tree->sigma[i];
 	w->epsilon = epsilon;
-	w->price = PRICE * weight / w->options.cap;
+	w->price = PRICE * weight / w->cap;
 	w->part_count = w->quad_count = 0;
 	begin_all(w);
 	for (uint32_t i = 0; i < tree->count; i++)
@@ -342,7 +336,7 @@ void billboard_parts_settle(struct billboard_work *w, double epsilon)
 	}
 	merge_down(w);
 	/* each step lowers the loss or keeps a part; more would be a matter of rounding */
-	for (uint32_t left = 8 * (w->options.cap + w->part_count); left > 0; left--) {
+	for (uint32_t left = 8 * (w->cap + w->part_count); left > 0; left--) {
 		uint32_t part = worst_part(w);
 		if (part == ECO_NONE)
 			break;

@@ -111,7 +111,7 @@ struct billboard_part {
 struct billboard_work {              /* of one cloud */
 	struct lod_arena *arena;
 	const struct lod_billboard_plant *plant;
-	struct lod_billboard_options options;
+	uint32_t cap;
 	double epsilon, price;       /* price: what a billboard more must lower the sum of errors by */
 	struct billboard_part *parts;
 	uint32_t part_count, quad_count;
@@ -120,7 +120,7 @@ struct billboard_work {              /* of one cloud */
 	double *sum;                 /* scratch, per node */
 };
 void billboard_work_open(struct billboard_work *work, const struct lod_billboard_plant *plant,
-	const struct lod_billboard_options *options, struct lod_arena *arena);
+	uint32_t cap, struct lod_arena *arena);
 /* The faces of what begins at `root` into work->faces, at most `most` evenly chosen; returns how many. */
 uint32_t billboard_part_faces(struct billboard_work *work, uint32_t root, uint32_t most);
 /* Parts from the tips towards the trunk, keep, merge and split until cap and tolerance hold; from scratch. */

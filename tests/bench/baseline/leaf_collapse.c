@@ -374,27 +374,6 @@ void lod_collapse_make(struct lod_collapse *collapse, const struct lod_foliage *
 	place_all(collapse, arena);
 }
 
-const struct lod_collapse_level *lod_collapse_level_of(const struct lod_collapse *collapse, uint32_t count)
-{
-	uint32_t i = count > collapse->roots ? count - collapse->roots : 0;
-	return &collapse->level[i < collapse->made ? i : collapse->made];
-}
-
-void lod_collapse_shown(const struct lod_collapse *collapse, const struct lod_collapse_level *level,
-	uint32_t *shown, struct lod_arena *arena)
-{
-	struct lod_arena_piece *mark = arena->last;
-	bool *drawn = lod_arena_take(arena, (size_t)collapse->leaves + collapse->made, sizeof *drawn);
-	for (uint32_t i = 0; i < level->a + level->c; i++)
-		drawn[collapse->place[i < level->a ? i : level->b + i - level->a]] = true;
-	for (uint32_t i = 0; i < collapse->leaves; i++) {
-		shown[i] = i;
-		while (!drawn[shown[i]])
-			shown[i] = collapse->node[shown[i]].parent;
-	}
-	lod_arena_release(arena, mark);
-}
-
 /* ---- Sectors ---- */
 
 /* Grows with the angle around the axis, from 0 to 4, without libm. */

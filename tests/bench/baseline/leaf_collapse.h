@@ -2,7 +2,7 @@
  * the two leaves whose cost is least become one quad, again and again. A baseline of ecobench.
  *
  *   lod_collapse_make(&collapse, &foliage, NULL, NULL, 0, NULL, &arena);      a binary forest
- *   const struct lod_collapse_level *level = lod_collapse_level_of(&collapse, 500);
+ *   level = &collapse.level[i];
  *   draw collapse.place[0 .. level->a) and collapse.place[level->b .. level->b + level->c)
  *
  * One array of places holds all levels: the original leaves in [0, leaves), the quads that collapses made in
@@ -71,13 +71,6 @@ struct lod_collapse_crown { double radius, across; };
 void lod_collapse_make(struct lod_collapse *collapse, const struct lod_foliage *leaves,
 	const struct lod_collapse_options *options, const uint32_t *leaf, uint32_t count,
 	const struct lod_collapse_crown *crown, struct lod_arena *arena);
-
-/* The level of so many leaves, or the nearest to it that there is. */
-const struct lod_collapse_level *lod_collapse_level_of(const struct lod_collapse *collapse, uint32_t count);
-
-/* shown[leaf] becomes the node that stands for the leaf (numbered as in `node`) at that level. */
-void lod_collapse_shown(const struct lod_collapse *collapse, const struct lod_collapse_level *level,
-	uint32_t *shown, struct lod_arena *arena);
 
 /* The corners of a node, in turn around it: 4 for a quad. Returns how many. */
 uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct lod_foliage *leaves,

@@ -1,280 +1,169 @@
-/* Leaf collapse (Hidalgo, Abad, Camahort 2007) against orders and splats at equal vertices, and the paper's
- * figures: the quad of two leaves (1), the atlas (2), an example of a chain and its table of levels (3, 4),
- * sectors (6).
+/* Leaf collapse (Hidalgo, Abad, Camahort 2007) and the paper's figures: the atlas (2), an example of a chain and
+ * its table of levels (3, 4), sectors (6).
  *
  * The paper compares with nothing and gives no count of leaves, no time and no frame rate; its scenes of
- * millions of trees are a matter of the renderer. The section measures Q: of levels drawn as the paper says
- * (quads of the printed size), of levels whose quads are scaled as all other methods here are
- * (bench_savings.h), without textures, and by sectors that each have a level by how they face the eye.
- * Longer than 600 lines: the figures of one paper, from one study. */
+ * millions of trees are a matter of the renderer. The section measures Q of levels drawn as the paper says,
+ * with quads of the printed size, and of sectors that each have a level by how they face the eye. Wood is drawn
+ * whole. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/base/random.h"
+#include "lod/sort.h"
+#include "tests/bench/baseline/leaf_collapse.h"
 #include "tests/bench/bench_leaves.h"
-#include "tests/bench/collapse/bench_collapse_plant.h"
-#include "tests/bench/ladder/bench_savings.h"
-#include "tests/bench/pictures/bench_splats.h"
 
-#define TEST_SEED 90217u                 /* views of bench_savings.c, these and those that scales are from */
-#define TUNING_SEED 7411u
-#define TUNING_VIEWS 5u
-#define STEP_LOW (-16)                   /* eighths of an octave of area */
-#define STEP_HIGH 8
-#define SPLATS_MOST 8192u
+#define LEAVES_LEAST 500u
+#define TEST_SEED 90217u                 /* views of bench_species.c */
+#define VIEWS_MOST 12u
 #define PIXELS 256u
 #define PASSES 8                         /* of giving what full sectors leave to the others */
 #define WEDGES 9u                        /* sectors: the innermost, and eight wedges */
 #define READ_QUICK 3u
 #define MADE_QUICK 1u
 #define TOP_SIDE 512u
-#define FAR 1e4
+#define DOT 5u                           /* pixels of a leaf seen from above */
+#define SHARES 6u
+static const double shares[SHARES] = { 0.02, 0.05, 0.1, 0.2, 0.3, 0.5 };         /* of all vertices */
+static const uint8_t leaf_rgb[3] = { 76, 110, 40 };
 
-/* PRINTED: quads as large as the paper has them. SOLID: opaque quads, at the scale that is best in other
- * views. SECTORS: quads of the printed size; each sector has a level, the finer the more it faces the eye.
- * SPLATS: of the whole plant, as many as there are vertices; wood is whole there, too. */
-enum kind { PRINTED, SOLID, SECTORS, SPLATS, KINDS };
-static const char *const kind_names[KINDS] = { "leaf collapse as printed", "leaf collapse without textures",
-	"leaf collapse by sectors", "splats" };
+enum kind { PRINTED, SECTORS, KINDS };
+static const char *const kind_names[KINDS] = { "leaf collapse as printed", "leaf collapse by sectors" };
 
 struct study {
 	struct bench *bench;
 	const char *name;
 	struct bench_leaves *leaves;
 	struct lod_foliage bare;             /* without quads */
-	struct lod_sights tuning, tests;
-	uint64_t vertices;
-	uint32_t views, *order;
-	double q[KINDS][BENCH_SHARES];       /* at bench_shares of all vertices */
+	struct lod_sights tests;
+	double all;                          /* vertices */
+	uint32_t *order;
+	double q[KINDS][SHARES];
 };
 
-/* ---- Pictures ---- */
+/* ---- A crown: its leaves, and behind them the quads of all sectors, so that one level is drawn as any other
+ * choice of elements is ---- */
 
-/* A raster of square metres seen along `forward`, with `half` metres from the middle to each side. */
-static enum eco_code open_canvas(struct lod_raster *raster, uint32_t side, struct lod_v3 middle,
-	struct lod_v3 right, struct lod_v3 up, double half, struct eco_error *error)
-{
-	struct lod_v3 back = lod_v3_cross(right, up), at = lod_v3_add(middle, lod_v3_scale(back, FAR * half));
-	const struct lod_eye eye = { .at = { at.x, at.y, at.z }, .right = { right.x, right.y, right.z },
-		.up = { up.x, up.y, up.z }, .forward = { -back.x, -back.y, -back.z }, .tan_x = 1 / FAR,
-		.tan_y = 1 / FAR, .pixel_rad = 2 / FAR / side };
-	enum eco_code code = lod_raster_init(raster, &(struct lod_raster_options){ .width = side,
-		.height = side, .owner = true }, error);
-	if (code)
-		return code;
-	lod_raster_camera(raster, &eye, half);
-	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-	return ECO_OK;
-}
-
-/* Colours by owner, from 1; white where nothing is. */
-static void paint_canvas(const struct lod_raster *raster, const uint8_t (*colors)[3], uint8_t *rgb,
-	size_t stride)
-{
-	static const uint8_t white[3] = { 255, 255, 255 };
-	for (size_t i = 0; i < (size_t)raster->width * raster->height; i++)
-		memcpy(rgb + 3 * (i / raster->width * stride + i % raster->width), raster->owner[i]
-			? colors[raster->owner[i] - 1] : white, 3);
-}
-
-static void draw_quad(struct lod_raster *raster, const struct lod_v3 corner[4], const float (*uv)[2],
-	const struct eco_image *cutout, uint64_t owner)
-{
-	float position[18], at[12];
-	for (uint32_t i = 0; i < 6; i++) {
-		static const uint32_t which[6] = { 0, 1, 2, 0, 2, 3 };
-		struct lod_v3 p = corner[which[i]];
-		position[3 * i] = (float)p.x, position[3 * i + 1] = (float)p.y, position[3 * i
-			+ 2] = (float)p.z;
-		for (int k = 0; k < 2; k++)
-			at[2 * i + (uint32_t)k] = uv ? uv[which[i]][k] : 0;
-	}
-	lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = 2, .position = position, .uv = at,
-		.cutout = cutout, .owner = owner });
-}
-
-/* A rectangle in the plane of the quad and before it, as four thin quads. */
-static void draw_frame(struct lod_raster *raster, const struct lod_collapse_node *quad, const double low[2],
-	const double high[2], uint64_t owner)
-{
-	struct lod_v3 axis[2] = { lod_v3_unit(quad->half[0]), lod_v3_unit(quad->half[1]) },
-		front = lod_v3_add(quad->center, lod_v3_cross(axis[0], axis[1]));
-	for (int side = 0; side < 4; side++) {
-		double from[2] = { low[0], low[1] }, to[2] = { high[0], high[1] };
-		*(side % 2 ? &from[side / 2] : &to[side / 2]) = side % 2 ? high[side / 2] - 0.015
-			: low[side / 2] + 0.015;
-		struct lod_v3 corner[4];
-		for (int k = 0; k < 4; k++)
-			corner[k] = lod_v3_add(front, lod_v3_add(lod_v3_scale(axis[0], k == 1 || k == 2
-				? to[0]
-				: from[0]), lod_v3_scale(axis[1], k < 2 ? from[1] : to[1])));
-		draw_quad(raster, corner, NULL, NULL, owner);
-	}
-}
-
-/* Figure 1: two leaves; what encloses them and the quad in their place; the quad with its texture. */
-static enum eco_code paint_pair(uint8_t *rgb, struct lod_arena *arena, struct eco_error *error)
-{
-	static float corner[8][3] = { { -1.1f, 0, 0 }, { -0.5f, -0.35f, 0.1f }, { 0.3f, 0, 0 },
-		{ -0.5f, 0.35f, 0.1f }, { 0.5f, -0.5f, 0 }, { 1.0f, 0.1f, -0.2f }, { 0.9f, 0.9f, -0.1f },
-		{ 0.4f, 0.3f, 0.1f } };
-	static uint32_t first[3] = { 0, 4, 8 };
-	static const uint8_t colors[3][3] = { { 88, 132, 48 }, { 40, 40, 40 }, { 200, 60, 40 } };
-	const struct lod_foliage leaves = { .count = 2, .first = first, .corner = corner };
-	struct lod_collapse c;
+struct crown {
+	struct lod_collapse_sectors sectors;
 	struct lod_collapse_atlas atlas;
-	struct lod_raster raster;
-	lod_collapse_make(&c, &leaves, &(struct lod_collapse_options){ .distance_most = 9,
-		.angle_most_rad = LOD_PI / 2 }, NULL, 0, NULL, arena);
-	lod_collapse_atlas_make(&atlas, &c, 1, &(struct lod_fan){ .corner = (const float (*)[3])corner,
-		.corners = 4 }, colors[0],
-		arena);
-	const struct lod_collapse_node *quad = &c.node[2];
-	struct lod_v3 p[3][ECO_CORNERS_MAX], right = lod_v3_unit(quad->half[0]),
-		up = lod_v3_unit(quad->half[1]);
-	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY },
-		half[2] = { lod_v3_length(quad->half[0]), lod_v3_length(quad->half[1]) };
-	enum eco_code code = open_canvas(&raster, PIXELS, quad->center, right, up, 1.83, error);
-	for (uint32_t i = 0; i < 3; i++)
-		for (uint32_t k = 0; k < lod_collapse_corners(&c, &leaves, i, p[i]) && i < 2; k++)
-			for (int a = 0; a < 2; a++) {
-				double at = lod_v3_dot(lod_v3_sub(p[i][k], quad->center), a ? up : right);
-				low[a] = fmin(low[a], at);
-				high[a] = fmax(high[a], at);
-			}
-	for (size_t panel = 0; panel < 3 && !code; panel++) {
-		float uv[4][2];
-		lod_raster_clear(&raster);
-		lod_collapse_atlas_uv(&atlas, atlas.of[0][0], uv);
-		for (uint32_t i = 0; i < 2 && panel < 2; i++)
-			draw_quad(&raster, p[i], NULL, NULL, 1);
-		if (panel == 1)
-			draw_frame(&raster, quad, low, high, 2);
-		if (panel == 2)
-			draw_quad(&raster, p[2], (const float (*)[2])uv, &atlas.image, 1);
-		if (panel)
-			draw_frame(&raster, quad, (const double[2]){ -half[0], -half[1] }, half, 3);
-		paint_canvas(&raster, colors, rgb + 3 * panel * PIXELS, 3 * (size_t)PIXELS);
-	}
-	lod_raster_free(&raster);
-	return code;
+	uint32_t base[WEDGES];               /* per sector: the element of its first quad */
+	uint64_t *vertices[WEDGES];          /* per sector and level, 3 a triangle */
+};
+
+static uint32_t element_of(const struct crown *c, uint32_t sector, uint32_t node)
+{
+	const struct lod_collapse *forest = &c->sectors.forest[sector];
+	return node < forest->leaves ? forest->leaf[node] : c->base[sector] + node - forest->leaves;
 }
 
-/* Figure 6: leaves from above, in the colours of their sectors. The innermost lies over the others. */
-static enum eco_code paint_sectors(uint8_t *rgb, const struct lod_foliage *f,
-	const struct lod_collapse_sectors *sectors, struct eco_error *error)
+/* The element whose area is the median: the shape of the leaves in all textures. */
+static uint32_t median_leaf(const struct lod_foliage *f, struct lod_arena *arena)
 {
-	static const uint8_t colors[WEDGES][3] = { { 60, 60, 60 }, { 214, 69, 65 }, { 244, 160, 60 },
-		{ 230, 210, 70 }, { 120, 180, 70 }, { 40, 140, 110 }, { 60, 150, 210 }, { 70, 80, 180 },
-		{ 170, 80, 170 } };
-	struct lod_raster raster;
-	double most = 0;
+	struct lod_keyed *items = lod_arena_take(arena, f->count, sizeof *items);
 	for (uint32_t i = 0; i < f->count; i++)
-		most = fmax(most, fmax(fabs(f->center[i].x), fabs(f->center[i].y)));
-	enum eco_code code = open_canvas(&raster, TOP_SIDE, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0,
-		0 }, (struct lod_v3){ 0, 1, 0 }, most / 0.96, error);
-	if (code)
-		return code;
-	lod_raster_clear(&raster);
-	double dot = 5 * 2 * most / 0.96 / TOP_SIDE;
-	for (uint32_t s = 0; s < sectors->count; s++)
-		for (uint32_t i = sectors->first[s]; i < sectors->first[s + 1]; i++) {
-			struct lod_v3 at = f->center[sectors->leaf[i]];
-			const float position[3] = { (float)at.x, (float)at.y, (float)(-most * s) };
-			lod_raster_splats(&raster, &(struct lod_raster_batch){ .count = 1,
-				.position = position,
-				.area = (float)(dot * dot), .owner = s + 1 });
+		items[i] = (struct lod_keyed){ lod_sort_key(f->area[i]), i };
+	lod_sort(arena, items, f->count);
+	return items[f->count / 2].value;
+}
+
+/* Vertices of every level: two runs; the first only grows. */
+static void count_vertices(struct crown *c, uint32_t sector, const struct lod_foliage *f,
+	struct lod_arena *arena)
+{
+	const struct lod_collapse *forest = &c->sectors.forest[sector];
+	uint64_t sum = 0;
+	uint32_t done = 0;
+	c->vertices[sector] = lod_arena_take(arena, (size_t)forest->made + 1, sizeof *c->vertices[sector]);
+	for (uint32_t row = 0; row <= forest->made; row++) {
+		for (; done < forest->level[row].a; done++) {
+			uint32_t leaf = element_of(c, sector, forest->place[done]);
+			sum += 3 * (f->first[leaf + 1] - f->first[leaf] - 2);
 		}
-	paint_canvas(&raster, colors, rgb, TOP_SIDE);
-	lod_raster_free(&raster);
-	return ECO_OK;
-}
-
-/* Figure 2, with the upper and left edges of tiles. */
-static void paint_atlas(uint8_t *rgb, const struct lod_collapse_atlas *atlas)
-{
-	static const uint8_t line[3] = { 40, 40, 40 };
-	const struct eco_image *image = &atlas->image;
-	memset(rgb, 255, 3 * (size_t)image->width * image->height);
-	for (uint32_t t = 0; t < LOD_COLLAPSE_CLASSES * LOD_COLLAPSE_CLASS_TILES; t++) {
-		const struct lod_collapse_tile *tile = &atlas->tile[t / LOD_COLLAPSE_CLASS_TILES]
-			[t % LOD_COLLAPSE_CLASS_TILES];
-		for (uint32_t i = 0; i < tile->side * tile->side; i++) {
-			uint32_t x = i % tile->side, y = i / tile->side;
-			size_t at = (size_t)(tile->y + y) * image->width + tile->x + x;
-			bool edge = x == 0 || y == 0;
-			if (edge || image->rgba[4 * at + 3] >= 128)
-				memcpy(rgb + 3 * at, edge ? line : image->rgba + 4 * at, 3);
-		}
+		c->vertices[sector][row] = sum + 6 * (uint64_t)forest->level[row].c;
 	}
 }
 
-/* ---- One forest ---- */
-
-static double q_of(struct study *s, const struct lod_sights *sights, uint32_t count, const float *factor)
+static void *grown(struct lod_arena *arena, const void *old, size_t count, size_t room, size_t size)
 {
-	struct bench_wrong sum = { 0 };
-	const struct lod_sights_drawing drawing = { .order = s->order, .count = count, .scale = 1,
-		.factor = factor };
-	for (uint32_t v = 0; v < sights->count; v++)
-		bench_leaves_compare(s->leaves, sights, v, &drawing, &sum);
-	return bench_wrong_q(&sum);
+	void *array = lod_arena_take(arena, room, size);
+	memcpy(array, old, count * size);
+	return array;
 }
 
-/* The same with quads scaled by 2^(step / 8). */
-static double scaled_q(struct study *s, const struct lod_sights *sights, uint32_t count, int step,
-	float *factor)
+static void fill_quad(const struct crown *c, uint32_t sector, uint32_t quad, struct lod_foliage *f)
 {
-	for (uint32_t k = 0; k < count; k++)
-		factor[s->order[k]] = s->order[k] < s->bare.count ? 1 : (float)exp2(step / 8.0);
-	return q_of(s, sights, count, factor);
-}
-
-/* At the scale that is best in other views. */
-static double best_q(struct study *s, uint32_t count, float *factor)
-{
-	double best = -INFINITY;
-	int best_step = 0;
-	for (int step = STEP_LOW; step <= STEP_HIGH; step += 2) {
-		double now = scaled_q(s, &s->tuning, count, step, factor);
-		best_step = now > best ? step : best_step;
-		best = fmax(best, now);
+	const struct lod_collapse *forest = &c->sectors.forest[sector];
+	const struct lod_collapse_node *node = &forest->node[forest->leaves + quad];
+	uint32_t i = c->base[sector] + quad, at = f->first[i];
+	struct lod_v3 corner[ECO_CORNERS_MAX];
+	f->first[i + 1] = at + lod_collapse_corners(forest, NULL, forest->leaves + quad, corner);
+	f->triangle_first[i + 1] = f->triangle_first[i] + 2;
+	for (uint32_t k = 0; k < 4; k++) {
+		float *to = f->corner[at + k];
+		to[0] = (float)corner[k].x, to[1] = (float)corner[k].y, to[2] = (float)corner[k].z;
 	}
-	return scaled_q(s, &s->tests, count, best_step, factor);
+	lod_collapse_atlas_uv(&c->atlas, c->atlas.of[sector][quad], f->uv + at);
+	f->cutout[i] = &c->atlas.image;
+	f->center[i] = node->center;
+	f->normal[i] = lod_v3_scale(node->normal, node->area);
+	f->area[i] = node->opaque_area;
 }
 
-static void grow(struct study *s, struct bench_collapse_plant *plant, uint32_t sectors, bool solid)
+/* Extends the leaves' foliage, whose count stays. */
+static void grow(struct study *s, struct crown *c, uint32_t sectors)
 {
-	bench_collapse_make(plant, &s->bare, &(struct bench_collapse_options){ sectors, solid },
-		&s->leaves->arena);
-	s->leaves->foliage = s->bare;
-	bench_collapse_extend(plant, &s->leaves->foliage, &s->leaves->arena);
-}
-
-static enum eco_code measure_forest(struct study *s, enum kind kind, struct eco_error *error)
-{
-	struct bench_collapse_plant plant;
-	char file[128];
-	grow(s, &plant, 0, kind == SOLID);
-	float *factor = lod_arena_take(&s->leaves->arena, (size_t)plant.leaves + plant.quads, sizeof *factor);
-	for (uint32_t i = 0; i < BENCH_SHARES; i++) {
-		double vertices = bench_shares[i] * (double)s->vertices;
-		uint32_t row = bench_collapse_row(&plant, 0, vertices),
-			count = bench_collapse_order(&plant, 0, row, s->order);
-		s->q[kind][i] = (double)plant.vertices[0][row] > vertices ? NAN : kind == SOLID
-			? best_q(s, count, factor) : q_of(s, &s->tests, count, NULL);
+	struct lod_arena *arena = &s->leaves->arena;
+	struct lod_foliage *f = &s->leaves->foliage;
+	size_t n = s->bare.count, quads = 0, corners = s->bare.first[n];
+	*f = s->bare;
+	lod_collapse_sectors_make(&c->sectors, sectors, f, NULL, arena);
+	for (uint32_t k = 0; k < sectors; k++) {
+		c->base[k] = (uint32_t)(n + quads);
+		quads += c->sectors.forest[k].made;
+		count_vertices(c, k, f, arena);
 	}
-	if (kind == SOLID)
-		return ECO_OK;
-	const struct eco_image *image = &plant.atlas.image;
-	uint8_t *rgb = lod_arena_take(&s->leaves->arena, (size_t)image->width * image->height, 3);
-	paint_atlas(rgb, &plant.atlas);
-	snprintf(file, sizeof file, "collapse-%s-atlas.png", s->name);
-	return bench_picture_write(s->bench, file, image->width, image->height, rgb, error);
+	uint32_t leaf = median_leaf(f, arena);
+	const struct lod_fan shape = lod_foliage_fan(f, leaf, f->mask ? f->mask[leaf] : NULL);
+	lod_collapse_atlas_make(&c->atlas, c->sectors.forest, sectors, &shape, leaf_rgb, arena);
+	f->first = grown(arena, f->first, n + 1, n + quads + 1, sizeof *f->first);
+	f->triangle_first = grown(arena, f->triangle_first, n + 1, n + quads + 1, sizeof *f->triangle_first);
+	f->corner = grown(arena, f->corner, corners, corners + 4 * quads, sizeof *f->corner);
+	f->uv = grown(arena, f->uv, corners, corners + 4 * quads, sizeof *f->uv);
+	f->cutout = grown(arena, f->cutout, n, n + quads, sizeof *f->cutout);
+	if (f->mask)                             /* quads have none: their images are looked up */
+		f->mask = grown(arena, f->mask, n, n + quads, sizeof *f->mask);
+	f->center = grown(arena, f->center, n, n + quads, sizeof *f->center);
+	f->normal = grown(arena, f->normal, n, n + quads, sizeof *f->normal);
+	f->area = grown(arena, f->area, n, n + quads, sizeof *f->area);
+	for (uint32_t k = 0; k < sectors; k++)
+		for (uint32_t i = 0; i < c->sectors.forest[k].made; i++)
+			fill_quad(c, k, i, f);
 }
 
-/* ---- Sectors ---- */
+/* Adds the finest level of a sector of at most so many vertices to the order, the coarsest if all have more.
+ * Returns its vertices. */
+static uint64_t add_level(const struct crown *c, uint32_t sector, double vertices, uint32_t *order,
+	uint32_t *count)
+{
+	const struct lod_collapse *forest = &c->sectors.forest[sector];
+	uint32_t low = 0, high = forest->made;
+	while (low < high) {
+		uint32_t middle = (low + high + 1) / 2;
+		if ((double)c->vertices[sector][middle] <= vertices)
+			low = middle;
+		else
+			high = middle - 1;
+	}
+	const struct lod_collapse_level *level = &forest->level[low];
+	for (uint32_t i = 0; i < level->a + level->c; i++)
+		order[(*count)++] = element_of(c, sector, forest->place[i < level->a ? i : level->b + i
+			- level->a]);
+	return c->vertices[sector][low];
+}
+
+/* ---- Quality ---- */
 
 /* 1 for a wedge that faces the eye, 0 for one behind the tree. */
 static double facing(const struct lod_collapse *forest, const struct lod_eye *eye)
@@ -287,42 +176,38 @@ static double facing(const struct lod_collapse *forest, const struct lod_eye *ey
 }
 
 /* Vertices of each sector: by its weight and size, and none more than it has. */
-static void allocate(const struct bench_collapse_plant *plant, const struct lod_eye *eye, double vertices,
-	double *given)
+static void allocate(const struct crown *c, const struct lod_eye *eye, double vertices, double *given)
 {
 	double weight[WEDGES], all[WEDGES];
-	for (uint32_t k = 0; k < WEDGES; k++) {
-		const struct lod_collapse *forest = &plant->sectors.forest[k];
-		all[k] = (double)plant->vertices[k][forest->made];
+	for (uint32_t k = 0; k < c->sectors.count; k++) {
+		const struct lod_collapse *forest = &c->sectors.forest[k];
+		all[k] = (double)c->vertices[k][forest->made];
 		weight[k] = all[k] * (0.5 + (k ? facing(forest, eye) : 0));
 		given[k] = 0;
 	}
 	for (int pass = 0; pass < PASSES; pass++) {
 		double left = vertices, sum = 0;
-		for (uint32_t k = 0; k < WEDGES; k++) {
+		for (uint32_t k = 0; k < c->sectors.count; k++) {
 			left -= given[k];
 			sum += given[k] < all[k] ? weight[k] : 0;
 		}
-		for (uint32_t k = 0; k < WEDGES && sum > 0 && left > 0; k++)
+		for (uint32_t k = 0; k < c->sectors.count && sum > 0 && left > 0; k++)
 			if (given[k] < all[k])
 				given[k] = fmin(all[k], given[k] + left * weight[k] / sum);
 	}
 }
 
 /* NaN where the coarsest levels have more vertices. */
-static double sectors_q(struct study *s, const struct bench_collapse_plant *plant, double vertices)
+static double q_of(struct study *s, const struct crown *c, double vertices)
 {
 	struct bench_wrong sum = { 0 };
-	for (uint32_t v = 0; v < s->views; v++) {
+	for (uint32_t v = 0; v < s->tests.count; v++) {
 		struct lod_sights_drawing drawing = { .order = s->order, .scale = 1 };
 		double given[WEDGES];
 		uint64_t drawn = 0;
-		allocate(plant, &s->tests.eyes[v], vertices, given);
-		for (uint32_t k = 0; k < WEDGES; k++) {
-			uint32_t row = bench_collapse_row(plant, k, given[k]);
-			drawn += plant->vertices[k][row];
-			drawing.count += bench_collapse_order(plant, k, row, s->order + drawing.count);
-		}
+		allocate(c, &s->tests.eyes[v], vertices, given);
+		for (uint32_t k = 0; k < c->sectors.count; k++)
+			drawn += add_level(c, k, given[k], s->order, &drawing.count);
 		if ((double)drawn > vertices)
 			return NAN;
 		bench_leaves_compare(s->leaves, &s->tests, v, &drawing, &sum);
@@ -330,196 +215,154 @@ static double sectors_q(struct study *s, const struct bench_collapse_plant *plan
 	return bench_wrong_q(&sum);
 }
 
-static enum eco_code measure_sectors(struct study *s, struct eco_error *error)
+/* ---- Pictures ---- */
+
+/* Figure 2, with the upper and left edges of tiles. */
+static enum eco_code draw_atlas(struct study *s, const struct lod_collapse_atlas *atlas, struct eco_error *error)
 {
-	struct bench_collapse_plant plant;
+	static const uint8_t line[3] = { 40, 40, 40 };
+	const struct eco_image *image = &atlas->image;
+	uint8_t *rgb = lod_arena_take(&s->leaves->arena, (size_t)image->width * image->height, 3);
 	char file[128];
-	uint8_t *rgb = lod_arena_take(&s->leaves->arena, (size_t)TOP_SIDE * TOP_SIDE, 3);
-	grow(s, &plant, WEDGES, false);
-	for (uint32_t i = 0; i < BENCH_SHARES; i++)
-		s->q[SECTORS][i] = sectors_q(s, &plant, bench_shares[i] * (double)s->vertices);
-	enum eco_code code = paint_sectors(rgb, &s->bare, &plant.sectors, error);
-	snprintf(file, sizeof file, "collapse-%s-sectors.png", s->name);
-	return code ? code : bench_picture_write(s->bench, file, TOP_SIDE, TOP_SIDE, rgb, error);
+	memset(rgb, 255, 3 * (size_t)image->width * image->height);
+	for (uint32_t t = 0; t < LOD_COLLAPSE_CLASSES * LOD_COLLAPSE_CLASS_TILES; t++) {
+		const struct lod_collapse_tile *tile = &atlas->tile[0][0] + t;
+		for (uint32_t i = 0; i < tile->side * tile->side; i++) {
+			uint32_t x = i % tile->side, y = i / tile->side;
+			size_t at = (size_t)(tile->y + y) * image->width + tile->x + x;
+			bool edge = x == 0 || y == 0;
+			if (edge || image->rgba[4 * at + 3] >= 128)
+				memcpy(rgb + 3 * at, edge ? line : image->rgba + 4 * at, 3);
+		}
+	}
+	snprintf(file, sizeof file, "collapse-%s-atlas.png", s->name);
+	return bench_picture_write(s->bench, file, image->width, image->height, rgb, error);
 }
 
-/* ---- Splats ---- */
-
-static enum eco_code measure_splats(struct study *s, struct eco_error *error)
+/* Figure 6: leaves from above as dots, in the colours of their sectors. The innermost lies over the others. */
+static enum eco_code draw_sectors(struct study *s, const struct lod_collapse_sectors *sectors,
+	struct eco_error *error)
 {
-	struct lod_splats splats;
-	struct lod_splat *items = lod_arena_take(&s->leaves->arena, SPLATS_MOST, sizeof *items);
-	enum eco_code code = lod_splats_fit(&splats, &s->leaves->model, &(struct lod_splats_options){ 0 },
-		error);
-	for (uint32_t i = 0; i < BENCH_SHARES && !code && splats.level_count; i++) {
-		struct bench_wrong sum = { 0 };
-		double room = fmin(bench_shares[i] * (double)s->vertices, SPLATS_MOST);
-		struct bench_splats_drawn drawn = { items,
-			bench_splats_state(&splats, (uint32_t)room, items) };
-		for (uint32_t v = 0; v < s->views; v++)
-			bench_leaves_compare_drawn(s->leaves, &s->tests, v, true, bench_splats_draw, &drawn,
-				&sum);
-		s->q[SPLATS][i] = bench_wrong_q(&sum);
-	}
-	if (!code)
-		lod_splats_free(&splats);
-	return code;
+	static const uint8_t colors[WEDGES][3] = { { 60, 60, 60 }, { 214, 69, 65 }, { 244, 160, 60 },
+		{ 230, 210, 70 }, { 120, 180, 70 }, { 40, 140, 110 }, { 60, 150, 210 }, { 70, 80, 180 },
+		{ 170, 80, 170 } };
+	const struct lod_foliage *f = &s->bare;
+	uint8_t *rgb = lod_arena_take(&s->leaves->arena, (size_t)TOP_SIDE * TOP_SIDE, 3);
+	double most = 0;
+	char file[128];
+	memset(rgb, 255, 3 * (size_t)TOP_SIDE * TOP_SIDE);
+	for (uint32_t i = 0; i < f->count; i++)
+		most = fmax(most, fmax(fabs(f->center[i].x), fabs(f->center[i].y)));
+	for (uint32_t k = sectors->count; k-- > 0;)
+		for (uint32_t i = DOT * DOT * sectors->first[k]; i < DOT * DOT * sectors->first[k + 1]; i++) {
+			struct lod_v3 at = f->center[sectors->leaf[i / (DOT * DOT)]];
+			uint32_t x = (uint32_t)((1 + 0.96 * at.x / most) / 2 * (TOP_SIDE - DOT)) + i % DOT,
+				y = (uint32_t)((1 - 0.96 * at.y / most) / 2 * (TOP_SIDE - DOT)) + i / DOT % DOT;
+			memcpy(rgb + 3 * (y * TOP_SIDE + x), colors[k], 3);
+		}
+	snprintf(file, sizeof file, "collapse-%s-sectors.png", s->name);
+	return bench_picture_write(s->bench, file, TOP_SIDE, TOP_SIDE, rgb, error);
 }
 
 /* ---- One plant ---- */
-
-static enum eco_code look(struct study *s, struct lod_sights *sights, uint32_t count, uint32_t seed,
-	struct eco_error *error)
-{
-	double directions[12][3];
-	lod_directions_spread(directions, count, seed);
-	return lod_sights_make(sights, &s->leaves->foliage, (const double (*)[3])directions, count, PIXELS,
-		&s->leaves->arena, error);
-}
 
 /* The number of leaves, then a row of Q for each kind. */
 static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
 	struct eco_error *error)
 {
 	struct study *s = ctx;
+	double to[VIEWS_MOST][3];
+	uint32_t views = s->bench->full ? VIEWS_MOST : VIEWS_MOST / 2;
 	s->leaves = leaves;
-	enum eco_code code = look(s, &s->tuning, TUNING_VIEWS, TUNING_SEED, error);
-	code = code ? code : look(s, &s->tests, s->views, TEST_SEED, error);
 	s->bare = leaves->foliage;
 	s->order = lod_arena_take(&leaves->arena, s->bare.count, sizeof *s->order);
+	lod_directions_spread(to, views, TEST_SEED);
+	enum eco_code code = lod_sights_make(&s->tests, &leaves->foliage, (const double (*)[3])to, views, PIXELS,
+		&leaves->arena, error);
 	for (uint32_t i = 0; i < s->bare.count; i++)
-		s->vertices += 3 * (s->bare.first[i + 1] - s->bare.first[i] - 2);
-	code = code ? code : measure_forest(s, SOLID, error);
-	code = code ? code : measure_forest(s, PRINTED, error);
-	code = code ? code : measure_sectors(s, error);
-	code = code ? code : measure_splats(s, error);
-	if (code)
-		return code;
+		s->all += 3 * (s->bare.first[i + 1] - s->bare.first[i] - 2);
 	*out = json_pack("[i]", (int)s->bare.count);
-	for (int kind = 0; kind < KINDS; kind++)
-		json_array_append_new(*out, bench_reals(s->q[kind], BENCH_SHARES));
-	return ECO_OK;
-}
-
-static enum eco_code measure(struct bench *bench, const struct bench_model *model, json_t **q,
-	struct eco_error *error)
-{
-	char name[96], stamp[64];
-	struct study s = { .bench = bench, .name = model->name, .views = bench->full ? 12 : 6 };
-	snprintf(name, sizeof name, "collapse-%s", model->name);
-	snprintf(stamp, sizeof stamp, "%u views %016llx", s.views,
-		(unsigned long long)bench_file_hash(model->path));
-	return bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, NULL, PIXELS,
-		study_leaves, &s }, q, error);
-}
-
-/* ---- All plants ---- */
-
-#define ROWS (BENCH_METHODS + (int)KINDS)
-
-struct sums { double q[ROWS][BENCH_SHARES]; uint32_t read, made; };
-
-static const char *row_name(int row)
-{
-	return row < BENCH_METHODS ? bench_method_names[row] : kind_names[row - BENCH_METHODS];
-}
-
-/* A mean is NaN if one plant has no figure. */
-static void write_plant(struct bench_table *table, struct sums *sums, const char *name,
-	const struct bench_savings *savings, const json_t *q)
-{
-	for (int row = 0; row < ROWS; row++) {
-		double at[BENCH_SHARES];
-		if (row >= BENCH_METHODS)
-			bench_cells(json_array_get(q, (size_t)(row - BENCH_METHODS + 1)), at, BENCH_SHARES);
-		for (uint32_t i = 0; i < BENCH_SHARES; i++) {
-			at[i] = row < BENCH_METHODS ? savings->q[row][i] : at[i];
-			sums->q[row][i] += at[i];
-		}
-		bench_table_row(table, "%s,%d,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", name,
-			(int)json_integer_value(json_array_get(q, 0)), row_name(row), at[0], at[1], at[2],
-				at[3],
-			at[4], at[5]);
+	for (int kind = 0; kind < KINDS && !code; kind++) {
+		struct crown crown;
+		grow(s, &crown, kind == SECTORS ? WEDGES : 1);
+		for (uint32_t i = 0; i < SHARES; i++)
+			s->q[kind][i] = q_of(s, &crown, shares[i] * s->all);
+		code = kind == SECTORS ? draw_sectors(s, &crown.sectors, error)
+			: draw_atlas(s, &crown.atlas, error);
+		json_array_append_new(*out, bench_reals(s->q[kind], SHARES));
 	}
+	return code;
 }
 
 static enum eco_code study_plant(struct bench *bench, const struct bench_model *model,
-	struct bench_table *table, struct sums *sums, struct eco_error *error)
+	struct bench_table *table, double sum[KINDS][SHARES], struct eco_error *error)
 {
-	json_t *q;
-	struct bench_savings savings;
-	char file[128];
-	enum eco_code code = measure(bench, model, &q, error);
-	const char *before = bench_objects(bench, BENCH_OBJECTS_PLANTS BENCH_OBJECTS_SAVINGS);
-	if (!code)
-		code = bench_savings_of(bench, &savings, model->name, model->path, error);
-	bench_objects(bench, before);
-	if (code)
-		return code;
-	write_plant(table, sums, model->name, &savings, q);
-	*(model->generated ? &sums->made : &sums->read) += 1;
+	char name[96], stamp[64], file[128];
+	json_t *unit;
+	struct study s = { .bench = bench, .name = model->name };
+	snprintf(name, sizeof name, "collapse-%s", model->name);
+	snprintf(stamp, sizeof stamp, "%d %016llx", bench->full,
+		(unsigned long long)bench_file_hash(model->path));
+	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, NULL,
+		PIXELS, study_leaves, &s }, &unit, error);
+	for (int kind = 0; kind < KINDS && !code; kind++) {
+		double q[SHARES];
+		bench_cells(json_array_get(unit, (size_t)kind + 1), q, SHARES);
+		for (uint32_t i = 0; i < SHARES; i++)
+			sum[kind][i] += q[i];
+		bench_table_row(table, "%s,%d,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", model->name,
+			(int)json_integer_value(json_array_get(unit, 0)), kind_names[kind], q[0], q[1], q[2], q[3],
+			q[4], q[5]);
+	}
 	snprintf(file, sizeof file, "collapse-%s-atlas.png", model->name);
 	bench_picture(bench, file, "its atlas: pairs of leaves, then classes of counts by density");
 	snprintf(file, sizeof file, "collapse-%s-sectors.png", model->name);
 	bench_picture(bench, file, "its sectors from above");
-	return ECO_OK;
+	return code;
 }
 
-static enum eco_code study_plants(struct bench *bench, struct sums *sums, struct eco_error *error)
+static enum eco_code study_plants(struct bench *bench, struct eco_error *error)
 {
 	struct bench_model *models = NULL;
-	uint32_t count = 0;
+	uint32_t count = 0, done[2] = { 0 }, plants = 0;
+	double sum[KINDS][SHARES] = { { 0 } };
+	struct bench_series series[KINDS];
 	enum eco_code code = bench_models(bench, &models, &count, error);
-	struct bench_table *table = bench_table_open(bench, "collapse",
-		"plant,leaves,method,Q at 2 %,Q at 5 %,"
+	struct bench_table *table = bench_table_open(bench, "collapse", "plant,leaves,method,Q at 2 %,Q at 5 %,"
 		"Q at 10 %,Q at 20 %,Q at 30 %,Q at 50 % of the vertices", true);
 	for (uint32_t i = 0; i < count && !code; i++) {
-		uint32_t *done = models[i].generated ? &sums->made : &sums->read,
-			quick = models[i].generated ? MADE_QUICK : READ_QUICK;
-		if (models[i].leaves < BENCH_ELEMENTS_LEAST)
+		bool made = models[i].generated;
+		if (models[i].leaves < LEAVES_LEAST)
 			continue;
-		if (!bench->full && *done >= quick) {
+		if (!bench->full && done[made] >= (made ? MADE_QUICK : READ_QUICK)) {
 			bench_left_out(bench, models[i].name);
 			continue;
 		}
 		bench_progress(bench, (double)i / count, models[i].name);
-		code = bench_go_on(bench, error);
-		code = code ? code : study_plant(bench, &models[i], table, sums, error);
+		code = study_plant(bench, &models[i], table, sum, error);
+		done[made]++;
+		plants++;
+	}
+	for (int kind = 0; kind < KINDS && !code; kind++) {      /* NaN if one plant has no figure */
+		for (uint32_t i = 0; i < SHARES; i++)
+			sum[kind][i] /= plants;
+		bench_table_row(table, "mean,%u plants,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", plants, kind_names[kind],
+			sum[kind][0], sum[kind][1], sum[kind][2], sum[kind][3], sum[kind][4], sum[kind][5]);
+		series[kind] = (struct bench_series){ kind_names[kind], shares, sum[kind], SHARES, false };
 	}
 	bench_table_close(table);
 	free(models);
-	return code;
-}
-
-static enum eco_code write_means(struct bench *bench, struct sums *sums, struct eco_error *error)
-{
-	struct bench_series series[ROWS];
-	uint32_t plants = sums->read + sums->made, plotted = 0;
-	struct bench_table *table = bench_table_open(bench, "collapse_means", "method,Q at 2 %,Q at 5 %,Q at "
-		"10 %,Q at 20 %,Q at 30 %,Q at 50 % of the vertices,plants", true);
-	for (int row = 0; row < ROWS; row++) {
-		double *q = sums->q[row];
-		for (uint32_t i = 0; i < BENCH_SHARES; i++)
-			q[i] /= plants;
-		bench_table_row(table, "%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%u", row_name(row), q[0], q[1], q[2],
-			q[3], q[4], q[5], plants);
-		/* as many as there are colours */
-		if (row == BENCH_STOCHASTIC || row == BENCH_COLLAPSE || row >= BENCH_PRUNED)
-			series[plotted++] = (struct bench_series){ row_name(row), bench_shares, q,
-				BENCH_SHARES, false };
-	}
-	bench_table_close(table);
-	bench_key(bench, "collapse_q_10", sums->q[BENCH_COLLAPSE][2],
-		"Q of leaf collapse at 10 % of the vertices");
-	bench_key(bench, "collapse_greedy_q_10", sums->q[BENCH_PRUNED][2], "beside it: the greedy order");
-	bench_key(bench, "collapse_splats_q_10", sums->q[BENCH_METHODS + (int)SPLATS][2],
-		"beside it: splats");
+	if (code)
+		return code;
+	bench_key(bench, "collapse_q_10", sum[PRINTED][2], "Q of leaf collapse at 10 % of the vertices");
+	bench_say(bench, "Quads have the paper's sizes, which are too large: they reach beyond the crown. There is "
+		"no figure where a coarsest level has more vertices than asked for.");
 	return bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, "
 		"mean over plants", .x = "share of the vertices", .y = "Q", .log_x = true, .series = series,
-		.series_count = plotted }, error);
+		.series_count = KINDS }, error);
 }
 
-/* ---- Figures 1, 3 and 4: made leaves ---- */
+/* ---- Figures 3 and 4: made leaves ---- */
 
 #define CHAIN_LEAVES 10u
 #define CROWN_RADIUS 5.0
@@ -547,24 +390,28 @@ static void strew(uint64_t *state, float corner[4][3])
 }
 
 /* Numbers up to 9 are leaves, the others quads in the order of their collapses. */
-static void write_chain(struct bench *bench, struct lod_arena *arena)
+static enum eco_code write_chain(struct bench *bench, struct eco_error *error)
 {
+	struct lod_arena arena = { 0 };
 	struct lod_collapse c;
 	struct lod_collapse_options options = lod_collapse_defaults;
 	float corner[4 * CHAIN_LEAVES][3];
 	uint32_t first[CHAIN_LEAVES + 1] = { 0 };
 	uint64_t state = 2007;
-	bench_head(bench, "A chain and its table of levels");
-	struct bench_table *table = bench_table_open(bench, "collapse_chain",
-		"level,leaves,a,b,c,first run [0;a),second run [b;b+c)", true);
+	if (setjmp(arena.failed)) {
+		lod_arena_free(&arena);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for some leaves");
+	}
 	options.distance_most = 4;
 	for (uint32_t i = 0; i < CHAIN_LEAVES; i++) {
 		strew(&state, corner + 4 * i);
 		first[i + 1] = 4 * (i + 1);
 	}
-	lod_collapse_make(&c, &(struct lod_foliage){ .count = CHAIN_LEAVES, .first = first,
-		.corner = corner },
-		&options, NULL, 0, NULL, arena);
+	lod_collapse_make(&c, &(struct lod_foliage){ .count = CHAIN_LEAVES, .first = first, .corner = corner },
+		&options, NULL, 0, NULL, &arena);
+	bench_head(bench, "A chain and its table of levels");
+	struct bench_table *table = bench_table_open(bench, "collapse_chain",
+		"level,leaves,a,b,c,first run [0;a),second run [b;b+c)", true);
 	for (uint32_t i = 0; i <= c.made; i++) {
 		const struct lod_collapse_level *l = &c.level[i];
 		char run[2][128] = { "", "" };
@@ -577,41 +424,15 @@ static void write_chain(struct bench *bench, struct lod_arena *arena)
 			run[1]);
 	}
 	bench_table_close(table);
-}
-
-static enum eco_code write_made(struct bench *bench, struct eco_error *error)
-{
-	struct lod_arena arena = { 0 };
-	if (setjmp(arena.failed)) {
-		lod_arena_free(&arena);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for some leaves");
-	}
-	uint8_t *rgb = lod_arena_take(&arena, 3 * (size_t)PIXELS * PIXELS, 3);
-	enum eco_code code = paint_pair(rgb, &arena, error);
-	code = code ? code : bench_picture_write(bench, "collapse-pair.png", 3 * PIXELS, PIXELS, rgb, error);
-	bench_picture(bench, "collapse-pair.png", "two leaves; what encloses them (dark) and the "
-		"quad (red), whose area is the mean of both areas' sum and of what encloses them; "
-		"the quad with its texture");
-	write_chain(bench, &arena);
 	lod_arena_free(&arena);
-	return code;
+	return ECO_OK;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	struct sums sums = { 0 };
-	enum eco_code code = write_made(bench, error);
-	code = code ? code : study_plants(bench, &sums, error);
-	code = code ? code : write_means(bench, &sums, error);
-	if (!code)
-		bench_say(bench, "Orders, leaf collapse and its quads without textures each have their best "
-			"scale. Rows as printed and by sectors have the paper's sizes, which are too large: "
-			"quads reach beyond the crown. Splats show wood and leaves, one vertex each, "
-			"over wood that is drawn whole as in all other rows. There is no figure where a "
-			"coarsest level has more vertices than asked for.");
-	return code;
+	enum eco_code code = write_chain(bench, error);
+	return code ? code : study_plants(bench, error);
 }
 
-const struct bench_section bench_collapse = { "collapse", "Leaf collapse against orders and splats", run,
-	.objects = BENCH_OBJECTS_PLANTS BENCH_OBJECTS_SAVINGS "tests/bench/collapse/bench_collapse*.o "
-	"tests/bench/pictures/bench_splats*.o", .alone = true };
+const struct bench_section bench_collapse = { "collapse", "Leaf collapse", run,
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/collapse/bench_collapse.o", .alone = true };

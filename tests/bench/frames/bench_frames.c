@@ -139,7 +139,6 @@ static enum eco_code draw_picture(void *ctx, json_t **made, struct eco_error *er
 	enum eco_code code = bench_client_open(&client, p->pack, error);
 	if (!code) {
 		bench_client_see(client);
-		bench_client_keep(client, p->bench);
 		bench_client_untimed(client);
 		code = bench_client_frame(client, &p->frame, &ours, error);
 	}

@@ -175,7 +175,6 @@ static enum eco_code open_packs(struct shot *shot, struct eco_error *error)
 	enum eco_code code = bench_client_open(&shot->client, shot->packs->ours, error);
 	if (!code) {
 		bench_client_see(shot->client);
-		bench_client_keep(shot->client, shot->bench);
 		bench_client_untimed(shot->client);
 		code = paper_scene_open(&shot->ours, shot->packs->ours, error);
 	}

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include "tests/bench/ladder/bench_ladder_plant.h"
-#include "tests/bench/bench_state.h"
 
 #define SEEDS 5u
 #define SEEDS_QUICK 1u
@@ -113,7 +112,7 @@ static void read_curve(struct bench_ladder_curve *curve, const json_t *cells)
 
 struct work { struct bench *bench; const struct bench_model *model; uint32_t seed; };
 
-/* Seed 0: the curve of the splats; else [elements, vertices, CPU of greedy, of random, Q of Cook, curves]. */
+/* Seed 0: the curve of the splats; else [elements, Q of Cook, curves]. */
 static enum eco_code measure(void *ctx, json_t **made, struct eco_error *error)
 {
 	const struct work *w = ctx;
@@ -128,8 +127,8 @@ static enum eco_code measure(void *ctx, json_t **made, struct eco_error *error)
 	eco_model_free(&model);
 	if (code)
 		return code;
-	*made = w->seed ? json_pack("[iiffo]", (int)l.elements, (int)l.vertices, l.greedy_cpu_s,
-		l.random_cpu_s, bench_reals(&l.cook_q[0][0], BENCH_SPACINGS * BENCH_DISTANCES))
+	*made = w->seed ? json_pack("[io]", (int)l.elements, bench_reals(&l.cook_q[0][0],
+		BENCH_SPACINGS * BENCH_DISTANCES))
 		: pack_curve(&splats);
 	for (int k = 0; k < BENCH_LADDER_KINDS && w->seed; k++)
 		json_array_append_new(*made, pack_curve(&l.kind[k]));
@@ -151,12 +150,9 @@ static enum eco_code measure_unit(struct bench *bench, struct plant *p, uint32_t
 		return code;
 	struct bench_ladder *l = &p->seeds[p->seed_count++];
 	l->elements = (uint32_t)bench_cell(kept, 0);
-	l->vertices = (uint32_t)bench_cell(kept, 1);
-	l->greedy_cpu_s = bench_cell(kept, 2);
-	l->random_cpu_s = bench_cell(kept, 3);
-	bench_cells(json_array_get(kept, 4), &l->cook_q[0][0], BENCH_SPACINGS * BENCH_DISTANCES);
+	bench_cells(json_array_get(kept, 1), &l->cook_q[0][0], BENCH_SPACINGS * BENCH_DISTANCES);
 	for (size_t k = 0; k < BENCH_LADDER_KINDS; k++)
-		read_curve(&l->kind[k], json_array_get(kept, 5 + k));
+		read_curve(&l->kind[k], json_array_get(kept, 2 + k));
 	return ECO_OK;
 }
 
@@ -198,18 +194,14 @@ static double order_share(const struct plant *p, bool lists, int spacing)
 static void write_plants(struct bench *bench, const struct headline *h)
 {
 	static const struct bench_column columns[] = { { "pack's ladder %", 1 }, { "lists only %", 1 },
-		{ "random order all else ours %", 1 }, { "random lists only %", 1 }, {
-		"greedy without forms %", 1 },
-		{ "Cook with leaves as one triangle %", 1 }, { "least of the seeds %", 1 }, {
-		"most of the seeds %", 1 },
-		{ "greedy CPU s", 1 }, { "random CPU s", 1 } };
+		{ "random order all else ours %", 1 }, { "random lists only %", 1 },
+		{ "least of the seeds %", 1 }, { "most of the seeds %", 1 } };
 	enum { COLUMNS = sizeof columns / sizeof *columns, LEAST = BENCH_LADDER_ROWS };
 	struct bench_table *table = bench_table_described(bench, "ladder_plants", "plant,generated,leaves",
 		columns, COLUMNS, true);
 	for (uint32_t i = 0; i < h->count; i++) {
 		const struct plant *p = &h->plants[i];
-		double v[COLUMNS] = { [LEAST] = INFINITY, -INFINITY, p->seeds[0].greedy_cpu_s,
-			p->seeds[0].random_cpu_s };
+		double v[COLUMNS] = { [LEAST] = INFINITY, -INFINITY };
 		for (int r = 0; r < BENCH_LADDER_ROWS; r++)
 			v[r] = 100 * saving(p, r, BENCH_NEAR, true);
 		for (uint32_t k = 0; k < p->seed_count; k++) {

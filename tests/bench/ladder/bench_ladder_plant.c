@@ -27,8 +27,7 @@
 #define MEAN_COSINE 0.5 /* projected area of leaves that face anywhere, over their area */
 
 const char *const bench_ladder_names[BENCH_LADDER_ROWS] = { "pack's ladder", "lists only",
-	"random order all else ours", "random order lists only", "greedy without forms",
-	"Cook with leaves as one triangle" };
+	"random order all else ours", "random order lists only" };
 
 struct study {
 	struct bench *bench;
@@ -189,92 +188,61 @@ static enum eco_code draw_share(struct study *s, double share, struct bench_ladd
 	return code;
 }
 
-/* `one`: leaves as one triangle, until all are; from there on the first ones in full. Else in full. */
-static void cook_cuts(const struct study *s, const struct eco_ladder *ladder, double lambda, bool one,
-	struct eco_cut cuts[2], double *vertices)
-{
-	struct lod_forms forms;
-	cuts[0] = cuts[1] = (struct eco_cut){ .list = ladder->triangles, .scale = 1 };
-	if (!lod_forms_find(&forms, &s->probe.scene, ladder))
-		return;
-	uint32_t full = forms.count - 1, n = forms.own, kept = (uint32_t)(lambda * n + 0.5), fine = kept;
-	if (one && ladder->simple != ECO_NONE) {
-		double budget = lambda * (double)(3 * lod_forms_range_end(&forms, full, n)),
-		       more = (double)(3 * lod_forms_range_end(&forms, full, n)) / n - 3;
-		kept = budget / 3 < n ? (uint32_t)(budget / 3 + 0.5) : n;
-		fine = budget / 3 > n && more > 0 ? (uint32_t)((budget - 3.0 * n) / more) : 0;
-	}
-	kept = kept ? kept : 1;
-	fine = fine < kept ? fine : kept;
-	cuts[0].end = (uint32_t)lod_forms_range_end(&forms, full, fine);
-	cuts[1].list = fine < kept ? ladder->simple : ladder->triangles;
-	cuts[1].first = fine < kept ? fine : cuts[0].end;
-	cuts[1].end = fine < kept ? kept : cuts[0].end;
-	*vertices += 3.0 * cuts[0].end + 3.0 * (cuts[1].end - cuts[1].first);
-}
-
 /* Cook's order and scale, with the correction of depth complexity or without it, whichever is better. */
-static enum eco_code draw_cook(struct study *s, double lambda, bool one, struct bench_ladder_point *point,
-	struct eco_error *error)
+static enum eco_code draw_cook(struct study *s, double lambda, double *q, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-	*point = (struct bench_ladder_point){ .q = -INFINITY };
+	*q = -INFINITY;
 	for (int depth = 0; depth < 2 && !code; depth++) {
-		double vertices = 0;
 		code = add_wood(s, error);
 		for (uint32_t i = 0; i < s->plant.ladder_count && !code; i++) {
 			const struct eco_ladder *ladder = &s->plant.ladders[i];
-			struct eco_cut cuts[2];
-			double before = vertices;
-			if (!is_foliage(ladder))
+			struct lod_forms forms;
+			if (!is_foliage(ladder) || !lod_forms_find(&forms, &s->probe.scene, ladder))
 				continue;
-			cook_cuts(s, ladder, lambda, one, cuts, &vertices);
-			uint32_t n = s->probe.lists[ladder->triangles].element_count;
-			double each = one && ladder->simple != ECO_NONE
-				? 3
-				: (double)lod_ladder_full(&s->probe.scene, ladder) / n;
-			uint32_t kept = (uint32_t)fmin(n, (vertices - before) / each + 0.5);
-			kept = kept ? kept : 1;
-			cuts[0].scale = cuts[1].scale =
-				(float)(depth ? lod_cook_scale_depth(kept, n, s->share)
-					      : lod_cook_scale(kept, n));
-			for (int k = 0; k < 2 && !code; k++)
-				code = lod_probe_add(&s->probe, &cuts[k], error);
+			uint32_t n = forms.own, kept = (uint32_t)fmax(1, (uint32_t)(lambda * n + 0.5));
+			struct eco_cut cut = { .list = ladder->triangles,
+				.end = (uint32_t)lod_forms_range_end(&forms, forms.count - 1, kept) };
+			/* the scale is that of the vertices that are drawn */
+			double each = (double)lod_ladder_full(&s->probe.scene, ladder) / n;
+			kept = (uint32_t)fmax(1, (uint32_t)fmin(n, 3.0 * cut.end / each + 0.5));
+			cut.scale = (float)(depth ? lod_cook_scale_depth(kept, n, s->share)
+				: lod_cook_scale(kept, n));
+			code = lod_probe_add(&s->probe, &cut, error);
 		}
-		struct bench_ladder_point here;
 		if (!code)
-			here = score(s, vertices / s->full);
-		if (!code && here.q > point->q)
-			*point = here;
+			*q = fmax(*q, score(s, lambda).q);
 	}
 	return code;
 }
 
-static enum eco_code fill(struct study *s, struct bench_ladder_curve *curve, bool cook,
-	struct eco_error *error)
+static enum eco_code fill(struct study *s, struct bench_ladder_curve *curve, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	double least = fmax(LAMBDA_LEAST, 1 / s->full);
 	curve->count = 0;
 	for (double l = 1; l >= least && curve->count < BENCH_LADDER_POINTS && !code;
 		l = l > KNEE + STEP / 2 ? l - STEP : l / FACTOR) {
-		struct bench_ladder_point *at = &curve->at[curve->count++];
-		code = cook ? draw_cook(s, l, true, at, error) : draw_share(s, l, at, error);
-		if (!code && bench_stopped(s->bench))
-			code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
+		code = draw_share(s, l, &curve->at[curve->count++], error);
+		code = code ? code : bench_go_on(s->bench, error);
 	}
 	return code;
+}
+
+static double distance_of(enum bench_spacing spacing, uint32_t i)
+{
+	return spacing == BENCH_EVEN ? (double)i / BENCH_DISTANCES : i < 10 ? 0.01 * i
+		: 0.1 + 0.09 * (i - 10);
 }
 
 static enum eco_code fill_cook(struct study *s, struct bench_ladder *ladder, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < BENCH_SPACINGS * BENCH_DISTANCES && !code; i++) {
-		double d = bench_distance((enum bench_spacing)(i / BENCH_DISTANCES), i % BENCH_DISTANCES);
-		struct bench_ladder_point point;
-		code = draw_cook(s, (1 - d) * (1 - d), false, &point, error);
-		if (!code)
-			ladder->cook_q[i / BENCH_DISTANCES][i % BENCH_DISTANCES] = point.q;
+		double left = 1 - distance_of((enum bench_spacing)(i / BENCH_DISTANCES),
+			i % BENCH_DISTANCES);
+		code = draw_cook(s, left * left, &ladder->cook_q[i / BENCH_DISTANCES][i % BENCH_DISTANCES],
+			error);
 	}
 	return code;
 }
@@ -292,29 +260,6 @@ static struct lod_plant_options options_of(struct study *s, uint32_t seed, bool 
 		.ctx = s };
 }
 
-static enum eco_code measure_curves(struct study *s, const struct eco_model *model,
-	const struct lod_plant_options *options, struct eco_error *error)
-{
-	enum eco_code code = lod_plant_measure(&s->plant, model, options, error);
-	if (!code)
-		code = open_probe(s, model, error);
-	return code ? code : keep_full(s, error);
-}
-
-/* The same lists without forms: their curves are measured anew. */
-static enum eco_code fill_bare(struct study *s, const struct eco_model *model,
-	const struct lod_plant_options *options, struct bench_ladder_curve *curve, struct eco_error *error)
-{
-	lod_probe_free(&s->probe);
-	for (uint32_t i = 0; i < s->plant.ladder_count; i++) {
-		struct eco_ladder *ladder = &s->plant.ladders[i];
-		if (is_foliage(ladder))
-			ladder->points = ladder->lines = ladder->simple = ECO_NONE;
-	}
-	enum eco_code code = measure_curves(s, model, options, error);
-	return code ? code : fill(s, curve, false, error);
-}
-
 static void end(struct study *s)
 {
 	lod_probe_free(&s->probe);
@@ -325,21 +270,15 @@ static enum eco_code measure_order(struct study *s, struct bench_ladder *ladder,
 	const struct eco_model *model, uint32_t seed, bool random, struct eco_error *error)
 {
 	struct lod_plant_options options = options_of(s, seed, random);
-	double begun = bench_cpu_s();
 	enum eco_code code = lod_plant_build(&s->plant, model, &options, error);
-	*(random ? &ladder->random_cpu_s : &ladder->greedy_cpu_s) = bench_cpu_s() - begun;
-	if (!code)
-		code = measure_curves(s, model, &options, error);
+	code = code ? code : lod_plant_measure(&s->plant, model, &options, error);
+	code = code ? code : open_probe(s, model, error);
+	code = code ? code : keep_full(s, error);
 	ladder->elements = (uint32_t)s->elements;
-	ladder->vertices = (uint32_t)s->full;
 	if (!code && s->full > 0)
-		code = fill(s, &ladder->kind[random ? BENCH_LADDER_SHUFFLED : BENCH_LADDER_GREEDY], false,
-			error);
+		code = fill(s, &ladder->kind[random ? BENCH_LADDER_SHUFFLED : BENCH_LADDER_GREEDY], error);
 	if (!code && s->full > 0 && random)
 		code = fill_cook(s, ladder, error);
-	if (!code && s->full > 0)
-		code = random ? fill(s, &ladder->kind[BENCH_LADDER_ONE], true, error)
-			      : fill_bare(s, model, &options, &ladder->kind[BENCH_LADDER_BARE], error);
 	end(s);
 	return code;
 }
@@ -444,8 +383,9 @@ static double reach_one(const struct bench_ladder_curve *curve, const struct ben
 	return least;
 }
 
-double bench_ladder_reach(const struct bench_ladder_curve *lists, const struct bench_ladder_curve *splats,
-	double q)
+/* The least lambda of either curve whose Q is at least `q`, 1 if there is none. A point does not count where
+ * the other curve has the higher tuned Q at no more vertices. */
+static double reach(const struct bench_ladder_curve *lists, const struct bench_ladder_curve *splats, double q)
 {
 	if (!splats || !splats->count)
 		return reach_one(lists, NULL, q);
@@ -455,15 +395,13 @@ double bench_ladder_reach(const struct bench_ladder_curve *lists, const struct b
 double bench_ladder_saving(const struct bench_ladder *ladder, const struct bench_ladder_curve *splats,
 	enum bench_ladder_row row, enum bench_spacing spacing, bool total)
 {
-	static const enum bench_ladder_kind kinds[BENCH_LADDER_ROWS] = { BENCH_LADDER_GREEDY,
-		BENCH_LADDER_GREEDY, BENCH_LADDER_SHUFFLED, BENCH_LADDER_SHUFFLED, BENCH_LADDER_BARE,
-		BENCH_LADDER_ONE };
+	const struct bench_ladder_curve *curve = &ladder->kind[row < BENCH_LADDER_RANDOM ? BENCH_LADDER_GREEDY
+		: BENCH_LADDER_SHUFFLED];
 	bool all = row == BENCH_LADDER_OURS || row == BENCH_LADDER_RANDOM;
 	double sum = 0, ours = 0, cook = 0;
 	for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
-		double left = 1 - bench_distance(spacing, d), lambda = left * left,
-		       reached = bench_ladder_reach(&ladder->kind[kinds[row]], all ? splats : NULL,
-			       ladder->cook_q[spacing][d]);
+		double left = 1 - distance_of(spacing, d), lambda = left * left,
+		       reached = reach(curve, all ? splats : NULL, ladder->cook_q[spacing][d]);
 		sum += 1 - reached / lambda;
 		ours += reached;
 		cook += lambda;

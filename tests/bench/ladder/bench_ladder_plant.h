@@ -1,6 +1,7 @@
 /* Geometry that a pack's own ladder saves against Cook's stochastic simplification at equal quality, for
- * one plant: Neubert's protocol (2011, section 5), as in bench_savings.h, but for lists as ecopack builds
- * them, at the scales and forms of their own curves, and with the splats and the impostor of the pack.
+ * one plant: Neubert's protocol (2011, section 5), as in bench_species.c, but for lists as ecopack builds
+ * them, at the scales and forms of their own curves, and with the splats and the impostor of the pack. The 20
+ * distances are spaced evenly, and as the paper tabulates: 10 in [0, 0.1) and 10 in [0.1, 1).
  *
  * Wood is drawn whole and not counted, except where splats or an impostor show the plant: these show wood,
  * too, and all their vertices count against those of the foliage. All cells of a plant draw the same share.
@@ -8,20 +9,17 @@
 #ifndef TESTS_BENCH_LADDER_PLANT_H
 #define TESTS_BENCH_LADDER_PLANT_H
 
-#include "tests/bench/ladder/bench_savings.h"
+#include "tests/bench/bench.h"
+
+#define BENCH_DISTANCES 20u
+#define BENCH_ELEMENTS_LEAST 500u
+
+enum bench_spacing { BENCH_EVEN, BENCH_NEAR, BENCH_SPACINGS };
 
 /* OURS: all that a pack has. LISTS: without splats and impostor. RANDOM, RANDOM_LISTS: the same with leaves
- * in random order and of one scale. UNFORMED: the greedy order and its scales, leaves as they are.
- * COOK_FORMS: Cook's order and scales, leaves as one triangle. */
-enum bench_ladder_row {
-	BENCH_LADDER_OURS,
-	BENCH_LADDER_LISTS,
-	BENCH_LADDER_RANDOM,
-	BENCH_LADDER_RANDOM_LISTS,
-	BENCH_LADDER_UNFORMED,
-	BENCH_LADDER_COOK_FORMS,
-	BENCH_LADDER_ROWS
-};
+ * in random order and of one scale. */
+enum bench_ladder_row { BENCH_LADDER_OURS, BENCH_LADDER_LISTS, BENCH_LADDER_RANDOM, BENCH_LADDER_RANDOM_LISTS,
+	BENCH_LADDER_ROWS };
 extern const char *const bench_ladder_names[BENCH_LADDER_ROWS];
 
 #define BENCH_LADDER_POINTS 72u
@@ -35,32 +33,21 @@ struct bench_ladder_curve {
 	uint32_t count;
 };
 
-enum bench_ladder_kind {
-	BENCH_LADDER_GREEDY,
-	BENCH_LADDER_SHUFFLED,
-	BENCH_LADDER_BARE,
-	BENCH_LADDER_ONE,
-	BENCH_LADDER_KINDS
-};
+enum bench_ladder_kind { BENCH_LADDER_GREEDY, BENCH_LADDER_SHUFFLED, BENCH_LADDER_KINDS };
 
 struct bench_ladder {
-	uint32_t elements, vertices; /* of the foliage */
+	uint32_t elements; /* of the foliage */
 	double cook_q[BENCH_SPACINGS][BENCH_DISTANCES];
 	struct bench_ladder_curve kind[BENCH_LADDER_KINDS];
-	double greedy_cpu_s, random_cpu_s; /* of the two builds */
 };
 
 /* `seed`: of both orders. The caller keeps the model. */
 enum eco_code bench_ladder_measure(struct bench *bench, struct bench_ladder *ladder,
 	const struct eco_model *model, uint32_t seed, struct eco_error *error);
-/* The splats, the impostor first; they do not depend on an order. Empty for a plant without. */
+/* The splats, the impostor last; they do not depend on an order. Empty for a plant without. */
 enum eco_code bench_ladder_splats(struct bench *bench, struct bench_ladder_curve *curve,
 	const struct eco_model *model, struct eco_error *error);
 
-/* The least lambda of either curve whose Q is at least `q`, 1 if there is none. A point does not count where
- * the other curve has the higher tuned Q at no more vertices. */
-double bench_ladder_reach(const struct bench_ladder_curve *lists, const struct bench_ladder_curve *splats,
-	double q);
 /* Share of Cook's vertices that a row saves: mean of distances, or (`total`) of all distances together. */
 double bench_ladder_saving(const struct bench_ladder *ladder, const struct bench_ladder_curve *splats,
 	enum bench_ladder_row row, enum bench_spacing spacing, bool total);

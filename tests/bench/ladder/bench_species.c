@@ -1,25 +1,353 @@
 /* Geometry saved against Cook's stochastic simplification at equal quality, species by species: Neubert's
- * protocol (2011, section 5) for the orders of that paper and for ours (bench_savings.h). */
+ * protocol (2011, section 5) for the orders of that paper and for our greedy one.
+ *
+ *   d of 20 distances, evenly over [0, 1), normalised by the distance at which nothing would be left
+ *   lambda_Cook = (1 - d)^2, and the Q that Cook reaches there, seen from where no method was made for
+ *   each method: the least lambda whose Q, at the scale that its table has, is no less
+ *
+ * lambda counts vertices of the foliage as the client draws them, 3 a triangle; wood is drawn whole by all
+ * and not counted. A method's table has the scale that is best on one set of views and the Q of that on
+ * another; between lambdas both are interpolated, as a client does. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/bench/ladder/bench_savings.h"
+#include "ecofiles/format/list.h"
+#include "lod/build/order/rank.h"
+#include "tests/bench/baseline/cook.h"
+#include "tests/bench/bench_leaves.h"
 
-/* plants of the data folder, in the quick bench: those with the fewest leaves */
+#define PIXELS 256u
+#define DISTANCES 20u
+#define ELEMENTS_LEAST 500u
+#define TUNING_VIEWS 5u
+#define TUNING_SEED 7411u
+#define TESTS_MOST 12u
+#define TEST_SEED 90217u
+#define ROWS_MAX 48u
+#define LAMBDA_LEAST 1e-4
+#define KNEE 0.3                 /* lambdas are a constant factor apart below, a constant step above */
+#define FACTOR 1.4
+#define STEP 0.05
+/* fewer lambdas: between them Q is interpolated below what it is, and savings with it */
+#define FACTOR_QUICK 1.6
+#define STEP_QUICK 0.07
+#define STEPS_MOST 24            /* eighths of an octave about Cook's scale */
+#define NOISE_SMALL 0.05         /* "a small amount of randomness" (3.2) */
+#define NOISE_MUCH 1.5           /* as much as suits our plants */
+/* plants of the data folder, in the quick bench: those with the fewest leaves; generated ones */
 #define READ_QUICK 3u
-#define MADE_QUICK 1u            /* generated ones */
-
+#define MADE_QUICK 1u
 #define SPECIES_MOST 256u
 #define CLOSED_VERTICES 50000u   /* of leaves; with layers of them, as the paper's crowns */
 #define CLOSED_LAYERS 4.0
 
+enum method { STOCHASTIC, DENSITY, ORIENTATION_SMALL, ORIENTATION_NOISY, COMBINED_SMALL, COMBINED_NOISY, GREEDY,
+	METHODS };
+static const struct { const char *name, *printed; enum lod_order_method order; double noise; } methods[METHODS] = {
+	{ "stochastic", "10.1", LOD_ORDER_STOCHASTIC, 0 }, { "density", "17.4", LOD_ORDER_DENSITY, 0 },
+	{ "orientation", "40.7", LOD_ORDER_ORIENTATION, NOISE_SMALL },
+	{ "orientation with much noise", "-", LOD_ORDER_ORIENTATION, NOISE_MUCH },
+	{ "combined", "30.1", LOD_ORDER_COMBINED, NOISE_SMALL },
+	{ "combined with much noise", "-", LOD_ORDER_COMBINED, NOISE_MUCH }, { .name = "greedy", .printed = "-" } };
+
+/* Scale: Cook's times 2^(step / 8). */
+struct row { double lambda, step, count, q; };
+
+struct study {
+	struct bench *bench;
+	struct bench_leaves *leaves;
+	struct lod_sights tuning, tests;
+	uint32_t *order[METHODS], n;
+	uint64_t *vertices[METHODS];         /* of the first i of the order */
+	uint8_t *growth;
+	float *factor;
+	double share, layers;                /* lod_cook_share of a leaf; layers of leaves */
+	struct row rows[METHODS][ROWS_MAX];
+	uint32_t row_count;
+};
+
+static double distance_of(uint32_t i) { return (double)i / DISTANCES; }
+static double cook_lambda(uint32_t i) { return (1 - distance_of(i)) * (1 - distance_of(i)); }
+
+/* ---- Orders ---- */
+
+static bool goes_on(void *bench, double share)
+{
+	(void)share;
+	return !bench_stopped(bench);
+}
+
+static enum eco_code make_orders(struct study *s, struct eco_error *error)
+{
+	const uint32_t *first = s->leaves->foliage.first;
+	struct lod_rank rank;
+	enum eco_code code = lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1,
+		.leaves = true, .progress = goes_on, .ctx = s->bench }, &s->leaves->arena, error);
+	if (code)
+		return code;
+	s->growth = rank.growth;
+	for (int m = 0; m < METHODS; m++) {
+		s->order[m] = m == GREEDY ? rank.order : bench_leaves_order(s->leaves, methods[m].order,
+			methods[m].noise);
+		s->vertices[m] = lod_arena_take(&s->leaves->arena, (size_t)s->n + 1, sizeof *s->vertices[m]);
+		for (uint32_t k = 0; k < s->n; k++)
+			s->vertices[m][k + 1] = s->vertices[m][k]
+				+ 3 * (first[s->order[m][k] + 1] - first[s->order[m][k]] - 2);
+	}
+	return ECO_OK;
+}
+
+/* Depth complexity, for Cook's correction: leaves' projected area over what they cover. */
+static void measure_share(struct study *s)
+{
+	const struct lod_foliage *f = &s->leaves->foliage;
+	double projected = 0, covered = 0;
+	for (uint32_t v = 0; v < s->tuning.count; v++) {
+		const struct lod_eye *eye = &s->tuning.eyes[v];
+		struct lod_v3 to = lod_v3_sub(lod_v3_mix(f->low, f->high, 0.5),
+			(struct lod_v3){ eye->at[0], eye->at[1], eye->at[2] });
+		double away = lod_v3_length(to), pixel = eye->pixel_rad * away;
+		for (uint32_t i = 0; i < f->count; i++)
+			projected += fabs(lod_v3_dot(f->normal[i], to)) / away / (pixel * pixel);
+		for (uint32_t i = 0; i < s->tuning.words; i++)
+			covered += __builtin_popcountll(s->tuning.reference[v][i] & ~s->tuning.wood[v][i]);
+	}
+	s->layers = covered > 0 ? projected / covered : 0;
+	s->share = lod_cook_share(s->n, projected / s->tuning.count, covered / s->tuning.count);
+}
+
+/* ---- A subset's quality ---- */
+
+static uint32_t whole(double x, uint32_t most)
+{
+	return x < 1 ? 1 : x > most ? most : (uint32_t)(x + 0.5);
+}
+
+/* Q over all views. If it is not above `least`, any figure that is not either: views that cannot lift it
+ * above are not drawn. */
+static double q_of(struct study *s, const struct lod_sights *sights, const struct lod_sights_drawing *drawing,
+	double least)
+{
+	struct bench_wrong sum = { 0 };
+	double q = 1;
+	uint64_t pixels = 0;
+	for (uint32_t v = 0; v < sights->count; v++)
+		pixels += sights->reference_pixels[v];
+	for (uint32_t v = 0; v < sights->count && (v == 0 || q > least); v++) {
+		bench_leaves_compare(s->leaves, sights, v, drawing, &sum);
+		q = bench_wrong_q(&(struct bench_wrong){ sum.fp, sum.fn, pixels });
+	}
+	return q;
+}
+
+static double try_row(struct study *s, enum method method, const struct lod_sights *sights,
+	const struct row *row, double least)
+{
+	struct lod_sights_drawing drawing = { .order = s->order[method], .count = whole(row->count, s->n),
+		.scale = (float)(row->count >= s->n ? 1 : s->n / row->count * exp2(row->step / 8)) };
+	for (uint32_t k = 0; k < drawing.count && method == GREEDY; k++)
+		s->factor[drawing.order[k]] = eco_growth(s->growth[drawing.order[k]], drawing.scale);
+	drawing.factor = method == GREEDY ? s->factor : NULL;
+	return q_of(s, sights, &drawing, least);
+}
+
+/* ---- Tables ---- */
+
+/* Elements of a prefix that comes to so many vertices, with parts. */
+static double elements_at(const uint64_t *sum, uint32_t n, double vertices)
+{
+	uint32_t low = 0, high = n;
+	while (low < high) {
+		uint32_t middle = (low + high + 1) / 2;
+		if ((double)sum[middle] <= vertices)
+			low = middle;
+		else
+			high = middle - 1;
+	}
+	return low >= n ? n : low + (vertices - (double)sum[low]) / (double)(sum[low + 1] - sum[low]);
+}
+
+/* Climbs from row->step, in strides of four eighths, two and one. No step is tried twice. */
+static void climb(struct study *s, enum method method, struct row *row)
+{
+	bool tried[2 * STEPS_MOST + 1] = { false };
+	double best = try_row(s, method, &s->tuning, row, -INFINITY);
+	if (row->count >= s->n)
+		return;
+	tried[(int)row->step + STEPS_MOST] = true;
+	for (int stride = 4; stride > 0; stride /= 2)
+		for (int way = -1; way <= 1; way += 2)
+			for (;;) {
+				struct row next = *row;
+				next.step += way * stride;
+				if (fabs(next.step) > STEPS_MOST || tried[(int)next.step + STEPS_MOST])
+					break;
+				tried[(int)next.step + STEPS_MOST] = true;
+				double q = try_row(s, method, &s->tuning, &next, best);
+				if (!(q > best))
+					break;
+				best = q;
+				*row = next;
+			}
+}
+
+/* Each row starts from the scale of the next larger lambda. */
+static enum eco_code fill_tables(struct study *s, struct eco_error *error)
+{
+	double lambda[ROWS_MAX], least = fmax(LAMBDA_LEAST, 1.0 / s->n),
+		step = s->bench->full ? STEP : STEP_QUICK, factor = s->bench->full ? FACTOR : FACTOR_QUICK;
+	for (double l = 1; l > KNEE + step / 2; l -= step)
+		lambda[s->row_count++] = l;
+	for (double l = KNEE; l > least && s->row_count < ROWS_MAX; l /= factor)
+		lambda[s->row_count++] = l;
+	for (uint32_t i = 0; i < METHODS * s->row_count; i++) {
+		enum method m = (enum method)(i / s->row_count);
+		uint32_t at = i % s->row_count;
+		struct row *row = &s->rows[m][at];
+		*row = (struct row){ lambda[at], at ? row[-1].step : 0, elements_at(s->vertices[m], s->n,
+			lambda[at] * (double)s->vertices[m][s->n]), 0 };
+		climb(s, m, row);
+		row->q = try_row(s, m, &s->tests, row, -INFINITY);
+		enum eco_code code = bench_go_on(s->bench, error);
+		if (code)
+			return code;
+	}
+	return ECO_OK;
+}
+
+/* The least lambda from which on Q is reached; rows are by falling lambda. */
+static double reach(const struct row *rows, uint32_t count, double q)
+{
+	uint32_t i = count - 1;
+	while (i > 0 && rows[i].q < q)
+		i--;
+	if (i + 1 == count || rows[i].q < q)
+		return rows[i].lambda;
+	const struct row *high = &rows[i], *low = &rows[i + 1];
+	double t = high->q > low->q ? (q - low->q) / (high->q - low->q) : 1;
+	return low->lambda + t * (high->lambda - low->lambda);
+}
+
+/* ---- Protocol ---- */
+
+/* Cook with the area kept, or with the area kept that is expected to be visible, whichever is better. */
+static double cook_q(struct study *s, uint32_t d)
+{
+	const uint64_t *vertices = s->vertices[STOCHASTIC];
+	uint32_t kept = whole(elements_at(vertices, s->n, cook_lambda(d) * (double)vertices[s->n]), s->n);
+	struct lod_sights_drawing drawing = { .order = s->order[STOCHASTIC], .count = kept,
+		.scale = (float)lod_cook_scale(kept, s->n) };
+	double plain = q_of(s, &s->tests, &drawing, -INFINITY);
+	drawing.scale = (float)lod_cook_scale_depth(kept, s->n, s->share);
+	return fmax(plain, q_of(s, &s->tests, &drawing, plain));
+}
+
+static enum eco_code look(struct study *s, struct lod_sights *sights, uint32_t count, uint32_t seed,
+	struct eco_error *error)
+{
+	double directions[TESTS_MOST][3];
+	lod_directions_spread(directions, count, seed);
+	return lod_sights_make(sights, &s->leaves->foliage, (const double (*)[3])directions, count, PIXELS,
+		&s->leaves->arena, error);
+}
+
+/* The unit: [elements, vertices, layers, a row of lambdas over Cook's for each method]; few elements alone. */
+static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
+	struct eco_error *error)
+{
+	struct study *s = ctx;
+	s->leaves = leaves;
+	s->n = leaves->foliage.count;
+	*out = json_pack("[i]", (int)s->n);
+	if (s->n < ELEMENTS_LEAST)
+		return ECO_OK;
+	s->factor = lod_arena_take(&leaves->arena, s->n, sizeof *s->factor);
+	enum eco_code code = make_orders(s, error);
+	code = code ? code : look(s, &s->tuning, TUNING_VIEWS, TUNING_SEED, error);
+	code = code ? code : look(s, &s->tests, s->bench->full ? TESTS_MOST : TESTS_MOST / 2, TEST_SEED, error);
+	if (code)
+		return code;
+	measure_share(s);
+	code = fill_tables(s, error);
+	json_array_append_new(*out, json_integer((json_int_t)s->vertices[0][s->n]));
+	json_array_append_new(*out, json_real(s->layers));
+	double q[DISTANCES], ratio[DISTANCES];
+	for (uint32_t d = 0; d < DISTANCES && !code; d++)
+		q[d] = cook_q(s, d);
+	for (int m = 0; m < METHODS && !code; m++) {
+		for (uint32_t d = 0; d < DISTANCES; d++)
+			ratio[d] = reach(s->rows[m], s->row_count, q[d]) / cook_lambda(d);
+		json_array_append_new(*out, bench_reals(ratio, DISTANCES));
+	}
+	return code;
+}
+
+/* ---- All species ---- */
+
 /* Savings of a method: mean over the distances, over those beyond the half, of all vertices together. */
 enum { MEAN, FAR, TOTAL, KINDS };
-
-struct species { struct bench_model model; struct bench_savings s; double saved[BENCH_METHODS][KINDS];
-	bool closed; };
+struct species { struct bench_model model; double vertices, layers, ratio[METHODS][DISTANCES],
+	saved[METHODS][KINDS]; bool closed; };
 struct all { struct species *of; uint32_t count; };
+
+static enum eco_code measure(struct bench *bench, const struct bench_model *model, struct species *one,
+	bool *enough, struct eco_error *error)
+{
+	char name[96], stamp[32];
+	struct study *s = calloc(1, sizeof *s);
+	json_t *unit = NULL;
+	if (!s)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a study of savings");
+	s->bench = bench;
+	/* by what the file holds: the same plant in two scenes is measured once */
+	snprintf(name, sizeof name, "savings-%016llx", (unsigned long long)bench_file_hash(model->path));
+	snprintf(stamp, sizeof stamp, "%u views", bench->full ? TESTS_MOST : TESTS_MOST / 2);
+	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, NULL,
+		PIXELS, study_leaves, s }, &unit, error);
+	free(s);
+	*enough = !code && json_array_size(unit) > 1;
+	if (!*enough)
+		return code;
+	*one = (struct species){ .model = *model, .vertices = bench_cell(unit, 1), .layers = bench_cell(unit, 2) };
+	one->closed = one->vertices >= CLOSED_VERTICES && one->layers >= CLOSED_LAYERS;
+	for (size_t m = 0; m < METHODS; m++) {
+		double ours = 0, cook = 0;
+		bench_cells(json_array_get(unit, 3 + m), one->ratio[m], DISTANCES);
+		for (uint32_t d = 0; d < DISTANCES; d++) {
+			double saved = 1 - one->ratio[m][d];
+			one->saved[m][MEAN] += saved / DISTANCES;
+			one->saved[m][FAR] += d >= DISTANCES / 2 ? saved / (DISTANCES / 2) : 0;
+			ours += one->ratio[m][d] * cook_lambda(d);
+			cook += cook_lambda(d);
+		}
+		one->saved[m][TOTAL] = 1 - ours / cook;
+	}
+	return ECO_OK;
+}
+
+static enum eco_code measure_all(struct bench *bench, struct all *all, struct eco_error *error)
+{
+	struct bench_model *models = NULL;
+	uint32_t count = 0, found[2] = { 0 };    /* of the data folder, generated */
+	enum eco_code code = bench_models(bench, &models, &count, error);
+	for (uint32_t i = 0; i < count && !code && all->count < SPECIES_MOST; i++) {
+		uint32_t *of_kind = &found[models[i].generated];
+		bool enough;
+		if (models[i].leaves < ELEMENTS_LEAST)
+			continue;
+		if (*of_kind == (models[i].generated ? MADE_QUICK : READ_QUICK) && !bench->full) {
+			bench_left_out(bench, models[i].name);
+			continue;
+		}
+		bench_progress(bench, (double)i / count, models[i].name);
+		code = measure(bench, &models[i], &all->of[all->count], &enough, error);
+		all->count += enough;
+		*of_kind += enough;
+	}
+	free(models);
+	return code;
+}
 
 static int ascending(const void *a, const void *b)
 {
@@ -39,165 +367,83 @@ static double median(const struct all *all, int method, int kind, bool closed)
 	return count ? (values[(count - 1) / 2] + values[count / 2]) / 2 : NAN;
 }
 
-static void write_species(struct bench *bench, const struct all *all)
+static void write_tables(struct bench *bench, const struct all *all)
 {
-	struct bench_table *table = bench_table_open(bench, "species", "plant,leaves,pruned: mean %,"
-		"pruned: of all vertices %,simpler leaves: mean %,simpler leaves: of all vertices %", true);
+	uint32_t closed = 0;
 	struct bench_table *layers = bench_table_open(bench, "species_layers", "plant,vertices of leaves,"
 		"layers of leaves,stochastic %,at d >= .5 %,density %,density at d >= .5 %,orientation %,"
-		"orientation at d >= .5 %,orientation with much noise %,orientation with much noise at d >= "
-		".5 %,"
-		"combined %,combined at d >= .5 %,combined with much noise %,combined with much noise at d "
-		">= .5 %", true);
+		"orientation at d >= .5 %,orientation with much noise %,orientation with much noise at d >= .5 %,"
+		"combined %,combined at d >= .5 %,combined with much noise %,combined with much noise at d >= .5 %,"
+		"greedy %,greedy at d >= .5 %", true);
 	for (uint32_t i = 0; i < all->count; i++) {
 		const struct species *one = &all->of[i];
-		const double (*v)[KINDS] = one->saved;
-		char row[256];
-		int at = snprintf(row, sizeof row, "%s,%u,%.1f", one->model.name, one->s.vertices,
-			one->s.layers);
-		for (int m = BENCH_STOCHASTIC; m <= BENCH_COMBINED_NOISY; m++)
-			at += snprintf(row + at, sizeof row - (size_t)at, ",%.1f,%.1f", 100 * v[m][MEAN],
-				100 * v[m][FAR]);
+		char row[400];
+		int at = snprintf(row, sizeof row, "%s,%.0f,%.1f", one->model.name, one->vertices, one->layers);
+		for (int m = 0; m < METHODS; m++)
+			at += snprintf(row + at, sizeof row - (size_t)at, ",%.1f,%.1f", 100 * one->saved[m][MEAN],
+				100 * one->saved[m][FAR]);
 		bench_table_row(layers, "%s", row);
-		bench_table_row(table, "%s,%u,%.1f,%.1f,%.1f,%.1f", one->model.name, one->s.elements,
-			100 * v[BENCH_PRUNED][MEAN], 100 * v[BENCH_PRUNED][TOTAL], 100
-			* v[BENCH_TRIANGLES][MEAN], 100 * v[BENCH_TRIANGLES][TOTAL]);
+		closed += one->closed;
 	}
-	bench_table_close(table);
 	bench_table_close(layers);
-}
-
-static void write_medians(struct bench *bench, const struct all *all)
-{
-	static const char *const printed[BENCH_METHODS] = { "10.1", "17.4", "40.7", "-", "30.1", "-", "-",
-		"-", "-", "-" };
-	uint32_t closed = 0;
 	struct bench_table *table = bench_table_open(bench, "species_medians",
 		"order (each with its best scale),median of savings %,at d >= .5 %,closed crowns: median %,"
 		"closed crowns: at d >= .5 %,Neubert 2011 table 2 %", true);
-	for (int m = 0; m < BENCH_METHODS; m++)
-		bench_table_row(table, "%s,%.1f,%.1f,%.1f,%.1f,%s", bench_method_names[m],
+	for (int m = 0; m < METHODS; m++)
+		bench_table_row(table, "%s,%.1f,%.1f,%.1f,%.1f,%s", methods[m].name,
 			median(all, m, MEAN, false), median(all, m, FAR, false), median(all, m, MEAN, true),
-			median(all, m, FAR, true), printed[m]);
+			median(all, m, FAR, true), methods[m].printed);
 	bench_table_close(table);
-	for (uint32_t i = 0; i < all->count; i++)
-		closed += all->of[i].closed;
 	bench_say(bench, "Medians over %u plants, %u of them with closed crowns: %u vertices of leaves or "
-		"more in %g layers or more. The paper's plants have 50,000 to 260,000.", all->count, closed,
-		CLOSED_VERTICES, CLOSED_LAYERS);
-	bench_say(bench,
-		"The paper's four rows are of one camera path through 1,276 trees of its own, with depth d "
-		"normalised by a distance that it does not give, and its Cook keeps areas only. Here Cook "
-		"has the better "
-		"of 1/lambda and of the scale that corrects for depth complexity; lambda is over foliage "
-		"alone, and all "
-		"distances weigh alike, evenly over [0, 1). Density and orientation (the paper's "
-		"\"silhouette\") take whole "
-		"regions out: on crowns in which every leaf shows that opens holes, which random thinning "
-		"does not, and "
-		"they fall behind what they save on the paper's closed crowns of many small leaves.");
+		"more in %g layers or more. The paper's plants have 50,000 to 260,000, and its four rows are of one "
+		"camera path through 1,276 trees; its Cook keeps areas only. Here Cook has the better of 1/lambda "
+		"and of the scale that corrects for depth complexity. Density and orientation (the paper's "
+		"\"silhouette\") take whole regions out: on crowns in which every leaf shows that opens holes.",
+		all->count, closed, CLOSED_VERTICES, CLOSED_LAYERS);
 }
 
 /* Figures of the data folder's species. */
 static enum eco_code write_keys(struct bench *bench, const struct all *all, struct eco_error *error)
 {
-	static const struct { const char *key, *bar; enum bench_method method; int kind; bool worst; } keys[]
-		= {
-		{ "saving_pruned_mean", ">= 0.76: mean over species, leaves as they are", BENCH_PRUNED, MEAN,
-			false },
-		{ "saving_pruned_total", ">= 0.60: of all vertices, leaves as they are", BENCH_PRUNED, TOTAL,
-		false },
-		{ "saving_mean", ">= 0.85: mean over species, simpler leaves too", BENCH_TRIANGLES, MEAN,
-		false },
-		{ "saving_total", ">= 0.70: of all vertices, simpler leaves too", BENCH_TRIANGLES, TOTAL,
-		false },
-		{ "saving_worst_mean", ">= 0.65: the worst species, simpler leaves too", BENCH_TRIANGLES,
-		MEAN, true },
-		{ "saving_worst_total", ">= 0.50: of all vertices of the worst species", BENCH_TRIANGLES,
-		TOTAL, true } };
-	double x[BENCH_DISTANCES], y[BENCH_METHODS][BENCH_DISTANCES] = { { 0 } };
-	struct bench_series series[BENCH_METHODS];
+	double x[DISTANCES], y[METHODS][DISTANCES] = { { 0 } }, mean = 0, total = 0;
+	struct bench_series series[METHODS];
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < all->count; i++)
 		count += !all->of[i].model.generated;
-	for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
-		double sum = 0, worst = INFINITY;
-		for (uint32_t i = 0; i < all->count; i++) {
-			double saved = all->of[i].saved[keys[k].method][keys[k].kind];
-			if (!all->of[i].model.generated) {
-				sum += saved / count;
-				worst = fmin(worst, saved);
-			}
-		}
-		bench_key(bench, keys[k].key, !count ? NAN : keys[k].worst ? worst : sum, keys[k].bar);
+	for (uint32_t i = 0; i < all->count; i++) {
+		const struct species *one = &all->of[i];
+		if (one->model.generated)
+			continue;
+		mean += one->saved[GREEDY][MEAN] / count;
+		total += one->saved[GREEDY][TOTAL] / count;
+		for (uint32_t k = 0; k < METHODS * DISTANCES; k++)
+			y[k / DISTANCES][k % DISTANCES] += 100 * (1 - one->ratio[k / DISTANCES][k % DISTANCES]) / count;
 	}
+	bench_key(bench, "saving_pruned_mean", count ? mean : NAN, ">= 0.76: mean over species, leaves as they are");
+	bench_key(bench, "saving_pruned_total", count ? total : NAN, ">= 0.60: of all vertices, leaves as they are");
 	bench_key(bench, "saving_species", count, "species that count");
-	for (int m = 0; m < BENCH_METHODS; m++) {
-		for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
-			x[d] = bench_distance(BENCH_EVEN, d);
-			for (uint32_t i = 0; i < all->count; i++) {
-				const struct bench_reach *at = &all->of[i].s.at[BENCH_EVEN];
-				if (!all->of[i].model.generated)
-					y[m][d] += 100 * (1 - at->lambda[m][d] / at->cook_lambda[d]) / count;
-			}
-		}
-		series[m] = (struct bench_series){ bench_method_names[m], x, y[m], BENCH_DISTANCES, false };
-	}
+	for (uint32_t d = 0; d < DISTANCES; d++)
+		x[d] = distance_of(d);
+	for (int m = 0; m < METHODS; m++)
+		series[m] = (struct bench_series){ methods[m].name, x, y[m], DISTANCES, false };
 	return !count ? ECO_OK : bench_plot(bench, &(struct bench_plot){ .name = "species-savings",
 		.title = "Geometry saved against Cook at equal Q, mean over species",
 		.x = "distance d; Cook draws (1-d)^2 of the vertices", .y = "saved, %", .series = series,
-		.series_count = BENCH_METHODS }, error);
-}
-
-static enum eco_code measure(struct bench *bench, const struct bench_model *models, uint32_t count, struct all
-	*all, struct eco_error *error)
-{
-	uint32_t found[2] = { 0 };           /* of the data folder, generated */
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < count && !code && all->count < SPECIES_MOST; i++) {
-		struct species *one = &all->of[all->count];
-		uint32_t *of_kind = &found[models[i].generated];
-		if (models[i].leaves < BENCH_ELEMENTS_LEAST)
-			continue;
-		if (*of_kind == (models[i].generated ? MADE_QUICK : READ_QUICK) && !bench->full) {
-			bench_left_out(bench, models[i].name);
-			continue;
-		}
-		bench_progress(bench, (double)i / count, models[i].name);
-		one->model = models[i];
-		code = bench_savings_of(bench, &one->s, models[i].name, models[i].path, error);
-		if (code || one->s.elements < BENCH_ELEMENTS_LEAST)
-			continue;
-		one->closed = one->s.vertices >= CLOSED_VERTICES && one->s.layers >= CLOSED_LAYERS;
-		for (int m = 0; m < BENCH_METHODS; m++) {
-			enum bench_method method = (enum bench_method)m;
-			one->saved[m][MEAN] = bench_saving_beyond(&one->s, BENCH_EVEN, method, 0);
-			one->saved[m][FAR] = bench_saving_beyond(&one->s, BENCH_EVEN, method, 0.5);
-			one->saved[m][TOTAL] = bench_saving_total(&one->s, BENCH_EVEN, method);
-		}
-		all->count++;
-		++*of_kind;
-	}
-	return code;
+		.series_count = METHODS }, error);
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	struct bench_model *models = NULL;
-	uint32_t count = 0;
 	struct all all = { calloc(SPECIES_MOST, sizeof *all.of), 0 };
-	enum eco_code code = all.of ? bench_models(bench, &models, &count, error)
+	enum eco_code code = all.of ? measure_all(bench, &all, error)
 		: eco_fail(error, ECO_NO_MEMORY, "no memory for savings");
-	code = code ? code : measure(bench, models, count, &all, error);
 	if (!code && all.count) {
-		write_species(bench, &all);
-		write_medians(bench, &all);
+		write_tables(bench, &all);
 		code = write_keys(bench, &all, error);
 	}
-	free(models);
 	free(all.of);
 	return code;
 }
 
 const struct bench_section bench_species = { "species", "Geometry saved against Cook at equal quality", run,
-	.objects = BENCH_OBJECTS_PLANTS BENCH_OBJECTS_SAVINGS };
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/ladder/bench_species.o" };

@@ -1,9 +1,6 @@
-/* Billboard clouds (Kratt et al. 2014) against splats, points and impostors at equal vertices, for the plants
- * with leaves of the section `splats` and in its pictures; and over a turn against pruned leaves of the same
- * mean Q (Neubert 2011, figure 11).
- *
- * The paper prints Precision and Recall of levels of a few trees as a diagram without a scale of vertices
- * (figure 3), levels of one tree, and a large scene without figures (figure 4). */
+/* Billboard clouds (Kratt et al. 2014): Precision and Recall by the number of billboards (figure 3) and
+ * pictures of three clouds (figure 4); and a turn against pruned leaves of the same mean Q (Neubert 2011,
+ * figure 11). The paper prints a diagram without a scale of vertices, and no figures. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,60 +8,178 @@
 
 #include "ecofiles/base/angle16.h"
 #include "lod/build/order/rank.h"
+#include "lod/build/weld.h"
 #include "tests/bench/baseline/billboard_cloud.h"
 #include "tests/bench/bench_leaves.h"
-#include "tests/bench/pictures/bench_billboards.h"
-#include "tests/bench/pictures/bench_splats.h"
 
 #define PLANTS_MOST 8u
 #define PLANTS_QUICK 1u
-#define VIEW 7u                          /* of pictures, as for splats */
+#define VIEW 7u                          /* of the picture */
 #define PANELS 5u                        /* the whole plant, three caps, Precision and Recall */
+#define VIEWS 24u                        /* of elevation -10 to 60 degrees, as good as orthographic */
+#define SIZES 2u
+#define AWAY 512.0                       /* of the camera, radii */
+#define FRAME 1.02
+#define SOUP 1024u
 #define PIXELS 256u
 #define TURN_VIEWS 36u
 #define TURN_UP 0.1                      /* the eye's height over the plant's middle, as a slope */
 #define TUNING 6u                        /* of the turn's views: scales are chosen in these */
 #define STEPS 10                         /* of the search for a number of leaves */
 #define SCALES 7
-#define BUDGETS BENCH_SPLATS_BUDGETS
 
-/* ALL: as the method is. CROSSES: the only generator. VALID: faces that no billboard holds are not drawn. */
-enum kind { ALL, CROSSES, VALID, KINDS };
-static const char *const kind_names[KINDS] = { "billboards", "crosses only", "valid faces only" };
-/* The first caps have as many vertices, at 6 each, as bench_splats_budgets; other kinds have no others. Then
- * that of Neubert's figure 11. */
+static const double heights_px[SIZES] = { 64, 256 };
+/* Figure 11 of Neubert has 209. */
 #define CAPS 6u
 #define TURNED 4u
 static const uint32_t caps[CAPS] = { 2, 8, 33, 166, 209, 333 };
-static const size_t field_cap[BENCH_FIELD_LEVELS] = { 5, 3, 2, 1 };
 /* A turn: billboards against three orders of leaves that are pruned to the same mean Q, each at its best
  * scale. */
 enum turn { BILLBOARDS, STOCHASTIC, COMBINED, GREEDY, TURNS };
 static const char *const turn_names[TURNS] = { "209 billboards", "stochastic", "combined", "greedy" };
-/* Figures of one cloud. */
-enum figure { COUNT, PARTS, FORM_CROSS, FORM_PLANE, FORM_STRIP, ERROR, INVALID, EPSILON, TEXELS, BYTES,
-	SECONDS, PRECISION, RECALL, HARD, SOFT };
+enum figure { COUNT, PARTS, FORM_CROSS, FORM_PLANE, FORM_STRIP, ERROR, INVALID, EPSILON, TEXELS, SECONDS,
+	PRECISION, RECALL, QUALITY, FIGURES };
+static const struct bench_column columns[FIGURES] = { { "billboards", 0 }, { "parts", 0 }, { "crosses", 0 },
+	{ "planes", 0 }, { "strips", 0 }, { "error", 3 }, { "invalid", 3 }, { "epsilon", 4 },
+	{ "thousand texels", 0 }, { "CPU s", 1 }, { "Precision", 3 }, { "Recall", 3 }, { "Q", 3 } };
+
+/* Pictures of side x side pixels, and the whole plant's. */
+struct size { uint32_t side; struct lod_raster raster; uint8_t *whole[VIEWS]; };
 
 struct study {
 	struct bench *bench;
 	const char *name;
 	struct bench_leaves *leaves;
-	struct bench_splats_pictures pictures;
+	double center[3], radius;
+	struct lod_eye eyes[VIEWS];
+	struct size sizes[SIZES];
 	struct lod_billboard_plant *plant;
 	struct lod_sights turn;
 	uint32_t *order;
-	json_t *clouds,
-		*turns;              /* [of each kind [of each cap [figures]]]; [of each method [...]] */
+	json_t *clouds, *turns;              /* [of each cap [figures]]; [of each method [...]] */
 };
 
-/* ---- Clouds by cap ---- */
+/* ---- Pictures ---- */
 
-static void draw_cloud(const void *cloud, struct lod_raster *raster)
+/* Returns the height. */
+static double bound(struct study *s)
 {
-	lod_billboard_cloud_draw(cloud, 1, raster);
+	const struct eco_model *model = &s->leaves->model;
+	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY },
+		far2 = 0;
+	for (int pass = 0; pass < 2; pass++)
+		for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
+			const float *at = model->position + 3 * (size_t)model->index[i];
+			double d2 = 0;
+			for (int k = 0; k < 3; k++) {
+				low[k] = at[k] < low[k] ? at[k] : low[k];
+				high[k] = at[k] > high[k] ? at[k] : high[k];
+				s->center[k] = (low[k] + high[k]) / 2;
+				d2 += (at[k] - s->center[k]) * (at[k] - s->center[k]);
+			}
+			far2 = pass && d2 > far2 ? d2 : far2;
+		}
+	s->radius = sqrt(far2);
+	return high[2] - low[2];
 }
 
-void bench_billboards_color(const struct eco_image *image, uint8_t rgb[3])
+static void place_eyes(struct study *s)
+{
+	for (uint32_t i = 0; i < VIEWS; i++) {
+		double sine, cosine, up, flat;
+		eco_angle16_sincos(eco_angle16_from_deg(i * 137.5 + 31), &sine, &cosine);
+		eco_angle16_sincos(eco_angle16_from_deg(-10 + 70 * (i + 0.5) / VIEWS), &up, &flat);
+		const double from[3] = { flat * cosine, flat * sine, up };
+		s->eyes[i] = (struct lod_eye){ .right = { -sine, cosine, 0 }, .up = { -up * cosine, -up * sine,
+			flat }, .tan_x = FRAME / AWAY, .tan_y = FRAME / AWAY };
+		for (int k = 0; k < 3; k++) {
+			s->eyes[i].at[k] = s->center[k] + AWAY * s->radius * from[k];
+			s->eyes[i].forward[k] = -from[k];
+		}
+	}
+}
+
+/* All triangles that import would keep, cut out by their textures. */
+static void draw_model(const struct eco_model *model, struct lod_raster *raster)
+{
+	float position[9 * SOUP], uv[6 * SOUP];
+	uint32_t count = 0;
+	for (uint32_t t = 0; t < model->triangle_count; t++) {
+		enum eco_drop why;
+		bool good = lod_mesh_usable(model, t, &why);
+		for (uint32_t i = 0; i < 3 && good; i++) {
+			size_t vertex = model->index[3 * (size_t)t + i];
+			memcpy(position + 9 * count + 3 * i, model->position + 3 * vertex, 3 * sizeof(float));
+			if (model->uv)
+				memcpy(uv + 6 * count + 2 * i, model->uv + 2 * vertex, 2 * sizeof(float));
+		}
+		count += good;
+		if (count < SOUP && t + 1 < model->triangle_count
+				&& model->material[t + 1] == model->material[t])
+			continue;
+		const struct eco_material *m = lod_mesh_material(model, model->material[t]);
+		const struct eco_image *image = m->cutout && model->uv && m->image < model->image_count
+			? &model->images[m->image] : NULL;
+		lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = count, .position = position,
+			.uv = image ? uv : NULL, .cutout = image, .owner = 1 });
+		count = 0;
+	}
+}
+
+/* The whole plant without a cloud. */
+static void shoot(struct study *s, uint32_t view, const struct lod_billboard_cloud *cloud,
+	struct lod_raster *raster)
+{
+	struct lod_eye eye = s->eyes[view];
+	eye.pixel_rad = 2 * eye.tan_y / raster->height;
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, &eye, (AWAY - 2) * s->radius);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	if (cloud)
+		lod_billboard_cloud_draw(cloud, raster);
+	else
+		draw_model(&s->leaves->model, raster);
+}
+
+static enum eco_code open_pictures(struct study *s, struct eco_error *error)
+{
+	double height = bound(s);
+	enum eco_code code = height > 0.05 * s->radius ? ECO_OK
+		: eco_fail(error, ECO_UNSUPPORTED, "a plant without height");
+	place_eyes(s);
+	for (uint32_t i = 0; i < SIZES && !code; i++) {
+		struct size *size = &s->sizes[i];
+		size->side = (uint32_t)ceil(2 * FRAME * s->radius * heights_px[i] / height);
+		code = lod_raster_init(&size->raster, &(struct lod_raster_options){ .width = size->side,
+			.height = size->side, .item = true }, error);
+		for (uint32_t view = 0; view < VIEWS && !code; view++) {
+			size_t pixels = (size_t)size->side * size->side;
+			size->whole[view] = lod_arena_take(&s->leaves->arena, pixels, 1);
+			shoot(s, view, NULL, &size->raster);
+			memcpy(size->whole[view], size->raster.cover, pixels);
+		}
+	}
+	return code;
+}
+
+/* Means over views and sizes. */
+static void score(struct study *s, const struct lod_billboard_cloud *cloud, double figure[FIGURES])
+{
+	figure[PRECISION] = figure[RECALL] = figure[QUALITY] = 0;
+	for (uint32_t i = 0; i < SIZES * VIEWS; i++) {
+		struct size *size = &s->sizes[i / VIEWS];
+		struct lod_score one;
+		shoot(s, i % VIEWS, cloud, &size->raster);
+		lod_score(&one, &(struct lod_score_input){ .width = size->side, .height = size->side,
+			.cover = size->raster.cover, .reference = size->whole[i % VIEWS] });
+		figure[PRECISION] += one.precision / (SIZES * VIEWS);
+		figure[RECALL] += one.recall / (SIZES * VIEWS);
+		figure[QUALITY] += one.q / (SIZES * VIEWS);
+	}
+}
+
+/* Mean of a texture's opaque texels, darker than white. */
+static void color_of(const struct eco_image *image, uint8_t rgb[3])
 {
 	double sum[3] = { 0 }, n = 1e-9;
 	for (size_t i = 0; i < (size_t)image->width * image->height; i++)
@@ -76,91 +191,79 @@ void bench_billboards_color(const struct eco_image *image, uint8_t rgb[3])
 		rgb[k] = (uint8_t)fmin(sum[k] / n, 254);
 }
 
-/* By view: light grey where both are, grey where the cloud is missing, black where only that is (figure 3).
- * Both panels are painted; the second is overwritten. */
-static void compare_panels(const uint8_t *whole, uint8_t *panel, uint32_t side, uint32_t stride)
+/* One view, white where nothing is: the plant in dark grey, or billboards in their mean colours. The panel
+ * after the last cloud compares (figure 3): light grey where both are, grey where the cloud is missing, black
+ * where only that is. */
+static void paint(struct study *s, const struct lod_billboard_cloud *cloud, uint8_t *picture, uint32_t panel)
 {
-	for (size_t i = 0; i < (size_t)side * side; i++) {
-		size_t at = 3 * (i / side * stride + i % side);
-		bool wanted = whole[at] < 255, shown = panel[at] < 255;
-		if (wanted || shown)
-			memset(panel + at, !wanted ? 0 : shown ? 210 : 130, 3);
+	struct size *size = &s->sizes[SIZES - 1];
+	uint8_t (*rgb)[3] = lod_arena_take(&s->leaves->arena, cloud ? cloud->count + 1 : 1, sizeof *rgb);
+	memset(rgb, 60, sizeof *rgb);
+	for (uint32_t i = 0; cloud && i < cloud->count; i++)
+		color_of(&cloud->items[i].image, rgb[i]);
+	shoot(s, VIEW, cloud, &size->raster);
+	for (size_t i = 0; i < (size_t)size->side * size->side; i++) {
+		uint8_t *at = picture + 3 * ((i / size->side * PANELS + panel) * size->side + i % size->side);
+		bool shown = size->raster.cover[i], wanted = size->whole[VIEW][i];
+		memset(at, 255, 3);
+		if (shown)
+			memcpy(at, rgb[size->raster.item[i]], 3);
+		if (panel + 2 == PANELS)
+			memset(at + 3 * (size_t)size->side, !wanted && !shown ? 255 : !wanted ? 0 : shown ? 210
+				: 130, 3);
 	}
 }
 
-static enum eco_code paint(struct study *s, const struct lod_billboard_cloud *cloud, uint8_t *picture,
-	uint32_t panel, struct eco_error *error)
-{
-	uint32_t side = s->pictures.sizes[BENCH_SPLATS_SIZES - 1].side;
-	uint8_t (*rgb)[3] = malloc((cloud->count + 1) * sizeof *rgb), *to = picture + 3 * (size_t)panel
-		* side;
-	if (!rgb)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for colours");
-	for (uint32_t i = 0; i < cloud->count; i++)
-		bench_billboards_color(&cloud->items[i].image, rgb[i]);
-	bench_splats_paint(&s->pictures, VIEW, draw_cloud, cloud, (const uint8_t (*)[3])rgb, to, PANELS
-		* side);
-	if (panel + 2 == PANELS) {
-		to += 3 * (size_t)side;
-		bench_splats_paint(&s->pictures, VIEW, draw_cloud, cloud, NULL, to, PANELS * side);
-		compare_panels(picture, to, side, PANELS * side);
-	}
-	free(rgb);
-	return ECO_OK;
-}
+/* ---- Clouds by cap ---- */
 
-/* VALID: the same clouds as ALL, without a search for epsilon. */
-static enum eco_code measure_cap(struct study *s, enum kind kind, uint32_t cap, uint8_t *picture,
-	struct eco_error *error)
+static enum eco_code measure_cap(struct study *s, uint32_t cap, uint8_t *picture, struct eco_error *error)
 {
 	struct lod_billboard_cloud cloud;
-	struct bench_splats_q q;
-	const struct lod_billboard_options options = { .cap = caps[cap], .epsilon = kind == VALID
-		? bench_cell(json_array_get(json_array_get(s->clouds, ALL), cap), EPSILON) : 0,
-		.forms = kind == CROSSES ? 1u << LOD_BILLBOARD_CROSS : 0, .valid_only = kind == VALID };
 	clock_t begun = clock();
-	enum eco_code code = lod_billboard_cloud_make(&cloud, s->plant, &options, error);
+	enum eco_code code = lod_billboard_cloud_make(&cloud, s->plant, caps[cap], error);
 	if (code)
 		return code;
-	double seconds = (double)(clock() - begun) / CLOCKS_PER_SEC;
-	bench_splats_score(&s->pictures, BENCH_SPLATS_SIZES, draw_cloud, &cloud, &q);
-	json_array_append_new(json_array_get(s->clouds, kind), json_pack("[iiiiifffIIfffff]",
-		(int)cloud.count,
-		(int)cloud.parts, (int)cloud.forms[0], (int)cloud.forms[1], (int)cloud.forms[2], cloud.error,
-		cloud.invalid, cloud.epsilon, (json_int_t)cloud.texels, (json_int_t)cloud.texture_bytes,
-			seconds,
-		q.precision, q.recall, q.hard, q.soft));
-	if (kind == ALL && cap >= 1 && cap <= 3)
-		code = paint(s, &cloud, picture, cap, error);
+	double figure[FIGURES] = { cloud.count, cloud.parts, cloud.forms[0], cloud.forms[1], cloud.forms[2],
+		cloud.error, cloud.invalid, cloud.epsilon, (double)cloud.texels / 1000,
+		(double)(clock() - begun) / CLOCKS_PER_SEC };
+	score(s, &cloud, figure);
+	json_array_append_new(s->clouds, bench_reals(figure, FIGURES));
+	if (cap >= 1 && cap <= 3)
+		paint(s, &cloud, picture, cap);
 	lod_billboard_cloud_free(&cloud);
-	return code ? code : bench_go_on(s->bench, error);
+	return bench_go_on(s->bench, error);
 }
 
 static enum eco_code study_caps(struct study *s, struct eco_error *error)
 {
 	char file[128];
-	uint32_t side = s->pictures.sizes[BENCH_SPLATS_SIZES - 1].side;
-	uint8_t *picture = calloc((size_t)PANELS * side * side, 3);
-	enum eco_code code = picture ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
-	if (!code)
-		bench_splats_paint(&s->pictures, VIEW, NULL, NULL, NULL, picture, PANELS * side);
-	for (enum kind kind = 0; kind < KINDS && !code; kind++) {
-		json_array_append_new(s->clouds, json_array());
-		for (uint32_t cap = 0; cap < (kind == ALL ? CAPS : BUDGETS) && !code; cap++)
-			code = measure_cap(s, kind, cap, picture, error);
-	}
+	uint32_t side = s->sizes[SIZES - 1].side;
+	uint8_t *picture = lod_arena_take(&s->leaves->arena, (size_t)PANELS * side * side, 3);
+	enum eco_code code = ECO_OK;
+	paint(s, NULL, picture, 0);
+	for (uint32_t cap = 0; cap < CAPS && !code; cap++)
+		code = measure_cap(s, cap, picture, error);
 	snprintf(file, sizeof file, "billboards-%s.png", s->name);
-	code = code ? code : bench_picture_write(s->bench, file, PANELS * side, side, picture, error);
-	free(picture);
-	return code;
+	return code ? code : bench_picture_write(s->bench, file, PANELS * side, side, picture, error);
 }
 
 /* ---- A turn ---- */
 
 static double cloud_q(struct study *s, const struct lod_billboard_cloud *cloud, uint32_t view)
 {
-	struct bench_wrong sum = { 0 };
-	bench_leaves_compare_drawn(s->leaves, &s->turn, view, false, draw_cloud, cloud, &sum);
+	const struct lod_sights *sights = &s->turn;
+	struct lod_raster *raster = &s->leaves->cover;
+	struct bench_wrong sum = { .pixels = sights->reference_pixels[view] };
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, &sights->eyes[view], sights->near_m);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	lod_billboard_cloud_draw(cloud, raster);
+	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
+		uint64_t word = sights->reference[view][i / PIXELS * (PIXELS / 64) + i % PIXELS / 64];
+		bool shown = raster->cover[i], wanted = word >> (i % 64) & 1;
+		sum.fp += shown && !wanted;
+		sum.fn += wanted && !shown;
+	}
 	return bench_wrong_q(&sum);
 }
 
@@ -250,8 +353,7 @@ static enum eco_code study_turn(struct study *s, struct eco_error *error)
 	}
 	enum eco_code code = lod_sights_make(&s->turn, &s->leaves->foliage, (const double (*)[3])to,
 		TURN_VIEWS, PIXELS, &s->leaves->arena, error);
-	code = code ? code : lod_billboard_cloud_make(&cloud, s->plant, &(struct lod_billboard_options){
-		.cap = caps[TURNED] }, error);
+	code = code ? code : lod_billboard_cloud_make(&cloud, s->plant, caps[TURNED], error);
 	for (uint32_t v = 0; v < TURN_VIEWS && !code; v++)
 		mean += (q[v] = cloud_q(s, &cloud, v)) / TURN_VIEWS;
 	if (!code)
@@ -273,15 +375,14 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 {
 	struct study *s = ctx;
 	s->leaves = leaves;
-	enum eco_code code = bench_splats_open(&s->pictures, &leaves->model, bench_splats_heights_px, error);
-	if (code)
-		return code;
 	*out = json_pack("[oo]", s->clouds = json_array(), s->turns = json_array());
-	code = lod_billboard_plant_open(&s->plant, &leaves->model, error);
+	enum eco_code code = open_pictures(s, error);
+	code = code ? code : lod_billboard_plant_open(&s->plant, &leaves->model, error);
 	code = code ? code : study_caps(s, error);
 	code = code ? code : study_turn(s, error);
 	lod_billboard_plant_close(s->plant);
-	bench_splats_close(&s->pictures);
+	for (uint32_t i = 0; i < SIZES; i++)
+		lod_raster_free(&s->sizes[i].raster);
 	return code;
 }
 
@@ -289,89 +390,32 @@ static enum eco_code measure(struct bench *bench, const struct bench_model *mode
 	struct eco_error *error)
 {
 	char name[96], stamp[32];
-	struct study *s = calloc(1, sizeof *s);
-	if (!s)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a study of billboards");
-	*s = (struct study){ .bench = bench, .name = model->name };
+	struct study s = { .bench = bench, .name = model->name };
 	snprintf(name, sizeof name, "billboards-%s", model->name);
 	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
-	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, NULL,
-		PIXELS, study_leaves, s }, out, error);
-	free(s);
-	return code;
+	return bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, NULL, PIXELS,
+		study_leaves, &s }, out, error);
 }
 
 /* ---- Tables ---- */
 
-/* Rows of the comparison: kinds of billboards, what stands beside them, and the best of ours. */
-#define OURS ((int)KINDS)
-#define BEST (OURS + (int)BENCH_SPLATS_KINDS)
-#define ROWS (BEST + 1)
-
 struct section {
 	struct bench *bench;
-	struct bench_table *caps, *q, *turn;
+	struct bench_table *caps, *turn;
 	uint32_t plants, turned[TURNS];
-	double sum[ROWS][2 * BUDGETS];       /* hard Q by budget, then soft */
 	double sd[TURNS], cap_error[CAPS], precision[PLANTS_MOST][CAPS], recall[PLANTS_MOST][CAPS];
 	char name[PLANTS_MOST][64];
 };
 
-static const char *row_name(int row)
-{
-	return row == BEST ? "best of ours" : row < OURS ? kind_names[row] : bench_splats_kind_names[row
-		- OURS];
-}
-
-static void write_row(struct section *t, const char *plant, int row, const double q[2 * BUDGETS])
-{
-	bench_table_row(t->q, "%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", plant, row_name(row), q[0],
-		q[1], q[2], q[3], q[4], q[5], q[6], q[7]);
-}
-
 static void write_caps(struct section *t, const char *plant, const json_t *clouds)
 {
-	for (size_t i = 0; i < KINDS * CAPS; i++) {
-		size_t cap = i % CAPS;
-		const json_t *p = json_array_get(json_array_get(clouds, i / CAPS), cap);
-		if (!p)
-			continue;
-		bench_table_row(t->caps,
-			"%s,%s,%u,%.0f,%.0f,%.0f,%.0f,%.0f,%.3f,%.3f,%.4f,%.0f,%.0f,%.1f,%.3f,%.3f,"
-			"%.3f,%.3f", plant, kind_names[i / CAPS], caps[cap], bench_cell(p, COUNT),
-				bench_cell(p, PARTS),
-			bench_cell(p, FORM_CROSS), bench_cell(p, FORM_PLANE), bench_cell(p, FORM_STRIP),
-				bench_cell(p, ERROR),
-			bench_cell(p, INVALID), bench_cell(p, EPSILON), bench_cell(p, TEXELS) / 1000,
-				bench_cell(p, BYTES)
-				/ 1000,
-			bench_cell(p, SECONDS), bench_cell(p, PRECISION), bench_cell(p, RECALL), bench_cell(p,
-				HARD),
-			bench_cell(p, SOFT));
-		if (i >= CAPS)
-			continue;
-		t->cap_error[cap] += bench_cell(p, ERROR);
-		t->precision[t->plants][cap] = bench_cell(p, PRECISION);
-		t->recall[t->plants][cap] = bench_cell(p, RECALL);
-	}
-}
-
-static void write_beside(struct section *t, const char *plant, const json_t *clouds,
-	struct bench_splats_q ours[BENCH_SPLATS_KINDS][BUDGETS])
-{
-	double rows[ROWS][2 * BUDGETS] = { { 0 } };
-	for (int row = 0; row < ROWS; row++) {
-		for (uint32_t b = 0; b < BUDGETS && row < BEST; b++) {
-			const json_t *p = json_array_get(json_array_get(clouds, (size_t)row), b);
-			rows[row][b] = row < OURS ? bench_cell(p, HARD) : ours[row - OURS][b].hard;
-			rows[row][BUDGETS + b] = row < OURS ? bench_cell(p, SOFT) : ours[row - OURS][b].soft;
-		}
-		for (uint32_t b = 0; b < 2 * BUDGETS; b++) {
-			if (row >= OURS && row < BEST)
-				rows[BEST][b] = fmax(rows[BEST][b], rows[row][b]);
-			t->sum[row][b] += rows[row][b];
-		}
-		write_row(t, plant, row, rows[row]);
+	for (size_t cap = 0; cap < CAPS; cap++) {
+		double figure[FIGURES];
+		bench_cells(json_array_get(clouds, cap), figure, FIGURES);
+		bench_table_values(t->caps, figure, "%s,%u", plant, caps[cap]);
+		t->cap_error[cap] += figure[ERROR];
+		t->precision[t->plants][cap] = figure[PRECISION];
+		t->recall[t->plants][cap] = figure[RECALL];
 	}
 }
 
@@ -408,14 +452,11 @@ static enum eco_code write_turn(struct section *t, const char *plant, const json
 static enum eco_code study_plant(struct section *t, const struct bench_model *model, struct eco_error *error)
 {
 	json_t *unit;
-	struct bench_splats_q ours[BENCH_SPLATS_KINDS][BUDGETS];
 	char file[100];
 	enum eco_code code = measure(t->bench, model, &unit, error);
-	code = code ? code : bench_splats_of(t->bench, model, ours, error);
 	if (code)
 		return code;
 	write_caps(t, model->name, json_array_get(unit, 0));
-	write_beside(t, model->name, json_array_get(unit, 0), ours);
 	snprintf(t->name[t->plants++], sizeof t->name[0], "%s", model->name);
 	snprintf(file, sizeof file, "billboards-%s.png", model->name);
 	bench_picture(t->bench, file, "full detail; at most 8, 33, 166 billboards, each in its mean colour; "
@@ -423,48 +464,48 @@ static enum eco_code study_plant(struct section *t, const struct bench_model *mo
 	return write_turn(t, model->name, json_array_get(unit, 1), error);
 }
 
-/* Figure 4, right: many times the plant of most leaves. */
-static enum eco_code study_field(struct bench *bench, const struct bench_model *model,
-	struct eco_error *error)
+static bool is_foliage(const struct bench_model *model)
 {
-	char file[128];
-	double epsilon[BENCH_FIELD_LEVELS], q[10];
-	json_t *known, *field;
-	snprintf(file, sizeof file, "billboards_field-%s.png", model->name);
-	enum eco_code code = measure(bench, model, &known, error);
-	for (size_t i = 0; i < BENCH_FIELD_LEVELS && !code; i++)
-		epsilon[i] = bench_cell(json_array_get(json_array_get(json_array_get(known, 0), ALL),
-			field_cap[i]), EPSILON);
-	code = code ? code : bench_billboards_field(bench, model, file, epsilon, &field, error);
-	if (code)
-		return code;
-	bench_cells(field, q, 10);
-	struct bench_table *table = bench_table_open(bench, "billboards_field", "plant,plants in view,"
-		"of 333 billboards,of 166,of 33,of 8,vertices,vertices of full detail,Q,Precision,Recall,"
-		"owner_q", true);
-	bench_table_row(table, "%s,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.3f,%.3f,%.3f,%.3f", model->name,
-		q[0] + q[1] + q[2] + q[3], q[0], q[1], q[2], q[3], q[4], q[5], q[6], q[7], q[8], q[9]);
-	bench_table_close(table);
-	bench_picture(bench, file, "a field: full detail; clouds in their billboards' mean colours; "
-		"their levels: at most 333 billboards (red), 166 (orange), 33 (green), 8 (blue)");
-	return ECO_OK;
+	static const char *const files[] = { "/eztree_oak_large.", "/eztree_pine_medium.", "/orchids.",
+		"/bush.", "/sapling_quaking_aspen_s7.", "/coconutTree." };
+	for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+		if (!model->generated && strstr(model->path, files[i]))
+			return true;
+	return false;
+}
+
+static enum eco_code study_all(struct section *t, struct eco_error *error)
+{
+	struct bench *bench = t->bench;
+	struct bench_model *models = NULL;
+	uint32_t count = 0;
+	enum eco_code code = bench_models(bench, &models, &count, error);
+	for (uint32_t i = 0; i < count && !code && t->plants < PLANTS_MOST; i++) {
+		/* without the data folder generated plants stand for those with leaves */
+		if (bench->data ? !is_foliage(&models[i]) : t->plants == 2)
+			continue;
+		if (!bench->full && t->plants == PLANTS_QUICK) {
+			bench_left_out(bench, models[i].name);
+			continue;
+		}
+		bench_progress(bench, (double)i / count, models[i].name);
+		code = study_plant(t, &models[i], error);
+		code = code ? code : bench_go_on(bench, error);
+	}
+	free(models);
+	return code;
 }
 
 static enum eco_code plot_means(struct section *t, struct eco_error *error)
 {
-	double x[BUDGETS], cap[CAPS];
-	struct bench_series series[ROWS];
-	for (uint32_t b = 0; b < BUDGETS; b++)
-		x[b] = bench_splats_budgets[b];
-	for (uint32_t i = 0; i < CAPS; i++)
+	double cap[CAPS];
+	struct bench_series series[PLANTS_MOST];
+	for (uint32_t i = 0; i < CAPS; i++) {
 		cap[i] = caps[i];
-	for (int row = 0; row < ROWS; row++)
-		series[row] = (struct bench_series){ row_name(row), x, t->sum[row], BUDGETS, false };
-	enum eco_code code = bench_plot(t->bench, &(struct bench_plot){ .name = "billboards",
-		.title = "Hard Q at equal vertices, mean over plants", .x = "vertices", .y = "Q",
-		.log_x = true, .series = series, .series_count = ROWS }, error);
+		t->cap_error[i] /= t->plants;
+	}
 	series[0] = (struct bench_series){ "error of the mean part", cap, t->cap_error, CAPS, false };
-	code = code ? code : bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_error",
+	enum eco_code code = bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_error",
 		.title = "The method's own error against the cap", .x = "billboards at most",
 		.y = "error", .log_x = true, .series = series, .series_count = 1 }, error);
 	for (uint32_t i = 0; i < t->plants; i++)
@@ -474,80 +515,29 @@ static enum eco_code plot_means(struct section *t, struct eco_error *error)
 		.y = "Precision", .series = series, .series_count = t->plants }, error);
 }
 
-static void write_means(struct section *t)
-{
-	for (int row = 0; row < ROWS; row++) {
-		for (uint32_t b = 0; b < 2 * BUDGETS; b++)
-			t->sum[row][b] /= t->plants;
-		write_row(t, "mean", row, t->sum[row]);
-	}
-	for (uint32_t cap = 0; cap < CAPS; cap++)
-		t->cap_error[cap] /= t->plants;
-	bench_key(t->bench, "billboards_hard_200", t->sum[ALL][2], "Q of at most 200 vertices");
-	bench_key(t->bench, "billboards_hard_1000", t->sum[ALL][3], "of at most 1000");
-	bench_key(t->bench, "billboards_best_of_ours_hard_200", t->sum[BEST][2], "beside it");
-	bench_key(t->bench, "billboards_best_of_ours_hard_1000", t->sum[BEST][3], "beside it");
-	for (int m = 0; m < TURNS; m++) {
-		char key[64];
-		snprintf(key, sizeof key, "billboards_turn_sd_%s", m ? turn_names[m] : "billboards");
-		bench_key(t->bench, key, t->turned[m] ? t->sd[m] / t->turned[m] : NAN,
-			"standard deviation of Q over a turn, mean over plants");
-	}
-}
-
-static enum eco_code study_all(struct section *t, struct eco_error *error)
-{
-	struct bench *bench = t->bench;
-	struct bench_model *models = NULL;
-	uint32_t count = 0, last = 0;
-	enum eco_code code = bench_models(bench, &models, &count, error);
-	for (uint32_t i = 0; i < count && !code && t->plants < PLANTS_MOST; i++) {
-		/* without the data folder generated plants stand for those with leaves */
-		if (bench->data ? !bench_splats_is_foliage(&models[i]) : t->plants == 2)
-			continue;
-		if (!bench->full && t->plants == PLANTS_QUICK) {
-			bench_left_out(bench, models[i].name);
-			continue;
-		}
-		bench_progress(bench, (double)i / count, models[i].name);
-		code = study_plant(t, &models[i], error);
-		last = i;
-		code = code ? code : bench_go_on(bench, error);
-	}
-	if (!code && t->plants)
-		code = study_field(bench, &models[last], error);
-	free(models);
-	return code;
-}
-
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct section t = { .bench = bench };
-	t.caps = bench_table_open(bench, "billboards_caps",
-		"plant,kind,cap,billboards,parts,crosses,planes,strips,"
-		"error,invalid,epsilon,thousand texels,PNG kB,CPU s,Precision,Recall,hard,soft", true);
-	t.q = bench_table_open(bench, "billboards",
-		"plant,kind,hard 12,hard 48,hard 200,hard 1000,soft 12,soft 48,"
-		"soft 200,soft 1000", true);
+	t.caps = bench_table_described(bench, "billboards_caps", "plant,cap", columns, FIGURES, true);
 	t.turn = bench_table_open(bench, "billboards_turn",
 		"plant,method,vertices,of wood besides,mean Q,least,"
 		"most,variance,standard deviation", true);
 	enum eco_code code = study_all(&t, error);
-	if (!code && t.plants)
-		write_means(&t);
 	bench_table_close(t.caps);
-	bench_table_close(t.q);
 	bench_table_close(t.turn);
-	if (!code && t.plants)
-		code = plot_means(&t, error);
-	if (!code)
-		bench_say(bench, "A billboard has six vertices, a splat or a point one. Vertices do not "
-			"count textures: a cloud of another cap has other ones, so that clouds are "
-			"alternatives and none continues another. Over a turn leaves are pruned over whole "
-			"wood.");
-	return code;
+	if (code || !t.plants)
+		return code;
+	for (int m = 0; m < TURNS; m++) {
+		char key[64];
+		snprintf(key, sizeof key, "billboards_turn_sd_%s", m ? turn_names[m] : "billboards");
+		bench_key(bench, key, t.turned[m] ? t.sd[m] / t.turned[m] : NAN,
+			"standard deviation of Q over a turn, mean over plants");
+	}
+	bench_say(bench, "A billboard has six vertices. A cloud of another cap has other textures, so that "
+		"clouds are alternatives and none continues another. Over a turn leaves are pruned over whole "
+		"wood.");
+	return plot_means(&t, error);
 }
 
-const struct bench_section bench_billboards = { "billboards", "Billboard clouds against splats and impostors",
-	run, .objects = BENCH_OBJECTS_PLANTS "tests/bench/pictures/bench_billboards*.o "
-	"tests/bench/pictures/bench_splats*.o", .alone = true };
+const struct bench_section bench_billboards = { "billboards", "Billboard clouds", run,
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/pictures/bench_billboards.o", .alone = true };

@@ -217,7 +217,6 @@ static enum eco_code fly(void *ctx, json_t **row, struct eco_error *error)
 	enum eco_code code = bench_client_open(&client, flight->pack, error);
 	if (!code) {
 		bench_client_see(client);
-		bench_client_keep(client, w->bench);
 		bench_client_untimed(client);
 	}
 	for (uint32_t f = 0; f < flight->count && !code; f++) {

@@ -78,7 +78,6 @@ static enum eco_code make_rows(void *ctx, json_t **rows, struct eco_error *error
 	*rows = json_array();
 	if (!code) {
 		bench_client_see(client);
-		bench_client_keep(client, w->bench);
 		bench_client_untimed(client);
 	}
 	for (uint32_t b = 0; b < w->shoot->count && !code; b++) {

@@ -33,6 +33,6 @@ enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view
 	const struct bench_view_shoot *shoot, json_t **rows, struct eco_error *error);
 
 #define BENCH_OBJECTS_VIEWS BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/bench_shots.o " \
-	"tests/bench/pictures/bench_views.o tests/bench/pictures/bench_widest.o "
+	"tests/bench/pictures/bench_views.o "
 
 #endif
