@@ -162,6 +162,12 @@ bool bench_scene_quick(const char *name);
 uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_request *requests,
 	uint32_t room);
 
+/* Median milliseconds of planning alone, in memory: at least thrice, until `least_ms` have gone by or 200 times;
+ * and the last plan, which the caller frees in any case (bench_planner.c). */
+enum eco_code bench_plan_time(double *median_ms, struct lod_planner_stats *stats, struct eco_plan *plan,
+	const struct eco_scene *scene, const struct eco_request *request, double least_ms,
+	struct eco_error *error);
+
 /* ---- One picture (bench_frame.c): plan -> stream -> decode -> draw -> score, in this process, each step
  * timed ---- */
 

@@ -10,7 +10,6 @@
 #include "client-min/draw/view_picture.h"
 #include "ecofiles/format/pack.h"
 #include "tests/bench/bench.h"
-#include "tests/bench/bench_times.h"
 
 #define HEIGHTS 6u
 #define VERTICES 1000000u
@@ -121,11 +120,13 @@ static enum eco_code plan_ms(const char *path, const struct eco_request *request
 	struct eco_error *error)
 {
 	struct eco_pack *pack = NULL;
-	struct bench_plan_time time;
+	struct lod_planner_stats stats = { 0 };
+	struct eco_plan plan = { 0 };
 	enum eco_code code = eco_pack_open(&pack, path, error);
+	*ms = NAN;
 	if (!code)
-		code = bench_plan_time(&time, &pack->scene, request, 200, error);
-	*ms = code ? NAN : time.ms;
+		code = bench_plan_time(ms, &stats, &plan, &pack->scene, request, 200, error);
+	eco_plan_free(&plan);
 	eco_pack_close(pack);
 	return code;
 }

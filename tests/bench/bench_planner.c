@@ -1,71 +1,12 @@
-/* The planner against what could be: the best there is for the same vertices in scenes so small that
- * everything can be tried; Deussen's rule on large ones, with the same lists; its own prediction against what
- * is then counted; and its time. */
+/* The planner on large scenes: against Deussen's rule, with the same lists; its own prediction against what is
+ * then counted; and its time. (tests/bench/test_best.c: against the best there is, on small ones.) */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/format/pack.h"
 #include "tests/bench/bench_shots.h"
-#include "tests/bench/bench_times.h"
-#include "tests/bench/ladder/bench_best.h"
-
-/* ---- Against the best there is ---- */
-
-#define SMALL_SCENES 1000u
-#define GAP_TOLD 0.05
-
-enum { PLANNER, BEST, EMPTY, BUDGET, STRUCTURES, THINGS, SMALL };
-
-static enum eco_code small_scenes(void *ctx, json_t **made, struct eco_error *error)
-{
-	enum eco_code code = ECO_OK;
-	*made = json_array();
-	for (uint32_t i = 0; i < SMALL_SCENES && !code; i++) {
-		struct bench_best b;
-		code = bench_go_on(ctx, error);
-		code = code ? code : bench_best_find(i + 1, false, &b, error);
-		if (!code)
-			json_array_append_new(*made, bench_reals((double[]){ b.planner, b.best, b.empty,
-				(double)b.vertices, b.structures, b.things }, SMALL));
-	}
-	return code;
-}
-
-/* (E - E of the best) / E of nothing; scenes in which nothing is in view do not count. */
-static enum eco_code against_best(struct bench *bench, struct eco_error *error)
-{
-	json_t *unit, *row;
-	double sum = 0, worst = 0;
-	uint32_t count = 0, told = 0;
-	size_t i;
-	bench_progress(bench, 0, "small scenes");
-	enum eco_code code = bench_unit(bench, "planner-best", NULL, small_scenes, bench, &unit, error);
-	if (code)
-		return code;
-	struct bench_table *table = bench_table_open(bench, "planner_best",
-		"scene,vertices,planner,best,nothing drawn,gap,structures tried,plants and summaries", false);
-	json_array_foreach(unit, i, row) {
-		double v[SMALL];
-		bench_cells(row, v, SMALL);
-		if (!(v[EMPTY] > 0))
-			continue;
-		double gap = (v[PLANNER] - v[BEST]) / v[EMPTY];
-		bench_table_row(table, "%zu,%.0f,%.4f,%.4f,%.4f,%.5f,%.0f,%.0f", i + 1, v[BUDGET], v[PLANNER],
-			v[BEST], v[EMPTY], gap, v[STRUCTURES], v[THINGS]);
-		sum += gap;
-		worst = fmax(worst, gap);
-		told += gap > GAP_TOLD;
-		count++;
-	}
-	bench_table_close(table);
-	bench_say(bench, "In %u of %u small random scenes something is in view; every choice of tiles and "
-		"of bands that draw cells was tried there, with the best amount for each single plant. In %u "
-		"of them the " "plan is more than %.0f %% of an empty picture's error from the best.", count,
-		SMALL_SCENES, told, 100 * GAP_TOLD);
-	bench_key(bench, "planner_gap", count ? sum / count : NAN, "<= 0.01: mean of (E - E*) / E(empty)");
-	bench_key(bench, "planner_gap_worst", count ? worst : NAN, "<= 0.05: the worst scene");
-	return ECO_OK;
-}
+#include "tests/bench/bench_state.h"
 
 /* ---- Against Deussen's rule, and the prediction ---- */
 
@@ -162,65 +103,51 @@ static enum eco_code on_scenes(struct bench *bench, struct eco_error *error)
 
 /* ---- Time ---- */
 
+#define REPETITIONS_MAX 200u
+#define REPETITIONS_LEAST 3u
+
+static int ascending(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return x < y ? -1 : x > y;
+}
+
+enum eco_code bench_plan_time(double *median_ms, struct lod_planner_stats *stats, struct eco_plan *plan,
+	const struct eco_scene *scene, const struct eco_request *request, double least_ms,
+	struct eco_error *error)
+{
+	double ms[REPETITIONS_MAX], sum = 0;
+	struct lod_planner_input input = { .scene = scene, .request = request, .stats = stats };
+	uint32_t count = 0;
+	*plan = (struct eco_plan){ 0 };
+	enum eco_code code = lod_plan_tables_make(&input.tables, scene, error);
+	while (!code && (count < REPETITIONS_LEAST || (count < REPETITIONS_MAX && sum < least_ms))) {
+		double from = bench_now_s();
+		eco_plan_free(plan);
+		code = lod_plan(plan, &input, error);
+		sum += ms[count++] = 1e3 * (bench_now_s() - from);
+	}
+	lod_plan_tables_free(input.tables);
+	qsort(ms, count, sizeof *ms, ascending);
+	*median_ms = code ? NAN : ms[count / 2];
+	return code;
+}
+
 enum { MS, CANDIDATES, CUTS, GAINS, LOOKS, PLACES, VERTICES, TIMES };
 
-struct plan { const struct eco_scene *scene; const struct eco_request *request; double least_ms; };
+struct timed { const struct eco_scene *scene; const struct eco_request *request; };
 
 static enum eco_code time_plan(void *ctx, json_t **made, struct eco_error *error)
 {
-	const struct plan *plan = ctx;
-	struct bench_plan_time t = { 0 };
-	enum eco_code code = bench_plan_time(&t, plan->scene, plan->request, plan->least_ms, error);
-	*made = bench_reals((double[]){ t.ms, (double)t.candidates, (double)t.cuts, (double)t.gains,
-		(double)t.looks, (double)t.places, (double)t.vertices }, TIMES);
+	const struct timed *timed = ctx;
+	struct lod_planner_stats stats = { 0 };
+	struct eco_plan plan;
+	double ms;
+	enum eco_code code = bench_plan_time(&ms, &stats, &plan, timed->scene, timed->request, 500, error);
+	*made = bench_reals((double[]){ ms, (double)stats.candidates, plan.cut_count, (double)stats.gains,
+		(double)stats.looks, (double)stats.places, (double)plan.vertices }, TIMES);
+	eco_plan_free(&plan);
 	return code;
-}
-
-static enum eco_code time_choice(void *ctx, json_t **made, struct eco_error *error)
-{
-	uint32_t species = *(const uint32_t *)ctx;
-	struct bench_choice choice = { 0 };
-	bench_choice_make(&choice, species);
-	choice.request.vertices = (uint64_t)species * 4000;      /* 500 a plant */
-	enum eco_code code = time_plan(&(struct plan){ &choice.made.scene, &choice.request, 300 }, made,
-		error);
-	bench_choice_free(&choice);
-	return code;
-}
-
-static enum eco_code growth(struct bench *bench, struct eco_error *error)
-{
-	static uint32_t species[] = { 13, 40, 125, 400, 1250, 4000, 14000 };
-	enum { COUNT = sizeof species / sizeof *species };
-	double x[COUNT], y[COUNT], v[TIMES];
-	enum eco_code code = ECO_OK;
-	struct bench_table *table = bench_table_open(bench, "planner_growth",
-		"candidates,plants,cuts,ms,ns a candidate", true);
-	for (int i = 0; i < COUNT && !code; i++) {
-		char name[64];
-		json_t *unit;
-		bench_progress(bench, 0.8 + 0.02 * i, "growth of planning");
-		snprintf(name, sizeof name, "planner-choice-%u", species[i]);
-		code = bench_unit(bench, name, NULL, time_choice, &species[i], &unit, error);
-		if (code)
-			break;
-		bench_cells(unit, v, TIMES);
-		x[i] = v[CANDIDATES];
-		y[i] = v[MS];
-		bench_table_row(table, "%.0f,%.0f,%.0f,%.3f,%.1f", x[i], v[PLACES], v[CUTS], y[i], 1e6
-			* y[i] / x[i]);
-	}
-	bench_table_close(table);
-	if (code)
-		return code;
-	bench_key(bench, "planning_ns_per_candidate", 1e6 * y[COUNT - 1] / x[COUNT - 1],
-		"at a million candidates");
-	bench_key(bench, "planning_growth", log(y[COUNT - 1] / y[0]) / log(x[COUNT - 1] / x[0]),
-		"about 1: exponent of the time over candidates");
-	return bench_plot(bench, &(struct bench_plot){ .name = "planner-growth", .title = "Planning",
-		.x = "candidates", .y = "ms", .log_x = true, .log_y = true,
-		.series = &(struct bench_series){ "time of a plan", x, y, COUNT, false }, .series_count = 1 },
-		error);
 }
 
 /* Plans of 1,000,000 vertices: *ms the middle of up to three views, *gains the most for a cut. */
@@ -236,10 +163,10 @@ static enum eco_code time_scene(struct bench *bench, const char *scene, const ch
 		char name[96];
 		double t[TIMES];
 		json_t *unit;
-		struct plan plan = { &pack->scene, &requests[v], 500 };
+		struct timed timed = { &pack->scene, &requests[v] };
 		requests[v].vertices = 1000000;
 		snprintf(name, sizeof name, "planner-time-%s-%u", scene, v);
-		code = bench_unit(bench, name, bench_pack_stamp(path), time_plan, &plan, &unit, error);
+		code = bench_unit(bench, name, bench_pack_stamp(path), time_plan, &timed, &unit, error);
 		if (code)
 			break;
 		bench_cells(unit, t, TIMES);
@@ -272,11 +199,8 @@ static enum eco_code times(struct bench *bench, struct eco_error *error)
 	bench_table_close(table);
 	if (code)
 		return code;
-	double copy = bench_copy_ms();
-	bench_key(bench, "planning_ms", trees,
-		"<= 10 where copying 1 GB takes 200 ms: 1,000,000 vertices of the 5,000 "
-		"trees, median of the views");
-	bench_key(bench, "copy_1gb_ms", copy, "of this machine");
+	bench_key(bench, "planning_ms", trees, "<= 10 where copying 1 GB takes 200 ms: 1,000,000 vertices of the "
+		"5,000 trees, median of the views");
 	bench_key(bench, "planning_candidates_per_cut", gains,
 		"<= 4, worst view: candidates whose gain was computed");
 	return ECO_OK;
@@ -284,13 +208,10 @@ static enum eco_code times(struct bench *bench, struct eco_error *error)
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	enum eco_code code = against_best(bench, error);
-	code = code ? code : on_scenes(bench, error);
-	code = code ? code : times(bench, error);
-	return code ? code : growth(bench, error);
+	enum eco_code code = on_scenes(bench, error);
+	return code ? code : times(bench, error);
 }
 
-const struct bench_section bench_planner = { "planner", "The planner: against the best, against Deussen's "
-	"rule, against itself", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_[bpst]*.o tests/bench/bench_frame.o "
-	"tests-support.a", .alone = true };
+const struct bench_section bench_planner = { "planner", "The planner: against Deussen's rule, against itself", run,
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_planner.o tests/bench/bench_shots.o "
+	"tests/bench/bench_frame.o", .alone = true };
