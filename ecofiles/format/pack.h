@@ -274,9 +274,9 @@ enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, cons
  * acyclic, unused space zero). Called by open; public so that a client can check the scene that a stream
  * declared. */
 enum eco_code eco_scene_check(const struct eco_scene *scene, struct eco_error *error);
-/* Checks one record alone: kind, coder and attributes go together, numbers are finite and in bounds. */
-enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *error);
-enum eco_code eco_anchor_check(const struct eco_anchor *anchor, struct eco_error *error);
+/* One record alone. A fault says what is impossible, as "its grid is impossible"; NULL: the record is sound. */
+const char *eco_list_fault(const struct eco_list *list);
+bool eco_anchor_sound(const struct eco_anchor *anchor);
 enum eco_code eco_chunk_check(const struct eco_list *list, const struct eco_chunk *chunk,
 	struct eco_error *error);
 

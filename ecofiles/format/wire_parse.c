@@ -1,11 +1,9 @@
-/* The client's half of the stream: bytes in any portions -> whole, checked frames. Longer than 600 lines: a
- * reader for each kind of frame, and what they share.
+/* The client's half of the stream: bytes in any portions -> whole, checked frames.
  *
  * Two layers. The assembler (feed) knows frames: it bounds a frame's length by its type before it keeps a
  * byte, collects the frame and checks its hash. The readers know payloads: each reads all fields, checks
  * them, and checks that nothing is left. They check against a few counts from the SCENE frame and values
  * of the frame before, so the parser's memory does not grow with the stream. */
-#include "ecofiles/format/texture.h"
 #include "ecofiles/format/wire.h"
 
 #include <assert.h>
@@ -13,13 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/impostor.h"
-
 #include "ecofiles/format/chunk/chunk.h"
-#include "ecofiles/format/chunk/chunk_payload.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/base/utf8.h"
-
 
 #define BAD(...) eco_fail(e, ECO_DAMAGED, __VA_ARGS__)
 
@@ -108,12 +102,6 @@ static enum eco_code read_scene(struct eco_wire_parser *p, struct eco_reader *r,
 	return p->events.scene ? p->events.scene(p->ctx, &scene, &pack_id, e) : ECO_OK;
 }
 
-static bool anchor_sound(const struct eco_anchor *a)
-{
-	return isfinite(a->center[0]) && isfinite(a->center[1]) && isfinite(a->center[2])
-		&& isfinite(a->radius) && a->radius >= 0;
-}
-
 /* An anchor takes at least four bits: allocates no more than can be there. */
 static enum eco_code read_anchors(struct eco_wire_parser *p, struct eco_range *r,
 	const struct eco_wire_item *item, struct eco_error *e)
@@ -129,7 +117,7 @@ static enum eco_code read_anchors(struct eco_wire_parser *p, struct eco_range *r
 		return eco_fail(e, ECO_NO_MEMORY, "no memory for %u anchors", count);
 	for (uint32_t i = 0; i < count && !code; i++) {
 		eco_wire_anchor_code(r, &p->items, &anchors[i]);
-		if (p->items.bad || !anchor_sound(&anchors[i]))
+		if (p->items.bad || !eco_anchor_sound(&anchors[i]))
 			code = BAD("anchor %u of plant %u is not a sphere", i, item->id);
 	}
 	if (!code && p->events.plant)
@@ -151,76 +139,23 @@ static enum eco_code read_plant(struct eco_wire_parser *p, struct eco_range *r,
 	return read_anchors(p, r, item, e);
 }
 
-static bool grid_sound(const struct eco_list *list)
-{
-	for (int i = 0; i < 3; i++)
-		if (!isfinite(list->grid_origin[i]) || !isfinite(list->grid_step[i])
-				|| list->grid_step[i] < 0)
-			return false;
-	return isfinite(list->unit_area) && list->unit_area >= 0;
-}
-
-/* Checks a form's record alone; the receiver, which holds both, checks that its partner has as many
- * elements. */
-static enum eco_code check_form(uint32_t id, const struct eco_list *list, struct eco_error *e)
-{
-	bool triangles = list->kind == ECO_LIST_TRIANGLES, drawn = triangles || list->kind == ECO_LIST_LINES
-		|| list->kind == ECO_LIST_POINTS;
-	if (list->partner == ECO_NONE || list->partner == id)
-		return BAD("list %u holds forms of the elements of list %#x, which is "
-			"no other list", id, list->partner);
-	if (!drawn || (list->primitive_count != list->element_count &&
-		(!triangles || list->primitive_count != 2 * (uint64_t)list->element_count)))
-		return BAD("list %u: %u forms of kind %u cannot have %u primitives", id,
-			list->element_count, list->kind, list->primitive_count);
-	return ECO_OK;
-}
-
+/* A stream has the whole record of a list; its partner's is checked by the receiver, which holds both. */
 static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, const struct eco_list *list,
 	struct eco_error *e)
 {
-	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_GROUND_IMAGE)
-		return eco_fail(e, ECO_UNSUPPORTED, "list %u is of kind %u, which this program does not know",
-			id, list->kind);
-	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES)
-		return eco_fail(e, ECO_UNSUPPORTED, "list %u has coder %u, which this program does not know",
-			id, list->coder);
-	struct eco_error why = { 0 };
-	if (eco_list_check_coding(list, &why))
-		return BAD("list %u: %s", id, why.text);
-	if (!eco_list_level_known(list))
-		return eco_fail(e, ECO_UNSUPPORTED, "list %u has level %u, which this program does not know",
-			id, list->level);
-	if (!grid_sound(list))
-		return BAD("list %u: its grid or unit area is not finite or negative", id);
-	if (list->kind == ECO_LIST_GROUND && !p->ground)
-		return BAD("list %u is ground, but the scene has none", id);
-	if ((list->kind == ECO_LIST_INSTANCES) != (list->group_count > 0))
-		return BAD("list %u: %u groups of plants in kind %u", id, list->group_count, list->kind);
-	if ((list->image != ECO_NONE && list->image >= p->list_count)
+	bool ground = list->kind == ECO_LIST_GROUND || list->kind == ECO_LIST_GROUND_IMAGE;
+	const char *fault = eco_list_fault(list);
+	if (fault)
+		return BAD("list %u: %s", id, fault);
+	if (list->kind == ECO_LIST_INVENTORY || list->chunk_count > ECO_HOLDINGS_MAX)
+		return BAD("list %u: kind %u with %u chunks does not travel", id, list->kind, list->chunk_count);
+	if ((ground && !p->ground)
+			|| (list->kind == ECO_LIST_GROUND_IMAGE && list->grid_step[0] != list->grid_step[1]))
+		return BAD("list %u is ground, but the scene has none, or its texels are not square", id);
+	if ((list->image != ECO_NONE && list->image >= p->list_count) || list->partner == id
 			|| (list->partner != ECO_NONE && list->partner >= p->list_count))
 		return BAD("list %u names image %u and partner %u of %u lists", id,
 			list->image, list->partner, p->list_count);
-	if (list->coder == ECO_CODER_FORM && check_form(id, list, e) != ECO_OK)
-		return ECO_DAMAGED;
-	if (list->kind == ECO_LIST_IMPOSTOR && (list->primitive_count > ECO_IMPOSTOR_LEVELS
-			|| list->primitive_count != list->chunk_count
-			|| list->primitive_count != list->element_count))
-		return BAD("list %u: %u levels of an impostor in %u chunks", id, list->primitive_count,
-			list->chunk_count);
-	if (list->kind == ECO_LIST_GROUND_IMAGE && (!p->ground || list->grid_step[0] != list->grid_step[1]))
-		return BAD("list %u is an image of the ground, but the scene has no ground, or its texels "
-			"are not square", id);
-	if (eco_list_has_texels(list) && (list->chunk_count > ECO_TEXTURE_LEVELS_MAX
-			|| list->primitive_count != list->chunk_count
-			|| list->primitive_count != list->element_count))
-		return BAD("list %u: %u levels of a texture in %u chunks", id, list->primitive_count,
-			list->chunk_count);
-	if (list->element_count > list->primitive_count)
-		return BAD("list %u: %u elements with %u primitives", id,
-			list->element_count, list->primitive_count);
-	if (list->chunk_count > ECO_HOLDINGS_MAX || list->chunk_count > list->element_count)
-		return BAD("list %u: %u chunks of %u elements", id, list->chunk_count, list->element_count);
 	return ECO_OK;
 }
 
@@ -286,12 +221,11 @@ static enum eco_code read_list(struct eco_wire_parser *p, struct eco_range *r,
 static enum eco_code check_chunk(const struct eco_wire_parser *p, uint32_t list, uint32_t ordinal,
 	const struct eco_chunk *chunk, struct eco_error *e)
 {
-	if (chunk->size_bytes == 0 || chunk->size_bytes > ECO_CHUNK_BYTES_MAX)
-		return BAD("chunk %u of list %u has %u bytes", ordinal, list, chunk->size_bytes);
-	if (chunk->element_count > ECO_CHUNK_ELEMENTS_MAX ||
-		chunk->primitive_count > (ECO_CORNERS_MAX - 2) * (uint64_t)chunk->element_count + 1)
-		return BAD("chunk %u of list %u has %u elements and %u primitives",
-			ordinal, list, chunk->element_count, chunk->primitive_count);
+	if (chunk->size_bytes == 0 || chunk->size_bytes > ECO_CHUNK_BYTES_MAX
+			|| chunk->element_count > ECO_CHUNK_ELEMENTS_MAX
+			|| chunk->primitive_count > (ECO_CORNERS_MAX - 2) * (uint64_t)chunk->element_count + 1)
+		return BAD("chunk %u of list %u has %u bytes, %u elements and %u primitives", ordinal, list,
+			chunk->size_bytes, chunk->element_count, chunk->primitive_count);
 	if (ordinal >= ECO_HOLDINGS_MAX || (list == p->last_list && ordinal != p->last_ordinal + 1))
 		return BAD("chunk %u of list %u follows chunk %u", ordinal, list, p->last_ordinal);
 	return ECO_OK;

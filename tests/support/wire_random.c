@@ -236,7 +236,7 @@ struct eco_list wire_random_list(uint32_t id)
 	static const uint8_t attributes[WIRE_RANDOM_LISTS] = { ECO_ATTR_COLOR | ECO_ATTR_GROWTH,
 		ECO_ATTR_COLOR | ECO_ATTR_SIZE, ECO_ATTR_COLOR, ECO_ATTR_PLACE };
 	return (struct eco_list){ .kind = kinds[id], .coder = coders[id], .attributes = attributes[id],
-		.group_count = id == 3 ? 2 : 0,
+		.group_count = id == 3 ? 2 : 0, .owner = id == 5 ? ECO_NONE : 0,
 		.grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 0.01f, .palette_count = id < 3 ? 2 : 0,
 		.image = ECO_NONE,
 		.partner = id == 1 ? 0 : ECO_NONE, .columns = id == 5 ? 8 : 0, .primitive_count = id == 4 ? 8

@@ -15,6 +15,8 @@
 #define PAYLOAD_VERSION 1u
 #define PAYLOAD_PACKED 3u
 
+#define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
+
 struct eco_chunk_id eco_chunk_hash(const uint8_t *bytes, size_t size_bytes)
 {
 	XXH128_canonical_t canonical;
@@ -87,12 +89,10 @@ bool eco_list_allows_corners(const struct eco_list *list, uint8_t corners)
 	return corners == (list->kind == ECO_LIST_LINES ? 2 : 1);
 }
 
-enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_error *error)
+const char *eco_list_coding_fault(const struct eco_list *list)
 {
 	static const struct { uint8_t coders, attributes; } allowed[] = {
 #define CODER(name) (1u << ECO_CODER_##name)
-
-#define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 		[ECO_LIST_TRIANGLES] = { CODER(ELEMENTS) | CODER(MESH) | CODER(FORM),
 			ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_GROWTH },
 		[ECO_LIST_LINES] =
@@ -110,17 +110,14 @@ enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_erro
 	};
 
 	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_INVENTORY)
-		return BAD("list: kind %u is unknown", list->kind);
+		return "its kind is unknown";
 	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES
 			|| !(allowed[list->kind].coders >> list->coder & 1))
-		return BAD("list: kind %u cannot have coder %u", list->kind, list->coder);
-	if (list->attributes & ~allowed[list->kind].attributes)
-		return BAD("list: kind %u cannot have attributes %#x", list->kind, list->attributes);
-	if (list->attributes & ECO_ATTR_SPLAT && list->attributes & (ECO_ATTR_SIZE | ECO_ATTR_UV))
-		return BAD("list: splats cannot have attributes %#x", list->attributes);
-	if (list->kind == ECO_LIST_INSTANCES && !(list->attributes & ECO_ATTR_PLACE))
-		return BAD("list: instances lack yaw and scale");
-	return ECO_OK;
+		return "its kind cannot have its coder";
+	return list->attributes & ~allowed[list->kind].attributes
+		|| (list->attributes & ECO_ATTR_SPLAT && list->attributes & (ECO_ATTR_SIZE | ECO_ATTR_UV))
+		|| (list->kind == ECO_LIST_INSTANCES && !(list->attributes & ECO_ATTR_PLACE))
+		? "its kind cannot have its attributes" : NULL;
 }
 
 struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t coder,

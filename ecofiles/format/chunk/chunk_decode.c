@@ -14,9 +14,9 @@
 static enum eco_code check_expected(const struct eco_list *list, const struct eco_chunk *chunk,
 	size_t size_bytes, struct eco_error *error)
 {
-	enum eco_code code = eco_list_check_coding(list, error);
-	if (code)
-		return code;
+	const char *fault = eco_list_coding_fault(list);
+	if (fault)
+		return BAD("list: %s", fault);
 	if (list->coder == ECO_CODER_BYTES)
 		return eco_fail(error, ECO_UNSUPPORTED, "chunk: a file has no elements to decode");
 	if (chunk->element_count < 1 || chunk->element_count > ECO_CHUNK_ELEMENTS_MAX)

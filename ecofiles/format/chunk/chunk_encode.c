@@ -113,9 +113,9 @@ static enum eco_code check_input(const struct eco_chunk_input *input, struct eco
 {
 	const struct eco_list *list = input->list;
 	const struct eco_elements *e = input->elements;
-	enum eco_code code = eco_list_check_coding(list, error);
-	if (code)
-		return code;
+	const char *fault = eco_list_coding_fault(list);
+	if (fault)
+		return eco_fail(error, ECO_DAMAGED, "list: %s", fault);
 	if (input->first >= input->end || input->end > e->element_count)
 		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: elements [%u, %u) of %u cannot be a chunk",
 			input->ordinal, input->first, input->end, e->element_count);

@@ -39,8 +39,8 @@ void eco_payload_free_streams(struct eco_payload *payload);
 uint32_t eco_corners_primitives(uint8_t corners);
 /* Whether elements of the list may have that many corners. */
 bool eco_list_allows_corners(const struct eco_list *list, uint8_t corners);
-/* Checks that kind, coder and attributes go together. */
-enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_error *error);
+/* Why kind, coder and attributes do not go together: "its kind is unknown"; NULL: they do. */
+const char *eco_list_coding_fault(const struct eco_list *list);
 /* Does a list's level mean something to its kind? */
 bool eco_list_level_known(const struct eco_list *list);
 
