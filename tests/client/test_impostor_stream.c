@@ -124,7 +124,7 @@ static const struct { enum eco_code code; const char *says; } faults[FAULTS] = {
 	[TWO_ELEMENTS] = { ECO_DAMAGED, LIST ", chunk 0: chunk: a file is one element, not 2" },
 	[NOT_HELD] = { ECO_DAMAGED, "cut 0 of the plan draws [2,3) of " LIST ", of which 2 are held" },
 	[BOTH_LEVELS] = { ECO_DAMAGED, "cut 0 of the plan draws 2 levels of " LIST ", an impostor, not one" },
-	[TOO_MANY_CHUNKS] = { ECO_DAMAGED, LIST ": 4 levels of an impostor in 4 chunks" },
+	[TOO_MANY_CHUNKS] = { ECO_DAMAGED, LIST ": its levels are too many, or not a chunk each" },
 	[OTHER_LIST] = { ECO_DAMAGED, LIST " was described twice" },
 };
 

@@ -93,7 +93,7 @@ static bool coincide(const int32_t *p)
 struct eco_list kind_list(const struct kind *k)
 {
 	return (struct eco_list){ .kind = k->kind, .coder = k->coder, .attributes = k->attributes,
-		.columns = k->kind == ECO_LIST_GROUND ? 25 : 0 };
+		.columns = k->kind == ECO_LIST_GROUND };
 }
 
 struct eco_elements kind_elements(const struct kind *k, uint32_t count, uint64_t seed)
@@ -113,6 +113,8 @@ struct eco_elements kind_elements(const struct kind *k, uint32_t count, uint64_t
 			for (unsigned c = 0; c < corners; c++)
 				fill_corner(k, &state, position, c);
 		while (k->coder == ECO_CODER_MESH && coincide(position));
+		if (k->kind == ECO_LIST_GROUND)  /* a column */
+			position[0] = 7;
 		for (unsigned c = 0; e.uv && c < 2u * corners; c++)
 			e.uv[2 * (size_t)e.corner_count + c] = k->pattern == LEAVES
 				? (int32_t)(c / 2 + c % 2) % 3 * ECO_UV_ONE

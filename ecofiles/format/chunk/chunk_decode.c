@@ -64,8 +64,8 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 		if (!allowed || ((mesh || list->coder == ECO_CODER_KD) && (s->wide || s->predictors != 0))
 		    || (s->shift != 0
 		&& (mesh || payload->coder == ECO_CODER_KD || payload->coder == ECO_CODER_ROWS))
-		|| (s->uv_shift != 0
-		&& (mesh || (!(list->attributes & ECO_ATTR_UV) && list->kind != ECO_LIST_GROUND))))
+		|| (s->uv_shift != 0 && (mesh || !(list->attributes & ECO_ATTR_UV)))
+		|| (list->kind == ECO_LIST_GROUND && !s->packed))
 			return BAD("chunk: stream %u of %u corners does not belong "
 				"to the list", i, s->corners);
 		if (side)

@@ -196,37 +196,24 @@ static enum eco_code try_packed(struct eco_chunk_rows *rows, struct eco_stream *
 	return ECO_OK;
 }
 
-/* Sets stream->packed, and its bytes, where the rows are samples of ground in rows and columns. */
-static enum eco_code try_ground(const struct eco_chunk_rows *rows, struct eco_stream *stream,
-	struct eco_error *error)
-{
-	uint8_t *bytes;
-	if (!eco_ground_packs(&rows->shape))
-		return ECO_OK;
-	enum eco_code code = eco_ground_encode(rows, &bytes, &stream->size, &stream->zeros, error);
-	stream->bytes = bytes;
-	stream->packed = bytes;
-	return code;
-}
-
 /* As Draco's rows, or as packed ones. */
 static enum eco_code encode_rows(struct eco_chunk_rows *rows, uint8_t coder, struct eco_stream *stream,
 	bool alone, struct eco_error *error)
 {
 	uint8_t *bytes;
-	enum eco_code code = alone ? try_ground(rows, stream, error) : ECO_OK;
-	if (code || stream->packed)
-		return code;
-	code = eco_rows_encode(rows, &bytes, &stream->size, error);
+	stream->packed = rows->shape.ground_columns;
+	enum eco_code code = stream->packed
+		? eco_ground_encode(rows, &bytes, &stream->size, &stream->zeros, error)
+		: eco_rows_encode(rows, &bytes, &stream->size, error);
 	if (code)
 		return code;
 	stream->bytes = bytes;
 	stream->wide = rows->shape.wide;
 	stream->uv_shift = rows->shape.uv_shift;
 	stream->predictors = rows->shape.predictors;
-	/* leaves have SHAPES, which finds more in them; ground that is packed is as chunk_ground.h says */
+	/* leaves have SHAPES, which finds more in them */
 	bool leaves = rows->shape.corners >= 3 && coder != ECO_CODER_FORM;
-	return alone && !leaves && !eco_ground_packs(&rows->shape) ? try_packed(rows, stream, error) : ECO_OK;
+	return alone && !leaves && !stream->packed ? try_packed(rows, stream, error) : ECO_OK;
 }
 
 /* Encodes stored elements of one corner count as the payload's next stream; alone: the only one. */

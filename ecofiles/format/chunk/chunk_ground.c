@@ -29,10 +29,9 @@ struct ground {
 	int32_t *x, *y, *z;
 };
 
-bool eco_ground_packs(const struct eco_rows_shape *shape)
+static bool in_whole_rows(const struct eco_chunk_rows *rows)
 {
-	return shape->ground_columns > 0 && shape->extra_count == 0 && !shape->uv
-		&& shape->rows % shape->ground_columns == 0;
+	return rows->shape.rows % rows->shape.ground_columns == 0;
 }
 
 static bool start(struct ground *g, const struct eco_chunk_rows *rows)
@@ -213,22 +212,24 @@ enum eco_code eco_ground_encode(const struct eco_chunk_rows *rows, uint8_t **byt
 {
 	struct eco_writer w = { 0 };
 	struct ground g;
-	*bytes = NULL;
-	w.failed = !start(&g, rows);
-	if (!w.failed && on_axes(&g)) {
+	bool has_memory = start(&g, rows), in_rows = has_memory && in_whole_rows(rows) && on_axes(&g);
+	if (in_rows) {
 		eco_range_write(&g.range, &w);
 		g.shift = find_shift(&g);
 		code(&g);
 		*zeros = (uint8_t)eco_range_end(&g.range);
-		*bytes = w.bytes;
-		*size = w.size;
 	}
 	free(g.samples);
-	if (!w.failed)
-		return ECO_OK;
-	eco_writer_free(&w);
-	*bytes = NULL;
-	return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u samples of ground", rows->shape.rows);
+	if (!in_rows && has_memory)
+		return eco_fail(error, ECO_BAD_INPUT, "chunk: samples of ground do not stand in rows and columns");
+	if (!in_rows || w.failed) {
+		eco_writer_free(&w);
+		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u samples of ground",
+			rows->shape.rows);
+	}
+	*bytes = w.bytes;
+	*size = w.size;
+	return ECO_OK;
 }
 
 enum eco_code eco_ground_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size, uint8_t zeros,
@@ -239,7 +240,7 @@ enum eco_code eco_ground_decode(struct eco_chunk_rows *rows, const uint8_t *byte
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u samples of ground",
 			rows->shape.rows);
 	eco_range_read(&g.range, bytes, size);
-	bool good = code(&g) && eco_range_end(&g.range) == zeros && !rows->shape.uv_shift;
+	bool good = in_whole_rows(rows) && code(&g) && eco_range_end(&g.range) == zeros;
 	if (good)
 		put_on_axes(&g);
 	free(g.samples);

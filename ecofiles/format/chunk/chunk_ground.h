@@ -1,5 +1,5 @@
 /* Samples of ground in one adaptively coded stream (ecofiles/base/range.h): the packed rows of a chunk of
- * ground that has no other values, and whose samples stand in rows and columns.
+ * ground, whose samples stand in rows and columns.
  *
  *   s  x of the first row, then y of the first column: each the difference to the step before
  *   4  bits, s: low bits of heights, which are mostly 0: coarse ground is rounded, but for its border
@@ -18,10 +18,8 @@
 
 #include "ecofiles/format/chunk/chunk_rows.h"
 
-/* Whether chunks of this shape may be coded so: ground without other values. */
-bool eco_ground_packs(const struct eco_rows_shape *shape);
-/* Encodes the columns' values as they were put. *bytes is NULL, with ECO_OK, where samples do not stand in
- * rows and columns; else malloc'ed; *zeros: bytes left off at the end. */
+/* Encodes the columns' values as they were put. *bytes: malloc'ed; *zeros: bytes left off at the end.
+ * ECO_BAD_INPUT: samples do not stand in rows and columns. */
 enum eco_code eco_ground_encode(const struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size,
 	uint8_t *zeros, struct eco_error *error);
 /* Fills rows->columns. ECO_DAMAGED where bytes are not as written. */

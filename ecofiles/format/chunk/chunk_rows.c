@@ -83,7 +83,6 @@ enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_s
 		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 1 };
 	for (uint32_t i = 0; i < rows->column_count; i++)
 		per_row += rows->columns[i].components;
-	per_row += shape->ground_columns > 0;
 	rows->storage = calloc((size_t)per_row * shape->rows, sizeof *rows->storage);
 	if (!rows->storage)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u rows of a chunk", shape->rows);
@@ -92,10 +91,6 @@ enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_s
 		rows->columns[i].values = at;
 		at += (size_t)rows->columns[i].components * shape->rows;
 	}
-	/* the low bits of ground heights; an encoder uses this column if there are any */
-	rows->columns[rows->column_count] = (struct eco_draco_column){ .components = 1, .values = at };
-	if (shape->ground_columns > 0 && shape->uv_shift > 0)
-		rows->column_count++;
 	return ECO_OK;
 }
 
@@ -240,83 +235,6 @@ static void take_uv_shift(struct eco_chunk_rows *rows)
 		values[i] /= 1 << rows->shape.uv_shift;
 }
 
-/* The height of a ground sample as predicted from the samples before it. */
-static int32_t ground_height(const struct eco_chunk_rows *rows, uint32_t row)
-{
-	const int32_t *x = rows->columns[0].values, *z = rows->columns[2].values;
-	uint32_t columns = rows->shape.ground_columns;
-	if (row == 0)
-		return 0;
-	if (x[row] <= x[row - 1])
-		return row >= columns ? z[row - columns] : z[row - 1];
-	return row > columns ? plus(z[row - 1], minus(z[row - columns], z[row - columns - 1])) : z[row - 1];
-}
-
-/* Predicts that a sample is as far east as the one south of it, and as far north as the one west of it. */
-static int32_t ground_place(const struct eco_chunk_rows *rows, uint32_t row, unsigned axis)
-{
-	const int32_t *values = rows->columns[axis].values;
-	uint32_t columns = rows->shape.ground_columns;
-	if (axis == 0)
-		return row >= columns ? values[row - columns] : 0;
-	return row % columns > 0 ? values[row - 1] : 0;
-}
-
-/* Coarse ground is rounded except at its border: low bits that are nearly always 0 become a column of
- * their own. */
-static void take_low_bits(struct eco_chunk_rows *rows)
-{
-	struct eco_draco_column *low = &rows->columns[rows->column_count];
-	int32_t *z = rows->columns[2].values;
-	uint32_t zeros[16] = { 0 };
-	if (rows->shape.ground_columns == 0)
-		return;
-	for (uint32_t row = 0; row < rows->shape.rows; row++)
-		for (unsigned k = 1; k < 16 && !((uint32_t)z[row] & ((1u << k) - 1)); k++)
-			zeros[k]++;
-	while (rows->shape.uv_shift < 15 && zeros[rows->shape.uv_shift + 1] > rows->shape.rows / 4 * 3)
-		rows->shape.uv_shift++;
-	if (rows->shape.uv_shift == 0)
-		return;
-	rows->column_count++;
-	for (uint32_t row = 0; row < rows->shape.rows; row++) {
-		low->values[row] = (int32_t)((uint32_t)z[row] & ((1u << rows->shape.uv_shift) - 1));
-		z[row] = (z[row] - low->values[row]) / (1 << rows->shape.uv_shift);
-	}
-}
-
-static void give_low_bits(struct eco_chunk_rows *rows)
-{
-	const struct eco_draco_column *low = &rows->columns[rows->column_count - 1];
-	int32_t *z = rows->columns[2].values;
-	if (rows->shape.ground_columns == 0 || rows->shape.uv_shift == 0)
-		return;
-	for (uint32_t row = 0; row < rows->shape.rows; row++)
-		z[row] = plus((int32_t)((uint32_t)z[row] << rows->shape.uv_shift), low->values[row]);
-}
-
-static void take_ground(struct eco_chunk_rows *rows)
-{
-	take_low_bits(rows);
-	for (uint32_t row = rows->shape.rows; rows->shape.ground_columns > 0 && row-- > 0;)
-		rows->columns[2].values[row] = minus(rows->columns[2].values[row], ground_height(rows, row));
-	for (uint32_t row = rows->shape.rows; rows->shape.ground_columns > 0 && row-- > 0;)
-		for (unsigned axis = 0; axis < 2; axis++)
-			rows->columns[axis].values[row] = minus(rows->columns[axis].values[row],
-				ground_place(rows, row, axis));
-}
-
-static void give_ground(struct eco_chunk_rows *rows)
-{
-	for (uint32_t row = 0; rows->shape.ground_columns > 0 && row < rows->shape.rows; row++)
-		for (unsigned axis = 0; axis < 2; axis++)
-			rows->columns[axis].values[row] = plus(rows->columns[axis].values[row],
-				ground_place(rows, row, axis));
-	for (uint32_t row = 0; rows->shape.ground_columns > 0 && row < rows->shape.rows; row++)
-		rows->columns[2].values[row] = plus(rows->columns[2].values[row], ground_height(rows, row));
-	give_low_bits(rows);
-}
-
 /* Whether Draco can code a column's values, or their differences, without allocating too much. */
 static void find_bounds(const struct eco_draco_column *column, uint32_t rows, bool *values_fit,
 	bool *differences_fit)
@@ -385,7 +303,6 @@ enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size
 	rows->shape.predictors = choose_predictors(rows);
 	take_predictions(rows);
 	take_uv_shift(rows);
-	take_ground(rows);
 	enum eco_code code = choose_differences(rows, error);
 	if (code == ECO_OK && !rows->shape.wide)
 		return eco_draco_encode_rows(rows->shape.order, rows->columns, rows->column_count,
@@ -427,21 +344,15 @@ static enum eco_code decode_wide(struct eco_chunk_rows *rows, const uint8_t *byt
 enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size,
 	struct eco_error *error)
 {
-	enum eco_code code;
 	for (unsigned k = 2; k < 6; k++)
 		if (predictor_of(rows->shape.predictors, k) >= ECO_ROWS_PREDICTORS)
 			return eco_fail(error, ECO_DAMAGED, "chunk: predictor %u of corner %u is unknown",
 				predictor_of(rows->shape.predictors, k), k);
-	if (rows->shape.packed && eco_ground_packs(&rows->shape))
+	if (rows->shape.ground_columns)
 		return eco_ground_decode(rows, bytes, size, rows->shape.zeros, error);
 	if (rows->shape.packed)
-		code = eco_columns_decode(rows, bytes, size, rows->shape.zeros, error);
-	else if (rows->shape.wide)
-		code = decode_wide(rows, bytes, size, error);
-	else
-		code = eco_draco_decode_rows(rows->shape.order, bytes, size, rows->columns,
-			rows->column_count, rows->shape.rows, error);
-	if (!code)
-		give_ground(rows);
-	return code;
+		return eco_columns_decode(rows, bytes, size, rows->shape.zeros, error);
+	return rows->shape.wide ? decode_wide(rows, bytes, size, error)
+		: eco_draco_decode_rows(rows->shape.order, bytes, size, rows->columns, rows->column_count,
+		rows->shape.rows, error);
 }

@@ -17,11 +17,7 @@
  * Draco codes each column as values or as differences to the row before, whichever is smaller (the stream
  * says which; kd: values).
  *
- * Split positions suit rows whose order is given. For ground samples, x is the difference to the sample
- * south of it, y the difference to the sample west of it (both nearly always 0), and z the miss of the
- * prediction left + up - upper left (left in the first row, up at the start of a row, where x does not
- * advance). With a `uv_shift`, z goes without its low `uv_shift` bits, which are one more column, the
- * last: on coarse ground only the border has any.
+ * Split positions suit rows whose order is given. Samples of ground are always packed (chunk_ground.h).
  *
  * A `wide` stream has values beyond ECO_DRACO_VALUE_MAX: each column is stored as two, value >> 16 and
  * value & 65535. */
@@ -45,7 +41,7 @@ struct eco_rows_shape {
 	bool wide;
 	bool packed;                 /* decoding: coded as chunk_columns.h says, not by Draco */
 	uint8_t zeros;               /* packed: bytes left off at the end */
-	uint8_t uv_shift;            /* 0..15; ground: low bits of heights */
+	uint8_t uv_shift;            /* 0..15 */
 	uint8_t shift;               /* 0..7: eco_rows_get gives 2^shift times the value; not with `split` */
 	bool split;                  /* one corner only */
 	uint32_t ground_columns;     /* samples a row of a ground grid, with `split`; else 0 */
