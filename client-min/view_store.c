@@ -18,6 +18,7 @@
 
 #include "client-min/view_cache.h"
 #include "ecofiles/format/chunk/chunk.h"
+#include "ecofiles/format/pack_record.h"
 #include "ecofiles/format/texture.h"
 #include "ecofiles/base/array_grow.h"
 
@@ -190,7 +191,7 @@ static uint64_t hash_description(const struct eco_list *list, const uint8_t (*pa
 	const struct eco_group *groups)
 {
 	struct eco_writer w = { 0 };
-	eco_list_write(&w, list);
+	eco_record_write(&w, ECO_SECTION_LISTS, list);
 	eco_write_bytes(&w, palette, (size_t)list->palette_count * sizeof *palette);
 	for (uint32_t i = 0; i < list->group_count; i++) {
 		eco_write_u32(&w, groups[i].plant);

@@ -54,9 +54,9 @@ static void write_ladder(struct eco_writer *w, const struct eco_scene *s, uint32
 	l.impostor = since(l.impostor, list_first);
 	l.triangles = since(l.triangles, list_first);
 	l.curve_first = 0;
-	eco_ladder_write(w, &l);
+	eco_record_write(w, ECO_SECTION_LADDERS, &l);
 	for (uint32_t i = 0; i < eco_ladder_samples(ladder); i++)
-		eco_curve_write(w, &s->curves[ladder->curve_first + i]);
+		eco_record_write(w, ECO_SECTION_CURVES, &s->curves[ladder->curve_first + i]);
 }
 
 /* Textures are linked before and have the whole's numbers. */
@@ -69,7 +69,7 @@ static void write_list(struct eco_writer *w, const struct link_part *part, const
 	l.image = l.image == ECO_NONE ? ECO_NONE : part->list_of[l.image];
 	l.partner = since(l.partner, list_first);
 	l.chunk_first = 0;
-	eco_list_write(w, &l);
+	eco_record_write(w, ECO_SECTION_LISTS, &l);
 	for (uint32_t i = list->chunk_first; i < list->chunk_first + list->chunk_count; i++)
 		eco_write_bytes(w, part->pack->scene.chunks[i].id.bytes, sizeof(struct eco_chunk_id));
 }
@@ -84,9 +84,9 @@ static bool fingerprint(const struct link_part *part, uint32_t plant, const stru
 	uint32_t list_first = ECO_NONE;
 	memset(p.name, 0, sizeof p.name);
 	p.anchor_first = p.ladder_first = 0;
-	eco_plant_write(&w, &p);
+	eco_record_write(&w, ECO_SECTION_PLANTS, &p);
 	for (uint32_t i = 0; i < p.anchor_count; i++)
-		eco_anchor_write(&w, &s->anchors[s->plants[plant].anchor_first + i]);
+		eco_record_write(&w, ECO_SECTION_ANCHORS, &s->anchors[s->plants[plant].anchor_first + i]);
 	for (uint32_t i = 0; i < s->list_count; i++) {
 		if (!of_plant(&s->lists[i], plant))
 			continue;

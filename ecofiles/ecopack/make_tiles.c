@@ -10,6 +10,7 @@
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/base/angle16.h"
+#include "ecofiles/format/pack_record.h"
 #include "lod/build/summary.h"
 
 /* ---- Instance lists ---- */
@@ -103,7 +104,7 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 		e.extra[2 * (size_t)k] = round_turn(p->turn);
 		e.extra[2 * (size_t)k + 1] = round_scale(p->scale);
 		struct eco_place twin = eco_place_of(&e, k);
-		eco_place_write(&made->twin, &twin);
+		eco_record_write(&made->twin, ECO_SECTION_PLACES, &twin);
 	}
 	for (uint32_t end = 0; end < count && end_count < 512;)
 		ends[end_count++] = end = count - end > ECO_CHUNK_ELEMENTS_MAX ? end + ECO_CHUNK_ELEMENTS_MAX

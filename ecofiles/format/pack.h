@@ -280,16 +280,6 @@ bool eco_anchor_sound(const struct eco_anchor *anchor);
 enum eco_code eco_chunk_check(const struct eco_list *list, const struct eco_chunk *chunk,
 	struct eco_error *error);
 
-/* Record coders, one pair a table, shared by pack and wire. */
-struct eco_reader;
-struct eco_writer;
-void eco_list_write(struct eco_writer *w, const struct eco_list *list);
-void eco_list_read(struct eco_reader *r, struct eco_list *list);
-void eco_anchor_write(struct eco_writer *w, const struct eco_anchor *anchor);
-void eco_anchor_read(struct eco_reader *r, struct eco_anchor *anchor);
-/* for the makers of section PLACES */
-void eco_place_write(struct eco_writer *w, const struct eco_place *place);
-
 /* ---- Writing ---- */
 
 struct eco_pack_writer;

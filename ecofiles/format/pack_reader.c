@@ -32,15 +32,15 @@ static enum eco_code check_section(const struct eco_section *s, uint32_t last_ki
 	uint32_t record_bytes;
 	if (s->kind <= last_kind || s->kind >= ECO_SECTION_KIND_END)
 		return BAD("section kind %u after kind %u", s->kind, last_kind);
-	record_bytes = eco_section_info[s->kind].record_bytes;
+	record_bytes = eco_record_bytes(s->kind);
 	if (s->record_bytes != record_bytes || s->size == 0 || s->size > file_size
 	    || (record_bytes == 0 ? s->count != 0 : s->size != (uint64_t)s->count * record_bytes))
-		return BAD("section %s: %u records of %u bytes in %llu bytes", eco_section_info[s->kind].name,
+		return BAD("section %s: %u records of %u bytes in %llu bytes", eco_section_name(s->kind),
 			s->count, s->record_bytes, (unsigned long long)s->size);
 	if (s->offset != (at + ECO_PACK_ALIGN - 1) / ECO_PACK_ALIGN * ECO_PACK_ALIGN || s->offset > file_size
 	    || s->size > file_size - s->offset)
 		return BAD("section %s: bytes [%llu, +%llu) do not follow byte "
-			"%llu of %llu", eco_section_info[s->kind].name, (unsigned long long)s->offset,
+			"%llu of %llu", eco_section_name(s->kind), (unsigned long long)s->offset,
 			(unsigned long long)s->size, (unsigned long long)at, (unsigned long long)file_size);
 	return ECO_OK;
 }
@@ -56,7 +56,7 @@ static enum eco_code check_bytes(const uint8_t *map, const struct eco_section *s
 			return BAD("section CHUNK_DATA has a hash of its own");
 	} else if (XXH3_64bits(map + s->offset, s->size) != s->hash) {
 		return BAD("section %s, bytes [%llu, +%llu): its hash does not "
-			"match", eco_section_info[s->kind].name, (unsigned long long)s->offset,
+			"match", eco_section_name(s->kind), (unsigned long long)s->offset,
 			(unsigned long long)s->size);
 	}
 	return ECO_OK;
@@ -99,7 +99,7 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 	at = ECO_PACK_HEADER_BYTES + count * ECO_PACK_SECTION_BYTES;
 	for (uint32_t i = 0; i < count && code == ECO_OK; i++) {
 		struct eco_section s;
-		eco_section_read(&r, &s);
+		eco_record_read(&r, ECO_SECTION_NONE, &s);
 		if (r.failed)
 			return BAD("section record %u does not end with zero", i);
 		code = check_section(&s, last_kind, at, file_size, error);
@@ -116,69 +116,32 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 	return code;
 }
 
-/* Parses the records of one section into an array of structs of `size` bytes. */
-static enum eco_code read_table(struct opened *o, enum eco_section_kind kind, size_t size, const void **table,
-	uint32_t *count, void (*read)(struct eco_reader *, void *), struct eco_error *error)
-{
-	const struct eco_section *s = &o->sections[kind];
-	struct eco_reader r = { .bytes = o->pack.map + s->offset, .size = s->size };
-	uint8_t *records = calloc(s->count > 0 ? s->count : 1, size);
-	if (!records)
-		return eco_fail(error, ECO_NO_MEMORY, "section %s: out of memory for %u records",
-			eco_section_info[kind].name, s->count);
-	o->tables[kind] = records;
-	*table = records;
-	*count = s->count;
-	for (uint32_t i = 0; i < s->count; i++) {
-		read(&r, records + i * size);
-		if (r.failed)
-			return BAD("section %s: record %u has an impossible field",
-				eco_section_info[kind].name, i);
-	}
-	return ECO_OK;
-}
-
-/* A reader of records for each table, all of one type. */
-#define READER(kind, table, name) static void read_##name(struct eco_reader *r, \
-	void *out) { eco_##name##_read(r, out); }
-ECO_PACK_TABLES(READER)
-READER(CHUNKS, chunks, chunk)
-READER(GROUND, ground, ground_tile)
-READER(GROUND_IMAGES, ground_images, ground_image)
-#undef READER
-
 static enum eco_code read_tables(struct opened *o, struct eco_error *error)
 {
 	struct eco_scene *scene = &o->pack.scene;
 	const struct eco_section *s = o->sections;
 	struct eco_reader r = { .bytes = o->pack.map + s[ECO_SECTION_SCENE].offset,
 		.size = s[ECO_SECTION_SCENE].size };
-	enum eco_code code = ECO_OK;
 	if (s[ECO_SECTION_SCENE].count != 1)
 		return BAD("section SCENE has %u records instead of 1", s[ECO_SECTION_SCENE].count);
-	eco_scene_read(&r, scene);
+	eco_record_read(&r, ECO_SECTION_SCENE, scene);
+	for (enum eco_section_kind kind = 0; kind < ECO_SECTION_KIND_END && !r.failed; kind++) {
+		if (!eco_section_is_table(kind))
+			continue;
+		r = (struct eco_reader){ .bytes = o->pack.map + s[kind].offset, .size = s[kind].size };
+		if (!(o->tables[kind] = eco_table_read(&r, kind, s[kind].count, scene)))
+			return eco_fail(error, ECO_NO_MEMORY, "section %s: out of memory for %u records",
+				eco_section_name(kind), s[kind].count);
+	}
 	if (r.failed)
-		return BAD("section SCENE has an impossible field");
-#define TABLE(kind, field, name) \
-	if (!code) \
-		code = read_table(o, ECO_SECTION_##kind, sizeof *scene->field, (const void **)&scene->field, \
-		&scene->name##_count, \
-			read_##name, error);
-	ECO_PACK_TABLES(TABLE)
-	TABLE(CHUNKS, chunks, chunk)
-	if (!code)
-		code = read_table(o, ECO_SECTION_GROUND, sizeof *scene->ground, (const void **)&scene->ground,
-		&scene->ground_count,
-			read_ground_tile, error);
-	TABLE(GROUND_IMAGES, ground_images, ground_image)
-#undef TABLE
+		return BAD("a record has an impossible field");
 	scene->palette = (const uint8_t (*)[3])(o->pack.map + s[ECO_SECTION_PALETTE].offset);
 	scene->palette_count = s[ECO_SECTION_PALETTE].count;
 	scene->places = o->pack.map + s[ECO_SECTION_PLACES].offset;
 	scene->place_count = s[ECO_SECTION_PLACES].count;
 	o->pack.meta = (const char *)o->pack.map + s[ECO_SECTION_META].offset;
 	o->pack.meta_size = s[ECO_SECTION_META].size;
-	return code;
+	return ECO_OK;
 }
 
 /* Every payload must lie in CHUNK_DATA and every byte of CHUNK_DATA in a payload. */

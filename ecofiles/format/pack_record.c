@@ -4,27 +4,8 @@
 
 #include <assert.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
-
-const struct eco_section_info eco_section_info[ECO_SECTION_KIND_END] = {
-	[0] = { "none", 0 },
-	[ECO_SECTION_META] = { "META", 0 },
-	[ECO_SECTION_SCENE] = { "SCENE", 92 },
-	[ECO_SECTION_PLANTS] = { "PLANTS", 92 },
-	[ECO_SECTION_ANCHORS] = { "ANCHORS", 16 },
-	[ECO_SECTION_LADDERS] = { "LADDERS", 96 },
-	[ECO_SECTION_CURVES] = { "CURVES", 20 },
-	[ECO_SECTION_TILES] = { "TILES", 84 },
-	[ECO_SECTION_GROUPS] = { "GROUPS", 28 },
-	[ECO_SECTION_CHILDREN] = { "CHILDREN", 40 },
-	[ECO_SECTION_LISTS] = { "LISTS", 100 },
-	[ECO_SECTION_CHUNKS] = { "CHUNKS", 36 },
-	[ECO_SECTION_PALETTE] = { "PALETTE", 3 },
-	[ECO_SECTION_PLACES] = { "PLACES", ECO_PLACE_BYTES },
-	[ECO_SECTION_GROUND] = { "GROUND", 32 },
-	[ECO_SECTION_GROUND_IMAGES] = { "GROUND_IMAGES", 8 },
-	[ECO_SECTION_CHUNK_DATA] = { "CHUNK_DATA", 0 },
-};
 
 /* ---- Fields ---- */
 
@@ -92,39 +73,28 @@ static void read_name(struct eco_reader *r, char *name, size_t size)
 		memcpy(name, bytes, length);
 }
 
-static void write_fields(struct eco_writer *w, const struct field *f, size_t count, const void *record)
+static void write_field(struct eco_writer *w, const struct field *f, const uint8_t *from)
 {
-	for (const struct field *end = f + count; f < end; f++) {
-		const uint8_t *from = (const uint8_t *)record + f->at;
-		size_t length = f->kind == NAME ? strnlen((const char *)from, f->width - 1u) : 0;
-		if (f->kind == ZEROS) {
-			write_zeros(w, f->count);
-		} else if (f->kind == NAME) {
-			eco_write_bytes(w, from, length);
-			write_zeros(w, f->width - length);
-		} else {
-			for (unsigned i = 0; i < f->count; i++)
-				write_value(w, from + i * f->width, f->width);
-		}
-	}
+	size_t length = f->kind == NAME ? strnlen((const char *)from, f->width - 1u) : 0;
+	if (f->kind == NAME)
+		eco_write_bytes(w, from, length);
+	if (f->kind == ZEROS || f->kind == NAME)
+		write_zeros(w, f->width * (size_t)f->count - length);
+	for (unsigned i = 0; f->kind < NAME && i < f->count; i++)
+		write_value(w, from + i * f->width, f->width);
 }
 
-static void read_fields(struct eco_reader *r, const struct field *f, size_t count, void *record)
+static void read_field(struct eco_reader *r, const struct field *f, uint8_t *to)
 {
-	for (const struct field *end = f + count; f < end; f++) {
-		uint8_t *to = (uint8_t *)record + f->at;
-		if (f->kind == ZEROS) {
-			read_zeros(r, f->count);
-		} else if (f->kind == NAME) {
-			read_name(r, (char *)to, f->width);
-		} else {
-			for (unsigned i = 0; i < f->count; i++)
-				read_value(r, to + i * f->width, f->width);
-			if (f->kind == FLAG && *to > 1) {
-				r->failed = true;
-				*to = 1;
-			}
-		}
+	if (f->kind == ZEROS)
+		read_zeros(r, f->count);
+	else if (f->kind == NAME)
+		read_name(r, (char *)to, f->width);
+	for (unsigned i = 0; f->kind < NAME && i < f->count; i++)
+		read_value(r, to + i * f->width, f->width);
+	if (f->kind == FLAG && *to > 1) {
+		r->failed = true;
+		*to = 1;
 	}
 }
 
@@ -200,23 +170,75 @@ static const struct field place_fields[] = {
 	ARRAY(place, position), ONE(place, turn), ZERO_BYTES(2), ONE(place, scale),
 };
 
-/* eco_NAME_write and eco_NAME_read of each record. What is in the struct but not in the pack is read as 0. */
-#define WRITE(name) \
-	void eco_##name##_write(struct eco_writer *w, const struct eco_##name *name) \
-	{ \
-		write_fields(w, name##_fields, sizeof name##_fields / sizeof *name##_fields, name); \
-	}
-#define WRITE_AND_READ(name) WRITE(name) \
-	void eco_##name##_read(struct eco_reader *r, struct eco_##name *name) \
-	{ \
-		memset(name, 0, sizeof *name); \
-		read_fields(r, name##_fields, sizeof name##_fields / sizeof *name##_fields, name); \
-	}
-WRITE_AND_READ(section) WRITE_AND_READ(scene) WRITE_AND_READ(plant) WRITE_AND_READ(anchor)
-WRITE_AND_READ(ladder) WRITE_AND_READ(curve) WRITE_AND_READ(tile) WRITE_AND_READ(ground_tile)
-WRITE_AND_READ(ground_image) WRITE_AND_READ(group) WRITE_AND_READ(child) WRITE_AND_READ(list)
-WRITE_AND_READ(chunk)
-WRITE(place)
+static const struct field palette_fields[] = { { VALUES, 1, 3, 0 } };
+
+/* A section's name, its records, and where in struct eco_scene their table and its count are, if they are. */
+#define RECORDS(name, record, fields) name, sizeof fields / sizeof *fields, fields, sizeof(struct eco_##record)
+#define TABLE(section, table, record, count) [ECO_SECTION_##section] = { RECORDS(#section, record, \
+	record##_fields), offsetof(struct eco_scene, table), offsetof(struct eco_scene, count) },
+static const struct records {
+	const char *name;
+	size_t field_count;
+	const struct field *fields;
+	size_t struct_bytes, table_at, count_at;
+} records[ECO_SECTION_KIND_END] = {
+	[ECO_SECTION_NONE] = { RECORDS("none", section, section_fields), 0, 0 },
+	[ECO_SECTION_META] = { .name = "META" },
+	[ECO_SECTION_SCENE] = { RECORDS("SCENE", scene, scene_fields), 0, 0 },
+	ECO_PACK_TABLES(TABLE)
+	[ECO_SECTION_PALETTE] = { .name = "PALETTE", .fields = palette_fields, .field_count = 1 },
+	[ECO_SECTION_PLACES] = { RECORDS("PLACES", place, place_fields), 0, 0 },
+	[ECO_SECTION_CHUNK_DATA] = { .name = "CHUNK_DATA" },
+};
+
+const char *eco_section_name(enum eco_section_kind kind) { return records[kind].name; }
+
+uint32_t eco_record_bytes(enum eco_section_kind kind)
+{
+	uint32_t bytes = 0;
+	for (size_t i = 0; i < records[kind].field_count; i++)
+		bytes += records[kind].fields[i].width * (uint32_t)records[kind].fields[i].count;
+	return bytes;
+}
+
+void eco_record_write(struct eco_writer *w, enum eco_section_kind kind, const void *record)
+{
+	const struct records *k = &records[kind];
+	for (const struct field *f = k->fields; f < k->fields + k->field_count; f++)
+		write_field(w, f, (const uint8_t *)record + f->at);
+}
+
+void eco_record_read(struct eco_reader *r, enum eco_section_kind kind, void *record)
+{
+	const struct records *k = &records[kind];
+	memset(record, 0, k->struct_bytes);
+	for (const struct field *f = k->fields; f < k->fields + k->field_count; f++)
+		read_field(r, f, (uint8_t *)record + f->at);
+}
+
+bool eco_section_is_table(enum eco_section_kind kind) { return records[kind].table_at; }
+
+uint32_t eco_table_count(const struct eco_scene *scene, enum eco_section_kind kind)
+{
+	return *(const uint32_t *)((const char *)scene + records[kind].count_at);
+}
+
+void eco_table_write(struct eco_writer *w, enum eco_section_kind kind, const struct eco_scene *scene)
+{
+	const uint8_t *table = *(const uint8_t *const *)((const char *)scene + records[kind].table_at);
+	for (uint32_t i = 0; i < eco_table_count(scene, kind); i++)
+		eco_record_write(w, kind, table + i * records[kind].struct_bytes);
+}
+
+void *eco_table_read(struct eco_reader *r, enum eco_section_kind kind, uint32_t count, struct eco_scene *scene)
+{
+	uint8_t *table = calloc(count ? count : 1, records[kind].struct_bytes);
+	for (uint32_t i = 0; table && i < count && !r->failed; i++)
+		eco_record_read(r, kind, table + i * records[kind].struct_bytes);
+	*(const void **)((char *)scene + records[kind].table_at) = table;
+	*(uint32_t *)((char *)scene + records[kind].count_at) = count;
+	return table;
+}
 
 struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index)
 {

@@ -1,5 +1,4 @@
-/* Sections and records of a pack: sizes, and one reader and one writer per table. The file's frame is in
- * pack.h. */
+/* Sections and records of a pack: sizes, reading and writing. The file's frame is in pack.h. */
 #ifndef ECO_PACK_RECORD_H
 #define ECO_PACK_RECORD_H
 
@@ -12,55 +11,42 @@
 #define ECO_PACK_ALIGN 64u
 
 enum eco_section_kind {
-	ECO_SECTION_META = 1, ECO_SECTION_SCENE, ECO_SECTION_PLANTS, ECO_SECTION_ANCHORS, ECO_SECTION_LADDERS,
-		ECO_SECTION_CURVES,
-	ECO_SECTION_TILES, ECO_SECTION_GROUPS, ECO_SECTION_CHILDREN, ECO_SECTION_LISTS, ECO_SECTION_CHUNKS,
-	ECO_SECTION_PALETTE, ECO_SECTION_PLACES, ECO_SECTION_GROUND, ECO_SECTION_GROUND_IMAGES,
-	ECO_SECTION_CHUNK_DATA,
+	ECO_SECTION_NONE,                    /* records of the section table itself */
+	ECO_SECTION_META, ECO_SECTION_SCENE, ECO_SECTION_PLANTS, ECO_SECTION_ANCHORS, ECO_SECTION_LADDERS,
+	ECO_SECTION_CURVES, ECO_SECTION_TILES, ECO_SECTION_GROUPS, ECO_SECTION_CHILDREN, ECO_SECTION_LISTS,
+	ECO_SECTION_CHUNKS, ECO_SECTION_PALETTE, ECO_SECTION_PLACES, ECO_SECTION_GROUND,
+	ECO_SECTION_GROUND_IMAGES, ECO_SECTION_CHUNK_DATA,
 	ECO_SECTION_KIND_END
 };
-
-/* By section kind: name for messages, and bytes of a record (0: META and CHUNK_DATA, which have none). */
-struct eco_section_info { const char *name; uint32_t record_bytes; };
-extern const struct eco_section_info eco_section_info[ECO_SECTION_KIND_END];
 
 struct eco_section {
 	uint32_t kind, count;
 	uint64_t offset, size, hash;
 	uint32_t record_bytes;
 };
-void eco_section_write(struct eco_writer *w, const struct eco_section *section);
-void eco_section_read(struct eco_reader *r, struct eco_section *section);
 
-/* Tables of a scene whose sections hold their records unchanged, in the order of the sections: X(SECTION,
- * table, record). Not among them: chunks, whose offsets are known last, and the ground and its image,
- * whose tables and records have different names. */
+/* Tables of struct eco_scene that are sections: X(SECTION, table, record, count). */
 #define ECO_PACK_TABLES(X) \
-	X(PLANTS, plants, plant) X(ANCHORS, anchors, anchor) X(LADDERS, ladders, ladder) X(CURVES, curves, \
-	curve) \
-	X(TILES, tiles, tile) X(GROUPS, groups, group) X(CHILDREN, children, child) X(LISTS, lists, list)
+	X(PLANTS, plants, plant, plant_count) X(ANCHORS, anchors, anchor, anchor_count) \
+	X(LADDERS, ladders, ladder, ladder_count) X(CURVES, curves, curve, curve_count) \
+	X(TILES, tiles, tile, tile_count) X(GROUPS, groups, group, group_count) \
+	X(CHILDREN, children, child, child_count) X(LISTS, lists, list, list_count) \
+	X(CHUNKS, chunks, chunk, chunk_count) X(GROUND, ground, ground_tile, ground_count) \
+	X(GROUND_IMAGES, ground_images, ground_image, ground_image_count)
 
-/* The SCENE record holds the scalars of struct eco_scene. Readers fail `r` where unused bytes are not
- * zero. */
-void eco_scene_write(struct eco_writer *w, const struct eco_scene *scene);
-void eco_scene_read(struct eco_reader *r, struct eco_scene *scene);
-void eco_plant_write(struct eco_writer *w, const struct eco_plant *plant);
-void eco_plant_read(struct eco_reader *r, struct eco_plant *plant);
-void eco_ladder_write(struct eco_writer *w, const struct eco_ladder *ladder);
-void eco_ladder_read(struct eco_reader *r, struct eco_ladder *ladder);
-void eco_curve_write(struct eco_writer *w, const struct eco_curve *curve);
-void eco_curve_read(struct eco_reader *r, struct eco_curve *curve);
-void eco_ground_tile_write(struct eco_writer *w, const struct eco_ground_tile *tile);
-void eco_ground_tile_read(struct eco_reader *r, struct eco_ground_tile *tile);
-void eco_ground_image_write(struct eco_writer *w, const struct eco_ground_image *tile);
-void eco_ground_image_read(struct eco_reader *r, struct eco_ground_image *tile);
-void eco_tile_write(struct eco_writer *w, const struct eco_tile *tile);
-void eco_tile_read(struct eco_reader *r, struct eco_tile *tile);
-void eco_group_write(struct eco_writer *w, const struct eco_group *group);
-void eco_group_read(struct eco_reader *r, struct eco_group *group);
-void eco_child_write(struct eco_writer *w, const struct eco_child *child);
-void eco_child_read(struct eco_reader *r, struct eco_child *child);
-void eco_chunk_write(struct eco_writer *w, const struct eco_chunk *chunk);
-void eco_chunk_read(struct eco_reader *r, struct eco_chunk *chunk);
+/* For messages. */
+const char *eco_section_name(enum eco_section_kind kind);
+/* In the file; 0: META and CHUNK_DATA, which have no records. */
+uint32_t eco_record_bytes(enum eco_section_kind kind);
+/* A record's struct to and from bytes; of SCENE: the scalars of struct eco_scene. What is in the struct but not
+ * in the pack is read as 0. Reading fails `r` where unused bytes are not zero. */
+void eco_record_write(struct eco_writer *w, enum eco_section_kind kind, const void *record);
+void eco_record_read(struct eco_reader *r, enum eco_section_kind kind, void *record);
+
+bool eco_section_is_table(enum eco_section_kind kind);
+uint32_t eco_table_count(const struct eco_scene *scene, enum eco_section_kind kind);
+void eco_table_write(struct eco_writer *w, enum eco_section_kind kind, const struct eco_scene *scene);
+/* Puts a table of `count` records into the scene; returns it, malloc'ed, or NULL: no memory. */
+void *eco_table_read(struct eco_reader *r, enum eco_section_kind kind, uint32_t count, struct eco_scene *scene);
 
 #endif

@@ -1,6 +1,6 @@
 /* Writing a pack, all or nothing. Payloads are made first but lie last in the file, behind tables whose
  * size is known only at the end. So they are spooled to an unlinked file in the target's folder (memory
- * stays small, and a full disk is noticed early), and eco_pack_commit (pack_commit.c) copies them behind
+ * stays small, and a full disk is noticed early), and eco_pack_commit copies them behind
  * the tables. The target's name appears only by renaming a complete, synced file. A process that is killed
  * leaves its unfinished file; the next one that writes the same pack removes it. */
 #include <assert.h>
@@ -12,22 +12,41 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <xxhash.h>
+
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/unfinished.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"
-#include "ecofiles/format/pack_writer.h"
 
 /* ---- Files ---- */
 
-enum eco_code eco_pack_io_failed(const char *path, const char *what, struct eco_error *error)
+/* Finds chunks by their id, to store equal payloads once: open addressing over chunk indices + 1. */
+struct id_table {
+	uint32_t *slots;
+	uint32_t size;               /* power of two, more than twice the chunks */
+};
+
+struct eco_pack_writer {
+	char *path, *temporary, *folder;
+	int file, spool;             /* -1 when closed */
+	uint64_t spooled;
+	struct eco_list *lists;
+	uint32_t list_count, list_capacity;
+	struct eco_chunk *chunks;    /* offsets relative to the spool until commit */
+	uint32_t chunk_count, chunk_capacity;
+	struct id_table ids;
+};
+
+/* Says what could not be done, and why (errno). */
+static enum eco_code io_failed(const char *path, const char *what, struct eco_error *error)
 {
 	int reason = errno;
 	return eco_fail(error, ECO_IO, "%.330s: cannot %s: %s%s", path, what, strerror(reason),
 		eco_advice_write(reason));
 }
 
-enum eco_code eco_pack_write_all(int file, const char *path, const void *bytes, size_t size,
+static enum eco_code write_all(int file, const char *path, const void *bytes, size_t size,
 	struct eco_error *error)
 {
 	const uint8_t *at = bytes;
@@ -36,7 +55,7 @@ enum eco_code eco_pack_write_all(int file, const char *path, const void *bytes, 
 		if (written < 0 && errno == EINTR)
 			continue;
 		if (written <= 0)
-			return eco_pack_io_failed(path, "write", error);
+			return io_failed(path, "write", error);
 		at += written;
 		size -= (size_t)written;
 	}
@@ -54,11 +73,25 @@ static enum eco_code open_spool(struct eco_pack_writer *w, struct eco_error *err
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", w->path);
 	w->spool = open(name, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
 	if (w->spool < 0)
-		eco_pack_io_failed(name, "create", error);
+		io_failed(name, "create", error);
 	else
 		unlink(name);
 	free(name);
 	return w->spool < 0 ? ECO_IO : ECO_OK;
+}
+
+static enum eco_code read_spool(const struct eco_pack_writer *w, uint64_t offset, uint8_t *bytes, size_t size,
+	struct eco_error *error)
+{
+	for (size_t done = 0; done < size;) {
+		ssize_t got = pread(w->spool, bytes + done, size - done, (off_t)(offset + done));
+		if (got < 0 && errno == EINTR)
+			continue;
+		if (got <= 0)
+			return io_failed(w->temporary, "read back payloads", error);
+		done += (size_t)got;
+	}
+	return ECO_OK;
 }
 
 /* The folder part of a path, malloc'ed. */
@@ -77,7 +110,7 @@ static enum eco_code open_unfinished(struct eco_pack_writer *w, struct eco_error
 	for (;;) {
 		w->file = open(w->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 		if (w->file < 0)
-			return eco_pack_io_failed(w->path, "create", error);
+			return io_failed(w->path, "create", error);
 		if (eco_unfinished_lock(w->file))
 			return ECO_OK;
 		close(w->file);
@@ -201,7 +234,7 @@ static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, 
 	if (w->ids.slots[slot] != 0) {
 		chunk.offset = w->chunks[w->ids.slots[slot] - 1].offset;
 	} else {
-		enum eco_code code = eco_pack_write_all(w->spool, w->temporary, bytes, size, error);
+		enum eco_code code = write_all(w->spool, w->temporary, bytes, size, error);
 		if (code)
 			return code;
 		w->spooled += size;
@@ -391,21 +424,6 @@ enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct e
 	return add_list(writer, list, chunk_first, list_id, error);
 }
 
-static enum eco_code read_spool(const struct eco_pack_writer *w, const struct eco_chunk *chunk,
-	uint8_t *bytes, struct eco_error *error)
-{
-	for (size_t done = 0; done < chunk->size_bytes;) {
-		ssize_t got = pread(w->spool, bytes + done, chunk->size_bytes - done,
-			(off_t)(chunk->offset + done));
-		if (got < 0 && errno == EINTR)
-			continue;
-		if (got <= 0)
-			return eco_pack_io_failed(w->temporary, "read back payloads", error);
-		done += (size_t)got;
-	}
-	return ECO_OK;
-}
-
 /* Appends points to points. */
 static bool join(struct eco_elements *all, const struct eco_elements *part)
 {
@@ -450,7 +468,7 @@ enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list
 		const struct eco_chunk *chunk = &writer->chunks[list->chunk_first + i];
 		uint8_t *bytes = malloc(chunk->size_bytes);
 		code = !bytes ? eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", writer->path)
-			: read_spool(writer, chunk, bytes, error);
+			: read_spool(writer, chunk->offset, bytes, chunk->size_bytes, error);
 		if (!code)
 			code = join_chunk(points, list, chunk, i, bytes, error);
 		free(bytes);
@@ -485,4 +503,168 @@ const struct eco_list *eco_pack_list(const struct eco_pack_writer *writer, uint3
 {
 	assert(list_id < writer->list_count);
 	return &writer->lists[list_id];
+}
+
+/* ---- The file: sections in the order of their kinds, then the spooled payloads ---- */
+
+static uint64_t align(uint64_t at)
+{
+	return (at + ECO_PACK_ALIGN - 1) / ECO_PACK_ALIGN * ECO_PACK_ALIGN;
+}
+
+/* Sections that are there, with their places in the file; returns how many. */
+static uint32_t lay_out(struct eco_section sections[ECO_SECTION_KIND_END], const struct eco_pack_writer *w,
+	const struct eco_scene *scene, const char *meta_json)
+{
+	const uint64_t counts[ECO_SECTION_KIND_END] = { [ECO_SECTION_SCENE] = 1,
+		[ECO_SECTION_PALETTE] = scene->palette_count, [ECO_SECTION_PLACES] = scene->place_count },
+		sizes[ECO_SECTION_KIND_END] = { [ECO_SECTION_META] = meta_json ? strlen(meta_json) : 0,
+		[ECO_SECTION_CHUNK_DATA] = w->spooled };
+	uint32_t number = 0;
+	for (enum eco_section_kind kind = 1; kind < ECO_SECTION_KIND_END; kind++) {
+		uint64_t count = eco_section_is_table(kind) ? eco_table_count(scene, kind) : counts[kind];
+		struct eco_section s = { .kind = kind, .count = (uint32_t)count,
+			.record_bytes = eco_record_bytes(kind), .size = sizes[kind] };
+		s.size += count * s.record_bytes;
+		if (s.size)
+			sections[number++] = s;
+	}
+	uint64_t at = ECO_PACK_HEADER_BYTES + (uint64_t)number * ECO_PACK_SECTION_BYTES;
+	for (uint32_t i = 0; i < number; at = sections[i].offset + sections[i].size, i++)
+		sections[i].offset = align(at);
+	return number;
+}
+
+/* A section's bytes, which `owned` has if they are not borrowed; NULL: payloads, which are in the spool. */
+static const uint8_t *bytes_of(const struct eco_section *s, const struct eco_scene *scene, const char *meta_json,
+	struct eco_writer *owned)
+{
+	switch (s->kind) {
+	case ECO_SECTION_META: return (const uint8_t *)meta_json;
+	case ECO_SECTION_PALETTE: return scene->palette[0];
+	case ECO_SECTION_PLACES: return scene->places;
+	case ECO_SECTION_CHUNK_DATA: return NULL;
+	case ECO_SECTION_SCENE: eco_record_write(owned, s->kind, scene); break;
+	default: eco_table_write(owned, s->kind, scene);
+	}
+	return owned->bytes;
+}
+
+static enum eco_code write_padding(struct eco_pack_writer *w, uint64_t at, uint64_t offset,
+	struct eco_error *error)
+{
+	static const uint8_t zeros[ECO_PACK_ALIGN];
+	return write_all(w->file, w->temporary, zeros, offset - at, error);
+}
+
+static enum eco_code copy_payloads(struct eco_pack_writer *w, struct eco_error *error)
+{
+	const size_t most = 1u << 18;
+	uint8_t *buffer = malloc(most);
+	enum eco_code code = buffer ? ECO_OK
+		: eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for copying", w->path);
+	for (uint64_t at = 0; !code && at < w->spooled; at += most) {
+		size_t size = w->spooled - at < most ? w->spooled - at : most;
+		code = read_spool(w, at, buffer, size, error);
+		code = code ? code : write_all(w->file, w->temporary, buffer, size, error);
+	}
+	free(buffer);
+	return code;
+}
+
+static enum eco_code write_header(struct eco_pack_writer *w, const struct eco_section *sections, uint32_t count,
+	struct eco_error *error)
+{
+	struct eco_writer start = { 0 }, table = { 0 }, hashed = { 0 };
+	enum eco_code code;
+	for (uint32_t i = 0; i < count; i++)
+		eco_record_write(&table, ECO_SECTION_NONE, &sections[i]);
+	eco_write_bytes(&start, ECO_PACK_MAGIC, 8);
+	eco_write_u32(&start, ECO_PACK_VERSION);
+	eco_write_u32(&start, count);
+	eco_write_u64(&start, sections[count - 1].offset + sections[count - 1].size);
+	eco_write_bytes(&hashed, start.bytes, start.size);
+	eco_write_bytes(&hashed, table.bytes, table.size);
+	eco_write_u64(&start, hashed.failed ? 0 : XXH3_64bits(hashed.bytes, hashed.size));
+	eco_write_bytes(&start, table.bytes, table.size);
+	if (start.failed || table.failed || hashed.failed)
+		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for the header", w->path);
+	else
+		code = write_all(w->file, w->temporary, start.bytes, start.size, error);
+	eco_writer_free(&start);
+	eco_writer_free(&table);
+	eco_writer_free(&hashed);
+	return code;
+}
+
+static enum eco_code write_file(struct eco_pack_writer *w, const struct eco_scene *scene,
+	const char *meta_json, struct eco_error *error)
+{
+	struct eco_section sections[ECO_SECTION_KIND_END];
+	struct eco_writer owned[ECO_SECTION_KIND_END] = { { 0 } };
+	const uint8_t *bytes[ECO_SECTION_KIND_END];
+	uint32_t count = lay_out(sections, w, scene, meta_json);
+	uint64_t at = ECO_PACK_HEADER_BYTES + (uint64_t)count * ECO_PACK_SECTION_BYTES;
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < w->chunk_count; i++)        /* payloads are the last section */
+		w->chunks[i].offset += sections[count - 1].offset;
+	for (uint32_t i = 0; i < count; i++) {
+		bytes[i] = bytes_of(&sections[i], scene, meta_json, &owned[i]);
+		sections[i].hash = bytes[i] ? XXH3_64bits(bytes[i], sections[i].size) : 0;
+		if (owned[i].failed)
+			code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for section %s", w->path,
+				eco_section_name(sections[i].kind));
+	}
+	code = code ? code : write_header(w, sections, count, error);
+	for (uint32_t i = 0; i < count && !code; at = sections[i].offset + sections[i].size, i++) {
+		code = write_padding(w, at, sections[i].offset, error);
+		if (!code)
+			code = !bytes[i] ? copy_payloads(w, error)
+				: write_all(w->file, w->temporary, bytes[i], sections[i].size, error);
+	}
+	for (uint32_t i = 0; i < count; i++)
+		eco_writer_free(&owned[i]);
+	return code;
+}
+
+/* After this the pack is there even if the machine stops. */
+static enum eco_code publish(struct eco_pack_writer *w, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	int folder;
+	if (fsync(w->file) != 0)
+		return io_failed(w->temporary, "sync", error);
+	if (rename(w->temporary, w->path) != 0)
+		return io_failed(w->path, "rename the finished file to this name", error);
+	folder = open(w->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+	if (folder < 0 || fsync(folder) != 0)
+		code = io_failed(w->folder, "sync the folder", error);
+	if (folder >= 0)
+		close(folder);
+	/* The temporary file has been renamed: there is nothing to remove. */
+	close(w->file);
+	w->file = -1;
+	return code;
+}
+
+enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_scene *scene,
+	const char *meta_json, struct eco_error *error)
+{
+	struct eco_scene whole = *scene;
+	enum eco_code code = ECO_OK;
+	whole.lists = writer->lists;
+	whole.list_count = writer->list_count;
+	whole.chunks = writer->chunks;
+	whole.chunk_count = writer->chunk_count;
+	if (whole.place_count > UINT32_MAX)
+		code = eco_fail(error, ECO_TOO_LARGE, "%s: %llu places, at most %u fit in a pack",
+			writer->path, (unsigned long long)whole.place_count, UINT32_MAX);
+	if (!code)
+		code = eco_scene_check(&whole, error);
+	if (!code)
+		code = write_file(writer, &whole, meta_json, error);
+	if (!code)
+		code = publish(writer, error);
+	eco_pack_abort(writer);
+	return code;
 }

@@ -36,7 +36,7 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 	eco_write_u32(&t->w, id);
 	eco_write_bytes(&t->w, plant->name, sizeof plant->name);
 	for (uint32_t i = 0; i < plant->anchor_count; i++)
-		eco_anchor_write(&t->w, &anchors[i]);
+		eco_record_write(&t->w, ECO_SECTION_ANCHORS, &anchors[i]);
 	return tell(t, 2, e);
 }
 
@@ -45,10 +45,10 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 {
 	struct told *t = ctx;
 	eco_write_u32(&t->w, id);
-	eco_list_write(&t->w, list);
+	eco_record_write(&t->w, ECO_SECTION_LISTS, list);
 	eco_write_bytes(&t->w, palette, 3 * (size_t)list->palette_count);
 	for (uint32_t i = 0; i < list->group_count; i++)
-		eco_group_write(&t->w, &groups[i]);
+		eco_record_write(&t->w, ECO_SECTION_GROUPS, &groups[i]);
 	return tell(t, 3, e);
 }
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk/chunk.h"
+#include "ecofiles/format/pack_record.h"
 #include "lod/build/ground_tree.h"
 #include "tests/support/ground_tiles.h"
 
@@ -112,7 +113,7 @@ void scene_add_colors(struct scene_builder *b, const uint8_t (*colors)[3], uint3
 
 void scene_add_place(struct scene_builder *b, struct eco_place place)
 {
-	eco_place_write(&b->places, &place);
+	eco_record_write(&b->places, ECO_SECTION_PLACES, &place);
 	b->scene.places = b->places.bytes;
 	b->scene.place_count++;
 }
