@@ -114,11 +114,7 @@ is '[.crs, .instances[0].crs]' '["EPSG:32618","EPSG:32618"]'
 printf 'oak,723400,4307500,17N\n' >>"$DIR/zone.csv"
 start 1 'rows are in several zones: "utm_zone" is "18N" and "17N".*"only": ."utm_zone": "18N"' zone.csv
 
-start 0 'UTM zone 18N, as you say; a place at .*; but "utm_zone" is "18N" and "17N": give the entry "only": ."utm_zone": ...' zone.csv --crs EPSG:32618
-printf 'species,easting,northing,utm_zone\noak,323400,4307500,18N\noak,323420,4307520,18N\n' >"$DIR/zone.csv"
-start 0 'as you say; a place at -83.*; but "utm_zone" says "18N", EPSG:32618, a place at -77' zone.csv --crs EPSG:32617
-start 0 'NAD83 / UTM zone 18N, as you say' zone.csv --crs EPSG:26918
-! grep -q 'but "utm_zone"' "$DIR/out" || complain "zone.csv: a datum alone is doubted: $(cat "$DIR/out")"
+start 0 'UTM zone 18N, as you say; a place at' zone.csv --crs EPSG:32618
 awk 'BEGIN { print "species,easting,northing,utm_zone"; for (i = 0; i < 5000; i++) print "oak," 323400 + i % 70 "," 4307500 + i % 50 "," (i == 4001 ? "17N" : "18N") }' >"$DIR/zone.csv"
 start 1 'rows are in several zones: "utm_zone" is "18N" and "17N"' zone.csv
 
@@ -169,12 +165,6 @@ awk -F, 'BEGIN { OFS = "," } NR > 1 { $(NF - 1) = -77.03 + NR / 50000; $NF = 38.
 start 0 'are swapped: no tree stands at latitude -77' polar.csv
 is '[.crs, .instances[0].x]' '["EPSG:32618","Latitude"]'
 
-# ---- French, swapped, in places with plants: Somalia has no columns in French ----
-awk 'BEGIN { print "ESSENCE;HAUTEUR;CIRCONF;LONGITUDE;LATITUDE"
-	for (i = 0; i < 60; i++) { s = sprintf("Tilleul;%d;%d;%.5f;%.5f", 5 + i % 20, 30 + 3 * i, 45.764 + i / 50000, 4.835 + i / 50000); gsub(/\./, ",", s); print s } }' >"$DIR/lyon.csv"
-start 0 'are swapped: its columns are French, which is written at 4.84, 45.76' lyon.csv
-is '[.crs, .instances[0].x]' '["EPSG:32631","LATITUDE"]'
-
 # ---- Degrees with a CRS in metres or feet: they would be one spot ----
 deg() { awk -v first="$1" -v x="$2" -v y="$3" 'BEGIN { print first; for (i = 0; i < 1200; i++) printf "oak,%d,%.5f,%.5f\n", 5 + i % 9, x + i % 40 / 2000, y + int(i / 40) / 2000 }'; }
 deg species,height,lon,lat 8.6 50.1 >"$DIR/degrees.csv"
@@ -186,14 +176,13 @@ for crs in EPSG:25832 EPSG:3857 EPSG:2056 EPSG:2263; do
 done
 start 0 'within 1.4 x 1.62 km' degrees.csv --crs EPSG:4326 --scene-crs EPSG:25832
 
-# ---- Longitude and latitude swapped where both stay valid: the areas of CRSs, terrain and language tell, a stated CRS or not ----
+# ---- Longitude and latitude swapped where both stay valid: the areas of CRSs and terrain tell, a stated CRS or not ----
 deg species,height,lon,lat 50.1 8.6 >"$DIR/turned.csv"
 start 0 'are swapped: only so do they lie in the area of use of ETRS89, longitude -16.1 to 40.18' turned.csv --crs EPSG:4258
 is '[.crs, .instances[0].x, .instances[0].crs]' '["EPSG:32632","lat","EPSG:4258"]'
 start 0 'are swapped: only so do they lie in the area of use of ETRS89 / UTM zone 32N' turned.csv --crs EPSG:4326 --scene-crs EPSG:25832
 start 0 'WGS 84, as you say; a place at 50.110, 8.608' turned.csv --crs EPSG:4326
 start 0 'as you say; a place at .*; but its area of use is longitude 167.7 to -40.73' degrees.csv --crs EPSG:4269
-start 0 'are swapped: its columns are French, which is written at 4.84, 45.76' lyon.csv --crs EPSG:4326
 deg species,height,x,y 5580000 470000 | sed '1!s/\.00000//g' >"$DIR/turned_utm.csv"
 start 0 'are swapped: only so do they lie in the CRS.s area of use, longitude 6 to 12.01' turned_utm.csv --crs EPSG:25832
 echo '{"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::4258"}},"features":[{"type":"Feature","properties":{"species":"oak"},"geometry":{"type":"Point","coordinates":[50.1,8.6]}}]}' >"$DIR/turned.geojson"
@@ -207,32 +196,15 @@ is .crs '"EPSG:32630"'
 "$PACK" map "$DIR/my/scene.json" -o "$DIR/my/plants.geojson" -q >"$DIR/out" 2>&1 && [ "$(jq '.features | length' "$DIR/my/plants.geojson")" = 40 ] ||
 	complain "minutes: $(cat "$DIR/out")"
 
-# ---- Grids that their columns' language tells apart, and one that it does not ----
-awk 'BEGIN { print "boomsoort,boomhoogte,stamdiameter,XCOORD,YCOORD"
-	for (i = 0; i < 50; i++) printf "Zomereik,%d-%d m,%d,%.1f,%.1f\n", 6 + i % 3, 9 + i % 3, 20 + i, 121500 + 3 * i, 487000 + 2 * i }' >"$DIR/rd.csv"
-start 0 'where Dutch, the columns. language, is written; a place at 4.89' rd.csv
-is .crs '"EPSG:28992"'
-awk 'BEGIN { print "specie;altezza_m;x;y"; for (i = 0; i < 50; i++) printf "Quercus ilex;%d;%d;%d\n", 5 + i % 9, 1389000 + 3 * i, 5144000 + 2 * i }' >"$DIR/rome.csv"
-start 1 'which CRS .* EPSG:3003 .*, EPSG:3857 .maps on the web; at 12.48, 41.8' rome.csv
-start 0 'as you say' rome.csv --crs EPSG:3857
-
-# ---- German and French, each with one grid where it is written; Spanish, with several zones ----
+# ---- Grids that several countries' numbers fit: no candidate is cut, and the rest is counted ----
 gk() { awk -v first="$1" -v x="$2" -v y="$3" 'BEGIN { print first; for (i = 0; i < 50; i++) printf "Linde;%d;%d;%d\n", 5 + i % 9, x + 3 * i, y + 2 * i }'; }
-gk 'Baumart;Baumhöhe;Rechtswert;Hochwert' 3567210 5933820 >"$DIR/gk.csv"
-start 0 'where German, the columns. language, is written; a place at 10.01' gk.csv
-is .crs '"EPSG:31467"'
-# ---- Where several grids fit, the usual one of the columns' language comes first, no candidate is cut, and the rest is counted ----
 gk 'Baumart;Baumhöhe;Rechtswert;Hochwert' 3567123 5802345 >"$DIR/gk.csv"
-start 1 '5802.* may be in EPSG:31467 .DHDN / 3-degree Gauss-Kruger zone 3; at 9\.99, 52\.35., EPSG:2174 ' gk.csv
+start 1 '5802.* may be in EPSG:31467 .DHDN / 3-degree Gauss-Kruger zone 3; at 9\.99, 52\.35., EPSG:5345 ' gk.csv
 grep -Eq '(EPSG:[0-9]+ \([^;]*; at [-0-9.]+, [-0-9.]+\)(, | and [0-9]+ more)?)+; give it with --crs EPSG:\.\.\.$' "$DIR/out" || complain "gk: a candidate is cut: $(cat "$DIR/out")"
 gk 'Species;Height;Easting;Northing' 532100 181200 >"$DIR/gb.csv"
-start 1 "or the country's grid, EPSG:[^;]*; at [^;]*\)[^(]* EPSG:27700 .OSGB36 / British National Grid; at -0.09, 51.51|or the country's grid, EPSG:27700" gb.csv
+start 1 "or the country's grid, .* EPSG:27700 .OSGB36 / British National Grid; at -0.09, 51.51" gb.csv
 grep -Eq 'EPSG:[0-9]+ \([^;]*; at [-0-9.]+, [-0-9.]+\)( and [0-9]+ more)?$' "$DIR/out" || complain "gb: a candidate is cut: $(cat "$DIR/out")"
-gk 'Essence;Hauteur;coord_x;coord_y' 842510 6519012 >"$DIR/l93.csv"
-start 0 'where French, the columns. language, is written; a place at 4.83' l93.csv
-is .crs '"EPSG:2154"'
 gk 'Especie;Altura;coord_x;coord_y' 440512 4474010 >"$DIR/utm.csv"
-start 1 'Spanish is written in .*EPSG:32630' utm.csv
 start 0 'as you say; a place at -3.70' utm.csv --crs EPSG:25830
 is .crs '"EPSG:25830"'
 
@@ -434,10 +406,9 @@ start 0 'metres of the terrain.s grid, which says no CRS either' there.csv "$DIR
 is '[has("crs"), .origin]' '[false,[656300,218230]]'
 start 1 'which CRS are its coordinates in' there.csv
 
-# ---- English is written in too many zones to name them; lines are no plants ----
+# ---- A place of each UTM zone; lines are no plants ----
 awk 'BEGIN { print "tree,easting,northing,height"; for (i = 0; i < 40; i++) printf "oak,%d,%d,%d\n", 477500 + i, 5632100 + i, 5 + i % 9 }' >"$DIR/english.csv"
 start 1 'is a place in each UTM zone' english.csv
-grep -q 'is written in' "$DIR/out" && complain "english: $(cat "$DIR/out")"
 echo '{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"tree":"oak"},"geometry":{"type":"LineString","coordinates":[[8,47],[8.1,47.1]]}}]}' >"$DIR/lines.geojson"
 start 1 'no row is a point; a table of plants has a point for each' lines.geojson
 

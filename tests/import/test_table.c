@@ -195,13 +195,11 @@ static const struct { const char *header, *row, *other, *says; } zones[] = {
 	{ "easting,northing,utm_zone", "323400,4307500,18N", NULL, "EPSG:32618 EPSG:32618" },
 	{ "easting,northing,UTM Zone", "323400,4307500,18 T", NULL, "EPSG:32618 EPSG:32618" },
 	{ "easting,northing,zone", "323400,1307500,UTM zone 18L", NULL, "EPSG:32718 EPSG:32718" },
-	{ "utm_e,utm_n,zone", "323400,2307500,18", NULL, "EPSG:32618 EPSG:32618" },  /* no tree at 69 S */
 	{ "x,y,epsg", "323400,4307500,26918", NULL, "EPSG:26918 EPSG:26918" },
 	{ "x,y,zone", "323400,4307500,EPSG:32618", NULL, "EPSG:32618 EPSG:32618" },
 	{ "x,y,utm_zone", "323400,4307500,18", NULL, "?\"18\": is that zone 18 in the north, --crs EPSG:32618, or "
 		"in the south, --crs EPSG:32718?" },
 	{ "x,y,utm_zone", "323400,4307500,18S", NULL, "?is that zone 18 in the north" },
-	{ "x,y,utm_zone", "323400,6307500,18S", NULL, "EPSG:32718 EPSG:32718" },
 	{ "x,y,zone", "323400,4307500,3", NULL, "?each UTM zone" },           /* a park's zone, perhaps */
 	{ "x,y,utm_zone", "323400,4307500,18N", "723400,4307500,17N", "?is \"18N\" and \"17N\", and an entry has "
 		"one CRS. Put each zone into a table of its own; or start with --crs EPSG:32618" } };

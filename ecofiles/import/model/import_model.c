@@ -445,28 +445,15 @@ static void note_colourless(const struct eco_model *model, struct eco_notes *not
 			count == model->triangle_count ? "it has" : "a part of it has");
 }
 
-/* Notes several plants in one model, and one that is wider than any crown. */
+/* Notes a model that is wider than any crown. */
 static void note_size(const struct eco_model *model, const char *path, struct eco_notes *notes)
 {
-	double low[3], high[3], size[3];
-	for (int k = 0; k < 3; k++) {
-		low[k] = INFINITY;
-		high[k] = -INFINITY;
-		for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
-			double at = (double)model->position[3 * (size_t)model->index[i] + (size_t)k];
-			low[k] = fmin(low[k], at);
-			high[k] = fmax(high[k], at);
-		}
-		size[k] = high[k] - low[k];
+	struct eco_bounds box = ECO_NO_BOUNDS;
+	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
+		const float *p = model->position + 3 * (size_t)model->index[i];
+		eco_bounds_add(&box, (const double[3]){ (double)p[0], (double)p[1], (double)p[2] });
 	}
-	struct eco_apart apart = eco_model_apart(model, low, high);
-	if (apart.count > 1 && apart.count <= ECO_APART_MOST)
-		eco_note(notes,
-			"%u plants stand apart in it, the first at %.3g, %.3g m, the second at "
-			"%.3g, %.3g m: each place gets all of them; if they are meant one by one, make a "
-			"file of "
-			"each, as \"variants\"",
-			apart.count, apart.at[0][0], apart.at[0][1], apart.at[1][0], apart.at[1][1]);
+	const double size[3] = { box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2] };
 	if (fmax(size[0], size[1]) > WIDE_M)
 		eco_note(notes,
 			"%.200s is %.4g x %.4g m wide and %.3g m high, as a whole scene is: each place "

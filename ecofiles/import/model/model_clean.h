@@ -55,13 +55,4 @@ enum eco_up eco_model_find_up(struct eco_model *soup, double *certainty);
 /* Act on the answer from this certainty on; below it keep the format's convention. */
 #define ECO_UP_CERTAIN 0.5
 
-/* Several plants in one file: pieces that stand on the ground with bare ground between them. */
-#define ECO_APART_MOST 12u       /* more pieces are a meadow or a hedge */
-struct eco_apart {
-	uint32_t count; /* pieces that stand and are at least 0.4 times as high as the highest */
-	double at[ECO_APART_MOST][2];        /* their middles, metres */
-};
-/* Zero where memory ran out. low, high: the model's box. */
-struct eco_apart eco_model_apart(const struct eco_model *model, const double low[3], const double high[3]);
-
 #endif

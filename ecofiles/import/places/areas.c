@@ -1,5 +1,5 @@
-/* Two indices answer the questions. Inside: bands of y, with the edges of a surface that touch each, and the surfaces
- * themselves. Near: a grid of cells as wide as near_m, each with the edges that come within one cell. */
+/* Bands of y are the index of both questions: each lists the edges of a surface, the surfaces, or the edges widened by
+ * near_m that touch it. */
 #include "ecofiles/import/places/areas.h"
 
 #include <math.h>
@@ -265,6 +265,14 @@ static double surface_of(const struct eco_areas *areas, const struct eco_area *a
 
 /* ---- Many surfaces ---- */
 
+static void near_range(const void *areas, uint32_t edge, double y[2])
+{
+	const struct eco_areas *s = areas;
+	edge_range(s->edges, edge, y);
+	y[0] -= s->near_m;
+	y[1] += s->near_m;
+}
+
 static enum eco_code index_areas(struct eco_areas *areas, struct eco_error *error)
 {
 	areas->strips.low = INFINITY;
@@ -273,7 +281,11 @@ static enum eco_code index_areas(struct eco_areas *areas, struct eco_error *erro
 		areas->strips.low = fmin(areas->strips.low, areas->items[i].low[1]);
 		areas->strips.high = fmax(areas->strips.high, areas->items[i].high[1]);
 	}
-	return fill_strips(&areas->strips, areas->count, area_range, areas->items, error);
+	areas->near.low = areas->strips.low - areas->near_m;
+	areas->near.high = areas->strips.high + areas->near_m;
+	enum eco_code code = fill_strips(&areas->strips, areas->count, area_range, areas->items, error);
+	return code || !(areas->near_m > 0) ? code
+		: fill_strips(&areas->near, areas->edge_count, near_range, areas, error);
 }
 
 bool eco_areas_hold(const struct eco_areas *areas, double x, double y)
@@ -289,72 +301,6 @@ bool eco_areas_hold(const struct eco_areas *areas, double x, double y)
 
 /* ---- Nearness ---- */
 
-static uint32_t cell_hash(int64_t x, int64_t y)
-{
-	uint64_t h = (uint64_t)x * 0x9e3779b97f4a7c15u ^ (uint64_t)y * 0xc2b2ae3d27d4eb4fu;
-	h ^= h >> 29;
-	h *= 0xbf58476d1ce4e5b9u;
-	return (uint32_t)(h >> 32);
-}
-
-static enum eco_code add_link(struct eco_areas *s, int64_t x, int64_t y, uint32_t edge,
-	struct eco_error *error)
-{
-	if (s->link_count == LINKS_MAX
-			|| !eco_array_grow(&s->links, &s->link_capacity, s->link_count, sizeof *s->links))
-		return eco_fail(error, s->link_count == LINKS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room "
-			"for the features to keep clear of; simplify them, or take a larger distance");
-	s->links[s->link_count++] = (struct eco_area_link){ x, y, edge, ECO_AREA_POINTS_MAX };
-	return ECO_OK;
-}
-
-/* Links the edge, widened by near_m, to the cells that it crosses, row by row. */
-static enum eco_code link_edge(struct eco_areas *s, uint32_t index, struct eco_error *error)
-{
-	const struct eco_edge *e = &s->edges[index];
-	const double *a = e->a[1] <= e->b[1] ? e->a : e->b, *b = e->a[1] <= e->b[1] ? e->b : e->a;
-	int64_t last = (int64_t)floor((b[1] + s->near_m) / s->cell_m);
-	enum eco_code code = ECO_OK;
-	for (int64_t row = (int64_t)floor((a[1] - s->near_m) / s->cell_m); row <= last && code == ECO_OK;
-			row++) {
-		double low = fmax(a[1], row * s->cell_m - s->near_m),
-			high = fmin(b[1], (row + 1) * s->cell_m + s->near_m);
-		double slope = b[1] > a[1] ? (b[0] - a[0]) / (b[1] - a[1]) : 0;
-		double x0 = b[1] > a[1] ? a[0] + slope * (low - a[1]) : a[0],
-			x1 = b[1] > a[1] ? a[0] + slope * (high - a[1]) : b[0];
-		int64_t first = (int64_t)floor((fmin(x0, x1) - s->near_m) / s->cell_m),
-			end = (int64_t)floor((fmax(x0, x1) + s->near_m) / s->cell_m);
-		for (int64_t x = first; x <= end && code == ECO_OK; x++)
-			code = add_link(s, x, row, index, error);
-	}
-	return code;
-}
-
-static enum eco_code index_near(struct eco_areas *s, struct eco_error *error)
-{
-	uint32_t size = 1024;
-	enum eco_code code = ECO_OK;
-	s->cell_m = fmax(s->near_m, 1);
-	for (uint32_t i = 0; i < s->edge_count && code == ECO_OK; i++)
-		code = link_edge(s, i, error);
-	if (code)
-		return code;
-	while (size < 2 * s->link_count)
-		size *= 2;
-	s->cell_head = malloc(size * sizeof *s->cell_head);
-	if (!s->cell_head)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the features to keep clear of");
-	for (uint32_t i = 0; i < size; i++)
-		s->cell_head[i] = UINT32_MAX;
-	s->cell_mask = size - 1;
-	for (uint32_t i = 0; i < s->link_count; i++) {
-		uint32_t *head = &s->cell_head[cell_hash(s->links[i].x, s->links[i].y) & s->cell_mask];
-		s->links[i].next = *head;
-		*head = i;
-	}
-	return ECO_OK;
-}
-
 static double square_to(const struct eco_edge *e, double x, double y)
 {
 	double dx = e->b[0] - e->a[0], dy = e->b[1] - e->a[1], length = dx * dx + dy * dy;
@@ -365,15 +311,13 @@ static double square_to(const struct eco_edge *e, double x, double y)
 	return dx * dx + dy * dy;
 }
 
-bool eco_areas_near(const struct eco_areas *s, double x, double y)
+bool eco_areas_near(const struct eco_areas *areas, double x, double y)
 {
-	int64_t column = (int64_t)floor(x / s->cell_m), row = (int64_t)floor(y / s->cell_m);
-	if (!s->cell_head)
+	const struct eco_strips *s = &areas->near;
+	if (!s->first)
 		return false;
-	for (uint32_t i = s->cell_head[cell_hash(column, row) & s->cell_mask]; i != UINT32_MAX;
-			i = s->links[i].next)
-		if (s->links[i].x == column && s->links[i].y == row
-				&& square_to(&s->edges[s->links[i].edge], x, y) < s->near_m * s->near_m)
+	for (uint32_t k = strip_of(s, y), i = s->first[k]; i < s->first[k + 1]; i++)
+		if (square_to(&areas->edges[s->member[i]], x, y) < areas->near_m * areas->near_m)
 			return true;
 	return false;
 }
@@ -391,7 +335,7 @@ enum eco_code eco_areas_index(struct eco_areas *areas, double near_m, struct eco
 	}
 	if (code == ECO_OK && areas->count > 0)
 		code = index_areas(areas, error);
-	return code == ECO_OK && near_m > 0 ? index_near(areas, error) : code;
+	return code;
 }
 
 void eco_areas_free(struct eco_areas *areas)
@@ -404,7 +348,7 @@ void eco_areas_free(struct eco_areas *areas)
 	free(areas->strips.member);
 	free(areas->items);
 	free(areas->edges);
-	free(areas->cell_head);
-	free(areas->links);
+	free(areas->near.first);
+	free(areas->near.member);
 	*areas = (struct eco_areas){ .items = NULL };
 }

@@ -31,10 +31,7 @@ struct eco_areas {                       /* owns its arrays; zero-initialised is
 	struct eco_area *items; uint32_t count, capacity;
 	struct eco_edge *edges; uint32_t edge_count, edge_capacity;
 	struct eco_strips strips;            /* features with a surface */
-	double near_m;
-	double cell_m; uint32_t *cell_head, cell_mask; /* edges by cells of a grid, hashed */
-	struct eco_area_link { int64_t x, y; uint32_t edge, next; } *links; uint32_t link_count,
-		link_capacity;
+	double near_m; struct eco_strips near;       /* edges, widened by near_m */
 };
 
 /* False: a corner cannot be converted; then the feature is left out and *kept is false. */

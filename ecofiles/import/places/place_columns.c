@@ -68,20 +68,15 @@ static enum kind kind_of(const char *name)
 	return code ? CODES : utm ? UTM_ZONES : ZONES;
 }
 
-/* A letter behind the number is a half, or a band of 8 degrees from C at 80 south to X. */
+/* A letter behind the number is a half, or a band of 8 degrees from C at 80 south to X; "s" may be either. */
 static bool read_half(const char *text, enum eco_zone_half *half)
 {
 	text += strspn(text, " ");
-	*half = ECO_HALF_OPEN;
-	if (*text == 0)
-		return true;
-	if (strcmp(text, "s") == 0)
-		*half = ECO_HALF_S;
-	else if (strcmp(text, "south") == 0 || (text[1] == 0 && strchr("cdefghjklm", *text)))
-		*half = ECO_HALF_SOUTH;
-	else if (strcmp(text, "north") == 0 || (text[1] == 0 && strchr("npqrtuvwx", *text)))
-		*half = ECO_HALF_NORTH;
-	return *half != ECO_HALF_OPEN;
+	bool letter = *text && text[1] == 0;
+	*half = strcmp(text, "south") == 0 || (letter && strchr("cdefghjklm", *text)) ? ECO_HALF_SOUTH
+		: strcmp(text, "north") == 0 || (letter && strchr("npqrtuvwx", *text)) ? ECO_HALF_NORTH
+		: ECO_HALF_OPEN;
+	return *half || *text == 0 || strcmp(text, "s") == 0;
 }
 
 static bool read_zone(const char *text, enum kind kind, struct eco_zone *zone)

@@ -1,6 +1,6 @@
 /* Numbers show by their size whether they are degrees, metres of a plot, or eastings and northings of a grid.
  * They do not show which grid, as zones look alike: the columns' names decide, or the terrain, or else the
- * user. Longer than 600 lines: each way to decide stands beside the error that asks. */
+ * user. */
 #include "ecofiles/import/places/place_parts.h"
 
 #include <math.h>
@@ -18,15 +18,9 @@
 #define DEGREES_SPAN 5.0         /* an inventory is not wider */
 #define UTM_LEAST_M 100000.0
 #define UTM_MOST_M 900000.0
-#define BAND_S_LOW_M 3530000.0   /* northings of 32 to 40 degrees north */
-#define BAND_S_HIGH_M 4440000.0
 #define BARE_SOUTH -56.0         /* no tree stands beyond these latitudes */
 #define BARE_NORTH 75.0
-#define ZONES_LISTED 24u         /* UTM zones of a language that a question names */
-#define LISTED 6u                /* zones where a language is written: if there are more, all zones are offered */
 #define ONLY_SO_TERRAIN "only so does the terrain lie there"
-#define WEB_MERCATOR "EPSG:3857"
-#define NEAR_DEG 0.01            /* places that differ by datum alone lie nearer together */
 
 /* ---- The numbers ---- */
 
@@ -104,13 +98,6 @@ static bool is_bare(const double degrees[2])
 	return degrees[1] < BARE_SOUTH || degrees[1] > BARE_NORTH;
 }
 
-/* Whether such an inventory may lie where its numbers say it does, and lies where it should if swapped. */
-static bool speaks_for_swapping(const struct eco_place_look *l, const double as_named[2], const double swapped[2])
-{
-	return l->speech && !eco_speech_reaches(l->speech, as_named, false)
-		&& eco_speech_reaches(l->speech, swapped, true);
-}
-
 /* Whether a place in degrees is outside the area of use of a CRS, and inside once swapped; *facts are the CRS's. */
 static bool area_speaks_for_swapping(const char *crs, const double as_named[2], const double swapped[2],
 	struct eco_crs_facts *facts)
@@ -141,11 +128,6 @@ static void look_for_swapping(const struct eco_place_look *l, const char *crs, c
 		area_speaks_for_swapping(l->asked->scene_crs, as_named, swapped, &facts))
 		snprintf(why, ECO_WHY_BYTES, "only so do they lie in the area of use of %.60s, %s",
 			facts.name, eco_crs_area_text(facts.area, area));
-	else if (!l->guess->from_geometry && !l->asked->axes_said &&
-		speaks_for_swapping(l, as_named, swapped))
-		snprintf(why, ECO_WHY_BYTES,
-			"its columns are %s, which is written at %.2f, %.2f, and not at %.2f, %.2f",
-			eco_speech_name(l->speech), swapped[0], swapped[1], as_named[0], as_named[1]);
 }
 
 static enum eco_code guess_degrees(struct eco_place_look *l)
@@ -184,78 +166,24 @@ static bool may_be_utm(const struct eco_place_look *l)
 		&& l->xy[1].middle < 1e7;
 }
 
-/* Those that fit come first, in their order; returns how many. */
-static uint32_t put_first(const struct eco_place_look *l, struct eco_crs_choice *choices, uint32_t found,
-	bool (*fits)(const struct eco_place_look *, const struct eco_crs_choice *))
+/* Names the few grids that have the place; else all UTM zones may be meant. */
+static enum eco_code ask_for_grid(struct eco_place_look *l, const struct eco_crs_choice *choices, uint32_t found)
 {
-	uint32_t first = 0;
-	for (uint32_t i = 0; i < found; i++) {
-		struct eco_crs_choice choice = choices[i];
-		if (!fits(l, &choice))
-			continue;
-		memmove(&choices[first + 1], &choices[first], (i - first) * sizeof *choices);
-		choices[first++] = choice;
-	}
-	return first;
-}
-
-/* Whether it has the plants where the columns' language is written. */
-static bool is_spoken(const struct eco_place_look *l, const struct eco_crs_choice *choice)
-{
-	return l->speech && eco_speech_reaches(l->speech, choice->degrees, true);
-}
-
-static bool is_no_zone(const struct eco_place_look *l, const struct eco_crs_choice *choice)
-{
-	(void)l;
-	return !strstr(choice->name, "UTM");
-}
-
-/* Whether they may be in the grid of maps on the web, which has the whole Earth: where the columns' language
- * is written. */
-static bool look_at_web(const struct eco_place_look *l, struct eco_crs_choice *web)
-{
+	char list[400] = "such as EPSG:2154 in France";
 	struct eco_crs_facts facts;
-	if (!l->speech || eco_crs_look(WEB_MERCATOR, l->at, &facts, NULL) != ECO_OK || isnan(facts.degrees[0])
-			|| !eco_speech_reaches(l->speech, facts.degrees, true))
-		return false;
-	*web = (struct eco_crs_choice){ .code = WEB_MERCATOR, .name = "maps on the web",
-		.degrees = { facts.degrees[0], facts.degrees[1] } };
-	return true;
-}
-
-/* "; Spanish is written in EPSG:32629, EPSG:32630": of the first `spoken`, those that are UTM zones; of a
- * language of many zones none, as no one is nearer then. */
-static void list_zones(const struct eco_place_look *l, const struct eco_crs_choice *choices, uint32_t spoken,
-	char *text, size_t size)
-{
-	char zones[120] = "";
+	struct eco_crs_choice grids[ECO_CRS_CHOICES_MAX];
 	uint32_t count = 0;
-	for (uint32_t i = 0; i < spoken; i++)
-		if (strstr(choices[i].name, "UTM zone") && count++ < ZONES_LISTED)
-			eco_phrase_add(zones, sizeof zones, choices[i].code);
-	text[0] = 0;
-	if (count > 0 && count <= ZONES_LISTED)
-		snprintf(text, size, "; %s is written in %s", eco_speech_name(l->speech), zones);
-}
-
-/* Names the few where the columns' language is written; else all UTM zones may be meant. */
-static enum eco_code ask_for_grid(struct eco_place_look *l, struct eco_crs_choice *choices, uint32_t found,
-	uint32_t spoken)
-{
-	char list[400] = "such as EPSG:2154 in France", zones[160];
-	struct eco_crs_facts facts;
-	if (may_be_utm(l) && (spoken == 0 || spoken > LISTED)
-			&& eco_crs_look("EPSG:32631", l->at, &facts, l->error) == ECO_OK) {
-		list_zones(l, choices, spoken, zones, sizeof zones);
-		uint32_t grids = put_first(l, choices, listed(found), is_no_zone);
-		if (grids > 0)
-			list_choices(choices, grids, list, sizeof list);
+	if (may_be_utm(l) && eco_crs_look("EPSG:32631", l->at, &facts, l->error) == ECO_OK) {
+		for (uint32_t i = 0; i < listed(found); i++)
+			if (!strstr(choices[i].name, "UTM"))
+				grids[count++] = choices[i];
+		if (count > 0)
+			list_choices(grids, count, list, sizeof list);
 		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, "
 			"%.0f is a place in each UTM zone, at latitude %.1f: give the zone of your "
 			"longitude, --crs EPSG:32601 (180 W) to EPSG:32660 (180 E), in the south "
-			"EPSG:32701 to EPSG:32760%s; or the country's grid, %s",
-			l->asked->table->path, l->at[0], l->at[1], facts.degrees[1], zones, list);
+			"EPSG:32701 to EPSG:32760; or the country's grid, %s",
+			l->asked->table->path, l->at[0], l->at[1], facts.degrees[1], list);
 	}
 	list_choices(choices, found, list, sizeof list);
 	return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, %.0f "
@@ -271,20 +199,16 @@ static enum eco_code take_choice(struct eco_place_look *l, const struct eco_crs_
 	return ECO_OK;
 }
 
-/* The only grid with the words of a hint, or else where the columns' language is written, that has the plants
- * if x and y change places. */
+/* The only grid with the words of a hint that has the plants if x and y change places. */
 static enum eco_code take_turned(struct eco_place_look *l, const char *hint, bool *taken)
 {
 	struct eco_crs_choice choices[ECO_CRS_CHOICES_MAX];
 	uint32_t found = 0;
 	enum eco_code code = l->guess->from_geometry ? ECO_OK
 		: eco_crs_choices(l->turned, hint, choices, &found, l->error);
-	*taken = !code && (hint ? found == 1 : put_first(l, choices, listed(found), is_spoken) == 1);
+	*taken = !code && found == 1;
 	l->guess->swapped |= *taken;
-	if (!*taken)
-		return code;
-	return take_choice(l, &choices[0], hint ? "by the columns' names; x counts to the north"
-		: "where the columns' language is written; x counts to the north");
+	return *taken ? take_choice(l, &choices[0], "by the columns' names; x counts to the north") : code;
 }
 
 /* Surveyors' grids call the northing x, most tables the easting: plants may stand at either place. */
@@ -403,33 +327,27 @@ static enum eco_code take_stated(struct eco_place_look *l, const char *crs, cons
 	return ECO_OK;
 }
 
-/* Whether plants may stand in this half of a zone, by its latitude, the terrain and the columns' language. */
-static bool half_can_be(const struct eco_place_look *l, const char *crs)
-{
-	struct eco_crs_facts facts;
-	return eco_crs_look(crs, l->at, &facts, NULL) == ECO_OK && !isnan(facts.degrees[0])
-		&& !is_bare(facts.degrees) && (!l->asked->dem || l->asked->dem->crs[0] == 0
-		|| eco_place_dem_has(l, facts.degrees))
-		&& (!l->speech || eco_speech_reaches(l->speech, facts.degrees, false));
-}
-
+/* A letter S is the south, or the band from 32 to 40 degrees north: then the terrain tells the half, or the user. */
 static enum eco_code zone_crs(struct eco_place_look *l, const struct eco_zones *z, char crs[32])
 {
-	const char *name = l->asked->table->columns[z->column];
+	struct eco_crs_facts facts;
+	enum eco_zone_half half = z->zone.half;
 	char south[32];
 	snprintf(crs, 32, "EPSG:%u", z->zone.epsg ? z->zone.epsg : 32600 + z->zone.number);
 	snprintf(south, sizeof south, "EPSG:%u", 32700 + z->zone.number);
-	if (z->zone.epsg || z->zone.half == ECO_HALF_NORTH)
+	if (z->zone.epsg)
 		return ECO_OK;
-	bool north = half_can_be(l, crs) && !(z->zone.half == ECO_HALF_S
-		&& (l->xy[1].middle < BAND_S_LOW_M || l->xy[1].middle > BAND_S_HIGH_M));
-	if (north && z->zone.half != ECO_HALF_SOUTH && half_can_be(l, south))
-		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: \"%.40s\" says \"%s\": is that zone %u in "
-			"the north, --crs %s, or in the south, --crs %s?", l->asked->table->path, name, z->first,
-			z->zone.number, crs, south);
-	if (!north || z->zone.half == ECO_HALF_SOUTH)
+	if (half == ECO_HALF_OPEN && eco_crs_look(crs, l->at, &facts, NULL) == ECO_OK
+			&& eco_place_dem_has(l, facts.degrees))
+		half = ECO_HALF_NORTH;
+	if (half == ECO_HALF_OPEN && eco_crs_look(south, l->at, &facts, NULL) == ECO_OK
+			&& eco_place_dem_has(l, facts.degrees))
+		half = ECO_HALF_SOUTH;
+	if (half == ECO_HALF_SOUTH)
 		memcpy(crs, south, sizeof south);
-	return ECO_OK;
+	return half != ECO_HALF_OPEN ? ECO_OK : eco_fail(l->error, ECO_BAD_INPUT, "%.100s: \"%.40s\" says \"%s\": is "
+		"that zone %u in the north, --crs %s, or in the south, --crs %s?", l->asked->table->path,
+		l->asked->table->columns[z->column], z->first, z->zone.number, crs, south);
 }
 
 /* The zone of a column, if all rows have one. */
@@ -468,7 +386,7 @@ static void keep_unit(const struct eco_place_look *l, struct eco_crs_choice *cho
 
 static enum eco_code guess_grid(struct eco_place_look *l)
 {
-	struct eco_crs_choice choices[ECO_CRS_CHOICES_MAX + 1];
+	struct eco_crs_choice choices[ECO_CRS_CHOICES_MAX];
 	char hint[ECO_WORDS_BYTES];
 	uint32_t found = 0;
 	enum eco_code code = ECO_OK;
@@ -493,56 +411,11 @@ static enum eco_code guess_grid(struct eco_place_look *l)
 	if (code)
 		return code;
 	keep_unit(l, choices, &found);
-	uint32_t spoken = put_first(l, choices, listed(found), is_spoken);
-	struct eco_crs_choice web;
-	char why[100];
 	if (take_over_dem(l, choices, listed(found)) || take_bare_dem(l))
 		return ECO_OK;
-	if (look_at_web(l, &web)) {
-		memmove(&choices[spoken + 1], &choices[spoken],
-			(ECO_CRS_CHOICES_MAX - spoken) * sizeof web);
-		choices[spoken++] = web;
-		found++;
-	}
-	if (found == 1 && spoken == 0)
+	if (found == 1)
 		return take_choice(l, &choices[0], "the only one with this place in its area of use");
-	if (spoken == 1) {
-		snprintf(why, sizeof why, "the only one with this place where %s, the columns' language, is "
-			"written", eco_speech_name(l->speech));
-		return take_choice(l, &choices[0], why);
-	}
-	if (spoken == 0 && l->speech)
-		code = take_turned(l, NULL, &taken);
-	if (code || taken)
-		return code;
-	return ask_for_grid(l, choices, found, spoken);
-}
-
-/* Says so where the rows are in other zones than the CRS that the user names. */
-static enum eco_code doubt_stated(struct eco_place_look *l)
-{
-	struct eco_place_look own = *l;
-	struct eco_zones zones;
-	struct eco_crs_facts named, other;
-	char crs[32], *why = l->guess->crs_why;
-	own.error = NULL;
-	enum eco_code code = eco_crs_look(l->asked->crs, l->at, &named, l->error);
-	if (!code)
-		code = eco_zones_find(l->asked->table, l->asked->source, may_be_utm(l), &zones, l->error);
-	if (code || named.geographic || zones.column == ECO_NONE)
-		return code;
-	bool elsewhere = zone_crs(&own, &zones, crs) == ECO_OK && eco_crs_look(crs, l->at, &other, NULL) == ECO_OK
-		&& hypot(named.degrees[0] - other.degrees[0], named.degrees[1] - other.degrees[1]) > NEAR_DEG;
-	size_t used = strlen(why);
-	const char *name = l->asked->table->columns[zones.column];
-	if (zones.other[0] != 0)
-		snprintf(why + used, ECO_WHY_BYTES - used, "; but \"%.30s\" is \"%s\" and \"%s\": give the entry "
-			"\"only\": {\"%.30s\": ...}, and each other zone an entry with its own \"crs\"", name,
-			zones.first, zones.other, name);
-	else if (elsewhere)
-		snprintf(why + used, ECO_WHY_BYTES - used, "; but \"%.30s\" says \"%s\", %s, a place at %.3f, "
-			"%.3f", name, zones.first, crs, other.degrees[0], other.degrees[1]);
-	return ECO_OK;
+	return ask_for_grid(l, choices, found);
 }
 
 static enum eco_code guess_crs(struct eco_place_look *l)
@@ -558,8 +431,7 @@ static enum eco_code guess_crs(struct eco_place_look *l)
 		return ECO_OK;
 	}
 	if (a->crs) {
-		enum eco_code code = take_stated(l, a->crs, "you say");
-		return code ? code : doubt_stated(l);
+		return take_stated(l, a->crs, "you say");
 	}
 	if (g->from_geometry && a->table->crs && !a->table->degrees_doubted) {
 		g->file_says = true;
@@ -587,9 +459,7 @@ enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_pl
 	struct eco_error *error)
 {
 	const struct eco_columns *columns = asked->columns;
-	struct eco_place_look l = { .asked = asked, .guess = guess, .error = error, .unit_m = 1,
-		.speech = eco_speech_of((const char *const *)asked->table->columns,
-			asked->table->column_count) };
+	struct eco_place_look l = { .asked = asked, .guess = guess, .error = error, .unit_m = 1 };
 	*guess = (struct eco_place_guess){ .from_geometry = columns->of[ECO_ROLE_X] == ECO_NONE
 		&& asked->table->has_geometry, .degrees = { NAN, NAN } };
 	enum eco_code code = eco_offsets_find(&guess->offsets, asked->table, columns, asked->axes_said,

@@ -9,8 +9,7 @@
 /* Words that both names have and a CRS's name may have, too. False: none; a name may be NULL. */
 bool eco_place_hint(const char *const names[2], char hint[ECO_WORDS_BYTES]);
 
-enum eco_zone_half { ECO_HALF_OPEN, ECO_HALF_NORTH, ECO_HALF_SOUTH,
-	ECO_HALF_S };                /* "18S": the south, or the band from 32 to 40 degrees north */
+enum eco_zone_half { ECO_HALF_OPEN, ECO_HALF_NORTH, ECO_HALF_SOUTH };
 
 struct eco_zone { uint32_t epsg, number; enum eco_zone_half half; };     /* epsg 0: number and half */
 
@@ -36,7 +35,6 @@ struct eco_place_look {
 	const char *unit;            /* that the names say, or NULL */
 	double unit_m;
 	bool nowhere;                /* no place, only offsets from one centre */
-	uint32_t speech;             /* eco_speech_of the columns */
 	struct eco_error *error;
 };
 

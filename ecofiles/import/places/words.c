@@ -2,12 +2,7 @@
 
 #include <string.h>
 
-#include "build/words/languages.table"
-#include "build/words/regions.table"
 #include "build/words/sets.table"
-
-#define COUNT(table) (sizeof(table) / sizeof *(table))
-#define LEAST_WORDS 2u           /* of a language; one may be a name */
 
 /* Letters from U+00C0 on without their marks. */
 static const char latin_1[] = "aaaaaaaceeeeiiiidnooooo ouuuuyts" "aaaaaaaceeeeiiiidnooooo ouuuuyty";
@@ -138,42 +133,4 @@ unsigned eco_words_distance(const char *a, const char *b, unsigned most)
 		now = free_row;
 	}
 	return last[m] > most ? most + 1 : last[m];
-}
-
-/* ---- Languages ---- */
-
-uint32_t eco_speech_of(const char *const *names, uint32_t count)
-{
-	uint32_t known[COUNT(languages_rows)] = { 0 }, most = LEAST_WORDS, found = 0;
-	for (uint32_t i = 0; i < count; i++) {
-		char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
-		eco_words_of(names[i], words, sizeof words);
-		for (const char *at = words; eco_words_next(&at, word);)
-			for (size_t l = 0; l < COUNT(languages_rows); l++)
-				known[l] += eco_words_have(languages_rows[l].words, word);
-	}
-	for (size_t l = 0; l < COUNT(languages_rows); l++)
-		most = known[l] > most ? known[l] : most;
-	for (size_t l = 0; l < COUNT(languages_rows); l++)
-		found |= known[l] == most ? UINT32_C(1) << l : 0;
-	return found;
-}
-
-const char *eco_speech_name(uint32_t found)
-{
-	return languages_rows[__builtin_ctz(found)].language;
-}
-
-bool eco_speech_reaches(uint32_t found, const double degrees[2], bool home)
-{
-	for (size_t i = 0; i < COUNT(regions_rows); i++) {
-		size_t l = 0;
-		while (strcmp(languages_rows[l].language, regions_rows[i].language) != 0)
-			l++;
-		if ((found >> l & 1) && (!home || strcmp(regions_rows[i].where, "home") == 0)
-				&& degrees[0] >= regions_rows[i].west && degrees[0] <= regions_rows[i].east
-				&& degrees[1] >= regions_rows[i].south && degrees[1] <= regions_rows[i].north)
-			return true;
-	}
-	return false;
 }

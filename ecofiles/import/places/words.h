@@ -26,15 +26,4 @@ const char *eco_words_set(const char *set);
  * `most`: most + 1. */
 unsigned eco_words_distance(const char *a, const char *b, unsigned most);
 
-/* ---- Languages: numbers do not tell Lyon from the coast of Somalia, which has its latitude and longitude
- * swapped; columns named "hauteur" and "essence" do. Rough boxes decide only what nothing else decides. ---- */
-
-/* A bit for each language that most of the names are in; 0: none is known. */
-uint32_t eco_speech_of(const char *const *names, uint32_t count);
-/* "French"; the first of several. `languages` is not 0. */
-const char *eco_speech_name(uint32_t languages);
-/* Whether one of the languages is written at a place (longitude, latitude); `home`: in the countries that keep
- * most of its inventories. */
-bool eco_speech_reaches(uint32_t languages, const double degrees[2], bool home);
-
 #endif
