@@ -132,7 +132,7 @@ UNIT_TEST(points_and_lines_are_counted_and_said)
 		"{'attributes':{'POSITION':0},'mode':0},{'attributes':{'POSITION':0},'mode':3},"
 		"{'attributes':{}}]}]");
 	assert_int_equal(m.triangle_count, 1);
-	assert_non_null(strstr(notes.text, "4 points and 3 lines are left out"));
+	assert_non_null(strstr(notes.text, "4 points are left out: only triangles are drawn\n3 lines are left out"));
 	assert_non_null(strstr(notes.text, "1 primitives without positions"));
 	assert_non_null(strstr(notes.text, "1 corners"));
 	read_fails(ONE_MESH("'POSITION':0", ",'mode':0"), ECO_BAD_INPUT, "only 4 points");

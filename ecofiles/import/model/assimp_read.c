@@ -125,20 +125,21 @@ static void assimp_frame(const struct aiScene *scene, const char *path, struct e
 
 /* ---- The walk ---- */
 
+struct totals { uint64_t vertices, triangles, meshes; bool colored; };
+
 struct soup {
-	struct eco_model *model;
+	struct eco_soup soup;
+	struct totals totals;
 	const struct aiScene *scene;
 	const char *path;
-	const struct eco_model_frame *frame;
 	/* from assimp's world to ours: rows of a matrix, unit included */
 	double axes[3][3];
 	const uint32_t *channel;
 	const bool *invisible;
-	struct eco_tints tints;
-	uint64_t hidden;
 	uint32_t weighted;                   /* meshes with a picture and vertex colours */
 	double *corners;                     /* corners of one polygon, 3 values each */
 	uint32_t *split;                     /* the polygon's ring, then its triangles */
+	bool failed;                         /* no memory */
 	struct eco_error *error;
 };
 
@@ -173,74 +174,32 @@ static void texture_coordinate(const struct aiVector3D *from, float to[2])
 	to[1] = bounded_uv((float)(1 - (double)from->y));
 }
 
+/* Vertex colours beside a picture are no colours: games keep there how far wind moves a leaf. */
 static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct aiMatrix4x4 *world)
 {
-	struct eco_model *m = s->model;
 	uint32_t channel = s->channel[mesh->mMaterialIndex];
-	if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh->mTextureCoords[channel])
-		channel = 0;
-	const struct aiVector3D *uv = mesh->mTextureCoords[channel];
-	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
-		float *to = &m->uv[((size_t)m->vertex_count + i) * 2];
-		double place[3];
-		transform(s, world, &mesh->mVertices[i], place);
-		for (int k = 0; k < 3; k++)
-			m->position[((size_t)m->vertex_count + i) * 3 + (size_t)k] =
-				(float)(place[k] - s->frame->base[k]);
-		to[0] = to[1] = 0;
-		if (uv)
-			texture_coordinate(&uv[i], to);
-	}
-}
-
-static void add_color(const struct aiMesh *mesh, unsigned v, struct eco_vertex_colors *colors)
-{
-	const struct aiColor4D *c = &mesh->mColors[0][v];
-	eco_vertex_colors_add(colors, (const float[3]){ c->r, c->g, c->b });
-}
-
-/* The one material of all the mesh's triangles; ECO_NONE: vertex colours make several. Beside a picture they
- * are no colours: games keep there how far wind moves a leaf. */
-static uint32_t mesh_material(struct soup *s, const struct aiMesh *mesh)
-{
-	struct eco_vertex_colors colors = { .count = 0 };
-	uint32_t averaged = 0;
 	bool weights = mesh->mColors[0] && mesh->mNumVertices > 0
 		&& assimp_has_picture(s->scene->mMaterials[mesh->mMaterialIndex]);
-	s->weighted += weights;
-	for (unsigned i = 0; i < mesh->mNumVertices && mesh->mColors[0] && !weights; i++)
-		add_color(mesh, i, &colors);
-	return eco_tints_get_whole(&s->tints, mesh->mMaterialIndex, &colors, false, &averaged);
-}
-
-/* The material of a triangle: `whole`, or the mesh's with the mean of three vertex colours. */
-static uint32_t face_material(struct soup *s, const struct aiMesh *mesh, const unsigned *v, uint32_t whole)
-{
-	struct eco_vertex_colors colors = { .count = 0 };
-	if (whole != ECO_NONE)
-		return whole;
-	for (int c = 0; c < 3; c++) {
-		if (v[c] >= mesh->mNumVertices)
-			return mesh->mMaterialIndex;
-		add_color(mesh, v[c], &colors);
+	if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh->mTextureCoords[channel])
+		channel = 0;
+	const struct aiVector3D *uvs = mesh->mTextureCoords[channel];
+	s->weighted += weights && !s->invisible[mesh->mMaterialIndex];
+	s->failed |= !eco_soup_mesh(&s->soup, mesh->mMaterialIndex, mesh->mColors[0] && !weights);
+	for (unsigned i = 0; i < mesh->mNumVertices && !s->failed; i++) {
+		const struct aiColor4D *c = mesh->mColors[0] ? &mesh->mColors[0][i] : NULL;
+		float uv[2] = { 0, 0 };
+		double place[3];
+		transform(s, world, &mesh->mVertices[i], place);
+		if (uvs)
+			texture_coordinate(&uvs[i], uv);
+		eco_soup_vertex(&s->soup, place, uv, c ? (const float[3]){ c->r, c->g, c->b } : NULL);
 	}
-	return eco_tints_get_step(&s->tints, mesh->mMaterialIndex, &colors, false);
 }
 
-static void add_triangle(struct soup *s, const struct aiMesh *mesh, const unsigned v[3], uint32_t whole)
-{
-	struct eco_model *m = s->model;
-	/* an index beyond the mesh must not point into the next one */
-	for (int k = 0; k < 3; k++)
-		m->index[(size_t)m->triangle_count * 3 + k] = v[k] < mesh->mNumVertices
-			? m->vertex_count + v[k] : ECO_NONE;
-	m->part[m->triangle_count] = m->part_count - 1;
-	m->material[m->triangle_count++] = face_material(s, mesh, v, whole);
-}
-
-static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct aiFace *face, uint32_t whole)
+static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct aiFace *face, uint32_t first)
 {
 	unsigned n = face->mNumIndices;
+	uint32_t v[3];
 	for (unsigned i = 0; i < n; i++) {
 		bool there = face->mIndices[i] < mesh->mNumVertices;
 		const struct aiVector3D *p = &mesh->mVertices[there ? face->mIndices[i] : 0];
@@ -249,9 +208,12 @@ static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct 
 	}
 	eco_model_split(s->corners, n, s->split);
 	for (unsigned i = 0; i + 2 < n; i++) {
-		const uint32_t *t = s->split + n + 3 * i;
-		const unsigned v[3] = { face->mIndices[t[0]], face->mIndices[t[1]], face->mIndices[t[2]] };
-		add_triangle(s, mesh, v, whole);
+		/* an index beyond the mesh must not point into the next one */
+		for (int k = 0; k < 3; k++) {
+			uint32_t own = face->mIndices[s->split[n + 3 * i + (unsigned)k]];
+			v[k] = own < mesh->mNumVertices ? first + own : ECO_NONE;
+		}
+		eco_soup_triangle(&s->soup, v[0], v[1], v[2]);
 	}
 }
 
@@ -265,26 +227,18 @@ static size_t plain_name(const char *name)
 	return helper ? (size_t)(helper - name) : strlen(name);
 }
 
-static void add_mesh(struct soup *s, const struct aiNode *node, unsigned index,
-	const struct aiMatrix4x4 *world)
+static void add_mesh(void *ctx, const struct aiNode *node, unsigned index, const struct aiMatrix4x4 *world)
 {
+	struct soup *s = ctx;
 	const struct aiMesh *mesh = s->scene->mMeshes[index];
-	struct eco_model *m = s->model;
-	uint64_t triangles = mesh_triangles(mesh);
-	m->triangles_in += (uint32_t)triangles;
-	if (s->invisible[mesh->mMaterialIndex]) {
-		m->dropped[ECO_DROP_TRANSPARENT] += (uint32_t)triangles;
-		s->hidden += triangles;
-		return;
-	}
-	eco_model_add_part(m, node->mName.data, plain_name(node->mName.data), mesh->mName.data,
-		plain_name(mesh->mName.data));
-	uint32_t whole = mesh_material(s, mesh);
+	const uint32_t first = s->soup.model->vertex_count;
+	if (!s->invisible[mesh->mMaterialIndex])
+		eco_soup_part(&s->soup, node->mName.data, plain_name(node->mName.data), mesh->mName.data,
+			plain_name(mesh->mName.data));
 	add_vertices(s, mesh, world);
-	for (unsigned i = 0; i < mesh->mNumFaces; i++)
+	for (unsigned i = 0; i < mesh->mNumFaces && !s->failed; i++)
 		if (mesh->mFaces[i].mNumIndices >= 3)
-			add_polygon(s, mesh, &mesh->mFaces[i], whole);
-	m->vertex_count += mesh->mNumVertices;
+			add_polygon(s, mesh, &mesh->mFaces[i], first);
 }
 
 /* Calls `visit` for every mesh of every node, parents first. Without recursion, as a file's tree may be of
@@ -315,36 +269,22 @@ static bool walk(const struct aiScene *scene, visit_mesh *visit, void *ctx)
 	return good;
 }
 
-struct totals {
-	const struct soup *soup;
-	uint64_t vertices, triangles, meshes;
-	struct eco_bounds bounds;
-	/* largest coordinate of a vertex, which assimp holds in single precision */
-	double far;
-};
-
 static void count_mesh(void *ctx, const struct aiNode *node, unsigned index, const struct aiMatrix4x4 *world)
 {
-	struct totals *t = ctx;
-	const struct aiMesh *mesh = t->soup->scene->mMeshes[index];
+	struct soup *s = ctx;
+	struct totals *t = &s->totals;
+	const struct aiMesh *mesh = s->scene->mMeshes[index];
 	(void)node;
+	(void)world;
 	t->vertices += mesh->mNumVertices;
 	t->triangles += mesh_triangles(mesh);
 	t->meshes++;
+	t->colored |= mesh->mColors[0] != NULL;
 	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
-		double place[3];
-		transform(t->soup, world, &mesh->mVertices[i], place);
-		if (!isfinite(place[0] + place[1] + place[2]))
-			continue;
-		eco_bounds_add(&t->bounds, place);
-		t->far = fmax(t->far, fmax(fabs((double)mesh->mVertices[i].x),
-			fmax(fabs((double)mesh->mVertices[i].y), fabs((double)mesh->mVertices[i].z))));
+		const struct aiVector3D *p = &mesh->mVertices[i];
+		if (isfinite(p->x + p->y + p->z))
+			s->soup.far = fmax(s->soup.far, fmax(fabs((double)p->x), fmax(fabs((double)p->y), fabs((double)p->z))));
 	}
-}
-
-static void add_mesh_of(void *ctx, const struct aiNode *node, unsigned index, const struct aiMatrix4x4 *world)
-{
-	add_mesh(ctx, node, index, world);
 }
 
 static enum eco_code check_totals(const struct totals *t, const char *path, uint32_t triangles_max,
@@ -363,32 +303,21 @@ static enum eco_code check_totals(const struct totals *t, const char *path, uint
 	return ECO_OK;
 }
 
-static bool take_memory(struct soup *s, const struct totals *t)
+static enum eco_code reserve(struct soup *s, uint32_t triangles_max)
 {
-	s->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *s->corners);
-	s->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *s->split);
-	return eco_model_reserve(s->model, t->vertices, t->triangles, t->meshes) && s->corners && s->split
-		&& eco_tints_start(&s->tints, s->model);
-}
-
-static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max,
-	struct eco_notes *notes)
-{
-	struct totals t = { .soup = s, .bounds = ECO_NO_BOUNDS };
-	const char *path = s->path;
-	if (!walk(s->scene, count_mesh, &t))
-		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: no nodes, or more than %u", path,
+	const struct totals *t = &s->totals;
+	if (!walk(s->scene, count_mesh, s))
+		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: no nodes, or more than %u", s->path,
 			NODES_MAX);
-	enum eco_code code = check_totals(&t, path, triangles_max, s->error);
+	enum eco_code code = check_totals(t, s->path, triangles_max, s->error);
 	if (code)
 		return code;
-	if (t.bounds.low[0] <= t.bounds.high[0])
-		eco_model_choose_base(&t.bounds, frame->base);
-	eco_note_coarse(notes, t.far, eco_bounds_extent(&t.bounds));
-	if (!take_memory(s, &t))
-		return eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles", path,
-			(unsigned long long)t.triangles);
-	return ECO_OK;
+	s->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *s->corners);
+	s->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *s->split);
+	bool good = eco_soup_reserve(&s->soup, t->vertices, t->triangles, t->meshes, t->colored) && s->corners
+		&& s->split;
+	return good ? ECO_OK : eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles",
+		s->path, (unsigned long long)t->triangles);
 }
 
 /* ---- The file ---- */
@@ -424,32 +353,28 @@ static void color_nameless(struct eco_model *model, const struct aiScene *scene)
 	}
 }
 
-static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max,
-	struct eco_notes *notes)
+static enum eco_code read_scene(struct soup *s, uint32_t triangles_max)
 {
+	struct eco_model *model = s->soup.model;
 	uint32_t *channel = calloc((size_t)s->scene->mNumMaterials + 1, sizeof *channel);
 	bool *invisible = calloc((size_t)s->scene->mNumMaterials + 1, sizeof *invisible);
-	enum eco_code code;
+	enum eco_code code = channel && invisible
+		? assimp_materials(model, s->scene, s->path, channel, invisible, s->soup.notes, s->error)
+		: eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", s->path);
 	s->channel = channel;
-	s->invisible = invisible;
-	if (!channel || !invisible)
-		code = eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", s->path);
-	else
-		code = assimp_materials(s->model, s->scene, s->path, channel, invisible, notes, s->error);
+	s->invisible = s->soup.invisible = invisible;
 	if (!code) {
-		color_nameless(s->model, s->scene);
-		assimp_frame(s->scene, s->path, frame, s->axes);
-		code = reserve(s, frame, triangles_max, notes);
+		color_nameless(model, s->scene);
+		assimp_frame(s->scene, s->path, s->soup.frame, s->axes);
+		code = reserve(s, triangles_max);
 	}
-	if (!code)
-		walk(s->scene, add_mesh_of, s);
-	eco_note_colors(notes, s->hidden, "d, Tr, opacity", 0);
+	if (!code && (!walk(s->scene, add_mesh, s) || s->failed || !eco_soup_end(&s->soup, "d, Tr, opacity")))
+		code = eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", s->path);
 	if (s->weighted > 0)
-		eco_note(notes,
+		eco_note(s->soup.notes,
 			"%u meshes have vertex colours beside a picture: they are taken for weights of "
 			"wind and shade, not for colours",
 			s->weighted);
-	eco_tints_end(&s->tints);
 	free(s->corners);
 	free(s->split);
 	free(channel);
@@ -500,14 +425,16 @@ static enum eco_code read_model(struct eco_model *model, struct eco_model_frame 
 {
 	const struct aiScene *scene = NULL;
 	enum eco_code code = import_scene(&scene, path, error);
-	struct soup soup = { .model = model, .scene = scene, .path = path, .frame = frame, .error = error };
+	struct soup soup = { .soup = { .model = model, .frame = frame, .notes = notes }, .scene = scene,
+		.path = path, .error = error };
 	if (code)
 		return code;
 	if (!meshes_hold_together(scene))
 		code = eco_fail(error, ECO_DAMAGED, "%.300s: faces of its meshes name vertices that are not "
 			"there; if another program opens it, save it there as GLB", path);
 	else
-		code = read_scene(&soup, frame, triangles_max, notes);
+		code = read_scene(&soup, triangles_max);
+	eco_soup_free(&soup.soup);
 	aiReleaseImport(scene);
 	return code;
 }

@@ -13,39 +13,31 @@
 
 #include "ecofiles/base/array_grow.h"
 
-struct piece {                       /* a primitive, read */
-	struct gltf_surface surface;
-	uint32_t whole;              /* one material for all; ECO_NONE: vertex colours differ */
-};
-
 struct shape {                       /* a mesh at rest, or with the morph weights of a node */
 	uint32_t mesh;
 	const json_t *weights;
 	uint32_t first, count;       /* its pieces */
-	uint64_t triangles;
+	uint64_t triangles, vertices;
 };
 
 struct place { uint32_t shape, node; double world[16]; };
 
 struct soup {
 	struct eco_gltf *doc;
-	struct eco_model *model;
-	struct eco_model_frame *frame;
-	struct eco_notes *notes;
 	struct eco_error *error;
 	uint32_t triangles_max;
+	struct eco_soup soup;
 	struct gltf_look *looks;     uint32_t look_count;
-	struct piece *pieces;        uint32_t piece_count, piece_room;
+	struct gltf_surface *pieces; uint32_t piece_count, piece_room;       /* primitives, read */
 	struct shape *shapes;        uint32_t shape_count, shape_room;
 	uint32_t *at_rest;                   /* per mesh: its shape, or ECO_NONE */
 	struct place *places;        uint32_t place_count, place_room;
 	struct gltf_skin *skins;     uint32_t skin_count;
-	struct eco_tints tints;
 	struct gltf_counts counts;
 	/* triangles of all shapes; each is placed at least once, so their sum is bounded */
 	uint64_t read;
-	uint64_t triangles, vertices, hidden, instances;
-	uint32_t averaged;           /* textured primitives whose vertex colours differ */
+	uint64_t triangles, vertices, instances;
+	bool colored;                        /* some vertices have colours */
 };
 
 static enum eco_code out_of_memory(struct soup *s)
@@ -108,15 +100,17 @@ static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_
 		.triangles_max = s->triangles_max, .counts = &s->counts };
 	if (!eco_array_grow(&s->pieces, &s->piece_room, s->piece_count, sizeof *s->pieces))
 		return out_of_memory(s);
-	struct piece *piece = &s->pieces[s->piece_count];
-	enum eco_code code = gltf_surface_read(&piece->surface, &source, s->error);
+	struct gltf_surface *piece = &s->pieces[s->piece_count];
+	enum eco_code code = gltf_surface_read(piece, &source, s->error);
 	if (code)
 		return code;
 	s->piece_count++;
 	shape->count++;
-	shape->triangles += piece->surface.triangle_count;
-	s->looks[piece->surface.material].used = true;
-	s->read += piece->surface.triangle_count;
+	shape->triangles += piece->triangle_count;
+	shape->vertices += piece->vertex_count;
+	s->looks[piece->material].used = true;
+	s->colored |= piece->color != NULL;
+	s->read += piece->triangle_count;
 	return too_many(s, s->read);
 }
 
@@ -150,6 +144,7 @@ static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *nod
 static enum eco_code add_place(struct soup *s, uint32_t shape, uint32_t node, const double world[16])
 {
 	s->triangles += s->shapes[shape].triangles;
+	s->vertices += s->shapes[shape].vertices;
 	if (too_many(s, s->triangles) != ECO_OK)
 		return ECO_TOO_LARGE;
 	if (!eco_array_grow(&s->places, &s->place_room, s->place_count, sizeof *s->places))
@@ -223,8 +218,6 @@ static void place_vertex(const struct gltf_surface *surface, uint32_t v, const s
 	out[2] = world[1];
 }
 
-struct reach { struct eco_bounds bounds; double far; };
-
 static double largest_scale(const double m[16])
 {
 	double most = 0;
@@ -234,123 +227,54 @@ static double largest_scale(const double m[16])
 	return sqrt(most);
 }
 
-/* Calls act(s, surface, ...) for every piece of every place. */
-typedef enum eco_code act_on(struct soup *s, void *ctx, const struct piece *piece, const struct place *place,
-	const struct gltf_skin *skin);
+/* ---- The soup ---- */
 
-static enum eco_code for_all(struct soup *s, act_on *act, void *ctx)
+static bool add_piece(struct soup *s, const struct gltf_surface *piece, const struct place *place,
+	const struct gltf_skin *skin)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < s->place_count && code == ECO_OK; i++) {
+	struct eco_soup *soup = &s->soup;
+	const char *node = eco_gltf_text(eco_gltf_item(s->doc, "nodes", place->node), "name"),
+		*mesh = eco_gltf_text(eco_gltf_item(s->doc, "meshes", s->shapes[place->shape].mesh), "name");
+	const uint32_t first = soup->model->vertex_count;
+	if (!s->looks[piece->material].invisible)
+		eco_soup_part(soup, node, strlen(node), mesh, strlen(mesh));
+	if (!skin)
+		soup->far = fmax(soup->far, piece->far * largest_scale(place->world));
+	for (uint32_t v = 0; v < piece->vertex_count; v++) {
+		double at[3];
+		place_vertex(piece, v, place, skin, at);
+		eco_soup_vertex(soup, at, piece->uv ? &piece->uv[(size_t)v * 2] : NULL,
+			piece->color ? &piece->color[(size_t)v * 3] : NULL);
+	}
+	if (!eco_soup_mesh(soup, piece->material, piece->color))
+		return false;
+	for (uint32_t i = 0; i < piece->triangle_count; i++) {
+		uint32_t v[3];
+		for (int k = 0; k < 3; k++) {
+			uint32_t own = piece->index[(size_t)i * 3 + (size_t)k];
+			v[k] = own != ECO_NONE ? first + own : ECO_NONE;
+		}
+		eco_soup_triangle(soup, v[0], v[1], v[2]);
+	}
+	return true;
+}
+
+static enum eco_code add_places(struct soup *s)
+{
+	uint32_t parts = s->place_count < ECO_MODEL_PARTS_MAX ? s->place_count : ECO_MODEL_PARTS_MAX;
+	if (!eco_soup_reserve(&s->soup, s->vertices, s->triangles, parts, s->colored))
+		return out_of_memory(s);
+	for (uint32_t i = 0; i < s->place_count; i++) {
 		const struct place *place = &s->places[i];
 		const struct shape *shape = &s->shapes[place->shape];
 		const struct gltf_skin *skin;
-		code = find_skin(s, place->node, &skin);
-		for (uint32_t k = 0; k < shape->count && code == ECO_OK; k++)
-			code = act(s, ctx, &s->pieces[shape->first + k], place, skin);
+		enum eco_code code = find_skin(s, place->node, &skin);
+		for (uint32_t k = 0; k < shape->count && !code; k++)
+			if (!add_piece(s, &s->pieces[shape->first + k], place, skin))
+				code = out_of_memory(s);
+		if (code)
+			return code;
 	}
-	return code;
-}
-
-static enum eco_code measure(struct soup *s, void *ctx, const struct piece *piece, const struct place *place,
-	const struct gltf_skin *skin)
-{
-	const struct gltf_surface *surface = &piece->surface;
-	struct reach *r = ctx;
-	if (!skin)
-		r->far = fmax(r->far, surface->far * largest_scale(place->world));
-	for (uint32_t v = 0; v < surface->vertex_count; v++) {
-		double at[3];
-		place_vertex(surface, v, place, skin, at);
-		eco_bounds_add(&r->bounds, at);
-	}
-	s->vertices += surface->vertex_count;
-	return ECO_OK;
-}
-
-static enum eco_code choose_base(struct soup *s)
-{
-	struct reach r = { ECO_NO_BOUNDS, 0 };
-	enum eco_code code = for_all(s, measure, &r);
-	if (code || r.bounds.low[0] > r.bounds.high[0])
-		return code;
-	eco_model_choose_base(&r.bounds, s->frame->base);
-	eco_note_coarse(s->notes, r.far, eco_bounds_extent(&r.bounds));
-	return ECO_OK;
-}
-
-/* ---- Colours of vertices ---- */
-
-static void choose_whole(struct soup *s, struct piece *piece)
-{
-	const struct gltf_surface *surface = &piece->surface;
-	struct eco_vertex_colors colors = { .count = 0 };
-	for (uint32_t v = 0; v < surface->vertex_count && surface->color; v++)
-		eco_vertex_colors_add(&colors, &surface->color[(size_t)v * 3]);
-	piece->whole = eco_tints_get_whole(&s->tints, surface->material, &colors, true, &s->averaged);
-}
-
-static uint32_t triangle_material(struct soup *s, const struct piece *piece, const uint32_t *v)
-{
-	struct eco_vertex_colors colors = { .count = 0 };
-	if (piece->whole != ECO_NONE)
-		return piece->whole;
-	if (v[0] == ECO_NONE || v[1] == ECO_NONE || v[2] == ECO_NONE)
-		return piece->surface.material;
-	for (int k = 0; k < 3; k++)
-		eco_vertex_colors_add(&colors, &piece->surface.color[(size_t)v[k] * 3]);
-	return eco_tints_get_step(&s->tints, piece->surface.material, &colors, true);
-}
-
-/* ---- The soup ---- */
-
-static bool take_memory(struct soup *s)
-{
-	uint32_t parts = s->place_count < ECO_MODEL_PARTS_MAX ? s->place_count : ECO_MODEL_PARTS_MAX;
-	return eco_model_reserve(s->model, s->vertices, s->triangles, parts)
-		&& eco_tints_start(&s->tints, s->model);
-}
-
-static void add_vertices(struct soup *s, const struct gltf_surface *surface, const struct place *place,
-	const struct gltf_skin *skin)
-{
-	struct eco_model *m = s->model;
-	for (uint32_t v = 0; v < surface->vertex_count; v++) {
-		size_t to = (size_t)m->vertex_count + v;
-		double at[3];
-		place_vertex(surface, v, place, skin, at);
-		for (size_t k = 0; k < 3; k++)
-			m->position[to * 3 + k] = (float)(at[k] - s->frame->base[k]);
-		if (surface->uv)
-			memcpy(&m->uv[to * 2], &surface->uv[(size_t)v * 2], 2 * sizeof *m->uv);
-	}
-}
-
-static enum eco_code add_piece(struct soup *s, void *ctx, const struct piece *piece,
-	const struct place *place, const struct gltf_skin *skin)
-{
-	const struct gltf_surface *surface = &piece->surface;
-	struct eco_model *m = s->model;
-	(void)ctx;
-	m->triangles_in += surface->triangle_count;
-	if (s->looks[surface->material].invisible) {
-		m->dropped[ECO_DROP_TRANSPARENT] += surface->triangle_count;
-		s->hidden += surface->triangle_count;
-		return ECO_OK;
-	}
-	const char *node = eco_gltf_text(eco_gltf_item(s->doc, "nodes", place->node), "name"),
-		*mesh = eco_gltf_text(eco_gltf_item(s->doc, "meshes", s->shapes[place->shape].mesh), "name");
-	eco_model_add_part(m, node, strlen(node), mesh, strlen(mesh));
-	add_vertices(s, surface, place, skin);
-	for (uint32_t i = 0; i < surface->triangle_count; i++) {
-		const uint32_t *v = &surface->index[(size_t)i * 3];
-		for (size_t k = 0; k < 3; k++)
-			m->index[(size_t)m->triangle_count * 3 + k] = v[k] != ECO_NONE
-				? m->vertex_count + v[k] : ECO_NONE;
-		m->part[m->triangle_count] = m->part_count - 1;
-		m->material[m->triangle_count++] = triangle_material(s, piece, v);
-	}
-	m->vertex_count += surface->vertex_count;
 	return ECO_OK;
 }
 
@@ -358,40 +282,32 @@ static enum eco_code add_piece(struct soup *s, void *ctx, const struct piece *pi
 
 static void tell(struct soup *s)
 {
+	struct eco_notes *notes = s->soup.notes;
+	const struct { uint64_t count; const char *are; } odd[] = {
+		{ s->instances, "instances in it (EXT_mesh_gpu_instancing) make one plant" },
+		{ s->counts.points, "points are left out: only triangles are drawn" },
+		{ s->counts.lines, "lines are left out: only triangles are drawn" },
+		{ s->counts.shapeless, "primitives without positions are left out" },
+		{ s->counts.partial, "corners at the ends of lists of triangles make no triangle" },
+		{ s->counts.morphed, "morph targets of Draco meshes are not applied" },
+		{ s->counts.faint, "vertices have colours with alpha below 0.5, which is not applied" } };
 	size_t scenes = json_array_size(json_object_get(eco_gltf_json(s->doc), "scenes"));
 	if (!eco_gltf_has_scene(s->doc))
-		eco_note(s->notes, "%s: all of its nodes are read",
+		eco_note(notes, "%s: all of its nodes are read",
 			scenes > 0 ? "its default scene is not there" : "no scene in it");
 	else if (scenes > 1)
-		eco_note(s->notes, "%zu scenes are in it: the default one is read, else the first", scenes);
-	if (s->instances > 0)
-		eco_note(s->notes, "%llu instances in it (EXT_mesh_gpu_instancing) make one plant",
-			(unsigned long long)s->instances);
-	if (s->counts.points > 0 || s->counts.lines > 0)
-		eco_note(s->notes, "%llu points and %llu lines are left out: only triangles are drawn",
-			(unsigned long long)s->counts.points, (unsigned long long)s->counts.lines);
-	if (s->counts.shapeless > 0)
-		eco_note(s->notes, "%llu primitives without positions are left out",
-			(unsigned long long)s->counts.shapeless);
-	if (s->counts.partial > 0)
-		eco_note(s->notes, "%llu corners at the ends of lists of triangles make no triangle",
-			(unsigned long long)s->counts.partial);
-	if (s->counts.morphed > 0)
-		eco_note(s->notes, "%llu morph targets of Draco meshes are not applied",
-			(unsigned long long)s->counts.morphed);
-	if (s->counts.faint > 0)
-		eco_note(s->notes, "%llu vertices have colours with alpha below 0.5, which is not applied",
-			(unsigned long long)s->counts.faint);
-	eco_note_colors(s->notes, s->hidden, "baseColorFactor", s->averaged);
+		eco_note(notes, "%zu scenes are in it: the default one is read, else the first", scenes);
+	for (size_t i = 0; i < sizeof odd / sizeof *odd; i++)
+		if (odd[i].count > 0)
+			eco_note(notes, "%llu %s", (unsigned long long)odd[i].count, odd[i].are);
 }
 
 static enum eco_code prepare(struct soup *s)
 {
 	size_t meshes = json_array_size(json_object_get(eco_gltf_json(s->doc), "meshes"));
 	size_t skins = json_array_size(json_object_get(eco_gltf_json(s->doc), "skins"));
-	snprintf(s->frame->format, sizeof s->frame->format, "glTF");
-	s->frame->unit_m = 1;
-	s->frame->up = s->frame->convention = ECO_UP_Y;
+	*s->soup.frame = (struct eco_model_frame){ .format = "glTF", .unit_m = 1, .up = ECO_UP_Y,
+		.convention = ECO_UP_Y };
 	s->looks = gltf_looks_read(s->doc, &s->look_count);
 	s->at_rest = malloc((meshes + 1) * sizeof *s->at_rest);
 	s->skins = skins < ECO_NONE ? calloc(skins + 1, sizeof *s->skins) : NULL;
@@ -422,29 +338,30 @@ static enum eco_code read_soup(struct soup *s)
 	if (!code)
 		code = check_totals(s);
 	if (!code)
-		code = choose_base(s);
+		code = gltf_materials_read(s->soup.model, s->doc, s->looks, s->look_count, s->soup.notes, s->error);
 	if (!code)
-		code = gltf_materials_read(s->model, s->doc, s->looks, s->look_count, s->notes, s->error);
+		code = add_places(s);
 	if (code)
 		return code;
-	if (!take_memory(s))
-		return out_of_memory(s);
-	for (uint32_t i = 0; i < s->piece_count; i++)
-		choose_whole(s, &s->pieces[i]);
-	code = for_all(s, add_piece, NULL);
+	bool *invisible = malloc(s->look_count + 1);
+	for (uint32_t i = 0; invisible && i <= s->look_count; i++)
+		invisible[i] = s->looks[i].invisible;
+	s->soup.invisible = invisible;
 	tell(s);
+	code = invisible && eco_soup_end(&s->soup, "baseColorFactor") ? ECO_OK : out_of_memory(s);
+	free(invisible);
 	return code;
 }
 
 enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame,
 	struct eco_gltf *doc, uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
-	struct soup s = { .doc = doc, .model = model, .frame = frame, .notes = notes, .error = error,
-		.triangles_max = triangles_max };
+	struct soup s = { .doc = doc, .error = error, .triangles_max = triangles_max,
+		.soup = { .model = model, .frame = frame, .notes = notes, .linear = true } };
 	enum eco_code code = read_soup(&s);
-	eco_tints_end(&s.tints);
+	eco_soup_free(&s.soup);
 	for (uint32_t i = 0; i < s.piece_count; i++)
-		gltf_surface_free(&s.pieces[i].surface);
+		gltf_surface_free(&s.pieces[i]);
 	for (uint32_t i = 0; i < s.skin_count; i++)
 		free(s.skins[i].matrix);
 	free(s.pieces);

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/polygon.h"
 #include "ecofiles/format/image.h"
 
 void eco_note(struct eco_notes *notes, const char *format, ...)
@@ -26,92 +25,7 @@ void eco_note(struct eco_notes *notes, const char *format, ...)
 	notes->text[notes->used] = 0;
 }
 
-void eco_note_colors(struct eco_notes *notes, uint64_t hidden, const char *fields, uint32_t averaged)
-{
-	if (hidden > 0)
-		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (%s): they are left out",
-			(unsigned long long)hidden, fields);
-	if (averaged > 0)
-		eco_note(notes, "%u textured meshes have vertex colours that differ: each is drawn in their "
-			"mean", averaged);
-}
-
-#define NEAR 16.0                /* times the extent: floats then still resolve a millionth of it */
-#define COARSE 1e-4              /* share of the extent: a coarser rounding of coordinates is reported */
 #define ALPHA_SLACK 1e-3         /* alpha equal to the cutoff is opaque, whatever the rounding */
-
-void eco_bounds_add(struct eco_bounds *b, const double place[3])
-{
-	for (int k = 0; k < 3 && isfinite(place[0] + place[1] + place[2]); k++) {
-		b->low[k] = fmin(b->low[k], place[k]);
-		b->high[k] = fmax(b->high[k], place[k]);
-	}
-}
-
-double eco_bounds_extent(const struct eco_bounds *b)
-{
-	return fmax(fmax(0, b->high[0] - b->low[0]), fmax(b->high[1] - b->low[1], b->high[2] - b->low[2]));
-}
-
-void eco_model_choose_base(const struct eco_bounds *b, double base[3])
-{
-	double far = 0;
-	for (int k = 0; k < 3; k++)
-		far = fmax(far, fmax(b->high[k], -b->low[k]));
-	for (int k = 0; k < 3; k++) {
-		double middle = (b->low[k] + b->high[k]) / 2;
-		bool moves = far > NEAR * eco_bounds_extent(b) && middle > -1e15 && middle < 1e15;
-		base[k] = moves ? (double)(int64_t)middle : 0;
-	}
-}
-
-void eco_note_coarse(struct eco_notes *notes, double far, double extent)
-{
-	if (isfinite(far) && far * 0x1p-24 > extent * COARSE)
-		eco_note(notes,
-			"its coordinates are up to %g from the origin, in single precision, and so only "
-			"exact to %.2g of their unit: export it with a local origin",
-			far, far * 0x1p-24);
-}
-
-void eco_model_split(const double *corners, uint32_t n, uint32_t *split)
-{
-	uint32_t *triangles = split + n;
-	bool sound = n > 3;
-	for (uint32_t i = 0; i < 3 * n && sound; i++)
-		sound = isfinite(corners[i]);
-	if (sound)
-		eco_polygon_split(corners, n, split, triangles);
-	for (uint32_t i = 0; i + 2 < n && !sound; i++) {
-		triangles[i * 3] = 0;
-		triangles[i * 3 + 1] = i + 1;
-		triangles[i * 3 + 2] = i + 2;
-	}
-}
-
-void eco_model_add_part(struct eco_model *m, const char *node, size_t node_bytes, const char *mesh,
-	size_t mesh_bytes)
-{
-	bool both = node_bytes && mesh_bytes
-		&& (node_bytes != mesh_bytes || memcmp(node, mesh, node_bytes) != 0);
-	struct eco_part part = { .name = "" };
-	snprintf(part.name, sizeof part.name, "%.*s%s%.*s", (int)node_bytes, node, both ? "/" : "",
-		both || !node_bytes ? (int)mesh_bytes : 0, mesh);
-	if (!m->part_count || (m->part_count < ECO_MODEL_PARTS_MAX
-			&& strcmp(m->parts[m->part_count - 1].name, part.name) != 0))
-		m->parts[m->part_count++] = part;
-}
-
-bool eco_model_reserve(struct eco_model *m, uint64_t vertices, uint64_t triangles, uint64_t parts)
-{
-	m->position = malloc((vertices + 1) * 3 * sizeof *m->position);
-	m->uv = calloc(vertices + 1, 2 * sizeof *m->uv);
-	m->index = malloc((triangles + 1) * 3 * sizeof *m->index);
-	m->material = malloc((triangles + 1) * sizeof *m->material);
-	m->part = malloc((triangles + 1) * sizeof *m->part);
-	m->parts = calloc(parts + 1, sizeof *m->parts);
-	return m->position && m->uv && m->index && m->material && m->part && m->parts;
-}
 
 uint8_t eco_byte_from_share(double share)
 {
@@ -229,7 +143,6 @@ void eco_model_see_invisible(bool *invisible, uint32_t count, struct eco_notes *
  * into the texels. Lists of triangles say which image they have, not whether its alpha counts. An image
  * that is not cut out gets alpha 255 all over, and a texture used both ways becomes two images. */
 
-#define ALPHA_SLACK 1e-3          /* alpha equal to the cutoff is opaque, whatever the rounding */
 #define ALL_PIXELS_MAX ((uint64_t)1 << 28)
 
 struct eco_image_key {           /* one decoded image per key */

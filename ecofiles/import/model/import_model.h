@@ -27,9 +27,6 @@ struct eco_notes {
 	size_t used;
 };
 void eco_note(struct eco_notes *notes, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Triangles hidden because their materials are transparent, as `fields` of the file say; and textured meshes
- * that got the mean of their vertex colours. Nothing for 0. */
-void eco_note_colors(struct eco_notes *notes, uint64_t hidden, const char *fields, uint32_t averaged);
 
 /* The frame of a file's numbers. Positions are Z up if `up` is known (turned already), else as in the
  * file. */
@@ -77,23 +74,44 @@ struct eco_bounds { double low[3], high[3]; };
 #define ECO_NO_BOUNDS { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } }
 /* A place that is not finite does not count. */
 void eco_bounds_add(struct eco_bounds *bounds, const double place[3]);
-/* The greatest side; 0: nothing was added. */
-double eco_bounds_extent(const struct eco_bounds *bounds);
-/* The base to subtract from coordinates within bounds so that floats hold them: 0 unless they are far
- * from the origin for their extent. Whole numbers. */
-void eco_model_choose_base(const struct eco_bounds *bounds, double base[3]);
-/* Notes coordinates up to `far` from the origin that single precision rounds for their extent. */
-void eco_note_coarse(struct eco_notes *notes, double far, double extent);
 
 /* Triangles of a polygon of n corners (3 coordinates each): 3 (n - 2) indices of corners, at split + n.
  * `split` has room for 4 n. A polygon with a corner that is not finite has no shape: a fan keeps its
  * count of triangles, and the bad ones are dropped later. */
 void eco_model_split(const double *corners, uint32_t n, uint32_t *split);
 
+/* ---- A soup while it is read (model_soup.c) ---- */
+
+/* Begins with the first five fields and zeros; free it in any case. A reader reserves room, then adds meshes,
+ * each with its vertices and triangles. Materials must be there at the end. */
+struct eco_soup {
+	struct eco_model *model;
+	struct eco_model_frame *frame;       /* its base is set at the end */
+	struct eco_notes *notes;
+	bool linear;                         /* colours of vertices are linear light; else sRGB */
+	const bool *invisible;               /* per material; at the end */
+	double far;                          /* greatest coordinate that the file holds in single precision */
+	uint32_t part;                       /* of the triangles that come */
+	double (*place)[3];
+	float (*color)[3];
+	struct eco_soup_mesh { uint32_t triangle, material; bool colored; } *meshes;
+	uint32_t mesh_count, mesh_room;
+};
+/* False: no memory, as below. */
+bool eco_soup_reserve(struct eco_soup *soup, uint64_t vertices, uint64_t triangles, uint64_t parts, bool colors);
 /* Adds the part NODE, MESH or NODE/MESH, unless it is the last one: some programs show one name, some the
  * other. */
-void eco_model_add_part(struct eco_model *model, const char *node, size_t node_bytes, const char *mesh,
+void eco_soup_part(struct eco_soup *soup, const char *node, size_t node_bytes, const char *mesh,
 	size_t mesh_bytes);
+/* Triangles to come have this material; `colored`: times the colours of their vertices. */
+bool eco_soup_mesh(struct eco_soup *soup, uint32_t material, bool colored);
+/* uv, rgb NULL: 0. Returns its number. */
+uint32_t eco_soup_vertex(struct eco_soup *soup, const double place[3], const float uv[2], const float rgb[3]);
+/* ECO_NONE: a missing vertex. */
+void eco_soup_triangle(struct eco_soup *soup, uint32_t a, uint32_t b, uint32_t c);
+/* `fields` of the file say what is transparent, for a note. */
+bool eco_soup_end(struct eco_soup *soup, const char *fields);
+void eco_soup_free(struct eco_soup *soup);
 
 /* ---- Images (import_material.c) ---- */
 
@@ -163,17 +181,6 @@ uint32_t eco_tints_get(struct eco_tints *tints, uint32_t material, const uint8_t
 /* Rounds a colour to eight steps a channel, which is used where vertex colours differ within a mesh. */
 void eco_tint_step(uint8_t rgb[3]);
 
-/* Vertex colours of a mesh or a triangle, added one by one; in linear light or sRGB. */
-struct eco_vertex_colors { float first[3]; double sum[3]; uint64_t count; bool differ; };
-void eco_vertex_colors_add(struct eco_vertex_colors *colors, const float rgb[3]);
-/* The material of a whole mesh, times the mean of its colours; ECO_NONE: they differ, and triangles have
- * materials of their own. With a picture, colours that differ are averaged, and counted: every further colour
- * would need another image, and would cut leaves and branches into pieces. */
-uint32_t eco_tints_get_whole(struct eco_tints *tints, uint32_t material,
-	const struct eco_vertex_colors *colors, bool linear, uint32_t *averaged);
-/* The material of a triangle: the mean of three colours, in steps. */
-uint32_t eco_tints_get_step(struct eco_tints *tints, uint32_t material,
-	const struct eco_vertex_colors *colors, bool linear);
 void eco_tints_end(struct eco_tints *tints);
 
 /* A picture whose triangles show one colour each becomes colours of materials, and is dropped. False when

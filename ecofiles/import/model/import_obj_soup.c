@@ -1,6 +1,4 @@
-/* From an OBJ file's faces to a soup. A run of faces with one material and one part is a mesh. Vertex
- * colours that hardly differ within a mesh become one colour; others are rounded to steps, or to their
- * mean if there is a texture. */
+/* From an OBJ file's faces to a soup. A run of faces with one material and one part is a mesh. */
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/import/model/import_obj.h"
 
@@ -20,11 +18,9 @@ struct maker {
 	struct eco_mtl mtl;
 	const struct eco_mtl_material **of;  /* per material; NULL: in no library */
 	bool *invisible;             /* per material */
-	struct eco_tints tints;
-	double base[3];
+	struct eco_soup soup;
 	float color_scale;           /* 1/255 for colours written as bytes */
-	uint64_t hidden, missing_uv;
-	uint32_t averaged;
+	uint64_t missing_uv;
 	struct eco_obj_corner *key;  /* per vertex: its origin; vt only where the material has an image */
 	uint32_t *transform;         /* per vertex: material whose -s and -o its uv has, or ECO_NONE */
 	uint32_t *table, mask;       /* open addressing: vertex, ECO_NONE is free */
@@ -196,9 +192,10 @@ static void set_uv(const struct maker *m, struct eco_obj_corner c, uint32_t tran
 /* The vertex of a corner, made if it is new; ECO_NONE: the corner names none. */
 static uint32_t vertex_of(struct maker *m, struct eco_obj_corner corner, uint32_t material)
 {
-	struct eco_model *to = m->model;
 	const double *place = place_of(m->obj, corner.v);
+	const float *color = corner.v < m->obj->color_count ? m->obj->color[corner.v] : NULL;
 	uint32_t transform, slot, v;
+	float uv[2], rgb[3];
 	if (!place)
 		return ECO_NONE;
 	struct eco_obj_corner key = key_of(m, corner, material, &transform);
@@ -206,165 +203,91 @@ static uint32_t vertex_of(struct maker *m, struct eco_obj_corner corner, uint32_
 			slot = (slot + 1) & m->mask)
 		if (m->key[v].v == key.v && m->key[v].vt == key.vt && m->transform[v] == transform)
 			return v;
-	v = m->table[slot] = to->vertex_count++;
-	m->key[v] = key;
-	m->transform[v] = transform;
-	for (int k = 0; k < 3; k++)
-		to->position[(size_t)v * 3 + (size_t)k] = (float)(place[k] - m->base[k]);
-	set_uv(m, key, transform, &to->uv[(size_t)v * 2]);
-	return v;
-}
-
-/* ---- Colours of vertices ---- */
-
-static void add_color(const struct maker *m, uint32_t v, struct eco_vertex_colors *colors)
-{
-	const float *color = v < m->obj->color_count ? m->obj->color[v] : NULL;
-	float rgb[3];
+	set_uv(m, key, transform, uv);
 	for (int k = 0; k < 3; k++)
 		rgb[k] = color && color[0] >= 0 ? color[k] * m->color_scale : (float)GREY;
-	eco_vertex_colors_add(colors, rgb);
-}
-
-/* The one material of the run [first, end); ECO_NONE: vertex colours make several. */
-static uint32_t run_material(struct maker *m, uint32_t first, uint32_t end)
-{
-	struct eco_vertex_colors colors = { .count = 0 };
-	for (uint32_t f = first; f < end && m->obj->color_count; f++) {
-		uint32_t n;
-		const struct eco_obj_corner *c = corners_of(m->obj, f, &n);
-		for (uint32_t i = 0; i < n; i++)
-			add_color(m, c[i].v, &colors);
-	}
-	return eco_tints_get_whole(&m->tints, m->obj->faces[first].material, &colors, false, &m->averaged);
-}
-
-static uint32_t triangle_material(struct maker *m, const struct eco_obj_corner *c, const uint32_t t[3],
-	uint32_t material)
-{
-	struct eco_vertex_colors colors = { .count = 0 };
-	for (int i = 0; i < 3; i++)
-		add_color(m, c[t[i]].v, &colors);
-	return eco_tints_get_step(&m->tints, material, &colors, false);
+	v = m->table[slot] = eco_soup_vertex(&m->soup, place, uv, rgb);
+	m->key[v] = key;
+	m->transform[v] = transform;
+	return v;
 }
 
 /* ---- Faces ---- */
 
-static void split_face(struct maker *m, const struct eco_obj_corner *c, uint32_t n)
-{
-	for (uint32_t i = 0; i < 3 * n; i++) {
-		const double *p = place_of(m->obj, c[i / 3].v);
-		m->corners[i] = p ? p[i % 3] - m->base[i % 3] : NAN;
-	}
-	eco_model_split(m->corners, n, m->split);
-}
-
-static void add_face(struct maker *m, uint32_t f, uint32_t whole)
+static void add_face(struct maker *m, uint32_t f)
 {
 	const struct eco_obj_face *face = &m->obj->faces[f];
-	struct eco_model *to = m->model;
-	uint32_t n;
+	uint32_t n, v[3];
 	const struct eco_obj_corner *c = corners_of(m->obj, f, &n);
-	split_face(m, c, n);
+	for (uint32_t i = 0; i < 3 * n; i++) {
+		const double *p = place_of(m->obj, c[i / 3].v);
+		m->corners[i] = p ? p[i % 3] : NAN;
+	}
+	eco_model_split(m->corners, n, m->split);
+	m->soup.part = face->part;
 	for (uint32_t i = 0; i + 2 < n; i++) {
-		const uint32_t *t = m->split + n + (size_t)i * 3;
 		for (int k = 0; k < 3; k++)
-			to->index[(size_t)to->triangle_count * 3 + (size_t)k] =
-				vertex_of(m, c[t[k]], face->material);
-		to->part[to->triangle_count] = face->part;
-		to->material[to->triangle_count++] = whole != ECO_NONE ? whole
-			: triangle_material(m, c, t, face->material);
+			v[k] = vertex_of(m, c[m->split[n + 3 * i + (uint32_t)k]], face->material);
+		eco_soup_triangle(&m->soup, v[0], v[1], v[2]);
 	}
 }
 
-static void add_faces(struct maker *m)
+static bool add_faces(struct maker *m)
 {
 	const struct eco_obj *o = m->obj;
-	uint32_t end;
-	for (uint32_t first = 0; first < o->face_count; first = end) {
-		const struct eco_obj_face *face = &o->faces[first];
-		uint32_t whole, n;
-		for (end = first; end < o->face_count && o->faces[end].material == face->material
-				&& o->faces[end].part == face->part; end++)
-			;
-		if (m->invisible[face->material]) {
-			for (uint32_t f = first; f < end; f++) {
-				corners_of(o, f, &n);
-				m->hidden += n - 2;
-			}
-			continue;
-		}
-		whole = run_material(m, first, end);
-		for (uint32_t f = first; f < end; f++)
-			add_face(m, f, whole);
+	for (uint32_t f = 0; f < o->face_count; f++) {
+		const struct eco_obj_face *face = &o->faces[f];
+		if ((f == 0 || face->material != face[-1].material || face->part != face[-1].part)
+				&& !eco_soup_mesh(&m->soup, face->material, o->color_count > 0))
+			return false;
+		add_face(m, f);
 	}
-	m->model->triangles_in = (uint32_t)o->triangles;
-	m->model->dropped[ECO_DROP_TRANSPARENT] = (uint32_t)m->hidden;
+	return true;
 }
 
 /* ---- All ---- */
 
-/* Finds the base from the vertices that faces use. */
-static void find_base(struct maker *m)
+static void find_color_scale(struct maker *m)
 {
-	const struct eco_obj *o = m->obj;
-	struct eco_bounds bounds = ECO_NO_BOUNDS;
 	float most = 0;
-	for (uint32_t i = 0; i < o->corner_count; i++)
-		if (place_of(o, o->corners[i].v))
-			eco_bounds_add(&bounds, place_of(o, o->corners[i].v));
-	if (bounds.low[0] <= bounds.high[0])
-		eco_model_choose_base(&bounds, m->base);
-	for (size_t i = 0; i < 3 * (size_t)o->color_count; i++)
-		most = fmaxf(most, o->color[i / 3][i % 3]);
+	for (size_t i = 0; i < 3 * (size_t)m->obj->color_count; i++)
+		most = fmaxf(most, m->obj->color[i / 3][i % 3]);
 	m->color_scale = most > 1.5f ? 1 / 255.0f : 1;
 }
 
 static bool take_memory(struct maker *m)
 {
 	const struct eco_obj *o = m->obj;
-	struct eco_model *to = m->model;
-	size_t triangles = (size_t)o->triangles, vertices = o->corner_count;
-	bool good = eco_model_reserve(to, vertices, triangles, o->parts.count);
+	size_t vertices = o->corner_count;
+	bool good = eco_soup_reserve(&m->soup, vertices, o->triangles, o->parts.count, o->color_count > 0);
 	m->key = malloc((vertices + 1) * sizeof *m->key);
 	m->transform = malloc((vertices + 1) * sizeof *m->transform);
 	m->table = model_table_new(vertices, &m->mask);
 	m->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *m->corners);
 	m->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *m->split);
-	return good && m->key && m->transform && m->table && m->corners && m->split &&
-		eco_tints_start(&m->tints, to);
-}
-
-static void tell(const struct maker *m)
-{
-	struct eco_notes *notes = m->obj->notes;
-	eco_note_colors(notes, m->hidden, "d, Tr, opacity", m->averaged);
-	if (m->missing_uv > 0)
-		eco_note(notes, "%llu corners name texture coordinates that are not there",
-			(unsigned long long)m->missing_uv);
+	return good && m->key && m->transform && m->table && m->corners && m->split;
 }
 
 enum eco_code eco_obj_soup(struct eco_model *model, struct eco_model_frame *frame, const struct eco_obj *obj)
 {
-	struct maker m = { .obj = obj, .model = model };
+	struct maker m = { .obj = obj, .model = model,
+		.soup = { .model = model, .frame = frame, .notes = obj->notes } };
+	*frame = (struct eco_model_frame){ .format = "Wavefront OBJ", .unit_m = obj->unit_m,
+		.convention = ECO_UP_Y };
 	enum eco_code code = make_materials(&m);
-	if (code == ECO_OK && !take_memory(&m))
+	m.soup.invisible = m.invisible;
+	find_color_scale(&m);
+	if (!code && (!take_memory(&m) || !add_faces(&m) || !eco_soup_end(&m.soup, "d, Tr, opacity")))
 		code = eco_fail(obj->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles",
 			obj->text.path, (unsigned long long)obj->triangles);
-	if (!code) {
-		find_base(&m);
-		add_faces(&m);
-		for (uint32_t i = 0; i < obj->parts.count; i++)
-			snprintf(model->parts[i].name, sizeof model->parts[i].name, "%.63s",
-				obj->parts.items[i]);
-		model->part_count = obj->parts.count;
-		tell(&m);
-		*frame = (struct eco_model_frame){ .format = "Wavefront OBJ", .unit_m = obj->unit_m,
-			.convention = ECO_UP_Y };
-		memcpy(frame->base, m.base, sizeof frame->base);
-	}
+	for (uint32_t i = 0; i < obj->parts.count && !code; i++)
+		snprintf(model->parts[model->part_count++].name, sizeof model->parts->name, "%.63s",
+			obj->parts.items[i]);
+	if (m.missing_uv > 0)
+		eco_note(obj->notes, "%llu corners name texture coordinates that are not there",
+			(unsigned long long)m.missing_uv);
+	eco_soup_free(&m.soup);
 	eco_mtl_free(&m.mtl);
-	eco_tints_end(&m.tints);
 	free(m.of);
 	free(m.invisible);
 	free(m.key);

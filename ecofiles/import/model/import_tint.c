@@ -14,7 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ONE_COLOUR 0.02f                         /* vertex colours this near to the first are one */
 #define TINTS_MAX 32u                            /* per image */
 #define COPIED_PIXELS_MAX ((uint64_t)1 << 26)    /* per model */
 
@@ -93,47 +92,6 @@ void eco_tint_step(uint8_t rgb[3])
 {
 	for (int k = 0; k < 3; k++)
 		rgb[k] = (uint8_t)((rgb[k] * 7 + 127) / 255 * 255 / 7);
-}
-
-void eco_vertex_colors_add(struct eco_vertex_colors *c, const float rgb[3])
-{
-	for (int k = 0; k < 3; k++) {
-		float value = isfinite(rgb[k]) ? rgb[k] : 1;
-		c->first[k] = c->count ? c->first[k] : value;
-		c->differ |= fabsf(value - c->first[k]) > ONE_COLOUR;
-		c->sum[k] += (double)value;
-	}
-	c->count++;
-}
-
-static void mean_of(const struct eco_vertex_colors *c, bool linear, uint8_t rgb[3])
-{
-	for (int k = 0; k < 3; k++) {
-		double mean = c->sum[k] / (double)c->count;
-		rgb[k] = linear ? eco_srgb_from_linear(mean) : eco_byte_from_share(mean);
-	}
-}
-
-uint32_t eco_tints_get_whole(struct eco_tints *t, uint32_t material, const struct eco_vertex_colors *c,
-	bool linear, uint32_t *averaged)
-{
-	uint8_t rgb[3];
-	if (c->count == 0)
-		return material;
-	if (c->differ && t->model->materials[material].image == ECO_NONE)
-		return ECO_NONE;
-	*averaged += c->differ;
-	mean_of(c, linear, rgb);
-	return eco_tints_get(t, material, rgb);
-}
-
-uint32_t eco_tints_get_step(struct eco_tints *t, uint32_t material, const struct eco_vertex_colors *c,
-	bool linear)
-{
-	uint8_t rgb[3];
-	mean_of(c, linear, rgb);
-	eco_tint_step(rgb);
-	return eco_tints_get(t, material, rgb);
 }
 
 void eco_tints_end(struct eco_tints *t)
