@@ -127,11 +127,10 @@ UNIT_TEST(lee_shares_the_budget_among_layers)
 	}
 }
 
-/* The nearest of a ring of cells, the one whose leaves face the eye; by sector alike, static ones all. */
+/* The nearest of a ring of cells, or the one whose leaves face the eye. */
 UNIT_TEST(lee_ranks_cells_by_distance_and_normal)
 {
 	struct lod_lee_group groups[8];
-	struct lod_v3 center = { 0, 0, 5 };
 	uint32_t kept[8], leaf = 0;
 	assert_int_equal(setjmp(arena.failed), 0);
 	for (uint32_t i = 0; i < 8; i++) {
@@ -143,28 +142,19 @@ UNIT_TEST(lee_ranks_cells_by_distance_and_normal)
 	}
 	for (uint32_t i = 0; i < 8; i++) {
 		double turn = (i + 0.3) * 2 * LOD_PI / 8;
-		struct lod_v3 eye = { 40 * cos(turn), 40 * sin(turn), 5 };
-		for (uint32_t order = PAPER_LEE_VIEW; order < PAPER_LEE_ORDERS; order++) {
-			paper_lee_keep(kept, LOD_LEE_DISTANCE * PAPER_LEE_ORDERS + order, groups, 8, &center,
-				&eye, 80, &arena);
-			assert_int_equal(kept[i], order == PAPER_LEE_STATIC ? 10 : 80);
+		const struct lod_lee_view view = { { 40 * cos(turn), 40 * sin(turn), 5 }, { 1, 0, 0 }, 1 };
+		for (enum lod_lee_method method = 0; method < LOD_LEE_COUNT; method++) {
+			lod_lee_keep(kept, method, groups, 8, &view, 80, &arena);
+			assert_int_equal(kept[method == LOD_LEE_DISTANCE ? i : 5], 80);
+			for (uint64_t budget = 0, sum; budget <= 900; budget += 90) {
+				lod_lee_keep(kept, method, groups, 8, &view, budget, &arena);
+				sum = 0;
+				for (uint32_t k = 0; k < 8; k++)
+					sum += kept[k];
+				assert_int_equal(sum, budget < 800 ? budget : 800);
+			}
 		}
-		paper_lee_keep(kept, LOD_LEE_NORMAL * PAPER_LEE_ORDERS, groups, 8, &center, &eye, 80, &arena);
-		assert_int_equal(kept[5], 80);
-		lod_lee_keep(kept, LOD_LEE_LAYER, groups, 8, &(struct lod_lee_view){ eye, { 1, 0, 0 }, 1 },
-			80,
-			&arena);
-		assert_int_equal(kept[5], 80);
 	}
-	for (uint32_t rule = 0; rule < PAPER_LEE_RULES; rule++)
-		for (uint64_t budget = 0, sum; budget <= 900; budget += 90) {
-			paper_lee_keep(kept, rule, groups, 8, &center, &(struct lod_v3){ 20, 3, 2 }, budget,
-				&arena);
-			sum = 0;
-			for (uint32_t i = 0; i < 8; i++)
-				sum += kept[i];
-			assert_int_equal(sum, budget < 800 ? budget : 800);
-		}
 	lod_arena_free(&arena);
 }
 
@@ -210,7 +200,7 @@ static uint64_t solve(paper_rule *rule, void *ctx, uint64_t budget, struct paper
 UNIT_TEST(rules_spend_their_budget_and_draw_what_they_count)
 {
 	struct paper_cook cook = { 0 };
-	struct paper_lee lee = { .rule = LOD_LEE_LAYER * PAPER_LEE_ORDERS };
+	struct paper_lee lee = { .method = LOD_LEE_LAYER };
 	struct eco_error error = { 0 };
 	static const uint64_t budgets[] = { 0, 500, 5000, 2000000 };
 	assert_ok(paper_lee_begin(&lee, scene, &error), error);

@@ -369,10 +369,6 @@ struct growth {
 	struct shape { struct lod_v3 center; double area; } *below;
 	uint32_t *child_first, *child;
 	uint32_t *place;             /* node of the skeleton -> node of the tree */
-	/* what is still to be placed: children [first, first + count) under a node of the tree, or with `own`
-	 * under a new one */
-	struct span { uint32_t first, count, parent; bool own; } *spans;
-	uint32_t span_count;
 };
 
 static void measure_below(struct growth *g)
@@ -397,25 +393,24 @@ static void measure_below(struct growth *g)
 }
 
 /* Sorts siblings along their widest axis. */
-static void sort_span(struct growth *g, const struct span *span)
+static void sort_siblings(struct growth *g, uint32_t *child, uint32_t count)
 {
 	double low[3] = { 1e9, 1e9, 1e9 }, high[3] = { -1e9, -1e9, -1e9 };
 	struct lod_arena_piece *mark = g->s->arena->last;
-	struct lod_keyed *items = take(g->s, span->count, sizeof *items);
-	uint32_t *child = g->child + span->first;
+	struct lod_keyed *items = take(g->s, count, sizeof *items);
 	int axis = 0;
 	for (int k = 0; k < 3; k++) {
-		for (uint32_t i = 0; i < span->count; i++) {
+		for (uint32_t i = 0; i < count; i++) {
 			low[k] = fmin(low[k], lod_v3_axis(g->below[child[i]].center, k));
 			high[k] = fmax(high[k], lod_v3_axis(g->below[child[i]].center, k));
 		}
 		axis = high[k] - low[k] > high[axis] - low[axis] ? k : axis;
 	}
-	for (uint32_t i = 0; i < span->count; i++)
+	for (uint32_t i = 0; i < count; i++)
 		items[i] = (struct lod_keyed){ lod_sort_key(lod_v3_axis(g->below[child[i]].center, axis)),
 			child[i] };
-	lod_sort(g->s->arena, items, span->count);
-	for (uint32_t i = 0; i < span->count; i++)
+	lod_sort(g->s->arena, items, count);
+	for (uint32_t i = 0; i < count; i++)
 		child[i] = items[i].value;
 	lod_arena_release(g->s->arena, mark);
 }
@@ -428,38 +423,30 @@ static uint32_t new_node(struct growth *g, uint32_t parent, struct lod_v3 connec
 	return node;
 }
 
-static void place_node(struct growth *g, uint32_t node, uint32_t parent)
-{
-	uint32_t count = g->child_first[node + 1] - g->child_first[node];
-	g->place[node] = new_node(g, parent, g->s->connector[node]);
-	if (count > 0)
-		g->spans[g->span_count++] = (struct span){ g->child_first[node], count, g->place[node],
-			false };
-}
+static void place_node(struct growth *g, uint32_t node, uint32_t parent);
 
-static void place_all(struct growth *g)
+static void place_siblings(struct growth *g, uint32_t *child, uint32_t count, uint32_t parent)
 {
-	struct billboard_tree *tree = g->tree;
-	place_node(g, 0, ECO_NONE);
-	while (g->span_count > 0) {
-		struct span span = g->spans[--g->span_count];
-		if (span.own)
-			span.parent = new_node(g, span.parent, tree->connector[span.parent]);
-		if (span.count == 1) {
-			place_node(g, g->child[span.first], span.parent);
+	if (count > 2)
+		sort_siblings(g, child, count);
+	for (uint32_t i = 0, half; i < count; i += half) {
+		half = i || count < 2 ? count - i : count / 2;
+		if (half == 1) {
+			place_node(g, child[i], parent);
 			continue;
 		}
-		if (span.count > 2)
-			sort_span(g, &span);
-		uint32_t half = span.count / 2, rest = span.count - half;
-		g->spans[g->span_count++] = (struct span){ span.first + half, rest, span.parent, rest > 1 };
-		g->spans[g->span_count++] = (struct span){ span.first, half, span.parent, half > 1 };
+		uint32_t node = new_node(g, parent, g->tree->connector[parent]);
+		place_siblings(g, child + i, half, node);
+		g->tree->end[node] = g->tree->count;
 	}
-	for (uint32_t i = tree->count; i-- > 0;) {
-		tree->end[i] = tree->end[i] > i + 1 ? tree->end[i] : i + 1;
-		if (i > 0 && tree->end[tree->parent[i]] < tree->end[i])
-			tree->end[tree->parent[i]] = tree->end[i];
-	}
+}
+
+/* Recursion is as deep as chains are long. */
+static void place_node(struct growth *g, uint32_t node, uint32_t parent)
+{
+	uint32_t at = g->place[node] = new_node(g, parent, g->s->connector[node]);
+	place_siblings(g, g->child + g->child_first[node], g->child_first[node + 1] - g->child_first[node], at);
+	g->tree->end[at] = g->tree->count;
 }
 
 static void sort_faces(struct growth *g)
@@ -526,11 +513,10 @@ void billboard_tree_make(struct billboard_tree *tree, const struct lod_mesh *mes
 	for (uint32_t i = 0; i < n; i++)
 		add_component(&s, order[i]);
 	struct growth g = { .s = &s, .tree = tree, .below = take(&s, s.count, sizeof *g.below),
-		.place = take(&s, s.count, sizeof *g.place),
-		.spans = take(&s, 2 * (size_t)s.count + 2, sizeof *g.spans) };
+		.place = take(&s, s.count, sizeof *g.place) };
 	g.child_first = list_by(&s, s.parent, s.count, s.count, &g.child);
 	measure_below(&g);
-	place_all(&g);
+	place_node(&g, 0, ECO_NONE);
 	sort_faces(&g);
 	lod_arena_release(arena, mark);
 }

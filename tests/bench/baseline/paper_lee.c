@@ -112,70 +112,7 @@ void lod_lee_keep(uint32_t *kept, enum lod_lee_method method, const struct lod_l
 	lod_arena_release(arena, mark);
 }
 
-#define SECTORS 8u
 #define LEAVES_A_CELL 2.0 /* fewer are the whole's */
-
-const char *const paper_lee_names[PAPER_LEE_RULES] = { "Lee distance by view", "Lee distance by sector",
-	"Lee distance static", "Lee normal by view", "Lee normal by sector", "Lee normal static",
-	"Lee layer+normal by view", "Lee layer+normal by sector", "Lee layer+normal static" };
-
-/* ---- Orders ---- */
-
-static void keep_from(uint32_t *kept, uint32_t method, const struct lod_lee_group *groups, uint32_t count,
-	struct lod_v3 center, struct lod_v3 eye, uint64_t budget, struct lod_arena *arena)
-{
-	struct lod_lee_view view = { .eye = eye, .forward = lod_v3_unit(lod_v3_sub(center, eye)) };
-	lod_lee_keep(kept, (enum lod_lee_method)method, groups, count, &view, budget, arena);
-}
-
-/* From the eye's distance and height, in the middle of a sector; SECTORS: of the one that the eye is in. */
-static struct lod_v3 sector_eye(struct lod_v3 center, struct lod_v3 eye, uint32_t sector)
-{
-	double x = eye.x - center.x, y = eye.y - center.y, away = sqrt(x * x + y * y),
-		at = atan2(y, x) / (2 * LOD_PI);
-	if (sector == SECTORS)
-		sector = (uint32_t)((at < 0 ? at + 1 : at) * SECTORS) % SECTORS;
-	double turn = (sector + 0.5) * 2 * LOD_PI / SECTORS;
-	return (struct lod_v3){ center.x + away * cos(turn), center.y + away * sin(turn), eye.z };
-}
-
-static void keep_static(uint32_t *kept, uint32_t method, const struct lod_lee_group *groups, uint32_t count,
-	struct lod_v3 center, struct lod_v3 eye, uint64_t budget, struct lod_arena *arena)
-{
-	struct lod_arena_piece *mark = arena->last;
-	uint32_t *one = lod_arena_take(arena, count, sizeof *one);
-	uint64_t sum = 0;
-	memset(kept, 0, count * sizeof *kept);
-	for (uint32_t s = 0; s < SECTORS; s++) {
-		keep_from(one, method, groups, count, center, sector_eye(center, eye, s),
-			budget * (s + 1) / SECTORS - budget * s / SECTORS, arena);
-		for (uint32_t i = 0; i < count; i++)
-			kept[i] += one[i];
-	}
-	for (uint32_t i = 0; i < count; i++) {
-		kept[i] = kept[i] < groups[i].count ? kept[i] : groups[i].count;
-		sum += kept[i];
-	}
-	/* what several sectors asked twice of a cell, in the order of cells */
-	for (uint32_t i = 0; i < count && sum < budget; i++) {
-		uint64_t more = groups[i].count - kept[i];
-		more = more < budget - sum ? more : budget - sum;
-		kept[i] += (uint32_t)more;
-		sum += more;
-	}
-	lod_arena_release(arena, mark);
-}
-
-void paper_lee_keep(uint32_t *kept, uint32_t rule, const struct lod_lee_group *groups, uint32_t count,
-	const struct lod_v3 *center, const struct lod_v3 *eye, uint64_t budget, struct lod_arena *arena)
-{
-	uint32_t method = rule / PAPER_LEE_ORDERS, order = rule % PAPER_LEE_ORDERS;
-	if (order == PAPER_LEE_STATIC)
-		keep_static(kept, method, groups, count, *center, *eye, budget, arena);
-	else
-		keep_from(kept, method, groups, count, *center, order == PAPER_LEE_SECTOR
-			? sector_eye(*center, *eye, SECTORS) : *eye, budget, arena);
-}
 
 /* ---- Cells ---- */
 
@@ -264,8 +201,9 @@ static void add_cells(const struct each *e, const struct lod_anchor_band *anchor
 	struct lod_arena_piece *mark = e->lee->arena->last;
 	uint32_t *kept = lod_arena_take(e->lee->arena, of->count, sizeof *kept);
 	struct lod_v3 center = lod_v3_of(scene->anchors[scene->plants[plant].anchor_first].center);
-	paper_lee_keep(kept, e->lee->rule, of->groups, of->count, &center, &eye, (uint64_t)(lambda
-		* of->leaves), e->lee->arena);
+	const struct lod_lee_view view = { .eye = eye, .forward = lod_v3_unit(lod_v3_sub(center, eye)) };
+	lod_lee_keep(kept, e->lee->method, of->groups, of->count, &view, (uint64_t)(lambda * of->leaves),
+		e->lee->arena);
 	for (uint32_t a = 1; a < count; a++)
 		for (uint32_t g = 0; g < of->count; g++) {
 			const struct eco_ladder *l = &scene->ladders[of->ladders[g]];

@@ -19,8 +19,6 @@
 
 struct paper_deussen {
 	double splat_factor; /* c_p, 1.2 to 1.5; 0: 1.3 */
-	/* without the octree (6.1): all cells of a plant at its mean distance, over all instances of it */
-	bool whole;
 };
 
 /* The scene's points and lines. */
@@ -148,15 +146,10 @@ void lod_lee_keep(uint32_t *kept, enum lod_lee_method method, const struct lod_l
 	uint32_t group_count, const struct lod_lee_view *view, uint64_t budget, struct lod_arena *arena);
 
 /* On whole scenes the three orders choose among the cells of each plant, for a budget of leaves that Cook's
- * lambda gives each plant. The view is the plant's own; rounded to one of eight
- * sectors, so that orders could be made beforehand; or none (static): the eight sectors share the budget.
+ * lambda gives each plant, by the plant's own view.
  *
  * A cell keeps the first leaves of its list, scaled as Cook's are. A plant with a budget of so few
  * leaves that most cells would be empty draws the first leaves of the whole. */
-enum { PAPER_LEE_VIEW, PAPER_LEE_SECTOR, PAPER_LEE_STATIC, PAPER_LEE_ORDERS };
-#define PAPER_LEE_RULES (LOD_LEE_COUNT * PAPER_LEE_ORDERS)
-extern const char *const paper_lee_names[PAPER_LEE_RULES];
-
 struct paper_lee_plant { /* cells with leaves */
 	struct lod_lee_group *groups;
 	uint32_t *ladders, count;
@@ -164,16 +157,12 @@ struct paper_lee_plant { /* cells with leaves */
 };
 struct paper_lee {
 	const struct paper_tables *tables;
-	uint32_t rule;                  /* method * PAPER_LEE_ORDERS + order */
+	enum lod_lee_method method;
 	struct paper_lee_plant *plants;
 	struct lod_arena *arena;
 };
 enum eco_code paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s, struct eco_error *error);
 void paper_lee_end(struct paper_lee *lee);
 enum eco_code paper_lee(struct paper *p, double full_m, void *lee, struct eco_error *error);
-
-/* Leaves of each group for an eye in the plant's own coordinates. */
-void paper_lee_keep(uint32_t *kept, uint32_t rule, const struct lod_lee_group *groups, uint32_t count,
-	const struct lod_v3 *center, const struct lod_v3 *eye, uint64_t budget, struct lod_arena *arena);
 
 #endif

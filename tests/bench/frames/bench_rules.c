@@ -17,22 +17,16 @@ static const char *const scenes[] = { "park", "outdoor", "trees5000", "scbi" };
 
 enum rule {
 	DEUSSEN_OURS,
-	DEUSSEN_PLAIN,
 	DEUSSEN_2002,
 	COOK,
 	COOK_CORRECTED,
 	NEUBERT,
 	NEUBERT_OCCLUDED,
 	LEE_FIRST,
-	RULES = LEE_FIRST + PAPER_LEE_RULES
+	RULES = LEE_FIRST + LOD_LEE_COUNT
 };
-static const char *const names[] = { "Deussen's rule on our lists", "the same with triangles lines points",
-	"Deussen 2002 as printed", "Cook 1/lambda", "Cook corrected", "Neubert", "Neubert with occlusion" };
-
-static const char *name_of(uint32_t rule)
-{
-	return rule < LEE_FIRST ? names[rule] : paper_lee_names[rule - LEE_FIRST];
-}
+static const char *const names[RULES] = { "Deussen's rule on our lists", "Deussen 2002 as printed", "Cook 1/lambda", "Cook corrected", "Neubert", "Neubert with occlusion", "Lee distance by view",
+	"Lee normal by view", "Lee layer+normal by view" };
 
 /* Figures of the rule, then the same of ours at its vertices. */
 static const struct bench_column columns[] = { { "vertices", 0 }, { "wrong pixels", 0 }, { "Q", 4 }, {
@@ -50,7 +44,7 @@ struct shot {
 	uint32_t view;
 	struct eco_request request;
 	struct bench_client *client;
-	struct paper_scene *ours, *papers; /* packs: of our order, of the stochastic order */
+	struct paper_scene *papers; /* of the stochastic order */
 	struct paper_tables *tables;
 	struct view_picture base; /* ours */
 };
@@ -67,23 +61,6 @@ static json_t *row_of(const struct bench_frame *theirs, const struct bench_frame
 		if (f == ours)
 			return bench_reals(row, FIGURES);
 	}
-}
-
-/* The planner's rule for lists of triangles, lines and points alone. */
-static enum eco_code plan_plain(struct shot *shot, struct eco_plan *plan, struct eco_error *error)
-{
-	struct eco_scene scene = *shot->ours->scene;
-	struct eco_ladder *ladders = malloc((scene.ladder_count + 1u) * sizeof *ladders);
-	if (!ladders)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for ladders");
-	memcpy(ladders, scene.ladders, scene.ladder_count * sizeof *ladders);
-	for (uint32_t i = 0; i < scene.ladder_count; i++)
-		ladders[i].simple = ECO_NONE;
-	scene.ladders = ladders;
-	enum eco_code code = lod_plan(plan, &(struct lod_planner_input){ .scene = &scene,
-		.request = &shot->request, .rule = lod_rule_deussen }, error);
-	free(ladders);
-	return code;
 }
 
 static enum eco_code solve(struct shot *shot, paper_rule *rule, void *ctx, struct paper_frame *frame,
@@ -112,13 +89,9 @@ static enum eco_code draw_rule(struct shot *shot, uint32_t rule, struct paper_fr
 	struct eco_error *error)
 {
 	struct paper_cook cook = { .tables = rule == COOK ? NULL : shot->tables, .optimal = rule == NEUBERT };
-	struct paper_lee lee = { .tables = shot->tables, .rule = rule - LEE_FIRST };
-	struct eco_plan plan = { 0 };
+	struct paper_lee lee = { .tables = shot->tables, .method = (enum lod_lee_method)(rule - LEE_FIRST) };
 	enum eco_code code;
 	switch (rule) {
-	case DEUSSEN_PLAIN:
-		code = plan_plain(shot, &plan, error);
-		return code ? code : paper_draw(shot->ours, &plan, &shot->request.view, true, frame, error);
 	case DEUSSEN_2002:
 		return solve(shot, paper_deussen, NULL, frame, error);
 	case COOK:
@@ -176,7 +149,6 @@ static enum eco_code open_packs(struct shot *shot, struct eco_error *error)
 	if (!code) {
 		bench_client_see(shot->client);
 		bench_client_untimed(shot->client);
-		code = paper_scene_open(&shot->ours, shot->packs->ours, error);
 	}
 	if (!code)
 		code = paper_scene_open(&shot->papers, shot->packs->stochastic, error);
@@ -187,7 +159,6 @@ static void close_packs(struct shot *shot)
 {
 	bench_client_close(shot->client);
 	paper_tables_free(shot->tables);
-	paper_scene_close(shot->ours);
 	paper_scene_close(shot->papers);
 }
 
@@ -239,12 +210,12 @@ static void write_scene(struct bench *bench, struct bench_table *table, const ch
 		{ "outdoor", ">= 0.25: likewise" }, { "trees5000", ">= 0.08: likewise" } };
 	char file[128], caption[192];
 	for (uint32_t r = 0; r < RULES; r++) {
-		bench_table_values(table, mean[r], "%s,%s", scene, name_of(r));
+		bench_table_values(table, mean[r], "%s,%s", scene, names[r]);
 		if (r != DEUSSEN_2002 && r != COOK_CORRECTED && r != NEUBERT_OCCLUDED)
 			continue;
 		snprintf(file, sizeof file, "rules-%s-0-%u.png", scene, r);
 		snprintf(caption, sizeof caption, "%s at %u vertices: ours; %s; full detail", scene, VERTICES,
-			name_of(r));
+			names[r]);
 		bench_picture(bench, file, caption);
 	}
 	for (size_t i = 0; i < sizeof equal / sizeof *equal; i++) {

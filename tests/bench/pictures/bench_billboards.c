@@ -7,8 +7,8 @@
 #include <time.h>
 
 #include "ecofiles/base/angle16.h"
+#include "lod/build/model_draw.h"
 #include "lod/build/order/rank.h"
-#include "lod/build/weld.h"
 #include "tests/bench/baseline/billboard_cloud.h"
 #include "tests/bench/bench_leaves.h"
 
@@ -20,7 +20,6 @@
 #define SIZES 2u
 #define AWAY 512.0                       /* of the camera, radii */
 #define FRAME 1.02
-#define SOUP 1024u
 #define PIXELS 256u
 #define TURN_VIEWS 36u
 #define TURN_UP 0.1                      /* the eye's height over the plant's middle, as a slope */
@@ -61,28 +60,6 @@ struct study {
 
 /* ---- Pictures ---- */
 
-/* Returns the height. */
-static double bound(struct study *s)
-{
-	const struct eco_model *model = &s->leaves->model;
-	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY },
-		far2 = 0;
-	for (int pass = 0; pass < 2; pass++)
-		for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
-			const float *at = model->position + 3 * (size_t)model->index[i];
-			double d2 = 0;
-			for (int k = 0; k < 3; k++) {
-				low[k] = at[k] < low[k] ? at[k] : low[k];
-				high[k] = at[k] > high[k] ? at[k] : high[k];
-				s->center[k] = (low[k] + high[k]) / 2;
-				d2 += (at[k] - s->center[k]) * (at[k] - s->center[k]);
-			}
-			far2 = pass && d2 > far2 ? d2 : far2;
-		}
-	s->radius = sqrt(far2);
-	return high[2] - low[2];
-}
-
 static void place_eyes(struct study *s)
 {
 	for (uint32_t i = 0; i < VIEWS; i++) {
@@ -99,33 +76,6 @@ static void place_eyes(struct study *s)
 	}
 }
 
-/* All triangles that import would keep, cut out by their textures. */
-static void draw_model(const struct eco_model *model, struct lod_raster *raster)
-{
-	float position[9 * SOUP], uv[6 * SOUP];
-	uint32_t count = 0;
-	for (uint32_t t = 0; t < model->triangle_count; t++) {
-		enum eco_drop why;
-		bool good = lod_mesh_usable(model, t, &why);
-		for (uint32_t i = 0; i < 3 && good; i++) {
-			size_t vertex = model->index[3 * (size_t)t + i];
-			memcpy(position + 9 * count + 3 * i, model->position + 3 * vertex, 3 * sizeof(float));
-			if (model->uv)
-				memcpy(uv + 6 * count + 2 * i, model->uv + 2 * vertex, 2 * sizeof(float));
-		}
-		count += good;
-		if (count < SOUP && t + 1 < model->triangle_count
-				&& model->material[t + 1] == model->material[t])
-			continue;
-		const struct eco_material *m = lod_mesh_material(model, model->material[t]);
-		const struct eco_image *image = m->cutout && model->uv && m->image < model->image_count
-			? &model->images[m->image] : NULL;
-		lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = count, .position = position,
-			.uv = image ? uv : NULL, .cutout = image, .owner = 1 });
-		count = 0;
-	}
-}
-
 /* The whole plant without a cloud. */
 static void shoot(struct study *s, uint32_t view, const struct lod_billboard_cloud *cloud,
 	struct lod_raster *raster)
@@ -138,12 +88,15 @@ static void shoot(struct study *s, uint32_t view, const struct lod_billboard_clo
 	if (cloud)
 		lod_billboard_cloud_draw(cloud, raster);
 	else
-		draw_model(&s->leaves->model, raster);
+		lod_model_draw(&s->leaves->model, NULL, raster);
 }
 
 static enum eco_code open_pictures(struct study *s, struct eco_error *error)
 {
-	double height = bound(s);
+	float low[3] = { 0 }, high[3] = { 0 };
+	lod_model_bounds(&s->leaves->model, low, high);
+	s->radius = lod_model_sphere(&s->leaves->model, s->center);
+	double height = (double)high[2] - (double)low[2];
 	enum eco_code code = height > 0.05 * s->radius ? ECO_OK
 		: eco_fail(error, ECO_UNSUPPORTED, "a plant without height");
 	place_eyes(s);
@@ -207,7 +160,7 @@ static void paint(struct study *s, const struct lod_billboard_cloud *cloud, uint
 		bool shown = size->raster.cover[i], wanted = size->whole[VIEW][i];
 		memset(at, 255, 3);
 		if (shown)
-			memcpy(at, rgb[size->raster.item[i]], 3);
+			memcpy(at, rgb[cloud ? size->raster.item[i] : 0], 3);
 		if (panel + 2 == PANELS)
 			memset(at + 3 * (size_t)size->side, !wanted && !shown ? 255 : !wanted ? 0 : shown ? 210
 				: 130, 3);
