@@ -351,7 +351,7 @@ include client-min/web/web.mk
 # ---- Demonstrations: everything lands in $(B)/demo and $(B)/forest ----
 
 demo: deps
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/source_check
+	@$(MAKE) --no-print-directory -j$$(nproc) all
 	BUILD=$(B) sh tests/demo/demo.sh
 
 forest: deps

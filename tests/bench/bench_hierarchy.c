@@ -1,7 +1,5 @@
-/* Hierarchy at scale: forests of 10^6, 10^9 and 10^12 plants from one hectare in blocks of blocks.
- *
- * A plan costs what is seen, not what exists: two scenes that show the same have plans that take as long. The
- * small scene is the thousand hectares of the large one around the point looked at, each placed by itself. */
+/* Hierarchy at scale: forests of 10^6, 10^9 and 10^12 plants from one hectare in blocks of blocks. A plan costs
+ * what is seen, not what exists. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,8 +11,6 @@
 
 #define HEIGHTS 6u
 #define VERTICES 1000000u
-#define NEAR_M 1750.0            /* around the point looked at: about a thousand hectares */
-#define LOOKED_AT 137.0          /* m above it */
 
 static const struct forest { const char *name; double plants, half_m; } forests[] =
 { { "million", 1e6, 200 }, { "billion", 1e9, 50000 },
@@ -22,86 +18,21 @@ static const struct forest { const char *name; double plants, half_m; } forests[
 
 /* ---- Packs ---- */
 
-static enum eco_code make_scene(struct bench *bench, const char *scene, const char *pack,
-	struct eco_error *error)
-{
-	return bench_command(bench, error, "'%s/ecopack' make '%s' -o '%s' --order stochastic --cache "
-		"'%s/plants' --quiet", bench->build, scene, pack, bench->cache);
-}
-
 static enum eco_code make_forest(struct bench *bench, const struct forest *f, char pack[512],
 	struct eco_error *error)
 {
-	char folder[480], scene[500];
+	char folder[480];
 	snprintf(folder, sizeof folder, "%s/hierarchy-%s", bench->cache, f->name);
-	snprintf(scene, sizeof scene, "%s/scene.json", folder);
 	snprintf(pack, 512, "%s.eco", folder);
-	enum eco_code code = bench_command(bench, error, "'%s/ecopack' generate billion --plants %.0f -o "
-		"'%s' --quiet", bench->build, f->plants, folder);
-	return code ? code : make_scene(bench, scene, pack, error);
+	return bench_command(bench, error, "'%s/ecopack' generate billion --plants %.0f -o '%s' --quiet && "
+		"'%s/ecopack' make '%s/scene.json' -o '%s' --order stochastic --cache '%s/plants' --quiet",
+		bench->build, f->plants, folder, bench->build, folder, pack, bench->cache);
 }
 
 static double megabytes(const char *path)
 {
 	struct stat status;
 	return stat(path, &status) ? NAN : (double)status.st_size / 1048576;
-}
-
-/* ---- The hectares around a point ---- */
-
-struct frame { double at[2]; int quarters; };
-
-static struct frame inside(const struct frame *outer, const json_t *child)
-{
-	static const int cosine[4] = { 1, 0, -1, 0 }, sine[4] = { 0, 1, 0, -1 };
-	double x = json_number_value(json_array_get(json_object_get(child, "at"), 0)),
-		y = json_number_value(json_array_get(json_object_get(child, "at"), 1));
-	int q = outer->quarters;
-	return (struct frame){
-		{ outer->at[0] + cosine[q] * x - sine[q] * y, outer->at[1] + sine[q] * x + cosine[q] * y },
-			(q + (int)(json_number_value(json_object_get(child, "yaw_deg")) / 90 + 0.5)) % 4 };
-}
-
-static void collect(const char *folder, const char *file, const struct frame *frame, double side_m,
-	json_t *hectares)
-{
-	char path[800];
-	snprintf(path, sizeof path, "%s/%s", folder, file);
-	json_t *scene = json_load_file(path, 0, NULL), *child;
-	size_t i;
-	json_array_foreach(json_object_get(scene, "children"), i, child) {
-		const char *eco = json_string_value(json_object_get(child, "eco"));
-		struct frame here = inside(frame, child);
-		double reach = NEAR_M + (eco[0] == 'b' ? side_m / 2 : 0);
-		if (fabs(here.at[0]) > reach || fabs(here.at[1]) > reach)
-			continue;
-		if (eco[0] == 'b')
-			collect(folder, eco, &here, side_m / 10, hectares);
-		else
-			json_array_append_new(hectares,
-				json_pack("{s:s, s:[f,f,i], s:i}", "eco", eco, "at", here.at[0], here.at[1],
-				0, "yaw_deg", 90 * here.quarters));
-	}
-	json_decref(scene);
-}
-
-static enum eco_code make_near(struct bench *bench, const struct forest *f, char pack[512], size_t *hectares,
-	struct eco_error *error)
-{
-	char folder[480], scene[500];
-	struct frame here = { { 0, 0 }, 0 };
-	json_t *all = json_array();
-	snprintf(folder, sizeof folder, "%s/hierarchy-%s", bench->cache, f->name);
-	snprintf(scene, sizeof scene, "%s/near.json", folder);
-	snprintf(pack, 512, "%s/hierarchy-near.eco", bench->cache);
-	collect(folder, "scene.json", &here, f->half_m / 5, all);
-	*hectares = json_array_size(all);
-	json_t *root = json_pack("{s:s, s:o}", "name", "near", "children", all);
-	bool written = root && json_dump_file(root, scene, 0) == 0;
-	json_decref(root);
-	if (!written)
-		return eco_fail(error, ECO_IO, "%s: cannot be written", scene);
-	return make_scene(bench, scene, pack, error);
 }
 
 /* ---- Views ---- */
@@ -205,11 +136,9 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct bench_table *table = bench_table_open(bench, "hierarchy",
 		"plants,height_m,vertices,bytes,plan_ms,predicted_q,q,reference_summaries", true);
-	char packs[3][512], near[512];
-	double ms[2] = { NAN, NAN }, worst_q = 1;
+	char packs[3][512];
+	double worst_q = 1;
 	struct resident resident = { NAN, NAN, -1, 0 };
-	size_t hectares = 0;
-	struct eco_request request = look((double[3]){ 41, -191, LOOKED_AT }, (double[3]){ 0, 0, 0 });
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < 3 && !code; i++) {
 		code = make_forest(bench, &forests[i], packs[i], error);
@@ -217,12 +146,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 			code = draw_heights(bench, &forests[i], packs[i], table, &worst_q, error);
 	}
 	bench_table_close(table);
-	if (!code)
-		code = make_near(bench, &forests[1], near, &hectares, error);
-	if (!code)
-		code = plan_ms(near, &request, &ms[0], error);
-	if (!code)
-		code = plan_ms(packs[1], &request, &ms[1], error);
 	if (!code)
 		code = serve(bench, packs[1], &resident, error);
 	if (code)
@@ -232,13 +155,9 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"MB of 10^12 plants, which open and plan");
 	bench_key(bench, "hierarchy_resident_mb", resident.now_mb,
 		"<= 134: MB of ecoserve after 1,000 random views (128 MiB)");
-	bench_key(bench, "hierarchy_plan_ratio", ms[1] / ms[0], "<= 1.5: times the plan of the 10^6 plants "
-		"that are seen");
 	bench_key(bench, "hierarchy_q", worst_q, ">= 0.8 where full detail can be drawn");
-	bench_say(bench, "A plan from %.0f m above: %.2f ms of %zu hectares alone, %.2f ms where they are "
-		"part of 10^9 plants. %d random views served, %d not answered with a stream; %.1f MB "
-		"resident " "at the end, %.1f at most.", LOOKED_AT, ms[0], hectares, ms[1], resident.views,
-		resident.bad, resident.now_mb, resident.most_mb);
+	bench_say(bench, "%d random views served, %d not answered with a stream; %.1f MB resident at the end, %.1f at "
+		"most.", resident.views, resident.bad, resident.now_mb, resident.most_mb);
 	return ECO_OK;
 }
 

@@ -37,20 +37,15 @@ curl -fsS "$BASE/v1/scenes/oak/plan?eye=7,-2,4&target=0,0,9&fov_y_deg=80&width=8
 stop_serving
 cp "$OUT/near/kinds/frame-0000.png" "$OUT/near-kinds.png"
 
-# single plants at full detail against the files they came from
-for plant in oak spruce palm shrub grass poppy; do set -- "$@" "$OUT/park/models/$plant.obj"; done
-BUILD=$BUILD "$(dirname "$0")/../bench/fidelity.sh" "$OUT/fidelity" "$@"
-
 jq -n --slurpfile a "$OUT/frames-300k/report.json" --slurpfile b "$OUT/frames-30k/report.json" --slurpfile load "$OUT/load.json" \
-	--slurpfile near "$OUT/near-oak/report.json" --slurpfile plan "$OUT/near/plan.json" --slurpfile plants "$OUT/fidelity/fidelity.json" '
+	--slurpfile near "$OUT/near-oak/report.json" --slurpfile plan "$OUT/near/plan.json" '
 	def mean(f): map(f | select(. != null)) | if length == 0 then null else add / length end;
 	def of: .[0].frames | {frames: length, q_mean: mean(.q), q_min: (map(.q) | min), skill_mean: mean(.skill), owner_q_mean: mean(.owner_q),
 		violations: (map(select(.vertices > .budget_vertices)) | length)};
 	{budget_300k: ($a | of), budget_30k: ($b | of), load: $load[0],
 	 near_oak: ($near[0].frames[0] | {budget_vertices, vertices, q, cuts: ($plan[0].cuts | {triangles: map(select(.kind == "triangles")) | length,
 		lines: map(select(.kind == "lines")) | length, points: map(select(.kind == "points")) | length,
-		blends: map(select(.kind == "points" and .first > 0)) | length})}),
-	 single_plants: {q_min: ($plants[0] | map(.q_min) | min), all_add_up: ($plants[0] | all(.adds_up)), plants: $plants[0]}}' >"$OUT/summary.json"
+		blends: map(select(.kind == "points" and .first > 0)) | length})})}' >"$OUT/summary.json"
 page "$OUT/index.html" "ecostream: a park, streamed" \
 	"Sixty plants of twelve kinds, streamed at 300,000 and at 30,000 vertices a picture." "$OUT/summary.json" "$OUT/frames-300k" "$OUT/frames-30k" "$OUT/near-oak" "$OUT/frames-flight"
 sed -i 's|<h2>Figures|<h2>One oak from close by</h2><p>40,000 vertices: polygons green, lines red, points blue, blends of points and polygons yellow and orange.</p><img style="max-width:800px" src="near-kinds.png" alt="kinds"><h2>Figures|' "$OUT/index.html"
