@@ -4,16 +4,12 @@
  * so is a damaged one. Files are written beside and renamed. */
 #include "tests/bench/bench_state.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <glob.h>
 #include <math.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -73,18 +69,6 @@ double bench_now_s(void)
 	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-double bench_cpu_s(void)
-{
-	double sum = 0;
-	for (int i = 0; i < 2; i++) {
-		struct rusage used;
-		getrusage(i ? RUSAGE_CHILDREN : RUSAGE_SELF, &used);
-		sum += (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec)
-			+ 1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
-	}
-	return sum;
-}
-
 static void erase_line(void)
 {
 	if (line_shown)
@@ -121,21 +105,6 @@ void bench_progress(struct bench *bench, double share, const char *what)
 
 /* ---- Files ---- */
 
-enum eco_code bench_folder_make(const char *path, struct eco_error *error)
-{
-	char part[PATH];
-	struct stat status;
-	for (const char *c = path; *c; c += strcspn(c, "/")) {
-		c += strspn(c, "/");
-		snprintf(part, sizeof part, "%.*s", (int)(c - path + (ptrdiff_t)strcspn(c, "/")), path);
-		if (mkdir(part, 0777) && errno != EEXIST)
-			return eco_fail(error, ECO_IO, "%s: cannot make this folder: %s", part,
-				strerror(errno));
-	}
-	return stat(path, &status) == 0 && S_ISDIR(status.st_mode) ? ECO_OK
-		: eco_fail(error, ECO_IO, "%s: is no folder", path);
-}
-
 json_t *bench_json_read(const char *path) { return json_load_file(path, JSON_REJECT_DUPLICATES, NULL); }
 
 enum eco_code bench_json_write(const char *path, const json_t *value, struct eco_error *error)
@@ -161,14 +130,7 @@ static void unit_path(char out[PATH], const struct bench *bench, const char *uni
 
 /* ---- Units ---- */
 
-static void add_cpu(struct bench_state *state, double cpu_s)
-{
-	state->units_cpu_s += cpu_s;
-	state->longest_cpu_s = fmax(state->longest_cpu_s, cpu_s);
-	state->unit_cpu_s = bench_cpu_s();
-}
-
-json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp)
+static json_t *recall(struct bench *bench, const char *unit, const char *stamp)
 {
 	char path[PATH];
 	struct bench_state *s = bench->state;
@@ -177,40 +139,34 @@ json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp)
 		return NULL;
 	const char *name = "", *program = "", *under = "";
 	json_t *kept = bench_json_read(path), *result = NULL;
-	double cpu_s = 0;
-	if (json_unpack(kept, "{s:s, s:s, s:s, s:F, s:o}", "unit", &name, "program", &program, "stamp",
-		&under,
-			"cpu_s", &cpu_s, "result", &result) || strcmp(name, unit)) {
+	if (json_unpack(kept, "{s:s, s:s, s:s, s:o}", "unit", &name, "program", &program, "stamp", &under, "result",
+			&result) || strcmp(name, unit)) {
 		bench_note(bench, "%s is damaged: this piece of work is done anew", path);
 		result = NULL;
-	} else if (strcmp(under, stamp ? stamp : "") || (strcmp(program, s->program) && !s->trust)) {
+	} else if (strcmp(under, stamp) || (strcmp(program, s->program) && !s->trust)) {
 		result = NULL;
 	} else {
 		json_array_append(s->held, result);
-		add_cpu(s, cpu_s);
 		s->recalled++;
 	}
 	json_decref(kept);
 	return result;
 }
 
-json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, json_t *result)
+static void keep(struct bench *bench, const char *unit, const char *stamp, json_t *result)
 {
 	char path[PATH];
 	struct bench_state *s = bench->state;
 	struct eco_error error = { 0 };
-	double cpu_s = bench_cpu_s() - s->unit_cpu_s;
 	unit_path(path, bench, unit);
-	json_t *kept = json_pack("{s:s, s:s, s:s, s:f, s:O}", "unit", unit, "program", s->program, "stamp",
-		stamp ? stamp : "", "cpu_s", cpu_s, "result", result);
+	json_t *kept = json_pack("{s:s, s:s, s:s, s:O}", "unit", unit, "program", s->program, "stamp", stamp,
+		"result", result);
 	/* a full disk costs the next run some time, not this one its result */
 	if (bench_json_write(path, kept, &error))
 		bench_note(bench, "%s; not kept", error.text);
 	json_decref(kept);
-	add_cpu(s, cpu_s);
 	json_array_append_new(s->held, result);
 	s->kept++;
-	return result;
 }
 
 enum eco_code bench_go_on(const struct bench *bench, struct eco_error *error)
@@ -223,14 +179,14 @@ enum eco_code bench_unit(struct bench *bench, const char *unit, const char *stam
 {
 	json_t *made = NULL;
 	enum eco_code code = bench_go_on(bench, error);
-	*result = code ? NULL : bench_recall(bench, unit, stamp);
+	*result = code ? NULL : recall(bench, unit, stamp ? stamp : "");
 	if (code || *result)
 		return code;
 	code = make(ctx, &made, error);
 	if (code)
 		json_decref(made);
 	else
-		*result = bench_keep(bench, unit, stamp, made);
+		keep(bench, unit, stamp ? stamp : "", *result = made);
 	return code;
 }
 
@@ -364,14 +320,9 @@ static void say_left_out(struct bench *bench)
 
 enum eco_code bench_open(struct bench *bench, struct eco_error *error)
 {
-	char path[PATH];
 	bench->state->held = json_array();
-	enum eco_code code = bench_folder_make(bench->out, error);
-	for (int i = 0; i < 2 && !code; i++) {
-		snprintf(path, sizeof path, "%s/%s", bench->cache, i ? "sections" : "units");
-		code = bench_folder_make(path, error);
-	}
-	return code;
+	return bench_command(bench, error, "mkdir -p '%s' '%s/units' '%s/sections'", bench->out, bench->cache,
+		bench->cache);
 }
 
 void bench_close(struct bench *bench)
@@ -392,19 +343,6 @@ void bench_begin(struct bench *bench, const struct bench_section *section)
 	s->left_out = json_object();
 	s->kept = s->recalled = 0;
 	s->begun_s = bench_now_s();
-	s->begun_cpu_s = s->unit_cpu_s = bench_cpu_s();
-	s->units_cpu_s = s->longest_cpu_s = 0;
-}
-
-/* An interrupted section does not replace a complete one of the same program. */
-static bool better_there(const struct bench *bench, const char *path)
-{
-	json_t *old = bench_json_read(path);
-	const char *state = "", *program = "";
-	json_unpack(old, "{s:s, s:s}", "state", &state, "program", &program);
-	bool better = !strcmp(state, "done") && !strcmp(program, bench->state->program);
-	json_decref(old);
-	return better;
 }
 
 enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_error *error)
@@ -412,24 +350,19 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 	char path[PATH];
 	struct bench_state *s = bench->state;
 	struct eco_error why = { 0 };
-	double seconds = bench_now_s() - s->begun_s, cpu_s = bench_cpu_s() - s->begun_cpu_s;
+	double seconds = bench_now_s() - s->begun_s;
 	const char *state = code == ECO_OK ? "done" : code == ECO_INTERRUPTED ? "interrupted"
 		: code == ECO_NOT_FOUND ? "missing" : "failed";
-	enum eco_code written = ECO_OK;
 	bool told = code && code != ECO_INTERRUPTED;
 	say_left_out(bench);
-	json_t *more = json_pack("{s:s, s:f, s:f, s:f, s:f, s:s}", "state", state, "seconds", seconds,
-		"cpu_s", cpu_s, "units_cpu_s", s->units_cpu_s, "longest_cpu_s", s->longest_cpu_s, "why", code
-		? error->text : "");
+	json_t *more = json_pack("{s:s, s:f, s:s}", "state", state, "seconds", seconds, "why", code ? error->text
+		: "");
 	json_object_update(s->record, more);
 	json_decref(more);
 	snprintf(path, sizeof path, "%s/sections/%s.json", bench->cache, s->section->name);
-	if (code != ECO_INTERRUPTED || !better_there(bench, path))
-		written = bench_json_write(path, s->record, &why);
-	bench_note(bench,
-		"%s: %s in %.1f s, %.1f s of processor time (%u pieces of work done, %u were there)%s%s",
-		s->section->name, state, seconds, cpu_s, s->kept, s->recalled, told ? ": " : "", told
-		? error->text : "");
+	enum eco_code written = bench_json_write(path, s->record, &why);
+	bench_note(bench, "%s: %s in %.1f s (%u pieces of work done, %u were there)%s%s", s->section->name, state,
+		seconds, s->kept, s->recalled, told ? ": " : "", told ? error->text : "");
 	if (written)
 		bench_note(bench, "%s", why.text);
 	json_decref(s->left_out);

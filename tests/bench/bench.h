@@ -61,10 +61,6 @@ enum eco_code bench_command(struct bench *bench, struct eco_error *error, const 
 typedef enum eco_code bench_make(void *ctx, json_t **result, struct eco_error *error);
 enum eco_code bench_unit(struct bench *bench, const char *unit, const char *stamp, bench_make *make, void
 	*ctx, json_t **result, struct eco_error *error);
-/* The two halves of bench_unit: NULL where it is not kept; keeps a result, takes over its reference and
- * returns it. */
-json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp);
-json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, json_t *result);
 /* Units from here on come from these objects (see bench_section), for units of several sections. Returns the
  * objects before, to put back. */
 const char *bench_objects(struct bench *bench, const char *objects);

@@ -24,19 +24,15 @@ static struct arguments {
 } given;
 static struct bench_state state;
 
-/* Time of all pieces of work, whichever run did them; work that two sections share counts in both. */
 static void print_list(void)
 {
-	printf("%-12s %-12s %11s %11s\n", "section", "state", "processor s", "longest");
 	for (const struct bench_section *const *s = given.sections; *s; s++) {
 		char path[1024];
 		const char *done = "-";
-		double all = 0, longest = 0;
 		snprintf(path, sizeof path, "%s/sections/%s.json", given.bench.cache, (*s)->name);
 		json_t *record = bench_json_read(path);
-		json_unpack(record, "{s:s, s:F, s:F}", "state", &done, "units_cpu_s", &all, "longest_cpu_s",
-			&longest);
-		printf("%-12s %-12s %11.0f %11.0f  %s\n", (*s)->name, done, all, longest, (*s)->title);
+		json_unpack(record, "{s:s}", "state", &done);
+		printf("%-12s %-12s %s\n", (*s)->name, done, (*s)->title);
 		json_decref(record);
 	}
 }
@@ -160,12 +156,6 @@ static enum eco_code read_only(const char *text, void *value, struct eco_error *
 	return ECO_OK;
 }
 
-static enum eco_code read_extreme(const char *text, void *value, struct eco_error *error)
-{
-	return text ? eco_fail(error, ECO_BAD_USAGE, "--extreme takes no value")
-		: read_only("extreme", value, error);
-}
-
 static const struct eco_option options[] = {
 	{ "full", 0, ECO_OPTION_FLAG, NULL, &given.bench.full,
 		.help = "all methods, scenes and frames; else fewer of them, and the same keys" },
@@ -184,10 +174,6 @@ static const struct eco_option options[] = {
 		.help =
 		"runs this section, or several (with commas, or the option again); the report keeps earlier "
 		"results of the others" },
-	{ "extreme", 0, ECO_OPTION_READ, NULL, &given, .read = read_extreme, .has_optional_value = true,
-		.help =
-		"--only extreme: the cases at the edge of what numbers can say; status 1 if one does not hold"
-		},
 	{ "jobs", 0, ECO_OPTION_COUNT, "N", &given.jobs, 1, JOBS_MAX,
 		.help =
 		"sections that run at the same time, each in a process of its own; 1 if not given. Sections "
@@ -195,14 +181,12 @@ static const struct eco_option options[] = {
 	{ "trust", 0, ECO_OPTION_FLAG, NULL, &state.trust,
 		.help = "takes pieces of work that another build of ecobench did" },
 	{ "list", 0, ECO_OPTION_FLAG, NULL, &given.list,
-		.help =
-		"names sections, their state, and the processor time that they and their longest piece of "
-		"work took" },
+		.help = "names sections and their state" },
 	{ "quiet", 'q', ECO_OPTION_FLAG, NULL, &state.quiet, .help = "no progress" }, { 0 } };
 
 static const struct eco_command command = { .name = "ecobench", .options = options,
 	.synopsis = "[--full] [--data DIR] [--out DIR] [--cache DIR] [--build DIR] [--only SECTION]... "
-	"[--extreme] [--jobs N] [--trust] [--list]",
+	"[--jobs N] [--trust] [--list]",
 	.says = "Error against run time of the methods of the literature and ours, on the same scenes.",
 	.notes =
 	"Ctrl-C finishes the piece of work at hand, writes the report and ends with status 130; the next run "

@@ -199,7 +199,7 @@ static enum eco_code make_folder(struct bench *bench, const struct scene *s, cha
 	scene_stamp(bench, s, stamp);
 	if (stamp_fits(bench, scene, stamp))
 		return ECO_OK;
-	enum eco_code code = bench_folder_make(folder, error);
+	enum eco_code code = bench_command(bench, error, "mkdir -p '%s'", folder);
 	int locked = bench_lock(bench);
 	if (stamp_fits(bench, scene, stamp)) {               /* another process has made it meanwhile */
 		bench_unlock(locked);
@@ -251,9 +251,7 @@ enum eco_code bench_scene(struct bench *bench, const char *name, const char *ord
 		return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", bench->cache);
 	if (stamp_fits(bench, path, stamp))
 		return ECO_OK;
-	char packs[PATH];
-	snprintf(packs, sizeof packs, "%s/packs", bench->cache);
-	code = bench_folder_make(packs, error);
+	code = bench_command(bench, error, "mkdir -p '%s/packs'", bench->cache);
 	int locked = bench_lock(bench);
 	if (!code && !stamp_fits(bench, path, stamp))
 		code = make_pack(bench, name, order, path, stamp, error);

@@ -9,7 +9,7 @@
  * A record holds all results of a section:
  *   {"name", "title", "program": stamp, "full", "state": "done" | "interrupted" | "missing" | "failed",
  * "why",
- *    "seconds", "cpu_s", "units_cpu_s", "longest_cpu_s", "keys": [{"key", "value", "bar"}], "items": [item]}
+ *    "seconds", "keys": [{"key", "value", "bar"}], "items": [item]}
  * and an item is
  *   {"kind": "head" | "say", "text"}, {"kind": "picture", "file", "caption"},
  *   {"kind": "table", "name", "columns", "show", "rows": ["cell,cell"]} or
@@ -32,10 +32,7 @@ struct bench_state {
 	json_t *record, *items, *keys;       /* the latter two within the first */
 	json_t *left_out;            /* an object whose keys are names */
 	json_t *held;                /* units that were given out */
-	double begun_s, begun_cpu_s; /* of the section */
-	double unit_cpu_s;           /* when the last unit ended */
-	double units_cpu_s;          /* of all its units, in any run */
-	double longest_cpu_s;        /* of one unit: most that an interruption may lose */
+	double begun_s;              /* of the section */
 	uint32_t kept, recalled;     /* units of this section that were done, and that were there */
 };
 
@@ -55,8 +52,6 @@ enum eco_code bench_report_write(struct bench *bench, const struct bench_section
 int bench_main(int argc, char **argv, const struct bench_section *const *sections);
 
 double bench_now_s(void);
-/* Processor time of this process and of its children that have ended. */
-double bench_cpu_s(void);
 void bench_catch_interrupts(void);
 void bench_note(const struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
@@ -66,8 +61,6 @@ void bench_unlock(int lock);
 
 /* As vasprintf, but there is always a text. The caller frees it. */
 char *bench_text(const char *format, va_list args);
-#define bench_file_write eco_file_write
-enum eco_code bench_folder_make(const char *path, struct eco_error *error);      /* with those above it */
 /* NULL where the file is missing or damaged. */
 json_t *bench_json_read(const char *path);
 enum eco_code bench_json_write(const char *path, const json_t *value, struct eco_error *error);

@@ -247,10 +247,8 @@ static enum eco_code study_all(struct study *s, struct bench *bench, struct eco_
 	char folder[512];
 	snprintf(folder, sizeof folder, "%.440s/scenes/cards", bench->cache);
 	snprintf(cards.path, sizeof cards.path, "%.440s/scenes/cards/models/cards-1.obj", bench->cache);
-	enum eco_code code = bench_folder_make(folder, error);
-	if (!code)
-		code = bench_command(bench, error, "'%s/ecopack' generate city -o '%s' --plants 20 --quiet",
-			bench->build, folder);
+	enum eco_code code = bench_command(bench, error, "mkdir -p '%s' && '%s/ecopack' generate city -o '%s' "
+		"--plants 20 --quiet", folder, bench->build, folder);
 	if (!code)
 		code = bench_models(bench, &models, &count, error);
 	if (code)

@@ -7,7 +7,7 @@ static void tell(void *ctx, const char *kind, const struct extreme_case *row, co
 {
 	++*(uint32_t *)ctx;
 	print_message("          %s%s, %s: %s\n", x->failed ? "FAILED: " : "", kind, row->name,
-		ran ? x->measured : "in ecobench --extreme only");
+		ran ? x->measured : "in ecobench --only extreme only");
 }
 
 UNIT_TEST(extreme_cases_hold)

@@ -28,7 +28,7 @@ static int close_folder(void **state)
 }
 
 #define RECORD(state, full) "{\"name\":\"lee\",\"title\":\"Lee\",\"program\":\"1\",\"state\":\"" state \
-	"\",\"full\":" full ",\"seconds\":1,\"units_cpu_s\":1,\"keys\":[],\"items\":[" \
+	"\",\"full\":" full ",\"seconds\":1,\"keys\":[],\"items\":[" \
 	"{\"kind\":\"table\",\"name\":\"wrong\",\"columns\":\"a,b\",\"rows\":[\"1,2\"],\"show\":false}," \
 	"{\"kind\":\"table\",\"name\":\"other\",\"columns\":\"c\",\"rows\":[\"3\"],\"show\":true}," \
 	"{\"kind\":\"picture\",\"file\":\"tree-1.png\",\"caption\":\"one\"}," \

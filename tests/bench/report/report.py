@@ -191,8 +191,7 @@ def section_of(record, run, out):
     if not record['full']:
         body += '<p class="soft"><small>Quick run: fewer frames, plants or methods than with FULL=1.</small></p>\n'
     body += ''.join(item_of(item, out) for item in record['items'])
-    return body + (f'<p class="soft"><small>{record["seconds"]:.0f} s in this run; its pieces of work took '
-                   f'{record["units_cpu_s"]:.0f} s of processor time, those of earlier runs included.</small></p>\n')
+    return body + f'<p class="soft"><small>{record["seconds"]:.0f} s in this run.</small></p>\n'
 
 
 def report(run, records, out):
