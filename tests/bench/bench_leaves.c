@@ -52,10 +52,6 @@ enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *m
 		code = lod_raster_init(&leaves->cover,
 			&(struct lod_raster_options){ .width = pixels, .height = pixels, .silhouette = true },
 			error);
-	if (!code)
-		code = lod_raster_init(&leaves->ids,
-			&(struct lod_raster_options){ .width = pixels, .height = pixels, .owner = true,
-			.item = true }, error);
 	if (!code && !(leaves->mask = calloc((size_t)pixels * (pixels + 63) / 64 + 1, sizeof *leaves->mask)))
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for a mask of %u x %u pixels", pixels,
 			pixels);
@@ -67,7 +63,6 @@ enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *m
 void bench_leaves_close(struct bench_leaves *leaves)
 {
 	lod_raster_free(&leaves->cover);
-	lod_raster_free(&leaves->ids);
 	lod_arena_free(&leaves->arena);
 	eco_model_free(&leaves->model);
 	free(leaves->mask);
@@ -145,64 +140,4 @@ double bench_wrong_q(const struct bench_wrong *wrong)
 	double lost_p = shown > 0 ? (double)wrong->fp / shown : 0, lost_r = wrong->pixels
 		? (double)wrong->fn / (double)wrong->pixels : 0;
 	return 1 - sqrt(lost_p * lost_p + lost_r * lost_r);
-}
-
-/* ---- Whose pixels ---- */
-
-/* The item of a leaf's first triangle: its light in the upper bits, so that the others' have it, too. */
-static uint32_t lit_item(double light) { return (uint32_t)(255 * light) << 8; }
-
-void bench_leaves_color(const struct bench_leaves *leaves, size_t pixel, uint8_t rgb[3])
-{
-	double light = leaves->ids.item[pixel] >> 8;
-	const uint8_t wood[3] = { 96, 78, 60 }, green[3] = { (uint8_t)(40 + 70 * light / 255),
-		(uint8_t)(70 + 100 * light / 255), (uint8_t)(25 + 45 * light / 255) };
-	memset(rgb, 0, 3);
-	if (leaves->ids.cover[pixel])
-		memcpy(rgb, leaves->ids.owner[pixel] == BENCH_WOOD ? wood : green, 3);
-}
-
-static void draw_leaf(struct bench_leaves *leaves, const struct lod_eye *eye, uint32_t i, float scale)
-{
-	const struct lod_foliage *f = &leaves->foliage;
-	uint32_t corners = f->first[i + 1] - f->first[i], count = corners - 2;
-	float position[9 * (ECO_CORNERS_MAX - 2)], uv[6 * (ECO_CORNERS_MAX - 2)], root = sqrtf(scale);
-	const float center[3] = { (float)f->center[i].x, (float)f->center[i].y, (float)f->center[i].z };
-	struct lod_v3 n = lod_v3_unit(f->normal[i]);
-	double light = fabs(n.x * eye->forward[0] + n.y * eye->forward[1] + n.z * eye->forward[2]);
-	for (uint32_t t = 0; t < count; t++) {
-		const uint32_t corner[3] = { 0, t + 1, t + 2 };
-		for (int k = 0; k < 3; k++) {
-			const float *p = f->corner[f->first[i] + corner[k]];
-			for (int a = 0; a < 3; a++)
-				position[9 * t + 3 * k + a] = scale == 1 ? p[a]
-					: center[a] + root * (p[a] - center[a]);
-			memcpy(uv + 6 * t + 2 * k, f->uv[f->first[i] + corner[k]], 2 * sizeof *uv);
-		}
-	}
-	lod_raster_triangles(&leaves->ids,
-		&(struct lod_raster_batch){ .count = count, .position = position, .uv = uv,
-		.cutout = f->cutout[i],
-		.item = lit_item(light), .owner = i + 1 });
-}
-
-void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
-	const struct lod_sights_drawing *drawing)
-{
-	const struct lod_foliage *f = &leaves->foliage;
-	const struct lod_eye *eye = &sights->eyes[view];
-	const struct lod_place place = { .cosine = 1, .scale = 1 };
-	lod_raster_clear(&leaves->ids);
-	lod_raster_camera(&leaves->ids, eye, sights->near_m);
-	lod_raster_object(&leaves->ids, &place);
-	if (f->wood_count)
-		lod_raster_triangles(&leaves->ids,
-			&(struct lod_raster_batch){ .count = (uint32_t)f->wood_count, .position = f->wood,
-			.owner = BENCH_WOOD });
-	uint32_t count = drawing ? drawing->count : f->count;
-	for (uint32_t k = 0; k < count; k++) {
-		uint32_t i = drawing ? drawing->order[k] : k;
-		float scale = !drawing ? 1 : drawing->factor ? drawing->factor[i] : drawing->scale;
-		draw_leaf(leaves, eye, i, scale);
-	}
 }

@@ -1,4 +1,4 @@
-/* A plant of ecobench as leaves over wood: what subsets of its leaves cover, and whose pixels they are.
+/* A plant of ecobench as leaves over wood: what subsets of its leaves cover.
  *
  *   bench_leaves_open(&leaves, &model, pixels, &error);          takes the model over
  *   bench_leaves_compare(&leaves, &sights, view, &drawing, &sum);
@@ -14,8 +14,8 @@ struct bench_leaves {
 	struct lod_arena arena;
 	struct eco_model model;
 	struct lod_foliage foliage;
-	struct lod_raster cover, ids;        /* silhouettes; owners and colours */
-	uint64_t *mask;
+	struct lod_raster cover;             /* silhouettes */
+	uint64_t *mask;                      /* of leaves, of the last comparison */
 	uint32_t pixels;
 };
 
@@ -51,12 +51,5 @@ void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *
 	const struct lod_sights_drawing *drawing, struct bench_wrong *sum);
 double bench_wrong_share(const struct bench_wrong *wrong);          /* (fp + fn) / pixels */
 double bench_wrong_q(const struct bench_wrong *wrong);              /* Q of the sums */
-
-/* Draws into leaves->ids: owner i + 1 for element i, BENCH_WOOD for the wood. NULL draws all. */
-#define BENCH_WOOD (UINT64_C(1) << 40)
-void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
-	const struct lod_sights_drawing *drawing);
-/* Colour of a pixel there: of a leaf by how it faces the eye. */
-void bench_leaves_color(const struct bench_leaves *leaves, size_t pixel, uint8_t rgb[3]);
 
 #endif

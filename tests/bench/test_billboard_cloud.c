@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "lod/raster/raster.h"
-#include "tests/bench/baseline/billboard_state.h"
+#include "tests/bench/baseline/billboard_cloud.h"
 #include "tests/support/foliage_random.h"
 #include "tests/support/unit_test.h"
 

@@ -4,7 +4,6 @@
 
 #include "ecofiles/format/ground_tile.h"
 #include "lod/sort.h"
-#include "tests/bench/baseline/cook.h"
 #include "tests/bench/baseline/paper_rules.h"
 #include "tests/support/ground_tiles.h"
 #include "tests/support/scene_packs.h"

@@ -8,7 +8,6 @@
 #include "lod/build/model_draw.h"
 #include "lod/raster/raster.h"
 #include "lod/raster/texel.h"
-#include "tests/bench/baseline/billboard_state.h"
 
 #define WELD_BITS 16u
 #define FLAT 0.05                    /* of the diagonal: lower plants are measured by that */

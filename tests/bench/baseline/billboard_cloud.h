@@ -20,14 +20,15 @@
  *   error      sigma (1 - C / area of the faces). The print has quality = sigma C, which would replace
  *              hidden parts last and not, as the text says, first
  *
- * The print gives no sizes: BILLBOARD_ constants in billboard_state.h and the files' own say ours, in shares
+ * The print gives no sizes: BILLBOARD_ constants and the files' own say ours, in shares
  * of the plant's height. Both planes of a cross show the whole part; of planes and strips the one nearest to
  * a face shows it. Only + - * / sqrt and comparisons decide: every machine makes the same cloud. */
 #ifndef TESTS_BENCH_BASELINE_BILLBOARD_CLOUD_H
 #define TESTS_BENCH_BASELINE_BILLBOARD_CLOUD_H
 
-#include "ecofiles/format/model.h"
-#include "lod/vector.h"
+#include "lod/arena.h"
+#include "lod/build/weld.h"
+#include "lod/sort.h"
 
 struct lod_raster;
 
@@ -62,5 +63,126 @@ void lod_billboard_cloud_free(struct lod_billboard_cloud *cloud);
 
 /* Two triangles a billboard; items are numbered as in the cloud, their owner is 1. */
 void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, struct lod_raster *raster);
+
+/* ---- The steps and what they hand on: all lengths are shares of the plant's height, around its middle. A plant
+ * that is lower than a twentieth of its diagonal is measured by its diagonal ---- */
+
+#define BILLBOARD_QUADS 4u           /* of a part; sections of a strip before some are merged */
+#define BILLBOARD_TOLERANCE 0.001    /* a part's error that is accepted */
+
+/* ---- Cells of space, numbered in 20 bits ---- */
+
+static inline uint64_t billboard_cell(struct lod_v3 p, double side, int dx, int dy, int dz)
+{
+	const double at[3] = { floor(p.x / side) + dx, floor(p.y / side) + dy, floor(p.z / side) + dz };
+	uint64_t key = 0;
+	for (int k = 0; k < 3; k++)
+		key = key << 21 | (uint64_t)(at[k] + 1048576.0);
+	return key;
+}
+/* The first item whose key is not less. */
+static inline uint32_t billboard_find(const struct lod_keyed *items, uint32_t count, uint64_t key)
+{
+	uint32_t low = 0;
+	while (low < count) {
+		uint32_t middle = low + (count - low) / 2;
+		if (items[middle].key < key)
+			low = middle + 1;
+		else
+			count = middle;
+	}
+	return low;
+}
+
+/* ---- The skeleton (billboard_skeleton.c) ---- */
+
+struct billboard_face { struct lod_v3 corner[3], normal; double area; uint32_t triangle; };
+
+/* A binary tree: nodes of more than two children have others without faces below them. In preorder, so that
+ * what hangs on node i is [i, end[i]). */
+struct billboard_tree {
+	uint32_t count, *parent, *end;
+	uint32_t *face_first;        /* node i has faces [face_first[i], face_first[i + 1]) */
+	struct lod_v3 *connector, *center;
+	double *area, *sigma;        /* of the node's own faces; center and sigma mean nothing without */
+	uint32_t face_count;
+	struct billboard_face *faces;
+};
+/* All but sigma. */
+void billboard_tree_make(struct billboard_tree *tree, const struct lod_mesh *mesh, struct lod_arena *arena);
+
+struct lod_billboard_plant {
+	struct lod_arena arena;
+	const struct eco_model *model;
+	struct eco_model scaled;     /* the same in shares of its height; owns nothing */
+	struct lod_mesh mesh;
+	struct billboard_tree tree;
+	struct lod_v3 middle;        /* metres */
+	double unit;                 /* metres: the height */
+};
+
+/* ---- Generators and how well they stand for faces (billboard_fit.c) ---- */
+
+/* Half edges are unit u and v times width and height. */
+struct billboard_quad { struct lod_v3 center, u, v, normal; double width, height; };
+
+struct billboard_fit_input {
+	const struct billboard_face *const *faces;
+	uint32_t count;              /* at least 1 */
+	struct lod_v3 connector;
+	uint32_t most;               /* quads of a strip after merging */
+	double epsilon;
+};
+/* Returns how many quads were written, at most BILLBOARD_QUADS. */
+uint32_t billboard_fit(struct billboard_quad *quads, enum lod_billboard_form form,
+	const struct billboard_fit_input *input);
+
+/* Whether the face is valid; its nearest quad, and its area projected on that. */
+bool billboard_face_judge(const struct billboard_face *face, const struct billboard_quad *quads,
+	uint32_t count,
+	double epsilon, uint32_t *nearest, double *projected);
+/* 1 - C / area of the faces, in [0, 1]. */
+double billboard_uncovered(const struct billboard_fit_input *input, const struct billboard_quad *quads,
+	uint32_t count);
+
+/* ---- Parts (billboard_parts.c) ---- */
+
+struct billboard_fit {               /* one generator's billboards for a part */
+	uint8_t form;
+	uint32_t quad_count;
+	struct billboard_quad quads[BILLBOARD_QUADS];
+	double area, sigma, error;
+};
+
+/* All that hangs on a node of the tree, but for parts that begin farther out. */
+struct billboard_part {
+	uint32_t root;
+	bool kept;                   /* no better by splitting */
+	struct billboard_fit fit;
+	/* by how much the sum of errors grows, less price, when it is joined with the part that bears it;
+	 * known while neither has changed */
+	double merge_cost, merge_error;
+	bool merge_known;
+};
+
+struct billboard_work {              /* of one cloud */
+	struct lod_arena *arena;
+	const struct lod_billboard_plant *plant;
+	uint32_t cap;
+	double epsilon, price;       /* price: what a billboard more must lower the sum of errors by */
+	struct billboard_part *parts;
+	uint32_t part_count, quad_count;
+	uint32_t *begins;            /* per node of the tree: the part that begins there, or ECO_NONE */
+	const struct billboard_face **faces;         /* scratch: of one part */
+	double *sum;                 /* scratch, per node */
+};
+void billboard_work_open(struct billboard_work *work, const struct lod_billboard_plant *plant,
+	uint32_t cap, struct lod_arena *arena);
+/* The faces of what begins at `root` into work->faces, at most `most` evenly chosen; returns how many. */
+uint32_t billboard_part_faces(struct billboard_work *work, uint32_t root, uint32_t most);
+/* Parts from the tips towards the trunk, keep, merge and split until cap and tolerance hold; from scratch. */
+void billboard_parts_settle(struct billboard_work *work, double epsilon);
+/* Mean error over the area of all faces. */
+double billboard_parts_error(const struct billboard_work *work);
 
 #endif

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "lod/build/splat/splat_state.h"
-#include "tests/bench/baseline/billboard_state.h"
+#include "tests/bench/baseline/billboard_cloud.h"
 
 #define THIN 1e-6                    /* half edges are at least this */
 #define STEEP 0.2                    /* a section rises along the axis at least so fast */

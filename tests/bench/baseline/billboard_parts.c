@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "tests/bench/baseline/billboard_state.h"
+#include "tests/bench/baseline/billboard_cloud.h"
 
 #define SAMPLE 96u                   /* faces that decide */
 #define SEARCH_STEPS 20

@@ -3,7 +3,7 @@
 #include "ecofiles/base/status.h"
 #include "ecofiles/base/union.h"
 #include "lod/heap.h"
-#include "tests/bench/baseline/billboard_state.h"
+#include "tests/bench/baseline/billboard_cloud.h"
 
 #define NODE (1.0 / 64)              /* length of a node */
 #define CELL_FIRST (1.0 / 128)

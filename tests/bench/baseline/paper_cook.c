@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "lod/ladder.h"
-#include "tests/bench/baseline/cook.h"
 #include "tests/bench/baseline/paper_rules.h"
 
 #define LAMBDA_LEAST 1e-6

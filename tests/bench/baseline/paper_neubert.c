@@ -6,7 +6,6 @@
 
 #include "client-min/view_reference.h"
 #include "lod/raster/raster.h"
-#include "tests/bench/baseline/cook.h"
 #include "tests/bench/baseline/paper_rules.h"
 
 #define VIEWS 3u

@@ -1,4 +1,3 @@
-#include "tests/bench/baseline/paper_scene.h"
 
 #include <math.h>
 #include <stdlib.h>

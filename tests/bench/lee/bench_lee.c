@@ -134,15 +134,21 @@ static json_t *measure_row(struct study *s, enum row row)
 	return bench_reals(figure, 2 * SHARES);
 }
 
+/* Wood lies over leaves, which are alike in colour. NULL: all leaves. */
 static void draw_into(struct study *s, const struct lod_sights_drawing *drawing, uint32_t column,
 	uint8_t *rgb)
 {
-	bench_leaves_ids(s->leaves, &s->tests, SHOWN, drawing);
-	for (size_t pixel = 0; pixel < (size_t)PIXELS * PIXELS; pixel++) {
-		uint8_t *at = rgb + 3 * ((pixel / PIXELS * COLUMNS + column) * PIXELS + pixel % PIXELS);
-		memset(at, 255, 3);
-		if (s->leaves->ids.cover[pixel])
-			bench_leaves_color(s->leaves, pixel, at);
+	static const uint8_t colors[3][3] = { { 255, 255, 255 }, { 96, 78, 60 }, { 76, 128, 48 } };
+	struct bench_wrong wrong = { 0 };
+	const uint64_t *leaves = drawing ? s->leaves->mask : s->tests.reference[SHOWN],
+		*wood = s->tests.wood[SHOWN];
+	if (drawing)
+		bench_leaves_compare(s->leaves, &s->tests, SHOWN, drawing, &wrong);
+	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
+		size_t word = i / PIXELS * (PIXELS / 64) + i % PIXELS / 64;
+		int color = leaves[word] & ~wood[word] & UINT64_C(1) << i % 64 ? 2
+			: (leaves[word] | wood[word]) >> i % 64 & 1;
+		memcpy(rgb + 3 * ((i / PIXELS * COLUMNS + column) * PIXELS + i % PIXELS), colors[color], 3);
 	}
 }
 

@@ -1,7 +1,7 @@
 /* A flight of a minute: what is sent, with all that came held, and with it dropped every second. A client asks
  * ten times a second for the view of that moment. Bytes are whole answers, plans included. Pictures do not
  * depend on what is held (no budget of bytes binds), so the flight that drops is not drawn. */
-#include "tests/bench/pictures/bench_flight.h"
+#include "tests/bench/pictures/bench_views.h"
 
 #include <math.h>
 #include <stdlib.h>

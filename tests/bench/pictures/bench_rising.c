@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "tests/bench/pictures/bench_flight.h"
 #include "tests/bench/pictures/bench_views.h"
 #include "tests/support/serve/random_request.h"
 

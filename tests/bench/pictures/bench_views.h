@@ -32,6 +32,17 @@ struct bench_view_shoot {
 enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view,
 	const struct bench_view_shoot *shoot, json_t **rows, struct eco_error *error);
 
+/* ---- The path of a flight (bench_flight.c) ---- */
+
+#define BENCH_FLIGHT_FPS 10u
+#define BENCH_FLIGHT_S 60u               /* a whole flight */
+#define BENCH_FLIGHT_FRAMES (BENCH_FLIGHT_FPS * BENCH_FLIGHT_S)
+
+/* The views of `count` frames from frame `first` of BENCH_FLIGHT_FRAMES on: from the air down to eye level in
+ * a third of the time, then along the longer side of the scene's bounds through it. The caller frees *views. */
+enum eco_code bench_flight_path(const char *pack, uint32_t first, uint32_t count, struct eco_view **views,
+	struct eco_error *error);
+
 #define BENCH_OBJECTS_VIEWS BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/bench_shots.o " \
 	"tests/bench/pictures/bench_views.o "
 
