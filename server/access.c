@@ -5,6 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/options.h"
 #include "ecofiles/base/options_file.h"
 #include "server/reload.h"
 
@@ -56,12 +57,12 @@ static enum eco_code add_token(struct srv_access *access, const char *scene, con
 	return ECO_OK;
 }
 
-enum eco_code srv_access_add_operator(struct srv_access *access, const char *file, struct eco_error *error)
+enum eco_code srv_access_add_operator(const char *file, void *access, struct eco_error *error)
 {
 	return add_token(access, "", file, error);
 }
 
-enum eco_code srv_access_add_token(struct srv_access *access, const char *argument, struct eco_error *error)
+enum eco_code srv_access_add_token(const char *argument, void *access, struct eco_error *error)
 {
 	char scene[SRV_NAME_BYTES + 1] = "";
 	size_t size = strcspn(argument, "=");
@@ -126,16 +127,30 @@ static const struct srv_scene *opened_scene(const struct srv_access *access, con
 	return old && has_token(access, old->name) && !has_token(access, scene->name) ? old : NULL;
 }
 
-enum eco_code srv_access_check(const struct srv_access *access, const struct srv_store *store,
-	const struct srv_sources *sources, const struct srv_store *before, struct eco_error *error)
+static bool is_known(const char *scene, const struct srv_store *store, const struct srv_sources *sources)
 {
-	for (uint32_t i = 0; access && i < access->token_count; i++) {
-		const char *scene = access->tokens[i].scene;
-		if (scene[0] && !srv_store_find(store, scene) && !srv_sources_name(sources, scene))
+	return !scene[0] || srv_store_find(store, scene) || srv_sources_name(sources, scene);
+}
+
+static enum eco_code check_caps(const struct srv_cap_list *list, const char *option, const struct srv_store *store,
+	const struct srv_sources *sources, struct eco_error *error)
+{
+	for (uint32_t i = 0; i < list->count; i++)
+		if (!is_known(list->items[i].scene, store, sources))
+			return eco_fail(error, ECO_BAD_USAGE, "--%s %s=%llu: there is no scene of this name",
+				option, list->items[i].scene, (unsigned long long)list->items[i].most);
+	return ECO_OK;
+}
+
+enum eco_code srv_access_check(const struct srv_access *access, const struct srv_caps *caps,
+	const struct srv_store *store, const struct srv_sources *sources, const struct srv_store *before,
+	struct eco_error *error)
+{
+	for (uint32_t i = 0; access && i < access->token_count; i++)
+		if (!is_known(access->tokens[i].scene, store, sources))
 			return eco_fail(error, ECO_BAD_USAGE, "--token %s=FILE: there is no scene of this "
 				"name, and it would be served without a token under any other: name its "
-				"pack, %s=OUT.eco", scene, scene);
-	}
+				"pack, %s=OUT.eco", access->tokens[i].scene, access->tokens[i].scene);
 	for (uint32_t i = 0; access && i < store->count; i++) {
 		const struct srv_scene *old = opened_scene(access, store->scenes[i], before);
 		if (old)
@@ -143,7 +158,10 @@ enum eco_code srv_access_check(const struct srv_access *access, const struct srv
 				"'%s', which has none: name it, %s=OUT.eco, or give the other a token, too",
 				old->file.path, old->name, store->scenes[i]->name, old->name);
 	}
-	return ECO_OK;
+	if (!caps)
+		return ECO_OK;
+	enum eco_code code = check_caps(&caps->vertices, "cap-vertices", store, sources, error);
+	return code ? code : check_caps(&caps->bytes, "cap-bytes", store, sources, error);
 }
 
 bool srv_access_is_private(const struct srv_access *access, const char *scene)
@@ -187,8 +205,9 @@ static enum eco_code check_origin(const char *option, const char *origin, struct
 		"send it: https://HOST[:PORT], without a path", option, origin);
 }
 
-enum eco_code srv_access_add_frame(struct srv_access *access, const char *origin, struct eco_error *error)
+enum eco_code srv_access_add_frame(const char *origin, void *to, struct eco_error *error)
 {
+	struct srv_access *access = to;
 	size_t used = strlen(access->frames);
 	enum eco_code code = check_origin("embed", origin, error);
 	if (code)
@@ -200,8 +219,9 @@ enum eco_code srv_access_add_frame(struct srv_access *access, const char *origin
 	return ECO_OK;
 }
 
-enum eco_code srv_access_add_origin(struct srv_access *access, const char *origin, struct eco_error *error)
+enum eco_code srv_access_add_origin(const char *origin, void *to, struct eco_error *error)
 {
+	struct srv_access *access = to;
 	enum eco_code code = check_origin("cors", origin, error);
 	if (code)
 		return code;
@@ -226,4 +246,63 @@ const char *srv_access_origin(const struct srv_access *access, const char *origi
 			found = access->origins[i];
 	}
 	return found;
+}
+
+/* ---- Caps ---- */
+
+static enum eco_code add_cap(struct srv_cap_list *list, const char *argument, enum eco_option_kind kind,
+	const char *option, struct eco_error *error)
+{
+	struct srv_cap cap = { .most = 0 };
+	const char *end;
+	const char *equals = strchr(argument, '='), *number = equals ? equals + 1 : argument;
+	size_t size = equals ? (size_t)(equals - argument) : 0;
+	if (size < sizeof cap.scene)
+		memcpy(cap.scene, argument, size);
+	if ((equals && !srv_name_valid(cap.scene)) || !eco_count_read(number, kind, &cap.most, &end) ||
+		*end || !cap.most)
+		return eco_fail(error, ECO_BAD_USAGE,
+			"--%s %.100s: must be N or SCENE=N, N a whole number above 0, "
+			"perhaps with k, M or G behind it, as in 64M",
+			option, argument);
+	if (list->count == SRV_CAPS_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "more than %u caps: --%s; one without SCENE= is for "
+			"all", SRV_CAPS_MAX, option);
+	list->items[list->count++] = cap;
+	return ECO_OK;
+}
+
+enum eco_code srv_cap_add_vertices(const char *argument, void *list, struct eco_error *error)
+{
+	return add_cap(list, argument, ECO_OPTION_COUNT, "cap-vertices", error);
+}
+
+enum eco_code srv_cap_add_bytes(const char *argument, void *list, struct eco_error *error)
+{
+	return add_cap(list, argument, ECO_OPTION_BYTES, "cap-bytes", error);
+}
+
+static uint64_t most_of(const struct srv_cap_list *list, const char *scene)
+{
+	uint64_t all = UINT64_MAX, own = 0;
+	for (uint32_t i = 0; i < list->count; i++)
+		if (!list->items[i].scene[0])
+			all = list->items[i].most;
+		else if (strcmp(list->items[i].scene, scene) == 0)
+			own = list->items[i].most;
+	return own ? own : all;
+}
+
+struct srv_most srv_caps_of(const struct srv_caps *caps, const char *scene)
+{
+	return caps ? (struct srv_most){ most_of(&caps->vertices, scene), most_of(&caps->bytes, scene) }
+		: (struct srv_most){ UINT64_MAX, UINT64_MAX };
+}
+
+void srv_caps_apply(const struct srv_most *most, struct eco_request *request)
+{
+	if (request->vertices > most->vertices)
+		request->vertices = most->vertices;
+	if (request->bytes > most->bytes)
+		request->bytes = most->bytes;
 }

@@ -14,10 +14,10 @@
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/wire.h"
 #include "server/access.h"
+#include "server/log.h"
 #include "server/request/query.h"
-#include "server/trace.h"
 
-#define BY_FILE_MAX 64u                  /* responses of a scene */
+#define LARGE_BYTES (128u << 10)         /* chunks of so many are sent from their file */
 #define IMMUTABLE "max-age=31536000, immutable"
 
 static void add_header(struct srv_answer *answer, const char *name, const char *value)
@@ -44,6 +44,15 @@ static void add_validators(struct srv_answer *answer, const struct srv_validator
 	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, validators->is_private ? text : cache_control);
 }
 
+/* Headers of a plan, a stream or a description. */
+static void add_head(struct srv_answer *answer, const char *type, const struct srv_validators *validators,
+	const char *timing)
+{
+	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, type);
+	add_validators(answer, validators, "no-cache");
+	add_header(answer, "Server-Timing", timing);
+}
+
 void srv_answer_add(struct srv_answer *answer, const char *name, const char *value)
 {
 	add_header(answer, name, value);
@@ -60,10 +69,12 @@ void srv_answer_allow_origin(struct srv_answer *answer, const char *origin, bool
 		"Content-Range");
 }
 
-static void answer_empty(struct srv_answer *answer, unsigned status)
+/* `bytes` outlive the answer. */
+static void answer_bytes(struct srv_answer *answer, unsigned status, const void *bytes, size_t size, const char *type)
 {
-	*answer = (struct srv_answer){ .status = status,
-		.response = MHD_create_response_from_buffer(0, (void *)"", MHD_RESPMEM_PERSISTENT) };
+	*answer = (struct srv_answer){ .status = status, .size_bytes = size,
+		.response = MHD_create_response_from_buffer(size, (void *)bytes, MHD_RESPMEM_PERSISTENT) };
+	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, type);
 }
 
 /* Takes json->out, without what its buffer has left. */
@@ -100,9 +111,8 @@ void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_deta
 void srv_answer_json(struct srv_answer *answer, struct srv_json *json,
 	const struct srv_validators *validators, const char *timing)
 {
-	answer_text(answer, MHD_HTTP_OK, json, "application/json");
-	add_validators(answer, validators, "no-cache");
-	add_header(answer, "Server-Timing", timing);
+	answer_text(answer, MHD_HTTP_OK, json, NULL);
+	add_head(answer, "application/json", validators, timing);
 }
 
 void srv_answer_metrics(struct srv_answer *answer, struct eco_writer *text)
@@ -115,7 +125,7 @@ void srv_answer_metrics(struct srv_answer *answer, struct eco_writer *text)
 
 void srv_answer_options(struct srv_answer *answer, const char *allow)
 {
-	answer_empty(answer, MHD_HTTP_NO_CONTENT);
+	answer_bytes(answer, MHD_HTTP_NO_CONTENT, "", 0, NULL);
 	add_header(answer, MHD_HTTP_HEADER_ALLOW, allow);
 	add_header(answer, "Access-Control-Allow-Methods", allow);
 	add_header(answer, "Access-Control-Allow-Headers",
@@ -141,8 +151,7 @@ void srv_answer_head(struct srv_answer *answer, unsigned status, uint64_t size_b
 	/* else the library would send the end of a chunked body behind a 304 */
 	if (answer->response && size_bytes == SRV_SIZE_UNKNOWN)
 		MHD_set_response_options(answer->response, MHD_RF_HTTP_1_0_COMPATIBLE_STRICT, MHD_RO_END);
-	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, type);
-	add_validators(answer, validators, "no-cache");
+	add_head(answer, type, validators, NULL);
 }
 
 void srv_answer_failed_condition(struct srv_answer *answer, const char *instance)
@@ -177,10 +186,7 @@ void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file
 {
 	char policy[sizeof SITE_POLICY + SRV_FRAMES_BYTES];
 	snprintf(policy, sizeof policy, SITE_POLICY "%s", frames);
-	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = file->forms[form].size };
-	answer->response = MHD_create_response_from_buffer(file->forms[form].size, file->forms[form].bytes,
-		MHD_RESPMEM_PERSISTENT);
-	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, file->type);
+	answer_bytes(answer, MHD_HTTP_OK, file->forms[form].bytes, file->forms[form].size, file->type);
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_ENCODING, srv_form_names[form]);
 	add_header(answer, MHD_HTTP_HEADER_VARY, MHD_HTTP_HEADER_ACCEPT_ENCODING);
 	add_header(answer, "Content-Security-Policy", policy);
@@ -190,10 +196,7 @@ void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file
 
 void srv_answer_no_page(struct srv_answer *answer, const char *html)
 {
-	size_t size = strlen(html);
-	*answer = (struct srv_answer){ .status = MHD_HTTP_NOT_FOUND, .size_bytes = size,
-		.response = MHD_create_response_from_buffer(size, (void *)html, MHD_RESPMEM_PERSISTENT) };
-	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "text/html; charset=utf-8");
+	answer_bytes(answer, MHD_HTTP_NOT_FOUND, html, strlen(html), "text/html; charset=utf-8");
 	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
 	add_header(answer, "Content-Security-Policy",
 		"default-src 'none'; base-uri 'none'; form-action 'none'");
@@ -201,7 +204,7 @@ void srv_answer_no_page(struct srv_answer *answer, const char *html)
 
 void srv_answer_elsewhere(struct srv_answer *answer, const char *location)
 {
-	answer_empty(answer, MHD_HTTP_TEMPORARY_REDIRECT);
+	answer_bytes(answer, MHD_HTTP_TEMPORARY_REDIRECT, "", 0, NULL);
 	add_header(answer, MHD_HTTP_HEADER_LOCATION, location);
 	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-cache");
 }
@@ -264,9 +267,7 @@ void srv_answer_stream(struct srv_answer *answer, struct srv_body *body,
 		free(reader);
 		srv_body_free(body);
 	}
-	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "application/octet-stream");
-	add_validators(answer, validators, "no-cache");
-	add_header(answer, "Server-Timing", timing);
+	add_head(answer, "application/octet-stream", validators, timing);
 }
 
 static void release_kept(void *body)
@@ -283,9 +284,7 @@ void srv_answer_kept(struct srv_answer *answer, struct srv_kept_body *body, cons
 		release_kept, body);
 	if (answer->response)
 		srv_kept_body_hold(body);
-	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, type);
-	add_validators(answer, validators, "no-cache");
-	add_header(answer, "Server-Timing", timing);
+	add_head(answer, type, validators, timing);
 }
 
 struct srv_kept_body *srv_kept_body_copy(const struct srv_piece *pieces, uint32_t count, uint64_t size)
@@ -302,7 +301,7 @@ struct srv_kept_body *srv_kept_body_copy(const struct srv_piece *pieces, uint32_
 
 void srv_answer_no_stream(struct srv_answer *answer, const char *timing)
 {
-	answer_empty(answer, MHD_HTTP_NO_CONTENT);
+	answer_bytes(answer, MHD_HTTP_NO_CONTENT, "", 0, NULL);
 	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
 	add_header(answer, "Server-Timing", timing);
 }
@@ -333,82 +332,34 @@ void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, 
 	srv_etag_of(etag, &id);
 }
 
-static void chunk_headers(struct srv_answer *answer, const struct srv_validators *validators)
+/* Large chunks are sent from their pack's private copy, which spares a copy (sendfile; lod/EXPERIMENTS.md, Chunks
+ * by sendfile). Without a descriptor they are sent from memory. */
+static bool answer_file_part(struct srv_answer *answer, const struct srv_scene *scene, uint64_t offset, size_t size)
 {
+	int file = size >= LARGE_BYTES && scene->pack->file >= 0 ? fcntl(scene->pack->file, F_DUPFD_CLOEXEC, 0) : -1;
+	if (file < 0)
+		return false;
+	*answer = (struct srv_answer){ .size_bytes = size,
+		.response = MHD_create_response_from_fd_at_offset64(size, file, offset) };
+	if (!answer->response)
+		close(file);
+	return answer->response;
+}
+
+static void answer_range(struct srv_answer *answer, const struct srv_scene *scene, uint32_t chunk,
+	const struct srv_range *range, const uint8_t *bytes, const struct srv_validators *validators)
+{
+	char text[80];
+	size_t size = scene->pack->scene.chunks[chunk].size_bytes, part = (size_t)(range->end - range->first);
+	if (!answer_file_part(answer, scene, scene->pack->scene.chunks[chunk].offset + range->first, part))
+		answer_bytes(answer, 0, bytes + range->first, part, NULL);
+	answer->status = range->kind == SRV_RANGE_PART ? MHD_HTTP_PARTIAL_CONTENT : MHD_HTTP_OK;
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "application/octet-stream");
 	add_header(answer, MHD_HTTP_HEADER_ACCEPT_RANGES, "bytes");
 	add_validators(answer, validators, validators->is_private ? IMMUTABLE : "public, " IMMUTABLE);
-}
-
-static void drop_shared(struct srv_scene *scene)
-{
-	for (uint64_t c = 0; c < (uint64_t)SRV_LANES * scene->pack->scene.chunk_count; c++) {
-		struct MHD_Response *response = atomic_exchange(&scene->responses[c], NULL);
-		if (response)
-			MHD_destroy_response(response);
-	}
-}
-
-/* Large chunks are sent from their pack's private copy, which spares a copy (sendfile). The library holds
- * such a response's lock while it sends, so each lane has its own (lod/EXPERIMENTS.md, Chunks by sendfile).
- * They hold a descriptor each, and are few. */
-static struct MHD_Response *make_whole(struct srv_scene *scene, uint32_t chunk, const uint8_t *bytes,
-	size_t size)
-{
-	bool by_file = size >= SRV_LARGE_BYTES && scene->pack->file >= 0
-		&& atomic_fetch_add(&scene->by_file, 1) < BY_FILE_MAX;
-	int file = by_file ? fcntl(scene->pack->file, F_DUPFD_CLOEXEC, 0) : -1;
-	if (file < 0)
-		return MHD_create_response_from_buffer(size, (void *)bytes, MHD_RESPMEM_PERSISTENT);
-	struct MHD_Response *response = MHD_create_response_from_fd_at_offset64(size, file,
-		scene->pack->scene.chunks[chunk].offset);
-	if (!response)
-		close(file);
-	return response;
-}
-
-/* The shared response. Two threads may make one each; the first that is stored wins, and the other is
- * destroyed. */
-static void answer_whole(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
-	const uint8_t *bytes, size_t size, const struct srv_validators *validators,
-	const struct srv_chunk_terms *terms)
-{
-	uint64_t lane = size < SRV_LARGE_BYTES ? 0 : terms->lane % SRV_LANES;
-	_Atomic(struct MHD_Response *) *slot =
-		&scene->responses[lane * scene->pack->scene.chunk_count + chunk];
-	struct MHD_Response *stored = terms->varies ? NULL : atomic_load(slot);
-	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = size };
-	if (!stored) {
-		answer->response = make_whole(scene, chunk, bytes, size);
-		chunk_headers(answer, validators);
-		if (!terms->varies)
-			srv_answer_allow_origin(answer, terms->origin, false);
-		if (!answer->response || terms->varies)
-			return;
-		atomic_store(&scene->drop, drop_shared);
-		if (atomic_compare_exchange_strong(slot, &stored, answer->response))
-			stored = answer->response;
-		else
-			MHD_destroy_response(answer->response);
-		srv_trace(SRV_TRACE_CACHE, "%s: response for chunk %u made, %zu bytes", scene->name, chunk,
-			size);
-	}
-	answer->response = stored;
-	answer->shared = true;
-}
-
-static void answer_part(struct srv_answer *answer, const struct srv_range *range, const uint8_t *bytes,
-	size_t size, const struct srv_validators *validators)
-{
-	char text[80];
-	*answer = (struct srv_answer){ .status = MHD_HTTP_PARTIAL_CONTENT,
-		.size_bytes = range->end - range->first };
-	answer->response = MHD_create_response_from_buffer(range->end - range->first,
-		(void *)(bytes + range->first), MHD_RESPMEM_PERSISTENT);
-	chunk_headers(answer, validators);
 	snprintf(text, sizeof text, "bytes %llu-%llu/%zu", (unsigned long long)range->first,
 		(unsigned long long)range->end - 1, size);
-	add_header(answer, MHD_HTTP_HEADER_CONTENT_RANGE, text);
+	add_header(answer, MHD_HTTP_HEADER_CONTENT_RANGE, range->kind == SRV_RANGE_PART ? text : NULL);
 }
 
 static void answer_outside(struct srv_answer *answer, size_t size, const char *instance)
@@ -421,12 +372,10 @@ static void answer_outside(struct srv_answer *answer, size_t size, const char *i
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_RANGE, text);
 }
 
-void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
-	const struct srv_conditions *conditions, const struct srv_chunk_terms *terms,
-	const char *instance)
+void srv_answer_chunk(struct srv_answer *answer, const struct srv_scene *scene, uint32_t chunk,
+	const struct srv_conditions *conditions, struct srv_chunk_terms terms, const char *instance)
 {
-	struct srv_validators validators = { .modified_s = scene->modified_s,
-		.is_private = terms->is_private };
+	struct srv_validators validators = { .modified_s = scene->modified_s, .is_private = terms.is_private };
 	const uint8_t *bytes;
 	size_t size;
 	struct eco_error error = { 0 };
@@ -438,27 +387,22 @@ void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32
 		return;
 	}
 	srv_etag_of(validators.etag, &scene->pack->scene.chunks[chunk].id);
-	if (srv_conditions_judge(conditions, validators.etag, validators.modified_s) != SRV_VERDICT_GO) {
-		answer_whole(answer, scene, chunk, bytes, size, &validators, terms);
-		srv_answer_judge(answer, conditions, &validators, instance);
+	bool go = srv_conditions_judge(conditions, validators.etag, validators.modified_s) == SRV_VERDICT_GO;
+	/* If-Range compares strongly: only our own tag, as it is, lets the range count. */
+	bool wants_part = go && terms.get
+		&& (!conditions->if_range || strcmp(conditions->if_range, validators.etag) == 0);
+	struct srv_range range = srv_range_parse(wants_part ? conditions->range : NULL, size);
+	if (range.kind == SRV_RANGE_OUTSIDE) {
+		answer_outside(answer, size, instance);
 		return;
 	}
-	/* If-Range compares strongly: only our own tag, as it is, lets the range count. */
-	bool wants_part =
-		terms->get && (!conditions->if_range || strcmp(conditions->if_range, validators.etag) == 0);
-	struct srv_range range = srv_range_parse(wants_part ? conditions->range : NULL, size);
-	if (range.kind == SRV_RANGE_OUTSIDE)
-		answer_outside(answer, size, instance);
-	else if (range.kind == SRV_RANGE_PART)
-		answer_part(answer, &range, bytes, size, &validators);
-	else
-		answer_whole(answer, scene, chunk, bytes, size, &validators, terms);
+	answer_range(answer, scene, chunk, &range, bytes, &validators);
+	srv_answer_judge(answer, conditions, &validators, instance);
 }
 
 void srv_answer_free(struct srv_answer *answer)
 {
-	if (answer->response && !answer->shared)
+	if (answer->response)
 		MHD_destroy_response(answer->response);
 	answer->response = NULL;
-	answer->shared = false;
 }

@@ -1,9 +1,5 @@
-/* Answers: a status and a response object of the HTTP library, made from what the rest of the server found
- * out.
- *
- * Each function fills *answer; where even that fails for want of memory, answer->response is NULL and the
- * connection is to be dropped. A chunk's whole response is made once, shared by all connections and kept
- * as long as the scene: the library counts references, the payload is the mapped file. */
+/* Answers: a status and a response object of the HTTP library. Each function fills *answer; without memory even
+ * for that, answer->response is NULL and the connection is to be dropped. */
 #ifndef SRV_ANSWER_H
 #define SRV_ANSWER_H
 
@@ -20,7 +16,6 @@ struct srv_answer {
 	unsigned status;
 	uint64_t size_bytes;             /* of the body that a GET gets */
 	uint64_t memory_bytes;           /* that it takes until it is sent; 0: next to none of its own */
-	bool shared;                     /* the response is not ours to destroy */
 };
 
 /* `allow`: value of an Allow header or NULL; `close`: the connection cannot be used again. */
@@ -61,13 +56,11 @@ void srv_answer_judge(struct srv_answer *answer, const struct srv_conditions *co
 	const struct srv_validators *validators, const char *instance);
 void srv_answer_failed_condition(struct srv_answer *answer, const char *instance);
 
-/* How a chunk is sent. `origin`: as srv_answer_allow_origin, that a shared response says; `varies`: none is
- * shared. `lane`: a number that two threads of the library mostly differ in. */
-struct srv_chunk_terms { bool get, is_private, varies; const char *origin; uint32_t lane; };
-/* The chunk, a part of it, 304, 416, or the problem that its payload is damaged. Range counts for GET only.
- */
-void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
-	const struct srv_conditions *conditions, const struct srv_chunk_terms *terms, const char *instance);
+/* The chunk, a part of it (to GET alone), 304, 416, or the problem that its payload is damaged. The scene outlives
+ * the answer. */
+struct srv_chunk_terms { bool get, is_private; };
+void srv_answer_chunk(struct srv_answer *answer, const struct srv_scene *scene, uint32_t chunk,
+	const struct srv_conditions *conditions, struct srv_chunk_terms terms, const char *instance);
 
 /* A file of the viewer in one of its forms. The site outlives the answer. `immutable`: its address names its
  * content. `frames`: the origins beside its own whose pages may have it in a frame, each behind a space. */
@@ -82,8 +75,7 @@ void srv_answer_elsewhere(struct srv_answer *answer, const char *location);
 void srv_answer_metrics(struct srv_answer *answer, struct eco_writer *text);
 /* To OPTIONS: what the resource takes. */
 void srv_answer_options(struct srv_answer *answer, const char *allow);
-/* Adds Access-Control-Allow-Origin to an answer that is not shared; origin NULL: none. `varies`: the value
- * depends on the request. */
+/* Adds Access-Control-Allow-Origin; origin NULL: none. `varies`: the value depends on the request. */
 void srv_answer_allow_origin(struct srv_answer *answer, const char *origin, bool varies);
 void srv_answer_add(struct srv_answer *answer, const char *name, const char *value);
 

@@ -14,9 +14,7 @@
 #include <unistd.h>
 
 #include "server/access.h"
-#include "server/caps.h"
 #include "server/exchange.h"
-#include "server/listener.h"
 #include "server/log.h"
 #include "server/typical.h"
 
@@ -175,6 +173,7 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 	daemon->host.config = *config;
 	daemon->endpoint = config->endpoint ? *config->endpoint : (struct srv_endpoint){ .fd = -1 };
 	daemon->host.id_seed = (uint64_t)getpid() ^ srv_clock_us() << 20;
+	pthread_mutex_init(&daemon->host.catalog.mutex, NULL);
 	pthread_mutex_init(&daemon->host.reloading, NULL);
 	srv_log_start();
 	fill_defaults(&daemon->host.config);
@@ -183,7 +182,7 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 	enum eco_code code = config->endpoint ? ECO_OK
 		: srv_endpoint_open(&daemon->endpoint, config->listen, error);
 	if (!code)
-		code = srv_catalog_new(&daemon->host.catalog, store, error);
+		code = srv_catalog_replace(&daemon->host.catalog, store, 0, 0, error);
 	if (!code)
 		code = srv_reaper_start(&daemon->host.reaper,
 			&(struct srv_reaper_limits){
@@ -247,17 +246,15 @@ enum eco_code srv_host_reload(struct srv_host *host, struct srv_reload *report, 
 	sources = *host->config.sources;
 	sources.cancelled = &host->draining;
 	pthread_mutex_lock(&host->reloading);
-	struct srv_edition *before = srv_catalog_hold(host->catalog);
+	struct srv_edition *before = srv_catalog_hold(&host->catalog);
 	uint64_t now_us = srv_clock_us(), until_us = now_us + host->config.keep_s * 1000000;
 	enum eco_code code = srv_sources_load(&sources, &before->store, &store, report, error);
 	if (!code)
-		code = srv_access_check(host->config.access, &store, &sources, &before->store, error);
-	if (!code)
-		code = srv_caps_check(host->config.caps, &store, &sources, error);
+		code = srv_access_check(host->config.access, host->config.caps, &store, &sources, &before->store, error);
 	if (!code && !srv_typical_find_all(&store, sources.cancelled))
 		code = eco_fail(error, ECO_INTERRUPTED, "the server is stopping");
 	if (!code)
-		code = srv_catalog_replace(host->catalog, &store, until_us, now_us, error);
+		code = srv_catalog_replace(&host->catalog, &store, until_us, now_us, error);
 	if (!code)
 		atomic_store(&host->bad_packs, report->bad);
 	srv_store_free(&store);
@@ -309,13 +306,13 @@ void srv_daemon_tick(struct srv_daemon *daemon)
 	struct eco_error error = { 0 };
 	if (pthread_mutex_trylock(&daemon->host.reloading))
 		return;
-	srv_catalog_retire(daemon->host.catalog, srv_clock_us(), &error);
+	srv_catalog_retire(&daemon->host.catalog, srv_clock_us(), &error);
 	pthread_mutex_unlock(&daemon->host.reloading);
 }
 
 struct srv_gauges srv_host_gauges(struct srv_host *host)
 {
-	struct srv_edition *edition = srv_catalog_hold(host->catalog);
+	struct srv_edition *edition = srv_catalog_hold(&host->catalog);
 	struct srv_gauges gauges = { .connections = srv_reaper_held(host->reaper, SRV_HELD_CONNECTIONS),
 		.busy = atomic_load(&host->busy),
 		.waiting_plans = srv_work_waiting(host->work),
@@ -358,10 +355,11 @@ void srv_daemon_stop(struct srv_daemon *daemon)
 	srv_work_free(daemon->host.work);
 	srv_work_free(daemon->host.chores);
 	srv_reaper_stop(daemon->host.reaper);
-	srv_catalog_free(daemon->host.catalog);
+	srv_edition_release(daemon->host.catalog.current);
 	srv_plan_cache_free(daemon->host.plans);
 	if (daemon->endpoint.fd >= 0)
 		close(daemon->endpoint.fd);
+	pthread_mutex_destroy(&daemon->host.catalog.mutex);
 	pthread_mutex_destroy(&daemon->host.reloading);
 	free(daemon);
 	srv_log_flush();

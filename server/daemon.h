@@ -9,7 +9,7 @@
  *   srv_daemon_stop(daemon);
  *   srv_store_free(&store);
  *
- * Threads: one takes connections in (listener.h); a pool of polling threads reads requests and sends answers
+ * Threads: one takes connections in (endpoint.h); a pool of polling threads reads requests and sends answers
  * and does nothing that takes long; work threads plan; one thread watches deadlines. The library's parser is
  * not trusted with anything but splitting a head that is known to be well into lines: see gate.h, framing.h
  * and target.h. */
@@ -49,10 +49,9 @@ struct srv_config {              /* 0 is the default */
 	uint64_t response_max;       /* 2 GiB */
 	uint64_t answers_max;        /* memory of all answers that are being sent: 256 MiB */
 	uint64_t plan_cache_bytes;   /* of answers that are kept for who asks again: 64 MiB */
-	uint64_t tiles_max, placements_max;  /* of a plan's walk; lod/plan/planner.h's defaults */
 	uint64_t plan_times;         /* work of a plan, over an ordinary one of its scene (typical.h): 5 */
 	const struct srv_access *access;     /* tokens and origins; NULL: none. Outlives the daemon */
-	const struct srv_caps *caps; /* of scenes (caps.h); NULL: none. Outlives the daemon */
+	const struct srv_caps *caps; /* of scenes (access.h); NULL: none. Outlives the daemon */
 	const struct srv_sources *sources; /* what a reload opens; NULL: there is none. Outlives the daemon */
 	uint32_t bad_packs;          /* of the sources: not well when they were read at the start */
 	uint64_t keep_s;             /* that chunks of a replaced pack are still served: 600 */

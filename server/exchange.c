@@ -60,7 +60,6 @@ const char *srv_exchange_header(const struct srv_exchange *exchange, const char 
 
 /* ---- Sending ---- */
 
-/* Headers of answers that are not shared. */
 static void add_common_headers(struct srv_exchange *exchange)
 {
 	const struct srv_access *access = exchange->host->config.access;
@@ -107,8 +106,7 @@ static bool queue_answer(struct srv_exchange *exchange)
 {
 	struct srv_answer *answer = &exchange->answer;
 	hold_answer(exchange);
-	if (answer->response && !answer->shared)
-		add_common_headers(exchange);
+	add_common_headers(exchange);
 	if (!answer->response)
 		return false;
 	srv_reaper_send(exchange->host->reaper, exchange->lease);
@@ -406,7 +404,7 @@ static bool handle_head(struct srv_exchange *exchange, const char *method)
 	struct eco_error error = { 0 };
 	exchange->counted = true;
 	atomic_fetch_add(&host->busy, 1);
-	exchange->edition = srv_catalog_hold(host->catalog);
+	exchange->edition = srv_catalog_hold(&host->catalog);
 	exchange->method = srv_method_of(method);
 	read_headers(exchange);
 	if (atomic_load(&host->draining))

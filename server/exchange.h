@@ -14,7 +14,6 @@
 #include <pthread.h>
 
 #include "server/answer.h"
-#include "server/catalog.h"
 #include "server/daemon.h"
 #include "server/metrics.h"
 #include "server/request/query.h"
@@ -27,7 +26,7 @@ struct MHD_Connection;
 
 struct srv_host {                        /* what exchanges need of the daemon */
 	struct srv_config config;            /* defaults filled in */
-	struct srv_catalog *catalog;
+	struct srv_catalog catalog;
 	struct srv_work *work;
 	struct srv_work *chores;             /* the operator's, one at a time */
 	struct srv_plan_cache *plans;

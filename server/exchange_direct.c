@@ -7,9 +7,7 @@
 
 #include "ecofiles/format/chunk/chunk.h"
 #include "server/access.h"
-#include "server/caps.h"
 #include "server/describe.h"
-#include "server/plants.h"
 
 static void answer_described(struct srv_exchange *exchange, bool validated, struct srv_json *json)
 {
@@ -26,14 +24,6 @@ static void answer_described(struct srv_exchange *exchange, bool validated, stru
 	srv_exchange_judge(exchange, &validators);
 }
 
-/* The library deals connections to its threads by their descriptors. */
-static uint32_t lane_of(struct MHD_Connection *connection)
-{
-	const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection,
-		MHD_CONNECTION_INFO_CONNECTION_FD);
-	return info ? (uint32_t)info->connect_fd : 0;
-}
-
 static void answer_chunk(struct srv_exchange *exchange)
 {
 	struct eco_chunk_id id;
@@ -42,14 +32,9 @@ static void answer_chunk(struct srv_exchange *exchange)
 	struct srv_scene *scene = srv_parse_id(exchange->variables[1], &id)
 		? srv_edition_chunk(exchange->edition, exchange->variables[0], &id, &chunk) : NULL;
 	if (scene) {
-		const struct srv_access *access = exchange->host->config.access;
-		srv_answer_chunk(&exchange->answer, scene, chunk, &exchange->conditions,
-			&(struct srv_chunk_terms){ .get = exchange->method == SRV_METHOD_GET,
-			.is_private = srv_access_is_private(access, scene->name),
-			.lane = lane_of(exchange->connection),
-			.varies = srv_access_origins_vary(access),
-			.origin = srv_access_origin(access, exchange->origin) },
-			srv_exchange_path(exchange, path));
+		srv_answer_chunk(&exchange->answer, scene, chunk, &exchange->conditions, (struct srv_chunk_terms){
+			exchange->method == SRV_METHOD_GET, srv_access_is_private(exchange->host->config.access,
+			scene->name) }, srv_exchange_path(exchange, path));
 		return;
 	}
 	snprintf(detail, sizeof detail, "scene '%s' has no chunk '%.64s': ids are 32 lower-case hex digits, "
@@ -64,9 +49,9 @@ static void answer_plants(struct srv_exchange *exchange)
 	struct srv_json json = { 0 };
 	struct eco_error error = { 0 };
 	uint32_t list = srv_plants_list(exchange->scene, exchange->variables[1]);
-	enum eco_code code = srv_plants_query(&query, &exchange->target, &error);
-	if (!code && query.has_pack && memcmp(query.pack.bytes, exchange->scene->pack->id.bytes,
-			sizeof query.pack.bytes) != 0) {
+	enum eco_code code = srv_plants_query_parse(&query, &exchange->target, &error);
+	if (!code && query.pack.given && memcmp(query.pack.id.bytes, exchange->scene->pack->id.bytes,
+			sizeof query.pack.id.bytes) != 0) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED,
 			"the pack is not the one that 'pack' names, and its lists have other numbers: ask "
 			"for the view again", false);
@@ -142,10 +127,7 @@ static void answer_ready(struct srv_exchange *exchange)
 			false);
 		return;
 	}
-	srv_json_open(&json, '{');
-	srv_json_key_text(&json, "status", "ready");
-	srv_json_key_count(&json, "bad_packs", gauges.bad_packs);
-	srv_json_close(&json, '}');
+	srv_json_add(&json, "{status:%s bad_packs:%lu}", "ready", gauges.bad_packs);
 	answer_described(exchange, false, &json);
 }
 
@@ -175,11 +157,7 @@ void srv_exchange_reload(void *argument)
 		srv_exchange_problem(exchange, SRV_PROBLEM_RELOAD, code ? error.text : report.why, false);
 		return;
 	}
-	srv_json_open(&json, '{');
-	srv_json_key_count(&json, "opened", report.opened);
-	srv_json_key_count(&json, "same", report.same);
-	srv_json_key_count(&json, "gone", report.gone);
-	srv_json_close(&json, '}');
+	srv_json_add(&json, "{opened:%u same:%u gone:%u}", report.opened, report.same, report.gone);
 	answer_described(exchange, false, &json);
 }
 
@@ -198,7 +176,7 @@ void srv_exchange_answer_direct(struct srv_exchange *exchange)
 	}
 	switch (exchange->route - srv_routes) {
 	case SRV_HEALTH:
-		srv_describe_health(&json, &exchange->edition->store);
+		srv_json_add(&json, "{status:%s scenes:%u}", "ok", exchange->edition->store.count);
 		answer_described(exchange, false, &json);
 		break;
 	case SRV_READY:

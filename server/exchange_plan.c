@@ -7,9 +7,8 @@
 
 #include "ecofiles/format/wire.h"
 #include "server/access.h"
-#include "server/caps.h"
 #include "server/describe.h"
-#include "server/trace.h"
+#include "server/log.h"
 #include "server/typical.h"
 
 #define PLAN_TEXT_MAX (64u << 20)        /* or --answer-bytes, if that is less */
@@ -111,8 +110,7 @@ void srv_exchange_make_plan(void *argument)
 	struct srv_host *host = exchange->host;
 	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request,
 		.rule = exchange->query.rule, .explain = exchange->query.explain, .holdings = &exchange->holdings,
-		.body_max = host->config.response_max, .tiles_max = host->config.tiles_max,
-		.placements_max = host->config.placements_max, .cancelled = &exchange->cancelled,
+		.body_max = host->config.response_max, .cancelled = &exchange->cancelled,
 		.work_max = host->config.plan_times * srv_typical_work(exchange->scene) };
 	struct srv_stream stream;
 	struct eco_error error = { 0 };
@@ -190,6 +188,9 @@ static bool answer_unplanned(struct srv_exchange *exchange)
 		exchange->scene->name);
 	bool answered = answer_by_tag(exchange) || answer_again(exchange);
 	srv_count(&exchange->host->metrics, SRV_COUNT_KEPT, answered);
+	if (answered)
+		srv_trace(SRV_TRACE_CACHE, "%s: answered without a plan: %s", exchange->scene->name,
+			exchange->validators.etag);
 	return answered;
 }
 
@@ -210,12 +211,9 @@ bool srv_exchange_prepare_plan(struct srv_exchange *exchange)
 		return false;
 	}
 	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
-	if (exchange->query.has_pack && memcmp(pack->bytes, exchange->query.pack.bytes, sizeof pack->bytes)
-			!= 0) {
-		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED,
-			"the pack is not the one that 'pack' "
-			"names: forget what was held of it and ask again without holdings",
-			false);
+	if (exchange->query.pack.given && memcmp(pack->bytes, exchange->query.pack.id.bytes, sizeof pack->bytes) != 0) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that 'pack' "
+			"names: forget what was held of it and ask again without holdings", false);
 		return false;
 	}
 	if (exchange->method != SRV_METHOD_POST)

@@ -151,77 +151,57 @@ static void clean_target(char to[TARGET_BYTES], const char *target)
 	to[size] = 0;
 }
 
-static void add_time(struct srv_json *json)
+static void begin_json(struct srv_json *json, const char *event)
 {
 	struct timespec now;
 	struct tm utc;
-	char text[40], part[8];
+	char text[32], time[40];
 	clock_gettime(CLOCK_REALTIME, &now);
 	gmtime_r(&now.tv_sec, &utc);
-	strftime(text, sizeof text - sizeof part, "%Y-%m-%dT%H:%M:%S", &utc);
-	snprintf(part, sizeof part, ".%03dZ", (int)(now.tv_nsec / 1000000));
-	strcat(text, part);
-	srv_json_key_text(json, "time", text);
+	strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
+	snprintf(time, sizeof time, "%s.%03dZ", text, (int)(now.tv_nsec / 1000000));
+	srv_json_add(json, "{time:%s event:%s", time, event);
 }
 
-/* Each line of it. */
-static void add_trace(struct srv_json *json, const char *trace)
+/* The next line of a trace; returns what follows it. */
+static const char *next_line(char line[512], const char *trace)
 {
-	char line[512];
-	srv_json_key_open(json, "trace", '[');
-	for (const char *at = trace; *at;) {
-		size_t size = strcspn(at, "\n");
-		snprintf(line, sizeof line, "%.*s", (int)size, at);
-		srv_json_text(json, line);
-		at += size + (at[size] == '\n');
-	}
-	srv_json_close(json, ']');
+	size_t size = strcspn(trace, "\n");
+	snprintf(line, 512, "%.*s", (int)size, trace);
+	return trace + size + (trace[size] == '\n');
 }
 
 static void print_json(const struct srv_log_request *r, const char *target)
 {
 	struct srv_json json = { 0 };
-	srv_json_open(&json, '{');
-	add_time(&json);
-	srv_json_key_text(&json, "event", r->trace ? "slow" : "request");
-	srv_json_key_text(&json, "id", r->id);
-	srv_json_key_text(&json, "client", r->client);
-	srv_json_key_text(&json, "method", r->method);
-	srv_json_key_text(&json, "target", target);
+	char line[512];
+	begin_json(&json, r->trace ? "slow" : "request");
+	srv_json_add(&json, "id:%s client:%s method:%s target:%s", r->id, r->client, r->method, target);
 	if (r->scene)
-		srv_json_key_text(&json, "scene", r->scene);
-	srv_json_key_count(&json, "status", r->status);
-	srv_json_key_count(&json, "bytes", r->bytes);
-	srv_json_key_number(&json, "ms", r->ms);
-	if (r->plan_ms > 0) {
-		srv_json_key_number(&json, "plan_ms", r->plan_ms);
-		srv_json_key_count(&json, "work", r->work);
-		srv_json_key_bool(&json, "cut_short", r->cut_short);
-	}
+		srv_json_add(&json, "scene:%s", r->scene);
+	srv_json_add(&json, "status:%u bytes:%lu ms:%g", r->status, r->bytes, r->ms);
+	if (r->plan_ms > 0)
+		srv_json_add(&json, "plan_ms:%g work:%lu cut_short:%d", r->plan_ms, r->work, r->cut_short);
 	if (r->trace)
-		add_trace(&json, r->trace);
-	srv_json_close(&json, '}');
+		srv_json_add(&json, "trace:[");
+	for (const char *at = r->trace; at && *at; srv_json_add(&json, "%s", line))
+		at = next_line(line, at);
+	srv_json_add(&json, r->trace ? "]}" : "}");
 	print_line(&json.out);
 }
 
 static void print_text(const struct srv_log_request *r, const char *target)
 {
 	struct eco_writer out = { 0 };
-	char line[TARGET_BYTES + 400];
-	int size = snprintf(line, sizeof line, "%s%s %s %s %u %llu %.3f ms id=%s", r->trace ? "slow: " : "",
-		r->client, r->method, target, r->status, (unsigned long long)r->bytes, r->ms, r->id);
-	eco_write_bytes(&out, line, (size_t)size);
-	if (r->plan_ms > 0) {
-		size = snprintf(line, sizeof line, " plan=%.3f ms work=%llu%s", r->plan_ms,
-			(unsigned long long)r->work, r->cut_short ? " cut-short" : "");
-		eco_write_bytes(&out, line, (size_t)size);
-	}
-	for (const char *at = r->trace; at && *at;) {
-		size_t length = strcspn(at, "\n");
-		eco_write_bytes(&out, "\n  ", 3);
-		eco_write_bytes(&out, at, length);
-		at += length + (at[length] == '\n');
-	}
+	char line[512];
+	eco_write_format(&out, "%s%s %s ", r->trace ? "slow: " : "", r->client, r->method);
+	eco_write_format(&out, "%s %u %llu %.3f ms id=%s", target, r->status, (unsigned long long)r->bytes, r->ms,
+		r->id);
+	if (r->plan_ms > 0)
+		eco_write_format(&out, " plan=%.3f ms work=%llu%s", r->plan_ms, (unsigned long long)r->work,
+			r->cut_short ? " cut-short" : "");
+	for (const char *at = r->trace; at && *at; eco_write_format(&out, "\n  %.508s", line))
+		at = next_line(line, at);
 	print_line(&out);
 }
 
@@ -245,10 +225,66 @@ void srv_log_event(enum srv_log_form form, bool problem, const char *format, ...
 		srv_log_line(line, (size_t)snprintf(line, sizeof line, "ecoserve: %s", text));
 		return;
 	}
-	srv_json_open(&json, '{');
-	add_time(&json);
-	srv_json_key_text(&json, "event", problem ? "problem" : "daemon");
-	srv_json_key_text(&json, "text", text);
-	srv_json_close(&json, '}');
+	begin_json(&json, problem ? "problem" : "daemon");
+	srv_json_add(&json, "text:%s}", text);
 	print_line(&json.out);
+}
+
+/* ---- Trace ---- */
+
+static const struct { const char *name, *text; } trace_rows[] = {
+#define X(bit, name, text) { name, text },
+	SRV_TRACE_BITS(X)
+#undef X
+};
+
+static uint32_t trace_bits;      /* written before threads start */
+static _Thread_local struct eco_writer *captured;
+
+static enum eco_code unknown(const char *name, size_t size, struct eco_error *error)
+{
+	char list[400] = "";
+	for (size_t i = 0, at = 0; i < SRV_TRACE_COUNT && at < sizeof list; i++)
+		at += (size_t)snprintf(list + at, sizeof list - at, "%s %s (%s)", i ? "," : "",
+			trace_rows[i].name, trace_rows[i].text);
+	return eco_fail(error, ECO_BAD_USAGE, "ECO_TRACE: there is no '%.*s'; known are%s",
+		(int)(size < 40 ? size : 40), name, list);
+}
+
+enum eco_code srv_trace_set(const char *names, struct eco_error *error)
+{
+	trace_bits = 0;
+	for (const char *at = names; at && *at;) {
+		size_t size = strcspn(at, ","), i = 0;
+		while (i < SRV_TRACE_COUNT
+			&& (strlen(trace_rows[i].name) != size || memcmp(trace_rows[i].name, at, size) != 0))
+			i++;
+		if (i == SRV_TRACE_COUNT)
+			return unknown(at, size, error);
+		trace_bits |= 1u << i;
+		at += size + (at[size] == ',');
+	}
+	return ECO_OK;
+}
+
+void srv_trace_capture(struct eco_writer *to) { captured = to; }
+
+bool srv_trace_on(enum srv_trace_bit bit) { return trace_bits >> bit & 1; }
+
+void srv_trace(enum srv_trace_bit bit, const char *format, ...)
+{
+	char line[512];
+	bool captures = bit == SRV_TRACE_PLAN && captured;
+	if (!srv_trace_on(bit) && !captures)
+		return;
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(line, sizeof line, format, arguments);
+	va_end(arguments);
+	if (captures) {
+		eco_write_bytes(captured, line, strlen(line));
+		eco_write_u8(captured, '\n');
+	}
+	if (srv_trace_on(bit))
+		srv_log_event(SRV_LOG_TEXT, false, "%s: %s", trace_rows[bit].name, line);
 }

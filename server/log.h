@@ -1,15 +1,18 @@
-/* Lines on stderr about requests and the daemon, for people or as JSON, one object a line. No header is in
- * them, so no token is; a parameter of a target that is named like one is left out. Characters that would end
- * a line, or that a terminal obeys, are written as '?' or escaped.
+/* Lines on stderr about requests and the daemon, for people or as JSON, one object a line, without headers and
+ * without parameters that are named like a token. Characters that would end a line, or that a terminal obeys,
+ * are written as '?' or escaped.
  *
- * Once srv_log_start has been called a thread writes them, so that nobody waits for whoever reads stderr:
- * what does not fit into SRV_LOG_BYTES until it is read is dropped and counted. */
+ * After srv_log_start a thread writes them, so that nobody waits for the reader of stderr: lines that do not fit
+ * into SRV_LOG_BYTES until they are read are dropped and counted. */
 #ifndef SRV_LOG_H
 #define SRV_LOG_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#include "ecofiles/base/bytes.h"
+#include "ecofiles/base/status.h"
 
 enum srv_log_form { SRV_LOG_TEXT, SRV_LOG_JSON };
 
@@ -35,5 +38,30 @@ void srv_log_request(enum srv_log_form form, const struct srv_log_request *reque
 /* Something about the daemon; `problem`: that the operator should look at. */
 void srv_log_event(enum srv_log_form form, bool problem, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
+
+/* ---- Trace ----
+ * ECO_TRACE=plan,cache prints on stderr why things are as they are. One table of bits; reading it costs one load
+ * when off. */
+
+#define SRV_TRACE_BITS(X) \
+	X(PLAN, "plan", "vertex budgets tried for a byte budget, steps taken or left out, and why") \
+	X(CUTS, "cuts", "of each plan, why each cut is what it is") \
+	X(CACHE, "cache", "answers without a plan, chunks refused") \
+	X(CONNECTION, "connection", "connections that were shut down, and why")
+
+enum srv_trace_bit {
+#define X(bit, name, text) SRV_TRACE_##bit,
+	SRV_TRACE_BITS(X)
+#undef X
+	SRV_TRACE_COUNT
+};
+
+/* Sets the bits from a comma-separated list of names (NULL: none), once, before threads start. ECO_BAD_USAGE
+ * lists the names. */
+enum eco_code srv_trace_set(const char *names, struct eco_error *error);
+/* From now on what this thread says of its plans goes to `to`, too, a line each; NULL: no more. */
+void srv_trace_capture(struct eco_writer *to);
+bool srv_trace_on(enum srv_trace_bit bit);
+void srv_trace(enum srv_trace_bit bit, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif

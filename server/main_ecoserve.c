@@ -15,12 +15,10 @@
 #include "ecofiles/base/data_path.h"
 #include "ecofiles/base/options_file.h"
 #include "server/access.h"
-#include "server/caps.h"
 #include "server/daemon.h"
 #include "server/log.h"
 #include "server/sandbox.h"
 #include "server/site.h"
-#include "server/trace.h"
 #include "server/typical.h"
 
 #define ENVIRONMENT "ECOSERVE_"
@@ -44,36 +42,6 @@ static struct {
 static enum eco_code read_networks(const char *text, void *networks, struct eco_error *error)
 {
 	return srv_networks_parse(networks, text, error);
-}
-
-static enum eco_code read_token(const char *text, void *access, struct eco_error *error)
-{
-	return srv_access_add_token(access, text, error);
-}
-
-static enum eco_code read_cap_vertices(const char *text, void *caps, struct eco_error *error)
-{
-	return srv_cap_add(caps, text, ECO_OPTION_COUNT, "cap-vertices", error);
-}
-
-static enum eco_code read_cap_bytes(const char *text, void *caps, struct eco_error *error)
-{
-	return srv_cap_add(caps, text, ECO_OPTION_BYTES, "cap-bytes", error);
-}
-
-static enum eco_code read_operator(const char *text, void *access, struct eco_error *error)
-{
-	return srv_access_add_operator(access, text, error);
-}
-
-static enum eco_code read_origin(const char *text, void *access, struct eco_error *error)
-{
-	return srv_access_add_origin(access, text, error);
-}
-
-static enum eco_code read_frame(const char *text, void *access, struct eco_error *error)
-{
-	return srv_access_add_frame(access, text, error);
 }
 
 /* A descriptor a connection, and some for packs and threads: as many as this process may have. */
@@ -134,11 +102,11 @@ static const struct eco_option options[] = {
 	{ "answers-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.answers_max, 4, 1ull << 40,
 		.help = "memory for all answers that are being sent, without the packs' own bytes. When it is "
 			"full, the address that holds most is disconnected. Default: 256 MiB" },
-	{ "cap-vertices", 0, ECO_OPTION_READ, "[SCENE=]N", &given.caps.vertices, .read = read_cap_vertices,
+	{ "cap-vertices", 0, ECO_OPTION_READ, "[SCENE=]N", &given.caps.vertices, .read = srv_cap_add_vertices,
 		.times = ECO_ONCE_A_NAME,
 		.help = "most vertices of an answer, of one scene or of all. A request for more is answered as if "
 			"it asked for this many. May be given more than once" },
-	{ "cap-bytes", 0, ECO_OPTION_READ, "[SCENE=]BYTES", &given.caps.bytes, .read = read_cap_bytes,
+	{ "cap-bytes", 0, ECO_OPTION_READ, "[SCENE=]BYTES", &given.caps.bytes, .read = srv_cap_add_bytes,
 		.times = ECO_ONCE_A_NAME,
 		.help = "most bytes of an answer, likewise" },
 	{ "kept-bytes", 0, ECO_OPTION_BYTES, "BYTES", &given.config.plan_cache_bytes, 1, 1ull << 40,
@@ -150,19 +118,19 @@ static const struct eco_option options[] = {
 	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &given.viewer,
 		.help = "folder of the browser's viewer, shown at /. Default: web/site beside this program, or "
 			"the installed one; without a viewer, / says how to build it (`make web`)" },
-	{ "token", 0, ECO_OPTION_READ, "SCENE=FILE", &given.access, .read = read_token,
+	{ "token", 0, ECO_OPTION_READ, "SCENE=FILE", &given.access, .read = srv_access_add_token,
 		.times = ECO_OFTEN,
 		.help = "restrict a scene to requests with the token that is the first line of FILE "
 			"(Authorization: Bearer). May be given more than once" },
-	{ "admin-token", 0, ECO_OPTION_READ, "FILE", &given.access, .read = read_operator,
+	{ "admin-token", 0, ECO_OPTION_READ, "FILE", &given.access, .read = srv_access_add_operator,
 		.times = ECO_OFTEN,
 		.help = "restrict /metrics and /v1/admin to requests with this token, which opens all scenes too. "
 			"Default: only this machine may ask for them" },
-	{ "cors", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = read_origin,
+	{ "cors", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = srv_access_add_origin,
 		.times = ECO_OFTEN,
 		.help = "origin whose pages may read answers: https://HOST[:PORT], or * for all. May be given "
 			"more than once" },
-	{ "embed", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = read_frame, .times = ECO_OFTEN,
+	{ "embed", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = srv_access_add_frame, .times = ECO_OFTEN,
 		.help = "origin whose pages may show the viewer in a frame: https://HOST[:PORT], or * for all. "
 			"May be given more than once. Default: only this server's own" },
 	{ "keep", 0, ECO_OPTION_COUNT, "SECONDS", &given.config.keep_s, 1, 86400,
@@ -381,8 +349,7 @@ static enum eco_code run(struct eco_error *error)
 	if (!code && report.bad)
 		code = tell_bad(&report, error);
 	given.config.bad_packs = report.bad;
-	code = code ? code : srv_access_check(&given.access, &store, &sources, NULL, error);
-	code = code ? code : srv_caps_check(&given.caps, &store, &sources, error);
+	code = code ? code : srv_access_check(&given.access, &given.caps, &store, &sources, NULL, error);
 	if (!code)
 		code = given.only_check ? announce("the configuration is good", &store, "", error)
 			: serve_scenes(&store, &signals, error);

@@ -91,30 +91,7 @@ void srv_metrics_write(struct eco_writer *out, struct srv_metrics *metrics, cons
 			atomic_load(&metrics->counters[i]));
 	add_requests(out, metrics);
 	add_plans(out, metrics);
-	add_value(out, "refused_heads_total", "counter",
-		"Requests that were refused before they were whole: heads "
-		"that are malformed or too large, connections beyond a limit.",
-		gauges->refused_heads);
-	add_value(out, "accept_failures_total", "counter",
-		"Times that no connection could be accepted, for want of "
-		"descriptors or memory.",
-		gauges->accept_failures);
-	add_value(out, "log_lines_dropped_total", "counter",
-		"Lines of the log that were dropped because nobody read stderr fast enough.",
-		gauges->dropped_lines);
-	add_value(out, "connections", "gauge", "Connections that are open.", gauges->connections);
-	add_value(out, "requests_in_flight", "gauge", "Requests that have begun and are not answered yet.",
-		gauges->busy);
-	add_value(out, "plans_waiting", "gauge", "Plans that wait for a thread.", gauges->waiting_plans);
-	add_value(out, "bodies_bytes", "gauge", "Memory of the request bodies that are held.",
-		gauges->bodies_bytes);
-	add_value(out, "answers_bytes", "gauge", "Memory of the answers that are being sent.",
-		gauges->answers_bytes);
-	add_value(out, "kept_bytes", "gauge", "Memory of the answers that are kept.", gauges->kept_bytes);
-	add_value(out, "scenes", "gauge", "Scenes that are served.", gauges->scenes);
-	add_value(out, "retired_scenes", "gauge",
-		"Scenes that were replaced, and whose chunks are still served.", gauges->retired);
-	add_value(out, "bad_packs", "gauge",
-		"Packs that were not well when they were last read; see the log.", gauges->bad_packs);
-	add_value(out, "ready", "gauge", "1 where /readyz says so.", gauges->ready);
+#define X(name, metric, type, help) add_value(out, metric, type, help, gauges->name);
+	SRV_GAUGES(X)
+#undef X
 }

@@ -47,11 +47,28 @@ static inline void srv_count(struct srv_metrics *metrics, enum srv_counter count
 void srv_count_request(struct srv_metrics *metrics, const struct srv_route *route, unsigned status);
 void srv_count_plan(struct srv_metrics *metrics, uint64_t took_us, uint64_t work, bool cut_short);
 
-/* Present values. */
+/* Present values, and counters that others keep. */
+#define SRV_GAUGES(X) \
+	X(refused_heads, "refused_heads_total", "counter", "Requests that were refused before they were whole: heads " \
+		"that are malformed or too large, connections beyond a limit.") \
+	X(accept_failures, "accept_failures_total", "counter", "Times that no connection could be accepted, for want " \
+		"of descriptors or memory.") \
+	X(dropped_lines, "log_lines_dropped_total", "counter", "Lines of the log that were dropped because nobody read " \
+		"stderr fast enough.") \
+	X(connections, "connections", "gauge", "Connections that are open.") \
+	X(busy, "requests_in_flight", "gauge", "Requests that have begun and are not answered yet.") \
+	X(waiting_plans, "plans_waiting", "gauge", "Plans that wait for a thread.") \
+	X(bodies_bytes, "bodies_bytes", "gauge", "Memory of the request bodies that are held.") \
+	X(answers_bytes, "answers_bytes", "gauge", "Memory of the answers that are being sent.") \
+	X(kept_bytes, "kept_bytes", "gauge", "Memory of the answers that are kept.") \
+	X(scenes, "scenes", "gauge", "Scenes that are served.") \
+	X(retired, "retired_scenes", "gauge", "Scenes that were replaced, and whose chunks are still served.") \
+	X(bad_packs, "bad_packs", "gauge", "Packs that were not well when they were last read; see the log.") \
+	X(ready, "ready", "gauge", "1 where /readyz says so.")
 struct srv_gauges {
-	uint64_t connections, busy, waiting_plans, scenes, retired, bad_packs, bodies_bytes, answers_bytes, kept_bytes,
-		accept_failures, refused_heads, dropped_lines;
-	bool ready;
+#define X(name, metric, type, help) uint64_t name;
+	SRV_GAUGES(X)
+#undef X
 };
 /* The text format 0.0.4 of Prometheus. */
 void srv_metrics_write(struct eco_writer *out, struct srv_metrics *metrics, const struct srv_gauges *gauges);

@@ -12,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "server/trace.h"
+#include "server/log.h"
 
 /* between two looks at all leases: a few microseconds of work for a thousand of them */
 #define ROUND_MS 100u
@@ -174,10 +174,10 @@ static bool drop_rest(struct srv_lease *lease, uint64_t now)
 	ssize_t size = recv(lease->fd, NULL, LINGER_ROUND_BYTES, MSG_DONTWAIT | MSG_TRUNC);
 	if (size > 0) {
 		lease->dropped_bytes += (uint64_t)size;
-		lease->quiet_us = now + LINGER_QUIET_MS * 1000;
+		lease->due_us = now + LINGER_QUIET_MS * 1000;
 	}
 	return (size > 0 || (size < 0 && errno == EAGAIN)) && lease->dropped_bytes < LINGER_BYTES_MAX
-		&& now < lease->due_us && now < lease->quiet_us;
+		&& now < lease->due_us && now < lease->since_us + LINGER_MS * 1000;
 }
 
 static void unlink_lease(struct srv_reaper *reaper, struct srv_lease *lease)
@@ -286,17 +286,22 @@ static bool goes_before(const struct srv_lease *lease, const struct srv_lease *o
 		: lease->since_us < other->since_us);
 }
 
-/* The connection that has waited for a request the longest, from before `since_us`: of a holder; NULL: of
- * any. */
-static struct srv_lease *longest_idle(struct srv_reaper *reaper, const struct srv_holder *holder,
+/* The connection that goes first: of a holder (NULL: of any), at most in phase `last` of those in which they give way,
+ * and there since before `since_us`. */
+static struct srv_lease *first_to_go(struct srv_reaper *reaper, const struct srv_holder *holder, enum srv_wait last,
 	uint64_t since_us)
 {
-	struct srv_lease *longest = NULL;
+	struct srv_lease *first = NULL;
 	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next)
-		if (!lease->is_shut && lease->wait == SRV_WAIT_REQUEST && lease->since_us < since_us
-				&& (!holder || lease->holder == holder) && goes_before(lease, longest))
-			longest = lease;
-	return longest;
+		if (!lease->is_shut && lease->wait <= last && lease->since_us < since_us
+				&& (!holder || lease->holder == holder) && goes_before(lease, first))
+			first = lease;
+	return first;
+}
+
+static struct srv_lease *longest_idle(struct srv_reaper *reaper, const struct srv_holder *holder)
+{
+	return first_to_go(reaper, holder, SRV_WAIT_REQUEST, UINT64_MAX);
 }
 
 /* NULL: only proxies hold any. */
@@ -313,13 +318,8 @@ static struct srv_holder *largest_holder(const struct srv_reaper *reaper, enum s
 static struct srv_lease *of_largest(struct srv_reaper *reaper, uint64_t least)
 {
 	const struct srv_holder *holder = largest_holder(reaper, SRV_HELD_CONNECTIONS);
-	struct srv_lease *first = NULL;
-	if (!holder || holder->held[SRV_HELD_CONNECTIONS] < least)
-		return NULL;
-	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next)
-		if (!lease->is_shut && lease->holder == holder && goes_before(lease, first))
-			first = lease;
-	return first;
+	return holder && holder->held[SRV_HELD_CONNECTIONS] >= least
+		? first_to_go(reaper, holder, SRV_WAIT_WORK, UINT64_MAX) : NULL;
 }
 
 /* The connection that gives way to one more of the newcomer; NULL: none does. */
@@ -327,10 +327,10 @@ static struct srv_lease *who_gives_way(struct srv_reaper *reaper, const struct s
 {
 	uint64_t same = newcomer->held[SRV_HELD_CONNECTIONS];
 	bool is_near = !newcomer->is_proxy && srv_address_is_loopback(&newcomer->address);
-	struct srv_lease *way = longest_idle(reaper, NULL, srv_clock_us() - IDLE_US);
+	struct srv_lease *way = first_to_go(reaper, NULL, SRV_WAIT_REQUEST, srv_clock_us() - IDLE_US);
 	way = way ? way : of_largest(reaper, same + (is_near ? 1 : 2));
-	way = way ? way : longest_idle(reaper, newcomer, UINT64_MAX);
-	return way || same ? way : longest_idle(reaper, NULL, UINT64_MAX);
+	way = way ? way : longest_idle(reaper, newcomer);
+	return way || same ? way : longest_idle(reaper, NULL);
 }
 
 /* NULL, or why not. */
@@ -340,7 +340,7 @@ static const char *make_way(struct srv_reaper *reaper, const struct srv_holder *
 	bool same_full = !newcomer->is_proxy && same >= reaper->limits.per_address;
 	if (!same_full && all < reaper->limits.held[SRV_HELD_CONNECTIONS] + (same ? 0 : RESERVED))
 		return NULL;
-	struct srv_lease *way = same_full ? longest_idle(reaper, newcomer, UINT64_MAX)
+	struct srv_lease *way = same_full ? longest_idle(reaper, newcomer)
 		: who_gives_way(reaper, newcomer);
 	if (way)
 		shut(reaper, way, "gives way to a new one");
@@ -446,7 +446,7 @@ struct srv_lease *srv_reaper_find(struct srv_reaper *reaper, int fd)
 void srv_reaper_make_room(struct srv_reaper *reaper)
 {
 	pthread_mutex_lock(&reaper->mutex);
-	struct srv_lease *way = longest_idle(reaper, NULL, UINT64_MAX);
+	struct srv_lease *way = longest_idle(reaper, NULL);
 	way = way ? way : of_largest(reaper, 2);
 	if (way)
 		shut(reaper, way, "gives its descriptor back");
@@ -543,8 +543,7 @@ static bool linger(struct srv_lease *lease)
 	shutdown(fd, SHUT_WR);
 	lease->lingers = true;
 	lease->fd = fd;
-	set_wait(lease, SRV_WAIT_REQUEST, LINGER_MS);
-	lease->quiet_us = lease->since_us + LINGER_QUIET_MS * 1000;
+	set_wait(lease, SRV_WAIT_REQUEST, LINGER_QUIET_MS);
 	return true;
 }
 

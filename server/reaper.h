@@ -1,29 +1,26 @@
-/* Deadlines for connections. The HTTP library only times out silence, so that 700 clients that drip a byte a
- * second hold 700 places for ever. Here every phase in which a client is waited for has a deadline, however
- * busy it looks: the head of a request (from connecting, or from the end of the request before), and its
- * body. A response must be taken at a stated least rate, window after window, as the system counts what the
- * client has acknowledged. While the server itself works there is no deadline. A thread shuts overdue
- * sockets down; the library then closes them.
+/* Deadlines of connections, and what each address holds. The HTTP library only times out silence, so that 700
+ * clients that drip a byte a second hold 700 places for ever. Here every phase that waits for a client has a
+ * deadline: the head of a request (from connecting, or from the end of the request before), and its body. A
+ * response must be taken at a least rate, window after window, as the system counts what the client has
+ * acknowledged. While the server works there is no deadline. A thread shuts overdue sockets down; the library
+ * then closes them.
  *
- * It also counts what each address holds of what there is for all: connections, bytes of request bodies and of
- * answers. So many connections may come in of one address, and so many in all; a few more places than that are
- * for addresses that hold none. When it is full
- *   - a connection that has waited for a request for a second gives way, the one that has waited the longest,
- *     of the same address where that is what is full;
- *   - else the address that holds most gives way, if it holds more than the newcomer does then: with the
- *     connection that waits for a request, that sends a body, that takes an answer, or whose plan is made, in
- *     this order, and the oldest of them;
- *   - else the newcomer is refused. A loopback address that is no proxy's is taken where an equal gives way.
- * Bytes are shared out in the same way. A trusted proxy has no limit of its own and gives way to nobody, but
- * with connections that wait for a request.
+ * Addresses share connections, and bytes of request bodies and answers. A few more places than the limit are for
+ * addresses that hold no connection. If one's share or all is full
+ *   - the connection that has waited longest for a request, for a second at least, gives way;
+ *   - else the address that holds most gives way, if it then holds more than the newcomer: with the connection
+ *     that waits for a request, sends a body, takes an answer, or whose plan is made, in this order, the oldest
+ *     first;
+ *   - else the newcomer is refused. A loopback address that is no proxy's is taken if an equal gives way.
+ * Bytes are shared in the same way. A trusted proxy has no limit of its own and gives way to nobody, but with
+ * connections that wait for a request.
  *
- * A request that is refused before all of it is here leaves bytes unread, and more may come: a socket that is
- * closed so makes the system send a reset, by which the client may lose the answer. So what still comes is
- * dropped, for a while and up to some bytes, until the client closes too; a connection that is kept for that
- * counts as one that waits, and gives way like it.
+ * A request that is refused before all of it is here leaves bytes unread. A socket closed so makes the system
+ * send a reset, by which the client may lose the answer. Therefore the rest is dropped, for a while and up to
+ * some bytes, until the client closes too; such a connection counts as one that waits.
  *
- * Life of an entry: opened when the connection starts, closed before its socket is (so that a number that
- * the system gave to another socket is never shut down). All functions may be called from any thread. */
+ * An entry is opened when the connection starts, and closed before its socket is (so that a number that the
+ * system gave to another socket is never shut down). All functions may be called from any thread. */
 #ifndef SRV_REAPER_H
 #define SRV_REAPER_H
 
@@ -62,7 +59,7 @@ struct srv_lease {
 	uint64_t probe_us;                               /* when to find out again whether anyone reads */
 	uint64_t taken_bytes;                            /* acknowledged since it began, before the window */
 	bool lingers;                                    /* fd is the reaper's own; what comes is dropped, ... */
-	uint64_t dropped_bytes, quiet_us;                /* ... so much until now, and no longer than that */
+	uint64_t dropped_bytes;                          /* ... so much until now */
 };
 
 struct srv_reaper_limits {

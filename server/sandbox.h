@@ -6,17 +6,29 @@
  *   srv_daemon_start(...);
  *
  * Files: it reads below the folders of its packs, and writes below that of their copies (Landlock). System
- * calls: those of a list (seccomp); none opens a socket, starts a program or makes memory executable.
- * Privileges: none, and none to be had. A reload works within this; a pack that lies elsewhere by then is
- * refused. Where a kernel has only a part of it, the rest holds. It cannot be undone. */
+ * calls: those of a list (seccomp); none opens a socket, starts a program or makes memory executable. Rights of
+ * root: at most to pass over the permissions of files, if packs or copies need that and Landlock keeps it to
+ * them. A reload works within this; a pack that lies elsewhere by then is refused. A kernel that has only a part
+ * of it gives that part. It cannot be undone. */
 #ifndef SRV_SANDBOX_H
 #define SRV_SANDBOX_H
 
 #include <stdbool.h>
+#include <sys/types.h>
 
 #include "server/log.h"
 #include "server/reload.h"
-#include "server/user.h"
+
+#define SRV_USER_DEFAULT "nobody"
+
+struct srv_user {
+	uid_t user; gid_t group;
+	bool changes;                    /* false: it stays who it is */
+	bool was_asked_for;
+};
+/* NULL: SRV_USER_DEFAULT for root, no change for others. ECO_BAD_USAGE: there is no such user, or only root
+ * can become one. */
+enum eco_code srv_user_find(struct srv_user *user, const char *name, struct eco_error *error);
 
 struct srv_sandbox {
 	const struct srv_sources *sources;
@@ -25,13 +37,8 @@ struct srv_sandbox {
 	enum srv_log_form log_form;              /* of warnings */
 	bool required;                           /* a part that this system does not have is an error */
 };
-
 /* Strings and lists of the sources must live as long as the process. Logs what this system does not have;
  * `required`: returns ECO_UNSUPPORTED instead. */
 enum eco_code srv_sandbox_enter(const struct srv_sandbox *sandbox, struct eco_error *error);
-
-/* Only the listed system calls from now on, for this thread and those that it starts; others fail with
- * EPERM. ECO_UNSUPPORTED: this system has no such filters. */
-enum eco_code srv_sandbox_filter(struct eco_error *error);
 
 #endif

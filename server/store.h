@@ -1,23 +1,28 @@
-/* A set of scenes. A scene is opened, checked, and never changed, so that any number of threads read it
- * without locks; only marks change, each once and atomically: per chunk "hash checked" and "response made",
- * and what its plans usually cost; and the planner's tables fill themselves likewise
- * (lod/plan/plan_tables.h). Stores that follow one another share the scenes whose files have not changed:
- * each counts as a holder.
+/* Sets of scenes, and their replacement while they are served. A scene is opened, checked, and never changed, so
+ * that any number of threads read it without locks; only marks change, each once and atomically: per chunk
+ * "hash checked", and the work of an ordinary plan. The planner's tables fill themselves likewise
+ * (lod/plan/plan_tables.h).
  *
- * Payloads stay in the mapped pack: the system's page cache keeps those that are asked for and gives up
- * those that are not (figures: lod/EXPERIMENTS.md, "Memory of client and server"). A cache of our own
- * would hold the same bytes twice.
+ * Payloads stay in the mapped pack: the system's page cache keeps those in use (figures: lod/EXPERIMENTS.md,
+ * "Memory of client and server"). A cache of our own would hold the same bytes twice.
  *
  *   srv_store_init(&store);
  *   srv_store_add(&store, NULL, "scbi.eco", &error);         opens and checks the pack, takes its name
  *   const struct srv_scene *s = srv_store_find(&store, "scbi");
  *   srv_scene_payload(s, chunk, &bytes, &size, &error);      a chunk's bytes, hash checked the first time
+ *   srv_catalog_replace(&catalog, &store, 0, 0, &error);     is served from now on
+ *   edition = srv_catalog_hold(&catalog);                    for one request, to its end
+ *   srv_edition_release(edition);
  *   srv_store_free(&store);
- * */
+ *
+ * A request holds the edition that it found when it came; later ones find the next. Editions share the scenes
+ * whose files have not changed: each counts as a holder. Scenes that only the edition before had are kept for a
+ * stated time, so that a client that was just told of a chunk still gets it. */
 #ifndef SRV_STORE_H
 #define SRV_STORE_H
 
 #include <jansson.h>
+#include <pthread.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 
@@ -27,10 +32,7 @@
 
 #define SRV_NAME_BYTES 64
 #define SRV_SCENES_MAX 1024u
-#define SRV_LARGE_BYTES (128u << 10)     /* a large chunk */
-#define SRV_LANES 4u
-
-struct MHD_Response;
+#define SRV_RETIRED_MAX 64u              /* scenes: each keeps its pack */
 
 /* The identity of a file. */
 struct srv_file { char *path; uint64_t device, number, size_bytes; int64_t modified_s, modified_ns; };
@@ -49,12 +51,6 @@ struct srv_scene {
 	_Atomic(uint64_t) typical_work;          /* of a plan (typical.h); 0: not found yet */
 	uint32_t *by_id;                         /* chunk indices sorted by id */
 	_Atomic(uint8_t) *checked;               /* per chunk: the payload's hash has been found right */
-	/* per lane and chunk: the shared response, made when first asked for; that of a chunk that is not
-	 * large is in the first lane */
-	_Atomic(struct MHD_Response *) *responses;
-	_Atomic(uint32_t) by_file;               /* of them, those that were to hold a descriptor */
-	/* called before it is freed, by whoever made responses (server/answer.h); NULL: there are none */
-	void (*_Atomic drop)(struct srv_scene *scene);
 };
 
 struct srv_store {
@@ -95,5 +91,33 @@ uint32_t srv_scene_chunk(const struct srv_scene *scene, const struct eco_chunk_i
 /* The payload in the mapped pack; valid as long as the store. ECO_DAMAGED names the chunk. Thread-safe. */
 enum eco_code srv_scene_payload(const struct srv_scene *scene, uint32_t chunk, const uint8_t **bytes,
 	size_t *size_bytes, struct eco_error *error);
+
+/* ---- Editions ---- */
+
+struct srv_edition {                     /* never changes */
+	struct srv_store store;
+	struct { struct srv_scene *scene; uint64_t until_us; } retired[SRV_RETIRED_MAX];         /* the latest first */
+	uint32_t retired_count;
+	_Atomic(uint32_t) holders;
+};
+struct srv_catalog {
+	pthread_mutex_t mutex;
+	struct srv_edition *current;     /* under the mutex; NULL: none yet */
+};
+
+struct srv_edition *srv_catalog_hold(struct srv_catalog *catalog);
+void srv_edition_release(struct srv_edition *edition);           /* NULL is fine */
+/* Shares the store's scenes; those that it does not have are kept until `until_us` (srv_clock_us). Replace and
+ * retire are called by one thread at a time. */
+enum eco_code srv_catalog_replace(struct srv_catalog *catalog, const struct srv_store *store,
+	uint64_t until_us, uint64_t now_us, struct eco_error *error);
+/* Forgets what was kept until now. */
+enum eco_code srv_catalog_retire(struct srv_catalog *catalog, uint64_t now_us, struct eco_error *error);
+
+/* The scene of this name, or NULL; `retired`: if there is none, one that was. */
+struct srv_scene *srv_edition_find(const struct srv_edition *edition, const char *name, bool retired);
+/* The chunk's scene of this name, which may be a retired one, and its index there; NULL: there is none. */
+struct srv_scene *srv_edition_chunk(const struct srv_edition *edition, const char *name,
+	const struct eco_chunk_id *id, uint32_t *chunk);
 
 #endif

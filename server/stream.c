@@ -8,7 +8,7 @@
 #include "lod/plan/planner.h"
 #include "server/emit.h"
 #include "server/stream_after.h"
-#include "server/trace.h"
+#include "server/log.h"
 
 #define BODY_MAX_DEFAULT (1ull << 31)
 #define STEP_RATIO 1.3                       /* bytes of a step over those of the step before */
@@ -104,8 +104,7 @@ static struct lod_planner_input planner_input(const struct srv_stream_input *inp
 {
 	return (struct lod_planner_input){ .scene = &input->scene->pack->scene,
 		.tables = input->scene->tables, .request = request, .holdings = input->holdings,
-		.tiles_max = input->tiles_max, .placements_max = input->placements_max, .rule = input->rule,
-		.ignore_occlusion = input->ignore_occlusion, .work_max = input->work_max,
+		.rule = input->rule, .ignore_occlusion = input->ignore_occlusion, .work_max = input->work_max,
 		.cancelled = input->cancelled };
 }
 
@@ -155,7 +154,7 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 		planner.work_max /= SEARCH_PART;
 	planner.stats = &stats;
 	planner.explanation = input->explain ? &step->why : NULL;
-	*step = (struct srv_step){ .budget_vertices = vertices, .ground_px = ground_px };
+	*step = (struct srv_step){ .ground_px = ground_px };
 	if (check_cancelled(stream, error))
 		return ECO_INTERRUPTED;
 	request.vertices = vertices;
@@ -170,7 +169,6 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 	}
 	enum eco_code code = lod_plan(&step->plan, &planner, error);
 	stream->work += stats.work;
-	step->wrong = stats.wrong;
 	stream->cut_short |= planner.work_max && stats.work >= planner.work_max / 2;
 	if (!code)
 		srv_trace(SRV_TRACE_PLAN, "%llu of %llu vertices in %u cuts: the search %s, a byte must save %g "
@@ -458,9 +456,8 @@ static enum eco_code size_answer(void *ctx, struct eco_plan *plan, uint64_t *byt
 
 static enum eco_code take_coarser(void *ctx, struct eco_plan *plan, double wrong, struct eco_error *error)
 {
-	(void)error;
+	(void)error, (void)wrong;
 	struct srv_stream *stream = ctx;
-	stream->coarser_wrong[stream->coarser_count] = wrong;
 	stream->coarser[stream->coarser_count++] = *plan;
 	return ECO_OK;
 }
@@ -469,7 +466,7 @@ static enum eco_code take_coarser(void *ctx, struct eco_plan *plan, double wrong
 static enum eco_code add_coarser(struct srv_stream *stream, uint32_t number, struct eco_error *error)
 {
 	struct eco_plan *plan = &stream->coarser[number];
-	struct srv_step step = { .plan = *plan, .wrong = stream->coarser_wrong[number] };
+	struct srv_step step = { .plan = *plan };
 	*plan = (struct eco_plan){ 0 };
 	enum eco_code code = change_ground(stream, &step, stream->steps[0].ground_px, error);
 	while (!code && step.ground_px < ECO_GROUND_PX_MAX && ground_is_large(stream, &step, step.missing_bytes))

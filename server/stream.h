@@ -49,7 +49,6 @@ struct srv_stream_input {
 	const struct eco_request *request;           /* has passed eco_view_check */
 	const struct eco_holdings *holdings;         /* has passed srv_holdings_check; may be NULL */
 	uint64_t body_max;                           /* bytes; beyond it ECO_TOO_LARGE; 0: 2 GiB */
-	uint64_t tiles_max, placements_max;          /* as struct lod_planner_input */
 	lod_rule *rule;                              /* NULL: the optimiser */
 	bool ignore_occlusion;                       /* as struct lod_planner_input */
 	uint64_t work_max;                           /* of all its plans, as struct lod_planner_input */
@@ -61,10 +60,8 @@ struct srv_stream_input {
 struct srv_step {
 	struct eco_plan plan;
 	struct eco_holdings needs;                   /* chunks per list that the plan needs, sorted */
-	uint64_t budget_vertices;                    /* what was asked of the planner */
 	struct lod_explanation why;                  /* of the last one, where it is asked for */
-	double wrong;                                /* as struct lod_planner_stats */
-	double ground_px;                            /* and how far its ground may be from where it is */
+	double ground_px;                            /* how far its ground may be from where it is */
 	uint64_t missing_bytes;                      /* payloads that the client lacks at the beginning */
 	uint64_t end_bytes;                          /* of the body, up to and with this step's PLAN */
 };
@@ -78,8 +75,7 @@ struct srv_stream {
 	/* what the answer would need without a budget of bytes; of that, what the rest of the bytes holds */
 	struct eco_holdings wanted, rest;
 	/* from fine to coarse, while steps are made */
-	struct eco_plan coarser[SRV_STEPS_MAX];      double coarser_wrong[SRV_STEPS_MAX];
-	uint32_t coarser_count;
+	struct eco_plan coarser[SRV_STEPS_MAX];      uint32_t coarser_count;
 	bool fits;
 	/* exact, named chunks counted; where it does not fit, that of the smallest body */
 	uint64_t body_bytes, next_bytes;             /* next_bytes: of these, for the next view */

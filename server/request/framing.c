@@ -243,37 +243,6 @@ static bool take_byte(struct srv_framing *framing, char c)
 	}
 }
 
-/* Bytes of a value that is not looked at, or of a target, of which each alone changes nothing: taken at
- * once. */
-static size_t plain_bytes(const struct srv_framing *framing, const char *bytes, size_t size)
-{
-	bool target = framing->state == SRV_AT_TARGET;
-	uint32_t room = SRV_HEAD_BYTES_MAX - framing->size, memory = SRV_HEAD_MEMORY_MAX - framing->memory;
-	size_t at = 0;
-	if (!target &&
-		(framing->state != SRV_AT_VALUE || (framing->field >= 0 && framing->field < FIELD_ONCE)))
-		return 0;
-	room = room < memory ? room : memory;
-	room = target && room > SRV_TARGET_BYTES_MAX - 1 - framing->target_size
-		? SRV_TARGET_BYTES_MAX - 1 - framing->target_size : room;
-	size = size < room ? size : room;
-	if (target)
-		while (at < size && is_printable(bytes[at]) && bytes[at] != '&' && bytes[at] != '?')
-			at++;
-	else
-		while (at < size && (is_printable(bytes[at]) || bytes[at] == ' '))
-			at++;
-	return at;
-}
-
-static void take_plain(struct srv_framing *framing, uint32_t size)
-{
-	framing->size += size;
-	framing->memory += size;
-	if (framing->state == SRV_AT_TARGET)
-		framing->target_size += size;
-}
-
 size_t srv_framing_scan(struct srv_framing *framing, const char *bytes, size_t size)
 {
 	size_t at = 0;
@@ -285,12 +254,9 @@ size_t srv_framing_scan(struct srv_framing *framing, const char *bytes, size_t s
 			at += part;
 			continue;
 		}
-		size_t plain = plain_bytes(framing, bytes + at, size - at);
-		take_plain(framing, (uint32_t)plain);
-		at += plain;
-		if (at < size && !take_byte(framing, bytes[at]))
+		if (!take_byte(framing, bytes[at]))
 			break;
-		at += at < size;
+		at++;
 	}
 	return at;
 }

@@ -7,7 +7,6 @@
 #include <sys/socket.h>
 
 #define DESCRIPTORS_MAX (1 << 20)
-#define DRAINED_BYTES_MAX (64u << 10)
 
 ssize_t __real_recv(int fd, void *bytes, size_t size, int flags);
 ssize_t __wrap_recv(int fd, void *bytes, size_t size, int flags);
@@ -62,23 +61,12 @@ void srv_gate_answer(int fd, enum srv_problem problem, const char *detail, bool 
 	eco_writer_free(&json.out);
 }
 
-/* Unread bytes make the system send a reset when a socket is closed, and the reset may overtake the answer. */
-static void drain(int fd)
-{
-	char bytes[4096];
-	size_t size = 0;
-	for (ssize_t got; size < DRAINED_BYTES_MAX; size += (size_t)got)
-		if ((got = __real_recv(fd, bytes, sizeof bytes, MSG_DONTWAIT)) <= 0)
-			return;
-}
-
-/* To the library the client has left. */
+/* To the library the client has left; the reaper drops what still comes. */
 static ssize_t end_refused(struct srv_gate *gate)
 {
 	const struct srv_framing *framing = &gate->framing;
 	srv_gate_answer(gate->fd, framing->problem, framing->detail, framing->is_head);
 	shutdown(gate->fd, SHUT_WR);
-	drain(gate->fd);
 	return 0;
 }
 

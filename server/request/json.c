@@ -1,6 +1,8 @@
 #include "server/request/json.h"
 
+#include <assert.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,19 +45,6 @@ static void before_value(struct srv_json *json)
 	json->comma = true;
 }
 
-void srv_json_open(struct srv_json *json, char bracket)
-{
-	before_value(json);
-	eco_write_u8(&json->out, (uint8_t)bracket);
-	json->comma = false;
-}
-
-void srv_json_close(struct srv_json *json, char bracket)
-{
-	eco_write_u8(&json->out, (uint8_t)bracket);
-	json->comma = true;
-}
-
 /* Bytes from `at` on that stand for themselves. */
 static size_t plain_bytes(const char *at)
 {
@@ -91,25 +80,16 @@ static void quote(struct srv_json *json, const char *text)
 	eco_write_u8(&json->out, '"');
 }
 
-void srv_json_key(struct srv_json *json, const char *key)
+static void add_text(struct srv_json *json, const char *text)
 {
 	before_value(json);
-	quote(json, key);
-	eco_write_u8(&json->out, ':');
-	json->comma = false;
+	if (text)
+		quote(json, text);
+	else
+		put(json, "null");
 }
 
-void srv_json_text(struct srv_json *json, const char *text)
-{
-	if (!text) {
-		srv_json_null(json);
-		return;
-	}
-	before_value(json);
-	quote(json, text);
-}
-
-void srv_json_count(struct srv_json *json, uint64_t value)
+static void add_count(struct srv_json *json, uint64_t value)
 {
 	char text[20], *at = text + sizeof text;
 	do
@@ -124,11 +104,11 @@ static void add_number(struct srv_json *json, double value, int digits)
 {
 	char text[32];
 	if (!isfinite(value)) {
-		srv_json_null(json);
+		add_text(json, NULL);
 		return;
 	}
 	if (value >= 0 && value < 1e15 && value == floor(value) && !signbit(value)) {
-		srv_json_count(json, (uint64_t)value);
+		add_count(json, (uint64_t)value);
 		return;
 	}
 	before_value(json);
@@ -140,58 +120,84 @@ static void add_number(struct srv_json *json, double value, int digits)
 	put(json, text);
 }
 
-void srv_json_bool(struct srv_json *json, bool value)
+/* The value of a conversion that begins at `at`; returns where it ends. */
+static const char *add_value(struct srv_json *json, const char *at, va_list *values)
 {
+	uint64_t count;
+	switch (at += *at == 'l', *at) {
+	case 's':
+		add_text(json, va_arg(*values, const char *));
+		break;
+	case 'd':
+		before_value(json);
+		put(json, va_arg(*values, int) ? "true" : "false");
+		break;
+	case 'u':
+		add_count(json, at[-1] == 'l' ? va_arg(*values, unsigned long) : va_arg(*values, unsigned));
+		break;
+	case 'x':
+		count = va_arg(*values, unsigned long);
+		if (count == UINT64_MAX)
+			add_text(json, NULL);
+		else
+			add_count(json, count);
+		break;
+	case '.':
+		at += 2;
+		add_number(json, va_arg(*values, double), FIGURE);
+		break;
+	default:
+		assert(*at == 'g');
+		add_number(json, va_arg(*values, double), DIGITS);
+	}
+	return at;
+}
+
+static size_t word_bytes(const char *text)
+{
+	size_t size = 0;
+	while ((text[size] >= 'a' && text[size] <= 'z') || text[size] == '_')
+		size++;
+	return size;
+}
+
+/* A key, or null. */
+static void add_word(struct srv_json *json, const char *word, size_t size)
+{
+	bool is_key = word[size] == ':';
 	before_value(json);
-	put(json, value ? "true" : "false");
+	if (is_key)
+		eco_write_u8(&json->out, '"');
+	eco_write_bytes(&json->out, word, size);
+	if (is_key)
+		put(json, "\":");
+	json->comma = !is_key;
 }
 
-void srv_json_null(struct srv_json *json)
+static void add_bracket(struct srv_json *json, char bracket)
 {
-	before_value(json);
-	put(json, "null");
+	bool opens = bracket == '{' || bracket == '[';
+	if (opens)
+		before_value(json);
+	eco_write_u8(&json->out, (uint8_t)bracket);
+	json->comma = !opens;
 }
 
-void srv_json_point(struct srv_json *json, const double value[3])
+void srv_json_add(struct srv_json *json, const char *format, ...)
 {
-	srv_json_open(json, '[');
-	for (int i = 0; i < 3; i++)
-		add_number(json, value[i], DIGITS);
-	srv_json_close(json, ']');
-}
-
-void srv_json_key_open(struct srv_json *json, const char *key, char bracket)
-{
-	srv_json_key(json, key);
-	srv_json_open(json, bracket);
-}
-
-void srv_json_key_text(struct srv_json *json, const char *key, const char *text)
-{
-	srv_json_key(json, key);
-	srv_json_text(json, text);
-}
-
-void srv_json_key_count(struct srv_json *json, const char *key, uint64_t value)
-{
-	srv_json_key(json, key);
-	srv_json_count(json, value);
-}
-
-void srv_json_key_number(struct srv_json *json, const char *key, double value)
-{
-	srv_json_key(json, key);
-	add_number(json, value, DIGITS);
-}
-
-void srv_json_key_figure(struct srv_json *json, const char *key, double value)
-{
-	srv_json_key(json, key);
-	add_number(json, value, FIGURE);
-}
-
-void srv_json_key_bool(struct srv_json *json, const char *key, bool value)
-{
-	srv_json_key(json, key);
-	srv_json_bool(json, value);
+	_Static_assert(sizeof(long) == sizeof(uint64_t), "%lu is a uint64_t");
+	va_list values;
+	va_start(values, format);
+	for (const char *at = format; *at; at++) {
+		size_t word = word_bytes(at);
+		if (word) {
+			add_word(json, at, word);
+			at += word - (at[word] != ':');
+		} else if (*at == '%') {
+			at = add_value(json, at + 1, &values);
+		} else if (*at != ' ') {
+			add_bracket(json, *at);
+		}
+	}
+	va_end(values);
 }

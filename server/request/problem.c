@@ -51,12 +51,8 @@ void srv_problem_write(struct srv_json *json, enum srv_problem problem, const ch
 	const char *instance)
 {
 	const struct srv_problem_row *row = &srv_problem_rows[problem];
-	srv_json_open(json, '{');
-	srv_json_key_text(json, "type", row->type);
-	srv_json_key_text(json, "title", row->title);
-	srv_json_key_count(json, "status", row->status);
-	srv_json_key_text(json, "detail", detail);
+	srv_json_add(json, "{type:%s title:%s status:%u detail:%s", row->type, row->title, row->status, detail);
 	if (instance)
-		srv_json_key_text(json, "instance", instance);
-	srv_json_close(json, '}');
+		srv_json_add(json, "instance:%s", instance);
+	srv_json_add(json, "}");
 }

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,33 +12,40 @@
 
 enum param_kind { PARAM_POINT, PARAM_NUMBER, PARAM_SIZE, PARAM_COUNT, PARAM_RULE, PARAM_FLAG, PARAM_ID };
 
-#define AT(field) offsetof(struct srv_query, field)
-static const struct param_row {
+struct param_row {
 	const char *name;
 	enum param_kind kind;
 	bool required;
 	size_t offset;
-	uint64_t max;                /* counts and sizes */
-} param_rows[] = {
-	{ "eye", PARAM_POINT, true, AT(request.view.eye), 0 },
-	{ "target", PARAM_POINT, true, AT(request.view.target), 0 },
-	{ "up", PARAM_POINT, false, AT(request.view.up), 0 },
-	{ "fov_y_deg", PARAM_NUMBER, false, AT(request.view.fov_y_deg), 0 },
-	{ "width", PARAM_SIZE, true, AT(request.view.width), ECO_IMAGE_MAX },
-	{ "height", PARAM_SIZE, true, AT(request.view.height), ECO_IMAGE_MAX },
-	{ "vertices", PARAM_COUNT, true, AT(request.vertices), ECO_VERTICES_MAX },
-	{ "bytes", PARAM_COUNT, false, AT(request.bytes), ECO_BYTES_UNBOUNDED },
-	{ "ground_px", PARAM_NUMBER, false, AT(request.ground_px), 0 },
-	{ "texel_px", PARAM_NUMBER, false, AT(request.texel_px), 0 },
-	{ "next_eye", PARAM_POINT, false, AT(request.next.eye), 0 },
-	{ "next_target", PARAM_POINT, false, AT(request.next.target), 0 },
-	{ "name_from", PARAM_COUNT, false, AT(request.name_from), ECO_BYTES_UNBOUNDED },
-	{ "rule", PARAM_RULE, false, AT(rule), 0 },
-	{ "explain", PARAM_FLAG, false, AT(explain), 1 },
-	{ "pack", PARAM_ID, false, AT(pack), 0 },
+	uint64_t max, least;         /* counts and sizes */
+};
+
+#define AT(field) offsetof(struct srv_query, field)
+static const struct param_row view_rows[] = {
+	{ "eye", PARAM_POINT, true, AT(request.view.eye), 0, 0 },
+	{ "target", PARAM_POINT, true, AT(request.view.target), 0, 0 },
+	{ "up", PARAM_POINT, false, AT(request.view.up), 0, 0 },
+	{ "fov_y_deg", PARAM_NUMBER, false, AT(request.view.fov_y_deg), 0, 0 },
+	{ "width", PARAM_SIZE, true, AT(request.view.width), ECO_IMAGE_MAX, 1 },
+	{ "height", PARAM_SIZE, true, AT(request.view.height), ECO_IMAGE_MAX, 1 },
+	{ "vertices", PARAM_COUNT, true, AT(request.vertices), ECO_VERTICES_MAX, 0 },
+	{ "bytes", PARAM_COUNT, false, AT(request.bytes), ECO_BYTES_UNBOUNDED, 0 },
+	{ "ground_px", PARAM_NUMBER, false, AT(request.ground_px), 0, 0 },
+	{ "texel_px", PARAM_NUMBER, false, AT(request.texel_px), 0, 0 },
+	{ "next_eye", PARAM_POINT, false, AT(request.next.eye), 0, 0 },
+	{ "next_target", PARAM_POINT, false, AT(request.next.target), 0, 0 },
+	{ "name_from", PARAM_COUNT, false, AT(request.name_from), ECO_BYTES_UNBOUNDED, 0 },
+	{ "rule", PARAM_RULE, false, AT(rule), 0, 0 },
+	{ "explain", PARAM_FLAG, false, AT(explain), 1, 0 },
+	{ "pack", PARAM_ID, false, AT(pack), 0, 0 },
+	{ NULL, 0, 0, 0, 0, 0 }
 };
 #undef AT
-#define PARAM_ROWS (sizeof param_rows / sizeof *param_rows)
+#define AT(field) offsetof(struct srv_plants_query, field)
+static const struct param_row plants_rows[] = { { "first", PARAM_COUNT, false, AT(first), UINT64_MAX, 0 },
+	{ "count", PARAM_COUNT, false, AT(count), SRV_PLANTS_MAX, 1 }, { "pack", PARAM_ID, false, AT(pack), 0, 0 },
+	{ NULL, 0, 0, 0, 0, 0 } };
+#undef AT
 
 static const struct { const char *name; lod_rule *rule; } rules[] = { { "optimal", lod_rule_optimal },
 	{ "deussen", lod_rule_deussen } };
@@ -130,69 +138,72 @@ void srv_format_id(char text[SRV_ID_TEXT_BYTES], const struct eco_chunk_id *id)
 	text[2 * sizeof id->bytes] = 0;
 }
 
-static enum eco_code parse_rule(lod_rule **rule, const char *text, struct eco_error *error)
+/* Stores the value in its field. NULL, or what it should have been. */
+static const char *parse_field(void *field, const struct param_row *row, const char *text)
 {
-	for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
-		if (strcmp(rules[i].name, text) == 0) {
-			*rule = rules[i].rule;
-			return ECO_OK;
-		}
-	return eco_fail(error, ECO_BAD_INPUT, "parameter 'rule': '%.80s' is neither optimal nor deussen",
-		text);
-}
-
-static enum eco_code parse_row(struct srv_query *query, const struct param_row *row, const char *text,
-	struct eco_error *error)
-{
-	void *field = (char *)query + row->offset;
-	uint64_t count, least;
+	struct srv_pack_named *pack = field;
+	uint64_t count;
 	switch (row->kind) {
 	case PARAM_POINT:
-		if (!parse_point(text, field))
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not three decimal "
-				"numbers x,y,z", row->name, text);
-		return ECO_OK;
+		return parse_point(text, field) ? NULL : "not three decimal numbers x,y,z";
 	case PARAM_NUMBER:
-		if (!srv_parse_number(text, field))
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not a decimal "
-				"number", row->name, text);
-		return ECO_OK;
+		return srv_parse_number(text, field) ? NULL : "not a decimal number";
 	case PARAM_SIZE:
 	case PARAM_COUNT:
-		least = row->kind == PARAM_SIZE;
-		if (!srv_parse_count(text, &count) || count < least || count > row->max)
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not a whole "
-				"number from %llu to %llu", row->name, text, (unsigned long long)least,
-				(unsigned long long)row->max);
+		if (!srv_parse_count(text, &count) || count < row->least || count > row->max)
+			return "not a whole number";
 		if (row->kind == PARAM_SIZE)
 			*(uint32_t *)field = (uint32_t)count;
 		else
 			*(uint64_t *)field = count;
-		return ECO_OK;
+		return NULL;
 	case PARAM_RULE:
-		return parse_rule(&query->rule, text, error);
+		for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
+			if (strcmp(rules[i].name, text) == 0) {
+				*(lod_rule **)field = rules[i].rule;
+				return NULL;
+			}
+		return "neither optimal nor deussen";
 	case PARAM_FLAG:
 		if (!srv_parse_count(text, &count) || count > 1)
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is neither 0 nor 1",
-				row->name, text);
+			return "neither 0 nor 1";
 		*(bool *)field = count;
-		return ECO_OK;
+		return NULL;
 	case PARAM_ID:
-		if (!srv_parse_id(text, field))
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not an id of 32 "
-				"lower-case hex digits", row->name, text);
-		query->has_pack = true;
-		return ECO_OK;
+		pack->given = srv_parse_id(text, &pack->id);
+		return pack->given ? NULL : "not an id of 32 lower-case hex digits";
+	}
+	return NULL;
+}
+
+static enum eco_code parse_params(void *query, const struct param_row *rows, const char *known,
+	const struct srv_target *target, struct eco_error *error)
+{
+	for (uint32_t i = 0; i < target->param_count; i++) {
+		const struct srv_param *param = &target->params[i];
+		const struct param_row *row = rows;
+		char range[64] = "";
+		while (row->name && strcmp(row->name, param->name) != 0)
+			row++;
+		if (!row->name)
+			return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s'; known are %s", param->name,
+				known);
+		const char *wrong = parse_field((char *)query + row->offset, row, param->value);
+		if (wrong && (row->kind == PARAM_SIZE || row->kind == PARAM_COUNT))
+			snprintf(range, sizeof range, " from %llu to %llu", (unsigned long long)row->least,
+				(unsigned long long)row->max);
+		if (wrong)
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is %s%s", row->name,
+				param->value, wrong, range);
 	}
 	return ECO_OK;
 }
 
-static const struct param_row *find_row(const char *name)
+enum eco_code srv_plants_query_parse(struct srv_plants_query *query, const struct srv_target *target,
+	struct eco_error *error)
 {
-	for (size_t i = 0; i < PARAM_ROWS; i++)
-		if (strcmp(param_rows[i].name, name) == 0)
-			return &param_rows[i];
-	return NULL;
+	*query = (struct srv_plants_query){ .count = SRV_PLANTS_MAX };
+	return parse_params(query, plants_rows, "first, count and pack", target, error);
 }
 
 static enum eco_code check_next(struct srv_query *query, const struct srv_target *target,
@@ -216,28 +227,21 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 		(struct srv_query){ .request = { .view = { .up = { 0, 0, 1 }, .fov_y_deg = 45 },
 		.bytes = ECO_BYTES_UNBOUNDED,
 		.ground_px = ECO_GROUND_PX, .texel_px = ECO_TEXEL_PX } };
-	for (uint32_t i = 0; i < target->param_count; i++) {
-		const struct srv_param *param = &target->params[i];
-		const struct param_row *row = find_row(param->name);
-		if (!row)
-			return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s'; known are eye, "
-				"target, up, fov_y_deg, width, height, vertices, bytes, ground_px, texel_px, "
-				"next_eye, next_target, name_from, rule, pack and explain", param->name);
-		enum eco_code code = parse_row(query, row, param->value, error);
-		if (code)
-			return code;
-	}
-	for (size_t i = 0; i < PARAM_ROWS; i++)
-		if (param_rows[i].required && !srv_target_param(target, param_rows[i].name))
+	enum eco_code code = parse_params(query, view_rows, "eye, target, up, fov_y_deg, width, height, vertices, "
+		"bytes, ground_px, texel_px, next_eye, next_target, name_from, rule, pack and explain", target, error);
+	if (code)
+		return code;
+	for (const struct param_row *row = view_rows; row->name; row++)
+		if (row->required && !srv_target_param(target, row->name))
 			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s' is missing; a view has "
-				"eye=X,Y,Z, target=X,Y,Z, width, height and vertices", param_rows[i].name);
+				"eye=X,Y,Z, target=X,Y,Z, width, height and vertices", row->name);
 	if (!(query->request.ground_px >= ECO_GROUND_PX_MIN && query->request.ground_px <= ECO_GROUND_PX_MAX))
 		return eco_fail(error, ECO_BAD_INPUT, "ground_px: %g; give a number of pixels from %g to %g",
 			query->request.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX);
 	if (!(query->request.texel_px >= ECO_TEXEL_PX_MIN && query->request.texel_px <= ECO_TEXEL_PX_MAX))
 		return eco_fail(error, ECO_BAD_INPUT, "texel_px: %g; give a number of pixels from %g to %g",
 			query->request.texel_px, ECO_TEXEL_PX_MIN, ECO_TEXEL_PX_MAX);
-	enum eco_code code = eco_view_check(&query->request.view, error);
+	code = eco_view_check(&query->request.view, error);
 	return code ? code : check_next(query, target, error);
 }
 

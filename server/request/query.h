@@ -20,16 +20,24 @@
 #include "lod/plan/planner.h"
 #include "server/request/target.h"
 
+struct srv_pack_named { struct eco_chunk_id id; bool given; };
+
 struct srv_query {
 	struct eco_request request;
 	lod_rule *rule;
-	bool has_pack, explain;
-	struct eco_chunk_id pack;
+	bool explain;
+	struct srv_pack_named pack;
 };
 
 /* Fills *query; the view passes eco_view_check. ECO_BAD_INPUT with a text that names the parameter and says
  * what is wrong. */
 enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *target,
+	struct eco_error *error);
+
+#define SRV_PLANTS_MAX 1024u     /* of an answer */
+struct srv_plants_query { uint64_t first, count; struct srv_pack_named pack; };
+/* ?first=N&count=N&pack=ID, all of which may be left out. */
+enum eco_code srv_plants_query_parse(struct srv_plants_query *query, const struct srv_target *target,
 	struct eco_error *error);
 
 /* A route without parameters: ECO_BAD_INPUT if there are any. */

@@ -6,7 +6,7 @@
 #include "tests/support/files.h"
 #include "tests/support/serve/serve_daemon.h"
 
-static const uint32_t sizes[] = { 400, SRV_LARGE_BYTES - 1, SRV_LARGE_BYTES, 400000 };
+static const uint32_t sizes[] = { 400, (128 << 10) - 1, 128 << 10, 400000 };
 #define SIZES 4u
 
 static struct srv_store packs;

@@ -6,7 +6,6 @@
 #include <stdatomic.h>
 
 #include "server/access.h"
-#include "server/caps.h"
 #include "server/metrics.h"
 #include "server/reload.h"
 #include "server/typical.h"
@@ -300,11 +299,11 @@ UNIT_TEST(answers_of_a_scene_may_be_capped)
 	char *free_tag = etag_of(BASE "/stream?" VIEW_BY("5000"));
 	srv_daemon_stop(daemon);
 	srv_store_free(&scenes);
-	assert_ok(srv_cap_add(&caps.vertices, "sample=700", ECO_OPTION_COUNT, "cap-vertices", &error), error);
-	assert_ok(srv_cap_add(&caps.vertices, "300", ECO_OPTION_COUNT, "cap-vertices", &error), error);
-	assert_ok(srv_cap_add(&caps.bytes, "4k", ECO_OPTION_BYTES, "cap-bytes", &error), error);
+	assert_ok(srv_cap_add_vertices("sample=700", &caps.vertices, &error), error);
+	assert_ok(srv_cap_add_vertices("300", &caps.vertices, &error), error);
+	assert_ok(srv_cap_add_bytes("4k", &caps.bytes, &error), error);
 	daemon = start((struct srv_config){ .caps = &caps }, &scenes);
-	assert_ok(srv_caps_check(&caps, &scenes, &(struct srv_sources){ .count = 0 }, &error), error);
+	assert_ok(srv_access_check(NULL, &caps, &scenes, &(struct srv_sources){ .count = 0 }, NULL, &error), error);
 	described = answered("GET", BASE, 200);
 	assert_int_equal(json_integer_value(json_object_get(described, "cap_vertices")), 700);
 	assert_int_equal(json_integer_value(json_object_get(described, "cap_bytes")), 4096);
@@ -361,9 +360,9 @@ UNIT_TEST(a_scene_with_a_token_is_for_its_holders)
 	char argument[100];
 	access = (struct srv_access){ 0 };
 	snprintf(argument, sizeof argument, "sample=%s", token_file);
-	assert_ok(srv_access_add_token(&access, argument, &error), error);
-	assert_int_equal(srv_access_add_token(&access, "sample", &error), ECO_BAD_USAGE);
-	assert_true(srv_access_add_token(&access, "sample=/dev/null", &error) != ECO_OK);
+	assert_ok(srv_access_add_token(argument, &access, &error), error);
+	assert_int_equal(srv_access_add_token("sample", &access, &error), ECO_BAD_USAGE);
+	assert_true(srv_access_add_token("sample=/dev/null", &access, &error) != ECO_OK);
 	struct srv_daemon *daemon = start((struct srv_config){ .access = &access }, &scenes);
 	static const struct { const char *headers; unsigned status; } rows[] = { { "", 401 },
 		{ BEARER(TOKEN), 200 }, { "authorization: bearer  " TOKEN "\r\n", 200 }, { BEARER("x"), 401 },
@@ -408,11 +407,11 @@ UNIT_TEST(a_scene_with_a_token_is_for_its_holders)
 	srv_daemon_stop(daemon);
 	char *named[] = { "smaple=none.eco" };
 	const struct srv_sources none = { .count = 0 }, renamed = { named, 1, NULL, NULL };
-	assert_int_equal(srv_access_check(&access, &scenes, &none, NULL, &error), ECO_OK);
+	assert_int_equal(srv_access_check(&access, NULL, &scenes, &none, NULL, &error), ECO_OK);
 	strcpy(access.tokens[0].scene, "smaple");
-	assert_int_equal(srv_access_check(&access, &scenes, &none, NULL, &error), ECO_BAD_USAGE);
-	assert_int_equal(srv_access_check(&access, &scenes, &renamed, NULL, &error), ECO_OK);
-	assert_int_equal(srv_access_check(&access, &scenes, &renamed, &scenes, &error), ECO_OK);
+	assert_int_equal(srv_access_check(&access, NULL, &scenes, &none, NULL, &error), ECO_BAD_USAGE);
+	assert_int_equal(srv_access_check(&access, NULL, &scenes, &renamed, NULL, &error), ECO_OK);
+	assert_int_equal(srv_access_check(&access, NULL, &scenes, &renamed, &scenes, &error), ECO_OK);
 	srv_store_free(&scenes);
 }
 
@@ -446,9 +445,8 @@ UNIT_TEST(a_reload_that_would_open_a_scene_changes_nothing)
 		access = (struct srv_access){ 0 };
 		caps = (struct srv_caps){ .vertices.count = 0 };
 		snprintf(argument, sizeof argument, "sample=%s", token_file);
-		assert_ok(capped ? srv_cap_add(&caps.vertices, "sample=700", ECO_OPTION_COUNT, "cap-vertices",
-			&error)
-			: srv_access_add_token(&access, argument, &error), error);
+		assert_ok(capped ? srv_cap_add_vertices("sample=700", &caps.vertices, &error)
+			: srv_access_add_token(argument, &access, &error), error);
 		assert_ok(sample_pack_write(served, &error), error);
 		struct srv_daemon *daemon = start((struct srv_config){ .access = &access, .caps = &caps },
 			&scenes);
@@ -477,7 +475,7 @@ UNIT_TEST(a_file_keeps_its_token)
 	char argument[100];
 	access = (struct srv_access){ 0 };
 	snprintf(argument, sizeof argument, "one=%s", token_file);
-	assert_ok(srv_access_add_token(&access, argument, &error), error);
+	assert_ok(srv_access_add_token(argument, &access, &error), error);
 	srv_store_init(&before);
 	srv_store_init(&after);
 	assert_ok(srv_store_add(&before, "one", served, &error), error);
@@ -485,8 +483,8 @@ UNIT_TEST(a_file_keeps_its_token)
 	assert_ok(srv_store_add(&after, "two", served, &error), error);
 	assert_ok(srv_store_add(&after, "one", other, &error), error);
 	const struct srv_sources none = { .count = 0 };
-	assert_ok(srv_access_check(&access, &before, &none, &before, &error), error);
-	assert_int_equal(srv_access_check(&access, &after, &none, &before, &error), ECO_BAD_USAGE);
+	assert_ok(srv_access_check(&access, NULL, &before, &none, &before, &error), error);
+	assert_int_equal(srv_access_check(&access, NULL, &after, &none, &before, &error), ECO_BAD_USAGE);
 	assert_non_null(strstr(error.text, served));
 	srv_store_free(&before);
 	srv_store_free(&after);
@@ -516,7 +514,7 @@ UNIT_TEST(the_operator_has_a_token_or_the_machine)
 	srv_daemon_stop(daemon);
 	srv_store_free(&scenes);
 	access = (struct srv_access){ 0 };
-	assert_ok(srv_access_add_operator(&access, token_file, &error), error);
+	assert_ok(srv_access_add_operator(token_file, &access, &error), error);
 	daemon = start((struct srv_config){ .access = &access }, &scenes);
 	assert_int_equal(status_of("GET", "/metrics", ""), 403);
 	assert_int_equal(status_of("GET", "/metrics", BEARER("another")), 403);
@@ -563,7 +561,7 @@ UNIT_TEST(pages_of_some_origins_may_read_answers)
 		char chunk[128], id[SRV_ID_TEXT_BYTES];
 		access = (struct srv_access){ 0 };
 		for (int o = 0; o < 2 && rows[i].origins[o]; o++)
-			assert_ok(srv_access_add_origin(&access, rows[i].origins[o], &error), error);
+			assert_ok(srv_access_add_origin(rows[i].origins[o], &access, &error), error);
 		struct srv_daemon *daemon = start((struct srv_config){ .access = &access }, &scenes);
 		srv_format_id(id, &scenes.scenes[0]->pack->scene.chunks[0].id);
 		snprintf(chunk, sizeof chunk, BASE "/chunks/%s", id);
@@ -576,7 +574,7 @@ UNIT_TEST(pages_of_some_origins_may_read_answers)
 	struct srv_access access = { 0 };
 	static const char *const bad[] = { "a.example", "https://", "https://a.example/", "https://a b", "" };
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-		assert_int_equal(srv_access_add_origin(&access, bad[i], NULL), ECO_BAD_USAGE);
+		assert_int_equal(srv_access_add_origin(bad[i], &access, NULL), ECO_BAD_USAGE);
 }
 
 UNIT_TEST(pages_of_some_origins_may_have_the_viewer_in_a_frame)
@@ -594,7 +592,7 @@ UNIT_TEST(pages_of_some_origins_may_have_the_viewer_in_a_frame)
 		char value[1000];
 		access = (struct srv_access){ 0 };
 		for (int o = 0; o < 2 && rows[i].origins[o]; o++)
-			assert_ok(srv_access_add_frame(&access, rows[i].origins[o], &error), error);
+			assert_ok(srv_access_add_frame(rows[i].origins[o], &access, &error), error);
 		const struct srv_config config = { .access = &access, .site = &sample_site };
 		struct srv_daemon *daemon = start(config, &scenes);
 		struct http_answer answer = http_get(port, "/");
@@ -609,10 +607,10 @@ UNIT_TEST(pages_of_some_origins_may_have_the_viewer_in_a_frame)
 	static const char *const bad[] = { "a.example", "https://a.example/", "https://a;script-src *", "'none'",
 		"" };
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-		assert_int_equal(srv_access_add_frame(&access, bad[i], NULL), ECO_BAD_USAGE);
+		assert_int_equal(srv_access_add_frame(bad[i], &access, NULL), ECO_BAD_USAGE);
 	enum eco_code code = ECO_OK;
 	for (int i = 0; i < 100 && !code; i++)
-		code = srv_access_add_frame(&access, "https://a.example", NULL);
+		code = srv_access_add_frame("https://a.example", &access, NULL);
 	assert_int_equal(code, ECO_TOO_LARGE);
 }
 

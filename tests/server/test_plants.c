@@ -1,7 +1,7 @@
 /* The inventory rows of plants, as the server gives them. */
 #include <string.h>
 
-#include "server/plants.h"
+#include "server/describe.h"
 #include "server/request/problem.h"
 #include "tests/support/files.h"
 #include "tests/support/serve/serve_daemon.h"

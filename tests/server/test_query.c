@@ -148,12 +148,12 @@ UNIT_TEST(a_query_has_defaults)
 		&& view->up[2] == 1);
 	assert_true(view->fov_y_deg == 45 && view->width == 800 && view->height == 600);
 	assert_true(query.request.vertices == 1000 && query.request.bytes == ECO_BYTES_UNBOUNDED
-		&& !query.has_pack && !query.rule);
+		&& !query.pack.given && !query.rule);
 	assert_int_equal(parse_query(&query, VIEW "&up=0,1,"
 		"0&fov_y_deg=60.5&bytes=5000&pack=00112233445566778899aabbccddeeff", &error), ECO_OK);
 	assert_true(view->up[1] == 1 && view->fov_y_deg == 60.5 && query.request.bytes == 5000
-		&& query.has_pack);
-	assert_int_equal(query.pack.bytes[15], 0xff);
+		&& query.pack.given);
+	assert_int_equal(query.pack.id.bytes[15], 0xff);
 	assert_true(parse_query(&query, VIEW "&rule=deussen", &error) == ECO_OK
 		&& query.rule == lod_rule_deussen);
 	assert_true(parse_query(&query, VIEW "&rule=optimal", &error) == ECO_OK
@@ -432,12 +432,12 @@ UNIT_TEST(json_ends_where_it_is_too_large_or_nobody_waits)
 	for (int i = 0; i < 3; i++) {
 		atomic_bool cancelled = false;
 		struct srv_json json = { .most = i ? 0 : 10000, .cancelled = &cancelled };
-		srv_json_open(&json, '[');
+		srv_json_add(&json, "[");
 		for (uint32_t n = 0; n < 100000; n++) {
-			srv_json_text(&json, "twenty bytes or so ...");
+			srv_json_add(&json, "%s", "twenty bytes or so ...");
 			atomic_store(&cancelled, i == 1 && n > 1000);
 		}
-		srv_json_close(&json, ']');
+		srv_json_add(&json, "]");
 		assert_int_equal(json.out.failed, i < 2);
 		assert_in_range(json.out.size, 10000, i < 2 ? 30000 : 3000000);
 		assert_int_equal(srv_json_end(&json), i == 0 ? ECO_TOO_LARGE : i == 1 ? ECO_INTERRUPTED : ECO_OK);
@@ -448,28 +448,18 @@ UNIT_TEST(json_ends_where_it_is_too_large_or_nobody_waits)
 
 UNIT_TEST(json_escapes_and_keeps_numbers)
 {
+	const char *nothing = getenv("NO SUCH VARIABLE");
 	struct srv_json json = { 0 };
-	srv_json_open(&json, '{');
-	srv_json_key_text(&json, "a\"\\\n", "\x7f\xc3\xa4\xff\xed\xa0\x80\xf0\x9f\x8c\xb3");
-	srv_json_key_count(&json, "n", UINT64_MAX);
-	srv_json_key_number(&json, "x", 0.1);
-	srv_json_key_number(&json, "y", -1.0 / 3);
-	srv_json_key_number(&json, "z", (double)INFINITY);
-	srv_json_key(&json, "l");
-	srv_json_open(&json, '[');
-	srv_json_bool(&json, true);
-	srv_json_open(&json, '{');
-	srv_json_close(&json, '}');
-	srv_json_null(&json);
-	srv_json_close(&json, ']');
-	srv_json_key_text(&json, "t", NULL);
-	srv_json_close(&json, '}');
+	srv_json_add(&json, "{a:%s n:%lu m:%lx o:%lx", "\"\\\n\x7f\xc3\xa4\xff\xed\xa0\x80\xf0\x9f\x8c\xb3", UINT64_MAX,
+		UINT64_MAX, (uint64_t)7);
+	srv_json_add(&json, "x:%g y:%g z:%.9g u:%g", 0.1, -1.0 / 3, -1.0 / 3, (double)INFINITY);
+	srv_json_add(&json, "l:[%d {} null %u] t:%s}", true, 5u, nothing);
 	eco_write_u8(&json.out, 0);
 	assert_false(json.out.failed);
 	assert_string_equal((char *)json.out.bytes,
-		"{\"a\\\"\\\\\\u000a\":\"\\u007f\xc3\xa4\\ufffd\\ufffd\\ufffd\\ufffd\xf0\x9f\x8c\xb3\","
-		"\"n\":18446744073709551615,\"x\":0.1,\"y\":-0.3333333333333333,\"z\":null,\"l\":[true,{},"
-		"null],\"t\":null}");
+		"{\"a\":\"\\\"\\\\\\u000a\\u007f\xc3\xa4\\ufffd\\ufffd\\ufffd\\ufffd\xf0\x9f\x8c\xb3\","
+		"\"n\":18446744073709551615,\"m\":null,\"o\":7,\"x\":0.1,\"y\":-0.3333333333333333,"
+		"\"z\":-0.333333333,\"u\":null,\"l\":[true,{},null,5],\"t\":null}");
 	eco_writer_free(&json.out);
 }
 
