@@ -26,7 +26,7 @@ struct srv_daemon {
 	struct srv_host host;
 	struct MHD_Daemon *http;
 	struct srv_endpoint endpoint;
-	atomic_bool reload_waits, reload_cancelled;
+	atomic_bool reload_cancelled;
 };
 
 /* ---- Callbacks ---- */
@@ -191,6 +191,7 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 				.held[SRV_HELD_ANSWERS] = daemon->host.config.answers_max,
 				.per_address = daemon->host.config.connections_per_address,
 				.head_ms = daemon->host.config.head_ms,
+				.body_ms = daemon->host.config.body_ms,
 				.send_ms = daemon->host.config.send_ms,
 				.rate_bytes_s = daemon->host.config.rate_bytes_s,
 				.trusted = &daemon->host.config.trusted },
@@ -276,28 +277,19 @@ static void reload(void *argument)
 	struct srv_daemon *daemon = argument;
 	struct srv_reload report;
 	struct eco_error error = { 0 };
-	atomic_store(&daemon->reload_waits, false);
 	srv_host_reload(&daemon->host, &report, &error);
 }
 
-static void end_reload(void *argument)
+static void do_nothing(void *argument)
 {
 	(void)argument;
-}
-
-static void forget_reload(void *argument)
-{
-	atomic_store(&((struct srv_daemon *)argument)->reload_waits, false);
 }
 
 /* If the queue has no place for it, one of the reloads in it begins later than now. */
 void srv_daemon_reload(struct srv_daemon *daemon)
 {
-	if (!atomic_exchange(&daemon->reload_waits, true)
-			&& !srv_work_submit(daemon->host.chores, &(struct srv_job){ .run = reload,
-			.finish = end_reload, .displaced = forget_reload, .argument = daemon,
-			.cancelled = &daemon->reload_cancelled }))
-		forget_reload(daemon);
+	srv_work_submit(daemon->host.chores, &(struct srv_job){ .run = reload, .finish = do_nothing,
+		.displaced = do_nothing, .argument = daemon, .cancelled = &daemon->reload_cancelled });
 }
 
 /* Without memory, or while scenes are read, it is tried again. */

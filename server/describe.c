@@ -223,10 +223,11 @@ static void describe_stood_for(struct srv_json *json, const char *plant, const j
 
 void srv_describe_species(struct srv_json *json, const struct srv_scene *scene)
 {
-	const json_t *species = json_object_get(scene->meta, "species");
+	const json_t *plants = json_object_get(scene->meta, "plants");
 	srv_json_add(json, "{pack:%s plants:[", pack_id(scene).hex);
 	for (uint32_t i = 0; i < scene->pack->scene.plant_count; i++)
-		describe_stood_for(json, scene->pack->scene.plants[i].name, json_array_get(species, i));
+		describe_stood_for(json, scene->pack->scene.plants[i].name, json_object_get(json_array_get(plants, i),
+			"species"));
 	srv_json_add(json, "]}");
 }
 

@@ -109,7 +109,7 @@ static bool queue_answer(struct srv_exchange *exchange)
 	add_common_headers(exchange);
 	if (!answer->response)
 		return false;
-	srv_reaper_send(exchange->host->reaper, exchange->lease);
+	srv_reaper_await(exchange->host->reaper, exchange->lease, SRV_WAIT_SENDING);
 	bool queued = MHD_queue_response(exchange->connection, answer->status, answer->response) == MHD_YES;
 	exchange->phase = SRV_PHASE_DONE;
 	srv_answer_free(answer);
@@ -124,16 +124,10 @@ static bool queue_problem(struct srv_exchange *exchange, enum srv_problem proble
 	return queue_answer(exchange);
 }
 
-static bool has_preconditions(const struct srv_exchange *exchange)
-{
-	const struct srv_conditions *conditions = &exchange->conditions;
-	return conditions->if_match || conditions->if_none_match || conditions->if_unmodified_since;
-}
-
 void srv_exchange_judge(struct srv_exchange *exchange, const struct srv_validators *validators)
 {
 	char path[SRV_TARGET_BYTES_MAX];
-	if (exchange->answer.response && exchange->answer.status / 100 == 2 && has_preconditions(exchange))
+	if (exchange->answer.response && exchange->answer.status / 100 == 2)
 		srv_answer_judge(&exchange->answer, &exchange->conditions, validators,
 			srv_exchange_path(exchange, path));
 }
@@ -255,7 +249,7 @@ static bool answer_whole_request(struct srv_exchange *exchange)
 
 static bool answer_request(struct srv_exchange *exchange)
 {
-	srv_reaper_clear(exchange->host->reaper, exchange->lease);
+	srv_reaper_await(exchange->host->reaper, exchange->lease, SRV_WAIT_WORK);
 	srv_gate_answering(&exchange->lease->gate, true);
 	return answer_whole_request(exchange) ? queue_answer(exchange) : true;
 }
@@ -417,7 +411,7 @@ static bool handle_head(struct srv_exchange *exchange, const char *method)
 	exchange->phase = SRV_PHASE_BODY;
 	if (!takes_body)
 		return true;
-	srv_reaper_arm(host->reaper, exchange->lease, host->config.body_ms);
+	srv_reaper_await(host->reaper, exchange->lease, SRV_WAIT_BODY);
 	return grow_body(exchange, 1) || queue_problem(exchange, SRV_PROBLEM_BUSY, bodies_are_many, true);
 }
 
@@ -509,7 +503,7 @@ void srv_exchange_end(struct srv_exchange *exchange)
 	if (exchange->counted)
 		atomic_fetch_sub(&exchange->host->busy, 1);
 	srv_gate_answering(&exchange->lease->gate, false);
-	srv_reaper_await(exchange->host->reaper, exchange->lease);
+	srv_reaper_await(exchange->host->reaper, exchange->lease, SRV_WAIT_REQUEST);
 	srv_answer_free(&exchange->answer);
 	eco_writer_free(&exchange->trace);
 	srv_edition_release(exchange->edition);

@@ -18,11 +18,11 @@ struct search {
 	const struct eco_scene *scene;
 	struct file file;                /* that is looked into */
 	bool *below;                     /* of each tile: it is in this file */
-	double (*points)[2];             /* of plants */
-	struct eco_cluster *crowds;        /* of these points, and then one for each file that is placed in this */
+	double (*plants)[2][3], (*points)[2];    /* foot and top of plants; points, which are sorted: their feet */
+	struct eco_cluster *crowds;      /* of these points, and then one for each file that is placed in this */
 	struct file *placed;
 	uint32_t point_count, crowd_count, placed_count;
-	uint64_t apart, next;            /* one plant of so many is looked at, and in how many the next one */
+	uint64_t apart;                  /* one plant of so many is looked at */
 };
 
 /* ---- Boxes ---- */
@@ -60,52 +60,35 @@ static void widen_box(struct srv_outlook *box, const double at[3])
 
 /* ---- Plants of a file ---- */
 
-typedef void plant_visit(struct search *s, const double at[3], double height_m, void *context);
-
-static void visit_group(struct search *s, const struct eco_group *group, plant_visit *visit, void *context)
+/* Takes plants of a group from the `next`th on; returns the next one of the group behind it. */
+static uint64_t take_group(struct search *s, const struct eco_group *group, uint64_t next)
 {
 	const struct eco_list *list = &s->scene->lists[group->list];
-	uint64_t i = s->next;
-	for (; i < group->count; i += s->apart) {
-		struct eco_place place = eco_place_read(s->scene, group->place_first + i);
-		double inside[3], at[3];
+	for (; next < group->count; next += s->apart) {
+		struct eco_place place = eco_place_read(s->scene, group->place_first + next);
+		double inside[3], (*plant)[3] = s->plants[s->point_count];
 		for (int k = 0; k < 3; k++)
 			inside[k] = list->grid_origin[k] + list->grid_step[k] * place.position[k];
-		eco_placement_point(&s->file.placement, inside, at);
-		visit(s, at, (double)s->scene->plants[group->plant].height_m * place.scale / 65536
-			* s->file.placement.scale, context);
+		eco_placement_point(&s->file.placement, inside, plant[0]);
+		memcpy(plant[1], plant[0], sizeof plant[1]);
+		plant[1][2] += (double)s->scene->plants[group->plant].height_m * place.scale / 65536
+			* s->file.placement.scale;
+		memcpy(s->points[s->point_count++], plant[0], sizeof *s->points);
 	}
-	s->next = i - group->count;
+	return next - group->count;
 }
 
-/* Visits the file's own plants, without those of files placed in it. */
-static void visit_plants(struct search *s, plant_visit *visit, void *context)
+/* The box of the plants in a square around `middle`. */
+static void box_square(const struct search *s, const double middle[2], struct srv_outlook *out)
 {
-	s->next = 0;
-	for (uint32_t t = s->file.tile; t < s->scene->tile_count; t++) {
-		const struct eco_tile *tile = &s->scene->tiles[t];
-		for (uint32_t g = 0; s->below[t] && g < tile->group_count; g++)
-			visit_group(s, &s->scene->groups[tile->group_first + g], visit, context);
+	empty_box(out);
+	for (uint32_t i = 0; i < s->point_count; i++) {
+		double (*plant)[3] = s->plants[i];
+		if (fabs(plant[0][0] - middle[0]) > SQUARE_M / 2 || fabs(plant[0][1] - middle[1]) > SQUARE_M / 2)
+			continue;
+		widen_box(out, plant[0]);
+		widen_box(out, plant[1]);
 	}
-}
-
-static void count_point(struct search *s, const double at[3], double height_m, void *context)
-{
-	(void)height_m, (void)context;
-	memcpy(s->points[s->point_count++], at, sizeof *s->points);
-}
-
-struct square { const double *middle; struct srv_outlook box; };
-
-static void take_plant(struct search *s, const double at[3], double height_m, void *context)
-{
-	struct square *square = context;
-	double top[3] = { at[0], at[1], at[2] + height_m };
-	(void)s;
-	if (fabs(at[0] - square->middle[0]) > SQUARE_M / 2 || fabs(at[1] - square->middle[1]) > SQUARE_M / 2)
-		return;
-	widen_box(&square->box, at);
-	widen_box(&square->box, top);
 }
 
 /* ---- Files in files ---- */
@@ -144,11 +127,17 @@ static uint64_t mark_tiles(struct search *s)
 	return plants;
 }
 
+/* The file's own plants, and the files that are placed in it. */
 static void find_crowds(struct search *s)
 {
+	uint64_t next = 0;
 	s->apart = mark_tiles(s) / POINTS_MAX + 1;
 	s->point_count = s->placed_count = 0;
-	visit_plants(s, count_point, NULL);
+	for (uint32_t t = s->file.tile; t < s->scene->tile_count; t++) {
+		const struct eco_tile *tile = &s->scene->tiles[t];
+		for (uint32_t g = 0; s->below[t] && g < tile->group_count; g++)
+			next = take_group(s, &s->scene->groups[tile->group_first + g], next);
+	}
 	s->crowd_count = eco_clusters_find(s->points, s->point_count, SQUARE_M, s->crowds);
 	for (uint32_t t = s->file.tile; t < s->scene->tile_count; t++) {
 		const struct eco_tile *tile = &s->scene->tiles[t];
@@ -169,10 +158,7 @@ static bool look_into(struct search *s, const double middle[3], struct srv_outlo
 		s->file = s->placed[crowd - s->crowds - s->crowd_count];
 		return true;
 	}
-	struct square square = { .middle = crowd->middle };
-	empty_box(&square.box);
-	visit_plants(s, take_plant, &square);
-	*out = square.box;
+	box_square(s, crowd->middle, out);
 	return false;
 }
 
@@ -217,13 +203,15 @@ enum eco_code srv_outlook_find(const struct eco_scene *scene, struct srv_outlook
 		return ECO_OK;
 	s.below = malloc(scene->tile_count * sizeof *s.below);
 	s.points = malloc(POINTS_MAX * sizeof *s.points);
+	s.plants = malloc(POINTS_MAX * sizeof *s.plants);
 	s.crowds = malloc((POINTS_MAX + (size_t)scene->child_count) * sizeof *s.crowds);
 	s.placed = malloc((scene->child_count + 1u) * sizeof *s.placed);
-	bool made = s.below && s.points && s.crowds && s.placed;
+	bool made = s.below && s.plants && s.points && s.crowds && s.placed;
 	if (made)
 		find_spot(&s, out);
 	free(s.below);
 	free(s.points);
+	free(s.plants);
 	free(s.crowds);
 	free(s.placed);
 	return made ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for another scene");

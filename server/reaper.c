@@ -485,43 +485,27 @@ bool srv_reaper_hold(struct srv_reaper *reaper, struct srv_lease *lease, enum sr
 
 /* ---- Deadlines ---- */
 
-/* Under the mutex; 0: without a deadline. */
-static void set_wait(struct srv_lease *lease, enum srv_wait wait, uint64_t after_ms)
+/* Under the mutex. */
+static void set_wait(struct srv_reaper *reaper, struct srv_lease *lease, enum srv_wait wait)
 {
+	const uint64_t limits_ms[] = { [SRV_WAIT_REQUEST] = reaper->limits.head_ms,
+		[SRV_WAIT_BODY] = reaper->limits.body_ms, [SRV_WAIT_SENDING] = reaper->limits.send_ms,
+		[SRV_WAIT_WORK] = 0 };
 	uint64_t now = srv_clock_us();
-	lease->due_us = lease->is_shut || !after_ms ? 0 : now + after_ms * 1000;
+	lease->due_us = lease->is_shut || !limits_ms[wait] ? 0 : now + limits_ms[wait] * 1000;
 	lease->wait = wait;
 	lease->since_us = now;
-}
-
-void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t after_ms)
-{
-	pthread_mutex_lock(&reaper->mutex);
-	set_wait(lease, SRV_WAIT_BODY, after_ms);
-	pthread_mutex_unlock(&reaper->mutex);
-}
-
-void srv_reaper_send(struct srv_reaper *reaper, struct srv_lease *lease)
-{
-	pthread_mutex_lock(&reaper->mutex);
-	set_wait(lease, SRV_WAIT_SENDING, reaper->limits.send_ms);
 	lease->taken_bytes = NOT_TAKEN;
-	pthread_mutex_unlock(&reaper->mutex);
 }
 
-void srv_reaper_clear(struct srv_reaper *reaper, struct srv_lease *lease)
+void srv_reaper_await(struct srv_reaper *reaper, struct srv_lease *lease, enum srv_wait wait)
 {
 	pthread_mutex_lock(&reaper->mutex);
-	set_wait(lease, SRV_WAIT_WORK, 0);
-	pthread_mutex_unlock(&reaper->mutex);
-}
-
-void srv_reaper_await(struct srv_reaper *reaper, struct srv_lease *lease)
-{
-	pthread_mutex_lock(&reaper->mutex);
-	set_wait(lease, SRV_WAIT_REQUEST, reaper->limits.head_ms);
-	set_held(reaper, lease, SRV_HELD_BODIES, 0);
-	set_held(reaper, lease, SRV_HELD_ANSWERS, 0);
+	set_wait(reaper, lease, wait);
+	if (wait == SRV_WAIT_REQUEST) {
+		set_held(reaper, lease, SRV_HELD_BODIES, 0);
+		set_held(reaper, lease, SRV_HELD_ANSWERS, 0);
+	}
 	pthread_mutex_unlock(&reaper->mutex);
 }
 
@@ -534,7 +518,7 @@ void srv_reaper_watch(struct srv_reaper *reaper, struct srv_lease *lease, atomic
 }
 
 /* Goes on with a descriptor of its own, as the library closes the connection's. */
-static bool linger(struct srv_lease *lease)
+static bool linger(struct srv_reaper *reaper, struct srv_lease *lease)
 {
 	bool refused = lease->is_refused || lease->gate.framing.problem;
 	int fd = refused && !lease->is_shut ? fcntl(lease->fd, F_DUPFD_CLOEXEC, 0) : -1;
@@ -543,7 +527,8 @@ static bool linger(struct srv_lease *lease)
 	shutdown(fd, SHUT_WR);
 	lease->lingers = true;
 	lease->fd = fd;
-	set_wait(lease, SRV_WAIT_REQUEST, LINGER_QUIET_MS);
+	set_wait(reaper, lease, SRV_WAIT_REQUEST);
+	lease->due_us = lease->since_us + LINGER_QUIET_MS * 1000;
 	return true;
 }
 
@@ -553,7 +538,7 @@ void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease)
 		return;
 	srv_gate_close(&lease->gate);
 	pthread_mutex_lock(&reaper->mutex);
-	bool lingers = linger(lease);
+	bool lingers = linger(reaper, lease);
 	if (!lingers)
 		unlink_lease(reaper, lease);
 	pthread_mutex_unlock(&reaper->mutex);

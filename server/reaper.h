@@ -64,7 +64,7 @@ struct srv_lease {
 
 struct srv_reaper_limits {
 	uint64_t held[SRV_HELD_COUNT];                   /* of all */
-	uint64_t per_address, head_ms, send_ms, rate_bytes_s;
+	uint64_t per_address, head_ms, body_ms, send_ms, rate_bytes_s;
 	const struct srv_networks *trusted;              /* proxies */
 };
 enum eco_code srv_reaper_start(struct srv_reaper **reaper, const struct srv_reaper_limits *limits,
@@ -87,14 +87,9 @@ void srv_reaper_speak_for(struct srv_reaper *reaper, struct srv_lease *lease, co
 /* The lease's request holds so many bytes from now on, until the next one is waited for. False where there is no
  * room for them, which is never so where they are fewer than before. */
 bool srv_reaper_hold(struct srv_reaper *reaper, struct srv_lease *lease, enum srv_held what, uint64_t bytes);
-/* The next request is waited for, for head_ms. Bytes that the one before held are given back. */
-void srv_reaper_await(struct srv_reaper *reaper, struct srv_lease *lease);
-/* NULL lease: nothing. A body is received, for so long at most. */
-void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t after_ms);
-/* A response is sent. The first window only finds out how much had been taken before. */
-void srv_reaper_send(struct srv_reaper *reaper, struct srv_lease *lease);
-/* No deadline until it is armed again: the server works. */
-void srv_reaper_clear(struct srv_reaper *reaper, struct srv_lease *lease);
+/* The connection is in this phase from now on. SRV_WAIT_REQUEST: bytes that the request before held are given back.
+ * SRV_WAIT_SENDING: the first window only finds out how much had been taken before. SRV_WAIT_WORK: no deadline. */
+void srv_reaper_await(struct srv_reaper *reaper, struct srv_lease *lease, enum srv_wait wait);
 /* While a plan is made: *gone is set when the client hangs up, which is more than to send no more. NULL: no
  * more. */
 void srv_reaper_watch(struct srv_reaper *reaper, struct srv_lease *lease, atomic_bool *gone);

@@ -65,29 +65,15 @@ static enum eco_code scene_index(struct srv_scene *scene, struct eco_error *erro
 	return ECO_OK;
 }
 
-/* Keeps the parts of META that requests read: parsing all of it, a few kilobytes a plant, would take as long as
- * a small plan. A META that is no JSON counts as empty. */
+/* A META that is no JSON counts as empty. */
 static enum eco_code scene_meta(struct srv_scene *scene, struct eco_error *error)
 {
-	static const char *const kept[] = { "crs", "origin", "place" };
-	const struct eco_pack *pack = scene->pack;
 	json_error_t why = { .line = 0 };
-	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, &why), *species = json_array();
-	bool good = (scene->meta = json_object()) && species
-		&& (meta || json_error_code(&why) != json_error_out_of_memory);
-	for (size_t i = 0; i < sizeof kept / sizeof *kept && good; i++) {
-		json_t *said = json_object_get(meta, kept[i]);
-		good = !said || json_object_set(scene->meta, kept[i], said) == 0;
-	}
-	for (uint32_t i = 0; i < pack->scene.plant_count && good; i++) {
-		json_t *said = json_object_get(json_array_get(json_object_get(meta, "plants"), i), "species");
-		good = (said ? json_array_append(species, said) : json_array_append_new(species, json_null())) == 0;
-	}
-	good = good && json_object_set(scene->meta, "species", species) == 0;
-	json_decref(species);
-	json_decref(meta);
-	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "scene '%s': no memory for what its pack says of it",
-		scene->name);
+	scene->meta = json_loadb(scene->pack->meta, scene->pack->meta_size, 0, &why);
+	if (!scene->meta && json_error_code(&why) != json_error_out_of_memory)
+		scene->meta = json_object();
+	return scene->meta ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "scene '%s': no memory for what its pack says of "
+		"it", scene->name);
 }
 
 static enum eco_code check_name(const struct srv_store *store, const char *name, struct eco_error *error)

@@ -43,9 +43,7 @@ struct srv_scene {
 	struct eco_pack *pack;
 	struct srv_file file;                    /* that the pack was read from; path NULL: not known */
 	int64_t modified_s;                      /* when it was last changed, since 1970 */
-	/* of the pack's META: "crs", "origin", "place", as far as they are there, and "species", which has for each
-	 * plant what META says of it, or null */
-	json_t *meta;
+	json_t *meta;                            /* of the pack; an object if it has none */
 	struct lod_plan_tables *tables;
 	struct srv_outlook outlook;
 	_Atomic(uint64_t) typical_work;          /* of a plan (typical.h); 0: not found yet */

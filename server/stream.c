@@ -7,7 +7,6 @@
 
 #include "lod/plan/planner.h"
 #include "server/emit.h"
-#include "server/stream_after.h"
 #include "server/log.h"
 
 #define BODY_MAX_DEFAULT (1ull << 31)

@@ -106,4 +106,20 @@ void srv_body_free(struct srv_body *body);
 enum eco_code srv_holdings_check(const struct eco_scene *scene, const struct eco_holdings *holdings,
 	struct eco_error *error);
 
+/* ---- Between stream.c and stream_after.c ---- */
+
+struct srv_emit;
+/* Plans the next view as an answer of its own to a client that holds all of this one; within its bytes. */
+enum eco_code srv_plan_next(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error);
+void srv_stream_drop_next(struct srv_stream *stream);
+/* Adds lists that the answer wanted and bytes did not allow, those that lack least first, as far as there is
+ * room. An answer that draws nothing gets none. */
+enum eco_code srv_send_rest(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error);
+/* Sets bytes and chunks of the whole stream, and where its steps end, by a dry run. */
+enum eco_code srv_size_all(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error);
+/* Bytes of the chunks that `needs` has and `holdings` (may be NULL) has not. */
+uint64_t srv_missing_bytes(const struct eco_scene *scene, const struct eco_holdings *holdings,
+	const struct eco_holdings *needs);
+uint64_t srv_work_left(const struct srv_stream *stream);         /* of the answer's */
+
 #endif

@@ -1,4 +1,5 @@
-#include "server/stream_after.h"
+/* Additions to an answer: chunks that the next view lacks, and more lists for bytes that are left. */
+#include "server/emit.h"
 
 #include <stdlib.h>
 

@@ -1,13 +1,14 @@
-/* The bytes of a connection, read strictly and one by one before the HTTP library sees them: where a request
- * ends is decided here. libmicrohttpd 0.9.75 takes a NUL or an empty name at the start of a line for the end
- * of the head, cuts values at a NUL, joins folded lines, and accepts two lengths, or a length beside
- * Transfer-Encoding. A proxy in front may read such a request in another way, and what one takes for a body
- * the other takes for a second request (smuggling).
+/* The bytes of a connection, read strictly before the HTTP library sees them: the end of a request is decided
+ * here. libmicrohttpd 0.9.75 takes a NUL or an empty name at the start of a line for the end of the head, cuts
+ * values at a NUL, joins folded lines, and accepts two lengths, or a length beside Transfer-Encoding. A proxy in
+ * front may read such a request in another way, and a body for one is a second request for the other
+ * (smuggling).
  *
  * The grammar is RFC 9112's, without what it only tolerates: lines end with CRLF, one space parts the
  * request line, no line is folded, names are tokens, values hold no control characters. One Host (HTTP/1.0:
  * at most one), at most one Content-Length, no Transfer-Encoding, and once only what else may be given once.
- * A head and its parts are bounded, so that it fits the memory that the library gives it.
+ * A head and its parts are bounded, so that it fits the memory that the library gives it. Control characters
+ * are refused as they come, and lines at their CR, where the library would read them.
  *
  *   struct srv_framing framing = { 0 };
  *   passed = srv_framing_scan(&framing, bytes, size);        as bytes come, of one request after the other
@@ -28,27 +29,23 @@
  * larger. */
 #define SRV_HEAD_MEMORY_MAX (12u << 10)
 #define SRV_CONNECTION_MEMORY (16u << 10)
-#define SRV_FRAMING_NAME_BYTES 32u       /* longer names are none that count */
-#define SRV_FRAMING_VALUE_BYTES 272u     /* of a Host or a Content-Length */
 
-enum srv_framing_state {
-	SRV_AT_START, SRV_AT_EMPTY_LF, SRV_AT_METHOD, SRV_AT_TARGET, SRV_AT_VERSION, SRV_AT_LINE,
-	SRV_AT_NAME, SRV_AT_VALUE, SRV_AT_VALUE_LF, SRV_AT_END_LF, SRV_AT_BODY, SRV_AT_PROBLEM
-};
+enum srv_framing_state { SRV_AT_START, SRV_AT_REQUEST_LINE, SRV_AT_HEADER, SRV_AT_END };
 
 struct srv_framing {
-	enum srv_framing_state state;
 	enum srv_problem problem;        /* and why, in a sentence */
 	const char *detail;
 	uint32_t heads;                  /* that have passed */
+	uint64_t body_left;              /* of the body that follows the last head */
+	bool is_http_1_0;                /* the last request line */
 	/* of the head that is being read */
-	uint32_t size, memory, header_count, params, target_size;
+	enum srv_framing_state state;
+	uint32_t size, entries, header_count;
 	uint32_t seen;                   /* a bit for each header that may be given once */
-	bool is_head, is_http_1_0;
-	int field;                       /* the header of the line: a row of the table in framing.c, or -1 */
-	uint32_t name_size, value_size;
-	char name[SRV_FRAMING_NAME_BYTES], value[SRV_FRAMING_VALUE_BYTES];
-	uint64_t body_left;              /* of the body that follows the head */
+	bool is_head, after_cr;
+	uint64_t length;
+	uint32_t line_size;
+	char line[SRV_HEAD_BYTES_MAX + 1];
 };
 
 /* How many of the bytes are well; all of them, if there is no problem. */

@@ -83,7 +83,7 @@ static ssize_t receive(struct srv_gate *gate, void *bytes, size_t size, int flag
 	if (got <= 0)
 		return got;
 	uint32_t heads = gate->framing.heads;
-	bool in_head = gate->framing.state != SRV_AT_BODY;
+	bool in_head = !gate->framing.body_left;
 	size_t passed = srv_framing_scan(&gate->framing, bytes, (size_t)got);
 	/* nothing that is whole has passed, only what comes before the problem in the same head */
 	if (passed < (size_t)got && in_head && heads == gate->framing.heads)

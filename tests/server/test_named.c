@@ -61,9 +61,9 @@ static void answer_one(int c)
 		fclose(file);
 	int at = snprintf(head, sizeof head, "HTTP/1.1 %s\r\nContent-Length: %zu\r\nConnection: close\r\n"
 		"\r\n", file ? "200 OK" : "404 Not Found", there);
+	host.asked++;
 	send(c, head, (size_t)at, MSG_NOSIGNAL);
 	send(c, bytes, there, MSG_NOSIGNAL);
-	host.asked++;
 }
 
 static void *serve_folder(void *ctx)

@@ -198,7 +198,7 @@ UNIT_TEST(all_species_that_a_pack_names_are_said)
 		json_array_append_new(most, json_pack("[s, i]", name, 40 - i));
 	}
 	json_decref(small->meta);
-	small->meta = json_pack("{s: [{s: i, s: o}]}", "species", "of", 3, "most", most);
+	small->meta = json_pack("{s: [{s: {s: i, s: o}}]}", "plants", "species", "of", 3, "most", most);
 	srv_describe_species(&json, small);
 	json_t *said = json_loadb((char *)json.out.bytes, json.out.size, 0, NULL);
 	const json_t *plant = json_array_get(json_object_get(said, "plants"), 0),
