@@ -42,11 +42,8 @@ static int prepare(void **state)
 	struct eco_error error = { 0 };
 	program_find();
 	program_sandboxed();
-	folder_make("build/tmp");
-	folder_make(ROOM);
-	folder_make(PACKS);
-	folder_make(OTHERS);
-	folder_make(COPIES);
+	if (system("mkdir -p " PACKS " " OTHERS " " COPIES) != 0)
+		return 1;
 	unlink(PACKS "/link.eco");
 	if (!realpath(COPIES, room) || sample_pack_write(PACK, &error)
 			|| sample_pack_write(OTHERS "/there.eco", &error)) {
@@ -225,18 +222,7 @@ UNIT_TEST(what_it_serves_with_is_allowed)
 /* ---- From outside ---- */
 
 #define START "--listen", "127.0.0.1:0", "--copies", room
-
-static struct http_answer reload(uint16_t port)
-{
-	return http_ask(port, "POST", "/v1/admin/reload", "Content-Length: 0\r\n", NULL, 0);
-}
-
-static void end(struct program *program, char err[PROGRAM_SAYS])
-{
-	char out[PROGRAM_SAYS];
-	kill(program->pid, SIGTERM);
-	assert_int_equal(program_finish(program, out, err), 0);
-}
+#define ARGUMENTS(...) (const char *const[]){ __VA_ARGS__, NULL }
 
 static bool has_landlock(void)
 {
@@ -246,30 +232,22 @@ static bool has_landlock(void)
 /* By a link, as deployments do: the scene stays, the others are reloaded, and who asks is told. */
 UNIT_TEST(a_reload_that_names_a_pack_elsewhere_is_refused)
 {
-	const char *const arguments[] = { START, "there=" PACKS "/link.eco", PACK, NULL };
-	char line[256], err[PROGRAM_SAYS];
-	if (!program_path[0] || !has_landlock())
+	static const char path[] = PACKS "/link.eco: cannot open: Permission denied: it lies at ",
+		advice[] = OTHERS "/there.eco, outside of the folders";
+	if (!has_landlock())
 		skip();
 	unlink(PACKS "/link.eco");
 	assert_int_equal(symlink("here.eco", PACKS "/link.eco"), 0);
-	struct program program = program_start(arguments);
-	uint16_t port = program_ready(&program, line);
+	struct program program = program_serve(ARGUMENTS(START, "there=" PACKS "/link.eco", PACK), NULL);
 	unlink(PACKS "/link.eco");
 	assert_int_equal(symlink("../others/there.eco", PACKS "/link.eco"), 0);
-	struct http_answer answer = reload(port);
-	assert_int_equal(answer.status, 500);
-	assert_non_null(strstr(answer.body, PACKS "/link.eco: cannot open: Permission denied: it lies at "));
-	assert_non_null(strstr(answer.body, OTHERS "/there.eco, outside of the folders"));
-	http_free(&answer);
-	answer = http_get(port, "/v1/scenes/there");
-	assert_int_equal(answer.status, 200);
-	http_free(&answer);
+	http_expect(program.port, "POST", "/v1/admin/reload", "", 500, path);
+	http_expect(program.port, "POST", "/v1/admin/reload", "", 500, advice);
+	http_expect(program.port, "GET", "/v1/scenes/there", "", 200, NULL);
 	unlink(PACKS "/link.eco");
 	assert_int_equal(symlink("here.eco", PACKS "/link.eco"), 0);
-	answer = reload(port);
-	assert_int_equal(answer.status, 200);
-	http_free(&answer);
-	end(&program, err);
+	http_expect(program.port, "POST", "/v1/admin/reload", "", 200, NULL);
+	program_stop(&program);
 	unlink(PACKS "/link.eco");
 }
 
@@ -284,25 +262,18 @@ static void without_landlock(void)
 
 UNIT_TEST(a_kernel_without_landlock_is_told_of)
 {
-	const char *const arguments[] = { START, PACK, NULL };
-	const char *const strict[] = { START, "--require-sandbox", PACK, NULL };
-	char line[256], out[PROGRAM_SAYS], err[PROGRAM_SAYS];
-	if (!program_path[0] || !has_landlock())
+	if (!has_landlock())
 		skip();
-	struct program program = program_start_in(arguments, without_landlock);
-	uint16_t port = program_ready(&program, line);
-	struct http_answer answer = http_get(port, "/v1/scenes/sample");
-	assert_int_equal(answer.status, 200);
-	http_free(&answer);
-	end(&program, err);
-	assert_non_null(strstr(err, "ecoserve: warning: this system cannot confine a program to folders"));
-	program = program_start_in(strict, without_landlock);
-	assert_int_equal(program_finish(&program, out, err), 1);
-	assert_non_null(strstr(err, "(--require-sandbox)"));
-	program = program_start(strict);
-	assert_true(program_ready(&program, line));
-	end(&program, err);
-	assert_string_equal(err, "");
+	struct program program = program_serve(ARGUMENTS(START, PACK), without_landlock);
+	http_expect(program.port, "GET", "/v1/scenes/sample", "", 200, NULL);
+	program_stop(&program);
+	assert_non_null(strstr(program.err, "ecoserve: warning: this system cannot confine a program to folders"));
+	program = program_start(ARGUMENTS(START, "--require-sandbox", PACK), without_landlock);
+	assert_int_equal(program_finish(&program), 1);
+	assert_non_null(strstr(program.err, "(--require-sandbox)"));
+	program = program_serve(ARGUMENTS(START, "--require-sandbox", PACK), NULL);
+	program_stop(&program);
+	assert_string_equal(program.err, "");
 }
 
 /* The value of a line of /proc/PID/status. */
@@ -323,44 +294,29 @@ static unsigned long status_of(pid_t pid, const char *name, int base)
 /* It gives up what it does not need, and none of what it has may be had again. */
 UNIT_TEST(root_becomes_another_user)
 {
-	const char *const by_default[] = { START, PACK, NULL };
-	const char *const stays[] = { START, "--user", "root", PACK, NULL };
-	const char *const off[] = { START, "--no-sandbox", PACK, NULL };
-	const char *const *const rows[] = { by_default, stays, off };
-	char line[256], err[PROGRAM_SAYS];
-	if (!program_path[0] || geteuid() != 0 || !has_landlock())
+	if (geteuid() != 0 || !has_landlock())
 		skip();
 	for (int i = 0; i < 3; i++) {
-		struct program program = program_start(rows[i]);
-		assert_true(program_ready(&program, line));
+		struct program program = program_serve(i == 1 ? ARGUMENTS(START, "--user", "root", PACK)
+			: i == 2 ? ARGUMENTS(START, "--no-sandbox", PACK) : ARGUMENTS(START, PACK), NULL);
 		assert_int_equal(status_of(program.pid, "Uid:", 10) == 0, i > 0);
 		assert_int_equal(status_of(program.pid, "NoNewPrivs:", 10), i < 2);
 		assert_int_equal(status_of(program.pid, "Seccomp:", 10), i < 2 ? 2 : 0);
 		/* CAP_DAC_OVERRIDE, which copies in a folder of root's need */
 		if (i == 0)
 			assert_int_equal(status_of(program.pid, "CapPrm:", 16), 2);
-		end(&program, err);
-		assert_string_equal(err, "");
+		program_stop(&program);
+		assert_string_equal(program.err, "");
 	}
 }
 
 UNIT_TEST(users_that_it_cannot_become_are_refused)
 {
-	const char *const unknown[] = { START, "--user", "no-such-user", PACK, NULL };
-	const char *const both[] = { START, "--user", "root", "--no-sandbox", PACK, NULL };
-	const char *const loose[] = { START, "--require-sandbox", "--no-sandbox", PACK, NULL };
-	const struct { const char *const *arguments, *says; } rows[] = {
-		{ unknown, "there is no user 'no-such-user'" },
-		{ both, "--no-sandbox and --user exclude each other" },
-		{ loose, "--no-sandbox and --require-sandbox exclude each other" } };
-	char out[PROGRAM_SAYS], err[PROGRAM_SAYS];
-	if (!program_path[0])
-		skip();
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct program program = program_start(rows[i].arguments);
-		assert_int_equal(program_finish(&program, out, err), 2);
-		assert_non_null(strstr(err, rows[i].says));
-	}
+	program_fails(ARGUMENTS(START, "--user", "no-such-user", PACK), 2, "there is no user 'no-such-user'");
+	program_fails(ARGUMENTS(START, "--user", "root", "--no-sandbox", PACK), 2,
+		"--no-sandbox and --user exclude each other");
+	program_fails(ARGUMENTS(START, "--require-sandbox", "--no-sandbox", PACK), 2,
+		"--no-sandbox and --require-sandbox exclude each other");
 }
 
 /* ---- A socket of systemd ---- */
@@ -386,42 +342,39 @@ static void hand_over_to_another(void)
 	setenv("LISTEN_PID", "1", 1);
 }
 
+/* A socket or two are handed over: `says` so. */
+static void refuse_handed(const char *const *arguments, const char *says)
+{
+	struct program program = program_start(arguments, hand_over);
+	assert_int_equal(program_finish(&program), 2);
+	assert_non_null(strstr(program.err, says));
+}
+
 UNIT_TEST(a_socket_that_is_handed_over_is_served)
 {
-	const char *const arguments[] = { "--copies", room, PACK, NULL };
-	const char *const both[] = { START, PACK, NULL };
 	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
 	socklen_t size = sizeof at;
-	char line[256], out[PROGRAM_SAYS], err[PROGRAM_SAYS];
-	if (!program_path[0])
-		skip();
 	handed_over = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
 	handed_count = 1;
 	assert_int_equal(bind(handed_over, (struct sockaddr *)&at, sizeof at), 0);
-	struct program program = program_start_in(arguments, hand_over);
-	assert_int_equal(program_finish(&program, out, err), 2);
-	assert_non_null(strstr(err, "no TCP socket that listens"));
+	refuse_handed(ARGUMENTS("--copies", room, PACK), "no TCP socket that listens");
 	assert_int_equal(listen(handed_over, 16), 0);
 	assert_int_equal(getsockname(handed_over, (struct sockaddr *)&at, &size), 0);
 	int waiting = http_connect(ntohs(at.sin_port));          /* before there is a server */
 	assert_true(http_send(waiting, "GET /healthz HTTP/1.1\r\nHost: t\r\n\r\n", 35));
-	program = program_start_in(arguments, hand_over);
-	assert_int_equal(program_ready(&program, line), ntohs(at.sin_port));
+	struct program program = program_serve(ARGUMENTS("--copies", room, PACK), hand_over);
+	assert_int_equal(program.port, ntohs(at.sin_port));
 	struct http_answer answer = http_receive(waiting, false, false);
 	assert_int_equal(answer.status, 200);
 	http_free(&answer);
 	close(waiting);
-	end(&program, err);
-	program = program_start_in(both, hand_over);
-	assert_int_equal(program_finish(&program, out, err), 2);
-	assert_non_null(strstr(err, "systemd has handed a socket over, too"));
-	program = program_start_in(both, hand_over_to_another);          /* nothing is handed over to it */
-	assert_true(program_ready(&program, line) != ntohs(at.sin_port));
-	end(&program, err);
+	program_stop(&program);
+	refuse_handed(ARGUMENTS(START, PACK), "systemd has handed a socket over, too");
+	program = program_serve(ARGUMENTS(START, PACK), hand_over_to_another);          /* nothing is handed over to it */
+	assert_int_not_equal(program.port, ntohs(at.sin_port));
+	program_stop(&program);
 	handed_count = 2;
-	program = program_start_in(arguments, hand_over);
-	assert_int_equal(program_finish(&program, out, err), 2);
-	assert_non_null(strstr(err, "more than one socket"));
+	refuse_handed(ARGUMENTS("--copies", room, PACK), "more than one socket");
 	close(handed_over);
 }
 

@@ -143,46 +143,34 @@ static int clean(void **state)
 	return rmdir(folder);
 }
 
-static void assert_served(uint16_t port, const char *method, const char *target)
-{
-	struct http_answer answer = http_ask(port, method, target,
-		method[0] == 'P' ? "Content-Length: 0\r\n" : "", NULL, 0);
-	if (answer.status != 200)
-		fail_msg("%s: %s", target, answer.head);
-	http_free(&answer);
-}
-
 UNIT_TEST(it_serves_under_the_filter_of_its_unit)
 {
 	const char *const arguments[] = { "--listen", "127.0.0.1:0", "--copies", "/var/tmp",
 		"--require-sandbox", "--log", "json", pack, NULL };
-	char line[256], out[PROGRAM_SAYS], err[PROGRAM_SAYS];
-	if (!program_path[0] || access("/usr/bin/systemd-analyze", X_OK) || !others_may_run_it())
+	if (access("/usr/bin/systemd-analyze", X_OK) || !others_may_run_it())
 		skip();
 	assert_true(read_words("SystemCallFilter=", set_calls));
 	assert_true(read_words("RestrictAddressFamilies=", set_family));
 	assert_false(unit.allowed[SCMP_SYS(mount)] || unit.allowed[SCMP_SYS(ptrace)] || unit.others);
 	assert_true(unit.allowed[SCMP_SYS(accept4)] && unit.inet && unit.inet6);
-	struct program program = program_start_in(arguments, as_the_unit_says);
-	uint16_t port = program_ready(&program, line);
-	if (!port) {
-		int status = program_finish(&program, out, err);
-		if (status == CANNOT || strstr(err, "--require-sandbox"))
+	struct program program = program_start(arguments, as_the_unit_says);
+	if (!program_ready(&program)) {
+		int status = program_finish(&program);
+		if (status == CANNOT || strstr(program.err, "--require-sandbox"))
 			skip();          /* a container without filters, a kernel without Landlock */
-		fail_msg("%s", err);
+		fail_msg("%s", program.err);
 	}
-	assert_served(port, "GET", "/healthz");
-	assert_served(port, "GET", "/v1/scenes/sample/stream?eye=50,-30,12&target=50,30,2&width=400&height=300"
-		"&vertices=3000");
+	http_expect(program.port, "GET", "/healthz", "", 200, NULL);
+	http_expect(program.port, "GET", "/v1/scenes/sample/stream?eye=50,-30,12&target=50,30,2&width=400&height=300"
+		"&vertices=3000", "", 200, NULL);
 	kill(program.pid, SIGHUP);
 	assert_int_equal(sample_pack_write(pack, NULL), 0);      /* another file, which is copied */
 	assert_int_equal(chmod(pack, 0644), 0);
-	assert_served(port, "POST", "/v1/admin/reload");
-	assert_served(port, "GET", "/metrics");
-	kill(program.pid, SIGTERM);
-	assert_int_equal(program_finish(&program, out, err), 0);
-	assert_non_null(strstr(err, "\"event\":\"request\""));
-	assert_null(strstr(err, "problem"));
+	http_expect(program.port, "POST", "/v1/admin/reload", "", 200, NULL);
+	http_expect(program.port, "GET", "/metrics", "", 200, NULL);
+	program_stop(&program);
+	assert_non_null(strstr(program.err, "\"event\":\"request\""));
+	assert_null(strstr(program.err, "problem"));
 }
 
 int main(void)

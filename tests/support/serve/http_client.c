@@ -1,5 +1,7 @@
 #include "tests/support/serve/http_client.h"
 
+#include "tests/support/unit_test.h"
+
 static uint32_t source;
 
 void http_come_from(uint32_t number)
@@ -141,4 +143,22 @@ void http_free(struct http_answer *answer)
 {
 	free(answer->head);
 	*answer = (struct http_answer){ 0 };
+}
+
+unsigned http_status(uint16_t port, const char *method, const char *target, const char *headers)
+{
+	struct http_answer answer = http_ask(port, method, target, headers, NULL, 0);
+	unsigned status = answer.status;
+	http_free(&answer);
+	return status;
+}
+
+void http_expect(uint16_t port, const char *method, const char *target, const char *headers, unsigned status,
+	const char *says)
+{
+	struct http_answer answer = http_ask(port, method, target, headers, NULL, 0);
+	if (answer.status != status || (says && !strstr(answer.body, says)))
+		fail_msg("%s %s: not %u, %s:\n%s\n%.300s", method, target, status, says ? says : "", answer.head,
+			answer.body);
+	http_free(&answer);
 }

@@ -41,5 +41,10 @@ struct http_answer http_ask(uint16_t port, const char *method, const char *targe
 	const void *body, size_t body_size);
 struct http_answer http_get(uint16_t port, const char *target);
 void http_free(struct http_answer *answer);
+/* Status of the answer alone. */
+unsigned http_status(uint16_t port, const char *method, const char *target, const char *headers);
+/* Fails the test unless the answer has this status and its body contains `says` (NULL: anything). */
+void http_expect(uint16_t port, const char *method, const char *target, const char *headers, unsigned status,
+	const char *says);
 
 #endif

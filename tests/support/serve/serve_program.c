@@ -38,10 +38,12 @@ static void die_with(pid_t parent)
 		_exit(127);
 }
 
-struct program program_start_in(const char *const *arguments, void (*prepare)(void))
+struct program program_start(const char *const *arguments, void (*prepare)(void))
 {
 	pid_t self = getpid();
 	int out[2], err[2];
+	if (!program_path[0])
+		skip();
 	assert_true(pipe(out) == 0 && pipe(err) == 0);
 	pid_t pid = fork();
 	assert_true(pid >= 0);
@@ -59,22 +61,29 @@ struct program program_start_in(const char *const *arguments, void (*prepare)(vo
 	}
 	close(out[1]);
 	close(err[1]);
-	return (struct program){ pid, out[0], err[0] };
+	return (struct program){ .pid = pid, .out_fd = out[0], .err_fd = err[0] };
 }
 
-struct program program_start(const char *const *arguments)
+bool program_ready(struct program *program)
 {
-	return program_start_in(arguments, NULL);
-}
-
-uint16_t program_ready(struct program *program, char line[256])
-{
+	char *line = program->line;
 	size_t size = 0;
-	while (size < 255 && read(program->out, line + size, 1) == 1 && line[size++] != '\n')
+	while (size < sizeof program->line - 1 && read(program->out_fd, line + size, 1) == 1 && line[size++] != '\n')
 		continue;
 	line[size] = 0;
 	const char *colon = strrchr(line, ':');
-	return (uint16_t)(colon ? atoi(colon + 1) : 0);
+	program->port = (uint16_t)(colon ? atoi(colon + 1) : 0);
+	return program->port;
+}
+
+struct program program_serve(const char *const *arguments, void (*prepare)(void))
+{
+	struct program program = program_start(arguments, prepare);
+	if (!program_ready(&program)) {
+		program_finish(&program);
+		fail_msg("%s", program.err);
+	}
+	return program;
 }
 
 static void read_end(int fd, char text[PROGRAM_SAYS])
@@ -87,11 +96,26 @@ static void read_end(int fd, char text[PROGRAM_SAYS])
 	close(fd);
 }
 
-int program_finish(struct program *program, char out[PROGRAM_SAYS], char err[PROGRAM_SAYS])
+int program_finish(struct program *program)
 {
 	int status;
-	read_end(program->out, out);
-	read_end(program->err, err);
+	read_end(program->out_fd, program->out);
+	read_end(program->err_fd, program->err);
 	assert_true(waitpid(program->pid, &status, 0) == program->pid);
 	return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+void program_stop(struct program *program)
+{
+	kill(program->pid, SIGTERM);
+	if (program_finish(program) != 0)
+		fail_msg("%s", program->err);
+}
+
+void program_fails(const char *const *arguments, int status, const char *says)
+{
+	struct program program = program_start(arguments, NULL);
+	int ended = program_finish(&program);
+	if (ended != status || program.out[0] || !strstr(program.err, says))
+		fail_msg("'%s', %d:\n%s%s", says, ended, program.out, program.err);
 }

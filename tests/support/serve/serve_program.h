@@ -3,6 +3,7 @@
 #define TESTS_SERVE_PROGRAM_H
 
 #include <limits.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <sys/types.h>
 
@@ -16,14 +17,25 @@ void program_find(void);
  * for at its end, which the sandbox does not allow. */
 void program_sandboxed(void);
 
-struct program { pid_t pid; int out, err; };
-/* `arguments` end with NULL. However the test ends, the program does not outlive it. */
-struct program program_start(const char *const *arguments);
-/* prepare() is called in the child, before the program is. */
-struct program program_start_in(const char *const *arguments, void (*prepare)(void));
-/* Reads the line that says it is ready, byte by byte, and returns the port; 0: it ended. */
-uint16_t program_ready(struct program *program, char line[256]);
+struct program {
+	pid_t pid;
+	int out_fd, err_fd;
+	uint16_t port;
+	char line[256];                  /* its first, which says that it is ready */
+	char out[PROGRAM_SAYS], err[PROGRAM_SAYS];       /* what it said afterwards, once it has ended */
+};
+/* Skips the test if the program has not been built. `arguments` end with NULL; `prepare` (or NULL) is called in the
+ * child, before the program is. However the test ends, the program does not outlive it. */
+struct program program_start(const char *const *arguments, void (*prepare)(void));
+/* Reads the line that says it is ready, byte by byte; false: it ended. */
+bool program_ready(struct program *program);
+/* Both; it must become ready. */
+struct program program_serve(const char *const *arguments, void (*prepare)(void));
 /* Waits for its end; its exit status, or -1. */
-int program_finish(struct program *program, char out[PROGRAM_SAYS], char err[PROGRAM_SAYS]);
+int program_finish(struct program *program);
+/* Asks it to end, by SIGTERM; it must end well. */
+void program_stop(struct program *program);
+/* Runs it to its end: it must have this status and say so on stderr, and nothing on stdout. */
+void program_fails(const char *const *arguments, int status, const char *says);
 
 #endif
