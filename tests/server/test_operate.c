@@ -1,5 +1,4 @@
-/* An operator's work on a daemon that serves: other packs, tokens, pages of others, numbers.
- * Longer than 600 lines: all tests share the daemon's start and its packs. */
+/* An operator's work on a daemon that serves: other packs, tokens, pages of others, numbers. */
 #include "tests/support/serve/serve_daemon.h"
 
 #include <pthread.h>
@@ -58,28 +57,39 @@ static void put_in_place(const char *from)
 	assert_int_equal(system(command), 0);
 }
 
-static struct srv_daemon *start(struct srv_config config, struct srv_store *scenes)
+static struct srv_store scenes;          /* of the daemon that runs */
+
+static void start(struct srv_config config)
 {
 	static char *const paths[] = { served };
 	static const struct srv_sources sources = { paths, 1, "build/tmp", NULL };
-	struct srv_daemon *daemon;
 	struct srv_reload report;
 	struct eco_error error = { 0 };
 	config.listen = "127.0.0.1:0";
 	config.sources = &sources;
-	assert_ok(srv_sources_load(&sources, NULL, scenes, &report, &error), error);
-	assert_ok(srv_daemon_start(&daemon, &config, scenes, &error), error);
-	port = srv_daemon_port(daemon);
-	return daemon;
+	assert_ok(srv_sources_load(&sources, NULL, &scenes, &report, &error), error);
+	assert_ok(srv_daemon_start(&daemon_, &config, &scenes, &error), error);
+	port = srv_daemon_port(daemon_);
 }
 
-static unsigned status_of(const char *method, const char *target, const char *headers)
+static void stop(void)
 {
-	struct http_answer answer = http_ask(port, method, target, headers, NULL, 0);
-	unsigned status = answer.status;
-	http_free(&answer);
-	return status;
+	srv_daemon_stop(daemon_);
+	srv_store_free(&scenes);
 }
+
+static void restore(void)
+{
+	struct eco_error error = { 0 };
+	assert_ok(sample_pack_write(served, &error), error);
+}
+
+static void expect(const char *method, const char *target, const char *headers, unsigned status)
+{
+	http_expect(port, method, target, headers, status, NULL);
+}
+
+#define RELOAD "/v1/admin/reload"
 
 static json_t *answered(const char *method, const char *target, unsigned status)
 {
@@ -93,6 +103,21 @@ static json_t *answered(const char *method, const char *target, unsigned status)
 static int64_t count_in(json_t *json, const char *key)
 {
 	return json_integer_value(json_object_get(json, key));
+}
+
+static void chunk_target_of(char target[128], const struct eco_scene *tables, uint32_t chunk)
+{
+	char id[SRV_ID_TEXT_BYTES];
+	srv_format_id(id, &tables->chunks[chunk].id);
+	snprintf(target, 128, BASE "/chunks/%s", id);
+}
+
+static void give_token(struct srv_access *access, const char *scene)
+{
+	char argument[100];
+	struct eco_error error = { 0 };
+	snprintf(argument, sizeof argument, "%s=%s", scene, token_file);
+	assert_ok(srv_access_add_token(argument, access, &error), error);
 }
 
 /* ---- Reload ---- */
@@ -115,21 +140,19 @@ static void *ask_on(void *argument)
 
 UNIT_TEST(reloads_fail_no_request)
 {
-	struct srv_store scenes;
-	struct srv_daemon *daemon = start((struct srv_config){ .connections_per_address = 500 }, &scenes);
 	pthread_t threads[4];
 	uintptr_t sum = 0, failed;
+	char first[80], command[200];
+	start((struct srv_config){ .connections_per_address = 500 });
 	atomic_store(&over, false);
 	for (int i = 0; i < 4; i++)
 		assert_int_equal(pthread_create(&threads[i], NULL, ask_on, NULL), 0);
-	struct eco_error error = { 0 };
-	char first[80], command[200];
 	snprintf(first, sizeof first, "%s.first", served);
 	snprintf(command, sizeof command, "cp %s %s", served, first);
 	assert_int_equal(system(command), 0);
 	for (int i = 0; i < 20; i++) {
 		put_in_place(i % 2 ? first : other);
-		json_t *json = answered("POST", "/v1/admin/reload", 200);
+		json_t *json = answered("POST", RELOAD, 200);
 		assert_int_equal(count_in(json, "opened") + count_in(json, "same"), 1);
 		json_decref(json);
 	}
@@ -140,67 +163,54 @@ UNIT_TEST(reloads_fail_no_request)
 	}
 	assert_int_equal(sum, 0);
 	assert_int_equal(unlink(first), 0);
-	srv_daemon_stop(daemon);
-	srv_store_free(&scenes);
-	assert_int_equal(sample_pack_write(served, &error), ECO_OK);
+	stop();
+	restore();
 }
 
 /* A chunk that only the pack before had is there for as long as was said. */
 UNIT_TEST(chunks_of_a_replaced_pack_stay_for_a_while)
 {
-	struct srv_store scenes;
-	struct srv_daemon *daemon = start((struct srv_config){ .keep_s = 1 }, &scenes);
-	struct eco_scene *tables = &scenes.scenes[0]->pack->scene;
-	char gone[128] = "", id[SRV_ID_TEXT_BYTES];
+	char gone[128] = "";
 	struct eco_error error = { 0 };
 	struct eco_pack *after;
+	start((struct srv_config){ .keep_s = 1 });
+	const struct eco_scene *tables = &scenes.scenes[0]->pack->scene;
 	assert_ok(eco_pack_open(&after, other, &error), error);
 	for (uint32_t c = 0; c < tables->chunk_count && !gone[0]; c++) {
 		bool both = false;
 		for (uint32_t k = 0; k < after->scene.chunk_count; k++)
 			both |= memcmp(&after->scene.chunks[k].id, &tables->chunks[c].id,
-					sizeof tables->chunks[c].id) == 0;
-		srv_format_id(id, &tables->chunks[c].id);
+				sizeof tables->chunks[c].id) == 0;
 		if (!both)
-			snprintf(gone, sizeof gone, BASE "/chunks/%s", id);
+			chunk_target_of(gone, tables, c);
 	}
 	eco_pack_close(after);
-	assert_true(gone[0]);
 	put_in_place(other);
-	json_t *json = answered("POST", "/v1/admin/reload", 200);
-	assert_int_equal(count_in(json, "opened"), 1);
-	json_decref(json);
-	assert_int_equal(status_of("GET", gone, ""), 200);
+	http_expect(port, "POST", RELOAD, "", 200, "{\"opened\":1,\"same\":0,\"gone\":0}");
+	expect("GET", gone, "", 200);
 	usleep(1100000);
-	srv_daemon_tick(daemon);
-	assert_int_equal(status_of("GET", gone, ""), 404);
-	srv_daemon_stop(daemon);
-	srv_store_free(&scenes);
-	assert_int_equal(sample_pack_write(served, &error), ECO_OK);
+	srv_daemon_tick(daemon_);
+	expect("GET", gone, "", 404);
+	stop();
+	restore();
 }
 
 UNIT_TEST(a_pack_that_is_not_well_leaves_the_scene)
 {
-	struct srv_store scenes;
-	struct srv_daemon *daemon = start((struct srv_config){ 0 }, &scenes);
+	start((struct srv_config){ 0 });
 	json_t *before = answered("GET", BASE, 200);
-	struct eco_error error = { 0 };
-	FILE *file = fopen(served, "w");
-	assert_true(file && fputs("no pack", file) >= 0 && fclose(file) == 0);
-	json_t *problem = answered("POST", "/v1/admin/reload", 500);
-	assert_non_null(strstr(json_string_value(json_object_get(problem, "detail")), served));
-	json_decref(problem);
+	file_write_text(served, "no pack");
+	http_expect(port, "POST", RELOAD, "", 500, served);
 	json_t *after = answered("GET", BASE, 200);
 	assert_true(json_equal(before, after));
 	assert_int_equal(unlink(served), 0);
-	assert_int_equal(status_of("POST", "/v1/admin/reload", ""), 500);
-	assert_int_equal(status_of("GET", BASE "/stream?" VIEW_BY("1000"), ""), 200);
-	assert_int_equal(sample_pack_write(served, &error), ECO_OK);
-	assert_int_equal(status_of("POST", "/v1/admin/reload", ""), 200);
+	expect("POST", RELOAD, "", 500);
+	expect("GET", BASE "/stream?" VIEW_BY("1000"), "", 200);
+	restore();
+	expect("POST", RELOAD, "", 200);
 	json_decref(before);
 	json_decref(after);
-	srv_daemon_stop(daemon);
-	srv_store_free(&scenes);
+	stop();
 }
 
 /* Packs come and go with the files of a folder. */
@@ -239,7 +249,6 @@ UNIT_TEST(reading_scenes_ends_when_it_is_cancelled)
 	atomic_bool cancelled = true;
 	const struct srv_sources sources = { paths, 1, "build/tmp", &cancelled },
 		whole = { paths, 1, "build/tmp", NULL };
-	struct srv_store scenes;
 	struct srv_reload report;
 	struct eco_error error = { 0 };
 	assert_ok(srv_sources_load(&whole, NULL, &scenes, &report, &error), error);
@@ -258,13 +267,11 @@ UNIT_TEST(reading_scenes_ends_when_it_is_cancelled)
 
 /* ---- Caps ---- */
 
-static char *etag_of(const char *target)
+static void etag_of(char value[100], const char *target)
 {
-	struct http_answer answer = http_ask(port, "GET", target, "", NULL, 0);
-	char value[100];
-	assert_true(answer.status == 200 && http_header(&answer, "ETag", value, sizeof value));
+	struct http_answer answer = http_get(port, target);
+	assert_true(answer.status == 200 && http_header(&answer, "ETag", value, 100));
 	http_free(&answer);
-	return strdup(value);
 }
 
 /* Budgets, vertices drawn and bytes of the plan for this much; what is asked for is told by its tag, too. */
@@ -273,13 +280,11 @@ static void assert_plan(const char *asked, uint64_t budget, uint64_t bytes_most)
 	char target[200];
 	snprintf(target, sizeof target, BASE "/plan?" VIEW "&vertices=%s", asked);
 	json_t *plan = answered("GET", target, 200);
-	uint64_t vertices = (uint64_t)json_integer_value(json_object_get(plan, "vertices"));
-	assert_int_equal(json_integer_value(json_object_get(plan, "budget_vertices")), budget);
-	assert_true(vertices <= budget
-		&& (uint64_t)json_integer_value(json_object_get(plan, "bytes")) <= bytes_most);
+	assert_int_equal(count_in(plan, "budget_vertices"), budget);
+	assert_true((uint64_t)count_in(plan, "vertices") <= budget && (uint64_t)count_in(plan, "bytes") <= bytes_most);
 	json_decref(plan);
 	snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=%s", asked);
-	struct http_answer answer = http_ask(port, "GET", target, "", NULL, 0);
+	struct http_answer answer = http_get(port, target);
 	assert_true(answer.status == 200 && answer.size <= bytes_most);
 	http_free(&answer);
 }
@@ -287,36 +292,25 @@ static void assert_plan(const char *asked, uint64_t budget, uint64_t bytes_most)
 UNIT_TEST(answers_of_a_scene_may_be_capped)
 {
 	static struct srv_caps caps;
-	struct srv_store scenes;
 	struct eco_error error = { 0 };
+	char tag[100], free_tag[100];
 	caps = (struct srv_caps){ .vertices.count = 0 };
-	struct srv_daemon *daemon = start((struct srv_config){ .caps = &caps }, &scenes);
-	json_t *described = answered("GET", BASE, 200);
-	assert_true(json_is_null(json_object_get(described, "cap_vertices"))
-		&& json_is_null(json_object_get(described, "cap_bytes")));
-	json_decref(described);
+	start((struct srv_config){ .caps = &caps });
+	http_expect(port, "GET", BASE, "", 200, "\"cap_vertices\":null,\"cap_bytes\":null");
 	assert_plan("5000", 5000, UINT64_MAX);
-	char *free_tag = etag_of(BASE "/stream?" VIEW_BY("5000"));
-	srv_daemon_stop(daemon);
-	srv_store_free(&scenes);
+	etag_of(free_tag, BASE "/stream?" VIEW_BY("5000"));
+	stop();
 	assert_ok(srv_cap_add_vertices("sample=700", &caps.vertices, &error), error);
 	assert_ok(srv_cap_add_vertices("300", &caps.vertices, &error), error);
 	assert_ok(srv_cap_add_bytes("4k", &caps.bytes, &error), error);
-	daemon = start((struct srv_config){ .caps = &caps }, &scenes);
-	assert_ok(srv_access_check(NULL, &caps, &scenes, &(struct srv_sources){ .count = 0 }, NULL, &error), error);
-	described = answered("GET", BASE, 200);
-	assert_int_equal(json_integer_value(json_object_get(described, "cap_vertices")), 700);
-	assert_int_equal(json_integer_value(json_object_get(described, "cap_bytes")), 4096);
-	json_decref(described);
+	start((struct srv_config){ .caps = &caps });
+	http_expect(port, "GET", BASE, "", 200, "\"cap_vertices\":700,\"cap_bytes\":4096");
 	assert_plan("5000", 700, 4096);
 	assert_plan("600", 600, 4096);
 	assert_plan("9223372036854775807", 700, 4096);
-	char *tag = etag_of(BASE "/stream?" VIEW_BY("5000"));
+	etag_of(tag, BASE "/stream?" VIEW_BY("5000"));
 	assert_string_not_equal(tag, free_tag);
-	free(tag);
-	free(free_tag);
-	srv_daemon_stop(daemon);
-	srv_store_free(&scenes);
+	stop();
 }
 
 /* ---- Who may ---- */
@@ -354,27 +348,23 @@ static void assert_alike(const char *method, const char *below)
 
 UNIT_TEST(a_scene_with_a_token_is_for_its_holders)
 {
-	static struct srv_access access;
-	struct srv_store scenes;
-	struct eco_error error = { 0 };
-	char argument[100];
-	access = (struct srv_access){ 0 };
-	snprintf(argument, sizeof argument, "sample=%s", token_file);
-	assert_ok(srv_access_add_token(argument, &access, &error), error);
-	assert_int_equal(srv_access_add_token("sample", &access, &error), ECO_BAD_USAGE);
-	assert_true(srv_access_add_token("sample=/dev/null", &access, &error) != ECO_OK);
-	struct srv_daemon *daemon = start((struct srv_config){ .access = &access }, &scenes);
 	static const struct { const char *headers; unsigned status; } rows[] = { { "", 401 },
 		{ BEARER(TOKEN), 200 }, { "authorization: bearer  " TOKEN "\r\n", 200 }, { BEARER("x"), 401 },
 		{ BEARER(TOKEN "x"), 401 }, { BEARER("0123456789abcdef-par"), 401 }, { BEARER(""), 401 },
 		{ "Authorization: Basic " TOKEN "\r\n", 401 }, { "Authorization: " TOKEN "\r\n", 401 } };
-	char chunk[128];
-	struct eco_scene *tables = &scenes.scenes[0]->pack->scene;
-	char id[SRV_ID_TEXT_BYTES];
-	srv_format_id(id, &tables->chunks[0].id);
-	snprintf(chunk, sizeof chunk, BASE "/chunks/%s", id);
-	char plants[128];
+	static const char *const methods[] = { "GET", "HEAD", "POST", "OPTIONS" },
+		*const under[] = { "", "/plan?" VIEW_BY("1000"), "/plan?x=1", "/stream?" VIEW_BY("1000"), "/chunks/0123",
+		"/plants/0", "/species", "/species?x=1", "/none" };
+	struct srv_access access = { 0 };
+	struct eco_error error = { 0 };
+	char chunk[128], plants[128], value[100];
 	uint32_t standing = 0;
+	give_token(&access, "sample");
+	assert_int_equal(srv_access_add_token("sample", &access, &error), ECO_BAD_USAGE);
+	assert_true(srv_access_add_token("sample=/dev/null", &access, &error) != ECO_OK);
+	start((struct srv_config){ .access = &access });
+	const struct eco_scene *tables = &scenes.scenes[0]->pack->scene;
+	chunk_target_of(chunk, tables, 0);
 	while (tables->lists[standing].kind != ECO_LIST_INSTANCES)
 		standing++;
 	snprintf(plants, sizeof plants, BASE "/plants/%u", standing);
@@ -382,9 +372,7 @@ UNIT_TEST(a_scene_with_a_token_is_for_its_holders)
 		chunk, plants, BASE "/species" };
 	for (size_t t = 0; t < sizeof targets / sizeof *targets; t++)
 		for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-			struct http_answer answer =
-				http_ask(port, "GET", targets[t], rows[i].headers, NULL, 0);
-			char value[100];
+			struct http_answer answer = http_ask(port, "GET", targets[t], rows[i].headers, NULL, 0);
 			if (answer.status != rows[i].status)
 				fail_msg("%s, %s: %u", targets[t], rows[i].headers, answer.status);
 			if (answer.status == 401)
@@ -394,23 +382,17 @@ UNIT_TEST(a_scene_with_a_token_is_for_its_holders)
 					&& strncmp(value, "private", 7) == 0);
 			http_free(&answer);
 		}
-	static const char *const methods[] = { "GET", "HEAD", "POST", "OPTIONS" },
-				 *const under[] = { "", "/plan?" VIEW_BY("1000"), "/plan?x=1",
-		"/stream?" VIEW_BY("1000"), "/chunks/0123", "/plants/0", "/species", "/species?x=1", "/none" };
 	for (size_t i = 0; i < sizeof under / sizeof *under; i++)
 		for (size_t m = 0; m < sizeof methods / sizeof *methods; m++)
 			assert_alike(methods[m], under[i]);
-	assert_int_equal(status_of("GET", "/v1/scenes/simple", BEARER(TOKEN)), 401);
-	json_t *list = answered("GET", "/v1/scenes", 200);
-	assert_int_equal(json_array_size(json_object_get(list, "scenes")), 0);
-	json_decref(list);
-	srv_daemon_stop(daemon);
+	expect("GET", "/v1/scenes/simple", BEARER(TOKEN), 401);
+	http_expect(port, "GET", "/v1/scenes", "", 200, "{\"scenes\":[]}");
+	srv_daemon_stop(daemon_);
 	char *named[] = { "smaple=none.eco" };
 	const struct srv_sources none = { .count = 0 }, renamed = { named, 1, NULL, NULL };
 	assert_int_equal(srv_access_check(&access, NULL, &scenes, &none, NULL, &error), ECO_OK);
 	strcpy(access.tokens[0].scene, "smaple");
 	assert_int_equal(srv_access_check(&access, NULL, &scenes, &none, NULL, &error), ECO_BAD_USAGE);
-	assert_int_equal(srv_access_check(&access, NULL, &scenes, &renamed, NULL, &error), ECO_OK);
 	assert_int_equal(srv_access_check(&access, NULL, &scenes, &renamed, &scenes, &error), ECO_OK);
 	srv_store_free(&scenes);
 }
@@ -436,53 +418,42 @@ static void put_renamed(const char *name)
 /* Under a name that has no token, or no cap, everybody would have it. */
 UNIT_TEST(a_reload_that_would_open_a_scene_changes_nothing)
 {
-	static struct srv_access access;
-	static struct srv_caps caps;
 	struct eco_error error = { 0 };
-	char argument[100];
 	for (int capped = 0; capped < 2; capped++) {
-		struct srv_store scenes;
-		access = (struct srv_access){ 0 };
-		caps = (struct srv_caps){ .vertices.count = 0 };
-		snprintf(argument, sizeof argument, "sample=%s", token_file);
-		assert_ok(capped ? srv_cap_add_vertices("sample=700", &caps.vertices, &error)
-			: srv_access_add_token(argument, &access, &error), error);
-		assert_ok(sample_pack_write(served, &error), error);
-		struct srv_daemon *daemon = start((struct srv_config){ .access = &access, .caps = &caps },
-			&scenes);
+		struct srv_access access = { 0 };
+		static struct srv_caps caps;
+		if (!capped)
+			give_token(&access, "sample");
+		else
+			assert_ok(srv_cap_add_vertices("sample=700", &caps.vertices, &error), error);
+		restore();
+		start((struct srv_config){ .access = &access, .caps = &caps });
 		put_renamed("simple");
-		json_t *problem = answered("POST", "/v1/admin/reload", 500);
-		assert_non_null(strstr(json_string_value(json_object_get(problem, "detail")), capped
-			? "--cap-vertices sample=700: there is no scene"
-			: "--token sample=FILE: there is no scene"));
-		json_decref(problem);
-		assert_int_equal(status_of("GET", "/v1/scenes/simple", ""), capped ? 404 : 401);
-		assert_int_equal(status_of("GET", BASE, BEARER(TOKEN)), 200);
+		http_expect(port, "POST", RELOAD, "", 500, capped ? "--cap-vertices sample=700: there is no scene"
+			: "--token sample=FILE: there is no scene");
+		expect("GET", "/v1/scenes/simple", "", capped ? 404 : 401);
+		expect("GET", BASE, BEARER(TOKEN), 200);
 		put_renamed("sample");
-		assert_int_equal(status_of("POST", "/v1/admin/reload", ""), 200);
-		srv_daemon_stop(daemon);
-		srv_store_free(&scenes);
+		expect("POST", RELOAD, "", 200);
+		stop();
 	}
-	assert_ok(sample_pack_write(served, &error), error);
+	restore();
 }
 
 /* The token's scene is there, but it is another file's now. */
 UNIT_TEST(a_file_keeps_its_token)
 {
-	static struct srv_access access;
+	struct srv_access access = { 0 };
 	struct srv_store before, after;
 	struct eco_error error = { 0 };
-	char argument[100];
-	access = (struct srv_access){ 0 };
-	snprintf(argument, sizeof argument, "one=%s", token_file);
-	assert_ok(srv_access_add_token(argument, &access, &error), error);
+	const struct srv_sources none = { .count = 0 };
+	give_token(&access, "one");
 	srv_store_init(&before);
 	srv_store_init(&after);
 	assert_ok(srv_store_add(&before, "one", served, &error), error);
 	assert_ok(srv_store_add(&before, "two", other, &error), error);
 	assert_ok(srv_store_add(&after, "two", served, &error), error);
 	assert_ok(srv_store_add(&after, "one", other, &error), error);
-	const struct srv_sources none = { .count = 0 };
 	assert_ok(srv_access_check(&access, NULL, &before, &none, &before, &error), error);
 	assert_int_equal(srv_access_check(&access, NULL, &after, &none, &before, &error), ECO_BAD_USAGE);
 	assert_non_null(strstr(error.text, served));
@@ -492,16 +463,15 @@ UNIT_TEST(a_file_keeps_its_token)
 
 UNIT_TEST(the_operator_has_a_token_or_the_machine)
 {
-	static struct srv_access access;
-	struct srv_store scenes;
-	struct eco_error error = { 0 };
-	struct srv_daemon *daemon = start((struct srv_config){ 0 }, &scenes);
-	assert_int_equal(status_of("GET", "/metrics", ""), 200);
-	assert_int_equal(status_of("POST", "/v1/admin/reload", ""), 200);
-	assert_int_equal(status_of("POST", "/v1/admin/reload", "Origin: null\r\n"), 403);
 	static const struct { const char *host; unsigned status; } hosts[] = { { "evil.example", 403 },
 		{ "evil.example:80", 403 }, { "localhost.evil.example", 403 }, { "127.0.0.1:80", 200 },
 		{ "[::1]:9", 200 }, { "localhost", 200 } };
+	struct srv_access access = { 0 };
+	struct eco_error error = { 0 };
+	start((struct srv_config){ 0 });
+	expect("GET", "/metrics", "", 200);
+	expect("POST", RELOAD, "", 200);
+	expect("POST", RELOAD, "Origin: null\r\n", 403);
 	for (size_t i = 0; i < sizeof hosts / sizeof *hosts; i++) {
 		char request[200];
 		int size = snprintf(request, sizeof request, "GET /metrics HTTP/1.1\r\nHost: %s\r\n"
@@ -511,17 +481,14 @@ UNIT_TEST(the_operator_has_a_token_or_the_machine)
 			fail_msg("%s: %u", hosts[i].host, answer.status);
 		http_free(&answer);
 	}
-	srv_daemon_stop(daemon);
-	srv_store_free(&scenes);
-	access = (struct srv_access){ 0 };
+	stop();
 	assert_ok(srv_access_add_operator(token_file, &access, &error), error);
-	daemon = start((struct srv_config){ .access = &access }, &scenes);
-	assert_int_equal(status_of("GET", "/metrics", ""), 403);
-	assert_int_equal(status_of("GET", "/metrics", BEARER("another")), 403);
-	assert_int_equal(status_of("GET", "/metrics", BEARER(TOKEN)), 200);
-	assert_int_equal(status_of("GET", BASE, ""), 200);
-	srv_daemon_stop(daemon);
-	srv_store_free(&scenes);
+	start((struct srv_config){ .access = &access });
+	expect("GET", "/metrics", "", 403);
+	expect("GET", "/metrics", BEARER("another"), 403);
+	expect("GET", "/metrics", BEARER(TOKEN), 200);
+	expect("GET", BASE, "", 200);
+	stop();
 }
 
 /* ---- Pages of other origins ---- */
@@ -545,155 +512,122 @@ static void assert_origin(const char *target, const char *origin, const char *al
 
 UNIT_TEST(pages_of_some_origins_may_read_answers)
 {
-	static const struct { const char *origins[2], *asks, *allowed; bool varies;
-	} rows[] = { { { NULL }, "https://a.example", NULL, false },
-		{ { "*" }, "https://a.example", "*", false }, { { "*" }, NULL, "*", false },
-		{ { "https://a.example" }, "https://a.example", "https://a.example", false },
-		{ { "https://a.example" }, "https://b.example", "https://a.example", false },
-		{ { "https://a.example", "http://b.example:81" }, "http://b.example:81",
-			"http://b.example:81", true },
-		{ { "https://a.example", "http://b.example:81" }, "http://b.example", NULL, true },
-		{ { "https://a.example", "*" }, "http://b.example", "*", false } };
+#define A "https://a.example"
+#define B "http://b.example:81"
+	static const struct { const char *origins[2], *asks, *allowed; bool varies; } rows[] = {
+		{ { NULL }, A, NULL, false }, { { "*" }, A, "*", false }, { { "*" }, NULL, "*", false },
+		{ { A }, A, A, false }, { { A }, B, A, false }, { { A, B }, B, B, true },
+		{ { A, B }, "http://b.example", NULL, true }, { { A, "*" }, B, "*", false } };
+	static const char *const bad[] = { "a.example", "https://", "https://a.example/", "https://a b", "" };
+	struct srv_access access = { 0 };
+	char chunk[128];
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		static struct srv_access access;
-		struct srv_store scenes;
 		struct eco_error error = { 0 };
-		char chunk[128], id[SRV_ID_TEXT_BYTES];
 		access = (struct srv_access){ 0 };
 		for (int o = 0; o < 2 && rows[i].origins[o]; o++)
 			assert_ok(srv_access_add_origin(rows[i].origins[o], &access, &error), error);
-		struct srv_daemon *daemon = start((struct srv_config){ .access = &access }, &scenes);
-		srv_format_id(id, &scenes.scenes[0]->pack->scene.chunks[0].id);
-		snprintf(chunk, sizeof chunk, BASE "/chunks/%s", id);
-		for (int twice = 0; twice < 2; twice++)
-			assert_origin(chunk, rows[i].asks, rows[i].allowed, rows[i].varies);
+		start((struct srv_config){ .access = &access });
+		chunk_target_of(chunk, &scenes.scenes[0]->pack->scene, 0);
+		assert_origin(chunk, rows[i].asks, rows[i].allowed, rows[i].varies);
 		assert_origin(BASE "/stream?" VIEW_BY("1000"), rows[i].asks, rows[i].allowed, rows[i].varies);
-		srv_daemon_stop(daemon);
-		srv_store_free(&scenes);
+		stop();
 	}
-	struct srv_access access = { 0 };
-	static const char *const bad[] = { "a.example", "https://", "https://a.example/", "https://a b", "" };
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
 		assert_int_equal(srv_access_add_origin(bad[i], &access, NULL), ECO_BAD_USAGE);
 }
 
 UNIT_TEST(pages_of_some_origins_may_have_the_viewer_in_a_frame)
 {
-	static const struct { const char *origins[2], *policy;
-	} rows[] = { { { NULL }, "frame-ancestors 'self'" },
-		{ { "https://a.example" }, "frame-ancestors 'self' https://a.example" },
-		{ { "https://a.example", "http://b.example:81" },
-			"frame-ancestors 'self' https://a.example http://b.example:81" },
+	static const struct { const char *origins[2], *policy; } rows[] = { { { NULL }, "frame-ancestors 'self'" },
+		{ { A }, "frame-ancestors 'self' " A }, { { A, B }, "frame-ancestors 'self' " A " " B },
 		{ { "*" }, "frame-ancestors 'self' *" } };
-	static struct srv_access access;
+	static const char *const bad[] = { "a.example", "https://a.example/", "https://a;script-src *", "'none'", "" };
+	struct srv_access access;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct srv_store scenes;
 		struct eco_error error = { 0 };
 		char value[1000];
 		access = (struct srv_access){ 0 };
 		for (int o = 0; o < 2 && rows[i].origins[o]; o++)
 			assert_ok(srv_access_add_frame(rows[i].origins[o], &access, &error), error);
-		const struct srv_config config = { .access = &access, .site = &sample_site };
-		struct srv_daemon *daemon = start(config, &scenes);
+		start((struct srv_config){ .access = &access, .site = &sample_site });
 		struct http_answer answer = http_get(port, "/");
 		assert_true(http_header(&answer, "Content-Security-Policy", value, sizeof value));
 		const char *frames = strstr(value, "frame-ancestors");
-		assert_non_null(frames);
-		assert_string_equal(frames, rows[i].policy);
+		assert_string_equal(frames ? frames : "none", rows[i].policy);
 		http_free(&answer);
-		srv_daemon_stop(daemon);
-		srv_store_free(&scenes);
+		stop();
 	}
-	static const char *const bad[] = { "a.example", "https://a.example/", "https://a;script-src *", "'none'",
-		"" };
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
 		assert_int_equal(srv_access_add_frame(bad[i], &access, NULL), ECO_BAD_USAGE);
 	enum eco_code code = ECO_OK;
 	for (int i = 0; i < 100 && !code; i++)
-		code = srv_access_add_frame("https://a.example", &access, NULL);
+		code = srv_access_add_frame(A, &access, NULL);
 	assert_int_equal(code, ECO_TOO_LARGE);
 }
 
 UNIT_TEST(options_say_what_a_resource_takes)
 {
-	struct srv_store scenes;
-	struct srv_daemon *daemon = start((struct srv_config){ 0 }, &scenes);
+	start((struct srv_config){ 0 });
 	struct http_answer answer = http_ask(port, "OPTIONS", BASE "/stream", "Origin: https://a.example\r\n"
 		"Access-Control-Request-Method: POST\r\n", NULL, 0);
 	assert_int_equal(answer.status, 204);
 	assert_header(&answer, "Allow", "GET, HEAD, POST, OPTIONS");
 	assert_header(&answer, "Access-Control-Allow-Methods", "GET, HEAD, POST, OPTIONS");
 	http_free(&answer);
-	assert_int_equal(status_of("OPTIONS", "/nothing", ""), 404);
-	srv_daemon_stop(daemon);
-	srv_store_free(&scenes);
+	expect("OPTIONS", "/nothing", "", 404);
+	stop();
 }
 
 /* ---- Numbers ---- */
 
-static uint64_t metric(const char *text, const char *name)
-{
-	char line[200];
-	snprintf(line, sizeof line, "\n%s ", name);
-	const char *at = strstr(text, line);
-	if (!at)
-		fail_msg("no %s in:\n%s", name, text);
-	return strtoull(at + strlen(line), NULL, 10);
-}
-
 UNIT_TEST(metrics_count_what_happens_with_a_sentence_each)
 {
-	struct srv_store scenes;
-	struct srv_daemon *daemon = start((struct srv_config){ 0 }, &scenes);
-	for (int i = 0; i < 3; i++)
-		assert_int_equal(status_of("GET", BASE "/stream?" VIEW_BY("1000"), ""), 200);
-	assert_int_equal(status_of("GET", "/nothing", ""), 404);
-	assert_int_equal(status_of("POST", "/v1/admin/reload", ""), 200);
-	struct http_answer answer = http_get(port, "/metrics");
-	assert_int_equal(answer.status, 200);
-	assert_header(&answer, "Content-Type", "text/plain; version=0.0.4; charset=utf-8");
-	static const struct { const char *name; uint64_t value; } rows[] = { { "ecoserve_plans_total", 1 },
-		{ "ecoserve_kept_answers_total", 2 }, { "ecoserve_reloads_total", 1 },
-		{ "ecoserve_reloads_failed_total", 0 }, { "ecoserve_scenes", 1 }, { "ecoserve_ready", 1 },
-		{ "ecoserve_requests_total{route=\"/v1/scenes/{scene}/stream\",code=\"200\"}", 3 },
-		{ "ecoserve_requests_total{route=\"\",code=\"404\"}", 1 },
-		{ "ecoserve_plan_seconds_count", 1 }, { "ecoserve_plan_seconds_bucket{le=\"+Inf\"}", 1 } };
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-		assert_int_equal(metric(answer.body, rows[i].name), rows[i].value);
+	static const char *const lines[] = { "plans_total 1", "kept_answers_total 2", "reloads_total 1",
+		"reloads_failed_total 0", "scenes 1", "ready 1",
+		"requests_total{route=\"/v1/scenes/{scene}/stream\",code=\"200\"} 3",
+		"requests_total{route=\"\",code=\"404\"} 1", "plan_seconds_count 1", "plan_seconds_bucket{le=\"+Inf\"} 1" };
+	char line[200];
 	unsigned helps = 0, types = 0;
+	start((struct srv_config){ 0 });
+	for (int i = 0; i < 3; i++)
+		expect("GET", BASE "/stream?" VIEW_BY("1000"), "", 200);
+	expect("GET", "/nothing", "", 404);
+	expect("POST", RELOAD, "", 200);
+	struct http_answer answer = http_get(port, "/metrics");
+	assert_header(&answer, "Content-Type", "text/plain; version=0.0.4; charset=utf-8");
+	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+		snprintf(line, sizeof line, "\necoserve_%s\n", lines[i]);
+		if (!strstr(answer.body, line))
+			fail_msg("no %s in:\n%s", lines[i], answer.body);
+	}
 	for (const char *at = answer.body; (at = strstr(at, "# HELP ")); at++, helps++)
 		assert_true(strcspn(strchr(at + 7, ' '), "\n") > 15);
 	for (const char *at = answer.body; (at = strstr(at, "# TYPE ")); at++)
 		types++;
-	assert_int_equal(helps, types);
-	assert_true(helps >= SRV_COUNTER_COUNT + 8);
+	assert_true(helps == types && helps >= SRV_COUNTER_COUNT + 8);
 	http_free(&answer);
-	srv_daemon_stop(daemon);
-	srv_store_free(&scenes);
+	stop();
 }
 
 UNIT_TEST(it_is_ready_until_it_stops)
 {
-	struct srv_store scenes;
-	struct srv_daemon *daemon = start((struct srv_config){ 0 }, &scenes);
+	start((struct srv_config){ 0 });
 	assert_true(atomic_load(&scenes.scenes[0]->typical_work) > 0);   /* no request waits for it */
-	assert_int_equal(status_of("GET", "/readyz", ""), 200);
-	srv_daemon_quiesce(daemon);
-	assert_int_equal(status_of("GET", "/readyz", ""), 503);
-	srv_daemon_stop(daemon);
-	srv_store_free(&scenes);
+	expect("GET", "/readyz", "", 200);
+	srv_daemon_quiesce(daemon_);
+	expect("GET", "/readyz", "", 503);
+	stop();
 }
 
 /* A trusted proxy's where it is harmless; else another for each request. */
 UNIT_TEST(requests_have_ids)
 {
-	struct srv_store scenes;
 	struct srv_config config = { 0 };
 	struct eco_error error = { 0 };
 	char ids[3][100];
 	assert_ok(srv_networks_parse(&config.trusted, "127.0.0.1", &error), error);
 	for (int trusted = 0; trusted < 2; trusted++) {
-		struct srv_daemon *daemon = start(trusted ? config : (struct srv_config){ 0 }, &scenes);
+		start(trusted ? config : (struct srv_config){ 0 });
 		static const char *const sent[] = { "", "X-Request-Id: abc-1.2_X\r\n",
 			"X-Request-Id: a b\r\n" };
 		for (int i = 0; i < 3; i++) {
@@ -704,8 +638,7 @@ UNIT_TEST(requests_have_ids)
 		assert_int_equal(strcmp(ids[1], "abc-1.2_X") == 0, trusted);
 		assert_string_not_equal(ids[0], ids[2]);
 		assert_int_equal(strlen(ids[2]), 16);
-		srv_daemon_stop(daemon);
-		srv_store_free(&scenes);
+		stop();
 	}
 }
 

@@ -7,9 +7,7 @@
 #include "server/request/address.h"
 #include "server/request/condition.h"
 #include "server/request/json.h"
-#include "server/request/problem.h"
 #include "server/request/query.h"
-#include "server/request/route.h"
 #include "server/store.h"
 #include "tests/support/unit_test.h"
 
@@ -94,38 +92,60 @@ UNIT_TEST(too_many_parameters_are_refused)
 	assert_int_equal(parse_target(&target, raw), ECO_BAD_INPUT);
 }
 
-UNIT_TEST(numbers_are_plain_decimals)
+static bool is_number(const char *text) { return srv_parse_number(text, &(double){ 0 }); }
+static bool is_count(const char *text) { return srv_parse_count(text, &(uint64_t){ 0 }); }
+static bool is_id(const char *text) { return srv_parse_id(text, &(struct eco_chunk_id){ { 0 } }); }
+static bool is_authority(const char *text) { return srv_authority_valid(text, strlen(text)); }
+
+#define LONG_NAME "a23456789012345678901234567890123456789012345678901234567890123"
+
+UNIT_TEST(texts_are_read_strictly)
 {
-	static const struct { const char *text; bool good; double value; } rows[] = {
-		{ "0", true, 0 }, { "-1.5", true, -1.5 }, { "1e3", true, 1000 }, { "1E-2", true, .01 },
-			{ "1.25e+2", true, 125 }, { "007", true, 7 },
-		{ "", false, 0 }, { "-", false, 0 }, { ".", false, 0 }, { "1.", false, 0 },
-		{ ".5", false, 0 }, { "+1", false, 0 }, { "1e", false, 0 },
-		{ "1e+", false, 0 }, { "nan", false, 0 }, { "inf", false, 0 }, { "-inf", false, 0 },
-		{ "0x10", false, 0 }, { " 1", false, 0 },
-		{ "1 ", false, 0 }, { "1,5", false, 0 }, { "1e999", false, 0 }, { "--1", false, 0 },
-		{ "1_000", false, 0 }, { "1d3", false, 0 },
-		{ "1234567890123456789012345678901234567890123456789", false, 0 }, { "1e-999", true, 0 },
-	};
+	static const struct { bool (*reads)(const char *text); const char *good[14], *bad[26]; } rows[] = {
+		{ is_number, { "0", "-1.5", "1e3", "1E-2", "1.25e+2", "007", "1e-999" },
+			{ "", "-", ".", "1.", ".5", "+1", "1e", "1e+", "nan", "inf", "-inf", "0x10", " 1", "1 ", "1,5", "1e999",
+			"--1", "1_000", "1d3", "1234567890123456789012345678901234567890123456789" } },
+		{ is_count, { "0", "18446744073709551615" }, { "18446744073709551616", "99999999999999999999999", "", "-1",
+			"1.0", "1e6", "0x1" } },
+		{ is_id, { "0123456789abcdef0011223344556677" }, { "0123456789ABCDEF0011223344556677",
+			"0123456789abcdef001122334455667", "0123456789abcdef00112233445566778", "",
+			"0123456789abcdef00112233445566g7" } },
+		{ is_authority, { "a", "a.b-c_d~.", "127.0.0.1", "a:", "a:80", "a:65535", "[::1]", "[1::a.2]:1" },
+			{ "", ":80", ".", ".a", "a..b", "a:65536", "a:000080", "a:8o", "a:1:2", "a@b", "a/b", "a b", "a,b",
+			"a%20", "[]", "[::1", "[::1]a", "[::g]", "::1", "\x80", "[", "[:" } },
+		/* no name is this machine but localhost */
+		{ srv_host_is_loopback, { "localhost", "LOCALHOST:8080", "127.0.0.1", "127.9.9.9:1", "[::1]", "[::1]:8080",
+			"[::ffff:127.0.0.1]:80" }, { "", ":80", "localhost.evil.example", "localhost:", "localhost:x", "evil",
+			"127.0.0.1.evil.example", "127.0.0.1:8080.evil.example", "10.0.0.1", "[::2]:80", "evil@localhost",
+			"127.1" } },
+		{ srv_name_valid, { "a", "0-9_z", "scbi", LONG_NAME }, { "", "-a", "_a", "A", "a.b", "a b", "a/b", "\xc3\xa4",
+			LONG_NAME "4" } } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		double value = 0;
-		assert_int_equal(srv_parse_number(rows[i].text, &value), rows[i].good);
-		if (rows[i].good)
-			assert_true(value == rows[i].value);
+		for (const char *const *text = rows[i].good; *text; text++)
+			if (!rows[i].reads(*text))
+				fail_msg("row %zu: '%s' is refused", i, *text);
+		for (const char *const *text = rows[i].bad; *text; text++)
+			if (rows[i].reads(*text))
+				fail_msg("row %zu: '%s' is taken", i, *text);
 	}
+	double value;
+	assert_true(srv_parse_number("1.25e+2", &value) && value == 125);
+	assert_true(srv_parse_number("1E-2", &value) && value == .01);
 }
 
-UNIT_TEST(counts_do_not_overflow)
+UNIT_TEST(files_give_names_that_can_be_asked_for)
 {
-	uint64_t value = 0;
-	assert_true(srv_parse_count("18446744073709551615", &value) && value == UINT64_MAX);
-	assert_false(srv_parse_count("18446744073709551616", &value));
-	assert_false(srv_parse_count("99999999999999999999999", &value));
-	assert_false(srv_parse_count("", &value));
-	assert_false(srv_parse_count("-1", &value));
-	assert_false(srv_parse_count("1.0", &value));
-	assert_false(srv_parse_count("1e6", &value));
-	assert_false(srv_parse_count("0x1", &value));
+	static const struct { const char *path, *name; bool valid; } rows[] = { { "/data/park.eco", "park", true },
+		{ "park", "park", true }, { "a--b_.eco", "a--b_", true }, { "x.y/Park.ECO", "park-eco", true },
+		{ "Parque Eduardo VII.eco", "parque-eduardo-vii", true }, { "__ (2) .eco", "2", true },
+		{ "\xc3\xa1rvores.eco", "rvores", true }, { "\xc3\x81.eco", "\xc3\x81", false },
+		{ ".eco", "eco", true }, { "dir/", "", false }, { LONG_NAME "45678.eco", LONG_NAME, true } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		char name[SRV_NAME_BYTES];
+		srv_name_of_file(name, rows[i].path);
+		assert_string_equal(name, rows[i].name);
+		assert_int_equal(srv_name_valid(name), rows[i].valid);
+	}
 }
 
 static enum eco_code parse_query(struct srv_query *query, const char *parameters, struct eco_error *error)
@@ -206,20 +226,6 @@ UNIT_TEST(bad_queries_name_the_parameter)
 		if (!strstr(error.text, rows[i].named))
 			fail_msg("%s: '%s' is not in \"%s\"", rows[i].query, rows[i].named, error.text);
 	}
-}
-
-UNIT_TEST(ids_have_one_spelling)
-{
-	struct eco_chunk_id id;
-	char text[SRV_ID_TEXT_BYTES];
-	assert_true(srv_parse_id("0123456789abcdef0011223344556677", &id));
-	srv_format_id(text, &id);
-	assert_string_equal(text, "0123456789abcdef0011223344556677");
-	assert_false(srv_parse_id("0123456789ABCDEF0011223344556677", &id));
-	assert_false(srv_parse_id("0123456789abcdef001122334455667", &id));
-	assert_false(srv_parse_id("0123456789abcdef00112233445566778", &id));
-	assert_false(srv_parse_id("", &id));
-	assert_false(srv_parse_id("0123456789abcdef00112233445566g7", &id));
 }
 
 UNIT_TEST(ranges_follow_rfc_9110)
@@ -319,20 +325,6 @@ UNIT_TEST(addresses_of_one_household_are_the_same)
 	}
 }
 
-UNIT_TEST(no_name_is_this_machine_but_localhost)
-{
-	static const struct { const char *host; bool is; } rows[] = { { "localhost", true },
-		{ "LOCALHOST:8080", true }, { "127.0.0.1", true }, { "127.9.9.9:1", true }, { "[::1]", true },
-		{ "[::1]:8080", true }, { "[::ffff:127.0.0.1]:80", true }, { "", false }, { ":80", false },
-		{ "localhost.evil.example", false }, { "localhost:", false }, { "localhost:x", false },
-		{ "evil.example", false }, { "evil", false }, { "127.0.0.1.evil.example", false },
-		{ "127.0.0.1:8080.evil.example", false }, { "10.0.0.1", false }, { "[::2]:80", false },
-		{ "evil@localhost", false }, { "127.1", false } };
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-		if (srv_host_is_loopback(rows[i].host) != rows[i].is)
-			fail_msg("%s", rows[i].host);
-}
-
 UNIT_TEST(only_a_trusted_proxy_speaks_for_others)
 {
 	static const struct { const char *trusted, *peer, *forwarded, *client;
@@ -378,54 +370,6 @@ UNIT_TEST(only_a_trusted_proxy_speaks_for_others)
 	}
 }
 
-UNIT_TEST(authorities_are_names_or_addresses)
-{
-	static const struct { const char *text; bool valid;
-	} rows[] = { { "a", true }, { "a.b-c_d~.", true }, { "127.0.0.1", true }, { "a:", true },
-		{ "a:80", true }, { "a:65535", true }, { "[::1]", true }, { "[1::a.2]:1", true },
-		{ "", false }, { ":80", false }, { ".", false }, { ".a", false }, { "a..b", false },
-		{ "a:65536", false }, { "a:000080", false }, { "a:8o", false }, { "a:1:2", false },
-		{ "a@b", false }, { "a/b", false }, { "a b", false }, { "a,b", false }, { "a%20", false },
-		{ "[]", false }, { "[::1", false }, { "[::1]a", false }, { "[::g]", false }, { "::1", false },
-		{ "\x80", false }, { "[", false }, { "[:", false } };
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-		assert_int_equal(srv_authority_valid(rows[i].text, strlen(rows[i].text)), rows[i].valid);
-}
-
-UNIT_TEST(routes_match_whole_paths)
-{
-	static const struct { const char *raw; int route; const char *first, *second; } rows[] = {
-		{ "/healthz", SRV_HEALTH, NULL, NULL }, { "/v1/scenes", SRV_SCENES, NULL, NULL },
-			{ "/v1/scenes/a", SRV_SCENE, "a", NULL },
-		{ "/v1/scenes/a/plan", SRV_PLAN, "a", NULL },
-		{ "/v1/scenes/a/stream", SRV_STREAM, "a", NULL },
-		{ "/v1/scenes/a/chunks/b", SRV_CHUNK, "a", "b" },
-		{ "/v1/scenes/a/plants/7", SRV_PLANTS, "a", "7" },
-		{ "/v1/scenes/a/species", SRV_SPECIES, "a", NULL },
-		{ "/v1/scenes/plan/plan", SRV_PLAN, "plan", NULL },
-		{ "/", SRV_INDEX, NULL, NULL }, { "/favicon.ico", SRV_ICON, NULL, NULL },
-		{ "/viewer/viewer.mjs", SRV_VIEWER, "viewer.mjs", NULL },
-		{ "/viewer", -1, NULL, NULL }, { "/viewer/a/b", SRV_VIEWER_FILE, "a", "b" },
-		{ "/viewer/a/b/c", -1, NULL, NULL }, { "/v1", -1, NULL, NULL }, { "/v1/scenes/a/chunks", -1, NULL, NULL },
-		{ "/v1/scenes/a/b", -1, NULL, NULL },
-		{ "/v1/scenes/a/chunks/b/c", -1, NULL, NULL }, { "/healthzz", -1, NULL, NULL },
-		{ "/health", -1, NULL, NULL }, { "/V1/scenes", -1, NULL, NULL },
-	};
-	struct srv_target target;
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		const char *variables[2];
-		assert_int_equal(parse_target(&target, rows[i].raw), ECO_OK);
-		const struct srv_route *route = srv_route_find(&target, variables);
-		assert_ptr_equal(route, rows[i].route < 0 ? NULL : &srv_routes[rows[i].route]);
-		for (int v = 0; route && v < 2; v++) {
-			const char *expected = v ? rows[i].second : rows[i].first;
-			assert_int_equal(variables[v] != NULL, expected != NULL);
-			if (expected)
-				assert_string_equal(variables[v], expected);
-		}
-	}
-}
-
 /* The bound holds while a document is written, and so does the flag of who waits for it. */
 UNIT_TEST(json_ends_where_it_is_too_large_or_nobody_waits)
 {
@@ -463,28 +407,3 @@ UNIT_TEST(json_escapes_and_keeps_numbers)
 	eco_writer_free(&json.out);
 }
 
-UNIT_TEST(problems_are_complete)
-{
-	for (int i = 1; i < SRV_PROBLEM_COUNT; i++) {
-		assert_true(strncmp(srv_problem_rows[i].type, "urn:ecostream:problem:", 22) == 0);
-		assert_true(srv_problem_rows[i].status >= 400 && srv_problem_rows[i].status < 600
-			&& srv_problem_rows[i].title[0]);
-		for (int k = 1; k < i; k++)
-			assert_string_not_equal(srv_problem_rows[i].type, srv_problem_rows[k].type);
-	}
-}
-
-UNIT_TEST(scene_names_are_checked)
-{
-	char name[80];
-	assert_true(srv_name_valid("a") && srv_name_valid("0-9_z") && srv_name_valid("scbi"));
-	assert_false(srv_name_valid("") || srv_name_valid("-a") || srv_name_valid("_a") || srv_name_valid("A")
-		|| srv_name_valid("a.b"));
-	assert_false(srv_name_valid("a b") || srv_name_valid("a/b") || srv_name_valid("\xc3\xa4"));
-	memset(name, 'a', sizeof name);
-	name[63] = 0;
-	assert_true(srv_name_valid(name));
-	name[63] = 'a';
-	name[64] = 0;
-	assert_false(srv_name_valid(name));
-}
