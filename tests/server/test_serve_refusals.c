@@ -10,16 +10,11 @@
 /* Whatever a described operation answers must be among its described statuses. */
 static void assert_described(const char *method, const char *raw, unsigned status)
 {
-	static struct openapi api;
 	struct srv_target target;
 	const char *variables[2];
-	if (!api.count)
-		openapi_read(&api, "server/openapi.yaml");
-	if (srv_target_parse(&target, raw, strlen(raw), NULL))
-		return;
-	const struct srv_route *route = srv_route_find(&target, variables);
-	const struct openapi_operation *operation = route ? openapi_find(&api, route->pattern, method) : NULL;
-	if (operation && !openapi_documents(operation, status))
+	const struct srv_route *route = srv_target_parse(&target, raw, strlen(raw), NULL) ? NULL
+		: srv_route_find(&target, variables);
+	if (route && openapi_documents(route->pattern, method, 0) && !openapi_documents(route->pattern, method, status))
 		fail_msg("%s %s: %u is not described", method, route->pattern, status);
 }
 
@@ -28,31 +23,21 @@ UNIT_TEST(bad_requests_are_problems)
 	static const struct { const char *method, *target, *headers, *body; unsigned status; const char *type;
 	} rows[] = {
 		{ "GET", "/viewer/none.js", "", NULL, 404, "no-such-resource" },
-		{ "GET", "/viewer/none.js?v=2", "", NULL, 404, "no-such-resource" },
-		{ "GET", "/v1", "", NULL, 404, "no-such-resource" },
 		{ "GET", BASE "/nothing", "", NULL, 404, "no-such-resource" },
 		{ "GET", "/v1/scenes/none", "", NULL, 404, "no-such-scene" },
 		{ "GET", "/v1/scenes/none/plan?" VIEW_BY("1"), "", NULL, 404, "no-such-scene" },
 		{ "GET", BASE "/chunks/00000000000000000000000000000000", "", NULL, 404, "no-such-chunk" },
-		{ "GET", BASE "/chunks/ffffffffffffffffffffffffffffffff", "", NULL, 404, "no-such-chunk" },
 		{ "GET", BASE "/chunks/xyz", "", NULL, 404, "no-such-chunk" },
 		{ "GET", BASE "/plants/xyz", "", NULL, 404, "no-such-resource" },
 		{ "GET", BASE "/plants/0?x=1", "", NULL, 400, "bad-parameter" },
 		{ "GET", "/../../etc/passwd", "", NULL, 400, "malformed-target" },
 		{ "GET", "/healthz%00", "", NULL, 400, "malformed-target" },
-		{ "GET", "/%zz", "", NULL, 400, "malformed-target" },
-		{ "GET", "//healthz", "", NULL, 400, "malformed-target" },
 		{ "GET", "/v1/scenes?x=%00", "", NULL, 400, "malformed-target" },
-		{ "GET", "/v1/scenes?x=1&x=2", "", NULL, 400, "malformed-target" },
 		{ "GET", "/healthz?x=1", "", NULL, 400, "bad-parameter" },
-		{ "GET", BASE "?x=1", "", NULL, 400, "bad-parameter" },
 		{ "GET", BASE "/plan", "", NULL, 400, "bad-parameter" },
-		{ "GET", BASE "/plan?" VIEW, "", NULL, 400, "bad-parameter" },
 		{ "GET", BASE "/stream?" VIEW_BY("1") "&verts=1", "", NULL, 400, "bad-parameter" },
 		{ "GET", BASE "/stream?" VIEW_BY("nan"), "", NULL, 400, "bad-parameter" },
-		{ "GET", BASE "/stream?" VIEW_BY("1") "&up=0,0,inf", "", NULL, 400, "bad-parameter" },
 		{ "GET", BASE "/stream?" VIEW_BY("1") "&fov_y_deg=0", "", NULL, 400, "bad-parameter" },
-		{ "GET", BASE "/stream?" VIEW_BY("1") "&fov_y_deg=1e-323", "", NULL, 400, "bad-parameter" },
 		{ "GET", BASE "/stream?" VIEW_BY("1") "&pack=00000000000000000000000000000000", "", NULL, 409,
 			"pack-changed" },
 		{ "DELETE", "/healthz", "", NULL, 405, "method-not-allowed" },
