@@ -210,9 +210,7 @@ UNIT_TEST(a_tag_that_matches_needs_no_plan)
 		BASE "/plan?" VIEW_BY("100000") };
 	const struct srv_config config = { .listen = "127.0.0.1:0", .response_max = 1,
 		.plan_times = SAMPLE_PLAN_TIMES };
-	struct srv_daemon *daemon;
-	struct eco_error error = { 0 };
-	assert_ok(srv_daemon_start(&daemon, &config, &store, &error), error);
+	struct srv_daemon *daemon = serve_another(&config);
 	for (size_t i = 0; i < 2; i++) {
 		struct http_answer answer = http_get(port, targets[i]);
 		char etag[80], headers[120];
@@ -259,34 +257,6 @@ UNIT_TEST(what_was_answered_is_kept)
 		assert_true(head ? answer.size == 0 : answer.size == strtoul(length, NULL, 10));
 		http_free(&answer);
 	}
-}
-
-UNIT_TEST(byte_budgets_are_never_exceeded)
-{
-	uint64_t random = 99;
-	uint32_t fitting = 0, refused = 0;
-	for (int i = 0; i < 200; i++) {
-		char target[256];
-		uint32_t bytes = i % 4 ? lcg_bits(&random) % 400000 : lcg_bits(&random) % 4000;
-		uint32_t vertices = lcg_bits(&random) % 2000000;
-		snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=%u&bytes=%u", vertices,
-			bytes);
-		struct http_answer answer = http_get(port, target);
-		if (answer.status == 200) {
-			struct stream_reader reader;
-			stream_reader_init(&reader, scene());
-			assert_true(answer.size <= bytes);
-			read_stream(&reader, &answer, vertices);
-			stream_reader_free(&reader);
-			fitting++;
-		} else {
-			assert_int_equal(answer.status, 204);
-			assert_int_equal(answer.size, 0);
-			refused++;
-		}
-		http_free(&answer);
-	}
-	assert_true(fitting > 100 && refused > 0);
 }
 
 UNIT_TEST(below_the_smallest_stream_there_is_none)
@@ -357,25 +327,6 @@ UNIT_TEST(chunks_are_immutable_and_partial)
 		}
 		http_free(&answer);
 	}
-}
-
-UNIT_TEST(a_connection_serves_many_requests)
-{
-	int fd = http_connect(port);
-	char request[300], target[128];
-	assert_true(fd >= 0);
-	for (uint32_t i = 0; i < scene()->chunk_count; i++) {
-		chunk_target(target, i);
-		snprintf(request, sizeof request, "GET %s HTTP/1.1\r\nHost: t\r\n\r\n", i % 5 ? target : i % 2
-			? "/nothing" : BASE "/plan?" VIEW_BY("100"));
-		assert_true(http_send(fd, request, strlen(request)));
-		struct http_answer answer = http_receive(fd, false, false);
-		assert_int_equal(answer.status, i % 5 || !(i % 2) ? 200 : 404);
-		if (i % 5)
-			assert_int_equal(answer.size, scene()->chunks[i].size_bytes);
-		http_free(&answer);
-	}
-	close(fd);
 }
 
 UNIT_TEST(every_route_is_described_and_every_description_is_served)

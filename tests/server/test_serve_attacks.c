@@ -22,14 +22,6 @@ static char *repeat(const char *before, const char *what, size_t count, const ch
 	return text;
 }
 
-static struct srv_daemon *start(const struct srv_config *config)
-{
-	struct srv_daemon *daemon;
-	struct eco_error error = { 0 };
-	assert_ok(srv_daemon_start(&daemon, config, &store, &error), error);
-	return daemon;
-}
-
 /* Sends the request on `count` connections; each is answered so, and closed. */
 static void send_on_many(const struct srv_daemon *daemon, const char *request, int count,
 	unsigned status)
@@ -41,9 +33,7 @@ static void send_on_many(const struct srv_daemon *daemon, const char *request, i
 		assert_true(http_send(fds[i], request, strlen(request)));
 	}
 	for (int i = 0; i < count; i++) {
-		struct http_answer answer = http_receive(fds[i], false, true);
-		assert_int_equal(answer.status, status);
-		http_free(&answer);
+		http_receive_status(fds[i], true, status);
 		close(fds[i]);
 	}
 }
@@ -57,7 +47,7 @@ UNIT_TEST(requests_that_the_library_would_drop_are_refused)
 	static const unsigned statuses[] = { 400, 431 };
 	const struct srv_config config = { .listen = "127.0.0.1:0" };
 	for (int i = 0; i < 2; i++) {
-		struct srv_daemon *daemon = start(&config);
+		struct srv_daemon *daemon = serve_another(&config);
 		send_on_many(daemon, requests[i], 50, statuses[i]);
 		size_t before = allocated();
 		send_on_many(daemon, requests[i], 100, statuses[i]);
@@ -84,9 +74,7 @@ static void close_all(const int *fds, int count)
 
 static void assert_served(const struct srv_daemon *daemon)
 {
-	struct http_answer answer = http_get(srv_daemon_port(daemon), "/healthz");
-	assert_int_equal(answer.status, 200);
-	http_free(&answer);
+	http_expect(srv_daemon_port(daemon), "GET", "/healthz", "", 200, NULL);
 }
 
 /* More than the defaults take, of one address, and nothing sent: whoever asks is served at once, and what is
@@ -96,7 +84,7 @@ UNIT_TEST(idle_connections_lock_nobody_out)
 	enum { IDLE = 700 };
 	static int fds[IDLE];
 	const struct srv_config config = { .listen = "127.0.0.1:0" };
-	struct srv_daemon *daemon = start(&config);
+	struct srv_daemon *daemon = serve_another(&config);
 	open_idle(daemon, fds, IDLE);
 	assert_served(daemon);
 	assert_in_range(srv_daemon_counts(daemon).connections, 1, 128);
@@ -108,36 +96,25 @@ UNIT_TEST(idle_connections_lock_nobody_out)
 UNIT_TEST(idle_connections_give_way_and_busy_ones_do_not)
 {
 	static const char begun[] = STREAM "Content-Length: 100\r\n\r\nab",
-			  ask[] = "GET /healthz HTTP/1.1\r\n" HOST "\r\n";
+		ask[] = "GET /healthz HTTP/1.1\r\n" HOST "\r\n";
 	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_per_address = 4 };
-	struct srv_daemon *daemon = start(&config);
+	struct srv_daemon *daemon = serve_another(&config);
 	int fds[5];
 	open_idle(daemon, fds, 2);
 	assert_true(http_send(fds[1], begun, sizeof begun - 1));
-	while (srv_daemon_busy(daemon) != 1)
-		usleep(1000);
+	WAIT_UNTIL(srv_daemon_busy(daemon) == 1);
 	usleep(20000);
 	open_idle(daemon, fds + 2, 3);           /* the first gives way to the fifth */
 	assert_true(http_send(fds[4], ask, sizeof ask - 1));
-	struct http_answer answer = http_receive(fds[4], false, false);
-	assert_int_equal(answer.status, 200);
-	http_free(&answer);
-	answer = http_receive(fds[0], false, true);
-	assert_true(answer.status == 0 && answer.closed);
-	http_free(&answer);
+	http_receive_status(fds[4], false, 200);
+	http_receive_status(fds[0], true, 0);
 	assert_true(http_send(fds[2], ask, sizeof ask - 1));     /* has waited less */
-	answer = http_receive(fds[2], false, false);
-	assert_int_equal(answer.status, 200);
-	http_free(&answer);
+	http_receive_status(fds[2], false, 200);
 	for (int i = 2; i < 5; i++)
 		assert_true(http_send(fds[i], begun, sizeof begun - 1));
-	while (srv_daemon_busy(daemon) != 4)
-		usleep(1000);
+	WAIT_UNTIL(srv_daemon_busy(daemon) == 4);
 	usleep(20000);
-	answer = http_raw(srv_daemon_port(daemon), ask, sizeof ask - 1);
-	assert_int_equal(answer.status, 503);    /* nobody waits */
-	assert_non_null(strstr(answer.body, "from this address"));
-	http_free(&answer);
+	http_expect(srv_daemon_port(daemon), "GET", "/healthz", "", 503, "from this address");   /* nobody waits */
 	close_all(fds + 1, 4);
 	srv_daemon_stop(daemon);
 }
@@ -150,11 +127,10 @@ UNIT_TEST(a_trusted_proxy_has_no_share_of_its_own)
 	struct eco_error error = { 0 };
 	int fds[40];
 	assert_ok(srv_networks_parse(&config.trusted, "10.0.0.0/8,127.0.0.1", &error), error);
-	struct srv_daemon *daemon = start(&config);
+	struct srv_daemon *daemon = serve_another(&config);
 	open_idle(daemon, fds, 20);
 	assert_served(daemon);
-	while (srv_daemon_counts(daemon).connections != 20)      /* who was served has left */
-		usleep(1000);
+	WAIT_UNTIL(srv_daemon_counts(daemon).connections == 20);         /* who was served has left */
 	open_idle(daemon, fds + 20, 20);
 	assert_served(daemon);
 	assert_in_range(srv_daemon_counts(daemon).connections, 29, 30);
@@ -183,10 +159,8 @@ static void crowd(const struct srv_daemon *daemon, int addresses, int each, int 
 static void assert_answered(const struct srv_daemon *daemon, uint32_t source, const char *target)
 {
 	http_come_from(source);
-	struct http_answer answer = http_get(srv_daemon_port(daemon), target);
+	http_expect(srv_daemon_port(daemon), "GET", target, "", 200, NULL);
 	http_come_from(0);
-	assert_int_equal(answer.status, 200);
-	http_free(&answer);
 }
 
 /* Others come in, however many addresses hold how much, and end what they have begun. */
@@ -197,7 +171,7 @@ UNIT_TEST(crowds_of_addresses_lock_nobody_out)
 		.connections_per_address = PLACES_EACH };
 	char rest[98] = { 0 };
 	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
-		struct srv_daemon *daemon = start(&config);
+		struct srv_daemon *daemon = serve_another(&config);
 		int fds[CROWD_MAX];
 		http_come_from(HONEST);
 		int honest = http_connect(srv_daemon_port(daemon));
@@ -209,9 +183,7 @@ UNIT_TEST(crowds_of_addresses_lock_nobody_out)
 			assert_answered(daemon, HONEST - i, i % 2 ? "/healthz" : BASE "/stream?" VIEW_BY("1000"));
 		assert_in_range(srv_daemon_counts(daemon).connections, PLACES - 10, PLACES + 16);
 		assert_true(http_send(honest, rest, sizeof rest));
-		struct http_answer answer = http_receive(honest, false, false);
-		assert_int_equal(answer.status, 400);    /* read, and found to be no holdings */
-		http_free(&answer);
+		http_receive_status(honest, false, 400);         /* read, and found to be no holdings */
 		close(honest);
 		close_all(fds, rows[r].addresses * rows[r].each);
 		srv_daemon_stop(daemon);
@@ -223,7 +195,7 @@ UNIT_TEST(crowds_of_addresses_lock_nobody_out)
 UNIT_TEST(the_own_machine_is_answered_when_all_is_taken)
 {
 	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_max = PLACES };
-	struct srv_daemon *daemon = start(&config);
+	struct srv_daemon *daemon = serve_another(&config);
 	int fds[CROWD_MAX];
 	crowd(daemon, PLACES + 16, 1, fds);
 	for (int i = 0; i < 3; i++)
@@ -238,7 +210,7 @@ UNIT_TEST(bodies_of_few_addresses_lock_nobody_out)
 	enum { BODY = 200000, LATER = 100 };
 	static const char head[] = STREAM "Content-Length: 200100\r\n\r\n";
 	const struct srv_config config = { .listen = "127.0.0.1:0", .bodies_max = 1u << 20 };
-	struct srv_daemon *daemon = start(&config);
+	struct srv_daemon *daemon = serve_another(&config);
 	uint8_t *zeros = calloc(1, BODY + LATER);
 	int fds[12];
 	for (int i = 0; i < 12; i++) {           /* of three addresses, twice as much as there is room for */
@@ -265,14 +237,13 @@ UNIT_TEST(bodies_of_few_addresses_lock_nobody_out)
 UNIT_TEST(exhausted_descriptors_are_waited_for)
 {
 	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_per_address = 1000 };
-	struct srv_daemon *daemon = start(&config);
+	struct srv_daemon *daemon = serve_another(&config);
 	struct rlimit limit, few;
 	int fds[40], highest = dup(0);
 	close(highest);
 	assert_int_equal(getrlimit(RLIMIT_NOFILE, &limit), 0);
 	open_idle(daemon, fds, 40);              /* 80 descriptors, both ends */
-	while (srv_daemon_counts(daemon).connections < 40)
-		usleep(1000);
+	WAIT_UNTIL(srv_daemon_counts(daemon).connections >= 40);
 	few = (struct rlimit){ .rlim_cur = (rlim_t)highest + 81, .rlim_max = limit.rlim_max };
 	assert_int_equal(setrlimit(RLIMIT_NOFILE, &few), 0);
 	int last[4], count = 0;
@@ -321,14 +292,13 @@ UNIT_TEST(answers_that_are_being_sent_are_bounded_together)
 {
 	enum { MOST = 1000000, STALLED = 24 };
 	const struct srv_config config = { .listen = "127.0.0.1:0", .answers_max = MOST };
-	struct srv_daemon *daemon = start(&config);
+	struct srv_daemon *daemon = serve_another(&config);
 	int fds[STALLED];
 	for (int i = 0; i < STALLED; i++) {
 		http_come_from((uint32_t)(HONEST + 1 + i % 3));
 		fds[i] = ask_much(daemon);
 	}
-	while (gauge(daemon, "\necoserve_answers_bytes ") < MOST / 2)
-		usleep(1000);
+	WAIT_UNTIL(gauge(daemon, "\necoserve_answers_bytes ") >= MOST / 2);
 	for (uint32_t i = 0; i < 20; i++) {
 		assert_answered(daemon, HONEST - i, i % 2 ? BASE "/stream?" VIEW_BY("3000000") : "/healthz");
 		assert_in_range(gauge(daemon, "\necoserve_answers_bytes "), 0, MOST);
@@ -340,15 +310,10 @@ UNIT_TEST(answers_that_are_being_sent_are_bounded_together)
 /* An answer that the bound of all can never hold is said to be too large, not to be asked for again. */
 UNIT_TEST(an_answer_larger_than_all_may_be_is_refused)
 {
-	static const struct { const char *target; unsigned status; } rows[] = { { "/healthz", 200 },
-		{ BASE "/stream?" VIEW_BY("3000000"), 422 } };
 	const struct srv_config config = { .listen = "127.0.0.1:0", .answers_max = 1000 };
-	struct srv_daemon *daemon = start(&config);
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct http_answer answer = http_get(srv_daemon_port(daemon), rows[i].target);
-		assert_int_equal(answer.status, rows[i].status);
-		http_free(&answer);
-	}
+	struct srv_daemon *daemon = serve_another(&config);
+	http_expect(srv_daemon_port(daemon), "GET", "/healthz", "", 200, NULL);
+	http_expect(srv_daemon_port(daemon), "GET", BASE "/stream?" VIEW_BY("3000000"), "", 422, NULL);
 	srv_daemon_stop(daemon);
 }
 
@@ -356,7 +321,7 @@ UNIT_TEST(an_answer_larger_than_all_may_be_is_refused)
 UNIT_TEST(answers_that_nobody_takes_are_given_up)
 {
 	const struct srv_config config = { .listen = "127.0.0.1:0", .send_ms = 200, .rate_bytes_s = 1 };
-	struct srv_daemon *daemon = start(&config);
+	struct srv_daemon *daemon = serve_another(&config);
 	struct http_answer whole = http_get(srv_daemon_port(daemon), BASE "/stream?" VIEW_BY("3000000"));
 	size_t size = whole.size, got = 0;
 	http_free(&whole);
@@ -376,7 +341,7 @@ UNIT_TEST(answers_that_nobody_takes_are_given_up)
 UNIT_TEST(answers_that_are_taken_slowly_arrive)
 {
 	const struct srv_config config = { .listen = "127.0.0.1:0", .send_ms = 1500, .rate_bytes_s = 1 };
-	struct srv_daemon *daemon = start(&config);
+	struct srv_daemon *daemon = serve_another(&config);
 	struct http_answer whole = http_get(srv_daemon_port(daemon), BASE "/stream?" VIEW_BY("3000000"));
 	int fd = ask_much(daemon);
 	char *bytes = malloc(whole.size);
@@ -407,7 +372,7 @@ UNIT_TEST(plans_of_clients_that_left_are_not_made)
 		.work_threads = 1,
 		.queue_share_max = 64,
 		.plan_times = 1000 };
-	struct srv_daemon *daemon = start(&config);
+	struct srv_daemon *daemon = serve_another(&config);
 	char target[300], request[400], timing[100];
 	int fds[PLANS], made = 0;
 	for (int i = 0; i < PLANS; i++) {
@@ -417,11 +382,9 @@ UNIT_TEST(plans_of_clients_that_left_are_not_made)
 		fds[i] = http_connect(srv_daemon_port(daemon));
 		assert_true(http_send(fds[i], request, strlen(request)));
 	}
-	while (!srv_daemon_busy(daemon))
-		usleep(1000);
+	WAIT_UNTIL(srv_daemon_busy(daemon));
 	close_all(fds, PLANS);
-	while (srv_daemon_busy(daemon))
-		usleep(1000);
+	WAIT_UNTIL(!srv_daemon_busy(daemon));
 	for (int i = 0; i < PLANS; i++) {
 		snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=%d&bytes=200000",
 			1000000 + i);
@@ -441,7 +404,7 @@ UNIT_TEST(clients_that_send_no_more_get_their_answers)
 	enum { PLANS = 30 };
 	const struct srv_config config = { .listen = "127.0.0.1:0", .work_threads = 1,
 		.plan_times = 1000 };
-	struct srv_daemon *daemon = start(&config);
+	struct srv_daemon *daemon = serve_another(&config);
 	char request[400];
 	int fds[PLANS];
 	unsigned interim[2] = { 0 };

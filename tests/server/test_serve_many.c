@@ -1,46 +1,14 @@
-/* The daemon with many clients at once, with slow ones, and when it is told to stop. */
+/* The daemon with slow clients, and when it is told to stop. */
 #include "tests/support/serve/serve_daemon.h"
 
 #include <errno.h>
-#include <pthread.h>
-
-static void *ask_many(void *argument)
-{
-	uintptr_t number = (uintptr_t)argument, wrong = 0;
-	for (uint32_t i = 0; i < 12; i++) {
-		char target[200];
-		uint32_t chunk = (uint32_t)(number * 7 + i) % scene()->chunk_count;
-		if (i % 3 == 0)
-			snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=%u", 1000 * (1 + i));
-		else
-			chunk_target(target, chunk);
-		struct http_answer answer = http_get(port, target);
-		wrong += answer.status != 200 || (i % 3 && answer.size != scene()->chunks[chunk].size_bytes);
-		http_free(&answer);
-	}
-	return (void *)wrong;
-}
-
-UNIT_TEST(many_clients_are_served_at_once)
-{
-	pthread_t threads[16];
-	for (uintptr_t i = 0; i < 16; i++)
-		assert_int_equal(pthread_create(&threads[i], NULL, ask_many, (void *)i), 0);
-	for (int i = 0; i < 16; i++) {
-		void *wrong;
-		pthread_join(threads[i], &wrong);
-		assert_null(wrong);
-	}
-}
 
 UNIT_TEST(overdue_connections_are_shut)
 {
 	static const char *const starts[] = { "", "GET /hea", "GET /healthz HTTP/1.1\r\nHost: t\r\nX: ",
 		STREAM "Content-Length: 100\r\n\r\nab" };
 	const struct srv_config config = { .listen = "127.0.0.1:0", .head_ms = 200, .body_ms = 200 };
-	struct srv_daemon *daemon;
-	struct eco_error error = { 0 };
-	assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
+	struct srv_daemon *daemon = serve_another(&config);
 	for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
 		int fd = http_connect(srv_daemon_port(daemon));
 		assert_true(http_send(fd, starts[i], strlen(starts[i])));
@@ -53,39 +21,29 @@ UNIT_TEST(overdue_connections_are_shut)
 	srv_daemon_stop(daemon);
 }
 
-static void wait_for_busy(const struct srv_daemon *daemon, uint32_t busy)
-{
-	while (srv_daemon_busy(daemon) != busy)
-		usleep(1000);
-}
-
 /* Declared bytes cost a client nothing and take nothing from others; arrived bytes do. */
 UNIT_TEST(bodies_are_bounded_together)
 {
 	static const char start[] = STREAM "Content-Length: 4194304\r\n\r\n";
 	const struct srv_config config = { .listen = "127.0.0.1:0", .bodies_max = 1u << 20 };
-	struct srv_daemon *daemon;
-	struct eco_error error = { 0 };
+	struct srv_daemon *daemon = serve_another(&config);
 	int fds[64];
 	uint8_t *zeros = calloc(1, 4u << 20);
-	assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
 	for (int i = 0; i < 64; i++) {
 		fds[i] = http_connect(srv_daemon_port(daemon));
 		assert_true(http_send(fds[i], start, sizeof start - 1));
 	}
-	wait_for_busy(daemon, 64);
+	WAIT_UNTIL(srv_daemon_busy(daemon) == 64);
 	usleep(50000);                           /* until heads are not only begun, but read */
 	struct http_answer answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"),
 		OCTETS, NOTHING_HELD);
 	assert_int_equal(answer.status, 200);
 	http_free(&answer);
 	assert_true(http_send(fds[0], zeros, 4u << 20));
-	answer = http_receive(fds[0], false, true);
-	assert_int_equal(answer.status, 503);
-	http_free(&answer);
+	http_receive_status(fds[0], true, 503);
 	for (int i = 0; i < 64; i++)
 		close(fds[i]);
-	wait_for_busy(daemon, 0);
+	WAIT_UNTIL(srv_daemon_busy(daemon) == 0);
 	answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, zeros,
 		500000);
 	assert_int_equal(answer.status, 400);    /* read, and found to be no holdings */
@@ -98,18 +56,14 @@ UNIT_TEST(stopping_refuses_new_requests_and_ends)
 {
 	static const char request[] = "GET /healthz HTTP/1.1\r\nHost: t\r\n\r\n";
 	const struct srv_config config = { .listen = "127.0.0.1:0" };
-	struct srv_daemon *daemon;
-	struct eco_error error = { 0 };
-	assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
+	struct srv_daemon *daemon = serve_another(&config);
 	int fd = http_connect(srv_daemon_port(daemon)), unfinished = http_connect(srv_daemon_port(daemon));
 	assert_true(http_send(fd, request, sizeof request - 1));
-	struct http_answer answer = http_receive(fd, false, false);
-	assert_int_equal(answer.status, 200);
-	http_free(&answer);
+	http_receive_status(fd, false, 200);
 	assert_true(http_send(unfinished, "GET /", 5));
 	srv_daemon_quiesce(daemon);
 	assert_true(http_send(fd, request, sizeof request - 1));
-	answer = http_receive(fd, false, true);
+	struct http_answer answer = http_receive(fd, false, true);
 	assert_int_equal(answer.status, 503);
 	assert_header(&answer, "Retry-After", "1");
 	assert_true(answer.closed);
@@ -126,10 +80,8 @@ UNIT_TEST(stopping_while_planning_is_clean)
 		"/stream?" VIEW_BY("2000000") "&bytes=300000 HTTP/1.1\r\n" HOST "\r\n";
 	const struct srv_config config = { .listen = "127.0.0.1:0", .work_threads = 2, .queue_max = 8 };
 	for (int round = 0; round < 12; round++) {
-		struct srv_daemon *daemon;
-		struct eco_error error = { 0 };
+		struct srv_daemon *daemon = serve_another(&config);
 		int fds[24];
-		assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
 		for (int i = 0; i < 24; i++) {
 			fds[i] = http_connect(srv_daemon_port(daemon));
 			assert_true(http_send(fds[i], request, sizeof request - 1));

@@ -104,59 +104,30 @@ UNIT_TEST(a_browser_gets_the_smallest_form_that_it_takes)
 		assert_int_equal(srv_site_form(&sample_site.files[0], rows[i].accepts), rows[i].form);
 }
 
-UNIT_TEST(the_page_is_at_the_root_and_validated)
+UNIT_TEST(files_have_addresses_forms_and_validators)
 {
-	char etag[SRV_ETAG_BYTES], again[128];
-	struct http_answer answer = http_ask(port, "GET", "/", "Accept-Encoding: gzip, br\r\n", NULL, 0);
-	assert_int_equal(answer.status, 200);
-	assert_string_equal(answer.body, "brotli");
-	assert_header(&answer, "Content-Encoding", "br");
-	assert_header(&answer, "Content-Type", "text/html; charset=utf-8");
-	assert_header(&answer, "Vary", "Accept-Encoding");
-	assert_true(http_header(&answer, "ETag", etag, sizeof etag));
-	http_free(&answer);
-	snprintf(again, sizeof again, "Accept-Encoding: br\r\nIf-None-Match: %s\r\n", etag);
-	answer = http_ask(port, "GET", "/", again, NULL, 0);
-	assert_int_equal(answer.status, 304);
-	assert_header(&answer, "Cache-Control", "no-cache");
-	http_free(&answer);
-	answer = http_get(port, "/");
-	assert_string_equal(answer.body, "<!doctype html>");
-	assert_false(http_header(&answer, "Content-Encoding", etag, sizeof etag));
-	http_free(&answer);
-}
-
-UNIT_TEST(files_are_kept_for_good_at_addresses_that_name_their_content)
-{
-	struct http_answer answer = http_get(port, "/viewer/icon.svg");
-	assert_int_equal(answer.status, 307);
-	assert_header(&answer, "Location", "0123abcd/icon.svg");
-	assert_header(&answer, "Cache-Control", "no-cache");
-	http_free(&answer);
-	answer = http_get(port, "/viewer/0123abcd/icon.svg");
-	assert_int_equal(answer.status, 200);
-	assert_string_equal(answer.body, "<svg/>");
-	assert_header(&answer, "Cache-Control", "public, max-age=31536000, immutable");
-	http_free(&answer);
-	static const char *const others[] = { "/viewer/0123abce/icon.svg", "/viewer/0123abcd/none.mjs",
-		"/viewer/none.mjs" };
-	for (size_t i = 0; i < 3; i++) {
-		answer = http_get(port, others[i]);
-		assert_int_equal(answer.status, 404);
-		assert_header(&answer, "Cache-Control", "no-store");
-		http_free(&answer);
-	}
-}
-
-/* The page's addresses are relative to it. */
-UNIT_TEST(the_page_is_nowhere_but_at_the_root)
-{
-	static const char *const rows[][2] = { { "/viewer/index.html", "../" },
-		{ "/viewer/0123abcd/index.html", "../../" } };
-	for (size_t i = 0; i < 2; i++) {
-		struct http_answer answer = http_get(port, rows[i][0]);
-		assert_int_equal(answer.status, 307);
-		assert_header(&answer, "Location", rows[i][1]);
+#define KEPT "Cache-Control", "public, max-age=31536000, immutable"
+	/* the page's addresses are relative to it; those with a version name their content */
+	static const struct { const char *target, *headers; unsigned status; const char *body, *name, *value; } rows[] = {
+		{ "/", "Accept-Encoding: gzip, br\r\n", 200, "brotli", "Content-Encoding", "br" },
+		{ "/", "", 200, "<!doctype html>", "Content-Type", "text/html; charset=utf-8" },
+		{ "/", "", 200, "<!doctype html>", "Vary", "Accept-Encoding" },
+		{ "/", "If-None-Match: *\r\n", 304, "", "Cache-Control", "no-cache" },
+		{ "/favicon.ico", "", 307, "", "Location", "viewer/0123abcd/icon.svg" },
+		{ "/viewer/icon.svg", "", 307, "", "Location", "0123abcd/icon.svg" },
+		{ "/viewer/icon.svg", "", 307, "", "Cache-Control", "no-cache" },
+		{ "/viewer/0123abcd/icon.svg", "", 200, "<svg/>", KEPT },
+		{ "/viewer/0123abcd/icon.svg", "", 200, "<svg/>", "Content-Type", "image/svg+xml" },
+		{ "/viewer/0123abce/icon.svg", "", 404, "another version", "Cache-Control", "no-store" },
+		{ "/viewer/0123abcd/none.mjs", "", 404, "no such file", "Cache-Control", "no-store" },
+		{ "/viewer/none.mjs", "", 404, "no such file", "Cache-Control", "no-store" },
+		{ "/viewer/index.html", "", 307, "", "Location", "../" },
+		{ "/viewer/0123abcd/index.html", "", 307, "", "Location", "../../" } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct http_answer answer = http_ask(port, "GET", rows[i].target, rows[i].headers, NULL, 0);
+		if (answer.status != rows[i].status || !strstr(answer.body, rows[i].body))
+			fail_msg("%s: %u\n%s", rows[i].target, answer.status, answer.body);
+		assert_header(&answer, rows[i].name, rows[i].value);
 		http_free(&answer);
 	}
 }
@@ -183,18 +154,6 @@ UNIT_TEST(parameters_that_others_append_to_a_link_are_ignored)
 			http_free(&answer);
 			http_free(&without);
 		}
-}
-
-UNIT_TEST(the_icon_is_where_browsers_ask_for_one)
-{
-	struct http_answer answer = http_get(port, "/favicon.ico");
-	assert_int_equal(answer.status, 307);
-	assert_header(&answer, "Location", "viewer/0123abcd/icon.svg");
-	http_free(&answer);
-	answer = http_get(port, "/viewer/0123abcd/icon.svg");
-	assert_int_equal(answer.status, 200);
-	assert_header(&answer, "Content-Type", "image/svg+xml");
-	http_free(&answer);
 }
 
 int main(void)

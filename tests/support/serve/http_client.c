@@ -145,6 +145,14 @@ void http_free(struct http_answer *answer)
 	*answer = (struct http_answer){ 0 };
 }
 
+void http_receive_status(int fd, bool to_end, unsigned status)
+{
+	struct http_answer answer = http_receive(fd, false, to_end);
+	assert_int_equal(answer.status, status);
+	assert_true(status || answer.closed);
+	http_free(&answer);
+}
+
 unsigned http_status(uint16_t port, const char *method, const char *target, const char *headers)
 {
 	struct http_answer answer = http_ask(port, method, target, headers, NULL, 0);

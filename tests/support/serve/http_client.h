@@ -41,6 +41,8 @@ struct http_answer http_ask(uint16_t port, const char *method, const char *targe
 	const void *body, size_t body_size);
 struct http_answer http_get(uint16_t port, const char *target);
 void http_free(struct http_answer *answer);
+/* Receives an answer of this status (0: none, and the end of the connection); drops it. */
+void http_receive_status(int fd, bool to_end, unsigned status);
 /* Status of the answer alone. */
 unsigned http_status(uint16_t port, const char *method, const char *target, const char *headers);
 /* Fails the test unless the answer has this status and its body contains `says` (NULL: anything). */

@@ -70,3 +70,11 @@ void chunk_target(char target[128], uint32_t chunk)
 	srv_format_id(id, &scene()->chunks[chunk].id);
 	snprintf(target, 128, BASE "/chunks/%s", id);
 }
+
+struct srv_daemon *serve_another(const struct srv_config *config)
+{
+	struct srv_daemon *another;
+	struct eco_error error = { 0 };
+	assert_ok(srv_daemon_start(&another, config, &store, &error), error);
+	return another;
+}

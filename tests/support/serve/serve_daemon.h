@@ -35,5 +35,9 @@ int serve_stop(void **state);
 void assert_header(const struct http_answer *answer, const char *name, const char *expected);
 json_t *json_of(const struct http_answer *answer);
 void chunk_target(char target[128], uint32_t chunk);
+/* Another daemon, of the same store. */
+struct srv_daemon *serve_another(const struct srv_config *config);
+
+#define WAIT_UNTIL(condition) while (!(condition)) usleep(1000)
 
 #endif
