@@ -68,19 +68,6 @@ static bool any_request(struct eco_request *request, uint64_t seed, uint64_t num
 	return true;
 }
 
-UNIT_TEST(an_ordinary_request_costs_the_same_for_ever)
-{
-	struct srv_store again;
-	struct eco_error error = { 0 };
-	srv_store_init(&again);
-	assert_ok(srv_store_add(&again, "again", PATH, &error), error);
-	uint64_t work = srv_typical_work(sample);
-	assert_true(work >= SRV_TYPICAL_WORK_LEAST);
-	assert_int_equal(srv_typical_work(sample), work);
-	assert_int_equal(srv_typical_work(again.scenes[0]), work);
-	srv_store_free(&again);
-}
-
 /* By either rule, within bytes or not, explained or not, with a next view or without. */
 UNIT_TEST(no_request_costs_much_more_than_it_may)
 {
@@ -231,26 +218,6 @@ UNIT_TEST(what_is_cut_short_comes_in_steps)
 	}
 	print_message("          %u large answers\n", large);
 	assert_true(large > 10);
-}
-
-/* Counted, not timed: the same bytes again, whatever else the machine does. */
-UNIT_TEST(bounded_answers_are_the_same_each_time)
-{
-	for (uint32_t i = 0; i < 60; i++) {
-		struct eco_request request;
-		struct srv_body first = { 0 }, second = { 0 };
-		if (!random_request(&request, &sample->pack->scene, 11, i))
-			continue;
-		bool fits = random_answer(sample, &request, NULL, SRV_TYPICAL_WORK_LEAST, &first);
-		assert_int_equal(random_answer(sample, &request, NULL, SRV_TYPICAL_WORK_LEAST, &second),
-			fits);
-		assert_int_equal(first.size_bytes, second.size_bytes);
-		assert_int_equal(first.frames.size, second.frames.size);
-		if (first.frames.size)
-			assert_memory_equal(first.frames.bytes, second.frames.bytes, first.frames.size);
-		srv_body_free(&first);
-		srv_body_free(&second);
-	}
 }
 
 int main(void)

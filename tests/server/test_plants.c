@@ -33,21 +33,15 @@ static void open_small(struct srv_store *other, char path[64], bool spoil)
 	assert_ok(srv_store_add(other, "small", path, &error), error);
 }
 
-static void assert_text(const json_t *plant, const char *key, const char *want)
+static const char *text_of(const json_t *plant, const char *key)
 {
 	const char *text = json_string_value(json_object_get(plant, key));
-	if (!want)
-		assert_null(json_object_get(plant, key));
-	else
-		assert_string_equal(text ? text : "nothing", want);
+	return text ? text : "nothing";
 }
 
-static void assert_number(const json_t *plant, const char *key, uint32_t want)
+static int64_t number_of(const json_t *plant, const char *key)
 {
-	if (!want)
-		assert_null(json_object_get(plant, key));
-	else
-		assert_int_equal(json_integer_value(json_object_get(plant, key)), want);
+	return json_integer_value(json_object_get(plant, key));
 }
 
 UNIT_TEST(species_file_and_row_are_those_of_the_pack)
@@ -63,17 +57,17 @@ UNIT_TEST(species_file_and_row_are_those_of_the_pack)
 		const struct srv_plants_query query = { .first = first, .count = 3 };
 		assert_ok(srv_describe_plants(&json, small, list, &query, &error), error);
 		json_t *said = json_loadb((char *)json.out.bytes, json.out.size, 0, NULL),
-		       *plants = json_object_get(said, "plants");
-		assert_int_equal(json_integer_value(json_object_get(said, "of")), SMALL_PACK_PLANTS);
+			*plants = json_object_get(said, "plants");
+		assert_int_equal(number_of(said, "of"), SMALL_PACK_PLANTS);
 		assert_int_equal(json_array_size(plants),
 			SMALL_PACK_PLANTS - first < 3 ? SMALL_PACK_PLANTS - first : 3);
 		for (uint32_t i = 0; i < json_array_size(plants); i++) {
 			const json_t *plant = json_array_get(plants, i);
 			const struct eco_inventory_row *row = &small_pack_rows[first + i];
-			assert_text(plant, "species", row->species ? row->species : "oak");
-			assert_text(plant, "file", row->file);
-			assert_number(plant, "row", row->row);
-			assert_number(plant, "line", row->line);
+			assert_string_equal(text_of(plant, "species"), row->species ? row->species : "oak");
+			assert_string_equal(text_of(plant, "file"), row->file ? row->file : "nothing");
+			assert_int_equal(number_of(plant, "row"), row->row);
+			assert_int_equal(number_of(plant, "line"), row->line);
 		}
 		json_decref(said);
 		eco_writer_free(&json.out);
@@ -88,11 +82,10 @@ UNIT_TEST(damaged_rows_are_an_error_of_these_alone)
 	struct eco_error error = { 0 };
 	struct srv_json json = { 0 };
 	char path[64];
+	const struct srv_plants_query query = { .count = 1 };
 	open_small(&other, path, true);
 	const struct srv_scene *small = other.scenes[0];
-	const struct srv_plants_query query = { .count = 1 };
-	uint32_t list = instance_list(&small->pack->scene);
-	assert_int_equal(srv_describe_plants(&json, small, list, &query, &error), ECO_DAMAGED);
+	assert_int_equal(srv_describe_plants(&json, small, instance_list(&small->pack->scene), &query, &error), ECO_DAMAGED);
 	assert_non_null(strstr(error.text, "hash does not match"));
 	assert_int_equal(srv_problem_of(ECO_DAMAGED), SRV_PROBLEM_DAMAGED);
 	eco_writer_free(&json.out);
@@ -115,7 +108,7 @@ UNIT_TEST(plants_of_a_list_are_asked_for_in_pieces)
 			while (got >= group->first + group->count)
 				group++;
 			const json_t *plant = json_array_get(plants, i);
-			assert_text(plant, "species", scene()->plants[group->plant].name);
+			assert_string_equal(text_of(plant, "species"), scene()->plants[group->plant].name);
 			assert_null(json_object_get(plant, "file"));
 		}
 		assert_true(json_array_size(plants) == 70 || got == all);
@@ -127,11 +120,7 @@ UNIT_TEST(plants_of_a_list_are_asked_for_in_pieces)
 
 UNIT_TEST(what_is_asked_for_must_be_there)
 {
-	static const struct {
-		const char *target;
-		unsigned status;
-		const char *says;
-	} rows[] = {
+	static const struct { const char *target; unsigned status; const char *says; } rows[] = {
 		{ LIST("0"), 404, "no list of plants '0'" }, /* triangles */
 		{ LIST("4294967296"), 404, "no list of plants" },
 		{ LIST("x"), 404, "no list of plants 'x'" },
@@ -151,37 +140,27 @@ UNIT_TEST(what_is_asked_for_must_be_there)
 				rows[i].target, instance_list(scene()), number + 2);
 		else
 			snprintf(target, sizeof target, "%s", rows[i].target);
-		struct http_answer answer = http_ask(port, "GET", target, "", NULL, 0);
-		if (answer.status != rows[i].status || !strstr(answer.body, rows[i].says))
-			fail_msg("%s: %u\n%s", target, answer.status, answer.body);
-		assert_header(&answer, "Content-Type", "application/problem+json");
-		http_free(&answer);
+		http_expect(port, "GET", target, "", rows[i].status, rows[i].says);
 	}
 }
 
 /* A pack that does not say what its plants stand for has as many species as plants, of unknown numbers. */
 UNIT_TEST(species_are_the_plants_names_where_a_pack_says_nothing)
 {
-	struct http_answer answer = http_ask(port, "GET", BASE "/species", "", NULL, 0);
-	assert_int_equal(answer.status, 200);
+	struct http_answer answer = http_get(port, BASE "/species");
 	json_t *said = json_of(&answer), *plants = json_object_get(said, "plants");
 	assert_int_equal(json_array_size(plants), scene()->plant_count);
 	for (uint32_t i = 0; i < scene()->plant_count; i++) {
 		const json_t *plant = json_array_get(plants, i), *species = json_object_get(plant, "species");
-		assert_text(plant, "plant", scene()->plants[i].name);
-		assert_number(plant, "species_count", 1);
-		assert_int_equal(json_array_size(species), 1);
-		assert_text(json_array_get(species, 0), "species", scene()->plants[i].name);
-		assert_number(json_array_get(species, 0), "plants", 0);
+		assert_string_equal(text_of(plant, "plant"), scene()->plants[i].name);
+		assert_true(number_of(plant, "species_count") == 1 && json_array_size(species) == 1);
+		assert_string_equal(text_of(json_array_get(species, 0), "species"), scene()->plants[i].name);
+		assert_null(json_object_get(json_array_get(species, 0), "plants"));
 	}
 	json_decref(said);
 	http_free(&answer);
-	answer = http_ask(port, "GET", BASE "/species", "If-None-Match: *\r\n", NULL, 0);
-	assert_int_equal(answer.status, 304);
-	http_free(&answer);
-	answer = http_ask(port, "GET", BASE "/species?first=0", "", NULL, 0);
-	assert_int_equal(answer.status, 400);
-	http_free(&answer);
+	assert_int_equal(http_status(port, "GET", BASE "/species", "If-None-Match: *\r\n"), 304);
+	assert_int_equal(http_status(port, "GET", BASE "/species?first=0", ""), 400);
 }
 
 /* Ecopack names 32 species of a plant; what a pack of another maker names beyond is said, too, and counted. */
@@ -203,10 +182,9 @@ UNIT_TEST(all_species_that_a_pack_names_are_said)
 	json_t *said = json_loadb((char *)json.out.bytes, json.out.size, 0, NULL);
 	const json_t *plant = json_array_get(json_object_get(said, "plants"), 0),
 	      *species = json_object_get(plant, "species");
-	assert_number(plant, "species_count", 40);
-	assert_int_equal(json_array_size(species), 40);
-	assert_text(json_array_get(species, 39), "species", "kind 39");
-	assert_number(json_array_get(species, 39), "plants", 1);
+	assert_true(number_of(plant, "species_count") == 40 && json_array_size(species) == 40);
+	assert_string_equal(text_of(json_array_get(species, 39), "species"), "kind 39");
+	assert_int_equal(number_of(json_array_get(species, 39), "plants"), 1);
 	json_decref(said);
 	eco_writer_free(&json.out);
 	srv_store_free(&other);
