@@ -146,16 +146,16 @@ UNIT_TEST(refused_connections_that_are_kept_give_way)
 
 UNIT_TEST(holdings_of_another_scene_are_refused)
 {
-	struct eco_holding items[] = { { 0, 100000 } };
-	struct eco_holdings holdings = { items, 1 };
-	struct eco_writer w = { 0 };
-	eco_wire_write_holdings(&w, &holdings);
-	struct http_answer answer = http_ask(port, "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, w.bytes,
-		w.size);
-	assert_int_equal(answer.status, 400);
-	assert_non_null(strstr(answer.body, "bad-holdings"));
-	http_free(&answer);
-	eco_writer_free(&w);
+	struct eco_holding items[] = { { 0, 100000 }, { 1000000, 1 } };
+	for (int i = 0; i < 2; i++) {
+		struct eco_writer w = { 0 };
+		eco_wire_write_holdings(&w, &(struct eco_holdings){ &items[i], 1 });
+		struct http_answer answer = http_ask(port, "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, w.bytes, w.size);
+		assert_int_equal(answer.status, 400);
+		assert_non_null(strstr(answer.body, "bad-holdings"));
+		http_free(&answer);
+		eco_writer_free(&w);
+	}
 }
 
 int main(void)
