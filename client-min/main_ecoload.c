@@ -7,6 +7,7 @@
 
 #include "client-min/load/view_load_report.h"
 #include "client-min/load/view_views.h"
+#include "client-min/view_exchange.h"
 #include "client-min/view_report.h"
 #include "ecofiles/base/options.h"
 
@@ -185,7 +186,7 @@ static enum eco_code read_line(int argc, char **argv, struct options *o, struct 
 		return eco_fail(error, ECO_BAD_USAGE, "--arrivals: only with --rate");
 	if (o->load.name_from && !o->load.chunks)
 		return eco_fail(error, ECO_BAD_USAGE, "--name-from: only with --chunks");
-	return o->load.chunks ? view_chunks_check_url(o->load.chunks, error) : ECO_OK;
+	return o->load.chunks ? view_exchange_check_chunks(o->load.chunks, error) : ECO_OK;
 }
 
 /* A client has a descriptor for each of its connections. */

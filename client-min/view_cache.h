@@ -30,7 +30,6 @@ struct view_cache {
 	struct view_table table;                 /* id -> index in lists */
 	struct view_table wanted;                /* list -> chunks that must stay */
 	struct view_table lost;                  /* list -> chunks that came at some time, once one of them went */
-	bool is_tight;                           /* memory has been short: arrays take no more than they need */
 	uint64_t evictions, evicted_bytes;       /* chunks, and their decoded bytes */
 };
 
@@ -60,23 +59,5 @@ uint64_t view_cache_wanted_bytes(const struct view_cache *cache);
 bool view_cache_make_room(struct view_cache *cache, uint64_t bytes, bool all);
 /* Before a stream: pops until `bytes` fit or only chunks needed at tick `since` or later are left. */
 void view_cache_leave_room(struct view_cache *cache, uint64_t bytes, uint64_t since);
-
-/* ---- Forms ---- */
-
-/* Lists that are forms of others: element i of one is element i of the other, in whatever order they come.
- * This knowledge stays when the lists have gone. */
-#define VIEW_FORMS_MAX 8u                /* of one list: each of its chunks is compared with each */
-struct view_forms {                      /* zero is empty */
-	struct view_table table;         /* list that has forms -> row */
-	uint32_t (*rows)[VIEW_FORMS_MAX];        /* ids of forms, then UINT32_MAX */
-	uint32_t count, room;
-};
-void view_forms_free(struct view_forms *forms);
-/* Checks a list that is about to be held against those that it is a form of, or that are forms of it. */
-enum eco_code view_forms_bind(struct view_forms *forms, const struct view_cache *cache,
-	const struct view_list *list, struct eco_error *error);
-/* The same for its chunk `ordinal`, which ends at element `elements`. */
-enum eco_code view_forms_check(const struct view_forms *forms, const struct view_cache *cache,
-	const struct view_list *list, uint32_t ordinal, uint32_t elements, struct eco_error *error);
 
 #endif

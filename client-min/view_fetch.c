@@ -1,4 +1,3 @@
-/* Longer than 600 lines: a transfer's callbacks, deadlines, repetitions and problems look at one state. */
 #include "client-min/view_fetch.h"
 
 #include <jansson.h>
@@ -8,19 +7,20 @@
 #include <strings.h>
 #include <time.h>
 
+#include "client-min/view_exchange.h"
 #include "client-min/view_query.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/options.h"
 #include "ecofiles/base/version.h"
 
-#define RATE_MIN_BYTES_S 1024u
 #define BODY_MAX_DEFAULT ((uint64_t)16 << 30)
-/* bodies that are held whole: what is said of a scene or of plants, an explanation, a stream with names */
+/* bodies that are held whole: what is said of a scene or of plants, an explanation */
 #define TEXT_MAX ((uint64_t)8 << 20)
 #define EXPLANATION_MAX ((uint64_t)64 << 20)
-#define PROBLEM_MAX 16384u
 #define PAUSE_MS 100.0           /* before an answer that broke off is asked for again; twice that then, ... */
 #define PAUSE_MAX_MS 5000.0
+#define WAIT_MS 100.0            /* the longest time between looks at whether it is to end */
+#define CHUNK_STALL_S 10L
 #define MARK_MOST (UINT64_C(1) << 50)
 
 /* How far an answer has come in its marks. */
@@ -28,10 +28,9 @@ struct marks_at { uint32_t bytes, ms; };
 
 struct view_fetch {
 	struct view_fetch_options options;
-	CURL *curl;
-	struct curl_slist *headers;
+	CURLM *multi;
+	struct view_exchange *exchange;
 	char *url;                               /* of the scene, without a final slash */
-	char curl_text[CURL_ERROR_SIZE];
 	/* of the request under way */
 	struct eco_wire_parser *parser;
 	struct view_fetch_result *result;        /* of the answer that comes */
@@ -39,23 +38,15 @@ struct view_fetch {
 	struct eco_writer *text;                 /* where the body goes if it is no stream; else NULL */
 	uint64_t text_max;
 	const char *below;                       /* behind the scene's URL, of a text that is of no view */
-	struct eco_error stream_error;
-	/* where chunks are named: the host of them; finds names; the stream so far */
-	struct view_chunks *chunks;
-	struct eco_wire_parser *names;
-	struct eco_writer stream;
 	const struct view_marks *marks;          /* NULL: none */
-	struct marks_at at;                 /* in them */
+	struct marks_at at;                      /* in them */
 	view_fetch_reached *reached;
 	void *reached_ctx;
 	view_fetch_turned *turned_by;            /* NULL: it never is */
 	void *turned_ctx;
 	const struct view_store *store;          /* of the stream that comes */
-	char problem[PROBLEM_MAX];
-	size_t problem_size;
-	double start_ms, heard_ms;               /* heard: when enough had come, the last time */
-	uint64_t heard_bytes;                    /* since then */
-	bool stalled, stopped, turned;
+	double start_ms;
+	bool stopped, turned;
 	bool answered;                           /* the server has, once */
 	bool lost;                               /* the answer: on its way, and may come the next time */
 };
@@ -138,7 +129,7 @@ static bool marks_pass(const struct view_marks *marks, struct marks_at *at, uint
 	return by_ms || by_bytes;
 }
 
-/* ---- curl's callbacks ---- */
+/* ---- What comes ---- */
 
 /* Adds the answers before it to the last one. */
 static void add_result(struct view_fetch_result *last, const struct view_fetch_result *before)
@@ -168,135 +159,55 @@ static struct view_fetch_result result_now(const struct view_fetch *fetch)
 }
 
 /* Tells of each mark up to now, which is later once one has been told of. */
-static enum eco_code reach(struct view_fetch *fetch)
+static enum eco_code reach(struct view_fetch *fetch, struct eco_error *error)
 {
 	struct view_fetch_result now = result_now(fetch);
 	enum eco_code code = ECO_OK;
 	for (; !code && marks_pass(fetch->marks, &fetch->at, now.bytes, &now.stream_ms); now = result_now(fetch))
-		code = fetch->reached(fetch->reached_ctx, &now, &fetch->stream_error);
+		code = fetch->reached(fetch->reached_ctx, &now, error);
 	return code;
 }
 
 /* Feeds what came, mark by mark: what comes now was not there at a time before. */
-static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t size)
+static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t size, struct eco_error *error)
 {
 	struct view_fetch_result *result = fetch->result;
-	enum eco_code code = fetch->marks ? reach(fetch) : ECO_OK;
+	enum eco_code code = fetch->marks ? reach(fetch, error) : ECO_OK;
 	while (size && !code) {
 		uint64_t room = fetch->marks ? marks_room(fetch->marks, &fetch->at,
 			fetch->before.bytes + result->bytes) : size;
 		size_t take = room < size ? (size_t)room : size;
-		code = eco_wire_feed(fetch->parser, bytes, take, &fetch->stream_error);
+		code = eco_wire_feed(fetch->parser, bytes, take, error);
 		bytes += take;
 		size -= take;
 		result->bytes += take;
 		if (!code && fetch->marks)
-			code = reach(fetch);
+			code = reach(fetch, error);
 	}
 	return code;
-}
-
-/* Finds names in what came, and keeps it until they can be looked up. */
-static enum eco_code scan(struct view_fetch *fetch, const uint8_t *bytes, size_t size)
-{
-	enum eco_code code = eco_wire_feed(fetch->names, bytes, size, &fetch->stream_error);
-	eco_write_bytes(&fetch->stream, bytes, size);
-	fetch->result->bytes += size;
-	return code || !fetch->stream.failed ? code : eco_fail(&fetch->stream_error, ECO_NO_MEMORY,
-		"no memory for a stream of %llu bytes", (unsigned long long)fetch->result->bytes);
-}
-
-/* Once a stream with names has come, or what came of it. */
-static enum eco_code feed_named(struct view_fetch *fetch, struct eco_error *error)
-{
-	struct view_fetch_result *result = fetch->result;
-	result->bytes = 0;
-	enum eco_code code = feed(fetch, fetch->stream.bytes, fetch->stream.size) ? eco_fail(error,
-		fetch->stream_error.code, "%s", fetch->stream_error.text) : ECO_OK;
-	result->bytes += result->named_bytes;
-	return code;
-}
-
-/* A body that drips is a stall, too: only so many bytes are heard. */
-static void hear(struct view_fetch *fetch, size_t size)
-{
-	fetch->heard_bytes += size;
-	if (fetch->heard_bytes < (uint64_t)fetch->options.stall_ms * RATE_MIN_BYTES_S / 1000)
-		return;
-	fetch->heard_ms = view_clock_ms();
-	fetch->heard_bytes = 0;
 }
 
 /* The rest of this answer is obsolete. */
 static bool has_turned(struct view_fetch *fetch)
 {
-	fetch->turned = fetch->turned || (fetch->turned_by && fetch->store && !fetch->chunks
+	fetch->turned = fetch->turned || (fetch->turned_by && fetch->store && !fetch->options.chunks
 		&& view_store_ahead(fetch->store) && !view_store_complete(fetch->store)
 		&& fetch->turned_by(fetch->turned_ctx));
 	return fetch->turned;
 }
 
-/* Bytes of a body, less where it is held whole. */
-static uint64_t body_most(const struct view_fetch *fetch)
-{
-	uint64_t whole = fetch->text ? fetch->text_max : fetch->chunks ? VIEW_NAMED_STREAM_MAX : UINT64_MAX;
-	return whole < fetch->options.body_max ? whole : fetch->options.body_max;
-}
-
-static size_t on_body(char *bytes, size_t one, size_t size, void *ctx)
+static enum eco_code take(void *ctx, const uint8_t *bytes, size_t size, struct eco_error *error)
 {
 	struct view_fetch *fetch = ctx;
-	size *= one;
-	hear(fetch, size);
-	if (fetch->result->status == 0) {
-		curl_easy_getinfo(fetch->curl, CURLINFO_RESPONSE_CODE, &fetch->result->status);
-		fetch->heard_ms = view_clock_ms();
-		fetch->result->first_byte_ms = fetch->heard_ms - fetch->start_ms;
+	if (!fetch->text) {
+		enum eco_code code = feed(fetch, bytes, size, error);
+		return code || !has_turned(fetch) ? code : ECO_INTERRUPTED;
 	}
-	if (fetch->result->status != 200) {
-		fetch->result->bytes += size;
-		size_t room = PROBLEM_MAX - 1 - fetch->problem_size, take = size < room ? size : room;
-		memcpy(fetch->problem + fetch->problem_size, bytes, take);
-		fetch->problem_size += take;
-		return take == size ? size : 0;
-	}
-	if (fetch->result->bytes + size > body_most(fetch)) {
-		eco_fail(&fetch->stream_error, ECO_TOO_LARGE, "the answer is longer than %llu bytes",
-			(unsigned long long)body_most(fetch));
-		return 0;
-	}
-	if (fetch->text) {
-		fetch->result->bytes += size;
-		eco_write_bytes(fetch->text, bytes, size);
-		return fetch->text->failed ? 0 : size;
-	}
-	return (fetch->chunks ? scan : feed)(fetch, (const uint8_t *)bytes, size) || has_turned(fetch)
-		? 0 : size;
-}
-
-static int on_progress(void *ctx, curl_off_t a, curl_off_t b, curl_off_t c, curl_off_t d)
-{
-	(void)a, (void)b, (void)c, (void)d;
-	struct view_fetch *fetch = ctx;
-	fetch->stopped = fetch->options.stop && *fetch->options.stop;
-	fetch->stalled = view_clock_ms() - fetch->heard_ms > (double)fetch->options.stall_ms;
-	return fetch->stopped || fetch->stalled || has_turned(fetch);
+	eco_write_bytes(fetch->text, bytes, size);
+	return fetch->text->failed ? eco_no_memory(error, "an answer") : ECO_OK;
 }
 
 /* ---- Life ---- */
-
-static void set_options(struct view_fetch *fetch)
-{
-	CURL *c = fetch->curl;
-	curl_easy_setopt(c, CURLOPT_HTTPHEADER, fetch->headers);
-	curl_easy_setopt(c, CURLOPT_ERRORBUFFER, fetch->curl_text);
-	curl_easy_setopt(c, CURLOPT_BUFFERSIZE, 256L << 10);
-	curl_easy_setopt(c, CURLOPT_WRITEFUNCTION, on_body);
-	curl_easy_setopt(c, CURLOPT_WRITEDATA, fetch);
-	curl_easy_setopt(c, CURLOPT_NOPROGRESS, 0L);
-	curl_easy_setopt(c, CURLOPT_XFERINFOFUNCTION, on_progress);
-	curl_easy_setopt(c, CURLOPT_XFERINFODATA, fetch);
-}
 
 static enum eco_code check_url(const char *url, struct eco_error *error)
 {
@@ -322,22 +233,17 @@ enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_op
 	fetch->options = *options;
 	if (!fetch->options.body_max)
 		fetch->options.body_max = BODY_MAX_DEFAULT;
-	if (!fetch->options.connect_ms)
-		fetch->options.connect_ms = 10000;
-	if (!fetch->options.stall_ms)
-		fetch->options.stall_ms = 120000;
-	fetch->curl = view_curl_new("ecostream/" ECO_VERSION, fetch->options.connect_ms);
-	fetch->headers = curl_slist_append(NULL, "Content-Type: application/octet-stream");
-	if (!fetch->curl || !fetch->headers || !curl_slist_append(fetch->headers, "Expect:") ||
-		asprintf(&fetch->url, "%.*s", view_url_length(options->url), options->url) < 0) {
-		view_fetch_free(fetch);
-		return eco_no_memory(error, "a connection");
-	}
-	set_options(fetch);
-	if (options->chunks)
-		code = view_chunks_new(&fetch->chunks, &(struct view_chunks_options){ options->chunks,
-			fetch->options.connect_ms, fetch->options.stall_ms, options->patience_ms,
-			options->stop }, error);
+	long stall_s = options->stall_ms ? (options->stall_ms + 999) / 1000 : 120;
+	code = options->chunks ? view_exchange_check_chunks(options->chunks, error) : ECO_OK;
+	fetch->multi = curl_multi_init();
+	if (!code && (!fetch->multi
+			|| asprintf(&fetch->url, "%.*s", view_url_length(options->url), options->url) < 0))
+		code = eco_no_memory(error, "a connection");
+	if (!code)
+		code = view_exchange_new(&fetch->exchange, &(struct view_exchange_options){ .multi = fetch->multi,
+			.agent = "ecostream/" ECO_VERSION, .chunks = options->chunks,
+			.connect_ms = options->connect_ms ? options->connect_ms : 10000, .stall_s = stall_s,
+			.chunk_stall_s = stall_s < CHUNK_STALL_S ? stall_s : CHUNK_STALL_S }, error);
 	if (code)
 		view_fetch_free(fetch);
 	else
@@ -363,9 +269,8 @@ void view_fetch_free(struct view_fetch *fetch)
 {
 	if (!fetch)
 		return;
-	view_chunks_free(fetch->chunks);
-	curl_easy_cleanup(fetch->curl);
-	curl_slist_free_all(fetch->headers);
+	view_exchange_free(fetch->exchange);
+	curl_multi_cleanup(fetch->multi);
 	free(fetch->url);
 	free(fetch);
 }
@@ -384,7 +289,8 @@ static enum eco_code stranger(const struct view_fetch *fetch, enum eco_code code
 static enum eco_code problem(struct view_fetch *fetch, struct eco_error *error)
 {
 	long status = fetch->result->status;
-	json_t *root = json_loadb(fetch->problem, fetch->problem_size, 0, NULL);
+	const struct eco_writer *said = &view_exchange_end(fetch->exchange)->problem;
+	json_t *root = json_loadb((const char *)said->bytes, said->size, 0, NULL);
 	const char *title = json_string_value(json_object_get(root, "title"));
 	const char *detail = json_string_value(json_object_get(root, "detail"));
 	enum eco_code code = status == 404 ? ECO_NOT_FOUND : status >= 500 ? ECO_IO : ECO_BAD_INPUT;
@@ -400,71 +306,71 @@ static enum eco_code problem(struct view_fetch *fetch, struct eco_error *error)
 }
 
 /* A server that is known is there again soon, or another in its place; of one that never answered the address
- * may be wrong. */
-static bool is_lost(const struct view_fetch *fetch, CURLcode rc)
+ * may be wrong. So it is with a host that had chunks. */
+static bool is_lost(const struct view_fetch *fetch, const struct view_exchange_end *end)
 {
-	long status = fetch->result->status;
-	return fetch->answered && !fetch->stopped && !fetch->stream_error.code
-		&& (fetch->stalled || status == 502 || status == 503 || status == 504
-		|| (rc && rc != CURLE_WRITE_ERROR));
+	if (end->of_chunk)
+		return end->known && end->error.code == ECO_IO;
+	return fetch->answered && !end->error.code && (end->status == 502 || end->status == 503 || end->status == 504
+		|| (end->rc && end->rc != CURLE_WRITE_ERROR));
 }
 
-/* A whole answer; one that was cut short by somebody in between is lost. */
-static enum eco_code finish_stream(struct view_fetch *fetch, struct eco_error *error)
+static enum eco_code outcome(struct view_fetch *fetch, struct eco_error *error)
 {
-	enum eco_code code = fetch->chunks ? feed_named(fetch, error) : ECO_OK;
-	/* a chunk that is named and did not come */
-	fetch->lost = code == ECO_IO && view_chunks_known(fetch->chunks);
-	if (code)
-		return code;
-	code = eco_wire_finish(fetch->parser, error);
+	struct view_fetch_result *result = fetch->result;
+	const struct view_exchange_end *end = view_exchange_end(fetch->exchange);
+	const char *wanted = fetch->text ? "application/json" : "application/octet-stream", *url = fetch->options.url;
+	if (fetch->turned) {             /* how much of it will not come */
+		result->cancelled = end->length > end->bytes ? end->length - end->bytes : 0;
+		return ECO_OK;
+	}
+	if (fetch->stopped)
+		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	fetch->lost = is_lost(fetch, end);
+	if (fetch->lost && !fetch->text && fetch->options.chunks)
+		view_exchange_salvage(fetch->exchange);
+	if (end->of_chunk)
+		return eco_fail(error, end->error.code, "%s", end->error.text);
+	if (end->status == 200 && end->type && strncasecmp(end->type, wanted, strlen(wanted)) != 0)
+		return stranger(fetch, ECO_BAD_INPUT, end->type, error);
+	if (end->error.code)
+		return eco_fail(error, end->error.code, "%s: %s", url, end->error.text);
+	if (end->rc)
+		return eco_fail(error, ECO_IO, "%s: %s%s", url, end->text, end->rc == CURLE_COULDNT_CONNECT
+			? "; start ecoserve there, or take the URL that it printed" : "");
+	result->nothing = end->status == 204;
+	if (end->status != 200)
+		return result->nothing ? ECO_OK : problem(fetch, error);
+	if (fetch->text)
+		return ECO_OK;
+	/* an answer that was cut short by somebody in between is lost */
+	enum eco_code code = eco_wire_finish(fetch->parser, error);
 	fetch->lost = code != ECO_OK;
 	return code;
 }
 
-/* The answer was left: how much of it will not come. */
-static void count_cancelled(struct view_fetch *fetch)
+/* Moves the exchange on until it is done, or is to end. */
+static void run(struct view_fetch *fetch)
 {
-	curl_off_t whole = 0;
-	curl_easy_getinfo(fetch->curl, CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &whole);
-	if (whole > 0 && (uint64_t)whole > fetch->result->bytes)
-		fetch->result->cancelled = (uint64_t)whole - fetch->result->bytes;
-}
-
-static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_error *error)
-{
-	if (fetch->turned) {
-		count_cancelled(fetch);
-		return ECO_OK;
+	struct view_exchange *x = fetch->exchange;
+	int running, left;
+	for (;;) {
+		curl_multi_perform(fetch->multi, &running);
+		for (CURLMsg *message; (message = curl_multi_info_read(fetch->multi, &left));) {
+			CURL *curl = message->easy_handle;
+			view_exchange_transferred(curl, message->data.result);
+		}
+		view_exchange_wake(x);
+		if (view_exchange_end(x)->done)
+			return;
+		fetch->stopped = fetch->options.stop && *fetch->options.stop;
+		if (fetch->stopped || has_turned(fetch)) {
+			view_exchange_cancel(x);
+			return;
+		}
+		double wait_ms = fmin(view_exchange_wakes_ms(x) - view_clock_ms(), WAIT_MS);
+		curl_multi_poll(fetch->multi, NULL, 0, wait_ms > 0 ? (int)ceil(wait_ms) : 0, NULL);
 	}
-	fetch->lost = is_lost(fetch, rc);
-	if (fetch->stopped)
-		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
-	if (fetch->lost && fetch->chunks && !fetch->text && fetch->result->status == 200)
-		feed_named(fetch, NULL);
-	if (fetch->stalled)
-		return eco_fail(error, ECO_IO, "%s: less than %u bytes a second came for %ld s",
-			fetch->options.url, RATE_MIN_BYTES_S, fetch->options.stall_ms / 1000);
-	const char *type = NULL;
-	curl_easy_getinfo(fetch->curl, CURLINFO_CONTENT_TYPE, &type);
-	const char *wanted = fetch->text ? "application/json" : "application/octet-stream";
-	if (fetch->result->status == 200 && type && strncasecmp(type, wanted, strlen(wanted)) != 0)
-		return stranger(fetch, ECO_BAD_INPUT, type, error);
-	if (fetch->stream_error.code)
-		return eco_fail(error, fetch->stream_error.code, "%s: %s", fetch->options.url,
-			fetch->stream_error.text);
-	if (rc && !(rc == CURLE_WRITE_ERROR && fetch->result->status >= 400))
-		return eco_fail(error, ECO_IO, "%s: %s%s", fetch->options.url,
-			fetch->curl_text[0] ? fetch->curl_text : curl_easy_strerror(rc),
-			rc == CURLE_COULDNT_CONNECT ? "; start ecoserve there, or take the URL that it "
-			"printed" : "");
-	if (fetch->result->status == 204) {
-		fetch->result->nothing = true;
-		return ECO_OK;
-	}
-	if (fetch->result->status != 200)
-		return problem(fetch, error);
-	return fetch->text ? ECO_OK : finish_stream(fetch, error);
 }
 
 /* A stream if there is a body to post, which is of `pack` (NULL: of none), else an explanation. */
@@ -472,93 +378,44 @@ static enum eco_code perform(struct view_fetch *fetch, const struct eco_request 
 	const struct eco_writer *body, const struct eco_chunk_id *pack, struct eco_error *error)
 {
 	char query[VIEW_QUERY_BYTES], *url;
-	const char *rule = fetch->options.rule;
+	const struct view_fetch_options *o = &fetch->options;
+	struct eco_request now = request ? *request : (struct eco_request){ 0 };
+	now.name_from = !body || !o->chunks ? 0 : o->name_from ? o->name_from : ECO_NAME_FROM;
 	bool made = !request ? asprintf(&url, "%s%s", fetch->url, fetch->below) >= 0
-		: view_query_write(request, pack, query, sizeof query) < sizeof query
+		: view_query_write(&now, pack, query, sizeof query) < sizeof query
 			&& asprintf(&url, "%s/%s?%s%s%s%s", fetch->url, body ? "stream" : "plan", query,
-			rule ? "&rule=" : "", rule ? rule : "", body ? "" : "&explain=1") >= 0;
+			o->rule ? "&rule=" : "", o->rule ? o->rule : "", body ? "" : "&explain=1") >= 0;
 	if (!made)
 		return eco_no_memory(error, "a request");
-	curl_easy_setopt(fetch->curl, CURLOPT_URL, url);
-	if (body) {
-		curl_easy_setopt(fetch->curl, CURLOPT_POSTFIELDS, body->bytes ? (const char *)body->bytes
-			: "");
-		curl_easy_setopt(fetch->curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)body->size);
-	} else {
-		curl_easy_setopt(fetch->curl, CURLOPT_HTTPGET, 1L);
-	}
-	fetch->start_ms = fetch->heard_ms = view_clock_ms();
-	fetch->heard_bytes = 0;
-	CURLcode rc = curl_easy_perform(fetch->curl);
+	uint64_t most = fetch->text ? fetch->text_max : UINT64_MAX;
+	struct view_exchange_job job = { url, body, now.name_from > 0, most < fetch->options.body_max ? most
+		: fetch->options.body_max, take, fetch };
+	fetch->start_ms = view_clock_ms();
+	enum eco_code code = view_exchange_begin(fetch->exchange, &job, error);
 	free(url);
+	if (code)
+		return code;
+	run(fetch);
 	struct view_fetch_result *result = fetch->result;
-	curl_easy_getinfo(fetch->curl, CURLINFO_RESPONSE_CODE, &result->status);
-	fetch->answered |= result->status != 0;
-	result->plan_ms = view_plan_ms(fetch->curl);
-	result->retry_ms = view_retry_ms(fetch->curl);
+	const struct view_exchange_end *end = view_exchange_end(fetch->exchange);
+	fetch->answered |= end->status && !end->of_chunk;
+	result->status = end->status;
+	result->bytes = result->most_bytes = end->bytes;
+	result->named = end->named;
+	result->named_bytes = end->named_bytes;
+	result->plan_ms = end->plan_ms;
+	result->retry_ms = end->retry_ms;
+	code = outcome(fetch, error);
 	result->stream_ms = view_clock_ms() - fetch->start_ms;
-	if (result->bytes == 0)
-		result->first_byte_ms = result->stream_ms;
-	enum eco_code code = outcome(fetch, rc, error);
-	result->most_bytes = result->bytes;
+	result->first_byte_ms = isnan(end->first_byte_ms) ? result->stream_ms
+		: end->first_byte_ms - fetch->start_ms;
 	return code;
 }
 
 static void begin(struct view_fetch *fetch)
 {
 	*fetch->result = (struct view_fetch_result){ .plan_ms = NAN, .requests = 1 };
-	fetch->problem_size = 0;
-	fetch->stopped = fetch->stalled = fetch->turned = fetch->lost = false;
-	fetch->stream_error = (struct eco_error){ 0 };
-	fetch->curl_text[0] = '\0';
-}
-
-/* A name is found: its chunk begins to come. */
-static enum eco_code on_name(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,
-	struct eco_error *error)
-{
-	struct view_fetch *fetch = ctx;
-	struct view_fetch_result *result = fetch->result;
-	(void)payload;
-	result->named++;
-	result->named_bytes += chunk->size_bytes;
-	return result->bytes + result->named_bytes > fetch->options.body_max ? eco_fail(error, ECO_TOO_LARGE,
-		"the answer and the chunks that it names are longer than %llu bytes",
-		(unsigned long long)fetch->options.body_max)
-		: view_chunks_want(fetch->chunks, &chunk->id, chunk->size_bytes, error);
-}
-
-static enum eco_code find_named(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,
-	struct eco_error *error)
-{
-	struct view_fetch *fetch = ctx;
-	return view_chunks_take(fetch->chunks, &chunk->id, chunk->size_bytes, payload, error);
-}
-
-static void end_names(struct view_fetch *fetch, struct view_store *store)
-{
-	view_store_find_by(store, NULL, NULL);
-	view_chunks_forget(fetch->chunks);
-	eco_wire_parser_free(fetch->names);
-	fetch->names = NULL;
-	eco_writer_free(&fetch->stream);
-}
-
-/* As perform, by names where chunks have a host. */
-static enum eco_code perform_named(struct view_fetch *fetch, struct view_store *store,
-	const struct eco_request *request, const struct eco_writer *body, struct eco_error *error)
-{
-	static const struct eco_wire_events names = { .fetch = on_name };
-	struct eco_request named = *request;
-	if (!fetch->chunks)
-		return perform(fetch, request, body, view_store_pack(store), error);
-	named.name_from = fetch->options.name_from ? fetch->options.name_from : ECO_NAME_FROM;
-	view_store_find_by(store, find_named, fetch);
-	enum eco_code code = eco_wire_parser_new(&fetch->names, &names, fetch, error);
-	if (!code)
-		code = perform(fetch, &named, body, view_store_pack(store), error);
-	end_names(fetch, store);
-	return code;
+	fetch->stopped = fetch->turned = fetch->lost = false;
 }
 
 static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store,
@@ -576,7 +433,9 @@ static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store,
 		: eco_wire_parser_new(&fetch->parser, &view_store_events, store, error);
 	if (!code) {
 		fetch->store = store;
-		code = perform_named(fetch, store, request, &body, error);
+		view_store_find_by(store, view_exchange_find, fetch->exchange);
+		code = perform(fetch, request, &body, view_store_pack(store), error);
+		view_store_find_by(store, NULL, NULL);
 		fetch->store = NULL;
 		eco_wire_parser_free(fetch->parser);
 		fetch->parser = NULL;
@@ -628,10 +487,9 @@ static uint64_t bytes_left(const struct view_store *store, uint64_t most, uint64
 /* A host of chunks that hangs is asked no more: chunks come with the streams of the scene's server. */
 static bool leave_host(struct view_fetch *fetch)
 {
-	if (!fetch->chunks || !view_chunks_hangs(fetch->chunks) || fetch->stopped)
+	if (!view_exchange_end(fetch->exchange)->hangs)
 		return false;
-	view_chunks_free(fetch->chunks);
-	fetch->chunks = NULL;
+	fetch->options.chunks = NULL;
 	fetch->before.host_left = true;
 	return true;
 }

@@ -215,74 +215,29 @@ static bool resize(void *array, size_t room, size_t item)
 	return moved;
 }
 
-struct rooms { uint64_t elements, corners; };
-
-static struct rooms exact_rooms(const struct view_list *list, const struct eco_elements *more)
-{
-	uint64_t elements = (uint64_t)list->elements.element_count + more->element_count,
-		corners = (uint64_t)list->elements.corner_count + more->corner_count;
-	return (struct rooms){ elements > list->element_room ? elements : list->element_room,
-		corners > list->corner_room ? corners : list->corner_room };
-}
-
-/* Half as much again where an array has to grow, but never beyond what the list's record declares (three to
- * six corners). */
-static struct rooms ample_rooms(const struct view_list *list, const struct eco_elements *more)
-{
-	struct rooms rooms = exact_rooms(list, more);
-	uint64_t elements = rooms.elements + rooms.elements / 2, corners = rooms.corners + rooms.corners / 2,
-		most_elements = list->list.element_count, most_corners = most_elements * ECO_CORNERS_MAX;
-	if (rooms.elements > list->element_room)
-		rooms.elements = elements < most_elements ? elements : most_elements;
-	if (rooms.corners > list->corner_room)
-		rooms.corners = corners < most_corners ? corners : most_corners;
-	return rooms;
-}
-
-static uint64_t rooms_growth(const struct view_list *list, const struct eco_elements *more,
-	struct rooms rooms)
-{
-	return (rooms.elements - list->element_room) * element_bytes(more)
-		+ (rooms.corners - list->corner_room) * corner_bytes(more);
-}
-
 static bool is_element_list(const struct view_list *list)
 {
 	return !is_texture(list) && list->list.kind != ECO_LIST_IMPOSTOR;
 }
 
-uint64_t view_list_growth(const struct view_list *list, const struct view_piece *piece)
-{
-	return is_element_list(list)
-		? rooms_growth(list, &piece->elements, exact_rooms(list, &piece->elements)) : piece->bytes;
-}
-
 /* `like` has uv if the list's elements have. */
-static bool set_rooms(struct view_list *list, const struct eco_elements *like, struct rooms rooms)
+static bool resize_elements(struct eco_elements *e, const struct eco_elements *like, size_t elements, size_t corners)
 {
-	struct eco_elements *e = &list->elements;
-	if (!resize(&e->corners, rooms.elements, 1) || !resize(&e->position, rooms.corners, 12)
-			|| (like->uv && !resize(&e->uv, rooms.corners, 8)) || (like->extra_count
-			&& !resize(&e->extra, rooms.elements, (size_t)like->extra_count * 4)))
-		return false;
-	list->bytes -= list->element_room * element_bytes(like) + list->corner_room * corner_bytes(like);
-	list->bytes += rooms.elements * element_bytes(like) + rooms.corners * corner_bytes(like);
-	list->element_room = (uint32_t)rooms.elements;
-	list->corner_room = (uint32_t)rooms.corners;
-	return true;
+	return resize(&e->corners, elements, 1) && resize(&e->position, corners, 12)
+		&& (!like->uv || resize(&e->uv, corners, 8))
+		&& (!like->extra_count || resize(&e->extra, elements, (size_t)like->extra_count * 4));
 }
 
-static enum eco_code push_elements(struct view_list *list, const struct eco_elements *more, uint64_t spare,
-	struct eco_error *error)
+static enum eco_code push_elements(struct view_list *list, const struct eco_elements *more, struct eco_error *error)
 {
 	struct eco_elements *e = &list->elements;
-	struct rooms exact = exact_rooms(list, more), ample = ample_rooms(list, more);
-	if (exact.corners > UINT32_MAX / 2)
+	size_t elements = (size_t)e->element_count + more->element_count,
+		corners = (size_t)e->corner_count + more->corner_count;
+	if (corners > UINT32_MAX / 2)
 		return eco_fail(error, ECO_TOO_LARGE, "list %u has more than %u corners", list->id,
 			UINT32_MAX / 2);
-	bool is_ample = rooms_growth(list, more, ample) - rooms_growth(list, more, exact) <= spare;
 	e->extra_count = more->extra_count;
-	if (!set_rooms(list, more, is_ample ? ample : exact))
+	if (!resize_elements(e, more, elements, corners))
 		return eco_no_memory(error, "decoded elements");
 	memcpy(e->corners + e->element_count, more->corners, more->element_count);
 	memcpy(e->position + 3 * (size_t)e->corner_count, more->position, 12 * (size_t)more->corner_count);
@@ -291,8 +246,8 @@ static enum eco_code push_elements(struct view_list *list, const struct eco_elem
 	if (more->extra_count)
 		memcpy(e->extra + (size_t)e->element_count * more->extra_count, more->extra,
 			(size_t)more->element_count * more->extra_count * 4);
-	e->element_count += more->element_count;
-	e->corner_count += more->corner_count;
+	e->element_count = (uint32_t)elements;
+	e->corner_count = (uint32_t)corners;
 	e->primitive_count += more->primitive_count;
 	return ECO_OK;
 }
@@ -311,7 +266,6 @@ static enum eco_code push_level(struct view_list *list, struct view_piece *piece
 		list->impostors[list->chunk_count] = piece->impostor;
 	piece->part = (struct eco_texture_part){ 0 };
 	piece->impostor = (struct lod_impostor){ 0 };
-	list->bytes += piece->bytes;
 	return ECO_OK;
 }
 
@@ -355,64 +309,50 @@ void view_list_mark(struct view_list *list, uint32_t ordinal, const struct eco_c
 }
 
 enum eco_code view_list_push(struct view_list *list, struct view_piece *piece, const struct eco_chunk *chunk,
-	uint64_t spare, struct eco_error *error)
+	struct eco_error *error)
 {
-	enum eco_code code = is_element_list(list) ? push_elements(list, &piece->elements, spare, error)
+	enum eco_code code = is_element_list(list) ? push_elements(list, &piece->elements, error)
 		: push_level(list, piece, error);
 	if (code)
 		return code;
 	if (list->list.kind == ECO_LIST_GROUND)
 		list->tile = piece->tile;
+	list->bytes += piece->bytes;
 	view_list_mark(list, list->chunk_count++, chunk, piece->bytes);
 	return ECO_OK;
 }
 
 /* ---- Shrinking ---- */
 
-void view_list_trim(struct view_list *list)
+/* An array that the system will not make smaller stays as large as it is, which does no harm. */
+static void pop_elements(struct view_list *list, struct view_mark before)
 {
 	struct eco_elements *e = &list->elements;
-	if (e->element_count == list->element_room && e->corner_count == list->corner_room)
-		return;
-	list->bytes -= (list->element_room - e->element_count) * element_bytes(e)
-		+ (list->corner_room - e->corner_count) * corner_bytes(e);
-	list->element_room = e->element_count;
-	list->corner_room = e->corner_count;
-	if (!e->element_count) {
+	e->element_count = before.elements;
+	e->corner_count = before.corners;
+	e->primitive_count = before.primitives;
+	if (e->element_count)
+		resize_elements(e, e, e->element_count, e->corner_count);
+	else
 		eco_elements_free(e);
-		return;
-	}
-	/* an array that the system will not make smaller stays as large as it is, which does no harm */
-	resize(&e->corners, e->element_count, 1);
-	resize(&e->position, e->corner_count, 12);
-	if (e->uv)
-		resize(&e->uv, e->corner_count, 8);
-	if (e->extra_count)
-		resize(&e->extra, e->element_count, (size_t)e->extra_count * 4);
 }
 
 void view_list_pop(struct view_list *list)
 {
 	assert(list->chunk_count > 0);
 	uint32_t last = --list->chunk_count;
-	if (is_element_list(list)) {
-		struct view_mark before = view_list_before(list, last);
-		list->elements.element_count = before.elements;
-		list->elements.corner_count = before.corners;
-		list->elements.primitive_count = before.primitives;
-		view_list_trim(list);
-		return;
-	}
 	list->bytes -= list->marks[last].bytes;
-	if (is_texture(list)) {
+	if (is_element_list(list)) {
+		pop_elements(list, view_list_before(list, last));
+	} else if (is_texture(list)) {
 		eco_texture_part_free(&list->parts[last]);
 		resize(&list->parts, last, sizeof *list->parts);
 		if (list->shown[0] > last)
 			hide_image(list);
-		return;
+	} else {
+		lod_impostor_close(&list->impostors[last]);
+		resize(&list->impostors, last, sizeof *list->impostors);
 	}
-	lod_impostor_close(&list->impostors[last]);
-	resize(&list->impostors, last, sizeof *list->impostors);
 }
 
 struct eco_elements view_list_chunks(const struct view_list *list, uint32_t first, uint32_t end)

@@ -2,7 +2,7 @@
  * chunk, and never moves its meaning: primitive i stays primitive i.
  *
  *   view_piece_decode(&piece, list, &chunk, ordinal, payload, images, &error);
- *   view_list_push(list, &piece, &chunk, spare, &error);    the piece becomes chunk list->chunk_count
+ *   view_list_push(list, &piece, &chunk, &error);           the piece becomes chunk list->chunk_count
  *   view_list_pop(list);                                    the last chunk goes, and its memory with it
  *   view_piece_free(&piece);                                in any case */
 #ifndef VIEW_LIST_H
@@ -26,14 +26,12 @@ struct view_mark {
 struct view_list {                       /* stays where it is until its last chunk has gone */
 	uint32_t id;
 	struct eco_list list;            /* as the stream described it */
-	uint64_t description;            /* hash of it, its palette and its groups */
 	uint8_t (*palette)[3];           /* list.palette_count colours, sRGB */
 	struct eco_group *groups;        /* list.group_count */
 	uint32_t chunk_count;            /* chunks held: a prefix */
 	uint32_t served;                 /* chunks that the server believes to be held: at least those */
 	struct view_mark *marks;         /* one per chunk; those served are set */
 	struct eco_elements elements;    /* of all chunks held, in draw order */
-	uint32_t element_room, corner_room;      /* what the arrays have space for */
 	uint64_t bytes;                  /* held in all: this struct and what it owns */
 	struct eco_texture_part *parts;  /* eco_list_has_texels: one for each chunk held */
 	/* IMAGE: as the plan shows it, and the number of levels, and of the outline's, that this is of */
@@ -74,21 +72,16 @@ enum eco_code view_piece_decode(struct view_piece *piece, const struct view_piec
 	struct eco_error *error);
 void view_piece_free(struct view_piece *piece);
 
-/* Adds the piece to list->bytes at least `piece->bytes`, at most that and `spare`: arrays that have to grow
- * take half as much again where that is allowed. Ordinals, marks but this one's `used`, and what the piece
- * held are the list's afterwards. */
+/* Adds piece->bytes to list->bytes. Ordinals, marks but this one's `used`, and what the piece held are the
+ * list's afterwards. */
 enum eco_code view_list_push(struct view_list *list, struct view_piece *piece, const struct eco_chunk *chunk,
-	uint64_t spare, struct eco_error *error);
+	struct eco_error *error);
 /* Makes list->image what a list of kind IMAGE shows in `levels` levels, cut out by as many of `outline` as
  * outline_levels says (NULL: it is opaque); it is empty where these are not held. Its memory has been counted
  * with its parts. */
 enum eco_code view_list_show(struct view_list *list, uint32_t levels, const struct view_list *outline,
 	uint32_t outline_levels, struct eco_error *error);
-/* The bytes that list->bytes may grow by: piece->bytes, less what there is already room for. */
-uint64_t view_list_growth(const struct view_list *list, const struct view_piece *piece);
 void view_list_pop(struct view_list *list);
-/* Gives up what arrays have beyond what is in them. */
-void view_list_trim(struct view_list *list);
 /* Sets the running totals of chunk `ordinal`, all marks before it being set, without holding it. */
 void view_list_mark(struct view_list *list, uint32_t ordinal, const struct eco_chunk *chunk, uint64_t bytes);
 struct view_mark view_list_before(const struct view_list *list, uint32_t ordinal);

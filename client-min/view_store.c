@@ -14,11 +14,8 @@
 #include <string.h>
 #include <time.h>
 
-#include <xxhash.h>
-
 #include "client-min/view_cache.h"
 #include "ecofiles/format/chunk/chunk.h"
-#include "ecofiles/format/pack_record.h"
 #include "ecofiles/format/texture.h"
 #include "ecofiles/base/array_grow.h"
 
@@ -45,7 +42,6 @@ struct view_store {
 	double near_m;
 	uint32_t ground_columns, ground_rows, ground_margin;
 	struct view_cache cache;
-	struct view_forms forms;
 	struct view_plant **plants;      uint32_t plant_count, plant_room;
 	struct view_table plant_table;
 	struct eco_plan plan;
@@ -84,7 +80,6 @@ void view_store_free(struct view_store *store)
 		free(store->plants[i]);
 	}
 	view_cache_free(&store->cache);
-	view_forms_free(&store->forms);
 	view_table_free(&store->plant_table);
 	eco_plan_free(&store->plan);
 	view_table_free(&store->counted_table);
@@ -152,20 +147,12 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 	const struct eco_anchor *anchors, struct eco_error *error)
 {
 	struct view_store *store = ctx;
-	const struct view_plant *held = view_store_plant(store, id);
-	if (store->options.counts)
+	if (store->options.counts || view_store_plant(store, id))
 		return ECO_OK;
-	if (held) {
-		if (held->plant.anchor_first != plant->anchor_first || held->plant.anchor_count
-				!= plant->anchor_count ||
-			memcmp(held->anchors, anchors, plant->anchor_count * sizeof *anchors) != 0)
-			return BAD("plant %u was described twice, and differently", id);
-		return ECO_OK;
-	}
 	if (plant->anchor_count == 0 || plant->anchor_first > UINT32_MAX - plant->anchor_count)
 		return BAD("plant %u has no anchors, or too many", id);
 	size_t anchor_bytes = (size_t)plant->anchor_count * sizeof *anchors;
-	enum eco_code code = describe(store, sizeof *held + anchor_bytes, error);
+	enum eco_code code = describe(store, sizeof(struct view_plant) + anchor_bytes, error);
 	if (code)
 		return code;
 	struct view_plant *copy = calloc(1, sizeof *copy);
@@ -186,45 +173,21 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 	return ECO_OK;
 }
 
-/* The same number for the same description. */
-static uint64_t hash_description(const struct eco_list *list, const uint8_t (*palette)[3],
-	const struct eco_group *groups)
-{
-	struct eco_writer w = { 0 };
-	eco_record_write(&w, ECO_SECTION_LISTS, list);
-	eco_write_bytes(&w, palette, (size_t)list->palette_count * sizeof *palette);
-	for (uint32_t i = 0; i < list->group_count; i++) {
-		eco_write_u32(&w, groups[i].plant);
-		eco_write_u32(&w, groups[i].count);
-	}
-	uint64_t hash = w.failed ? 0 : XXH3_64bits(w.bytes, w.size);
-	eco_writer_free(&w);
-	return hash;
-}
-
+/* A list that is held may be described once more, as a plant: the pack is the same, and so are they. */
 static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
 	const struct eco_group *groups, struct eco_error *error)
 {
 	struct view_store *store = ctx;
-	const struct view_list *held = view_store_list(store, id);
-	if (store->options.counts)
+	if (store->options.counts || view_store_list(store, id))
 		return ECO_OK;
-	uint64_t description = hash_description(list, palette, groups);
-	if (held)
-		return held->description == description ? ECO_OK
-			: BAD("list %u was described twice, and differently", id);
 	enum eco_code code = describe(store, view_list_bytes(list), error);
 	if (code)
 		return code;
 	struct view_list *copy = view_list_new(id, list, palette, groups);
-	if (copy)
-		copy->description = description;
-	code = copy ? view_forms_bind(&store->forms, &store->cache, copy, error) : eco_no_memory(error, "a list");
-	if (!code && !view_cache_add(&store->cache, copy))
-		code = eco_no_memory(error, "a list");
-	if (code)
-		view_list_free(copy);
-	return code;
+	if (copy && view_cache_add(&store->cache, copy))
+		return ECO_OK;
+	view_list_free(copy);
+	return eco_no_memory(error, "a list");
 }
 
 /* ---- Chunks ---- */
@@ -246,10 +209,7 @@ static enum eco_code check_chunk(struct view_store *store, const struct view_lis
 		return BAD("chunk %u of list %u holds more than the list declares", ordinal, list->id);
 	struct eco_error cause = { 0 };
 	enum eco_code code = eco_chunk_check(&list->list, chunk, &cause);
-	if (code)
-		return eco_fail(error, code, "list %u, chunk %u: %s", list->id, ordinal, cause.text);
-	return view_forms_check(&store->forms, &store->cache, list, ordinal,
-		before.elements + chunk->element_count, error);
+	return code ? eco_fail(error, code, "list %u, chunk %u: %s", list->id, ordinal, cause.text) : ECO_OK;
 }
 
 /* A chunk that finds no room, or whose list has lost one before it, is not kept. */
@@ -258,15 +218,14 @@ static enum eco_code keep(struct view_store *store, struct view_list *list, uint
 {
 	struct view_cache *cache = &store->cache;
 	view_cache_touch(cache, list, ordinal);
-	if (ordinal > list->chunk_count || !view_cache_make_room(cache, view_list_growth(list, piece), false)
+	if (ordinal > list->chunk_count || !view_cache_make_room(cache, piece->bytes, false)
 			|| ordinal > list->chunk_count) {
 		view_list_mark(list, ordinal, chunk, piece->bytes);
 		view_cache_remember(cache, list->id, ordinal);
 		return ECO_OK;
 	}
-	uint64_t before = list->bytes,
-		left = cache->memory_max - cache->memory_bytes - view_list_growth(list, piece);
-	enum eco_code code = view_list_push(list, piece, chunk, cache->is_tight ? 0 : left, error);
+	uint64_t before = list->bytes;
+	enum eco_code code = view_list_push(list, piece, chunk, error);
 	if (code)
 		return code;
 	view_cache_charge(cache, list, before);

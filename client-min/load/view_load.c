@@ -13,7 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "client-min/view_store.h"
+#include "client-min/view_exchange.h"
 #include "ecofiles/base/array_grow.h"
 
 #define EVENTS 256
@@ -86,7 +86,7 @@ static void end_transfers(struct loop *loop)
 	int left;
 	for (CURLMsg *message; (message = curl_multi_info_read(loop->host.multi, &left));) {
 		CURL *curl = message->easy_handle;
-		view_session_transferred(curl, message->data.result);
+		view_exchange_transferred(curl, message->data.result);
 	}
 }
 

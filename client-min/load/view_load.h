@@ -152,10 +152,8 @@ bool view_load_is_one_of(uint32_t client, uint32_t some, uint32_t all);
 
 /* ---- Sessions: view_session.c ---- */
 
-/* One client of a load test, as a thing that libcurl's multi interface moves on.
- *
- *   waits until an answer is due -> (its line's latency) -> asks -> reads -> (fetches chunks that are named)
- *   -> records the answer -> waits for the next
+/* One client of a load test: it waits until an answer is due, and for its line's latency, asks by an exchange
+ * (view_exchange.h), records the answer, and waits for the next.
  *
  * An answer that breaks off is asked for again with what came of it; a pack that has been replaced is begun
  * anew. */
@@ -176,8 +174,6 @@ void view_session_free(struct view_session *session);            /* NULL is fine
 /* When it wants to be woken (view_clock_ms); INFINITY: its run is over. */
 double view_session_wakes_ms(const struct view_session *session);
 void view_session_wake(struct view_session *session);
-/* A transfer of one of the sessions has ended. */
-void view_session_transferred(CURL *curl, CURLcode rc);
 /* Whatever is due and has not come never will. */
 void view_session_give_up(struct view_session *session);
 

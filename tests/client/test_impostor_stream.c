@@ -110,7 +110,7 @@ UNIT_TEST(a_tree_is_one_vertex_whatever_its_level)
 /* ---- What is refused ---- */
 
 enum fault { SOUND, SWAPPED, TWICE, NO_BODY, NO_LEVEL, CUT_OFF, ONE_BYTE, TWO_PRIMITIVES, TWO_ELEMENTS,
-	NOT_HELD, BOTH_LEVELS, TOO_MANY_CHUNKS, OTHER_LIST, FAULTS };
+	NOT_HELD, BOTH_LEVELS, TOO_MANY_CHUNKS, FAULTS };
 
 static const struct { enum eco_code code; const char *says; } faults[FAULTS] = {
 	[SOUND] = { ECO_OK, "" },
@@ -125,7 +125,6 @@ static const struct { enum eco_code code; const char *says; } faults[FAULTS] = {
 	[NOT_HELD] = { ECO_DAMAGED, "cut 0 of the plan draws [2,3) of " LIST ", of which 2 are held" },
 	[BOTH_LEVELS] = { ECO_DAMAGED, "cut 0 of the plan draws 2 levels of " LIST ", an impostor, not one" },
 	[TOO_MANY_CHUNKS] = { ECO_DAMAGED, LIST ": its levels are too many, or not a chunk each" },
-	[OTHER_LIST] = { ECO_DAMAGED, LIST " was described twice" },
 };
 
 /* The scene, with a list, chunks and payloads of impostors that may be written to. */
@@ -216,10 +215,6 @@ static struct eco_writer stream_of(struct forged *f, enum fault fault)
 	scene_frame(&w, &grove, ECO_FRAME_SCENE, &number, 0, 0);
 	scene_frame(&w, &grove, ECO_FRAME_BUNDLE, &number, 0, SCENE_PLANT);
 	scene_frame(&w, &f->b, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, SCENE_RECORD);
-	if (fault == OTHER_LIST) {
-		f->lists[L_IMPOSTOR].level = 7;
-		scene_frame(&w, &f->b, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, SCENE_RECORD);
-	}
 	for (uint32_t i = 0; i < 2; i++)
 		scene_frame(&w, &f->b, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, i);
 	scene_plan_frame(&w, &plan, &number);

@@ -139,8 +139,7 @@ UNIT_TEST(second_stream_extends_the_first)
 
 /* ---- Streams that are wrong ---- */
 
-enum fault { SAME_CHUNK_TWICE, CHUNK_SKIPPED, CHUNK_WITHOUT_LIST, LIST_CHANGED, PLANT_CHANGED,
-	PLAN_BEYOND_HELD, PLAN_OF_UNKNOWN_LIST, PLAN_OF_INSTANCES, END_DISAGREES, GROUND_MISSING,
+enum fault { SAME_CHUNK_TWICE, CHUNK_SKIPPED, CHUNK_WITHOUT_LIST, PLAN_BEYOND_HELD, PLAN_OF_UNKNOWN_LIST, PLAN_OF_INSTANCES, END_DISAGREES, GROUND_MISSING,
 	GROUND_IN_PART, GROUND_ELSEWHERE, COLOR_OUTSIDE, FAULTS };
 
 static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writer *w)
@@ -148,9 +147,7 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 	uint32_t number = 0;
 	struct scene_builder other = grove;
 	struct eco_list lists[L_COUNT];
-	struct eco_anchor anchors[A_COUNT];
 	other.scene.lists = other.lists = memcpy(lists, grove.lists, sizeof lists);
-	other.scene.anchors = other.anchors = memcpy(anchors, grove.anchors, sizeof anchors);
 	*w = (struct eco_writer){ 0 };
 	scene_frame(w, &grove, ECO_FRAME_SCENE, &number, 0, 0);
 	scene_frame(w, &grove, ECO_FRAME_BUNDLE, &number, 0, SCENE_PLANT);
@@ -172,14 +169,6 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 	switch (fault) {
 	case SAME_CHUNK_TWICE:
 		scene_frame(w, &grove, ECO_FRAME_BUNDLE, &number, L_LEAVES, 0);
-		break;
-	case LIST_CHANGED:
-		other.lists[L_LEAVES].grid_step[1] = 0.002;
-		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, L_LEAVES, SCENE_RECORD);
-		break;
-	case PLANT_CHANGED:
-		other.anchors[A_TREE].radius += 1;
-		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, 0, SCENE_PLANT);
 		break;
 	case GROUND_IN_PART:
 	case GROUND_ELSEWHERE:
@@ -205,9 +194,7 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 
 UNIT_TEST(wrong_streams_are_refused_with_a_reason)
 {
-	static const char *const reasons[FAULTS] = { "chunk 0", "chunk", "", "described twice",
-		"described twice", "are held",
-		"was not sent", "not drawable", "vertices", "was not sent", "a tile of ground",
+	static const char *const reasons[FAULTS] = { "chunk 0", "chunk", "", "are held", "was not sent", "not drawable", "vertices", "was not sent", "a tile of ground",
 		"a tile of ground", "palette" };
 	struct eco_view view = scene_view();
 	for (int fault = 0; fault < FAULTS; fault++) {
@@ -228,100 +215,6 @@ UNIT_TEST(wrong_streams_are_refused_with_a_reason)
 		eco_writer_free(&w);
 		eco_plan_free(&plan);
 	}
-}
-
-/* ---- Forms that are not those of their list ---- */
-
-enum form_fault { FORM_SOUND, FORM_COUNT, FORM_CHUNKS, FORM_PARTNER, FORM_SPLIT, FORM_SHAPE, FORM_GROWTH,
-	FORM_SIZE, FORM_MANY, FORM_FAULTS };
-
-/* A chunk of `list` with its first `count` elements, some code of which may be wrong, as chunk 0 of `other`.
- */
-static void forge_chunk(struct scene_builder *other, uint32_t list, uint32_t count, int32_t code,
-	uint8_t **payload)
-{
-	struct eco_list l = other->lists[list];
-	struct eco_elements e = other->elements[list],
-		*of = &other->elements[l.partner == ECO_NONE ? list : l.partner];
-	struct eco_chunk_input input = { &other->lists[l.partner == ECO_NONE ? list : l.partner], of, 0,
-		count, 0 };
-	struct eco_chunk *chunk = &other->chunks[l.chunk_first];
-	size_t size;
-	int32_t kept = e.extra[1];
-	e.extra[1] = code;
-	assert_int_equal(l.partner == ECO_NONE ? eco_chunk_encode(&input, payload, &size, NULL, NULL)
-		: eco_chunk_encode_form(&input, &l, &e, payload, &size, NULL), ECO_OK);
-	e.extra[1] = kept;
-	*chunk = (struct eco_chunk){ eco_chunk_hash(*payload, size), 0, (uint32_t)size,
-		count * (l.kind == ECO_LIST_TRIANGLES ? e.corners[0] - 2u : 1), count };
-	other->payloads[l.chunk_first] = *payload;
-}
-
-/* Leaves, then their points, or the other way round. */
-static void write_forms(enum form_fault fault, bool points_first, struct eco_writer *w)
-{
-	struct scene_builder other = grove;
-	uint32_t number = 0,
-		order[2] = { points_first ? L_POINTS : L_LEAVES, points_first ? L_LEAVES : L_POINTS };
-	uint8_t *payload = NULL;
-	uint32_t first = grove.chunks[grove.lists[L_POINTS].chunk_first].element_count;
-	struct eco_list lists[L_LOW_POINTS + 9 > L_COUNT ? L_LOW_POINTS + 9 : L_COUNT];
-	struct eco_chunk chunks[512];
-	uint8_t *payloads[512];
-	assert_true(grove.scene.chunk_count <= 512);
-	other.scene.lists = other.lists = memcpy(lists, grove.lists, L_COUNT * sizeof *lists);
-	other.scene.chunks = other.chunks =
-		memcpy(chunks, grove.chunks, grove.scene.chunk_count * sizeof *chunks);
-	other.payloads = memcpy(payloads, grove.payloads, grove.scene.chunk_count * sizeof *payloads);
-	*w = (struct eco_writer){ 0 };
-	other.lists[L_POINTS].element_count += fault == FORM_COUNT;
-	other.lists[L_POINTS].primitive_count = other.lists[L_POINTS].element_count;
-	other.lists[L_POINTS].chunk_count += fault == FORM_CHUNKS;
-	other.lists[L_POINTS].partner = fault == FORM_PARTNER ? L_LINES : L_LEAVES;
-	other.lists[L_LEAVES].coder = fault == FORM_SHAPE ? ECO_CODER_MESH : ECO_CODER_ELEMENTS;
-	if (fault == FORM_SPLIT)
-		forge_chunk(&other, L_POINTS, first - 1, ECO_SIZE_ONE, &payload);
-	else if (fault == FORM_GROWTH || fault == FORM_SIZE)
-		forge_chunk(&other, fault == FORM_GROWTH ? L_LEAVES : L_POINTS, first, fault == FORM_GROWTH
-			? (int32_t)ECO_GROWTHS : -1, &payload);
-	scene_frame(w, &grove, ECO_FRAME_SCENE, &number, 0, 0);
-	if (fault == FORM_PARTNER)
-		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, L_LINES, SCENE_RECORD);
-	for (int i = 0; i < 2; i++) {
-		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, order[i], SCENE_RECORD);
-		if (fault != FORM_SHAPE)
-			scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, order[i], 0);
-	}
-	for (uint32_t id = L_LOW_POINTS; fault == FORM_MANY && id < L_LOW_POINTS + 9; id++) {
-		other.lists[id] = other.lists[L_POINTS];
-		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, id, SCENE_RECORD);
-	}
-	struct eco_plan plan = { .placements = &(struct eco_placement){ .scale = 1 }, .placement_count = 1 };
-	scene_plan_frame(w, &plan, &number);
-	scene_end_frame(w, 0, &number);
-	free(payload);
-}
-
-UNIT_TEST(forms_that_do_not_pair_are_refused)
-{
-	static const char *const reasons[FORM_FAULTS] = { "", "is a form of list 2", "is a form of list 2",
-		"which is not one of fans",
-		"forms of the same", "which is not one of fans", "growth code 8", "size code -1",
-		"more than 8 forms" };
-	for (int fault = 0; fault < FORM_FAULTS; fault++)
-		for (int order = 0; order < 2; order++) {
-			struct view_store *store;
-			struct view_store_options options = { 0 };
-			struct eco_error error = { 0 };
-			struct eco_writer w;
-			assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
-			write_forms((enum form_fault)fault, order == 1, &w);
-			enum eco_code code = scene_feed(store, &w, &error);
-			if (code != (fault ? ECO_DAMAGED : ECO_OK) || !strstr(error.text, reasons[fault]))
-				fail_msg("fault %d, order %d: code %d, '%s'", fault, order, code, error.text);
-			view_store_free(store);
-			eco_writer_free(&w);
-		}
 }
 
 /* The twin of pairing: forms were made of their elements, and that is what they are after coding. */
