@@ -1,12 +1,11 @@
 #include "client-min/view_ask.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "client-min/view_ground.h"
 #include "ecofiles/base/csv.h"
+#include "ecofiles/base/file_write.h"
 
 /* ---- The scene's place ---- */
 
@@ -113,11 +112,9 @@ static const char *const columns[] = { "list", "first", "end", "tile", "plant", 
 enum eco_code view_explain_open(struct view_explain *explain, const char *path, struct eco_error *error)
 {
 	*explain = (struct view_explain){ .path = path };
-	if (asprintf(&explain->beside, "%s.tmp-%ld", path, (long)getpid()) < 0)
-		return eco_no_memory(error, "a table");
-	explain->out = fopen(explain->beside, "w");
+	explain->out = open_memstream(&explain->text, &explain->size);
 	if (!explain->out)
-		return eco_fail(error, ECO_IO, "--explain %s: %s", path, strerror(errno));
+		return eco_no_memory(error, "a table");
 	fputs("frame,lambda", explain->out);
 	for (size_t i = 0; i < COLUMNS; i++)
 		fprintf(explain->out, ",%s", columns[i]);
@@ -173,15 +170,11 @@ enum eco_code view_explain_frame(struct view_explain *explain, struct view_fetch
 enum eco_code view_explain_close(struct view_explain *explain, bool keep, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-	if (explain->out) {
-		bool failed = ferror(explain->out) != 0;
-		failed = fclose(explain->out) != 0 || failed;
-		if (keep && (failed || rename(explain->beside, explain->path)))
-			code = eco_fail(error, ECO_IO, "--explain %s: %s", explain->path, strerror(errno));
-		if (!keep || code)
-			unlink(explain->beside);
-	}
-	free(explain->beside);
+	if (explain->out && fclose(explain->out))
+		code = eco_no_memory(error, "a table");
+	if (explain->out && keep && !code)
+		code = eco_file_write(explain->path, explain->text, explain->size, error);
+	free(explain->text);
 	*explain = (struct view_explain){ 0 };
 	return code;
 }

@@ -30,13 +30,13 @@ enum eco_code view_stand(struct view_fetch *fetch, struct view_store *store, str
 /* ---- Why each cut of a plan is what it is (plan?explain=1), as a table; it appears complete or not at all
  * ---- */
 
-struct view_explain { const char *path; char *beside; FILE *out; };      /* out NULL: nothing is explained */
+struct view_explain { const char *path; char *text; size_t size; FILE *out; };   /* out NULL: nothing is explained */
 
 enum eco_code view_explain_open(struct view_explain *explain, const char *path, struct eco_error *error);
 enum eco_code view_explain_frame(struct view_explain *explain, struct view_fetch *fetch, uint32_t frame,
 	const struct eco_request *request, struct eco_error *error);
 enum eco_code view_explain_close(struct view_explain *explain, bool keep, struct eco_error *error);
-/* The rows of a plan's JSON, as lines. */
+/* Writes the rows of a plan's JSON as lines. */
 enum eco_code view_explain_write(FILE *out, uint32_t frame, const char *json, struct eco_error *error);
 
 #endif

@@ -94,69 +94,61 @@ static void say_roles(const struct view_selection *s, uint32_t instance, char te
 	}
 }
 
-/* Plants by the inventories that they come from (openapi.yaml's Plants): {species, plant, file, row, line}. */
-struct asked { uint32_t list, index; json_t **said; };        /* list, index: of view_instance */
-
 #define TOGETHER 1024u /* plants that a server says at a time */
 
-static int by_list(const void *a, const void *b)
+static int by_list(const void *a, const void *b, void *ctx)
 {
-	const struct asked *x = a, *y = b;
+	const struct view_selection *s = ctx;
+	const struct view_instance *x = &s->instances[(*(struct seen *const *)a)->instance],
+		*y = &s->instances[(*(struct seen *const *)b)->instance];
 	if (x->list != y->list)
 		return x->list < y->list ? -1 : 1;
 	return x->index < y->index ? -1 : x->index > y->index;
 }
 
-/* Plants of one list, all within TOGETHER of the first. */
-static enum eco_code ask_together(struct view_fetch *fetch, const struct eco_chunk_id *pack,
-	const struct asked *plants, uint32_t count, struct eco_error *error)
+/* Asks for plants of one list, all within TOGETHER of the first: {species, plant, file, row, line} of openapi.yaml's
+ * Plants. */
+static enum eco_code ask_together(const struct view_geojson_job *job, struct seen **seen, uint32_t count,
+	struct eco_error *error)
 {
-	uint32_t first = plants[0].index;
+	const struct view_instance *all = job->selection->instances, *first = &all[seen[0]->instance];
 	char *text;
-	enum eco_code code = view_fetch_plants(fetch, pack, plants[0].list, first,
-		plants[count - 1].index - first + 1, &text, error);
+	enum eco_code code = view_fetch_plants(job->fetch, view_store_pack(job->store), first->list, first->index,
+		all[seen[count - 1]->instance].index - first->index + 1, &text, error);
 	if (code)
 		return code;
-	json_t *answer = json_loads(text, 0, NULL), *all = json_object_get(answer, "plants");
+	json_t *answer = json_loads(text, 0, NULL), *plants = json_object_get(answer, "plants");
 	free(text);
 	for (uint32_t i = 0; i < count && !code; i++) {
-		*plants[i].said = json_incref(json_array_get(all, plants[i].index - first));
-		if (!json_is_object(*plants[i].said))
-			code = eco_fail(error, ECO_BAD_INPUT,
-				"the server says nothing of plant %u of list %u, which it sent", plants[i].index,
-				plants[i].list);
+		uint32_t index = all[seen[i]->instance].index;
+		seen[i]->said = json_incref(json_array_get(plants, index - first->index));
+		if (!json_is_object(seen[i]->said))
+			code = eco_fail(error, ECO_BAD_INPUT, "the server says nothing of plant %u of list %u, which "
+				"it sent", index, first->list);
 	}
 	json_decref(answer);
 	return code;
 }
 
-/* Sorts `plants`, and asks for those of a list together. On failure some may have been said. */
-static enum eco_code ask_all(struct view_fetch *fetch, const struct eco_chunk_id *pack,
-	struct asked *plants, uint32_t count, struct eco_error *error)
-{
-	enum eco_code code = ECO_OK;
-	qsort(plants, count, sizeof *plants, by_list);
-	for (uint32_t i = 0, end; i < count && !code; i = end) {
-		for (end = i + 1; end < count && plants[end].list == plants[i].list
-				&& plants[end].index - plants[i].index < TOGETHER;)
-			end++;
-		code = ask_together(fetch, pack, plants + i, end - i, error);
-	}
-	return code;
-}
-
+/* On failure some may have been said. */
 static enum eco_code ask(const struct view_geojson_job *job, struct seen *seen, uint32_t count,
 	struct eco_error *error)
 {
-	struct asked *asked = calloc(count + 1u, sizeof *asked);
-	enum eco_code code = asked ? ECO_OK : eco_no_memory(error, "rows of plants");
-	for (uint32_t i = 0; i < count && !code; i++) {
-		const struct view_instance *one = &job->selection->instances[seen[i].instance];
-		asked[i] = (struct asked){ one->list, one->index, &seen[i].said };
+	const struct view_instance *all = job->selection->instances;
+	struct seen **sorted = calloc(count + 1u, sizeof *sorted);
+	enum eco_code code = sorted ? ECO_OK : eco_no_memory(error, "rows of plants");
+	for (uint32_t i = 0; i < count && !code; i++)
+		sorted[i] = &seen[i];
+	if (!code)
+		qsort_r(sorted, count, sizeof *sorted, by_list, (void *)job->selection);
+	for (uint32_t i = 0, end; i < count && !code && job->fetch; i = end) {
+		const struct view_instance *first = &all[sorted[i]->instance];
+		for (end = i + 1; end < count && all[sorted[end]->instance].list == first->list
+				&& all[sorted[end]->instance].index - first->index < TOGETHER;)
+			end++;
+		code = ask_together(job, sorted + i, end - i, error);
 	}
-	if (!code && job->fetch)
-		code = ask_all(job->fetch, view_store_pack(job->store), asked, count, error);
-	free(asked);
+	free(sorted);
 	return code;
 }
 

@@ -1,5 +1,6 @@
 #include "client-min/view_report.h"
 #include "client-min/draw/view_shader.h"
+#include "ecofiles/base/file_write.h"
 #include "ecofiles/base/json_memory.h"
 #include "ecofiles/base/array_grow.h"
 
@@ -233,22 +234,16 @@ static json_t *report_json(const struct view_report *report)
 
 enum eco_code view_report_write(const struct view_report *report, const char *dir, struct eco_error *error)
 {
-	char path[4096], beside[4096 + 32];
+	char path[4096];
 	if (snprintf(path, sizeof path, "%s/report.json", dir) >= (int)sizeof path)
 		return eco_fail(error, ECO_BAD_USAGE, "the folder's name is too long");
-	snprintf(beside, sizeof beside, "%s.tmp-%ld", path, (long)getpid());
 	json_t *root = report_json(report);
-	int failed = json_dump_file(root, beside, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+	char *text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+	enum eco_code code = text && !eco_json_lost() ? eco_file_write(path, text, strlen(text), error)
+		: eco_fail(error, ECO_NO_MEMORY, "%s: no memory for it", path);
 	json_decref(root);
-	if (eco_json_lost()) {
-		unlink(beside);
-		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory for it", path);
-	}
-	if (!failed && rename(beside, path) == 0)
-		return ECO_OK;
-	int saved = errno;
-	unlink(beside);
-	return eco_fail_write(error, path, saved);
+	free(text);
+	return code;
 }
 
 void view_report_free(struct view_report *report)

@@ -12,6 +12,7 @@
 
 #include "client-min/view_record.h"
 #include "ecofiles/base/angle16.h"
+#include "ecofiles/base/array_grow.h"
 
 #define INSTANCES_MAX (1u << 28)        /* looked at, seen or not */
 #define PAIRS_MAX (1u << 30)            /* of an instance and a cut */
@@ -29,25 +30,11 @@ struct walk {
 	uint32_t *sorted;                /* cut indices by anchor, then first band */
 	struct view_table anchors;       /* anchor -> first position in `sorted` */
 	struct view_table gates;         /* plant -> end */
-	struct lod_anchor_band *seen;    uint32_t seen_room;
+	struct lod_anchor_band *seen;
 	uint32_t instance_room, first_room, pair_room, pair_count;
 	uint64_t looked;
 	struct eco_error *error;
 };
-
-static bool reserve(void *array, uint32_t *room, uint64_t count, size_t item)
-{
-	if (count <= *room)
-		return true;
-	void **slot = array;
-	uint64_t bigger = count + count / 2 + 64;
-	void *moved = bigger > UINT32_MAX ? NULL : realloc(*slot, bigger * item);
-	if (!moved)
-		return false;
-	*slot = moved;
-	*room = (uint32_t)bigger;
-	return true;
-}
 
 static enum eco_code no_memory(struct walk *w)
 {
@@ -174,10 +161,9 @@ static void find_roles(struct walk *w)
 static enum eco_code add_instance(struct walk *w, const struct view_instance *instance)
 {
 	struct view_selection *out = w->out;
-	if (!reserve(&out->instances, &w->instance_room, (uint64_t)out->instance_count + 1,
-			sizeof *out->instances) ||
-		!reserve(&out->cut_first, &w->first_room, (uint64_t)out->instance_count + 2,
-		sizeof *out->cut_first))
+	if (!eco_array_grow(&out->instances, &w->instance_room, out->instance_count, sizeof *out->instances)
+			|| !eco_array_grow(&out->cut_first, &w->first_room, out->instance_count + 1,
+			sizeof *out->cut_first))
 		return no_memory(w);
 	out->cut_first[out->instance_count] = w->pair_count;
 	out->instances[out->instance_count++] = *instance;
@@ -187,7 +173,7 @@ static enum eco_code add_instance(struct walk *w, const struct view_instance *in
 static enum eco_code add_pair(struct walk *w, uint32_t cut)
 {
 	const struct eco_cut *c = &w->plan->cuts[cut];
-	if (w->pair_count >= PAIRS_MAX || !reserve(&w->out->cuts, &w->pair_room, (uint64_t)w->pair_count + 1,
+	if (w->pair_count >= PAIRS_MAX || !eco_array_grow(&w->out->cuts, &w->pair_room, w->pair_count,
 			sizeof *w->out->cuts))
 		return no_memory(w);
 	w->out->cuts[w->pair_count++] = cut;
@@ -245,10 +231,13 @@ static enum eco_code walk_group(struct walk *w, const struct eco_placement *plac
 		return eco_fail(w->error, ECO_DAMAGED, "the plan draws plants %u of list %u, which were not "
 			"described", group->plant, list->id);
 	w->looked += group->count;
-	if (w->looked > INSTANCES_MAX || !reserve(&w->seen, &w->seen_room, plant->plant.anchor_count,
-			sizeof *w->seen))
+	if (w->looked > INSTANCES_MAX)
 		return eco_fail(w->error, ECO_TOO_LARGE, "the plan looks at more than %u plants",
 			INSTANCES_MAX);
+	void *seen = realloc(w->seen, plant->plant.anchor_count * sizeof *w->seen);
+	if (!seen)
+		return no_memory(w);
+	w->seen = seen;
 	uint32_t gate = view_table_get(&w->gates, group->plant);
 	uint32_t key = eco_owner_leaf(list->list.owner) + placement->path;
 	for (uint32_t i = group->first; i < group->first + group->count; i++) {
@@ -259,17 +248,17 @@ static enum eco_code walk_group(struct walk *w, const struct eco_placement *plac
 		instance.hash = lod_share_hash(placement->path, list->id, i);
 		if (lod_open_hash(instance.hash) < left)
 			continue;
-		uint32_t seen = lod_instance_anchors(w->eye, &instance.place, plant->anchors,
+		uint32_t count = lod_instance_anchors(w->eye, &instance.place, plant->anchors,
 			plant->plant.anchor_first, plant->plant.anchor_count, gate == UINT32_MAX ? 0 : gate,
 			instance.hash, w->seen);
-		if (!seen)
+		if (!count)
 			continue;
 		double center[3];
 		lod_place_point(&instance.place, plant->anchors[0].center, center);
 		instance.distance_m = distance_m(w->eye, center);
 		instance.owner = eco_owner_instance(key, group->plant, i);
 		enum eco_code code = add_instance(w, &instance);
-		for (uint32_t s = 0; s < seen && !code; s++)
+		for (uint32_t s = 0; s < count && !code; s++)
 			code = add_cuts(w, &w->seen[s], instance.hash);
 		if (code)
 			return code;
@@ -307,8 +296,7 @@ static enum eco_code walk_once(struct walk *w, uint32_t cut)
 static enum eco_code finish(struct walk *w)
 {
 	struct view_selection *out = w->out;
-	if (!reserve(&out->cut_first, &w->first_room, (uint64_t)out->instance_count + 1,
-			sizeof *out->cut_first))
+	if (!eco_array_grow(&out->cut_first, &w->first_room, out->instance_count, sizeof *out->cut_first))
 		return no_memory(w);
 	out->cut_first[out->instance_count] = w->pair_count;
 	for (uint32_t c = 0; c < out->cut_count; c++)

@@ -410,7 +410,7 @@ static enum eco_code bind_images(struct frame *f, const struct view_list *list)
 	return code;
 }
 
-/* Lines: four vertices a primitive, in parts as long as the index buffer. */
+/* Lines, and impostors, a plant each: four vertices a primitive, in parts as long as the index buffer. */
 static void draw_quads(const struct view_shader *s, uint32_t first, uint32_t end, uint32_t members)
 {
 	for (uint32_t at = first; at < end; at += QUADS) {
@@ -419,46 +419,6 @@ static void draw_quads(const struct view_shader *s, uint32_t first, uint32_t end
 		glDrawElementsInstanced(GL_TRIANGLES, (GLsizei)(count * 6), GL_UNSIGNED_SHORT, NULL,
 			(GLsizei)members);
 	}
-}
-
-/* Each plant is a point; those too large for the driver's points follow as two triangles each. While points
- * are drawn the viewport is larger than the picture by half a point on all sides, as drivers may leave out
- * points whose middle is beside it. */
-static void draw_level(const struct frame *f, const struct view_shader *s, double widest, uint32_t count)
-{
-	const struct view_gl *gl = f->gl;
-	int width = (int)f->picture->width, height = (int)f->picture->height;
-	float most = f->map ? 0 : gl->point_max;
-	int margin = (int)ceil(0.5 * fmin(widest, most));
-	if (width + 2 * margin > gl->viewport_max[0] || height + 2 * margin > gl->viewport_max[1])
-		most = 0;
-	glUniform1f(s->uniform[VIEW_U_POINT_MAX], most);
-	if (most > 0) {
-		glUniform1i(s->uniform[VIEW_U_CORNERS], 1);
-		glUniform1i(s->uniform[VIEW_U_FIRST], 0);
-		glUniform2f(s->uniform[VIEW_U_WINDOW], 0.5f * (float)width + (float)margin,
-			0.5f * (float)height + (float)margin);
-		glViewport(-margin, -margin, width + 2 * margin, height + 2 * margin);
-		glDrawArrays(GL_POINTS, 0, (GLsizei)count);
-		glViewport(0, 0, width, height);
-	}
-	if (widest > most) {
-		glUniform1i(s->uniform[VIEW_U_CORNERS], 4);
-		glUniform2f(s->uniform[VIEW_U_WINDOW], 0.5f * (float)width, 0.5f * (float)height);
-		draw_quads(s, 0, count, 1);
-	}
-}
-
-static void draw_impostors(const struct frame *f, const struct view_shader *s, const struct view_list *list,
-	uint32_t level, uint32_t first_member, uint32_t count)
-{
-	const struct lod_impostor *impostor = &list->impostors[level];
-	glUniform1i(s->uniform[VIEW_U_FIRST_RECORD], (int)view_record_span(list, 0, level));
-	glUniform1ui(s->uniform[VIEW_U_SURFACE], view_impostor_surface(&list->list, impostor));
-	/* with a pixel around the outline, and another for what floats round */
-	const uint32_t size[2] = { f->picture->width, f->picture->height };
-	draw_level(f, s, f->map ? INFINITY : 4 + view_extent_balls_px(f->job->eye, f->job->selection, size, impostor,
-		f->job->selection->members + first_member, count), count);
 }
 
 /* How wide an ellipse may be that touches the picture and whose half axis is such a part of its distance:
@@ -526,9 +486,11 @@ static void draw_primitives(struct frame *f, const struct view_shader *s, const 
 	const struct view_list *list, const struct eco_cut *cut, uint32_t first_member, uint32_t members)
 {
 	uint32_t first = cut->first << cut->halvings, end = cut->end << cut->halvings;
-	if (list->list.kind == ECO_LIST_IMPOSTOR)
-		draw_impostors(f, s, list, cut->first, first_member, members);
-	else if (list->list.kind == ECO_LIST_POINTS)
+	if (list->list.kind == ECO_LIST_IMPOSTOR) {
+		glUniform1i(s->uniform[VIEW_U_FIRST_RECORD], (int)view_record_span(list, 0, first));
+		glUniform1ui(s->uniform[VIEW_U_SURFACE], view_impostor_surface(&list->list, &list->impostors[first]));
+		draw_quads(s, 0, members, 1);
+	} else if (list->list.kind == ECO_LIST_POINTS)
 		draw_ellipses(f, s, g, list, cut, first_member, members);
 	else if (list->list.kind == ECO_LIST_LINES)
 		draw_quads(s, first, end, members);

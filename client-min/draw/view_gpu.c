@@ -323,28 +323,6 @@ enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list,
 
 /* ---- Extents ---- */
 
-double view_extent_balls_px(const struct lod_eye *eye, const struct view_selection *selection,
-	const uint32_t size[2], const struct lod_impostor *impostor, const uint32_t *members, uint32_t count)
-{
-	const double *axes[2] = { eye->right, eye->up },
-		focal[2] = { size[0] / eye->tan_x, size[1] / eye->tan_y };
-	double widest = 0;
-	for (uint32_t i = 0; i < count; i++) {
-		const struct lod_place *place = &selection->instances[members[i]].place;
-		double r = impostor->radius * place->scale, center[3];
-		lod_place_point(place, impostor->body.center, center);
-		for (int k = 0; k < 3; k++)
-			center[k] -= eye->at[k];
-		double far = lod_dot(center, eye->forward);
-		for (int k = 0; k < 2 && far > r; k++) {
-			double aside = lod_dot(center, axes[k]);
-			widest = fmax(widest, focal[k] * r * sqrt(aside * aside + far * far - r * r)
-				/ (far * far - r * r));
-		}
-	}
-	return widest;
-}
-
 double view_extent_ellipses(const struct lod_eye *eye, const struct view_selection *selection,
 	const struct view_gpu_list *g, const struct view_list *list, const struct eco_cut *cut,
 	const uint32_t *members, uint32_t count)

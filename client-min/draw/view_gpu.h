@@ -61,12 +61,6 @@ void view_gpu_write(const struct view_gpu_texels *t, uint64_t at, const void *da
 enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_texels *stream, enum view_gpu_kind kind,
 	const void *data, uint64_t texels, struct eco_error *error);
 
-/* ---- How large what is drawn of some plants becomes at most, which says how view_gl.c may draw it ---- */
-
-/* Width or height of the largest outline of the balls around these members of the selection in a picture of
- * that size. Balls that reach the eye's plane are not drawn. */
-double view_extent_balls_px(const struct lod_eye *eye, const struct view_selection *selection,
-	const uint32_t size[2], const struct lod_impostor *impostor, const uint32_t *members, uint32_t count);
 /* The largest ratio of a half axis of these members' ellipses to its distance from the eye's plane; INFINITY:
  * it may be more than half. */
 double view_extent_ellipses(const struct lod_eye *eye, const struct view_selection *selection,

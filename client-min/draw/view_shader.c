@@ -463,7 +463,7 @@ static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up"
 	"u_members",
 	"u_alpha", "u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
 	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
-	"u_point_max", "u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count", "u_map" };
+	"u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count", "u_map" };
 
 static unsigned compile(unsigned program, unsigned type, const char *const *parts, int count)
 {

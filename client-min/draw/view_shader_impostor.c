@@ -2,9 +2,7 @@
  * order. A vertex chooses the tiles and the rays of pixels; a fragment follows its ray. Levels lie in records
  * as view_record.h says.
  *
- * A plant is one point that covers its outline. Points whose middle lies beside the picture may be clipped,
- * so the viewport is larger than the picture, and u_window is half of it. Outlines larger than u_point_max,
- * the driver's largest point, are drawn by another call as two triangles: u_corners is 4 then, else 1.
+ * A plant is two triangles that cover its outline.
  *
  * In a shadow map the outline is that of a disc across the beams, and rays come from a place that is
  * 64 radii towards the sun (view_shadow_cast.c). A beam (x, y) meets the disc where its two half axes have
@@ -28,10 +26,8 @@
 
 const char view_shader_impostor_vertex[] =
 	READING
-	"uniform int u_corners;\n"
-	"uniform float u_point_max;\n"
 	"uniform uint u_surface;\n"
-	"uniform vec2 u_half, u_window;\n"
+	"uniform vec2 u_half;\n"
 	"flat out vec3 v_eye, v_from[4];\n"
 	"flat out mat3 v_rays;           // through the middle, and what a pixel across and one down add\n"
 	"flat out vec4 v_outline;        // x, y, lean, half\n"
@@ -134,7 +130,7 @@ const char view_shader_impostor_vertex[] =
 	"	return there;\n"
 	"}\n"
 	"void main() {\n"
-	"	Plant p = plant_of_member(gl_VertexID / u_corners + u_first);\n"
+	"	Plant p = plant_of_member(gl_VertexID / 4 + u_first);\n"
 	"	vec4 ball = uintBitsToFloat(record(0u));\n"
 	"	vec3 view = view_of(p, ball.xyz);\n"
 	"	vec2 focal = u_lens.xy * u_half, size;\n"
@@ -147,14 +143,12 @@ const char view_shader_impostor_vertex[] =
 	"	disc[2] = vec3(view.x, -view.y, view.z);\n"
 	"#endif\n"
 	"	bool there = outline(view, ball.w * p.scale, focal, size);\n"
-	"	gl_PointSize = 2.0 * (max(size.x, size.y) + 1.0);\n"
 	"	gl_Position = vec4(2.0, 2.0, 2.0, 1.0);\n"
-	"	if (!there || (gl_PointSize <= u_point_max) != (u_corners == 1)) return;\n"
+	"	if (!there) return;\n"
 	"	int corner = gl_VertexID & 3;\n"
 	"	vec2 sign = vec2(corner == 1 || corner == 2 ? 1.0 : -1.0, corner >= 2 ? 1.0 : -1.0);\n"
-	"	vec2 at = u_corners == 4 ? sign * (size + 1.0) : vec2(0.0);\n"
 	"	gl_Position = project(view);\n"
-	"	gl_Position.xy = (v_outline.xy + at) / u_window * gl_Position.w;\n"
+	"	gl_Position.xy = (v_outline.xy + sign * (size + 1.0)) / u_half * gl_Position.w;\n"
 	"	v_seen = uvec4(p.whose, u_surface, color_of(0u), 0u);\n"
 	"#ifdef SHADOW\n"
 	"	vec3 from = sun * (64.0 * ball.w);\n"
