@@ -65,6 +65,12 @@ UNIT_TEST(empty_store_draws_an_empty_picture)
 	assert_int_equal(covered(&p), 0);
 	assert_true(p.vertices == 0);
 	view_picture_free(&p);
+	/* and none of another size than the target */
+	struct view_selection selection = { 0 };
+	struct view_gl_job job = { store, &selection, &(struct lod_eye){ .tan_x = 1 }, 0.1, VIEW_TINT_NONE };
+	assert_int_equal(view_picture_init(&p, 7, 5, NULL), ECO_OK);
+	assert_int_not_equal(view_gl_draw(scene_gl, &job, &p, NULL), ECO_OK);
+	view_picture_free(&p);
 	view_store_free(store);
 }
 
@@ -134,22 +140,6 @@ UNIT_TEST(gpu_keeps_what_some_store_holds)
 	scene_release(&h);
 }
 
-UNIT_TEST(mask_does_not_depend_on_shading)
-{
-	if (!scene_gl)
-		skip();
-	struct scene_held h = scene_hold(&grove);
-	struct view_picture plain = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_NONE),
-		tinted = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_KIND);
-	size_t pixels = (size_t)plain.width * plain.height;
-	assert_memory_equal(plain.cover, tinted.cover, pixels);
-	assert_memory_equal(plain.owner, tinted.owner, 8 * pixels);
-	assert_true(memcmp(plain.rgb, tinted.rgb, 3 * pixels) != 0);
-	view_picture_free(&plain);
-	view_picture_free(&tinted);
-	scene_release(&h);
-}
-
 /* The hue tells the representation: green triangles, red lines, blue points, yellow to orange blends. */
 UNIT_TEST(tint_shows_all_four_kinds)
 {
@@ -157,7 +147,11 @@ UNIT_TEST(tint_shows_all_four_kinds)
 		skip();
 	struct scene_held h = scene_hold(&grove);
 	uint32_t green = 0, red = 0, blue = 0, yellow = 0;
-	struct view_picture p = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_KIND);
+	struct view_picture p = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_KIND),
+		plain = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_NONE);
+	/* the mask does not depend on shading */
+	assert_memory_equal(plain.owner, p.owner, 8 * (size_t)p.width * p.height);
+	view_picture_free(&plain);
 	for (uint32_t i = 0; i < p.width * p.height; i++) {
 		const uint8_t *c = p.rgb + 3 * (size_t)i;
 		if (!p.cover[i])
@@ -249,65 +243,6 @@ UNIT_TEST(points_of_all_sizes_are_those_of_software)
 		view_picture_free(&hard);
 		scene_release(&h);
 	}
-}
-
-UNIT_TEST(repeated_frames_are_the_same)
-{
-	if (!scene_gl)
-		skip();
-	struct scene_held h = scene_hold(&grove);
-	struct view_picture a = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_NONE),
-		b = draw(scene_gl, h.store, &h.view, true, VIEW_TINT_NONE);
-	assert_same(&a, &b);
-	view_picture_free(&a);
-	view_picture_free(&b);
-	scene_release(&h);
-}
-
-UNIT_TEST(wrong_size_is_refused)
-{
-	if (!scene_gl)
-		skip();
-	struct view_store *store = empty_store();
-	struct view_selection selection = { 0 };
-	struct lod_eye eye = { 0 };
-	struct view_gl_job job = { store, &selection, &eye, 0.1, VIEW_TINT_NONE };
-	struct view_picture picture;
-	assert_int_equal(view_picture_init(&picture, 7, 5, NULL), ECO_OK);
-	assert_int_not_equal(view_gl_draw(scene_gl, &job, &picture, NULL), ECO_OK);
-	view_picture_free(&picture);
-	view_store_free(store);
-}
-
-/* Needs no OpenGL: shadows fall away from the sun, to the north-east, and nowhere without plants. */
-UNIT_TEST(shadows_fall_to_the_north_east)
-{
-	struct scene_held h = scene_hold(&grove);
-	scene_select(&h);
-	const struct view_selection s = h.selection;
-	struct view_shade shade;
-	uint32_t tree = 0;
-	while (s.instances[tree].plant != 0)
-		tree++;
-	struct view_selection alone = { .instances = &s.instances[tree], .instance_count = 1 };
-	assert_int_equal(view_shade_make(&shade, h.store, &alone, NULL), ECO_OK);
-	double sum = 0, x = 0, y = 0;
-	for (int j = 0; j < VIEW_SHADE_PIXELS; j++)
-		for (int i = 0; i < VIEW_SHADE_PIXELS; i++) {
-			double v = shade.texels[2 * (j * VIEW_SHADE_PIXELS + i)];
-			sum += v, x += v * i, y += v * j;
-		}
-	double texel = shade.size_m / VIEW_SHADE_PIXELS;
-	assert_true(sum > 0);
-	assert_true(shade.low[0] + x / sum * texel > s.instances[tree].place.at[0] + 1);
-	assert_true(shade.low[1] + y / sum * texel > s.instances[tree].place.at[1] + 1);
-	view_shade_free(&shade);
-	alone.instance_count = 0;
-	assert_int_equal(view_shade_make(&shade, h.store, &alone, NULL), ECO_OK);
-	for (size_t i = 0; i < 2u * VIEW_SHADE_PIXELS * VIEW_SHADE_PIXELS; i++)
-		assert_int_equal(shade.texels[i], 0);
-	view_shade_free(&shade);
-	scene_release(&h);
 }
 
 UNIT_TEST(own_colours_are_those_that_were_recorded)

@@ -102,38 +102,6 @@ UNIT_TEST(ground_comes_coarse_to_fine)
 	srv_stream_free(&stream);
 }
 
-UNIT_TEST(the_same_view_has_the_same_ground_whatever_came_before)
-{
-	static const double walk[][2] = { { 900, 120 }, { 60, 4 }, { 500, 400 }, { 120, 9 } };
-	struct view_store *held = NULL;
-	for (int i = 0; i < 4; i++) {
-		struct eco_request request = request_of(walk[i][0], walk[i][1], 20000);
-		struct srv_stream fresh, after;
-		struct eco_holdings holdings = { 0 };
-		if (held)
-			assert_int_equal(view_store_holdings(held, &holdings, NULL), ECO_OK);
-		plan(&fresh, &request, NULL);
-		plan(&after, &request, &holdings);
-		const struct eco_plan *a = &fresh.steps[fresh.step_count - 1].plan,
-			*b = &after.steps[after.step_count - 1].plan;
-		assert_int_equal(a->cut_count, b->cut_count);
-		for (uint32_t c = 0; c < a->cut_count; c++)
-			assert_int_equal(a->cuts[c].list, b->cuts[c].list);
-		assert_true(i == 0 || after.body_bytes < fresh.body_bytes);
-		held = receive(held, &after);
-		free(holdings.items);
-		/* the same once more: nothing of it is sent */
-		assert_int_equal(view_store_holdings(held, &holdings, NULL), ECO_OK);
-		srv_stream_free(&after);
-		plan(&after, &request, &holdings);
-		assert_int_equal(after.chunk_count, 0);
-		free(holdings.items);
-		srv_stream_free(&fresh);
-		srv_stream_free(&after);
-	}
-	view_store_free(held);
-}
-
 /* ---- Bytes ---- */
 
 UNIT_TEST(ground_gives_way_before_plants)
@@ -168,50 +136,6 @@ UNIT_TEST(ground_gives_way_before_plants)
 	}
 	assert_true(coarser > 2 && fewer > 2);
 	srv_stream_free(&whole);
-}
-
-UNIT_TEST(a_tolerance_that_is_asked_for_is_kept)
-{
-	struct eco_request request = request_of(400, 80, 1000);
-	uint32_t last = UINT32_MAX;
-	for (double px = ECO_GROUND_PX_MIN; px < 1000; px *= 8) {
-		struct srv_stream stream;
-		request.ground_px = px;
-		plan(&stream, &request, NULL);
-		const struct srv_step *step = &stream.steps[stream.step_count - 1];
-		assert_true(step->ground_px == px && ground_tiles(step) <= last);
-		last = ground_tiles(step);
-		srv_stream_free(&stream);
-	}
-	assert_true(last >= 1 && last < 5);
-}
-
-UNIT_TEST(heights_of_the_drawn_ground_are_those_of_its_samples)
-{
-	struct eco_request request = request_of(200, 30, 1000);
-	struct srv_stream stream;
-	struct view_selection selection;
-	struct lod_eye eye;
-	uint32_t found = 0;
-	double z;
-	request.ground_px = ECO_GROUND_PX_MIN;
-	plan(&stream, &request, NULL);
-	struct view_store *held = receive(NULL, &stream);
-	lod_eye_make(&eye, &request.view);
-	assert_int_equal(view_select_make(&selection, held, &eye, NULL), ECO_OK);
-	for (double x = -HALF_M; x <= HALF_M; x += 25 * STEP_M)
-		for (double y = -HALF_M; y <= HALF_M; y += 31 * STEP_M)
-			if (view_ground_height(&selection.ground, x, y, &z)) {
-				found++;
-				assert_true(fabs(z - hills(x, y)) < 4);      /* far tiles are coarse */
-			}
-	assert_true(found > 100);
-	assert_true(view_ground_height(&selection.ground, 40, 20, &z) && fabs(z - hills(40, 20)) < 0.3);
-	assert_false(view_ground_height(&selection.ground, HALF_M + 1, 0, &z));
-	assert_false(view_ground_height(&selection.ground, NAN, 0, &z));
-	view_select_free(&selection);
-	view_store_free(held);
-	srv_stream_free(&stream);
 }
 
 /* ---- Pictures ---- */

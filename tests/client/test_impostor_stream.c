@@ -92,21 +92,6 @@ UNIT_TEST(levels_are_held_as_a_prefix_and_extended)
 	eco_plan_free(&large);
 }
 
-UNIT_TEST(a_tree_is_one_vertex_whatever_its_level)
-{
-	for (uint32_t level = 0; level < LEVELS; level++) {
-		struct scene_held h = { .view = scene_view(), .plan = plan_levels(level, level + 1) };
-		lod_eye_make(&h.eye, &h.view);
-		h.store = scene_store(&grove, &h.plan, NULL);
-		assert_non_null(h.store);
-		scene_select(&h);
-		uint32_t trees = h.selection.member_first[1];
-		assert_int_equal(h.selection.roles[0], VIEW_ROLE_IMPOSTORS);
-		assert_true(trees > 10 && h.selection.vertices == trees && h.plan.vertices == trees);
-		scene_release(&h);
-	}
-}
-
 /* ---- What is refused ---- */
 
 enum fault { SOUND, SWAPPED, TWICE, NO_BODY, NO_LEVEL, CUT_OFF, ONE_BYTE, TWO_PRIMITIVES, TWO_ELEMENTS,
@@ -249,54 +234,6 @@ UNIT_TEST(wrong_levels_are_refused_by_list_and_chunk)
 		view_store_free(store);
 		forged_free(&f);
 	}
-}
-
-/* Each byte of a level changed, under a hash that is right: refused with list and chunk, or another level
- * that can be drawn. */
-UNIT_TEST(changed_bytes_are_refused_or_harmless)
-{
-	uint32_t refused = 0, tried = 0;
-	size_t size;
-	payload_of(0, &size);
-	for (size_t at = 0; at < size; at += at < 64 ? 1 : 7) {
-		struct forged f;
-		struct eco_error error = { 0 };
-		enum eco_code code;
-		forge(&f);
-		put_level(&f, 0, 0, SIZE_MAX);
-		f.made[0][at] ^= (uint8_t)(1u << at % 8);
-		f.chunks[f.first].id = eco_chunk_hash(f.made[0], size);
-		struct view_store *store = feed(&f, SOUND, 0, &code, &error);
-		tried++;
-		refused += code != ECO_OK;
-		if (code && (code != ECO_DAMAGED || !strstr(error.text, LIST ", chunk 0: ")))
-			fail_msg("byte %zu: code %d, '%s'", at, code, error.text);
-		assert_int_equal(view_store_list(store, L_IMPOSTOR)->chunk_count, code ? 0 : 2);
-		view_store_free(store);
-		forged_free(&f);
-	}
-	print_message("of %u levels with a byte changed, %u are refused\n", tried, refused);
-	assert_true(refused > tried / 2);
-}
-
-UNIT_TEST(levels_count_against_the_memory_limit)
-{
-	struct forged f;
-	struct eco_error error = { 0 };
-	enum eco_code code;
-	forge(&f);
-	struct view_store *store = feed(&f, SOUND, 0, &code, &error);
-	assert_ok(code, error);
-	uint64_t most = view_store_stats(store).memory_bytes - 1;
-	view_store_free(store);
-	store = feed(&f, SOUND, most, &code, &error);
-	assert_ok(code, error);
-	assert_false(view_store_complete(store));
-	assert_true(view_store_stats(store).memory_bytes <= most);
-	assert_int_equal(view_store_list(store, L_IMPOSTOR)->chunk_count, 1);
-	assert_level(&view_store_list(store, L_IMPOSTOR)->impostors[0], 0);
-	view_store_free(store);
-	forged_free(&f);
 }
 
 int main(void)

@@ -267,63 +267,6 @@ UNIT_TEST(streams_that_are_not_whole_are_named_and_what_came_is_kept)
 	free(body.bytes);
 }
 
-/* Draws what came of a stream of which so many bytes came; true if there is a picture. */
-static bool draw_cut(struct ecostream_client *client, const struct body *body, size_t cut,
-	const struct ecostream_request *request)
-{
-	struct ecostream_error error = { 0 };
-	struct ecostream_picture *picture;
-	struct body part = { body->bytes, cut, cut };
-	uint64_t vertices = 0;
-	assert_int_equal(feed(client, &part, 777, &error), ECOSTREAM_DAMAGED);
-	error = (struct ecostream_error){ 0 };
-	enum ecostream_code code = ecostream_picture_make(&picture, client, request, &error);
-	if (code == ECOSTREAM_NOT_FOUND)
-		return false;
-	assert_ok(code, error);
-	for (uint32_t i = 0; i < ecostream_picture_draws(picture); i++) {
-		struct ecostream_draw info;
-		ecostream_picture_draw(picture, i, &info);
-		check_geometry(picture, i, &info);
-		vertices += info.vertices;
-	}
-	assert_true(vertices <= request->vertices);
-	ecostream_picture_free(picture);
-	return true;
-}
-
-/* The part that came is drawn and held: the next answer brings the rest, and the whole picture. */
-UNIT_TEST(a_stream_may_be_cut_anywhere_and_goes_on)
-{
-	struct ecostream_request request = request_of(50000);
-	struct ecostream_error error = { 0 };
-	struct ecostream_counts whole, rest;
-	struct body body = body_of(&request, &whole);
-	uint64_t fewest = whole.bytes;
-	uint32_t drawn = 0;
-	for (size_t cut = 0; cut < body.size; cut += 1 + body.size / 61) {
-		struct ecostream_request again = request;
-		struct ecostream_client *client;
-		void *holdings;
-		assert_ok(ecostream_client_new(&client, &error), error);
-		bool has = draw_cut(client, &body, cut, &request);
-		assert_true(has || !drawn);
-		drawn += has;
-		assert_ok(ecostream_client_holdings(client, &holdings, &again.holdings_size, &error), error);
-		again.holdings = holdings;
-		struct body then = body_of(&again, &rest);
-		assert_int_equal(rest.vertices, whole.vertices);
-		fewest = rest.bytes < fewest ? rest.bytes : fewest;
-		assert_ok(feed(client, &then, 777, &error), error);
-		ecostream_picture_free(picture_of(client, &request));
-		ecostream_client_free(client);
-		free(holdings);
-		free(then.bytes);
-	}
-	assert_true(drawn > 10 && fewest < whole.bytes / 2);
-	free(body.bytes);
-}
-
 /* ---- Impostors ---- */
 
 /* Every tree of the scene as its impostor, as a stream. */

@@ -120,31 +120,6 @@ UNIT_TEST(shadows_are_drawn_alike_by_both_engines)
 	scene_release(&h);
 }
 
-/* Neither a shader nor anything on the GPU, whether or not they are cast; and nothing stays of them. */
-UNIT_TEST(shadows_need_no_shader_and_leave_nothing)
-{
-	if (!scene_gl)
-		skip();
-	struct scene_held h = scene_hold(&grove);
-	scene_select(&h);
-	const struct view_sky none = { .shadow_size = 1024 }, sky = { .shadows = VIEW_SHADOWS_PERSPECTIVE,
-		.shadow_size = 1024 };
-	struct view_picture before, with, after;
-	before = draw(&h, &none, true);
-	uint32_t programs = view_gl_programs(scene_gl);
-	uint64_t bytes = view_gl_bytes(scene_gl);
-	with = draw(&h, &sky, true);
-	after = draw(&h, &none, true);
-	assert_int_equal(view_gl_programs(scene_gl), programs);
-	assert_true(programs && view_gl_bytes(scene_gl) == bytes);
-	assert_true(memcmp(before.rgb, with.rgb, 3 * (size_t)with.width * with.height) != 0);
-	assert_memory_equal(before.rgb, after.rgb, 3 * (size_t)with.width * with.height);
-	view_picture_free(&before);
-	view_picture_free(&with);
-	view_picture_free(&after);
-	scene_release(&h);
-}
-
 UNIT_TEST(nearer_haze_hides_more)
 {
 	struct scene_held h = scene_hold(&grove);

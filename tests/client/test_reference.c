@@ -112,27 +112,6 @@ UNIT_TEST(threads_do_not_change_the_picture)
 	scene_release(&d);
 }
 
-UNIT_TEST(something_is_seen_and_scores_as_itself)
-{
-	struct eco_view view = scene_view();
-	struct view_picture p;
-	struct lod_score score;
-	uint32_t kinds[2] = { 0 }, hidden = 0;
-	struct scene_held d = scene_hold_view(&grove, view, 1);
-	scene_select(&d);
-	draw_software(&d, &view, 2, &p);
-	for (uint32_t i = 0; i < view.width * view.height; i++) {
-		kinds[p.cover[i] != 0]++;
-		hidden += (p.cover[i] != 0) != (p.owner[i] != 0);
-	}
-	assert_true(kinds[0] > 10000 && kinds[1] > 10000 && hidden == 0);
-	lod_score(&score, &(struct lod_score_input){ view.width, view.height, p.cover, p.cover, p.owner,
-		p.owner });
-	assert_true(score.q == 1 && score.owner_q == 1 && score.skill == 1);
-	view_picture_free(&p);
-	scene_release(&d);
-}
-
 UNIT_TEST(software_stops_when_told)
 {
 	struct eco_view view = scene_view();

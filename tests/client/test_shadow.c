@@ -244,65 +244,6 @@ UNIT_TEST(shadows_are_where_rays_to_the_sun_meet_something)
 
 /* ---- A known shadow ---- */
 
-/* One point of a summary alone, as a ball: its shadow is a disc on the beams. */
-UNIT_TEST(a_ball_casts_a_disc)
-{
-	struct lit l;
-	draw_view(&l, scene_view());
-	uint32_t cut = 0;
-	while (l.casters.plan_cuts[cut].list != L_SUMMARY)
-		cut++;
-	uint32_t at = l.casters.members[l.casters.member_first[cut]];
-	struct eco_cut one = l.casters.plan_cuts[cut];
-	uint32_t first[] = { 0, 1 }, member[] = { 0 };
-	one.end = 1;
-	one.halvings = 0;
-	one.scale = 60;
-	struct lod_place *place = &l.casters.instances[at].place;
-	struct view_selection ball = { .instances = &l.casters.instances[at], .instance_count = 1,
-		.plan_cuts = &one, .cut_count = 1, .member_first = first, .members = member };
-	struct view_mesh mesh = { .list = NULL };
-	assert_int_equal(view_mesh_make(&mesh, l.h.store, &one, NULL, NULL), 0);
-	double middle[3] = { l.h.eye.at[0] + 12 * l.h.eye.forward[0], l.h.eye.at[1] + 12 * l.h.eye.forward[1],
-		3 }, radius = (double)view_mesh_reach(&mesh, 0) * place->scale, point[3];
-	/* moved to where the eye looks */
-	lod_place_point(place, mesh.geometry.position, point);
-	for (int k = 0; k < 3; k++)
-		place->at[k] += middle[k] - point[k];
-	for (size_t i = 0; i < sizeof suns / sizeof *suns; i++)
-		for (int kind = VIEW_SHADOWS_STANDARD; kind <= VIEW_SHADOWS_PERSPECTIVE; kind++) {
-			double sun[3];
-			find_sun(&l, i, sun);
-			struct view_shadow_job job = job_of(&l, sun, (enum view_shadows)kind);
-			job.casters = &ball;
-			struct view_shadow shadow = cast(&job);
-			uint32_t in = 0, out = 0;
-			for (double t = 0; t < 6.283; t += 0.01)
-				for (double r = 0.1; r < 3; r += 0.1) {
-					float texel_m = 0, to[3], lit;
-					double across = r * radius * cos(t), along = r * radius * sin(t), from[3];
-					for (int k = 0; k < 3; k++)
-						from[k] = middle[k] + across * (k == 0) + along * (k == 1)
-							- 2 * (double)job.sun[k] - l.h.eye.at[k];
-					for (int k = 0; k < 3; k++)
-						to[k] = (float)from[k];
-					lit = view_shadow_lit(&shadow, to, NULL, &texel_m);
-					const double off[3] = { across, along, 0 };
-					double beam = across * (double)job.sun[0] + along * (double)job.sun[1];
-					double off_beam = sqrt(lod_dot(off, off) - beam * beam);
-					if (lit < 0 || fabs(off_beam - radius) < 3 * (double)texel_m || beam > 1)
-						continue;
-					assert_true(off_beam > radius ? lit > FULL : lit == 0);
-					in += lit == 0;
-					out += lit > FULL;
-				}
-			assert_true(in > 300 && out > 300);
-			view_shadow_free(&shadow);
-		}
-	view_mesh_free(&mesh);
-	close_view(&l);
-}
-
 /* ---- Texels ---- */
 
 /* Someone who stands under trees: the nearest ground is near, the farthest plants are far. */
@@ -330,26 +271,6 @@ UNIT_TEST(perspective_has_more_texels_near_the_eye)
 		if (strcmp(suns[i].name, "beside") == 0 || strcmp(suns[i].name, "overhead") == 0)
 			assert_true(texels[2] > 2 * texels[1]);
 	}
-	close_view(&l);
-}
-
-/* Looking along the sun's beams, either way, nothing is to be gained, and nothing may be lost. */
-UNIT_TEST(along_the_beams_both_maps_are_alike)
-{
-	struct eco_view down = { { -6, -5, 30 }, { 0, 0, 0 }, { 0, 0, 1 }, 45, 480, 320 };
-	struct lit l;
-	draw_view(&l, down);
-	const double *f = l.h.eye.forward, sun[3] = { -f[0], -f[1], -f[2] };
-	struct view_shadow_job job = job_of(&l, sun, VIEW_SHADOWS_STANDARD);
-	struct view_shadow standard = cast(&job);
-	job.kind = VIEW_SHADOWS_PERSPECTIVE;
-	struct view_shadow perspective = cast(&job);
-	double a = view_shadow_sharpness(&standard, &l.picture, &l.h.eye),
-		b = view_shadow_sharpness(&perspective, &l.picture, &l.h.eye);
-	print_message("along the beams: standard %.3f, perspective %.3f\n", a, b);
-	assert_true(fabs(a - b) < 0.1 * a);
-	view_shadow_free(&standard);
-	view_shadow_free(&perspective);
 	close_view(&l);
 }
 

@@ -10,21 +10,6 @@
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
-UNIT_TEST(table_keeps_what_was_put)
-{
-	struct view_table table = { 0 };
-	assert_int_equal(view_table_get(&table, 3), UINT32_MAX);
-	for (uint32_t i = 0; i < 5000; i++)
-		assert_true(view_table_put(&table, i * 2654435761u, i));
-	assert_true(view_table_put(&table, 0, 77));
-	assert_int_equal(table.count, 5000);
-	for (uint32_t i = 1; i < 5000; i++)
-		assert_int_equal(view_table_get(&table, i * 2654435761u), i);
-	assert_int_equal(view_table_get(&table, 0), 77);
-	assert_int_equal(view_table_get(&table, 12345), UINT32_MAX);
-	view_table_free(&table);
-}
-
 /* Keys that share a slot stay found when others before them go: the twin is an array. */
 UNIT_TEST(table_forgets_what_was_removed)
 {
@@ -88,53 +73,6 @@ UNIT_TEST(stream_fills_the_store)
 	assert_true(view_store_stats(store).memory_bytes > 0);
 	view_store_free(store);
 	eco_plan_free(&plan);
-}
-
-/* ROWS keep their order: what was coded is what comes back. */
-UNIT_TEST(ground_and_instances_come_back_in_order)
-{
-	struct scene_held h = scene_hold(&grove);
-	for (uint32_t id = L_TREES; id <= L_GROUND; id++) {
-		const struct eco_elements *in = &grove.elements[id],
-			*out = &view_store_list(h.store, id)->elements;
-		assert_int_equal(in->element_count, out->element_count);
-		assert_memory_equal(in->position, out->position, 12 * (size_t)in->element_count);
-		if (in->extra_count)
-			assert_memory_equal(in->extra, out->extra,
-				4 * (size_t)in->element_count * in->extra_count);
-	}
-	scene_release(&h);
-}
-
-UNIT_TEST(second_stream_extends_the_first)
-{
-	struct eco_view view = scene_view();
-	struct eco_plan small, large;
-	uint32_t held[L_COUNT];
-	struct eco_error error = { 0 };
-	struct eco_writer w;
-	scene_plan(&grove, &view, 0.2, &small);
-	scene_plan(&grove, &view, 1, &large);
-	struct view_store *store = scene_store(&grove, &small, NULL),
-		*whole = scene_store(&grove, &large, NULL);
-	scene_holdings(store, held);
-	assert_true(held[L_LEAVES] > 0 && held[L_LEAVES] < grove.lists[L_LEAVES].chunk_count);
-	scene_stream(&grove, &large, held, &w);
-	assert_int_equal(scene_feed(store, &w, &error), ECO_OK);
-	for (uint32_t id = 0; id < L_COUNT; id++) {
-		const struct view_list *a = view_store_list(store, id), *b = view_store_list(whole, id);
-		assert_true(!a == !b);
-		if (!a)
-			continue;
-		assert_int_equal(a->elements.corner_count, b->elements.corner_count);
-		assert_memory_equal(a->elements.position, b->elements.position,
-			12 * (size_t)a->elements.corner_count);
-	}
-	eco_writer_free(&w);
-	view_store_free(store);
-	view_store_free(whole);
-	eco_plan_free(&small);
-	eco_plan_free(&large);
 }
 
 /* ---- Streams that are wrong ---- */
@@ -217,79 +155,6 @@ UNIT_TEST(wrong_streams_are_refused_with_a_reason)
 	}
 }
 
-/* The twin of pairing: forms were made of their elements, and that is what they are after coding. */
-UNIT_TEST(forms_pair_with_their_elements)
-{
-	struct scene_held h = scene_hold(&grove);
-	const struct eco_elements *leaves = &view_store_list(h.store, L_LOW)->elements,
-		*points = &view_store_list(h.store, L_LOW_POINTS)->elements;
-	assert_true(points->element_count == grove.lists[L_LOW].element_count && leaves->element_count > 100);
-	for (uint32_t i = 0; i < leaves->element_count; i++) {
-		const int32_t *leaf = leaves->position + 12 * (size_t)i;
-		for (int k = 0; k < 3; k++)
-			assert_int_equal(points->position[3 * i + k], (leaf[k] + leaf[6 + k]) / 2);
-		assert_int_equal(points->extra[2 * i], leaves->extra[2 * i]);
-	}
-	scene_release(&h);
-}
-
-UNIT_TEST(chunk_that_is_held_is_refused)
-{
-	struct scene_held h = scene_hold(&grove);
-	struct eco_error error = { 0 };
-	struct eco_writer w;
-	uint32_t held[L_COUNT];
-	scene_holdings(h.store, held);
-	held[L_WOOD] = 0;
-	scene_stream(&grove, &h.plan, held, &w);
-	assert_int_equal(scene_feed(h.store, &w, &error), ECO_DAMAGED);
-	assert_non_null(strstr(error.text, "sent again"));
-	assert_int_equal(view_store_stats(h.store).chunks_twice, 1);
-	eco_writer_free(&w);
-	scene_release(&h);
-}
-
-/* Without beginning a frame. */
-static enum eco_code feed_on(struct view_store *store, const struct eco_writer *w, struct eco_error *error)
-{
-	struct eco_wire_parser *parser;
-	assert_int_equal(eco_wire_parser_new(&parser, &view_store_events, store, NULL), ECO_OK);
-	enum eco_code code = eco_wire_feed(parser, w->bytes, w->size, error);
-	eco_wire_parser_free(parser);
-	return code;
-}
-
-UNIT_TEST(memory_is_bounded)
-{
-	struct eco_view view = scene_view();
-	struct view_store *store;
-	struct view_store_options options = { .memory_max = 20000 };
-	struct eco_error error = { 0 };
-	struct eco_writer w;
-	struct eco_plan plan;
-	scene_plan(&grove, &view, 1, &plan);
-	assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
-	scene_stream(&grove, &plan, NULL, &w);
-	/* it ends, but cannot be drawn; and in the end it is clear why */
-	assert_int_equal(scene_feed(store, &w, &error), ECO_OK);
-	assert_true(!view_store_complete(store) && !view_store_plan(store));
-	enum eco_code code = ECO_OK;
-	uint32_t times = 0;
-	for (uint64_t vertices; !code && view_store_again(store, &vertices); times++) {
-		uint32_t held[L_COUNT];
-		assert_true(vertices == plan.vertices && view_store_stats(store).memory_peak_bytes <= 20000);
-		scene_holdings(store, held);
-		eco_writer_free(&w);
-		scene_stream(&grove, &plan, held, &w);
-		code = feed_on(store, &w, &error);
-	}
-	assert_true(code == ECO_TOO_LARGE && times == 2);
-	assert_non_null(strstr(error.text, "0.019 MiB are allowed"));
-	view_store_free(store);
-	eco_writer_free(&w);
-	eco_plan_free(&plan);
-}
-
 /* ---- Selection ---- */
 
 UNIT_TEST(selection_draws_what_the_plan_says)
@@ -355,21 +220,6 @@ UNIT_TEST(blends_are_recognised)
 		assert_int_equal(s.roles[c], roles[view_store_plan(h.store)->cuts[c].list]);
 	}
 	scene_release(&h);
-}
-
-UNIT_TEST(no_plan_selects_nothing)
-{
-	struct view_store *store;
-	struct view_store_options options = { 0 };
-	struct view_selection s;
-	struct lod_eye eye;
-	struct eco_view view = scene_view();
-	lod_eye_make(&eye, &view);
-	assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
-	assert_int_equal(view_select_make(&s, store, &eye, NULL), ECO_OK);
-	assert_true(s.instance_count == 0 && s.vertices == 0);
-	view_select_free(&s);
-	view_store_free(store);
 }
 
 /* The shader adds a placement's path to a record's owner; that must be what the library says. */
