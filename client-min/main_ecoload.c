@@ -5,8 +5,7 @@
 #include <stdlib.h>
 #include <sys/resource.h>
 
-#include "client-min/load/view_load_report.h"
-#include "client-min/load/view_views.h"
+#include "client-min/load/view_load.h"
 #include "client-min/view_exchange.h"
 #include "client-min/view_report.h"
 #include "ecofiles/base/options.h"

@@ -90,6 +90,7 @@ static enum eco_code save_owners(struct viewer *v, uint32_t frame, struct eco_er
 
 static enum eco_code save_comparison(struct viewer *v, const struct view_frame *f, struct eco_error *error)
 {
+	const struct lod_score *score = &f->measures.score;
 	char ours[200], full[200], wrong[80], q[4][VIEW_SCORE_BYTES];
 	uint32_t size[2];
 	uint8_t *rgb;
@@ -98,13 +99,14 @@ static enum eco_code save_comparison(struct viewer *v, const struct view_frame *
 	snprintf(ours, sizeof ours,
 		"ours: %llu of %llu vertices, %llu bytes\nQ %s  soft_q %s  ceiling %s",
 		(unsigned long long)f->vertices, (unsigned long long)f->budget_vertices,
-		(unsigned long long)f->bytes, view_report_score(q[0], f->q), view_report_score(q[1], f->soft_q),
+		(unsigned long long)f->fetched.bytes, view_report_score(q[0], score->q),
+		view_report_score(q[1], f->measures.soft_q),
 		view_report_score(q[2], f->ceiling));
 	snprintf(full, sizeof full, "full: %llu vertices\nP %s  R %s  skill %s  owner_q %s",
-		(unsigned long long)v->reference.vertices, view_report_score(q[0], f->precision),
-		view_report_score(q[1], f->recall), view_report_score(q[2], f->skill),
-		view_report_score(q[3], f->owner_q));
-	snprintf(wrong, sizeof wrong, "picture_error %.4f\nblack: none, pale yellow: 1", f->picture_error);
+		(unsigned long long)v->reference.vertices, view_report_score(q[0], score->precision),
+		view_report_score(q[1], score->recall), view_report_score(q[2], score->skill),
+		view_report_score(q[3], score->owner_q));
+	snprintf(wrong, sizeof wrong, "picture_error %.4f\nblack: none, pale yellow: 1", f->measures.picture_error);
 	struct view_compare compare = { &v->picture, &v->reference, v->error_map, { ours, full, wrong } };
 	enum eco_code code = view_compare_draw(&compare, &rgb, size, error);
 	if (code)
@@ -195,17 +197,12 @@ static void count_memory(struct viewer *v, const struct view_store_stats *before
 /* Draws and scores what there is of the frame under way. */
 static enum eco_code draw_part(struct viewer *v, struct view_frame *part, struct eco_error *error)
 {
-	struct view_measures measures;
 	enum eco_code code = draw(v, v->store, v->eye, &v->picture, error);
-	if (!code && v->options.reference)
-		code = view_measure_pair(&v->picture, &v->reference, NULL, &measures, error);
-	if (code)
-		return code;
 	part->vertices = v->picture.vertices;
 	part->draw_ms = v->picture.draw_ms;
-	if (v->options.reference)
-		view_frame_score(part, &measures, v->ceiling);
-	return ECO_OK;
+	part->ceiling = v->options.reference ? v->ceiling : NAN;
+	return code || !v->options.reference ? code
+		: view_measure_pair(&v->picture, &v->reference, NULL, &part->measures, error);
 }
 
 /* A picture for each mark, the same again where nothing came since the one before: a film keeps its time. */
@@ -214,12 +211,12 @@ static enum eco_code save_part(void *ctx, const struct view_fetch_result *so_far
 	struct viewer *v = ctx;
 	char format[64];
 	enum eco_code code = ECO_OK;
-	if (!v->frame_parts || so_far->bytes > v->drawn.bytes) {
+	if (!v->frame_parts || so_far->bytes > v->drawn.fetched.bytes) {
 		v->drawn = *v->frame;
 		code = draw_part(v, &v->drawn, error);
 	}
-	v->drawn.bytes = so_far->bytes;
-	v->drawn.stream_ms = so_far->stream_ms;
+	v->drawn.fetched.bytes = so_far->bytes;
+	v->drawn.fetched.stream_ms = so_far->stream_ms;
 	if (code)
 		return code;
 	snprintf(format, sizeof format, "frame-%%04u-part-%02u.png", v->frame_parts++);
@@ -264,20 +261,13 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	view_fetch_turn(v->fetch, NULL, NULL);
 	if (code)
 		return code;
-	f->bytes += result.bytes;
-	f->plan_ms = result.plan_ms;
-	f->first_byte_ms = result.first_byte_ms;
-	f->stream_ms = result.stream_ms;
-	f->requests = result.requests;
-	f->broken = result.broken;
-	f->cancelled = result.cancelled;
+	result.bytes += f->fetched.bytes;
+	f->fetched = result;
 	if (result.host_left) {
 		view_progress_clear(&v->progress);
 		fprintf(stderr, "ecoview: frame %u: %s hangs: chunks come from the scene's server from "
 			"now on\n", f->frame, v->options.chunks);
 	}
-	f->named = result.named;
-	f->named_bytes = result.named_bytes;
 	count_memory(v, &before, f);
 	if (result.nothing) {
 		view_progress_clear(&v->progress);
@@ -297,7 +287,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 		f->shadow_ms = v->picture.shadow_ms;
 		f->shadow_texels = v->picture.shadow_texels;
 	}
-	return view_frame_check(f, result.most_bytes, error);
+	return view_frame_check(f, error);
 }
 
 /* A view of more plants than a plan looks at cannot be asked for in full detail: then the score is against
@@ -335,13 +325,12 @@ static enum eco_code draw_reference(struct viewer *v, const struct eco_request *
 
 static enum eco_code score_frame(struct viewer *v, struct view_frame *f, struct eco_error *error)
 {
-	struct view_measures measures;
-	enum eco_code code = view_measure_pair(&v->picture, &v->reference, v->error_map, &measures, error);
+	enum eco_code code = view_measure_pair(&v->picture, &v->reference, v->error_map, &f->measures, error);
 	if (code)
 		return code;
 	if (v->options.tint == VIEW_TINT_KIND)   /* colours that stand for something else */
-		measures.picture_error = NAN;
-	view_frame_score(f, &measures, v->ceiling);
+		f->measures.picture_error = NAN;
+	f->ceiling = v->ceiling;
 	code = save_masks(v, f->frame, error);
 	return code ? code : save_comparison(v, f, error);
 }
@@ -369,7 +358,7 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 	struct lod_eye eye;
 	lod_eye_make(&eye, &request.view);
 	struct view_frame f = view_frame_empty(number, time_s, &request);
-	f.bytes = asked.bytes;
+	f.fetched.bytes = asked.bytes;
 	/* parts are scored while they come */
 	bool parts = v->options.marks.bytes_count + v->options.marks.ms_count > 0;
 	if (v->options.reference && parts)

@@ -57,8 +57,8 @@ struct view_fetch_options {
 struct view_fetch_result {
 	long status;                     /* HTTP; 0: there was none */
 	bool nothing;                    /* 204: no valid stream fits the budget; the store holds no plan */
-	uint32_t requests;               /* more than 1: see view_store_again, and: */
-	uint32_t broken;                 /* answers that broke off or did not come */
+	uint64_t requests;               /* more than 1: see view_store_again, and: */
+	uint64_t broken;                 /* answers that broke off or did not come */
 	uint64_t bytes;                  /* of the bodies, and of chunks that they name: */
 	uint64_t named, named_bytes;     /* number of these, and their bytes */
 	uint64_t most_bytes;             /* of the largest answer */

@@ -122,17 +122,6 @@ static void draw_share(void *workers, uint32_t number)
 
 /* ---- Looking up ---- */
 
-/* From the eye to the world's point that is seen at (x, y) in the middle of a pixel; 1 forward. */
-static void ray_of(const struct view_reference_job *job, const struct view_picture *picture, double x,
-	double y, double ray[3])
-{
-	const struct lod_eye *eye = job->eye;
-	double u = ((x + 0.5) / picture->width * 2 - 1) * eye->tan_x,
-		v = (1 - (y + 0.5) / picture->height * 2) * eye->tan_y;
-	for (int k = 0; k < 3; k++)
-		ray[k] = eye->forward[k] + u * eye->right[k] + v * eye->up[k];
-}
-
 static void into_plant(const struct lod_place *place, const double v[3], double out[3])
 {
 	out[0] = v[0] * place->cosine + v[1] * place->sine;
@@ -148,7 +137,7 @@ static void rays_of(const struct view_reference_job *job, const struct view_pict
 		from[k] = (job->eye->at[k] - place->at[k]) / place->scale;
 	into_plant(place, from, rays->eye);
 	for (int i = 0; i < 3; i++) {
-		ray_of(job, picture, x + (i == 1), y + (i == 2), ray);
+		view_picture_ray(picture, job->eye, x + (i == 1), y + (i == 2), ray);
 		into_plant(place, ray, rays->ray[i]);
 	}
 }
@@ -180,7 +169,7 @@ static uint32_t look_ground(const struct view_reference_job *job, const struct v
 	float mixed[3] = { 0, 0, 0 };
 	if (!f->made || f->item != item)
 		find_facet(ground, item, f);
-	ray_of(job, picture, x, y, ray);
+	view_picture_ray(picture, job->eye, x, y, ray);
 	for (int k = 0; k < 2; k++)
 		p[k] = job->eye->at[k] - ground->at[k] + ray[k] / depth;
 	for (int c = 0; c < 3; c++) {

@@ -16,21 +16,21 @@
 /* The figures of a frame by name, for frames and their means; `score`: as a line for people calls it. */
 #define FIGURE(name) offsetof(struct view_frame, name)
 static const struct { const char *name, *score; size_t offset; } measures[] = {
-	{ "precision", "P", FIGURE(precision) }, { "recall", "R", FIGURE(recall) }, { "q", "Q", FIGURE(q) },
-	{ "skill", "skill", FIGURE(skill) }, { "owner_q", "owner_q", FIGURE(owner_q) },
-	{ "soft_q", "soft_q", FIGURE(soft_q) }, { "ceiling", "ceiling", FIGURE(ceiling) },
-	{ "picture_error", "picture_error", FIGURE(picture_error) },
-	{ "predicted_q", NULL, FIGURE(predicted_q) }, { "plan_ms", NULL, FIGURE(plan_ms) },
-	{ "first_byte_ms", NULL, FIGURE(first_byte_ms) }, { "stream_ms", NULL, FIGURE(stream_ms) },
+	{ "precision", "P", FIGURE(measures.score.precision) }, { "recall", "R", FIGURE(measures.score.recall) }, { "q", "Q", FIGURE(measures.score.q) },
+	{ "skill", "skill", FIGURE(measures.score.skill) }, { "owner_q", "owner_q", FIGURE(measures.score.owner_q) },
+	{ "soft_q", "soft_q", FIGURE(measures.soft_q) }, { "ceiling", "ceiling", FIGURE(ceiling) },
+	{ "picture_error", "picture_error", FIGURE(measures.picture_error) },
+	{ "predicted_q", NULL, FIGURE(predicted_q) }, { "plan_ms", NULL, FIGURE(fetched.plan_ms) },
+	{ "first_byte_ms", NULL, FIGURE(fetched.first_byte_ms) }, { "stream_ms", NULL, FIGURE(fetched.stream_ms) },
 	{ "decode_ms", NULL, FIGURE(decode_ms) }, { "draw_ms", NULL, FIGURE(draw_ms) },
 	{ "reference_ms", NULL, FIGURE(reference_ms) }, { "shadow_ms", NULL, FIGURE(shadow_ms) },
 	{ "shadow_texels_per_pixel", NULL, FIGURE(shadow_texels) },
 	{ "reference_summaries", NULL, FIGURE(reference_summaries) } };
 #define MEASURES (sizeof measures / sizeof measures[0])
 static const struct { const char *name; size_t offset; } counts[] = {
-	{ "budget_vertices", FIGURE(budget_vertices) }, { "vertices", FIGURE(vertices) }, { "bytes", FIGURE(bytes) }, { "requests", FIGURE(requests) },
-	{ "broken_answers", FIGURE(broken) }, { "cancelled_bytes", FIGURE(cancelled) },
-	{ "named_chunks", FIGURE(named) }, { "named_bytes", FIGURE(named_bytes) },
+	{ "budget_vertices", FIGURE(budget_vertices) }, { "vertices", FIGURE(vertices) }, { "bytes", FIGURE(fetched.bytes) }, { "requests", FIGURE(fetched.requests) },
+	{ "broken_answers", FIGURE(fetched.broken) }, { "cancelled_bytes", FIGURE(fetched.cancelled) },
+	{ "named_chunks", FIGURE(fetched.named) }, { "named_bytes", FIGURE(fetched.named_bytes) },
 	{ "memory_bytes", FIGURE(memory_bytes) }, { "evicted_chunks", FIGURE(evictions) },
 	{ "refetched_bytes", FIGURE(again_bytes) } };
 
@@ -57,27 +57,14 @@ struct view_frame view_frame_empty(uint32_t frame, double time_s, const struct e
 	return f;
 }
 
-void view_frame_score(struct view_frame *frame, const struct view_measures *of, double ceiling)
-{
-	const struct lod_score *score = &of->score;
-	frame->precision = score->precision;
-	frame->recall = score->recall;
-	frame->q = score->q;
-	frame->skill = score->skill;
-	frame->owner_q = score->owner_q;
-	frame->soft_q = of->soft_q;
-	frame->ceiling = ceiling;
-	frame->picture_error = of->picture_error;
-}
-
-enum eco_code view_frame_check(const struct view_frame *f, uint64_t answer_bytes, struct eco_error *error)
+enum eco_code view_frame_check(const struct view_frame *f, struct eco_error *error)
 {
 	if (f->vertices > f->budget_vertices)
 		return eco_fail(error, ECO_DAMAGED, "frame %u: %llu vertices were drawn, %llu were allowed",
 			f->frame, (unsigned long long)f->vertices, (unsigned long long)f->budget_vertices);
-	if (answer_bytes > f->budget_bytes)
+	if (f->fetched.most_bytes > f->budget_bytes)
 		return eco_fail(error, ECO_DAMAGED, "frame %u: the response took %llu bytes, %llu were "
-			"allowed", f->frame, (unsigned long long)answer_bytes,
+			"allowed", f->frame, (unsigned long long)f->fetched.most_bytes,
 			(unsigned long long)f->budget_bytes);
 	return ECO_OK;
 }
@@ -122,14 +109,14 @@ void view_report_line(const struct view_frame *f, FILE *out)
 {
 	fprintf(out, "frame %04u  vertices %llu of %llu  bytes %llu", f->frame,
 		(unsigned long long)f->vertices, (unsigned long long)f->budget_vertices,
-		(unsigned long long)f->bytes);
+		(unsigned long long)f->fetched.bytes);
 	print_scores(f, out);
 }
 
 void view_report_part_line(const struct view_frame *f, FILE *out)
 {
 	fprintf(out, "frame %04u  after %llu bytes and %.0f ms: vertices %llu", f->frame,
-		(unsigned long long)f->bytes, f->stream_ms, (unsigned long long)f->vertices);
+		(unsigned long long)f->fetched.bytes, f->fetched.stream_ms, (unsigned long long)f->vertices);
 	print_scores(f, out);
 }
 
@@ -141,10 +128,11 @@ static struct totals add_up(const struct view_report *report)
 	for (uint32_t i = 0; i < report->count; i++) {
 		const struct view_frame *f = &report->frames[i];
 		t.vertices += f->vertices;
-		t.bytes += f->bytes;
-		t.broken += f->broken;
-		t.cancelled += f->cancelled;
-		t.repeats += f->requests > 1 + f->broken ? f->requests - 1 - f->broken : 0;
+		t.bytes += f->fetched.bytes;
+		t.broken += f->fetched.broken;
+		t.cancelled += f->fetched.cancelled;
+		t.repeats += f->fetched.requests > 1 + f->fetched.broken
+			? f->fetched.requests - 1 - f->fetched.broken : 0;
 		t.evictions += f->evictions;
 		t.again_bytes += f->again_bytes;
 	}

@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "client-min/view_fetch.h"
 #include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/plan.h"
@@ -15,15 +16,14 @@ struct view_frame {
 	uint32_t frame;
 	double time_s;
 	uint64_t budget_vertices, vertices;
-	uint64_t budget_bytes, bytes;            /* ECO_BYTES_UNBOUNDED: null */
-	double precision, recall, q, skill, owner_q, soft_q, ceiling, picture_error, predicted_q;
-	double plan_ms, first_byte_ms, stream_ms, decode_ms, draw_ms, reference_ms;
+	uint64_t budget_bytes;                   /* ECO_BYTES_UNBOUNDED: null */
+	struct view_fetch_result fetched;        /* all answers that the frame took */
+	struct view_measures measures;
+	double ceiling, predicted_q, decode_ms, draw_ms, reference_ms;
 	double shadow_ms, shadow_texels;         /* view_picture's, where shadows are cast */
-	/* answers that the frame took, and how many of them broke off or did not come; bytes of
-	 * the next view that were not waited for; decoded bytes held after it; chunks that went while it
-	 * came, and bytes fetched that had been fetched before */
-	uint64_t requests, broken, cancelled, memory_bytes, evictions, again_bytes;
-	uint64_t named, named_bytes;             /* chunks that were named and fetched, of `bytes` */
+	/* decoded bytes held after it; chunks that went while it came, and bytes fetched that had been fetched
+	 * before */
+	uint64_t memory_bytes, evictions, again_bytes;
 	/* tiles that even the reference shows as points: 0 where it is full detail */
 	double reference_summaries;
 };
@@ -46,9 +46,7 @@ struct view_report {                             /* owns `frames` and `parts` */
 /* A frame with everything that may be missing set to NaN. */
 struct view_frame view_frame_empty(uint32_t frame, double time_s, const struct eco_request *request);
 /* ECO_DAMAGED if more was drawn, or came in one answer, than the frame's budgets. */
-enum eco_code view_frame_check(const struct view_frame *frame, uint64_t answer_bytes,
-	struct eco_error *error);
-void view_frame_score(struct view_frame *frame, const struct view_measures *measures, double ceiling);
+enum eco_code view_frame_check(const struct view_frame *frame, struct eco_error *error);
 
 enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame,
 	struct eco_error *error);

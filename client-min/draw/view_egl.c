@@ -7,14 +7,13 @@
 
 #define DEVICES_MAX 16
 
-static bool create(struct view_context *context, EGLDisplay display, bool es)
+static bool create(struct view_context *context, EGLDisplay display)
 {
-	if (!eglBindAPI(es ? EGL_OPENGL_ES_API : EGL_OPENGL_API))
-		return false;
 	const EGLint core[] = { EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
 		EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE };
-	const EGLint embedded[] = { EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 2, EGL_NONE };
-	EGLContext made = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, es ? embedded : core);
+	if (!eglBindAPI(EGL_OPENGL_API))
+		return false;
+	EGLContext made = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, core);
 	if (made == EGL_NO_CONTEXT)
 		return false;
 	if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, made)) {
@@ -23,7 +22,6 @@ static bool create(struct view_context *context, EGLDisplay display, bool es)
 	}
 	context->display = display;
 	context->context = made;
-	context->dialect.es = es;
 	return true;
 }
 
@@ -35,7 +33,7 @@ static bool open_display(struct view_context *context, EGLDisplay display)
 	if (epoxy_has_egl_extension(display, "EGL_KHR_surfaceless_context") &&
 		(epoxy_has_egl_extension(display, "EGL_KHR_no_config_context") ||
 			epoxy_has_egl_extension(display, "EGL_MESA_configless_context")) &&
-		(create(context, display, false) || create(context, display, true)))
+		create(context, display))
 		return true;
 	eglTerminate(display);
 	return false;
@@ -69,25 +67,12 @@ static bool open_surfaceless(struct view_context *context)
 		context, eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL));
 }
 
-/* Settings that OpenGL and its dialects do not share. */
-static void set_rules(struct view_context *context)
-{
-	bool es = context->dialect.es;
-	context->dialect.depth_zero_to_one = !es || epoxy_has_gl_extension("GL_EXT_clip_control");
-	if (es && context->dialect.depth_zero_to_one)
-		glClipControlEXT(GL_LOWER_LEFT_EXT, GL_ZERO_TO_ONE_EXT);
-	if (es)
-		return;
-	glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-	glEnable(GL_PROGRAM_POINT_SIZE);
-}
-
 enum eco_code view_context_open(struct view_context *context, struct eco_error *error)
 {
 	*context = (struct view_context){ 0 };
 	if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base") ||
 		!(open_device(context, false) || open_surfaceless(context) || open_device(context, true)))
-		return eco_fail(error, ECO_UNSUPPORTED, "no OpenGL 4.5 or OpenGL ES 3.2 without a window: "
+		return eco_fail(error, ECO_UNSUPPORTED, "no OpenGL 4.5 without a window: "
 			"tried EGL devices and Mesa's surfaceless "
 			"platform (Debian: libegl1, libgl1-mesa-dri)");
 	const char *name = (const char *)glGetString(GL_RENDERER);
@@ -95,7 +80,9 @@ enum eco_code view_context_open(struct view_context *context, struct eco_error *
 	context->lazy = strstr(context->renderer, "llvmpipe");
 	context->hardware = !context->lazy && !strstr(context->renderer, "softpipe")
 		&& !strstr(context->renderer, "SwiftShader");
-	set_rules(context);
+	context->dialect.depth_zero_to_one = true;
+	glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+	glEnable(GL_PROGRAM_POINT_SIZE);
 	return ECO_OK;
 }
 

@@ -240,7 +240,6 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 	glUniform1i(s->uniform[VIEW_U_INSTANCES], 1);
 	glUniform1i(s->uniform[VIEW_U_MEMBERS], 2);
 	glUniform1i(s->uniform[VIEW_U_TEXTURE], 3);
-	glUniform1i(s->uniform[VIEW_U_ALPHA], 4);
 	glUniform1i(s->uniform[VIEW_U_MAP], 5);
 	glUniform4f(s->uniform[VIEW_U_TINT], 0, 0, 0, 0);
 	float sides[ECO_SIZES];
@@ -403,10 +402,8 @@ static enum eco_code bind_images(struct frame *f, const struct view_list *list)
 	const struct view_gpu_list *image;
 	enum eco_code code = view_gpu_list(&f->gl->gpu, view_store_list(f->job->store, list->list.image),
 		&image, f->error);
-	if (!code) {
+	if (!code)
 		bind(3, image->color);
-		bind(4, image->alpha);
-	}
 	return code;
 }
 

@@ -20,7 +20,7 @@ struct view_gl;
 
 struct view_gl_options { uint32_t width, height; };
 
-/* ECO_UNSUPPORTED, with what was tried, if there is no usable OpenGL 4.5 or OpenGL ES 3.2. */
+/* ECO_UNSUPPORTED, with what was tried, if there is no usable OpenGL 4.5. */
 enum eco_code view_gl_open(struct view_gl **gl, const struct view_gl_options *options,
 	struct eco_error *error);
 void view_gl_close(struct view_gl *gl);                          /* NULL is fine */

@@ -23,7 +23,6 @@ static void free_list(struct view_gpu_list *g)
 {
 	glDeleteTextures(1, &g->records.texture);
 	glDeleteTextures(1, &g->color);
-	glDeleteTextures(1, &g->alpha);
 }
 
 void view_gpu_free(struct view_gpu *gpu)
@@ -275,29 +274,15 @@ static enum eco_code upload_image(struct view_gpu_list *g, const struct view_lis
 	if (!image->rgba || image->width > (uint32_t)most || image->height > (uint32_t)most)
 		return eco_fail(error, ECO_UNSUPPORTED, "image %u (%u x %u) is not there or larger than the "
 			"graphics driver's %d", list->id, image->width, image->height, most);
-	size_t count = (size_t)image->width * image->height;
-	uint8_t *alpha = malloc(count);
-	if (!alpha)
-		return out_of_memory(list, error);
-	for (size_t i = 0; i < count; i++)
-		alpha[i] = image->rgba[4 * i + 3];
 	glDeleteTextures(1, &g->color);
-	glDeleteTextures(1, &g->alpha);
-	glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+	glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
 	glGenTextures(1, &g->color);
 	glBindTexture(GL_TEXTURE_2D, g->color);
 	glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, (GLsizei)image->width, (GLsizei)image->height, 0,
 		GL_RGBA, GL_UNSIGNED_BYTE, image->rgba);
 	glGenerateMipmap(GL_TEXTURE_2D);
 	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-	glGenTextures(1, &g->alpha);
-	glBindTexture(GL_TEXTURE_2D, g->alpha);
-	glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, (GLsizei)image->width, (GLsizei)image->height, 0, GL_RED,
-		GL_UNSIGNED_BYTE, alpha);
-	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 	memcpy(g->shown, list->shown, sizeof g->shown);
-	free(alpha);
 	return ECO_OK;
 }
 

@@ -25,8 +25,8 @@ struct view_gpu_list {
 	uint64_t texels;                 /* of them */
 	/* POINTS: where their centres lie; a splat's longest half axis, or the largest root of eco_size */
 	float low[3], high[3], reach;
-	/* IMAGE: filtered colour with mip levels, and nearest alpha; else 0. As far as it was shown */
-	unsigned color, alpha;
+	/* IMAGE: colour and alpha with mip levels; else 0. As far as it was shown */
+	unsigned color;
 	uint32_t shown[2];
 };
 

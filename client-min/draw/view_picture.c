@@ -31,6 +31,15 @@ void view_picture_free(struct view_picture *picture)
 	*picture = (struct view_picture){ 0 };
 }
 
+void view_picture_ray(const struct view_picture *picture, const struct lod_eye *eye, double x, double y,
+	double ray[3])
+{
+	double u = ((x + 0.5) / picture->width * 2 - 1) * eye->tan_x,
+		v = (1 - (y + 0.5) / picture->height * 2) * eye->tan_y;
+	for (int k = 0; k < 3; k++)
+		ray[k] = eye->forward[k] + u * eye->right[k] + v * eye->up[k];
+}
+
 void view_picture_compare(const uint8_t *cover, const uint8_t *reference, uint32_t pixels, uint8_t *rgb)
 {
 	/* legible to most colour-blind people: light for right, orange for too much, blue for missing */

@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-#include "ecofiles/base/status.h"
+#include "lod/eye.h"
 
 struct view_picture {                    /* owns its arrays */
 	uint32_t width, height;
@@ -24,6 +24,9 @@ struct view_picture {                    /* owns its arrays */
 enum eco_code view_picture_init(struct view_picture *picture, uint32_t width, uint32_t height,
 	struct eco_error *error);
 void view_picture_free(struct view_picture *picture);
+/* From the eye towards the middle of a pixel, 1 forward, by the world's axes. */
+void view_picture_ray(const struct view_picture *picture, const struct lod_eye *eye, double x, double y,
+	double ray[3]);
 
 /* True and false positives and negatives in three colours over black (neither) : 3 bytes a pixel into `rgb`.
  */

@@ -397,7 +397,7 @@ static const char fragment_plant[] =
 	"#endif\n"
 	"#if TEXELS == 5\n"
 	"in vec2 v_uv;\n"
-	"uniform sampler2D u_texture, u_alpha;\n"
+	"uniform sampler2D u_texture;\n"
 	"uniform vec4 u_tint;\n"
 	"vec3 light_of(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, "
 	"c)); }\n"
@@ -415,13 +415,13 @@ static const char fragment_plant[] =
 	"#endif\n"
 	"#endif\n"
 	"#if TEXELS == 5\n"
-	/* coverage by the nearest texel, as the rasteriser; colour from a filtered copy whose clear texels
-	 * hold their neighbours' colour */
-	"	ivec2 size = textureSize(u_alpha, 0), texel = ivec2(floor(v_uv * vec2(size)));\n"
+	/* coverage by the nearest texel, as the rasteriser; colours are filtered, and clear texels hold their
+	 * neighbours' */
+	"	ivec2 size = textureSize(u_texture, 0), texel = ivec2(floor(v_uv * vec2(size)));\n"
 	"	texel = clamp(texel - size * ivec2(floor(vec2(texel) / vec2(size))), ivec2(0), size - 1);\n"
 	"	vec3 own = light_of(vec3(uvec3(color, color >> 8, color >> 16) & 255u) / 255.0);\n"
 	"	own = bytes_of(own * texture(u_texture, v_uv).rgb);\n"
-	"	if (texelFetch(u_alpha, texel, 0).r < 0.5) discard;\n"
+	"	if (texelFetch(u_texture, texel, 0).a < 0.5) discard;\n"
 	"	if (u_tint.w == 0.0) color = color_word(uvec3(own * 255.0 + 0.5));\n"
 	"#endif\n"
 	"#ifdef SHADOW\n"
@@ -461,7 +461,7 @@ static const struct { const char *name, *defines, *shared, *vertex, *fragment;
 static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up", "u_forward", "u_lens",
 	"u_origin", "u_first_member", "u_scale", "u_tint", "u_columns", "u_records", "u_instances",
 	"u_members",
-	"u_alpha", "u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
+	"u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
 	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
 	"u_surface", "u_shift", "u_first", "u_halvings", "u_reach", "u_count", "u_map" };
 

@@ -166,9 +166,10 @@ static bool ground_at(const struct view_picture *p, const struct lod_eye *eye, u
 	float to[3])
 {
 	size_t i = (size_t)y * p->width + x;
-	double u = ((x + 0.5) / p->width * 2 - 1) * eye->tan_x, v = (1 - (y + 0.5) / p->height * 2) * eye->tan_y;
+	double ray[3];
+	view_picture_ray(p, eye, x, y, ray);
 	for (int k = 0; k < 3; k++)
-		to[k] = (float)((eye->forward[k] + u * eye->right[k] + v * eye->up[k]) / (double)p->depth[i]);
+		to[k] = (float)(ray[k] / (double)p->depth[i]);
 	return !p->owner[i] && p->depth[i] > 0;
 }
 

@@ -10,12 +10,10 @@
 #define VIEW_LOAD_H
 
 #include <curl/curl.h>
-#include <signal.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include <jansson.h>
+#include <stdio.h>
 
-#include "ecofiles/format/view.h"
+#include "client-min/view_fetch.h"
 
 #define VIEW_CLIENTS_MAX 10000u
 
@@ -47,7 +45,7 @@ struct view_load_options {
 	void *ctx;
 };
 
-/* ---- Answers: a record each, whose columns are the figures of the report ---- */
+/* ---- Answers: a record each ---- */
 
 enum view_outcome {
 	VIEW_ANSWERED,                   /* with a picture, or with 204: none fits in the bytes */
@@ -86,39 +84,7 @@ struct view_answers { struct view_answer *items; uint32_t count, room; };    /* 
 bool view_answers_add(struct view_answers *answers, const struct view_answer *answer);
 void view_answers_free(struct view_answers *answers);
 
-/* ---- Columns ---- */
-
-enum view_group { VIEW_GROUP_ALL, VIEW_GROUP_WARM, VIEW_GROUP_COLD, VIEW_GROUPS };
-extern const char *const view_group_names[VIEW_GROUPS];
-
-struct view_column_kind {
-	const char *name;                /* as in JSON and CSV */
-	const char *title;
-	size_t offset;                   /* of a float in struct view_answer */
-	bool given_up;                   /* also of answers that were given up: their time until then */
-};
-enum { VIEW_COLUMN_LATENCY, VIEW_COLUMN_SERVICE, VIEW_COLUMN_FIRST_BYTE, VIEW_COLUMN_PICTURE, VIEW_COLUMN_Q80,
-	VIEW_COLUMN_Q90, VIEW_COLUMN_PLAN, VIEW_COLUMNS_COUNT };
-extern const struct view_column_kind view_columns[VIEW_COLUMNS_COUNT];
-
-/* Values that are not NaN, ascending; `of`: answers of the group that could have had one. */
-struct view_column { float *values; uint32_t count, of; };
-
-float view_answer_value(const struct view_answer *answer, const struct view_column_kind *kind);
-/* False: no memory. */
-bool view_answers_column(const struct view_answers *answers, const struct view_column_kind *kind,
-	enum view_group group, struct view_column *column);
-void view_column_free(struct view_column *column);
-/* Bytes of each client together, ascending: `clients` values. */
-bool view_answers_client_bytes(const struct view_answers *answers, uint32_t clients,
-	struct view_column *column);
-
-/* The least of the ascending values that a share of them does not exceed; NaN without values. */
-double view_quantile(const float *values, uint32_t count, double share);
-#define VIEW_QUANTILES 5
-extern const struct view_quantile_kind { const char *name; double share; } view_quantiles[VIEW_QUANTILES];
-
-/* ---- Reports ---- */
+/* ---- Runs ---- */
 
 #define VIEW_LOAD_COUNTS 11
 struct view_load_report {
@@ -149,6 +115,52 @@ bool view_load_clean(const struct view_load_report *report);
 
 /* Whether a client is one of `some` that are spread evenly over all of them. */
 bool view_load_is_one_of(uint32_t client, uint32_t some, uint32_t all);
+
+/* ---- Reports: view_load_report.c: for people, as JSON, and as CSV with a line an answer ---- */
+
+struct view_scored { uint32_t frame; double predicted_q, q, precision, recall; };
+
+struct view_load_summary {               /* what a report is written from; nothing of it is owned */
+	const struct view_load_options *options;
+	const struct view_load_report *report;
+	const char *camera;                      /* as it was given */
+	const struct view_scored *scored; uint32_t scored_count;
+};
+
+/* All of these: ECO_NO_MEMORY, or ECO_IO for a file, which appears whole or not at all. */
+enum eco_code view_load_print(const struct view_load_summary *summary, FILE *out, struct eco_error *error);
+enum eco_code view_load_json(const struct view_load_summary *summary, json_t **json, struct eco_error *error);
+enum eco_code view_load_csv(const struct view_load_summary *summary, const char *path,
+	struct eco_error *error);
+
+/* Scores a sample of a run's views: after it, each is asked for once more by a client that holds nothing,
+ * drawn in software, and scored against every triangle of the scene. So the load is not disturbed, and what
+ * the server predicts of its answers is seen to hold.
+ *
+ * `count` of the views that were answered, evenly spread over the run, into scored[0 .. *done). */
+enum eco_code view_score_sample(const struct view_load_options *options, const struct view_answers *answers,
+	struct view_fetch *fetch, uint32_t count, struct view_scored *scored, uint32_t *done,
+	struct eco_error *error);
+
+/* ---- Views that clients ask for: view_views.c ---- */
+
+/* Those of a camera script, or made for the scene. walk: round the middle of the scene, 1.7 m above the ground,
+ * looking ahead. flyover: to and fro above it, looking down ahead. random: from anywhere in it and somewhat above, in
+ * any direction down to its ground. */
+struct view_views_options {
+	const char *camera;              /* "walk", "flyover", "random", or the name of a file */
+	uint32_t width, height;
+	uint64_t seed;                   /* of random ones */
+	double snap_m;                   /* as eco_view_snap */
+	const volatile sig_atomic_t *stop;
+};
+
+struct view_views { struct eco_view *items; uint32_t count; };   /* owns its items */
+
+/* Asks the scene for its size and, where views count from the ground, for its ground below each. */
+enum eco_code view_views_make(struct view_views *views, const struct view_views_options *options,
+	struct view_fetch *fetch, struct eco_error *error);
+void view_views_free(struct view_views *views);
 
 /* ---- Sessions: view_session.c ---- */
 

@@ -1,26 +1,129 @@
-#include "client-min/load/view_load_report.h"
+#include "client-min/load/view_load.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include "client-min/view_fetch.h"
 #include "client-min/view_reference.h"
 #include "ecofiles/base/file_write.h"
 
-/* All clients, and where there are both kinds, each of them. */
-static bool has_group(const struct view_load_options *o, enum view_group group)
+/* ---- Columns ---- */
+
+enum group { GROUP_ALL, GROUP_WARM, GROUP_COLD, GROUPS };
+static const char *const group_names[GROUPS] = { "all", "warm", "cold" };
+
+#define QUANTILES 5
+static const struct { const char *name; double share; } quantiles[QUANTILES] = { { "p50", 0.5 }, { "p90", 0.9 },
+	{ "p99", 0.99 }, { "p99_9", 0.999 }, { "max", 1 } };
+
+/* given_up: also of answers that were given up: their time until then */
+#define FIELD(name) offsetof(struct view_answer, name)
+static const struct column_kind { const char *name, *title; size_t offset; bool given_up; } kinds[] = {
+	{ "latency_ms", "latency", FIELD(done_ms), true },
+	{ "service_ms", "of it service", FIELD(service_ms), true },
+	{ "first_byte_ms", "first byte", FIELD(first_byte_ms), false },
+	{ "picture_ms", "first picture", FIELD(picture_ms), false },
+	{ "q80_ms", "predicted Q .8", FIELD(q80_ms), false },
+	{ "q90_ms", "predicted Q .9", FIELD(q90_ms), false },
+	{ "plan_ms", "server's plan", FIELD(plan_ms), false },
+};
+#define KINDS (sizeof kinds / sizeof *kinds)
+
+/* Values that are not NaN, ascending; `of`: answers of the group that could have had one. */
+struct column { float *values; uint32_t count, of; };
+
+static float value_of(const struct view_answer *answer, const struct column_kind *kind)
 {
-	return group == VIEW_GROUP_ALL || (o->cold && o->cold < o->clients);
+	return *(const float *)((const char *)answer + kind->offset);
+}
+
+static bool is_of(const struct view_answer *answer, enum group group)
+{
+	return group == GROUP_ALL || answer->cold == (group == GROUP_COLD);
+}
+
+/* A failure at once says nothing of times; an answer that was given up took at least so long. */
+static bool has_time(const struct view_answer *answer, const struct column_kind *kind)
+{
+	return answer->outcome == VIEW_ANSWERED || (kind->given_up && (answer->outcome == VIEW_LATE
+		|| answer->outcome == VIEW_UNFINISHED));
+}
+
+static int by_value(const void *a, const void *b)
+{
+	float x = *(const float *)a, y = *(const float *)b;
+	return x < y ? -1 : x > y;
+}
+
+/* False: no memory. */
+static bool make_column(const struct view_answers *answers, const struct column_kind *kind,
+	enum group group, struct column *column)
+{
+	*column = (struct column){ .values = malloc((answers->count + 1) * sizeof *column->values) };
+	if (!column->values)
+		return false;
+	for (uint32_t i = 0; i < answers->count; i++) {
+		const struct view_answer *answer = &answers->items[i];
+		if (!is_of(answer, group) || !has_time(answer, kind))
+			continue;
+		float value = value_of(answer, kind);
+		column->of++;
+		if (!isnan(value))
+			column->values[column->count++] = value;
+	}
+	qsort(column->values, column->count, sizeof *column->values, by_value);
+	return true;
+}
+
+static void free_column(struct column *column)
+{
+	free(column->values);
+	*column = (struct column){ 0 };
+}
+
+/* Bytes of each client together. */
+static bool client_bytes(const struct view_answers *answers, uint32_t clients,
+	struct column *column)
+{
+	uint64_t *bytes = calloc(clients + 1, sizeof *bytes);
+	*column = (struct column){ .values = calloc(clients + 1, sizeof *column->values),
+		.count = clients, .of = clients };
+	bool good = bytes && column->values;
+	for (uint32_t i = 0; i < answers->count && good; i++)
+		bytes[answers->items[i].client] += answers->items[i].bytes;
+	for (uint32_t i = 0; i < clients && good; i++)
+		column->values[i] = (float)bytes[i];
+	free(bytes);
+	if (good)
+		qsort(column->values, clients, sizeof *column->values, by_value);
+	else
+		free_column(column);
+	return good;
+}
+
+/* The least value that a share of them does not exceed; NaN without values. */
+static double quantile(const float *values, uint32_t count, double share)
+{
+	double at = ceil(share * count);
+	uint32_t index = at < 1 ? 0 : at > count ? count - 1 : (uint32_t)at - 1;
+	return count ? (double)values[index] : NAN;
+}
+
+/* All clients, and where there are both kinds, each of them. */
+static bool has_group(const struct view_load_options *o, enum group group)
+{
+	return group == GROUP_ALL || (o->cold && o->cold < o->clients);
 }
 
 /* ---- For people ---- */
 
-static void print_values(FILE *out, const char *name, const struct view_column *column, double unit,
+static void print_values(FILE *out, const char *name, const struct column *column, double unit,
 	const char *unit_name)
 {
 	fprintf(out, "  %-15s", name);
-	for (size_t i = 0; i < VIEW_QUANTILES; i++) {
-		double value = view_quantile(column->values, column->count, view_quantiles[i].share);
+	for (size_t i = 0; i < QUANTILES; i++) {
+		double value = quantile(column->values, column->count, quantiles[i].share);
 		isnan(value) ? fprintf(out, " %9s", "-") : fprintf(out, " %9.1f", value * unit);
 	}
 	fprintf(out, " %s", unit_name);
@@ -29,18 +132,18 @@ static void print_values(FILE *out, const char *name, const struct view_column *
 	fputc('\n', out);
 }
 
-static bool print_group(const struct view_load_summary *s, enum view_group group, FILE *out)
+static bool print_group(const struct view_load_summary *s, enum group group, FILE *out)
 {
-	struct view_column column;
-	fprintf(out, "%-17s", group ? view_group_names[group] : "times");
-	for (size_t i = 0; i < VIEW_QUANTILES; i++)
-		fprintf(out, " %9s", view_quantiles[i].name);
+	struct column column;
+	fprintf(out, "%-17s", group ? group_names[group] : "times");
+	for (size_t i = 0; i < QUANTILES; i++)
+		fprintf(out, " %9s", quantiles[i].name);
 	fputc('\n', out);
-	for (size_t i = 0; i < VIEW_COLUMNS_COUNT; i++) {
-		if (!view_answers_column(&s->report->answers, &view_columns[i], group, &column))
+	for (size_t i = 0; i < KINDS; i++) {
+		if (!make_column(&s->report->answers, &kinds[i], group, &column))
 			return false;
-		print_values(out, view_columns[i].title, &column, 1, "ms");
-		view_column_free(&column);
+		print_values(out, kinds[i].title, &column, 1, "ms");
+		free_column(&column);
 	}
 	return true;
 }
@@ -94,16 +197,16 @@ static void print_faults(const struct view_load_summary *s, FILE *out)
 
 enum eco_code view_load_print(const struct view_load_summary *s, FILE *out, struct eco_error *error)
 {
-	struct view_column column;
+	struct column column;
 	print_counts(s, out);
-	for (int group = 0; group < VIEW_GROUPS; group++)
-		if (has_group(s->options, (enum view_group)group)
-				&& !print_group(s, (enum view_group)group, out))
+	for (int group = 0; group < GROUPS; group++)
+		if (has_group(s->options, (enum group)group)
+				&& !print_group(s, (enum group)group, out))
 			return eco_no_memory(error, "a report");
-	if (!view_answers_client_bytes(&s->report->answers, s->options->clients, &column))
+	if (!client_bytes(&s->report->answers, s->options->clients, &column))
 		return eco_no_memory(error, "a report");
 	print_values(out, "bytes/client", &column, 1e-3, "kB");
-	view_column_free(&column);
+	free_column(&column);
 	print_faults(s, out);
 	return ECO_OK;
 }
@@ -115,24 +218,24 @@ static json_t *real(double value)
 	return isfinite(value) ? json_real(value) : json_null();
 }
 
-static json_t *column_json(const struct view_column *column)
+static json_t *column_json(const struct column *column)
 {
 	json_t *o = json_object();
-	for (size_t i = 0; i < VIEW_QUANTILES; i++)
-		json_object_set_new(o, view_quantiles[i].name, real(view_quantile(column->values,
-			column->count, view_quantiles[i].share)));
+	for (size_t i = 0; i < QUANTILES; i++)
+		json_object_set_new(o, quantiles[i].name, real(quantile(column->values,
+			column->count, quantiles[i].share)));
 	json_object_set_new(o, "reached", real(column->of ? (double)column->count / column->of : NAN));
 	return o;
 }
 
-static bool add_group(const struct view_load_summary *s, enum view_group group, json_t *into)
+static bool add_group(const struct view_load_summary *s, enum group group, json_t *into)
 {
-	struct view_column column;
-	for (size_t i = 0; i < VIEW_COLUMNS_COUNT; i++) {
-		if (!view_answers_column(&s->report->answers, &view_columns[i], group, &column))
+	struct column column;
+	for (size_t i = 0; i < KINDS; i++) {
+		if (!make_column(&s->report->answers, &kinds[i], group, &column))
 			return false;
-		json_object_set_new(into, view_columns[i].name, column_json(&column));
-		view_column_free(&column);
+		json_object_set_new(into, kinds[i].name, column_json(&column));
+		free_column(&column);
 	}
 	return true;
 }
@@ -192,19 +295,19 @@ static json_t *counts_json(const struct view_load_summary *s)
 
 enum eco_code view_load_json(const struct view_load_summary *s, json_t **out, struct eco_error *error)
 {
-	struct view_column column;
+	struct column column;
 	json_t *json = *out = counts_json(s);
-	bool good = json && view_answers_client_bytes(&s->report->answers, s->options->clients, &column);
+	bool good = json && client_bytes(&s->report->answers, s->options->clients, &column);
 	if (good) {
 		json_object_set_new(json, "client_bytes", column_json(&column));
-		view_column_free(&column);
-		good = add_group(s, VIEW_GROUP_ALL, json);
+		free_column(&column);
+		good = add_group(s, GROUP_ALL, json);
 	}
-	for (int group = VIEW_GROUP_ALL + 1; group < VIEW_GROUPS && good; group++)
-		if (has_group(s->options, (enum view_group)group)) {
+	for (int group = GROUP_ALL + 1; group < GROUPS && good; group++)
+		if (has_group(s->options, (enum group)group)) {
 			json_t *of = json_object();
-			good = add_group(s, (enum view_group)group, of);
-			json_object_set_new(json, view_group_names[group], of);
+			good = add_group(s, (enum group)group, of);
+			json_object_set_new(json, group_names[group], of);
 		}
 	if (good)
 		return ECO_OK;
@@ -220,8 +323,8 @@ static void csv_line(FILE *out, const struct view_answer *a)
 	fprintf(out, "%u,%u,%s,%.3f,%s,%u,%u,%llu,%llu,%.6g", a->client, a->frame, a->cold ? "cold" : "warm",
 		a->due_ms, view_outcome_names[a->outcome], a->status, a->resumed,
 		(unsigned long long)a->bytes, (unsigned long long)a->vertices, (double)a->predicted_q);
-	for (size_t i = 0; i < VIEW_COLUMNS_COUNT; i++) {
-		float value = view_answer_value(a, &view_columns[i]);
+	for (size_t i = 0; i < KINDS; i++) {
+		float value = value_of(a, &kinds[i]);
 		isnan(value) ? fputc(',', out) : fprintf(out, ",%.3f", (double)value);
 	}
 	fputc('\n', out);
@@ -235,8 +338,8 @@ enum eco_code view_load_csv(const struct view_load_summary *s, const char *path,
 	if (!out)
 		return eco_no_memory(error, "a report");
 	fputs("client,view,holds,due_ms,outcome,status,resumed,bytes,vertices,predicted_q", out);
-	for (size_t i = 0; i < VIEW_COLUMNS_COUNT; i++)
-		fprintf(out, ",%s", view_columns[i].name);
+	for (size_t i = 0; i < KINDS; i++)
+		fprintf(out, ",%s", kinds[i].name);
 	fputc('\n', out);
 	for (uint32_t i = 0; i < s->report->answers.count; i++)
 		csv_line(out, &s->report->answers.items[i]);

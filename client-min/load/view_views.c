@@ -1,6 +1,5 @@
-#include "client-min/load/view_views.h"
+#include "client-min/load/view_load.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -344,7 +344,7 @@ export class EcoLayer {
 	}
 
 	/** The thing that is seen at a place of the picture that was drawn last (x and y in [0, 1], from the top left),
-	 * or null without one: its `kind` is sky, ground, summary or plant (web_pick.h). */
+	 * or null without one: its `kind` is sky, ground, summary or plant (web_client.h). */
 	pick(x, y) {
 		if (!this.drawn)
 			return null;

@@ -198,7 +198,7 @@ export class EcoStream {
 		return JSON.parse(this.text(this.module._web_facts(this.web)));
 	}
 
-	/** The thing that is seen at a pixel of the last picture: web_pick.h. */
+	/** The thing that is seen at a pixel of the last picture: web_client.h. */
 	pick(x, y) {
 		const text = this.module._web_pick(this.web, x, y);
 		this.check(!text);

@@ -142,7 +142,7 @@ function drawnBy(cuts) {
 
 const titles = { plant: 'A plant', sky: 'The sky', ground: 'The ground', summary: 'Many plants as one point' };
 
-/** `picked`: what is seen there (web_pick.h). */
+/** `picked`: what is seen there (web_client.h). */
 export function showPicked(picked, origin) {
 	const { kind, plant, number: index, at, foot, cuts = [] } = picked;
 	const { height_m: height, distance_m: distance } = picked;

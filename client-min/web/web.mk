@@ -84,7 +84,7 @@ $(W)/include/view_light_text.h $(W)/include/view_image_text.h $(W)/include/view_
 	@mkdir -p $(@D)
 	@sed -e '/^[[:blank:]]*\/\*.*\*\/$$/d; /^\/\*/,/\*\/$$/d; /^$$/d; s/\\/\\\\/g; s/"/\\"/g; s/.*/"&\\n"/' $< >$@
 $(W)/obj/client-min/web/web_light.o: $(W)/include/view_light_text.h
-$(W)/obj/client-min/web/web_image.o: $(W)/include/view_image_text.h
+$(W)/obj/client-min/web/web_light.o: $(W)/include/view_image_text.h
 $(W)/obj/client-min/web/web_shadow.o: $(W)/include/view_shadow_text.h
 
 $(WEB_OBJECTS): | $(W)/include/draco/draco_features.h

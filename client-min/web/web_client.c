@@ -9,7 +9,6 @@
 #include "client-min/view_query.h"
 #include "client-min/view_sky.h"
 #include "client-min/web/web_light.h"
-#include "client-min/web/web_pick.h"
 #include "client-min/web/web_program.h"
 #include "ecofiles/base/bytes.h"
 
@@ -334,6 +333,18 @@ const char *web_digest(struct web *web)
 
 /* ---- What a page shows ---- */
 
+/* A string of JSON, with its quotes; UTF-8 stays as it is. */
+static void say_name(struct eco_writer *text, const char *name)
+{
+	eco_write_format(text, "\"");
+	for (; *name; name++)
+		if (*name == '"' || *name == '\\' || (unsigned char)*name < ' ')
+			eco_write_format(text, "\\u%04x", (unsigned char)*name);
+		else
+			eco_write_format(text, "%c", *name);
+	eco_write_format(text, "\"");
+}
+
 static void say_roles(struct web *web)
 {
 	const struct view_selection *s = &web->selection;
@@ -377,7 +388,7 @@ static void say_models(struct web *web)
 		for (end = i; end < count && plants[end] == plants[i]; end++)
 			;
 		eco_write_format(&web->text, "%s{\"number\":%u,\"name\":", i ? "," : "", plants[i]);
-		web_say_name(&web->text, plant->plant.name);
+		say_name(&web->text, plant->plant.name);
 		eco_write_format(&web->text, ",\"height_m\":%.2f,\"count\":%u}",
 			(double)plant->plant.height_m, end - i);
 	}
@@ -410,6 +421,110 @@ double web_ground(const struct web *web, double x, double y)
 	return view_ground_height(&web->selection.ground, x, y, &height_m) ? height_m : NAN;
 }
 
+/* ---- What is seen at a pixel ---- */
+
+#define PICK_REACH 6             /* pixels: the nearest plant within is taken, as twigs are thin */
+
+/* The pixel of a plant nearest to (x, y) and within reach, else that one; false beside the picture. */
+static bool find_pixel(const struct view_picture *picture, double x, double y, uint32_t at[2])
+{
+	if (!(x >= 0 && y >= 0 && x < picture->width && y < picture->height))
+		return false;
+	int column = (int)x, row = (int)y, nearest = PICK_REACH * PICK_REACH + 1;
+	at[0] = (uint32_t)column;
+	at[1] = (uint32_t)row;
+	for (int j = row - PICK_REACH; j <= row + PICK_REACH; j++)
+		for (int i = column - PICK_REACH; i <= column + PICK_REACH; i++) {
+			int apart = (i - column) * (i - column) + (j - row) * (j - row);
+			if (i < 0 || j < 0 || i >= (int)picture->width || j >= (int)picture->height
+					|| apart >= nearest
+					|| !picture->cover[(size_t)j * picture->width + (size_t)i])
+				continue;
+			nearest = apart;
+			at[0] = (uint32_t)i;
+			at[1] = (uint32_t)j;
+		}
+	return true;
+}
+
+static void say_point(struct eco_writer *text, const char *name, const double p[3])
+{
+	eco_write_format(text, ",\"%s\":[%.4f,%.4f,%.4f]", name, p[0], p[1], p[2]);
+}
+
+static void say_model(const struct web *web, uint32_t number, struct eco_writer *text)
+{
+	const struct view_plant *plant = view_store_plant(web->store, number);
+	if (!plant)
+		return;
+	eco_write_format(text, ",\"number\":%u,\"plant\":", number);
+	say_name(text, plant->plant.name);
+}
+
+static void say_cuts(const struct web *web, uint32_t instance, struct eco_writer *text)
+{
+	const struct view_selection *s = &web->selection;
+	const char *comma = "";
+	eco_write_format(text, ",\"cuts\":[");
+	for (uint32_t i = s->cut_first[instance]; i < s->cut_first[instance + 1]; i++) {
+		const struct eco_cut *cut = &s->plan_cuts[s->cuts[i]];
+		const struct view_list *list = view_store_list(web->store, cut->list);
+		if (!list)
+			continue;
+		eco_write_format(text, "%s{\"role\":\"%s\",\"list\":%u,\"first\":%u,\"end\":%u,\"of\":%u,"
+			"\"vertices\":%llu}", comma, view_role_names[s->roles[s->cuts[i]]], cut->list,
+			cut->first, cut->end, list->list.primitive_count,
+			(unsigned long long)eco_cut_vertices(cut, &list->list));
+		comma = ",";
+	}
+	eco_write_format(text, "]");
+}
+
+static void say_plant(const struct web *web, const struct view_instance *instance,
+	struct eco_writer *text)
+{
+	const struct view_plant *plant = view_store_plant(web->store, instance->plant);
+	say_model(web, instance->plant, text);
+	if (plant)
+		eco_write_format(text, ",\"height_m\":%.3f", plant->plant.height_m * instance->place.scale);
+	eco_write_format(text, ",\"scale\":%.4f,\"list\":%u,\"index\":%u", instance->place.scale,
+		instance->list, instance->index);
+	say_point(text, "foot", instance->place.at);
+	say_cuts(web, (uint32_t)(instance - web->selection.instances), text);
+}
+
+static void say_pick(const struct web *web, const struct view_table *owners, double x, double y,
+	struct eco_writer *text)
+{
+	const struct view_picture *picture = &web->picture;
+	uint32_t at[2];
+	size_t pixel = 0;
+	bool inside = find_pixel(picture, x, y, at);
+	if (inside)
+		pixel = (size_t)at[1] * picture->width + at[0];
+	if (!inside || !(picture->depth[pixel] > 0)) {
+		eco_write_format(text, "{\"kind\":\"sky\"}");
+		return;
+	}
+	double world[3], apart = 0;
+	uint64_t owner = picture->owner[pixel];
+	const struct view_instance *instance = owner ? view_owners_find(owners, &web->selection, owner) : NULL;
+	view_picture_ray(picture, &web->eye, at[0], at[1], world);
+	for (int k = 0; k < 3; k++) {
+		double to = world[k] / (double)picture->depth[pixel];
+		world[k] = web->eye.at[k] + to;
+		apart += to * to;
+	}
+	eco_write_format(text, "{\"kind\":\"%s\"", !owner ? "ground" : instance ? "plant" : "summary");
+	say_point(text, "at", world);
+	eco_write_format(text, ",\"distance_m\":%.3f", sqrt(apart));
+	if (instance)
+		say_plant(web, instance, text);
+	else if (owner)
+		say_model(web, eco_owner_plant(owner), text);
+	eco_write_format(text, "}");
+}
+
 const char *web_pick(struct web *web, double x, double y)
 {
 	struct view_table owners;
@@ -417,9 +532,8 @@ const char *web_pick(struct web *web, double x, double y)
 		return NULL;
 	bool made = view_owners_make(&owners, &web->selection);
 	web->text.size = 0;
-	struct web_pick pick = { web->store, &web->selection, &web->eye, &owners, &web->picture };
 	if (made)
-		web_pick_write(&pick, x, y, &web->text);
+		say_pick(web, &owners, x, y, &web->text);
 	view_table_free(&owners);
 	if (!made) {
 		eco_no_memory(&web->error, "the owners of a picture");

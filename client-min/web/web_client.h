@@ -16,7 +16,7 @@
  *   web_draw(web, view, width, height, tint)        a picture, by the WebGL context that is current
  *   web_present(web, depth, viewport, sky, ground)  puts it into the page's framebuffer (web_program.h)
  *   web_facts(web)                                  JSON: what a page shows of it
- *   web_pick(web, x, y)                             JSON: what is seen at a pixel of it (web_pick.h)
+ *   web_pick(web, x, y)                             JSON: what is seen at a pixel of it
  *   web_free(web)
  *
  * An int above 0 is an enum eco_code: see web_error. Strings are valid until the next call. One thread. */
@@ -63,7 +63,18 @@ const char *web_renderer(const struct web *web);
 const char *web_facts(struct web *web);
 /* Height of the ground that is drawn at a place, metres; NaN where there is none. */
 double web_ground(const struct web *web, double x, double y);
-const char *web_pick(struct web *web, double x, double y);       /* NULL: see web_error */
+/* JSON at a pixel (from the top left; beside the picture is the sky), or near one of a plant:
+ *
+ *   { "kind": "sky" }
+ *   { "kind": "ground", "at": [x, y, z], "distance_m": d }
+ *   { "kind": "summary", ... as the ground, "number": n, "plant": NAME }     a point for many plants
+ *   { "kind": "plant", ... as a summary, "height_m": h, "scale": s, "list": l, "index": i, "foot": [x, y, z],
+ *     "cuts": [{ "role": NAME, "list": l, "first": f, "end": e, "of": primitives, "vertices": v }] }
+ *
+ * `at` is what is seen there, `foot` where the plant stands: metres from the scene's origin. `plant` is the pack's
+ * plant that is drawn, which may stand for several species; list and index name the one that was picked to the
+ * server, which knows its species and its row. NULL: see web_error. */
+const char *web_pick(struct web *web, double x, double y);
 const char *web_digest(struct web *web);
 
 #endif

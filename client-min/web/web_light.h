@@ -9,8 +9,20 @@
 #include "client-min/draw/view_gl.h"
 #include "client-min/draw/view_gpu.h"
 #include "client-min/draw/view_light.h"
-#include "client-min/web/web_image.h"
+#include "client-min/view_image.h"
 #include "client-min/web/web_shadow.h"
+
+/* The image on the ground on the GPU: levels of tiles are uploaded once, one after the other, and stay until there
+ * is no more room. */
+struct web_image_slot { uint32_t levels, block[ECO_GROUND_IMAGE_LEVELS]; };
+struct web_image {                       /* zero is empty */
+	struct view_gpu_texels nodes;    /* of the selection's tree, then four words a tile: blocks of its levels */
+	uint32_t node_count;
+	struct view_gpu_texels texels;   /* red, green, blue, alpha */
+	uint64_t blocks;                 /* in use */
+	struct view_table table;         /* lists to slots */
+	struct web_image_slot *slots; uint32_t count, room;
+};
 
 struct web_light {                       /* zero is empty */
 	unsigned lit;                    /* RGBA8 */

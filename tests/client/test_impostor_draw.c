@@ -137,16 +137,13 @@ UNIT_TEST(impostors_cast_the_shadow_of_what_is_seen_from_the_sun)
 		for (uint32_t y = 0; y < view.height; y++)
 			for (uint32_t x = 0; x < view.width; x++) {
 				size_t i = (size_t)y * view.width + x;
-				double to[3], u = ((x + 0.5) / view.width * 2 - 1) * h.eye.tan_x,
-					v = (1 - (y + 0.5) / view.height * 2) * h.eye.tan_y;
+				double to[3];
 				float texel[2], place[3];
 				if (!picture.owner[i])
 					continue;
-				for (int k = 0; k < 3; k++) {
-					to[k] = (f[k] + u * h.eye.right[k] + v * h.eye.up[k])
-						/ (double)picture.depth[i];
-					place[k] = (float)to[k];
-				}
+				view_picture_ray(&picture, &h.eye, x, y, to);
+				for (int k = 0; k < 3; k++)
+					place[k] = (float)(to[k] /= (double)picture.depth[i]);
 				plants++;
 				if (!view_shadow_place(&shadow, place, texel))
 					continue;

@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/load/view_load_report.h"
-#include "client-min/load/view_views.h"
+#include "client-min/load/view_load.h"
 #include "ecofiles/base/random.h"
 #include "tests/support/files.h"
 #include "tests/support/ground_tiles.h"
@@ -125,37 +124,6 @@ static void run_clean(const struct view_load_options *options)
 	run(options);
 	if (!view_load_clean(&report))
 		fail_msg("%s", report.first_failure);
-}
-
-/* ---- Figures ---- */
-
-UNIT_TEST(columns_have_the_answers_that_say_something_of_them)
-{
-	struct view_answers answers = { 0 };
-	struct view_column column;
-	const struct view_answer of[] = { { .done_ms = 1, .q80_ms = 1, .bytes = 5 },
-		{ .done_ms = 2, .q80_ms = NAN, .cold = true, .client = 1, .bytes = 7 },
-		{ .done_ms = 3, .q80_ms = NAN, .outcome = VIEW_LATE, .client = 1, .bytes = 9 },
-		{ .done_ms = 4, .q80_ms = NAN, .outcome = VIEW_BUSY } };
-	for (int i = 0; i < 4; i++)
-		assert_true(view_answers_add(&answers, &of[i]));
-	static const struct { int kind; enum view_group group; uint32_t count, of; } cases[] = {
-		{ VIEW_COLUMN_LATENCY, VIEW_GROUP_ALL, 3, 3 }, { VIEW_COLUMN_LATENCY, VIEW_GROUP_COLD, 1, 1 },
-		{ VIEW_COLUMN_Q80, VIEW_GROUP_ALL, 1, 2 }, { VIEW_COLUMN_Q80, VIEW_GROUP_WARM, 1, 1 } };
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		assert_true(view_answers_column(&answers, &view_columns[cases[i].kind], cases[i].group,
-			&column));
-		assert_int_equal(column.count, cases[i].count);
-		assert_int_equal(column.of, cases[i].of);
-		assert_true(view_quantile(column.values, column.count, 1) == (i ? 1 + (i == 1) : 3));
-		view_column_free(&column);
-	}
-	assert_true(view_answers_client_bytes(&answers, 2, &column));
-	assert_true(column.values[0] == 5 && column.values[1] == 16);
-	assert_true(view_quantile(column.values, 2, 0.5) == 5 && view_quantile(column.values, 2, 0.51) == 16);
-	assert_true(isnan(view_quantile(NULL, 0, 0.5)));
-	view_column_free(&column);
-	view_answers_free(&answers);
 }
 
 /* ---- Servers that are not well ---- */
@@ -464,7 +432,10 @@ UNIT_TEST(reports_say_what_there_was)
 	assert_ok(view_load_json(&summary, &json, &error), error);
 	assert_int_equal(json_integer_value(json_object_get(json, "requests")), report.answers.count);
 	json_t *cold = json_object_get(json_object_get(json, "cold"), "latency_ms");
-	assert_true(json_real_value(json_object_get(cold, "max")) > 0);
+	assert_true(json_real_value(json_object_get(cold, "p50")) > 0);
+	assert_true(json_real_value(json_object_get(cold, "p90")) >= json_real_value(json_object_get(cold, "p50"))
+		&& json_real_value(json_object_get(cold, "max")) >= json_real_value(json_object_get(cold, "p99")));
+	assert_true(json_real_value(json_object_get(cold, "reached")) == 1);
 	json_t *second = json_array_get(json_object_get(json, "scored"), 1);
 	assert_true(json_is_null(json_object_get(second, "predicted_q")));
 	assert_true(json_real_value(json_object_get(second, "q")) > 0.79);

@@ -28,8 +28,8 @@ UNIT_TEST(line_shows_dashes_for_what_is_not_known)
 	size_t size;
 	struct view_frame f = view_frame_empty(7, 3.5, &request);
 	f.vertices = 999;
-	f.bytes = 1234;
-	f.q = 0.25;
+	f.fetched.bytes = 1234;
+	f.measures.score.q = 0.25;
 	FILE *out = open_memstream(&text, &size);
 	view_report_line(&f, out);
 	fclose(out);
@@ -65,14 +65,14 @@ UNIT_TEST(report_has_every_figure)
 	for (uint32_t i = 0; i < 3; i++) {
 		struct view_frame f = view_frame_empty(i, i / 2.0, &request);
 		f.vertices = 900 + i;
-		f.bytes = 10;
-		f.requests = 1 + 2 * i;
-		f.broken = i;
-		f.cancelled = 10 * i;
+		f.fetched.bytes = 10;
+		f.fetched.requests = 1 + 2 * i;
+		f.fetched.broken = i;
+		f.fetched.cancelled = 10 * i;
 		f.evictions = 100 * i;
 		f.again_bytes = 4 * i;
 		if (i < 2)
-			view_frame_score(&f, &measures, 0.9);
+			f.measures = measures, f.ceiling = 0.9;
 		assert_int_equal(view_report_add(&report, &f, NULL), ECO_OK);
 	}
 	json_t *root = written(&report), *frames = json_object_get(root, "frames"),
@@ -110,8 +110,8 @@ UNIT_TEST(report_has_every_figure)
 
 static char *memory_line(uint64_t evictions)
 {
-	struct view_frame frames[2] = { { .bytes = 600, .requests = 1 },
-		{ .bytes = 400, .requests = 3, .evictions = evictions, .again_bytes = 50 } };
+	struct view_frame frames[2] = { { .fetched = { .bytes = 600, .requests = 1 } },
+		{ .fetched = { .bytes = 400, .requests = 3 }, .evictions = evictions, .again_bytes = 50 } };
 	struct view_report report = { .frames = frames, .count = 2, .memory_peak_bytes = 3 << 19 };
 	char *text = NULL;
 	size_t size;

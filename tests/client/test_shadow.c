@@ -68,10 +68,10 @@ static bool place_of(const struct lit *l, uint32_t x, uint32_t y, float to[3])
 {
 	const struct lod_eye *eye = &l->h.eye;
 	float depth = l->picture.depth[(size_t)y * l->picture.width + x];
-	double u = ((x + 0.5) / l->picture.width * 2 - 1) * eye->tan_x,
-		v = (1 - (y + 0.5) / l->picture.height * 2) * eye->tan_y;
+	double ray[3];
+	view_picture_ray(&l->picture, eye, x, y, ray);
 	for (int k = 0; k < 3; k++)
-		to[k] = (float)((eye->forward[k] + u * eye->right[k] + v * eye->up[k]) / (double)depth);
+		to[k] = (float)(ray[k] / (double)depth);
 	return depth > 0;
 }
 
