@@ -74,37 +74,6 @@ UNIT_TEST(never_above_the_bytes_most_of_them_used_and_more_never_predict_a_worse
 	assert_true(better * 2 > plans);
 }
 
-/* In scenes as small as these the least that a search does is more than its bound: 6.2 times the work of the
- * plan for the vertices alone, 11.4 where nothing bounds it. */
-UNIT_TEST(a_search_for_the_price_of_bytes_is_bounded_by_the_work_before_it)
-{
-	double sum = 0;
-	uint32_t plans = 0;
-	for (uint64_t seed = 1; seed <= SCENES; seed++) {
-		struct random_pack *pack = random_pack_make(seed, seed % 2 ? 0 : 3, 40 + seed % 5);
-		const struct eco_scene *scene = &pack->pack.scene;
-		const struct eco_request request = { .view = random_view(&pack->r),
-			.vertices = UINT64_C(1) << (6 + random_below(&pack->r, 14)) };
-		struct lod_planner_stats alone, within;
-		struct eco_plan plan;
-		assert_int_equal(lod_plan(&plan, &(struct lod_planner_input){ .scene = scene, .request = &request,
-			.stats = &alone }, NULL), ECO_OK);
-		eco_plan_free(&plan);
-		uint64_t all = bytes_of(scene, &request.view, request.vertices, ECO_BYTES_UNBOUNDED, NULL, NULL);
-		for (uint64_t part = 2; part <= 16; part *= 2) {
-			within = plan_it(&plan, scene, &request.view, request.vertices, all / part, NULL);
-			eco_plan_free(&plan);
-			if (!(within.price > 0))
-				continue;
-			sum += (double)within.work / (double)alone.work;
-			plans++;
-		}
-		random_pack_free(pack);
-	}
-	print_message("%.2f times the work in the mean of %u plans\n", sum / plans, plans);
-	assert_true(plans > SCENES && sum < 7.5 * plans);
-}
-
 static void assert_same(const struct eco_plan *a, const struct eco_plan *b)
 {
 	assert_int_equal(a->vertices, b->vertices);
@@ -476,42 +445,4 @@ UNIT_TEST(gaps_are_closed_from_both_sides)
 	}
 	print_message("          %u plans, %.4f\n", rows, wrong / rows);
 	assert_true(wrong / rows < 9.535);
-}
-
-/* Bytes that organs of all plants are said to take equal those of their lists and textures. */
-static void assert_paid_once(struct lod_allocation *m, uint32_t *shared)
-{
-	const struct lod_prices *prices = m->prices;
-	double spent = 0, bytes = 0;
-	lod_prices_dearest(m, false);
-	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
-		spent += prices->spent[i];
-	for (uint32_t i = 0; i < prices->ladder_count; i++)
-		if (!(m->p->scene->ladders[prices->ladders[i].ladder].flags & ECO_LADDER_WHOLE))
-			bytes += prices->ladders[i].used.bytes;
-	for (uint32_t i = 0; i < prices->image_count; i++) {
-		const struct image_price *image = &prices->images[i];
-		bytes += image->shown ? image->bytes : 0;
-		*shared += image->shown > image->users[0] || image->shown > image->users[1];
-	}
-	assert_float_equal(spent, bytes, 1e-6 * bytes);
-}
-
-UNIT_TEST(a_texture_is_paid_once_however_many_ladders_show_it)
-{
-	uint32_t shared = 0;
-	for (uint64_t seed = 1; seed <= SCENES; seed++) {
-		struct random_pack *pack = random_pack_make(seed, 0, 1 + seed % 5);
-		const struct eco_request request = { .view = random_view(&pack->r), .vertices = 10000 };
-		struct relaxed r;
-		enlarge_textures(pack);
-		begin(&r, &(struct lod_planner_input){ .scene = &pack->pack.scene, .request = &request });
-		for (double octave = 0; octave > -16; octave -= 2) {
-			lod_price_relax(&r.m, 1e-6, &(struct lod_price){ octave, octave });
-			assert_paid_once(&r.m, &shared);
-		}
-		end(&r);
-		random_pack_free(pack);
-	}
-	assert_true(shared > 0);         /* by whole plants and by cells */
 }

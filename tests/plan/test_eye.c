@@ -35,19 +35,6 @@ UNIT_TEST(the_frame_is_orthonormal_and_right_handed_for_any_up)
 	}
 }
 
-UNIT_TEST(half_angles_agree_with_libm)
-{
-	double fovs[] = { 0.001, 1, 30, 45, 60, 89.9, 90, 90.1, 120, 179, 179.9, 179.999 };
-	for (size_t i = 0; i < sizeof fovs / sizeof *fovs; i++) {
-		struct eco_view view = view_of(fovs[i], 1600, 800);
-		struct lod_eye e;
-		lod_eye_make(&e, &view);
-		double expected = tan(fovs[i] / 2 * 3.14159265358979323846 / 180);
-		assert_true(fabs(e.tan_y - expected) <= 1e-9 * expected);
-		assert_true(fabs(e.tan_x - 2 * expected) <= 2e-9 * expected);
-	}
-}
-
 static double blurred(uint32_t hash)
 {
 	return 0.5 * log2(exp2(-0.25) + (hash * 40503u & 65535) / 65536.0 * (exp2(0.25) - exp2(-0.25)));
@@ -149,22 +136,4 @@ UNIT_TEST(a_placement_turns_then_scales_then_shifts)
 	assert_float_equal(world[0], 95, 1e-9);
 	assert_float_equal(world[1], 204, 1e-9);
 	assert_float_equal(world[2], 311, 1e-9);
-}
-
-UNIT_TEST(shares_are_spread_evenly)
-{
-	uint32_t count[16] = { 0 };
-	for (uint32_t i = 0; i < 64000; i++)
-		count[lod_share_hash(7, 3, i) >> 12]++;
-	for (int i = 0; i < 16; i++)
-		assert_in_range(count[i], 3700, 4300);
-}
-
-UNIT_TEST(a_plant_without_size_is_as_far_as_can_be)
-{
-	const struct eco_view view = { .target = { 0, 10, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 8,
-		.height = 8 };
-	struct lod_eye eye;
-	lod_eye_make(&eye, &view);
-	assert_int_equal(lod_eye_band(&eye, (const double[3]){ 0, 5, 0 }, 0, 1), ECO_BANDS - 1);
 }

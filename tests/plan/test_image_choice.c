@@ -1,6 +1,5 @@
 /* The part of the ground's image that a plan shows: leaves of its tree, fewer bytes at a higher price. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "ecofiles/format/ground_image.h"
 #include "lod/plan/image_choice.h"
@@ -94,22 +93,6 @@ UNIT_TEST(a_higher_price_never_sends_more)
 		look_away(&l);
 	}
 	assert_true(fell > 2 * SEEDS);
-}
-
-/* Without a price: texels as narrow as asked for, where the tree has them. */
-UNIT_TEST(narrower_texels_are_more_bytes)
-{
-	for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-		double before = INFINITY;
-		for (double px = 0.25; px <= 64; px *= 2) {
-			struct looked l;
-			const struct eco_scene *s = look(&l, 200 + seed, px);
-			double bytes = lod_image_bytes(&l.image, s, NULL, 0);
-			assert_true(bytes <= before);
-			before = bytes;
-			look_away(&l);
-		}
-	}
 }
 
 /* If bytes do not count, all that is in view comes in all detail: no tile stands for its quarters. */

@@ -1,7 +1,6 @@
 /* Impostors in plans: which levels are worth their bytes, where they are drawn and what they need. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "ecofiles/format/chunk/chunk.h"
 #include "lod/eye.h"
@@ -38,39 +37,10 @@ static uint32_t level_of(uint32_t levels, double pixels)
 	return level;
 }
 
-UNIT_TEST(larger_plants_have_larger_levels_up_to_a_size)
-{
-	static const struct { uint32_t levels; double pixels; uint32_t level; } rows[] = {
-		{ 3, 0, 0 }, { 3, 1, 0 }, { 3, 16, 0 }, { 3, 16.1, 1 }, { 3, 32, 1 }, { 3, 32.1, 2 },
-		{ 3, 64, 2 }, { 3, 65, 2 }, { 3, LOD_IMPOSTOR_PIXELS, 2 },
-		{ 3, LOD_IMPOSTOR_PIXELS + 0.1, ECO_NONE }, { 3, 1e9, ECO_NONE },
-		{ 2, 16, 0 }, { 2, 17, 1 }, { 2, LOD_IMPOSTOR_PIXELS, 1 }, { 2, 193, ECO_NONE },
-		{ 1, 1, 0 }, { 1, LOD_IMPOSTOR_PIXELS, 0 }, { 1, 193, ECO_NONE },
-		{ 0, 1, ECO_NONE }, { 0, 193, ECO_NONE },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-		assert_int_equal(level_of(rows[i].levels, rows[i].pixels), rows[i].level);
-}
-
-/* The largest plants first, the others as it becomes worth more. */
-UNIT_TEST(a_level_begins_little_by_little)
-{
-	assert_true(lod_impostor_from(0, 0) == 0 && lod_impostor_from(0, 3) == 0);
-	for (uint32_t level = 1; level < ECO_IMPOSTOR_LEVELS; level++) {
-		assert_true(lod_impostor_from(level, 0.999) == INFINITY);
-		assert_true(lod_impostor_from(level, NAN) == INFINITY);
-		assert_true(lod_impostor_from(level, 1) == LOD_IMPOSTOR_PIXELS);
-		assert_true(lod_impostor_from(level, 2) == eco_impostor_sizes[level - 1].texels);
-		for (double times = 1; times < 3; times += 0.01)
-			assert_in_range(1000 * (lod_impostor_from(level, times)
-				- lod_impostor_from(level, times + 0.01)), 0, 2000);
-	}
-}
-
 /* ---- Levels by bytes ---- */
 
-/* The levels of all plants for a request, and of each plant the pixels seen of it. */
-struct chosen { uint8_t levels[PLANTS_MAX]; double seen[PLANTS_MAX]; };
+/* Levels of all plants for a request. */
+struct chosen { uint8_t levels[PLANTS_MAX]; };
 
 static double across_px(const struct lod_eye *eye, uint32_t anchor, uint8_t band)
 {
@@ -125,20 +95,10 @@ static struct chosen choose(const struct eco_request *request)
 	assert_true(scene.scene.plant_count <= PLANTS_MAX);
 	for (uint32_t i = 0; i < scene.scene.plant_count; i++)
 		chosen.levels[i] = (uint8_t)m.impostors[i].levels;
-	memcpy(chosen.seen, m.plant_seen, scene.scene.plant_count * sizeof *m.plant_seen);
 	check_slots(&m);
 	lod_allocation_free(&m);
 	lod_planner_end(&p);
 	return chosen;
-}
-
-static const struct eco_ladder *ladder_of(uint32_t plant)
-{
-	const struct eco_plant *p = &scene.plants[plant];
-	for (uint32_t i = p->ladder_first; i < p->ladder_first + p->ladder_count; i++)
-		if (scene.ladders[i].impostor != ECO_NONE)
-			return &scene.ladders[i];
-	return NULL;
 }
 
 /* All levels of all impostors take so many bytes. */
@@ -166,48 +126,6 @@ UNIT_TEST(levels_do_not_fall_as_the_budget_grows)
 		}
 	}
 	assert_true(several > 0);
-}
-
-static uint32_t levels_worth(const struct eco_ladder *l, double seen, uint32_t bytes)
-{
-	uint32_t level = 1;
-	for (; level < scene.lists[l->impostor].primitive_count; level++) {
-		const struct eco_curve *at = &scene.curves[l->curve_first + level], *before = at - 1;
-		double wrong = (double)at->fp + (double)at->fn,
-			more = (double)before->fp + (double)before->fn;
-		if (seen * (more - wrong) < lod_impostor_worth_least(level) * bytes)
-			break;
-	}
-	return level;
-}
-
-/* The first is always used, and the only one where levels are dear. */
-UNIT_TEST(a_level_is_used_if_it_sets_enough_pixels_right)
-{
-	static const uint32_t bytes[] = { 1, 300, 1000, 3000, 100000, ECO_CHUNK_BYTES_MAX };
-	uint32_t used[ECO_IMPOSTOR_LEVELS + 1] = { 0 }, fell = 0;
-	for (uint64_t seed = 1; seed <= SCENES; seed++) {
-		struct eco_request request = request_of(seed, 10000);
-		uint8_t before[PLANTS_MAX];
-		memset(before, 255, sizeof before);
-		for (size_t k = 0; k < sizeof bytes / sizeof *bytes; k++) {
-			set_bytes(bytes[k]);
-			struct chosen chosen = choose(&request);
-			for (uint32_t i = 0; i < scene.scene.plant_count; i++) {
-				const struct eco_ladder *l = ladder_of(i);
-				uint32_t level = l ? levels_worth(l, chosen.seen[i], bytes[k]) : 0;
-				assert_int_equal(chosen.levels[i], level);
-				assert_true(level <= before[i]);
-				assert_true(bytes[k] < ECO_CHUNK_BYTES_MAX || level <= 1);
-				fell += level < before[i] && k;
-				before[i] = (uint8_t)level;
-				used[level]++;
-			}
-		}
-	}
-	assert_true(fell > 0);
-	for (uint32_t level = 0; level <= ECO_IMPOSTOR_LEVELS; level++)
-		assert_true(used[level] > 0);
 }
 
 /* ---- In plans ---- */

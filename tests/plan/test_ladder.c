@@ -1,7 +1,6 @@
 /* Ladders: every amount can be drawn to the primitive, amounts ascend, and nothing that is drawn is lost on
  * the way. */
 #include <string.h>
-#include <math.h>
 
 #include "lod/ladder.h"
 #include "lod/eye.h"
@@ -73,39 +72,6 @@ static struct eco_ladder points_and_fans(uint32_t k, uint32_t each)
 		.impostor = ECO_NONE,
 		.triangles = triangles, .total = k,
 		.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1) };
-}
-
-/* Everything is shown, and finer from the front: what is drawn in the finer form is missing in the coarser
- * one. */
-UNIT_TEST(forms_give_way_from_the_front)
-{
-	static const struct { uint32_t corners, each, unit; } rows[] =
-		{ { 1, 2, 1 }, { 1, 4, 1 }, { 2, 2, 2 }, { 4, 4, 6 }, { 3, 2, 3 } };
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		const uint32_t k = 50, corners = rows[i].corners, unit = rows[i].unit, per = corners == 4 ? 2 : 1;
-		struct eco_ladder ladder = points_and_fans(k, rows[i].each);
-		uint32_t triangles = ladder.triangles, coarse = ladder.points;
-		if (corners > 1) {
-			coarse = random_form(&scene, corners == 2 ? ECO_LIST_LINES : ECO_LIST_TRIANGLES, triangles,
-				corners);
-			*(corners == 2 ? &ladder.lines : &ladder.simple) = coarse;
-			ladder.points = ECO_NONE;
-		}
-		set_curve(&ladder, (const struct eco_curve[]){ { unit / (3.0f * rows[i].each), 1, 1, 0.5f, 0.5f },
-			{ 1, 1, 1, 0, 0 } }, 2);
-		for (uint32_t f = 1; f < k; f++) {
-			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-			uint64_t v = unit * k + (3 * rows[i].each - unit) * f;
-			assert_int_equal(lod_way_floor(way_of(&ladder), v + 1), v);
-			assert_int_equal(lod_way_cuts(way_of(&ladder), v, 1, 0, cuts), 2);
-			assert_int_equal(cuts[0].list, triangles);
-			assert_int_equal(cuts[0].first, 0);
-			assert_int_equal(cuts[0].end, rows[i].each * f);
-			assert_int_equal(cuts[1].list, coarse);
-			assert_int_equal(cuts[1].first, per * f);
-			assert_int_equal(cuts[1].end, per * k);
-		}
-	}
 }
 
 /* The level that a splat belongs to. */
@@ -284,46 +250,6 @@ UNIT_TEST(amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms)
 	}
 }
 
-/* While as many elements are drawn, ever more of them in full, the scale is that of the amount, not of where
- * the reach goes on. */
-UNIT_TEST(scales_follow_the_curve_where_the_reach_stays)
-{
-	struct eco_ladder ladder = points_and_fans(300, 4);
-	const struct eco_curve samples[] = { { 0.05f, 2, 0.4093f, 0.5f, 0.5f },
-		{ 0.2f, 0.5f, 0.4093f, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
-	set_curve(&ladder, samples, 3);
-	for (double share = 0.06; share < 0.2; share += 0.02) {
-		uint64_t v = lod_way_vertices(way_of(&ladder), share);
-		double density = lod_way_density(way_of(&ladder), v),
-			scale = lod_ladder_curve(&scene.scene, &ladder, share).scale;
-		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-		assert_float_equal(density, 123.0 / 300, 1e-6);
-		uint32_t count = lod_way_cuts(way_of(&ladder), v, density, 0, cuts);
-		for (uint32_t i = 0; i < count; i++)
-			assert_true(fabs(cuts[i].scale * density - scale) < 0.05);
-	}
-}
-
-/* A share of which a cell has but a fraction of an element says nothing about the cell's form: it begins with
- * points, as its plant does. */
-UNIT_TEST(cells_begin_in_the_form_of_their_plant)
-{
-	struct eco_ladder ladder = points_and_fans(157, 4);
-	ladder.simple = random_form(&scene, ECO_LIST_TRIANGLES, ladder.triangles, 4);
-	ladder.before = 30;
-	ladder.total = 187;
-	const struct eco_curve samples[] = { { 0.0003f, 1, 0.0026f, 0.9f, 0.9f },
-		{ 0.001f, 1, 0.0026f, 0.8f, 0.8f }, { 0.01f, 1, 0.1f, 0.4f, 0.4f },
-		{ 0.025f, 1, 0.3f, 0.3f, 0.3f }, { 0.4f, 1, 1, 0.1f, 0.1f }, { 1, 1, 1, 0, 0 } };
-	set_curve(&ladder, samples, 6);
-	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-	assert_true(lod_way_share(way_of(&ladder), 0) < 0.02);
-	assert_int_equal(lod_way_cuts(way_of(&ladder), lod_way_next(way_of(&ladder), 0),
-		0.2, 0, cuts), 1);
-	assert_int_equal(cuts[0].list, ladder.points);
-	assert_int_equal(cuts[0].end, 1);
-}
-
 /* Elements of the region that the whole-plant list holds come first: a cell begins where the curve reaches
  * beyond them. */
 UNIT_TEST(cells_draw_what_the_whole_plant_list_does_not)
@@ -348,50 +274,6 @@ UNIT_TEST(cells_draw_what_the_whole_plant_list_does_not)
 	assert_float_equal(lod_way_density(way_of(&ladder), end), 0.25, 1e-6);
 	assert_true(end >= k && end < way_of(&ladder)->full);
 	assert_true(lod_way_density(way_of(&ladder), lod_way_floor(way_of(&ladder), end - 1)) < 0.25);
-}
-
-/* A whole-plant list that is all drawn as points stays that while cells go on: it is scaled by what the
- * picture shows by then. */
-UNIT_TEST(a_list_that_is_all_drawn_is_scaled_as_its_plant)
-{
-	struct eco_ladder ladder = points_and_fans(100, 4);
-	ladder.total = 800;
-	const struct eco_curve samples[] = { { 100 / 9600.f, 4, 0.125f, 0.5f, 0.5f },
-		{ 400 / 9600.f, 1, 0.5f, 0.3f, 0.3f },
-		{ 800 / 9600.f, 0.5f, 1, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
-	static const struct { double density, scale; } rows[] = { { 0.125, 4 }, { 0.3125, 2.5 }, { 0.5, 1 },
-		{ 0.75, 0.75 }, { 1, 0.5 } };
-	set_curve(&ladder, samples, 4);
-	uint64_t all = lod_way_stage_end(way_of(&ladder));
-	struct lod_forms_leg legs[16];
-	struct lod_way kept;
-	lod_way_begin(&kept, &scene.scene, &ladder);
-	assert_true(all == 100 && lod_way_legs_bound(&kept) <= 16);
-	lod_way_keep(&kept, legs);
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct eco_cut cuts[LOD_LADDER_CUTS_MAX], again[LOD_LADDER_CUTS_MAX];
-		assert_int_equal(lod_way_cuts(way_of(&ladder), all, rows[i].density, 0, cuts), 1);
-		assert_true(fabs(cuts[0].scale * rows[i].density - rows[i].scale) < 0.02);
-		assert_int_equal(lod_way_cuts(&kept, all, rows[i].density, 0, again), 1);
-		assert_true(cuts[0].scale == again[0].scale);
-	}
-}
-
-UNIT_TEST(a_curve_is_interpolated_and_clamped)
-{
-	random_scene_make(&scene, 5, 0);
-	struct eco_curve samples[] = { { 0.1f, 2, 1, 0.2f, 0.4f }, { 0.5f, 1, 1, 0.1f, 0.2f },
-		{ 1, 1, 1, 0, 0 } };
-	memcpy(scene.curves, samples, sizeof samples);
-	struct eco_ladder ladder = { .curve_first = 0, .curve_count = 3 };
-	struct { double share, scale, fn; } rows[] = { { 0, 2, 1 }, { 0.05, 2, 0.7 }, { 0.1, 2, 0.4 },
-		{ 0.3, 1.5, 0.3 }, { 0.5, 1, 0.2 },
-		{ 1, 1, 0 }, { 7, 1, 0 } };
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct eco_curve c = lod_ladder_curve(&scene.scene, &ladder, rows[i].share);
-		assert_float_equal(c.scale, rows[i].scale, 1e-5);
-		assert_float_equal(c.fn, rows[i].fn, 1e-5);
-	}
 }
 
 UNIT_TEST(from_above_scales_and_errors_turn_into_those_of_the_other_curve)

@@ -2,7 +2,6 @@
  * picture, so it has to come from thresholds that differ from plant to plant. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "lod/plan/planner.h"
 #include "lod/eye.h"
@@ -192,27 +191,4 @@ UNIT_TEST(few_of_like_plants_switch_at_once)
 	assert_true(tally.sum / tally.frames < 0.0125);
 	assert_true(tally.over < tally.frames / 40);
 	assert_true(tally.worst < 0.2);
-}
-
-UNIT_TEST(a_still_camera_has_one_plan)
-{
-	static struct scene_builder r;
-	struct eco_plan first, again;
-	struct shot a, b;
-	random_scene_make(&r, 5, 0);
-	struct eco_request request =
-		{ .view = { .eye = { -80, -80, 40 }, .target = { 50, 50, 3 }, .up = { 0, 0, 1 },
-		.fov_y_deg = 50, .width = 640,
-		.height = 480 }, .vertices = 20000, .bytes = ECO_BYTES_UNBOUNDED };
-	shoot(&a, &r.scene, &request, &first);
-	shoot(&b, &r.scene, &request, &again);
-	struct tally tally = { 0 };
-	compare(&r.scene, &a, &b, &tally);
-	assert_true(tally.worst == 0);
-	assert_int_equal(first.cut_count, again.cut_count);
-	assert_int_equal(first.run_count, again.run_count);
-	free(a.plants);
-	free(b.plants);
-	eco_plan_free(&first);
-	eco_plan_free(&again);
 }

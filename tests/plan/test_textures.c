@@ -1,6 +1,5 @@
 /* Textures of plans, on random scenes: shown by all that have them, finer where they are nearer, and given up
  * for bytes. */
-#include <math.h>
 #include <stdlib.h>
 
 #include "lod/plan/planner.h"
@@ -199,70 +198,4 @@ UNIT_TEST(a_coarse_texture_is_better_than_none)
 	}
 	assert_true(coarse > 20);
 	scene_free(&b);
-}
-
-UNIT_TEST(coarser_outlines_lose_more)
-{
-	struct eco_list list = { .kind = ECO_LIST_OUTLINE, .chunk_count = LEVELS };
-	struct eco_scene scene = { .lists = &list, .list_count = 1 };
-	struct lod_planner p = { .scene = &scene };
-	assert_true(lod_outline_loss(&p, 0, LEVELS) == 0 && lod_outline_loss(&p, 0, LEVELS - 1) == INFINITY);
-	for (uint32_t level = 1; level <= ECO_LOSS_ONE; level++) {
-		double finer = 0;
-		list.level = (uint8_t)level;
-		assert_true(lod_outline_loss(&p, 0, LEVELS) == 0);
-		for (uint32_t n = LEVELS - 1; n > 0; n--) {
-			double loss = lod_outline_loss(&p, 0, n);
-			assert_true(loss >= finer && loss <= 1 && loss > 0);
-			finer = loss;
-		}
-	}
-}
-
-UNIT_TEST(texels_are_as_narrow_as_asked)
-{
-	struct eco_anchor anchor = { { 0, 0, 2 }, 2 };
-	struct eco_list list = { .kind = ECO_LIST_IMAGE, .chunk_count = LEVELS, .unit_area = 1e-4f,
-		.image = ECO_NONE };
-	struct eco_scene scene = { .lists = &list, .list_count = 1, .anchors = &anchor, .anchor_count = 1 };
-	struct eco_request request = { .texel_px = 0.5 };
-	struct lod_planner_input input = { .scene = &scene, .request = &request };
-	struct lod_planner p = { .input = &input, .scene = &scene, .visible.eye.pixel_rad = 0.001 };
-	uint32_t before = LEVELS;
-	for (uint8_t band = 0; band < ECO_BANDS; band++) {
-		double distance = lod_band_distance_m(band), px = lod_texel_px(&p, 0, 0, band);
-		uint32_t levels = lod_texture_levels(&p, 0, px);
-		assert_true(px >= 0.01 / (distance * 0.001));
-		assert_true(distance > 2.38 || px == INFINITY);
-		assert_true(levels >= 1 && levels <= before);
-		before = levels;
-		/* one level less would be too coarse; that one is not, unless it is the last */
-		assert_true(levels == 1 || ldexp(px, (int)(LEVELS - levels) + 1) > request.texel_px);
-		assert_true(levels == LEVELS || ldexp(px, (int)(LEVELS - levels)) <= request.texel_px);
-	}
-	assert_int_equal(before, 1);
-	list.unit_area = 0;                      /* nothing is known: all of it */
-	assert_int_equal(lod_texture_levels(&p, 0, lod_texel_px(&p, 0, 0, ECO_BANDS - 1)), LEVELS);
-}
-
-UNIT_TEST(wider_texels_cost_more)
-{
-	double before = 0;
-	for (double px = 1e-6; px < 1e6; px *= 1.3) {
-		double cost = lod_texel_cost(px);
-		assert_true(cost >= before && cost < 0.5);
-		before = cost;
-	}
-	assert_true(before > 0.3 && lod_texel_cost(INFINITY) == before);
-}
-
-/* A price of bytes, however small, took all levels but one of a plant around the eye. */
-UNIT_TEST(levels_count_where_the_eye_is_within_a_plant)
-{
-	static const double widths[] = { 1e-3, 0.25, 1, 2, 64, INFINITY };
-	for (size_t i = 0; i < sizeof widths / sizeof *widths; i++) {
-		assert_true(lod_texel_loss(widths[i], 0) == lod_texel_cost(fmin(1, widths[i])));
-		for (uint32_t fewer = 1; fewer < LEVELS && widths[i] > 0.1; fewer++)
-			assert_true(lod_texel_loss(widths[i], fewer) > lod_texel_loss(widths[i], fewer - 1) + 0.004);
-	}
 }
