@@ -37,20 +37,13 @@ static uint32_t make(struct lod_cells *cells, uint32_t count, uint32_t limit,
 	return cells->count;
 }
 
-UNIT_TEST(small_plants_have_none)
+UNIT_TEST(large_plants_are_divided_twice_at_most)
 {
 	struct lod_cells cells;
 	uint64_t per_cell[LOD_CELLS_MAX];
 	scatter(0);
 	assert_int_equal(make(&cells, MOST, 50000, per_cell), 0);
 	assert_int_equal(make(&cells, 0, 10, per_cell), 0);
-}
-
-UNIT_TEST(large_ones_are_divided_twice_at_most)
-{
-	struct lod_cells cells;
-	uint64_t per_cell[LOD_CELLS_MAX];
-	scatter(0);
 	assert_int_equal(make(&cells, MOST, 40000, per_cell), 8);
 	assert_int_equal(make(&cells, MOST, 1000, per_cell), 64);
 	for (uint32_t c = 0; c < 64; c++)
@@ -68,18 +61,6 @@ UNIT_TEST(no_cell_is_nearly_empty)
 		for (uint32_t c = 0; c < count; c++)
 			assert_true(per_cell[c] >= 4000 / 16);
 	}
-}
-
-UNIT_TEST(points_outside_belong_to_the_nearest)
-{
-	struct lod_cells cells;
-	uint64_t per_cell[LOD_CELLS_MAX];
-	scatter(0);
-	make(&cells, MOST, 1000, per_cell);
-	assert_int_equal(lod_cells_at(&cells, (struct lod_v3){ -9, -9, -9 }),
-		lod_cells_at(&cells, (struct lod_v3){ 0.1, 0.1, 0.1 }));
-	assert_int_equal(lod_cells_at(&cells, (struct lod_v3){ 99, 2.5, 8 }),
-		lod_cells_at(&cells, (struct lod_v3){ 3.9, 2.5, 7.9 }));
 }
 
 UNIT_TEST(a_flat_plant_is_divided_in_its_plane)

@@ -177,20 +177,6 @@ static void sheet(struct soup *s, uint32_t material, uint32_t n, bool seam)
 		}
 }
 
-UNIT_TEST(a_sheet_is_cut_into_few_fans)
-{
-	soup_begin(&soup);
-	sheet(&soup, soup_material(&soup, 0, 200, 0, ECO_NONE, false), 20, false);
-	make(14);
-	check_elements();
-	uint32_t by_corners[ECO_CORNERS_MAX + 1] = { 0 };
-	for (uint32_t i = 0; i < made.elements.count; i++)
-		by_corners[made.elements.items[i].corners]++;
-	assert_true(by_corners[3] < 16);
-	assert_true(made.elements.count <= 800 / 4 * 13 / 10);
-	finish();
-}
-
 UNIT_TEST(seams_of_the_texture_part_fans)
 {
 	soup_begin(&soup);

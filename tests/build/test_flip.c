@@ -71,21 +71,6 @@ UNIT_TEST(means_are_those_of_its_authors)
 	}
 }
 
-UNIT_TEST(same_pictures_have_no_error)
-{
-	make(stripes);
-	assert_true(flip(a, a, WIDTH, HEIGHT, NULL) == 0);
-	assert_true(flip(a, a, 1, 1, NULL) == 0);
-}
-
-UNIT_TEST(black_and_white_are_as_far_as_can_be)
-{
-	memset(a, 0, sizeof a);
-	memset(b, 255, sizeof b);
-	double mean = flip(a, b, WIDTH, HEIGHT, NULL);
-	assert_true(mean > 0.9 && mean <= 1);
-}
-
 /* Bands and rows of four leave no seams: a part has the errors of the whole, away from its borders. */
 UNIT_TEST(error_is_local)
 {

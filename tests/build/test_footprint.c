@@ -183,39 +183,6 @@ UNIT_TEST(gains_of_cutouts_are_those_of_their_footprints)
 	}
 }
 
-/* In any view as many pixels as its area has there. */
-UNIT_TEST(points_are_squares_that_face_the_eye)
-{
-	struct lod_foliage f;
-	struct lod_sights sights;
-	double directions[VIEWS][3];
-	begin();
-	foliage_random(&f, &(struct foliage_random){ 1, 4, 1, 0.12, 3 }, &arena);
-	lod_directions_spread(directions, VIEWS, 7);
-	assert_int_equal(lod_sights_make(&sights, &f, (const double (*)[3])directions, VIEWS, PIXELS, &arena,
-		&error), ECO_OK);
-	for (uint32_t v = 0; v < VIEWS; v++) {
-		const struct lod_eye *eye = &sights.eyes[v];
-		struct lod_fan fan = lod_foliage_fan(&f, 0, NULL);
-		struct lod_fan_seen seen;
-		lod_fan_see(&seen, &fan, eye);
-		double away = seen.center[2], side = 0.2 * away * eye->tan_x;
-		for (double edge = 1; edge <= 4; edge *= 2) {
-			uint64_t covered = 0;
-			lod_fan_point(&seen, side * side, eye);
-			struct lod_fan_seen at_once;
-			lod_fan_see_point(&at_once, &fan, side * side, eye);
-			assert_memory_equal(at_once.center, seen.center, sizeof seen.center);
-			assert_memory_equal(at_once.corner, seen.corner, sizeof seen.corner);
-			assert_true(lod_fan_cover(&print, &seen, edge, PIXELS));
-			for (uint32_t i = 0; i < print.rows * print.words; i++)
-				covered += bits_of(print.bits[i]);
-			double wide = fmin(1, 0.1 * edge) * PIXELS;
-			assert_true(fabs(sqrt((double)covered) - wide) <= 1.01);
-		}
-	}
-}
-
 UNIT_TEST(what_lies_outside_covers_nothing)
 {
 	static const float outside[3][3] = { { 3, 0, 0 }, { 4, 0, 0 }, { 3, 1, 0 } },
@@ -228,34 +195,6 @@ UNIT_TEST(what_lies_outside_covers_nothing)
 			bits |= print.bits[i];
 	assert_int_equal(bits, 0);
 	cover(behind, 3, 1);
-}
-
-/* Folded and crossed fans: the union of their triangles, whichever way they are filled. */
-UNIT_TEST(fans_that_turn_back_are_their_triangles)
-{
-	uint64_t dice = 5;
-	for (uint32_t round = 0; round < 500; round++) {
-		float corner[5][3] = { { 0 } };
-		uint64_t whole[64] = { 0 }, parts[64] = { 0 };
-		for (uint32_t k = 0; k < 5; k++)
-			for (int a = 0; a < 2; a++)
-				corner[k][a] = (float)foliage_dice(&dice) * 0.9f;
-		struct lod_canvas canvas = { 1, whole, (uint64_t (*)[2])lod_arena_take(&arena, 64, 16) };
-		add((const float (*)[3])corner, 5, 1, &canvas);
-		for (uint32_t t = 0; t < 3; t++) {
-			float triangle[3][3];
-			memcpy(triangle[0], corner[0], sizeof triangle[0]);
-			memcpy(triangle[1], corner[t + 1], 2 * sizeof triangle[0]);
-			if (cover((const float (*)[3])triangle, 3, 1))
-				for (uint32_t y = 0; y < print.rows; y++)
-					parts[print.y + y] |= print.bits[y];
-		}
-		uint64_t differ = 0;
-		for (uint32_t y = 0; y < 64; y++)
-			differ += bits_of(canvas.times[y][0] ^ parts[y]);
-		if (differ > 2)
-			fail_msg("round %u: %u pixels differ", round, (unsigned)differ);
-	}
 }
 
 static int end(void **state)

@@ -1,11 +1,6 @@
 /* Impostors of plants: what they keep of a model. */
 #include "lod/build/impostor/impostor_make.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 #include "tests/support/plant_models.h"
-#include "tests/support/two_threads.h"
 #include "tests/support/unit_test.h"
 
 static void make(struct lod_impostors *impostors, const struct eco_model *model,
@@ -22,31 +17,6 @@ static void write_all(struct eco_writer *w, const struct lod_impostors *impostor
 	for (uint32_t i = 0; i < impostors->level_count; i++)
 		assert_ok(eco_impostor_level_write(w, &impostors->body, &impostors->levels[i], NULL, &error),
 			error);
-}
-
-/* The share of the tiles that a level covers. */
-static double covered(const struct lod_impostors *impostors, uint32_t which)
-{
-	const struct eco_impostor_size *size = &eco_impostor_sizes[which];
-	uint32_t texels = eco_impostor_tiles(size->set) * size->texels * size->texels, sum = 0;
-	for (uint32_t i = 0; i < texels; i++)
-		sum += impostors->levels[which].texel[i];
-	return (double)sum / texels;
-}
-
-UNIT_TEST(levels_cover_alike)
-{
-	struct soup soup;
-	struct lod_impostors impostors;
-	for (int textured = 0; textured < 2; textured++) {
-		soup_tree(&soup, 300, 25, textured);
-		make(&impostors, &soup.model, &(struct lod_impostors_options){ .levels = 0 });
-		assert_int_equal(impostors.level_count, ECO_IMPOSTOR_LEVELS);
-		for (uint32_t i = 0; i < ECO_IMPOSTOR_LEVELS; i++)
-			assert_float_equal(covered(&impostors, i) / covered(&impostors, 0), 1, 0.05);
-		lod_impostors_free(&impostors);
-		soup_free(&soup);
-	}
 }
 
 /* A ball of radius 1 in its cylinder: the tile from the side is a disc, as deep as it is wide. */
@@ -75,26 +45,6 @@ UNIT_TEST(a_ball_is_discs_of_its_colour)
 	for (uint32_t i = 0; i < 3 * cells; i++)
 		assert_in_range(eco_impostor_color(level->color[i]) + 4, red[i % 3], red[i % 3] + 8u);
 	lod_impostors_free(&impostors);
-	soup_free(&soup);
-}
-
-UNIT_TEST(threads_do_not_change_a_byte)
-{
-	struct soup soup;
-	struct lod_impostors one, two;
-	struct eco_writer first = { 0 }, second = { 0 };
-	soup_tree(&soup, 200, 25, true);
-	make(&one, &soup.model, &(struct lod_impostors_options){ .levels = 2 });
-	make(&two, &soup.model, &(struct lod_impostors_options){ .levels = 2, .each = in_two_threads });
-	assert_int_equal(one.level_count, 2);
-	write_all(&first, &one);
-	write_all(&second, &two);
-	assert_int_equal(first.size, second.size);
-	assert_memory_equal(first.bytes, second.bytes, first.size);
-	eco_writer_free(&first);
-	eco_writer_free(&second);
-	lod_impostors_free(&one);
-	lod_impostors_free(&two);
 	soup_free(&soup);
 }
 

@@ -64,29 +64,6 @@ UNIT_TEST(values_are_in_range_and_repeatable)
 	}
 }
 
-/* A seed's random order has no direction: halves of the plant lose alike. */
-UNIT_TEST(stochastic_order_ignores_place_and_normal)
-{
-	crown(MOST);
-	order_by(survival, LOD_ORDER_STOCHASTIC, MOST, 10, 1);
-	double sum[2] = { 0, 0 }, count[2] = { 0, 0 };
-	for (uint32_t i = 0; i < MOST; i++) {
-		sum[center[i].z > 0] += survival[i];
-		count[center[i].z > 0]++;
-	}
-	assert_true(fabs(sum[0] / count[0] - 0.5) < 0.03 && fabs(sum[1] / count[1] - 0.5) < 0.03);
-	for (uint32_t i = 0; i < MOST; i++)
-		center[i] = normal[i] = (struct lod_v3){ 0, 0, 0 };
-	order_by(again, LOD_ORDER_STOCHASTIC, MOST, 0, 1);
-	assert_memory_equal(survival, again, sizeof survival);
-}
-
-UNIT_TEST(every_order_has_a_name)
-{
-	for (int m = 0; m < LOD_ORDER_COUNT; m++)
-		assert_true(lod_order_names[m] && strlen(lod_order_names[m]) > 3);
-}
-
 /* On a shell, what lies in the surface (normal along the gradient) outlives what stands across; density does
  * not know. */
 UNIT_TEST(what_faces_outwards_survives)
@@ -155,39 +132,4 @@ UNIT_TEST(dense_regions_are_thinned_first)
 		assert_true(low[1] > 100);
 		assert_true(low[0] < low[1] / 20);
 	}
-}
-
-UNIT_TEST(odd_plants_are_ordered_too)
-{
-	center[0] = normal[0] = (struct lod_v3){ 1, 2, 3 };
-	order(survival, 1, 0, 1);
-	for (uint32_t i = 0; i < 100; i++)
-		center[i] = (struct lod_v3){ 1, 2, 3 };          /* all in one point */
-	order(survival, 100, 0, 1);
-	for (uint32_t i = 0; i < 100; i++)
-		center[i] = (struct lod_v3){ 1e4 * i, 0, 0 };    /* a long flat cover */
-	for (size_t m = 0; m < BASELINES; m++)
-		order_by(survival, baselines[m], 100, 0.01, 1);
-	order(survival, 0, 1, 1);
-}
-
-UNIT_TEST(keys_sort_as_their_numbers)
-{
-	const double values[] = { -1e300, -2, -1.5, -1e-300, 0, 1e-300, 0.5, 1, 1e300 };
-	for (size_t i = 1; i < sizeof values / sizeof *values; i++)
-		assert_true(lod_sort_key(values[i - 1]) < lod_sort_key(values[i]));
-	assert_true(lod_sort_key(-0.0) == lod_sort_key(0.0));
-}
-
-UNIT_TEST(sorting_is_stable)
-{
-	struct lod_keyed items[MOST];
-	assert_int_equal(setjmp(arena.failed), 0);
-	for (uint32_t i = 0; i < MOST; i++)
-		items[i] = (struct lod_keyed){ lod_mix(i) % 50 << (i % 2 ? 40 : 3), i };
-	lod_sort(&arena, items, MOST);
-	for (uint32_t i = 1; i < MOST; i++)
-		assert_true(items[i - 1].key < items[i].key
-			|| (items[i - 1].key == items[i].key && items[i - 1].value < items[i].value));
-	lod_arena_free(&arena);
 }

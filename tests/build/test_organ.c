@@ -1,5 +1,4 @@
-/* Wood, foliage and flowers by shape and colour.
- * Longer than 600 lines: one table of plants and what builds them. */
+/* Wood, foliage and flowers by shape and colour. */
 #include "lod/build/organ/organ.h"
 #include "lod/build/organ/organ_state.h"
 #include "tests/support/plant_models.h"
@@ -54,59 +53,6 @@ UNIT_TEST(tubes_are_measured_by_their_curvature)
 	finish();
 }
 
-UNIT_TEST(a_tree_is_told_apart_whatever_its_textures)
-{
-	for (int textured = 0; textured < 2; textured++) {
-		soup_tree(&soup, 400, 30, textured);
-		find();
-		assert_int_equal(organ_of(0), ECO_ORGAN_WOOD);
-		assert_int_equal(organ_of(1), ECO_ORGAN_FOLIAGE);
-		assert_int_equal(organ_of(2), ECO_ORGAN_FLOWER);
-		finish();
-	}
-}
-
-UNIT_TEST(names_do_not_matter)
-{
-	soup_tree(&soup, 400, 0, false);
-	strcpy(soup.material[0].name, "Leaves");
-	strcpy(soup.material[1].name, "Bark");
-	find();
-	assert_int_equal(organ_of(0), ECO_ORGAN_WOOD);
-	assert_int_equal(organ_of(1), ECO_ORGAN_FOLIAGE);
-	finish();
-}
-
-UNIT_TEST(one_material_for_all_is_no_obstacle)
-{
-	uint32_t wood = 0;
-	soup_tree(&soup, 400, 0, false);
-	memset(soup.model.material, 0, soup.model.triangle_count * sizeof *soup.model.material);
-	find();
-	for (uint32_t c = 0; c < found.mesh.component_count; c++)
-		wood += found.organs.components[c].organ == ECO_ORGAN_WOOD;
-	assert_int_equal(wood, 13);
-	finish();
-}
-
-UNIT_TEST(hulls_and_blades_are_foliage)
-{
-	soup_begin(&soup);
-	uint32_t hull = soup_material(&soup, 40, 120, 30, ECO_NONE, false),
-		blade = soup_material(&soup, 40, 120, 30, ECO_NONE, false);
-	soup_ball(&soup, hull, (struct lod_v3){ 0, 0, 3 }, 1.5, 12);
-	for (int i = 0; i < 9; i++)          /* closed, flat: a lens for a cross-section */
-		soup_tube(&soup, blade, (struct lod_v3){ i, 5, 0 }, (struct lod_v3){ i, 5.2, 1 }, 0.03, 0.03,
-			4, 3);
-	for (uint32_t v = 0; v < soup.model.vertex_count; v++)
-		if (soup.model.position[3 * v + 1] > 4.5f)
-			soup.model.position[3 * v + 1] = 5 + 0.1f * (soup.model.position[3 * v + 1] - 5);
-	find();
-	assert_int_equal(organ_of(hull), ECO_ORGAN_FOLIAGE);
-	assert_int_equal(organ_of(blade), ECO_ORGAN_FOLIAGE);
-	finish();
-}
-
 /* One material and no colours: lumps on a thinner trunk are its crown. */
 UNIT_TEST(wood_grows_no_thicker_upwards)
 {
@@ -146,14 +92,6 @@ UNIT_TEST(a_patch_inlaid_in_bark_is_bark)
 	soup.model.material[20] = soup.model.material[21] = dark;
 	find();
 	assert_int_equal(organ_of(dark), ECO_ORGAN_WOOD);
-	finish();
-}
-
-UNIT_TEST(colours_of_the_majority_are_no_flowers)
-{
-	soup_tree(&soup, 40, 400, false);    /* autumn: mostly red */
-	find();
-	assert_int_equal(organ_of(2), ECO_ORGAN_FOLIAGE);
 	finish();
 }
 

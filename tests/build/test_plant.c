@@ -127,20 +127,6 @@ static void check_triangles(void)
 	free(source);
 }
 
-UNIT_TEST(organs_are_counted)
-{
-	build(TREE_WITH_CELLS);
-	assert_int_equal(plant.organ[ECO_ORGAN_WOOD].components, 13);
-	assert_int_equal(plant.organ[ECO_ORGAN_FOLIAGE].elements, 4000);
-	assert_int_equal(plant.organ[ECO_ORGAN_FLOWER].elements, 900);
-	assert_true(fabs(plant.organ[ECO_ORGAN_FOLIAGE].area - 4000 * 0.12 * 0.08) < 0.01);
-	assert_true(fabs(plant.plant.area - plant.organ[0].area - plant.organ[1].area - plant.organ[2].area)
-		< 0.01);
-	assert_true(plant.plant.height_m > 5 && plant.plant.height_m < 7);
-	assert_string_equal(plant.plant.name, "test");
-	finish();
-}
-
 /* ---- Lists ---- */
 
 static void check_list(const struct lod_list_draft *draft)
@@ -350,55 +336,7 @@ UNIT_TEST(cells_add_up)
 	finish();
 }
 
-UNIT_TEST(blades_become_points_and_lines_of_the_same_area)
-{
-	build(GRASS);
-	double area = 0;
-	for (uint32_t l = 0; l < plant.ladder_count; l++) {
-		const struct eco_ladder *ladder = &plant.ladders[l];
-		assert_true(ladder->points != ECO_NONE && ladder->lines != ECO_NONE);
-		const struct lod_list_draft *lines = &plant.lists[ladder->lines];
-		assert_int_equal(lines->elements.element_count,
-			plant.lists[ladder->triangles].elements.element_count);
-		for (uint32_t i = 0; i < lines->elements.element_count; i++) {
-			const int32_t *p = lines->elements.position + 6 * i;
-			struct lod_v3 d = { p[3] - p[0], p[4] - p[1], p[5] - p[2] };
-			area += lod_v3_length(d) * lines->elements.extra[2 * i + 1] * lines->list.grid_step[0]
-				* lines->list.grid_step[0];
-		}
-		assert_true(ladder->length > 0);
-		assert_true(ladder->epsilon < 0.01);
-	}
-	assert_true(fabs(area / plant.plant.area - 1) < 0.02);
-	finish();
-}
-
 /* ---- Behaviour ---- */
-
-UNIT_TEST(what_has_no_colour_is_drawn_in_its_organ_s_everywhere)
-{
-	struct eco_error error = { 0 };
-	struct lod_plant_options options = options_for(SMALL_TREE);
-	make_model(SMALL_TREE);
-	for (uint32_t i = 0; i < soup.model.material_count; i++) {
-		memset(soup.model.materials[i].rgb, 153, 3);
-		soup.model.materials[i].colourless = true;
-	}
-	assert_int_equal(lod_plant_build(&plant, &soup.model, &options, &error), ECO_OK);
-	uint32_t looked_up = 0;
-	for (uint32_t l = 0; l < plant.list_count; l++) {
-		const struct eco_elements *e = &plant.lists[l].elements;
-		const struct eco_list *list = &plant.lists[l].list;
-		for (uint32_t i = 0; i < e->element_count && (list->attributes & ECO_ATTR_COLOR); i++) {
-			const uint8_t *rgb =
-				plant.palette[list->palette_first + (uint32_t)e->extra[i * e->extra_count]];
-			assert_false(rgb[0] == rgb[1] && rgb[1] == rgb[2]);
-			looked_up++;
-		}
-	}
-	assert_true(looked_up > 300);
-	finish();
-}
 
 struct watch { double last, stop; };
 
@@ -445,24 +383,6 @@ UNIT_TEST(models_without_anything_to_draw_are_refused)
 	}
 }
 
-UNIT_TEST(coarse_grids_drop_and_count)
-{
-	make_model(SMALL_TREE);
-	for (uint32_t bits = 1; bits <= 12; bits++) {
-		struct eco_error error = { 0 };
-		struct lod_plant_options options = { .order = LOD_ORDER_COMBINED, .grid_bits = bits };
-		uint32_t dropped = 0;
-		enum eco_code code = lod_plant_build(&plant, &soup.model, &options, &error);
-		for (int d = 0; d < ECO_DROP_COUNT && code == ECO_OK; d++)
-			dropped += plant.dropped[d];
-		assert_true(code == ECO_OK || bits < 5);
-		if (!code)
-			assert_int_equal(plant.triangles_in, plant.triangles_stored + dropped);
-		lod_plant_free(&plant);
-	}
-	soup_free(&soup);
-}
-
 /* Random triangles with few vertices: fans, loops and edges with many triangles of every kind. */
 UNIT_TEST(any_soup_is_stored_completely)
 {
@@ -499,12 +419,6 @@ UNIT_TEST(any_soup_is_stored_completely)
 
 /* ---- Geometry ---- */
 
-static double area_of(const float *p)
-{
-	struct lod_v3 a = lod_v3_of(p), b = lod_v3_of(p + 3), c = lod_v3_of(p + 6);
-	return lod_v3_length(lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(c, a))) / 2;
-}
-
 UNIT_TEST(geometry_of_a_range_is_part_of_the_whole)
 {
 	build(TEXTURED_TREE);
@@ -528,29 +442,6 @@ UNIT_TEST(geometry_of_a_range_is_part_of_the_whole)
 		free(uv);
 		free(width);
 		free(color);
-	}
-	finish();
-}
-
-UNIT_TEST(scale_is_a_factor_of_area_about_the_centre)
-{
-	build(SMALL_TREE);
-	for (uint32_t l = 0; l < plant.ladder_count; l++) {
-		const struct lod_list_draft *d = plant.ladders[l].organ == ECO_ORGAN_FOLIAGE
-			? &plant.lists[plant.ladders[l].triangles] : NULL;
-		float one[18], scaled[18];
-		if (!d)
-			continue;
-		assert_int_equal(d->elements.corners[0], 4);
-		lod_list_geometry(&d->list, &d->elements, 0, 2, 1, &(struct lod_geometry){ .position = one });
-		lod_list_geometry(&d->list, &d->elements, 0, 2, 2.25f,
-			&(struct lod_geometry){ .position = scaled });
-		assert_true(fabs(area_of(scaled) / area_of(one) - 2.25) < 1e-3);
-		for (int a = 0; a < 3; a++) {            /* corners 0, 1, 2 and 3 keep their mean */
-			double before = one[a] + one[3 + a] + one[6 + a] + one[15 + a],
-				after = scaled[a] + scaled[3 + a] + scaled[6 + a] + scaled[15 + a];
-			assert_true(fabs(before - after) < 1e-4);
-		}
 	}
 	finish();
 }

@@ -6,28 +6,12 @@
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
-/* A stem, coloured leaves and textured ones; cells where there are many. */
+/* With textured leaves and coloured flowers; cells where there are many. */
 static void make_plant(struct lod_plant *plant, uint32_t leaves, uint32_t cell_triangles, bool no_splats)
 {
 	struct soup soup;
 	struct eco_error error = { 0 };
-	soup_begin(&soup);
-	soup.state = 5;
-	uint32_t brown = soup_material(&soup, 90, 60, 30, ECO_NONE, false),
-		green = soup_material(&soup, 40, 130, 20, ECO_NONE, false);
-	uint32_t disc = soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 8), true);
-	for (int side = 0; side < 4; side++)
-		soup_quad(&soup, brown,
-			(struct lod_v3){ side % 2 ? 0 : side ? 0.1 : -0.1, side % 2 ? side - 2 ? 0.1 : -0.1
-			: 0, 1 }, (struct lod_v3){ side % 2 ? 0.1 : 0, side % 2 ? 0 : 0.1, 0 },
-			(struct lod_v3){ 0, 0, 1 });
-	for (uint32_t i = 0; i < leaves; i++) {
-		struct lod_v3 at = { soup_random(&soup, -1, 1), soup_random(&soup, -1, 1),
-			soup_random(&soup, 1, 3) };
-		soup_quad(&soup, i % 3 ? green : disc, at,
-			(struct lod_v3){ 0.05, soup_random(&soup, -0.05, 0.05), 0 },
-			(struct lod_v3){ 0, soup_random(&soup, -0.05, 0.05), 0.05 });
-	}
+	soup_tree(&soup, leaves, leaves / 10, true);
 	const struct lod_plant_options options = { .name = "a name", .seed = 1, .grid_bits = 12,
 		.cell_triangles = cell_triangles, .views = 3, .pixels = 48, .no_splats = no_splats };
 	if (lod_plant_build(plant, &soup.model, &options, &error)

@@ -136,35 +136,3 @@ UNIT_TEST(order_waits_for_the_grid)
 	soup_free(&soup);
 	lod_plant_free(&plant);
 }
-
-struct patience { uint32_t left; double last; };
-
-static bool lose_patience(void *ctx, double share)
-{
-	struct patience *patience = ctx;
-	assert_true(share >= 0 && share <= 1);
-	patience->last = share;
-	return patience->left-- > 0;
-}
-
-/* Wherever it is stopped, nothing is left behind. */
-UNIT_TEST(it_can_be_stopped)
-{
-	enum eco_code code = ECO_INTERRUPTED;
-	for (uint32_t calls = 0; code; calls += 1 + calls) {
-		struct patience patience = { calls, 0 };
-		struct lod_plant_options o = options;
-		struct lod_plant plant;
-		struct soup soup;
-		struct eco_error error = { 0 };
-		o.progress = lose_patience;
-		o.ctx = &patience;
-		make_tree(&soup, true);
-		code = lod_plant_build(&plant, &soup.model, &o, &error);
-		assert_true(code == ECO_OK || code == ECO_INTERRUPTED);
-		if (code)
-			assert_null(plant.lists);
-		lod_plant_free(&plant);
-		soup_free(&soup);
-	}
-}

@@ -198,19 +198,6 @@ UNIT_TEST(a_second_layer_waits_for_smaller_leaves_elsewhere)
 		fail_msg("%u of %u leaves are there twice, before smaller ones alone", doubled, N);
 }
 
-UNIT_TEST(leaves_of_a_sparse_plant_grow_no_further_than_they_are_worth)
-{
-	struct lod_foliage f;
-	double sum = 0;
-	begin();
-	foliage_random(&f, &(struct foliage_random){ 150, 4, 1, 0.08, 13 }, &arena);
-	struct lod_rank rank = make(&f, (struct lod_rank_options){ .leaves = true, .views = 24 });
-	for (uint32_t i = 0; i < 30; i++)
-		sum += eco_growth(rank.growth[rank.order[i]], 5) / 30;
-	if (sum > 0.5 * eco_growth(ECO_GROWTH_PLAIN, 5))
-		fail_msg("the first leaves grow %.2f times, where all alike grow 5", sum);
-}
-
 /* ---- The same whatever runs it ---- */
 
 static void backwards(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
@@ -234,29 +221,6 @@ UNIT_TEST(threads_decide_nothing)
 	for (uint32_t i = 0; i < f.count; i++)
 		assert_memory_equal(a.simple[i].corner, b.simple[i].corner,
 			a.simple[i].corners * sizeof a.simple[i].corner[0]);
-}
-
-static bool until(void *ctx, double share)
-{
-	uint32_t *left = ctx;
-	assert_true(share >= 0 && share <= 1);
-	return *left && --*left;
-}
-
-UNIT_TEST(an_interrupted_order_says_so)
-{
-	for (uint32_t asked = 0; asked < 6; asked++) {
-		struct lod_foliage f;
-		struct lod_rank rank;
-		uint32_t left = asked;
-		begin();
-		foliage_random(&f, &(struct foliage_random){ 300, 4, 1, 0.1, 9 }, &arena);
-		enum eco_code code =
-			lod_rank_make(&rank, &f,
-			&(struct lod_rank_options){ .views = 6, .pixels = 64, .progress = until,
-			.ctx = &left }, &arena, &error);
-		assert_int_equal(code, ECO_INTERRUPTED);
-	}
 }
 
 /* ---- Odd plants ---- */
@@ -301,15 +265,6 @@ UNIT_TEST(a_triangle_for_a_cut_out_is_fitted_to_what_is_opaque)
 	assert_true(area > 0.7f && area < 1.2f);
 	for (int a = 0; a < 2; a++)
 		assert_true(fabsf(c[0][a] + c[1][a] + c[2][a]) < 0.6f);
-}
-
-UNIT_TEST(leaves_of_one_triangle_stand_for_themselves)
-{
-	const float corner[3][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 2 } };
-	struct lod_simple simple;
-	lod_simple_fit(&simple, &(struct lod_fan){ corner, NULL, 3, NULL });
-	assert_int_equal(simple.corners, 3);
-	assert_memory_equal(simple.corner, corner, sizeof corner);
 }
 
 static int end(void **state)

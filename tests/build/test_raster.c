@@ -1,5 +1,7 @@
-/* Triangles of the rasteriser against a slow twin that tests every pixel with 128-bit edge functions. */
+/* The rasteriser: triangles against a slow twin that tests every pixel with 128-bit edge functions; depth,
+ * batches, merging, hiding, cut-outs and lines. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "lod/raster/raster_state.h"
@@ -174,5 +176,314 @@ UNIT_TEST(what_is_no_number_or_behind_draws_nothing)
 			assert_int_equal(raster_covered(&raster), 0);
 		lod_raster_clear(&raster);
 	}
+	lod_raster_free(&raster);
+}
+
+static bool same_picture(const struct lod_raster *a, const struct lod_raster *b)
+{
+	size_t pixels = (size_t)a->width * a->height;
+	return !memcmp(a->depth, b->depth, pixels * sizeof *a->depth) && !memcmp(a->cover, b->cover, pixels)
+		&& !memcmp(a->owner, b->owner, pixels * sizeof *a->owner);
+}
+
+/* ---- Depth, order, batches ---- */
+
+/* groups of triangles, an owner each */
+struct crowd { float *position; uint64_t *owner; uint32_t groups, each; };
+
+static struct crowd crowd_make(uint32_t groups, uint32_t each, double size)
+{
+	struct crowd crowd = { malloc(groups * each * 9 * sizeof(float)), malloc(groups * sizeof(uint64_t)),
+		groups, each };
+	for (uint32_t g = 0; g < groups; g++) {
+		double c[3] = { uniform(-40, 40), uniform(20, 120), uniform(-30, 30) };
+		crowd.owner[g] = g % 5 ? g + 1 : 0;
+		for (uint32_t i = 0; i < each; i++) {
+			double t[3] = { c[0] + uniform(-4, 4), c[1] + uniform(-4, 4), c[2] + uniform(-4, 4) };
+			for (uint32_t k = 0; k < 9; k++)
+				crowd.position[(g * each + i) * 9 + k] =
+					(float)(t[k % 3] + uniform(-size, size));
+		}
+	}
+	return crowd;
+}
+
+static void crowd_free(struct crowd *crowd)
+{
+	free(crowd->position);
+	free(crowd->owner);
+}
+
+static void crowd_draw(struct lod_raster *raster, const struct crowd *crowd, uint32_t first, uint32_t end)
+{
+	for (uint32_t g = first; g < end; g++)
+		raster_draw(raster, crowd->position + (size_t)g * crowd->each * 9, crowd->each,
+			crowd->owner[g]);
+}
+
+static struct lod_eye wide_eye(void)
+{
+	struct lod_eye eye = flat_eye(2, 2);
+	eye.tan_x = 0.8, eye.tan_y = 0.6;
+	return eye;
+}
+
+UNIT_TEST(nearer_wins_and_of_equals_the_smaller_owner)
+{
+	static const struct { double w[2]; uint64_t owner[2], wins; } rows[] = {
+		{ { 2, 4 }, { 9, 1 }, 9 }, { { 4, 2 }, { 1, 9 }, 9 }, { { 2, 2 }, { 3, 5 }, 3 },
+			{ { 2, 2 }, { 5, 3 }, 3 },
+		{ { 2, 2 }, { 0, 5 }, 0 }, { { 2, 2 }, { 5, 0 }, 0 }, { { 2, 4 }, { 0, 5 }, 0 },
+		{ { 4, 2 }, { 0, 5 }, 5 },
+	};
+	static const double corner[3][2] = { { -4096, -4096 }, { 16384, -4096 }, { -4096, 16384 } };
+	for (int owners = 0; owners < 2; owners++) {
+		for (size_t r = 0; r < sizeof rows / sizeof rows[0]; r++) {
+			struct lod_raster raster;
+			struct lod_raster_options options = { .width = 16, .height = 16, .owner = owners };
+			struct lod_eye eye = flat_eye(16, 16);
+			assert_int_equal(lod_raster_init(&raster, &options, NULL), ECO_OK);
+			lod_raster_camera(&raster, &eye, 0.1);
+			for (int i = 0; i < 2; i++) {
+				float p[9];
+				for (int k = 0; k < 3; k++)
+					raster_put(p + 3 * k, &raster, corner[k][0], corner[k][1],
+						rows[r].w[i]);
+				raster_draw(&raster, p, 1, rows[r].owner[i]);
+			}
+			assert_int_equal(raster_covered(&raster), rows[r].wins ? 256 : 0);
+			assert_true(!owners || raster.owner[77] == rows[r].wins);
+			lod_raster_free(&raster);
+		}
+	}
+}
+
+/* Triangles from slivers to larger than the picture, some behind the eye; lines. */
+static void draw_anything(struct lod_raster *raster, uint32_t count, const struct eco_image *image,
+	uint64_t owner)
+{
+	float position[9 * 64], uv[6 * 64], width[64];
+	for (uint32_t kind = 0; kind < 3; kind++) {
+		double size = uniform(0, 1) < 0.5 ? 0.05 : 0.6;
+		for (uint32_t i = 0; i < count; i++) {
+			double at[3] = { uniform(-4, 4), uniform(-1, 12), uniform(-3, 3) };
+			for (uint32_t k = 0; k < 9; k++)
+				position[9 * i + k] = (float)(at[k % 3] + uniform(-size, size));
+			for (uint32_t k = 0; k < 6; k++)
+				uv[6 * i + k] = (float)uniform(-1, 2);
+			width[i] = (float)uniform(0, 0.2);
+		}
+		struct lod_raster_batch batch = { .count = count, .position = position, .uv = uv,
+			.cutout = kind == 1 ? image : NULL, .width = width, .owner = owner };
+		(kind < 2 ? lod_raster_triangles : lod_raster_lines)(raster, &batch);
+	}
+}
+
+/* In two of three rounds with ground, which comes first. */
+UNIT_TEST(a_silhouette_covers_what_a_picture_covers)
+{
+	uint8_t texels[4 * 64];
+	const struct eco_image image = { 8, 8, texels };
+	struct lod_eye eye = wide_eye();
+	for (uint32_t round = 0; round < 60; round++) {
+		struct lod_raster whole, mask;
+		uint32_t width = 1 + round * 3, height = 1 + round * 2;
+		assert_int_equal(lod_raster_init(&whole,
+			&(struct lod_raster_options){ .width = width, .height = height }, NULL), ECO_OK);
+		assert_int_equal(lod_raster_init(&mask,
+			&(struct lod_raster_options){ .width = width, .height = height, .silhouette = true },
+			NULL), ECO_OK);
+		for (uint32_t i = 0; i < sizeof texels; i++)
+			texels[i] = (uint8_t)rnd(256);
+		for (uint32_t batch = 0; batch < 8; batch++) {
+			struct lod_raster *rasters[2] = { &whole, &mask };
+			for (int i = 0; i < 2; i++) {
+				rnd_seed = 100 * round + batch;
+				lod_raster_camera(rasters[i], &eye, 0.1);
+				draw_anything(rasters[i], 1 + rnd(64), &image, batch >= round % 3);
+			}
+			assert_memory_equal(whole.cover, mask.cover, (size_t)width * height);
+		}
+		lod_raster_free(&whole);
+		lod_raster_free(&mask);
+	}
+}
+
+/* But for corners that floats snap to another 1/256 pixel. */
+UNIT_TEST(windows_make_up_the_picture)
+{
+	enum { WIDTH = 150, HEIGHT = 110, PART_X = 47, PART_Y = 60 };
+	struct lod_raster whole, part;
+	struct lod_eye eye = wide_eye();
+	uint32_t differ = 0;
+	raster_start(&whole, WIDTH, HEIGHT, &eye);
+	raster_start(&part, PART_X, PART_Y, &eye);
+	rnd_seed = 11;
+	draw_anything(&whole, 64, NULL, 1);
+	for (uint32_t y = 0; y < HEIGHT; y += PART_Y)
+		for (uint32_t x = 0; x < WIDTH; x += PART_X) {
+			lod_raster_clear(&part);
+			lod_raster_window(&part, WIDTH, HEIGHT, x, y);
+			lod_raster_camera(&part, &eye, 1.0 / 1024);
+			rnd_seed = 11;
+			draw_anything(&part, 64, NULL, 1);
+			for (uint32_t i = 0; i < PART_X * PART_Y; i++)
+				if (x + i % PART_X < WIDTH && y + i / PART_X < HEIGHT)
+					differ += part.cover[i] != whole.cover[(y + i / PART_X) * WIDTH + x
+						+ i % PART_X];
+		}
+	assert_true(raster_covered(&whole) > 5000 && raster_covered(&whole) < WIDTH * HEIGHT - 500);
+	assert_true(differ <= WIDTH * HEIGHT / 2000);
+	lod_raster_free(&whole);
+	lod_raster_free(&part);
+}
+
+UNIT_TEST(order_and_split_do_not_change_a_picture)
+{
+	struct lod_eye eye = wide_eye();
+	rnd_seed = 5;
+	struct crowd crowd = crowd_make(300, 20, 2);
+	for (uint32_t twin = 0; twin < 300; twin += 7)        /* equal depths, far apart in the order */
+		memcpy(crowd.position + 9 * 20 * (size_t)twin, crowd.position + 9 * 20 * (size_t)(299 - twin),
+			9 * 20 * sizeof(float));
+	struct lod_raster whole, parts[3];
+	raster_start(&whole, 160, 120, &eye);
+	crowd_draw(&whole, &crowd, 0, 300);
+	for (int i = 0; i < 3; i++)
+		raster_start(&parts[i], 160, 120, &eye);
+	for (int round = 0; round < 6; round++) {
+		for (int i = 0; i < 3; i++)
+			lod_raster_clear(&parts[i]);
+		for (uint32_t g = 0; g < 300; g++) {
+			uint32_t group = round & 1 ? 299 - g : g;
+			crowd_draw(&parts[round < 2 ? g % 3 : rnd(3)], &crowd, group, group + 1);
+		}
+		lod_raster_merge(&parts[1], &parts[round % 3 == 0 ? 2 : 0]);
+		lod_raster_merge(&parts[1], &parts[round % 3 == 0 ? 0 : 2]);
+		assert_true(same_picture(&whole, &parts[1]));
+	}
+	crowd_free(&crowd);
+	lod_raster_free(&whole);
+	for (int i = 0; i < 3; i++)
+		lod_raster_free(&parts[i]);
+}
+
+static void group_sphere(const struct crowd *crowd, uint32_t group, double center[3], double *radius)
+{
+	const float *p = crowd->position + (size_t)group * crowd->each * 9;
+	double far2 = 0;
+	memset(center, 0, 3 * sizeof *center);
+	for (uint32_t i = 0; i < crowd->each * 9; i++)
+		center[i % 3] += p[i] / (crowd->each * 3.0);
+	for (uint32_t i = 0; i < crowd->each * 3; i++) {
+		double d2 = 0;
+		for (int k = 0; k < 3; k++)
+			d2 += (p[3 * i + (uint32_t)k] - center[k]) * (p[3 * i + (uint32_t)k] - center[k]);
+		far2 = d2 > far2 ? d2 : far2;
+	}
+	*radius = sqrt(far2);
+}
+
+UNIT_TEST(skipping_what_is_hidden_changes_no_pixel)
+{
+	struct lod_eye eye = wide_eye();
+	for (int round = 0; round < 6; round++) {
+		rnd_seed = 6 + (uint64_t)round;
+		struct crowd crowd = crowd_make(1500, 12, round % 2 ? 9 : 1);
+		struct lod_raster all, few;
+		raster_start(&all, 190, 133, &eye);
+		raster_start(&few, 190, 133, &eye);
+		lod_raster_camera(&all, &eye, 18);
+		lod_raster_camera(&few, &eye, 18);
+		uint32_t skipped = 0;
+		for (uint32_t g = 0; g < crowd.groups; g++) {
+			double center[3], radius;
+			group_sphere(&crowd, g, center, &radius);
+			crowd_draw(&all, &crowd, g, g + 1);
+			if (lod_raster_hides(&few, center, radius))
+				skipped++;
+			else
+				crowd_draw(&few, &crowd, g, g + 1);
+		}
+		assert_true(same_picture(&all, &few));
+		assert_true(skipped > (round % 2 ? 300 : 30));
+		crowd_free(&crowd);
+		lod_raster_free(&all);
+		lod_raster_free(&few);
+	}
+}
+
+/* ---- Cut-outs, lines ---- */
+
+UNIT_TEST(cutouts_are_sampled_in_perspective_and_wrap)
+{
+	enum { TW = 7, TH = 5 };
+	uint8_t texels[TW * TH * 4] = { 0 };
+	struct eco_image image = { TW, TH, texels };
+	struct lod_raster raster;
+	struct lod_eye eye = wide_eye();
+	rnd_seed = 9;
+	for (int i = 0; i < TW * TH; i++)
+		texels[4 * i + 3] = (uint8_t)(rnd(2) ? 128 : 127);
+	raster_start(&raster, 300, 200, &eye);
+	/* a plane leaning away: corners at different depths; u = x / 3, v = -z / 2, both also negative */
+	float p[18], uv[12], corner[6][2] = { { -9, -6 }, { 9, -6 }, { 9, 6 }, { -9, -6 }, { 9, 6 },
+		{ -9, 6 } };
+	for (int i = 0; i < 6; i++) {
+		p[3 * i] = corner[i][0], p[3 * i + 1] = 20 + corner[i][1], p[3 * i + 2] = corner[i][1];
+		uv[2 * i] = corner[i][0] / 3, uv[2 * i + 1] = -corner[i][1] / 2;
+	}
+	struct lod_raster_batch batch = { .count = 2, .position = p, .uv = uv, .cutout = &image, .owner = 1 };
+	lod_raster_triangles(&raster, &batch);
+	int wrong = 0, inside = 0;
+	for (int y = 0; y < 200; y++) {
+		for (int x = 0; x < 300; x++) {
+			double a = (x + 0.5 - 150) / 150 * 0.8, b = -(y + 0.5 - 100) / 100 * 0.6,
+				w = 20 / (1 - b), wx = a * w, wz = b * w;
+			bool in = fabs(wx) < 9 && fabs(wz) < 6;
+			double u = wx / 3 - floor(wx / 3), v = -wz / 2 - floor(-wz / 2);
+			bool opaque = in && texels[4 * ((int)(v * TH) * TW + (int)(u * TW)) + 3] >= 128;
+			inside += in;
+			wrong += opaque != (raster.cover[y * 300 + x] != 0);
+		}
+	}
+	assert_true(inside > 8000);
+	assert_true(wrong < inside / 100);
+	lod_raster_free(&raster);
+}
+
+/* ---- Bits ---- */
+
+static uint64_t digest(const struct lod_raster *raster)
+{
+	uint64_t hash = 14695981039346656037u;
+	for (size_t i = 0; i < (size_t)raster->width * raster->height; i++) {
+		uint32_t bits;
+		memcpy(&bits, &raster->depth[i], 4);
+		hash = (hash ^ bits ^ (uint64_t)raster->cover[i] << 32 ^ raster->owner[i] << 40)
+			* 1099511628211u;
+	}
+	return hash;
+}
+
+UNIT_TEST(every_build_paints_the_same_bits)
+{
+	struct lod_raster raster;
+	struct lod_eye eye = wide_eye();
+	rnd_seed = 12;
+	raster_start(&raster, 320, 200, &eye);
+	lod_raster_object(&raster, &(struct lod_place){ { 1, 4, 2 }, 0.28, 0.96, 0.5 });
+	struct crowd crowd = crowd_make(200, 40, 3);
+	crowd_draw(&raster, &crowd, 0, 200);
+	float *width = malloc(2000 * sizeof *width);
+	for (int i = 0; i < 2000; i++)
+		width[i] = (float)uniform(0.05, 0.3);
+	struct lod_raster_batch lines = { .count = 2000, .position = crowd.position + 31, .width = width,
+		.owner = 1001 };
+	lod_raster_lines(&raster, &lines);
+	assert_true(raster_covered(&raster) > 20000);
+	assert_true(digest(&raster) == 0xf124b9c5252285c6u);
+	free(width);
+	crowd_free(&crowd);
 	lod_raster_free(&raster);
 }

@@ -169,32 +169,6 @@ UNIT_TEST(the_nearer_plant_owns_the_pixels_whatever_the_order)
 	free(first);
 }
 
-/* Nothing lies outside of what the plant covers, grown by two texels: tiles do not leak into each other. */
-UNIT_TEST(tiles_do_not_leak)
-{
-	struct soup soup;
-	struct lod_impostor made[LEVELS];
-	make_box(&soup);
-	open_levels(made, &soup.model);
-	for (uint32_t level = 0; level < LEVELS; level++) {
-		const double at[3] = { 0, 0, 2 };
-		double grown = 1 + 4.0 / eco_impostor_sizes[level].texels;
-		for (int i = 0; i < 8; i++) {
-			look(&raster, at, 45 * i, 11 * i, 300, 4);
-			draw(&raster, &made[level], 1);
-			look(&whole, at, 45 * i, 11 * i, 300, 4);
-			double size = made[level].radius * grown * SIDE / 8, middle = SIDE / 2.0;
-			for (uint32_t k = 0; k < SIDE * SIDE; k++) {
-				double x = k % SIDE + 0.5 - middle, y = k / SIDE + 0.5 - middle;
-				if (x * x + y * y > size * size || fabs(x) > 1.12 * grown * SIDE / 8)
-					assert_int_equal(raster.cover[k], 0);
-			}
-		}
-	}
-	close_levels(made);
-	soup_free(&soup);
-}
-
 UNIT_TEST(what_cannot_be_drawn_is_left_out)
 {
 	const double at[3] = { 1, 2, 3 };

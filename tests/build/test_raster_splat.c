@@ -1,7 +1,6 @@
 /* Splats in the rasteriser: ellipses of the right size, place, lean and depth, and shares of pixels. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "ecofiles/format/view.h"
 #include "lod/raster/raster.h"
@@ -50,55 +49,6 @@ static int tear_down(void **state)
 	(void)state;
 	lod_raster_free(&raster);
 	return 0;
-}
-
-UNIT_TEST(a_ball_is_a_disc)
-{
-	const float centre[3] = { 0.5f, 0, 1 }, half[9] = { 2, 0, 0, 0, 2, 0, 0, 0, 2 };
-	double pixels_a_metre = SIDE / 2 / 10.0, radius = 2 * pixels_a_metre;
-	look(10);
-	draw(centre, half, 1, 7);
-	assert_float_equal(covered(), M_PI * radius * radius, 0.01 * M_PI * radius * radius);
-	for (uint32_t y = 0; y < SIDE; y++)
-		for (uint32_t x = 0; x < SIDE; x++) {
-			double dx = x + 0.5 - SIDE / 2 - 0.5 * pixels_a_metre,
-				dy = y + 0.5 - SIDE / 2 + 1 * pixels_a_metre, r = sqrt(dx * dx + dy * dy);
-			if (fabs(r - radius) > 0.05 * pixels_a_metre)
-				assert_int_equal(raster.cover[y * SIDE + x] != 0, r < radius);
-		}
-}
-
-/* Far away, against axes projected linearly, pixel by pixel, for axes of all kinds. */
-UNIT_TEST(ellipses_lean_as_their_axes)
-{
-	srand(3);
-	look(10);
-	for (int k = 0; k < 200; k++) {
-		float centre[3], half[9], c[2][2] = { { 0 } };
-		double px = SIDE / 20.0;
-		for (int i = 0; i < 9; i++)
-			half[i] = (float)rand() / (float)RAND_MAX * 3 - 1.5f;
-		for (int i = 0; i < 3; i++)
-			centre[i] = i == 1 ? 0 : (float)rand() / (float)RAND_MAX * 10 - 5;
-		for (int i = 0; i < 3; i++) {
-			/* the camera is 100 m away: depth moves the projection of a half axis a little */
-			double dx = (half[3 * i] - half[3 * i + 1] * centre[0] / 100) * px,
-				dy = -(half[3 * i + 2] - half[3 * i + 1] * centre[2] / 100) * px;
-			c[0][0] += (float)(dx * dx), c[0][1] += (float)(dx * dy), c[1][1] += (float)(dy * dy);
-		}
-		double det = (double)c[0][0] * c[1][1] - (double)c[0][1] * c[0][1];
-		lod_raster_clear(&raster);
-		draw(centre, half, 1, 1);
-		for (uint32_t y = 0; y < SIDE; y++)
-			for (uint32_t x = 0; x < SIDE; x++) {
-				double dx = x + 0.5 - SIDE / 2 - centre[0] * px,
-					dy = y + 0.5 - SIDE / 2 + centre[2] * px;
-				double q = (c[1][1] * dx * dx - 2 * c[0][1] * dx * dy + c[0][0] * dy * dy)
-					/ det;
-				if (fabs(q - 1) > 0.08)
-					assert_int_equal(raster.cover[y * SIDE + x] != 0, q < 1);
-			}
-	}
 }
 
 /* Close by, against rays: the outline is that of the ellipsoid in perspective, wherever it is in the picture.

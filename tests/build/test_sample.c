@@ -7,77 +7,6 @@
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
-static const uint8_t green[3] = { 20, 200, 40 };
-
-UNIT_TEST(a_plain_triangle_is_seen_at_its_middle)
-{
-	struct soup dice = { .state = 9 };
-	for (uint32_t i = 0; i < 200; i++) {
-		int32_t corner[3][3];
-		for (int k = 0; k < 9; k++)
-			corner[k / 3][k % 3] = (int32_t)soup_random(&dice, 0, 100000);
-		struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .tint = green };
-		struct lod_sample sample;
-		lod_sample_triangle(&in, &sample);
-		assert_memory_equal(sample.rgb, green, 3);
-		struct lod_v3 p[3];
-		for (int k = 0; k < 3; k++) {
-			assert_true(fabs(sample.at[k] - (corner[0][k] + corner[1][k] + corner[2][k]) / 3.0)
-				< 1e-6);
-			p[k] = (struct lod_v3){ corner[k][0], corner[k][1], corner[k][2] };
-		}
-		double area = lod_v3_length(lod_v3_cross(lod_v3_sub(p[1], p[0]), lod_v3_sub(p[2], p[0]))) / 2;
-		assert_true(fabs(sample.area - area) < 1e-6 * area);
-	}
-}
-
-UNIT_TEST(cut_outs_are_seen_where_they_are_opaque)
-{
-	static const uint8_t white[3] = { 255, 255, 255 };
-	struct soup soup;
-	struct lod_arena arena = { 0 };
-	struct lod_texels texels;
-	struct lod_sample sample;
-	soup_begin(&soup);
-	soup_disc_image(&soup, 64);
-	assert_int_equal(setjmp(arena.failed), 0);
-	lod_texels_open(&texels, soup.image, true, &arena);
-	/* a quarter of the disc of radius 0.4 around (0.5, 0.5): its middle is 4 r / (3 pi) from its corner */
-	int32_t corner[3][3] = { { 32000, 32000, 0 }, { 96000, 32000, 0 }, { 32000, 96000, 0 } };
-	int32_t uv[6] = { ECO_UV_ONE / 2, ECO_UV_ONE / 2, 3 * ECO_UV_ONE / 2, ECO_UV_ONE / 2, ECO_UV_ONE / 2,
-		3 * ECO_UV_ONE / 2 }, clear[6] = { 100, 100, 200, 100, 100, 200 };
-	struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .uv = uv,
-		.texels = &texels, .tint = white };
-	lod_sample_triangle(&in, &sample);
-	double share = lod_texels_mean(&texels, white, uv, (uint8_t[3]){ 0 });
-	assert_true(share > 0.2 && share < 0.9 && fabs(sample.area - share * 2048e6) < 1);
-	assert_true(sample.at[0] > 36000 && sample.at[0] < 60000 && fabs(sample.at[0] - sample.at[1]) < 3000
-		&& sample.at[2] == 0);
-	/* half of its texels are dark, half bright: the mean light */
-	assert_in_range(sample.rgb[0], 60, 90);
-	/* nothing opaque: the middle, in the mean colour */
-	in.uv = clear;
-	lod_sample_triangle(&in, &sample);
-	assert_true(sample.area == 0 && fabs(sample.at[0] - 160000 / 3.0) < 1e-6 && sample.at[1] == sample.at[0]);
-	assert_memory_equal(sample.rgb, texels.rgb, 3);
-	assert_in_range(sample.rgb[0], 67, 71);
-	lod_arena_free(&arena);
-	soup_free(&soup);
-}
-
-UNIT_TEST(texels_wrap)
-{
-	struct soup soup;
-	soup_begin(&soup);
-	soup_disc_image(&soup, 64);
-	const double places[][2] = { { 0.3, 0.6 }, { 0.01, 0.99 } };
-	for (size_t i = 0; i < 2; i++)
-		for (int turn = -3; turn <= 3; turn++)
-			assert_ptr_equal(lod_texel_at(soup.image, places[i][0] + turn, places[i][1] - turn),
-				lod_texel_at(soup.image, places[i][0], places[i][1]));
-	soup_free(&soup);
-}
-
 /* ---- Means, against brute force ---- */
 
 /* Blotches of colour, holes with a colour of their own that must never show. */
@@ -189,24 +118,6 @@ UNIT_TEST(light_survives_the_way_there_and_back)
 }
 
 static struct lod_palette palette;
-
-UNIT_TEST(few_colours_are_kept_exactly)
-{
-	struct lod_arena arena = { 0 };
-	uint8_t rgb[200][3];
-	uint32_t weights[200];
-	assert_int_equal(setjmp(arena.failed), 0);
-	for (uint32_t i = 0; i < 200; i++) {
-		uint8_t colour[3] = { (uint8_t)(i % 64 * 3), (uint8_t)(i % 64), 7 };
-		memcpy(rgb[i], colour, 3);
-		weights[i] = i;
-	}
-	lod_palette_make(&palette, LOD_PALETTE_MAX, (const uint8_t (*)[3])rgb, weights, 200, &arena);
-	assert_int_equal(palette.count, 64);
-	for (uint32_t i = 0; i < 200; i++)
-		assert_memory_equal(palette.rgb[lod_palette_index(&palette, rgb[i])], rgb[i], 3);
-	lod_arena_free(&arena);
-}
 
 UNIT_TEST(many_colours_are_cut_to_near_ones)
 {

@@ -65,12 +65,3 @@ UNIT_TEST(each_part_keeps_its_points_colour_and_more_parts_add_to_those_before)
 	release(&some);
 	release(&more);
 }
-
-UNIT_TEST(whole_points_stay)
-{
-	struct lod_geometry whole = { 0 };
-	make(&whole, 0);
-	for (uint32_t i = 0; i < POINTS; i++)
-		assert_true(whole.position[3 * i] == (float)i && whole.color[i] == (int32_t)i);
-	release(&whole);
-}

@@ -94,21 +94,6 @@ UNIT_TEST(soft_q_of_half_covered_pixels)
 			1 - hypot(1 - soft[i].precision, 1 - soft[i].recall));
 }
 
-/* Soft Q is Q if each pixel is covered wholly or not at all. */
-UNIT_TEST(soft_q_of_masks_is_q)
-{
-	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-		uint8_t cover[8], reference[8];
-		struct lod_score score;
-		uint32_t n = score_row(&rows[i], &score, cover, reference);
-		for (uint32_t k = 0; k < n; k++) {
-			cover[k] = cover[k] ? 16 : 0;
-			reference[k] = reference[k] ? 16 : 0;
-		}
-		NEAR(lod_soft_q(cover, reference, n), score.q);
-	}
-}
-
 UNIT_TEST(ceiling_is_of_equal_area)
 {
 	static const struct { uint8_t count[6], reference[6]; double q; } ceilings[] = {

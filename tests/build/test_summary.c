@@ -209,16 +209,6 @@ UNIT_TEST(test_list_holds_the_points)
 	free(s.points);
 }
 
-UNIT_TEST(test_counts_are_bounded)
-{
-	static const struct { uint64_t instances; uint32_t points; } cases[] =
-		{ { 0, 64 }, { 1, 64 }, { 16, 64 }, { 100, 400 }, { 1024, 4096 },
-		{ 5000, 4096 }, { UINT64_MAX, 4096 } };
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-		assert_int_equal(lod_summary_count(&(struct eco_tile){ .instance_count =
-			cases[i].instances }), cases[i].points);
-}
-
 /* ---- Pools ---- */
 
 /* A plant of a card of 4 m^2 at z = 1 (foliage, colour 1) and a triangle of area 1 (wood, colour 0) below or
@@ -271,81 +261,4 @@ UNIT_TEST(test_pool_follows_what_is_seen)
 		above);
 	assert_true(above > 650 && above < 850);         /* nearly what the areas are */
 	assert_true(below > 900);                        /* what hides is seen, from nearly everywhere */
-}
-
-UNIT_TEST(test_power_below)
-{
-	assert_true(lod_power_below(1) == 1);
-	assert_true(lod_power_below(0.9999) == 0.5);
-	assert_true(lod_power_below(1023.9) == 512);
-	assert_true(lod_power_below(0.0012) == 0.0009765625);
-}
-
-/* From the flat to the square, of the same plants: a splat that is higher than its tile covers only so much
- * of it. */
-UNIT_TEST(test_large_splats_do_not_fill_a_low_tile)
-{
-	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5,
-		.points = 4096 };
-	double last = 0;
-	for (double high = 100; high >= 1.5; high /= 2) {
-		view.wide = 10000 / high;
-		view.high = high;
-		double fn = (double)lod_summary_curve(&view, 4).fn;
-		assert_true(fn >= last && fn <= 1);
-		last = fn;
-	}
-	assert_true(last > 0.9);
-	for (double n = 1, before = 1; n <= view.points; n *= 2) {
-		double fn = (double)lod_summary_curve(&view, n).fn;
-		assert_true(fn <= before);
-		before = fn;
-	}
-}
-
-/* Ellipsoids from all around, against points on them. */
-UNIT_TEST(test_heights_in_the_picture_are_those_of_points)
-{
-	for (int pitch = -60; pitch <= 60; pitch += 30)
-		for (int k = -2; k <= 2; k++) {
-			double sine = sin(pitch * 0.017453292519943295),
-				cosine = cos(pitch * 0.017453292519943295), most = 0, slope = k * 0.25;
-			struct lod_eye eye = { .forward = { cosine, 0, sine }, .up = { -sine, 0, cosine },
-				.right = { 0, -1, 0 } };
-			double at[3], across = 3, up = 7, far = 1e5;
-			for (int i = 0; i < 3; i++)
-				at[i] = far * (eye.forward[i] + slope * eye.up[i]);
-			for (int t = 0; t < 720; t++) {
-				double x = at[0] + across * cos(t * 0.008726646),
-					z = at[2] + up * sin(t * 0.008726646);
-				double y =
-					(eye.up[0] * x + eye.up[2] * z)
-					/ (eye.forward[0] * x + eye.forward[2] * z);
-				most = fmax(most, (y - slope) * far);
-			}
-			struct lod_tilt tilt = lod_tilt_at(&eye, at, 1);
-			assert_true(fabs(lod_tilt_height(&tilt, across, up) - most) < 0.01);
-		}
-}
-
-/* Grids hold what they are for, are points of the scene's own grid, and have origins of few bits. */
-UNIT_TEST(grids_have_origins_of_few_bits)
-{
-	uint64_t state = 3;
-	for (int i = 0; i < 2000; i++) {
-		double low[3], high[3], step = ldexp(1, -(int)(eco_random_next(&state) % 12));
-		struct eco_list list = { .kind = ECO_LIST_INSTANCES };
-		for (int a = 0; a < 3; a++) {
-			low[a] = 2000 * (eco_random_unit(eco_random_next(&state)) - 0.5);
-			high[a] = low[a] + (a == 2 ? 0 : 100 * eco_random_unit(eco_random_next(&state)));
-		}
-		lod_grid_place(&list, low, high, step);
-		for (int a = 0; a < 3; a++) {
-			double extent = high[a] - low[a], most = fmax(extent / 8, step), at = list.grid_origin[a];
-			assert_true(list.grid_step[a] == step && fmod(at, step) == 0);
-			assert_true(at <= low[a] && low[a] - at < most);
-			/* of its multiples of an eighth of the extent there are few */
-			assert_true(extent <= 8 * step || fmod(at, lod_power_below(extent / 8)) == 0);
-		}
-	}
 }

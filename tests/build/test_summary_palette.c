@@ -91,19 +91,6 @@ static uint32_t hue(const uint8_t rgb[3])
 	return most;
 }
 
-UNIT_TEST(few_colours_are_exact)
-{
-	static struct world w;
-	make_world(&w, 3, 10, 20);
-	struct lod_summary_palette palette = palette_of(&w, NULL);
-	assert_int_equal(palette.count, 30);
-	assert_memory_equal(palette.rgb, w.b.scene.palette, 90);
-	for (uint32_t i = 0; i < 30; i++)
-		assert_int_equal(palette.color_of[i], i);
-	free(palette.color_of);
-	scene_free(&w.b);
-}
-
 UNIT_TEST(many_colours_become_near_ones)
 {
 	static struct world w;

@@ -85,33 +85,6 @@ static double covered(const uint8_t *texels, size_t count, size_t step)
 	return (double)sum / (double)count;
 }
 
-UNIT_TEST(outlines_come_back)
-{
-	for (uint32_t n = 0; n < 60; n++) {
-		struct eco_error error = { 0 };
-		struct eco_texture_part part = { 1 + lcg_bits(&state) % 70, 1 + lcg_bits(&state) % 70, 1,
-			NULL }, back;
-		struct eco_writer w = { 0 };
-		size_t count = (size_t)part.width * part.height;
-		part.texels = malloc(count);
-		for (size_t i = 0; i < count; i++)
-			part.texels[i] = n < 2 ? (uint8_t)(255 * n)
-				: lcg_bits(&state) % (n % 7 + 2) ? 255 : 0;
-		assert_ok(eco_texture_write_outline(&w, &part, &error), error);
-		assert_ok(eco_texture_read_outline(&back, w.bytes, w.size, &error), error);
-		assert_int_equal(back.width, part.width);
-		assert_int_equal(back.height, part.height);
-		assert_memory_equal(back.texels, part.texels, count);
-		eco_texture_part_free(&back);
-		/* cut off anywhere it is refused, or another outline of the same size, never more */
-		for (size_t size = 0; size < w.size; size += 1 + w.size / 9)
-			if (!eco_texture_read_outline(&back, w.bytes, size, NULL))
-				eco_texture_part_free(&back);
-		free(part.texels);
-		eco_writer_free(&w);
-	}
-}
-
 UNIT_TEST(impossible_parts_are_refused)
 {
 	static const uint8_t huge[9] = { 0xFF, 0xFF, 0xFF, 0x7F, 1 }, none[9] = { 0 },

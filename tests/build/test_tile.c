@@ -118,32 +118,3 @@ UNIT_TEST(test_leaves_are_not_nearly_empty)
 		lod_tiles_free(&tiles);
 	}
 }
-
-/* Neighbours in Morton order are near each other: much shorter steps than in the order of the file. */
-UNIT_TEST(test_neighbours_lie_near)
-{
-	struct lod_tile_item items[1000];
-	struct lod_tiles tiles;
-	double steps = 0, before = 0;
-	lay_out(items, 1000, SCATTERED);
-	for (int i = 0; i < 1000; i++)
-		items[i].plant = 0;
-	assert_int_equal(lod_tiles_build(&tiles, items, 1000, 1000, NULL), ECO_OK);
-	for (int i = 1; i < 1000; i++) {
-		const double *a = items[tiles.order[i - 1]].at, *b = items[tiles.order[i]].at;
-		steps += abs((int)(a[0] - b[0])) + abs((int)(a[1] - b[1]));
-		before += abs((int)(items[i - 1].at[0] - items[i].at[0]))
-			+ abs((int)(items[i - 1].at[1] - items[i].at[1]));
-	}
-	assert_true(steps < before / 5);
-	lod_tiles_free(&tiles);
-}
-
-UNIT_TEST(test_morton_interleaves)
-{
-	assert_int_equal(lod_morton(0, 0), 0);
-	assert_int_equal(lod_morton(1, 0), 1);
-	assert_int_equal(lod_morton(0, 1), 2);
-	assert_int_equal(lod_morton(3, 5), 0x27);
-	assert_true(lod_morton(UINT32_MAX, UINT32_MAX) == UINT64_MAX);
-}
