@@ -1,4 +1,4 @@
-/* Impostors: what lod/impostor_look.c and lod/raster/raster_impostor.c do, by the same operations in the same
+/* Impostors: what lod/impostor_look.c and lod/raster/raster_splat.c do, by the same operations in the same
  * order. A vertex chooses the tiles and the rays of pixels; a fragment follows its ray. Levels lie in records
  * as view_record.h says.
  *

@@ -12,7 +12,7 @@
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/ecopack/run.h"
-#include "lod/build/plant_bytes.h"
+#include "lod/build/plant.h"
 
 /* ---- The program ---- */
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/ecopack/run.h"
-#include "lod/build/image_levels.h"
+#include "lod/build/texture.h"
 
 #define BATCH 64u                        /* tiles whose texels wait to be encoded */
 

@@ -170,16 +170,16 @@ uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struc
 }
 
 uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struct lod_facet *const *facets,
-	uint32_t corners, const uint8_t *growth)
+	const uint8_t *growth)
 {
 	if (partner == ECO_NONE)
 		return ECO_NONE;
 	struct lod_list_draft *list = add_form(draft, partner, ECO_LIST_TRIANGLES,
-		ECO_ATTR_COLOR | (growth ? ECO_ATTR_GROWTH : 0), corners);
+		ECO_ATTR_COLOR | (growth ? ECO_ATTR_GROWTH : 0), 3);
 	uint32_t count = draft->plant->lists[partner].elements.element_count;
 	for (uint32_t i = 0; i < count; i++) {
-		int32_t *extra = begin_element(&list->elements, corners);
-		for (uint32_t k = 0; k < corners; k++)
+		int32_t *extra = begin_element(&list->elements, 3);
+		for (uint32_t k = 0; k < 3; k++)
 			put_corner(&list->elements, facets[i]->corner[k], NULL);
 		extra[0] = (int32_t)lod_palette_index(draft->palette, facets[i]->rgb);
 		if (growth)
@@ -266,17 +266,12 @@ static uint32_t end_level(uint32_t *ends, uint32_t count, uint32_t from, uint32_
 static void put_wood(struct lod_draft *draft, struct eco_elements *e, const struct lod_corner corner[3],
 	const uint8_t rgb[3])
 {
-	int32_t *extra = begin_element(e, 3), shift[2];
-	for (int a = 0; a < 2; a++) {        /* without whole turns, as for leaves */
-		int32_t least = corner[0].uv[a];
-		for (int k = 1; k < 3; k++)
-			least = corner[k].uv[a] < least ? corner[k].uv[a] : least;
-		shift[a] = (least / ECO_UV_ONE - (least % ECO_UV_ONE < 0)) * ECO_UV_ONE;
-	}
-	for (int k = 0; k < 3; k++) {
-		int32_t uv[2] = { corner[k].uv[0] - shift[0], corner[k].uv[1] - shift[1] };
-		put_corner(e, draft->mesh->grid + 3 * (size_t)corner[k].vertex, uv);
-	}
+	int32_t *extra = begin_element(e, 3), uv[6];
+	for (int i = 0; i < 6; i++)
+		uv[i] = corner[i / 2].uv[i % 2];
+	lod_uv_unturn(uv, 3);
+	for (int k = 0; k < 3; k++)
+		put_corner(e, draft->mesh->grid + 3 * (size_t)corner[k].vertex, uv + 2 * k);
 	if (extra)
 		extra[0] = (int32_t)lod_palette_index(draft->palette, rgb);
 }

@@ -29,8 +29,7 @@ struct eco_ladder *lod_draft_ladder(struct lod_draft *draft);
 /* Elements items[0..count) as fans, with texture coordinates if there is an image, else with colours;
  * `growth`: a code each, or NULL. */
 uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items,
-const uint8_t *growth, uint32_t count,
-	uint32_t image);
+	const uint8_t *growth, uint32_t count, uint32_t image);
 
 /* Other forms of the elements of list `partner`, one each, in its order. */
 
@@ -43,10 +42,10 @@ uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struc
 struct lod_line { struct lod_v3 end[2]; double width; uint8_t rgb[3]; };
 uint32_t lod_draft_blades(struct lod_draft *draft, uint32_t partner, const struct lod_line *const *lines);
 
-/* Triangles or quads in one colour, all with 3 or all with 4 corners. */
-struct lod_facet { int32_t corner[4][3]; uint8_t rgb[3]; };
+/* Triangles in one colour. */
+struct lod_facet { int32_t corner[3][3]; uint8_t rgb[3]; };
 uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struct lod_facet *const *facets,
-	uint32_t corners, const uint8_t *growth);
+	const uint8_t *growth);
 
 /* Lines that are no form of other elements. Those without length on the grid are left out. */
 uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, uint32_t count);

@@ -59,17 +59,6 @@ static bool linear_texture(const struct lod_v3 p[4], const int32_t *uv[4])
 	return true;
 }
 
-static bool zero_area(const struct lod_mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
-{
-	struct lod_v3 p[3];
-	uint32_t v[3] = { a, b, c };
-	for (int k = 0; k < 3; k++)
-		p[k] = (struct lod_v3){ mesh->grid[3 * (size_t)v[k]], mesh->grid[3 * (size_t)v[k] + 1],
-			mesh->grid[3 * (size_t)v[k] + 2] };
-	struct lod_v3 n = lod_v3_cross(lod_v3_sub(p[1], p[0]), lod_v3_sub(p[2], p[0]));
-	return lod_v3_dot(n, n) == 0;
-}
-
 /* Turns the diagonal at edge k of t. Does not update `across`. */
 static bool turn(struct lod_mesh *mesh, uint32_t t, uint32_t k)
 {
@@ -88,7 +77,8 @@ static bool turn(struct lod_mesh *mesh, uint32_t t, uint32_t k)
 	const int32_t *corners[4] = { uv[0], uv[1], uv[2], uv[3] };
 	if (memcmp(ua, uv[0], sizeof uv[0]) || memcmp(uc, uv[2], sizeof uv[2])
 			|| !planar_quad(p[0], p[1], p[2], p[3])
-		|| !linear_texture(p, corners) || zero_area(mesh, a, b, d) || zero_area(mesh, b, c, d))
+		|| !linear_texture(p, corners) || lod_mesh_flat(mesh, (uint32_t[]){ a, b, d })
+		|| lod_mesh_flat(mesh, (uint32_t[]){ b, c, d }))
 		return false;
 	uint32_t first[3] = { 0, 1, 3 }, second[3] = { 1, 2, 3 }, all[4] = { a, b, c, d };
 	for (int i = 0; i < 3; i++) {
@@ -340,19 +330,24 @@ void lod_elements_make(struct lod_elements *elements, const struct lod_mesh *mes
 
 /* ---- Properties of an element ---- */
 
+void lod_uv_unturn(int32_t *uv, uint32_t corners)
+{
+	for (int a = 0; a < 2; a++) {
+		int32_t least = INT32_MAX;
+		for (uint32_t i = 0; i < corners; i++)
+			least = uv[2 * i + a] < least ? uv[2 * i + a] : least;
+		int32_t turns = least / ECO_UV_ONE - (least % ECO_UV_ONE < 0);
+		for (uint32_t i = 0; i < corners; i++)
+			uv[2 * i + a] -= turns * ECO_UV_ONE;
+	}
+}
+
 void lod_element_uv(const struct lod_element *element, const struct lod_mesh *mesh, int32_t *uv)
 {
 	for (uint32_t i = 0; i < element->corners; i++)
 		memcpy(uv + 2 * i, uv_of(mesh, element->triangle[i < 2 ? 0 : i - 2], element->vertex[i]),
 			2 * sizeof *uv);
-	for (int a = 0; a < 2; a++) {
-		int32_t least = INT32_MAX;
-		for (uint32_t i = 0; i < element->corners; i++)
-			least = uv[2 * i + a] < least ? uv[2 * i + a] : least;
-		int32_t turns = least / ECO_UV_ONE - (least % ECO_UV_ONE < 0);
-		for (uint32_t i = 0; i < element->corners; i++)
-			uv[2 * i + a] -= turns * ECO_UV_ONE;
-	}
+	lod_uv_unturn(uv, element->corners);
 }
 
 struct lod_v3 lod_element_center(const struct lod_element *element, const struct lod_mesh *mesh)

@@ -32,6 +32,8 @@ void lod_elements_make(struct lod_elements *elements, const struct lod_mesh *mes
 /* Texture coordinates of the element's corners in 1/ECO_UV_ONE, shifted by whole turns so that the least are
  * in [0, 1). */
 void lod_element_uv(const struct lod_element *element, const struct lod_mesh *mesh, int32_t *uv);
+/* Shifts texture coordinates (2 each) by whole turns, to the least that are not negative. */
+void lod_uv_unturn(int32_t *uv, uint32_t corners);
 
 struct lod_v3;
 /* Metres: mean of the corners; sum of the triangles' normals with signs made to agree (its length is the

@@ -10,6 +10,7 @@
 #ifndef LOD_PLANT_H
 #define LOD_PLANT_H
 
+#include "ecofiles/base/bytes.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/format/pack.h"
@@ -77,6 +78,16 @@ struct lod_plant {
  * all are done. */
 typedef void lod_each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces);
 
+/* each(...), or the pieces in turn where `each` is NULL. */
+static inline void lod_each_run(lod_each *each, void *ctx, uint32_t count,
+	void (*piece)(void *pieces, uint32_t i), void *pieces)
+{
+	if (each)
+		each(ctx, count, piece, pieces);
+	for (uint32_t i = 0; !each && i < count; i++)
+		piece(pieces, i);
+}
+
 enum lod_plant_stage { LOD_STAGE_ELEMENTS, LOD_STAGE_ORDERS, LOD_STAGE_LISTS, LOD_STAGE_SPLATS,
 	LOD_STAGE_CURVES };
 
@@ -111,5 +122,11 @@ enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *m
 enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model *model,
 	const struct lod_plant_options *options, struct eco_error *error);
 void lod_plant_free(struct lod_plant *plant);
+
+/* A finished plant as bytes, and back, equal in every field but its name; after a failure *plant is empty. Only
+ * the program that wrote the bytes may read them: they are its memory, with differences of lists in varints. */
+void lod_plant_write(struct eco_writer *writer, const struct lod_plant *plant);
+enum eco_code lod_plant_read(struct lod_plant *plant, const uint8_t *bytes, size_t size,
+	struct eco_error *error);
 
 #endif

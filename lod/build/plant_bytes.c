@@ -1,6 +1,6 @@
 /* One walk over a plant's arrays serves both directions. Neighbouring corners are near each other: as
  * differences in varints they take a third of their memory, which a bounded cache is short of. */
-#include "lod/build/plant_bytes.h"
+#include "lod/build/plant.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -14,7 +14,7 @@
 #include "lod/build/order/order.h"
 #include "lod/build/plant_state.h"
 #include "lod/build/order/rank.h"
-#include "lod/build/sample.h"
+#include "lod/raster/texel.h"
 #include "lod/sort.h"
 #include "lod/build/tone.h"
 
@@ -22,6 +22,7 @@
 #define BLADE_SHARE 0.6          /* of a group's area, from which on it is a group of blades */
 #define COARSE_LEAST 256u        /* elements of the whole-plant list of a plant with cells */
 #define COARSE_DIVISOR 8u
+#define LATTICE 24               /* steps a side of the lattice that searches opaque texels */
 /* Simple triangles get a list if elements have at least so many triangles on average. */
 #define SIMPLE_GAIN 1.3
 
@@ -87,11 +88,7 @@ static bool rank_goes_on(void *ctx, double share)
 static void rank_each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
 {
 	const struct lod_build *b = ctx;
-	if (b->options->each)
-		b->options->each(b->options->ctx, count, piece, pieces);
-	else
-		for (uint32_t i = 0; i < count; i++)
-			piece(pieces, i);
+	lod_each_run(b->options->each, b->options->ctx, count, piece, pieces);
 }
 
 /* Fills b->order, growth and simple, which outlive the scratch memory. */
@@ -201,6 +198,62 @@ static uint8_t size_code(double ratio)
 	return code;
 }
 
+/* A triangle's part of the point of its leaf: middle, area (grid steps^2) and colour of what is opaque. Without
+ * an opaque texel it has its own middle, no area, and the image's mean colour. */
+struct sample { double at[3], area; uint8_t rgb[3]; };
+
+/* Mean barycentric coordinates of opaque points on an even lattice; returns their share, and their last texel
+ * in *seen. */
+static double opaque_middle(const struct eco_image *image, const int32_t *uv, double middle[3],
+	const uint8_t **seen)
+{
+	uint32_t hits = 0, all = 0;
+	double sum[3] = { 0, 0, 0 };
+	for (int i = 0; i < LATTICE; i++)
+		for (int j = 0; i + j < LATTICE; j++, all++) {
+			double w[3] = { (i + 1 / 3.0) / LATTICE, (j + 1 / 3.0) / LATTICE, 0 }, p[2];
+			w[2] = 1 - w[0] - w[1];
+			for (int a = 0; a < 2; a++)
+				p[a] = (w[0] * uv[a] + w[1] * uv[2 + a] + w[2] * uv[4 + a]) / ECO_UV_ONE;
+			const uint8_t *texel = lod_texel_at(image, p[0], p[1]);
+			if (texel[3] < 128)
+				continue;
+			hits++;
+			*seen = texel;
+			for (int k = 0; k < 3; k++)
+				sum[k] += w[k];
+		}
+	for (int k = 0; k < 3 && hits; k++)
+		middle[k] = sum[k] / hits;
+	return (double)hits / all;
+}
+
+static void sample_triangle(const struct lod_mesh *mesh, uint32_t t, struct lod_texels *texels,
+	const uint8_t *tint, struct sample *sample)
+{
+	double middle[3] = { 1 / 3.0, 1 / 3.0, 1 / 3.0 }, found = 1;
+	const uint8_t *seen = NULL;
+	const int32_t *p[3], *uv = mesh->uv + 6 * (size_t)t;
+	struct lod_v3 corner[3];
+	for (uint32_t k = 0; k < 3; k++) {
+		p[k] = mesh->grid + 3 * (size_t)mesh->index[3 * (size_t)t + k];
+		corner[k] = (struct lod_v3){ p[k][0], p[k][1], p[k][2] };
+	}
+	sample->area = lod_v3_length(lod_v3_cross(lod_v3_sub(corner[1], corner[0]),
+		lod_v3_sub(corner[2], corner[0]))) / 2;
+	memcpy(sample->rgb, tint, 3);
+	if (texels) {
+		double share = lod_texels_mean(texels, tint, uv, sample->rgb);
+		if (texels->cutout)
+			found = opaque_middle(texels->image, uv, middle, &seen);
+		if (share <= 0 && seen)      /* thinner than the rows that the mean samples */
+			lod_texel_tint(seen, tint, sample->rgb);
+		sample->area *= share > 0 ? share : found;
+	}
+	for (int k = 0; k < 3; k++)
+		sample->at[k] = middle[0] * p[0][k] + middle[1] * p[1][k] + middle[2] * p[2][k];
+}
+
 /* `texels`: of the group's image, opaque and cut out, opened when first needed. `mean`: mean area of the
  * group's elements. */
 static void make_point(struct lod_build *b, uint32_t number, struct lod_texels texels[2], double mean,
@@ -218,13 +271,9 @@ static void make_point(struct lod_build *b, uint32_t number, struct lod_texels t
 			if (image && !texels[material->cutout].image)
 				lod_texels_open(&texels[material->cutout], image, material->cutout,
 					&b->arena);
-			struct lod_sample_input in = { .uv = b->mesh.uv + 6 * (size_t)t,
-				.texels = image ? &texels[material->cutout] : NULL,
-				.tint = image ? material->rgb : b->organs.rgb[t] };
-			struct lod_sample sample;
-			for (uint32_t k = 0; k < 3; k++)
-				in.corner[k] = b->mesh.grid + 3 * (size_t)b->mesh.index[3 * (size_t)t + k];
-			lod_sample_triangle(&in, &sample);
+			struct sample sample;
+			sample_triangle(&b->mesh, t, image ? &texels[material->cutout] : NULL,
+				image ? material->rgb : b->organs.rgb[t], &sample);
 			double weight = pass ? 1 : sample.area;
 			lod_light_add(&light, sample.rgb, weight);
 			for (int k = 0; k < 3; k++)
@@ -316,7 +365,7 @@ static uint32_t write_simple(struct lod_build *b, uint32_t triangles, const uint
 		memcpy(facet[i].rgb, b->point[items[i]].rgb, sizeof facet[i].rgb);
 		facets[i] = &facet[i];
 	}
-	return lod_draft_facets(&b->draft, triangles, facets, 3, growth);
+	return lod_draft_facets(&b->draft, triangles, facets, growth);
 }
 
 static uint8_t level_of(const struct lod_build *b, const uint32_t *items, uint32_t count)

@@ -75,17 +75,6 @@ static void make_wedges(struct wedges *w, const struct lod_mesh *mesh, const uin
 	}
 }
 
-static bool has_area(const struct lod_mesh *mesh, const struct lod_corner *c)
-{
-	const int32_t *a = mesh->grid + 3 * (size_t)c[0].vertex;
-	int64_t u[3], v[3];
-	for (int k = 0; k < 3; k++) {
-		u[k] = (int64_t)mesh->grid[3 * (size_t)c[1].vertex + k] - a[k];
-		v[k] = (int64_t)mesh->grid[3 * (size_t)c[2].vertex + k] - a[k];
-	}
-	return u[1] * v[2] != u[2] * v[1] || u[2] * v[0] != u[0] * v[2] || u[0] * v[1] != u[1] * v[0];
-}
-
 /* Simplifies a part to 1 / divisor of its triangles and appends those with area to `out`, which has room for
  * all. */
 static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, const struct part *part,
@@ -106,7 +95,7 @@ static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, co
 	for (size_t i = 0; i + 2 < indices; i += 3) {
 		struct lod_corner c[3] = { w.corner[simple[i]], w.corner[simple[i + 1]],
 			w.corner[simple[i + 2]] };
-		if (!has_area(mesh, c))
+		if (lod_mesh_flat(mesh, (uint32_t[]){ c[0].vertex, c[1].vertex, c[2].vertex }))
 			continue;
 		memcpy(out + 3 * (size_t)kept, c, sizeof c);
 		kept++;

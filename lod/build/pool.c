@@ -6,9 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/base/random.h"
-#include "lod/build/foliage.h"
 #include "lod/geometry.h"
-#include "lod/raster/raster.h"
 #include "lod/build/tone.h"
 #include "lod/sort.h"
 
@@ -151,8 +149,9 @@ static bool sphere_of(const struct patches *patches, double center[3], double *r
 	return *radius > 0 && isfinite(*radius);
 }
 
-static void draw_parts(struct lod_raster *raster, const struct patches *patches)
+static void draw_parts(const void *ctx, struct lod_raster *raster)
 {
+	const struct patches *patches = ctx;
 	for (uint32_t i = 0; i < patches->part_count; i++) {
 		const struct part *part = &patches->parts[i];
 		lod_raster_list(raster, part->list, &part->geometry, &(struct lod_raster_batch){
@@ -160,47 +159,20 @@ static void draw_parts(struct lod_raster *raster, const struct patches *patches)
 	}
 }
 
-/* seen[i]: the number of pixels, over all views, in which primitive i is nearest. False if it cannot be
- * found. */
-static bool count_seen(const struct patches *patches, uint32_t *seen)
-{
-	struct lod_raster raster;
-	double directions[LOD_TONE_VIEWS][3], center[3], radius;
-	struct lod_raster_options options = { .width = LOD_TONE_PIXELS, .height = LOD_TONE_PIXELS,
-		.item = true };
-	if (patches->count >= NAMES - 1 || !sphere_of(patches, center, &radius)
-			|| lod_raster_init(&raster, &options, NULL))
-		return false;
-	lod_directions_spread(directions, LOD_TONE_VIEWS, 1);
-	uint64_t hits = 0;
-	for (uint32_t v = 0; v < LOD_TONE_VIEWS; v++) {
-		struct lod_eye eye;
-		lod_tone_eye(&eye, directions[v], center, radius);
-		lod_raster_look(&raster, &eye, (LOD_TONE_AWAY - 4) * radius);
-		draw_parts(&raster, patches);
-		for (size_t i = 0; i < (size_t)LOD_TONE_PIXELS * LOD_TONE_PIXELS; i++) {
-			if (!raster.cover[i])
-				continue;
-			seen[raster.item[i]]++;
-			hits++;
-		}
-	}
-	lod_raster_free(&raster);
-	return hits > 0;
-}
-
 /* Total of the weights: pixels if primitives are visible, else area. */
 static double weigh(struct patches *patches, const struct lod_plant *plant)
 {
 	double total = balance(patches, plant), pixels = 0;
+	struct lod_tone_views views = { .draw = draw_parts, .ctx = patches };
 	uint32_t *seen = calloc((size_t)patches->count + 1, sizeof *seen);
-	if (total > 0 && seen && count_seen(patches, seen)) {
+	if (total > 0 && seen && patches->count < NAMES - 1 && sphere_of(patches, views.center, &views.radius)
+			&& lod_tone_count(seen, &views))
 		for (uint32_t i = 0; i < patches->count; i++)
-			pixels += patches->items[i].weight = seen[i];
-		total = pixels;
-	}
+			pixels += seen[i];
+	for (uint32_t i = 0; i < patches->count && pixels > 0; i++)
+		patches->items[i].weight = seen[i];
 	free(seen);
-	return total;
+	return pixels > 0 ? pixels : total;
 }
 
 /* ---- Points ---- */

@@ -18,6 +18,7 @@
 #define LOD_TEXTURE_H
 
 #include "ecofiles/base/bytes.h"
+#include "ecofiles/format/ground_image.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/format/texture.h"
 
@@ -50,5 +51,15 @@ struct lod_texture_levels {
 enum eco_code lod_texture_levels_make(struct lod_texture_levels *levels, const struct eco_model *model,
 	uint32_t image, struct eco_error *error);
 void lod_texture_levels_free(struct lod_texture_levels *levels);
+
+/* From a square of ground to the levels of its tile (ecofiles/format/ground_image.h). Means are means of light
+ * over opaque texels; clear ones take the tile's mean, which costs few bytes. */
+
+/* A tile from its four children, which are quarters as eco_ground_image_quarter says. All have
+ * ECO_GROUND_IMAGE_SIDE texels a side, rows from the north. */
+void lod_image_join(uint8_t *rgba, const uint8_t *const quarters[4]);
+
+/* levels: ECO_GROUND_IMAGE_LEVELS writers that are zero; the caller frees them in any case. */
+enum eco_code lod_image_levels(struct eco_writer *levels, const uint8_t *rgba, struct eco_error *error);
 
 #endif

@@ -7,9 +7,9 @@
 #include "lod/light.h"
 #include "lod/raster/raster.h"
 
-#define VIEWS LOD_TONE_VIEWS
-#define PIXELS LOD_TONE_PIXELS   /* of a side: in all about as many hits as a large crown has leaves */
-#define AWAY LOD_TONE_AWAY
+#define VIEWS 8u
+#define PIXELS 160u              /* of a side: in all about as many hits as a large crown has leaves */
+#define AWAY 16.0                /* radii */
 #define BATCH 4096u
 /* Each of the first FIRST_BLOCK points stands for the whole plant; a later one the more for its own part of
  * it. */
@@ -19,7 +19,7 @@
 
 /* ---- Visibility ---- */
 
-void lod_tone_eye(struct lod_eye *eye, const double from[3], const double center[3], double radius)
+static void eye_from(struct lod_eye *eye, const double from[3], const double center[3], double radius)
 {
 	double flat = sqrt(from[0] * from[0] + from[1] * from[1]), half = 1 / sqrt(AWAY * AWAY - 1);
 	double right[3] = { flat > 1e-9 ? -from[1] / flat : 1, flat > 1e-9 ? from[0] / flat : 0, 0 };
@@ -43,8 +43,9 @@ static double sphere(const struct lod_mesh *mesh, double center[3])
 	return far > 0 ? sqrt(far) : 1;
 }
 
-static void draw_mesh(struct lod_raster *raster, const struct lod_mesh *mesh)
+static void draw_mesh(const void *ctx, struct lod_raster *raster)
 {
+	const struct lod_mesh *mesh = ctx;
 	float position[9 * BATCH];
 	for (uint32_t t = 0, n = 0; t < mesh->triangle_count; t++) {
 		for (uint32_t c = 0; c < 3; c++)
@@ -60,44 +61,44 @@ static void draw_mesh(struct lod_raster *raster, const struct lod_mesh *mesh)
 	}
 }
 
-/* names: by triangle, the number + 1 of its element, 0 for none. */
-static void count_named(const struct lod_raster *raster, const uint32_t *names, uint32_t *seen)
+bool lod_tone_count(uint32_t *seen, const struct lod_tone_views *views)
 {
-	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
-		uint32_t name = raster->cover[i] ? names[raster->item[i]] : 0;
-		if (name)
-			seen[name - 1]++;
+	struct lod_raster raster;
+	double directions[VIEWS][3];
+	if (lod_raster_init(&raster, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS,
+			.item = true }, NULL))
+		return false;
+	lod_directions_spread(directions, VIEWS, 1);
+	for (uint32_t v = 0; v < VIEWS; v++) {
+		struct lod_eye eye;
+		eye_from(&eye, directions[v], views->center, views->radius);
+		lod_raster_look(&raster, &eye, (AWAY - 4) * views->radius);
+		views->draw(views->ctx, &raster);
+		for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
+			uint32_t item = raster.cover[i] ? raster.item[i] : 0,
+				name = !raster.cover[i] ? 0 : views->names ? views->names[item] : item + 1;
+			if (name)
+				seen[name - 1]++;
+		}
 	}
+	lod_raster_free(&raster);
+	return true;
 }
 
 void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lod_arena *arena)
 {
-	const struct lod_mesh *mesh = input->mesh;
-	struct lod_raster raster;
 	uint32_t count = input->elements->count;
-	double directions[VIEWS][3], center[3], radius = sphere(mesh, center);
-	for (uint32_t i = 0; i < count; i++)
-		seen[i] = 1;
-	if (count >= 1u << 24
-			|| lod_raster_init(&raster,
-			&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .item = true },
-			NULL))
-		return;
 	struct lod_arena_piece *mark = arena->last;
-	uint32_t *names = lod_arena_take(arena, mesh->triangle_count, sizeof *names);
+	uint32_t *names = lod_arena_take(arena, input->mesh->triangle_count, sizeof *names);
+	struct lod_tone_views views = { .draw = draw_mesh, .ctx = input->mesh, .names = names };
+	views.radius = sphere(input->mesh, views.center);
 	for (uint32_t i = 0; i < count; i++)
 		for (uint32_t k = 0; k + 2 < input->elements->items[i].corners; k++)
 			names[input->elements->items[i].triangle[k]] = i + 1;
 	memset(seen, 0, count * sizeof *seen);
-	lod_directions_spread(directions, VIEWS, 1);
-	for (uint32_t v = 0; v < VIEWS; v++) {
-		struct lod_eye eye;
-		lod_tone_eye(&eye, directions[v], center, radius);
-		lod_raster_look(&raster, &eye, (AWAY - 4) * radius);
-		draw_mesh(&raster, mesh);
-		count_named(&raster, names, seen);
-	}
-	lod_raster_free(&raster);
+	bool counted = count < 1u << 24 && lod_tone_count(seen, &views);
+	for (uint32_t i = 0; i < count && !counted; i++)
+		seen[i] = 1;
 	lod_arena_release(arena, mark);
 }
 

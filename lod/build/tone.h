@@ -12,7 +12,7 @@
 #define LOD_TONE_H
 
 #include "lod/build/element.h"
-#include "lod/eye.h"
+#include "lod/raster/raster.h"
 
 struct lod_tone_input {
 	const struct lod_mesh *mesh;
@@ -23,12 +23,15 @@ struct lod_tone_input {
  * found: no memory, or more elements than a pixel can name. */
 void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lod_arena *arena);
 
-/* A view of LOD_TONE_PIXELS squared of a sphere from afar; `from`: a unit vector towards the eye
- * (lod_directions_spread). */
-#define LOD_TONE_VIEWS 8u
-#define LOD_TONE_PIXELS 160u
-#define LOD_TONE_AWAY 16.0       /* radii */
-void lod_tone_eye(struct lod_eye *eye, const double from[3], const double center[3], double radius);
+/* Counts for each item the pixels in which it is nearest, in pictures of a sphere from all around. `draw` draws
+ * everything; names: per item, 1 + the number that it counts for, or 0; NULL: its own. False without memory. */
+struct lod_tone_views {
+	double center[3], radius;
+	void (*draw)(const void *ctx, struct lod_raster *raster);
+	const void *ctx;
+	const uint32_t *names;
+};
+bool lod_tone_count(uint32_t *seen, const struct lod_tone_views *views);
 
 /* rgb[0..count) in an order; area: of each, at least 0. If there are at most LOD_TONE_COLORS colours the
  * results are among them (assigned with as few changes as the means allow), so that the plant's palette

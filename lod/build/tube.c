@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/base/union.h"
+#include "lod/heap.h"
 #include "lod/sort.h"
 
 #define SLAB_RADII 3.0           /* thickness of a slab, in mean radii of the component */
@@ -18,48 +19,6 @@
 #define TIP_DEPTH 0.2            /* of a slab: the extent of a piece's end */
 
 /* ---- Distance along the surface ---- */
-
-struct heap { uint32_t count, *item, *at; const double *key; };
-
-static void heap_up(struct heap *h, uint32_t i)
-{
-	uint32_t v = h->item[i];
-	while (i > 0 && h->key[v] < h->key[h->item[(i - 1) / 2]]) {
-		h->item[i] = h->item[(i - 1) / 2];
-		h->at[h->item[i]] = i;
-		i = (i - 1) / 2;
-	}
-	h->item[i] = v;
-	h->at[v] = i;
-}
-
-static uint32_t heap_pop(struct heap *h)
-{
-	uint32_t top = h->item[0], v = h->item[--h->count], i = 0;
-	while (2 * i + 1 < h->count) {
-		uint32_t child = 2 * i + 1;
-		if (child + 1 < h->count && h->key[h->item[child + 1]] < h->key[h->item[child]])
-			child++;
-		if (h->key[h->item[child]] >= h->key[v])
-			break;
-		h->item[i] = h->item[child];
-		h->at[h->item[i]] = i;
-		i = child;
-	}
-	h->item[i] = v;
-	h->at[v] = i;
-	h->at[top] = ECO_NONE;
-	return top;
-}
-
-static void heap_set(struct heap *h, uint32_t v)
-{
-	if (h->at[v] == ECO_NONE) {
-		h->at[v] = h->count;
-		h->item[h->count++] = v;
-	}
-	heap_up(h, h->at[v]);
-}
 
 /* Rings of border: the open ends of tubes. Slits and rims wider than a few radii are no rings. */
 static void find_rings(struct lod_tube *tube, struct lod_arena *arena)
@@ -101,37 +60,38 @@ static void find_rings(struct lod_tube *tube, struct lod_arena *arena)
 	lod_arena_release(arena, mark);
 }
 
-struct spread { uint32_t *first, *around; struct heap heap; bool *source; };
+/* A shortest path to a vertex is found at most once along each edge. */
+struct spread { uint32_t *first, *around, *stack; struct lod_heap_item *heap; bool *source; };
 
 static void start_spread(struct spread *s, const struct lod_tube *tube, struct lod_arena *arena)
 {
-	uint32_t n = tube->vertex_count;
-	*s = (struct spread){ lod_arena_take(arena, (size_t)n + 2, sizeof *s->first),
-		lod_arena_take(arena, 3 * (size_t)tube->triangle_count, sizeof *s->around),
-		{ .item = lod_arena_take(arena, n, sizeof(uint32_t)),
-			.at = lod_arena_take(arena, n, sizeof(uint32_t)),
-			.key = tube->level }, lod_arena_take(arena, n, sizeof *s->source) };
+	size_t n = tube->vertex_count, corners = 3 * (size_t)tube->triangle_count;
+	*s = (struct spread){ lod_arena_take(arena, n + 2, sizeof *s->first),
+		lod_arena_take(arena, corners, sizeof *s->around), lod_arena_take(arena, n, sizeof *s->stack),
+		lod_arena_take(arena, n + 2 * corners, sizeof *s->heap), lod_arena_take(arena, n, sizeof *s->source) };
 	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
 		s->first[tube->corner[i] + 2]++;
-	for (uint32_t v = 2; v <= n + 1; v++)
+	for (size_t v = 2; v <= n + 1; v++)
 		s->first[v] += s->first[v - 1];
 	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
 		s->around[s->first[tube->corner[i] + 1]++] = i;
 }
 
-/* Distances along edges from all sources (Dijkstra). */
+/* Distances along edges from all sources (Dijkstra); items of the heap that a shorter way replaced are skipped. */
 static void spread(struct lod_tube *tube, struct spread *s)
 {
+	uint32_t count = 0;
 	for (uint32_t v = 0; v < tube->vertex_count; v++) {
 		tube->level[v] = s->source[v] ? 0 : INFINITY;
-		s->heap.at[v] = ECO_NONE;
-	}
-	for (uint32_t v = 0; v < tube->vertex_count; v++)
 		if (s->source[v])
-			heap_set(&s->heap, v);
-	while (s->heap.count) {
-		uint32_t v = heap_pop(&s->heap);
-		for (uint32_t i = s->first[v]; i < s->first[v + 1]; i++)
+			lod_heap_push(s->heap, count++, (struct lod_heap_item){ 0, v });
+	}
+	while (count) {
+		uint32_t v = s->heap[0].id;
+		bool replaced = -s->heap[0].key > tube->level[v];
+		s->heap[0] = s->heap[--count];
+		lod_heap_sift(s->heap, count, 0);
+		for (uint32_t i = s->first[v]; i < s->first[v + 1] && !replaced; i++)
 			for (uint32_t k = 1; k < 3; k++) {
 				uint32_t t = s->around[i] / 3,
 					u = tube->corner[3 * t + (s->around[i] % 3 + k) % 3];
@@ -139,7 +99,7 @@ static void spread(struct lod_tube *tube, struct spread *s)
 					lod_tube_place(tube, u));
 				if (d < tube->level[u]) {
 					tube->level[u] = d;
-					heap_set(&s->heap, u);
+					lod_heap_push(s->heap, count++, (struct lod_heap_item){ -d, u });
 				}
 			}
 	}
@@ -151,7 +111,7 @@ static void spread(struct lod_tube *tube, struct spread *s)
 static void set_sources(const struct lod_tube *tube, struct spread *s, uint32_t vertex, double height)
 {
 	struct lod_v3 foot = lod_tube_place(tube, vertex);
-	uint32_t *stack = s->heap.item, depth = 1;       /* the heap is empty */
+	uint32_t *stack = s->stack, depth = 1;
 	memset(s->source, 0, tube->vertex_count * sizeof *s->source);
 	for (uint32_t v = 0; v < tube->vertex_count; v++)
 		s->source[v] = v == vertex

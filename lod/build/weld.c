@@ -174,7 +174,7 @@ static bool flat(const struct lod_mesh *mesh, const uint32_t *v)
 	return v[0] == v[1] || v[1] == v[2] || v[2] == v[0] || lod_v3_dot(normal, normal) == 0;
 }
 
-static bool no_area_on_grid(const struct lod_mesh *mesh, const uint32_t *v)
+bool lod_mesh_flat(const struct lod_mesh *mesh, const uint32_t *v)
 {
 	const int32_t *a = mesh->grid + 3 * (size_t)v[0], *b = mesh->grid + 3 * (size_t)v[1],
 		*c = mesh->grid + 3 * (size_t)v[2];
@@ -292,7 +292,7 @@ static void note_rules(struct lod_mesh *mesh, const struct eco_model *model, str
 static void mark_collapsed(struct lod_mesh *mesh)
 {
 	for (uint32_t t = 0; t < mesh->triangle_count; t++)
-		if (!mesh->collapsed[t] && no_area_on_grid(mesh, mesh->index + 3 * (size_t)t)) {
+		if (!mesh->collapsed[t] && lod_mesh_flat(mesh, mesh->index + 3 * (size_t)t)) {
 			mesh->collapsed[t] = true;
 			mesh->dropped[ECO_DROP_QUANTIZED]++;
 			mesh->unstored++;

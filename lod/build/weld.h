@@ -62,6 +62,9 @@ static inline struct lod_v3 lod_mesh_area_normal(const struct lod_mesh *mesh, ui
  * model->triangle_count. A mesh without triangles is a valid result. */
 void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bits, struct lod_arena *arena);
 
+/* Whether three vertices span no area on the grid. */
+bool lod_mesh_flat(const struct lod_mesh *mesh, const uint32_t *vertices);
+
 /* Whether a triangle of the model has valid and finite corners; otherwise *why (may be NULL) is set. */
 bool lod_mesh_usable(const struct eco_model *model, uint32_t triangle, enum eco_drop *why);
 

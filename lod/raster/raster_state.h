@@ -1,5 +1,5 @@
 /* The inside of the rasteriser, shared by raster.c (cameras, hiding, merging), raster_draw.c and
- * raster_splat.c (batches), raster_fill.c and raster_small.c (pixels). */
+ * raster_splat.c (batches), raster_fill.c (pixels). */
 #ifndef LOD_RASTER_STATE_H
 #define LOD_RASTER_STATE_H
 

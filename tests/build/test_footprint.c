@@ -28,8 +28,7 @@ static struct eco_image holed(void)
 
 /* Number of pixels that differ from what lod_visibilities_draw makes of each element alone; `covered` counts
  * its pixels. */
-static uint64_t differing(const struct lod_foliage *f, const struct lod_mask *mask, float scale,
-	uint64_t *covered)
+static uint64_t differing(const struct lod_foliage *f, float scale, uint64_t *covered)
 {
 	struct lod_sights sights;
 	struct lod_raster raster;
@@ -48,7 +47,7 @@ static uint64_t differing(const struct lod_foliage *f, const struct lod_mask *ma
 				*times = lod_arena_take(&arena, sights.words, 2 * sizeof *times);
 			uint64_t *none = lod_arena_take(&arena, sights.words, sizeof *none);
 			struct lod_canvas canvas = { row_words, none, (uint64_t (*)[2])times };
-			struct lod_fan fan = lod_foliage_fan(f, i, mask);
+			struct lod_fan fan = lod_foliage_fan(f, i);
 			struct lod_fan_seen seen;
 			lod_sights_draw(&sights, v,
 				&(struct lod_sights_drawing){ .order = &i, .count = 1, .scale = scale },
@@ -80,14 +79,16 @@ UNIT_TEST(footprints_are_what_is_drawn)
 		lod_mask_open(&mask, &image, &arena);
 		foliage_random(&f, &(struct foliage_random){ 40, cases[k].corners, 1, cases[k].leaf, 20 + k },
 			&arena);
+		f.mask = lod_arena_take(&arena, f.count, sizeof *f.mask);
 		for (uint32_t i = 0; i < f.count && cases[k].cutout; i++) {
 			f.cutout[i] = &image;
+			f.mask[i] = &mask;
 			/* around the image's corner */
 			for (uint32_t c = f.first[i]; c < f.first[i + 1]; c++)
 				for (int a = 0; a < 2; a++)
 					f.uv[c][a] = (float)(c * 7 % 11 + (uint32_t)a * 3 % 5) / 16 - 0.25f;
 		}
-		uint64_t differ = differing(&f, cases[k].cutout ? &mask : NULL, cases[k].scale, &covered);
+		uint64_t differ = differing(&f, cases[k].scale, &covered);
 		if ((double)differ > cases[k].share * (double)covered)
 			fail_msg("case %zu: %lu of %lu pixels differ", k, (unsigned long)differ,
 				(unsigned long)covered);

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lod/build/plant_bytes.h"
+#include "lod/build/plant.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 

@@ -1,8 +1,7 @@
-/* Middles of triangles, of what is opaque of them; and palettes for their colours. */
+/* Means of textures over triangles, light, and palettes. */
 #include "ecofiles/format/list.h"
 #include "lod/light.h"
 #include "lod/build/palette.h"
-#include "lod/build/sample.h"
 #include "lod/raster/texel.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"

@@ -139,10 +139,8 @@ static enum eco_code make_views(struct impostor_view **views, enum eco_impostor_
 			code = lod_raster_init(&d->far[i], &(struct lod_raster_options){ .width = SIDE,
 				.height = SIDE }, error);
 	}
-	if (!code && options->each)
-		options->each(options->ctx, d->parts, draw_part, d);
-	else if (!code)
-		draw_part(d, 0);
+	if (!code)
+		lod_each_run(options->each, options->ctx, d->parts, draw_part, d);
 	for (uint32_t i = 0; i < d->parts; i++) {
 		lod_raster_free(&d->near[i]);
 		lod_raster_free(&d->far[i]);

@@ -268,11 +268,8 @@ static void draw_part(void *pieces, uint32_t part)
 static void draw_views(struct drawing_views *d, uint64_t primitives)
 {
 	const struct lod_probe_options *o = &d->probe->options;
-	if (o->each && primitives >= SHARED_PRIMITIVES)
-		o->each(o->ctx, d->probe->raster_count, draw_part, d);
-	else
-		for (uint32_t part = 0; part < d->probe->raster_count; part++)
-			draw_part(d, part);
+	lod_each_run(primitives >= SHARED_PRIMITIVES ? o->each : NULL, o->ctx, d->probe->raster_count, draw_part,
+		d);
 }
 
 static void keep_view(struct lod_probe *probe, const struct lod_raster *raster, uint32_t view)

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "lod/bits.h"
+#include "lod/lanes.h"
 
 #define SUBPIXEL 256
 #define ROUNDING 1e-9                    /* of the largest turn */
@@ -10,12 +10,12 @@
 /* No corner lies further from the picture's middle: the products below stay within 64 bits. */
 #define LIMIT (8192 * SUBPIXEL)
 
-struct lod_fan lod_foliage_fan(const struct lod_foliage *foliage, uint32_t element,
-	const struct lod_mask *cutout)
+struct lod_fan lod_foliage_fan(const struct lod_foliage *foliage, uint32_t element)
 {
 	uint32_t at = foliage->first[element];
 	return (struct lod_fan){ (const float (*)[3])(foliage->corner + at),
-		(const float (*)[2])(foliage->uv + at), foliage->first[element + 1] - at, cutout };
+		(const float (*)[2])(foliage->uv + at), foliage->first[element + 1] - at,
+		foliage->mask ? foliage->mask[element] : NULL };
 }
 
 static inline double turn(const double *a, const double *b, const double *c)

@@ -21,8 +21,7 @@ struct lod_fan {
 	uint32_t corners;            /* 3 to ECO_CORNERS_MAX */
 	const struct lod_mask *cutout;           /* or NULL */
 };
-struct lod_fan lod_foliage_fan(const struct lod_foliage *foliage, uint32_t element,
-	const struct lod_mask *cutout);
+struct lod_fan lod_foliage_fan(const struct lod_foliage *foliage, uint32_t element);
 
 /* A fan in a view: its middle, and its corners relative to it (scaling multiplies these), in units of half
  * pictures. */

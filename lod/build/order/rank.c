@@ -195,11 +195,7 @@ static bool run(struct ranking *r, uint32_t count, void (*piece)(void *, uint32_
 	for (uint32_t at = 0; at < count && goes_on(r); at += PARTS) {
 		uint32_t part = count - at < PARTS ? count - at : PARTS;
 		r->piece_first = at;
-		if (r->options->each)
-			r->options->each(r->options->ctx, part, run_part, r);
-		else
-			for (uint32_t i = 0; i < part; i++)
-				run_part(r, i);
+		lod_each_run(r->options->each, r->options->ctx, part, run_part, r);
 	}
 	return !r->stopped;
 }
@@ -356,7 +352,7 @@ static void fit_batch(void *pieces, uint32_t batch)
 	struct ranking *r = pieces;
 	uint32_t end = (batch + 1) * BATCH < r->count ? (batch + 1) * BATCH : r->count;
 	for (uint32_t i = batch * BATCH; i < end; i++) {
-		struct lod_fan fan = lod_foliage_fan(r->crown.foliage, i, r->crown.cutout[i]);
+		struct lod_fan fan = lod_foliage_fan(r->crown.foliage, i);
 		lod_simple_fit(&r->simple[i], &fan);
 	}
 }

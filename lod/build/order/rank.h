@@ -9,8 +9,7 @@
 #define LOD_RANK_H
 
 #include "lod/build/foliage.h"
-
-typedef void lod_rank_each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces);
+#include "lod/build/plant.h"
 
 struct lod_rank_options {
 	uint32_t views, pixels;              /* 0: chosen by the plant */
@@ -24,7 +23,7 @@ struct lod_rank_options {
 	bool random;                         /* any order, without growth codes; simple triangles as ever */
 	/* as in lod_plant_options */
 	bool (*progress)(void *ctx, double share);
-	lod_rank_each *each;
+	lod_each *each;
 	void *ctx;
 };
 

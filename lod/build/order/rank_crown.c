@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lod/bits.h"
+#include "lod/lanes.h"
 #include "lod/sort.h"
 
 #define PIXELS_LEAST 128u
@@ -34,28 +34,6 @@ static uint32_t choose_pixels(const struct lod_foliage *foliage, struct lod_aren
 	double pixels = leaf > 0 ? WIDE * crown / leaf : PIXELS_MOST;
 	return pixels < PIXELS_LEAST ? PIXELS_LEAST : pixels > PIXELS_MOST ? PIXELS_MOST
 		: (uint32_t)(pixels / 64) * 64;
-}
-
-/* One mask for each image. */
-static void open_cutouts(struct lod_crown *crown, struct lod_arena *arena)
-{
-	const struct lod_foliage *f = crown->foliage;
-	const struct eco_image **image = lod_arena_take(arena, f->group_count, sizeof *image);
-	struct lod_mask *mask = lod_arena_take(arena, f->group_count, sizeof *mask);
-	uint32_t known = 0;
-	crown->cutout = lod_arena_take(arena, f->count, sizeof *crown->cutout);
-	for (uint32_t i = 0; i < f->count; i++) {
-		uint32_t k = 0;
-		if (!f->cutout[i])
-			continue;
-		while (k < known && image[k] != f->cutout[i])
-			k++;
-		if (k == known) {
-			image[known++] = f->cutout[i];
-			lod_mask_open(&mask[k], f->cutout[i], arena);
-		}
-		crown->cutout[i] = &mask[k];
-	}
 }
 
 static enum eco_code open_level(struct lod_crown *crown, const double (*directions)[3], uint32_t pixels,
@@ -92,8 +70,6 @@ enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *
 			code = open_level(crown, directions, pixels >> (LOD_CROWN_LEVELS - 1 - k), arena,
 				error);
 	crown->level = &crown->levels[crown->level_count - 1];
-	if (!code)
-		open_cutouts(crown, arena);
 	return code;
 }
 
@@ -123,7 +99,7 @@ void lod_crown_see(const struct lod_crown *crown, struct lod_fan_seen *seen, uin
 	bool points)
 {
 	const struct lod_eye *eye = &crown->level->sights.eyes[view];
-	struct lod_fan fan = lod_foliage_fan(crown->foliage, element, crown->cutout[element]);
+	struct lod_fan fan = lod_foliage_fan(crown->foliage, element);
 	if (points)
 		lod_fan_see_point(seen, &fan, crown->foliage->area[element] / 2, eye);
 	else

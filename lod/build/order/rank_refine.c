@@ -15,7 +15,7 @@
 #include <string.h>
 
 #include "ecofiles/format/list.h"
-#include "lod/bits.h"
+#include "lod/lanes.h"
 #include "lod/sort.h"
 
 #define KEYS 20u
@@ -91,11 +91,7 @@ static uint32_t cost_in(const struct refine *r, const struct key *key, uint32_t 
 
 static void run(struct refine *r, uint32_t count, void (*piece)(void *, uint32_t))
 {
-	if (r->in->options->each)
-		r->in->options->each(r->in->options->ctx, count, piece, r);
-	else
-		for (uint32_t i = 0; i < count; i++)
-			piece(r, i);
+	lod_each_run(r->in->options->each, r->in->options->ctx, count, piece, r);
 }
 
 /* ---- An element in a view ---- */

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-#include "lod/bits.h"
+#include "lod/lanes.h"
 
 #define PIXELS 40u
 #define VIEWS 5u

@@ -24,7 +24,6 @@ struct lod_crown_level {
 };
 struct lod_crown {
 	const struct lod_foliage *foliage;
-	const struct lod_mask **cutout;          /* per element, or NULL */
 	bool points;                             /* gains are of the points that stand for elements */
 	uint32_t views, level_count;
 	struct lod_crown_level levels[LOD_CROWN_LEVELS];     /* the smallest pictures first */

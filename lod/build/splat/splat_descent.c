@@ -84,11 +84,7 @@ static double batch_gradient(struct state *s)
 {
 	const struct splat_descent *d = s->d;
 	uint32_t views = (d->views->count - s->batch + s->batches - 1) / s->batches;
-	if (d->options->each)
-		d->options->each(d->options->ctx, views, view_piece, s);
-	else
-		for (uint32_t i = 0; i < views; i++)
-			view_piece(s, i);
+	lod_each_run(d->options->each, d->options->ctx, views, view_piece, s);
 	double loss = s->loss[0];
 	for (uint32_t i = 1; i < views; i++) {
 		loss += s->loss[i];

@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lod/bits.h"
 #include "lod/build/splat/splat_state.h"
 #include "lod/lanes.h"
 #include "lod/sort.h"

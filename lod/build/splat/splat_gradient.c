@@ -6,7 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "lod/bits.h"
 #include "lod/build/splat/splat_state.h"
 #include "lod/lanes.h"
 

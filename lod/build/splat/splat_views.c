@@ -149,11 +149,8 @@ enum eco_code splat_views_make(struct splat_views *views, const struct eco_model
 			.width = SIDE * pixels, .height = SIDE * pixels, .item = true }, error);
 		d.raster_count += !code;
 	}
-	if (!code && options->each)
-		options->each(options->ctx, d.raster_count, draw_part, &d);
-	else
-		for (uint32_t part = 0; part < d.raster_count && !code; part++)
-			draw_part(&d, part);
+	if (!code)
+		lod_each_run(options->each, options->ctx, d.raster_count, draw_part, &d);
 	for (uint32_t i = 0; i < d.raster_count; i++)
 		lod_raster_free(&d.rasters[i]);
 	return code;
