@@ -26,7 +26,8 @@ struct build {
 	bool failed;
 };
 
-uint64_t lod_morton(uint32_t x, uint32_t y)
+/* Interleaves the bits of two coordinates, x lowest. */
+static uint64_t morton(uint32_t x, uint32_t y)
 {
 	uint64_t code = 0;
 	for (int bit = 0; bit < 32; bit++)
@@ -96,7 +97,7 @@ static void sort_leaf(struct build *b, uint32_t first, uint32_t count, const str
 	for (uint32_t i = 0; i < count; i++) {
 		const struct lod_tile_item *item = &b->items[order[i]];
 		sorting[i] = (struct sorting){ item->plant, order[i],
-			lod_morton(grid16(item->at[0], square->x, square->side),
+			morton(grid16(item->at[0], square->x, square->side),
 			grid16(item->at[1], square->y, square->side)) };
 	}
 	if (count > 1)

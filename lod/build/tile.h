@@ -41,7 +41,4 @@ enum eco_code lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_ite
 	uint32_t most, struct eco_error *error);
 void lod_tiles_free(struct lod_tiles *tiles);
 
-/* Interleaves the bits of two coordinates, x lowest. */
-uint64_t lod_morton(uint32_t x, uint32_t y);
-
 #endif

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "lod/plan/byte_price.h"
-#include "lod/plan/plant_uses.h"
 
 #define TIE_SHARE 0.07           /* tiles and gates blend where both choices differ by less than this share of
                                   * what the finer one saves, Q where by less than that of what both lack */

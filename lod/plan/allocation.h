@@ -111,7 +111,7 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
  * those with a hash below near_end, which draw cells; seen from the side, and from above. */
 struct lod_slot_wrong { uint32_t near_end; struct lod_wrong at[2], above[2]; };
 
-struct lod_impostor_use {            /* levels of a plant's impostor, lod/plan/impostor_worth.h */
+struct lod_impostor_use {            /* levels of a plant's impostor, lod/plan/texture_levels.h */
 	uint32_t levels;             /* that some plant may draw */
 	double from_px[ECO_IMPOSTOR_LEVELS]; /* of each, across: it shows plants that are larger */
 };
@@ -189,7 +189,7 @@ struct lod_allocation {
 	bool *drawn_here;            /* per node, while a picture is predicted: plants of it are drawn */
 	struct lod_slot_wrong *slot_wrong;   /* per slot, then */
 	uint64_t *counts;            /* per slot: plants if all open tiles are drawn */
-	struct lod_uses uses;        /* lod/plan/plant_uses.h */
+	struct lod_uses uses;        /* plant_uses.c */
 	double *scratch;             /* per slot */
 	struct lod_hull_point **blocks;          uint32_t block_count, block_capacity, block_used;
 	uint32_t *slot_of;           /* per plant and band: slot of whole plants + 1 */
@@ -230,12 +230,6 @@ static inline void lod_allocation_unsettle(struct lod_allocation *allocation, ui
 	allocation->relaxed.lambda = NAN;
 }
 
-/* Calls fn for each tally of cells in open tiles, with the slot choice of the cell and that of the whole
- * plants. */
-typedef void (*lod_allocation_cell_fn)(struct lod_allocation *allocation, const struct lod_tally *tally,
-	struct lod_slot_choice *cell, struct lod_slot_choice *whole);
-void lod_allocation_cells(struct lod_allocation *allocation, lod_allocation_cell_fn fn);
-
 /* Nothing is chosen above `high`; nearly everything that gains is chosen below `low`. */
 void lod_allocation_lambda_range(const struct lod_allocation *allocation, double *high, double *low);
 
@@ -266,5 +260,62 @@ void lod_allocation_compare_whole(const struct lod_allocation *allocation, uint3
 
 /* Makes the gates and tiles of the last lambda those of p, and counts plants anew. */
 void lod_allocation_fix(struct lod_allocation *allocation);
+
+/* The search for the lambda that uses a budget of vertices, as planner_optimal.c leaves it, and what
+ * planner_bytes.c does with it where bytes count. */
+
+#define LOD_LAMBDA_COUNT 240     /* of the grid, down to where a vertex saves nothing visible; then 0 */
+
+struct lod_outcome { double vertices, wrong; }; /* of a relaxation */
+
+struct lod_evaluation { int at; struct lod_outcome outcome; struct eco_prediction prediction; };
+
+struct lod_lambda_search {
+	struct lod_allocation *allocation;
+	/* indices: where anything may be chosen, after which nothing more gains */
+	int first, last;
+	struct lod_evaluation from, to;      /* the predicted lambdas around the budget */
+	int index;                           /* the last lambda whose vertices fit the budget */
+	struct lod_outcome here, next;       /* there, and at the next lambda */
+	double lambda;                       /* of the answer */
+	double price;                        /* of a byte in the answer where bytes do not bind; 0: none */
+};
+
+void lod_search_free(struct lod_lambda_search *s);       /* NULL is fine */
+double lod_lambda_at(int index);
+
+/* Entries for the structure of a lambda, within so many vertices. */
+enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, uint64_t budget,
+	struct eco_error *error);
+
+/* Finds the bytes of the answer that carries the entries: p->bytes. */
+enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error);
+/* Entries with fewer bytes in place of the answer's, if hardly less is right: s->price, p->bytes. */
+enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error);
+/* Entries whose answer has at most the bytes asked for, and the prediction. */
+enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error);
+/* After the answer: hands coarser ones to input->coarser. Entries are those of the last of them then. */
+enum eco_code lod_bytes_coarser(const struct lod_lambda_search *s, const struct eco_plan *answer,
+	struct eco_error *error);
+
+/* Which plants stand in which open tiles, for sums over all of them at each lambda: the visible tree's
+ * tallies, packed, and those of cells summed over tiles. Loops over them are much of a plan's time, and touch
+ * only what they need: a cost a slot, not a slot_choice. From one relaxation to the next most slots cost the
+ * same and most tiles stay as they are, so only sums are made again of which a part is another one; each is
+ * summed in the same order, so that it is the same number as if all were. */
+
+/* After the tiles and slots of the allocation were made. */
+enum eco_code lod_uses_make(struct lod_allocation *allocation, struct eco_error *error);
+void lod_uses_free(struct lod_uses *uses);
+
+/* Adds up the cells of each slot's whole plants; the sums are 0 before: slot_choice.cells,
+ * .cells_weight_px. */
+void lod_uses_sum_cells(struct lod_allocation *allocation);
+/* Sets near and each, once gates are. */
+void lod_uses_set_each(struct lod_allocation *allocation);
+/* The cost of a tile's own plants, without bytes and what is seen from above. */
+struct lod_cost lod_uses_cost(const struct lod_allocation *allocation, uint32_t node);
+/* Sets drawn and seen, once tiles have chosen. */
+void lod_uses_sum_drawn(struct lod_allocation *allocation);
 
 #endif

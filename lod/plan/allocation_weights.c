@@ -9,8 +9,7 @@
 #include "ecofiles/base/array_grow.h"
 #include "lod/ladder.h"
 #include "lod/plan/byte_price.h"
-#include "lod/plan/impostor_worth.h"
-#include "lod/plan/plant_uses.h"
+#include "lod/plan/texture_levels.h"
 
 #define PI 3.14159265358979323846
 #define BLOCK 4096u              /* hull points allocated at once */
@@ -396,7 +395,9 @@ static void measure_plants(struct lod_allocation *m)
 	smooth_plants(m);
 }
 
-void lod_allocation_cells(struct lod_allocation *m, lod_allocation_cell_fn fn)
+/* Calls fn for each tally of cells in open tiles, with the slot choice of the cell and that of the whole plants. */
+static void each_cell(struct lod_allocation *m, void (*fn)(struct lod_allocation *m,
+	const struct lod_tally *tally, struct lod_slot_choice *cell, struct lod_slot_choice *whole))
 {
 	const struct lod_visible_tree *visible = &m->p->visible;
 	for (uint32_t n = 0; n < visible->node_count; n++) {
@@ -437,8 +438,8 @@ static void measure_cells(struct lod_allocation *m)
 	for (uint32_t s = 0; s < visible->slot_count; s++)
 		if (visible->slots[s].cell)
 			m->slot_choices[s].parts = anchor_pixels(m, s);
-	lod_allocation_cells(m, sum_parts);
-	lod_allocation_cells(m, add_cell);
+	each_cell(m, sum_parts);
+	each_cell(m, add_cell);
 	for (uint32_t s = 0; s < visible->slot_count; s++)
 		if (visible->slots[s].cell && m->scratch[s] > 0) {
 			m->slot_choices[s].seen /= m->scratch[s];

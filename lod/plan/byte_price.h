@@ -8,7 +8,7 @@
  *   limited to where its next bytes save more, summed over plants, than they cost
  * - a plant's organs, which need many lists, are drawn by none of its plants unless they save more, over the
  *   ladder that shows the whole plant, than all their bytes cost
- * - a level of an impostor must set more right for each byte (lod/plan/impostor_worth.h)
+ * - a level of an impostor must set more right for each byte (lod/plan/texture_levels.h)
  *
  * A limit depends on which plants are drawn, and which are drawn depends on limits. Both are made in turn,
  * beginning without limits, a fixed number of times. What is drawn then only becomes less, so the result

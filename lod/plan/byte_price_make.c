@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "lod/plan/byte_price_state.h"
-#include "lod/plan/plant_uses.h"
+#include "lod/plan/allocation.h"
 
 #define GROUND_LEAST 0.1         /* share of the ground that shows, at least */
 

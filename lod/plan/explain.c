@@ -1,5 +1,5 @@
 /* Explanations are read off the planner's decisions; nothing is decided here. See lod/plan/explain.h. */
-#include "lod/plan/explain_state.h"
+#include "lod/plan/fill_budget.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lod/plan/explain_state.h"
-#include "lod/plan/swap_steps.h"
 #include "lod/heap.h"
 #include "lod/ladder.h"
 

@@ -13,6 +13,7 @@
 #define LOD_FILL_BUDGET_H
 
 #include "lod/plan/allocation.h"
+#include "lod/plan/explain.h"
 
 struct lod_candidate {               /* a ladder choice for the plants of its slot that are drawn, or a tile's
                                       * summary */
@@ -57,7 +58,7 @@ void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget);
  * candidates. */
 enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool swaps, struct eco_error *error);
 
-/* ---- For lod/plan/swap_steps.h ---- */
+/* ---- For swap_steps.c ---- */
 
 static inline const struct lod_hull_point *lod_candidate_point(const struct lod_candidate *candidate)
 {
@@ -100,5 +101,36 @@ bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except);
 double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate *candidate);
 /* Sets fill->wrong to the sum over candidates. */
 void lod_fill_sum(struct lod_fill *fill);
+
+/* Local search for scenes of a few plants, where the rest of a budget is no small part of it and steps are
+ * large: there the dual solution and the greedy fill may be far from optimal. One candidate is changed, the
+ * others make up for it, and the change is kept if fewer pixels are wrong:
+ *
+ * - it releases a step, or all its steps, and the others are filled greedily with the vertices
+ * - it adds a step that does not fit, for one plant more or for all, and the others release steps until it
+ *   fits, those first that lose least per vertex needed; only this trades one large step for several small
+ *   ones
+ *
+ * Ends when no change helps, after some passes, or with half of the plan's work. Takes the square of the
+ * number of candidates. */
+
+/* `fill` is filled to its budget; fill->wrong is what it leaves wrong, before and after. False without
+ * memory. */
+bool lod_swap_steps(struct lod_fill *fill, uint64_t budget);
+
+/* Explaining inside the planner. Nothing is recorded unless an explanation is asked for. */
+
+/* The plan may take so much work; 0: any. */
+void lod_explain_begin(struct lod_explanation *explanation, uint64_t work_max);
+
+/* The reason for a candidate's vertices. */
+struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struct lod_candidate *candidate);
+
+/* Adds rows of tiles whose plants are drawn though they have a summary. Drops rows of a coarser level. */
+void lod_explain_tiles(const struct lod_fill *fill);
+
+/* Adds the row of a cut that `plants` of an entry draw. */
+void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry, const struct eco_cut *cut,
+	uint64_t plants);
 
 #endif

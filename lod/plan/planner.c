@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lod/plan/explain_state.h"
-#include "lod/plan/lambda_search.h"
+#include "lod/plan/fill_budget.h"
+#include "lod/plan/allocation.h"
 
 #define CELLS_MOST (1u << 26)            /* of plants, whatever a pack says */
 #define IMAGE_PART 4u                    /* of an answer's bytes: 1 / so many */

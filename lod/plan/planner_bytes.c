@@ -1,16 +1,14 @@
 /* Answers without bytes that nobody misses; answers within bytes: a price at which the answer has no more
  * than may be sent; and answers at higher prices, coarser ones on the way to it. Longer than
  * 600 lines: each of them searches prices with the same few functions. */
-#include "lod/plan/lambda_search.h"
+#include "lod/plan/allocation.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "lod/plan/byte_price.h"
-#include "lod/plan/expected.h"
-#include "lod/plan/explain_state.h"
-#include "lod/plan/price_curve.h"
+#include "lod/plan/fill_budget.h"
 #include "lod/plan/price_search.h"
 
 #define PRICE_MORE 0.05          /* octaves, at first, by which a price is raised that no longer fits */

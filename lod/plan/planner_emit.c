@@ -1,5 +1,5 @@
 /* From entries to a plan: cuts, runs, gates, placements and the prediction; and which chunks a plan needs. */
-#include "lod/plan/explain_state.h"
+#include "lod/plan/fill_budget.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,8 +8,64 @@
 #include "ecofiles/format/wire.h"
 #include "lod/ground_choice.h"
 #include "lod/ladder.h"
-#include "lod/plan/halvings.h"
+#include "lod/plan/planner_state.h"
 #include "lod/plan/texture_levels.h"
+#include "lod/scattered.h"
+
+/* ---- Points of summaries in parts ---- */
+
+/* Points of summaries are scattered (lod/scattered.h) into as few parts as make them narrow, and as many as the
+ * vertices that the plan has left allow. */
+
+#define PART_PX 8.0              /* narrower points look no better (lod/EXPERIMENTS.md, Scattered points) */
+#define PART_STEP 1.41421356237309504880
+#define PART_PX_MAX 1e6          /* wider points are not scattered */
+
+/* Area factor of the points of a summary's entry, which has vertices. */
+static float summary_scale(const struct lod_entry *entry)
+{
+	return eco_wire_scale_round((float)((double)entry->full / fmax(entry->wanted,
+		(double)entry->vertices)));
+}
+
+static double width_px(const struct lod_planner *p, const struct lod_entry *entry)
+{
+	const struct lod_node *node = &p->visible.nodes[entry->ladder];
+	const struct eco_list *list = &p->scene->lists[p->scene->tiles[node->tile].summary];
+	return 2 * lod_ball_radius(list, summary_scale(entry)) * p->visible.placements[node->placement].scale
+		/ (node->distance * p->visible.eye.pixel_rad);
+}
+
+/* Halvings until points of the entry, where its tile is nearest, are no wider. */
+static uint8_t halvings_of(const struct lod_planner *p, const struct lod_entry *entry, double part_px)
+{
+	bool seen = entry->vertices && isfinite(part_px) && p->visible.nodes[entry->ladder].distance > 0;
+	double width = seen ? width_px(p, entry) : 0;
+	uint8_t halvings = 0;
+	for (; width > part_px && halvings < ECO_HALVINGS_MAX; width *= M_SQRT1_2)
+		halvings++;
+	return halvings;
+}
+
+static uint64_t added(const struct lod_planner *p, double part_px)
+{
+	uint64_t sum = 0;
+	for (uint32_t i = 0; i < p->entry_count; i++)
+		if (p->entries[i].slot == ECO_NONE)
+			sum += (p->entries[i].vertices << halvings_of(p, &p->entries[i], part_px))
+				- p->entries[i].vertices;
+	return sum;
+}
+
+/* The least width of a part, pixels, at which all fit in the vertices left; infinite: no point is scattered. */
+static double part_px_of(const struct lod_planner *p)
+{
+	uint64_t left = p->input->request->vertices - p->vertices;
+	double part_px = PART_PX;
+	while (part_px < PART_PX_MAX && added(p, part_px) > left)
+		part_px *= PART_STEP;
+	return part_px < PART_PX_MAX ? part_px : INFINITY;
+}
 
 #define GROWTH 0.6               /* at most so much is added to leaves' areas among other plants */
 #define MISSED 0.15              /* share of a plant's pixels missed from which all of GROWTH is added */
@@ -85,7 +141,7 @@ static void add_summary_cut(const struct lod_planner *p, const struct lod_entry 
 	struct eco_cut *cut = &plan->cuts[plan->cut_count++];
 	*cut = (struct eco_cut){
 		.list = p->scene->tiles[node->tile].summary, .end = (uint32_t)entry->vertices,
-		.scale = lod_summary_scale(entry), .halvings = lod_halvings(p, entry, part_px),
+		.scale = summary_scale(entry), .halvings = halvings_of(p, entry, part_px),
 		.placement = placement_in_plan[node->placement], .anchor = ECO_NONE,
 		.share_end = ECO_SHARE_ONE };
 	plan->vertices += eco_cut_primitives(cut) - entry->vertices;
@@ -235,7 +291,7 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 	}
 	add_placements(p, placement_in_plan, plan);
 	add_runs(p, placement_in_plan, plan);
-	double part_px = lod_part_px(p);
+	double part_px = part_px_of(p);
 	plan->vertices = p->vertices;
 	for (uint32_t i = 0; i < p->entry_count; i++) {
 		const struct lod_entry *entry = &p->entries[i];

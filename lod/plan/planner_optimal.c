@@ -26,10 +26,9 @@
 #include <string.h>
 
 #include "lod/plan/byte_price.h"
-#include "lod/plan/expected.h"
-#include "lod/plan/explain_state.h"
+#include "lod/plan/price_search.h"
 #include "lod/plan/fill_budget.h"
-#include "lod/plan/lambda_search.h"
+#include "lod/plan/allocation.h"
 
 #define LAMBDAS_PER_OCTAVE 2
 #define LAMBDA_HIGHEST 34        /* octaves: more pixels than a picture can have */

@@ -125,10 +125,6 @@ enum eco_code lod_planner_add(struct lod_planner *p, const struct lod_entry *ent
 /* Opens the scene at a level of lod_planner_stats and plans nothing, so that tests can make an allocation. */
 enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, struct eco_error *error);
 
-/* Fills what is left of the budget; p->vertices must be within it. Sets vertices, more and share of entries,
- * and p->vertices. */
-enum eco_code lod_planner_fill(struct lod_planner *p, struct eco_error *error);
-
 /* Makes the plan of the entries. */
 enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
 

@@ -1,5 +1,5 @@
-/* See lod/plan/plant_uses.h. */
-#include "lod/plan/plant_uses.h"
+/* See lod/plan/allocation.h. */
+#include "lod/plan/allocation.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -18,8 +18,23 @@
 #ifndef LOD_SUMMARY_HULL_H
 #define LOD_SUMMARY_HULL_H
 
+#include "ecofiles/format/pack.h"
 #include "lod/plan/hull.h"
-#include "lod/plan/summary_curve.h"
+
+/* A summary as seen from a place. All lengths and areas are in pixels. */
+struct lod_summary_view {
+	double area;                 /* projected: half of the tile's leaf area; n of N points are splats of
+	                              * area / n each */
+	double covered;              /* by the tile's plants at full detail, each by itself */
+	double box;                  /* of their crowns, gaps included; at least `covered` */
+	double plants;               /* number of plants */
+	double points;               /* N */
+	double wide, high;           /* the tile in the picture, where splats fill each other's gaps; 0:
+	                              * unknown */
+	double weight_px;            /* wrong pixels where nothing is drawn; above 0 where wide and high are
+	                              * known */
+	double crowded;              /* share of the tile's part of the picture that its plants cover */
+};
 
 #define LOD_SUMMARY_HULL_SAMPLES_MAX 32u
 

@@ -1,5 +1,5 @@
-/* Exchanges of steps between candidates: see lod/plan/swap_steps.h. */
-#include "lod/plan/swap_steps.h"
+/* Exchanges of steps between candidates: see lod/plan/fill_budget.h. */
+#include "lod/plan/fill_budget.h"
 
 #include <math.h>
 #include <stdlib.h>

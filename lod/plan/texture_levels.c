@@ -1,7 +1,9 @@
 #include "lod/plan/texture_levels.h"
+#include "lod/impostor.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 
 #define NEARER 0.8408964152537145        /* 2^(-1/4): a plant of a band against the band's middle, at most */
@@ -46,7 +48,9 @@ double lod_outline_loss(const struct lod_planner *p, uint32_t outline, uint32_t 
 }
 
 /* Octaves of rounding do no harm: the cost is the same on every machine. */
-double lod_texel_cost(double px)
+/* Cost in wrong pixels of a pixel that is seen through texels of `px` pixels (any above 0, or INFINITY):
+ * little for each octave up to a pixel, then as much as for elements that are wider (lod/plan/README.md). */
+static double texel_cost(double px)
 {
 	double octaves = px < COST_FULL ? lod_octaves(px) : COST_OCTAVES,
 		below = fmin(0, fmax(octaves, COST_FROM)) - COST_FROM,
@@ -59,7 +63,7 @@ double lod_texel_loss(double px, uint32_t fewer)
 	px = fmin(1, px);
 	while (fewer--)
 		px *= 2;
-	return lod_texel_cost(px);
+	return texel_cost(px);
 }
 
 static int by_list(const void *a, const void *b)
@@ -118,4 +122,88 @@ enum eco_code lod_plan_textures(struct eco_plan *plan, const struct lod_planner 
 		if (i + 1 == count || cuts[i + 1].list != cuts[i].list)
 			plan->cuts[plan->cut_count++] = cuts[i];
 	return ECO_OK;
+}
+
+/* ---- Levels of impostors ---- */
+
+#define WORTH 0.1
+#define WORTH_LAST 0.15
+static double worth_least(uint32_t level)
+{
+	return level + 1 < ECO_IMPOSTOR_LEVELS ? WORTH : WORTH_LAST;
+}
+
+/* Even small plants look better in more directions, but bytes count (lod/EXPERIMENTS.md, Impostors, Small
+ * pictures): a level begins where the one before has fewer texels than pixels. */
+double lod_impostor_from(uint32_t level, double times)
+{
+	double least = level ? eco_impostor_sizes[level - 1].texels : 0;
+	if (level && !(times >= 1))
+		return INFINITY;
+	return level && times < 2 ? least + (2 - times) * (LOD_IMPOSTOR_PIXELS - least) : least;
+}
+
+/* Across, of the whole plant's sphere. */
+static double slot_pixels(const struct lod_allocation *m, const struct lod_slot *slot)
+{
+	double px = 1 / (lod_band_distance_m(slot->band) * m->p->visible.eye.pixel_rad);
+	return 2 * (double)m->p->scene->anchors[slot->anchor].radius * px;
+}
+
+uint32_t lod_impostor_of_slot(const struct lod_allocation *m, const struct lod_slot *slot,
+	const struct lod_way *way)
+{
+	const struct lod_impostor_use *use = &m->impostors[slot->plant];
+	double pixels = slot_pixels(m, slot);
+	uint32_t level = 0;
+	if (!lod_hull_impostor_levels(way) || pixels > LOD_IMPOSTOR_PIXELS)
+		return ECO_NONE;
+	while (level + 1 < use->levels && use->from_px[level + 1] < pixels)
+		level++;
+	return level;
+}
+
+static double level_error(const struct eco_scene *scene, const struct eco_ladder *ladder, uint32_t level)
+{
+	const struct eco_curve *sample = &scene->curves[ladder->curve_first + level];
+	return (double)sample->fp + (double)sample->fn;
+}
+
+/* `seen`: pixels of all plants of that kind. */
+static struct lod_impostor_use use_of(const struct eco_scene *scene, const struct eco_ladder *ladder,
+	double seen, double price)
+{
+	const struct eco_list *list = &scene->lists[ladder->impostor];
+	struct lod_impostor_use use = { .levels = 1 };
+	for (uint32_t level = 1; level < list->primitive_count; level++) {
+		double less = level_error(scene, ladder, level - 1) - level_error(scene, ladder, level),
+			right = seen * less, bytes = scene->chunks[list->chunk_first + level].size_bytes,
+			from = lod_impostor_from(level, right
+			/ (fmax(price, worth_least(level)) * bytes));
+		if (!(from < INFINITY))
+			break;
+		use.from_px[level] = fmax(from, use.from_px[level - 1]);
+		use.levels++;
+	}
+	return use;
+}
+
+void lod_impostor_worth(struct lod_allocation *m, const double *seen)
+{
+	const struct lod_planner *p = m->p;
+	const struct eco_scene *scene = p->scene;
+	memset(m->plant_seen, 0, scene->plant_count * sizeof *m->plant_seen);
+	for (uint32_t s = 0; s < p->visible.slot_count; s++) {
+		const struct lod_slot *slot = &p->visible.slots[s];
+		if (!slot->cell && slot_pixels(m, slot) <= LOD_IMPOSTOR_PIXELS)
+			m->plant_seen[slot->plant] += seen[s];
+	}
+	for (uint32_t i = 0; i < scene->plant_count; i++) {
+		uint32_t count;
+		const uint32_t *whole = lod_plan_tables_whole(p->tables, scene->plants[i].anchor_first,
+			&count);
+		for (uint32_t k = 0; k < count; k++)
+			if (scene->ladders[whole[k]].impostor != ECO_NONE)
+				m->impostors[i] = use_of(scene, &scene->ladders[whole[k]], m->plant_seen[i], m->price);
+	}
 }

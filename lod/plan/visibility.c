@@ -7,7 +7,6 @@
 
 #include "ecofiles/base/array_grow.h"
 #include "lod/lanes.h"
-#include "lod/plan/splat_field.h"
 
 #define PI 3.14159265358979323846
 #define AROUND 2.5               /* false positives of a plant lie in a box so much wider and higher than its

@@ -69,21 +69,6 @@ UNIT_TEST(a_ball_is_one_splat)
 	soup_free(&soup);
 }
 
-UNIT_TEST(opaque_splats_are_opaque)
-{
-	struct soup soup;
-	struct lod_splats splats;
-	struct lod_splats_options options = quick;
-	options.opaque = true;
-	options.levels = 4;
-	make_tree(&soup);
-	fit(&splats, &soup.model, &options);
-	for (uint32_t i = 0; i < splats.level_end[3]; i++)
-		assert_int_equal(splats.items[i].code[6], ECO_SPLAT_OPACITIES - 1);
-	lod_splats_free(&splats);
-	soup_free(&soup);
-}
-
 /* ---- Threads and progress ---- */
 
 struct watch { double last, stop_at; };

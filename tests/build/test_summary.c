@@ -6,7 +6,7 @@
 
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/plan.h"
-#include "lod/plan/summary_curve.h"
+#include "lod/plan/summary_hull.h"
 #include "lod/plan/visibility.h"
 #include "lod/build/summary.h"
 #include "tests/support/scene_builder.h"

@@ -5,7 +5,7 @@
 #include "ecofiles/format/chunk/chunk.h"
 #include "lod/eye.h"
 #include "lod/impostor.h"
-#include "lod/plan/impostor_worth.h"
+#include "lod/plan/texture_levels.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"
 

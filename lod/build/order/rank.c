@@ -274,13 +274,13 @@ static void redraw(struct ranking *r)
 		lod_crown_add(&r->crown, r->order[k], r->edges.edge[r->growth[r->order[k]]], r->views);
 }
 
-static double quality(const struct lod_crown_sum *s, bool wrong_pixels, double *p, double *recall)
+static double quality(const struct lod_crown_sum *s, bool wrong_pixels)
 {
-	*p = s->right + s->wrong ? (double)s->right / (double)(s->right + s->wrong) : 1;
-	*recall = s->wanted ? (double)s->right / (double)s->wanted : 1;
+	double p = s->right + s->wrong ? (double)s->right / (double)(s->right + s->wrong) : 1;
+	double recall = s->wanted ? (double)s->right / (double)s->wanted : 1;
 	if (wrong_pixels)
 		return 1 - ((double)(s->wanted - s->right) + (double)s->wrong) / fmax(1, (double)s->wanted);
-	return 1 - sqrt((1 - *p) * (1 - *p) + (1 - *recall) * (1 - *recall));
+	return 1 - sqrt((1 - p) * (1 - p) + (1 - recall) * (1 - recall));
 }
 
 /* Q's gradient at Precision = Recall = 1 - e, the balance that the choice of scales stays near: there a wrong
@@ -292,11 +292,8 @@ static struct weights gradient(const struct ranking *r, double reached)
 	return (struct weights){ WEIGHT, (int64_t)(WEIGHT * (1 - e) / (1 + e)), WEIGHT / SECOND };
 }
 
-struct trial { double quality, precision, recall; };
-
-static struct trial try_scale(struct ranking *r, uint32_t end, double scale)
+static double try_scale(struct ranking *r, uint32_t end, double scale)
 {
-	struct trial t;
 	uint32_t picked = r->picked;
 	r->views = (struct lod_crown_views){ 0, r->crown.views > TRIAL_VIEWS ? r->crown.views / TRIAL_VIEWS
 		: 1 };
@@ -306,31 +303,29 @@ static struct trial try_scale(struct ranking *r, uint32_t end, double scale)
 	make_heap(r);
 	pick(r, end);
 	struct lod_crown_sum sum = lod_crown_sum(&r->crown, r->views);
-	t.quality = quality(&sum, r->options->wrong_pixels, &t.precision, &t.recall);
 	for (; r->picked > picked; r->taken[r->order[r->picked]] = false)
 		r->picked--;
-	return t;
+	return quality(&sum, r->options->wrong_pixels);
 }
 
 static double choose_scale(struct ranking *r, uint32_t end, double last)
 {
-	double best_scale = 1;
-	struct trial best = { -2, 0, 0 };
+	double best_scale = 1, best = -2;
 	r->known = false;
 	if (end == r->count)
 		return 1;
 	for (uint32_t i = 0; i < SCALES; i++) {
 		static const double part[SCALES] = { 1, 0.8, 0.64, 0.5, 0.36 };
 		double scale = 1 + (last - 1) * part[i];
-		struct trial t = try_scale(r, end, scale);
-		if (t.quality > best.quality) {
-			best = t;
+		double reached = try_scale(r, end, scale);
+		if (reached > best) {
+			best = reached;
 			best_scale = scale;
 		}
-		if (r->stopped || scale == 1 || t.quality < best.quality - 0.002)
+		if (r->stopped || scale == 1 || reached < best - 0.002)
 			break;
 	}
-	r->weights = gradient(r, best.quality);
+	r->weights = gradient(r, best);
 	r->known = end <= KNOWN_MOST * r->count;
 	return best_scale;
 }
@@ -394,7 +389,7 @@ static bool begin_list(struct ranking *r)
 	uint32_t points = (uint32_t)(POINTS_MOST * r->count);
 	uint32_t leaves =
 		(uint32_t)((double)points * r->count / (3.0 * r->crown.foliage->triangle_first[r->count]));
-	double p, recall, q[2];
+	double q[2];
 	r->points = points;
 	if (leaves == 0)
 		return true;
@@ -404,7 +399,7 @@ static bool begin_list(struct ranking *r)
 		if (!take_steps(r, as_points ? points : leaves, as_points ? points : 0))
 			return false;
 		struct lod_crown_sum sum = lod_crown_sum(&r->crown, r->views);
-		q[as_points] = quality(&sum, false, &p, &recall);
+		q[as_points] = quality(&sum, false);
 	}
 	if (1 - q[1] > POINTS_LOSS * (1 - q[0])) {
 		begin_anew(r);
@@ -432,15 +427,6 @@ static uint32_t views_of(uint32_t count)
 	return views < VIEWS_LEAST ? VIEWS_LEAST : views > VIEWS_MOST ? VIEWS_MOST : views;
 }
 
-static struct lod_crown_options crown_options(const struct lod_foliage *foliage,
-	const struct lod_rank_options *options)
-{
-	uint32_t views = views_of(foliage->count);
-	return (struct lod_crown_options){ .views = options->views ? options->views : views,
-		.pixels = options->pixels,
-		.directions = options->directions, .seed = options->seed };
-}
-
 static void shuffle(struct ranking *r)
 {
 	struct lod_arena_piece *mark = r->arena->last;
@@ -458,7 +444,8 @@ enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *fol
 	const struct lod_rank_options *options, struct lod_arena *arena, struct eco_error *error)
 {
 	struct ranking r = { .options = options, .arena = arena, .count = foliage->count };
-	struct lod_crown_options crown = crown_options(foliage, options);
+	struct lod_rank_options crown = *options;
+	crown.views = crown.views ? crown.views : views_of(foliage->count);
 	if (options->random)                     /* needs none of them */
 		crown.views = 1, crown.pixels = 64;
 	assert(foliage->count > 0);

@@ -13,8 +13,6 @@
 
 struct lod_rank_options {
 	uint32_t views, pixels;              /* 0: chosen by the plant */
-	/* `views` of them; NULL: spread all around. For lists per sector of view. */
-	const double (*directions)[3];
 	uint32_t seed;
 	bool leaves;                         /* no leaf will be drawn as a point */
 	/* Minimises wrong pixels, as in Lee's table, instead of maximising Q; no leaf is drawn as a point. */

@@ -53,22 +53,18 @@ static enum eco_code open_level(struct lod_crown *crown, const double (*directio
 }
 
 enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage,
-	const struct lod_crown_options *options, struct lod_arena *arena, struct eco_error *error)
+	const struct lod_rank_options *options, struct lod_arena *arena, struct eco_error *error)
 {
 	uint32_t views = options->views, pixels = options->pixels ? options->pixels
 		: choose_pixels(foliage, arena);
-	const double (*directions)[3] = options->directions;
+	double (*directions)[3] = lod_arena_take(arena, views, sizeof *directions);
 	enum eco_code code = ECO_OK;
 	*crown = (struct lod_crown){ .foliage = foliage, .views = views };
-	if (!directions) {
-		double (*spread)[3] = lod_arena_take(arena, views, sizeof *spread);
-		lod_directions_spread(spread, views, options->seed);
-		directions = (const double (*)[3])spread;
-	}
+	lod_directions_spread(directions, views, options->seed);
 	for (uint32_t k = 0; k < LOD_CROWN_LEVELS && !code; k++)
 		if (pixels >> (LOD_CROWN_LEVELS - 1 - k) >= PIXELS_FEWEST || k + 1 == LOD_CROWN_LEVELS)
-			code = open_level(crown, directions, pixels >> (LOD_CROWN_LEVELS - 1 - k), arena,
-				error);
+			code = open_level(crown, (const double (*)[3])directions,
+				pixels >> (LOD_CROWN_LEVELS - 1 - k), arena, error);
 	crown->level = &crown->levels[crown->level_count - 1];
 	return code;
 }

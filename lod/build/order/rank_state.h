@@ -30,13 +30,10 @@ struct lod_crown {
 	struct lod_crown_level *level;           /* the one in use */
 };
 
-struct lod_crown_options {
-	uint32_t views, pixels;                  /* pixels 0: leaves of the usual size are two pixels wide */
-	const double (*directions)[3];           /* NULL: spread all around by `seed` */
-	uint32_t seed;
-};
+/* Views, pixels and the seed of their directions are of the options; pixels 0: leaves of the usual size are two
+ * pixels wide. */
 enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage,
-	const struct lod_crown_options *options, struct lod_arena *arena, struct eco_error *error);
+	const struct lod_rank_options *options, struct lod_arena *arena, struct eco_error *error);
 
 /* Selects the level for `count` elements drawn so large that they fill the crown. */
 void lod_crown_set_level(struct lod_crown *crown, uint32_t count);

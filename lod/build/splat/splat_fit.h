@@ -39,7 +39,6 @@ struct lod_splats {                      /* owns its items */
 };
 
 struct lod_splats_options {
-	bool opaque;                     /* all opacities 1 */
 	bool draft;                      /* a quarter of the steps */
 	uint32_t levels;                 /* at most; 0: as many as the plant's triangles suggest */
 	uint32_t views, pixels;          /* fitted to; 0: 55 views of 160 pixels; pixels: a multiple of 8 */
