@@ -143,7 +143,7 @@ static const struct { const char *name, *scene, *text, *entry, *plants, *says; }
 		"oak 425189.586 4732642.79", "1 plant" },
 	{ NULL, UTM32, "x,y\n0,0\n200,95\n690001,5335001\n", "'crs':'EPSG:25832'",
 		"oak -689800 -5334905 / oak 1 1", "left out: no coordinates (first in line 2: \"0, 0\")" },
-	{ "a_crs_is_never_guessed", UTM32, plain_csv, "", NULL, "\"crs\": \"EPSG:25832\"" },
+	{ "a_crs_is_never_guessed", UTM32, plain_csv, "", NULL, "look like degrees, but EPSG:25832" },
 	{ NULL, "", plain_csv, "'crs':'EPSG:4326'", NULL, "the scene has no CRS to convert to: add \"crs\"" },
 	{ NULL, "\"crs\":\"EPSG:4326\",\"origin\":[0,0],", plain_csv, "'crs':'EPSG:4326'", NULL,
 		"not one in metres; take a projected one" },
@@ -230,7 +230,7 @@ static const struct { const char *name, *scene, *text, *entry, *plants, *says; }
 		"30\")|1  kept: a size as a bound, the bound is taken (first in line 6: \"> 101\")|1  "
 		"kept: a size with a unit of its own, which counts (first in line 8: \"9 m\")|1  kept: a "
 		"size that is not understood, the next source or the plant's own is taken (first in line "
-		"5: \"-1\", which became 7 m, as for rows without a size)" },
+		"5: \"-1\")" },
 	{ NULL, "", sources_csv, "'height_m':{'column':'d','unit':'cm'}",
 		"oak 1 1 h3 / oak 2 2 h3 / oak 3 3 h1 / oak 4 4 / oak 5 5 / oak 6 6 / oak 7 7 / oak 8 8",
 		"5  kept at their plant's own height: the row says no usable one (first in line 5)" },
@@ -254,26 +254,24 @@ static const struct { const char *name, *scene, *text, *entry, *plants, *says; }
 		"'height_m':[{'column':'h'},{'from_dbh_cm':'d','max':35,'rate':0.004}]",
 		"oak 1 1 h200 / oak 2 2 h35 / oak 3 3", "2  kept at a size that no plant reaches: a "
 		"height > 116 m, a trunk > 12 m or a crown > 60 m; is \"unit\" another? (first in line 2: "
-		"\"200\", which became 200 m by \"h\")|1  kept at another size: a height below 0.01 or "
+		"\"200\")|1  kept at another size: a height below 0.01 or "
 		"above 300 m, or a crown above 100 m, is not used; is \"unit\" another? (first in line 4: "
-		"\"900\", which became its plant's own height)|1  kept at their plant's own height: the "
+		"\"900\")|1  kept at their plant's own height: the "
 		"row says no usable one (first in line 4: \"900\")" },
 	{ NULL, "", "x,y,h,d\n1,1,12,\n2,2,510.0,20\n3,3,510,\n4,4,.001,\n",
 		"'height_m':[{'column':'h'},{'from_dbh_cm':'d','max':35,'rate':0.004},11]",
 		"oak 1 1 h12 / oak 2 2 h19.858 / oak 3 3 h11 / oak 4 4 h11", "3  kept at another size: a "
 		"height below 0.01 or above 300 m, or a crown above 100 m, is not used; is \"unit\" "
-		"another? (first in line 3: \"510.0\", which became 19.9 m by \"d\")" },
+		"another? (first in line 3: \"510.0\")" },
 	{ NULL, "", "x,y,h,k\n1,1,N/A,900\n2,2,old,8\n", "'crown_m':{'column':'k','is':'radius'},"
-		"'height_m':[{'column':'h'}]", "oak 1 1 / oak 2 2 c8", "(first in line 2: \"900\", which "
-		"became its plant's own height)|1  kept: a size that is not understood, the next source "
-		"or the plant's own is taken (first in line 3: \"old\", which became its plant's own "
-		"height, scaled to its crown)" },
+		"'height_m':[{'column':'h'}]", "oak 1 1 / oak 2 2 c8", "(first in line 2: \"900\")|1  kept: a size "
+		"that is not understood, the next source or the plant's own is taken (first in line 3: \"old\")" },
 	{ NULL, "", "x,y,h\n1,1,510\n", "'height_m':[{'column':'h'},11]", "oak 1 1 h11",
-		"(first in line 2: \"510\", which became 11 m, as for rows without a size)" },
+		"(first in line 2: \"510\")" },
 	{ "an_entry_without_a_crs_is_in_the_scene_s", UTM32, "x,y\n690010,5335020\n", "", "oak 10 20", "" },
 	{ NULL, UTM32, "what,where\na,POINT (690010 5335020)\n", "-", "oak 10 20", "" },
-	{ NULL, UTM32, "x,y\n11.56,48.14\n", "", NULL, "they would be in the scene's, EPSG:25832; but "
-		"11.56, 48.14 looks like degrees: add \"crs\": \"EPSG:4326\"" },
+	{ NULL, UTM32, "x,y\n11.56,48.14\n", "", NULL, "such as 11.56, 48.14, look like degrees, but "
+		"EPSG:25832 counts in metres or feet" },
 	/* 0, 0 stands for no place */
 	{ NULL, UTM32, "x,y\n0,0\n690010,5335020\n", "", "oak 10 20", "1  left out: no coordinates" },
 	{ "latitude_and_longitude_swapped_are_no_silence", "\"crs\":\"EPSG:32610\",\"origin\":[525970,"
@@ -282,14 +280,14 @@ static const struct { const char *name, *scene, *text, *entry, *plants, *says; }
 		"such as 45.52, -122.67; swapped they stand 0 km from the scene's origin: x is easting or "
 		"longitude, y is northing or latitude; add \"x\": \"lon\", \"y\": \"lat\"" },
 	{ "degrees_in_a_crs_of_metres_are_refused", UTM32, degrees_csv, "'crs':'EPSG:25832'", NULL,
-		"such as 8.61, 50.1, look like degrees, but its CRS, EPSG:25832, counts in metres or "
+		"such as 8.61, 50.1, look like degrees, but EPSG:25832, counts in metres or "
 		"feet: all plants would stand on one spot, at 4.511, 0.000; if they are longitude and "
 		"latitude, say \"EPSG:4326\" instead" },
 	{ NULL, UTM32, "x,y\n50.1,8.61\n50.11,8.62\n", "'crs':'EPSG:25832'", NULL, "look like degrees" },
 	{ NULL, UTM32, degrees_csv, "'crs':'EPSG:3857'", NULL, "look like degrees" },
 	{ NULL, UTM32, degrees_csv, "'crs':'EPSG:2263'", NULL, "look like degrees" },
 	{ NULL, UTM32, FEATURES(SAYS("urn:ogc:def:crs:EPSG::25832"), FEATURE("8.61", "50.1")), "", NULL,
-		"look like degrees, but its CRS, EPSG:25832" },
+		"look like degrees, but EPSG:25832" },
 	/* one bad row does not refuse the others; a map of its own around the plot has such numbers */
 	{ NULL, UTM32, "x,y\n690001,5335002\n8.61,50.1\n", "'crs':'EPSG:25832'",
 		"oak 1 2 / oak -689991.39 -5334949.9", "2 plants" },
@@ -398,21 +396,6 @@ UNIT_TEST(the_commonest_unknown_species_are_named)
 		"\"kind 6\"|of these 4: \"kind 3\"");
 	assert_null(strstr(inventory_of("positions", "", "rows.csv", "\"species\":\"s\"," XY)->report,
 		"kind 2\"\n"));
-}
-
-/* A unit that the scene states counts, and is doubted in a line; nothing is guessed. */
-UNIT_TEST(a_unit_that_cannot_be_is_said_and_kept)
-{
-	const char *feet = "x,y,h,d\n1,1,35,300\n2,2,45,400\n3,3,90,250\n";
-	check("unit", "", feet, "'height_m':'h'", "oak 1 1 h35 / oak 2 2 h45 / oak 3 3 h90", "half of its \"h\" are above "
-		"45 m, the largest about 90 m, which few plants are; is their \"unit\" \"ft\"?");
-	check("unit", "", feet, "'height_m':{'from_dbh_cm':'d','max':35,'rate':0.004}",
-		"oak 1 1 h35 / oak 2 2 h35 / oak 3 3 h34.998", "half of its \"d\" are above 3 m, the largest about 4 m, which "
-		"few trunks are; is their \"unit\" \"mm\"?");
-	const struct inventory *in = inventory_of("positions", "", "rows.csv",
-		"\"plant\":\"oak\",\"height_m\":{\"column\":\"h\",\"unit\":\"ft\"}," XY);
-	if (strstr(in->report, "is their"))
-		fail_msg("%s", in->report);
 }
 
 UNIT_TEST(levels_keep_the_tall_few_and_the_relative_error)

@@ -78,11 +78,7 @@ static const struct { const char *name, *file, *text, *wanted, *note, *crs; } ca
 	{ "rows_may_be_short_or_long", "short.csv", "a,b,c\n1\n1,2,3,4\n,,\n", "a,b,c / 1 / 1,2,3,4 / ,,",
 		NULL, NULL },
 	{ NULL, "old.csv", "a,b\r1,2\r3,4\r", "a,b / 1,2 / 3,4", NULL, NULL },
-	{ "points_as_text_are_the_geometry", "wkb.csv", "the_geom,species\n0101000020E6100000000000000000274"
-		"09A999999990D4840,oak\n010100000000000000000027409A999999990D48,ash\n", "the_geom,species /"
-		" (11.5 48.10625) 0101000020E610000000000000000027409A999999990D4840,oak / 010100000000000 "
-		"010100000000000000000027409A999999990D48,ash", NULL, NULL },
-	{ NULL, "wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 4)\",\"elm\n"
+	{ "points_as_text_are_the_geometry", "wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 4)\",\"elm\n"
 		"red\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n", "WKT,species / (11.5 48.1) POINT (11.5 48.1),"
 		"oak / empty ,ash / LINESTRING LINESTRING (1 2,3 4),elm\nred / empty POINT EMPTY,fir / "
 		"POINT POINT (x y),bad", NULL, NULL },

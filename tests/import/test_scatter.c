@@ -217,8 +217,8 @@ UNIT_TEST(errors_say_what_to_do)
 		{ "wrong.csv", "a,b\n1,2\n", "no polygons in it" },
 		{ "raster.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\n1 2\n3 4000\n", "gdal_polygonize" },
 		{ "degrees.geojson", HEAD "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
-			"\"coordinates\":[[[8.6,50.1],[8.61,50.1],[8.61,50.11],[8.6,50.1]]]}}]}", "look like degrees, but its "
-			"CRS, EPSG:32617, counts in metres or feet" },
+			"\"coordinates\":[[[8.6,50.1],[8.61,50.1],[8.61,50.11],[8.6,50.1]]]}}]}", "look like degrees, but "
+			"EPSG:32617 counts in metres or feet" },
 	};
 	struct eco_scatter *s;
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {

@@ -304,8 +304,6 @@ int eco_model_spare_level(const char *name)
 
 /* ---- Rules ---- */
 
-#define LISTED_MOST 1000u            /* names that a note looks at */
-
 struct rules {
 	struct eco_model *model;
 	const struct eco_part_rule *rules;
@@ -405,44 +403,6 @@ static bool apply(struct rules *r, uint8_t *why)
 	return true;
 }
 
-/* The distinct names, as a list in quotes. */
-static void list_names(char *list, size_t size, const char *first, size_t stride, uint32_t count)
-{
-	*list = 0;
-	for (uint32_t i = 0; i < count && i < LISTED_MOST; i++) {
-		const char *name = first + i * stride;
-		char quoted[72];
-		bool seen = *name == 0;
-		for (uint32_t k = 0; k < i && !seen; k++)
-			seen = strcmp(first + k * stride, name) == 0;
-		snprintf(quoted, sizeof quoted, "\"%.64s\"", name);
-		if (!seen)
-			eco_phrase_add(list, size, quoted);
-	}
-	if (!*list)
-		snprintf(list, size, "none with a name");
-}
-
-static void note_unfitted(const struct rules *r, const struct eco_part_rule *rule, struct eco_notes *notes)
-{
-	const struct eco_model *m = r->model;
-	char materials[400], parts[400];
-	if (rule->kind == ECO_PART_COMPONENT) {
-		eco_note(notes, "the rule {\"component\": %u} fits nothing: there are %u components",
-			rule->component, r->components.count);
-	} else if (rule->kind == ECO_PART_SIZE) {
-		eco_note(notes, "the rule {\"size\": [%g, %g]} fits nothing: no component's diagonal is that "
-			"share of the whole's; ecopack model lists them", rule->size[0], rule->size[1]);
-	} else {
-		list_names(materials, sizeof materials, m->materials[0].name, sizeof *m->materials,
-			m->material_count);
-		list_names(parts, sizeof parts, m->part_count > 0 ? m->parts[0].name : "", sizeof *m->parts,
-			m->part_count);
-		eco_note(notes, "the rule {\"name\": \"%.100s\"} fits nothing: its materials are %s; its "
-			"meshes, objects and groups are %s", rule->name, materials, parts);
-	}
-}
-
 enum eco_code model_apply_rules(struct model_clean *c)
 {
 	const uint32_t count = c->options->rule_count;
@@ -456,9 +416,20 @@ enum eco_code model_apply_rules(struct model_clean *c)
 	else if (count > 0 && (!good || !match_all(&r, c->place) || !apply(&r, c->why)))
 		code = eco_fail(c->error, ECO_NO_MEMORY,
 			"%.300s: out of memory for the rules about its parts", c->what);
-	for (uint32_t i = 0; !code && i < count; i++)
-		if (!r.fitted[i])
-			note_unfitted(&r, &r.rules[i], c->notes);
+	for (uint32_t i = 0; !code && i < count; i++) {
+		const struct eco_part_rule *rule = &r.rules[i];
+		if (r.fitted[i])
+			continue;
+		if (rule->kind == ECO_PART_COMPONENT)
+			eco_note(c->notes, "the rule {\"component\": %u} fits nothing: there are %u components",
+				rule->component, r.components.count);
+		else if (rule->kind == ECO_PART_SIZE)
+			eco_note(c->notes, "the rule {\"size\": [%g, %g]} fits nothing: ecopack model lists sizes",
+				rule->size[0], rule->size[1]);
+		else
+			eco_note(c->notes, "the rule {\"name\": \"%.100s\"} fits nothing: ecopack model lists the "
+				"names of materials and parts", rule->name);
+	}
 	if (!code && c->model->triangle_count == 0)
 		code = eco_fail(c->error, ECO_BAD_INPUT, "%.300s: the rules in \"parts\" leave out all of it",
 			c->what);

@@ -178,23 +178,29 @@ void eco_crs_span_add(struct eco_crs_span *span, const double xy[2])
 enum eco_code eco_crs_refuse_degrees(const struct eco_crs_span *span, const char *crs, bool heap,
 	const char *path, enum eco_crs_fit *fit, char area[80], struct eco_error *error)
 {
-	struct eco_crs_facts facts;
+	struct eco_crs_facts facts = { .geographic = false };
+	char zone[32], scene[120] = "";
 	*fit = ECO_CRS_FITS;
 	area[0] = 0;
-	if (!crs || !span->any || eco_crs_look(crs, span->first, &facts, NULL) != ECO_OK)
+	if (!span->any || (crs && eco_crs_look(crs, span->first, &facts, NULL) != ECO_OK))
 		return ECO_OK;
-	*fit = eco_crs_fit(crs, span->first, &facts);
-	if (!isnan(facts.area[0]))
-		eco_crs_area_text(facts.area, area);
+	if (crs) {
+		*fit = eco_crs_fit(crs, span->first, &facts);
+		if (!isnan(facts.area[0]))
+			eco_crs_area_text(facts.area, area);
+	}
 	if (facts.geographic || !span->has_decimals || !eco_crs_may_be_degrees(span->low) ||
 		!eco_crs_may_be_degrees(span->high) || !(*fit == ECO_CRS_DEGREES || heap))
 		return ECO_OK;
-	char *name = eco_crs_short_name(crs);
+	char *name = crs ? eco_crs_short_name(crs) : NULL;
+	eco_crs_utm(span->first, zone);
+	if (!crs)
+		snprintf(scene, sizeof scene, ", and \"crs\": \"%s\" (their UTM zone) and an \"origin\" in it to the "
+			"scene", zone);
 	enum eco_code code = eco_fail(error, ECO_BAD_INPUT,
-		"%.150s: its coordinates, such as %.10g, %.10g, look like "
-		"degrees, but its CRS, %.80s, counts in metres or feet: all plants would stand on one spot, at %.3f, %.3f; if "
-		"they are longitude and latitude, say \"EPSG:4326\" instead",
-		path, span->first[0], span->first[1], name ? name : "?", facts.degrees[0], facts.degrees[1]);
+		"%.150s: its coordinates, such as %.10g, %.10g, look like degrees, but %.80s counts in metres or feet: all "
+		"plants would stand on one spot; if they are longitude and latitude, say \"crs\": \"EPSG:4326\" in its "
+		"entry%s", path, span->first[0], span->first[1], name ? name : crs ? "its CRS" : "the scene", scene);
 	free(name);
 	return code;
 }

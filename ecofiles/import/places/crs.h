@@ -99,8 +99,8 @@ void eco_crs_close(struct eco_crs *crs);
 /* Places in the coordinates of their file. */
 struct eco_crs_span { double first[2], low[2], high[2]; bool any, has_decimals; };
 void eco_crs_span_add(struct eco_crs_span *span, const double xy[2]);
-/* ECO_BAD_INPUT: all places are degrees, and the CRS that is stated for them (NULL: none) counts in metres or feet.
- * `heap`: taken for metres they stand within one. *fit and *area ("" if not stated) are the first place's. */
+/* ECO_BAD_INPUT: all places are degrees, and the CRS that they would be in (NULL: plain metres) counts in metres or
+ * feet. `heap`: taken for metres they stand within one, or are named as degrees. *fit and *area ("" if not stated) are the first place's. */
 enum eco_code eco_crs_refuse_degrees(const struct eco_crs_span *span, const char *crs, bool heap, const char *path,
 	enum eco_crs_fit *fit, char area[80], struct eco_error *error);
 

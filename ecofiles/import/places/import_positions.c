@@ -191,7 +191,7 @@ static enum verdict check_sizes(struct eco_positions *p, struct eco_error *error
 
 static double read_crown(struct eco_positions *p)
 {
-	struct eco_size_remarks remarks = { .kinds = 0 };
+	uint32_t remarks = 0;
 	const char *text = p->column[ECO_COLUMN_CROWN] != ECO_NONE ? eco_row_field(p,
 		p->column[ECO_COLUMN_CROWN])
 		: "";
@@ -199,7 +199,7 @@ static double read_crown(struct eco_positions *p)
 		: eco_size_read(&p->spec->crown, text, eco_row_decimal(p), ECO_NONE, HEIGHT_MIN_M,
 		CROWN_MAX_M,
 		&remarks);
-	count_remarks(p, remarks.kinds | (uint32_t)(radius > CROWN_PLAUSIBLE_M) << ECO_KEPT_IMPLAUSIBLE,
+	count_remarks(p, remarks | (uint32_t)(radius > CROWN_PLAUSIBLE_M) << ECO_KEPT_IMPLAUSIBLE,
 		text);
 	p->sized |= !isnan(radius);
 	return radius;
@@ -209,22 +209,17 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 {
 	const struct eco_positions_spec *s = p->spec;
 	char buffer[48];
-	p->height_source = ECO_NONE;
 	for (uint32_t i = 0; i < s->height_count; i++) {
-		struct eco_size_remarks remarks = { .kinds = 0 };
+		uint32_t remarks = 0;
 		const char *text = p->height_column[i] != ECO_NONE ? eco_row_field(p, p->height_column[i]) :
 			"";
 		double height = eco_size_read(&s->heights[i], text, eco_row_decimal(p), plant, HEIGHT_MIN_M,
 			HEIGHT_MAX_M, &remarks);
-		count_remarks(p, remarks.kinds | (uint32_t)(height
+		count_remarks(p, remarks | (uint32_t)(height
 			> HEIGHT_PLAUSIBLE_M) << ECO_KEPT_IMPLAUSIBLE, text);
-		/* without memory there is no doubt */
-		if (remarks.measured_m > 0)
-			eco_spread_add(&p->measured[i], remarks.measured_m);
 		if (isnan(height))
 			continue;
 		p->sized = true;
-		p->height_source = i;
 		return height;
 	}
 	if (s->height_count > 0)
@@ -233,28 +228,6 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 			buffer,
 			sizeof buffer) : "");
 	return NAN;
-}
-
-/* Rows whose size does not count or can hardly be meant: the plant of the first shows what they become. */
-static void note_became(struct eco_positions *p, const struct eco_position *record)
-{
-	static const enum eco_skip odd[] = { ECO_KEPT_UNREAD, ECO_KEPT_UNUSED, ECO_KEPT_IMPLAUSIBLE };
-	for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
-		struct eco_skipped *s = &p->skipped[odd[i]];
-		const struct eco_size *size =
-			p->height_source != ECO_NONE ? &p->spec->heights[p->height_source] : NULL;
-		if (s->count == 0 || s->became[0] != 0)
-			continue;
-		if (size && size->column)
-			snprintf(s->became, sizeof s->became, "%.3g m by \"%.50s\"", record->height_m,
-				size->column);
-		else if (size)
-			snprintf(s->became, sizeof s->became, "%.3g m, as for rows without a size",
-				record->height_m);
-		else
-			snprintf(s->became, sizeof s->became, "its plant's own height%s",
-				isnan(record->crown_radius_m) ? "" : ", scaled to its crown");
-	}
 }
 
 static double read_yaw(struct eco_positions *p)
@@ -292,7 +265,6 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 		return verdict;
 	record->crown_radius_m = read_crown(p);
 	record->height_m = read_height(p, record->plant, record->crown_radius_m);
-	note_became(p, record);
 	record->yaw_deg = read_yaw(p);
 	record->scale = read_scale(p);
 	record->row = p->rows->row;
@@ -540,8 +512,6 @@ void eco_positions_close(struct eco_positions *reader)
 	eco_species_close(reader->species);
 	eco_place_set_close(reader->places);
 	eco_levels_close(reader->levels);
-	for (uint32_t i = 0; i < ECO_HEIGHT_SOURCES_MAX; i++)
-		eco_spread_free(&reader->measured[i]);
 	for (uint32_t i = 0; i < reader->note_count; i++)
 		free(reader->notes[i]);
 	free(reader);

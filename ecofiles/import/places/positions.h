@@ -136,7 +136,6 @@ extern const char *const eco_skip_names[ECO_SKIP_COUNT];
 struct eco_skipped {
 	uint64_t count, first_line;
 	char first_text[48];         /* the value there, shortened */
-	char became[80];             /* the size of that row's plant and where it is from; "": not said */
 };
 
 #define ECO_UNKNOWN_MOST 5u      /* unknown species named */

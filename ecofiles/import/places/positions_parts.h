@@ -7,7 +7,6 @@
 #include "ecofiles/import/places/positions.h"
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/rows/rows.h"
-#include "ecofiles/import/places/size_units.h"
 
 /* ---- Species (positions_species.c): the map's keys, and the key of each text met ---- */
 
@@ -42,16 +41,10 @@ void eco_levels_close(struct eco_levels *levels);
 
 /* ---- Sizes (positions_size.c) ---- */
 
-struct eco_size_remarks {
-	uint32_t kinds;              /* a bit for each enum eco_skip that the text shows */
-	double measured_m; /* what the text says, by the unit stated for the column; 0: by its own */
-};
-
-/* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none (also where it is
- * unused,
- * as it is below low_m or above high_m). */
+/* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none, or below low_m, or above
+ * high_m. *remarks gets a bit for each enum eco_skip that the text shows. */
 double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant,
-	double low_m, double high_m, struct eco_size_remarks *remarks);
+	double low_m, double high_m, uint32_t *remarks);
 
 /* ---- The reader ---- */
 
@@ -76,12 +69,10 @@ struct eco_positions {
 	struct eco_skipped skipped[ECO_SKIP_COUNT], filtered[ECO_FILTERS_MAX];
 	uint64_t plants, good_places, bad_places;    /* bad: not convertible */
 	double first_bad[3];
-	struct eco_spread measured[ECO_HEIGHT_SOURCES_MAX];  /* metres, by source */
 	double low[2], high[2], nearest_m;   /* nearest_m: to the origin */
 	double first[3];             /* the first place, in the file's coordinates */
 	struct eco_crs_span span;    /* of all places, in the file's coordinates */
 	bool sized;                  /* a size was understood */
-	uint32_t height_source;      /* of the row being read; ECO_NONE: none */
 	char said[ECO_SPECIES_BYTES + 1];    /* species of the row being read */
 	char *notes[ECO_ROWS_NOTES_MAX];
 	uint32_t note_count;

@@ -199,37 +199,6 @@ static enum verdict read_geometry(struct eco_positions *p, double xyz[3], struct
 		error) : GOOD;
 }
 
-/* Refuses degrees that would be taken for the scene's metres: a heap some metres wide, far away. */
-static enum verdict refuse_inherited(const struct eco_positions *p, const double xyz[3],
-	struct eco_error *error)
-{
-	if (!p->frame.crs || p->spec->crs || (p->from_geometry && p->rows->crs)
-			|| fabs(xyz[0]) > 180 || fabs(xyz[1]) > 180)
-		return GOOD;
-	eco_fail(error, ECO_BAD_INPUT, "%.150s: no CRS is stated for its coordinates, so they would be in "
-		"the scene's, %.80s; but %.10g, %.10g looks like degrees: add \"crs\": \"EPSG:4326\" to "
-		"its entry, or \"crs\": \"%.80s\" if they are not", p->spec->path, p->frame.crs, xyz[0],
-		xyz[1], p->frame.crs);
-	return FAILED;
-}
-
-/* Refuses degrees in a scene of plain metres: they would become a heap a few millimetres wide. */
-static enum verdict refuse_degrees(const struct eco_positions *p, const double xyz[3],
-	struct eco_error *error)
-{
-	int zone = (int)floor((xyz[0] + 180) / 6) + 1;
-	if (p->frame.crs || p->spec->crs || p->from_geometry || !eco_column_says_degrees(p->spec->x)
-		|| !eco_column_says_degrees(p->spec->y)
-		|| fabs(xyz[0]) > 180 || fabs(xyz[1]) > 90)
-		return GOOD;
-	zone = zone < 1 ? 1 : zone > 60 ? 60 : zone;
-	eco_fail(error, ECO_BAD_INPUT, "%.150s: \"%.40s\" and \"%.40s\" are degrees, and the scene is in "
-		"plain metres; add \"crs\": \"EPSG:4326\" to its entry, and \"crs\": \"EPSG:%d\" (the UTM "
-		"zone of %.2f, %.2f) and an \"origin\" in it to the scene", p->spec->path, p->spec->x,
-		p->spec->y, (xyz[1] < 0 ? 32700 : 32600) + zone, xyz[0], xyz[1]);
-	return FAILED;
-}
-
 static enum verdict convert(struct eco_positions *p, double xyz[3], struct eco_error *error)
 {
 	const double was[3] = { xyz[0], xyz[1], xyz[2] };
@@ -238,9 +207,6 @@ static enum verdict convert(struct eco_positions *p, double xyz[3], struct eco_e
 	char text[80];
 	if (p->frame.crs && xyz[0] == 0 && xyz[1] == 0)
 		return eco_row_skip(p, ECO_SKIP_NO_COORDINATES, "0, 0");
-	if (p->good_places == 0 && (refuse_degrees(p, xyz, error) == FAILED
-			|| refuse_inherited(p, xyz, error) == FAILED))
-		return FAILED;
 	if (eco_crs_convert(p->crs, xyz, &converted, &why, error) != ECO_OK)
 		return FAILED;
 	snprintf(text, sizeof text, "%.10g, %.10g%s%.30s", was[0], was[1], *why != 0 ? ": " : "", why);
@@ -278,21 +244,19 @@ static void note_far(struct eco_positions *p)
 		"and the origin what they should be?", p->nearest_m / 1000);
 }
 
-/* The CRS that the entry or the file states for the places; NULL: the scene's, or none. */
-static const char *stated_crs(const struct eco_positions *p)
-{
-	return p->spec->crs ? p->spec->crs : p->from_geometry ? p->rows->crs : NULL;
-}
-
-/* Refuses degrees in a CRS of metres; notes places that lie in the CRS's area of use only if x and y change
+/* Refuses degrees where metres are meant; notes places that lie in the CRS's area of use only if x and y change
  * places. */
 static enum eco_code check_area(struct eco_positions *p, struct eco_error *error)
 {
-	const char *crs = stated_crs(p);
+	const char *own = p->spec->crs ? p->spec->crs : p->from_geometry ? p->rows->crs : NULL,
+		*crs = own ? own : p->frame.crs;
 	enum eco_crs_fit fit;
 	char area[80];
-	bool heap = p->good_places >= HEAP_PLANTS && p->high[0] - p->low[0] < ECO_HEAP_M &&
-		p->high[1] - p->low[1] < ECO_HEAP_M;
+	bool named = p->spec->x && eco_column_says_degrees(p->spec->x) && eco_column_says_degrees(p->spec->y);
+	bool heap = crs ? p->good_places >= HEAP_PLANTS && p->high[0] - p->low[0] < ECO_HEAP_M
+		&& p->high[1] - p->low[1] < ECO_HEAP_M : named;
+	/* whole numbers are degrees, too, where nothing states that they are metres */
+	p->span.has_decimals |= !own;
 	enum eco_code code = eco_crs_refuse_degrees(&p->span, crs, heap, p->spec->path, &fit, area, error);
 	if (code || fit != ECO_CRS_SWAPPED)
 		return code;
@@ -378,8 +342,6 @@ enum eco_code eco_positions_start_places(struct eco_positions *p, struct eco_err
 	}
 	p->span = (struct eco_crs_span){ .any = false };
 	p->plants = p->good_places = p->bad_places = 0;
-	for (uint32_t i = 0; i < ECO_HEIGHT_SOURCES_MAX; i++)
-		eco_spread_free(&p->measured[i]);
 	p->nearest_m = INFINITY;
 	p->ended = false;
 	return p->places ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");

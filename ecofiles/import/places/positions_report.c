@@ -9,7 +9,6 @@
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/positions_parts.h"
-#include "ecofiles/import/places/size_units.h"
 
 #define LINE_BYTES 480u
 
@@ -92,9 +91,9 @@ static void count_line(const struct report *r, const struct eco_skipped *s, cons
 	va_start(arguments, format);
 	vsnprintf(reason, sizeof reason, format, arguments);
 	va_end(arguments);
-	line(r, "%12s  %s (first in %s %llu%s%s%s%s%s)", eco_phrase_count(s->count, number), reason, where,
+	line(r, "%12s  %s (first in %s %llu%s%s%s)", eco_phrase_count(s->count, number), reason, where,
 		(unsigned long long)s->first_line, s->first_text[0] != 0 ? ": \"" : "", s->first_text,
-		s->first_text[0] != 0 ? "\"" : "", s->became[0] != 0 ? ", which became " : "", s->became);
+		s->first_text[0] != 0 ? "\"" : "");
 }
 
 static void head_line(const struct report *r, const struct eco_positions_counts *c)
@@ -158,27 +157,6 @@ static void unknown_lines(const struct report *r, const struct eco_positions_cou
 				eco_phrase_count(c->unknown[i].count, number), c->unknown[i].first_text);
 }
 
-/* A unit that the entry states, in which plants would be far from what grows. */
-static void unit_lines(const struct report *r)
-{
-	const struct eco_positions_spec *s = r->reader->spec;
-	for (uint32_t i = 0; i < s->height_count; i++) {
-		const struct eco_size *size = &s->heights[i];
-		struct eco_spread spread = r->reader->measured[i];       /* it may be sorted */
-		enum eco_quantity quantity = size->kind == ECO_SIZE_COLUMN ? ECO_QUANTITY_HEIGHT
-			: size->factor < 1 ? ECO_QUANTITY_GIRTH : ECO_QUANTITY_DBH;
-		if (spread.count == 0)
-			continue;
-		double middle = eco_spread_quantile(&spread, 0.5), high = eco_spread_quantile(&spread, 0.98);
-		struct eco_size_numbers numbers = { middle / size->unit_m, high / size->unit_m };
-		const char *other = eco_unit_doubt(quantity, size->unit_m, &numbers);
-		if (other)
-			line(r, "%s: half of its \"%.40s\" are above %.3g m, the largest about %.3g m, which "
-				"few %s are; is their \"unit\" \"%s\"?", s->path, size->column, middle, high,
-				quantity == ECO_QUANTITY_HEIGHT ? "plants" : "trunks", other);
-	}
-}
-
 void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text),
 	void *ctx)
 {
@@ -194,7 +172,6 @@ void eco_positions_report(const struct eco_positions *reader, void (*say)(void *
 		return;
 	}
 	head_line(&r, &c);
-	unit_lines(&r);
 	for (int i = 0; i < ECO_SKIP_COUNT; i++) {
 		if (lines[i])
 			count_line(&r, &c.skipped[i], c.where, "%s", lines[i]);

@@ -38,13 +38,13 @@ static double by_allometry(const struct eco_allometry *rule, double dbh_m)
 	return 1.3 + (rule->max_m - 1.3) * (rule->shape == 1 ? grown : pow(grown, rule->shape));
 }
 
-static void remark(struct eco_size_remarks *remarks, enum eco_skip kind, bool there)
+static void remark(uint32_t *remarks, enum eco_skip kind, bool there)
 {
-	remarks->kinds |= (uint32_t)there << kind;
+	*remarks |= (uint32_t)there << kind;
 }
 
 double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant,
-	double low_m, double high_m, struct eco_size_remarks *remarks)
+	double low_m, double high_m, uint32_t *remarks)
 {
 	const struct eco_allometry *rule = NULL;
 	double number, unit_m, metres;
@@ -56,7 +56,6 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 	remark(remarks, ECO_KEPT_UNREAD, form == ECO_FORM_NONE && !eco_text_is_missing(text));
 	if (form == ECO_FORM_NONE || !(number > 0))
 		return NAN;
-	remarks->measured_m = unit_m != 0 ? 0 : number * size->unit_m;
 	metres = number * (unit_m != 0 ? unit_m : size->unit_m) * size->factor;
 	bool trunk_too_thick = rule && metres > DBH_PLAUSIBLE_M;
 	if (rule)

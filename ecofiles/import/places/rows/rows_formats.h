@@ -13,7 +13,7 @@ void eco_rows_free_texts(struct eco_rows *rows);
 
 struct eco_rows_point { uint32_t column; bool (*read)(const char *text, double at[3]); };
 
-/* The first column with a point in the row at hand, well-known text and binary before pairs of degrees; sets
+/* The first column with a point in the row at hand, well-known text before pairs of degrees; sets
  * has_geometry and has_z. False: none has. */
 bool eco_rows_point_find(struct eco_rows *rows, struct eco_rows_point *point);
 /* Sets the CRS that the column's form states, and notes it. */

@@ -1,4 +1,4 @@
-/* Points as text, in tables that have no geometry: well-known text and binary, and pairs of degrees. */
+/* Points as text, in tables that have no geometry: well-known text, and pairs of degrees. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,47 +26,6 @@ static bool read_wkt_point(const char *text, double at[3])
 		if (k >= count || !eco_text_number(number[k], '.', &at[k]))
 			at[k] = NAN;
 	return count >= 2 && !isnan(at[0]) && !isnan(at[1]);
-}
-
-/* Two hexadecimal digits a byte; false if they are none. */
-static bool hex_bytes(const char *text, uint8_t *bytes, size_t count)
-{
-	for (size_t i = 0; i < count; i++) {
-		unsigned byte;
-		int end = 0;
-		if (sscanf(text + 2 * i, "%2x%n", &byte, &end) != 1 || end != 2 || text[2 * i] == '+')
-			return false;
-		bytes[i] = (uint8_t)byte;
-	}
-	return true;
-}
-
-static double wkb_double(const uint8_t *bytes)
-{
-	uint64_t bits = 0;
-	double value;
-	for (int i = 8; i-- > 0;)
-		bits = bits << 8 | bytes[i];
-	memcpy(&value, &bits, sizeof value);
-	return value;
-}
-
-/* Well-known binary in hexadecimal digits, as PostGIS and CARTO export it: 01 (low bytes first), the type, a
- * CRS if bit 0x20 of the type's last byte says so, then x, y, and z if bit 0x80 does. */
-static bool read_wkb_point(const char *text, double at[3])
-{
-	uint8_t head[5], places[24];
-	if (!hex_bytes(text, head, sizeof head) || head[0] != 1 || head[1] != 1 || head[2] || head[3]
-			|| (head[4] & ~0xa0))
-		return false;
-	bool high = head[4] & 0x80;
-	const char *from = text + (head[4] & 0x20 ? 18 : 10);
-	size_t bytes = high ? 24 : 16;
-	if (strlen(text) != (size_t)(from - text) + 2 * bytes || !hex_bytes(from, places, bytes))
-		return false;
-	for (int k = 0; k < 3; k++)
-		at[k] = k < 2 || high ? wkb_double(places + 8 * k) : NAN;
-	return isfinite(at[0]) && isfinite(at[1]);
 }
 
 /* The digits behind the point; -1 if it is no number with a point. */
@@ -123,8 +82,7 @@ bool eco_rows_point_find(struct eco_rows *rows, struct eco_rows_point *point)
 {
 	static const struct {
 		bool (*is)(const char *, double[3]), (*read)(const char *, double[3]);
-	} forms[] = { { read_wkt_point, read_wkt_point }, { read_wkb_point, read_wkb_point },
-		{ is_degree_pair, read_degree_pair } };
+	} forms[] = { { read_wkt_point, read_wkt_point }, { is_degree_pair, read_degree_pair } };
 	double at[3];
 	for (size_t k = 0; k < sizeof forms / sizeof *forms; k++)
 		for (uint32_t i = 0; i < rows->field_count && i < rows->column_count; i++)
