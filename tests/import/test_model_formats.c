@@ -246,6 +246,23 @@ UNIT_TEST(a_unit_is_guessed_from_the_height_and_said)
 	}
 }
 
+UNIT_TEST(comments_about_units_are_read)
+{
+	static const struct { const char *comment; double metres; } cases[] =
+		{ { "# File units = centimeters", 0.01 }, { "# Units: mm", 0.001 },
+		{ "#units=Inches", 0.0254 }, { "# Unit: 1 m", 1 }, { "# 12 units in the group", 0 },
+		{ "# unit: minutes", 0 } };
+
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		char text[200];
+		snprintf(text, sizeof text, "%s\n" TRIANGLE "f 1 2 3\n", cases[i].comment);
+		import_file(&m, input_text("formats", "comment.obj", text), NULL);
+		if (m.source.unit_how != (cases[i].metres > 0 ? ECO_HOW_FORMAT : ECO_HOW_GUESSED)
+				|| (cases[i].metres > 0 && m.scale != cases[i].metres))
+			fail_msg("%s: %g", cases[i].comment, m.scale);
+	}
+}
+
 /* ---- Other formats ---- */
 
 static size_t chunk(uint8_t *to, unsigned id, const uint8_t *body, size_t size)

@@ -154,8 +154,8 @@ static const struct { const char *name, *scene, *text, *entry, *plants, *says; }
 	{ NULL, UTM32, plain_csv, "'crs':'EPSG:99999999'", NULL, "PROJ does not know it; write a code" },
 	{ NULL, UTM32, plain_csv, "'crs':'ENGCRS[\\'plan\\',EDATUM[\\'d\\'],CS[Cartesian,2],AXIS[\\'x\\',"
 		"east],AXIS[\\'y\\',north],LENGTHUNIT[\\'metre\\',1]]'", NULL, "no place on Earth" },
-	{ NULL, "", "lon,lat\n11.5,48.1\n", "'x':'lon','y':'lat'", NULL, "are degrees, and the scene is "
-		"in plain metres; add \"crs\": \"EPSG:4326\" to its entry, and \"crs\": \"EPSG:32632\"" },
+	{ NULL, "", "lon,lat\n11.5,48.1\n", "'x':'lon','y':'lat'", NULL, "in its entry, and \"crs\": "
+		"\"EPSG:32632\" (their UTM zone)" },
 	{ "a_file_that_says_its_crs_needs_no_more", UTM32, FEATURES("", FEATURE("11.5", "48.1")), "",
 		"oak -3878.244 -4561.87", "1 row, 1 plant" },
 	{ NULL, UTM32, FEATURES(SAYS("urn:ogc:def:crs:EPSG::25832"), FEATURE("690001", "5335002")), "",
@@ -280,9 +280,8 @@ static const struct { const char *name, *scene, *text, *entry, *plants, *says; }
 		"such as 45.52, -122.67; swapped they stand 0 km from the scene's origin: x is easting or "
 		"longitude, y is northing or latitude; add \"x\": \"lon\", \"y\": \"lat\"" },
 	{ "degrees_in_a_crs_of_metres_are_refused", UTM32, degrees_csv, "'crs':'EPSG:25832'", NULL,
-		"such as 8.61, 50.1, look like degrees, but EPSG:25832, counts in metres or "
-		"feet: all plants would stand on one spot, at 4.511, 0.000; if they are longitude and "
-		"latitude, say \"EPSG:4326\" instead" },
+		"such as 8.61, 50.1, look like degrees, but EPSG:25832 counts in metres or "
+		"feet: all plants would stand on one spot; if they are longitude and latitude, say" },
 	{ NULL, UTM32, "x,y\n50.1,8.61\n50.11,8.62\n", "'crs':'EPSG:25832'", NULL, "look like degrees" },
 	{ NULL, UTM32, degrees_csv, "'crs':'EPSG:3857'", NULL, "look like degrees" },
 	{ NULL, UTM32, degrees_csv, "'crs':'EPSG:2263'", NULL, "look like degrees" },

@@ -7,6 +7,7 @@
  * at the end import_obj_soup.c makes triangles of them. */
 #include "ecofiles/import/model/import_obj.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,6 +16,8 @@
 
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/polygon.h"
+
+#define UNIT_LINES 200u              /* comments about units stand at the top */
 
 /* ---- Lines and words ---- */
 
@@ -199,11 +202,42 @@ static enum eco_code read_face(struct eco_obj *o, char *rest)
 	return ECO_OK;
 }
 
+/* "# File units = centimeters", "# Units: mm" and the like, as some exporters write. */
+static void read_comment(struct eco_obj *o, const char *text)
+{
+	static const struct { const char *word; double metres; } units[] =
+		{ { "millimet", 0.001 }, { "centimet", 0.01 }, { "kilomet", 1000 },
+		{ "met", 1 }, { "inch", 0.0254 }, { "foot", 0.3048 }, { "feet", 0.3048 }, { "mm", 0.001 },
+		{ "cm", 0.01 }, { "km", 1000 }, { "in", 0.0254 },
+		{ "ft", 0.3048 }, { "m", 1 } };
+	const char *unit = strcasestr(text, "unit"), *word = unit ? strpbrk(unit, ":=") : NULL;
+	size_t letters = 0;
+	if (!word || o->unit_m > 0)
+		return;
+	for (word++; *word == ' ' || *word == '\t' || *word == '"'; word++)
+		;
+	if (word[0] == '1' && word[1] == ' ')
+		word += 2;
+	while (isalpha((unsigned char)word[letters]))
+		letters++;
+	for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
+		size_t length = strlen(units[i].word);
+		if (strncasecmp(word, units[i].word, length) == 0
+				&& (letters == length || (length >= 3 && letters > length))) {
+			o->unit_m = units[i].metres;
+			return;
+		}
+	}
+}
+
 static enum eco_code read_line(struct eco_obj *o, char *line)
 {
 	char *rest = line + strcspn(line, " \t"), *key = line;
-	if (*line == '#')
+	if (*line == '#') {
+		if (o->text.line <= UNIT_LINES)
+			read_comment(o, line);
 		return ECO_OK;
+	}
 	if (*rest != 0)
 		*rest++ = 0;
 	rest += strspn(rest, " \t");

@@ -69,6 +69,7 @@ struct eco_obj {
 	uint32_t material, part, triangles_max;
 	uint64_t triangles, loose;
 	char object[256], group[256];
+	double unit_m;               /* from a comment; 0: none */
 	bool linear;                 /* Blender wrote it, so its materials' colours are linear */
 };
 

@@ -272,7 +272,8 @@ enum eco_code eco_obj_soup(struct eco_model *model, struct eco_model_frame *fram
 {
 	struct maker m = { .obj = obj, .model = model,
 		.soup = { .model = model, .frame = frame, .notes = obj->notes } };
-	*frame = (struct eco_model_frame){ .format = "Wavefront OBJ", .convention = ECO_UP_Y };
+	*frame = (struct eco_model_frame){ .format = "Wavefront OBJ", .unit_m = obj->unit_m,
+		.convention = ECO_UP_Y };
 	enum eco_code code = make_materials(&m);
 	m.soup.invisible = m.invisible;
 	find_color_scale(&m);
