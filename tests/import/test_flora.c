@@ -23,36 +23,6 @@ UNIT_TEST(names_become_words)
 		assert_true(eco_words_of("abc d\u00e9fg 12 hij", words, size) < size);
 }
 
-/* The distance by its definition, for a twin of the table. */
-static unsigned plain_distance(const char *a, const char *b)
-{
-	unsigned best, other;
-	if (*a == 0 || *b == 0)
-		return (unsigned)(strlen(a) + strlen(b));
-	best = plain_distance(a + 1, b + 1) + (*a != *b);
-	other = plain_distance(a + 1, b) + 1;
-	best = other < best ? other : best;
-	other = plain_distance(a, b + 1) + 1;
-	best = other < best ? other : best;
-	if (a[1] && b[1] && a[0] == b[1] && a[1] == b[0]) {
-		other = plain_distance(a + 2, b + 2) + 1;
-		best = other < best ? other : best;
-	}
-	return best;
-}
-
-UNIT_TEST(distances_are_those_of_the_definition)
-{
-	static const char *const words[] = { "", "a", "acer", "acre", "quercu", "qercus", "quercus",
-		"uqercus", "maple", "mapel", "ampel" };
-	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-		for (size_t j = 0; j < sizeof words / sizeof *words; j++) {
-			unsigned plain = plain_distance(words[i], words[j]);
-			assert_int_equal(eco_words_distance(words[i], words[j], 9), plain > 9 ? 10 : plain);
-			assert_int_equal(eco_words_distance(words[i], words[j], 1), plain > 1 ? 2 : plain);
-		}
-}
-
 UNIT_TEST(genera_and_forms_are_known_in_several_languages)
 {
 	static const struct { const char *name, *genus; enum eco_form form;

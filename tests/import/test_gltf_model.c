@@ -481,29 +481,6 @@ UNIT_TEST(references_to_nothing_are_refused)
 	}
 }
 
-/* Through the child and the clean-up, whatever the file is called. */
-UNIT_TEST(a_glb_is_known_by_its_content)
-{
-	struct eco_error error = { .code = ECO_OK };
-	const char *path;
-	uint8_t *bytes;
-	size_t size;
-	eco_model_free(&m);
-	for (int i = 0; i < 3; i++) {
-		gw_square(3);
-		size = gw_glb_bytes(ONE_MESH("'POSITION':0", ""), ' ', &bytes);
-		path = input_bytes("gltf_model", i == 0 ? "leaf.glb" : i == 1 ? "leaf.gltf" : "leaf.bin",
-			bytes, size);
-		if (eco_model_import(&m, &(struct eco_model_options){ .paths = &path, .path_count = 1 },
-				&error) != ECO_OK)
-			fail_msg("%s", error.text);
-		assert_int_equal(m.triangle_count, 1);
-		assert_true(fabs(eco_model_height(&m) - 1) < 1e-6);
-		eco_model_free(&m);
-		free(bytes);
-	}
-}
-
 UNIT_TEST(without_its_scene_all_nodes_are_read_and_it_is_said)
 {
 	static const struct { const char *scenes, *says; uint32_t triangles; } cases[] = {

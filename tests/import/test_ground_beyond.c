@@ -169,18 +169,6 @@ static struct eco_ground through(const double (*at)[3], uint32_t count, double s
 	return g;
 }
 
-UNIT_TEST(plants_of_one_height_stand_on_a_level_square)
-{
-	static const double at[][3] = { { 0, 0, 4 }, { 90, 3, 4.004 }, { 20, 40, 4 } };
-	for (uint32_t count = 1; count <= 3; count++) {
-		struct eco_ground g = through(at, count, 100);
-		assert_true(g.columns == 2 && g.rows == 2);
-		for (uint32_t i = 0; i < count; i++)
-			assert_true(fabs(height(&g, at[i][0], at[i][1]) - at[i][2]) < 0.01);
-		eco_ground_free(&g);
-	}
-}
-
 static double plane(double x, double y) { return 3 + 0.3 * x - 0.1 * y; }
 
 UNIT_TEST(plants_on_a_plane_or_on_hills_stand_on_the_ground)

@@ -5,21 +5,6 @@
 #include "ecofiles/import/places/inventory_text.h"
 #include "tests/support/unit_test.h"
 
-UNIT_TEST(words_for_nothing_are_known)
-{
-	static const char *const missing[] = { "", "  ", "NA", "n/a", "NaN", "NULL", "None", "-", "--", " ? ",
-		"#N/A", "<Null>", "k.A.", "unknown",
-		"n.d.", "Desconocido", "unbekannt", "\u00a0" };
-	static const char *const there[] = { "0", "oak", "no", "- -", "unknown oak",
-		"a very long text that cannot be a word for nothing" };
-	for (size_t i = 0; i < sizeof missing / sizeof *missing; i++)
-		if (!eco_text_is_missing(missing[i]))
-			fail_msg("\"%s\" is missing", missing[i]);
-	for (size_t i = 0; i < sizeof there / sizeof *there; i++)
-		if (eco_text_is_missing(there[i]))
-			fail_msg("\"%s\" is there", there[i]);
-}
-
 UNIT_TEST(case_and_spaces_do_not_count)
 {
 	static const char *const pairs[][2] = { { " Tilia  CORDATA ", "tilia cordata" },
@@ -37,22 +22,6 @@ UNIT_TEST(case_and_spaces_do_not_count)
 		assert_true(eco_text_fold("Ä b ÜÖ  c", folded, size) < size && strlen(folded) < size
 			&& folded[size] == 'x');
 	}
-}
-
-UNIT_TEST(stars_stand_for_any_text)
-{
-	static const struct { const char *text, *pattern; bool fits; } cases[] =
-		{ { "oak", "oak", true }, { "oak", "o*k", true }, { "oak", "*", true },
-		{ "", "*", true }, { "", "", true }, { "oak", "", false }, { "red oak", "*oak", true },
-		{ "oak, red", "oak*", true },
-		{ "oaks", "oak", false },
-		{ "quercus x rosacea", "quercus*rosa*", true }, { "aab", "*ab", true },
-		{ "abab", "*ab", true }, { "abac", "*ab", false },
-		{ "a*b", "a*b", true }, { "ab", "a**b", true }, { "ab", "a*c*b", false } };
-
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-		if (eco_text_fits(cases[i].text, cases[i].pattern) != cases[i].fits)
-			fail_msg("\"%s\" and \"%s\"", cases[i].text, cases[i].pattern);
 }
 
 UNIT_TEST(numbers_have_one_meaning_or_none)

@@ -36,26 +36,6 @@ UNIT_TEST(y_up_becomes_z_up_on_its_foot_at_its_height)
 	assert_true(has_vertex(&m, -0.125f, 0.125f, 2, NULL));
 }
 
-UNIT_TEST(polygons_count_as_corners_minus_two)
-{
-	/* an L of six corners, concave, and a quad: areas 3 and 1 */
-	const char *obj = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\n"
-		"v 5 1 0\nf 1 2 3 4 5 6\nf 7 8 9 10\np 1\nl 1 2\n";
-	double area = 0;
-
-	import_high(&m, input_text("model", "l.obj", obj), 0);
-	assert_int_equal(m.triangles_in, 6);
-	assert_int_equal(m.triangle_count, 6);
-	for (uint32_t i = 0; i < m.triangle_count; i++) {
-		const float *a = &m.position[m.index[i * 3] * 3], *b = &m.position[m.index[i * 3 + 1] * 3],
-			*c = &m.position[m.index[i * 3 + 2] * 3];
-		area += fabs(((double)b[0] - a[0]) * ((double)c[2] - a[2])
-			- ((double)b[2] - a[2]) * ((double)c[0] - a[0])) / 2;
-	}
-	if (fabs(area - 4) >= 1e-6)
-		fail_msg("the area is %g", area);
-}
-
 /* Star-shaped polygons in tilted planes, concave as can be, some with corners in a line or repeated: the
  * triangles' areas, none of them negative, add up to the polygon's. */
 UNIT_TEST(any_simple_polygon_is_covered_exactly_once)
@@ -133,29 +113,6 @@ UNIT_TEST(bad_indices_are_dropped_by_the_last_step_too)
 	assert_int_equal(m.dropped[ECO_DROP_BAD_INDEX], 2);
 }
 
-UNIT_TEST(the_foot_is_the_trunks_not_a_hanging_branchs)
-{
-	char obj[8000];
-	size_t used = 0;
-
-	/* a thick tube at x = 0 from 1 to 9, a thin one at x = 6 from 0 to 9, and leaves */
-	for (int tube = 0; tube < 2; tube++)
-		for (int i = 0; i < 16; i++)
-			used += (size_t)snprintf(obj + used, sizeof obj - used, "v %g %g %g\n",
-				tube * 6 + (tube ? 0.05 : 0.5) * cos(i % 8 * 0.785398),
-				i < 8 ? 1.0 - tube : 9.0, (tube ? 0.05 : 0.5) * sin(i % 8 * 0.785398));
-	for (int i = 0; i < 32; i++)
-		if (i % 16 < 8)
-			used += (size_t)snprintf(obj + used, sizeof obj - used, "f %d %d %d %d\n", i + 1,
-				i / 16 * 16 + (i + 1) % 8 + 1, i / 16 * 16 + (i + 1) % 8 + 9, i + 9);
-	import_file(&m, input_text("model", "willow.obj", obj),
-		/* of two tubes no shape tells it */
-		&(struct eco_model_options){ .height_m = 0, .up = ECO_UP_Y });
-	assert_true(fabs(m.foot[0]) < 1e-5 && fabs(m.foot[1]) < 1e-5 && m.foot[2] == 1);
-	assert_true(fabs(eco_model_height(&m) - 8) < 1e-5 && has_vertex(&m, 0.5f, 0, 0, NULL)
-		&& has_vertex(&m, 6.05f, 0, -1, NULL));
-}
-
 /* ---- Hostile input ---- */
 
 UNIT_TEST(files_that_are_no_models_are_refused)
@@ -175,22 +132,6 @@ UNIT_TEST(files_that_are_no_models_are_refused)
 		import_refuses(input_text("model", cases[i].name, cases[i].text), cases[i].code,
 			cases[i].says);
 	import_refuses("build/tmp/model/none.obj", ECO_NOT_FOUND, "No such file");
-}
-
-UNIT_TEST(more_triangles_than_allowed_are_refused)
-{
-	struct eco_error error = { .code = ECO_OK };
-	const char *path = input_text("model", "three.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 2 0\nf "
-		"1 2 3\nf 2 4 3\nf 3 4 5\n");
-	eco_model_free(&m);
-	assert_int_equal(eco_model_import(&m,
-		&(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1,
-		.triangles_max = 2 }, &error), ECO_TOO_LARGE);
-	assert_non_null(strstr(error.text, "3 triangles"));
-	assert_int_equal(eco_model_import(&m,
-		&(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1,
-		.triangles_max = 3 }, NULL), ECO_OK);
-	eco_model_free(&m);
 }
 
 /* Every document that is cut off, and many with a changed byte: a status or a sound model. */

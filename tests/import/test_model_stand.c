@@ -144,18 +144,6 @@ UNIT_TEST(what_is_below_the_files_zero_is_in_the_ground)
 	expect_foot(30, 0, -0.6);
 }
 
-/* Each by its girth, however finely it is modelled, and though one starts a little higher. */
-UNIT_TEST(several_stems_share_a_foot)
-{
-	begin();
-	tube(0, 0, 0, -1, 0, 4, 0.1, 40);
-	tube(1, 0, 0.1, 2, 0, 4, 0.1, 6);
-	tube(0.5, 0.9, 0.05, 0.5, 2, 4, 0.1, 6);
-	crown(0.5, 0.5, 4, 2);
-	stand(0);
-	assert_true(close_to(m.foot[0], 0.5, 0.03) && close_to(m.foot[1], 0.3, 0.03) && m.foot[2] == 0);
-}
-
 UNIT_TEST(a_bush_that_is_one_hull_stands_on_its_lower_part)
 {
 	begin();
@@ -165,15 +153,6 @@ UNIT_TEST(a_bush_that_is_one_hull_stands_on_its_lower_part)
 	stand(0);
 	assert_true(close_to(m.foot[0], 5, 0.15) && close_to(m.foot[1], 5, 0.15)
 		&& close_to(m.foot[2], -0.05, 1e-6));
-}
-
-UNIT_TEST(grass_of_cards_stands_in_its_middle)
-{
-	begin();
-	used += (size_t)snprintf(text, sizeof text, "v 1 2 0\nv 3 2 0\nv 3 2 1\nv 1 2 1\nv 2 1 0\nv 2 3 "
-		"0\nv 2 3 1\nv 2 1 1\nf 1 2 3 4\nf 5 6 7 8\n");
-	stand(0);
-	expect_foot(2, 2, 0);
 }
 
 /* A part that rules call wood is the stem, whatever it looks like. */

@@ -159,26 +159,3 @@ UNIT_TEST(tables_of_words_are_whole)
 	}
 	globfree(&found);
 }
-
-UNIT_TEST(faults_are_told_with_file_and_line)
-{
-	static const struct { const char *text, *says; } cases[] = {
-		{ "# role: r\n# words: w\nrole\twords\nheight\ttall high\n", "" },
-		{ "# role: r\nrole\twords\nheight\ttall\n", "t.tsv:2: no comment says what words is" },
-		{ "# role, words: w\nrole\twords\nheight\n", "t.tsv:3: 1 fields, 2 are named" },
-		{ "# role, words: w\nrole\twords\nheight\ttall\nheight\thigh tall\n", "t.tsv:4: \"tall\" stands twice" },
-		{ "# role, words: w\nrole\twords\nheight\tHöhe\n", "t.tsv:3: \"Höhe\" is to be written \"hohe\"" },
-		{ "# role, words: w\nrole\twords\nbreadth\twide\n", "t.tsv:3: no role is \"breadth\"" },
-		{ "# form, words: w\nform\twords\nbushy\twide\n", "t.tsv:3: no form is \"bushy\"" },
-		{ "# role, words: w\nrole\twords\nheight\t\n", "t.tsv:3: words: empty" },
-		{ "# kind, metres: w\nkind\tmetres\nunit\t1\nunit\tone\n", "t.tsv:4: metres: \"one\" is no number" },
-		{ "# role, words: w\nrole\twords\nheight\tH\xf6he\n", "t.tsv:3: not UTF-8" },
-	};
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		char text[200];
-		snprintf(text, sizeof text, "%s", cases[i].text);
-		const char *fault = fault_of("t.tsv", text);
-		if (cases[i].says[0] ? !strstr(fault, cases[i].says) : fault[0] != 0)
-			fail_msg("%s\n  wanted ... %s", fault, cases[i].says);
-	}
-}
