@@ -376,7 +376,7 @@ DATA_BENCH = $(or $(DATA),$(if $(wildcard ../shared/data/models),../shared/data)
 bench: deps
 	@tests/packages.sh python3-matplotlib libavif-bin libjxl-tools || true  # sections say what they leave out without these
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/ecobench $(B)/bench/requests
-	$(B)/bench/ecobench --build $(B) --jobs 2 $(if $(FULL),--full) $(if $(DATA_BENCH),--data "$(DATA_BENCH)") $(if $(ONLY),--only $(ONLY))
+	$(B)/bench/ecobench --build $(B) $(if $(FULL),--full) $(if $(DATA_BENCH),--data "$(DATA_BENCH)") $(if $(ONLY),--only $(ONLY))
 
 # Damaged models, random requests and damages (MUTANTS=, REQUESTS=, DAMAGES= in the environment for hours of it), then clients for SECONDS
 soak: deps

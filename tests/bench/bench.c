@@ -372,18 +372,6 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 	return code ? code : written;
 }
 
-void bench_lost(struct bench *bench, const struct bench_section *section, int status)
-{
-	struct eco_error error = { 0 };
-	bench_begin(bench, section);
-	if (WIFSIGNALED(status))
-		eco_fail(&error, ECO_IO, "its process was ended by signal %d", WTERMSIG(status));
-	else
-		eco_fail(&error, ECO_IO, "its process ended with status %d and no result",
-			WEXITSTATUS(status));
-	bench_end(bench, ECO_IO, &error);
-}
-
 #define SCRIPT "tests/bench/report/report.py"
 
 enum eco_code bench_report_write(struct bench *bench, const struct bench_section *const *sections,

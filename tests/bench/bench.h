@@ -36,7 +36,6 @@ struct bench_section {
 	/* Sources of its figures: patterns of object files and archives below BUILD/obj, separated by blanks.
 	 * NULL: the whole program. */
 	const char *objects;
-	bool alone;                  /* measures time, or makes what others need: waits for all before it */
 };
 /* Objects that make all plans, streams and pictures. */
 #define BENCH_OBJECTS_FRAMES "ecofiles-*.a lod*.a server.a client-min.a tests/bench/bench_fetch.o " \

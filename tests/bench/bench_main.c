@@ -1,17 +1,13 @@
 /* The command line of ecobench. Every section runs even if one before it fails. */
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "ecofiles/base/options.h"
 #include "tests/bench/bench_state.h"
 
 #define EXIT_INTERRUPTED 130
-#define JOBS_MAX 16u
 #define SECTIONS_MAX 64u
 
 static struct arguments {
@@ -19,7 +15,6 @@ static struct arguments {
 	const struct bench_section *const *sections;         /* NULL ends */
 	bool asked[SECTIONS_MAX], some;      /* --only; all sections without */
 	const char *out, *cache;
-	uint64_t jobs;
 	bool list;
 } given;
 static struct bench_state state;
@@ -54,86 +49,19 @@ static enum eco_code check_folders(const struct bench *bench, struct eco_error *
 	return ECO_OK;
 }
 
-/* ---- Sections, one after the other or some at a time ---- */
-
-static struct worker { pid_t pid; const struct bench_section *section; } workers[JOBS_MAX];
-static uint32_t running;
-
-static void write_report(struct bench *bench)
-{
-	struct eco_error why = { 0 };
-	if (bench_report_write(bench, given.sections, &why))
-		bench_note(bench, "%s", why.text);
-}
-
-static int run_one(struct bench *bench, const struct bench_section *section)
-{
-	struct eco_error error = { 0 };
-	bench_begin(bench, section);
-	enum eco_code code = bench_end(bench, section->run(bench, &error), &error);
-	return code && code != ECO_INTERRUPTED;
-}
-
-/* In a process of its own, so that a section that crashes takes no other with it. */
-static int start(struct bench *bench, const struct bench_section *section)
-{
-	fflush(NULL);
-	pid_t pid = fork();
-	if (pid == 0) {
-		int status = run_one(bench, section);
-		fflush(NULL);
-		_exit(status);
-	}
-	if (pid > 0)
-		workers[running++] = (struct worker){ pid, section };
-	return pid < 0;
-}
-
-/* Until fewer than `most` run. Returns 1 if one of those that ended failed. A signal that reaches this
- * process alone is passed on. */
-static int wait_for(struct bench *bench, uint32_t most)
-{
-	bool told = false;
-	int failed = 0;
-	while (running > 0 && running >= most) {
-		int status;
-		for (uint32_t i = 0; i < running && bench_stopped(bench) && !told; i++)
-			kill(workers[i].pid, SIGTERM);
-		told = told || bench_stopped(bench);
-		uint32_t i = 0;
-		while (i < running && waitpid(workers[i].pid, &status, WNOHANG) == 0)
-			i++;
-		if (i == running) {
-			nanosleep(&(struct timespec){ 0, 50000000 }, NULL);
-			continue;
-		}
-		if (!WIFEXITED(status) || WEXITSTATUS(status) > 1)
-			bench_lost(bench, workers[i].section, status);
-		failed |= !WIFEXITED(status) || WEXITSTATUS(status);
-		workers[i] = workers[--running];
-		write_report(bench);
-	}
-	return failed;
-}
-
-static int run_sections(struct bench *bench, uint32_t jobs)
+static int run_sections(struct bench *bench)
 {
 	int failed = 0;
 	for (uint32_t i = 0; given.sections[i] && !bench_stopped(bench); i++) {
-		const struct bench_section *section = given.sections[i];
-		uint32_t most = section->alone ? 1 : jobs;
+		struct eco_error error = { 0 }, why = { 0 };
 		if (given.some && !given.asked[i])
 			continue;
-		if (jobs == 1) {
-			failed |= run_one(bench, section);
-			write_report(bench);
-			continue;
-		}
-		failed |= wait_for(bench, most);
-		if (!bench_stopped(bench))
-			failed |= start(bench, section) | wait_for(bench, most);
+		bench_begin(bench, given.sections[i]);
+		enum eco_code code = bench_end(bench, given.sections[i]->run(bench, &error), &error);
+		failed |= code && code != ECO_INTERRUPTED;
+		if (bench_report_write(bench, given.sections, &why))
+			bench_note(bench, "%s", why.text);
 	}
-	failed |= wait_for(bench, 1);
 	return bench_stopped(bench) ? EXIT_INTERRUPTED : failed;
 }
 
@@ -174,10 +102,6 @@ static const struct eco_option options[] = {
 		.help =
 		"runs this section, or several (with commas, or the option again); the report keeps earlier "
 		"results of the others" },
-	{ "jobs", 0, ECO_OPTION_COUNT, "N", &given.jobs, 1, JOBS_MAX,
-		.help =
-		"sections that run at the same time, each in a process of its own; 1 if not given. Sections "
-		"that measure time run alone" },
 	{ "trust", 0, ECO_OPTION_FLAG, NULL, &state.trust,
 		.help = "takes pieces of work that another build of ecobench did" },
 	{ "list", 0, ECO_OPTION_FLAG, NULL, &given.list,
@@ -186,7 +110,7 @@ static const struct eco_option options[] = {
 
 static const struct eco_command command = { .name = "ecobench", .options = options,
 	.synopsis = "[--full] [--data DIR] [--out DIR] [--cache DIR] [--build DIR] [--only SECTION]... "
-	"[--jobs N] [--trust] [--list]",
+	"[--trust] [--list]",
 	.says = "Error against run time of the methods of the literature and ours, on the same scenes.",
 	.notes =
 	"Ctrl-C finishes the piece of work at hand, writes the report and ends with status 130; the next run "
@@ -204,7 +128,7 @@ static enum eco_code run(struct bench *bench, int *status, struct eco_error *err
 	if (code)
 		return code;
 	bench_catch_interrupts();
-	*status = run_sections(bench, (uint32_t)given.jobs);
+	*status = run_sections(bench);
 	bench_close(bench);
 	fprintf(stderr, "ecobench: %s/report.html, %s/summary.json\n", bench->out, bench->out);
 	return ECO_OK;
@@ -218,7 +142,7 @@ int bench_main(int argc, char **argv, const struct bench_section *const *section
 	int status = 0;
 	state = (struct bench_state){ 0 };
 	given = (struct arguments){ .bench = { .build = "build", .out = out, .cache = cache, .state =
-		&state }, .sections = sections, .jobs = 1 };
+		&state }, .sections = sections };
 	if (eco_command_answers(&command, argc - 1, argv + 1))
 		return eco_command_end(&command, ECO_OK, &error);
 	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, &error);

@@ -173,9 +173,7 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 	struct list list = { .items = calloc(MODELS_MAX, sizeof *list.items) };
 	if (!list.items)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a list of models");
-	int lock = bench_lock(bench);
 	enum eco_code code = find_all(bench, &list, error);
-	bench_unlock(lock);
 	const char *before = bench_objects(bench, BENCH_OBJECTS_PLANTS);
 	uint32_t kept = 0;
 	qsort(list.items, list.count, sizeof *list.items, by_name);

@@ -214,4 +214,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 
 const struct bench_section bench_planner = { "planner", "The planner: against Deussen's rule, against itself", run,
 	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_planner.o tests/bench/bench_shots.o "
-	"tests/bench/bench_frame.o", .alone = true };
+	"tests/bench/bench_frame.o" };

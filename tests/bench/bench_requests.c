@@ -22,13 +22,10 @@ enum { COUNTS = sizeof counts / sizeof *counts, REQUESTS = 0, VIOLATIONS = 3, FA
 
 enum eco_code bench_request_packs(struct bench *bench, struct eco_error *error)
 {
-	int lock = bench_lock(bench);
 	bench_progress(bench, 0, "scenes for random requests");
-	enum eco_code code = bench_command(bench, error,
+	return bench_command(bench, error,
 		"BUILD='%s' CACHE='%s/plants' sh tests/bench/request_scenes.sh " "'%s/requests'",
 		bench->build, bench->cache, bench->cache);
-	bench_unlock(lock);
-	return code;
 }
 
 struct block { struct bench *bench; const char *scene; uint32_t number; };

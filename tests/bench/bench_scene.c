@@ -7,13 +7,11 @@
  *
  * A scene is a folder with scene.json and camera.json, a pack one file per order. Each has a stamp beside it
  * of its sources: ecopack itself, its options, and the files that it read; a pack's also holds a hash of the
- * pack. One process makes them at a time. */
+ * pack. */
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
@@ -58,22 +56,6 @@ bool bench_scene_quick(const char *name)
 }
 
 /* ---- Stamps ---- */
-
-int bench_lock(const struct bench *bench)
-{
-	char path[PATH];
-	snprintf(path, sizeof path, "%s/lock", bench->cache);
-	int file = open(path, O_CREAT | O_RDWR | O_CLOEXEC, 0666);
-	if (file >= 0)
-		flock(file, LOCK_EX);
-	return file;
-}
-
-void bench_unlock(int file)
-{
-	if (file >= 0)
-		close(file);
-}
 
 /* Stamp of a file: of its bytes where it is small, else of size and time. */
 static uint64_t stamp_of_file(const char *path)
@@ -200,11 +182,6 @@ static enum eco_code make_folder(struct bench *bench, const struct scene *s, cha
 	if (stamp_fits(bench, scene, stamp))
 		return ECO_OK;
 	enum eco_code code = bench_command(bench, error, "mkdir -p '%s'", folder);
-	int locked = bench_lock(bench);
-	if (stamp_fits(bench, scene, stamp)) {               /* another process has made it meanwhile */
-		bench_unlock(locked);
-		return code;
-	}
 	bench_progress(bench, 0, s->name);
 	if (!code && s->origin == GENERATED)
 		code = bench_command(bench, error, "'%s/ecopack' generate %s -o '%s' --plants %u --detail "
@@ -213,9 +190,7 @@ static enum eco_code make_folder(struct bench *bench, const struct scene *s, cha
 		code = s->origin == CROWN ? make_crown(bench, folder, error)
 			: s->origin == CARDS ? make_cards(bench, s->name, folder, error)
 			: make_scbi(bench, folder, error);
-	code = code ? code : stamp_write(scene, stamp, error);
-	bench_unlock(locked);
-	return code;
+	return code ? code : stamp_write(scene, stamp, error);
 }
 
 /* ---- Packs ---- */
@@ -252,11 +227,7 @@ enum eco_code bench_scene(struct bench *bench, const char *name, const char *ord
 	if (stamp_fits(bench, path, stamp))
 		return ECO_OK;
 	code = bench_command(bench, error, "mkdir -p '%s/packs'", bench->cache);
-	int locked = bench_lock(bench);
-	if (!code && !stamp_fits(bench, path, stamp))
-		code = make_pack(bench, name, order, path, stamp, error);
-	bench_unlock(locked);
-	return code;
+	return code ? code : make_pack(bench, name, order, path, stamp, error);
 }
 
 enum eco_code bench_scene_pair(struct bench *bench, const char *name, struct bench_pair *pair,
@@ -290,7 +261,6 @@ enum eco_code bench_model_pack(struct bench *bench, const struct bench_model *mo
 	char *place = realpath(model->path, NULL);   /* a scene's paths are relative to its own folder */
 	if (!code && !place)
 		code = eco_fail(error, ECO_IO, "%s: %s", model->path, strerror(errno));
-	int locked = bench_lock(bench);
 	FILE *out = code ? NULL : fopen(scene, "wb");
 	if (!code && !out)
 		code = eco_fail(error, ECO_IO, "%s cannot be written", scene);
@@ -303,7 +273,6 @@ enum eco_code bench_model_pack(struct bench *bench, const struct bench_model *mo
 		code = bench_command(bench, error, "'%s/ecopack' make '%s' -o '%s' --quiet --cache "
 			"'%s/plants' --cache-mb 16384", bench->build, scene, pack, bench->cache);
 	}
-	bench_unlock(locked);
 	free(place);
 	return code;
 }

@@ -43,8 +43,6 @@ void bench_close(struct bench *bench);
 void bench_objects_stamp(const struct bench *bench, const char *objects, char stamp[17]);
 void bench_begin(struct bench *bench, const struct bench_section *section);
 enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_error *error);
-/* The record of a section whose process ended without one. */
-void bench_lost(struct bench *bench, const struct bench_section *section, int status);
 enum eco_code bench_report_write(struct bench *bench, const struct bench_section *const *sections,
 	struct eco_error *error);
 
@@ -54,10 +52,6 @@ int bench_main(int argc, char **argv, const struct bench_section *const *section
 double bench_now_s(void);
 void bench_catch_interrupts(void);
 void bench_note(const struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-/* One process at a time makes scenes, packs and models of the cache. -1 where no file can be locked. */
-int bench_lock(const struct bench *bench);
-void bench_unlock(int lock);
 
 /* As vasprintf, but there is always a text. The caller frees it. */
 char *bench_text(const char *format, va_list args);

@@ -1,6 +1,4 @@
-/* ecobench: all sections, in the order in which they run and stand in the report. Those that take long stand
- * before those that are soon done, so that none is left to run on its own at the end; what is timed in
- * hierarchy is processor time, or a median on a core of its own. */
+/* ecobench: all sections, in the order in which they run and stand in the report. */
 #include "tests/bench/bench_state.h"
 
 extern const struct bench_section bench_frames, bench_pictures, bench_bytes, bench_anytime, bench_rising,

@@ -106,22 +106,13 @@ static enum eco_code run_commands(struct bench *bench, struct eco_error *error)
 		: ECO_BAD_INPUT;
 }
 
-static enum eco_code run_crash(struct bench *bench, struct eco_error *error)
-{
-	raise(SIGKILL);
-	return ECO_OK;
-}
-
 static const struct bench_section tiny = { .name = "tiny", .title = "Squares", .run = run_tiny },
 	keys = { .name = "keys", .title = "Keys", .run = run_keys },
 	failing = { .name = "failing", .title = "Fails", .run = run_failing },
 	plots = { .name = "plots", .title = "Plots", .run = run_plots },
 	commands = { .name = "commands", .title = "Commands", .run = run_commands },
-	crash = { .name = "crash", .title = "Crashes", .run = run_crash },
-	last = { .name = "last", .title = "Alone", .run = run_keys, .alone = true },
 	slow = { .name = "slow", .title = "Slow", .run = run_slow };
-static const struct bench_section *const all[] = { &tiny, &keys, &failing, &plots, &commands, &slow, &crash,
-	&last, NULL };
+static const struct bench_section *const all[] = { &tiny, &keys, &failing, &plots, &commands, &slow, NULL };
 
 /* ---- Running ---- */
 
@@ -190,8 +181,7 @@ UNIT_TEST_BETWEEN(test_command_line_is_checked, set_up, NULL)
 		{ "--only", "tin", 2, "no section is called tin" },
 		{ "--data", ROOT "/nowhere", 2, "holds models/" },
 		{ "--build", ROOT "/nowhere", 2, "ecopack is not there" },
-		{ "--out", "/dev/null/x", 1, "this fails: mkdir" }, { "word", NULL, 2, "word" },
-		{ "--jobs", "0", 2, "from 1 to 16" }, { "--jobs", "17", 2, "from 1 to 16" } };
+		{ "--out", "/dev/null/x", 1, "this fails: mkdir" }, { "word", NULL, 2, "word" } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		int status = RUN(cases[i].argument, cases[i].value);
 		if (status != cases[i].status || !says(status ? "stderr" : "stdout", cases[i].says))
@@ -260,16 +250,6 @@ UNIT_TEST_BETWEEN(test_a_failure_does_not_end_the_run, set_up, NULL)
 		"src=\"empty.png\"")));
 	assert_int_equal(RUN("--list"), 0);
 	assert_true(says("stdout", "failed"));
-}
-
-UNIT_TEST_BETWEEN(test_sections_in_processes_of_their_own_outlive_each_other, set_up, NULL)
-{
-	assert_int_equal(RUN("--jobs", "3", "--only", "tiny,keys,failing,crash,last"), 1);
-	assert_true(says("out/report.html", "ended by signal 9"));
-	assert_true(says("out/report.html", "this section fails"));
-	assert_true(says("out/summary.json", "\"tiny_sum\": 30"));
-	assert_int_equal(RUN("--jobs", "2", "--only", "tiny,last"), 0);
-	assert_int_equal(units_done(), UNITS);
 }
 
 UNIT_TEST_BETWEEN(test_interruption_ends_commands_too, set_up, NULL)

@@ -143,7 +143,7 @@ UNIT_TEST(every_entry_names_a_section_with_such_tables_and_pictures)
 			}
 			entries++;
 		}
-	assert_true(entries > 20);
+	assert_true(entries > 15);
 	free(all);
 	json_decref(papers);
 }

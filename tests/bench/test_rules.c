@@ -199,16 +199,11 @@ static uint64_t solve(paper_rule *rule, void *ctx, uint64_t budget, struct paper
 UNIT_TEST(rules_spend_their_budget_and_draw_what_they_count)
 {
 	struct paper_cook cook = { 0 };
-	struct paper_lee lee = { .method = LOD_LEE_LAYER };
-	struct eco_error error = { 0 };
 	static const uint64_t budgets[] = { 0, 500, 5000, 2000000 };
-	assert_ok(paper_lee_begin(&lee, scene, &error), error);
 	for (size_t i = 0; i < sizeof budgets / sizeof *budgets; i++) {
 		struct paper_frame frame;
 		double least = budgets[i] < 5000 ? 0 : 0.9 * (double)budgets[i];
 		assert_true((double)solve(paper_cook, &cook, budgets[i], &frame) >= least);
-		paper_frame_free(&frame);
-		assert_true((double)solve(paper_lee, &lee, budgets[i], &frame) >= least);
 		paper_frame_free(&frame);
 		/* between all points of the summary and the first plants, whose bushes have no points, is
 		 * nothing */
@@ -216,7 +211,6 @@ UNIT_TEST(rules_spend_their_budget_and_draw_what_they_count)
 			>= (budgets[i] == 5000 ? 1900 : 0.9 * (double)budgets[i]));
 		paper_frame_free(&frame);
 	}
-	paper_lee_end(&lee);
 }
 
 /* Figures of each plant's table: Neubert's are no worse than Cook's, with fewer leaves. */

@@ -4,7 +4,6 @@
  *   Cook 2007      the distance r up to which all leaves are drawn (paper_cook): lambda = min(1, (r / R)^2),
  *                  so that leaves keep their size in pixels beyond it
  *   Neubert 2011   the same r, for the lambda whose quality is to be kept (paper_cook with its tables)
- *   Lee 2007       the same lambda as a budget of leaves for each plant (paper_lee)
  *
  * Wood: Deussen's lines and polygons; the other papers prune leaves alone, and their wood is what our ladders
  * draw for the share lambda of its vertices. */
@@ -177,19 +176,10 @@ struct paper_cook {
 };
 enum eco_code paper_cook(struct paper *p, double full_m, void *cook, struct eco_error *error);
 
-/* Leaves [0, kept) of a region. The ladder's list holds those after `before`. Fewer than one leaf is one leaf
- * of some of the plants. */
-void paper_leaves(struct paper *p, const struct lod_slot *slot, const struct eco_ladder *l, double kept,
-	double scale, uint32_t share_first, uint32_t share_end);
-/* Cuts of wood for a share of its vertices. */
-void paper_wood(struct paper *p, const struct lod_slot *slot, uint32_t ladder, double lambda,
-	uint32_t share_first, uint32_t share_end);
-
 /* ---- Lee 2007: leaves of groups under a budget ----
  *
  * Groups of leaves are ranked for one view, and the budget says how many leaves of each are kept. A group is
- * one leaf, as in the paper's table, or a cell of the plant (lod/build/cell.h), as the paper says that it
- * must be at run time; inside a cell the first of the cell's own static order are kept.
+ * one leaf, as in the paper's table, or a cluster of them.
  *
  *   distance       the nearest group first, by Euclidean distance
  *   normal         the group that faces the eye best first: |normal . direction to the eye|
@@ -221,25 +211,5 @@ struct lod_lee_view { struct lod_v3 eye, forward; uint32_t layers; };
  * smaller index. */
 void lod_lee_keep(uint32_t *kept, enum lod_lee_method method, const struct lod_lee_group *groups,
 	uint32_t group_count, const struct lod_lee_view *view, uint64_t budget, struct lod_arena *arena);
-
-/* On whole scenes the three orders choose among the cells of each plant, for a budget of leaves that Cook's
- * lambda gives each plant, by the plant's own view.
- *
- * A cell keeps the first leaves of its list, scaled as Cook's are. A plant with a budget of so few
- * leaves that most cells would be empty draws the first leaves of the whole. */
-struct paper_lee_plant { /* cells with leaves */
-	struct lod_lee_group *groups;
-	uint32_t *ladders, count;
-	double leaves;
-};
-struct paper_lee {
-	const struct paper_tables *tables;
-	enum lod_lee_method method;
-	struct paper_lee_plant *plants;
-	struct lod_arena *arena;
-};
-enum eco_code paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s, struct eco_error *error);
-void paper_lee_end(struct paper_lee *lee);
-enum eco_code paper_lee(struct paper *p, double full_m, void *lee, struct eco_error *error);
 
 #endif

@@ -1,5 +1,5 @@
-/* Leaf collapse (Hidalgo, Abad, Camahort 2007) and the paper's figures: the atlas (2), an example of a chain and
- * its table of levels (3, 4), sectors (6).
+/* Leaf collapse (Hidalgo, Abad, Camahort 2007) and the paper's figures of the atlas (2)
+ * and of sectors (6).
  *
  * The paper compares with nothing and gives no count of leaves, no time and no frame rate; its scenes of
  * millions of trees are a matter of the renderer. The section measures Q of levels drawn as the paper says,
@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/random.h"
 #include "lod/sort.h"
 #include "tests/bench/baseline/leaf_collapse.h"
 #include "tests/bench/bench_leaves.h"
@@ -321,7 +320,7 @@ static enum eco_code study_plant(struct bench *bench, const struct bench_model *
 	return code;
 }
 
-static enum eco_code study_plants(struct bench *bench, struct eco_error *error)
+static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct bench_model *models = NULL;
 	uint32_t count = 0, done[2] = { 0 }, plants = 0;
@@ -362,77 +361,5 @@ static enum eco_code study_plants(struct bench *bench, struct eco_error *error)
 		.series_count = KINDS }, error);
 }
 
-/* ---- Figures 3 and 4: made leaves ---- */
-
-#define CHAIN_LEAVES 10u
-#define CROWN_RADIUS 5.0
-#define LEAF_HALF 0.05
-
-static double dice(uint64_t *state) { return 2 * eco_random_unit(eco_random_next(state)) - 1; }
-
-/* A square in a ball. */
-static void strew(uint64_t *state, float corner[4][3])
-{
-	static const int sign[4][2] = { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } };
-	struct lod_v3 at, n;
-	do
-		at = (struct lod_v3){ dice(state), dice(state), dice(state) };
-	while (lod_v3_dot(at, at) > 1);
-	n = (struct lod_v3){ dice(state), dice(state), dice(state) };
-	struct lod_v3 along = lod_v3_scale(lod_v3_unit(lod_v3_cross(n, (struct lod_v3){ 0, 0, 1 })),
-		LEAF_HALF),
-		across = lod_v3_scale(lod_v3_unit(lod_v3_cross(n, along)), LEAF_HALF);
-	for (uint32_t k = 0; k < 4; k++) {
-		struct lod_v3 p = lod_v3_add(lod_v3_scale(at, CROWN_RADIUS), lod_v3_add(lod_v3_scale(along,
-			sign[k][0]), lod_v3_scale(across, sign[k][1])));
-		corner[k][0] = (float)p.x, corner[k][1] = (float)p.y, corner[k][2] = (float)p.z;
-	}
-}
-
-/* Numbers up to 9 are leaves, the others quads in the order of their collapses. */
-static enum eco_code write_chain(struct bench *bench, struct eco_error *error)
-{
-	struct lod_arena arena = { 0 };
-	struct lod_collapse c;
-	struct lod_collapse_options options = lod_collapse_defaults;
-	float corner[4 * CHAIN_LEAVES][3];
-	uint32_t first[CHAIN_LEAVES + 1] = { 0 };
-	uint64_t state = 2007;
-	if (setjmp(arena.failed)) {
-		lod_arena_free(&arena);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for some leaves");
-	}
-	options.distance_most = 4;
-	for (uint32_t i = 0; i < CHAIN_LEAVES; i++) {
-		strew(&state, corner + 4 * i);
-		first[i + 1] = 4 * (i + 1);
-	}
-	lod_collapse_make(&c, &(struct lod_foliage){ .count = CHAIN_LEAVES, .first = first, .corner = corner },
-		&options, NULL, 0, NULL, &arena);
-	bench_head(bench, "A chain and its table of levels");
-	struct bench_table *table = bench_table_open(bench, "collapse_chain",
-		"level,leaves,a,b,c,first run [0;a),second run [b;b+c)", true);
-	for (uint32_t i = 0; i <= c.made; i++) {
-		const struct lod_collapse_level *l = &c.level[i];
-		char run[2][128] = { "", "" };
-		for (uint32_t k = 0; k < l->a + l->c; k++) {
-			char *text = run[k >= l->a];
-			snprintf(text + strlen(text), sizeof run[0] - strlen(text), "%s%u", *text ? " " : "",
-				c.place[k < l->a ? k : l->b + k - l->a]);
-		}
-		bench_table_row(table, "%u,%u,%u,%u,%u,%s,%s", i, l->a + l->c, l->a, l->b, l->c, run[0],
-			run[1]);
-	}
-	bench_table_close(table);
-	lod_arena_free(&arena);
-	return ECO_OK;
-}
-
-static enum eco_code run(struct bench *bench, struct eco_error *error)
-{
-	enum eco_code code = write_chain(bench, error);
-	return code ? code : study_plants(bench, error);
-}
-
 const struct bench_section bench_collapse = { "collapse", "Leaf collapse", run,
-	.objects = BENCH_OBJECTS_PLANTS "tests/bench/collapse/bench_collapse.o", .alone = true };
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/collapse/bench_collapse.o" };

@@ -145,4 +145,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_extreme = { "extreme", "Numerical stability", run,
-	BENCH_OBJECTS_FRAMES "tests/bench/extreme/*.o tests-support.a", false };
+	BENCH_OBJECTS_FRAMES "tests/bench/extreme/*.o tests-support.a" };

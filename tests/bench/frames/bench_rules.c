@@ -1,6 +1,6 @@
 /* The papers' rules on whole scenes, drawn, beside ours at as many vertices: Deussen 2002 as printed, with
  * his lists and with ours; Cook's 1 / lambda plain and corrected; Neubert's lambda_opt, with and without
- * occlusion; Lee's orders of cells. */
+ * occlusion. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,11 +22,9 @@ enum rule {
 	COOK_CORRECTED,
 	NEUBERT,
 	NEUBERT_OCCLUDED,
-	LEE_FIRST,
-	RULES = LEE_FIRST + LOD_LEE_COUNT
+	RULES
 };
-static const char *const names[RULES] = { "Deussen's rule on our lists", "Deussen 2002 as printed", "Cook 1/lambda", "Cook corrected", "Neubert", "Neubert with occlusion", "Lee distance by view",
-	"Lee normal by view", "Lee layer+normal by view" };
+static const char *const names[RULES] = { "Deussen's rule on our lists", "Deussen 2002 as printed", "Cook 1/lambda", "Cook corrected", "Neubert", "Neubert with occlusion" };
 
 /* Figures of the rule, then the same of ours at its vertices. */
 static const struct bench_column columns[] = { { "vertices", 0 }, { "wrong pixels", 0 }, { "Q", 4 }, {
@@ -89,23 +87,9 @@ static enum eco_code draw_rule(struct shot *shot, uint32_t rule, struct paper_fr
 	struct eco_error *error)
 {
 	struct paper_cook cook = { .tables = rule == COOK ? NULL : shot->tables, .optimal = rule == NEUBERT };
-	struct paper_lee lee = { .tables = shot->tables, .method = (enum lod_lee_method)(rule - LEE_FIRST) };
-	enum eco_code code;
-	switch (rule) {
-	case DEUSSEN_2002:
-		return solve(shot, paper_deussen, NULL, frame, error);
-	case COOK:
-	case COOK_CORRECTED:
-	case NEUBERT:
-		return solve(shot, paper_cook, &cook, frame, error);
-	case NEUBERT_OCCLUDED:
-		return solve_occluded(shot, frame, error);
-	default:
-		code = paper_lee_begin(&lee, shot->papers, error);
-		code = code ? code : solve(shot, paper_lee, &lee, frame, error);
-		paper_lee_end(&lee);
-		return code;
-	}
+	return rule == NEUBERT_OCCLUDED ? solve_occluded(shot, frame, error)
+		: rule == DEUSSEN_2002 ? solve(shot, paper_deussen, NULL, frame, error)
+		: solve(shot, paper_cook, &cook, frame, error);
 }
 
 static enum eco_code shoot_rule(struct shot *shot, uint32_t rule, const struct bench_frame *base,
@@ -232,8 +216,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	enum eco_code code = ECO_OK;
 	bench_say(bench,
 		"Every frame is drawn by the software rasteriser, %u vertices, mean of the views of "
-		"`frames`; ours stands beside each rule at the vertices that it drew. Cook, Neubert and "
-		"Lee keep lambda = min(1, (r / R)^2) of the leaves at distance R, r by the budget, and draw "
+		"`frames`; ours stands beside each rule at the vertices that it drew. Cook and Neubert "
+		"keep lambda = min(1, (r / R)^2) of the leaves at distance R, r by the budget, and draw "
 		"the wood of our ladders, from packs of the stochastic order. Cook's contrast is not "
 		"corrected: it moves no pixel of the mask.",
 		VERTICES);

@@ -493,4 +493,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_billboards = { "billboards", "Billboard clouds", run,
-	.objects = BENCH_OBJECTS_PLANTS "tests/bench/pictures/bench_billboards.o", .alone = true };
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/pictures/bench_billboards.o" };

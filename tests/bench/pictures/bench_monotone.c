@@ -12,8 +12,6 @@
 #define QUICK 1u                /* plants of the data folder, and generated ones, in the quick bench */
 static const char *const cards[] = { "cards-1", "cards-2", "cards-3" };
 #define CARDS (sizeof cards / sizeof *cards)
-static const double shares[] = { 2, 4, 8, 16, 32, 64 };      /* one of so many vertices */
-#define SHARES (sizeof shares / sizeof *shares)
 static const char *const kinds[PLANT_KINDS] = { "none", "organs", "splats", "impostor" };
 
 static enum eco_code measure(void *ctx, json_t **unit, struct eco_error *error)
@@ -31,12 +29,7 @@ static enum eco_code measure(void *ctx, json_t **unit, struct eco_error *error)
 	eco_pack_close(pack);
 	if (code)
 		return code;
-	json_t *vertices = json_array();
-	for (uint32_t i = 0; i < walk.count; i++)
-		json_array_append_new(vertices, json_integer((json_int_t)walk.vertices[i]));
-	*unit = json_pack("{s:o, s:o, s:o, s:f, s:I, s:f, s:f, s:I, s:s, s:i, s:i}", "vertices", vertices, "q",
-		bench_reals(walk.q, walk.count), "soft", bench_reals(walk.soft_q, walk.count), "fall",
-		walk.fall, "at", (json_int_t)walk.fall_at, "regret", regret.mean, "worst regret", regret.worst,
+	*unit = json_pack("{s:f, s:I, s:f, s:f, s:I, s:s, s:i, s:i}", "fall", walk.fall, "at", (json_int_t)walk.fall_at, "regret", regret.mean, "worst regret", regret.worst,
 		"regret at", (json_int_t)regret.worst_at, "better", kinds[regret.best], "budgets",
 		(int)regret.count, "within", (int)regret.within);
 	return ECO_OK;
@@ -51,20 +44,6 @@ static enum eco_code study(struct bench *bench, const char *name, const char *pa
 	return bench_unit(bench, key, stamp, measure, (void *)pack, unit, error);
 }
 
-/* Q at a share of all vertices, between two counts. */
-static double q_at(const json_t *vertices, const json_t *q, double share)
-{
-	size_t n = json_array_size(vertices);
-	double at = share * bench_cell(vertices, n - 1);
-	for (size_t i = 1; i < n; i++) {
-		double low = bench_cell(vertices, i - 1), high = bench_cell(vertices, i),
-			below = bench_cell(q, i - 1), above = bench_cell(q, i);
-		if (at <= high)
-			return at < low ? below : below + (above - below) * (at - low) / (high - low);
-	}
-	return 1;
-}
-
 /* `within`: budgets where the choice is as good as the best kind. */
 struct sums { uint32_t plants, fallen, budgets, within; double worst, regret; };
 
@@ -72,20 +51,14 @@ static double number(json_t *unit, const char *key) { return json_number_value(j
 
 static void add_row(struct bench_table *table, const char *name, json_t *unit, struct sums *sums)
 {
-	const json_t *vertices = json_object_get(unit, "vertices");
-	double fall = number(unit, "fall"), q[2][SHARES];
-	for (size_t i = 0; i < 2 * SHARES; i++)
-		q[i / SHARES][i % SHARES] = q_at(vertices, json_object_get(unit, i < SHARES ? "q" : "soft"),
-			1 / shares[i % SHARES]);
+	double fall = number(unit, "fall");
 	sums->plants++;
 	sums->fallen += fall > FALL;
 	sums->worst = fmax(sums->worst, fall);
 	sums->regret += number(unit, "regret") * number(unit, "budgets");
 	sums->budgets += (uint32_t)number(unit, "budgets");
 	sums->within += (uint32_t)number(unit, "within");
-	bench_table_row(table, "%s,%.4f,%lld,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,"
-		"%.4f,%.4f,%.0f,%s", name, fall, (long long)number(unit, "at"), q[0][0], q[0][1],
-		q[0][2], q[0][3], q[0][4], q[0][5], q[1][0], q[1][1], q[1][2], q[1][3], q[1][4], q[1][5],
+	bench_table_row(table, "%s,%.4f,%.0f,%.4f,%.4f,%.0f,%s", name, fall, number(unit, "at"),
 		number(unit, "regret"), number(unit, "worst regret"), number(unit, "regret at"),
 		json_string_value(json_object_get(unit, "better")));
 }
@@ -131,10 +104,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	enum eco_code code = bench_models(bench, &models, &count, error);
 	if (code)
 		return code;
-	struct bench_table *table = bench_table_open(bench, "monotone", "plant,fall,at vertices,Q at 1/2,"
-		"Q at 1/4,Q at 1/8,Q at 1/16,Q at 1/32,Q at 1/64,soft at 1/2,soft at 1/4,soft at 1/8,"
-		"soft at 1/16,soft at 1/32,soft at 1/64,regret,worst regret,regret at vertices,better kind",
-		true);
+	struct bench_table *table = bench_table_open(bench, "monotone", "plant,fall,at vertices,regret,worst "
+		"regret,regret at vertices,better kind", true);
 	code = study_all(bench, models, count, table, &sums, error);
 	bench_table_close(table);
 	free(models);
