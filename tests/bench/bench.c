@@ -4,7 +4,6 @@
  * so is a damaged one. Files are written beside and renamed. */
 #include "tests/bench/bench_state.h"
 
-#include <glob.h>
 #include <math.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -143,7 +142,7 @@ static json_t *recall(struct bench *bench, const char *unit, const char *stamp)
 			&result) || strcmp(name, unit)) {
 		bench_note(bench, "%s is damaged: this piece of work is done anew", path);
 		result = NULL;
-	} else if (strcmp(under, stamp) || (strcmp(program, s->program) && !s->trust)) {
+	} else if (strcmp(under, stamp) || (strcmp(program, bench_program()) && !s->trust)) {
 		result = NULL;
 	} else {
 		json_array_append(s->held, result);
@@ -159,8 +158,8 @@ static void keep(struct bench *bench, const char *unit, const char *stamp, json_
 	struct bench_state *s = bench->state;
 	struct eco_error error = { 0 };
 	unit_path(path, bench, unit);
-	json_t *kept = json_pack("{s:s, s:s, s:s, s:O}", "unit", unit, "program", s->program, "stamp", stamp,
-		"result", result);
+	json_t *kept = json_pack("{s:s, s:s, s:s, s:O}", "unit", unit, "program", bench_program(), "stamp",
+		stamp, "result", result);
 	/* a full disk costs the next run some time, not this one its result */
 	if (bench_json_write(path, kept, &error))
 		bench_note(bench, "%s; not kept", error.text);
@@ -260,46 +259,13 @@ uint64_t bench_file_hash(const char *path)
 	return value;
 }
 
-static void hash_objects(const struct bench *bench, const char *objects, char stamp[17])
+/* A hash of this program. */
+const char *bench_program(void)
 {
-	uint64_t sum = 0;
-	for (const char *at = objects; *at; at += strspn(at, " ")) {
-		char pattern[PATH];
-		glob_t found;
-		int size = (int)strcspn(at, " ");
-		snprintf(pattern, sizeof pattern, "%s/obj/%.*s", bench->build, size, at);
-		at += size;
-		if (glob(pattern, 0, NULL, &found))
-			continue;
-		for (size_t i = 0; i < found.gl_pathc; i++) {
-			uint64_t one = bench_file_hash(found.gl_pathv[i]);
-			sum = XXH3_64bits_withSeed(&one, sizeof one, sum);
-		}
-		globfree(&found);
-	}
-	snprintf(stamp, 17, "%016llx", (unsigned long long)(sum ? sum : bench_file_hash("/proc/self/exe")));
-}
-
-void bench_objects_stamp(const struct bench *bench, const char *objects, char stamp[17])
-{
-	static struct { const char *objects; char stamp[17]; } made[64];
-	size_t i = 0;
-	objects = objects ? objects : "";
-	while (i < 63 && made[i].objects && strcmp(made[i].objects, objects))
-		i++;
-	if (!made[i].objects || strcmp(made[i].objects, objects)) {
-		made[i].objects = objects;
-		hash_objects(bench, objects, made[i].stamp);
-	}
-	memcpy(stamp, made[i].stamp, 17);
-}
-
-const char *bench_objects(struct bench *bench, const char *objects)
-{
-	const char *before = bench->state->objects;
-	bench->state->objects = objects;
-	bench_objects_stamp(bench, objects, bench->state->program);
-	return before;
+	static char stamp[17];
+	if (!*stamp)
+		snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash("/proc/self/exe"));
+	return stamp;
 }
 
 /* ---- Runs ---- */
@@ -334,10 +300,9 @@ void bench_close(struct bench *bench)
 void bench_begin(struct bench *bench, const struct bench_section *section)
 {
 	struct bench_state *s = bench->state;
-	bench_objects(bench, section->objects);
 	s->section = section;
 	s->record = json_pack("{s:s, s:s, s:s, s:b, s:[], s:[]}", "name", section->name, "title",
-		section->title, "program", s->program, "full", (int)bench->full, "items", "keys");
+		section->title, "program", bench_program(), "full", (int)bench->full, "items", "keys");
 	s->items = json_object_get(s->record, "items");
 	s->keys = json_object_get(s->record, "keys");
 	s->left_out = json_object();
@@ -377,15 +342,12 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 enum eco_code bench_report_write(struct bench *bench, const struct bench_section *const *sections,
 	struct eco_error *error)
 {
-	char path[PATH], command[3 * PATH], stamp[17];
-	json_t *programs = json_object();
-	for (; *sections; sections++) {
-		bench_objects_stamp(bench, (*sections)->objects, stamp);
-		json_object_set_new(programs, (*sections)->name, json_string(stamp));
-	}
-	bench_objects_stamp(bench, NULL, stamp);
-	json_t *run = json_pack("{s:b, s:s, s:s?, s:o}", "full", (int)bench->full, "program", stamp, "data",
-		bench->data, "sections", programs);
+	char path[PATH], command[3 * PATH];
+	json_t *names = json_array();
+	for (; *sections; sections++)
+		json_array_append_new(names, json_string((*sections)->name));
+	json_t *run = json_pack("{s:b, s:s, s:s?, s:o}", "full", (int)bench->full, "program",
+		bench_program(), "data", bench->data, "sections", names);
 	snprintf(path, sizeof path, "%s/run.json", bench->cache);
 	enum eco_code code = bench_json_write(path, run, error);
 	json_decref(run);

@@ -4,8 +4,8 @@
  *   a section works in units, each a JSON value that is kept on disk: the next run makes missing ones only
  *   its units become tables (CSV), plots, pictures, paragraphs of report.html, and keys of summary.json
  *
- * A unit is kept under a stamp: the objects that its section is made of, and the section's own (packs, number
- * of views). A change of these makes the unit anew. */
+ * A unit is kept under a stamp: this program, and the section's own (packs, number of views). A change of these makes
+ * the unit anew. */
 #ifndef TESTS_BENCH_H
 #define TESTS_BENCH_H
 
@@ -33,16 +33,7 @@ struct bench {
 struct bench_section {
 	const char *name, *title;
 	enum eco_code (*run)(struct bench *bench, struct eco_error *error);
-	/* Sources of its figures: patterns of object files and archives below BUILD/obj, separated by blanks.
-	 * NULL: the whole program. */
-	const char *objects;
 };
-/* Objects that make all plans, streams and pictures. */
-#define BENCH_OBJECTS_FRAMES "ecofiles-*.a lod*.a server.a client-min.a tests/bench/bench_fetch.o " \
-	"tests/bench/bench_scene.o "
-#define BENCH_OBJECTS_PLANTS "ecofiles-*.a lod*.a tests-bench-baseline.a tests/bench/bench_leaves.o " \
-	"tests/bench/bench_models.o "
-
 /* True after Ctrl-C: finish the unit, keep it, return ECO_INTERRUPTED. bench_go_on returns that or ECO_OK. */
 bool bench_stopped(const struct bench *bench);
 enum eco_code bench_go_on(const struct bench *bench, struct eco_error *error);
@@ -60,9 +51,6 @@ enum eco_code bench_command(struct bench *bench, struct eco_error *error, const 
 typedef enum eco_code bench_make(void *ctx, json_t **result, struct eco_error *error);
 enum eco_code bench_unit(struct bench *bench, const char *unit, const char *stamp, bench_make *make, void
 	*ctx, json_t **result, struct eco_error *error);
-/* Units from here on come from these objects (see bench_section), for units of several sections. Returns the
- * objects before, to put back. */
-const char *bench_objects(struct bench *bench, const char *objects);
 /* Numbers as a JSON array, null for what is not finite; a cell, or the first `count`, NaN for what is no
  * number. */
 json_t *bench_reals(const double *values, uint32_t count);
@@ -90,13 +78,6 @@ void bench_table_values(struct bench_table *table, const double *values, const c
 /* A figure of summary.json; NaN becomes null: not reached, and the report says why. `bar` names the figure to
  * reach, in words. */
 void bench_key(struct bench *bench, const char *key, double value, const char *bar);
-
-/* The mean of values[0..count) and the middle 95 % of the means of `count` values drawn again and again, with
- * a fixed seed (bootstrap over plants). */
-struct bench_interval {
-	double mean, low, high;
-};
-struct bench_interval bench_interval_of(const double *values, uint32_t count);
 
 /* A heading within the section, and a paragraph: plain text, escaped. */
 void bench_head(struct bench *bench, const char *text);
@@ -134,8 +115,8 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out,
 	struct eco_error *error);
 
-/* The pack of a scene (crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park, city, cards-1
- * to cards-3, scbi), built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
+/* The pack of a scene (crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park, city,
+ * scbi), built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
  * default). Writes its path. ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
 enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512],
 	struct eco_error *error);
@@ -209,7 +190,6 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
  * frees it. */
 enum eco_code bench_client_step(struct bench_client *client, struct bench_frame *frame,
 	struct view_picture *picture, struct eco_error *error);
-void bench_client_forget(struct bench_client *client);               /* the next step holds nothing */
 /* Milliseconds in which OpenGL draws a selection the second time; NaN where there is no OpenGL. */
 struct view_store;
 struct view_selection;

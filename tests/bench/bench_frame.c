@@ -217,12 +217,6 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 
 /* ---- Steps ---- */
 
-void bench_client_forget(struct bench_client *client)
-{
-	view_store_free(client->steps);
-	client->steps = NULL;
-}
-
 enum eco_code bench_client_step(struct bench_client *client, struct bench_frame *frame,
 	struct view_picture *picture, struct eco_error *error)
 {

@@ -161,5 +161,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return ECO_OK;
 }
 
-const struct bench_section bench_hierarchy = { "hierarchy", "Hierarchy at scale", run, BENCH_OBJECTS_FRAMES
-	"tests/bench/bench_hierarchy.o" };
+const struct bench_section bench_hierarchy = { "hierarchy", "Hierarchy at scale", run };

@@ -174,7 +174,6 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 	if (!list.items)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a list of models");
 	enum eco_code code = find_all(bench, &list, error);
-	const char *before = bench_objects(bench, BENCH_OBJECTS_PLANTS);
 	uint32_t kept = 0;
 	qsort(list.items, list.count, sizeof *list.items, by_name);
 	for (uint32_t i = 0; i < list.count && !code; i++) {
@@ -187,7 +186,6 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 		if (good)
 			list.items[kept++] = list.items[i];
 	}
-	bench_objects(bench, before);
 	qsort(list.items, kept, sizeof *list.items, by_leaves);
 	if (code) {
 		free(list.items);

@@ -77,4 +77,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return ECO_OK;
 }
 
-const struct bench_section bench_needs = { "needs", "Leaving out what a scene does not need", run, NULL };
+const struct bench_section bench_needs = { "needs", "Leaving out what a scene does not need", run };

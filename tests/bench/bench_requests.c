@@ -107,6 +107,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_requests = { "requests", "Random requests: what must always hold", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/requests.o tests/bench/bench_requests.o "
-	"tests-support.a" };
+const struct bench_section bench_requests = { "requests", "Random requests: what must always hold", run };

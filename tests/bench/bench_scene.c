@@ -23,7 +23,7 @@
 #define PATH 1024
 
 /* The quick bench looks at those whose packs take little: plants of few leaves. */
-enum origin { GENERATED, CROWN, CARDS, SCBI };
+enum origin { GENERATED, CROWN, SCBI };
 static const struct scene { const char *name; enum origin origin; const char *kind; unsigned plants;
 	double detail; bool quick; } scenes[] = {
 	{ "crown", CROWN, NULL, 1, 1, true },
@@ -35,9 +35,6 @@ static const struct scene { const char *name; enum origin origin; const char *ki
 	{ "trees5000", GENERATED, "grove", 5000, 7, false },
 	{ "park", GENERATED, "park", 60, 1, true },
 	{ "city", GENERATED, "city", 4000, 1, false },
-	{ "cards-1", CARDS, NULL, 1, 1, true },
-	{ "cards-2", CARDS, NULL, 1, 1, false },
-	{ "cards-3", CARDS, NULL, 1, 1, false },
 	{ "scbi", SCBI, NULL, 0, 1, false } };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
@@ -133,20 +130,6 @@ static enum eco_code make_crown(struct bench *bench, const char *folder, struct 
 	return code ? code : eco_file_write(path, scene, sizeof scene - 1, error);
 }
 
-/* One tree of the city's, by its name. */
-static enum eco_code make_cards(struct bench *bench, const char *name, const char *folder,
-	struct eco_error *error)
-{
-	char path[PATH], scene[256];
-	snprintf(path, sizeof path, "%s/scene.json", folder);
-	int size = snprintf(scene, sizeof scene, "{\"name\": \"%s\", \"plants\": {\"tree\": {\"model\": "
-		"\"models/%s.obj\", \"unit\": \"m\"}},\n \"instances\": [{\"plant\": \"tree\", \"at\": "
-		"[0, 0, 0]}]}\n", name, name);
-	enum eco_code code = bench_command(bench, error, "'%s/ecopack' generate city -o '%s' --plants 1 "
-		"--quiet", bench->build, folder);
-	return code ? code : eco_file_write(path, scene, (size_t)size, error);
-}
-
 static enum eco_code make_scbi(struct bench *bench, const char *folder, struct eco_error *error)
 {
 	char path[PATH];
@@ -188,7 +171,6 @@ static enum eco_code make_folder(struct bench *bench, const struct scene *s, cha
 			"%g --quiet", bench->build, s->kind, folder, s->plants, s->detail);
 	else if (!code)
 		code = s->origin == CROWN ? make_crown(bench, folder, error)
-			: s->origin == CARDS ? make_cards(bench, s->name, folder, error)
 			: make_scbi(bench, folder, error);
 	return code ? code : stamp_write(scene, stamp, error);
 }

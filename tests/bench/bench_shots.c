@@ -147,11 +147,7 @@ enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t metho
 	enum eco_code code = bench_scene(bench, scene, bench_methods[method].order, pack, error);
 	if (code)
 		return code;
-	const char *before = bench_objects(bench, BENCH_OBJECTS_FRAMES
-		"tests/bench/bench_frame.o tests/bench/bench_shots.o");
 	snprintf(name, sizeof name, "shots-%s-%u-%u-%s", scene, method, view, bench->full ? "full" : "quick");
-	code = bench_unit(bench, name, bench_pack_stamp(pack), shoot,
+	return bench_unit(bench, name, bench_pack_stamp(pack), shoot,
 		&(struct work){ bench, scene, pack, &bench_methods[method], view }, rows, error);
-	bench_objects(bench, before);
-	return code;
 }

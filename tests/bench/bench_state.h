@@ -24,8 +24,6 @@
 #include "tests/bench/bench.h"
 
 struct bench_state {
-	char program[17];            /* stamp of `objects`, in hex */
-	const char *objects;
 	bool trust;                  /* units of earlier programs count too */
 	bool quiet;
 	const struct bench_section *section;
@@ -39,8 +37,7 @@ struct bench_state {
 enum eco_code bench_open(struct bench *bench, struct eco_error *error);
 void bench_close(struct bench *bench);
 
-/* A hash of objects (see bench_section); of this program where there are none. `objects` must stay valid. */
-void bench_objects_stamp(const struct bench *bench, const char *objects, char stamp[17]);
+const char *bench_program(void);         /* a hash of it, in hex */
 void bench_begin(struct bench *bench, const struct bench_section *section);
 enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_error *error);
 enum eco_code bench_report_write(struct bench *bench, const struct bench_section *const *sections,

@@ -314,5 +314,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_texels = { "texels", "Bits of a texel of colours by several coders", run,
-	.objects = "ecofiles-*.a lod-build.a tests/bench/bench_texels*.o" };
+const struct bench_section bench_texels = { "texels", "Bits of a texel of colours by several coders", run };

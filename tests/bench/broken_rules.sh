@@ -43,9 +43,9 @@ greedy: wrong pixels cost nothing @ s,- r->weights.wrong \* gain->wrong,- 0 * ga
 greedy: a second layer is the first @ s,+ r->weights.second \* gain->second,+ r->weights.right * gain->second,
 @ test_rules tests/bench/baseline/paper_lee.c
 Lee: the farthest first @ s,? lod_v3_dot(d\, d),? -lod_v3_dot(d\, d),
-Lee: what faces away first @ s,: -facing(&groups\[i\],: facing(\&groups[i],
+Lee: what faces away first @ s,: -facing(,: facing(,
 Lee: layers of one weight @ s,weight += layers - layer,weight += (layers + 1) / 2,
-Lee: no normals inside a layer @ s,lod_sort_key(-facing(&groups\[i\]\, view->eye))\, i };,i\, i };,
+Lee: no normals inside a layer @ s,lod_sort_key(rank)\, i },method == LOD_LEE_LAYER ? i : lod_sort_key(rank)\, i },
 @ test_leaf_collapse tests/bench/baseline/leaf_collapse.c
 Hidalgo: distance costs nothing @ s,weight\[LOD_COLLAPSE_DISTANCE\],0,
 Hidalgo: angle costs nothing @ s,weight\[LOD_COLLAPSE_ANGLE\],0,

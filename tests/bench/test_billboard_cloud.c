@@ -1,4 +1,4 @@
-/* Billboard clouds (Kratt 2014): generators, validity, the skeleton, and whole clouds of small trees. */
+/* Billboard clouds (Kratt 2014): validity, and whole clouds of small trees. */
 #include <math.h>
 #include <string.h>
 
@@ -111,39 +111,7 @@ static void make(uint32_t cap)
 	}
 }
 
-/* ---- Generators and validity ---- */
-
-/* Fronds along x of half width .1, by their height there; how far their corners are from the billboards of
- * each generator at most, and how many these are. */
-static double level(double x) { return 0.3 * x; }
-static double arch(double x) { return x * (1 - x); }
-static const struct { double (*rise)(double x); enum lod_billboard_form form; uint32_t count; double away; }
-	fronds[] = { { level, LOD_BILLBOARD_PLANE, 1, 1e-9 }, { level, LOD_BILLBOARD_STRIP, 1, 1e-9 },
-	{ level, LOD_BILLBOARD_CROSS, 2, 1e-9 }, { arch, LOD_BILLBOARD_PLANE, 1, 0.2 },
-	{ arch, LOD_BILLBOARD_STRIP, 4, 0.04 } };
-
-UNIT_TEST(generators_fit_planes_and_strips)
-{
-	for (size_t i = 0; i < sizeof fronds / sizeof *fronds; i++) {
-		struct billboard_face faces[32];
-		const struct billboard_face *list[32];
-		struct billboard_quad quads[BILLBOARD_QUADS];
-		for (int k = 0; k < 32; k++) {
-			double x = k / 32.0, end = (k + 1) / 32.0;
-			faces[k] = (struct billboard_face){ { { x, -0.1, fronds[i].rise(x) },
-				{ x, 0.1, fronds[i].rise(x) }, { end, 0, fronds[i].rise(end) } }, { 0, 0, 1 },
-					1, 0 };
-			list[k] = &faces[k];
-		}
-		const struct billboard_fit_input input = { list, 32, O, BILLBOARD_QUADS, 1e-6 };
-		uint32_t count = billboard_fit(quads, fronds[i].form, &input), nearest;
-		double projected, epsilon = fronds[i].away;
-		assert_int_equal(count, fronds[i].count);
-		for (int k = 0; k < 32; k++)
-			assert_true(billboard_face_judge(&faces[k], quads, count, epsilon, &nearest,
-				&projected));
-	}
-}
+/* ---- Validity ---- */
 
 /* A quad of 2 by 4 in the plane z = 0, and triangles of area 1/2: valid within epsilon, projected on it. */
 static const struct { struct lod_v3 corner[3]; double epsilon; bool valid; } judged[] = {

@@ -15,7 +15,7 @@ static int open_folder(void **state)
 	scratch_open("papers");
 	folder_make(in_root("sections"));
 	file_write_text(in_root("run.json"),
-		"{\"full\": true, \"program\": \"1\", \"data\": null, \"sections\": {\"lee\": \"1\"}}");
+		"{\"full\": true, \"program\": \"1\", \"data\": null, \"sections\": [\"lee\"]}");
 	file_write_text(in_root("tree-1.png"), "");
 	file_write_text(in_root("tree-2.png"), "");
 	return 0;

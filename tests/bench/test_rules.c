@@ -93,9 +93,8 @@ UNIT_TEST(occlusion_is_held_and_smoothed_in_time)
 
 static struct lod_arena arena;
 
-/* n[i] leaves in layer i from the front, 4 layers: what of a budget each gets (equation 1 and its two
- * passes). */
-static const struct { uint32_t n[4]; uint64_t budget; uint32_t expected[4]; } layered[] = {
+/* n[i] leaves in layer i from the front, 4 layers: what of a budget each gets (equation 1 and its two passes). */
+static const struct { uint32_t n[4], budget, expected[4]; } layered[] = {
 	{ { 50, 50, 50, 50 }, 100, { 40, 30, 20, 10 } },
 	{ { 10, 50, 50, 50 }, 100, { 10, 50, 30, 10 } }, /* 30 over go to the second; it uses 20 of them */
 	{ { 50, 50, 50, 2 }, 100, { 48, 30, 20, 2 } },   /* what the last cannot use goes to the front */
@@ -105,54 +104,46 @@ static const struct { uint32_t n[4]; uint64_t budget; uint32_t expected[4]; } la
 
 UNIT_TEST(lee_shares_the_budget_among_layers)
 {
+	static const double depth[4] = { 4, 2.5, 1.5, 0 };       /* the outermost leaves say how thick layers are */
 	const struct lod_lee_view from_x = { .eye = { 100, 0, 0 }, .forward = { -1, 0, 0 }, .layers = 4 };
-	struct lod_lee_group groups[200];
-	uint32_t kept[200];
+	struct lod_v3 center[200], normal[200] = { { 0, 0, 0 } };
+	uint32_t kept[200], layer_of[200];
 	assert_int_equal(setjmp(arena.failed), 0);
 	for (size_t r = 0; r < sizeof layered / sizeof *layered; r++) {
 		uint32_t count = 0, got[4] = { 0 };
 		for (uint32_t layer = 0; layer < 4; layer++)
-			for (uint32_t i = 0; i < layered[r].n[layer]; i++, count++)
-				/* the outermost leaves say how thick layers are */
-				groups[count] = (struct lod_lee_group){ .center = { layer == 0 ? 4
-					: layer == 3 ? 0
-					: 3.5 - layer, 0, 0 }, .count = 1 };
-		lod_lee_keep(kept, LOD_LEE_LAYER, groups, count, &from_x, layered[r].budget, &arena);
-		for (uint32_t layer = 0, i = 0; layer < 4; layer++) {
-			for (uint32_t k = 0; k < layered[r].n[layer]; k++)
-				got[layer] += kept[i++];
-			assert_int_equal(got[layer], layered[r].expected[layer]);
-		}
+			for (uint32_t i = 0; i < layered[r].n[layer]; i++, count++) {
+				center[count] = (struct lod_v3){ depth[layer], 0, 0 };
+				layer_of[count] = layer;
+			}
+		count = lod_lee_keep(kept, LOD_LEE_LAYER, &(struct lod_lee_leaves){ count, center, normal }, &from_x,
+			layered[r].budget, &arena);
+		while (count--)
+			got[layer_of[kept[count]]]++;
+		assert_memory_equal(got, layered[r].expected, sizeof got);
 	}
 }
 
-/* The nearest of a ring of cells, or the one whose leaves face the eye. */
-UNIT_TEST(lee_ranks_cells_by_distance_and_normal)
+/* The nearest of a ring of leaves, or the one that faces the eye. */
+UNIT_TEST(lee_ranks_leaves_by_distance_and_normal)
 {
-	struct lod_lee_group groups[8];
-	uint32_t kept[8], leaf = 0;
+	struct lod_v3 center[8], normal[8];
+	uint32_t kept[8];
 	assert_int_equal(setjmp(arena.failed), 0);
 	for (uint32_t i = 0; i < 8; i++) {
 		double turn = (i + 0.5) * 2 * LOD_PI / 8;
-		struct lod_v3 at = { 3 * cos(turn), 3 * sin(turn), 5 }, across = { 0, 0, i == 5 ? 0 : 2 };
-		across.x = i == 5 ? 1 : 0;
-		lod_lee_group_make(&groups[i], &at, &across, &leaf, 1);
-		groups[i].count = 100;
+		center[i] = (struct lod_v3){ 3 * cos(turn), 3 * sin(turn), 5 };
+		normal[i] = (struct lod_v3){ i == 5, 0, i == 5 ? 0 : 2 };
 	}
 	for (uint32_t i = 0; i < 8; i++) {
 		double turn = (i + 0.3) * 2 * LOD_PI / 8;
-		const struct lod_lee_view view = { { 40 * cos(turn), 40 * sin(turn), 5 }, { 1, 0, 0 }, 1 };
-		for (enum lod_lee_method method = 0; method < LOD_LEE_COUNT; method++) {
-			lod_lee_keep(kept, method, groups, 8, &view, 80, &arena);
-			assert_int_equal(kept[method == LOD_LEE_DISTANCE ? i : 5], 80);
-			for (uint64_t budget = 0, sum; budget <= 900; budget += 90) {
-				lod_lee_keep(kept, method, groups, 8, &view, budget, &arena);
-				sum = 0;
-				for (uint32_t k = 0; k < 8; k++)
-					sum += kept[k];
-				assert_int_equal(sum, budget < 800 ? budget : 800);
+		const struct lod_lee_view from = { { 40 * cos(turn), 40 * sin(turn), 5 }, { 1, 0, 0 }, 1 };
+		for (enum lod_lee_method method = 0; method < LOD_LEE_COUNT; method++)
+			for (uint32_t budget = 0; budget < 10; budget++) {
+				assert_int_equal(lod_lee_keep(kept, method, &(struct lod_lee_leaves){ 8, center, normal },
+					&from, budget, &arena), budget < 8 ? budget : 8);
+				assert_true(!budget || kept[0] == (method == LOD_LEE_DISTANCE ? i : 5));
 			}
-		}
 	}
 	lod_arena_free(&arena);
 }

@@ -361,5 +361,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		.series_count = KINDS }, error);
 }
 
-const struct bench_section bench_collapse = { "collapse", "Leaf collapse", run,
-	.objects = BENCH_OBJECTS_PLANTS "tests/bench/collapse/bench_collapse.o" };
+const struct bench_section bench_collapse = { "collapse", "Leaf collapse", run };

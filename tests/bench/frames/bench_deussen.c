@@ -219,6 +219,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return code ? code : write_sweep(bench, error);
 }
 
-const struct bench_section bench_deussen = { "deussen", "Deussen 2002: elements, sample distance", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests-bench-baseline.a tests/bench/bench_frame.o "
-	"tests/bench/frames/bench_deussen.o tests/bench/bench_shots.o" };
+const struct bench_section bench_deussen = { "deussen", "Deussen 2002: elements, sample distance", run };

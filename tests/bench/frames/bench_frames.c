@@ -223,6 +223,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_frames = { "frames", "Error against run time", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/bench_sh*.o "
-	"tests/bench/frames/bench_frames.o" };
+const struct bench_section bench_frames = { "frames", "Error against run time", run };

@@ -131,5 +131,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_importance = { .name = "importance", .title = "Importance of flowers",
-	.run = run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/frames/bench_importance.o" };
+	.run = run };

@@ -247,7 +247,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return ECO_OK;
 }
 
-const struct bench_section bench_rules = { "rules", "The papers' rules on whole scenes", run,
-	.objects = BENCH_OBJECTS_FRAMES
-	"tests-bench-baseline.a tests/bench/bench_frame.o tests/bench/frames/bench_rules.o "
-	"tests/bench/bench_shots.o" };
+const struct bench_section bench_rules = { "rules", "The papers' rules on whole scenes", run };

@@ -212,5 +212,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return ECO_OK;
 }
 
-const struct bench_section bench_steadiness = { "steadiness", "Steadiness: slow cameras", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/frames/bench_steadiness.o" };
+const struct bench_section bench_steadiness = { "steadiness", "Steadiness: slow cameras", run };

@@ -229,20 +229,15 @@ static enum eco_code fill(struct study *s, struct bench_ladder_curve *curve, str
 	return code;
 }
 
-static double distance_of(enum bench_spacing spacing, uint32_t i)
-{
-	return spacing == BENCH_EVEN ? (double)i / BENCH_DISTANCES : i < 10 ? 0.01 * i
-		: 0.1 + 0.09 * (i - 10);
-}
+/* As the paper's. */
+static double distance_of(uint32_t i) { return i < 10 ? 0.01 * i : 0.1 + 0.09 * (i - 10); }
 
 static enum eco_code fill_cook(struct study *s, struct bench_ladder *ladder, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < BENCH_SPACINGS * BENCH_DISTANCES && !code; i++) {
-		double left = 1 - distance_of((enum bench_spacing)(i / BENCH_DISTANCES),
-			i % BENCH_DISTANCES);
-		code = draw_cook(s, left * left, &ladder->cook_q[i / BENCH_DISTANCES][i % BENCH_DISTANCES],
-			error);
+	for (uint32_t i = 0; i < BENCH_DISTANCES && !code; i++) {
+		double left = 1 - distance_of(i);
+		code = draw_cook(s, left * left, &ladder->cook_q[i], error);
 	}
 	return code;
 }
@@ -393,15 +388,15 @@ static double reach(const struct bench_ladder_curve *lists, const struct bench_l
 }
 
 double bench_ladder_saving(const struct bench_ladder *ladder, const struct bench_ladder_curve *splats,
-	enum bench_ladder_row row, enum bench_spacing spacing, bool total)
+	enum bench_ladder_row row, bool total)
 {
 	const struct bench_ladder_curve *curve = &ladder->kind[row < BENCH_LADDER_RANDOM ? BENCH_LADDER_GREEDY
 		: BENCH_LADDER_SHUFFLED];
 	bool all = row == BENCH_LADDER_OURS || row == BENCH_LADDER_RANDOM;
 	double sum = 0, ours = 0, cook = 0;
 	for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
-		double left = 1 - distance_of(spacing, d), lambda = left * left,
-		       reached = reach(curve, all ? splats : NULL, ladder->cook_q[spacing][d]);
+		double left = 1 - distance_of(d), lambda = left * left,
+		       reached = reach(curve, all ? splats : NULL, ladder->cook_q[d]);
 		sum += 1 - reached / lambda;
 		ours += reached;
 		cook += lambda;

@@ -1,7 +1,7 @@
 /* Geometry that a pack's own ladder saves against Cook's stochastic simplification at equal quality, for
  * one plant: Neubert's protocol (2011, section 5), as in bench_species.c, but for lists as ecopack builds
  * them, at the scales and forms of their own curves, and with the splats and the impostor of the pack. The 20
- * distances are spaced evenly, and as the paper tabulates: 10 in [0, 0.1) and 10 in [0.1, 1).
+ * distances are those that the paper tabulates: 10 in [0, 0.1) and 10 in [0.1, 1).
  *
  * Wood is drawn whole and not counted, except where splats or an impostor show the plant: these show wood,
  * too, and all their vertices count against those of the foliage. All cells of a plant draw the same share.
@@ -13,8 +13,6 @@
 
 #define BENCH_DISTANCES 20u
 #define BENCH_ELEMENTS_LEAST 500u
-
-enum bench_spacing { BENCH_EVEN, BENCH_NEAR, BENCH_SPACINGS };
 
 /* OURS: all that a pack has. LISTS: without splats and impostor. RANDOM, RANDOM_LISTS: the same with leaves
  * in random order and of one scale. */
@@ -37,7 +35,7 @@ enum bench_ladder_kind { BENCH_LADDER_GREEDY, BENCH_LADDER_SHUFFLED, BENCH_LADDE
 
 struct bench_ladder {
 	uint32_t elements; /* of the foliage */
-	double cook_q[BENCH_SPACINGS][BENCH_DISTANCES];
+	double cook_q[BENCH_DISTANCES];
 	struct bench_ladder_curve kind[BENCH_LADDER_KINDS];
 };
 
@@ -50,6 +48,6 @@ enum eco_code bench_ladder_splats(struct bench *bench, struct bench_ladder_curve
 
 /* Share of Cook's vertices that a row saves: mean of distances, or (`total`) of all distances together. */
 double bench_ladder_saving(const struct bench_ladder *ladder, const struct bench_ladder_curve *splats,
-	enum bench_ladder_row row, enum bench_spacing spacing, bool total);
+	enum bench_ladder_row row, bool total);
 
 #endif

@@ -191,5 +191,4 @@ static enum eco_code write_plants(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_neubert = { "neubert", "Neubert 2011: scales and views", write_plants,
-	.objects = BENCH_OBJECTS_PLANTS "tests/bench/ladder/bench_neubert.o" };
+const struct bench_section bench_neubert = { "neubert", "Neubert 2011: scales and views", write_plants };

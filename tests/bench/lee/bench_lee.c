@@ -37,8 +37,7 @@ static const char *const names[] = { "distance", "normal", "layer+normal" },
 struct study {
 	struct bench *bench;
 	struct bench_leaves *leaves;
-	struct lod_lee_group *groups;            /* one a leaf */
-	uint32_t *order[ROWS - STOCHASTIC], *kept, *chosen;
+	uint32_t *order[ROWS - STOCHASTIC], *kept;
 	uint8_t *growth;
 	float *factor;
 	struct lod_sights tests, tuning;
@@ -60,12 +59,10 @@ static struct lod_sights_drawing keep(struct study *s, enum lod_lee_method metho
 {
 	const struct lod_lee_view view = { { eye->at[0], eye->at[1], eye->at[2] },
 		{ eye->forward[0], eye->forward[1], eye->forward[2] }, layer_count };
-	uint32_t leaves = s->leaves->foliage.count, count = 0, budget = budget_of(s, of_100);
-	lod_lee_keep(s->kept, method, s->groups, leaves, &view, budget, &s->leaves->arena);
-	for (uint32_t i = 0; i < leaves; i++)
-		if (s->kept[i])
-			s->chosen[count++] = i;
-	return (struct lod_sights_drawing){ .order = s->chosen, .count = budget, .scale = 1 };
+	const struct lod_foliage *f = &s->leaves->foliage;
+	uint32_t count = lod_lee_keep(s->kept, method, &(struct lod_lee_leaves){ f->count, f->center, f->normal }, &view,
+		budget_of(s, of_100), &s->leaves->arena);
+	return (struct lod_sights_drawing){ .order = s->kept, .count = count, .scale = 1 };
 }
 
 static struct lod_sights_drawing prefix(struct study *s, enum row row, uint32_t of_100, double scale)
@@ -181,12 +178,8 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 	const struct lod_foliage *f = &leaves->foliage;
 	struct lod_rank rank;
 	s->leaves = leaves;
-	s->groups = take(s, sizeof *s->groups);
 	s->kept = take(s, sizeof *s->kept);
-	s->chosen = take(s, sizeof *s->chosen);
 	s->factor = take(s, sizeof *s->factor);
-	for (uint32_t i = 0; i < f->count; i++)
-		lod_lee_group_make(&s->groups[i], f->center, f->normal, &i, 1);
 	enum eco_code code = lod_rank_make(&rank, f, &(struct lod_rank_options){ .seed = 3, .wrong_pixels = true,
 		.from_share = SHARE_LEAST }, &leaves->arena, error);
 	code = code ? code : look(s, &s->tuning, TUNING_VIEWS, TUNING_SEED, error);
@@ -262,5 +255,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return ECO_OK;
 }
 
-const struct bench_section bench_lee = { "lee", "Which leaves to keep: Lee's orders and ours", run,
-	.objects = BENCH_OBJECTS_PLANTS "tests/bench/lee/bench_lee.o tests/bench/lee/bench_crown.o" };
+const struct bench_section bench_lee = { "lee", "Which leaves to keep: Lee's orders and ours", run };

@@ -356,7 +356,7 @@ struct section {
 	struct bench *bench;
 	struct bench_table *caps, *turn;
 	uint32_t plants, turned[TURNS];
-	double sd[TURNS], cap_error[CAPS], precision[PLANTS_MOST][CAPS], recall[PLANTS_MOST][CAPS];
+	double sd[TURNS], precision[PLANTS_MOST][CAPS], recall[PLANTS_MOST][CAPS];
 	char name[PLANTS_MOST][64];
 };
 
@@ -366,7 +366,6 @@ static void write_caps(struct section *t, const char *plant, const json_t *cloud
 		double figure[FIGURES];
 		bench_cells(json_array_get(clouds, cap), figure, FIGURES);
 		bench_table_values(t->caps, figure, "%s,%u", plant, caps[cap]);
-		t->cap_error[cap] += figure[ERROR];
 		t->precision[t->plants][cap] = figure[PRECISION];
 		t->recall[t->plants][cap] = figure[RECALL];
 	}
@@ -449,21 +448,12 @@ static enum eco_code study_all(struct section *t, struct eco_error *error)
 	return code;
 }
 
-static enum eco_code plot_means(struct section *t, struct eco_error *error)
+static enum eco_code plot_pr(struct section *t, struct eco_error *error)
 {
-	double cap[CAPS];
 	struct bench_series series[PLANTS_MOST];
-	for (uint32_t i = 0; i < CAPS; i++) {
-		cap[i] = caps[i];
-		t->cap_error[i] /= t->plants;
-	}
-	series[0] = (struct bench_series){ "error of the mean part", cap, t->cap_error, CAPS, false };
-	enum eco_code code = bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_error",
-		.title = "The method's own error against the cap", .x = "billboards at most",
-		.y = "error", .log_x = true, .series = series, .series_count = 1 }, error);
 	for (uint32_t i = 0; i < t->plants; i++)
 		series[i] = (struct bench_series){ t->name[i], t->recall[i], t->precision[i], CAPS, true };
-	return code ? code : bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_pr",
+	return bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_pr",
 		.title = "Precision and Recall of clouds of 2 to 333 billboards", .x = "Recall",
 		.y = "Precision", .series = series, .series_count = t->plants }, error);
 }
@@ -489,8 +479,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_say(bench, "A billboard has six vertices. A cloud of another cap has other textures, so that "
 		"clouds are alternatives and none continues another. Over a turn leaves are pruned over whole "
 		"wood.");
-	return plot_means(&t, error);
+	return plot_pr(&t, error);
 }
 
-const struct bench_section bench_billboards = { "billboards", "Billboard clouds", run,
-	.objects = BENCH_OBJECTS_PLANTS "tests/bench/pictures/bench_billboards.o" };
+const struct bench_section bench_billboards = { "billboards", "Billboard clouds", run };

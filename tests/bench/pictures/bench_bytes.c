@@ -74,8 +74,7 @@ static enum eco_code run_bytes(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_bytes = { "bytes", "What people see for the bytes of a first visit", run_bytes,
-	.objects = BENCH_OBJECTS_VIEWS "tests/bench/pictures/bench_bytes.o" };
+const struct bench_section bench_bytes = { "bytes", "What people see for the bytes of a first visit", run_bytes };
 
 /* ---- Cuts ---- */
 
@@ -132,5 +131,4 @@ static enum eco_code run_cuts(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_anytime = { "anytime", "One answer, cut at any byte", run_cuts,
-	.objects = BENCH_OBJECTS_VIEWS "tests/bench/pictures/bench_bytes.o" };
+const struct bench_section bench_anytime = { "anytime", "One answer, cut at any byte", run_cuts };

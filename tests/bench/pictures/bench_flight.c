@@ -1,6 +1,5 @@
-/* A flight of a minute: what is sent, with all that came held, and with it dropped every second. A client asks
- * ten times a second for the view of that moment. Bytes are whole answers, plans included. Pictures do not
- * depend on what is held (no budget of bytes binds), so the flight that drops is not drawn. */
+/* A flight of a minute: what is sent, with all that came held. A client asks ten times a second for the view of that
+ * moment. Bytes are whole answers, plans included. */
 #include "tests/bench/pictures/bench_views.h"
 
 #include <math.h>
@@ -175,8 +174,6 @@ static const uint64_t budgets[] = { 100000, 300000, 1000000, 3000000 };
 #define MILLION 1000000u
 static const char *const scenes[] = { "park", "city", "scbi" };
 #define SCENES (sizeof scenes / sizeof *scenes)
-enum holding { KEPT, COLD, HOLDINGS };
-static const char *const holding_names[HOLDINGS] = { "kept", "dropped each second" };
 
 struct flight { const char *scene, *pack; uint32_t count, every; struct eco_view *views; char stamp[128]; };
 enum figure { BYTES, FIRST, PLANS, DRAWN, QUALITY, SEEN, FIGURES };
@@ -206,7 +203,7 @@ static enum eco_code step(const struct flight *flight, struct bench_client *clie
 	return code;
 }
 
-struct work { struct bench *bench; const struct flight *flight; size_t budget; enum holding holding; };
+struct work { struct bench *bench; const struct flight *flight; size_t budget; };
 
 static enum eco_code fly(void *ctx, json_t **row, struct eco_error *error)
 {
@@ -220,9 +217,7 @@ static enum eco_code fly(void *ctx, json_t **row, struct eco_error *error)
 		bench_client_untimed(client);
 	}
 	for (uint32_t f = 0; f < flight->count && !code; f++) {
-		bool scored = w->holding == KEPT && f % flight->every == flight->every / 2;
-		if (w->holding == COLD && f % BENCH_FLIGHT_FPS == 0)
-			bench_client_forget(client);
+		bool scored = f % flight->every == flight->every / 2;
 		code = bench_go_on(w->bench, error);
 		if (!code)
 			code = step(flight, client, f, budgets[w->budget], scored, sums, error);
@@ -232,36 +227,32 @@ static enum eco_code fly(void *ctx, json_t **row, struct eco_error *error)
 	return code;
 }
 
-/* Q and picture error are those of the flight that keeps; *bytes: at a million vertices. */
+/* *bytes: at a million vertices. */
 static enum eco_code add_rows(struct bench *bench, const struct flight *flight, struct bench_table *table,
-	double bytes[HOLDINGS], struct eco_error *error)
+	double *bytes, struct eco_error *error)
 {
-	double drawn[FIGURES] = { 0 }, now[FIGURES];
-	for (size_t i = 0; i < BUDGETS * HOLDINGS; i++) {
+	for (size_t i = 0; i < BUDGETS; i++) {
 		char unit[96];
+		double now[FIGURES];
 		json_t *row;
-		struct work work = { bench, flight, i / HOLDINGS, (enum holding)(i % HOLDINGS) };
-		unsigned long long budget = budgets[work.budget];
-		snprintf(unit, sizeof unit, "flight-%s-%u-%llu-%d", flight->scene, flight->count, budget,
-			(int)work.holding);
-		bench_progress(bench, (double)i / (BUDGETS * HOLDINGS), flight->scene);
+		struct work work = { bench, flight, i };
+		unsigned long long budget = budgets[i];
+		snprintf(unit, sizeof unit, "flight-%s-%u-%llu", flight->scene, flight->count, budget);
+		bench_progress(bench, (double)i / BUDGETS, flight->scene);
 		enum eco_code code = bench_unit(bench, unit, flight->stamp, fly, &work, &row, error);
 		if (code)
 			return code;
 		bench_cells(row, now, FIGURES);
-		if (work.holding == KEPT)
-			memcpy(drawn, now, sizeof drawn);
-		bench_table_row(table, "%s,%u,%llu,%s,%.0f,%.0f,%.0f,%.0f,%.4f,%.5f", flight->scene,
-			flight->count, budget, holding_names[work.holding], now[DRAWN], now[BYTES], now[FIRST],
-			now[PLANS], drawn[QUALITY], drawn[SEEN]);
+		bench_table_row(table, "%s,%u,%llu,%.0f,%.0f,%.0f,%.0f,%.4f,%.5f", flight->scene, flight->count,
+			budget, now[DRAWN], now[BYTES], now[FIRST], now[PLANS], now[QUALITY], now[SEEN]);
 		if (budget == MILLION)
-			bytes[work.holding] = fmax(bytes[work.holding], now[BYTES]);
+			*bytes = fmax(*bytes, now[BYTES]);
 	}
 	return ECO_OK;
 }
 
 static enum eco_code study_scene(struct bench *bench, const char *scene, struct bench_table *table,
-	double bytes[HOLDINGS], struct eco_error *error)
+	double *bytes, struct eco_error *error)
 {
 	char pack[512];
 	struct flight flight = { .scene = scene, .pack = pack,
@@ -283,23 +274,20 @@ static enum eco_code study_scene(struct bench *bench, const char *scene, struct 
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	double bytes[HOLDINGS] = { NAN, NAN };
+	double bytes = NAN;
 	enum eco_code code = ECO_OK;
 	bench_say(bench, "%u frames a second, %u x %u, from the air down to eye level and through; picture "
 		"error and Q are means over every %u-th frame, bytes those of all.", BENCH_FLIGHT_FPS,
 		BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT, bench->full ? FULL_EVERY : QUICK_EVERY);
-	struct bench_table *table = bench_table_open(bench, "flight", "scene,frames,budget,holdings,vertices,"
+	struct bench_table *table = bench_table_open(bench, "flight", "scene,frames,budget,vertices,"
 		"bytes,first frame bytes,bytes of plans,Q,picture error", true);
 	for (size_t i = 0; i < SCENES && !code; i++)
-		code = study_scene(bench, scenes[i], table, bytes, error);
+		code = study_scene(bench, scenes[i], table, &bytes, error);
 	bench_table_close(table);
 	if (code)
 		return code;
-	bench_key(bench, "flight_bytes", bytes[KEPT], "bytes of a flight at 1,000,000 vertices, the most");
-	bench_key(bench, "flight_bytes_cold", bytes[COLD], "the same, with holdings dropped each second");
+	bench_key(bench, "flight_bytes", bytes, "bytes of a flight at 1,000,000 vertices, the most");
 	return ECO_OK;
 }
 
-const struct bench_section bench_flight = { "flight", "Bytes of a flight", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/bench_shots.o "
-	"tests/bench/pictures/bench_flight.o" };
+const struct bench_section bench_flight = { "flight", "Bytes of a flight", run };

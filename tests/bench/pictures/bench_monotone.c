@@ -1,6 +1,6 @@
 /* Whether more vertices look better, and whether the planner chooses the best kind: each plant alone with 1,
  * 2, 4, ... vertices, as the planner draws it; then drawn by its organs, its splats or its impostor alone.
- * Models of the data folder, generated plants, and the city's card trees. */
+ * Models of the data folder and generated plants. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,8 +10,6 @@
 
 #define FALL 0.005               /* of Q that is allowed */
 #define QUICK 1u                /* plants of the data folder, and generated ones, in the quick bench */
-static const char *const cards[] = { "cards-1", "cards-2", "cards-3" };
-#define CARDS (sizeof cards / sizeof *cards)
 static const char *const kinds[PLANT_KINDS] = { "none", "organs", "splats", "impostor" };
 
 static enum eco_code measure(void *ctx, json_t **unit, struct eco_error *error)
@@ -63,18 +61,16 @@ static void add_row(struct bench_table *table, const char *name, json_t *unit, s
 		json_string_value(json_object_get(unit, "better")));
 }
 
-/* `model` NULL: one of the trees of cards. */
-static enum eco_code study_plant(struct bench *bench, const char *name, const struct bench_model *model,
-	struct bench_table *table, struct sums *sums, struct eco_error *error)
+static enum eco_code study_plant(struct bench *bench, const struct bench_model *model, struct bench_table *table,
+	struct sums *sums, struct eco_error *error)
 {
 	char pack[512];
 	json_t *unit;
-	enum eco_code code = model ? bench_model_pack(bench, model, pack, error)
-		: bench_scene(bench, name, NULL, pack, error);
+	enum eco_code code = bench_model_pack(bench, model, pack, error);
 	if (!code)
-		code = study(bench, name, pack, &unit, error);
+		code = study(bench, model->name, pack, &unit, error);
 	if (!code)
-		add_row(table, name, unit, sums);
+		add_row(table, model->name, unit, sums);
 	return code;
 }
 
@@ -83,15 +79,12 @@ static enum eco_code study_all(struct bench *bench, const struct bench_model *mo
 {
 	enum eco_code code = ECO_OK;
 	uint32_t seen[2] = { 0, 0 };
-	for (size_t i = 0; i < CARDS && !code; i++)
-		if (bench_scene_asked(bench, cards[i]))
-			code = study_plant(bench, cards[i], NULL, table, sums, error);
 	for (uint32_t i = 0; i < count && !code; i++) {
 		bench_progress(bench, (double)i / count, models[i].name);
 		if (!bench->full && seen[models[i].generated]++ >= QUICK)
 			bench_left_out(bench, models[i].name);
 		else
-			code = study_plant(bench, models[i].name, &models[i], table, sums, error);
+			code = study_plant(bench, &models[i], table, sums, error);
 	}
 	return code;
 }
@@ -123,5 +116,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_monotone = { "monotone", "Whether more vertices look better", run,
-	.objects = BENCH_OBJECTS_PLANTS "tests-support.a tests/bench/pictures/bench_monotone.o" };
+const struct bench_section bench_monotone = { "monotone", "Whether more vertices look better", run };

@@ -87,5 +87,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return ECO_OK;
 }
 
-const struct bench_section bench_pictures = { "pictures", "What people see at small budgets", run,
-	.objects = BENCH_OBJECTS_VIEWS "tests/bench/pictures/bench_pictures.o" };
+const struct bench_section bench_pictures = { "pictures", "What people see at small budgets", run };

@@ -43,7 +43,4 @@ enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view
 enum eco_code bench_flight_path(const char *pack, uint32_t first, uint32_t count, struct eco_view **views,
 	struct eco_error *error);
 
-#define BENCH_OBJECTS_VIEWS BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/bench_shots.o " \
-	"tests/bench/pictures/bench_views.o "
-
 #endif

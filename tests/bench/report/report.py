@@ -156,7 +156,7 @@ def summary_of(run, records):
     summary['bars'] = {key['key']: key['bar'] for key in keys}
     summary['reached'] = {key['key']: reached(key['bar'], key['value']) for key in keys}
     summary['sections'] = {r['name']: {'state': r['state'], 'full': r['full'],
-                                       'this_program': r['program'] == run['sections'][r['name']]} for r in records}
+                                       'this_program': r['program'] == run['program']} for r in records}
     summary['about'] = about(run)
     return summary
 
@@ -186,7 +186,7 @@ def section_of(record, run, out):
         why = record.get('why', '')
         body += '<p class="note">This section is not complete ({}){}.</p>\n'.format(
             text(record['state']), ': ' + text(why) if why and why != record['state'] else '')
-    if record['program'] != run['sections'][record['name']]:
+    if record['program'] != run['program']:
         body += '<p class="note">From an earlier build of the program: run it again for figures of this one.</p>\n'
     if not record['full']:
         body += '<p class="soft"><small>Quick run: fewer frames, plants or methods than with FULL=1.</small></p>\n'
