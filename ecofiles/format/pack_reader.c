@@ -126,10 +126,10 @@ static enum eco_code read_tables(struct opened *o, struct eco_error *error)
 		return BAD("section SCENE has %u records instead of 1", s[ECO_SECTION_SCENE].count);
 	eco_record_read(&r, ECO_SECTION_SCENE, scene);
 	for (enum eco_section_kind kind = 0; kind < ECO_SECTION_KIND_END && !r.failed; kind++) {
-		if (!eco_section_is_table(kind))
+		if (!eco_records_are_table(kind))
 			continue;
 		r = (struct eco_reader){ .bytes = o->pack.map + s[kind].offset, .size = s[kind].size };
-		if (!(o->tables[kind] = eco_table_read(&r, kind, s[kind].count, scene)))
+		if (!(o->tables[kind] = eco_records_read(&r, kind, s[kind].count, scene)))
 			return eco_fail(error, ECO_NO_MEMORY, "section %s: out of memory for %u records",
 				eco_section_name(kind), s[kind].count);
 	}

@@ -216,21 +216,21 @@ void eco_record_read(struct eco_reader *r, enum eco_section_kind kind, void *rec
 		read_field(r, f, (uint8_t *)record + f->at);
 }
 
-bool eco_section_is_table(enum eco_section_kind kind) { return records[kind].table_at; }
+bool eco_records_are_table(enum eco_section_kind kind) { return records[kind].table_at; }
 
-uint32_t eco_table_count(const struct eco_scene *scene, enum eco_section_kind kind)
+uint32_t eco_records_count(const struct eco_scene *scene, enum eco_section_kind kind)
 {
 	return *(const uint32_t *)((const char *)scene + records[kind].count_at);
 }
 
-void eco_table_write(struct eco_writer *w, enum eco_section_kind kind, const struct eco_scene *scene)
+void eco_records_write(struct eco_writer *w, enum eco_section_kind kind, const struct eco_scene *scene)
 {
 	const uint8_t *table = *(const uint8_t *const *)((const char *)scene + records[kind].table_at);
-	for (uint32_t i = 0; i < eco_table_count(scene, kind); i++)
+	for (uint32_t i = 0; i < eco_records_count(scene, kind); i++)
 		eco_record_write(w, kind, table + i * records[kind].struct_bytes);
 }
 
-void *eco_table_read(struct eco_reader *r, enum eco_section_kind kind, uint32_t count, struct eco_scene *scene)
+void *eco_records_read(struct eco_reader *r, enum eco_section_kind kind, uint32_t count, struct eco_scene *scene)
 {
 	uint8_t *table = calloc(count ? count : 1, records[kind].struct_bytes);
 	for (uint32_t i = 0; table && i < count && !r->failed; i++)

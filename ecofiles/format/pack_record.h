@@ -43,10 +43,10 @@ uint32_t eco_record_bytes(enum eco_section_kind kind);
 void eco_record_write(struct eco_writer *w, enum eco_section_kind kind, const void *record);
 void eco_record_read(struct eco_reader *r, enum eco_section_kind kind, void *record);
 
-bool eco_section_is_table(enum eco_section_kind kind);
-uint32_t eco_table_count(const struct eco_scene *scene, enum eco_section_kind kind);
-void eco_table_write(struct eco_writer *w, enum eco_section_kind kind, const struct eco_scene *scene);
+bool eco_records_are_table(enum eco_section_kind kind);
+uint32_t eco_records_count(const struct eco_scene *scene, enum eco_section_kind kind);
+void eco_records_write(struct eco_writer *w, enum eco_section_kind kind, const struct eco_scene *scene);
 /* Puts a table of `count` records into the scene; returns it, malloc'ed, or NULL: no memory. */
-void *eco_table_read(struct eco_reader *r, enum eco_section_kind kind, uint32_t count, struct eco_scene *scene);
+void *eco_records_read(struct eco_reader *r, enum eco_section_kind kind, uint32_t count, struct eco_scene *scene);
 
 #endif

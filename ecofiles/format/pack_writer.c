@@ -522,7 +522,7 @@ static uint32_t lay_out(struct eco_section sections[ECO_SECTION_KIND_END], const
 		[ECO_SECTION_CHUNK_DATA] = w->spooled };
 	uint32_t number = 0;
 	for (enum eco_section_kind kind = 1; kind < ECO_SECTION_KIND_END; kind++) {
-		uint64_t count = eco_section_is_table(kind) ? eco_table_count(scene, kind) : counts[kind];
+		uint64_t count = eco_records_are_table(kind) ? eco_records_count(scene, kind) : counts[kind];
 		struct eco_section s = { .kind = kind, .count = (uint32_t)count,
 			.record_bytes = eco_record_bytes(kind), .size = sizes[kind] };
 		s.size += count * s.record_bytes;
@@ -545,7 +545,7 @@ static const uint8_t *bytes_of(const struct eco_section *s, const struct eco_sce
 	case ECO_SECTION_PLACES: return scene->places;
 	case ECO_SECTION_CHUNK_DATA: return NULL;
 	case ECO_SECTION_SCENE: eco_record_write(owned, s->kind, scene); break;
-	default: eco_table_write(owned, s->kind, scene);
+	default: eco_records_write(owned, s->kind, scene);
 	}
 	return owned->bytes;
 }

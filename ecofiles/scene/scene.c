@@ -16,31 +16,43 @@
 #define SCALE_MAX 1000.0
 #define YAW_MAX 1e6
 
-static const char *const scene_fields[] = { "name", "crs", "vertical", "origin", "ground", "plants",
-	"instances", "children", "tile", "importance", NULL };
-static const char *const instance_fields[] = { "plant", "at", "yaw_deg", "scale", "height_m", NULL };
-static const char *const child_fields[] = { "eco", "at", "yaw_deg", "scale", NULL };
-static const char *const tile_fields[] = { "instances", NULL };
+#define NUMBER(name, low, high, record, member) ECO_FIELD(name, NUMBER, low, high, record, member)
+#define PLACED(record) \
+	ECO_FIELD("at", NUMBERS | ECO_IS_REQUIRED, -ECO_METRES_MAX, ECO_METRES_MAX, record, at), \
+	NUMBER("yaw_deg", -YAW_MAX, YAW_MAX, record, yaw_deg), \
+	NUMBER("scale", SCALE_MIN, SCALE_MAX, record, scale)
+static const struct eco_field scene_fields[] = {
+	ECO_OTHER("name"),
+	ECO_FIELD("crs", TEXT, 0, 0, source, crs),
+	ECO_FIELD("vertical", TEXT, 0, 0, source, vertical),
+	ECO_FIELD("origin", NUMBERS, -1e9, 1e9, source, origin),
+	ECO_OTHER("ground"), ECO_OTHER("plants"), ECO_OTHER("instances"), ECO_OTHER("children"), ECO_OTHER("tile"),
+	NUMBER("importance", ECO_IMPORTANCE_LEAST, ECO_IMPORTANCE_MOST, source, importance),
+	ECO_FIELDS_END
+};
+static const struct eco_field instance_fields[] = {
+	{ "plant", ECO_IS_OTHER | ECO_IS_REQUIRED, 0, 0, 0, 0 }, PLACED(source_instance),
+	NUMBER("height_m", 0.001, HEIGHT_MAX_M, source_instance, height_m), ECO_FIELDS_END
+};
+static const struct eco_field child_fields[] = {
+	ECO_FIELD("eco", PATH | ECO_IS_REQUIRED, 0, 0, source_child, eco), PLACED(source_child), ECO_FIELDS_END
+};
+static const struct eco_field tile_fields[] = {
+	ECO_FIELD("instances", WHOLE, 1, 65536, source, tile_instances), ECO_FIELDS_END
+};
 
 /* ---- Instances and children ---- */
 
 static bool parse_instance(struct eco_source *source, const struct eco_json *at)
 {
-	struct eco_source_instance *slot = &source->instances[source->instance_count];
 	struct eco_source_instance instance = { .scale = 1, .height_m = NAN };
 	struct eco_json plant = eco_json_member(at, "plant");
-	if (!eco_scene_object(at, instance_fields) || !eco_json_required(at, "plant")
-			|| !eco_json_required(at, "at")
-		|| !eco_source_plant_of(source, &plant, &instance.plant)
-		|| !eco_json_numbers(at, "at", 2, 3, -ECO_METRES_MAX, ECO_METRES_MAX, instance.at)
-		|| !eco_json_number(at, "yaw_deg", -YAW_MAX, YAW_MAX, &instance.yaw_deg)
-		|| !eco_json_number(at, "scale", SCALE_MIN, SCALE_MAX, &instance.scale)
-		|| !eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &instance.height_m))
+	if (!eco_scene_fields(source, at, instance_fields, &instance)
+		|| !eco_source_plant_of(source, &plant, &instance.plant))
 		return false;
 	instance.plant += eco_random_variant(0, source->instance_count,
 		source->plants[instance.plant].variant_count);
-	*slot = instance;
-	source->instance_count++;
+	source->instances[source->instance_count++] = instance;
 	return true;
 }
 
@@ -58,11 +70,10 @@ static bool parse_instances(struct eco_source *source, const struct eco_json *to
 		rows += json_object_get(item, "from") != NULL;
 		scatters += json_object_get(item, "scatter") != NULL;
 	}
-	source->instances = calloc(count + 1, sizeof *source->instances);
-	source->positions = calloc(rows + 1, sizeof *source->positions);
-	source->scatters = calloc(scatters + 1, sizeof *source->scatters);
-	if (!source->instances || !source->positions || !source->scatters)
-		return eco_json_no_memory(&node);
+	if (!eco_scene_room(&node, count, sizeof *source->instances, &source->instances)
+			|| !eco_scene_room(&node, rows, sizeof *source->positions, &source->positions)
+			|| !eco_scene_room(&node, scatters, sizeof *source->scatters, &source->scatters))
+		return false;
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = eco_json_item(&node, i);
 		bool good;
@@ -80,21 +91,6 @@ static bool parse_instances(struct eco_source *source, const struct eco_json *to
 	return true;
 }
 
-static bool parse_child(struct eco_source *source, const struct eco_json *at)
-{
-	struct eco_source_child *child = &source->children[source->child_count++];
-	struct eco_json node = eco_json_member(at, "eco");
-	child->source = ECO_NONE;
-	child->scale = 1;
-	if (!eco_scene_object(at, child_fields) || !eco_json_required(at, "eco")
-			|| !eco_json_required(at, "at")
-		|| !eco_json_numbers(at, "at", 2, 3, -ECO_METRES_MAX, ECO_METRES_MAX, child->at)
-		|| !eco_json_number(at, "yaw_deg", -YAW_MAX, YAW_MAX, &child->yaw_deg)
-		|| !eco_json_number(at, "scale", SCALE_MIN, SCALE_MAX, &child->scale))
-		return false;
-	return eco_scene_parse_path(source, &node, &child->eco);
-}
-
 static bool parse_children(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json node = eco_json_member(top, "children");
@@ -102,12 +98,13 @@ static bool parse_children(struct eco_source *source, const struct eco_json *top
 		return true;
 	if (!eco_json_array(&node, INSTANCES_MAX))
 		return false;
-	source->children = calloc(json_array_size(node.value) + 1, sizeof *source->children);
-	if (!source->children)
-		return eco_json_no_memory(&node);
+	if (!eco_scene_room(&node, json_array_size(node.value), sizeof *source->children, &source->children))
+		return false;
 	for (size_t i = 0; i < json_array_size(node.value); i++) {
 		struct eco_json item = eco_json_item(&node, i);
-		if (!parse_child(source, &item))
+		struct eco_source_child *child = &source->children[source->child_count++];
+		*child = (struct eco_source_child){ .source = ECO_NONE, .scale = 1 };
+		if (!eco_scene_fields(source, &item, child_fields, child))
 			return false;
 	}
 	return true;
@@ -132,33 +129,17 @@ static bool parse_name(struct eco_source *source, const struct eco_json *top)
 	return true;
 }
 
-static bool parse_tile(struct eco_source *source, const struct eco_json *top)
-{
-	struct eco_json node = eco_json_member(top, "tile");
-	uint64_t instances = ECO_TILE_INSTANCES;
-	if (node.value
-			&& (!eco_scene_object(&node, tile_fields)
-			|| !eco_json_whole(&node, "instances", 1, 65536, &instances)))
-		return false;
-	source->tile_instances = (uint32_t)instances;
-	return true;
-}
-
 static bool parse_document(struct eco_source *source, const struct eco_json *top)
 {
-	struct eco_json origin = eco_json_member(top, "origin");
-	if (!eco_scene_object(top, scene_fields) || !parse_name(source, top)
-			|| !eco_scene_copy_text(top, "crs", ECO_PATH_BYTES, &source->crs)
-		|| !eco_scene_copy_text(top, "vertical", ECO_PATH_BYTES, &source->vertical)
-		|| !eco_json_numbers(top, "origin", 2, 3, -1e9, 1e9, source->origin)
-		|| !eco_json_number(top, "importance", ECO_IMPORTANCE_LEAST, ECO_IMPORTANCE_MOST,
-			&source->importance))
+	struct eco_json origin = eco_json_member(top, "origin"), tile = eco_json_member(top, "tile");
+	if (!eco_scene_fields(source, top, scene_fields, source) || !parse_name(source, top)
+		|| (tile.value && !eco_scene_fields(source, &tile, tile_fields, source)))
 		return false;
 	if (source->crs && !origin.value)
 		return eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene with a CRS needs "
 			"the point that is its 0, 0, 0, such as \"origin\": [747375, 4308510, 0]");
-	return parse_tile(source, top) && eco_scene_parse_ground(source, top)
-		&& eco_scene_parse_plants(source, top) && parse_instances(source, top)
+	return eco_scene_parse_ground(source, top) && eco_scene_parse_plants(source, top)
+		&& parse_instances(source, top)
 		&& parse_children(source, top);
 }
 
@@ -167,7 +148,8 @@ enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, s
 {
 	struct eco_error local = { .code = ECO_OK };
 	struct eco_json_file file = { path, json, size, error ? error : &local };
-	*source = (struct eco_source){ .path = strdup(path), .importance = 1, .on_disk = on_disk };
+	*source = (struct eco_source){ .path = strdup(path), .importance = 1,
+		.tile_instances = ECO_TILE_INSTANCES, .on_disk = on_disk };
 	if (!source->path)
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
 	if (size > ECO_SOURCE_BYTES_MAX) {
@@ -206,7 +188,7 @@ void eco_source_free(struct eco_source *source)
 	for (uint32_t i = 0; i < source->scatter_count; i++)
 		eco_scatter_spec_free(&source->scatters[i]);
 	for (uint32_t i = 0; i < source->child_count; i++)
-		free(source->children[i].eco);
+		eco_scene_fields_free(child_fields, &source->children[i]);
 	free(source->plants);
 	free(source->plants_by_name);
 	free(source->instances);
@@ -214,8 +196,7 @@ void eco_source_free(struct eco_source *source)
 	free(source->scatters);
 	free(source->children);
 	free(source->path);
-	free(source->crs);
-	free(source->vertical);
+	eco_scene_fields_free(scene_fields, source);
 	eco_ground_source_free(&source->ground);
 	eco_ground_image_source_free(&source->ground_image);
 	*source = (struct eco_source){ .path = NULL };

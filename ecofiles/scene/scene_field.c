@@ -8,18 +8,6 @@
 #include <string.h>
 #include <unistd.h>
 
-static char *path_beside(const char *base, const char *relative)
-{
-	const char *slash = strrchr(base, '/');
-	size_t folder = slash && *relative != '/' ? (size_t)(slash - base) + 1 : 0;
-	char *path = malloc(folder + strlen(relative) + 1);
-	if (path) {
-		memcpy(path, base, folder);
-		strcpy(path + folder, relative);
-	}
-	return path;
-}
-
 /* ---- Notes ---- */
 
 #define FIELDS_MAX 32u
@@ -39,28 +27,12 @@ static bool check_notes(const struct eco_json *at)
 				return false;
 		return true;
 	}
-	if (!json_is_array(at->value))
-		return is_note(at);
-	for (size_t i = 0; i < json_array_size(at->value); i++) {
-		struct eco_json item = eco_json_item(at, i);
+	for (size_t i = 0; i < eco_scene_several(at); i++) {
+		struct eco_json item = eco_scene_one(at, i);
 		if (!is_note(&item))
 			return false;
 	}
 	return true;
-}
-
-bool eco_scene_object(const struct eco_json *at, const char *const *fields)
-{
-	const char *all[FIELDS_MAX + 2];
-	size_t count = 0;
-	for (; fields[count] && count < FIELDS_MAX; count++)
-		all[count] = fields[count];
-	all[count++] = "notes";
-	all[count] = NULL;
-	if (!eco_json_object(at, all))
-		return false;
-	struct eco_json notes = eco_json_member(at, "notes");
-	return !notes.value || check_notes(&notes);
 }
 
 /* ---- Paths ---- */
@@ -69,7 +41,10 @@ bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json
 {
 	if (!eco_json_is_text(at, ECO_PATH_BYTES))
 		return false;
-	*path = path_beside(source->path, json_string_value(at->value));
+	const char *relative = json_string_value(at->value), *slash = strrchr(source->path, '/');
+	int folder = slash && *relative != '/' ? (int)(slash - source->path) + 1 : 0;
+	if (asprintf(path, "%.*s%s", folder, source->path, relative) < 0)
+		*path = NULL;
 	if (!*path)
 		return eco_json_no_memory(at);
 	if (source->on_disk && !eco_confined_may_read(*path))
@@ -85,57 +60,162 @@ bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json
 bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_json *at, const char *what,
 	size_t most, char ***paths, uint32_t *count)
 {
-	bool several = json_is_array(at->value);
-	size_t size = several ? json_array_size(at->value) : 1;
+	size_t size = eco_scene_several(at);
 	if (size == 0)
 		return eco_json_fail(at, ECO_BAD_INPUT, "it names no %s", what);
-	if (several && !eco_json_array(at, most))
+	if (json_is_array(at->value) && !eco_json_array(at, most))
 		return false;
-	*paths = calloc(size, sizeof **paths);
-	if (!*paths)
-		return eco_json_no_memory(at);
+	if (!eco_scene_room(at, size, sizeof **paths, paths))
+		return false;
 	for (size_t i = 0; i < size; i++) {
-		struct eco_json item = several ? eco_json_item(at, i) : *at;
+		struct eco_json item = eco_scene_one(at, i);
 		if (!eco_scene_parse_path(source, &item, &(*paths)[(*count)++]))
 			return false;
 	}
 	return true;
 }
 
-bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json *at, const char *key,
-	char **crs)
+void eco_scene_paths_free(char **paths, uint32_t count)
 {
-	struct eco_json node = eco_json_member(at, key);
-	if (!eco_scene_copy_text(at, key, ECO_PATH_BYTES, crs))
-		return false;
-	if (!*crs || source->crs)
-		return true;
-	return eco_json_fail(&node, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": "
+	for (uint32_t i = 0; i < count; i++)
+		free(paths[i]);
+	free(paths);
+}
+
+/* ---- Values ---- */
+
+size_t eco_scene_several(const struct eco_json *at)
+{
+	return json_is_array(at->value) ? json_array_size(at->value) : 1;
+}
+
+struct eco_json eco_scene_one(const struct eco_json *at, size_t index)
+{
+	return json_is_array(at->value) ? eco_json_item(at, index) : *at;
+}
+
+bool eco_scene_room(const struct eco_json *at, size_t count, size_t size, void *items)
+{
+	void *room = calloc(count + 1, size);
+	memcpy(items, &room, sizeof room);
+	return room || eco_json_no_memory(at);
+}
+
+bool eco_scene_copy(const struct eco_json *at, size_t bytes_max, char **out)
+{
+	free(*out);          /* a column that two fields name */
+	*out = NULL;
+	return eco_json_is_text(at, bytes_max)
+		&& ((*out = strdup(json_string_value(at->value))) || eco_json_no_memory(at));
+}
+
+static bool parse_crs(const struct eco_source *source, const struct eco_json *at, char **crs)
+{
+	if (!eco_scene_copy(at, ECO_PATH_BYTES, crs) || source->crs)
+		return *crs;
+	return eco_json_fail(at, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": "
 		"\"%.80s\" and \"origin\" to the scene, or leave this one out", *crs);
 }
 
-bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out)
+static bool parse_unit(const struct eco_json *at, double *unit_m)
 {
-	const char *text = NULL;
-	if (!eco_json_text(at, key, bytes_max, &text))
+	if (!eco_json_is_text(at, 16))
 		return false;
-	if (!text)
-		return true;
-	*out = strdup(text);
-	return *out || eco_json_no_memory(at);
+	const char *name = json_string_value(at->value);
+	return eco_unit_metres(name, unit_m)
+		|| eco_json_fail(at, ECO_BAD_INPUT, "unit \"%.20s\" is not one of " ECO_UNITS, name);
 }
+
+bool eco_scene_choice(const struct eco_json *at, const char *key, const char *const *names, const char *says,
+	unsigned *which)
+{
+	struct eco_json node = eco_json_member(at, key);
+	const char *name = NULL;
+	if (!eco_json_text(at, key, 16, &name))
+		return false;
+	for (unsigned i = 0; name && names[i]; i++)
+		if (strcmp(name, names[i]) == 0) {
+			*which = i;
+			return true;
+		}
+	return !name || eco_json_fail(&node, ECO_BAD_INPUT, "\"%s\" is %s", key, says);
+}
+
+/* ---- Objects ---- */
+
+static bool parse_field(const struct eco_source *source, const struct eco_json *at, const struct eco_field *f,
+	void *to)
+{
+	struct eco_json node = eco_json_member(at, f->name);
+	uint64_t whole = 0;
+	double number = 0;
+	bool good;
+	if (!node.value)
+		return !(f->kind & ECO_IS_REQUIRED) || eco_json_required(at, f->name);
+	switch (f->kind & ~(unsigned)ECO_IS_REQUIRED) {
+	case ECO_IS_COLUMN: return eco_scene_copy(&node, ECO_COLUMN_BYTES, to);
+	case ECO_IS_TEXT: return eco_scene_copy(&node, ECO_PATH_BYTES, to);
+	case ECO_IS_CRS: return parse_crs(source, &node, to);
+	case ECO_IS_PATH: return eco_scene_parse_path(source, &node, to);
+	case ECO_IS_UNIT: return parse_unit(&node, to);
+	case ECO_IS_NUMBERS:
+		return eco_json_numbers(at, f->name, 2, f->bytes / sizeof(double), f->low, f->high, to);
+	case ECO_IS_NUMBER:
+		good = eco_json_number(at, f->name, f->low, f->high, &number);
+		if (good && f->bytes == sizeof(float))
+			*(float *)to = (float)number;
+		else if (good)
+			*(double *)to = number;
+		return good;
+	case ECO_IS_WHOLE:
+		good = eco_json_whole(at, f->name, (uint64_t)f->low, (uint64_t)f->high, &whole);
+		if (good && f->bytes == sizeof(uint32_t))
+			*(uint32_t *)to = (uint32_t)whole;
+		else if (good)
+			*(uint64_t *)to = whole;
+		return good;
+	default: return true;
+	}
+}
+
+bool eco_scene_fields(const struct eco_source *source, const struct eco_json *at, const struct eco_field *fields,
+	void *to)
+{
+	const char *names[FIELDS_MAX + 2];
+	size_t count = 0;
+	for (; fields[count].name && count < FIELDS_MAX; count++)
+		names[count] = fields[count].name;
+	names[count] = "notes";
+	names[count + 1] = NULL;
+	if (!eco_json_object(at, names))
+		return false;
+	struct eco_json notes = eco_json_member(at, "notes");
+	if (notes.value && !check_notes(&notes))
+		return false;
+	for (const struct eco_field *f = fields; f->name; f++)
+		if (!parse_field(source, at, f, (char *)to + f->at))
+			return false;
+	return true;
+}
+
+void eco_scene_fields_free(const struct eco_field *fields, void *of)
+{
+	for (; fields->name; fields++) {
+		unsigned kind = fields->kind & ~(unsigned)ECO_IS_REQUIRED;
+		if (kind >= ECO_IS_COLUMN && kind <= ECO_IS_PATH)
+			free(*(char **)(void *)((char *)of + fields->at));
+	}
+}
+
+/* ---- Names ---- */
 
 bool eco_up_of(const char *name, enum eco_up *up)
 {
-	static const struct { const char *name; enum eco_up up; } axes[] =
-		{ { "x", ECO_UP_X }, { "y", ECO_UP_Y }, { "z", ECO_UP_Z } };
-
-	for (size_t i = 0; i < sizeof axes / sizeof *axes; i++)
-		if (strcmp(name, axes[i].name) == 0) {
-			*up = axes[i].up;
-			return true;
-		}
-	return false;
+	static const char axes[] = "yzx";        /* as in enum eco_up */
+	if (strlen(name) != 1 || !strchr(axes, *name))
+		return false;
+	*up = ECO_UP_Y + (unsigned)(strchr(axes, *name) - axes);
+	return true;
 }
 
 bool eco_unit_metres(const char *name, double *metres)
@@ -150,17 +230,6 @@ bool eco_unit_metres(const char *name, double *metres)
 			return true;
 		}
 	return false;
-}
-
-bool eco_scene_parse_unit(const struct eco_json *at, double *unit_m)
-{
-	struct eco_json unit = eco_json_member(at, "unit");
-	const char *name = NULL;
-	if (!eco_json_text(at, "unit", 16, &name))
-		return false;
-	if (!name || eco_unit_metres(name, unit_m))
-		return true;
-	return eco_json_fail(&unit, ECO_BAD_INPUT, "unit \"%.20s\" is not one of " ECO_UNITS, name);
 }
 
 bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes)

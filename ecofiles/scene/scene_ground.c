@@ -7,30 +7,31 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const ground_fields[] = { "heights", "crs", "vertical", "band", "scale", "offset", "unit",
-	"nodata", "north_west", "pixel", "image", NULL };
+#define PLACE(record) \
+	ECO_FIELD("north_west", NUMBERS, -1e9, 1e9, record, corner), ECO_OTHER("pixel")
+static const struct eco_field ground_fields[] = {
+	ECO_OTHER("heights"),
+	ECO_FIELD("crs", CRS, 0, 0, ground_source, crs),
+	ECO_FIELD("vertical", TEXT, 0, 0, ground_source, vertical),
+	ECO_FIELD("band", WHOLE, 1, 65535, ground_source, band),
+	ECO_FIELD("scale", NUMBER, -1e6, 1e6, ground_source, scale),
+	ECO_FIELD("offset", NUMBER, -1e6, 1e6, ground_source, offset),
+	ECO_FIELD("unit", UNIT, 0, 0, ground_source, unit_m),
+	ECO_OTHER("nodata"), PLACE(ground_source), ECO_OTHER("image"), ECO_FIELDS_END
+};
 
 static bool parse_meaning(struct eco_ground_source *ground, const struct eco_json *at)
 {
 	struct eco_json nodata = eco_json_member(at, "nodata"), scale = eco_json_member(at, "scale");
-	uint64_t band = 1;
 	ground->no_holes = json_is_null(nodata.value);
 	ground->has_nodata = nodata.value && !ground->no_holes;
 	ground->has_offset = eco_json_member(at, "offset").value != NULL;
-	if (!eco_json_whole(at, "band", 1, 65535, &band)
-			|| !eco_json_number(at, "scale", -1e6, 1e6, &ground->scale)
-		|| !eco_json_number(at, "offset", -1e6, 1e6, &ground->offset)
-		|| !eco_scene_parse_unit(at, &ground->unit_m)
-		|| (ground->has_nodata && !eco_json_number(at, "nodata", -1e39, 1e39, &ground->nodata)))
-		return false;
-	ground->band = (uint32_t)band;
 	if (ground->scale == 0 && scale.value)
 		return eco_json_fail(&scale, ECO_BAD_INPUT, "\"scale\": 0 would make all heights one");
-	return true;
+	return !ground->has_nodata || eco_json_number(at, "nodata", -1e39, 1e39, &ground->nodata);
 }
 
-static bool parse_place(const struct eco_json *at, uint32_t files, bool *has_place, double corner_m[2],
-	double pixel_m[2])
+static bool parse_place(const struct eco_json *at, uint32_t files, bool *has_place, double pixel_m[2])
 {
 	struct eco_json corner = eco_json_member(at, "north_west"), pixel = eco_json_member(at, "pixel");
 	if ((!corner.value) != (!pixel.value))
@@ -42,21 +43,24 @@ static bool parse_place(const struct eco_json *at, uint32_t files, bool *has_pla
 		return eco_json_fail(&corner, ECO_BAD_INPUT, "several rasters cannot have one corner; give "
 			"each a world file");
 	*has_place = true;
-	if (json_is_array(pixel.value)) {
-		if (!eco_json_numbers(at, "pixel", 2, 2, 1e-9, 1e6, pixel_m))
-			return false;
-	} else {
-		if (!eco_json_number(at, "pixel", 1e-9, 1e6, &pixel_m[0]))
-			return false;
-		pixel_m[1] = pixel_m[0];
-	}
-	return eco_json_numbers(at, "north_west", 2, 2, -1e9, 1e9, corner_m);
+	if (json_is_array(pixel.value))
+		return eco_json_numbers(at, "pixel", 2, 2, 1e-9, 1e6, pixel_m);
+	bool good = eco_json_number(at, "pixel", 1e-9, 1e6, &pixel_m[0]);
+	pixel_m[1] = pixel_m[0];
+	return good;
 }
 
 /* ---- The image ---- */
 
-static const char *const image_fields[] = { "file", "crs", "classes", "nodata", "range", "texel_m",
-	"north_west", "pixel", NULL };
+static const struct eco_field image_fields[] = {
+	ECO_FIELD("file", OTHER | ECO_IS_REQUIRED, 0, 0, ground_image_source, files),
+	ECO_FIELD("crs", CRS, 0, 0, ground_image_source, crs),
+	ECO_OTHER("classes"),
+	ECO_FIELD("nodata", NUMBER, -1e39, 1e39, ground_image_source, nodata),
+	ECO_FIELD("range", NUMBERS, -1e39, 1e39, ground_image_source, range),
+	ECO_FIELD("texel_m", NUMBER, 1e-3, 1e6, ground_image_source, texel_m),
+	PLACE(ground_image_source), ECO_FIELDS_END
+};
 
 /* "#rrggbb" */
 static bool parse_color(const struct eco_json *at, uint8_t rgb[3])
@@ -92,9 +96,8 @@ static bool parse_classes(struct eco_ground_image_source *image, const struct ec
 	if (!json_object_size(at->value))
 		return eco_json_fail(at, ECO_BAD_INPUT,
 			"\"classes\" has no class; leave it out for the file's own colours");
-	image->classes = calloc(json_object_size(at->value), sizeof *image->classes);
-	if (!image->classes)
-		return eco_json_no_memory(at);
+	if (!eco_scene_room(at, json_object_size(at->value), sizeof *image->classes, &image->classes))
+		return false;
 	while (eco_json_next(at, &member)) {
 		struct eco_ground_class *class = &image->classes[image->class_count];
 		char *end;
@@ -123,7 +126,7 @@ static bool parse_image(struct eco_source *source, const struct eco_json *at)
 	struct eco_json file = said_more ? eco_json_member(at, "file") : *at;
 	if (!at->value)
 		return true;
-	if (said_more && (!eco_scene_object(at, image_fields) || !eco_json_required(at, "file")))
+	if (said_more && !eco_scene_fields(source, at, image_fields, image))
 		return false;
 	if (!eco_scene_parse_paths(source, &file, "image", ECO_GROUND_FILES_MAX, &image->files,
 			&image->file_count))
@@ -134,16 +137,10 @@ static bool parse_image(struct eco_source *source, const struct eco_json *at)
 	struct eco_json range = eco_json_member(at, "range");
 	image->has_nodata = eco_json_member(at, "nodata").value;
 	image->has_range = range.value;
-	if (range.value && !eco_json_numbers(at, "range", 2, 2, -1e39, 1e39, image->range))
-		return false;
 	if (range.value && !(image->range[0] < image->range[1]))
 		return eco_json_fail(&range, ECO_BAD_INPUT, "\"range\" is [black, white], black being less");
-	return eco_json_number(at, "nodata", -1e39, 1e39, &image->nodata) &&
-		eco_json_number(at, "texel_m", 1e-3, 1e6, &image->texel_m) &&
-		parse_classes(image, &classes) &&
-		parse_place(at, image->file_count, &image->has_place, image->corner,
-			image->pixel) &&
-		eco_scene_parse_crs(source, at, "crs", &image->crs);
+	return parse_classes(image, &classes)
+		&& parse_place(at, image->file_count, &image->has_place, image->pixel);
 }
 
 /* ---- The whole ---- */
@@ -151,13 +148,13 @@ static bool parse_image(struct eco_source *source, const struct eco_json *at)
 /* Other fields say what heights mean. */
 static bool check_no_heights(const struct eco_json *node)
 {
-	for (const char *const *field = ground_fields; *field; field++) {
-		struct eco_json other = eco_json_member(node, *field);
-		if (other.value && strcmp(*field, "image") != 0)
+	for (const struct eco_field *field = ground_fields; field->name; field++) {
+		struct eco_json other = eco_json_member(node, field->name);
+		if (other.value && strcmp(field->name, "image") != 0)
 			return eco_json_fail(&other, ECO_BAD_INPUT,
 				"\"%s\" is about \"heights\", which the ground does "
 				"not have; what the image needs goes into it: \"image\": {\"file\": ...}",
-				*field);
+				field->name);
 	}
 	return true;
 }
@@ -169,27 +166,28 @@ bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *to
 	ground->none = json_is_null(node.value);
 	if (!node.value || ground->none)
 		return true;
-	if (!eco_scene_object(&node, ground_fields))
+	if (!eco_scene_fields(source, &node, ground_fields, ground))
 		return false;
 	struct eco_json image = eco_json_member(&node, "image");
 	if (!heights.value && image.value)
 		return check_no_heights(&node) && parse_image(source, &image);
 	return eco_json_required(&node, "heights") && parse_image(source, &image) &&
 		eco_scene_parse_paths(source, &heights, "raster", ECO_GROUND_FILES_MAX, &ground->heights,
-			&ground->height_count) &&
-		eco_scene_copy_text(&node, "vertical", ECO_PATH_BYTES, &ground->vertical) &&
-		parse_meaning(ground, &node) &&
-		parse_place(&node, ground->height_count, &ground->has_place, ground->corner,
-			ground->pixel) &&
-		eco_scene_parse_crs(source, &node, "crs", &ground->crs);
+			&ground->height_count) && parse_meaning(ground, &node) &&
+		parse_place(&node, ground->height_count, &ground->has_place, ground->pixel);
 }
 
 void eco_ground_source_free(struct eco_ground_source *ground)
 {
-	for (uint32_t i = 0; i < ground->height_count; i++)
-		free(ground->heights[i]);
-	free(ground->heights);
-	free(ground->crs);
-	free(ground->vertical);
+	eco_scene_paths_free(ground->heights, ground->height_count);
+	eco_scene_fields_free(ground_fields, ground);
 	*ground = (struct eco_ground_source){ .heights = NULL };
+}
+
+void eco_ground_image_source_free(struct eco_ground_image_source *source)
+{
+	eco_scene_paths_free(source->files, source->file_count);
+	eco_scene_fields_free(image_fields, source);
+	free(source->classes);
+	*source = (struct eco_ground_image_source){ .files = NULL };
 }

@@ -10,27 +10,57 @@
 #define ECO_IMPORTANCE_LEAST 0.01
 #define ECO_IMPORTANCE_MOST 100.0
 
-/* Fields of several parts (scene_field.c). */
+/* ---- Fields (scene_field.c) ---- */
 
-/* As eco_json_object, and "notes" may be among the members: a text, an array or an object of texts, for
- * people. */
-bool eco_scene_object(const struct eco_json *at, const char *const *fields);
+enum eco_field_kind {
+	ECO_IS_OTHER,        /* read by its own function */
+	ECO_IS_COLUMN,       /* a text of up to 256 bytes: malloc'ed, as TEXT, CRS and PATH */
+	ECO_IS_TEXT,
+	ECO_IS_CRS,          /* an error in a scene without one, which could not convert it */
+	ECO_IS_PATH,         /* as seen from the folder of the file that names it; a document from a file: exists */
+	ECO_IS_UNIT,         /* its metres */
+	ECO_IS_NUMBER,       /* low to high: a double or float */
+	ECO_IS_NUMBERS,      /* two, or as many doubles as the member has */
+	ECO_IS_WHOLE,        /* uint64_t or uint32_t */
+	ECO_IS_REQUIRED = 16 /* beside one of these */
+};
+struct eco_field {
+	const char *name;            /* NULL behind the last */
+	unsigned kind;
+	double low, high;
+	size_t at, bytes;            /* of the member */
+};
+#define ECO_FIELD(name, kind, low, high, record, member) \
+	{ name, ECO_IS_##kind, low, high, offsetof(struct eco_##record, member), \
+		sizeof ((struct eco_##record *)0)->member }
+#define ECO_OTHER(name) { name, ECO_IS_OTHER, 0, 0, 0, 0 }
+#define ECO_FIELDS_END { NULL, 0, 0, 0, 0, 0 }
 
-/* A path, as seen from the folder of the file that names it; malloc'ed, or NULL. False after an error at
- * `at`, also if the file does not exist (not checked for documents from memory). */
+/* Reads an object's fields into their members of `to`. Those that are absent stay. "notes" may be among the
+ * members: a text, an array or an object of texts, for people. */
+bool eco_scene_fields(const struct eco_source *source, const struct eco_json *at, const struct eco_field *fields,
+	void *to);
+void eco_scene_fields_free(const struct eco_field *fields, void *of);
+
+/* As ECO_IS_PATH; false after an error at `at`. */
 bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json *at, char **path);
 /* Reads one path, or an array of up to `most`; errors name `what`. On failure *paths holds the *count paths
  * read so far. */
 bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_json *at, const char *what,
 	size_t most, char ***paths, uint32_t *count);
-/* Copies the text of that key, if present, to *out (malloc'ed). */
+void eco_scene_paths_free(char **paths, uint32_t count);
+/* One of `names`, which end with NULL, in *which, if present. The error says what the field is. */
+bool eco_scene_choice(const struct eco_json *at, const char *key, const char *const *names, const char *says,
+	unsigned *which);
 #define ECO_COLUMN_BYTES 256u
-bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out);
-/* As eco_scene_copy_text for a CRS; an error in a scene without one, which could not convert it. */
-bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json *at, const char *key,
-	char **crs);
-/* "unit" in metres, if present. */
-bool eco_scene_parse_unit(const struct eco_json *at, double *unit_m);
+/* Keeps a text, in the place of what *out was. */
+bool eco_scene_copy(const struct eco_json *at, size_t bytes_max, char **out);
+/* Zeros for `count` items and one more, to which *items then points. */
+bool eco_scene_room(const struct eco_json *at, size_t count, size_t size, void *items);
+/* How many an array has; what is no array is one, its own first. */
+size_t eco_scene_several(const struct eco_json *at);
+struct eco_json eco_scene_one(const struct eco_json *at, size_t index);
+
 /* Names end up in URLs, file names and messages: 1 to 63 bytes, no characters that
  * eco_utf8_control finds. */
 bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes);
@@ -42,6 +72,7 @@ void eco_source_plant_free(struct eco_source_plant *plant);
 /* "ground" (scene_ground.c). */
 bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top);
 void eco_ground_source_free(struct eco_ground_source *ground);
+void eco_ground_image_source_free(struct eco_ground_image_source *source);
 
 /* The first plant of that name. The error, at `at`, lists the plants there are. */
 bool eco_source_plant_named(const struct eco_source *source, const struct eco_json *at, const char *name,

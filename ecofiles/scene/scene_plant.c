@@ -13,10 +13,25 @@
 #define RULES_MAX 1024u
 #define HEIGHT_MAX_M 1000.0
 
-static const char *const plant_fields[] = { "model", "variants", "height_m", "unit", "up", "parts",
-	"importance", NULL };
-static const char *const importance_fields[] = { "wood", "foliage", "flower", NULL };
-static const char *const rule_fields[] = { "name", "component", "size", "is", "importance", NULL };
+#define IMPORTANCE(name, record, member) \
+	ECO_FIELD(name, NUMBER, ECO_IMPORTANCE_LEAST, ECO_IMPORTANCE_MOST, record, member)
+static const struct eco_field plant_fields[] = {
+	ECO_OTHER("model"), ECO_OTHER("variants"),
+	ECO_FIELD("height_m", NUMBER, 0.001, HEIGHT_MAX_M, source_plant, height_m),
+	ECO_FIELD("unit", UNIT, 0, 0, source_plant, unit_m),
+	ECO_OTHER("up"), ECO_OTHER("parts"), ECO_OTHER("importance"), ECO_FIELDS_END
+};
+static const struct eco_field importance_fields[] = {
+	IMPORTANCE("wood", source_plant, importance[ECO_ORGAN_WOOD]),
+	IMPORTANCE("foliage", source_plant, importance[ECO_ORGAN_FOLIAGE]),
+	IMPORTANCE("flower", source_plant, importance[ECO_ORGAN_FLOWER]), ECO_FIELDS_END
+};
+static const struct eco_field rule_fields[] = {
+	ECO_FIELD("name", COLUMN, 0, 0, part_rule, name),
+	ECO_FIELD("component", WHOLE, 1, UINT32_MAX, part_rule, component),
+	ECO_FIELD("size", NUMBERS, 0, 1e9, part_rule, size),
+	ECO_OTHER("is"), IMPORTANCE("importance", part_rule, importance), ECO_FIELDS_END
+};
 
 /* ---- Names ---- */
 
@@ -107,97 +122,55 @@ static bool parse_variants(struct eco_source *source, const struct eco_json *at,
 
 static bool parse_up(const struct eco_json *at, enum eco_up *up)
 {
-	struct eco_json node = eco_json_member(at, "up");
-	const char *name = NULL;
-	if (!eco_json_text(at, "up", 8, &name))
+	static const char *const axes[] = { "y", "z", "x", NULL };       /* as in enum eco_up */
+	unsigned axis = ECO_NONE;
+	if (!eco_scene_choice(at, "up", axes, "\"x\", \"y\" or \"z\": the axis of the file that points up", &axis))
 		return false;
-	if (!name)
-		return true;
-	if (eco_up_of(name, up))
-		return true;
-	return eco_json_fail(&node, ECO_BAD_INPUT, "\"up\" is \"x\", \"y\" or \"z\": the axis of the file "
-		"that points up");
+	*up = axis == ECO_NONE ? ECO_UP_FOUND : ECO_UP_Y + axis;
+	return true;
 }
 
-static bool parse_importance(const struct eco_json *at, float importance[ECO_ORGAN_COUNT])
+static bool parse_importance(const struct eco_source *source, const struct eco_json *at,
+	struct eco_source_plant *plant)
 {
 	struct eco_json node = eco_json_member(at, "importance");
 	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
-		importance[i] = 0;
-	if (!node.value)
-		return true;
-	if (!eco_scene_object(&node, importance_fields))
-		return false;
-	for (int i = 0; i < ECO_ORGAN_COUNT; i++) {
-		double number = 1;
-		if (!eco_json_number(&node, importance_fields[i], ECO_IMPORTANCE_LEAST,
-				ECO_IMPORTANCE_MOST, &number))
-			return false;
-		importance[i] = (float)number;
-	}
-	return true;
+		plant->importance[i] = node.value ? 1 : 0;
+	return !node.value || eco_scene_fields(source, &node, importance_fields, plant);
 }
 
 /* ---- Rules about parts ---- */
 
-static bool parse_is(const struct eco_json *at, uint8_t *is)
+static bool parse_rule(const struct eco_source *source, const struct eco_json *at, struct eco_part_rule *rule)
 {
-	struct eco_json node = eco_json_member(at, "is");
-	const char *name = NULL;
-	*is = ECO_ORGAN_FOUND;
-	if (!node.value && eco_json_member(at, "importance").value)
-		return true;             /* the organ is found, and weighs more or less */
-	if (!eco_json_required(at, "is") || !eco_json_text(at, "is", 16, &name))
-		return false;
-	if (strcmp(name, "left out") == 0) {
-		*is = ECO_PART_LEFT_OUT;
-		return true;
-	}
-	for (uint8_t i = 0; i < ECO_ORGAN_COUNT; i++)
-		if (strcmp(name, importance_fields[i]) == 0) {
-			*is = i;
-			return true;
-		}
-	return eco_json_fail(&node, ECO_BAD_INPUT, "a part is \"wood\", \"foliage\", \"flower\" or \"left "
-		"out\"");
-}
-
-static bool parse_rule(const struct eco_json *at, struct eco_part_rule *rule)
-{
+	static const char *const parts[] = { "wood", "foliage", "flower", "left out", NULL };
 	struct eco_json size = eco_json_member(at, "size");
-	const char *name = NULL;
-	uint64_t component = 0;
-	double importance = 0;
-	if (!eco_scene_object(at, rule_fields) || !parse_is(at, &rule->is)
-			|| !eco_json_number(at, "importance", ECO_IMPORTANCE_LEAST, ECO_IMPORTANCE_MOST,
-				&importance)
-			|| !eco_json_text(at, "name", 255, &name)
-		|| !eco_json_whole(at, "component", 1, UINT32_MAX, &component)
-		|| !eco_json_numbers(at, "size", 2, 2, 0, 1e9, rule->size))
+	unsigned is = ECO_ORGAN_FOUND;       /* if it only weighs more or less */
+	if (!eco_scene_fields(source, at, rule_fields, rule)
+			|| (rule->importance == 0 && !eco_json_required(at, "is"))
+			|| !eco_scene_choice(at, "is", parts, "\"wood\", \"foliage\", \"flower\" or \"left out\"", &is))
 		return false;
-	if ((name != NULL) + (component > 0) + (size.value != NULL) != 1)
+	if ((rule->name != NULL) + (rule->component > 0) + (size.value != NULL) != 1)
 		return eco_json_fail(at, ECO_BAD_INPUT, "a rule has exactly one of \"name\": \"pot*\", "
 			"\"component\": 1, \"size\": [0, 0.1]");
-	rule->kind = name ? ECO_PART_NAME : component > 0 ? ECO_PART_COMPONENT : ECO_PART_SIZE;
-	rule->component = (uint32_t)component;
-	rule->importance = (float)importance;
-	rule->name = name ? strdup(name) : NULL;
-	return !name || rule->name || eco_json_no_memory(at);
+	rule->is = is == ECO_ORGAN_COUNT ? ECO_PART_LEFT_OUT : (uint8_t)is;
+	rule->kind = rule->name ? ECO_PART_NAME : rule->component > 0 ? ECO_PART_COMPONENT : ECO_PART_SIZE;
+	return true;
 }
 
-static bool parse_rules(const struct eco_json *at, struct eco_source_plant *plant)
+static bool parse_rules(const struct eco_source *source, const struct eco_json *at,
+	struct eco_source_plant *plant)
 {
 	struct eco_json node = eco_json_member(at, "parts");
 	if (!node.value)
 		return true;
 	if (!eco_json_array(&node, RULES_MAX))
 		return false;
-	plant->parts = calloc(json_array_size(node.value) + 1, sizeof *plant->parts);
-	if (!plant->parts)
-		return eco_json_no_memory(&node);
+	if (!eco_scene_room(&node, json_array_size(node.value), sizeof *plant->parts, &plant->parts))
+		return false;
 	for (size_t i = 0; i < json_array_size(node.value); i++) {
 		struct eco_json item = eco_json_item(&node, i);
-		if (!parse_rule(&item, &plant->parts[plant->part_count++]))
+		if (!parse_rule(source, &item, &plant->parts[plant->part_count++]))
 			return false;
 	}
 	return true;
@@ -206,7 +179,7 @@ static bool parse_rules(const struct eco_json *at, struct eco_source_plant *plan
 static void free_rules(struct eco_source_plant *plant)
 {
 	for (uint32_t i = 0; i < plant->part_count; i++)
-		free(plant->parts[i].name);
+		eco_scene_fields_free(rule_fields, &plant->parts[i]);
 	free(plant->parts);
 }
 
@@ -217,10 +190,8 @@ static bool parse_plant(struct eco_source *source, const struct eco_json *at)
 	struct eco_source_plant plant = { .variant_count = 1 };
 	uint32_t before = source->plant_count;
 	bool good = eco_source_name_is_fine(at, at->key, strlen(at->key)) &&
-		eco_scene_object(at, plant_fields) &&
-		eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &plant.height_m) &&
-		eco_scene_parse_unit(at, &plant.unit_m) && parse_up(at, &plant.up) &&
-		parse_importance(at, plant.importance) && parse_rules(at, &plant);
+		eco_scene_fields(source, at, plant_fields, &plant) && parse_up(at, &plant.up) &&
+		parse_importance(source, at, &plant) && parse_rules(source, at, &plant);
 
 	if (good) {
 		memcpy(plant.name, at->key, strlen(at->key) + 1);
@@ -249,16 +220,15 @@ bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *to
 	struct eco_json node = eco_json_member(top, "plants"), entry = { .file = NULL };
 	if (!node.value)
 		return true;
-	if (!json_is_object(node.value))
-		return eco_scene_object(&node, plant_fields);
+	if (!eco_json_names(&node, SIZE_MAX))
+		return false;
 	size_t count = count_variants(node.value);
 	if (count > PLANTS_MAX)
 		return eco_json_fail(&node, ECO_TOO_LARGE, "%zu models, at most %u are possible", count,
 			PLANTS_MAX);
-	source->plants = calloc(count + 1, sizeof *source->plants);
-	source->plants_by_name = calloc(count + 1, sizeof *source->plants_by_name);
-	if (!source->plants || !source->plants_by_name)
-		return eco_json_no_memory(&node);
+	if (!eco_scene_room(&node, count, sizeof *source->plants, &source->plants)
+			|| !eco_scene_room(&node, count, sizeof *source->plants_by_name, &source->plants_by_name))
+		return false;
 	while (eco_json_next(&node, &entry))
 		if (!parse_plant(source, &entry))
 			return false;
@@ -268,9 +238,7 @@ bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *to
 
 void eco_source_plant_free(struct eco_source_plant *plant)
 {
-	for (uint32_t i = 0; i < plant->model_count; i++)
-		free(plant->models[i]);
-	free(plant->models);
+	eco_scene_paths_free(plant->models, plant->model_count);
 	if (plant->variant == 0)
 		free_rules(plant);
 }

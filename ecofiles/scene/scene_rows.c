@@ -14,15 +14,44 @@
 #define COLUMNS_MAX (ECO_FILTERS_MAX / 2)    /* in each of "only" and "skip" */
 #define SOURCES_MAX 16u              /* of height */
 
-static const char *const row_fields[] = { "from", "layer", "x", "y", "z", "unit", "polar",
-	"quadrat", "crs", "vertical", "separator", "decimal", "thousands", "species", "map", "plant",
-	"only", "skip", "height_m", "crown_m", "levels", "scale", "yaw_deg", "duplicates", "seed", NULL };
-static const char *const height_fields[] = { "column", "unit", "value", "from_dbh", "from_girth",
-	"from_dbh_mm", "from_dbh_cm", "from_dbh_in", "max", "rate", "shape", "per_plant", "levels", NULL };
-static const char *const rule_fields[] = { "max", "rate", "shape", NULL };
-static const char *const polar_fields[] = { "azimuth", "distance", "unit", "whole_turn", NULL };
-static const char *const quadrat_fields[] = { "column", "size_m", NULL };
-static const char *const crown_fields[] = { "column", "unit", "is", NULL };
+#define FIELD(name, kind, low, high, member) ECO_FIELD(name, kind, low, high, positions_spec, member)
+#define COLUMN(name, member) FIELD(name, COLUMN, 0, 0, member)
+static const struct eco_field row_fields[] = {
+	FIELD("from", PATH, 0, 0, path), COLUMN("layer", layer), COLUMN("x", x), COLUMN("y", y), COLUMN("z", z),
+	FIELD("unit", UNIT, 0, 0, unit_m), ECO_OTHER("polar"), ECO_OTHER("quadrat"), FIELD("crs", CRS, 0, 0, crs),
+	FIELD("vertical", TEXT, 0, 0, vertical), ECO_OTHER("separator"), ECO_OTHER("decimal"),
+	ECO_OTHER("thousands"), COLUMN("species", species), ECO_OTHER("map"), ECO_OTHER("plant"),
+	ECO_OTHER("only"), ECO_OTHER("skip"), ECO_OTHER("height_m"), ECO_OTHER("crown_m"),
+	FIELD("levels", WHOLE, 1, 1024, levels), COLUMN("scale", scale), COLUMN("yaw_deg", yaw_deg),
+	ECO_OTHER("duplicates"), FIELD("seed", WHOLE, 0, INT64_MAX, seed), ECO_FIELDS_END
+};
+static const struct eco_field polar_fields[] = {
+	FIELD("azimuth", COLUMN | ECO_IS_REQUIRED, 0, 0, polar.azimuth),
+	FIELD("distance", COLUMN | ECO_IS_REQUIRED, 0, 0, polar.distance),
+	FIELD("unit", UNIT, 0, 0, polar.unit_m), FIELD("whole_turn", NUMBER, 360, 400, polar.whole_turn),
+	ECO_FIELDS_END
+};
+static const struct eco_field quadrat_fields[] = {
+	FIELD("column", COLUMN | ECO_IS_REQUIRED, 0, 0, quadrat.column),
+	FIELD("size_m", NUMBER | ECO_IS_REQUIRED, 0.1, 1000, quadrat.size_m), ECO_FIELDS_END
+};
+static const struct eco_field crown_fields[] = {
+	FIELD("column", COLUMN | ECO_IS_REQUIRED, 0, 0, crown.column), FIELD("unit", UNIT, 0, 0, crown.unit_m),
+	{ "is", ECO_IS_OTHER | ECO_IS_REQUIRED, 0, 0, 0, 0 }, ECO_FIELDS_END
+};
+#define RULE(record, member) ECO_FIELD("max", NUMBER, 1.3, 1000, record, member max_m), \
+	ECO_FIELD("rate", NUMBER, 1e-9, 1e3, record, member rate), \
+	ECO_FIELD("shape", NUMBER, 0.01, 100, record, member shape)
+static const struct eco_field rule_fields[] = { RULE(allometry, ), ECO_FIELDS_END };
+/* A height's object. */
+struct eco_height { struct eco_size size; struct eco_allometry rule; uint32_t levels; };
+#define SOURCE(name) ECO_FIELD(name, COLUMN, 0, 0, height, size.column)
+static const struct eco_field height_fields[] = {
+	SOURCE("column"), ECO_FIELD("unit", UNIT, 0, 0, height, size.unit_m),
+	ECO_FIELD("value", NUMBER, 0.001, 1000, height, size.value_m), SOURCE("from_dbh"), SOURCE("from_girth"),
+	SOURCE("from_dbh_mm"), SOURCE("from_dbh_cm"), SOURCE("from_dbh_in"), RULE(height, rule.),
+	ECO_OTHER("per_plant"), ECO_FIELD("levels", WHOLE, 1, 1024, height, levels), ECO_FIELDS_END
+};
 
 /* ---- "only" and "skip": the rows wanted ---- */
 
@@ -43,16 +72,15 @@ static bool parse_value(const struct eco_json *at, struct eco_value *value)
 
 static bool parse_filter(const struct eco_json *at, struct eco_filter *filter)
 {
-	bool several = json_is_array(at->value);
-	size_t count = several ? json_array_size(at->value) : 1;
-	if (several && !eco_json_array(at, VALUES_MAX))
+	if (json_is_array(at->value) && !eco_json_array(at, VALUES_MAX))
 		return false;
 	filter->column = strdup(at->key);
-	filter->values = calloc(count + 1, sizeof *filter->values);
-	if (!filter->column || !filter->values)
+	if (!eco_scene_room(at, eco_scene_several(at), sizeof *filter->values, &filter->values))
+		return false;
+	if (!filter->column)
 		return eco_json_no_memory(at);
-	for (size_t i = 0; i < count; i++) {
-		struct eco_json item = several ? eco_json_item(at, i) : *at;
+	for (size_t i = 0; i < eco_scene_several(at); i++) {
+		struct eco_json item = eco_scene_one(at, i);
 		filter->value_count++;
 		if (!parse_value(&item, &filter->values[i]))
 			return false;
@@ -79,9 +107,8 @@ static bool parse_columns(const struct eco_json *at, const char *name, struct ec
 
 bool eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count)
 {
-	*filters = calloc(ECO_FILTERS_MAX, sizeof **filters);
-	return *filters ? parse_columns(at, "only", *filters, count)
-		&& parse_columns(at, "skip", *filters, count) : eco_json_no_memory(at);
+	return eco_scene_room(at, ECO_FILTERS_MAX, sizeof **filters, filters)
+		&& parse_columns(at, "only", *filters, count) && parse_columns(at, "skip", *filters, count);
 }
 
 /* ---- Species ---- */
@@ -142,9 +169,8 @@ static bool parse_map(const struct eco_source *source, const struct eco_json *at
 	struct eco_json entry = { .file = NULL };
 	if (!eco_json_names(at, MAP_MAX))
 		return false;
-	spec->map = calloc(json_object_size(at->value) + 1, sizeof *spec->map);
-	if (!spec->map)
-		return eco_json_no_memory(at);
+	if (!eco_scene_room(at, json_object_size(at->value), sizeof *spec->map, &spec->map))
+		return false;
 	while (eco_json_next(at, &entry)) {
 		bool fallback = strcmp(entry.key, "*") == 0;
 		if (!species_set(source, &entry, entry.key, fallback ? &spec->fallback
@@ -159,17 +185,15 @@ static bool parse_map(const struct eco_source *source, const struct eco_json *at
 static bool map_of_plants(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
-	spec->map = calloc(source->plant_count + 1u, sizeof *spec->map);
-	for (uint32_t i = 0; spec->map && i < source->plant_count; i += source->plants[i].variant_count) {
-		struct eco_species *species = &spec->map[spec->map_count];
+	if (!eco_scene_room(at, source->plant_count, sizeof *spec->map, &spec->map))
+		return false;
+	for (uint32_t i = 0; i < source->plant_count; i += source->plants[i].variant_count) {
+		struct eco_species *species = &spec->map[spec->map_count++];
 		*species = (struct eco_species){ strdup(source->plants[i].name), i,
 			source->plants[i].variant_count };
 		if (!species->name)
-			break;
-		spec->map_count++;
+			return eco_json_no_memory(at);
 	}
-	if (!spec->map || (spec->map_count == 0 && source->plant_count > 0))
-		return eco_json_no_memory(at);
 	return keys_differ(at, spec);
 }
 
@@ -178,8 +202,6 @@ static bool parse_species(const struct eco_source *source, const struct eco_json
 {
 	struct eco_json map = eco_json_member(at, "map"), plant = eco_json_member(at, "plant");
 	spec->fallback.plant = ECO_NONE;
-	if (!eco_scene_copy_text(at, "species", ECO_COLUMN_BYTES, &spec->species))
-		return false;
 	if (plant.value) {
 		if (spec->species || map.value)
 			return eco_json_fail(&plant, ECO_BAD_INPUT, "\"plant\" makes every row this plant: "
@@ -195,29 +217,14 @@ static bool parse_species(const struct eco_source *source, const struct eco_json
 
 /* ---- Heights and crowns ---- */
 
-/* Reads "unit" unless the key's name gave it as `unit_m`. */
-static bool parse_unit(const struct eco_json *at, double *unit_m)
+/* *there is false, without an error, if neither "max" nor "rate" is given. */
+static bool rule_is_whole(const struct eco_json *at, const struct eco_allometry *rule, bool *there)
 {
-	if (!eco_scene_parse_unit(at, unit_m))
-		return false;
-	if (*unit_m > 0)
+	*there = rule->max_m > 0 || rule->rate > 0;
+	if (!*there || (rule->max_m > 0 && rule->rate > 0))
 		return true;
-	return eco_json_fail(at, ECO_BAD_INPUT, "\"unit\" is missing: one of " ECO_UNITS);
-}
-
-/* "max", "rate" and "shape"; *there is false, without an error, if neither "max" nor "rate" is given. */
-static bool parse_rule(const struct eco_json *at, struct eco_allometry *rule, bool *there)
-{
-	bool rate = json_object_get(at->value, "rate") != NULL, max = json_object_get(at->value, "max")
-		!= NULL;
-	*there = rate || max;
-	rule->shape = 1;
-	if (*there && !(rate && max))
-		return eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" "
-			"(per mm): h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
-	return eco_json_number(at, "max", 1.3, 1000, &rule->max_m)
-		&& eco_json_number(at, "rate", 1e-9, 1e3, &rule->rate)
-		&& eco_json_number(at, "shape", 0.01, 100, &rule->shape);
+	return eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" "
+		"(per mm): h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
 }
 
 static int compare_rules(const void *a, const void *b)
@@ -234,8 +241,10 @@ static bool parse_per_plant(const struct eco_source *source, const struct eco_js
 	while (eco_json_next(at, &entry)) {
 		struct eco_allometry *rule = &size->rules[size->rule_count];
 		bool there;
+		rule->shape = 1;
 		if (!eco_source_plant_named(source, &entry, entry.key, &rule->plant) ||
-			!eco_scene_object(&entry, rule_fields) || !parse_rule(&entry, rule, &there))
+			!eco_scene_fields(source, &entry, rule_fields, rule) ||
+			!rule_is_whole(&entry, rule, &there))
 			return false;
 		if (!there)
 			return eco_json_required(&entry, "max");
@@ -244,18 +253,16 @@ static bool parse_per_plant(const struct eco_source *source, const struct eco_js
 	return true;
 }
 
-static bool parse_allometry(const struct eco_source *source, const struct eco_json *at, struct eco_size *size)
+static bool parse_allometry(const struct eco_source *source, const struct eco_json *at, struct eco_size *size,
+	const struct eco_allometry *others)
 {
 	struct eco_json per_plant = eco_json_member(at, "per_plant");
 	bool there;
-	size->rules = calloc(json_object_size(per_plant.value) + 1, sizeof *size->rules);
-	if (!size->rules)
-		return eco_json_no_memory(at);
-	if (per_plant.value && !parse_per_plant(source, &per_plant, size))
+	if (!eco_scene_room(at, json_object_size(per_plant.value), sizeof *size->rules, &size->rules)
+			|| (per_plant.value && !parse_per_plant(source, &per_plant, size))
+			|| !rule_is_whole(at, others, &there))
 		return false;
-	size->rules[size->rule_count].plant = ECO_NONE;
-	if (!parse_rule(at, &size->rules[size->rule_count], &there))
-		return false;
+	size->rules[size->rule_count] = *others;
 	size->rule_count += there;
 	qsort(size->rules, size->rule_count, sizeof *size->rules, compare_rules);
 	if (size->rule_count > 0)
@@ -274,34 +281,32 @@ static bool parse_height_object(const struct eco_source *source, const struct ec
 			{ "from_girth", 0, ECO_SIZE_DBH, 1 / M_PI },
 		{ "from_dbh_mm", 0.001, ECO_SIZE_DBH, 1 }, { "from_dbh_cm", 0.01, ECO_SIZE_DBH, 1 },
 		{ "from_dbh_in", 0.0254, ECO_SIZE_DBH, 1 } };
+	enum { SOURCES = sizeof from / sizeof *from };
+	struct eco_height height = { .rule = { .plant = ECO_NONE, .shape = 1 }, .levels = *levels };
 	struct eco_json unit = eco_json_member(at, "unit");
-	uint64_t count = *levels;
-	unsigned kinds = 0, which = 0;
-	if (!eco_scene_object(at, height_fields) || !eco_json_whole(at, "levels", 1, 1024, &count))
-		return false;
-	*levels = (uint32_t)count;
-	for (unsigned i = 0; i < sizeof from / sizeof *from; i++)
+	unsigned kinds = json_object_get(at->value, "value") != NULL, which = SOURCES;
+	bool good = eco_scene_fields(source, at, height_fields, &height);
+	*size = height.size;
+	*levels = height.levels;
+	for (unsigned i = 0; i < SOURCES; i++)
 		if (json_object_get(at->value, from[i].key)) {
 			kinds++;
 			which = i;
 		}
-	if (json_object_get(at->value, "value")) {
-		size->kind = ECO_SIZE_NUMBER;
-		if (kinds++ == 0)
-			return eco_json_number(at, "value", 0.001, 1000, &size->value_m);
-	}
-	if (kinds != 1)
-		return eco_json_fail(at, ECO_BAD_INPUT, "a height comes from exactly one of column, value, "
+	if (!good || kinds != 1)
+		return good && eco_json_fail(at, ECO_BAD_INPUT, "a height comes from exactly one of column, value, "
 			"from_dbh, from_girth, from_dbh_mm, from_dbh_cm, from_dbh_in");
-	if (from[which].kind == ECO_SIZE_DBH && from[which].unit_m > 0 && unit.value)
+	size->kind = which < SOURCES ? from[which].kind : ECO_SIZE_NUMBER;
+	if (size->kind == ECO_SIZE_NUMBER)
+		return true;
+	if (size->kind == ECO_SIZE_DBH && from[which].unit_m > 0 && unit.value)
 		return eco_json_fail(&unit, ECO_BAD_INPUT, "\"%s\" says the unit: leave out \"unit\", or "
 			"write \"from_dbh\"", from[which].key);
-	size->kind = from[which].kind;
 	size->factor = from[which].factor;
-	size->unit_m = from[which].unit_m;
-	return eco_scene_copy_text(at, from[which].key, ECO_COLUMN_BYTES, &size->column)
-		&& parse_unit(at, &size->unit_m)
-		&& (size->kind != ECO_SIZE_DBH || parse_allometry(source, at, size));
+	size->unit_m = unit.value ? size->unit_m : from[which].unit_m;
+	if (size->unit_m == 0)
+		return eco_json_fail(at, ECO_BAD_INPUT, "\"unit\" is missing: one of " ECO_UNITS);
+	return size->kind != ECO_SIZE_DBH || parse_allometry(source, at, size, &height.rule);
 }
 
 static bool parse_height_source(const struct eco_source *source, const struct eco_json *at,
@@ -310,8 +315,7 @@ static bool parse_height_source(const struct eco_source *source, const struct ec
 	struct eco_size *size = &spec->heights[spec->height_count++];
 	if (json_is_string(at->value)) {
 		*size = (struct eco_size){ .kind = ECO_SIZE_COLUMN, .unit_m = 1, .factor = 1 };
-		return eco_json_is_text(at, ECO_COLUMN_BYTES)
-			&& ((size->column = strdup(json_string_value(at->value))) || eco_json_no_memory(at));
+		return eco_scene_copy(at, ECO_COLUMN_BYTES, &size->column);
 	}
 	if (json_is_object(at->value))
 		return parse_height_object(source, at, size, &spec->levels);
@@ -329,70 +333,60 @@ static bool parse_height(const struct eco_source *source, const struct eco_json 
 	struct eco_positions_spec *spec)
 {
 	struct eco_json height = eco_json_member(at, "height_m");
-	bool several = json_is_array(height.value);
-	size_t count = several ? json_array_size(height.value) : 1;
-	uint64_t levels = 0;
-	if (!eco_json_whole(at, "levels", 1, 1024, &levels))
-		return false;
-	spec->levels = (uint32_t)levels;
+	size_t count = eco_scene_several(&height);
 	if (!height.value)
 		return true;
-	if (several && (!eco_json_array(&height, SOURCES_MAX) || count == 0))
+	if (json_is_array(height.value) && !eco_json_array(&height, SOURCES_MAX))
+		return false;
+	if (count == 0)
 		return eco_json_fail(&height, ECO_BAD_INPUT, "an array of heights that is empty");
-	spec->heights = calloc(count, sizeof *spec->heights);
-	if (!spec->heights)
-		return eco_json_no_memory(at);
+	if (!eco_scene_room(at, count, sizeof *spec->heights, &spec->heights))
+		return false;
 	for (size_t i = 0; i < count; i++) {
-		struct eco_json item = several ? eco_json_item(&height, i) : height;
+		struct eco_json item = eco_scene_one(&height, i);
 		if (!parse_height_source(source, &item, spec))
 			return false;
 	}
 	return true;
 }
 
-static bool parse_crown(const struct eco_json *at, struct eco_positions_spec *spec)
+static bool parse_crown(const struct eco_source *source, const struct eco_json *at,
+	struct eco_positions_spec *spec)
 {
-	struct eco_json crown = eco_json_member(at, "crown_m"), is_node;
-	const char *is = NULL;
+	static const char *const kinds[] = { "radius", "diameter", NULL };
+	struct eco_json crown = eco_json_member(at, "crown_m");
+	unsigned diameter = 0;
 	if (!crown.value)
 		return true;
-	spec->crown.unit_m = 1;
-	if (!eco_scene_object(&crown, crown_fields) || !eco_json_required(&crown, "column")
-		|| !eco_json_required(&crown, "is") || !eco_json_text(&crown, "is", 16, &is)
-		|| !eco_scene_copy_text(&crown, "column", ECO_COLUMN_BYTES, &spec->crown.column)
-		|| !eco_scene_parse_unit(&crown, &spec->crown.unit_m))
-		return false;
 	spec->crown.kind = ECO_SIZE_COLUMN;
-	spec->crown.factor = strcmp(is, "diameter") == 0 ? 0.5 : 1;
-	if (strcmp(is, "diameter") == 0 || strcmp(is, "radius") == 0)
-		return true;
-	is_node = eco_json_member(&crown, "is");
-	return eco_json_fail(&is_node, ECO_BAD_INPUT, "\"is\" is \"radius\" or \"diameter\"");
+	spec->crown.unit_m = 1;
+	if (!eco_scene_fields(source, &crown, crown_fields, spec)
+			|| !eco_scene_choice(&crown, "is", kinds, "\"radius\" or \"diameter\"", &diameter))
+		return false;
+	spec->crown.factor = diameter ? 0.5 : 1;
+	return true;
 }
 
 /* ---- The entry ---- */
 
-static bool parse_sign(const struct eco_json *at, const char *key, const char *signs, const char *says,
+static bool parse_sign(const struct eco_json *at, const char *key, const char *const *signs, const char *says,
 	char *sign)
 {
-	struct eco_json node = eco_json_member(at, key);
-	const char *text = NULL;
-	if (!eco_json_text(at, key, 8, &text))
-		return false;
-	if (!text)
-		return true;
-	*sign = *text;
-	if (strlen(text) == 1 && strchr(signs, *text))
-		return true;
-	return eco_json_fail(&node, ECO_BAD_INPUT, "\"%s\" is one of %s", key, says);
+	unsigned which = ECO_NONE;
+	bool good = eco_scene_choice(at, key, signs, says, &which);
+	*sign = which == ECO_NONE ? 0 : *signs[which];
+	return good;
 }
 
 /* The signs of numbers differ. */
 static bool parse_signs(const struct eco_json *at, struct eco_positions_spec *spec)
 {
+	static const char *const parts[] = { ",", ";", "\t", "|", NULL }, *const marks[] = { ".", ",", NULL },
+		says[] = "one of \".\" \",\"";
 	struct eco_json node = eco_json_member(at, "thousands");
-	if (!parse_sign(at, "decimal", ".,", "\".\" \",\"", &spec->decimal)
-			|| !parse_sign(at, "thousands", ".,", "\".\" \",\"", &spec->thousands))
+	if (!parse_sign(at, "separator", parts, "one of \",\" \";\" \"\\t\" \"|\"", &spec->separator)
+			|| !parse_sign(at, "decimal", marks, says, &spec->decimal)
+			|| !parse_sign(at, "thousands", marks, says, &spec->thousands))
 		return false;
 	if (spec->thousands && spec->thousands == spec->decimal)
 		return eco_json_fail(&node, ECO_BAD_INPUT, "\"thousands\" and \"decimal\" are different signs");
@@ -401,100 +395,50 @@ static bool parse_signs(const struct eco_json *at, struct eco_positions_spec *sp
 	return true;
 }
 
-static bool parse_duplicates(const struct eco_json *at, struct eco_positions_spec *spec)
-{
-	struct eco_json node = eco_json_member(at, "duplicates");
-	const char *text = "keep";
-	if (!eco_json_text(at, "duplicates", 8, &text))
-		return false;
-	spec->skip_duplicates = strcmp(text, "skip") == 0;
-	if (spec->skip_duplicates || strcmp(text, "keep") == 0)
-		return true;
-	return eco_json_fail(&node, ECO_BAD_INPUT, "\"duplicates\" is \"keep\" or \"skip\"");
-}
-
-static bool parse_file(const struct eco_source *source, const struct eco_json *at,
+static bool parse_polar(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
-	struct eco_json from = eco_json_member(at, "from");
-	if (!eco_scene_object(at, row_fields))
-		return false;
-	eco_json_place(&from, &spec->line, &spec->column);
-	return eco_scene_parse_path(source, &from, &spec->path)
-		&& eco_scene_copy_text(at, "layer", ECO_COLUMN_BYTES, &spec->layer)
-		&& parse_sign(at, "separator", ",;\t|", "\",\" \";\" \"\\t\" \"|\"", &spec->separator)
-		&& parse_signs(at, spec);
-}
-
-static bool parse_polar(const struct eco_json *at, struct eco_polar *polar)
-{
-	struct eco_json node = eco_json_member(at, "polar"), turn;
+	struct eco_json node = eco_json_member(at, "polar"), turn = eco_json_member(&node, "whole_turn");
+	struct eco_polar *polar = &spec->polar;
 	if (!node.value)
 		return true;
 	polar->unit_m = 1;
 	polar->whole_turn = 360;
-	if (!eco_scene_object(&node, polar_fields) || !eco_json_required(&node, "azimuth")
-			|| !eco_json_required(&node, "distance")
-			|| !eco_scene_copy_text(&node, "azimuth", ECO_COLUMN_BYTES, &polar->azimuth)
-			|| !eco_scene_copy_text(&node, "distance", ECO_COLUMN_BYTES, &polar->distance)
-			|| !eco_scene_parse_unit(&node, &polar->unit_m)
-			|| !eco_json_number(&node, "whole_turn", 360, 400, &polar->whole_turn))
+	if (!eco_scene_fields(source, &node, polar_fields, spec))
 		return false;
-	turn = eco_json_member(&node, "whole_turn");
 	return polar->whole_turn == 360 || polar->whole_turn == 400
 		|| eco_json_fail(&turn, ECO_BAD_INPUT, "\"whole_turn\" is 360 (degrees) or 400 (gon)");
 }
 
-static bool parse_quadrat(const struct eco_json *at, struct eco_quadrat *quadrat)
+/* Pairs go together; "unit" is that of x and y, which a CRS of theirs says. */
+static bool parse_place(const struct eco_source *source, const struct eco_json *at,
+	struct eco_positions_spec *spec)
 {
-	struct eco_json node = eco_json_member(at, "quadrat");
-	if (!node.value)
-		return true;
-	return eco_scene_object(&node, quadrat_fields) && eco_json_required(&node, "column")
-		&& eco_json_required(&node, "size_m") && eco_json_required(at, "x")
-		&& eco_scene_copy_text(&node, "column", ECO_COLUMN_BYTES, &quadrat->column)
-		&& eco_json_number(&node, "size_m", 0.1, 1000, &quadrat->size_m);
-}
-
-/* "unit" of x and y, which a CRS of theirs says. */
-static bool parse_place_unit(const struct eco_json *at, struct eco_positions_spec *spec)
-{
-	struct eco_json unit = eco_json_member(at, "unit");
-	if (!eco_scene_parse_unit(at, &spec->unit_m))
+	struct eco_json unit = eco_json_member(at, "unit"), quadrat = eco_json_member(at, "quadrat");
+	if ((spec->x && !eco_json_required(at, "y"))
+			|| ((spec->y || quadrat.value) && !eco_json_required(at, "x")))
 		return false;
 	if (unit.value && (spec->crs || !spec->x))
 		return eco_json_fail(&unit, ECO_BAD_INPUT, "\"unit\" is that of x and y without a \"crs\", "
 			"which has its own");
-	return true;
-}
-
-static bool parse_place(const struct eco_source *source, const struct eco_json *at,
-	struct eco_positions_spec *spec)
-{
-	if (json_object_get(at->value, "x") && !eco_json_required(at, "y"))
-		return false;
-	if (json_object_get(at->value, "y") && !eco_json_required(at, "x"))
-		return false;
-	return eco_scene_copy_text(at, "x", ECO_COLUMN_BYTES, &spec->x)
-		&& eco_scene_copy_text(at, "y", ECO_COLUMN_BYTES, &spec->y)
-		&& eco_scene_copy_text(at, "z", ECO_COLUMN_BYTES, &spec->z)
-		&& eco_scene_copy_text(at, "vertical", ECO_PATH_BYTES, &spec->vertical)
-		&& eco_scene_parse_crs(source, at, "crs", &spec->crs)
-		&& parse_place_unit(at, spec) && parse_polar(at, &spec->polar)
-		&& parse_quadrat(at, &spec->quadrat);
+	return parse_polar(source, at, spec)
+		&& (!quadrat.value || eco_scene_fields(source, &quadrat, quadrat_fields, spec));
 }
 
 bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
-	if (!parse_file(source, at, spec)
-			|| !eco_scene_copy_text(at, "yaw_deg", ECO_COLUMN_BYTES, &spec->yaw_deg)
-		|| !eco_scene_copy_text(at, "scale", ECO_COLUMN_BYTES, &spec->scale)
-		|| !eco_json_whole(at, "seed", 0, INT64_MAX, &spec->seed) || !parse_duplicates(at, spec)
-		|| !parse_species(source, at, spec) || !parse_height(source, at, spec)
-		|| !parse_crown(at, spec))
+	static const char *const duplicates[] = { "keep", "skip", NULL };
+	struct eco_json from = eco_json_member(at, "from");
+	unsigned skip = 0;
+	eco_json_place(&from, &spec->line, &spec->column);
+	if (!eco_scene_fields(source, at, row_fields, spec) || !parse_signs(at, spec)
+			|| !eco_scene_choice(at, "duplicates", duplicates, "\"keep\" or \"skip\"", &skip))
 		return false;
-	return eco_scene_parse_filters(at, &spec->filters, &spec->filter_count)
+	spec->skip_duplicates = skip;
+	return parse_species(source, at, spec) && parse_height(source, at, spec)
+		&& parse_crown(source, at, spec)
+		&& eco_scene_parse_filters(at, &spec->filters, &spec->filter_count)
 		&& parse_place(source, at, spec);
 }
 
@@ -506,12 +450,10 @@ static void free_size(struct eco_size *size)
 
 void eco_positions_spec_free(struct eco_positions_spec *spec)
 {
-	char *texts[] = { spec->path, spec->layer, spec->x, spec->y, spec->z, spec->crs, spec->vertical,
-		spec->species, spec->yaw_deg, spec->scale, spec->fallback.name, spec->polar.azimuth,
-		spec->polar.distance, spec->quadrat.column };
-
-	for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
-		free(texts[i]);
+	eco_scene_fields_free(row_fields, spec);
+	eco_scene_fields_free(polar_fields, spec);
+	eco_scene_fields_free(quadrat_fields, spec);
+	free(spec->fallback.name);
 	for (uint32_t i = 0; i < spec->map_count; i++)
 		free(spec->map[i].name);
 	for (uint32_t i = 0; i < spec->height_count; i++)

@@ -8,10 +8,20 @@
 #define KINDS_MAX 4096u
 #define DENSITY_MAX 1e8              /* plants a hectare: ten thousand a square metre */
 
-static const char *const scatter_fields[] = { "scatter", "layer", "crs", "density_per_ha", "mix",
-	"density_column", "count_column", "distance_m", "clear_of", "clear_layer", "clear_crs",
-	"clear_m", "only", "skip", "height_m", "seed", NULL };
-static const char *const height_fields[] = { "min", "max", NULL };
+#define FIELD(name, kind, low, high, member) ECO_FIELD(name, kind, low, high, scatter_spec, member)
+static const struct eco_field scatter_fields[] = {
+	FIELD("scatter", PATH, 0, 0, path), FIELD("layer", COLUMN, 0, 0, layer), FIELD("crs", CRS, 0, 0, crs),
+	ECO_OTHER("density_per_ha"), ECO_OTHER("mix"),
+	FIELD("density_column", COLUMN, 0, 0, density_column), FIELD("count_column", COLUMN, 0, 0, count_column),
+	FIELD("distance_m", NUMBER, 0, 1e5, distance_m), FIELD("clear_of", PATH, 0, 0, clear_of),
+	FIELD("clear_layer", COLUMN, 0, 0, clear_layer), FIELD("clear_crs", CRS, 0, 0, clear_crs),
+	FIELD("clear_m", NUMBER, 0, 1e5, clear_m), ECO_OTHER("only"), ECO_OTHER("skip"),
+	ECO_OTHER("height_m"), FIELD("seed", WHOLE, 0, INT64_MAX, seed), ECO_FIELDS_END
+};
+static const struct eco_field height_fields[] = {
+	FIELD("min", NUMBER | ECO_IS_REQUIRED, 0.001, 1000, height_low_m),
+	FIELD("max", NUMBER | ECO_IS_REQUIRED, 0.001, 1000, height_high_m), ECO_FIELDS_END
+};
 
 static bool parse_plant(const struct eco_source *source, const struct eco_json *at,
 	struct eco_scatter_plant *plant)
@@ -35,9 +45,8 @@ static bool parse_plants(const struct eco_source *source, const struct eco_json 
 	if (json_object_size(at->value) == 0)
 		return eco_json_fail(at, ECO_BAD_INPUT, "it names no plant; such as {\"oak\": 120, \"ash\": "
 			"40}");
-	spec->plants = calloc(json_object_size(at->value), sizeof *spec->plants);
-	if (!spec->plants)
-		return eco_json_no_memory(at);
+	if (!eco_scene_room(at, json_object_size(at->value), sizeof *spec->plants, &spec->plants))
+		return false;
 	while (eco_json_next(at, &entry))
 		if (!parse_plant(source, &entry, &spec->plants[spec->plant_count++]))
 			return false;
@@ -49,9 +58,6 @@ static bool parse_numbers(const struct eco_source *source, const struct eco_json
 	struct eco_scatter_spec *spec)
 {
 	struct eco_json density = eco_json_member(at, "density_per_ha"), mix = eco_json_member(at, "mix");
-	if (!eco_scene_copy_text(at, "density_column", ECO_COLUMN_BYTES, &spec->density_column)
-		|| !eco_scene_copy_text(at, "count_column", ECO_COLUMN_BYTES, &spec->count_column))
-		return false;
 	if ((density.value != NULL) + (spec->density_column != NULL) + (spec->count_column != NULL) != 1
 		|| (density.value != NULL) == (mix.value != NULL))
 		return eco_json_fail(at, ECO_BAD_INPUT, "say how many: \"density_per_ha\": {\"oak\": 120, "
@@ -60,7 +66,8 @@ static bool parse_numbers(const struct eco_source *source, const struct eco_json
 	return parse_plants(source, density.value ? &density : &mix, spec);
 }
 
-static bool parse_height(const struct eco_json *at, struct eco_scatter_spec *spec)
+static bool parse_height(const struct eco_source *source, const struct eco_json *at,
+	struct eco_scatter_spec *spec)
 {
 	struct eco_json height = eco_json_member(at, "height_m");
 	spec->height_low_m = spec->height_high_m = NAN;
@@ -72,24 +79,11 @@ static bool parse_height(const struct eco_json *at, struct eco_scatter_spec *spe
 		spec->height_high_m = spec->height_low_m;
 		return true;
 	}
-	if (!eco_scene_object(&height, height_fields) || !eco_json_required(&height, "min")
-			|| !eco_json_required(&height, "max")
-		|| !eco_json_number(&height, "min", 0.001, 1000, &spec->height_low_m)
-		|| !eco_json_number(&height, "max", 0.001, 1000, &spec->height_high_m))
+	if (!eco_scene_fields(source, &height, height_fields, spec))
 		return false;
 	if (spec->height_low_m <= spec->height_high_m)
 		return true;
 	return eco_json_fail(&height, ECO_BAD_INPUT, "\"min\" is greater than \"max\"");
-}
-
-static bool parse_clear(const struct eco_source *source, const struct eco_json *at,
-	struct eco_scatter_spec *spec)
-{
-	struct eco_json clear_of = eco_json_member(at, "clear_of");
-	return (!clear_of.value || eco_scene_parse_path(source, &clear_of, &spec->clear_of))
-		&& eco_scene_copy_text(at, "clear_layer", ECO_COLUMN_BYTES, &spec->clear_layer)
-		&& eco_scene_parse_crs(source, at, "clear_crs", &spec->clear_crs)
-		&& eco_json_number(at, "clear_m", 0, 1e5, &spec->clear_m);
 }
 
 bool eco_scene_parse_scatter(const struct eco_source *source, const struct eco_json *at,
@@ -97,22 +91,14 @@ bool eco_scene_parse_scatter(const struct eco_source *source, const struct eco_j
 {
 	struct eco_json where = eco_json_member(at, "scatter");
 	eco_json_place(&where, &spec->line, &spec->column);
-	return eco_scene_object(at, scatter_fields) && eco_scene_parse_path(source, &where, &spec->path)
-		&& eco_scene_copy_text(at, "layer", ECO_COLUMN_BYTES, &spec->layer)
-		&& eco_scene_parse_crs(source, at, "crs", &spec->crs) && parse_numbers(source, at, spec)
-		&& eco_json_number(at, "distance_m", 0, 1e5, &spec->distance_m)
-		&& parse_clear(source, at, spec)
-		&& eco_scene_parse_filters(at, &spec->filters, &spec->filter_count) && parse_height(at, spec)
-		&& eco_json_whole(at, "seed", 0, INT64_MAX, &spec->seed);
+	return eco_scene_fields(source, at, scatter_fields, spec) && parse_numbers(source, at, spec)
+		&& eco_scene_parse_filters(at, &spec->filters, &spec->filter_count)
+		&& parse_height(source, at, spec);
 }
 
 void eco_scatter_spec_free(struct eco_scatter_spec *spec)
 {
-	char *texts[] = { spec->path, spec->layer, spec->crs, spec->density_column, spec->count_column,
-		spec->clear_of, spec->clear_layer, spec->clear_crs };
-
-	for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
-		free(texts[i]);
+	eco_scene_fields_free(scatter_fields, spec);
 	eco_filters_free(spec->filters, spec->filter_count);
 	free(spec->plants);
 	*spec = (struct eco_scatter_spec){ .path = NULL };

@@ -163,7 +163,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{'origin': [1, 1e300, 3]}", ":1:16:", "between" },
 	{ "{'tile': {'instances': 0}}", ":1:24:", "between 1 and 65536" },
 	{ "{'tile': {'instances': 1.5}}", ":1:24:", "whole number" },
-	{ "{'ground': {'crs': 'EPSG:1'}}", ":1:12:", "\"heights\" is missing" },
+	{ "{'ground': {'band': 1}}", ":1:12:", "\"heights\" is missing" },
 	{ "{'ground': {'heights': 'a', 'crs': 'EPSG:1'}}", ":1:36:", "add \"crs\": \"EPSG:1\"" },
 	{ "{'ground': {'heights': []}}", ":1:24:", "names no raster" },
 	{ "{'ground': {'heights': ['a', 3]}}", ":1:30:", "must be a text" },

@@ -37,7 +37,6 @@ struct eco_ground_image_source {
 	double corner[2], pixel[2];              /* as in struct eco_ground_source */
 	double texel_m;                          /* the least width of a texel; 0: the rasters' */
 };
-void eco_ground_image_source_free(struct eco_ground_image_source *source);
 
 struct eco_ground_image_options {
 	const struct eco_ground_image_source *source;

@@ -247,13 +247,3 @@ enum eco_code eco_ground_image_close(struct eco_ground_image_reader *r, struct e
 	free(r);
 	return code;
 }
-
-void eco_ground_image_source_free(struct eco_ground_image_source *source)
-{
-	for (uint32_t i = 0; i < source->file_count; i++)
-		free(source->files[i]);
-	free(source->files);
-	free(source->crs);
-	free(source->classes);
-	*source = (struct eco_ground_image_source){ .files = NULL };
-}
