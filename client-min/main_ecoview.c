@@ -12,7 +12,7 @@
 #include "client-min/view_options.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
-#include "ecofiles/base/json_memory.h"
+#include "ecofiles/base/json_read.h"
 #include "ecofiles/base/options.h"
 #include "ecofiles/format/chunk/draco_shim.h"
 #include "ecofiles/format/image.h"

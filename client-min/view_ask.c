@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "client-min/view_ground.h"
-#include "ecofiles/base/csv.h"
-#include "ecofiles/base/file_write.h"
+#include "ecofiles/base/text.h"
+#include "ecofiles/base/files.h"
 
 /* ---- The scene's place ---- */
 

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/file_write.h"
-#include "ecofiles/base/json_memory.h"
+#include "ecofiles/base/files.h"
+#include "ecofiles/base/json_read.h"
 #include "ecofiles/base/module.h"
 
 #define DIGITS 12 /* of numbers: a degree's ninth is a tenth of a millimetre */

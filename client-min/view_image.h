@@ -1,13 +1,13 @@
 /* The image on the ground as a plan shows it: a colour for each place.
  *
  * Light asks for the colour under a pixel; nothing that draws the ground's triangles knows
- * of it. Tiles do not overlap (ecofiles/format/ground_image.h), and levels that are held are mip levels. A
+ * of it. Tiles do not overlap (ecofiles/format/ground_tile.h), and levels that are held are mip levels. A
  * texel beside a tile's border is mixed with that of the next tile, whatever its level. */
 #ifndef VIEW_IMAGE_H
 #define VIEW_IMAGE_H
 
 #include "client-min/view_store.h"
-#include "ecofiles/format/ground_image.h"
+#include "ecofiles/format/ground_tile.h"
 
 /* levels: of its parts, that are shown */
 struct view_image_tile { const struct view_list *list; uint32_t levels; };

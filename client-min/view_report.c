@@ -1,7 +1,7 @@
 #include "client-min/view_report.h"
 #include "client-min/draw/view_shader.h"
-#include "ecofiles/base/file_write.h"
-#include "ecofiles/base/json_memory.h"
+#include "ecofiles/base/files.h"
+#include "ecofiles/base/json_read.h"
 #include "ecofiles/base/array_grow.h"
 
 #include <errno.h>

@@ -2,7 +2,7 @@
 
 #include <jansson.h>
 
-#include "ecofiles/format/ground_image.h"
+#include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/inventory.h"
 #include "ecofiles/format/wire.h"
 #include "lod/eye.h"

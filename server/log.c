@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 #include "server/request/json.h"
 
 #define TARGET_BYTES 400u

@@ -12,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "ecofiles/base/data_path.h"
+#include "ecofiles/base/module.h"
 #include "ecofiles/base/options_file.h"
 #include "server/access.h"
 #include "server/daemon.h"

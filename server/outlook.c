@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/cluster.h"
+#include "ecofiles/base/geometry.h"
 #include "ecofiles/format/plan.h"
 
 #define SQUARE_M 200.0

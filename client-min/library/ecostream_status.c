@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/base/version.h"
 
 _Static_assert((int)ECOSTREAM_BAD_USAGE == (int)ECO_BAD_USAGE && (int)ECOSTREAM_DAMAGED == (int)ECO_DAMAGED

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "client-min/view_reference.h"
-#include "ecofiles/base/file_write.h"
+#include "ecofiles/base/files.h"
 
 /* ---- Columns ---- */
 

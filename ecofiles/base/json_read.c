@@ -1,14 +1,17 @@
+#include "ecofiles/base/json_read.h"
+
+#include <jansson.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/text.h"
+
 /* The position of a value is found again from its path of ordinal numbers: jansson keeps members in the
  * order of the text, and duplicate keys are refused, so that the n-th member of an object is the n-th key
  * written, whatever its escapes. jansson has accepted the text before, so the scanner below only skips and
  * never judges; the text's end bounds it all the same. */
-#include "ecofiles/base/json_read.h"
-
-#include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
-
-#include "ecofiles/base/phrase.h"
 
 #define DEPTH_MAX 32
 
@@ -385,3 +388,19 @@ bool eco_json_text(const struct eco_json *object, const char *key, size_t bytes_
 	*out = json_string_value(at.value);
 	return true;
 }
+
+static _Thread_local bool lost;
+
+static void *allocate(size_t size)
+{
+	void *room = malloc(size);
+	lost = lost || !room;
+	return room;
+}
+
+void eco_json_watch(void)
+{
+	json_set_alloc_funcs(allocate, free);
+}
+
+bool eco_json_lost(void) { return lost; }

@@ -1,15 +1,15 @@
-/* Modules are loaded by dlopen, once each, under one lock. The lock is also held while a process forks, so
- * that no child (guard.h) begins while another thread is half way through loading a library. */
 #include "ecofiles/base/module.h"
 
 #include <dlfcn.h>
 #include <limits.h>
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "ecofiles/base/data_path.h"
+/* Modules are loaded by dlopen, once each, under one lock. The lock is also held while a process forks, so
+ * that no child (guard.h) begins while another thread is half way through loading a library. */
 
 static const struct { const char *file, *symbol, *for_what, *package; } modules[ECO_MODULE_COUNT] = {
 	[ECO_MODULE_ASSIMP] = { "ecoassimp.so", "eco_assimp_module", "models other than OBJ and glTF",
@@ -72,4 +72,20 @@ const void *eco_module(enum eco_module module, struct eco_error *error)
 	const void *table = loaded[module];
 	unlock();
 	return table;
+}
+
+bool eco_data_path(const char *const *at, const char *file, char path[PATH_MAX])
+{
+	char folder[PATH_MAX];
+	ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - 1);
+	folder[length > 0 ? length : 0] = 0;
+	char *slash = strrchr(folder, '/');
+	if (!slash)
+		return false;
+	*slash = 0;
+	for (; *at; at++)
+		if (snprintf(path, PATH_MAX, "%s%s/%s", folder, *at, file) < PATH_MAX
+				&& access(path, F_OK) == 0)
+			return true;
+	return false;
 }

@@ -15,10 +15,6 @@
 #ifndef ECO_MODULE_H
 #define ECO_MODULE_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 #include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -26,6 +22,12 @@ extern "C" {
 #include <stdio.h>
 
 #include "ecofiles/base/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+
 
 #define ECO_MODULES_VARIABLE "ECO_MODULES"
 
@@ -160,5 +162,13 @@ struct eco_proj_module {                 /* eco_proj_module */
 #ifdef __cplusplus
 }
 #endif
+
+/* Files that belong to a program: in the build tree beside its executable, installed where `make install`
+ * puts them. Both are looked for from the executable's own folder, so that a tree may be moved. */
+
+/* Writes to `path` the first of `places` in which `file` is. A place is a path from the executable's folder:
+ * "", or "/" and what follows; the last one is followed by NULL. False where it is in none, or /proc is not
+ * there. */
+bool eco_data_path(const char *const *places, const char *file, char path[PATH_MAX]);
 
 #endif

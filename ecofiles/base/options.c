@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/base/version.h"
 
 #define HELP_COLUMN_MIN 18u

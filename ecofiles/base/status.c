@@ -1,6 +1,6 @@
 /* One table of codes, so that printed texts, names of problem documents and exit statuses agree. */
 #include "ecofiles/base/status.h"
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ecofiles/base/phrase.h"
 
 static const struct {
 	const char *name;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 
 #define TEXT_BYTES 1024u
 

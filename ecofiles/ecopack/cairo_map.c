@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "ecofiles/base/module.h"
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/cairo_map.h"
 
 #define SIDE_MAX 16384.0

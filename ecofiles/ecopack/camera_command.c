@@ -4,7 +4,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "ecofiles/base/file_write.h"
+#include "ecofiles/base/files.h"
 #include "ecofiles/base/guard.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/run.h"

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/ecopack/inspect.h"
-#include "ecofiles/format/ground_image.h"
+#include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/format/texture.h"
 #include "lod/build/grid.h"

@@ -18,7 +18,7 @@
 #include "ecofiles/base/version.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/ecopack/run.h"
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 #include "lod/build/summary.h"
 
 #define ORIGIN_MOST 1e9          /* as in scene files */

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "ecofiles/base/guard.h"
-#include "ecofiles/base/json_memory.h"
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/json_read.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/format/chunk/draco_shim.h"
 #include "ecofiles/generate/generate.h"
 #include "ecofiles/ecopack/command.h"

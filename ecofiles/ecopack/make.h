@@ -22,7 +22,7 @@
 #include "ecofiles/ecopack/cache.h"
 #include "ecofiles/format/inventory.h"
 #include "ecofiles/format/texture.h"
-#include "ecofiles/base/string_pool.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/scene/scene.h"
 #include "lod/build/plant.h"
 #include "lod/build/texture.h"

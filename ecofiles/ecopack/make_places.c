@@ -9,7 +9,7 @@
 
 #include "ecofiles/base/angle16.h"
 #include "ecofiles/base/array_grow.h"
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/size_units.h"

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/base/angle16.h"
 #include "ecofiles/format/pack_record.h"

@@ -13,7 +13,6 @@
 #include <string.h>
 
 #include "ecofiles/base/array_grow.h"
-#include "ecofiles/base/string_pool.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/scene/scene.h"
 

@@ -12,7 +12,7 @@
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/places/areas.h"
 #include "ecofiles/ecopack/run.h"
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/base/array_grow.h"
 
 #define EXPANDED_MAX 4000000u    /* plants of nested files drawn one by one */

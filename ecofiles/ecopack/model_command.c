@@ -7,14 +7,13 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/scene/scene.h"
-#include "ecofiles/base/utf8.h"
 #include "lod/build/organ/organ.h"
 
 #define FILES_MAX 64u

@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 #include "ecofiles/base/guard.h"
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 
 #define BAR 28
 #define TELLING_S 3              /* a stage tells what is left from then on */

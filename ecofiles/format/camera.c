@@ -266,8 +266,7 @@ enum eco_code eco_camera_load(struct eco_camera **camera, const char *path, stru
 		return eco_fail_read(error, path, errno);
 	enum eco_code code = read_file(file, path, &text, &size, error);
 	fclose(file);
-	if (!code)
-		code = eco_camera_parse(camera, text, size, path, error);
+	code = code ? code : eco_camera_parse(camera, text, size, path, error);
 	free(text);
 	return code;
 }

@@ -8,9 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "ecofiles/format/image_jpeg.h"
-#include "ecofiles/format/image_png.h"
-#include "ecofiles/base/file_write.h"
+#include "ecofiles/base/files.h"
 #include "ecofiles/base/module.h"
 
 static enum eco_code decode(struct eco_image *image, const char *name, const void *bytes, size_t size,

@@ -1,5 +1,5 @@
 /* libjpeg reports errors by a function that must not return: it leaves by longjmp. */
-#include "ecofiles/format/image_jpeg.h"
+#include "ecofiles/format/image.h"
 
 #include <setjmp.h>
 #include <stdio.h>

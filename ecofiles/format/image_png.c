@@ -1,6 +1,6 @@
 /* libpng reports errors by longjmp: everything that must be freed lives in one struct, outside the frame
  * that is left. */
-#include "ecofiles/format/image_png.h"
+#include "ecofiles/format/image.h"
 
 #include <assert.h>
 #include <png.h>

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/base/string_pool.h"
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/format/chunk/chunk_columns.h"
 
 enum { SPECIES, FILE_NAME, ROW, LINE, COLUMNS };

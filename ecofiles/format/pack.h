@@ -197,7 +197,7 @@ struct eco_ground_tile {
 	float low_m, high_m;         /* z in the scene of the finest ground in it */
 };
 
-/* A tile of the picture on the ground (ground_image.h). The tiles are a quadtree: the first is the root;
+/* A tile of the picture on the ground (ground_tile.h). The tiles are a quadtree: the first is the root;
  * children follow their parents, four each, level by level: south-west, south-east, north-west,
  * north-east. */
 struct eco_ground_image {
@@ -256,7 +256,7 @@ struct eco_pack {
 
 /* Opens and checks everything but the payloads; eco_pack_payload checks the hash of each. */
 enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco_error *error);
-/* The same of a private copy in `folder` (ecofiles/base/private_copy.h): the pack stays what it is,
+/* The same of a private copy in `folder` (ecofiles/base/files.h): the pack stays what it is,
  * whatever is done to the file meanwhile. ECO_INTERRUPTED: *cancelled was set while it was copied. */
 enum eco_code eco_pack_open_private(struct eco_pack **pack, const char *path, const char *folder,
 	const atomic_bool *cancelled, struct eco_error *error);

@@ -10,7 +10,6 @@
 
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/chunk/chunk_payload.h"
-#include "ecofiles/format/ground_image.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/impostor.h"
 #include "ecofiles/format/inventory.h"

@@ -12,7 +12,7 @@
 
 #include <xxhash.h>
 
-#include "ecofiles/base/private_copy.h"
+#include "ecofiles/base/files.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"
 
@@ -103,8 +103,7 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 		if (r.failed)
 			return BAD("section record %u does not end with zero", i);
 		code = check_section(&s, last_kind, at, file_size, error);
-		if (!code)
-			code = check_bytes(map, &s, at, error);
+		code = code ? code : check_bytes(map, &s, at, error);
 		if (!code) {
 			o->sections[s.kind] = s;
 			last_kind = s.kind;
@@ -180,12 +179,9 @@ static enum eco_code open_bytes(struct eco_pack **pack, const uint8_t *bytes, si
 	o->pack.file = -1;
 	o->mapped = mapped;
 	enum eco_code code = read_frame(o, error);
-	if (!code)
-		code = read_tables(o, error);
-	if (!code)
-		code = check_chunk_data(o, error);
-	if (!code)
-		code = eco_scene_check(&o->pack.scene, error);
+	code = code ? code : read_tables(o, error);
+	code = code ? code : check_chunk_data(o, error);
+	code = code ? code : eco_scene_check(&o->pack.scene, error);
 	if (code)
 		eco_pack_close(&o->pack);
 	else
@@ -232,8 +228,7 @@ static enum eco_code open_file(struct eco_pack **pack, const char *path, const c
 			"%s%s", path, strerror(errno), eco_advice_read(errno));
 	enum eco_code code = map_file(&map, &size, file, &copy, path, copies, cancelled, error);
 	close(file);
-	if (!code)
-		code = open_bytes(pack, map, size, true, &inner);
+	code = code ? code : open_bytes(pack, map, size, true, &inner);
 	if (!code)
 		(*pack)->file = copy;
 	else if (copy >= 0)

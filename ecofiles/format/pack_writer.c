@@ -15,7 +15,7 @@
 #include <xxhash.h>
 
 #include "ecofiles/base/array_grow.h"
-#include "ecofiles/base/unfinished.h"
+#include "ecofiles/base/files.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"
 
@@ -60,24 +60,6 @@ static enum eco_code write_all(int file, const char *path, const void *bytes, si
 		size -= (size_t)written;
 	}
 	return ECO_OK;
-}
-
-static enum eco_code open_spool(struct eco_pack_writer *w, struct eco_error *error)
-{
-	char *name = NULL;
-	w->spool = open(w->folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-	if (w->spool >= 0)
-		return ECO_OK;
-	/* Not every file system has nameless files. */
-	if (asprintf(&name, "%s-payloads", w->temporary) < 0)
-		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", w->path);
-	w->spool = open(name, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
-	if (w->spool < 0)
-		io_failed(name, "create", error);
-	else
-		unlink(name);
-	free(name);
-	return w->spool < 0 ? ECO_IO : ECO_OK;
 }
 
 static enum eco_code read_spool(const struct eco_pack_writer *w, uint64_t offset, uint8_t *bytes, size_t size,
@@ -153,7 +135,9 @@ enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path,
 			"elsewhere, or remove it first", path);
 	} else {
 		code = open_unfinished(w, error);
-		code = code ? code : open_spool(w, error);
+		w->spool = code ? -1 : eco_file_nameless(w->folder);
+		if (!code && w->spool < 0)
+			code = io_failed(w->folder, "create a file in it", error);
 	}
 	if (code) {
 		eco_pack_abort(w);
@@ -295,9 +279,8 @@ static enum eco_code add_form_chunks(struct eco_pack_writer *w, const struct eco
 		uint8_t *bytes = NULL;
 		size_t size = 0;
 		enum eco_code code = eco_chunk_encode_form(&input, list, forms, &bytes, &size, error);
-		if (!code)
-			code = add_chunk(w, bytes, size, ends[i] - first,
-				count_primitives(forms, first, ends[i]), error);
+		code = code ? code : add_chunk(w, bytes, size, ends[i] - first,
+			count_primitives(forms, first, ends[i]), error);
 		free(bytes);
 		if (code)
 			return code;
@@ -343,8 +326,7 @@ enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco
 			writer->list_count, last, elements->element_count);
 	enum eco_code code = form ? add_form_chunks(writer, list, elements, partner_elements, ends, end_count,
 		error) : add_plain_chunks(writer, list, elements, ends, end_count, error);
-	if (!code)
-		code = add_list(writer, list, chunk_first, list_id, error);
+	code = code ? code : add_list(writer, list, chunk_first, list_id, error);
 	for (int axis = 0; axis < 3 && !code && elements->exact; axis++)
 		writer->lists[*list_id].grid_step[axis] /= 1 << ECO_EXACT_SHIFT;
 	return code;
@@ -469,8 +451,7 @@ enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list
 		uint8_t *bytes = malloc(chunk->size_bytes);
 		code = !bytes ? eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", writer->path)
 			: read_spool(writer, chunk->offset, bytes, chunk->size_bytes, error);
-		if (!code)
-			code = join_chunk(points, list, chunk, i, bytes, error);
+		code = code ? code : join_chunk(points, list, chunk, i, bytes, error);
 		free(bytes);
 	}
 	if (code)
@@ -659,12 +640,9 @@ enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_s
 	if (whole.place_count > UINT32_MAX)
 		code = eco_fail(error, ECO_TOO_LARGE, "%s: %llu places, at most %u fit in a pack",
 			writer->path, (unsigned long long)whole.place_count, UINT32_MAX);
-	if (!code)
-		code = eco_scene_check(&whole, error);
-	if (!code)
-		code = write_file(writer, &whole, meta_json, error);
-	if (!code)
-		code = publish(writer, error);
+	code = code ? code : eco_scene_check(&whole, error);
+	code = code ? code : write_file(writer, &whole, meta_json, error);
+	code = code ? code : publish(writer, error);
 	eco_pack_abort(writer);
 	return code;
 }

@@ -190,12 +190,9 @@ static enum eco_code check_cut(const struct eco_plan *plan, uint32_t i, struct e
 enum eco_code eco_plan_check(const struct eco_plan *plan, struct eco_error *error)
 {
 	enum eco_code code = check_head(plan, error);
-	if (!code)
-		code = check_placements(plan, error);
-	if (!code)
-		code = check_runs(plan, error);
-	if (!code)
-		code = check_gates(plan, error);
+	code = code ? code : check_placements(plan, error);
+	code = code ? code : check_runs(plan, error);
+	code = code ? code : check_gates(plan, error);
 	for (uint32_t i = 0; !code && i < plan->cut_count; i++) {
 		code = check_cut(plan, i, error);
 		if (!code && i && cut_order(&plan->cuts[i - 1], &plan->cuts[i]) >= 0)

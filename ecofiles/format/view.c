@@ -78,10 +78,8 @@ void eco_request_snap(struct eco_request *request, double step_m)
 enum eco_code eco_view_check(const struct eco_view *view, struct eco_error *error)
 {
 	enum eco_code code = check_vector(view->eye, "eye", error);
-	if (!code)
-		code = check_vector(view->target, "target", error);
-	if (!code)
-		code = check_vector(view->up, "up", error);
+	code = code ? code : check_vector(view->target, "target", error);
+	code = code ? code : check_vector(view->up, "up", error);
 	if (code)
 		return code;
 	if (view->eye[0] == view->target[0] && view->eye[1] == view->target[1]

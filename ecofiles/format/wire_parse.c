@@ -13,7 +13,7 @@
 
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/ground_tile.h"
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 
 #define BAD(...) eco_fail(e, ECO_DAMAGED, __VA_ARGS__)
 
@@ -330,8 +330,7 @@ static enum eco_code read_plan(struct eco_wire_parser *p, struct eco_reader *r, 
 	if (code)
 		return code;
 	code = whole(r, e);
-	if (!code)
-		code = check_plan_ids(p, &plan, e);
+	code = code ? code : check_plan_ids(p, &plan, e);
 	p->planned = true;
 	p->vertices = plan.vertices;
 	if (!code && p->events.plan)

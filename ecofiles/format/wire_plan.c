@@ -574,10 +574,8 @@ enum eco_code eco_wire_read_plan(struct eco_reader *r, struct eco_plan *plan, st
 	if (!bytes || size == 0)
 		return eco_fail(error, ECO_DAMAGED, "the plan ends early: it has %zu bytes", size);
 	enum eco_code code = read_fields(bytes, size, plan, error);
-	if (!code)
-		code = eco_plan_check(plan, error);
-	if (!code)
-		code = check_spelling(bytes, size, plan, error);
+	code = code ? code : eco_plan_check(plan, error);
+	code = code ? code : check_spelling(bytes, size, plan, error);
 	if (code)
 		eco_plan_free(plan);
 	return code;

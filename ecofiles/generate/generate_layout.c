@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "ecofiles/base/file_write.h"
+#include "ecofiles/base/files.h"
 #include "ecofiles/base/module.h"
 #include "ecofiles/generate/generate_plants.h"
 

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/file_write.h"
+#include "ecofiles/base/files.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/angle16.h"

@@ -8,7 +8,7 @@
 
 #include "ecofiles/base/random.h"
 #include "ecofiles/scene/scene_parse.h"
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 
 #define INSTANCES_MAX (1u << 24)
 #define HEIGHT_MAX_M 1000.0
@@ -143,7 +143,7 @@ static bool parse_document(struct eco_source *source, const struct eco_json *top
 		&& parse_children(source, top);
 }
 
-enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, size_t size, const char *path,
+enum eco_code eco_source_parse(struct eco_source *source, const char *json, size_t size, const char *path,
 	bool on_disk, struct eco_error *error)
 {
 	struct eco_error local = { .code = ECO_OK };
@@ -165,12 +165,6 @@ enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, s
 		return ECO_OK;
 	eco_source_free(source);
 	return file.error->code;
-}
-
-enum eco_code eco_source_parse(struct eco_source *source, const char *json, size_t size, const char *path,
-	struct eco_error *error)
-{
-	return eco_source_parse_as(source, json, size, path, false, error);
 }
 
 struct eco_frame eco_source_frame(const struct eco_source *s)

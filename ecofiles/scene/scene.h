@@ -87,10 +87,10 @@ struct eco_sources {
 enum eco_code eco_sources_load(struct eco_sources *sources, const char *path, struct eco_error *error);
 void eco_sources_free(struct eco_sources *sources);
 
-/* Parses one document from memory; `path` is its name in messages and the base of its relative paths.
- * Touches no file. */
+/* Parses one document from memory; `path` is its name in messages and the base of its relative paths. Looks for
+ * the files that it names if it is `on_disk`; else touches no file. */
 enum eco_code eco_source_parse(struct eco_source *source, const char *json, size_t size, const char *path,
-	struct eco_error *error);
+	bool on_disk, struct eco_error *error);
 void eco_source_free(struct eco_source *source);
 
 /* The frame that inventories are converted to; lives as long as the source. */

@@ -1,7 +1,7 @@
 /* Fields that several parts of a scene file have: paths, CRSs, units, texts to keep. */
 #include "ecofiles/base/confine.h"
 #include "ecofiles/scene/scene_parse.h"
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -37,7 +37,7 @@ static bool check_notes(const struct eco_json *at)
 
 /* ---- Paths ---- */
 
-bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json *at, char **path)
+static bool parse_path(const struct eco_source *source, const struct eco_json *at, char **path)
 {
 	if (!eco_json_is_text(at, ECO_PATH_BYTES))
 		return false;
@@ -69,7 +69,7 @@ bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_jso
 		return false;
 	for (size_t i = 0; i < size; i++) {
 		struct eco_json item = eco_scene_one(at, i);
-		if (!eco_scene_parse_path(source, &item, &(*paths)[(*count)++]))
+		if (!parse_path(source, &item, &(*paths)[(*count)++]))
 			return false;
 	}
 	return true;
@@ -156,7 +156,7 @@ static bool parse_field(const struct eco_source *source, const struct eco_json *
 	case ECO_IS_COLUMN: return eco_scene_copy(&node, ECO_COLUMN_BYTES, to);
 	case ECO_IS_TEXT: return eco_scene_copy(&node, ECO_PATH_BYTES, to);
 	case ECO_IS_CRS: return parse_crs(source, &node, to);
-	case ECO_IS_PATH: return eco_scene_parse_path(source, &node, to);
+	case ECO_IS_PATH: return parse_path(source, &node, to);
 	case ECO_IS_UNIT: return parse_unit(&node, to);
 	case ECO_IS_NUMBERS:
 		return eco_json_numbers(at, f->name, 2, f->bytes / sizeof(double), f->low, f->high, to);

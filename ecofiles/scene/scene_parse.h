@@ -42,8 +42,6 @@ bool eco_scene_fields(const struct eco_source *source, const struct eco_json *at
 	void *to);
 void eco_scene_fields_free(const struct eco_field *fields, void *of);
 
-/* As ECO_IS_PATH; false after an error at `at`. */
-bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json *at, char **path);
 /* Reads one path, or an array of up to `most`; errors name `what`. On failure *paths holds the *count paths
  * read so far. */
 bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_json *at, const char *what,
@@ -79,9 +77,6 @@ bool eco_source_plant_named(const struct eco_source *source, const struct eco_js
 	uint32_t *plant);
 /* The plant that a text names. */
 bool eco_source_plant_of(const struct eco_source *source, const struct eco_json *at, uint32_t *plant);
-
-enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, size_t size, const char *path,
-	bool on_disk, struct eco_error *error);
 
 /* "only" and "skip" of an entry (scene_rows.c). On failure they hold the part read so far. */
 bool eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count);

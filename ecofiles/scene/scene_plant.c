@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 
 #define PLANTS_MAX 65536u
 #define VARIANTS_MAX 256u

@@ -78,8 +78,7 @@ static enum eco_code add_source(struct walk *walk, const char *path, char *real,
 	size_t size = 0;
 	*index = sources->count;
 	enum eco_code code = read_text(path, &text, &size, walk->error);
-	if (!code)
-		code = eco_source_parse_as(&sources->items[*index], text, size, path, true, walk->error);
+	code = code ? code : eco_source_parse(&sources->items[*index], text, size, path, true, walk->error);
 	free(text);
 	if (code) {
 		free(real);
@@ -180,8 +179,7 @@ static enum eco_code load(struct walk *walk, const char *path)
 	if (!real)
 		return eco_fail_read(walk->error, path, errno);
 	enum eco_code code = add_source(walk, path, real, &root);
-	if (!code)
-		code = walk_source(walk, root);
+	code = code ? code : walk_source(walk, root);
 	return code == ECO_OK ? order_sources(walk) : code;
 }
 

@@ -18,7 +18,7 @@
 #define LOD_TEXTURE_H
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/format/ground_image.h"
+#include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/format/texture.h"
 

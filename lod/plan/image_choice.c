@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "ecofiles/format/ground_image.h"
+#include "ecofiles/format/ground_tile.h"
 #include "lod/ground_choice.h"
 #include "lod/plan/byte_price.h"
 #include "lod/plan/visibility.h"

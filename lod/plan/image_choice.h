@@ -1,4 +1,4 @@
-/* How much of the ground's image a plan shows (ecofiles/format/ground_image.h).
+/* How much of the ground's image a plan shows (ecofiles/format/ground_tile.h).
  *
  *   lod_image_see(&image, scene, &eye, &view, texel_px, &error);    once a request: tiles in view
  *   lod_image_bytes(&image, scene, holdings, price)                 what comes at a price of bytes

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 
 #define FIGURE 9
 #define DIGITS 15                /* any decimal of so many survives a double */

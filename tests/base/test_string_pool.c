@@ -2,9 +2,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/base/status.h"
-#include "ecofiles/base/string_pool.h"
+#include "ecofiles/base/array_grow.h"
 #include "tests/support/unit_test.h"
 
 UNIT_TEST(equal_texts_have_one_number)

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/csv.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/format/image.h"
 #include "tests/bench/bench_state.h"
 

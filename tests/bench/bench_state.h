@@ -20,7 +20,7 @@
 
 #include <stdarg.h>
 
-#include "ecofiles/base/file_write.h"
+#include "ecofiles/base/files.h"
 #include "tests/bench/bench.h"
 
 struct bench_state {

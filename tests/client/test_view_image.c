@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "client-min/view_image.h"
-#include "ecofiles/format/ground_image.h"
+#include "ecofiles/format/ground_tile.h"
 #include "lod/light.h"
 #include "tests/support/unit_test.h"
 

@@ -1,5 +1,5 @@
 /* JPEG: texels are those of OpenImageIO, which is asked only where libjpeg refuses. */
-#include "ecofiles/format/image_jpeg.h"
+#include "ecofiles/format/image.h"
 
 #include <stdio.h>
 #include <stdlib.h>

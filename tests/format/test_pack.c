@@ -345,13 +345,13 @@ static void put_file(const char *path)
 
 UNIT_TEST(what_a_killed_process_left_goes_with_the_next_pack)
 {
-	static const char *const left[] = { PATH ".tmp-1", PATH ".tmp-99999999", PATH ".tmp-12-payloads" },
+	static const char *const left[] = { PATH ".tmp-1", PATH ".tmp-99999999" },
 		*const kept[] = { PATH ".tmp-backup", PATH ".tmp-", PATH ".tmp-7.old",
 		FOLDER "/other.eco.tmp-1", PATH ".tmp-3" };
 	struct scene_builder p;
 	struct eco_error error = { 0 };
 	empty_folder();
-	for (size_t i = 0; i < 3; i++)
+	for (size_t i = 0; i < sizeof left / sizeof *left; i++)
 		put_file(left[i]);
 	for (size_t i = 0; i < 5; i++)
 		put_file(kept[i]);
@@ -359,7 +359,7 @@ UNIT_TEST(what_a_killed_process_left_goes_with_the_next_pack)
 	assert_int_equal(flock(running, LOCK_EX), 0);        /* another process writes it */
 	if (small_pack_write(&p, PATH, NULL, &error))
 		fail_msg("%s", error.text);
-	for (size_t i = 0; i < 3; i++)
+	for (size_t i = 0; i < sizeof left / sizeof *left; i++)
 		assert_int_equal(access(left[i], F_OK), -1);
 	for (size_t i = 0; i < 5; i++)
 		assert_int_equal(access(kept[i], F_OK), 0);

@@ -13,7 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_source source;
-	enum eco_code code = eco_source_parse(&source, (const char *)data, size, "folder/scene.json", &error);
+	enum eco_code code = eco_source_parse(&source, (const char *)data, size, "folder/scene.json", false, &error);
 	if (code != ECO_OK) {
 		assert(code == error.code && strncmp(error.text, "folder/scene.json", 17) == 0
 			&& !source.path);

@@ -7,7 +7,7 @@
 #include "ecofiles/import/model/import_model.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_clean.h"
-#include "ecofiles/base/polygon.h"
+#include "ecofiles/base/geometry.h"
 #include "tests/support/input_files.h"
 #include "tests/support/model_small.h"
 #include "tests/support/unit_test.h"

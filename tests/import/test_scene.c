@@ -37,7 +37,7 @@ static void parse_good(struct eco_source *source, const char *text)
 {
 	const char *json = json_of(text);
 	struct eco_error error = { .code = ECO_OK };
-	enum eco_code code = eco_source_parse(source, json, strlen(json), "dir/scene.json", &error);
+	enum eco_code code = eco_source_parse(source, json, strlen(json), "dir/scene.json", false, &error);
 	assert_ok(code, error);
 	keep("good", json, "");
 }
@@ -237,13 +237,13 @@ UNIT_TEST(what_may_not_be_said_has_a_line_and_a_column)
 		struct eco_source s;
 		char start[64];
 		const char *json = json_of(bad[i].json);
-		assert_int_not_equal(eco_source_parse(&s, json, strlen(json), "s.json", &error), ECO_OK);
+		assert_int_not_equal(eco_source_parse(&s, json, strlen(json), "s.json", false, &error), ECO_OK);
 		assert_null(s.path);
 		keep("bad", json, error.text);
 		snprintf(start, sizeof start, "s.json%s", bad[i].place);
 		if (strncmp(error.text, start, strlen(start)) != 0 || !strstr(error.text, bad[i].says))
 			fail_msg("%s\n  gives  %s\n  wanted %s ... %s", json, error.text, start, bad[i].says);
-		assert_int_not_equal(eco_source_parse(&s, json, strlen(json), "s.json", NULL), ECO_OK);
+		assert_int_not_equal(eco_source_parse(&s, json, strlen(json), "s.json", false, NULL), ECO_OK);
 	}
 }
 
@@ -255,7 +255,7 @@ UNIT_TEST(every_truncation_is_an_error)
 	const char *json = json_of(text);
 	for (size_t size = 0; size < sizeof text - 1; size++) {
 		struct eco_source s;
-		assert_int_not_equal(eco_source_parse(&s, json, size, "s.json", NULL), ECO_OK);
+		assert_int_not_equal(eco_source_parse(&s, json, size, "s.json", false, NULL), ECO_OK);
 	}
 }
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/inventory_text.h"

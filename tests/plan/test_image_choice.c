@@ -1,7 +1,7 @@
 /* The part of the ground's image that a plan shows: leaves of its tree, fewer bytes at a higher price. */
 #include <math.h>
 
-#include "ecofiles/format/ground_image.h"
+#include "ecofiles/format/ground_tile.h"
 #include "lod/plan/image_choice.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"

@@ -58,7 +58,7 @@ const struct inventory *inventory_of(const char *test, const char *scene, const 
 		"\"ash\":{\"model\":\"m.obj\"},\"elm\":{\"variants\":[\"a.obj\","
 		"\"b.obj\",\"c.obj\"]}},\"instances\":[{\"from\":\"%s\"%s%s}]}", scene, file,
 		*entry != 0 ? "," : "", entry);
-	if (eco_source_parse(&source, json, strlen(json), path, &error) == ECO_OK) {
+	if (eco_source_parse(&source, json, strlen(json), path, false, &error) == ECO_OK) {
 		inventory_read_rows(&in, &source, &error);
 		eco_source_free(&source);
 	}

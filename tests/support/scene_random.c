@@ -6,7 +6,6 @@
 
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/chunk/chunk.h"
-#include "ecofiles/format/ground_image.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/impostor.h"
 

@@ -10,10 +10,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "ecofiles/base/file_write.h"
-#include "ecofiles/base/json_memory.h"
-#include "ecofiles/base/phrase.h"
-#include "ecofiles/base/unfinished.h"
+#include "ecofiles/base/files.h"
+#include "ecofiles/base/json_read.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/inventory.h"

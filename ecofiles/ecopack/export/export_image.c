@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/ecopack/export/export.h"
-#include "ecofiles/format/ground_image.h"
+#include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/texture.h"
 

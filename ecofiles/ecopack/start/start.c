@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "ecofiles/base/options.h"
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/run.h"

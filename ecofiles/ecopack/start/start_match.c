@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/base/random.h"
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/words.h"
 

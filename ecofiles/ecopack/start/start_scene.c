@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/json_memory.h"
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/json_read.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/scene/scene.h"
 

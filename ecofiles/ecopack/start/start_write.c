@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "ecofiles/base/cluster.h"
-#include "ecofiles/base/file_write.h"
+#include "ecofiles/base/geometry.h"
+#include "ecofiles/base/files.h"
 #include "ecofiles/ecopack/run.h"
 
 #define MAP_PIXELS 1200u

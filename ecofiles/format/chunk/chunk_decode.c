@@ -133,8 +133,7 @@ static enum eco_code decode_stream(const struct eco_list *list, const struct eco
 	struct eco_rows_shape shape = eco_payload_shape(list, payload->coder, stream);
 	struct eco_chunk_rows rows;
 	enum eco_code code = eco_rows_make(&rows, &shape, error);
-	if (!code)
-		code = eco_rows_decode(&rows, stream->bytes, stream->size, error);
+	code = code ? code : eco_rows_decode(&rows, stream->bytes, stream->size, error);
 	for (uint32_t i = 0; code == ECO_OK && i < stream->elements; i++) {
 		size_t corner = places[i].corner, element = places[i].element;
 		struct eco_rows_element row = {
@@ -207,8 +206,7 @@ static enum eco_code decode_shapes(const struct eco_list *list, const struct eco
 	if (code == ECO_OK && !places)
 		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements",
 			chunk->element_count);
-	if (!code)
-		code = eco_shapes_decode(list, &payload->streams[0], &stored, error);
+	code = code ? code : eco_shapes_decode(list, &payload->streams[0], &stored, error);
 	for (uint32_t i = 0; code == ECO_OK && i < chunk->element_count; i++)
 		places[i].corner = stored.corners[i];
 	if (code == ECO_OK && !find_places(places, true, ordinal, chunk->element_count))
@@ -246,16 +244,12 @@ enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chu
 	uint32_t corner_count = 0;
 	memset(elements, 0, sizeof *elements);
 	enum eco_code code = check_expected(list, chunk, size_bytes, error);
-	if (!code)
-		code = eco_payload_read(&payload, bytes, size_bytes, error);
+	code = code ? code : eco_payload_read(&payload, bytes, size_bytes, error);
 	if (!code && payload.streams[0].packed)
 		payload.streams[0].elements = chunk->element_count;
-	if (!code)
-		code = check_payload(list, chunk, &payload, &corner_count, error);
-	if (!code)
-		code = check_streams(&payload, error);
-	if (!code)
-		code = allocate(list, chunk, corner_count, elements, error);
+	code = code ? code : check_payload(list, chunk, &payload, &corner_count, error);
+	code = code ? code : check_streams(&payload, error);
+	code = code ? code : allocate(list, chunk, corner_count, elements, error);
 	if (!code)
 		code = payload.coder == ECO_CODER_SHAPES ? decode_shapes(list, chunk, &payload, ordinal,
 			elements, error)

@@ -321,10 +321,8 @@ static enum eco_code encode_mesh(const struct eco_chunk_input *input, const stru
 		&fits, error);
 	if (code == ECO_OK && fits)
 		code = eco_payload_write(&mesh, bytes, size, error);
-	if (!code)
-		code = add_streams(&plain, input, stored, input->end - input->first, error);
-	if (!code)
-		code = eco_payload_write(&plain, &plain_bytes, &plain_size, error);
+	code = code ? code : add_streams(&plain, input, stored, input->end - input->first, error);
+	code = code ? code : eco_payload_write(&plain, &plain_bytes, &plain_size, error);
 	if (code == ECO_OK && (!fits || plain_size < *size)) {
 		free(*bytes);
 		*bytes = plain_bytes;
@@ -348,16 +346,14 @@ enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **by
 	assert(input->list->coder != ECO_CODER_FORM && input->list->coder != ECO_CODER_BYTES);
 	assert(!order || input->list->coder == ECO_CODER_ELEMENTS || input->list->coder == ECO_CODER_ROWS);
 	enum eco_code code = check_input(input, error);
-	if (!code)
-		code = find_elements(input, &stored, error);
+	code = code ? code : find_elements(input, &stored, error);
 	if (code == ECO_OK && (payload.coder == ECO_CODER_ELEMENTS || payload.coder == ECO_CODER_MESH))
 		code = sort_elements(input, stored, error);
 	if (code == ECO_OK && payload.coder == ECO_CODER_MESH) {
 		code = encode_mesh(input, stored, bytes, size_bytes, error);
 	} else if (!code) {
 		code = add_streams(&payload, input, stored, count, error);
-		if (!code)
-			code = eco_payload_write(&payload, bytes, size_bytes, error);
+		code = code ? code : eco_payload_write(&payload, bytes, size_bytes, error);
 		if (code == ECO_OK && payload.coder == ECO_CODER_ELEMENTS && input->list->kind
 				== ECO_LIST_TRIANGLES && input->elements->exact)
 			code = try_shapes(input, stored, bytes, size_bytes, error);
@@ -402,23 +398,17 @@ enum eco_code eco_chunk_encode_form(const struct eco_chunk_input *partner, const
 	*bytes = NULL;
 	*size_bytes = 0;
 	enum eco_code code = check_input(partner, error);
-	if (!code)
-		code = check_forms(partner, list, forms, error);
-	if (!code)
-		code = check_input(&own, error);
-	if (!code)
-		code = find_elements(partner, &stored, error);
-	if (!code)
-		code = find_elements(&own, &form, error);
-	if (!code)
-		code = sort_elements(partner, stored, error);
+	code = code ? code : check_forms(partner, list, forms, error);
+	code = code ? code : check_input(&own, error);
+	code = code ? code : find_elements(partner, &stored, error);
+	code = code ? code : find_elements(&own, &form, error);
+	code = code ? code : sort_elements(partner, stored, error);
 	if (!code) {
 		for (uint32_t i = 0; i < count; i++)
 			stored[i] = form[stored[i].element];
 		code = add_stream(&payload, &own, stored, count, true, error);
 	}
-	if (!code)
-		code = eco_payload_write(&payload, bytes, size_bytes, error);
+	code = code ? code : eco_payload_write(&payload, bytes, size_bytes, error);
 	eco_payload_free_streams(&payload);
 	free(stored);
 	free(form);

@@ -307,8 +307,7 @@ enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size
 	if (code == ECO_OK && !rows->shape.wide)
 		return eco_draco_encode_rows(rows->shape.order, rows->columns, rows->column_count,
 			rows->shape.rows, bytes, size, error);
-	if (!code)
-		code = wide_columns(rows, wide, &storage, error);
+	code = code ? code : wide_columns(rows, wide, &storage, error);
 	if (code)
 		return code;
 	for (uint32_t i = 0; i < rows->column_count; i++)
@@ -330,9 +329,8 @@ static enum eco_code decode_wide(struct eco_chunk_rows *rows, const uint8_t *byt
 	struct eco_draco_column wide[2 * ECO_ROWS_COLUMNS_MAX];
 	int32_t *storage = NULL;
 	enum eco_code code = wide_columns(rows, wide, &storage, error);
-	if (!code)
-		code = eco_draco_decode_rows(rows->shape.order, bytes, size, wide, 2 * rows->column_count,
-			rows->shape.rows, error);
+	code = code ? code : eco_draco_decode_rows(rows->shape.order, bytes, size, wide, 2 * rows->column_count,
+		rows->shape.rows, error);
 	for (uint32_t i = 0; code == ECO_OK && i < rows->column_count; i++)
 		for (size_t k = 0; k < (size_t)wide[i].components * rows->shape.rows; k++)
 			rows->columns[i].values[k] = (int32_t)(((uint32_t)wide[i].values[k] << 16)

@@ -18,7 +18,7 @@
 #ifndef ECO_GROUND_IMAGE_IMPORT_H
 #define ECO_GROUND_IMAGE_IMPORT_H
 
-#include "ecofiles/format/ground_image.h"
+#include "ecofiles/format/ground_tile.h"
 #include "ecofiles/import/ground/ground.h"
 
 #define ECO_GROUND_CLASSES_MAX 4096u

@@ -1,5 +1,5 @@
 /* From assimp's scene to a soup. Node transforms are applied here, in double, during the walk: assimp's own
- * pre-transformation would copy meshes, and round places far from the origin to floats. polygon.c splits
+ * pre-transformation would copy meshes, and round places far from the origin to floats. geometry.c splits
  * polygons into exactly n - 2 triangles: assimp's own clipper leaves some concave ones, and loses others. */
 #include "ecofiles/import/model/assimp_module.h"
 
@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "ecofiles/base/array_grow.h"
-#include "ecofiles/base/polygon.h"
+#include "ecofiles/base/geometry.h"
 
 #define PLY_HEAD_BYTES 65536u
 #define NODES_MAX (1u << 20)

@@ -2,7 +2,7 @@
  * mistakes (a packed file, a pointer of Git LFS, a scene of an editor, a point cloud) are known by their
  * first bytes or their name, and each has a sentence of its own: the readers would only say that they do
  * not understand. */
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/import/model/import_model.h"
 
 #include <dirent.h>

@@ -12,7 +12,7 @@
 
 #include "ecofiles/import/model/gltf.h"
 #include "ecofiles/base/guard.h"
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/base/module.h"
 

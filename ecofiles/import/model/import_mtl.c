@@ -9,7 +9,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "ecofiles/base/string_pool.h"
+#include "ecofiles/base/array_grow.h"
 
 #define MTL_BYTES_MAX ((uint64_t)1 << 28)
 #define MATERIALS_MAX 65536u

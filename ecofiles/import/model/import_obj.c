@@ -15,7 +15,7 @@
 #include <strings.h>
 
 #include "ecofiles/base/array_grow.h"
-#include "ecofiles/base/polygon.h"
+#include "ecofiles/base/geometry.h"
 
 #define UNIT_LINES 200u              /* comments about units stand at the top */
 

@@ -1,5 +1,5 @@
 /* From an OBJ file's faces to a soup. A run of faces with one material and one part is a mesh. */
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/import/model/import_obj.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/polygon.h"
+#include "ecofiles/base/geometry.h"
 #include "ecofiles/base/random.h"
 
 #define GREY 0.6                     /* colour without a material, as sRGB */

@@ -9,10 +9,9 @@
 #include <string.h>
 #include <strings.h>
 
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/union.h"
-#include "ecofiles/base/utf8.h"
 
 #define COORDINATE_MAX 1e9f
 

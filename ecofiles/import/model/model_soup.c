@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "ecofiles/base/array_grow.h"
-#include "ecofiles/base/polygon.h"
+#include "ecofiles/base/geometry.h"
 
 #define NEAR 16.0                /* times the extent: floats then still resolve a millionth of it */
 #define COARSE 1e-4              /* share of the extent: a coarser rounding of coordinates is reported */

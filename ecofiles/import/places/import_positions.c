@@ -12,7 +12,7 @@
 
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/base/random.h"
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/positions_parts.h"

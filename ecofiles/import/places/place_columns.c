@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "build/words/crs_names.table"
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/size_units.h"

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/size_units.h"

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/format/model.h"
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/places/positions_parts.h"
 

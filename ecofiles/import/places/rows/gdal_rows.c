@@ -21,7 +21,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/import/ground/gdal_module.h"
 #include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/places/rows/rows_formats.h"

@@ -11,7 +11,7 @@
 
 #include "ecofiles/format/model.h"
 #include "ecofiles/base/module.h"
-#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/places/rows/rows_formats.h"
 

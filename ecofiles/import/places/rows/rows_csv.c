@@ -10,7 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/rows/rows_formats.h"
 

@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "ecofiles/base/private_copy.h"
+#include "ecofiles/base/files.h"
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 

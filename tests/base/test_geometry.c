@@ -1,7 +1,7 @@
 /* Points are counted by squares, on both sides of 0. */
 #include <math.h>
 
-#include "ecofiles/base/cluster.h"
+#include "ecofiles/base/geometry.h"
 #include "tests/support/unit_test.h"
 
 UNIT_TEST(each_square_that_holds_points_is_a_crowd)

@@ -2,7 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ecofiles/base/utf8.h"
+#include "ecofiles/base/text.h"
 #include "tests/support/unit_test.h"
 
 UNIT_TEST(characters_have_one_form)
