@@ -38,6 +38,7 @@
 #define SMALL_FACTOR 64u             /* zipped tables take 10, zipped models about 50 */
 #define FILES_MAX 512u               /* a mosaic opens its parts */
 #define GRACE_S 5u                   /* from the signal that can be caught to the one that cannot */
+#define INTERRUPTED_S 0.1            /* in which a child that is interrupted ends */
 #define CRASH_STACK (64u << 10)
 
 /* Memory that parent and child share. The child may write anything here: the parent reads it after the
@@ -52,46 +53,20 @@ struct eco_guard {
 	struct eco_guard_limits limits;
 	char what[304];
 	pid_t pid;
-	int slot;                    /* in `children`; -1: none was free */
+	unsigned interruptions;      /* before it began */
 	int life;                    /* reading end of a pipe that closes when the child is dead */
 	int data;                    /* eco_guard_start: reading end of the pipe that the child writes to */
 	FILE *stream;
 	double waited_s;
-	bool late, ended;            /* past the clock's limit; at the end of the stream */
+	bool late, stopped, ended;   /* past the clock's limit; interrupted; at the end of the stream */
 };
 
-/* ---- Children that run, for eco_guard_interrupt ---- */
-
-#define CHILDREN 64
-static _Atomic pid_t children[CHILDREN];
-static atomic_bool interrupted[CHILDREN];
+static _Atomic unsigned interruptions;
 /* One fork at a time: another child would inherit the writing end of a pipe and keep it open as long as it
  * lives. */
 static pthread_mutex_t forking = PTHREAD_MUTEX_INITIALIZER;
 
-static void enlist(struct eco_guard *g)
-{
-	for (g->slot = 0; g->slot < CHILDREN; g->slot++) {
-		pid_t none = 0;
-		if (atomic_compare_exchange_strong(&children[g->slot], &none, -1)) {
-			atomic_store(&interrupted[g->slot], false);
-			atomic_store(&children[g->slot], g->pid);
-			return;
-		}
-	}
-	g->slot = -1;
-}
-
-void eco_guard_interrupt(void)
-{
-	for (int i = 0; i < CHILDREN; i++) {
-		pid_t pid = atomic_load(&children[i]);
-		if (pid > 0) {
-			atomic_store(&interrupted[i], true);
-			kill(pid, SIGKILL);
-		}
-	}
-}
+void eco_guard_interrupt(void) { atomic_fetch_add(&interruptions, 1); }
 
 /* ---- Limits ---- */
 
@@ -337,7 +312,8 @@ static double now_s(void)
 	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Waits until there is something to read or the other end is closed; ends the child at the clock's limit. */
+/* Waits until there is something to read or the other end is closed; ends the child when it is interrupted, or
+ * at the clock's limit. */
 static void await(struct eco_guard *g, int descriptor)
 {
 	struct pollfd poll_for = { .fd = descriptor, .events = POLLIN };
@@ -345,13 +321,14 @@ static void await(struct eco_guard *g, int descriptor)
 	int ready;
 	do {
 		double left = g->limits.clock_s - g->waited_s;
-		ready = poll(&poll_for, 1, left <= 0 ? 0 : left > 1000 ? 1000000 : (int)(left * 1000) + 1);
+		ready = poll(&poll_for, 1, left <= 0 ? 0 : left > INTERRUPTED_S ? (int)(1000 * INTERRUPTED_S)
+			: (int)(left * 1000) + 1);
 		g->waited_s = waited + now_s() - start;
-	} while (ready < 0 ? errno == EINTR : ready == 0 && g->waited_s < g->limits.clock_s);
-	if (ready == 0) {
-		g->late = true;
+		g->stopped = atomic_load(&interruptions) != g->interruptions;
+	} while (!g->stopped && (ready < 0 ? errno == EINTR : ready == 0 && g->waited_s < g->limits.clock_s));
+	g->late = g->late || (!g->stopped && ready == 0);
+	if (g->late || g->stopped)
 		kill(g->pid, SIGKILL);
-	}
 }
 
 static enum eco_code no_memory(const struct eco_guard *g, struct eco_error *error)
@@ -424,26 +401,17 @@ static enum eco_code verdict(struct eco_guard *g, int status, const struct rusag
 		g->what, WEXITSTATUS(status));
 }
 
-/* Waits for the child's end and gives the verdict. Frees the slot before another process can get the
- * child's id. */
+/* Waits for the child's end and gives the verdict. */
 static enum eco_code reap(struct eco_guard *g, struct eco_error *error)
 {
-	bool stopped = false;
 	struct rusage used = { 0 };
-	siginfo_t info;
 	int status = 0;
 	await(g, g->life);
 	kill(g->pid, SIGKILL);           /* does nothing to a child that is ending by itself */
-	while (waitid(P_PID, (id_t)g->pid, &info, WEXITED | WNOWAIT) != 0 && errno == EINTR)
-		;
-	if (g->slot >= 0) {
-		stopped = atomic_load(&interrupted[g->slot]);
-		atomic_store(&children[g->slot], 0);
-	}
 	while (wait4(g->pid, &status, 0, &used) < 0)
 		if (errno != EINTR)
 			return eco_fail(error, ECO_IO, "%s: %s", g->what, strerror(errno));
-	if (stopped && WIFSIGNALED(status))
+	if (g->stopped && WIFSIGNALED(status))
 		return eco_fail(error, ECO_INTERRUPTED, "%s: interrupted", g->what);
 	return verdict(g, status, &used, error);
 }
@@ -471,7 +439,7 @@ static struct eco_guard *new_guard(const char *what, const struct eco_guard_limi
 {
 	struct eco_guard *g = malloc(sizeof *g);
 	if (g) {
-		*g = (struct eco_guard){ .limits = effective(limits), .slot = -1, .life = -1, .data = -1,
+		*g = (struct eco_guard){ .limits = effective(limits), .life = -1, .data = -1,
 			.shared = mmap(NULL, sizeof *g->shared, PROT_READ | PROT_WRITE,
 			MAP_SHARED | MAP_ANONYMOUS, -1, 0) };
 		snprintf(g->what, sizeof g->what, "%.300s", what);
@@ -495,6 +463,7 @@ static enum eco_code launch(struct eco_guard *g, eco_guard_work *work, void *ctx
 		return eco_fail(error, ECO_IO, "%s: no pipe to read it through: %s", g->what,
 			strerror(errno));
 	fflush(NULL);
+	g->interruptions = atomic_load(&interruptions);
 	g->life = life[0];
 	g->pid = fork();
 	if (g->pid == 0)
@@ -502,7 +471,6 @@ static enum eco_code launch(struct eco_guard *g, eco_guard_work *work, void *ctx
 	close(life[1]);
 	if (g->pid < 0)
 		return eco_fail(error, ECO_IO, "%s: no process to read it: %s", g->what, strerror(errno));
-	enlist(g);
 	return ECO_OK;
 }
 
@@ -522,8 +490,7 @@ enum eco_code eco_guard_run(eco_guard_work *work, void *ctx, const char *what,
 		pthread_mutex_lock(&forking);
 		code = launch(g, work, ctx, memory, error);
 		pthread_mutex_unlock(&forking);
-		if (!code)
-			code = reap(g, error);
+		code = code ? code : reap(g, error);
 	}
 	if (code == ECO_OK && fseek(out, 0, SEEK_SET) == 0)
 		*result = out;
@@ -543,7 +510,7 @@ static ssize_t read_pipe(void *cookie, char *to, size_t size)
 	ssize_t got;
 	do {
 		await(g, g->data);
-		got = g->late ? 0 : read(g->data, to, size);
+		got = g->late || g->stopped ? 0 : read(g->data, to, size);
 	} while (got < 0 && errno == EINTR);
 	g->ended = g->ended || got <= 0;
 	return got;

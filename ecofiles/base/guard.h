@@ -65,8 +65,8 @@ enum eco_code eco_guard_finish(struct eco_guard *guard, struct eco_error *error)
 /* Notes in a child that memory ran out, for code that then ends the process. Does nothing elsewhere. */
 void eco_guard_no_memory(void);
 
-/* Ends all children that run now; their parents' calls return ECO_INTERRUPTED. Async-signal-safe, for
- * signal handlers. */
+/* Ends all children that run now, within a tenth of a second; their parents' calls return ECO_INTERRUPTED.
+ * Async-signal-safe, for signal handlers. */
 void eco_guard_interrupt(void);
 
 #endif
