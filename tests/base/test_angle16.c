@@ -7,19 +7,6 @@
 #include "ecofiles/base/angle16.h"
 #include "tests/support/unit_test.h"
 
-UNIT_TEST(quarter_turns_are_exact)
-{
-	static const struct { uint16_t turn; double sine, cosine; } cases[] = {
-		{ 0, 0, 1 }, { 16384, 1, 0 }, { 32768, 0, -1 }, { 49152, -1, 0 },
-	};
-	double sine, cosine;
-	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-		eco_angle16_sincos(cases[i].turn, &sine, &cosine);
-		assert_true(sine == cases[i].sine);
-		assert_true(cosine == cases[i].cosine);
-	}
-}
-
 UNIT_TEST(every_turn_is_the_sine_within_an_ulp)
 {
 	for (uint32_t turn = 0; turn < 65536; turn++) {
@@ -28,18 +15,6 @@ UNIT_TEST(every_turn_is_the_sine_within_an_ulp)
 		assert_true(fabs(sine - sin(radians)) < 1e-15);
 		assert_true(fabs(cosine - cos(radians)) < 1e-15);
 		assert_true(fabs(sine * sine + cosine * cosine - 1) < 1e-15);
-	}
-}
-
-UNIT_TEST(opposite_turns_mirror_to_the_bit)
-{
-	for (uint32_t turn = 0; turn < 65536; turn++) {
-		double s, c, other_s, other_c;
-		eco_angle16_sincos((uint16_t)turn, &s, &c);
-		eco_angle16_sincos((uint16_t)-turn, &other_s, &other_c);
-		assert_true(s == -other_s && c == other_c);
-		eco_angle16_sincos((uint16_t)(turn + 16384), &other_s, &other_c);
-		assert_true(c == other_s && s == -other_c);
 	}
 }
 

@@ -4,22 +4,6 @@
 #include "ecofiles/base/array_grow.h"
 #include "tests/support/unit_test.h"
 
-UNIT_TEST(items_stay_when_the_array_moves)
-{
-	uint32_t *items = NULL, capacity = 0, moves = 0;
-	for (uint32_t count = 0; count < 100000; count++) {
-		uint32_t before = capacity;
-		assert_true(eco_array_grow(&items, &capacity, count, sizeof *items));
-		assert_true(capacity > count && capacity >= before);
-		moves += capacity != before;
-		items[count] = 7 * count;
-	}
-	for (uint32_t i = 0; i < 100000; i++)
-		assert_int_equal(items[i], 7 * i);
-	assert_true(moves < 20);
-	free(items);
-}
-
 UNIT_TEST(what_cannot_be_had_leaves_the_array_alone)
 {
 	static const struct { uint32_t capacity; size_t size; } rows[] = { { 1u << 31, 1 }, { UINT32_MAX, 1 },

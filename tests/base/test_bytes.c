@@ -49,28 +49,6 @@ UNIT_TEST(a_reader_that_ran_out_stays_failed)
 	assert_true(r.failed);
 }
 
-UNIT_TEST(varints_come_back)
-{
-	static const uint64_t values[] = { 0, 1, 127, 128, 300, 16383, 16384, UINT32_MAX, (uint64_t)1 << 63,
-		UINT64_MAX };
-	struct eco_writer w = { 0 };
-	struct eco_reader r;
-	for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
-		eco_write_varint(&w, values[i]);
-		eco_write_zigzag(&w, (int64_t)values[i]);
-		eco_write_zigzag(&w, -(int64_t)(values[i] >> 1));
-	}
-	r = (struct eco_reader){ .bytes = w.bytes, .size = w.size };
-	for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
-		assert_true(eco_read_varint(&r) == values[i]);
-		assert_true(eco_read_zigzag(&r) == (int64_t)values[i]);
-		assert_true(eco_read_zigzag(&r) == -(int64_t)(values[i] >> 1));
-	}
-	assert_false(r.failed);
-	assert_int_equal(r.at, r.size);
-	eco_writer_free(&w);
-}
-
 UNIT_TEST(varints_have_one_spelling)
 {
 	static const struct { uint8_t bytes[11]; size_t size; } bad[] = {
@@ -87,16 +65,4 @@ UNIT_TEST(varints_have_one_spelling)
 		assert_true(eco_read_varint(&r) == 0);
 		assert_true(r.failed);
 	}
-}
-
-UNIT_TEST(zigzag_orders_by_magnitude)
-{
-	struct eco_writer w = { 0 };
-	eco_write_zigzag(&w, 0);
-	eco_write_zigzag(&w, -1);
-	eco_write_zigzag(&w, 1);
-	eco_write_zigzag(&w, INT64_MIN);
-	assert_memory_equal(w.bytes, "\0\1\2", 3);
-	assert_int_equal(w.size, 13);
-	eco_writer_free(&w);
 }

@@ -1,6 +1,5 @@
 /* The child process that reads files of strangers: what it may do, how its death is told, what is left
- * behind.
- * Longer than 600 lines: all tests share the ways to run a child. */
+ * behind. */
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -23,7 +22,6 @@
 
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/base/guard.h"
-#include "tests/support/input_files.h"
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
 
@@ -173,25 +171,6 @@ UNIT_TEST(each_way_to_die_is_told_in_its_own_words)
 	}
 }
 
-/* A parent whose standard descriptors are closed: the pipes take their numbers. */
-UNIT_TEST(a_parent_without_standard_descriptors_reads_too)
-{
-	pid_t parent = fork();
-	int status = 0;
-	if (parent == 0) {
-		enum deed deed = ANSWER;
-		char text[16] = "";
-		FILE *result = NULL;
-		for (int i = 0; i < 3; i++)
-			close(i);
-		if (eco_guard_run(misbehave, &deed, "tree.obj", NULL, &result, NULL) != ECO_OK)
-			_exit(2);
-		_exit(fread(text, 1, sizeof text - 1, result) == 6 && strcmp(text, "result") == 0 ? 0 : 3);
-	}
-	assert_int_equal(waitpid(parent, &status, 0), parent);
-	assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
-}
-
 /* ---- Streams ---- */
 
 struct writing { uint32_t count; enum eco_code code; bool crash; };
@@ -231,26 +210,6 @@ UNIT_TEST(a_stream_arrives_whole_and_so_does_its_end)
 		assert_int_equal(eco_guard_finish(guard, &error), streams[i].code);
 		nothing_is_left(open_before);
 	}
-}
-
-UNIT_TEST(who_stops_reading_ends_the_child_without_an_error)
-{
-	int open_before = descriptors();
-	for (uint32_t wanted = 0; wanted < 3; wanted++) {
-		struct writing what = { .count = UINT32_MAX };
-		struct eco_error error = { .code = ECO_OK };
-		struct eco_guard *guard;
-		uint32_t number;
-		FILE *stream;
-		assert_int_equal(eco_guard_start(&guard, write_numbers, &what, "stems.csv", NULL, &stream,
-			&error), ECO_OK);
-		for (uint32_t i = 0; i < wanted; i++)
-			assert_int_equal(fread(&number, sizeof number, 1, stream), 1);
-		assert_int_equal(eco_guard_finish(guard, &error), ECO_OK);
-		assert_int_equal(error.code, ECO_OK);
-		nothing_is_left(open_before);
-	}
-	assert_int_equal(eco_guard_finish(NULL, NULL), ECO_OK);
 }
 
 UNIT_TEST(a_stream_that_stays_silent_ends_by_the_clock)
@@ -589,15 +548,4 @@ UNIT_TEST(packed_files_are_known_by_their_first_bytes)
 	remove(path);
 	assert_false(eco_guard_unpacks(path) || eco_guard_unpacks("."));
 	assert_int_equal(eco_guard_small_memory(&path, 1), 1ull << 30);
-}
-
-UNIT_TEST(larger_files_may_take_more)
-{
-	struct eco_guard_limits none = eco_guard_limits_for(0), some = eco_guard_limits_for(100u << 20),
-		all = eco_guard_limits_for(UINT64_MAX);
-	assert_true(none.memory_bytes >= 1ull << 30 && none.cpu_s >= 60 && none.clock_s >= none.cpu_s);
-	assert_true(some.memory_bytes > none.memory_bytes && some.cpu_s > none.cpu_s
-		&& some.clock_s > none.clock_s);
-	assert_true(all.memory_bytes > some.memory_bytes && all.cpu_s > some.cpu_s
-		&& all.clock_s > all.cpu_s);
 }

@@ -195,14 +195,3 @@ UNIT_TEST(help_names_everything_within_its_columns)
 		assert_true(strcspn(line, "\n") <= ECO_HELP_COLUMNS);
 	free(text);
 }
-
-UNIT_TEST(long_texts_are_wrapped_at_words)
-{
-	char *text = NULL;
-	size_t size;
-	FILE *out = open_memstream(&text, &size);
-	eco_help_wrap(out, "one two [three four] five\nsix", 90, 4);
-	fclose(out);
-	assert_string_equal(text, "one two\n    [three four] five\n    six\n");
-	free(text);
-}

@@ -65,66 +65,6 @@ UNIT_TEST(what_is_written_is_read)
 	}
 }
 
-/* Fields of `count` numbers; they are written, or counted for streams that model no, two and four bits. */
-static void code_fields(struct eco_range *r, uint32_t modelled, struct eco_counted *counted, uint32_t count)
-{
-	struct eco_bit models[16];
-	uint32_t state = count, bits = count % 20;
-	eco_bits_start(models, 16);
-	for (uint32_t i = 0; i < count; i++) {
-		uint32_t value = (next(&state) & next(&state)) % (1u << bits);
-		if (counted)
-			eco_range_count_field(counted, 3, 2, models, bits, value);
-		else
-			eco_range_field(r, models, modelled, bits, value);
-	}
-}
-
-UNIT_TEST(counted_bytes_are_those_that_are_written)
-{
-	for (uint32_t count = 0; count < 400; count++) {
-		struct eco_counted counted[3];
-		for (uint32_t i = 0; i < 3; i++) {
-			struct eco_writer w = { 0 };
-			struct eco_range r;
-			eco_write_u8(&w, 7);
-			eco_range_write(&r, &w);
-			eco_range_raw(&r, count % 64, count % 3 ? 0 : (1ull << count % 64) - 1);
-			for (uint32_t k = 0; i == 0 && k < 3; k++)
-				eco_range_count(&counted[k], &r);
-			if (i == 0)
-				code_fields(NULL, 0, counted, count);
-			code_fields(&r, 2 * i, NULL, count);
-			uint32_t zeros = eco_range_end(&r);
-			assert_int_equal(eco_range_counted(&counted[i]), w.size - 1 + zeros);
-			eco_writer_free(&w);
-		}
-	}
-}
-
-/* Within 3 % and some bytes of the entropy. */
-UNIT_TEST(bits_take_what_they_are_worth)
-{
-	static const uint32_t per_thousand[] = { 2, 10, 100, 300, 500, 800, 995 };
-	for (size_t k = 0; k < sizeof per_thousand / sizeof *per_thousand; k++) {
-		struct eco_writer w = { 0 };
-		struct eco_range r;
-		struct eco_bit model;
-		uint32_t state = 11, ones = 0;
-		eco_bits_start(&model, 1);
-		eco_range_write(&r, &w);
-		for (uint32_t i = 0; i < COUNT; i++) {
-			bool bit = next(&state) % 1000 < per_thousand[k];
-			ones += bit;
-			eco_range_bit(&r, &model, bit);
-		}
-		eco_range_end(&r);
-		double p = (double)ones / COUNT, bits = -(p * log2(p) + (1 - p) * log2(1 - p)) * COUNT;
-		assert_true(w.size * 8 < bits * 1.03 + 120);
-		eco_writer_free(&w);
-	}
-}
-
 /* A run of ones that ends in a carry passes through bytes that were held back. */
 UNIT_TEST(carries_go_through)
 {
@@ -142,45 +82,6 @@ UNIT_TEST(carries_go_through)
 			uint32_t expected = next(&state) % 8 ? 0xffff : next(&state) & 1;
 			assert_int_equal(eco_range_raw(&r, 16, 0), expected);
 		}
-		assert_int_equal(eco_range_end(&r), zeros);
-		eco_writer_free(&w);
-	}
-}
-
-/* Numbers of some kinds, of very different sizes, among them the largest. */
-static int32_t number_of(uint32_t kind, uint32_t i, uint32_t *state)
-{
-	static const double size[] = { 0.3, 20, 3000, 1e6, 2e9 };
-	double u = (next(state) % 65536 + 0.5) / 65536, v = -size[kind] / 3 * log(u);
-	return i == 7 ? INT32_MAX : i == 8 ? -INT32_MAX
-		: (int32_t)fmin(v, INT32_MAX) * (next(state) % 2 ? 1 : -1);
-}
-
-/* As laid out for Laplace's distribution: within 4 % and some bytes of its entropy, but for numbers that are
- * mostly 0. */
-UNIT_TEST(numbers_near_their_usual_size_are_short)
-{
-	for (uint32_t first = 0; first < 5; first++) {
-		struct eco_writer w = { 0 };
-		struct eco_range r;
-		struct eco_near near;
-		struct eco_scale kinds[5];
-		uint32_t state = 3 + first, count = first < 4 ? 2 : 5;
-		eco_near_start(&near, kinds, 5);
-		eco_range_write(&r, &w);
-		for (uint32_t i = 0; i < COUNT; i++)
-			eco_range_near(&r, &near, &kinds[i % count],
-				number_of((first + i % count) % 5, i, &state));
-		uint32_t zeros = eco_range_end(&r);
-		if (first == 1)
-			assert_true(w.size * 8 < (log2(2 * exp(1) * 20 / 3.0) + log2(2 * exp(1) * 1000.0)) / 2
-				* COUNT * 1.04 + 400);
-		state = 3 + first;
-		eco_near_start(&near, kinds, 5);
-		eco_range_read(&r, w.bytes, w.size);
-		for (uint32_t i = 0; i < COUNT; i++)
-			assert_int_equal(eco_range_near(&r, &near, &kinds[i % count], 0),
-				number_of((first + i % count) % 5, i, &state));
 		assert_int_equal(eco_range_end(&r), zeros);
 		eco_writer_free(&w);
 	}

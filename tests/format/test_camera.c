@@ -62,34 +62,6 @@ UNIT_TEST(a_request_may_be_given_the_view_ahead)
 	eco_camera_free(camera);
 }
 
-UNIT_TEST(views_that_are_nearly_alike_snap_to_one)
-{
-	const struct eco_view at = { { 10.2, -3.9, 1.7 }, { 60, 0.1, -0.2 }, { 0, 0, 1 }, 45, 8, 6 };
-	for (double step = 0.001; step < 100; step *= 3) {
-		struct eco_view view = at, again, near = at;
-		eco_view_snap(&view, step);
-		for (int i = 0; i < 3; i++) {
-			assert_true(fabs(view.eye[i] - at.eye[i]) <= step / 2 + 1e-12);
-			assert_true(fabs(view.target[i] - at.target[i]) <= step / 2 + 1e-12);
-			assert_false(signbit(view.target[i]) && view.target[i] == 0);
-			near.eye[i] = view.eye[i] + 0.4 * step * (i - 1);
-			near.target[i] = view.target[i] - 0.4 * step * (i - 1);
-		}
-		again = view;
-		eco_view_snap(&again, step);
-		eco_view_snap(&near, step);
-		for (int i = 0; i < 3; i++) {
-			assert_true(again.eye[i] == view.eye[i] && near.eye[i] == view.eye[i]);
-			assert_true(again.target[i] == view.target[i] && near.target[i] == view.target[i]);
-		}
-	}
-	struct eco_view same = at, meets = { .eye = { 1, 2, 3 }, .target = { 1.1, 2, 3 } };
-	eco_view_snap(&same, 0);
-	eco_view_snap(&meets, 10);
-	assert_memory_equal(&same, &at, sizeof at);
-	assert_true(meets.eye[0] == 1 && meets.target[0] == 1.1);
-}
-
 /* Else what is told of the next view parts the requests of clients that are nearly at one place. */
 UNIT_TEST(the_next_view_snaps_as_the_view_does)
 {
@@ -118,47 +90,6 @@ UNIT_TEST(scripts_say_what_heights_count_from)
 		assert_int_equal(eco_camera_above_ground(camera), rows[i].above);
 		eco_camera_free(camera);
 	}
-}
-
-UNIT_TEST(keyframes_are_met_exactly_and_up_defaults_to_z)
-{
-	struct eco_camera *camera = camera_of(SCRIPT("10", KEY("0", "0.1") "," KEY("0.7", "12.3") ","
-		"{\"time_s\": 2, \"eye\": [1e6, -3.3, 7], \"target\": [0.1, 0.2, 0.3], \"up\": [0, 1, 0.5], "
-		"\"fov_y_deg\": 60.5}"));
-	struct eco_view view;
-	assert_true(eco_camera_frame(camera, 0, &view) == 0 && view.eye[0] == 0.1 && view.up[2] == 1
-		&& view.up[0] == 0);
-	assert_true(eco_camera_frame(camera, 7, &view) == 0.7 && view.eye[0] == 12.3 && view.fov_y_deg == 45);
-	assert_true(eco_camera_frame(camera, 20, &view) == 2 && view.eye[0] == 1e6 && view.target[2] == 0.3
-		&& view.up[1] == 1);
-	assert_true(view.fov_y_deg == 60.5 && view.up[2] == 0.5);
-	eco_camera_free(camera);
-}
-
-UNIT_TEST(what_does_not_change_stays_to_the_last_bit)
-{
-	struct eco_camera *camera =
-		camera_of(SCRIPT("100", KEY("0", "0.1") "," KEY("0.7", "0.1") "," KEY("3", "0.1")));
-	struct eco_view view;
-	for (uint32_t i = 0; i < eco_camera_frame_count(camera); i++) {
-		eco_camera_frame(camera, i, &view);
-		assert_true(view.eye[0] == 0.1 && view.target[1] == 50 && view.fov_y_deg == 45
-			&& view.up[2] == 1);
-	}
-	eco_camera_free(camera);
-}
-
-UNIT_TEST(equal_speed_stays_equal_at_unequal_times)
-{
-	struct eco_camera *camera =
-		camera_of(SCRIPT("20", KEY("0", "0") "," KEY("1", "10") "," KEY("1.5", "15") "," KEY("4",
-		"40")));
-	struct eco_view view;
-	for (uint32_t i = 0; i < eco_camera_frame_count(camera); i++) {
-		double t = eco_camera_frame(camera, i, &view);
-		assert_true(fabs(view.eye[0] - 10 * t) < 1e-9);
-	}
-	eco_camera_free(camera);
 }
 
 /* The spline written out in another way, by its Bernstein form (control points a third of the way along the
@@ -193,25 +124,6 @@ UNIT_TEST(between_keyframes_lies_a_catmull_rom_spline)
 
 #define ZOOM(time, fov) "{\"time_s\": " time ", \"eye\": [0, 0, 2], \"target\": [0, 50, 1], " \
 	"\"fov_y_deg\": " fov "}"
-
-/* As a Catmull-Rom spline it would swing below 0 after the third keyframe, and above 170 before the second. */
-UNIT_TEST(a_field_of_view_stays_between_its_keyframes)
-{
-	static const double fov[] = { 60, 170, 1, 1, 1.5, 90 };
-	struct eco_camera *camera = camera_of(SCRIPT("50", ZOOM("0", "60") "," ZOOM("1", "170") "," ZOOM("1.5",
-		"1") "," ZOOM("4", "1") "," ZOOM("5", "1.5") "," ZOOM("6", "90")));
-	struct eco_view view;
-	double before = 60;
-	for (uint32_t i = 0; i < eco_camera_frame_count(camera); i++) {
-		double t = eco_camera_frame(camera, i, &view);
-		int k = t < 1 ? 0 : t < 1.5 ? 1 : t < 4 ? 2 : t < 5 ? 3 : 4;
-		assert_true(view.fov_y_deg >= fmin(fov[k], fov[k + 1]));
-		assert_true(view.fov_y_deg <= fmax(fov[k], fov[k + 1]));
-		assert_true(fabs(view.fov_y_deg - before) < 12);
-		before = view.fov_y_deg;
-	}
-	eco_camera_free(camera);
-}
 
 UNIT_TEST(impossible_scripts_are_refused_by_name)
 {
@@ -281,18 +193,6 @@ UNIT_TEST(impossible_scripts_are_refused_by_name)
 				|| strncmp(error.text, rows[i].text, strlen(rows[i].text)) != 0)
 			fail_msg("row %zu: code %d, \"%s\" where \"%s\" was expected", i, code, error.text,
 				rows[i].text);
-	}
-}
-
-UNIT_TEST(every_truncation_of_a_script_is_refused)
-{
-	static const char json[] = SCRIPT("2", KEY("0", "1") "," KEY("3", "2"));
-	for (size_t size = 0; size + 1 < sizeof json; size++) {
-		struct eco_camera *camera;
-		char *exact = malloc(size + 1);
-		memcpy(exact, json, size);
-		assert_int_equal(eco_camera_parse(&camera, exact, size, "cut", NULL), ECO_BAD_INPUT);
-		free(exact);
 	}
 }
 

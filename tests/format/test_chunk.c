@@ -29,24 +29,6 @@ UNIT_TEST(what_goes_in_comes_out)
 	}
 }
 
-UNIT_TEST(the_same_elements_give_the_same_bytes)
-{
-	for (size_t i = 0; i < KIND_COUNT; i++) {
-		const struct eco_list list = kind_list(&kinds[i]);
-		struct eco_elements in = kind_elements(&kinds[i], kinds[i].count, 3);
-		const struct eco_chunk_input input = { &list, &in, 0, kinds[i].count, 1 };
-		uint8_t *bytes[2];
-		size_t size[2];
-		for (int pass = 0; pass < 2; pass++)
-			assert_int_equal(kind_encode(&input, &bytes[pass], &size[pass], NULL, NULL), ECO_OK);
-		assert_int_equal(size[0], size[1]);
-		assert_memory_equal(bytes[0], bytes[1], size[0]);
-		free(bytes[0]);
-		free(bytes[1]);
-		eco_elements_free(&in);
-	}
-}
-
 /* Forms are coded in the partner's stored order; twin: the partner's own report of its draw order. */
 UNIT_TEST(forms_follow_their_elements)
 {
@@ -188,112 +170,6 @@ UNIT_TEST(ground_in_rows_comes_back_in_fewer_bits)
 	}
 }
 
-/* Leaves that all show the whole picture pay nothing for it, but for a few bytes a chunk. */
-UNIT_TEST(equal_texture_coordinates_are_free)
-{
-	const struct kind *k = &kinds[8];
-	struct eco_elements in = kind_elements(k, 300, 4);
-	size_t size[2];
-	assert_string_equal(k->name, "textured quads");
-	for (int textured = 0; textured < 2; textured++) {
-		const struct eco_list list = { .kind = k->kind, .coder = k->coder, .attributes = textured
-			? ECO_ATTR_UV : 0 };
-		const struct eco_chunk_input input = { &list, &in, 0, 300, 1 };
-		uint8_t *bytes;
-		assert_int_equal(eco_chunk_encode(&input, &bytes, &size[textured], NULL, NULL), ECO_OK);
-		free(bytes);
-	}
-	assert_true(size[1] < size[0] + 120);
-	eco_elements_free(&in);
-}
-
-/* Points whose order is free, at random: little more than their entropy. */
-UNIT_TEST(free_order_costs_nothing)
-{
-	static const struct { uint32_t count; double most; } points[] = { { 12, 36 }, { 60, 33 },
-		{ 900, 28.5 } };
-	static const struct kind k = { "bare kd", ECO_LIST_POINTS, ECO_CODER_KD, 0, 1, 1, 900, 0, 4095,
-		SCATTERED };
-	const struct eco_list list = kind_list(&k);
-	struct eco_elements in = kind_elements(&k, k.count, 4);
-	for (size_t i = 0; i < sizeof points / sizeof *points; i++) {
-		const struct eco_chunk_input input = { &list, &in, 0, points[i].count, 0 };
-		const double head = 12;
-		uint8_t *bytes;
-		size_t size;
-		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
-		assert_int_equal(bytes[0], 3);           /* packed */
-		assert_true(8 * ((double)size - head) / points[i].count < points[i].most);
-		free(bytes);
-	}
-	eco_elements_free(&in);
-}
-
-/* Draco's tables of symbols would take more than the rows: three quarters of the bytes of few plants. */
-UNIT_TEST(few_rows_take_few_bytes)
-{
-	static const struct { uint32_t count; size_t most; } rows[] = { { 1, 28 }, { 8, 110 }, { 60, 700 } };
-	static const struct kind k = { "places", ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 1, 60,
-		0, 65535, SCATTERED };
-	const struct eco_list list = kind_list(&k);
-	struct eco_elements in = kind_elements(&k, k.count, 4);
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		const struct eco_chunk_input input = { &list, &in, 0, rows[i].count, 0 };
-		uint8_t *bytes;
-		size_t size;
-		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
-		assert_int_equal(bytes[0], 3);           /* packed */
-		assert_in_range(size, 4, rows[i].most);
-		free(bytes);
-	}
-	eco_elements_free(&in);
-}
-
-/* Turns in 64ths of a whole one: 10 of their 16 bits are 0 in all rows, and come back without being sent. */
-UNIT_TEST(low_bits_that_are_always_zero_take_none)
-{
-	static const struct kind k = { "places", ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 1, 400,
-		0, 65535, SCATTERED };
-	const struct eco_list list = kind_list(&k);
-	struct eco_elements in = kind_elements(&k, k.count, 4);
-	size_t sizes[2];
-	for (int coarse = 0; coarse < 2; coarse++) {
-		const struct eco_chunk_input input = { &list, &in, 0, k.count, 0 };
-		struct eco_elements out;
-		uint8_t *bytes;
-		for (uint32_t i = 0; coarse && i < k.count; i++)
-			in.extra[2 * (size_t)i] &= ~1023;
-		assert_int_equal(eco_chunk_encode(&input, &bytes, &sizes[coarse], NULL, NULL), ECO_OK);
-		struct eco_chunk chunk = { .size_bytes = (uint32_t)sizes[coarse], .primitive_count = k.count,
-			.element_count = k.count };
-		assert_int_equal(eco_chunk_decode(&list, &chunk, 0, bytes, sizes[coarse], &out, NULL), ECO_OK);
-		assert_memory_equal(out.extra, in.extra, 2 * k.count * sizeof *in.extra);
-		eco_elements_free(&out);
-		free(bytes);
-	}
-	assert_true(sizes[1] + 9 * k.count / 8 < sizes[0]);
-	eco_elements_free(&in);
-}
-
-UNIT_TEST(permutations_are_fair_and_fixed)
-{
-	static const uint32_t golden[8] = { 6, 5, 0, 2, 1, 4, 7, 3 };
-	uint32_t order[1000], seen[1000] = { 0 }, first[10] = { 0 };
-	eco_chunk_permutation(3, 8, order);
-	assert_memory_equal(order, golden, sizeof golden);
-	eco_chunk_permutation(0, 1000, order);
-	for (int i = 0; i < 1000; i++)
-		seen[order[i]]++;
-	for (int i = 0; i < 1000; i++)
-		assert_int_equal(seen[i], 1);
-	for (uint32_t ordinal = 0; ordinal < 10000; ordinal++) {
-		eco_chunk_permutation(ordinal, 10, order);
-		first[order[0]]++;
-	}
-	for (int i = 0; i < 10; i++)
-		assert_true(first[i] > 850 && first[i] < 1150);       /* 5 standard deviations */
-}
-
 UNIT_TEST(splits_start_small_and_grow)
 {
 	static const struct { uint32_t count, smallest, max; } cases[] = {
@@ -362,13 +238,4 @@ UNIT_TEST(a_small_chunk_is_the_golden_one)
 	assert_same_elements(&k, &in, 0, 3, &out, order);
 	free(bytes);
 	eco_elements_free(&out);
-}
-
-UNIT_TEST(names_are_xxh3_of_the_payload)
-{
-	/* XXH3-128 of no bytes, as the xxhsum program prints it. */
-	static const uint8_t empty[16] = { 0x99, 0xaa, 0x06, 0xd3, 0x01, 0x47, 0x98, 0xd8, 0x60, 0x01, 0xc3,
-		0x24, 0x46, 0x8d, 0x49, 0x7f };
-	struct eco_chunk_id id = eco_chunk_hash((const uint8_t *)"", 0);
-	assert_memory_equal(id.bytes, empty, sizeof empty);
 }

@@ -37,41 +37,6 @@ UNIT_TEST(png_gives_back_every_pixel)
 	}
 }
 
-UNIT_TEST(memory_and_file_agree_whatever_the_name_says)
-{
-	struct eco_error error = { .code = ECO_OK };
-	struct eco_image image;
-	uint8_t bytes[48], *png;
-	const struct eco_pixels pixels = { 4, 3, 4, bytes };
-	size_t size;
-	sample(bytes, 4);
-	bytes[3] = 0;                        /* the colour under zero alpha survives too */
-	assert_int_equal(eco_png_encode(&pixels, &png, &size, &error), ECO_OK);
-	assert_int_equal(eco_image_read_memory(&image, png, size, "texture without an extension", &error),
-		ECO_OK);
-	assert_memory_equal(image.rgba, bytes, sizeof bytes);
-	eco_image_free(&image);
-	assert_int_equal(eco_image_read(&image, input_bytes("image", "really_png.jpg", png, size), &error),
-		ECO_OK);
-	assert_memory_equal(image.rgba, bytes, sizeof bytes);
-	eco_image_free(&image);
-	free(png);
-}
-
-UNIT_TEST(the_same_pixels_give_the_same_bytes)
-{
-	uint8_t bytes[48], *a, *b;
-	const struct eco_pixels pixels = { 4, 3, 3, bytes };
-	size_t a_size, b_size;
-	sample(bytes, 3);
-	assert_int_equal(eco_png_encode(&pixels, &a, &a_size, NULL), ECO_OK);
-	assert_int_equal(eco_png_encode(&pixels, &b, &b_size, NULL), ECO_OK);
-	assert_int_equal(a_size, b_size);
-	assert_memory_equal(a, b, a_size);
-	free(a);
-	free(b);
-}
-
 /* A lossless WebP of 4 x 1 pixels: (200,0,0) at alpha 128, opaque green, transparent, (90,180,40) at alpha
  * 64. */
 static const uint8_t webp[] = {

@@ -75,22 +75,6 @@ UNIT_TEST(levels_survive_their_bytes)
 		}
 }
 
-/* On every machine. */
-UNIT_TEST(bytes_are_always_the_same)
-{
-	static const uint64_t golden[ECO_IMPOSTOR_LEVELS] = {
-		UINT64_C(0x9048373c90c6788a), UINT64_C(0xea5432d191e4876c), UINT64_C(0x65a6e5fb04ce386e) };
-	for (uint32_t which = 0; which < ECO_IMPOSTOR_LEVELS; which++) {
-		struct eco_impostor_level level;
-		struct eco_writer w = { 0 };
-		fill(&level, which, 3);
-		write(&w, &level);
-		assert_int_equal(XXH3_64bits(w.bytes, w.size), golden[which]);
-		eco_impostor_level_free(&level);
-		eco_writer_free(&w);
-	}
-}
-
 /* Whatever is read is in range. */
 static void assert_in_bounds(const struct eco_impostor_level *level)
 {
@@ -149,56 +133,5 @@ UNIT_TEST(damaged_bytes_are_named_or_harmless)
 			bytes[k] = (uint8_t)number(k ? 256 : ECO_IMPOSTOR_LEVELS + 1);
 		bytes[1] &= 63;
 		try_read(bytes, number(sizeof bytes + 1));
-	}
-}
-
-UNIT_TEST(bodies_survive_and_those_that_no_plant_has_are_named)
-{
-	static const struct eco_impostor_body bad[] = { { { NAN, 0, 0 }, 1, 1, 0 },
-		{ { 0, 0, 1e30f }, 1, 1, 0 }, { { 0 }, 0, 1, 0 }, { { 0 }, 1, -1, 0 },
-		{ { 0 }, INFINITY, 1, 0 },
-		{ { 0 }, 1, 1, -1 },
-		{ { 0 }, 1, 1, NAN } };
-	struct eco_impostor_body back;
-	struct eco_error error = { 0 };
-	for (size_t i = 0; i <= sizeof bad / sizeof *bad; i++) {
-		struct eco_writer w = { 0 };
-		eco_impostor_body_write(&w, i ? &bad[i - 1] : &body);
-		assert_int_equal(w.size, ECO_IMPOSTOR_BODY_BYTES);
-		struct eco_reader r = { .bytes = w.bytes, .size = w.size };
-		assert_int_equal(eco_impostor_body_read(&r, &back, &error), i ? ECO_DAMAGED : ECO_OK);
-		assert_true(i || memcmp(&back, &body, sizeof body) == 0);
-		r = (struct eco_reader){ .bytes = w.bytes, .size = w.size - 1 };
-		assert_int_equal(eco_impostor_body_read(&r, &back, &error), ECO_DAMAGED);
-		eco_writer_free(&w);
-	}
-}
-
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-UNIT_TEST(axes_are_frames_of_directions_above_the_horizon)
-{
-	for (int set = 0; set < 2; set++) {
-		struct eco_impostor_axes axes[ECO_IMPOSTOR_TILES_MAX];
-		struct eco_impostor_rings rings;
-		uint32_t tiles = eco_impostor_tiles(set);
-		assert_in_range(tiles, 1, ECO_IMPOSTOR_TILES_MAX);
-		eco_impostor_axes(set, axes);
-		eco_impostor_rings(set, &rings);
-		for (uint32_t k = 0; k < rings.count; k++)
-			for (uint32_t i = 0; i < rings.items[k].stored; i++)
-				assert_float_equal(axes[rings.items[k].first + i].toward[2],
-					rings.items[k].sine, 1e-12);
-		for (uint32_t i = 0; i < tiles; i++) {
-			const struct eco_impostor_axes *a = &axes[i];
-			assert_float_equal(dot(a->toward, a->toward), 1, 1e-9);
-			assert_float_equal(dot(a->up, a->up), 1, 1e-9);
-			assert_float_equal(dot(a->right, a->up), 0, 1e-9);
-			assert_float_equal(dot(a->right, a->toward), 0, 1e-9);
-			assert_float_equal(a->toward[0] * a->right[1] - a->toward[1] * a->right[0], a->up[2],
-				1e-9);
-			for (uint32_t j = 0; j < i; j++)
-				assert_true(fabs(dot(a->toward, axes[j].toward)) < 0.985);
-		}
 	}
 }

@@ -40,24 +40,6 @@ static size_t assert_comes_back(const struct eco_inventory_row *rows, const stru
 	return bytes.size;
 }
 
-/* Rows in an order without any rule take hardly more than the logarithm of their number. */
-UNIT_TEST(rows_of_a_full_block_come_back)
-{
-	static struct eco_inventory_row rows[ECO_INVENTORY_PLACES];
-	static const char *const species[] = { "oak", "ash", NULL, "elm" };
-	uint64_t state = 1;
-	for (uint32_t i = 0; i < ECO_INVENTORY_PLACES; i++) {
-		uint32_t row = lcg_bits(&state) % (1u << 16) + 1;
-		rows[i] = (struct eco_inventory_row){ species[i * 4 / ECO_INVENTORY_PLACES], "trees.csv", row,
-			row + 1 };
-	}
-	size_t bytes = assert_comes_back(rows, rows, ECO_INVENTORY_PLACES);
-	assert_true(8 * bytes < 17 * ECO_INVENTORY_PLACES);
-	for (uint32_t i = 0; i < ECO_INVENTORY_PLACES; i++)
-		rows[i] = (struct eco_inventory_row){ .file = "trees.csv", .row = i + 1, .line = i + 2 };
-	assert_true(8 * assert_comes_back(rows, rows, ECO_INVENTORY_PLACES) < ECO_INVENTORY_PLACES / 4);
-}
-
 UNIT_TEST(many_names_and_the_greatest_rows_come_back)
 {
 	static struct eco_inventory_row rows[ECO_INVENTORY_PLACES];
@@ -140,27 +122,6 @@ UNIT_TEST(a_pack_says_what_each_place_is)
 	for (uint32_t i = 0; i < SMALL_PACK_PLANTS; i++)
 		assert_same_row(&block.rows[i], &small_pack_rows[i]);
 	eco_inventory_free(&block);
-	eco_pack_close(pack);
-	free(bytes);
-}
-
-/* The pack still opens, and all other payloads are as they were. */
-UNIT_TEST(a_damaged_block_hurts_nothing_else)
-{
-	struct eco_pack *pack;
-	struct eco_inventory_block block;
-	struct eco_error error = { 0 };
-	size_t size;
-	uint8_t *bytes = small_pack(&size);
-	bytes[size - 1] ^= 1;
-	assert_ok(eco_pack_open_memory(&pack, bytes, size, &error), error);
-	assert_int_equal(eco_inventory_read(&block, pack, 0, &error), ECO_DAMAGED);
-	assert_non_null(strstr(error.text, "restore the pack"));
-	eco_inventory_free(&block);
-	uint32_t rows = eco_inventory_list(&pack->scene)->chunk_first;
-	for (uint32_t i = 0; i < pack->scene.chunk_count; i++)
-		assert_int_equal(eco_pack_payload(pack, i, &(const uint8_t *){ NULL }, &(size_t){ 0 }, NULL),
-			i == rows ? ECO_DAMAGED : ECO_OK);
 	eco_pack_close(pack);
 	free(bytes);
 }

@@ -258,25 +258,6 @@ UNIT_TEST(forged_tables_do_no_harm)
 	free(forged);
 }
 
-UNIT_TEST(a_damaged_payload_is_named_and_the_others_still_work)
-{
-	struct eco_error error = { 0 };
-	struct eco_pack *pack;
-	const uint8_t *payload;
-	size_t size, payload_size;
-	uint8_t *bytes = small_pack(&size);
-	assert_int_equal(eco_pack_open_memory(&pack, bytes, size, NULL), ECO_OK);
-	bytes[pack->scene.chunks[4].offset + 5] ^= 1;
-	assert_int_equal(eco_pack_payload(pack, 4, &payload, &payload_size, &error), ECO_DAMAGED);
-	assert_null(payload);
-	assert_non_null(strstr(error.text, "chunk 4 of list 2"));
-	for (uint32_t i = 0; i < pack->scene.chunk_count; i++)
-		if (i != 4)
-			assert_int_equal(eco_pack_payload(pack, i, &payload, &payload_size, NULL), ECO_OK);
-	eco_pack_close(pack);
-	free(bytes);
-}
-
 UNIT_TEST(equal_payloads_are_stored_once)
 {
 	struct eco_pack_writer *w = NULL;

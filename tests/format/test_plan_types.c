@@ -5,44 +5,6 @@
 #include "ecofiles/format/plan.h"
 #include "tests/support/unit_test.h"
 
-UNIT_TEST(owners_of_plants_are_all_different)
-{
-	static const uint32_t tiles[] = { 0, 1, 2, 65535 }, plants[] = { 0, 1, 200 },
-		indices[] = { 0, 1, 2, 4095, (1u << 30) - 1 };
-	uint64_t all[4 * 3 * 5];
-	uint32_t count = 0;
-	for (int t = 0; t < 4; t++)
-		for (int p = 0; p < 3; p++)
-			for (int i = 0; i < 5; i++)
-				all[count++] = eco_owner_instance(eco_owner_leaf(tiles[t]), plants[p],
-					indices[i]);
-	for (uint32_t i = 0; i < count; i++)
-		for (uint32_t j = 0; j < count; j++)
-			assert_int_equal(eco_owner_match(all[i], all[j]), i == j);
-}
-
-UNIT_TEST(leaf_keys_of_a_file_differ_in_their_low_bits)
-{
-	uint8_t *seen = calloc(65536, 1);
-	for (uint32_t tile = 0; tile < 65536; tile++)
-		assert_int_equal(seen[eco_owner_leaf(tile) & 0xFFFF]++, 0);
-	free(seen);
-}
-
-/* A key is a sum: sums of different sets of children must differ, above all where their numbers have equal
- * sums. */
-UNIT_TEST(paths_through_nested_files_have_keys_of_their_own)
-{
-	enum { N = 40 };
-	uint32_t sums[N * (N - 1) / 2], count = 0;
-	for (uint32_t a = 0; a < N; a++)
-		for (uint32_t b = a + 1; b < N; b++)
-			sums[count++] = eco_owner_child(a) + eco_owner_child(b);
-	for (uint32_t i = 0; i < count; i++)
-		for (uint32_t j = i + 1; j < count; j++)
-			assert_true(sums[i] != sums[j]);
-}
-
 UNIT_TEST(a_summary_matches_any_plant_of_its_tile_and_species)
 {
 	uint32_t key = eco_owner_leaf(7) + eco_owner_child(3), other = eco_owner_leaf(8) + eco_owner_child(3);

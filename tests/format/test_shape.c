@@ -211,69 +211,6 @@ static double share_of(struct crown *c, bool corners_only)
 	return (double)size / (double)soup_size;
 }
 
-UNIT_TEST(leaves_that_are_all_different_are_corners)
-{
-	static struct crown crown;
-	for (double steps = 30; steps < 3000; steps *= 10) {
-		make_crown(&crown, steps, 1);
-		assert_true(share_of(&crown, true) < 0.97);
-	}
-}
-
-/* Quads of a jittered net, each corner in up to four of them. */
-UNIT_TEST(corners_that_leaves_share_are_stored_once)
-{
-	static struct crown crown;
-	static int32_t knots[21][21][3];
-	const uint32_t side = 20, around[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
-	make_crown(&crown, 100, 1);
-	for (uint32_t y = 0; y <= side; y++)
-		for (uint32_t x = 0; x <= side; x++)
-			for (uint32_t a = 0; a < 3; a++)
-				knots[y][x][a] =
-					(int32_t)((a == 0 ? x : a == 1 ? y : 0) * 300 + uniform() * 250);
-	for (uint32_t i = 0; i < LEAVES; i++) {
-		crown.corners[i] = 4;
-		for (uint32_t k = 0; k < 4; k++)
-			for (uint32_t a = 0; a < 3; a++) {
-				int32_t v = knots[i / side + around[k][1]][i % side + around[k][0]][a];
-				crown.position[12 * i + 3 * k + a] = v;
-				crown.exact[12 * i + 3 * k + a] = v * (1 << ECO_EXACT_SHIFT);
-				crown.uv[8 * i + 2 * k + a % 2] = (int32_t)(k * 100);
-			}
-	}
-	crown.elements.corner_count = 4 * LEAVES;
-	crown.elements.primitive_count = 2 * LEAVES;
-	assert_true(share_of(&crown, true) < 0.65);
-}
-
-/* Flat leaves of one outline, sheared and stretched at will: three corners say where the others are. */
-UNIT_TEST(images_of_one_leaf_take_three_corners)
-{
-	static struct crown crown;
-	static const double flat[4][2] = { { 0, 0 }, { 1, .6 }, { 2.3, .1 }, { .9, -.5 } };
-	make_crown(&crown, 100, 1);
-	for (uint32_t i = 0; i < LEAVES; i++) {
-		double axis[3][3];
-		for (int a = 0; a < 3; a++) {
-			axis[0][a] = uniform() * 2000 - 1000;
-			axis[1][a] = uniform() * 2000 - 1000;
-			axis[2][a] = uniform() * 32768;
-		}
-		crown.corners[i] = 4;
-		for (uint32_t k = 0; k < 4; k++)
-			for (uint32_t a = 0; a < 3; a++) {
-				double v = axis[2][a] + flat[k][0] * axis[0][a] + flat[k][1] * axis[1][a];
-				crown.exact[12 * i + 3 * k + a] = (int32_t)floor(v + 0.5);
-				crown.position[12 * i + 3 * k + a] = (int32_t)floor(v / 8 + 0.5);
-				crown.uv[8 * i + 2 * k + a % 2] = (int32_t)(k * 100);
-			}
-	}
-	crown.elements.corner_count = 4 * LEAVES;
-	crown.elements.primitive_count = 2 * LEAVES;
-	assert_true(share_of(&crown, true) < 0.85);
-}
-
 /* Blades of five corners, tip in the middle, standing and bent each by another angle, as grass is; `both`:
  * some run the other way round. */
 static void make_blades(struct crown *c, bool both)
@@ -310,33 +247,6 @@ UNIT_TEST(blades_that_bend_each_differently_follow_a_trend)
 	for (int both = 0; both < 2; both++) {
 		make_blades(&crown, both);
 		assert_true(share_of(&crown, false) < 0.72);
-	}
-}
-
-/* At right angles and of length 1, whatever they are made of. */
-UNIT_TEST(axes_are_at_right_angles)
-{
-	static const int64_t of[][2][3] = { { { 0, 0, 0 }, { 0, 0, 0 } }, { { 0, 0, 5 }, { 0, 0, -7 } },
-		{ { 1, 0, 0 }, { 1 << 29, 0, 1 } },
-		{ { 40000, -3, 17 }, { 41000, 30, 17 } },
-		{ { -(1 << 30) + 1, (1 << 30) - 1, 1 }, { (1 << 30) - 1, (1 << 30) - 1, 1 - (1 << 30) } },
-		{ { 3, 4, 0 }, { 0, 0, 0 } }, { { 0, 0, 0 }, { 0, 0, 9 } } };
-	for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
-		int64_t axis[3][3], length = eco_axes_first(of[i][0], axis);
-		double d =
-			sqrt((double)(of[i][0][0] * of[i][0][0] + of[i][0][1] * of[i][0][1]
-			+ of[i][0][2] * of[i][0][2]));
-		assert_true(fabs((double)length - d) <= 1);
-		eco_axes_others(i % 2 ? of[i][1] : NULL, axis);
-		for (int a = 0; a < 3; a++)
-			for (int b = 0; b < 3; b++) {
-				double product = 0;
-				for (int k = 0; k < 3; k++)
-					product +=
-						ldexp((double)axis[a][k], -ECO_AXIS_BITS)
-						* ldexp((double)axis[b][k], -ECO_AXIS_BITS);
-				assert_true(fabs(product - (a == b)) < 1e-5);
-			}
 	}
 }
 
@@ -425,41 +335,6 @@ UNIT_TEST(placings_out_of_bounds_are_none)
 			assert_int_equal(eco_shape_place(&shapes, &cases[i].placing, offset, 3, at),
 				cases[i].good);
 	}
-}
-
-/* Every way and roll of a coarse set gives three axes that are about 1 long and at right angles, and no two
- * give the same. */
-UNIT_TEST(turns_are_rotations)
-{
-	const struct eco_shape corner = { .corners = 3, .position = { 4096, 0, 0, 0, 4096, 0, 0, 0, 4096 } };
-	const struct eco_shapes shapes = { .count = 1, .size_shift = { 2, 2, 2 }, .way_bits = 2,
-		.roll_bits = 2 };
-	static int32_t seen[8 * 8 * 16][9];
-	uint32_t count = 0;
-	for (int u = 0; u < 8; u++)
-		for (int v = 0; v < 8; v++)
-			for (int roll = 0; roll < 16; roll++) {
-				const struct eco_placing p =
-					{ .way = { u, v }, .roll = roll, .size = { 2500, 0, 0 } };
-				int32_t *o = seen[count];
-				assert_true(eco_shape_turn(&shapes, &corner, &p, o));
-				double det = 0;
-				for (int a = 0; a < 3; a++) {
-					int b = (a + 1) % 3, c = (a + 2) % 3;
-					for (int k = 0; k < 3; k++) {
-						double dot = 0;
-						for (int j = 0; j < 3; j++)
-							dot += (double)o[3 * a + j] * o[3 * k + j] / 1e8;
-						assert_true(fabs(dot - (a == k)) < 1e-3);
-					}
-					det += o[a] / 1e4 * (o[3 + b] / 1e4 * o[6 + c] / 1e4
-						- o[3 + c] / 1e4 * o[6 + b] / 1e4);
-				}
-				assert_true(fabs(det - 1) < 1e-3);
-				for (uint32_t i = 0; i < count; i++)
-					assert_memory_not_equal(o, seen[i], sizeof seen[i]);
-				count++;
-			}
 }
 
 UNIT_TEST(a_placing_is_where_it_says)

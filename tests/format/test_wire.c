@@ -433,19 +433,6 @@ UNIT_TEST(named_chunks_are_as_carried_ones)
 	eco_writer_free(&named);
 }
 
-UNIT_TEST(who_fetches_nothing_refuses_names)
-{
-	static const struct eco_wire_events none = { 0 };
-	struct eco_writer named = stream_of("payload", true);
-	struct eco_wire_parser *parser;
-	struct eco_error error = { 0 };
-	assert_ok(eco_wire_parser_new(&parser, &none, NULL, &error), error);
-	assert_int_equal(eco_wire_feed(parser, named.bytes, named.size, &error), ECO_UNSUPPORTED);
-	assert_non_null(strstr(error.text, "name_from"));
-	eco_wire_parser_free(parser);
-	eco_writer_free(&named);
-}
-
 /* ---- Lists of impostors ---- */
 
 static struct eco_writer impostor_stream(const struct eco_list *list)
@@ -524,19 +511,6 @@ UNIT_TEST(first_failure_is_final)
 		eco_writer_free(&told.w);
 	}
 	eco_writer_free(&whole.w);
-	eco_writer_free(&w);
-}
-
-UNIT_TEST(events_without_a_callback_are_checked_and_ignored)
-{
-	static const struct eco_wire_events none = { 0 };
-	struct eco_writer w = random_stream(10, 4);
-	struct eco_wire_parser *parser;
-	assert_int_equal(eco_wire_parser_new(&parser, &none, NULL, NULL), ECO_OK);
-	assert_int_equal(eco_wire_feed(parser, w.bytes, w.size, NULL), ECO_OK);
-	assert_int_equal(eco_wire_finish(parser, NULL), ECO_OK);
-	eco_wire_parser_free(parser);
-	eco_wire_parser_free(NULL);
 	eco_writer_free(&w);
 }
 
