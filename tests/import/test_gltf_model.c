@@ -255,18 +255,6 @@ UNIT_TEST(skins_stand_where_their_joints_hold_them)
 	expect_corner(0, 2, 7, 1, 0);
 }
 
-UNIT_TEST(morph_targets_have_their_default_weights)
-{
-	static const float delta[3][3] = { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 0, 0 } };
-	gw_square(3);
-	gw_floats(delta[0], 3, "VEC3", 3);
-	read_good(",'nodes':[{'mesh':0},{'mesh':0,'weights':[0]},{'mesh':0}],'meshes':[{'weights':[0.5],"
-		"'primitives':[{'attributes':{'POSITION':0},'targets':[{'POSITION':1}]}]}]");
-	expect_corner(0, 1, 3, 0, 0);
-	expect_corner(1, 1, 1, 0, 0);
-	expect_corner(2, 1, 3, 0, 0);
-}
-
 UNIT_TEST(vertex_colours_count_in_linear_light)
 {
 	static const uint8_t colors[3][4] = { { 255, 0, 0, 255 }, { 255, 0, 0, 255 }, { 255, 0, 0, 0 } };

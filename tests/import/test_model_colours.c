@@ -117,20 +117,6 @@ UNIT_TEST(each_palette_has_colours_of_its_own_and_none_is_lost)
 	}
 }
 
-UNIT_TEST(a_tint_beyond_the_limit_is_the_nearest)
-{
-	struct eco_tints tints;
-	struct eco_model model = { .materials = calloc(1, sizeof *model.materials), .material_count = 1 };
-	model.materials[0] = (struct eco_material){ .rgb = { 255, 255, 255 }, .image = ECO_NONE };
-	assert_true(eco_tints_start(&tints, &model));
-	for (uint32_t i = 0; i < ECO_TINTS_MAX; i++)
-		eco_tints_get(&tints, 0, (uint8_t[]){ (uint8_t)(i / 64), (uint8_t)(i % 64), 0 });
-	uint32_t over = eco_tints_get(&tints, 0, (uint8_t[]){ 70, 30, 0 });
-	assert_memory_equal(model.materials[over].rgb, ((uint8_t[]){ 63, 30, 0 }), 3);
-	eco_tints_end(&tints);
-	free(model.materials);
-}
-
 UNIT_TEST(a_place_in_no_picture_shows_no_colour)
 {
 	static const float places[] = { 1e30f, -1e30f, INFINITY, NAN };

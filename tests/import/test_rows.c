@@ -437,30 +437,6 @@ UNIT_TEST(broken_files_cannot_be_read)
 	expect_broken("a.parquet", (const uint8_t *)"PAR1\0\0\0\0PAR1", 12, 0);
 }
 
-UNIT_TEST(workbooks_without_their_sheets_are_no_empty_tables)
-{
-	static const struct made row = { "trees", 0, wkbNone, NULL, "oak" };
-	static const char *const parts[] = { "xl/worksheets/sheet1.xml", "xl/sharedStrings.xml", "xl/workbook.xml" };
-	const char *path = input_path("rows", "sheets.xlsx");
-	size_t size;
-	make_file("XLSX", path, &row, 1);
-	uint8_t *bytes = file_read(path, &size);
-	for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
-		uint8_t *other = malloc(size);
-		size_t length = strlen(parts[i]), seen = 0;
-		memcpy(other, bytes, size);
-		for (size_t at = 0; at + length <= size; at++)       /* under another name in the zip's lists */
-			if (memcmp(other + at, parts[i], length) == 0 && other[at - 1] != '/' && other[at - 1] != '"') {
-				other[at + length - 5] = '_';
-				seen++;
-			}
-		assert_int_equal(seen, 2);
-		expect_broken("parts.xlsx", other, size, i);
-		free(other);
-	}
-	free(bytes);
-}
-
 UNIT_TEST(parts_of_a_shapefile_that_are_missed_are_named)
 {
 	static const struct made tree = { "trees", 25832, wkbPoint, "POINT (3 4)", "oak" };

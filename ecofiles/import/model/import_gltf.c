@@ -13,9 +13,8 @@
 
 #include "ecofiles/base/array_grow.h"
 
-struct shape {                       /* a mesh at rest, or with the morph weights of a node */
+struct shape {                       /* a mesh */
 	uint32_t mesh;
-	const json_t *weights;
 	uint32_t first, count;       /* its pieces */
 	uint64_t triangles, vertices;
 };
@@ -30,7 +29,7 @@ struct soup {
 	struct gltf_look *looks;     uint32_t look_count;
 	struct gltf_surface *pieces; uint32_t piece_count, piece_room;       /* primitives, read */
 	struct shape *shapes;        uint32_t shape_count, shape_room;
-	uint32_t *at_rest;                   /* per mesh: its shape, or ECO_NONE */
+	uint32_t *shape_of;                   /* per mesh: its shape, or ECO_NONE */
 	struct place *places;        uint32_t place_count, place_room;
 	struct gltf_skin *skins;     uint32_t skin_count;
 	struct gltf_counts counts;
@@ -93,10 +92,19 @@ static enum eco_code too_many(struct soup *s, uint64_t triangles)
 		eco_gltf_path(s->doc), (unsigned long long)triangles, s->triangles_max);
 }
 
+static bool has_weights(const struct soup *s, uint32_t mesh)
+{
+	const json_t *weights = json_object_get(eco_gltf_item(s->doc, "meshes", mesh), "weights");
+	for (size_t i = 0; i < json_array_size(weights); i++)
+		if (json_number_value(json_array_get(weights, i)) != 0)
+			return true;
+	return false;
+}
+
 static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_t *primitive, uint32_t number)
 {
 	struct gltf_surface_source source = { .doc = s->doc, .looks = s->looks, .look_count = s->look_count,
-		.primitive = primitive, .weights = shape->weights, .mesh = shape->mesh, .number = number,
+		.primitive = primitive, .morphed = has_weights(s, shape->mesh), .mesh = shape->mesh, .number = number,
 		.triangles_max = s->triangles_max, .counts = &s->counts };
 	if (!eco_array_grow(&s->pieces, &s->piece_room, s->piece_count, sizeof *s->pieces))
 		return out_of_memory(s);
@@ -114,28 +122,24 @@ static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_
 	return too_many(s, s->read);
 }
 
-/* The shape of a node's mesh; reads it if it is new. A node with weights has a shape of its own. */
-static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *node, uint32_t *found)
+/* The shape of a mesh; reads it if it is new. */
+static enum eco_code find_shape(struct soup *s, uint32_t mesh, uint32_t *found)
 {
-	const json_t *json = eco_gltf_item(s->doc, "meshes", mesh), *own = json_object_get(node, "weights"),
-		*primitives = json_object_get(json, "primitives");
+	const json_t *json = eco_gltf_item(s->doc, "meshes", mesh), *primitives = json_object_get(json, "primitives");
 	enum eco_code code = ECO_OK;
 	if (!json)
 		return eco_fail(s->error, ECO_DAMAGED, "%.300s: names mesh %u, which is not there",
 			eco_gltf_path(s->doc), mesh);
-	*found = own ? ECO_NONE : s->at_rest[mesh];
+	*found = s->shape_of[mesh];
 	if (*found != ECO_NONE)
 		return ECO_OK;
 	if (!eco_array_grow(&s->shapes, &s->shape_room, s->shape_count, sizeof *s->shapes))
 		return out_of_memory(s);
 	struct shape *shape = &s->shapes[s->shape_count];
-	*shape = (struct shape){ .mesh = mesh, .weights = own ? own : json_object_get(json, "weights"),
-		.first = s->piece_count };
+	*shape = (struct shape){ .mesh = mesh, .first = s->piece_count };
 	for (size_t i = 0; i < json_array_size(primitives) && code == ECO_OK; i++)
 		code = read_piece(s, shape, json_array_get(primitives, i), (uint32_t)i);
-	*found = s->shape_count++;
-	if (!own)
-		s->at_rest[mesh] = *found;
+	*found = s->shape_of[mesh] = s->shape_count++;
 	return code;
 }
 
@@ -181,7 +185,7 @@ static enum eco_code visit(void *ctx, uint32_t node, const double world[16])
 	bool instanced = false;
 	if (!json_object_get(json, "mesh"))
 		return ECO_OK;
-	enum eco_code code = find_shape(s, eco_gltf_index(json, "mesh"), json, &shape);
+	enum eco_code code = find_shape(s, eco_gltf_index(json, "mesh"), &shape);
 	if (!code)
 		code = add_instances(s, shape, node, world, &instanced);
 	if (code == ECO_OK && !instanced && s->shapes[shape].triangles > 0)
@@ -289,7 +293,7 @@ static void tell(struct soup *s)
 		{ s->counts.lines, "lines are left out: only triangles are drawn" },
 		{ s->counts.shapeless, "primitives without positions are left out" },
 		{ s->counts.partial, "corners at the ends of lists of triangles make no triangle" },
-		{ s->counts.morphed, "morph targets of Draco meshes are not applied" },
+		{ s->counts.morphed, "meshes have morph targets at rest, which are not applied" },
 		{ s->counts.faint, "vertices have colours with alpha below 0.5, which is not applied" } };
 	size_t scenes = json_array_size(json_object_get(eco_gltf_json(s->doc), "scenes"));
 	if (!eco_gltf_has_scene(s->doc))
@@ -309,11 +313,11 @@ static enum eco_code prepare(struct soup *s)
 	*s->soup.frame = (struct eco_model_frame){ .format = "glTF", .unit_m = 1, .up = ECO_UP_Y,
 		.convention = ECO_UP_Y };
 	s->looks = gltf_looks_read(s->doc, &s->look_count);
-	s->at_rest = malloc((meshes + 1) * sizeof *s->at_rest);
+	s->shape_of = malloc((meshes + 1) * sizeof *s->shape_of);
 	s->skins = skins < ECO_NONE ? calloc(skins + 1, sizeof *s->skins) : NULL;
-	if (!s->looks || !s->at_rest || !s->skins)
+	if (!s->looks || !s->shape_of || !s->skins)
 		return out_of_memory(s);
-	memset(s->at_rest, 0xff, meshes * sizeof *s->at_rest);
+	memset(s->shape_of, 0xff, meshes * sizeof *s->shape_of);
 	s->skin_count = (uint32_t)skins;
 	return check_required(s);
 }
@@ -369,7 +373,7 @@ enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_f
 	free(s.places);
 	free(s.skins);
 	free(s.looks);
-	free(s.at_rest);
+	free(s.shape_of);
 	return code;
 }
 

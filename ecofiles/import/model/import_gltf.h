@@ -79,7 +79,8 @@ struct gltf_counts {             /* things not drawn, for the notes */
 struct gltf_surface_source {
 	struct eco_gltf *doc;
 	const struct gltf_look *looks;       uint32_t look_count;
-	const json_t *primitive, *weights;   /* weights: of morph targets; NULL: at rest */
+	const json_t *primitive;
+	bool morphed;                        /* morph targets have weights at rest, which are not applied */
 	uint32_t mesh, number;               /* number of the primitive in the mesh, for messages */
 	uint32_t triangles_max;
 	struct gltf_counts *counts;

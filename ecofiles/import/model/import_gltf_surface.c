@@ -344,45 +344,6 @@ static bool take_memory(struct reader *r)
 		&& (s->influences == 0 || (s->joint && s->weight));
 }
 
-/* ---- Morph targets: the default weights, which are mostly 0 ---- */
-
-static enum eco_code add_target(struct reader *r, const json_t *target, double weight, const uint32_t *source)
-{
-	struct eco_gltf_accessor a;
-	if (!json_object_get(target, "POSITION"))
-		return ECO_OK;
-	enum eco_code code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(target, "POSITION"), 3, &a,
-		r->error);
-	if (code)
-		return code;
-	for (uint32_t v = 0; v < r->to->vertex_count; v++) {
-		double delta[3] = { 0, 0, 0 };
-		if (source[v] < a.count)
-			eco_gltf_element(&a, source[v], delta);
-		for (int k = 0; k < 3; k++)
-			r->to->position[(size_t)v * 3 + (size_t)k] = (float)((double)r->to->position[(size_t)v
-				* 3 + (size_t)k] + weight * delta[k]);
-	}
-	eco_gltf_accessor_close(&a);
-	return ECO_OK;
-}
-
-static enum eco_code add_targets(struct reader *r, const uint32_t *source)
-{
-	const json_t *targets = json_object_get(r->from->primitive, "targets");
-	enum eco_code code = ECO_OK;
-	for (size_t i = 0; i < json_array_size(targets) && code == ECO_OK; i++) {
-		double weight = json_number_value(json_array_get(r->from->weights, i));
-		if (weight == 0)
-			continue;
-		if (r->draco_index)          /* Draco has reordered the vertices */
-			r->from->counts->morphed++;
-		else
-			code = add_target(r, json_array_get(targets, i), weight, source);
-	}
-	return code;
-}
-
 /* ---- The primitive ---- */
 
 static enum eco_code read_vertices(struct reader *r, const struct gltf_look *look)
@@ -396,9 +357,8 @@ static enum eco_code read_vertices(struct reader *r, const struct gltf_look *loo
 		take_vertex(r, look, source[v], v);
 		take_joints(r, source[v], v);
 	}
-	enum eco_code code = add_targets(r, source);
 	free(source);
-	return code;
+	return ECO_OK;
 }
 
 /* Counts points and lines, which are not drawn. */
@@ -421,6 +381,7 @@ static enum eco_code read_primitive(struct reader *r)
 	const json_t *draco = eco_gltf_extension(r->from->primitive, "KHR_draco_mesh_compression");
 	uint64_t mode = eco_gltf_whole(r->from->primitive, "mode", TRIANGLES);
 	uint64_t material = eco_gltf_whole(r->from->primitive, "material", UINT64_MAX);
+	r->from->counts->morphed += r->from->morphed;
 	r->to->material = material < r->from->look_count ? (uint32_t)material : r->from->look_count;
 	const struct gltf_look *look = &r->from->looks[r->to->material];
 	if (mode > TRIANGLE_FAN)

@@ -174,8 +174,7 @@ struct eco_tints {
 	uint32_t *table;             /* open addressing: tint + 1 */
 };
 bool eco_tints_start(struct eco_tints *tints, struct eco_model *model);
-/* Material `material` times an sRGB colour, in linear light. White gives the material itself; a tint
- * beyond the limit is the nearest that there is. */
+/* Material `material` times an sRGB colour, in linear light; itself for white, and beyond the limit. */
 uint32_t eco_tints_get(struct eco_tints *tints, uint32_t material, const uint8_t rgb[3]);
 /* Rounds a colour to eight steps a channel, which is used where vertex colours differ within a mesh. */
 void eco_tint_step(uint8_t rgb[3]);

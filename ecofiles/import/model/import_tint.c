@@ -39,19 +39,6 @@ static uint32_t distance(const uint8_t a[3], const uint8_t b[3])
 	return sum;
 }
 
-/* The tint nearest to the one of that material for which there is no room. */
-static uint32_t nearest_tint(const struct eco_tints *t, uint32_t material, const uint8_t rgb[3])
-{
-	const struct eco_material *all = t->model->materials, *own = &all[material];
-	uint32_t best = material;
-	for (uint32_t i = t->base; i < t->model->material_count; i++)
-		if (all[i].image == own->image && all[i].cutout == own->cutout
-				&& (best == material
-				|| distance(all[i].rgb, rgb) < distance(all[best].rgb, rgb)))
-			best = i;
-	return best;
-}
-
 static void tinted(const struct eco_material *from, const uint8_t tint[3], uint8_t rgb[3])
 {
 	for (int k = 0; k < 3; k++)
@@ -70,11 +57,8 @@ uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb
 		slot = (slot + 1) % (4 * ECO_TINTS_MAX);
 	if (t->table[slot] != 0)
 		return t->base + t->table[slot] - 1;
-	if (t->count == ECO_TINTS_MAX) {
-		uint8_t wanted[3];
-		tinted(&m->materials[material], rgb, wanted);
-		return nearest_tint(t, material, wanted);
-	}
+	if (t->count == ECO_TINTS_MAX)
+		return material;
 	t->key[t->count++] = key;
 	t->table[slot] = t->count;
 	/* lod_organs_split knows a surface by its material's name, whatever its colours */

@@ -175,50 +175,32 @@ static enum eco_code drop_spare(struct model_clean *c)
 	return ECO_OK;
 }
 
-/* Extremes of all components along an axis, and the next ones: they bound all but any one component, so that
- * a model of many components is looked at once. */
-struct extremes {
-	double low[2], high[2];
-	uint32_t lowest, highest;    /* the components that low[0] and high[0] are of */
-};
-
-static void find_extremes(const struct eco_components *all, int axis, struct extremes *e)
+static double spread_of(const struct eco_component *c)
 {
-	*e = (struct extremes){ .low = { INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY } };
-	for (uint32_t i = 0; i < all->count; i++) {
-		double low = all->items[i].low[axis], high = all->items[i].high[axis];
-		if (low < e->low[0]) {
-			e->low[1] = e->low[0];
-			e->low[0] = low;
-			e->lowest = i;
-		} else if (low < e->low[1]) {
-			e->low[1] = low;
-		}
-		if (high > e->high[0]) {
-			e->high[1] = e->high[0];
-			e->high[0] = high;
-			e->highest = i;
-		} else if (high > e->high[1]) {
-			e->high[1] = high;
-		}
-	}
+	return (c->high[0] - c->low[0]) * (c->high[1] - c->low[1]);
 }
 
-/* Whether all else of the model stands on the component. */
-static bool is_sheet(const struct eco_components *all, const struct extremes of[3], uint32_t at)
+/* The widest component, if it is level and all else stands on it; all->count: it is not. */
+static uint32_t find_sheet(const struct eco_components *all)
 {
+	struct eco_bounds rest = ECO_NO_BOUNDS;
+	uint32_t at = 0;
+	for (uint32_t i = 1; i < all->count; i++)
+		at = spread_of(&all->items[i]) > spread_of(&all->items[at]) ? i : at;
+	for (uint32_t i = 0; i < all->count; i++)
+		if (i != at) {
+			eco_bounds_add(&rest, all->items[i].low);
+			eco_bounds_add(&rest, all->items[i].high);
+		}
 	const struct eco_component *c = &all->items[at];
-	double wide = c->high[0] - c->low[0], deep = c->high[1] - c->low[1], low[3], high[3];
-	for (int k = 0; k < 3; k++) {
-		low[k] = of[k].low[of[k].lowest == at];
-		high[k] = of[k].high[of[k].highest == at];
+	double wide = c->high[0] - c->low[0], deep = c->high[1] - c->low[1], height = rest.high[2] - c->low[2];
+	bool stand = height > 0 && c->high[2] - c->low[2] <= SHEET_THICK * fmin(wide, deep)
+		&& c->area >= SHEET_FULL * wide * deep && c->high[2] <= rest.low[2] + SHEET_AT * height;
+	for (int k = 0; k < 2; k++) {
+		double beside = LIES_BESIDE * (k ? deep : wide);
+		stand = stand && rest.low[k] >= c->low[k] - beside && rest.high[k] <= c->high[k] + beside;
 	}
-	double height = high[2] - c->low[2];
-	if (!(height > 0) || c->high[2] - c->low[2] > SHEET_THICK * fmin(wide, deep)
-			|| c->area < SHEET_FULL * wide * deep || c->high[2] > low[2] + SHEET_AT * height)
-		return false;
-	return low[0] >= c->low[0] - LIES_BESIDE * wide && high[0] <= c->high[0] + LIES_BESIDE * wide
-		&& low[1] >= c->low[1] - LIES_BESIDE * deep && high[1] <= c->high[1] + LIES_BESIDE * deep;
+	return all->count > 1 && stand ? at : all->count;
 }
 
 /* Drops the level sheet at the foot that all else stands on, unless a rule names its part. */
@@ -226,16 +208,11 @@ static enum eco_code drop_sheet(struct model_clean *c)
 {
 	struct eco_model *m = c->model;
 	struct eco_components all;
-	struct extremes of[3];
-	uint32_t at = 0;
 	if (!eco_components_find(&all, m, c->place, true))
 		return no_memory(c);
-	for (int k = 0; k < 3; k++)
-		find_extremes(&all, k, &of[k]);
-	while (at < all.count && !is_sheet(&all, of, at))
-		at++;
+	uint32_t at = find_sheet(&all);
 	const char *name = at < all.count && m->part ? m->parts[m->part[all.items[at].first]].name : "";
-	if (all.count > 1 && at < all.count && !is_ruled(name, c->options)) {
+	if (at < all.count && !is_ruled(name, c->options)) {
 		eco_note(c->notes,
 			"a level sheet that it stands on (%u triangles of part \"%s\") is left out, as "
 			"the scene has a ground; name it in \"parts\" if it is the plant's",

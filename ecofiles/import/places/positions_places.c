@@ -17,68 +17,56 @@
 #define DISTANCE_MAX_M 1e7
 #define FAR_M 100000.0
 #define HEAP_PLANTS 10u /* so many within a metre are degrees, where they could be */
-#define PARTS 256u
-#define FIRST 16u
+#define FIRST 1024u
 
 /* ---- Places taken ---- */
 
-/* A set of places: open addressing over 64-bit hashes of millimetres, in 256 parts. Each part grows by
- * half when it is four fifths full, so that a place takes 10 to 15 bytes, also during growth. Two places
- * with one hash (in one of 10^5 inventories of 10^7 rows) count as one. */
-struct part { uint64_t *slots; uint32_t count, capacity; };
-struct eco_place_set { struct part parts[PARTS]; };
-
-static struct eco_place_set *open_set(void)
-{
-	return calloc(1, sizeof(struct eco_place_set));
-}
+/* A set of places: open addressing over 64-bit hashes of millimetres. Two places with one hash (in one of 10^5
+ * inventories of 10^7 rows) count as one. */
+struct eco_place_set { uint64_t *slots; size_t count, size; };
 
 /* The slot of a hash, or the free slot where it belongs. */
-static uint64_t *slot_of(const struct part *part, uint64_t hash)
+static uint64_t *slot_of(const struct eco_place_set *set, uint64_t hash)
 {
-	uint32_t at = (uint32_t)(((hash >> 8 & 0xffffffffu) * part->capacity) >> 32);
-	while (part->slots[at] != 0 && part->slots[at] != hash)
-		at = at + 1 == part->capacity ? 0 : at + 1;
-	return &part->slots[at];
+	size_t at = hash & (set->size - 1);
+	while (set->slots[at] != 0 && set->slots[at] != hash)
+		at = (at + 1) & (set->size - 1);
+	return &set->slots[at];
 }
 
-static bool grow(struct part *part)
+static bool grow(struct eco_place_set *set)
 {
-	struct part bigger = { .count = part->count, .capacity = part->capacity == 0 ? FIRST
-		: part->capacity + part->capacity / 2 };
-	if (part->capacity > UINT32_MAX / 2)
+	struct eco_place_set larger = { .count = set->count, .size = set->size ? 2 * set->size : FIRST };
+	larger.slots = calloc(larger.size, sizeof *larger.slots);
+	for (size_t i = 0; larger.slots && i < set->size; i++)
+		if (set->slots[i] != 0)
+			*slot_of(&larger, set->slots[i]) = set->slots[i];
+	if (!larger.slots)
 		return false;
-	bigger.slots = calloc(bigger.capacity, sizeof *bigger.slots);
-	if (!bigger.slots)
-		return false;
-	for (uint32_t i = 0; i < part->capacity; i++)
-		if (part->slots[i] != 0)
-			*slot_of(&bigger, part->slots[i]) = part->slots[i];
-	free(part->slots);
-	*part = bigger;
+	free(set->slots);
+	*set = larger;
 	return true;
 }
 
 static bool add_to_set(struct eco_place_set *set, const double at[3], bool *known)
 {
-	uint64_t hash = 0, *slot;
+	uint64_t hash = 0;
 	for (int k = 0; k < 3; k++)
 		hash = eco_random(hash, (uint64_t)(int64_t)floor(at[k] * 1000 + 0.5));
 	hash += hash == 0;
-	struct part *part = &set->parts[hash % PARTS];
-	if (part->count * 5ull >= part->capacity * 4ull && !grow(part))
+	if (set->count * 4 >= set->size * 3 && !grow(set))
 		return false;
-	slot = slot_of(part, hash);
+	uint64_t *slot = slot_of(set, hash);
 	*known = *slot != 0;
-	part->count += !*known;
+	set->count += !*known;
 	*slot = hash;
 	return true;
 }
 
 void eco_place_set_close(struct eco_place_set *set)
 {
-	for (uint32_t i = 0; set && i < PARTS; i++)
-		free(set->parts[i].slots);
+	if (set)
+		free(set->slots);
 	free(set);
 }
 
@@ -335,7 +323,7 @@ enum verdict eco_positions_place(struct eco_positions *p, struct eco_position *r
 enum eco_code eco_positions_start_places(struct eco_positions *p, struct eco_error *error)
 {
 	eco_place_set_close(p->places);
-	p->places = open_set();
+	p->places = calloc(1, sizeof *p->places);
 	for (int k = 0; k < 2; k++) {
 		p->low[k] = INFINITY;
 		p->high[k] = -INFINITY;

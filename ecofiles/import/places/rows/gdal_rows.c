@@ -1,13 +1,11 @@
 /* Tables with geometry, as OGR opens them: GeoJSON, GeoPackage, Shapefile, KML, GML, FlatGeobuf, ... Runs
  * in the child process of rows_child.c. Points are places; each point of a multipoint is a row of its own.
- * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. Longer than 600 lines: what
- * a driver hides of a broken file is found where that file is opened. */
+ * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. */
 #include "ecofiles/import/places/rows/rows.h"
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
-#include <cpl_vsi.h>
 #include <ctype.h>
 #include <gdal.h>
 #include <math.h>
@@ -520,32 +518,6 @@ static enum eco_code check_shape(const struct ogr_rows *r, struct eco_error *err
 		: ECO_OK;
 }
 
-/* A workbook lists its parts. GDAL takes a sheet that is missing for an empty one, and numbers for missing texts. */
-static enum eco_code check_workbook(const struct ogr_rows *r, struct eco_error *error)
-{
-	static const char list[] = "/[Content_Types].xml", key[] = "PartName=\"";
-	enum eco_code code = ECO_OK;
-	char path[4400], why[160];
-	GByte *text = NULL;
-	if (!is_of(r, "XLSX"))
-		return ECO_OK;
-	snprintf(path, sizeof path, "/vsizip/{%.4000s}%s", r->path, list);
-	if (!VSIIngestFile(NULL, path, &text, NULL, 1 << 20))
-		return ECO_OK;
-	for (const char *at = (char *)text; !code && (at = strstr(at, key));) {
-		VSIStatBufL status;
-		at += strlen(key);
-		int length = (int)strcspn(at, "\"");
-		snprintf(path, sizeof path, "/vsizip/{%.4000s}%.*s", r->path, length < 100 ? length : 100, at);
-		snprintf(why, sizeof why, "it has no %.*s", length < 100 ? length : 100, at);
-		if ((strncmp(at, "/xl/worksheets/", 15) == 0 || strncmp(at, "/xl/sharedStrings", 17) == 0) &&
-			VSIStatL(path, &status) != 0)
-			code = cannot_read(r, why, error);
-	}
-	CPLFree(text);
-	return code;
-}
-
 static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source *source,
 	struct eco_error *error)
 {
@@ -573,7 +545,7 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 	if (is_of(r, "ESRI Shapefile") && !lacks_part(source->path, "dbf") &&
 		OGR_FD_GetFieldCount(OGR_L_GetLayerDefn(GDALDatasetGetLayer(r->data, 0))) == 0)
 		return cannot_read(r, "its .dbf has no columns", error);
-	return check_workbook(r, error);
+	return ECO_OK;
 }
 
 enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_source *source,
