@@ -17,12 +17,6 @@ struct eco_obj_text {
 	uint32_t line;               /* of the line returned last */
 };
 
-/* The next line without surrounding spaces; NULL at the end. Lines end with LF, CRLF or CR; if `joins`, a
- * backslash at the end of a line continues it. */
-char *eco_obj_line(struct eco_obj_text *text, bool joins);
-/* The next word of a line; NULL at its end or at a comment. */
-char *eco_obj_word(char **line);
-
 /* ---- Libraries of materials ---- */
 
 struct eco_mtl_material {

@@ -1,5 +1,5 @@
 /* From rows of texts to plants in the scene: the plant of a row (filters, species), its place (columns or
- * geometry, through crs.c), and its size (positions_size.c). Each step counts the rows it leaves
+ * geometry, through crs.c), and its size (positions_species.c). Each step counts the rows it leaves
  * out, with the first line of each reason. Formats are behind rows.h. */
 #include "ecofiles/import/places/positions.h"
 

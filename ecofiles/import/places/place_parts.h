@@ -42,7 +42,7 @@ struct eco_place_look {
 enum eco_code eco_place_ask(const struct eco_table *table, struct eco_error *error);
 /* Whether the terrain lies at a place in degrees, within three of its lengths. */
 bool eco_place_dem_has(const struct eco_place_look *look, const double degrees[2]);
-/* The scene's CRS and origin, and the terrain's CRS, once that of the table is known (place_scene.c). */
+/* The scene's CRS and origin, and the terrain's CRS, once that of the table is known (place_columns.c). */
 enum eco_code eco_place_scene(struct eco_place_look *look);
 
 #endif

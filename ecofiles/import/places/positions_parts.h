@@ -22,7 +22,7 @@ void eco_species_counted(const struct eco_species_table *table, struct eco_posit
 void eco_species_reset(struct eco_species_table *table);
 void eco_species_close(struct eco_species_table *table);
 
-/* ---- Levels (positions_size.c): few heights instead of many. A plant's heights are divided into classes of
+/* ---- Levels (positions_species.c): few heights instead of many. A plant's heights are divided into classes of
  * equal
  * ratio between the least and the greatest, and each becomes the mean of its class: the relative error is
  * bounded, and the few tall trees among many shrubs keep their height ---- */
@@ -39,7 +39,7 @@ void eco_levels_make(struct eco_levels *levels, uint32_t count);
 double eco_levels_height(const struct eco_levels *levels, uint32_t plant, double height_m);
 void eco_levels_close(struct eco_levels *levels);
 
-/* ---- Sizes (positions_size.c) ---- */
+/* ---- Sizes (positions_species.c) ---- */
 
 /* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none, or below low_m, or above
  * high_m. *remarks gets a bit for each enum eco_skip that the text shows. */

@@ -6,7 +6,7 @@
 
 #define TRACK_DEG 57.29577951308232
 
-/* CSV and GPX (track_table.c). `formats` says in errors what is read. */
+/* CSV and GPX (track_read.c). `formats` says in errors what is read. */
 enum eco_code track_read_rows(struct eco_track *track, const char *formats, struct eco_error *error);
 
 /* Nothing is known of it yet. */

@@ -7,7 +7,7 @@
 /* Frees columns, fields, notes and crs; for a reader's `close`. */
 void eco_rows_free_texts(struct eco_rows *rows);
 
-/* ---- Points as text (rows_point.c) ---- */
+/* ---- Points as text (rows.c) ---- */
 
 #define ECO_ROWS_POINT_LOOK 64u          /* rows in which a column with points is looked for */
 
