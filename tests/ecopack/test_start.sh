@@ -171,7 +171,7 @@ deg species,height,lon,lat 8.6 50.1 >"$DIR/degrees.csv"
 deg species,height,x,y 8.6 50.1 >"$DIR/degrees_xy.csv"
 for crs in EPSG:25832 EPSG:3857 EPSG:2056 EPSG:2263; do
 	for file in degrees degrees_xy; do
-		start 1 "look like degrees, but $crs .*, as you say. counts in metres or feet: all plants would stand on one spot.* give --crs EPSG:4326" $file.csv --crs $crs
+		start 1 "look like degrees, but $crs counts in metres or feet: all plants would stand on one spot.* --crs EPSG:4326" $file.csv --crs $crs
 	done
 done
 start 0 'within 1.4 x 1.62 km' degrees.csv --crs EPSG:4326 --scene-crs EPSG:25832

@@ -152,24 +152,6 @@ UNIT_TEST(a_broken_index_is_kept_apart)
 	assert_int_equal(m.vertex_count, 3);         /* what nobody names is left behind */
 }
 
-UNIT_TEST(quantized_meshes_are_read)
-{
-	static const uint16_t corners[3][4] = { { 0, 0, 0 }, { 65535, 0, 0 }, { 0, 65535, 0 } };
-	static const int8_t small[3][4] = { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 20, -30 } };
-	gw_begin();
-	gw_accessor(gw_view(corners, sizeof corners, ",'byteStride':8"), GLTF_USHORT, 3, "VEC3",
-		",'normalized':true");
-	gw_accessor(gw_view(small, sizeof small, ",'byteStride':4"), GLTF_BYTE, 3, "VEC3", "");
-	read_good(",'extensionsRequired':['KHR_mesh_quantization'],'scenes':[{'nodes':[0,1]}],"
-		"'nodes':[{'mesh':0,'scale':[4,4,4],'translation':[1,0,0]},{'mesh':1}],"
-		"'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]},"
-		"{'primitives':[{'attributes':{'POSITION':1}}]}]");
-	expect_corner(0, 0, 1, 0, 0);
-	expect_corner(0, 1, 5, 0, 0);
-	expect_corner(1, 2, 0, 20, -30);
-	assert_string_equal(notes.text, "");
-}
-
 UNIT_TEST(places_far_from_the_origin_keep_their_detail)
 {
 	static const float far[3][3] = { { 1e7f, 0, 0 }, { 1e7f + 1, 0, 0 }, { 1e7f, 1, 0 } };
@@ -466,27 +448,5 @@ UNIT_TEST(references_to_nothing_are_refused)
 		gw_floats(square[0], 3, "VEC2", 2);
 		gw_floats(square[0], 2, "VEC3", 3);
 		read_fails(references_to_cases[i].rest, ECO_DAMAGED, references_to_cases[i].says);
-	}
-}
-
-UNIT_TEST(without_its_scene_all_nodes_are_read_and_it_is_said)
-{
-	static const struct { const char *scenes, *says; uint32_t triangles; } cases[] = {
-		{ ",'scene':7,'scenes':[{'nodes':[0]}]", "its default scene is not there: all of its "
-			"nodes are read", 2 },
-		{ "", "no scene in it: all of its nodes are read", 2 },
-		{ ",'scene':0,'scenes':[{'nodes':[0]}]", "", 1 },
-	};
-
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		char rest[1000];
-		gw_square(3);
-		snprintf(rest, sizeof rest, "%s,'nodes':[{'mesh':0},{'mesh':0,'translation':[5,0,0]}],"
-			"'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]", cases[i].scenes);
-		read_good(rest);
-		assert_int_equal(m.triangle_count, cases[i].triangles);
-		assert_non_null(strstr(notes.text, cases[i].says));
-		if (cases[i].says[0] == 0)
-			assert_null(strstr(notes.text, "scene"));
 	}
 }

@@ -117,29 +117,6 @@ UNIT_TEST(each_palette_has_colours_of_its_own_and_none_is_lost)
 	}
 }
 
-UNIT_TEST(a_place_in_no_picture_shows_no_colour)
-{
-	static const float places[] = { 1e30f, -1e30f, INFINITY, NAN };
-	uint8_t rgba[] = { 1, 2, 3, 255, 1, 2, 3, 255 };
-	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
-		float uv[2] = { places[i], places[i] };
-		uint32_t index[3] = { 0, 0, 0 }, material[1] = { 0 };
-		struct eco_image image = { .width = 2, .height = 1, .rgba = rgba };
-		struct eco_model model = { .uv = uv,
-			.index = index,
-			.material = material,
-			.vertex_count = 1,
-			.triangle_count = 1,
-			.materials = calloc(1, sizeof *model.materials),
-			.material_count = 1,
-			.images = &image,
-			.image_count = 1 };
-		assert_true(eco_model_take_palettes(&model));
-		assert_int_equal(model.image_count, 1);
-		free(model.materials);
-	}
-}
-
 UNIT_TEST(an_opacity_map_cuts_out)
 {
 	static const uint8_t solid[] = { 9, 9, 9, 255, 9, 9, 9, 255 },
@@ -152,24 +129,6 @@ UNIT_TEST(an_opacity_map_cuts_out)
 	input_text(TEST_FOLDER, "o.mtl", "newmtl m\nmap_Kd solid.png\n");
 	import_high(&m, "build/tmp/" TEST_FOLDER "/o.obj", 0);
 	assert_false(m.materials[0].cutout);
-}
-
-UNIT_TEST(a_missing_or_broken_texture_is_told_not_fatal)
-{
-	input_text(TEST_FOLDER, "g.mtl", "newmtl m\nKd 1 0 0.5\nmap_Kd C:\\trees\\gone.png\n");
-	import_high(&m, input_text(TEST_FOLDER, "g.obj", "mtllib g.mtl\n" TRIANGLE_UV), 0);
-	assert_int_equal(m.image_count, 0);
-	assert_int_equal(m.materials[0].image, ECO_NONE);
-	assert_true(m.materials[0].rgb[0] == 255 && m.materials[0].rgb[1] == 0 && m.materials[0].rgb[2]
-		== 128);
-	assert_non_null(strstr(import_said, "gone.png: no such file beside the model"));
-	assert_null(m.uv);
-	input_text(TEST_FOLDER, "gone.png", "this is no picture");
-	import_high(&m, "build/tmp/" TEST_FOLDER "/g.obj", 0);
-		/* found by its last part, but broken */
-	assert_int_equal(m.image_count, 0);
-	assert_non_null(strstr(import_said, "gone.png"));
-	unlink("build/tmp/" TEST_FOLDER "/gone.png");
 }
 
 UNIT_TEST(a_grey_that_nobody_chose_is_no_colour)
@@ -428,21 +387,6 @@ UNIT_TEST(a_webp_texture_that_gltf_requires_is_read)
 	assert_int_equal(m.images[0].width, 4);
 	assert_true(material_of(&m, "g")->cutout);
 	assert_in_range(m.images[0].rgba[0], 198, 202);
-}
-
-UNIT_TEST(vertex_colours_become_materials)
-{
-	import_high(&m, input_text(TEST_FOLDER, "vc.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nv 0 "
-		"0 1 0 0 1\nv 1 0 1 0 0 1\nv 0 1 1 0 0 1\n"
-		"v 0 0 2 1 1 1\nv 1 0 2 1 1 1\nv 0 1 2 1 1 1\nf 1 2 3\nf 4 5 6\nf 7 8 9\n"), 0);
-	assert_int_equal(m.material_count, 3);       /* red, blue, and white, which changes nothing */
-	for (uint32_t i = 0; i < 3; i++) {
-		const uint8_t *rgb = m.materials[m.material[i]].rgb;
-		assert_true(rgb[0] == (i != 1 ? 255 : 0) && rgb[1] == (i == 2 ? 255 : 0)
-			&& rgb[2] == (i != 0 ? 255 : 0));
-		assert_string_equal(m.materials[m.material[i]].name, "vertex colours 1");
-			/* one surface: lod_organs_split */
-	}
 }
 
 UNIT_TEST(texture_transforms_turn_about_the_images_corner)

@@ -25,20 +25,6 @@ UNIT_TEST(ply_text_brings_colours_and_counts_bad_faces)
 	assert_memory_equal(m.materials[m.material[0]].rgb, ((const uint8_t[]){ 255, 0, 0 }), 3);
 }
 
-UNIT_TEST(coordinates_far_from_the_origin_are_said_to_be_coarse)
-{
-	import_file(&m,
-		input_text("formats", "utm.ply",
-			"ply\nformat ascii 1.0\nelement vertex 3\nproperty "
-			"double x\nproperty double y\nproperty double z\nelement face 1\nproperty list uchar "
-			"int "
-			"vertex_indices\nend_header\n500000 4000000 0\n500002 4000000 0\n500000 4000000 3\n3 "
-			"0 1 2\n"),
-		&(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1 });
-	import_says("in single precision");
-	assert_true(close_to(m.foot[0], 500000, 2) && close_to(eco_model_height(&m), 3, 1e-6));
-}
-
 UNIT_TEST(a_point_cloud_is_refused_as_one)
 {
 	import_refuses(input_text("formats", "cloud.ply",
@@ -340,15 +326,6 @@ UNIT_TEST(binary_ply_may_begin_with_any_byte)
 		assert_int_equal(m.triangle_count, 2);
 		assert_true(close_to(m.source.size[2], 3, 1e-5) && close_to(m.source.size[0], 1, 1e-4));
 	}
-}
-
-UNIT_TEST(empty_solids_are_no_harm)
-{
-	import_file(&m, input_text("formats", "solids.stl", "solid leaf\nfacet normal 0 0 1\nouter "
-		"loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 "
-		"5\nendloop\nendfacet\nendsolid leaf\nsolid empty\nendsolid empty\n"), NULL);
-	assert_int_equal(m.triangle_count, 1);
-	assert_true(close_to(m.source.size[2], 5, 1e-6));
 }
 
 UNIT_TEST(what_is_no_model_is_refused_with_what_to_do)

@@ -91,22 +91,6 @@ UNIT_TEST(components_hang_together_by_place_within_a_material)
 	free(place);
 }
 
-UNIT_TEST(a_pot_is_left_out_before_foot_and_height_are_found)
-{
-	const struct eco_part_rule rules[] =
-		{ { .kind = ECO_PART_NAME, .name = (char *)"pot", .is = ECO_PART_LEFT_OUT } };
-	import_with(&m, rules, 1, 7);
-	assert_int_equal(m.triangles_in, 11);
-	assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 3);
-	assert_int_equal(m.triangle_count, 8);
-	assert_true(m.foot[2] == 6 && close_to(m.foot[0], 2, 1e-6) && close_to(m.scale, 1, 1e-9));
-	assert_int_equal(m.material_count, 2);       /* clay and soil are gone */
-	assert_int_equal(m.part_count, 2);
-	for (uint32_t i = 0; i < m.triangle_count; i++)
-		assert_int_equal(m.organ[i], ECO_ORGAN_FOUND);
-	assert_int_equal(import_said[0], 0);
-}
-
 UNIT_TEST(rules_give_importances)
 {
 	const struct eco_part_rule rules[] =

@@ -154,8 +154,8 @@ static const struct { const char *name, *scene, *text, *entry, *plants, *says; }
 	{ NULL, UTM32, plain_csv, "'crs':'EPSG:99999999'", NULL, "PROJ does not know it; write a code" },
 	{ NULL, UTM32, plain_csv, "'crs':'ENGCRS[\\'plan\\',EDATUM[\\'d\\'],CS[Cartesian,2],AXIS[\\'x\\',"
 		"east],AXIS[\\'y\\',north],LENGTHUNIT[\\'metre\\',1]]'", NULL, "no place on Earth" },
-	{ NULL, "", "lon,lat\n11.5,48.1\n", "'x':'lon','y':'lat'", NULL, "in its entry, and \"crs\": "
-		"\"EPSG:32632\" (their UTM zone)" },
+	{ NULL, "", "lon,lat\n11.5,48.1\n", "'x':'lon','y':'lat'", NULL, "in its entry (ecopack start: "
+		"--crs EPSG:4326), and \"crs\": \"EPSG:32632\" (their UTM zone)" },
 	{ "a_file_that_says_its_crs_needs_no_more", UTM32, FEATURES("", FEATURE("11.5", "48.1")), "",
 		"oak -3878.244 -4561.87", "1 row, 1 plant" },
 	{ NULL, UTM32, FEATURES(SAYS("urn:ogc:def:crs:EPSG::25832"), FEATURE("690001", "5335002")), "",

@@ -233,25 +233,6 @@ UNIT_TEST(errors_say_what_to_do)
 	}
 }
 
-/* A strip of 20 m across a box of 300 by 300 km. */
-UNIT_TEST(long_narrow_areas_are_filled)
-{
-	struct eco_scatter_spec spec = spec_of(areas("strip.geojson", "{\"type\":\"Feature\","
-		"\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
-		"\"coordinates\":[[[0,0],[20,0],[300020,300000],[300000,300000],[0,0]]]}}"));
-	struct eco_scatter_plant few[] = { { 0, 1, 10 } };
-	struct scattered s;
-
-	spec.plants = few;
-	spec.plant_count = 1;
-	s = scatter(&spec);
-	assert_int_equal(s.count, 6000);
-	for (size_t i = 0; i < s.count; i++)
-		assert_true(s.places[i].at[0] >= s.places[i].at[1] && s.places[i].at[0] <= s.places[i].at[1]
-			+ 20);
-	free(s.places);
-}
-
 UNIT_TEST(what_is_too_far_or_too_much_is_said)
 {
 	struct eco_scatter_spec spec = spec_of(areas("far.geojson", FIELD ",{\"type\":\"Feature\","
@@ -269,14 +250,4 @@ UNIT_TEST(what_is_too_far_or_too_much_is_said)
 		"\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[9e6,0],[9e6,9e6],[0,0]]]}}"));
 	assert_int_equal(eco_scatter_open(&none, &spec, &frame, NULL, NULL, &error), ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "more than 100000000 plants; take lower densities"));
-}
-
-UNIT_TEST(columns_that_are_not_there_are_named)
-{
-	struct eco_scatter_spec spec = spec_of(areas("columns.geojson", FIELD));
-	struct eco_error error = { .code = ECO_OK };
-	struct eco_scatter *s;
-	spec.count_column = "trees";
-	assert_int_equal(eco_scatter_open(&s, &spec, &frame, NULL, NULL, &error), ECO_BAD_INPUT);
-	assert_non_null(strstr(error.text, "no column \"trees\"; there are: kind, n, d"));
 }

@@ -200,7 +200,7 @@ enum eco_code eco_crs_refuse_degrees(const struct eco_crs_span *span, const char
 	enum eco_code code = eco_fail(error, ECO_BAD_INPUT,
 		"%.150s: its coordinates, such as %.10g, %.10g, look like degrees, but %.80s counts in metres or feet: all "
 		"plants would stand on one spot; if they are longitude and latitude, say \"crs\": \"EPSG:4326\" in its "
-		"entry%s", path, span->first[0], span->first[1], name ? name : crs ? "its CRS" : "the scene", scene);
+		"entry (ecopack start: --crs EPSG:4326)%s", path, span->first[0], span->first[1], name ? name : crs ? "its CRS" : "the scene", scene);
 	free(name);
 	return code;
 }

@@ -281,18 +281,6 @@ static bool is_heap_of_degrees(const struct eco_place_look *l)
 				l->xy[1].high - l->xy[1].low < ECO_HEAP_M));
 }
 
-static enum eco_code refuse_degrees(const struct eco_place_look *l, const char *crs, const struct eco_crs_facts *facts,
-	const char *who)
-{
-	return eco_fail(l->error, ECO_BAD_INPUT,
-		"%.150s: its coordinates, such as %.7g, %.7g, look like degrees, but %.40s "
-		"(%.80s, as %.60s) counts in metres or feet: all plants would stand on one spot, at %.3f, %.3f. If they are "
-		"longitude and latitude give --crs EPSG:4326 (and --scene-crs %.40s for a scene in that CRS); if they are "
-		"metres of a plot give no --crs",
-		l->asked->table->path, l->xy[0].middle, l->xy[1].middle, crs, facts->name, who,
-		facts->degrees[0], facts->degrees[1], crs);
-}
-
 static enum eco_code take_stated(struct eco_place_look *l, const char *crs, const char *who)
 {
 	struct eco_crs_facts facts, other;
@@ -308,14 +296,20 @@ static enum eco_code take_stated(struct eco_place_look *l, const char *crs, cons
 	if (!isnan(facts.degrees[0]))
 		used += snprintf(l->guess->crs_why + used, sizeof l->guess->crs_why - (size_t)used,
 			"; a place at %.3f, %.3f", facts.degrees[0], facts.degrees[1]);
-	enum eco_crs_fit fit = eco_crs_fit(crs, l->at, &facts);
-	if (!are_whole(l) && (fit == ECO_CRS_DEGREES || (!facts.geographic && is_heap_of_degrees(l))))
-		return refuse_degrees(l, crs, &facts, who);
+	enum eco_crs_fit fit;
+	struct eco_crs_span span = { .any = true, .has_decimals = !are_whole(l) };
+	for (int k = 0; k < 2; k++) {
+		span.first[k] = l->at[k];
+		span.low[k] = l->xy[k].low;
+		span.high[k] = l->xy[k].high;
+	}
+	code = eco_crs_refuse_degrees(&span, crs, is_heap_of_degrees(l), l->asked->table->path, &fit, area, l->error);
+	if (code)
+		return code;
 	if (facts.geographic)
 		look_for_swapping(l, crs, why);
 	else if (fit == ECO_CRS_SWAPPED)
-		snprintf(why, sizeof why, "only so do they lie in the CRS's area of use, %s",
-			eco_crs_area_text(facts.area, area));
+		snprintf(why, sizeof why, "only so do they lie in the CRS's area of use, %s", area);
 	else if (!eco_place_dem_has(l, facts.degrees) && eco_crs_look(crs, l->turned, &other, NULL) == ECO_OK &&
 		eco_place_dem_has(l, other.degrees))
 		snprintf(why, sizeof why, ONLY_SO_TERRAIN);
@@ -323,7 +317,7 @@ static enum eco_code take_stated(struct eco_place_look *l, const char *crs, cons
 		return say_swapped(l, why);
 	if (fit == ECO_CRS_OUTSIDE)
 		snprintf(l->guess->crs_why + used, sizeof l->guess->crs_why - (size_t)used,
-			"; but its area of use is %s", eco_crs_area_text(facts.area, area));
+			"; but its area of use is %s", area);
 	return ECO_OK;
 }
 
