@@ -108,11 +108,10 @@ void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_deta
 		add_header(answer, MHD_HTTP_HEADER_CONNECTION, "close");
 }
 
-void srv_answer_json(struct srv_answer *answer, struct srv_json *json,
-	const struct srv_validators *validators, const char *timing)
+void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const struct srv_validators *validators)
 {
 	answer_text(answer, MHD_HTTP_OK, json, NULL);
-	add_head(answer, "application/json", validators, timing);
+	add_head(answer, "application/json", validators, NULL);
 }
 
 void srv_answer_metrics(struct srv_answer *answer, struct eco_writer *text)
@@ -250,7 +249,7 @@ static ssize_t read_body(void *ctx, uint64_t position, char *block, size_t room)
 /* By blocks and not by MHD_create_response_from_iovec: that copies its vector into the connection's 16 KiB,
  * and where it does not fit (500 chunks) libmicrohttpd 0.9.75 unlocks a mutex that is not locked and aborts
  * later. One copy into a block costs little beside the sending. */
-void srv_answer_stream(struct srv_answer *answer, struct srv_body *body,
+void srv_answer_body(struct srv_answer *answer, struct srv_body *body, const char *type,
 	const struct srv_validators *validators, const char *timing)
 {
 	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = body->size_bytes,
@@ -267,7 +266,7 @@ void srv_answer_stream(struct srv_answer *answer, struct srv_body *body,
 		free(reader);
 		srv_body_free(body);
 	}
-	add_head(answer, "application/octet-stream", validators, timing);
+	add_head(answer, type, validators, timing);
 }
 
 static void release_kept(void *body)

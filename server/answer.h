@@ -30,12 +30,11 @@ struct srv_validators {
 	bool is_private;                 /* no cache that others share may keep it */
 };
 
-/* Takes json->out. `timing`: a Server-Timing value or NULL. */
-void srv_answer_json(struct srv_answer *answer, struct srv_json *json,
-	const struct srv_validators *validators, const char *timing);
+/* Takes json->out. */
+void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const struct srv_validators *validators);
 
-/* Takes *body; the rest as srv_answer_json. */
-void srv_answer_stream(struct srv_answer *answer, struct srv_body *body,
+/* Takes *body. `timing`: a Server-Timing value or NULL. */
+void srv_answer_body(struct srv_answer *answer, struct srv_body *body, const char *type,
 	const struct srv_validators *validators, const char *timing);
 /* From a body that is held; holds it, too. */
 void srv_answer_kept(struct srv_answer *answer, struct srv_kept_body *body, const char *type,

@@ -113,34 +113,18 @@ static void no_log(void *ctx, const char *format, va_list arguments)
 
 /* ---- Life ---- */
 
-static uint32_t processors(void)
+static uint64_t processors(void)
 {
 	long count = sysconf(_SC_NPROCESSORS_ONLN);
-	return count < 1 ? 1 : count > 8 ? 8 : (uint32_t)count;
+	return count < 1 ? 1 : count > 8 ? 8 : (uint64_t)count;
 }
 
-#define DEFAULT(field, value) config->field = config->field ? config->field : (value)
 static void fill_defaults(struct srv_config *config)
 {
-	DEFAULT(polling_threads, 2);
-	DEFAULT(work_threads, processors());
-	DEFAULT(queue_max, 64);
-	DEFAULT(queue_share_max, 32);
-	DEFAULT(connections_max, 1000);
-	DEFAULT(connections_per_address, 128);
-	DEFAULT(head_ms, 20000);
-	DEFAULT(body_ms, 30000);
-	DEFAULT(send_ms, 30000);
-	DEFAULT(rate_bytes_s, 16u << 10);
-	DEFAULT(body_max, 4u << 20);
-	DEFAULT(bodies_max, 256u << 20);
-	DEFAULT(response_max, 1ull << 31);
-	DEFAULT(answers_max, 256u << 20);
-	DEFAULT(plan_cache_bytes, 64u << 20);
-	DEFAULT(plan_times, 5);
-	DEFAULT(keep_s, 600);
+#define X(name, value, meaning) config->name = config->name ? config->name : (value);
+	SRV_LIMITS(X)
+#undef X
 }
-#undef DEFAULT
 
 static enum eco_code start_http(struct srv_daemon *daemon, struct eco_error *error)
 {
@@ -148,7 +132,7 @@ static enum eco_code start_http(struct srv_daemon *daemon, struct eco_error *err
 		| MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG | MHD_USE_NO_LISTEN_SOCKET;
 	daemon->http = MHD_start_daemon(flags, 0, NULL, NULL, on_request, daemon,
 		MHD_OPTION_EXTERNAL_LOGGER, no_log, NULL,
-		MHD_OPTION_THREAD_POOL_SIZE, daemon->host.config.polling_threads,
+		MHD_OPTION_THREAD_POOL_SIZE, (unsigned)daemon->host.config.polling_threads,
 		MHD_OPTION_CONNECTION_LIMIT, (unsigned)CONNECTIONS_LIMIT,
 		MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)SRV_CONNECTION_MEMORY,
 		MHD_OPTION_STRICT_FOR_CLIENT, 1,
@@ -163,59 +147,42 @@ static enum eco_code start_http(struct srv_daemon *daemon, struct eco_error *err
 	return ECO_OK;
 }
 
-enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config *config,
+enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config *given,
 	const struct srv_store *store, struct eco_error *error)
 {
-	struct srv_daemon *daemon = calloc(1, sizeof *daemon);
-	*out = NULL;
+	struct srv_daemon *daemon = *out = calloc(1, sizeof *daemon);
 	if (!daemon)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the daemon");
-	daemon->host.config = *config;
+	struct srv_host *host = &daemon->host;
+	struct srv_config *config = &host->config;
+	*config = *given;
+	fill_defaults(config);
 	daemon->endpoint = config->endpoint ? *config->endpoint : (struct srv_endpoint){ .fd = -1 };
-	daemon->host.id_seed = (uint64_t)getpid() ^ srv_clock_us() << 20;
-	pthread_mutex_init(&daemon->host.catalog.mutex, NULL);
-	pthread_mutex_init(&daemon->host.reloading, NULL);
-	srv_log_start();
-	fill_defaults(&daemon->host.config);
-	atomic_store(&daemon->host.bad_packs, config->bad_packs);
+	host->id_seed = (uint64_t)getpid() ^ srv_clock_us() << 20;
+	pthread_mutex_init(&host->catalog.mutex, NULL);
+	pthread_mutex_init(&host->reloading, NULL);
+	atomic_store(&host->bad_packs, config->bad_packs);
 	srv_typical_find_all(store, NULL);       /* so that no request waits for it */
-	enum eco_code code = config->endpoint ? ECO_OK
-		: srv_endpoint_open(&daemon->endpoint, config->listen, error);
-	if (!code)
-		code = srv_catalog_replace(&daemon->host.catalog, store, 0, 0, error);
-	if (!code)
-		code = srv_reaper_start(&daemon->host.reaper,
-			&(struct srv_reaper_limits){
-				.held[SRV_HELD_CONNECTIONS] = daemon->host.config.connections_max,
-				.held[SRV_HELD_BODIES] = daemon->host.config.bodies_max,
-				.held[SRV_HELD_ANSWERS] = daemon->host.config.answers_max,
-				.per_address = daemon->host.config.connections_per_address,
-				.head_ms = daemon->host.config.head_ms,
-				.body_ms = daemon->host.config.body_ms,
-				.send_ms = daemon->host.config.send_ms,
-				.rate_bytes_s = daemon->host.config.rate_bytes_s,
-				.trusted = &daemon->host.config.trusted },
-			error);
-	daemon->host.plans = srv_plan_cache_new(daemon->host.config.plan_cache_bytes);
-	if (!code && !daemon->host.plans)
+	const struct srv_reaper_limits limits = { .held = { [SRV_HELD_CONNECTIONS] = config->connections_max,
+		[SRV_HELD_BODIES] = config->bodies_max, [SRV_HELD_ANSWERS] = config->answers_max },
+		.per_address = config->connections_per_address, .head_ms = config->head_ms, .body_ms = config->body_ms,
+		.send_ms = config->send_ms, .rate_bytes_s = config->rate_bytes_s, .trusted = &config->trusted };
+	enum eco_code code = config->endpoint ? ECO_OK : srv_endpoint_open(&daemon->endpoint, config->listen, error);
+	code = code ? code : srv_catalog_replace(&host->catalog, store, 0, 0, error);
+	code = code ? code : srv_reaper_start(&host->reaper, &limits, error);
+	if (!code && !(host->plans = srv_plan_cache_new(config->plan_cache_bytes)))
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for answers that are kept");
+	code = code ? code : srv_work_start(&host->work, (uint32_t)config->work_threads, true,
+		(uint32_t)config->queue_max, (uint32_t)config->queue_share_max, error);
+	code = code ? code : srv_work_start(&host->chores, 1, false, CHORES_MAX, CHORES_MAX, error);
+	code = code ? code : start_http(daemon, error);
+	code = code ? code : srv_listener_start(&host->listener, daemon->endpoint.fd, host->reaper, take_connection, daemon,
+		error);
 	if (!code)
-		code = srv_work_start(&daemon->host.work, daemon->host.config.work_threads, true,
-			(uint32_t)daemon->host.config.queue_max,
-			(uint32_t)daemon->host.config.queue_share_max, error);
-	if (!code)
-		code = srv_work_start(&daemon->host.chores, 1, false, CHORES_MAX, CHORES_MAX, error);
-	if (!code)
-		code = start_http(daemon, error);
-	if (!code)
-		code = srv_listener_start(&daemon->host.listener, daemon->endpoint.fd, daemon->host.reaper,
-			take_connection, daemon, error);
-	if (code) {
-		srv_daemon_stop(daemon);
-		return code;
-	}
-	*out = daemon;
-	return ECO_OK;
+		return ECO_OK;
+	srv_daemon_stop(daemon);
+	*out = NULL;
+	return code;
 }
 
 uint16_t srv_daemon_port(const struct srv_daemon *daemon)
@@ -354,5 +321,4 @@ void srv_daemon_stop(struct srv_daemon *daemon)
 	pthread_mutex_destroy(&daemon->host.catalog.mutex);
 	pthread_mutex_destroy(&daemon->host.reloading);
 	free(daemon);
-	srv_log_flush();
 }

@@ -28,36 +28,42 @@ struct srv_caps;
 struct srv_reload;
 struct srv_site;
 struct srv_sources;
-struct srv_config {              /* 0 is the default */
+/* Limits: name, default and meaning. */
+#define SRV_LIMITS(X) \
+	X(polling_threads, 2, "that read requests and send answers") \
+	X(work_threads, processors(), "that plan, beside the spare one (work.h)") \
+	X(queue_max, 64, "plans that wait") \
+	X(queue_share_max, 32, "of them of one address") \
+	X(connections_max, 1000, "connections; idle ones give way (reaper.h)") \
+	X(connections_per_address, 128, "of them of one address; an IPv6 /64 is one address") \
+	X(head_ms, 20000, "to send a request's head, and to begin the next one") \
+	X(body_ms, 30000, "to send its body") \
+	X(send_ms, 30000, "window in which an answer must be taken at the rate, ...") \
+	X(rate_bytes_s, 16u << 10, "... which is this") \
+	X(body_max, 4u << 20, "bytes of a request's body") \
+	X(bodies_max, 256u << 20, "bytes of bodies that have arrived, of all requests") \
+	X(response_max, 1ull << 31, "bytes of an answer") \
+	X(answers_max, 256u << 20, "memory of all answers that are being sent") \
+	X(plan_cache_bytes, 64u << 20, "of answers that are kept for repeated requests") \
+	X(plan_times, 5, "work of a plan, over an ordinary one of its scene (typical.h)") \
+	X(keep_s, 600, "that chunks of a replaced pack are still served")
+
+struct srv_config {                      /* what it points to outlives the daemon */
+#define X(name, value, meaning) uint64_t name;
+	SRV_LIMITS(X)                    /* 0: the default */
+#undef X
 	/* "HOST:PORT", host numeric, [IPv6] in brackets, port 0: any; NULL: 127.0.0.1:8080 */
 	const char *listen;
-	const struct srv_endpoint *endpoint; /* in its place one that listens, which the daemon takes over */
-	const struct srv_site *site;         /* what / shows; NULL: how to make it. Outlives the daemon */
-	uint32_t polling_threads;    /* 2 */
-	uint32_t work_threads;       /* one a processor, at most 8; beside the spare one (work.h) */
-	uint64_t queue_max;          /* plans waiting: 64 */
-	uint64_t queue_share_max;    /* of them of one address: 32 */
-	uint64_t connections_max;    /* 1000; where it is full idle ones give way (reaper.h) */
-	uint64_t connections_per_address;        /* 128; an IPv6 /64 is one address */
-	struct srv_networks trusted; /* proxies without that limit, whose X-Forwarded-For counts: none */
-	uint64_t head_ms;            /* to send a request's head, and to begin the next one: 20,000 */
-	uint64_t body_ms;            /* to send its body: 30,000 */
-	uint64_t send_ms;            /* window in which an answer must be taken at the rate: 30,000 */
-	uint64_t rate_bytes_s;       /* 16 KiB */
-	uint64_t body_max;           /* of requests: 4 MiB */
-	uint64_t bodies_max;         /* arrived, of all requests that are received or planned: 256 MiB */
-	uint64_t response_max;       /* 2 GiB */
-	uint64_t answers_max;        /* memory of all answers that are being sent: 256 MiB */
-	uint64_t plan_cache_bytes;   /* of answers that are kept for who asks again: 64 MiB */
-	uint64_t plan_times;         /* work of a plan, over an ordinary one of its scene (typical.h): 5 */
-	const struct srv_access *access;     /* tokens and origins; NULL: none. Outlives the daemon */
-	const struct srv_caps *caps; /* of scenes (access.h); NULL: none. Outlives the daemon */
-	const struct srv_sources *sources; /* what a reload opens; NULL: there is none. Outlives the daemon */
-	uint32_t bad_packs;          /* of the sources: not well when they were read at the start */
-	uint64_t keep_s;             /* that chunks of a replaced pack are still served: 600 */
-	bool log;                    /* one line a request on stderr, ... */
-	int log_form;                /* ... an enum srv_log_form */
-	uint64_t slow_ms;            /* plans that took longer are logged with their trace; 0: none */
+	const struct srv_endpoint *endpoint;     /* in its place one that listens, which the daemon takes over */
+	const struct srv_site *site;             /* at /; NULL: how to make it */
+	struct srv_networks trusted;             /* proxies without a share, whose X-Forwarded-For counts */
+	const struct srv_access *access;         /* tokens and origins, and caps of scenes; NULL: none */
+	const struct srv_caps *caps;
+	const struct srv_sources *sources;       /* for a reload; NULL: there is none */
+	uint32_t bad_packs;                      /* of the sources at the start */
+	bool log;                                /* one line a request on stderr, ... */
+	int log_form;                            /* ... an enum srv_log_form */
+	uint64_t slow_ms;                        /* plans that took longer are logged with their trace; 0: none */
 };
 
 struct srv_daemon;

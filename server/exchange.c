@@ -2,6 +2,7 @@
 
 #include <assert.h>
 #include <microhttpd.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -76,12 +77,15 @@ const char *srv_exchange_path(const struct srv_exchange *exchange, char path[SRV
 	return path;
 }
 
-void srv_exchange_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *detail,
-	bool close)
+void srv_exchange_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *format, ...)
 {
-	char path[SRV_TARGET_BYTES_MAX];
+	char path[SRV_TARGET_BYTES_MAX], detail[SRV_TARGET_BYTES_MAX];
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(detail, sizeof detail, format, arguments);
+	va_end(arguments);
 	srv_answer_problem(&exchange->answer, &(struct srv_problem_details){ .problem = problem,
-		.detail = detail, .instance = srv_exchange_path(exchange, path), .close = close,
+		.detail = detail, .instance = srv_exchange_path(exchange, path), .close = exchange->closes,
 		.allow = problem == SRV_PROBLEM_METHOD && exchange->route ? exchange->route->allow : NULL });
 }
 
@@ -90,16 +94,15 @@ void srv_exchange_problem(struct srv_exchange *exchange, enum srv_problem proble
 static void hold_answer(struct srv_exchange *exchange)
 {
 	uint64_t bytes = exchange->answer.memory_bytes, most = exchange->host->config.answers_max;
-	struct eco_error error = { 0 };
 	if (bytes <= FREE_BYTES || srv_reaper_hold(exchange->host->reaper, exchange->lease, SRV_HELD_ANSWERS, bytes))
 		return;
 	srv_answer_free(&exchange->answer);
 	if (bytes > most)
-		eco_fail(&error, ECO_TOO_LARGE, "the answer takes %llu bytes of memory; at most %llu are given to "
-			"all answers: ask for fewer vertices, or set 'bytes'", (unsigned long long)bytes,
+		srv_exchange_problem(exchange, SRV_PROBLEM_LIMIT, "the answer takes %llu bytes of memory; at most %llu are "
+			"given to all answers: ask for fewer vertices, or set 'bytes'", (unsigned long long)bytes,
 			(unsigned long long)most);
-	srv_exchange_problem(exchange, bytes > most ? srv_problem_of(ECO_TOO_LARGE) : SRV_PROBLEM_BUSY,
-		bytes > most ? error.text : "too many answers are being sent; ask again in a second", false);
+	else
+		srv_exchange_problem(exchange, SRV_PROBLEM_BUSY, "too many answers are being sent; ask again in a second");
 }
 
 static bool queue_answer(struct srv_exchange *exchange)
@@ -116,11 +119,11 @@ static bool queue_answer(struct srv_exchange *exchange)
 	return queued;
 }
 
-static bool queue_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *detail,
-	bool close)
+/* Before a request is whole: what follows may be a body, so the connection closes. */
+static bool queue_refusal(struct srv_exchange *exchange, enum srv_problem problem, const char *detail)
 {
-	srv_exchange_problem(exchange, problem, detail, close);
-	exchange->lease->is_refused = close;
+	exchange->closes = exchange->lease->is_refused = true;
+	srv_exchange_problem(exchange, problem, "%s", detail);
 	return queue_answer(exchange);
 }
 
@@ -147,7 +150,7 @@ static void refuse_work(void *argument)
 	struct srv_exchange *exchange = argument;
 	srv_count(&exchange->host->metrics, SRV_COUNT_PLANS_REFUSED, 1);
 	srv_exchange_problem(exchange, SRV_PROBLEM_BUSY,
-		"too many plans wait, or too many from this address; ask again in a second", false);
+		"too many plans wait, or too many from this address; ask again in a second");
 	finish_work(exchange);
 }
 
@@ -186,12 +189,10 @@ static bool may_operate(struct srv_exchange *exchange)
 	bool by_token = srv_access_has_operator(access);
 	if (by_token ? srv_access_operator(access, exchange->authorization) : is_local(exchange))
 		return true;
-	srv_exchange_problem(exchange, SRV_PROBLEM_OPERATOR,
-		by_token
-			? "send the operator's token: Authorization: Bearer TOKEN"
-			: "ask from the server's machine by localhost or its address, not by a proxy; or start "
-			  "it with --admin-token",
-		false);
+	srv_exchange_problem(exchange, SRV_PROBLEM_OPERATOR, "%s", by_token
+		? "send the operator's token: Authorization: Bearer TOKEN"
+		: "ask from the server's machine by localhost or its address, not by a proxy; or start it with "
+		"--admin-token");
 	return false;
 }
 
@@ -200,7 +201,6 @@ static bool may_operate(struct srv_exchange *exchange)
  * names. */
 static bool find_scene(struct srv_exchange *exchange)
 {
-	char detail[256];
 	const char *name = exchange->variables[0];
 	if (!name || exchange->route->is_page)
 		return true;
@@ -213,9 +213,9 @@ static bool find_scene(struct srv_exchange *exchange)
 	if (exchange->scene && may)
 		return true;
 	exchange->scene = NULL;
-	snprintf(detail, sizeof detail, may_know ? "there is no scene '%.64s'; /v1/scenes lists what there is"
-		: "there is no scene '%.64s', or it is opened by its token: Authorization: Bearer TOKEN", name);
-	srv_exchange_problem(exchange, may_know ? SRV_PROBLEM_SCENE : SRV_PROBLEM_TOKEN, detail, false);
+	srv_exchange_problem(exchange, may_know ? SRV_PROBLEM_SCENE : SRV_PROBLEM_TOKEN, "there is no scene '%.64s'%s", name,
+		may_know ? "; /v1/scenes lists what there is"
+		: ", or it is opened by its token: Authorization: Bearer TOKEN");
 	return false;
 }
 
@@ -223,14 +223,13 @@ static bool find_scene(struct srv_exchange *exchange)
 static bool answer_whole_request(struct srv_exchange *exchange)
 {
 	const struct srv_route *route = exchange->route;
-	char detail[256];
 	if (exchange->body_lost) {
-		srv_exchange_problem(exchange, SRV_PROBLEM_BUSY, bodies_are_many, true);
+		exchange->closes = true;
+		srv_exchange_problem(exchange, SRV_PROBLEM_BUSY, "%s", bodies_are_many);
 	} else if (!route) {
-		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE, known_resources, false);
+		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE, "%s", known_resources);
 	} else if (!(route->methods & exchange->method)) {
-		snprintf(detail, sizeof detail, "use one of %s", route->allow);
-		srv_exchange_problem(exchange, SRV_PROBLEM_METHOD, detail, false);
+		srv_exchange_problem(exchange, SRV_PROBLEM_METHOD, "use one of %s", route->allow);
 	} else if (exchange->method == SRV_METHOD_OPTIONS) {
 		srv_answer_options(&exchange->answer, route->allow);
 	} else if ((route->is_operators && !may_operate(exchange)) || !find_scene(exchange)) {
@@ -325,38 +324,28 @@ static bool is_octets(const char *type)
 		&& strchr(" \t;", type[sizeof octets - 1]);
 }
 
-static enum srv_problem judge_body(const struct srv_exchange *exchange, struct eco_error *error)
-{
-	if (!exchange->has_length) {
-		eco_fail(error, ECO_BAD_INPUT, "send the holdings as the body, with a Content-Length");
-		return SRV_PROBLEM_LENGTH_REQUIRED;
-	}
-	if (exchange->length > exchange->host->config.body_max) {
-		eco_fail(error, ECO_TOO_LARGE, "the body has %llu bytes; at most %llu are accepted",
-			(unsigned long long)exchange->length,
-			(unsigned long long)exchange->host->config.body_max);
-		return SRV_PROBLEM_BODY_TOO_LARGE;
-	}
-	if (!is_octets(srv_exchange_header(exchange, MHD_HTTP_HEADER_CONTENT_TYPE))) {
-		eco_fail(error, ECO_UNSUPPORTED, "send the holdings as Content-Type: "
-			"application/octet-stream");
-		return SRV_PROBLEM_MEDIA_TYPE;
-	}
-	return SRV_PROBLEM_NONE;
-}
-
 /* The worst problem of the head alone: target first, then route and method. Without a body the latter two
  * wait for answer_request, which keeps the connection. */
 static enum srv_problem judge_head(struct srv_exchange *exchange, bool takes_body, struct eco_error *error)
 {
+	unsigned long long length = exchange->length, most = exchange->host->config.body_max;
 	if (exchange->target_code) {
-		eco_fail(error, exchange->target_code, "%s", exchange->error.text);
-		return exchange->target_code == ECO_TOO_LARGE ? SRV_PROBLEM_TARGET_TOO_LONG
-			: SRV_PROBLEM_TARGET;
+		*error = exchange->error;
+		return exchange->target_code == ECO_TOO_LARGE ? SRV_PROBLEM_TARGET_TOO_LONG : SRV_PROBLEM_TARGET;
 	}
-	if (takes_body)
-		return judge_body(exchange, error);
-	if (exchange->length == 0)
+	if (takes_body && !exchange->has_length) {
+		eco_fail(error, ECO_BAD_INPUT, "send the holdings as the body, with a Content-Length");
+		return SRV_PROBLEM_LENGTH_REQUIRED;
+	}
+	if (takes_body && length > most) {
+		eco_fail(error, ECO_TOO_LARGE, "the body has %llu bytes; at most %llu are accepted", length, most);
+		return SRV_PROBLEM_BODY_TOO_LARGE;
+	}
+	if (takes_body && !is_octets(srv_exchange_header(exchange, MHD_HTTP_HEADER_CONTENT_TYPE))) {
+		eco_fail(error, ECO_UNSUPPORTED, "send the holdings as Content-Type: application/octet-stream");
+		return SRV_PROBLEM_MEDIA_TYPE;
+	}
+	if (takes_body || !length)
 		return SRV_PROBLEM_NONE;
 	if (!exchange->route) {
 		eco_fail(error, ECO_NOT_FOUND, "%s; only .../stream takes a body", known_resources);
@@ -390,8 +379,7 @@ static bool grow_body(struct srv_exchange *exchange, size_t size)
 	return true;
 }
 
-/* The head is complete: either the request goes on, or it is refused and the connection closed, since what
- * follows may be a body. */
+/* The head is complete: either the request goes on, or it is refused. */
 static bool handle_head(struct srv_exchange *exchange, const char *method)
 {
 	struct srv_host *host = exchange->host;
@@ -402,17 +390,16 @@ static bool handle_head(struct srv_exchange *exchange, const char *method)
 	exchange->method = srv_method_of(method);
 	read_headers(exchange);
 	if (atomic_load(&host->draining))
-		return queue_problem(exchange, SRV_PROBLEM_STOPPING,
-			"the server is stopping; ask again in a moment", true);
+		return queue_refusal(exchange, SRV_PROBLEM_STOPPING, "the server is stopping; ask again in a moment");
 	bool takes_body = exchange->method == SRV_METHOD_POST && exchange->route == &srv_routes[SRV_STREAM];
 	enum srv_problem problem = judge_head(exchange, takes_body, &error);
 	if (problem)
-		return queue_problem(exchange, problem, error.text, true);
+		return queue_refusal(exchange, problem, error.text);
 	exchange->phase = SRV_PHASE_BODY;
 	if (!takes_body)
 		return true;
 	srv_reaper_await(host->reaper, exchange->lease, SRV_WAIT_BODY);
-	return grow_body(exchange, 1) || queue_problem(exchange, SRV_PROBLEM_BUSY, bodies_are_many, true);
+	return grow_body(exchange, 1) || queue_refusal(exchange, SRV_PROBLEM_BUSY, bodies_are_many);
 }
 
 /* The library takes no answer within a body: the rest of this one is read, kept nowhere, and then refused. */

@@ -57,6 +57,7 @@ struct srv_exchange {
 	struct srv_address client;           /* behind a trusted proxy, if there is one */
 	enum srv_phase phase;
 	bool counted;                        /* in host->busy */
+	bool closes;                         /* the connection cannot be used again */
 	char id[SRV_REQUEST_ID_BYTES];       /* a trusted proxy's, or our own */
 	const char *authorization, *origin;  /* headers, or NULL */
 
@@ -102,9 +103,9 @@ void srv_exchange_end(struct srv_exchange *exchange);
 const char *srv_exchange_header(const struct srv_exchange *exchange, const char *name);
 /* The path names the resource that a problem is about; NULL where it could not be parsed. */
 const char *srv_exchange_path(const struct srv_exchange *exchange, char path[SRV_TARGET_BYTES_MAX]);
-/* Makes exchange->answer a problem; `close`: the connection cannot be used again. */
-void srv_exchange_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *detail,
-	bool close);
+/* Makes exchange->answer a problem, with this detail. */
+void srv_exchange_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *format, ...)
+	__attribute__((format(printf, 3, 4)));
 /* Lets preconditions count for exchange->answer, if there are any. */
 void srv_exchange_judge(struct srv_exchange *exchange, const struct srv_validators *validators);
 

@@ -20,14 +20,14 @@ static void answer_described(struct srv_exchange *exchange, bool validated, stru
 		struct eco_chunk_id id = eco_chunk_hash(json->out.bytes, json->out.size);
 		srv_etag_of(validators.etag, &id);
 	}
-	srv_answer_json(&exchange->answer, json, &validators, NULL);
+	srv_answer_json(&exchange->answer, json, &validators);
 	srv_exchange_judge(exchange, &validators);
 }
 
 static void answer_chunk(struct srv_exchange *exchange)
 {
 	struct eco_chunk_id id;
-	char detail[256], path[SRV_TARGET_BYTES_MAX];
+	char path[SRV_TARGET_BYTES_MAX];
 	uint32_t chunk;
 	struct srv_scene *scene = srv_parse_id(exchange->variables[1], &id)
 		? srv_edition_chunk(exchange->edition, exchange->variables[0], &id, &chunk) : NULL;
@@ -37,9 +37,8 @@ static void answer_chunk(struct srv_exchange *exchange)
 			scene->name) }, srv_exchange_path(exchange, path));
 		return;
 	}
-	snprintf(detail, sizeof detail, "scene '%s' has no chunk '%.64s': ids are 32 lower-case hex digits, "
+	srv_exchange_problem(exchange, SRV_PROBLEM_CHUNK, "scene '%s' has no chunk '%.64s': ids are 32 lower-case hex digits, "
 		"the hashes of their payloads", exchange->variables[0], exchange->variables[1]);
-	srv_exchange_problem(exchange, SRV_PROBLEM_CHUNK, detail, false);
 }
 
 /* An error after a part was written replaces that part. */
@@ -48,29 +47,26 @@ static void answer_plants(struct srv_exchange *exchange)
 	struct srv_plants_query query;
 	struct srv_json json = { 0 };
 	struct eco_error error = { 0 };
+	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
 	uint32_t list = srv_plants_list(exchange->scene, exchange->variables[1]);
 	enum eco_code code = srv_plants_query_parse(&query, &exchange->target, &error);
-	if (!code && query.pack.given && memcmp(query.pack.id.bytes, exchange->scene->pack->id.bytes,
-			sizeof query.pack.id.bytes) != 0) {
-		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED,
-			"the pack is not the one that 'pack' names, and its lists have other numbers: ask "
-			"for the view again", false);
+	if (!code && query.pack.given && memcmp(&query.pack.id, pack, sizeof *pack) != 0) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that 'pack' names, and "
+			"its lists have other numbers: ask for the view again");
 		return;
 	}
 	if (!code && list == ECO_NONE) {
-		eco_fail(&error, ECO_NOT_FOUND, "scene '%s' has no list of plants '%.64s'",
+		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE, "scene '%s' has no list of plants '%.64s'",
 			exchange->variables[0], exchange->variables[1]);
-		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE, error.text, false);
 		return;
 	}
-	if (!code)
-		code = srv_describe_plants(&json, exchange->scene, list, &query, &error);
+	code = code ? code : srv_describe_plants(&json, exchange->scene, list, &query, &error);
 	if (!code) {
 		answer_described(exchange, true, &json);
 		return;
 	}
 	eco_writer_free(&json.out);
-	srv_exchange_problem(exchange, srv_problem_of(code), error.text, false);
+	srv_exchange_problem(exchange, srv_problem_of(code), "%s", error.text);
 }
 
 static void answer_file(struct srv_exchange *exchange, const struct srv_site_file *file, bool immutable)
@@ -96,15 +92,13 @@ static void answer_viewer(struct srv_exchange *exchange, const char *version, co
 	if (!file && page) {
 		srv_answer_no_page(&exchange->answer, srv_site_missing);
 	} else if (!file) {
-		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE,
-			site && site->count
-				? "the viewer has no such file"
-				: "the viewer is not built: say `make web`, then start ecoserve again (or "
-				  "with --viewer DIR); /v1/scenes lists the scenes",
-			false);
+		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE, "%s", site && site->count
+			? "the viewer has no such file"
+			: "the viewer is not built: say `make web`, then start ecoserve again (or "
+			"with --viewer DIR); /v1/scenes lists the scenes");
 	} else if (version && strcmp(version, site->version) != 0) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE,
-			"the server has another version of the viewer: load the page again", false);
+			"the server has another version of the viewer: load the page again");
 	} else if (!page && strcmp(name, SRV_SITE_INDEX) == 0) {
 		/* its addresses are relative to where it is served */
 		srv_answer_elsewhere(&exchange->answer, version ? "../../" : "../");
@@ -122,9 +116,7 @@ static void answer_ready(struct srv_exchange *exchange)
 	const struct srv_gauges gauges = srv_host_gauges(exchange->host);
 	if (!gauges.ready) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_BUSY,
-			"no further plan can wait now; send requests to "
-			"another server for a moment",
-			false);
+			"no further plan can wait now; send requests to another server for a moment");
 		return;
 	}
 	srv_json_add(&json, "{status:%s bad_packs:%lu}", "ready", gauges.bad_packs);
@@ -154,7 +146,7 @@ void srv_exchange_reload(void *argument)
 	struct srv_json json = { 0 };
 	enum eco_code code = srv_host_reload(exchange->host, &report, &error);
 	if (code || report.bad) {
-		srv_exchange_problem(exchange, SRV_PROBLEM_RELOAD, code ? error.text : report.why, false);
+		srv_exchange_problem(exchange, SRV_PROBLEM_RELOAD, "%s", code ? error.text : report.why);
 		return;
 	}
 	srv_json_add(&json, "{opened:%u same:%u gone:%u}", report.opened, report.same, report.gone);
@@ -171,7 +163,7 @@ void srv_exchange_answer_direct(struct srv_exchange *exchange)
 		return;
 	}
 	if (srv_query_none(&exchange->target, &error)) {
-		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, error.text, false);
+		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, "%s", error.text);
 		return;
 	}
 	switch (exchange->route - srv_routes) {

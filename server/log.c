@@ -1,6 +1,7 @@
 #include "server/log.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <poll.h>
 #include <pthread.h>
@@ -15,100 +16,35 @@
 #include "server/request/json.h"
 
 #define TARGET_BYTES 400u
-#define FLUSH_ROUNDS 100
-#define DIRECT_MS 1000
+#define END_MS 100
 
-/* ---- The thread that writes ---- */
-
-static char buffers[2][SRV_LOG_BYTES];
-static struct {
-	pthread_mutex_t mutex;
-	pthread_cond_t filled;
-	char *lines; size_t size;        /* that wait, in one of the buffers; the other is written */
-	bool has_thread, is_writing;
-	_Atomic(uint64_t) dropped;
-} queue = { .mutex = PTHREAD_MUTEX_INITIALIZER, .filled = PTHREAD_COND_INITIALIZER, .lines = buffers[0] };
-
-/* Waits so long for room; a pipe that has some takes PIPE_BUF bytes. Lines that do not get out are dropped. */
-static void write_out(const char *bytes, size_t size, int wait_ms)
-{
-	struct pollfd room = { .fd = STDERR_FILENO, .events = POLLOUT };
-	ssize_t written = 0;
-	while (size) {
-		int ready = poll(&room, 1, wait_ms);
-		written = ready == 1 ? write(STDERR_FILENO, bytes, size < PIPE_BUF ? size : PIPE_BUF) : -1;
-		if (ready == 0 || (written < 0 && errno != EINTR && errno != EAGAIN))
-			break;
-		bytes += written > 0 ? written : 0;
-		size -= written > 0 ? (size_t)written : 0;
-	}
-	for (; size; size--)
-		atomic_fetch_add(&queue.dropped, *bytes++ == '\n');
-}
-
-static void *write_lines(void *nothing)
-{
-	pthread_mutex_lock(&queue.mutex);
-	for (;;) {
-		queue.is_writing = false;
-		while (!queue.size)
-			pthread_cond_wait(&queue.filled, &queue.mutex);
-		char *lines = queue.lines;
-		size_t size = queue.size;
-		queue.lines = lines == buffers[0] ? buffers[1] : buffers[0];
-		queue.size = 0;
-		queue.is_writing = true;
-		pthread_mutex_unlock(&queue.mutex);
-		write_out(lines, size, -1);
-		pthread_mutex_lock(&queue.mutex);
-	}
-	return nothing;
-}
+static _Atomic(uint64_t) dropped;
 
 void srv_log_start(void)
 {
-	pthread_t thread;
-	pthread_mutex_lock(&queue.mutex);
-	if (!queue.has_thread && !pthread_create(&thread, NULL, write_lines, NULL)) {
-		pthread_detach(thread);
-		queue.has_thread = true;
-	}
-	pthread_mutex_unlock(&queue.mutex);
-}
-
-void srv_log_flush(void)
-{
-	const struct timespec round = { 0, 1000000000L / FLUSH_ROUNDS };
-	bool done = false;
-	for (int i = 0; !done && i < FLUSH_ROUNDS; i++) {
-		pthread_mutex_lock(&queue.mutex);
-		done = !queue.size && !queue.is_writing;
-		pthread_mutex_unlock(&queue.mutex);
-		if (!done)
-			nanosleep(&round, NULL);
-	}
+	fcntl(STDERR_FILENO, F_SETPIPE_SZ, (int)SRV_LOG_BYTES);
 }
 
 uint64_t srv_log_dropped(void)
 {
-	return atomic_load(&queue.dropped);
+	return atomic_load(&dropped);
 }
 
-/* A line is written whole or not at all, so that lines of several threads do not mix. */
-static void put_line(const void *bytes, size_t size)
+/* A pipe that has room takes PIPE_BUF bytes. A line that has begun waits for room for a while, so that it ends. */
+static void put_line(const char *bytes, size_t size)
 {
-	pthread_mutex_lock(&queue.mutex);
-	bool waits = queue.has_thread, fits = size <= SRV_LOG_BYTES - queue.size;
-	if (waits && fits) {
-		memcpy(queue.lines + queue.size, bytes, size);
-		queue.size += size;
-		pthread_cond_signal(&queue.filled);
+	static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;        /* lines of several threads do not mix */
+	struct pollfd room = { .fd = STDERR_FILENO, .events = POLLOUT };
+	size_t written = 0;
+	pthread_mutex_lock(&mutex);
+	while (written < size && poll(&room, 1, written ? END_MS : 0) == 1) {
+		ssize_t part = write(STDERR_FILENO, bytes + written, size - written < PIPE_BUF ? size - written : PIPE_BUF);
+		if (part < 0 && errno != EINTR && errno != EAGAIN)
+			break;
+		written += part > 0 ? (size_t)part : 0;
 	}
-	pthread_mutex_unlock(&queue.mutex);
-	if (!waits)
-		write_out(bytes, size, DIRECT_MS);
-	else if (!fits)
-		atomic_fetch_add(&queue.dropped, 1);
+	pthread_mutex_unlock(&mutex);
+	atomic_fetch_add(&dropped, written < size);
 }
 
 /* ---- Lines ---- */
@@ -117,7 +53,7 @@ static void print_line(struct eco_writer *out)
 {
 	eco_write_u8(out, '\n');
 	if (!out->failed)
-		put_line(out->bytes, out->size);
+		put_line((const char *)out->bytes, out->size);
 	eco_writer_free(out);
 }
 

@@ -2,8 +2,7 @@
  * without parameters that are named like a token. Characters that would end a line, or that a terminal obeys,
  * are written as '?' or escaped.
  *
- * After srv_log_start a thread writes them, so that nobody waits for the reader of stderr: lines that do not fit
- * into SRV_LOG_BYTES until they are read are dropped and counted. */
+ * Nobody waits for the reader of stderr: lines that find no room there are dropped and counted. */
 #ifndef SRV_LOG_H
 #define SRV_LOG_H
 
@@ -26,11 +25,8 @@ struct srv_log_request {
 	const char *trace;               /* of a slow plan: lines; NULL: none */
 };
 #define SRV_LOG_BYTES (256u << 10)
-/* Again, or where no thread can be had, it does nothing: without one lines are written where they are said, and
- * dropped where nobody reads stderr within a second. */
+/* Before a sandbox: lets so many bytes wait in a pipe that is stderr. */
 void srv_log_start(void);
-/* Waits until all is written, for a second at most. */
-void srv_log_flush(void);
 uint64_t srv_log_dropped(void);          /* lines so far */
 /* A line without its end. */
 void srv_log_line(const char *text, size_t size);

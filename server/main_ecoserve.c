@@ -375,7 +375,6 @@ static int end_failed(enum eco_code code, const struct eco_error *error, const c
 	bool json = form && strcmp(form, log_forms[SRV_LOG_JSON]) == 0;
 	if (error->text[0])
 		srv_log_event(json ? SRV_LOG_JSON : SRV_LOG_TEXT, true, "%s", error->text);
-	srv_log_flush();
 	return json ? eco_exit_status(code) : eco_command_end(&command, code, &(struct eco_error){ 0 });
 }
 
@@ -385,6 +384,7 @@ int main(int argc, char **argv)
 	struct eco_arguments arguments = { 0 };
 	const char *file = find_option("--config", getenv(ENVIRONMENT "CONFIG"), argc - 1, argv + 1);
 	const struct eco_settings settings = { file, ENVIRONMENT, "pack" };
+	srv_log_start();
 	mallopt(M_TRIM_THRESHOLD, KEPT_BYTES);
 	mallopt(M_MMAP_THRESHOLD, KEPT_BYTES);
 	if (eco_command_answers(&command, argc - 1, argv + 1))
