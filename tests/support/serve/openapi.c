@@ -21,7 +21,7 @@ static const char *paths(void)
 	return strstr(text, "\npaths:");
 }
 
-/* What follows a line of this indentation and key, up to the next line that is not indented more. */
+/* Text behind the line of this indentation and key, or NULL. */
 static const char *find_key(const char *from, const char *end, unsigned indent, const char *key)
 {
 	char line[128];
