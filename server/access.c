@@ -132,8 +132,8 @@ static bool is_known(const char *scene, const struct srv_store *store, const str
 	return !scene[0] || srv_store_find(store, scene) || srv_sources_name(sources, scene);
 }
 
-static enum eco_code check_caps(const struct srv_cap_list *list, const char *option, const struct srv_store *store,
-	const struct srv_sources *sources, struct eco_error *error)
+static enum eco_code check_caps(const struct srv_cap_list *list, const char *option, const struct srv_store
+	*store, const struct srv_sources *sources, struct eco_error *error)
 {
 	for (uint32_t i = 0; i < list->count; i++)
 		if (!is_known(list->items[i].scene, store, sources))
@@ -201,8 +201,8 @@ static enum eco_code check_origin(const char *option, const char *origin, struct
 	bool good = strcmp(origin, "*") == 0 || (scheme && *scheme);
 	for (const char *at = scheme; at && *at; at++)
 		good = good && (is_token_byte(*at) || strchr(":[]", *at)) && *at != '/';
-	return good ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be * or an origin as browsers "
-		"send it: https://HOST[:PORT], without a path", option, origin);
+	return good ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be * or an origin as "
+		"browsers send it: https://HOST[:PORT], without a path", option, origin);
 }
 
 enum eco_code srv_access_add_frame(const char *origin, void *to, struct eco_error *error)

@@ -25,16 +25,16 @@ struct srv_access {
 	char frames[SRV_FRAMES_BYTES];   /* " ORIGIN ORIGIN": whose pages may have the viewer in a frame */
 };
 
-/* Readers of options (struct eco_option). "SCENE=FILE", and FILE of the operator's: the first line of FILE is a
- * token, of letters, digits and -._~+/=. A scene may have several. */
+/* Readers of options (struct eco_option). "SCENE=FILE", and FILE of the operator's: the first line of FILE is
+ * a token, of letters, digits and -._~+/=. A scene may have several. */
 enum eco_code srv_access_add_token(const char *argument, void *access, struct eco_error *error);
 enum eco_code srv_access_add_operator(const char *file, void *access, struct eco_error *error);
 /* "*", or "https://map.example:8443"; keeps the text. */
 enum eco_code srv_access_add_origin(const char *origin, void *access, struct eco_error *error);
 enum eco_code srv_access_add_frame(const char *origin, void *access, struct eco_error *error);
 
-/* The most that an answer of a scene draws and takes: a request for more is answered as if it asked for this. A
- * cap of one scene goes before the one for all (scene ""). */
+/* The most that an answer of a scene draws and takes: a request for more is answered as if it asked for this.
+ * A cap of one scene goes before the one for all (scene ""). */
 struct srv_cap { char scene[SRV_NAME_BYTES]; uint64_t most; };
 struct srv_cap_list { struct srv_cap items[SRV_CAPS_MAX]; uint32_t count; };
 struct srv_caps { struct srv_cap_list vertices, bytes; };        /* 0: none */
@@ -48,9 +48,9 @@ struct srv_most srv_caps_of(const struct srv_caps *caps, const char *scene);
 void srv_caps_apply(const struct srv_most *most, struct eco_request *request);
 
 struct srv_sources;
-/* ECO_BAD_USAGE names a scene that has a token or a cap, but is neither there nor named by an argument: another
- * may be the one that should have it. `before`: the scenes of an earlier start or reload, or NULL; a file of one
- * that has a token must not become one without. `access` and `caps` may be NULL. */
+/* ECO_BAD_USAGE names a scene that has a token or a cap, but is neither there nor named by an argument:
+ * another may be the one that should have it. `before`: the scenes of an earlier start or reload, or NULL; a
+ * file of one that has a token must not become one without. `access` and `caps` may be NULL. */
 enum eco_code srv_access_check(const struct srv_access *access, const struct srv_caps *caps,
 	const struct srv_store *store, const struct srv_sources *sources, const struct srv_store *before,
 	struct eco_error *error);

@@ -331,8 +331,8 @@ void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, 
 	srv_etag_of(etag, &id);
 }
 
-/* Large chunks are sent from their pack's private copy, which spares a copy (sendfile; lod/EXPERIMENTS.md, Chunks
- * by sendfile). Without a descriptor they are sent from memory. */
+/* Large chunks are sent from their pack's private copy, which spares a copy (sendfile; lod/EXPERIMENTS.md,
+ * Chunks by sendfile). Without a descriptor they are sent from memory. */
 static bool answer_file_part(struct srv_answer *answer, const struct srv_scene *scene, uint64_t offset, size_t size)
 {
 	int file = size >= LARGE_BYTES && scene->pack->file >= 0 ? fcntl(scene->pack->file, F_DUPFD_CLOEXEC, 0) : -1;

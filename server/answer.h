@@ -1,5 +1,5 @@
-/* Answers: a status and a response object of the HTTP library. Each function fills *answer; without memory even
- * for that, answer->response is NULL and the connection is to be dropped. */
+/* Answers: a status and a response object of the HTTP library. Each function fills *answer; without memory
+ * even for that, answer->response is NULL and the connection is to be dropped. */
 #ifndef SRV_ANSWER_H
 #define SRV_ANSWER_H
 
@@ -55,8 +55,8 @@ void srv_answer_judge(struct srv_answer *answer, const struct srv_conditions *co
 	const struct srv_validators *validators, const char *instance);
 void srv_answer_failed_condition(struct srv_answer *answer, const char *instance);
 
-/* The chunk, a part of it (to GET alone), 304, 416, or the problem that its payload is damaged. The scene outlives
- * the answer. */
+/* The chunk, a part of it (to GET alone), 304, 416, or the problem that its payload is damaged. The scene
+ * outlives the answer. */
 struct srv_chunk_terms { bool get, is_private; };
 void srv_answer_chunk(struct srv_answer *answer, const struct srv_scene *scene, uint32_t chunk,
 	const struct srv_conditions *conditions, struct srv_chunk_terms terms, const char *instance);
@@ -82,8 +82,8 @@ void srv_answer_add(struct srv_answer *answer, const char *name, const char *val
 void srv_answer_free(struct srv_answer *answer);
 
 void srv_etag_of(char etag[SRV_ETAG_BYTES], const struct eco_chunk_id *id);
-/* A validator for what a server of this version, with these limits of work, vertices and bytes, answers to `target` from this pack:
- * the same request gives the same bytes. */
+/* A validator for what a server of this version, with these limits of work, vertices and bytes, answers to
+ * `target` from this pack: the same request gives the same bytes. */
 void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, const uint64_t limits[3],
 	const char *target);
 

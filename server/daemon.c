@@ -176,8 +176,8 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 		(uint32_t)config->queue_max, (uint32_t)config->queue_share_max, error);
 	code = code ? code : srv_work_start(&host->chores, 1, false, CHORES_MAX, CHORES_MAX, error);
 	code = code ? code : start_http(daemon, error);
-	code = code ? code : srv_listener_start(&host->listener, daemon->endpoint.fd, host->reaper, take_connection, daemon,
-		error);
+	code = code ? code : srv_listener_start(&host->listener, daemon->endpoint.fd, host->reaper,
+		take_connection, daemon, error);
 	if (!code)
 		return ECO_OK;
 	srv_daemon_stop(daemon);

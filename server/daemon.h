@@ -3,15 +3,14 @@
  *   srv_store_init(&store); srv_store_add(&store, ...);
  *   srv_daemon_start(&daemon, &config, &store, &error);
  *   for each request: target -> route -> framing -> query -> plan (work threads) -> answer (answer.h)
- *   srv_daemon_reload(daemon);                other packs for who comes from now on
+ *   srv_daemon_reload(daemon);                later requests get other packs
  *   srv_daemon_quiesce(daemon);               new requests, /healthz too, are answered 503
- *   while (srv_daemon_busy(daemon)) wait;     what runs is finished, for as long as the caller cares to wait
+ *   while (srv_daemon_busy(daemon)) wait;     running requests end, while the caller waits
  *   srv_daemon_stop(daemon);
  *   srv_store_free(&store);
  *
- * Threads: one takes connections in (endpoint.h); a pool of polling threads reads requests and sends answers
- * and does nothing that takes long; work threads plan; one thread watches deadlines. The library's parser is
- * not trusted with anything but splitting a head that is known to be well into lines: see gate.h, framing.h
+ * Threads: one accepts (endpoint.h); a pool polls, reads requests and sends answers; work threads plan; one
+ * watches deadlines. The library's parser only splits heads that are known to be well: see gate.h, framing.h
  * and target.h. */
 #ifndef SRV_DAEMON_H
 #define SRV_DAEMON_H

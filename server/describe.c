@@ -226,8 +226,8 @@ void srv_describe_species(struct srv_json *json, const struct srv_scene *scene)
 	const json_t *plants = json_object_get(scene->meta, "plants");
 	srv_json_add(json, "{pack:%s plants:[", pack_id(scene).hex);
 	for (uint32_t i = 0; i < scene->pack->scene.plant_count; i++)
-		describe_stood_for(json, scene->pack->scene.plants[i].name, json_object_get(json_array_get(plants, i),
-			"species"));
+		describe_stood_for(json, scene->pack->scene.plants[i].name,
+			json_object_get(json_array_get(plants, i), "species"));
 	srv_json_add(json, "]}");
 }
 
@@ -294,8 +294,8 @@ static void describe_who(struct srv_json *json, const struct eco_scene *scene, c
 		srv_json_add(json, "plant:%s anchor:%u band_first:%u band_end:%u distance_first_m:%.9g "
 			"distance_last_m:%.9g share_first:%.9g share_end:%.9g", plant_name(scene,
 			scene->lists[cut->list].owner), cut->anchor, cut->band_first, cut->band_end,
-			lod_band_distance_m(cut->band_first), lod_band_distance_m((uint8_t)(cut->band_end - 1)),
-			share_of(cut->share_first), share_of(cut->share_end));
+			lod_band_distance_m(cut->band_first), lod_band_distance_m((uint8_t)(cut->band_end -
+			1)), share_of(cut->share_first), share_of(cut->share_end));
 	}
 	srv_json_add(json, "}");
 }
@@ -304,8 +304,8 @@ static void describe_cut(struct srv_json *json, const struct eco_scene *scene, c
 {
 	const struct eco_list *list = &scene->lists[cut->list];
 	srv_json_add(json, "{list:%u kind:%s first:%u end:%u of:%u", cut->list,
-		list->kind < sizeof kind_names / sizeof *kind_names ? kind_names[list->kind] : NULL, cut->first,
-		cut->end, list->primitive_count);
+		list->kind < sizeof kind_names / sizeof *kind_names ? kind_names[list->kind] : NULL,
+		cut->first, cut->end, list->primitive_count);
 	if (list->partner != ECO_NONE)
 		srv_json_add(json, "form_of:%u", list->partner);
 	srv_json_add(json, "scale:%.9g", (double)cut->scale);
@@ -318,8 +318,8 @@ static void describe_tables(struct srv_json *json, const struct eco_scene *scene
 	srv_json_add(json, "placements:[");
 	for (uint32_t i = 0; i < plan->placement_count && !json->out.failed; i++) {
 		const struct eco_placement *at = &plan->placements[i];
-		srv_json_add(json, "{at:[%g %g %g] turn_deg:%g scale:%g path:%lu}", at->at[0], at->at[1], at->at[2],
-			at->turn * (360.0 / 65536), at->scale, (uint64_t)at->path);
+		srv_json_add(json, "{at:[%g %g %g] turn_deg:%g scale:%g path:%lu}", at->at[0], at->at[1],
+			at->at[2], at->turn * (360.0 / 65536), at->scale, (uint64_t)at->path);
 	}
 	srv_json_add(json, "] runs:[");
 	for (uint32_t i = 0; i < plan->run_count && !json->out.failed; i++)
@@ -383,8 +383,8 @@ void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream)
 		stream->input.scene->name, pack_id(stream->input.scene).hex, stream->input.request->vertices,
 		stream->input.request->bytes, stream->fits, stream->body_bytes, stream->next_bytes);
 	srv_json_add(json, "chunks:%lu chunk_bytes:%lu named_bytes:%lu vertices:%lu visible_plants:%lu plan_bytes:%lu",
-		stream->chunk_count, stream->chunk_bytes, stream->named_bytes, plan->vertices, plan->visible_plants,
-		plan_bytes(plan));
+		stream->chunk_count, stream->chunk_bytes, stream->named_bytes, plan->vertices,
+		plan->visible_plants, plan_bytes(plan));
 	srv_json_add(json, "sample_distance_rad:%g prediction:{tp_px:%g fp_px:%g fn_px:%g q:%g}",
 		plan->sample_distance, prediction->tp, prediction->fp, prediction->fn, eco_predicted_q(prediction));
 	describe_ground(json, scene, last);

@@ -1,18 +1,15 @@
-/* Writing a stream's frames, for real or only to learn their size.
+/* Writing a stream's frames, for real or only to learn their size, by the same code.
  *
- *   srv_emit_init(&emit, scene, holdings, dry, &error);
+ *   srv_emit_init(&emit, scene, holdings, name_from, dry, &error);
  *   srv_emit_scene(&emit);
- *   srv_emit_step(&emit, &plan, &needs, &error);    BUNDLEs of what is missing by now, then PLAN;
- *                                                   once per step
- *   srv_emit_ahead(&emit);                          what follows is for the next view
+ *   srv_emit_step(&emit, &plan, &needs, &error);    for each step: BUNDLEs of what is missing by now, then PLAN
+ *   srv_emit_ahead(&emit);                          the rest is for the next view
  *   srv_emit_needs(&emit, &needs, &error);          without a PLAN
  *   srv_emit_end(&emit, vertices);
- *   ... emit.bytes is exact; srv_emit_take(&emit, &body) where it was not dry ...
+ *   ... emit.bytes is exact; srv_emit_take(&emit, &body) if it was not dry ...
  *   srv_emit_free(&emit);
  *
- * One code path for both, so that a size can never differ from what it is the size of. A dry run keeps no
- * frame and looks at no payload. A payload that is sent is a reference into the mapped pack; only its frame's
- * hash is computed. */
+ * A dry run keeps no frame and looks at no payload. A payload that is sent is a reference into the mapped pack. */
 #ifndef SRV_EMIT_H
 #define SRV_EMIT_H
 

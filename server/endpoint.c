@@ -128,8 +128,8 @@ enum eco_code srv_endpoint_take(struct srv_endpoint *endpoint, const char *liste
 		return srv_endpoint_open(endpoint, listen_at, error);
 	*endpoint = (struct srv_endpoint){ .fd = -1 };
 	if (listen_at)
-		return eco_fail(error, ECO_BAD_USAGE, "--listen %.80s: systemd has handed a socket over, too: "
-			"leave out --listen, or the socket unit", listen_at);
+		return eco_fail(error, ECO_BAD_USAGE, "--listen %.80s: systemd has handed a socket over, "
+			"too: leave out --listen, or the socket unit", listen_at);
 	if (count > 1 || !listens_on_tcp(HANDED_OVER))
 		return eco_fail(error, ECO_BAD_USAGE, "systemd has handed over %s: the socket unit must have "
 			"one ListenStream= with a port, as 443 or [::]:8080 (both families: "

@@ -1,6 +1,6 @@
-/* The socket that takes connections, and the thread that takes them in. The socket is opened here, or handed over
- * by systemd, which keeps it while the server is started again; before the server gives up its privileges, as
- * ports below 1024 need some. */
+/* The socket that takes connections, and the thread that takes them in. The socket is opened here, or handed
+ * over by systemd, which keeps it while the server is started again; before the server gives up its
+ * privileges, as ports below 1024 need some. */
 #ifndef SRV_ENDPOINT_H
 #define SRV_ENDPOINT_H
 
@@ -27,8 +27,8 @@ enum eco_code srv_endpoint_open(struct srv_endpoint *endpoint, const char *liste
  * and then `listen` must be NULL. Called once, by a program's main thread: the environment forgets it. */
 enum eco_code srv_endpoint_take(struct srv_endpoint *endpoint, const char *listen, struct eco_error *error);
 
-/* A thread that accepts, lets the reaper decide who may come in, and hands the socket on. Without descriptors it
- * makes room and rests, instead of asking again and again. */
+/* A thread that accepts, lets the reaper decide who may come in, and hands the socket on. Without descriptors
+ * it makes room and rests, instead of asking again and again. */
 struct srv_listener;
 /* Takes over the descriptor of a connection that has a lease. */
 typedef void srv_listener_fn(void *ctx, int fd, const struct sockaddr *peer, socklen_t size);

@@ -94,13 +94,13 @@ void srv_exchange_problem(struct srv_exchange *exchange, enum srv_problem proble
 static void hold_answer(struct srv_exchange *exchange)
 {
 	uint64_t bytes = exchange->answer.memory_bytes, most = exchange->host->config.answers_max;
-	if (bytes <= FREE_BYTES || srv_reaper_hold(exchange->host->reaper, exchange->lease, SRV_HELD_ANSWERS, bytes))
-		return;
+	if (bytes <= FREE_BYTES || srv_reaper_hold(exchange->host->reaper, exchange->lease, SRV_HELD_ANSWERS,
+		bytes)) return;
 	srv_answer_free(&exchange->answer);
 	if (bytes > most)
 		srv_exchange_problem(exchange, SRV_PROBLEM_LIMIT, "the answer takes %llu bytes of memory; at most %llu are "
-			"given to all answers: ask for fewer vertices, or set 'bytes'", (unsigned long long)bytes,
-			(unsigned long long)most);
+			"given to all answers: ask for fewer vertices, or set 'bytes'", (unsigned long
+			long)bytes, (unsigned long long)most);
 	else
 		srv_exchange_problem(exchange, SRV_PROBLEM_BUSY, "too many answers are being sent; ask again in a second");
 }
@@ -191,14 +191,13 @@ static bool may_operate(struct srv_exchange *exchange)
 		return true;
 	srv_exchange_problem(exchange, SRV_PROBLEM_OPERATOR, "%s", by_token
 		? "send the operator's token: Authorization: Bearer TOKEN"
-		: "ask from the server's machine by localhost or its address, not by a proxy; or start it with "
-		"--admin-token");
+		: "ask from the server's machine by localhost or its address, not by a proxy; or start it "
+		"with --admin-token");
 	return false;
 }
 
-/* Sets the scene of a path that names one; false if an answer says why there is none. If scenes have
- * tokens, one that is not there is answered as one whose token was not sent, so that nobody learns their
- * names. */
+/* Sets the scene of a path that names one; false if an answer says why there is none. If scenes have tokens,
+ * one that is not there is answered as one whose token was not sent, so that nobody learns their names. */
 static bool find_scene(struct srv_exchange *exchange)
 {
 	const char *name = exchange->variables[0];
@@ -213,8 +212,8 @@ static bool find_scene(struct srv_exchange *exchange)
 	if (exchange->scene && may)
 		return true;
 	exchange->scene = NULL;
-	srv_exchange_problem(exchange, may_know ? SRV_PROBLEM_SCENE : SRV_PROBLEM_TOKEN, "there is no scene '%.64s'%s", name,
-		may_know ? "; /v1/scenes lists what there is"
+	srv_exchange_problem(exchange, may_know ? SRV_PROBLEM_SCENE : SRV_PROBLEM_TOKEN,
+		"there is no scene '%.64s'%s", name, may_know ? "; /v1/scenes lists what there is"
 		: ", or it is opened by its token: Authorization: Bearer TOKEN");
 	return false;
 }

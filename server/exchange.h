@@ -1,12 +1,11 @@
 /* One request and its answer, from the request line to the end of sending.
  *
- *   new (request line) -> head (checked; refused at once and closed if its framing is bad) -> body, where
- *   there is one
+ *   new (request line) -> head (checked; refused and closed if its framing is bad) -> body, if there is one
  *   -> answered directly, or handed to a work thread while the connection is suspended -> answered when
  *   resumed -> free
  *
- * exchange.c receives and sends, exchange_plan.c makes plans and streams, exchange_direct.c answers what
- * needs none. The polling thread owns an exchange, except between srv_work_submit and MHD_resume_connection,
+ * exchange.c receives and sends, exchange_plan.c makes plans and streams, exchange_direct.c the other
+ * answers. The polling thread owns an exchange, except between srv_work_submit and MHD_resume_connection,
  * when the work thread does. */
 #ifndef SRV_EXCHANGE_H
 #define SRV_EXCHANGE_H

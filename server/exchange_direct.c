@@ -51,8 +51,8 @@ static void answer_plants(struct srv_exchange *exchange)
 	uint32_t list = srv_plants_list(exchange->scene, exchange->variables[1]);
 	enum eco_code code = srv_plants_query_parse(&query, &exchange->target, &error);
 	if (!code && query.pack.given && memcmp(&query.pack.id, pack, sizeof *pack) != 0) {
-		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that 'pack' names, and "
-			"its lists have other numbers: ask for the view again");
+		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that "
+			"'pack' names, and its lists have other numbers: ask for the view again");
 		return;
 	}
 	if (!code && list == ECO_NONE) {

@@ -29,11 +29,11 @@ static void keep_answer(struct srv_exchange *exchange, unsigned status, uint64_t
 }
 
 /* The plan as JSON, in one piece. */
-static enum eco_code describe(struct srv_exchange *exchange, const struct srv_stream *stream, struct srv_body *body,
-	struct eco_error *error)
+static enum eco_code describe(struct srv_exchange *exchange, const struct srv_stream *stream, struct srv_body
+	*body, struct eco_error *error)
 {
-	uint64_t most = exchange->host->config.response_max < PLAN_TEXT_MAX ? exchange->host->config.response_max
-		: PLAN_TEXT_MAX;
+	uint64_t most = exchange->host->config.response_max < PLAN_TEXT_MAX ?
+		exchange->host->config.response_max : PLAN_TEXT_MAX;
 	struct srv_json json = { .most = most, .cancelled = &exchange->cancelled };
 	srv_describe_plan(&json, stream);
 	enum eco_code code = srv_json_end(&json);
@@ -46,13 +46,13 @@ static enum eco_code describe(struct srv_exchange *exchange, const struct srv_st
 	}
 	srv_body_free(body);
 	return code == ECO_TOO_LARGE ? eco_fail(error, code, "the plan has %u cuts, and its text more than %llu bytes; "
-		"ask for fewer vertices, or for the stream", stream->steps[stream->step_count - 1].plan.cut_count,
-		(unsigned long long)most)
+		"ask for fewer vertices, or for the stream", stream->steps[stream->step_count -
+		1].plan.cut_count, (unsigned long long)most)
 		: eco_fail(error, code, "the plan could not be written; ask again in a moment");
 }
 
-static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_stream *stream, uint64_t begun_us,
-	struct eco_error *error)
+static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_stream *stream, uint64_t
+	begun_us, struct eco_error *error)
 {
 	uint64_t planned_us = srv_clock_us();
 	char timing[96];
@@ -62,15 +62,15 @@ static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_st
 		: describe(exchange, stream, &body, error);
 	if (code)
 		return code;
-	snprintf(timing, sizeof timing, "plan;dur=%.3f, build;dur=%.3f", (double)(planned_us - begun_us) / 1000.0,
-		(double)(srv_clock_us() - planned_us) / 1000.0);
+	snprintf(timing, sizeof timing, "plan;dur=%.3f, build;dur=%.3f", (double)(planned_us - begun_us) /
+		1000.0, (double)(srv_clock_us() - planned_us) / 1000.0);
 	if (!fits) {
 		keep_answer(exchange, MHD_HTTP_NO_CONTENT, 0, NULL);
 		srv_answer_no_stream(&exchange->answer, timing);
 		return ECO_OK;
 	}
-	struct srv_kept_body *kept = exchange->validators.etag[0] ? srv_kept_body_copy(body.pieces, body.piece_count,
-		body.size_bytes) : NULL;
+	struct srv_kept_body *kept = exchange->validators.etag[0] ? srv_kept_body_copy(body.pieces,
+		body.piece_count, body.size_bytes) : NULL;
 	keep_answer(exchange, MHD_HTTP_OK, body.size_bytes, kept);
 	if (!kept) {
 		srv_answer_body(&exchange->answer, &body, type_of(exchange), &exchange->validators, timing);
@@ -87,8 +87,8 @@ void srv_exchange_make_plan(void *argument)
 	struct srv_exchange *exchange = argument;
 	struct srv_host *host = exchange->host;
 	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request,
-		.rule = exchange->query.rule, .explain = exchange->query.explain, .holdings = &exchange->holdings,
-		.body_max = host->config.response_max, .cancelled = &exchange->cancelled,
+		.rule = exchange->query.rule, .explain = exchange->query.explain, .holdings =
+		&exchange->holdings, .body_max = host->config.response_max, .cancelled = &exchange->cancelled,
 		.work_max = host->config.plan_times * srv_typical_work(exchange->scene) };
 	struct srv_stream stream;
 	struct eco_error error = { 0 };
@@ -163,8 +163,8 @@ bool srv_exchange_prepare_plan(struct srv_exchange *exchange)
 	}
 	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
 	if (exchange->query.pack.given && memcmp(pack->bytes, exchange->query.pack.id.bytes, sizeof pack->bytes) != 0) {
-		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that 'pack' "
-			"names: forget what was held of it and ask again without holdings");
+		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that "
+			"'pack' names: forget what was held of it and ask again without holdings");
 		return false;
 	}
 	if (exchange->method != SRV_METHOD_POST)
@@ -174,7 +174,7 @@ bool srv_exchange_prepare_plan(struct srv_exchange *exchange)
 	if (!code)
 		code = srv_holdings_check(&exchange->scene->pack->scene, &exchange->holdings, &error);
 	if (code)
-		srv_exchange_problem(exchange, code == ECO_NO_MEMORY ? SRV_PROBLEM_BUSY : SRV_PROBLEM_HOLDINGS, "%s",
-			error.text);
+		srv_exchange_problem(exchange, code == ECO_NO_MEMORY ? SRV_PROBLEM_BUSY :
+			SRV_PROBLEM_HOLDINGS, "%s", error.text);
 	return !code;
 }

@@ -131,8 +131,8 @@ static void print_text(const struct srv_log_request *r, const char *target)
 	struct eco_writer out = { 0 };
 	char line[512];
 	eco_write_format(&out, "%s%s %s ", r->trace ? "slow: " : "", r->client, r->method);
-	eco_write_format(&out, "%s %u %llu %.3f ms id=%s", target, r->status, (unsigned long long)r->bytes, r->ms,
-		r->id);
+	eco_write_format(&out, "%s %u %llu %.3f ms id=%s", target, r->status, (unsigned long long)r->bytes,
+		r->ms, r->id);
 	if (r->plan_ms > 0)
 		eco_write_format(&out, " plan=%.3f ms work=%llu%s", r->plan_ms, (unsigned long long)r->work,
 			r->cut_short ? " cut-short" : "");

@@ -1,6 +1,6 @@
-/* Lines on stderr about requests and the daemon, for people or as JSON, one object a line, without headers and
- * without parameters that are named like a token. Characters that would end a line, or that a terminal obeys,
- * are written as '?' or escaped.
+/* Lines on stderr about requests and the daemon, for people or as JSON, one object a line, without headers
+ * and without parameters that are named like a token. Characters that would end a line, or that a terminal
+ * obeys, are written as '?' or escaped.
  *
  * Nobody waits for the reader of stderr: lines that find no room there are dropped and counted. */
 #ifndef SRV_LOG_H
@@ -35,9 +35,8 @@ void srv_log_request(enum srv_log_form form, const struct srv_log_request *reque
 void srv_log_event(enum srv_log_form form, bool problem, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
 
-/* ---- Trace ----
- * ECO_TRACE=plan,cache prints on stderr why things are as they are. One table of bits; reading it costs one load
- * when off. */
+/* ---- Trace ---- ECO_TRACE=plan,cache prints on stderr why things are as they are. One table of bits;
+ * reading it costs one load when off. */
 
 #define SRV_TRACE_BITS(X) \
 	X(PLAN, "plan", "vertex budgets tried for a byte budget, steps taken or left out, and why") \

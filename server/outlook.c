@@ -84,8 +84,8 @@ static void box_square(const struct search *s, const double middle[2], struct sr
 	empty_box(out);
 	for (uint32_t i = 0; i < s->point_count; i++) {
 		double (*plant)[3] = s->plants[i];
-		if (fabs(plant[0][0] - middle[0]) > SQUARE_M / 2 || fabs(plant[0][1] - middle[1]) > SQUARE_M / 2)
-			continue;
+		if (fabs(plant[0][0] - middle[0]) > SQUARE_M / 2 || fabs(plant[0][1] - middle[1]) > SQUARE_M /
+			2) continue;
 		widen_box(out, plant[0]);
 		widen_box(out, plant[1]);
 	}

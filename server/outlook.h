@@ -1,5 +1,5 @@
-/* The first view of a scene. A picture of all trees of a city is a haze of dots, and its middle may be a river;
- * therefore the first view of a wide scene is a place with many plants. */
+/* The first view of a scene. A picture of all trees of a city is a haze of dots, and its middle may be a
+ * river; therefore the first view of a wide scene is a place with many plants. */
 #ifndef SRV_OUTLOOK_H
 #define SRV_OUTLOOK_H
 

@@ -26,8 +26,8 @@ struct srv_plan_cache {
 	struct entry *chains[CHAINS];
 };
 
-/* Large bodies have pages of their own, which go back when they are forgotten: among what plans take and leave
- * they made gaps, by which memory grew for 700,000 requests. */
+/* Large bodies have pages of their own, which go back when they are forgotten: among what plans take and
+ * leave they made gaps, by which memory grew for 700,000 requests. */
 static bool has_pages(size_t room)
 {
 	return room >= PAGES_FROM;
@@ -35,8 +35,8 @@ static bool has_pages(size_t room)
 
 static void *take(size_t room)
 {
-	void *at = has_pages(room) ? mmap(NULL, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)
-		: malloc(room);
+	void *at = has_pages(room) ? mmap(NULL, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1,
+		0) : malloc(room);
 	return at == MAP_FAILED ? NULL : at;
 }
 

@@ -1,11 +1,6 @@
-/* Answers to plan and stream requests, by their ETag: the same request to the same pack gives the same
- * bytes, so that a HEAD, a 304 and a repeated GET cost no plan. Status and size are kept of each, the body
- * where it is small. What was not asked for the longest goes first.
- *
- *   srv_plan_cache_put(cache, etag, &(struct srv_kept_answer){ status, size, body });
- *   if (srv_plan_cache_get(cache, etag, &kept)) ... srv_kept_body_release(kept.body);
- *
- * Any thread; a body lives as long as someone holds it. */
+/* Answers to plan and stream requests, by their ETag: the same request to the same pack gives the same bytes,
+ * so that a HEAD, a 304 and a repeated GET cost no plan. Status and size are kept of each, the body if it is
+ * small. The least recently used goes first. Any thread; a body lives as long as someone holds it. */
 #ifndef SRV_PLAN_CACHE_H
 #define SRV_PLAN_CACHE_H
 

@@ -286,10 +286,10 @@ static bool goes_before(const struct srv_lease *lease, const struct srv_lease *o
 		: lease->since_us < other->since_us);
 }
 
-/* The connection that goes first: of a holder (NULL: of any), at most in phase `last` of those in which they give way,
- * and there since before `since_us`. */
-static struct srv_lease *first_to_go(struct srv_reaper *reaper, const struct srv_holder *holder, enum srv_wait last,
-	uint64_t since_us)
+/* The connection that goes first: of a holder (NULL: of any), at most in phase `last` of those in which they
+ * give way, and there since before `since_us`. */
+static struct srv_lease *first_to_go(struct srv_reaper *reaper, const struct srv_holder *holder, enum srv_wait
+	last, uint64_t since_us)
 {
 	struct srv_lease *first = NULL;
 	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next)

@@ -1,12 +1,11 @@
 /* Deadlines of connections, and what each address holds. The HTTP library only times out silence, so that 700
  * clients that drip a byte a second hold 700 places for ever. Here every phase that waits for a client has a
  * deadline: the head of a request (from connecting, or from the end of the request before), and its body. A
- * response must be taken at a least rate, window after window, as the system counts what the client has
- * acknowledged. While the server works there is no deadline. A thread shuts overdue sockets down; the library
- * then closes them.
+ * response must be taken at a least rate, window after window, by the client's acknowledgements. A thread
+ * shuts overdue sockets down; the library then closes them.
  *
- * Addresses share connections, and bytes of request bodies and answers. A few more places than the limit are for
- * addresses that hold no connection. If one's share or all is full
+ * Addresses share connections, and bytes of request bodies and answers. A few more places than the limit are
+ * for addresses that hold no connection. If one's share or all is full
  *   - the connection that has waited longest for a request, for a second at least, gives way;
  *   - else the address that holds most gives way, if it then holds more than the newcomer: with the connection
  *     that waits for a request, sends a body, takes an answer, or whose plan is made, in this order, the oldest
@@ -84,11 +83,12 @@ void srv_reaper_make_room(struct srv_reaper *reaper);
 uint64_t srv_reaper_held(struct srv_reaper *reaper, enum srv_held what);  /* of connections that are not shut */
 /* The lease's request is the client's, not the peer's; without memory it stays the peer's. It holds no bytes yet. */
 void srv_reaper_speak_for(struct srv_reaper *reaper, struct srv_lease *lease, const struct srv_address *client);
-/* The lease's request holds so many bytes from now on, until the next one is waited for. False where there is no
- * room for them, which is never so where they are fewer than before. */
+/* The lease's request holds so many bytes from now on, until the next one is waited for. False where there is
+ * no room for them, which is never so where they are fewer than before. */
 bool srv_reaper_hold(struct srv_reaper *reaper, struct srv_lease *lease, enum srv_held what, uint64_t bytes);
-/* The connection is in this phase from now on. SRV_WAIT_REQUEST: bytes that the request before held are given back.
- * SRV_WAIT_SENDING: the first window only finds out how much had been taken before. SRV_WAIT_WORK: no deadline. */
+/* The connection is in this phase from now on. SRV_WAIT_REQUEST: bytes that the request before held are given
+ * back. SRV_WAIT_SENDING: the first window only finds out how much had been taken before. SRV_WAIT_WORK: no
+ * deadline. */
 void srv_reaper_await(struct srv_reaper *reaper, struct srv_lease *lease, enum srv_wait wait);
 /* While a plan is made: *gone is set when the client hangs up, which is more than to send no more. NULL: no
  * more. */

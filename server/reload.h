@@ -1,8 +1,6 @@
-/* The scenes that arguments name, opened at start and again whenever the operator wants: "[NAME=]OUT.eco" is
- * a pack, "FOLDER" all packs OUT.eco in it.
- *
- * Again: what has not changed is shared with the store before. Where a pack cannot be read, or is not well,
- * the scene that was made of its file before stays, if there is one, and the report says so. */
+/* The scenes that arguments name, opened at start and at each reload: "[NAME=]OUT.eco" is a pack, "FOLDER"
+ * all packs OUT.eco in it. A reload shares unchanged packs with the store before. If a pack cannot be read,
+ * or is not well, the scene that was made of its file before stays, and the report says so. */
 #ifndef SRV_RELOAD_H
 #define SRV_RELOAD_H
 

@@ -68,8 +68,8 @@ static bool change(const struct srv_user *user)
 		&& !set_capabilities(OVER_FILES, OVER_FILES);
 }
 
-/* From now on this process is that user, and of root's rights has that over files until it settles. ECO_UNSUPPORTED:
- * it is not allowed to. */
+/* From now on this process is that user, and of root's rights has that over files until it settles.
+ * ECO_UNSUPPORTED: it is not allowed to. */
 static enum eco_code become(const struct srv_user *user, struct eco_error *error)
 {
 	int last_signal = 0;
@@ -107,9 +107,9 @@ static enum eco_code settle(bool may_keep, const char *const *read, const char *
 
 /* ---- System calls ---- */
 
-/* A list of allowed calls: ecoserve links few libraries, and their calls are known. Others fail with EPERM, which
- * callers handle, rather than end a server that may serve on. A call that a later C library makes in place of an
- * older one fails with ENOSYS, so that the older one is made. */
+/* A list of allowed calls: ecoserve links few libraries, and their calls are known. Others fail with EPERM,
+ * which callers handle, rather than end a server that may serve on. A call that a later C library makes in
+ * place of an older one fails with ENOSYS, so that the older one is made. */
 #define CALL(name) SCMP_SYS(name)
 
 static const int allowed[] = {
@@ -150,8 +150,8 @@ static const struct { int call; unsigned argument; uint64_t mask, value; } rules
 	{ CALL(clone), 0, CLONE_THREAD, CLONE_THREAD },
 };
 
-/* Signals and limits of nobody but itself, as when it aborts. clone3 has its flags where a filter does not see
- * them. */
+/* Signals and limits of nobody but itself, as when it aborts. clone3 has its flags where a filter does not
+ * see them. */
 static int add_rules(scmp_filter_ctx to)
 {
 	int failed = seccomp_rule_add(to, SCMP_ACT_ERRNO(ENOSYS), CALL(clone3), 0)

@@ -6,10 +6,10 @@
  *   srv_daemon_start(...);
  *
  * Files: it reads below the folders of its packs, and writes below that of their copies (Landlock). System
- * calls: those of a list (seccomp); none opens a socket, starts a program or makes memory executable. Rights of
- * root: at most to pass over the permissions of files, if packs or copies need that and Landlock keeps it to
- * them. A reload works within this; a pack that lies elsewhere by then is refused. A kernel that has only a part
- * of it gives that part. It cannot be undone. */
+ * calls: those of a list (seccomp); none opens a socket, starts a program or makes memory executable. Rights
+ * of root: at most to pass over the permissions of files, if packs or copies need that and Landlock keeps it
+ * to them. A reload works within this; a pack that lies elsewhere by then is refused. A kernel that has only
+ * a part of it gives that part. It cannot be undone. */
 #ifndef SRV_SANDBOX_H
 #define SRV_SANDBOX_H
 

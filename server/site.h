@@ -1,7 +1,6 @@
-/* The viewer's files (make web): read whole at start into a table by name, so that no request reaches a file
- * system. Each has its compressed forms NAME.gz and NAME.br beside it. A file `version` names the content of
- * all of them: the page's addresses have it (/viewer/VERSION/NAME), so that browsers keep what is there for
- * good. */
+/* The viewer's files (make web), read whole at start, so that no request reaches a file system. Each has its
+ * compressed forms NAME.gz and NAME.br beside it. The file `version` names the content of all of them: the
+ * page's addresses have it (/viewer/VERSION/NAME), so that browsers keep files for good. */
 #ifndef SRV_SITE_H
 #define SRV_SITE_H
 

@@ -72,8 +72,8 @@ static enum eco_code scene_meta(struct srv_scene *scene, struct eco_error *error
 	scene->meta = json_loadb(scene->pack->meta, scene->pack->meta_size, 0, &why);
 	if (!scene->meta && json_error_code(&why) != json_error_out_of_memory)
 		scene->meta = json_object();
-	return scene->meta ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "scene '%s': no memory for what its pack says of "
-		"it", scene->name);
+	return scene->meta ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "scene '%s': no memory for what its "
+		"pack says of it", scene->name);
 }
 
 static enum eco_code check_name(const struct srv_store *store, const char *name, struct eco_error *error)

@@ -1,5 +1,5 @@
-/* Sets of scenes, and their replacement while they are served. A scene is opened, checked, and never changed, so
- * that any number of threads read it without locks; only marks change, each once and atomically: per chunk
+/* Sets of scenes, and their replacement while they are served. A scene is opened, checked, and never changed,
+ * so that any number of threads read it without locks; only marks change, each once and atomically: per chunk
  * "hash checked", and the work of an ordinary plan. The planner's tables fill themselves likewise
  * (lod/plan/plan_tables.h).
  *
@@ -16,8 +16,8 @@
  *   srv_store_free(&store);
  *
  * A request holds the edition that it found when it came; later ones find the next. Editions share the scenes
- * whose files have not changed: each counts as a holder. Scenes that only the edition before had are kept for a
- * stated time, so that a client that was just told of a chunk still gets it. */
+ * whose files have not changed: each counts as a holder. Scenes that only the edition before had are kept for
+ * a stated time, so that a client that was just told of a chunk still gets it. */
 #ifndef SRV_STORE_H
 #define SRV_STORE_H
 
@@ -105,8 +105,8 @@ struct srv_catalog {
 
 struct srv_edition *srv_catalog_hold(struct srv_catalog *catalog);
 void srv_edition_release(struct srv_edition *edition);           /* NULL is fine */
-/* Shares the store's scenes; those that it does not have are kept until `until_us` (srv_clock_us). Replace and
- * retire are called by one thread at a time. */
+/* Shares the store's scenes; those that it does not have are kept until `until_us` (srv_clock_us). Replace
+ * and retire are called by one thread at a time. */
 enum eco_code srv_catalog_replace(struct srv_catalog *catalog, const struct srv_store *store,
 	uint64_t until_us, uint64_t now_us, struct eco_error *error);
 /* Forgets what was kept until now. */

@@ -170,8 +170,8 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 	stream->work += stats.work;
 	stream->cut_short |= planner.work_max && stats.work >= planner.work_max / 2;
 	if (!code)
-		srv_trace(SRV_TRACE_PLAN, "%llu of %llu vertices in %u cuts: the search %s, a byte must save %g "
-			"pixels, %u answers sized",
+		srv_trace(SRV_TRACE_PLAN, "%llu of %llu vertices in %u cuts: the search %s, a byte must save "
+			"%g pixels, %u answers sized",
 			(unsigned long long)step->plan.vertices, (unsigned long long)vertices,
 			step->plan.cut_count, stats.converged ? "converged" : "ended at its bound of tries",
 			stats.price, stats.sized);

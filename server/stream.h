@@ -1,34 +1,27 @@
 /* The answer to a view: which steps, which frames, exactly how many bytes, and then the bytes.
  *
- *   srv_stream_plan(&stream, &input, &error);       plans, steps and the exact size of the body; copies no
- *                                                   payload
+ *   srv_stream_plan(&stream, &input, &error);       plans, steps and the exact size of the body
  *   if (stream.fits) srv_stream_write(&stream, &body, &error);
  *   ... body.pieces, in order ...                   payloads are pieces that point into the mapped pack
  *   srv_body_free(&body); srv_stream_free(&stream);
  *
- * Steps. The last step is the plan for the whole budget. Where bytes do not bind, coarser answers go before
- * it, each with about three quarters of the bytes of the next, down to 10 kB (lod/plan/planner.h): whoever
- * stops reading has about the best picture for what came. They share the work of one plan, and mostly send
- * what the answer uses, too. Their ground takes no more than a quarter of their bytes; within a step ground
- * goes first, coarse to fine.
+ * Steps. The last step is the plan for the whole budget. Coarser answers go before it, each with about three
+ * quarters of the bytes of the next, down to 10 kB (lod/plan/planner.h): a client that stops reading has
+ * about the best picture for its bytes. Their ground takes at most a quarter of their bytes, and goes first,
+ * coarse to fine.
  *
- * Byte budget. It bounds the whole body, END included. The ground's detail gives way first, up to an error
- * of 2 pixels; then what is drawn on it, on ground that is coarser still where it would take more than a
- * quarter of the bytes. The planner spends them (lod/plan/byte_price.h), and learns the exact size of an
- * answer from a dry run of the same code that writes the body. Deussen's rule knows no bytes: for it the
- * largest vertex budget whose body is found to fit is searched, within 1/256. If not even a plan that draws
- * nothing on the coarsest ground fits, `fits` is false: 204.
+ * Byte budget. It bounds the whole body, END included. The ground's detail gives way first, up to an error of
+ * 2 pixels; then plants, on ground that takes at most a quarter of the bytes. The planner spends bytes
+ * (lod/plan/byte_price.h), and learns sizes from a dry run of the code that writes the body. Deussen's rule
+ * knows no bytes: its largest vertex budget that fits is searched, within 1/256. If not even a plan that
+ * draws nothing on the coarsest ground fits, `fits` is false: 204. Bytes that are left go to chunks that the
+ * answer would need without the budget, of those lists first that lack least, if it draws anything.
  *
- * The rest. Bytes that the answer leaves go to chunks that it would need without their budget, of those lists
- * first that lack least. So a list that takes more than one answer's bytes comes in parts, to a client that
- * stays. An answer that draws nothing sends no such chunks.
+ * Next view. Chunks that its plan lacks follow the answer within the same bytes.
  *
- * Next view. Where the request gives one, its plan's chunks follow the answer within the same bytes: planned
- * with what is held by then, so that they are the last and only what is lacking.
- *
- * Named chunks. Where the request says so, chunks of at least so many bytes are named, not carried: the body
- * has their ids and sizes, and the client fetches them, from .../chunks/{id} or from any host that has them
- * (ecopack export). Budgets count their bytes as if they were carried.
+ * Named chunks. Chunks of at least so many bytes are named by id and size, not carried, if the request says
+ * so. The client fetches them from .../chunks/{id} or from any host that has them (ecopack export). Budgets
+ * count their bytes as if they were carried.
  *
  * The same input gives the same bytes: no clock, no history, nothing shared. */
 #ifndef SRV_STREAM_H

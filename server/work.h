@@ -1,13 +1,11 @@
-/* A few threads that make plans, so that a long plan never holds up a connection that only wants a chunk.
- * The queue is bounded: a job that finds no place is refused at once (503).
+/* Threads that make plans, so that a long plan never holds up a connection that only wants a chunk. The queue
+ * is bounded: a job that finds no place is refused at once (503).
  *
- * Admission and service are fair between addresses. An address holds the jobs that wait or run for it.
- *   - Full queue: a job displaces the youngest waiting job of the address that holds most, if that address
- *     still holds no less than the newcomer afterwards. Else the newcomer is refused.
- *   - Three of four jobs that are begun are of the address that holds least, so an address that asks for one
- *     plan does not wait for a round of all others. The fourth is the next in turn: each further job of an
- *     address is a turn later than the one before it (start-time fair queueing, Goyal and others 1996, jobs
- *     of equal cost), so no address starves. */
+ * An address holds the jobs that wait or run for it. A job displaces the youngest waiting job of the address
+ * that holds most, if the queue is full and that address still holds no less than the newcomer afterwards.
+ * Three of four jobs that are begun are of the address that holds least. The fourth is the next in turn: each
+ * further job of an address is a turn later than the one before it (start-time fair queueing, Goyal and
+ * others 1996, jobs of equal cost), so no address starves. */
 #ifndef SRV_WORK_H
 #define SRV_WORK_H
 

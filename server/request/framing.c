@@ -12,8 +12,8 @@ enum field { FIELD_HOST, FIELD_LENGTH, FIELD_COOKIE, FIELD_TRANSFER, FIELD_EXPEC
 /* Headers that count here. Those from FIELD_ONCE on may be given once, for two could be read in two ways. */
 static const char *const fields[] = { [FIELD_HOST] = "host", [FIELD_LENGTH] = "content-length",
 	[FIELD_COOKIE] = "cookie", [FIELD_TRANSFER] = "transfer-encoding", [FIELD_EXPECT] = "expect",
-	"content-type", "range", "if-range", "if-match", "if-none-match", "if-modified-since", "if-unmodified-since",
-	"content-range", "authorization" };
+	"content-type", "range", "if-range", "if-match", "if-none-match", "if-modified-since",
+	"if-unmodified-since", "content-range", "authorization" };
 #define FIELD_COUNT (int)(sizeof fields / sizeof *fields)
 #define ENTRY_BYTES 56u
 #define METHOD_BYTES_MAX 32u

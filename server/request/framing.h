@@ -1,14 +1,14 @@
 /* The bytes of a connection, read strictly before the HTTP library sees them: the end of a request is decided
- * here. libmicrohttpd 0.9.75 takes a NUL or an empty name at the start of a line for the end of the head, cuts
- * values at a NUL, joins folded lines, and accepts two lengths, or a length beside Transfer-Encoding. A proxy in
- * front may read such a request in another way, and a body for one is a second request for the other
+ * here. libmicrohttpd 0.9.75 takes a NUL or an empty name at the start of a line for the end of the head,
+ * cuts values at a NUL, joins folded lines, and accepts two lengths, or a length beside Transfer-Encoding. A
+ * proxy in front may read such a request in another way, and a body for one is a second request for the other
  * (smuggling).
  *
- * The grammar is RFC 9112's, without what it only tolerates: lines end with CRLF, one space parts the
- * request line, no line is folded, names are tokens, values hold no control characters. One Host (HTTP/1.0:
- * at most one), at most one Content-Length, no Transfer-Encoding, and once only what else may be given once.
- * A head and its parts are bounded, so that it fits the memory that the library gives it. Control characters
- * are refused as they come, and lines at their CR, where the library would read them.
+ * The grammar is RFC 9112's, without what it only tolerates: lines end with CRLF, one space parts the request
+ * line, no line is folded, names are tokens, values hold no control characters. One Host (HTTP/1.0: at most
+ * one), at most one Content-Length, no Transfer-Encoding, and once only what else may be given once. A head
+ * and its parts are bounded, so that it fits the memory that the library gives it. Control characters are
+ * refused as they come, and lines at their CR, where the library would read them.
  *
  *   struct srv_framing framing = { 0 };
  *   passed = srv_framing_scan(&framing, bytes, size);        as bytes come, of one request after the other
@@ -24,9 +24,8 @@
 
 #define SRV_HEAD_BYTES_MAX 8192u
 #define SRV_HEADERS_MAX 100u
-/* Memory that the library needs for a connection: the head, 56 bytes for each header, parameter and
- * cookie, and the cookies once more. That memory is filled with zeros after each request, so it is not
- * larger. */
+/* Memory that the library needs for a connection: the head, 56 bytes for each header, parameter and cookie,
+ * and the cookies once more. That memory is filled with zeros after each request, so it is not larger. */
 #define SRV_HEAD_MEMORY_MAX (12u << 10)
 #define SRV_CONNECTION_MEMORY (16u << 10)
 

@@ -1,12 +1,10 @@
-/* The gate between a client's socket and the HTTP library: every byte passes srv_framing_scan, and what is
- * not well is refused and closed here, before the library sees it.
+/* The gate between a client's socket and the HTTP library: every byte passes srv_framing_scan, and bad
+ * requests are refused and closed here, before the library sees them.
  *
  * The library reads its sockets with recv() and has no hook for that, so the linker binds its calls to the
- * gate's (--wrap=recv, Makefile; libmicrohttpd is linked in for that). Sockets without a gate are read as
- * ever.
- *
- * A gate belongs to the connection's polling thread. The refusal goes out in its turn: the library asks for
- * more only when all earlier requests of the connection have been answered. */
+ * gate's (--wrap=recv, Makefile). Sockets without a gate are read as ever. A gate belongs to the connection's
+ * polling thread. The refusal goes out in its turn: the library asks for more only when all earlier requests
+ * of the connection have been answered. */
 #ifndef SRV_GATE_H
 #define SRV_GATE_H
 

@@ -69,8 +69,8 @@ static void quote(struct srv_json *json, const char *text)
 			put(json, "\\ufffd");
 			length = 1;
 		} else if (*at == '"' || *at == '\\' || !eco_utf8_printable(eco_utf8_code(at, length))) {
-			snprintf(escape, sizeof escape, length == 1 && *at >= 0x20 && *at < 0x7f ? "\\%c" : "\\u%04x",
-				eco_utf8_code(at, length));
+			snprintf(escape, sizeof escape, length == 1 && *at >= 0x20 && *at < 0x7f ? "\\%c" :
+				"\\u%04x", eco_utf8_code(at, length));
 			put(json, escape);
 		} else {
 			eco_write_bytes(&json->out, at, length);

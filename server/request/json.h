@@ -5,8 +5,8 @@
  *   srv_json_add(&json, "]}");
  *
  * A writer of our own, because counts go up to 2^64 and plans have ten thousands of cuts, which a tree of
- * objects would hold twice. Nothing more is written once json.out.failed is set: without memory, beyond `most`,
- * or when it is cancelled. Long loops end then; srv_json_end says why. */
+ * objects would hold twice. Nothing more is written once json.out.failed is set: without memory, beyond
+ * `most`, or when it is cancelled. Long loops end then; srv_json_end says why. */
 #ifndef SRV_JSON_H
 #define SRV_JSON_H
 

@@ -1,5 +1,5 @@
-/* Problems of requests, as RFC 9457 problem documents. The detail is written where the problem is found: what,
- * which parameter, and what to do. */
+/* Problems of requests, as RFC 9457 problem documents. The detail is written where the problem is found:
+ * what, which parameter, and what to do. */
 #ifndef SRV_PROBLEM_H
 #define SRV_PROBLEM_H
 

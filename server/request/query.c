@@ -43,8 +43,8 @@ static const struct param_row view_rows[] = {
 #undef AT
 #define AT(field) offsetof(struct srv_plants_query, field)
 static const struct param_row plants_rows[] = { { "first", PARAM_COUNT, false, AT(first), UINT64_MAX, 0 },
-	{ "count", PARAM_COUNT, false, AT(count), SRV_PLANTS_MAX, 1 }, { "pack", PARAM_ID, false, AT(pack), 0, 0 },
-	{ NULL, 0, 0, 0, 0, 0 } };
+	{ "count", PARAM_COUNT, false, AT(count), SRV_PLANTS_MAX, 1 }, { "pack", PARAM_ID, false, AT(pack), 0,
+	0 }, { NULL, 0, 0, 0, 0, 0 } };
 #undef AT
 
 static const struct { const char *name; lod_rule *rule; } rules[] = { { "optimal", lod_rule_optimal },
@@ -186,8 +186,8 @@ static enum eco_code parse_params(void *query, const struct param_row *rows, con
 		while (row->name && strcmp(row->name, param->name) != 0)
 			row++;
 		if (!row->name)
-			return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s'; known are %s", param->name,
-				known);
+			return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s'; known are %s",
+				param->name, known);
 		const char *wrong = parse_field((char *)query + row->offset, row, param->value);
 		if (wrong && (row->kind == PARAM_SIZE || row->kind == PARAM_COUNT))
 			snprintf(range, sizeof range, " from %llu to %llu", (unsigned long long)row->least,

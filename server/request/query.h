@@ -1,15 +1,9 @@
-/* Parameters of a plan or stream request.
- *
- *   eye=x,y,z  target=x,y,z  width=  height=  vertices=       required
- *   up=x,y,z (0,0,1)  fov_y_deg= (45)  bytes= (unbounded)  ground_px= (1)  texel_px= (0.03125)
- *   rule=optimal|deussen (optimal)
- *   pack= (none)  explain= (0; 1 for plans alone)
+/* Parameters of requests, as openapi.yaml lists them.
  *
  * Numbers are plain decimals: [-]digits[.digits][e[+-]digits] for coordinates and angles, digits for counts.
  * Unknown parameters are refused, so that a misspelt budget is an error and not an unbounded answer. `pack`
- * is the 32 hex digit id of the pack that the holdings of the request refer to (the SCENE frame and
- * /v1/scenes/{scene} state it): if the scene has been rebuilt since, the server says so instead of mixing two
- * packs. */
+ * is the id of the pack that the holdings of the request refer to: if the scene has been rebuilt since, the
+ * server says so instead of mixing two packs. */
 #ifndef SRV_QUERY_H
 #define SRV_QUERY_H
 

@@ -1,10 +1,8 @@
-/* A request target, taken apart strictly: path segments and query parameters.
- *
- * The HTTP library's own idea of a path is not used: it turns %00 into an end of string, keeps %zz, and hands
- * /../.. through. Here an allow-list decides. Paths consist of segments of [A-Za-z0-9_-][A-Za-z0-9._-]*,
- * without any percent-encoding, since no path of ours needs it. Parameters are name=value with a name of
- * [a-z_]+; a value is printable ASCII after percent-decoding ("%2C" is what browsers make of a comma). No
- * parameter may be empty or occur twice. Everything else is refused with a text that says what. */
+/* A request target, taken apart strictly. The HTTP library's own idea of a path turns %00 into an end of
+ * string, keeps %zz, and hands /../.. through; here an allow-list decides. Paths are segments of
+ * [A-Za-z0-9_-][A-Za-z0-9._-]*, without percent-encoding. Parameters are name=value with a name of [a-z_]+; a
+ * value is printable ASCII after percent-decoding ("%2C" is what browsers make of a comma). No parameter may
+ * be empty or occur twice. */
 #ifndef SRV_TARGET_H
 #define SRV_TARGET_H
 

@@ -53,8 +53,8 @@ UNIT_TEST(arguments_are_checked_and_errors_help)
 		{ { PACK_PATH, PACK_PATH }, 2, "two scenes are named 'sample'" },
 		{ { "build/tmp/none.eco" }, 1, "build/tmp/none.eco" }, { { DAMAGED_PATH }, 1, DAMAGED_PATH },
 		{ { "--copies", "build/tmp/no such folder", PACK_PATH }, 1,
-			"build/tmp/no such folder: No such file or directory: make room there, name another folder "
-			"(--copies DIR)" } };
+			"build/tmp/no such folder: No such file or directory: make room there, name another "
+			"folder (--copies DIR)" } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		if (rows[i].status) {
 			program_fails(rows[i].arguments, rows[i].status, rows[i].says);
@@ -76,8 +76,8 @@ UNIT_TEST(it_says_when_it_is_ready_and_ends_when_asked)
 			"a, b)", program.port);
 		assert_int_equal(strncmp(program.line, expected, strlen(expected)), 0);
 		http_expect(program.port, "GET", "/v1/scenes/b", "", 200, NULL);
-		const int harmless[] = { SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGIO, SIGPWR, SIGXFSZ, SIGRTMIN,
-			SIGRTMAX, SIGWINCH, SIGPIPE };
+		const int harmless[] = { SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGIO, SIGPWR, SIGXFSZ,
+			SIGRTMIN, SIGRTMAX, SIGWINCH, SIGPIPE };
 		for (size_t i = 0; i < sizeof harmless / sizeof *harmless; i++)
 			kill(program.pid, harmless[i]);
 		kill(program.pid, SIGHUP);       /* a terminal that is closed ends no server */
@@ -100,8 +100,8 @@ UNIT_TEST(without_a_viewer_the_page_says_how_to_get_one)
 	strcpy(program_path, found[0] ? "build/tmp/ecoserve_alone" : "");
 	struct program program = program_serve(ARGUMENTS(START, PACK_PATH), NULL);
 	strcpy(program_path, found);
-	assert_non_null(strstr(program.line, "(1 scene named sample); the viewer is missing, `make web` builds "
-		"it\n"));
+	assert_non_null(strstr(program.line, "(1 scene named sample); the viewer is missing, `make web` "
+		"builds it\n"));
 	http_expect(program.port, "GET", "/?fbclid=x", "", 404, "<code>make web</code>");
 	http_expect(program.port, "GET", "/?fbclid=x", "", 404, "href=\"v1/scenes\"");
 	http_expect(program.port, "GET", "/viewer/viewer.mjs", "", 404, "\"status\":404");
@@ -159,8 +159,8 @@ UNIT_TEST(settings_come_from_a_file_the_environment_and_the_command_line)
 		{ "pack = " DAMAGED_PATH "\n", NULL, NULL, 1, DAMAGED_PATH },
 		{ PACK_LINE "token = sample=" TOKEN_PATH "\n", NULL, NULL, 0, "is good" },
 		{ PACK_LINE "token = simple=" TOKEN_PATH "\n", NULL, NULL, 2, "there is no scene of this name" },
-		{ PACK_LINE "cap-vertices = 5000\ncap-vertices = sample=9\ncap-bytes = sample=1\n", NULL, NULL, 0,
-			"is good" },
+		{ PACK_LINE "cap-vertices = 5000\ncap-vertices = sample=9\ncap-bytes = sample=1\n", NULL,
+			NULL, 0, "is good" },
 		{ PACK_LINE "cap-bytes = simple=1\n", NULL, NULL, 2,
 			"--cap-bytes simple=1: there is no scene of this name" },
 		{ PACK_LINE "cap-vertices = sample=0\n", NULL, NULL, 2,
@@ -214,8 +214,8 @@ UNIT_TEST(logs_are_lines_of_json_without_tokens)
 	unsigned lines = 0, slow = 0, quiet = 0;
 	file_write_text(TOKEN_PATH, TOKEN "\n");
 	file_write_text(SETTINGS, "pack = " PACK_PATH "\ntoken = sample=" TOKEN_PATH "\n");
-	struct program program = program_serve(ARGUMENTS(START, "--log", "json", "--slow", "1", "--plan-work", "1000",
-		"--config", SETTINGS), NULL);
+	struct program program = program_serve(ARGUMENTS(START, "--log", "json", "--slow", "1", "--plan-work",
+		"1000", "--config", SETTINGS), NULL);
 	http_expect(program.port, "GET", "/v1/scenes/sample/stream?" VIEW "&vertices=3000000&bytes=100000",
 		"Authorization: Bearer " TOKEN "\r\n", 200, NULL);
 	http_expect(program.port, "GET", "/v1/scenes?access_token=" TOKEN "&b=1", "", 400, NULL);
@@ -248,16 +248,16 @@ UNIT_TEST(a_name_of_a_file_makes_no_line_of_the_log)
 		clean[] = "build/tmp/test_ecoserve?forged: ?[2J?????.eco";
 	for (int json = 0; json < 2; json++) {
 		file_write_text(odd, "no pack");
-		struct program program = program_serve(ARGUMENTS(START, "--log", json ? "json" : "text", PACK_PATH,
-			odd), NULL);
+		struct program program = program_serve(ARGUMENTS(START, "--log", json ? "json" : "text",
+			PACK_PATH, odd), NULL);
 		http_expect(program.port, "POST", "/v1/admin/reload", "", 500, NULL);
 		assert_int_equal(unlink(odd), 0);
 		program_stop(&program);
 		assert_true(json || strstr(program.err, clean));
 		assert_null(strpbrk(program.err, "\033\302\342"));
 		for (char *at = strtok(program.err, "\n"); at; at = strtok(NULL, "\n"))
-			if (strncmp(at, json ? "{\"time\":" : "ecoserve: ", 8) != 0 && strncmp(at, "127.0.0.1 ", 10) != 0)
-				fail_msg("a line of its own: %s", at);
+			if (strncmp(at, json ? "{\"time\":" : "ecoserve: ", 8) != 0 && strncmp(at,
+				"127.0.0.1 ", 10) != 0) fail_msg("a line of its own: %s", at);
 	}
 }
 
@@ -360,8 +360,8 @@ UNIT_TEST(the_last_line_of_a_trusted_proxy_says_who_asks)
 		{ "X-Forwarded-For: \r\nX-Forwarded-For: [2001:db8::5]:1\r\n", "2001:db8::5" },
 		{ "X-Forwarded-For: 6.6.6.6\r\n", "6.6.6.6" }, { "", "127.0.0.1" } };
 	char line[100];
-	struct program program = program_serve(ARGUMENTS(START, "--log", "text", "--trust-proxy", "127.0.0.0/8",
-		PACK_PATH), NULL);
+	struct program program = program_serve(ARGUMENTS(START, "--log", "text", "--trust-proxy",
+		"127.0.0.0/8", PACK_PATH), NULL);
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		snprintf(line, sizeof line, "/row-%zu", i);
 		http_expect(program.port, "GET", line, rows[i].headers, 404, NULL);
@@ -383,8 +383,8 @@ static const char whole_request[] = "GET " WHOLE " HTTP/1.1\r\nHost: t\r\n\r\n";
 /* The stated limits hold. */
 UNIT_TEST(limits_are_options)
 {
-	static const char declared[] = "POST /v1/scenes/sample/stream?" VIEW "&vertices=1 HTTP/1.1\r\nHost: t\r\n"
-		"Content-Type: application/octet-stream\r\nContent-Length: 101\r\n\r\n";
+	static const char declared[] = "POST /v1/scenes/sample/stream?" VIEW "&vertices=1 HTTP/1.1\r\nHost: "
+		"t\r\nContent-Type: application/octet-stream\r\nContent-Length: 101\r\n\r\n";
 	struct program program = program_serve(ARGUMENTS(START, "--head-ms", "50", "--body-bytes", "100",
 		"--answer-bytes", "1000", "--send-ms", "5000", PACK_PATH), NULL);
 	http_expect(program.port, "GET", WHOLE, "", 422, NULL);
@@ -451,8 +451,8 @@ UNIT_TEST(one_good_pack_of_three_is_served)
 	folder_make("build/tmp/test_ecoserve_late");
 	file_write_text(LATE_PATH, "no pack");
 	file_write_text(TOKEN_PATH, TOKEN "\n");
-	struct program program = program_serve(ARGUMENTS(START, "--token", "late=" TOKEN_PATH, "late=" LATE_PATH,
-		PACK_PATH, "never=build/tmp/no such folder/none.eco"), program_sandboxed);
+	struct program program = program_serve(ARGUMENTS(START, "--token", "late=" TOKEN_PATH, "late="
+		LATE_PATH, PACK_PATH, "never=build/tmp/no such folder/none.eco"), program_sandboxed);
 	assert_non_null(strstr(program.line, "(1 scene named sample)"));
 	http_expect(program.port, "GET", "/v1/scenes/sample", "", 200, NULL);
 	http_expect(program.port, "GET", "/readyz", "", 200, "\"bad_packs\":2}");

@@ -178,8 +178,8 @@ static bool is_wrong(const struct hostile_row *row)
 		ask(list, row, byte_by_byte);
 		if (strcmp(list, row->answers) == 0)
 			continue;
-		print_error("%s: %s, not %s: %s\n", byte_by_byte ? "byte by byte" : "at once", list, row->answers,
-			row->request);
+		print_error("%s: %s, not %s: %s\n", byte_by_byte ? "byte by byte" : "at once", list,
+			row->answers, row->request);
 		wrong = true;
 	}
 	return wrong;

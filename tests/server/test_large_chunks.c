@@ -1,5 +1,5 @@
-/* Large chunks, which are sent from their pack's private copy: they are what the pack has, whole and in parts, and
- * their descriptors go. */
+/* Large chunks, which are sent from their pack's private copy: they are what the pack has, whole and in
+ * parts, and their descriptors go. */
 #include <dirent.h>
 #include <stdio.h>
 
@@ -20,8 +20,8 @@ static uint32_t descriptors(void)
 	return count;
 }
 
-static void check_chunk(int fd, const struct eco_pack *pack, uint32_t chunk, const char *more, unsigned status,
-	size_t from, size_t size)
+static void check_chunk(int fd, const struct eco_pack *pack, uint32_t chunk, const char *more, unsigned
+	status, size_t from, size_t size)
 {
 	char request[512], id[SRV_ID_TEXT_BYTES];
 	srv_format_id(id, &pack->scene.chunks[chunk].id);

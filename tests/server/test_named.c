@@ -31,8 +31,8 @@ static struct host {
 static void reply(int c, const char *status, const char *more, const void *body, size_t size)
 {
 	char head[240];
-	int at = snprintf(head, sizeof head, "HTTP/1.1 %s\r\n%sContent-Length: %zu\r\nConnection: close\r\n\r\n", status,
-		more, size);
+	int at = snprintf(head, sizeof head,
+		"HTTP/1.1 %s\r\n%sContent-Length: %zu\r\nConnection: close\r\n\r\n", status, more, size);
 	send(c, head, (size_t)at, MSG_NOSIGNAL);
 	send(c, body, size, MSG_NOSIGNAL);
 }

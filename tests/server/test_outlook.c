@@ -38,8 +38,8 @@ static void add_stand(uint32_t tile, int x, int y, int side, int apart)
 		&(struct scene_row){ ECO_LIST_INSTANCES, ECO_CODER_ROWS, 0, 0, ECO_NONE, 0, 0 }, count, count);
 	scene_add_group(&scene, (struct eco_group){ tile, 0, list, scene.scene.place_count, 0, 0 });
 	for (int i = 0; i < side * side; i++)
-		scene_add_place(&scene, (struct eco_place){ { x + i % side * apart, y + i / side * apart, 3 }, 0,
-			2 << 16 });
+		scene_add_place(&scene, (struct eco_place){ { x + i % side * apart, y + i / side * apart, 3 },
+			0, 2 << 16 });
 }
 
 static struct srv_outlook look(void)

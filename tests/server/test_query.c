@@ -105,21 +105,21 @@ UNIT_TEST(texts_are_read_strictly)
 		{ is_number, { "0", "-1.5", "1e3", "1E-2", "1.25e+2", "007", "1e-999" },
 			{ "", "-", ".", "1.", ".5", "+1", "1e", "1e+", "nan", "inf", "-inf", "0x10", " 1", "1 ", "1,5", "1e999",
 			"--1", "1_000", "1d3", "1234567890123456789012345678901234567890123456789" } },
-		{ is_count, { "0", "18446744073709551615" }, { "18446744073709551616", "99999999999999999999999", "", "-1",
-			"1.0", "1e6", "0x1" } },
+		{ is_count, { "0", "18446744073709551615" }, { "18446744073709551616",
+			"99999999999999999999999", "", "-1", "1.0", "1e6", "0x1" } },
 		{ is_id, { "0123456789abcdef0011223344556677" }, { "0123456789ABCDEF0011223344556677",
 			"0123456789abcdef001122334455667", "0123456789abcdef00112233445566778", "",
 			"0123456789abcdef00112233445566g7" } },
 		{ is_authority, { "a", "a.b-c_d~.", "127.0.0.1", "a:", "a:80", "a:65535", "[::1]", "[1::a.2]:1" },
-			{ "", ":80", ".", ".a", "a..b", "a:65536", "a:000080", "a:8o", "a:1:2", "a@b", "a/b", "a b", "a,b",
-			"a%20", "[]", "[::1", "[::1]a", "[::g]", "::1", "\x80", "[", "[:" } },
+			{ "", ":80", ".", ".a", "a..b", "a:65536", "a:000080", "a:8o", "a:1:2", "a@b", "a/b",
+			"a b", "a,b", "a%20", "[]", "[::1", "[::1]a", "[::g]", "::1", "\x80", "[", "[:" } },
 		/* no name is this machine but localhost */
 		{ srv_host_is_loopback, { "localhost", "LOCALHOST:8080", "127.0.0.1", "127.9.9.9:1", "[::1]", "[::1]:8080",
 			"[::ffff:127.0.0.1]:80" }, { "", ":80", "localhost.evil.example", "localhost:", "localhost:x", "evil",
-			"127.0.0.1.evil.example", "127.0.0.1:8080.evil.example", "10.0.0.1", "[::2]:80", "evil@localhost",
-			"127.1" } },
-		{ srv_name_valid, { "a", "0-9_z", "scbi", LONG_NAME }, { "", "-a", "_a", "A", "a.b", "a b", "a/b", "\xc3\xa4",
-			LONG_NAME "4" } } };
+			"127.0.0.1.evil.example", "127.0.0.1:8080.evil.example", "10.0.0.1", "[::2]:80",
+			"evil@localhost", "127.1" } },
+		{ srv_name_valid, { "a", "0-9_z", "scbi", LONG_NAME }, { "", "-a", "_a", "A", "a.b", "a b",
+			"a/b", "\xc3\xa4", LONG_NAME "4" } } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		for (const char *const *text = rows[i].good; *text; text++)
 			if (!rows[i].reads(*text))
@@ -394,8 +394,8 @@ UNIT_TEST(json_escapes_and_keeps_numbers)
 {
 	const char *nothing = getenv("NO SUCH VARIABLE");
 	struct srv_json json = { 0 };
-	srv_json_add(&json, "{a:%s n:%lu m:%lx o:%lx", "\"\\\n\x7f\xc3\xa4\xff\xed\xa0\x80\xf0\x9f\x8c\xb3", UINT64_MAX,
-		UINT64_MAX, (uint64_t)7);
+	srv_json_add(&json, "{a:%s n:%lu m:%lx o:%lx", "\"\\\n\x7f\xc3\xa4\xff\xed\xa0\x80\xf0\x9f\x8c\xb3",
+		UINT64_MAX, UINT64_MAX, (uint64_t)7);
 	srv_json_add(&json, "x:%g y:%g z:%.9g u:%g", 0.1, -1.0 / 3, -1.0 / 3, (double)INFINITY);
 	srv_json_add(&json, "l:[%d {} null %u] t:%s}", true, 5u, nothing);
 	eco_write_u8(&json.out, 0);

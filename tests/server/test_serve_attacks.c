@@ -222,8 +222,8 @@ UNIT_TEST(bodies_of_few_addresses_lock_nobody_out)
 	}
 	for (uint32_t i = 0; i < 5; i++) {
 		http_come_from(HONEST - i);
-		struct http_answer answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"),
-			OCTETS, zeros, BODY / 2);
+		struct http_answer answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?"
+			VIEW_BY("1"), OCTETS, zeros, BODY / 2);
 		assert_int_equal(answer.status, 400);
 		http_free(&answer);
 	}
@@ -286,8 +286,8 @@ static uint64_t gauge(const struct srv_daemon *daemon, const char *name)
 	return value;
 }
 
-/* Connections that ask for much and take nothing: their answers stay within the bound, and what others ask for
- * is sent to its end. */
+/* Connections that ask for much and take nothing: their answers stay within the bound, and what others ask
+ * for is sent to its end. */
 UNIT_TEST(answers_that_are_being_sent_are_bounded_together)
 {
 	enum { MOST = 1000000, STALLED = 24 };

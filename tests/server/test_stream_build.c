@@ -58,8 +58,8 @@ static struct body build(struct bench *b, const struct eco_request *request, con
 	if (stream.fits)
 		assert_ok(srv_stream_write(&stream, &body, &error), error);
 	assert_true(!stream.fits || body.size_bytes == stream.body_bytes);
-	struct body out = { .bytes = malloc(body.size_bytes + 1), .fits = stream.fits, .steps = stream.step_count,
-		.smallest = stream.body_bytes };
+	struct body out = { .bytes = malloc(body.size_bytes + 1), .fits = stream.fits, .steps =
+		stream.step_count, .smallest = stream.body_bytes };
 	for (uint32_t i = 0; i < body.piece_count; i++) {
 		if (body.pieces[i].size)
 			memcpy(out.bytes + out.size, body.pieces[i].bytes, body.pieces[i].size);

@@ -132,8 +132,8 @@ UNIT_TEST(equals_displace_nobody)
 	assert_string_equal(order, "abcd");
 }
 
-/* The server's defaults, full of what few or many addresses ask for. A newcomer comes in, and waits for at most
- * one job of those that hold more; for one job each of those that hold as little. */
+/* The server's defaults, full of what few or many addresses ask for. A newcomer comes in, and waits for at
+ * most one job of those that hold more; for one job each of those that hold as little. */
 UNIT_TEST(no_crowd_keeps_a_newcomer_waiting)
 {
 	static const struct { int addresses, jobs; size_t ahead; } crowds[] = { { 1, 32, 1 }, { 2, 32, 1 },

@@ -166,7 +166,7 @@ void http_expect(uint16_t port, const char *method, const char *target, const ch
 {
 	struct http_answer answer = http_ask(port, method, target, headers, NULL, 0);
 	if (answer.status != status || (says && !strstr(answer.body, says)))
-		fail_msg("%s %s: not %u, %s:\n%s\n%.300s", method, target, status, says ? says : "", answer.head,
-			answer.body);
+		fail_msg("%s %s: not %u, %s:\n%s\n%.300s", method, target, status, says ? says : "",
+			answer.head, answer.body);
 	http_free(&answer);
 }

@@ -68,8 +68,8 @@ bool program_ready(struct program *program)
 {
 	char *line = program->line;
 	size_t size = 0;
-	while (size < sizeof program->line - 1 && read(program->out_fd, line + size, 1) == 1 && line[size++] != '\n')
-		continue;
+	while (size < sizeof program->line - 1 && read(program->out_fd, line + size, 1) == 1 && line[size++]
+		!= '\n') continue;
 	line[size] = 0;
 	const char *colon = strrchr(line, ':');
 	program->port = (uint16_t)(colon ? atoi(colon + 1) : 0);

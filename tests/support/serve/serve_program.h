@@ -24,8 +24,8 @@ struct program {
 	char line[256];                  /* its first, which says that it is ready */
 	char out[PROGRAM_SAYS], err[PROGRAM_SAYS];       /* what it said afterwards, once it has ended */
 };
-/* Skips the test if the program has not been built. `arguments` end with NULL; `prepare` (or NULL) is called in the
- * child, before the program is. However the test ends, the program does not outlive it. */
+/* Skips the test if the program has not been built. `arguments` end with NULL; `prepare` (or NULL) is called
+ * in the child, before the program is. However the test ends, the program does not outlive it. */
 struct program program_start(const char *const *arguments, void (*prepare)(void));
 /* Reads the line that says it is ready, byte by byte; false: it ended. */
 bool program_ready(struct program *program);

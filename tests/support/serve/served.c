@@ -61,8 +61,8 @@ void served_open(struct served *seen, const char *json, const char *pack)
 
 void served_look(struct served *seen, const struct eco_view *view, double ground_px)
 {
-	struct eco_request request = { .view = *view, .vertices = seen->vertices, .bytes = ECO_BYTES_UNBOUNDED,
-		.ground_px = ground_px };
+	struct eco_request request = { .view = *view, .vertices = seen->vertices, .bytes =
+		ECO_BYTES_UNBOUNDED, .ground_px = ground_px };
 	struct eco_holdings holdings = { 0 };
 	struct srv_stream_input input = { .scene = seen->scene, .request = &request, .holdings = &holdings };
 	struct srv_stream stream;
