@@ -182,16 +182,6 @@ bool srv_access_scene(const struct srv_access *access, const char *scene, const 
 	return !has_token(access, scene) || holds_token(access, scene, authorization);
 }
 
-bool srv_access_has_operator(const struct srv_access *access)
-{
-	return has_token(access, "");
-}
-
-bool srv_access_operator(const struct srv_access *access, const char *authorization)
-{
-	return has_token(access, "") && holds_token(access, "", authorization);
-}
-
 /* ---- Origins ---- */
 
 static enum eco_code check_origin(const char *option, const char *origin, struct eco_error *error)

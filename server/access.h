@@ -55,12 +55,11 @@ enum eco_code srv_access_check(const struct srv_access *access, const struct srv
 	const struct srv_store *store, const struct srv_sources *sources, const struct srv_store *before,
 	struct eco_error *error);
 
-/* `authorization`: the header's value, or NULL. The operator's token opens every scene. */
+/* `scene` "": the operator's resources. `authorization`: the header's value, or NULL. The operator's token opens
+ * every scene. True if there is no token to have. */
 bool srv_access_scene(const struct srv_access *access, const char *scene, const char *authorization);
 bool srv_access_is_private(const struct srv_access *access, const char *scene);
 bool srv_access_has_private(const struct srv_access *access);    /* any scene */
-bool srv_access_has_operator(const struct srv_access *access);
-bool srv_access_operator(const struct srv_access *access, const char *authorization);
 
 /* The value of Access-Control-Allow-Origin to a request of `origin` (NULL: of no page), or NULL. Where all
  * have the same, it does not depend on the request. */

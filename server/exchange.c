@@ -186,8 +186,8 @@ static bool is_local(const struct srv_exchange *exchange)
 static bool may_operate(struct srv_exchange *exchange)
 {
 	const struct srv_access *access = exchange->host->config.access;
-	bool by_token = srv_access_has_operator(access);
-	if (by_token ? srv_access_operator(access, exchange->authorization) : is_local(exchange))
+	bool by_token = srv_access_is_private(access, "");
+	if (by_token ? srv_access_scene(access, "", exchange->authorization) : is_local(exchange))
 		return true;
 	srv_exchange_problem(exchange, SRV_PROBLEM_OPERATOR, "%s", by_token
 		? "send the operator's token: Authorization: Bearer TOKEN"
@@ -208,7 +208,7 @@ static bool find_scene(struct srv_exchange *exchange)
 	const struct srv_access *access = exchange->host->config.access;
 	bool may = srv_access_scene(access, name, exchange->authorization),
 		may_know = may && (exchange->scene || !srv_access_has_private(access)
-		|| srv_access_is_private(access, name) || srv_access_operator(access, exchange->authorization));
+		|| srv_access_is_private(access, name) || (srv_access_is_private(access, "") && srv_access_scene(access, "", exchange->authorization)));
 	if (exchange->scene && may)
 		return true;
 	exchange->scene = NULL;

@@ -14,7 +14,7 @@
 
 #include "server/answer.h"
 #include "server/daemon.h"
-#include "server/metrics.h"
+#include "server/log.h"
 #include "server/request/query.h"
 #include "server/reaper.h"
 #include "server/reload.h"

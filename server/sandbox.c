@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <grp.h>
+#include <libgen.h>
 #include <limits.h>
 #include <linux/capability.h>
 #include <linux/fs.h>
@@ -192,102 +193,90 @@ static bool is_folder(const char *path)
 	return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
 }
 
-/* A folder that is not there holds a pack that is not there. */
-static enum eco_code add_folder(const char *path, size_t size, struct eco_error *error)
+/* The folder, or that of the file; false: no memory. One that is not there holds a pack that is not there. */
+static bool add_folder(const char *path, bool is_file)
 {
-	char *folder = strndup(size ? path : ".", size ? size : 1);
-	if (folder && !is_folder(folder)) {
+	char *copy = strdup(path), *folder = copy ? strdup(is_file ? dirname(copy) : copy) : NULL;
+	free(copy);
+	if (folder && is_folder(folder))
+		folders[folder_count++] = folder;
+	else
 		free(folder);
-		return ECO_OK;
-	}
-	char **grown = folder ? realloc(folders, (folder_count + 2) * sizeof *grown) : NULL;
-	if (!grown) {
-		free(folder);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the names of folders");
-	}
-	folders = grown;
-	folders[folder_count++] = folder;
-	folders[folder_count] = NULL;
-	return ECO_OK;
-}
-
-/* The folder part of a path, up to its last slash: "/" for the root, "." without a slash. */
-static enum eco_code add_folder_of(const char *path, struct eco_error *error)
-{
-	const char *slash = strrchr(path, '/');
-	return add_folder(path, slash ? (size_t)(slash - path) + (slash == path) : 0, error);
+	return folder;
 }
 
 /* The folder of a pack, and that of the file that its name links to. */
-static enum eco_code add_folders_of(const char *path, struct eco_error *error)
+static bool add_folders_of(const char *path)
 {
 	char *real = realpath(path, NULL);
-	enum eco_code code = add_folder_of(path, error);
-	if (!code && real)
-		code = add_folder_of(real, error);
+	bool added = add_folder(path, true) && (!real || add_folder(real, true));
 	free(real);
-	return code;
+	return added;
 }
 
 static enum eco_code list_folders(const struct srv_sandbox *sandbox, struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
+	const struct srv_sources *sources = sandbox->sources;
+	const struct srv_store *store = sandbox->store;
 	char name[SRV_NAME_BYTES + 1];
-	for (uint32_t i = 0; i < sandbox->sources->count && !code; i++) {
-		const char *path = srv_source_path(sandbox->sources->arguments[i], name);
-		code = is_folder(path) ? add_folder(path, strlen(path), error) : add_folders_of(path, error);
+	folders = calloc(2 * ((size_t)sources->count + store->count) + 1, sizeof *folders);
+	bool added = folders;
+	for (uint32_t i = 0; i < sources->count && added; i++) {
+		const char *path = srv_source_path(sources->arguments[i], name);
+		added = is_folder(path) ? add_folder(path, false) : add_folders_of(path);
 	}
-	for (uint32_t i = 0; i < sandbox->store->count && !code; i++)
-		code = add_folders_of(sandbox->store->scenes[i]->file.path, error);
-	copies[0] = sandbox->sources->copies;
-	return code;
+	for (uint32_t i = 0; i < store->count && added; i++)
+		added = add_folders_of(store->scenes[i]->file.path);
+	copies[0] = sources->copies;
+	return added ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for the names of folders");
 }
 
 /* ---- All of it ---- */
 
-/* A part that this system does not have. */
-static enum eco_code lack(const struct srv_sandbox *sandbox, enum eco_code code, const struct eco_error *why,
-	const char *so, struct eco_error *error)
-{
-	if (code == ECO_UNSUPPORTED && !sandbox->required) {
-		srv_log_event(sandbox->log_form, true, "warning: %s; %s", why->text, so);
-		return ECO_OK;
-	}
-	return eco_fail(error, code, "%s%s", why->text, code == ECO_UNSUPPORTED
-		? " (--require-sandbox)" : "");
-}
-
 static enum eco_code become_user(const struct srv_sandbox *sandbox, struct eco_error *error)
 {
-	struct eco_error why = { 0 };
-	enum eco_code code = become(sandbox->user, &why);
-	if (code && sandbox->user->was_asked_for)
-		return eco_fail(error, code, "--user: %s", why.text);
-	return code ? lack(sandbox, code, &why, "it serves as root", error) : ECO_OK;
+	return become(sandbox->user, error);
 }
 
 static enum eco_code confine(const struct srv_sandbox *sandbox, struct eco_error *error)
 {
-	struct eco_error why = { 0 };
-	const struct eco_confined_paths paths = { .readable = (const char *const *)folders,
-		.writable = copies, .without_libraries = true };
-	enum eco_code code = eco_confine(&paths, &why);
-	return code ? lack(sandbox, code, &why, "it may read whatever its user may", error) : ECO_OK;
+	(void)sandbox;
+	return eco_confine(&(struct eco_confined_paths){ .readable = (const char *const *)folders, .writable = copies,
+		.without_libraries = true }, error);
+}
+
+static enum eco_code settle_user(const struct srv_sandbox *sandbox, struct eco_error *error)
+{
+	return sandbox->user->changes ? settle(eco_is_confined(), (const char *const *)folders, copies, error) : ECO_OK;
 }
 
 static enum eco_code filter_calls(const struct srv_sandbox *sandbox, struct eco_error *error)
 {
-	struct eco_error why = { 0 };
-	enum eco_code code = filter(&why);
-	return code ? lack(sandbox, code, &why, "it may call whatever its user may", error) : ECO_OK;
+	(void)sandbox;
+	return filter(error);
 }
+
+/* The parts in their order, and the consequence for a system that lacks one; NULL: it must not. */
+static const struct {
+	enum eco_code (*enter)(const struct srv_sandbox *sandbox, struct eco_error *error);
+	const char *without;
+} parts[] = { { become_user, "it serves as root" }, { confine, "it may read whatever its user may" },
+	{ settle_user, NULL }, { filter_calls, "it may call whatever its user may" } };
 
 enum eco_code srv_sandbox_enter(const struct srv_sandbox *sandbox, struct eco_error *error)
 {
 	enum eco_code code = list_folders(sandbox, error);
-	code = code ? code : become_user(sandbox, error);
-	code = code ? code : confine(sandbox, error);
-	if (!code && sandbox->user->changes)
-		code = settle(eco_is_confined(), (const char *const *)folders, copies, error);
-	return code ? code : filter_calls(sandbox, error);
+	for (size_t i = 0; i < sizeof parts / sizeof *parts && !code; i++) {
+		struct eco_error why = { 0 };
+		code = parts[i].enter(sandbox, &why);
+		bool lacks = code == ECO_UNSUPPORTED && parts[i].without;
+		if (code && i == 0 && sandbox->user->was_asked_for)
+			return eco_fail(error, code, "--user: %s", why.text);
+		if (code && (!lacks || sandbox->required))
+			return eco_fail(error, code, "%s%s", why.text, lacks ? " (--require-sandbox)" : "");
+		if (code)
+			srv_log_event(sandbox->log_form, true, "warning: %s; %s", why.text, parts[i].without);
+		code = ECO_OK;
+	}
+	return code;
 }

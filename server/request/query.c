@@ -50,37 +50,20 @@ static const struct param_row plants_rows[] = { { "first", PARAM_COUNT, false, A
 static const struct { const char *name; lod_rule *rule; } rules[] = { { "optimal", lod_rule_optimal },
 	{ "deussen", lod_rule_deussen } };
 
-static const char *skip_digits(const char *text)
+static bool is_digit(char c)
 {
-	while (*text >= '0' && *text <= '9')
-		text++;
-	return text;
+	return c >= '0' && c <= '9';
 }
 
 bool srv_parse_number(const char *text, double *value)
 {
-	const char *at = text + (*text == '-'), *digits = at;
-	at = skip_digits(at);
-	if (at == digits)
+	const char *point = strchr(text, '.');
+	char *end;
+	if (!is_digit(text[*text == '-']) || text[strspn(text, "0123456789.eE+-")] || (point && !is_digit(point[1]))
+			|| strlen(text) > NUMBER_BYTES_MAX)
 		return false;
-	if (*at == '.') {
-		digits = ++at;
-		at = skip_digits(at);
-		if (at == digits)
-			return false;
-	}
-	if (*at == 'e' || *at == 'E') {
-		at++;
-		at += *at == '+' || *at == '-';
-		digits = at;
-		at = skip_digits(at);
-		if (at == digits)
-			return false;
-	}
-	if (*at || (size_t)(at - text) > NUMBER_BYTES_MAX)
-		return false;
-	*value = strtod(text, NULL);
-	return isfinite(*value);
+	*value = strtod(text, &end);
+	return !*end && isfinite(*value);
 }
 
 bool srv_parse_count(const char *text, uint64_t *value)

@@ -5,7 +5,7 @@
 #include <stdatomic.h>
 
 #include "server/access.h"
-#include "server/metrics.h"
+#include "server/log.h"
 #include "server/reload.h"
 #include "server/typical.h"
 #include "tests/support/files.h"
