@@ -332,23 +332,6 @@ UNIT_TEST(a_log_that_cannot_be_written_stops_nothing)
 	}
 }
 
-/* Nobody reads stderr until it has ended. */
-UNIT_TEST(a_log_that_nobody_reads_stops_nothing)
-{
-	enum { REQUESTS = 2000, LONG = 390 };
-	char target[LONG + 2] = "/";
-	struct program program = program_serve(ARGUMENTS(START, "--log", "json", PACK_PATH), NULL);
-	memset(target + 1, 'x', LONG);
-	for (int i = 0; i < REQUESTS; i++)
-		assert_int_equal(http_status(program.port, "GET", target, ""), 404);
-	kill(program.pid, SIGHUP);
-	http_expect(program.port, "POST", "/v1/admin/reload", "", 200, NULL);
-	/* the pipe is full of whole lines */
-	assert_in_range(dropped_lines(program.port), REQUESTS / 4, REQUESTS);
-	program_stop(&program);
-	assert_int_equal(strncmp(program.err, "{\"time\":", 8), 0);
-}
-
 /* The log tells who asks. */
 UNIT_TEST(the_last_line_of_a_trusted_proxy_says_who_asks)
 {

@@ -140,31 +140,6 @@ UNIT_TEST(an_answer_that_nobody_waits_for_is_not_written)
 	srv_stream_free(&stream);
 }
 
-/* Ordinary views show about all there is to see. */
-UNIT_TEST(ordinary_views_are_hardly_cut_short)
-{
-	static const uint64_t budgets[] = { 1000, 30000, 1000000, 3000000 };
-	struct eco_request request = { .view = { .eye = { 50, -30, 12 }, .target = { 50, 30, 2 },
-		.up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 800, .height = 600 },
-		.bytes = ECO_BYTES_UNBOUNDED };
-	for (size_t i = 0; i < sizeof budgets / sizeof *budgets; i++) {
-		struct srv_stream_input input = { .scene = sample, .request = &request };
-		struct eco_error error = { 0 };
-		double q[2];
-		request.vertices = budgets[i];
-		for (int bounded = 0; bounded < 2; bounded++) {
-			struct srv_stream stream;
-			input.work_max = bounded ? TIMES * srv_typical_work(sample) : 0;
-			assert_ok(srv_stream_plan(&stream, &input, &error), error);
-			const struct eco_plan *plan = &stream.steps[stream.step_count - 1].plan;
-			q[bounded] = eco_predicted_q(&plan->prediction);
-			assert_true(plan->vertices > 0);
-			srv_stream_free(&stream);
-		}
-		assert_true(q[1] > q[0] - 0.05);
-	}
-}
-
 /* Predicted Q of a request within a budget of bytes. */
 static double q_within(struct eco_request request, uint64_t bytes)
 {

@@ -259,23 +259,6 @@ UNIT_TEST(what_was_answered_is_kept)
 	}
 }
 
-UNIT_TEST(below_the_smallest_stream_there_is_none)
-{
-	struct http_answer least = http_get(port, BASE "/stream?" VIEW_BY("0")), answer;
-	char target[200];
-	assert_int_equal(least.status, 200);
-	snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=100000&bytes=%zu", least.size);
-	answer = http_get(port, target);
-	assert_true(answer.status == 200 && answer.size <= least.size);
-	http_free(&answer);
-	/* places and lists of which nothing is drawn give way, too: what is left is the scene's name and a plan */
-	snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=100000&bytes=%u", 100);
-	answer = http_get(port, target);
-	assert_true(answer.status == 204 && answer.size == 0);
-	http_free(&answer);
-	http_free(&least);
-}
-
 UNIT_TEST(chunks_are_immutable_and_partial)
 {
 	const struct eco_chunk *chunk = &scene()->chunks[3];

@@ -77,21 +77,6 @@ static void assert_served(const struct srv_daemon *daemon)
 	http_expect(srv_daemon_port(daemon), "GET", "/healthz", "", 200, NULL);
 }
 
-/* More than the defaults take, of one address, and nothing sent: whoever asks is served at once, and what is
- * open stays within the address's share. */
-UNIT_TEST(idle_connections_lock_nobody_out)
-{
-	enum { IDLE = 700 };
-	static int fds[IDLE];
-	const struct srv_config config = { .listen = "127.0.0.1:0" };
-	struct srv_daemon *daemon = serve_another(&config);
-	open_idle(daemon, fds, IDLE);
-	assert_served(daemon);
-	assert_in_range(srv_daemon_counts(daemon).connections, 1, 128);
-	close_all(fds, IDLE);
-	srv_daemon_stop(daemon);
-}
-
 /* The connection that has waited the longest gives way, and none that is in the middle of something. */
 UNIT_TEST(idle_connections_give_way_and_busy_ones_do_not)
 {

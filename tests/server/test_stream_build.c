@@ -101,18 +101,6 @@ static struct eco_request random_request(struct scene_builder *r)
 		.bytes = ECO_BYTES_UNBOUNDED };
 }
 
-UNIT_TEST(a_stream_brings_all_that_its_plans_draw)
-{
-	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
-		struct bench b = bench_make(seed, 1 + seed % 5);
-		struct eco_request request = random_request(&b.pack->r);
-		struct body body = build(&b, &request, NULL);
-		assert_true(body.fits);
-		read_all(&b, &body, request.vertices);
-		bench_free(&b);
-	}
-}
-
 UNIT_TEST(what_is_held_is_not_sent_again)
 {
 	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {

@@ -9,7 +9,7 @@
 #define GET LINE HOST
 #define SECOND GET "\r\n"
 
-#define HOSTILE_VALUES 94
+#define HOSTILE_VALUES 120
 /* `after` may hold zeros. */
 struct hostile_group {
 	const char *before;
@@ -38,7 +38,7 @@ static const struct hostile_group hostile_groups[] = {
 		"If-Unmodified-Since: Thu, 01 Jan 1970 00:00:00 GMT", "Range: bytes=", "Range: bytes=1-0",
 		"Range: bytes=-", "Range: bytes=0-0,0-0", "Range: bytes=99-", "Range: lines=0-",
 		"Accept: x", "Accept-Encoding: \"", "Content-Encoding: gzip", "Content-MD5: a", "Date: x",
-		"Via: 1.1 t" } },
+		"Via: 1.1 t", "X: ", "X: a:b \x80\xff\tc", "Content-Length: 0" } },
 	{ GET, AFTER("\r\n\r\n" SECOND), "400.", { "X\"y: 1", "X(y: 1", "X)y: 1", "X,y: 1", "X/y: 1", "X;y: 1",
 		"X<y: 1", "X=y: 1", "X>y: 1", "X?y: 1", "X@y: 1", "X[y: 1", "X\\y: 1", "X]y: 1", "X{y: 1",
 		"X}y: 1", "X y: 1", "X\ty: 1", "Content-Length: 0\r\nContent-Length: 0",
@@ -49,9 +49,9 @@ static const struct hostile_group hostile_groups[] = {
 	{ "GET /healthz ", AFTER("\r\nHost: t\r\n\r\n"), "400.", { "HTTP/1", "HTTP/1.", "HTTP/.1", "HTTP/1.1.1",
 		"HTTP/1.01", "HTTP/-1.1", "HTTP/+1.1", "HTTP/1.9", "HTTPS/1.1", "ICY/1.1", "HTTP /1.1",
 		"HTTP/ 1.1", "HTTP/1 .1", "HTTP/1,1", "HTTP\\1.1", "Http/1.1", "HTTP/1.1;", "1.1", "/1.1",
-		"HTTP", "HTTP/1.1 HTTP/1.1", "HTTP/1.1\r" } },
+		"HTTP", "HTTP/1.1 HTTP/1.1", "HTTP/1.1\r", "HTTP/1.2" } },
 	{ "GET /healthz ", AFTER("\r\nHost: t\r\n\r\n"), "505.", { "HTTP/01.1", "HTTP/3.0", "HTTP/9.9", "HTTP/0.0",
-		"HTTP/0.1", "HTTP/00001.1" } },
+		"HTTP/0.1", "HTTP/00001.1", "HTTP/0.9", "HTTP/2.0" } },
 	{ "GET ", AFTER(" HTTP/1.1\r\nHost: t\r\n\r\n"), "400.", { "/./healthz", "/healthz/", "/healthz/.",
 		"/healthz/..", "/a/../healthz", "/%2e/healthz", "/%2e%2e/healthz", "/%2E%2E%2Fhealthz",
 		"/healthz%2f", "/%68ealthz", "/healthz%20", "/healthz%0d%0a", "/healthz%0d%0aX:1",
@@ -71,22 +71,23 @@ static const struct hostile_group hostile_groups[] = {
 		"http://[v1.a]/healthz", "http://[fe80::1%25eth0]/healthz", "http://::1/healthz",
 		"http://.t/healthz", "http://t..u/healthz", "http://t,u/healthz", "http://t%2e/healthz",
 		"HTTP://t/healthz", "hTtP://t/healthz", "https://t/healthz", "ws://t/healthz",
-		"file:///healthz", "//t/healthz", "///healthz", "*/healthz", "t:80" } },
+		"file:///healthz", "//t/healthz", "///healthz", "*/healthz", "t:80", "*", "/healthz?",
+		"/healthz?&&&&&&&&&&&&&&&&&&&&&&&&&&&&&&&&", "http://t:99999/healthz" } },
 	{ "GET ", AFTER(" HTTP/1.1\r\nHost: t\r\n\r\n"), "400", { "/healthz?a=b" } },
 	{ "GET ", AFTER(" HTTP/1.1\r\nHost: t\r\n\r\n"), "404", { "/v1/scenes/SAMPLE",
 		"/v1/scenes/sample/chunks/0", "/etc/passwd" } },
 	{ "GET ", AFTER(" HTTP/1.1\r\nHost: t\r\n\r\n"), "200", { "http://t:/healthz", "http://t:0/healthz",
-		"http://[::1]/healthz", "http://t./healthz" } },
+		"http://[::1]/healthz", "http://t./healthz", "http://t/healthz" } },
 	{ LINE "Host: ", AFTER("\r\n\r\n"), "400.", { "t u", "t\tu", "t;u", "t#", "t%41", "t%", "t|u", "t\"", "t'",
 		"t<u>", "t{u}", "t^", "t`", "t!", "t$", "t&", "t*", "t+", "t=", "t(", "t:+80", "t:-1",
 		"t:8o", "t:80a", "t:1.2", "::1", "::", "[::1]:99999", "[::1]:x", "[::1]]", "[[::1]]",
 		"[g::1]", "[::1%eth0]", "[fe80::1%25eth0]", "[v1.a]", "[ ::1]", ".t", "t..", "..",
 		"http://t", "t/", "/t", "t?x", "t@u", "u:p@t", "t,t", "t t", "\"t\"", "*", "t\200",
-		"\303\251" } },
+		"\303\251", "a@b", "a:65536" } },
 	{ LINE "Host: ", AFTER("\r\n\r\n"), "200", { "t~u", "t:0", "t:00080", "t:80 ", "t:080", "[::1]:",
 		"[::1]:0", "[:::]", "[1:2:3]", "[1::2::3]", "[1.2.3.4]", "1.2.3.4", "1.2.3.4:80",
 		"999.1.1.1", "1.2.3", "0x7f.1", "-t", "t-", "t.-u", "t.", "-", "_", "localhost",
-		"xn--a" } },
+		"xn--a", "t:80", "[2001:db8::1.2.3.4]:80" } },
 	{ GET, AFTER("\r\n\r\n"), "400.", { " Host: u", "X: 1\r", "X: 1\n Y: 2", "X: \r1", "\rX: 1", "X\r: 1",
 		"X: 1\r\n ", "X: 1\r\n\t", " ", "\t", "  X: 1", "X: 1\r\n  Content-Length: 4",
 		"Content-Type: application/octet-stream\r\ncontent-type: application/octet-stream",
@@ -94,7 +95,10 @@ static const struct hostile_group hostile_groups[] = {
 		"If-Match: *\r\nif-match: *", "If-Modified-Since: x\r\nif-modified-since: x",
 		"If-Range: \"a\"\r\nif-range: \"a\"", "Authorization: Bearer a\r\nauthorization: Bearer a",
 		"Expect: 100-continue\r\nexpect: 100-continue", "Expect: 100-continue", "Expect: 200-ok",
-		"Expect:", "Expect: 100-continue, x" } },
+		"Expect:", "Expect: 100-continue, x", "Host: u", ": x", "X", "X : 1", "X: 1\r\n 2",
+		"X: \x01", "If-None-Match: \"a\"\r\nIf-None-Match: \"b\"",
+		"Range: bytes=0-0\r\nRange: bytes=0-0", "If-Range: a\r\nIf-Range: a",
+		":\r\nGET /healthz HTTP/1.1\r\nHost:t" } },
 	{ "", AFTER(SECOND), "400.", { "\r", "\r\r\n", "\n\n", " \r\n", "\t", "\r\n\r\n\r\n", "\357\273\277",
 		"PROXY TCP4 1.2.3.4 1.2.3.4 1 2\r\n",
 		"HEAD /healthz HTTP/1.1\r\n" HOST "Content-Length: 4\r\n\r\n",
@@ -143,6 +147,12 @@ static const struct hostile_group hostile_groups[] = {
 	{ GET, AFTER("\r\n\r\n"), "200 200 400.", {
 		"\r\nGET /healthz HTTP/1.1\r\nHost: t\r\n\r\nXXXXXXXXXXXXXXXXXXXXXXXXXXXXXXXXXXXXXXXX" } },
 	{ STREAM "Content-Length:", AFTER("\r\n\r\n\0\0\0\0" SECOND), "200.", { " 4\r\nConnection: close" } },
+	{ "GET /healthz ", AFTER("\r\nHost: t\r\n\r\n"), "200.", { "HTTP/1.0" } },
+	{ STREAM "Content-Length: ", AFTER("\r\n\r\nabcd" SECOND), "400.", { "4\r\nContent-Length: 4",
+		"4, 4", "+4", "4 " } },
+	{ STREAM "Content-Length: ", AFTER("\r\n\r\nabcd" SECOND), "413.", { "9223372036854775808",
+		"4194305" } },
+	{ STREAM "Content-Length: ", AFTER("\r\n\r\nabcd" SECOND), "400 200", { "4" } },
 };
 
 #endif
