@@ -67,69 +67,35 @@ static void open_and_free(struct srv_work *work)
 	srv_work_free(work);
 }
 
-/* Three of four jobs are of the address that holds least, and one is in turn. */
-UNIT_TEST(addresses_are_served_in_turn)
+/* Jobs as they come, by address and number; '+' in front of those that are accepted. */
+UNIT_TEST(addresses_share_the_queue)
 {
-	static const char *const names[] = { "a", "a", "a", "a", "b", "c", "c", "b", "d" };
-	static atomic_bool cancelled;
-	struct srv_work *work = start_held(20, 20, &cancelled);
-	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-		assert_true(submit(work, names[i]));
-	open_and_free(work);
-	assert_string_equal(order, "dbbaccaaa");
-	assert_string_equal(displaced, "");
-}
-
-UNIT_TEST(no_address_has_more_than_its_share)
-{
-	static atomic_bool cancelled;
-	struct srv_work *work = start_held(5, 3, &cancelled);
-	for (int i = 0; i < 5; i++)
-		assert_int_equal(submit(work, "a"), i < 3);
-	for (int i = 0; i < 3; i++)
-		assert_int_equal(submit(work, "b"), i < 2);
-	assert_string_equal(displaced, "");
-	open_and_free(work);
-	assert_string_equal(order, "bbaaa");
-}
-
-/* Full of the jobs of a few addresses, in whatever order they came. */
-UNIT_TEST(a_newcomer_displaces_the_youngest_job_of_who_holds_most)
-{
-	static const struct { const char *held[8]; const char *newcomers, *displaced; } rows[] = {
-		{ { "a1", "a2", "a3", "b1", "b2" }, "c", "a3" },
-		{ { "a1", "b1", "b2", "a2", "b3" }, "c", "b3" },
-		{ { "a1", "a2", "a3", "a4", "b1" }, "cde", "a4a3a2" },
-		{ { "a1", "a2", "b1", "b2", "c1" }, "de", "b2a2" },
-		{ { "a1", "a2", "a3", "a4", "a5" }, "bb", "a5a4" },
-	};
+	static const struct { uint32_t capacity, share; const char *jobs, *displaced, *order; } rows[] = {
+		/* three of four jobs are of the address that holds least, and one is in turn */
+		{ 20, 20, "+a +a +a +a +b +c +c +b +d", "", "dbbaccaaa" },
+		/* no address has more than its share */
+		{ 5, 3, "+a +a +a -a -a +b +b -b", "", "bbaaa" },
+		/* a newcomer displaces the youngest job of the address that holds most, in whatever order they came */
+		{ 5, 5, "+a1 +a2 +a3 +b1 +b2 +c", "a3", "ca1a2b1b2" },
+		{ 5, 5, "+a1 +b1 +b2 +a2 +b3 +c", "b3", "ca1a2b1b2" },
+		{ 5, 5, "+a1 +a2 +a3 +a4 +b1 +c +d +e", "a4a3a2", "a1b1cde" },
+		{ 5, 5, "+a1 +a2 +b1 +b2 +c1 +d +e", "b2a2", "a1b1c1de" },
+		{ 5, 5, "+a1 +a2 +a3 +a4 +a5 +b +b", "a5a4", "bba1a2a3" },
+		/* equals displace nobody */
+		{ 4, 4, "+a +b +c +d -e -a", "", "abcd" } };
 	static atomic_bool cancelled;
 	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
-		struct srv_work *work = start_held(5, 5, &cancelled);
-		for (int i = 0; i < 5; i++)
-			assert_true(submit(work, rows[r].held[i]));
-		for (const char *c = rows[r].newcomers; *c; c++) {
-			assert_true(srv_work_has_room(work));
-			assert_true(submit(work, (const char *[]){ "b", "c", "d", "e" }[*c - 'b']));
+		struct srv_work *work = start_held(rows[r].capacity, rows[r].share, &cancelled);
+		char jobs[64];
+		strcpy(jobs, rows[r].jobs);
+		for (char *job = strtok(jobs, " "); job; job = strtok(NULL, " ")) {
+			assert_true(*job == '-' || srv_work_has_room(work));
+			assert_int_equal(submit(work, job + 1), *job == '+');
 		}
 		assert_string_equal(displaced, rows[r].displaced);
 		open_and_free(work);
-		assert_int_equal(strlen(order) + strlen(displaced), 10 + strlen(rows[r].newcomers));
+		assert_string_equal(order, rows[r].order);
 	}
-}
-
-/* An address that would hold as much as the one that gives way has no better claim. */
-UNIT_TEST(equals_displace_nobody)
-{
-	static atomic_bool cancelled;
-	struct srv_work *work = start_held(4, 4, &cancelled);
-	for (int i = 0; i < 4; i++)
-		assert_true(submit(work, (const char *[]){ "a", "b", "c", "d" }[i]));
-	assert_false(srv_work_has_room(work));
-	assert_false(submit(work, "e") || submit(work, "a"));
-	assert_string_equal(displaced, "");
-	open_and_free(work);
-	assert_string_equal(order, "abcd");
 }
 
 /* The server's defaults, full of what few or many addresses ask for. A newcomer comes in, and waits for at
