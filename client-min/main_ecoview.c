@@ -47,7 +47,7 @@ struct viewer {                          /* everything that lives as long as the
 	/* how far the last eye was below the ground that was drawn; else 0 or less */
 	double under_m;
 	struct view_sky sky;
-	struct view_map map;                     /* with --geojson, ... */
+	struct view_map map;                     /* with --geojson or --sun */
 };
 
 /* ---- Files ---- */
@@ -502,12 +502,14 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 		code = view_explain_open(&v->explain, o->explain, error);
 	if (!code)
 		code = view_fetch_new(&v->fetch, &fetch, error);
-	struct view_sun_place place;
 	v->sky = o->sky;
-	if (!code && !isnan(o->sun_s) && !(code = view_place_fetch(v->fetch, &place, error)))
-		view_sun_at(&place, o->sun_s, v->sky.sun);
-	if (!code && o->geojson)
+	if (!code && (o->geojson || !isnan(o->sun_s)))
 		code = view_map_fetch(v->fetch, &v->map, error);
+	if (!code && !isnan(o->sun_s) && !v->map.has_place)
+		code = eco_fail(error, ECO_BAD_INPUT, "the scene does not say where on Earth it is: it needs a "
+			"crs, and a pack made anew");
+	if (!code && !isnan(o->sun_s))
+		view_sun_at(&v->map.place, o->sun_s, v->sky.sun);
 	fetch.chunks = NULL;
 	if (!code && o->geojson)
 		code = view_fetch_new(&v->asks, &fetch, error);

@@ -11,12 +11,14 @@
 
 /* ---- The scene's place ---- */
 
-struct view_map { char crs[2048]; double at[3]; };       /* of the origin; crs "": plain metres */
-/* The scene's CRS, and where its origin is in it. ECO_UNSUPPORTED: it does not fit. */
+struct view_map {
+	char crs[2048];                          /* "": plain metres */
+	double at[3];                            /* the origin in it */
+	struct view_sun_place place;             /* if the scene has a place on Earth */
+	bool has_place;
+};
+/* ECO_UNSUPPORTED: the CRS does not fit. */
 enum eco_code view_map_fetch(struct view_fetch *fetch, struct view_map *map, struct eco_error *error);
-/* ECO_BAD_INPUT: the scene has no place on Earth. */
-enum eco_code view_place_fetch(struct view_fetch *fetch, struct view_sun_place *place,
-	struct eco_error *error);
 
 /* ---- Views whose heights count from the ground (eco_camera_above_ground) ---- */
 

@@ -40,38 +40,17 @@ static enum eco_code read_marks(const char *text, void *value, struct eco_error 
 		why.text) : ECO_OK;
 }
 
-static bool read_zone(const char *text, int *minutes)
-{
-	int hours, rest, used = 0;
-	char sign;
-	*minutes = 0;
-	if (text[0] == 'Z' && !text[1])
-		return true;
-	if (sscanf(text, "%c%2d:%2d%n", &sign, &hours, &rest, &used) != 3 || text[used]
-			|| (sign != '+' && sign != '-') || hours < 0 || hours > 14 || rest < 0 || rest > 59)
-		return false;
-	*minutes = (sign == '-' ? -1 : 1) * (hours * 60 + rest);
-	return true;
-}
-
 enum eco_code view_time_read(const char *text, void *unix_s, struct eco_error *error)
 {
 	struct tm t = { 0 };
-	int used = 0, more = 0, zone;
-	bool good = sscanf(text, "%4d-%2d-%2dT%2d:%2d%n", &t.tm_year, &t.tm_mon, &t.tm_mday, &t.tm_hour,
-		&t.tm_min, &used) == 5;
-	if (good && text[used] == ':')
-		good = sscanf(text + used, ":%2d%n", &t.tm_sec, &more) == 1;
-	good = good && read_zone(text + used + more, &zone) && t.tm_year >= 1900 && t.tm_mon >= 1
-		&& t.tm_mon <= 12 && t.tm_mday >= 1 && t.tm_mday <= 31 && t.tm_hour >= 0 && t.tm_hour < 24
-		&& t.tm_min >= 0 && t.tm_min < 60 && t.tm_sec >= 0 && t.tm_sec < 60;
-	if (!good)
+	const char *at = strptime(text, "%Y-%m-%dT%H:%M", &t), *seconds = at ? strptime(at, ":%S", &t) : NULL;
+	at = at ? strptime(seconds ? seconds : at, "%z", &t) : NULL;
+	if (!at || *at || t.tm_year < 0)
 		return eco_fail(error, ECO_BAD_USAGE,
 			"--sun %.60s: must be a time such as 2026-06-21T10:00Z or "
 			"2026-06-21T12:00+02:00", text);
-	t.tm_year -= 1900;
-	t.tm_mon -= 1;
-	*(double *)unix_s = (double)timegm(&t) - 60.0 * zone;
+	long zone_s = t.tm_gmtoff;               /* which timegm sets to 0 */
+	*(double *)unix_s = (double)(timegm(&t) - zone_s);
 	return ECO_OK;
 }
 

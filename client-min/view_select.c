@@ -1,6 +1,5 @@
 /* The walk is the server's, repeated: every instance of every run, its anchors and bands in the shared
- * arithmetic of lod/eye.h, and for each the cuts that name the anchor, the band and the share. Cuts are
- * indexed by anchor and sorted by band, so that an instance costs the cuts that it draws and little else. */
+ * arithmetic of lod/eye.h, and for each the cuts that name the anchor, the band and the share. */
 #include "client-min/view_select.h"
 
 #include <math.h>
@@ -27,8 +26,7 @@ struct walk {
 	const struct eco_plan *plan;
 	const struct lod_eye *eye;
 	bool casters;                    /* also those out of sight */
-	uint32_t *sorted;                /* cut indices by anchor, then first band */
-	struct view_table anchors;       /* anchor -> first position in `sorted` */
+	struct view_table anchors;       /* anchor -> its first cut */
 	struct view_table gates;         /* plant -> end */
 	struct lod_anchor_band *seen;
 	uint32_t instance_room, first_room, pair_room, pair_count;
@@ -43,48 +41,14 @@ static enum eco_code no_memory(struct walk *w)
 
 /* ---- Cuts by anchor ---- */
 
-struct cut_key { uint32_t anchor, band_first, cut; };
-
-static int by_key(const void *a, const void *b)
-{
-	const struct cut_key *x = a, *y = b;
-	if (x->anchor != y->anchor)
-		return x->anchor < y->anchor ? -1 : 1;
-	if (x->band_first != y->band_first)
-		return x->band_first < y->band_first ? -1 : 1;
-	return x->cut < y->cut ? -1 : x->cut > y->cut;
-}
-
-static enum eco_code sort_cuts(struct walk *w)
-{
-	const struct eco_plan *plan = w->plan;
-	struct cut_key *keys = malloc((plan->cut_count + 1) * sizeof *keys);
-	w->sorted = malloc((plan->cut_count + 1) * sizeof *w->sorted);
-	if (!w->sorted || !keys) {
-		free(keys);
-		return no_memory(w);
-	}
-	for (uint32_t i = 0; i < plan->cut_count; i++)
-		keys[i] = (struct cut_key){ plan->cuts[i].anchor, plan->cuts[i].band_first, i };
-	qsort(keys, plan->cut_count, sizeof *keys, by_key);
-	for (uint32_t i = 0; i < plan->cut_count; i++)
-		w->sorted[i] = keys[i].cut;
-	free(keys);
-	return ECO_OK;
-}
-
+/* A plan's rules are sorted by anchor (eco_plan_sort). */
 static enum eco_code index_cuts(struct walk *w)
 {
 	const struct eco_plan *plan = w->plan;
-	enum eco_code code = sort_cuts(w);
-	if (code)
-		return code;
-	for (uint32_t i = 0; i < plan->cut_count; i++) {
-		uint32_t anchor = plan->cuts[w->sorted[i]].anchor;
-		if ((i == 0 || plan->cuts[w->sorted[i - 1]].anchor != anchor)
-				&& !view_table_put(&w->anchors, anchor, i))
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		if ((i == 0 || plan->cuts[i - 1].anchor != plan->cuts[i].anchor)
+				&& !view_table_put(&w->anchors, plan->cuts[i].anchor, i))
 			return no_memory(w);
-	}
 	for (uint32_t i = 0; i < plan->gate_count; i++)
 		if (!view_table_put(&w->gates, plan->gates[i].plant, plan->gates[i].end))
 			return no_memory(w);
@@ -141,17 +105,17 @@ static void find_roles(struct walk *w)
 	for (uint32_t i = 0; i < n; i++)
 		w->out->roles[i] = (uint8_t)plain_role(w, &cuts[i]);
 	for (uint32_t i = 0; i < n; i++) {
-		const struct eco_cut *rest = &cuts[w->sorted[i]];
+		const struct eco_cut *rest = &cuts[i];
 		if (rest->anchor == ECO_NONE || !rest->first)
 			continue;
 		uint32_t from = view_table_get(&w->anchors, rest->anchor);
-		for (uint32_t j = from; j < n && cuts[w->sorted[j]].anchor == rest->anchor; j++) {
-			const struct eco_cut *front = &cuts[w->sorted[j]];
+		for (uint32_t j = from; j < n && cuts[j].anchor == rest->anchor; j++) {
+			const struct eco_cut *front = &cuts[j];
 			if (front->first || front->list == rest->list || !same_plants(front, rest)
 					|| elements_of(w, front) != elements_of(w, rest))
 				continue;
-			w->out->roles[w->sorted[i]] = blend_role(w->out->roles[w->sorted[i]]);
-			w->out->roles[w->sorted[j]] = blend_role(w->out->roles[w->sorted[j]]);
+			w->out->roles[i] = blend_role(w->out->roles[i]);
+			w->out->roles[j] = blend_role(w->out->roles[j]);
 		}
 	}
 }
@@ -187,8 +151,8 @@ static uint8_t caster_band(const struct walk *w, const struct lod_anchor_band *s
 {
 	const struct eco_cut *cuts = w->plan->cuts;
 	uint32_t i = view_table_get(&w->anchors, seen->anchor), band = seen->band, least = UINT32_MAX;
-	for (; i < w->plan->cut_count && cuts[w->sorted[i]].anchor == seen->anchor && least; i++) {
-		const struct eco_cut *cut = &cuts[w->sorted[i]];
+	for (; i < w->plan->cut_count && cuts[i].anchor == seen->anchor && least; i++) {
+		const struct eco_cut *cut = &cuts[i];
 		uint32_t nearest = seen->band < cut->band_first ? cut->band_first
 			: seen->band >= cut->band_end ? cut->band_end - 1u : seen->band;
 		uint32_t off = nearest > seen->band ? nearest - seen->band : seen->band - nearest;
@@ -204,12 +168,10 @@ static enum eco_code add_cuts(struct walk *w, const struct lod_anchor_band *anch
 	const struct lod_anchor_band at = { anchor->anchor, w->casters ? caster_band(w, anchor)
 		: anchor->band }, *seen = &at;
 	uint32_t i = view_table_get(&w->anchors, seen->anchor);
-	for (; i < w->plan->cut_count && cuts[w->sorted[i]].anchor == seen->anchor; i++) {
-		const struct eco_cut *cut = &cuts[w->sorted[i]];
-		if (cut->band_first > seen->band)
-			break;
-		if (seen->band < cut->band_end && hash >= cut->share_first && hash < cut->share_end) {
-			enum eco_code code = add_pair(w, w->sorted[i]);
+	for (; i < w->plan->cut_count && cuts[i].anchor == seen->anchor; i++) {
+		const struct eco_cut *cut = &cuts[i];
+		if (seen->band >= cut->band_first && seen->band < cut->band_end && hash >= cut->share_first && hash < cut->share_end) {
+			enum eco_code code = add_pair(w, i);
 			if (code)
 				return code;
 		}
@@ -367,7 +329,6 @@ static enum eco_code make(struct view_selection *selection, const struct view_st
 		code = view_image_make(&selection->image, store, error);
 	if (!code)
 		code = finish(&w);
-	free(w.sorted);
 	free(w.seen);
 	view_table_free(&w.anchors);
 	view_table_free(&w.gates);

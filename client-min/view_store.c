@@ -357,7 +357,8 @@ static void want_need(struct view_store *store, struct view_list *list, uint32_t
 	view_cache_want(&store->cache, list->id, chunks);
 }
 
-/* A plan may only name what was served: if all that is held, whoever draws it needs no checks of its own. */
+/* A plan that is sound in itself (eco_plan_check) may only name what was served: nothing that draws it needs checks
+ * of its own. */
 static enum eco_code check_plan(const struct view_store *store, const struct eco_plan *plan,
 	struct eco_error *error)
 {
@@ -370,7 +371,7 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 			return BAD("cut %u of the plan draws list %u, which %s", i,
 				cut->list, list ? "is not drawable" : "was not sent");
 		uint32_t held = view_list_before(list, list->served).primitives;
-		if (cut->first > cut->end || cut->end > held)
+		if (cut->end > held)
 			return BAD("cut %u of the plan draws [%u,%u) of list %u, "
 				"of which %u are held", i, cut->first, cut->end, cut->list, held);
 		if (cut->halvings && !(list->list.kind == ECO_LIST_POINTS
@@ -390,19 +391,12 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 		if (texture && (cut->anchor != ECO_NONE || cut->placement || cut->first))
 			return BAD("cut %u of the plan shows [%u,%u) of list %u, a texture, to some "
 				"plants", i, cut->first, cut->end, cut->list);
-		if (cut->anchor == ECO_NONE && cut->placement >= plan->placement_count)
-			return BAD("cut %u of the plan lies in placement %u of %u",
-				i, cut->placement, plan->placement_count);
 		const struct view_list *image = list->list.image == ECO_NONE ? NULL
 			: view_store_list(store, list->list.image);
 		if (list->list.image != ECO_NONE && (!image || !image->served || image->list.kind
 				!= (texture ? ECO_LIST_OUTLINE : ECO_LIST_IMAGE)))
 			return BAD("list %u needs image %u, which was not sent", cut->list, list->list.image);
 	}
-	for (uint32_t i = 0; i < plan->run_count; i++)
-		if (plan->runs[i].placement >= plan->placement_count || plan->runs[i].list_first
-				> plan->runs[i].list_end)
-			return BAD("run %u of the plan makes no sense", i);
 	return ECO_OK;
 }
 

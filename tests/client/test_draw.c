@@ -74,43 +74,6 @@ UNIT_TEST(empty_store_draws_an_empty_picture)
 	view_store_free(store);
 }
 
-UNIT_TEST(ground_hides_and_is_not_covered)
-{
-	if (!scene_gl)
-		skip();
-	struct eco_view view = scene_view(), below = scene_view();
-	struct eco_plan plan;
-	scene_plan(&grove, &view, 1, &plan);
-	struct view_store *store = scene_store(&grove, &plan, NULL);
-	struct view_picture with = draw(scene_gl, store, &view, true, VIEW_TINT_NONE),
-		without = draw(scene_gl, store, &view, false, VIEW_TINT_NONE);
-	assert_true(covered(&with) > 10000 && covered(&without) > covered(&with));
-	for (uint32_t i = 0; i < with.width * with.height; i++)
-		assert_true(!with.cover[i] || without.cover[i]);
-	eco_plan_free(&plan);
-	view_store_free(store);
-	/* from under a hill, looking up: the ground lies between, all over the picture */
-	below.eye[0] = 0, below.eye[1] = 0, below.eye[2] = -9, below.target[0] = 0.4, below.target[1] = 0.1,
-		below.target[2] = 0;
-	scene_plan(&grove, &below, 1, &plan);
-	plan.run_count = 1;                      /* the others stand on no ground */
-	assert_true(plan.cuts[1].list == L_SUMMARY);
-	memmove(plan.cuts + 1, plan.cuts + 2, (--plan.cut_count - 1) * sizeof *plan.cuts);
-	plan.vertices = plan_twin_vertices(&grove.scene, &plan, &below, &plan.visible_plants);
-	assert_true(plan.vertices > 0);
-	store = scene_store(&grove, &plan, NULL);
-	struct view_picture hidden = draw(scene_gl, store, &below, true, VIEW_TINT_NONE),
-		open = draw(scene_gl, store, &below, false, VIEW_TINT_NONE);
-	/* but for feet: the ground's triangles are not exactly what plants were put on */
-	assert_true(covered(&hidden) * 50 < covered(&open));
-	view_picture_free(&open);
-	eco_plan_free(&plan);
-	view_store_free(store);
-	view_picture_free(&with);
-	view_picture_free(&without);
-	view_picture_free(&hidden);
-}
-
 /* Lists that no store holds any more go from the GPU, and come again where they are drawn. */
 UNIT_TEST(gpu_keeps_what_some_store_holds)
 {

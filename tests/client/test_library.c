@@ -111,21 +111,6 @@ UNIT_TEST(a_pack_says_what_is_in_it)
 	assert_true(info.lists > 2 && *info.name && info.low[0] < info.high[0] && info.low[2] < info.high[2]);
 }
 
-UNIT_TEST(plans_keep_their_budgets)
-{
-	struct ecostream_counts few, many, small;
-	struct ecostream_request request = request_of(2000);
-	ecostream_answer_free(answer_to(&request, &few));
-	request.vertices = 100000;
-	ecostream_answer_free(answer_to(&request, &many));
-	request.bytes = many.bytes / 2;
-	ecostream_answer_free(answer_to(&request, &small));
-	assert_true(few.vertices <= 2000 && few.vertices > 1000 && few.plants > 0 && few.cuts > 0);
-	assert_true(many.vertices > few.vertices && many.vertices <= 100000 && many.chunks > few.chunks);
-	assert_true(many.expected_q > few.expected_q && many.expected_q <= 1);
-	assert_true(small.bytes > 0 && small.bytes <= many.bytes / 2);
-}
-
 static void check_geometry(const struct ecostream_picture *picture, uint32_t draw,
 	const struct ecostream_draw *info)
 {

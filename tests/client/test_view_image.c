@@ -86,15 +86,6 @@ UNIT_TEST(nothing_is_shown_where_no_tile_lies)
 	unmake(&m);
 }
 
-UNIT_TEST(the_width_of_texels_is_that_of_the_tile_there)
-{
-	struct made m;
-	make(&m);
-	assert_true(ask(&m, 50, 50, 0.1).texel_m == (float)(100.0 / SIDE));
-	assert_true(ask(&m, 120, 20, 0.1).texel_m == (float)(50.0 / SIDE));
-	unmake(&m);
-}
-
 /* Also where its texels are a small part of the root: single floats of places would be 12 texels apart. */
 UNIT_TEST(a_small_tile_far_from_the_others_is_as_sharp)
 {
