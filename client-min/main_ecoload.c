@@ -16,13 +16,13 @@
 static struct options {
 	struct view_load_options load;
 	const char *camera, *csv;
-	uint64_t clients, decode, cold, resumes, scores;
+	uint64_t scores;
 	double snap_m;
 	bool has_decode, json;
 	uint32_t size[2];
 	int arrivals;
-} given = { .load = { .vertices = 1000000, .bytes = ECO_BYTES_UNBOUNDED, .seed = 1 }, .size = { 800, 600 },
-	.resumes = 1 };
+} given = { .load = { .vertices = 1000000, .bytes = ECO_BYTES_UNBOUNDED, .seed = 1, .resumes = 1 },
+	.size = { 800, 600 } };
 
 static const char *const arrivals[] = { "even", "random", NULL };
 
@@ -32,7 +32,7 @@ static const struct eco_option option_table[] = {
 	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA", &given.camera,
 		.help = "a camera script; or walk, flyover or random, which are made for the scene",
 		.is_required = true },
-	{ "clients", 0, ECO_OPTION_COUNT, "N", &given.clients, 1, VIEW_CLIENTS_MAX,
+	{ "clients", 0, ECO_OPTION_COUNT, "N", &given.load.clients, 1, VIEW_CLIENTS_MAX,
 		.help = "number of clients, 1 to 10000",
 		.is_required = true },
 	{ "seconds", 0, ECO_OPTION_NUMBER, "S", &given.load.seconds, 0.001, 1e6,
@@ -63,17 +63,17 @@ static const struct eco_option option_table[] = {
 		.help = "time from due to complete after which an answer counts as failed; default "
 		"120000" },
 	{ NULL, 0, ECO_OPTION_HEADING, .help = "Clients" },
-	{ "cold", 0, ECO_OPTION_COUNT, "N", &given.cold, 0, VIEW_CLIENTS_MAX,
+	{ "cold", 0, ECO_OPTION_COUNT, "N", &given.load.cold, 0, VIEW_CLIENTS_MAX,
 		.help = "clients that hold nothing: each view is a first visit, a GET on a new "
 		"connection" },
-	{ "decode", 0, ECO_OPTION_COUNT, "N", &given.decode, 0, VIEW_CLIENTS_MAX, .given = &given.has_decode,
+	{ "decode", 0, ECO_OPTION_COUNT, "N", &given.load.decoding, 0, VIEW_CLIENTS_MAX, .given = &given.has_decode,
 		.help = "clients that decode their answers and count the vertices; the others check "
 		"frames and hashes. Default 16, or all if there are fewer" },
 	{ "bandwidth", 0, ECO_OPTION_BYTES, "BYTES/S", &given.load.bandwidth_bytes_s, 1, INT64_MAX,
 		.help = "bandwidth of each client" },
 	{ "latency", 0, ECO_OPTION_NUMBER, "MS", &given.load.latency_ms, 0, 60000,
 		.help = "delay of each request on its way" },
-	{ "resume", 0, ECO_OPTION_COUNT, "N", &given.resumes, 0, 100,
+	{ "resume", 0, ECO_OPTION_COUNT, "N", &given.load.resumes, 0, 100,
 		.help = "attempts to continue an answer that broke off; default 1" },
 	{ "seed", 0, ECO_OPTION_COUNT, "N", &given.load.seed, 0, INT64_MAX,
 		.help = "seed of random views and arrivals; default 1" },
@@ -171,21 +171,20 @@ static enum eco_code run(struct options *o, struct eco_error *error)
 static enum eco_code read_line(int argc, char **argv, struct options *o, struct eco_error *error)
 {
 	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, error);
-	o->load.clients = (uint32_t)o->clients;
-	o->load.cold = (uint32_t)o->cold;
-	o->load.decoding = (uint32_t)(o->has_decode ? o->decode : o->clients < 16 ? o->clients : 16);
-	o->load.resumes = (uint32_t)o->resumes;
-	o->load.random_arrivals = o->arrivals == 1;
+	struct view_load_options *load = &o->load;
+	if (!o->has_decode)
+		load->decoding = load->clients < 16 ? load->clients : 16;
+	load->random_arrivals = o->arrivals == 1;
 	if (code)
 		return code;
-	if (o->cold > o->clients || o->load.decoding > o->clients)
-		return eco_fail(error, ECO_BAD_USAGE, "--%s: there are %u clients", o->cold > o->clients
-			? "cold" : "decode", o->load.clients);
-	if (o->arrivals && !(o->load.rate > 0))
+	if (load->cold > load->clients || load->decoding > load->clients)
+		return eco_fail(error, ECO_BAD_USAGE, "--%s: there are %llu clients", load->cold > load->clients
+			? "cold" : "decode", (unsigned long long)load->clients);
+	if (o->arrivals && !(load->rate > 0))
 		return eco_fail(error, ECO_BAD_USAGE, "--arrivals: only with --rate");
-	if (o->load.name_from && !o->load.chunks)
+	if (load->name_from && !load->chunks)
 		return eco_fail(error, ECO_BAD_USAGE, "--name-from: only with --chunks");
-	return o->load.chunks ? view_exchange_check_chunks(o->load.chunks, error) : ECO_OK;
+	return load->chunks ? view_exchange_check_chunks(load->chunks, error) : ECO_OK;
 }
 
 /* A client has a descriptor for each of its connections. */

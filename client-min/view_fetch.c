@@ -422,15 +422,10 @@ static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store,
 	const struct eco_request *request, struct eco_error *error)
 {
 	begin(fetch);
-	struct eco_holdings holdings;
-	enum eco_code code = view_store_holdings(store, &holdings, error);
-	if (code)
-		return code;
 	struct eco_writer body = { 0 };
-	eco_wire_write_holdings(&body, &holdings);
-	free(holdings.items);
-	code = body.failed ? eco_no_memory(error, "a request")
-		: eco_wire_parser_new(&fetch->parser, &view_store_events, store, error);
+	enum eco_code code = view_store_write_holdings(store, &body, error);
+	if (!code)
+		code = eco_wire_parser_new(&fetch->parser, &view_store_events, store, error);
 	if (!code) {
 		fetch->store = store;
 		view_store_find_by(store, view_exchange_find, fetch->exchange);

@@ -662,6 +662,18 @@ enum eco_code view_store_holdings(const struct view_store *store, struct eco_hol
 	return ECO_OK;
 }
 
+enum eco_code view_store_write_holdings(const struct view_store *store, struct eco_writer *body,
+	struct eco_error *error)
+{
+	struct eco_holdings holdings;
+	enum eco_code code = view_store_holdings(store, &holdings, error);
+	if (code)
+		return code;
+	eco_wire_write_holdings(body, &holdings);
+	free(holdings.items);
+	return body->failed ? eco_no_memory(error, "a request") : ECO_OK;
+}
+
 struct view_store_stats view_store_stats(const struct view_store *store)
 {
 	struct view_store_stats stats = store->stats;

@@ -95,6 +95,9 @@ const struct view_list *view_store_list_at(const struct view_store *store, uint3
 /* Holdings for the next request, sorted by list; the caller frees items. */
 enum eco_code view_store_holdings(const struct view_store *store, struct eco_holdings *holdings,
 	struct eco_error *error);
+/* The same as the body of a request, behind what is in the writer. */
+enum eco_code view_store_write_holdings(const struct view_store *store, struct eco_writer *body,
+	struct eco_error *error);
 struct view_store_stats view_store_stats(const struct view_store *store);
 
 /* Monotonic milliseconds; only for measuring. */

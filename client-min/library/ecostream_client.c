@@ -47,16 +47,10 @@ enum ecostream_code ecostream_client_holdings(const struct ecostream_client *cli
 	size_t *size, struct ecostream_error *error)
 {
 	struct eco_error own = { .code = ECO_OK };
-	struct eco_holdings holdings;
 	struct eco_writer writer = { 0 };
 	*bytes = NULL;
 	*size = 0;
-	enum eco_code code = view_store_holdings(client->store, &holdings, &own);
-	if (!code)
-		eco_wire_write_holdings(&writer, &holdings);
-	free(holdings.items);
-	if (writer.failed)
-		code = eco_no_memory(&own, "the list of what is held");
+	enum eco_code code = view_store_write_holdings(client->store, &writer, &own);
 	if (code) {
 		eco_writer_free(&writer);
 		return library_done(error, code, &own);

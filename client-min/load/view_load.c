@@ -278,7 +278,8 @@ enum eco_code view_load_run(struct view_load_report *report, const struct view_l
 	*report = (struct view_load_report){ 0 };
 	struct loop *loops = calloc(1 + decoding, sizeof *loops);
 	if (!loops)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u clients", options->clients);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %llu clients",
+			(unsigned long long)options->clients);
 	enum eco_code code = run_loops(report, options, loops, 1 + decoding, error);
 	free(loops);
 	if (code)

@@ -21,9 +21,9 @@ struct view_load_options {
 	const char *url;                         /* of a scene */
 	const struct eco_view *views;            /* each client begins at its own place in them */
 	uint32_t view_count;
-	uint32_t clients;
-	uint32_t decoding;                       /* so many of them decode what they get and check it */
-	uint32_t cold;                           /* so many hold nothing, and connect anew for each view */
+	uint64_t clients;                        /* at most VIEW_CLIENTS_MAX */
+	uint64_t decoding;                       /* so many of them decode what they get and check it */
+	uint64_t cold;                           /* so many hold nothing, and connect anew for each view */
 	double seconds;
 	/* Open loop: so many requests a second of all clients together; 0: closed loop. Evenly spaced, or as
 	 * a Poisson process. */
@@ -38,7 +38,7 @@ struct view_load_options {
 	/* As in struct view_fetch_options. */
 	const char *chunks;
 	uint64_t name_from;
-	uint32_t resumes;                        /* an answer that breaks off is asked for again so often */
+	uint64_t resumes;                        /* an answer that breaks off is asked for again so often */
 	const volatile sig_atomic_t *stop;
 	/* a few times a second; may be NULL */
 	void (*tick)(void *ctx, double seconds_gone, uint64_t answers, uint64_t failures);

@@ -154,8 +154,8 @@ static void print_counts(const struct view_load_summary *s, FILE *out)
 	const struct view_load_options *o = s->options;
 	fprintf(out, "requests          %u in %.1f s: %.1f /s, %.2f MB/s\n", r->answers.count, r->seconds,
 		r->answers.count / r->seconds, (double)r->bytes / r->seconds / 1e6);
-	fprintf(out, "clients           %u, %u of them cold, %u decoding; ", o->clients, o->cold,
-		o->decoding);
+	fprintf(out, "clients           %llu, %llu of them cold, %llu decoding; ",
+		(unsigned long long)o->clients, (unsigned long long)o->cold, (unsigned long long)o->decoding);
 	if (o->rate > 0)
 		fprintf(out, "open loop, %g requests/s%s\n", o->rate, o->random_arrivals ? " at random" : "");
 	else

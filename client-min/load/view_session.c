@@ -292,22 +292,6 @@ static void write_url(struct view_session *s, char *url, size_t size)
 	snprintf(url, size, "%.*s/stream?%s", view_url_length(o->url), o->url, query);
 }
 
-/* A first visit may be had from a cache on the way, so it is a GET: *body is NULL. */
-static enum eco_code write_body(struct view_session *s, const struct eco_writer **body)
-{
-	struct eco_holdings holdings;
-	*body = NULL;
-	if (s->cold && !view_store_pack(s->store))
-		return ECO_OK;
-	enum eco_code code = view_store_holdings(s->store, &holdings, &s->error);
-	if (code)
-		return code;
-	eco_wire_write_holdings(&s->body, &holdings);
-	free(holdings.items);
-	*body = &s->body;
-	return s->body.failed ? eco_no_memory(&s->error, "a request") : ECO_OK;
-}
-
 static void ask(struct view_session *s)
 {
 	char url[4096];
@@ -315,7 +299,10 @@ static void ask(struct view_session *s)
 		.take = take, .ctx = s };
 	view_store_begin(s->store);
 	write_url(s, url, sizeof url);
-	enum eco_code code = write_body(s, &job.body);
+	/* a first visit may be had from a cache on the way, so it is a GET */
+	bool first = s->cold && !view_store_pack(s->store);
+	job.body = first ? NULL : &s->body;
+	enum eco_code code = first ? ECO_OK : view_store_write_holdings(s->store, &s->body, &s->error);
 	if (!code)
 		code = eco_wire_parser_new(&s->parser, &view_store_events, s->store, &s->error);
 	if (!code)

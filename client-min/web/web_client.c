@@ -123,20 +123,14 @@ const char *web_query(const struct web *web)
 
 const uint8_t *web_ask(struct web *web)
 {
-	struct eco_holdings holdings;
 	eco_wire_parser_free(web->parser);
 	web->parser = NULL;
 	view_query_write(&web->request, NULL, web->query, sizeof web->query);
-	if (view_store_holdings(web->store, &holdings, &web->error))
-		return NULL;
 	eco_writer_free(&web->body);
-	eco_wire_write_holdings(&web->body, &holdings);
-	free(holdings.items);
-	if (web->body.failed)
-		eco_no_memory(&web->error, "a request");
-	else
-		eco_wire_parser_new(&web->parser, &view_store_events, web->store, &web->error);
-	return web->parser ? web->body.bytes : NULL;
+	if (view_store_write_holdings(web->store, &web->body, &web->error)
+			|| eco_wire_parser_new(&web->parser, &view_store_events, web->store, &web->error))
+		return NULL;
+	return web->body.bytes;
 }
 
 size_t web_body_size(const struct web *web)
