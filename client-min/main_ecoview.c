@@ -106,7 +106,8 @@ static enum eco_code save_comparison(struct viewer *v, const struct view_frame *
 		(unsigned long long)v->reference.vertices, view_report_score(q[0], score->precision),
 		view_report_score(q[1], score->recall), view_report_score(q[2], score->skill),
 		view_report_score(q[3], score->owner_q));
-	snprintf(wrong, sizeof wrong, "picture_error %.4f\nblack: none, pale yellow: 1", f->measures.picture_error);
+	snprintf(wrong, sizeof wrong, "picture_error %.4f\nblack: none, pale yellow: 1",
+		f->measures.picture_error);
 	struct view_compare compare = { &v->picture, &v->reference, v->error_map, { ours, full, wrong } };
 	enum eco_code code = view_compare_draw(&compare, &rgb, size, error);
 	if (code)
@@ -221,9 +222,9 @@ static enum eco_code save_part(void *ctx, const struct view_fetch_result *so_far
 		return code;
 	snprintf(format, sizeof format, "frame-%%04u-part-%02u.png", v->frame_parts++);
 	view_progress_clear(&v->progress);
-	view_report_part_line(&v->drawn, stdout);
+	view_report_line(&v->drawn, true, stdout);
 	code = save(v, format, v->drawn.frame, v->picture.rgb, 3, error);
-	return code ? code : view_report_add_part(&v->report, &v->drawn, error);
+	return code ? code : view_frames_add(&v->report.parts, &v->drawn, error);
 }
 
 /* Milliseconds until the script is at the next frame, if that looks elsewhere than was told. */
@@ -376,10 +377,10 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 	if (!code)
 		code = view_explain_frame(&v->explain, v->fetch, number, &request, error);
 	if (!code)
-		code = view_report_add(&v->report, &f, error);
+		code = view_frames_add(&v->report.frames, &f, error);
 	if (!code) {
 		view_progress_clear(&v->progress);
-		view_report_line(&f, stdout);
+		view_report_line(&f, false, stdout);
 		if (v->options.digest)
 			printf("frame %u: digest %s\n", number, v->digest);
 	}
@@ -418,12 +419,12 @@ static enum eco_code begin_anew(struct viewer *v, uint32_t frame, struct eco_err
 /* All of a frame is of one pack. */
 static enum eco_code whole_frame(struct viewer *v, uint32_t number, struct eco_error *error)
 {
-	const uint32_t parts = v->report.part_count;
+	const uint32_t parts = v->report.parts.count;
 	const double part = v->part;
 	struct eco_error one = { 0 };
 	enum eco_code code = one_frame(v, number, &one);
 	for (int i = 0; code && v->replaced && i < REPLACED_MOST; i++) {
-		v->report.part_count = parts;
+		v->report.parts.count = parts;
 		v->part = part;
 		v->replaced = false;
 		one = (struct eco_error){ 0 };
@@ -455,10 +456,11 @@ static enum eco_code all_frames(struct viewer *v, struct eco_error *error)
 	v->report.programs = v->gl ? view_gl_programs(v->gl) : 0;
 	enum eco_code written = view_report_write(&v->report, o->dir, error);
 	if (!written)
-		written = view_explain_close(&v->explain, v->report.count > 0, error);
+		written = view_explain_close(&v->explain, v->report.frames.count > 0, error);
 	if (code == ECO_INTERRUPTED)
 		fprintf(stderr, "ecoview: interrupted after %u of %llu frames; %s/report.json holds them\n",
-			v->report.count, (unsigned long long)(o->frame_last - o->frame_first + 1), o->dir);
+			v->report.frames.count, (unsigned long long)(o->frame_last - o->frame_first + 1),
+				o->dir);
 	return code ? code : written;
 }
 
@@ -506,7 +508,8 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	if (!code && (o->geojson || !isnan(o->sun_s)))
 		code = view_map_fetch(v->fetch, &v->map, error);
 	if (!code && !isnan(o->sun_s) && !v->map.has_place)
-		code = eco_fail(error, ECO_BAD_INPUT, "the scene does not say where on Earth it is: it needs a "
+		code = eco_fail(error, ECO_BAD_INPUT,
+			"the scene does not say where on Earth it is: it needs a "
 			"crs, and a pack made anew");
 	if (!code && !isnan(o->sun_s))
 		view_sun_at(&v->map.place, o->sun_s, v->sky.sun);

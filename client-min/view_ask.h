@@ -32,7 +32,8 @@ enum eco_code view_stand(struct view_fetch *fetch, struct view_store *store, str
 /* ---- Why each cut of a plan is what it is (plan?explain=1), as a table; it appears complete or not at all
  * ---- */
 
-struct view_explain { const char *path; char *text; size_t size; FILE *out; };   /* out NULL: nothing is explained */
+/* out NULL: nothing is explained */
+struct view_explain { const char *path; char *text; size_t size; FILE *out; };
 
 enum eco_code view_explain_open(struct view_explain *explain, const char *path, struct eco_error *error);
 enum eco_code view_explain_frame(struct view_explain *explain, struct view_fetch *fetch, uint32_t frame,

@@ -1,6 +1,6 @@
 /* Transfers are lanes: the first is the answer's, the others are those of chunks. A stream with names is read
- * twice: for names, in whose order chunks are fetched, and for the store when all of them are here. A transfer
- * cannot begin within the callback of another, so lanes begin in view_exchange_wake. */
+ * twice: for names, in whose order chunks are fetched, and for the store when all of them are here. A
+ * transfer cannot begin within the callback of another, so lanes begin in view_exchange_wake. */
 #include "client-min/view_exchange.h"
 
 #include <math.h>
@@ -172,7 +172,8 @@ static enum eco_code on_name(void *ctx, const struct eco_chunk *chunk, const uin
 		x->lanes[i].free_ms = free_ms;
 	end->named_bytes += chunk->size_bytes;
 	if (end->named_bytes > x->job.most_bytes)
-		return eco_fail(error, ECO_TOO_LARGE, "the chunks that the answer names are longer than %llu bytes",
+		return eco_fail(error, ECO_TOO_LARGE,
+			"the chunks that the answer names are longer than %llu bytes",
 			(unsigned long long)x->job.most_bytes);
 	if (!eco_array_grow(&x->wanted, &x->room, (uint32_t)end->named, sizeof *x->wanted))
 		return eco_no_memory(error, "a named chunk");
@@ -205,7 +206,8 @@ static bool open_lane(struct view_exchange *x, struct lane *lane)
 	curl_easy_setopt(c, CURLOPT_USERAGENT, o->agent);
 	curl_easy_setopt(c, CURLOPT_PROTOCOLS_STR, "http,https");
 	curl_easy_setopt(c, CURLOPT_FOLLOWLOCATION, first ? 0L : 1L);
-	curl_easy_setopt(c, CURLOPT_MAXREDIRS, 5L);      /* to where a host keeps a file: of buckets, CDNs, to https */
+	/* to where a host keeps a file: of buckets, CDNs, to https */
+	curl_easy_setopt(c, CURLOPT_MAXREDIRS, 5L);
 	curl_easy_setopt(c, CURLOPT_FAILONERROR, first ? 0L : 1L);
 	curl_easy_setopt(c, CURLOPT_HTTPHEADER, first ? x->headers : NULL);
 	curl_easy_setopt(c, CURLOPT_LOW_SPEED_LIMIT, SLOW_BYTES_S);
@@ -222,7 +224,8 @@ static bool open_lane(struct view_exchange *x, struct lane *lane)
 	return c;
 }
 
-static enum eco_code start(struct view_exchange *x, struct lane *lane, const char *url, struct eco_error *error)
+static enum eco_code start(struct view_exchange *x, struct lane *lane, const char *url,
+	struct eco_error *error)
 {
 	lane->text[0] = 0;
 	lane->comes_ms = INFINITY;
@@ -317,7 +320,8 @@ static void fail_chunk(struct view_exchange *x, const struct wanted *w, bool cam
 	else if (end->rc && end->rc != CURLE_WRITE_ERROR)
 		eco_fail(&end->error, ECO_IO, "%.250s: %s", url, end->text);
 	else
-		eco_fail(&end->error, ECO_DAMAGED, "%.250s: it has not the %u bytes that the stream names", url,
+		eco_fail(&end->error, ECO_DAMAGED, "%.250s: it has not the %u bytes that the stream names",
+			url,
 			w->size);
 	finish(x);
 }
@@ -436,9 +440,11 @@ enum eco_code view_exchange_new(struct view_exchange **out, const struct view_ex
 		return eco_no_memory(error, "a connection");
 	x->options = *options;
 	x->headers = curl_slist_append(NULL, "Content-Type: application/octet-stream");
-	x->chunks = options->chunks ? strndup(options->chunks, (size_t)view_url_length(options->chunks)) : NULL;
+	x->chunks = options->chunks ? strndup(options->chunks,
+		(size_t)view_url_length(options->chunks)) : NULL;
 	forget(x);
-	if ((x->chunks || !options->chunks) && x->headers && curl_slist_append(x->headers, "Expect:") && open_lane(x, &x->lanes[0]))
+	if ((x->chunks || !options->chunks) && x->headers && curl_slist_append(x->headers, "Expect:")
+			&& open_lane(x, &x->lanes[0]))
 		return ECO_OK;
 	view_exchange_free(x);
 	*out = NULL;
@@ -467,7 +473,8 @@ enum eco_code view_exchange_begin(struct view_exchange *x, const struct view_exc
 	x->job = *job;
 	enum eco_code code = job->names ? eco_wire_parser_new(&x->names, &names, x, error) : ECO_OK;
 	if (job->body) {
-		curl_easy_setopt(c, CURLOPT_POSTFIELDS, job->body->bytes ? (const char *)job->body->bytes : "");
+		curl_easy_setopt(c, CURLOPT_POSTFIELDS,
+			job->body->bytes ? (const char *)job->body->bytes : "");
 		curl_easy_setopt(c, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)job->body->size);
 	} else {
 		curl_easy_setopt(c, CURLOPT_HTTPGET, 1L);

@@ -24,14 +24,16 @@ struct view_exchange;
 struct view_exchange_options {
 	CURLM *multi;                    /* outlives it */
 	const char *agent;
-	const char *chunks;              /* a chunk is at chunks/ID, 32 hexadecimal digits; NULL: none is named */
+	/* a chunk is at chunks/ID, 32 hexadecimal digits; NULL: none is named */
+	const char *chunks;
 	long connect_ms;
 	long stall_s, chunk_stall_s;     /* less than 1 KiB/s came for so long; 0: that is no matter */
 	bool fresh;                      /* each transfer has a connection of its own */
 	/* a simulated line, which all transfers share; 0: as fast as it is */
 	uint64_t bandwidth_bytes_s;
 	double latency_ms;               /* of each request for a chunk */
-	void (*ended)(void *ctx);        /* called when an exchange is done, within transferred or wake; may be NULL */
+	/* called when an exchange is done, within transferred or wake; may be NULL */
+	void (*ended)(void *ctx);
 	void *ctx;
 };
 
@@ -50,7 +52,8 @@ struct view_exchange_end {
 	bool done;
 	bool of_chunk;                   /* the transfer that failed was a chunk's; `error` names its URL */
 	bool known;                      /* the host had a chunk, or said that it has trouble, once */
-	bool hangs;                      /* the host sends nothing, or had chunks and takes no connection now */
+	/* the host sends nothing, or had chunks and takes no connection now */
+	bool hangs;
 	CURLcode rc;                     /* of the answer, or of the transfer that failed */
 	const char *text;                /* of a failure: how long, how much, to where; never NULL */
 	long status;                     /* HTTP; 0: there was none */

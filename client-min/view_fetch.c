@@ -169,7 +169,8 @@ static enum eco_code reach(struct view_fetch *fetch, struct eco_error *error)
 }
 
 /* Feeds what came, mark by mark: what comes now was not there at a time before. */
-static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t size, struct eco_error *error)
+static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t size,
+	struct eco_error *error)
 {
 	struct view_fetch_result *result = fetch->result;
 	enum eco_code code = fetch->marks ? reach(fetch, error) : ECO_OK;
@@ -240,7 +241,8 @@ enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_op
 			|| asprintf(&fetch->url, "%.*s", view_url_length(options->url), options->url) < 0))
 		code = eco_no_memory(error, "a connection");
 	if (!code)
-		code = view_exchange_new(&fetch->exchange, &(struct view_exchange_options){ .multi = fetch->multi,
+		code = view_exchange_new(&fetch->exchange,
+			&(struct view_exchange_options){ .multi = fetch->multi,
 			.agent = "ecostream/" ECO_VERSION, .chunks = options->chunks,
 			.connect_ms = options->connect_ms ? options->connect_ms : 10000, .stall_s = stall_s,
 			.chunk_stall_s = stall_s < CHUNK_STALL_S ? stall_s : CHUNK_STALL_S }, error);
@@ -311,7 +313,8 @@ static bool is_lost(const struct view_fetch *fetch, const struct view_exchange_e
 {
 	if (end->of_chunk)
 		return end->known && end->error.code == ECO_IO;
-	return fetch->answered && !end->error.code && (end->status == 502 || end->status == 503 || end->status == 504
+	return fetch->answered && !end->error.code && (end->status == 502 || end->status == 503
+		|| end->status == 504
 		|| (end->rc && end->rc != CURLE_WRITE_ERROR));
 }
 
@@ -319,7 +322,8 @@ static enum eco_code outcome(struct view_fetch *fetch, struct eco_error *error)
 {
 	struct view_fetch_result *result = fetch->result;
 	const struct view_exchange_end *end = view_exchange_end(fetch->exchange);
-	const char *wanted = fetch->text ? "application/json" : "application/octet-stream", *url = fetch->options.url;
+	const char *wanted = fetch->text ? "application/json" : "application/octet-stream",
+		*url = fetch->options.url;
 	if (fetch->turned) {             /* how much of it will not come */
 		result->cancelled = end->length > end->bytes ? end->length - end->bytes : 0;
 		return ECO_OK;

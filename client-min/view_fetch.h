@@ -40,13 +40,13 @@ struct view_fetch_options {
 	const char *rule;        /* how the server spends the budget: optimal or deussen; NULL: as it likes */
 	uint64_t body_max;       /* 0: 16 GiB */
 	/* the server names chunks of at least name_from bytes (0: ECO_NAME_FROM), which are fetched from
-	 * chunks/ID, several at once; NULL: all come with the stream. They do once the host sends less than 1 KiB/s
-	 * for 10 s */
+	 * chunks/ID, several at once; NULL: all come with the stream. They do once the host sends less than
+	 * 1 KiB/s for 10 s */
 	const char *chunks;
 	uint64_t name_from;
 	long connect_ms;         /* 0: 10 s */
 	long stall_ms;           /* the time in which at least 1 KiB/s must come; 0: 120 s */
-	/* a server that is busy (503 or 429 with Retry-After) is asked again for so long; 0: it is an error */
+	/* a server that is busy (503 or 429 with Retry-After) is asked again for so long; 0: an error */
 	long patience_ms;
 	/* limit of repetitions after an answer that broke off, stalled or did not come from a server that has
 	 * answered before: after a pause that doubles from .1 s, or as long as Retry-After says */

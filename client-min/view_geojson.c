@@ -106,14 +106,15 @@ static int by_list(const void *a, const void *b, void *ctx)
 	return x->index < y->index ? -1 : x->index > y->index;
 }
 
-/* Asks for plants of one list, all within TOGETHER of the first: {species, plant, file, row, line} of openapi.yaml's
- * Plants. */
+/* Asks for plants of one list, all within TOGETHER of the first: {species, plant, file, row, line} of
+ * openapi.yaml's Plants. */
 static enum eco_code ask_together(const struct view_geojson_job *job, struct seen **seen, uint32_t count,
 	struct eco_error *error)
 {
 	const struct view_instance *all = job->selection->instances, *first = &all[seen[0]->instance];
 	char *text;
-	enum eco_code code = view_fetch_plants(job->fetch, view_store_pack(job->store), first->list, first->index,
+	enum eco_code code = view_fetch_plants(job->fetch, view_store_pack(job->store), first->list,
+		first->index,
 		all[seen[count - 1]->instance].index - first->index + 1, &text, error);
 	if (code)
 		return code;
@@ -123,7 +124,8 @@ static enum eco_code ask_together(const struct view_geojson_job *job, struct see
 		uint32_t index = all[seen[i]->instance].index;
 		seen[i]->said = json_incref(json_array_get(plants, index - first->index));
 		if (!json_is_object(seen[i]->said))
-			code = eco_fail(error, ECO_BAD_INPUT, "the server says nothing of plant %u of list %u, which "
+			code = eco_fail(error, ECO_BAD_INPUT,
+				"the server says nothing of plant %u of list %u, which "
 				"it sent", index, first->list);
 	}
 	json_decref(answer);

@@ -221,14 +221,16 @@ static bool is_element_list(const struct view_list *list)
 }
 
 /* `like` has uv if the list's elements have. */
-static bool resize_elements(struct eco_elements *e, const struct eco_elements *like, size_t elements, size_t corners)
+static bool resize_elements(struct eco_elements *e, const struct eco_elements *like, size_t elements,
+	size_t corners)
 {
 	return resize(&e->corners, elements, 1) && resize(&e->position, corners, 12)
 		&& (!like->uv || resize(&e->uv, corners, 8))
 		&& (!like->extra_count || resize(&e->extra, elements, (size_t)like->extra_count * 4));
 }
 
-static enum eco_code push_elements(struct view_list *list, const struct eco_elements *more, struct eco_error *error)
+static enum eco_code push_elements(struct view_list *list, const struct eco_elements *more,
+	struct eco_error *error)
 {
 	struct eco_elements *e = &list->elements;
 	size_t elements = (size_t)e->element_count + more->element_count,

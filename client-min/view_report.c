@@ -16,19 +16,22 @@
 /* The figures of a frame by name, for frames and their means; `score`: as a line for people calls it. */
 #define FIGURE(name) offsetof(struct view_frame, name)
 static const struct { const char *name, *score; size_t offset; } measures[] = {
-	{ "precision", "P", FIGURE(measures.score.precision) }, { "recall", "R", FIGURE(measures.score.recall) }, { "q", "Q", FIGURE(measures.score.q) },
-	{ "skill", "skill", FIGURE(measures.score.skill) }, { "owner_q", "owner_q", FIGURE(measures.score.owner_q) },
+	{ "precision", "P", FIGURE(measures.score.precision) },
+	{ "recall", "R", FIGURE(measures.score.recall) },
+	{ "q", "Q", FIGURE(measures.score.q) }, { "skill", "skill", FIGURE(measures.score.skill) },
+	{ "owner_q", "owner_q", FIGURE(measures.score.owner_q) },
 	{ "soft_q", "soft_q", FIGURE(measures.soft_q) }, { "ceiling", "ceiling", FIGURE(ceiling) },
 	{ "picture_error", "picture_error", FIGURE(measures.picture_error) },
 	{ "predicted_q", NULL, FIGURE(predicted_q) }, { "plan_ms", NULL, FIGURE(fetched.plan_ms) },
-	{ "first_byte_ms", NULL, FIGURE(fetched.first_byte_ms) }, { "stream_ms", NULL, FIGURE(fetched.stream_ms) },
-	{ "decode_ms", NULL, FIGURE(decode_ms) }, { "draw_ms", NULL, FIGURE(draw_ms) },
-	{ "reference_ms", NULL, FIGURE(reference_ms) }, { "shadow_ms", NULL, FIGURE(shadow_ms) },
-	{ "shadow_texels_per_pixel", NULL, FIGURE(shadow_texels) },
+	{ "first_byte_ms", NULL, FIGURE(fetched.first_byte_ms) },
+	{ "stream_ms", NULL, FIGURE(fetched.stream_ms) }, { "decode_ms", NULL, FIGURE(decode_ms) },
+	{ "draw_ms", NULL, FIGURE(draw_ms) }, { "reference_ms", NULL, FIGURE(reference_ms) },
+	{ "shadow_ms", NULL, FIGURE(shadow_ms) }, { "shadow_texels_per_pixel", NULL, FIGURE(shadow_texels) },
 	{ "reference_summaries", NULL, FIGURE(reference_summaries) } };
 #define MEASURES (sizeof measures / sizeof measures[0])
 static const struct { const char *name; size_t offset; } counts[] = {
-	{ "budget_vertices", FIGURE(budget_vertices) }, { "vertices", FIGURE(vertices) }, { "bytes", FIGURE(fetched.bytes) }, { "requests", FIGURE(fetched.requests) },
+	{ "budget_vertices", FIGURE(budget_vertices) }, { "vertices", FIGURE(vertices) },
+	{ "bytes", FIGURE(fetched.bytes) }, { "requests", FIGURE(fetched.requests) },
 	{ "broken_answers", FIGURE(fetched.broken) }, { "cancelled_bytes", FIGURE(fetched.cancelled) },
 	{ "named_chunks", FIGURE(fetched.named) }, { "named_bytes", FIGURE(fetched.named_bytes) },
 	{ "memory_bytes", FIGURE(memory_bytes) }, { "evicted_chunks", FIGURE(evictions) },
@@ -69,21 +72,12 @@ enum eco_code view_frame_check(const struct view_frame *f, struct eco_error *err
 	return ECO_OK;
 }
 
-enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame,
+enum eco_code view_frames_add(struct view_frames *frames, const struct view_frame *frame,
 	struct eco_error *error)
 {
-	if (!eco_array_grow(&report->frames, &report->room, report->count, sizeof *report->frames))
+	if (!eco_array_grow(&frames->items, &frames->room, frames->count, sizeof *frames->items))
 		return eco_no_memory(error, "the report");
-	report->frames[report->count++] = *frame;
-	return ECO_OK;
-}
-
-enum eco_code view_report_add_part(struct view_report *report, const struct view_frame *part,
-	struct eco_error *error)
-{
-	if (!eco_array_grow(&report->parts, &report->part_room, report->part_count, sizeof *report->parts))
-		return eco_no_memory(error, "the report");
-	report->parts[report->part_count++] = *part;
+	frames->items[frames->count++] = *frame;
 	return ECO_OK;
 }
 
@@ -96,28 +90,21 @@ const char *view_report_score(char text[VIEW_SCORE_BYTES], double v)
 	return text;
 }
 
-static void print_scores(const struct view_frame *f, FILE *out)
+void view_report_line(const struct view_frame *f, bool is_part, FILE *out)
 {
 	char text[VIEW_SCORE_BYTES];
+	if (is_part)
+		fprintf(out, "frame %04u  after %llu bytes and %.0f ms: vertices %llu", f->frame,
+			(unsigned long long)f->fetched.bytes, f->fetched.stream_ms,
+			(unsigned long long)f->vertices);
+	else
+		fprintf(out, "frame %04u  vertices %llu of %llu  bytes %llu", f->frame,
+			(unsigned long long)f->vertices, (unsigned long long)f->budget_vertices,
+			(unsigned long long)f->fetched.bytes);
 	for (size_t i = 0; i < MEASURES && measures[i].score; i++)
 		fprintf(out, "  %s %s", measures[i].score, view_report_score(text, measure(f, i)));
 	fputc('\n', out);
 	fflush(out);
-}
-
-void view_report_line(const struct view_frame *f, FILE *out)
-{
-	fprintf(out, "frame %04u  vertices %llu of %llu  bytes %llu", f->frame,
-		(unsigned long long)f->vertices, (unsigned long long)f->budget_vertices,
-		(unsigned long long)f->fetched.bytes);
-	print_scores(f, out);
-}
-
-void view_report_part_line(const struct view_frame *f, FILE *out)
-{
-	fprintf(out, "frame %04u  after %llu bytes and %.0f ms: vertices %llu", f->frame,
-		(unsigned long long)f->fetched.bytes, f->fetched.stream_ms, (unsigned long long)f->vertices);
-	print_scores(f, out);
 }
 
 struct totals { uint64_t vertices, bytes, broken, cancelled, repeats, evictions, again_bytes; };
@@ -125,8 +112,8 @@ struct totals { uint64_t vertices, bytes, broken, cancelled, repeats, evictions,
 static struct totals add_up(const struct view_report *report)
 {
 	struct totals t = { 0 };
-	for (uint32_t i = 0; i < report->count; i++) {
-		const struct view_frame *f = &report->frames[i];
+	for (uint32_t i = 0; i < report->frames.count; i++) {
+		const struct view_frame *f = &report->frames.items[i];
 		t.vertices += f->vertices;
 		t.bytes += f->fetched.bytes;
 		t.broken += f->fetched.broken;
@@ -178,8 +165,10 @@ static json_t *frame_json(const struct view_frame *f)
 static json_t *summary_json(const struct view_report *report)
 {
 	struct totals t = add_up(report);
-	json_t *o = json_pack("{s:I, s:o, s:I, s:o, s:I, s:I, s:I, s:I}", "frames", (json_int_t)report->count,
-		"mean_vertices", number(report->count ? (double)t.vertices / report->count : NAN),
+	json_t *o = json_pack("{s:I, s:o, s:I, s:o, s:I, s:I, s:I, s:I}", "frames",
+		(json_int_t)report->frames.count,
+		"mean_vertices",
+			number(report->frames.count ? (double)t.vertices / report->frames.count : NAN),
 		"total_bytes", (json_int_t)t.bytes, "memory_max_bytes", report->memory_max
 		? json_integer((json_int_t)report->memory_max) : json_null(),
 		"memory_peak_bytes", (json_int_t)report->memory_peak_bytes,
@@ -190,9 +179,9 @@ static json_t *summary_json(const struct view_report *report)
 	for (size_t m = 0; m < MEASURES; m++) {
 		double sum = 0;
 		uint32_t n = 0;
-		for (uint32_t i = 0; i < report->count; i++)
-			if (isfinite(measure(&report->frames[i], m))) {
-				sum += measure(&report->frames[i], m);
+		for (uint32_t i = 0; i < report->frames.count; i++)
+			if (isfinite(measure(&report->frames.items[i], m))) {
+				sum += measure(&report->frames.items[i], m);
 				n++;
 			}
 		char name[64];
@@ -202,13 +191,17 @@ static json_t *summary_json(const struct view_report *report)
 	return o;
 }
 
+static json_t *frames_json(const struct view_frames *frames)
+{
+	json_t *all = json_array();
+	for (uint32_t i = 0; i < frames->count; i++)
+		json_array_append_new(all, frame_json(&frames->items[i]));
+	return all;
+}
+
 static json_t *report_json(const struct view_report *report)
 {
-	json_t *frames = json_array(), *programs = json_array(), *parts = json_array();
-	for (uint32_t i = 0; i < report->part_count; i++)
-		json_array_append_new(parts, frame_json(&report->parts[i]));
-	for (uint32_t i = 0; i < report->count; i++)
-		json_array_append_new(frames, frame_json(&report->frames[i]));
+	json_t *programs = json_array();
 	for (uint32_t i = 0; i < VIEW_PROGRAM_COUNT; i++)
 		if (report->programs >> i & 1)
 			json_array_append_new(programs, json_string(view_program_names[i]));
@@ -216,7 +209,9 @@ static json_t *report_json(const struct view_report *report)
 		"scene", text_json(report->scene), "renderer", text_json(report->renderer),
 		"reference", text_json(report->reference),
 		"width", (json_int_t)report->width, "height", (json_int_t)report->height,
-		"complete", (int)report->complete, "shaders", programs, "frames", frames, "parts", parts,
+		"complete", (int)report->complete, "shaders", programs, "frames",
+			frames_json(&report->frames),
+		"parts", frames_json(&report->parts),
 		"summary", summary_json(report));
 }
 
@@ -236,8 +231,8 @@ enum eco_code view_report_write(const struct view_report *report, const char *di
 
 void view_report_free(struct view_report *report)
 {
-	free(report->frames);
-	free(report->parts);
+	free(report->frames.items);
+	free(report->parts.items);
 	*report = (struct view_report){ 0 };
 }
 

@@ -21,19 +21,20 @@ struct view_frame {
 	struct view_measures measures;
 	double ceiling, predicted_q, decode_ms, draw_ms, reference_ms;
 	double shadow_ms, shadow_texels;         /* view_picture's, where shadows are cast */
-	/* decoded bytes held after it; chunks that went while it came, and bytes fetched that had been fetched
+	/* decoded bytes held after it; chunks that went while it came, and bytes fetched that had been
+	 * fetched
 	 * before */
 	uint64_t memory_bytes, evictions, again_bytes;
 	/* tiles that even the reference shows as points: 0 where it is full detail */
 	double reference_summaries;
 };
 
+struct view_frames { struct view_frame *items; uint32_t count, room; };
+
 struct view_report {                             /* owns `frames` and `parts` */
-	struct view_frame *frames;
-	uint32_t count, room;
+	struct view_frames frames;
 	/* pictures of frames that had come in part: bytes and stream_ms are those until then */
-	struct view_frame *parts;
-	uint32_t part_count, part_room;
+	struct view_frames parts;
 	const char *scene, *renderer, *reference;    /* reference: "cpu", "egl" or NULL */
 	/* of OpenGL, that were compiled: bits of enum view_program */
 	uint32_t programs;
@@ -48,13 +49,10 @@ struct view_frame view_frame_empty(uint32_t frame, double time_s, const struct e
 /* ECO_DAMAGED if more was drawn, or came in one answer, than the frame's budgets. */
 enum eco_code view_frame_check(const struct view_frame *frame, struct eco_error *error);
 
-enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame,
+enum eco_code view_frames_add(struct view_frames *frames, const struct view_frame *frame,
 	struct eco_error *error);
-enum eco_code view_report_add_part(struct view_report *report, const struct view_frame *part,
-	struct eco_error *error);
-void view_report_line(const struct view_frame *frame, FILE *out);
-/* The same of a part: what was there after so many bytes and milliseconds. */
-void view_report_part_line(const struct view_frame *part, FILE *out);
+/* is_part: what was there after so many bytes and milliseconds. */
+void view_report_line(const struct view_frame *frame, bool is_part, FILE *out);
 /* A line on memory, if anything had to go for want of it. */
 void view_report_memory_line(const struct view_report *report, FILE *out);
 /* Writes DIR/report.json beside and renames it. */

@@ -170,7 +170,8 @@ static enum eco_code add_cuts(struct walk *w, const struct lod_anchor_band *anch
 	uint32_t i = view_table_get(&w->anchors, seen->anchor);
 	for (; i < w->plan->cut_count && cuts[i].anchor == seen->anchor; i++) {
 		const struct eco_cut *cut = &cuts[i];
-		if (seen->band >= cut->band_first && seen->band < cut->band_end && hash >= cut->share_first && hash < cut->share_end) {
+		if (seen->band >= cut->band_first && seen->band < cut->band_end && hash >= cut->share_first
+				&& hash < cut->share_end) {
 			enum eco_code code = add_pair(w, i);
 			if (code)
 				return code;

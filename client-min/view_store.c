@@ -357,8 +357,8 @@ static void want_need(struct view_store *store, struct view_list *list, uint32_t
 	view_cache_want(&store->cache, list->id, chunks);
 }
 
-/* A plan that is sound in itself (eco_plan_check) may only name what was served: nothing that draws it needs checks
- * of its own. */
+/* A plan that is sound in itself (eco_plan_check) may only name what was served: nothing that draws it needs
+ * checks of its own. */
 static enum eco_code check_plan(const struct view_store *store, const struct eco_plan *plan,
 	struct eco_error *error)
 {

@@ -11,7 +11,8 @@
  *   view_store_free(store);
  *
  * Everything a stream says is checked against what is already held: a chunk sent twice, a chunk out of order,
- * a count that does not fit its list's or a colour outside the palette is ECO_DAMAGED. One thread at a time. */
+ * a count that does not fit its list's or a colour outside the palette is ECO_DAMAGED. One thread
+ * at a time. */
 #ifndef VIEW_STORE_H
 #define VIEW_STORE_H
 

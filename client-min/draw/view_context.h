@@ -15,8 +15,8 @@ struct view_context {
 	char renderer[128];
 };
 
-/* OpenGL 4.5 core of a hardware device, else of the surfaceless platform, else of a software device. The context
- * is current afterwards, on this thread. ECO_UNSUPPORTED names what was tried. */
+/* OpenGL 4.5 core of a hardware device, else of the surfaceless platform, else of a software device. The
+ * context is current afterwards, on this thread. ECO_UNSUPPORTED names what was tried. */
 enum eco_code view_context_open(struct view_context *context, struct eco_error *error);
 void view_context_use(const struct view_context *context);    /* makes it current on this thread */
 void view_context_close(struct view_context *context);

@@ -144,9 +144,9 @@ enum eco_code view_score_sample(const struct view_load_options *options, const s
 
 /* ---- Views that clients ask for: view_views.c ---- */
 
-/* Those of a camera script, or made for the scene. walk: round the middle of the scene, 1.7 m above the ground,
- * looking ahead. flyover: to and fro above it, looking down ahead. random: from anywhere in it and somewhat above, in
- * any direction down to its ground. */
+/* Those of a camera script, or made for the scene. walk: round the middle of the scene, 1.7 m above the
+ * ground, looking ahead. flyover: to and fro above it, looking down ahead. random: from anywhere in it and
+ * somewhat above, in any direction down to its ground. */
 struct view_views_options {
 	const char *camera;              /* "walk", "flyover", "random", or the name of a file */
 	uint32_t width, height;

@@ -14,7 +14,8 @@ enum group { GROUP_ALL, GROUP_WARM, GROUP_COLD, GROUPS };
 static const char *const group_names[GROUPS] = { "all", "warm", "cold" };
 
 #define QUANTILES 5
-static const struct { const char *name; double share; } quantiles[QUANTILES] = { { "p50", 0.5 }, { "p90", 0.9 },
+static const struct { const char *name; double share; } quantiles[QUANTILES] = {
+	{ "p50", 0.5 }, { "p90", 0.9 },
 	{ "p99", 0.99 }, { "p99_9", 0.999 }, { "max", 1 } };
 
 /* given_up: also of answers that were given up: their time until then */

@@ -249,7 +249,8 @@ static void fail_status(struct view_session *s, const struct view_exchange_end *
 		send_after(s, 0);
 		return;
 	}
-	snprintf(text, sizeof text, "%ld %.*s", end->status, (int)end->problem.size, (const char *)end->problem.bytes);
+	snprintf(text, sizeof text, "%ld %.*s", end->status, (int)end->problem.size,
+		(const char *)end->problem.bytes);
 	fail(s, end->status == 503 || end->status == 429 ? VIEW_BUSY : VIEW_REFUSED, text);
 }
 
@@ -295,7 +296,8 @@ static void write_url(struct view_session *s, char *url, size_t size)
 static void ask(struct view_session *s)
 {
 	char url[4096];
-	struct view_exchange_job job = { .url = url, .names = s->host->options->chunks, .most_bytes = UINT64_MAX,
+	struct view_exchange_job job = { .url = url, .names = s->host->options->chunks,
+		.most_bytes = UINT64_MAX,
 		.take = take, .ctx = s };
 	view_store_begin(s->store);
 	write_url(s, url, sizeof url);
@@ -381,9 +383,12 @@ enum eco_code view_session_new(struct view_session **out, struct view_session_ho
 	s->phase = s->due_ms < host->end_ms ? PHASE_IDLE : PHASE_OVER;
 	s->wakes_ms = s->phase == PHASE_OVER ? INFINITY : s->due_ms;
 	s->decodes = decodes;
-	enum eco_code code = view_exchange_new(&s->exchange, &(struct view_exchange_options){ .multi = host->multi,
-		.agent = "ecoload/" ECO_VERSION, .chunks = o->chunks, .connect_ms = CONNECT_MS, .fresh = s->cold,
-		.bandwidth_bytes_s = o->bandwidth_bytes_s, .latency_ms = o->latency_ms, .ended = on_end, .ctx = s },
+	enum eco_code code = view_exchange_new(&s->exchange,
+		&(struct view_exchange_options){ .multi = host->multi,
+		.agent = "ecoload/" ECO_VERSION, .chunks = o->chunks, .connect_ms = CONNECT_MS,
+			.fresh = s->cold,
+		.bandwidth_bytes_s = o->bandwidth_bytes_s, .latency_ms = o->latency_ms, .ended = on_end,
+			.ctx = s },
 		error);
 	return code ? code : forget(s, error);
 }

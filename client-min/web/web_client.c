@@ -502,7 +502,8 @@ static void say_pick(const struct web *web, const struct view_table *owners, dou
 	}
 	double world[3], apart = 0;
 	uint64_t owner = picture->owner[pixel];
-	const struct view_instance *instance = owner ? view_owners_find(owners, &web->selection, owner) : NULL;
+	const struct view_instance *instance = owner
+		? view_owners_find(owners, &web->selection, owner) : NULL;
 	view_picture_ray(picture, &web->eye, at[0], at[1], world);
 	for (int k = 0; k < 3; k++) {
 		double to = world[k] / (double)picture->depth[pixel];

@@ -71,9 +71,9 @@ double web_ground(const struct web *web, double x, double y);
  *   { "kind": "plant", ... as a summary, "height_m": h, "scale": s, "list": l, "index": i, "foot": [x, y, z],
  *     "cuts": [{ "role": NAME, "list": l, "first": f, "end": e, "of": primitives, "vertices": v }] }
  *
- * `at` is what is seen there, `foot` where the plant stands: metres from the scene's origin. `plant` is the pack's
- * plant that is drawn, which may stand for several species; list and index name the one that was picked to the
- * server, which knows its species and its row. NULL: see web_error. */
+ * `at` is what is seen there, `foot` where the plant stands: metres from the scene's origin. `plant` is the
+ * pack's plant that is drawn, which may stand for several species; list and index name the one that was
+ * picked to the server, which knows its species and its row. NULL: see web_error. */
 const char *web_pick(struct web *web, double x, double y);
 const char *web_digest(struct web *web);
 

@@ -198,7 +198,8 @@ static enum eco_code make_room(struct web_image *image, struct view_gpu *gpu, co
 	if ((image->blocks + count_blocks(image, of, false)) * BLOCK <= image->texels.room)
 		return ECO_OK;
 	forget_image(image);
-	return view_gpu_room(gpu, &image->texels, VIEW_GPU_COLOR, count_blocks(image, of, true) * BLOCK, error);
+	return view_gpu_room(gpu, &image->texels, VIEW_GPU_COLOR, count_blocks(image, of, true) * BLOCK,
+		error);
 }
 
 static enum eco_code upload_level(const struct web_image *image, const struct eco_texture_part *part,
@@ -248,7 +249,8 @@ static enum eco_code upload_tree(struct web_image *image, struct view_gpu *gpu, 
 		return eco_no_memory(error, "the image of the ground");
 	memcpy(words, of->nodes, of->node_count * sizeof *words);
 	for (uint32_t i = 0; i < of->count; i++)
-		memcpy(words + of->node_count + i * ECO_GROUND_IMAGE_LEVELS, find(image, &of->tiles[i])->block,
+		memcpy(words + of->node_count + i * ECO_GROUND_IMAGE_LEVELS, find(image,
+			&of->tiles[i])->block,
 			ECO_GROUND_IMAGE_LEVELS * sizeof *words);
 	enum eco_code code = view_gpu_stream(gpu, &image->nodes, VIEW_GPU_WORD, words, count, error);
 	free(words);
@@ -475,7 +477,8 @@ static void set_image(const struct web_image *image, unsigned program, int unit,
 {
 	web_program_texture(program, "u_nodes", unit, image->nodes.texture);
 	web_program_texture(program, "u_texels", unit + 1, image->texels.texture);
-	glUniform3i(glGetUniformLocation(program, "u_tree"), (int)image->nodes.shift, (int)image->texels.shift,
+	glUniform3i(glGetUniformLocation(program, "u_tree"), (int)image->nodes.shift,
+		(int)image->texels.shift,
 		(int)image->node_count);
 	glUniform4f(glGetUniformLocation(program, "u_image"),
 		(float)((eye->at[0] - of->origin[0]) / of->side_m),

@@ -12,11 +12,12 @@
 #include "client-min/view_image.h"
 #include "client-min/web/web_shadow.h"
 
-/* The image on the ground on the GPU: levels of tiles are uploaded once, one after the other, and stay until there
- * is no more room. */
+/* The image on the ground on the GPU: levels of tiles are uploaded once, one after the other, and stay until
+ * there is no more room. */
 struct web_image_slot { uint32_t levels, block[ECO_GROUND_IMAGE_LEVELS]; };
 struct web_image {                       /* zero is empty */
-	struct view_gpu_texels nodes;    /* of the selection's tree, then four words a tile: blocks of its levels */
+	/* of the selection's tree, then four words a tile: blocks of its levels */
+	struct view_gpu_texels nodes;
 	uint32_t node_count;
 	struct view_gpu_texels texels;   /* red, green, blue, alpha */
 	uint64_t blocks;                 /* in use */

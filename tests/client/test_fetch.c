@@ -327,7 +327,8 @@ UNIT_TEST(problems_become_readable_errors)
 	}
 }
 
-/* As a server says it that is busy, or a proxy that counts requests; not for longer than there is patience. */
+/* As a server says it that is busy, or a proxy that counts requests; not for longer than there is patience.
+ * */
 UNIT_TEST(a_server_that_has_too_much_to_do_is_asked_again)
 {
 	static const struct { const char *head; bool waits; } cases[] = {

@@ -58,7 +58,8 @@ UNIT_TEST(plants_are_those_of_the_picture)
 	json_t *json = make(&(struct view_map){ .crs = "" });
 	const json_t *feature;
 	size_t i;
-	uint64_t sum = (uint64_t)json_integer_value(json_object_get(json, "summary_pixels")), last = UINT64_MAX,
+	uint64_t sum = (uint64_t)json_integer_value(json_object_get(json, "summary_pixels")),
+		last = UINT64_MAX,
 		all = 0;
 	for (size_t k = 0; k < (size_t)picture.width * picture.height; k++)
 		all += picture.owner[k] != 0;
@@ -72,7 +73,8 @@ UNIT_TEST(plants_are_those_of_the_picture)
 		assert_null(property(feature, "row"));
 		/* without a CRS */
 		for (size_t k = 0; k < 2; k++)
-			assert_true(fabs(number(place_of(feature), k) - number(property(feature, "at_m"), k)) < 1e-4);
+			assert_true(fabs(number(place_of(feature), k) - number(property(feature, "at_m"),
+				k)) < 1e-4);
 	}
 	assert_true(i > 3);
 	assert_int_equal(sum, all);

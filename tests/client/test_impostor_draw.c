@@ -105,21 +105,6 @@ UNIT_TEST(opengl_and_software_agree_on_all_levels)
 		}
 }
 
-/* Hundreds stand at the edges of the picture. */
-UNIT_TEST(forests_agree)
-{
-	if (!scene_gl)
-		skip();
-	for (uint32_t level = 0; level < LEVELS; level++) {
-		struct eco_view view = scene_view();
-		memcpy(view.eye, (double[3]){ -60, -40, 12 + 30 * level }, sizeof view.eye);
-		memcpy(view.target, (double[3]){ 150, 170, 0 }, sizeof view.target);
-		char name[64];
-		snprintf(name, sizeof name, "forest-%u", level);
-		assert_agree(name, view, level, 20);
-	}
-}
-
 /* Seen along the sun's beams from where the sun is, a plant is where its shadow is, and as high. */
 UNIT_TEST(impostors_cast_the_shadow_of_what_is_seen_from_the_sun)
 {

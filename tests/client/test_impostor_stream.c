@@ -60,7 +60,8 @@ UNIT_TEST(levels_are_held_as_a_prefix_and_extended)
 	assert_ok(scene_feed(store, &w, &error), error);
 	assert_int_equal(list->chunk_count, LEVELS);
 	for (uint32_t i = 0; i < LEVELS; i++) {
-		assert_memory_equal(&list->impostors[i].size, &eco_impostor_sizes[i], sizeof *eco_impostor_sizes);
+		assert_memory_equal(&list->impostors[i].size, &eco_impostor_sizes[i],
+			sizeof *eco_impostor_sizes);
 		assert_int_equal(list->marks[i].primitives, i + 1);
 		more += i ? sizeof *list->impostors + lod_impostor_bytes(&list->impostors[i]) : 0;
 	}

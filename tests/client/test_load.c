@@ -433,8 +433,10 @@ UNIT_TEST(reports_say_what_there_was)
 	assert_int_equal(json_integer_value(json_object_get(json, "requests")), report.answers.count);
 	json_t *cold = json_object_get(json_object_get(json, "cold"), "latency_ms");
 	assert_true(json_real_value(json_object_get(cold, "p50")) > 0);
-	assert_true(json_real_value(json_object_get(cold, "p90")) >= json_real_value(json_object_get(cold, "p50"))
-		&& json_real_value(json_object_get(cold, "max")) >= json_real_value(json_object_get(cold, "p99")));
+	assert_true(json_real_value(json_object_get(cold, "p90")) >= json_real_value(json_object_get(cold,
+		"p50"))
+		&& json_real_value(json_object_get(cold, "max")) >= json_real_value(json_object_get(cold,
+			"p99")));
 	assert_true(json_real_value(json_object_get(cold, "reached")) == 1);
 	json_t *second = json_array_get(json_object_get(json, "scored"), 1);
 	assert_true(json_is_null(json_object_get(second, "predicted_q")));

@@ -31,7 +31,7 @@ UNIT_TEST(line_shows_dashes_for_what_is_not_known)
 	f.fetched.bytes = 1234;
 	f.measures.score.q = 0.25;
 	FILE *out = open_memstream(&text, &size);
-	view_report_line(&f, out);
+	view_report_line(&f, false, out);
 	fclose(out);
 	assert_string_equal(text, "frame 0007  vertices 999 of 1000  bytes 1234  P -  R -  Q 0.2500  skill "
 		"-  owner_q -  soft_q -  ceiling -  picture_error -\n");
@@ -73,7 +73,7 @@ UNIT_TEST(report_has_every_figure)
 		f.again_bytes = 4 * i;
 		if (i < 2)
 			f.measures = measures, f.ceiling = 0.9;
-		assert_int_equal(view_report_add(&report, &f, NULL), ECO_OK);
+		assert_int_equal(view_frames_add(&report.frames, &f, NULL), ECO_OK);
 	}
 	json_t *root = written(&report), *frames = json_object_get(root, "frames"),
 		*summary = json_object_get(root, "summary");
@@ -112,7 +112,7 @@ static char *memory_line(uint64_t evictions)
 {
 	struct view_frame frames[2] = { { .fetched = { .bytes = 600, .requests = 1 } },
 		{ .fetched = { .bytes = 400, .requests = 3 }, .evictions = evictions, .again_bytes = 50 } };
-	struct view_report report = { .frames = frames, .count = 2, .memory_peak_bytes = 3 << 19 };
+	struct view_report report = { .frames = { frames, 2, 2 }, .memory_peak_bytes = 3 << 19 };
 	char *text = NULL;
 	size_t size;
 	FILE *out = open_memstream(&text, &size);

@@ -77,7 +77,8 @@ UNIT_TEST(stream_fills_the_store)
 
 /* ---- Streams that are wrong ---- */
 
-enum fault { SAME_CHUNK_TWICE, CHUNK_SKIPPED, CHUNK_WITHOUT_LIST, PLAN_BEYOND_HELD, PLAN_OF_UNKNOWN_LIST, PLAN_OF_INSTANCES, END_DISAGREES, GROUND_MISSING,
+enum fault { SAME_CHUNK_TWICE, CHUNK_SKIPPED, CHUNK_WITHOUT_LIST, PLAN_BEYOND_HELD, PLAN_OF_UNKNOWN_LIST,
+	PLAN_OF_INSTANCES, END_DISAGREES, GROUND_MISSING,
 	GROUND_IN_PART, GROUND_ELSEWHERE, COLOR_OUTSIDE, FAULTS };
 
 static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writer *w)
@@ -132,7 +133,8 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 
 UNIT_TEST(wrong_streams_are_refused_with_a_reason)
 {
-	static const char *const reasons[FAULTS] = { "chunk 0", "chunk", "", "are held", "was not sent", "not drawable", "vertices", "was not sent", "a tile of ground",
+	static const char *const reasons[FAULTS] = { "chunk 0", "chunk", "", "are held", "was not sent",
+		"not drawable", "vertices", "was not sent", "a tile of ground",
 		"a tile of ground", "palette" };
 	struct eco_view view = scene_view();
 	for (int fault = 0; fault < FAULTS; fault++) {

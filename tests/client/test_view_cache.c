@@ -67,7 +67,8 @@ static uint32_t next_to_go(struct view_cache *cache)
 	return LISTS;
 }
 
-/* Lists 0 and 1 come in one tick, 1 with larger chunks; then list 2 comes, and the first chunk of 0 is used again.
+/* Lists 0 and 1 come in one tick, 1 with larger chunks; then list 2 comes, and the first chunk of 0 is used
+ * again.
  * One of list 2 is wanted. */
 UNIT_TEST(what_was_needed_least_recently_goes_first_and_what_is_wanted_stays)
 {
@@ -86,7 +87,8 @@ UNIT_TEST(what_was_needed_least_recently_goes_first_and_what_is_wanted_stays)
 	assert_true(view_cache_want(&cache, 2, 1));
 	for (size_t i = 0; i < sizeof order / sizeof *order; i++)
 		assert_int_equal(next_to_go(&cache), order[i]);
-	assert_true(view_cache_had(&cache, 0, 1) && view_cache_had(&cache, 2, 1) && !view_cache_had(&cache, 0, 2));
+	assert_true(view_cache_had(&cache, 0, 1) && view_cache_had(&cache, 2, 1) && !view_cache_had(&cache, 0,
+		2));
 	view_cache_begin(&cache);
 	assert_true(cache.list_count == 1 && view_cache_wanted_bytes(&cache) == cache.memory_bytes);
 	view_cache_free(&cache);
