@@ -1,13 +1,10 @@
-/* Scratch memory of one build: taken piece by piece, given back all at once.
+/* Scratch memory of one build: taken piece by piece, given back all at once. A jump to the one place that cleans
+ * up keeps failures out of the algorithms. Each piece is an allocation, so that a sanitizer sees its bounds.
  *
  *   struct lod_arena arena = { 0 };
  *   if (setjmp(arena.failed)) { lod_arena_free(&arena); ... return out of memory; }
  *   x = lod_arena_take(&arena, count, sizeof *x);      never NULL, zeroed
- *   lod_arena_free(&arena);
- *
- * A build takes some hundred arrays, and each allocation may fail. A jump to the one place that cleans up
- * keeps that out of the algorithms. Every piece is an allocation of its own, so that a sanitizer sees its
- * bounds. */
+ *   lod_arena_free(&arena); */
 #ifndef LOD_ARENA_H
 #define LOD_ARENA_H
 

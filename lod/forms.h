@@ -1,19 +1,16 @@
-/* Ladders of forms: the elements of one list in several forms, each cheaper than the next: points, lines,
- * simple triangles, the triangles themselves. Elements [0, f) are drawn in one form and [f, e) in the form
- * before it.
+/* Ladders of forms: the elements of one list as points, lines, simple triangles or the triangles themselves, each
+ * cheaper than the next. A state is (stage, e, f): elements [0, f) are drawn in one form, [f, e) in the one before.
  *
- * A state is (stage, e, f). The curve's samples say which states are best (`reach` gives e, the sample's
- * vertices give stage and f). Between two samples a leg leads from state to state: e and f grow in
- * proportion, one element at a time. A ladder draws the states on its legs. Their vertices ascend, so
- * bisection finds the greatest within a budget, and a larger number of vertices never drops an element nor
- * draws it in a coarser form.
+ * The curve's samples say which states are best (`reach` gives e, the vertices stage and f). A leg leads from one
+ * to the next: e and f grow in proportion. States on legs ascend in vertices, so a larger number never drops an
+ * element nor coarsens it.
  *
  *   lod_forms_find(&forms, scene, ladder)       false: the ladder has levels
  *   lod_forms_floor(&forms, vertices) ...       walks from the curve's first sample to the leg
  *   lod_forms_keep(&forms, legs)                from then on legs are found by bisection
  *
- * The ladders of a plant's cells share the curve of the whole. A state counts the elements of a cell's
- * region; the whole-plant list holds the first `before` of them, the ladder holds the rest. */
+ * Ladders of cells share the curve of the whole: a state counts a cell's region, of which the whole-plant list
+ * holds the first `before` elements. */
 #ifndef LOD_FORMS_H
 #define LOD_FORMS_H
 

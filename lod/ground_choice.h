@@ -2,20 +2,12 @@
  * that a view needs.
  *
  *   lod_ground_select(&choice, scene, &eye, &limits, &error);         per request: tiles that cover the view
- *   lod_ground_seams(seams, tiles, count);                            per picture: who their neighbours are
+ *   lod_ground_seams(seams, tiles, count);                            per picture: levels of their neighbours
  *   lod_ground_corner(&c, &r, seam, &x, &y);                          the sample that a corner is drawn at
  *
- * A tile's error is the largest vertical distance between its triangles and full detail, measured at every
- * sample. Heights inside a tile are rounded in proportion to its error; at its border they are exact, as
- * neighbours share them. A tile is replaced by its children while its error may show as more than the
- * tolerance.
- *
- * Seams: a tile beside a coarser one draws the samples of that border at the nearest sample that both have.
- * Both then draw the same vertices there, with neither gaps nor skirts, whatever the levels are. Beside such
- * a border the error is up to the neighbour's.
- *
- * The tolerance ECO_GROUND_PX is one pixel: plants stand on full detail, so a stem is off the drawn ground by
- * up to the tolerance (lod/EXPERIMENTS.md, Ground). */
+ * A tile's error is the largest vertical distance of its triangles from full detail. It is replaced by its
+ * children while that may show as more than the tolerance. Beside a coarser tile a border is drawn at the samples
+ * that both have, so there are neither gaps nor skirts. */
 #ifndef LOD_GROUND_CHOICE_H
 #define LOD_GROUND_CHOICE_H
 

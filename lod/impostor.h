@@ -4,14 +4,10 @@
  *   lod_impostor_look(&look, &impostor, eye);                    once a picture and plant
  *   if (lod_impostor_hit(&impostor, &look, ray, &hit)) ...       each pixel
  *
- * A ray is looked up in four tiles: the two nearest on each of the rings above and below the eye's elevation.
- * In each it first meets the plane through the plant's middle; the depth there moves it to where it meets the
- * plant. The texels there, linear between them, are mixed by how near the directions are; what exceeds
- * LOD_IMPOSTOR_LEAST is covered. So a picture changes smoothly with the eye, without blending. Small pictures
- * are not filtered, either: nor are those of full detail.
- *
- * Everything is + - * / and square roots of single floats in a fixed order. The choice of tiles depends on
- * the eye alone: in OpenGL it is the work of a vertex. */
+ * A ray is looked up in four tiles: the two nearest on each of the rings above and below the eye. It meets the
+ * plane through the plant's middle; the depth there moves it to the plant; the texels there are mixed by the
+ * nearness of directions, and what exceeds LOD_IMPOSTOR_LEAST is covered. All in single floats, + - * / and
+ * square roots in a fixed order. */
 #ifndef LOD_IMPOSTOR_H
 #define LOD_IMPOSTOR_H
 

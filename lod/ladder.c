@@ -1,10 +1,9 @@
 /* Ladders: a number of vertices of an organ at an anchor -> cuts. There are three kinds (struct eco_ladder):
  *
- *   forms    the elements of one list in several forms, each cheaper than the next: lod/forms.h
- *   levels   points or lines first, then the triangles, or the levels of simplified wood one after the other.
- *            A level is skipped if it draws no more vertices than the one before it, so a ladder ascends.
- *   splats   one list of points in levels, each level with several children for each splat of the one before
- *            it: splats give way to their children one by one, so every state is a pair of runs. */
+ *   forms    the elements of one list in several forms: lod/forms.h
+ *   levels   points or lines first, then the triangles or the levels of wood; a level that draws no more vertices
+ *            than the one before it is skipped
+ *   splats   one list of points in levels: splats give way to their children one by one */
 #include "lod/ladder.h"
 
 #include <assert.h>

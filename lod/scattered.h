@@ -1,8 +1,6 @@
-/* Scattered points of summaries. A ball of one colour, forty pixels wide, looks like no forest; the same area
- * in many small balls does, and takes no bytes: where they lie follows from the point's number. A cut says
- * into how many (ecofiles/format/plan.h); those of a point keep its owner and colour, and lie around it as
- * far as its ball would reach. More of them are the same ones and others (lod/EXPERIMENTS.md, Scattered
- * points). */
+/* Scattered points of summaries: each in 2^n smaller ones around it, with its owner and colour, as far as its ball
+ * would reach. Their places follow from the point's number, so they take no bytes; more of them are the same ones
+ * and others (ecofiles/format/plan.h; lod/EXPERIMENTS.md, Scattered points). */
 #ifndef LOD_SCATTERED_H
 #define LOD_SCATTERED_H
 

@@ -1,15 +1,10 @@
-/* Lines for wood (Deussen 2002, 4.2): the skeleton of a tubular surface, whether trunk, branches and twigs
- * are one mesh or several.
+/* Lines for wood (Deussen 2002, 4.2): the skeleton of a tubular surface.
  *
- * The level sets of the distance along the surface from a component's lower end are rings. Cut at equal
- * steps, the surface falls into slabs; a ring between two slabs has a joint at its centre, and a line leads
- * through each slab from joint to joint. A slab with a branch has three rings. (This is the Reeb graph of
- * that function, placed at the rings' centres.) Rings are interpolated inside triangles, so a low-poly tube
- * gets as good an axis as a fine one. Finally lines that run on straight at similar width become one.
- *
- * A line is as wide as its area demands: a tube of surface a and length l has diameter a / (pi l), an open
- * strip has width a / l; so all lines together project to the area of the wood. Wood that is no tube (pots,
- * stumps) gets one line, fitted to its surface. */
+ * The surface is cut at equal steps of the distance along it from a component's lower end. A ring between two
+ * slabs has a joint at its centre, and a line leads through each slab from joint to joint (the Reeb graph of that
+ * function). Lines that run on straight at similar width become one. A line is as wide as its area demands: a
+ * tube of surface a and length l has diameter a / (pi l), an open strip width a / l. Wood that is no tube gets
+ * one line, fitted to its surface. */
 #ifndef LOD_BONE_H
 #define LOD_BONE_H
 

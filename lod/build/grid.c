@@ -1,9 +1,6 @@
-/* The choice of a plant's grid. The error of rounding corners is proportional to the step, and so, to first
- * order, are the wrong pixels along edges: one measurement predicts the bits, a second confirms them.
- *
- * One grid serves all of a plant, also where cells divide it: chunks hold differences, so an origin for each
- * cell saves nothing, and a step for each cell costs more bytes than it saves (lod/EXPERIMENTS.md, A grid for
- * each cell). So a large plant gets more bits. */
+/* The choice of a plant's grid. The error of rounding corners is proportional to the step, and so, to first order,
+ * are the wrong pixels along edges: one measurement predicts the bits, a second confirms them. One grid serves all
+ * of a plant, also where cells divide it (lod/EXPERIMENTS.md, A grid for each cell). */
 #include "lod/build/grid.h"
 
 #include <math.h>

@@ -92,13 +92,10 @@ static void number_images(struct lod_build *b)
 
 /* ---- Importance ---- */
 
-/* Importance from colours that stand out (Deussen 2002, 4.3: "objects seem to be important if their color is
- * clearly distinguishable from the majority of element colors in a plant"): petals and fruit in a rare colour
- * keep more of their vertices.
- *
- * A group's importance follows from the share of the plant's leaf area that clearly differs from the group's
- * mean colour: 1 up to half, rising to SALIENT_MOST at all of it. So a plant of one colour, or of two in
- * equal parts, has no important group. Hue and saturation count more than brightness, which light changes. */
+/* Importance from colours that stand out (Deussen 2002, 4.3): petals and fruit in a rare colour keep more of
+ * their vertices. A group's importance follows from the share of the plant's leaf area that clearly differs from
+ * the group's mean colour: 1 up to half, rising to SALIENT_MOST at all of it. Hue and saturation count more than
+ * brightness, which light changes. */
 #define SALIENT_MOST 2.0             /* as much as users usually ask for */
 #define BINS 4096                    /* of colours of all leaves */
 /* Distances of colours in bytes: below ALIKE they are shades of one colour, beyond DIFFERENT they are clearly

@@ -16,14 +16,9 @@
 #include "ecofiles/format/pack.h"
 #include "lod/build/order/order.h"
 
-/* Searches and how they end. A search has a tolerance, within which it has found its optimum, and a bound on
- * tries, so that it always ends. A result at the bound is valid, but perhaps not the optimum, and is counted
- * as not converged: in a pack's META (`ecopack info --json`, `searches`), and for plans in lod_planner_stats
- * and ECO_TRACE=plan.
- *
- * Work with a fixed number of passes is not counted: orders are picked in one pass and refined in up to four
- * (rank_refine.c), colours are cut into boxes once (palette.c), levels of wood are simplified once (level.c).
- * Ground ends at its tolerance or at its bound on tiles, and states its error (ground_choice.h). */
+/* Searches and how they end: within a tolerance of the optimum, or at a bound on tries. A result at the bound is
+ * valid, but counted as not converged (`ecopack info --json`, `searches`; lod_planner_stats; ECO_TRACE=plan). Work
+ * with a fixed number of passes is not counted. */
 enum lod_solver {
 	LOD_SOLVER_GRID,             /* bits of a plant's grid: within LOD_GRID_LOSS of the model, or more
 	                              * bits do not help; bound: 18 */

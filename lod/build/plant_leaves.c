@@ -1,13 +1,8 @@
-/* Leaves and flowers: one order, and several forms of each element: a point at the middle of its opaque part,
- * with that part's area; in a group of blades also a line; one triangle, for elements of more; and the fan
- * itself. Coarse forms are replaced by finer ones from the front of the order on (struct eco_ladder).
- *
- * Deussen 2002, 4.1, uses two points a triangle, all of one size: a leaf of four triangles then takes eight
- * vertices before the next leaf is visible, and small leaves are drawn too large. One point a leaf with a
- * size of its own shows eight times as many leaves.
- *
- * Blades have points as well as lines, and the curve chooses between them (lod/EXPERIMENTS.md, Points and
- * lines for blades). */
+/* Leaves and flowers: one order, and several forms of each element: a point at the middle of its opaque part, with
+ * that part's area; in a group of blades also a line; one triangle, for elements of more; and the fan itself.
+ * Coarse forms are replaced by finer ones from the front of the order on (struct eco_ladder). One point a leaf
+ * with a size of its own shows eight times as many leaves as Deussen's two points a triangle. Blades have points
+ * as well as lines (lod/EXPERIMENTS.md, Points and lines for blades). */
 #include <string.h>
 
 #include "lod/light.h"

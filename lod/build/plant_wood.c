@@ -15,13 +15,9 @@
 
 /* ---- Levels ---- */
 
-/* Simplified levels of wood by meshoptimizer: about a sixteenth and a quarter of the triangles, then all of
- * them.
- *
- * Wood is never pruned into holes (a missing piece of branch is noticed at once), so its levels are exchanged
- * as a whole. Branches of similar width are simplified together, by an error in proportion to that width: one
- * error for all of them would take the thin ones away. The border at the end of a cell or a width is kept, so
- * that different levels meet. */
+/* Simplified levels of wood by meshoptimizer: about a sixteenth and a quarter of the triangles, then all of them.
+ * Levels are exchanged as a whole, since a missing piece of branch is noticed at once. Branches of similar width
+ * are simplified together, by an error in proportion to it; borders at the end of a cell or a width are kept. */
 
 /* Triangles of the mesh that are simplified together, since they belong to branches of similar width. */
 struct part {

@@ -1,7 +1,5 @@
-/* A plant's contribution to summaries: points of equal weight. A summary is drawn where plants are a few
- * pixels wide, and has to look like their visible surface: a leaf in front counts, the bark behind it does
- * not. So points are spread over primitives in proportion to the pixels in which they are nearest, by views
- * from all around; in proportion to area if nothing is visible. */
+/* A plant's contribution to summaries: points of equal weight, spread over its primitives in proportion to the
+ * pixels in which they are nearest, by views from all around; in proportion to area if nothing is visible. */
 #ifndef LOD_POOL_H
 #define LOD_POOL_H
 

@@ -1,19 +1,14 @@
 /* Point summaries of tiles (Deussen 2002, 6.2): points drawn at random from the points of a tile's plants, in
- * proportion to the plants' areas, so that a few thousand stand for a hillside.
+ * proportion to the plants' areas.
  *
  *   lod_pool_make(&pool, &plant, palette_first, count, &error);     once per plant (lod/build/pool.h)
  *   lod_summary_palette_make(&palette, &input, first, count, &error);  once per eco file
  *   lod_summary_make(&summary, &input, &error);                     once per tile
  *   lod_summary_list(&summary, &scene, tile, &list, &elements, ...) as a list to be packed
  *
- * Every leaf tile has an endless seeded sequence of points. Its summary is the beginning of it; a parent's
- * summary consists of beginnings, each as long as the child's share of the area. So parents merge their
- * children's points, and no tile is over-represented because its children had few. A tile reached through two
- * placements gives the same points.
- *
- * From a nested eco file a parent takes the beginning of its stored summary, whatever is in the file. So a
- * summary costs the same above one hectare and above a million, and packs built apart are summarised without
- * their plants. */
+ * Every leaf tile has an endless seeded sequence of points, and its summary is the beginning of it; a parent's is
+ * made of beginnings, each as long as the child's share of the area. From a nested eco file a parent takes the
+ * beginning of its stored summary. */
 #ifndef LOD_SUMMARY_H
 #define LOD_SUMMARY_H
 
@@ -50,16 +45,13 @@ uint32_t lod_summary_count(const struct eco_tile *tile);
 enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input,
 	struct eco_error *error);
 
-/* The colours of the summaries of one eco file (summary.h): few, because each summary that is sent brings its
- * colours with it. They are exactly those of the points if these have few, else a palette of them, in which
- * colours weigh what they cover: a plant counts with its area, rounded down to a power of two of the file's.
- * Colours stay, and with them the summaries, while a few plants come, go or move.
+/* The colours of the summaries of one eco file: exactly those of the points if they are few, else a palette in
+ * which a plant counts with its area, rounded down to a power of two of the file's. So colours stay while a few
+ * plants come, go or move. Nested files give the colours of their stored summaries.
  *
  *   lod_summary_palette_make(&palette, &input, tile_first, tile_count, &error);
  *   input.color_of = palette.color_of;                      lod_summary_make(&summary, &input, ...)
- *   free(palette.color_of);
- *
- * A file takes nested files' colours from their stored summaries only, as it does their points. */
+ *   free(palette.color_of); */
 #define LOD_SUMMARY_COLORS 32u
 
 struct lod_summary_palette {

@@ -1,12 +1,11 @@
 /* A quadtree over the contents of an eco file: square tiles, split until each holds few enough items (Deussen
- * 2002, 6.2); a square is split into two halves if these are few enough, items at one place by their number.
+ * 2002, 6.2); items at one place are split by their number.
  *
  *   lod_tiles_build(&tiles, items, count, 128, &error);
  *   for each node, parents first: bounds, children; a leaf's items, by plant, each plant's in Morton order
  *   lod_tiles_free(&tiles);
  *
- * An item belongs to the tile that contains its foot; bounds hold whole bodies, so those of neighbours
- * overlap a little. */
+ * An item belongs to the tile of its foot; bounds hold whole bodies. */
 #ifndef LOD_TILE_H
 #define LOD_TILE_H
 

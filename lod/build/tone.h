@@ -1,13 +1,9 @@
-/* Tones: colours for the beginnings of orders. A far plant is drawn by the first few of its leaves, enlarged,
- * and these have to look like all of its visible surface. Orders ignore colours, but their first leaves
- * (inside the crown for instance) often have a colour of their own: a far forest would be darker than a near
- * one. So the points that stand for leaves get colours whose means, octave by octave of the order, are the
- * mean of the visible surface.
+/* Tones: a far plant is drawn by the first few of its leaves, enlarged, and orders ignore colours. So the points
+ * that stand for leaves get colours whose means, octave by octave of the order, are the mean of the visible
+ * surface. Pure and deterministic.
  *
  *   lod_tone_seen(seen, &input, &arena);               pixels of each element, by views from all around
- *   lod_tone_level(rgb, area, seen, count);            colours of one list, in its order
- *
- * Pure and deterministic. */
+ *   lod_tone_level(rgb, area, seen, count);            colours of one list, in its order */
 #ifndef LOD_TONE_H
 #define LOD_TONE_H
 

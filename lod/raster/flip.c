@@ -1,13 +1,9 @@
-/* Two differences of a pixel, multiplied as exponents (section 4 of the paper):
+/* Two differences of a pixel, multiplied as exponents (section 4 of the paper): error = colour ^ (1 - feature).
  *
- *   colour   both pictures are blurred as the eye blurs them, by contrast sensitivity functions of luminance
- *            and of both colour axes; then the distance is taken in a space that is uniform for large
- *            distances, too (HyAB over Lab, with Hunt's effect)
- *   feature  edges and points that only one of the pictures has, by first and second derivatives of Gaussians
- *   error    colour ^ (1 - feature)
+ *   colour   distance of both pictures as the eye blurs them (contrast sensitivity; HyAB over Lab, Hunt's effect)
+ *   feature  edges and points that only one of the pictures has, by derivatives of Gaussians
  *
- * All filters are sums of products of a row and a column, so each is applied along rows, then along columns,
- * four pixels at a time. At its borders a picture goes on with its last pixel. */
+ * Filters are separable, four pixels at a time. At its borders a picture goes on with its last pixel. */
 #include "lod/raster/flip.h"
 
 #include <math.h>

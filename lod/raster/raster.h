@@ -1,35 +1,29 @@
-/* A small deterministic software rasteriser: coverage with depth, cut-outs and owners. Building a pack
- * measures curves with it; benchmarks and the client score pictures with it and draw the full-detail
- * reference.
+/* A deterministic software rasteriser: coverage with depth, cut-outs and owners, for curves, scores, and pictures
+ * of full detail.
  *
  *   lod_raster_init(&r, &options, &error);           once; then lod_raster_clear for each picture
  *   lod_raster_camera(&r, &eye, near_m);             world -> pixels
  *   lod_raster_object(&r, &place);                   object -> world, for the batches that follow
- *   lod_raster_triangles / _lines / _splats    filled by GL's rules
+ *   lod_raster_triangles / _lines / _splats          filled by GL's rules
  *
- * It agrees with OpenGL: window coordinates snapped to 1/256 pixel, centre sampling, top-left rule, triangles
- * clipped at the near plane, both sides drawn, depth tested per pixel. The nearer sample wins; at equal
- * depths the smaller owner wins (or ground where owners are not kept), and within one owner the first. All
- * coverage decisions after the snapping are integer, but for splats. Depth, cover and owner of a picture do
- * not depend on the order of drawing. An object is not thread-safe; different objects are independent.
+ * It agrees with OpenGL: corners snapped to 1/256 pixel, centre sampling, top-left rule, clipping at the near
+ * plane, both sides drawn. The nearer sample wins; at equal depths the smaller owner (ground where owners are not
+ * kept), and within one owner the first. Coverage after the snapping is integer, but for splats. No picture
+ * depends on the order of drawing. An object is not thread-safe.
  *
- * A client that draws the same by other means computes the following. v(p) is an object point in metres along
- * right, up and forward from the eye; the picture has W x H pixels; depth is w = forward; everything with w <
- * near_m is clipped.
- *   pixel     x = W/2 + W/2 v.right / (w tan_x),  y = H/2 - H/2 v.up / (w tan_y), from the top left;
- *             rounded to 1/256
+ * Another program draws the same by these rules. v(p) is an object point in metres along right, up and forward
+ * from the eye; the picture has W x H pixels; w = forward, clipped below near_m; `scale` is the place's.
+ *   pixel     x = W/2 + W/2 v.right / (w tan_x),  y = H/2 - H/2 v.up / (w tan_y), rounded to 1/256
  *   line      a, b = v(ends), m = (a + b) / 2, o = cross(b - a, m), o *= width * scale / 2 / |o|:
  *             the quad a-o, b-o, b+o, a+o (two triangles); nothing if |o| is 0
- *   splat     the ellipse of lod/splat.h around the centre's pixel position, at the depth of its near
- *             side, but no nearer than near_m; drawn whole or not at all, by its centre's w. Without half
- *             axes it is a ball, whose disc has the area area * size: so are the points of packs
- *   impostor  the rays through pixel centres within the outline of the ball around it that meet it
- *             (lod/impostor.h)
- *   texel     column = floor(u * width) modulo width, row = floor(v * height) modulo height, from the
- *             image's top left; opaque from alpha 128 on; u, v perspective-correct
- * `scale` is that of the place. Samples are compared by 1/w, which for triangles and lines is linear on the
- * screen; none of their samples lies nearer than their nearest corner, and no sample of a splat lies nearer
- * than its ellipsoid. */
+ *   splat     the ellipse of lod/splat.h around the centre's pixel, at the depth of its near side, but no nearer
+ *             than near_m; whole or not at all, by its centre's w. Without half axes: a ball whose disc has
+ *             the area area * size
+ *   impostor  the rays through pixel centres that meet it (lod/impostor.h)
+ *   texel     column = floor(u * width) modulo width, row = floor(v * height) modulo height, from the top left;
+ *             opaque from alpha 128 on; u, v perspective-correct
+ * Samples are compared by 1/w, linear on the screen for triangles and lines; none lies nearer than the nearest
+ * corner, or than the ellipsoid. */
 #ifndef LOD_RASTER_H
 #define LOD_RASTER_H
 
@@ -93,17 +87,13 @@ struct lod_geometry;
 void lod_raster_list(struct lod_raster *raster, const struct eco_list *list,
 	const struct lod_geometry *geometry, const struct lod_raster_batch *batch);
 
-/* True if a world-space sphere is certainly hidden behind what has been drawn (coarse depth, ground
- * included), or outside the picture. Leaving out the contents of such a sphere changes no pixel. The sphere
- * must hold all that would be drawn: half a line's width around its ends, a ball's radius or a splat's
- * longest half axis around its centre; each times the place's scale. Objects may be up to a thousand radii
- * across. */
+/* True if a world-space sphere is certainly hidden behind what has been drawn (coarse depth, ground included), or
+ * outside the picture. It must hold all that would be drawn: also half a line's width, a ball's radius or a
+ * splat's longest half axis, times the place's scale. Objects may be up to a thousand radii across. */
 bool lod_raster_hides(struct lod_raster *raster, const double center[3], double radius);
 
-/* Merges one finished picture into another of the same size and options by the rule of drawing. Threads may
- * share a scene in any way, each with its own raster and its own hiding; the merged picture is that of one
- * thread. (An exception are items: if one owner has samples of several at equal depth, those of `into`
- * stay.) */
+/* Merges one finished picture into another of the same size and options by the rule of drawing, so that threads
+ * may share a scene. If one owner has items at equal depth, those of `into` stay. */
 void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from);
 
 /* Precision and Recall of covered pixels (Neubert 2011, eq. 1 and 4). Owners may be NULL: then owner_q = q.

@@ -1,13 +1,7 @@
-/* Drawing batches: from object space to corners on the grid of 1/256 pixel.
- *
- * A scene of trees is hundreds of millions of triangles smaller than a pixel, and nearly all of them cover no
- * pixel centre. So four triangles at a time are transformed, projected and snapped; those whose snapped
- * bounding box holds no centre end there, before any set-up. Triangles that cross the near plane or leave the
- * guard band are rare and take a slow path that clips in doubles.
- *
- * Both paths do the same float operations in the same order on a corner, so an edge between a fast and a
- * clipped triangle has the same snapped corners in both. A clipping point is computed from the inner end of
- * an edge to the outer, for either triangle of the edge. */
+/* Drawing batches: from object space to corners on the grid of 1/256 pixel, four triangles at a time; those whose
+ * snapped bounding box holds no pixel centre end there. Triangles that cross the near plane or leave the guard
+ * band are clipped in doubles. Both paths do the same float operations in the same order on a corner, and clip an
+ * edge from its inner end, so neighbours have the same snapped corners. */
 #include <assert.h>
 #include <math.h>
 

@@ -1,14 +1,9 @@
 /* Filling: from corners on the grid of 1/256 pixel to pixels, in integers.
  *
- * A pixel is inside if its centre lies on the inner side of all three edges. A centre on an edge belongs to
- * the triangle whose top or left edge it is, so that neighbours share each pixel exactly once (top-left rule,
- * as in GL and Direct3D). A triangle is convex, so each of its rows is one span: found by stepping in narrow
- * boxes and by exact division in wide ones. Depth and uv are floating point, but computed in one fixed order
- * and, for a triangle, independently of anything else drawn: any split of the work gives the same picture.
- *
- * Depth is 1/w, linear on the screen, and clamped to the range of the corners: gradients of slivers are
- * mostly rounding, and the coarse depth behind lod_raster_hides relies on no sample being nearer than its
- * triangle's nearest corner. */
+ * A pixel is inside if its centre lies on the inner side of all three edges; a centre on an edge belongs to the
+ * triangle whose top or left edge it is. Each row of a triangle is one span: found by stepping in narrow boxes and
+ * by exact division in wide ones. Depth and uv are floats, computed in one fixed order for each triangle. Depth is
+ * 1/w, clamped to the range of the corners, on which the coarse depth behind lod_raster_hides relies. */
 #include "lod/lanes.h"
 #include "lod/raster/texel.h"
 #include "lod/raster/raster_state.h"
@@ -324,15 +319,9 @@ void lod_fill_row(const struct lod_paint *paint, uint32_t row, uint32_t from, ui
 
 /* ---- Small triangles ---- */
 
-/* Small triangles are filled four at a time; nearly all triangles of a plant are small.
- *
- * In a box of at most 8 x 8 pixels every product and sum of an edge function is an integer below 2^24, so
- * single floats hold it exactly and the coverage is that of the integer path (the tests compare them). Edges
- * and depth are set up for four triangles in lanes; a triangle that covers none of its pixels ends there; for
- * the others a row of four pixels takes three additions and a sign mask, without a branch that depends on the
- * shape.
- *
- *   edge functions at any pixel of the box: |dx| |y - y_a| + |dy| |x - x_a| <= 2 (9 * 256)^2 < 2^24 */
+/* In a box of at most 8 x 8 pixels every product and sum of an edge function is an integer below 2^24 (|dx| |y -
+ * y_a| + |dy| |x - x_a| <= 2 (9 * 256)^2), so single floats hold it exactly. Edges and depth are set up for four
+ * triangles in lanes; then a row of four pixels takes three additions and a sign mask. */
 struct setup {                       /* one triangle a lane; float arrays, so that single lanes can be read */
 	float edge[3][4], step_x[3][4], step_y[3][4];
 	float z[4], z_step_x[4], z_step_y[4], low[4], high[4];

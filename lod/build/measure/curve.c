@@ -1,32 +1,14 @@
 /* Curves (Neubert 2011, section 2.2): for shares of an organ's vertices from one element up, the area factor
- * s_opt that minimises the distance of (Precision, Recall) to (1, 1) with a bound on wrong pixels
- * (curve_ways.c), and the remaining wrong pixels.
+ * s_opt that minimises the distance of (Precision, Recall) to (1, 1), and the remaining wrong pixels.
  *
- * The measured pictures are those of plans: the cuts of lod/ladder.h, in views all around (probe.h), against
- * the organ's own full detail. Scales are kept relative to Cook's 1/lambda, which removes its singularity at
- * 0: s/s_Cook is a slow function of log lambda, so the search starts at the neighbouring share's answer,
- * walks in eighths of an octave and ends with a parabola. It goes from many elements to
- * few, since the error surface of few elements is rough.
+ * The measured pictures are cuts of plans (lod/ladder.h) all around, against the organ's own full detail; of a
+ * ladder for the whole plant, against all organs. Scales are relative to Cook's 1/lambda, which varies slowly, so
+ * each search starts at the next larger share's answer. Leaves have several forms: at each share some reaches are
+ * tried, and the chosen sequence has the least total loss without dropping or coarsening an element (dynamic
+ * programming). Ladders of cells share the curve of the whole.
  *
- * Leaves have several forms, and the same vertices show many elements as points or few in full detail. At
- * each share some reaches between these ends are tried, the same numbers of elements at all shares, so that a
- * way may keep one while vertices go into finer forms. The chosen sequence of ways has the least total loss
- * without dropping or coarsening any element (dynamic programming over the shares): a ladder then draws at a
- * share what was measured there.
- *
- * An organ of a complex plant is a coarse list for the whole plant and the rest of the same order in cells.
- * Its curve is measured over the whole: each ladder draws its part of the elements that the share reaches, as
- * if all cells were at one distance. All these ladders share the curve.
- *
- * The curve of a ladder that shows the whole plant is measured against all its organs together.
- *
- * Two steps fit curves to a planner. Scales are smoothed over neighbouring shares, since a jump would be
- * visible. The error is made non-increasing by the least-squares monotone fit (pool adjacent violators),
- * since more vertices must not look worse to the planner. All arithmetic is +, -, *, / and sqrt in fixed
- * order: the same curves on every machine.
- *
- * This file chooses the shares and turns their samples into a curve for all ladders that share it;
- * curve_ways.c measures a sample. */
+ * Scales are smoothed over neighbouring shares, and errors made non-increasing (pool adjacent violators). All is
+ * +, -, *, / and sqrt in fixed order: the same curves on every machine. */
 #include "lod/build/measure/curve_ways.h"
 
 #include <stdlib.h>

@@ -3,14 +3,11 @@
  *   lod_probe_init(&probe, plant, model, &options, &error);
  *   lod_probe_clear(&probe); lod_probe_add(&probe, &cut, &error);      ranges of the plant's lists
  *   lod_probe_keep(&probe);                                            ... become the reference
- *   lod_probe_clear(&probe); lod_probe_add(...);                       simpler ranges
- *   lod_probe_compare(&probe, 1, &result);                             ... against the reference
+ *   lod_probe_compare(&probe, 1, &result);                             others against the reference
  *   lod_probe_free(&probe);
  *
- * The views lie on a Fibonacci spiral over the sphere, from slightly below the horizon to steeply above,
- * where plants are seen from. The camera is 16 radii away, so that the perspective is weak and the measure
- * holds for other distances (Neubert 2011, 2.4). Directions differ more than the paper says
- * (lod/EXPERIMENTS.md, Curves from above). */
+ * The views lie on a Fibonacci spiral over the sphere, from slightly below the horizon to steeply above, 16 radii
+ * away (lod/EXPERIMENTS.md, Curves from above). */
 #ifndef LOD_PROBE_H
 #define LOD_PROBE_H
 

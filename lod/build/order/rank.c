@@ -1,16 +1,9 @@
 /* See rank.h.
  *
- * The list is made in steps. All elements up to a step's end are drawn at one scale: the picks of earlier
- * steps are drawn anew at the step's scale, and then elements are added greedily, each time the one whose
- * pixels raise Q most per triangle. Q's gradient gives the values of a right and a wrong pixel. A trial on a
- * few of the views tells the step's best scale and the Q at its end.
- *
- * The list begins with points, since so few vertices show more as points than as leaves
- * (lod/build/measure/curve.c chooses), all of them at one scale: leaves that fill a crown each at a scale of
- * its own are poor points. They are the first third of the list, or 6 % if as many vertices show more as
- * leaves (lod/EXPERIMENTS.md, Lists that begin with points).
- *
- * Variants that were worse, and run times: lod/EXPERIMENTS.md, The greedy order. */
+ * The list is made in steps. Picks of earlier steps are drawn anew at the step's scale; then elements are added
+ * greedily, each time the one whose pixels raise Q most per triangle, by Q's gradient. A trial on a few of the
+ * views tells the step's best scale. The list begins with points, all at one scale: the first third, or 6 % if as
+ * many vertices show more as leaves. Variants: lod/EXPERIMENTS.md, The greedy order. */
 #include "lod/build/order/rank.h"
 
 #include <assert.h>

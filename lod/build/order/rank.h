@@ -1,10 +1,7 @@
-/* The greedy order on Precision and Recall. Elements are picked one by one (the first ones as points): each
- * time the one whose footprint adds most, right minus wrong pixels over many views, to the cover so far. This
- * goes octave by octave of the list, at the scale that serves the octave best, and lazily (gains mostly fall
- * as more is covered). Then the list is refined as a whole (rank_refine.c). Growth codes (eco_growth) and
- * simple triangles come with it.
- *
- * Deterministic: counts of pixels decide, ties go to the smaller element. */
+/* The greedy order on Precision and Recall: each time the element whose footprint adds most, right minus wrong
+ * pixels over many views, at the scale that serves the octave of the list best; then the list is refined as a
+ * whole (rank_refine.c). Growth codes (eco_growth) and simple triangles come with it. Deterministic: counts of
+ * pixels decide, ties go to the smaller element. */
 #ifndef LOD_RANK_H
 #define LOD_RANK_H
 

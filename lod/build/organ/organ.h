@@ -1,31 +1,17 @@
-/* Organs: which triangles are wood, which foliage, which flowers. Rules of the scene file decide first, then
- * shape, place, colour and names.
+/* Organs: which triangles are wood, which foliage, which flowers. Rules of the scene file decide first, for
+ * exactly the triangles that they name; then shape, place, colour and names.
  *
- * Wood is tube-like: lines and simplification suit it, points and scaled leaves do not. For a tube of radius
- * r and length L, branched or bent in any way, the integral of mean curvature M and the area A are M = pi L
- * and A = 2 pi r L. So sums over edges give
+ * Wood is tube-like. For a tube of radius r and length L, however bent, the integral of mean curvature M and the
+ * area A are M = pi L and A = 2 pi r L, so sums over edges give r = A / (2 M) and L = M / pi (Steiner's formula:
+ * M is half the sum of length times angle, concave edges negative). Wood is thin against its diagonal, as long as
+ * it is large, and round: its volume V is near the maximum (4 V M / A^2 is 1 for tubes, 4/3 for balls, little for
+ * blades), its edge angles are moderate.
  *
- *   r = A / (2 M),  L = M / pi
- *
- * (Steiner's formula for polyhedra: M is half the sum of length times angle, concave edges negative.) Wood is
- * thin: r is small against the component's diagonal. It is as long as it is large: L is near the diagonal,
- * while a sheet's M is much too small for its extent. It is round: its volume V is near the maximum for A and
- * M (4 V M / A^2 is 1 for tubes, 4/3 for balls, little for blades), and its edge angles are moderate, while a
- * closed blade turns in two sharp rims.
- *
- * A component in doubt follows the clear ones of its material, green ones and others apart: artists separate
- * bark and leaves by material, or by colours of one palette; this uses only the identity of a material, not
- * its name. Then names break the tie (organ_name.c), then colours.
- *
- * A thick component is a crown or fruit modelled as a hull, or a thing: a stump, a stout trunk, a pot, a
- * rock. A thing stands on the ground and has most of the plant above it, or it is brown and the plant is
- * nothing but solids; a brown lump above the ground is a crown in autumn. Soil is a level sheet, not green
- * and not one of many. Things count as wood: they are neither pruned nor scaled. A plant of only green tubes
- * is a herb, all foliage. Names decide between hull and thing if they say. Names matter for rocks, logs, buds
- * and models without colours; wrong names on clear components change nothing (lod/EXPERIMENTS.md, Organs).
- *
- * Rules of the scene file (eco_model.organ) hold for exactly the triangles that they name: components end
- * where the rule changes. */
+ * A component in doubt follows the clear ones of its material, green ones and others apart; then names break the
+ * tie (organ_name.c), then colours. A thick component is a crown or fruit modelled as a hull, or a thing (stump,
+ * pot, rock): a thing stands on the ground with most of the plant above it, or is brown in a plant of solids.
+ * Soil is a level sheet, not green, not one of many. Things count as wood. A plant of green tubes alone is all
+ * foliage. Wrong names on clear components change nothing (lod/EXPERIMENTS.md, Organs). */
 #ifndef LOD_ORGAN_H
 #define LOD_ORGAN_H
 

@@ -6,17 +6,13 @@
 
 /* ---- Components (organ_split.c, organ_shape.c) ---- */
 
-/* Regroups components: welded parts need not belong together, and a difference of colour alone separates
- * nothing.
+/* Regroups components: welded parts need not belong together, and a colour alone separates nothing.
  *
- * - Materials that differ only in a colour (as an import makes of vertex colours: a scan has hundreds) are
- *   one surface. Components that continue each other across edges are joined, unless one is green and the
- *   other is not.
- * - A trunk and crown in one mesh, distinguished only by the texture (often a palette of a few flat colours),
- *   are parted where green meets other colours, if that seam is a clear line and not a pattern.
- * - Leaves welded to a twig by their corners: a sheet meets a tube's wall only in single vertices or in edges
- *   of more than two triangles. Parts connected by ordinary edges are tested one by one; small flat sheets on
- *   a tube each become a component.
+ * - Components of materials that differ only in a colour (a scan's vertex colours) are joined where they continue
+ *   each other across edges, unless just one is green.
+ * - A trunk and crown in one mesh are parted where green meets other colours, if that seam is a clear line.
+ * - Leaves welded to a twig by corners, or by edges of more than two triangles, are parted from it if they are
+ *   small flat sheets on a tube.
  *
  * Triangles of different rules stay apart. `rgb` is per triangle. */
 void lod_organs_split(struct lod_mesh *mesh, const struct eco_model *model, const uint8_t (*rgb)[3],
@@ -58,12 +54,9 @@ enum lod_hint lod_name_hint(const char *name);
 
 /* ---- Flowers (organ_flower.c) ---- */
 
-/* Flowers among the foliage, found by colour (Deussen 2002, 4.3).
- *
- * Candidates are components of a colour that no leaf has in summer. Pink, violet and blue are not leaf
- * colours in autumn either. Pale and warm colours must stand out against green; warm ones in the majority are
- * autumn leaves if the green ones have the same make. Large components are no flowers: a brown pot, a red
- * crown. A name breaks the tie (lod_name_hint).
+/* Flowers among the foliage, by colour (Deussen 2002, 4.3): pink, violet, blue; pale and warm colours that stand
+ * out against green, unless warm ones are the majority and alike (autumn). Large components are none. A name
+ * breaks the tie.
  *
  * Turns foliage into flowers in `organ`; arrays are per component, `fixed` ones stay. `extent`: the plant's
  * largest. */

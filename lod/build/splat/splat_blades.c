@@ -1,10 +1,7 @@
-/* Plants of blades: grass, turf, reeds.
- *
- * Blades are thinner than a pixel. A splat is right where it lies on one blade, and mostly wrong where it
- * covers two. A descent does not find this by itself: parts of equally many points mix blades, and no small
- * step leads from a splat across two blades to one along either. So one level has a splat for each blade. The
- * two levels before it begin with the blades that show most, one for each splat; coarser levels begin with
- * all points of their blades. Figures: lod/EXPERIMENTS.md, Splats, Blades. */
+/* Plants of blades: grass, turf, reeds. A splat is right where it lies on one blade, and mostly wrong where it
+ * covers two, and no descent leads from there to one. So one level has a splat for each blade. The two levels
+ * before it begin with the blades that show most, coarser ones with all points of their blades
+ * (lod/EXPERIMENTS.md, Splats, Blades). */
 #include <math.h>
 #include <string.h>
 

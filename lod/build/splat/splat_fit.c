@@ -1,10 +1,7 @@
-/* Fitting levels of splats to a plant's pictures.
- *
- * The points of the plant's visible surface are divided among the splats of a level, rather evenly, and those
- * of each splat among its children; so children begin where their parent stands, with the moments of their
- * points. Then gradient descent (Adam: Kingma and Ba 2015) moves all splats of a level freely, so that the
- * mean Q of the views rises, at last also that of pictures between two levels. Plants of blades have levels
- * and parts of their own (splat_blades.c). Measurements: lod/EXPERIMENTS.md, Splats. */
+/* Fitting levels of splats. The points of the plant's visible surface are divided among the splats of a level,
+ * rather evenly, and those of each splat among its children, which begin with the moments of their points. Then
+ * gradient descent (Adam: Kingma and Ba 2015) moves all splats of a level, so that the mean Q of the views rises,
+ * at last also between two levels. Measurements: lod/EXPERIMENTS.md, Splats. */
 #include "lod/build/splat/splat_fit.h"
 
 #include <math.h>

@@ -1,16 +1,12 @@
-/* Levels of splats (ecofiles/format/splat.h) that look like a whole plant: each level is fitted to the
- * plant's coverage in views all around, by gradient descent.
+/* Levels of splats (ecofiles/format/splat.h) that look like a whole plant, fitted to its coverage in views all
+ * around by gradient descent.
  *
  *   lod_splats_fit(&splats, model, &options, &error);
  *   splats.items[lod_splats_first(&splats, l) .. splats.level_end[l])       level l, in draw order
  *   lod_splats_free(&splats);
  *
- * Levels follow the rule of struct eco_ladder (format/pack.h): level l + 1 has m times the splats of level l,
- * and its splats [m i, m (i + 1)) stand for splat i of level l. Within this rule splats stand in the order in
- * which they should give way to their children.
- *
- * All that decides is + - * / and square roots in a fixed order: the same bytes on every machine and with any
- * number of threads. */
+ * Splats [m i, m (i + 1)) of level l + 1 stand for splat i of level l, in the order in which parents should give
+ * way. The same bytes on every machine, with any number of threads. */
 #ifndef LOD_SPLAT_FIT_H
 #define LOD_SPLAT_FIT_H
 
