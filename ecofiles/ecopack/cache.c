@@ -1,25 +1,27 @@
-/* Files by key, their bound, and the failures of a folder that others share. */
+/* Finished plants in files by key, their bound, and the failures of a folder that others share. */
 #include "ecofiles/ecopack/cache.h"
 
 #include <dirent.h>
+#include <elf.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <link.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/bytes.h"
+#include "ecofiles/base/files.h"
 #include "ecofiles/ecopack/run.h"
+#include "lod/build/plant.h"
 
 #define MAGIC "ECOCACHE"
 #define HEADER_BYTES 40u
 #define SUFFIX ".plant"
-#define LEFT_OVER_S 3600             /* an unfinished entry this old has lost its writer */
+#define NAME_BYTES (32 + strlen(SUFFIX))
 
 bool main_cache_default(char folder[MAIN_CACHE_PATH])
 {
@@ -50,34 +52,7 @@ static void path_of(const struct main_cache *cache, const struct main_cache_key 
 	snprintf(path, MAIN_CACHE_PATH, "%.*s/%s" SUFFIX, (int)MAIN_CACHE_PATH - 64, cache->folder, hex);
 }
 
-static void count(struct main_cache *cache, int64_t hits, int64_t misses)
-{
-	pthread_mutex_lock(&cache->lock);
-	cache->hits += (uint64_t)hits;
-	cache->misses += (uint64_t)misses;
-	pthread_mutex_unlock(&cache->lock);
-}
-
 /* ---- Reading ---- */
-
-/* Reads a whole open file of at most `most` bytes; else NULL. */
-static uint8_t *read_all(int file, uint64_t most, size_t *size)
-{
-	struct stat status;
-	if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size < 0
-			|| (uint64_t)status.st_size > most)
-		return NULL;
-	uint8_t *bytes = malloc((size_t)status.st_size + 1);
-	for (*size = 0; bytes && *size < (size_t)status.st_size;) {
-		ssize_t got = read(file, bytes + *size, (size_t)status.st_size - *size);
-		if (got < 0 && errno == EINTR)
-			continue;
-		if (got <= 0)
-			break;
-		*size += (size_t)got;
-	}
-	return bytes;
-}
 
 /* The fault of an entry, or NULL. */
 static const char *fault_of(const uint8_t *bytes, size_t size, const struct main_cache_key *key)
@@ -92,42 +67,37 @@ static const char *fault_of(const uint8_t *bytes, size_t size, const struct main
 	return XXH3_64bits(bytes + HEADER_BYTES, length) == hash ? NULL : "its hash does not hold";
 }
 
+static void note_damage(const char *path, const char *why)
+{
+	main_note("the cached %s is damaged (%s): the plant is built anew", path, why);
+}
+
 bool main_cache_get(struct main_cache *cache, const struct main_cache_key *key, uint8_t **bytes, size_t *size)
 {
 	char path[MAIN_CACHE_PATH];
+	struct stat status;
 	if (!cache->folder[0])
 		return false;
 	path_of(cache, key, path);
-	int file = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
-	count(cache, 0, 1);
-	if (file < 0)
+	if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
 		return false;
-	uint8_t *all = read_all(file, UINT64_MAX / 4, size);
-	const char *fault = all ? fault_of(all, *size, key) : NULL;
-	if (all && !fault)
-		/* marks the entry as used; without permission it is dropped a little early */
-		futimens(file, NULL);
-	close(file);
-	if (!all || fault) {
-		free(all);
-		if (fault)
-			main_note("the cached %s is damaged (%s): the plant is built anew", path, fault);
+	FILE *file = fopen(path, "rbe");
+	*bytes = main_alloc((size_t)status.st_size, 1);
+	*size = file ? fread(*bytes, 1, (size_t)status.st_size, file) : 0;
+	const char *fault = file ? fault_of(*bytes, *size, key) : NULL;
+	if (file && !fault)
+		futimens(fileno(file), NULL);    /* used just now */
+	if (file)
+		fclose(file);
+	if (fault)
+		note_damage(path, fault);
+	if (!file || fault) {
+		free(*bytes);
 		return false;
 	}
 	*size -= HEADER_BYTES;
-	memmove(all, all + HEADER_BYTES, *size);
-	*bytes = all;
-	count(cache, 1, -1);
+	memmove(*bytes, *bytes + HEADER_BYTES, *size);
 	return true;
-}
-
-void main_cache_reject(struct main_cache *cache, const struct main_cache_key *key, const char *why)
-{
-	char path[MAIN_CACHE_PATH];
-	path_of(cache, key, path);
-	main_note("the cached %s is damaged (%s): the plant is built anew", path, why);
-	unlink(path);
-	count(cache, -1, 1);
 }
 
 /* ---- Writing ---- */
@@ -147,69 +117,29 @@ bool main_cache_make(const char *folder)
 	return mkdir(path, 0700) == 0 || errno == EEXIST;
 }
 
-static bool write_all(int file, const uint8_t *bytes, size_t size)
+void main_cache_put(struct main_cache *cache, const struct main_cache_key *key, const uint8_t *bytes, size_t size)
 {
-	while (size > 0) {
-		ssize_t put = write(file, bytes, size);
-		if (put < 0 && errno == EINTR)
-			continue;
-		if (put <= 0)
-			return false;
-		bytes += put;
-		size -= (size_t)put;
-	}
-	return true;
-}
-
-static bool write_entry(int file, const struct main_cache_key *key, const uint8_t *bytes, size_t size)
-{
-	struct eco_writer header = { 0 };
-	eco_write_bytes(&header, MAGIC, 8);
-	eco_write_bytes(&header, key->bytes, sizeof key->bytes);
-	eco_write_u64(&header, size);
-	eco_write_u64(&header, XXH3_64bits(bytes, size));
-	bool ok = !header.failed && write_all(file, header.bytes, header.size)
-		&& write_all(file, bytes, size);
-	eco_writer_free(&header);
-	return ok;
-}
-
-static void tell(struct main_cache *cache, const char *path, int reason)
-{
-	pthread_mutex_lock(&cache->lock);
-	bool first = !cache->told;
-	cache->told = true;
-	pthread_mutex_unlock(&cache->lock);
-	if (first)
-		main_note("%s: cannot keep finished plants there (%s); they will be built again next time. "
-			"--cache DIR names another folder, --no-cache none", path, strerror(reason));
-}
-
-void main_cache_put(struct main_cache *cache, const struct main_cache_key *key, const uint8_t *bytes,
-	size_t size)
-{
-	char path[MAIN_CACHE_PATH], beside[MAIN_CACHE_PATH + 16];
+	char path[MAIN_CACHE_PATH];
+	struct eco_writer w = { 0 };
+	struct eco_error why = { 0 };
 	if (!cache->folder[0] || size > cache->limit_bytes)
 		return;
 	path_of(cache, key, path);
-	snprintf(beside, sizeof beside, "%s.XXXXXX", path);
-	int file = main_cache_make(cache->folder) ? mkostemp(beside, O_CLOEXEC) : -1;
-	if (file < 0) {
-		tell(cache, cache->folder, errno);
-		return;
-	}
-	bool ok = write_entry(file, key, bytes, size);
-	int reason = ok ? 0 : errno ? errno : EIO;
-	if (close(file) != 0 || (ok && rename(beside, path) != 0))
-		reason = reason ? reason : errno;
-	if (reason) {
-		unlink(beside);
-		tell(cache, cache->folder, reason);
-		return;
-	}
+	eco_write_bytes(&w, MAGIC, 8);
+	eco_write_bytes(&w, key->bytes, sizeof key->bytes);
+	eco_write_u64(&w, size);
+	eco_write_u64(&w, XXH3_64bits(bytes, size));
+	eco_write_bytes(&w, bytes, size);
 	pthread_mutex_lock(&cache->lock);
-	cache->written++;
+	enum eco_code code = w.failed ? eco_no_memory(&why, "a plant") : !main_cache_make(cache->folder)
+		? eco_fail_write(&why, cache->folder, errno) : eco_file_write(path, w.bytes, w.size, &why);
+	if (code && !cache->told)
+		main_note("cannot keep finished plants; they will be built again next time (--cache DIR names another "
+			"folder, --no-cache none): %s", why.text);
+	cache->told = cache->told || code;
+	cache->written = cache->written || !code;
 	pthread_mutex_unlock(&cache->lock);
+	eco_writer_free(&w);
 }
 
 /* ---- Bound ---- */
@@ -226,19 +156,7 @@ static int by_use(const void *left, const void *right)
 	return strcmp(a->name, b->name);
 }
 
-/* 32 hex digits and the suffix; an unfinished entry has a dot and six more characters. No other file is
- * ever touched. */
-static bool is_ours(const char *name, bool *unfinished)
-{
-	size_t length = strlen(name), whole = 32 + strlen(SUFFIX);
-	if (strspn(name, "0123456789abcdef") != 32 || (length != whole && length != whole + 7)
-			|| strncmp(name + 32, SUFFIX, strlen(SUFFIX)) != 0)
-		return false;
-	*unfinished = length > whole;
-	return !*unfinished || name[whole] == '.';
-}
-
-/* Lists the entries, and removes those that were left unfinished long ago. */
+/* Lists the entries, and removes those that were left unfinished. No other file is touched. */
 static uint64_t list_entries(DIR *folder, struct entry **entries, uint32_t *entry_count)
 {
 	uint64_t sum = 0;
@@ -246,20 +164,18 @@ static uint64_t list_entries(DIR *folder, struct entry **entries, uint32_t *entr
 	for (struct dirent *d; (d = readdir(folder));) {
 		struct stat status;
 		struct entry entry = { .size = 0 };
-		bool unfinished;
-		if (!is_ours(d->d_name, &unfinished)
+		snprintf(entry.name, sizeof entry.name, "%.*s", (int)NAME_BYTES, d->d_name);
+		if (strspn(entry.name, "0123456789abcdef") != 32 || strcmp(entry.name + 32, SUFFIX) != 0)
+			continue;
+		if (eco_unfinished_is(d->d_name, entry.name))
+			eco_unfinished_remove_file(dirfd(folder), d->d_name);
+		if (strlen(d->d_name) != NAME_BYTES
 				|| fstatat(dirfd(folder), d->d_name, &status, AT_SYMLINK_NOFOLLOW) != 0
-		    || !S_ISREG(status.st_mode))
+				|| !S_ISREG(status.st_mode))
 			continue;
-		if (unfinished && time(NULL) - status.st_mtime > LEFT_OVER_S)
-			unlinkat(dirfd(folder), d->d_name, 0);
-		if (unfinished)
-			continue;
-		snprintf(entry.name, sizeof entry.name, "%.*s", (int)sizeof entry.name - 1, d->d_name);
 		entry.size = (uint64_t)status.st_size;
 		entry.used = status.st_mtim;
-		if (!eco_array_grow(entries, &capacity, *entry_count, sizeof entry))
-			break;
+		main_grow(entries, &capacity, *entry_count, sizeof entry);
 		(*entries)[(*entry_count)++] = entry;
 		sum += entry.size;
 	}
@@ -289,4 +205,184 @@ void main_cache_close(struct main_cache *cache)
 		trim(cache);
 	pthread_mutex_destroy(&cache->lock);
 	*cache = (struct main_cache){ .limit_bytes = 0 };
+}
+
+/* ---- Keys: of the program ---- */
+
+/* Hashes a library's build id, as results may change with the library. One without an id counts by its
+ * name, which has a version. */
+static int add_library(struct dl_phdr_info *info, size_t size, void *ctx)
+{
+	(void)size;
+	bool found = false;
+	for (int i = 0; i < info->dlpi_phnum; i++) {
+		const ElfW(Phdr) *header = &info->dlpi_phdr[i];
+		if (header->p_type != PT_NOTE)
+			continue;
+		struct eco_reader r = { (const uint8_t *)info->dlpi_addr + header->p_vaddr, header->p_memsz,
+			0, false };
+		while (!r.failed && r.at < r.size) {
+			uint32_t name = eco_read_u32(&r), length = eco_read_u32(&r), type = eco_read_u32(&r);
+			eco_read_bytes(&r, (name + 3) & ~3u);
+			const uint8_t *note = eco_read_bytes(&r, (length + 3) & ~3u);
+			if (note && type == NT_GNU_BUILD_ID && name == 4) {
+				XXH3_128bits_update(ctx, note, length);
+				found = true;
+			}
+		}
+	}
+	if (!found)
+		XXH3_128bits_update(ctx, info->dlpi_name, strlen(info->dlpi_name) + 1);
+	return 0;
+}
+
+/* Hashes the program's own file: it has a build id only if the linker was asked for one. */
+static bool add_program(XXH3_state_t *hash)
+{
+	FILE *file = fopen("/proc/self/exe", "rbe");
+	static const size_t room = 1u << 16;
+	uint8_t *bytes = malloc(room);
+	bool ok = file && bytes;
+	for (size_t got; ok && (got = fread(bytes, 1, room, file)) > 0;)
+		XXH3_128bits_update(hash, bytes, got);
+	ok = ok && !ferror(file);
+	if (file)
+		fclose(file);
+	free(bytes);
+	dl_iterate_phdr(add_library, hash);
+	return ok;
+}
+
+static struct { XXH128_hash_t hash; bool known; } program;
+static pthread_once_t program_once = PTHREAD_ONCE_INIT;
+
+static XXH3_state_t *hash_begin(void)
+{
+	XXH3_state_t *hash = XXH3_createState();
+	if (!hash)
+		main_end("no memory");
+	XXH3_128bits_reset(hash);
+	return hash;
+}
+
+static void find_program(void)
+{
+	XXH3_state_t *hash = hash_begin();
+	program.known = add_program(hash);
+	program.hash = XXH3_128bits_digest(hash);
+	XXH3_freeState(hash);
+}
+
+void main_cache_begin(void) { pthread_once(&program_once, find_program); }
+
+/* ---- The model and the options ---- */
+
+static void add(XXH3_state_t *hash, const void *bytes, size_t size)
+{
+	uint64_t length = bytes ? size : UINT64_MAX;
+	XXH3_128bits_update(hash, &length, sizeof length);
+	if (bytes && size)
+		XXH3_128bits_update(hash, bytes, size);
+}
+
+#define ADD(hash, value) add(hash, &(value), sizeof(value))
+
+static void add_model(XXH3_state_t *hash, const struct eco_model *model)
+{
+	size_t vertices = model->vertex_count, triangles = model->triangle_count;
+	add(hash, model->position, 3 * vertices * sizeof *model->position);
+	add(hash, model->uv, 2 * vertices * sizeof *model->uv);
+	add(hash, model->index, 3 * triangles * sizeof *model->index);
+	add(hash, model->material, triangles * sizeof *model->material);
+	add(hash, model->part, triangles * sizeof *model->part);
+	add(hash, model->organ, triangles * sizeof *model->organ);
+	add(hash, model->importance, triangles);
+	add(hash, model->importances, model->importance_count * sizeof *model->importances);
+	ADD(hash, model->dropped);
+	for (uint32_t i = 0; i < model->material_count; i++) {
+		const struct eco_material *m = &model->materials[i];
+		const uint8_t flags[] = { m->cutout, m->colourless };
+		add(hash, m->name, strlen(m->name));
+		ADD(hash, m->rgb);
+		ADD(hash, flags);
+		ADD(hash, m->image);
+	}
+	for (uint32_t i = 0; i < model->image_count; i++) {
+		const struct eco_image *image = &model->images[i];
+		ADD(hash, image->width);
+		ADD(hash, image->height);
+		add(hash, image->rgba, 4 * (size_t)image->width * image->height);
+	}
+	for (uint32_t i = 0; i < model->part_count; i++)
+		add(hash, model->parts[i].name, strlen(model->parts[i].name));
+}
+
+/* Hashes the options except the name, which the plant gets afterwards, and the progress callback. */
+static void add_options(XXH3_state_t *hash, const struct lod_plant_options *options)
+{
+	const uint32_t numbers[] = { options->seed, (uint32_t)options->order, options->cell_triangles,
+		options->grid_bits, options->views, options->pixels, options->draft };
+	ADD(hash, numbers);
+	ADD(hash, options->importance);
+}
+
+bool main_cache_key(struct main_cache_key *key, const struct eco_model *model, const struct lod_plant_options *options)
+{
+	XXH128_canonical_t canonical;
+	main_cache_begin();
+	if (!program.known)
+		return false;
+	XXH3_state_t *hash = hash_begin();
+	ADD(hash, program.hash.low64);
+	ADD(hash, program.hash.high64);
+	add_model(hash, model);
+	add_options(hash, options);
+	XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(hash));
+	memcpy(key->bytes, canonical.digest, sizeof key->bytes);
+	XXH3_freeState(hash);
+	return true;
+}
+
+/* ---- Plants ---- */
+
+static bool names_images(const struct lod_plant *plant, const struct eco_model *model)
+{
+	for (uint32_t i = 0; i < plant->image_count; i++)
+		if (plant->images[i] >= model->image_count)
+			return false;
+	return true;
+}
+
+bool main_cache_get_plant(struct main_cache *cache, const struct main_cache_key *key, const struct eco_model *model,
+	const char *name, struct lod_plant *plant)
+{
+	struct eco_error error = { 0 };
+	uint8_t *bytes;
+	size_t size;
+	bool good = main_cache_get(cache, key, &bytes, &size);
+	if (good) {
+		enum eco_code code = lod_plant_read(plant, bytes, size, &error);
+		free(bytes);
+		good = !code && names_images(plant, model);
+		if (!code && !good)
+			lod_plant_free(plant);
+		if (good)
+			strncpy(plant->plant.name, name, sizeof plant->plant.name - 1);
+		else
+			note_damage("plant", code ? error.text : "textures that the model has not");
+	}
+	pthread_mutex_lock(&cache->lock);
+	cache->hits += good;
+	cache->misses += !good;
+	pthread_mutex_unlock(&cache->lock);
+	return good;
+}
+
+void main_cache_put_plant(struct main_cache *cache, const struct main_cache_key *key, const struct lod_plant *plant)
+{
+	struct eco_writer writer = { 0 };
+	lod_plant_write(&writer, plant);
+	if (!writer.failed)
+		main_cache_put(cache, key, writer.bytes, writer.size);
+	eco_writer_free(&writer);
 }

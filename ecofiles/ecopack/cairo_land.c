@@ -1,7 +1,6 @@
 /* The land from above. The ground is lit from the north-west, as is usual on maps, and pale, so that plants
- * stand out. With room, each plant is a dot, larger the taller it is; tall ones are drawn first, so that
- * small ones stay visible. If dots would hide each other, the map shows density: a pixel has the mean
- * colour of its plants, the fuller the more there are. Contour lines, by marching over triangles of cells of
+ * stand out. Each plant is a dot, larger the taller it is; tall ones are drawn first, so that
+ * small ones stay visible. Dots that would hide each other are pale: where many stand, colours are fuller. Contour lines, by marching over triangles of cells of
  * a few pixels, are drawn over the plants, which would hide the shape of the land. */
 #include <math.h>
 #include <stdio.h>
@@ -17,8 +16,8 @@
 #define FLAT 0.93                /* brightness of level ground */
 #define PALE 0.6                 /* of the image's contrast is kept */
 #define BLOCK 8u                 /* side, in pixels, of the blocks that measure density */
-#define DENSE 0.25               /* plants a pixel, in blocks with any plant: above, density is shown */
-#define TALLY_MOST 4096u
+#define DENSE 0.25               /* plants a pixel, in blocks with any plant: above, dots are pale */
+#define PALE_DOT 0.3
 #define NAMED_MOST 12u           /* most outlines with a name */
 #define RADIUS_LEAST 0.9
 #define RADIUS_MOST 7.0
@@ -194,9 +193,7 @@ enum eco_code land_contours(struct map *m, cairo_t *canvas)
 	return good ? ECO_OK : map_no_memory(m);
 }
 
-/* ---- Density ---- */
-
-struct tally { float count, rgb[3]; };
+/* ---- Dots ---- */
 
 static bool pixel_of(const struct map *m, const struct map_point *p, uint32_t *x, uint32_t *y)
 {
@@ -229,62 +226,6 @@ static double density_of(struct map *m)
 	return blocks ? (double)shown / ((double)blocks * BLOCK * BLOCK) : 0;
 }
 
-/* The density that only one in two hundred pixels with plants exceeds: a few heaps must not make the rest
- * pale. */
-static double dense_end(const struct tally *tally, size_t pixels)
-{
-	uint64_t counts[TALLY_MOST + 1] = { 0 }, occupied = 0, above = 0;
-	uint32_t end = TALLY_MOST;
-	for (size_t i = 0; i < pixels; i++)
-		if (tally[i].count > 0) {
-			counts[tally[i].count < (float)TALLY_MOST ? (uint32_t)tally[i].count : TALLY_MOST]++;
-			occupied++;
-		}
-	while (end > 1 && (above += counts[end]) <= occupied / 200)
-		end--;
-	return end;
-}
-
-static void color_density(struct map *m, struct tally *tally, uint8_t *rgba)
-{
-	size_t width = (uint32_t)m->width, pixels = width * (uint32_t)m->height;
-	for (uint64_t i = 0; i < m->points.count; i++) {
-		uint32_t x, y;
-		if (!pixel_of(m, &m->points.items[i], &x, &y))
-			continue;
-		struct tally *t = &tally[y * width + x];
-		const struct color *c = &kind_colors[m->kinds[m->points.items[i].kind].color];
-		t->count++;
-		t->rgb[0] += (float)c->r, t->rgb[1] += (float)c->g, t->rgb[2] += (float)c->b;
-	}
-	m->densest = dense_end(tally, pixels);
-	for (size_t i = 0; i < pixels; i++) {
-		if (!(tally[i].count > 0))
-			continue;
-		for (size_t k = 0; k < 3; k++)
-			rgba[4 * i + k] = (uint8_t)(255 * tally[i].rgb[k] / tally[i].count + 0.5f);
-		rgba[4 * i + 3] = (uint8_t)(255 * (0.35 + 0.65 * fmin(log(1 + (double)tally[i].count)
-			/ log(1 + m->densest), 1)));
-	}
-}
-
-static enum eco_code draw_density(struct map *m, cairo_t *canvas)
-{
-	size_t pixels = (size_t)m->width * (size_t)m->height;
-	struct tally *tally = calloc(pixels, sizeof *tally);
-	uint8_t *rgba = calloc(pixels, 4);
-	bool good = tally && rgba;
-	if (good) {
-		color_density(m, tally, rgba);
-		canvas_pixels(canvas, m->x, m->y, (uint32_t)m->width, (uint32_t)m->height, rgba);
-	}
-	free(tally);
-	free(rgba);
-	return good ? ECO_OK : map_no_memory(m);
-}
-
-/* ---- Dots ---- */
-
 static int by_height(const void *a, const void *b)
 {
 	const struct map_point *x = a, *y = b;
@@ -303,7 +244,7 @@ double land_radius(const struct map *m, double height_m)
 	return fmin(fmax(m->dot * fmin(fmax(ratio, 0.5), 2.2), RADIUS_LEAST), 2 * RADIUS_MOST);
 }
 
-static void draw_dots(struct map *m, cairo_t *canvas)
+static void draw_dots(struct map *m, cairo_t *canvas, bool pale)
 {
 	qsort(m->points.items, m->points.count, sizeof *m->points.items, by_height);
 	for (uint64_t i = 0; i < m->points.count; i++) {
@@ -312,7 +253,9 @@ static void draw_dots(struct map *m, cairo_t *canvas)
 			radius = land_radius(m, (double)p->height_m);
 		if (radius >= 2)
 			canvas_disc(canvas, x, y, radius + 0.7, (struct color){ 1, 1, 1, 0.75 });
-		canvas_disc(canvas, x, y, radius, kind_colors[m->kinds[p->kind].color]);
+		struct color color = kind_colors[m->kinds[p->kind].color];
+		color.a = pale ? PALE_DOT : 1;
+		canvas_disc(canvas, x, y, radius, color);
 	}
 }
 
@@ -357,12 +300,9 @@ enum eco_code land_plants(struct map *m, cairo_t *canvas)
 {
 	double density = density_of(m);
 	enum eco_code code = density < 0 ? map_no_memory(m) : ECO_OK;
-	m->is_density = density > DENSE;
 	m->dot = density > 0 ? fmin(fmax(0.34 / sqrt(density), RADIUS_LEAST), RADIUS_MOST) : RADIUS_MOST;
-	if (!code && m->is_density)
-		code = draw_density(m, canvas);
-	else if (!code)
-		draw_dots(m, canvas);
+	if (!code)
+		draw_dots(m, canvas, density > DENSE);
 	if (!code)
 		code = draw_edges(m, canvas, &m->clear_of, 2, CLEAR_COLOR);
 	if (!code)

@@ -113,8 +113,7 @@ static void write_kind(struct legend *l, const struct map_kind *kind, const char
 	struct style style = { .size = 13, .room = LEGEND - 190 },
 		     right = { .size = 13, .align = ALIGN_RIGHT }, small = { .size = 11, .color = gray };
 	char text[32];
-	double radius = l->m->is_density ? 6
-		: fmin(fmax(land_radius(l->m, (kind->low_m + kind->high_m) / 2), 3), 8);
+	double radius = fmin(fmax(land_radius(l->m, (kind->low_m + kind->high_m) / 2), 3), 8);
 	canvas_disc(l->canvas, l->x + 8, l->y - 4.5, radius, kind_colors[kind->color]);
 	canvas_text(l->canvas, l->x + 22, l->y, &style, name);
 	canvas_text(l->canvas, l->x + LEGEND - 90, l->y, &right, eco_phrase_count(kind->count, text));
@@ -176,28 +175,6 @@ static void write_edges(struct legend *l, const struct map_edges *edges, struct 
 	canvas_lines(l->canvas, (const double[4]){ l->x, l->y - 4, l->x + 16, l->y - 4 }, 1, 1.6, color);
 	canvas_text(l->canvas, l->x + 22, l->y, &plain, says);
 	l->y += LINE;
-}
-
-static void write_density(struct legend *l)
-{
-	const struct map *m = l->m;
-	char text[120], a[32], b[32];
-	double ramp = 120;
-	if (!m->points.count)
-		return;
-	if (!m->is_density) {
-		write_line(l, &plain, m->typical_m > 0 ? "Dots are larger the taller the plant is."
-			: "Heights are those of the models: not known here.");
-		return;
-	}
-	for (int i = 0; i < 24; i++)
-		canvas_box(l->canvas, l->x + i * ramp / 24, l->y - 10, ramp / 24 + 0.5, 12,
-			(struct color){ 0.07, 0.47, 0.2, 0.35 + 0.65 * (i + 0.5) / 24 });
-	snprintf(text, sizeof text, "1 to %s+ plants on %s × %s", eco_phrase_count((uint64_t)m->densest, a),
-		length_text(1 / m->scale, b), b);
-	canvas_text(l->canvas, l->x + ramp + 10, l->y, &plain, text);
-	l->y += LINE;
-	write_line(l, &plain, "Colours are the mean of what stands there.");
 }
 
 static void write_left(struct legend *l, const struct map_left *left)
@@ -310,7 +287,9 @@ static double draw_legend(const struct map *m, cairo_t *canvas, double x, double
 		m->total == 1 ? "" : "s", kinds, kinds == 1 ? "" : "s");
 	write_heading(&l, heading);
 	write_kinds(&l);
-	write_density(&l);
+	if (m->points.count)
+		write_line(&l, &plain, m->typical_m > 0 ? "Dots are larger the taller the plant is."
+			: "Heights are those of the models: not known here.");
 	write_edges(&l, &m->areas, AREAS_COLOR, "areas of scattered plants");
 	write_edges(&l, &m->clear_of, CLEAR_COLOR, "what they keep clear of");
 	write_notes(&l);

@@ -180,12 +180,10 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 static enum eco_code take(const struct camera *c, struct eco_guard *guard, FILE *from,
 	struct eco_error *error)
 {
-	char *notes = calloc(1, SCRIPT_BYTES_MAX + 3);       /* three texts, whatever the child says */
+	char *notes = main_alloc(1, SCRIPT_BYTES_MAX + 3);   /* three texts, whatever the child says */
 	struct eco_camera *camera = NULL;
-	size_t size = notes ? fread(notes, 1, SCRIPT_BYTES_MAX, from) : 0;
+	size_t size = fread(notes, 1, SCRIPT_BYTES_MAX, from);
 	enum eco_code code = eco_guard_finish(guard, error);
-	if (!notes)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	char *script = notes + strlen(notes) + 1;
 	for (char *note = strtok(notes, "\n"); note; note = strtok(NULL, "\n"))
 		main_note("%s", note);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/ecopack/inspect.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/format/texture.h"
@@ -63,10 +64,10 @@ static uint64_t list_bytes(const struct eco_scene *s, const struct eco_list *lis
 
 /* Bytes of each plant's lists and of the textures that they show; those that plants share count for each.
  * Lists of a plant are adjacent. */
-static bool count_plants(const struct eco_scene *s, uint64_t *bytes)
+static void count_plants(const struct eco_scene *s, uint64_t *bytes)
 {
-	uint32_t *shown = calloc(s->list_count + 1u, sizeof *shown);         /* by plant shown - 1 */
-	for (uint32_t i = 0; shown && i < s->list_count; i++) {
+	uint32_t *shown = main_alloc(s->list_count, sizeof *shown);          /* by plant shown - 1 */
+	for (uint32_t i = 0; i < s->list_count; i++) {
 		const struct eco_list *list = &s->lists[i];
 		if ((list->attributes & ECO_ATTR_PLANT) || list->kind == ECO_LIST_INSTANCES
 				|| eco_list_has_texels(list) || list->owner >= s->plant_count)
@@ -77,17 +78,14 @@ static bool count_plants(const struct eco_scene *s, uint64_t *bytes)
 			bytes[list->owner] += list_bytes(s, &s->lists[k]);
 		}
 	}
-	bool good = shown;
 	free(shown);
-	return good;
 }
 
-static enum eco_code count_up(const struct eco_pack *pack, struct totals *t, struct eco_error *error)
+static void count_up(const struct eco_pack *pack, struct totals *t)
 {
 	const struct eco_scene *s = &pack->scene;
-	t->plant_bytes = calloc(s->plant_count + 1u, sizeof *t->plant_bytes);
-	if (!t->plant_bytes || !count_plants(s, t->plant_bytes))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory");
+	t->plant_bytes = main_alloc(s->plant_count, sizeof *t->plant_bytes);
+	count_plants(s, t->plant_bytes);
 	for (uint32_t i = 0; i < s->list_count; i++) {
 		const struct eco_list *list = &s->lists[i];
 		struct kind_total *kind = &t->kind[list->attributes & ECO_ATTR_PLANT ? KIND_SUMMARIES
@@ -114,7 +112,6 @@ static enum eco_code count_up(const struct eco_pack *pack, struct totals *t, str
 		/* a tile that only places other eco files is a leaf of its own */
 		t->leaves -= placed < s->tiles[i].child_count;
 	}
-	return ECO_OK;
 }
 
 static void id_text(const struct eco_chunk_id *id, char text[33])
@@ -240,7 +237,7 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 		(json_int_t)t->placed, "area_m2", root->area, "low", root->low[0], root->low[1], root->low[2],
 		"high", root->high[0], root->high[1], root->high[2], "curve_samples",
 		(json_int_t)s->curve_count, "lists", lists, "plants", plants);
-	if (info && s->ground_count) {
+	if (s->ground_count) {
 		const struct eco_ground_tile *top = &s->ground[0];
 		const struct eco_list *list = &s->lists[top->list];
 		json_object_set_new(info, "ground",
@@ -255,7 +252,7 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 				list->grid_step[2], "tiles", (json_int_t)s->ground_count, "levels",
 				(json_int_t)top->level + 1));
 	}
-	if (info && s->ground_image_count) {
+	if (s->ground_image_count) {
 		const struct eco_list *top = &s->lists[s->ground_images[0].list];
 		json_object_set_new(info, "ground_image",
 			json_pack("{s:[f,f], s:f, s:f, s:I, s:I}", "south_west_m", top->grid_origin[0],
@@ -265,7 +262,7 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 	}
 	static const char *const copied[] = { "generator", "order", "draft", "crs", "origin", "place",
 		"eco_files", "off_ground", "rows" };
-	for (size_t i = 0; info && i < sizeof copied / sizeof *copied; i++)
+	for (size_t i = 0; i < sizeof copied / sizeof *copied; i++)
 		if (json_object_get(meta, copied[i]))
 			json_object_set(info, copied[i], json_object_get(meta, copied[i]));
 	return info;
@@ -273,134 +270,123 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 
 /* ---- For people ---- */
 
-static const char *bytes_text(uint64_t bytes, char text[32])
+/* The next of some keys, which are separated by spaces; false: there is none. */
+static bool next_key(const char **keys, char key[64])
 {
-	if (bytes < 10000)
-		snprintf(text, 32, "%" PRIu64 " B", bytes);
-	else if (bytes < 10000000)
-		snprintf(text, 32, "%.1f kB", (double)bytes / 1e3);
-	else
-		snprintf(text, 32, "%.1f MB", (double)bytes / 1e6);
-	return text;
+	int bytes = 0;
+	if (sscanf(*keys, "%63s%n", key, &bytes) != 1)
+		return false;
+	*keys += bytes;
+	return true;
 }
 
-static void print_plants(const struct eco_scene *s, const struct totals *t, const json_t *meta, FILE *out)
+static void print_value(FILE *out, const json_t *value)
 {
-	char text[32];
-	fprintf(out, "\n%-20s %8s %10s %10s %8s %6s %5s %8s %9s %9s  %s\n", "plant", "height", "triangles",
-		"stored", "dropped", "cells", "bits", "1/2 px", "area m2", "bytes", "organs (elements)");
-	for (uint32_t i = 0; i < s->plant_count; i++) {
-		const struct eco_plant *p = &s->plants[i];
-		const json_t *from = meta_plant(meta, i);
-		fprintf(out, "%-20.20s %6.2f m %10lld %10u %8lld %6u %5lld %6.2f m %9.2f %9s ", p->name,
-			(double)p->height_m,
-			(long long)json_integer_value(json_object_get(from, "triangles_in")), p->triangles,
-			(long long)dropped_sum(from), p->anchor_count - 1,
-			(long long)json_integer_value(json_object_get(from, "grid_bits")),
-			nearest_m(s, meta, i), (double)p->area, bytes_text(t->plant_bytes[i], text));
-		const char *organ;
-		json_t *stats;
-		json_object_foreach(json_object_get(from, "organs"), organ, stats)
-			fprintf(out, " %s %lld", organ,
-				(long long)json_integer_value(json_object_get(stats, "elements")));
+	const char *key;
+	json_t *part;
+	size_t i;
+	if (json_is_object(value)) {
+		bool first = true;
+		json_object_foreach((json_t *)value, key, part) {
+			const json_t *elements = json_object_get(part, "elements");  /* of an organ */
+			fprintf(out, "%s%s ", first ? "" : ", ", key);
+			print_value(out, elements ? elements : part);
+			first = false;
+		}
+	} else if (json_is_array(value)) {
+		json_array_foreach(value, i, part) {
+			fputs(i ? " " : "", out);
+			print_value(out, part);
+		}
+	} else if (json_is_string(value))
+		fputs(json_string_value(value), out);
+	else if (json_is_integer(value))
+		fprintf(out, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
+	else if (json_is_real(value))
+		fprintf(out, "%.6g", json_real_value(value));
+	else
+		fputs(json_is_true(value) ? "yes" : json_is_false(value) ? "no" : json_is_null(value) ? "none" : "", out);
+}
+
+void inspect_lines(FILE *out, const json_t *facts, const char *keys)
+{
+	for (char key[64]; next_key(&keys, key);) {
+		const json_t *value = json_object_get(facts, key);
+		if (!value)
+			continue;
+		fprintf(out, "  %-18s ", key);
+		print_value(out, value);
 		fputc('\n', out);
 	}
-	for (uint32_t i = 0; i < s->plant_count; i++) {
-		const char *reason;
-		json_t *count;
-		json_object_foreach(json_object_get(meta_plant(meta, i), "dropped"), reason, count)
-			fprintf(out, "%s: %lld triangles dropped: %s\n", s->plants[i].name,
-				(long long)json_integer_value(count), reason);
+}
+
+/* Prints a record, or with widths given by a first call with `out` NULL, lined up. */
+static void print_record(FILE *out, const char *name, const json_t *record, const char *keys, int *width)
+{
+	char *text = NULL, key[64];
+	size_t size;
+	for (bool is_name = name; is_name || next_key(&keys, key); is_name = false) {
+		FILE *cell = open_memstream(&text, &size);
+		const json_t *value = is_name ? NULL : json_object_get(record, key);
+		if (!cell)
+			return;
+		if (is_name)
+			fputs(name, cell);
+		else if (record)
+			print_value(cell, value);
+		else
+			fputs(key, cell);
+		fclose(cell);
+		if (out && !*keys)
+			fputs(text, out);
+		else if (out)
+			fprintf(out, "%*s  ", is_name || json_is_string(value) ? -*width : *width, text);
+		else if (*width < (int)size)
+			*width = (int)size;
+		width++;
+		free(text);
 	}
+	if (out)
+		fputc('\n', out);
 }
 
-/* One line; none without ground. */
-static void print_ground(const struct eco_scene *s, FILE *out)
+void inspect_table(FILE *out, const char *title, const json_t *records, const char *keys)
 {
-	if (!s->ground_count)
+	int width[32] = { 0 };
+	size_t count = json_is_array(records) ? json_array_size(records) : json_object_size(records);
+	if (!count)
 		return;
-	const struct eco_ground_tile *root = &s->ground[0];
-	const struct eco_list *list = &s->lists[root->list];
-	fprintf(out,
-		"ground %u x %u samples every %.4g x %.4g m from [%.2f, %.2f], %u more on each side up to "
-		"%.0f km, heights %.2f to %.2f m in steps of %.4g m, %u tiles in %u levels\n",
-		s->ground_columns - 2 * s->ground_margin, s->ground_rows - 2 * s->ground_margin,
-		list->grid_step[0], list->grid_step[1], list->grid_origin[0], list->grid_origin[1],
-		s->ground_margin, ((1 << s->ground_margin) - 1) * list->grid_step[0] / 1000,
-		(double)root->low_m, (double)root->high_m, list->grid_step[2], s->ground_count,
-		root->level + 1u);
-}
-
-static void print_ground_image(const struct eco_scene *s, const struct totals *t, FILE *out)
-{
-	char text[32];
-	if (!s->ground_image_count)
-		return;
-	const struct eco_list *root = &s->lists[s->ground_images[0].list];
-	fprintf(out,
-		"image of the ground %.4g m a side from [%.2f, %.2f], texels down to %.3g m, %u tiles, %s\n",
-		eco_ground_image_side_m(root), root->grid_origin[0], root->grid_origin[1], finest_texel_m(s),
-		s->ground_image_count, bytes_text(t->kind[ECO_LIST_GROUND_IMAGE].bytes, text));
+	fputc('\n', out);
+	for (int pass = 0; pass < 2; pass++) {
+		const char *name = NULL;
+		void *at = json_object_iter((json_t *)records);
+		print_record(pass ? out : NULL, json_is_array(records) ? NULL : title, NULL, keys, width);
+		for (size_t i = 0; i < count && i < INSPECT_ROWS; i++) {
+			const json_t *record = json_array_get(records, i);
+			if (at) {
+				name = json_object_iter_key(at);
+				record = json_object_iter_value(at);
+				at = json_object_iter_next((json_t *)records, at);
+			}
+			print_record(pass ? out : NULL, name, record, keys, width);
+		}
+	}
+	if (count > INSPECT_ROWS)
+		fprintf(out, "... and %zu more\n", count - INSPECT_ROWS);
 }
 
 static const char *ending(uint64_t count) { return count == 1 ? "" : "s"; }
 
-static void print_info(const struct eco_pack *pack, const struct totals *t, const json_t *meta, FILE *out)
+static void print_info(const struct eco_scene *s, const json_t *info, FILE *out)
 {
-	const struct eco_scene *s = &pack->scene;
-	const struct eco_tile *root = &s->tiles[s->root];
-	const json_t *origin = json_object_get(meta, "origin"), *rows = json_object_get(meta, "rows");
-	const char *crs = json_string_value(json_object_get(meta, "crs"));
-	char text[32], id[33];
-	id_text(&pack->id, id);
-	fprintf(out, "%s: %" PRIu64 " plant%s of %u kind%s in %u tile%s (%" PRIu64 " undivided), %" PRIu64
-		" nested placement%s, %s\n", s->name, root->instance_count, ending(root->instance_count),
-		s->plant_count, ending(s->plant_count), s->tile_count, ending(s->tile_count), t->leaves,
-		t->placed, ending(t->placed), bytes_text(pack->map_size, text));
-	fprintf(out, "id %s\ncrs %s, origin [%.3f, %.3f, %.3f], near plane %g m\n", id,
-		crs ? crs : "none (plain metres)", json_number_value(json_array_get(origin, 0)),
-		json_number_value(json_array_get(origin, 1)), json_number_value(json_array_get(origin, 2)),
-		s->near_m);
-	fprintf(out, "bounds [%.2f, %.2f, %.2f] to [%.2f, %.2f, %.2f], %.0f m2 of leaves and wood\nneeds",
-		root->low[0], root->low[1], root->low[2], root->high[0], root->high[1], root->high[2],
-		root->area);
-	for (size_t i = 0; i < sizeof need_names / sizeof *need_names; i++)
-		if (s->needs >> i & 1)
-			fprintf(out, " %s", need_names[i]);
-	fputc('\n', out);
-	print_ground(s, out);
-	print_ground_image(s, t, out);
-	print_plants(s, t, meta, out);
-	fprintf(out, "\n%-12s %8s %8s %12s %12s %10s\n", "lists", "count", "chunks", "primitives", "bytes",
-		"bits each");
-	for (int i = 1; i < KIND_COUNT; i++)
-		if (t->kind[i].lists)
-			fprintf(out, "%-12s %8" PRIu64 " %8" PRIu64 " %12" PRIu64 " %12s %10.2f%s\n",
-				kind_names[i], t->kind[i].lists, t->kind[i].chunks, t->kind[i].primitives,
-				bytes_text(t->kind[i].bytes, text), bits_each(&t->kind[i]),
-				i == ECO_LIST_INVENTORY ? ", of a plant" : t->kind[i].units != t->kind[i].primitives
-				? ", of a texel" : "");
-	if (t->shape_chunks)
-		fprintf(out, "in %" PRIu64 " chunks of triangles, %s, leaves of one shape are stored as "
-			"placings of it, others by prediction\n", t->shape_chunks,
-			bytes_text(t->shape_bytes, text));
-	const char *order = json_string_value(json_object_get(meta, "order"));
-	fprintf(out, "%u ladders with %u curve samples%s%s\n", s->ladder_count, s->curve_count,
-		order ? ", leaves in order " : "", order ? order : "");
-	if (json_is_true(json_object_get(meta, "draft")))
-		fputs("a draft: make without --draft refines it\n", out);
-	if (json_integer_value(json_object_get(meta, "off_ground")))
-		fprintf(out, "%lld beyond the ground's border\n",
-			(long long)json_integer_value(json_object_get(meta, "off_ground")));
-	if (json_integer_value(json_object_get(rows, "read"))) {
-		const char *reason;
-		json_t *count;
-		fprintf(out, "%lld inventory rows read",
-			(long long)json_integer_value(json_object_get(rows, "read")));
-		json_object_foreach(json_object_get(rows, "skipped"), reason, count)
-			fprintf(out, "; %s: %lld", reason, (long long)json_integer_value(count));
-		fputc('\n', out);
-	}
+	uint64_t plants = s->tiles[s->root].instance_count;
+	fprintf(out, "%s: %" PRIu64 " plant%s of %u kind%s\n", s->name, plants, ending(plants), s->plant_count,
+		ending(s->plant_count));
+	inspect_lines(out, info, "id bytes draft crs origin near_m low high area_m2 needs tiles leaf_tiles placements "
+		"ground ground_image order curve_samples off_ground rows");
+	inspect_table(out, NULL, json_object_get(info, "plants"), "name height_m triangles_in triangles "
+		"triangles_dropped cells grid_bits half_a_pixel_m area_m2 bytes organs");
+	inspect_table(out, "lists", json_object_get(info, "lists"), "lists chunks primitives bytes bits_each");
 }
 
 enum eco_code inspect_info(const char *path, bool json, FILE *out, struct eco_error *error)
@@ -411,15 +397,14 @@ enum eco_code inspect_info(const char *path, bool json, FILE *out, struct eco_er
 	if (code)
 		return code;
 	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL);
-	code = count_up(pack, &totals, error);
-	if (!code && json) {
-		json_t *info = info_json(pack, &totals, meta);
-		if (!info || json_dumpf(info, out, JSON_INDENT(1)) != 0)
-			code = eco_fail(error, ECO_NO_MEMORY, "%s: cannot write its description", path);
+	count_up(pack, &totals);
+	json_t *info = info_json(pack, &totals, meta);
+	if (json) {
+		json_dumpf(info, out, JSON_INDENT(1));
 		fputc('\n', out);
-		json_decref(info);
-	} else if (!code)
-		print_info(pack, &totals, meta, out);
+	} else
+		print_info(&pack->scene, info, out);
+	json_decref(info);
 	json_decref(meta);
 	free(totals.plant_bytes);
 	eco_pack_close(pack);

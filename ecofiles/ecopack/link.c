@@ -25,12 +25,6 @@
 
 /* ---- Parts ---- */
 
-static enum eco_code bad_meta(const struct link_part *part, struct eco_error *error)
-{
-	return eco_fail(error, ECO_BAD_INPUT, "%s: it does not say where it lies (META has no crs and "
-		"origin); build it again with ecopack make", part->path);
-}
-
 static enum eco_code open_part(struct link *l, struct link_part *part)
 {
 	enum eco_code code = eco_pack_open(&part->pack, part->path, l->m.error);
@@ -42,14 +36,13 @@ static enum eco_code open_part(struct link *l, struct link_part *part)
 	for (size_t i = 0; i < 3; i++) {
 		json_t *v = json_array_get(origin, i);
 		if (!json_is_number(v) || !(fabs(json_number_value(v)) <= ORIGIN_MOST))
-			return bad_meta(part, l->m.error);
+			return eco_fail(l->m.error, ECO_BAD_INPUT, "%s: it does not say where it lies (META has no "
+				"crs and origin); build it again with ecopack make", part->path);
 		part->at[i] = json_number_value(v);
 	}
-	part->plant_of = calloc(s->plant_count + 1u, sizeof *part->plant_of);
-	part->color_of = calloc(s->palette_count + 1u, sizeof *part->color_of);
-	part->list_of = malloc((s->list_count + 1u) * sizeof *part->list_of);
-	if (!part->plant_of || !part->color_of || !part->list_of)
-		return eco_fail(l->m.error, ECO_NO_MEMORY, "%s: no memory", part->path);
+	part->plant_of = main_alloc(s->plant_count, sizeof *part->plant_of);
+	part->color_of = main_alloc(s->palette_count, sizeof *part->color_of);
+	part->list_of = main_alloc(s->list_count + 1u, sizeof *part->list_of);
 	memset(part->list_of, 0xFF, (s->list_count + 1u) * sizeof *part->list_of);
 	return ECO_OK;
 }
@@ -70,9 +63,7 @@ static enum eco_code open_parts(struct link *l, const struct link_options *optio
 	double origin[3];
 	uint64_t plants = 0;
 	enum eco_code code = ECO_OK;
-	l->parts = calloc(options->count, sizeof *l->parts);
-	if (!l->parts)
-		return eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for %u packs", options->count);
+	l->parts = main_alloc(options->count, sizeof *l->parts);
 	for (uint32_t i = 0; i < options->count && !code; i++) {
 		l->parts[i].path = options->parts[i];
 		l->count++;
@@ -93,12 +84,11 @@ static enum eco_code open_parts(struct link *l, const struct link_options *optio
 	for (uint32_t i = 0; i < l->count; i++)
 		for (int axis = 0; axis < 3; axis++)
 			l->parts[i].at[axis] -= origin[axis];
-	l->known = calloc(l->plant_room + 1u, sizeof *l->known);
-	l->m.table = calloc(l->plant_room + 1u, sizeof *l->m.table);
-	l->m.plants = calloc(l->plant_room + 1u, sizeof *l->m.plants);
+	l->known = main_alloc(l->plant_room + 1u, sizeof *l->known);
+	l->m.table = main_alloc(l->plant_room + 1u, sizeof *l->m.table);
+	l->m.plants = main_alloc(l->plant_room + 1u, sizeof *l->m.plants);
 	l->plants = json_array();
-	return l->known && l->m.table && l->m.plants && l->plants ? ECO_OK
-		: eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for plants");
+	return ECO_OK;
 }
 
 /* ---- Lists ---- */
@@ -119,7 +109,10 @@ enum eco_code link_copy(struct link *l, struct link_part *part, uint32_t list, c
 		&why);
 	if (code == ECO_DAMAGED)
 		return eco_fail(l->m.error, code, "%.200s: %s", part->path, why.text);
-	return code ? eco_fail(l->m.error, code, "%s", why.text) : make_keep_list(&l->m, part->list_of[list]);
+	if (code)
+		return eco_fail(l->m.error, code, "%s", why.text);
+	make_keep_list(&l->m, part->list_of[list]);
+	return ECO_OK;
 }
 
 /* ---- Ground: copied from one part that has rasters, or laid through all plants ---- */
@@ -148,9 +141,7 @@ static enum eco_code copy_image(struct link *l)
 			continue;
 		}
 		from = part;
-		m->ground_images = calloc(s->ground_image_count, sizeof *m->ground_images);
-		if (!m->ground_images)
-			return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the image of the ground");
+		m->ground_images = main_alloc(s->ground_image_count, sizeof *m->ground_images);
 		for (uint32_t k = 0; k < s->ground_image_count && !code; k++) {
 			struct eco_list record = link_list(part, s->ground_images[k].list);
 			code = link_copy(l, part, s->ground_images[k].list, &record);
@@ -180,9 +171,7 @@ static enum eco_code copy_ground(struct link *l)
 	if (part->at[0] != 0 || part->at[1] != 0 || part->at[2] != 0)
 		return eco_fail(m->error, ECO_UNSUPPORTED, "%s has ground but another origin than %s: give "
 			"it first", part->path, l->parts[0].path);
-	m->ground_tiles = calloc(s->ground_count, sizeof *m->ground_tiles);
-	if (!m->ground_tiles)
-		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the ground");
+	m->ground_tiles = main_alloc(s->ground_count, sizeof *m->ground_tiles);
 	for (uint32_t i = 0; i < s->ground_count && !code; i++) {
 		struct eco_list record = link_list(part, s->ground[i].list);
 		code = link_copy(l, part, s->ground[i].list, &record);
@@ -226,14 +215,12 @@ static void whole_item(const struct link_part *part, struct lod_tile_item *item)
 }
 
 /* Adds the tiles above the parts. */
-static enum eco_code add_outer(struct link *l, const struct lod_tiles *tiles)
+static void add_outer(struct link *l, const struct lod_tiles *tiles)
 {
 	struct make *m = &l->m;
 	for (uint32_t i = 0; i < tiles->node_count; i++) {
 		const struct lod_tile_node *node = &tiles->nodes[i];
-		struct eco_tile *tile = make_append(m, &m->tiles, sizeof *tile);
-		if (!tile)
-			return ECO_NO_MEMORY;
+		struct eco_tile *tile = make_append(&m->tiles, sizeof *tile);
 		*tile = (struct eco_tile){ .summary = ECO_NONE, .child_first = (uint32_t)m->children.count,
 			.child_count = node->child_count ? node->child_count : node->item_count };
 		memcpy(tile->low, node->low, sizeof tile->low);
@@ -245,11 +232,9 @@ static enum eco_code add_outer(struct link *l, const struct lod_tiles *tiles)
 				.tile = part ? part->tile_first + part->pack->scene.root : node->child[c] };
 			if (part)
 				memcpy(child.at, part->at, sizeof child.at);
-			if (make_add(m, &m->children, &child, 1, sizeof child))
-				return ECO_NO_MEMORY;
+			make_add(&m->children, &child, 1, sizeof child);
 		}
 	}
-	return ECO_OK;
 }
 
 /* Adds the rows of the group's plants. A plant of the whole may have its name from another
@@ -282,17 +267,15 @@ static enum eco_code add_groups(struct link *l, struct link_part *part, const st
 	for (uint32_t g = tile->group_first; g < tile->group_first + tile->group_count && !code; g++) {
 		const struct eco_group *from = &s->groups[g];
 		struct eco_list record = link_list(part, from->list);
-		struct eco_group *group = make_append(m, &m->groups, sizeof *group);
-		size_t size = (size_t)from->count * ECO_PLACE_BYTES;
-		if (!group || !make_append_bytes(m, s->places + from->place_first * ECO_PLACE_BYTES, size))
-			return eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory for its plants", part->path);
+		struct eco_group *group = make_append(&m->groups, sizeof *group);
+		make_add(&m->places, s->places + from->place_first * ECO_PLACE_BYTES, from->count, ECO_PLACE_BYTES);
 		record.owner += part->tile_first;
 		if (!from->first)
 			code = link_copy(l, part, from->list, &record);
 		if (!code)
 			code = add_rows(l, part, from);
 		*group = (struct eco_group){ record.owner, part->plant_of[from->plant],
-			part->list_of[from->list], (m->places.count - size) / ECO_PLACE_BYTES, from->first,
+			part->list_of[from->list], m->places.count - from->count, from->first,
 			from->count };
 	}
 	return code;
@@ -302,9 +285,7 @@ static enum eco_code add_tile(struct link *l, struct link_part *part, uint32_t i
 {
 	const struct eco_scene *s = &part->pack->scene;
 	struct make *m = &l->m;
-	struct eco_tile *tile = make_append(m, &m->tiles, sizeof *tile);
-	if (!tile)
-		return ECO_NO_MEMORY;
+	struct eco_tile *tile = make_append(&m->tiles, sizeof *tile);
 	*tile = s->tiles[id];
 	tile->summary = ECO_NONE;
 	tile->group_first = (uint32_t)m->groups.count;
@@ -312,8 +293,7 @@ static enum eco_code add_tile(struct link *l, struct link_part *part, uint32_t i
 	for (uint32_t c = 0; c < tile->child_count; c++) {
 		struct eco_child child = s->children[s->tiles[id].child_first + c];
 		child.tile += part->tile_first;
-		if (make_add(m, &m->children, &child, 1, sizeof child))
-			return ECO_NO_MEMORY;
+		make_add(&m->children, &child, 1, sizeof child);
 	}
 	return add_groups(l, part, &s->tiles[id]);
 }
@@ -323,10 +303,8 @@ static enum eco_code add_tile(struct link *l, struct link_part *part, uint32_t i
 static enum eco_code add_tiles(struct link *l)
 {
 	struct make *m = &l->m;
-	struct lod_tile_item *items = calloc(l->count, sizeof *items);
+	struct lod_tile_item *items = main_alloc(l->count, sizeof *items);
 	struct lod_tiles tiles = { 0 };
-	if (!items)
-		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u packs", l->count);
 	for (uint32_t i = 0; i < l->count; i++)
 		whole_item(&l->parts[i], &items[i]);
 	enum eco_code code = lod_tiles_build(&tiles, items, l->count, ECO_TILE_INSTANCES, m->error);
@@ -339,10 +317,9 @@ static enum eco_code add_tiles(struct link *l)
 				(unsigned long long)total);
 	}
 	if (!code)
-		code = add_outer(l, &tiles);
+		add_outer(l, &tiles);
 	for (uint32_t i = l->count; i-- > 0 && !code;) {
-		if (!main_progress("copying plants", l->parts[i].path, 1 - (i + 1.0) / l->count))
-			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+		main_progress("copying plants", l->parts[i].path, 1 - (i + 1.0) / l->count);
 		for (uint32_t t = 0; t < l->parts[i].pack->scene.tile_count && !code; t++)
 			code = add_tile(l, &l->parts[i], t);
 	}
@@ -385,7 +362,9 @@ static enum eco_code add_renamed(struct link *l, struct link_part *part, uint32_
 		code = eco_pack_add_encoded(l->m.writer, record, &encoded, &part->list_of[list], l->m.error);
 	eco_encoded_free(&encoded);
 	eco_elements_free(&points);
-	return code ? code : make_keep_list(&l->m, part->list_of[list]);
+	if (!code)
+		make_keep_list(&l->m, part->list_of[list]);
+	return code;
 }
 
 static bool is_ours(const struct eco_list *summary)
@@ -410,19 +389,15 @@ static enum eco_code part_summaries(struct link *l, struct link_part *part)
 		struct eco_list record = s->lists[i];
 		if (!before || before->palette_first != record.palette_first
 				|| before->palette_count != record.palette_count)
-			code = make_add_colors(&l->m, s->palette + record.palette_first, record.palette_count,
-				&colors);
+			colors = make_add_colors(&l->m, s->palette + record.palette_first, record.palette_count);
 		before = &s->lists[i];
 		record.owner += part->tile_first;
 		record.palette_first = colors;
-		if (!code)
-			code = part->renamed ? add_renamed(l, part, i, &record)
-				: link_copy(l, part, i, &record);
+		code = part->renamed ? add_renamed(l, part, i, &record) : link_copy(l, part, i, &record);
 		if (!code)
 			((struct eco_tile *)l->m.tiles.items)[record.owner].summary = part->list_of[i];
-		if (!code && i % 256 == 0
-				&& !main_progress("copying summaries", part->path, (double)i / s->list_count))
-			code = eco_fail(l->m.error, ECO_INTERRUPTED, "interrupted");
+		if (i % 256 == 0)
+			main_progress("copying summaries", part->path, (double)i / s->list_count);
 	}
 	return code;
 }
@@ -430,7 +405,8 @@ static enum eco_code part_summaries(struct link *l, struct link_part *part)
 static enum eco_code add_summaries(struct link *l)
 {
 	struct make_summing summing;
-	enum eco_code code = make_summing_begin(&summing, &l->m);
+	enum eco_code code = ECO_OK;
+	make_summing_begin(&summing, &l->m);
 	for (uint32_t i = 0; i < l->count && !code; i++) {
 		code = part_summaries(l, &l->parts[i]);
 		make_refer(&l->m);
@@ -467,7 +443,7 @@ static json_t *rows_json(const struct link *l)
 	for (int k = 0; k < ECO_SKIP_COUNT; k++) {
 		json_int_t count = sum_of(l, "rows", "skipped", eco_skip_names[k]);
 		if (count)
-			make_put(&skipped, eco_skip_names[k], json_integer(count));
+			json_object_set_new(skipped, eco_skip_names[k], json_integer(count));
 	}
 	return json_pack("{s:I, s:o}", "read", sum_of(l, "rows", NULL, "read"), "skipped", skipped);
 }
@@ -481,12 +457,10 @@ static bool has_draft(const struct link *l)
 	return any;
 }
 
-static enum eco_code whole_meta(const struct link *l, char **json)
+static json_t *whole_meta(const struct link *l)
 {
 	json_t *first = l->parts[0].meta, *order = json_object_get(first, "order");
-	enum eco_code code = make_species_say(&l->m, l->plants);
-	if (code)
-		return code;
+	make_species_say(&l->m, l->plants);
 	json_t *root = json_pack("{s:s, s:O*, s:s, s:O*, s:O*, s:O*, s:I, s:I, s:I, s:s, s:I, s:o, s:O}",
 		"generator", "ecopack " ECO_VERSION, "order", order, "name", l->m.scene.name, "crs",
 		json_object_get(first, "crs"), "origin", json_object_get(first, "origin"),
@@ -496,8 +470,8 @@ static enum eco_code whole_meta(const struct link *l, char **json)
 		"ground", make_ground_origin(&l->m), "off_ground", sum_of(l, NULL, NULL, "off_ground"),
 		"rows", rows_json(l), "plants", l->plants);
 	if (has_draft(l))
-		make_put(&root, "draft", json_true());
-	return make_text(root, json, l->m.error);
+		json_object_set_new(root, "draft", json_true());
+	return root;
 }
 
 /* ---- The whole ---- */
@@ -515,10 +489,9 @@ static void name_whole(struct link *l, const char *path)
 static enum eco_code run(struct link *l, const struct link_options *options)
 {
 	struct make *m = &l->m;
-	char *meta = NULL;
 	enum eco_code code = open_parts(l, options);
 	if (!code)
-		code = eco_pack_create(&m->writer, options->pack, m->error);
+		code = make_create(m);
 	if (!code)
 		code = link_textures(l);
 	for (uint32_t i = l->count; i-- > 0 && !code;) {
@@ -543,17 +516,7 @@ static enum eco_code run(struct link *l, const struct link_options *options)
 	if (code)
 		return code;
 	name_whole(l, options->pack);
-	m->scene.near_m = make_near_m(m);
-	code = whole_meta(l, &meta);
-	if (!code && !main_progress("writing", NULL, 1))
-		code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
-	if (!code) {
-		struct eco_pack_writer *writer = m->writer;
-		m->writer = NULL;        /* committing frees it in any case */
-		code = eco_pack_commit(writer, &m->scene, meta, m->error);
-	}
-	free(meta);
-	return code;
+	return make_commit(m, whole_meta(l));
 }
 
 static void link_free(struct link *l)

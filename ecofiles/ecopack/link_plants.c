@@ -9,6 +9,7 @@
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/make.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"
 
@@ -75,8 +76,7 @@ static void write_list(struct eco_writer *w, const struct link_part *part, const
 }
 
 /* Hashes everything of a plant, with numbers relative to its own first ones. */
-static bool fingerprint(const struct link_part *part, uint32_t plant, const struct range *colors,
-	struct eco_chunk_id *id)
+static struct eco_chunk_id fingerprint(const struct link_part *part, uint32_t plant, const struct range *colors)
 {
 	const struct eco_scene *s = &part->pack->scene;
 	struct eco_writer w = { 0 };
@@ -96,11 +96,11 @@ static bool fingerprint(const struct link_part *part, uint32_t plant, const stru
 	for (uint32_t i = 0; i < p.ladder_count; i++)
 		write_ladder(&w, s, plant, &s->ladders[s->plants[plant].ladder_first + i], list_first);
 	eco_write_bytes(&w, s->palette + colors->first, 3 * (size_t)(colors->end - colors->first));
-	if (!w.failed)
-		*id = eco_chunk_hash(w.bytes, w.size);
-	bool good = !w.failed;
+	if (w.failed)
+		main_end("no memory");
+	struct eco_chunk_id id = eco_chunk_hash(w.bytes, w.size);
 	eco_writer_free(&w);
-	return good;
+	return id;
 }
 
 /* Different plants should have different names. */
@@ -116,14 +116,12 @@ static void name_plant(struct link *l, struct eco_plant *plant)
 		}
 }
 
-static enum eco_code copy_colors(struct link *l, struct link_part *part, const struct range *range)
+static void copy_colors(struct link *l, struct link_part *part, const struct range *range)
 {
 	for (uint32_t i = range->first; i < range->end; i++) {
-		if (make_add(&l->m, &l->m.palette, part->pack->scene.palette[i], 1, 3))
-			return ECO_NO_MEMORY;
+		make_add(&l->m.palette, part->pack->scene.palette[i], 1, 3);
 		part->color_of[i] = (uint32_t)l->m.palette.count - 1;
 	}
-	return ECO_OK;
 }
 
 /* Ladders of a plant may share curves; all of them are adjacent. */
@@ -141,7 +139,7 @@ static struct range curves_of(const struct eco_scene *s, uint32_t plant)
 	return range.first < range.end ? range : (struct range){ 0, 0 };
 }
 
-static enum eco_code copy_tables(struct link *l, struct link_part *part, uint32_t plant)
+static void copy_tables(struct link *l, struct link_part *part, uint32_t plant)
 {
 	const struct eco_scene *s = &part->pack->scene;
 	struct make *m = &l->m;
@@ -150,28 +148,28 @@ static enum eco_code copy_tables(struct link *l, struct link_part *part, uint32_
 	name_plant(l, whole);
 	const struct eco_plant *from = &s->plants[plant];
 	struct range curves = curves_of(s, plant);
-	return make_add_plant(m, m->plant_count, &(struct make_tables){
+	make_add_plant(m, m->plant_count, &(struct make_tables){
 		.anchors = s->anchors + from->anchor_first, .anchor_first = from->anchor_first,
 		.curves = s->curves + curves.first, .curve_first = curves.first,
 		.curve_count = curves.end - curves.first, .ladders = s->ladders + from->ladder_first,
 		.ladder_count = from->ladder_count }, part->list_of);
 }
 
-static enum eco_code keep_meta(struct link *l, struct link_part *part, uint32_t plant)
+static void keep_meta(struct link *l, struct link_part *part, uint32_t plant)
 {
 	json_t *old = json_array_get(json_object_get(part->meta, "plants"), plant),
 		*copy = json_is_object(old) ? json_deep_copy(old) : json_object();
 	if (json_is_object(old))
-		make_put(&copy, "name", json_string(l->m.table[l->m.plant_count].name));
-	return json_array_append_new(l->plants, copy)
-		? eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for plants") : ECO_OK;
+		json_object_set_new(copy, "name", json_string(l->m.table[l->m.plant_count].name));
+	json_array_append_new(l->plants, copy);
 }
 
 static enum eco_code copy_plant(struct link *l, struct link_part *part, uint32_t plant,
 	const struct range *colors)
 {
 	const struct eco_scene *s = &part->pack->scene;
-	enum eco_code code = copy_colors(l, part, colors);
+	enum eco_code code = ECO_OK;
+	copy_colors(l, part, colors);
 	for (uint32_t i = 0; i < s->list_count && !code; i++) {
 		if (!of_plant(&s->lists[i], plant))
 			continue;
@@ -179,10 +177,8 @@ static enum eco_code copy_plant(struct link *l, struct link_part *part, uint32_t
 		record.owner = l->m.plant_count;
 		code = link_copy(l, part, i, &record);
 	}
-	if (!code)
-		code = copy_tables(l, part, plant);
-	if (!code)
-		code = keep_meta(l, part, plant);
+	copy_tables(l, part, plant);
+	keep_meta(l, part, plant);
 	l->m.plant_count += !code;
 	return code;
 }
@@ -193,9 +189,7 @@ enum eco_code link_plants(struct link *l, struct link_part *part)
 	enum eco_code code = ECO_OK;
 	for (uint32_t plant = 0; plant < s->plant_count && !code; plant++) {
 		struct range colors = colors_of(s, plant);
-		struct eco_chunk_id id;
-		if (!fingerprint(part, plant, &colors, &id))
-			return eco_fail(l->m.error, ECO_NO_MEMORY, "%s: no memory for plants", part->path);
+		struct eco_chunk_id id = fingerprint(part, plant, &colors);
 		uint32_t same = 0, first = (uint32_t)l->m.palette.count;
 		while (same < l->m.plant_count && memcmp(&l->known[same].id, &id, sizeof id) != 0)
 			same++;
@@ -233,16 +227,14 @@ static struct make_texture describe_texture(struct link_part *part, uint32_t lis
 }
 
 /* part->list_of is for now where a texture is in l->m.textures. */
-static enum eco_code find_textures(struct link *l, struct link_part *part)
+static void find_textures(struct link *l, struct link_part *part)
 {
 	const struct eco_scene *s = &part->pack->scene;
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < s->list_count && !code; i++)
+	for (uint32_t i = 0; i < s->list_count; i++)
 		if (s->lists[i].kind == ECO_LIST_IMAGE) {
 			struct make_texture texture = describe_texture(part, i);
-			code = make_share_texture(&l->m, &texture, &part->list_of[i]);
+			part->list_of[i] = make_share_texture(&l->m, &texture);
 		}
-	return code;
 }
 
 static enum eco_code copy(struct link *l, uint32_t id)
@@ -275,8 +267,8 @@ static void refer(const struct link *l, struct link_part *part)
 enum eco_code link_textures(struct link *l)
 {
 	enum eco_code code = ECO_OK;
-	for (uint32_t i = l->count; i-- > 0 && !code;)
-		code = find_textures(l, &l->parts[i]);
+	for (uint32_t i = l->count; i-- > 0;)
+		find_textures(l, &l->parts[i]);
 	for (uint32_t i = 0; i < l->m.textures.count && !code; i++)
 		code = copy(l, i);
 	for (uint32_t i = 0; i < l->count && !code; i++)

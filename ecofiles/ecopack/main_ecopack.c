@@ -1,11 +1,12 @@
 /* ecopack: chooses the command. make, link, info, verify and generate only call other files, and are short
  * enough to be here. */
 #include <inttypes.h>
+#include <jansson.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/base/guard.h"
-#include "ecofiles/base/json_read.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/format/chunk/draco_shim.h"
 #include "ecofiles/generate/generate.h"
@@ -77,7 +78,6 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 		make->cache = NULL;
 	else if (!make->cache && main_cache_default(folder))
 		make->cache = folder;
-	main_times_memory(make_given.times);
 	if (!code)
 		code = make_given.confined_to ? made_confined(make, error) : make_pack(make, error);
 	/* open the written pack as any reader would */
@@ -110,7 +110,7 @@ static const struct eco_option make_options[] = {
 		"folder), whatever the scene, its models, tables and rasters name. Fails where "
 		"the kernel cannot enforce this" },
 	{ "times", 0, ECO_OPTION_FLAG, NULL, &make_given.times,
-		.help = "print time and memory of each stage" },
+		.help = "print the time of each stage" },
 	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &make_given.make.cache,
 		.help = "folder that keeps finished plants for the next run; default "
 		"$XDG_CACHE_HOME/ecostream or ~/.cache/ecostream" },
@@ -204,7 +204,8 @@ static struct { struct eco_generate_options generate; uint64_t plants; } generat
 static bool generate_progress(void *ctx, const char *stage, double share)
 {
 	(void)ctx;
-	return main_progress("generating", stage, share);
+	main_progress("generating", stage, share);
+	return true;
 }
 
 static enum eco_code run_generate(int argc, char **argv, struct eco_error *error)
@@ -287,6 +288,8 @@ static const struct main_command *find_command(const char *name, struct eco_erro
 	return NULL;
 }
 
+static void *json_alloc(size_t size) { return main_alloc(1, size); }
+
 int main(int argc, char **argv)
 {
 	struct eco_error error = { 0 };
@@ -301,10 +304,8 @@ int main(int argc, char **argv)
 	if (!eco_command_answers(&command->line, argc - 2, argv + 2)) {
 		main_catch_interrupts();
 		eco_draco_end_without_memory(eco_guard_no_memory);
-		eco_json_watch();
+		json_set_alloc_funcs(json_alloc, free);
 		code = command->run(argc - 2, argv + 2, &error);
-		if (!code && eco_json_lost())
-			code = eco_fail(&error, ECO_NO_MEMORY, "no memory for all of the JSON");
 		main_progress_end();
 	}
 	return eco_command_end(&command->line, code, &error);

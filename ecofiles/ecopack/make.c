@@ -14,9 +14,7 @@
 /* Height of the smallest plant in each tile; INFINITY where there are none. */
 static double smallest_m(const struct eco_scene *s)
 {
-	double *least = malloc((s->tile_count + 1u) * sizeof *least), all;
-	if (!least)
-		return 0;
+	double *least = main_alloc(s->tile_count, sizeof *least), all;
 	for (uint32_t id = s->tile_count; id-- > 0;) {
 		const struct eco_tile *t = &s->tiles[id];
 		least[id] = INFINITY;
@@ -37,7 +35,7 @@ static double smallest_m(const struct eco_scene *s)
 
 /* About 2^-17 of the scene's diameter, which leaves depth resolution to spare, but never so far that it
  * cuts into a plant seen from close by. */
-double make_near_m(const struct make *m)
+static double near_m(const struct make *m)
 {
 	const struct eco_tile *root = &m->scene.tiles[0];
 	double square = 0;
@@ -53,12 +51,27 @@ double make_near_m(const struct make *m)
 	return lod_power_below(fmax(near, 1e-6));
 }
 
+/* A killed or interrupted build leaves these, which the next one to the same path removes, too. */
+static void remove_unfinished(void *path)
+{
+	char name[PATH_MAX + 64];
+	for (int i = 0; i < 2; i++) {
+		snprintf(name, sizeof name, "%s.tmp-%ld%s", (const char *)path, (long)getpid(), i ? "-payloads" : "");
+		unlink(name);
+	}
+}
+
+enum eco_code make_create(struct make *m)
+{
+	main_at_end(remove_unfinished, (void *)m->options->pack);
+	return eco_pack_create(&m->writer, m->options->pack, m->error);
+}
+
 static enum eco_code begin(struct make *m)
 {
-	if (!main_progress("reading the scene", NULL, 0))
-		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	main_progress("reading the scene", NULL, 0);
 	enum eco_code code = eco_sources_load(&m->sources, m->options->scene, m->error);
-	return code ? code : eco_pack_create(&m->writer, m->options->pack, m->error);
+	return code ? code : make_create(m);
 }
 
 static enum eco_code lay_ground(struct make *m)
@@ -66,21 +79,23 @@ static enum eco_code lay_ground(struct make *m)
 	return m->sources.items[0].ground.none ? ECO_OK : make_ground_through(m);
 }
 
+enum eco_code make_commit(struct make *m, json_t *meta)
+{
+	char *text = json_dumps(meta, JSON_INDENT(1));
+	struct eco_pack_writer *writer = m->writer;
+	json_decref(meta);
+	m->scene.near_m = near_m(m);
+	main_progress("writing", NULL, 1);
+	m->writer = NULL;                    /* committing frees it in any case */
+	enum eco_code code = eco_pack_commit(writer, &m->scene, text, m->error);
+	free(text);
+	return code;
+}
+
 static enum eco_code commit(struct make *m)
 {
-	char *meta = NULL;
 	snprintf(m->scene.name, sizeof m->scene.name, "%s", m->sources.items[0].name);
-	m->scene.near_m = make_near_m(m);
-	enum eco_code code = make_meta(m, &meta, m->error);
-	if (!code && !main_progress("writing", NULL, 1))
-		code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
-	if (!code) {
-		struct eco_pack_writer *writer = m->writer;
-		m->writer = NULL;        /* committing frees it in any case */
-		code = eco_pack_commit(writer, &m->scene, meta, m->error);
-	}
-	free(meta);
-	return code;
+	return make_commit(m, make_meta(m));
 }
 
 /* Errors of inventories and ground are reported before the plants, which take longest. */
@@ -110,6 +125,7 @@ void make_tables_free(struct make *m)
 	free(m->plants);
 	free(m->table);
 	eco_pack_abort(m->writer);
+	main_at_end(NULL, NULL);
 	make_ground_free(m);
 	make_inventory_free(m);
 	make_species_free(m);
@@ -120,7 +136,7 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 	struct eco_error own = { 0 };
 	struct make m = { .options = options, .error = error ? error : &own };
 	if (options->cache && options->cache[0])
-		make_cache_begin();
+		main_cache_begin();
 	main_cache_open(&m.cache, options->cache, options->cache_bytes ? options->cache_bytes
 		: MAIN_CACHE_LIMIT_MB * (uint64_t)1048576);
 	enum eco_code code = build(&m);
@@ -139,50 +155,41 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 
 /* Used by every step of a build: tables that grow, lists stored and kept in them, the number of threads. */
 
-void *make_append(struct make *m, struct make_array *array, size_t size)
+void *make_append(struct make_array *array, size_t size)
 {
 	if (array->count == array->capacity) {
 		uint64_t wanted = array->capacity ? 2 * array->capacity : 64;
 		void *bigger = wanted < ECO_NONE ? realloc(array->items, wanted * size) : NULL;
-		if (!bigger) {
-			eco_fail(m->error, ECO_NO_MEMORY, "no memory for %llu records",
-				(unsigned long long)wanted);
-			return NULL;
-		}
+		if (!bigger)
+			main_end("no memory");
 		array->items = bigger;
 		array->capacity = wanted;
 	}
 	return (uint8_t *)array->items + size * array->count++;
 }
 
-enum eco_code make_add(struct make *m, struct make_array *array, const void *records, uint32_t count,
-	size_t size)
+void make_add(struct make_array *array, const void *records, size_t count, size_t size)
 {
-	for (uint32_t i = 0; i < count; i++) {
-		void *added = make_append(m, array, size);
-		if (!added)
-			return ECO_NO_MEMORY;
-		memcpy(added, (const uint8_t *)records + i * size, size);
-	}
-	return ECO_OK;
+	for (size_t i = 0; i < count; i++)
+		memcpy(make_append(array, size), (const uint8_t *)records + i * size, size);
 }
 
-enum eco_code make_add_colors(struct make *m, const uint8_t (*rgb)[3], uint32_t count, uint32_t *first)
+uint32_t make_add_colors(struct make *m, const uint8_t (*rgb)[3], uint32_t count)
 {
 	const uint8_t (*palette)[3] = m->palette.items;
-	size_t size = count * sizeof *rgb;
-	*first = 0;
-	while (*first + (uint64_t)count <= m->palette.count && memcmp(palette[*first], rgb, size) != 0)
-		++*first;
-	if (*first + (uint64_t)count <= m->palette.count)
-		return ECO_OK;
-	*first = (uint32_t)m->palette.count;
-	return make_add(m, &m->palette, rgb, count, sizeof *rgb);
+	uint32_t first = 0;
+	while (first + (uint64_t)count <= m->palette.count && memcmp(palette[first], rgb, count * sizeof *rgb) != 0)
+		first++;
+	if (first + (uint64_t)count > m->palette.count) {
+		first = (uint32_t)m->palette.count;
+		make_add(&m->palette, rgb, count, sizeof *rgb);
+	}
+	return first;
 }
 
 static uint32_t moved(const uint32_t *to, uint32_t index) { return index == ECO_NONE ? ECO_NONE : to[index]; }
 
-enum eco_code make_add_plant(struct make *m, uint32_t id, const struct make_tables *from,
+void make_add_plant(struct make *m, uint32_t id, const struct make_tables *from,
 	const uint32_t *lists)
 {
 	struct eco_plant *plant = &m->table[id];
@@ -190,11 +197,9 @@ enum eco_code make_add_plant(struct make *m, uint32_t id, const struct make_tabl
 	plant->anchor_first = (uint32_t)m->anchors.count;
 	plant->ladder_first = (uint32_t)m->ladders.count;
 	plant->ladder_count = from->ladder_count;
-	enum eco_code code = make_add(m, &m->anchors, from->anchors, plant->anchor_count,
-		sizeof *from->anchors);
-	if (!code)
-		code = make_add(m, &m->curves, from->curves, from->curve_count, sizeof *from->curves);
-	for (uint32_t i = 0; i < from->ladder_count && !code; i++) {
+	make_add(&m->anchors, from->anchors, plant->anchor_count, sizeof *from->anchors);
+	make_add(&m->curves, from->curves, from->curve_count, sizeof *from->curves);
+	for (uint32_t i = 0; i < from->ladder_count; i++) {
 		struct eco_ladder ladder = from->ladders[i];
 		ladder.plant = id;
 		ladder.anchor += plant->anchor_first - from->anchor_first;
@@ -204,16 +209,15 @@ enum eco_code make_add_plant(struct make *m, uint32_t id, const struct make_tabl
 		ladder.simple = moved(lists, ladder.simple);
 		ladder.triangles = moved(lists, ladder.triangles);
 		ladder.impostor = moved(lists, ladder.impostor);
-		code = make_add(m, &m->ladders, &ladder, 1, sizeof ladder);
+		make_add(&m->ladders, &ladder, 1, sizeof ladder);
 	}
-	return code;
 }
 
-enum eco_code make_keep_list(struct make *m, uint32_t list_id)
+void make_keep_list(struct make *m, uint32_t list_id)
 {
 	const struct eco_list *stored = eco_pack_list(m->writer, list_id);
 	m->scene.needs |= eco_list_needs(stored);
-	return make_add(m, &m->lists, stored, 1, sizeof *stored);
+	make_add(&m->lists, stored, 1, sizeof *stored);
 }
 
 enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements,
@@ -221,14 +225,38 @@ enum eco_code make_add_list(struct make *m, const struct eco_list *list, const s
 {
 	enum eco_code code = eco_pack_add_list(m->writer, list, elements, ends, end_count, partner, list_id,
 		m->error);
-	return code ? code : make_keep_list(m, *list_id);
+	if (!code)
+		make_keep_list(m, *list_id);
+	return code;
 }
 
 enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded,
 	uint32_t *list_id)
 {
 	enum eco_code code = eco_pack_add_encoded(m->writer, list, encoded, list_id, m->error);
-	return code ? code : make_keep_list(m, *list_id);
+	if (!code)
+		make_keep_list(m, *list_id);
+	return code;
+}
+
+enum eco_code make_add_bytes(struct make *m, const struct eco_list *list, const struct eco_writer *payloads,
+	uint32_t count, uint32_t *list_id)
+{
+	struct eco_bytes bytes[MAKE_PAYLOADS_MAX];
+	for (uint32_t i = 0; i < count; i++)
+		bytes[i] = (struct eco_bytes){ payloads[i].bytes, payloads[i].size };
+	enum eco_code code = eco_pack_add_bytes(m->writer, list, bytes, count, list_id, m->error);
+	if (!code)
+		make_keep_list(m, *list_id);
+	return code;
+}
+
+uint32_t make_string(struct eco_string_pool *pool, const char *text)
+{
+	uint32_t number;
+	if (!eco_string_pool_add(pool, text, &number))
+		main_end("no memory");
+	return number;
 }
 
 uint32_t make_threads(const struct make *m)

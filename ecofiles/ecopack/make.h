@@ -3,7 +3,7 @@
  *   sources     eco_sources_load: the scene file and the files it nests, each once
  *   ground      eco_ground_import, rounded to the pack's grid, cut into tiles                make_ground.c
  *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure     make_plants.c
- *               or taken from the cache of finished plants                                   make_cache.c
+ *               or taken from the cache of finished plants                                        cache.c
  *   textures    those that plants share, once                                                make_textures.c
  *   places      instances and inventories, put on the ground, scaled to their heights        make_places.c
  *   tiles       lod_tiles_build; instance lists, tables, point summaries       make_tiles.c, make_summaries.c
@@ -48,7 +48,6 @@ enum eco_code make_confine(const struct make_options *options, const char *folde
 enum eco_code make_pack(const struct make_options *options, struct eco_error *error);
 
 /* ---- Inside ---- */
-
 
 struct make_plant {              /* a model on its way into the pack */
 	const struct eco_source_plant *source;   /* the first source plant that names it */
@@ -114,18 +113,20 @@ struct make {
 	struct make_inventory *inventory;        /* make_inventory.c; NULL before the first place */
 	struct make_species *stood_species;      /* make_species.c; the same */
 	/* the scene's tables as they grow */
-	struct make_array anchors, ladders, curves, tiles, groups, children, lists, places, palette;
+	struct make_array anchors, ladders, curves, tiles, groups, children, lists, palette;
+	struct make_array places;    /* of ECO_PLACE_BYTES */
 	struct eco_plant *table;     /* per plant */
 	struct eco_scene scene;
 };
 
+/* Begins the pack; main_end removes what is unfinished of it. */
+enum eco_code make_create(struct make *m);
 /* Frees what make and link have in common, the writer too. */
 void make_tables_free(struct make *m);
-/* Room for one more record; NULL: no memory, and m->error is set. */
-void *make_append(struct make *m, struct make_array *array, size_t size);
+/* Room for one more record. */
+void *make_append(struct make_array *array, size_t size);
 /* Appends `count` records. */
-enum eco_code make_add(struct make *m, struct make_array *array, const void *records, uint32_t count,
-	size_t size);
+void make_add(struct make_array *array, const void *records, size_t count, size_t size);
 
 /* A plant's tables where it comes from: their ladders count anchors from anchor_first and curves from
  * curve_first. */
@@ -135,16 +136,14 @@ struct make_tables {
 	const struct eco_ladder *ladders; uint32_t ladder_count;
 };
 /* Appends them for m->table[id]. lists: per list of the plant, its list in the pack. */
-enum eco_code make_add_plant(struct make *m, uint32_t id, const struct make_tables *from,
+void make_add_plant(struct make *m, uint32_t id, const struct make_tables *from,
 	const uint32_t *lists);
 
-/* Finds a run of colours in the scene's palette, or appends it. */
-enum eco_code make_add_colors(struct make *m, const uint8_t (*rgb)[3], uint32_t count, uint32_t *first);
-
-bool make_append_bytes(struct make *m, const uint8_t *bytes, size_t size);    /* to m->places */
+/* Finds a run of colours in the scene's palette, or appends it; returns its first. */
+uint32_t make_add_colors(struct make *m, const uint8_t (*rgb)[3], uint32_t count);
 
 /* Adds a list that the writer has to m->lists, and its requirements to the scene's needs. */
-enum eco_code make_keep_list(struct make *m, uint32_t list_id);
+void make_keep_list(struct make *m, uint32_t list_id);
 /* Adds a list to the pack and to m->lists. */
 enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements,
 	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id);
@@ -152,6 +151,14 @@ enum eco_code make_add_list(struct make *m, const struct eco_list *list, const s
 /* The same for a list encoded before. */
 enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded,
 	uint32_t *list_id);
+
+/* The same of bytes, up to MAKE_PAYLOADS_MAX chunks. */
+#define MAKE_PAYLOADS_MAX 32u
+enum eco_code make_add_bytes(struct make *m, const struct eco_list *list, const struct eco_writer *payloads,
+	uint32_t count, uint32_t *list_id);
+
+/* The number of a text in a pool, which has it from then on. */
+uint32_t make_string(struct eco_string_pool *pool, const char *text);
 
 /* as many as the options ask for, or the machine has processors */
 uint32_t make_threads(const struct make *m);
@@ -170,19 +177,6 @@ enum eco_code make_image(struct make *m);
 enum eco_code make_plants(struct make *m);           /* finds, builds and packs them */
 void make_plants_free(struct make *m);
 
-/* Call it before any library is loaded on demand: it hashes the libraries that are loaded. */
-void make_cache_begin(void);
-/* False if the program's file cannot be read: then keep nothing. */
-bool make_cache_key(struct main_cache_key *key, const struct eco_model *model,
-	const struct lod_plant_options *options);
-/* The key of what this program makes of these bytes; `what` tells kinds of entries apart. */
-bool make_cache_bytes_key(struct main_cache_key *key, const char *what, const void *bytes, size_t size);
-/* Fetches the plant, as lod_plant_measure left it, and gives it that name; false: not in the cache. */
-bool make_cache_get(struct main_cache *cache, const struct main_cache_key *key, const struct eco_model *model,
-	const char *name, struct lod_plant *plant);
-void make_cache_put(struct main_cache *cache, const struct main_cache_key *key,
-	const struct lod_plant *plant);
-
 /* opens each inventory and takes its first plant; reads areas and masks */
 enum eco_code make_places_check(struct make *m);
 /* Fills m->ecos with places, by the heights and reaches of m->plants, and tiles them. */
@@ -195,8 +189,6 @@ enum eco_code make_tiles(struct make *m);            /* tables and lists of tile
 void make_refer(struct make *m);                     /* points m->scene to the tables as they are now */
 /* sums areas and plants of tiles [0, tiles_end) from later tiles */
 void make_add_up(struct make *m, uint32_t tiles_end);
-double make_near_m(const struct make *m);            /* near plane of the finished scene */
-
 /* Summaries, an eco file's tiles at a time; nested eco files come before the files that nest them. */
 struct make_summing {
 	struct make *m;
@@ -207,7 +199,7 @@ struct make_summing {
 	uint32_t first;
 	uint64_t done;
 };
-enum eco_code make_summing_begin(struct make_summing *summing, struct make *m);
+void make_summing_begin(struct make_summing *summing, struct make *m);
 enum eco_code make_summing_run(struct make_summing *summing, uint32_t first, uint32_t count);
 /* keeps the root for files that nest it */
 enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile);
@@ -220,16 +212,14 @@ enum eco_code make_inventory_pack(struct make *m);
 void make_inventory_free(struct make *m);
 /* Adds "species" to plants of META that are of any: {"of": how many, "most": [[name, or null where rows state
  * none, plants], ...]}, the commonest first, as many as fit a legend. */
-enum eco_code make_species_say(const struct make *m, json_t *plants);
+void make_species_say(const struct make *m, json_t *plants);
 void make_species_free(struct make *m);
 /* META's "ground": where it comes from. */
 #define MAKE_GROUND_THROUGH "plants"
 const char *make_ground_origin(const struct make *m);
-enum eco_code make_meta(const struct make *m, char **json, struct eco_error *error);
-/* Takes the value. Without memory *object is freed and NULL: no description lacks a part. */
-void make_put(json_t **object, const char *key, json_t *value);
-/* META of an object, which is freed; NULL: no memory. */
-enum eco_code make_text(json_t *root, char **json, struct eco_error *error);
+json_t *make_meta(const struct make *m);
+/* Names the scene, finds its near plane and commits the pack. Frees meta. */
+enum eco_code make_commit(struct make *m, json_t *meta);
 
 /* Textures of a pack belong to no plant: models that show one image, at whatever size, share its lists, and
  * a stream sends them once. Levels halve from the image (lod/build/texture.h): fewer levels are the first ones
@@ -243,8 +233,8 @@ struct make_texture {
 	uint32_t list;               /* in the pack, once it is there; before, the caller's */
 };
 
-/* Finds a texture in m->textures, adds it, or makes the one there finer. */
-enum eco_code make_share_texture(struct make *m, const struct make_texture *texture, uint32_t *at);
+/* Finds a texture in m->textures, adds it, or makes the one there finer; returns where it is. */
+uint32_t make_share_texture(struct make *m, const struct make_texture *texture);
 
 /* Packs the textures of all plants, and sets their `images`. */
 enum eco_code make_textures(struct make *m);

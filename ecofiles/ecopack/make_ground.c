@@ -106,8 +106,7 @@ enum eco_code make_ground_read(struct make *m)
 	struct eco_source *source = &m->sources.items[0];
 	if (!source->ground.height_count)
 		return ECO_OK;
-	if (!main_progress("reading ground", NULL, 0))
-		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	main_progress("reading ground", NULL, 0);
 	struct eco_ground_options options = { .source = &source->ground, .scene_crs = source->crs,
 		.scene_vertical = source->vertical, .origin = { source->origin[0], source->origin[1],
 		source->origin[2] }, .side_max = ECO_GROUND_INSIDE_MAX, .warn = main_note_text };
@@ -151,8 +150,9 @@ static enum eco_code add_tile(void *ctx, uint64_t i, void *result, struct eco_er
 {
 	struct make *m = ctx;
 	struct tile_list *made = result;
-	if (i % 64 == 0 && !main_progress("packing ground", NULL, (double)i / m->scene.ground_count))
-		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	(void)error;
+	if (i % 64 == 0)
+		main_progress("packing ground", NULL, (double)i / m->scene.ground_count);
 	return make_add_encoded(m, &made->list, &made->encoded, &m->ground_tiles[i].list);
 }
 
@@ -168,8 +168,7 @@ enum eco_code make_ground_pack(struct make *m)
 	struct lod_ground_tree tree;
 	if (!m->has_ground)
 		return ECO_OK;
-	if (!main_progress("measuring ground", NULL, 0))
-		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	main_progress("measuring ground", NULL, 0);
 	enum eco_code code = lod_ground_build(&tree, &m->ground, m->ground_step_m,
 		fmin(m->ground_step_m, HEIGHT_STEP_M), m->error);
 	if (code)
@@ -295,11 +294,8 @@ enum eco_code make_ground_through(struct make *m)
 	struct feet f = { .scene = &m->scene, .apart = (root->instance_count + FEET_MAX - 1) / FEET_MAX };
 	if (m->has_ground || root->instance_count == 0)
 		return ECO_OK;
-	if (!main_progress("laying ground through the plants", NULL, 0))
-		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
-	f.at = malloc((root->instance_count / f.apart + 1) * sizeof *f.at);
-	if (!f.at)
-		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the feet of plants");
+	main_progress("laying ground through the plants", NULL, 0);
+	f.at = main_alloc(root->instance_count / f.apart + 1, sizeof *f.at);
 	take_tile(&f, m->scene.root, &(struct lod_place){ .cosine = 1, .scale = 1 }, 0);
 	struct eco_ground_feet feet = { .at = (const double (*)[3])f.at, .count = f.count,
 		.low = { root->low[0], root->low[1] }, .high = { root->high[0], root->high[1] } };

@@ -50,66 +50,18 @@ static void drop(void *result)
 		eco_writer_free(&levels[i]);
 }
 
-/* An entry of the cache: levels one after the other, a u32 of its size before each. False: damaged. */
-static bool read_levels(struct eco_writer *levels, const uint8_t *bytes, size_t size)
-{
-	struct eco_reader r = { bytes, size, 0, false };
-	bool good = true;
-	for (uint32_t i = 0; i < ECO_GROUND_IMAGE_LEVELS && good; i++) {
-		uint32_t length = eco_read_u32(&r);
-		const uint8_t *level = eco_read_bytes(&r, length);
-		good = level && length;
-		if (good)
-			eco_write_bytes(&levels[i], level, length);
-		good = good && !levels[i].failed;
-	}
-	return good && r.at == r.size;
-}
-
-static void keep_levels(struct main_cache *cache, const struct main_cache_key *key,
-	const struct eco_writer *levels)
-{
-	struct eco_writer w = { 0 };
-	for (uint32_t i = 0; i < ECO_GROUND_IMAGE_LEVELS; i++) {
-		eco_write_u32(&w, (uint32_t)levels[i].size);
-		eco_write_bytes(&w, levels[i].bytes, levels[i].size);
-	}
-	if (!w.failed)
-		main_cache_put(cache, key, w.bytes, w.size);
-	eco_writer_free(&w);
-}
-
-/* Texels that were encoded before are taken as they were: a later make repeats only what changed. */
 static enum eco_code encode(void *ctx, uint64_t i, void *result, struct eco_error *error)
 {
-	const struct image *image = ctx;
-	const uint8_t *rgba = image->waiting[i].rgba;
-	struct main_cache *cache = &image->m->cache;
-	struct main_cache_key key;
-	uint8_t *bytes = NULL;
-	size_t size;
-	bool keyed = cache->folder[0] && make_cache_bytes_key(&key, "image", rgba, ECO_GROUND_IMAGE_BYTES);
-	if (keyed && main_cache_get(cache, &key, &bytes, &size)) {
-		bool good = read_levels(result, bytes, size);
-		free(bytes);
-		if (good)
-			return ECO_OK;
-		drop(result);
-		memset(result, 0, ECO_GROUND_IMAGE_LEVELS * sizeof(struct eco_writer));
-		main_cache_reject(cache, &key, "levels of a square of the ground's image that it has not");
-	}
-	enum eco_code code = lod_image_levels(result, rgba, error);
-	if (!code && keyed)
-		keep_levels(cache, &key, result);
-	return code;
+	return lod_image_levels(result, ((const struct image *)ctx)->waiting[i].rgba, error);
 }
 
 static enum eco_code keep(void *ctx, uint64_t i, void *result, struct eco_error *error)
 {
 	struct image *image = ctx;
 	struct tile *tile = &image->tiles[image->waiting[i].tile];
-	if (image->encoded++ % 16 == 0 && !main_progress("packing the ground's image", NULL, 0))
-		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	(void)error;
+	if (image->encoded++ % 16 == 0)
+		main_progress("packing the ground's image", NULL, 0);
 	memcpy(tile->levels, result, sizeof tile->levels);
 	memset(result, 0, sizeof tile->levels);
 	return ECO_OK;
@@ -129,9 +81,7 @@ static enum eco_code encode_waiting(struct image *image)
 /* Takes a copy of the texels. */
 static enum eco_code wait_for(struct image *image, uint32_t tile, const uint8_t *rgba)
 {
-	uint8_t *copy = malloc(ECO_GROUND_IMAGE_BYTES);
-	if (!copy)
-		return eco_fail(image->m->error, ECO_NO_MEMORY, "no memory for the ground's image");
+	uint8_t *copy = main_alloc(1, ECO_GROUND_IMAGE_BYTES);
 	memcpy(copy, rgba, ECO_GROUND_IMAGE_BYTES);
 	image->waiting[image->waiting_count++] = (struct waiting){ tile, copy };
 	return image->waiting_count < BATCH ? ECO_OK : encode_waiting(image);
@@ -139,29 +89,13 @@ static enum eco_code wait_for(struct image *image, uint32_t tile, const uint8_t 
 
 /* ---- The tree ---- */
 
-static enum eco_code add_tile(struct image *image, const struct eco_list *list, uint32_t *id)
-{
-	if (image->count == image->capacity) {
-		uint32_t capacity = image->capacity ? 2 * image->capacity : 256;
-		struct tile *tiles = realloc(image->tiles, capacity * sizeof *tiles);
-		if (!tiles)
-			return eco_fail(image->m->error, ECO_NO_MEMORY, "no memory for the ground's image");
-		image->tiles = tiles;
-		image->capacity = capacity;
-	}
-	*id = image->count++;
-	image->tiles[*id] = (struct tile){ .list = *list };
-	return ECO_OK;
-}
-
 static enum eco_code read_tile(struct image *image, const struct eco_list *list, uint32_t *id, uint8_t *rgba);
 
 static enum eco_code read_quarters(struct image *image, uint32_t id, uint8_t *rgba)
 {
-	uint8_t *room = malloc(4 * (size_t)ECO_GROUND_IMAGE_BYTES);
+	uint8_t *room = main_alloc(4, ECO_GROUND_IMAGE_BYTES);
 	const uint8_t *quarters[4];
-	enum eco_code code = room ? ECO_OK
-		: eco_fail(image->m->error, ECO_NO_MEMORY, "no memory for the ground's image");
+	enum eco_code code = ECO_OK;
 	for (uint32_t q = 0; q < 4 && !code; q++) {
 		struct eco_list list = image->tiles[id].list;
 		uint32_t child = 0;
@@ -181,10 +115,11 @@ static enum eco_code read_tile(struct image *image, const struct eco_list *list,
 {
 	struct eco_ground_image_tile square = { .rgba = rgba };
 	enum eco_code code = eco_ground_image_next(image->reader, &square, image->m->error);
-	if (!code)
-		code = add_tile(image, list, id);
 	if (code)
 		return code;
+	main_grow(&image->tiles, &image->capacity, image->count, sizeof *image->tiles);
+	*id = image->count++;
+	image->tiles[*id] = (struct tile){ .list = *list };
 	if (!*id) {
 		struct eco_list *root = &image->tiles[0].list;
 		memcpy(root->grid_origin, square.low, sizeof square.low);
@@ -200,21 +135,11 @@ static enum eco_code pack_tiles(struct image *image)
 {
 	struct make *m = image->m;
 	enum eco_code code = ECO_OK;
-	uint32_t *order = malloc(image->count * sizeof *order), end = 1;
-	m->ground_images = calloc(image->count, sizeof *m->ground_images);
-	if (!order || !m->ground_images)
-		code = eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u tiles", image->count);
-	if (order)
-		order[0] = 0;
+	uint32_t *order = main_alloc(image->count, sizeof *order), end = 1;
+	m->ground_images = main_alloc(image->count, sizeof *m->ground_images);
 	for (uint32_t i = 0; i < image->count && !code; i++) {
 		struct tile *tile = &image->tiles[order[i]];
-		struct eco_bytes payloads[ECO_GROUND_IMAGE_LEVELS];
-		for (uint32_t k = 0; k < ECO_GROUND_IMAGE_LEVELS; k++)
-			payloads[k] = (struct eco_bytes){ tile->levels[k].bytes, tile->levels[k].size };
-		code = eco_pack_add_bytes(m->writer, &tile->list, payloads, ECO_GROUND_IMAGE_LEVELS,
-			&m->ground_images[i].list, m->error);
-		if (!code)
-			code = make_keep_list(m, m->ground_images[i].list);
+		code = make_add_bytes(m, &tile->list, tile->levels, ECO_GROUND_IMAGE_LEVELS, &m->ground_images[i].list);
 		m->ground_images[i].child_first = tile->children[0] ? end : 0;
 		for (uint32_t q = 0; q < 4 && tile->children[0]; q++)
 			order[end++] = tile->children[q];
@@ -234,9 +159,8 @@ static enum eco_code read_all(struct image *image)
 		.partner = ECO_NONE,
 		.grid_step = { 1, 1, 1 } };
 	uint32_t id;
-	uint8_t *rgba = malloc(ECO_GROUND_IMAGE_BYTES);
-	enum eco_code code = rgba ? read_tile(image, &root, &id, rgba)
-		: eco_fail(image->m->error, ECO_NO_MEMORY, "no memory for the ground's image");
+	uint8_t *rgba = main_alloc(1, ECO_GROUND_IMAGE_BYTES);
+	enum eco_code code = read_tile(image, &root, &id, rgba);
 	free(rgba);
 	return code;
 }
@@ -244,13 +168,11 @@ static enum eco_code read_all(struct image *image)
 enum eco_code make_image(struct make *m)
 {
 	struct image image = { .m = m };
-	uint64_t hits = m->cache.hits, misses = m->cache.misses;     /* reports count plants only */
 	struct eco_ground_image_options options = options_of(m);
 	const struct eco_tile *root = &m->scene.tiles[m->scene.root];
 	if (!options.source->file_count || !m->has_ground)
 		return ECO_OK;
-	if (!main_progress("reading the ground's image", NULL, 0))
-		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	main_progress("reading the ground's image", NULL, 0);
 	memcpy(options.low, root->low, sizeof options.low);
 	memcpy(options.high, root->high, sizeof options.high);
 	options.warn = main_note_text;
@@ -274,6 +196,5 @@ enum eco_code make_image(struct make *m)
 	for (uint32_t i = 0; i < image.count; i++)
 		drop(image.tiles[i].levels);
 	free(image.tiles);
-	m->cache.hits = hits, m->cache.misses = misses;
 	return code;
 }

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/array_grow.h"
+#include "ecofiles/ecopack/run.h"
 
 /* ---- Species ---- */
 
@@ -28,31 +28,27 @@ static const char *species_of(const struct make_species *s, uint32_t pair)
 	return s->pairs.items[pair] + PLANT_DIGITS;
 }
 
-/* The pair's number. False: no memory. */
-static bool find_pair(struct make_species *s, uint32_t plant, const char *species, uint32_t *pair)
+/* The pair's number. */
+static uint32_t find_pair(struct make_species *s, uint32_t plant, const char *species)
 {
 	char key[PLANT_DIGITS + ECO_INVENTORY_NAME_MAX + 1];
 	snprintf(key, sizeof key, "%08x%.*s", plant, (int)ECO_INVENTORY_NAME_MAX, species);
-	uint32_t before = s->pairs.count;
-	if (!eco_string_pool_add(&s->pairs, key, pair)
-			|| !eco_array_grow(&s->counts, &s->count_room, *pair, sizeof *s->counts))
-		return false;
-	if (*pair == before)
-		s->counts[*pair] = 0;
-	return true;
+	uint32_t before = s->pairs.count, pair = make_string(&s->pairs, key);
+	main_grow(&s->counts, &s->count_room, pair, sizeof *s->counts);
+	if (pair == before)
+		s->counts[pair] = 0;
+	return pair;
 }
 
-static enum eco_code make_species_count(struct make *m, uint32_t plant, const char *species)
+static void make_species_count(struct make *m, uint32_t plant, const char *species)
 {
 	struct make_species *s = m->stood_species;
-	if (!s && !(s = m->stood_species = calloc(1, sizeof *s)))
-		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the species of plants");
+	if (!s)
+		s = m->stood_species = main_alloc(1, sizeof *s);
 	if (!s->pairs.count || plant != s->plant || strcmp(species_of(s, s->pair), species) != 0)
-		if (!find_pair(s, plant, species, &s->pair))
-			return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the species of plants");
+		s->pair = find_pair(s, plant, species);
 	s->plant = plant;
 	s->counts[s->pair]++;
-	return ECO_OK;
 }
 
 /* By plant; of a plant, the commonest first. */
@@ -72,48 +68,31 @@ static int by_most(const void *a, const void *b, void *ctx)
 static json_t *said_of(const struct make_species *s, const uint32_t *pairs, uint32_t count)
 {
 	json_t *most = json_array();
-	for (uint32_t i = 0; i < count && i < SAID_MOST && most; i++) {
+	for (uint32_t i = 0; i < count && i < SAID_MOST; i++) {
 		const char *name = species_of(s, pairs[i]);
 		bool is_stated = strcmp(name, ECO_INVENTORY_UNSTATED) != 0;
-		json_t *one = json_pack("[s?, I]", is_stated ? name : NULL, (json_int_t)s->counts[pairs[i]]);
-		if (json_array_append_new(most, one)) {
-			json_decref(most);
-			most = NULL;
-		}
+		json_array_append_new(most,
+			json_pack("[s?, I]", is_stated ? name : NULL, (json_int_t)s->counts[pairs[i]]));
 	}
-	return most ? json_pack("{s:I, s:o}", "of", (json_int_t)count, "most", most) : NULL;
+	return json_pack("{s:I, s:o}", "of", (json_int_t)count, "most", most);
 }
 
-/* False: no memory. */
-static bool say_species(const struct make_species *s, const uint32_t *order, json_t *plants)
-{
-	for (uint32_t i = 0, end; i < s->pairs.count; i = end) {
-		const char *digits = s->pairs.items[order[i]];
-		for (end = i + 1; end < s->pairs.count
-				&& memcmp(s->pairs.items[order[end]], digits, PLANT_DIGITS) == 0;)
-			end++;
-		char plant[PLANT_DIGITS + 1] = "";
-		memcpy(plant, digits, PLANT_DIGITS);
-		if (json_object_set_new(json_array_get(plants, strtoul(plant, NULL, 16)), "species",
-				said_of(s, order + i, end - i)))
-			return false;
-	}
-	return true;
-}
-
-enum eco_code make_species_say(const struct make *m, json_t *plants)
+void make_species_say(const struct make *m, json_t *plants)
 {
 	const struct make_species *s = m->stood_species;
-	uint32_t *order = s ? malloc(((size_t)s->pairs.count + 1) * sizeof *order) : NULL;
-	if (!s)
-		return ECO_OK;
-	for (uint32_t i = 0; i < s->pairs.count && order; i++)
+	uint32_t count = s ? s->pairs.count : 0, *order = main_alloc(count, sizeof *order);
+	for (uint32_t i = 0; i < count; i++)
 		order[i] = i;
-	if (order)
-		qsort_r(order, s->pairs.count, sizeof *order, by_most, (void *)s);
-	bool good = order && say_species(s, order, plants);
+	qsort_r(order, count, sizeof *order, by_most, (void *)s);
+	for (uint32_t i = 0, end; i < count; i = end) {
+		char plant[PLANT_DIGITS + 1] = "";
+		memcpy(plant, s->pairs.items[order[i]], PLANT_DIGITS);
+		for (end = i + 1; end < count && memcmp(s->pairs.items[order[end]], plant, PLANT_DIGITS) == 0;)
+			end++;
+		json_object_set_new(json_array_get(plants, strtoul(plant, NULL, 16)), "species",
+			said_of(s, order + i, end - i));
+	}
 	free(order);
-	return good ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "no memory for the species of plants");
 }
 
 void make_species_free(struct make *m)
@@ -138,29 +117,18 @@ struct make_inventory {
 	bool is_needed;         /* something is to be said of a plant */
 };
 
-static enum eco_code no_memory(struct make *m)
+/* The kept name that equals `name`, or NULL; *number: of a kept one that it often is. */
+static const char *keep_name(struct eco_string_pool *names, const char *name, uint32_t *number)
 {
-	return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the rows of inventories");
-}
-
-/* The kept name that equals `name`, or NULL; *number: of a kept one that it often is. False: no memory. */
-static bool keep_name(struct eco_string_pool *names, const char *name, uint32_t *number, const char **kept)
-{
-	*kept = NULL;
-	if (!name)
-		return true;
-	bool is_same = *number < names->count && strcmp(names->items[*number], name) == 0;
-	if (!is_same && !eco_string_pool_add(names, name, number))
-		return false;
-	*kept = names->items[*number];
-	return true;
+	if (name && !(*number < names->count && strcmp(names->items[*number], name) == 0))
+		*number = make_string(names, name);
+	return name ? names->items[*number] : NULL;
 }
 
 static enum eco_code close_block(struct make *m)
 {
 	struct make_inventory *in = m->inventory;
-	if (!eco_array_grow(&in->blocks, &in->block_room, in->block_count, sizeof *in->blocks))
-		return no_memory(m);
+	main_grow(&in->blocks, &in->block_room, in->block_count, sizeof *in->blocks);
 	enum eco_code code =
 		eco_inventory_encode(&in->blocks[in->block_count], in->rows, in->count, m->error);
 	in->block_count += !code;
@@ -171,16 +139,15 @@ static enum eco_code close_block(struct make *m)
 enum eco_code make_inventory_add(struct make *m, uint32_t plant, const struct eco_inventory_row *row)
 {
 	struct make_inventory *in = m->inventory;
-	if (!in && !(in = m->inventory = calloc(1, sizeof *in)))
-		return no_memory(m);
+	if (!in)
+		in = m->inventory = main_alloc(1, sizeof *in);
 	struct eco_inventory_row *kept = &in->rows[in->count];
 	*kept = *row;
-	if (!keep_name(&in->names, row->species, &in->species, &kept->species) ||
-		!keep_name(&in->names, row->file, &in->file, &kept->file))
-		return no_memory(m);
+	kept->species = keep_name(&in->names, row->species, &in->species);
+	kept->file = keep_name(&in->names, row->file, &in->file);
 	in->is_needed = in->is_needed || kept->species || kept->file;
-	enum eco_code code = make_species_count(m, plant, row->species ? row->species : m->table[plant].name);
-	return !code && ++in->count == ECO_INVENTORY_PLACES ? close_block(m) : code;
+	make_species_count(m, plant, row->species ? row->species : m->table[plant].name);
+	return ++in->count == ECO_INVENTORY_PLACES ? close_block(m) : ECO_OK;
 }
 
 enum eco_code make_inventory_pack(struct make *m)
@@ -198,7 +165,9 @@ enum eco_code make_inventory_pack(struct make *m)
 	enum eco_code code = in->count ? close_block(m) : ECO_OK;
 	if (!code)
 		code = eco_pack_add_bytes(m->writer, &list, in->blocks, in->block_count, &id, m->error);
-	return code ? code : make_keep_list(m, id);
+	if (!code)
+		make_keep_list(m, id);
+	return code;
 }
 
 void make_inventory_free(struct make *m)

@@ -8,45 +8,16 @@
 #include <string.h>
 
 #include "ecofiles/base/version.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/places/crs.h"
 #include "lod/build/grid.h"
-
-void make_put(json_t **object, const char *key, json_t *value)
-{
-	if (json_object_set_new(*object, key, value)) {
-		json_decref(*object);
-		*object = NULL;
-	}
-}
-
-/* json_dumps of jansson 2.14 leaves out a key where it has no memory for it, and says nothing. */
-enum eco_code make_text(json_t *root, char **json, struct eco_error *error)
-{
-	size_t size = root ? json_dumpb(root, NULL, 0, JSON_INDENT(1)) : 0;
-	*json = size ? calloc(size + 1, 1) : NULL;
-	if (*json && json_dumpb(root, *json, size, JSON_INDENT(1)) != size) {
-		free(*json);
-		*json = NULL;
-	}
-	json_decref(root);
-	return *json ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for the pack's description");
-}
-
-static void append(json_t **array, json_t *value)
-{
-	if (json_array_append_new(*array, value)) {
-		json_decref(*array);
-		*array = NULL;
-	}
-}
 
 static json_t *dropped_json(const struct make_plant *plant)
 {
 	json_t *reasons = json_object();
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		if (plant->built.dropped[i])
-			make_put(&reasons, eco_drop_names[i],
-				json_integer(plant->built.dropped[i]));
+			json_object_set_new(reasons, eco_drop_names[i], json_integer(plant->built.dropped[i]));
 	return reasons;
 }
 
@@ -57,7 +28,7 @@ static json_t *organs_json(const struct make_plant *plant)
 		const struct lod_organ_stats *s = &plant->built.organ[i];
 		if (s->triangles == 0 && s->elements == 0)
 			continue;
-		make_put(&organs, eco_organ_names[i],
+		json_object_set_new(organs, eco_organ_names[i],
 			json_pack("{s:I, s:I, s:I, s:f}", "components", (json_int_t)s->components,
 			"elements", (json_int_t)s->elements, "triangles", (json_int_t)s->triangles, "area_m2",
 			floor(s->area * 1e6 + 0.5) / 1e6));
@@ -95,7 +66,7 @@ static json_t *searches_json(const struct lod_plant *plant)
 	json_t *searches = json_object();
 	for (int i = 0; i < LOD_SOLVER_COUNT; i++)
 		if (plant->solved[i].runs)
-			make_put(&searches, lod_solver_names[i],
+			json_object_set_new(searches, lod_solver_names[i],
 				json_pack("{s:I, s:I}", "runs", (json_int_t)plant->solved[i].runs,
 				"converged", (json_int_t)plant->solved[i].converged));
 	return searches;
@@ -124,7 +95,7 @@ static json_t *rows_json(const struct make *m)
 		for (uint32_t s = 0; s < m->sources.count; s++)
 			count += m->ecos[s].skipped[k].count;
 		if (count)
-			make_put(&skipped, eco_skip_names[k], json_integer((json_int_t)count));
+			json_object_set_new(skipped, eco_skip_names[k], json_integer((json_int_t)count));
 	}
 	for (uint32_t s = 0; s < m->sources.count; s++)
 		rows += m->ecos[s].rows;
@@ -141,23 +112,22 @@ static json_t *place_json(const struct eco_source *outer)
 {
 	struct eco_crs_place place;
 	struct eco_error unknown = { 0 };
-	if (!outer->crs || eco_crs_place(outer->crs, outer->origin, &place, &unknown))
-		return unknown.code == ECO_NO_MEMORY ? NULL : json_null();
+	enum eco_code code = outer->crs ? eco_crs_place(outer->crs, outer->origin, &place, &unknown) : ECO_NOT_FOUND;
+	if (code == ECO_NO_MEMORY)
+		main_end("no memory");
+	if (code)
+		return json_null();
 	return json_pack("{s:f, s:f, s:f}", "longitude_deg", place.longitude_deg, "latitude_deg",
 		place.latitude_deg, "convergence_deg", place.convergence_deg);
 }
 
-enum eco_code make_meta(const struct make *m, char **json, struct eco_error *error)
+json_t *make_meta(const struct make *m)
 {
 	const struct eco_source *outer = &m->sources.items[0];
 	json_t *plants = json_array(), *root;
 	for (uint32_t i = 0; i < m->plant_count; i++)
-		append(&plants, plant_json(&m->plants[i]));
-	enum eco_code code = make_species_say(m, plants);
-	if (code) {
-		json_decref(plants);
-		return code;
-	}
+		json_array_append_new(plants, plant_json(&m->plants[i]));
+	make_species_say(m, plants);
 	root = json_pack("{s:s, s:s, s:s, s:o, s:[f,f,f], s:o, s:I, s:I, s:I, s:s, s:I, s:o, s:o}",
 		"generator",
 		"ecopack " ECO_VERSION, "order", lod_order_names[m->options->order], "name", outer->name,
@@ -168,6 +138,6 @@ enum eco_code make_meta(const struct make *m, char **json, struct eco_error *err
 		make_ground_origin(m), "off_ground", (json_int_t)m->off_ground, "rows", rows_json(m),
 		"plants", plants);
 	if (m->options->draft)
-		make_put(&root, "draft", json_true());
-	return make_text(root, json, error);
+		json_object_set_new(root, "draft", json_true());
+	return root;
 }

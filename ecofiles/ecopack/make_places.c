@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "ecofiles/base/angle16.h"
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/places/flora.h"
@@ -28,11 +27,10 @@ static enum eco_code add_place(struct make *m, struct make_eco *eco, const struc
 			"must be within 1/4096 and 4000 times the model's %g m (is the model's unit metres?)",
 			m->plants[place->plant].name, place->at[0], place->at[1], place->scale,
 			(double)m->plants[place->plant].built.plant.height_m);
-	if (eco->place_count == PLACES_MAX || !eco_array_grow(&eco->places, &eco->place_capacity, eco->place_count,
-			sizeof *eco->places))
-		return eco_fail(m->error, eco->place_count == PLACES_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY,
-			"no room for more than %u plants in one eco file; nest eco files instead",
-			eco->place_count);
+	if (eco->place_count == PLACES_MAX)
+		return eco_fail(m->error, ECO_TOO_LARGE,
+			"no room for more than %u plants in one eco file; nest eco files instead", PLACES_MAX);
+	main_grow(&eco->places, &eco->place_capacity, eco->place_count, sizeof *eco->places);
 	eco->places[eco->place_count++] = *place;
 	return ECO_OK;
 }
@@ -67,13 +65,10 @@ static double scale_for(const struct make *m, uint32_t plant, double scale, doub
 
 /* A place's species: as its row states it, else (NULL: no row, or no column for it) as the scene file names the
  * plant. */
-static enum eco_code name_species(struct make *m, uint32_t source, uint32_t plant, const char *stated,
-	struct make_place *place)
+static uint32_t species_of(struct make *m, uint32_t source, uint32_t plant, const char *stated)
 {
-	const char *species = !stated || m->options->no_rows ? m->sources.items[source].plants[plant].name
-		: *stated ? stated : ECO_INVENTORY_UNSTATED;
-	return eco_string_pool_add(&m->species, species, &place->species) ? ECO_OK
-		: eco_fail(m->error, ECO_NO_MEMORY, "no memory for the species of plants");
+	return make_string(&m->species, !stated || m->options->no_rows ? m->sources.items[source].plants[plant].name
+		: *stated ? stated : ECO_INVENTORY_UNSTATED);
 }
 
 static enum eco_code place_instances(struct make *m, uint32_t source)
@@ -85,10 +80,9 @@ static enum eco_code place_instances(struct make *m, uint32_t source)
 		struct make_place place =
 			{ .at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
 			.scale = scale_for(m, plant, instance->scale, instance->height_m), .plant = plant,
+				.species = species_of(m, source, instance->plant, NULL),
 				.turn = eco_angle16_from_deg(instance->yaw_deg) };
-		enum eco_code code = name_species(m, source, instance->plant, NULL, &place);
-		if (!code)
-			code = add_place(m, &m->ecos[source], &place);
+		enum eco_code code = add_place(m, &m->ecos[source], &place);
 		if (code)
 			return code;
 	}
@@ -152,15 +146,14 @@ static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_posit
 			{ .at = { row.at[0], row.at[1], row.absolute ? row.at[2]
 			: on_ground(m, source, row.at) },
 			.scale = row_scale(m, plant, &row), .plant = plant,
+			.species = species_of(m, source, row.plant, row.species),
 			.turn = eco_angle16_from_deg(row.yaw_deg) };
 		note_row(m, &place, reader, number + 1, &row);
-		code = name_species(m, source, row.plant, row.species, &place);
-		if (!code)
-			code = add_place(m, &m->ecos[source], &place);
+		code = add_place(m, &m->ecos[source], &place);
 		if (code)
 			return code;
-		if (i % 4096 == 0 && !main_progress("reading positions", path, 0))
-			return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+		if (i % 4096 == 0)
+			main_progress("reading positions", path, 0);
 	}
 }
 
@@ -197,7 +190,8 @@ static enum eco_code place_rows(struct make *m, uint32_t source)
 
 static bool scatter_progress(void *ctx, double share)
 {
-	return main_progress("scattering plants", ctx, share);
+	main_progress("scattering plants", ctx, share);
+	return true;
 }
 
 static enum eco_code place_scatters(struct make *m, uint32_t source)
@@ -216,10 +210,9 @@ static enum eco_code place_scatters(struct make *m, uint32_t source)
 				{ .at = { row.at[0], row.at[1],
 				on_ground(m, source, (double[]){ row.at[0], row.at[1], 0 }) },
 				.scale = scale_for(m, plant, 1, row.height_m), .plant = plant,
+				.species = species_of(m, source, row.plant, NULL),
 				.turn = eco_angle16_from_deg(row.yaw_deg) };
-			code = name_species(m, source, row.plant, NULL, &place);
-			if (!code)
-				code = add_place(m, &m->ecos[source], &place);
+			code = add_place(m, &m->ecos[source], &place);
 		}
 		if (!code)
 			eco_scatter_report(scatter, note, s->scatters[i].path);
@@ -266,14 +259,10 @@ static enum eco_code tile_places(struct make *m, uint32_t source)
 	const struct eco_source *s = &m->sources.items[source];
 	struct make_eco *eco = &m->ecos[source];
 	uint64_t count = (uint64_t)eco->place_count + s->child_count;
-	struct lod_tile_item *items = count < ECO_NONE ? malloc((count + 1) * sizeof *items) : NULL;
-	enum eco_code code = ECO_OK;
-	eco->nested = calloc(s->child_count + 1u, sizeof *eco->nested);
+	struct lod_tile_item *items = main_alloc(count, sizeof *items);
+	eco->nested = main_alloc(s->child_count, sizeof *eco->nested);
 	eco->instances = eco->place_count;
-	if (!items || !eco->nested)
-		code = eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory for %llu plants", s->path,
-			(unsigned long long)count);
-	for (uint32_t i = 0; i < eco->place_count && !code; i++) {
+	for (uint32_t i = 0; i < eco->place_count; i++) {
 		const struct make_place *p = &eco->places[i];
 		const struct make_plant *plant = &m->plants[p->plant];
 		items[i] = (struct lod_tile_item){ .reach = p->scale * plant->reach,
@@ -281,8 +270,7 @@ static enum eco_code tile_places(struct make *m, uint32_t source)
 			.plant = p->plant };
 		memcpy(items[i].at, p->at, sizeof items[i].at);
 	}
-	if (!code)
-		code = find_nested(m, source, items + eco->place_count);
+	enum eco_code code = find_nested(m, source, items + eco->place_count);
 	if (!code)
 		code = lod_tiles_build(&eco->tiles, items, (uint32_t)count, s->tile_instances, m->error);
 	free(items);
@@ -326,9 +314,7 @@ enum eco_code make_places_check(struct make *m)
 
 static enum eco_code read_places(struct make *m)
 {
-	m->ecos = calloc(m->sources.count, sizeof *m->ecos);
-	if (!m->ecos)
-		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u eco files", m->sources.count);
+	m->ecos = main_alloc(m->sources.count, sizeof *m->ecos);
 	for (uint32_t s = m->sources.count; s-- > 0;) {
 		enum eco_code code = place_instances(m, s);
 		if (!code)
@@ -377,17 +363,16 @@ static void doubt_plant(const struct make *m, uint32_t id, struct eco_spread *he
 		doubt_height(m, id, eco_spread_quantile(heights, 0.5), heights->seen);
 }
 
-/* Without memory there is no doubt. */
 static void doubt_plants(const struct make *m)
 {
-	struct eco_spread *heights = calloc(m->plant_count + 1u, sizeof *heights);
-	for (uint32_t s = 0; heights && s < m->sources.count; s++)
+	struct eco_spread *heights = main_alloc(m->plant_count, sizeof *heights);
+	for (uint32_t s = 0; s < m->sources.count; s++)
 		for (uint32_t i = 0; i < m->ecos[s].place_count; i++) {
 			const struct make_place *place = &m->ecos[s].places[i];
 			eco_spread_add(&heights[place->plant],
 				place->scale * (double)m->plants[place->plant].built.plant.height_m);
 		}
-	for (uint32_t i = 0; heights && i < m->plant_count; i++) {
+	for (uint32_t i = 0; i < m->plant_count; i++) {
 		doubt_plant(m, i, &heights[i]);
 		eco_spread_free(&heights[i]);
 	}

@@ -49,12 +49,10 @@ static char *paths_of(const struct eco_source_plant *source)
 		char *canonical = realpath(source->models[i], NULL), *longer = NULL;
 		if (asprintf(&longer, "%s%s%s", all ? all : "", all ? "\n" : "", canonical ? canonical
 				: source->models[i]) < 0)
-			longer = NULL;
+			main_end("no memory");
 		free(canonical);
 		free(all);
 		all = longer;
-		if (!all)
-			return NULL;
 	}
 	return all;
 }
@@ -79,47 +77,33 @@ static void name_plant(struct make *m, struct make_plant *plant)
 }
 
 /* `importance`: of the eco file that names it. */
-static enum eco_code find_plant(struct make *m, const struct eco_source_plant *source, double importance,
-	uint32_t *found)
+static uint32_t find_plant(struct make *m, const struct eco_source_plant *source, double importance)
 {
 	char *path = paths_of(source);
-	if (!path)
-		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
-	for (*found = 0; *found < m->plant_count; ++*found) {
-		if (same_plant(&m->plants[*found], source, importance, path)) {
+	for (uint32_t i = 0; i < m->plant_count; i++)
+		if (same_plant(&m->plants[i], source, importance, path)) {
 			free(path);
-			return ECO_OK;
+			return i;
 		}
-	}
 	struct make_plant *plant = &m->plants[m->plant_count++];
 	*plant = (struct make_plant){ .source = source, .path = path, .importance = importance };
 	name_plant(m, plant);
-	return ECO_OK;
+	return m->plant_count - 1;
 }
 
-static enum eco_code find_plants(struct make *m)
+static void find_plants(struct make *m)
 {
 	size_t most = 0;
 	for (uint32_t s = 0; s < m->sources.count; s++)
 		most += m->sources.items[s].plant_count;
-	m->plants = calloc(most + 1, sizeof *m->plants);
-	m->plant_of = calloc(m->sources.count, sizeof *m->plant_of);
-	if (!m->plants || !m->plant_of)
-		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %zu plants", most);
+	m->plants = main_alloc(most, sizeof *m->plants);
+	m->plant_of = main_alloc(m->sources.count, sizeof *m->plant_of);
 	for (uint32_t s = 0; s < m->sources.count; s++) {
 		const struct eco_source *source = &m->sources.items[s];
-		m->plant_of[s] = calloc(source->plant_count + 1u, sizeof **m->plant_of);
-		if (!m->plant_of[s])
-			return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u plants",
-				source->plant_count);
-		for (uint32_t i = 0; i < source->plant_count; i++) {
-			enum eco_code code = find_plant(m, &source->plants[i], source->importance,
-				&m->plant_of[s][i]);
-			if (code)
-				return code;
-		}
+		m->plant_of[s] = main_alloc(source->plant_count, sizeof **m->plant_of);
+		for (uint32_t i = 0; i < source->plant_count; i++)
+			m->plant_of[s][i] = find_plant(m, &source->plants[i], source->importance);
 	}
-	return ECO_OK;
 }
 
 /* ---- Building, in threads ---- */
@@ -129,7 +113,7 @@ struct work {
 	pthread_mutex_t lock;
 	/* held around importers: they fork, and the child must find their locks free */
 	pthread_mutex_t libraries;
-	uint32_t next, done, finished;       /* finished: built, and kept where there is a cache */
+	uint32_t next, done;
 	uint32_t idle;               /* threads without a plant; they help others */
 	double *share;               /* per plant */
 	uint32_t failed;             /* lowest plant that failed, whose error is reported */
@@ -159,15 +143,14 @@ static bool tell(void *ctx, double share)
 		work->m->plant_count);
 	bool go = !work->stop;
 	pthread_mutex_unlock(&work->lock);
-	return main_progress("building plants", detail, sum / work->m->plant_count) && go;
+	main_progress("building plants", detail, sum / work->m->plant_count);
+	return go;
 }
 
 static enum eco_code keep_textures(struct make_plant *plant, const struct eco_model *model,
 	struct eco_error *error)
 {
-	plant->textures = calloc(plant->built.image_count + 1u, sizeof *plant->textures);
-	if (!plant->textures)
-		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory for textures", plant->name);
+	plant->textures = main_alloc(plant->built.image_count, sizeof *plant->textures);
 	for (uint32_t i = 0; i < plant->built.image_count; i++) {
 		uint32_t id = plant->built.images[i];
 		enum eco_code code = lod_texture_make(&plant->textures[i], model, id, error);
@@ -239,8 +222,8 @@ static enum eco_code build_or_recall(struct job *job, const struct eco_model *mo
 	struct main_cache_key key;
 	memcpy(options.importance, plant->source->importance, sizeof options.importance);
 	main_times_stage(MAIN_STAGE_CACHE);
-	bool cached = m->cache.folder[0] && make_cache_key(&key, model, &options);
-	if (cached && make_cache_get(&m->cache, &key, model, plant->name, &plant->built))
+	bool cached = m->cache.folder[0] && main_cache_key(&key, model, &options);
+	if (cached && main_cache_get_plant(&m->cache, &key, model, plant->name, &plant->built))
 		return ECO_OK;
 	job->from = IMPORTED;
 	job->to = BUILT;
@@ -251,7 +234,7 @@ static enum eco_code build_or_recall(struct job *job, const struct eco_model *mo
 		code = lod_plant_measure(&plant->built, model, &options, error);
 	main_times_stage(MAIN_STAGE_CACHE);
 	if (!code && cached)
-		make_cache_put(&m->cache, &key, &plant->built);
+		main_cache_put_plant(&m->cache, &key, &plant->built);
 	return code;
 }
 
@@ -281,8 +264,7 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	struct eco_model model = { 0 };
 	job->from = 0;
 	job->to = IMPORTED;
-	if (!tell(job, 0))
-		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	tell(job, 0);
 	pthread_mutex_lock(&job->work->libraries);
 	main_times_stage(MAIN_STAGE_MODELS);
 	enum eco_code code = import_model(plant, &model, error);
@@ -326,7 +308,6 @@ static void *work_on(void *ctx)
 		enum eco_code code = build_plant(&job, &error);
 		pthread_mutex_lock(&work->lock);
 		work->done++;
-		work->finished += !code;
 		work->share[job.plant] = 1;
 		/* a thread stopped by another's failure has none of its own */
 		if (code && !(code == ECO_INTERRUPTED && work->stop)) {
@@ -357,20 +338,14 @@ static enum eco_code build_plants(struct make *m)
 	uint32_t all = thread_count(m), jobs = all < m->plant_count ? all : m->plant_count, started = 0;
 	struct work work = { .m = m, .idle = all - jobs, .lock = PTHREAD_MUTEX_INITIALIZER,
 		.libraries = PTHREAD_MUTEX_INITIALIZER, .failed = ECO_NONE,
-		.share = calloc(m->plant_count + 1u, sizeof(double)) };
+		.share = main_alloc(m->plant_count, sizeof(double)) };
 	pthread_t threads[MAIN_THREADS_MAX];
-	if (!work.share)
-		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
 	while (started + 1 < jobs && pthread_create(&threads[started], NULL, work_on, &work) == 0)
 		started++;
 	work_on(&work);
 	for (uint32_t i = 0; i < started; i++)
 		pthread_join(threads[i], NULL);
 	free(work.share);
-	if (work.failed != ECO_NONE && work.error.code == ECO_INTERRUPTED)
-		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted: %u of %u plants are finished%s",
-			work.finished, m->plant_count, m->cache.folder[0] && work.finished
-			? ", and kept for the next time" : "");
 	/* reports the failure, not the interruptions that it caused in other threads */
 	return work.failed == ECO_NONE ? ECO_OK : eco_fail(m->error, work.error.code, "%s", work.error.text);
 }
@@ -425,17 +400,19 @@ static enum eco_code pack_impostor(struct packing *p)
 		return ECO_OK;
 	enum eco_code code = eco_pack_add_bytes(p->m->writer, &list, built->impostor, built->impostor_count,
 		id, p->m->error);
-	return code ? code : make_keep_list(p->m, *id);
+	if (!code)
+		make_keep_list(p->m, *id);
+	return code;
 }
 
-static enum eco_code pack_tables(struct packing *p)
+static void pack_tables(struct packing *p)
 {
 	struct make *m = p->m;
 	const struct lod_plant *built = &m->plants[p->id].built;
 	m->table[p->id] = built->plant;
 	for (uint32_t l = 0; l < built->ladder_count; l++)
 		built->ladders[l].importance *= (float)m->plants[p->id].importance;
-	return make_add_plant(m, p->id, &(struct make_tables){ .anchors = built->anchors,
+	make_add_plant(m, p->id, &(struct make_tables){ .anchors = built->anchors,
 		.curves = built->curves, .curve_count = built->curve_count, .ladders = built->ladders,
 		.ladder_count = built->ladder_count }, p->lists);
 }
@@ -444,17 +421,14 @@ static enum eco_code pack_plant(struct make *m, uint32_t id)
 {
 	struct make_plant *plant = &m->plants[id];
 	const struct lod_plant *built = &plant->built;
-	struct packing p = { m, id, calloc(built->list_count + 1u, sizeof *p.lists) };
-	enum eco_code code = p.lists ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory", plant->name);
+	struct packing p = { m, id, main_alloc(built->list_count + 1u, sizeof *p.lists) };
 	plant->palette_first = (uint32_t)m->palette.count;
-	if (!code)
-		code = make_add(m, &m->palette, built->palette, built->palette_count, 3);
-	if (!code)
-		code = pack_lists(&p);
+	make_add(&m->palette, built->palette, built->palette_count, 3);
+	enum eco_code code = pack_lists(&p);
 	if (!code)
 		code = pack_impostor(&p);
 	if (!code)
-		code = pack_tables(&p);
+		pack_tables(&p);
 	m->scene.needs |= built->image_count ? ECO_NEED_TEXTURES : 0;
 	m->scene.needs |= plant->cutout ? ECO_NEED_CUTOUTS : 0;
 	m->scene.needs |= built->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0;
@@ -464,20 +438,15 @@ static enum eco_code pack_plant(struct make *m, uint32_t id)
 
 enum eco_code make_plants(struct make *m)
 {
-	enum eco_code code = find_plants(m);
-	if (!code)
-		code = build_plants(m);
+	find_plants(m);
+	enum eco_code code = build_plants(m);
 	main_times_stage(MAIN_STAGE_PACKING);
-	m->table = code ? NULL : calloc(m->plant_count + 1u, sizeof *m->table);
-	if (!code && !m->table)
-		code = eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
+	m->table = main_alloc(m->plant_count, sizeof *m->table);
 	if (!code)
 		code = make_textures(m);
 	for (uint32_t i = 0; i < m->plant_count && !code; i++) {
-		if (!main_progress("packing plants", m->plants[i].name, (double)i / m->plant_count))
-			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
-		else
-			code = pack_plant(m, i);
+		main_progress("packing plants", m->plants[i].name, (double)i / m->plant_count);
+		code = pack_plant(m, i);
 	}
 	m->scene.plants = m->table;
 	m->scene.plant_count = m->plant_count;

@@ -45,9 +45,9 @@ static enum eco_code add_summary(void *ctx, uint64_t i, void *result, struct eco
 	struct make *m = summing->m;
 	struct summary_list *made = result;
 	enum eco_code code = ECO_OK;
-	if (summing->done++ % 64 == 0
-		&& !main_progress("summing up tiles", NULL, (double)summing->done / (double)m->tiles.count))
-		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	(void)error;
+	if (summing->done++ % 64 == 0)
+		main_progress("summing up tiles", NULL, (double)summing->done / (double)m->tiles.count);
 	if (made->any) {
 		uint32_t tile = summing->first + (uint32_t)i,
 			*list = &((struct eco_tile *)m->tiles.items)[tile].summary;
@@ -61,11 +61,9 @@ static enum eco_code add_summary(void *ctx, uint64_t i, void *result, struct eco
 
 static void drop_summary(void *result) { eco_encoded_free(&((struct summary_list *)result)->encoded); }
 
-enum eco_code make_summing_begin(struct make_summing *summing, struct make *m)
+void make_summing_begin(struct make_summing *summing, struct make *m)
 {
-	*summing =
-		(struct make_summing){ .m = m, .roots = calloc(m->tiles.count + 1u, sizeof *summing->roots) };
-	return summing->roots ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "no memory for summaries");
+	*summing = (struct make_summing){ .m = m, .roots = main_alloc(m->tiles.count, sizeof *summing->roots) };
 }
 
 static enum eco_code choose_colors(struct make_summing *summing, uint32_t first, uint32_t count)
@@ -78,8 +76,7 @@ static enum eco_code choose_colors(struct make_summing *summing, uint32_t first,
 		&(struct lod_summary_input){ .scene = &m->scene, .pools = summing->pools,
 		.roots = (const struct lod_summary_root *const *)summing->roots }, first, count, m->error);
 	if (!code)
-		code = make_add_colors(m, (const uint8_t (*)[3])palette->rgb, palette->count,
-			&summing->palette_first);
+		summing->palette_first = make_add_colors(m, (const uint8_t (*)[3])palette->rgb, palette->count);
 	make_refer(m);
 	return code;
 }
@@ -99,11 +96,9 @@ enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile)
 {
 	struct make *m = summing->m;
 	uint32_t list = m->scene.tiles[tile].summary;
-	struct lod_summary_root *root = list == ECO_NONE ? NULL : calloc(1, sizeof *root);
-	if (!root)
-		return list == ECO_NONE ? ECO_OK
-			: eco_fail(m->error, ECO_NO_MEMORY, "no memory for summaries");
-	summing->roots[tile] = root;
+	if (list == ECO_NONE)
+		return ECO_OK;
+	struct lod_summary_root *root = summing->roots[tile] = main_alloc(1, sizeof *root);
 	root->list = m->scene.lists[list];
 	enum eco_code code = eco_pack_read_points(m->writer, list, &root->elements, m->error);
 	const struct eco_elements *e = &root->elements;
@@ -131,9 +126,9 @@ void make_summing_end(struct make_summing *summing)
 enum eco_code make_summaries(struct make *m)
 {
 	struct make_summing summing;
-	enum eco_code code = make_summing_begin(&summing, m);
-	if (!code && !(summing.pools = calloc(m->plant_count + 1u, sizeof *summing.pools)))
-		code = eco_fail(m->error, ECO_NO_MEMORY, "no memory for summaries");
+	enum eco_code code = ECO_OK;
+	make_summing_begin(&summing, m);
+	summing.pools = main_alloc(m->plant_count, sizeof *summing.pools);
 	for (uint32_t i = 0; i < m->plant_count && !code; i++)
 		code = lod_pool_make(&summing.pools[i], &m->plants[i].built, m->plants[i].palette_first,
 			POOL_POINTS, m->error);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/chunk/chunk.h"
 
 /* All levels that both have are alike. */
@@ -15,21 +16,24 @@ static bool same_image(const struct make_texture *a, const struct make_texture *
 		&& (!a->outlined || memcmp(a->outlines, b->outlines, size) == 0);
 }
 
-enum eco_code make_share_texture(struct make *m, const struct make_texture *texture, uint32_t *at)
+uint32_t make_share_texture(struct make *m, const struct make_texture *texture)
 {
 	struct make_texture *all = m->textures.items;
-	for (*at = 0; *at < m->textures.count && !same_image(&all[*at], texture); ++*at)
-		;
-	if (*at == m->textures.count)
-		return make_add(m, &m->textures, texture, 1, sizeof *texture);
-	const struct make_texture *fine = texture->count > all[*at].count ? texture : &all[*at],
-		*other = fine == texture ? &all[*at] : texture;
+	uint32_t at = 0;
+	while (at < m->textures.count && !same_image(&all[at], texture))
+		at++;
+	if (at == m->textures.count) {
+		make_add(&m->textures, texture, 1, sizeof *texture);
+		return at;
+	}
+	const struct make_texture *fine = texture->count > all[at].count ? texture : &all[at],
+		*other = fine == texture ? &all[at] : texture;
 	/* what a texel of the finer one's last level covers where the other is seen */
 	float area = ldexpf(other->texel_area, 2 * ((int)other->count - (int)fine->count));
 	struct make_texture both = *fine;
 	both.texel_area = fmaxf(fine->texel_area, area);
-	all[*at] = both;
-	return ECO_OK;
+	all[at] = both;
+	return at;
 }
 
 static struct make_texture describe(struct lod_texture *texture)
@@ -45,31 +49,16 @@ static struct make_texture describe(struct lod_texture *texture)
 }
 
 /* Finds each plant's textures among the shared ones. */
-static enum eco_code find(struct make *m)
+static void find(struct make *m)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t p = 0; p < m->plant_count && !code; p++) {
+	for (uint32_t p = 0; p < m->plant_count; p++) {
 		struct make_plant *plant = &m->plants[p];
-		plant->images = calloc(plant->built.image_count + 1u, sizeof *plant->images);
-		if (!plant->images)
-			return eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory for textures", plant->name);
-		for (uint32_t i = 0; i < plant->built.image_count && !code; i++) {
+		plant->images = main_alloc(plant->built.image_count, sizeof *plant->images);
+		for (uint32_t i = 0; i < plant->built.image_count; i++) {
 			struct make_texture texture = describe(&plant->textures[i]);
-			code = make_share_texture(m, &texture, &plant->images[i]);
+			plant->images[i] = make_share_texture(m, &texture);
 		}
 	}
-	return code;
-}
-
-/* Levels of a texture, or of its outline. */
-static enum eco_code pack_levels(struct make *m, const struct eco_list *list, const struct eco_writer *levels,
-	uint32_t count, uint32_t *id)
-{
-	struct eco_bytes payloads[ECO_TEXTURE_LEVELS_MAX];
-	for (uint32_t k = 0; k < count; k++)
-		payloads[k] = (struct eco_bytes){ levels[k].bytes, levels[k].size };
-	enum eco_code code = eco_pack_add_bytes(m->writer, list, payloads, count, id, m->error);
-	return code ? code : make_keep_list(m, *id);
 }
 
 static enum eco_code pack(struct make *m, struct make_texture *shared)
@@ -80,15 +69,16 @@ static enum eco_code pack(struct make *m, struct make_texture *shared)
 		.image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 },
 		.unit_area = shared->texel_area, .level = texture->loss };
 	if (texture->outlines)
-		code = pack_levels(m, &list, texture->outlines, texture->count, &list.image);
+		code = make_add_bytes(m, &list, texture->outlines, texture->count, &list.image);
 	list.kind = ECO_LIST_IMAGE;
 	list.level = 0;
-	return code ? code : pack_levels(m, &list, texture->colors, texture->count, &shared->list);
+	return code ? code : make_add_bytes(m, &list, texture->colors, texture->count, &shared->list);
 }
 
 enum eco_code make_textures(struct make *m)
 {
-	enum eco_code code = find(m);
+	find(m);
+	enum eco_code code = ECO_OK;
 	struct make_texture *all = m->textures.items;
 	for (uint32_t i = 0; i < m->textures.count && !code; i++)
 		code = pack(m, &all[i]);

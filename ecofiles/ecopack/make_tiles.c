@@ -64,22 +64,6 @@ static int32_t round_scale(double scale)
 	return (int32_t)(floor(whole / step + 0.5) * step);
 }
 
-bool make_append_bytes(struct make *m, const uint8_t *bytes, size_t size)
-{
-	struct make_array *places = &m->places;
-	if (places->count + size > places->capacity) {
-		uint64_t wanted = 2 * (places->count + size);
-		void *bigger = realloc(places->items, wanted);
-		if (!bigger)
-			return false;
-		places->items = bigger;
-		places->capacity = wanted;
-	}
-	memcpy((uint8_t *)places->items + places->count, bytes, size);
-	places->count += size;
-	return true;
-}
-
 static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct eco_error *error)
 {
 	const struct make *m = ctx;
@@ -87,14 +71,13 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 	struct stand_list *made = result;
 	uint32_t count = stand->count, end_count = 0, ends[512];
 	struct eco_elements e = { .element_count = count, .corner_count = count, .primitive_count = count,
-		.extra_count = 2, .corners = malloc(count), .position = malloc(3 * sizeof(int32_t) * count),
-		.extra = malloc(2 * sizeof(int32_t) * count) };
-	enum eco_code code = e.corners && e.position && e.extra ? ECO_OK : ECO_NO_MEMORY;
+		.extra_count = 2, .corners = main_alloc(count, 1),
+		.position = main_alloc(count, 3 * sizeof(int32_t)), .extra = main_alloc(count, 2 * sizeof(int32_t)) };
 	made->list = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS,
 		.attributes = ECO_ATTR_PLACE, .owner = stand->tile, .group_count = stand->group_count,
 		.image = ECO_NONE, .partner = ECO_NONE };
 	instance_grid(m, stand, &made->list);
-	for (uint32_t k = 0; k < count && !code; k++) {
+	for (uint32_t k = 0; k < count; k++) {
 		const struct make_place *p = &stand->eco->places[stand->items[k]];
 		e.corners[k] = 1;
 		for (size_t axis = 0; axis < 3; axis++)
@@ -109,10 +92,9 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 	for (uint32_t end = 0; end < count && end_count < 512;)
 		ends[end_count++] = end = count - end > ECO_CHUNK_ELEMENTS_MAX ? end + ECO_CHUNK_ELEMENTS_MAX
 			: count;
-	if (code || made->twin.failed)
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u instances", count);
-	else
-		code = eco_pack_encode(&made->encoded, &made->list, &e, ends, end_count, error);
+	if (made->twin.failed)
+		main_end("no memory");
+	enum eco_code code = eco_pack_encode(&made->encoded, &made->list, &e, ends, end_count, error);
 	eco_elements_free(&e);
 	return code;
 }
@@ -137,13 +119,12 @@ static enum eco_code add_stand(void *ctx, uint64_t i, void *result, struct eco_e
 	struct make *m = ctx;
 	const struct stand *stand = (const struct stand *)m->stands.items + i;
 	struct stand_list *made = result;
-	uint64_t place_first = m->places.count / ECO_PLACE_BYTES;
+	uint64_t place_first = m->places.count;
 	uint32_t list;
-	if (made->twin.failed || !make_append_bytes(m, made->twin.bytes, made->twin.size))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %llu plants",
-			(unsigned long long)place_first);
-	if (i % 1024 == 0 && !main_progress("packing instances", NULL, (double)i / (double)m->stands.count))
-		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	(void)error;
+	make_add(&m->places, made->twin.bytes, stand->count, ECO_PLACE_BYTES);
+	if (i % 1024 == 0)
+		main_progress("packing instances", NULL, (double)i / (double)m->stands.count);
 	enum eco_code code = make_add_encoded(m, &made->list, &made->encoded, &list);
 	if (!code)
 		code = add_rows(m, stand);
@@ -164,75 +145,67 @@ static void drop_stand(void *result)
 
 /* ---- Tables ---- */
 
-static enum eco_code add_child(struct make *m, const struct eco_child *child)
+static void add_child(struct make *m, const struct eco_child *child)
 {
-	return make_add(m, &m->children, child, 1, sizeof *child);
+	make_add(&m->children, child, 1, sizeof *child);
 }
 
-static enum eco_code add_nested(struct make *m, uint32_t source, const struct make_nested *item)
+static void add_nested(struct make *m, uint32_t source, const struct make_nested *item)
 {
 	const struct eco_source_child *child = &m->sources.items[source].children[item->child];
 	m->scene.needs |= ECO_NEED_PLACEMENTS;
-	return add_child(m, &(struct eco_child){ .tile = m->ecos[child->source].tile_first, .placed = true,
+	add_child(m, &(struct eco_child){ .tile = m->ecos[child->source].tile_first, .placed = true,
 		.at = { item->at[0], item->at[1], item->at[2] }, .turn = eco_angle16_from_deg(child->yaw_deg),
 		.scale = (float)child->scale });
 }
 
 /* Adds the groups of a stand whose plants are known; add_stand says where they are. */
-static enum eco_code add_groups(struct make *m, struct stand *stand)
+static void add_groups(struct make *m, struct stand *stand)
 {
 	const struct make_place *places = stand->eco->places;
-	enum eco_code code = ECO_OK;
 	stand->group_first = (uint32_t)m->groups.count;
-	for (uint32_t first = 0, end; first < stand->count && !code; first = end) {
+	for (uint32_t first = 0, end; first < stand->count; first = end) {
 		uint32_t plant = places[stand->items[first]].plant;
 		for (end = first + 1; end < stand->count && places[stand->items[end]].plant == plant; end++)
 			;
 		struct eco_group group = { .tile = stand->tile, .plant = plant, .list = ECO_NONE,
 			.first = first, .count = end - first };
-		code = make_add(m, &m->groups, &group, 1, sizeof group);
+		make_add(&m->groups, &group, 1, sizeof group);
 	}
 	stand->group_count = (uint32_t)m->groups.count - stand->group_first;
-	return code;
 }
 
 /* A leaf's items are sorted by plant, nested eco files last. */
-static enum eco_code add_leaf(struct make *m, uint32_t source, const struct lod_tile_node *node, uint32_t id)
+static void add_leaf(struct make *m, uint32_t source, const struct lod_tile_node *node, uint32_t id)
 {
 	const struct make_eco *eco = &m->ecos[source];
 	struct stand stand = { .eco = eco, .items = eco->tiles.order + node->item_first, .tile = id };
 	while (stand.count < node->item_count && stand.items[stand.count] < eco->place_count)
 		stand.count++;
-	enum eco_code code = add_groups(m, &stand);
-	if (stand.count && !code)
-		code = make_add(m, &m->stands, &stand, 1, sizeof stand);
-	for (uint32_t i = stand.count; i < node->item_count && !code; i++)
-		code = add_nested(m, source, &eco->nested[stand.items[i] - eco->place_count]);
-	return code;
+	add_groups(m, &stand);
+	if (stand.count)
+		make_add(&m->stands, &stand, 1, sizeof stand);
+	for (uint32_t i = stand.count; i < node->item_count; i++)
+		add_nested(m, source, &eco->nested[stand.items[i] - eco->place_count]);
 }
 
-static enum eco_code add_tile(struct make *m, uint32_t source, uint32_t index)
+static void add_tile(struct make *m, uint32_t source, uint32_t index)
 {
 	const struct make_eco *eco = &m->ecos[source];
 	const struct lod_tile_node *node = &eco->tiles.nodes[index];
 	uint32_t id = eco->tile_first + index;
-	struct eco_tile *tile = make_append(m, &m->tiles, sizeof *tile);
-	enum eco_code code = ECO_OK;
-	if (!tile)
-		return ECO_NO_MEMORY;
+	struct eco_tile *tile = make_append(&m->tiles, sizeof *tile);
 	*tile = (struct eco_tile){ .summary = ECO_NONE, .group_first = (uint32_t)m->groups.count,
 		.child_first = (uint32_t)m->children.count };
 	memcpy(tile->low, node->low, sizeof tile->low);
 	memcpy(tile->high, node->high, sizeof tile->high);
-	for (uint32_t i = 0; i < node->child_count && !code; i++)
-		code = add_child(m,
-			&(struct eco_child){ .tile = eco->tile_first + node->child[i], .scale = 1 });
-	if (!code && node->child_count == 0)
-		code = add_leaf(m, source, node, id);
+	for (uint32_t i = 0; i < node->child_count; i++)
+		add_child(m, &(struct eco_child){ .tile = eco->tile_first + node->child[i], .scale = 1 });
+	if (node->child_count == 0)
+		add_leaf(m, source, node, id);
 	tile = (struct eco_tile *)m->tiles.items + id;
 	tile->group_count = (uint32_t)m->groups.count - tile->group_first;
 	tile->child_count = (uint32_t)m->children.count - tile->child_first;
-	return code;
 }
 
 static enum eco_code add_tiles(struct make *m)
@@ -245,13 +218,9 @@ static enum eco_code add_tiles(struct make *m)
 	if (total >= ECO_NONE / 4)
 		return eco_fail(m->error, ECO_TOO_LARGE, "%llu tiles: allow more instances a tile, or nest "
 			"eco files", (unsigned long long)total);
-	for (uint32_t s = 0; s < m->sources.count; s++) {
-		for (uint32_t i = 0; i < m->ecos[s].tiles.node_count; i++) {
-			enum eco_code code = add_tile(m, s, i);
-			if (code)
-				return code;
-		}
-	}
+	for (uint32_t s = 0; s < m->sources.count; s++)
+		for (uint32_t i = 0; i < m->ecos[s].tiles.node_count; i++)
+			add_tile(m, s, i);
 	return main_jobs_run(&(struct main_jobs){ .count = m->stands.count, .threads = make_threads(m),
 		.result_size = sizeof(struct stand_list), .work = encode_stand, .take = add_stand,
 		.drop = drop_stand, .ctx = m }, m->error);
@@ -265,7 +234,7 @@ void make_refer(struct make *m)
 	REFER(groups, group) REFER(children, child) REFER(lists, list) REFER(palette, palette)
 #undef REFER
 	s->places = m->places.items;
-	s->place_count = m->places.count / ECO_PLACE_BYTES;
+	s->place_count = m->places.count;
 }
 
 void make_add_up(struct make *m, uint32_t tiles_end)

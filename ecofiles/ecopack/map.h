@@ -66,7 +66,6 @@ struct map {
 	double x, y, width, height;  /* pixels of the map */
 	double scale;                /* pixels a metre */
 	double contour_m, low_m, high_m;         /* of the ground in view */
-	bool is_density; double densest;         /* plants a pixel at full colour */
 	double dot;                  /* radius of the typical height, pixels */
 };
 

@@ -36,13 +36,11 @@ static int by_double(const void *a, const void *b)
 
 /* Bounds without the outermost plants, where that changes much: one place without its latitude must not
  * shrink a city to a dot. */
-static enum eco_code leave_strays(struct map *m, struct map_bounds *b)
+static void leave_strays(struct map *m, struct map_bounds *b)
 {
 	uint64_t stride = m->points.count / 200000 + 1, count = (m->points.count + stride - 1) / stride;
-	double *sorted = malloc((count + 1) * sizeof *sorted);
+	double *sorted = main_alloc(count, sizeof *sorted);
 	struct map_bounds core = *b;
-	if (!sorted)
-		return map_no_memory(m);
 	for (int k = 0; k < 2; k++) {
 		for (uint64_t i = 0; i < count; i++)
 			sorted[i] =
@@ -62,15 +60,15 @@ static enum eco_code leave_strays(struct map *m, struct map_bounds *b)
 		inner = fmax(core.high[0] - core.low[0], core.high[1] - core.low[1]);
 	if (inner > 0 && whole > STRAY_FACTOR * inner)
 		*b = core;
-	return ECO_OK;
 }
 
-static enum eco_code find_bounds(struct map *m, struct map_bounds *b)
+static void find_bounds(struct map *m, struct map_bounds *b)
 {
 	*b = MAP_NOTHING;
 	for (uint64_t i = 0; i < m->points.count; i++)
 		map_extend(b, (double)m->points.items[i].x, (double)m->points.items[i].y);
-	enum eco_code code = m->points.count ? leave_strays(m, b) : ECO_OK;
+	if (m->points.count)
+		leave_strays(m, b);
 	for (uint32_t i = 0; i < m->outline_count; i++)
 		for (int k = 0; k < 4; k++)
 			map_extend(b, m->outlines[i].corners[2 * k], m->outlines[i].corners[2 * k + 1]);
@@ -81,15 +79,12 @@ static enum eco_code find_bounds(struct map *m, struct map_bounds *b)
 		map_extend(b, g->x_m, g->y_m);
 		map_extend(b, g->x_m + (g->columns - 1) * g->step_x_m, g->y_m + (g->rows - 1) * g->step_y_m);
 	}
-	return code;
 }
 
 static enum eco_code find_frame(struct map *m, uint32_t pixels)
 {
 	struct map_bounds b;
-	enum eco_code code = find_bounds(m, &b);
-	if (code)
-		return code;
+	find_bounds(m, &b);
 	if (map_is_empty(&b))
 		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there is nothing to show: no plant has a "
 			"usable place (what was left out: see \"instances\")", m->sources.items[0].path);
@@ -167,13 +162,11 @@ static enum eco_code read_image(struct map *m)
 	struct eco_error missed = { .code = ECO_OK }, *error = m->error;
 	if (!image.file_count)
 		return ECO_OK;
-	if (!main_progress("drawing", "the ground's image", 0.1))
-		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	main_progress("drawing", "the ground's image", 0.1);
 	image.texel_m = image.texel_m > 1 / m->scale ? image.texel_m : 1 / m->scale;
-	struct picture p = { .m = m, .rgba = calloc((size_t)m->width * (size_t)m->height, 4),
-		.square = malloc(ECO_GROUND_IMAGE_BYTES) };
-	enum eco_code code = p.rgba && p.square ? eco_ground_image_open(&p.reader, &options, error)
-		: map_no_memory(m);
+	struct picture p = { .m = m, .rgba = main_alloc((size_t)m->width * (size_t)m->height, 4),
+		.square = main_alloc(1, ECO_GROUND_IMAGE_BYTES) };
+	enum eco_code code = eco_ground_image_open(&p.reader, &options, error);
 	if (!code) {
 		m->error = &missed;      /* what the child says comes first */
 		code = read_square(&p, (struct eco_list){ .kind = ECO_LIST_GROUND_IMAGE }, true);
@@ -198,12 +191,10 @@ enum eco_code map_write(struct map *m, const char *path, uint32_t pixels)
 	enum eco_code code = cairo ? find_frame(m, pixels) : ECO_NOT_FOUND;
 	if (!code)
 		code = read_image(m);
-	if (!code && !main_progress("drawing", NULL, 0.2))
-		code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	main_progress("drawing", NULL, 0.2);
 	if (!code)
 		code = cairo->map_png(m, &png, &size);
-	if (!code && !main_progress("writing", NULL, 1))
-		code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	main_progress("writing", NULL, 1);
 	if (!code)
 		code = eco_file_write(path, png, size, m->error);
 	free(png);
@@ -234,8 +225,7 @@ static enum eco_code map_write_table(struct map *m, const char *path)
 		return eco_fail(m->error, ECO_TOO_LARGE, "%s: nested files place %llu plants, more than a "
 			"table takes one by one; write the tables of the nested files", path,
 			(unsigned long long)m->not_expanded);
-	if (!main_progress("writing", NULL, 1))
-		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	main_progress("writing", NULL, 1);
 	enum eco_code code = eco_points_write(&table, path, &bytes, &size, m->error);
 	if (!code)
 		code = eco_file_write(path, bytes, size, m->error);

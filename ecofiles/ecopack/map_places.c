@@ -13,35 +13,31 @@
 #include "ecofiles/import/places/areas.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/base/text.h"
-#include "ecofiles/base/array_grow.h"
 
 #define EXPANDED_MAX 4000000u    /* plants of nested files drawn one by one */
 #define OUTLINES_MAX 4000u
 #define EDGES_MAX 2000000u
 #define POINTS_MAX 500000000u
-#define KINDS_MAX 1000000u
 
 /* Adds a line to the legend. */
-static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
+static void say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
 	__attribute__((format(printf, 4, 5)));
-static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
+static void say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
 {
 	va_list args;
-	if (!eco_array_grow(&m->left, &m->left_capacity, m->left_count, sizeof *m->left))
-		return map_no_memory(m);
+	main_grow(&m->left, &m->left_capacity, m->left_count, sizeof *m->left);
 	struct map_left *left = &m->left[m->left_count++];
 	*left = (struct map_left){ .count = count, .kind = kind };
 	va_start(args, format);
 	vsnprintf(left->text, sizeof left->text, format, args);
 	va_end(args);
-	return ECO_OK;
 }
 
 static enum eco_code add_point(struct map *m, struct map_points *points, const struct map_point *point)
 {
-	if (points->count >= POINTS_MAX
-			|| !eco_array_grow(&points->items, &points->capacity, points->count, sizeof *point))
-		return map_no_memory(m);
+	if (points->count >= POINTS_MAX)
+		return eco_fail(m->error, ECO_TOO_LARGE, "a map has at most %u plants", POINTS_MAX);
+	main_grow(&points->items, &points->capacity, points->count, sizeof *point);
 	points->items[points->count++] = *point;
 	return ECO_OK;
 }
@@ -56,25 +52,22 @@ static int by_name(const void *a, const void *b)
 }
 
 /* Variants, and plants of one name in several files, are one kind. */
-static enum eco_code find_kinds(struct map *m)
+static void find_kinds(struct map *m)
 {
 	uint64_t count = 0;
 	for (uint32_t s = 0; s < m->sources.count; s++)
 		count += m->sources.items[s].plant_count;
-	struct named *names = calloc(count + 1, sizeof *names);
-	m->kind_of = calloc(m->sources.count, sizeof *m->kind_of);
-	m->kinds = calloc(count + 1, sizeof *m->kinds);
-	bool good = names && m->kind_of && m->kinds && count < KINDS_MAX;
+	struct named *names = main_alloc(count, sizeof *names);
+	m->kind_of = main_alloc(m->sources.count, sizeof *m->kind_of);
+	m->kinds = main_alloc(count, sizeof *m->kinds);
 	count = 0;
-	for (uint32_t s = 0; s < m->sources.count && good; s++) {
-		m->kind_of[s] = calloc(m->sources.items[s].plant_count + 1u, sizeof **m->kind_of);
-		good = m->kind_of[s] != NULL;
+	for (uint32_t s = 0; s < m->sources.count; s++) {
+		m->kind_of[s] = main_alloc(m->sources.items[s].plant_count, sizeof **m->kind_of);
 		for (uint32_t p = 0; p < m->sources.items[s].plant_count; p++)
 			names[count++] = (struct named){ m->sources.items[s].plants[p].name, s, p };
 	}
-	if (good)
-		qsort(names, count, sizeof *names, by_name);
-	for (uint64_t i = 0; i < count && good; i++) {
+	qsort(names, count, sizeof *names, by_name);
+	for (uint64_t i = 0; i < count; i++) {
 		if (i == 0 || strcmp(names[i].name, names[i - 1].name) != 0) {
 			m->kinds[m->kind_count] = (struct map_kind){ .low_m = INFINITY, .high_m = -INFINITY };
 			snprintf(m->kinds[m->kind_count++].name, sizeof m->kinds->name, "%s", names[i].name);
@@ -82,7 +75,6 @@ static enum eco_code find_kinds(struct map *m)
 		m->kind_of[names[i].source][names[i].plant] = m->kind_count - 1;
 	}
 	free(names);
-	return good ? ECO_OK : map_no_memory(m);
 }
 
 /* height_m: NAN where the plant's own counts; scale multiplies it. species NULL: as the plant is named. */
@@ -98,7 +90,7 @@ static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, c
 		stand->row, stand->line };
 	if (!eco_string_pool_add(&m->species, stand->species ? stand->species : m->kinds[point.kind].name,
 			&point.species))
-		return map_no_memory(m);
+		main_end("no memory");
 	if (source == 0 && m->has_ground) {
 		double z;
 		m->off_ground += !eco_ground_height(&m->ground, at[0], at[1], &z);
@@ -114,8 +106,8 @@ static enum eco_code add_instances(struct map *m, uint32_t source)
 		const struct eco_source_instance *one = &s->instances[i];
 		code = add_plant(m, source, one->plant, &(struct stand){ .at = one->at,
 			.height_m = one->height_m, .scale = one->scale });
-		if (i % 4096 == 0 && !main_progress("reading positions", s->path, 0))
-			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+		if (i % 4096 == 0)
+			main_progress("reading positions", s->path, 0);
 	}
 	return code;
 }
@@ -133,56 +125,48 @@ static int by_most(const void *a, const void *b)
 }
 
 /* Lists the species that the scene's map leaves out, the commonest first. */
-static enum eco_code say_left_out(struct map *m, const struct eco_positions_spec *spec,
+static void say_left_out(struct map *m, const struct eco_positions_spec *spec,
 	const struct eco_positions_counts *counts)
 {
-	const struct eco_skipped **order = calloc(spec->map_count + 1u, sizeof *order);
+	const struct eco_skipped **order = main_alloc(spec->map_count, sizeof *order);
 	uint32_t found = 0;
-	enum eco_code code = order ? ECO_OK : map_no_memory(m);
-	for (uint32_t i = 0; i < spec->map_count && order; i++)
+	for (uint32_t i = 0; i < spec->map_count; i++)
 		if (spec->map[i].plant == ECO_NONE && counts->keys[i].count)
 			order[found++] = &counts->keys[i];
-	if (order)
-		qsort(order, found, sizeof *order, by_most);
-	for (uint32_t i = 0; i < found && i < DETAILS && !code; i++)
-		code = say(m, MAP_OF_THESE, order[i]->count, "%.80s",
-			spec->map[order[i] - counts->keys].name);
-	if (found > DETAILS && !code)
-		code = say(m, MAP_OF_THESE, 0, "and %u more", found - DETAILS);
+	qsort(order, found, sizeof *order, by_most);
+	for (uint32_t i = 0; i < found && i < DETAILS; i++)
+		say(m, MAP_OF_THESE, order[i]->count, "%.80s", spec->map[order[i] - counts->keys].name);
+	if (found > DETAILS)
+		say(m, MAP_OF_THESE, 0, "and %u more", found - DETAILS);
 	free(order);
-	return code;
 }
 
-static enum eco_code say_unknown(struct map *m, const struct eco_positions_counts *counts)
+static void say_unknown(struct map *m, const struct eco_positions_counts *counts)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST && counts->unknown[i].count && !code; i++)
-		code = say(m, MAP_OF_THESE, counts->unknown[i].count, "%.48s", counts->unknown[i].first_text);
-	if (counts->unknown_species > ECO_UNKNOWN_MOST && !code)
-		code = say(m, MAP_OF_THESE, 0, "and %u more", counts->unknown_species - ECO_UNKNOWN_MOST);
-	return code;
+	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST && counts->unknown[i].count; i++)
+		say(m, MAP_OF_THESE, counts->unknown[i].count, "%.48s", counts->unknown[i].first_text);
+	if (counts->unknown_species > ECO_UNKNOWN_MOST)
+		say(m, MAP_OF_THESE, 0, "and %u more", counts->unknown_species - ECO_UNKNOWN_MOST);
 }
 
-static enum eco_code say_rows(struct map *m, const struct eco_positions *reader,
-	const struct eco_positions_spec *spec)
+static void say_rows(struct map *m, const struct eco_positions *reader, const struct eco_positions_spec *spec)
 {
 	struct eco_positions_counts counts;
 	char rows[32], plants[32];
 	eco_positions_counted(reader, &counts);
-	enum eco_code code = say(m, MAP_FILE, counts.rows, "%.80s: %s row%s, %s plant%s",
-		eco_path_last(spec->path), eco_phrase_count(counts.rows, rows), counts.rows == 1 ? "" : "s",
+	say(m, MAP_FILE, counts.rows, "%.80s: %s row%s, %s plant%s", eco_path_last(spec->path),
+		eco_phrase_count(counts.rows, rows), counts.rows == 1 ? "" : "s",
 		eco_phrase_count(counts.plants, plants), counts.plants == 1 ? "" : "s");
-	for (int k = 0; k < ECO_SKIP_COUNT && !code; k++) {
+	for (int k = 0; k < ECO_SKIP_COUNT; k++) {
 		if (!counts.skipped[k].count)
 			continue;
-		code = say(m, k < ECO_SKIP_REASONS ? MAP_LEFT_OUT : MAP_KEPT, counts.skipped[k].count, "%s",
+		say(m, k < ECO_SKIP_REASONS ? MAP_LEFT_OUT : MAP_KEPT, counts.skipped[k].count, "%s",
 			eco_skip_names[k]);
-		if (!code && k == ECO_SKIP_LEFT_OUT)
-			code = say_left_out(m, spec, &counts);
-		else if (!code && k == ECO_SKIP_UNKNOWN_SPECIES)
-			code = say_unknown(m, &counts);
+		if (k == ECO_SKIP_LEFT_OUT)
+			say_left_out(m, spec, &counts);
+		else if (k == ECO_SKIP_UNKNOWN_SPECIES)
+			say_unknown(m, &counts);
 	}
-	return code;
 }
 
 static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_positions_spec *spec)
@@ -192,15 +176,12 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 	struct eco_positions *reader = NULL;
 	struct eco_position row;
 	uint32_t file = m->file_count;
-	if (!eco_array_grow(&m->files, &m->file_capacity, file, sizeof *m->files))
-		return map_no_memory(m);
+	main_grow(&m->files, &m->file_capacity, file, sizeof *m->files);
 	m->files[m->file_count++] = eco_path_last(spec->path);
 	enum eco_code code = eco_positions_open(&reader, spec, &frame, m->error);
 	for (uint64_t i = 0; !code; i++) {
-		if (i % 4096 == 0 && !main_progress("reading positions", spec->path, 0)) {
-			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
-			break;
-		}
+		if (i % 4096 == 0)
+			main_progress("reading positions", spec->path, 0);
 		code = eco_positions_next(reader, &row, m->error);
 		if (code || row.plant == ECO_NONE)
 			break;
@@ -210,7 +191,7 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 	}
 	if (!code) {
 		eco_positions_report(reader, main_note_text, NULL);
-		code = say_rows(m, reader, spec);
+		say_rows(m, reader, spec);
 	}
 	eco_positions_close(reader);
 	return code;
@@ -218,14 +199,13 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 
 /* ---- Scattered plants ---- */
 
-static enum eco_code add_edges(struct map *m, struct map_edges *edges, const struct eco_areas *areas)
+static void add_edges(struct map_edges *edges, const struct eco_areas *areas)
 {
 	for (uint32_t i = 0; i < areas->edge_count && edges->count < EDGES_MAX; i++) {
 		const struct eco_edge *e = &areas->edges[i];
 		if (!map_add_edge(edges, (const double[4]){ e->a[0], e->a[1], e->b[0], e->b[1] }))
-			return map_no_memory(m);
+			main_end("no memory");
 	}
-	return ECO_OK;
 }
 
 static void say_scatter(void *ctx, const char *text)
@@ -239,7 +219,8 @@ static void say_scatter(void *ctx, const char *text)
 
 static bool scatter_progress(void *ctx, double share)
 {
-	return main_progress("scattering plants", ctx, share);
+	main_progress("scattering plants", ctx, share);
+	return true;
 }
 
 static enum eco_code add_scattered(struct map *m, uint32_t source, const struct eco_scatter_spec *spec)
@@ -253,15 +234,15 @@ static enum eco_code add_scattered(struct map *m, uint32_t source, const struct 
 		code = add_plant(m, source, place.plant, &(struct stand){ .at = place.at,
 			.height_m = place.height_m, .scale = 1 });
 	}
-	if (!code)
-		code = say(m, MAP_FILE, 0, "%.80s, scattered", eco_path_last(spec->path));
-	if (!code)
+	if (!code) {
+		say(m, MAP_FILE, 0, "%.80s, scattered", eco_path_last(spec->path));
 		eco_scatter_report(scatter, say_scatter, m);
+	}
 	/* nested files' areas would have to be turned; their plants show them */
-	if (!code && source == 0)
-		code = add_edges(m, &m->areas, eco_scatter_areas(scatter));
-	if (!code && source == 0)
-		code = add_edges(m, &m->clear_of, eco_scatter_clear_of(scatter));
+	if (!code && source == 0) {
+		add_edges(&m->areas, eco_scatter_areas(scatter));
+		add_edges(&m->clear_of, eco_scatter_clear_of(scatter));
+	}
 	eco_scatter_close(scatter);
 	return code;
 }
@@ -319,11 +300,9 @@ static void sum_up(struct map *m, uint32_t source)
 }
 
 /* Counts how often each file is placed, through all nesting, then multiplies kinds by that. */
-static enum eco_code count_kinds(struct map *m)
+static void count_kinds(struct map *m)
 {
-	uint64_t *times = calloc(m->sources.count, sizeof *times);
-	if (!times)
-		return map_no_memory(m);
+	uint64_t *times = main_alloc(m->sources.count, sizeof *times);
 	times[0] = 1;
 	for (uint32_t s = 0; s < m->sources.count; s++) {
 		const struct eco_source *source = &m->sources.items[s];
@@ -341,19 +320,16 @@ static enum eco_code count_kinds(struct map *m)
 		m->placements += s ? times[s] : 0;
 	}
 	free(times);
-	return ECO_OK;
 }
 
-static enum eco_code add_bounds(struct map *m, uint32_t source, const struct turned *t)
+static void add_bounds(struct map *m, uint32_t source, const struct turned *t)
 {
 	if (m->outline_count == OUTLINES_MAX || map_is_empty(&m->bounds[source]))
-		return ECO_OK;
-	if (!eco_array_grow(&m->outlines, &m->outline_capacity, m->outline_count, sizeof *m->outlines))
-		return map_no_memory(m);
+		return;
+	main_grow(&m->outlines, &m->outline_capacity, m->outline_count, sizeof *m->outlines);
 	struct map_outline *outline = &m->outlines[m->outline_count++];
 	corners_of(t, &m->bounds[source], outline->corners);
 	snprintf(outline->name, sizeof outline->name, "%s", m->sources.items[source].name);
-	return ECO_OK;
 }
 
 /* Draws the files that `source` nests, and their plants if there is room for all. */
@@ -374,8 +350,8 @@ static enum eco_code expand(struct map *m, uint32_t source, const struct turned 
 	for (uint32_t i = 0; i < s->child_count && !code; i++) {
 		struct turned nested = turn_of(t, &s->children[i]);
 		if (depth == 0)
-			code = add_bounds(m, s->children[i].source, &nested);
-		if (!code && plants)
+			add_bounds(m, s->children[i].source, &nested);
+		if (plants)
 			code = expand(m, s->children[i].source, &nested, plants, depth + 1);
 	}
 	return code;
@@ -390,12 +366,10 @@ static int by_count(const void *a, const void *b)
 }
 
 /* Gives the commonest kinds colours of their own. A single remaining kind is not called "others". */
-static enum eco_code choose_colors(struct map *m)
+static void choose_colors(struct map *m)
 {
-	struct map_kind **order = calloc(m->kind_count + 1u, sizeof *order);
+	struct map_kind **order = main_alloc(m->kind_count, sizeof *order);
 	uint32_t present = 0;
-	if (!order)
-		return map_no_memory(m);
 	for (uint32_t i = 0; i < m->kind_count; i++)
 		if (m->kinds[i].count)
 			order[present++] = &m->kinds[i];
@@ -404,7 +378,6 @@ static enum eco_code choose_colors(struct map *m)
 		order[i]->color = i < MAP_COLORS ? i : MAP_COLORS;
 	m->other_count = present > MAP_COLORS ? present - MAP_COLORS : 0;
 	free(order);
-	return ECO_OK;
 }
 
 static int by_float(const void *a, const void *b)
@@ -413,20 +386,17 @@ static int by_float(const void *a, const void *b)
 	return x < y ? -1 : x > y;
 }
 
-static enum eco_code find_typical_height(struct map *m)
+static void find_typical_height(struct map *m)
 {
 	uint64_t stride = m->points.count / 100000 + 1;
-	float *heights = malloc((m->points.count / stride + 1) * sizeof *heights);
+	float *heights = main_alloc(m->points.count / stride + 1, sizeof *heights);
 	uint32_t count = 0;
-	if (!heights)
-		return map_no_memory(m);
 	for (uint64_t i = 0; i < m->points.count; i += stride)
 		if (m->points.items[i].height_m > 0)
 			heights[count++] = m->points.items[i].height_m;
 	qsort(heights, count, sizeof *heights, by_float);
 	m->typical_m = count ? (double)heights[count / 2] : 0;
 	free(heights);
-	return ECO_OK;
 }
 
 /* ---- All ---- */
@@ -446,10 +416,11 @@ static enum eco_code read_ground(struct map *m)
 static enum eco_code read_sources(struct map *m)
 {
 	uint32_t count = m->sources.count;
-	m->own = calloc(count, sizeof *m->own);
-	m->bounds = calloc(count, sizeof *m->bounds);
-	m->totals = calloc(count, sizeof *m->totals);
-	enum eco_code code = m->own && m->bounds && m->totals ? find_kinds(m) : map_no_memory(m);
+	enum eco_code code = ECO_OK;
+	m->own = main_alloc(count, sizeof *m->own);
+	m->bounds = main_alloc(count, sizeof *m->bounds);
+	m->totals = main_alloc(count, sizeof *m->totals);
+	find_kinds(m);
 	/* nested files come after the files that nest them, and are needed first */
 	for (uint32_t s = count; s-- > 0 && !code;) {
 		code = add_instances(m, s);
@@ -465,26 +436,24 @@ static enum eco_code read_sources(struct map *m)
 
 enum eco_code map_gather(struct map *m, const char *scene)
 {
-	if (!main_progress("reading the scene", NULL, 0))
-		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	main_progress("reading the scene", NULL, 0);
 	enum eco_code code = eco_sources_load(&m->sources, scene, m->error);
 	if (!code)
 		code = read_ground(m);
 	if (!code)
 		code = read_sources(m);
-	if (!code)
-		code = count_kinds(m);
 	if (code)
 		return code;
+	count_kinds(m);
 	m->total = m->totals[0];
 	m->points = m->own[0];
 	m->own[0] = (struct map_points){ 0 };
 	bool all = m->total - m->points.count <= EXPANDED_MAX;
 	m->not_expanded = all ? 0 : m->total - m->points.count;
 	code = expand(m, 0, &as_is, all, 0);
-	if (!code)
-		code = choose_colors(m);
-	return code ? code : find_typical_height(m);
+	choose_colors(m);
+	find_typical_height(m);
+	return code;
 }
 
 void map_free(struct map *m)

@@ -9,6 +9,7 @@
 
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/command.h"
+#include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_parts.h"
@@ -17,7 +18,7 @@
 #include "lod/build/organ/organ.h"
 
 #define FILES_MAX 64u
-#define SHOWN 20u                /* components and parts listed for people */
+#define SHOWN 20u                /* components listed */
 #define NOTES_MAX 64u
 #define WELD_BITS 16u
 
@@ -46,16 +47,13 @@ static void keep_note(void *ctx, const char *text)
 		s->note_count++;
 }
 
-static enum eco_code find_components(struct seen *s, struct eco_error *error)
+static void find_components(struct seen *s)
 {
-	uint32_t *place = malloc(((size_t)s->model.vertex_count + 1) * sizeof *place);
-	bool good = place && eco_model_places(&s->model, place)
-		&& eco_components_find(&s->components, &s->model, place, true);
+	uint32_t *place = main_alloc(s->model.vertex_count, sizeof *place);
 	struct eco_component all = { 0 };
+	if (!eco_model_places(&s->model, place) || !eco_components_find(&s->components, &s->model, place, true))
+		main_end("no memory");
 	free(place);
-	if (!good)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the components of %.300s",
-			s->options.paths[0]);
 	for (uint32_t i = 0; i < s->components.count; i++)
 		for (int k = 0; k < 3; k++) {
 			all.low[k] = i ? fmin(all.low[k], s->components.items[i].low[k])
@@ -64,27 +62,22 @@ static enum eco_code find_components(struct seen *s, struct eco_error *error)
 				: s->components.items[i].high[k];
 		}
 	s->diagonal = eco_component_diagonal(&all);
-	return ECO_OK;
 }
 
-static enum eco_code find_organs(struct seen *s, struct eco_error *error)
+static void find_organs(struct seen *s)
 {
 	struct lod_arena arena = { 0 };
 	struct lod_mesh mesh;
 	struct lod_organs organs;
-	s->organ = malloc(s->model.triangle_count + 1u);
-	if (!s->organ || setjmp(arena.failed)) {
-		lod_arena_free(&arena);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the organs of %.300s",
-			s->options.paths[0]);
-	}
+	s->organ = main_alloc(s->model.triangle_count + 1u, 1);
+	if (setjmp(arena.failed))
+		main_end("no memory");
 	memset(s->organ, ECO_ORGAN_FOUND, s->model.triangle_count + 1u);
 	lod_weld(&mesh, &s->model, WELD_BITS, &arena);
 	lod_organs_find(&organs, &mesh, &s->model, &arena);
 	for (uint32_t t = 0; t < mesh.triangle_count; t++)
 		s->organ[mesh.source[t]] = organs.components[mesh.component[t]].organ;
 	lod_arena_free(&arena);
-	return ECO_OK;
 }
 
 /* Area of each organ in component `which`; ECO_NONE: in all. */
@@ -110,8 +103,8 @@ struct use { uint32_t triangles; double area, organ[ECO_ORGAN_COUNT]; };
 /* Use of each material, or of each part. */
 static struct use *uses_of(const struct seen *s, const uint32_t *of, uint32_t count)
 {
-	struct use *use = calloc(count + 1u, sizeof *use);
-	for (uint32_t t = 0; use && t < s->model.triangle_count; t++) {
+	struct use *use = main_alloc(count, sizeof *use);
+	for (uint32_t t = 0; t < s->model.triangle_count; t++) {
 		double area = eco_triangle_area(&s->model, t);
 		use[of[t]].triangles++;
 		use[of[t]].area += area;
@@ -195,138 +188,7 @@ static void print_plant(const struct seen *s)
 	json_decref(plants);
 }
 
-/* ---- For people ---- */
-
-static void print_counts(const struct eco_model *m)
-{
-	static const char *const why[ECO_DROP_COUNT] = { "name vertices that are not there", "are not finite",
-		"have no area", "are duplicates",
-		"are transparent", "collapse on the grid", "are left out" };
-	printf("  triangles   %u, %u kept", m->triangles_in, m->triangle_count);
-	for (int i = 0; i < ECO_DROP_COUNT; i++)
-		if (m->dropped[i])
-			printf("; %u %s", m->dropped[i], why[i]);
-	printf("\n");
-}
-
-static void print_frame(const struct seen *s)
-{
-	const struct eco_model *m = &s->model;
-	const struct eco_model_source *source = &m->source;
-	const double *size = source->size;
-	const char *unit = eco_unit_name(m->scale);
-	printf("  size        %.4g m wide, %.4g m deep, %.4g m high (%.5g x %.5g x %.5g units)\n",
-		size[0] * m->scale, size[1] * m->scale, eco_model_height(m), size[0], size[1], size[2]);
-	if (unit)
-		printf("  unit        %s, %s\n", unit, how_text(source->unit_how));
-	else
-		printf("  unit        %.4g m, %s\n", m->scale, how_text(source->unit_how));
-	printf("  up          %s, %s\n", eco_up_name(source->up), how_text(source->up_how));
-	printf("  foot        at %.6g, %.6g, %.6g of the file (turned to z up)", m->foot[0], m->foot[1],
-		m->foot[2]);
-	if (source->below > 0)
-		printf("; it reaches %.3g m below the ground", source->below * m->scale);
-	printf("\n");
-}
-
-static void print_materials(const struct seen *s)
-{
-	const struct eco_model *m = &s->model;
-	struct use *use = uses_of(s, m->material, m->material_count);
-	printf("\n  materials   triangles      area m2  colour   texture\n");
-	for (uint32_t i = 0; use && i < m->material_count; i++) {
-		const struct eco_material *material = &m->materials[i];
-		char texture[64] = "-";
-		if (material->image != ECO_NONE)
-			snprintf(texture, sizeof texture, "%u x %u, %s", m->images[material->image].width,
-				m->images[material->image].height, material->cutout ? "cut out" : "opaque");
-		if (i < 2 * SHOWN)
-			printf("  %11u %11u %12.4g  #%02x%02x%02x  %-20s  %s\n", i + 1, use[i].triangles,
-				use[i].area, material->rgb[0], material->rgb[1], material->rgb[2], texture,
-				material->name[0] ? material->name : "(no name)");
-	}
-	if (m->material_count > 2 * SHOWN)
-		printf("  ... and %u more\n", m->material_count - 2 * SHOWN);
-	free(use);
-}
-
-static void print_parts(const struct seen *s)
-{
-	const struct eco_model *m = &s->model;
-	struct use *use = m->part ? uses_of(s, m->part, m->part_count) : NULL;
-	if (m->part_count > 1 || (m->part_count == 1 && m->parts[0].name[0]))
-		printf("\n  parts       triangles      area m2  mesh, object or group\n");
-	for (uint32_t i = 0; use && i < m->part_count && i < 2 * SHOWN
-			&& (m->part_count > 1 || m->parts[0].name[0]); i++)
-		printf("  %11u %11u %12.4g  %s\n", i + 1, use[i].triangles, use[i].area,
-			m->parts[i].name[0] ? m->parts[i].name : "(no name)");
-	if (m->part_count > 2 * SHOWN)
-		printf("  ... and %u more\n", m->part_count - 2 * SHOWN);
-	free(use);
-}
-
-static void print_components(const struct seen *s)
-{
-	double rest = 0, least = INFINITY, most = 0;
-	printf("\n  component   triangles      area m2  size     from z to z m     organ    material, "
-		"part\n");
-	for (uint32_t i = 0; i < s->components.count; i++) {
-		const struct eco_component *c = &s->components.items[i];
-		double size = s->diagonal > 0 ? eco_component_diagonal(c) / s->diagonal : 0,
-			area[ECO_ORGAN_COUNT];
-		if (i < SHOWN) {
-			organ_areas(s, i, area);
-			const char *part = part_of(s, c->first);
-			printf("  %11u %11u %12.4g  %.5f %8.3g %8.3g  %-8s %s%s%s\n", i + 1,
-				c->triangle_count, c->area, size, c->low[2], c->high[2],
-				organ_name(largest_organ(area)),
-				s->model.materials[s->model.material[c->first]].name, part[0] ? ", " : "",
-				part);
-		} else {
-			rest += c->area;
-			least = fmin(least, size);
-			most = fmax(most, size);
-		}
-	}
-	if (s->components.count > SHOWN)
-		printf("  ... and %u more: %.4g m2, sizes %.5f to %.5f\n", s->components.count - SHOWN, rest,
-			least, most);
-	printf("  (size: its diagonal as a share of the whole's)\n");
-}
-
-static void print_organs(const struct seen *s)
-{
-	double area[ECO_ORGAN_COUNT];
-	organ_areas(s, ECO_NONE, area);
-	printf("  organs     ");
-	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
-		printf("%s %.4g m2 %s", i ? "," : "", area[i], eco_organ_names[i]);
-	printf("\n");
-}
-
-static void print_text(const struct seen *s)
-{
-	for (uint32_t i = 0; i < s->options.path_count; i++)
-		printf("%s%s", i ? " + " : "", s->options.paths[i]);
-	printf("\n  format      %s\n", s->model.source.format);
-	print_frame(s);
-	print_counts(&s->model);
-	print_organs(s);
-	print_materials(s);
-	print_parts(s);
-	print_components(s);
-	for (uint32_t i = 0; i < s->note_count; i++)
-		printf("%s  note: %s\n", i ? "" : "\n", s->notes[i]);
-	printf("\nIn SCENE.json:\n");
-	print_plant(s);
-	printf("and with rules about its parts, for example:\n  \"parts\": [{\"component\": 1, \"is\": "
-		"\"left out\"}, {\"size\": "
-		"[0, 0.01], \"is\": \"foliage\"}, "
-		"{\"name\": \"%s\", \"is\": \"wood\"}]\n", s->model.materials[0].name[0]
-		? s->model.materials[0].name : "bark*");
-}
-
-/* ---- For scripts ---- */
+/* ---- Facts ---- */
 
 static json_t *rgb_json(const uint8_t rgb[3])
 {
@@ -348,7 +210,7 @@ static json_t *materials_json(const struct seen *s)
 	const struct eco_model *m = &s->model;
 	struct use *use = uses_of(s, m->material, m->material_count);
 	json_t *all = json_array();
-	for (uint32_t i = 0; use && i < m->material_count; i++) {
+	for (uint32_t i = 0; i < m->material_count; i++) {
 		const struct eco_material *material = &m->materials[i];
 		json_t *one = json_pack("{s:o, s:o, s:I, s:f, s:o}", "name", text_json(material->name),
 			"color", rgb_json(material->rgb), "triangles", (json_int_t)use[i].triangles,
@@ -396,7 +258,7 @@ static json_t *components_json(const struct seen *s)
 	return all;
 }
 
-static void print_json(const struct seen *s)
+static json_t *facts_json(const struct seen *s)
 {
 	const struct eco_model *m = &s->model;
 	double area[ECO_ORGAN_COUNT];
@@ -406,7 +268,7 @@ static void print_json(const struct seen *s)
 		json_object_set_new(dropped, eco_drop_names[i], json_integer(m->dropped[i]));
 	for (uint32_t i = 0; i < s->note_count; i++)
 		json_array_append_new(notes, text_json(s->notes[i]));
-	json_t *top = json_pack("{s:o, s:[f,f,f], s:f, s:f, s:f, s:s, s:s, s:s, s:[f,f,f], s:I, s:I, s:o, "
+	return json_pack("{s:o, s:[f,f,f], s:f, s:f, s:f, s:s, s:s, s:s, s:[f,f,f], s:I, s:I, s:o, "
 		"s:o, s:o, s:o, s:I, s:o, s:o, s:o}", "format", text_json(m->source.format),
 		"size_m", m->source.size[0] * m->scale, m->source.size[1] * m->scale,
 		m->source.size[2] * m->scale, "height_m", eco_model_height(m),
@@ -417,9 +279,28 @@ static void print_json(const struct seen *s)
 		"triangles_dropped", dropped, "organs_m2", organs_json(area), "materials", materials_json(s),
 		"parts", parts_json(s), "component_count", (json_int_t)s->components.count,
 		"components", components_json(s), "notes", notes, "plant", plant_json(s));
-	json_dumpf(top, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+}
+
+static void print_text(const struct seen *s, const json_t *facts)
+{
+	for (uint32_t i = 0; i < s->options.path_count; i++)
+		printf("%s%s", i ? " + " : "", s->options.paths[i]);
 	putchar('\n');
-	json_decref(top);
+	inspect_lines(stdout, facts, "format size_m height_m below_m unit_m unit up up_found foot triangles_in "
+		"triangles_kept triangles_dropped organs_m2 component_count");
+	inspect_table(stdout, NULL, json_object_get(facts, "materials"), "name color triangles area_m2 texture cutout");
+	inspect_table(stdout, NULL, json_object_get(facts, "parts"), "name triangles area_m2");
+	inspect_table(stdout, NULL, json_object_get(facts, "components"),
+		"component triangles area_m2 size z_m organ material part");
+	for (uint32_t i = 0; i < s->note_count; i++)
+		printf("%s  note: %s\n", i ? "" : "\n", s->notes[i]);
+	printf("\nIn SCENE.json:\n");
+	print_plant(s);
+	printf("and with rules about its parts, for example:\n  \"parts\": [{\"component\": 1, \"is\": "
+		"\"left out\"}, {\"size\": "
+		"[0, 0.01], \"is\": \"foliage\"}, "
+		"{\"name\": \"%s\", \"is\": \"wood\"}]\n", s->model.materials[0].name[0]
+		? s->model.materials[0].name : "bark*");
 }
 
 /* ---- The command ---- */
@@ -445,36 +326,35 @@ static enum eco_code read_options(struct seen *s, struct eco_error *error)
 
 static enum eco_code see(struct seen *s, struct eco_error *error)
 {
-	if (!main_progress("reading", eco_path_last(s->options.paths[0]), 0))
-		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	main_progress("reading", eco_path_last(s->options.paths[0]), 0);
 	enum eco_code code = eco_model_import(&s->model, &s->options, error);
-	if (!code && !main_progress("looking at it", eco_path_last(s->options.paths[0]), 0.7))
-		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
-	if (!code)
-		code = find_components(s, error);
-	if (!code)
-		code = find_organs(s, error);
+	main_progress("looking at it", eco_path_last(s->options.paths[0]), 0.7);
+	if (!code) {
+		find_components(s);
+		find_organs(s);
+	}
 	main_progress_end();
 	return code;
 }
 
 static enum eco_code run_model(int argc, char **argv, struct eco_error *error)
 {
-	struct seen *s = calloc(1, sizeof *s);
-	if (!s)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory");
+	struct seen *s = main_alloc(1, sizeof *s);
 	memset(&given, 0, sizeof given);
 	enum eco_code code = main_read(&main_command_model, argc, argv, error);
 	if (!code)
 		code = read_options(s, error);
 	if (!code)
 		code = see(s, error);
-	if (!code && given.json)
-		print_json(s);
-	else if (!code && given.as_plant)
+	json_t *facts = code ? NULL : facts_json(s);
+	if (!code && given.json) {
+		json_dumpf(facts, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+		putchar('\n');
+	} else if (!code && given.as_plant)
 		print_plant(s);
 	else if (!code)
-		print_text(s);
+		print_text(s, facts);
+	json_decref(facts);
 	for (uint32_t i = 0; i < s->note_count; i++) {
 		if (code || (given.as_plant && !given.json))
 			main_note("%s", s->notes[i]);

@@ -15,6 +15,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/guard.h"
 #include "ecofiles/base/text.h"
 
@@ -27,6 +28,43 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static bool silent, shown;
 static double last_s = -1000;
 static struct { char name[64]; double since_s; } stage_now;
+
+/* ---- The end ---- */
+
+static struct { void (*undo)(void *ctx); void *ctx; } at_end;
+
+void main_at_end(void (*undo)(void *ctx), void *ctx)
+{
+	at_end.ctx = ctx;
+	at_end.undo = undo;
+}
+
+_Noreturn void main_end(const char *why)
+{
+	static pthread_mutex_t once = PTHREAD_MUTEX_INITIALIZER;
+	pthread_mutex_lock(&once);           /* for ever: one thread ends the program */
+	eco_guard_interrupt();
+	if (at_end.undo)
+		at_end.undo(at_end.ctx);
+	dprintf(STDERR_FILENO, "%secopack: %s\n", shown ? "\r\033[K" : "", why);
+	_exit(1);
+}
+
+void *main_alloc(size_t count, size_t size)
+{
+	void *room = calloc(count ? count : 1, size ? size : 1);
+	if (!room)
+		main_end("no memory");
+	return room;
+}
+
+void main_grow(void *array, uint32_t *capacity, uint32_t count, size_t size)
+{
+	if (!eco_array_grow(array, capacity, count, size))
+		main_end("no memory");
+}
+
+/* ---- Progress ---- */
 
 static void ask_to_stop(int number)
 {
@@ -45,12 +83,14 @@ void main_catch_interrupts(void)
 	sigaction(SIGXFSZ, &action, NULL);
 }
 
-static double now_s(void)
+static double seconds(clockid_t clock)
 {
 	struct timespec t;
-	clock_gettime(CLOCK_MONOTONIC, &t);
+	clock_gettime(clock, &t);
 	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
+
+static double now_s(void) { return seconds(CLOCK_MONOTONIC); }
 
 static void erase(void)
 {
@@ -92,11 +132,13 @@ static void say(const char *stage, const char *detail, double share, const char 
 	memcpy(last, text, sizeof last);
 }
 
-bool main_progress(const char *stage, const char *detail, double share)
+void main_progress(const char *stage, const char *detail, double share)
 {
 	double now = now_s();
 	bool terminal = isatty(STDERR_FILENO) == 1;
 	char left[32];
+	if (interrupted)
+		main_end("interrupted");
 	pthread_mutex_lock(&lock);
 	share = share < 0 ? 0 : share > 1 ? 1 : share;
 	find_left(left, stage, now, share);
@@ -117,7 +159,6 @@ bool main_progress(const char *stage, const char *detail, double share)
 			say(stage, detail, share, left);
 	}
 	pthread_mutex_unlock(&lock);
-	return !interrupted;
 }
 
 void main_progress_end(void)
@@ -154,7 +195,7 @@ void main_note_text(void *unused, const char *text)
 /* ---- Times ---- */
 
 /* A thread that changes its stage adds the clock and processor time since its last change to the stage it
- * leaves. Memory is the process's: the peak since the last change counts for every stage that was running. */
+ * leaves. */
 
 static const char *const names[MAIN_STAGE_COUNT] =
 	{ [MAIN_STAGE_SCENE] = "scene", [MAIN_STAGE_GROUND] = "ground",
@@ -166,92 +207,43 @@ static const char *const names[MAIN_STAGE_COUNT] =
 		[MAIN_STAGE_POSITIONS] = "positions", [MAIN_STAGE_TILES] = "tiles",
 		[MAIN_STAGE_SUMMARIES] = "summaries", [MAIN_STAGE_WRITING] = "writing" };
 
-static struct { double elapsed_s, cpu_s, peak_mb; uint32_t threads; } stages[MAIN_STAGE_COUNT];
+static struct { double elapsed_s, cpu_s; } stages[MAIN_STAGE_COUNT];
 static pthread_mutex_t times_lock = PTHREAD_MUTEX_INITIALIZER;
-static double start_s, total_mb;
-static bool by_stage;
+static double start_s;
 static struct { char folder[1024]; uint64_t hits, misses; } times_cache;
 
-static _Thread_local struct { enum main_stage stage; double since_s, cpu_s, readers_s, readers_mb; } mine;
-
-static double seconds(clockid_t clock)
-{
-	struct timespec t;
-	clock_gettime(clock, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
+static _Thread_local struct { enum main_stage stage; double since_s, cpu_s, readers_s; } mine;
 
 static double of(struct timeval t) { return (double)t.tv_sec + 1e-6 * (double)t.tv_usec; }
 
-/* Child processes that have ended: processor time of all, memory of the largest. */
-static void readers(double *cpu_s, double *most_mb)
+/* Processor time of child processes that have ended. */
+static double readers(void)
 {
 	struct rusage used;
 	getrusage(RUSAGE_CHILDREN, &used);
-	*cpu_s = of(used.ru_utime) + of(used.ru_stime);
-	*most_mb = (double)used.ru_maxrss / 1024;
-}
-
-/* The peak since the last reset. */
-static double peak_mb(void)
-{
-	char line[128];
-	double kb = 0;
-	FILE *file = fopen("/proc/self/status", "re");
-	while (file && fgets(line, sizeof line, file))
-		if (sscanf(line, "VmHWM: %lf", &kb) == 1)
-			break;
-	if (file)
-		fclose(file);
-	if (by_stage && (file = fopen("/proc/self/clear_refs", "we"))) {
-		fputs("5", file);
-		fclose(file);
-	}
-	return kb / 1024;
-}
-
-static double max(double a, double b) { return a > b ? a : b; }
-
-static void take_peak(void)
-{
-	double mb = peak_mb();
-	total_mb = max(total_mb, mb);
-	for (int i = 0; i < MAIN_STAGE_COUNT; i++)
-		if (stages[i].threads)
-			stages[i].peak_mb = max(stages[i].peak_mb, mb);
+	return of(used.ru_utime) + of(used.ru_stime);
 }
 
 void main_times_stage(enum main_stage stage)
 {
-	double now = seconds(CLOCK_MONOTONIC), cpu = seconds(CLOCK_THREAD_CPUTIME_ID), readers_s, readers_mb;
+	double now = now_s(), cpu = seconds(CLOCK_THREAD_CPUTIME_ID), readers_s = readers();
 	if (stage == mine.stage)
 		return;
-	readers(&readers_s, &readers_mb);
 	pthread_mutex_lock(&times_lock);
 	start_s = start_s > 0 ? start_s : now;
-	take_peak();
 	if (mine.stage != MAIN_STAGE_NONE) {
 		stages[mine.stage].elapsed_s += now - mine.since_s;
 		stages[mine.stage].cpu_s += cpu - mine.cpu_s;
-		stages[mine.stage].threads--;
 	}
 	if (mine.stage == MAIN_STAGE_MODELS || mine.stage == MAIN_STAGE_GROUND
-			|| mine.stage == MAIN_STAGE_POSITIONS) {
+			|| mine.stage == MAIN_STAGE_POSITIONS)
 		stages[mine.stage].cpu_s += readers_s - mine.readers_s;
-		if (readers_mb > mine.readers_mb)
-			stages[mine.stage].peak_mb = max(stages[mine.stage].peak_mb, readers_mb);
-	}
-	if (stage != MAIN_STAGE_NONE)
-		stages[stage].threads++;
 	pthread_mutex_unlock(&times_lock);
 	mine.stage = stage;
 	mine.since_s = now;
 	mine.cpu_s = cpu;
 	mine.readers_s = readers_s;
-	mine.readers_mb = readers_mb;
 }
-
-void main_times_memory(bool wanted) { by_stage = wanted; }
 
 void main_times_cache(const char *folder, uint64_t hits, uint64_t misses)
 {
@@ -262,11 +254,10 @@ void main_times_cache(const char *folder, uint64_t hits, uint64_t misses)
 
 void main_times_print(FILE *out)
 {
-	fprintf(out, "\n%-22s %9s %9s %9s\n", "stage", "elapsed", "processor", "memory");
+	fprintf(out, "\n%-22s %9s %9s\n", "stage", "elapsed", "processor");
 	for (int i = 1; i < MAIN_STAGE_COUNT; i++)
 		if (stages[i].elapsed_s > 0)
-			fprintf(out, "%-22s %7.2f s %7.2f s %6.0f MB\n", names[i], stages[i].elapsed_s,
-				stages[i].cpu_s, stages[i].peak_mb);
+			fprintf(out, "%-22s %7.2f s %7.2f s\n", names[i], stages[i].elapsed_s, stages[i].cpu_s);
 	if (times_cache.folder[0])
 		fprintf(out, "%" PRIu64 " of %" PRIu64 " plants were built before and came from %s\n",
 			times_cache.hits, times_cache.hits + times_cache.misses, times_cache.folder);
@@ -274,13 +265,11 @@ void main_times_print(FILE *out)
 
 void main_times_total(double *elapsed_s, double *most_mb)
 {
-	double readers_s, readers_mb;
-	readers(&readers_s, &readers_mb);
-	pthread_mutex_lock(&times_lock);
-	take_peak();
-	*elapsed_s = seconds(CLOCK_MONOTONIC) - start_s;
-	*most_mb = max(total_mb, readers_mb);
-	pthread_mutex_unlock(&times_lock);
+	struct rusage own, child;
+	getrusage(RUSAGE_SELF, &own);
+	getrusage(RUSAGE_CHILDREN, &child);
+	*elapsed_s = now_s() - start_s;
+	*most_mb = (double)(own.ru_maxrss > child.ru_maxrss ? own.ru_maxrss : child.ru_maxrss) / 1024;
 }
 
 /* ---- Work in threads ---- */
@@ -337,8 +326,8 @@ static void do_piece(void *ctx, uint32_t k)
 	struct eco_error error = { .code = ECO_OK };
 	struct done *done = &r->done[k];
 	done->code = r->jobs->work(r->jobs->ctx, r->first + k, r->results + k * r->jobs->result_size, &error);
-	if (done->code && (done->error = malloc(sizeof error)))
-		*done->error = error;
+	if (done->code)
+		*(done->error = main_alloc(1, sizeof error)) = error;
 }
 
 /* Takes the results before the first failure. */
@@ -349,8 +338,7 @@ static enum eco_code take_round(struct round *r, struct eco_error *error)
 		struct done *done = &r->done[k];
 		void *result = r->results + k * r->jobs->result_size;
 		if (!code && done->code)
-			code = eco_fail(error, done->code, "%s", done->error ? done->error->text
-				: "out of memory");
+			code = eco_fail(error, done->code, "%s", done->error->text);
 		if (!code)
 			code = r->jobs->take(r->jobs->ctx, r->first + k, result, error);
 		r->jobs->drop(result);
@@ -365,13 +353,10 @@ enum eco_code main_jobs_run(const struct main_jobs *jobs, struct eco_error *erro
 	for (uint64_t first = 0; first < jobs->count && !code; first += ROUND) {
 		struct round r = { .jobs = jobs, .first = first, .count = jobs->count - first < ROUND
 			? (uint32_t)(jobs->count - first) : ROUND };
-		r.done = calloc(r.count, sizeof *r.done);
-		r.results = calloc(r.count, jobs->result_size);
-		if (r.done && r.results) {
-			main_each(&(struct main_each){ jobs->threads, r.count, RUN, do_piece, &r });
-			code = take_round(&r, error);
-		} else
-			code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u results", r.count);
+		r.done = main_alloc(r.count, sizeof *r.done);
+		r.results = main_alloc(r.count, jobs->result_size);
+		main_each(&(struct main_each){ jobs->threads, r.count, RUN, do_piece, &r });
+		code = take_round(&r, error);
 		free(r.done);
 		free(r.results);
 	}

@@ -1,4 +1,4 @@
-/* Long runs: progress, time and memory by stage, and work in threads. */
+/* Long runs: memory, progress, time by stage, and work in threads. */
 #ifndef ECO_MAIN_RUN_H
 #define ECO_MAIN_RUN_H
 
@@ -9,20 +9,32 @@
 
 #include "ecofiles/base/status.h"
 
+/* ---- The end ---- */
+
+/* Ends the program with status 1 and this error, from any thread, after what main_at_end names. */
+_Noreturn void main_end(const char *why);
+/* Removes unfinished outputs: called by main_end with `ctx`. One at a time; NULL: nothing is to be removed. */
+void main_at_end(void (*undo)(void *ctx), void *ctx);
+
+/* Memory, or the end of the program. Zeroed; `count` may be 0. */
+void *main_alloc(size_t count, size_t size);
+/* Room for one more item of `size` bytes behind `count`. array: the address of the pointer to the items. */
+void main_grow(void *array, uint32_t *capacity, uint32_t count, size_t size);
+
 /* ---- Progress ---- */
 
 /* Progress of a long run, on standard error: a bar with the stage's name on a terminal, else a line every
- * few seconds; and whether the user wants to stop. Shared by all threads. */
+ * few seconds. Shared by all threads. */
 
-/* After this Ctrl-C and SIGTERM ask to stop instead of ending the program, and a file beyond the user's
+/* After this Ctrl-C and SIGTERM end the program at the next call of main_progress, and a file beyond the user's
  * size limit is a failed write: so nothing half written stays. */
 void main_catch_interrupts(void);
 
 /* "" while that is not known, else ", about 40 s left": of a stage of which `share` took `elapsed_s`. */
 void main_progress_left(char text[32], double elapsed_s, double share);
 
-/* `share` of the stage in [0, 1]; `detail` may be NULL. False when the user wants to stop. */
-bool main_progress(const char *stage, const char *detail, double share);
+/* `share` of the stage in [0, 1]; `detail` may be NULL. */
+void main_progress(const char *stage, const char *detail, double share);
 void main_progress_end(void);        /* removes the bar */
 void main_progress_quiet(bool quiet);
 
@@ -32,13 +44,13 @@ void main_note_text(void *unused, const char *text);     /* the same, as a callb
 
 /* ---- Times ---- */
 
-/* Time and memory of a build by stage, for `ecopack make --times`. Nothing of it goes into the pack. */
+/* Time of a build by stage, for `ecopack make --times`. Nothing of it goes into the pack. */
 
 enum main_stage {
 	MAIN_STAGE_NONE,
 	MAIN_STAGE_SCENE,            /* scene files, inventories opened */
 	MAIN_STAGE_GROUND,
-	MAIN_STAGE_MODELS,           /* with time and memory of the child processes */
+	MAIN_STAGE_MODELS,           /* with the child processes */
 	MAIN_STAGE_CACHE,            /* plants of earlier builds */
 	MAIN_STAGE_ELEMENTS,         /* welding, organs, elements */
 	MAIN_STAGE_ORDERS,
@@ -57,14 +69,10 @@ enum main_stage {
 /* Sets the calling thread's stage from now on. Times of threads in one stage add up. */
 void main_times_stage(enum main_stage stage);
 
-/* Memory by stage resets the kernel's peak between stages, so that other tools read too little: only if
- * asked for. */
-void main_times_memory(bool wanted);
-
 /* Plants found in the cache (a folder; "": none), and plants not found: for the line under the table. */
 void main_times_cache(const char *folder, uint64_t hits, uint64_t misses);
 
-/* A table: elapsed and processor seconds by stage, and the most memory while it ran. */
+/* A table: elapsed and processor seconds by stage. */
 void main_times_print(FILE *out);
 
 /* Since the first stage: seconds by the clock, and greatest memory of this process and of any child, in

@@ -156,7 +156,7 @@ static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, u
 	eco_elements_free(&elements);
 }
 
-static enum eco_code verify_lists(struct verify *v, struct eco_error *error)
+static void verify_lists(struct verify *v)
 {
 	const struct eco_scene *s = &v->pack->scene;
 	for (uint32_t i = 0; i < s->list_count; i++) {
@@ -167,10 +167,8 @@ static enum eco_code verify_lists(struct verify *v, struct eco_error *error)
 			v->counts->chunks++;
 		}
 		v->counts->lists++;
-		if (!main_progress("verifying", NULL, (double)i / s->list_count))
-			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+		main_progress("verifying", NULL, (double)i / s->list_count);
 	}
-	return ECO_OK;
 }
 
 /* Levels of wood must end with a chunk, so that a prefix of chunks is a level. */
@@ -191,14 +189,12 @@ static void verify_ladder(struct verify *v, uint32_t id)
 
 /* ---- Ground ---- */
 
-/* Compares the table of ground with its lists: heights within bounds, samples that two levels share equal,
- * and no tile further from its children than its error. */
+/* Compares the table of ground with its lists: places, and heights within bounds. */
 
 struct decoded {
 	const struct eco_ground_tile *tile;
 	const struct eco_list *list;
 	struct eco_ground_span x, y;
-	uint32_t margin;
 	struct eco_elements samples;
 };
 
@@ -208,8 +204,7 @@ static bool decode(struct decoded *d, const struct eco_pack *pack, uint32_t id)
 	const struct eco_scene *s = &pack->scene;
 	const uint8_t *bytes;
 	size_t size;
-	*d = (struct decoded){ .tile = &s->ground[id], .list = &s->lists[s->ground[id].list],
-		.margin = s->ground_margin };
+	*d = (struct decoded){ .tile = &s->ground[id], .list = &s->lists[s->ground[id].list] };
 	eco_ground_spans(&d->x, &d->y, d->tile, s->ground_columns, s->ground_rows);
 	const struct eco_chunk *chunk = &s->chunks[d->list->chunk_first];
 	return eco_pack_payload(pack, d->list->chunk_first, &bytes, &size, NULL) == ECO_OK
@@ -241,56 +236,12 @@ static const char *check_samples(const struct decoded *d, const struct eco_scene
 	return NULL;
 }
 
-static double place(const struct decoded *d, const struct eco_ground_span *span, uint32_t sample)
-{
-	return eco_ground_place(sample, span->last + 1, d->margin);
-}
-
-/* Height of the tile's triangles at a sample of the full grid. */
-static double surface_m(const struct decoded *d, uint32_t x, uint32_t y)
-{
-	uint32_t c = (x - d->x.low) / d->x.stride, r = (y - d->y.low) / d->y.stride;
-	c = c < d->x.inner - 1 ? c : d->x.inner - 2;
-	r = r < d->y.inner - 1 ? r : d->y.inner - 2;
-	double x0 = place(d, &d->x, eco_ground_span_at(&d->x, c + d->x.before)),
-		x1 = place(d, &d->x, eco_ground_span_at(&d->x, c + 1 + d->x.before));
-	double y0 = place(d, &d->y, eco_ground_span_at(&d->y, r + d->y.before)),
-		y1 = place(d, &d->y, eco_ground_span_at(&d->y, r + 1 + d->y.before));
-	double u = (place(d, &d->x, x) - x0) / (x1 - x0), v = (place(d, &d->y, y) - y0) / (y1 - y0),
-	       sw = height_m(d, c, r), ne = height_m(d, c + 1, r + 1);
-
-	return u >= v ? sw + u * (height_m(d, c + 1, r) - sw) + v * (ne - height_m(d, c + 1, r))
-		: sw + v * (height_m(d, c, r + 1) - sw) + u * (ne - height_m(d, c, r + 1));
-}
-
-static const char *check_child(const struct decoded *d, const struct decoded *child)
-{
-	/* the child's own rounding (lod/ground_choice.h) */
-	double slack = (double)d->tile->error_m + (double)child->tile->error_m / 16
-		+ 1e-6 * (1 + fabs((double)d->tile->high_m));
-	for (uint32_t r = 0; r < child->y.inner; r++)
-		for (uint32_t c = 0; c < child->x.inner; c++) {
-			uint32_t x = eco_ground_span_at(&child->x, c + child->x.before),
-				y = eco_ground_span_at(&child->y, r + child->y.before);
-			if (fabs(surface_m(d, x, y) - height_m(child, c, r)) > slack)
-				return "it is further from its children than its error says";
-		}
-	return NULL;
-}
-
 static void verify_ground(struct verify *v)
 {
 	const struct eco_scene *s = &v->pack->scene;
 	for (uint32_t i = 0; i < s->ground_count; i++) {
 		struct decoded tile;
 		const char *bad = decode(&tile, v->pack, i) ? check_samples(&tile, s) : NULL;
-		for (uint32_t k = 0; !bad && tile.samples.element_count > 0 && k < tile.tile->child_count;
-			k++) {
-			struct decoded child;
-			if (decode(&child, v->pack, tile.tile->child_first + k))
-				bad = check_child(&tile, &child);
-			eco_elements_free(&child.samples);
-		}
 		eco_elements_free(&tile.samples);
 		if (bad)
 			complain(v, "ground tile %u (list %u): %s", i, s->ground[i].list, bad);
@@ -309,21 +260,16 @@ enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts 
 		return code;
 	const struct eco_scene *s = &pack->scene;
 	struct verify v = { .pack = pack, .out = out, .counts = counts,
-		.group_of = malloc((s->list_count + 1u) * sizeof(uint32_t)) };
-	if (!v.group_of) {
-		eco_pack_close(pack);
-		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory", path);
-	}
+		.group_of = main_alloc(s->list_count + 1u, sizeof(uint32_t)) };
 	memset(v.group_of, 0xFF, (s->list_count + 1u) * sizeof(uint32_t));
 	for (uint32_t i = 0; i < s->group_count; i++)
 		if (!s->groups[i].first)
 			v.group_of[s->groups[i].list] = i;
-	code = verify_lists(&v, error);
-	for (uint32_t i = 0; i < s->ladder_count && !code; i++)
+	verify_lists(&v);
+	for (uint32_t i = 0; i < s->ladder_count; i++)
 		verify_ladder(&v, i);
-	if (!code)
-		verify_ground(&v);
-	for (uint32_t i = 0; i < s->list_count && !code; i++)
+	verify_ground(&v);
+	for (uint32_t i = 0; i < s->list_count; i++)
 		if (s->lists[i].kind == ECO_LIST_INSTANCES && v.group_of[i] == ECO_NONE)
 			complain(&v, "list %u: instances that no tile plants", i);
 	main_progress_end();

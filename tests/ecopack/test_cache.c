@@ -1,15 +1,19 @@
 /* The cache of finished plants: the pack is the same with and without it, damage is noticed and repaired, its
- * size is bounded, and a folder that cannot be used fails nothing. */
+ * size is bounded, and a folder that cannot be used fails nothing. Drafts leave no trace in the pack that a later
+ * make makes; what an interrupted make has finished is not made again. */
 #include <dirent.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/time.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "ecofiles/format/image.h"
 #include "ecofiles/ecopack/cache.h"
+#include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/run.h"
 #include "tests/support/files.h"
@@ -64,25 +68,6 @@ static void put(struct main_cache *cache, unsigned number, const char *text)
 }
 
 /* ---- Entries ---- */
-
-UNIT_TEST(gives_back_what_was_put)
-{
-	struct main_cache cache;
-	folder_empty(folder);
-	main_cache_open(&cache, folder, 1 << 20);
-	assert_false(holds(&cache, 1, ""));
-	put(&cache, 1, "an oak");
-	put(&cache, 2, "");
-	assert_true(holds(&cache, 1, "an oak"));
-	assert_true(holds(&cache, 2, ""));
-	put(&cache, 1, "another");
-	assert_true(holds(&cache, 1, "another"));
-	assert_false(holds(&cache, 3, ""));
-	assert_int_equal(cache.hits, 3);
-	assert_int_equal(cache.misses, 2);
-	main_cache_close(&cache);
-	assert_int_equal(files_in(folder, ".plant"), 2);
-}
 
 UNIT_TEST(without_a_folder_all_is_missed)
 {
@@ -148,34 +133,18 @@ UNIT_TEST(what_was_used_least_recently_goes)
 	assert_int_equal(files_in(folder, "notes.txt"), 1);
 }
 
-UNIT_TEST(what_others_left_unfinished_goes_after_a_while)
+UNIT_TEST(what_others_left_unfinished_goes)
 {
 	struct main_cache cache;
 	char path[600];
 	folder_empty(folder);
-	for (int i = 0; i < 2; i++) {
-		snprintf(path, sizeof path, "%s/000102030405060708090a0b0c0d0e0f.plant.aBcD0%d", folder, i);
-		file_write_text(path, "");
-		const struct timeval then[2] = { { 1000, 0 }, { 1000, 0 } };
-		if (i)
-			assert_int_equal(utimes(path, then), 0);
-	}
+	snprintf(path, sizeof path, "%s/000102030405060708090a0b0c0d0e0f.plant.tmp-999999", folder);
+	file_write_text(path, "");
 	main_cache_open(&cache, folder, 1000);
 	put(&cache, 1, "an oak");
 	main_cache_close(&cache);
-	assert_int_equal(files_in(folder, ".plant.aBcD00"), 1);
-	assert_int_equal(files_in(folder, ".plant.aBcD01"), 0);
-}
-
-UNIT_TEST(an_entry_beyond_the_limit_is_not_kept)
-{
-	struct main_cache cache;
-	folder_empty(folder);
-	main_cache_open(&cache, folder, 10);
-	put(&cache, 1, "longer than ten bytes");
-	assert_false(holds(&cache, 1, ""));
-	main_cache_close(&cache);
-	assert_int_equal(files_in(folder, ""), 0);
+	assert_int_equal(files_in(folder, ".tmp-"), 0);
+	assert_int_equal(files_in(folder, ".plant"), 1);
 }
 
 UNIT_TEST(a_folder_that_cannot_be_fails_nothing)
@@ -218,7 +187,7 @@ static void make(const char *pack, const char *cache, enum lod_order_method orde
 {
 	struct eco_error error = { 0 };
 	const struct make_options options = { .scene = in_root(scene), .pack = in_root(pack),
-		.jobs = 2, .cache = cache, .order = order };
+		.jobs = 1, .cache = cache, .order = order, .draft = order == LOD_ORDER_COMBINED };
 	assert_ok(make_pack(&options, &error), error);
 }
 
@@ -241,10 +210,10 @@ static void write_scene(void)
 		for (int i = 0; i < 4; i++)
 			fprintf(file, "f %d %d %d %d\n", 4 * k + i + 1, 4 * k + (i + 1) % 4 + 1,
 				4 * k + (i + 1) % 4 + 5, 4 * k + i + 5);
-	for (int i = 0; i < 700; i++) {
+	for (int i = 0; i < 300; i++) {
 		double x = i * 37 % 100 / 33.0 - 1.5, z = i * 71 % 101 / 33.0 - 1.5,
 			y = 2 + i * 53 % 97 / 40.0, l = 0.1 + i % 5 * 0.02;
-		if (i % 350 == 0)
+		if (i % 150 == 0)
 			fprintf(file, "usemtl %s\n", i ? "blossom" : "leaf");
 		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4/1 -3/2 -2/3 -1/4\n", x, y,
 			z, x + l / 2, y + l / 4, z, x + l, y, z + l / 3, x + l / 2, y - l / 4, z);
@@ -258,6 +227,9 @@ static void write_scene(void)
 		"\"unit\": \"m\"}},\n"
 		"\"instances\": [{\"plant\": \"arbre\", \"at\": [0, 0, 0]}, {\"plant\": \"arbre\", \"at\": "
 		"[9, 4, 0]}]}\n");
+	write_text("bush.obj", "v 0 0 0\nv 0.1 0 0\nv 0.1 3 0\nf 1 2 3\nv 0.5 2 0\nv 0.6 2.2 0\nv 0.7 2 0.1\nf 4 5 6\n");
+	write_text("two.json", "{\"name\": \"s\", \"plants\": {\"bush\": {\"model\": \"bush.obj\"}, \"tree\": {\"model\": "
+		"\"tree.obj\"}}, \"instances\": [{\"plant\": \"bush\", \"at\": [0, 0]}, {\"plant\": \"tree\", \"at\": [9, 4]}]}\n");
 	write_text("pruned.json", "{\"name\": \"s\", \"plants\": {\"tree\": {\"model\": \"tree.obj\", "
 		"\"unit\": \"m\", \"parts\":\n"
 		"[{\"name\": \"blossom\", \"is\": \"left out\"}]}}, \"instances\": [{\"plant\": \"tree\", "
@@ -313,10 +285,78 @@ UNIT_TEST(an_entry_that_is_no_plant_is_built_anew)
 	assert_true(files_alike(in_root("none.eco"), in_root("fourth.eco")));
 }
 
-UNIT_TEST(a_pack_is_made_where_the_cache_cannot_be)
+/* ---- Drafts and interrupted makes ---- */
+
+static uint64_t count_curves(const char *name)
 {
-	make("unwritable.eco", "/dev/null/cache", LOD_ORDER_GREEDY, "scene.json");
-	assert_true(files_alike(in_root("none.eco"), in_root("unwritable.eco")));
+	struct eco_pack *pack;
+	struct eco_error error = { 0 };
+	assert_ok(eco_pack_open(&pack, in_root(name), &error), error);
+	uint64_t count = pack->scene.curve_count;
+	eco_pack_close(pack);
+	return count;
+}
+
+/* Over the draft's own pack, with the draft's cache: what it left there must not show. */
+UNIT_TEST(a_make_after_a_draft_is_as_if_there_had_been_none)
+{
+	struct eco_error error = { 0 };
+	struct inspect_counts counts;
+	FILE *unread = fopen("/dev/null", "w");
+	make("fresh.eco", NULL, LOD_ORDER_GREEDY, "two.json");
+	make("pack.eco", folder, LOD_ORDER_COMBINED, "two.json");
+	assert_ok(inspect_verify(in_root("pack.eco"), unread, &counts, &error), error);
+	fclose(unread);
+	assert_true(2 * count_curves("pack.eco") < count_curves("fresh.eco"));
+	make("again.eco", NULL, LOD_ORDER_COMBINED, "two.json");
+	assert_true(files_alike(in_root("again.eco"), in_root("pack.eco")));
+	make("pack.eco", folder, LOD_ORDER_GREEDY, "two.json");
+	assert_true(files_alike(in_root("fresh.eco"), in_root("pack.eco")));
+	make("pack.eco", folder, LOD_ORDER_COMBINED, "two.json");
+	assert_true(files_alike(in_root("again.eco"), in_root("pack.eco")));
+}
+
+/* The name of the cache's only plant, and its file's number; 0: there is none. */
+static ino_t only_plant(char name[64])
+{
+	DIR *dir = opendir(folder);
+	ino_t found = 0;
+	for (struct dirent *d; dir && (d = readdir(dir));)
+		if (strlen(d->d_name) == 32 + strlen(".plant") && strstr(d->d_name, ".plant")) {
+			strcpy(name, d->d_name);
+			found = d->d_ino;
+		}
+	if (dir)
+		closedir(dir);
+	return found;
+}
+
+/* Interrupted by Ctrl-C once the bush is done, long before the tree is. */
+UNIT_TEST(what_an_interrupted_make_has_finished_is_kept)
+{
+	char name[64], path[400];
+	struct stat after;
+	int status;
+	ino_t kept;
+	snprintf(path, sizeof path, "rm -rf '%s'", folder);
+	assert_int_equal(system(path), 0);
+	pid_t child = fork();
+	if (child == 0) {
+		main_catch_interrupts();
+		make("cut.eco", folder, LOD_ORDER_GREEDY, "two.json");
+		_exit(0);
+	}
+	for (int i = 0; i < 6000 && !(kept = only_plant(name)); i++)
+		usleep(10000);
+	kill(child, SIGINT);
+	assert_int_equal(waitpid(child, &status, 0), child);
+	assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1);
+	assert_int_equal(access(in_root("cut.eco"), F_OK), -1);
+	make("cut.eco", folder, LOD_ORDER_GREEDY, "two.json");
+	assert_true(files_alike(in_root("fresh.eco"), in_root("cut.eco")));
+	snprintf(path, sizeof path, "%s/%s", folder, name);
+	assert_int_equal(stat(path, &after), 0);
+	assert_true(after.st_ino == kept);           /* written anew it would be another file */
 }
 
 int main(void)

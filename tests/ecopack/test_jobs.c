@@ -52,23 +52,6 @@ static enum eco_code go(struct run *run, uint64_t count, uint32_t threads, struc
 		.take = take_value, .drop = drop_value, .ctx = run }, error);
 }
 
-UNIT_TEST(results_come_in_order_with_any_number_of_threads)
-{
-	static const uint64_t counts[] = { 0, 1, 2, 7, 1023, 1024, 1025, 5000 };
-	static const uint32_t threads[] = { 0, 1, 2, 3, 16, 200 };
-	for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
-		uint64_t sum = 0;
-		for (size_t t = 0; t < sizeof threads / sizeof *threads; t++) {
-			struct run run = { .fails_at = UINT64_MAX, .take_fails_at = UINT64_MAX };
-			assert_int_equal(go(&run, counts[c], threads[t], NULL), ECO_OK);
-			assert_int_equal(run.taken, counts[c]);
-			assert_int_equal(run.alive, 0);
-			sum = t == 0 ? run.sum : sum;
-			assert_int_equal(run.sum, sum);
-		}
-	}
-}
-
 UNIT_TEST(the_first_failure_is_the_one_that_is_told)
 {
 	static const struct { uint64_t work, take; enum eco_code code; const char *says; uint64_t taken;

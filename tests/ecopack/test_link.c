@@ -134,16 +134,6 @@ static void make_parts(void)
 
 static bool same(const char *a, const char *b) { return files_alike(in_root(a), in_root(b)); }
 
-UNIT_TEST(linked_parts_equal_the_whole)
-{
-	struct eco_error error = { 0 };
-	write_parts(1);
-	make_parts();
-	make("whole.json", "whole.eco", true);
-	assert_ok(link_parts("linked.eco", &error), error);
-	assert_true(same("linked.eco", "whole.eco"));
-}
-
 static const uint8_t *color_of_height(double height)
 {
 	const uint8_t *rgb = NULL;
@@ -241,122 +231,6 @@ UNIT_TEST(summaries_of_nested_files_keep_their_colours)
 }
 
 /* ---- Impostors ---- */
-
-static struct eco_pack *opened(const char *name)
-{
-	struct eco_pack *pack = NULL;
-	struct eco_error error = { 0 };
-	assert_ok(eco_pack_open(&pack, in_root(name), &error), error);
-	return pack;
-}
-
-static const struct eco_list *impostor_of(const struct eco_scene *s, const char *plant)
-{
-	for (uint32_t i = 0; i < s->ladder_count; i++)
-		if (s->ladders[i].impostor != ECO_NONE
-				&& strcmp(s->plants[s->ladders[i].plant].name, plant) == 0)
-			return &s->lists[s->ladders[i].impostor];
-	fail_msg("plant %s has no impostor", plant);
-	return NULL;
-}
-
-/* Plants of the linked pack have the levels that they have in the part. */
-static void assert_same_impostors(const struct eco_scene *part, const struct eco_scene *linked)
-{
-	for (uint32_t i = 0; i < part->plant_count; i++) {
-		const struct eco_list *a = impostor_of(part, part->plants[i].name),
-			*b = impostor_of(linked, part->plants[i].name);
-		assert_int_equal(b->kind, ECO_LIST_IMPOSTOR);
-		assert_int_equal(a->chunk_count, b->chunk_count);
-		assert_int_equal(a->level, b->level);
-		for (uint32_t c = 0; c < a->chunk_count; c++)
-			assert_memory_equal(&part->chunks[a->chunk_first + c].id,
-				&linked->chunks[b->chunk_first + c].id, sizeof(struct eco_chunk_id));
-	}
-}
-
-/* Distant views of a scene, one after the other, as plans in bytes. Returns cuts that draw impostors. */
-static uint32_t plan_views(const struct eco_scene *s, struct eco_writer *w)
-{
-	uint32_t cuts = 0;
-	for (int i = 0; i < 4; i++) {
-		struct eco_request request = { .view = { .eye = { 90, -100 - 40 * i, 30 },
-			.target = { 90, 30, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 40, .width = 1200,
-			.height = 800 }, .vertices = 500u << i, .bytes = ECO_BYTES_UNBOUNDED };
-		struct lod_planner_input input = { .scene = s, .request = &request };
-		struct eco_plan plan;
-		struct eco_error error = { 0 };
-		assert_ok(lod_plan(&plan, &input, &error), error);
-		eco_wire_write_plan(w, &plan);
-		for (uint32_t c = 0; c < plan.cut_count; c++)
-			cuts += s->lists[plan.cuts[c].list].kind == ECO_LIST_IMPOSTOR;
-		eco_plan_free(&plan);
-	}
-	return cuts;
-}
-
-UNIT_TEST(links_keep_impostors_and_plan_as_the_whole)
-{
-	struct eco_error error = { 0 };
-	struct eco_writer plans[2] = { { 0 }, { 0 } };
-	write_parts(4);
-	make_parts();
-	make("whole.json", "whole.eco", true);
-	assert_ok(link_parts("linked.eco", &error), error);
-	struct eco_pack *part = opened("part1.eco"), *linked = opened("linked.eco"),
-		*whole = opened("whole.eco");
-	assert_same_impostors(&part->scene, &linked->scene);
-	assert_true(linked->scene.needs & ECO_NEED_IMPOSTORS);
-	assert_true(plan_views(&linked->scene, &plans[0]) > 0);
-	plan_views(&whole->scene, &plans[1]);
-	assert_int_equal(plans[0].size, plans[1].size);
-	assert_memory_equal(plans[0].bytes, plans[1].bytes, plans[0].size);
-	for (int i = 0; i < 2; i++)
-		eco_writer_free(&plans[i]);
-	eco_pack_close(part);
-	eco_pack_close(linked);
-	eco_pack_close(whole);
-}
-
-/* Is there a ladder with the same first level? */
-static bool has_impostor_of(const struct eco_scene *linked, const struct eco_scene *part,
-	const struct eco_list *list)
-{
-	for (uint32_t i = 0; i < linked->ladder_count; i++) {
-		uint32_t other = linked->ladders[i].impostor;
-		if (other != ECO_NONE && linked->lists[other].chunk_count == list->chunk_count
-				&& memcmp(&linked->chunks[linked->lists[other].chunk_first].id,
-				&part->chunks[list->chunk_first].id, sizeof(struct eco_chunk_id)) == 0)
-			return true;
-	}
-	return false;
-}
-
-/* Lists have other numbers than in the parts. */
-UNIT_TEST(parts_of_other_plants_keep_their_impostors)
-{
-	static const char *const names[PARTS] = { "part0.eco", "part1.eco", "part2.eco" };
-	struct eco_error error = { 0 };
-	write_parts(5);
-	write_part(1, "\"b\": {\"model\": \"c.obj\", \"unit\": \"m\", \"height_m\": 2.5}, "
-		"\"a\": {\"model\": \"a.obj\", \"unit\": \"m\"}");
-	make_parts();
-	assert_ok(link_parts("linked.eco", &error), error);
-	struct eco_pack *linked = opened("linked.eco");
-	uint32_t impostors = 0;
-	for (uint32_t i = 0; i < linked->scene.list_count; i++)
-		impostors += linked->scene.lists[i].kind == ECO_LIST_IMPOSTOR;
-	assert_int_equal(impostors, linked->scene.plant_count);
-	assert_int_equal(linked->scene.plant_count, 3);
-	for (uint32_t p = 0; p < PARTS; p++) {
-		struct eco_pack *part = opened(names[p]);
-		const struct eco_scene *s = &part->scene;
-		for (uint32_t i = 0; i < s->plant_count; i++)
-			assert_true(has_impostor_of(&linked->scene, s, impostor_of(s, s->plants[i].name)));
-		eco_pack_close(part);
-	}
-	eco_pack_close(linked);
-}
 
 UNIT_TEST(parts_of_other_frames_are_refused)
 {

@@ -13,7 +13,6 @@
 #include "ecofiles/format/impostor.h"
 #include "lod/eye.h"
 #include "tests/support/files.h"
-#include "tests/support/pack_resign.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
@@ -72,24 +71,6 @@ static uint32_t standing(const struct eco_scene *s, double at[][3], uint32_t *pl
 }
 
 /* ---- What is built ---- */
-
-UNIT_TEST(test_plant_at_the_origin_is_exact)
-{
-	double at[4][3];
-	uint32_t plant[4];
-	write_text("lone.json", "{\"name\": \"lone\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, "
-		"\"instances\": [{\"plant\": \"a\", \"at\": [0, "
-		"0, 0]}]}");
-	struct eco_pack *pack = made("lone.json", "lone.eco");
-	assert_string_equal(pack->scene.name, "lone");
-	assert_int_equal(standing(&pack->scene, at, plant, 4), 1);
-	assert_true(at[0][0] == 0 && at[0][1] == 0 && at[0][2] == 0);
-	struct eco_place place = eco_place_read(&pack->scene, 0);
-	assert_int_equal(place.turn, 0);
-	assert_int_equal(place.scale, 65536);
-	assert_true(pack->scene.near_m <= 4.0 / 64);
-	eco_pack_close(pack);
-}
 
 /* 120 of three kinds on a slope, in tiles of at most 20. */
 static void write_slope(void)
@@ -282,32 +263,6 @@ UNIT_TEST(test_threads_change_nothing)
 	free(b);
 }
 
-UNIT_TEST(test_every_triangle_is_accounted_for)
-{
-	write_model("worse.obj", 3, 30);
-	FILE *file = fopen(in_root("worse.obj"), "ab");
-	fputs("v 1 1 1\nv 1 1 1\nv 1 1 1\nf -3 -2 -1\nf 1 2 6\nf 1 2 6\n", file);
-	fclose(file);
-	write_text("worse.json", "{\"name\": \"worse\", \"plants\": {\"w\": {\"model\": \"worse.obj\"}}, "
-		"\"instances\": [{\"plant\": \"w\", \"at\": [0, "
-		"0, 0]}]}");
-	struct eco_pack *pack = made("worse.json", "worse.eco");
-	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL),
-		*plant = json_array_get(json_object_get(meta, "plants"), 0), *count;
-	json_int_t dropped = 0;
-	const char *reason;
-	assert_non_null(plant);
-	json_object_foreach(json_object_get(plant, "dropped"), reason, count)
-		dropped += json_integer_value(count);
-	assert_true(dropped >= 1);
-	assert_int_equal(json_integer_value(json_object_get(plant, "triangles_in")),
-		json_integer_value(json_object_get(plant, "triangles_stored")) + dropped);
-	assert_int_equal(json_integer_value(json_object_get(plant, "triangles_stored")),
-		pack->scene.plants[0].triangles);
-	json_decref(meta);
-	eco_pack_close(pack);
-}
-
 /* ---- What is refused ---- */
 
 static uint32_t files_with(const char *part)
@@ -410,9 +365,6 @@ static void write_hills(void)
 
 UNIT_TEST(test_ground_is_tiles_that_hold_what_they_say)
 {
-	struct inspect_counts counts;
-	struct eco_error error = { 0 };
-	size_t size;
 	write_hills();
 	struct eco_pack *pack = made("hills.json", "hills.eco");
 	const struct eco_scene *s = &pack->scene;
@@ -420,43 +372,6 @@ UNIT_TEST(test_ground_is_tiles_that_hold_what_they_say)
 		s->ground_rows == 140 + 2 * 17);
 	assert_true(s->ground_count == 1 + 4 + 9 + 36 && s->ground[0].level == 3);
 	assert_true(s->ground[0].error_m > 3 && s->ground[1 + 4 + 9].error_m == 0);
-	uint32_t count = s->ground_count;
-	eco_pack_close(pack);
-	/* an error that is too small, under a hash that is right */
-	uint8_t *bytes = (uint8_t *)read_all("hills.eco", &size);
-	for (uint32_t i = 0; i < bytes[12]; i++) {
-		uint8_t *section = bytes + ECO_PACK_HEADER_BYTES + i * ECO_PACK_SECTION_BYTES;
-		if (section[0] == ECO_SECTION_GROUND)
-			for (uint32_t t = 0; t < count; t++)
-				memset(bytes + resign_u64(section + 8) + 32 * t + 20, 0, 4);
-	}
-	pack_resign(bytes, size);
-	FILE *file = fopen(in_root("lies.eco"), "wb"), *out = tmpfile();
-	fwrite(bytes, 1, size, file);
-	fclose(file);
-	assert_int_equal(inspect_verify(in_root("lies.eco"), out, &counts, &error), ECO_DAMAGED);
-	assert_int_equal(counts.damaged, 1 + 4 + 9);
-	char line[256] = { 0 };
-	rewind(out);
-	assert_non_null(fgets(line, sizeof line, out));
-	assert_non_null(strstr(line, "ground tile 0 "));
-	assert_non_null(strstr(line, "further from its children than its error says"));
-	fclose(out);
-	free(bytes);
-}
-
-/* Whole metres are kept as such. */
-UNIT_TEST(test_whole_heights_are_kept_exactly)
-{
-	write_text("whole.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 2\n101.0 102 104\n103 "
-		"110 99\n");
-	write_text("whole.json", "{\"ground\": {\"heights\": \"whole.asc\"}, \"plants\": {\"a\": "
-		"{\"model\": \"a.obj\"}},"
-		"\"instances\": [{\"plant\": \"a\", \"at\": [1, 1]}]}");
-	struct eco_pack *pack = made("whole.json", "whole.eco");
-	const struct eco_list *list = &pack->scene.lists[pack->scene.ground[0].list];
-	assert_true(list->grid_step[2] == 1 && list->grid_origin[2] == 99);
-	assert_true(pack->scene.ground[0].low_m == 99 && pack->scene.ground[0].high_m == 110);
 	eco_pack_close(pack);
 }
 
@@ -477,24 +392,6 @@ UNIT_TEST(test_steps_of_heights_are_as_fine_as_cells_show)
 		assert_true(pack->scene.lists[pack->scene.ground[0].list].grid_step[2] == grids[i].step);
 		eco_pack_close(pack);
 	}
-}
-
-UNIT_TEST(test_info_speaks_json)
-{
-	write_slope();
-	eco_pack_close(made("slope.json", "info.eco"));
-	FILE *out = tmpfile();
-	assert_int_equal(inspect_info(in_root("info.eco"), true, out, NULL), ECO_OK);
-	rewind(out);
-	json_t *info = json_loadf(out, 0, NULL);
-	assert_non_null(info);
-	assert_int_equal(json_integer_value(json_object_get(info, "instances")), 120);
-	assert_int_equal(json_array_size(json_object_get(info, "plants")), 2);
-	assert_int_equal(json_integer_value(json_object_get(json_object_get(json_object_get(info, "lists"),
-		"instances"), "primitives")), 120);
-	assert_true(json_integer_value(json_object_get(info, "curve_samples")) > 0);
-	json_decref(info);
-	fclose(out);
 }
 
 /* ---- Impostors ---- */

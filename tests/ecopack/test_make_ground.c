@@ -170,19 +170,6 @@ UNIT_TEST(without_heights_plants_stand_on_a_plain)
 	served_close(&seen);
 }
 
-UNIT_TEST(plants_with_heights_stand_on_hills)
-{
-	struct served seen;
-	write_rows("hills.csv", 400, 300, true);
-	write_text("hills.json",
-		"{" PLANT ", \"instances\": [{\"from\": \"hills.csv\", \"x\": \"x\", \"y\": \"y\", "
-		"\"z\": \"z\", \"plant\": \"a\"}]}");
-	served_open(&seen, "hills.json", "hills.eco");
-	all_stand(&seen, 400, 0.03);
-	is_covered(&seen, 150, 150);
-	served_close(&seen);
-}
-
 /* A file that is nested keeps its shape, wherever it is: the ground goes through the plants of all. */
 UNIT_TEST(nested_plants_stand_on_the_ground_of_the_whole)
 {

@@ -105,25 +105,6 @@ static uint32_t elements_of(const struct eco_scene *scene, float importance)
 
 /* ---- The tests ---- */
 
-UNIT_TEST(a_named_part_has_an_importance_of_its_own)
-{
-	static const char *const rules[] = { "0.3", "1", "4" };
-	uint64_t last = 0;
-	for (int i = 0; i < 3; i++) {
-		char text[200];
-		snprintf(text, sizeof text, ", \"parts\": [{\"name\": \"top*\", \"importance\": %s}]",
-			rules[i]);
-		struct eco_pack *pack = made_one("part.json", text);
-		assert_int_equal(elements_of(&pack->scene, (float)atof(rules[i])),
-			PETALS + (i == 1 ? LEAVES : 0));
-		assert_int_equal(elements_of(&pack->scene, 1), LEAVES + (i == 1 ? PETALS : 0));
-		uint64_t now = drawn(&pack->scene, 133, 0, PETALS);
-		assert_true(now > 1.3 * (double)last);
-		last = now;
-		eco_pack_close(pack);
-	}
-}
-
 UNIT_TEST(a_rule_s_importance_wins_over_the_organ_s)
 {
 	struct eco_pack *pack = made_one("organ.json", ", \"importance\": {\"foliage\": 2, \"flower\": 4}, "

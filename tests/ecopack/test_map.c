@@ -110,19 +110,6 @@ UNIT_TEST(test_what_is_left_out_is_counted_by_reason)
 	map_free(&m);
 }
 
-UNIT_TEST(test_nested_files_count_as_often_as_they_stand)
-{
-	struct map m;
-	gather(&m, ROOT "/nested.json");
-	assert_int_equal(m.total, 1 + 3 * 3);
-	assert_int_equal(kind(&m, "oak")->count, 6);
-	assert_int_equal(kind(&m, "ash")->count, 3);
-	assert_int_equal(m.placements, 4);
-	assert_int_equal(m.points.count, 10);
-	assert_int_equal(m.outline_count, 2);
-	map_free(&m);
-}
-
 UNIT_TEST(test_nested_plants_are_turned_moved_and_scaled)
 {
 	struct map m;
@@ -207,24 +194,6 @@ UNIT_TEST(test_one_plant_and_rows_of_plants_have_a_map)
 	}
 }
 
-UNIT_TEST(test_many_plants_become_density)
-{
-	struct map m;
-	for (uint32_t count = 500; count <= 200000; count *= 400) {
-		FILE *file = fopen(ROOT "/dense.csv", "wb");
-		fputs("x,y\n", file);
-		for (uint32_t i = 0; i < count; i++)
-			fprintf(file, "%.2f,%.2f\n", fmod(i * 0.7548776662, 1) * 1000,
-				fmod(i * 0.5698402910, 1) * 1000);
-		fclose(file);
-		file_write_text(ROOT "/dense.json", ROWS_SCENE("dense.csv"));
-		gather(&m, ROOT "/dense.json");
-		assert_int_equal(map_write(&m, ROOT "/drawn.png", 400), ECO_OK);
-		assert_int_equal(m.is_density, count > 1000);
-		map_free(&m);
-	}
-}
-
 /* ---- The command ---- */
 
 static enum eco_code run(const char *line, struct eco_error *error)
@@ -250,19 +219,6 @@ static void write_ground(void)
 	file_write_text(ROOT "/hill.json", "{\"ground\": {\"heights\": \"dem.asc\"}, " PLANTS
 		", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]},"
 		"{\"plant\": \"ash\", \"at\": [100, 50]}, {\"plant\": \"elm\", \"at\": [130, 20]}]}");
-}
-
-UNIT_TEST(test_ground_has_contour_lines)
-{
-	struct map m;
-	write_ground();
-	gather(&m, ROOT "/hill.json");
-	assert_true(m.has_ground);
-	assert_int_equal(m.off_ground, 1);
-	assert_int_equal(map_write(&m, ROOT "/drawn.png", 300), ECO_OK);
-	assert_true(m.contour_m == 5);
-	assert_true(m.low_m >= 0 && m.high_m <= 50 && m.high_m - m.low_m > 45);
-	map_free(&m);
 }
 
 UNIT_TEST(test_the_same_scene_gives_the_same_picture)

@@ -136,13 +136,6 @@ UNIT_TEST(a_tree_of_cards_never_falls)
 	is_chosen_well(ROOT "/cards.json");
 }
 
-UNIT_TEST(a_crown_of_few_triangles_never_falls)
-{
-	write_scene(ROOT "/round.json", "crown.obj");
-	walk(ROOT "/round.json", 1 + 3 + 12 + 48);
-	is_chosen_well(ROOT "/round.json");
-}
-
 /* Blades that are thinner than a pixel: a picture that is off by a quarter of a pixel has a Q of .4 or .5. */
 UNIT_TEST(fields_of_blades_hold)
 {

@@ -340,15 +340,13 @@ order() { # PATTERN ARGUMENT...
 	[ ! -e "$DIR/my" ] || complain "$table: left $(ls "$DIR/my")"
 }
 printf 'species,x,y\nrock,0,0\n' >"$DIR/table.csv"
-order 'TREES here is a folder, MODELS a table: is ecopack start .*/table.csv .*/models meant' "$DIR/models" "$DIR/table.csv"
-order 'TREES here is a model, MODELS a table: is ecopack start .*/table.csv .*/stieleiche.obj meant' "$DIR/models/stieleiche.obj" "$DIR/table.csv"
-order 'MODELS a raster: is ecopack start .*/table.csv .*/models .*/metres.asc meant' "$DIR/table.csv" "$DIR/metres.asc" "$DIR/models"
-order 'TREES here is a raster, MODELS a table: is ecopack start .*/table.csv .*/models .*/metres.asc meant' "$DIR/metres.asc" "$DIR/table.csv" "$DIR/models"
-order 'TREES, .*/models, is a folder: the first argument is the table' "$DIR/models" "$DIR/models"
-order 'TREES, .*/rock.obj, is a model: the first argument is the table' "$DIR/models/rock.obj" "$DIR/models"
-order 'MODELS, .*/table.csv, is neither a folder nor a model by its ending: .glb' "$DIR/table.csv" "$DIR/table.csv"
+order 'TREES, .*/models, is a folder, MODELS, .*/table.csv, a table: the first is the table of plants' "$DIR/models" "$DIR/table.csv"
+order 'TREES, .*/stieleiche.obj, is a model' "$DIR/models/stieleiche.obj" "$DIR/table.csv"
+order 'MODELS, .*/metres.asc, a raster' "$DIR/table.csv" "$DIR/metres.asc" "$DIR/models"
+order 'MODELS, .*/table.csv, a table' "$DIR/metres.asc" "$DIR/table.csv" "$DIR/models"
+order 'TREES, .*/models, is a folder' "$DIR/models" "$DIR/models"
+order 'MODELS, .*/table.csv, a table: .*the second a folder or a model .\.glb' "$DIR/table.csv" "$DIR/table.csv"
 printf 'glTF' >"$DIR/forest.glb"
-order 'TREES here is a model, MODELS a table: is ecopack start .*/table.csv .*/forest.glb meant' "$DIR/forest.glb" "$DIR/table.csv"
 order 'forest.glb, is a model' "$DIR/forest.glb" "$DIR/models"
 
 # ---- Nothing is replaced by mistake, and nothing half written ----

@@ -11,7 +11,6 @@
 #include <unistd.h>
 
 #include "ecofiles/base/files.h"
-#include "ecofiles/base/json_read.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/run.h"
@@ -31,9 +30,8 @@ enum eco_code export_file(struct export *x, const char *name, const void *bytes,
 
 enum eco_code export_json(struct export *x, const char *name, json_t *json)
 {
-	char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(15)) : NULL;
-	enum eco_code code = text && !eco_json_lost() ? export_file(x, name, text, strlen(text))
-		: eco_fail(x->error, ECO_NO_MEMORY, "%s: no memory for it", name);
+	char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(15));
+	enum eco_code code = export_file(x, name, text, strlen(text));
 	free(text);
 	json_decref(json);
 	return code;
@@ -92,15 +90,21 @@ static enum eco_code write_all(struct export *x)
 {
 	const struct eco_scene *s = &x->pack->scene;
 	enum eco_code code = ECO_OK;
-	x->plants = calloc(s->plant_count + 1u, sizeof *x->plants);
-	if (!x->plants)
-		return eco_fail(x->error, ECO_NO_MEMORY, "no memory for plants");
+	x->plants = main_alloc(s->plant_count, sizeof *x->plants);
 	if (!s->tile_count)
 		return eco_fail(x->error, ECO_BAD_INPUT, "the pack has no tiles");
-	for (uint32_t i = 0; i < s->plant_count && !code; i++)
-		code = main_progress("writing plants", s->plants[i].name, (double)i / s->plant_count)
-			? export_plant(x, i) : eco_fail(x->error, ECO_INTERRUPTED, "interrupted");
+	for (uint32_t i = 0; i < s->plant_count && !code; i++) {
+		main_progress("writing plants", s->plants[i].name, (double)i / s->plant_count);
+		code = export_plant(x, i);
+	}
 	return code ? code : export_tilesets(x);
+}
+
+static void remove_folder(void *export)
+{
+	struct export *x = export;
+	if (x->folder >= 0)
+		eco_unfinished_remove_folder(AT_FDCWD, x->dir, parts);
 }
 
 static void print_export(const struct export *x, const char *dir)
@@ -119,6 +123,7 @@ enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain
 {
 	struct export x = { .folder = -1, .error = error, .pack = pack, .is_plain = is_plain };
 	enum eco_code code = make_folders(&x, dir);
+	main_at_end(remove_folder, &x);
 	if (!code)
 		code = write_all(&x);
 	/* else a machine that stops might show the folder without all of its files' bytes */
@@ -127,8 +132,9 @@ enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain
 	if (!code && rename(x.dir, dir))
 		code = eco_fail_write(error, dir, errno);
 	main_progress_end();
-	if (code && x.folder >= 0)
-		eco_unfinished_remove_folder(AT_FDCWD, x.dir, parts);
+	if (code)
+		remove_folder(&x);
+	main_at_end(NULL, NULL);
 	if (x.folder >= 0)
 		close(x.folder);
 	if (!code && !main_is_quiet)
@@ -212,9 +218,8 @@ static enum eco_code export_chunks(const struct eco_pack *pack, const char *dir,
 	for (uint32_t i = 0; i < count && !code; i++) {
 		if (scene->chunks[i].size_bytes < from)
 			continue;
-		code = main_progress("exporting", scene->name, (double)i / count)
-			? write_chunk(pack, i, dir, &counts, error)
-			: eco_fail(error, ECO_INTERRUPTED, "interrupted");
+		main_progress("exporting", scene->name, (double)i / count);
+		code = write_chunk(pack, i, dir, &counts, error);
 	}
 	if (!code && counts.kept < counts.files)
 		code = eco_folder_sync(dir, error);

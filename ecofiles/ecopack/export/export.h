@@ -69,17 +69,14 @@ enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain
 
 /* Writes DIR/NAME. */
 enum eco_code export_file(struct export *x, const char *name, const void *bytes, size_t size);
-enum eco_code export_json(struct export *x, const char *name,
-	json_t *json);     /* takes json; NULL: no memory */
+enum eco_code export_json(struct export *x, const char *name, json_t *json);  /* takes json */
 
 /* Makes a mesh, whose bytes are `file`, of baked triangles; the same material is one part,
  * and what has no triangles none. */
-enum eco_code export_mesh_make(struct export *x, struct export_mesh *mesh, struct eco_writer *file,
+void export_mesh_make(const struct export *x, struct export_mesh *mesh, struct eco_writer *file,
 	const struct lod_bake *bakes, const uint32_t *images, uint32_t count);
-/* Compresses a mesh and its file, both of them anew; which triangles there are stays, their order does not.
- * On failure only free them. */
-enum eco_code export_mesh_compress(struct export_mesh *mesh, struct eco_writer *file,
-	struct eco_error *error);
+/* Compresses a mesh and its file, both of them anew; which triangles there are stays, their order does not. */
+void export_mesh_compress(struct export_mesh *mesh, struct eco_writer *file);
 /* Bytes of a part's array that is not compressed. */
 size_t export_array_bytes(const struct export_part *part, enum export_array array);
 void export_mesh_free(struct export_mesh *mesh);

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "ecofiles/ecopack/export/export.h"
+#include "ecofiles/ecopack/run.h"
 
 #define POSITION_EXPONENT -10    /* a millimetre, or of small meshes ... */
 #define POSITION_BITS 15         /* ... of the farthest coordinate */
@@ -76,41 +77,29 @@ static int position_exponent(const struct export_mesh *mesh)
 
 struct order { uint32_t *index, *remap; };
 
-static bool order_make(struct order *order, struct export_part *part, const uint8_t *file)
+static void order_make(struct order *order, struct export_part *part, const uint8_t *file)
 {
 	size_t count = part->indices;
-	uint32_t *sorted = malloc((count + 1) * sizeof *sorted);
-	order->index = malloc((count + 1) * sizeof *order->index);
-	order->remap = malloc((part->vertices + (size_t)1) * sizeof *order->remap);
-	bool is_there = sorted && order->index && order->remap;
-	if (is_there) {
-		meshopt_spatialSortTriangles(sorted, (const void *)(file + part->at[EXPORT_INDEX]), count,
-			(const void *)(file + part->at[EXPORT_POSITION]), part->vertices, 12);
-		meshopt_optimizeVertexCacheStrip(sorted, sorted, count, part->vertices);
-		meshopt_optimizeVertexFetchRemap(order->remap, sorted, count, part->vertices);
-		meshopt_remapIndexBuffer(order->index, sorted, count, order->remap);
-	}
+	uint32_t *sorted = main_alloc(count, sizeof *sorted);
+	order->index = main_alloc(count, sizeof *order->index);
+	order->remap = main_alloc(part->vertices, sizeof *order->remap);
+	meshopt_spatialSortTriangles(sorted, (const void *)(file + part->at[EXPORT_INDEX]), count,
+		(const void *)(file + part->at[EXPORT_POSITION]), part->vertices, 12);
+	meshopt_optimizeVertexCacheStrip(sorted, sorted, count, part->vertices);
+	meshopt_optimizeVertexFetchRemap(order->remap, sorted, count, part->vertices);
+	meshopt_remapIndexBuffer(order->index, sorted, count, order->remap);
 	free(sorted);
-	return is_there;
-}
-
-static void order_free(struct order *order)
-{
-	free(order->index);
-	free(order->remap);
 }
 
 /* ---- Arrays ---- */
 
-static bool write_array(struct export_part *part, enum export_array array, const void *values,
+static void write_array(struct export_part *part, enum export_array array, const void *values,
 	struct eco_writer *out)
 {
 	size_t count = array == EXPORT_INDEX ? part->indices : part->vertices, stride = strides[array],
 		bound = array == EXPORT_INDEX ? meshopt_encodeIndexBufferBound(count, part->vertices)
 			: meshopt_encodeVertexBufferBound(count, stride);
-	uint8_t *bytes = malloc(bound + 1);
-	if (!bytes)
-		return false;
+	uint8_t *bytes = main_alloc(bound, 1);
 	size_t size = array == EXPORT_INDEX ? meshopt_encodeIndexBuffer(bytes, bound, values, count)
 		: meshopt_encodeVertexBuffer(bytes, bound, values, count, stride);
 	part->at[array] = out->size;
@@ -119,54 +108,47 @@ static bool write_array(struct export_part *part, enum export_array array, const
 	while (out->size % 4)
 		eco_write_u8(out, 0);
 	free(bytes);
-	return !out->failed;
 }
 
-static bool write_vertices(struct export_part *part, enum export_array array, const struct order *order,
+static void write_vertices(struct export_part *part, enum export_array array, const struct order *order,
 	const uint8_t *file, int exponent, struct eco_writer *out)
 {
 	size_t numbers = export_array_bytes(part, array) / sizeof(float);
-	float *values = malloc((numbers + 1) * sizeof *values);
-	if (!values)
-		return false;
+	float *values = main_alloc(numbers, sizeof *values);
 	meshopt_remapVertexBuffer(values, file + part->at[array], part->vertices, strides[array],
 		order->remap);
 	if (array != EXPORT_COLOR)
 		filter(values, numbers, exponent);
-	bool written = write_array(part, array, values, out);
+	write_array(part, array, values, out);
 	free(values);
-	return written;
 }
 
-static bool write_part(struct export_part *part, const uint8_t *file, int exponent, struct eco_writer *out)
+static void write_part(struct export_part *part, const uint8_t *file, int exponent, struct eco_writer *out)
 {
 	struct order order;
-	bool written = order_make(&order, part, file)
-		&& write_vertices(part, EXPORT_POSITION, &order, file, exponent, out)
-		&& write_vertices(part, EXPORT_COLOR, &order, file, 0, out);
-	if (written && part->image != ECO_NONE) {
+	order_make(&order, part, file);
+	write_vertices(part, EXPORT_POSITION, &order, file, exponent, out);
+	write_vertices(part, EXPORT_COLOR, &order, file, 0, out);
+	if (part->image != ECO_NONE) {
 		const float *uv = (const void *)(file + part->at[EXPORT_UV]);
 		int least = exponent_of(largest_of(uv, (size_t)part->vertices * 2)) - MANTISSA_BITS;
-		written = write_vertices(part, EXPORT_UV, &order, file,
+		write_vertices(part, EXPORT_UV, &order, file,
 			least > UV_EXPONENT ? least : UV_EXPONENT, out);
 	}
-	written = written && write_array(part, EXPORT_INDEX, order.index, out);
+	write_array(part, EXPORT_INDEX, order.index, out);
 	round_bounds(part, exponent);
-	order_free(&order);
-	return written;
+	free(order.index);
+	free(order.remap);
 }
 
-enum eco_code export_mesh_compress(struct export_mesh *mesh, struct eco_writer *file,
-	struct eco_error *error)
+void export_mesh_compress(struct export_mesh *mesh, struct eco_writer *file)
 {
 	struct eco_writer out = { 0 };
 	int exponent = position_exponent(mesh);
-	bool written = true;
 	meshopt_encodeIndexVersion(INDEX_VERSION);
-	for (uint32_t i = 0; i < mesh->part_count && written; i++)
-		written = write_part(&mesh->parts[i], file->bytes, exponent, &out);
+	for (uint32_t i = 0; i < mesh->part_count; i++)
+		write_part(&mesh->parts[i], file->bytes, exponent, &out);
 	eco_writer_free(file);
 	*file = out;
 	mesh->bytes = out.size;
-	return written ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory to compress triangles");
 }

@@ -9,6 +9,7 @@
 
 #include "ecofiles/base/version.h"
 #include "ecofiles/ecopack/export/export.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/inventory.h"
@@ -226,16 +227,16 @@ static enum eco_code find_species(struct export *x, const struct eco_tile *t, st
 {
 	const struct eco_scene *s = &x->pack->scene;
 	const struct eco_inventory_row *row;
-	char **species = l->species = calloc(l->count + 1u, sizeof *species);
-	enum eco_code code = species ? ECO_OK : eco_fail(x->error, ECO_NO_MEMORY, "no memory for a tile");
+	char **species = l->species = main_alloc(l->count, sizeof *species);
+	enum eco_code code = ECO_OK;
 	for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++) {
 		const struct eco_group *group = &s->groups[g];
 		for (uint32_t i = 0; i < group->count && !code; i++) {
 			code = eco_inventory_at(&x->rows, x->pack, group->place_first + i, &row, x->error);
 			const char *plant = s->plants[group->plant].name,
 				*own = code ? NULL : eco_inventory_species(row, plant);
-			if (!code && !(*species++ = strdup(own ? own : "")))
-				code = eco_fail(x->error, ECO_NO_MEMORY, "no memory for a tile");
+			own = own ? own : "";
+			strcpy(*species++ = main_alloc(strlen(own) + 1, 1), own);
 		}
 	}
 	return code;
@@ -245,9 +246,7 @@ static enum eco_code lay_out(struct export *x, uint32_t tile, struct layout *l)
 {
 	const struct eco_scene *s = &x->pack->scene;
 	const struct eco_tile *t = &s->tiles[tile];
-	*l = (struct layout){ .group = calloc(t->group_count + 1u, sizeof *l->group) };
-	if (!l->group)
-		return eco_fail(x->error, ECO_NO_MEMORY, "no memory for a tile");
+	*l = (struct layout){ .group = main_alloc(t->group_count, sizeof *l->group) };
 	size_t at = 0, names = 0;
 	for (uint32_t g = 0; g < t->group_count; g++) {
 		const struct eco_group *group = &s->groups[t->group_first + g];
@@ -337,8 +336,8 @@ enum eco_code export_instances(struct export *x, uint32_t tile)
 	}
 	if (!code)
 		write_table(&w, s, t, &l);
-	if (!code && w.failed)
-		code = eco_fail(x->error, ECO_NO_MEMORY, "no memory for a tile's plants");
+	if (w.failed)
+		main_end("no memory");
 	snprintf(name, sizeof name, "tiles/%u.bin", tile);
 	if (!code)
 		code = export_file(x, name, w.bytes, w.size);
@@ -449,11 +448,10 @@ static enum eco_code write_baked(struct export *x, const struct lod_bake *bake, 
 	char name[EXPORT_NAME], uri[EXPORT_NAME];
 	const uint32_t image = c->texture ? 0 : ECO_NONE;
 	struct document d;
-	enum eco_code code = export_mesh_make(x, &mesh, &file, bake, &image, 1);
+	export_mesh_make(x, &mesh, &file, bake, &image, 1);
 	snprintf(uri, sizeof uri, "%s.bin", c->stem);
 	snprintf(name, sizeof name, "tiles/%.50s.bin", c->stem);
-	if (!code)
-		code = export_file(x, name, file.bytes, file.size);
+	enum eco_code code = export_file(x, name, file.bytes, file.size);
 	if (!code)
 		document_begin(&d, c->middle);
 	if (!code && mesh.part_count) {
@@ -487,15 +485,13 @@ enum eco_code export_summary(struct export *x, uint32_t tile, char name[EXPORT_N
 	uint32_t count = points.primitive_count < SUMMARY_POINTS ? points.primitive_count : SUMMARY_POINTS;
 	float scale = count ? (float)points.primitive_count / (float)count : 1;
 	if (!lod_geometry_make(&geometry, list, count, false))
-		code = eco_fail(x->error, ECO_NO_MEMORY, "no memory for a summary");
+		main_end("no memory");
 	middle_of(&s->tiles[tile], middle);
-	if (!code) {
-		lod_list_geometry(list, &points, 0, count, scale, &geometry);
-		for (size_t i = 0; i < (size_t)count * 3; i++)
-			geometry.position[i] = (float)((double)geometry.position[i] - middle[i % 3]);
-		code = lod_bake_make(&bake, &(struct lod_bake_input){ list, s->palette + list->palette_first,
-			&geometry, NULL, count, list->unit_area * scale }, x->error);
-	}
+	lod_list_geometry(list, &points, 0, count, scale, &geometry);
+	for (size_t i = 0; i < (size_t)count * 3; i++)
+		geometry.position[i] = (float)((double)geometry.position[i] - middle[i % 3]);
+	code = lod_bake_make(&bake, &(struct lod_bake_input){ list, s->palette + list->palette_first,
+		&geometry, NULL, count, list->unit_area * scale }, x->error);
 	*error_m = SUMMARY_WIDTHS * 2 * sqrt((double)list->unit_area * (double)scale / M_PI);
 	snprintf(stem, sizeof stem, "%u-s", tile);
 	if (!code)

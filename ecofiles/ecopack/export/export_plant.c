@@ -5,6 +5,7 @@
 
 #include "ecofiles/ecopack/export/export.h"
 #include "ecofiles/ecopack/export/plant_view.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/image.h"
 
 #define PIXELS 96u               /* a side of the picture that a level is scored in */
@@ -50,12 +51,10 @@ static void bound(struct export_part *part, const struct lod_bake *bake)
 	}
 }
 
-enum eco_code export_mesh_make(struct export *x, struct export_mesh *mesh, struct eco_writer *file,
+void export_mesh_make(const struct export *x, struct export_mesh *mesh, struct eco_writer *file,
 	const struct lod_bake *bakes, const uint32_t *images, uint32_t count)
 {
-	mesh->parts = calloc(count + 1u, sizeof *mesh->parts);
-	if (!mesh->parts)
-		return eco_fail(x->error, ECO_NO_MEMORY, "no memory for triangles");
+	mesh->parts = main_alloc(count, sizeof *mesh->parts);
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t image = images[i], known = 0;
 		if (!bakes[i].index_count)
@@ -79,8 +78,9 @@ enum eco_code export_mesh_make(struct export *x, struct export_mesh *mesh, struc
 	}
 	mesh->bytes = file->size;
 	if (file->failed)
-		return eco_fail(x->error, ECO_NO_MEMORY, "no memory for triangles");
-	return x->is_plain ? ECO_OK : export_mesh_compress(mesh, file, x->error);
+		main_end("no memory");
+	if (!x->is_plain)
+		export_mesh_compress(mesh, file);
 }
 
 void export_mesh_free(struct export_mesh *mesh)
@@ -94,10 +94,9 @@ void export_mesh_free(struct export_mesh *mesh)
 static enum eco_code bake(struct export *x, struct export_mesh *mesh, struct eco_writer *file,
 	const struct plant_view_drawing *drawing)
 {
-	struct lod_bake *bakes = calloc(drawing->count + 1u, sizeof *bakes);
-	uint32_t *images = calloc(drawing->count + 1u, sizeof *images);
-	enum eco_code code = bakes && images ? ECO_OK : eco_fail(x->error, ECO_NO_MEMORY,
-		"no memory for triangles");
+	struct lod_bake *bakes = main_alloc(drawing->count, sizeof *bakes);
+	uint32_t *images = main_alloc(drawing->count, sizeof *images);
+	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < drawing->count && !code; i++) {
 		const struct plant_view_batch *b = &drawing->batches[i];
 		images[i] = b->geometry.uv ? b->list->image : ECO_NONE;
@@ -105,8 +104,8 @@ static enum eco_code bake(struct export *x, struct export_mesh *mesh, struct eco
 			&b->geometry, b->impostor, b->count, b->area }, x->error);
 	}
 	if (!code)
-		code = export_mesh_make(x, mesh, file, bakes, images, drawing->count);
-	for (uint32_t i = 0; bakes && i < drawing->count; i++)
+		export_mesh_make(x, mesh, file, bakes, images, drawing->count);
+	for (uint32_t i = 0; i < drawing->count; i++)
 		lod_bake_free(&bakes[i]);
 	free(bakes);
 	free(images);

@@ -119,7 +119,7 @@ static enum eco_code add_plants(struct tree *t, uint32_t id, json_t *parent)
 
 static enum eco_code add_tile(struct tree *t, uint32_t id, uint32_t depth, json_t **out);
 
-static enum eco_code add_nested(struct tree *t, const struct eco_child *child, json_t *parent)
+static void add_nested(struct tree *t, const struct eco_child *child, json_t *parent)
 {
 	const struct eco_tile *tile = &t->x->pack->scene.tiles[child->tile];
 	char name[EXPORT_NAME];
@@ -131,7 +131,6 @@ static enum eco_code add_nested(struct tree *t, const struct eco_child *child, j
 	json_object_set_new(placed, "transform", transform_of(child));
 	add_child(parent, placed);
 	t->nested[child->tile] = 1;
-	return ECO_OK;
 }
 
 /* No tile is better than its children. */
@@ -145,8 +144,7 @@ static enum eco_code add_tile(struct tree *t, uint32_t id, uint32_t depth, json_
 	*out = NULL;
 	if (depth > DEPTH_MAX)
 		return eco_fail(t->x->error, ECO_TOO_LARGE, "tiles lie in more than %u others", DEPTH_MAX);
-	if (!main_progress("writing tiles", NULL, (double)id / s->tile_count))
-		return eco_fail(t->x->error, ECO_INTERRUPTED, "interrupted");
+	main_progress("writing tiles", NULL, (double)id / s->tile_count);
 	enum eco_code code = summary ? export_summary(t->x, id, name, &error_m) : ECO_OK;
 	if (code)
 		return code;
@@ -157,7 +155,7 @@ static enum eco_code add_tile(struct tree *t, uint32_t id, uint32_t depth, json_
 	for (uint32_t i = tile->child_first; i < tile->child_first + tile->child_count && !code; i++) {
 		json_t *child = NULL;
 		if (s->children[i].placed) {
-			code = add_nested(t, &s->children[i], *out);
+			add_nested(t, &s->children[i], *out);
 			continue;
 		}
 		code = add_tile(t, s->children[i].tile, depth + 1, &child);
@@ -256,10 +254,8 @@ static enum eco_code write_tileset(struct tree *t, uint32_t id, const char *name
 enum eco_code export_tilesets(struct export *x)
 {
 	const struct eco_scene *s = &x->pack->scene;
-	struct tree t = { x, calloc(s->tile_count + 1u, 1) };
-	enum eco_code code = t.nested ? ECO_OK : eco_fail(x->error, ECO_NO_MEMORY, "no memory for tiles");
-	if (!code)
-		code = write_tileset(&t, s->root, "tileset.json");
+	struct tree t = { x, main_alloc(s->tile_count, 1) };
+	enum eco_code code = write_tileset(&t, s->root, "tileset.json");
 	for (uint32_t i = 0; i < s->tile_count && !code; i++) {
 		char name[EXPORT_NAME];
 		snprintf(name, sizeof name, "tileset-%u.json", i);

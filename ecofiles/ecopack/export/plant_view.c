@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/texture.h"
@@ -17,11 +18,6 @@
 #define AWAY_RADII 8.0           /* the camera's distance: a weak perspective */
 #define DOWN 0.22                /* slope of the view, downwards */
 #define MARGIN 1.06
-
-static enum eco_code no_memory(const struct plant_view *p, struct eco_error *error)
-{
-	return eco_fail(error, ECO_NO_MEMORY, "%s: no memory to draw it", p->scene.plants[p->number].name);
-}
 
 /* ---- Textures ---- */
 
@@ -77,11 +73,9 @@ static enum eco_code decode_list(struct plant_view *p, uint32_t id, struct eco_e
 	struct plant_view_list *to = &p->lists[id];
 	*to = (struct plant_view_list){ .list = list, .palette = s->palette + list->palette_first,
 		.image = list->image,
-		.chunks = calloc(list->chunk_count + 1u, sizeof *to->chunks),
+		.chunks = main_alloc(list->chunk_count, sizeof *to->chunks),
 		.impostors = list->kind == ECO_LIST_IMPOSTOR
-			? calloc(list->chunk_count + 1u, sizeof *to->impostors) : NULL };
-	if (!to->chunks || (list->kind == ECO_LIST_IMPOSTOR && !to->impostors))
-		return no_memory(p, error);
+			? main_alloc(list->chunk_count, sizeof *to->impostors) : NULL };
 	if (list->kind == ECO_LIST_IMAGE)
 		return list->chunk_count ? decode_picture(p, to, error) : ECO_OK;
 	enum eco_code code = ECO_OK;
@@ -122,14 +116,12 @@ static enum eco_code decode_lists(struct plant_view *p, struct eco_error *error)
 
 /* ---- A scene of one plant ---- */
 
-static enum eco_code make_scene(struct plant_view *p, struct eco_error *error)
+static void make_scene(struct plant_view *p)
 {
 	const struct eco_scene *s = &p->pack->scene;
 	const struct eco_plant *plant = &s->plants[p->number];
 	const struct eco_anchor *whole = &s->anchors[plant->anchor_first];
-	p->scene_lists = malloc((s->list_count + 1u) * sizeof *p->scene_lists);
-	if (!p->scene_lists)
-		return no_memory(p, error);
+	p->scene_lists = main_alloc(s->list_count + 1u, sizeof *p->scene_lists);
 	memcpy(p->scene_lists, s->lists, s->list_count * sizeof *p->scene_lists);
 	p->scene_lists[s->list_count] = (struct eco_list){ .kind = ECO_LIST_INSTANCES,
 		.coder = ECO_CODER_ROWS, .attributes = ECO_ATTR_PLACE,
@@ -153,7 +145,6 @@ static enum eco_code make_scene(struct plant_view *p, struct eco_error *error)
 	p->scene.children = NULL, p->scene.child_count = 0;
 	p->scene.lists = p->scene_lists, p->scene.list_count = s->list_count + 1;
 	p->scene.places = p->place, p->scene.place_count = 1;
-	return ECO_OK;
 }
 
 static void set_view(struct plant_view *p, const double target[3], double half, uint32_t pixels)
@@ -219,8 +210,7 @@ static enum eco_code look(struct plant_view *p, uint32_t pixels, struct eco_erro
 
 /* ---- The planner's cuts ---- */
 
-static enum eco_code make_batch(const struct plant_view *p, const struct eco_cut *cut,
-	struct plant_view_batch *b, struct eco_error *error)
+static void make_batch(const struct plant_view *p, const struct eco_cut *cut, struct plant_view_batch *b)
 {
 	const struct plant_view_list *list = b->list = &p->lists[cut->list];
 	uint32_t count = cut->end - cut->first, from = 0, end;
@@ -230,10 +220,10 @@ static enum eco_code make_batch(const struct plant_view *p, const struct eco_cut
 	if (list->impostors) {
 		b->impostor = &list->impostors[cut->first];
 		b->count = b->impostor->cell_count;
-		return ECO_OK;
+		return;
 	}
 	if (!lod_geometry_make(&b->geometry, list->list, count, textured))
-		return no_memory(p, error);
+		main_end("no memory");
 	for (uint32_t c = 0; c < list->chunk_count && b->count < count; c++, from = end) {
 		end = from + list->chunks[c].primitive_count;
 		uint32_t first = cut->first > from ? cut->first : from, last = cut->end < end ? cut->end
@@ -244,7 +234,6 @@ static enum eco_code make_batch(const struct plant_view *p, const struct eco_cut
 		b->count += lod_list_geometry(list->list, &list->chunks[c], first - from, last - from,
 			cut->scale, &at);
 	}
-	return ECO_OK;
 }
 
 /* Whether a cut's rule applies to the one instance. */
@@ -258,8 +247,8 @@ static bool draws(const struct eco_cut *cut, const struct lod_anchor_band *seen,
 	return false;
 }
 
-static enum eco_code add_cuts(struct plant_view_drawing *d, const struct plant_view *p,
-	const struct eco_plan *plan, struct lod_anchor_band *seen, struct eco_error *error)
+static void add_cuts(struct plant_view_drawing *d, const struct plant_view *p, const struct eco_plan *plan,
+	struct lod_anchor_band *seen)
 {
 	const struct eco_plant *plant = &p->scene.plants[p->number];
 	const struct eco_placement nowhere = { .scale = 1 };
@@ -275,18 +264,16 @@ static enum eco_code add_cuts(struct plant_view_drawing *d, const struct plant_v
 		0);
 	uint32_t count = lod_instance_anchors(&p->eye, &place, p->scene.anchors + plant->anchor_first,
 		plant->anchor_first, plant->anchor_count, gate, hash, seen);
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < plan->cut_count && !code; i++) {
+	for (uint32_t i = 0; i < plan->cut_count; i++) {
 		const struct eco_cut *cut = &plan->cuts[i];
 		if (cut->anchor == ECO_NONE || !draws(cut, seen, count, hash))
 			continue;
 		struct plant_view_batch *b = &d->batches[d->count++];
-		code = make_batch(p, cut, b, error);
+		make_batch(p, cut, b);
 		b->first = d->primitives;
 		d->primitives += b->count;
 		d->vertices += (uint64_t)(cut->end - cut->first) * eco_list_vertices(b->list->list);
 	}
-	return code;
 }
 
 enum eco_code plant_view_drawing_make(struct plant_view_drawing *drawing, const struct plant_view *plant,
@@ -300,16 +287,12 @@ enum eco_code plant_view_drawing_make(struct plant_view_drawing *drawing, const 
 	enum eco_code code = lod_plan(&plan, &input, error);
 	if (code)
 		return code;
-	struct lod_anchor_band *seen = calloc(plant->scene.plants[plant->number].anchor_count + 1u,
-		sizeof *seen);
-	drawing->batches = calloc(plan.cut_count + 1u, sizeof *drawing->batches);
-	code = seen && drawing->batches ? add_cuts(drawing, plant, &plan, seen, error)
-		: no_memory(plant, error);
+	struct lod_anchor_band *seen = main_alloc(plant->scene.plants[plant->number].anchor_count, sizeof *seen);
+	drawing->batches = main_alloc(plan.cut_count, sizeof *drawing->batches);
+	add_cuts(drawing, plant, &plan, seen);
 	free(seen);
 	eco_plan_free(&plan);
-	if (code)
-		plant_view_drawing_free(drawing);
-	return code;
+	return ECO_OK;
 }
 
 void plant_view_drawing_free(struct plant_view_drawing *drawing)
@@ -366,16 +349,13 @@ enum eco_code plant_view_open(struct plant_view *view, const struct eco_pack *pa
 	assert(number < pack->scene.plant_count);
 	*view = (struct plant_view){ .pack = pack, .number = number, .scene = pack->scene,
 		.list_count = pack->scene.list_count,
-		.lists = calloc(pack->scene.list_count + 1u, sizeof *view->lists),
-		.reference = calloc(pixels, pixels) };
-	enum eco_code code = view->lists && view->reference ? ECO_OK : no_memory(view, error);
-	if (!code)
-		code = lod_raster_init(&view->raster,
-			&(struct lod_raster_options){ .width = pixels, .height = pixels }, error);
+		.lists = main_alloc(pack->scene.list_count, sizeof *view->lists),
+		.reference = main_alloc(pixels, pixels) };
+	enum eco_code code = lod_raster_init(&view->raster,
+		&(struct lod_raster_options){ .width = pixels, .height = pixels }, error);
 	if (!code)
 		code = decode_lists(view, error);
-	if (!code)
-		code = make_scene(view, error);
+	make_scene(view);
 	if (!code)
 		code = look(view, pixels, error);
 	if (code)

@@ -11,7 +11,6 @@
 
 #include "ecofiles/base/options.h"
 #include "ecofiles/base/text.h"
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/run.h"
 
@@ -28,11 +27,10 @@ static void print_guess(const struct start_guess *g)
 	fflush(stdout);          /* what comes next may fork, or fail on standard error */
 }
 
-enum eco_code start_guess(struct start *s, const char *what, const char *took, const char *change,
+void start_guess(struct start *s, const char *what, const char *took, const char *change,
 	const char *why, ...)
 {
-	if (!eco_array_grow(&s->guesses, &s->guess_capacity, s->guess_count, sizeof *s->guesses))
-		return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+	main_grow(&s->guesses, &s->guess_capacity, s->guess_count, sizeof *s->guesses);
 	struct start_guess *g = &s->guesses[s->guess_count++];
 	va_list arguments;
 	va_start(arguments, why);
@@ -43,7 +41,17 @@ enum eco_code start_guess(struct start *s, const char *what, const char *took, c
 	snprintf(g->change, sizeof g->change, "%s", change);
 	if (!main_is_quiet)
 		print_guess(g);
-	return ECO_OK;
+}
+
+char *start_text(const char *format, ...)
+{
+	va_list arguments;
+	char *text;
+	va_start(arguments, format);
+	if (vasprintf(&text, format, arguments) < 0)
+		main_end("no memory");
+	va_end(arguments);
+	return text;
 }
 
 void start_say(const char *format, ...)
@@ -150,9 +158,10 @@ static enum eco_code run_steps(struct start *s)
 		code = start_match_species(s);
 	if (!code)
 		code = start_models_see(s);
-	if (!code)
-		code = start_scene(s);
-	return code ? code : start_write(s);
+	if (code)
+		return code;
+	start_scene(s);
+	return start_write(s);
 }
 
 static enum eco_code run_start(int argc, char **argv, struct eco_error *error)
@@ -164,7 +173,7 @@ static enum eco_code run_start(int argc, char **argv, struct eco_error *error)
 	if (!code)
 		code = read_options(&options, error);
 	if (!code)
-		code = start_check_order(given.inputs.names, given.inputs.count, error);
+		code = start_check_order(given.inputs.names, error);
 	if (!code)
 		code = make_folder(&options, &made, error);
 	if (code)

@@ -1,6 +1,6 @@
 /* Inside `ecopack start`: from a table of trees and a folder of models to a scene that can be packed.
  *
- *   start_check_order(...)        which argument is which                             start_order.c
+ *   start_check_order(...)        which argument is which
  *   start_rasters(&start)         terrain and picture                                 start_rasters.c
  *   start_look(&start)            the table: columns, units, CRS                      start_look.c
  *   start_models_find(&start)     the folder: which files are models                  start_models.c
@@ -77,8 +77,8 @@ struct start {
 	char *scene;                         /* the text */
 };
 
-/* The arguments without options, two or more. ECO_BAD_INPUT: they are not in their order, and in which they are. */
-enum eco_code start_check_order(char **names, uint32_t count, struct eco_error *error);
+/* The arguments without options, two or more. ECO_BAD_INPUT: the first two are not a table and models. */
+enum eco_code start_check_order(char **names, struct eco_error *error);
 #define START_FORMATS ".glb, .gltf, .obj, .fbx, .dae, .ply, .3ds, .3mf or .stl"
 bool start_is_model(const char *path); /* by its ending */
 enum eco_code start_rasters(struct start *s);
@@ -89,20 +89,23 @@ enum eco_code start_look(struct start *s);
 enum eco_code start_models_find(struct start *s);
 enum eco_code start_match_species(struct start *s);
 enum eco_code start_models_see(struct start *s);
-enum eco_code start_scene(struct start *s);
+void start_scene(struct start *s);
 enum eco_code start_write(struct start *s);
 
 /* Keeps a guess and prints it. `change`: the option or the field that changes it; "" if nothing does. */
-enum eco_code start_guess(struct start *s, const char *what, const char *took, const char *change,
+void start_guess(struct start *s, const char *what, const char *took, const char *change,
 	const char *why, ...) __attribute__((format(printf, 5, 6)));
 
 /* The scene's name: the folder's, as a word of a URL. */
 void start_name(const char *folder, char name[64]);
 
+/* A text, malloc'ed. */
+char *start_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
 /* A line for people, unless --quiet. */
 void start_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* A path as seen from the folder that is written, malloc'ed; NULL when memory ran out. */
+/* A path as seen from the folder that is written, malloc'ed. */
 char *start_path(const struct start *s, const char *path);
 
 static inline const char *start_column(const struct start *s, uint32_t column)

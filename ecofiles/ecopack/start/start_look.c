@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/base/text.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/scene/scene.h"
 
 /* ---- Columns ---- */
@@ -30,18 +31,15 @@ static enum eco_code find_named(struct start *s, enum eco_role role, const char 
 static enum eco_code find_columns(struct start *s)
 {
 	const struct start_options *o = s->options;
+	const struct { enum eco_role role; const char *name, *option; } given[] = { { ECO_ROLE_X, o->x, "--x" },
+		{ ECO_ROLE_Y, o->y, "--y" }, { ECO_ROLE_SPECIES, o->species, "--species-column" },
+		{ ECO_ROLE_HEIGHT, o->height, "--height-column" }, { ECO_ROLE_DBH, o->dbh, "--dbh-column" } };
 	for (int i = 0; i < ECO_ROLE_COUNT; i++)
 		s->columns.of[i] = ECO_NONE;
 	s->columns.decimal = o->decimal ? o->decimal[0] : 0;
-	enum eco_code code = find_named(s, ECO_ROLE_X, o->x, "--x");
-	if (!code)
-		code = find_named(s, ECO_ROLE_Y, o->y, "--y");
-	if (!code)
-		code = find_named(s, ECO_ROLE_SPECIES, o->species, "--species-column");
-	if (!code)
-		code = find_named(s, ECO_ROLE_HEIGHT, o->height, "--height-column");
-	if (!code)
-		code = find_named(s, ECO_ROLE_DBH, o->dbh, "--dbh-column");
+	enum eco_code code = ECO_OK;
+	for (size_t i = 0; i < sizeof given / sizeof *given && !code; i++)
+		code = find_named(s, given[i].role, given[i].name, given[i].option);
 	if (code)
 		return code;
 	eco_table_columns(&s->table, &s->columns);
@@ -53,107 +51,88 @@ static enum eco_code find_columns(struct start *s)
 		start_column(s, s->columns.of[ECO_ROLE_Y]));
 }
 
-static enum eco_code say_column(struct start *s, enum eco_role role, const char *change, bool given)
+static void say_column(struct start *s, enum eco_role role, const char *change, bool given)
 {
 	const char *name = start_column(s, s->columns.of[role]),
 		   *rival = start_column(s, s->columns.rival[role]);
 	char took[80];
 	snprintf(took, sizeof took, "\"%.70s\"", name);
 	if (given)
-		return start_guess(s, eco_role_names[role], took, change, "as you say");
-	return start_guess(s, eco_role_names[role], took, change, "by its name and what stands in "
-		"it%s%.60s%s",
-		rival ? "; it might be \"" : "", rival ? rival : "", rival ? "\", too" : "");
+		start_guess(s, eco_role_names[role], took, change, "as you say");
+	else
+		start_guess(s, eco_role_names[role], took, change, "by its name and what stands in it%s%.60s%s",
+			rival ? "; it might be \"" : "", rival ? rival : "", rival ? "\", too" : "");
 }
 
-static enum eco_code say_offsets(struct start *s)
+static void say_offsets(struct start *s)
 {
 	const struct eco_offsets *o = &s->place.offsets;
 	char took[160];
-	enum eco_code code = ECO_OK;
 	if (o->quadrat_m > 0) {
 		snprintf(took, sizeof took, "within quadrats of %g m, \"%.60s\"", o->quadrat_m,
 			start_column(s, s->columns.of[ECO_ROLE_QUADRAT]));
-		code = start_guess(s, "quadrats", took, "\"quadrat\" in the scene", "two digits of the column "
+		start_guess(s, "quadrats", took, "\"quadrat\" in the scene", "two digits of the column "
 			"from the west, two of the row from the south; x and y fill them");
 	}
-	if (code || !o->polar)
-		return code;
+	if (!o->polar)
+		return;
 	snprintf(took, sizeof took, "from centres: azimuth \"%.40s\" in %s, distance \"%.40s\" in %s",
 		start_column(s, s->columns.of[ECO_ROLE_AZIMUTH]), o->whole_turn == 400 ? "gon" : "degrees",
 		start_column(s, s->columns.of[ECO_ROLE_DISTANCE]), o->distance_unit);
-	return start_guess(s, "bearings", took, "\"polar\" in the scene", "%s; clockwise from north",
+	start_guess(s, "bearings", took, "\"polar\" in the scene", "%s; clockwise from north",
 		s->place.from_geometry || s->columns.of[ECO_ROLE_X] != ECO_NONE
 		? "several rows share each place, which so is a plot's centre" : "no column says a place");
 }
 
-static enum eco_code say_columns(struct start *s)
+static void say_columns(struct start *s)
 {
 	const struct start_options *o = s->options;
 	char took[160];
-	enum eco_code code = ECO_OK;
 	if (s->columns.thousands) {
 		snprintf(took, sizeof took, "%s between thousands", s->columns.thousands == ',' ? "commas" : "points");
-		code = start_guess(s, "coordinates", took, "--decimal", "%s", o->decimal ? "as you say"
+		start_guess(s, "coordinates", took, "--decimal", "%s", o->decimal ? "as you say"
 			: "as they part groups of three digits everywhere");
 	} else if (s->columns.decimal == ',')
-		code = start_guess(s, "numbers", "decimal commas", "--decimal", "as most numbers have them");
-	if (!code && s->place.from_geometry)
-		code = start_guess(s, "places", "the file's points", "--x, --y", "it has a geometry");
-	else if (!code && s->columns.of[ECO_ROLE_X] != ECO_NONE) {
+		start_guess(s, "numbers", "decimal commas", "--decimal", "as most numbers have them");
+	if (s->place.from_geometry)
+		start_guess(s, "places", "the file's points", "--x, --y", "it has a geometry");
+	else if (s->columns.of[ECO_ROLE_X] != ECO_NONE) {
 		const char *x = start_column(s, s->columns.of[s->place.swapped ? ECO_ROLE_Y : ECO_ROLE_X]),
 			*y = start_column(s, s->columns.of[s->place.swapped ? ECO_ROLE_X : ECO_ROLE_Y]);
 		snprintf(took, sizeof took, "x is \"%.60s\", y is \"%.60s\"%s%s", x, y,
 			s->place.unit ? ", in " : "", s->place.unit ? s->place.unit : "");
-		code = start_guess(s, "places", took, "--x, --y", "%s", s->place.swapped
+		start_guess(s, "places", took, "--x, --y", "%s", s->place.swapped
 			? "swapped, see crs" : o->x && o->y ? "as you say" : "by their names and numbers");
 	}
-	if (!code)
-		code = say_offsets(s);
-	if (!code && s->columns.of[ECO_ROLE_SPECIES] != ECO_NONE)
-		code = say_column(s, ECO_ROLE_SPECIES, "--species-column", o->species);
-	return code;
+	say_offsets(s);
+	if (s->columns.of[ECO_ROLE_SPECIES] != ECO_NONE)
+		say_column(s, ECO_ROLE_SPECIES, "--species-column", o->species);
 }
 
 /* ---- Sizes ---- */
 
-static bool is_unit(const char *unit)
-{
-	double metres;
-	return eco_unit_metres(unit, &metres);
-}
-
 /* Leaves the unit NULL where it has to be asked for. */
-static enum eco_code measure(struct start *s, struct start_size *size, enum eco_quantity quantity,
+static void measure(struct start *s, struct start_size *size, enum eco_quantity quantity,
 	const char *given, const char *beside)
 {
 	const char *name = start_column(s, size->column);
 	struct eco_spread spread = { 0 };
 	double own_unit = 0;
-	if (!eco_table_spread(&s->table, size->column, &s->columns, &spread, &own_unit)) {
-		eco_spread_free(&spread);
-		return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
-	}
+	if (!eco_table_spread(&s->table, size->column, &s->columns, &spread, &own_unit))
+		main_end("no memory");
 	struct eco_size_numbers numbers = { eco_spread_quantile(&spread, 0.5),
 		eco_spread_quantile(&spread, 0.98) };
 	bool any = spread.count > 0;
 	eco_spread_free(&spread);
 	size->median = numbers.middle;
-	if (!any) {
+	if (!any)
 		size->column = ECO_NONE;         /* nothing in it */
-		return ECO_OK;
-	}
-	if (given) {
+	else if (given)
 		size->unit = (struct eco_unit_guess){ .unit = given, .why = "as you say" };
-		return ECO_OK;
-	}
-	if (own_unit > 0.5) {
-		size->unit = (struct eco_unit_guess){ .unit = "m", .why = "most values say theirs, which "
-			"counts" };
-		return ECO_OK;
-	}
-	size->unit = eco_unit_guess(quantity, name, beside, &numbers);
-	return ECO_OK;
+	else if (own_unit > 0.5)
+		size->unit = (struct eco_unit_guess){ .unit = "m", .why = "most values say theirs, which counts" };
+	else
+		size->unit = eco_unit_guess(quantity, name, beside, &numbers);
 }
 
 static enum eco_code ask_unit(struct start *s, const struct start_size *size, const char *option)
@@ -164,42 +143,41 @@ static enum eco_code ask_unit(struct start *s, const struct start_size *size, co
 		"of " ECO_UNITS ")", s->options->table, start_column(s, size->column), size->unit.why, option);
 }
 
-static enum eco_code say_size(struct start *s, const struct start_size *size, enum eco_role role,
+static void say_size(struct start *s, const struct start_size *size, enum eco_role role,
 	const char *column, const char *unit)
 {
 	char took[120], change[64];
 	if (size->column == ECO_NONE)
-		return ECO_OK;
+		return;
 	snprintf(took, sizeof took, "\"%.60s\" in %s", start_column(s, size->column), size->unit.unit);
 	snprintf(change, sizeof change, "%s, %s", column, unit);
-	return start_guess(s, eco_role_names[role], took, change, "%s", size->unit.why);
+	start_guess(s, eco_role_names[role], took, change, "%s", size->unit.why);
 }
 
 /* Whether trunks are needed: where heights are missing. */
 static enum eco_code find_sizes(struct start *s)
 {
 	const struct start_options *o = s->options;
-	enum eco_code code = ECO_OK;
 	s->height.column = s->columns.of[ECO_ROLE_HEIGHT];
 	s->trunk_is_girth = s->columns.of[ECO_ROLE_DBH] == ECO_NONE;
 	s->trunk.column = s->columns.of[s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH];
 	enum eco_quantity trunk = s->trunk_is_girth ? ECO_QUANTITY_GIRTH : ECO_QUANTITY_DBH;
 	if (s->height.column != ECO_NONE)
-		code = measure(s, &s->height, ECO_QUANTITY_HEIGHT, o->height_unit, o->dbh_unit ? o->dbh_unit
+		measure(s, &s->height, ECO_QUANTITY_HEIGHT, o->height_unit, o->dbh_unit ? o->dbh_unit
 			: eco_unit_of_name(start_column(s, s->trunk.column)));
-	if (!code && s->trunk.column != ECO_NONE)
-		code = measure(s, &s->trunk, trunk, o->dbh_unit, s->height.column != ECO_NONE
+	if (s->trunk.column != ECO_NONE)
+		measure(s, &s->trunk, trunk, o->dbh_unit, s->height.column != ECO_NONE
 			? s->height.unit.unit : NULL);
-	if (!code && s->height.column != ECO_NONE && !s->height.unit.unit && s->trunk.column != ECO_NONE)
-		code = measure(s, &s->height, ECO_QUANTITY_HEIGHT, NULL, s->trunk.unit.unit);
-	if (!code)
-		code = ask_unit(s, &s->height, "--height-unit");
+	if (s->height.column != ECO_NONE && !s->height.unit.unit && s->trunk.column != ECO_NONE)
+		measure(s, &s->height, ECO_QUANTITY_HEIGHT, NULL, s->trunk.unit.unit);
+	enum eco_code code = ask_unit(s, &s->height, "--height-unit");
 	if (!code)
 		code = ask_unit(s, &s->trunk, "--dbh-unit");
-	if (!code)
-		code = say_size(s, &s->height, ECO_ROLE_HEIGHT, "--height-column", "--height-unit");
-	return code ? code : say_size(s, &s->trunk, s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH,
-		"--dbh-column", "--dbh-unit");
+	if (code)
+		return code;
+	say_size(s, &s->height, ECO_ROLE_HEIGHT, "--height-column", "--height-unit");
+	say_size(s, &s->trunk, s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH, "--dbh-column", "--dbh-unit");
+	return ECO_OK;
 }
 
 /* ---- Places ---- */
@@ -214,18 +192,15 @@ static enum eco_code find_place(struct start *s)
 	return eco_place_guess(&s->place, &asked, s->error);
 }
 
-static enum eco_code say_place(struct start *s)
+static void say_place(struct start *s)
 {
 	const struct eco_place_guess *p = &s->place;
 	char took[80];
-	enum eco_code code = start_guess(s, "crs of the "
-		"table", p->crs[0] != 0 ? p->crs : "none", "--crs", "%s",
-		p->crs_why);
-	if (!code)
-		code = start_guess(s, "crs of the scene", p->scene_crs[0] != 0 ? p->scene_crs : "none",
-			"--scene-crs", "%s", p->scene_why);
+	start_guess(s, "crs of the table", p->crs[0] != 0 ? p->crs : "none", "--crs", "%s", p->crs_why);
+	start_guess(s, "crs of the scene", p->scene_crs[0] != 0 ? p->scene_crs : "none", "--scene-crs", "%s",
+		p->scene_why);
 	snprintf(took, sizeof took, "%.10g, %.10g", p->origin[0], p->origin[1]);
-	return code ? code : start_guess(s, "origin", took, "\"origin\" in the scene", "%s", p->origin_why);
+	start_guess(s, "origin", took, "\"origin\" in the scene", "%s", p->origin_why);
 }
 
 static enum eco_code check_units(struct start *s)
@@ -233,8 +208,9 @@ static enum eco_code check_units(struct start *s)
 	const struct start_options *o = s->options;
 	const struct { const char *name, *unit; } given[] = { { "--height-unit", o->height_unit },
 		{ "--dbh-unit", o->dbh_unit } };
+	double metres;
 	for (size_t i = 0; i < 2; i++)
-		if (given[i].unit && !is_unit(given[i].unit))
+		if (given[i].unit && !eco_unit_metres(given[i].unit, &metres))
 			return eco_fail(s->error, ECO_BAD_USAGE, "%s %.20s: the units "
 				"are " ECO_UNITS, given[i].name,
 				given[i].unit);
@@ -260,9 +236,9 @@ enum eco_code start_look(struct start *s)
 	code = find_columns(s);
 	if (!code)
 		code = find_place(s);
-	if (!code)
-		code = say_columns(s);
-	if (!code)
-		code = say_place(s);
-	return code ? code : find_sizes(s);
+	if (code)
+		return code;
+	say_columns(s);
+	say_place(s);
+	return find_sizes(s);
 }

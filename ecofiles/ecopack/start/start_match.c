@@ -7,6 +7,7 @@
 
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/text.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/words.h"
 
@@ -109,7 +110,7 @@ static struct start_match best_match(const struct start *s, const char *text)
 
 /* ---- What is said ---- */
 
-static enum eco_code say_tier(struct start *s, enum start_tier tier)
+static void say_tier(struct start *s, enum start_tier tier)
 {
 	static const char *const why[START_TIERS] = { "they share words with the model's name",
 		"the model is of their genus", "no model is of their genus; this one has their form",
@@ -129,11 +130,8 @@ static enum eco_code say_tier(struct start *s, enum start_tier tier)
 			continue;
 		snprintf(took, sizeof took, "%.60s: %u species, %s row%s", model == ECO_NONE ? "left out"
 			: s->models[model].name, kinds, eco_phrase_count(sum, rows), sum == 1 ? "" : "s");
-		enum eco_code code = start_guess(s, "model", took, "\"map\" in the scene", "%s: %s", why[tier], names);
-		if (code)
-			return code;
+		start_guess(s, "model", took, "\"map\" in the scene", "%s: %s", why[tier], names);
 	}
-	return ECO_OK;
 }
 
 /* The much commoner species that a rare one differs from by a letter or two; ECO_NONE: none. */
@@ -149,7 +147,7 @@ static uint32_t nearly_same(const struct start *s, uint32_t rare)
 }
 
 /* A rare species that is nearly a common one stands for it. */
-static enum eco_code say_nearly(struct start *s)
+static void say_nearly(struct start *s)
 {
 	for (uint32_t i = 1; i < s->species.count; i++) {
 		uint32_t common = nearly_same(s, i);
@@ -162,18 +160,15 @@ static enum eco_code say_nearly(struct start *s)
 		s->models[s->matches[i].model].rows += s->species.items[i].rows;
 		snprintf(took, sizeof took, "\"%.60s\" is meant as \"%.60s\"", s->species.items[i].text,
 			s->species.items[common].text);
-		enum eco_code code = start_guess(s, "spelling", took, "\"map\" in the scene", "%llu "
+		start_guess(s, "spelling", took, "\"map\" in the scene", "%llu "
 			"against %llu rows "
 			"(first in line %llu)", (unsigned long long)s->species.items[i].rows,
 			(unsigned long long)s->species.items[common].rows,
 			(unsigned long long)s->species.items[i].first_line);
-		if (code)
-			return code;
 	}
-	return ECO_OK;
 }
 
-static enum eco_code say_spelling(struct start *s)
+static void say_spelling(struct start *s)
 {
 	for (uint32_t i = 0; i < s->species.count; i++) {
 		const struct eco_flora *f = &s->matches[i].flora;
@@ -182,21 +177,18 @@ static enum eco_code say_spelling(struct start *s)
 			continue;
 		snprintf(took, sizeof took, "\"%.60s\" is meant as %s", s->species.items[i].text,
 			f->coded[0] ? f->coded : f->meant);
-		enum eco_code code = f->coded[0]
-			? start_guess(s, "code of a species", took, "\"map\" in the scene", "the first letters of "
-				"both words")
-			: start_guess(s, "spelling", took, "\"map\" in the scene", "\"%s\" is no plant, but "
+		if (f->coded[0])
+			start_guess(s, "code of a species", took, "\"map\" in the scene", "the first letters of both words");
+		else
+			start_guess(s, "spelling", took, "\"map\" in the scene", "\"%s\" is no plant, but "
 				"nearly one (first in line %llu)", f->misspelt,
 				(unsigned long long)s->species.items[i].first_line);
-		if (code)
-			return code;
 	}
-	return ECO_OK;
 }
 
 /* ---- All ---- */
 
-static enum eco_code choose_fallback(struct start *s)
+static void choose_fallback(struct start *s)
 {
 	char took[100];
 	s->fallback = best_match(s, "tree").model;
@@ -205,29 +197,25 @@ static enum eco_code choose_fallback(struct start *s)
 			eco_form_is_tree(s->models[i].flora.form))
 			s->fallback = i;
 	snprintf(took, sizeof took, "%.64s", s->models[s->fallback].name);
-	return start_guess(s, "all other species", took, "\"*\" in the map", "the tree with most rows; "
+	start_guess(s, "all other species", took, "\"*\" in the map", "the tree with most rows; "
 		"rows without a species get it, too");
 }
 
-static enum eco_code one_for_all(struct start *s, const char *why)
+static enum eco_code one_for_all(struct start *s, uint32_t model, const char *change, const char *why)
 {
-	s->fallback = best_match(s, "tree").model;
-	if (s->fallback == ECO_NONE)
-		s->fallback = 0;
-	s->models[s->fallback].rows = s->table.rows;
-	return start_guess(s, "model", s->models[s->fallback].name, "--species-column, --plant", "%s", why);
+	s->fallback = model;
+	s->models[model].rows = s->table.rows;
+	s->columns.of[ECO_ROLE_SPECIES] = ECO_NONE;
+	start_guess(s, "model", s->models[model].name, change, "%s", why);
+	return ECO_OK;
 }
 
 static enum eco_code take_plant(struct start *s)
 {
 	char known[300] = "";
 	for (uint32_t i = 0; i < s->model_count; i++) {
-		if (strcmp(s->models[i].name, s->options->plant) == 0) {
-			s->fallback = i;
-			s->models[i].rows = s->table.rows;
-			s->columns.of[ECO_ROLE_SPECIES] = ECO_NONE;
-			return start_guess(s, "model", s->models[i].name, "--plant", "as you say");
-		}
+		if (strcmp(s->models[i].name, s->options->plant) == 0)
+			return one_for_all(s, i, "--plant", "as you say");
 		eco_phrase_add(known, sizeof known, s->models[i].name);
 	}
 	return eco_fail(s->error, ECO_BAD_INPUT, "--plant %.60s: no such model; there are: "
@@ -255,14 +243,15 @@ enum eco_code start_match_species(struct start *s)
 	if (s->options->plant)
 		return take_plant(s);
 	if (s->model_count == 1 && s->columns.of[ECO_ROLE_SPECIES] == ECO_NONE)
-		return one_for_all(s, "it is the only one");
+		return one_for_all(s, 0, "--species-column, --plant", "it is the only one");
 	if (s->columns.of[ECO_ROLE_SPECIES] == ECO_NONE)
 		return ask_for_species(s);
 	enum eco_code code = eco_table_values_read(&s->species, &s->source,
 		start_column(s, s->columns.of[ECO_ROLE_SPECIES]), s->error);
-	if (!code && !(s->matches = calloc(s->species.count + 1u, sizeof *s->matches)))
-		code = eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
-	for (uint32_t i = 0; i < s->species.count && !code; i++) {
+	if (code)
+		return code;
+	s->matches = main_alloc(s->species.count, sizeof *s->matches);
+	for (uint32_t i = 0; i < s->species.count; i++) {
 		struct start_match *match = &s->matches[i];
 		*match = (struct start_match){ .model = ECO_NONE, .tier = START_TIERS };
 		if (eco_text_is_missing(s->species.items[i].text))
@@ -272,11 +261,10 @@ enum eco_code start_match_species(struct start *s)
 			continue;
 		s->models[match->model].rows += s->species.items[i].rows;
 	}
-	if (!code)
-		code = say_nearly(s);
-	for (int tier = 0; tier < START_TIERS && !code; tier++)
-		code = say_tier(s, (enum start_tier)tier);
-	if (!code)
-		code = say_spelling(s);
-	return code ? code : choose_fallback(s);
+	say_nearly(s);
+	for (int tier = 0; tier < START_TIERS; tier++)
+		say_tier(s, (enum start_tier)tier);
+	say_spelling(s);
+	choose_fallback(s);
+	return ECO_OK;
 }

@@ -10,7 +10,6 @@
 #include <sys/stat.h>
 
 #include "ecofiles/base/text.h"
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_parts.h"
@@ -48,14 +47,10 @@ struct files { struct file *file; uint32_t count, capacity; size_t above; };
 
 static enum eco_code add_file(struct start *s, struct files *files, char *path, off_t bytes)
 {
-	if (path && files->count < FILES_MAX && eco_array_grow(&files->file, &files->capacity, files->count,
-			sizeof *files->file)) {
-		files->file[files->count++] = (struct file){ .path = path, .bytes = bytes };
-		return ECO_OK;
-	}
-	free(path);
-	return files->count == FILES_MAX ? eco_fail(s->error, ECO_TOO_LARGE, "%.300s: more than %u models",
-		s->options->models, FILES_MAX) : eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+	main_grow(&files->file, &files->capacity, files->count, sizeof *files->file);
+	files->file[files->count++] = (struct file){ .path = path, .bytes = bytes };
+	return files->count <= FILES_MAX ? ECO_OK : eco_fail(s->error, ECO_TOO_LARGE,
+		"%.300s: more than %u models", s->options->models, FILES_MAX);
 }
 
 static enum eco_code walk(struct start *s, struct files *files, const char *folder, unsigned depth)
@@ -72,20 +67,15 @@ static enum eco_code walk(struct start *s, struct files *files, const char *fold
 		struct stat file;
 		if (entry->d_name[0] == '.')
 			continue;
-		if (asprintf(&path, "%s/%s", folder, entry->d_name) < 0) {
-			code = eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
-			break;
-		}
-		if (stat(path, &file) != 0 || (!S_ISREG(file.st_mode) && !S_ISDIR(file.st_mode))) {
-			free(path);
-		} else if (S_ISDIR(file.st_mode)) {
-			code = depth < DEPTH_MAX ? walk(s, files, path, depth + 1) : ECO_OK;
-			free(path);
-		} else if (format_of(path) < FORMATS) {
+		path = start_text("%s/%s", folder, entry->d_name);
+		bool there = stat(path, &file) == 0;
+		if (there && S_ISREG(file.st_mode) && format_of(path) < FORMATS) {
 			code = add_file(s, files, path, file.st_size);
-		} else {
-			free(path);
+			continue;
 		}
+		if (there && S_ISDIR(file.st_mode) && depth < DEPTH_MAX)
+			code = walk(s, files, path, depth + 1);
+		free(path);
 	}
 	closedir(open);
 	return code;
@@ -130,13 +120,12 @@ static char *name_of(const char *path, size_t above, bool both)
 	const char *stem = eco_path_last(path), *dot = strrchr(stem, '.'), *from;
 	size_t bytes = dot && dot != stem ? (size_t)(dot - stem) : strlen(stem), more;
 	bool nothing = says_nothing(stem, bytes);
-	char *name = NULL;
 	from = folder_of(path, above, &more);
 	if (more == 0 || (!nothing && !both))
-		return strndup(stem, bytes);
+		return start_text("%.*s", (int)bytes, stem);
 	if (nothing)
-		return strndup(from, more);
-	return asprintf(&name, "%.*s %.*s", (int)more, from, (int)bytes, stem) < 0 ? NULL : name;
+		return start_text("%.*s", (int)more, from);
+	return start_text("%.*s %.*s", (int)more, from, (int)bytes, stem);
 }
 
 static int by_name(const void *a, const void *b)
@@ -152,32 +141,27 @@ static bool differ(const struct file *a, const struct file *b)
 	return format_of(a->path) == format_of(b->path) && a->bytes != b->bytes;
 }
 
-static bool name_file(struct file *f, size_t above, bool both)
+static void name_file(struct file *f, size_t above, bool both)
 {
 	free(f->name);
 	f->name = name_of(f->path, above, both);
-	return f->name != NULL;
 }
 
 /* Names all files and sorts them. Different models of one name are named after their folders, too. */
-static bool name_files(struct files *files)
+static void name_files(struct files *files)
 {
 	struct file *f = files->file;
-	bool good = true;
 	for (uint32_t i = 0; i < files->count; i++)
-		if (!name_file(&f[i], files->above, false))
-			return false;
+		name_file(&f[i], files->above, false);
 	qsort(f, files->count, sizeof *f, by_name);
 	for (uint32_t first = 0, end; first < files->count; first = end) {
 		bool several = false;
 		for (end = first + 1; end < files->count && strcmp(f[end].name, f[first].name) == 0; end++)
 			several |= differ(&f[end - 1], &f[end]);
 		for (uint32_t i = first; several && i < end; i++)
-			good &= name_file(&f[i], files->above, true);
+			name_file(&f[i], files->above, true);
 	}
-	if (good)
-		qsort(f, files->count, sizeof *f, by_name);
-	return good;
+	qsort(f, files->count, sizeof *f, by_name);
 }
 
 /* ---- Plants ---- */
@@ -211,27 +195,23 @@ static bool name_is_taken(const struct start *s, const char *name)
 	return false;
 }
 
-static enum eco_code add_model(struct start *s, const char *path, const char *base, size_t bytes)
+static void add_model(struct start *s, const char *path, const char *base, size_t bytes)
 {
-	struct start_model *m;
-	if (!eco_array_grow(&s->models, &s->model_capacity, s->model_count, sizeof *s->models))
-		return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
-	m = &s->models[s->model_count];
+	main_grow(&s->models, &s->model_capacity, s->model_count, sizeof *s->models);
+	struct start_model *m = &s->models[s->model_count];
 	*m = (struct start_model){ .height_m = 0 };
 	snprintf(m->name, sizeof m->name, "%.*s", (int)(bytes < 56 ? bytes : 56), base);
 	for (unsigned n = 2; name_is_taken(s, m->name); n++)
 		snprintf(m->name, sizeof m->name, "%.*s %u", (int)(bytes < 56 ? bytes : 56), base, n);
 	set_words(m, m->name);
-	m->paths = calloc(VARIANTS_MAX, sizeof *m->paths);
-	if (!m->paths || !(m->paths[0] = strdup(path)))
-		return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+	m->paths = main_alloc(VARIANTS_MAX, sizeof *m->paths);
+	m->paths[0] = start_text("%s", path);
 	m->path_count = 1;
 	s->model_count++;
-	return ECO_OK;
 }
 
 /* Files of one name in several formats are one; names that differ by a number alone are variants. */
-static enum eco_code group(struct start *s, const struct files *files)
+static void group(struct start *s, const struct files *files)
 {
 	size_t before_base = 0;
 	const char *before = "";
@@ -250,19 +230,13 @@ static enum eco_code group(struct start *s, const struct files *files)
 			continue;
 		}
 		if (alike && last->path_count < VARIANTS_MAX) {
-			if (!(last->paths[last->path_count] = strdup(path)))
-				return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+			last->paths[last->path_count++] = start_text("%s", path);
 			snprintf(last->name, sizeof last->name, "%.*s", (int)(base < 56 ? base : 56), stem);
-			last->path_count++;
-		} else {
-			enum eco_code code = add_model(s, path, stem, bytes);
-			if (code)
-				return code;
-		}
+		} else
+			add_model(s, path, stem, bytes);
 		before = stem;
 		before_base = base;
 	}
-	return ECO_OK;
 }
 
 /* Bytes of a path before its folder's name; a file's is the one that it lies in. */
@@ -286,16 +260,16 @@ enum eco_code start_models_find(struct start *s)
 	struct stat folder;
 	enum eco_code code;
 	if (stat(s->options->models, &folder) == 0 && S_ISREG(folder.st_mode))
-		code = add_file(s, &files, strdup(s->options->models), folder.st_size);
+		code = add_file(s, &files, start_text("%s", s->options->models), folder.st_size);
 	else
 		code = walk(s, &files, s->options->models, 0);
 	if (!code && files.count == 0)
 		code = eco_fail(s->error, ECO_NOT_FOUND, "%.200s: no model in it: " START_FORMATS,
 			s->options->models);
-	if (!code && !name_files(&files))
-		code = eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
-	if (!code)
-		code = group(s, &files);
+	if (!code) {
+		name_files(&files);
+		group(s, &files);
+	}
 	for (uint32_t i = 0; i < files.count; i++) {
 		free(files.file[i].path);
 		free(files.file[i].name);
@@ -311,7 +285,7 @@ enum eco_code start_models_find(struct start *s)
 
 /* A model whose own height no such plant has gets a usual one; so does a tree of a few units, which are often
  * none of length. Variants of usual heights keep their own. */
-static enum eco_code settle_height(struct start *s, struct start_model *m, const struct eco_model *model)
+static void settle_height(struct start *s, struct start_model *m, const struct eco_model *model)
 {
 	struct eco_form_size usual = eco_form_size(m->flora.form);
 	char took[100], change[64];
@@ -320,7 +294,7 @@ static enum eco_code settle_height(struct start *s, struct start_model *m, const
 	double least_m = guessed ? usual.typical_m / 3 : usual.least_m;
 	bool odd = m->height_m < least_m || m->height_m > usual.most_m;
 	if (!odd && !guessed)
-		return ECO_OK;
+		return;
 	m->height_is_ours = odd || m->path_count == 1;
 	double own = m->height_m;
 	if (odd)
@@ -328,12 +302,13 @@ static enum eco_code settle_height(struct start *s, struct start_model *m, const
 	snprintf(took, sizeof took, "%.40s is %.3g m high", m->name, m->height_m);
 	snprintf(change, sizeof change, "its \"height_m\" in the scene");
 	if (odd)
-		return start_guess(s, "size of a model", took, change, "its file says %.4g %s, where a %s "
+		start_guess(s, "size of a model", took, change, "its file says %.4g %s, where a %s "
 			"has %.3g to "
 			"%.3g m", guessed ? own / model->scale : own, guessed ? "without a unit" : "m",
 			eco_form_names[m->flora.form], least_m, usual.most_m);
-	return start_guess(s, "size of a model", took, change, "its file has no unit; metres, centimetres or "
-		"millimetres by its height");
+	else
+		start_guess(s, "size of a model", took, change, "its file has no unit; metres, centimetres or "
+			"millimetres by its height");
 }
 
 static enum eco_code read_model(struct start *s, struct eco_model *model,
@@ -373,17 +348,18 @@ static enum eco_code see(struct start *s, struct start_model *m, struct eco_mode
 		return code;
 	if (model->source.up_how == ECO_HOW_CONVENTION) {
 		snprintf(took, sizeof took, "in %.40s %s points up", m->name, eco_up_name(model->source.up));
-		return start_guess(s, "stand of a model", took, "its \"up\" in the scene", "its file does not say "
+		start_guess(s, "stand of a model", took, "its \"up\" in the scene", "its file does not say "
 			"so, its shape hardly tells, and that is usual for %.40s", model->source.format);
+		return ECO_OK;
 	}
 	if (model->source.up_by_shape == ECO_UP_FOUND)
 		return ECO_OK;
 	m->up = options.up = model->source.up_by_shape;
 	snprintf(took, sizeof took, "in %.40s %s points up", m->name, eco_up_name(m->up));
-	code = start_guess(s, "stand of a model", took, "its \"up\" in the scene", "so it stands by its shape; "
+	start_guess(s, "stand of a model", took, "its \"up\" in the scene", "so it stands by its shape; "
 		"as its format says, with %s up, it would lie", eco_up_name(model->source.up));
 	eco_model_free(model);
-	return code ? code : eco_model_import(model, &options, s->error);
+	return eco_model_import(model, &options, s->error);
 }
 
 enum eco_code start_models_see(struct start *s)
@@ -394,11 +370,10 @@ enum eco_code start_models_see(struct start *s)
 		struct eco_model model = { 0 };
 		if (m->rows == 0 && i != s->fallback)
 			continue;
-		if (!main_progress("looking at models", m->name, (double)i / s->model_count))
-			return eco_fail(s->error, ECO_INTERRUPTED, "interrupted");
+		main_progress("looking at models", m->name, (double)i / s->model_count);
 		code = see(s, m, &model);
 		if (!code)
-			code = settle_height(s, m, &model);
+			settle_height(s, m, &model);
 		eco_model_free(&model);
 	}
 	main_progress_end();

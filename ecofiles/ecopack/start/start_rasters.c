@@ -6,13 +6,13 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/model/import_file.h"
 
 static enum eco_code read_extent(struct start *s, const char *path, struct eco_raster_extent **extent)
 {
-	*extent = malloc(sizeof **extent);
-	return *extent ? eco_raster_extent(path, *extent, s->error)
-		: eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+	*extent = main_alloc(1, sizeof **extent);
+	return eco_raster_extent(path, *extent, s->error);
 }
 
 static enum eco_code keep(struct start *s, struct start_raster *raster, const char *path,
@@ -40,8 +40,9 @@ static enum eco_code sort_raster(struct start *s, const char *path)
 		free(extent);
 		return code;
 	}
-	return start_guess(s, extent->kind == ECO_RASTER_HEIGHTS ? "terrain" : "picture", path,
-		"--dem, --image", "%s", extent->bands);
+	start_guess(s, extent->kind == ECO_RASTER_HEIGHTS ? "terrain" : "picture", path, "--dem, --image", "%s",
+		extent->bands);
+	return ECO_OK;
 }
 
 enum eco_code start_rasters(struct start *s)
@@ -63,9 +64,9 @@ enum eco_code start_rasters(struct start *s)
 enum eco_code start_told_raster(struct start *s, enum eco_code code)
 {
 	static const char *const text[] = { "csv", "tsv", "txt" };
-	struct eco_raster_extent *extent = malloc(sizeof *extent);
+	struct eco_raster_extent *extent = main_alloc(1, sizeof *extent);
 	struct eco_error own = { .code = ECO_OK };
-	bool raster = extent && code == ECO_BAD_INPUT;
+	bool raster = code == ECO_BAD_INPUT;
 	for (size_t i = 0; i < sizeof text / sizeof *text && raster; i++)
 		raster = !eco_path_ends_with(s->options->table, text[i]);
 	if (raster && !eco_raster_extent(s->options->table, extent, &own)) {
@@ -86,7 +87,8 @@ enum eco_code start_image_crs(struct start *s)
 		return ECO_OK;
 	if (s->options->image_crs) {
 		s->image.crs = s->options->image_crs;
-		return start_guess(s, "crs of the picture", s->image.crs, "--image-crs", "as you say");
+		start_guess(s, "crs of the picture", s->image.crs, "--image-crs", "as you say");
+		return ECO_OK;
 	}
 	if (p->scene_crs[0] == 0)
 		return ECO_OK;           /* plain metres, as the scene */
@@ -97,8 +99,9 @@ enum eco_code start_image_crs(struct start *s)
 				"--image-crs EPSG:...", s->image.path, p->scene_crs, e->low[0], e->low[1], e->high[0],
 				e->high[1]);
 	s->image.crs = p->scene_crs;
-	return start_guess(s, "crs of the picture", s->image.crs, "--image-crs", "its file says none, and in the "
+	start_guess(s, "crs of the picture", s->image.crs, "--image-crs", "its file says none, and in the "
 		"scene's the plants' middle lies on it");
+	return ECO_OK;
 }
 
 /* ---- Order of arguments ---- */
@@ -125,62 +128,15 @@ static enum kind kind_of(const char *path)
 	return TABLE;
 }
 
-static const char *name_of(enum kind kind)
+enum eco_code start_check_order(char **names, struct eco_error *error)
 {
-	return kind == FOLDER    ? "a folder"
-		: kind == RASTER ? "a raster"
-		: kind == TABLE  ? "a table"
-				 : "a model";
-}
-
-static bool is_models(enum kind kind)
-{
-	return kind == FOLDER || kind == MODEL;
-}
-
-/* The first argument that can be models (folders before files), or a table but for `other`; `count`: none. */
-static uint32_t find(char **names, uint32_t count, bool models, uint32_t other)
-{
-	for (enum kind wanted = ABSENT + 1; wanted <= TABLE; wanted++)
-		for (uint32_t i = 0; i < count; i++)
-			if (i != other && kind_of(names[i]) == wanted &&
-				(models ? is_models(wanted) : wanted == TABLE))
-				return i;
-	return count;
-}
-
-/* "TREES MODELS RASTER..." of arguments in any order. */
-static void put_in_order(char **names, uint32_t count, uint32_t table, uint32_t models, char *text,
-	size_t size)
-{
-	int used = snprintf(text, size, "%.100s %.100s", names[table], names[models]);
-	for (uint32_t i = 0; i < count; i++)
-		if (i != table && i != models)
-			used += snprintf(text + used, size - (size_t)used, " %.60s", names[i]);
-}
-
-enum eco_code start_check_order(char **names, uint32_t count, struct eco_error *error)
-{
-	const enum kind trees = kind_of(names[0]), models = kind_of(names[1]);
-	char order[360];
+	static const char *const says[] = { "absent", "a folder", "a model", "a raster", "a table" };
+	enum kind trees = kind_of(names[0]), models = kind_of(names[1]);
 	bool trees_bad = trees == FOLDER || trees == MODEL;
-	if (!trees_bad && (trees == ABSENT || models == ABSENT || is_models(models)))
+	bool models_bad = trees != ABSENT && (models == RASTER || models == TABLE);
+	if (!trees_bad && !models_bad)
 		return ECO_OK;
-	uint32_t folder = find(names, count, true, count), table = find(names, count, false, folder);
-	if (folder < count && table < count && (table != 0 || folder != 1)) {
-		put_in_order(names, count, table, folder, order, sizeof order);
-		return eco_fail(error, ECO_BAD_INPUT,
-			"the order is TREES MODELS [RASTER...], and TREES here is %s, MODELS "
-			"%s: is ecopack start %s meant?",
-			name_of(trees), name_of(models), order);
-	}
-	if (trees_bad)
-		return eco_fail(error, ECO_BAD_INPUT,
-			"TREES, %.250s, is %s: the first argument is the table of plants, a "
-			"file such as trees.csv",
-			names[0], name_of(trees));
-	return eco_fail(error, ECO_BAD_INPUT,
-		"MODELS, %.250s, is neither a folder nor a model by its ending: " START_FORMATS
-		"; export others as GLB",
-		names[1]);
+	return eco_fail(error, ECO_BAD_INPUT, "the order is TREES MODELS [RASTER...], and TREES, %.250s, is %s, MODELS, "
+		"%.250s, %s: the first is the table of plants, such as trees.csv, the second a folder or a model ("
+		START_FORMATS ")", names[0], says[trees], names[1], says[models]);
 }

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/json_read.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/scene/scene.h"
@@ -22,7 +21,7 @@ static double round_to(double value, double step) { return round(value / step) *
 static json_t *path_json(const struct start *s, const char *path)
 {
 	char *seen = start_path(s, path);
-	json_t *text = seen ? json_string(seen) : NULL;
+	json_t *text = json_string(seen);
 	free(seen);
 	return text;
 }
@@ -108,27 +107,24 @@ static double metres(const char *unit)
 	return metres;
 }
 
-static enum eco_code say_heights(struct start *s)
+static void say_heights(struct start *s)
 {
 	char took[120];
-	enum eco_code code = ECO_OK;
 	if (s->trunk.column != ECO_NONE) {
 		snprintf(took, sizeof took, "from the trunk: 1.3 + (%g - 1.3) (1 - exp(-%g mm))", TALLEST_M,
 			RATE_PER_MM);
-		code = start_guess(s, s->height.column == ECO_NONE ? "heights" : "other heights", took,
+		start_guess(s, s->height.column == ECO_NONE ? "heights" : "other heights", took,
 			"\"height_m\" in the scene", "a usual curve of city trees, %g m at most, shrubs and "
 			"herbs as high as they grow; \"per_plant\" gives each kind its own", TALLEST_M);
 	}
 	s->height_m = s->height.column != ECO_NONE ? s->height.median * metres(s->height.unit.unit) : 0;
-	if (!code && s->height.column != ECO_NONE) {
+	if (s->height.column != ECO_NONE) {
 		snprintf(took, sizeof took, "%.3g m", s->height_m);
-		code = start_guess(s, "without a size", took, "\"height_m\" in the scene", "the middle of "
+		start_guess(s, "without a size", took, "\"height_m\" in the scene", "the middle of "
 			"the heights that are known");
-	} else if (!code && s->trunk.column == ECO_NONE) {
-		code = start_guess(s, "heights", "the models' own", "--height-column, --dbh-column", "no "
+	} else if (s->trunk.column == ECO_NONE)
+		start_guess(s, "heights", "the models' own", "--height-column, --dbh-column", "no "
 			"column of heights or trunks was found");
-	}
-	return code;
 }
 
 /* The curve of trees, ending at what a lower form of growth reaches; NULL: all models are trees. */
@@ -239,12 +235,10 @@ void start_name(const char *folder, char name[64])
 	free(real);
 }
 
-enum eco_code start_scene(struct start *s)
+void start_scene(struct start *s)
 {
 	char name[64];
-	enum eco_code code = say_heights(s);
-	if (code)
-		return code;
+	say_heights(s);
 	start_name(s->options->folder, name);
 	json_t *scene = json_object();
 	set_text(scene, "name", name);
@@ -257,5 +251,4 @@ enum eco_code start_scene(struct start *s)
 	json_object_set_new(scene, "instances", json_pack("[o]", entry_json(s)));
 	s->scene = json_dumps(scene, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
 	json_decref(scene);
-	return s->scene && !eco_json_lost() ? ECO_OK : eco_fail(s->error, ECO_NO_MEMORY, "no memory for the scene");
 }

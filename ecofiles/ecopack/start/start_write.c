@@ -29,38 +29,42 @@ struct writing {
 
 char *start_path(const struct start *s, const char *path)
 {
-	char *from = realpath(s->options->folder, NULL), *to = realpath(path, NULL), *seen = NULL;
+	char *from = realpath(s->options->folder, NULL), *to = realpath(path, NULL);
 	size_t same = 0, ups = 0;
-	if (from && to) {
-		for (size_t i = 0; from[i] == to[i] && to[i] != 0; i++)
-			if (to[i] == '/')
-				same = i + 1;
-		size_t length = strlen(from);
-		if (strncmp(from, to, length) == 0 && to[length] == '/')
-			same = length + 1;       /* it lies within the folder */
-		for (size_t i = same; i < length; i++)
-			ups += from[i] == '/';
-		ups += same < length;
-		seen = malloc(3 * ups + strlen(to + same) + 1);
-	}
-	if (seen) {
-		for (size_t i = 0; i < ups; i++)
-			memcpy(seen + 3 * i, "../", 3);
-		strcpy(seen + 3 * ups, to + same);
-	}
+	if (!from || !to)
+		main_end("a folder of the scene has gone");
+	for (size_t i = 0; from[i] == to[i] && to[i] != 0; i++)
+		if (to[i] == '/')
+			same = i + 1;
+	size_t length = strlen(from);
+	if (strncmp(from, to, length) == 0 && to[length] == '/')
+		same = length + 1;               /* it lies within the folder */
+	for (size_t i = same; i < length; i++)
+		ups += from[i] == '/';
+	ups += same < length;
+	char *seen = main_alloc(3 * ups + strlen(to + same) + 1, 1);
+	for (size_t i = 0; i < ups; i++)
+		strcat(seen, "../");
+	strcat(seen, to + same);
 	free(from);
 	free(to);
 	return seen;
 }
 
-static enum eco_code name_files(struct writing *w)
+static void name_files(struct writing *w)
 {
 	const char *folder = w->start->options->folder;
+	for (int i = 0; i < FILES; i++) {
+		w->path[i] = start_text("%s/%s", folder, names[i]);
+		w->beside[i] = start_text("%s/%s.start-%ld", folder, names[i], (long)getpid());
+	}
+}
+
+static void remove_unfinished(void *writing)
+{
+	struct writing *w = writing;
 	for (int i = 0; i < FILES; i++)
-		if (asprintf(&w->path[i], "%s/%s", folder, names[i]) < 0 ||
-			asprintf(&w->beside[i], "%s/%s.start-%ld", folder, names[i], (long)getpid()) < 0)
-			return eco_fail(w->start->error, ECO_NO_MEMORY, "out of memory");
-	return ECO_OK;
+		unlink(w->beside[i]);
 }
 
 /* ---- The camera ---- */
@@ -101,37 +105,30 @@ static uint32_t count_around(double (*points)[2], uint32_t count, const double a
 
 /* The medians of x and y; where they lie beside the plants, as in a river, the square that holds the most, or
  * half as many and nearer. */
-static bool find_crowd(const struct map *m, double at[2])
+static void find_crowd(const struct map *m, double at[2])
 {
 	uint32_t n = m->points.count;
-	double *sorted = malloc(n * sizeof *sorted), (*points)[2] = malloc(n * sizeof *points);
-	struct eco_cluster *crowds = malloc(n * sizeof *crowds);
-	bool made = sorted && points && crowds;
-	for (int k = 0; k < 2 && made; k++) {
+	double *sorted = main_alloc(n, sizeof *sorted), (*points)[2] = main_alloc(n, sizeof *points);
+	struct eco_cluster *crowds = main_alloc(n, sizeof *crowds);
+	for (int k = 0; k < 2; k++) {
 		for (uint32_t i = 0; i < n; i++)
 			sorted[i] = points[i][k] = (double)(k ? m->points.items[i].y : m->points.items[i].x);
 		qsort(sorted, n, sizeof *sorted, compare);
 		at[k] = sorted[n / 2];
 	}
-	if (made) {
-		const struct eco_cluster *near = eco_cluster_near(crowds,
-			eco_clusters_find(points, n, SQUARE_M, crowds), at);
-		if (count_around(points, n, at) < near->count)
-			memcpy(at, near->middle, sizeof near->middle);
-	}
+	const struct eco_cluster *near = eco_cluster_near(crowds, eco_clusters_find(points, n, SQUARE_M, crowds), at);
+	if (count_around(points, n, at) < near->count)
+		memcpy(at, near->middle, sizeof near->middle);
 	free(sorted);
 	free(points);
 	free(crowds);
-	return made;
 }
 
 /* The plant nearest to `at`, and the distance within which SEEN others stand. */
-static bool find_middle(const struct map *m, double at[2], double *reach)
+static void find_middle(const struct map *m, double at[2], double *reach)
 {
 	uint32_t n = m->points.count, middle = 0;
-	double *away = malloc(n * sizeof *away), nearest = INFINITY;
-	if (!away)
-		return false;
+	double *away = main_alloc(n, sizeof *away), nearest = INFINITY;
 	for (uint32_t i = 0; i < n; i++) {
 		double distance = hypot((double)m->points.items[i].x - at[0], (double)m->points.items[i].y - at[1]);
 		if (distance < nearest) {
@@ -146,7 +143,6 @@ static bool find_middle(const struct map *m, double at[2], double *reach)
 	qsort(away, n, sizeof *away, compare);
 	*reach = fmin(away[n > SEEN ? SEEN : n - 1], SQUARE_M / 2);
 	free(away);
-	return true;
 }
 
 /* The least height of an eye there that clears plants, and the ground on the way to the target. */
@@ -186,11 +182,10 @@ static double tall_m(const struct map *m)
 static enum eco_code start_camera(const struct map *map, char **text, struct eco_error *error)
 {
 	double middle[2] = { 0, 0 }, reach = 0, tall = tall_m(map);
-	*text = NULL;
 	if (map->points.count == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "no plant is left to look at");
-	if (!find_crowd(map, middle) || !find_middle(map, middle, &reach))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the camera");
+	find_crowd(map, middle);
+	find_middle(map, middle, &reach);
 	double away = fmin(fmax(reach + 2 * tall, 3 * tall), FAR_M - 1);
 	double target[3] = { middle[0], middle[1], ground_at(map, middle[0], middle[1]) + tall / 2 },
 		eye[3] = { middle[0], middle[1] - away };
@@ -199,13 +194,11 @@ static enum eco_code start_camera(const struct map *map, char **text, struct eco
 		eye[1] = middle[1] - away;
 		eye[2] = fmax(target[2] + away / 4, least_height(map, eye, target));
 	}
-	if (asprintf(text, "{\"fps\": 1, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [%.2f, %.2f, %.2f], "
+	*text = start_text("{\"fps\": 1, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [%.2f, %.2f, %.2f], "
 		"\"target\": [%.2f, %.2f, %.2f], \"fov_y_deg\": "
 			"%g}]}\n", eye[0], eye[1], eye[2], target[0], target[1],
-			target[2], FIELD_DEG) >= 0)
-		return ECO_OK;
-	*text = NULL;
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for the camera");
+			target[2], FIELD_DEG);
+	return ECO_OK;
 }
 
 /* ---- Content ---- */
@@ -246,17 +239,17 @@ static enum eco_code give_names(struct writing *w)
 enum eco_code start_write(struct start *s)
 {
 	struct writing w = { .start = s };
-	enum eco_code code = name_files(&w);
-	if (!code)
-		code = write_all(&w);
+	name_files(&w);
+	main_at_end(remove_unfinished, &w);
+	enum eco_code code = write_all(&w);
+	main_at_end(NULL, NULL);
 	if (!code)
 		code = give_names(&w);
 	if (!code && w.map.off_ground > 0)
 		main_note("%s: %llu of %llu plants stand beyond its border", s->dem.path,
 			(unsigned long long)w.map.off_ground, (unsigned long long)w.map.total);
+	remove_unfinished(&w);
 	for (int i = 0; i < FILES; i++) {
-		if (w.beside[i])
-			unlink(w.beside[i]);
 		free(w.beside[i]);
 		free(w.path[i]);
 	}
