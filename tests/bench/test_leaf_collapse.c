@@ -191,7 +191,7 @@ UNIT_TEST(sectors_and_tiles_show_the_whole_crown)
 	assert_int_equal(setjmp(arena.failed), 0);
 	foliage_random(&foliage, &(struct foliage_random){ 2000, 4, 3, 0.25, 21 }, &arena);
 	lod_collapse_sectors_make(&sectors, 5, &foliage, NULL, &arena);
-	const struct lod_fan shape = lod_foliage_fan(&foliage, 0, NULL);
+	const struct lod_fan shape = lod_foliage_fan(&foliage, 0);
 	lod_collapse_atlas_make(&atlas, sectors.forest, 5, &shape, (const uint8_t[3]){ 76, 110, 40 }, &arena);
 	for (uint32_t s = 0; s < 5; s++) {
 		const struct lod_collapse *forest = &sectors.forest[s];

@@ -124,7 +124,7 @@ static void grow(struct study *s, struct crown *c, uint32_t sectors)
 		count_vertices(c, k, f, arena);
 	}
 	uint32_t leaf = median_leaf(f, arena);
-	const struct lod_fan shape = lod_foliage_fan(f, leaf, f->mask ? f->mask[leaf] : NULL);
+	const struct lod_fan shape = lod_foliage_fan(f, leaf);
 	lod_collapse_atlas_make(&c->atlas, c->sectors.forest, sectors, &shape, leaf_rgb, arena);
 	f->first = grown(arena, f->first, n + 1, n + quads + 1, sizeof *f->first);
 	f->triangle_first = grown(arena, f->triangle_first, n + 1, n + quads + 1, sizeof *f->triangle_first);
