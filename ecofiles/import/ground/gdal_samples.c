@@ -2,8 +2,10 @@
  * own averaging rounds to the file's number type and does not skip absurd values, and pictures read as
  * pictures would be stretched to 0..1.
  *
- * A hole may have no mark. A value is taken for "no height" if it lies further from all other values than these
- * lie from each other (-32768, 3.4e38, 65535, or 0 below a mountain). */
+ * A hole may have no mark. A value is taken for "no height" in two cases. Either it lies further from all
+ * other values than these lie from each other, and many steps away (-32768, 3.4e38, 65535). Or it is one
+ * that programs write (0, -9999, ...), and nearly everywhere it meets another value, the step is many
+ * times that between usual neighbours. A sea at 0 passes, because its shores are gentle somewhere. */
 #include "ecofiles/import/ground/gdal_ground.h"
 
 #include <cpl_error.h>
@@ -144,9 +146,30 @@ static bool rows_read(struct rows *rows, int y)
 
 /* ---- Holes without a mark ---- */
 
+static const double suspects[] = { 0, -1, -99, -999, -9999, -99999, -32768, -32767, 32767, 65535, 9999,
+	99999 };
+#define SUSPECTS (sizeof suspects / sizeof *suspects)
 #define SPAN 4                       /* distinct values kept at either end */
+#define STEEP 16.0                   /* steep: this many times the usual step between neighbours */
+#define BUCKETS 256
 
-struct ends { double low[SPAN], high[SPAN]; int lows, highs; };      /* the most extreme first */
+struct census {
+	/* steps: by binary logarithm */
+	struct { uint64_t samples, borders, steps[BUCKETS]; double sum; } suspect[SUSPECTS];
+	double lowest[SPAN], highest[SPAN];      /* distinct, the most extreme first */
+	int lowest_count, highest_count;
+	double steps_sum;
+	uint64_t steps, samples;
+	double first, last;              /* lowest and highest metres that count so far */
+};
+
+static int suspect_of(double raw)
+{
+	for (size_t i = 0; i < SUSPECTS; i++)
+		if (raw == suspects[i])
+			return (int)i;
+	return -1;
+}
 
 static void keep_extreme(double *kept, int *count, double v, double sign)
 {
@@ -161,50 +184,139 @@ static void keep_extreme(double *kept, int *count, double v, double sign)
 	kept[at] = v;
 }
 
-static bool find_ends(struct ends *e, struct rows *rows, const struct meaning *m)
+static int bucket_of(double step)
 {
-	for (int y = 0; y < rows->raster->rows; y++) {
-		if (!rows_read(rows, y))
-			return false;
-		for (int x = 0; x < rows->raster->columns; x++)
-			if (rows->there[x] && isfinite(rows->raw[x]) && !is_hole(m, rows->raw[x])) {
-				keep_extreme(e->low, &e->lows, rows->raw[x], 1);
-				keep_extreme(e->high, &e->highs, rows->raw[x], -1);
-			}
+	int exponent = 0;
+	frexp(step, &exponent);
+	return exponent < -BUCKETS / 2 ? 0 : exponent >= BUCKETS / 2 ? BUCKETS - 1 : exponent + BUCKETS / 2;
+}
+
+/* Counts the step between two neighbours that may both be heights. */
+static void count_step(struct census *c, double a, double b)
+{
+	int x = suspect_of(a), y = suspect_of(b);
+	double step = fabs(a - b);
+	if (x < 0 && y < 0) {
+		c->steps_sum += step;
+		c->steps++;
+		return;
 	}
-	return true;
+	if (x >= 0 && y >= 0)
+		return;
+	x = x >= 0 ? x : y;
+	c->suspect[x].borders++;
+	c->suspect[x].sum += step;
+	c->suspect[x].steps[bucket_of(step)]++;
 }
 
-/* Whether the value at one end is further from the next one than that is from the other end. */
-static bool lies_beyond(const double *kept, int count, double other_end)
+static bool take_census(struct census *c, struct rows *rows, const struct meaning *m)
 {
-	return count > 1 && other_end != kept[1] && fabs(kept[1] - kept[0]) > fabs(other_end - kept[1]);
+	int columns = rows->raster->columns;
+	double *above = malloc((size_t)columns * sizeof *above);
+	bool good = above != NULL;
+	for (int x = 0; good && x < columns; x++)
+		above[x] = NAN;
+	for (int y = 0; good && y < rows->raster->rows; y++) {
+		good = rows_read(rows, y);
+		for (int x = 0; good && x < columns; x++) {
+			double v = rows->there[x] && isfinite(rows->raw[x]) && !is_hole(m, rows->raw[x])
+				? rows->raw[x] : NAN;
+			int s = suspect_of(v);
+			if (!isnan(v)) {
+				c->samples++;
+				keep_extreme(c->lowest, &c->lowest_count, v, 1);
+				keep_extreme(c->highest, &c->highest_count, v, -1);
+				if (s >= 0)
+					c->suspect[s].samples++;
+				if (x > 0 && rows->there[x - 1] && isfinite(rows->raw[x - 1])
+						&& !is_hole(m, rows->raw[x - 1]))
+					count_step(c, rows->raw[x - 1], v);
+				if (!isnan(above[x]))
+					count_step(c, above[x], v);
+			}
+			above[x] = v;
+		}
+	}
+	free(above);
+	return good;
 }
 
-/* Drops the most extreme value from its end of the raster. */
-static double drop_first(double *kept, int *count)
+/* Whether a value that programs write is steep wherever it meets terrain. */
+static bool stands_out(const struct census *c, size_t s)
 {
-	double value = kept[0];
-	memmove(kept, kept + 1, (size_t)--*count * sizeof *kept);
-	return value;
+	double usual = c->steps > 0 ? c->steps_sum / (double)c->steps : 0;
+	uint64_t gentle = 0;
+	int limit = bucket_of(STEEP / 4 * usual);
+	if (c->suspect[s].samples == 0 || c->suspect[s].borders == 0 || c->steps == 0 || usual <= 0)
+		return false;
+	for (int i = 0; i < limit; i++)
+		gentle += c->suspect[s].steps[i];
+	return c->suspect[s].sum > STEEP * usual * (double)c->suspect[s].borders
+		&& gentle * 50 <= c->suspect[s].borders;
+}
+
+/* Finds the most extreme value not yet dropped, if it is further from the next one than that is from the
+ * other end, and many steps away. */
+static bool lies_beyond(const struct meaning *m, const struct census *c, const double *kept, int count,
+	double other_end, double *value)
+{
+	double usual = c->steps > 0 ? c->steps_sum / (double)c->steps : 0;
+	int at = 0, next;
+	while (at < count && is_hole(m, kept[at]))
+		at++;
+	next = at + 1;
+	while (next < count && is_hole(m, kept[next]))
+		next++;
+	if (next >= count)
+		return false;
+	*value = kept[at];
+	return fabs(kept[next] - kept[at]) > fmax(fabs(other_end - kept[next]), STEEP * usual)
+		&& other_end != kept[next];
+}
+
+static double end_of(const struct meaning *m, const double *kept, int count)
+{
+	int at = 0;
+	while (at + 1 < count && is_hole(m, kept[at]))
+		at++;
+	return kept[at];
+}
+
+static void add_hole(struct meaning *m, double value, const char *path, uint64_t samples,
+	struct ground_notes *notes)
+{
+	char many[40] = "samples";
+	if (m->hole_count >= HOLES_MAX)
+		return;
+	m->holes[m->hole_count++] = value;
+	if (samples > 0)
+		snprintf(many, sizeof many, "%llu sample%s", (unsigned long long)samples,
+			samples == 1 ? "" : "s");
+	ground_note(notes, "%.200s: %s of %.9g stand out from all around, and are taken for holes; if they "
+		"are heights, add \"nodata\": null to "
+		"the ground, if they are holes, \"nodata\": %.9g", path, many, value, value);
 }
 
 static bool find_holes(struct meaning *m, struct rows *rows, struct ground_notes *notes)
 {
-	struct ends e = { .lows = 0 };
-	if (!find_ends(&e, rows, m))
-		return false;
-	for (int n = 0; n < SPAN - 1 && m->hole_count < HOLES_MAX && e.lows > 1 && e.highs > 1; n++) {
-		bool low = lies_beyond(e.low, e.lows, e.high[0]), high = lies_beyond(e.high, e.highs, e.low[0]);
-		if (!low && !high)
-			break;
-		double value = low ? drop_first(e.low, &e.lows) : drop_first(e.high, &e.highs);
-		m->holes[m->hole_count++] = value;
-		ground_note(notes, "%.200s: its samples of %.9g stand out from all around, and are taken for holes; if "
-			"they are heights, add \"nodata\": null to the ground, if they are holes, \"nodata\": %.9g",
-			rows->raster->path, value, value);
+	const char *path = rows->raster->path;
+	struct census *c = calloc(1, sizeof *c);
+	double value;
+	bool good = c && take_census(c, rows, m);
+	for (size_t s = 0; good && s < SUSPECTS; s++)
+		if (stands_out(c, s))
+			add_hole(m, suspects[s], path, c->suspect[s].samples, notes);
+	for (int n = 0; good && n < SPAN - 1 &&
+		(lies_beyond(m, c, c->lowest, c->lowest_count, end_of(m, c->highest, c->highest_count),
+			 &value) ||
+			lies_beyond(m, c, c->highest, c->highest_count, end_of(m, c->lowest, c->lowest_count),
+				&value));
+		n++) {
+		int s = suspect_of(value);
+		add_hole(m, value, path, s >= 0 ? c->suspect[s].samples : 0, notes);
 	}
-	return true;
+	free(c);
+	return good;
 }
 
 /* ---- Averaging ---- */
