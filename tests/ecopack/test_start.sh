@@ -114,7 +114,11 @@ is '[.crs, .instances[0].crs]' '["EPSG:32618","EPSG:32618"]'
 printf 'oak,723400,4307500,17N\n' >>"$DIR/zone.csv"
 start 1 'rows are in several zones: "utm_zone" is "18N" and "17N".*"only": ."utm_zone": "18N"' zone.csv
 
-start 0 'UTM zone 18N, as you say; a place at' zone.csv --crs EPSG:32618
+start 0 'UTM zone 18N, as you say; a place at .*; but "utm_zone" is "18N" and "17N": give the entry "only": ."utm_zone": ...' zone.csv --crs EPSG:32618
+printf 'species,easting,northing,utm_zone\noak,323400,4307500,18N\noak,323420,4307520,18N\n' >"$DIR/zone.csv"
+start 0 'as you say; a place at -83.*; but "utm_zone" says "18N", EPSG:32618, a place at -77' zone.csv --crs EPSG:32617
+start 0 'NAD83 / UTM zone 18N, as you say' zone.csv --crs EPSG:26918
+! grep -q 'but "utm_zone"' "$DIR/out" || complain "zone.csv: a datum alone is doubted: $(cat "$DIR/out")"
 awk 'BEGIN { print "species,easting,northing,utm_zone"; for (i = 0; i < 5000; i++) print "oak," 323400 + i % 70 "," 4307500 + i % 50 "," (i == 4001 ? "17N" : "18N") }' >"$DIR/zone.csv"
 start 1 'rows are in several zones: "utm_zone" is "18N" and "17N"' zone.csv
 

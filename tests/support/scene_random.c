@@ -364,6 +364,7 @@ static void finish_lists(struct scene_builder *b)
 	for (uint32_t i = 0; i < b->scene.list_count; i++) {
 		struct eco_list *list = &b->lists[i];
 		list->coder = coders[list->kind];
+		list->partner = ECO_NONE;
 		if (list->kind == ECO_LIST_INSTANCES)
 			list->attributes = ECO_ATTR_PLACE;
 		if (list->kind == ECO_LIST_TRIANGLES && list->owner == 0)

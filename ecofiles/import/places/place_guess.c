@@ -20,6 +20,7 @@
 #define UTM_MOST_M 900000.0
 #define BARE_SOUTH -56.0         /* no tree stands beyond these latitudes */
 #define BARE_NORTH 75.0
+#define NEAR_DEG 0.01            /* places that differ by datum alone lie nearer together */
 #define ONLY_SO_TERRAIN "only so does the terrain lie there"
 
 /* ---- The numbers ---- */
@@ -412,6 +413,33 @@ static enum eco_code guess_grid(struct eco_place_look *l)
 	return ask_for_grid(l, choices, found);
 }
 
+/* Says so where the rows are in other zones than the CRS that the user names. */
+static enum eco_code doubt_stated(struct eco_place_look *l)
+{
+	struct eco_place_look own = *l;
+	struct eco_zones zones;
+	struct eco_crs_facts named, other;
+	char crs[32], *why = l->guess->crs_why;
+	own.error = NULL;
+	enum eco_code code = eco_crs_look(l->asked->crs, l->at, &named, l->error);
+	if (!code)
+		code = eco_zones_find(l->asked->table, l->asked->source, may_be_utm(l), &zones, l->error);
+	if (code || named.geographic || zones.column == ECO_NONE)
+		return code;
+	bool elsewhere = zone_crs(&own, &zones, crs) == ECO_OK && eco_crs_look(crs, l->at, &other, NULL) == ECO_OK
+		&& hypot(named.degrees[0] - other.degrees[0], named.degrees[1] - other.degrees[1]) > NEAR_DEG;
+	size_t used = strlen(why);
+	const char *name = l->asked->table->columns[zones.column];
+	if (zones.other[0] != 0)
+		snprintf(why + used, ECO_WHY_BYTES - used, "; but \"%.30s\" is \"%s\" and \"%s\": give the entry "
+			"\"only\": {\"%.30s\": ...}, and each other zone an entry with its own \"crs\"", name,
+			zones.first, zones.other, name);
+	else if (elsewhere)
+		snprintf(why + used, ECO_WHY_BYTES - used, "; but \"%.30s\" says \"%s\", %s, a place at %.3f, "
+			"%.3f", name, zones.first, crs, other.degrees[0], other.degrees[1]);
+	return ECO_OK;
+}
+
 static enum eco_code guess_crs(struct eco_place_look *l)
 {
 	const struct eco_place_asked *a = l->asked;
@@ -425,7 +453,8 @@ static enum eco_code guess_crs(struct eco_place_look *l)
 		return ECO_OK;
 	}
 	if (a->crs) {
-		return take_stated(l, a->crs, "you say");
+		enum eco_code code = take_stated(l, a->crs, "you say");
+		return code ? code : doubt_stated(l);
 	}
 	if (g->from_geometry && a->table->crs && !a->table->degrees_doubted) {
 		g->file_says = true;
