@@ -4,7 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "client-min/view_select.h"
+#include "lod/eye.h"
+#include "lod/geometry.h"
+#include "lod/raster/raster.h"
 #include "lod/vector.h"
+#include "tests/bench/bench_fetch.h"
 #include "tests/bench/extreme/extreme_scene.h"
 #include "tests/support/scene_builder.h"
 
@@ -134,6 +139,111 @@ static void look_at(struct extreme *x)
 		;
 }
 
+/* ---- The largest picture ---- */
+
+/* Covers the pixels of one cut, for all plants that draw it. */
+static bool draw_cut(struct lod_raster *raster, const struct view_store *store,
+	const struct view_selection *s, uint32_t c)
+{
+	const struct eco_cut *cut = &view_store_plan(store)->cuts[c];
+	const struct view_list *list = view_store_list(store, cut->list);
+	size_t count = cut->end - cut->first;
+	struct lod_geometry g = { .position = malloc(36 * count + 1), .width = malloc(4 * count + 1),
+		.color = malloc(4 * count + 1),
+		.size = malloc(4 * count + 1) };
+	bool good = g.position && g.width && g.color && g.size;
+	struct lod_raster_batch batch = { .count = (uint32_t)count, .position = g.position, .width = g.width,
+		.area = list->list.unit_area * cut->scale,
+		.size = list->list.attributes & ECO_ATTR_SIZE ? g.size : NULL, .owner = 1 };
+	if (good)
+		lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale, &g);
+	for (uint32_t m = s->member_first[c]; m < s->member_first[c + 1] && good; m++) {
+		lod_raster_object(raster, &s->instances[s->members[m]].place);
+		(list->list.kind == ECO_LIST_TRIANGLES ? lod_raster_triangles : list->list.kind
+			== ECO_LIST_LINES ? lod_raster_lines
+			: lod_raster_splats)(raster, &batch);
+	}
+	free(g.position);
+	free(g.width);
+	free(g.color);
+	free(g.size);
+	return good;
+}
+
+/* Draws the cover and nothing else: five bytes a pixel, so that the largest picture takes 1.3 GB and not 7.
+ */
+static bool silhouette(struct extreme *x, const struct extreme_world *world, const struct eco_view *view,
+	struct lod_raster *raster)
+{
+	struct eco_request request = { .view = *view, .vertices = ECO_VERTICES_MAX,
+		.bytes = ECO_BYTES_UNBOUNDED };
+	struct view_store_options options = { .images = true };
+	struct view_store *store = NULL;
+	struct view_selection s = { 0 };
+	struct eco_error error = { 0 };
+	struct lod_eye eye;
+	lod_eye_make(&eye, view);
+	bool good = extreme_good(x, view_store_new(&store, &options, &error), &error)
+		&& extreme_good(x, bench_fetch(NULL, world->scene, &request, store, &error), &error)
+		&& extreme_good(x, view_select_make(&s, store, &eye, &error), &error)
+		&& extreme_good(x, lod_raster_init(raster,
+		&(struct lod_raster_options){ view->width, view->height, .silhouette = true }, &error),
+		&error);
+	if (good) {
+		lod_raster_clear(raster);
+		lod_raster_camera(raster, &eye, extreme_tables(world)->near_m);
+	}
+	for (uint32_t c = 0; c < s.cut_count && good; c++)
+		good = s.member_first[c] == s.member_first[c + 1]
+			|| extreme_must(x, draw_cut(raster, store, &s, c), "no memory");
+	view_select_free(&s);
+	view_store_free(store);
+	return good;
+}
+
+/* Blocks of 16 x 16 pixels of the largest picture against pixels of the small one: what is all covered, or
+ * not at all, is so there. */
+static void compare_blocks(struct extreme *x, const struct lod_raster *large, const struct lod_raster *small)
+{
+	uint32_t times = large->width / small->width, odd = 0;
+	uint64_t covered[2] = { 0 }, pixels = (uint64_t)small->width * small->height;
+	for (uint32_t i = 0; i < pixels; i++) {
+		const uint8_t *block = large->cover
+			+ ((size_t)(i / small->width) * large->width + i % small->width) * times;
+		uint32_t count = 0;
+		for (uint32_t k = 0; k < times * times; k++)
+			count += block[(size_t)(k / times) * large->width + k % times] != 0;
+		covered[0] += count;
+		covered[1] += small->cover[i] != 0;
+		odd += (count == 0 && small->cover[i]) || (count == times * times && !small->cover[i]);
+	}
+	double share = (double)covered[0] / ((double)pixels * times * times),
+		coarse = (double)covered[1] / (double)pixels;
+	extreme_most(x, "blocks of the largest picture unlike the pixels of a small one", odd,
+		(double)(pixels / 10000));
+	extreme_least(x, "share covered in the largest picture", share, 0.02);
+	extreme_most(x, "share covered in it, off the small one's", fabs(share - coarse), 0.005 * share);
+	extreme_say(x, "16384 x 16384 drawn: %.3f %% covered, %.3f %% at 1024 x 1024, %u of %llu blocks "
+		"unlike", 100 * share, 100 * coarse, odd, (unsigned long long)pixels);
+}
+
+static void images(struct extreme *x)
+{
+	const struct extreme_world *world = extreme_world(x);
+	struct lod_raster large = { 0 }, small = { 0 };
+	struct eco_view view = extreme_view((double[3]){ -26, -21, 6.5 }, (double[3]){ 0, 0, 2 });
+	look_at(x);
+	if (x->failed || x->quick)
+		return;
+	view.width = view.height = 16384;
+	bool good = silhouette(x, world, &view, &large);
+	view.width = view.height = 1024;
+	if (good && silhouette(x, world, &view, &small))
+		compare_blocks(x, &large, &small);
+	lod_raster_free(&large);
+	lod_raster_free(&small);
+}
+
 static void all_behind(struct extreme *x)
 {
 	static const double ways[][3] = { { -100, 0, 2 }, { -50, 0, 100 }, { -50.5, 0, 2 } };
@@ -232,6 +342,14 @@ static void horizon(struct extreme *x)
 #define SHOTS(title, holds, ...) { title, holds, look_at, \
 	(const struct shot[]){ __VA_ARGS__, { .name = NULL } }, false }
 
+static const struct shot sizes[] = {
+	{ .name = "1 x 1", .view = BESIDE(0, 0, 1, 45, 1, 1) },
+	{ .name = "16384 x 1", .view = BESIDE(0, 0, 1, 45, 16384, 1) },
+	{ .name = "1 x 16384", .view = BESIDE(0, 0, 1, 45, 1, 16384) },
+	{ .name = "16384 x 16384, planned", .view = BESIDE(0, 0, 1, 45, 16384, 16384), .planned_only = true },
+	{ .name = NULL },
+};
+
 const struct extreme_case extreme_camera[] = {
 	SHOTS("inside a leaf", SOUND,
 		{ "along it", LOOK(0, 0, 0, 0, 0, 0), FROM_LEAF, FROM_CORNER, 0, false },
@@ -276,12 +394,8 @@ const struct extreme_case extreme_camera[] = {
 			.view = { { 0, 0, 2 }, { 10, 0, 2 }, { 0, 0, 1 }, 179.9, 320, 240 } },
 		{ .name = "179.999999 degrees",
 			.view = { { 0, 0, 2 }, { 10, 0, 2 }, { 0, 0, 1 }, 179.999999, 320, 240 } }),
-	SHOTS("pictures of 1 x 1 to 16384 x 16384", SOUND ", but for the largest",
-		{ .name = "1 x 1", .view = BESIDE(0, 0, 1, 45, 1, 1) },
-		{ .name = "16384 x 1", .view = BESIDE(0, 0, 1, 45, 16384, 1) },
-		{ .name = "1 x 16384", .view = BESIDE(0, 0, 1, 45, 1, 16384) },
-		{ .name = "16384 x 16384, planned", .view = BESIDE(0, 0, 1, 45, 16384, 16384),
-		.planned_only = true }),
+	{ "pictures of 1 x 1 to 16384 x 16384", SOUND "; the largest: what it covers, "
+		"against a small one", images, sizes, false },
 	{ "everything behind", "nothing is drawn, nothing predicted", all_behind,
 		NULL, false },
 	{ "horizon along 4e6 tiles", "1e6 copies of a stand of four tiles: plans within the "

@@ -77,6 +77,75 @@ static double farthest(const struct eco_model *model, const struct eco_list *gri
 	return sqrt(most);
 }
 
+/* ---- Lists ---- */
+
+struct source { struct point at; uint32_t vertex; };     /* where a corner of the model is on the grid */
+
+static struct source *sources_of(const struct eco_model *model, const struct eco_list *grid)
+{
+	struct source *sources = malloc((model->vertex_count + 1ul) * sizeof *sources);
+	for (uint32_t v = 0; v < model->vertex_count && sources; v++) {
+		sources[v].vertex = v;
+		for (uint32_t k = 0; k < 3; k++)
+			sources[v].at.p[k] = (int32_t)floor(on_grid(model, grid, v, k) + 0.5);
+	}
+	if (sources)
+		qsort(sources, model->vertex_count, sizeof *sources, compare);
+	return sources;
+}
+
+/* The greatest distance of a list's corners from the nearest corner of the model at the same place of the
+ * grid. */
+static double list_error(const struct lod_list_draft *d, const struct eco_model *model,
+	const struct source *sources)
+{
+	double most = 0;
+	for (uint32_t c = 0; c < d->elements.corner_count; c++) {
+		const int32_t *p = d->elements.position + 3 * (size_t)c;
+		const struct source *s = bsearch(p, sources, model->vertex_count, sizeof *sources, compare),
+			*end = sources + model->vertex_count;
+		double best = INFINITY;
+		for (; s && s > sources && !compare(s - 1, p); s--)
+			;
+		for (; s && s < end && !compare(s, p); s++) {
+			double square = 0;
+			for (uint32_t k = 0; k < 3; k++) {
+				double off = d->list.grid_origin[k] + d->list.grid_step[k] * p[k]
+					- (double)model->position[3 * s->vertex + k];
+				square += off * off;
+			}
+			best = fmin(best, square);
+		}
+		most = fmax(most, best);
+	}
+	return sqrt(most);
+}
+
+/* Each list of the model's own triangles, at the distance that is stated for it; returns how many there are.
+ */
+static uint32_t measure_lists(struct extreme *x, const struct lod_plant *plant, const struct eco_model *model,
+	double px[2])
+{
+	uint32_t count = 0;
+	struct source *sources = NULL;
+	px[0] = INFINITY;
+	px[1] = 0;
+	for (uint32_t i = 0; i < plant->list_count; i++) {
+		const struct lod_list_draft *d = &plant->lists[i];
+		if (d->list.kind != ECO_LIST_TRIANGLES || d->list.coder == ECO_CODER_FORM)
+			continue;
+		sources = sources ? sources : sources_of(model, &d->list);
+		double one = lod_grid_nearest_m(&d->list, LOD_GRID_PIXEL_RAD) * LOD_GRID_PIXEL_RAD,
+			error = sources ? list_error(d, model, sources) / one : INFINITY;
+		extreme_most(x, "pixels that a list is off at the stated distance", error, 0.5 * (1 + 1e-4));
+		px[0] = fmin(px[0], error);
+		px[1] = fmax(px[1], error);
+		count++;
+	}
+	free(sources);
+	return count;
+}
+
 /* ---- Plants ---- */
 
 static void measure(struct extreme *x, struct soup *soup, const char *name, uint32_t bits, uint32_t lost_most)
@@ -107,8 +176,11 @@ static void measure(struct extreme *x, struct soup *soup, const char *name, uint
 		extreme_most(x, "corners that are nowhere", lost, lost_most);
 		extreme_must(x, one_grid, "%s: lists of one plant are on grids that differ", name);
 		extreme_most(x, "stated distance", nearest, 2.5 * (double)plant.anchors[0].radius);
-		extreme_say(x, "%s of %.3g m, %u cells: steps of %.2g m, at %.2g m %.3f px", name,
-			(double)plant.plant.height_m, plant.plant.anchor_count - 1, grid->grid_step[0], nearest, px);
+		double lists[2];
+		uint32_t list_count = measure_lists(x, &plant, &soup->model, lists);
+		extreme_say(x, "%s of %.3g m, %u cells: steps of %.2g m, %u lists of triangles at %.2g m: "
+			"%.3f to %.3f px", name, (double)plant.plant.height_m, plant.plant.anchor_count - 1,
+			grid->grid_step[0], list_count, nearest, lists[0], lists[1]);
 	}
 	free(points);
 	soup_free(soup);
