@@ -7,9 +7,9 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "client-min/draw/view_mesh.h"
+#include "client-min/draw/view_vec.h"
 #include "client-min/view_threads.h"
 #include "lod/impostor.h"
 #include "lod/raster/texel.h"
@@ -26,43 +26,39 @@ struct caster {                          /* of a thread */
 	struct eco_error error;
 };
 
-/* One plant: the map's rows of its coordinates, and the sun in them. */
-struct object { float row[4][4], sun[3]; };
+/* One plant: the map's rows of its coordinates (row[i] times a place, plus at[i]), and the sun in them. */
+struct object { vec3 row[4], sun; float at[4]; };
 
 /* Texture coordinates s, t only where there is a texture. */
 struct corner { float u, v, w, height, s, t; };
 
-static float dot3(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static vec3 vec_of(const float *p) { return vec3(p[0], p[1], p[2]); }
 
-static void cross3(const float a[3], const float b[3], float out[3])
+/* World's axes to the plant's, times `size`. */
+static vec3 turned(const float *r, const struct lod_place *place, double size)
 {
-	for (int k = 0; k < 3; k++)
-		out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+	const double s = place->sine, q = place->cosine;
+	return vec3((float)(((double)r[0] * q + (double)r[1] * s) * size),
+		(float)(((double)r[1] * q - (double)r[0] * s) * size), (float)((double)r[2] * size));
 }
 
 static void place_object(struct object *o, const struct caster *c, const struct lod_place *place)
 {
-	const double s = place->sine, q = place->cosine;
-	const float *sun = c->shadow->row[3];
 	for (int i = 0; i < 4; i++) {
 		const float *r = c->shadow->row[i];
 		double offset = (double)r[3];
 		for (int k = 0; k < 3; k++)
 			offset += (double)r[k] * (place->at[k] - c->job->eye->at[k]);
-		o->row[i][0] = (float)(((double)r[0] * q + (double)r[1] * s) * place->scale);
-		o->row[i][1] = (float)(((double)r[1] * q - (double)r[0] * s) * place->scale);
-		o->row[i][2] = (float)((double)r[2] * place->scale);
-		o->row[i][3] = (float)offset;
+		o->row[i] = turned(r, place, place->scale);
+		o->at[i] = (float)offset;
 	}
-	o->sun[0] = (float)((double)sun[0] * q + (double)sun[1] * s);
-	o->sun[1] = (float)((double)sun[1] * q - (double)sun[0] * s);
-	o->sun[2] = sun[2];
+	o->sun = turned(c->shadow->row[3], place, 1);
 }
 
-static struct corner corner_of(const struct object *o, const float p[3])
+static struct corner corner_of(const struct object *o, vec3 p)
 {
-	return (struct corner){ dot3(o->row[0], p) + o->row[0][3], dot3(o->row[1], p) + o->row[1][3],
-		dot3(o->row[2], p) + o->row[2][3], dot3(o->row[3], p) + o->row[3][3], 0, 0 };
+	return (struct corner){ dot(o->row[0], p) + o->at[0], dot(o->row[1], p) + o->at[1],
+		dot(o->row[2], p) + o->at[2], dot(o->row[3], p) + o->at[3], 0, 0 };
 }
 
 /* ---- Triangles ---- */
@@ -183,7 +179,7 @@ static void draw_triangles(const struct caster *c, const struct object *o, const
 		struct corner corner[3];
 		for (int k = 0; k < 3; k++) {
 			size_t vertex = 3 * (size_t)i + (size_t)k;
-			corner[k] = corner_of(o, g->position + 3 * vertex);
+			corner[k] = corner_of(o, vec_of(g->position + 3 * vertex));
 			if (cutout) {
 				corner[k].s = g->uv[2 * vertex];
 				corner[k].t = g->uv[2 * vertex + 1];
@@ -195,23 +191,13 @@ static void draw_triangles(const struct caster *c, const struct object *o, const
 
 /* ---- Lines ---- */
 
-static void draw_line(const struct caster *c, const struct object *o, const float *a, const float *b,
-	float width)
+static void draw_line(const struct caster *c, const struct object *o, vec3 a, vec3 b, float width)
 {
-	const float along[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
-	float side[3], p[4][3];
-	cross3(along, o->sun, side);
-	float length = sqrtf(dot3(side, side)), part = length > 0 ? 0.5f * width / length : 0;
-	for (int k = 0; k < 3; k++) {
-		float s = side[k] * part;
-		p[0][k] = a[k] - s;
-		p[1][k] = b[k] - s;
-		p[2][k] = b[k] + s;
-		p[3][k] = a[k] + s;
-	}
-	struct corner corner[4];
-	for (int i = 0; i < 4; i++)
-		corner[i] = corner_of(o, p[i]);
+	vec3 side = cross(add(b, scale(a, -1)), o->sun);
+	float size = length(side), part = size > 0 ? 0.5f * width / size : 0;
+	const vec3 s = scale(side, part), less = scale(s, -1);
+	const struct corner corner[4] = { corner_of(o, add(a, less)), corner_of(o, add(b, less)),
+		corner_of(o, add(b, s)), corner_of(o, add(a, s)) };
 	draw_triangle(c, corner, NULL);
 	draw_triangle(c, (const struct corner[3]){ corner[0], corner[2], corner[3] }, NULL);
 }
@@ -220,7 +206,8 @@ static void draw_lines(const struct caster *c, const struct object *o, const str
 {
 	const struct lod_geometry *g = &mesh->geometry;
 	for (uint32_t i = 0; i < mesh->batch.count; i++)
-		draw_line(c, o, g->position + 6 * (size_t)i, g->position + 6 * (size_t)i + 3, g->width[i]);
+		draw_line(c, o, vec_of(g->position + 6 * (size_t)i), vec_of(g->position + 6 * (size_t)i + 3),
+			g->width[i]);
 }
 
 /* ---- Discs, ellipsoids and impostors ---- */
@@ -229,8 +216,8 @@ static void draw_lines(const struct caster *c, const struct object *o, const str
  * (lod/splat.h). */
 struct outline { float x, y, height; struct lod_ellipse ellipse; int across[2], down[2]; };
 
-static bool outline_of(const struct caster *c, const struct object *o, const float center[3],
-	const float (*half)[3], int count, struct outline *e)
+static bool outline_of(const struct caster *c, const struct object *o, vec3 center, const vec3 *half, int count,
+	struct outline *e)
 {
 	struct corner m = corner_of(o, center);
 	float across[3] = { 0, 0, 0 }, down[3] = { 0, 0, 0 }, farther[3] = { 0, 0, 0 };
@@ -240,9 +227,9 @@ static bool outline_of(const struct caster *c, const struct object *o, const flo
 	e->y = m.v / m.w;
 	e->height = m.height;
 	for (int k = 0; k < count; k++) {
-		farther[k] = dot3(o->row[2], half[k]) / m.w;
-		across[k] = dot3(o->row[0], half[k]) / m.w - e->x * farther[k];
-		down[k] = dot3(o->row[1], half[k]) / m.w - e->y * farther[k];
+		farther[k] = dot(o->row[2], half[k]) / m.w;
+		across[k] = dot(o->row[0], half[k]) / m.w - e->x * farther[k];
+		down[k] = dot(o->row[1], half[k]) / m.w - e->y * farther[k];
 	}
 	if (!lod_ellipse_make(&e->ellipse, across, down, farther, m.w))
 		return false;
@@ -259,14 +246,12 @@ static bool outline_has(const struct outline *e, int x, int y)
 }
 
 /* Two directions across the beams, of a length. */
-static void disc_of(const struct object *o, float radius, float half[2][3])
+static void disc_of(const struct object *o, float radius, vec3 half[2])
 {
-	const float other[3] = { fabsf(o->sun[0]) < 0.7f, fabsf(o->sun[0]) >= 0.7f, 0 };
-	cross3(o->sun, other, half[0]);
-	float part = radius / sqrtf(dot3(half[0], half[0]));
-	for (int k = 0; k < 3; k++)
-		half[0][k] *= part;
-	cross3(o->sun, half[0], half[1]);
+	bool flat = fabsf(o->sun.x) < 0.7f;
+	vec3 first = cross(o->sun, vec3(flat, !flat, 0));
+	half[0] = scale(first, radius / length(first));
+	half[1] = cross(o->sun, half[0]);
 }
 
 static void draw_points(const struct caster *c, const struct object *o, const struct view_mesh *mesh)
@@ -274,14 +259,14 @@ static void draw_points(const struct caster *c, const struct object *o, const st
 	const struct lod_geometry *g = &mesh->geometry;
 	for (uint32_t i = 0; i < mesh->batch.count; i++) {
 		const float *center = g->position + 3 * (size_t)i;
-		float half[3][3];
+		vec3 half[3];
 		struct outline e;
 		uint32_t salt = lod_splat_salt(center);
-		if (g->half)
-			memcpy(half, g->half + 9 * (size_t)i, sizeof half);
-		else
+		for (size_t k = 0; k < 3 && g->half; k++)
+			half[k] = vec_of(g->half + 9 * (size_t)i + 3 * k);
+		if (!g->half)
 			disc_of(o, view_mesh_reach(mesh, i), half);
-		if (!outline_of(c, o, center, half, g->half ? 3 : 2, &e))
+		if (!outline_of(c, o, vec_of(center), half, g->half ? 3 : 2, &e))
 			continue;
 		for (int y = e.down[0]; y <= e.down[1]; y++)
 			for (int x = e.across[0]; x <= e.across[1]; x++)
@@ -292,7 +277,7 @@ static void draw_points(const struct caster *c, const struct object *o, const st
 }
 
 /* Shares of two half axes at which a texel's beam meets their plane through `m`. */
-static void meet_plane(const struct object *o, const struct corner *m, const float (*half)[3], int x, int y,
+static void meet_plane(const struct object *o, const struct corner *m, const vec3 half[2], int x, int y,
 	float share[2])
 {
 	const float at[2] = { (float)x + 0.5f, (float)y + 0.5f };
@@ -300,7 +285,7 @@ static void meet_plane(const struct object *o, const struct corner *m, const flo
 	float d[2][2];
 	for (int i = 0; i < 2; i++)
 		for (int k = 0; k < 2; k++)
-			d[i][k] = dot3(o->row[i], half[k]) - at[i] * dot3(o->row[2], half[k]);
+			d[i][k] = dot(o->row[i], half[k]) - at[i] * dot(o->row[2], half[k]);
 	float part = 1 / (d[0][0] * d[1][1] - d[0][1] * d[1][0]);
 	share[0] = (left[0] * d[1][1] - d[0][1] * left[1]) * part;
 	share[1] = (d[0][0] * left[1] - left[0] * d[1][0]) * part;
@@ -308,28 +293,23 @@ static void meet_plane(const struct object *o, const struct corner *m, const flo
 
 static void draw_impostor(const struct caster *c, const struct object *o, const struct view_mesh *mesh)
 {
-	const struct lod_impostor *impostor = mesh->impostor;
-	struct corner m = corner_of(o, mesh->center);
+	vec3 center = vec_of(mesh->center), eye = scale(o->sun, FAR_RADII * mesh->radius), half[2];
+	struct corner m = corner_of(o, center);
 	struct lod_impostor_look look;
-	float half[2][3], away = FAR_RADII * mesh->radius;
 	struct outline e;
 	disc_of(o, mesh->radius, half);
-	if (!outline_of(c, o, mesh->center, (const float (*)[3])half, 2, &e))
+	if (!outline_of(c, o, center, half, 2, &e))
 		return;
-	const float eye[3] = { o->sun[0] * away, o->sun[1] * away, o->sun[2] * away };
-	lod_impostor_look(&look, impostor, eye);
+	lod_impostor_look(&look, mesh->impostor, (const float[3]){ eye.x, eye.y, eye.z });
 	for (int y = e.down[0]; y <= e.down[1]; y++)
 		for (int x = e.across[0]; x <= e.across[1]; x++) {
 			struct lod_impostor_hit hit;
-			float share[2], ray[3], met[3];
-			meet_plane(o, &m, (const float (*)[3])half, x, y, share);
-			for (int k = 0; k < 3; k++)
-				ray[k] = share[0] * half[0][k] + share[1] * half[1][k] - eye[k];
-			if (!outline_has(&e, x, y) || !lod_impostor_hit(impostor, &look, ray, &hit))
-				continue;
-			for (int k = 0; k < 3; k++)
-				met[k] = mesh->center[k] + eye[k] + hit.along * ray[k];
-			raise(c, x, y, corner_of(o, met).height);
+			float share[2];
+			meet_plane(o, &m, half, x, y, share);
+			vec3 ray = add(add(scale(half[0], share[0]), scale(half[1], share[1])), scale(eye, -1));
+			if (outline_has(&e, x, y) && lod_impostor_hit(mesh->impostor, &look,
+					(const float[3]){ ray.x, ray.y, ray.z }, &hit))
+				raise(c, x, y, corner_of(o, add(add(center, eye), scale(ray, hit.along))).height);
 		}
 }
 
@@ -338,14 +318,14 @@ static void draw_impostor(const struct caster *c, const struct object *o, const 
 /* Whether the map may hold any of the ball around a mesh. */
 static bool is_near(const struct caster *c, const struct object *o, const struct view_mesh *mesh)
 {
-	float half[2][3];
+	vec3 half[2], center = vec_of(mesh->center);
 	struct outline e;
 	disc_of(o, mesh->radius, half);
-	float w = corner_of(o, mesh->center).w, a = dot3(o->row[2], half[0]), b = dot3(o->row[2], half[1]),
+	float w = corner_of(o, center).w, a = dot(o->row[2], half[0]), b = dot(o->row[2], half[1]),
 		reach = sqrtf(a * a + b * b);
 	if (w < 1.01f * reach + VIEW_SHADOW_LEAST_W)         /* it reaches where W is 0, and has no outline */
 		return w + reach > 0;
-	return outline_of(c, o, mesh->center, (const float (*)[3])half, 2, &e);
+	return outline_of(c, o, center, half, 2, &e);
 }
 
 static void draw_mesh(const struct caster *c, const struct lod_place *place, const struct view_mesh *mesh)
