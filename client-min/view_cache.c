@@ -194,13 +194,3 @@ bool view_cache_make_room(struct view_cache *cache, uint64_t bytes, bool all)
 	}
 	return true;
 }
-
-void view_cache_leave_room(struct view_cache *cache, uint64_t bytes, uint64_t since)
-{
-	while (bytes > room_left(cache)) {
-		struct view_list *list = next_victim(cache, false);
-		if (!list || list->marks[list->chunk_count - 1].used >= since)
-			return;
-		evict(cache, list);
-	}
-}

@@ -57,7 +57,5 @@ void view_cache_want_nothing(struct view_cache *cache);
 uint64_t view_cache_wanted_bytes(const struct view_cache *cache);
 /* True once `bytes` fit. `all`: chunks that came for the next plan may go, too, in the same order. */
 bool view_cache_make_room(struct view_cache *cache, uint64_t bytes, bool all);
-/* Before a stream: pops until `bytes` fit or only chunks needed at tick `since` or later are left. */
-void view_cache_leave_room(struct view_cache *cache, uint64_t bytes, uint64_t since);
 
 #endif

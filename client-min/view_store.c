@@ -33,9 +33,6 @@ struct view_store {
 	view_store_find *find;           /* of chunks that are named; NULL: none can be */
 	void *find_ctx;
 	bool has_scene, has_plan, ahead, complete;
-	uint64_t plan_tick;              /* of the cache, when the last plan came */
-	uint64_t came_bytes;             /* decoded, of the request under way */
-	uint64_t evictions_before;       /* it */
 	uint64_t evictions_planned;      /* when the last plan came, or was looked at since */
 	bool lacks;                      /* the last plan needs what is not held any more */
 	uint32_t repeats;                /* of the request under way */
@@ -102,10 +99,6 @@ void view_store_begin(struct view_store *store)
 	store->repeats = 0;
 	store->stats.decode_ms = 0;
 	view_cache_want_nothing(cache);
-	if (cache->evictions > store->evictions_before)
-		view_cache_leave_room(cache, store->came_bytes, store->plan_tick);
-	store->came_bytes = 0;
-	store->evictions_before = cache->evictions;
 	view_cache_begin(cache);
 }
 
@@ -283,7 +276,6 @@ static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const st
 	store->stats.decode_ms += view_clock_ms() - start;
 	if (code)
 		return code;
-	store->came_bytes += piece.bytes;
 	count_chunk(store, id, ordinal, chunk);
 	code = keep(store, list, ordinal, chunk, &piece, error);
 	view_piece_free(&piece);
@@ -445,7 +437,6 @@ static enum eco_code take_plan(struct view_store *store, struct eco_error *error
 {
 	store->lacks = false;
 	each_need(store, touch_need);
-	store->plan_tick = store->cache.tick;
 	store->evictions_planned = store->cache.evictions;
 	store->has_plan = !store->lacks;
 	keep_needs(store);
