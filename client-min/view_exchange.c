@@ -210,7 +210,7 @@ static bool open_lane(struct view_exchange *x, struct lane *lane)
 	curl_easy_setopt(c, CURLOPT_MAXREDIRS, 5L);
 	curl_easy_setopt(c, CURLOPT_FAILONERROR, first ? 0L : 1L);
 	curl_easy_setopt(c, CURLOPT_HTTPHEADER, first ? x->headers : NULL);
-	curl_easy_setopt(c, CURLOPT_LOW_SPEED_LIMIT, SLOW_BYTES_S);
+	curl_easy_setopt(c, CURLOPT_LOW_SPEED_LIMIT, first ? SLOW_BYTES_S : SLOW_BYTES_S / (long)LANES);
 	curl_easy_setopt(c, CURLOPT_LOW_SPEED_TIME, first ? o->stall_s : o->chunk_stall_s);
 	curl_easy_setopt(c, CURLOPT_FORBID_REUSE, o->fresh ? 1L : 0L);
 	curl_easy_setopt(c, CURLOPT_FRESH_CONNECT, o->fresh ? 1L : 0L);

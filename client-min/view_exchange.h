@@ -27,7 +27,8 @@ struct view_exchange_options {
 	/* a chunk is at chunks/ID, 32 hexadecimal digits; NULL: none is named */
 	const char *chunks;
 	long connect_ms;
-	long stall_s, chunk_stall_s;     /* less than 1 KiB/s came for so long; 0: that is no matter */
+	/* less than 1 KiB/s came of the answer, or a seventh of a chunk, for so long; 0: that is no matter */
+	long stall_s, chunk_stall_s;
 	bool fresh;                      /* each transfer has a connection of its own */
 	/* a simulated line, which all transfers share; 0: as fast as it is */
 	uint64_t bandwidth_bytes_s;

@@ -120,7 +120,8 @@ struct client {
 
 enum from { CARRIED, FROM_SERVER, FROM_HOST };
 
-/* A host is given up after 1 s without a byte. */
+static long stall_ms = 10000;            /* without a byte, after which a host is given up */
+
 static struct client client_new(enum from from)
 {
 	char url[64], chunks[80];
@@ -128,7 +129,7 @@ static struct client client_new(enum from from)
 	struct eco_error error = { 0 };
 	const struct view_store_options options = { .images = false };
 	const struct view_fetch_options fetch = { .url = url, .chunks = from ? chunks : NULL,
-		.name_from = NAME_FROM, .resumes = 1, .stall_ms = 1000 };
+		.name_from = NAME_FROM, .resumes = 1, .stall_ms = stall_ms };
 	snprintf(url, sizeof url, "http://127.0.0.1:%u" BASE, port);
 	if (from == FROM_SERVER)
 		snprintf(chunks, sizeof chunks, "%s/chunks/", url);
@@ -326,6 +327,7 @@ UNIT_TEST(hosts_that_hang_are_left_for_the_scenes_server)
 {
 	struct eco_error error = { 0 };
 	assert_int_equal(run_export("300"), 0);
+	stall_ms = 1000;
 	for (int known = 0; known < 2; known++) {
 		struct client named = client_new(FROM_HOST), carried = client_new(CARRIED);
 		for (int view = 0; view < 3; view++) {
