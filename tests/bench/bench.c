@@ -57,6 +57,12 @@ bool bench_stopped(const struct bench *bench)
 	return interrupted != 0;
 }
 
+bool bench_goes_on(void *bench, double share)
+{
+	(void)share;
+	return !bench_stopped(bench);
+}
+
 /* ---- Progress ---- */
 
 static bool line_shown;

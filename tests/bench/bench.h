@@ -36,6 +36,7 @@ struct bench_section {
 };
 /* True after Ctrl-C: finish the unit, keep it, return ECO_INTERRUPTED. bench_go_on returns that or ECO_OK. */
 bool bench_stopped(const struct bench *bench);
+bool bench_goes_on(void *bench, double share);       /* as progress of builds and ranks */
 enum eco_code bench_go_on(const struct bench *bench, struct eco_error *error);
 void bench_progress(struct bench *bench, double share, const char *what);
 
@@ -77,6 +78,7 @@ void bench_table_values(struct bench_table *table, const double *values, const c
 
 /* A figure of summary.json; NaN becomes null: not reached, and the report says why. `bar` names the figure to
  * reach, in words. */
+double bench_median(double *values, uint32_t count);         /* sorts them; NaN of none */
 void bench_key(struct bench *bench, const char *key, double value, const char *bar);
 
 /* A heading within the section, and a paragraph: plain text, escaped. */
@@ -115,14 +117,13 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out,
 	struct eco_error *error);
 
+/* Writes FOLDER/NAME.obj and .mtl: the tree of 6,143 leaves (bench_crown.c). */
+enum eco_code bench_crown_write(const char *folder, const char *name, struct eco_error *error);
+
 /* The pack of a scene (crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park, city,
  * scbi), built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
  * default). Writes its path. ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
 enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512],
-	struct eco_error *error);
-/* Packs of a scene in our order and in the stochastic one, and a stamp of both. */
-struct bench_pair { char ours[512], stochastic[512], stamp[128]; };
-enum eco_code bench_scene_pair(struct bench *bench, const char *name, struct bench_pair *pair,
 	struct eco_error *error);
 /* The pack of one model, made anew each time; its plant comes from a cache. */
 enum eco_code bench_model_pack(struct bench *bench, const struct bench_model *model, char pack[512],

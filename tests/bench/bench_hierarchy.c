@@ -108,8 +108,8 @@ static enum eco_code draw_heights(struct bench *bench, const struct forest *f, c
 	enum eco_code code = bench_client_open(&client, pack, error);
 	for (uint32_t i = 0; i < HEIGHTS && !code; i++) {
 		bench_progress(bench, (double)i / HEIGHTS, f->name);
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: draw_height(bench, f, pack, client, i, table, worst_q, error);
+		code = bench_go_on(bench, error);
+		code = code ? code : draw_height(bench, f, pack, client, i, table, worst_q, error);
 	}
 	bench_client_close(client);
 	return code;

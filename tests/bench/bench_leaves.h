@@ -33,8 +33,6 @@ void bench_leaves_close(struct bench_leaves *leaves);
 struct bench_leaves_unit {
 	const char *name, *stamp;
 	const struct bench_model *model;
-	enum eco_code (*make)(struct eco_model *model,
-		struct eco_error *error);         /* NULL: `model` is read */
 	uint32_t pixels;
 	enum eco_code (*study)(void *ctx, struct bench_leaves *leaves, json_t **out, struct eco_error *error);
 	void *ctx;

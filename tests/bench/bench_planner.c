@@ -69,12 +69,6 @@ static enum eco_code on_scenes(struct bench *bench, struct eco_error *error)
 #define REPETITIONS_MAX 200u
 #define REPETITIONS_LEAST 3u
 
-static int ascending(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return x < y ? -1 : x > y;
-}
-
 enum eco_code bench_plan_time(double *median_ms, struct lod_planner_stats *stats, struct eco_plan *plan,
 	const struct eco_scene *scene, const struct eco_request *request, double least_ms,
 	struct eco_error *error)
@@ -91,8 +85,7 @@ enum eco_code bench_plan_time(double *median_ms, struct lod_planner_stats *stats
 		sum += ms[count++] = 1e3 * (bench_now_s() - from);
 	}
 	lod_plan_tables_free(input.tables);
-	qsort(ms, count, sizeof *ms, ascending);
-	*median_ms = code ? NAN : ms[count / 2];
+	*median_ms = code ? NAN : bench_median(ms, count);
 	return code;
 }
 

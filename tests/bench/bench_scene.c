@@ -17,7 +17,6 @@
 #include <xxhash.h>
 
 #include "ecofiles/format/view.h"
-#include "tests/bench/lee/bench_crown.h"
 #include "tests/bench/bench_state.h"
 
 #define PATH 1024
@@ -210,17 +209,6 @@ enum eco_code bench_scene(struct bench *bench, const char *name, const char *ord
 		return ECO_OK;
 	code = bench_command(bench, error, "mkdir -p '%s/packs'", bench->cache);
 	return code ? code : make_pack(bench, name, order, path, stamp, error);
-}
-
-enum eco_code bench_scene_pair(struct bench *bench, const char *name, struct bench_pair *pair,
-	struct eco_error *error)
-{
-	enum eco_code code = bench_scene(bench, name, NULL, pair->ours, error);
-	code = code ? code : bench_scene(bench, name, "stochastic", pair->stochastic, error);
-	int size = snprintf(pair->stamp, sizeof pair->stamp, "%s", bench_pack_stamp(pair->ours));
-	snprintf(pair->stamp + size, sizeof pair->stamp - (size_t)size, " %s",
-		bench_pack_stamp(pair->stochastic));
-	return code;
 }
 
 const char *bench_pack_stamp(const char *path)

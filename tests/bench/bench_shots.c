@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "client-min/draw/view_picture.h"
 #include "ecofiles/format/view.h"
 
 const struct bench_method bench_methods[BENCH_METHODS] = {
@@ -111,43 +112,126 @@ json_t *bench_shot_row(const struct bench_frame *f)
 	return row;
 }
 
-struct work { struct bench *bench; const char *scene, *pack; const struct bench_method *method; uint32_t view; };
+/* ---- Rows ---- */
 
-static enum eco_code shoot(void *ctx, json_t **rows, struct eco_error *error)
+struct work { struct bench *bench; const struct bench_view *view; const struct bench_shoot *shoot; };
+
+/* null where no answer has so few bytes */
+static enum eco_code add_row(const struct work *w, struct bench_client *client, uint32_t row, json_t *rows,
+	struct eco_error *error)
+{
+	const struct bench_shoot *shoot = w->shoot;
+	const struct bench_method *method = shoot->method ? shoot->method : &bench_methods[BENCH_OURS];
+	struct bench_frame frame = { .method = method->name, .rule = method->rule,
+		.ignore_occlusion = method->ignore_occlusion, .cut = shoot->cuts ? shoot->cuts[row] : 0,
+		.request = { .view = w->view->view, .vertices = shoot->vertices ? shoot->vertices[row] : 1000000,
+		.bytes = shoot->bytes ? shoot->bytes[row] : ECO_BYTES_UNBOUNDED } };
+	struct view_picture picture = { 0 };
+	enum eco_code code = bench_client_frame(client, &frame, &picture, error);
+	bool few = code == ECO_TOO_LARGE && shoot->bytes;
+	if (!code && shoot->show)
+		code = shoot->show(w->bench, client, w->view, row, &frame, &picture, error);
+	json_array_append_new(rows, code ? json_null() : bench_shot_row(&frame));
+	view_picture_free(&picture);
+	return few ? ECO_OK : code;
+}
+
+static enum eco_code make_rows(void *ctx, json_t **rows, struct eco_error *error)
 {
 	const struct work *w = ctx;
-	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
-	uint64_t budgets[BENCH_BUDGETS_MAX];
-	uint32_t count = bench_budgets(w->bench, w->scene, budgets),
-		views = bench_shot_views(w->bench, w->scene, requests);
 	struct bench_client *client = NULL;
-	if (w->view >= views)
-		return eco_fail(error, ECO_NOT_FOUND, "%s has %u views", w->scene, views);
-	enum eco_code code = bench_client_open(&client, w->pack, error);
+	enum eco_code code = bench_client_open(&client, w->view->pack, error);
+	*rows = json_array();
 	if (!code)
 		bench_client_see(client);
-	*rows = json_array();
-	for (uint32_t i = 0; i < count && !code; i++) {
-		struct bench_frame frame = { .method = w->method->name, .rule = w->method->rule,
-			.ignore_occlusion = w->method->ignore_occlusion, .request = requests[w->view] };
-		frame.request.vertices = budgets[i];
+	if (!code && !w->shoot->method)
+		bench_client_untimed(client);
+	for (uint32_t i = 0; i < w->shoot->count && !code; i++) {
 		code = bench_go_on(w->bench, error);
 		if (!code)
-			code = bench_client_frame(client, &frame, NULL, error);
-		json_array_append_new(*rows, bench_shot_row(&frame));
+			code = add_row(w, client, i, *rows, error);
 	}
 	bench_client_close(client);
 	return code;
 }
 
+enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view, const struct bench_shoot *shoot,
+	json_t **rows, struct eco_error *error)
+{
+	const struct eco_view *v = &view->view;
+	char unit[96], stamp[256];
+	snprintf(unit, sizeof unit, "%s-%s-%s", shoot->name, view->scene, view->camera);
+	snprintf(stamp, sizeof stamp, "%s %u %g %g %g %g %g %g %g", bench_pack_stamp(view->pack), shoot->count, v->eye[0],
+		v->eye[1], v->eye[2], v->target[0], v->target[1], v->target[2], v->fov_y_deg);
+	return bench_unit(bench, unit, stamp, make_rows, &(struct work){ bench, view, shoot }, rows, error);
+}
+
 enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view,
 	json_t **rows, struct eco_error *error)
 {
-	char name[128], pack[512];
+	char name[16], camera[16], pack[512];
+	uint64_t budgets[BENCH_BUDGETS_MAX];
+	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 	enum eco_code code = bench_scene(bench, scene, bench_methods[method].order, pack, error);
 	if (code)
 		return code;
-	snprintf(name, sizeof name, "shots-%s-%u-%u-%s", scene, method, view, bench->full ? "full" : "quick");
-	return bench_unit(bench, name, bench_pack_stamp(pack), shoot,
-		&(struct work){ bench, scene, pack, &bench_methods[method], view }, rows, error);
+	bench_shot_views(bench, scene, requests);
+	snprintf(name, sizeof name, "shots%u", method);
+	snprintf(camera, sizeof camera, "%u", view);
+	return bench_view_rows(bench, &(struct bench_view){ scene, camera, pack, requests[view].view },
+		&(struct bench_shoot){ .name = name, .count = bench_budgets(bench, scene, budgets), .vertices = budgets,
+		.method = &bench_methods[method] }, rows, error);
+}
+
+/* ---- Cameras ---- */
+
+#define VIEWS "tests/bench/pictures/pictures.json"
+
+static bool read_view(const json_t *item, struct bench_view *to, struct eco_error *error)
+{
+	struct eco_view *view = &to->view;
+	*view = (struct eco_view){ .up = { 0, 0, 1 }, .width = BENCH_SHOT_WIDTH,
+		.height = BENCH_SHOT_HEIGHT };
+	return !json_unpack((json_t *)item, "{s:s, s:[F,F,F], s:[F,F,F], s:F}", "camera", &to->camera,
+		"eye", &view->eye[0], &view->eye[1], &view->eye[2],
+		"target", &view->target[0], &view->target[1], &view->target[2], "fov_y_deg",
+		&view->fov_y_deg) && !eco_view_check(view, error);
+}
+
+/* `done`: the share of all scenes before this one. */
+static enum eco_code each_camera(struct bench *bench, const json_t *item, double done, bench_view_call *call,
+	void *ctx, struct eco_error *error)
+{
+	const json_t *cameras = json_object_get(item, "cameras"), *camera;
+	char pack[512];
+	struct bench_view view = { .pack = pack, .scene = json_string_value(json_object_get(item, "scene")) };
+	enum eco_code code;
+	size_t i;
+	if (!bench_shot_scene(bench, view.scene, pack, &code, error))
+		return ECO_OK;
+	json_array_foreach(cameras, i, camera) {
+		bench_progress(bench, done, view.scene);
+		if (!code)
+			code = read_view(camera, &view, error) ? call(bench, ctx, &view, error)
+				: eco_fail(error, ECO_BAD_INPUT, VIEWS ": a camera of %s is not one",
+				view.scene);
+	}
+	return code;
+}
+
+enum eco_code bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, void *ctx,
+	struct eco_error *error)
+{
+	json_t *file = json_load_file(VIEWS, 0, NULL), *scenes = json_object_get(file, "scenes"), *item;
+	enum eco_code code = scenes ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, VIEWS " cannot be read");
+	size_t i;
+	json_array_foreach(scenes, i, item) {
+		if (!bench->full && i >= quick)
+			bench_left_out(bench, json_string_value(json_object_get(item, "scene")));
+		else if (!code)
+			code = each_camera(bench, item, (double)i / (double)json_array_size(scenes), call,
+				ctx, error);
+	}
+	json_decref(file);
+	return code;
 }

@@ -288,10 +288,7 @@ static void add_key(struct bench *bench, const struct study *s)
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	struct study *s = calloc(1, sizeof *s);
-	if (!s)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for figures");
-	s->bench = bench;
+	struct study study = { .bench = bench }, *s = &study;
 	for (enum coder c = 0; c < CODERS; c++) {
 		s->there[c] = is_there(c);
 		if (!s->there[c])
@@ -310,7 +307,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		s->all.textures);
 	if (!code)
 		add_key(bench, s);
-	free(s);
 	return code;
 }
 

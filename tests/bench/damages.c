@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "ecofiles/format/wire.h"
+#include "tests/support/files.h"
 #include "tests/support/serve/random_request.h"
 
 /* Parses without decoding: every frame's hash, fields and order. True if the whole was accepted. */
@@ -69,14 +70,6 @@ static uint64_t damage_stream(const struct srv_scene *scene, long damages, uint6
 	return unnoticed;
 }
 
-static uint64_t file_size(FILE *f)
-{
-	fseek(f, 0, SEEK_END);
-	long size = ftell(f);
-	rewind(f);
-	return size > 0 ? (uint64_t)size : 0;
-}
-
 /* A pack is noticed to be damaged when it is opened or, inside a chunk, when that chunk is read. */
 static bool pack_accepted(const uint8_t *bytes, size_t size, uint64_t at)
 {
@@ -100,12 +93,9 @@ static bool pack_accepted(const uint8_t *bytes, size_t size, uint64_t at)
 static uint64_t damage_pack(const char *path, long damages, uint64_t seed)
 {
 	struct dice r = { seed };
-	FILE *f = fopen(path, "rb");
-	uint64_t unnoticed = 0, size = f ? file_size(f) : 0;
-	uint8_t *bytes = malloc(size + 1);
-	if (!f || !bytes || fread(bytes, 1, size, f) != size)
-		random_stop(path, &(struct eco_error){ .text = "cannot be read" });
-	fclose(f);
+	uint64_t unnoticed = 0;
+	size_t size;
+	uint8_t *bytes = file_read(path, &size);
 	if (!pack_accepted(bytes, size, 0))
 		random_stop(path, &(struct eco_error){ .text = "the undamaged pack is refused" });
 	for (long i = 0; i < damages; i++) {

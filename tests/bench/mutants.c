@@ -1,7 +1,7 @@
 /* Damaged models: `ecopack make`'s import must read or refuse each within its limits, and leave this process as
  * it was.
  *
- *   mutants [--count N] [--seed S] [--seconds CPU] [--memory GB] [--only I] --folder DIR MODEL...
+ *   mutants [--count N] [--seed S] [--only I] --folder DIR MODEL...
  *
  * Makes N mutants (1000) of the models in turn: flipped bits, runs of other bytes, cut ends, pieces repeated,
  * left out or moved (bytes or whole lines), extreme numbers in texts and in fields of 16, 32 and 64 bits. Mutant I
@@ -48,7 +48,8 @@ struct model {
 	uint32_t mutants, imported, refused, limited, crashed, hung;
 	double slowest_s;
 };
-struct options { uint64_t count, seed, only; double seconds, memory_gb; const char *folder; };
+#define SECONDS 5                    /* of the processor that an import may take */
+struct options { uint64_t count, seed, only; const char *folder; };
 
 /* ---- Chance ---- */
 
@@ -317,7 +318,7 @@ static void try_mutant(struct model *m, uint64_t id, const struct options *o)
 	eco_model_free(&model);
 	m->mutants++;
 	m->slowest_s = took > m->slowest_s ? took : m->slowest_s;
-	m->hung += took > 2 * o->seconds + SLACK_S;
+	m->hung += took > 2 * SECONDS + SLACK_S;
 	bool crash = strstr(error.text, "reading it ended with") != NULL,
 		limit = strstr(error.text, "ECO_IMPORT_") != NULL;
 	*(code == ECO_OK ? &m->imported : crash ? &m->crashed : limit ? &m->limited : &m->refused) += 1;
@@ -355,7 +356,6 @@ static uint32_t read_arguments(int argc, char **argv, struct options *o, struct 
 {
 	static const struct option names[] = { { "count", required_argument, NULL, 'c' },
 		{ "seed", required_argument, NULL, 'r' }, { "only", required_argument, NULL, 'o' },
-		{ "seconds", required_argument, NULL, 's' }, { "memory", required_argument, NULL, 'm' },
 		{ "folder", required_argument, NULL, 'f' }, { NULL, 0, NULL, 0 } };
 	bool usable = true;
 	for (int c; (c = getopt_long(argc, argv, "", names, NULL)) != -1;) {
@@ -363,8 +363,6 @@ static uint32_t read_arguments(int argc, char **argv, struct options *o, struct 
 		o->count = c == 'c' ? strtoull(optarg, NULL, 10) : o->count;
 		o->seed = c == 'r' ? strtoull(optarg, NULL, 10) : o->seed;
 		o->only = c == 'o' ? strtoull(optarg, NULL, 10) : o->only;
-		o->seconds = c == 's' ? strtod(optarg, NULL) : o->seconds;
-		o->memory_gb = c == 'm' ? strtod(optarg, NULL) : o->memory_gb;
 		o->folder = c == 'f' ? optarg : o->folder;
 	}
 	uint32_t count = 0;
@@ -389,10 +387,9 @@ static void prepare(const struct options *o, const struct model *models, uint32_
 	folder_make(o->folder);
 	for (uint32_t i = 0; i < count; i++)
 		link_neighbours(models[i].path, o->folder);
-	snprintf(text, sizeof text, "%g", o->seconds);
+	snprintf(text, sizeof text, "%d", SECONDS);
 	setenv(ECO_GUARD_SECONDS_VARIABLE, text, 1);
-	snprintf(text, sizeof text, "%g", o->memory_gb);
-	setenv(ECO_GUARD_MEMORY_VARIABLE, text, 1);
+	setenv(ECO_GUARD_MEMORY_VARIABLE, "1", 1);
 	if (eco_png_encode(&(struct eco_pixels){ 1, 1, 4, pixel }, &png, &size, NULL) == ECO_OK)
 		free(png);
 #ifdef __SANITIZE_ADDRESS__
@@ -407,13 +404,12 @@ static void prepare(const struct options *o, const struct model *models, uint32_
 int main(int argc, char **argv)
 {
 	static struct model models[MODELS_MAX];
-	struct options o = { .count = 1000, .seed = 1, .only = UINT64_MAX, .seconds = 5, .memory_gb = 1 };
+	struct options o = { .count = 1000, .seed = 1, .only = UINT64_MAX };
 	uint32_t count = read_arguments(argc, argv, &o, models);
 	long before_kb = 0;
 	int open_before = 0;
 	if (count == 0) {
-		fprintf(stderr, "usage: mutants [--count N] [--seed S] [--seconds CPU] [--memory GB] "
-			"[--only I] --folder DIR MODEL...\n");
+		fprintf(stderr, "usage: mutants [--count N] [--seed S] [--only I] --folder DIR MODEL...\n");
 		return 2;
 	}
 	prepare(&o, models, count);

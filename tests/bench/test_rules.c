@@ -207,21 +207,21 @@ UNIT_TEST(rules_spend_their_budget_and_draw_what_they_count)
 /* Figures of each plant's table: Neubert's are no worse than Cook's, with fewer leaves. */
 UNIT_TEST(tables_keep_cooks_quality_with_fewer_leaves)
 {
-	struct paper_tables *tables;
+	struct paper_table *tables;
 	struct eco_error error = { 0 };
 	assert_ok(paper_tables_make(&tables, scene, &error), error);
 	for (uint32_t plant = 0; plant < 2; plant++) {
-		const struct paper_table *t = paper_tables_of(tables, plant);
+		const struct paper_table *t = &tables[plant];
 		assert_true(t->leaves == (plant ? 400 : 30000) && t->share > 0 && t->share <= 1);
 		for (uint32_t i = 0; i < PAPER_LAMBDAS; i++) {
 			assert_true(t->q_opt[i] >= t->q_cook[i]);
-			assert_true(paper_tables_optimal(tables, plant, t->lambda[i]) <= t->lambda[i]);
-			assert_true(near(paper_tables_scale(tables, plant, t->lambda[i]), t->s_opt[i]));
+			assert_true(paper_table_optimal(t, t->lambda[i]) <= t->lambda[i]);
+			assert_true(near(paper_table_scale(t, t->lambda[i]), t->s_opt[i]));
 		}
 		assert_true(t->q_opt[PAPER_LAMBDAS - 1] == 1);
-		assert_true(paper_tables_optimal(tables, plant, t->lambda[4]) < t->lambda[4]);
+		assert_true(paper_table_optimal(t, t->lambda[4]) < t->lambda[4]);
 	}
-	paper_tables_free(tables);
+	free(tables);
 }
 
 UNIT_TEST(plants_behind_others_lose_leaves)

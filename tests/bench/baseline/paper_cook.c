@@ -61,10 +61,10 @@ static struct pruned prune(const struct paper_cook *cook, uint32_t plant, double
 {
 	struct pruned out = { paper_cook_lambda(r, full_m), 1 };
 	if (cook->optimal && cook->tables)
-		out.lambda = paper_tables_optimal(cook->tables, plant, out.lambda);
+		out.lambda = paper_table_optimal(&cook->tables[plant], out.lambda);
 	out.lambda *= paper_sight_share(f);
-	out.scale = !cook->tables ? 1 / out.lambda : (cook->optimal ? paper_tables_scale : paper_tables_cook)(
-		cook->tables, plant, out.lambda);
+	out.scale = !cook->tables ? 1 / out.lambda : (cook->optimal ? paper_table_scale : paper_table_cook)(
+		&cook->tables[plant], out.lambda);
 	return out;
 }
 

@@ -12,8 +12,6 @@
 #define SIDE 128u
 #define SCALES 13u /* tried from near 1 to Cook's and one beyond, in proportion */
 
-struct paper_tables { struct paper_table *plants; };
-
 /* The leaves of a plant as one selection. */
 struct alone {
 	struct paper_scene *s;
@@ -164,37 +162,17 @@ static enum eco_code make_table(struct paper_scene *s, uint32_t plant, struct pa
 	return code;
 }
 
-enum eco_code paper_tables_make(struct paper_tables **out, struct paper_scene *scene, struct eco_error *error)
+enum eco_code paper_tables_make(struct paper_table **tables, struct paper_scene *scene, struct eco_error *error)
 {
-	struct paper_tables *t = *out = calloc(1, sizeof *t);
 	uint32_t n = scene->scene->plant_count;
-	enum eco_code code = ECO_OK;
-	if (t)
-		t->plants = calloc(n + 1, sizeof *t->plants);
-	if (!t || !t->plants)
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for tables of %u plants", n);
+	*tables = calloc(n + 1, sizeof **tables);
+	enum eco_code code = *tables ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for tables of %u plants", n);
 	for (uint32_t i = 0; i < n && !code; i++)
-		code = make_table(scene, i, &t->plants[i], error);
-	if (code) {
-		paper_tables_free(t);
-		*out = NULL;
-	}
+		code = make_table(scene, i, &(*tables)[i], error);
 	return code;
 }
 
-void paper_tables_free(struct paper_tables *tables)
-{
-	if (tables)
-		free(tables->plants);
-	free(tables);
-}
-
 /* ---- Looking up ---- */
-
-const struct paper_table *paper_tables_of(const struct paper_tables *tables, uint32_t plant)
-{
-	return &tables->plants[plant];
-}
 
 /* Linear in log lambda between two rows. */
 static double look(const struct paper_table *t, const double *values, double lambda)
@@ -225,14 +203,8 @@ double paper_table_optimal(const struct paper_table *t, double lambda)
 	return lambda;
 }
 
-double paper_tables_optimal(const struct paper_tables *tables, uint32_t plant, double lambda)
+double paper_table_scale(const struct paper_table *t, double lambda)
 {
-	return paper_table_optimal(&tables->plants[plant], lambda);
-}
-
-double paper_tables_scale(const struct paper_tables *tables, uint32_t plant, double lambda)
-{
-	const struct paper_table *t = &tables->plants[plant];
 	double logs[PAPER_LAMBDAS];
 	if (t->leaves < 2)
 		return 1 / lambda;
@@ -241,9 +213,8 @@ double paper_tables_scale(const struct paper_tables *tables, uint32_t plant, dou
 	return exp(look(t, logs, lambda));
 }
 
-double paper_tables_cook(const struct paper_tables *tables, uint32_t plant, double lambda)
+double paper_table_cook(const struct paper_table *t, double lambda)
 {
-	const struct paper_table *t = &tables->plants[plant];
 	if (t->leaves < 2)
 		return 1 / lambda;
 	return lod_cook_scale_depth((uint32_t)fmax(1, lambda * t->leaves + 0.5), (uint32_t)t->leaves,

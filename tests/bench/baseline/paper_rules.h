@@ -134,18 +134,14 @@ struct paper_table { /* of one plant's leaves, lambda ascending to 1 */
 	double q_opt[PAPER_LAMBDAS], q_cook[PAPER_LAMBDAS];
 	double leaves, share; /* share: lod_cook_share */
 };
-struct paper_tables;
-enum eco_code paper_tables_make(struct paper_tables **tables, struct paper_scene *scene,
-	struct eco_error *error);
-void paper_tables_free(struct paper_tables *tables);
-const struct paper_table *paper_tables_of(const struct paper_tables *tables, uint32_t plant);
+/* One per plant, to be freed also after an error. */
+enum eco_code paper_tables_make(struct paper_table **tables, struct paper_scene *scene, struct eco_error *error);
 
 /* The smallest lambda whose Q with s_opt is at least that of Cook at lambda; never above it. */
 double paper_table_optimal(const struct paper_table *table, double lambda);
-double paper_tables_optimal(const struct paper_tables *tables, uint32_t plant, double lambda);
-double paper_tables_scale(const struct paper_tables *tables, uint32_t plant, double lambda);
+double paper_table_scale(const struct paper_table *table, double lambda);
 /* Cook's, with the correction for depth complexity. */
-double paper_tables_cook(const struct paper_tables *tables, uint32_t plant, double lambda);
+double paper_table_cook(const struct paper_table *table, double lambda);
 
 struct paper_sight;
 enum eco_code paper_sight_new(struct paper_sight **sight, const struct paper_scene *scene,
@@ -170,7 +166,7 @@ double paper_cook_lambda(double r, double full_m);
 
 struct paper_cook {
 	/* per plant, of paper_tables_make; NULL: scale 1 / lambda without correction */
-	const struct paper_tables *tables;
+	const struct paper_table *tables;
 	bool optimal;              /* Neubert's lambda_opt and s_opt */
 	struct paper_sight *sight; /* with it, lambda_opt max(f, .1); NULL: every plant is visible */
 };

@@ -103,7 +103,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	struct bench_table *table = bench_table_open(bench, "extreme",
 		"family,case,what must hold,measured,pass", true);
 	uint32_t done = 0, failed = 0;
-	char names[160] = "";
 	enum eco_code code = ECO_OK;
 	for (uint32_t k = 0; k < EXTREME_KINDS; k++)
 		for (const struct extreme_case *row = extreme_kinds[k].cases; row->name && !code; row++) {
@@ -121,27 +120,15 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 				without_commas(json_string_value(json_object_get(result, "measured")),
 				measured), pass ? "yes" : "NO");
 			done++;
-			if (!pass && failed++ < 4)
-				snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s",
-					*names ? "; " : "", row->name);
+			failed += !pass;
 		}
 	bench_table_close(table);
 	if (code)
 		return code;
 	bench_say(bench, "%u cases, %u of them passed; none was left out.", done, done - failed);
-	bench_say(bench,
-		"Every loop has a bound: searches have a tolerance and a number of tries, and say which of "
-		"the "
-		"two ended them (lod/solver.h: plans by lod_planner_stats and ECO_TRACE=plan, grids and "
-		"scales in a "
-		"pack's META); everything else makes a fixed number of passes. Tests trap floating-point "
-		"errors around "
-		"lod/. Packs and plans of gcc -O0, gcc -O3 and clang, and plans under valgrind, are compared "
-		"by make " "determinism.");
 	bench_key(bench, "extreme_cases", done, "of the table");
 	bench_key(bench, "extreme_failed", failed, "<= 0: cases that do not hold");
-	return failed ? eco_fail(error, ECO_DAMAGED, "%u of %u extreme cases failed: %s", failed, done, names)
-		: ECO_OK;
+	return failed ? eco_fail(error, ECO_DAMAGED, "%u of %u extreme cases failed", failed, done) : ECO_OK;
 }
 
 const struct bench_section bench_extreme = { "extreme", "Numerical stability", run };

@@ -29,6 +29,7 @@ struct extreme_case {
 	const void *made;            /* NULL where `run` makes one thing only */
 	bool lengthy;                /* seconds, or much memory */
 };
+#define EXTREME_CASE(name, must, run) { name, must, run, NULL, false }
 /* Tables end with a case without a name. */
 extern const struct extreme_case extreme_place[], extreme_camera[], extreme_stiff[], extreme_geometry[],
 	extreme_quantization[], extreme_time[];

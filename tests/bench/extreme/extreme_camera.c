@@ -396,9 +396,8 @@ const struct extreme_case extreme_camera[] = {
 			.view = { { 0, 0, 2 }, { 10, 0, 2 }, { 0, 0, 1 }, 179.999999, 320, 240 } }),
 	{ "pictures of 1 x 1 to 16384 x 16384", SOUND "; the largest: what it covers, "
 		"against a small one", images, sizes, false },
-	{ "everything behind", "nothing is drawn, nothing predicted", all_behind,
-		NULL, false },
-	{ "horizon along 4e6 tiles", "1e6 copies of a stand of four tiles: plans within the "
-		"budget that use half of it at least",
-		horizon, NULL, false },
+	EXTREME_CASE("everything behind", "nothing is drawn, nothing predicted", all_behind),
+	EXTREME_CASE("horizon along 4e6 tiles",
+		"1e6 copies of a stand of four tiles: plans within the budget that use half of it at least",
+		horizon),
 	{ .name = NULL } };

@@ -393,19 +393,16 @@ static void lambda_to_0(struct extreme *x)
 	"all numbers finite"
 
 const struct extreme_case extreme_geometry[] = {
-	{ "triangles of no area", BUILT, zero_area, NULL, false },
-	{ "needles of 1e3:1 to 1e9:1", BUILT, needles, NULL, false },
-	{ "coincident and duplicate triangles", BUILT, coincident, NULL, false },
-	{ "non-manifold surfaces", BUILT, non_manifold, NULL, false },
-	{ "NaN, infinite, denormal and huge corners", BUILT, not_finite, NULL,
-		false },
-	{ "empty plants, one triangle", BUILT, few, NULL, false },
+	EXTREME_CASE("triangles of no area", BUILT, zero_area),
+	EXTREME_CASE("needles of 1e3:1 to 1e9:1", BUILT, needles),
+	EXTREME_CASE("coincident and duplicate triangles", BUILT, coincident),
+	EXTREME_CASE("non-manifold surfaces", BUILT, non_manifold),
+	EXTREME_CASE("NaN, infinite, denormal and huge corners", BUILT, not_finite),
+	EXTREME_CASE("empty plants, one triangle", BUILT, few),
 	{ "a plant of 1e7 triangles", BUILT "; stochastic order", ten_million, NULL,
 		true },
-	{ "1e5 materials", BUILT, materials, NULL, false },
-	{ "orders of one leaf and of all in one point",
-		"every order is finite, whatever the arrangement; such plants are built and "
-		"drawn", orders, NULL, false },
-	{ "lambda to 0", "curves and area factors are finite and bounded down to one "
-		"vertex", lambda_to_0, NULL, false },
+	EXTREME_CASE("1e5 materials", BUILT, materials),
+	EXTREME_CASE("orders of one leaf and of all in one point",
+		"every order is finite, whatever the arrangement; such plants are built and drawn", orders),
+	EXTREME_CASE("lambda to 0", "curves and area factors are finite and bounded down to one vertex", lambda_to_0),
 	{ .name = NULL } };

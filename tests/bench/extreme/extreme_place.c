@@ -143,7 +143,7 @@ const struct extreme_case extreme_place[] = {
 	SITE("10000 km away; turned; scaled by 1/4", false, { .at = { 1e7, -1e7, 100 }, .turn = 54321, .scale
 	= 0.25 }), SITE("10000 km away; turned; scaled by 1e6", true, { .at = { 1e7, -1e7, 100 }, .turn = 777,
 	.scale = 1e6 }),
-	{ "plants of 1 mm beside 100 m",
-	"sound plans and pictures from 3 cm and from 300 m; < 20 % of pixels differ "
-		"from full detail with 20000 vertices", unlike, NULL, false },
+	EXTREME_CASE("plants of 1 mm beside 100 m",
+		"sound plans and pictures from 3 cm and from 300 m; < 20 % of pixels differ from full detail "
+		"with 20000 vertices", unlike),
 	{ .name = NULL } };

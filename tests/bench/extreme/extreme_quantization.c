@@ -288,9 +288,8 @@ const struct extreme_case extreme_quantization[] = {
 		{ "60 m", 10, 0, 9000, 2500, 0, 0, 0, true },
 		{ "120 m", 20, 0, 9000, 2500, 0, 0, 0, true },
 		{ "600 m", 100, 0, 9000, 2500, 0, 0, 0, true }) },
-	{ "a large plant with small leaves",
-		HALF "; all its cells on one grid, so that seams stay closed", large, NULL,
-		false },
+	EXTREME_CASE("a large plant with small leaves",
+		HALF "; all its cells on one grid, so that seams stay closed", large),
 	{ "grids of 12 to 18 bits", HALF,
 		TREES({ "12 bits", 1, 0, 400, 400, 20, 12, 0, false },
 		{ "13 bits", 1, 0, 400, 0, 20, 13, 0, false }, { "14 bits", 1, 0, 400, 0, 20, 14, 0, false },
@@ -301,7 +300,6 @@ const struct extreme_case extreme_quantization[] = {
 	{ "a model far from its own origin",
 		HALF "; floats hold no more there: corners that meet in the source may",
 		TREES({ "1 km from its own origin", 1, 1000, 400, 400, 0, 0, 0.02, false }) },
-	{ "nearer than stated", "error grows as 1 / distance; drawn in full, without "
-		"holes", nearer, NULL, false },
+	EXTREME_CASE("nearer than stated", "error grows as 1 / distance; drawn in full, without holes", nearer),
 	{ .name = NULL } };
 _Static_assert(LOD_GRID_BITS_MIN == 12 && LOD_GRID_BITS_MAX == 18, "the table names every grid");

@@ -424,21 +424,17 @@ static void odd_curves(struct extreme *x)
 	"budget never predicts more error"
 
 const struct extreme_case extreme_stiff[] = {
-	{ "budgets 0, 1, 2, 3 ...", "every vertex is used where points cost one; more never "
-		"predicts more error", tiny, NULL,
-		false },
-	{ "each step of V(d'), one less and one more",
-		"within the budget, error does not rise, what is left over is less than any step; "
-		"by Deussen's rule at most 2 %", steps, NULL, false },
-	{ "budgets to 2^63-1", "all there is, exactly", unbounded, NULL, false },
-	{ "budgets and views that are no numbers",
-		"refused with a reason before anything is computed", impossible, NULL, false },
-	{ "1e5 budgets, swept", HOLD, sweep, NULL, false },
-	{ "jumps of 1e6 vertices", HOLD, jumps, NULL, false },
-	{ "1e6 identical candidates", HOLD "; also for 1e6 plants of one kind",
-		identical, NULL, false },
-	{ "one candidate 1e9 times better", HOLD "; the best is completed first",
-		one_better, NULL, false },
-	{ "flat, convex, rising and single-point curves", HOLD, odd_curves, NULL,
-		false },
+	EXTREME_CASE("budgets 0, 1, 2, 3 ...",
+		"every vertex is used where points cost one; more never predicts more error", tiny),
+	EXTREME_CASE("each step of V(d'), one less and one more",
+		"within the budget, error does not rise, what is left over is less than any step; by Deussen's "
+		"rule at most 2 %", steps),
+	EXTREME_CASE("budgets to 2^63-1", "all there is, exactly", unbounded),
+	EXTREME_CASE("budgets and views that are no numbers",
+		"refused with a reason before anything is computed", impossible),
+	EXTREME_CASE("1e5 budgets, swept", HOLD, sweep),
+	EXTREME_CASE("jumps of 1e6 vertices", HOLD, jumps),
+	EXTREME_CASE("1e6 identical candidates", HOLD "; also for 1e6 plants of one kind", identical),
+	EXTREME_CASE("one candidate 1e9 times better", HOLD "; the best is completed first", one_better),
+	EXTREME_CASE("flat, convex, rising and single-point curves", HOLD, odd_curves),
 	{ .name = NULL } };

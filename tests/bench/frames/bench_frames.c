@@ -130,7 +130,7 @@ static enum eco_code plot_over(struct bench *bench, const struct study *s, int x
 
 struct picture { struct bench *bench; const char *pack, *file; struct bench_frame frame; };
 
-/* Ours, full detail, and where they differ. */
+/* Ours, full detail, and the error that people see. */
 static enum eco_code draw_picture(void *ctx, json_t **made, struct eco_error *error)
 {
 	struct picture *p = ctx;
@@ -142,16 +142,9 @@ static enum eco_code draw_picture(void *ctx, json_t **made, struct eco_error *er
 		bench_client_untimed(client);
 		code = bench_client_frame(client, &p->frame, &ours, error);
 	}
-	if (!code) {
-		const struct view_picture *full = bench_client_full(client);
-		uint8_t *compare = malloc(3 * (size_t)ours.width * ours.height);
-		if (!compare)
-			abort();
-		view_picture_compare(ours.cover, full->cover, ours.width * ours.height, compare);
-		code = bench_pictures_write(p->bench, p->file, ours.width, ours.height,
-			(const uint8_t *const[]){ ours.rgb, full->rgb, compare }, 3, error);
-		free(compare);
-	}
+	if (!code)
+		code = bench_client_compare(client, p->bench, p->file, &ours,
+			(const char *const[]){ "ours", "full detail", "error" }, error);
 	*made = json_true();
 	view_picture_free(&ours);
 	bench_client_close(client);
@@ -169,9 +162,7 @@ static enum eco_code show_picture(struct bench *bench, const char *scene, const 
 	snprintf(unit, sizeof unit, "picture-%s", scene);
 	snprintf(file, sizeof file, "frames-%s-%llu.png", scene, (unsigned long long)vertices);
 	snprintf(path, sizeof path, "%s/%s", bench->out, file);
-	snprintf(caption, sizeof caption,
-		"%s at %llu vertices; full detail; light: right, orange: too much, blue: " "missing", scene,
-		(unsigned long long)vertices);
+	snprintf(caption, sizeof caption, "%s at %llu vertices; full detail; error", scene, (unsigned long long)vertices);
 	bench_picture(bench, file, caption);
 	return access(path, R_OK) ? draw_picture(&picture, &made, error)
 		: bench_unit(bench, unit, bench_pack_stamp(pack), draw_picture, &picture, &made, error);

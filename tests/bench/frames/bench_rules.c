@@ -38,12 +38,12 @@ enum { WRONG = 1, OWNER_Q = 3, OURS = 5, FIGURES = 10, FEWER = FIGURES, COLUMNS 
 struct shot {
 	struct bench *bench;
 	const char *scene;
-	const struct bench_pair *packs;
+	char ours[512], stochastic[512];
 	uint32_t view;
 	struct eco_request request;
 	struct bench_client *client;
 	struct paper_scene *papers; /* of the stochastic order */
-	struct paper_tables *tables;
+	struct paper_table *tables;
 	struct view_picture base; /* ours */
 };
 
@@ -129,20 +129,20 @@ static enum eco_code open_packs(struct shot *shot, struct eco_error *error)
 {
 	if (shot->client)
 		return ECO_OK;
-	enum eco_code code = bench_client_open(&shot->client, shot->packs->ours, error);
+	enum eco_code code = bench_client_open(&shot->client, shot->ours, error);
 	if (!code) {
 		bench_client_see(shot->client);
 		bench_client_untimed(shot->client);
 	}
 	if (!code)
-		code = paper_scene_open(&shot->papers, shot->packs->stochastic, error);
+		code = paper_scene_open(&shot->papers, shot->stochastic, error);
 	return code ? code : paper_tables_make(&shot->tables, shot->papers, error);
 }
 
 static void close_packs(struct shot *shot)
 {
 	bench_client_close(shot->client);
-	paper_tables_free(shot->tables);
+	free(shot->tables);
 	paper_scene_close(shot->papers);
 }
 
@@ -163,10 +163,13 @@ static enum eco_code shoot(void *ctx, json_t **rows, struct eco_error *error)
 static enum eco_code study(struct bench *bench, const char *scene, double mean[RULES][COLUMNS],
 	struct eco_error *error)
 {
-	struct bench_pair packs;
-	struct shot shot = { .bench = bench, .scene = scene, .packs = &packs };
+	char stamp[128];
+	struct shot shot = { .bench = bench, .scene = scene };
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
-	enum eco_code code = bench_scene_pair(bench, scene, &packs, error);
+	enum eco_code code = bench_scene(bench, scene, NULL, shot.ours, error);
+	code = code ? code : bench_scene(bench, scene, "stochastic", shot.stochastic, error);
+	int size = snprintf(stamp, sizeof stamp, "%s", bench_pack_stamp(shot.ours));
+	snprintf(stamp + size, sizeof stamp - (size_t)size, " %s", bench_pack_stamp(shot.stochastic));
 	uint32_t views = code ? 0 : bench_shot_views(bench, scene, requests);
 	for (uint32_t v = 0; v < views && !code; v++) {
 		char name[96];
@@ -175,7 +178,7 @@ static enum eco_code study(struct bench *bench, const char *scene, double mean[R
 		shot.view = v;
 		shot.request = requests[v];
 		shot.request.vertices = VERTICES;
-		code = bench_unit(bench, name, packs.stamp, shoot, &shot, &rows, error);
+		code = bench_unit(bench, name, stamp, shoot, &shot, &rows, error);
 		for (uint32_t i = 0; i < RULES * FIGURES && !code; i++)
 			mean[i / FIGURES][i % FIGURES] += bench_cell(json_array_get(rows, i / FIGURES),
 				i % FIGURES) / views;

@@ -37,13 +37,6 @@ struct study {
 	double share;          /* lod_cook_share */
 };
 
-static bool goes_on(void *ctx, double share)
-{
-	const struct study *s = ctx;
-	(void)share;
-	return !bench_stopped(s->bench);
-}
-
 /* ---- Pictures ---- */
 
 static bool is_foliage(const struct eco_ladder *ladder)
@@ -251,8 +244,8 @@ static struct lod_plant_options options_of(struct study *s, uint32_t seed, bool 
 		.grid_bits = GRID_BITS,
 		.no_splats = true,
 		.random_leaves = random,
-		.progress = goes_on,
-		.ctx = s };
+		.progress = bench_goes_on,
+		.ctx = s->bench };
 }
 
 static void end(struct study *s)

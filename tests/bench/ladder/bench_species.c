@@ -72,18 +72,12 @@ static double cook_lambda(uint32_t i) { return (1 - distance_of(i)) * (1 - dista
 
 /* ---- Orders ---- */
 
-static bool goes_on(void *bench, double share)
-{
-	(void)share;
-	return !bench_stopped(bench);
-}
-
 static enum eco_code make_orders(struct study *s, struct eco_error *error)
 {
 	const uint32_t *first = s->leaves->foliage.first;
 	struct lod_rank rank;
 	enum eco_code code = lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1,
-		.leaves = true, .progress = goes_on, .ctx = s->bench }, &s->leaves->arena, error);
+		.leaves = true, .progress = bench_goes_on, .ctx = s->bench }, &s->leaves->arena, error);
 	if (code)
 		return code;
 	s->growth = rank.growth;
@@ -303,8 +297,8 @@ static enum eco_code measure(struct bench *bench, const struct bench_model *mode
 	/* by what the file holds: the same plant in two scenes is measured once */
 	snprintf(name, sizeof name, "savings-%016llx", (unsigned long long)bench_file_hash(model->path));
 	snprintf(stamp, sizeof stamp, "%u views", bench->full ? TESTS_MOST : TESTS_MOST / 2);
-	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, NULL,
-		PIXELS, study_leaves, s }, &unit, error);
+	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, PIXELS,
+		study_leaves, s }, &unit, error);
 	free(s);
 	*enough = !code && json_array_size(unit) > 1;
 	if (!*enough)
@@ -349,12 +343,6 @@ static enum eco_code measure_all(struct bench *bench, struct all *all, struct ec
 	return code;
 }
 
-static int ascending(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return x < y ? -1 : x > y;
-}
-
 /* In per cent, over all species or those with closed crowns. */
 static double median(const struct all *all, int method, int kind, bool closed)
 {
@@ -363,8 +351,7 @@ static double median(const struct all *all, int method, int kind, bool closed)
 	for (uint32_t i = 0; i < all->count; i++)
 		if (!closed || all->of[i].closed)
 			values[count++] = 100 * all->of[i].saved[method][kind];
-	qsort(values, count, sizeof *values, ascending);
-	return count ? (values[(count - 1) / 2] + values[count / 2]) / 2 : NAN;
+	return bench_median(values, count);
 }
 
 static void write_tables(struct bench *bench, const struct all *all)

@@ -12,7 +12,6 @@
 #include "lod/build/order/rank.h"
 #include "tests/bench/baseline/paper_rules.h"
 #include "tests/bench/bench_leaves.h"
-#include "tests/bench/lee/bench_crown.h"
 
 #define PIXELS 256u
 #define SHARES 4u
@@ -245,9 +244,12 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	json_t *rows;
 	struct study s = { .bench = bench };
+	struct bench_model crown = { .name = "crown" };
 	bench_progress(bench, 0, "crown of 6143 leaves");
-	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ "lee-crown-6143", NULL, NULL,
-		bench_crown_make, PIXELS, study_leaves, &s }, &rows, error);
+	snprintf(crown.path, sizeof crown.path, "%.480s/crown.obj", bench->cache);
+	enum eco_code code = bench_crown_write(bench->cache, "crown", error);
+	code = code ? code : bench_leaves_unit(bench, &(struct bench_leaves_unit){ "lee-crown-6143", NULL, &crown,
+		PIXELS, study_leaves, &s }, &rows, error);
 	if (code)
 		return code;
 	write_table(bench, rows);

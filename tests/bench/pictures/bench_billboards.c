@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "ecofiles/base/angle16.h"
 #include "lod/build/model_draw.h"
@@ -36,11 +35,11 @@ static const uint32_t caps[CAPS] = { 2, 8, 33, 166, 209, 333 };
  * scale. */
 enum turn { BILLBOARDS, STOCHASTIC, COMBINED, GREEDY, TURNS };
 static const char *const turn_names[TURNS] = { "209 billboards", "stochastic", "combined", "greedy" };
-enum figure { COUNT, PARTS, FORM_CROSS, FORM_PLANE, FORM_STRIP, ERROR, INVALID, EPSILON, TEXELS, SECONDS,
+enum figure { COUNT, PARTS, FORM_CROSS, FORM_PLANE, FORM_STRIP, ERROR, INVALID, EPSILON, TEXELS,
 	PRECISION, RECALL, QUALITY, FIGURES };
 static const struct bench_column columns[FIGURES] = { { "billboards", 0 }, { "parts", 0 }, { "crosses", 0 },
 	{ "planes", 0 }, { "strips", 0 }, { "error", 3 }, { "invalid", 3 }, { "epsilon", 4 },
-	{ "thousand texels", 0 }, { "CPU s", 1 }, { "Precision", 3 }, { "Recall", 3 }, { "Q", 3 } };
+	{ "thousand texels", 0 }, { "Precision", 3 }, { "Recall", 3 }, { "Q", 3 } };
 
 /* Pictures of side x side pixels, and the whole plant's. */
 struct size { uint32_t side; struct lod_raster raster; uint8_t *whole[VIEWS]; };
@@ -172,13 +171,11 @@ static void paint(struct study *s, const struct lod_billboard_cloud *cloud, uint
 static enum eco_code measure_cap(struct study *s, uint32_t cap, uint8_t *picture, struct eco_error *error)
 {
 	struct lod_billboard_cloud cloud;
-	clock_t begun = clock();
 	enum eco_code code = lod_billboard_cloud_make(&cloud, s->plant, caps[cap], error);
 	if (code)
 		return code;
 	double figure[FIGURES] = { cloud.count, cloud.parts, cloud.forms[0], cloud.forms[1], cloud.forms[2],
-		cloud.error, cloud.invalid, cloud.epsilon, (double)cloud.texels / 1000,
-		(double)(clock() - begun) / CLOCKS_PER_SEC };
+		cloud.error, cloud.invalid, cloud.epsilon, (double)cloud.texels / 1000 };
 	score(s, &cloud, figure);
 	json_array_append_new(s->clouds, bench_reals(figure, FIGURES));
 	if (cap >= 1 && cap <= 3)
@@ -275,12 +272,6 @@ static void prune_to(struct study *s, double wanted)
 	keep_turn(s, vertices, 3.0 * (double)f->wood_count, q, fabs(mean - wanted) <= 0.02);
 }
 
-static bool rank_goes_on(void *ctx, double share)
-{
-	(void)share;
-	return !bench_stopped(ctx);
-}
-
 static enum eco_code make_order(struct study *s, enum turn method, struct eco_error *error)
 {
 	struct lod_rank rank;
@@ -290,7 +281,7 @@ static enum eco_code make_order(struct study *s, enum turn method, struct eco_er
 		return ECO_OK;
 	}
 	enum eco_code code = lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1,
-		.leaves = true, .progress = rank_goes_on, .ctx = s->bench }, &s->leaves->arena, error);
+		.leaves = true, .progress = bench_goes_on, .ctx = s->bench }, &s->leaves->arena, error);
 	s->order = rank.order;
 	return code;
 }
@@ -346,7 +337,7 @@ static enum eco_code measure(struct bench *bench, const struct bench_model *mode
 	struct study s = { .bench = bench, .name = model->name };
 	snprintf(name, sizeof name, "billboards-%s", model->name);
 	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
-	return bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, NULL, PIXELS,
+	return bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, PIXELS,
 		study_leaves, &s }, out, error);
 }
 

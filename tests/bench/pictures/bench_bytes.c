@@ -5,7 +5,7 @@
  *                that budget */
 #include <math.h>
 
-#include "tests/bench/pictures/bench_views.h"
+#include "tests/bench/bench_shots.h"
 
 #define VERTICES 1000000u
 #define NEAR 1.1                 /* picture error of the cut answer over the other's */
@@ -27,16 +27,10 @@ static void say_pictures(struct bench *bench, const char *more)
 /* Sums over rows that bind. */
 struct bytes { struct bench_table *table; double used, off; uint32_t binding; };
 
-static void ask_bytes(uint32_t budget, struct bench_frame *frame)
-{
-	frame->request.vertices = VERTICES;
-	frame->request.bytes = budgets[budget];
-}
-
 static enum eco_code study_bytes(struct bench *bench, void *ctx, const struct bench_view *view,
 	struct eco_error *error)
 {
-	static const struct bench_view_shoot shoot = { "bytes", BUDGETS, ask_bytes, NULL };
+	static const struct bench_shoot shoot = { .name = "bytes", .count = BUDGETS, .bytes = budgets };
 	struct bytes *s = ctx;
 	json_t *rows;
 	enum eco_code code = bench_view_rows(bench, view, &shoot, &rows, error);
@@ -81,23 +75,17 @@ const struct bench_section bench_bytes = { "bytes", "What people see for the byt
 /* `rows`: those whose answer is longer than the cut; `near`: those of them within NEAR */
 struct cuts { struct bench_table *table; uint32_t rows, near; double logs, worst; };
 
-/* Rows are in pairs: cut, asked for. */
-static void ask_cut(uint32_t row, struct bench_frame *frame)
-{
-	frame->request.vertices = VERTICES;
-	frame->request.bytes = row % 2 ? cuts[row / 2] : ECO_BYTES_UNBOUNDED;
-	frame->cut = row % 2 ? 0 : cuts[row / 2];
-}
-
 static enum eco_code study_cuts(struct bench *bench, void *ctx, const struct bench_view *view,
 	struct eco_error *error)
 {
-	static const struct bench_view_shoot shoot = { "anytime", 2 * CUTS, ask_cut, NULL };
+	static const struct bench_shoot shoots[] = { { .name = "anytime-cut", .count = CUTS, .cuts = cuts },
+		{ .name = "anytime-asked", .count = CUTS, .bytes = cuts } };
 	struct cuts *s = ctx;
-	json_t *rows;
-	enum eco_code code = bench_view_rows(bench, view, &shoot, &rows, error);
+	json_t *rows[2];
+	enum eco_code code = bench_view_rows(bench, view, &shoots[0], &rows[0], error);
+	code = code ? code : bench_view_rows(bench, view, &shoots[1], &rows[1], error);
 	for (size_t c = 0; c < CUTS && !code; c++) {
-		const json_t *cut = json_array_get(rows, 2 * c), *asked = json_array_get(rows, 2 * c + 1);
+		const json_t *cut = json_array_get(rows[0], c), *asked = json_array_get(rows[1], c);
 		double whole = bench_shot_number(cut, "bytes"), seen = bench_shot_number(cut, "picture_error"),
 			other = bench_shot_number(asked, "picture_error"),
 			ratio = fmax(seen, SEEN_LEAST) / fmax(other, SEEN_LEAST);

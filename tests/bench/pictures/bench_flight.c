@@ -1,6 +1,6 @@
 /* A flight of a minute: what is sent, with all that came held. A client asks ten times a second for the view of that
  * moment. Bytes are whole answers, plans included. */
-#include "tests/bench/pictures/bench_views.h"
+#include "tests/bench/bench_shots.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "tests/bench/pictures/bench_views.h"
+#include "tests/bench/bench_shots.h"
 
 static const uint64_t budgets[] = { 10000, 100000, 1000000 };
 #define BUDGETS (sizeof budgets / sizeof *budgets)
@@ -33,12 +33,6 @@ static enum eco_code show(struct bench *bench, struct bench_client *client, cons
 		error);
 }
 
-static void ask(uint32_t budget, struct bench_frame *frame)
-{
-	frame->request.vertices = budgets[budget];
-	frame->request.bytes = ECO_BYTES_UNBOUNDED;
-}
-
 static void add_row(struct study *s, const struct bench_view *view, size_t b, const json_t *row)
 {
 	double owner_q = bench_shot_number(row, "owner_q"), seen = bench_shot_number(row, "picture_error");
@@ -55,7 +49,8 @@ static void add_row(struct study *s, const struct bench_view *view, size_t b, co
 static enum eco_code study_view(struct bench *bench, void *ctx, const struct bench_view *view,
 	struct eco_error *error)
 {
-	static const struct bench_view_shoot shoot = { "seen", BUDGETS, ask, show };
+	static const struct bench_shoot shoot = { .name = "seen", .count = BUDGETS, .vertices = budgets,
+		.show = show };
 	json_t *rows;
 	enum eco_code code = bench_view_rows(bench, view, &shoot, &rows, error);
 	for (uint32_t b = 0; b < BUDGETS && !code; b++) {

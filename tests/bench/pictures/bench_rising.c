@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "tests/bench/pictures/bench_views.h"
+#include "tests/bench/bench_shots.h"
 #include "tests/support/serve/random_request.h"
 
 #define VERTICES 1000000u
@@ -22,20 +22,14 @@ static const uint64_t budgets[] = { 10000, 20000, 30000, 50000, 75000, 120000, 2
 #define BUDGETS (sizeof budgets / sizeof *budgets)
 
 struct counts { uint32_t views, rows, binding, worse; double worst, used, off; };
-struct study { struct bench_table *table, *sums; struct counts all; };
+struct study { struct bench_table *table; struct counts all; };
 
-static void ask(uint32_t budget, struct bench_frame *frame)
-{
-	frame->request.vertices = VERTICES;
-	frame->request.bytes = budgets[budget];
-}
-
-static const struct bench_view_shoot shoot = { "rising", BUDGETS, ask, NULL };
+static const struct bench_shoot shoot = { .name = "rising", .count = BUDGETS, .bytes = budgets };
 
 /* All budgets from where all comes on are the same answer: one row of it counts. */
-static void add_rows(struct study *s, struct counts *counts, const struct bench_view *view,
-	const json_t *rows)
+static void add_rows(struct study *s, const struct bench_view *view, const json_t *rows)
 {
+	struct counts *counts = &s->all;
 	double all = bench_shot_number(json_array_get(rows, BUDGETS - 1), "bytes"), least = INFINITY;
 	bool last = false;
 	for (size_t b = 0; b < BUDGETS && !last; b++) {
@@ -62,24 +56,6 @@ static void add_rows(struct study *s, struct counts *counts, const struct bench_
 	counts->views++;
 }
 
-static void add_counts(struct study *s, const char *name, const struct counts *c)
-{
-	double binding = c->binding ? c->binding : NAN;
-	bench_table_row(s->sums, "%s,%u,%u,%u,%.3f,%u,%.3f,%.4f", name, c->views, c->rows, c->worse, c->worst,
-		c->binding, c->used / binding, c->off / binding);
-}
-
-static void sum_up(struct counts *all, const struct counts *c)
-{
-	all->views += c->views;
-	all->rows += c->rows;
-	all->binding += c->binding;
-	all->worse += c->worse;
-	all->worst = fmax(all->worst, c->worst);
-	all->used += c->used;
-	all->off += c->off;
-}
-
 /* Every other one at random. The caller frees them. */
 static enum eco_code find_views(const char *pack, struct eco_view **views, struct eco_error *error)
 {
@@ -100,7 +76,6 @@ static enum eco_code find_views(const char *pack, struct eco_view **views, struc
 
 static enum eco_code study_scene(struct bench *bench, struct study *s, size_t number, struct eco_error *error)
 {
-	struct counts counts = { .worst = 0 };
 	struct eco_view *views = NULL;
 	char pack[512], camera[32];
 	snprintf(pack, sizeof pack, "%s/requests/%s.eco", bench->cache, scenes[number]);
@@ -112,11 +87,9 @@ static enum eco_code study_scene(struct bench *bench, struct study *s, size_t nu
 		bench_progress(bench, (number + (double)i / VIEWS) / SCENES, scenes[number]);
 		code = bench_view_rows(bench, &view, &shoot, &rows, error);
 		if (!code)
-			add_rows(s, &counts, &view, rows);
+			add_rows(s, &view, rows);
 	}
 	free(views);
-	add_counts(s, scenes[number], &counts);
-	sum_up(&s->all, &counts);
 	return code;
 }
 
@@ -133,12 +106,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		SEEN_LEAST);
 	s.table = bench_table_open(bench, "rising", "scene,camera,budget,bytes,Q,predicted Q,picture error,"
 		"over the least of fewer bytes", false);
-	s.sums = bench_table_open(bench, "rising-scenes", "scene,views,rows,worse,worst,binding,used,"
-		"predicted Q off", true);
 	for (size_t i = 0; i < SCENES && !code; i++)
 		code = study_scene(bench, &s, i, error);
-	add_counts(&s, "all", &s.all);
-	bench_table_close(s.sums);
 	bench_table_close(s.table);
 	if (!code && s.all.binding) {
 		bench_key(bench, "rising_worse", (double)s.all.worse / s.all.rows, "0: share of the pictures "
