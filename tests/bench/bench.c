@@ -144,8 +144,8 @@ static json_t *recall(struct bench *bench, const char *unit, const char *stamp)
 		return NULL;
 	const char *name = "", *program = "", *under = "";
 	json_t *kept = bench_json_read(path), *result = NULL;
-	if (json_unpack(kept, "{s:s, s:s, s:s, s:o}", "unit", &name, "program", &program, "stamp", &under, "result",
-			&result) || strcmp(name, unit)) {
+	if (json_unpack(kept, "{s:s, s:s, s:s, s:o}", "unit", &name, "program", &program, "stamp", &under,
+		"result", &result) || strcmp(name, unit)) {
 		bench_note(bench, "%s is damaged: this piece of work is done anew", path);
 		result = NULL;
 	} else if (strcmp(under, stamp) || (strcmp(program, bench_program()) && !s->trust)) {
@@ -270,7 +270,8 @@ const char *bench_program(void)
 {
 	static char stamp[17];
 	if (!*stamp)
-		snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash("/proc/self/exe"));
+		snprintf(stamp, sizeof stamp, "%016llx",
+			(unsigned long long)bench_file_hash("/proc/self/exe"));
 	return stamp;
 }
 
@@ -326,14 +327,14 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 		: code == ECO_NOT_FOUND ? "missing" : "failed";
 	bool told = code && code != ECO_INTERRUPTED;
 	say_left_out(bench);
-	json_t *more = json_pack("{s:s, s:f, s:s}", "state", state, "seconds", seconds, "why", code ? error->text
-		: "");
+	json_t *more = json_pack("{s:s, s:f, s:s}", "state", state, "seconds", seconds, "why",
+		code ? error->text : "");
 	json_object_update(s->record, more);
 	json_decref(more);
 	snprintf(path, sizeof path, "%s/sections/%s.json", bench->cache, s->section->name);
 	enum eco_code written = bench_json_write(path, s->record, &why);
-	bench_note(bench, "%s: %s in %.1f s (%u pieces of work done, %u were there)%s%s", s->section->name, state,
-		seconds, s->kept, s->recalled, told ? ": " : "", told ? error->text : "");
+	bench_note(bench, "%s: %s in %.1f s (%u pieces of work done, %u were there)%s%s", s->section->name,
+		state, seconds, s->kept, s->recalled, told ? ": " : "", told ? error->text : "");
 	if (written)
 		bench_note(bench, "%s", why.text);
 	json_decref(s->left_out);

@@ -4,8 +4,8 @@
  *   a section works in units, each a JSON value that is kept on disk: the next run makes missing ones only
  *   its units become tables (CSV), plots, pictures, paragraphs of report.html, and keys of summary.json
  *
- * A unit is kept under a stamp: this program, and the section's own (packs, number of views). A change of these makes
- * the unit anew. */
+ * A unit is kept under a stamp: this program, and the section's own (packs, number of views). A change of
+ * these makes the unit anew. */
 #ifndef TESTS_BENCH_H
 #define TESTS_BENCH_H
 
@@ -139,8 +139,8 @@ bool bench_scene_quick(const char *name);
 uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_request *requests,
 	uint32_t room);
 
-/* Median milliseconds of planning alone, in memory: at least thrice, until `least_ms` have gone by or 200 times;
- * and the last plan, which the caller frees in any case (bench_planner.c). */
+/* Median milliseconds of planning alone, in memory: at least thrice, until `least_ms` have gone by or 200
+ * times; and the last plan, which the caller frees in any case (bench_planner.c). */
 enum eco_code bench_plan_time(double *median_ms, struct lod_planner_stats *stats, struct eco_plan *plan,
 	const struct eco_scene *scene, const struct eco_request *request, double least_ms,
 	struct eco_error *error);
@@ -196,8 +196,8 @@ struct view_store;
 struct view_selection;
 double bench_gl_ms(const struct view_store *store, const struct view_selection *selection,
 	const struct eco_view *view);
-/* Writes that picture beside full detail of the same view and the error that people see, as `file` of the report's
- * folder, with words under each (ASCII). Only of a client that sees. */
+/* Writes that picture beside full detail of the same view and the error that people see, as `file` of the
+ * report's folder, with words under each (ASCII). Only of a client that sees. */
 enum eco_code bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,
 	const struct view_picture *picture, const char *const words[3], struct eco_error *error);
 

@@ -1,5 +1,5 @@
-/* Hierarchy at scale: forests of 10^6, 10^9 and 10^12 plants from one hectare in blocks of blocks. A plan costs
- * what is seen, not what exists. */
+/* Hierarchy at scale: forests of 10^6, 10^9 and 10^12 plants from one hectare in blocks of blocks. A plan
+ * costs what is seen, not what exists. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

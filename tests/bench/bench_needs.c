@@ -36,7 +36,10 @@ static enum eco_code measure(void *ctx, json_t **rows, struct eco_error *error)
 		: eco_fail(error, ECO_IO, "%s: holds no table of needs", path);
 }
 
-static const char *line_of(const json_t *rows, size_t i) { return json_string_value(json_array_get(rows, i)); }
+static const char *line_of(const json_t *rows, size_t i)
+{
+	return json_string_value(json_array_get(rows, i));
+}
 
 static double field(const char *line, int column)
 {

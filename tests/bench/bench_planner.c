@@ -17,13 +17,14 @@ static const char *const scenes[] = { "scbi", "trees5000", "outdoor", "crown", "
 
 struct gap { double sum, of_signs, worst; uint32_t frames; };
 
-static enum eco_code add_scene(struct bench *bench, const char *scene, struct bench_table *table, struct gap *all,
-	struct eco_error *error)
+static enum eco_code add_scene(struct bench *bench, const char *scene, struct bench_table *table,
+	struct gap *all, struct eco_error *error)
 {
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 	uint64_t budgets[BENCH_BUDGETS_MAX];
 	struct gap gaps[BENCH_BUDGETS_MAX] = { { 0 } };
-	uint32_t count = bench_budgets(bench, scene, budgets), views = bench_shot_views(bench, scene, requests);
+	uint32_t count = bench_budgets(bench, scene, budgets), views = bench_shot_views(bench, scene,
+		requests);
 	enum eco_code code = ECO_OK;
 	for (uint32_t v = 0; v < views && !code; v++) {
 		json_t *rows;
@@ -155,7 +156,8 @@ static enum eco_code times(struct bench *bench, struct eco_error *error)
 	bench_table_close(table);
 	if (code)
 		return code;
-	bench_key(bench, "planning_ms", trees, "<= 10 where copying 1 GB takes 200 ms: 1,000,000 vertices of the "
+	bench_key(bench, "planning_ms", trees,
+		"<= 10 where copying 1 GB takes 200 ms: 1,000,000 vertices of the "
 		"5,000 trees, median of the views");
 	bench_key(bench, "planning_candidates_per_cut", gains,
 		"<= 4, worst view: candidates whose gain was computed");

@@ -13,8 +13,8 @@ const struct bench_method bench_methods[BENCH_METHODS] = {
 	[BENCH_STOCHASTIC] = { "stochastic order", "stochastic", lod_rule_optimal, false, false },
 	[BENCH_UNOCCLUDED] = { "occlusion ignored", NULL, lod_rule_optimal, true, false },
 	[BENCH_COMBINED] = { "combined order", "combined", lod_rule_optimal, false, true },
-	[BENCH_DEUSSEN_2002] = { "Deussen's rule on the stochastic order", "stochastic", lod_rule_deussen, false,
-		true },
+	[BENCH_DEUSSEN_2002] = { "Deussen's rule on the stochastic order", "stochastic", lod_rule_deussen,
+		false, true },
 	[BENCH_DENSITY_ORDER] = { "density order", "density", lod_rule_optimal, false, true },
 	[BENCH_ORIENTATION_ORDER] = { "orientation order", "orientation", lod_rule_optimal, false, true } };
 
@@ -124,7 +124,8 @@ static enum eco_code add_row(const struct work *w, struct bench_client *client, 
 	const struct bench_method *method = shoot->method ? shoot->method : &bench_methods[BENCH_OURS];
 	struct bench_frame frame = { .method = method->name, .rule = method->rule,
 		.ignore_occlusion = method->ignore_occlusion, .cut = shoot->cuts ? shoot->cuts[row] : 0,
-		.request = { .view = w->view->view, .vertices = shoot->vertices ? shoot->vertices[row] : 1000000,
+		.request = { .view = w->view->view,
+			.vertices = shoot->vertices ? shoot->vertices[row] : 1000000,
 		.bytes = shoot->bytes ? shoot->bytes[row] : ECO_BYTES_UNBOUNDED } };
 	struct view_picture picture = { 0 };
 	enum eco_code code = bench_client_frame(client, &frame, &picture, error);
@@ -155,13 +156,14 @@ static enum eco_code make_rows(void *ctx, json_t **rows, struct eco_error *error
 	return code;
 }
 
-enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view, const struct bench_shoot *shoot,
-	json_t **rows, struct eco_error *error)
+enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view,
+	const struct bench_shoot *shoot, json_t **rows, struct eco_error *error)
 {
 	const struct eco_view *v = &view->view;
 	char unit[96], stamp[256];
 	snprintf(unit, sizeof unit, "%s-%s-%s", shoot->name, view->scene, view->camera);
-	snprintf(stamp, sizeof stamp, "%s %u %g %g %g %g %g %g %g", bench_pack_stamp(view->pack), shoot->count, v->eye[0],
+	snprintf(stamp, sizeof stamp, "%s %u %g %g %g %g %g %g %g", bench_pack_stamp(view->pack),
+		shoot->count, v->eye[0],
 		v->eye[1], v->eye[2], v->target[0], v->target[1], v->target[2], v->fov_y_deg);
 	return bench_unit(bench, unit, stamp, make_rows, &(struct work){ bench, view, shoot }, rows, error);
 }
@@ -179,8 +181,8 @@ enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t metho
 	snprintf(name, sizeof name, "shots%u", method);
 	snprintf(camera, sizeof camera, "%u", view);
 	return bench_view_rows(bench, &(struct bench_view){ scene, camera, pack, requests[view].view },
-		&(struct bench_shoot){ .name = name, .count = bench_budgets(bench, scene, budgets), .vertices = budgets,
-		.method = &bench_methods[method] }, rows, error);
+		&(struct bench_shoot){ .name = name, .count = bench_budgets(bench, scene, budgets),
+			.vertices = budgets, .method = &bench_methods[method] }, rows, error);
 }
 
 /* ---- Cameras ---- */

@@ -34,8 +34,8 @@ uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t bu
  * bench_scene_views, at our size. */
 uint32_t bench_shot_views(struct bench *bench, const char *scene,
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX]);
-/* An object with vertices, bytes, plan_bytes, q, p, r, wrong (pixels), skill, owner_q, colour, soft_q, ceiling,
- * picture_error, predicted_q, plan_ms, decode_ms, draw_ms; null where a figure was not asked for. */
+/* An object with vertices, bytes, plan_bytes, q, p, r, wrong (pixels), skill, owner_q, colour, soft_q,
+ * ceiling, picture_error, predicted_q, plan_ms, decode_ms, draw_ms; null where a figure was not asked for. */
 json_t *bench_shot_row(const struct bench_frame *frame);
 double bench_shot_number(const json_t *row, const char *key);        /* NaN where there is none */
 
@@ -72,8 +72,8 @@ struct bench_shoot {
 		struct eco_error *error);
 };
 /* An array of rows as bench_shot_row makes them, null where no answer has so few bytes; borrowed. */
-enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view, const struct bench_shoot *shoot,
-	json_t **rows, struct eco_error *error);
+enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view,
+	const struct bench_shoot *shoot, json_t **rows, struct eco_error *error);
 
 /* ---- The path of a flight (bench_flight.c) ---- */
 
@@ -82,7 +82,8 @@ enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view
 #define BENCH_FLIGHT_FRAMES (BENCH_FLIGHT_FPS * BENCH_FLIGHT_S)
 
 /* The views of `count` frames from frame `first` of BENCH_FLIGHT_FRAMES on: from the air down to eye level in
- * a third of the time, then along the longer side of the scene's bounds through it. The caller frees *views. */
+ * a third of the time, then along the longer side of the scene's bounds through it. The caller frees
+ * *views. */
 enum eco_code bench_flight_path(const char *pack, uint32_t first, uint32_t count, struct eco_view **views,
 	struct eco_error *error);
 

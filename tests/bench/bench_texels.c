@@ -1,8 +1,8 @@
 /* Bits of a texel of colours: what packs store, and other coders of pictures at the same error. Each level is
  * a file of its own, as it is a chunk of its own.
  *
- * WebP is libwebp's, called as packs are made. The others are programs of Debian 12: avifenc and avifdec (package
- * libavif-bin; libaom writes, dav1d reads), cjxl and djxl (libjxl-tools). */
+ * WebP is libwebp's, called as packs are made. The others are programs of Debian 12: avifenc and avifdec
+ * (package libavif-bin; libaom writes, dav1d reads), cjxl and djxl (libjxl-tools). */
 #include <math.h>
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -64,7 +64,8 @@ static enum eco_code code_webp(struct trial *trial, const struct eco_texture_par
 
 static bool is_there(enum coder coder)
 {
-	return coder == WEBP || !system(coder == JXL ? "{ command -v cjxl && command -v djxl; } >/dev/null 2>&1"
+	return coder == WEBP || !system(coder == JXL ?
+		"{ command -v cjxl && command -v djxl; } >/dev/null 2>&1"
 		: "{ command -v avifenc && command -v avifdec; } >/dev/null 2>&1");
 }
 
@@ -73,7 +74,8 @@ static enum eco_code run_programs(struct bench *bench, enum coder coder, const c
 	struct eco_error *error)
 {
 	if (coder == JXL)
-		return bench_command(bench, error, "cd '%s' && cjxl --quiet --num_threads=0 --container=0 -d %g "
+		return bench_command(bench, error,
+			"cd '%s' && cjxl --quiet --num_threads=0 --container=0 -d %g "
 			"%s.png %s.coded 2>/dev/null && djxl --quiet --num_threads=0 %s.coded %s.ppm && "
 			"mv %s.ppm %s.back", bench->cache, value, base, base, base, base, base, base);
 	return bench_command(bench, error, "cd '%s' && avifenc -j 1 -c aom -s 6 -y %s --min 0 --max 63 -a "
@@ -91,8 +93,8 @@ static enum eco_code code_program(struct trial *trial, struct bench *bench, enum
 	struct eco_image image;
 	snprintf(name, sizeof name, "texels-%ld", (long)getpid());
 	for (int i = 0; i < 3; i++)
-		snprintf(path[i], PATH, "%s/%s%s", bench->cache, name, (const char *const[]){ ".png", ".coded",
-			".back" }[i]);
+		snprintf(path[i], PATH, "%s/%s%s", bench->cache, name, (const char *const[]){ ".png",
+			".coded", ".back" }[i]);
 	enum eco_code code = eco_png_write(&(struct eco_pixels){ colors->width, colors->height, 3,
 		colors->texels }, path[0], error);
 	if (!code)
@@ -129,8 +131,8 @@ static enum eco_code try_coder(struct trial *trial, struct bench *bench, enum co
 
 /* ---- A level ---- */
 
-/* Between the two trials whose errors lie around `error`: log(bytes) is linear in log(error). NaN where no two
- * lie around it. */
+/* Between the two trials whose errors lie around `error`: log(bytes) is linear in log(error). NaN where no
+ * two lie around it. */
 static double bytes_at(const struct trial *trials, uint32_t count, double error)
 {
 	const struct trial *above = NULL, *below = NULL;
@@ -166,9 +168,11 @@ static enum eco_code measure(double *bytes, struct bench *bench, enum coder code
 	return ECO_OK;
 }
 
-static enum eco_code study_level(struct study *s, const struct lod_texture_level *level, struct eco_error *error)
+static enum eco_code study_level(struct study *s, const struct lod_texture_level *level,
+	struct eco_error *error)
 {
-	uint32_t width = level->colors.width, height = level->colors.height, side = width > height ? width : height;
+	uint32_t width = level->colors.width, height = level->colors.height,
+		side = width > height ? width : height;
 	struct group *group = &s->model.groups[side <= 64 ? SMALL : side <= 256 ? MIDDLE : LARGE];
 	struct trial stored;
 	double bytes[CODERS] = { 0 }, texels = (double)width * height;
@@ -233,7 +237,8 @@ static enum eco_code study_path(struct study *s, const struct bench_model *item,
 	snprintf(unit, sizeof unit, "texels-%s", item->name);
 	snprintf(stamp, sizeof stamp, "%016llx%d%d", (unsigned long long)bench_file_hash(item->path),
 		s->there[AVIF_420], s->there[JXL]);
-	enum eco_code code = bench_unit(s->bench, unit, stamp, study_item, &(struct work){ s, item }, &found, error);
+	enum eco_code code = bench_unit(s->bench, unit, stamp, study_item, &(struct work){ s, item }, &found,
+		error);
 	for (size_t i = 0; i < FOUND_NUMBERS && !code; i++)
 		((double *)&s->all)[i] += bench_cell(found, i);
 	return code;
@@ -247,7 +252,8 @@ static enum eco_code study_all(struct study *s, struct bench *bench, struct eco_
 	char folder[512];
 	snprintf(folder, sizeof folder, "%.440s/scenes/cards", bench->cache);
 	snprintf(cards.path, sizeof cards.path, "%.440s/scenes/cards/models/cards-1.obj", bench->cache);
-	enum eco_code code = bench_command(bench, error, "mkdir -p '%s' && '%s/ecopack' generate city -o '%s' "
+	enum eco_code code = bench_command(bench, error,
+		"mkdir -p '%s' && '%s/ecopack' generate city -o '%s' "
 		"--plants 20 --quiet", folder, bench->build, folder);
 	if (!code)
 		code = bench_models(bench, &models, &count, error);

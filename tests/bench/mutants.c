@@ -1,14 +1,14 @@
-/* Damaged models: `ecopack make`'s import must read or refuse each within its limits, and leave this process as
- * it was.
+/* Damaged models: `ecopack make`'s import must read or refuse each within its limits, and leave this process
+ * as it was.
  *
  *   mutants [--count N] [--seed S] [--only I] --folder DIR MODEL...
  *
  * Makes N mutants (1000) of the models in turn: flipped bits, runs of other bytes, cut ends, pieces repeated,
- * left out or moved (bytes or whole lines), extreme numbers in texts and in fields of 16, 32 and 64 bits. Mutant I
- * depends on S and I alone; --only I makes that one and keeps it in DIR, where the models' neighbours (textures,
- * MTL) are linked. Prints a table, and for each crash of a child the options that repeat it. Exit 1 if a child
- * outlived its limits, or children, descriptors or memory are left behind. A crash of this process names the
- * mutant. */
+ * left out or moved (bytes or whole lines), extreme numbers in texts and in fields of 16, 32 and 64 bits.
+ * Mutant I depends on S and I alone; --only I makes that one and keeps it in DIR, where the models'
+ * neighbours (textures, MTL) are linked. Prints a table, and for each crash of a child the options that
+ * repeat it. Exit 1 if a child outlived its limits, or children, descriptors or memory are left behind. A
+ * crash of this process names the mutant. */
 #include <ctype.h>
 #include <dirent.h>
 #include <errno.h>

@@ -1,5 +1,5 @@
-/* plans PACK: the planner's answers to twelve views of a pack at four budgets each, by both rules: a line a plan,
- * the bytes of the wire as hex digits. Two builds that print the same plan the same. */
+/* plans PACK: the planner's answers to twelve views of a pack at four budgets each, by both rules: a line a
+ * plan, the bytes of the wire as hex digits. Two builds that print the same plan the same. */
 #include <stdio.h>
 
 #include "ecofiles/format/wire.h"

@@ -106,7 +106,8 @@ static void make(uint32_t cap)
 	assert_int_equal(cloud.forms[0] + cloud.forms[1] + cloud.forms[2], cloud.parts);
 	for (uint32_t i = 0; i < cloud.count; i++) {
 		const struct lod_billboard *b = &cloud.items[i];
-		assert_true(b->image.width && b->image.height && lod_v3_length(b->u) > 0 && lod_v3_length(b->v) > 0);
+		assert_true(b->image.width && b->image.height && lod_v3_length(b->u) > 0
+			&& lod_v3_length(b->v) > 0);
 		assert_true(fabs(lod_v3_dot(lod_v3_unit(b->u), lod_v3_unit(b->v))) < 1e-5);
 	}
 }
@@ -187,7 +188,8 @@ UNIT_TEST(clouds_use_their_cap_and_look_like_their_tree)
 }
 
 /* A sparse crown high up, and the same leaves in a quarter of the width below, which no part holds within so
- * small an epsilon either: only sigma tells them apart. Heights are shares of the plant's, from its middle. */
+ * small an epsilon either: only sigma tells them apart. Heights are shares of the plant's, from its
+ * middle. */
 UNIT_TEST(hidden_parts_get_fewer_billboards)
 {
 	struct billboard_work work;

@@ -93,7 +93,8 @@ UNIT_TEST(occlusion_is_held_and_smoothed_in_time)
 
 static struct lod_arena arena;
 
-/* n[i] leaves in layer i from the front, 4 layers: what of a budget each gets (equation 1 and its two passes). */
+/* n[i] leaves in layer i from the front, 4 layers: what of a budget each gets (equation 1 and its two
+ * passes). */
 static const struct { uint32_t n[4], budget, expected[4]; } layered[] = {
 	{ { 50, 50, 50, 50 }, 100, { 40, 30, 20, 10 } },
 	{ { 10, 50, 50, 50 }, 100, { 10, 50, 30, 10 } }, /* 30 over go to the second; it uses 20 of them */
@@ -116,8 +117,8 @@ UNIT_TEST(lee_shares_the_budget_among_layers)
 				center[count] = (struct lod_v3){ depth[layer], 0, 0 };
 				layer_of[count] = layer;
 			}
-		count = lod_lee_keep(kept, LOD_LEE_LAYER, &(struct lod_lee_leaves){ count, center, normal }, &from_x,
-			layered[r].budget, &arena);
+		count = lod_lee_keep(kept, LOD_LEE_LAYER, &(struct lod_lee_leaves){ count, center, normal },
+			&from_x, layered[r].budget, &arena);
 		while (count--)
 			got[layer_of[kept[count]]]++;
 		assert_memory_equal(got, layered[r].expected, sizeof got);
@@ -140,8 +141,8 @@ UNIT_TEST(lee_ranks_leaves_by_distance_and_normal)
 		const struct lod_lee_view from = { { 40 * cos(turn), 40 * sin(turn), 5 }, { 1, 0, 0 }, 1 };
 		for (enum lod_lee_method method = 0; method < LOD_LEE_COUNT; method++)
 			for (uint32_t budget = 0; budget < 10; budget++) {
-				assert_int_equal(lod_lee_keep(kept, method, &(struct lod_lee_leaves){ 8, center, normal },
-					&from, budget, &arena), budget < 8 ? budget : 8);
+				assert_int_equal(lod_lee_keep(kept, method, &(struct lod_lee_leaves){ 8,
+					center, normal }, &from, budget, &arena), budget < 8 ? budget : 8);
 				assert_true(!budget || kept[0] == (method == LOD_LEE_DISTANCE ? i : 5));
 			}
 	}

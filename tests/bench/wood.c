@@ -1,6 +1,7 @@
 /* wood MODEL ...: the share of their wood that plants show, by the forms that their cells draw
- * (tests/support/wood_cover.h). Exit 1 where a mix of cells or a level has a hole, or a level loses more than 2 % of
- * the wood. Lines alone have no bound: from above a line does not show the foot of a trunk, and a pot is no line. */
+ * (tests/support/wood_cover.h). Exit 1 where a mix of cells or a level has a hole, or a level loses more than
+ * 2 % of the wood. Lines alone have no bound: from above a line does not show the foot of a trunk, and a pot
+ * is no line. */
 #include <stdio.h>
 
 #include "ecofiles/import/model/model_import.h"
@@ -35,8 +36,8 @@ static enum eco_code measure(const char *path, bool *good, struct eco_error *err
 	if (code)
 		return code;
 	*good = holds(&cover);
-	printf("%s: %u cells; all lines %.4f, levels %.4f %.4f %.4f, mixes %.4f, holes %.5f, torn %.4f%s\n", path,
-		cover.cells, cover.same[0], cover.same[1], cover.same[2], cover.same[3], cover.mixed,
+	printf("%s: %u cells; all lines %.4f, levels %.4f %.4f %.4f, mixes %.4f, holes %.5f, torn %.4f%s\n",
+		path, cover.cells, cover.same[0], cover.same[1], cover.same[2], cover.same[3], cover.mixed,
 		cover.hole, cover.torn, *good ? "" : ": FAILED");
 	return ECO_OK;
 }

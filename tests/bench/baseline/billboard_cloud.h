@@ -54,9 +54,9 @@ struct lod_billboard_plant;
 enum eco_code lod_billboard_plant_open(struct lod_billboard_plant **plant, const struct eco_model *model,
 	struct eco_error *error);
 void lod_billboard_plant_close(struct lod_billboard_plant *plant);   /* NULL is fine */
-/* At most `cap` billboards, within the least epsilon of a ladder that leaves a mean error of at most .5. Faces
- * that no billboard holds within epsilon are drawn like the others: the paper does not say what becomes of
- * them. */
+/* At most `cap` billboards, within the least epsilon of a ladder that leaves a mean error of at most .5.
+ * Faces that no billboard holds within epsilon are drawn like the others: the paper does not say what becomes
+ * of them. */
 enum eco_code lod_billboard_cloud_make(struct lod_billboard_cloud *cloud,
 	const struct lod_billboard_plant *plant, uint32_t cap, struct eco_error *error);
 void lod_billboard_cloud_free(struct lod_billboard_cloud *cloud);

@@ -445,7 +445,8 @@ static void place_siblings(struct growth *g, uint32_t *child, uint32_t count, ui
 static void place_node(struct growth *g, uint32_t node, uint32_t parent)
 {
 	uint32_t at = g->place[node] = new_node(g, parent, g->s->connector[node]);
-	place_siblings(g, g->child + g->child_first[node], g->child_first[node + 1] - g->child_first[node], at);
+	place_siblings(g, g->child + g->child_first[node], g->child_first[node + 1] - g->child_first[node],
+		at);
 	g->tree->end[at] = g->tree->count;
 }
 

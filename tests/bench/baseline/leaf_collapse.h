@@ -65,9 +65,9 @@ struct lod_collapse {                /* arrays of an arena */
 /* Extent of a crown, that costs are over. */
 struct lod_collapse_crown { double radius, across; };
 
-/* The tree's axis is that of z. Collapses the leaves leaf[0 .. count), or all for NULL. Only first, corner and
- * area of the foliage are read; area NULL: all is opaque. options NULL: lod_collapse_defaults. crown NULL: that
- * of these leaves. Near-linear in the count for leaves that are spread. */
+/* The tree's axis is that of z. Collapses the leaves leaf[0 .. count), or all for NULL. Only first, corner
+ * and area of the foliage are read; area NULL: all is opaque. options NULL: lod_collapse_defaults. crown
+ * NULL: that of these leaves. Near-linear in the count for leaves that are spread. */
 void lod_collapse_make(struct lod_collapse *collapse, const struct lod_foliage *leaves,
 	const struct lod_collapse_options *options, const uint32_t *leaf, uint32_t count,
 	const struct lod_collapse_crown *crown, struct lod_arena *arena);

@@ -36,8 +36,8 @@ static void add_wood(struct paper *p, const struct lod_slot *slot, uint32_t ladd
 	}
 }
 
-/* Leaves [0, kept) of a region. The ladder's list holds those after `before`. Fewer than one leaf is one leaf of
- * some of the plants. */
+/* Leaves [0, kept) of a region. The ladder's list holds those after `before`. Fewer than one leaf is one leaf
+ * of some of the plants. */
 static void add_leaves(struct paper *p, const struct lod_slot *slot, const struct eco_ladder *l, double kept,
 	double scale, uint32_t share_first, uint32_t share_end)
 {

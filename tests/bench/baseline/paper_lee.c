@@ -12,7 +12,8 @@ static double facing(struct lod_v3 normal, struct lod_v3 d)
 }
 
 /* `order` becomes layer after layer, each by rank; first[i] is where layer i begins. */
-static void order_layers(struct lod_keyed *order, uint32_t *first, uint32_t layers, enum lod_lee_method method,
+static void order_layers(struct lod_keyed *order, uint32_t *first, uint32_t layers,
+	enum lod_lee_method method,
 	const struct lod_lee_leaves *leaves, const struct lod_lee_view *view, struct lod_arena *arena)
 {
 	double near = DBL_MAX, far = -DBL_MAX, *depth = lod_arena_take(arena, leaves->count, sizeof *depth);
@@ -41,7 +42,8 @@ uint32_t lod_lee_keep(uint32_t *kept, enum lod_lee_method method, const struct l
 	const struct lod_lee_view *view, uint32_t budget, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
-	uint32_t layers = method != LOD_LEE_LAYER ? 1 : view->layers ? view->layers : LOD_LEE_LAYERS, count = 0;
+	uint32_t layers = method != LOD_LEE_LAYER ? 1 : view->layers ? view->layers : LOD_LEE_LAYERS,
+		count = 0;
 	uint64_t sum = (uint64_t)layers * (layers + 1) / 2, weight = 0, given = 0, left = 0;
 	struct lod_keyed *order = lod_arena_take(arena, leaves->count, sizeof *order);
 	uint32_t *first = lod_arena_take(arena, layers + 1, sizeof *first),

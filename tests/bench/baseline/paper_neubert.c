@@ -162,11 +162,13 @@ static enum eco_code make_table(struct paper_scene *s, uint32_t plant, struct pa
 	return code;
 }
 
-enum eco_code paper_tables_make(struct paper_table **tables, struct paper_scene *scene, struct eco_error *error)
+enum eco_code paper_tables_make(struct paper_table **tables, struct paper_scene *scene,
+	struct eco_error *error)
 {
 	uint32_t n = scene->scene->plant_count;
 	*tables = calloc(n + 1, sizeof **tables);
-	enum eco_code code = *tables ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for tables of %u plants", n);
+	enum eco_code code = *tables ? ECO_OK : eco_fail(error, ECO_NO_MEMORY,
+		"no memory for tables of %u plants", n);
 	for (uint32_t i = 0; i < n && !code; i++)
 		code = make_table(scene, i, &(*tables)[i], error);
 	return code;

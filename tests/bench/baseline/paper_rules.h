@@ -135,7 +135,8 @@ struct paper_table { /* of one plant's leaves, lambda ascending to 1 */
 	double leaves, share; /* share: lod_cook_share */
 };
 /* One per plant, to be freed also after an error. */
-enum eco_code paper_tables_make(struct paper_table **tables, struct paper_scene *scene, struct eco_error *error);
+enum eco_code paper_tables_make(struct paper_table **tables, struct paper_scene *scene,
+	struct eco_error *error);
 
 /* The smallest lambda whose Q with s_opt is at least that of Cook at lambda; never above it. */
 double paper_table_optimal(const struct paper_table *table, double lambda);
@@ -190,8 +191,8 @@ struct lod_lee_leaves { uint32_t count; const struct lod_v3 *center, *normal; };
 /* forward: unit; layers: 0 for LOD_LEE_LAYERS */
 struct lod_lee_view { struct lod_v3 eye, forward; uint32_t layers; };
 
-/* The numbers of the leaves that are drawn: as many as the budget, or all there are; returns how many. Ties go to
- * the smaller number. */
+/* The numbers of the leaves that are drawn: as many as the budget, or all there are; returns how many. Ties
+ * go to the smaller number. */
 uint32_t lod_lee_keep(uint32_t *kept, enum lod_lee_method method, const struct lod_lee_leaves *leaves,
 	const struct lod_lee_view *view, uint32_t budget, struct lod_arena *arena);
 

@@ -1,10 +1,9 @@
-/* Leaf collapse (Hidalgo, Abad, Camahort 2007) and the paper's figures of the atlas (2)
- * and of sectors (6).
+/* Leaf collapse (Hidalgo, Abad, Camahort 2007) and the paper's figures of the atlas (2) and of sectors (6).
  *
  * The paper compares with nothing and gives no count of leaves, no time and no frame rate; its scenes of
  * millions of trees are a matter of the renderer. The section measures Q of levels drawn as the paper says,
- * with quads of the printed size, and of sectors that each have a level by how they face the eye. Wood is drawn
- * whole. */
+ * with quads of the printed size, and of sectors that each have a level by how they face the eye. Wood is
+ * drawn whole. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -217,7 +216,8 @@ static double q_of(struct study *s, const struct crown *c, double vertices)
 /* ---- Pictures ---- */
 
 /* Figure 2, with the upper and left edges of tiles. */
-static enum eco_code draw_atlas(struct study *s, const struct lod_collapse_atlas *atlas, struct eco_error *error)
+static enum eco_code draw_atlas(struct study *s, const struct lod_collapse_atlas *atlas,
+	struct eco_error *error)
 {
 	static const uint8_t line[3] = { 40, 40, 40 };
 	const struct eco_image *image = &atlas->image;
@@ -238,7 +238,8 @@ static enum eco_code draw_atlas(struct study *s, const struct lod_collapse_atlas
 	return bench_picture_write(s->bench, file, image->width, image->height, rgb, error);
 }
 
-/* Figure 6: leaves from above as dots, in the colours of their sectors. The innermost lies over the others. */
+/* Figure 6: leaves from above as dots, in the colours of their sectors. The innermost lies over the
+ * others. */
 static enum eco_code draw_sectors(struct study *s, const struct lod_collapse_sectors *sectors,
 	struct eco_error *error)
 {
@@ -276,8 +277,8 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 	s->bare = leaves->foliage;
 	s->order = lod_arena_take(&leaves->arena, s->bare.count, sizeof *s->order);
 	lod_directions_spread(to, views, TEST_SEED);
-	enum eco_code code = lod_sights_make(&s->tests, &leaves->foliage, (const double (*)[3])to, views, PIXELS,
-		&leaves->arena, error);
+	enum eco_code code = lod_sights_make(&s->tests, &leaves->foliage, (const double (*)[3])to, views,
+		PIXELS, &leaves->arena, error);
 	for (uint32_t i = 0; i < s->bare.count; i++)
 		s->all += 3 * (s->bare.first[i + 1] - s->bare.first[i] - 2);
 	*out = json_pack("[i]", (int)s->bare.count);
@@ -310,8 +311,8 @@ static enum eco_code study_plant(struct bench *bench, const struct bench_model *
 		for (uint32_t i = 0; i < SHARES; i++)
 			sum[kind][i] += q[i];
 		bench_table_row(table, "%s,%d,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", model->name,
-			(int)json_integer_value(json_array_get(unit, 0)), kind_names[kind], q[0], q[1], q[2], q[3],
-			q[4], q[5]);
+			(int)json_integer_value(json_array_get(unit, 0)), kind_names[kind], q[0], q[1], q[2],
+				q[3], q[4], q[5]);
 	}
 	snprintf(file, sizeof file, "collapse-%s-atlas.png", model->name);
 	bench_picture(bench, file, "its atlas: pairs of leaves, then classes of counts by density");
@@ -327,7 +328,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	double sum[KINDS][SHARES] = { { 0 } };
 	struct bench_series series[KINDS];
 	enum eco_code code = bench_models(bench, &models, &count, error);
-	struct bench_table *table = bench_table_open(bench, "collapse", "plant,leaves,method,Q at 2 %,Q at 5 %,"
+	struct bench_table *table = bench_table_open(bench, "collapse",
+		"plant,leaves,method,Q at 2 %,Q at 5 %,"
 		"Q at 10 %,Q at 20 %,Q at 30 %,Q at 50 % of the vertices", true);
 	for (uint32_t i = 0; i < count && !code; i++) {
 		bool made = models[i].generated;
@@ -345,7 +347,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	for (int kind = 0; kind < KINDS && !code; kind++) {      /* NaN if one plant has no figure */
 		for (uint32_t i = 0; i < SHARES; i++)
 			sum[kind][i] /= plants;
-		bench_table_row(table, "mean,%u plants,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", plants, kind_names[kind],
+		bench_table_row(table, "mean,%u plants,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", plants,
+			kind_names[kind],
 			sum[kind][0], sum[kind][1], sum[kind][2], sum[kind][3], sum[kind][4], sum[kind][5]);
 		series[kind] = (struct bench_series){ kind_names[kind], shares, sum[kind], SHARES, false };
 	}

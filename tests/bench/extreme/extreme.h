@@ -5,8 +5,8 @@
  *   extreme_run(kind, quick, told, ctx)     runs the cases of a kind one after the other and tells each;
  *                                           returns how many failed
  *
- * `ecobench --only extreme` runs all of them, tests/bench/test_extreme.c those that are not marked `lengthy`. A
- * case that cannot run has failed. */
+ * `ecobench --only extreme` runs all of them, tests/bench/test_extreme.c those that are not marked `lengthy`.
+ * A case that cannot run has failed. */
 #ifndef TESTS_BENCH_EXTREME_H
 #define TESTS_BENCH_EXTREME_H
 

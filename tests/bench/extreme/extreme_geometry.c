@@ -404,5 +404,6 @@ const struct extreme_case extreme_geometry[] = {
 	EXTREME_CASE("1e5 materials", BUILT, materials),
 	EXTREME_CASE("orders of one leaf and of all in one point",
 		"every order is finite, whatever the arrangement; such plants are built and drawn", orders),
-	EXTREME_CASE("lambda to 0", "curves and area factors are finite and bounded down to one vertex", lambda_to_0),
+	EXTREME_CASE("lambda to 0", "curves and area factors are finite and bounded down to one vertex",
+		lambda_to_0),
 	{ .name = NULL } };

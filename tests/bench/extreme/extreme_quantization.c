@@ -300,6 +300,7 @@ const struct extreme_case extreme_quantization[] = {
 	{ "a model far from its own origin",
 		HALF "; floats hold no more there: corners that meet in the source may",
 		TREES({ "1 km from its own origin", 1, 1000, 400, 400, 0, 0, 0.02, false }) },
-	EXTREME_CASE("nearer than stated", "error grows as 1 / distance; drawn in full, without holes", nearer),
+	EXTREME_CASE("nearer than stated", "error grows as 1 / distance; drawn in full, without holes",
+		nearer),
 	{ .name = NULL } };
 _Static_assert(LOD_GRID_BITS_MIN == 12 && LOD_GRID_BITS_MAX == 18, "the table names every grid");

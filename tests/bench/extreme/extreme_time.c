@@ -171,13 +171,16 @@ static void teleport(struct extreme *x)
 }
 
 const struct extreme_case extreme_time[] = {
-	EXTREME_CASE("a camera that stands still", "10^4 plans of the same request are the same bytes", still_plans),
+	EXTREME_CASE("a camera that stands still", "10^4 plans of the same request are the same bytes",
+		still_plans),
 	EXTREME_CASE("streams to a camera that stands still",
 		"100 bodies are the same bytes, also where bytes are bounded", still_streams),
 	EXTREME_CASE("trembling by 1e-9 m",
 		"at most 1 % of plans differ from the one before; vertices within 0.1 %, predicted error "
 		"within 1e-4", jitter),
-	EXTREME_CASE("trembling by 1 mm on the way past borders of bands", "predicted error within 2 %", on_border),
+	EXTREME_CASE("trembling by 1 mm on the way past borders of bands", "predicted error within 2 %",
+		on_border),
 	EXTREME_CASE("teleporting",
-		"1000 jumps between six places, from inside the stand to 1e9 m: each answered as at first", teleport),
+		"1000 jumps between six places, from inside the stand to 1e9 m: each answered as at first",
+			teleport),
 	{ .name = NULL } };

@@ -162,7 +162,8 @@ static enum eco_code show_picture(struct bench *bench, const char *scene, const 
 	snprintf(unit, sizeof unit, "picture-%s", scene);
 	snprintf(file, sizeof file, "frames-%s-%llu.png", scene, (unsigned long long)vertices);
 	snprintf(path, sizeof path, "%s/%s", bench->out, file);
-	snprintf(caption, sizeof caption, "%s at %llu vertices; full detail; error", scene, (unsigned long long)vertices);
+	snprintf(caption, sizeof caption, "%s at %llu vertices; full detail; error", scene,
+		(unsigned long long)vertices);
 	bench_picture(bench, file, caption);
 	return access(path, R_OK) ? draw_picture(&picture, &made, error)
 		: bench_unit(bench, unit, bench_pack_stamp(pack), draw_picture, &picture, &made, error);

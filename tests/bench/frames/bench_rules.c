@@ -24,7 +24,8 @@ enum rule {
 	NEUBERT_OCCLUDED,
 	RULES
 };
-static const char *const names[RULES] = { "Deussen's rule on our lists", "Deussen 2002 as printed", "Cook 1/lambda", "Cook corrected", "Neubert", "Neubert with occlusion" };
+static const char *const names[RULES] = { "Deussen's rule on our lists", "Deussen 2002 as printed",
+	"Cook 1/lambda", "Cook corrected", "Neubert", "Neubert with occlusion" };
 
 /* Figures of the rule, then the same of ours at its vertices. */
 static const struct bench_column columns[] = { { "vertices", 0 }, { "wrong pixels", 0 }, { "Q", 4 }, {

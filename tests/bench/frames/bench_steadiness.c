@@ -1,7 +1,7 @@
 /* Motion in pictures that should stand still: slow cameras, a plan for every frame, and beside each picture
- * the full detail of the same view (Neubert 2011, section 4.3 has hysteresis against the same, which a stateless
- * server has not). Counted are pixels that change from one frame to the next, over those that change in full
- * detail, where leaves move against each other, too.
+ * the full detail of the same view (Neubert 2011, section 4.3 has hysteresis against the same, which a
+ * stateless server has not). Counted are pixels that change from one frame to the next, over those that
+ * change in full detail, where leaves move against each other, too.
  *
  * Cameras move towards what they look at, around it, and zoom, all by about the same angle of the picture a
  * frame. The software rasteriser draws: the same bits everywhere. */
@@ -84,7 +84,8 @@ static bool changed(const struct view_picture frames[2], size_t i)
 	return is && (a->cover[i] || b->cover[i]);
 }
 
-static void count_pixels(struct sums *sums, const struct view_picture ours[2], const struct view_picture full[2])
+static void count_pixels(struct sums *sums, const struct view_picture ours[2],
+	const struct view_picture full[2])
 {
 	uint64_t mine = 0, theirs = 0;
 	for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
@@ -134,7 +135,8 @@ static enum eco_code run_camera(const struct work *w, const struct srv_scene *sc
 	return code;
 }
 
-static const struct bench_column columns[] = { { "changed %", 3 }, { "reference changed %", 3 }, { "ratio", 3 },
+static const struct bench_column columns[] = { { "changed %", 3 }, { "reference changed %", 3 },
+	{ "ratio", 3 },
 	{ "worst frame", 3 } };
 enum { RATIO = 2, COLUMNS = 4 };
 
@@ -205,8 +207,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_say(bench,
 		"Slow cameras: %.1f %% nearer, %.2f degrees around or %.1f %% of zoom a frame, %u x %u "
 		"pixels. A pixel changes where it is covered in one frame and not in the other, or a channel "
-		"differs by more than %d.", 100 * (1 - NEARER), TURN_RAD * 57.29578, 100 * (1 - NEARER), WIDTH,
-		HEIGHT, COLOR_TOLD);
+		"differs by more than %d.", 100 * (1 - NEARER), TURN_RAD * 57.29578, 100 * (1 - NEARER),
+			WIDTH, HEIGHT, COLOR_TOLD);
 	bench_key(bench, "steadiness_ratio", worst[RATIO],
 		"<= 1.5: pixels that change over those of the reference, worst camera");
 	return ECO_OK;

@@ -234,8 +234,8 @@ static void write_means(struct bench *bench, const struct headline *h)
 	for (uint32_t i = 0; i < h->count; i++)
 		least = fmin(least, saving(&h->plants[i], BENCH_LADDER_OURS, true)
 			- saving(&h->plants[i], BENCH_LADDER_RANDOM, true));
-	bench_key(bench, "ladder_total", ours, ">= 0.62: packs' ladder, mean over plants not used in tuning, of all "
-		"vertices");
+	bench_key(bench, "ladder_total", ours,
+		">= 0.62: packs' ladder, mean over plants not used in tuning, of all vertices");
 	bench_key(bench, "ladder_total_worst", worst, ">= 0.48: the same, worst plant");
 	bench_key(bench, "ladder_order_share", ours - mean(h, BENCH_LADDER_RANDOM, true, &unused),
 		">= 0.05 where greedy is kept, 0.03 over all");

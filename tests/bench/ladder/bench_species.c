@@ -42,14 +42,16 @@
 #define CLOSED_VERTICES 50000u   /* of leaves; with layers of them, as the paper's crowns */
 #define CLOSED_LAYERS 4.0
 
-enum method { STOCHASTIC, DENSITY, ORIENTATION_SMALL, ORIENTATION_NOISY, COMBINED_SMALL, COMBINED_NOISY, GREEDY,
-	METHODS };
-static const struct { const char *name, *printed; enum lod_order_method order; double noise; } methods[METHODS] = {
+enum method { STOCHASTIC, DENSITY, ORIENTATION_SMALL, ORIENTATION_NOISY, COMBINED_SMALL, COMBINED_NOISY,
+	GREEDY, METHODS };
+static const struct { const char *name, *printed; enum lod_order_method order; double noise; }
+	methods[METHODS] = {
 	{ "stochastic", "10.1", LOD_ORDER_STOCHASTIC, 0 }, { "density", "17.4", LOD_ORDER_DENSITY, 0 },
 	{ "orientation", "40.7", LOD_ORDER_ORIENTATION, NOISE_SMALL },
 	{ "orientation with much noise", "-", LOD_ORDER_ORIENTATION, NOISE_MUCH },
 	{ "combined", "30.1", LOD_ORDER_COMBINED, NOISE_SMALL },
-	{ "combined with much noise", "-", LOD_ORDER_COMBINED, NOISE_MUCH }, { .name = "greedy", .printed = "-" } };
+	{ "combined with much noise", "-", LOD_ORDER_COMBINED, NOISE_MUCH },
+	{ .name = "greedy", .printed = "-" } };
 
 /* Scale: Cook's times 2^(step / 8). */
 struct row { double lambda, step, count, q; };
@@ -246,7 +248,8 @@ static enum eco_code look(struct study *s, struct lod_sights *sights, uint32_t c
 		&s->leaves->arena, error);
 }
 
-/* The unit: [elements, vertices, layers, a row of lambdas over Cook's for each method]; few elements alone. */
+/* The unit: [elements, vertices, layers, a row of lambdas over Cook's for each method]; few elements
+ * alone. */
 static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
 	struct eco_error *error)
 {
@@ -259,7 +262,8 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 	s->factor = lod_arena_take(&leaves->arena, s->n, sizeof *s->factor);
 	enum eco_code code = make_orders(s, error);
 	code = code ? code : look(s, &s->tuning, TUNING_VIEWS, TUNING_SEED, error);
-	code = code ? code : look(s, &s->tests, s->bench->full ? TESTS_MOST : TESTS_MOST / 2, TEST_SEED, error);
+	code = code ? code : look(s, &s->tests, s->bench->full ? TESTS_MOST : TESTS_MOST / 2, TEST_SEED,
+		error);
 	if (code)
 		return code;
 	measure_share(s);
@@ -365,10 +369,11 @@ static void write_tables(struct bench *bench, const struct all *all)
 	for (uint32_t i = 0; i < all->count; i++) {
 		const struct species *one = &all->of[i];
 		char row[400];
-		int at = snprintf(row, sizeof row, "%s,%.0f,%.1f", one->model.name, one->vertices, one->layers);
+		int at = snprintf(row, sizeof row, "%s,%.0f,%.1f", one->model.name, one->vertices,
+			one->layers);
 		for (int m = 0; m < METHODS; m++)
-			at += snprintf(row + at, sizeof row - (size_t)at, ",%.1f,%.1f", 100 * one->saved[m][MEAN],
-				100 * one->saved[m][FAR]);
+			at += snprintf(row + at, sizeof row - (size_t)at, ",%.1f,%.1f",
+				100 * one->saved[m][MEAN], 100 * one->saved[m][FAR]);
 		bench_table_row(layers, "%s", row);
 		closed += one->closed;
 	}
@@ -404,10 +409,13 @@ static enum eco_code write_keys(struct bench *bench, const struct all *all, stru
 		mean += one->saved[GREEDY][MEAN] / count;
 		total += one->saved[GREEDY][TOTAL] / count;
 		for (uint32_t k = 0; k < METHODS * DISTANCES; k++)
-			y[k / DISTANCES][k % DISTANCES] += 100 * (1 - one->ratio[k / DISTANCES][k % DISTANCES]) / count;
+			y[k / DISTANCES][k % DISTANCES] +=
+				100 * (1 - one->ratio[k / DISTANCES][k % DISTANCES]) / count;
 	}
-	bench_key(bench, "saving_pruned_mean", count ? mean : NAN, ">= 0.76: mean over species, leaves as they are");
-	bench_key(bench, "saving_pruned_total", count ? total : NAN, ">= 0.60: of all vertices, leaves as they are");
+	bench_key(bench, "saving_pruned_mean", count ? mean : NAN,
+		">= 0.76: mean over species, leaves as they are");
+	bench_key(bench, "saving_pruned_total", count ? total : NAN,
+		">= 0.60: of all vertices, leaves as they are");
 	bench_key(bench, "saving_species", count, "species that count");
 	for (uint32_t d = 0; d < DISTANCES; d++)
 		x[d] = distance_of(d);

@@ -1,10 +1,10 @@
 /* Lee, Peng, Kuo 2007: table I and figure 2, for a generated crown of 6,143 leaves, as many as the paper's
  * tree.
  *
- * Wrong pixels are pixels that differ from the picture with all leaves; wood is whole in both. Lee's orders are
- * made anew for each view, and leaves stay as large as they are. Beside them stand orders that hold for all
- * views: at random, Neubert's combined one, and the greedy one of packs, whose leaves grow by the scale that
- * suits them best in other views. */
+ * Wrong pixels are pixels that differ from the picture with all leaves; wood is whole in both. Lee's orders
+ * are made anew for each view, and leaves stay as large as they are. Beside them stand orders that hold for
+ * all views: at random, Neubert's combined one, and the greedy one of packs, whose leaves grow by the scale
+ * that suits them best in other views. */
 #include <math.h>
 #include <string.h>
 
@@ -59,8 +59,8 @@ static struct lod_sights_drawing keep(struct study *s, enum lod_lee_method metho
 	const struct lod_lee_view view = { { eye->at[0], eye->at[1], eye->at[2] },
 		{ eye->forward[0], eye->forward[1], eye->forward[2] }, layer_count };
 	const struct lod_foliage *f = &s->leaves->foliage;
-	uint32_t count = lod_lee_keep(s->kept, method, &(struct lod_lee_leaves){ f->count, f->center, f->normal }, &view,
-		budget_of(s, of_100), &s->leaves->arena);
+	uint32_t count = lod_lee_keep(s->kept, method, &(struct lod_lee_leaves){ f->count, f->center,
+		f->normal }, &view, budget_of(s, of_100), &s->leaves->arena);
 	return (struct lod_sights_drawing){ .order = s->kept, .count = count, .scale = 1 };
 }
 
@@ -179,8 +179,8 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 	s->leaves = leaves;
 	s->kept = take(s, sizeof *s->kept);
 	s->factor = take(s, sizeof *s->factor);
-	enum eco_code code = lod_rank_make(&rank, f, &(struct lod_rank_options){ .seed = 3, .wrong_pixels = true,
-		.from_share = SHARE_LEAST }, &leaves->arena, error);
+	enum eco_code code = lod_rank_make(&rank, f, &(struct lod_rank_options){ .seed = 3,
+		.wrong_pixels = true, .from_share = SHARE_LEAST }, &leaves->arena, error);
 	code = code ? code : look(s, &s->tuning, TUNING_VIEWS, TUNING_SEED, error);
 	code = code ? code : look(s, &s->tests, VIEWS, SEED, error);
 	code = code ? code : draw_figure_2(s, error);
@@ -213,7 +213,8 @@ static void write_table(struct bench *bench, const json_t *rows)
 		if (row >= LAYER && row < STOCHASTIC)
 			snprintf(count, sizeof count, "%u", layers[row - LAYER]);
 		bench_cells(json_array_get(rows, row), v, 2 * SHARES);
-		bench_table_row(table, "%s,%s,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f", name, count, 100 * v[0],
+		bench_table_row(table, "%s,%s,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f", name, count,
+			100 * v[0],
 			100 * v[1], 100 * v[2], 100 * v[3], 100 * v[4], 100 * v[5], 100 * v[6], 100 * v[7]);
 	}
 	bench_table_close(table);
@@ -248,8 +249,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_progress(bench, 0, "crown of 6143 leaves");
 	snprintf(crown.path, sizeof crown.path, "%.480s/crown.obj", bench->cache);
 	enum eco_code code = bench_crown_write(bench->cache, "crown", error);
-	code = code ? code : bench_leaves_unit(bench, &(struct bench_leaves_unit){ "lee-crown-6143", NULL, &crown,
-		PIXELS, study_leaves, &s }, &rows, error);
+	code = code ? code : bench_leaves_unit(bench, &(struct bench_leaves_unit){ "lee-crown-6143", NULL,
+		&crown, PIXELS, study_leaves, &s }, &rows, error);
 	if (code)
 		return code;
 	write_table(bench, rows);

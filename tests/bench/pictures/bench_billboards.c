@@ -66,8 +66,8 @@ static void place_eyes(struct study *s)
 		eco_angle16_sincos(eco_angle16_from_deg(i * 137.5 + 31), &sine, &cosine);
 		eco_angle16_sincos(eco_angle16_from_deg(-10 + 70 * (i + 0.5) / VIEWS), &up, &flat);
 		const double from[3] = { flat * cosine, flat * sine, up };
-		s->eyes[i] = (struct lod_eye){ .right = { -sine, cosine, 0 }, .up = { -up * cosine, -up * sine,
-			flat }, .tan_x = FRAME / AWAY, .tan_y = FRAME / AWAY };
+		s->eyes[i] = (struct lod_eye){ .right = { -sine, cosine, 0 }, .up = { -up * cosine,
+			-up * sine, flat }, .tan_x = FRAME / AWAY, .tan_y = FRAME / AWAY };
 		for (int k = 0; k < 3; k++) {
 			s->eyes[i].at[k] = s->center[k] + AWAY * s->radius * from[k];
 			s->eyes[i].forward[k] = -from[k];
@@ -161,8 +161,8 @@ static void paint(struct study *s, const struct lod_billboard_cloud *cloud, uint
 		if (shown)
 			memcpy(at, rgb[cloud ? size->raster.item[i] : 0], 3);
 		if (panel + 2 == PANELS)
-			memset(at + 3 * (size_t)size->side, !wanted && !shown ? 255 : !wanted ? 0 : shown ? 210
-				: 130, 3);
+			memset(at + 3 * (size_t)size->side,
+				!wanted && !shown ? 255 : !wanted ? 0 : shown ? 210 : 130, 3);
 	}
 }
 

@@ -54,7 +54,8 @@ static enum eco_code study_bytes(struct bench *bench, void *ctx, const struct be
 
 static enum eco_code run_bytes(struct bench *bench, struct eco_error *error)
 {
-	struct bytes s = { bench_table_open(bench, "bytes", "scene,camera,budget,vertices,bytes,Q,skill,owner_q,"
+	struct bytes s = { bench_table_open(bench, "bytes",
+		"scene,camera,budget,vertices,bytes,Q,skill,owner_q,"
 		"picture error,predicted Q", true), 0, 0, 0 };
 	say_pictures(bench, " and so many bytes");
 	enum eco_code code = bench_views_each(bench, BENCH_VIEWS_QUICK, study_bytes, &s, error);
@@ -68,7 +69,8 @@ static enum eco_code run_bytes(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_bytes = { "bytes", "What people see for the bytes of a first visit", run_bytes };
+const struct bench_section bench_bytes = { "bytes", "What people see for the bytes of a first visit",
+	run_bytes };
 
 /* ---- Cuts ---- */
 
@@ -86,8 +88,8 @@ static enum eco_code study_cuts(struct bench *bench, void *ctx, const struct ben
 	code = code ? code : bench_view_rows(bench, view, &shoots[1], &rows[1], error);
 	for (size_t c = 0; c < CUTS && !code; c++) {
 		const json_t *cut = json_array_get(rows[0], c), *asked = json_array_get(rows[1], c);
-		double whole = bench_shot_number(cut, "bytes"), seen = bench_shot_number(cut, "picture_error"),
-			other = bench_shot_number(asked, "picture_error"),
+		double whole = bench_shot_number(cut, "bytes"), seen = bench_shot_number(cut,
+			"picture_error"), other = bench_shot_number(asked, "picture_error"),
 			ratio = fmax(seen, SEEN_LEAST) / fmax(other, SEEN_LEAST);
 		if (whole <= (double)cuts[c])
 			continue;
@@ -95,8 +97,8 @@ static enum eco_code study_cuts(struct bench *bench, void *ctx, const struct ben
 		s->near += ratio <= NEAR;
 		s->logs += log(ratio);
 		s->worst = fmax(s->worst, ratio);
-		bench_table_row(s->table, "%s,%s,%llu,%.0f,%.4f,%.4f,%.4f,%.4f,%.3f", view->scene, view->camera,
-			(unsigned long long)cuts[c], whole, bench_shot_number(cut, "q"), seen,
+		bench_table_row(s->table, "%s,%s,%llu,%.0f,%.4f,%.4f,%.4f,%.4f,%.3f", view->scene,
+			view->camera, (unsigned long long)cuts[c], whole, bench_shot_number(cut, "q"), seen,
 			bench_shot_number(asked, "q"), other, ratio);
 	}
 	return code;

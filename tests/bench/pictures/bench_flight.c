@@ -1,5 +1,5 @@
-/* A flight of a minute: what is sent, with all that came held. A client asks ten times a second for the view of that
- * moment. Bytes are whole answers, plans included. */
+/* A flight of a minute: what is sent, with all that came held. A client asks ten times a second for the view
+ * of that moment. Bytes are whole answers, plans included. */
 #include "tests/bench/bench_shots.h"
 
 #include <math.h>
@@ -243,7 +243,8 @@ static enum eco_code add_rows(struct bench *bench, const struct flight *flight, 
 		if (code)
 			return code;
 		bench_cells(row, now, FIGURES);
-		bench_table_row(table, "%s,%u,%llu,%.0f,%.0f,%.0f,%.0f,%.4f,%.5f", flight->scene, flight->count,
+		bench_table_row(table, "%s,%u,%llu,%.0f,%.0f,%.0f,%.0f,%.4f,%.5f", flight->scene,
+			flight->count,
 			budget, now[DRAWN], now[BYTES], now[FIRST], now[PLANS], now[QUALITY], now[SEEN]);
 		if (budget == MILLION)
 			*bytes = fmax(*bytes, now[BYTES]);

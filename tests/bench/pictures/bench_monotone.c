@@ -61,8 +61,8 @@ static void add_row(struct bench_table *table, const char *name, json_t *unit, s
 		json_string_value(json_object_get(unit, "better")));
 }
 
-static enum eco_code study_plant(struct bench *bench, const struct bench_model *model, struct bench_table *table,
-	struct sums *sums, struct eco_error *error)
+static enum eco_code study_plant(struct bench *bench, const struct bench_model *model,
+	struct bench_table *table, struct sums *sums, struct eco_error *error)
 {
 	char pack[512];
 	json_t *unit;

@@ -40,9 +40,10 @@ static void add_row(struct study *s, const struct bench_view *view, size_t b, co
 		s->scbi_owner[b] = owner_q;
 	s->seen += seen;
 	s->pictures++;
-	bench_table_row(s->table, "%s,%s,%llu,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f,%.5f,%.4f", view->scene, view->camera,
-		(unsigned long long)budgets[b], bench_shot_number(row, "vertices"),
-		bench_shot_number(row, "bytes"), bench_shot_number(row, "q"), bench_shot_number(row, "soft_q"),
+	bench_table_row(s->table, "%s,%s,%llu,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f,%.5f,%.4f", view->scene,
+		view->camera, (unsigned long long)budgets[b], bench_shot_number(row, "vertices"),
+		bench_shot_number(row, "bytes"), bench_shot_number(row, "q"), bench_shot_number(row,
+			"soft_q"),
 		owner_q, bench_shot_number(row, "predicted_q"), seen, bench_shot_number(row, "ceiling"));
 }
 

@@ -17,8 +17,8 @@
 
 static const char *const scenes[] = { "park", "forest", "nested", "meadow", "tree" };
 #define SCENES (sizeof scenes / sizeof *scenes)
-static const uint64_t budgets[] = { 10000, 20000, 30000, 50000, 75000, 120000, 200000, 400000, 800000, 2000000,
-	5000000, 10000000 };
+static const uint64_t budgets[] = { 10000, 20000, 30000, 50000, 75000, 120000, 200000, 400000, 800000,
+	2000000, 5000000, 10000000 };
 #define BUDGETS (sizeof budgets / sizeof *budgets)
 
 struct counts { uint32_t views, rows, binding, worse; double worst, used, off; };
@@ -113,10 +113,10 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		bench_key(bench, "rising_worse", (double)s.all.worse / s.all.rows, "0: share of the pictures "
 			"that are worse than one with fewer bytes");
 		bench_key(bench, "rising_worst", s.all.worst, "<= 1.02: its picture error over the other's");
-		bench_key(bench, "rising_used", s.all.used / s.all.binding, ">= 0.95: share of the bytes used "
-			"where they bind");
-		bench_key(bench, "rising_predicted_off", s.all.off / s.all.binding, "<= 0.03: predicted Q off "
-			"by, where they bind");
+		bench_key(bench, "rising_used", s.all.used / s.all.binding,
+			">= 0.95: share of the bytes used where they bind");
+		bench_key(bench, "rising_predicted_off", s.all.off / s.all.binding,
+			"<= 0.03: predicted Q off by, where they bind");
 	}
 	return code;
 }
