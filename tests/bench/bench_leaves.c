@@ -77,7 +77,8 @@ static enum eco_code make_unit(void *ctx, json_t **made, struct eco_error *error
 	const struct bench_leaves_unit *unit = o->unit;
 	struct bench_leaves leaves;
 	struct eco_model model;
-	enum eco_code code = bench_model_read(o->bench, unit->model, &model, error);
+	enum eco_code code = unit->make ? unit->make(&model, error)
+		: bench_model_read(o->bench, unit->model, &model, error);
 	code = code ? code : bench_leaves_open(&leaves, &model, unit->pixels, error);
 	if (code)
 		return code;

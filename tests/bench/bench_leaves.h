@@ -32,10 +32,11 @@ void bench_leaves_close(struct bench_leaves *leaves);
 /* A unit (bench_unit) of a model's leaves, made by `study`. It may take from the leaves' arena. */
 struct bench_leaves_unit {
 	const char *name, *stamp;
-	const struct bench_model *model;
+	const struct bench_model *model;     /* NULL: `make` makes one */
 	uint32_t pixels;
 	enum eco_code (*study)(void *ctx, struct bench_leaves *leaves, json_t **out, struct eco_error *error);
 	void *ctx;
+	enum eco_code (*make)(struct eco_model *model, struct eco_error *error);
 };
 enum eco_code bench_leaves_unit(struct bench *bench, const struct bench_leaves_unit *unit, json_t **out,
 	struct eco_error *error);

@@ -304,7 +304,7 @@ static enum eco_code study_plant(struct bench *bench, const struct bench_model *
 	snprintf(stamp, sizeof stamp, "%d %016llx", bench->full,
 		(unsigned long long)bench_file_hash(model->path));
 	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, PIXELS,
-		study_leaves, &s }, &unit, error);
+		study_leaves, &s, NULL }, &unit, error);
 	for (int kind = 0; kind < KINDS && !code; kind++) {
 		double q[SHARES];
 		bench_cells(json_array_get(unit, (size_t)kind + 1), q, SHARES);

@@ -302,7 +302,7 @@ static enum eco_code measure(struct bench *bench, const struct bench_model *mode
 	snprintf(name, sizeof name, "savings-%016llx", (unsigned long long)bench_file_hash(model->path));
 	snprintf(stamp, sizeof stamp, "%u views", bench->full ? TESTS_MOST : TESTS_MOST / 2);
 	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, PIXELS,
-		study_leaves, s }, &unit, error);
+		study_leaves, s, NULL }, &unit, error);
 	free(s);
 	*enough = !code && json_array_size(unit) > 1;
 	if (!*enough)

@@ -245,12 +245,9 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	json_t *rows;
 	struct study s = { .bench = bench };
-	struct bench_model crown = { .name = "crown" };
 	bench_progress(bench, 0, "crown of 6143 leaves");
-	snprintf(crown.path, sizeof crown.path, "%.480s/crown.obj", bench->cache);
-	enum eco_code code = bench_crown_write(bench->cache, "crown", error);
-	code = code ? code : bench_leaves_unit(bench, &(struct bench_leaves_unit){ "lee-crown-6143", NULL,
-		&crown, PIXELS, study_leaves, &s }, &rows, error);
+	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ .name = "lee-crown-6143",
+		.make = bench_crown_make, .pixels = PIXELS, .study = study_leaves, .ctx = &s }, &rows, error);
 	if (code)
 		return code;
 	write_table(bench, rows);

@@ -338,7 +338,7 @@ static enum eco_code measure(struct bench *bench, const struct bench_model *mode
 	snprintf(name, sizeof name, "billboards-%s", model->name);
 	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
 	return bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, PIXELS,
-		study_leaves, &s }, out, error);
+		study_leaves, &s, NULL }, out, error);
 }
 
 /* ---- Tables ---- */
