@@ -439,45 +439,47 @@ static enum eco_code join_chunk(struct eco_elements *points, const struct eco_li
 	return code;
 }
 
-enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list_id,
-	struct eco_elements *points, struct eco_error *error)
+/* All points of a list, whose chunks are in the writer's spool or, without a writer, in the pack. */
+static enum eco_code join_chunks(struct eco_elements *points, const struct eco_list *list,
+	const struct eco_chunk *chunks, const struct eco_pack_writer *writer, const struct eco_pack *pack,
+	struct eco_error *error)
 {
-	const struct eco_list *list = &writer->lists[list_id];
 	enum eco_code code = ECO_OK;
-	assert(list_id < writer->list_count && list->kind == ECO_LIST_POINTS && list->coder == ECO_CODER_KD);
 	*points = (struct eco_elements){ .extra_count = eco_list_extra_count(list) };
-	for (uint32_t i = 0; i < list->chunk_count && code == ECO_OK; i++) {
-		const struct eco_chunk *chunk = &writer->chunks[list->chunk_first + i];
-		uint8_t *bytes = malloc(chunk->size_bytes);
-		code = !bytes ? eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", writer->path)
-			: read_spool(writer, chunk->offset, bytes, chunk->size_bytes, error);
+	for (uint32_t i = 0; i < list->chunk_count && !code; i++) {
+		const struct eco_chunk *chunk = &chunks[list->chunk_first + i];
+		uint8_t *spooled = writer ? malloc(chunk->size_bytes) : NULL;
+		const uint8_t *bytes = spooled;
+		size_t size;
+		if (pack)
+			code = eco_pack_payload(pack, list->chunk_first + i, &bytes, &size, error);
+		else
+			code = spooled ? read_spool(writer, chunk->offset, spooled, chunk->size_bytes, error)
+				: eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", writer->path);
 		code = code ? code : join_chunk(points, list, chunk, i, bytes, error);
-		free(bytes);
+		free(spooled);
 	}
 	if (code)
 		eco_elements_free(points);
 	return code;
 }
 
+enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list_id,
+	struct eco_elements *points, struct eco_error *error)
+{
+	const struct eco_list *list = &writer->lists[list_id];
+	assert(list_id < writer->list_count && list->kind == ECO_LIST_POINTS && list->coder == ECO_CODER_KD);
+	return join_chunks(points, list, writer->chunks, writer, NULL, error);
+}
+
 enum eco_code eco_pack_points(const struct eco_pack *pack, uint32_t list_id, struct eco_elements *points,
 	struct eco_error *error)
 {
 	const struct eco_list *list = &pack->scene.lists[list_id];
-	enum eco_code code = ECO_OK;
-	*points = (struct eco_elements){ .extra_count = eco_list_extra_count(list) };
+	*points = (struct eco_elements){ 0 };
 	if (list->kind != ECO_LIST_POINTS || list->coder != ECO_CODER_KD)
 		return eco_fail(error, ECO_BAD_INPUT, "list %u is not one of points", list_id);
-	for (uint32_t i = 0; i < list->chunk_count && code == ECO_OK; i++) {
-		const uint8_t *bytes;
-		size_t size;
-		code = eco_pack_payload(pack, list->chunk_first + i, &bytes, &size, error);
-		if (!code)
-			code = join_chunk(points, list, &pack->scene.chunks[list->chunk_first + i], i, bytes,
-				error);
-	}
-	if (code)
-		eco_elements_free(points);
-	return code;
+	return join_chunks(points, list, pack->scene.chunks, NULL, pack, error);
 }
 
 const struct eco_list *eco_pack_list(const struct eco_pack_writer *writer, uint32_t list_id)

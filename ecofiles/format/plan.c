@@ -58,7 +58,6 @@ static int gate_order(const void *a, const void *b)
 
 #define CUT_KEYS 10
 
-#define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 static void cut_keys(const struct eco_cut *cut, uint32_t keys[CUT_KEYS])
 {
 	bool summary = cut->anchor == ECO_NONE;
@@ -94,6 +93,8 @@ void eco_plan_sort(struct eco_plan *plan)
 
 /* ---- Checks ---- */
 
+#define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
+
 static bool within(double v, double low, double high)
 {
 	return v >= low && v <= high;    /* false for NaN */
@@ -116,89 +117,70 @@ static enum eco_code check_head(const struct eco_plan *plan, struct eco_error *e
 	return ECO_OK;
 }
 
-static enum eco_code check_placements(const struct eco_plan *plan, struct eco_error *error)
+static const char *placement_fault(const struct eco_plan *plan, uint32_t i)
 {
-	for (uint32_t i = 0; i < plan->placement_count; i++) {
-		const struct eco_placement *p = &plan->placements[i];
-		for (int axis = 0; axis < 3; axis++)
-			if (!within(p->at[axis], -1e12, 1e12))
-				return BAD("placement %u of the plan lies beyond 1e12 m", i);
-		if (!within(p->scale, 0, 1e12) || p->scale == 0)
-			return BAD("placement %u of the plan has a scale outside (0, 1e12]", i);
-	}
-	return ECO_OK;
+	const struct eco_placement *p = &plan->placements[i];
+	for (int axis = 0; axis < 3; axis++)
+		if (!within(p->at[axis], -1e12, 1e12))
+			return "it lies beyond 1e12 m";
+	return !within(p->scale, 0, 1e12) || p->scale == 0 ? "its scale is outside (0, 1e12]" : NULL;
 }
 
-static enum eco_code check_runs(const struct eco_plan *plan, struct eco_error *error)
+static const char *run_fault(const struct eco_plan *plan, uint32_t i)
 {
-	for (uint32_t i = 0; i < plan->run_count; i++) {
-		const struct eco_run *run = &plan->runs[i], *before = i ? run - 1 : NULL;
-		if (run->placement >= plan->placement_count)
-			return BAD("run %u of the plan lies in placement %u of %u",
-				i, run->placement, plan->placement_count);
-		if (run->list_first >= run->list_end)
-			return BAD("run %u of the plan, [%u,%u), is empty", i,
-				run->list_first, run->list_end);
-		if (run->left >= ECO_SHARE_ONE)
-			return BAD("run %u of the plan leaves out all of its plants", i);
-		if (before && (run->placement < before->placement ||
-				(run->placement == before->placement && run->list_first < before->list_end)))
-			return BAD("run %u of the plan overlaps the run before it or is out of order", i);
-	}
-	return ECO_OK;
+	const struct eco_run *run = &plan->runs[i], *before = i ? run - 1 : NULL;
+	if (run->placement >= plan->placement_count)
+		return "its placement is not there";
+	if (run->list_first >= run->list_end || run->left >= ECO_SHARE_ONE)
+		return "it is empty, or leaves out all of its plants";
+	return before && (run->placement < before->placement ||
+		(run->placement == before->placement && run->list_first < before->list_end))
+		? "it overlaps the run before it or is out of order" : NULL;
 }
 
-static enum eco_code check_gates(const struct eco_plan *plan, struct eco_error *error)
+static const char *gate_fault(const struct eco_plan *plan, uint32_t i)
 {
-	for (uint32_t i = 0; i < plan->gate_count; i++) {
-		const struct eco_gate *gate = &plan->gates[i];
-		if (gate->end > ECO_GATE_OPEN)
-			return BAD("gate %u of the plan ends in band %u of %u", i,
-				gate->end / ECO_SHARE_ONE, ECO_BANDS);
-		if (i && gate->plant <= gate[-1].plant)
-			return BAD("gate %u of the plan is out of order", i);
-	}
-	return ECO_OK;
+	const struct eco_gate *gate = &plan->gates[i];
+	if (gate->end > ECO_GATE_OPEN)
+		return "it ends beyond the last band";
+	return i && gate->plant <= gate[-1].plant ? "it is out of order" : NULL;
 }
 
-static enum eco_code check_cut(const struct eco_plan *plan, uint32_t i, struct eco_error *error)
+static const char *cut_fault(const struct eco_plan *plan, uint32_t i)
 {
 	const struct eco_cut *cut = &plan->cuts[i];
-	if (cut->first >= cut->end)
-		return BAD("cut %u of the plan, [%u,%u), is empty", i, cut->first, cut->end);
-	if (cut->list == ECO_NONE)
-		return BAD("cut %u of the plan has no list", i);
+	bool summary = cut->anchor == ECO_NONE;
+	if (cut->first >= cut->end || cut->list == ECO_NONE)
+		return "it is empty, or has no list";
 	if (!within(cut->scale, 0, 1e12) || signbit(cut->scale))
-		return BAD("cut %u of the plan has a scale outside [0, 1e12]", i);
-	if (cut->halvings > (cut->anchor == ECO_NONE ? ECO_HALVINGS_MAX : 0))
-		return BAD("cut %u of the plan halves its points %u times", i, cut->halvings);
-	if (cut->anchor == ECO_NONE) {
-		if (cut->placement >= plan->placement_count)
-			return BAD("cut %u of the plan lies in placement %u of %u",
-				i, cut->placement, plan->placement_count);
-		return ECO_OK;
-	}
-	if (cut->band_first >= cut->band_end || cut->band_end > ECO_BANDS)
-		return BAD("cut %u of the plan has bands [%u,%u) of %u", i,
-			cut->band_first, cut->band_end, ECO_BANDS);
-	if (cut->share_first >= cut->share_end || cut->share_end > ECO_SHARE_ONE)
-		return BAD("cut %u of the plan has the share [%u,%u) of %u", i,
-			cut->share_first, cut->share_end, ECO_SHARE_ONE);
-	return ECO_OK;
+		return "its scale is outside [0, 1e12]";
+	if (cut->halvings > (summary ? ECO_HALVINGS_MAX : 0))
+		return "its points are halved too often";
+	if (summary && cut->placement >= plan->placement_count)
+		return "its placement is not there";
+	if (!summary && (cut->band_first >= cut->band_end || cut->band_end > ECO_BANDS
+			|| cut->share_first >= cut->share_end || cut->share_end > ECO_SHARE_ONE))
+		return "its bands or its share are none";
+	return i && cut_order(cut - 1, cut) >= 0 ? "it repeats the one before it or is out of order" : NULL;
+}
+
+static enum eco_code check_each(const struct eco_plan *plan, const char *what, uint32_t count,
+	const char *(*fault)(const struct eco_plan *, uint32_t), struct eco_error *error)
+{
+	const char *found = NULL;
+	uint32_t i = 0;
+	while (i < count && !(found = fault(plan, i)))
+		i++;
+	return found ? BAD("%s %u of the plan: %s", what, i, found) : ECO_OK;
 }
 
 enum eco_code eco_plan_check(const struct eco_plan *plan, struct eco_error *error)
 {
 	enum eco_code code = check_head(plan, error);
-	code = code ? code : check_placements(plan, error);
-	code = code ? code : check_runs(plan, error);
-	code = code ? code : check_gates(plan, error);
-	for (uint32_t i = 0; !code && i < plan->cut_count; i++) {
-		code = check_cut(plan, i, error);
-		if (!code && i && cut_order(&plan->cuts[i - 1], &plan->cuts[i]) >= 0)
-			code = BAD("cut %u of the plan repeats the one before it or is out of order", i);
-	}
-	return code;
+	code = code ? code : check_each(plan, "placement", plan->placement_count, placement_fault, error);
+	code = code ? code : check_each(plan, "run", plan->run_count, run_fault, error);
+	code = code ? code : check_each(plan, "gate", plan->gate_count, gate_fault, error);
+	return code ? code : check_each(plan, "cut", plan->cut_count, cut_fault, error);
 }
 
 /* ---- Holdings ---- */
