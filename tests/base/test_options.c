@@ -163,19 +163,6 @@ UNIT_TEST(numbers_are_read_whole_or_refused)
 		&& given.vertices == INT64_MAX);
 }
 
-UNIT_TEST(suffixes_are_thousands_and_of_bytes_1024)
-{
-	struct eco_error error;
-	assert_int_equal(read_line("a -o b --vertices 1M --memory 64M --pace .005k", &error), ECO_OK);
-	assert_true(given.vertices == 1000000 && given.memory == 64 << 20 && given.pace == 5);
-	assert_int_equal(read_line("a -o b --vertices=9223372036G --memory 1024G --at 0,.001k,2", &error), ECO_OK);
-	assert_true(given.vertices == 9223372036000000000 && given.memory == 1ull << 40 && given.at[1] == 1);
-	assert_int_equal(read_line("a -o b --vertices 20k --memory 65536", &error), ECO_OK);
-	assert_true(given.vertices == 20000 && given.memory == 65536);
-	assert_int_equal(read_line("a -o b --vertices 20K --memory 64K", &error), ECO_OK);
-	assert_true(given.vertices == 20000 && given.memory == 65536);
-}
-
 UNIT_TEST(help_names_everything_within_its_columns)
 {
 	char *text = NULL;

@@ -23,24 +23,6 @@ UNIT_TEST(equal_texts_have_one_number)
 	assert_int_equal(texts.count, 0);
 }
 
-UNIT_TEST(many_texts_stay_where_they_are)
-{
-	struct eco_string_pool texts = { 0 };
-	char text[16];
-	uint32_t number;
-	assert_true(eco_string_pool_add(&texts, "first", &number));
-	const char *first = texts.items[0];
-	for (uint32_t pass = 0; pass < 2; pass++)
-		for (uint32_t i = 1; i < 100000; i++) {
-			snprintf(text, sizeof text, "%u", i);
-			assert_true(eco_string_pool_add(&texts, text, &number));
-			assert_int_equal(number, i);
-		}
-	assert_ptr_equal(texts.items[0], first);
-	assert_int_equal(texts.count, 100000);
-	eco_string_pool_free(&texts);
-}
-
 /* ---- Lists and texts for messages ---- */
 
 UNIT_TEST(names_that_do_not_fit_are_counted)

@@ -19,15 +19,6 @@ UNIT_TEST(a_summary_matches_any_plant_of_its_tile_and_species)
 	assert_false(eco_owner_match(summary, eco_owner_summary(other, 5)));
 }
 
-UNIT_TEST(nothing_matches_nothing)
-{
-	assert_true(eco_owner_instance(0, 0, 0) != 0);
-	assert_true(eco_owner_summary(0, 0) != 0);
-	assert_false(eco_owner_match(0, 0));
-	assert_false(eco_owner_match(0, eco_owner_summary(0, 0)));
-	assert_false(eco_owner_match(eco_owner_instance(0, 0, 0), 0));
-}
-
 UNIT_TEST(chunks_held_are_found_by_list)
 {
 	struct eco_holding items[] = { { 0, 4 }, { 3, 1 }, { 4, 9 }, { 4000000000u, 2 } };
@@ -86,14 +77,4 @@ UNIT_TEST(sorting_puts_summaries_first_then_anchor_list_and_band)
 			&& cuts[i].band_first == order[i].band);
 	assert_true(runs[0].list_first == 1 && runs[1].list_first == 5 && runs[2].placement == 1);
 	assert_true(gates[0].plant == 1);
-}
-
-UNIT_TEST(freeing_empties_a_plan)
-{
-	struct eco_plan plan = { .vertices = 5, .cuts = malloc(sizeof *plan.cuts), .cut_count = 1,
-		.runs = malloc(sizeof *plan.runs) };
-	eco_plan_free(&plan);
-	assert_true(!plan.cuts && !plan.runs && plan.cut_count == 0 && plan.vertices == 0);
-	eco_plan_free(&plan);
-	eco_plan_free(NULL);
 }

@@ -1,9 +1,8 @@
 /* The stream: frames and holdings. Whatever is written is read back the same, in any portions; whatever is
- * damaged is found. Longer than 600 lines: a case for each frame, on one stream. */
+ * damaged is found. */
 #include <math.h>
 #include <stdio.h>
 
-#include "ecofiles/format/impostor.h"
 #include "ecofiles/format/pack_record.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/wire_random.h"
@@ -431,63 +430,6 @@ UNIT_TEST(named_chunks_are_as_carried_ones)
 	eco_writer_free(&damaged.w);
 	eco_writer_free(&carried);
 	eco_writer_free(&named);
-}
-
-/* ---- Lists of impostors ---- */
-
-static struct eco_writer impostor_stream(const struct eco_list *list)
-{
-	struct eco_writer w = { 0 };
-	uint32_t number = 0;
-	wire_put_scene(&w, &number, ECO_WIRE_VERSION);
-	struct eco_wire_bundle bundle;
-	struct eco_frame_mark mark = wire_bundle_begin(&w, &number, &bundle);
-	struct eco_wire_item item = { .kind = ECO_ITEM_LIST, .id = 3, .list = *list };
-	eco_wire_item_code(&bundle.range, bundle.items, &item);
-	wire_bundle_end(&w, mark, &bundle, NULL, 0);
-	put_faulty_plan(&w, &number, FAULT_NONE);
-	wire_put_end(&w, &number, 77, 0);
-	assert_false(w.failed);
-	return w;
-}
-
-/* As many levels as there may be, each a chunk, a primitive and an element. */
-UNIT_TEST(lists_of_impostors_have_a_chunk_for_each_level)
-{
-	enum { MOST = ECO_IMPOSTOR_LEVELS, BYTES = ECO_CODER_BYTES, ROWS = ECO_CODER_ROWS,
-		FORM = ECO_CODER_FORM };
-	static const struct {
-		uint8_t coder, attributes;
-		uint32_t primitives, elements, chunks;
-		bool good;
-	} rows[] = {
-		{ BYTES, 0, 1, 1, 1, true }, { BYTES, 0, 2, 2, 2, true }, { BYTES, 0, MOST, MOST, MOST, true },
-		{ BYTES, 0, MOST + 1, MOST + 1, MOST + 1, false },
-		{ BYTES, 0, UINT32_MAX, UINT32_MAX, UINT32_MAX, false }, { BYTES, 0, MOST, MOST, MOST - 1, false },
-		{ BYTES, 0, MOST - 1, MOST - 1, MOST, false }, { BYTES, 0, MOST, MOST, 0, false },
-		{ BYTES, 0, MOST, MOST - 1, MOST, false }, { BYTES, 0, 1, 2, 1, false },
-		{ ROWS, 0, MOST, MOST, MOST, false }, { FORM, 0, MOST, MOST, MOST, false },
-		{ BYTES, ECO_ATTR_COLOR, MOST, MOST, MOST, false }, { BYTES, ECO_ATTR_SPLAT, MOST, MOST, MOST, false },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct eco_list list = wire_random_list(4);
-		struct told told = { 0 };
-		struct eco_error error = { 0 };
-		list.kind = ECO_LIST_IMPOSTOR;
-		list.coder = rows[i].coder;
-		list.attributes = rows[i].attributes;
-		list.level = 200;                        /* how level leaves lie: any */
-		list.primitive_count = rows[i].primitives;
-		list.element_count = rows[i].elements;
-		list.chunk_count = rows[i].chunks;
-		struct eco_writer w = impostor_stream(&list);
-		enum eco_code code = parse(w.bytes, w.size, 0, &told, &error);
-		if (code != (rows[i].good ? ECO_OK : ECO_DAMAGED)
-				|| (!rows[i].good && !strstr(error.text, "list 3: its ")))
-			fail_msg("row %zu: code %d, '%s'", i, code, error.text);
-		eco_writer_free(&told.w);
-		eco_writer_free(&w);
-	}
 }
 
 UNIT_TEST(first_failure_is_final)

@@ -58,73 +58,6 @@ UNIT_TEST(order_of_a_plan_does_not_change_its_bytes)
 	}
 }
 
-/* A forest as the planner sees it: 60 plants, each with wood and foliage in 12 bands, and runs of 8 species
- * in 800 tiles of which some are out of view. */
-static struct eco_plan forest_plan(uint32_t cells)
-{
-	struct eco_plan plan = { .placement_count = 1 };
-	plan.placements = calloc(1, sizeof *plan.placements);
-	plan.placements[0].scale = 1;
-	plan.runs = calloc(800, sizeof *plan.runs);
-	plan.cuts = calloc(60 * 2 * 12 + cells * 6, sizeof *plan.cuts);
-	for (uint32_t tile = 0; tile < 800; tile++)
-		if (tile % 5)
-			plan.runs[plan.run_count++] = (struct eco_run){ .list_first = 500 + 9 * tile,
-				.list_end = 508 + 9 * tile };
-	for (uint32_t plant = 0; plant < 60; plant++)
-		for (uint32_t organ = 0; organ < 2; organ++)
-			for (uint32_t band = 0; band < 12; band++) {
-				uint32_t end = (organ ? 9000u : 300u) >> band / 2;
-				plan.cuts[plan.cut_count++] = (struct eco_cut){ .list = 8 * plant + 3 * organ,
-					.end = end + plant,
-					.scale = organ ? eco_wire_scale_round(1 + (float)band / 7) : 1,
-					.anchor = plant * 40,
-					.band_first = (uint8_t)(100 + band),
-					.band_end = (uint8_t)(101 + band), .share_end = ECO_SHARE_ONE };
-			}
-	for (uint32_t cell = 0; cell < cells; cell++)
-		for (uint32_t band = 0; band < 3; band++) {
-			uint32_t k = 1200 + 13 * cell, m = k >> (band + 1);
-			struct eco_cut cut = { .list = 9000 + 2 * cell, .end = m, .scale = 1,
-				.anchor = 5000 + cell,
-				.band_first = (uint8_t)(80 + band), .band_end = (uint8_t)(81 + band),
-				.share_end = ECO_SHARE_ONE };
-			plan.cuts[plan.cut_count++] = cut;
-			cut.list++, cut.first = 2 * m, cut.end = 2 * k,
-				cut.scale = eco_wire_scale_round(0.9f);
-			plan.cuts[plan.cut_count++] = cut;
-		}
-	return plan;
-}
-
-static size_t plan_bytes(const struct eco_plan *plan)
-{
-	struct eco_writer w = { 0 };
-	eco_wire_write_plan(&w, plan);
-	assert_false(w.failed);
-	size_t size = w.size;
-	eco_writer_free(&w);
-	return size;
-}
-
-UNIT_TEST(plans_are_small)
-{
-	struct eco_plan plan = forest_plan(0), blends = forest_plan(100), empty = { 0 };
-	size_t fixed = plan_bytes(&empty), all = plan_bytes(&plan), more = plan_bytes(&blends);
-	uint32_t runs = plan.run_count, cuts = plan.cut_count;
-	plan.run_count = 0;
-	size_t rules = plan_bytes(&plan);
-	print_message("plan: %zu bytes empty, %.2f a run, %.2f a rule, %.2f a rule of a blend\n", fixed,
-		(double)(all - rules) / runs, (double)(rules - fixed) / cuts,
-		(double)(more - all) / (blends.cut_count - cuts));
-	assert_true(fixed <= 16);
-	assert_true(all - rules <= runs);
-	assert_true(rules - fixed <= 2 * cuts);
-	assert_true(2 * (more - all) <= 5 * (blends.cut_count - cuts));
-	eco_plan_free(&plan);
-	eco_plan_free(&blends);
-}
-
 /* More items than a plan may have for its bytes, all told by the one before: it is filled up with zeros, so
  * that no reader has to believe a count. */
 UNIT_TEST(items_are_bounded_by_the_bytes_of_a_plan)
@@ -189,12 +122,25 @@ UNIT_TEST(truncations_of_a_plan_are_refused_or_other_plans)
 	assert_true(refused > 1000 && other < refused / 200);
 }
 
+static struct eco_plan small_plan(void)
+{
+	struct eco_plan plan = { .placement_count = 1, .run_count = 8, .cut_count = 8,
+		.placements = calloc(1, sizeof *plan.placements), .runs = calloc(8, sizeof *plan.runs),
+		.gates = calloc(2, sizeof *plan.gates), .cuts = calloc(8, sizeof *plan.cuts) };
+	plan.placements[0].scale = 1;
+	for (uint32_t i = 0; i < 8; i++) {
+		plan.runs[i] = (struct eco_run){ .list_first = 500 + 9 * i, .list_end = 508 + 9 * i };
+		plan.cuts[i] = (struct eco_cut){ .list = i, .end = 100, .scale = 1, .anchor = 40 * i,
+			.band_first = 100, .band_end = 101, .share_end = ECO_SHARE_ONE };
+	}
+	return plan;
+}
+
 UNIT_TEST(plans_that_break_a_rule_are_not_written)
 {
-	for (int fault = 0; fault < 17; fault++) {
-		struct eco_plan plan = forest_plan(1);
+	for (int fault = 0; fault <= 17; fault++) {
+		struct eco_plan plan = small_plan();
 		struct eco_writer w = { 0 };
-		plan.gates = calloc(2, sizeof *plan.gates);
 		switch (fault) {
 		case 0: plan.cuts[3].end = plan.cuts[3].first = 5; break;
 		case 1: plan.cuts[3].scale = NAN; break;
@@ -215,7 +161,7 @@ UNIT_TEST(plans_that_break_a_rule_are_not_written)
 		case 16: plan.runs[3].left = ECO_SHARE_ONE; break;
 		}
 		eco_wire_write_plan(&w, &plan);
-		assert_true(w.failed);
+		assert_int_equal(w.failed, fault < 17);      /* the last one is sound */
 		eco_plan_free(&plan);
 		eco_writer_free(&w);
 	}
