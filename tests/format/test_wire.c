@@ -3,119 +3,11 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "ecofiles/format/pack_record.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/wire_random.h"
+#include "tests/support/wire_told.h"
 
 /* ---- Streams ---- */
-
-/* Everything that a parser told, as bytes. */
-struct told { struct eco_writer w; uint32_t events, fail_at; };
-
-static enum eco_code tell(struct told *t, uint8_t what, struct eco_error *e)
-{
-	eco_write_u8(&t->w, what);
-	(void)e;
-	return ++t->events == t->fail_at ? ECO_INTERRUPTED : ECO_OK;
-}
-
-static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *id,
-	struct eco_error *e)
-{
-	struct told *t = ctx;
-	assert_true(!scene->plants && !scene->lists && scene->root == ECO_NONE);
-	eco_wire_write_scene(&t->w, scene, id);
-	return tell(t, 1, e);
-}
-
-static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant,
-	const struct eco_anchor *anchors, struct eco_error *e)
-{
-	struct told *t = ctx;
-	eco_write_u32(&t->w, id);
-	eco_write_bytes(&t->w, plant->name, sizeof plant->name);
-	for (uint32_t i = 0; i < plant->anchor_count; i++)
-		eco_record_write(&t->w, ECO_SECTION_ANCHORS, &anchors[i]);
-	return tell(t, 2, e);
-}
-
-static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
-	const struct eco_group *groups, struct eco_error *e)
-{
-	struct told *t = ctx;
-	eco_write_u32(&t->w, id);
-	eco_record_write(&t->w, ECO_SECTION_LISTS, list);
-	eco_write_bytes(&t->w, palette, 3 * (size_t)list->palette_count);
-	for (uint32_t i = 0; i < list->group_count; i++)
-		eco_record_write(&t->w, ECO_SECTION_GROUPS, &groups[i]);
-	return tell(t, 3, e);
-}
-
-static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk,
-	const uint8_t *payload, struct eco_error *e)
-{
-	struct told *t = ctx;
-	eco_write_u32(&t->w, list);
-	eco_write_u32(&t->w, ordinal);
-	eco_write_u32(&t->w, chunk->primitive_count);
-	eco_write_u32(&t->w, chunk->element_count);
-	eco_write_bytes(&t->w, payload, chunk->size_bytes);
-	return tell(t, 4, e);
-}
-
-static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error *e)
-{
-	struct told *t = ctx;
-	eco_wire_write_plan(&t->w, plan);
-	eco_plan_free(plan);
-	return tell(t, 5, e);
-}
-
-static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *e)
-{
-	struct told *t = ctx;
-	eco_write_u64(&t->w, vertices);
-	return tell(t, 6, e);
-}
-
-/* The host's bytes for any chunk; NULL: it is passed over. */
-static const char *hosted;
-
-static enum eco_code on_fetch(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,
-	struct eco_error *e)
-{
-	(void)ctx, (void)e;
-	assert_true(!hosted || strlen(hosted) == chunk->size_bytes);
-	*payload = (const uint8_t *)hosted;
-	return ECO_OK;
-}
-
-static enum eco_code on_ahead(void *ctx, struct eco_error *e)
-{
-	return tell(ctx, 8, e);
-}
-
-static const struct eco_wire_events telling = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end,
-	on_fetch, on_ahead };
-
-/* Feeds in portions of `portion` bytes; 0: of random sizes. */
-static enum eco_code parse(const uint8_t *bytes, size_t size, size_t portion, struct told *told,
-	struct eco_error *error)
-{
-	struct eco_wire_parser *parser;
-	struct wire_random r = { size + portion };
-	enum eco_code code = eco_wire_parser_new(&parser, &telling, told, error);
-	for (size_t at = 0; at < size && !code;) {
-		size_t n = portion ? portion : wire_random_below(&r, 200);
-		n = n < size - at ? n : size - at;
-		code = eco_wire_feed(parser, bytes + at, n, error);
-		at += n;
-	}
-	if (!code)
-		code = eco_wire_finish(parser, error);
-	eco_wire_parser_free(parser);
-	return code;
-}
 
 static struct eco_writer random_stream(uint64_t seed, uint32_t steps)
 {
@@ -131,13 +23,13 @@ UNIT_TEST(portions_do_not_matter)
 	static const size_t portions[] = { 0, 1, 2, 3, 5, 15, 16, 17, 64, 1000, 4096 };
 	for (uint64_t seed = 1; seed <= 20; seed++) {
 		struct eco_writer w = random_stream(seed, 8);
-		struct told whole = { 0 };
+		struct wire_told whole = { 0 };
 		struct eco_error error = { 0 };
-		assert_int_equal(parse(w.bytes, w.size, w.size, &whole, &error), ECO_OK);
+		assert_int_equal(wire_tell(w.bytes, w.size, w.size, &whole, &error), ECO_OK);
 		assert_true(whole.events >= 1 + 2 + 6 + 8 + 1);
 		for (size_t i = 0; i < sizeof portions / sizeof *portions; i++) {
-			struct told told = { 0 };
-			assert_int_equal(parse(w.bytes, w.size, portions[i], &told, &error), ECO_OK);
+			struct wire_told told = { 0 };
+			assert_int_equal(wire_tell(w.bytes, w.size, portions[i], &told, &error), ECO_OK);
 			assert_true(told.w.size == whole.w.size);
 			assert_memory_equal(told.w.bytes, whole.w.bytes, told.w.size);
 			eco_writer_free(&told.w);
@@ -147,13 +39,13 @@ UNIT_TEST(portions_do_not_matter)
 	}
 }
 
-struct damage { const struct told *sound; struct told told; uint32_t found, harmless; };
+struct damage { const struct wire_told *sound; struct wire_told told; uint32_t found, harmless; };
 
 static void damage_tried(struct damage *d, const uint8_t *bytes, size_t size)
 {
 	struct eco_error error = { 0 };
 	d->told.w.size = d->told.events = 0;
-	if (parse(bytes, size, size ? size : 1, &d->told, &error) != ECO_OK) {
+	if (wire_tell(bytes, size, size ? size : 1, &d->told, &error) != ECO_OK) {
 		assert_true(error.text[0]);
 		d->found++;
 		return;
@@ -167,10 +59,10 @@ static void damage_tried(struct damage *d, const uint8_t *bytes, size_t size)
 UNIT_TEST(damage_is_found)
 {
 	struct eco_writer w = random_stream(7, 5);
-	struct told sound = { 0 };
+	struct wire_told sound = { 0 };
 	struct damage d = { .sound = &sound };
 	struct wire_random r = { 99 };
-	assert_int_equal(parse(w.bytes, w.size, w.size, &sound, NULL), ECO_OK);
+	assert_int_equal(wire_tell(w.bytes, w.size, w.size, &sound, NULL), ECO_OK);
 	for (size_t bit = 0; bit < 8 * w.size; bit++) {
 		w.bytes[bit / 8] ^= (uint8_t)(1u << bit % 8);
 		damage_tried(&d, w.bytes, w.size);
@@ -206,20 +98,20 @@ UNIT_TEST(lost_repeated_and_swapped_frames_are_found)
 	struct eco_writer w = random_stream(8, 6);
 	uint8_t *copy = malloc(2 * w.size);
 	for (size_t at = 0; at < w.size; at += frame_size(w.bytes + at)) {
-		struct told told = { 0 };
+		struct wire_told told = { 0 };
 		size_t one = frame_size(w.bytes + at), after = at + one, two = after < w.size
 			? frame_size(w.bytes + after) : 0;
 		memcpy(copy, w.bytes, at);
 		memcpy(copy + at, w.bytes + after, w.size - after);
-		assert_int_equal(parse(copy, w.size - one, 0, &told, NULL), ECO_DAMAGED);
+		assert_int_equal(wire_tell(copy, w.size - one, 0, &told, NULL), ECO_DAMAGED);
 		memcpy(copy, w.bytes, after);
 		memcpy(copy + after, w.bytes + at, w.size - at);
-		assert_int_equal(parse(copy, w.size + one, 0, &told, NULL), ECO_DAMAGED);
+		assert_int_equal(wire_tell(copy, w.size + one, 0, &told, NULL), ECO_DAMAGED);
 		memcpy(copy, w.bytes, w.size);
 		memcpy(copy + at, w.bytes + after, two);
 		memcpy(copy + at + two, w.bytes + at, one);
 		if (two)
-			assert_int_equal(parse(copy, w.size, 0, &told, NULL), ECO_DAMAGED);
+			assert_int_equal(wire_tell(copy, w.size, 0, &told, NULL), ECO_DAMAGED);
 		eco_writer_free(&told.w);
 	}
 	free(copy);
@@ -331,9 +223,9 @@ UNIT_TEST(impossible_contents_are_refused)
 {
 	for (int fault = 0; fault < FAULT_COUNT; fault++) {
 		struct eco_writer w = faulty_stream(fault);
-		struct told told = { 0 };
+		struct wire_told told = { 0 };
 		struct eco_error error = { 0 };
-		enum eco_code code = parse(w.bytes, w.size, 0, &told, &error);
+		enum eco_code code = wire_tell(w.bytes, w.size, 0, &told, &error);
 		if ((code == ECO_OK) != (fault == FAULT_NONE))
 			fail_msg("fault %d: code %d %s", fault, code, error.text);
 		if (fault)
@@ -369,9 +261,9 @@ UNIT_TEST(ahead_comes_once_behind_the_last_plan)
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_writer w = stream_in_order(rows[i].order);
 		for (size_t portion = 1; portion <= w.size; portion += 15) {
-			struct told told = { 0 };
+			struct wire_told told = { 0 };
 			struct eco_error error = { 0 };
-			enum eco_code code = parse(w.bytes, w.size, portion, &told, &error);
+			enum eco_code code = wire_tell(w.bytes, w.size, portion, &told, &error);
 			assert_int_equal(code == ECO_OK, rows[i].good);
 			if (rows[i].good)
 				assert_int_equal(told.events, strlen(rows[i].order));
@@ -403,25 +295,22 @@ UNIT_TEST(named_chunks_are_as_carried_ones)
 {
 	static const char payload[] = "a payload of some bytes";
 	struct eco_writer carried = stream_of(payload, false), named = stream_of(payload, true);
-	struct told all = { 0 }, same = { 0 }, less = { 0 }, damaged = { 0 };
+	struct wire_told all = { 0 }, same = { .hosted = payload }, less = { 0 },
+		damaged = { .hosted = "A payload of some bytes" };
 	struct eco_error error = { 0 };
 	assert_in_range(named.size - carried.size + strlen(payload), sizeof(struct eco_chunk_id),
 		sizeof(struct eco_chunk_id) + 1);
-	assert_ok(parse(carried.bytes, carried.size, 0, &all, &error), error);
-	hosted = payload;
-	assert_ok(parse(named.bytes, named.size, 0, &same, &error), error);
+	assert_ok(wire_tell(carried.bytes, carried.size, 0, &all, &error), error);
+	assert_ok(wire_tell(named.bytes, named.size, 0, &same, &error), error);
 	assert_int_equal(same.w.size, all.w.size);
 	assert_memory_equal(same.w.bytes, all.w.bytes, all.w.size);
-	hosted = NULL;
-	assert_ok(parse(named.bytes, named.size, 0, &less, &error), error);
+	assert_ok(wire_tell(named.bytes, named.size, 0, &less, &error), error);
 	assert_int_equal(less.events, all.events - 1);
-	hosted = "A payload of some bytes";
-	assert_int_equal(parse(named.bytes, named.size, 0, &damaged, &error), ECO_DAMAGED);
+	assert_int_equal(wire_tell(named.bytes, named.size, 0, &damaged, &error), ECO_DAMAGED);
 	assert_non_null(strstr(error.text, "the hash that names it"));
-	hosted = payload;
 	for (size_t size = 0; size < named.size; size++) {
-		struct told told = { 0 };
-		assert_int_equal(parse(named.bytes, size, 0, &told, &(struct eco_error){ 0 }), ECO_DAMAGED);
+		struct wire_told told = { .hosted = payload };
+		assert_int_equal(wire_tell(named.bytes, size, 0, &told, &(struct eco_error){ 0 }), ECO_DAMAGED);
 		eco_writer_free(&told.w);
 	}
 	eco_writer_free(&all.w);
@@ -435,13 +324,13 @@ UNIT_TEST(named_chunks_are_as_carried_ones)
 UNIT_TEST(first_failure_is_final)
 {
 	struct eco_writer w = random_stream(9, 3);
-	struct told whole = { 0 };
-	assert_int_equal(parse(w.bytes, w.size, 0, &whole, NULL), ECO_OK);
+	struct wire_told whole = { 0 };
+	assert_int_equal(wire_tell(w.bytes, w.size, 0, &whole, NULL), ECO_OK);
 	for (uint32_t n = 1; n <= whole.events; n++) {
-		struct told told = { .fail_at = n };
+		struct wire_told told = { .fail_at = n };
 		struct eco_wire_parser *parser;
 		struct eco_error a = { 0 }, b = { 0 }, c = { 0 };
-		assert_int_equal(eco_wire_parser_new(&parser, &telling, &told, NULL), ECO_OK);
+		assert_int_equal(eco_wire_parser_new(&parser, &wire_telling, &told, NULL), ECO_OK);
 		assert_int_equal(eco_wire_feed(parser, w.bytes, w.size, &a), ECO_INTERRUPTED);
 		assert_int_equal(told.events, n);
 		assert_int_equal(eco_wire_feed(parser, w.bytes, w.size, &b), ECO_INTERRUPTED);
