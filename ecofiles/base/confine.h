@@ -33,4 +33,9 @@ bool eco_is_confined(void);
  * For a clear message, not for safety. */
 bool eco_confined_may_read(const char *path);
 
+/* The child of guard.h, and threads that it starts from now on, may make system calls that read files, use
+ * memory and start threads, but write no files, use no network and start no programs: these fail with EPERM.
+ * Open files stay open. False where the kernel or a container allows no filters: then only the limits hold. */
+bool eco_guard_filter(void);
+
 #endif

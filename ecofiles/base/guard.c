@@ -21,7 +21,6 @@
 #include <unistd.h>
 
 #include "ecofiles/base/confine.h"
-#include "ecofiles/base/guard_filter.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 #define SANITIZED 1
@@ -239,7 +238,7 @@ static void volunteer(void)
 }
 
 /* Keeps GDAL and PROJ from fetching from a server that a file names, and from running a program that it
- * holds. Needed where the kernel or the container allows no filter (guard_filter.h). */
+ * holds. Needed where the kernel or the container allows no filter (confine.h). */
 static void stay_offline(void)
 {
 	static const char *const settings[][2] = { { "CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none" },

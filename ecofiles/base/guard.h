@@ -2,7 +2,7 @@
  * back plain bytes: a crash there is an error message here.
  *
  * The child has limits on memory, on processor time and on time by the clock. It has none of the parent's
- * descriptors but standard error's, and where the kernel allows (guard_filter.h) it cannot open a file for
+ * descriptors but standard error's, and where the kernel allows (confine.h) it cannot open a file for
  * writing, a socket or a program. It may read whatever the user may read, as models name textures
  * anywhere, unless the program is confined (confine.h). Trust its result as little as the file. */
 #ifndef ECO_GUARD_H

@@ -29,7 +29,7 @@
  *   0   u8   3      1   u8   coder      2   u8   corners      3   u8   the bytes left off at the end
  *   4   u8   flags, never `wide`; then u16 predictors if corners > 2
  *   .   one range-coded stream of the columns that a Draco stream of the chunk would have (chunk_columns.h);
- *       ground, which is always packed: of its samples (chunk_ground.h), flags 0
+ *       ground, which is always packed: of its samples (chunk_columns.h), flags 0
  *
  * A chunk of an ELEMENTS list of triangles has coder SHAPES where that is smaller. A chunk of a MESH list
  * has coder ELEMENTS (one stream of corners = 3, drawn in stored order) where edgebreaker would lose or

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "ecofiles/base/range.h"
-#include "ecofiles/format/chunk/chunk_counts.h"
 
 #define WAY_BITS 3u
 #define MODELLED_STEP 2u         /* bits */

@@ -2,7 +2,7 @@
  * stores a table of symbols for each column, which takes more bytes than the rows of a small chunk.
  *
  * Component by component, columns in the order of chunk_rows.h (of a kd-tree without positions, which come
- * first, as chunk_counts.h says), each with a head:
+ * first, as said below), each with a head:
  *   3 bits   way: VALUES 0, DIFFERENCES 1, STEPS 2, RECENT 3, GIVEN 4
  *   number   the first row, of DIFFERENCES and STEPS: their other rows are coded as the difference to the row
  *            before
@@ -37,5 +37,45 @@ enum eco_code eco_columns_decode(struct eco_chunk_rows *rows, const uint8_t *byt
 
 /* A number as above, modulo 2^32. */
 uint32_t eco_columns_number(struct eco_range *range, uint32_t value);
+
+/* Samples of ground in one adaptively coded stream (ecofiles/base/range.h): the packed rows of a chunk of
+ * ground, whose samples stand in rows and columns.
+ *
+ *   s  x of the first row, then y of the first column: each the difference to the step before
+ *   4  bits, s: low bits of heights, which are mostly 0: coarse ground is rounded, but for its border
+ *   then a sample after the other, row by row:
+ *      1 bit, modelled by how near the border is, where s > 0: are any of its low bits set? if so, these
+ *      the miss of its height without them, less a prediction: eco_range_near, a kind for each size of the
+ *      misses beside it
+ *   8  bits 0xa5, as above
+ *
+ * The prediction is the mean of several that continue the samples before it, west and north ("north": in the
+ * row before), each with the weight 1 / (1 + e)^2, e: the sum of its misses at the six samples beside (as
+ * Meyer and Tischer, TMW, 1997, blend predictions, in integers). lod/EXPERIMENTS.md, Ground by its
+ * neighbours, says what this saves. */
+
+/* Encodes the columns' values as they were put. *bytes: malloc'ed; *zeros: bytes left off at the end.
+ * ECO_BAD_INPUT: samples do not stand in rows and columns. */
+enum eco_code eco_ground_encode(const struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size,
+	uint8_t *zeros, struct eco_error *error);
+/* Fills rows->columns. ECO_DAMAGED where bytes are not as written. */
+enum eco_code eco_ground_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size, uint8_t zeros,
+	struct eco_error *error);
+
+/* Positions of points whose order is free, by how many of them lie in each half of a cell (Devillers and
+ * Gandoin 2000, "Geometric compression for interactive transmission").
+ *
+ * For each axis 5 bits, the bits b of its coordinates, and the least coordinate, a number as
+ * above; then the root cell of all points, which has b bits left along each axis:
+ *   one point, or no bits left   each axis of each point: the bits left, as they are
+ *   else                         the axis with most bits left (of equals the first) is halved: how many of
+ *                                the n points lie in the lower half; then the lower half, then the upper
+ *                                one, where there are points in them
+ * A count up to 16 points is a tree of 5 bits, with models for each n and axis that begin as if three tenths
+ * of the cells had any count and the others a binomial one, and count as 6 seen: a chunk of a dozen points
+ * has no time to learn. A larger n of m bits: floor(count 2^m / (n + 1)) as a field of m bits, 3 modelled. */
+
+/* Writes or reads column 0, of 3 components. Writing puts all rows into the order in which they are read. */
+void eco_counts_code(struct eco_range *range, struct eco_chunk_rows *rows);
 
 #endif

@@ -1,6 +1,5 @@
-#include "ecofiles/format/chunk/chunk_counts.h"
-
 #include "ecofiles/format/chunk/chunk_columns.h"
+
 
 #define AXES 3u
 #define FEW 16u                  /* points of a cell whose counts have models for each number */

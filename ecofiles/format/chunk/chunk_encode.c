@@ -14,7 +14,6 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk/chunk_columns.h"
-#include "ecofiles/format/chunk/chunk_ground.h"
 #include "ecofiles/format/chunk/chunk_payload.h"
 
 #define KEPT_FIRST 96u           /* a chunk that begins before this element keeps its order */

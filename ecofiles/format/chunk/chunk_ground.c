@@ -1,6 +1,6 @@
 /* The same functions write and read. Whatever the bytes say, sums stay within 64 bits: heights are 32 bits,
  * weights 24. */
-#include "ecofiles/format/chunk/chunk_ground.h"
+#include "ecofiles/format/chunk/chunk_columns.h"
 
 #include <stdlib.h>
 #include <string.h>

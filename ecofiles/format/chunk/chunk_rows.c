@@ -11,7 +11,6 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk/chunk_columns.h"
-#include "ecofiles/format/chunk/chunk_ground.h"
 
 /* Corner k relative to corner 0 is predicted as the sum of these eighths times corners k-1, k-2, k-3 and
  * k-4 relative to corner 0. */

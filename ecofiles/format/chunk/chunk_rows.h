@@ -17,7 +17,7 @@
  * Draco codes each column as values or as differences to the row before, whichever is smaller (the stream
  * says which; kd: values).
  *
- * Split positions suit rows whose order is given. Samples of ground are always packed (chunk_ground.h).
+ * Split positions suit rows whose order is given. Samples of ground are always packed (chunk_columns.h).
  *
  * A `wide` stream has values beyond ECO_DRACO_VALUE_MAX: each column is stored as two, value >> 16 and
  * value & 65535. */
