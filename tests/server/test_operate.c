@@ -34,10 +34,7 @@ static int prepare(void **state)
 	snprintf(other, sizeof other, "build/tmp/operate-%d-other.eco", pid);
 	snprintf(other_name, sizeof other_name, "build/tmp/operate-%d-renamed.eco", pid);
 	snprintf(token_file, sizeof token_file, "build/tmp/operate-%d.token", pid);
-	FILE *file = fopen(token_file, "w");
-	if (!file || fputs("0123456789abcdef-park\nnot this\n", file) < 0 || fclose(file))
-		return 1;
-	snprintf(pack_path, sizeof pack_path, "%s", served);
+	file_write_text(token_file, "0123456789abcdef-park\nnot this\n");
 	return sample_pack_write(served, &error) || write_other(other, &error);
 }
 
@@ -216,31 +213,27 @@ UNIT_TEST(a_pack_that_is_not_well_leaves_the_scene)
 /* Packs come and go with the files of a folder. */
 UNIT_TEST(a_folder_is_all_packs_in_it)
 {
-	char folder[80], command[400];
+	char folder[80], path[100], command[400];
 	struct srv_store first, second;
 	struct srv_reload report;
 	struct eco_error error = { 0 };
 	snprintf(folder, sizeof folder, "build/tmp/operate-%d-folder", (int)getpid());
-	char *paths[] = { folder };
-	const struct srv_sources sources = { paths, 1, NULL, NULL };
+	snprintf(path, sizeof path, "%s/a.eco", folder);
+	const struct srv_sources sources = { (char *[]){ folder }, 1, NULL, NULL };
 	snprintf(command, sizeof command, "rm -rf %s && mkdir %s && touch %s/.hidden.eco %s/readme", folder,
 		folder, folder, folder);
 	assert_int_equal(system(command), 0);
 	assert_int_equal(srv_sources_load(&sources, NULL, &first, &report, &error), ECO_NOT_FOUND);
 	srv_store_free(&first);
-	snprintf(command, sizeof command, "cp %s %s/a.eco", served, folder);
-	assert_int_equal(system(command), 0);
+	assert_ok(sample_pack_write(path, &error), error);
 	assert_ok(srv_sources_load(&sources, NULL, &first, &report, &error), error);
 	assert_true(first.count == 1 && report.opened == 1);
 	assert_ok(srv_sources_load(&sources, &first, &second, &report, &error), error);
 	assert_true(second.count == 1 && report.same == 1 && second.scenes[0] == first.scenes[0]);
 	srv_store_free(&first);
-	snprintf(command, sizeof command, "rm -r %s", folder);
-	assert_int_equal(srv_scene_chunk(second.scenes[0], &second.scenes[0]->pack->scene.chunks[0].id) !=
-			ECO_NONE,
-		true);
 	srv_store_free(&second);
-	assert_int_equal(system(command), 0);
+	folder_empty(folder);
+	assert_int_equal(rmdir(folder), 0);
 }
 
 UNIT_TEST(reading_scenes_ends_when_it_is_cancelled)
@@ -400,18 +393,16 @@ UNIT_TEST(a_scene_with_a_token_is_for_its_holders)
 /* The served pack, whose scene is called "sample", as one that has this name. */
 static void put_renamed(const char *name)
 {
-	static uint8_t bytes[8 << 20];
-	FILE *file = fopen(served, "rb"), *to = fopen(other_name, "wb");
-	assert_true(file && to);
-	size_t size = fread(bytes, 1, sizeof bytes, file);
+	size_t size;
+	uint8_t *bytes = file_read(served, &size);
 	for (uint32_t i = 0; i < bytes[12]; i++) {
 		const uint8_t *section = bytes + ECO_PACK_HEADER_BYTES + i * ECO_PACK_SECTION_BYTES;
 		if (section[0] == ECO_SECTION_SCENE)
 			strncpy((char *)bytes + resign_u64(section + 8), name, 64);
 	}
 	pack_resign(bytes, size);
-	assert_int_equal(fwrite(bytes, 1, size, to), size);
-	assert_true(fclose(file) == 0 && fclose(to) == 0);
+	file_write(other_name, bytes, size);
+	free(bytes);
 	assert_int_equal(rename(other_name, served), 0);
 }
 
