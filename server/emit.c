@@ -105,7 +105,8 @@ static void put(uint8_t *at, uint64_t value, int count)
 static bool keep_payload(struct srv_emit *emit, const uint8_t *bytes, size_t size)
 {
 	if (!eco_array_grow(&emit->payloads, &emit->payload_capacity, emit->payload_count, sizeof
-		*emit->payloads)) return false;
+			*emit->payloads))
+		return false;
 	emit->payloads[emit->payload_count++] = (struct srv_payload){ 0, bytes, size };
 	return true;
 }

@@ -95,7 +95,8 @@ static void hold_answer(struct srv_exchange *exchange)
 {
 	uint64_t bytes = exchange->answer.memory_bytes, most = exchange->host->config.answers_max;
 	if (bytes <= FREE_BYTES || srv_reaper_hold(exchange->host->reaper, exchange->lease, SRV_HELD_ANSWERS,
-		bytes)) return;
+			bytes))
+		return;
 	srv_answer_free(&exchange->answer);
 	if (bytes > most)
 		srv_exchange_problem(exchange, SRV_PROBLEM_LIMIT, "the answer takes %llu bytes of memory; at most %llu are "

@@ -15,7 +15,8 @@ static void assert_described(const char *method, const char *raw, unsigned statu
 	const struct srv_route *route = srv_target_parse(&target, raw, strlen(raw), NULL) ? NULL
 		: srv_route_find(&target, variables);
 	if (route && openapi_documents(route->pattern, method, 0) && !openapi_documents(route->pattern,
-		method, status)) fail_msg("%s %s: %u is not described", method, route->pattern, status);
+			method, status))
+		fail_msg("%s %s: %u is not described", method, route->pattern, status);
 }
 
 UNIT_TEST(bad_requests_are_problems)
