@@ -50,7 +50,8 @@ static struct srv_work *start_held(uint32_t capacity, uint32_t share, atomic_boo
 	pthread_mutex_lock(&closed);
 	assert_ok(srv_work_start(&work, 1, false, capacity, share, &error), error);
 	assert_true(srv_work_submit(work, &first));
-	usleep(50000);                           /* until it is taken from the queue */
+	while (srv_work_waiting(work))           /* until it is taken from the queue */
+		usleep(1000);
 	return work;
 }
 
