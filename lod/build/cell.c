@@ -1,4 +1,4 @@
-#include "lod/build/cell.h"
+#include "lod/build/plant_state.h"
 
 #include <assert.h>
 #include <stdbool.h>

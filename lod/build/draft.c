@@ -103,29 +103,30 @@ static void put_fine(const struct lod_mesh *mesh, struct eco_elements *e, uint32
 	put_corner(e, mesh->grid + 3 * (size_t)vertex, uv);
 }
 
-uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items,
-	const uint8_t *growth, uint32_t count, uint32_t image)
+uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *elements, const uint8_t *growth,
+	const uint32_t *items, uint32_t count, uint32_t image)
 {
 	uint32_t corners = 0;
 	if (count == 0)
 		return ECO_NONE;
 	for (uint32_t i = 0; i < count; i++)
-		corners += items[i]->corners;
+		corners += elements[items[i]].corners;
 	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS,
 		(image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV) | (growth ? ECO_ATTR_GROWTH : 0), count,
 		corners, image, true });
 	for (uint32_t i = 0; i < count; i++) {
-		int32_t uv[2 * ECO_CORNERS_MAX], *extra = begin_element(&list->elements, items[i]->corners);
-		lod_element_uv(items[i], draft->mesh, uv);
-		for (uint32_t k = 0; k < items[i]->corners; k++)
-			put_fine(draft->mesh, &list->elements, items[i]->vertex[k], uv + 2 * k);
+		const struct lod_element *e = &elements[items[i]];
+		int32_t uv[2 * ECO_CORNERS_MAX], *extra = begin_element(&list->elements, e->corners);
+		lod_element_uv(e, draft->mesh, uv);
+		for (uint32_t k = 0; k < e->corners; k++)
+			put_fine(draft->mesh, &list->elements, e->vertex[k], uv + 2 * k);
 		if (image == ECO_NONE) {
 			uint8_t rgb[3];
-			lod_organs_mean(draft->organs, items[i]->triangle, items[i]->corners - 2u, rgb);
+			lod_organs_mean(draft->organs, e->triangle, e->corners - 2u, rgb);
 			*extra++ = (int32_t)lod_palette_index(draft->palette, rgb);
 		}
 		if (growth)
-			*extra = growth[i];
+			*extra = growth[items[i]];
 	}
 	return finish_in_chunks(draft, list);
 }
@@ -151,8 +152,8 @@ static uint32_t finish_form(struct lod_draft *draft, struct lod_list_draft *list
 	return finish(draft, list, of->ends, of->end_count);
 }
 
-uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *const *points,
-	float unit_area)
+uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *points,
+	const uint32_t *items, float unit_area)
 {
 	if (partner == ECO_NONE)
 		return ECO_NONE;
@@ -162,15 +163,15 @@ uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struc
 	list->list.unit_area = eco_few_bits(unit_area);
 	for (uint32_t i = 0; i < count; i++) {
 		int32_t *extra = begin_element(&list->elements, 1);
-		put_corner(&list->elements, points[i]->position, NULL);
-		extra[0] = (int32_t)lod_palette_index(draft->palette, points[i]->rgb);
-		extra[1] = points[i]->size;
+		put_corner(&list->elements, points[items[i]].position, NULL);
+		extra[0] = (int32_t)lod_palette_index(draft->palette, points[items[i]].rgb);
+		extra[1] = points[items[i]].size;
 	}
 	return finish_form(draft, list);
 }
 
-uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struct lod_facet *const *facets,
-	const uint8_t *growth)
+uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struct lod_facet *facets,
+	const uint8_t *growth, const uint32_t *items)
 {
 	if (partner == ECO_NONE)
 		return ECO_NONE;
@@ -180,10 +181,10 @@ uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struc
 	for (uint32_t i = 0; i < count; i++) {
 		int32_t *extra = begin_element(&list->elements, 3);
 		for (uint32_t k = 0; k < 3; k++)
-			put_corner(&list->elements, facets[i]->corner[k], NULL);
-		extra[0] = (int32_t)lod_palette_index(draft->palette, facets[i]->rgb);
+			put_corner(&list->elements, facets[i].corner[k], NULL);
+		extra[0] = (int32_t)lod_palette_index(draft->palette, facets[i].rgb);
 		if (growth)
-			extra[1] = growth[i];
+			extra[1] = growth[items[i]];
 	}
 	return finish_form(draft, list);
 }
@@ -240,7 +241,8 @@ uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, 
 	return finish_in_chunks(draft, list);
 }
 
-uint32_t lod_draft_blades(struct lod_draft *draft, uint32_t partner, const struct lod_line *const *lines)
+uint32_t lod_draft_blades(struct lod_draft *draft, uint32_t partner, const struct lod_line *lines,
+	const uint32_t *items)
 {
 	double owed = 0;
 	if (partner == ECO_NONE)
@@ -248,7 +250,7 @@ uint32_t lod_draft_blades(struct lod_draft *draft, uint32_t partner, const struc
 	struct lod_list_draft *list = add_form(draft, partner, ECO_LIST_LINES,
 		ECO_ATTR_COLOR | ECO_ATTR_WIDTH, 2);
 	for (uint32_t i = 0; i < draft->plant->lists[partner].elements.element_count; i++)
-		put_line(draft, list, lines[i], &owed);
+		put_line(draft, list, &lines[items[i]], &owed);
 	return finish_form(draft, list);
 }
 

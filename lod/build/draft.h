@@ -27,25 +27,26 @@ struct eco_ladder *lod_draft_ladder(struct lod_draft *draft);
  * `image`: of the plant, or ECO_NONE. */
 
 /* Elements items[0..count) as fans, with texture coordinates if there is an image, else with colours;
- * `growth`: a code each, or NULL. */
-uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items,
-	const uint8_t *growth, uint32_t count, uint32_t image);
+ * `growth`: a code for each of all elements, or NULL. */
+uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *elements, const uint8_t *growth,
+	const uint32_t *items, uint32_t count, uint32_t image);
 
-/* Other forms of the elements of list `partner`, one each, in its order. */
+/* Other forms of the elements of list `partner`, one each, in its order: those of `items`. */
 
 /* Points; their areas are codes for eco_size, times unit_area. */
 struct lod_point { int32_t position[3]; uint8_t rgb[3], size; };
-uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *const *points,
-	float unit_area);
+uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *points,
+	const uint32_t *items, float unit_area);
 
 /* Lines. */
 struct lod_line { struct lod_v3 end[2]; double width; uint8_t rgb[3]; };
-uint32_t lod_draft_blades(struct lod_draft *draft, uint32_t partner, const struct lod_line *const *lines);
+uint32_t lod_draft_blades(struct lod_draft *draft, uint32_t partner, const struct lod_line *lines,
+	const uint32_t *items);
 
-/* Triangles in one colour. */
+/* Triangles in one colour, which are in the list's order; `growth` is of all elements. */
 struct lod_facet { int32_t corner[3][3]; uint8_t rgb[3]; };
-uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struct lod_facet *const *facets,
-	const uint8_t *growth);
+uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struct lod_facet *facets,
+	const uint8_t *growth, const uint32_t *items);
 
 /* Lines that are no form of other elements. Those without length on the grid are left out. */
 uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, uint32_t count);

@@ -106,8 +106,7 @@ static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *mo
 	finer.progress = NULL;
 	lod_plant_free(plant);
 	enum eco_code code = lod_plant_build(plant, model, &finer, error);
-	if (options->stage)
-		options->stage(options->ctx, LOD_STAGE_CURVES);
+	lod_plant_enter(options, LOD_STAGE_CURVES);
 	return code ? code : lod_grid_loss(plant, model, options, loss, error);
 }
 
@@ -147,37 +146,15 @@ static enum eco_code choose(struct lod_plant *plant, const struct eco_model *mod
 
 /* ---- The slow order, once the grid is known ---- */
 
-static bool tell_half(void *ctx, double share)
-{
-	const struct lod_plant_options *options = ctx;
-	return !options->progress || options->progress(options->ctx, 0.5 * share);
-}
-
-static void enter(void *ctx, enum lod_plant_stage stage)
-{
-	const struct lod_plant_options *options = ctx;
-	if (options->stage)
-		options->stage(options->ctx, stage);
-}
-
-static void each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
-{
-	const struct lod_plant_options *options = ctx;
-	options->each(options->ctx, count, piece, pieces);
-}
-
 static enum eco_code rebuild_greedily(struct lod_plant *plant, const struct eco_model *model,
 	const struct lod_plant_options *options, uint32_t bits, struct eco_error *error)
 {
-	struct lod_plant_options callers = *options, final = *options;
+	struct lod_plant_options final = *options;
 	final.grid_bits = bits;
-	final.progress = tell_half;
-	final.stage = enter;
-	final.each = options->each ? each : NULL;
-	final.ctx = &callers;
+	final.progress_end = 0.5;
 	lod_plant_free(plant);
 	enum eco_code code = lod_plant_build(plant, model, &final, error);
-	enter(&callers, LOD_STAGE_CURVES);
+	lod_plant_enter(options, LOD_STAGE_CURVES);
 	return code;
 }
 

@@ -40,14 +40,8 @@ struct eco_ladder *lod_build_ladder(struct lod_build *b, const struct lod_group 
 
 static void advance(struct lod_build *b, double share)
 {
-	if (b->options->progress && !b->options->progress(b->options->ctx, share))
+	if (!lod_plant_goes_on(b->options, share))
 		longjmp(b->arena.failed, FAILED_INTERRUPTED);
-}
-
-static void enter(const struct lod_build *b, enum lod_plant_stage stage)
-{
-	if (b->options->stage)
-		b->options->stage(b->options->ctx, stage);
 }
 
 /* ---- Groups ---- */
@@ -432,7 +426,7 @@ static void build(struct lod_build *b)
 {
 	struct lod_arena *arena = &b->arena;
 	advance(b, 0);
-	enter(b, LOD_STAGE_ELEMENTS);
+	lod_plant_enter(b->options, LOD_STAGE_ELEMENTS);
 	lod_weld(&b->mesh, b->model, b->options->grid_bits ? b->options->grid_bits
 		: lod_grid_bits_least(b->model), arena);
 	lod_elements_turn_diagonals(&b->mesh, arena);
@@ -440,7 +434,7 @@ static void build(struct lod_build *b)
 	lod_organs_find(&b->organs, &b->mesh, b->model, arena);
 	lod_elements_make(&b->elements, &b->mesh, &b->organs, arena);
 	advance(b, 0.06);
-	enter(b, LOD_STAGE_ORDERS);
+	lod_plant_enter(b->options, LOD_STAGE_ORDERS);
 	lod_bones_make(&b->bones, &b->mesh, &b->organs, arena);
 	lod_bones_sort(&b->bones, b->options->seed, arena);
 	advance(b, 0.1);
@@ -448,7 +442,7 @@ static void build(struct lod_build *b)
 	lod_leaves_measure(b);
 	if ((b->code = lod_leaves_order(b, b->error)) != ECO_OK)
 		longjmp(b->arena.failed, FAILED_REPORTED);
-	enter(b, LOD_STAGE_LISTS);
+	lod_plant_enter(b->options, LOD_STAGE_LISTS);
 	find_groups(b);
 	find_cells(b);
 	lod_wood_split(b);

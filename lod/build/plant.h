@@ -105,12 +105,25 @@ struct lod_plant_options {
 	/* called now and then with the share done, in [0,1]; returns false to stop with ECO_INTERRUPTED; may
 	 * be NULL */
 	bool (*progress)(void *ctx, double share);
+	double progress_end;                 /* the share that is done after lod_plant_build; 0: 1 */
 	/* A stage begins, perhaps not for the first time; may be NULL. */
 	void (*stage)(void *ctx, enum lod_plant_stage stage);
 	/* For work that can run in parallel, with the same result; NULL: sequential. */
 	lod_each *each;
 	void *ctx;
 };
+
+static inline bool lod_plant_goes_on(const struct lod_plant_options *options, double share)
+{
+	double end = options->progress_end > 0 ? options->progress_end : 1;
+	return !options->progress || options->progress(options->ctx, end * share);
+}
+
+static inline void lod_plant_enter(const struct lod_plant_options *options, enum lod_plant_stage stage)
+{
+	if (options->stage)
+		options->stage(options->ctx, stage);
+}
 
 enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *model,
 	const struct lod_plant_options *options, struct eco_error *error);

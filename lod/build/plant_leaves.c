@@ -77,7 +77,7 @@ static void order_by_survival(struct lod_build *b, enum lod_order_method method)
 static bool rank_goes_on(void *ctx, double share)
 {
 	struct lod_build *b = ctx;
-	return !b->options->progress || b->options->progress(b->options->ctx, 0.1 + 0.8 * share);
+	return lod_plant_goes_on(b->options, 0.1 + 0.8 * share);
 }
 
 static void rank_each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
@@ -341,8 +341,7 @@ void lod_leaves_represent(struct lod_build *b)
 /* ---- Ladders ---- */
 
 /* ECO_NONE if that draws hardly fewer vertices than the elements themselves. */
-static uint32_t write_simple(struct lod_build *b, uint32_t triangles, const uint32_t *items, uint32_t count,
-	const uint8_t *growth)
+static uint32_t write_simple(struct lod_build *b, uint32_t triangles, const uint32_t *items, uint32_t count)
 {
 	uint64_t full = 0;
 	for (uint32_t i = 0; i < count; i++)
@@ -350,7 +349,6 @@ static uint32_t write_simple(struct lod_build *b, uint32_t triangles, const uint
 	if (SIMPLE_GAIN * count > (double)full)
 		return ECO_NONE;
 	struct lod_facet *facet = lod_arena_take(&b->arena, count, sizeof *facet);
-	const struct lod_facet **facets = lod_arena_take(&b->arena, count, sizeof *facets);
 	for (uint32_t i = 0; i < count; i++) {
 		const struct lod_simple *simple = &b->simple[items[i]];
 		for (int k = 0; k < 9; k++)
@@ -358,9 +356,8 @@ static uint32_t write_simple(struct lod_build *b, uint32_t triangles, const uint
 				(int32_t)floor((simple->corner[k / 3][k % 3] - b->mesh.origin[k % 3])
 				/ b->mesh.step + 0.5);
 		memcpy(facet[i].rgb, b->point[items[i]].rgb, sizeof facet[i].rgb);
-		facets[i] = &facet[i];
 	}
-	return lod_draft_facets(&b->draft, triangles, facets, growth);
+	return lod_draft_facets(&b->draft, triangles, facet, b->growth, items);
 }
 
 static uint8_t level_of(const struct lod_build *b, const uint32_t *items, uint32_t count)
@@ -380,27 +377,14 @@ static void write_lists(struct lod_build *b, const struct lod_group *group, stru
 	const uint32_t *items, uint32_t count)
 {
 	struct lod_arena_piece *mark = b->arena.last;
-	const struct lod_element **fans = lod_arena_take(&b->arena, count, sizeof *fans);
-	for (uint32_t i = 0; i < count; i++)
-		fans[i] = &b->elements.items[items[i]];
-	uint8_t *growth = b->growth ? lod_arena_take(&b->arena, count, sizeof *growth) : NULL;
-	for (uint32_t i = 0; growth && i < count; i++)
-		growth[i] = b->growth[items[i]];
-	ladder->triangles = lod_draft_fans(&b->draft, fans, growth, count, group->image);
+	ladder->triangles = lod_draft_fans(&b->draft, b->elements.items, b->growth, items, count, group->image);
 	if (b->simple)
-		ladder->simple = write_simple(b, ladder->triangles, items, count, growth);
-	if (group->blades) {
-		const struct lod_line **lines = lod_arena_take(&b->arena, count, sizeof *lines);
-		for (uint32_t i = 0; i < count; i++) {
-			lines[i] = &b->blade[items[i]];
-			ladder->epsilon = fmaxf(ladder->epsilon, (float)b->blade_error[items[i]]);
-		}
-		ladder->lines = lod_draft_blades(&b->draft, ladder->triangles, lines);
-	}
-	const struct lod_point **points = lod_arena_take(&b->arena, count, sizeof *points);
-	for (uint32_t i = 0; i < count; i++)
-		points[i] = &b->point[items[i]];
-	ladder->points = lod_draft_points(&b->draft, ladder->triangles, points,
+		ladder->simple = write_simple(b, ladder->triangles, items, count);
+	for (uint32_t i = 0; i < count && group->blades; i++)
+		ladder->epsilon = fmaxf(ladder->epsilon, (float)b->blade_error[items[i]]);
+	if (group->blades)
+		ladder->lines = lod_draft_blades(&b->draft, ladder->triangles, b->blade, items);
+	ladder->points = lod_draft_points(&b->draft, ladder->triangles, b->point, items,
 		(float)(group->area / 2 / (group->end - group->first)));
 	if (ladder->points != ECO_NONE)
 		b->draft.plant->lists[ladder->points].list.level = level_of(b, items, count);

@@ -2,9 +2,31 @@
 #ifndef LOD_PLANT_STATE_H
 #define LOD_PLANT_STATE_H
 
-#include "lod/build/cell.h"
 #include "lod/build/draft.h"
 #include "lod/build/foliage.h"
+
+/* Cells of a complex plant (cell.c): an octree of at most two levels over its triangles (Deussen 2002, 6.1), so a
+ * leaf of it is a set of the 64 octants of octants. A leaf with next to nothing in it joins the nearest one. */
+#define LOD_CELLS_MAX 64u
+
+struct lod_cells {
+	uint32_t count;              /* 0: the plant is not divided */
+	struct lod_v3 low, size;     /* of the box */
+	uint8_t map[LOD_CELLS_MAX];  /* octant of octant (x, y, z in [0,4)) -> cell */
+};
+
+struct lod_cells_input {
+	struct lod_v3 low, high;
+	uint32_t count;
+	const struct lod_v3 *center; /* of units that stay together */
+	const uint32_t *triangles;   /* of each unit */
+	uint32_t limit;              /* a node is split above this many triangles */
+};
+
+void lod_cells_make(struct lod_cells *cells, const struct lod_cells_input *input);
+
+/* The cell of a point: less than cells->count. A point outside the box belongs to the nearest octant. */
+uint32_t lod_cells_at(const struct lod_cells *cells, struct lod_v3 point);
 
 /* A group: elements, or wood, of one organ, texture and importance that a rule gives. Its members share
  * ladders. */

@@ -34,8 +34,8 @@ layers && complain "is content with nothing"
 source lod/plan/planner.c /usr/include/math.h ecofiles/base/status.h ecofiles/format/list.h lod/vector.h lod/plan/planner.h lod/plan/planner_state.h
 source lod/build/plant.c lod/build/grid.h lod/build/order/order.h lod/raster/raster.h ./ecofiles/base/bytes.h
 source ecofiles/format/chunk/draco_shim.cpp ecofiles/format/chunk/draco_shim.h
-source server/main_ecoserve.c ecofiles/ecopack/make.h lod/build/cell.h server/daemon.h
-source tests/base/test_angle16.c lod/build/cell.h
+source server/main_ecoserve.c ecofiles/ecopack/make.h lod/build/draft.h server/daemon.h
+source tests/base/test_angle16.c lod/build/draft.h
 layers || complain "finds fault with what is allowed: $(cat "$DIR/said")"
 
 # (a) rooms that a room may not include, (b) private headers, (c) build and plan, (d) ecopack, (e) no room

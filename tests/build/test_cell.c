@@ -1,5 +1,5 @@
 /* Cells partition a plant. */
-#include "lod/build/cell.h"
+#include "lod/build/plant_state.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 

@@ -201,21 +201,6 @@ UNIT_TEST(errors_hold_everywhere_and_are_met_somewhere)
 	}
 }
 
-UNIT_TEST(flat_ground_has_no_finer_tiles)
-{
-	struct world less;
-	uint32_t all = 0;
-	world_make(&less, &terrains[2], 0.01);
-	for (uint32_t level = 0; level <= less.tree.tiles[0].level; level++)
-		all += ((less.ground.columns - 2) / (ECO_GROUND_CELLS << level) + 1)
-			* ((less.ground.rows - 2) / (ECO_GROUND_CELLS << level) + 1);
-	assert_true(less.tree.count < all);
-	for (uint32_t i = 0; i < less.tree.count; i++)
-		assert_true((less.tree.tiles[i].child_count == 0)
-			== (less.tree.tiles[i].level == 0 || less.tree.tiles[i].error_m <= 0.01f));
-	world_free(&less);
-}
-
 /* A sea larger than the tiles that fine ones may touch has children, so that beside a coast they can be chosen. */
 UNIT_TEST(even_flat_tiles_are_no_coarser_than_neighbours_may_be)
 {

@@ -19,35 +19,6 @@ static void write_all(struct eco_writer *w, const struct lod_impostors *impostor
 			error);
 }
 
-/* A ball of radius 1 in its cylinder: the tile from the side is a disc, as deep as it is wide. */
-UNIT_TEST(a_ball_is_discs_of_its_colour)
-{
-	static const uint8_t red[3] = { 200, 30, 10 };
-	struct soup soup;
-	struct lod_impostors impostors;
-	soup_begin(&soup);
-	soup_ball(&soup, soup_material(&soup, red[0], red[1], red[2], ECO_NONE, false),
-		(struct lod_v3){ 1, 2, 3 }, 1, 48);
-	make(&impostors, &soup.model, &(struct lod_impostors_options){ .levels = 0 });
-	assert_float_equal(impostors.body.center[2], 3, 1e-3);
-	assert_float_equal(impostors.body.wide, 1, 0.01);
-	assert_float_equal(impostors.body.high, 1, 0.01);
-	assert_float_equal(impostors.body.thick, 1, 0.2);
-	const struct eco_impostor_level *level = &impostors.levels[1];
-	uint32_t side = eco_impostor_sizes[1].texels;
-	for (uint32_t i = 0; i < side * side; i++) {
-		double x = (i % side + 0.5) / side * 2 - 1, y = (i / side + 0.5) / side * 2 - 1,
-			r = x * x + y * y;
-		if (r < 0.88 || r > 1.12)
-			assert_int_equal(level->texel[i], r < 1);
-	}
-	uint32_t cells = eco_impostor_tiles(ECO_IMPOSTOR_FEW) * 8 * 8;
-	for (uint32_t i = 0; i < 3 * cells; i++)
-		assert_in_range(eco_impostor_color(level->color[i]) + 4, red[i % 3], red[i % 3] + 8u);
-	lod_impostors_free(&impostors);
-	soup_free(&soup);
-}
-
 static bool stop(void *ctx, double share)
 {
 	return ++*(int *)ctx < 3 && share <= 1;

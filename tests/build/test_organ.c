@@ -95,30 +95,6 @@ UNIT_TEST(a_patch_inlaid_in_bark_is_bark)
 	finish();
 }
 
-UNIT_TEST(closed_surfaces_count_half)
-{
-	double area = 0;
-	soup_begin(&soup);
-	soup_ball(&soup, soup_material(&soup, 0, 200, 0, ECO_NONE, false), (struct lod_v3){ 0, 0, 1 }, 1, 40);
-	find();
-	for (uint32_t t = 0; t < found.mesh.triangle_count; t++)
-		area += found.organs.area[t];
-	assert_true(fabs(area - 2 * LOD_PI) < 0.02);
-	finish();
-}
-
-UNIT_TEST(transparent_parts_do_not_count)
-{
-	soup_begin(&soup);
-	uint32_t m = soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 64), true);
-	soup_quad(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
-		(struct lod_v3){ 0, 1, 0 });
-	find();
-	assert_true(fabs(found.organs.area[0] + found.organs.area[1] - 0.16 * LOD_PI) < 0.07);
-	assert_in_range(found.organs.rgb[0][0], 40, 90);
-	finish();
-}
-
 /* ---- Made plants: what they are made of, and what that is ---- */
 
 static uint32_t named(struct soup *s, const char *name, uint8_t r, uint8_t g, uint8_t b)

@@ -348,22 +348,27 @@ static bool watch_progress(void *ctx, double share)
 	return share < watch->stop;
 }
 
+/* In combined order, then in the greedy one, which is stopped while it picks and while it refines. */
 UNIT_TEST(progress_ascends_and_may_stop_the_build)
 {
-	make_model(TREE_WITH_CELLS);
-	for (int i = 0; i < 5; i++) {
-		struct watch watch = { 0, i < 4 ? 0.3 * i : 2 };
-		struct eco_error error = { 0 };
-		struct lod_plant_options options = options_for(TREE_WITH_CELLS);
-		options.progress = watch_progress;
-		options.ctx = &watch;
-		enum eco_code code = lod_plant_build(&plant, &soup.model, &options, &error);
-		assert_int_equal(code, i < 4 ? ECO_INTERRUPTED : ECO_OK);
-		assert_true((plant.lists != NULL) == (code == ECO_OK));
-		assert_true(i < 4 || watch.last == 1);
-		lod_plant_free(&plant);
+	static const double stops[2][5] = { { 0, 0.05, 0.1, 0.93, 2 }, { 0.11, 0.35, 0.7, 0.85, 2 } };
+	for (int greedy = 0; greedy < 2; greedy++) {
+		make_model(greedy ? SMALL_TREE : TREE_WITH_CELLS);
+		for (int i = 0; i < 5; i++) {
+			struct watch watch = { 0, stops[greedy][i] };
+			struct eco_error error = { 0 };
+			struct lod_plant_options options = options_for(greedy ? SMALL_TREE : TREE_WITH_CELLS);
+			options.order = greedy ? LOD_ORDER_GREEDY : LOD_ORDER_COMBINED;
+			options.progress = watch_progress;
+			options.ctx = &watch;
+			enum eco_code code = lod_plant_build(&plant, &soup.model, &options, &error);
+			assert_int_equal(code, stops[greedy][i] <= 1 ? ECO_INTERRUPTED : ECO_OK);
+			assert_true((plant.lists != NULL) == (code == ECO_OK));
+			assert_true(code || watch.last == 1);
+			lod_plant_free(&plant);
+		}
+		soup_free(&soup);
 	}
-	soup_free(&soup);
 }
 
 UNIT_TEST(models_without_anything_to_draw_are_refused)
@@ -389,7 +394,7 @@ UNIT_TEST(any_soup_is_stored_completely)
 	for (uint32_t seed = 1; seed <= 40; seed++) {
 		struct eco_error error = { 0 };
 		struct lod_plant_options options = { .name = "soup", .order = LOD_ORDER_COMBINED,
-			.grid_bits = 10, .cell_triangles = 20 };
+			.grid_bits = 5 + seed % 6, .cell_triangles = 20 };
 		soup_begin(&soup);
 		soup.state = seed;
 		uint32_t m = soup_material(&soup, 255, 255, 255, seed % 2 ? soup_disc_image(&soup, 8)

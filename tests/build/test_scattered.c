@@ -1,5 +1,4 @@
 /* Points of summaries in parts: around their point, and the first parts stay where there are more. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,25 +7,6 @@
 
 #define POINTS 50u
 #define FIRST 7u
-
-UNIT_TEST(parts_lie_around_their_point_on_every_side)
-{
-	double mean[3] = { 0 }, square[3] = { 0 };
-	for (uint32_t point = 0; point < 1000; point++)
-		for (uint32_t part = 0; part < 64; part++) {
-			float offset[3];
-			lod_scattered_offset(offset, point, part);
-			for (int k = 0; k < 3; k++) {
-				assert_true(fabsf(offset[k]) < 1 && offset[k] * 32 == floorf(offset[k] * 32));
-				mean[k] += (double)offset[k] / 64000;
-				square[k] += (double)(offset[k] * offset[k]) / 64000;
-			}
-		}
-	for (int k = 0; k < 3; k++) {
-		assert_true(fabs(mean[k]) < 0.01);
-		assert_true(fabs(square[k] - 1 / 6.0) < 0.01);   /* of a sum of two even ones */
-	}
-}
 
 static void make(struct lod_geometry *g, unsigned halvings)
 {

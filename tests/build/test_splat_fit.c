@@ -5,7 +5,6 @@
 
 #include "lod/build/splat/splat_state.h"
 #include "tests/support/plant_models.h"
-#include "tests/support/two_threads.h"
 #include "tests/support/unit_test.h"
 
 static const struct lod_splats_options quick = { .views = 12, .pixels = 40 };

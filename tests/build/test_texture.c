@@ -134,6 +134,12 @@ UNIT_TEST(levels_halve_cover_as_much_and_are_what_payloads_hold)
 		assert_ok(eco_texture_write_colors(&w, colors, ECO_TEXTURE_QUALITY, &error), error);
 		assert_int_equal(w.size, texture.colors[i].size);
 		assert_memory_equal(w.bytes, texture.colors[i].bytes, w.size);
+		/* cut off anywhere it is refused, or another outline of the same size */
+		for (size_t size = 0; size < payload[1]->size; size += 1 + payload[1]->size / 9) {
+			struct eco_texture_part part;
+			if (!eco_texture_read_outline(&part, payload[1]->bytes, size, NULL))
+				eco_texture_part_free(&part);
+		}
 		for (int outline = 0; outline < 2; outline++) {
 			assert_true(eco_texture_texels(payload[outline]->bytes, payload[outline]->size, outline) == count);
 			assert_true(eco_texture_texels(payload[outline]->bytes, 5, outline) == 0);

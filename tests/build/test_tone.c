@@ -55,20 +55,6 @@ UNIT_TEST(beginnings_have_the_tone_of_what_is_seen)
 	}
 }
 
-UNIT_TEST(few_colours_stay_what_they_are)
-{
-	dark_first(MOST, 12);
-	uint8_t before[MOST][3];
-	memcpy(before, rgb, sizeof before);
-	lod_tone_level(rgb, area, seen, MOST);
-	for (uint32_t i = 0; i < MOST; i++) {
-		uint32_t k = 0;
-		while (k < MOST && memcmp(before[k], rgb[i], 3) != 0)
-			k++;
-		assert_true(k < MOST);
-	}
-}
-
 UNIT_TEST(one_colour_and_nothing_seen_change_nothing)
 {
 	uint8_t before[MOST][3];

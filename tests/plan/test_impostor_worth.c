@@ -113,6 +113,7 @@ static void set_bytes(uint32_t bytes)
 UNIT_TEST(levels_do_not_fall_as_the_budget_grows)
 {
 	uint32_t several = 0;
+	assert_true(lod_impostor_from(1, 0.999) == INFINITY && lod_impostor_from(1, 1) == LOD_IMPOSTOR_PIXELS);
 	for (uint64_t seed = 1; seed <= SCENES; seed++) {
 		struct chosen last = { .levels = { 0 } };
 		struct eco_request request = request_of(seed, 0);

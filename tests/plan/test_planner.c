@@ -325,6 +325,23 @@ UNIT_TEST(shifting_turning_and_scaling_through_a_placement_changes_only_rounding
 	eco_plan_free(&plan);
 }
 
+UNIT_TEST(a_bounded_walk_still_answers)
+{
+	random_scene_make(&scene, 33, 6);
+	struct eco_request request = random_request(&scene);
+	request.vertices = 1 << 24;
+	struct eco_plan plan;
+	struct lod_planner_input input = { .scene = &scene.scene, .request = &request, .tiles_max = 3,
+		.placements_max = 2 };
+	struct eco_error error = { 0 };
+	enum eco_code code = lod_plan(&plan, &input, &error);
+	assert_true(code == ECO_OK || code == ECO_TOO_LARGE);
+	if (!code) {
+		assert_true(plan.vertices <= request.vertices);
+		eco_plan_free(&plan);
+	}
+}
+
 /* Pixels are so narrow, or wide, that numbers nearly end. */
 UNIT_TEST(the_narrowest_and_the_widest_views_are_planned)
 {

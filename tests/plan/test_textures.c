@@ -1,5 +1,6 @@
 /* Textures of plans, on random scenes: shown by all that have them, finer where they are nearer, and given up
  * for bytes. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "lod/plan/planner.h"
@@ -198,4 +199,16 @@ UNIT_TEST(a_coarse_texture_is_better_than_none)
 	}
 	assert_true(coarse > 20);
 	scene_free(&b);
+}
+
+UNIT_TEST(where_nothing_is_known_all_levels_are_shown)
+{
+	struct eco_anchor anchor = { { 0, 0, 2 }, 2 };
+	struct eco_list list = { .kind = ECO_LIST_OUTLINE, .chunk_count = LEVELS };
+	struct eco_scene scene = { .lists = &list, .list_count = 1, .anchors = &anchor, .anchor_count = 1 };
+	struct eco_request request = { .texel_px = 0.5 };
+	struct lod_planner_input input = { .scene = &scene, .request = &request };
+	struct lod_planner p = { .input = &input, .scene = &scene, .visible.eye.pixel_rad = 0.001 };
+	assert_int_equal(lod_texture_levels(&p, 0, lod_texel_px(&p, 0, 0, ECO_BANDS - 1)), LEVELS);
+	assert_true(lod_outline_loss(&p, 0, LEVELS) == 0 && lod_outline_loss(&p, 0, LEVELS - 1) == INFINITY);
 }

@@ -472,13 +472,12 @@ static enum eco_code measure_plant(struct lod_plant *plant, const struct eco_mod
 enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model *model,
 	const struct lod_plant_options *options, struct eco_error *error)
 {
-	if (options->stage)
-		options->stage(options->ctx, LOD_STAGE_CURVES);
+	lod_plant_enter(options, LOD_STAGE_CURVES);
 	enum eco_code code = options->grid_bits || options->draft ? ECO_OK
 		: lod_grid_choose(plant, model, options, error);
 	if (!code && !options->no_splats)
 		code = lod_plant_add_splats(plant, model, options, error);
-	if (!code && options->stage)
-		options->stage(options->ctx, LOD_STAGE_CURVES);
+	if (!code)
+		lod_plant_enter(options, LOD_STAGE_CURVES);
 	return code ? code : measure_plant(plant, model, options, error);
 }

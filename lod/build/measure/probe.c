@@ -73,22 +73,29 @@ static enum eco_code make_rasters(struct lod_probe *probe, struct eco_error *err
 	return code;
 }
 
-static bool allocate(struct lod_probe *probe)
+static void take_arrays(struct lod_probe *probe)
 {
 	const struct lod_plant *plant = probe->plant;
-	size_t pixels = view_pixels(probe);
-	probe->eyes = calloc(probe->views, sizeof *probe->eyes);
-	probe->reference = calloc(probe->views, pixels);
-	probe->reference_pixels = calloc(probe->views, sizeof *probe->reference_pixels);
-	probe->scores = calloc(probe->views, sizeof *probe->scores);
-	probe->lists = calloc(plant->list_count + 1, sizeof *probe->lists);
-	probe->cut = calloc(plant->image_count + 1, sizeof *probe->cut);
+	struct lod_arena *arena = &probe->arena;
 	size_t chunks = 0;
 	for (uint32_t i = 0; i < plant->list_count; i++)
 		chunks += plant->lists[i].end_count;
-	probe->chunks = calloc(chunks + 1, sizeof *probe->chunks);
-	return probe->eyes && probe->reference && probe->reference_pixels && probe->scores && probe->lists
-		&& probe->cut && probe->chunks;
+	probe->eyes = lod_arena_take(arena, probe->views, sizeof *probe->eyes);
+	probe->reference = lod_arena_take(arena, probe->views, view_pixels(probe));
+	probe->reference_pixels = lod_arena_take(arena, probe->views, sizeof *probe->reference_pixels);
+	probe->scores = lod_arena_take(arena, probe->views, sizeof *probe->scores);
+	probe->lists = lod_arena_take(arena, plant->list_count, sizeof *probe->lists);
+	probe->cut = lod_arena_take(arena, plant->image_count, sizeof *probe->cut);
+	probe->chunks = lod_arena_take(arena, chunks, sizeof *probe->chunks);
+	probe->masks = lod_model_masks(probe->model, arena);
+}
+
+static bool allocate(struct lod_probe *probe)
+{
+	if (setjmp(probe->arena.failed))
+		return false;
+	take_arrays(probe);
+	return true;
 }
 
 /* Chunks as in the pack: ladders ask how many triangles some elements have. */
@@ -105,14 +112,6 @@ static void count_chunks(struct lod_probe *probe, struct eco_list *list, const s
 	}
 }
 
-static bool open_masks(struct lod_probe *probe)
-{
-	if (setjmp(probe->arena.failed))
-		return false;
-	probe->masks = lod_model_masks(probe->model, &probe->arena);
-	return true;
-}
-
 enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant,
 	const struct eco_model *model, const struct lod_probe_options *options, struct eco_error *error)
 {
@@ -126,7 +125,7 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 		lod_probe_free(probe);
 		return code;
 	}
-	if (!allocate(probe) || !open_masks(probe)) {
+	if (!allocate(probe)) {
 		lod_probe_free(probe);
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u views of %u x %u pixels",
 			options->views, options->pixels, options->pixels);
@@ -152,13 +151,6 @@ void lod_probe_free(struct lod_probe *probe)
 	for (uint32_t i = 0; i < probe->raster_count; i++)
 		lod_raster_free(&probe->rasters[i]);
 	free(probe->rasters);
-	free(probe->scores);
-	free(probe->eyes);
-	free(probe->reference);
-	free(probe->reference_pixels);
-	free(probe->lists);
-	free(probe->cut);
-	free(probe->chunks);
 	free(probe->drawings);
 	free(probe->floats);
 	lod_arena_free(&probe->arena);

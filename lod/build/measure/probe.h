@@ -30,7 +30,7 @@ struct lod_probe {
 	struct eco_list *lists;
 	struct eco_chunk *chunks;
 	bool *cut;                       /* per image of the plant: some of it is transparent */
-	struct lod_arena arena;          /* of masks */
+	struct lod_arena arena;          /* of the arrays but rasters, drawings and floats */
 	const struct lod_mask *masks;    /* per image of the model (model_draw.h) */
 	uint32_t views;
 	double center[3], radius;

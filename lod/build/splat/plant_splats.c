@@ -197,8 +197,7 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 		.levels = options->draft ? LEVELS_DRAFT : 0, .draft = options->draft,
 		.progress = options->progress, .each = options->each,
 		.ctx = options->ctx };
-	if (options->stage)
-		options->stage(options->ctx, LOD_STAGE_SPLATS);
+	lod_plant_enter(options, LOD_STAGE_SPLATS);
 	enum eco_code code = organ_colors(&rgb, model, error);
 	fit.rgb = (const uint8_t (*)[3])rgb;
 	if (!code)
