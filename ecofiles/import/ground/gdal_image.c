@@ -136,37 +136,21 @@ static enum eco_code find_root(struct job *job, struct eco_error *error)
 	return ECO_OK;
 }
 
-/* By boxes: whether the image reaches the plants, and on which sides they stand beyond it. */
+/* By boxes: whether the image reaches the plants. */
 static void doubt_overlap(struct job *job)
 {
-	static const char *const sides[4] = { "west", "east", "south", "north" };
 	const struct eco_ground_image_options *o = job->options;
-	const char *path = job->rasters[0].raster.path;
 	double x = gap(job->low[0], job->high[0], o->low[0], o->high[0]),
-		y = gap(job->low[1], job->high[1], o->low[1], o->high[1]), away = sqrt(x * x + y * y);
-	char where[100] = "";
-	if (!(o->low[0] <= o->high[0]))
+		y = gap(job->low[1], job->high[1], o->low[1], o->high[1]);
+	bool lacks = false;
+	for (int k = 0; k < 2; k++)
+		lacks = lacks || fmax(o->high[k] - job->high[k], job->low[k] - o->low[k])
+			> fmax(BEYOND_M, job->finest_m);
+	if (!lacks || !(o->low[0] <= o->high[0]))
 		return;
-	for (int side = 0; side < 4; side++) {
-		int k = side / 2;
-		double beyond = side % 2 ? o->high[k] - job->high[k] : job->low[k] - o->low[k];
-		size_t used = strlen(where);
-		if (beyond > fmax(BEYOND_M, job->finest_m))
-			snprintf(where + used, sizeof where - used, "%s%.0f m %s", used ? ", " : "", beyond,
-				sides[side]);
-	}
-	if (away > 0)
-		ground_note(job->scene.notes,
-			"%.200s: the image shows no place where plants stand: it lies from "
-			"%.0f, %.0f to %.0f, %.0f in the scene, %.0f m away from them; look at its CRS and "
-			"at the "
-			"scene's \"crs\" and \"origin\"",
-			path, job->low[0], job->low[1], job->high[0], job->high[1], away);
-	else if (where[0])
-		ground_note(job->scene.notes,
-			"%.200s: the image does not reach all plants, which stand up to %s of "
-			"it; the ground is plain there",
-			path, where);
+	ground_note(job->scene.notes, "%.200s: the image lies from %.0f, %.0f to %.0f, %.0f in the scene and does not "
+		"reach %s plants%s", job->rasters[0].raster.path, job->low[0], job->low[1], job->high[0], job->high[1],
+		x + y > 0 ? "any" : "all", x + y > 0 ? "; look at its CRS and at the scene's \"crs\" and \"origin\"" : "");
 }
 
 /* ---- Squares ---- */
