@@ -1,4 +1,4 @@
-/* What a parser of streams told, as bytes, so that two tellings can be compared. */
+/* Events that a parser of streams told, as bytes, so that two tellings can be compared. */
 #ifndef TESTS_WIRE_TOLD_H
 #define TESTS_WIRE_TOLD_H
 
