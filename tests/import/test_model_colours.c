@@ -172,6 +172,56 @@ UNIT_TEST(a_grey_that_nobody_chose_is_no_colour)
 	assert_true(m.materials[m.material[0]].colourless && m.materials[m.material[1]].colourless);
 }
 
+/* Six triangles above each other, of one vertex colour each. */
+static void import_ramp(double (*rgb)[3])
+{
+	char text[2000] = "", faces[200] = "";
+	for (int v = 0; v < 18; v++) {
+		const double *own = rgb[v / 3];
+		sprintf(text + strlen(text), "v %d %d %d %g %g %g\n", v % 3 == 1, v % 3 == 2, v / 3, own[0],
+			own[1], own[2]);
+		if (v % 3 == 2)
+			sprintf(faces + strlen(faces), "f %d %d %d\n", v - 1, v, v + 1);
+	}
+	strcat(text, faces);
+	import_high(&m, input_text(TEST_FOLDER, "ramp.obj", text), 0);
+	assert_int_equal(m.triangle_count, 6);
+}
+
+UNIT_TEST(colours_of_vertices_from_black_to_red_are_weights)
+{
+	static const struct { int channel; double add; bool weights; } cases[] = { { 0, 0, true },
+		{ 2, 0, true }, { 1, 0, false }, { 0, 0.5, false } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		double rgb[6][3] = { { 0 } };
+		for (int k = 0; k < 6; k++) {
+			rgb[k][cases[i].channel] = k / 5.0;
+			rgb[k][(cases[i].channel + 1) % 3] = cases[i].add;
+		}
+		import_ramp(rgb);
+		assert_int_equal(m.materials[m.material[0]].colourless, cases[i].weights);
+		assert_int_equal(strstr(import_said, "taken for weights of wind") != NULL, cases[i].weights);
+	}
+}
+
+/* Shade on white is no colour; other greys, or a colour beside them, are. */
+UNIT_TEST(greys_of_vertices_on_white_are_shade)
+{
+	static const struct { double least, blue; bool shade; } cases[] = { { 0.3, 1, true },
+		{ 0.3, 0.5, false }, { 0.9, 1, false } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		double rgb[6][3];
+		for (int k = 0; k < 6; k++) {
+			rgb[k][0] = rgb[k][1] = cases[i].least + (1 - cases[i].least) * k / 5.0;
+			rgb[k][2] = rgb[k][0] * (k < 5 ? 1 : cases[i].blue);
+		}
+		import_ramp(rgb);
+		assert_int_equal(strstr(import_said, "taken for shade") != NULL, cases[i].shade);
+		if (cases[i].least < 0.9)
+			assert_int_equal(m.materials[m.material[0]].colourless, cases[i].shade);
+	}
+}
+
 UNIT_TEST(colours_are_the_screens_unless_blender_wrote_them)
 {
 	input_text(TEST_FOLDER, "c.mtl", "newmtl m\nKd 0.2 0.2 0.2\n");

@@ -80,9 +80,47 @@ static bool is_one_grey(const struct eco_model *model)
 	return first && (defaults || (is_grey(first) && first[0] >= LIGHT_LEAST));
 }
 
-void eco_model_see_colourless(struct eco_model *model)
+#define RAMP_STEPS 8u                 /* of a channel, as eco_tint_step makes them */
+#define RAMP_OTHER 64u                /* values of the other channels are below */
+#define RAMP_LEAST 4u                 /* of them are there, from the lowest two to the highest two */
+
+/* Whether all colours are shades of one primary, from black to full; or (channel 3) shades of white in
+ * steps of vertex colours, which so are shade. */
+static bool is_ramp(const struct eco_model *model, int channel)
 {
-	bool colourless = is_one_grey(model);
+	bool there[RAMP_STEPS] = { false };
+	uint32_t count = 0;
+	for (uint32_t t = 0; t < model->triangle_count; t++) {
+		const struct eco_material *m = &model->materials[model->material[t]];
+		const uint8_t *rgb = m->rgb;
+		uint8_t step[3] = { rgb[0], rgb[1], rgb[2] };
+		eco_tint_step(step);
+		if (m->image != ECO_NONE ||
+			(channel == 3 && (rgb[1] != rgb[0] || rgb[2] != rgb[0] || step[0] != rgb[0])))
+			return false;
+		if (channel < 3 && (m->colourless || is_default(rgb)))
+			continue;
+		if (channel < 3 &&
+			(rgb[(channel + 1) % 3] >= RAMP_OTHER || rgb[(channel + 2) % 3] >= RAMP_OTHER))
+			return false;
+		there[rgb[channel % 3] * RAMP_STEPS / 256] = true;
+	}
+	for (uint32_t i = 0; i < RAMP_STEPS; i++)
+		count += there[i];
+	return count >= RAMP_LEAST && (channel == 3 || there[0] || there[1])
+		&& (there[RAMP_STEPS - 2] || there[RAMP_STEPS - 1]);
+}
+
+void eco_model_see_colourless(struct eco_model *model, struct eco_notes *notes)
+{
+	bool red = is_ramp(model, 0), blue = is_ramp(model, 2), shaded = is_ramp(model, 3);
+	if (shaded)
+		eco_note(notes, "its vertex colours are shades of grey alone, on white: they are taken for "
+			"shade, not for colours; give its materials colours if it is white or grey");
+	if (red || blue)
+		eco_note(notes, "its vertex colours run from black to %s: they are taken for weights of wind "
+			"and shade, not for colours", red ? "red" : "blue");
+	bool colourless = red || blue || shaded || is_one_grey(model);
 	for (uint32_t i = 0; colourless && i < model->material_count; i++)
 		model->materials[i].colourless = true;
 }

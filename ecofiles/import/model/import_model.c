@@ -547,7 +547,7 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", options->paths[0]);
 	if (!code) {
 		drop_unused_uv(model);
-		eco_model_see_colourless(model);
+		eco_model_see_colourless(model, notes);
 		note_colourless(model, notes);
 		note_size(model, options->paths[0], notes);
 	}

@@ -162,8 +162,9 @@ void eco_model_see_invisible(bool *invisible, uint32_t count, struct eco_notes *
 void eco_material_lost_picture(struct eco_material *material);
 
 /* A plant of one light grey all over, or of programs' default greys, has no colour: programs use them for
- * surfaces that nobody coloured. */
-void eco_model_see_colourless(struct eco_model *model);
+ * surfaces that nobody coloured. Nor has one of all shades of red or blue and no other colour: games keep
+ * weights of wind there. */
+void eco_model_see_colourless(struct eco_model *model, struct eco_notes *notes);
 
 /* Materials made from vertex colours, appended to the model's, which have room for ECO_TINTS_MAX more. */
 #define ECO_TINTS_MAX 4096u
