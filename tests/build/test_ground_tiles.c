@@ -336,6 +336,107 @@ UNIT_TEST(a_bound_on_tiles_is_kept_and_spent_where_it_shows)
 
 /* ---- Drawing ---- */
 
+static void draw_tiles(struct lod_raster *raster, const struct world *w, const struct eco_ground_tile *tiles,
+	uint32_t count)
+{
+	static const uint32_t corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
+	static float out[ECO_GROUND_CELLS * ECO_GROUND_CELLS * 18];
+	struct lod_ground_seam *seams = malloc(count * sizeof *seams);
+	struct lod_place place = { .cosine = 1, .scale = 1 };
+	assert_true(lod_ground_seams(seams, tiles, count));
+	lod_raster_object(raster, &place);
+	for (uint32_t i = 0; i < count; i++) {
+		struct eco_ground_span x, y;
+		float *to = out;
+		eco_ground_spans(&x, &y, &tiles[i], w->ground.columns, w->ground.rows);
+		for (uint32_t r = 0; r + 1 < y.inner; r++)
+			for (uint32_t c = 0; c + 1 < x.inner; c++)
+				for (int k = 0; k < 6; k++) {
+					uint32_t cc = c + corner[k][0], rr = r + corner[k][1];
+					lod_ground_corner(&cc, &rr, &seams[i], &x, &y);
+					uint32_t column = eco_ground_span_at(&x, x.before + cc),
+						row = eco_ground_span_at(&y, y.before + rr);
+					*to++ = (float)(place_x(w, column) * w->ground.step_x_m);
+					*to++ = (float)(place_y(w, row) * w->ground.step_y_m);
+					*to++ = (float)height_of(w, column, row);
+				}
+		struct lod_raster_batch batch = { .count = 2 * (x.inner - 1) * (y.inner - 1),
+			.position = out };
+		lod_raster_triangles(raster, &batch);
+	}
+	free(seams);
+}
+
+/* Tiles of random levels that cover all: every other tile that could be refined is. */
+static uint32_t random_cover(const struct world *w, struct eco_ground_tile *out, uint32_t chance)
+{
+	uint32_t *stack = malloc((w->tree.count + 1) * sizeof *stack), depth = 0, count = 0;
+	stack[depth++] = 0;
+	while (depth) {
+		const struct eco_ground_tile *t = &w->tree.tiles[stack[--depth]];
+		if (t->child_count == 0 || bits() % 100 >= chance) {
+			out[count++] = *t;
+			continue;
+		}
+		for (uint32_t i = 0; i < t->child_count; i++)
+			stack[depth++] = t->child_first + i;
+	}
+	free(stack);
+	return count;
+}
+
+#define BORDER_PX 40
+
+/* A chosen ground is drawn where the full detail is, to the tolerance and a pixel. */
+UNIT_TEST(the_picture_is_that_of_the_full_detail)
+{
+	static const double tolerances[] = { 0.5, 1, 3 };
+	struct world w;
+	noise_state = 300;
+	world_make(&w, &terrains[0], 0);
+	struct eco_ground_tile *tiles = malloc(w.tree.count * sizeof *tiles);
+	struct lod_raster_options options = { .width = 320, .height = 240 };
+	struct lod_raster whole, parts;
+	assert_int_equal(lod_raster_init(&whole, &options, NULL), ECO_OK);
+	assert_int_equal(lod_raster_init(&parts, &options, NULL), ECO_OK);
+	for (int n = 0; n < 12; n++) {
+		struct eco_view view = random_view(&w);
+		struct lod_ground_limits limits = { .tolerance_px = tolerances[n % 3] };
+		struct lod_ground_choice choice;
+		struct lod_eye eye;
+		lod_eye_make(&eye, &view);
+		assert_int_equal(lod_ground_select(&choice, &w.scene, &eye, &limits, NULL), ECO_OK);
+		lod_raster_camera(&whole, &eye, 0.1);
+		lod_raster_clear(&whole);
+		draw_tiles(&whole, &w, tiles, random_cover(&w, tiles, 100));
+		for (uint32_t i = 0; i < choice.count; i++)
+			tiles[i] = w.tree.tiles[choice.tiles[i]];
+		lod_raster_camera(&parts, &eye, 0.1);
+		lod_raster_clear(&parts);
+		draw_tiles(&parts, &w, tiles, choice.count);
+		int reach = (int)ceil(2 * tolerances[n % 3]) + 1;
+		uint32_t wrong = 0;
+		for (int y = reach; y < 240 - reach; y++)
+			for (int x = 0; x < 320; x++) {
+				bool all = true, none = true;
+				for (int d = -reach; d <= reach; d++) {
+					all &= whole.depth[(y + d) * 320 + x] > 0;
+					none &= whole.depth[(y + d) * 320 + x] == 0;
+				}
+				wrong += (all && parts.depth[y * 320 + x] == 0)
+					|| (none && parts.depth[y * 320 + x] > 0);
+			}
+		if (wrong)
+			fail_msg("view %d: %u pixels are ground or sky where the full detail is not", n,
+				wrong);
+		free(choice.tiles);
+	}
+	lod_raster_free(&whole);
+	lod_raster_free(&parts);
+	free(tiles);
+	world_free(&w);
+}
+
 /* ---- Samples ---- */
 
 UNIT_TEST(a_tile_is_found_by_its_samples)
