@@ -21,12 +21,6 @@ static int open_folder(void **state)
 	return 0;
 }
 
-static int close_folder(void **state)
-{
-	scratch_remove(scratch_root);
-	return 0;
-}
-
 #define RECORD(state, full) "{\"name\":\"lee\",\"title\":\"Lee\",\"program\":\"1\",\"state\":\"" state \
 	"\",\"full\":" full ",\"seconds\":1,\"keys\":[],\"items\":[" \
 	"{\"kind\":\"table\",\"name\":\"wrong\",\"columns\":\"a,b\",\"rows\":[\"1,2\"],\"show\":false}," \
@@ -150,5 +144,5 @@ UNIT_TEST(every_entry_names_a_section_with_such_tables_and_pictures)
 
 int main(void)
 {
-	return unit_tests_run(open_folder, close_folder);
+	return unit_tests_run(open_folder, scratch_close);
 }

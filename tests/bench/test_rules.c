@@ -173,8 +173,7 @@ static int open_scene(void **state)
 static int close_scene(void **state)
 {
 	paper_scene_close(scene);
-	scratch_remove(scratch_root);
-	return 0;
+	return scratch_close(state);
 }
 
 /* The client counts the plan's vertices anew, and refuses it if they differ. */

@@ -272,8 +272,6 @@ UNIT_TEST(compressed_triangles_are_the_plain_ones)
 	assert_true(bytes_of(DIR "/plants/*.bin") * 2 < bytes_of(PLAIN "/plants/*.bin"));
 }
 
-#define LOOSE 192u               /* vertices of triangles that share none, each at an x of its own */
-
 /* The scene's origin lies where its longitude and latitude say, and its axes are a rotation. */
 UNIT_TEST(a_place_on_earth_is_the_roots_transform)
 {

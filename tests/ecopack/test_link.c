@@ -354,14 +354,7 @@ static int set_up(void **state)
 	return 0;
 }
 
-static int clean_up(void **state)
-{
-	scratch_remove(cache);
-	scratch_remove(scratch_root);
-	return 0;
-}
-
 int main(void)
 {
-	return unit_tests_run(set_up, clean_up);
+	return unit_tests_run(set_up, scratch_close);
 }

@@ -230,13 +230,7 @@ static int prepare(void **state)
 	return fclose(file);
 }
 
-static int clean_up(void **state)
-{
-	scratch_remove(scratch_root);
-	return 0;
-}
-
 int main(void)
 {
-	return unit_tests_run(prepare, clean_up);
+	return unit_tests_run(prepare, scratch_close);
 }

@@ -19,8 +19,6 @@
 #define PIXELS 120
 #define TOLERANCE 2                      /* bytes, between OpenGL and software */
 
-static char cache[300];
-
 static void color_at(double east, double north, uint8_t rgb[3])
 {
 	static const uint8_t red[3] = { 200, 40, 30 }, blue[3] = { 30, 50, 200 }, white[3] = { 230, 230, 230 };
@@ -89,28 +87,18 @@ UNIT_TEST(colours_are_seen_where_they_lie_by_opengl_and_in_software)
 
 /* ---- Bytes ---- */
 
-static void make(const char *pack, uint32_t jobs, bool draft, bool cached)
+static void make(const char *pack, uint32_t jobs, bool draft)
 {
 	struct eco_error error = { 0 };
 	assert_ok(make_pack(&(struct make_options){ .scene = in_root("photo.json"), .pack = in_root(pack), .jobs = jobs,
-		.cache = cached ? cache : NULL, .draft = draft, .order = LOD_ORDER_COMBINED }, &error), error);
-}
-
-static bool alike(const char *a, const char *b)
-{
-	char path[512];
-	snprintf(path, sizeof path, "%s", in_root(a));
-	return files_alike(path, in_root(b));
+		.draft = draft, .order = LOD_ORDER_COMBINED }, &error), error);
 }
 
 UNIT_TEST(the_pack_is_the_same_with_any_number_of_threads)
 {
-	make("one.eco", 1, false, false);
-	make("four.eco", 4, false, false);
-	assert_true(alike("one.eco", "four.eco"));
-	make("refined.eco", 2, true, true);
-	make("refined.eco", 2, false, true);
-	assert_true(alike("one.eco", "refined.eco"));
+	make("one.eco", 1, false);
+	make("four.eco", 4, false);
+	assert_true(files_alike(in_root("one.eco"), in_root("four.eco")));
 }
 
 /* ---- The map and 3D Tiles ---- */
@@ -140,7 +128,7 @@ UNIT_TEST(tiles_of_ground_carry_it)
 	struct eco_pack *pack;
 	struct eco_image image;
 	size_t size;
-	make("tiles.eco", 2, true, false);
+	make("tiles.eco", 2, true);
 	assert_ok(eco_pack_open(&pack, in_root("tiles.eco"), &error), error);
 	assert_ok(export_tiles(pack, in_root("tiles"), false, &error), error);
 	eco_pack_close(pack);
@@ -168,7 +156,6 @@ static int prepare(void **state)
 {
 	scratch_open("make_image");
 	main_progress_quiet(true);
-	snprintf(cache, sizeof cache, "%s", in_root("cache"));
 	FILE *file = open_text("a.obj");
 	write_leaves(file, 4, 20);
 	fputs("v 0 0 0\nv 0.05 0 0\nv 0 4 0\nf -3 -2 -1\n", file);
@@ -182,16 +169,7 @@ static int prepare(void **state)
 	return 0;
 }
 
-static int clean_up(void **state)
-{
-	static const char *const folders[] = { "cache", "tiles/tiles", "tiles/plants", "tiles" };
-	for (size_t i = 0; i < sizeof folders / sizeof *folders; i++)
-		scratch_remove(in_root(folders[i]));
-	scratch_remove(scratch_root);
-	return 0;
-}
-
 int main(void)
 {
-	return unit_tests_run(prepare, clean_up);
+	return unit_tests_run(prepare, scratch_close);
 }

@@ -153,10 +153,4 @@ static int prepare(void **state)
 	return 0;
 }
 
-static int clean_up(void **state)
-{
-	scratch_remove(scratch_root);
-	return 0;
-}
-
-int main(void) { return unit_tests_run(prepare, clean_up); }
+int main(void) { return unit_tests_run(prepare, scratch_close); }

@@ -161,13 +161,7 @@ UNIT_TEST(linked_packs_share_an_image)
 	eco_pack_close(pack);
 }
 
-static int remove_models(void **state)
-{
-	scratch_remove(scratch_root);
-	return 0;
-}
-
 int main(void)
 {
-	return unit_tests_run(write_models, remove_models);
+	return unit_tests_run(write_models, scratch_close);
 }

@@ -80,7 +80,7 @@ static uint64_t left(const struct map *m, const char *reason)
 
 /* ---- Counting ---- */
 
-UNIT_TEST(test_plants_are_counted_by_kind_with_their_heights)
+UNIT_TEST(test_plants_are_counted_by_kind_and_rows_left_out_by_reason)
 {
 	struct map m;
 	gather(&m, ROOT "/one.json");
@@ -92,13 +92,6 @@ UNIT_TEST(test_plants_are_counted_by_kind_with_their_heights)
 	assert_true(kind(&m, "oak")->low_m == 10 && kind(&m, "oak")->high_m == 20);
 		/* one has no height: the plant's own */
 	assert_true(kind(&m, "elm")->low_m == 8);                                        /* 4 m twice */
-	map_free(&m);
-}
-
-UNIT_TEST(test_what_is_left_out_is_counted_by_reason)
-{
-	struct map m;
-	gather(&m, ROOT "/one.json");
 	assert_int_equal(left(&m, "rows.csv: 8 rows, 3 plants"), 8);
 	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_NO_COORDINATES]), 1);
 	assert_int_equal(left(&m, eco_skip_names[ECO_SKIP_BAD_NUMBER]), 1);
@@ -161,13 +154,14 @@ static void write_rows(const char *path, uint32_t count, const char *more)
 #define ROWS_SCENE(name) "{" PLANTS ", \"instances\": [{\"from\": \"" name "\", \"x\": \"x\", \"y\": " \
 	"\"y\", \"plant\": \"oak\"}]}"
 
-UNIT_TEST(test_strays_do_not_shrink_the_rest)
+UNIT_TEST(test_strays_do_not_shrink_the_rest_and_few_plants_have_a_map)
 {
 	static const struct { uint32_t count; const char *more; double widest; uint64_t outside; } cases[] =
 		{ { 1000, "", 1100, 0 },
 		{ 1000, "4000000,0\n", 1500, 1 }, { 1000, "0,-900000\n5,4000000\n", 1500, 2 },
 		{ 1000, "2000,2000\n", 2200, 0 },
-		{ 3, "4000000,0\n", 5e6, 0 } };
+		{ 3, "4000000,0\n", 5e6, 0 }, { 0, "5,5\n", 5e6, 0 }, { 0, "0,0\n100,0\n", 5e6, 0 },
+		{ 0, "7,1\n7,900\n", 5e6, 0 }, { 0, "1,1\n1,1\n1,1\n", 5e6, 0 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct map m;
 		write_rows(ROOT "/stray.csv", cases[i].count, cases[i].more);
@@ -176,20 +170,7 @@ UNIT_TEST(test_strays_do_not_shrink_the_rest)
 		assert_int_equal(map_write(&m, ROOT "/drawn.png", 400), ECO_OK);
 		assert_true(m.view.high[0] - m.view.low[0] <= cases[i].widest);
 		assert_int_equal(m.outside, cases[i].outside);
-		map_free(&m);
-	}
-}
-
-UNIT_TEST(test_one_plant_and_rows_of_plants_have_a_map)
-{
-	static const char *const rows[] = { "5,5\n", "0,0\n100,0\n", "7,1\n7,900\n", "1,1\n1,1\n1,1\n" };
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct map m;
-		write_rows(ROOT "/few.csv", 0, rows[i]);
-		file_write_text(ROOT "/few.json", ROWS_SCENE("few.csv"));
-		gather(&m, ROOT "/few.json");
-		assert_int_equal(map_write(&m, ROOT "/drawn.png", 300), ECO_OK);
-		assert_true(m.width >= 90 && m.width <= 300 && m.height >= 90 && m.height <= 300);
+		assert_true(m.width >= 90 && m.width <= 400 && m.height >= 90 && m.height <= 400);
 		map_free(&m);
 	}
 }

@@ -9,29 +9,20 @@
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/image.h"
 #include "tests/support/files.h"
+#include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
 
 #define ROOT "build/tmp/test_plant_view"
 #define PIXELS 64u
 
-/* A stem and leaves around its top, Y up, as materials that say what they are. */
+/* A stem and leaves around its top, Y up. */
 static void write_tree(const char *path, int leaves)
 {
 	FILE *file = fopen(path, "wb");
 	assert_non_null(file);
-	fputs("mtllib tree.mtl\nusemtl bark\n", file);
-	for (int k = 0; k < 2; k++)
-		fprintf(file, "v -.2 %d -.2\nv .2 %d -.2\nv .2 %d .2\nv -.2 %d .2\n", 8 * k, 8 * k, 8 * k,
-			8 * k);
-	fputs("f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nusemtl leaves\n", file);
-	for (int i = 0; i < leaves; i++) {
-		double x = (i * 37 % 100 - 50) / 15.0, z = (i * 71 % 100 - 50) / 15.0,
-			y = 4 + i * 53 % 100 / 20.0;
-		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4 -3 -2 -1\n", x, y, z,
-			x + .3, y + .2, z, x + .6, y, z + .2, x + .3, y - .2, z);
-	}
+	fputs("v -.2 0 0\nv .2 0 0\nv 0 8 .2\nv 0 8 -.2\nf 1 2 3\nf 1 2 4\n", file);
+	write_leaves(file, 8, leaves);
 	assert_int_equal(fclose(file), 0);
-	file_write_text(ROOT "/tree.mtl", "newmtl bark\nKd .5 .3 .1\nnewmtl leaves\nKd .1 .6 .1\n");
 }
 
 /* An upright card of 2 m; the upper half of its right side is transparent. */
@@ -57,7 +48,7 @@ static int make_packs(void **state)
 	main_progress_quiet(true);
 	write_tree(ROOT "/tree.obj", 400);
 	write_card();
-	file_write_text(ROOT "/two.json", "{\"plants\": {\"tree\": {\"model\": \"tree.obj\"}, \"card\": "
+	file_write_text(ROOT "/two.json", "{\"plants\": {\"tree\": {\"model\": \"tree.obj\", \"up\": \"y\"}, \"card\": "
 		"{\"model\": \"card.obj\", \"unit\": \"m\", \"up\": "
 		"\"y\"}}, \"instances\": [{\"plant\": \"tree\", \"at\": [0, 0]}, {\"plant\": \"card\", "
 		"\"at\": [9, 0]}]}");

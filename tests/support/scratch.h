@@ -12,8 +12,8 @@
 extern char scratch_root[256];
 
 void scratch_open(const char *test);
-/* A folder with files in it, and itself. */
-void scratch_remove(const char *path);
+/* The folder of this run, with all in it: a teardown. */
+int scratch_close(void **state);
 /* Path of a file in it; sixteen may be in use at a time. */
 const char *in_root(const char *name);
 FILE *open_text(const char *name);
