@@ -303,7 +303,7 @@ static void print_value(FILE *out, const json_t *value)
 	else if (json_is_integer(value))
 		fprintf(out, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
 	else if (json_is_real(value))
-		fprintf(out, "%.6g", json_real_value(value));
+		fprintf(out, fabs(json_real_value(value)) < 1e5 ? "%.5g" : "%.10g", json_real_value(value));
 	else
 		fputs(json_is_true(value) ? "yes" : json_is_false(value) ? "no" : json_is_null(value) ? "none" : "", out);
 }
