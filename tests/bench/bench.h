@@ -160,14 +160,14 @@ struct bench_frame {
 	struct lod_score score;
 	double predicted_q, colour_rms;      /* of sRGB bytes / 255 over pixels covered in either */
 	/* view_reference.h; NaN unless asked for */
-	double soft_q, ceiling, picture_error;
+	double soft_q, ceiling, picture_error, widest_px;
 	uint64_t vertices, bytes, plan_bytes;
 	double plan_ms, decode_ms, draw_ms;
 };
 struct bench_client;                 /* a pack open for many frames: a server's half and a viewer's half */
 enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error);
 void bench_client_close(struct bench_client *client);                /* NULL is fine */
-/* From now on frames have soft_q, ceiling and picture_error: they take a few times longer. */
+/* From now on frames have soft_q, ceiling, picture_error and widest_px: they take a few times longer. */
 void bench_client_see(struct bench_client *client);
 /* From now on OpenGL draws nothing: draw_ms is the rasteriser's. */
 void bench_client_untimed(struct bench_client *client);

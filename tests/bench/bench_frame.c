@@ -13,6 +13,7 @@
 #include "client-min/view_report.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_fetch.h"
+#include "tests/bench/pictures/bench_widest.h"
 
 struct bench_client {
 	struct srv_store scenes;
@@ -78,7 +79,7 @@ double bench_gl_ms(const struct view_store *store, const struct view_selection *
 }
 
 /* Figures asked for beside a picture: NULL, or where to put them. */
-struct beside { double *gl_ms, *ceiling; bool soft; };   /* gl_ms: NaN where there is no OpenGL */
+struct beside { double *gl_ms, *ceiling, *widest_px; bool soft; };   /* gl_ms: NaN where there is no OpenGL */
 
 static enum eco_code draw(const struct view_store *store, const struct eco_view *view,
 	struct view_picture *picture, const struct beside *beside, struct eco_error *error)
@@ -89,6 +90,8 @@ static enum eco_code draw(const struct view_store *store, const struct eco_view 
 		code = view_measure_soft(&drawing.job, picture, error);
 	if (!code && beside->ceiling)
 		code = view_measure_ceiling(&drawing.job, picture, beside->ceiling, error);
+	if (!code && beside->widest_px)
+		*beside->widest_px = bench_widest_px(store, &drawing.selection, &drawing.eye, picture);
 	if (!code && beside->gl_ms)
 		*beside->gl_ms = bench_gl_ms(store, &drawing.selection, view);
 	view_select_free(&drawing.selection);
@@ -197,7 +200,8 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 	struct view_picture drawn = { 0 };
 	double gl_ms = NAN;
 	struct beside beside = { .gl_ms = client->untimed ? NULL : &gl_ms,
-		.soft = client->sees };
+		.widest_px = client->sees ? &frame->widest_px : NULL, .soft = client->sees };
+	frame->widest_px = NAN;
 	enum eco_code code = bench_client_reference(client, &frame->request, NULL, error);
 	if (!code)
 		code = answer(client, frame, &store, error);

@@ -102,7 +102,7 @@ json_t *bench_shot_row(const struct bench_frame *f)
 		{ "p", f->score.precision }, { "r", f->score.recall },
 		{ "wrong", (double)(f->score.fp + f->score.fn) }, { "skill", f->score.skill },
 		{ "owner_q", f->score.owner_q }, { "colour", f->colour_rms }, { "soft_q", f->soft_q },
-		{ "ceiling", f->ceiling }, { "picture_error", f->picture_error },
+		{ "ceiling", f->ceiling }, { "picture_error", f->picture_error }, { "widest_px", f->widest_px },
 		{ "predicted_q", f->predicted_q }, { "plan_ms", f->plan_ms },
 		{ "decode_ms", f->decode_ms }, { "draw_ms", f->draw_ms } };
 	json_t *row = json_object();
