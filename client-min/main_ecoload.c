@@ -87,7 +87,7 @@ static const struct eco_option option_table[] = {
 
 static const struct eco_command command = { .name = "ecoload", .options = option_table,
 	.synopsis = "URL --camera CAMERA --clients N --seconds S [OPTIONS]",
-	.says = "Loads a server with N clients, each of which starts at its own frame of a camera script. "
+	.says = "Loads a server with N clients; each starts at its own frame of a camera script. "
 		"Times count from the moment a request is due, so an open loop includes waiting behind other "
 		"requests. A client that gets 503 waits as long as Retry-After says. Ctrl-C ends the run and "
 		"prints the report; a second Ctrl-C ends without one.",

@@ -154,7 +154,7 @@ static enum eco_code decode_impostor(struct view_piece *piece, const struct view
 	return ECO_OK;
 }
 
-/* Ground is one chunk, every sample in its place: then whoever draws it needs no checks of its own. */
+/* Ground is one chunk, every sample in its place: drawing needs no checks of its own. */
 static enum eco_code check_ground(struct view_piece *piece, const struct view_piece_input *in,
 	struct eco_error *error)
 {

@@ -166,7 +166,7 @@ void lod_impostor_look(struct lod_impostor_look *look, const struct lod_impostor
 
 /* ---- Looking up ---- */
 
-/* Linear between texels, of which there are none beyond the tile; x and y in [-1, 1], y up. */
+/* Linear between texels; there are none beyond the tile; x and y in [-1, 1], y up. */
 LOD_INLINE float cover_at(const uint8_t *texel, uint32_t side, float x, float y)
 {
 	x = (0.5f + 0.5f * x) * (float)side - 0.5f;
@@ -182,7 +182,7 @@ LOD_INLINE float cover_at(const uint8_t *texel, uint32_t side, float x, float y)
 	return (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d);
 }
 
-/* The same of depths, the last of which go on beyond the tile. */
+/* The same of depths; the last ones go on beyond the tile. */
 LOD_INLINE float depth_at(const float *depth, uint32_t side, float x, float y)
 {
 	float most = (float)(side - 1);

@@ -15,7 +15,7 @@ void lod_scattered_offset(float offset[3], uint32_t point, uint32_t part);
 /* Radius of the ball that a point of the list is at an area factor, metres. */
 double lod_ball_radius(const struct eco_list *list, float scale);
 
-/* Makes `count` points, the first of which is number `first` of its list, 2^halvings as many, in place, where
+/* Makes `count` points, beginning with number `first` of its list, 2^halvings as many, in place, where
  * there is room for so many: positions and colours. radius: of each point's ball, metres. */
 void lod_scatter(struct lod_geometry *geometry, uint32_t count, uint32_t first, unsigned halvings,
 	double radius);

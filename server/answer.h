@@ -43,7 +43,7 @@ void srv_answer_kept(struct srv_answer *answer, struct srv_kept_body *body, cons
 struct srv_kept_body *srv_kept_body_copy(const struct srv_piece *pieces, uint32_t count, uint64_t size);
 void srv_answer_no_stream(struct srv_answer *answer, const char *timing);        /* 204 */
 
-/* An answer of which the head alone is sent: 304, or a 200 or 204 to HEAD. `size_bytes` of the body that GET
+/* An answer without its body: 304, or a 200 or 204 to HEAD. `size_bytes` of the body that GET
  * gets; SRV_SIZE_UNKNOWN closes the connection. `type`: the body's. */
 #define SRV_SIZE_UNKNOWN UINT64_MAX
 void srv_answer_head(struct srv_answer *answer, unsigned status, uint64_t size_bytes, const char *type,

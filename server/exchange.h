@@ -40,7 +40,7 @@ struct srv_host {                        /* what exchanges need of the daemon */
 	_Atomic(uint32_t) bad_packs;         /* at the start or the last reload that changed something */
 };
 
-/* Opens the scenes again that config.sources name. One at a time; whoever comes meanwhile waits. *report says
+/* Opens the scenes again that config.sources name. One at a time; later calls wait. *report says
  * what became of them, also where it fails, which leaves all as they were. */
 enum eco_code srv_host_reload(struct srv_host *host, struct srv_reload *report, struct eco_error *error);
 struct srv_gauges srv_host_gauges(struct srv_host *host);

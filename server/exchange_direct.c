@@ -131,7 +131,7 @@ static void answer_metrics(struct srv_exchange *exchange)
 	srv_answer_metrics(&exchange->answer, &text);
 }
 
-/* Scenes are listed to whoever may have them. */
+/* Only scenes that the client may open are listed. */
 static bool may_see(const struct srv_scene *scene, const void *exchange)
 {
 	const struct srv_exchange *asks = exchange;

@@ -12,7 +12,7 @@
 #define BODY_MAX_DEFAULT (1ull << 31)
 #define STEP_RATIO 1.3                       /* bytes of a step over those of the step before */
 #define STEP_BYTES_LEAST 10000u              /* no step goes before one of so few, ... */
-#define STEP_PRICED_LEAST 5000u              /* of which ground and what is not priced may be half */
+#define STEP_PRICED_LEAST 5000u              /* ground and bytes without a price may be half of it */
 #define SEARCH_PLANS_MAX 40u
 #define SEARCH_SLACK 256u                    /* the search ends within 1/256 of the budget */
 #define GROUND_STEP 4.0                      /* how much coarser the ground of each coarse step is */
@@ -20,7 +20,7 @@
 #define GROUND_TRIES 8u                      /* halvings of the way from the tolerance asked for to that */
 /* ground takes at most this part of a byte budget that plants do not fit in */
 #define GROUND_SHARE 4u
-#define SIZING_WORK 12u                      /* a cut or a list of which the bytes are counted */
+#define SIZING_WORK 12u                      /* a cut or a list whose bytes are counted */
 #define AHEAD_PART 4u                        /* the next view is planned if so much of the work is left */
 #define SEARCH_PART 8u                       /* of the work may each plan of a search of vertices take */
 

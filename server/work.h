@@ -22,7 +22,7 @@ struct srv_job {
 	void (*finish)(void *argument);  /* after it; may free what the job has, its flag too */
 	void (*displaced)(void *argument);       /* in place of both: an accepted job gave its place away */
 	void *argument;
-	atomic_bool *cancelled;          /* set by srv_work_stop, and by whoever else has reason to */
+	atomic_bool *cancelled;          /* set by srv_work_stop, or by any other thread */
 	struct srv_address owner;
 };
 

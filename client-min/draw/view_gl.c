@@ -15,7 +15,7 @@
 
 #define ELLIPSES (1u << 29)              /* a draw call: more than draw_cut allows of one plant */
 #define PART_VERTICES 2500u              /* that lazy software gets at a time */
-#define QUADS 16383u                     /* a draw call: 16-bit indices, of which OpenGL ES keeps the last */
+#define QUADS 16383u                     /* a draw call: 16-bit indices; OpenGL ES keeps the last */
 
 struct view_gl {
 	uint32_t width, height;

@@ -291,7 +291,7 @@ uint32_t view_surface_cloud(double reach, double level)
 
 /* ---- Pixels ---- */
 
-/* The last pixel's plant, of which the next one mostly is, too. */
+/* The last pixel's plant: most pixels follow one of the same plant. */
 struct owned { uint64_t owner; struct lod_place place; struct plant plant; };
 
 struct lamp {                            /* of one picture */

@@ -1,4 +1,4 @@
-/* A drawn frame in memory, whoever drew it: colours, the mask of covered pixels, whose they are, and what
+/* A drawn frame in memory, by any renderer: colours, the mask of covered pixels, whose they are, and what
  * light needs to know of them (view_light.h). Row 0 is the top. */
 #ifndef VIEW_PICTURE_H
 #define VIEW_PICTURE_H

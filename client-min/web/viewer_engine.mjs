@@ -193,7 +193,7 @@ class Engine {
 			rows: rows.slice(0, ROWS_MAX) });
 	}
 
-	/** The next picture that is whole is saved: not a coarse one of a motion, nor one of which a part is to come. */
+	/** The next picture that is whole is saved: not a coarse one of a motion, nor an incomplete one. */
 	save() {
 		this.saving = true;
 		this.redraw();

@@ -192,7 +192,7 @@ const REASONS_MAX = 2;
 /** Kinds of reasons (openapi.yaml's `why`), for those whose vertices are counted. */
 const meanings = {
 	all: 'plants in full detail',
-	'next step': 'detail of which more would hardly be seen',
+	'next step': 'detail; more would hardly be seen',
 	'no room': 'detail that ends where the vertices do',
 	bytes: 'detail that ends where the bytes do',
 	'within a step': 'more detail in some of many like plants',

@@ -25,7 +25,7 @@ void eco_unfinished_remove_file(int folder, const char *name);
  * names begin with below[0], and folders of files with the names that follow, up to NULL; else they are kept.
  */
 void eco_unfinished_remove(const char *path, const char *const *below);
-/* Removes such a folder, whoever writes it. */
+/* Removes such a folder, also while another process writes it. */
 void eco_unfinished_remove_folder(int folder, const char *name, const char *const *below);
 
 /* Writes path.tmp-PID, then renames it: a file that appears complete or not at all. */

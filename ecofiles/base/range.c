@@ -1,4 +1,4 @@
-/* Low and range as in LZMA's coder: low has 33 bits, the highest of which is a carry into bytes held back.
+/* Low and range as in LZMA's coder: low has 33 bits; the highest is a carry into bytes held back.
  * Probabilities have 16 bits and range at least 24, so that the most probable bit costs 1/700 bit. */
 #include "ecofiles/base/range.h"
 
@@ -159,7 +159,7 @@ int32_t eco_range_number(struct eco_range *r, struct eco_bit *models, int32_t va
 
 /* ---- Counting ---- */
 
-#define ENDING 5u                /* shifts of eco_range_end, of which the last byte is not written */
+#define ENDING 5u                /* shifts of eco_range_end; the last byte is not written */
 
 void eco_range_count(struct eco_counted *counted, const struct eco_range *r)
 {

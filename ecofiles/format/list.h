@@ -36,7 +36,7 @@ enum eco_list_kind {
 	ECO_LIST_OUTLINE,        /* what is opaque of a texture, in levels as that */
 	/* a tile of the picture on the ground, in levels as a texture (ground_tile.h) */
 	ECO_LIST_GROUND_IMAGE,
-	/* which row of which inventory each plant is (inventory.h): primitive, element and chunk k is block
+	/* the inventory and row of each plant (inventory.h): primitive, element and chunk k is block
 	 * k. Never drawn, never in a stream */
 	ECO_LIST_INVENTORY
 };

@@ -1,5 +1,5 @@
 /* The items of a BUNDLE's directory, one after the other in one range-coded stream (ecofiles/base/range.h):
- * plants, lists and chunks, most of which are nearly as those before them. What was learned in one bundle
+ * plants, lists and chunks; most are nearly as those before them. What was learned in one bundle
  * serves the next ones of the stream; where the range coder is told to write, it writes.
  *
  *   struct eco_wire_items items;  eco_wire_items_start(&items);             once a stream

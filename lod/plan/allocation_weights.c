@@ -1,4 +1,4 @@
-/* Weights, hulls and tiles of an allocation, none of which depends on lambda: see lod/plan/allocation.h. Longer
+/* Weights, hulls and tiles of an allocation; none depends on lambda: see lod/plan/allocation.h. Longer
  * than 600 lines: all of it is made once, in one order. */
 #include "lod/plan/allocation.h"
 

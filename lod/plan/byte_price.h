@@ -49,7 +49,7 @@ void lod_prices_set_organs(struct lod_allocation *allocation, const uint8_t *org
  * organs were not drawn when lod_prices_note_off was called. */
 uint32_t lod_prices_dearest(struct lod_allocation *allocation, bool returned);
 void lod_prices_note_off(struct lod_allocation *allocation);
-/* Sets limits to what the last relaxation chose: whoever fills a budget pays for no more. */
+/* Sets limits to what the last relaxation chose: filling a budget pays for no more. */
 void lod_prices_tighten(struct lod_allocation *allocation);
 /* Keeps the limits of the last relaxation, which made them; sets them again where they are those of this
  * lambda and of the allocation's price, else returns false. */

@@ -69,7 +69,7 @@ struct lod_explanation {
 };
 void lod_explanation_free(struct lod_explanation *explanation);
 
-/* Makes the rows of ground those of the plan: for whoever changed it by lod_plan_ground. NULL explanation:
+/* Makes the rows of ground those of the plan, after lod_plan_ground has changed it. NULL explanation:
  * nothing. */
 void lod_explain_ground(struct lod_explanation *explanation, const struct eco_plan *plan,
 	const struct eco_scene *scene, double error_px);

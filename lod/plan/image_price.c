@@ -160,7 +160,7 @@ static uint32_t outline_levels(const struct lod_allocation *m, uint32_t outline,
 	return best;
 }
 
-/* Levels of a texture that are worth their bytes; all where nobody draws it, as nothing says for whom.
+/* Levels of a texture that are worth their bytes; all where no plant draws it.
  * Returns what is lost of each pixel that shows it, and *outline of it for a coarse outline. */
 static double limit_texture(struct lod_allocation *m, uint32_t i, double *outline)
 {

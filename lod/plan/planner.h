@@ -82,7 +82,7 @@ struct lod_planner_input {
 	 * must be at most request->bytes. NULL: bytes do not count */
 	enum eco_code (*size)(void *ctx, struct eco_plan *plan, uint64_t *bytes, struct eco_error *error);
 	void *size_ctx;
-	/* Chunks per list, sorted, that the answer would need if bytes did not bind: for whoever has bytes
+	/* Chunks per list, sorted, that the answer would need if bytes did not bind: for callers that have bytes
 	 * left. No items where they do not bind. The caller frees items. NULL: not asked for */
 	struct eco_holdings *wanted;
 };

@@ -583,7 +583,7 @@ static double usual_octave(const struct lod_allocation *m, double bytes)
 		+ SWEEP_USUAL_SLOPE * lod_octaves(bytes));
 }
 
-/* The same by few prices, of which the last is taken that leaves fewer bytes: the usual ones, corrected by
+/* The same by few prices; the last one that leaves fewer bytes is taken: the usual ones, corrected by
  * what came of those before. */
 static bool raise_roughly(const struct lod_lambda_search *s, struct sweep *sweep, double ratio,
 	uint64_t budget)

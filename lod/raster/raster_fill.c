@@ -25,7 +25,7 @@ struct texture { /* perspective-correct uv: corner values times 1/w, weighted by
 	int64_t bias[3];                 /* subtracted from each edge function by the top-left rule */
 };
 
-/* Paints four pixels of which all are nearer. */
+/* Paints four pixels that are all nearer. */
 static inline void paint_four(const struct lod_paint *paint, size_t i, lod_f4 z)
 {
 	const struct lod_raster *raster = paint->raster;

@@ -127,7 +127,7 @@ enum ecostream_code ecostream_encode(const struct ecostream_answer *answer, ecos
 		(unsigned long long)answer->request.bytes, (unsigned long long)answer->stream.body_bytes);
 	for (uint32_t i = 0; i < body.piece_count && !code; i++)
 		if (write(context, body.pieces[i].bytes, body.pieces[i].size) != 0)
-			code = eco_fail(&own, ECO_IO, "whoever takes the stream ended it");
+			code = eco_fail(&own, ECO_IO, "the receiver ended the stream");
 	srv_body_free(&body);
 	return library_done(error, code, &own);
 }

@@ -30,7 +30,7 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 
 #define SRV_PLANTS_MAX 1024u     /* of an answer */
 struct srv_plants_query { uint64_t first, count; struct srv_pack_named pack; };
-/* ?first=N&count=N&pack=ID, all of which may be left out. */
+/* ?first=N&count=N&pack=ID, all optional. */
 enum eco_code srv_plants_query_parse(struct srv_plants_query *query, const struct srv_target *target,
 	struct eco_error *error);
 
