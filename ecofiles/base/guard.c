@@ -241,7 +241,8 @@ static void volunteer(void)
  * holds. Needed where the kernel or the container allows no filter (confine.h). */
 static void stay_offline(void)
 {
-	static const char *const settings[][2] = { { "CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none" },
+	static const char *const settings[][2] = { { ECO_GUARD_CHILD_VARIABLE, "1" },
+		{ "CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none" },
 		{ "PROJ_NETWORK", "OFF" },
 		{ "GDAL_VRT_ENABLE_PYTHON", "NO" }, { "GDAL_SKIP", "WMS WCS WMTS HTTP OGCAPI EEDA EEDAI "
 			"PLMOSAIC PLSCENES DAAS NGW STACTA STACIT WFS "
@@ -393,7 +394,7 @@ static enum eco_code verdict(struct eco_guard *g, int status, const struct rusag
 		return returned(g, error);
 	if (WIFSIGNALED(status))
 		return killed(g, WTERMSIG(status), cpu_s, error);
-	if (g->shared->no_memory)
+	if (g->shared->no_memory || WEXITSTATUS(status) == ECO_GUARD_NO_MEMORY_STATUS)
 		return no_memory(g, error);
 	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with exit status %d: it is damaged, or meets "
 		"a bug in the library that reads it; save it anew with another program, or in another format",

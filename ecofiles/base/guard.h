@@ -62,6 +62,10 @@ enum eco_code eco_guard_start(struct eco_guard **guard, eco_guard_work *work, vo
 	const struct eco_guard_limits *limits, FILE **stream, struct eco_error *error);
 enum eco_code eco_guard_finish(struct eco_guard *guard, struct eco_error *error);
 
+/* A child has this variable in its environment. It ends with this status where memory ran out (memory.h). */
+#define ECO_GUARD_CHILD_VARIABLE "ECO_GUARD_CHILD"
+#define ECO_GUARD_NO_MEMORY_STATUS 112
+
 /* Notes in a child that memory ran out, for code that then ends the process. Does nothing elsewhere. */
 void eco_guard_no_memory(void);
 

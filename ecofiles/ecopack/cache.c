@@ -15,6 +15,7 @@
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/base/files.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/run.h"
 #include "lod/build/plant.h"
 
@@ -82,7 +83,7 @@ bool main_cache_get(struct main_cache *cache, const struct main_cache_key *key, 
 	if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
 		return false;
 	FILE *file = fopen(path, "rbe");
-	*bytes = main_alloc((size_t)status.st_size, 1);
+	*bytes = eco_alloc((size_t)status.st_size, 1);
 	*size = file ? fread(*bytes, 1, (size_t)status.st_size, file) : 0;
 	const char *fault = file ? fault_of(*bytes, *size, key) : NULL;
 	if (file && !fault)
@@ -175,7 +176,7 @@ static uint64_t list_entries(DIR *folder, struct entry **entries, uint32_t *entr
 			continue;
 		entry.size = (uint64_t)status.st_size;
 		entry.used = status.st_mtim;
-		main_grow(entries, &capacity, *entry_count, sizeof entry);
+		eco_grow(entries, &capacity, *entry_count, sizeof entry);
 		(*entries)[(*entry_count)++] = entry;
 		sum += entry.size;
 	}
@@ -260,7 +261,7 @@ static XXH3_state_t *hash_begin(void)
 {
 	XXH3_state_t *hash = XXH3_createState();
 	if (!hash)
-		main_end("no memory");
+		eco_end("no memory");
 	XXH3_128bits_reset(hash);
 	return hash;
 }

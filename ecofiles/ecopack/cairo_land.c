@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/ecopack/cairo_map.h"
 
 #define CELL 3u                  /* pixels between samples of contour lines */

@@ -6,6 +6,7 @@
 
 #include "ecofiles/base/files.h"
 #include "ecofiles/base/guard.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/scene/scene.h"
@@ -180,7 +181,7 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 static enum eco_code take(const struct camera *c, struct eco_guard *guard, FILE *from,
 	struct eco_error *error)
 {
-	char *notes = main_alloc(1, SCRIPT_BYTES_MAX + 3);   /* three texts, whatever the child says */
+	char *notes = eco_alloc(1, SCRIPT_BYTES_MAX + 3);   /* three texts, whatever the child says */
 	struct eco_camera *camera = NULL;
 	size_t size = fread(notes, 1, SCRIPT_BYTES_MAX, from);
 	enum eco_code code = eco_guard_finish(guard, error);

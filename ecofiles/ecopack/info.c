@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/inspect.h"
-#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/format/texture.h"
@@ -66,7 +66,7 @@ static uint64_t list_bytes(const struct eco_scene *s, const struct eco_list *lis
  * Lists of a plant are adjacent. */
 static void count_plants(const struct eco_scene *s, uint64_t *bytes)
 {
-	uint32_t *shown = main_alloc(s->list_count, sizeof *shown);          /* by plant shown - 1 */
+	uint32_t *shown = eco_alloc(s->list_count, sizeof *shown);          /* by plant shown - 1 */
 	for (uint32_t i = 0; i < s->list_count; i++) {
 		const struct eco_list *list = &s->lists[i];
 		if ((list->attributes & ECO_ATTR_PLANT) || list->kind == ECO_LIST_INSTANCES
@@ -84,7 +84,7 @@ static void count_plants(const struct eco_scene *s, uint64_t *bytes)
 static void count_up(const struct eco_pack *pack, struct totals *t)
 {
 	const struct eco_scene *s = &pack->scene;
-	t->plant_bytes = main_alloc(s->plant_count, sizeof *t->plant_bytes);
+	t->plant_bytes = eco_alloc(s->plant_count, sizeof *t->plant_bytes);
 	count_plants(s, t->plant_bytes);
 	for (uint32_t i = 0; i < s->list_count; i++) {
 		const struct eco_list *list = &s->lists[i];

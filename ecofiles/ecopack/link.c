@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/version.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/ecopack/run.h"
@@ -40,9 +41,9 @@ static enum eco_code open_part(struct link *l, struct link_part *part)
 				"crs and origin); build it again with ecopack make", part->path);
 		part->at[i] = json_number_value(v);
 	}
-	part->plant_of = main_alloc(s->plant_count, sizeof *part->plant_of);
-	part->color_of = main_alloc(s->palette_count, sizeof *part->color_of);
-	part->list_of = main_alloc(s->list_count + 1u, sizeof *part->list_of);
+	part->plant_of = eco_alloc(s->plant_count, sizeof *part->plant_of);
+	part->color_of = eco_alloc(s->palette_count, sizeof *part->color_of);
+	part->list_of = eco_alloc(s->list_count + 1u, sizeof *part->list_of);
 	memset(part->list_of, 0xFF, (s->list_count + 1u) * sizeof *part->list_of);
 	return ECO_OK;
 }
@@ -63,7 +64,7 @@ static enum eco_code open_parts(struct link *l, const struct link_options *optio
 	double origin[3];
 	uint64_t plants = 0;
 	enum eco_code code = ECO_OK;
-	l->parts = main_alloc(options->count, sizeof *l->parts);
+	l->parts = eco_alloc(options->count, sizeof *l->parts);
 	for (uint32_t i = 0; i < options->count && !code; i++) {
 		l->parts[i].path = options->parts[i];
 		l->count++;
@@ -84,9 +85,9 @@ static enum eco_code open_parts(struct link *l, const struct link_options *optio
 	for (uint32_t i = 0; i < l->count; i++)
 		for (int axis = 0; axis < 3; axis++)
 			l->parts[i].at[axis] -= origin[axis];
-	l->known = main_alloc(l->plant_room + 1u, sizeof *l->known);
-	l->m.table = main_alloc(l->plant_room + 1u, sizeof *l->m.table);
-	l->m.plants = main_alloc(l->plant_room + 1u, sizeof *l->m.plants);
+	l->known = eco_alloc(l->plant_room + 1u, sizeof *l->known);
+	l->m.table = eco_alloc(l->plant_room + 1u, sizeof *l->m.table);
+	l->m.plants = eco_alloc(l->plant_room + 1u, sizeof *l->m.plants);
 	l->plants = json_array();
 	return ECO_OK;
 }
@@ -141,7 +142,7 @@ static enum eco_code copy_image(struct link *l)
 			continue;
 		}
 		from = part;
-		m->ground_images = main_alloc(s->ground_image_count, sizeof *m->ground_images);
+		m->ground_images = eco_alloc(s->ground_image_count, sizeof *m->ground_images);
 		for (uint32_t k = 0; k < s->ground_image_count && !code; k++) {
 			struct eco_list record = link_list(part, s->ground_images[k].list);
 			code = link_copy(l, part, s->ground_images[k].list, &record);
@@ -171,7 +172,7 @@ static enum eco_code copy_ground(struct link *l)
 	if (part->at[0] != 0 || part->at[1] != 0 || part->at[2] != 0)
 		return eco_fail(m->error, ECO_UNSUPPORTED, "%s has ground but another origin than %s: give "
 			"it first", part->path, l->parts[0].path);
-	m->ground_tiles = main_alloc(s->ground_count, sizeof *m->ground_tiles);
+	m->ground_tiles = eco_alloc(s->ground_count, sizeof *m->ground_tiles);
 	for (uint32_t i = 0; i < s->ground_count && !code; i++) {
 		struct eco_list record = link_list(part, s->ground[i].list);
 		code = link_copy(l, part, s->ground[i].list, &record);
@@ -303,7 +304,7 @@ static enum eco_code add_tile(struct link *l, struct link_part *part, uint32_t i
 static enum eco_code add_tiles(struct link *l)
 {
 	struct make *m = &l->m;
-	struct lod_tile_item *items = main_alloc(l->count, sizeof *items);
+	struct lod_tile_item *items = eco_alloc(l->count, sizeof *items);
 	struct lod_tiles tiles = { 0 };
 	for (uint32_t i = 0; i < l->count; i++)
 		whole_item(&l->parts[i], &items[i]);

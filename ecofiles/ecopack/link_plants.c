@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/make.h"
-#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"
 
@@ -97,7 +97,7 @@ static struct eco_chunk_id fingerprint(const struct link_part *part, uint32_t pl
 		write_ladder(&w, s, plant, &s->ladders[s->plants[plant].ladder_first + i], list_first);
 	eco_write_bytes(&w, s->palette + colors->first, 3 * (size_t)(colors->end - colors->first));
 	if (w.failed)
-		main_end("no memory");
+		eco_end("no memory");
 	struct eco_chunk_id id = eco_chunk_hash(w.bytes, w.size);
 	eco_writer_free(&w);
 	return id;

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/base/guard.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/format/chunk/draco_shim.h"
 #include "ecofiles/generate/generate.h"
@@ -288,7 +289,7 @@ static const struct main_command *find_command(const char *name, struct eco_erro
 	return NULL;
 }
 
-static void *json_alloc(size_t size) { return main_alloc(1, size); }
+static void *json_alloc(size_t size) { return eco_alloc(1, size); }
 
 int main(int argc, char **argv)
 {

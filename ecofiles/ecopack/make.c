@@ -8,13 +8,14 @@
 #include <unistd.h>
 
 #include "ecofiles/base/confine.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/run.h"
 #include "lod/build/summary.h"
 
 /* Height of the smallest plant in each tile; INFINITY where there are none. */
 static double smallest_m(const struct eco_scene *s)
 {
-	double *least = main_alloc(s->tile_count, sizeof *least), all;
+	double *least = eco_alloc(s->tile_count, sizeof *least), all;
 	for (uint32_t id = s->tile_count; id-- > 0;) {
 		const struct eco_tile *t = &s->tiles[id];
 		least[id] = INFINITY;
@@ -63,7 +64,7 @@ static void remove_unfinished(void *path)
 
 enum eco_code make_create(struct make *m)
 {
-	main_at_end(remove_unfinished, (void *)m->options->pack);
+	eco_at_end(remove_unfinished, (void *)m->options->pack);
 	return eco_pack_create(&m->writer, m->options->pack, m->error);
 }
 
@@ -125,7 +126,7 @@ void make_tables_free(struct make *m)
 	free(m->plants);
 	free(m->table);
 	eco_pack_abort(m->writer);
-	main_at_end(NULL, NULL);
+	eco_at_end(NULL, NULL);
 	make_ground_free(m);
 	make_inventory_free(m);
 	make_species_free(m);
@@ -161,7 +162,7 @@ void *make_append(struct make_array *array, size_t size)
 		uint64_t wanted = array->capacity ? 2 * array->capacity : 64;
 		void *bigger = wanted < ECO_NONE ? realloc(array->items, wanted * size) : NULL;
 		if (!bigger)
-			main_end("no memory");
+			eco_end("no memory");
 		array->items = bigger;
 		array->capacity = wanted;
 	}
@@ -249,14 +250,6 @@ enum eco_code make_add_bytes(struct make *m, const struct eco_list *list, const 
 	if (!code)
 		make_keep_list(m, *list_id);
 	return code;
-}
-
-uint32_t make_string(struct eco_string_pool *pool, const char *text)
-{
-	uint32_t number;
-	if (!eco_string_pool_add(pool, text, &number))
-		main_end("no memory");
-	return number;
 }
 
 uint32_t make_threads(const struct make *m)

@@ -18,11 +18,11 @@
 
 #include <jansson.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/ecopack/cache.h"
 #include "ecofiles/format/inventory.h"
 #include "ecofiles/format/texture.h"
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/scene/scene.h"
 #include "lod/build/plant.h"
 #include "lod/build/texture.h"
@@ -119,7 +119,7 @@ struct make {
 	struct eco_scene scene;
 };
 
-/* Begins the pack; main_end removes what is unfinished of it. */
+/* Begins the pack; eco_end removes what is unfinished of it. */
 enum eco_code make_create(struct make *m);
 /* Frees what make and link have in common, the writer too. */
 void make_tables_free(struct make *m);
@@ -156,9 +156,6 @@ enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, cons
 #define MAKE_PAYLOADS_MAX 32u
 enum eco_code make_add_bytes(struct make *m, const struct eco_list *list, const struct eco_writer *payloads,
 	uint32_t count, uint32_t *list_id);
-
-/* The number of a text in a pool, which has it from then on. */
-uint32_t make_string(struct eco_string_pool *pool, const char *text);
 
 /* as many as the options ask for, or the machine has processors */
 uint32_t make_threads(const struct make *m);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "ecofiles/base/angle16.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/places/size_units.h"
@@ -295,7 +296,7 @@ enum eco_code make_ground_through(struct make *m)
 	if (m->has_ground || root->instance_count == 0)
 		return ECO_OK;
 	main_progress("laying ground through the plants", NULL, 0);
-	f.at = main_alloc(root->instance_count / f.apart + 1, sizeof *f.at);
+	f.at = eco_alloc(root->instance_count / f.apart + 1, sizeof *f.at);
 	take_tile(&f, m->scene.root, &(struct lod_place){ .cosine = 1, .scale = 1 }, 0);
 	struct eco_ground_feet feet = { .at = (const double (*)[3])f.at, .count = f.count,
 		.low = { root->low[0], root->low[1] }, .high = { root->high[0], root->high[1] } };

@@ -1,6 +1,7 @@
 /* The image of the ground: squares come from its reader depth first, and become tiles. Those that are split
  * are made of their quarters, so that no pixel is read twice. Encoding takes longest, and is done for a batch
  * of tiles at a time; lists are numbered coarse to fine, as they are sent. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/make.h"
 
 #include <stdlib.h>
@@ -81,7 +82,7 @@ static enum eco_code encode_waiting(struct image *image)
 /* Takes a copy of the texels. */
 static enum eco_code wait_for(struct image *image, uint32_t tile, const uint8_t *rgba)
 {
-	uint8_t *copy = main_alloc(1, ECO_GROUND_IMAGE_BYTES);
+	uint8_t *copy = eco_alloc(1, ECO_GROUND_IMAGE_BYTES);
 	memcpy(copy, rgba, ECO_GROUND_IMAGE_BYTES);
 	image->waiting[image->waiting_count++] = (struct waiting){ tile, copy };
 	return image->waiting_count < BATCH ? ECO_OK : encode_waiting(image);
@@ -93,7 +94,7 @@ static enum eco_code read_tile(struct image *image, const struct eco_list *list,
 
 static enum eco_code read_quarters(struct image *image, uint32_t id, uint8_t *rgba)
 {
-	uint8_t *room = main_alloc(4, ECO_GROUND_IMAGE_BYTES);
+	uint8_t *room = eco_alloc(4, ECO_GROUND_IMAGE_BYTES);
 	const uint8_t *quarters[4];
 	enum eco_code code = ECO_OK;
 	for (uint32_t q = 0; q < 4 && !code; q++) {
@@ -117,7 +118,7 @@ static enum eco_code read_tile(struct image *image, const struct eco_list *list,
 	enum eco_code code = eco_ground_image_next(image->reader, &square, image->m->error);
 	if (code)
 		return code;
-	main_grow(&image->tiles, &image->capacity, image->count, sizeof *image->tiles);
+	eco_grow(&image->tiles, &image->capacity, image->count, sizeof *image->tiles);
 	*id = image->count++;
 	image->tiles[*id] = (struct tile){ .list = *list };
 	if (!*id) {
@@ -135,8 +136,8 @@ static enum eco_code pack_tiles(struct image *image)
 {
 	struct make *m = image->m;
 	enum eco_code code = ECO_OK;
-	uint32_t *order = main_alloc(image->count, sizeof *order), end = 1;
-	m->ground_images = main_alloc(image->count, sizeof *m->ground_images);
+	uint32_t *order = eco_alloc(image->count, sizeof *order), end = 1;
+	m->ground_images = eco_alloc(image->count, sizeof *m->ground_images);
 	for (uint32_t i = 0; i < image->count && !code; i++) {
 		struct tile *tile = &image->tiles[order[i]];
 		code = make_add_bytes(m, &tile->list, tile->levels, ECO_GROUND_IMAGE_LEVELS, &m->ground_images[i].list);
@@ -159,7 +160,7 @@ static enum eco_code read_all(struct image *image)
 		.partner = ECO_NONE,
 		.grid_step = { 1, 1, 1 } };
 	uint32_t id;
-	uint8_t *rgba = main_alloc(1, ECO_GROUND_IMAGE_BYTES);
+	uint8_t *rgba = eco_alloc(1, ECO_GROUND_IMAGE_BYTES);
 	enum eco_code code = read_tile(image, &root, &id, rgba);
 	free(rgba);
 	return code;

@@ -1,12 +1,12 @@
 /* Rows of inventories on their way into the pack: a block is coded as soon as it is full, so that only one is
  * held as rows. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/make.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/ecopack/run.h"
 
 /* ---- Species ---- */
 
@@ -33,8 +33,8 @@ static uint32_t find_pair(struct make_species *s, uint32_t plant, const char *sp
 {
 	char key[PLANT_DIGITS + ECO_INVENTORY_NAME_MAX + 1];
 	snprintf(key, sizeof key, "%08x%.*s", plant, (int)ECO_INVENTORY_NAME_MAX, species);
-	uint32_t before = s->pairs.count, pair = make_string(&s->pairs, key);
-	main_grow(&s->counts, &s->count_room, pair, sizeof *s->counts);
+	uint32_t before = s->pairs.count, pair = eco_string_number(&s->pairs, key);
+	eco_grow(&s->counts, &s->count_room, pair, sizeof *s->counts);
 	if (pair == before)
 		s->counts[pair] = 0;
 	return pair;
@@ -44,7 +44,7 @@ static void make_species_count(struct make *m, uint32_t plant, const char *speci
 {
 	struct make_species *s = m->stood_species;
 	if (!s)
-		s = m->stood_species = main_alloc(1, sizeof *s);
+		s = m->stood_species = eco_alloc(1, sizeof *s);
 	if (!s->pairs.count || plant != s->plant || strcmp(species_of(s, s->pair), species) != 0)
 		s->pair = find_pair(s, plant, species);
 	s->plant = plant;
@@ -80,7 +80,7 @@ static json_t *said_of(const struct make_species *s, const uint32_t *pairs, uint
 void make_species_say(const struct make *m, json_t *plants)
 {
 	const struct make_species *s = m->stood_species;
-	uint32_t count = s ? s->pairs.count : 0, *order = main_alloc(count, sizeof *order);
+	uint32_t count = s ? s->pairs.count : 0, *order = eco_alloc(count, sizeof *order);
 	for (uint32_t i = 0; i < count; i++)
 		order[i] = i;
 	qsort_r(order, count, sizeof *order, by_most, (void *)s);
@@ -121,14 +121,14 @@ struct make_inventory {
 static const char *keep_name(struct eco_string_pool *names, const char *name, uint32_t *number)
 {
 	if (name && !(*number < names->count && strcmp(names->items[*number], name) == 0))
-		*number = make_string(names, name);
+		*number = eco_string_number(names, name);
 	return name ? names->items[*number] : NULL;
 }
 
 static enum eco_code close_block(struct make *m)
 {
 	struct make_inventory *in = m->inventory;
-	main_grow(&in->blocks, &in->block_room, in->block_count, sizeof *in->blocks);
+	eco_grow(&in->blocks, &in->block_room, in->block_count, sizeof *in->blocks);
 	enum eco_code code =
 		eco_inventory_encode(&in->blocks[in->block_count], in->rows, in->count, m->error);
 	in->block_count += !code;
@@ -140,7 +140,7 @@ enum eco_code make_inventory_add(struct make *m, uint32_t plant, const struct ec
 {
 	struct make_inventory *in = m->inventory;
 	if (!in)
-		in = m->inventory = main_alloc(1, sizeof *in);
+		in = m->inventory = eco_alloc(1, sizeof *in);
 	struct eco_inventory_row *kept = &in->rows[in->count];
 	*kept = *row;
 	kept->species = keep_name(&in->names, row->species, &in->species);

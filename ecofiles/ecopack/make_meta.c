@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/version.h"
-#include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/places/crs.h"
 #include "lod/build/grid.h"
 
@@ -114,7 +114,7 @@ static json_t *place_json(const struct eco_source *outer)
 	struct eco_error unknown = { 0 };
 	enum eco_code code = outer->crs ? eco_crs_place(outer->crs, outer->origin, &place, &unknown) : ECO_NOT_FOUND;
 	if (code == ECO_NO_MEMORY)
-		main_end("no memory");
+		eco_end("no memory");
 	if (code)
 		return json_null();
 	return json_pack("{s:f, s:f, s:f}", "longitude_deg", place.longitude_deg, "latitude_deg",

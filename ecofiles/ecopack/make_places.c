@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "ecofiles/base/angle16.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/places/flora.h"
@@ -30,7 +31,7 @@ static enum eco_code add_place(struct make *m, struct make_eco *eco, const struc
 	if (eco->place_count == PLACES_MAX)
 		return eco_fail(m->error, ECO_TOO_LARGE,
 			"no room for more than %u plants in one eco file; nest eco files instead", PLACES_MAX);
-	main_grow(&eco->places, &eco->place_capacity, eco->place_count, sizeof *eco->places);
+	eco_grow(&eco->places, &eco->place_capacity, eco->place_count, sizeof *eco->places);
 	eco->places[eco->place_count++] = *place;
 	return ECO_OK;
 }
@@ -67,7 +68,7 @@ static double scale_for(const struct make *m, uint32_t plant, double scale, doub
  * plant. */
 static uint32_t species_of(struct make *m, uint32_t source, uint32_t plant, const char *stated)
 {
-	return make_string(&m->species, !stated || m->options->no_rows ? m->sources.items[source].plants[plant].name
+	return eco_string_number(&m->species, !stated || m->options->no_rows ? m->sources.items[source].plants[plant].name
 		: *stated ? stated : ECO_INVENTORY_UNSTATED);
 }
 
@@ -259,8 +260,8 @@ static enum eco_code tile_places(struct make *m, uint32_t source)
 	const struct eco_source *s = &m->sources.items[source];
 	struct make_eco *eco = &m->ecos[source];
 	uint64_t count = (uint64_t)eco->place_count + s->child_count;
-	struct lod_tile_item *items = main_alloc(count, sizeof *items);
-	eco->nested = main_alloc(s->child_count, sizeof *eco->nested);
+	struct lod_tile_item *items = eco_alloc(count, sizeof *items);
+	eco->nested = eco_alloc(s->child_count, sizeof *eco->nested);
 	eco->instances = eco->place_count;
 	for (uint32_t i = 0; i < eco->place_count; i++) {
 		const struct make_place *p = &eco->places[i];
@@ -314,7 +315,7 @@ enum eco_code make_places_check(struct make *m)
 
 static enum eco_code read_places(struct make *m)
 {
-	m->ecos = main_alloc(m->sources.count, sizeof *m->ecos);
+	m->ecos = eco_alloc(m->sources.count, sizeof *m->ecos);
 	for (uint32_t s = m->sources.count; s-- > 0;) {
 		enum eco_code code = place_instances(m, s);
 		if (!code)
@@ -365,7 +366,7 @@ static void doubt_plant(const struct make *m, uint32_t id, struct eco_spread *he
 
 static void doubt_plants(const struct make *m)
 {
-	struct eco_spread *heights = main_alloc(m->plant_count, sizeof *heights);
+	struct eco_spread *heights = eco_alloc(m->plant_count, sizeof *heights);
 	for (uint32_t s = 0; s < m->sources.count; s++)
 		for (uint32_t i = 0; i < m->ecos[s].place_count; i++) {
 			const struct make_place *place = &m->ecos[s].places[i];

@@ -1,5 +1,6 @@
 /* Models become plants, several at a time. Source plants of the same files, read in the same way, are one
  * plant. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/make.h"
 
 #include <math.h>
@@ -49,7 +50,7 @@ static char *paths_of(const struct eco_source_plant *source)
 		char *canonical = realpath(source->models[i], NULL), *longer = NULL;
 		if (asprintf(&longer, "%s%s%s", all ? all : "", all ? "\n" : "", canonical ? canonical
 				: source->models[i]) < 0)
-			main_end("no memory");
+			eco_end("no memory");
 		free(canonical);
 		free(all);
 		all = longer;
@@ -96,11 +97,11 @@ static void find_plants(struct make *m)
 	size_t most = 0;
 	for (uint32_t s = 0; s < m->sources.count; s++)
 		most += m->sources.items[s].plant_count;
-	m->plants = main_alloc(most, sizeof *m->plants);
-	m->plant_of = main_alloc(m->sources.count, sizeof *m->plant_of);
+	m->plants = eco_alloc(most, sizeof *m->plants);
+	m->plant_of = eco_alloc(m->sources.count, sizeof *m->plant_of);
 	for (uint32_t s = 0; s < m->sources.count; s++) {
 		const struct eco_source *source = &m->sources.items[s];
-		m->plant_of[s] = main_alloc(source->plant_count, sizeof **m->plant_of);
+		m->plant_of[s] = eco_alloc(source->plant_count, sizeof **m->plant_of);
 		for (uint32_t i = 0; i < source->plant_count; i++)
 			m->plant_of[s][i] = find_plant(m, &source->plants[i], source->importance);
 	}
@@ -150,7 +151,7 @@ static bool tell(void *ctx, double share)
 static enum eco_code keep_textures(struct make_plant *plant, const struct eco_model *model,
 	struct eco_error *error)
 {
-	plant->textures = main_alloc(plant->built.image_count, sizeof *plant->textures);
+	plant->textures = eco_alloc(plant->built.image_count, sizeof *plant->textures);
 	for (uint32_t i = 0; i < plant->built.image_count; i++) {
 		uint32_t id = plant->built.images[i];
 		enum eco_code code = lod_texture_make(&plant->textures[i], model, id, error);
@@ -338,7 +339,7 @@ static enum eco_code build_plants(struct make *m)
 	uint32_t all = thread_count(m), jobs = all < m->plant_count ? all : m->plant_count, started = 0;
 	struct work work = { .m = m, .idle = all - jobs, .lock = PTHREAD_MUTEX_INITIALIZER,
 		.libraries = PTHREAD_MUTEX_INITIALIZER, .failed = ECO_NONE,
-		.share = main_alloc(m->plant_count, sizeof(double)) };
+		.share = eco_alloc(m->plant_count, sizeof(double)) };
 	pthread_t threads[MAIN_THREADS_MAX];
 	while (started + 1 < jobs && pthread_create(&threads[started], NULL, work_on, &work) == 0)
 		started++;
@@ -421,7 +422,7 @@ static enum eco_code pack_plant(struct make *m, uint32_t id)
 {
 	struct make_plant *plant = &m->plants[id];
 	const struct lod_plant *built = &plant->built;
-	struct packing p = { m, id, main_alloc(built->list_count + 1u, sizeof *p.lists) };
+	struct packing p = { m, id, eco_alloc(built->list_count + 1u, sizeof *p.lists) };
 	plant->palette_first = (uint32_t)m->palette.count;
 	make_add(&m->palette, built->palette, built->palette_count, 3);
 	enum eco_code code = pack_lists(&p);
@@ -441,7 +442,7 @@ enum eco_code make_plants(struct make *m)
 	find_plants(m);
 	enum eco_code code = build_plants(m);
 	main_times_stage(MAIN_STAGE_PACKING);
-	m->table = main_alloc(m->plant_count, sizeof *m->table);
+	m->table = eco_alloc(m->plant_count, sizeof *m->table);
 	if (!code)
 		code = make_textures(m);
 	for (uint32_t i = 0; i < m->plant_count && !code; i++) {

@@ -1,6 +1,7 @@
 /* Point summaries of tiles. Eco files are summed up from the innermost out; of a nested file only its
  * stored summary is used. So a summary's cost does not depend on what lies below, and linking (link.c)
  * sums up packs that were built apart in the same way. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/make.h"
 
 #include <stdlib.h>
@@ -63,7 +64,7 @@ static void drop_summary(void *result) { eco_encoded_free(&((struct summary_list
 
 void make_summing_begin(struct make_summing *summing, struct make *m)
 {
-	*summing = (struct make_summing){ .m = m, .roots = main_alloc(m->tiles.count, sizeof *summing->roots) };
+	*summing = (struct make_summing){ .m = m, .roots = eco_alloc(m->tiles.count, sizeof *summing->roots) };
 }
 
 static enum eco_code choose_colors(struct make_summing *summing, uint32_t first, uint32_t count)
@@ -98,7 +99,7 @@ enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile)
 	uint32_t list = m->scene.tiles[tile].summary;
 	if (list == ECO_NONE)
 		return ECO_OK;
-	struct lod_summary_root *root = summing->roots[tile] = main_alloc(1, sizeof *root);
+	struct lod_summary_root *root = summing->roots[tile] = eco_alloc(1, sizeof *root);
 	root->list = m->scene.lists[list];
 	enum eco_code code = eco_pack_read_points(m->writer, list, &root->elements, m->error);
 	const struct eco_elements *e = &root->elements;
@@ -128,7 +129,7 @@ enum eco_code make_summaries(struct make *m)
 	struct make_summing summing;
 	enum eco_code code = ECO_OK;
 	make_summing_begin(&summing, m);
-	summing.pools = main_alloc(m->plant_count, sizeof *summing.pools);
+	summing.pools = eco_alloc(m->plant_count, sizeof *summing.pools);
 	for (uint32_t i = 0; i < m->plant_count && !code; i++)
 		code = lod_pool_make(&summing.pools[i], &m->plants[i].built, m->plants[i].palette_first,
 			POOL_POINTS, m->error);

@@ -1,11 +1,11 @@
 /* Textures of a pack, shared by its plants. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/make.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/chunk/chunk.h"
 
 /* All levels that both have are alike. */
@@ -53,7 +53,7 @@ static void find(struct make *m)
 {
 	for (uint32_t p = 0; p < m->plant_count; p++) {
 		struct make_plant *plant = &m->plants[p];
-		plant->images = main_alloc(plant->built.image_count, sizeof *plant->images);
+		plant->images = eco_alloc(plant->built.image_count, sizeof *plant->images);
 		for (uint32_t i = 0; i < plant->built.image_count; i++) {
 			struct make_texture texture = describe(&plant->textures[i]);
 			plant->images[i] = make_share_texture(m, &texture);

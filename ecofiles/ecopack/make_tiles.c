@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/base/angle16.h"
@@ -71,8 +72,8 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 	struct stand_list *made = result;
 	uint32_t count = stand->count, end_count = 0, ends[512];
 	struct eco_elements e = { .element_count = count, .corner_count = count, .primitive_count = count,
-		.extra_count = 2, .corners = main_alloc(count, 1),
-		.position = main_alloc(count, 3 * sizeof(int32_t)), .extra = main_alloc(count, 2 * sizeof(int32_t)) };
+		.extra_count = 2, .corners = eco_alloc(count, 1),
+		.position = eco_alloc(count, 3 * sizeof(int32_t)), .extra = eco_alloc(count, 2 * sizeof(int32_t)) };
 	made->list = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS,
 		.attributes = ECO_ATTR_PLACE, .owner = stand->tile, .group_count = stand->group_count,
 		.image = ECO_NONE, .partner = ECO_NONE };
@@ -93,7 +94,7 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 		ends[end_count++] = end = count - end > ECO_CHUNK_ELEMENTS_MAX ? end + ECO_CHUNK_ELEMENTS_MAX
 			: count;
 	if (made->twin.failed)
-		main_end("no memory");
+		eco_end("no memory");
 	enum eco_code code = eco_pack_encode(&made->encoded, &made->list, &e, ends, end_count, error);
 	eco_elements_free(&e);
 	return code;

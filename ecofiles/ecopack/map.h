@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/scene/scene.h"
 

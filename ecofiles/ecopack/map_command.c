@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "ecofiles/base/files.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/module.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/command.h"
@@ -39,7 +40,7 @@ static int by_double(const void *a, const void *b)
 static void leave_strays(struct map *m, struct map_bounds *b)
 {
 	uint64_t stride = m->points.count / 200000 + 1, count = (m->points.count + stride - 1) / stride;
-	double *sorted = main_alloc(count, sizeof *sorted);
+	double *sorted = eco_alloc(count, sizeof *sorted);
 	struct map_bounds core = *b;
 	for (int k = 0; k < 2; k++) {
 		for (uint64_t i = 0; i < count; i++)
@@ -164,8 +165,8 @@ static enum eco_code read_image(struct map *m)
 		return ECO_OK;
 	main_progress("drawing", "the ground's image", 0.1);
 	image.texel_m = image.texel_m > 1 / m->scale ? image.texel_m : 1 / m->scale;
-	struct picture p = { .m = m, .rgba = main_alloc((size_t)m->width * (size_t)m->height, 4),
-		.square = main_alloc(1, ECO_GROUND_IMAGE_BYTES) };
+	struct picture p = { .m = m, .rgba = eco_alloc((size_t)m->width * (size_t)m->height, 4),
+		.square = eco_alloc(1, ECO_GROUND_IMAGE_BYTES) };
 	enum eco_code code = eco_ground_image_open(&p.reader, &options, error);
 	if (!code) {
 		m->error = &missed;      /* what the child says comes first */

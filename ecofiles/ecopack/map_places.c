@@ -12,6 +12,7 @@
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/places/areas.h"
 #include "ecofiles/ecopack/run.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 
 #define EXPANDED_MAX 4000000u    /* plants of nested files drawn one by one */
@@ -25,7 +26,7 @@ static void say(struct map *m, enum map_left_kind kind, uint64_t count, const ch
 static void say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
 {
 	va_list args;
-	main_grow(&m->left, &m->left_capacity, m->left_count, sizeof *m->left);
+	eco_grow(&m->left, &m->left_capacity, m->left_count, sizeof *m->left);
 	struct map_left *left = &m->left[m->left_count++];
 	*left = (struct map_left){ .count = count, .kind = kind };
 	va_start(args, format);
@@ -37,7 +38,7 @@ static enum eco_code add_point(struct map *m, struct map_points *points, const s
 {
 	if (points->count >= POINTS_MAX)
 		return eco_fail(m->error, ECO_TOO_LARGE, "a map has at most %u plants", POINTS_MAX);
-	main_grow(&points->items, &points->capacity, points->count, sizeof *point);
+	eco_grow(&points->items, &points->capacity, points->count, sizeof *point);
 	points->items[points->count++] = *point;
 	return ECO_OK;
 }
@@ -57,12 +58,12 @@ static void find_kinds(struct map *m)
 	uint64_t count = 0;
 	for (uint32_t s = 0; s < m->sources.count; s++)
 		count += m->sources.items[s].plant_count;
-	struct named *names = main_alloc(count, sizeof *names);
-	m->kind_of = main_alloc(m->sources.count, sizeof *m->kind_of);
-	m->kinds = main_alloc(count, sizeof *m->kinds);
+	struct named *names = eco_alloc(count, sizeof *names);
+	m->kind_of = eco_alloc(m->sources.count, sizeof *m->kind_of);
+	m->kinds = eco_alloc(count, sizeof *m->kinds);
 	count = 0;
 	for (uint32_t s = 0; s < m->sources.count; s++) {
-		m->kind_of[s] = main_alloc(m->sources.items[s].plant_count, sizeof **m->kind_of);
+		m->kind_of[s] = eco_alloc(m->sources.items[s].plant_count, sizeof **m->kind_of);
 		for (uint32_t p = 0; p < m->sources.items[s].plant_count; p++)
 			names[count++] = (struct named){ m->sources.items[s].plants[p].name, s, p };
 	}
@@ -88,9 +89,8 @@ static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, c
 	struct map_point point = { (float)at[0], (float)at[1],
 		height > 0 ? (float)(height * stand->scale) : 0, m->kind_of[source][plant], 0, stand->file,
 		stand->row, stand->line };
-	if (!eco_string_pool_add(&m->species, stand->species ? stand->species : m->kinds[point.kind].name,
-			&point.species))
-		main_end("no memory");
+	point.species = eco_string_number(&m->species, stand->species ? stand->species
+		: m->kinds[point.kind].name);
 	if (source == 0 && m->has_ground) {
 		double z;
 		m->off_ground += !eco_ground_height(&m->ground, at[0], at[1], &z);
@@ -128,7 +128,7 @@ static int by_most(const void *a, const void *b)
 static void say_left_out(struct map *m, const struct eco_positions_spec *spec,
 	const struct eco_positions_counts *counts)
 {
-	const struct eco_skipped **order = main_alloc(spec->map_count, sizeof *order);
+	const struct eco_skipped **order = eco_alloc(spec->map_count, sizeof *order);
 	uint32_t found = 0;
 	for (uint32_t i = 0; i < spec->map_count; i++)
 		if (spec->map[i].plant == ECO_NONE && counts->keys[i].count)
@@ -176,7 +176,7 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 	struct eco_positions *reader = NULL;
 	struct eco_position row;
 	uint32_t file = m->file_count;
-	main_grow(&m->files, &m->file_capacity, file, sizeof *m->files);
+	eco_grow(&m->files, &m->file_capacity, file, sizeof *m->files);
 	m->files[m->file_count++] = eco_path_last(spec->path);
 	enum eco_code code = eco_positions_open(&reader, spec, &frame, m->error);
 	for (uint64_t i = 0; !code; i++) {
@@ -204,7 +204,7 @@ static void add_edges(struct map_edges *edges, const struct eco_areas *areas)
 	for (uint32_t i = 0; i < areas->edge_count && edges->count < EDGES_MAX; i++) {
 		const struct eco_edge *e = &areas->edges[i];
 		if (!map_add_edge(edges, (const double[4]){ e->a[0], e->a[1], e->b[0], e->b[1] }))
-			main_end("no memory");
+			eco_end("no memory");
 	}
 }
 
@@ -302,7 +302,7 @@ static void sum_up(struct map *m, uint32_t source)
 /* Counts how often each file is placed, through all nesting, then multiplies kinds by that. */
 static void count_kinds(struct map *m)
 {
-	uint64_t *times = main_alloc(m->sources.count, sizeof *times);
+	uint64_t *times = eco_alloc(m->sources.count, sizeof *times);
 	times[0] = 1;
 	for (uint32_t s = 0; s < m->sources.count; s++) {
 		const struct eco_source *source = &m->sources.items[s];
@@ -326,7 +326,7 @@ static void add_bounds(struct map *m, uint32_t source, const struct turned *t)
 {
 	if (m->outline_count == OUTLINES_MAX || map_is_empty(&m->bounds[source]))
 		return;
-	main_grow(&m->outlines, &m->outline_capacity, m->outline_count, sizeof *m->outlines);
+	eco_grow(&m->outlines, &m->outline_capacity, m->outline_count, sizeof *m->outlines);
 	struct map_outline *outline = &m->outlines[m->outline_count++];
 	corners_of(t, &m->bounds[source], outline->corners);
 	snprintf(outline->name, sizeof outline->name, "%s", m->sources.items[source].name);
@@ -368,7 +368,7 @@ static int by_count(const void *a, const void *b)
 /* Gives the commonest kinds colours of their own. A single remaining kind is not called "others". */
 static void choose_colors(struct map *m)
 {
-	struct map_kind **order = main_alloc(m->kind_count, sizeof *order);
+	struct map_kind **order = eco_alloc(m->kind_count, sizeof *order);
 	uint32_t present = 0;
 	for (uint32_t i = 0; i < m->kind_count; i++)
 		if (m->kinds[i].count)
@@ -389,7 +389,7 @@ static int by_float(const void *a, const void *b)
 static void find_typical_height(struct map *m)
 {
 	uint64_t stride = m->points.count / 100000 + 1;
-	float *heights = main_alloc(m->points.count / stride + 1, sizeof *heights);
+	float *heights = eco_alloc(m->points.count / stride + 1, sizeof *heights);
 	uint32_t count = 0;
 	for (uint64_t i = 0; i < m->points.count; i += stride)
 		if (m->points.items[i].height_m > 0)
@@ -417,9 +417,9 @@ static enum eco_code read_sources(struct map *m)
 {
 	uint32_t count = m->sources.count;
 	enum eco_code code = ECO_OK;
-	m->own = main_alloc(count, sizeof *m->own);
-	m->bounds = main_alloc(count, sizeof *m->bounds);
-	m->totals = main_alloc(count, sizeof *m->totals);
+	m->own = eco_alloc(count, sizeof *m->own);
+	m->bounds = eco_alloc(count, sizeof *m->bounds);
+	m->totals = eco_alloc(count, sizeof *m->totals);
 	find_kinds(m);
 	/* nested files come after the files that nest them, and are needed first */
 	for (uint32_t s = count; s-- > 0 && !code;) {

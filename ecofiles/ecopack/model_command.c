@@ -7,6 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/inspect.h"
@@ -49,10 +50,10 @@ static void keep_note(void *ctx, const char *text)
 
 static void find_components(struct seen *s)
 {
-	uint32_t *place = main_alloc(s->model.vertex_count, sizeof *place);
+	uint32_t *place = eco_alloc(s->model.vertex_count, sizeof *place);
 	struct eco_component all = { 0 };
 	if (!eco_model_places(&s->model, place) || !eco_components_find(&s->components, &s->model, place, true))
-		main_end("no memory");
+		eco_end("no memory");
 	free(place);
 	for (uint32_t i = 0; i < s->components.count; i++)
 		for (int k = 0; k < 3; k++) {
@@ -69,9 +70,9 @@ static void find_organs(struct seen *s)
 	struct lod_arena arena = { 0 };
 	struct lod_mesh mesh;
 	struct lod_organs organs;
-	s->organ = main_alloc(s->model.triangle_count + 1u, 1);
+	s->organ = eco_alloc(s->model.triangle_count + 1u, 1);
 	if (setjmp(arena.failed))
-		main_end("no memory");
+		eco_end("no memory");
 	memset(s->organ, ECO_ORGAN_FOUND, s->model.triangle_count + 1u);
 	lod_weld(&mesh, &s->model, WELD_BITS, &arena);
 	lod_organs_find(&organs, &mesh, &s->model, &arena);
@@ -103,7 +104,7 @@ struct use { uint32_t triangles; double area, organ[ECO_ORGAN_COUNT]; };
 /* Use of each material, or of each part. */
 static struct use *uses_of(const struct seen *s, const uint32_t *of, uint32_t count)
 {
-	struct use *use = main_alloc(count, sizeof *use);
+	struct use *use = eco_alloc(count, sizeof *use);
 	for (uint32_t t = 0; t < s->model.triangle_count; t++) {
 		double area = eco_triangle_area(&s->model, t);
 		use[of[t]].triangles++;
@@ -339,7 +340,7 @@ static enum eco_code see(struct seen *s, struct eco_error *error)
 
 static enum eco_code run_model(int argc, char **argv, struct eco_error *error)
 {
-	struct seen *s = main_alloc(1, sizeof *s);
+	struct seen *s = eco_alloc(1, sizeof *s);
 	memset(&given, 0, sizeof given);
 	enum eco_code code = main_read(&main_command_model, argc, argv, error);
 	if (!code)

@@ -15,8 +15,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/guard.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 
 #define BAR 28
@@ -28,41 +28,6 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static bool silent, shown;
 static double last_s = -1000;
 static struct { char name[64]; double since_s; } stage_now;
-
-/* ---- The end ---- */
-
-static struct { void (*undo)(void *ctx); void *ctx; } at_end;
-
-void main_at_end(void (*undo)(void *ctx), void *ctx)
-{
-	at_end.ctx = ctx;
-	at_end.undo = undo;
-}
-
-_Noreturn void main_end(const char *why)
-{
-	static pthread_mutex_t once = PTHREAD_MUTEX_INITIALIZER;
-	pthread_mutex_lock(&once);           /* for ever: one thread ends the program */
-	eco_guard_interrupt();
-	if (at_end.undo)
-		at_end.undo(at_end.ctx);
-	dprintf(STDERR_FILENO, "%secopack: %s\n", shown ? "\r\033[K" : "", why);
-	_exit(1);
-}
-
-void *main_alloc(size_t count, size_t size)
-{
-	void *room = calloc(count ? count : 1, size ? size : 1);
-	if (!room)
-		main_end("no memory");
-	return room;
-}
-
-void main_grow(void *array, uint32_t *capacity, uint32_t count, size_t size)
-{
-	if (!eco_array_grow(array, capacity, count, size))
-		main_end("no memory");
-}
 
 /* ---- Progress ---- */
 
@@ -138,7 +103,7 @@ void main_progress(const char *stage, const char *detail, double share)
 	bool terminal = isatty(STDERR_FILENO) == 1;
 	char left[32];
 	if (interrupted)
-		main_end("interrupted");
+		eco_end("interrupted");
 	pthread_mutex_lock(&lock);
 	share = share < 0 ? 0 : share > 1 ? 1 : share;
 	find_left(left, stage, now, share);
@@ -327,7 +292,7 @@ static void do_piece(void *ctx, uint32_t k)
 	struct done *done = &r->done[k];
 	done->code = r->jobs->work(r->jobs->ctx, r->first + k, r->results + k * r->jobs->result_size, &error);
 	if (done->code)
-		*(done->error = main_alloc(1, sizeof error)) = error;
+		*(done->error = eco_alloc(1, sizeof error)) = error;
 }
 
 /* Takes the results before the first failure. */
@@ -353,8 +318,8 @@ enum eco_code main_jobs_run(const struct main_jobs *jobs, struct eco_error *erro
 	for (uint64_t first = 0; first < jobs->count && !code; first += ROUND) {
 		struct round r = { .jobs = jobs, .first = first, .count = jobs->count - first < ROUND
 			? (uint32_t)(jobs->count - first) : ROUND };
-		r.done = main_alloc(r.count, sizeof *r.done);
-		r.results = main_alloc(r.count, jobs->result_size);
+		r.done = eco_alloc(r.count, sizeof *r.done);
+		r.results = eco_alloc(r.count, jobs->result_size);
 		main_each(&(struct main_each){ jobs->threads, r.count, RUN, do_piece, &r });
 		code = take_round(&r, error);
 		free(r.done);

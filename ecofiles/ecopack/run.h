@@ -1,4 +1,4 @@
-/* Long runs: memory, progress, time by stage, and work in threads. */
+/* Long runs: progress, time by stage, and work in threads. */
 #ifndef ECO_MAIN_RUN_H
 #define ECO_MAIN_RUN_H
 
@@ -8,18 +8,6 @@
 #include <stdio.h>
 
 #include "ecofiles/base/status.h"
-
-/* ---- The end ---- */
-
-/* Ends the program with status 1 and this error, from any thread, after what main_at_end names. */
-_Noreturn void main_end(const char *why);
-/* Removes unfinished outputs: called by main_end with `ctx`. One at a time; NULL: nothing is to be removed. */
-void main_at_end(void (*undo)(void *ctx), void *ctx);
-
-/* Memory, or the end of the program. Zeroed; `count` may be 0. */
-void *main_alloc(size_t count, size_t size);
-/* Room for one more item of `size` bytes behind `count`. array: the address of the pointer to the items. */
-void main_grow(void *array, uint32_t *capacity, uint32_t count, size_t size);
 
 /* ---- Progress ---- */
 

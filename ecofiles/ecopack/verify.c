@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/chunk/chunk.h"
@@ -260,7 +261,7 @@ enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts 
 		return code;
 	const struct eco_scene *s = &pack->scene;
 	struct verify v = { .pack = pack, .out = out, .counts = counts,
-		.group_of = main_alloc(s->list_count + 1u, sizeof(uint32_t)) };
+		.group_of = eco_alloc(s->list_count + 1u, sizeof(uint32_t)) };
 	memset(v.group_of, 0xFF, (s->list_count + 1u) * sizeof(uint32_t));
 	for (uint32_t i = 0; i < s->group_count; i++)
 		if (!s->groups[i].first)

@@ -22,6 +22,7 @@
 
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/base/guard.h"
+#include "ecofiles/base/memory.h"
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
 
@@ -33,7 +34,7 @@
 
 /* ---- What children do ---- */
 
-enum deed { ANSWER, FAIL, SEGFAULT, EXIT, ABORT, NULL_AFTER_FULL, SAY_NO_MEMORY, SPIN, SLEEP, DEAF, TOO_MUCH,
+enum deed { ANSWER, FAIL, SEGFAULT, EXIT, ABORT, NULL_AFTER_FULL, SAY_NO_MEMORY, END_FOR_MEMORY, SPIN, SLEEP, DEAF, TOO_MUCH,
 	KILLED, STOPPED, INTERRUPTED };
 
 static enum eco_code fill_memory(bool crash, struct eco_error *error)
@@ -73,6 +74,9 @@ static enum eco_code misbehave(void *ctx, FILE *out, struct eco_error *error)
 		return fill_memory(true, error);
 	case SAY_NO_MEMORY:
 		return fill_memory(false, error);
+	case END_FOR_MEMORY:
+		eco_alloc(1u << 20, 1u << 20);
+		break;
 	case SPIN:
 		spin();
 		break;
@@ -140,6 +144,8 @@ UNIT_TEST(each_way_to_die_is_told_in_its_own_words)
 		{ NULL_AFTER_FULL, ECO_TOO_LARGE, "tree.obj: reading it takes more than the 0.268 GB of "
 			"memory it may have", false },
 		{ SAY_NO_MEMORY, ECO_TOO_LARGE, "ECO_IMPORT_MEMORY_GB=2 allows more", false },
+		{ END_FOR_MEMORY, ECO_TOO_LARGE, "tree.obj: reading it takes more than the 0.268 GB of "
+			"memory it may have", false },
 		{ SPIN, ECO_TOO_LARGE, "tree.obj: not read within 1 s of processor time; if the file is to "
 			"be trusted, ECO_IMPORT_SECONDS=4", true },
 		{ SLEEP, ECO_TOO_LARGE, "tree.obj: not read within 1 s;", true },

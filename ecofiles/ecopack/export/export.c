@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "ecofiles/base/files.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/run.h"
@@ -90,7 +91,7 @@ static enum eco_code write_all(struct export *x)
 {
 	const struct eco_scene *s = &x->pack->scene;
 	enum eco_code code = ECO_OK;
-	x->plants = main_alloc(s->plant_count, sizeof *x->plants);
+	x->plants = eco_alloc(s->plant_count, sizeof *x->plants);
 	if (!s->tile_count)
 		return eco_fail(x->error, ECO_BAD_INPUT, "the pack has no tiles");
 	for (uint32_t i = 0; i < s->plant_count && !code; i++) {
@@ -123,7 +124,7 @@ enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain
 {
 	struct export x = { .folder = -1, .error = error, .pack = pack, .is_plain = is_plain };
 	enum eco_code code = make_folders(&x, dir);
-	main_at_end(remove_folder, &x);
+	eco_at_end(remove_folder, &x);
 	if (!code)
 		code = write_all(&x);
 	/* else a machine that stops might show the folder without all of its files' bytes */
@@ -134,7 +135,7 @@ enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain
 	main_progress_end();
 	if (code)
 		remove_folder(&x);
-	main_at_end(NULL, NULL);
+	eco_at_end(NULL, NULL);
 	if (x.folder >= 0)
 		close(x.folder);
 	if (!code && !main_is_quiet)

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/export/export.h"
-#include "ecofiles/ecopack/run.h"
 
 #define POSITION_EXPONENT -10    /* a millimetre, or of small meshes ... */
 #define POSITION_BITS 15         /* ... of the farthest coordinate */
@@ -80,9 +80,9 @@ struct order { uint32_t *index, *remap; };
 static void order_make(struct order *order, struct export_part *part, const uint8_t *file)
 {
 	size_t count = part->indices;
-	uint32_t *sorted = main_alloc(count, sizeof *sorted);
-	order->index = main_alloc(count, sizeof *order->index);
-	order->remap = main_alloc(part->vertices, sizeof *order->remap);
+	uint32_t *sorted = eco_alloc(count, sizeof *sorted);
+	order->index = eco_alloc(count, sizeof *order->index);
+	order->remap = eco_alloc(part->vertices, sizeof *order->remap);
 	meshopt_spatialSortTriangles(sorted, (const void *)(file + part->at[EXPORT_INDEX]), count,
 		(const void *)(file + part->at[EXPORT_POSITION]), part->vertices, 12);
 	meshopt_optimizeVertexCacheStrip(sorted, sorted, count, part->vertices);
@@ -99,7 +99,7 @@ static void write_array(struct export_part *part, enum export_array array, const
 	size_t count = array == EXPORT_INDEX ? part->indices : part->vertices, stride = strides[array],
 		bound = array == EXPORT_INDEX ? meshopt_encodeIndexBufferBound(count, part->vertices)
 			: meshopt_encodeVertexBufferBound(count, stride);
-	uint8_t *bytes = main_alloc(bound, 1);
+	uint8_t *bytes = eco_alloc(bound, 1);
 	size_t size = array == EXPORT_INDEX ? meshopt_encodeIndexBuffer(bytes, bound, values, count)
 		: meshopt_encodeVertexBuffer(bytes, bound, values, count, stride);
 	part->at[array] = out->size;
@@ -114,7 +114,7 @@ static void write_vertices(struct export_part *part, enum export_array array, co
 	const uint8_t *file, int exponent, struct eco_writer *out)
 {
 	size_t numbers = export_array_bytes(part, array) / sizeof(float);
-	float *values = main_alloc(numbers, sizeof *values);
+	float *values = eco_alloc(numbers, sizeof *values);
 	meshopt_remapVertexBuffer(values, file + part->at[array], part->vertices, strides[array],
 		order->remap);
 	if (array != EXPORT_COLOR)

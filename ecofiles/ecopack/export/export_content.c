@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/version.h"
 #include "ecofiles/ecopack/export/export.h"
-#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/inventory.h"
@@ -227,7 +227,7 @@ static enum eco_code find_species(struct export *x, const struct eco_tile *t, st
 {
 	const struct eco_scene *s = &x->pack->scene;
 	const struct eco_inventory_row *row;
-	char **species = l->species = main_alloc(l->count, sizeof *species);
+	char **species = l->species = eco_alloc(l->count, sizeof *species);
 	enum eco_code code = ECO_OK;
 	for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++) {
 		const struct eco_group *group = &s->groups[g];
@@ -236,7 +236,7 @@ static enum eco_code find_species(struct export *x, const struct eco_tile *t, st
 			const char *plant = s->plants[group->plant].name,
 				*own = code ? NULL : eco_inventory_species(row, plant);
 			own = own ? own : "";
-			strcpy(*species++ = main_alloc(strlen(own) + 1, 1), own);
+			strcpy(*species++ = eco_alloc(strlen(own) + 1, 1), own);
 		}
 	}
 	return code;
@@ -246,7 +246,7 @@ static enum eco_code lay_out(struct export *x, uint32_t tile, struct layout *l)
 {
 	const struct eco_scene *s = &x->pack->scene;
 	const struct eco_tile *t = &s->tiles[tile];
-	*l = (struct layout){ .group = main_alloc(t->group_count, sizeof *l->group) };
+	*l = (struct layout){ .group = eco_alloc(t->group_count, sizeof *l->group) };
 	size_t at = 0, names = 0;
 	for (uint32_t g = 0; g < t->group_count; g++) {
 		const struct eco_group *group = &s->groups[t->group_first + g];
@@ -337,7 +337,7 @@ enum eco_code export_instances(struct export *x, uint32_t tile)
 	if (!code)
 		write_table(&w, s, t, &l);
 	if (w.failed)
-		main_end("no memory");
+		eco_end("no memory");
 	snprintf(name, sizeof name, "tiles/%u.bin", tile);
 	if (!code)
 		code = export_file(x, name, w.bytes, w.size);
@@ -485,7 +485,7 @@ enum eco_code export_summary(struct export *x, uint32_t tile, char name[EXPORT_N
 	uint32_t count = points.primitive_count < SUMMARY_POINTS ? points.primitive_count : SUMMARY_POINTS;
 	float scale = count ? (float)points.primitive_count / (float)count : 1;
 	if (!lod_geometry_make(&geometry, list, count, false))
-		main_end("no memory");
+		eco_end("no memory");
 	middle_of(&s->tiles[tile], middle);
 	lod_list_geometry(list, &points, 0, count, scale, &geometry);
 	for (size_t i = 0; i < (size_t)count * 3; i++)

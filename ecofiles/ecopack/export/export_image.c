@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/export/export.h"
-#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/texture.h"
@@ -117,7 +117,7 @@ enum eco_code export_ground_image(struct export *x, const double low[3], const d
 	p.texel_m = fmax(finest, fmax(high[0] - low[0], high[1] - low[1]) / most);
 	p.width = texels(high[0] - low[0], p.texel_m, most);
 	p.height = texels(high[1] - low[1], p.texel_m, most);
-	p.rgb = main_alloc((size_t)p.width * p.height, 3);
+	p.rgb = eco_alloc((size_t)p.width * p.height, 3);
 	for (size_t i = 0; i < (size_t)p.width * p.height; i++)
 		memcpy(p.rgb + 3 * i, export_grass, 3);
 	struct eco_pixels pixels = { p.width, p.height, 3, p.rgb };

@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/export/export.h"
 #include "ecofiles/ecopack/export/plant_view.h"
-#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/image.h"
 
 #define PIXELS 96u               /* a side of the picture that a level is scored in */
@@ -54,7 +54,7 @@ static void bound(struct export_part *part, const struct lod_bake *bake)
 void export_mesh_make(const struct export *x, struct export_mesh *mesh, struct eco_writer *file,
 	const struct lod_bake *bakes, const uint32_t *images, uint32_t count)
 {
-	mesh->parts = main_alloc(count, sizeof *mesh->parts);
+	mesh->parts = eco_alloc(count, sizeof *mesh->parts);
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t image = images[i], known = 0;
 		if (!bakes[i].index_count)
@@ -78,7 +78,7 @@ void export_mesh_make(const struct export *x, struct export_mesh *mesh, struct e
 	}
 	mesh->bytes = file->size;
 	if (file->failed)
-		main_end("no memory");
+		eco_end("no memory");
 	if (!x->is_plain)
 		export_mesh_compress(mesh, file);
 }
@@ -94,8 +94,8 @@ void export_mesh_free(struct export_mesh *mesh)
 static enum eco_code bake(struct export *x, struct export_mesh *mesh, struct eco_writer *file,
 	const struct plant_view_drawing *drawing)
 {
-	struct lod_bake *bakes = main_alloc(drawing->count, sizeof *bakes);
-	uint32_t *images = main_alloc(drawing->count, sizeof *images);
+	struct lod_bake *bakes = eco_alloc(drawing->count, sizeof *bakes);
+	uint32_t *images = eco_alloc(drawing->count, sizeof *images);
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < drawing->count && !code; i++) {
 		const struct plant_view_batch *b = &drawing->batches[i];

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/version.h"
 #include "ecofiles/ecopack/export/export.h"
 #include "ecofiles/ecopack/run.h"
@@ -254,7 +255,7 @@ static enum eco_code write_tileset(struct tree *t, uint32_t id, const char *name
 enum eco_code export_tilesets(struct export *x)
 {
 	const struct eco_scene *s = &x->pack->scene;
-	struct tree t = { x, main_alloc(s->tile_count, 1) };
+	struct tree t = { x, eco_alloc(s->tile_count, 1) };
 	enum eco_code code = write_tileset(&t, s->root, "tileset.json");
 	for (uint32_t i = 0; i < s->tile_count && !code; i++) {
 		char name[EXPORT_NAME];

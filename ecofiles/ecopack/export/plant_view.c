@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/ecopack/run.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/texture.h"
@@ -73,9 +73,9 @@ static enum eco_code decode_list(struct plant_view *p, uint32_t id, struct eco_e
 	struct plant_view_list *to = &p->lists[id];
 	*to = (struct plant_view_list){ .list = list, .palette = s->palette + list->palette_first,
 		.image = list->image,
-		.chunks = main_alloc(list->chunk_count, sizeof *to->chunks),
+		.chunks = eco_alloc(list->chunk_count, sizeof *to->chunks),
 		.impostors = list->kind == ECO_LIST_IMPOSTOR
-			? main_alloc(list->chunk_count, sizeof *to->impostors) : NULL };
+			? eco_alloc(list->chunk_count, sizeof *to->impostors) : NULL };
 	if (list->kind == ECO_LIST_IMAGE)
 		return list->chunk_count ? decode_picture(p, to, error) : ECO_OK;
 	enum eco_code code = ECO_OK;
@@ -121,7 +121,7 @@ static void make_scene(struct plant_view *p)
 	const struct eco_scene *s = &p->pack->scene;
 	const struct eco_plant *plant = &s->plants[p->number];
 	const struct eco_anchor *whole = &s->anchors[plant->anchor_first];
-	p->scene_lists = main_alloc(s->list_count + 1u, sizeof *p->scene_lists);
+	p->scene_lists = eco_alloc(s->list_count + 1u, sizeof *p->scene_lists);
 	memcpy(p->scene_lists, s->lists, s->list_count * sizeof *p->scene_lists);
 	p->scene_lists[s->list_count] = (struct eco_list){ .kind = ECO_LIST_INSTANCES,
 		.coder = ECO_CODER_ROWS, .attributes = ECO_ATTR_PLACE,
@@ -223,7 +223,7 @@ static void make_batch(const struct plant_view *p, const struct eco_cut *cut, st
 		return;
 	}
 	if (!lod_geometry_make(&b->geometry, list->list, count, textured))
-		main_end("no memory");
+		eco_end("no memory");
 	for (uint32_t c = 0; c < list->chunk_count && b->count < count; c++, from = end) {
 		end = from + list->chunks[c].primitive_count;
 		uint32_t first = cut->first > from ? cut->first : from, last = cut->end < end ? cut->end
@@ -287,8 +287,8 @@ enum eco_code plant_view_drawing_make(struct plant_view_drawing *drawing, const 
 	enum eco_code code = lod_plan(&plan, &input, error);
 	if (code)
 		return code;
-	struct lod_anchor_band *seen = main_alloc(plant->scene.plants[plant->number].anchor_count, sizeof *seen);
-	drawing->batches = main_alloc(plan.cut_count, sizeof *drawing->batches);
+	struct lod_anchor_band *seen = eco_alloc(plant->scene.plants[plant->number].anchor_count, sizeof *seen);
+	drawing->batches = eco_alloc(plan.cut_count, sizeof *drawing->batches);
 	add_cuts(drawing, plant, &plan, seen);
 	free(seen);
 	eco_plan_free(&plan);
@@ -349,8 +349,8 @@ enum eco_code plant_view_open(struct plant_view *view, const struct eco_pack *pa
 	assert(number < pack->scene.plant_count);
 	*view = (struct plant_view){ .pack = pack, .number = number, .scene = pack->scene,
 		.list_count = pack->scene.list_count,
-		.lists = main_alloc(pack->scene.list_count, sizeof *view->lists),
-		.reference = main_alloc(pixels, pixels) };
+		.lists = eco_alloc(pack->scene.list_count, sizeof *view->lists),
+		.reference = eco_alloc(pixels, pixels) };
 	enum eco_code code = lod_raster_init(&view->raster,
 		&(struct lod_raster_options){ .width = pixels, .height = pixels }, error);
 	if (!code)

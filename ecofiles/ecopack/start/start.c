@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/options.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/command.h"
@@ -30,7 +31,7 @@ static void print_guess(const struct start_guess *g)
 void start_guess(struct start *s, const char *what, const char *took, const char *change,
 	const char *why, ...)
 {
-	main_grow(&s->guesses, &s->guess_capacity, s->guess_count, sizeof *s->guesses);
+	eco_grow(&s->guesses, &s->guess_capacity, s->guess_count, sizeof *s->guesses);
 	struct start_guess *g = &s->guesses[s->guess_count++];
 	va_list arguments;
 	va_start(arguments, why);
@@ -49,7 +50,7 @@ char *start_text(const char *format, ...)
 	char *text;
 	va_start(arguments, format);
 	if (vasprintf(&text, format, arguments) < 0)
-		main_end("no memory");
+		eco_end("no memory");
 	va_end(arguments);
 	return text;
 }

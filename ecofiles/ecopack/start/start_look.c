@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
-#include "ecofiles/ecopack/run.h"
 #include "ecofiles/scene/scene.h"
 
 /* ---- Columns ---- */
@@ -119,7 +119,7 @@ static void measure(struct start *s, struct start_size *size, enum eco_quantity 
 	struct eco_spread spread = { 0 };
 	double own_unit = 0;
 	if (!eco_table_spread(&s->table, size->column, &s->columns, &spread, &own_unit))
-		main_end("no memory");
+		eco_end("no memory");
 	struct eco_size_numbers numbers = { eco_spread_quantile(&spread, 0.5),
 		eco_spread_quantile(&spread, 0.98) };
 	bool any = spread.count > 0;

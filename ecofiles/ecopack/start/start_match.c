@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/text.h"
-#include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/words.h"
 
@@ -250,7 +250,7 @@ enum eco_code start_match_species(struct start *s)
 		start_column(s, s->columns.of[ECO_ROLE_SPECIES]), s->error);
 	if (code)
 		return code;
-	s->matches = main_alloc(s->species.count, sizeof *s->matches);
+	s->matches = eco_alloc(s->species.count, sizeof *s->matches);
 	for (uint32_t i = 0; i < s->species.count; i++) {
 		struct start_match *match = &s->matches[i];
 		*match = (struct start_match){ .model = ECO_NONE, .tier = START_TIERS };

@@ -9,6 +9,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/model/model_import.h"
@@ -47,7 +48,7 @@ struct files { struct file *file; uint32_t count, capacity; size_t above; };
 
 static enum eco_code add_file(struct start *s, struct files *files, char *path, off_t bytes)
 {
-	main_grow(&files->file, &files->capacity, files->count, sizeof *files->file);
+	eco_grow(&files->file, &files->capacity, files->count, sizeof *files->file);
 	files->file[files->count++] = (struct file){ .path = path, .bytes = bytes };
 	return files->count <= FILES_MAX ? ECO_OK : eco_fail(s->error, ECO_TOO_LARGE,
 		"%.300s: more than %u models", s->options->models, FILES_MAX);
@@ -197,14 +198,14 @@ static bool name_is_taken(const struct start *s, const char *name)
 
 static void add_model(struct start *s, const char *path, const char *base, size_t bytes)
 {
-	main_grow(&s->models, &s->model_capacity, s->model_count, sizeof *s->models);
+	eco_grow(&s->models, &s->model_capacity, s->model_count, sizeof *s->models);
 	struct start_model *m = &s->models[s->model_count];
 	*m = (struct start_model){ .height_m = 0 };
 	snprintf(m->name, sizeof m->name, "%.*s", (int)(bytes < 56 ? bytes : 56), base);
 	for (unsigned n = 2; name_is_taken(s, m->name); n++)
 		snprintf(m->name, sizeof m->name, "%.*s %u", (int)(bytes < 56 ? bytes : 56), base, n);
 	set_words(m, m->name);
-	m->paths = main_alloc(VARIANTS_MAX, sizeof *m->paths);
+	m->paths = eco_alloc(VARIANTS_MAX, sizeof *m->paths);
 	m->paths[0] = start_text("%s", path);
 	m->path_count = 1;
 	s->model_count++;

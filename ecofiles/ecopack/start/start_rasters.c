@@ -1,4 +1,5 @@
 /* The rasters: which holds the heights of the ground, and which its picture. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/start/start.h"
 
 #include <stdio.h>
@@ -6,12 +7,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/model/import_file.h"
 
 static enum eco_code read_extent(struct start *s, const char *path, struct eco_raster_extent **extent)
 {
-	*extent = main_alloc(1, sizeof **extent);
+	*extent = eco_alloc(1, sizeof **extent);
 	return eco_raster_extent(path, *extent, s->error);
 }
 
@@ -64,7 +64,7 @@ enum eco_code start_rasters(struct start *s)
 enum eco_code start_told_raster(struct start *s, enum eco_code code)
 {
 	static const char *const text[] = { "csv", "tsv", "txt" };
-	struct eco_raster_extent *extent = main_alloc(1, sizeof *extent);
+	struct eco_raster_extent *extent = eco_alloc(1, sizeof *extent);
 	struct eco_error own = { .code = ECO_OK };
 	bool raster = code == ECO_BAD_INPUT;
 	for (size_t i = 0; i < sizeof text / sizeof *text && raster; i++)

@@ -12,6 +12,7 @@
 
 #include "ecofiles/base/geometry.h"
 #include "ecofiles/base/files.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/run.h"
 
 #define MAP_PIXELS 1200u
@@ -32,7 +33,7 @@ char *start_path(const struct start *s, const char *path)
 	char *from = realpath(s->options->folder, NULL), *to = realpath(path, NULL);
 	size_t same = 0, ups = 0;
 	if (!from || !to)
-		main_end("a folder of the scene has gone");
+		eco_end("a folder of the scene has gone");
 	for (size_t i = 0; from[i] == to[i] && to[i] != 0; i++)
 		if (to[i] == '/')
 			same = i + 1;
@@ -42,7 +43,7 @@ char *start_path(const struct start *s, const char *path)
 	for (size_t i = same; i < length; i++)
 		ups += from[i] == '/';
 	ups += same < length;
-	char *seen = main_alloc(3 * ups + strlen(to + same) + 1, 1);
+	char *seen = eco_alloc(3 * ups + strlen(to + same) + 1, 1);
 	for (size_t i = 0; i < ups; i++)
 		strcat(seen, "../");
 	strcat(seen, to + same);
@@ -108,8 +109,8 @@ static uint32_t count_around(double (*points)[2], uint32_t count, const double a
 static void find_crowd(const struct map *m, double at[2])
 {
 	uint32_t n = m->points.count;
-	double *sorted = main_alloc(n, sizeof *sorted), (*points)[2] = main_alloc(n, sizeof *points);
-	struct eco_cluster *crowds = main_alloc(n, sizeof *crowds);
+	double *sorted = eco_alloc(n, sizeof *sorted), (*points)[2] = eco_alloc(n, sizeof *points);
+	struct eco_cluster *crowds = eco_alloc(n, sizeof *crowds);
 	for (int k = 0; k < 2; k++) {
 		for (uint32_t i = 0; i < n; i++)
 			sorted[i] = points[i][k] = (double)(k ? m->points.items[i].y : m->points.items[i].x);
@@ -128,7 +129,7 @@ static void find_crowd(const struct map *m, double at[2])
 static void find_middle(const struct map *m, double at[2], double *reach)
 {
 	uint32_t n = m->points.count, middle = 0;
-	double *away = main_alloc(n, sizeof *away), nearest = INFINITY;
+	double *away = eco_alloc(n, sizeof *away), nearest = INFINITY;
 	for (uint32_t i = 0; i < n; i++) {
 		double distance = hypot((double)m->points.items[i].x - at[0], (double)m->points.items[i].y - at[1]);
 		if (distance < nearest) {
@@ -240,9 +241,9 @@ enum eco_code start_write(struct start *s)
 {
 	struct writing w = { .start = s };
 	name_files(&w);
-	main_at_end(remove_unfinished, &w);
+	eco_at_end(remove_unfinished, &w);
 	enum eco_code code = write_all(&w);
-	main_at_end(NULL, NULL);
+	eco_at_end(NULL, NULL);
 	if (!code)
 		code = give_names(&w);
 	if (!code && w.map.off_ground > 0)

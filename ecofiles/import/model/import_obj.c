@@ -16,6 +16,7 @@
 
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/geometry.h"
+#include "ecofiles/base/memory.h"
 
 #define UNIT_LINES 200u              /* comments about units stand at the top */
 

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/import_model.h"
 
 /* ---- Lines and words of a text in memory, which is cut up in place ---- */

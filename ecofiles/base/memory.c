@@ -1,0 +1,64 @@
+#include "ecofiles/base/memory.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "ecofiles/base/guard.h"
+
+static struct { void (*undo)(void *ctx); void *ctx; } at_end;
+
+void eco_at_end(void (*undo)(void *ctx), void *ctx)
+{
+	at_end.ctx = ctx;
+	at_end.undo = undo;
+}
+
+_Noreturn void eco_end(const char *why)
+{
+	static pthread_mutex_t once = PTHREAD_MUTEX_INITIALIZER;
+	/* the outputs are the parent's; by the environment, as modules have a copy of this file each */
+	if (getenv(ECO_GUARD_CHILD_VARIABLE))
+		_exit(ECO_GUARD_NO_MEMORY_STATUS);
+	pthread_mutex_lock(&once);           /* for ever: one thread ends the program */
+	eco_guard_interrupt();
+	if (at_end.undo)
+		at_end.undo(at_end.ctx);
+	dprintf(STDERR_FILENO, "%s%s: %s\n", isatty(STDERR_FILENO) ? "\r\033[K" : "",
+		program_invocation_short_name, why);
+	_exit(1);
+}
+
+static void *given(void *memory)
+{
+	if (!memory)
+		eco_end("no memory");
+	return memory;
+}
+
+void *eco_alloc(size_t count, size_t size) { return given(calloc(count ? count : 1, size ? size : 1)); }
+
+void *eco_realloc(void *items, size_t count, size_t size)
+{
+	return given(reallocarray(items, count ? count : 1, size));
+}
+
+char *eco_copy_text(const char *text) { return given(strdup(text)); }
+char *eco_copy_part(const char *text, size_t bytes_max) { return given(strndup(text, bytes_max)); }
+
+void eco_grow(void *array, uint32_t *capacity, uint32_t count, size_t size)
+{
+	if (!eco_array_grow(array, capacity, count, size))
+		eco_end("no memory");
+}
+
+uint32_t eco_string_number(struct eco_string_pool *texts, const char *text)
+{
+	uint32_t number;
+	if (!eco_string_pool_add(texts, text, &number))
+		eco_end("no memory");
+	return number;
+}

@@ -1,0 +1,28 @@
+/* Memory, or the end of the program: for programs that run once, and for their rooms. The daemon, the viewer and
+ * the library return errors instead (array_grow.h). */
+#ifndef ECO_MEMORY_H
+#define ECO_MEMORY_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ecofiles/base/array_grow.h"
+
+/* Ends the program with status 1 and this error, from any thread, after what eco_at_end names. In a guarded
+ * child (guard.h) it ends the child alone, and the parent reports that memory ran out. */
+_Noreturn void eco_end(const char *why);
+/* Removes unfinished outputs: called by eco_end with `ctx`. One at a time; NULL: nothing is to be removed. */
+void eco_at_end(void (*undo)(void *ctx), void *ctx);
+
+/* None of these returns NULL; the caller frees. eco_alloc zeroes; `count` may be 0. */
+void *eco_alloc(size_t count, size_t size);
+void *eco_realloc(void *items, size_t count, size_t size);
+char *eco_copy_text(const char *text);
+char *eco_copy_part(const char *text, size_t bytes_max);     /* as strndup */
+/* Room for one more item of `size` bytes behind `count`. array: the address of the pointer to the items. */
+void eco_grow(void *array, uint32_t *capacity, uint32_t count, size_t size);
+
+/* The number of a text in a pool, which has it from then on. */
+uint32_t eco_string_number(struct eco_string_pool *texts, const char *text);
+
+#endif
