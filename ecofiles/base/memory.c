@@ -24,7 +24,6 @@ _Noreturn void eco_end(const char *why)
 	if (getenv(ECO_GUARD_CHILD_VARIABLE))
 		_exit(ECO_GUARD_NO_MEMORY_STATUS);
 	pthread_mutex_lock(&once);           /* for ever: one thread ends the program */
-	eco_guard_interrupt();
 	if (at_end.undo)
 		at_end.undo(at_end.ctx);
 	dprintf(STDERR_FILENO, "%s%s: %s\n", isatty(STDERR_FILENO) ? "\r\033[K" : "",

@@ -52,8 +52,8 @@ static void find_components(struct seen *s)
 {
 	uint32_t *place = eco_alloc(s->model.vertex_count, sizeof *place);
 	struct eco_component all = { 0 };
-	if (!eco_model_places(&s->model, place) || !eco_components_find(&s->components, &s->model, place, true))
-		eco_end("no memory");
+	eco_model_places(&s->model, place);
+	eco_components_find(&s->components, &s->model, place, true);
 	free(place);
 	for (uint32_t i = 0; i < s->components.count; i++)
 		for (int k = 0; k < 3; k++) {

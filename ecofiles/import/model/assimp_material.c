@@ -1,5 +1,6 @@
 /* assimp's materials: one colour, one base colour image, cut out or not; other shading is ignored. None of
  * these formats says whether alpha counts, so it does wherever there is some. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/assimp_module.h"
 
 #include <assimp/material.h>
@@ -25,9 +26,7 @@ static enum eco_code decode_raw(struct eco_image *image, const struct aiTexture 
 	uint64_t pixels = (uint64_t)texture->mWidth * texture->mHeight;
 	if (pixels == 0 || pixels > ECO_PIXELS_MAX || !texture->pcData)
 		return eco_fail(error, ECO_TOO_LARGE, "%llu pixels", (unsigned long long)pixels);
-	image->rgba = malloc(pixels * 4);
-	if (!image->rgba)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	image->rgba = eco_alloc(pixels, 4);
 	for (uint64_t i = 0; i < pixels; i++) {
 		const struct aiTexel *t = &texture->pcData[i];
 		uint8_t rgba[4] = { t->r, t->g, t->b, t->a };
@@ -87,7 +86,7 @@ static char *texture_name(const struct aiMaterial *from, enum aiTextureType type
 		return NULL;
 	if (channel)
 		*channel = uv;
-	return strdup(path.data);
+	return eco_copy_text(path.data);
 }
 
 /* Whether the colour is linear light: so physically based materials have it. */
@@ -167,19 +166,15 @@ static void read_material(struct reader *r, uint32_t index, uint32_t *channel, b
 		eco_material_lost_picture(to);
 }
 
-enum eco_code assimp_materials(struct eco_model *model, const struct aiScene *scene,
-	const char *path, uint32_t *channel, bool *invisible, struct eco_notes *notes,
-	struct eco_error *error)
+void assimp_materials(struct eco_model *model, const struct aiScene *scene, const char *path, uint32_t *channel,
+	bool *invisible, struct eco_notes *notes)
 {
 	struct reader r = { .scene = scene, .linear_colors = !eco_path_ends_with(path, ".ply")
 		&& eco_file_head_has(path, 4096, "Blender"), .images = { .model = model, .path = path,
 		.notes = notes, .embedded = embedded, .ctx = (void *)scene } };
 
-	model->materials = calloc((size_t)scene->mNumMaterials + 1, sizeof *model->materials);
-	if (!model->materials || !eco_images_start(&r.images)) {
-		eco_images_end(&r.images);
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its materials", path);
-	}
+	model->materials = eco_alloc((size_t)scene->mNumMaterials + 1, sizeof *model->materials);
+	eco_images_start(&r.images);
 	model->material_count = scene->mNumMaterials;
 	for (uint32_t i = 0; i < scene->mNumMaterials; i++) {
 		model->materials[i].image = ECO_NONE;
@@ -189,5 +184,4 @@ enum eco_code assimp_materials(struct eco_model *model, const struct aiScene *sc
 	for (uint32_t i = 0; i < scene->mNumMaterials; i++)
 		read_material(&r, i, &channel[i], invisible[i]);
 	eco_images_end(&r.images);
-	return ECO_OK;
 }

@@ -11,9 +11,8 @@ struct aiScene;
 /* Fills model->materials and images from the scene's materials; images are not yet multiplied by the
  * materials' colours. `channel` receives the uv set of each material's image, `invisible` whether the
  * material is fully transparent. */
-enum eco_code assimp_materials(struct eco_model *model, const struct aiScene *scene,
-	const char *path, uint32_t *channel, bool *invisible, struct eco_notes *notes,
-	struct eco_error *error);
+void assimp_materials(struct eco_model *model, const struct aiScene *scene, const char *path, uint32_t *channel,
+	bool *invisible, struct eco_notes *notes);
 
 /* Whether it names a picture as its colour, there or not. */
 bool assimp_has_picture(const struct aiMaterial *material);

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/geometry.h"
+#include "ecofiles/base/memory.h"
 
 #define PLY_HEAD_BYTES 65536u
 #define NODES_MAX (1u << 20)
@@ -139,7 +139,6 @@ struct soup {
 	uint32_t weighted;                   /* meshes with a picture and vertex colours */
 	double *corners;                     /* corners of one polygon, 3 values each */
 	uint32_t *split;                     /* the polygon's ring, then its triangles */
-	bool failed;                         /* no memory */
 	struct eco_error *error;
 };
 
@@ -184,8 +183,8 @@ static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct
 		channel = 0;
 	const struct aiVector3D *uvs = mesh->mTextureCoords[channel];
 	s->weighted += weights && !s->invisible[mesh->mMaterialIndex];
-	s->failed |= !eco_soup_mesh(&s->soup, mesh->mMaterialIndex, mesh->mColors[0] && !weights);
-	for (unsigned i = 0; i < mesh->mNumVertices && !s->failed; i++) {
+	eco_soup_mesh(&s->soup, mesh->mMaterialIndex, mesh->mColors[0] && !weights);
+	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
 		const struct aiColor4D *c = mesh->mColors[0] ? &mesh->mColors[0][i] : NULL;
 		float uv[2] = { 0, 0 };
 		double place[3];
@@ -236,7 +235,7 @@ static void add_mesh(void *ctx, const struct aiNode *node, unsigned index, const
 		eco_soup_part(&s->soup, node->mName.data, plain_name(node->mName.data), mesh->mName.data,
 			plain_name(mesh->mName.data));
 	add_vertices(s, mesh, world);
-	for (unsigned i = 0; i < mesh->mNumFaces && !s->failed; i++)
+	for (unsigned i = 0; i < mesh->mNumFaces; i++)
 		if (mesh->mFaces[i].mNumIndices >= 3)
 			add_polygon(s, mesh, &mesh->mFaces[i], first);
 }
@@ -249,7 +248,8 @@ static bool walk(const struct aiScene *scene, visit_mesh *visit, void *ctx)
 {
 	struct entry { const struct aiNode *node; struct aiMatrix4x4 world; } *stack = NULL;
 	uint32_t count = 0, capacity = 0, seen = 0;
-	bool good = scene->mRootNode && eco_array_grow(&stack, &capacity, count, sizeof *stack);
+	bool good = scene->mRootNode;
+	eco_grow(&stack, &capacity, count, sizeof *stack);
 	if (good)
 		stack[count++] = (struct entry){ scene->mRootNode, scene->mRootNode->mTransformation };
 	while (good && count > 0) {
@@ -258,9 +258,10 @@ static bool walk(const struct aiScene *scene, visit_mesh *visit, void *ctx)
 			if (top.node->mMeshes[i] < scene->mNumMeshes)
 				visit(ctx, top.node, top.node->mMeshes[i], &top.world);
 		for (unsigned i = top.node->mNumChildren; good && i-- > 0;) {
-			good = ++seen <= NODES_MAX && eco_array_grow(&stack, &capacity, count, sizeof *stack);
+			good = ++seen <= NODES_MAX;
 			if (!good)
 				break;
+			eco_grow(&stack, &capacity, count, sizeof *stack);
 			stack[count] = (struct entry){ top.node->mChildren[i], top.world };
 			aiMultiplyMatrix4(&stack[count++].world, &top.node->mChildren[i]->mTransformation);
 		}
@@ -312,12 +313,10 @@ static enum eco_code reserve(struct soup *s, uint32_t triangles_max)
 	enum eco_code code = check_totals(t, s->path, triangles_max, s->error);
 	if (code)
 		return code;
-	s->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *s->corners);
-	s->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *s->split);
-	bool good = eco_soup_reserve(&s->soup, t->vertices, t->triangles, t->meshes, t->colored) && s->corners
-		&& s->split;
-	return good ? ECO_OK : eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles",
-		s->path, (unsigned long long)t->triangles);
+	s->corners = eco_alloc(ECO_POLYGON_CORNERS_MAX * 3, sizeof *s->corners);
+	s->split = eco_alloc(ECO_POLYGON_CORNERS_MAX * 4, sizeof *s->split);
+	eco_soup_reserve(&s->soup, t->vertices, t->triangles, t->meshes, t->colored);
+	return ECO_OK;
 }
 
 /* ---- The file ---- */
@@ -356,20 +355,18 @@ static void color_nameless(struct eco_model *model, const struct aiScene *scene)
 static enum eco_code read_scene(struct soup *s, uint32_t triangles_max)
 {
 	struct eco_model *model = s->soup.model;
-	uint32_t *channel = calloc((size_t)s->scene->mNumMaterials + 1, sizeof *channel);
-	bool *invisible = calloc((size_t)s->scene->mNumMaterials + 1, sizeof *invisible);
-	enum eco_code code = channel && invisible
-		? assimp_materials(model, s->scene, s->path, channel, invisible, s->soup.notes, s->error)
-		: eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", s->path);
+	uint32_t *channel = eco_alloc((size_t)s->scene->mNumMaterials + 1, sizeof *channel);
+	bool *invisible = eco_alloc((size_t)s->scene->mNumMaterials + 1, sizeof *invisible);
+	assimp_materials(model, s->scene, s->path, channel, invisible, s->soup.notes);
 	s->channel = channel;
 	s->invisible = s->soup.invisible = invisible;
-	if (!code) {
-		color_nameless(model, s->scene);
-		assimp_frame(s->scene, s->path, s->soup.frame, s->axes);
-		code = reserve(s, triangles_max);
-	}
-	if (!code && (!walk(s->scene, add_mesh, s) || s->failed || !eco_soup_end(&s->soup, "d, Tr, opacity")))
+	color_nameless(model, s->scene);
+	assimp_frame(s->scene, s->path, s->soup.frame, s->axes);
+	enum eco_code code = reserve(s, triangles_max);
+	if (!code && !walk(s->scene, add_mesh, s))
 		code = eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", s->path);
+	if (!code)
+		eco_soup_end(&s->soup, "d, Tr, opacity");
 	if (s->weighted > 0)
 		eco_note(s->soup.notes,
 			"%u meshes have vertex colours beside a picture: they are taken for weights of "

@@ -1,6 +1,7 @@
 /* The document: container, JSON, buffers. Common departures from the specification are accepted: a JSON
  * chunk padded with zeros, a byte order mark, whole numbers written as 3.0, names of buffers in another
  * system's spelling, a GLB named .gltf. Damage is refused: a GLB shorter than its header says was cut off. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/import_gltf.h"
 
 #include <ctype.h>
@@ -130,9 +131,7 @@ enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes,
 	*size = 0;
 	if (!comma)
 		return eco_fail(error, ECO_DAMAGED, "a data URI without a comma");
-	*bytes = malloc(strlen(comma) + 1);
-	if (!*bytes)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory for a data URI");
+	*bytes = eco_alloc(strlen(comma) + 1, 1);
 	if (comma - uri < 7 || strncasecmp(comma - 7, ";base64", 7) != 0) {
 		*size = decode_percent(comma + 1, *bytes);
 	} else if (!decode_base64(comma + 1, *bytes, size)) {
@@ -297,35 +296,29 @@ static enum eco_code parse(struct eco_gltf *doc, const uint8_t *bytes, size_t si
 	return check_version(doc, error);
 }
 
-static enum eco_code take_arrays(struct eco_gltf *doc, struct eco_error *error)
+static void take_arrays(struct eco_gltf *doc)
 {
 	doc->buffer_count = json_array_size(json_object_get(doc->root, "buffers"));
 	doc->view_count = json_array_size(json_object_get(doc->root, "bufferViews"));
 	doc->node_count = json_array_size(json_object_get(doc->root, "nodes"));
-	doc->buffers = calloc(doc->buffer_count + 1, sizeof *doc->buffers);
-	doc->views = calloc(doc->view_count + 1, sizeof *doc->views);
-	if (!doc->buffers || !doc->views)
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", doc->path);
-	return ECO_OK;
+	doc->buffers = eco_alloc(doc->buffer_count + 1, sizeof *doc->buffers);
+	doc->views = eco_alloc(doc->view_count + 1, sizeof *doc->views);
 }
 
 enum eco_code eco_gltf_open_memory(struct eco_gltf **doc, const char *name, const uint8_t *bytes, size_t size,
 	struct eco_error *error)
 {
-	struct eco_gltf *d = calloc(1, sizeof *d);
+	struct eco_gltf *d = eco_alloc(1, sizeof *d);
 	*doc = NULL;
-	if (!d || !(d->path = strdup(name))) {
-		free(d);
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", name);
-	}
+	d->path = eco_copy_text(name);
 	enum eco_code code = parse(d, bytes, size, error);
-	if (!code)
-		code = take_arrays(d, error);
-	if (code)
+	if (code) {
 		eco_gltf_close(d);
-	else
-		*doc = d;
-	return code;
+		return code;
+	}
+	take_arrays(d);
+	*doc = d;
+	return ECO_OK;
 }
 
 enum eco_code eco_gltf_open(struct eco_gltf **doc, const char *path, struct eco_error *error)

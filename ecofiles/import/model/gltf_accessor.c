@@ -1,5 +1,6 @@
 /* Accessors: the place and the meaning of numbers. An accessor is resolved once into a start, a stride and
  * a type, and elements are read from it one by one; only sparse ones are copied. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/import_gltf.h"
 
 #include <math.h>
@@ -341,10 +342,7 @@ enum eco_code gltf_meshopt_unpack(struct eco_gltf *doc, uint32_t index, const js
 	enum eco_code code = read_packed(doc, index, extension, &p, error);
 	if (code)
 		return code;
-	uint8_t *bytes = can_be(&p) ? malloc((size_t)(p.count * p.stride) + 1) : NULL;
-	if (!bytes && can_be(&p))
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for bufferView %u", doc->path,
-			index);
+	uint8_t *bytes = can_be(&p) ? eco_alloc((size_t)(p.count * p.stride) + 1, 1) : NULL;
 	if (!bytes || !decode(&p, bytes)) {
 		free(bytes);
 		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: its meshopt compression cannot "

@@ -1,12 +1,12 @@
 /* Nodes: their places in the world, in double, and their instances. No recursion: a stranger's file may
  * have a tree of any depth, or none. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/import_gltf.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/format/model.h"
 
 /* ---- Matrices ---- */
@@ -63,11 +63,11 @@ enum eco_code eco_gltf_node_local(const struct eco_gltf *doc, uint32_t node, dou
 		doc->path, node);
 }
 
-static bool find_parents(struct eco_gltf *doc)
+static void find_parents(struct eco_gltf *doc)
 {
-	doc->parent = malloc((doc->node_count + 1) * sizeof *doc->parent);
-	if (!doc->parent)
-		return false;
+	if (doc->parent)
+		return;
+	doc->parent = eco_alloc(doc->node_count + 1, sizeof *doc->parent);
 	for (size_t i = 0; i < doc->node_count; i++)
 		doc->parent[i] = ECO_NONE;
 	for (size_t i = 0; i < doc->node_count; i++) {
@@ -79,7 +79,6 @@ static bool find_parents(struct eco_gltf *doc)
 				doc->parent[child] = (uint32_t)i;
 		}
 	}
-	return true;
 }
 
 enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double matrix[16],
@@ -87,8 +86,7 @@ enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double m
 {
 	enum eco_code code = eco_gltf_node_local(doc, node, matrix, error);
 	size_t steps = 0;
-	if (code == ECO_OK && !doc->parent && !find_parents(doc))
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", doc->path);
+	find_parents(doc);
 	while (code == ECO_OK && doc->parent[node] != ECO_NONE) {
 		double local[16];
 		node = doc->parent[node];
@@ -125,8 +123,7 @@ static enum eco_code push(struct walk *w, uint32_t node, uint32_t depth, const d
 		return eco_fail(error, ECO_TOO_LARGE,
 			"%.300s: more than %u nodes, as some have several parents", w->doc->path,
 			ECO_GLTF_NODES_MAX);
-	if (!eco_array_grow(&w->stack, &w->capacity, w->count, sizeof *w->stack))
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its nodes", w->doc->path);
+	eco_grow(&w->stack, &w->capacity, w->count, sizeof *w->stack);
 	w->stack[w->count].node = node;
 	w->stack[w->count].depth = depth;
 	memcpy(w->stack[w->count++].world, world, 16 * sizeof *world);
@@ -167,8 +164,7 @@ static enum eco_code push_roots(struct walk *w, struct eco_error *error)
 	enum eco_code code = ECO_OK;
 	if (scene)
 		return push_all(w, json_object_get(scene, "nodes"), 0, identity, error);
-	if (!w->doc->parent && !find_parents(w->doc))
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", w->doc->path);
+	find_parents(w->doc);
 	for (size_t i = w->doc->node_count; i-- > 0 && code == ECO_OK;)
 		if (w->doc->parent[i] == ECO_NONE)
 			code = push(w, (uint32_t)i, 0, identity, error);

@@ -2,6 +2,7 @@
  * mistakes (a packed file, a pointer of Git LFS, a scene of an editor, a point cloud) are known by their
  * first bytes or their name, and each has a sentence of its own: the readers would only say that they do
  * not understand. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/model/import_model.h"
 
@@ -110,11 +111,10 @@ enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, si
 	if (length > most)
 		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: %llu bytes, at most %llu are possible", path,
 			(unsigned long long)length, (unsigned long long)most);
-	else if (!(*bytes = malloc((size_t)length + 1)))
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its %llu bytes", path,
-			(unsigned long long)length);
-	else
-		(*bytes)[*size = fread(*bytes, 1, (size_t)length, file)] = 0;
+	else {
+		*bytes = eco_alloc((size_t)length + 1, 1);
+		*size = fread(*bytes, 1, (size_t)length, file);
+	}
 	if (code == ECO_OK && ferror(file)) {
 		code = eco_fail_read(error, path, errno);
 		free(*bytes);
@@ -126,11 +126,9 @@ enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, si
 
 char *eco_file_read_head(const char *path, size_t *size)
 {
-	char *head = malloc(HEAD_BYTES + 1);
+	char *head = eco_alloc(HEAD_BYTES + 1, 1);
 	FILE *file = fopen(path, "rb");
-	*size = head && file ? fread(head, 1, HEAD_BYTES, file) : 0;
-	if (head)
-		head[*size] = 0;
+	*size = file ? fread(head, 1, HEAD_BYTES, file) : 0;
 	if (file)
 		fclose(file);
 	return head;
@@ -222,8 +220,7 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 	if (access(path, R_OK) != 0)
 		return eco_fail_read(error, path, errno);
 	char *head = eco_file_read_head(path, &size);
-	enum eco_code code = !head ? eco_fail(error, ECO_NO_MEMORY, "%.400s: out of memory", path)
-		: eco_file_check_head(path, head, size, holds_zip, "a model", error);
+	enum eco_code code = eco_file_check_head(path, head, size, holds_zip, "a model", error);
 	free(head);
 	const char *dot = strrchr(eco_path_last(path), '.');
 	char extension[16];

@@ -11,7 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/memory.h"
+
 
 struct shape {                       /* a mesh */
 	uint32_t mesh;
@@ -38,11 +39,6 @@ struct soup {
 	uint64_t triangles, vertices, instances;
 	bool colored;                        /* some vertices have colours */
 };
-
-static enum eco_code out_of_memory(struct soup *s)
-{
-	return eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", eco_gltf_path(s->doc));
-}
 
 /* ---- Required extensions ---- */
 
@@ -106,8 +102,7 @@ static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_
 	struct gltf_surface_source source = { .doc = s->doc, .looks = s->looks, .look_count = s->look_count,
 		.primitive = primitive, .morphed = has_weights(s, shape->mesh), .mesh = shape->mesh, .number = number,
 		.triangles_max = s->triangles_max, .counts = &s->counts };
-	if (!eco_array_grow(&s->pieces, &s->piece_room, s->piece_count, sizeof *s->pieces))
-		return out_of_memory(s);
+	eco_grow(&s->pieces, &s->piece_room, s->piece_count, sizeof *s->pieces);
 	struct gltf_surface *piece = &s->pieces[s->piece_count];
 	enum eco_code code = gltf_surface_read(piece, &source, s->error);
 	if (code)
@@ -133,8 +128,7 @@ static enum eco_code find_shape(struct soup *s, uint32_t mesh, uint32_t *found)
 	*found = s->shape_of[mesh];
 	if (*found != ECO_NONE)
 		return ECO_OK;
-	if (!eco_array_grow(&s->shapes, &s->shape_room, s->shape_count, sizeof *s->shapes))
-		return out_of_memory(s);
+	eco_grow(&s->shapes, &s->shape_room, s->shape_count, sizeof *s->shapes);
 	struct shape *shape = &s->shapes[s->shape_count];
 	*shape = (struct shape){ .mesh = mesh, .first = s->piece_count };
 	for (size_t i = 0; i < json_array_size(primitives) && code == ECO_OK; i++)
@@ -151,8 +145,7 @@ static enum eco_code add_place(struct soup *s, uint32_t shape, uint32_t node, co
 	s->vertices += s->shapes[shape].vertices;
 	if (too_many(s, s->triangles) != ECO_OK)
 		return ECO_TOO_LARGE;
-	if (!eco_array_grow(&s->places, &s->place_room, s->place_count, sizeof *s->places))
-		return out_of_memory(s);
+	eco_grow(&s->places, &s->place_room, s->place_count, sizeof *s->places);
 	struct place *place = &s->places[s->place_count++];
 	place->shape = shape;
 	place->node = node;
@@ -233,7 +226,7 @@ static double largest_scale(const double m[16])
 
 /* ---- The soup ---- */
 
-static bool add_piece(struct soup *s, const struct gltf_surface *piece, const struct place *place,
+static void add_piece(struct soup *s, const struct gltf_surface *piece, const struct place *place,
 	const struct gltf_skin *skin)
 {
 	struct eco_soup *soup = &s->soup;
@@ -250,8 +243,7 @@ static bool add_piece(struct soup *s, const struct gltf_surface *piece, const st
 		eco_soup_vertex(soup, at, piece->uv ? &piece->uv[(size_t)v * 2] : NULL,
 			piece->color ? &piece->color[(size_t)v * 3] : NULL);
 	}
-	if (!eco_soup_mesh(soup, piece->material, piece->color))
-		return false;
+	eco_soup_mesh(soup, piece->material, piece->color);
 	for (uint32_t i = 0; i < piece->triangle_count; i++) {
 		uint32_t v[3];
 		for (int k = 0; k < 3; k++) {
@@ -260,22 +252,19 @@ static bool add_piece(struct soup *s, const struct gltf_surface *piece, const st
 		}
 		eco_soup_triangle(soup, v[0], v[1], v[2]);
 	}
-	return true;
 }
 
 static enum eco_code add_places(struct soup *s)
 {
 	uint32_t parts = s->place_count < ECO_MODEL_PARTS_MAX ? s->place_count : ECO_MODEL_PARTS_MAX;
-	if (!eco_soup_reserve(&s->soup, s->vertices, s->triangles, parts, s->colored))
-		return out_of_memory(s);
+	eco_soup_reserve(&s->soup, s->vertices, s->triangles, parts, s->colored);
 	for (uint32_t i = 0; i < s->place_count; i++) {
 		const struct place *place = &s->places[i];
 		const struct shape *shape = &s->shapes[place->shape];
 		const struct gltf_skin *skin;
 		enum eco_code code = find_skin(s, place->node, &skin);
 		for (uint32_t k = 0; k < shape->count && !code; k++)
-			if (!add_piece(s, &s->pieces[shape->first + k], place, skin))
-				code = out_of_memory(s);
+			add_piece(s, &s->pieces[shape->first + k], place, skin);
 		if (code)
 			return code;
 	}
@@ -313,10 +302,10 @@ static enum eco_code prepare(struct soup *s)
 	*s->soup.frame = (struct eco_model_frame){ .format = "glTF", .unit_m = 1, .up = ECO_UP_Y,
 		.convention = ECO_UP_Y };
 	s->looks = gltf_looks_read(s->doc, &s->look_count);
-	s->shape_of = malloc((meshes + 1) * sizeof *s->shape_of);
-	s->skins = skins < ECO_NONE ? calloc(skins + 1, sizeof *s->skins) : NULL;
-	if (!s->looks || !s->shape_of || !s->skins)
-		return out_of_memory(s);
+	if (!s->looks)
+		return eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", eco_gltf_path(s->doc));
+	s->shape_of = eco_alloc(meshes + 1, sizeof *s->shape_of);
+	s->skins = eco_alloc(skins + 1, sizeof *s->skins);
 	memset(s->shape_of, 0xff, meshes * sizeof *s->shape_of);
 	s->skin_count = (uint32_t)skins;
 	return check_required(s);
@@ -341,20 +330,20 @@ static enum eco_code read_soup(struct soup *s)
 		code = eco_gltf_walk(s->doc, visit, s, s->error);
 	if (!code)
 		code = check_totals(s);
-	if (!code)
-		code = gltf_materials_read(s->soup.model, s->doc, s->looks, s->look_count, s->soup.notes, s->error);
-	if (!code)
-		code = add_places(s);
 	if (code)
 		return code;
-	bool *invisible = malloc(s->look_count + 1);
-	for (uint32_t i = 0; invisible && i <= s->look_count; i++)
+	gltf_materials_read(s->soup.model, s->doc, s->looks, s->look_count, s->soup.notes);
+	code = add_places(s);
+	if (code)
+		return code;
+	bool *invisible = eco_alloc(s->look_count + 1u, 1);
+	for (uint32_t i = 0; i <= s->look_count; i++)
 		invisible[i] = s->looks[i].invisible;
 	s->soup.invisible = invisible;
 	tell(s);
-	code = invisible && eco_soup_end(&s->soup, "baseColorFactor") ? ECO_OK : out_of_memory(s);
+	eco_soup_end(&s->soup, "baseColorFactor");
 	free(invisible);
-	return code;
+	return ECO_OK;
 }
 
 enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame,

@@ -52,8 +52,8 @@ struct gltf_look *gltf_looks_read(const struct eco_gltf *doc, uint32_t *count);
 void gltf_look_apply(const struct gltf_look *look, const double from[2], float to[2]);
 
 /* Fills model->materials, and the images of materials used and visible. */
-enum eco_code gltf_materials_read(struct eco_model *model, struct eco_gltf *doc,
-	const struct gltf_look *looks, uint32_t count, struct eco_notes *notes, struct eco_error *error);
+void gltf_materials_read(struct eco_model *model, struct eco_gltf *doc, const struct gltf_look *looks,
+	uint32_t count, struct eco_notes *notes);
 
 /* ---- Surfaces (import_gltf_surface.c) ---- */
 

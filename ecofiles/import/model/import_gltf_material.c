@@ -12,6 +12,7 @@
 
 #include "ecofiles/format/image.h"
 #include "ecofiles/base/angle16.h"
+#include "ecofiles/base/memory.h"
 
 #define PI 3.14159265358979323846
 
@@ -96,7 +97,7 @@ static void read_look(const json_t *material, struct gltf_look *look)
 struct gltf_look *gltf_looks_read(const struct eco_gltf *doc, uint32_t *count)
 {
 	size_t materials = json_array_size(json_object_get(eco_gltf_json(doc), "materials"));
-	struct gltf_look *looks = materials < ECO_MODEL_MATERIALS_MAX ? calloc(materials + 1, sizeof *looks)
+	struct gltf_look *looks = materials < ECO_MODEL_MATERIALS_MAX ? eco_alloc(materials + 1, sizeof *looks)
 		: NULL;
 	*count = (uint32_t)materials;
 	for (size_t i = 0; looks && i <= materials; i++)
@@ -211,18 +212,14 @@ static void read_material(struct eco_images *images, const struct eco_gltf *doc,
 		eco_material_lost_picture(to);
 }
 
-enum eco_code gltf_materials_read(struct eco_model *model, struct eco_gltf *doc,
-	const struct gltf_look *looks, uint32_t count, struct eco_notes *notes, struct eco_error *error)
+void gltf_materials_read(struct eco_model *model, struct eco_gltf *doc, const struct gltf_look *looks,
+	uint32_t count, struct eco_notes *notes)
 {
 	struct eco_images images = { .model = model, .path = eco_gltf_path(doc), .notes = notes,
 		.embedded = embedded, .ctx = doc };
 	uint32_t all = count + looks[count].used;
-	model->materials = calloc((size_t)all + 1, sizeof *model->materials);
-	if (!model->materials || !eco_images_start(&images)) {
-		eco_images_end(&images);
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its materials",
-			eco_gltf_path(doc));
-	}
+	model->materials = eco_alloc((size_t)all + 1, sizeof *model->materials);
+	eco_images_start(&images);
 	model->material_count = all;
 	for (uint32_t i = 0; i < all; i++)
 		model->materials[i].image = ECO_NONE;
@@ -231,5 +228,4 @@ enum eco_code gltf_materials_read(struct eco_model *model, struct eco_gltf *doc,
 	if (all > count)                     /* for primitives without a material */
 		model->materials[count].colourless = true;
 	eco_images_end(&images);
-	return ECO_OK;
 }

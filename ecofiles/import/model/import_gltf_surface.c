@@ -1,5 +1,6 @@
 /* One primitive of a glTF mesh, from accessors or a Draco stream, as triangles with the vertices in use.
  * Other vertices are dropped here: exporters let all primitives of a file share one large buffer. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/import_gltf.h"
 
 #include <math.h>
@@ -225,9 +226,7 @@ static enum eco_code read_triangles(struct reader *r, uint64_t mode)
 	if (most > r->from->triangles_max)
 		return eco_fail(r->error, ECO_TOO_LARGE, "%.300s: %llu triangles, at most %u are possible",
 			eco_gltf_path(r->from->doc), (unsigned long long)most, r->from->triangles_max);
-	r->to->index = malloc(((size_t)most + 1) * 3 * sizeof *r->to->index);
-	if (!r->to->index)
-		return fail(r, ECO_NO_MEMORY, "out of memory");
+	r->to->index = eco_alloc((size_t)most + 1, 3 * sizeof *r->to->index);
 	if (mode != TRIANGLES) {
 		add_strip(r, mode == TRIANGLE_FAN);
 		return ECO_OK;
@@ -252,30 +251,27 @@ static enum eco_code open_indices(struct reader *r)
 
 /* ---- Vertices ---- */
 
-/* Renumbers the vertices in use, in the file's order; `source` receives the old numbers. */
-static bool compact(struct reader *r, uint32_t **source)
+/* Renumbers the vertices in use, in the file's order; returns the old numbers. */
+static uint32_t *compact(struct reader *r)
 {
 	struct gltf_surface *s = r->to;
-	uint32_t *number = calloc((size_t)r->vertex_count + 1, sizeof *number);
+	uint32_t *number = eco_alloc((size_t)r->vertex_count + 1, sizeof *number);
 	size_t corners = (size_t)s->triangle_count * 3;
-	*source = NULL;
-	if (!number)
-		return false;
 	for (size_t i = 0; i < corners; i++)
 		if (s->index[i] != ECO_NONE)
 			number[s->index[i]] = 1;
 	for (uint64_t v = 0; v < r->vertex_count; v++)
 		if (number[v] != 0)
 			number[v] = ++s->vertex_count;
-	*source = malloc(((size_t)s->vertex_count + 1) * sizeof **source);
-	for (uint64_t v = 0; *source && v < r->vertex_count; v++)
+	uint32_t *source = eco_alloc((size_t)s->vertex_count + 1, sizeof *source);
+	for (uint64_t v = 0; v < r->vertex_count; v++)
 		if (number[v] != 0)
-			(*source)[number[v] - 1] = (uint32_t)v;
+			source[number[v] - 1] = (uint32_t)v;
 	for (size_t i = 0; i < corners; i++)
 		if (s->index[i] != ECO_NONE)
 			s->index[i] = number[s->index[i]] - 1;
 	free(number);
-	return *source;
+	return source;
 }
 
 /* A vertex beyond an attribute's end stays 0: the exporter made one accessor too short. */
@@ -328,37 +324,31 @@ static void take_joints(struct reader *r, uint32_t from, uint32_t to)
 	}
 }
 
-static bool take_memory(struct reader *r)
+static void take_memory(struct reader *r)
 {
 	struct gltf_surface *s = r->to;
 	size_t n = (size_t)s->vertex_count + 1;
 	while (s->influences < GLTF_INFLUENCES_MAX && r->values[JOINTS + s->influences / 4].there
 		&& r->values[WEIGHTS + s->influences / 4].there)
 		s->influences += 4;
-	s->position = malloc(n * 3 * sizeof *s->position);
-	s->uv = r->values[TEXCOORD].there ? calloc(n * 2, sizeof *s->uv) : NULL;
-	s->color = r->values[COLOR].there ? malloc(n * 3 * sizeof *s->color) : NULL;
-	s->joint = s->influences > 0 ? malloc(n * s->influences * sizeof *s->joint) : NULL;
-	s->weight = s->influences > 0 ? malloc(n * s->influences * sizeof *s->weight) : NULL;
-	return s->position && (s->uv || !r->values[TEXCOORD].there) && (s->color || !r->values[COLOR].there)
-		&& (s->influences == 0 || (s->joint && s->weight));
+	s->position = eco_alloc(n * 3, sizeof *s->position);
+	s->uv = r->values[TEXCOORD].there ? eco_alloc(n * 2, sizeof *s->uv) : NULL;
+	s->color = r->values[COLOR].there ? eco_alloc(n * 3, sizeof *s->color) : NULL;
+	s->joint = s->influences > 0 ? eco_alloc(n * s->influences, sizeof *s->joint) : NULL;
+	s->weight = s->influences > 0 ? eco_alloc(n * s->influences, sizeof *s->weight) : NULL;
 }
 
 /* ---- The primitive ---- */
 
-static enum eco_code read_vertices(struct reader *r, const struct gltf_look *look)
+static void read_vertices(struct reader *r, const struct gltf_look *look)
 {
-	uint32_t *source = NULL;
-	if (!compact(r, &source) || !take_memory(r)) {
-		free(source);
-		return fail(r, ECO_NO_MEMORY, "out of memory");
-	}
+	uint32_t *source = compact(r);
+	take_memory(r);
 	for (uint32_t v = 0; v < r->to->vertex_count; v++) {
 		take_vertex(r, look, source[v], v);
 		take_joints(r, source[v], v);
 	}
 	free(source);
-	return ECO_OK;
 }
 
 /* Counts points and lines, which are not drawn. */
@@ -398,7 +388,9 @@ static enum eco_code read_primitive(struct reader *r)
 		code = draco ? open_draco(r, draco, look) : open_indices(r);
 	if (!code)
 		code = read_triangles(r, draco ? TRIANGLES : mode);
-	return code == ECO_OK ? read_vertices(r, look) : code;
+	if (!code)
+		read_vertices(r, look);
+	return code;
 }
 
 enum eco_code gltf_surface_read(struct gltf_surface *surface, const struct gltf_surface_source *source,
@@ -453,10 +445,7 @@ enum eco_code gltf_skin_read(struct gltf_skin *skin, struct eco_gltf *doc, uint3
 	enum eco_code code = read_inverse(doc, json, &inverse, error);
 	if (code)
 		return code;
-	skin->matrix = count < ECO_NONE ? malloc((count + 1) * 16 * sizeof *skin->matrix) : NULL;
-	if (!skin->matrix)
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for skin %u", eco_gltf_path(doc),
-			index);
+	skin->matrix = eco_alloc(count + 1, 16 * sizeof *skin->matrix);
 	skin->count = (uint32_t)count;
 	for (size_t i = 0; i < count && code == ECO_OK; i++) {
 		json_int_t node = json_is_integer(json_array_get(joints, i))

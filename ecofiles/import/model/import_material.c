@@ -1,4 +1,5 @@
 /* Shared by readers of models: notes for the user, colours, materials. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/import_model.h"
 
 #include <math.h>
@@ -235,13 +236,12 @@ static bool load_image(struct eco_images *r, struct eco_image_key *key, struct e
 	return true;
 }
 
-bool eco_images_start(struct eco_images *images)
+void eco_images_start(struct eco_images *images)
 {
-	images->model->images = calloc(ECO_MODEL_IMAGES_MAX, sizeof *images->model->images);
+	images->model->images = eco_alloc(ECO_MODEL_IMAGES_MAX, sizeof *images->model->images);
 	images->model->image_count = 0;
-	images->keys = calloc(ECO_MODEL_IMAGES_MAX, sizeof *images->keys);
+	images->keys = eco_alloc(ECO_MODEL_IMAGES_MAX, sizeof *images->keys);
 	images->pixels = 0;
-	return images->model->images && images->keys;
 }
 
 /* Failures are remembered too, as images without rgba. */
@@ -256,13 +256,8 @@ uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted
 		return ECO_NONE;
 	if (i == m->image_count) {
 		struct eco_image_key *key = &images->keys[i];
-		*key = (struct eco_image_key){ .texture = strdup(wanted->texture), .opacity = wanted->opacity
-			? strdup(wanted->opacity) : NULL, .alpha = wanted->alpha, .gain = wanted->gain };
-		if (!key->texture || (wanted->opacity && !key->opacity)) {
-			free(key->texture);
-			free(key->opacity);
-			return ECO_NONE;
-		}
+		*key = (struct eco_image_key){ .texture = eco_copy_text(wanted->texture),
+			.opacity = wanted->opacity ? eco_copy_text(wanted->opacity) : NULL, .alpha = wanted->alpha, .gain = wanted->gain };
 		m->image_count++;
 		load_image(images, key, &m->images[i]);
 	}
@@ -274,7 +269,7 @@ void eco_images_end(struct eco_images *images)
 {
 	struct eco_model *m = images->model;
 	uint32_t as[ECO_MODEL_IMAGES_MAX];
-	for (uint32_t i = 0; i < m->image_count && images->keys; i++) {
+	for (uint32_t i = 0; i < m->image_count; i++) {
 		free(images->keys[i].texture);
 		free(images->keys[i].opacity);
 		as[i] = m->images[i].rgba ? i : ECO_NONE;

@@ -12,6 +12,7 @@
 
 #include "ecofiles/import/model/gltf.h"
 #include "ecofiles/base/guard.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/base/module.h"
@@ -150,9 +151,7 @@ static enum eco_code read_with_assimp(struct head *head, const struct job *job, 
 static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 {
 	const struct job *job = ctx;
-	struct head *head = calloc(1, sizeof *head);
-	if (!head)
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", job->path);
+	struct head *head = eco_alloc(1, sizeof *head);
 	head->frame.convention = ECO_UP_Y;
 	enum eco_code code = eco_model_file_check(job->path, error);
 	if (code == ECO_OK && eco_path_ends_with(job->path, ".obj"))
@@ -205,12 +204,11 @@ static struct sums add_up(const struct eco_model_piece *pieces, uint32_t count)
 	return s;
 }
 
-static bool take_memory(struct eco_model *m, const struct sums *s)
+static void take_memory(struct eco_model *m, const struct sums *s)
 {
-	bool good = eco_model_reserve(m, s->vertices, s->triangles, s->parts);
-	m->materials = malloc((s->materials + 1) * sizeof *m->materials);
-	m->images = calloc((size_t)s->images + 1, sizeof *m->images);
-	return good && m->materials && m->images;
+	eco_model_reserve(m, s->vertices, s->triangles, s->parts);
+	m->materials = eco_alloc(s->materials + 1u, sizeof *m->materials);
+	m->images = eco_alloc((size_t)s->images + 1, sizeof *m->images);
 }
 
 /* ---- Axes ---- */
@@ -403,11 +401,7 @@ static enum eco_code join(struct eco_model *model, struct eco_model_frame *frame
 	share_unit(pieces, count, options->unit_m);
 	share_up(pieces, count, up, options->up != ECO_UP_FOUND);
 	*frame = pieces[0].frame;
-	if (!take_memory(model, &sums)) {
-		eco_model_free(model);
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles",
-			pieces[0].path, (unsigned long long)sums.triangles);
-	}
+	take_memory(model, &sums);
 	for (uint32_t i = 0; i < count; i++) {
 		append(model, frame, &pieces[i], count > 1);
 		eco_model_free(&pieces[i].model);
@@ -487,22 +481,19 @@ static enum eco_code read_piece(struct eco_model_piece *piece, const struct eco_
 {
 	struct job job = { piece->path, triangles_max };
 	struct eco_guard_limits limits = limits_for(piece->path);
-	struct head *head = calloc(1, sizeof *head);
+	struct head *head = eco_alloc(1, sizeof *head);
 	FILE *result = NULL;
-	enum eco_code code = !head ? eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", piece->path)
-		: eco_guard_run(work, &job, piece->path, &limits, &result, error);
+	enum eco_code code = eco_guard_run(work, &job, piece->path, &limits, &result, error);
 
 	if (code == ECO_OK && !get_model(result, head, triangles_max))
 		code = eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader contradict each other",
 			piece->path);
 	if (result)
 		fclose(result);
-	if (head) {
-		piece->model = head->model;
-		piece->frame = head->frame;
-		if (!code)
-			tell(options, &head->notes);
-	}
+	piece->model = head->model;
+	piece->frame = head->frame;
+	if (!code)
+		tell(options, &head->notes);
 	free(head);
 	return code;
 }
@@ -523,14 +514,12 @@ static enum eco_code read_pieces(struct eco_model_piece *pieces, const struct ec
 enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_options *options,
 	struct eco_error *error)
 {
-	struct eco_model_piece *pieces = calloc(options->path_count + 1u, sizeof *pieces);
-	struct eco_notes *notes = calloc(1, sizeof *notes);
+	struct eco_model_piece *pieces = eco_alloc(options->path_count + 1u, sizeof *pieces);
+	struct eco_notes *notes = eco_alloc(1, sizeof *notes);
 	struct eco_model_frame frame;
 	enum eco_code code = ECO_OK;
 	*model = (struct eco_model){ .position = NULL };
-	if (!pieces || !notes)
-		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	else if (options->path_count == 0 || options->path_count > FILES_MAX)
+	if (options->path_count == 0 || options->path_count > FILES_MAX)
 		code = eco_fail(error, ECO_BAD_INPUT, "a plant has 1 to %u files, not %u", FILES_MAX,
 			options->path_count);
 	else
@@ -541,19 +530,16 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 		drop_unused_uv(model);
 		code = eco_model_clean(model, &frame, options, options->paths[0], notes, error);
 	}
-	if (!code)          /* after cleaning, for the triangles left */
-		code = eco_model_bake_tints(model, options->paths[0], notes, error);
-	if (!code && !eco_model_take_palettes(model))
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", options->paths[0]);
-	if (!code) {
+	if (!code) {        /* after cleaning, for the triangles left */
+		eco_model_bake_tints(model, notes);
+		eco_model_take_palettes(model);
 		drop_unused_uv(model);
 		eco_model_see_colourless(model, notes);
 		note_colourless(model, notes);
 		note_size(model, options->paths[0], notes);
 	}
-	if (notes)
-		tell(options, notes);
-	for (uint32_t i = 0; pieces && i < options->path_count && i < FILES_MAX; i++)
+	tell(options, notes);
+	for (uint32_t i = 0; i < options->path_count && i < FILES_MAX; i++)
 		eco_model_free(&pieces[i].model);
 	free(pieces);
 	free(notes);

@@ -50,12 +50,10 @@ bool eco_model_find_beside(const char *model, const char *name, char *path, size
 
 /* ---- Readers ---- */
 
-/* Makes a soup's arrays, with a bit to spare: uv is 0, the rest is not set. False: no memory for one, which
- * is NULL then. */
-bool eco_model_reserve(struct eco_model *model, uint64_t vertices, uint64_t triangles, uint64_t parts);
+/* Makes a soup's arrays, with a bit to spare: uv is 0, the rest is not set. */
+void eco_model_reserve(struct eco_model *model, uint64_t vertices, uint64_t triangles, uint64_t parts);
 
-/* A hash table for `entries` numbers by open addressing; free slots are ECO_NONE. NULL when memory ran
- * out. */
+/* A hash table for `entries` numbers by open addressing; free slots are ECO_NONE. */
 uint32_t *model_table_new(uint64_t entries, uint32_t *mask);
 
 /* glTF 2.0 and GLB: the scene that a viewer would show, with instances, at rest. Refuses by name required
@@ -97,20 +95,19 @@ struct eco_soup {
 	struct eco_soup_mesh { uint32_t triangle, material; bool colored; } *meshes;
 	uint32_t mesh_count, mesh_room;
 };
-/* False: no memory, as below. */
-bool eco_soup_reserve(struct eco_soup *soup, uint64_t vertices, uint64_t triangles, uint64_t parts, bool colors);
+void eco_soup_reserve(struct eco_soup *soup, uint64_t vertices, uint64_t triangles, uint64_t parts, bool colors);
 /* Adds the part NODE, MESH or NODE/MESH, unless it is the last one: some programs show one name, some the
  * other. */
 void eco_soup_part(struct eco_soup *soup, const char *node, size_t node_bytes, const char *mesh,
 	size_t mesh_bytes);
 /* Triangles to come have this material; `colored`: times the colours of their vertices. */
-bool eco_soup_mesh(struct eco_soup *soup, uint32_t material, bool colored);
+void eco_soup_mesh(struct eco_soup *soup, uint32_t material, bool colored);
 /* uv, rgb NULL: 0. Returns its number. */
 uint32_t eco_soup_vertex(struct eco_soup *soup, const double place[3], const float uv[2], const float rgb[3]);
 /* ECO_NONE: a missing vertex. */
 void eco_soup_triangle(struct eco_soup *soup, uint32_t a, uint32_t b, uint32_t c);
 /* `fields` of the file say what is transparent, for a note. */
-bool eco_soup_end(struct eco_soup *soup, const char *fields);
+void eco_soup_end(struct eco_soup *soup, const char *fields);
 void eco_soup_free(struct eco_soup *soup);
 
 /* ---- Images (import_material.c) ---- */
@@ -140,7 +137,7 @@ struct eco_images {
 };
 
 /* model->images must be empty. False when memory ran out. */
-bool eco_images_start(struct eco_images *images);
+void eco_images_start(struct eco_images *images);
 /* Index of the decoded image. Its alpha is 255 all over unless some of it is cut out; then 128 is the
  * threshold. ECO_NONE: it cannot be read, which is noted once. */
 uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted *wanted, bool *cutout);
@@ -174,7 +171,7 @@ struct eco_tints {
 	uint64_t *key;
 	uint32_t *table;             /* open addressing: tint + 1 */
 };
-bool eco_tints_start(struct eco_tints *tints, struct eco_model *model);
+void eco_tints_start(struct eco_tints *tints, struct eco_model *model);
 /* Material `material` times an sRGB colour, in linear light; itself for white, and beyond the limit. */
 uint32_t eco_tints_get(struct eco_tints *tints, uint32_t material, const uint8_t rgb[3]);
 /* Rounds a colour to eight steps a channel, which is used where vertex colours differ within a mesh. */
@@ -182,15 +179,12 @@ void eco_tint_step(uint8_t rgb[3]);
 
 void eco_tints_end(struct eco_tints *tints);
 
-/* A picture whose triangles show one colour each becomes colours of materials, and is dropped. False when
- * memory ran out. */
-bool eco_model_take_palettes(struct eco_model *model);
+/* A picture whose triangles show one colour each becomes colours of materials, and is dropped. */
+void eco_model_take_palettes(struct eco_model *model);
 
 /* Multiplies images by the colours of their materials, which become white, and merges equal images.
- * Materials may only name the model's images, at most ECO_MODEL_IMAGES_MAX of them, or none. Fails only
- * for lack of memory. */
-enum eco_code eco_model_bake_tints(struct eco_model *model, const char *path, struct eco_notes *notes,
-	struct eco_error *error);
+ * Materials may only name the model's images, at most ECO_MODEL_IMAGES_MAX of them, or none. */
+void eco_model_bake_tints(struct eco_model *model, struct eco_notes *notes);
 
 uint8_t eco_srgb_from_linear(double linear);
 uint8_t eco_byte_from_share(double share);       /* 0 to 1; NaN is 0 */

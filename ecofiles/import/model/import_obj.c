@@ -82,21 +82,14 @@ struct eco_error *error)
 
 /* ---- Statements ---- */
 
-static enum eco_code no_memory(const struct eco_obj *o)
-{
-	return eco_fail(o->error, ECO_NO_MEMORY, "%.300s: out of memory", o->text.path);
-}
-
 /* Makes room for one more of an array's items. */
 #define GROW(o, items, item) \
-	eco_array_grow(&(o)->items, &(o)->item##_room, (o)->item##_count, sizeof *(o)->items)
+	eco_grow(&(o)->items, &(o)->item##_room, (o)->item##_count, sizeof *(o)->items)
 
 /* Beyond `most` names each new one gets the last number. */
-static enum eco_code number_name(struct eco_obj *o, struct eco_string_pool *names, const char *name,
-	uint32_t most, uint32_t *number)
+static uint32_t number_name(struct eco_string_pool *names, const char *name, uint32_t most)
 {
-	*number = most - 1;
-	return names->count >= most || eco_string_pool_add(names, name, number) ? ECO_OK : no_memory(o);
+	return names->count >= most ? most - 1 : eco_string_number(names, name);
 }
 
 /* x y z, x y z w, x y z r g b, x y z r g b a */
@@ -112,12 +105,10 @@ static enum eco_code read_vertex(struct eco_obj *o, char *rest)
 	if (count < 3)
 		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: line %u: a vertex needs three numbers",
 			o->text.path, o->text.line);
-	if (!GROW(o, place, place))
-		return no_memory(o);
+	GROW(o, place, place);
 	memcpy(o->place[o->place_count++], number, sizeof *o->place);
 	while (count >= 6 && o->color_count < o->place_count) {
-		if (!GROW(o, color, color))
-			return no_memory(o);
+		GROW(o, color, color);
 		for (int k = 0; k < 3; k++)
 			o->color[o->color_count][k] = o->color_count + 1 == o->place_count
 				&& isfinite(number[3 + k]) ? (float)number[3 + k] : -1;
@@ -131,8 +122,7 @@ static enum eco_code read_uv(struct eco_obj *o, char *rest)
 	double number[2] = { 0, 0 };
 	enum eco_code code = ECO_OK;
 	char *word;
-	if (!GROW(o, uv, uv))
-		return no_memory(o);
+	GROW(o, uv, uv);
 	for (int k = 0; k < 2 && !code && (word = next_word(&rest)); k++)
 		code = read_number(&o->text, word, &number[k], o->error);
 	for (int k = 0; k < 2; k++)
@@ -164,22 +154,20 @@ static struct eco_obj_corner read_corner(const struct eco_obj *o, const char *wo
 }
 
 /* Faces before the first `o`, `g` or `usemtl` have a nameless part and material. */
-static enum eco_code number_part(struct eco_obj *o)
+static void number_part(struct eco_obj *o)
 {
 	char name[520];
 	bool both = o->object[0] != 0 && o->group[0] != 0 && strcmp(o->object, o->group) != 0;
 	snprintf(name, sizeof name, "%s%s%s", o->object, both ? "/" : "", both || o->object[0] == 0 ? o->group
 		: "");
-	return number_name(o, &o->parts, name, ECO_MODEL_PARTS_MAX, &o->part);
+	o->part = number_name(&o->parts, name, ECO_MODEL_PARTS_MAX);
 }
 
 static enum eco_code read_face(struct eco_obj *o, char *rest)
 {
 	uint32_t first = o->corner_count, n;
-	enum eco_code code = ECO_OK;
 	for (char *word; (word = next_word(&rest));) {
-		if (!GROW(o, corners, corner))
-			return no_memory(o);
+		GROW(o, corners, corner);
 		o->corners[o->corner_count++] = read_corner(o, word);
 	}
 	n = o->corner_count - first;
@@ -197,11 +185,10 @@ static enum eco_code read_face(struct eco_obj *o, char *rest)
 			"triangles are possible", o->text.path, (unsigned long long)o->triangles,
 			o->text.line, o->triangles_max);
 	if (o->part == ECO_NONE)
-		code = number_part(o);
-	if (!code && o->material == ECO_NONE)
-		code = number_name(o, &o->materials, "", ECO_MODEL_MATERIALS_MAX, &o->material);
-	if (code || !GROW(o, faces, face))
-		return code ? code : no_memory(o);
+		number_part(o);
+	if (o->material == ECO_NONE)
+		o->material = number_name(&o->materials, "", ECO_MODEL_MATERIALS_MAX);
+	GROW(o, faces, face);
 	o->faces[o->face_count++] = (struct eco_obj_face){ first, o->material, o->part };
 	return ECO_OK;
 }
@@ -254,8 +241,7 @@ static enum eco_code read_line(struct eco_obj *o, char *line)
 	if (strcmp(key, "l") == 0 || strcmp(key, "p") == 0) {
 		o->loose++;
 	} else if (strcmp(key, "usemtl") == 0) {
-		return number_name(o, &o->materials, rest, ECO_MODEL_MATERIALS_MAX - ECO_TINTS_MAX,
-			&o->material);
+		o->material = number_name(&o->materials, rest, ECO_MODEL_MATERIALS_MAX - ECO_TINTS_MAX);
 	} else if (strcmp(key, "o") == 0) {
 		snprintf(o->object, sizeof o->object, "%s", rest);
 		o->group[0] = 0;
@@ -264,8 +250,7 @@ static enum eco_code read_line(struct eco_obj *o, char *line)
 		snprintf(o->group, sizeof o->group, "%s", rest);
 		o->part = ECO_NONE;
 	} else if (strcmp(key, "mtllib") == 0) {
-		uint32_t library;
-		return number_name(o, &o->libraries, rest, ECO_NONE, &library);
+		eco_string_number(&o->libraries, rest);
 	}
 	return ECO_OK;
 }
@@ -416,7 +401,7 @@ static void set_text(char **to, const char *text)
 	if (*text == 0)
 		return;
 	free(*to);
-	*to = strdup(text);
+	*to = eco_copy_text(text);
 }
 
 static void read_color(char *rest, struct eco_mtl_material *m)
@@ -477,7 +462,6 @@ static char *split_key(char *line, char **rest)
 enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_error *error)
 {
 	struct eco_obj_text text = { .path = path };
-	struct eco_mtl_material *grown;
 	uint8_t *bytes;
 	size_t size;
 	char *line, *key, *rest;
@@ -490,14 +474,9 @@ enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_err
 	while ((line = next_line(&text, false))) {
 		key = split_key(line, &rest);
 		if (strcasecmp(key, "newmtl") == 0 && mtl->count < MATERIALS_MAX) {
-			grown = realloc(mtl->items, ((size_t)mtl->count + 1) * sizeof *grown);
-			if (!grown || !(mtl->items = grown, grown[mtl->count].name = strdup(rest))) {
-				free(bytes);
-				return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
-			}
-			grown[mtl->count] = (struct eco_mtl_material){ .name = grown[mtl->count].name,
+			mtl->items = eco_realloc(mtl->items, (size_t)mtl->count + 1, sizeof *mtl->items);
+			mtl->items[mtl->count++] = (struct eco_mtl_material){ .name = eco_copy_text(rest),
 				.uv_scale = { 1, 1 } };
-			mtl->count++;
 			inside = true;
 		} else if (inside) {
 			read_statement(&mtl->items[mtl->count - 1], key, rest);
@@ -507,49 +486,41 @@ enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_err
 	return ECO_OK;
 }
 
-/* The number of a name, in any case if `fold`; ECO_NONE when memory ran out. */
+/* The number of a name, in any case if `fold`. */
 static uint32_t number_folded(struct eco_string_pool *names, const char *name, bool fold)
 {
-	char *text = strdup(name);
-	uint32_t number = ECO_NONE;
-	for (char *c = text; fold && c && *c != 0; c++)
+	char *text = eco_copy_text(name);
+	for (char *c = text; fold && *c != 0; c++)
 		*c = (char)tolower((unsigned char)*c);
-	if (text && !eco_string_pool_add(names, text, &number))
-		number = ECO_NONE;
+	uint32_t number = eco_string_number(names, text);
 	free(text);
 	return number;
 }
 
 /* Finds the names that are not found yet. Each list of names is walked once: both may be long. */
-static bool find_names(const struct eco_mtl *mtl, char *const *names, uint32_t count, bool fold,
+static void find_names(const struct eco_mtl *mtl, char *const *names, uint32_t count, bool fold,
 	const struct eco_mtl_material **found)
 {
 	struct eco_string_pool known = { 0 };
-	uint32_t *last = malloc(((size_t)mtl->count + 1) * sizeof *last);
-	bool good = last != NULL;
-	for (uint32_t i = 0; i < mtl->count && good; i++) {
-		uint32_t number = number_folded(&known, mtl->items[i].name, fold);
-		good = number != ECO_NONE;
-		if (good)
-			last[number] = i;
-	}
+	uint32_t *last = eco_alloc((size_t)mtl->count + 1, sizeof *last);
+	for (uint32_t i = 0; i < mtl->count; i++)
+		last[number_folded(&known, mtl->items[i].name, fold)] = i;
 	uint32_t known_count = known.count;
-	for (uint32_t i = 0; i < count && good; i++) {
+	for (uint32_t i = 0; i < count; i++) {
 		uint32_t number = !found[i] ? number_folded(&known, names[i], fold) : known_count;
-		good = number != ECO_NONE;
 		if (number < known_count)
 			found[i] = &mtl->items[last[number]];
 	}
 	free(last);
 	eco_string_pool_free(&known);
-	return good;
 }
 
-bool eco_mtl_find(const struct eco_mtl *mtl, char *const *names, uint32_t count,
+void eco_mtl_find(const struct eco_mtl *mtl, char *const *names, uint32_t count,
 	const struct eco_mtl_material **found)
 {
 	memset(found, 0, count * sizeof *found);
-	return find_names(mtl, names, count, false, found) && find_names(mtl, names, count, true, found);
+	find_names(mtl, names, count, false, found);
+	find_names(mtl, names, count, true, found);
 }
 
 double eco_mtl_alpha(const struct eco_mtl_material *m)

@@ -34,11 +34,10 @@ struct eco_mtl {                 /* of one or several libraries; owns everything
 	bool linear;                 /* Blender wrote one of them, so colours are linear */
 };
 
-/* Appends a library's materials; skips lines that it does not understand. Fails only for lack of memory. */
+/* Appends a library's materials; skips lines that it does not understand. */
 enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_error *error);
-/* For each name: the last material of that name, else the last that differs only in case, else NULL. False:
- * no memory. */
-bool eco_mtl_find(const struct eco_mtl *mtl, char *const *names, uint32_t count,
+/* For each name: the last material of that name, else the last that differs only in case, else NULL. */
+void eco_mtl_find(const struct eco_mtl *mtl, char *const *names, uint32_t count,
 	const struct eco_mtl_material **found);
 /* 1 is opaque. */
 double eco_mtl_alpha(const struct eco_mtl_material *material);

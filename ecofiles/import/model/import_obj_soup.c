@@ -1,4 +1,5 @@
 /* From an OBJ file's faces to a soup. A run of faces with one material and one part is a mesh. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/model/import_obj.h"
 
@@ -135,15 +136,11 @@ static enum eco_code make_materials(struct maker *m)
 	if (code)
 		return code;
 	m->mtl.linear |= o->linear;
-	m->model->materials = calloc((size_t)count + 1, sizeof *m->model->materials);
-	m->of = calloc((size_t)count + 1, sizeof *m->of);
-	m->invisible = calloc((size_t)count + 1, sizeof *m->invisible);
-	if (!m->model->materials || !m->of || !m->invisible || !eco_images_start(&images)
-			|| !eco_mtl_find(&m->mtl, o->materials.items, count, m->of)) {
-		eco_images_end(&images);
-		return eco_fail(o->error, ECO_NO_MEMORY, "%.300s: out of memory for its materials",
-			o->text.path);
-	}
+	m->model->materials = eco_alloc((size_t)count + 1, sizeof *m->model->materials);
+	m->of = eco_alloc((size_t)count + 1, sizeof *m->of);
+	m->invisible = eco_alloc((size_t)count + 1, sizeof *m->invisible);
+	eco_images_start(&images);
+	eco_mtl_find(&m->mtl, o->materials.items, count, m->of);
 	for (uint32_t i = 0; i < count; i++)
 		m->invisible[i] = m->of[i] && !eco_alpha_shows(eco_mtl_alpha(m->of[i]));
 	note_unknown(m);
@@ -232,17 +229,15 @@ static void add_face(struct maker *m, uint32_t f)
 	}
 }
 
-static bool add_faces(struct maker *m)
+static void add_faces(struct maker *m)
 {
 	const struct eco_obj *o = m->obj;
 	for (uint32_t f = 0; f < o->face_count; f++) {
 		const struct eco_obj_face *face = &o->faces[f];
-		if ((f == 0 || face->material != face[-1].material || face->part != face[-1].part)
-				&& !eco_soup_mesh(&m->soup, face->material, o->color_count > 0))
-			return false;
+		if (f == 0 || face->material != face[-1].material || face->part != face[-1].part)
+			eco_soup_mesh(&m->soup, face->material, o->color_count > 0);
 		add_face(m, f);
 	}
-	return true;
 }
 
 /* ---- All ---- */
@@ -255,17 +250,16 @@ static void find_color_scale(struct maker *m)
 	m->color_scale = most > 1.5f ? 1 / 255.0f : 1;
 }
 
-static bool take_memory(struct maker *m)
+static void take_memory(struct maker *m)
 {
 	const struct eco_obj *o = m->obj;
 	size_t vertices = o->corner_count;
-	bool good = eco_soup_reserve(&m->soup, vertices, o->triangles, o->parts.count, o->color_count > 0);
-	m->key = malloc((vertices + 1) * sizeof *m->key);
-	m->transform = malloc((vertices + 1) * sizeof *m->transform);
+	eco_soup_reserve(&m->soup, vertices, o->triangles, o->parts.count, o->color_count > 0);
+	m->key = eco_alloc(vertices + 1, sizeof *m->key);
+	m->transform = eco_alloc(vertices + 1, sizeof *m->transform);
 	m->table = model_table_new(vertices, &m->mask);
-	m->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *m->corners);
-	m->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *m->split);
-	return good && m->key && m->transform && m->table && m->corners && m->split;
+	m->corners = eco_alloc(ECO_POLYGON_CORNERS_MAX * 3, sizeof *m->corners);
+	m->split = eco_alloc(ECO_POLYGON_CORNERS_MAX * 4, sizeof *m->split);
 }
 
 enum eco_code eco_obj_soup(struct eco_model *model, struct eco_model_frame *frame, const struct eco_obj *obj)
@@ -277,9 +271,11 @@ enum eco_code eco_obj_soup(struct eco_model *model, struct eco_model_frame *fram
 	enum eco_code code = make_materials(&m);
 	m.soup.invisible = m.invisible;
 	find_color_scale(&m);
-	if (!code && (!take_memory(&m) || !add_faces(&m) || !eco_soup_end(&m.soup, "d, Tr, opacity")))
-		code = eco_fail(obj->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles",
-			obj->text.path, (unsigned long long)obj->triangles);
+	if (!code) {
+		take_memory(&m);
+		add_faces(&m);
+		eco_soup_end(&m.soup, "d, Tr, opacity");
+	}
 	for (uint32_t i = 0; i < obj->parts.count && !code; i++)
 		snprintf(model->parts[model->part_count++].name, sizeof model->parts->name, "%.63s",
 			obj->parts.items[i]);

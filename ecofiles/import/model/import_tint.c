@@ -7,6 +7,7 @@
  *
  * Afterwards an image of one colour is that colour, and images that are equal texel by texel become one, so
  * that names, alpha modes and cut-offs without effect cost nothing in a pack. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/import_model.h"
 
 #include <math.h>
@@ -19,16 +20,13 @@
 
 /* ---- Colours of vertices ---- */
 
-bool eco_tints_start(struct eco_tints *t, struct eco_model *model)
+void eco_tints_start(struct eco_tints *t, struct eco_model *model)
 {
-	struct eco_material *grown =
-		realloc(model->materials, ((size_t)model->material_count + ECO_TINTS_MAX) * sizeof *grown);
 	*t = (struct eco_tints){ .model = model, .base = model->material_count };
-	if (grown)
-		model->materials = grown;
-	t->key = malloc(ECO_TINTS_MAX * sizeof *t->key);
-	t->table = calloc(4 * ECO_TINTS_MAX, sizeof *t->table);
-	return grown && t->key && t->table;
+	model->materials = eco_realloc(model->materials, (size_t)model->material_count + ECO_TINTS_MAX,
+		sizeof *model->materials);
+	t->key = eco_alloc(ECO_TINTS_MAX, sizeof *t->key);
+	t->table = eco_alloc(4 * ECO_TINTS_MAX, sizeof *t->table);
 }
 
 static uint32_t distance(const uint8_t a[3], const uint8_t b[3])
@@ -117,29 +115,23 @@ static const struct variant *nearest(const struct tints *t, uint32_t source, con
 	return best;
 }
 
-/* Appends a copy of image `source` to the model's. */
-static bool copy_image(struct tints *t, uint32_t source, uint32_t *copy)
+/* Appends a copy of image `source` to the model's; returns its number. */
+static uint32_t copy_image(struct tints *t, uint32_t source)
 {
 	struct eco_model *m = t->model;
-	struct eco_image *images = realloc(m->images, ((size_t)m->image_count + 1) * sizeof *images), *to;
-	if (!images)
-		return false;
-	m->images = images;
-	to = &images[m->image_count];
-	*to = images[source];
+	m->images = eco_realloc(m->images, (size_t)m->image_count + 1, sizeof *m->images);
+	struct eco_image *from = &m->images[source], *to = &m->images[m->image_count];
+	*to = *from;
 	size_t pixels = (size_t)to->width * to->height;
-	to->rgba = malloc(pixels * 4 + 1);
-	if (!to->rgba)
-		return false;
-	memcpy(to->rgba, images[source].rgba, pixels * 4);
+	to->rgba = eco_alloc(pixels + 1, 4);
+	memcpy(to->rgba, from->rgba, pixels * 4);
 	t->copied_pixels += pixels;
-	*copy = m->image_count++;
-	return true;
+	return m->image_count++;
 }
 
 /* Gives the material the variant of its image with its colour; texels do not change until all variants are
  * known. */
-static bool choose_variant(struct tints *t, struct eco_material *material)
+static void choose_variant(struct tints *t, struct eco_material *material)
 {
 	const struct eco_image *image = &t->model->images[material->image];
 	uint32_t count, source = material->image;
@@ -148,8 +140,7 @@ static bool choose_variant(struct tints *t, struct eco_material *material)
 	if (v && distance(v->rgb, material->rgb) > 0) {
 		if (count < TINTS_MAX && t->model->image_count < ECO_MODEL_IMAGES_MAX
 			&& t->copied_pixels + (uint64_t)image->width * image->height <= COPIED_PIXELS_MAX) {
-			if (!copy_image(t, source, &made.image))
-				return false;
+			made.image = copy_image(t, source);
 			v = NULL;
 		} else {
 			t->replaced++;
@@ -162,7 +153,6 @@ static bool choose_variant(struct tints *t, struct eco_material *material)
 	}
 	material->image = v->image;
 	memset(material->rgb, 255, 3);
-	return true;
 }
 
 static void multiply(struct eco_image *image, const uint8_t rgb[3])
@@ -212,24 +202,19 @@ static void merge_equal(struct eco_model *m)
 	eco_images_keep(m, as);
 }
 
-enum eco_code eco_model_bake_tints(struct eco_model *model, const char *path, struct eco_notes *notes,
-	struct eco_error *error)
+void eco_model_bake_tints(struct eco_model *model, struct eco_notes *notes)
 {
-	struct tints t = { .model = model, .variants = malloc(ECO_MODEL_IMAGES_MAX * sizeof *t.variants) };
-	bool good = t.variants != NULL;
-	for (uint32_t i = 0; good && i < model->material_count; i++)
+	struct tints t = { .model = model, .variants = eco_alloc(ECO_MODEL_IMAGES_MAX, sizeof *t.variants) };
+	for (uint32_t i = 0; i < model->material_count; i++)
 		if (model->materials[i].image != ECO_NONE)
-			good = choose_variant(&t, &model->materials[i]);
-	for (uint32_t i = 0; good && i < t.count; i++)
+			choose_variant(&t, &model->materials[i]);
+	for (uint32_t i = 0; i < t.count; i++)
 		multiply(&model->images[t.variants[i].image], t.variants[i].rgb);
 	free(t.variants);
-	if (!good)
-		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for its textures", path);
 	if (t.replaced > 0)
 		eco_note(notes, "textures are used with more colours than are kept: %u materials are drawn "
 			"in the nearest that is", t.replaced);
 	merge_equal(model);
-	return ECO_OK;
 }
 
 /* ---- Palettes: pictures whose triangles show one colour each, as models of few triangles have them. They
@@ -339,34 +324,30 @@ static void drop_palettes(struct eco_model *m, const bool *is_palette)
 	eco_images_keep(m, as);
 }
 
-static bool paint(struct palettes *p)
+static void paint(struct palettes *p)
 {
 	struct eco_tints tints;
 	struct eco_model *m = p->model;
-	bool good = eco_tints_start(&tints, m);
-	for (uint32_t t = 0; good && t < m->triangle_count; t++) {
+	eco_tints_start(&tints, m);
+	for (uint32_t t = 0; t < m->triangle_count; t++) {
 		uint32_t image = m->materials[m->material[t]].image;
 		if (image != ECO_NONE && p->is_palette[image])
 			m->material[t] = eco_tints_get(&tints, m->material[t], p->rgb[t]);
 	}
 	eco_tints_end(&tints);
-	if (good)
-		drop_palettes(m, p->is_palette);
-	return good;
+	drop_palettes(m, p->is_palette);
 }
 
-bool eco_model_take_palettes(struct eco_model *model)
+void eco_model_take_palettes(struct eco_model *model)
 {
-	struct palettes p = { .model = model, .is_palette = calloc((size_t)model->image_count + 1, 1),
-		.rgb = malloc(((size_t)model->triangle_count + 1) * sizeof *p.rgb),
-		.colours = calloc((size_t)model->image_count + 1, sizeof *p.colours) };
-	bool good = p.is_palette && p.rgb && p.colours;
-	if (good && model->uv && model->image_count > 0) {
+	struct palettes p = { .model = model, .is_palette = eco_alloc((size_t)model->image_count + 1, 1),
+		.rgb = eco_alloc((size_t)model->triangle_count + 1, sizeof *p.rgb),
+		.colours = eco_alloc((size_t)model->image_count + 1, sizeof *p.colours) };
+	if (model->uv && model->image_count > 0) {
 		find_palettes(&p);
-		good = paint(&p);
+		paint(&p);
 	}
 	free(p.is_palette);
 	free(p.rgb);
 	free(p.colours);
-	return good;
 }

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/base/random.h"
 
@@ -90,18 +91,11 @@ static enum eco_drop judge(const struct model_clean *c, uint32_t triangle, uint3
 	return is_duplicate(c, places, triangle, table, mask) ? ECO_DROP_DUPLICATE : ECO_DROP_COUNT;
 }
 
-static enum eco_code no_memory(const struct model_clean *c)
-{
-	return eco_fail(c->error, ECO_NO_MEMORY, "%.300s: out of memory", c->what);
-}
-
 static enum eco_code drop_triangles(struct model_clean *c)
 {
 	struct eco_model *m = c->model;
 	uint32_t mask, *table = model_table_new(m->triangle_count, &mask);
 	int most = 0;
-	if (!table)
-		return no_memory(c);
 	for (uint32_t i = 0; i < m->triangle_count; i++)
 		c->why[i] = (uint8_t)judge(c, i, table, mask);
 	free(table);
@@ -147,14 +141,12 @@ static void find_levels(const struct eco_model *m, const struct eco_model_option
 }
 
 /* Drops all parts but those of the finest level, unless a rule names them or nothing would be left. */
-static enum eco_code drop_spare(struct model_clean *c)
+static void drop_spare(struct model_clean *c)
 {
 	struct eco_model *m = c->model;
 	char names[200] = "";
 	uint32_t spare = 0;
-	int *level = malloc((m->part_count + 1u) * sizeof *level);
-	if (!level)
-		return no_memory(c);
+	int *level = eco_alloc(m->part_count + 1u, sizeof *level);
 	find_levels(m, c->options, level);
 	for (uint32_t i = 0; i < m->triangle_count; i++) {
 		bool goes = m->part && level[m->part[i]] != ECO_SPARE_NONE;
@@ -172,7 +164,6 @@ static enum eco_code drop_spare(struct model_clean *c)
 		model_drop(m, c->why);
 	}
 	free(level);
-	return ECO_OK;
 }
 
 static double spread_of(const struct eco_component *c)
@@ -204,12 +195,11 @@ static uint32_t find_sheet(const struct eco_components *all)
 }
 
 /* Drops the level sheet at the foot that all else stands on, unless a rule names its part. */
-static enum eco_code drop_sheet(struct model_clean *c)
+static void drop_sheet(struct model_clean *c)
 {
 	struct eco_model *m = c->model;
 	struct eco_components all;
-	if (!eco_components_find(&all, m, c->place, true))
-		return no_memory(c);
+	eco_components_find(&all, m, c->place, true);
 	uint32_t at = find_sheet(&all);
 	const char *name = at < all.count && m->part ? m->parts[m->part[all.items[at].first]].name : "";
 	if (at < all.count && !is_ruled(name, c->options)) {
@@ -222,7 +212,6 @@ static enum eco_code drop_sheet(struct model_clean *c)
 		model_drop(m, c->why);
 	}
 	eco_components_free(&all);
-	return ECO_OK;
 }
 
 /* ---- Unused data ---- */
@@ -286,8 +275,6 @@ enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_fr
 	const struct eco_model_options *options, const char *what, struct eco_notes *notes,
 	struct eco_error *error)
 {
-	static enum eco_code (*const steps[])(struct model_clean *) = { drop_triangles, drop_spare,
-		drop_sheet, model_apply_rules, model_stand };
 	size_t numbers =
 		(size_t)model->vertex_count + model->material_count + model->image_count + model->part_count;
 	struct model_clean c = { .model = model,
@@ -296,12 +283,18 @@ enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_fr
 		.what = what,
 		.notes = notes,
 		.error = error,
-		.place = malloc((numbers + 1) * sizeof *c.place),
-		.why = malloc((size_t)model->triangle_count + 1) };
+		.place = eco_alloc(numbers + 1, sizeof *c.place),
+		.why = eco_alloc((size_t)model->triangle_count + 1, 1) };
 	uint64_t accounted = 0;
-	enum eco_code code = c.place && c.why && eco_model_places(model, c.place) ? ECO_OK : no_memory(&c);
-	for (size_t i = 0; i < sizeof steps / sizeof *steps && !code; i++)
-		code = steps[i](&c);
+	eco_model_places(model, c.place);
+	enum eco_code code = drop_triangles(&c);
+	if (!code) {
+		drop_spare(&c);
+		drop_sheet(&c);
+		code = model_apply_rules(&c);
+	}
+	if (!code)
+		code = model_stand(&c);
 	if (!code)
 		remove_unused(model, c.place);
 	free(c.place);

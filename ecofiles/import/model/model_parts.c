@@ -9,6 +9,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/union.h"
@@ -22,9 +23,8 @@ uint32_t *model_table_new(uint64_t entries, uint32_t *mask)
 	size_t size = 16;
 	while (size < entries * 2)
 		size *= 2;
-	uint32_t *table = malloc(size * sizeof *table);
-	if (table)
-		memset(table, 0xff, size * sizeof *table);
+	uint32_t *table = eco_alloc(size, sizeof *table);
+	memset(table, 0xff, size * sizeof *table);
 	*mask = (uint32_t)(size - 1);
 	return table;
 }
@@ -44,11 +44,9 @@ bool eco_triangle_usable(const struct eco_model *m, uint32_t triangle)
 	return true;
 }
 
-bool eco_model_places(struct eco_model *m, uint32_t *place)
+void eco_model_places(struct eco_model *m, uint32_t *place)
 {
 	uint32_t mask, *table = model_table_new(m->vertex_count, &mask);
-	if (!table)
-		return false;
 	for (uint32_t i = 0; i < m->vertex_count; i++) {
 		float *p = &m->position[(size_t)i * 3];
 		uint32_t bits[3], slot;
@@ -67,7 +65,6 @@ bool eco_model_places(struct eco_model *m, uint32_t *place)
 		place[i] = table[slot];
 	}
 	free(table);
-	return true;
 }
 
 /* ---- Components ---- */
@@ -97,12 +94,10 @@ double eco_component_diagonal(const struct eco_component *c)
 }
 
 /* Joins triangles that share a place; a set's root is its first triangle. */
-static bool join_triangles(const struct eco_model *m, const uint32_t *place, bool by_material,
+static void join_triangles(const struct eco_model *m, const uint32_t *place, bool by_material,
 	uint32_t *parent)
 {
 	uint32_t mask, *table = model_table_new((uint64_t)m->triangle_count * 3, &mask);
-	if (!table)
-		return false;
 	for (uint32_t i = 0; i < m->triangle_count; i++)
 		parent[i] = i;
 	for (uint32_t corner = 0; corner < m->triangle_count * 3; corner++) {
@@ -119,7 +114,6 @@ static bool join_triangles(const struct eco_model *m, const uint32_t *place, boo
 			eco_union_join(parent, table[slot] / 3, corner / 3);
 	}
 	free(table);
-	return true;
 }
 
 static void add_to(struct eco_component *c, const struct eco_model *m, uint32_t triangle)
@@ -146,17 +140,13 @@ static int by_falling_area(const void *a, const void *b)
 	return p->first < q->first ? -1 : p->first > q->first;
 }
 
-static bool list_components(struct eco_components *c, const struct eco_model *m, uint32_t *parent)
+static void list_components(struct eco_components *c, const struct eco_model *m, uint32_t *parent)
 {
-	uint32_t *number = malloc(((size_t)m->triangle_count + 1) * sizeof *number);
+	uint32_t *number = eco_alloc((size_t)m->triangle_count + 1, sizeof *number);
 	c->count = 0;
 	for (uint32_t i = 0; i < m->triangle_count; i++)
 		c->count += parent[i] == i;
-	c->items = calloc((size_t)c->count + 1, sizeof *c->items);
-	if (!number || !c->items) {
-		free(number);
-		return false;
-	}
+	c->items = eco_alloc((size_t)c->count + 1, sizeof *c->items);
 	c->count = 0;
 	for (uint32_t i = 0; i < m->triangle_count; i++) {
 		uint32_t root = eco_union_root(parent, i);
@@ -170,20 +160,16 @@ static bool list_components(struct eco_components *c, const struct eco_model *m,
 	for (uint32_t i = 0; i < m->triangle_count; i++)
 		c->of[i] = number[eco_union_root(parent, i)];
 	free(number);
-	return true;
 }
 
-bool eco_components_find(struct eco_components *c, const struct eco_model *m, const uint32_t *place,
+void eco_components_find(struct eco_components *c, const struct eco_model *m, const uint32_t *place,
 	bool by_material)
 {
-	uint32_t *parent = malloc(((size_t)m->triangle_count + 1) * sizeof *parent);
-	*c = (struct eco_components){ .of = malloc(((size_t)m->triangle_count + 1) * sizeof *c->of) };
-	bool good = parent && c->of && join_triangles(m, place, by_material, parent)
-		&& list_components(c, m, parent);
+	uint32_t *parent = eco_alloc((size_t)m->triangle_count + 1, sizeof *parent);
+	*c = (struct eco_components){ .of = eco_alloc((size_t)m->triangle_count + 1, sizeof *c->of) };
+	join_triangles(m, place, by_material, parent);
+	list_components(c, m, parent);
 	free(parent);
-	if (!good)
-		eco_components_free(c);
-	return good;
 }
 
 void eco_components_bound(const struct eco_components *c, double low[3], double high[3])
@@ -332,16 +318,13 @@ static uint32_t first_rule(struct rules *r, const char *name, uint32_t component
 }
 
 /* Finds the first rule of each material, part and component; names count only if a triangle has them. */
-static bool match_all(struct rules *r, const uint32_t *place)
+static void match_all(struct rules *r, const uint32_t *place)
 {
 	const struct eco_model *m = r->model;
 	struct eco_component all;
 	size_t names = (size_t)m->material_count + m->part_count;
-	if (!eco_components_find(&r->components, m, place, true))
-		return false;
-	r->of_material = calloc(names + r->components.count + 1, sizeof *r->of_material);
-	if (!r->of_material)
-		return false;
+	eco_components_find(&r->components, m, place, true);
+	r->of_material = eco_alloc(names + r->components.count + 1, sizeof *r->of_material);
 	r->of_part = r->of_material + m->material_count;
 	r->of_component = r->of_part + m->part_count;
 	eco_components_bound(&r->components, all.low, all.high);
@@ -356,7 +339,6 @@ static bool match_all(struct rules *r, const uint32_t *place)
 			? m->materials[i].name : m->parts[i - m->material_count].name, 0);
 	for (uint32_t i = 0; i < r->components.count; i++)
 		r->of_component[i] = first_rule(r, NULL, i);
-	return true;
 }
 
 /* Numbers the distinct importances of the rules; false: too many. */
@@ -383,13 +365,11 @@ static uint32_t earlier(uint32_t a, uint32_t b)
 	return a < b ? a : b;                /* ECO_NONE is the largest */
 }
 
-static bool apply(struct rules *r, uint8_t *why)
+static void apply(struct rules *r, uint8_t *why)
 {
 	struct eco_model *m = r->model;
-	m->organ = malloc((size_t)m->triangle_count + 1);
-	m->importance = m->importance_count > 1 ? calloc(1, (size_t)m->triangle_count + 1) : NULL;
-	if (!m->organ || (m->importance_count > 1 && !m->importance))
-		return false;
+	m->organ = eco_alloc((size_t)m->triangle_count + 1, 1);
+	m->importance = m->importance_count > 1 ? eco_alloc((size_t)m->triangle_count + 1, 1) : NULL;
 	for (uint32_t i = 0; i < m->triangle_count; i++) {
 		uint32_t rule = earlier(earlier(r->of_material[m->material[i]],
 			r->of_component[r->components.of[i]]), m->part ? r->of_part[m->part[i]] : ECO_NONE);
@@ -399,22 +379,21 @@ static bool apply(struct rules *r, uint8_t *why)
 		why[i] = m->organ[i] == ECO_PART_LEFT_OUT ? ECO_DROP_LEFT_OUT : ECO_DROP_COUNT;
 	}
 	model_drop(m, why);
-	return true;
 }
 
 enum eco_code model_apply_rules(struct model_clean *c)
 {
 	const uint32_t count = c->options->rule_count;
 	struct rules r = { .model = c->model, .rules = c->options->rules, .count = count,
-		.importance = malloc((size_t)count + 1), .fitted = calloc((size_t)count + 1, sizeof(bool)) };
+		.importance = eco_alloc((size_t)count + 1, 1), .fitted = eco_alloc((size_t)count + 1, sizeof(bool)) };
 	enum eco_code code = ECO_OK;
-	bool good = r.importance && r.fitted;
-	if (count > 0 && good && !number_importances(&r))
+	if (count > 0 && !number_importances(&r)) {
 		code = eco_fail(c->error, ECO_TOO_LARGE, "%.300s: the rules in \"parts\" give more than %u "
 			"different importances", c->what, ECO_IMPORTANCES_MAX);
-	else if (count > 0 && (!good || !match_all(&r, c->place) || !apply(&r, c->why)))
-		code = eco_fail(c->error, ECO_NO_MEMORY,
-			"%.300s: out of memory for the rules about its parts", c->what);
+	} else if (count > 0) {
+		match_all(&r, c->place);
+		apply(&r, c->why);
+	}
 	for (uint32_t i = 0; !code && i < count; i++) {
 		const struct eco_part_rule *rule = &r.rules[i];
 		if (r.fitted[i])

@@ -9,7 +9,7 @@
 
 /* place[i] becomes the first vertex at the position of vertex i, or ECO_NONE if that is not finite or
  * beyond 1e9. -0 becomes 0. False when memory ran out. */
-bool eco_model_places(struct eco_model *model, uint32_t *place);
+void eco_model_places(struct eco_model *model, uint32_t *place);
 
 struct eco_component {
 	double area, low[3], high[3];        /* in the model's unit */
@@ -26,7 +26,7 @@ struct eco_components {
 /* A triangle that eco_triangle_usable denies is a component of its own, without a box. `by_material`:
  * triangles of different materials are never connected, as in lod/build/weld.h; rules and `ecopack model`
  * number these components from 1. False when memory ran out. */
-bool eco_components_find(struct eco_components *components, const struct eco_model *model,
+void eco_components_find(struct eco_components *components, const struct eco_model *model,
 	const uint32_t *place, bool by_material);
 void eco_components_free(struct eco_components *components);
 /* The box of all. */

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/geometry.h"
+#include "ecofiles/base/memory.h"
 
 #define NEAR 16.0                /* times the extent: floats then still resolve a millionth of it */
 #define COARSE 1e-4              /* share of the extent: a coarser rounding of coordinates is reported */
@@ -43,22 +43,21 @@ void eco_model_split(const double *corners, uint32_t n, uint32_t *split)
 	}
 }
 
-bool eco_model_reserve(struct eco_model *m, uint64_t vertices, uint64_t triangles, uint64_t parts)
+void eco_model_reserve(struct eco_model *m, uint64_t vertices, uint64_t triangles, uint64_t parts)
 {
-	m->position = malloc((vertices + 1) * 3 * sizeof *m->position);
-	m->uv = calloc(vertices + 1, 2 * sizeof *m->uv);
-	m->index = malloc((triangles + 1) * 3 * sizeof *m->index);
-	m->material = malloc((triangles + 1) * sizeof *m->material);
-	m->part = malloc((triangles + 1) * sizeof *m->part);
-	m->parts = calloc(parts + 1, sizeof *m->parts);
-	return m->position && m->uv && m->index && m->material && m->part && m->parts;
+	m->position = eco_alloc(vertices + 1, 3 * sizeof *m->position);
+	m->uv = eco_alloc(vertices + 1, 2 * sizeof *m->uv);
+	m->index = eco_alloc(triangles + 1, 3 * sizeof *m->index);
+	m->material = eco_alloc(triangles + 1, sizeof *m->material);
+	m->part = eco_alloc(triangles + 1, sizeof *m->part);
+	m->parts = eco_alloc(parts + 1, sizeof *m->parts);
 }
 
-bool eco_soup_reserve(struct eco_soup *s, uint64_t vertices, uint64_t triangles, uint64_t parts, bool colors)
+void eco_soup_reserve(struct eco_soup *s, uint64_t vertices, uint64_t triangles, uint64_t parts, bool colors)
 {
-	s->place = malloc((vertices + 1) * sizeof *s->place);
-	s->color = colors ? calloc(vertices + 1, sizeof *s->color) : NULL;
-	return eco_model_reserve(s->model, vertices, triangles, parts) && s->place && (s->color || !colors);
+	s->place = eco_alloc(vertices + 1, sizeof *s->place);
+	s->color = colors ? eco_alloc(vertices + 1, sizeof *s->color) : NULL;
+	eco_model_reserve(s->model, vertices, triangles, parts);
 }
 
 void eco_soup_part(struct eco_soup *s, const char *node, size_t node_bytes, const char *mesh, size_t mesh_bytes)
@@ -75,12 +74,10 @@ void eco_soup_part(struct eco_soup *s, const char *node, size_t node_bytes, cons
 	s->part = m->part_count - 1;
 }
 
-bool eco_soup_mesh(struct eco_soup *s, uint32_t material, bool colored)
+void eco_soup_mesh(struct eco_soup *s, uint32_t material, bool colored)
 {
-	if (!eco_array_grow(&s->meshes, &s->mesh_room, s->mesh_count, sizeof *s->meshes))
-		return false;
+	eco_grow(&s->meshes, &s->mesh_room, s->mesh_count, sizeof *s->meshes);
 	s->meshes[s->mesh_count++] = (struct eco_soup_mesh){ s->model->triangle_count, material, colored };
-	return true;
 }
 
 uint32_t eco_soup_vertex(struct eco_soup *s, const double place[3], const float uv[2], const float rgb[3])
@@ -214,16 +211,13 @@ static void set_materials(struct eco_soup *s, struct eco_tints *tints, const cha
 			"mean", averaged);
 }
 
-bool eco_soup_end(struct eco_soup *s, const char *fields)
+void eco_soup_end(struct eco_soup *s, const char *fields)
 {
 	struct eco_tints tints;
-	bool good = eco_tints_start(&tints, s->model);
-	if (good) {
-		set_positions(s);
-		set_materials(s, &tints, fields);
-	}
+	eco_tints_start(&tints, s->model);
+	set_positions(s);
+	set_materials(s, &tints, fields);
 	eco_tints_end(&tints);
-	return good;
 }
 
 void eco_soup_free(struct eco_soup *s)

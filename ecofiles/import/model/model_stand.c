@@ -13,6 +13,7 @@
  *
  * The size is the one asked for; else that of the unit given, or of the file's unit; else of a unit that
  * makes it a plausible plant, which is reported. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/model_clean.h"
 
 #include <math.h>
@@ -194,13 +195,11 @@ static unsigned sectors_at(const struct stance *s, uint32_t triangle, double z)
 	return sectors;
 }
 
-/* Whether geometry right below the foot surrounds it at least half. False also when memory ran out. */
+/* Whether geometry right below the foot surrounds it at least half. */
 static bool stands_on_something(const struct stance *s)
 {
 	double z = s->wood_low - UNDER * (s->high - s->low);
-	unsigned *sectors = calloc((size_t)s->components.count + 1, sizeof *sectors), all = 0;
-	if (!sectors)
-		return false;
+	unsigned *sectors = eco_alloc((size_t)s->components.count + 1, sizeof *sectors), all = 0;
 	for (uint32_t i = 0; i < s->model->triangle_count; i++)
 		if (s->components.items[s->components.of[i]].low[2] < z)
 			sectors[s->components.of[i]] |= sectors_at(s, i, z);
@@ -312,10 +311,9 @@ static enum eco_code stand(struct stance *s, struct model_clean *c)
 enum eco_code model_stand(struct model_clean *c)
 {
 	struct stance s = { .model = c->model };
-	bool good = eco_components_find(&s.components, c->model, c->place, false)
-		&& (s.wood = calloc(s.components.count + 1u, sizeof *s.wood));
-	enum eco_code code = good ? stand(&s, c)
-		: eco_fail(c->error, ECO_NO_MEMORY, "%.300s: out of memory", c->what);
+	eco_components_find(&s.components, c->model, c->place, false);
+	s.wood = eco_alloc(s.components.count + 1u, sizeof *s.wood);
+	enum eco_code code = stand(&s, c);
 	eco_components_free(&s.components);
 	free(s.wood);
 	return code;

@@ -2,6 +2,7 @@
  * and spread of the slices give a handful of numbers per axis. The x axis is horizontal either way, so y
  * and z are compared with it to find how round the plant is. Weights and
  * limits: lod/EXPERIMENTS.md, Up axis by shape. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/model_clean.h"
 
 #include <math.h>
@@ -237,15 +238,14 @@ static void ask_parts(struct eco_model *soup, const struct box *box, double *sum
 {
 	static const struct rule rule[TRAITS] = { [NARROW] = { -0.2, 0.1 }, [HEAVY] = { 0.7, 0.02 },
 		[CENTRED] = { -0.5, 0.2 }, [ROUND] = { 0.2, 0.4 } };
-	struct eco_components parts = { 0 };
-	uint32_t *place = malloc(((size_t)soup->vertex_count + 1) * sizeof *place);
-	bool *large = calloc((size_t)soup->triangle_count + 1, sizeof *large);
-	if (place && large && eco_model_places(soup, place)
-			&& eco_components_find(&parts, soup, place, soup->material != NULL)) {
-		*sum += FLOOR * floors(soup, box, &parts);
-		if (mark_large(soup, box, &parts, large))
-			compare(soup, large, rule, sum);
-	}
+	struct eco_components parts;
+	uint32_t *place = eco_alloc((size_t)soup->vertex_count + 1, sizeof *place);
+	bool *large = eco_alloc((size_t)soup->triangle_count + 1, sizeof *large);
+	eco_model_places(soup, place);
+	eco_components_find(&parts, soup, place, soup->material != NULL);
+	*sum += FLOOR * floors(soup, box, &parts);
+	if (mark_large(soup, box, &parts, large))
+		compare(soup, large, rule, sum);
 	eco_components_free(&parts);
 	free(place);
 	free(large);
