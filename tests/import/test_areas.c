@@ -192,7 +192,7 @@ UNIT_TEST(truncated_and_impossible_geometries_are_damaged)
 UNIT_TEST(every_beginning_of_the_set_is_spread_evenly)
 {
 	static uint16_t p[ECO_BLUE_NOISE_POINTS][2];
-	assert_true(eco_blue_noise(p));
+	eco_blue_noise(p);
 	for (uint32_t n = ECO_BLUE_NOISE_POINTS; n >= 8; n = n * 5 / 7) {
 		double least = INFINITY;
 		for (uint32_t i = 0; i < n; i++)

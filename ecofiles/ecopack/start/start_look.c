@@ -118,8 +118,7 @@ static void measure(struct start *s, struct start_size *size, enum eco_quantity 
 	const char *name = start_column(s, size->column);
 	struct eco_spread spread = { 0 };
 	double own_unit = 0;
-	if (!eco_table_spread(&s->table, size->column, &s->columns, &spread, &own_unit))
-		eco_end("no memory");
+	eco_table_spread(&s->table, size->column, &s->columns, &spread, &own_unit);
 	struct eco_size_numbers numbers = { eco_spread_quantile(&spread, 0.5),
 		eco_spread_quantile(&spread, 0.98) };
 	bool any = spread.count > 0;

@@ -171,9 +171,8 @@ static double tall_m(const struct map *m)
 {
 	struct eco_spread heights = { 0 };
 	for (uint32_t i = 0; i < m->points.count; i++)
-		if (m->points.items[i].height_m > 0 &&
-			!eco_spread_add(&heights, (double)m->points.items[i].height_m))
-			break;
+		if (m->points.items[i].height_m > 0)
+			eco_spread_add(&heights, (double)m->points.items[i].height_m);
 	double tall = eco_spread_quantile(&heights, 0.9);
 	eco_spread_free(&heights);
 	return tall > 0 ? tall : UNKNOWN_M;

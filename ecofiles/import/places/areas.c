@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/memory.h"
 
 #define DEPTH_MAX 16
 #define STRIPS_MAX (1u << 20)
@@ -34,10 +34,9 @@ static enum eco_code damaged(const struct reading *r)
 static enum eco_code add_edge(struct reading *r, const double a[2], const double b[2])
 {
 	struct eco_areas *s = r->areas;
-	if (s->edge_count == ECO_AREA_POINTS_MAX
-			|| !eco_array_grow(&s->edges, &s->edge_capacity, s->edge_count, sizeof *s->edges))
-		return eco_fail(r->error, s->edge_count == ECO_AREA_POINTS_MAX ? ECO_TOO_LARGE
-			: ECO_NO_MEMORY, "no room for more than %u corners of areas", s->edge_count);
+	if (s->edge_count == ECO_AREA_POINTS_MAX)
+		return eco_fail(r->error, ECO_TOO_LARGE, "no room for more than %u corners of areas", s->edge_count);
+	eco_grow(&s->edges, &s->edge_capacity, s->edge_count, sizeof *s->edges);
 	s->edges[s->edge_count++] = (struct eco_edge){ { a[0], a[1] }, { b[0], b[1] } };
 	return ECO_OK;
 }
@@ -119,14 +118,11 @@ enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, siz
 	}
 	area.edge_count = areas->edge_count - area.edge_first;
 	*kept = code == ECO_OK && r.kept && area.edge_count > 0;
-	if (code == ECO_OK && *kept && !eco_array_grow(&areas->items, &areas->capacity, areas->count,
-			sizeof *areas->items))
-		code = eco_fail(r.error, ECO_NO_MEMORY, "no memory for more than %u areas", areas->count);
-	if (code != ECO_OK || !*kept) {
+	if (!*kept) {
 		areas->edge_count = area.edge_first;
-		*kept = false;
 		return code;
 	}
+	eco_grow(&areas->items, &areas->capacity, areas->count, sizeof *areas->items);
 	measure(areas, &area);
 	areas->items[areas->count++] = area;
 	return ECO_OK;
@@ -146,8 +142,8 @@ static enum eco_code fill_strips(struct eco_strips *s, uint32_t items,
 {
 	uint64_t total = 0;
 	s->count = items / 4 + 1 > STRIPS_MAX ? STRIPS_MAX : items / 4 + 1;
-	s->first = calloc((size_t)s->count + 2, sizeof *s->first);
-	for (int pass = 0; s->first && pass < 2 && (pass == 0 || s->member); pass++) {
+	s->first = eco_alloc((size_t)s->count + 2, sizeof *s->first);
+	for (int pass = 0; pass < 2; pass++) {
 		for (uint32_t i = 0; i < items; i++) {
 			double y[2];
 			range(ctx, i, y);
@@ -165,9 +161,9 @@ static enum eco_code fill_strips(struct eco_strips *s, uint32_t items,
 		for (uint32_t k = 0; pass == 0 && k < s->count; k++)
 			s->first[k + 2] += s->first[k + 1];
 		if (pass == 0)
-			s->member = malloc((total + 1) * sizeof *s->member);
+			s->member = eco_alloc(total + 1, sizeof *s->member);
 	}
-	return s->first && s->member ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
+	return ECO_OK;
 }
 
 static void edge_range(const void *edges, uint32_t edge, double y[2])

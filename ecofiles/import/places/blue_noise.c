@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 
 #define CANDIDATES (4 * ECO_BLUE_NOISE_POINTS)
@@ -137,28 +138,25 @@ static void eliminate(struct field *f, uint32_t wanted, uint16_t (*scratch)[2])
 	f->count = wanted;
 }
 
-bool eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2])
+void eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2])
 {
-	uint16_t (*at)[2] = malloc(sizeof *at * CANDIDATES),
-		(*scratch)[2] = malloc(sizeof *scratch * CANDIDATES);
+	uint16_t (*at)[2] = eco_alloc(CANDIDATES, sizeof *at), (*scratch)[2] = eco_alloc(CANDIDATES, sizeof *scratch);
 	struct field f =
 		{ .at = at, .count = CANDIDATES,
-			.cell_first = malloc(sizeof(uint32_t) * (CELLS_MOST * CELLS_MOST + 1)),
-			.member = malloc(sizeof(uint32_t) * CANDIDATES),
-			.weight = malloc(sizeof(double) * CANDIDATES),
-			.heap = malloc(sizeof(uint32_t) * CANDIDATES),
-			.place = malloc(sizeof(uint32_t) * CANDIDATES) };
-	bool good = at && scratch && f.cell_first && f.member && f.weight && f.heap && f.place;
-	for (uint32_t i = 0; good && i < CANDIDATES; i++) {
+			.cell_first = eco_alloc(CELLS_MOST * CELLS_MOST + 1, sizeof(uint32_t)),
+			.member = eco_alloc(CANDIDATES, sizeof(uint32_t)),
+			.weight = eco_alloc(CANDIDATES, sizeof(double)),
+			.heap = eco_alloc(CANDIDATES, sizeof(uint32_t)),
+			.place = eco_alloc(CANDIDATES, sizeof(uint32_t)) };
+	for (uint32_t i = 0; i < CANDIDATES; i++) {
 		uint64_t bits = eco_random(4096, i);
 		at[i][0] = (uint16_t)bits;
 		at[i][1] = (uint16_t)(bits >> 16);
 	}
 	/* each round orders the half that it removes */
-	for (uint32_t wanted = ECO_BLUE_NOISE_POINTS; good && wanted >= 1; wanted /= 2)
+	for (uint32_t wanted = ECO_BLUE_NOISE_POINTS; wanted >= 1; wanted /= 2)
 		eliminate(&f, wanted, scratch);
-	if (good)
-		memcpy(points, at, sizeof *at * ECO_BLUE_NOISE_POINTS);
+	memcpy(points, at, sizeof *at * ECO_BLUE_NOISE_POINTS);
 	free(at);
 	free(scratch);
 	free(f.cell_first);
@@ -166,5 +164,4 @@ bool eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2])
 	free(f.weight);
 	free(f.heap);
 	free(f.place);
-	return good;
 }

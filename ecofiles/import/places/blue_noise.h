@@ -13,7 +13,7 @@
 #define ECO_BLUE_NOISE_POINTS 4096u
 
 /* x and y in 1/65536 of the square's side; the first n points are evenly spread for any n. The same on
- * every machine. False when memory ran out. */
-bool eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2]);
+ * every machine. */
+void eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2]);
 
 #endif

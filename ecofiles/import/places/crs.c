@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "build/words/grids.table"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/module.h"
 
 enum eco_code eco_crs_look(const char *crs, const double xy[2], struct eco_crs_facts *facts,
@@ -94,7 +95,7 @@ char *eco_crs_short_name(const char *crs)
 {
 	const char *quote = strlen(crs) > 80 ? strchr(crs, '"') : NULL, *end = quote
 		? strchr(quote + 1, '"') : NULL;
-	return end ? strndup(quote + 1, (size_t)(end - quote - 1)) : strdup(crs);
+	return end ? eco_copy_part(quote + 1, (size_t)(end - quote - 1)) : eco_copy_text(crs);
 }
 
 static enum eco_code plain_metres(const struct eco_crs_request *r, struct eco_error *error)
@@ -105,7 +106,7 @@ static enum eco_code plain_metres(const struct eco_crs_request *r, struct eco_er
 	if (crs) {
 		name = eco_crs_short_name(crs);
 		eco_fail(error, ECO_BAD_INPUT, "%.200s is in %.80s, but the scene has no CRS; add \"crs\": "
-			"\"%.80s\" (if it is one in metres) and \"origin\" to the scene", r->path, name ? name : "?", strlen(crs) <= 80 ? crs
+			"\"%.80s\" (if it is one in metres) and \"origin\" to the scene", r->path, name, strlen(crs) <= 80 ? crs
 			: "EPSG:...");
 		free(name);
 		return ECO_BAD_INPUT;
@@ -127,12 +128,10 @@ static enum eco_code open_path(struct eco_crs *c, const struct eco_crs_request *
 enum eco_code eco_crs_open(struct eco_crs **crs, const struct eco_crs_request *request,
 	struct eco_error *error)
 {
-	struct eco_crs *c = calloc(1, sizeof *c);
+	struct eco_crs *c = eco_alloc(1, sizeof *c);
 	const struct eco_frame *frame = request->frame;
 	enum eco_code code = ECO_OK;
 	*crs = NULL;
-	if (!c)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	c->use_z = request->use_z;
 	memcpy(c->origin, frame->origin, sizeof c->origin);
 	if (!frame->crs)

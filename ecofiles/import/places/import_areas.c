@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/crs.h"
@@ -66,15 +67,11 @@ static bool passes(const struct reading *r)
 }
 
 /* Keeps the number of the area added last. */
-static enum eco_code keep_number(struct reading *r, double number, struct eco_error *error)
+static void keep_number(struct reading *r, double number)
 {
 	const struct eco_areas *areas = &r->input->areas;
-	double *grown = realloc(r->input->number, areas->capacity * sizeof *grown);
-	if (!grown)
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
-	r->input->number = grown;
-	grown[areas->count - 1] = number;
-	return ECO_OK;
+	r->input->number = eco_realloc(r->input->number, areas->capacity, sizeof *r->input->number);
+	r->input->number[areas->count - 1] = number;
 }
 
 static enum eco_code take_row(struct reading *r, struct eco_areas *areas, bool surfaces,
@@ -103,7 +100,9 @@ static enum eco_code take_row(struct reading *r, struct eco_areas *areas, bool s
 		areas->edge_count = areas->items[--areas->count].edge_first;
 		return skip(r, ECO_AREA_NOT_A_SURFACE), ECO_OK;
 	}
-	return surfaces && r->number_column != ECO_NONE ? keep_number(r, number, error) : ECO_OK;
+	if (surfaces && r->number_column != ECO_NONE)
+		keep_number(r, number);
+	return ECO_OK;
 }
 
 static enum eco_code read_rows(struct reading *r, struct eco_areas *areas, bool surfaces,

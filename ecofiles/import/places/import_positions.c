@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/format/model.h"
@@ -402,8 +403,6 @@ static enum eco_code find_levels(struct eco_positions *p, struct eco_error *erro
 	struct eco_position record;
 	enum eco_code code;
 	p->levels = eco_levels_open();
-	if (!p->levels)
-		return eco_fail(error, ECO_NO_MEMORY, "%.200s: out of memory", p->spec->path);
 	do {
 		code = read_record(p, &record, error);
 		if (code == ECO_OK && record.plant != ECO_NONE && !isnan(record.height_m))
@@ -416,8 +415,8 @@ static enum eco_code find_levels(struct eco_positions *p, struct eco_error *erro
 	memset(p->skipped, 0, sizeof p->skipped);
 	memset(p->filtered, 0, sizeof p->filtered);
 	eco_species_reset(p->species);
-	code = eco_positions_start_places(p, error);
-	return code == ECO_OK ? open_rows(p, error) : code;
+	eco_positions_start_places(p);
+	return open_rows(p, error);
 }
 
 /* ---- The reader ---- */
@@ -442,19 +441,15 @@ static enum eco_code open_crs(struct eco_positions *p, struct eco_error *error)
 enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco_positions_spec *spec,
 	const struct eco_frame *frame, struct eco_error *error)
 {
-	struct eco_positions *p = calloc(1, sizeof *p);
+	struct eco_positions *p = eco_alloc(1, sizeof *p);
 	*reader = NULL;
-	if (!p)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	p->spec = spec;
 	p->frame = *frame;
 	p->species = eco_species_open(spec);
-	enum eco_code code = eco_positions_start_places(p, error);
-	if (code == ECO_OK && (!p->species || spec->height_count > ECO_HEIGHT_SOURCES_MAX
-			|| spec->filter_count > ECO_FILTERS_MAX))
-		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	if (!code)
-		code = open_rows(p, error);
+	eco_positions_start_places(p);
+	enum eco_code code = spec->height_count > ECO_HEIGHT_SOURCES_MAX || spec->filter_count > ECO_FILTERS_MAX
+		? eco_fail(error, ECO_TOO_LARGE, "%.200s: too many columns of heights or filters", spec->path)
+		: open_rows(p, error);
 	if (!code)
 		code = open_crs(p, error);
 	if (!code)

@@ -161,9 +161,8 @@ static double quantile_of(const struct eco_table *t, uint32_t column, const stru
 	double share)
 {
 	struct eco_spread spread = { 0 };
-	double value = NAN;
-	if (eco_table_coordinates(t, column, columns, &spread))
-		value = eco_spread_quantile(&spread, share);
+	eco_table_coordinates(t, column, columns, &spread);
+	double value = eco_spread_quantile(&spread, share);
 	eco_spread_free(&spread);
 	return value;
 }

@@ -25,15 +25,14 @@
 
 /* ---- The numbers ---- */
 
-static bool numbers_of(struct eco_place_look *l, int k, struct eco_spread *spread)
+static void numbers_of(struct eco_place_look *l, int k, struct eco_spread *spread)
 {
 	const struct eco_table *t = l->asked->table;
 	if (!l->guess->from_geometry)
-		return eco_table_coordinates(t, l->asked->columns->of[k], l->asked->columns, spread);
-	for (uint32_t row = 0; row < t->row_count; row++)
-		if (!isnan(t->places[row][k]) && !eco_spread_add(spread, t->places[row][k]))
-			return false;
-	return true;
+		eco_table_coordinates(t, l->asked->columns->of[k], l->asked->columns, spread);
+	for (uint32_t row = 0; l->guess->from_geometry && row < t->row_count; row++)
+		if (!isnan(t->places[row][k]))
+			eco_spread_add(spread, t->places[row][k]);
 }
 
 /* The middle of those that are not 0, which stands for no place. */
@@ -41,12 +40,10 @@ static enum eco_code measure(struct eco_place_look *l)
 {
 	for (int k = 0; k < 2; k++) {
 		struct eco_spread spread = { 0 };
-		bool good = numbers_of(l, k, &spread);
+		numbers_of(l, k, &spread);
 		l->xy[k] = (struct place_range){ eco_spread_quantile(&spread, 0.02),
 			eco_spread_quantile(&spread, 0.5), eco_spread_quantile(&spread, 0.98) };
 		eco_spread_free(&spread);
-		if (!good)
-			return eco_fail(l->error, ECO_NO_MEMORY, "out of memory");
 		if (isnan(l->xy[k].middle))
 			return l->names[k] ? eco_fail(l->error, ECO_BAD_INPUT, "%.200s: no row has a place: no "
 				"number in \"%.60s\"", l->asked->table->path, l->names[k])

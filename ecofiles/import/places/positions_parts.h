@@ -98,7 +98,7 @@ void eco_row_note(void *reader, const char *format, ...) __attribute__((format(p
 /* ---- Places (positions_places.c) ---- */
 
 /* Forgets the places of an earlier reading. */
-enum eco_code eco_positions_start_places(struct eco_positions *p, struct eco_error *error);
+void eco_positions_start_places(struct eco_positions *p);
 enum verdict eco_positions_place(struct eco_positions *p, struct eco_position *record,
 	struct eco_error *error);
 /* Checks that need all rows: places far from everything, degrees in a CRS of metres, x and y swapped. */

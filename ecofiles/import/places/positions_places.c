@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "ecofiles/base/angle16.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/inventory_text.h"
@@ -34,33 +35,31 @@ static uint64_t *slot_of(const struct eco_place_set *set, uint64_t hash)
 	return &set->slots[at];
 }
 
-static bool grow(struct eco_place_set *set)
+static void grow(struct eco_place_set *set)
 {
 	struct eco_place_set larger = { .count = set->count, .size = set->size ? 2 * set->size : FIRST };
-	larger.slots = calloc(larger.size, sizeof *larger.slots);
-	for (size_t i = 0; larger.slots && i < set->size; i++)
+	larger.slots = eco_alloc(larger.size, sizeof *larger.slots);
+	for (size_t i = 0; i < set->size; i++)
 		if (set->slots[i] != 0)
 			*slot_of(&larger, set->slots[i]) = set->slots[i];
-	if (!larger.slots)
-		return false;
 	free(set->slots);
 	*set = larger;
-	return true;
 }
 
-static bool add_to_set(struct eco_place_set *set, const double at[3], bool *known)
+/* Whether it was there before. */
+static bool add_to_set(struct eco_place_set *set, const double at[3])
 {
 	uint64_t hash = 0;
 	for (int k = 0; k < 3; k++)
 		hash = eco_random(hash, (uint64_t)(int64_t)floor(at[k] * 1000 + 0.5));
 	hash += hash == 0;
-	if (set->count * 4 >= set->size * 3 && !grow(set))
-		return false;
+	if (set->count * 4 >= set->size * 3)
+		grow(set);
 	uint64_t *slot = slot_of(set, hash);
-	*known = *slot != 0;
-	set->count += !*known;
+	bool known = *slot != 0;
+	set->count += !known;
 	*slot = hash;
-	return true;
+	return known;
 }
 
 void eco_place_set_close(struct eco_place_set *set)
@@ -279,16 +278,10 @@ static enum eco_code refuse_swapped(const struct eco_positions *p, struct eco_er
 }
 
 /* Whether an earlier plant stands at this place. */
-static enum verdict find_duplicate(struct eco_positions *p, const double at[3], struct eco_error *error)
+static enum verdict find_duplicate(struct eco_positions *p, const double at[3])
 {
 	char text[80];
-	bool known;
-	if (!add_to_set(p->places, at, &known)) {
-		eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory to find duplicates among %llu plants",
-			p->spec->path, (unsigned long long)p->plants);
-		return FAILED;
-	}
-	if (!known)
+	if (!add_to_set(p->places, at))
 		return GOOD;
 	snprintf(text, sizeof text, "%.3f, %.3f", at[0], at[1]);
 	eco_row_count(p, p->spec->skip_duplicates ? ECO_SKIP_DUPLICATE : ECO_KEPT_DUPLICATE, text);
@@ -308,7 +301,7 @@ enum verdict eco_positions_place(struct eco_positions *p, struct eco_position *r
 	if (verdict == GOOD)
 		verdict = add_polar(p, xyz, error);
 	if (verdict == GOOD)
-		verdict = find_duplicate(p, xyz, error);
+		verdict = find_duplicate(p, xyz);
 	if (verdict != GOOD)
 		return verdict;
 	p->good_places++;
@@ -320,10 +313,10 @@ enum verdict eco_positions_place(struct eco_positions *p, struct eco_position *r
 	return GOOD;
 }
 
-enum eco_code eco_positions_start_places(struct eco_positions *p, struct eco_error *error)
+void eco_positions_start_places(struct eco_positions *p)
 {
 	eco_place_set_close(p->places);
-	p->places = calloc(1, sizeof *p->places);
+	p->places = eco_alloc(1, sizeof *p->places);
 	for (int k = 0; k < 2; k++) {
 		p->low[k] = INFINITY;
 		p->high[k] = -INFINITY;
@@ -332,7 +325,6 @@ enum eco_code eco_positions_start_places(struct eco_positions *p, struct eco_err
 	p->plants = p->good_places = p->bad_places = 0;
 	p->nearest_m = INFINITY;
 	p->ended = false;
-	return p->places ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
 }
 
 enum eco_code eco_positions_check_places(struct eco_positions *p, struct eco_error *error)

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/positions_parts.h"
@@ -41,7 +42,7 @@ static int compare_literals(const void *a, const void *b)
 	return p->key < q->key ? -1 : p->key > q->key;
 }
 
-static bool fold_keys(struct eco_species_table *t)
+static void fold_keys(struct eco_species_table *t)
 {
 	char folded[TEXT_BYTES];
 	for (uint32_t i = 0; i < t->spec->map_count; i++) {
@@ -49,33 +50,25 @@ static bool fold_keys(struct eco_species_table *t)
 		bool wild = strchr(name, '*') != NULL;
 		struct pattern *p = wild ? &t->wild[t->wild_count++] : &t->exact[t->exact_count++];
 		size_t length = eco_text_fold(name, folded, sizeof folded);
-		p->text = strdup(folded);
+		p->text = eco_copy_text(folded);
 		p->key = i;
 		p->literal = (uint32_t)length;
 		for (const char *c = folded; *c != 0; c++)
 			p->literal -= *c == '*';
-		if (!p->text)
-			return false;
 	}
 	qsort(t->exact, t->exact_count, sizeof *t->exact, compare_texts);
 	qsort(t->wild, t->wild_count, sizeof *t->wild, compare_literals);
-	return true;
 }
 
 struct eco_species_table *eco_species_open(const struct eco_positions_spec *spec)
 {
-	struct eco_species_table *t = calloc(1, sizeof *t);
-	if (!t)
-		return NULL;
+	struct eco_species_table *t = eco_alloc(1, sizeof *t);
 	t->spec = spec;
-	t->known = calloc(SLOTS, sizeof *t->known);
-	t->exact = calloc(spec->map_count + 1u, sizeof *t->exact);
-	t->wild = calloc(spec->map_count + 1u, sizeof *t->wild);
-	t->keys = calloc(spec->map_count + 1u, sizeof *t->keys);
-	if (!t->known || !t->exact || !t->wild || !t->keys || !fold_keys(t)) {
-		eco_species_close(t);
-		return NULL;
-	}
+	t->known = eco_alloc(SLOTS, sizeof *t->known);
+	t->exact = eco_alloc(spec->map_count + 1u, sizeof *t->exact);
+	t->wild = eco_alloc(spec->map_count + 1u, sizeof *t->wild);
+	t->keys = eco_alloc(spec->map_count + 1u, sizeof *t->keys);
+	fold_keys(t);
 	return t;
 }
 
@@ -122,7 +115,8 @@ uint32_t eco_species_find(struct eco_species_table *table, const char *text, uin
 	if (!slot->text) {
 		eco_text_fold(text, folded, sizeof folded);
 		key = match(table, folded);
-		if (table->known_count < KNOWN_MAX && (slot->text = strndup(text, length))) {
+		if (table->known_count < KNOWN_MAX) {
+			slot->text = eco_copy_part(text, length);
 			table->known_count++;
 			slot->key = key;
 			slot->first_line = line;
@@ -273,7 +267,7 @@ struct eco_levels {
 
 struct eco_levels *eco_levels_open(void)
 {
-	return calloc(1, sizeof(struct eco_levels));
+	return eco_alloc(1, sizeof(struct eco_levels));
 }
 
 static uint32_t centimetres(double height_m)
@@ -293,15 +287,11 @@ enum eco_code eco_levels_count(struct eco_levels *levels, uint32_t plant, double
 	struct eco_error *error)
 {
 	const struct plant_levels *l = levels_of(levels, plant);
-	uint32_t *bin;
 	if (!l) {
 		if (levels->count == PLANTS_MAX)
 			return eco_fail(error, ECO_TOO_LARGE, "%.200s: \"levels\" works for up to %u plants",
 				path, PLANTS_MAX);
-		bin = calloc(BINS, sizeof *bin);
-		if (!bin)
-			return eco_fail(error, ECO_NO_MEMORY, "%.200s: out of memory", path);
-		levels->plants[levels->count] = (struct plant_levels){ plant, bin };
+		levels->plants[levels->count] = (struct plant_levels){ plant, eco_alloc(BINS, sizeof *l->bin) };
 		l = &levels->plants[levels->count++];
 	}
 	l->bin[centimetres(height_m)]++;

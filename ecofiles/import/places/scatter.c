@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "ecofiles/import/places/blue_noise.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/model.h"
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/import/places/scatter_parts.h"
 
 #define HECTARE_M2 10000.0
@@ -29,7 +29,7 @@ struct lattice {                     /* the set, by cells of its square */
 
 struct candidate { uint32_t rank, tie; double at[2]; };
 
-struct candidates { struct candidate *items; uint32_t count, capacity; bool failed; };
+struct candidates { struct candidate *items; uint32_t count, capacity; };
 
 struct near_grid { uint32_t *head, *next; uint32_t mask; double cell_m; };
 
@@ -47,12 +47,6 @@ struct eco_scatter {
 	struct eco_error *error;
 };
 
-static enum eco_code no_memory(struct eco_scatter *s)
-{
-	return eco_fail(s->error, ECO_NO_MEMORY, "%.200s: no memory for %llu plants", s->spec->path,
-		(unsigned long long)s->count);
-}
-
 static enum eco_code too_many(struct eco_scatter *s)
 {
 	return eco_fail(s->error, ECO_TOO_LARGE, "%.200s: more than %u plants; take lower densities, split "
@@ -63,11 +57,8 @@ static enum eco_code too_many(struct eco_scatter *s)
 
 static struct lattice *make_lattice(void)
 {
-	struct lattice *l = calloc(1, sizeof *l);
-	if (!l || !eco_blue_noise(l->point)) {
-		free(l);
-		return NULL;
-	}
+	struct lattice *l = eco_alloc(1, sizeof *l);
+	eco_blue_noise(l->point);
 	for (int pass = 0; pass < 2; pass++) {
 		for (uint32_t i = ECO_BLUE_NOISE_POINTS; i-- > 0;) {
 			uint32_t cell = l->point[i][1] / (65536 / LATTICE_CELLS) * LATTICE_CELLS
@@ -104,10 +95,7 @@ struct sweep {
 static void add_candidate(struct candidates *c, uint32_t rank, int64_t column, int64_t row, double x,
 	double y)
 {
-	if (!eco_array_grow(&c->items, &c->capacity, c->count, sizeof *c->items)) {
-		c->failed = true;
-		return;
-	}
+	eco_grow(&c->items, &c->capacity, c->count, sizeof *c->items);
 	c->items[c->count++] = (struct candidate){ rank, (uint32_t)eco_random((uint64_t)column, (uint64_t)row),
 		{ x, y } };
 }
@@ -132,7 +120,7 @@ static int64_t square_of(int64_t cell)
 
 /* Visits all places of the area's box with ranks below rank_end, cell row by cell row, as far as the area reaches in
  * that row, with a cell to spare: a road across the country is a small part of its box. */
-static bool sweep_box(const struct sweep *w)
+static void sweep_box(const struct sweep *w)
 {
 	double cell = w->side / LATTICE_CELLS;
 	w->scatter->candidates.count = 0;
@@ -149,7 +137,6 @@ static bool sweep_box(const struct sweep *w)
 				+ (x - column * LATTICE_CELLS)));
 		}
 	}
-	return !w->scatter->candidates.failed;
 }
 
 static int candidate_order(const void *a, const void *b)
@@ -178,24 +165,15 @@ static void grid_put(struct near_grid *g, const struct eco_scatter_place *places
 	*head = place;
 }
 
-static bool grid_grow(struct eco_scatter *s)
+static void grid_grow(struct eco_scatter *s)
 {
 	struct near_grid *g = &s->grid;
-	uint32_t *head = malloc(2 * s->capacity * sizeof *head),
-		*next = realloc(g->next, s->capacity * sizeof *next);
-	if (next)
-		g->next = next;
-	if (!head || !next) {
-		free(head);
-		return false;
-	}
-	free(g->head);
-	g->head = head;
+	g->head = eco_realloc(g->head, 2 * s->capacity, sizeof *g->head);
+	g->next = eco_realloc(g->next, s->capacity, sizeof *g->next);
 	g->mask = (uint32_t)(2 * s->capacity - 1);
-	memset(head, 0xff, 2 * s->capacity * sizeof *head);
+	memset(g->head, 0xff, 2 * s->capacity * sizeof *g->head);
 	for (uint32_t i = 0; i < s->count; i++)
 		grid_put(g, s->places, i);
-	return true;
 }
 
 /* Whether another place is nearer than `distance`, which is at most the grid's cell. */
@@ -223,16 +201,11 @@ static enum eco_code add_place(struct eco_scatter *s, const double at[2], uint32
 	uint64_t bits = eco_random(spec->seed, key);
 	double share = (double)(bits >> 40) / (1 << 24);
 	if (s->count == s->capacity) {
-		uint64_t wanted = s->capacity ? 2 * s->capacity : 1024;
 		if (s->count >= ECO_SCATTER_PLANTS_MAX)
 			return too_many(s);
-		struct eco_scatter_place *grown = realloc(s->places, wanted * sizeof *grown);
-		if (!grown)
-			return no_memory(s);
-		s->places = grown;
-		s->capacity = wanted;
-		if (!grid_grow(s))
-			return no_memory(s);
+		s->capacity = s->capacity ? 2 * s->capacity : 1024;
+		s->places = eco_realloc(s->places, s->capacity, sizeof *s->places);
+		grid_grow(s);
 	}
 	s->places[s->count] = (struct eco_scatter_place){
 		.plant = spec->plants[plant].plant + eco_random_variant(spec->seed, key,
@@ -288,7 +261,7 @@ static enum eco_code take_candidates(struct eco_scatter *s, struct filling *f)
 
 /* Finds the share of an area that is not kept clear. A density counts only there; a number of plants
  * counts for the whole area. */
-static enum eco_code clear_share(struct eco_scatter *s, struct filling *f)
+static void clear_share(struct eco_scatter *s, struct filling *f)
 {
 	const struct eco_area *area = &s->input.areas.items[f->area];
 	const struct candidates *c = &s->candidates;
@@ -297,16 +270,14 @@ static enum eco_code clear_share(struct eco_scatter *s, struct filling *f)
 	size_t clear = 0;
 
 	if (s->input.clear.count == 0 || s->spec->count_column)
-		return ECO_OK;
+		return;
 	memcpy(w.low, area->low, sizeof w.low);
 	memcpy(w.high, area->high, sizeof w.high);
-	if (!sweep_box(&w))
-		return no_memory(s);
+	sweep_box(&w);
 	for (size_t i = 0; i < c->count; i++)
 		clear += is_clear(s, c->items[i].at);
 	if (c->count > 0)
 		f->wanted = (uint64_t)((double)f->wanted * (double)clear / (double)c->count + 0.5);
-	return ECO_OK;
 }
 
 /* Fills the area in the set's order; if one set does not suffice, from ever denser ones. */
@@ -331,7 +302,8 @@ static enum eco_code fill_area(struct eco_scatter *s, struct filling *f)
 				+ 64;
 			w.rank_end = all || attempt > 0 || need >= ECO_BLUE_NOISE_POINTS
 				? ECO_BLUE_NOISE_POINTS : (uint32_t)need;
-			code = sweep_box(&w) ? take_candidates(s, f) : no_memory(s);
+			sweep_box(&w);
+			code = take_candidates(s, f);
 			all += w.rank_end == ECO_BLUE_NOISE_POINTS;
 		}
 	}
@@ -376,21 +348,20 @@ static uint64_t wanted_in(const struct eco_scatter *s, uint32_t index)
 static enum eco_code place_in_areas(struct eco_scatter *s)
 {
 	struct eco_areas *areas = &s->input.areas;
-	uint32_t *order = malloc((areas->count + 1u) * sizeof *order);
-	uint64_t *given = malloc((s->spec->plant_count + 1u) * sizeof *given);
-	enum eco_code code = order && given ? ECO_OK : no_memory(s);
-	for (uint32_t i = 0; code == ECO_OK && i < areas->count; i++)
+	uint32_t *order = eco_alloc(areas->count + 1u, sizeof *order);
+	uint64_t *given = eco_alloc(s->spec->plant_count + 1u, sizeof *given);
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < areas->count; i++)
 		order[i] = i;
-	if (!code)
-		qsort_r(order, areas->count, sizeof *order, area_order, areas->items);
+	qsort_r(order, areas->count, sizeof *order, area_order, areas->items);
 	for (uint32_t i = 0; i < areas->count && code == ECO_OK; i++) {
 		struct filling f = { .area = order[i], .wanted = wanted_in(s, order[i]), .given = given,
 			.total = total_weight(s->spec) };
 		s->hectares += areas->items[order[i]].size_m2 / HECTARE_M2;
 		if (f.wanted > 0 && areas->items[order[i]].size_m2 > 0)
-			code = clear_share(s, &f);
+			clear_share(s, &f);
 		s->wanted += f.wanted;
-		if (code == ECO_OK && s->wanted > ECO_SCATTER_PLANTS_MAX)
+		if (s->wanted > ECO_SCATTER_PLANTS_MAX)
 			code = too_many(s);
 		if (f.wanted == 0 || code != ECO_OK)
 			continue;
@@ -413,15 +384,13 @@ enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_sc
 	struct eco_error *error)
 {
 	struct eco_error own = { .code = ECO_OK };
-	struct eco_scatter *s = calloc(1, sizeof *s);
+	struct eco_scatter *s = eco_alloc(1, sizeof *s);
 	*scatter = NULL;
-	if (!s)
-		return eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory", spec->path);
 	assert(spec->plant_count > 0);
 	*s = (struct eco_scatter){ .spec = spec, .lattice = make_lattice(), .progress = progress, .ctx = ctx,
 		.error = error ? error : &own };
 	s->grid.cell_m = fmax(spec->distance_m, 1);
-	enum eco_code code = s->lattice ? eco_scatter_read(&s->input, spec, frame, s->error) : no_memory(s);
+	enum eco_code code = eco_scatter_read(&s->input, spec, frame, s->error);
 	if (!code)
 		code = place_in_areas(s);
 	free(s->candidates.items);

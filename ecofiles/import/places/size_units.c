@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "build/words/units.table"
 #include "ecofiles/import/places/words.h"
 
@@ -157,16 +158,14 @@ struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *nam
 	return guess;
 }
 
-bool eco_spread_add(struct eco_spread *spread, double number)
+void eco_spread_add(struct eco_spread *spread, double number)
 {
 	if (!spread->kept) {
-		spread->kept = malloc(ECO_SPREAD_KEPT * sizeof *spread->kept);
+		spread->kept = eco_alloc(ECO_SPREAD_KEPT, sizeof *spread->kept);
 		spread->stride = 1;
-		if (!spread->kept)
-			return false;
 	}
 	if (spread->seen++ % spread->stride != 0)
-		return true;
+		return;
 	if (spread->count == ECO_SPREAD_KEPT) {      /* every second one leaves */
 		spread->count /= 2;
 		spread->stride *= 2;
@@ -175,7 +174,6 @@ bool eco_spread_add(struct eco_spread *spread, double number)
 	}
 	spread->kept[spread->count++] = (float)number;
 	spread->sorted = false;
-	return true;
 }
 
 static int compare(const void *a, const void *b)

@@ -39,8 +39,7 @@ struct eco_spread {              /* zero is empty */
 	bool sorted;
 };
 
-/* False when memory ran out. */
-bool eco_spread_add(struct eco_spread *spread, double number);
+void eco_spread_add(struct eco_spread *spread, double number);
 /* The number that this share of them does not exceed; NaN if there are none. */
 double eco_spread_quantile(struct eco_spread *spread, double share);
 void eco_spread_free(struct eco_spread *spread);

@@ -360,7 +360,7 @@ static bool is_plant(const struct eco_table *table, uint32_t row, uint32_t speci
 		|| eco_flora_of(eco_table_field(table, row, species), false).form != ECO_FORM_NOTHING;
 }
 
-bool eco_table_spread(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
+void eco_table_spread(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
 	struct eco_spread *spread, double *own_unit)
 {
 	uint64_t sizes = 0, with_unit = 0;
@@ -372,23 +372,19 @@ bool eco_table_spread(const struct eco_table *table, uint32_t column, const stru
 			continue;
 		sizes++;
 		with_unit += unit_m != 0;
-		if (!eco_spread_add(spread, number))
-			return false;
+		eco_spread_add(spread, number);
 	}
 	*own_unit = sizes > 0 ? (double)with_unit / (double)sizes : 0;
-	return true;
 }
 
-bool eco_table_coordinates(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
+void eco_table_coordinates(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
 	struct eco_spread *spread)
 {
 	for (uint32_t row = 0; row < table->row_count; row++) {
 		const char *text = eco_table_field(table, row, column);
 		double number;
-		if (((columns->thousands && eco_text_grouped(text, columns->thousands, &number))
+		if ((columns->thousands && eco_text_grouped(text, columns->thousands, &number))
 				|| eco_text_number(text, columns->decimal, &number))
-				&& !eco_spread_add(spread, number))
-			return false;
+			eco_spread_add(spread, number);
 	}
-	return true;
 }

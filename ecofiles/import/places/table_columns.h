@@ -62,10 +62,10 @@ void eco_table_columns(const struct eco_table *table, struct eco_columns *column
 bool eco_columns_are_local(const struct eco_table *table, const struct eco_columns *columns);
 /* Sizes above 0 of a column, as the texts have them, of rows whose species, if there is that column, is not a
  * vacant place or a stump. *own_unit: share of texts with a unit of their own. */
-bool eco_table_spread(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
+void eco_table_spread(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
 	struct eco_spread *spread, double *own_unit);
-/* Coordinates of a column; false when memory ran out. */
-bool eco_table_coordinates(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
+/* Coordinates of a column. */
+void eco_table_coordinates(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
 	struct eco_spread *spread);
 
 #define ECO_TABLE_VALUES_MAX 65536u      /* further values are not told apart */

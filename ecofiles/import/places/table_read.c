@@ -1,4 +1,5 @@
 /* An even selection of a table's rows, and the different values of a column. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/places/table_columns.h"
 
 #include <ctype.h>
@@ -7,13 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/format/model.h"
-
-static enum eco_code no_memory(const char *path, struct eco_error *error)
-{
-	return eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory for its rows", path);
-}
 
 static void drop_row(struct eco_table *t, uint32_t row)
 {
@@ -36,40 +31,26 @@ static void thin(struct eco_table *t)
 	t->row_count = (t->row_count + 1) / 2;
 }
 
-static bool keep_row(struct eco_table *t, const struct eco_rows *rows)
+static void keep_row(struct eco_table *t, const struct eco_rows *rows)
 {
 	char **fields = t->fields + (size_t)t->row_count * t->column_count;
-	for (uint32_t i = 0; i < t->column_count; i++) {
-		fields[i] = strdup(i < rows->field_count ? rows->fields[i] : "");
-		if (!fields[i]) {
-			while (i-- > 0)
-				free(fields[i]);
-			return false;
-		}
-	}
+	for (uint32_t i = 0; i < t->column_count; i++)
+		fields[i] = eco_copy_text(i < rows->field_count ? rows->fields[i] : "");
 	for (int k = 0; k < 2; k++)
 		t->places[t->row_count][k] = rows->place.kind == ECO_PLACE_POINT ? rows->place.at[k] : NAN;
 	t->row_count++;
-	return true;
 }
 
-static enum eco_code begin(struct eco_table *t, const struct eco_rows *rows, struct eco_error *error)
+static void begin(struct eco_table *t, const struct eco_rows *rows)
 {
 	t->has_geometry = rows->has_geometry;
 	t->degrees_doubted = rows->degrees_doubted;
-	t->crs = rows->crs ? strdup(rows->crs) : NULL;
-	t->columns = calloc(rows->column_count + 1u, sizeof *t->columns);
-	t->fields = calloc((size_t)ECO_TABLE_ROWS * (rows->column_count + 1u), sizeof *t->fields);
-	t->places = calloc(ECO_TABLE_ROWS, sizeof *t->places);
-	if (!t->columns || !t->fields || !t->places || (rows->crs && !t->crs))
-		return no_memory(t->path, error);
-	for (uint32_t i = 0; i < rows->column_count; i++) {
-		t->columns[i] = strdup(rows->columns[i]);
-		if (!t->columns[i])
-			return no_memory(t->path, error);
-		t->column_count++;
-	}
-	return ECO_OK;
+	t->crs = rows->crs ? eco_copy_text(rows->crs) : NULL;
+	t->columns = eco_alloc(rows->column_count + 1u, sizeof *t->columns);
+	t->fields = eco_alloc((size_t)ECO_TABLE_ROWS * (rows->column_count + 1u), sizeof *t->fields);
+	t->places = eco_alloc(ECO_TABLE_ROWS, sizeof *t->places);
+	for (; t->column_count < rows->column_count; t->column_count++)
+		t->columns[t->column_count] = eco_copy_text(rows->columns[t->column_count]);
 }
 
 static enum eco_code read_rows(struct eco_table *t, struct eco_rows *rows, struct eco_error *error)
@@ -83,8 +64,8 @@ static enum eco_code read_rows(struct eco_table *t, struct eco_rows *rows, struc
 			thin(t);
 			stride *= 2;
 		}
-		if (t->rows % stride == 0 && !keep_row(t, rows))
-			return no_memory(t->path, error);
+		if (t->rows % stride == 0)
+			keep_row(t, rows);
 	}
 }
 
@@ -92,18 +73,16 @@ enum eco_code eco_table_read(struct eco_table *table, const struct eco_rows_sour
 	struct eco_error *error)
 {
 	struct eco_rows *rows = NULL;
-	*table = (struct eco_table){ .path = strdup(source->path) };
-	enum eco_code code =
-		table->path ? eco_rows_open(&rows, source, error) : no_memory(source->path, error);
-	if (!code)
-		code = begin(table, rows, error);
-	if (!code)
+	*table = (struct eco_table){ .path = eco_copy_text(source->path) };
+	enum eco_code code = eco_rows_open(&rows, source, error);
+	if (!code) {
+		begin(table, rows);
 		code = read_rows(table, rows, error);
+	}
 	if (!code && table->rows == 0)
 		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: it has no rows", source->path);
 	for (uint32_t i = 0; rows && i < rows->note_count; i++)
-		if ((table->notes[table->note_count] = strdup(rows->notes[i])))
-			table->note_count++;
+		table->notes[table->note_count++] = eco_copy_text(rows->notes[i]);
 	eco_rows_close(rows);
 	if (code)
 		eco_table_free(table);
@@ -112,7 +91,7 @@ enum eco_code eco_table_read(struct eco_table *table, const struct eco_rows_sour
 
 void eco_table_free(struct eco_table *table)
 {
-	for (uint32_t row = 0; table->fields && row < table->row_count; row++)
+	for (uint32_t row = 0; row < table->row_count; row++)
 		drop_row(table, row);
 	for (uint32_t i = 0; i < table->column_count; i++)
 		free(table->columns[i]);
@@ -132,36 +111,29 @@ struct reader {
 	json_t *index;               /* text -> index in values */
 };
 
-static enum eco_code add(struct reader *r, const char *text, uint64_t line)
+static void add(struct reader *r, const char *text, uint64_t line)
 {
 	const json_t *known = json_object_get(r->index, text);
 	struct eco_table_values *v = r->values;
 	if (known) {
 		v->items[json_integer_value(known)].rows++;
-		return ECO_OK;
+	} else if (v->count < ECO_TABLE_VALUES_MAX && json_object_set_new(r->index, text, json_integer(v->count)) == 0) {
+		eco_grow(&v->items, &r->capacity, v->count, sizeof *v->items);
+		v->items[v->count++] = (struct eco_table_value){ .text = eco_copy_text(text), .rows = 1,
+			.first_line = line };
 	}
-	if (v->count == ECO_TABLE_VALUES_MAX)
-		return ECO_OK;
-	if (!eco_array_grow(&v->items, &r->capacity, v->count, sizeof *v->items)
-			|| json_object_set_new(r->index, text, json_integer(v->count)) != 0
-			|| !(v->items[v->count].text = strdup(text)))
-		return ECO_NO_MEMORY;
-	v->items[v->count].rows = 1;
-	v->items[v->count++].first_line = line;
-	return ECO_OK;
 }
 
-static enum eco_code add_field(struct reader *r, const char *field, uint64_t line)
+static void add_field(struct reader *r, const char *field, uint64_t line)
 {
 	while (isspace((unsigned char)*field))
 		field++;
 	size_t length = strlen(field);
 	while (length > 0 && isspace((unsigned char)field[length - 1]))
 		length--;
-	char *text = strndup(field, length);
-	enum eco_code code = text ? add(r, text, line) : ECO_NO_MEMORY;
+	char *text = eco_copy_part(field, length);
+	add(r, text, line);
 	free(text);
-	return code;
 }
 
 static int compare(const void *a, const void *b)
@@ -172,7 +144,7 @@ static int compare(const void *a, const void *b)
 	return p->first_line < q->first_line ? -1 : p->first_line > q->first_line;
 }
 
-static enum eco_code read_values(struct reader *r, struct eco_rows *rows, uint32_t column, const char *path,
+static enum eco_code read_values(struct reader *r, struct eco_rows *rows, uint32_t column,
 	struct eco_error *error)
 {
 	for (;;) {
@@ -180,8 +152,8 @@ static enum eco_code read_values(struct reader *r, struct eco_rows *rows, uint32
 		enum eco_code code = rows->next(rows, &more, error);
 		if (code || !more)
 			return code;
-		if (column < rows->field_count && add_field(r, rows->fields[column], rows->line) != ECO_OK)
-			return eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory for its values", path);
+		if (column < rows->field_count)
+			add_field(r, rows->fields[column], rows->line);
 	}
 }
 
@@ -199,7 +171,7 @@ enum eco_code eco_table_values_read(struct eco_table_values *values, const struc
 	if (!code)
 		code = eco_rows_find_column(rows, source->path, column, &at, error);
 	if (!code)
-		code = read_values(&r, rows, at, source->path, error);
+		code = read_values(&r, rows, at, error);
 	eco_rows_close(rows);
 	json_decref(r.index);
 	if (code)

@@ -19,6 +19,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/ground/gdal_module.h"
 #include "ecofiles/import/model/import_file.h"
@@ -187,7 +188,7 @@ static void take_german_crs(struct ogr_rows *r)
 {
 	static const char name[] = "\"urn:adv:crs:ETRS89_UTM";
 	size_t size;
-	char *head = eco_file_read_head(r->path, &size), *at = head ? strstr(head, name) : NULL;
+	char *head = eco_file_read_head(r->path, &size), *at = strstr(head, name);
 	int zone = at ? atoi(at + strlen(name)) : 0;
 	if (zone >= 28 && zone <= 38 && asprintf(&r->rows.crs, "EPSG:%d", 25800 + zone) < 0)
 		r->rows.crs = NULL;
@@ -217,16 +218,16 @@ static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 	}
 	if (authority && number && snprintf(text, sizeof text, "%s:%s", authority, number)
 			< (int)sizeof text) {
-		r->rows.crs = strdup(text);
+		r->rows.crs = eco_copy_text(text);
 	} else if (OSRExportToWktEx(crs, &wkt, options) == OGRERR_NONE && strlen(wkt) < ECO_ROWS_CRS_BYTES) {
-		r->rows.crs = strdup(wkt);
+		r->rows.crs = eco_copy_text(wkt);
 	} else {
 		CPLFree(wkt);
 		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: its CRS cannot be told; add \"crs\" to its "
 			"entry", r->path);
 	}
 	CPLFree(wkt);
-	return r->rows.crs ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
+	return ECO_OK;
 }
 
 /* Checks whether the first features' coordinates fit degrees and have heights. A few absurd ones count
@@ -281,16 +282,11 @@ static enum eco_code take_columns(struct ogr_rows *r, struct eco_error *error)
 	if (count > (int)ECO_COLUMNS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %d columns, at most %u are possible", r->path,
 			count, ECO_COLUMNS_MAX);
-	r->rows.columns = calloc((size_t)count + 1, sizeof *r->rows.columns);
-	r->rows.fields = calloc((size_t)count + 1, sizeof *r->rows.fields);
-	if (!r->rows.columns || !r->rows.fields)
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
-	for (int i = 0; i < count; i++) {
-		r->rows.columns[i] = strdup(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i)));
-		if (!r->rows.columns[i])
-			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
-		r->rows.column_count++;
-	}
+	r->rows.columns = eco_alloc((size_t)count + 1, sizeof *r->rows.columns);
+	r->rows.fields = eco_alloc((size_t)count + 1, sizeof *r->rows.fields);
+	for (int i = 0; i < count; i++)
+		r->rows.columns[r->rows.column_count++] =
+			eco_copy_text(OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(definition, i)));
 	return ECO_OK;
 }
 
@@ -345,9 +341,7 @@ static enum eco_code take_area(struct ogr_rows *r, OGRGeometryH geometry, struct
 	} else if (size > r->wkb_capacity) {
 		free(r->wkb);
 		r->wkb_capacity = 2 * size;
-		r->wkb = malloc(r->wkb_capacity);
-		if (!r->wkb)
-			code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
+		r->wkb = eco_alloc(r->wkb_capacity, 1);
 	}
 	if (code == ECO_OK && OGR_G_ExportToIsoWkb(straight, wkbNDR, r->wkb) != OGRERR_NONE)
 		code = gdal_says(r->path, ECO_BAD_INPUT, "a geometry cannot be read", error);
@@ -395,7 +389,7 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 
 /* OGR formats every number into one buffer, which the next one overwrites: so numbers are copied, one
  * behind the other. */
-static enum eco_code take_fields(struct ogr_rows *r, struct eco_error *error)
+static void take_fields(struct ogr_rows *r)
 {
 	size_t used = 0;
 	for (int i = 0; i < (int)r->rows.column_count; i++) {
@@ -407,11 +401,8 @@ static enum eco_code take_fields(struct ogr_rows *r, struct eco_error *error)
 		if (!r->copied[i])
 			continue;
 		if (size > r->text_capacity - used) {
-			char *grown = realloc(r->text, 2 * (used + size));
-			if (!grown)
-				return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
-			r->text = grown;
 			r->text_capacity = 2 * (used + size);
+			r->text = eco_realloc(r->text, r->text_capacity, 1);
 		}
 		memcpy(r->text + used, text, size);
 		used += size;
@@ -423,7 +414,6 @@ static enum eco_code take_fields(struct ogr_rows *r, struct eco_error *error)
 			used += strlen(r->text + used) + 1;
 		}
 	r->rows.field_count = r->rows.column_count;
-	return ECO_OK;
 }
 
 static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *error)
@@ -451,28 +441,28 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	rows->row++;
 	rows->line++;
 	enum eco_code code = take_geometry(r, error);
-	if (!code)
-		code = take_fields(r, error);
-	if (!code && r->text_point.read)
+	if (code)
+		return code;
+	take_fields(r);
+	if (r->text_point.read)
 		eco_rows_point_take(rows, &r->text_point);
-	return code;
+	return ECO_OK;
 }
 
 /* Looks for a column with points in the first rows of a table without geometry, such as a spreadsheet. */
-static enum eco_code find_points(struct ogr_rows *r, struct eco_error *error)
+static void find_points(struct ogr_rows *r)
 {
-	enum eco_code code = ECO_OK;
 	bool found = r->rows.has_geometry;
-	for (uint32_t i = 0; i < ECO_ROWS_POINT_LOOK && !found && !code
+	for (uint32_t i = 0; i < ECO_ROWS_POINT_LOOK && !found
 			&& (r->feature = OGR_L_GetNextFeature(r->layer)); i++) {
-		code = take_fields(r, error);
-		found = !code && eco_rows_point_find(&r->rows, &r->text_point);
+		take_fields(r);
+		found = eco_rows_point_find(&r->rows, &r->text_point);
 		OGR_F_Destroy(r->feature);
 	}
 	r->feature = NULL;
 	OGR_L_ResetReading(r->layer);
-	return code || !r->text_point.read ? code
-		: eco_rows_point_state(&r->rows, &r->text_point, r->path, error);
+	if (r->text_point.read)
+		eco_rows_point_state(&r->rows, &r->text_point);
 }
 
 static void close_ogr(struct eco_rows *rows)
@@ -551,14 +541,11 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_source *source,
 	struct eco_error *error)
 {
-	struct ogr_rows *r = calloc(1, sizeof *r);
+	struct ogr_rows *r = eco_alloc(1, sizeof *r);
 	_Static_assert(offsetof(struct ogr_rows, rows) == 0, "struct eco_rows is the start of struct "
 		"ogr_rows");
 	*rows = NULL;
-	if (!r || !(r->path = strdup(source->path))) {
-		free(r);
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", source->path);
-	}
+	r->path = eco_copy_text(source->path);
 	r->rows.next = next;
 	r->rows.close = close_ogr;
 	r->rows.where = "feature";
@@ -574,9 +561,8 @@ enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_sourc
 	}
 	if (!code)
 		code = take_columns(r, error);
-	if (!code)
-		code = find_points(r, error);
 	if (!code) {
+		find_points(r);
 		ignore_fields(r, source);
 		look_at_some(r);
 		*rows = &r->rows;

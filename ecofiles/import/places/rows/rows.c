@@ -11,6 +11,7 @@
 #include <math.h>
 
 #include "ecofiles/format/model.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/module.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/model/import_file.h"
@@ -143,10 +144,8 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 		*const tab[] = { "tab", NULL }, *const binary[] = { "xlsx", "ods", "kmz", "gpkg", "sqlite", "fgb",
 		"shp", "parquet", NULL };
 	static const char *const gltf_names[] = { "gltf", "glb", NULL };
-	struct head *head = malloc(sizeof *head);
+	struct head *head = eco_alloc(1, sizeof *head);
 	*rows = NULL;
-	if (!head)
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", source->path);
 	enum eco_code code = read_head(source->path, head, error);
 	unsigned char sign = first_sign(head);
 	if (code)
@@ -206,8 +205,8 @@ void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const c
 	for (uint32_t i = 0; i < *count; i++)
 		if (strcmp(notes[i], text) == 0)
 			return;
-	if (*count < ECO_ROWS_NOTES_MAX && (notes[*count] = strdup(text)))
-		++*count;
+	if (*count < ECO_ROWS_NOTES_MAX)
+		notes[(*count)++] = eco_copy_text(text);
 }
 
 void eco_rows_note(struct eco_rows *rows, const char *format, ...)
@@ -318,16 +317,12 @@ bool eco_rows_point_find(struct eco_rows *rows, struct eco_rows_point *point)
 	return false;
 }
 
-enum eco_code eco_rows_point_state(struct eco_rows *rows, const struct eco_rows_point *point,
-	const char *path, struct eco_error *error)
+void eco_rows_point_state(struct eco_rows *rows, const struct eco_rows_point *point)
 {
 	if (point->read != read_degree_pair)
-		return ECO_OK;
-	rows->crs = strdup("EPSG:4326");
-	if (!rows->crs)
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
+		return;
+	rows->crs = eco_copy_text("EPSG:4326");
 	eco_rows_note(rows, "\"%.60s\" has latitude and longitude in one field", rows->columns[point->column]);
-	return ECO_OK;
 }
 
 void eco_rows_point_take(struct eco_rows *rows, const struct eco_rows_point *point)

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "ecofiles/base/guard.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/places/rows/rows_formats.h"
 
 #define TEXT_MAX (4u * ECO_ROW_BYTES_MAX)
@@ -49,9 +50,7 @@ static enum eco_code send_head(FILE *out, const struct eco_rows *rows, struct ec
 {
 	struct message m = { .kind = 'H', .has_geometry = rows->has_geometry, .has_z = rows->has_z,
 		.degrees_doubted = rows->degrees_doubted, .texts = HEAD_TEXTS + rows->column_count };
-	const char **texts = malloc(m.texts * sizeof *texts);
-	if (!texts)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	const char **texts = eco_alloc(m.texts, sizeof *texts);
 	texts[0] = rows->where;
 	texts[1] = rows->crs ? rows->crs : "";
 	texts[2] = rows->no_crs;
@@ -173,11 +172,8 @@ static enum eco_code receive(struct child *c, struct eco_error *error)
 			|| (unsigned)m->place.kind >= ECO_PLACE_COUNT)
 		return damaged(c, error);
 	if (size > c->capacity) {
-		char *grown = realloc(c->body, 2 * size);
-		if (!grown)
-			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
-		c->body = grown;
 		c->capacity = 2 * size;
+		c->body = eco_realloc(c->body, c->capacity, 1);
 	}
 	if (fread(c->body, 1, size, c->stream) != size)
 		return ended(c, error);
@@ -199,12 +195,11 @@ static enum eco_code get_head(struct child *c, struct eco_error *error)
 	rows->has_geometry = m->has_geometry;
 	rows->has_z = m->has_z;
 	rows->degrees_doubted = m->degrees_doubted;
-	rows->columns = calloc(m->texts, sizeof *rows->columns);
-	rows->crs = *crs ? strdup(crs) : NULL;
-	bool good = rows->columns && (!*crs || rows->crs);
-	for (uint32_t i = HEAD_TEXTS; good && i < m->texts; i++)
-		good = (rows->columns[rows->column_count++] = strdup(c->texts[i]));
-	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", c->path);
+	rows->columns = eco_alloc(m->texts, sizeof *rows->columns);
+	rows->crs = *crs ? eco_copy_text(crs) : NULL;
+	for (uint32_t i = HEAD_TEXTS; i < m->texts; i++)
+		rows->columns[rows->column_count++] = eco_copy_text(c->texts[i]);
+	return ECO_OK;
 }
 
 static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *error)
@@ -242,14 +237,11 @@ static void close_child(struct eco_rows *rows)
 enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source *source,
 	struct eco_error *error)
 {
-	struct child *c = calloc(1, sizeof *c);
+	struct child *c = eco_alloc(1, sizeof *c);
 	struct eco_guard_limits limits = { .memory_bytes = eco_guard_small_memory(&source->path, 1) };
 	_Static_assert(offsetof(struct child, rows) == 0, "struct eco_rows is the start of struct child");
 	*rows = NULL;
-	if (!c || !(c->path = strdup(source->path))) {
-		free(c);
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", source->path);
-	}
+	c->path = eco_copy_text(source->path);
 	c->rows.next = next;
 	c->rows.close = close_child;
 	c->rows.fields = c->texts;

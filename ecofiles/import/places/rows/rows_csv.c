@@ -10,6 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/rows/rows_formats.h"
@@ -35,16 +36,12 @@ struct csv {
 static enum eco_code put(struct csv *csv, char c, struct eco_error *error)
 {
 	if (csv->used == csv->capacity) {
-		size_t capacity = csv->capacity == 0 ? 4096 : csv->capacity * 2;
 		if (csv->used >= ECO_ROW_BYTES_MAX)
 			return eco_fail(error, ECO_TOO_LARGE, "%.300s:%llu: a row of more than %u bytes; is "
 				"a quote not closed?", csv->path, (unsigned long long)csv->rows.line,
 				ECO_ROW_BYTES_MAX);
-		char *grown = realloc(csv->text, capacity);
-		if (!grown)
-			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
-		csv->text = grown;
-		csv->capacity = capacity;
+		csv->capacity = csv->capacity == 0 ? 4096 : csv->capacity * 2;
+		csv->text = eco_realloc(csv->text, csv->capacity, 1);
 	}
 	csv->text[csv->used++] = c;
 	return ECO_OK;
@@ -137,13 +134,10 @@ static size_t put_utf8(char *to, unsigned c)
 	return 3;
 }
 
-static enum eco_code convert_fields(struct csv *csv, struct eco_error *error)
+static void convert_fields(struct csv *csv)
 {
-	char *grown = realloc(csv->converted, 3 * csv->used + 1);
+	char *grown = csv->converted = eco_realloc(csv->converted, 3 * csv->used + 1, 1);
 	size_t used = 0;
-	if (!grown)
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
-	csv->converted = grown;
 	for (uint32_t i = 0; i < csv->rows.field_count; i++) {
 		size_t at = csv->start[i];
 		csv->rows.fields[i] = grown + used;
@@ -156,17 +150,17 @@ static enum eco_code convert_fields(struct csv *csv, struct eco_error *error)
 		eco_rows_note(&csv->rows, "its text is not UTF-8 (first in line %llu): it is read as "
 			"Windows-1252, which contains Latin-1", (unsigned long long)csv->rows.line);
 	}
-	return ECO_OK;
 }
 
-static enum eco_code set_fields(struct csv *csv, struct eco_error *error)
+static void set_fields(struct csv *csv)
 {
 	for (uint32_t i = 0; i < csv->rows.field_count; i++) {
 		csv->rows.fields[i] = csv->text + csv->start[i];
-		if (!eco_utf8_valid(csv->rows.fields[i], strlen(csv->rows.fields[i])))
-			return convert_fields(csv, error);
+		if (!eco_utf8_valid(csv->rows.fields[i], strlen(csv->rows.fields[i]))) {
+			convert_fields(csv);
+			return;
+		}
 	}
-	return ECO_OK;
 }
 
 /* ---- Rows ---- */
@@ -189,7 +183,9 @@ static enum eco_code read_row(struct csv *csv, bool *more, struct eco_error *err
 	}
 	if (ferror(csv->file))
 		return eco_fail_read(error, csv->path, errno);
-	return *more ? set_fields(csv, error) : ECO_OK;
+	if (*more)
+		set_fields(csv);
+	return ECO_OK;
 }
 
 /* ---- Points as text ---- */
@@ -218,7 +214,9 @@ static enum eco_code find_points(struct csv *csv, struct eco_error *error)
 	csv->line = line;
 	if (from < 0 || fseek(csv->file, from, SEEK_SET) != 0)
 		return eco_fail_read(error, csv->path, errno);
-	return found ? eco_rows_point_state(&csv->rows, &csv->point, csv->path, error) : ECO_OK;
+	if (found)
+		eco_rows_point_state(&csv->rows, &csv->point);
+	return ECO_OK;
 }
 
 static void close_csv(struct eco_rows *rows)
@@ -241,7 +239,7 @@ static char *trimmed(const char *name)
 	size_t size = strlen(name);
 	while (size > 0 && strchr(" \t\r", name[size - 1]))
 		size--;
-	return strndup(name, size);
+	return eco_copy_part(name, size);
 }
 
 /* ---- The beginning of the file ---- */
@@ -319,12 +317,9 @@ static const char *skip_titles(struct csv *csv, const char *text)
 /* Skips the byte order mark, a "sep=" line and titles, and determines the separator. */
 static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
 {
-	char *head = malloc(SNIFF_BYTES + 1);
+	char *head = eco_alloc(SNIFF_BYTES + 1, 1);
 	const char *text = head;
-	if (!head)
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
 	size_t size = fread(head, 1, SNIFF_BYTES, csv->file);
-	head[size] = 0;
 	if (size >= 3 && memcmp(head, "\xef\xbb\xbf", 3) == 0)
 		text += 3;
 	if (excel_separator(text, &csv->separator)) {
@@ -356,37 +351,29 @@ static enum eco_code read_header(struct csv *csv, struct eco_error *error)
 	if (code == ECO_OK && !more)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: an empty file; its first row must name the "
 			"columns", csv->path);
-	for (uint32_t i = 0; code == ECO_OK && i < csv->rows.field_count; i++) {
-		csv->rows.columns[i] = trimmed(csv->rows.fields[i]);
-		if (!csv->rows.columns[i])
-			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
-		csv->rows.column_count++;
-	}
+	for (uint32_t i = 0; code == ECO_OK && i < csv->rows.field_count; i++)
+		csv->rows.columns[csv->rows.column_count++] = trimmed(csv->rows.fields[i]);
 	return code == ECO_OK ? find_points(csv, error) : code;
 }
 
 enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator,
 	struct eco_error *error)
 {
-	struct csv *csv = calloc(1, sizeof *csv);
+	struct csv *csv = eco_alloc(1, sizeof *csv);
 	enum eco_code code;
 	_Static_assert(offsetof(struct csv, rows) == 0, "struct eco_rows is the start of struct csv");
 	*rows = NULL;
-	if (!csv)
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
 	csv->rows.next = next;
 	csv->rows.close = close_csv;
 	csv->separator = separator;
 	csv->rows.where = "line";
 	csv->line = 1;
 	csv->line_end = '\n';
-	csv->path = strdup(path);
-	csv->rows.columns = calloc(ECO_COLUMNS_MAX, sizeof *csv->rows.columns);
-	csv->rows.fields = calloc(ECO_COLUMNS_MAX, sizeof *csv->rows.fields);
-	csv->start = calloc(ECO_COLUMNS_MAX, sizeof *csv->start);
-	if (!csv->path || !csv->rows.columns || !csv->rows.fields || !csv->start)
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
-	else if (!(csv->file = fopen(path, "rb")))
+	csv->path = eco_copy_text(path);
+	csv->rows.columns = eco_alloc(ECO_COLUMNS_MAX, sizeof *csv->rows.columns);
+	csv->rows.fields = eco_alloc(ECO_COLUMNS_MAX, sizeof *csv->rows.fields);
+	csv->start = eco_alloc(ECO_COLUMNS_MAX, sizeof *csv->start);
+	if (!(csv->file = fopen(path, "rb")))
 		code = eco_fail_read(error, path, errno);
 	else
 		code = read_header(csv, error);

@@ -17,8 +17,7 @@ struct eco_rows_point { uint32_t column; bool (*read)(const char *text, double a
  * has_geometry and has_z. False: none has. */
 bool eco_rows_point_find(struct eco_rows *rows, struct eco_rows_point *point);
 /* Sets the CRS that the column's form states, and notes it. */
-enum eco_code eco_rows_point_state(struct eco_rows *rows, const struct eco_rows_point *point,
-	const char *path, struct eco_error *error);
+void eco_rows_point_state(struct eco_rows *rows, const struct eco_rows_point *point);
 /* Sets the place of the row at hand. */
 void eco_rows_point_take(struct eco_rows *rows, const struct eco_rows_point *point);
 
