@@ -50,7 +50,8 @@ static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 	if (code)
 		return code;
 	c->o.ground = &c->ground;            /* freed from now on */
-	return eco_ground_extend(&c->ground, error);
+	eco_ground_extend(&c->ground);
+	return ECO_OK;
 }
 
 /* ---- Reports ---- */
@@ -143,10 +144,11 @@ static enum eco_code convert(struct camera *c, struct eco_track *track, struct e
 	struct eco_flight flight = { 0 };
 	struct eco_script script = { 0 };
 	enum eco_code code = eco_track_place(track, &c->o, error);
-	code = code ? code : eco_track_clean(track, error);
+	if (!code)
+		eco_track_clean(track);
 	say_repairs(c, track);
-	code = code ? code : eco_flight_make(&flight, track, &c->o, error);
 	if (!code) {
+		eco_flight_make(&flight, track, &c->o);
 		say_guesses(c, track, &flight);
 		eco_flight_move(&flight, track, &c->o);
 		say_moved(c, track, &flight);

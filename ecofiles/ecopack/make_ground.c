@@ -66,18 +66,17 @@ static void choose_steps(struct make *m)
 
 /* Rounds heights as the pack stores them, so that plants stand on the drawn ground. Those beyond the border
  * lie between its own. */
-enum eco_code make_ground_finish(struct make *m)
+void make_ground_finish(struct make *m)
 {
 	choose_steps(m);
-	enum eco_code code = eco_ground_extend(&m->ground, m->error);
+	eco_ground_extend(&m->ground);
 	size_t count = (size_t)m->ground.columns * m->ground.rows;
 	for (size_t i = 0; i < count; i++) {
 		float *z = &m->ground.height_m[i];
 		*z = (float)(m->ground_low_m + floor((*z - m->ground_low_m) / m->ground_step_m + 0.5)
 			* m->ground_step_m);
 	}
-	m->has_ground = !code;
-	return code;
+	m->has_ground = true;
 }
 
 /* Reports slopes that no land has: a unit may be wrong. */
@@ -112,11 +111,11 @@ enum eco_code make_ground_read(struct make *m)
 		.scene_vertical = source->vertical, .origin = { source->origin[0], source->origin[1],
 		source->origin[2] }, .side_max = ECO_GROUND_INSIDE_MAX, .warn = main_note_text };
 	enum eco_code code = eco_ground_import(&m->ground, &options, m->error);
-	if (!code)
-		code = make_ground_finish(m);
-	if (!code)
-		doubt_ground(m);
-	return code;
+	if (code)
+		return code;
+	make_ground_finish(m);
+	doubt_ground(m);
+	return ECO_OK;
 }
 
 struct tile_list {               /* of one tile, made in a thread */
@@ -300,14 +299,10 @@ enum eco_code make_ground_through(struct make *m)
 	take_tile(&f, m->scene.root, &(struct lod_place){ .cosine = 1, .scale = 1 }, 0);
 	struct eco_ground_feet feet = { .at = (const double (*)[3])f.at, .count = f.count,
 		.low = { root->low[0], root->low[1] }, .high = { root->high[0], root->high[1] } };
-	enum eco_code code = eco_ground_through(&m->ground, &feet, m->error);
-	if (!code)
-		code = make_ground_finish(m);
-	if (!code) {
-		note_off(m, &f);
-		m->ground_through = true;
-		code = make_ground_pack(m);
-	}
+	eco_ground_through(&m->ground, &feet);
+	make_ground_finish(m);
+	note_off(m, &f);
+	m->ground_through = true;
 	free(f.at);
-	return code;
+	return make_ground_pack(m);
 }

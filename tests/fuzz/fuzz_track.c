@@ -48,14 +48,12 @@ static void fly(struct eco_track *track)
 	struct eco_track_options defaults = ECO_TRACK_DEFAULTS;
 	defaults.fps = 2;                /* so that scripts of minutes are played, too */
 	to_metres(track);
-	if (eco_track_clean(track, NULL))
-		return;
+	eco_track_clean(track);
 	const struct eco_track_report report = track->report;
 	assert(report.fixes == report.kept + report.repeated + report.jumped && report.kept > 0);
 	for (uint32_t i = 1; i < track->count; i++)
 		assert(track->fixes[i].time_s > track->fixes[i - 1].time_s);
-	if (eco_flight_make(&flight, track, &defaults, NULL))
-		return;
+	eco_flight_make(&flight, track, &defaults);
 	for (uint32_t i = 0; i < flight.count; i++)
 		for (int k = 0; k < 3; k++)
 			assert(isfinite(flight.samples[i].eye[k]) && isfinite(flight.samples[i].look[k])

@@ -14,9 +14,7 @@
 static struct eco_flight flight_with(const struct eco_track *track, const struct eco_track_options *options)
 {
 	struct eco_flight flight;
-	struct eco_error error = { 0 };
-	if (eco_flight_make(&flight, track, options, &error))
-		fail_msg("%s", error.text);
+	eco_flight_make(&flight, track, options);
 	for (uint32_t i = 0; i < flight.count; i++) {
 		const struct eco_sample *s = &flight.samples[i];
 		double look = 0, up = 0, dot = 0;

@@ -1,6 +1,7 @@
 /* Colours of a raster: the bands that hold them, or the colours of its classes; and the texels of a square,
  * which GDAL warps. Colours are mixed where texels are wider than pixels. Classes are taken as they
  * are, four a texel, and then their colours are mixed. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/ground/gdal_ground.h"
 
 #include <cpl_conv.h>
@@ -32,14 +33,11 @@ static const struct eco_ground_class *class_of(const struct ground_colors *c, do
 }
 
 /* The scene's classes, then those of the file's own table that the scene does not name. */
-static enum eco_code gather_classes(struct ground_colors *c, const struct eco_ground_image_source *source,
-	struct eco_error *error)
+static void gather_classes(struct ground_colors *c, const struct eco_ground_image_source *source)
 {
 	GDALColorTableH table = GDALGetRasterColorTable(GDALGetRasterBand(c->raster.file, 1));
 	int own = table ? GDALGetColorEntryCount(table) : 0;
-	c->classes = calloc((size_t)source->class_count + (size_t)own + 1, sizeof *c->classes);
-	if (!c->classes)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %d classes", own);
+	c->classes = eco_alloc((size_t)source->class_count + (size_t)own + 1, sizeof *c->classes);
 	c->class_count = source->class_count;
 	if (source->class_count)
 		memcpy(c->classes, source->classes, source->class_count * sizeof *c->classes);
@@ -54,7 +52,6 @@ static enum eco_code gather_classes(struct ground_colors *c, const struct eco_gr
 			(uint8_t)entry.c2, (uint8_t)entry.c3 }, entry.c4 == 0 };
 	}
 	qsort(c->classes, c->class_count, sizeof *c->classes, by_number);
-	return ECO_OK;
 }
 
 static bool is_whole(GDALDataType type)
@@ -118,10 +115,8 @@ static size_t sample_band(const struct ground_colors *c, int number, float *valu
 static enum eco_code guess_range(const struct ground_colors *c, double range[2], struct ground_notes *notes,
 	struct eco_error *error)
 {
-	float *values = malloc(4 * sizeof *values * RANGE_SAMPLES * RANGE_SAMPLES);
+	float *values = eco_alloc(4 * RANGE_SAMPLES * RANGE_SAMPLES, sizeof *values);
 	size_t count = 0;
-	if (!values)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the ground's image");
 	for (int k = 0; k < 3; k++)
 		count += sample_band(c, c->bands[k], values + count,
 			values + 3 * RANGE_SAMPLES * RANGE_SAMPLES);
@@ -193,8 +188,10 @@ enum eco_code ground_colors_open(struct ground_colors *c, const struct eco_groun
 		return eco_fail(error, ECO_BAD_INPUT,
 			"%.200s: its values are %s; numbers of classes are whole", r->path,
 			GDALGetDataTypeName(type));
-	if (c->by_class)
-		return gather_classes(c, source, error);
+	if (c->by_class) {
+		gather_classes(c, source);
+		return ECO_OK;
+	}
 	find_bands(c, count);
 	return find_range(c, source->has_range, range, notes, error);
 }
@@ -315,12 +312,10 @@ static enum eco_code read_classes(const struct ground_colors *c, const struct gr
 	GDALDatasetH from = warp(c, scene, bounds, side, error);
 	if (!from)
 		return ECO_BAD_INPUT;
-	double *values = malloc((size_t)side * side * sizeof *values);
-	uint8_t *alpha = malloc((size_t)side * side);
-	enum eco_code code = !values || !alpha ? eco_fail(error, ECO_NO_MEMORY, "no memory for classes")
-		: read_band(from, 1, side, values, GDT_Float64, 0) &&
-			read_band(from, 2, side, alpha, GDT_Byte, 0)
-		? ECO_OK
+	double *values = eco_alloc((size_t)side * side, sizeof *values);
+	uint8_t *alpha = eco_alloc((size_t)side * side, 1);
+	enum eco_code code = read_band(from, 1, side, values, GDT_Float64, 0)
+		&& read_band(from, 2, side, alpha, GDT_Byte, 0) ? ECO_OK
 		: ground_gdal_fail(c->raster.path, "its classes cannot be read", error);
 	if (!code)
 		code = mix_classes(c, bounds, values, alpha, rgba, error);
@@ -333,8 +328,8 @@ static enum eco_code read_classes(const struct ground_colors *c, const struct gr
 /* Channel k of `rgba`, of numbers that are no bytes. */
 static bool read_range(const struct ground_colors *c, GDALDatasetH from, int k, uint8_t *rgba)
 {
-	float *values = malloc(sizeof *values * SIDE * SIDE);
-	bool good = values && read_band(from, c->bands[k], SIDE, values, GDT_Float32, 0);
+	float *values = eco_alloc(SIDE * SIDE, sizeof *values);
+	bool good = read_band(from, c->bands[k], SIDE, values, GDT_Float32, 0);
 	for (size_t i = 0; i < (size_t)SIDE * SIDE && good; i++) {
 		double t = ((double)values[i] - c->range[0]) / (c->range[1] - c->range[0]);
 		rgba[4 * i + (size_t)k] = (uint8_t)(t > 0 ? 255 * fmin(t, 1) + 0.5 : 0);

@@ -12,6 +12,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/ground/gdal_module.h"
 
 #define ALIGNED 1e-3                 /* in samples: a raster nearer to the grid than this lies on it */
@@ -197,9 +198,9 @@ static enum eco_code put_resampled(struct eco_ground *g, const struct ground_sam
 		box[k + 2] = f->low[k] + (double)end[k] * f->step[k];
 	}
 	const int size[2] = { (int)(end[0] - first[0]), (int)(end[1] - first[1]) };
-	float *line = malloc((size_t)size[0] * sizeof *line);
+	float *line = eco_alloc((size_t)size[0], sizeof *line);
 	from = wrap(s, r->crs);
-	if (from && line)
+	if (from)
 		to = ground_warp(from, r->crs ? job->scene.crs : NULL, box, size, how);
 	bool good = to != NULL;
 	for (int y = 0; good && y < size[1]; y++) {
@@ -249,10 +250,7 @@ static enum eco_code merge(struct eco_ground *g, struct job *job, struct eco_err
 	g->x_m = frame.low[0] + frame.step[0] / 2 - job->options->origin[0];
 	g->y_m = frame.low[1] + frame.step[1] / 2 - job->options->origin[1];
 	size_t count = (size_t)g->columns * g->rows;
-	g->height_m = malloc(count * sizeof *g->height_m);
-	if (!g->height_m)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u x %u samples of ground", g->columns,
-			g->rows);
+	g->height_m = eco_alloc(count, sizeof *g->height_m);
 	for (size_t i = 0; i < count; i++)
 		g->height_m[i] = NAN;
 	for (uint32_t i = 0; i < job->count && code == ECO_OK; i++)
@@ -276,9 +274,7 @@ static enum eco_code import(struct eco_ground *ground, struct job *job, struct e
 	const struct eco_ground_source *source = job->options->source;
 	struct eco_error cause = { .code = ECO_OK };
 	enum eco_code code = ground_scene_check(&job->scene, error);
-	job->rasters = calloc(source->height_count, sizeof *job->rasters);
-	if (!job->rasters)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u rasters", source->height_count);
+	job->rasters = eco_alloc(source->height_count, sizeof *job->rasters);
 	for (uint32_t i = 0; i < source->height_count && code == ECO_OK; i++) {
 		job->rasters[job->count++].path = source->heights[i];
 		code = open_raster(&job->rasters[i], job, error);

@@ -1,5 +1,6 @@
 /* Rasters become the ground's image: the tree of squares, and what each square shows. gdal_colors.c reads
  * one raster's colours. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/ground/gdal_ground.h"
 
 #include <cpl_conv.h>
@@ -255,12 +256,11 @@ static enum eco_code send(struct job *job, const struct square *s, uint8_t *rgba
 
 static enum eco_code send_all(struct job *job, struct eco_error *error)
 {
-	uint8_t *rgba = malloc(ECO_GROUND_IMAGE_BYTES);
+	uint8_t *rgba = eco_alloc(ECO_GROUND_IMAGE_BYTES, 1);
 	const struct square root = root_of(job);
-	job->layer = malloc(ECO_GROUND_IMAGE_BYTES);
-	job->fade = malloc(sizeof *job->fade * SIDE * SIDE);
-	enum eco_code code = rgba && job->layer && job->fade ? look_at(job, &root, rgba, error)
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for the ground's image");
+	job->layer = eco_alloc(ECO_GROUND_IMAGE_BYTES, 1);
+	job->fade = eco_alloc(SIDE * SIDE, sizeof *job->fade);
+	enum eco_code code = look_at(job, &root, rgba, error);
 	if (!code) {
 		measure_fade(rgba, job->fade);
 		code = send(job, &root, rgba, error);
@@ -277,9 +277,7 @@ static enum eco_code import(struct job *job, struct eco_error *error)
 {
 	const struct eco_ground_image_source *source = job->options->source;
 	enum eco_code code = ground_scene_check(&job->scene, error);
-	job->rasters = calloc(source->file_count + 1u, sizeof *job->rasters);
-	if (!job->rasters)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u rasters", source->file_count);
+	job->rasters = eco_alloc(source->file_count + 1u, sizeof *job->rasters);
 	for (uint32_t i = 0; i < source->file_count && !code; i++) {
 		struct ground_colors *colors = &job->rasters[job->count++];
 		colors->raster.path = source->files[i];

@@ -6,6 +6,7 @@
  * other values than these lie from each other, and many steps away (-32768, 3.4e38, 65535). Or it is one
  * that programs write (0, -9999, ...), and nearly everywhere it meets another value, the step is many
  * times that between usual neighbours. A sea at 0 passes, because its shores are gentle somewhere. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/ground/gdal_ground.h"
 
 #include <cpl_error.h>
@@ -118,14 +119,13 @@ struct rows {                        /* a row of values, and whether each counts
 	uint8_t *there;
 };
 
-static bool rows_open(struct rows *rows, const struct ground_raster *r, GDALRasterBandH band, bool masked)
+static void rows_open(struct rows *rows, const struct ground_raster *r, GDALRasterBandH band, bool masked)
 {
 	int flags = GDALGetMaskFlags(band);
 	*rows = (struct rows){ .raster = r, .band = band,
-		.raw = malloc((size_t)r->columns * sizeof *rows->raw), .there = malloc((size_t)r->columns) };
+		.raw = eco_alloc((size_t)r->columns, sizeof *rows->raw), .there = eco_alloc((size_t)r->columns, 1) };
 	if (masked && flags & (GMF_PER_DATASET | GMF_ALPHA))
 		rows->mask = GDALGetMaskBand(band);
-	return rows->raw && rows->there;
 }
 
 static void rows_close(struct rows *rows)
@@ -212,9 +212,9 @@ static void count_step(struct census *c, double a, double b)
 static bool take_census(struct census *c, struct rows *rows, const struct meaning *m)
 {
 	int columns = rows->raster->columns;
-	double *above = malloc((size_t)columns * sizeof *above);
-	bool good = above != NULL;
-	for (int x = 0; good && x < columns; x++)
+	double *above = eco_alloc((size_t)columns, sizeof *above);
+	bool good = true;
+	for (int x = 0; x < columns; x++)
 		above[x] = NAN;
 	for (int y = 0; good && y < rows->raster->rows; y++) {
 		good = rows_read(rows, y);
@@ -300,9 +300,9 @@ static void add_hole(struct meaning *m, double value, const char *path, uint64_t
 static bool find_holes(struct meaning *m, struct rows *rows, struct ground_notes *notes)
 {
 	const char *path = rows->raster->path;
-	struct census *c = calloc(1, sizeof *c);
+	struct census *c = eco_alloc(1, sizeof *c);
 	double value;
-	bool good = c && take_census(c, rows, m);
+	bool good = take_census(c, rows, m);
 	for (size_t s = 0; good && s < SUSPECTS; s++)
 		if (stands_out(c, s))
 			add_hole(m, suspects[s], path, c->suspect[s].samples, notes);
@@ -411,7 +411,7 @@ enum eco_code ground_samples_read(struct ground_samples *samples, const struct g
 	struct rows rows = { .raw = NULL };
 	struct meaning meaning;
 	GDALRasterBandH band = NULL;
-	struct sums sums = { malloc(columns * sizeof(double)), malloc(columns * sizeof(double)) };
+	struct sums sums = { eco_alloc(columns, sizeof(double)), eco_alloc(columns, sizeof(double)) };
 	enum eco_code code = pick_band(&band, raster, source, notes, error);
 	*samples = (struct ground_samples){ .columns = columns, .rows = rows_wanted };
 	memcpy(samples->transform, raster->transform, sizeof samples->transform);
@@ -419,12 +419,9 @@ enum eco_code ground_samples_read(struct ground_samples *samples, const struct g
 		samples->transform[3 * i + 1] *= (double)raster->columns / columns;
 		samples->transform[3 * i + 2] *= (double)raster->rows / rows_wanted;
 	}
-	samples->metres = malloc((size_t)columns * rows_wanted * sizeof *samples->metres);
-	if (code == ECO_OK && (!rows_open(&rows, raster, band, !source->no_holes) || !sums.sum || !sums.weight
-			|| !samples->metres))
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: no memory for %u x %u heights", raster->path,
-			columns, rows_wanted);
+	samples->metres = eco_alloc((size_t)columns * rows_wanted, sizeof *samples->metres);
 	if (!code) {
+		rows_open(&rows, raster, band, !source->no_holes);
 		meaning_of(&meaning, raster, band, source, notes);
 		if ((!source->has_nodata && !source->no_holes && !find_holes(&meaning, &rows, notes))
 				|| !average(samples, &rows, &meaning, &sums))

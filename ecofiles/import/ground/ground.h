@@ -1,8 +1,8 @@
 /* The ground: a grid of heights under a scene, read from rasters, or laid through its plants.
  *
  *   eco_ground_import(&ground, &options, &error);   any rasters GDAL opens -> samples in scene metres
- *   eco_ground_through(&ground, &feet, &error);     or, without rasters
- *   eco_ground_extend(&ground, &error);             beyond its border, to the horizon
+ *   eco_ground_through(&ground, &feet);             or, without rasters
+ *   eco_ground_extend(&ground);                     beyond its border, to the horizon
  *   eco_ground_height(&ground, x, y, &z);           where a plant stands
  *   eco_ground_free(&ground);
  */
@@ -58,18 +58,16 @@ enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_grou
 enum eco_code eco_ground_fill(struct eco_ground *ground, struct eco_error *error);
 
 /* Adds margins (heights.h): at the border the heights of the ground, graded to their mean towards the
- * horizon, 131 km away or more. Not twice; at most ECO_GROUND_INSIDE_MAX samples a side. On failure the
- * ground stays. */
+ * horizon, 131 km away or more. Not twice; at most ECO_GROUND_INSIDE_MAX samples a side. */
 #define ECO_GROUND_INSIDE_MAX (ECO_GROUND_SIDE_MAX - 2 * ECO_GROUND_MARGIN_MAX)
-enum eco_code eco_ground_extend(struct eco_ground *ground, struct eco_error *error);
+void eco_ground_extend(struct eco_ground *ground);
 
 /* Points on the ground, metres from the scene's origin, and a box around them that the ground shall cover. */
 struct eco_ground_feet { const double (*at)[3]; uint32_t count; double low[2], high[2]; };
 
 /* Ground that goes through at least one point, to a centimetre; a plane if that does. Points at other heights
  * than their neighbours may be further off: its cells are at least 25 cm wide, and at most 512 x 512. */
-enum eco_code eco_ground_through(struct eco_ground *ground, const struct eco_ground_feet *feet,
-	struct eco_error *error);
+void eco_ground_through(struct eco_ground *ground, const struct eco_ground_feet *feet);
 
 /* Refuses what no reader reads: files that are not there, empty, packed, pointers of Git LFS, web pages. */
 enum eco_code eco_raster_file_check(const char *path, struct eco_error *error);

@@ -1,4 +1,5 @@
 /* Shapes of ground: missing samples filled, ground beyond the rasters, and ground without rasters. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/ground/ground.h"
 
 #include <math.h>
@@ -88,16 +89,13 @@ enum eco_code eco_ground_fill(struct eco_ground *ground, struct eco_error *error
 		return ECO_OK;
 	if (missing == count)
 		return eco_fail(error, ECO_BAD_INPUT, "it holds no height at all, only NODATA");
-	f.queue = malloc(missing * sizeof *f.queue);
-	f.values = malloc(missing * sizeof *f.values);
-	bool ready = f.queue && f.values;
-	if (ready) {
-		grow_rings(&f);
-		level(&f);
-	}
+	f.queue = eco_alloc(missing, sizeof *f.queue);
+	f.values = eco_alloc(missing, sizeof *f.values);
+	grow_rings(&f);
+	level(&f);
 	free(f.queue);
 	free(f.values);
-	return ready ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory to fill %zu samples", missing);
+	return ECO_OK;
 }
 
 /* ---- Beyond the border ----
@@ -188,7 +186,7 @@ static void fill_rings(struct margin *m, struct eco_ground *g)
 	}
 }
 
-enum eco_code eco_ground_extend(struct eco_ground *ground, struct eco_error *error)
+void eco_ground_extend(struct eco_ground *ground)
 {
 	const struct eco_ground inside = *ground;
 	struct eco_ground g = inside;
@@ -197,14 +195,8 @@ enum eco_code eco_ground_extend(struct eco_ground *ground, struct eco_error *err
 	g.margin = margin_of(&inside);
 	g.columns += 2 * g.margin;
 	g.rows += 2 * g.margin;
-	g.height_m = malloc((size_t)g.columns * g.rows * sizeof *g.height_m);
-	double *profiles = malloc(2 * sizeof *profiles * m.length);
-	if (!g.height_m || !profiles) {
-		free(g.height_m);
-		free(profiles);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for ground of %u x %u samples", g.columns,
-			g.rows);
-	}
+	g.height_m = eco_alloc((size_t)g.columns * g.rows, sizeof *g.height_m);
+	double *profiles = eco_alloc(2 * m.length, sizeof *profiles);
 	m.profile = profiles;
 	m.next = profiles + m.length;
 	take_profile(&m);
@@ -215,7 +207,6 @@ enum eco_code eco_ground_extend(struct eco_ground *ground, struct eco_error *err
 	free(profiles);
 	eco_ground_free(ground);
 	*ground = g;
-	return ECO_OK;
 }
 
 /* ---- Through plants ----
@@ -323,15 +314,15 @@ static bool all_stand(const struct eco_ground *g, const struct eco_ground_feet *
 }
 
 /* The same surface on another grid; frees the old one. */
-static bool set_cells(struct eco_ground *g, const double size[2], uint32_t columns, uint32_t rows)
+static void set_cells(struct eco_ground *g, const double size[2], uint32_t columns, uint32_t rows)
 {
 	struct eco_ground finer = *g;
 	finer.columns = columns + 1;
 	finer.rows = rows + 1;
 	finer.step_x_m = size[0] / columns;
 	finer.step_y_m = size[1] / rows;
-	finer.height_m = malloc((size_t)finer.columns * finer.rows * sizeof *finer.height_m);
-	for (uint32_t i = 0; finer.height_m && i < finer.columns * finer.rows; i++) {
+	finer.height_m = eco_alloc((size_t)finer.columns * finer.rows, sizeof *finer.height_m);
+	for (uint32_t i = 0; i < finer.columns * finer.rows; i++) {
 		double z = 0;
 		eco_ground_height(g, g->x_m + i % finer.columns * finer.step_x_m,
 			g->y_m + i / finer.columns * finer.step_y_m, &z);
@@ -339,31 +330,26 @@ static bool set_cells(struct eco_ground *g, const double size[2], uint32_t colum
 	}
 	eco_ground_free(g);
 	*g = finer;
-	return g->height_m;
 }
 
-static bool fit(struct eco_ground *g, const struct eco_ground_feet *feet, const double size[2])
+static void fit(struct eco_ground *g, const struct eco_ground_feet *feet, const double size[2])
 {
 	uint32_t less[2] = { octaves(size[1], size[0]), octaves(size[0], size[1]) };
 	double longest = fmax(size[0], size[1]), (*sums)[2] = NULL;
-	bool good = true;
-	for (uint32_t level = 1; good && level <= LEVELS_MAX && !all_stand(g, feet); level++) {
+	for (uint32_t level = 1; level <= LEVELS_MAX && !all_stand(g, feet); level++) {
 		uint32_t columns = cells_at(level, less[0]), rows = cells_at(level, less[1]);
 		if (ldexp(longest, -(int)level) < CELL_LEAST_M)
 			break;
-		free(sums);
-		sums = malloc(sizeof *sums * (columns + 1) * (rows + 1));
-		good = sums && set_cells(g, size, columns, rows);
-		for (int round = 0; good && round < ROUNDS && add_residuals(g, feet, sums) > STANDS_M / 2;
+		sums = eco_realloc(sums, (size_t)(columns + 1) * (rows + 1), sizeof *sums);
+		set_cells(g, size, columns, rows);
+		for (int round = 0; round < ROUNDS && add_residuals(g, feet, sums) > STANDS_M / 2;
 			round++)
 			;
 	}
 	free(sums);
-	return good;
 }
 
-enum eco_code eco_ground_through(struct eco_ground *ground, const struct eco_ground_feet *feet,
-	struct eco_error *error)
+void eco_ground_through(struct eco_ground *ground, const struct eco_ground_feet *feet)
 {
 	struct plane plane = plane_through(feet);
 	double low[2], size[2];
@@ -377,13 +363,10 @@ enum eco_code eco_ground_through(struct eco_ground *ground, const struct eco_gro
 		.y_m = low[1],
 		.step_x_m = size[0],
 		.step_y_m = size[1],
-		.height_m = malloc(4 * sizeof(float)) };
-	for (int i = 0; ground->height_m && i < 4; i++)
+		.height_m = eco_alloc(4, sizeof(float)) };
+	for (int i = 0; i < 4; i++)
 		ground->height_m[i] = (float)(plane.mean
 			+ plane.slope[0] * (low[0] + i % 2 * size[0] - plane.middle[0])
 			+ plane.slope[1] * (low[1] + i / 2 * size[1] - plane.middle[1]));
-	if (ground->height_m && fit(ground, feet, size))
-		return ECO_OK;
-	eco_ground_free(ground);
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for the ground under %u plants", feet->count);
+	fit(ground, feet, size);
 }

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/module.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/import/model/import_file.h"
@@ -58,9 +59,7 @@ static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_jo
 		|| !isfinite(head.x_m) || !isfinite(head.y_m) || !ground_notes_end(&job->notes))
 		return false;
 	count = (size_t)head.columns * head.rows;
-	head.height_m = malloc(count * sizeof *head.height_m);
-	if (!head.height_m)
-		return false;
+	head.height_m = eco_alloc(count, sizeof *head.height_m);
 	*ground = head;
 	if (fread(ground->height_m, sizeof *ground->height_m, count, in) != count || fgetc(in) != EOF)
 		return false;
@@ -93,8 +92,7 @@ enum eco_code eco_raster_file_check(const char *path, struct eco_error *error)
 		return ECO_OK;
 	char *head = eco_file_read_head(path, &size);
 	/* GDAL looks into zip files */
-	enum eco_code code = head ? eco_file_check_head(path, head, size, true, "a raster", error)
-		: eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
+	enum eco_code code = eco_file_check_head(path, head, size, true, "a raster", error);
 	free(head);
 	return code;
 }
@@ -203,9 +201,7 @@ enum eco_code eco_ground_image_look(const struct eco_ground_image_options *optio
 enum eco_code eco_ground_image_open(struct eco_ground_image_reader **reader,
 	const struct eco_ground_image_options *options, struct eco_error *error)
 {
-	*reader = malloc(sizeof **reader);
-	if (!*reader)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory to read the ground's image");
+	*reader = eco_alloc(1, sizeof **reader);
 	enum eco_code code = start(*reader, options, false, error);
 	if (code) {
 		free(*reader);

@@ -106,7 +106,7 @@ enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_op
 
 /* Repairs time stamps, repeated positions, jumps and gaps, and counts what it repairs (track_clean.c). Times
  * then count from 0 and ascend. */
-enum eco_code eco_track_clean(struct eco_track *track, struct eco_error *error);
+void eco_track_clean(struct eco_track *track);
 
 #define ECO_SAMPLE_NUMBERS 10
 struct eco_sample {
@@ -126,8 +126,8 @@ struct eco_flight {
 };
 
 /* At least one sample. A camera without a recorded yaw looks where it goes. */
-enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track,
-	const struct eco_track_options *options, struct eco_error *error);
+void eco_flight_make(struct eco_flight *flight, const struct eco_track *track,
+	const struct eco_track_options *options);
 void eco_flight_free(struct eco_flight *flight);
 /* The least and the greatest of its eyes. */
 void eco_flight_box(const struct eco_flight *flight, double low[3], double high[3]);

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/places/crs.h"
 #include "ecofiles/import/track/track_read.h"
 
@@ -473,20 +474,15 @@ static void drop_jumps(struct clean *c)
 	retime(c, first, end);
 }
 
-enum eco_code eco_track_clean(struct eco_track *track, struct eco_error *error)
+void eco_track_clean(struct eco_track *track)
 {
 	struct clean c = { .f = track->fixes, .count = track->count, .track = track, .report = &track->report,
-		.scratch = malloc((track->count + 1) * sizeof(double)),
-		.place = malloc(track->count * sizeof(struct eco_fix *)) };
+		.scratch = eco_alloc(track->count + 1u, sizeof(double)),
+		.place = eco_alloc(track->count, sizeof(struct eco_fix *)) };
 	track->report = (struct eco_track_report){ .fixes = track->count };
-	enum eco_code code = c.scratch && c.place ? ECO_OK
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
-	if (!code) {
-		repair_stamps(&c);
-		merge_repeats(&c);
-		drop_jumps(&c);
-	}
+	repair_stamps(&c);
+	merge_repeats(&c);
+	drop_jumps(&c);
 	free(c.scratch);
 	free(c.place);
-	return code;
 }

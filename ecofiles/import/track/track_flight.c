@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/track/track_read.h"
 
 #define SAMPLES_MAX 200000u
@@ -279,27 +280,21 @@ static void make_samples(struct work *w)
 	}
 }
 
-enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track,
-	const struct eco_track_options *options, struct eco_error *error)
+void eco_flight_make(struct eco_flight *flight, const struct eco_track *track,
+	const struct eco_track_options *options)
 {
 	size_t fixes = track->count;
 	struct work w = { .flight = flight, .track = track, .options = options,
-		.time_s = malloc((3 * fixes + SAMPLES_MAX) * sizeof *w.time_s) };
-	*flight = (struct eco_flight){ .samples = calloc(SAMPLES_MAX, sizeof *flight->samples) };
-	enum eco_code code = w.time_s && flight->samples ? ECO_OK
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for %zu fixes", fixes);
-	if (!code) {
-		w.value = w.time_s + fixes;
-		w.scratch = w.value + fixes;
-		uint32_t looks = learn(&w);
-		double step_s = collect(&w, TRACK_X);
-		flight->smooth_s = choose_smoothing(&w, step_s);
-		choose_samples(&w, step_s, looks);
-		make_samples(&w);
-	} else
-		eco_flight_free(flight);
+		.time_s = eco_alloc(3 * fixes + SAMPLES_MAX, sizeof *w.time_s) };
+	*flight = (struct eco_flight){ .samples = eco_alloc(SAMPLES_MAX, sizeof *flight->samples) };
+	w.value = w.time_s + fixes;
+	w.scratch = w.value + fixes;
+	uint32_t looks = learn(&w);
+	double step_s = collect(&w, TRACK_X);
+	flight->smooth_s = choose_smoothing(&w, step_s);
+	choose_samples(&w, step_s, looks);
+	make_samples(&w);
 	free(w.time_s);
-	return code;
 }
 
 /* ---- Where the scene is ---- */
@@ -487,13 +482,13 @@ static void put_vector(FILE *out, const char *name, const double v[3], double pa
 	fputs("]", out);
 }
 
-static enum eco_code write_keys(struct eco_script *script, const struct fit *f, struct eco_error *error)
+static void write_keys(struct eco_script *script, const struct fit *f)
 {
 	FILE *out = open_memstream(&script->text, &script->size);
 	/* a tenth of a millimetre, finer in scenes that are small */
 	double fine = script->error_m > 0 && script->error_m < 1e-3 ? 1e6 : 1e4;
 	if (!out)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
+		eco_end("no memory");
 	fprintf(out, "{\"fps\": %.15g, \"keyframes\": [\n", round(script->fps * 1e4) / 1e4);
 	for (uint32_t i = 0; i < f->count; i++) {
 		const double *n = numbers(f, i);
@@ -507,18 +502,17 @@ static enum eco_code write_keys(struct eco_script *script, const struct fit *f, 
 			i + 1 < f->count ? "," : "");
 	}
 	fputs("]}\n", out);
-	return fclose(out) == 0 ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	if (fclose(out) != 0)
+		eco_end("no memory");
 }
 
 enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight *flight,
 	const struct eco_track_options *options, struct eco_error *error)
 {
-	uint32_t *owned = calloc(flight->count, sizeof *owned + sizeof(bool));
+	uint32_t *owned = eco_alloc(flight->count, sizeof *owned + sizeof(bool));
 	double length_s = (flight->count - 1) * flight->step_s,
 		fps = length_s > 0 ? ECO_SCRIPT_FRAMES / length_s : 30;
 	*script = (struct eco_script){ .length_s = length_s };
-	if (!owned)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u keyframes", flight->count);
 	struct fit f = { .flight = flight, .key = owned, .script = script,
 		.is_key = (bool *)(owned + flight->count) };
 	enum eco_code code = ECO_OK;
@@ -530,7 +524,7 @@ enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight 
 	script->frames = (uint32_t)fmin(floor(length_s * script->fps + 1e-6) + 1, UINT32_MAX);
 	script->keys = f.count;
 	if (!code)
-		code = write_keys(script, &f, error);
+		write_keys(script, &f);
 	free(owned);
 	return code;
 }

@@ -18,7 +18,7 @@
 #include <ctype.h>
 #include <time.h>
 
-#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/track/track_read.h"
 #include "ecofiles/import/places/rows/rows.h"
@@ -59,9 +59,7 @@ enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, stru
 	if (track->count == ECO_TRACK_FIXES_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: more than %u fixes", track->path,
 			ECO_TRACK_FIXES_MAX);
-	if (!eco_array_grow(&track->fixes, &track->capacity, track->count, sizeof f))
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: no memory for %u fixes", track->path,
-			track->count);
+	eco_grow(&track->fixes, &track->capacity, track->count, sizeof f);
 	track->timed |= !isnan(f.time_s);
 	track->fixes[track->count++] = f;
 	return ECO_OK;

@@ -13,7 +13,7 @@ enum eco_code track_read_rows(struct eco_track *track, const char *formats, stru
 #define TRACK_FIX(at_line) \
 	(struct eco_fix){ .n = { NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN }, .line = at_line }
 /* Checks and takes: what has no position, or an impossible one, is counted instead. Each call is one record.
- * ECO_TOO_LARGE or ECO_NO_MEMORY. */
+ * ECO_TOO_LARGE. */
 enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, struct eco_error *error);
 
 /* Each of these moves *text behind what it reads (after spaces), or returns false and leaves it. No "nan". */
