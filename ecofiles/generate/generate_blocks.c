@@ -80,10 +80,11 @@ static void write_hectare(struct gen_layout *layout, uint32_t kind, uint32_t pla
 {
 	struct gen_stand stand;
 	char name[NAME_BYTES];
-	bool first = true, good = gen_stand_open(&stand, layout, plants, HECTARE_M / 2, 7);
+	bool first = true;
 	double sum = 0;
 	uint32_t planted = 0;
-	FILE *out = good ? gen_open(layout) : NULL;
+	gen_stand_open(&stand, plants, HECTARE_M / 2, 7);
+	FILE *out = gen_open(layout);
 	if (out) {
 		fprintf(out, "{\n  \"name\": \"hectare-%u\",\n", kind);
 		gen_print_plants(out, species);

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "ecofiles/base/files.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/module.h"
 #include "ecofiles/generate/generate_plants.h"
 
@@ -42,8 +43,8 @@ bool gen_progress(struct gen_layout *layout, const char *stage, double share)
 FILE *gen_open(struct gen_layout *layout)
 {
 	FILE *out = layout->code ? NULL : open_memstream(&layout->bytes, &layout->size);
-	if (!out)
-		gen_fail(layout, ECO_NO_MEMORY, "generating: no memory");
+	if (!out && !layout->code)
+		eco_end("no memory");
 	return out;
 }
 
@@ -58,7 +59,7 @@ void gen_close(struct gen_layout *layout, FILE *out, const char *name)
 {
 	char path[PATH_BYTES];
 	if (fclose(out))
-		gen_fail(layout, ECO_NO_MEMORY, "generating %s: no memory", name);
+		eco_end("no memory");
 	if (path_of(layout, name, path))
 		layout->code = eco_file_write(path, layout->bytes, layout->size, layout->error);
 	free(layout->bytes);
@@ -99,10 +100,8 @@ static void write_ground(struct gen_layout *layout, const struct gen_terrain *te
 		step_m *= 2;
 	half_m = ceil(half_m / step_m) * step_m;
 	uint32_t side = (uint32_t)(2 * half_m / step_m + 0.5) + 1;
-	float *samples = malloc((size_t)side * side * sizeof *samples);
-	if (!samples)
-		gen_fail(layout, ECO_NO_MEMORY, "dem.tif: no memory for %u x %u samples", side, side);
-	for (size_t i = 0; samples && i < (size_t)side * side; i++) {
+	float *samples = eco_alloc((size_t)side * side, sizeof *samples);
+	for (size_t i = 0; i < (size_t)side * side; i++) {
 		double z = gen_terrain_height(terrain, -half_m + (uint32_t)(i % side) * step_m,
 			half_m - (uint32_t)(i / side) * step_m);
 		samples[i] = (float)(floor((GEN_ALTITUDE + z) * 100 + 0.5) / 100);
@@ -211,20 +210,15 @@ void gen_write_listed(struct gen_layout *layout, const char *name, uint32_t tile
 
 /* ---- Plants that keep their distance: a hash grid of the plants so far ---- */
 
-bool gen_stand_open(struct gen_stand *stand, struct gen_layout *layout, uint32_t capacity, double half_m,
-	double room_max)
+void gen_stand_open(struct gen_stand *stand, uint32_t capacity, double half_m, double room_max)
 {
 	*stand = (struct gen_stand){ .capacity = capacity, .half_m = half_m, .cell_m = room_max };
 	while (half_m * 2 / stand->cell_m > 4096)
 		stand->cell_m *= 2;
 	stand->side = (uint32_t)(2 * half_m / stand->cell_m) + 1;
-	stand->plants = malloc(((size_t)capacity + 1) * sizeof *stand->plants);
-	stand->cells = malloc((size_t)stand->side * stand->side * sizeof *stand->cells);
-	if (!stand->plants || !stand->cells)
-		gen_fail(layout, ECO_NO_MEMORY, "generating: no memory for %u plants", capacity);
-	else
-		memset(stand->cells, 0xFF, (size_t)stand->side * stand->side * sizeof *stand->cells);
-	return !layout->code;
+	stand->plants = eco_alloc((size_t)capacity + 1, sizeof *stand->plants);
+	stand->cells = eco_alloc((size_t)stand->side * stand->side, sizeof *stand->cells);
+	memset(stand->cells, 0xFF, (size_t)stand->side * stand->side * sizeof *stand->cells);
 }
 
 void gen_stand_close(struct gen_stand *stand)

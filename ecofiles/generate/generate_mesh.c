@@ -9,8 +9,8 @@
 #include <string.h>
 
 #include "ecofiles/base/files.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/angle16.h"
 
 /* ---- Random numbers ---- */
@@ -127,19 +127,11 @@ uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, uint32_t da
 
 static uint32_t add_vertex(struct gen_mesh *mesh, struct gen_v3 at, double u, double v)
 {
-	if (mesh->count == mesh->capacity && !mesh->failed) {
-		uint32_t wanted = mesh->capacity ? 2 * mesh->capacity : 1024;
-		struct gen_v3 *position = realloc(mesh->position, wanted * sizeof *position);
-		if (position)
-			mesh->position = position;
-		float (*uv)[2] = realloc(mesh->uv, wanted * sizeof *uv);
-		if (uv)
-			mesh->uv = uv;
-		mesh->failed = !position || !uv;
-		mesh->capacity = mesh->failed ? mesh->capacity : wanted;
+	if (mesh->count == mesh->capacity) {
+		mesh->capacity = mesh->capacity ? 2 * mesh->capacity : 1024;
+		mesh->position = eco_realloc(mesh->position, mesh->capacity, sizeof *mesh->position);
+		mesh->uv = eco_realloc(mesh->uv, mesh->capacity, sizeof *mesh->uv);
 	}
-	if (mesh->failed)
-		return 0;
 	mesh->position[mesh->count] = at;
 	mesh->uv[mesh->count][0] = (float)u;
 	mesh->uv[mesh->count][1] = (float)v;
@@ -149,10 +141,7 @@ static uint32_t add_vertex(struct gen_mesh *mesh, struct gen_v3 at, double u, do
 static void add_face(struct gen_mesh *mesh, uint8_t material, uint32_t corners, const uint32_t corner[])
 {
 	assert(corners == 3 || corners == 4);
-	mesh->failed = mesh->failed || !eco_array_grow(&mesh->faces, &mesh->face_capacity, mesh->face_count,
-		sizeof *mesh->faces);
-	if (mesh->failed)
-		return;
+	eco_grow(&mesh->faces, &mesh->face_capacity, mesh->face_count, sizeof *mesh->faces);
 	struct gen_face *face = &mesh->faces[mesh->face_count++];
 	*face = (struct gen_face){ .corners = (uint8_t)corners, .material = material };
 	memcpy(face->corner, corner, corners * sizeof *corner);
@@ -333,8 +322,6 @@ static void print_mtl(const struct gen_mesh *mesh, FILE *out)
 enum eco_code gen_mesh_write(const struct gen_mesh *mesh, const char *folder, const char *name,
 	struct eco_error *error)
 {
-	if (mesh->failed)
-		return eco_fail(error, ECO_NO_MEMORY, "generating %s: no memory", name);
 	for (int part = 0; part < 2; part++) {
 		char path[4096], *text = NULL;
 		size_t size = 0;
@@ -343,10 +330,11 @@ enum eco_code gen_mesh_write(const struct gen_mesh *mesh, const char *folder, co
 			return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", folder);
 		FILE *out = open_memstream(&text, &size);
 		if (!out)
-			return eco_fail(error, ECO_NO_MEMORY, "generating %s: no memory", name);
+			eco_end("no memory");
 		part ? print_obj(mesh, name, out) : print_mtl(mesh, out);
-		enum eco_code code = fclose(out) ? eco_fail(error, ECO_NO_MEMORY, "generating %s: no memory",
-			name) : eco_file_write(path, text, size, error);
+		if (fclose(out))
+			eco_end("no memory");
+		enum eco_code code = eco_file_write(path, text, size, error);
 		free(text);
 		if (code)
 			return code;

@@ -1,8 +1,7 @@
 /* Parametric plants: random numbers, vectors, a mesh of tubes, leaves and blades that is written as OBJ, and
  * kinds of plants, each a function from random numbers to a mesh of believable proportions.
  *
- * Plants grow along +Z here, in metres, and are written Y-up, as OBJ files are. A mesh that ran out of
- * memory stays failed: check when writing. */
+ * Plants grow along +Z here, in metres, and are written Y-up, as OBJ files are. */
 #ifndef ECO_GENERATE_PLANTS_H
 #define ECO_GENERATE_PLANTS_H
 
@@ -55,7 +54,6 @@ struct gen_mesh {
 	struct gen_material materials[GEN_MATERIALS_MAX];
 	uint32_t material_count;
 	double detail;               /* leaves times this, each as much smaller; 0: 1 */
-	bool failed;
 };
 void gen_mesh_free(struct gen_mesh *mesh);
 

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/generate/generate_plants.h"
 
 /* ---- Plants one by one ---- */
@@ -114,9 +115,9 @@ void gen_park(struct gen_layout *layout)
 		{ 6, { 5, -22.5, 1.7 }, { -1, -6, 2.2 }, 50 },
 		{ 7, { 2.5, -18.6, 1.2 }, { -0.4, -12, 0.6 }, 50 } };
 	gen_write_setting(layout, &(struct gen_setting){ names, &terrain, 220 + 60 * stretch, 4, looks, 4 });
-	struct gen_instance *instances = calloc((size_t)layout->plants + 64, sizeof *instances);
-	bool good = gen_stand_open(&stand, layout, layout->plants + 64, 50 * stretch, 11) && instances;
-	FILE *out = good ? gen_open(layout) : NULL;
+	struct gen_instance *instances = eco_alloc((size_t)layout->plants + 64, sizeof *instances);
+	gen_stand_open(&stand, layout->plants + 64, 50 * stretch, 11);
+	FILE *out = gen_open(layout);
 	uint32_t count =
 		out ? plant_avenue(layout, stretch, (uint32_t)(AVENUE * share + 0.5), &stand, instances) : 0;
 	for (size_t i = 0; i < sizeof park_beds / sizeof *park_beds && out && count < layout->plants; i++) {
@@ -251,8 +252,8 @@ void gen_forest(struct gen_layout *layout)
 		{ 3, { 0.25 * half_m, -1.0 * half_m - 30, 18 }, { 0, 0, 10 }, 48 },
 		{ 6, { 0, -half_m - 4, 1.7 }, { -4, -half_m + 26, 6 }, 60 } };
 	gen_write_setting(layout, &(struct gen_setting){ names, &terrain, half_m + 200, 5, looks, 3 });
-	if (gen_stand_open(&stand, layout, layout->plants, half_m, 6.9) &&
-		gen_progress(layout, "stems", 0.85)) {
+	gen_stand_open(&stand, layout->plants, half_m, 6.9);
+	if (gen_progress(layout, "stems", 0.85)) {
 		write_stems(layout, trees, half_m, &stand);
 		write_understory(layout, low, half_m, &stand);
 	}
@@ -282,7 +283,8 @@ static void write_patch(struct gen_layout *layout, const struct patch *patch)
 	struct gen_instance instances[PATCH_PLANTS];
 	struct gen_stand stand;
 	char path[64];
-	FILE *out = gen_stand_open(&stand, layout, PATCH_PLANTS, PATCH_M, 1) ? gen_open(layout) : NULL;
+	gen_stand_open(&stand, PATCH_PLANTS, PATCH_M, 1);
+	FILE *out = gen_open(layout);
 	for (uint32_t throw = 0; throw < 4000 && out && stand.count < PATCH_PLANTS; throw++) {
 		/* a disc a little larger than the patch's share of the meadow, so that turned patches
 		 * leave no gaps */
@@ -343,7 +345,8 @@ void gen_meadow(struct gen_layout *layout)
 	gen_write_setting(layout, &(struct gen_setting){ names, &terrain, half_m + 160, 4, looks, 3 });
 	for (size_t i = 0; i < PATCHES; i++)
 		write_patch(layout, &patches[i]);
-	FILE *out = gen_stand_open(&stand, layout, 48, half_m, 9) ? gen_open(layout) : NULL;
+	gen_stand_open(&stand, 48, half_m, 9);
+	FILE *out = gen_open(layout);
 	for (uint32_t throw = 0; throw < 4000 && out && count < wanted; throw++) {
 		const char *plant = trees[gen_random_bits(&layout->random) % 3];
 		double x = gen_random_in(&layout->random, -half_m, half_m),

@@ -78,9 +78,7 @@ struct gen_stand {
 	uint32_t count, capacity, *cells, side;
 	double cell_m, half_m;
 };
-/* False: no memory. */
-bool gen_stand_open(struct gen_stand *stand, struct gen_layout *layout, uint32_t capacity, double half_m,
-	double room_max);
+void gen_stand_open(struct gen_stand *stand, uint32_t capacity, double half_m, double room_max);
 void gen_stand_close(struct gen_stand *stand);
 /* Adds the plant and returns true if no other is nearer than the mean of both rooms. */
 bool gen_stand_add(struct gen_stand *stand, double x, double y, double room);

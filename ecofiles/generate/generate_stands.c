@@ -81,8 +81,8 @@ static void write_plants(struct gen_layout *layout, const struct stand_kind *kin
 	struct gen_stand stand;
 	double room = fmax(kind->stocks[0].room_m * 1.2, kind->lone_room_m), sum = 0;
 	uint32_t left = layout->plants, planted = 0;
-	bool good = gen_stand_open(&stand, layout, layout->plants + 1, half_m, room);
-	FILE *out = good ? gen_open(layout) : NULL;
+	gen_stand_open(&stand, layout->plants + 1, half_m, room);
+	FILE *out = gen_open(layout);
 	if (out)
 		fputs("plant,easting,northing,height_m\n", out);
 	if (out && kind->lone) {

@@ -1,6 +1,7 @@
 /* Painted leaves for cards, four to a texture, from shade leaves to sun leaves: a silhouette cut out by
  * alpha, a midrib, side veins, a little unevenness. Pixels outside a leaf keep the leaf's colour, so that
  * filtering gives no dark fringe. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/generate/generate_plants.h"
 
 #include <math.h>
@@ -155,9 +156,7 @@ enum eco_code gen_texture_write(const char *folder, const char *name, struct eco
 	if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path)
 		return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", folder);
 	uint32_t side = 2 * painting->size;
-	struct canvas canvas = { malloc(4 * (size_t)side * side), painting->size, 0, 0 };
-	if (!canvas.rgba)
-		return eco_fail(error, ECO_NO_MEMORY, "painting %s: no memory", name);
+	struct canvas canvas = { eco_alloc((size_t)side * side, 4), painting->size, 0, 0 };
 	for (uint32_t shade = 0; shade < 4; shade++) {
 		canvas.left = shade % 2 * painting->size;
 		canvas.top = (1 - shade / 2) * painting->size;

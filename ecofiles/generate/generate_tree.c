@@ -2,13 +2,13 @@
  * reaches each from the nearest wood below, inner points first (a light version of space colonisation: one
  * pass). A piece of wood gets its radius from the number of shoots it carries, so branches taper and fork
  * as real ones do. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/generate/generate_plants.h"
 
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
-#include "ecofiles/base/array_grow.h"
 
 #define STEP_M 0.45              /* length of wood between two rings */
 #define LOBES_MAX 24
@@ -22,15 +22,11 @@ struct node {
 struct skeleton {
 	struct node *nodes;
 	uint32_t count, capacity;
-	bool failed;
 };
 
 static uint32_t add_node(struct skeleton *s, struct gen_v3 at, uint32_t parent)
 {
-	if (!eco_array_grow(&s->nodes, &s->capacity, s->count, sizeof *s->nodes)) {
-		s->failed = true;
-		return 0;
-	}
+	eco_grow(&s->nodes, &s->capacity, s->count, sizeof *s->nodes);
 	s->nodes[s->count] = (struct node){ .at = at, .parent = parent, .main_child = ECO_NONE };
 	return s->count++;
 }
@@ -111,11 +107,9 @@ static void thicken(struct skeleton *s, const struct gen_crown *crown)
 
 static void draw_wood(const struct skeleton *s, struct gen_mesh *mesh, uint8_t bark)
 {
-	struct gen_v3 *points = malloc((s->count + 1) * sizeof *points);
-	double *radius = malloc((s->count + 1) * sizeof *radius);
-	if (!points || !radius)
-		mesh->failed = true;
-	for (uint32_t i = 0; i < s->count && !mesh->failed; i++) {
+	struct gen_v3 *points = eco_alloc(s->count + 1u, sizeof *points);
+	double *radius = eco_alloc(s->count + 1u, sizeof *radius);
+	for (uint32_t i = 0; i < s->count; i++) {
 		uint32_t parent = s->nodes[i].parent, n = 0;
 		if (parent != ECO_NONE && s->nodes[parent].main_child == i)
 			continue;
@@ -199,16 +193,12 @@ void gen_tree(struct gen_mesh *mesh, uint8_t bark, const struct gen_crown *crown
 	assert(crown->lobes >= 1 && crown->lobes <= LOBES_MAX);
 	scatter_shoots(crown, random, shoots);
 	grow_trunk(&s, crown, random);
-	for (uint32_t i = 0; i < crown->shoots && !s.failed; i++) {
+	for (uint32_t i = 0; i < crown->shoots; i++) {
 		uint32_t from = nearest_wood(&s, shoots[i].at, 0.55 * crown->base);
 		grow_shoot(&s, from, shoots[i].at, random);
 	}
-	if (s.failed)
-		mesh->failed = true;
-	else {
-		thicken(&s, crown);
-		draw_wood(&s, mesh, bark);
-	}
+	thicken(&s, crown);
+	draw_wood(&s, mesh, bark);
 	free(s.nodes);
 }
 

@@ -146,7 +146,6 @@ UNIT_TEST(test_plants_have_believable_sizes)
 		double high = 0, low = 0, wide = 0;
 		const struct gen_plant *plant = gen_plant_find(sizes[i].name);
 		plant->grow(&mesh, plant->kind, &random);
-		assert_false(mesh.failed);
 		for (uint32_t k = 0; k < mesh.count; k++) {
 			const struct gen_v3 *p = &mesh.position[k];
 			assert_true(isfinite(p->x) && isfinite(p->y) && isfinite(p->z));
