@@ -233,11 +233,6 @@ bool eco_json_fail(const struct eco_json *at, enum eco_code code, const char *fo
 	return false;
 }
 
-bool eco_json_no_memory(const struct eco_json *at)
-{
-	return eco_json_fail(at, ECO_NO_MEMORY, "out of memory");
-}
-
 /* ---- Values ---- */
 
 static bool bad(const struct eco_json *at, const char *wanted)

@@ -48,8 +48,6 @@ struct eco_json eco_json_item(const struct eco_json *array, size_t index);
  * false, for `return`. */
 bool eco_json_fail(const struct eco_json *at, enum eco_code code, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
-/* Writes "out of memory"; returns false, for `return`. */
-bool eco_json_no_memory(const struct eco_json *at);
 /* Line and column (in characters, from 1) of a node. */
 void eco_json_place(const struct eco_json *at, uint32_t *line, uint32_t *column);
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/scene/scene_parse.h"
 #include "ecofiles/base/text.h"
@@ -70,10 +71,9 @@ static bool parse_instances(struct eco_source *source, const struct eco_json *to
 		rows += json_object_get(item, "from") != NULL;
 		scatters += json_object_get(item, "scatter") != NULL;
 	}
-	if (!eco_scene_room(&node, count, sizeof *source->instances, &source->instances)
-			|| !eco_scene_room(&node, rows, sizeof *source->positions, &source->positions)
-			|| !eco_scene_room(&node, scatters, sizeof *source->scatters, &source->scatters))
-		return false;
+	source->instances = eco_alloc(count, sizeof *source->instances);
+	source->positions = eco_alloc(rows, sizeof *source->positions);
+	source->scatters = eco_alloc(scatters, sizeof *source->scatters);
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = eco_json_item(&node, i);
 		bool good;
@@ -98,8 +98,7 @@ static bool parse_children(struct eco_source *source, const struct eco_json *top
 		return true;
 	if (!eco_json_array(&node, INSTANCES_MAX))
 		return false;
-	if (!eco_scene_room(&node, json_array_size(node.value), sizeof *source->children, &source->children))
-		return false;
+	source->children = eco_alloc(json_array_size(node.value), sizeof *source->children);
 	for (size_t i = 0; i < json_array_size(node.value); i++) {
 		struct eco_json item = eco_json_item(&node, i);
 		struct eco_source_child *child = &source->children[source->child_count++];
@@ -148,10 +147,8 @@ enum eco_code eco_source_parse(struct eco_source *source, const char *json, size
 {
 	struct eco_error local = { .code = ECO_OK };
 	struct eco_json_file file = { path, json, size, error ? error : &local };
-	*source = (struct eco_source){ .path = strdup(path), .importance = 1,
+	*source = (struct eco_source){ .path = eco_copy_text(path), .importance = 1,
 		.tile_instances = ECO_TILE_INSTANCES, .on_disk = on_disk };
-	if (!source->path)
-		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
 	if (size > ECO_SOURCE_BYTES_MAX) {
 		eco_source_free(source);
 		return eco_fail(error, ECO_TOO_LARGE, "%s: %zu bytes, at most %u are possible; keep many "

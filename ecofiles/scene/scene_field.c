@@ -1,6 +1,7 @@
 /* Fields that several parts of a scene file have: paths, CRSs, units, texts to keep. */
 #include "ecofiles/base/confine.h"
 #include "ecofiles/scene/scene_parse.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 
 #include <errno.h>
@@ -44,9 +45,7 @@ static bool parse_path(const struct eco_source *source, const struct eco_json *a
 	const char *relative = json_string_value(at->value), *slash = strrchr(source->path, '/');
 	int folder = slash && *relative != '/' ? (int)(slash - source->path) + 1 : 0;
 	if (asprintf(path, "%.*s%s", folder, source->path, relative) < 0)
-		*path = NULL;
-	if (!*path)
-		return eco_json_no_memory(at);
+		eco_end("no memory");
 	if (source->on_disk && !eco_confined_may_read(*path))
 		return eco_json_fail(at, ECO_BAD_INPUT, "%.300s lies outside of the folder to which "
 			"--confine keeps reading", *path);
@@ -65,8 +64,7 @@ bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_jso
 		return eco_json_fail(at, ECO_BAD_INPUT, "it names no %s", what);
 	if (json_is_array(at->value) && !eco_json_array(at, most))
 		return false;
-	if (!eco_scene_room(at, size, sizeof **paths, paths))
-		return false;
+	*paths = eco_alloc(size, sizeof **paths);
 	for (size_t i = 0; i < size; i++) {
 		struct eco_json item = eco_scene_one(at, i);
 		if (!parse_path(source, &item, &(*paths)[(*count)++]))
@@ -94,19 +92,14 @@ struct eco_json eco_scene_one(const struct eco_json *at, size_t index)
 	return json_is_array(at->value) ? eco_json_item(at, index) : *at;
 }
 
-bool eco_scene_room(const struct eco_json *at, size_t count, size_t size, void *items)
-{
-	void *room = calloc(count + 1, size);
-	memcpy(items, &room, sizeof room);
-	return room || eco_json_no_memory(at);
-}
-
 bool eco_scene_copy(const struct eco_json *at, size_t bytes_max, char **out)
 {
 	free(*out);          /* a column that two fields name */
 	*out = NULL;
-	return eco_json_is_text(at, bytes_max)
-		&& ((*out = strdup(json_string_value(at->value))) || eco_json_no_memory(at));
+	if (!eco_json_is_text(at, bytes_max))
+		return false;
+	*out = eco_copy_text(json_string_value(at->value));
+	return true;
 }
 
 static bool parse_crs(const struct eco_source *source, const struct eco_json *at, char **crs)

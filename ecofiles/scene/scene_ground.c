@@ -1,5 +1,6 @@
 /* "ground" of a scene file: the rasters, statements that the rasters lack or that replace theirs, and its image:
  * pictures, or classes and their colours. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/ground/ground_image_import.h"
 #include "ecofiles/scene/scene_parse.h"
@@ -96,8 +97,7 @@ static bool parse_classes(struct eco_ground_image_source *image, const struct ec
 	if (!json_object_size(at->value))
 		return eco_json_fail(at, ECO_BAD_INPUT,
 			"\"classes\" has no class; leave it out for the file's own colours");
-	if (!eco_scene_room(at, json_object_size(at->value), sizeof *image->classes, &image->classes))
-		return false;
+	image->classes = eco_alloc(json_object_size(at->value), sizeof *image->classes);
 	while (eco_json_next(at, &member)) {
 		struct eco_ground_class *class = &image->classes[image->class_count];
 		char *end;

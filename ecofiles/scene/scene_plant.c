@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 
 #define PLANTS_MAX 65536u
@@ -166,8 +167,7 @@ static bool parse_rules(const struct eco_source *source, const struct eco_json *
 		return true;
 	if (!eco_json_array(&node, RULES_MAX))
 		return false;
-	if (!eco_scene_room(&node, json_array_size(node.value), sizeof *plant->parts, &plant->parts))
-		return false;
+	plant->parts = eco_alloc(json_array_size(node.value), sizeof *plant->parts);
 	for (size_t i = 0; i < json_array_size(node.value); i++) {
 		struct eco_json item = eco_json_item(&node, i);
 		if (!parse_rule(source, &item, &plant->parts[plant->part_count++]))
@@ -226,9 +226,8 @@ bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *to
 	if (count > PLANTS_MAX)
 		return eco_json_fail(&node, ECO_TOO_LARGE, "%zu models, at most %u are possible", count,
 			PLANTS_MAX);
-	if (!eco_scene_room(&node, count, sizeof *source->plants, &source->plants)
-			|| !eco_scene_room(&node, count, sizeof *source->plants_by_name, &source->plants_by_name))
-		return false;
+	source->plants = eco_alloc(count, sizeof *source->plants);
+	source->plants_by_name = eco_alloc(count, sizeof *source->plants_by_name);
 	while (eco_json_next(&node, &entry))
 		if (!parse_plant(source, &entry))
 			return false;

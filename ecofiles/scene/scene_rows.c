@@ -1,5 +1,6 @@
 /* The entries of "instances" that name an inventory: columns, plants, heights. import_positions.c reads
  * the rows themselves. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/scene/scene_parse.h"
 
 #include <math.h>
@@ -66,19 +67,16 @@ static bool parse_value(const struct eco_json *at, struct eco_value *value)
 		return eco_json_fail(at, ECO_BAD_INPUT, "a value is a text of up to %u bytes, with \"*\" "
 			"for any text, or a number", VALUE_BYTES);
 	eco_text_fold(json_string_value(at->value), folded, sizeof folded);
-	value->text = strdup(folded);
-	return value->text || eco_json_no_memory(at);
+	value->text = eco_copy_text(folded);
+	return true;
 }
 
 static bool parse_filter(const struct eco_json *at, struct eco_filter *filter)
 {
 	if (json_is_array(at->value) && !eco_json_array(at, VALUES_MAX))
 		return false;
-	filter->column = strdup(at->key);
-	if (!eco_scene_room(at, eco_scene_several(at), sizeof *filter->values, &filter->values))
-		return false;
-	if (!filter->column)
-		return eco_json_no_memory(at);
+	filter->column = eco_copy_text(at->key);
+	filter->values = eco_alloc(eco_scene_several(at), sizeof *filter->values);
 	for (size_t i = 0; i < eco_scene_several(at); i++) {
 		struct eco_json item = eco_scene_one(at, i);
 		filter->value_count++;
@@ -107,8 +105,8 @@ static bool parse_columns(const struct eco_json *at, const char *name, struct ec
 
 bool eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count)
 {
-	return eco_scene_room(at, ECO_FILTERS_MAX, sizeof **filters, filters)
-		&& parse_columns(at, "only", *filters, count) && parse_columns(at, "skip", *filters, count);
+	*filters = eco_alloc(ECO_FILTERS_MAX, sizeof **filters);
+	return parse_columns(at, "only", *filters, count) && parse_columns(at, "skip", *filters, count);
 }
 
 /* ---- Species ---- */
@@ -123,8 +121,8 @@ static bool species_set(const struct eco_source *source, const struct eco_json *
 			return false;
 		species->variant_count = source->plants[species->plant].variant_count;
 	}
-	species->name = strdup(name);
-	return species->name || eco_json_no_memory(at);
+	species->name = eco_copy_text(name);
+	return true;
 }
 
 struct folded { char *text; uint32_t key; };
@@ -137,18 +135,14 @@ static int compare_folded(const void *a, const void *b)
 /* Keys of the map that the reader takes for one species must not name different plants. */
 static bool keys_differ(const struct eco_json *at, const struct eco_positions_spec *spec)
 {
-	struct folded *folded = calloc(spec->map_count + 1u, sizeof *folded);
-	bool good = folded != NULL;
-	for (uint32_t i = 0; good && i < spec->map_count; i++) {
+	struct folded *folded = eco_alloc(spec->map_count, sizeof *folded);
+	bool good = true;
+	for (uint32_t i = 0; i < spec->map_count; i++) {
 		char text[ECO_COLUMN_BYTES];
 		eco_text_fold(spec->map[i].name, text, sizeof text);
-		folded[i] = (struct folded){ strdup(text), i };
-		good = folded[i].text != NULL;
+		folded[i] = (struct folded){ eco_copy_text(text), i };
 	}
-	if (!good)
-		eco_json_no_memory(at);
-	else
-		qsort(folded, spec->map_count, sizeof *folded, compare_folded);
+	qsort(folded, spec->map_count, sizeof *folded, compare_folded);
 	for (uint32_t i = 1; good && i < spec->map_count; i++) {
 		const struct eco_species *a = &spec->map[folded[i - 1].key], *b = &spec->map[folded[i].key];
 		if (strcmp(folded[i - 1].text, folded[i].text) != 0 || a->plant == b->plant)
@@ -157,7 +151,7 @@ static bool keys_differ(const struct eco_json *at, const struct eco_positions_sp
 			"spaces do not count), with two plants", a->name, b->name);
 		good = false;
 	}
-	for (uint32_t i = 0; folded && i < spec->map_count; i++)
+	for (uint32_t i = 0; i < spec->map_count; i++)
 		free(folded[i].text);
 	free(folded);
 	return good;
@@ -169,8 +163,7 @@ static bool parse_map(const struct eco_source *source, const struct eco_json *at
 	struct eco_json entry = { .file = NULL };
 	if (!eco_json_names(at, MAP_MAX))
 		return false;
-	if (!eco_scene_room(at, json_object_size(at->value), sizeof *spec->map, &spec->map))
-		return false;
+	spec->map = eco_alloc(json_object_size(at->value), sizeof *spec->map);
 	while (eco_json_next(at, &entry)) {
 		bool fallback = strcmp(entry.key, "*") == 0;
 		if (!species_set(source, &entry, entry.key, fallback ? &spec->fallback
@@ -185,14 +178,11 @@ static bool parse_map(const struct eco_source *source, const struct eco_json *at
 static bool map_of_plants(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
-	if (!eco_scene_room(at, source->plant_count, sizeof *spec->map, &spec->map))
-		return false;
+	spec->map = eco_alloc(source->plant_count, sizeof *spec->map);
 	for (uint32_t i = 0; i < source->plant_count; i += source->plants[i].variant_count) {
 		struct eco_species *species = &spec->map[spec->map_count++];
-		*species = (struct eco_species){ strdup(source->plants[i].name), i,
+		*species = (struct eco_species){ eco_copy_text(source->plants[i].name), i,
 			source->plants[i].variant_count };
-		if (!species->name)
-			return eco_json_no_memory(at);
 	}
 	return keys_differ(at, spec);
 }
@@ -258,8 +248,8 @@ static bool parse_allometry(const struct eco_source *source, const struct eco_js
 {
 	struct eco_json per_plant = eco_json_member(at, "per_plant");
 	bool there;
-	if (!eco_scene_room(at, json_object_size(per_plant.value), sizeof *size->rules, &size->rules)
-			|| (per_plant.value && !parse_per_plant(source, &per_plant, size))
+	size->rules = eco_alloc(json_object_size(per_plant.value) + 1, sizeof *size->rules);
+	if ((per_plant.value && !parse_per_plant(source, &per_plant, size))
 			|| !rule_is_whole(at, others, &there))
 		return false;
 	size->rules[size->rule_count] = *others;
@@ -340,8 +330,7 @@ static bool parse_height(const struct eco_source *source, const struct eco_json 
 		return false;
 	if (count == 0)
 		return eco_json_fail(&height, ECO_BAD_INPUT, "an array of heights that is empty");
-	if (!eco_scene_room(at, count, sizeof *spec->heights, &spec->heights))
-		return false;
+	spec->heights = eco_alloc(count, sizeof *spec->heights);
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = eco_scene_one(&height, i);
 		if (!parse_height_source(source, &item, spec))

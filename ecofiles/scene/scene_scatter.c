@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/scene/scene_parse.h"
 
 #define KINDS_MAX 4096u
@@ -45,8 +46,7 @@ static bool parse_plants(const struct eco_source *source, const struct eco_json 
 	if (json_object_size(at->value) == 0)
 		return eco_json_fail(at, ECO_BAD_INPUT, "it names no plant; such as {\"oak\": 120, \"ash\": "
 			"40}");
-	if (!eco_scene_room(at, json_object_size(at->value), sizeof *spec->plants, &spec->plants))
-		return false;
+	spec->plants = eco_alloc(json_object_size(at->value), sizeof *spec->plants);
 	while (eco_json_next(at, &entry))
 		if (!parse_plant(source, &entry, &spec->plants[spec->plant_count++]))
 			return false;

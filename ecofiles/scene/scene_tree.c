@@ -1,6 +1,7 @@
 /* A scene file and the files it nests. Each file is read once, however often it is placed (a hectare
  * planted a million times is one hectare); its real path identifies it. In the resulting list every file
  * comes before the files it names: the reverse of the order in which a depth-first walk finishes. */
+#include "ecofiles/base/memory.h"
 #include "ecofiles/scene/scene.h"
 
 #include <errno.h>
@@ -149,16 +150,11 @@ static enum eco_code walk_source(struct walk *walk, uint32_t index)
 }
 
 /* Orders the sources by the reverse of their finishing. */
-static enum eco_code order_sources(struct walk *walk)
+static void order_sources(struct walk *walk)
 {
 	struct eco_sources *sources = walk->sources;
-	uint32_t count = sources->count, *place = calloc(count, sizeof *place);
-	struct eco_source *items = calloc(count, sizeof *items);
-	if (!place || !items) {
-		free(place);
-		free(items);
-		return eco_fail(walk->error, ECO_NO_MEMORY, "out of memory");
-	}
+	uint32_t count = sources->count, *place = eco_alloc(count, sizeof *place);
+	struct eco_source *items = eco_alloc(count, sizeof *items);
 	for (uint32_t i = 0; i < count; i++) {
 		place[walk->finished[i]] = count - 1 - i;
 		items[count - 1 - i] = sources->items[walk->finished[i]];
@@ -169,7 +165,6 @@ static enum eco_code order_sources(struct walk *walk)
 	free(place);
 	free(sources->items);
 	sources->items = items;
-	return ECO_OK;
 }
 
 static enum eco_code load(struct walk *walk, const char *path)
@@ -180,22 +175,20 @@ static enum eco_code load(struct walk *walk, const char *path)
 		return eco_fail_read(walk->error, path, errno);
 	enum eco_code code = add_source(walk, path, real, &root);
 	code = code ? code : walk_source(walk, root);
-	return code == ECO_OK ? order_sources(walk) : code;
+	if (!code)
+		order_sources(walk);
+	return code;
 }
 
 enum eco_code eco_sources_load(struct eco_sources *sources, const char *path, struct eco_error *error)
 {
 	struct walk walk = { .sources = sources, .error = error };
-	enum eco_code code;
-	*sources = (struct eco_sources){ calloc(ECO_SOURCES_MAX, sizeof *sources->items), 0 };
-	walk.real = calloc(ECO_SOURCES_MAX, sizeof *walk.real);
-	walk.open = calloc(ECO_SOURCES_MAX, sizeof *walk.open);
-	walk.finished = calloc(ECO_SOURCES_MAX, sizeof *walk.finished);
-	if (!sources->items || !walk.real || !walk.open || !walk.finished)
-		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	else
-		code = load(&walk, path);
-	for (uint32_t i = 0; walk.real && i < sources->count; i++)
+	*sources = (struct eco_sources){ eco_alloc(ECO_SOURCES_MAX, sizeof *sources->items), 0 };
+	walk.real = eco_alloc(ECO_SOURCES_MAX, sizeof *walk.real);
+	walk.open = eco_alloc(ECO_SOURCES_MAX, sizeof *walk.open);
+	walk.finished = eco_alloc(ECO_SOURCES_MAX, sizeof *walk.finished);
+	enum eco_code code = load(&walk, path);
+	for (uint32_t i = 0; i < sources->count; i++)
 		free(walk.real[i]);
 	free(walk.real);
 	free(walk.open);
