@@ -308,7 +308,8 @@ static enum eco_code add_tiles(struct link *l)
 	struct lod_tiles tiles = { 0 };
 	for (uint32_t i = 0; i < l->count; i++)
 		whole_item(&l->parts[i], &items[i]);
-	enum eco_code code = lod_tiles_build(&tiles, items, l->count, ECO_TILE_INSTANCES, m->error);
+	enum eco_code code = ECO_OK;
+	lod_tiles_build(&tiles, items, l->count, ECO_TILE_INSTANCES);
 	uint64_t total = tiles.node_count;
 	for (uint32_t i = l->count; i-- > 0 && !code;) {
 		l->parts[i].tile_first = (uint32_t)total;

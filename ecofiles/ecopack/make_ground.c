@@ -137,11 +137,9 @@ static enum eco_code encode_tile(void *ctx, uint64_t i, void *result, struct eco
 		.image = ECO_NONE, .partner = ECO_NONE,
 		.grid_origin = { g->x_m, g->y_m, m->ground_low_m },
 		.grid_step = { g->step_x_m, g->step_y_m, m->ground_step_m }, .columns = x.count };
-	enum eco_code code = lod_ground_elements(&e, g, tile, m->ground_shifts[i], m->ground_low_m,
-		m->ground_step_m, error);
-	if (!code)
-		code = eco_pack_encode(&made->encoded, &made->list, &e, (const uint32_t[]){ e.element_count },
-			1, error);
+	lod_ground_elements(&e, g, tile, m->ground_shifts[i], m->ground_low_m, m->ground_step_m);
+	enum eco_code code = eco_pack_encode(&made->encoded, &made->list, &e, (const uint32_t[]){ e.element_count },
+		1, error);
 	eco_elements_free(&e);
 	return code;
 }

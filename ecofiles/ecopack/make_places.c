@@ -273,7 +273,7 @@ static enum eco_code tile_places(struct make *m, uint32_t source)
 	}
 	enum eco_code code = find_nested(m, source, items + eco->place_count);
 	if (!code)
-		code = lod_tiles_build(&eco->tiles, items, (uint32_t)count, s->tile_instances, m->error);
+		lod_tiles_build(&eco->tiles, items, (uint32_t)count, s->tile_instances);
 	free(items);
 	return code;
 }

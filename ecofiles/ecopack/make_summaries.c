@@ -23,18 +23,17 @@ static enum eco_code encode_summary(void *ctx, uint64_t i, void *result, struct 
 	struct lod_summary summary;
 	struct eco_elements elements;
 	uint32_t ends[64], tile = summing->first + (uint32_t)i;
-	enum eco_code code = lod_summary_make(&summary, &(struct lod_summary_input){ .scene = scene,
+	lod_summary_make(&summary, &(struct lod_summary_input){ .scene = scene,
 		.pools = summing->pools, .tile = tile, .count = lod_summary_count(&scene->tiles[tile]),
 		.seed = 1, .roots = (const struct lod_summary_root *const *)summing->roots,
-		.color_of = summing->palette.color_of }, error);
-	made->any = !code && summary.count > 0;
+		.color_of = summing->palette.color_of });
+	made->any = summary.count > 0;
 	if (made->any)
-		code = lod_summary_list(&summary, scene, tile, summing->palette.count, &made->list, &elements,
-			error);
+		lod_summary_list(&summary, scene, tile, summing->palette.count, &made->list, &elements);
 	free(summary.points);
-	if (code || !made->any)
-		return code;
-	code = eco_pack_encode(&made->encoded, &made->list, &elements, ends,
+	if (!made->any)
+		return ECO_OK;
+	enum eco_code code = eco_pack_encode(&made->encoded, &made->list, &elements, ends,
 		eco_chunk_split(elements.element_count, SUMMARY_CHUNK, ends, 64), error);
 	eco_elements_free(&elements);
 	return code;
@@ -130,9 +129,8 @@ enum eco_code make_summaries(struct make *m)
 	enum eco_code code = ECO_OK;
 	make_summing_begin(&summing, m);
 	summing.pools = eco_alloc(m->plant_count, sizeof *summing.pools);
-	for (uint32_t i = 0; i < m->plant_count && !code; i++)
-		code = lod_pool_make(&summing.pools[i], &m->plants[i].built, m->plants[i].palette_first,
-			POOL_POINTS, m->error);
+	for (uint32_t i = 0; i < m->plant_count; i++)
+		lod_pool_make(&summing.pools[i], &m->plants[i].built, m->plants[i].palette_first, POOL_POINTS);
 	for (uint32_t s = m->sources.count, end = (uint32_t)m->tiles.count; s-- > 0 && !code;
 			end = m->ecos[s].tile_first) {
 		code = make_summing_run(&summing, m->ecos[s].tile_first, end - m->ecos[s].tile_first);

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
+
 #define ROUNDING 16.0                /* a tile's error over the rounding of its heights */
 #define SHIFT_MAX 12
 
@@ -177,7 +179,7 @@ static void measure_coarse(const struct terrain *terrain, double step_m, struct 
 		}
 }
 
-static bool measure(struct level *levels, uint8_t count, const struct terrain *terrain, double step_m)
+static void measure(struct level *levels, uint8_t count, const struct terrain *terrain, double step_m)
 {
 	const struct eco_ground *g = terrain->ground;
 	for (uint8_t n = 0; n < count; n++) {
@@ -186,10 +188,8 @@ static bool measure(struct level *levels, uint8_t count, const struct terrain *t
 		l->columns = (g->columns - 2) / side + 1;
 		l->rows = (g->rows - 2) / side + 1;
 		tiles = l->columns * l->rows;
-		l->error = calloc(3 * (size_t)tiles, sizeof *l->error);
-		l->shift = calloc(tiles, 1);
-		if (!l->error || !l->shift)
-			return false;
+		l->error = eco_alloc(3 * (size_t)tiles, sizeof *l->error);
+		l->shift = eco_alloc(tiles, 1);
 		l->low = l->error + tiles;
 		l->high = l->low + tiles;
 		for (uint32_t i = 0; i < tiles; i++) {
@@ -199,19 +199,16 @@ static bool measure(struct level *levels, uint8_t count, const struct terrain *t
 				measure_coarse(terrain, step_m, l, &levels[n - 1], n, i);
 		}
 	}
-	return true;
 }
 
 /* Level by level from the root, children consecutive, as the pack requires. */
-static bool gather(struct lod_ground_tree *tree, const struct level *levels, uint8_t root, double least_m)
+static void gather(struct lod_ground_tree *tree, const struct level *levels, uint8_t root, double least_m)
 {
 	size_t most = 0;
 	for (uint8_t n = 0; n <= root; n++)
 		most += (size_t)levels[n].columns * levels[n].rows;
-	tree->tiles = calloc(most, sizeof *tree->tiles);
-	tree->shifts = calloc(most, 1);
-	if (!tree->tiles || !tree->shifts)
-		return false;
+	tree->tiles = eco_alloc(most, sizeof *tree->tiles);
+	tree->shifts = eco_alloc(most, 1);
 	tree->tiles[0].level = root;
 	tree->count = 1;
 	for (uint32_t i = 0; i < tree->count; i++) {
@@ -237,7 +234,6 @@ static bool gather(struct lod_ground_tree *tree, const struct level *levels, uin
 			t->child_count++;
 		}
 	}
-	return true;
 }
 
 void lod_ground_tree_free(struct lod_ground_tree *tree)
@@ -249,8 +245,8 @@ void lod_ground_tree_free(struct lod_ground_tree *tree)
 
 static double *places(uint32_t count, uint32_t margin)
 {
-	double *at = malloc(count * sizeof *at);
-	for (uint32_t i = 0; at && i < count; i++)
+	double *at = eco_alloc(count, sizeof *at);
+	for (uint32_t i = 0; i < count; i++)
 		at[i] = eco_ground_place(i, count, margin);
 	return at;
 }
@@ -260,7 +256,6 @@ enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_gr
 {
 	struct level levels[ECO_GROUND_LEVELS] = { { .columns = 0 } };
 	uint8_t root = eco_ground_root_level(ground->columns, ground->rows);
-	bool good;
 	assert(ground->columns >= 2 && ground->rows >= 2);
 	*tree = (struct lod_ground_tree){ .tiles = NULL };
 	if (ground->columns > ECO_GROUND_SIDE_MAX || ground->rows > ECO_GROUND_SIDE_MAX)
@@ -268,18 +263,15 @@ enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_gr
 			ground->columns, ground->rows, ECO_GROUND_SIDE_MAX);
 	struct terrain terrain = { ground, places(ground->columns, ground->margin),
 		places(ground->rows, ground->margin) };
-	good = terrain.x && terrain.y && measure(levels, (uint8_t)(root + 1), &terrain, step_m)
-		&& gather(tree, levels, root, least_m);
+	measure(levels, (uint8_t)(root + 1), &terrain, step_m);
+	gather(tree, levels, root, least_m);
 	free(terrain.x);
 	free(terrain.y);
 	for (uint8_t n = 0; n <= root; n++) {
 		free(levels[n].error);
 		free(levels[n].shift);
 	}
-	if (good)
-		return ECO_OK;
-	lod_ground_tree_free(tree);
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for tiles of ground");
+	return ECO_OK;
 }
 
 /* The first or last of the covered samples, which other tiles share. */
@@ -294,9 +286,8 @@ static int32_t rounded(int32_t z, uint8_t shift)
 	return (z + unit / 2) / unit * unit;     /* heights are counted from the lowest: z >= 0 */
 }
 
-enum eco_code lod_ground_elements(struct eco_elements *e, const struct eco_ground *ground,
-	const struct eco_ground_tile *tile, uint8_t shift, double low_m, double step_m,
-	struct eco_error *error)
+void lod_ground_elements(struct eco_elements *e, const struct eco_ground *ground,
+	const struct eco_ground_tile *tile, uint8_t shift, double low_m, double step_m)
 {
 	struct eco_ground_span x, y;
 	uint32_t count;
@@ -304,12 +295,7 @@ enum eco_code lod_ground_elements(struct eco_elements *e, const struct eco_groun
 	eco_ground_spans(&x, &y, tile, ground->columns, ground->rows);
 	count = x.count * y.count;
 	*e = (struct eco_elements){ .element_count = count, .corner_count = count, .primitive_count = count,
-		.corners = malloc(count),
-		.position = malloc(3 * sizeof(int32_t) * count) };
-	if (!e->corners || !e->position) {
-		eco_elements_free(e);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u samples of ground", count);
-	}
+		.corners = eco_alloc(count, 1), .position = eco_alloc(count, 3 * sizeof(int32_t)) };
 	memset(e->corners, 1, count);
 	out = e->position;
 	for (uint32_t r = 0; r < y.count; r++)
@@ -320,5 +306,4 @@ enum eco_code lod_ground_elements(struct eco_elements *e, const struct eco_groun
 			*out++ = eco_ground_place(row, ground->rows, ground->margin);
 			*out++ = on_border(&x, c) || on_border(&y, r) ? z : rounded(z, shift);
 		}
-	return ECO_OK;
 }

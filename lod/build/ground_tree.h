@@ -22,8 +22,7 @@ enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_gr
 
 /* The tile's samples with heights as whole steps above low_m: exact at its border, inside without the low
  * `shift` bits. */
-enum eco_code lod_ground_elements(struct eco_elements *elements, const struct eco_ground *ground,
-	const struct eco_ground_tile *tile, uint8_t shift, double low_m, double step_m,
-	struct eco_error *error);
+void lod_ground_elements(struct eco_elements *elements, const struct eco_ground *ground,
+	const struct eco_ground_tile *tile, uint8_t shift, double low_m, double step_m);
 
 #endif

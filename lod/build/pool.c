@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "lod/geometry.h"
 #include "lod/build/tone.h"
@@ -70,20 +71,17 @@ static double area_of(const struct part *part, uint32_t i)
 	return 0.5 * sqrt(x * x + y * y + z * z);
 }
 
-static bool add_part(struct patches *patches, const struct lod_list_draft *draft, uint8_t organ,
+static void add_part(struct patches *patches, const struct lod_list_draft *draft, uint8_t organ,
 	uint32_t palette_first, uint32_t first, uint32_t end)
 {
 	struct part *part = &patches->parts[patches->part_count];
 	const struct eco_list *list = &draft->list;
 	uint32_t count = end - first;
-	struct patch *bigger = realloc(patches->items, ((size_t)patches->count + count) * sizeof *bigger);
-	if (!bigger)
-		return false;
-	patches->items = bigger;
+	patches->items = eco_realloc(patches->items, (size_t)patches->count + count, sizeof *patches->items);
 	*part = (struct part){ .list = list, .corners = eco_list_vertices(list), .first = patches->count,
 		.count = count };
 	if (!lod_geometry_make(&part->geometry, list, count, false))
-		return false;
+		eco_end("no memory");
 	patches->part_count++;
 	lod_list_geometry(list, &draft->elements, first, end, 1, &part->geometry);
 	for (uint32_t i = 0; i < count; i++) {
@@ -91,20 +89,17 @@ static bool add_part(struct patches *patches, const struct lod_list_draft *draft
 		patches->items[patches->count++] = (struct patch){ area_of(part, i),
 			palette_first + list->palette_first + (color > 0 ? (uint32_t)color : 0), organ };
 	}
-	return true;
 }
 
-static bool collect(struct patches *patches, const struct lod_plant *plant, uint32_t palette_first)
+static void collect(struct patches *patches, const struct lod_plant *plant, uint32_t palette_first)
 {
-	patches->parts = calloc(plant->ladder_count + 1u, sizeof *patches->parts);
-	bool good = patches->parts != NULL;
-	for (uint32_t i = 0; i < plant->ladder_count && good; i++) {
+	patches->parts = eco_alloc(plant->ladder_count + 1u, sizeof *patches->parts);
+	for (uint32_t i = 0; i < plant->ladder_count; i++) {
 		const struct eco_ladder *l = &plant->ladders[i];
 		uint32_t first, end, list = list_of(plant, l, &first, &end);
 		if (list != ECO_NONE)
-			good = add_part(patches, &plant->lists[list], l->organ, palette_first, first, end);
+			add_part(patches, &plant->lists[list], l->organ, palette_first, first, end);
 	}
-	return good;
 }
 
 static void free_patches(struct patches *patches)
@@ -164,8 +159,8 @@ static double weigh(struct patches *patches, const struct lod_plant *plant)
 {
 	double total = balance(patches, plant), pixels = 0;
 	struct lod_tone_views views = { .draw = draw_parts, .ctx = patches };
-	uint32_t *seen = calloc((size_t)patches->count + 1, sizeof *seen);
-	if (total > 0 && seen && patches->count < NAMES - 1 && sphere_of(patches, views.center, &views.radius)
+	uint32_t *seen = eco_alloc((size_t)patches->count + 1, sizeof *seen);
+	if (total > 0 && patches->count < NAMES - 1 && sphere_of(patches, views.center, &views.radius)
 			&& lod_tone_count(seen, &views))
 		for (uint32_t i = 0; i < patches->count; i++)
 			pixels += seen[i];
@@ -232,36 +227,28 @@ static uint8_t level_of(const struct lod_plant *plant)
 	return area > 0 ? (uint8_t)(sum / area + 0.5) : 0;
 }
 
-enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_t palette_first,
-	uint32_t count, struct eco_error *error)
+void lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_t palette_first, uint32_t count)
 {
 	struct patches patches = { 0 };
 	assert(count >= 1);
-	*pool = (struct lod_pool){ .position = malloc(count * sizeof *pool->position),
-		.color = malloc(count * sizeof *pool->color) };
-	struct pooled *points = calloc(count, sizeof *points);
-	bool good = pool->position && pool->color && points && collect(&patches, plant, palette_first);
-	if (good) {
-		double total = weigh(&patches, plant);
-		pool->count = total > 0 ? count : 1;
-		pool->level = level_of(plant);
-		if (total > 0)
-			sample(&patches, total, points, count);
-		else                     /* nothing to take points from: the plant's middle */
-			points[0] =
-				(struct pooled){ { plant->anchors[0].center[0], plant->anchors[0].center[1],
-				plant->anchors[0].center[2] }, palette_first };
-		for (uint32_t i = 0; i < pool->count; i++) {
-			memcpy(pool->position[i], points[i].at, sizeof points[i].at);
-			pool->color[i] = points[i].color;
-		}
+	*pool = (struct lod_pool){ .position = eco_alloc(count, sizeof *pool->position),
+		.color = eco_alloc(count, sizeof *pool->color) };
+	struct pooled *points = eco_alloc(count, sizeof *points);
+	collect(&patches, plant, palette_first);
+	double total = weigh(&patches, plant);
+	pool->count = total > 0 ? count : 1;
+	pool->level = level_of(plant);
+	if (total > 0)
+		sample(&patches, total, points, count);
+	else                     /* nothing to take points from: the plant's middle */
+		points[0] = (struct pooled){ { plant->anchors[0].center[0], plant->anchors[0].center[1],
+			plant->anchors[0].center[2] }, palette_first };
+	for (uint32_t i = 0; i < pool->count; i++) {
+		memcpy(pool->position[i], points[i].at, sizeof points[i].at);
+		pool->color[i] = points[i].color;
 	}
 	free(points);
 	free_patches(&patches);
-	if (good)
-		return ECO_OK;
-	lod_pool_free(pool);
-	return eco_fail(error, ECO_NO_MEMORY, "summary of %s: no memory", plant->plant.name);
 }
 
 void lod_pool_free(struct lod_pool *pool)

@@ -12,8 +12,7 @@ struct lod_pool {                /* owns its arrays */
 	uint8_t level;               /* of the plant's leaves, as in lists of points */
 };
 /* Points in random order. `palette_first`: start of the plant's palette in the scene's. */
-enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_t palette_first,
-	uint32_t count, struct eco_error *error);
+void lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_t palette_first, uint32_t count);
 void lod_pool_free(struct lod_pool *pool);
 
 #endif

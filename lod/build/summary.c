@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
-#include "ecofiles/base/array_grow.h"
 #include "lod/build/palette.h"
 #include "lod/eye.h"
 #include "lod/sort.h"
@@ -51,12 +51,10 @@ uint32_t lod_summary_count(const struct eco_tile *tile)
 		: (uint32_t)wanted;
 }
 
-static bool push(struct drawing *d, const struct visit *visit)
+static void push(struct drawing *d, const struct visit *visit)
 {
-	if (!eco_array_grow(&d->stack, &d->capacity, d->depth, sizeof *d->stack))
-		return false;
+	eco_grow(&d->stack, &d->capacity, d->depth, sizeof *d->stack);
 	d->stack[d->depth++] = *visit;
-	return true;
 }
 
 /* A seed from a tile's contents, not from its index in the table: other tiles may come and go. */
@@ -67,8 +65,7 @@ static uint64_t name_of(const struct eco_tile *tile)
 	return eco_random(bits, tile->instance_count);
 }
 
-/* Areas of the tile's own plants, summed: d->reach[i] ends the share of place i. Returns their number;
- * ECO_NONE without memory. */
+/* Areas of the tile's own plants, summed: d->reach[i] ends the share of place i. Returns their number. */
 static uint32_t own_places(struct drawing *d, const struct eco_tile *tile)
 {
 	const struct eco_scene *scene = d->input->scene;
@@ -78,12 +75,8 @@ static uint32_t own_places(struct drawing *d, const struct eco_tile *tile)
 		const struct eco_group *group = &scene->groups[tile->group_first + g];
 		uint32_t places = group->count;
 		if (count + places > d->reach_capacity) {
-			uint32_t wanted = count + places + d->reach_capacity;
-			double *bigger = realloc(d->reach, wanted * sizeof *bigger);
-			if (!bigger)
-				return ECO_NONE;
-			d->reach = bigger;
-			d->reach_capacity = wanted;
+			d->reach_capacity += count + places;
+			d->reach = eco_realloc(d->reach, d->reach_capacity, sizeof *d->reach);
 		}
 		for (uint32_t i = 0; i < places; i++) {
 			double scale = eco_place_read(scene, group->place_first + i).scale / 65536.0;
@@ -192,13 +185,11 @@ static uint32_t given_until(double sum, double total, uint32_t count, double sta
 
 /* Divides the visit's points by area among the tile's own plants and its children, rounding the running sum
  * so that the shares add up. */
-static bool share_out(struct drawing *d, const struct visit *visit)
+static void share_out(struct drawing *d, const struct visit *visit)
 {
 	const struct eco_scene *scene = d->input->scene;
 	const struct eco_tile *tile = &scene->tiles[visit->tile];
 	uint32_t places = own_places(d, tile), given = 0;
-	if (places == ECO_NONE)
-		return false;
 	double own = places ? d->reach[places - 1] : 0, total = own, sum;
 	for (uint32_t i = 0; i < tile->child_count; i++) {
 		const struct eco_child *child = &scene->children[tile->child_first + i];
@@ -206,7 +197,7 @@ static bool share_out(struct drawing *d, const struct visit *visit)
 			: 1);
 	}
 	if (!(total > 0))
-		return true;
+		return;
 	/* the sums are added in one order, so the last is exactly `total`; a random start within a step
 	 * favours no child */
 	double start = tile->child_count ? eco_random_unit(eco_random(d->input->seed + 1, name_of(tile))) : 0;
@@ -231,36 +222,26 @@ static bool share_out(struct drawing *d, const struct visit *visit)
 			take_points(d, &next, d->input->roots[child->tile]);
 		else if (child->placed && !d->input->pools)
 			continue;                /* a nested eco file without a summary */
-		else if (!push(d, &next))
-			return false;
+		else
+			push(d, &next);
 	}
-	return true;
 }
 
-enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input,
-	struct eco_error *error)
+void lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input)
 {
-	*summary =
-		(struct lod_summary){
-		.points = malloc(((size_t)input->count + 1) * sizeof *summary->points) };
+	*summary = (struct lod_summary){ .points = eco_alloc((size_t)input->count + 1, sizeof *summary->points) };
 	struct drawing d = { .input = input, .out = summary };
 	struct visit visit = { .tile = input->tile, .count = input->count, .placement = { .scale = 1 } };
-	bool good = summary->points && push(&d, &visit);
-	while (good && d.depth) {
+	push(&d, &visit);
+	while (d.depth) {
 		visit = d.stack[--d.depth];
-		good = share_out(&d, &visit);
+		share_out(&d, &visit);
 	}
 	free(d.stack);
 	free(d.reach);
-	if (!good) {
-		free(summary->points);
-		*summary = (struct lod_summary){ 0 };
-		return eco_fail(error, ECO_NO_MEMORY, "summary of tile %u: no memory", input->tile);
-	}
 	summary->level = (uint8_t)(d.leveled ? (d.levels + d.leveled / 2) / d.leveled : 0);
 	lod_shuffle(summary->points, summary->count, sizeof *summary->points,
 		eco_random(input->seed + 2, name_of(&input->scene->tiles[input->tile])));
-	return ECO_OK;
 }
 
 /* ---- Colours ---- */
@@ -429,9 +410,8 @@ static void choose_grid(struct eco_list *list, const struct lod_summary *summary
 	lod_grid_place(list, low, high, lod_power_below(fmax(extent / SUMMARY_STEPS, 1e-6)));
 }
 
-enum eco_code lod_summary_list(const struct lod_summary *summary, const struct eco_scene *scene,
-	uint32_t tile, uint32_t palette_count, struct eco_list *list, struct eco_elements *elements,
-	struct eco_error *error)
+void lod_summary_list(const struct lod_summary *summary, const struct eco_scene *scene, uint32_t tile,
+	uint32_t palette_count, struct eco_list *list, struct eco_elements *elements)
 {
 	uint32_t n = summary->count;
 	assert(n > 0);
@@ -443,12 +423,8 @@ enum eco_code lod_summary_list(const struct lod_summary *summary, const struct e
 	choose_grid(list, summary);
 	*elements = (struct eco_elements){ .element_count = n, .corner_count = n, .primitive_count = n,
 		.extra_count = 3,
-		.corners = malloc(n), .position = malloc(3 * (size_t)n * sizeof(int32_t)),
-		.extra = malloc(3 * (size_t)n * sizeof(int32_t)) };
-	if (!elements->corners || !elements->position || !elements->extra) {
-		eco_elements_free(elements);
-		return eco_fail(error, ECO_NO_MEMORY, "summary of tile %u: no memory", tile);
-	}
+		.corners = eco_alloc(n, 1), .position = eco_alloc(n, 3 * sizeof(int32_t)),
+		.extra = eco_alloc(n, 3 * sizeof(int32_t)) };
 	for (uint32_t k = 0; k < n; k++) {
 		const struct lod_summary_point *p = &summary->points[k];
 		elements->corners[k] = 1;
@@ -459,5 +435,4 @@ enum eco_code lod_summary_list(const struct lod_summary *summary, const struct e
 		elements->extra[3 * k + 1] = (int32_t)p->plant;
 		elements->extra[3 * k + 2] = p->key;
 	}
-	return ECO_OK;
 }

@@ -1,9 +1,9 @@
 /* Point summaries of tiles (Deussen 2002, 6.2): points drawn at random from the points of a tile's plants, in
  * proportion to the plants' areas.
  *
- *   lod_pool_make(&pool, &plant, palette_first, count, &error);     once per plant (lod/build/pool.h)
+ *   lod_pool_make(&pool, &plant, palette_first, count);             once per plant (lod/build/pool.h)
  *   lod_summary_palette_make(&palette, &input, first, count, &error);  once per eco file
- *   lod_summary_make(&summary, &input, &error);                     once per tile
+ *   lod_summary_make(&summary, &input);                             once per tile
  *   lod_summary_list(&summary, &scene, tile, &list, &elements, ...) as a list to be packed
  *
  * Every leaf tile has an endless seeded sequence of points, and its summary is the beginning of it; a parent's is
@@ -42,15 +42,14 @@ struct lod_summary_input {
 uint32_t lod_summary_count(const struct eco_tile *tile);
 /* Exactly `count` points in random order; fewer if nested summaries have fewer, none if the tile's area is 0.
  * The caller frees points. */
-enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input,
-	struct eco_error *error);
+void lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input);
 
 /* The colours of the summaries of one eco file: exactly those of the points if they are few, else a palette in
  * which a plant counts with its area, rounded down to a power of two of the file's. So colours stay while a few
  * plants come, go or move. Nested files give the colours of their stored summaries.
  *
  *   lod_summary_palette_make(&palette, &input, tile_first, tile_count, &error);
- *   input.color_of = palette.color_of;                      lod_summary_make(&summary, &input, ...)
+ *   input.color_of = palette.color_of;                      lod_summary_make(&summary, &input)
  *   free(palette.color_of); */
 #define LOD_SUMMARY_COLORS 32u
 
@@ -67,9 +66,8 @@ enum eco_code lod_summary_palette_make(struct lod_summary_palette *palette,
 
 /* The summary as a list with a grid step of at most 1/4096 of the tile; the writer sets counts and chunks.
  * `palette_count`: colours that points name; the caller sets the list's palette_first. */
-enum eco_code lod_summary_list(const struct lod_summary *summary, const struct eco_scene *scene,
-	uint32_t tile, uint32_t palette_count, struct eco_list *list, struct eco_elements *elements,
-	struct eco_error *error);
+void lod_summary_list(const struct lod_summary *summary, const struct eco_scene *scene, uint32_t tile,
+	uint32_t palette_count, struct eco_list *list, struct eco_elements *elements);
 
 /* The largest power of two not above v > 0. Exact. */
 double lod_power_below(double v);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/list.h"
 #include "lod/arena.h"
 #include "lod/light.h"
@@ -290,13 +291,9 @@ enum eco_code lod_texture_make(struct lod_texture *texture, const struct eco_mod
 {
 	struct lod_texture_levels levels;
 	bool holes = eco_image_has_holes(&model->images[id]);
-	*texture = (struct lod_texture){ .colors = calloc(ECO_TEXTURE_LEVELS_MAX, sizeof *texture->colors),
-		.outlines = holes ? calloc(ECO_TEXTURE_LEVELS_MAX, sizeof *texture->outlines) : NULL };
-	enum eco_code code = texture->colors && (!holes || texture->outlines) ? ECO_OK
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for a texture of %u x %u texels",
-		model->images[id].width, model->images[id].height);
-	if (!code)
-		code = lod_texture_levels_make(&levels, model, id, error);
+	*texture = (struct lod_texture){ .colors = eco_alloc(ECO_TEXTURE_LEVELS_MAX, sizeof *texture->colors),
+		.outlines = holes ? eco_alloc(ECO_TEXTURE_LEVELS_MAX, sizeof *texture->outlines) : NULL };
+	enum eco_code code = lod_texture_levels_make(&levels, model, id, error);
 	if (!code) {
 		texture->texel_area = levels.texel_area;
 		code = write_levels(texture, &levels, error);
@@ -368,9 +365,7 @@ static uint32_t fill_clear(uint8_t *rgba, uint32_t side)
 static enum eco_code write_level(struct eco_writer *w, uint8_t *rgba, uint32_t side, struct eco_error *error)
 {
 	struct eco_texture_part part = { side, side, fill_clear(rgba, side), rgba };
-	uint8_t *rgb = part.channels == 3 ? malloc(3 * (size_t)side * side) : rgba;
-	if (!rgb)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u x %u texels of ground", side, side);
+	uint8_t *rgb = part.channels == 3 ? eco_alloc((size_t)side * side, 3) : rgba;
 	for (size_t i = 0; i < (size_t)side * side && part.channels == 3; i++)
 		memcpy(rgb + 3 * i, rgba + 4 * i, 3);
 	part.texels = rgb;
@@ -382,12 +377,10 @@ static enum eco_code write_level(struct eco_writer *w, uint8_t *rgba, uint32_t s
 
 enum eco_code lod_image_levels(struct eco_writer *levels, const uint8_t *rgba, struct eco_error *error)
 {
-	uint8_t *now = malloc(4 * (size_t)SIDE * SIDE), *next = malloc((size_t)SIDE * SIDE);
-	enum eco_code code = now && next ? ECO_OK
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for %u x %u texels of ground", SIDE, SIDE);
+	uint8_t *now = eco_alloc((size_t)SIDE * SIDE, 4), *next = eco_alloc((size_t)SIDE * SIDE, 1);
+	enum eco_code code = ECO_OK;
 	uint32_t side = SIDE;
-	if (!code)
-		memcpy(now, rgba, 4 * (size_t)SIDE * SIDE);
+	memcpy(now, rgba, 4 * (size_t)SIDE * SIDE);
 	for (uint32_t i = ECO_GROUND_IMAGE_LEVELS; i-- > 0 && !code; side /= 2) {
 		if (i)
 			halve(now, side, next, side / 2);

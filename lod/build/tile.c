@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/model.h"
-#include "ecofiles/base/array_grow.h"
 
 #define DEPTH_MAX 60             /* halvings: beyond it doubles do not separate positions */
 
@@ -23,7 +23,6 @@ struct build {
 	const struct lod_tile_item *items;
 	uint32_t most, node_capacity;
 	uint32_t *scratch;           /* as long as order */
-	bool failed;
 };
 
 /* Interleaves the bits of two coordinates, x lowest. */
@@ -38,10 +37,7 @@ static uint64_t morton(uint32_t x, uint32_t y)
 static uint32_t add_node(struct build *b, uint32_t first, uint32_t count)
 {
 	struct lod_tiles *t = b->tiles;
-	if (!eco_array_grow(&t->nodes, &b->node_capacity, t->node_count, sizeof *t->nodes)) {
-		b->failed = true;
-		return 0;
-	}
+	eco_grow(&t->nodes, &b->node_capacity, t->node_count, sizeof *t->nodes);
 	t->nodes[t->node_count] = (struct lod_tile_node){ .item_first = first, .item_count = count };
 	return t->node_count++;
 }
@@ -88,12 +84,8 @@ static uint32_t grid16(double v, double low, double side)
 
 static void sort_leaf(struct build *b, uint32_t first, uint32_t count, const struct square *square)
 {
-	struct sorting *sorting = malloc((count ? count : 1) * sizeof *sorting);
+	struct sorting *sorting = eco_alloc(count, sizeof *sorting);
 	uint32_t *order = b->tiles->order + first;
-	if (!sorting) {
-		b->failed = true;
-		return;
-	}
 	for (uint32_t i = 0; i < count; i++) {
 		const struct lod_tile_item *item = &b->items[order[i]];
 		sorting[i] = (struct sorting){ item->plant, order[i],
@@ -151,10 +143,8 @@ static uint32_t split(struct build *b, uint32_t first, uint32_t count, struct sq
 	for (;; depth++) {
 		if (few(b, first, count)) {
 			uint32_t leaf = add_node(b, first, count);
-			if (!b->failed)
-				sort_leaf(b, first, count, &square);
-			if (!b->failed)
-				hold_items(b, &b->tiles->nodes[leaf]);
+			sort_leaf(b, first, count, &square);
+			hold_items(b, &b->tiles->nodes[leaf]);
 			return leaf;
 		}
 		if (depth >= DEPTH_MAX) {
@@ -179,7 +169,7 @@ static uint32_t split(struct build *b, uint32_t first, uint32_t count, struct sq
 		ends[2] = ends[3];
 	}
 	uint32_t node = add_node(b, first, count), begin = first;
-	for (int q = 0; q < 4 && !b->failed; begin = ends[q++]) {
+	for (int q = 0; q < 4; begin = ends[q++]) {
 		if (ends[q] == begin)
 			continue;
 		double half = square.side / 2;
@@ -209,24 +199,16 @@ static struct square square_around(const struct lod_tile_item *items, uint32_t c
 	return (struct square){ low[0], low[1], fmax(high[0] - low[0], high[1] - low[1]) };
 }
 
-enum eco_code lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count,
-	uint32_t most, struct eco_error *error)
+void lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count, uint32_t most)
 {
 	assert(most >= 1);
-	*tiles = (struct lod_tiles){ .order = malloc(((size_t)count + 1) * sizeof *tiles->order) };
+	*tiles = (struct lod_tiles){ .order = eco_alloc((size_t)count + 1, sizeof *tiles->order) };
 	struct build b = { .tiles = tiles, .items = items, .most = most,
-		.scratch = malloc(((size_t)count + 1) * sizeof *b.scratch) };
-	b.failed = !tiles->order || !b.scratch;
-	if (!b.failed) {
-		for (uint32_t i = 0; i < count; i++)
-			tiles->order[i] = i;
-		split(&b, 0, count, square_around(items, count), 0);
-	}
+		.scratch = eco_alloc((size_t)count + 1, sizeof *b.scratch) };
+	for (uint32_t i = 0; i < count; i++)
+		tiles->order[i] = i;
+	split(&b, 0, count, square_around(items, count), 0);
 	free(b.scratch);
-	if (!b.failed)
-		return ECO_OK;
-	lod_tiles_free(tiles);
-	return eco_fail(error, ECO_NO_MEMORY, "tiling: no memory for %u plants", count);
 }
 
 void lod_tiles_free(struct lod_tiles *tiles)

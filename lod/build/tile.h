@@ -1,7 +1,7 @@
 /* A quadtree over the contents of an eco file: square tiles, split until each holds few enough items (Deussen
  * 2002, 6.2); items at one place are split by their number.
  *
- *   lod_tiles_build(&tiles, items, count, 128, &error);
+ *   lod_tiles_build(&tiles, items, count, 128);
  *   for each node, parents first: bounds, children; a leaf's items, by plant, each plant's in Morton order
  *   lod_tiles_free(&tiles);
  *
@@ -36,8 +36,7 @@ struct lod_tiles {               /* owns its arrays */
 
 /* `most` >= 1. A leaf holds items of total weight `most`, except a single item. Deterministic; positions must
  * be finite. Without items there is one empty leaf at the origin. */
-enum eco_code lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count,
-	uint32_t most, struct eco_error *error);
+void lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count, uint32_t most);
 void lod_tiles_free(struct lod_tiles *tiles);
 
 #endif

@@ -78,9 +78,8 @@ static void make_world(void)
 static struct lod_summary summary_of(uint32_t tile, uint32_t count)
 {
 	struct lod_summary s;
-	assert_int_equal(lod_summary_make(&s,
-		&(struct lod_summary_input){ .scene = &w.b.scene, .pools = w.pools, .tile = tile,
-		.count = count, .seed = 7 }, NULL), ECO_OK);
+	lod_summary_make(&s, &(struct lod_summary_input){ .scene = &w.b.scene, .pools = w.pools, .tile = tile,
+		.count = count, .seed = 7 });
 	return s;
 }
 
@@ -170,14 +169,13 @@ UNIT_TEST(test_nested_summaries_stand_for_their_files)
 		.roots = roots };
 	make_world();
 	w.b.tiles[0].child_first = w.b.tiles[0].child_count = 2;     /* both of tile 3 */
-	assert_int_equal(lod_summary_make(&outer, &input, NULL), ECO_OK);
+	lod_summary_make(&outer, &input);
 	assert_int_equal(outer.count, 0);
 	free(outer.points);
 	inner = summary_of(3, 200);
-	assert_int_equal(lod_summary_list(&inner, &w.b.scene, 3, 20, &root.list, &root.elements, NULL),
-		ECO_OK);
+	lod_summary_list(&inner, &w.b.scene, 3, 20, &root.list, &root.elements);
 	roots[3] = &root;
-	assert_int_equal(lod_summary_make(&outer, &input, NULL), ECO_OK);
+	lod_summary_make(&outer, &input);
 	assert_int_equal(outer.count, 100);
 	for (uint32_t i = 0; i < outer.count; i++)
 		assert_true(fabs(fabs(outer.points[i].at[0]) - 500) < 20);
@@ -192,7 +190,7 @@ UNIT_TEST(test_list_holds_the_points)
 	struct eco_elements e;
 	make_world();
 	struct lod_summary s = summary_of(2, 256);
-	assert_int_equal(lod_summary_list(&s, &w.b.scene, 2, 40, &list, &e, NULL), ECO_OK);
+	lod_summary_list(&s, &w.b.scene, 2, 40, &list, &e);
 	assert_int_equal(e.element_count, 256);
 	assert_true(fabs((double)list.unit_area * 256 - w.b.tiles[2].area / 2) < 1e-3);
 	assert_true(list.level >= 100 && list.level < 110);      /* between those of its plants */
@@ -237,7 +235,7 @@ static uint32_t pooled_leaves(int32_t stem_z)
 	uint32_t leaves = 0;
 	plant.organ[ECO_ORGAN_FOLIAGE].area = 4;
 	plant.organ[ECO_ORGAN_WOOD].area = 1;
-	assert_int_equal(lod_pool_make(&pool, &plant, 30, 1000, NULL), ECO_OK);
+	lod_pool_make(&pool, &plant, 30, 1000);
 	assert_int_equal(pool.count, 1000);
 	for (uint32_t i = 0; i < pool.count; i++) {
 		bool leaf = fabsf(pool.position[i][2] - 1) < 0.1f;
@@ -248,7 +246,7 @@ static uint32_t pooled_leaves(int32_t stem_z)
 	}
 	lod_pool_free(&pool);
 	plant.ladder_count = 0;
-	assert_int_equal(lod_pool_make(&pool, &plant, 30, 1000, NULL), ECO_OK);
+	lod_pool_make(&pool, &plant, 30, 1000);
 	assert_int_equal(pool.count, 1);
 	lod_pool_free(&pool);
 	return leaves;

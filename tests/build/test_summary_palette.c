@@ -74,10 +74,9 @@ static struct lod_summary summary_of(const struct world *w, const struct lod_sum
 	const struct lod_summary_root *const *roots)
 {
 	struct lod_summary s;
-	struct eco_error error = { 0 };
-	assert_ok(lod_summary_make(&s, &(struct lod_summary_input){ .scene = &w->b.scene, .pools = w->pools,
+	lod_summary_make(&s, &(struct lod_summary_input){ .scene = &w->b.scene, .pools = w->pools,
 		.tile = ROOT, .count = 500, .seed = 1, .roots = roots,
-		.color_of = palette->color_of }, &error), error);
+		.color_of = palette->color_of });
 	assert_in_range(s.count, 250, 500);
 	return s;
 }

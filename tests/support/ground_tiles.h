@@ -54,8 +54,7 @@ static inline struct eco_elements ground_elements(const struct eco_ground *g,
 	const struct eco_ground_tile *tile, uint8_t shift)
 {
 	struct eco_elements e;
-	if (lod_ground_elements(&e, g, tile, shift, GROUND_TILES_LOW_M, GROUND_TILES_STEP_M, NULL))
-		abort();
+	lod_ground_elements(&e, g, tile, shift, GROUND_TILES_LOW_M, GROUND_TILES_STEP_M);
 	return e;
 }
 

@@ -45,17 +45,20 @@ static void end(int before) { begin(before & TRAPS); }
 		return code; \
 	}
 
-/* Four triangles at a time: lanes that nobody reads hold whatever, and may divide by the area of nothing.
- * Those that are read are compared with an integer twin by the rasteriser's own tests. */
-#define LANES(name, parameters, ...) \
+#define WITH(traps, name, parameters, ...) \
 	void __real_##name parameters; \
 	void __wrap_##name parameters; \
 	void __wrap_##name parameters \
 	{ \
-		int before = begin(0); \
+		int before = begin(traps); \
 		__real_##name(__VA_ARGS__); \
 		end(before); \
 	}
+#define TRAPPED_VOID(...) WITH(TRAPS, __VA_ARGS__)
+
+/* Four triangles at a time: lanes that nobody reads hold whatever, and may divide by the area of nothing.
+ * Those that are read are compared with an integer twin by the rasteriser's own tests. */
+#define LANES(...) WITH(0, __VA_ARGS__)
 
 TRAPPED(lod_plan, (struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error),
 	plan, input, error)
@@ -72,15 +75,14 @@ TRAPPED(lod_plant_build,
 TRAPPED(lod_plant_measure,
 	(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
 	struct eco_error *error), plant, model, options, error)
-TRAPPED(lod_pool_make, (struct lod_pool *pool, const struct lod_plant *plant, uint32_t first, uint32_t count,
-	struct eco_error *error), pool, plant, first, count, error)
-TRAPPED(lod_summary_make, (struct lod_summary *summary, const struct lod_summary_input *input,
-	struct eco_error *error), summary, input, error)
-TRAPPED(lod_summary_list, (const struct lod_summary *summary, const struct eco_scene *scene, uint32_t tile,
-	uint32_t palette, struct eco_list *list, struct eco_elements *elements, struct eco_error *error),
-	summary, scene, tile, palette, list, elements, error)
-TRAPPED(lod_tiles_build, (struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count,
-	uint32_t most, struct eco_error *error), tiles, items, count, most, error)
+TRAPPED_VOID(lod_pool_make, (struct lod_pool *pool, const struct lod_plant *plant, uint32_t first, uint32_t count),
+	pool, plant, first, count)
+TRAPPED_VOID(lod_summary_make, (struct lod_summary *summary, const struct lod_summary_input *input), summary, input)
+TRAPPED_VOID(lod_summary_list, (const struct lod_summary *summary, const struct eco_scene *scene, uint32_t tile,
+	uint32_t palette, struct eco_list *list, struct eco_elements *elements), summary, scene, tile, palette, list,
+	elements)
+TRAPPED_VOID(lod_tiles_build, (struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count,
+	uint32_t most), tiles, items, count, most)
 TRAPPED(lod_ground_build, (struct lod_ground_tree *tree, const struct eco_ground *ground, double step,
 	double least, struct eco_error *error), tree, ground, step, least, error)
 LANES(lod_raster_triangles, (struct lod_raster *raster, const struct lod_raster_batch *batch), raster, batch)

@@ -9,6 +9,7 @@
  *
  * Scales are smoothed over neighbouring shares, and errors made non-increasing (pool adjacent violators). All is
  * +, -, *, / and sqrt in fixed order: the same curves on every machine. */
+#include "ecofiles/base/memory.h"
 #include "lod/build/measure/curve_ways.h"
 
 #include <stdlib.h>
@@ -370,10 +371,7 @@ static enum eco_code append(struct lod_plant *plant, const struct lod_curve_orga
 	struct eco_error *error)
 {
 	uint32_t most = curve->sample_count + plant->impostor_count + 1;
-	struct eco_curve *grown = realloc(plant->curves, (plant->curve_count + most) * sizeof *grown);
-	if (!grown)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for curves");
-	plant->curves = grown;
+	plant->curves = eco_realloc(plant->curves, plant->curve_count + most, sizeof *plant->curves);
 	bool impostor = curve->sample_count && has_impostor(curve);
 	enum eco_code code = impostor ? append_impostor(plant, curve, error) : ECO_OK;
 	if (code)
@@ -459,10 +457,9 @@ static enum eco_code measure_plant(struct lod_plant *plant, const struct eco_mod
 		plant->ladders[i].flags &= (uint8_t)~ECO_LADDER_ABOVE;
 	}
 	struct progress progress = { options, 0, 0 };
-	bool *done = calloc(plant->ladder_count + 1, sizeof *done);
-	uint32_t *members = calloc(plant->ladder_count + 1, sizeof *members);
-	code = done && members ? measure_all(plant, &probe, &progress, done, members, error)
-		: eco_fail(error, ECO_NO_MEMORY, "no memory to measure %u ladders", plant->ladder_count);
+	bool *done = eco_alloc(plant->ladder_count + 1u, sizeof *done);
+	uint32_t *members = eco_alloc(plant->ladder_count + 1u, sizeof *members);
+	code = measure_all(plant, &probe, &progress, done, members, error);
 	free(done);
 	free(members);
 	lod_probe_free(&probe);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "lod/build/grid.h"
 #include "lod/build/impostor/impostor_make.h"
 #include "lod/build/organ/organ.h"
@@ -110,15 +111,11 @@ static uint32_t shown(const struct lod_splat *splat, double radius)
 	return sum < 1u << 24 ? (uint32_t)sum : 1u << 24;
 }
 
-static bool append_colors(struct lod_plant *plant, const struct lod_palette *palette)
+static void append_colors(struct lod_plant *plant, const struct lod_palette *palette)
 {
-	uint8_t (*all)[3] = realloc(plant->palette, (plant->palette_count + palette->count) * sizeof *all);
-	if (!all)
-		return false;
-	memcpy(all + plant->palette_count, palette->rgb, palette->count * sizeof *all);
-	plant->palette = all;
+	plant->palette = eco_realloc(plant->palette, plant->palette_count + palette->count, sizeof *plant->palette);
+	memcpy(plant->palette + plant->palette_count, palette->rgb, palette->count * sizeof *plant->palette);
 	plant->palette_count += palette->count;
-	return true;
 }
 
 /* A splat mixes leaves, wood and flowers, so its colour may be far from every colour of the plant: splats
@@ -145,45 +142,38 @@ static bool color_elements(struct lod_list_draft *draft, struct lod_plant *plant
 	for (uint32_t i = 0; i < count; i++)
 		draft->elements.extra[(size_t)draft->elements.extra_count * i] =
 			(int32_t)lod_palette_index(palette, rgb[i]);
-	bool good = append_colors(plant, palette);
+	append_colors(plant, palette);
 	lod_arena_free(&arena);
-	return good;
+	return true;
 }
 
 /* ---- The ladder ---- */
 
-/* Appends an empty list with room for its elements; NULL without memory. The memory is the plant's. */
+/* Appends an empty list with room for its elements. The memory is the plant's. */
 static struct lod_list_draft *add_list(struct lod_plant *plant, const struct eco_list *list, uint32_t ends)
 {
-	struct lod_list_draft *lists = realloc(plant->lists, (plant->list_count + 1u) * sizeof *lists);
-	if (!lists)
-		return NULL;
-	plant->lists = lists;
-	struct lod_list_draft *draft = &lists[plant->list_count++];
-	*draft = (struct lod_list_draft){ .list = *list, .ends = calloc(ends, sizeof *draft->ends) };
+	plant->lists = eco_realloc(plant->lists, plant->list_count + 1u, sizeof *plant->lists);
+	struct lod_list_draft *draft = &plant->lists[plant->list_count++];
+	*draft = (struct lod_list_draft){ .list = *list, .ends = eco_alloc(ends, sizeof *draft->ends) };
 	struct eco_elements *e = &draft->elements;
 	size_t count = list->element_count;
 	e->extra_count = eco_list_extra_count(list);
-	e->corners = calloc(count, 1);
-	e->position = calloc(3 * count, sizeof *e->position);
-	e->extra = calloc(e->extra_count * count, sizeof *e->extra);
-	return draft->ends && e->corners && e->position && e->extra ? draft : NULL;
+	e->corners = eco_alloc(count, 1);
+	e->position = eco_alloc(3 * count, sizeof *e->position);
+	e->extra = eco_alloc(e->extra_count * count, sizeof *e->extra);
+	return draft;
 }
 
-static bool add_ladder(struct lod_plant *plant, const struct lod_splats *splats)
+static void add_ladder(struct lod_plant *plant, const struct lod_splats *splats)
 {
-	struct eco_ladder *ladders = realloc(plant->ladders, (plant->ladder_count + 1u) * sizeof *ladders);
-	if (!ladders)
-		return false;
-	plant->ladders = ladders;
-	struct eco_ladder *ladder = &ladders[plant->ladder_count++];
+	plant->ladders = eco_realloc(plant->ladders, plant->ladder_count + 1u, sizeof *plant->ladders);
+	struct eco_ladder *ladder = &plant->ladders[plant->ladder_count++];
 	*ladder = (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .flags = ECO_LADDER_WHOLE,
 		.level_count = (uint8_t)splats->level_count, .points = plant->list_count - 1,
 		.lines = ECO_NONE, .simple = ECO_NONE, .triangles = ECO_NONE, .impostor = ECO_NONE,
 		.importance = 1 };
 	memcpy(ladder->level_end, splats->level_end, splats->level_count * sizeof *ladder->level_end);
 	plant->plant.ladder_count = plant->ladder_count;
-	return true;
 }
 
 enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_model *model,
@@ -210,9 +200,9 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 		struct eco_list list = list_of(&splats, splats.level_end[splats.level_count - 1]);
 		struct lod_list_draft *draft = add_list(plant, &list,
 			splats.level_count * LEVEL_CHUNKS);
-		if (draft)
-			put_elements(draft, &splats);
-		if (!draft || !color_elements(draft, plant, &splats) || !add_ladder(plant, &splats))
+		put_elements(draft, &splats);
+		add_ladder(plant, &splats);
+		if (!color_elements(draft, plant, &splats))
 			code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u splats", list.element_count);
 		if (!code && !options->draft)
 			code = lod_plant_add_impostor(plant, model, (const uint8_t (*)[3])rgb, options,

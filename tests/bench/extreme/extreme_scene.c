@@ -291,37 +291,31 @@ static void add_root(struct packing *p)
 	p->b.scene.near_m = fmax(p->stand->near_m * scale, 1e-9);
 }
 
-static enum eco_code add_summary(struct packing *p, const struct lod_pool *pools, uint32_t tile,
-	struct eco_error *error)
+static void add_summary(struct packing *p, const struct lod_pool *pools, uint32_t tile)
 {
 	struct lod_summary summary = { 0 };
 	struct eco_list list;
 	struct eco_elements e = { 0 };
-	enum eco_code code =
-		lod_summary_make(&summary, &(struct lod_summary_input){ .scene = &p->b.scene, .pools = pools,
+	lod_summary_make(&summary, &(struct lod_summary_input){ .scene = &p->b.scene, .pools = pools,
 		.tile = tile,
-		.count = lod_summary_count(&p->b.tiles[tile]), .seed = 1 }, error);
-	if (!code && summary.count)
-		code = lod_summary_list(&summary, &p->b.scene, tile, p->b.scene.palette_count, &list, &e,
-			error);
-	if (!code && summary.count)
+		.count = lod_summary_count(&p->b.tiles[tile]), .seed = 1 });
+	if (summary.count) {
+		lod_summary_list(&summary, &p->b.scene, tile, p->b.scene.palette_count, &list, &e);
 		p->b.tiles[tile].summary = scene_add_made(&p->b, list, e);
+	}
 	free(summary.points);
-	return code;
 }
 
-static enum eco_code add_summaries(struct packing *p, struct eco_error *error)
+static void add_summaries(struct packing *p)
 {
 	struct lod_pool pools[EXTREME_PLANTS] = { { 0 } };
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < p->stand->plant_count && !code; i++)
-		code = lod_pool_make(&pools[i], &p->stand->plants[i], p->palette_first[i], 512, error);
-	for (uint32_t t = 1; t < p->b.scene.tile_count && !code; t++)
+	for (uint32_t i = 0; i < p->stand->plant_count; i++)
+		lod_pool_make(&pools[i], &p->stand->plants[i], p->palette_first[i], 512);
+	for (uint32_t t = 1; t < p->b.scene.tile_count; t++)
 		if (p->b.tiles[t].instance_count)
-			code = add_summary(p, pools, t, error);
+			add_summary(p, pools, t);
 	for (uint32_t i = 0; i < p->stand->plant_count; i++)
 		lod_pool_free(&pools[i]);
-	return code;
 }
 
 static enum eco_code write_pack(const struct extreme_stand *stand, const struct extreme_site *site,
@@ -344,8 +338,9 @@ static enum eco_code write_pack(const struct extreme_stand *stand, const struct 
 			add_group(&p, t, tile, plant);
 	}
 	add_root(&p);
-	enum eco_code code = stand->summaries ? add_summaries(&p, error) : ECO_OK;
-	code = code ? code : scene_write(&p.b, path, "{\"name\":\"extreme\"}", NULL, error);
+	if (stand->summaries)
+		add_summaries(&p);
+	enum eco_code code = scene_write(&p.b, path, "{\"name\":\"extreme\"}", NULL, error);
 	memset(p.b.elements, 0, borrowed * sizeof *p.b.elements);
 	scene_free(&p.b);
 	return code;
