@@ -94,7 +94,7 @@ enum eco_code bench_crown_make(struct eco_model *model, struct eco_error *error)
 	struct gen_mesh mesh = { 0 };
 	grow(&mesh);
 	*model = (struct eco_model){ 0 };
-	bool made = !mesh.failed && convert(model, &mesh);
+	bool made = convert(model, &mesh);
 	gen_mesh_free(&mesh);
 	if (!made)
 		eco_model_free(model);
