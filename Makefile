@@ -301,7 +301,7 @@ FUZZ_MAIN := $(if $(filter fuzz,$(config)),,$(B)/obj/tests/fuzz/replay.o)
 $(FUZZERS): $(B)/fuzz/%: $(B)/obj/tests/fuzz/%.o $(FUZZ_MAIN) $(TEST_LIBS) | $(MODULES)
 	$(call say,ld,$@)
 	@mkdir -p $(@D)
-	$(Q)$(LINK_C) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -o $@ $< $(FUZZ_MAIN) $(LINK_TEST)
+	$(Q)$(LINK_C) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -o $@ $< $(FUZZ_MAIN) $(LINK_TEST) -lcmocka
 
 # faults of the system, put before programs: tests/faults
 $(B)/tests/fault.so: tests/faults/fault.c
@@ -333,6 +333,8 @@ build/words/%.table: $(PLACES)/words/%.tsv Makefile
 		END { print "};" }' $< >$@.part && mv $@.part $@
 $(call objects,$(wildcard $(PLACES)/*.c)): | $(WORDS)
 
+# fuzz targets have one function, which libFuzzer declares
+$(B)/obj/tests/fuzz/%.o: CFLAGS_ALL += -Wno-missing-prototypes
 # cmocka's tests have a parameter that few of them look at
 $(B)/obj/tests/%.o: CFLAGS_ALL += -Wno-unused-parameter
 $(B)/obj/%.o: %.c

@@ -4,7 +4,7 @@
 
 #include "lod/raster/raster.h"
 #include "tests/bench/baseline/billboard_cloud.h"
-#include "tests/support/foliage_random.h"
+#include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
 #define MOST 4096u                   /* triangles */

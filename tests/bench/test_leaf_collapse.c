@@ -3,7 +3,7 @@
 
 #include "lod/build/foliage.h"
 #include "tests/bench/baseline/leaf_collapse.h"
-#include "tests/support/foliage_random.h"
+#include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
 #define MOST 512u

@@ -1,6 +1,6 @@
 /* Footprints cover what the rasteriser covers, and count what they add. */
 #include "lod/build/order/footprint.h"
-#include "tests/support/foliage_random.h"
+#include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
 #define PIXELS 96u

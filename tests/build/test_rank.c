@@ -3,7 +3,7 @@
 #include "ecofiles/format/list.h"
 #include "lod/build/order/footprint.h"
 #include "lod/build/order/rank_state.h"
-#include "tests/support/foliage_random.h"
+#include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
 #define PIXELS 128u

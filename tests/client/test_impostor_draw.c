@@ -8,7 +8,6 @@
 #include "client-min/draw/view_shadow.h"
 #include "client-min/view_reference.h"
 #include "tests/support/plan_twin.h"
-#include "tests/support/shadow_gl.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 

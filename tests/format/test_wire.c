@@ -5,7 +5,6 @@
 
 #include "tests/support/unit_test.h"
 #include "tests/support/wire_random.h"
-#include "tests/support/wire_told.h"
 
 /* ---- Streams ---- */
 

@@ -4,8 +4,6 @@
 
 #include "ecofiles/format/view.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
 	struct eco_camera *camera;

@@ -6,11 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk/chunk.h"
+#include "tests/support/chunk_kinds.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
-static void check(const struct eco_list *list, const struct eco_chunk *chunk, const struct eco_elements *e)
+static void check_elements(const struct eco_list *list, const struct eco_chunk *chunk, const struct eco_elements *e)
 {
 	const int32_t bound = (1 << 28) - 1;
 	uint32_t corners = 0;
@@ -27,31 +25,13 @@ static void check(const struct eco_list *list, const struct eco_chunk *chunk, co
 		assert(e->extra[i] <= bound && e->extra[i] >= -bound);
 }
 
-/* As forms of triangles that all lie in one place. */
-static void encode_form(const struct eco_list *list, const struct eco_elements *e, uint8_t **bytes,
-	size_t *size)
-{
-	const struct eco_list fans = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS };
-	struct eco_elements of = { .element_count = e->element_count, .corner_count = 3 * e->element_count,
-		.primitive_count = e->element_count, .corners = malloc(e->element_count),
-		.position = calloc(e->element_count, 36) };
-	const struct eco_chunk_input input = { &fans, &of, 0, e->element_count, 3 };
-
-	assert(of.corners != NULL && of.position);
-	memset(of.corners, 3, e->element_count);
-	assert(eco_chunk_encode_form(&input, list, e, bytes, size, NULL) == ECO_OK);
-	eco_elements_free(&of);
-}
-
 static void encode_again(const struct eco_list *list, const struct eco_elements *e)
 {
 	const struct eco_chunk_input input = { list, e, 0, e->element_count, 3 };
 	struct eco_error error = { 0 };
 	uint8_t *bytes;
 	size_t size;
-	if (list->coder == ECO_CODER_FORM)
-		encode_form(list, e, &bytes, &size);
-	else if (eco_chunk_encode(&input, &bytes, &size, NULL, &error) != ECO_OK)
+	if (kind_encode(&input, &bytes, &size, NULL, &error) != ECO_OK)
 		/* A forged mesh may have triangles whose corners coincide. */
 		assert(list->coder == ECO_CODER_MESH && error.code == ECO_BAD_INPUT);
 	free(bytes);
@@ -70,7 +50,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 		.element_count = bytes[4] | (uint32_t)bytes[5] << 8,
 		.primitive_count = bytes[6] | (uint32_t)bytes[7] << 8 };
 	if (eco_chunk_decode(&list, &chunk, 3, bytes + 8, size - 8, &elements, NULL) == ECO_OK) {
-		check(&list, &chunk, &elements);
+		check_elements(&list, &chunk, &elements);
 		encode_again(&list, &elements);
 	}
 	eco_elements_free(&elements);

@@ -6,8 +6,6 @@
 
 #include "server/request/framing.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
 /* A head that passed: whole lines, none of which begins with a space, a colon or nothing. */
 static void check_head(const char *head, size_t size)
 {

@@ -10,8 +10,6 @@
 #define TRIANGLES_MAX 10000u
 #define VALUES_MAX 100000u           /* of accessors without bytes, which may have any number of zeros */
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
 static void read_accessors(struct eco_gltf *doc)
 {
 	size_t count = json_array_size(json_object_get(eco_gltf_json(doc), "accessors"));

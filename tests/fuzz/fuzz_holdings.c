@@ -5,8 +5,6 @@
 
 #include "ecofiles/format/wire.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
 	struct eco_holdings holdings;

@@ -9,8 +9,6 @@
 #define LEVEL_AT 24u                     /* of its bytes: after the body */
 #define FINE_EVERY 32u                   /* sizes of inputs of which one may be of a finer level */
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
 static void assert_same(const struct eco_impostor_level *a, const struct eco_impostor_level *b)
 {
 	const struct eco_impostor_size *s = &eco_impostor_sizes[a->level];

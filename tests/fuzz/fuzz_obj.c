@@ -12,8 +12,6 @@
 #include "ecofiles/import/model/model_clean.h"
 #include "ecofiles/import/model/model_import.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
 static void check(const struct eco_model *m)
 {
 	uint64_t accounted = m->triangle_count;

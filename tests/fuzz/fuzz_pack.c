@@ -9,8 +9,6 @@
 #include "lod/ground_choice.h"
 #include "tests/support/pack_resign.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
 /* The payload's hash is passed over here, too. */
 static void read_rows(const struct eco_pack *pack, const struct eco_chunk *chunk, uint32_t ordinal)
 {

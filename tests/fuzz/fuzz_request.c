@@ -12,8 +12,6 @@
 #include "server/request/route.h"
 #include "server/stream.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
 static void check_query(const struct srv_target *target)
 {
 	struct srv_query query;

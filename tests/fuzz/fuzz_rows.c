@@ -14,8 +14,6 @@
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/rows/rows.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
 static enum eco_code open_rows(struct eco_rows **rows, uint8_t how, const char *path, struct eco_error *error)
 {
 	static const char separators[] = { 0, ',', ';', '\t' };

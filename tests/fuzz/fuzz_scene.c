@@ -7,8 +7,6 @@
 
 #include "ecofiles/scene/scene.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	struct eco_error error = { .code = ECO_OK };

@@ -10,9 +10,7 @@
 #include <assert.h>
 #include <string.h>
 
-#include "tests/support/wire_told.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+#include "tests/support/wire_random.h"
 
 static void parse_twice(const uint8_t *bytes, size_t size, size_t portion)
 {

@@ -8,8 +8,6 @@
 
 #define TEXELS_MAX (1u << 14)            /* more only make it slower */
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
 	struct eco_error error = { 0 };

@@ -13,8 +13,6 @@
 #define FIXES_MAX 300u                   /* longer tracks only make it slower, and so do scripts */
 #define FRAMES_MAX 1000u
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
 /* In place of PROJ, which takes longer than all else together. */
 static void to_metres(struct eco_track *track)
 {

@@ -155,12 +155,10 @@ UNIT_TEST(scripts_keep_to_the_flight_as_they_say)
 	struct eco_flight f = flight_of(&m.track);
 	struct eco_script script;
 	struct eco_camera *camera;
-	struct eco_error error = { 0 };
-	assert_int_equal(eco_script_fit(&script, &f, &(struct eco_track_options){ .fps = 1 / f.step_s },
-		&error), ECO_OK);
+	assert_good(eco_script_fit(&script, &f, &(struct eco_track_options){ .fps = 1 / f.step_s },
+		&cause));
 	assert_true(script.error_m <= 0.05 && script.error_deg <= 0.5 && script.keys < f.count / 2);
-	if (eco_camera_parse(&camera, script.text, script.size, "made", &error))
-		fail_msg("%s", error.text);
+	assert_good(eco_camera_parse(&camera, script.text, script.size, "made", &cause));
 	assert_true(eco_camera_frame_count(camera) + 1 >= f.count);
 	for (uint32_t i = 0; i < eco_camera_frame_count(camera) && i < f.count; i++) {
 		struct eco_view view;
@@ -209,15 +207,12 @@ UNIT_TEST(cameras_that_turn_about_do_it_by_a_side)
 	struct eco_flight f = flight_with(&m.track, &exact);
 	struct eco_script script;
 	struct eco_camera *camera;
-	struct eco_error error = { 0 };
 	double most = 0;
 	for (uint32_t i = 1; i < f.count; i++)
 		most = fmax(most, eco_angle_deg(f.samples[i - 1].look, f.samples[i].look));
 	assert_true(most < 171);
-	assert_int_equal(eco_script_fit(&script, &f, &(struct eco_track_options){ .fps = 1000 }, &error),
-		ECO_OK);
-	if (eco_camera_parse(&camera, script.text, script.size, "made", &error))
-		fail_msg("%s", error.text);
+	assert_good(eco_script_fit(&script, &f, &(struct eco_track_options){ .fps = 1000 }, &cause));
+	assert_good(eco_camera_parse(&camera, script.text, script.size, "made", &cause));
 	eco_camera_free(camera);
 	free(script.text);
 	eco_flight_free(&f);

@@ -1,11 +1,9 @@
 /* Generated scenes: the same seed gives the same bytes, another seed another scene; plants have believable
  * sizes; scenes parse. */
-#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "ecofiles/generate/generate.h"
@@ -14,44 +12,25 @@
 #include "ecofiles/scene/scene.h"
 #include "ecofiles/format/view.h"
 #include "tests/support/files.h"
+#include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
 
-#define ROOT "build/tmp/generate"
-
-static void remove_folder(const char *path)
-{
-	DIR *folder = opendir(path);
-	struct dirent *entry;
-	char inner[4096];
-	while (folder && (entry = readdir(folder))) {
-		if (!strcmp(entry->d_name, ".") || !strcmp(entry->d_name, ".."))
-			continue;
-		snprintf(inner, sizeof inner, "%s/%s", path, entry->d_name);
-		if (unlink(inner) != 0)
-			remove_folder(inner);
-	}
-	if (folder)
-		closedir(folder);
-	rmdir(path);
-}
-
+/* A folder that is not there yet. */
 static const char *fresh(const char *name)
 {
-	static char path[8][256];
-	static int next;
-	char *to = path[next++ % 8];
-	folder_make(ROOT);
-	snprintf(to, 256, ROOT "/%s-%ld", name, (long)getpid());
-	remove_folder(to);
-	return to;
+	char command[600];
+	const char *path = in_root(name);
+	snprintf(command, sizeof command, "rm -rf '%s'", path);
+	assert_int_equal(system(command), 0);
+	return path;
 }
 
 static const char *in(const char *folder, const char *name)
 {
-	static char path[2][512];
+	static char path[2][600];
 	static int next;
 	char *to = path[next++ % 2];
-	snprintf(to, 512, "%s/%s", folder, name);
+	snprintf(to, sizeof path[0], "%s/%s", folder, name);
 	return to;
 }
 
@@ -99,9 +78,6 @@ UNIT_TEST(test_same_seed_same_bytes)
 			assert_true(files_alike(in(a, scenes[i].files[f]), in(b, scenes[i].files[f])));
 		assert_false(files_alike(in(a, "scene.json"), in(c, "scene.json"))
 			&& files_alike(in(a, "dem.tif"), in(c, "dem.tif")));
-		remove_folder(a);
-		remove_folder(b);
-		remove_folder(c);
 	}
 }
 
@@ -109,20 +85,15 @@ UNIT_TEST(test_scenes_and_cameras_parse)
 {
 	for (size_t i = 0; i < SCENES; i++) {
 		const char *folder = fresh("parse");
-		char path[512];
 		struct eco_sources sources;
 		struct eco_camera *camera = NULL;
-		struct eco_error error = { 0 };
 		generate(scenes[i].name, folder, scenes[i].plants, 1);
-		snprintf(path, sizeof path, "%s/scene.json", folder);
-		assert_ok(eco_sources_load(&sources, path, &error), error);
+		assert_good(eco_sources_load(&sources, in(folder, "scene.json"), &cause));
 		assert_string_equal(sources.items[0].name, scenes[i].name);
 		eco_sources_free(&sources);
-		snprintf(path, sizeof path, "%s/camera.json", folder);
-		assert_ok(eco_camera_load(&camera, path, &error), error);
+		assert_good(eco_camera_load(&camera, in(folder, "camera.json"), &cause));
 		assert_in_range(eco_camera_frame_count(camera), 6, 40);
 		eco_camera_free(camera);
-		remove_folder(folder);
 	}
 }
 
@@ -175,24 +146,24 @@ static bool stop(void *ctx, const char *stage, double share)
 UNIT_TEST(test_stopping_leaves_no_scene)
 {
 	const char *folder = fresh("stop");
-	char path[512];
 	int left = 4;
-	struct eco_error error = { 0 };
-	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "park", .folder = folder,
-		.seed = 1, .progress = stop, .ctx = &left }, &error), ECO_INTERRUPTED);
-	snprintf(path, sizeof path, "%s/scene.json", folder);
-	assert_int_not_equal(access(path, F_OK), 0);
-	remove_folder(folder);
+	assert_code(eco_generate(&(struct eco_generate_options){ .name = "park", .folder = folder,
+		.seed = 1, .progress = stop, .ctx = &left }, &cause), ECO_INTERRUPTED, "");
+	assert_int_not_equal(access(in(folder, "scene.json"), F_OK), 0);
 }
 
 UNIT_TEST(test_errors_say_what)
 {
-	struct eco_error error = { 0 };
-	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "desert", .folder = ROOT "/x" },
-		&error), ECO_BAD_USAGE);
-	assert_non_null(strstr(error.text, "park"));
-	error = (struct eco_error){ 0 };
-	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "park",
-		.folder = "/dev/null/x" }, &error), ECO_IO);
-	assert_non_null(strstr(error.text, "/dev/null/x"));
+	assert_code(eco_generate(&(struct eco_generate_options){ .name = "desert", .folder = "build/tmp/x" },
+		&cause), ECO_BAD_USAGE, "park");
+	assert_code(eco_generate(&(struct eco_generate_options){ .name = "park",
+		.folder = "/dev/null/x" }, &cause), ECO_IO, "/dev/null/x");
 }
+
+static int start(void **state)
+{
+	scratch_open("generate");
+	return 0;
+}
+
+UNIT_MAIN(start, scratch_close)

@@ -214,8 +214,3 @@ UNIT_TEST(plants_in_a_row_and_at_one_place_have_ground_too)
 	assert_true(fabs(height(&g, 5, 5) - 2) < 0.01 && fabs(height(&g, 60, 20) - 2) < 0.01);
 	eco_ground_free(&g);
 }
-
-int main(void)
-{
-	return unit_tests_run(NULL, NULL);
-}

@@ -5,21 +5,12 @@
 #include <stdlib.h>
 
 #include "ecofiles/import/ground/ground_image_import.h"
-#include "tests/support/input_files.h"
-#include "tests/support/unit_test.h"
+#include "tests/support/model_try.h"
 
 #define SIDE ECO_GROUND_IMAGE_SIDE
 #define ZONE 32632
 #define WEST 691000.0
 #define SOUTH 5334000.0
-
-static char warnings[4000];
-
-static void note(void *ctx, const char *text)
-{
-	(void)ctx;
-	snprintf(warnings + strlen(warnings), sizeof warnings - strlen(warnings), "%s\n", text);
-}
 
 /* ---- Rasters ---- */
 
@@ -144,7 +135,7 @@ static struct eco_ground_image_options options_of(struct given *g, char **paths)
 		.low = { g->low[0], g->low[1] },
 		.high = { g->high[0], g->high[1] },
 		.tiles_max = g->tiles_max,
-		.warn = note };
+		.warn = import_note };
 }
 
 static void free_tree(struct tree *tree)
@@ -164,7 +155,7 @@ static void read_tree(struct given g)
 	struct eco_ground_image_options options = options_of(&g, paths);
 	struct eco_ground_image_reader *reader;
 	free_tree(&tree);
-	warnings[0] = 0;
+	import_said[0] = 0;
 	assert_ok(eco_ground_image_open(&reader, &options, &error), error);
 	enum eco_code code =
 		read_square(reader, &tree, (struct eco_list){ .kind = ECO_LIST_GROUND_IMAGE }, 0, &error);
@@ -259,14 +250,14 @@ UNIT_TEST(numbers_that_are_no_bytes_have_a_black_and_a_white)
 	struct given g = COLORS(make_raster(
 		&(struct raster){ "deep.tif", 300, 3, ZONE, 1, GDT_UInt16, .nodata = -1, .scale = 40 }));
 	read_tree(g);
-	assert_non_null(strstr(warnings, "its bands hold UInt16"));
-	assert_non_null(strstr(warnings, "for black and 99"));       /* 250 x 40, less a two-hundredth */
+	import_says("its bands hold UInt16");
+	import_says("for black and 99");       /* 250 x 40, less a two-hundredth */
 	const uint8_t *texel = texel_at(150, 75);
 	assert_true(abs(texel[0] - 127) <= 4 && abs(texel[1] - 63) <= 4 && abs(texel[2] - 131) <= 4);
 	g.source.has_range = true;
 	g.source.range[1] = 255 * 40;
 	read_tree(g);
-	assert_string_equal(warnings, "");
+	assert_string_equal(import_said, "");
 	texel = texel_at(150, 75);
 	assert_true(abs(texel[0] - 125) <= 1 && abs(texel[1] - 62) <= 1 && texel[2] == 128);
 }
@@ -279,15 +270,15 @@ UNIT_TEST(an_image_that_does_not_reach_the_plants_is_said_to)
 	g.low[0] = g.low[1] = 10;
 	g.high[0] = 104, g.high[1] = 64;
 	read_tree(g);
-	assert_non_null(strstr(warnings, "does not reach all plants"));
+	import_says("does not reach all plants");
 	g.low[0] = g.low[1] = 5000;
 	g.high[0] = g.high[1] = 5100;
 	read_tree(g);
-	assert_non_null(strstr(warnings, "does not reach any plants"));
+	import_says("does not reach any plants");
 	g.low[0] = g.low[1] = 5;
 	g.high[0] = g.high[1] = 60;
 	read_tree(g);
-	assert_string_equal(warnings, "");
+	assert_string_equal(import_said, "");
 }
 
 /* Far from the plants no view resolves them; and so many squares are the most. */

@@ -1,19 +1,14 @@
 /* Models: what a file holds arrives or is counted, and what cannot be read is refused by name. Each oddity of
  * a format is written out as the small file that shows it. */
 #include <math.h>
-#include <signal.h>
 
-#include "ecofiles/base/guard.h"
 #include "ecofiles/import/model/import_model.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_clean.h"
 #include "ecofiles/base/geometry.h"
 #include "tests/support/input_files.h"
-#include "tests/support/model_small.h"
+#include "tests/support/model_try.h"
 #include "tests/support/unit_test.h"
-
-/* The model that the test looks at; reading the next frees it. */
-static struct eco_model m;
 
 /* ---- OBJ ---- */
 
@@ -24,16 +19,16 @@ UNIT_TEST(y_up_becomes_z_up_on_its_foot_at_its_height)
 		"10.5 13 -20.5\nv 10.5 13 -19.5\n"
 		"v 9.5 13 -19.5\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
-	import_high(&m, input_text("model", "tube.obj", obj), 0);
+	import_high(input_text("model", "tube.obj", obj), 0);
 	assert_int_equal(m.triangles_in, 8);
 	assert_int_equal(m.triangle_count, 8);
-	assert_true(has_vertex(&m, -0.5f, 0.5f, 0, NULL) && has_vertex(&m, 0.5f, -0.5f, 8, NULL));
+	assert_true(has_vertex(-0.5f, 0.5f, 0, NULL) && has_vertex(0.5f, -0.5f, 8, NULL));
 	assert_true(m.foot[0] == 10 && m.foot[1] == 20 && m.foot[2] == 5 && m.scale == 1);
 	assert_true(eco_model_height(&m) == 8);
 	assert_null(m.uv);
-	import_high(&m, "build/tmp/model/tube.obj", 2);
+	import_high("build/tmp/model/tube.obj", 2);
 	assert_true(fabs(eco_model_height(&m) - 2) < 1e-6 && m.scale == 0.25);
-	assert_true(has_vertex(&m, -0.125f, 0.125f, 2, NULL));
+	assert_true(has_vertex(-0.125f, 0.125f, 2, NULL));
 }
 
 /* Star-shaped polygons in tilted planes, concave as can be, some with corners in a line or repeated: the
@@ -82,7 +77,7 @@ UNIT_TEST(what_covers_nothing_is_dropped_and_counted)
 		"f 1 2 4\nf 1 2 2\nf 2 6 3\n"            /* in a line, twice one corner, twice one place */
 		"f 1 2 5\n";
 
-	import_high(&m, input_text("model", "drop.obj", obj), 0);
+	import_high(input_text("model", "drop.obj", obj), 0);
 	assert_int_equal(m.triangles_in, 7);
 	assert_int_equal(m.triangle_count, 1);
 	assert_int_equal(m.dropped[ECO_DROP_DUPLICATE], 2);
@@ -111,95 +106,4 @@ UNIT_TEST(bad_indices_are_dropped_by_the_last_step_too)
 		&notes, NULL), ECO_OK);
 	assert_int_equal(m.triangle_count, 1);
 	assert_int_equal(m.dropped[ECO_DROP_BAD_INDEX], 2);
-}
-
-/* ---- Hostile input ---- */
-
-UNIT_TEST(files_that_are_no_models_are_refused)
-{
-	static const struct { const char *name, *text; enum eco_code code; const char *says;
-	} cases[] = { { "empty.obj", "", ECO_BAD_INPUT, "empty.obj" },
-		{ "points.obj", "v 0 0 0\nv 1 1 1\n", ECO_BAD_INPUT, "points.obj" },
-		{ "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", ECO_BAD_INPUT,
-			"none of its 1 triangles can be drawn (degenerate); is the file whole?" },
-		{ "what.xyz", "v 0 0 0\n", ECO_UNSUPPORTED, "what.xyz" },
-		{ "stems.csv", "species,x,y\nquru,1,2\n", ECO_UNSUPPORTED,
-			"stems.csv: models are GLB, glTF, OBJ" },
-		{ "cut.glb", "glTF", ECO_DAMAGED, "cut.glb" },
-		{ "json.gltf", "{\"asset\":", ECO_BAD_INPUT, "json.gltf: line 1" },
-		{ "index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 900\n", ECO_BAD_INPUT, "index.obj" } };
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-		import_refuses(input_text("model", cases[i].name, cases[i].text), cases[i].code,
-			cases[i].says);
-	import_refuses("build/tmp/model/none.obj", ECO_NOT_FOUND, "No such file");
-}
-
-/* Every document that is cut off, and many with a changed byte: a status or a sound model. */
-UNIT_TEST(damaged_files_are_survived)
-{
-	const char *path = gltf("whole.gltf", "{\"mesh\":0}", ",\"materials\":[{}]");
-	size_t size;
-	char *text = (char *)file_read(path, &size);
-	eco_model_free(&m);
-	for (size_t at = 1; at < size; at += size / 40) {
-		char kept = text[at];
-		if (eco_model_import(&m,
-				&(struct eco_model_options){
-				.paths = (const char *[]){ input_bytes("model", "cut.gltf", text, at) },
-			.path_count = 1 }, NULL) == ECO_OK)
-			fail_msg("%zu of %zu bytes were taken for a model", at, size);
-		text[at] = (char)(kept ^ 1);
-		if (eco_model_import(&m,
-				&(struct eco_model_options){
-				.paths = (const char *[]){ input_bytes("model", "bit.gltf", text, size) },
-			.path_count = 1 }, NULL) == ECO_OK)
-			for (uint32_t i = 0; i < m.triangle_count * 3; i++)
-				assert_true(m.index[i] < m.vertex_count);
-		eco_model_free(&m);
-		text[at] = kept;
-	}
-	free(text);
-}
-
-/* ---- The guard ---- */
-
-static enum eco_code misbehave(void *ctx, FILE *out, struct eco_error *error)
-{
-	switch (*(const int *)ctx) {
-	case 0:
-		return fputs("result", out) >= 0 ? ECO_OK : ECO_IO;
-	case 1:
-		return eco_fail(error, ECO_UNSUPPORTED, "as it was said");
-	case 2:
-		signal(SIGSEGV, SIG_DFL);
-		raise(SIGSEGV);
-		break;
-	case 3:
-		_exit(7);
-	}
-	return ECO_OK;
-}
-
-UNIT_TEST(a_crash_in_the_child_is_an_error_here)
-{
-	static const struct { enum eco_code code; const char *says; } wanted[] = {
-		{ ECO_OK, "" }, { ECO_UNSUPPORTED, "as it was said" },
-			{ ECO_DAMAGED, "tree.obj: reading it ended with signal 11" },
-		{ ECO_DAMAGED, "exit status 7" },
-	};
-
-	for (int i = 0; i < 4; i++) {
-		struct eco_error error = { .code = ECO_OK };
-		char text[16] = "";
-		FILE *result;
-		assert_int_equal(eco_guard_run(misbehave, &i, "tree.obj", NULL, &result, &error),
-			wanted[i].code);
-		assert_non_null(strstr(error.text, wanted[i].says));
-		assert_int_equal(result != NULL, i == 0);
-		if (!result)
-			continue;
-		assert_int_equal(fread(text, 1, sizeof text - 1, result), 6);
-		assert_string_equal(text, "result");
-		fclose(result);
-	}
 }

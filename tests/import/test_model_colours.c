@@ -3,16 +3,33 @@
 #include "ecofiles/format/image.h"
 #include "ecofiles/import/model/import_model.h"
 #include "ecofiles/format/model.h"
-#include "tests/support/input_files.h"
+#include "tests/support/model_try.h"
 
 #define TEST_FOLDER "model-colours"
-#include "tests/support/model_small.h"
-#include "tests/support/unit_test.h"
+
+/* Positions (0,0,0) (1,0,0) (0,1,0), uv (0,0) (1,0) (0,1), indices 0 1 2, as base64: 36 + 24 + 6 bytes. */
+#define BUFFER "{'byteLength':66,'uri':'data:application/octet-stream;base64," \
+	"AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" \
+	"AAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/AAABAAIA'}"
+#define VIEWS "'bufferViews':[{'buffer':0,'byteLength':36},{'buffer':0,'byteOffset':36," \
+	"'byteLength':24},{'buffer':0,'byteOffset':60," \
+	"'byteLength':6}],'accessors':[{'bufferView':0,'componentType':5126,'count':3," \
+	"'type':'VEC3','min':[0,0,0],'max':[1,1,0]}," \
+	"{'bufferView':1,'componentType':5126,'count':3,'type':'VEC2'},{'bufferView':2," \
+	"'componentType':5123,'count':3,'type':'SCALAR'}]"
+#define MESH "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'TEXCOORD_0':1}," \
+	"'indices':2,'material':0}]}]"
+
+static const char *gltf(const char *name, const char *nodes, const char *rest)
+{
+	static char text[6000];
+	snprintf(text, sizeof text, "{'asset':{'version':'2.0'},'scene':0,"
+		"'scenes':[{'nodes':[0]}],'buffers':[" BUFFER "]," VIEWS ","
+		MESH ",'nodes':[%s]%s}", nodes, rest);
+	return input_json(TEST_FOLDER, name, text);
+}
 
 #define TRIANGLE_UV "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"
-
-/* The model that the test looks at; reading the next frees it. */
-static struct eco_model m;
 
 static void write_png(const char *name, const uint8_t *rgba, uint32_t width, uint32_t height)
 {
@@ -27,7 +44,7 @@ UNIT_TEST(textures_lie_the_right_way_up_and_replace_the_colour)
 	static const uint8_t rgba[] = { 255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 0 };
 	write_png("leaf one.png", rgba, 2, 2);
 	input_text(TEST_FOLDER, "t.mtl", "newmtl m\nKd 0.64 0.64 0.64\nmap_Kd leaf one.png\n");
-	import_high(&m, input_text(TEST_FOLDER, "t.obj", "mtllib t.mtl\n" TRIANGLE_UV), 0);
+	import_high(input_text(TEST_FOLDER, "t.obj", "mtllib t.mtl\n" TRIANGLE_UV), 0);
 	assert_int_equal(m.material_count, 1);
 	assert_int_equal(m.image_count, 1);
 	assert_int_equal(m.materials[0].image, 0);
@@ -36,9 +53,9 @@ UNIT_TEST(textures_lie_the_right_way_up_and_replace_the_colour)
 	assert_memory_equal(m.images[0].rgba, rgba, sizeof rgba);
 	/* OBJ's v points up: its (0, 0) is the bottom left, which is (0, 1) here; the foot is between the two
 	 * lowest vertices */
-	assert_true(has_vertex(&m, -0.5f, 0, 0, (const float[]){ 0, 1 }));
-	assert_true(has_vertex(&m, -0.5f, 0, 1, (const float[]){ 0, 0 }));
-	assert_true(has_vertex(&m, 0.5f, 0, 0, (const float[]){ 1, 1 }));
+	assert_true(has_vertex(-0.5f, 0, 0, (const float[]){ 0, 1 }));
+	assert_true(has_vertex(-0.5f, 0, 1, (const float[]){ 0, 0 }));
+	assert_true(has_vertex(0.5f, 0, 0, (const float[]){ 1, 1 }));
 }
 
 #define SWATCHES \
@@ -57,7 +74,7 @@ UNIT_TEST(a_picture_of_which_each_triangle_shows_one_colour_is_a_palette)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		char text[400];
 		snprintf(text, sizeof text, "mtllib palette.mtl\n%s%s", SWATCHES, cases[i].more);
-		import_high(&m, input_text(TEST_FOLDER, "palette.obj", text), 0);
+		import_high(input_text(TEST_FOLDER, "palette.obj", text), 0);
 		assert_int_equal(m.image_count, cases[i].images);
 		assert_true((m.uv != NULL) == (cases[i].images > 0));
 		const struct eco_material *first = &m.materials[m.material[0]];
@@ -124,10 +141,10 @@ UNIT_TEST(an_opacity_map_cuts_out)
 	write_png("solid.png", solid, 2, 1);
 	write_png("mask.png", mask, 2, 1);
 	input_text(TEST_FOLDER, "o.mtl", "newmtl m\nmap_Kd solid.png\nmap_d mask.png\n");
-	import_high(&m, input_text(TEST_FOLDER, "o.obj", "mtllib o.mtl\n" TRIANGLE_UV), 0);
+	import_high(input_text(TEST_FOLDER, "o.obj", "mtllib o.mtl\n" TRIANGLE_UV), 0);
 	assert_true(m.materials[0].cutout && m.images[0].rgba[3] == 255 && m.images[0].rgba[7] == 0);
 	input_text(TEST_FOLDER, "o.mtl", "newmtl m\nmap_Kd solid.png\n");
-	import_high(&m, "build/tmp/" TEST_FOLDER "/o.obj", 0);
+	import_high("build/tmp/" TEST_FOLDER "/o.obj", 0);
 	assert_false(m.materials[0].cutout);
 }
 
@@ -151,24 +168,23 @@ UNIT_TEST(a_grey_that_nobody_chose_is_no_colour)
 	input_text(TEST_FOLDER, "grey.obj", "mtllib grey.mtl\n" TRIANGLE_UV);
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		input_text(TEST_FOLDER, "grey.mtl", cases[i].mtl);
-		import_high(&m, "build/tmp/" TEST_FOLDER "/grey.obj", 0);
+		import_high("build/tmp/" TEST_FOLDER "/grey.obj", 0);
 		if (m.materials[m.material[0]].colourless != cases[i].colourless)
 			fail_msg("%s", cases[i].mtl);
 		assert_int_equal(strstr(import_said, "no colour in its files") != NULL, cases[i].colourless);
 	}
 	input_text(TEST_FOLDER, "grey.mtl", "newmtl m\nKd 0.9 0.9 0.9\nnewmtl n\nKd 0.4 0.4 0.4\n");
 		/* two greys were chosen: bark and snow */
-	import_high(&m,
-		input_text(TEST_FOLDER, "greys.obj", "mtllib grey.mtl\n" TRIANGLE_UV
+	import_high(input_text(TEST_FOLDER, "greys.obj", "mtllib grey.mtl\n" TRIANGLE_UV
 		"v 0 0 2\nv 1 0 2\nv 0 1 2\nusemtl n\nf 4 5 6\n"), 0);
 	assert_int_equal(m.triangle_count, 2);
 	assert_false(m.materials[m.material[0]].colourless || m.materials[m.material[1]].colourless);
 	input_text(TEST_FOLDER, "grey.mtl", "newmtl m\nKd 0.8 0.8 0.8\nnewmtl n\nKd 1 1 1\n");
 		/* defaults of two programs */
-	import_high(&m, "build/tmp/" TEST_FOLDER "/greys.obj", 0);
+	import_high("build/tmp/" TEST_FOLDER "/greys.obj", 0);
 	assert_true(m.materials[m.material[0]].colourless && m.materials[m.material[1]].colourless);
 	input_text(TEST_FOLDER, "grey.mtl", "newmtl m\nKd 0.8 0.8 0.8\n"); /* a default, and nothing */
-	import_high(&m, "build/tmp/" TEST_FOLDER "/greys.obj", 0);
+	import_high("build/tmp/" TEST_FOLDER "/greys.obj", 0);
 	assert_true(m.materials[m.material[0]].colourless && m.materials[m.material[1]].colourless);
 }
 
@@ -184,7 +200,7 @@ static void import_ramp(double (*rgb)[3])
 			sprintf(faces + strlen(faces), "f %d %d %d\n", v - 1, v, v + 1);
 	}
 	strcat(text, faces);
-	import_high(&m, input_text(TEST_FOLDER, "ramp.obj", text), 0);
+	import_high(input_text(TEST_FOLDER, "ramp.obj", text), 0);
 	assert_int_equal(m.triangle_count, 6);
 }
 
@@ -225,17 +241,16 @@ UNIT_TEST(greys_of_vertices_on_white_are_shade)
 UNIT_TEST(colours_are_the_screens_unless_blender_wrote_them)
 {
 	input_text(TEST_FOLDER, "c.mtl", "newmtl m\nKd 0.2 0.2 0.2\n");
-	import_high(&m, input_text(TEST_FOLDER, "c.obj", "mtllib c.mtl\n" TRIANGLE_UV), 0);
+	import_high(input_text(TEST_FOLDER, "c.obj", "mtllib c.mtl\n" TRIANGLE_UV), 0);
 	assert_int_equal(m.materials[0].rgb[0], 51);
-	import_high(&m, input_text(TEST_FOLDER, "c.obj", "# Blender 3.4.1\nmtllib c.mtl\n" TRIANGLE_UV), 0);
+	import_high(input_text(TEST_FOLDER, "c.obj", "# Blender 3.4.1\nmtllib c.mtl\n" TRIANGLE_UV), 0);
 	assert_int_equal(m.materials[0].rgb[0], 124);        /* 0.2 linear */
 }
 
 UNIT_TEST(invisible_materials_are_left_out_and_counted)
 {
 	input_text(TEST_FOLDER, "d.mtl", "newmtl m\nd 0.3\nnewmtl n\nd 0.6\n");
-	import_high(&m,
-		input_text(TEST_FOLDER, "d.obj", "mtllib d.mtl\n" TRIANGLE_UV
+	import_high(input_text(TEST_FOLDER, "d.obj", "mtllib d.mtl\n" TRIANGLE_UV
 		"v 5 0 0\nusemtl n\nf 1 2 3\nf 1 3 4\n"), 0);
 	assert_int_equal(m.triangles_in, 3);
 	assert_int_equal(m.dropped[ECO_DROP_TRANSPARENT], 1);
@@ -267,7 +282,7 @@ UNIT_TEST(alpha_modes_and_linear_colours_mean_what_gltf_says)
 		snprintf(rest, sizeof rest, ",'materials':[{%s'pbrMetallicRoughness':{'baseColorFactor':[0.5,"
 			"1,0,1],'baseColorTexture':{'index':0}}}],'textures':[{'source':0}],"
 			"'images':[{'uri':'a%%20b.png'}]", modes[i].mode);
-		import_high(&m, gltf("alpha.gltf", "{'mesh':0}", rest), 0);
+		import_high(gltf("alpha.gltf", "{'mesh':0}", rest), 0);
 		assert_int_equal(m.image_count, 1);
 		assert_int_equal(m.materials[0].cutout, modes[i].cutout);
 		assert_int_equal(m.images[0].rgba[3], modes[i].alpha[0]);
@@ -276,13 +291,13 @@ UNIT_TEST(alpha_modes_and_linear_colours_mean_what_gltf_says)
 		assert_true(m.images[0].rgba[0] == 188 && m.images[0].rgba[1] == 0 && m.images[0].rgba[5]
 			== 255);
 		/* glTF's v points down */
-		assert_true(has_vertex(&m, -0.5f, 0, 0, (const float[]){ 0, 0 }));
+		assert_true(has_vertex(-0.5f, 0, 0, (const float[]){ 0, 0 }));
 	}
 }
 
 /* Three triangles beside each other, one for each of the materials (JSON); their texture 0 is `rgba`, one
  * row. */
-static void import_textured(struct eco_model *model, const char *materials, const uint8_t *rgba,
+static void import_textured(const char *materials, const uint8_t *rgba,
 	uint32_t width)
 {
 	char meshes[2000] = "", nodes[2000] = "", text[8000];
@@ -299,17 +314,17 @@ static void import_textured(struct eco_model *model, const char *materials, cons
 		"1,2,3]}],'buffers':[" BUFFER "]," VIEWS
 		",'meshes':[%s],'nodes':[{}%s],'materials':[%s],'textures':[{'source':0}],"
 		"'images':[{'uri':'row.png'}]}", meshes, nodes, materials);
-	import_high(model, input_json(TEST_FOLDER, "row.gltf", text), 0);
+	import_high(input_json(TEST_FOLDER, "row.gltf", text), 0);
 }
 
-static void assert_texel(const struct eco_model *model, const char *material, uint32_t x,
+static void assert_texel(const char *material, uint32_t x,
 	const uint8_t wanted[4])
 {
-	const struct eco_material *of = material_of(model, material);
+	const struct eco_material *of = material_of(material);
 	const uint8_t *texel;
-	assert_true(of->image < model->image_count);
+	assert_true(of->image < m.image_count);
 	assert_memory_equal(of->rgb, "\377\377\377", 3);
-	texel = &model->images[of->image].rgba[x * 4];
+	texel = &m.images[of->image].rgba[x * 4];
 	if (memcmp(texel, wanted, 4) != 0)
 		fail_msg("%s, texel %u: %u %u %u %u", material, x, texel[0], texel[1], texel[2], texel[3]);
 }
@@ -317,49 +332,49 @@ static void assert_texel(const struct eco_model *model, const char *material, ui
 UNIT_TEST(a_texture_takes_each_colour_it_is_used_with)
 {
 	static const uint8_t rgba[] = { 255, 128, 0, 255, 188, 188, 255, 255 };
-	import_textured(&m, "{'name':'half','pbrMetallicRoughness':{'baseColorFactor':[0.5,0.5,0.5,"
+	import_textured("{'name':'half','pbrMetallicRoughness':{'baseColorFactor':[0.5,0.5,0.5,"
 		"1],'baseColorTexture':{'index':0}}},"
 		"{'name':'plain','pbrMetallicRoughness':{'baseColorTexture':{'index':0}}},"
 		"{'name':'also','pbrMetallicRoughness':{'baseColorFactor':[0.5,0.5,0.5,1],"
 		"'baseColorTexture':{'index':0}}}", rgba, 2);
 	assert_int_equal(m.triangle_count, 3);
 	assert_int_equal(m.image_count, 2);
-	assert_int_equal(material_of(&m, "half")->image, material_of(&m, "also")->image);
-	assert_texel(&m, "plain", 0, rgba);
-	assert_texel(&m, "plain", 1, rgba + 4);
+	assert_int_equal(material_of("half")->image, material_of("also")->image);
+	assert_texel("plain", 0, rgba);
+	assert_texel("plain", 1, rgba + 4);
 	/* half the light: (128/255)^2.2 is 0.216, its half 0.108 */
-	assert_texel(&m, "half", 0, (const uint8_t[]){ 188, 93, 0, 255 });
-	assert_texel(&m, "half", 1, (const uint8_t[]){ 138, 138, 188, 255 });
+	assert_texel("half", 0, (const uint8_t[]){ 188, 93, 0, 255 });
+	assert_texel("half", 1, (const uint8_t[]){ 138, 138, 188, 255 });
 }
 
 UNIT_TEST(a_picture_of_one_colour_is_that_colour)
 {
 	static const uint8_t moss[] = { 90, 120, 40, 255, 90, 120, 40, 255 };
-	import_textured(&m, "{'name':'half','pbrMetallicRoughness':{'baseColorFactor':[0.5,0.5,0.5,1],"
+	import_textured("{'name':'half','pbrMetallicRoughness':{'baseColorFactor':[0.5,0.5,0.5,1],"
 		"'baseColorTexture':{'index':0}}},"
 		"{'name':'moss','pbrMetallicRoughness':{'baseColorTexture':{'index':0}}}", moss, 2);
 	assert_int_equal(m.image_count, 0);
-	assert_int_equal(material_of(&m, "moss")->image, ECO_NONE);
-	assert_memory_equal(material_of(&m, "moss")->rgb, moss, 3);
-	assert_memory_equal(material_of(&m, "half")->rgb, ((uint8_t[]){ 64, 87, 27 }), 3);
+	assert_int_equal(material_of("moss")->image, ECO_NONE);
+	assert_memory_equal(material_of("moss")->rgb, moss, 3);
+	assert_memory_equal(material_of("half")->rgb, ((uint8_t[]){ 64, 87, 27 }), 3);
 }
 
 UNIT_TEST(a_texture_cut_out_here_is_opaque_there)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 180, 7, 7, 7, 0 };
-	import_textured(&m, "{'name':'leaf','alphaMode':'MASK',"
+	import_textured("{'name':'leaf','alphaMode':'MASK',"
 		"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}},{'name':'bark',"
 		"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}},{'name':'veil',"
 		"'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.6],"
 		"'baseColorTexture':{'index':0}}}", rgba, 3);
 	assert_int_equal(m.image_count, 3);
-	assert_true(material_of(&m, "leaf")->cutout && material_of(&m, "veil")->cutout
-		&& !material_of(&m, "bark")->cutout);
+	assert_true(material_of("leaf")->cutout && material_of("veil")->cutout
+		&& !material_of("bark")->cutout);
 	for (uint32_t x = 0; x < 3; x++) {
 		uint8_t level = (uint8_t)(9 - x);
-		assert_texel(&m, "leaf", x, (const uint8_t[]){ level, level, level, rgba[x * 4 + 3] });
-		assert_texel(&m, "bark", x, (const uint8_t[]){ level, level, level, 255 });
-		assert_texel(&m, "veil", x,
+		assert_texel("leaf", x, (const uint8_t[]){ level, level, level, rgba[x * 4 + 3] });
+		assert_texel("bark", x, (const uint8_t[]){ level, level, level, 255 });
+		assert_texel("veil", x,
 			(const uint8_t[]){ level, level, level, (uint8_t)(rgba[x * 4 + 3] * 0.6 + 0.5) });
 	}
 }
@@ -367,38 +382,38 @@ UNIT_TEST(a_texture_cut_out_here_is_opaque_there)
 UNIT_TEST(alpha_that_cuts_nothing_out_makes_no_other_image)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 240 };
-	import_textured(&m, "{'name':'leaf','alphaMode':'MASK',"
+	import_textured("{'name':'leaf','alphaMode':'MASK',"
 		"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}},{'name':'bark',"
 		"'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}},{'name':'veil',"
 		"'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.4],"
 		"'baseColorTexture':{'index':0}}}", rgba, 2);
 	assert_int_equal(m.image_count, 1);
-	assert_false(material_of(&m, "leaf")->cutout);
-	assert_texel(&m, "leaf", 1, (const uint8_t[]){ 8, 8, 8, 255 });
-	assert_int_equal(material_of(&m, "bark")->image, 0);
+	assert_false(material_of("leaf")->cutout);
+	assert_texel("leaf", 1, (const uint8_t[]){ 8, 8, 8, 255 });
+	assert_int_equal(material_of("bark")->image, 0);
 	assert_int_equal(m.dropped[ECO_DROP_TRANSPARENT], 1);        /* 0.4 of 1 is below 0.5 everywhere */
 }
 
 /* A model in memory of `count` triangles, each with its own colour of the one image, which has a white texel
  * and a black one. */
-static void make_motley(struct eco_model *model, uint32_t count)
+static void make_motley(uint32_t count)
 {
-	eco_model_free(model);
-	*model = (struct eco_model){ .material_count = count, .image_count = 1 };
-	model->materials = calloc(count, sizeof *model->materials);
-	model->images = calloc(1, sizeof *model->images);
-	model->images[0] = (struct eco_image){ .width = 2, .height = 1, .rgba = malloc(8) };
-	memcpy(model->images[0].rgba, (uint8_t[]){ 255, 255, 255, 255, 0, 0, 0, 255 }, 8);
+	eco_model_free(&m);
+	m = (struct eco_model){ .material_count = count, .image_count = 1 };
+	m.materials = calloc(count, sizeof *m.materials);
+	m.images = calloc(1, sizeof *m.images);
+	m.images[0] = (struct eco_image){ .width = 2, .height = 1, .rgba = malloc(8) };
+	memcpy(m.images[0].rgba, (uint8_t[]){ 255, 255, 255, 255, 0, 0, 0, 255 }, 8);
 	for (uint32_t i = 0; i < count; i++) {
-		model->materials[i].image = 0;
-		memset(model->materials[i].rgb, (int)(255 - i), 3);
+		m.materials[i].image = 0;
+		memset(m.materials[i].rgb, (int)(255 - i), 3);
 	}
 }
 
 UNIT_TEST(beyond_what_is_kept_the_nearest_colour_stands_in)
 {
 	struct eco_notes notes = { .used = 0 };
-	make_motley(&m, 200);
+	make_motley(200);
 	eco_model_bake_tints(&m, &notes);
 	assert_int_equal(m.image_count, 32);
 	for (uint32_t i = 0; i < 200; i++) {
@@ -414,11 +429,11 @@ UNIT_TEST(vertex_colours_of_a_textured_mesh_become_their_mean)
 	static const uint8_t white[] = { 255, 255, 255, 255, 0, 0, 0, 255 };
 	write_png("white.png", white, 2, 1);
 	input_text(TEST_FOLDER, "vt.mtl", "newmtl m\nmap_Kd white.png\n");
-	import_high(&m, input_text(TEST_FOLDER, "vt.obj", "mtllib vt.mtl\nv 0 0 0 1 1 0\nv 1 0 0 0.4 1 0\nv "
+	import_high(input_text(TEST_FOLDER, "vt.obj", "mtllib vt.mtl\nv 0 0 0 1 1 0\nv 1 0 0 0.4 1 0\nv "
 		"0 1 0 0.4 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"), 0);
 	assert_int_equal(m.image_count, 1);
 	assert_int_equal(m.material_count, 1);
-	assert_texel(&m, "m", 0, (const uint8_t[]){ 153, 255, 0, 255 });
+	assert_texel("m", 0, (const uint8_t[]){ 153, 255, 0, 255 });
 	assert_non_null(strstr(import_said, "1 textured meshes have vertex colours that differ"));
 }
 
@@ -432,10 +447,10 @@ UNIT_TEST(a_webp_texture_that_gltf_requires_is_read)
 		"'images':[{'mimeType':'image/webp','uri':'data:image/webp;base64,"
 		"UklGRjIAAABXRUJQVlA4TCUAAAAvAwAAEB8gECD43/FnQyyYzP+MKqxBEQgQ1p05E8DsrKHGEf0PAA=='}]";
 
-	import_high(&m, gltf("webp.gltf", "{'mesh':0}", rest), 0);
+	import_high(gltf("webp.gltf", "{'mesh':0}", rest), 0);
 	assert_int_equal(m.image_count, 1);
 	assert_int_equal(m.images[0].width, 4);
-	assert_true(material_of(&m, "g")->cutout);
+	assert_true(material_of("g")->cutout);
 	assert_in_range(m.images[0].rgba[0], 198, 202);
 }
 
@@ -461,9 +476,9 @@ UNIT_TEST(texture_transforms_turn_about_the_images_corner)
 			"'extensions':{'KHR_texture_transform':{%s}}}}}],"
 			"'textures':[{'source':0}],'images':[{'uri':'one.png'}]",
 			cases[i].transform);
-		import_high(&m, gltf("turn.gltf", "{'mesh':0}", rest), 0);
-		assert_true(has_vertex(&m, -0.5f, 0, 0, cases[i].uv[0])
-			&& has_vertex(&m, 0.5f, 0, 0, cases[i].uv[1])
-			&& has_vertex(&m, -0.5f, 0, 1, cases[i].uv[2]));
+		import_high(gltf("turn.gltf", "{'mesh':0}", rest), 0);
+		assert_true(has_vertex(-0.5f, 0, 0, cases[i].uv[0])
+			&& has_vertex(0.5f, 0, 0, cases[i].uv[1])
+			&& has_vertex(-0.5f, 0, 1, cases[i].uv[2]));
 	}
 }

@@ -4,9 +4,6 @@
 
 #include "ecofiles/format/pack.h"
 
-/* The model that the test looks at; reading the next frees it. */
-static struct eco_model m;
-
 static char text[200000];
 static size_t used;
 static int vertices;
@@ -53,7 +50,7 @@ static void crown(double x, double y, double z, double radius)
 
 static void stand(double height_m)
 {
-	import_file(&m, input_text("stand", "plant.obj", text),
+	import_file(input_text("stand", "plant.obj", text),
 		&(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1, .height_m = height_m });
 }
 
@@ -167,9 +164,9 @@ UNIT_TEST(wood_by_rule_is_what_stands)
 	used += (size_t)snprintf(text + used, sizeof text - used, "o thin\n");
 	tube(6, 0, 0, 6, 0, 9, 0.05, 8);
 	path = input_text("stand", "rule.obj", text);
-	import_file(&m, path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1 });
+	import_file(path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1 });
 	assert_true(close_to(m.foot[0], 0, 0.02));
-	import_file(&m, path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1, .rules = &rule,
+	import_file(path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1, .rules = &rule,
 		.rule_count = 1 });
 	expect_foot(6, 0, 0);
 }

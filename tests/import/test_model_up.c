@@ -46,12 +46,12 @@ static void low_poly_tree(struct soup *s)
 static void conifer(struct soup *s)
 {
 	soup_begin(s);
-	uint32_t m = plain(s), n = plain(s);
-	soup_tube(s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 10 }, 0.2, 0.02, 6, 10);
+	uint32_t bark = plain(s), needle = plain(s);
+	soup_tube(s, bark, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 10 }, 0.2, 0.02, 6, 10);
 	for (int i = 0; i < 1500; i++) {
 		double h = soup_random(s, 0, 1), a = soup_random(s, 0, 2 * LOD_PI),
 			r = (1 - h) * 2.2 * sqrt(soup_random(s, 0, 1));
-		soup_leaf(s, n, (struct lod_v3){ r * cos(a), r * sin(a), 0.5 + 9.5 * h }, 0.3, 0.1);
+		soup_leaf(s, needle, (struct lod_v3){ r * cos(a), r * sin(a), 0.5 + 9.5 * h }, 0.3, 0.1);
 	}
 }
 
@@ -79,11 +79,11 @@ static void potted_plant(struct soup *s)
 static void patch_of_tufts(struct soup *s)
 {
 	soup_begin(s);
-	uint32_t m = plain(s);
+	uint32_t leaf = plain(s);
 	for (int i = 0; i < 30; i++) {
 		double x = soup_random(s, -11, 11), y = soup_random(s, -9, 9), a = soup_random(s, 0, LOD_PI);
 		for (int k = 0; k < 2; k++, a += LOD_PI / 2)
-			soup_quad(s, m, (struct lod_v3){ x, y, 0.6 },
+			soup_quad(s, leaf, (struct lod_v3){ x, y, 0.6 },
 				(struct lod_v3){ 0.6 * cos(a), 0.6 * sin(a), 0 },
 				(struct lod_v3){ 0, 0, 0.6 });
 	}
@@ -113,19 +113,19 @@ static void cloud_of_leaves(struct soup *s)
 static void hedge(struct soup *s)
 {
 	soup_begin(s);
-	uint32_t m = plain(s);
+	uint32_t leaf = plain(s);
 	for (int i = 0; i < 1500; i++)
-		soup_leaf(s, m, (struct lod_v3){ soup_random(s, -3, 3), soup_random(s, -0.4, 0.4),
+		soup_leaf(s, leaf, (struct lod_v3){ soup_random(s, -3, 3), soup_random(s, -0.4, 0.4),
 			soup_random(s, 0, 1.3) }, 0.1, 0.07);
 }
 
 static void ivy_on_a_wall(struct soup *s)
 {
 	soup_begin(s);
-	uint32_t m = plain(s);
+	uint32_t leaf = plain(s);
 	for (int i = 0; i < 1500; i++) {
 		double h = soup_random(s, 0, 1);
-		soup_leaf(s, m,
+		soup_leaf(s, leaf,
 			(struct lod_v3){ (0.1 + h) * soup_random(s, -1.2, 1.2), soup_random(s, -0.08, 0.08),
 			3 * h }, 0.1, 0.07);
 	}
@@ -236,7 +236,7 @@ UNIT_TEST(what_is_broken_does_not_count)
 }
 
 /* Imports the tree as a GLB, as it is or with y up, as glTF wants it. */
-static void import_glb(struct eco_model *m, bool y_up, enum eco_up up)
+static void import_glb(bool y_up, enum eco_up up)
 {
 	struct soup soup;
 	uint8_t *bytes;
@@ -253,7 +253,7 @@ static void import_glb(struct eco_model *m, bool y_up, enum eco_up up)
 	gw_floats(at, corners, "VEC3", 3);
 	size_t size = gw_glb_bytes(",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", ' ', &bytes);
-	import_file(m, input_bytes("model_up", "tree.glb", bytes, size),
+	import_file(input_bytes("model_up", "tree.glb", bytes, size),
 		&(struct eco_model_options){ .up = up });
 	free(bytes);
 	free(at);
@@ -262,17 +262,16 @@ static void import_glb(struct eco_model *m, bool y_up, enum eco_up up)
 
 UNIT_TEST(a_format_that_lays_a_tree_down_is_believed_and_doubted)
 {
-	static struct eco_model m;
-	import_glb(&m, true, ECO_UP_FOUND);
+		import_glb(true, ECO_UP_FOUND);
 	double height = eco_model_height(&m);
 	assert_int_equal(m.source.up_by_shape, ECO_UP_FOUND);
 	assert_null(strstr(import_said, "by its shape"));
-	import_glb(&m, false, ECO_UP_FOUND);
+	import_glb(false, ECO_UP_FOUND);
 	assert_int_equal(m.source.up, ECO_UP_Y);
 	assert_int_equal(m.source.up_by_shape, ECO_UP_Z);
 	assert_true(fabs(eco_model_height(&m) - height) > 0.01);
 	import_says("by its shape the z axis points up, though its format says y");
-	import_glb(&m, false, ECO_UP_Z);
+	import_glb(false, ECO_UP_Z);
 	assert_int_equal(m.source.up_by_shape, ECO_UP_FOUND);
 	assert_true(fabs(eco_model_height(&m) - height) < 1e-6);
 	eco_model_free(&m);

@@ -10,7 +10,6 @@
 /* Work at TIMES as many, over TIMES the work at FEW: 1 is linear. Quadratic work would be TIMES. */
 #define MOST 1.5
 
-static struct eco_model m;
 /* Import runs in a child process: the page is shared with it. */
 static uint64_t unshared, *work = &unshared;
 
@@ -148,7 +147,7 @@ static const char *write_chain(unsigned count) { return write_nodes(count, "chai
 static uint64_t work_of(const char *path)
 {
 	*work = 0;
-	import_file(&m, path, NULL);
+	import_file(path, NULL);
 	return *work;
 }
 

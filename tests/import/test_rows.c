@@ -2,19 +2,49 @@
  * made with it here. */
 #include <cpl_error.h>
 #include <gdal.h>
+#include <math.h>
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 #include <stdlib.h>
 
+#include "ecofiles/import/places/rows/rows.h"
 #include "tests/support/input_files.h"
-#include "tests/support/rows_text.h"
 #include "tests/support/unit_test.h"
+
+/* "columns / row / row ...", a row as "place fields", places as (x y) or (x y z), none, empty or what they
+ * are; ends with the error's text if there was one. Closes the rows. */
+static const char *rows_text_of(struct eco_rows *rows, char *text, size_t size)
+{
+	struct eco_error error = { .code = ECO_OK };
+	bool more = true;
+	size_t used = 0;
+#define ROWS_PUT(...) (used += used < size ? (size_t)snprintf(text + used, size - used, __VA_ARGS__) : 0)
+	*text = 0;
+	for (uint32_t i = 0; i < rows->column_count; i++)
+		ROWS_PUT("%s%s", i > 0 ? "," : "", rows->columns[i]);
+	while (rows->next(rows, &more, &error) == ECO_OK && more) {
+		const struct eco_rows_place *place = &rows->place;
+		ROWS_PUT(" /");
+		if (place->kind == ECO_PLACE_POINT && !isnan(place->at[2]))
+			ROWS_PUT(" (%.9g %.9g %.9g)", place->at[0], place->at[1], place->at[2]);
+		else if (place->kind == ECO_PLACE_POINT)
+			ROWS_PUT(" (%.9g %.9g)", place->at[0], place->at[1]);
+		else if (place->kind != ECO_PLACE_NONE)
+			ROWS_PUT(" %s", place->kind == ECO_PLACE_EMPTY ? "empty" : place->what);
+		for (uint32_t i = 0; i < rows->field_count; i++)
+			ROWS_PUT("%s%s", i > 0 ? "," : " ", rows->fields[i]);
+	}
+	if (error.code != ECO_OK)
+		ROWS_PUT(" ! %s", error.text);
+#undef ROWS_PUT
+	eco_rows_close(rows);
+	return text;
+}
 
 static struct eco_rows *open_good(const struct eco_rows_source *source)
 {
-	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
-	assert_ok(eco_rows_open_here(&rows, source, &error), error);
+	assert_good(eco_rows_open_here(&rows, source, &cause));
 	return rows;
 }
 
@@ -140,27 +170,25 @@ UNIT_TEST(quotes_line_breaks_marks_and_endings_are_read)
 {
 	static const char csv[] = "\xef\xbb\xbfname, x ,\"y\"\r\n\"a, \"\"b\"\"\nsecond line\", 1 ,2\r\n\r\n"
 		"plain\"quote,3,\"4\"\n,-5.5e1,6.25";
-	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
 	bool more;
 
-	assert_int_equal(eco_rows_open_csv(&rows, input_text("rows", "quotes.csv", csv), ',', &error),
-		ECO_OK);
+	assert_good(eco_rows_open_csv(&rows, input_text("rows", "quotes.csv", csv), ',', &cause));
 	assert_int_equal(rows->column_count, 3);
 	assert_string_equal(rows->columns[0], "name");
 	assert_string_equal(rows->columns[1], "x");
 	assert_string_equal(rows->columns[2], "y");
-	assert_int_equal(rows->next(rows, &more, &error), ECO_OK);
+	assert_good(rows->next(rows, &more, &cause));
 	assert_string_equal(rows->fields[0], "a, \"b\"\nsecond line");
 	assert_string_equal(rows->fields[2], "2");
 	assert_int_equal(rows->line, 2);
-	assert_int_equal(rows->next(rows, &more, &error), ECO_OK);
+	assert_good(rows->next(rows, &more, &cause));
 	assert_string_equal(rows->fields[0], "plain\"quote");
 	assert_int_equal(rows->line, 5);
-	assert_int_equal(rows->next(rows, &more, &error), ECO_OK);
+	assert_good(rows->next(rows, &more, &cause));
 	assert_string_equal(rows->fields[0], "");
 	assert_int_equal(rows->row, 3);
-	assert_int_equal(rows->next(rows, &more, &error), ECO_OK);
+	assert_good(rows->next(rows, &more, &cause));
 	assert_false(more);
 	eco_rows_close(rows);
 }
@@ -175,11 +203,10 @@ UNIT_TEST(titles_before_the_names_are_passed_over)
 		snprintf(text, sizeof text, "%sspecies;x;y\noak;1;2\n", titles[i]);
 		struct eco_rows_source source = { .path = input_text("rows", "titles.csv", text) };
 		struct eco_rows *rows = open_good(&source);
-		struct eco_error error = { .code = ECO_OK };
 		bool more;
 		bool comma = i == 0;     /* two fields are no title */
 		assert_string_equal(rows->columns[0], comma ? "Trees of a town" : "species");
-		assert_ok(rows->next(rows, &more, &error), error);
+		assert_good(rows->next(rows, &more, &cause));
 		if (!comma) {
 			assert_non_null(strstr(rows->notes[0], lines[i]));
 			assert_int_equal(rows->line, atoi(lines[i] + 5) + 1);
@@ -215,15 +242,13 @@ UNIT_TEST(a_row_without_end_is_bounded)
 {
 	size_t size = ECO_ROW_BYTES_MAX + 100;
 	char *bytes = malloc(size);
-	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
 	memset(bytes, 'a', size);
-	assert_int_equal(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &error),
-		ECO_TOO_LARGE);
+	assert_code(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &cause),
+		ECO_TOO_LARGE, "");
 	memset(bytes, ',', size);
-	error.code = ECO_OK;
-	assert_int_equal(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &error),
-		ECO_TOO_LARGE);
+	assert_code(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &cause),
+		ECO_TOO_LARGE, "");
 	free(bytes);
 }
 
@@ -533,19 +558,18 @@ UNIT_TEST(a_child_hands_over_the_same_rows)
 		COLLECTION("", FEATURE(POINT("1,2,3"), "\"s\":\"oak\",\"t\":\"x\"") "," FEATURE("null",
 		"\"s\":\"a\\nb\""))) };
 	const char *const wanted[] = { "s" };
-	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
 	char here[1000], there[1000];
 	rows_text_of(open_good(&source), here, sizeof here);
-	assert_int_equal(eco_rows_open(&rows, &source, &error), ECO_OK);
+	assert_good(eco_rows_open(&rows, &source, &cause));
 	assert_true(rows->has_geometry && rows->has_z);
 	assert_string_equal(rows_text_of(rows, there, sizeof there), here);
 	source.wanted = wanted;
 	source.wanted_count = 1;
-	assert_int_equal(eco_rows_open(&rows, &source, &error), ECO_OK);
+	assert_good(eco_rows_open(&rows, &source, &cause));
 	assert_string_equal(rows_text_of(rows, there, sizeof there), "s,t / (1 2 3) oak, / empty a\nb,");
 	source.path = input_text("rows", "child.csv", "x,y\n1,\"2\n");
-	assert_int_equal(eco_rows_open(&rows, &source, &error), ECO_OK);
+	assert_good(eco_rows_open(&rows, &source, &cause));
 	assert_non_null(strstr(rows_text_of(rows, there, sizeof there),
 		"! build/tmp/rows/child.csv:2: a quoted field"));
 }

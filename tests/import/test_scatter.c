@@ -7,35 +7,25 @@
 #include "ecofiles/format/model.h"
 #include "ecofiles/base/array_grow.h"
 #include "ecofiles/import/places/scatter.h"
-#include "tests/support/input_files.h"
-#include "tests/support/unit_test.h"
+#include "tests/support/model_try.h"
 
 static const struct eco_frame frame = { .crs = "EPSG:32617" };
 static struct eco_scatter_plant two[] = { { 0, 1, 300 }, { 1, 1, 100 } };
-static char said[4096];
-
-static void say(void *ctx, const char *text)
-{
-	(void)ctx;
-	strncat(said, text, sizeof said - strlen(said) - 2);
-	strcat(said, "\n");
-}
 
 struct scattered { struct eco_scatter_place *places; uint32_t count, room; };
 
 static struct scattered scatter(const struct eco_scatter_spec *spec)
 {
-	struct eco_error error = { .code = ECO_OK };
 	struct eco_scatter *s;
 	struct eco_scatter_place place;
 	struct scattered out = { .count = 0 };
-	assert_ok(eco_scatter_open(&s, spec, &frame, NULL, NULL, &error), error);
+	assert_good(eco_scatter_open(&s, spec, &frame, NULL, NULL, &cause));
 	while (eco_scatter_next(s, &place)) {
 		assert_true(eco_array_grow(&out.places, &out.room, out.count, sizeof place));
 		out.places[out.count++] = place;
 	}
-	said[0] = 0;
-	eco_scatter_report(s, say, NULL);
+	import_said[0] = 0;
+	eco_scatter_report(s, import_note, NULL);
 	eco_scatter_close(s);
 	return out;
 }
@@ -112,9 +102,9 @@ UNIT_TEST(columns_say_how_many)
 	spec.count_column = "n";
 	s = scatter(&spec);
 	assert_int_equal(s.count, 82);
-	assert_non_null(strstr(said, "82 plants of 82 wanted"));
-	assert_non_null(strstr(said, "1 feature left out: no usable number in its column (first: feature "
-		"3)"));
+	import_says("82 plants of 82 wanted");
+	import_says("1 feature left out: no usable number in its column (first: feature "
+		"3)");
 	free(s.places);
 	spec.count_column = NULL;
 	spec.density_column = "d";
@@ -134,9 +124,9 @@ UNIT_TEST(what_is_left_out_is_counted_by_reason)
 	spec.filter_count = 1;
 	s = scatter(&spec);
 	assert_int_equal(s.count, 600);
-	assert_non_null(strstr(said, "1 feature left out: not a polygon (first: feature 3)"));
-	assert_non_null(strstr(said, "1 feature left out: no geometry (first: feature 4)"));
-	assert_non_null(strstr(said, "1 feature left out: left out by only or skip (first: feature 2)"));
+	import_says("1 feature left out: not a polygon (first: feature 3)");
+	import_says("1 feature left out: no geometry (first: feature 4)");
+	import_says("1 feature left out: left out by only or skip (first: feature 2)");
 	free(s.places);
 }
 
@@ -178,7 +168,7 @@ UNIT_TEST(distances_hold_and_what_has_no_room_is_said)
 	s = scatter(&spec);
 	assert_true(nearest(&s) >= 30);
 	assert_in_range(s.count, 10, 60);
-	assert_non_null(strstr(said, "2 areas have no room"));
+	import_says("2 areas have no room");
 	free(s.places);
 }
 
@@ -239,15 +229,14 @@ UNIT_TEST(what_is_too_far_or_too_much_is_said)
 		"\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
 		"\"coordinates\":[[[0,0],[1e200,0],[0,1e200],[0,0]]]}}"));
 	struct scattered s = scatter(&spec);
-	struct eco_error error = { .code = ECO_OK };
 	struct eco_scatter *none;
 
 	assert_int_equal(s.count, 600);
-	assert_non_null(strstr(said, "1 feature left out: more than 10,000 km from the origin (first: "
-		"feature 2)"));
+	import_says("1 feature left out: more than 10,000 km from the origin (first: "
+		"feature 2)");
 	free(s.places);
 	spec = spec_of(areas("large.geojson", "{\"type\":\"Feature\",\"properties\":{},"
 		"\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[9e6,0],[9e6,9e6],[0,0]]]}}"));
-	assert_int_equal(eco_scatter_open(&none, &spec, &frame, NULL, NULL, &error), ECO_TOO_LARGE);
-	assert_non_null(strstr(error.text, "more than 100000000 plants; take lower densities"));
+	assert_code(eco_scatter_open(&none, &spec, &frame, NULL, NULL, &cause), ECO_TOO_LARGE,
+		"more than 100000000 plants; take lower densities");
 }

@@ -250,15 +250,14 @@ BREAK(open_plants, place_often(l, false))
 
 UNIT_TEST(a_summary_stands_for_any_number_of_plants)
 {
-	struct eco_error error = { 0 };
 	struct scene_builder made, l;
 	struct eco_pack *pack;
-	assert_ok(small_pack_write(&made, PATH, NULL, &error), error);
+	assert_good(small_pack_write(&made, PATH, NULL, &cause));
 	scene_free(&made);
-	assert_ok(eco_pack_open(&pack, PATH, &error), error);
+	assert_good(eco_pack_open(&pack, PATH, &cause));
 	scene_copy(&l, &pack->scene);
 	place_often(&l, true);
-	assert_ok(eco_scene_check(&l.scene, &error), error);
+	assert_good(eco_scene_check(&l.scene, &cause));
 	scene_free(&l);
 	eco_pack_close(pack);
 	unlink(PATH);

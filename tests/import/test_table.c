@@ -13,9 +13,8 @@ struct read { struct eco_table table; struct eco_columns columns; };
 
 static void read_text(struct read *r, const char *text)
 {
-	struct eco_error error = { 0 };
 	struct eco_rows_source source = { .path = input_text("table", "rows.csv", text) };
-	assert_ok(eco_table_read(&r->table, &source, &error), error);
+	assert_good(eco_table_read(&r->table, &source, &cause));
 	r->columns = (struct eco_columns){ .decimal = 0 };
 	for (int i = 0; i < ECO_ROLE_COUNT; i++)
 		r->columns.of[i] = ECO_NONE;
@@ -127,18 +126,17 @@ UNIT_TEST(an_even_selection_of_many_rows_stays)
 
 UNIT_TEST(values_are_counted_most_first)
 {
-	struct eco_error error = { 0 };
 	struct eco_rows_source source = { .path = input_text("table", "values.csv", "a,sp\n1,oak\n2, elm "
 		"\n3,elm\n4\n5,ash\n") };
 	struct eco_table_values values;
-	assert_ok(eco_table_values_read(&values, &source, "sp", &error), error);
+	assert_good(eco_table_values_read(&values, &source, "sp", &cause));
 	assert_int_equal(values.count, 3);
 	assert_string_equal(values.items[0].text, "elm");
 	assert_int_equal(values.items[0].rows, 2);
 	assert_int_equal(values.items[0].first_line, 3);
 	assert_string_equal(values.items[1].text, "oak");
 	eco_table_values_free(&values);
-	assert_int_equal(eco_table_values_read(&values, &source, "none", &error), ECO_BAD_INPUT);
+	assert_code(eco_table_values_read(&values, &source, "none", &cause), ECO_BAD_INPUT, "");
 }
 
 /* ---- Places ---- */
@@ -251,14 +249,13 @@ UNIT_TEST(a_column_says_the_zone_or_that_rows_are_in_several)
 
 UNIT_TEST(origins_are_round_and_in_the_middle)
 {
-	struct eco_error error = { 0 };
 	struct eco_place_guess guess;
 	struct read r;
 	read_text(&r, "x,y\n391003,5820004\n391013,5820014\n391027,5820021\n");
 	struct eco_rows_source source = { .path = r.table.path };
 	struct eco_place_asked asked = { .table = &r.table, .source = &source, .columns = &r.columns,
 		.crs = "EPSG:25833" };
-	assert_ok(eco_place_guess(&guess, &asked, &error), error);
+	assert_good(eco_place_guess(&guess, &asked, &cause));
 	assert_true(guess.origin[0] == 391010 && guess.origin[1] == 5820010);
 	assert_true(fabs(guess.degrees[0] - 13.395) < 0.01 && fabs(guess.degrees[1] - 52.52) < 0.02);
 	eco_table_free(&r.table);
@@ -273,11 +270,10 @@ UNIT_TEST(a_place_of_a_map_is_a_place_on_earth)
 		{ "EPSG:32632", { 500000, 5205000 }, { 9, 46.99921 }, 9 },
 		{ "EPSG:32760", { 400000, 5000000 }, { 175.728, -45.1464 }, 177 },
 		{ "EPSG:32632+5773", { 300000, 5205000 }, { 6.3698, 46.9667 }, 9 } };
-	struct eco_error error = { 0 };
 	struct eco_crs_place place;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const double *degrees = cases[i].degrees;
-		assert_ok(eco_crs_place(cases[i].crs, cases[i].xy, &place, &error), error);
+		assert_good(eco_crs_place(cases[i].crs, cases[i].xy, &place, &cause));
 		if (fabs(place.longitude_deg - degrees[0]) > 1e-2
 			|| fabs(place.latitude_deg - degrees[1]) > 1e-2
 				|| fabs(place.convergence_deg - (degrees[0] - cases[i].middle)
@@ -285,20 +281,19 @@ UNIT_TEST(a_place_of_a_map_is_a_place_on_earth)
 			fail_msg("%s: %.5f, %.5f, %.4f", cases[i].crs, place.longitude_deg,
 				place.latitude_deg, place.convergence_deg);
 	}
-	assert_int_equal(eco_crs_place("EPSG:7", cases[0].xy, &place, &error), ECO_BAD_INPUT);
+	assert_code(eco_crs_place("EPSG:7", cases[0].xy, &place, &cause), ECO_BAD_INPUT, "");
 }
 
 UNIT_TEST(a_crs_has_its_facts)
 {
-	struct eco_error error = { 0 };
 	struct eco_crs_facts facts;
 	char zone[32];
-	assert_ok(eco_crs_look("EPSG:25832", (double[]){ 691607, 5334760 }, &facts, &error), error);
+	assert_good(eco_crs_look("EPSG:25832", (double[]){ 691607, 5334760 }, &facts, &cause));
 	assert_true(facts.metric_map && facts.inside && !facts.geographic);
 	assert_string_equal(facts.code, "EPSG:25832");
-	assert_ok(eco_crs_look("EPSG:4326", (double[]){ 11.5, 48 }, &facts, &error), error);
+	assert_good(eco_crs_look("EPSG:4326", (double[]){ 11.5, 48 }, &facts, &cause));
 	assert_true(facts.geographic && facts.degrees[0] == 11.5 && facts.degrees[1] == 48);
-	assert_int_equal(eco_crs_look("EPSG:7", (double[]){ 0, 0 }, &facts, &error), ECO_BAD_INPUT);
+	assert_code(eco_crs_look("EPSG:7", (double[]){ 0, 0 }, &facts, &cause), ECO_BAD_INPUT, "");
 	eco_crs_utm((double[]){ 179.99, -1 }, zone);
 	assert_string_equal(zone, "EPSG:32760");
 	eco_crs_utm((double[]){ -180, 1 }, zone);

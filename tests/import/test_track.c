@@ -210,12 +210,10 @@ UNIT_TEST(what_is_no_track_is_said_to_be_none)
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		fails(rows[i].text, rows[i].path, rows[i].says);
 	struct eco_track track = track_of("{\"keyframes\": []}", "script.json");
-	struct eco_error error = { 0 };
 	assert_true(track.format == ECO_TRACK_SCRIPT && !track.count);
 	eco_track_free(&track);
-	assert_int_equal(eco_track_read(&track, "tests", &error), ECO_IO);
-	error = (struct eco_error){ 0 };
-	assert_int_equal(eco_track_read(&track, "no/such/file.srt", &error), ECO_NOT_FOUND);
+	assert_code(eco_track_read(&track, "tests", &cause), ECO_IO, "");
+	assert_code(eco_track_read(&track, "no/such/file.srt", &cause), ECO_NOT_FOUND, "");
 }
 
 UNIT_TEST(records_without_a_position_are_counted)
@@ -420,28 +418,24 @@ UNIT_TEST(degrees_become_metres_of_the_scene)
 		grid = track_of("t,lon,lat,yaw\n0,16.5,50,0\n", "b.csv"),
 		metres = track_of("t,x,y\n0,500010,5538630\n", "c.csv");
 	struct eco_track_options utm = { .crs = "EPSG:32633", .origin = { 500000, 5538630, 290 } };
-	struct eco_error error = { 0 };
-	if (eco_track_place(&track, &utm, &error))
-		fail_msg("%s", error.text);
+	assert_good(eco_track_place(&track, &utm, &cause));
 	/* zone 33 has its meridian at 15 degrees; 50 degrees north are 5538630.70 m */
 	assert_true(near(track.fixes[0].at[0], 0, 1e-3) && near(track.fixes[0].at[1], 0.70, 0.01)
 		&& track.fixes[0].at[2] == 10);
 	assert_true(near(track.fixes[1].at[0], 71.67, 0.05) && near(track.fixes[0].yaw_deg, 0, 1e-3)
 		&& near(track.still_m, 71.5, 0.3));
 	/* a degree and a half east of it grid north is turned by about 1.5 sin 50 */
-	assert_int_equal(eco_track_place(&grid, &utm, &error), ECO_OK);
+	assert_good(eco_track_place(&grid, &utm, &cause));
 	assert_true(near(grid.fixes[0].yaw_deg, -1.149, 0.01));
 	struct eco_track_options far = utm;
 	far.track_crs = "EPSG:32633";
-	assert_int_equal(eco_track_place(&metres, &far, &error), ECO_OK);
+	assert_good(eco_track_place(&metres, &far, &cause));
 	assert_true(near(metres.fixes[0].at[0], 10, 1e-6) && near(metres.fixes[0].at[1], 0, 1e-6));
 	eco_track_free(&grid);
 	grid = track_of("t,lon,lat\n0,16.5,50\n1,16.5,50.001\n", "b.csv");
-	assert_int_equal(eco_track_place(&grid, &(struct eco_track_options){ .crs = "EPSG:4326" }, &error),
-		ECO_BAD_INPUT);
-	assert_non_null(strstr(error.text, "not one in metres"));
-	error = (struct eco_error){ 0 };
-	assert_int_equal(eco_track_place(&grid, &(struct eco_track_options){ .crs = NULL }, &error), ECO_OK);
+	assert_code(eco_track_place(&grid, &(struct eco_track_options){ .crs = "EPSG:4326" }, &cause),
+		ECO_BAD_INPUT, "not one in metres");
+	assert_good(eco_track_place(&grid, &(struct eco_track_options){ .crs = NULL }, &cause));
 	assert_true(near(grid.fixes[1].at[1] - grid.fixes[0].at[1], 111.23, 0.05));
 	eco_track_free(&track);
 	eco_track_free(&grid);

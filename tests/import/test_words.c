@@ -1,40 +1,31 @@
-/* The tables of words: each column is described, each row is whole, no word stands twice. A fault is told with file
- * and line, for people who add a word. */
+/* Words and texts of inventories: names of plants and of columns, numbers, sizes and their units. */
 #include <glob.h>
-#include <stdarg.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/base/text.h"
-#include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/import/places/size_units.h"
 #include "ecofiles/import/places/table_columns.h"
 #include "ecofiles/import/places/words.h"
+#include "tests/support/files.h"
 #include "tests/support/unit_test.h"
+
+/* ---- Tables of words: each column is described, each row is whole, no word stands twice ---- */
 
 #define FIELDS_MAX 8
 #define SEEN_BYTES 65536
+#define say(t, format, ...) fail_msg("%s:%u: " format, (t)->path, (t)->line, ##__VA_ARGS__)
 
 struct table {
 	const char *path;
 	unsigned line, rows, columns;
 	char comments[4096], names[512], *name[FIELDS_MAX];
 	char seen[SEEN_BYTES];       /* "\nkey\tword\n..." */
-	char fault[400];             /* the first */
 };
-
-__attribute__((format(printf, 2, 3))) static void say(struct table *t, const char *format, ...)
-{
-	va_list arguments;
-	if (t->fault[0])
-		return;
-	int used = snprintf(t->fault, sizeof t->fault, "%s:%u: ", t->path, t->line);
-	va_start(arguments, format);
-	vsnprintf(t->fault + used, sizeof t->fault - (size_t)used, format, arguments);
-	va_end(arguments);
-}
 
 static unsigned split(char *text, char **field)
 {
@@ -120,7 +111,7 @@ static void check_names(struct table *t, const char *line)
 	}
 }
 
-static const char *fault_of(const char *path, char *text)
+static void check_table(const char *path, char *text)
 {
 	static struct table t;
 	bool number[FIELDS_MAX] = { false };
@@ -139,23 +130,301 @@ static const char *fault_of(const char *path, char *text)
 		else
 			check_row(&t, line, number);
 	}
-	return t.fault;
 }
 
 UNIT_TEST(tables_of_words_are_whole)
 {
 	glob_t found;
-	char pattern[100];
-	snprintf(pattern, sizeof pattern, "%s/*.tsv", "ecofiles/import/places/words");
-	assert_int_equal(glob(pattern, 0, NULL, &found), 0);
+	assert_int_equal(glob("ecofiles/import/places/words/*.tsv", 0, NULL, &found), 0);
 	assert_true(found.gl_pathc >= 9);
 	for (size_t i = 0; i < found.gl_pathc; i++) {
 		size_t size;
-		uint8_t *bytes = NULL;
-		struct eco_error error = { .code = ECO_OK };
-		assert_ok(eco_file_read(found.gl_pathv[i], 1 << 20, &bytes, &size, &error), error);
-		assert_string_equal(fault_of(found.gl_pathv[i], (char *)bytes), "");
+		uint8_t *bytes = file_read(found.gl_pathv[i], &size);
+		check_table(found.gl_pathv[i], (char *)bytes);
 		free(bytes);
 	}
 	globfree(&found);
+}
+
+/* ---- Names of plants and of columns ---- */
+
+UNIT_TEST(names_become_words)
+{
+	static const char *const pairs[][2] = { { "H\u00f6he (m)", "hohe m" }, { "HOEHE_M", "hoehe m" },
+		{ "decimalLatitude", "decimal latitude" },
+		{ "utm17n_e", "utm 17 n e" },
+		{ "\u00c9pic\u00e9a", "epicea" }, { "sapling_oak_s7.obj", "sapling oak s 7 obj" },
+		{ "CommonTree_1", "common tree 1" }, { "Stra\u00dfe", "strase" },
+		{ "\u0160\u0164\u0158\u0142\u0153", "strlo" }, { "\u4e2d x", "\u4e2d x" }, { "  ", "" },
+		{ "20\u00a0m\u00b2", "20 m" }, { "Высота, м", "высота м" }, { "ЁЛКАКрона2", "елкакрона 2" } };
+	char words[ECO_WORDS_BYTES];
+	for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+		assert_int_equal(eco_words_of(pairs[i][0], words, sizeof words), strlen(pairs[i][1]));
+		assert_string_equal(words, pairs[i][1]);
+	}
+	for (size_t size = 1; size < 20; size++)             /* cut anywhere */
+		assert_true(eco_words_of("abc d\u00e9fg 12 hij", words, size) < size);
+}
+
+UNIT_TEST(genera_and_forms_are_known_in_several_languages)
+{
+	static const struct { const char *name, *genus; enum eco_form form;
+	} names[] = { { "Quercus robur", "quercus", ECO_FORM_BROAD },
+		{ "Stieleiche", "quercus", ECO_FORM_BROAD },
+		{ "ch\u00eane p\u00e9doncul\u00e9", "quercus", ECO_FORM_BROAD },
+		{ "oak, pin (Quercus palustris)", "quercus", ECO_FORM_BROAD },
+		{ "d\u0105b szypu\u0142kowy", "quercus", ECO_FORM_BROAD },
+		{ "sosna zwyczajna", "pinus", ECO_FORM_CONIFER }, { "b\u0159\u00edza", "betula", ECO_FORM_BROAD },
+		{ "salgueiro", "salix", ECO_FORM_WEEPING }, { "lind", "tilia", ECO_FORM_BROAD },
+		{ "Laburnum anagyroides", "laburnum", ECO_FORM_BROAD },  /* nearly Viburnum, and none */
+		{ "Берёза повислая", "betula", ECO_FORM_BROAD },
+		{ "СЛИВА", "prunus", ECO_FORM_BROAD },       /* ends as a willow does, which is too short */
+		{ "maples", "acer", ECO_FORM_BROAD }, { "Rotfichte", "picea", ECO_FORM_CONIFER },
+		{ "Populus nigra 'Italica' fastigiata", "populus", ECO_FORM_COLUMN },
+		{ "Betula pendula", "betula", ECO_FORM_WEEPING }, { "palmera", "phoenix", ECO_FORM_PALM },
+		{ "CommonTree_1", NULL, ECO_FORM_BROAD }, { "Bush_1", NULL, ECO_FORM_SHRUB },
+		{ "Rock_2", NULL, ECO_FORM_NOTHING },
+		{ "Vacant site small (vacant site small)", NULL, ECO_FORM_NOTHING },
+		{ "Pinus pinea :: Italian Stone Pine", "pinus", ECO_FORM_CONIFER },
+		{ "Rock elm", "ulmus", ECO_FORM_BROAD }, { "Oak (removed)", "quercus", ECO_FORM_NOTHING },
+		{ "Tabebuia rosea", NULL, ECO_FORM_UNKNOWN },        /* nearly a rose, and none */
+		{ "Terminalia catappa L.", NULL, ECO_FORM_UNKNOWN },
+		{ "Thespesia populnea (L.) Sol. ex Correa", NULL, ECO_FORM_UNKNOWN },
+		{ "Stump", NULL, ECO_FORM_NOTHING }, { "thing", NULL, ECO_FORM_UNKNOWN },
+		{ "", NULL, ECO_FORM_UNKNOWN } };
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+		struct eco_flora flora = eco_flora_of(names[i].name, true);
+		const char *genus = flora.genus ? flora.genus : "?";
+		if (strcmp(genus, names[i].genus ? names[i].genus : "?") != 0 || flora.form != names[i].form)
+			fail_msg("%s is %s, %s", names[i].name, genus, eco_form_names[flora.form]);
+		assert_string_equal(flora.misspelt, "");
+	}
+}
+
+UNIT_TEST(codes_are_known_where_spelling_is_asked_for)
+{
+	static const char *const codes[][2] = { { "piab", "picea abies" }, { "FASY", "fagus sylvatica" },
+		{ "quru", "quercus rubra" }, { "QUEROB", "quercus robur" }, { "litu", "liriodendron tulipifera" } };
+	for (size_t i = 0; i < sizeof codes / sizeof *codes; i++) {
+		struct eco_flora flora = eco_flora_of(codes[i][0], true);
+		assert_string_equal(flora.coded, codes[i][1]);
+		assert_true(flora.genus && strncmp(flora.genus, codes[i][1], strlen(flora.genus)) == 0);
+		assert_true(eco_form_is_tree(flora.form));
+		assert_null(eco_flora_of(codes[i][0], false).genus);
+	}
+	assert_string_equal(eco_flora_of("pine", true).coded, "");     /* a word, though pinus nes... */
+	assert_null(eco_flora_of("quxy", true).genus);
+}
+
+UNIT_TEST(misspellings_are_told_and_only_where_asked_for)
+{
+	struct eco_flora flora = eco_flora_of("Qercus robur", true);
+	assert_string_equal(flora.genus, "quercus");
+	assert_string_equal(flora.misspelt, "qercus");
+	assert_null(eco_flora_of("Qercus robur", false).genus);
+	assert_null(eco_flora_of("Xyzzy plugh", true).genus);
+	assert_string_equal(eco_flora_of("Pseudotsgua menziesii", true).genus, "pseudotsuga");
+	assert_string_equal(eco_flora_of("Norway mapel", true).genus, "acer");
+}
+
+/* ---- Texts of tables, as people write them in several countries ---- */
+
+UNIT_TEST(case_and_spaces_do_not_count)
+{
+	static const char *const pairs[][2] = { { " Tilia  CORDATA ", "tilia cordata" },
+		{ "ÄHRE Öl Über", "ähre öl über" }, { "ÉRABLE", "érable" },
+		{ "ДУБ Ёлка", "дуб ёлка" }, { "ΔΡΥΣ", "δρυσ" }, { "ŠŽČ Łódź", "šžč łódź" },
+		{ "a\u00a0\u2009b", "a b" }, { "×", "×" },
+		{ "Quercus robur 'Fastigiata'", "quercus robur 'fastigiata'" } };
+	char folded[64];
+	for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+		assert_int_equal(eco_text_fold(pairs[i][0], folded, sizeof folded), strlen(pairs[i][1]));
+		assert_string_equal(folded, pairs[i][1]);
+	}
+	for (size_t size = 1; size < 12; size++) {
+		memset(folded, 'x', sizeof folded);
+		assert_true(eco_text_fold("Ä b ÜÖ  c", folded, size) < size && strlen(folded) < size
+			&& folded[size] == 'x');
+	}
+}
+
+UNIT_TEST(numbers_have_one_meaning_or_none)
+{
+	static const struct { const char *text; char decimal; double number; } cases[] =
+		{ { "1.5", '.', 1.5 }, { " 1.5 ", '.', 1.5 }, { "+2", '.', 2 },
+		{ "-.5", '.', -0.5 }, { "5.", '.', 5 }, { "1e3", '.', 1000 }, { "1.5E-2", '.', 0.015 },
+		{ "1,234.5", '.', 1234.5 },
+		{ "1,234,567", '.', 1234567 }, { "1,5", '.', NAN }, { "1,234", '.', NAN },
+		{ "1.2.3", '.', NAN }, { "12,34.5", '.', NAN }, { "5 334 000", '.', 5334000 },
+		{ "691\u00a0234,5", ',', 691234.5 }, { "691\u202f234.5", '.', 691234.5 },
+		{ "2'600'000", '.', 2600000 }, { "2\u20191234", '.', NAN }, { "1234 567", '.', NAN },
+		{ "1 234,567", '.', NAN }, { "12 34", '.', NAN }, { "-1 234 ", '.', -1234 },
+		{ "1,5", ',', 1.5 },
+		{ "1.234,5", ',', 1234.5 }, { "1.234.567,25", ',', 1234567.25 },
+		{ "565123.45", ',', 565123.45 }, { "565123,45", ',', 565123.45 },
+		{ "-0,5", ',', -0.5 }, { "3", ',', 3 }, { "1.234.567", ',', 1234567 }, { "0x10", '.', NAN },
+		{ "inf", '.', NAN }, { "nan", '.', NAN },
+		{ "1e999", '.', NAN }, { "", '.', NAN }, { "12m", '.', NAN }, { "1 2", '.', NAN },
+		{ "--1", '.', NAN }, { "e5", '.', NAN }, { ",", ',', NAN },
+		{ ".", '.', NAN }, { "1e", '.', NAN },
+		{ "40\u00b024'36\"N", '.', 40.41 }, { "3\u00b0 42' 0,0\" W", ',', -3.7 },
+		{ "-3\u00ba30\u2032", '.', -3.5 }, { "S 33.5\u00b0", '.', -33.5 },
+		{ "-0\u00b030'", '.', -0.5 }, { "12\u00b0", '.', 12 }, { "40\u00b060'", '.', NAN },
+		{ "40\u00b0 24", '.', NAN }, { "40\u00b024'36\"X", '.', NAN }, { "N 40\u00b0 S", '.', NAN },
+		{ "-40\u00b0S", '.', NAN },
+		{ "40\u00b0-5'", '.', NAN }, { "N40", '.', NAN }, { "5'", '.', NAN },
+		{ "12345678901234567890123456789012345678901234567890123456789012345", '.', NAN } };
+
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		double number = NAN;
+		bool good = eco_text_number(cases[i].text, cases[i].decimal, &number);
+		if (good == isnan(cases[i].number) || (good && number != cases[i].number))
+			fail_msg("\"%s\" with '%c' is %g", cases[i].text, cases[i].decimal,
+				good ? number : NAN);
+	}
+}
+
+UNIT_TEST(a_sign_between_thousands_may_be_lone)
+{
+	static const struct { const char *text; char thousands; double number; } cases[] = { { "691,234", ',',
+		691234 }, { "5,334,000", ',', 5334000 }, { "691,234.5", ',', 691234.5 }, { "-691.234", '.',
+		-691234 }, { "5.334.000,25", '.', 5334000.25 }, { "691", ',', NAN }, { "691,23", ',', NAN },
+		{ "0,512", ',', NAN }, { "1234,567", ',', NAN }, { "1,234,56", ',', NAN }, { "1.5,234", ',',
+		NAN }, { "691,234", '.', NAN }, { ",234", ',', NAN }, { "1,234m", ',', NAN } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		double number = NAN;
+		bool good = eco_text_grouped(cases[i].text, cases[i].thousands, &number);
+		if (good == isnan(cases[i].number) || (good && number != cases[i].number))
+			fail_msg("\"%s\" is %g", cases[i].text, good ? number : NAN);
+	}
+}
+
+UNIT_TEST(sizes_are_numbers_ranges_and_bounds)
+{
+	static const struct { const char *text; char decimal; enum eco_size_form form; double number, unit_m;
+		} cases[] = {
+		{ "12.5", '.', ECO_FORM_EXACT, 12.5, 0 }, { "12,5", ',', ECO_FORM_EXACT, 12.5, 0 },
+			{ "12.5 m", '.', ECO_FORM_EXACT, 12.5, 1 },
+		{ "12.5m", '.', ECO_FORM_EXACT, 12.5, 1 }, { "45 cm", '.', ECO_FORM_EXACT, 45, 0.01 },
+		{ "30 ft.", '.', ECO_FORM_EXACT, 30, 0.3048 },
+		{ "40'", '.', ECO_FORM_EXACT, 40, 0.3048 }, { "12\"", '.', ECO_FORM_EXACT, 12, 0.0254 },
+		{ "5'6\"", '.', ECO_FORM_EXACT, 5.5, 0.3048 },
+		{ "5 ft 6 in", '.', ECO_FORM_EXACT, 5.5, 0.3048 },
+		{ "5\u20326\u2033", '.', ECO_FORM_EXACT, 5.5, 0.3048 },
+		{ "7 Inches", '.', ECO_FORM_EXACT, 7, 0.0254 },
+		{ "21 to 30", '.', ECO_FORM_RANGE, 25.5, 0 }, { "21-30", '.', ECO_FORM_RANGE, 25.5, 0 },
+		{ "21 \u2013 30 ft", '.', ECO_FORM_RANGE, 25.5,
+			0.3048 },
+		{ "5 bis 10 m", ',', ECO_FORM_RANGE, 7.5, 1 }, { "10 à 20 m", ',', ECO_FORM_RANGE, 15, 1 },
+		{ "de 10 m à 20 m", ',', ECO_FORM_RANGE, 15, 1 },
+		{ "0,5-1,5", ',', ECO_FORM_RANGE, 1, 0 }, { "0-3", '.', ECO_FORM_RANGE, 1.5, 0 },
+		{ "< 10", '.', ECO_FORM_RANGE, 5, 0 },
+		{ "unter 5 m", ',', ECO_FORM_RANGE, 2.5, 1 },
+		{ "Greater than 101", '.', ECO_FORM_OPEN, 101, 0 }, { "> 101", '.', ECO_FORM_OPEN, 101, 0 },
+		{ ">=20m", '.', ECO_FORM_OPEN, 20, 1 }, { "101+", '.', ECO_FORM_OPEN, 101, 0 },
+		{ "20 m et plus", ',', ECO_FORM_OPEN, 20, 1 },
+		{ "über 25 m", ',', ECO_FORM_OPEN, 25, 1 }, { "Plus de 20 m", ',', ECO_FORM_OPEN, 20, 1 },
+		{ "ca. 15 m", ',', ECO_FORM_EXACT, 15, 1 },
+		{ "~12", '.', ECO_FORM_EXACT, 12, 0 }, { "(10-15]", '.', ECO_FORM_RANGE, 12.5, 0 },
+		{ "10m-15m", '.', ECO_FORM_RANGE, 12.5, 1 },
+		{ "N/A", '.', ECO_FORM_NONE, 0, 0 }, { "-5", '.', ECO_FORM_NONE, 0, 0 },
+		{ "30 to 21", '.', ECO_FORM_NONE, 0, 0 },
+		{ "5 kg", '.', ECO_FORM_NONE, 0, 0 },
+		{ "10 m - 20 ft", '.', ECO_FORM_NONE, 0, 0 }, { "tall", '.', ECO_FORM_NONE, 0, 0 },
+		{ "", '.', ECO_FORM_NONE, 0, 0 },
+		{ "12 12", '.', ECO_FORM_NONE, 0, 0 }, { "1,5", '.', ECO_FORM_NONE, 0, 0 },
+		{ "2021-05-03", '.', ECO_FORM_NONE, 0, 0 },
+		{ "3 meter", '.', ECO_FORM_EXACT, 3, 1 }, { "10 Fuß", '.', ECO_FORM_EXACT, 10, 0.3048 },
+		{ "3 metros", '.', ECO_FORM_EXACT, 3, 1 },
+		{ "between 10 and 20 ft", '.', ECO_FORM_RANGE, 15, 0.3048 },
+		{ "30 à 40m", ',', ECO_FORM_RANGE, 35, 1 },
+		{ "10..20", '.', ECO_FORM_RANGE, 15, 0 }, { "a. tot 6 m.", ',', ECO_FORM_RANGE, 3, 1 },
+		{ "c. 9 tot 12 m.", ',', ECO_FORM_RANGE, 10.5, 1 },
+		{ "2: 5-10 m", '.', ECO_FORM_RANGE, 7.5, 1 }, { "3. 10 - 15", '.', ECO_FORM_RANGE, 12.5, 0 },
+		{ "Small (< 10 ft)", '.', ECO_FORM_RANGE, 5, 0.3048 },
+		{ "Large (over 60')", '.', ECO_FORM_OPEN, 60, 0.3048 },
+		{ "30' - 40'", '.', ECO_FORM_RANGE, 35, 0.3048 },
+		{ "q. niet van toepassing", '.', ECO_FORM_NONE, 0, 0 }, { "Small", '.', ECO_FORM_NONE, 0, 0 },
+		{ "12 (estimated)", '.', ECO_FORM_NONE, 0, 0 } };
+
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		double number = 0, unit_m = 0;
+		enum eco_size_form form = eco_text_size(cases[i].text, cases[i].decimal, &number, &unit_m);
+		if (form != cases[i].form
+				|| (form != ECO_FORM_NONE
+				&& (fabs(number - cases[i].number) > 1e-12 || fabs(unit_m - cases[i].unit_m)
+				> 1e-12)))
+			fail_msg("\"%s\" is of form %d, %g in units of %g m", cases[i].text, form, number,
+				unit_m);
+	}
+}
+
+/* ---- Units of heights and trunks, by names and by how numbers spread ---- */
+
+UNIT_TEST(a_spread_has_the_quantiles_of_its_stream)
+{
+	struct eco_spread spread = { 0 };
+	assert_true(isnan(eco_spread_quantile(&spread, 0.5)));
+	for (int i = 0; i < 100000; i++)
+		assert_true(eco_spread_add(&spread, (i * 7919) % 100000));
+	assert_int_equal(spread.seen, 100000);
+	assert_true(spread.count <= ECO_SPREAD_KEPT);
+	assert_true(fabs(eco_spread_quantile(&spread, 0.5) - 50000) < 1500);
+	assert_true(fabs(eco_spread_quantile(&spread, 0.98) - 98000) < 1000);
+	eco_spread_free(&spread);
+}
+
+static const struct {
+	enum eco_quantity quantity;
+	const char *name, *beside;
+	double middle, high;
+	const char *unit;
+} guesses[] = {
+	/* by the name */
+	{ ECO_QUANTITY_HEIGHT, "Height (ft)", NULL, 35, 80, "ft" },
+	{ ECO_QUANTITY_HEIGHT, "H\u00f6he_m", NULL, 12, 25, "m" },
+	{ ECO_QUANTITY_HEIGHT, "height in m", NULL, 12, 25, "m" },
+	{ ECO_QUANTITY_DBH, "dbh_mm", NULL, 30, 500, "mm" },
+	{ ECO_QUANTITY_DBH, "Diameter [inches]", NULL, 10, 30, "in" },
+	/* by the numbers */
+	{ ECO_QUANTITY_HEIGHT, "height", NULL, 9, 22, "m" },
+	{ ECO_QUANTITY_HEIGHT, "height", NULL, 40, 95, "ft" }, { ECO_QUANTITY_HEIGHT, "height", NULL, 29, 60, "ft" },
+	{ ECO_QUANTITY_HEIGHT, "height", NULL, 24, 35, "m" },      /* a wood */
+	{ ECO_QUANTITY_HEIGHT, "height", NULL, 850, 2200, "cm" },
+	{ ECO_QUANTITY_HEIGHT, "height", NULL, 8500, 22000, "mm" },
+	{ ECO_QUANTITY_DBH, "dbh", NULL, 28, 90, "cm" }, { ECO_QUANTITY_DBH, "dbh", NULL, 9, 30, "in" },
+	{ ECO_QUANTITY_DBH, "dbh", NULL, 250, 800, "mm" }, { ECO_QUANTITY_DBH, "dbh", NULL, 0.25, 0.8, "m" },
+	{ ECO_QUANTITY_GIRTH, "Umfang", NULL, 80, 250, "cm" },
+	/* by the other sizes */
+	{ ECO_QUANTITY_HEIGHT, "height", "cm", 29, 38, "m" }, { ECO_QUANTITY_HEIGHT, "height", "in", 29, 38, "ft" },
+	{ ECO_QUANTITY_DBH, "dbh", "ft", 16, 45, "in" }, { ECO_QUANTITY_DBH, "dbh", "m", 16, 45, "cm" },
+	/* not at all */
+	{ ECO_QUANTITY_HEIGHT, "height", NULL, 18, 40, NULL },
+	{ ECO_QUANTITY_DBH, "dbh", NULL, 15, 45, NULL },
+	{ ECO_QUANTITY_HEIGHT, "height_m", NULL, 120, 150, NULL }, /* a height of 120 m is asked about */
+	{ ECO_QUANTITY_HEIGHT, "height", NULL, 1, 1.6, NULL },     /* an oak of 1 m, too */
+};
+
+UNIT_TEST(units_are_those_of_plants_or_asked_for)
+{
+	for (size_t i = 0; i < sizeof guesses / sizeof *guesses; i++) {
+		struct eco_unit_guess guess = eco_unit_guess(guesses[i].quantity, guesses[i].name,
+			guesses[i].beside, &(struct eco_size_numbers){ guesses[i].middle, guesses[i].high });
+		const char *unit = guess.unit ? guess.unit : "?",
+			   *wanted = guesses[i].unit ? guesses[i].unit : "?";
+		if (strcmp(unit, wanted) != 0 || guess.why[0] == 0 || (!guess.unit && !guess.other))
+			fail_msg("%s of %g, %g: %s, not %s (%s)", guesses[i].name, guesses[i].middle, guesses[i].high,
+				unit, wanted, guess.why);
+	}
+}
+
+UNIT_TEST(a_stated_unit_is_doubted_only_where_it_cannot_be)
+{
+	const struct eco_size_numbers feet = { 40, 95 }, metres = { 12, 25 }, shrubs = { 1.2, 4 };
+	assert_string_equal(eco_unit_doubt(ECO_QUANTITY_HEIGHT, 1, &feet), "ft");
+	assert_null(eco_unit_doubt(ECO_QUANTITY_HEIGHT, 0.3048, &feet));
+	assert_null(eco_unit_doubt(ECO_QUANTITY_HEIGHT, 1, &metres));
+	assert_null(eco_unit_doubt(ECO_QUANTITY_HEIGHT, 1, &shrubs));
+	assert_string_equal(eco_unit_doubt(ECO_QUANTITY_DBH, 0.001, &(struct eco_size_numbers){ 25, 80 }),
+		"cm");
 }

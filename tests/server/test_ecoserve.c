@@ -187,10 +187,9 @@ UNIT_TEST(settings_come_from_a_file_the_environment_and_the_command_line)
 		{ "embed = https://a.b\nembed = *\n", NULL, PACK_PATH, 0, "is good" },
 		{ "embed = here\n", NULL, PACK_PATH, 2, "--embed here: must be * or an origin" },
 		{ "listen = [::1]:80\n", "ECOSERVE_LISTEN=[::1]:81", PACK_PATH, 0, "is good" } };
-	struct eco_error error = { 0 };
 	char name[64];
 	file_write_text(TOKEN_PATH, TOKEN "\n");
-	assert_ok(sample_pack_write(HASH_PATH, &error), error);
+	assert_good(sample_pack_write(HASH_PATH, &cause));
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		const char *variable = rows[i].variable ? rows[i].variable : "ECOSERVE_NOTHING=";
 		file_write_text(SETTINGS, rows[i].file);
@@ -392,33 +391,16 @@ UNIT_TEST(ipv6_is_served_where_there_is_some)
 	assert_true(strncmp(program.line, "ecoserve: ready on http://[::1]:", 32) == 0);
 }
 
-UNIT_TEST(a_client_that_leaves_does_no_harm)
-{
-	struct program program = program_serve(ARGUMENTS(START, PACK_PATH), NULL);
-	for (int i = 0; i < 40; i++) {
-		int fd = http_connect(program.port);
-		char some[10];
-		assert_true(http_send(fd, whole_request, i % 2 ? sizeof whole_request - 1 : 50));
-		if (i % 4 == 1)
-			assert_true(recv(fd, some, sizeof some, 0) > 0);
-		close(fd);
-	}
-	http_expect(program.port, "GET", "/healthz", "", 200, NULL);
-	program_stop(&program);
-}
-
 /* A view would have to open all of its tiles, without end. */
 UNIT_TEST(a_pack_that_no_view_can_be_planned_of_is_refused)
 {
 	static const char says[] = "no summary stands for the tiles and plants below it";
-	struct eco_error error = { 0 };
 	struct eco_pack *pack;
-	assert_ok(deep_pack_write(DEEP_PATH, false, &error), error);
+	assert_good(deep_pack_write(DEEP_PATH, false, &cause));
 	struct program program = program_serve(ARGUMENTS(START, DEEP_PATH), NULL);
-	assert_ok(deep_pack_write(DEEP_PATH ".new", true, &error), error);
+	assert_good(deep_pack_write(DEEP_PATH ".new", true, &cause));
 	assert_int_equal(rename(DEEP_PATH ".new", DEEP_PATH), 0);
-	assert_int_equal(eco_pack_open(&pack, DEEP_PATH, &error), ECO_DAMAGED);
-	assert_non_null(strstr(error.text, says));
+	assert_code(eco_pack_open(&pack, DEEP_PATH, &cause), ECO_DAMAGED, says);
 	kill(program.pid, SIGHUP);
 	http_expect(program.port, "POST", "/v1/admin/reload", "", 500, says);
 	http_expect(program.port, "GET", "/v1/scenes/deep/stream?" VIEW "&vertices=1000", "", 200, NULL);
@@ -430,7 +412,6 @@ UNIT_TEST(a_pack_that_no_view_can_be_planned_of_is_refused)
 /* Until a reload finds them well. */
 UNIT_TEST(one_good_pack_of_three_is_served)
 {
-	struct eco_error error = { 0 };
 	folder_make("build/tmp/test_ecoserve_late");
 	file_write_text(LATE_PATH, "no pack");
 	file_write_text(TOKEN_PATH, TOKEN "\n");
@@ -440,7 +421,7 @@ UNIT_TEST(one_good_pack_of_three_is_served)
 	http_expect(program.port, "GET", "/v1/scenes/sample", "", 200, NULL);
 	http_expect(program.port, "GET", "/readyz", "", 200, "\"bad_packs\":2}");
 	assert_int_equal(unlink(LATE_PATH), 0);
-	assert_ok(sample_pack_write(LATE_PATH, &error), error);
+	assert_good(sample_pack_write(LATE_PATH, &cause));
 	http_expect(program.port, "POST", "/v1/admin/reload", "", 500, "none.eco");      /* the third */
 	http_expect(program.port, "GET", "/v1/scenes/late", "Authorization: Bearer " TOKEN "\r\n", 200, NULL);
 	http_expect(program.port, "GET", "/readyz", "", 200, "\"bad_packs\":1}");
@@ -458,8 +439,7 @@ UNIT_TEST(one_good_pack_of_three_is_served)
 UNIT_TEST(a_pack_that_is_written_over_is_served_as_it_was)
 {
 	static const uint8_t zeros[1 << 16];
-	struct eco_error error = { 0 };
-	assert_ok(sample_pack_write(CUT_PATH, &error), error);
+	assert_good(sample_pack_write(CUT_PATH, &cause));
 	struct program program = program_serve(ARGUMENTS(START, CUT_PATH), NULL);
 	struct http_answer expected = http_get(program.port, WHOLE);
 	assert_int_equal(expected.status, 200);
@@ -479,8 +459,7 @@ UNIT_TEST(a_pack_that_is_written_over_is_served_as_it_was)
 
 UNIT_TEST(a_pack_in_place_cut_short_ends_it_with_advice)
 {
-	struct eco_error error = { 0 };
-	assert_ok(sample_pack_write(CUT_PATH, &error), error);
+	assert_good(sample_pack_write(CUT_PATH, &cause));
 	struct program program = program_serve(ARGUMENTS("--in-place", START, CUT_PATH), NULL);
 	assert_int_equal(truncate(CUT_PATH, 0), 0);
 	int fd = http_connect(program.port);
@@ -490,7 +469,4 @@ UNIT_TEST(a_pack_in_place_cut_short_ends_it_with_advice)
 	close(fd);
 }
 
-int main(void)
-{
-	return unit_tests_run(prepare, NULL);
-}
+UNIT_MAIN(prepare, NULL)

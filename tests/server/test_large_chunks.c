@@ -68,8 +68,3 @@ UNIT_TEST(large_chunks_come_from_the_copy_or_the_map)
 		assert_int_equal(descriptors(), before);
 	}
 }
-
-int main(void)
-{
-	return unit_tests_run(NULL, NULL);
-}

@@ -126,7 +126,6 @@ static struct client client_new(enum from from)
 {
 	char url[64], chunks[80];
 	struct client c = { 0 };
-	struct eco_error error = { 0 };
 	const struct view_store_options options = { .images = false };
 	const struct view_fetch_options fetch = { .url = url, .chunks = from ? chunks : NULL,
 		.name_from = NAME_FROM, .resumes = 1, .stall_ms = stall_ms };
@@ -135,8 +134,8 @@ static struct client client_new(enum from from)
 		snprintf(chunks, sizeof chunks, "%s/chunks/", url);
 	else
 		snprintf(chunks, sizeof chunks, "http://127.0.0.1:%u", host.port);
-	assert_ok(view_fetch_new(&c.fetch, &fetch, &error), error);
-	assert_ok(view_store_new(&c.store, &options, &error), error);
+	assert_good(view_fetch_new(&c.fetch, &fetch, &cause));
+	assert_good(view_store_new(&c.store, &options, &cause));
 	return c;
 }
 
@@ -176,9 +175,8 @@ UNIT_TEST(what_is_fetched_by_name_is_what_a_stream_carries)
 		uint32_t asked = host.asked;
 		for (int view = 0; view < 2; view++) {
 			const struct eco_request request = request_of(view ? 30 : 150, ECO_BYTES_UNBOUNDED);
-			struct eco_error error = { 0 };
-			assert_ok(look(&again, &request, &error), error);
-			assert_ok(look(&named, &request, &error), error);
+			assert_good(look(&again, &request, &cause));
+			assert_good(look(&named, &request, &cause));
 			assert_string_equal(named.digest, again.digest);
 			struct view_store_stats a = view_store_stats(again.store),
 				b = view_store_stats(named.store);
@@ -325,7 +323,6 @@ UNIT_TEST(hosts_that_had_chunks_are_asked_again)
 /* Last, as it answers late. */
 UNIT_TEST(hosts_that_hang_are_left_for_the_scenes_server)
 {
-	struct eco_error error = { 0 };
 	assert_int_equal(run_export("300"), 0);
 	stall_ms = 1000;
 	for (int known = 0; known < 2; known++) {
@@ -336,8 +333,8 @@ UNIT_TEST(hosts_that_hang_are_left_for_the_scenes_server)
 			uint32_t asked = host.asked;
 			bool hangs = view == known;
 			host.hangs_ms = hangs ? 3000 : 0;
-			assert_ok(look(&named, &request, &error), error);
-			assert_ok(look(&carried, &request, &error), error);
+			assert_good(look(&named, &request, &cause));
+			assert_good(look(&carried, &request, &cause));
 			assert_string_equal(named.digest, carried.digest);
 			assert_true(named.result.host_left == hangs && named.result.broken == 0);
 			assert_int_equal(named.result.requests, 1 + hangs);
@@ -358,12 +355,11 @@ UNIT_TEST(urls_that_are_none_are_refused)
 		"http://h/?x" };
 	for (size_t i = 0; i < sizeof urls / sizeof *urls; i++) {
 		struct view_fetch *fetch;
-		struct eco_error error = { 0 };
 		const struct view_fetch_options options = { .url = "http://127.0.0.1" BASE,
 			.chunks = urls[i] };
-		assert_int_equal(view_fetch_new(&fetch, &options, &error), ECO_BAD_USAGE);
+		assert_code(view_fetch_new(&fetch, &options, &cause), ECO_BAD_USAGE, "");
 		assert_null(fetch);
-		assert_non_null(strstr(error.text, "it should look like http://host/chunks"));
+		assert_non_null(strstr(cause.text, "it should look like http://host/chunks"));
 	}
 }
 

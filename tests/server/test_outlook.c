@@ -45,8 +45,7 @@ static void add_stand(uint32_t tile, int x, int y, int side, int apart)
 static struct srv_outlook look(void)
 {
 	struct srv_outlook found;
-	struct eco_error error = { 0 };
-	assert_ok(srv_outlook_find(&scene.scene, &found, &error), error);
+	assert_good(srv_outlook_find(&scene.scene, &found, &cause));
 	return found;
 }
 
@@ -116,9 +115,4 @@ OUTLOOK_TEST(a_stand_is_found_within_what_is_placed)
 	struct srv_outlook found = look();
 	assert_box(&found, (const double[]){ 5000 - 2130 / 2.0, 4000 + 1010 / 2.0, 21.5 },
 		(const double[]){ 5000 - 2010 / 2.0, 4000 + 1130 / 2.0, 21.5 + HEIGHT_M });
-}
-
-int main(void)
-{
-	return unit_tests_run(NULL, NULL);
 }

@@ -4,12 +4,9 @@
 
 #include "server/describe.h"
 #include "server/typical.h"
-#include "tests/support/files.h"
 #include "tests/support/serve/random_request.h"
-#include "tests/support/scene_packs.h"
-#include "tests/support/unit_test.h"
+#include "tests/support/serve/serve_daemon.h"
 
-#define PATH "build/tmp/test_plan_work.eco"
 #define REQUESTS 400u
 #define TIMES 3u
 #define SCARCE 300000u           /* work that many plans of the sample exceed */
@@ -17,35 +14,14 @@
  * price of bytes that fits; and three coarser answers come. */
 #define OVER 15u
 
-static struct srv_store packs;
-static struct srv_scene *sample;
-
-static int prepare(void **state)
-{
-	struct eco_error error = { 0 };
-	folder_make("build/tmp");
-	srv_store_init(&packs);
-	if (sample_pack_write(PATH, &error) || srv_store_add(&packs, "sample", PATH, &error)) {
-		fprintf(stderr, "%s\n", error.text);
-		return 1;
-	}
-	sample = packs.scenes[0];
-	return 0;
-}
-
-static int clean(void **state)
-{
-	srv_store_free(&packs);
-	return 0;
-}
+#define sample (store.scenes[0])
 
 static uint64_t work_of(const struct eco_request *request, lod_rule *rule, bool explain, uint64_t work_max,
 	bool *cut_short)
 {
 	struct srv_stream stream;
-	struct eco_error error = { 0 };
-	assert_ok(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample, .request = request,
-		.rule = rule, .explain = explain, .work_max = work_max }, &error), error);
+	assert_good(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample, .request = request,
+		.rule = rule, .explain = explain, .work_max = work_max }, &cause));
 	uint64_t work = stream.work;
 	assert_true(!stream.fits || stream.body_bytes <= request->bytes);
 	assert_true(stream.steps[stream.step_count - 1].plan.vertices <= request->vertices);
@@ -126,14 +102,13 @@ UNIT_TEST(an_answer_that_nobody_waits_for_is_not_written)
 	struct eco_request request = { .view = { .eye = { 50, -30, 12 }, .target = { 50, 30, 2 },
 		.up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 800, .height = 600 },
 		.bytes = ECO_BYTES_UNBOUNDED, .vertices = 100000 };
-	struct eco_error error = { 0 };
 	struct srv_stream stream;
 	struct srv_body body;
 	struct srv_json json = { .cancelled = &cancelled };
-	assert_ok(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample, .request = &request,
-		.explain = true, .cancelled = &cancelled }, &error), error);
+	assert_good(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample, .request = &request,
+		.explain = true, .cancelled = &cancelled }, &cause));
 	atomic_store(&cancelled, true);
-	assert_int_equal(srv_stream_write(&stream, &body, &error), ECO_INTERRUPTED);
+	assert_code(srv_stream_write(&stream, &body, &cause), ECO_INTERRUPTED, "");
 	srv_describe_plan(&json, &stream);
 	assert_in_range(json.out.size, 0, 100);
 	assert_int_equal(srv_json_end(&json), ECO_INTERRUPTED);
@@ -144,10 +119,9 @@ UNIT_TEST(an_answer_that_nobody_waits_for_is_not_written)
 static double q_within(struct eco_request request, uint64_t bytes)
 {
 	struct srv_stream stream;
-	struct eco_error error = { 0 };
 	request.bytes = bytes;
-	assert_ok(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample, .request = &request,
-		.work_max = srv_typical_work(sample) }, &error), error);
+	assert_good(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample, .request = &request,
+		.work_max = srv_typical_work(sample) }, &cause));
 	double q = eco_predicted_q(&stream.steps[stream.step_count - 1].plan.prediction);
 	srv_stream_free(&stream);
 	return q;
@@ -176,14 +150,13 @@ UNIT_TEST(what_is_cut_short_comes_in_steps)
 	for (uint32_t i = 0; i < REQUESTS; i++) {
 		struct srv_stream stream;
 		struct eco_request request;
-		struct eco_error error = { 0 };
 		if (!random_request(&request, &sample->pack->scene, 10, i))
 			continue;
 		if (request.view.width < 100 || request.view.height < 100)
 			continue;        /* where nothing is seen of most plants */
 		request.bytes = ECO_BYTES_UNBOUNDED;
-		assert_ok(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample,
-			.request = &request, .work_max = SCARCE / 3 }, &error), error);
+		assert_good(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample,
+			.request = &request, .work_max = SCARCE / 3 }, &cause));
 		if (stream.cut_short && stream.body_bytes > 60000) {
 			large++;
 			assert_true(stream.step_count > 1);
@@ -195,7 +168,4 @@ UNIT_TEST(what_is_cut_short_comes_in_steps)
 	assert_true(large > 10);
 }
 
-int main(void)
-{
-	return unit_tests_run(prepare, clean);
-}
+UNIT_MAIN(serve_start, serve_stop)

@@ -20,28 +20,22 @@ static uint32_t instance_list(const struct eco_scene *s)
 static void open_small(struct srv_store *other, char path[64], bool spoil)
 {
 	struct scene_builder b;
-	struct eco_error error = { 0 };
 	size_t size;
 	snprintf(path, 64, "build/tmp/plants-%d.eco", (int)getpid());
-	assert_ok(small_pack_write(&b, path, NULL, &error), error);
+	assert_good(small_pack_write(&b, path, NULL, &cause));
 	scene_free(&b);
 	uint8_t *bytes = file_read(path, &size);
 	bytes[size - 1] ^= spoil;
 	file_write(path, bytes, size);
 	free(bytes);
 	srv_store_init(other);
-	assert_ok(srv_store_add(other, "small", path, &error), error);
+	assert_good(srv_store_add(other, "small", path, &cause));
 }
 
 static const char *text_of(const json_t *plant, const char *key)
 {
 	const char *text = json_string_value(json_object_get(plant, key));
 	return text ? text : "nothing";
-}
-
-static int64_t number_of(const json_t *plant, const char *key)
-{
-	return json_integer_value(json_object_get(plant, key));
 }
 
 UNIT_TEST(species_file_and_row_are_those_of_the_pack)
@@ -53,12 +47,11 @@ UNIT_TEST(species_file_and_row_are_those_of_the_pack)
 	uint32_t list = instance_list(&small->pack->scene);
 	for (uint32_t first = 0; first < SMALL_PACK_PLANTS; first++) {
 		struct srv_json json = { 0 };
-		struct eco_error error = { 0 };
 		const struct srv_plants_query query = { .first = first, .count = 3 };
-		assert_ok(srv_describe_plants(&json, small, list, &query, &error), error);
+		assert_good(srv_describe_plants(&json, small, list, &query, &cause));
 		json_t *said = json_loadb((char *)json.out.bytes, json.out.size, 0, NULL),
 			*plants = json_object_get(said, "plants");
-		assert_int_equal(number_of(said, "of"), SMALL_PACK_PLANTS);
+		assert_int_equal(count_in(said, "of"), SMALL_PACK_PLANTS);
 		assert_int_equal(json_array_size(plants),
 			SMALL_PACK_PLANTS - first < 3 ? SMALL_PACK_PLANTS - first : 3);
 		for (uint32_t i = 0; i < json_array_size(plants); i++) {
@@ -66,8 +59,8 @@ UNIT_TEST(species_file_and_row_are_those_of_the_pack)
 			const struct eco_inventory_row *row = &small_pack_rows[first + i];
 			assert_string_equal(text_of(plant, "species"), row->species ? row->species : "oak");
 			assert_string_equal(text_of(plant, "file"), row->file ? row->file : "nothing");
-			assert_int_equal(number_of(plant, "row"), row->row);
-			assert_int_equal(number_of(plant, "line"), row->line);
+			assert_int_equal(count_in(plant, "row"), row->row);
+			assert_int_equal(count_in(plant, "line"), row->line);
 		}
 		json_decref(said);
 		eco_writer_free(&json.out);
@@ -79,14 +72,13 @@ UNIT_TEST(species_file_and_row_are_those_of_the_pack)
 UNIT_TEST(damaged_rows_are_an_error_of_these_alone)
 {
 	struct srv_store other;
-	struct eco_error error = { 0 };
 	struct srv_json json = { 0 };
 	char path[64];
 	const struct srv_plants_query query = { .count = 1 };
 	open_small(&other, path, true);
 	const struct srv_scene *small = other.scenes[0];
-	assert_int_equal(srv_describe_plants(&json, small, instance_list(&small->pack->scene), &query, &error), ECO_DAMAGED);
-	assert_non_null(strstr(error.text, "hash does not match"));
+	assert_code(srv_describe_plants(&json, small, instance_list(&small->pack->scene), &query, &cause),
+		ECO_DAMAGED, "hash does not match");
 	assert_int_equal(srv_problem_of(ECO_DAMAGED), SRV_PROBLEM_DAMAGED);
 	eco_writer_free(&json.out);
 	srv_store_free(&other);
@@ -101,9 +93,7 @@ UNIT_TEST(plants_of_a_list_are_asked_for_in_pieces)
 	const struct eco_group *group = eco_list_groups(scene(), list);
 	while (got < all) {
 		snprintf(target, sizeof target, LIST("%u?first=%u&count=70"), list, got);
-		struct http_answer answer = http_ask(port, "GET", target, "", NULL, 0);
-		assert_int_equal(answer.status, 200);
-		json_t *said = json_of(&answer), *plants = json_object_get(said, "plants");
+		json_t *said = json_get(target), *plants = json_object_get(said, "plants");
 		for (uint32_t i = 0; i < json_array_size(plants); i++, got++) {
 			while (got >= group->first + group->count)
 				group++;
@@ -113,7 +103,6 @@ UNIT_TEST(plants_of_a_list_are_asked_for_in_pieces)
 		}
 		assert_true(json_array_size(plants) == 70 || got == all);
 		json_decref(said);
-		http_free(&answer);
 	}
 	assert_int_equal(got, all);
 }
@@ -147,18 +136,16 @@ UNIT_TEST(what_is_asked_for_must_be_there)
 /* A pack that does not say what its plants stand for has as many species as plants, of unknown numbers. */
 UNIT_TEST(species_are_the_plants_names_where_a_pack_says_nothing)
 {
-	struct http_answer answer = http_get(port, BASE "/species");
-	json_t *said = json_of(&answer), *plants = json_object_get(said, "plants");
+	json_t *said = json_get(BASE "/species"), *plants = json_object_get(said, "plants");
 	assert_int_equal(json_array_size(plants), scene()->plant_count);
 	for (uint32_t i = 0; i < scene()->plant_count; i++) {
 		const json_t *plant = json_array_get(plants, i), *species = json_object_get(plant, "species");
 		assert_string_equal(text_of(plant, "plant"), scene()->plants[i].name);
-		assert_true(number_of(plant, "species_count") == 1 && json_array_size(species) == 1);
+		assert_true(count_in(plant, "species_count") == 1 && json_array_size(species) == 1);
 		assert_string_equal(text_of(json_array_get(species, 0), "species"), scene()->plants[i].name);
 		assert_null(json_object_get(json_array_get(species, 0), "plants"));
 	}
 	json_decref(said);
-	http_free(&answer);
 	assert_int_equal(http_status(port, "GET", BASE "/species", "If-None-Match: *\r\n"), 304);
 	assert_int_equal(http_status(port, "GET", BASE "/species?first=0", ""), 400);
 }
@@ -182,16 +169,13 @@ UNIT_TEST(all_species_that_a_pack_names_are_said)
 	json_t *said = json_loadb((char *)json.out.bytes, json.out.size, 0, NULL);
 	const json_t *plant = json_array_get(json_object_get(said, "plants"), 0),
 	      *species = json_object_get(plant, "species");
-	assert_true(number_of(plant, "species_count") == 40 && json_array_size(species) == 40);
+	assert_true(count_in(plant, "species_count") == 40 && json_array_size(species) == 40);
 	assert_string_equal(text_of(json_array_get(species, 39), "species"), "kind 39");
-	assert_int_equal(number_of(json_array_get(species, 39), "plants"), 1);
+	assert_int_equal(count_in(json_array_get(species, 39), "plants"), 1);
 	json_decref(said);
 	eco_writer_free(&json.out);
 	srv_store_free(&other);
 	unlink(path);
 }
 
-int main(void)
-{
-	return unit_tests_run(serve_start, serve_stop);
-}
+UNIT_MAIN(serve_start, serve_stop)

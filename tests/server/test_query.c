@@ -148,40 +148,39 @@ UNIT_TEST(files_give_names_that_can_be_asked_for)
 	}
 }
 
-static enum eco_code parse_query(struct srv_query *query, const char *parameters, struct eco_error *error)
+static enum eco_code parse_query(struct srv_query *query, const char *parameters)
 {
 	struct srv_target target;
 	char raw[512] = "/plan?";
-	*error = (struct eco_error){ 0 };
+	cause = (struct eco_error){ ECO_OK, "" };
 	strcat(raw, parameters);
-	enum eco_code code = srv_target_parse(&target, raw, strlen(raw), error);
-	return code ? code : srv_query_parse(query, &target, error);
+	enum eco_code code = srv_target_parse(&target, raw, strlen(raw), &cause);
+	return code ? code : srv_query_parse(query, &target, &cause);
 }
 
 UNIT_TEST(a_query_has_defaults)
 {
 	struct srv_query query;
-	struct eco_error error;
-	assert_int_equal(parse_query(&query, VIEW, &error), ECO_OK);
+	assert_good(parse_query(&query, VIEW));
 	const struct eco_view *view = &query.request.view;
 	assert_true(view->eye[0] == 1 && view->eye[2] == 3 && view->target[1] == 5 && view->up[0] == 0
 		&& view->up[2] == 1);
 	assert_true(view->fov_y_deg == 45 && view->width == 800 && view->height == 600);
 	assert_true(query.request.vertices == 1000 && query.request.bytes == ECO_BYTES_UNBOUNDED
 		&& !query.pack.given && !query.rule);
-	assert_int_equal(parse_query(&query, VIEW "&up=0,1,"
-		"0&fov_y_deg=60.5&bytes=5000&pack=00112233445566778899aabbccddeeff", &error), ECO_OK);
+	assert_good(parse_query(&query, VIEW "&up=0,1,"
+		"0&fov_y_deg=60.5&bytes=5000&pack=00112233445566778899aabbccddeeff"));
 	assert_true(view->up[1] == 1 && view->fov_y_deg == 60.5 && query.request.bytes == 5000
 		&& query.pack.given);
 	assert_int_equal(query.pack.id.bytes[15], 0xff);
-	assert_true(parse_query(&query, VIEW "&rule=deussen", &error) == ECO_OK
+	assert_true(!parse_query(&query, VIEW "&rule=deussen")
 		&& query.rule == lod_rule_deussen);
-	assert_true(parse_query(&query, VIEW "&rule=optimal", &error) == ECO_OK
+	assert_true(!parse_query(&query, VIEW "&rule=optimal")
 		&& query.rule == lod_rule_optimal);
 	assert_false(query.request.next.given);
-	assert_int_equal(parse_query(&query, VIEW "&name_from=1024", &error), ECO_OK);
+	assert_good(parse_query(&query, VIEW "&name_from=1024"));
 	assert_int_equal(query.request.name_from, 1024);
-	assert_int_equal(parse_query(&query, VIEW "&next_target=7,8,9&next_eye=1,2,4", &error), ECO_OK);
+	assert_good(parse_query(&query, VIEW "&next_target=7,8,9&next_eye=1,2,4"));
 	struct eco_view next = eco_view_next(&query.request);
 	assert_true(query.request.next.given && next.eye[2] == 4 && next.target[0] == 7 && next.width == 800
 		&& next.fov_y_deg == 45);
@@ -221,10 +220,9 @@ UNIT_TEST(bad_queries_name_the_parameter)
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct srv_query query;
-		struct eco_error error;
-		assert_int_equal(parse_query(&query, rows[i].query, &error), ECO_BAD_INPUT);
-		if (!strstr(error.text, rows[i].named))
-			fail_msg("%s: '%s' is not in \"%s\"", rows[i].query, rows[i].named, error.text);
+		assert_int_equal(parse_query(&query, rows[i].query), ECO_BAD_INPUT);
+		if (!strstr(cause.text, rows[i].named))
+			fail_msg("%s: '%s' is not in \"%s\"", rows[i].query, rows[i].named, cause.text);
 	}
 }
 
@@ -353,9 +351,8 @@ UNIT_TEST(only_a_trusted_proxy_speaks_for_others)
 		{ "10.0.0.1", "10.0.0.1", ":80", "10.0.0.1" } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct srv_networks trusted;
-		struct eco_error error = { 0 };
 		char text[SRV_ADDRESS_TEXT_BYTES];
-		assert_ok(srv_networks_parse(&trusted, rows[i].trusted, &error), error);
+		assert_good(srv_networks_parse(&trusted, rows[i].trusted, &cause));
 		struct srv_address peer = address(rows[i].peer), client = srv_networks_client(&trusted, &peer,
 			rows[i].forwarded);
 		srv_address_format(text, &client);
@@ -365,8 +362,7 @@ UNIT_TEST(only_a_trusted_proxy_speaks_for_others)
 		"10.0.0.1,", "10.0.0.1/-1", "10.0.0.0.1" };
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
 		struct srv_networks trusted;
-		struct eco_error error = { 0 };
-		assert_int_equal(srv_networks_parse(&trusted, bad[i], &error), ECO_BAD_USAGE);
+		assert_code(srv_networks_parse(&trusted, bad[i], &cause), ECO_BAD_USAGE, "");
 	}
 }
 

@@ -1,23 +1,12 @@
-/* The daemon over a loopback socket: every route, and what it answers. */
+/* The daemon over a loopback socket: every route with its answers, and requests that it refuses. */
 #include "tests/support/serve/serve_daemon.h"
 
+#include <ctype.h>
+
+#include "ecofiles/format/wire.h"
+#include "server/request/problem.h"
 #include "server/request/route.h"
-#include "tests/support/serve/openapi.h"
-#include "tests/support/serve/stream_reader.h"
-
-static json_t *json_get(const char *target)
-{
-	struct http_answer answer = http_get(port, target);
-	assert_int_equal(answer.status, 200);
-	json_t *json = json_of(&answer);
-	http_free(&answer);
-	return json;
-}
-
-static int64_t count_in(const json_t *json, const char *key)
-{
-	return json_integer_value(json_object_get(json, key));
-}
+#include "tests/support/files.h"
 
 UNIT_TEST(health_and_scenes_are_described)
 {
@@ -94,49 +83,6 @@ UNIT_TEST(a_plan_is_explained_when_asked)
 	http_expect(port, "GET", BASE "/stream?" VIEW_BY("50000") "&explain=1", "", 400, "explains nothing");
 }
 
-static void read_stream(struct stream_reader *reader, const struct http_answer *answer, uint64_t vertices)
-{
-	struct eco_error error = { 0 };
-	assert_int_equal(answer->status, 200);
-	assert_header(answer, "Content-Type", "application/octet-stream");
-	assert_ok(stream_reader_read(reader, answer->body, answer->size, vertices, &error), error);
-}
-
-UNIT_TEST(streams_are_complete_and_send_only_what_is_missing)
-{
-	struct stream_reader reader;
-	stream_reader_init(&reader, scene());
-	struct http_answer answer = http_get(port, BASE "/stream?" VIEW_BY("3000000"));
-	read_stream(&reader, &answer, 3000000);
-	assert_true(reader.chunks > 10 && reader.lists > 5 && reader.plants == 2 && reader.plans > 1);
-	size_t first_size = answer.size;
-	http_free(&answer);
-
-	struct eco_writer held = stream_reader_holdings(&reader);
-	answer = http_ask(port, "POST", BASE "/stream?" VIEW_BY("3000000"), OCTETS, held.bytes, held.size);
-	read_stream(&reader, &answer, 3000000);
-	assert_int_equal(reader.chunks, 0);
-	assert_int_equal(reader.lists, 0);
-	assert_int_equal(reader.plants, 0);
-	assert_true(answer.size < first_size / 20);
-	http_free(&answer);
-	eco_writer_free(&held);
-
-	held = stream_reader_holdings(&reader);
-	answer = http_ask(port, "POST", BASE "/stream?eye=20,20,2&target=30,20,"
-		"2&width=400&height=300&vertices=9000000", OCTETS, held.bytes, held.size);
-	read_stream(&reader, &answer, 9000000);
-	http_free(&answer);
-	eco_writer_free(&held);
-	stream_reader_free(&reader);
-
-	stream_reader_init(&reader, scene());
-	answer = http_ask(port, "POST", BASE "/stream?" VIEW_BY("1000"), OCTETS, NOTHING_HELD);
-	read_stream(&reader, &answer, 1000);
-	http_free(&answer);
-	stream_reader_free(&reader);
-}
-
 /* As an answer has the tag of its request, what one rule answered is never taken for what another would. */
 UNIT_TEST(a_plan_follows_the_rule_that_is_asked_for)
 {
@@ -208,9 +154,7 @@ UNIT_TEST(a_tag_that_matches_needs_no_plan)
 {
 	static const char *const targets[] = { BASE "/stream?" VIEW_BY("100000"),
 		BASE "/plan?" VIEW_BY("100000") };
-	const struct srv_config config = { .listen = "127.0.0.1:0", .response_max = 1,
-		.plan_times = SAMPLE_PLAN_TIMES };
-	struct srv_daemon *daemon = serve_another(&config);
+	struct srv_daemon *daemon = SERVE_ANOTHER(.response_max = 1, .plan_times = SAMPLE_PLAN_TIMES);
 	for (size_t i = 0; i < 2; i++) {
 		struct http_answer answer = http_get(port, targets[i]);
 		char etag[80], headers[120];
@@ -265,7 +209,7 @@ UNIT_TEST(chunks_are_immutable_and_partial)
 	const uint8_t *payload = store.scenes[0]->pack->map + chunk->offset;
 	char target[128], etag[SRV_ID_TEXT_BYTES + 2], last[64], whole_range[64], half[64], match[64];
 	uint32_t size = chunk->size_bytes;
-	chunk_target(target, 3);
+	chunk_target(target, scene(), 3);
 	snprintf(etag, sizeof etag, "\"%s\"", strrchr(target, '/') + 1);
 	snprintf(last, sizeof last, "Range: bytes=%u-%u\r\n", size - 1, size + 100);
 	snprintf(whole_range, sizeof whole_range, "If-None-Match: \"x\", %s\r\n", etag);
@@ -312,6 +256,62 @@ UNIT_TEST(chunks_are_immutable_and_partial)
 	}
 }
 
+/* ---- The description ---- */
+
+/* Its paths; the text stays for ever. */
+static const char *paths(void)
+{
+	static char *text;
+	size_t size;
+	if (!text) {
+		text = (char *)file_read("server/openapi.yaml", &size);
+		text[size - 1] = 0;
+		char *end = strstr(text, "\ncomponents:");
+		if (end)
+			*end = 0;
+	}
+	return strstr(text, "\npaths:");
+}
+
+/* Text behind the line of this indentation and key, or NULL. */
+static const char *find_key(const char *from, const char *end, unsigned indent, const char *key)
+{
+	char line[128];
+	snprintf(line, sizeof line, "\n%*s%s:", (int)indent, "", key);
+	const char *at = strstr(from, line);
+	return at && at < end ? at + strlen(line) : NULL;
+}
+
+static const char *end_of(const char *from, unsigned indent)
+{
+	for (const char *at = from; (at = strchr(at, '\n')); at++)
+		if (at[1] != '\n' && strspn(at + 1, " ") <= indent)
+			return at;
+	return from + strlen(from);
+}
+
+/* server/openapi.yaml, read by its indentation, which is part of its style: whether it describes this status of
+ * an operation (0: any); `method` in capitals. */
+static bool openapi_documents(const char *path, const char *method, unsigned status)
+{
+	char key[16] = "";
+	const char *all = paths(), *at = find_key(all, all + strlen(all), 2, path);
+	for (size_t i = 0; method[i] && i + 1 < sizeof key; i++)
+		key[i] = (char)tolower(method[i]);
+	at = at ? find_key(at, end_of(at, 2), 4, key) : NULL;
+	snprintf(key, sizeof key, "\"%u\"", status);
+	return at && (!status || find_key(at, end_of(at, 4), 8, key));
+}
+
+/* Its operations by GET and POST. */
+static unsigned openapi_count(void)
+{
+	unsigned count = 0;
+	for (const char *at = paths(); (at = strstr(at, "\n    ")); at++)
+		count += strncmp(at + 5, "get:", 4) == 0 || strncmp(at + 5, "post:", 5) == 0;
+	return count;
+}
+
 UNIT_TEST(every_route_is_described_and_every_description_is_served)
 {
 	static const struct { enum srv_method bit; const char *name; } methods[] =
@@ -348,7 +348,157 @@ UNIT_TEST(every_route_is_described_and_every_description_is_served)
 	assert_int_equal(routed, openapi_count());
 }
 
-int main(void)
+/* ---- Refusals ---- */
+
+/* Each answer of a described operation is among its described statuses. */
+static void assert_described(const char *method, const char *raw, unsigned status)
 {
-	return unit_tests_run(serve_start, serve_stop);
+	struct srv_target target;
+	const char *variables[2];
+	const struct srv_route *route = srv_target_parse(&target, raw, strlen(raw), NULL) ? NULL
+		: srv_route_find(&target, variables);
+	if (route && openapi_documents(route->pattern, method, 0) && !openapi_documents(route->pattern,
+			method, status))
+		fail_msg("%s %s: %u is not described", method, route->pattern, status);
 }
+
+UNIT_TEST(bad_requests_are_problems)
+{
+	static const struct { const char *method, *target, *headers, *body; unsigned status; const char *type;
+	} rows[] = {
+		{ "GET", "/viewer/none.js", "", NULL, 404, "no-such-resource" },
+		{ "GET", BASE "/nothing", "", NULL, 404, "no-such-resource" },
+		{ "GET", "/v1/scenes/none", "", NULL, 404, "no-such-scene" },
+		{ "GET", "/v1/scenes/none/plan?" VIEW_BY("1"), "", NULL, 404, "no-such-scene" },
+		{ "GET", BASE "/chunks/00000000000000000000000000000000", "", NULL, 404, "no-such-chunk" },
+		{ "GET", BASE "/chunks/xyz", "", NULL, 404, "no-such-chunk" },
+		{ "GET", BASE "/plants/xyz", "", NULL, 404, "no-such-resource" },
+		{ "GET", BASE "/plants/0?x=1", "", NULL, 400, "bad-parameter" },
+		{ "GET", "/../../etc/passwd", "", NULL, 400, "malformed-target" },
+		{ "GET", "/healthz%00", "", NULL, 400, "malformed-target" },
+		{ "GET", "/v1/scenes?x=%00", "", NULL, 400, "malformed-target" },
+		{ "GET", "/healthz?x=1", "", NULL, 400, "bad-parameter" },
+		{ "GET", BASE "/plan", "", NULL, 400, "bad-parameter" },
+		{ "GET", BASE "/stream?" VIEW_BY("1") "&verts=1", "", NULL, 400, "bad-parameter" },
+		{ "GET", BASE "/stream?" VIEW_BY("nan"), "", NULL, 400, "bad-parameter" },
+		{ "GET", BASE "/stream?" VIEW_BY("1") "&fov_y_deg=0", "", NULL, 400, "bad-parameter" },
+		{ "GET", BASE "/stream?" VIEW_BY("1") "&pack=00000000000000000000000000000000", "", NULL, 409,
+			"pack-changed" },
+		{ "DELETE", "/healthz", "", NULL, 405, "method-not-allowed" },
+		{ "POST", BASE "/plan", "", "", 405, "method-not-allowed" },
+		{ "POST", "/healthz", "", "x", 405, "method-not-allowed" },
+		{ "PUT", BASE "/stream", "", "x", 405, "method-not-allowed" },
+		{ "GET", "/v1/admin/reload", "", NULL, 405, "method-not-allowed" },
+		{ "POST", "/v1/admin/reload", "", "x", 400, "ambiguous-framing" },
+		{ "POST", "/v1/admin/reload", "Origin: http://evil.example\r\n", NULL, 403,
+			"not-the-operator" },
+		{ "POST", "/v1/admin/reload", "X-Forwarded-For: 127.0.0.1\r\n", NULL, 403,
+			"not-the-operator" },
+		{ "GET", "/metrics", "Via: 1.1 proxy\r\n", NULL, 403, "not-the-operator" },
+		{ "POST", "/nothing", "", "x", 404, "no-such-resource" },
+		{ "GET", "/healthz", "", "x", 400, "ambiguous-framing" },
+		{ "HEAD", "/healthz", "", "x", 400, NULL },
+		{ "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, NULL, 411, "length-required" },
+		{ "POST", BASE "/stream?" VIEW_BY("1"), "", "\1\1\1\1", 415, "unsupported-media-type" },
+		{ "POST", BASE "/stream?" VIEW_BY("1"), "Content-Type: text/plain\r\n", "\1\1\1\1", 415,
+			"unsupported-media-type" },
+		{ "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, "", 400, "bad-holdings" },
+		{ "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, "\1\1\1\1\1\1", 400, "bad-holdings" },
+		{ "POST", BASE "/stream?" VIEW_BY("1"), OCTETS "Content-Length: 4194305\r\n", NULL, 413,
+			"body-too-large" },
+		{ "GET", "/healthz", "Range: bytes=0-1\r\nRange: bytes=0-1\r\n", NULL, 400,
+			"ambiguous-framing" },
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct http_answer answer = http_ask(port, rows[i].method, rows[i].target, rows[i].headers,
+			rows[i].body, rows[i].body ? strlen(rows[i].body) : 0);
+		char urn[80], allow[64];
+		if (answer.status != rows[i].status)
+			fail_msg("%s %s: %u\n%s", rows[i].method, rows[i].target, answer.status, answer.head);
+		assert_described(rows[i].method, rows[i].target, answer.status);
+		assert_header(&answer, "Content-Type", "application/problem+json");
+		if (rows[i].type) {
+			json_t *json = json_of(&answer);
+			snprintf(urn, sizeof urn, "urn:ecostream:problem:%s", rows[i].type);
+			assert_string_equal(json_string_value(json_object_get(json, "type")), urn);
+			assert_int_equal(json_integer_value(json_object_get(json, "status")), rows[i].status);
+			assert_true(json_is_string(json_object_get(json, "title")));
+			assert_true(json_string_length(json_object_get(json, "detail")) > 10);
+			json_decref(json);
+		}
+		assert_int_equal(http_header(&answer, "Allow", allow, sizeof allow), rows[i].status == 405);
+		http_free(&answer);
+	}
+}
+
+/* A request that is refused by its head, and a body of `size` bytes. Returns how many were sent. */
+static size_t send_refused(int fd, const char *head, size_t size)
+{
+	static const char zeros[1 << 16];
+	size_t sent = 0;
+	assert_true(http_send(fd, head, strlen(head)));
+	while (sent < size && http_send(fd, zeros, sizeof zeros))
+		sent += sizeof zeros;
+	return sent;
+}
+
+/* A server that closes at once resets the connection, and the client, which still sends, loses the answer. */
+UNIT_TEST(who_still_sends_a_refused_body_gets_the_answer)
+{
+	static const struct { const char *head; unsigned status; } rows[] = {
+		{ STREAM "Content-Length: 6291456\r\n\r\n", 413 },
+		{ "POST " BASE "/stream?" VIEW_BY("1") " HTTP/1.1\r\n" HOST "Content-Type: text/plain\r\n"
+			"Content-Length: 4194304\r\n\r\n", 415 },
+		{ "POST /nothing HTTP/1.1\r\n" HOST "Content-Length: 6291456\r\n\r\n", 404 },
+		{ STREAM "Transfer-Encoding: chunked\r\n\r\n", 400 } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		int fd = http_connect(port);
+		size_t sent = send_refused(fd, rows[i].head, 4 << 20);
+		if (sent < 4 << 20)
+			fail_msg("only %zu bytes could be sent after %s", sent, rows[i].head);
+		struct http_answer answer = http_receive(fd, false, true);
+		assert_int_equal(answer.status, rows[i].status);
+		assert_header(&answer, "Content-Type", "application/problem+json");
+		http_free(&answer);
+		close(fd);
+	}
+}
+
+UNIT_TEST(a_refused_body_without_end_is_dropped_only_for_a_while)
+{
+	const size_t all = 256u << 20;
+	int fd = http_connect(port);
+	assert_in_range(send_refused(fd, STREAM "Content-Length: 1000000000\r\n\r\n", all), 4 << 20, all - 1);
+	close(fd);
+}
+
+UNIT_TEST(refused_connections_that_are_kept_give_way)
+{
+	struct srv_daemon *small = SERVE_ANOTHER(.connections_per_address = 4);
+	int fds[8];
+	for (int i = 0; i < 8; i++) {
+		fds[i] = http_connect(srv_daemon_port(small));
+		send_refused(fds[i], STREAM "Content-Length: 6291456\r\n\r\n", 1 << 16);
+		http_receive_status(fds[i], false, 413);
+	}
+	http_expect(srv_daemon_port(small), "GET", "/healthz", "", 200, NULL);
+	for (int i = 0; i < 8; i++)
+		close(fds[i]);
+	srv_daemon_stop(small);
+}
+
+UNIT_TEST(holdings_of_another_scene_are_refused)
+{
+	struct eco_holding items[] = { { 0, 100000 }, { 1000000, 1 } };
+	for (int i = 0; i < 2; i++) {
+		struct eco_writer w = { 0 };
+		eco_wire_write_holdings(&w, &(struct eco_holdings){ &items[i], 1 });
+		struct http_answer answer = http_ask(port, "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, w.bytes, w.size);
+		assert_int_equal(answer.status, 400);
+		assert_non_null(strstr(answer.body, "bad-holdings"));
+		http_free(&answer);
+		eco_writer_free(&w);
+	}
+}
+
+UNIT_MAIN(serve_start, serve_stop)

@@ -2,6 +2,7 @@
  * others much. */
 #include "tests/support/serve/serve_daemon.h"
 
+#include <errno.h>
 #include <malloc.h>
 #include <sys/resource.h>
 
@@ -45,9 +46,8 @@ UNIT_TEST(requests_that_the_library_would_drop_are_refused)
 	char *requests[] = { repeat("GET /healthz?", "&", 300, " HTTP/1.1\r\n" HOST "\r\n"),
 		repeat("GET /healthz HTTP/1.1\r\n" HOST "Cookie: ", "a;", 1000, "\r\n\r\n") };
 	static const unsigned statuses[] = { 400, 431 };
-	const struct srv_config config = { .listen = "127.0.0.1:0" };
 	for (int i = 0; i < 2; i++) {
-		struct srv_daemon *daemon = serve_another(&config);
+		struct srv_daemon *daemon = SERVE_ANOTHER();
 		send_on_many(daemon, requests[i], 50, statuses[i]);
 		size_t before = allocated();
 		send_on_many(daemon, requests[i], 100, statuses[i]);
@@ -82,8 +82,7 @@ UNIT_TEST(idle_connections_give_way_and_busy_ones_do_not)
 {
 	static const char begun[] = STREAM "Content-Length: 100\r\n\r\nab",
 		ask[] = "GET /healthz HTTP/1.1\r\n" HOST "\r\n";
-	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_per_address = 4 };
-	struct srv_daemon *daemon = serve_another(&config);
+	struct srv_daemon *daemon = SERVE_ANOTHER(.connections_per_address = 4);
 	int fds[5];
 	open_idle(daemon, fds, 2);
 	assert_true(http_send(fds[1], begun, sizeof begun - 1));
@@ -109,9 +108,8 @@ UNIT_TEST(a_trusted_proxy_has_no_share_of_its_own)
 	struct srv_config config = { .listen = "127.0.0.1:0",
 		.connections_per_address = 2,
 		.connections_max = 30 };
-	struct eco_error error = { 0 };
 	int fds[40];
-	assert_ok(srv_networks_parse(&config.trusted, "10.0.0.0/8,127.0.0.1", &error), error);
+	assert_good(srv_networks_parse(&config.trusted, "10.0.0.0/8,127.0.0.1", &cause));
 	struct srv_daemon *daemon = serve_another(&config);
 	open_idle(daemon, fds, 20);
 	assert_served(daemon);
@@ -152,11 +150,10 @@ static void assert_answered(const struct srv_daemon *daemon, uint32_t source, co
 UNIT_TEST(crowds_of_addresses_lock_nobody_out)
 {
 	static const struct { int addresses, each; } rows[] = { { 2, 30 }, { 3, 20 }, { 8, 8 }, { 20, 4 }, { 40, 3 } };
-	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_max = PLACES,
-		.connections_per_address = PLACES_EACH };
 	char rest[98] = { 0 };
 	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
-		struct srv_daemon *daemon = serve_another(&config);
+		struct srv_daemon *daemon = SERVE_ANOTHER(.connections_max = PLACES,
+			.connections_per_address = PLACES_EACH);
 		int fds[CROWD_MAX];
 		http_come_from(HONEST);
 		int honest = http_connect(srv_daemon_port(daemon));
@@ -179,8 +176,7 @@ UNIT_TEST(crowds_of_addresses_lock_nobody_out)
  * machine is answered. */
 UNIT_TEST(the_own_machine_is_answered_when_all_is_taken)
 {
-	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_max = PLACES };
-	struct srv_daemon *daemon = serve_another(&config);
+	struct srv_daemon *daemon = SERVE_ANOTHER(.connections_max = PLACES);
 	int fds[CROWD_MAX];
 	crowd(daemon, PLACES + 16, 1, fds);
 	for (int i = 0; i < 3; i++)
@@ -194,8 +190,7 @@ UNIT_TEST(bodies_of_few_addresses_lock_nobody_out)
 {
 	enum { BODY = 200000, LATER = 100 };
 	static const char head[] = STREAM "Content-Length: 200100\r\n\r\n";
-	const struct srv_config config = { .listen = "127.0.0.1:0", .bodies_max = 1u << 20 };
-	struct srv_daemon *daemon = serve_another(&config);
+	struct srv_daemon *daemon = SERVE_ANOTHER(.bodies_max = 1u << 20);
 	uint8_t *zeros = calloc(1, BODY + LATER);
 	int fds[12];
 	for (int i = 0; i < 12; i++) {           /* of three addresses, twice as much as there is room for */
@@ -221,8 +216,7 @@ UNIT_TEST(bodies_of_few_addresses_lock_nobody_out)
 /* Out of descriptors: no busy loop, and who comes when there are some again is served. */
 UNIT_TEST(exhausted_descriptors_are_waited_for)
 {
-	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_per_address = 1000 };
-	struct srv_daemon *daemon = serve_another(&config);
+	struct srv_daemon *daemon = SERVE_ANOTHER(.connections_per_address = 1000);
 	struct rlimit limit, few;
 	int fds[40], highest = dup(0);
 	close(highest);
@@ -276,8 +270,7 @@ static uint64_t gauge(const struct srv_daemon *daemon, const char *name)
 UNIT_TEST(answers_that_are_being_sent_are_bounded_together)
 {
 	enum { MOST = 1000000, STALLED = 24 };
-	const struct srv_config config = { .listen = "127.0.0.1:0", .answers_max = MOST };
-	struct srv_daemon *daemon = serve_another(&config);
+	struct srv_daemon *daemon = SERVE_ANOTHER(.answers_max = MOST);
 	int fds[STALLED];
 	for (int i = 0; i < STALLED; i++) {
 		http_come_from((uint32_t)(HONEST + 1 + i % 3));
@@ -295,8 +288,7 @@ UNIT_TEST(answers_that_are_being_sent_are_bounded_together)
 /* An answer that the bound of all can never hold is said to be too large, not to be asked for again. */
 UNIT_TEST(an_answer_larger_than_all_may_be_is_refused)
 {
-	const struct srv_config config = { .listen = "127.0.0.1:0", .answers_max = 1000 };
-	struct srv_daemon *daemon = serve_another(&config);
+	struct srv_daemon *daemon = SERVE_ANOTHER(.answers_max = 1000);
 	http_expect(srv_daemon_port(daemon), "GET", "/healthz", "", 200, NULL);
 	http_expect(srv_daemon_port(daemon), "GET", BASE "/stream?" VIEW_BY("3000000"), "", 422, NULL);
 	srv_daemon_stop(daemon);
@@ -305,8 +297,7 @@ UNIT_TEST(an_answer_larger_than_all_may_be_is_refused)
 /* A client that takes nothing of an answer is closed after two windows, however large the answer. */
 UNIT_TEST(answers_that_nobody_takes_are_given_up)
 {
-	const struct srv_config config = { .listen = "127.0.0.1:0", .send_ms = 200, .rate_bytes_s = 1 };
-	struct srv_daemon *daemon = serve_another(&config);
+	struct srv_daemon *daemon = SERVE_ANOTHER(.send_ms = 200, .rate_bytes_s = 1);
 	struct http_answer whole = http_get(srv_daemon_port(daemon), BASE "/stream?" VIEW_BY("3000000"));
 	size_t size = whole.size, got = 0;
 	http_free(&whole);
@@ -325,8 +316,7 @@ UNIT_TEST(answers_that_nobody_takes_are_given_up)
 /* A client that takes some in each window gets all of it, however many windows that takes. */
 UNIT_TEST(answers_that_are_taken_slowly_arrive)
 {
-	const struct srv_config config = { .listen = "127.0.0.1:0", .send_ms = 1500, .rate_bytes_s = 1 };
-	struct srv_daemon *daemon = serve_another(&config);
+	struct srv_daemon *daemon = SERVE_ANOTHER(.send_ms = 1500, .rate_bytes_s = 1);
 	struct http_answer whole = http_get(srv_daemon_port(daemon), BASE "/stream?" VIEW_BY("3000000"));
 	int fd = ask_much(daemon);
 	char *bytes = malloc(whole.size);
@@ -353,11 +343,8 @@ UNIT_TEST(answers_that_are_taken_slowly_arrive)
 UNIT_TEST(plans_of_clients_that_left_are_not_made)
 {
 	enum { PLANS = 60 };
-	const struct srv_config config = { .listen = "127.0.0.1:0",
-		.work_threads = 1,
-		.queue_share_max = 64,
-		.plan_times = 1000 };
-	struct srv_daemon *daemon = serve_another(&config);
+	struct srv_daemon *daemon = SERVE_ANOTHER(.work_threads = 1, .queue_share_max = 64,
+		.plan_times = 1000);
 	char target[300], request[400], timing[100];
 	int fds[PLANS], made = 0;
 	for (int i = 0; i < PLANS; i++) {
@@ -387,9 +374,7 @@ UNIT_TEST(plans_of_clients_that_left_are_not_made)
 UNIT_TEST(clients_that_send_no_more_get_their_answers)
 {
 	enum { PLANS = 30 };
-	const struct srv_config config = { .listen = "127.0.0.1:0", .work_threads = 1,
-		.plan_times = 1000 };
-	struct srv_daemon *daemon = serve_another(&config);
+	struct srv_daemon *daemon = SERVE_ANOTHER(.work_threads = 1, .plan_times = 1000);
 	char request[400];
 	int fds[PLANS];
 	unsigned interim[2] = { 0 };
@@ -413,7 +398,116 @@ UNIT_TEST(clients_that_send_no_more_get_their_answers)
 	srv_daemon_stop(daemon);
 }
 
-int main(void)
+/* ---- Slow clients, and the end ---- */
+
+UNIT_TEST(overdue_connections_are_shut)
 {
-	return unit_tests_run(serve_start, serve_stop);
+	static const char *const starts[] = { "", "GET /hea", "GET /healthz HTTP/1.1\r\nHost: t\r\nX: ",
+		STREAM "Content-Length: 100\r\n\r\nab" };
+	struct srv_daemon *daemon = SERVE_ANOTHER(.head_ms = 200, .body_ms = 200);
+	for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
+		int fd = http_connect(srv_daemon_port(daemon));
+		assert_true(http_send(fd, starts[i], strlen(starts[i])));
+		struct http_answer answer = http_receive(fd, false, true);
+		assert_true(answer.closed || errno == ECONNRESET);
+		assert_int_equal(answer.status, 0);
+		http_free(&answer);
+		close(fd);
+	}
+	srv_daemon_stop(daemon);
 }
+
+/* Declared bytes cost a client nothing and take nothing from others; arrived bytes do. */
+UNIT_TEST(bodies_are_bounded_together)
+{
+	static const char start[] = STREAM "Content-Length: 4194304\r\n\r\n";
+	struct srv_daemon *daemon = SERVE_ANOTHER(.bodies_max = 1u << 20);
+	int fds[64];
+	uint8_t *zeros = calloc(1, 4u << 20);
+	for (int i = 0; i < 64; i++) {
+		fds[i] = http_connect(srv_daemon_port(daemon));
+		assert_true(http_send(fds[i], start, sizeof start - 1));
+	}
+	WAIT_UNTIL(srv_daemon_busy(daemon) == 64);
+	usleep(50000);                           /* until heads are not only begun, but read */
+	struct http_answer answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"),
+		OCTETS, NOTHING_HELD);
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	assert_true(http_send(fds[0], zeros, 4u << 20));
+	http_receive_status(fds[0], true, 503);
+	close_all(fds, 64);
+	WAIT_UNTIL(srv_daemon_busy(daemon) == 0);
+	answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, zeros,
+		500000);
+	assert_int_equal(answer.status, 400);    /* read, and found to be no holdings */
+	http_free(&answer);
+	srv_daemon_stop(daemon);
+	free(zeros);
+}
+
+UNIT_TEST(stopping_refuses_new_requests_and_ends)
+{
+	static const char request[] = "GET /healthz HTTP/1.1\r\nHost: t\r\n\r\n";
+	struct srv_daemon *daemon = SERVE_ANOTHER();
+	int fd = http_connect(srv_daemon_port(daemon)), unfinished = http_connect(srv_daemon_port(daemon));
+	assert_true(http_send(fd, request, sizeof request - 1));
+	http_receive_status(fd, false, 200);
+	assert_true(http_send(unfinished, "GET /", 5));
+	srv_daemon_quiesce(daemon);
+	assert_true(http_send(fd, request, sizeof request - 1));
+	struct http_answer answer = http_receive(fd, false, true);
+	assert_int_equal(answer.status, 503);
+	assert_header(&answer, "Retry-After", "1");
+	assert_true(answer.closed);
+	http_free(&answer);
+	srv_daemon_stop(daemon);
+	close(fd);
+	close(unfinished);
+}
+
+/* Connections that wait for a plan are suspended; the library aborts if one still is when it is stopped. */
+UNIT_TEST(stopping_while_planning_is_clean)
+{
+	static const char request[] = "GET " BASE
+		"/stream?" VIEW_BY("2000000") "&bytes=300000 HTTP/1.1\r\n" HOST "\r\n";
+	for (int round = 0; round < 12; round++) {
+		struct srv_daemon *daemon = SERVE_ANOTHER(.work_threads = 2, .queue_max = 8);
+		int fds[24];
+		for (int i = 0; i < 24; i++) {
+			fds[i] = http_connect(srv_daemon_port(daemon));
+			assert_true(http_send(fds[i], request, sizeof request - 1));
+		}
+		/* an answer, or a refusal because the queue is full; never nothing */
+		if (round % 3) {
+			struct http_answer answer = http_receive(fds[round], false, false);
+			assert_true(answer.status == 200 || answer.status == 503);
+			http_free(&answer);
+		}
+		if (round % 2)
+			srv_daemon_quiesce(daemon);
+		srv_daemon_stop(daemon);
+		close_all(fds, 24);
+	}
+}
+
+UNIT_TEST(a_taken_port_is_named)
+{
+	char listen_at[32];
+	struct srv_config config = { .listen = listen_at };
+	struct srv_daemon *daemon;
+	snprintf(listen_at, sizeof listen_at, "127.0.0.1:%u", port);
+	assert_code(srv_daemon_start(&daemon, &config, &store, &cause), ECO_IO, "");
+	assert_null(daemon);
+	assert_non_null(strstr(cause.text, listen_at));
+	assert_non_null(strstr(cause.text, "--listen"));
+	static const char *const bad[] = { "", "8080", ":8080", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536",
+		"127.0.0.1:-1", "::1:80", "[::1]",
+		"127.0.0.1:80x" };
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+		config.listen = bad[i];
+		assert_code(srv_daemon_start(&daemon, &config, &store, &cause), ECO_BAD_USAGE, "");
+	}
+}
+
+UNIT_MAIN(serve_start, serve_stop)

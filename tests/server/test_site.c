@@ -1,27 +1,17 @@
 /* The viewer's files: what is read at start, and which form of a file a browser gets. */
 #include "server/answer.h"
-#include "tests/support/files.h"
+#include "tests/support/input_files.h"
 #include "tests/support/serve/serve_daemon.h"
 
 #define DIR "build/tmp/test_site"
 
-static void write_text(const char *name, const char *text)
-{
-	char path[128];
-	snprintf(path, sizeof path, DIR "/%s", name);
-	FILE *file = fopen(path, "w");
-	assert_non_null(file);
-	fputs(text, file);
-	fclose(file);
-}
-
 static void write_three(const char *name)
 {
 	static const char *const ends[3] = { "", ".gz", ".br" };
-	char path[64];
+	char form[64];
 	for (int i = 0; i < 3; i++) {
-		snprintf(path, sizeof path, "%s%s", name, ends[i]);
-		write_text(path, path);
+		snprintf(form, sizeof form, "%s%s", name, ends[i]);
+		input_text("test_site", form, form);
 	}
 }
 
@@ -59,18 +49,14 @@ UNIT_TEST(a_folder_is_read_with_all_forms_and_types)
 UNIT_TEST(a_folder_that_is_none_of_ours_is_refused_by_name)
 {
 	struct srv_site site;
-	struct eco_error error = { 0 };
-	assert_int_equal(srv_site_read(&site, DIR "/none", &error), ECO_OK);
+	assert_good(srv_site_read(&site, DIR "/none", &cause));
 	assert_int_equal(site.count, 0);
 	begin();
 	write_three("notes.txt");
-	assert_int_equal(srv_site_read(&site, DIR, &error), ECO_BAD_INPUT);
-	assert_non_null(strstr(error.text, "notes.txt"));
+	assert_code(srv_site_read(&site, DIR, &cause), ECO_BAD_INPUT, "notes.txt");
 	begin();
-	write_text("index.html", "alone");
-	error = (struct eco_error){ 0 };
-	assert_int_equal(srv_site_read(&site, DIR, &error), ECO_NOT_FOUND);
-	assert_non_null(strstr(error.text, "index.html.gz"));
+	input_text("test_site", "index.html", "alone");
+	assert_code(srv_site_read(&site, DIR, &cause), ECO_NOT_FOUND, "index.html.gz");
 }
 
 UNIT_TEST(a_version_is_a_line_of_hex_digits)
@@ -82,12 +68,11 @@ UNIT_TEST(a_version_is_a_line_of_hex_digits)
 		{ "01234567890123456789012345678901234567890123456789012345678901234\n", ECO_BAD_INPUT } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct srv_site site;
-		struct eco_error error = { 0 };
 		begin();
-		write_text("version", rows[i].text);
-		assert_int_equal(srv_site_read(&site, DIR, &error), rows[i].code);
+		input_text("test_site", "version", rows[i].text);
+		assert_code(srv_site_read(&site, DIR, &cause), rows[i].code, "");
 		assert_int_equal(strlen(site.version), rows[i].code ? 0 : strlen(rows[i].text) - 1);
-		assert_true(!rows[i].code || strstr(error.text, DIR "/version"));
+		assert_true(!rows[i].code || strstr(cause.text, DIR "/version"));
 		srv_site_free(&site);
 	}
 }
@@ -156,7 +141,4 @@ UNIT_TEST(parameters_that_others_append_to_a_link_are_ignored)
 		}
 }
 
-int main(void)
-{
-	return unit_tests_run(serve_start, serve_stop);
-}
+UNIT_MAIN(serve_start, serve_stop)

@@ -3,15 +3,170 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/format/wire.h"
+#include "lod/plan/planner.h"
 #include "server/emit.h"
 #include "server/stream.h"
 #include "tests/support/scene_random.h"
-#include "tests/support/serve/stream_reader.h"
 #include "tests/support/unit_test.h"
 
 #define ROUNDS 24u
-
 #define OWNED_MAX 64u
+
+/* A client that only keeps books: parses a stream, remembers what it holds, and fails if a stream sends something
+ * twice, out of order, or a plan that draws what has not been sent. */
+struct stream_reader {
+	const struct eco_scene *truth;       /* the pack's tables */
+	uint32_t *have;                      /* chunks per list */
+	bool *knows_list, *knows_plant;
+	uint64_t budget_vertices;
+	uint32_t plans, chunks, lists, plants;       /* frames seen in this stream */
+	uint64_t vertices;                   /* of the last plan */
+	bool ended;
+};
+
+static void stream_reader_init(struct stream_reader *r, const struct eco_scene *truth)
+{
+	*r = (struct stream_reader){ .truth = truth };
+	r->have = calloc(truth->list_count + 1, sizeof *r->have);
+	r->knows_list = calloc(truth->list_count + 1, sizeof *r->knows_list);
+	r->knows_plant = calloc(truth->plant_count + 1, sizeof *r->knows_plant);
+}
+
+static void stream_reader_free(struct stream_reader *r)
+{
+	free(r->have);
+	free(r->knows_list);
+	free(r->knows_plant);
+}
+
+static enum eco_code reader_plant(void *ctx, uint32_t id, const struct eco_plant *plant,
+	const struct eco_anchor *anchors, struct eco_error *e)
+{
+	struct stream_reader *r = ctx;
+	const struct eco_plant *truth = &r->truth->plants[id];
+	if (plant->anchor_first != truth->anchor_first || plant->anchor_count != truth->anchor_count
+		|| memcmp(anchors, r->truth->anchors + truth->anchor_first,
+		truth->anchor_count * sizeof *anchors) != 0)
+		return eco_fail(e, ECO_DAMAGED, "plant %u is not what the pack has", id);
+	r->knows_plant[id] = true;
+	r->plants++;
+	return ECO_OK;
+}
+
+static enum eco_code reader_list(void *ctx, uint32_t id, const struct eco_list *list,
+	const uint8_t (*palette)[3], const struct eco_group *groups, struct eco_error *e)
+{
+	struct stream_reader *r = ctx;
+	const struct eco_group *truth = list->group_count ? eco_list_groups(r->truth, id) : NULL;
+	(void)palette;
+	if (r->knows_list[id])
+		return eco_fail(e, ECO_DAMAGED, "list %u is described twice", id);
+	if (list->kind != r->truth->lists[id].kind || list->chunk_count != r->truth->lists[id].chunk_count)
+		return eco_fail(e, ECO_DAMAGED, "list %u is not what the pack has", id);
+	for (uint32_t g = 0; g < list->group_count; g++)
+		if (groups[g].plant != truth[g].plant || groups[g].first != truth[g].first
+				|| groups[g].count != truth[g].count)
+			return eco_fail(e, ECO_DAMAGED, "group %u of list %u is not the pack's", g, id);
+	r->knows_list[id] = true;
+	r->lists++;
+	return ECO_OK;
+}
+
+static enum eco_code reader_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk,
+	const uint8_t *payload, struct eco_error *e)
+{
+	struct stream_reader *r = ctx;
+	(void)payload;
+	if (!r->knows_list[list])
+		return eco_fail(e, ECO_DAMAGED, "a chunk of list %u before its description", list);
+	if (ordinal != r->have[list])
+		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u, of which %u are held", ordinal, list,
+			r->have[list]);
+	if (chunk->size_bytes != r->truth->chunks[r->truth->lists[list].chunk_first + ordinal].size_bytes)
+		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u is not what the pack has", ordinal,
+			list);
+	r->have[list]++;
+	r->chunks++;
+	return ECO_OK;
+}
+
+static enum eco_code reader_needs(struct stream_reader *r, const struct eco_plan *plan, struct eco_error *e)
+{
+	struct eco_holdings needs;
+	enum eco_code code = lod_plan_needs(r->truth, plan, &needs, e);
+	for (uint32_t i = 0; !code && i < needs.count; i++) {
+		uint32_t id = needs.items[i].list;
+		const struct eco_list *list = &r->truth->lists[id];
+		uint32_t plant = list->kind == ECO_LIST_INSTANCES || list->attributes & ECO_ATTR_PLANT
+			? ECO_NONE : list->owner;
+		if (needs.items[i].chunks > r->have[id])
+			code = eco_fail(e, ECO_DAMAGED, "the plan needs %u chunks of list %u, %u are held",
+				needs.items[i].chunks, id, r->have[id]);
+		else if (list->kind != ECO_LIST_GROUND && plant != ECO_NONE && !r->knows_plant[plant])
+			code = eco_fail(e, ECO_DAMAGED, "the plan draws list %u of an unknown plant", id);
+		for (uint32_t g = 0; !code && g < list->group_count; g++)
+			if (!r->knows_plant[eco_list_groups(r->truth, id)[g].plant])
+				code = eco_fail(e, ECO_DAMAGED, "the plan draws unknown plants of list %u",
+					id);
+	}
+	free(needs.items);
+	return code;
+}
+
+static enum eco_code reader_plan(void *ctx, struct eco_plan *plan, struct eco_error *e)
+{
+	struct stream_reader *r = ctx;
+	enum eco_code code = reader_needs(r, plan, e);
+	if (!code && plan->vertices > r->budget_vertices)
+		code = eco_fail(e, ECO_DAMAGED, "the plan draws %llu of %llu vertices",
+			(unsigned long long)plan->vertices, (unsigned long long)r->budget_vertices);
+	r->vertices = plan->vertices;
+	r->plans++;
+	eco_plan_free(plan);
+	return code;
+}
+
+static enum eco_code reader_end(void *ctx, uint64_t vertices, struct eco_error *e)
+{
+	struct stream_reader *r = ctx;
+	r->ended = true;
+	return vertices == r->vertices ? ECO_OK : eco_fail(e, ECO_DAMAGED, "END is not of the last plan");
+}
+
+/* Reads one whole stream on top of what is held already; counts restart. */
+static enum eco_code stream_reader_read(struct stream_reader *r, const void *bytes, size_t size,
+	uint64_t budget_vertices, struct eco_error *error)
+{
+	static const struct eco_wire_events events = { .plant = reader_plant, .list = reader_list,
+		.chunk = reader_chunk,
+		.plan = reader_plan, .end = reader_end };
+	struct eco_wire_parser *parser;
+	r->plans = r->chunks = r->lists = r->plants = 0;
+	r->ended = false;
+	r->budget_vertices = budget_vertices;
+	enum eco_code code = eco_wire_parser_new(&parser, &events, r, error);
+	if (code)
+		return code;
+	code = eco_wire_feed(parser, bytes, size, error);
+	if (!code)
+		code = eco_wire_finish(parser, error);
+	eco_wire_parser_free(parser);
+	return code;
+}
+
+/* The holdings, as the body of the next request. */
+static struct eco_writer stream_reader_holdings(const struct stream_reader *r)
+{
+	struct eco_holdings holdings = { .items = calloc(r->truth->list_count + 1, sizeof *holdings.items) };
+	struct eco_writer w = { 0 };
+	for (uint32_t i = 0; i < r->truth->list_count; i++)
+		if (r->have[i])
+			holdings.items[holdings.count++] = (struct eco_holding){ i, r->have[i] };
+	eco_wire_write_holdings(&w, &holdings);
+	free(holdings.items);
+	return w;
+}
 
 /* A scene as the store would hold it, without a store; a client; and what was made for them. */
 struct bench {
@@ -53,10 +208,9 @@ static struct body build(struct bench *b, const struct eco_request *request, con
 	struct srv_stream_input input = { .scene = &b->scene, .request = request, .holdings = holdings };
 	struct srv_stream stream;
 	struct srv_body body = { 0 };
-	struct eco_error error = { 0 };
-	assert_ok(srv_stream_plan(&stream, &input, &error), error);
+	assert_good(srv_stream_plan(&stream, &input, &cause));
 	if (stream.fits)
-		assert_ok(srv_stream_write(&stream, &body, &error), error);
+		assert_good(srv_stream_write(&stream, &body, &cause));
 	assert_true(!stream.fits || body.size_bytes == stream.body_bytes);
 	struct body out = { .bytes = malloc(body.size_bytes + 1), .fits = stream.fits, .steps =
 		stream.step_count, .smallest = stream.body_bytes };
@@ -74,8 +228,7 @@ static struct body build(struct bench *b, const struct eco_request *request, con
 
 static void read_all(struct bench *b, const struct body *body, uint64_t vertices)
 {
-	struct eco_error error = { 0 };
-	assert_ok(stream_reader_read(&b->reader, body->bytes, body->size, vertices, &error), error);
+	assert_good(stream_reader_read(&b->reader, body->bytes, body->size, vertices, &cause));
 	assert_true(b->reader.ended);
 	assert_int_equal(b->reader.plans, body->steps);
 }
@@ -85,9 +238,8 @@ static struct eco_holdings held_by(struct bench *b)
 {
 	struct eco_writer w = stream_reader_holdings(&b->reader);
 	struct eco_holdings holdings;
-	struct eco_error error = { 0 };
-	assert_ok(eco_wire_read_holdings(w.bytes, w.size, &holdings, &error), error);
-	assert_ok(srv_holdings_check(b->reader.truth, &holdings, &error), error);
+	assert_good(eco_wire_read_holdings(w.bytes, w.size, &holdings, &cause));
+	assert_good(srv_holdings_check(b->reader.truth, &holdings, &cause));
 	eco_writer_free(&w);
 	own(b, holdings.items);
 	return holdings;
@@ -224,15 +376,14 @@ UNIT_TEST(explanations_are_of_the_plan_that_is_sent)
 	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
 		struct bench b = bench_make(500 + seed, 3);
 		struct eco_request request = random_request(&b.pack->r);
-		struct eco_error error = { 0 };
 		request.vertices = 1000 + random_below(&b.pack->r, 200000);
 		request.bytes = 1000 + random_below(&b.pack->r, 60000);
 		struct srv_stream_input input = { .scene = &b.scene, .request = &request, .explain = true,
 			.rule = seed % 3 ? NULL : lod_rule_deussen };
 		struct srv_stream stream, plain;
-		assert_ok(srv_stream_plan(&stream, &input, &error), error);
+		assert_good(srv_stream_plan(&stream, &input, &cause));
 		input.explain = false;
-		assert_ok(srv_stream_plan(&plain, &input, &error), error);
+		assert_good(srv_stream_plan(&plain, &input, &cause));
 		const struct srv_step *last = &stream.steps[stream.step_count - 1];
 		uint64_t vertices = 0;
 		for (uint32_t i = 0; i < last->why.count; i++)
@@ -314,14 +465,11 @@ UNIT_TEST(limits_are_answers_not_crashes)
 	struct eco_request request = random_request(&b.pack->r);
 	struct srv_stream_input input = { .scene = &b.scene, .request = &request, .body_max = 1000 };
 	struct srv_stream stream;
-	struct eco_error error = { 0 };
 	atomic_bool cancelled = true;
 	request.vertices = 100000;
-	assert_int_equal(srv_stream_plan(&stream, &input, &error), ECO_TOO_LARGE);
-	assert_non_null(strstr(error.text, "at most 1000"));
-	error = (struct eco_error){ 0 };
+	assert_code(srv_stream_plan(&stream, &input, &cause), ECO_TOO_LARGE, "at most 1000");
 	input.cancelled = &cancelled;
-	assert_int_equal(srv_stream_plan(&stream, &input, &error), ECO_INTERRUPTED);
+	assert_code(srv_stream_plan(&stream, &input, &cause), ECO_INTERRUPTED, "");
 	bench_free(&b);
 }
 
@@ -334,17 +482,15 @@ UNIT_TEST(a_damaged_payload_is_named_and_the_rest_still_served)
 	struct srv_stream_input input = { .scene = &b.scene, .request = &request };
 	struct srv_stream stream;
 	struct srv_body body;
-	struct eco_error error = { 0 };
 	for (uint32_t i = 0; i < scene->ground_count; i++)
 		b.pack->map[scene->chunks[scene->lists[scene->ground[i].list].chunk_first].offset] ^= 1;
-	assert_int_equal(srv_stream_plan(&stream, &input, &error), ECO_OK);
-	assert_int_equal(srv_stream_write(&stream, &body, &error), ECO_DAMAGED);
-	assert_true(error.text[0] != 0);
+	assert_good(srv_stream_plan(&stream, &input, &cause));
+	assert_code(srv_stream_write(&stream, &body, &cause), ECO_DAMAGED, "");
+	assert_true(cause.text[0] != 0);
 	srv_stream_free(&stream);
 	const uint8_t *bytes;
 	size_t size;
-	error = (struct eco_error){ 0 };
-	assert_int_equal(srv_scene_payload(&b.scene, 0, &bytes, &size, &error), ECO_OK);
+	assert_good(srv_scene_payload(&b.scene, 0, &bytes, &size, &cause));
 	bench_free(&b);
 }
 

@@ -44,11 +44,10 @@ static struct srv_job job_of(char who, const char *name, atomic_bool *cancelled)
 static struct srv_work *start_held(uint32_t capacity, uint32_t share, atomic_bool *cancelled)
 {
 	struct srv_work *work;
-	struct eco_error error = { 0 };
 	struct srv_job first = job_of('x', NULL, cancelled);
 	order[0] = displaced[0] = 0;
 	pthread_mutex_lock(&closed);
-	assert_ok(srv_work_start(&work, 1, false, capacity, share, &error), error);
+	assert_good(srv_work_start(&work, 1, false, capacity, share, &cause));
 	assert_true(srv_work_submit(work, &first));
 	while (srv_work_waiting(work))           /* until it is taken from the queue */
 		usleep(1000);
@@ -130,13 +129,12 @@ UNIT_TEST(the_spare_thread_is_for_who_holds_nothing)
 {
 	static atomic_bool cancelled, done;
 	struct srv_work *work;
-	struct eco_error error = { 0 };
 	struct srv_job crowd = job_of('a', NULL, &cancelled), note_crowd = job_of('a', "a", &cancelled),
 		other = { .run = raise_flag, .finish = do_nothing, .argument = &done,
 		.cancelled = &cancelled };
 	order[0] = 0;
 	pthread_mutex_lock(&closed);
-	assert_ok(srv_work_start(&work, 1, true, 5, 5, &error), error);
+	assert_good(srv_work_start(&work, 1, true, 5, 5, &cause));
 	usleep(50000);                           /* until both wait */
 	assert_true(srv_work_submit(work, &crowd));
 	for (int i = 0; i < 3; i++)
@@ -160,17 +158,11 @@ UNIT_TEST(who_stops_ends_what_runs_and_what_waits)
 {
 	static atomic_bool running, waiting;
 	struct srv_work *work;
-	struct eco_error error = { 0 };
 	struct srv_job first = { .run = wait_for_flag, .finish = do_nothing, .argument = &running,
 		.cancelled = &running }, second = first;
 	second.argument = second.cancelled = &waiting;
-	assert_ok(srv_work_start(&work, 1, false, 4, 4, &error), error);
+	assert_good(srv_work_start(&work, 1, false, 4, 4, &cause));
 	assert_true(srv_work_submit(work, &first) && srv_work_submit(work, &second));
 	srv_work_free(work);
 	assert_true(atomic_load(&running) && atomic_load(&waiting));
-}
-
-int main(void)
-{
-	return unit_tests_run(NULL, NULL);
 }

@@ -1,36 +1,36 @@
 #include "tests/support/model_try.h"
 
 char import_said[8000];
+struct eco_model m;
 
-static void import_note(void *ctx, const char *text)
+void import_note(void *ctx, const char *text)
 {
 	size_t used = strlen(import_said);
 	(void)ctx;
 	snprintf(import_said + used, sizeof import_said - used, "%s\n", text);
 }
 
-void import_file(struct eco_model *model, const char *path, const struct eco_model_options *options)
+void import_file(const char *path, const struct eco_model_options *options)
 {
 	struct eco_model_options all = options != NULL ? *options
 		: (struct eco_model_options){ .height_m = 0 };
-	struct eco_error error = { .code = ECO_OK };
 	uint64_t accounted;
 	if (path) {
 		all.paths = &path;
 		all.path_count = 1;
 	}
 	all.warn = import_note;
-	eco_model_free(model);
+	eco_model_free(&m);
 	import_said[0] = 0;
-	assert_ok(eco_model_import(model, &all, &error), error);
-	accounted = model->triangle_count;
+	assert_good(eco_model_import(&m, &all, &cause));
+	accounted = m.triangle_count;
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
-		accounted += model->dropped[i];
-	assert_int_equal(accounted, model->triangles_in);
-	for (uint32_t i = 0; i < model->triangle_count * 3; i++)
-		assert_true(model->index[i] < model->vertex_count);
-	for (uint32_t i = 0; i < model->triangle_count; i++)
-		assert_true(model->material[i] < model->material_count && model->part[i] < model->part_count);
+		accounted += m.dropped[i];
+	assert_int_equal(accounted, m.triangles_in);
+	for (uint32_t i = 0; i < m.triangle_count * 3; i++)
+		assert_true(m.index[i] < m.vertex_count);
+	for (uint32_t i = 0; i < m.triangle_count; i++)
+		assert_true(m.material[i] < m.material_count && m.part[i] < m.part_count);
 }
 
 void import_refuses(const char *path, enum eco_code wanted, const char *says)
@@ -57,20 +57,37 @@ bool close_to(double a, double b, double most)
 	return fabs(a - b) <= most;
 }
 
-bool has_place(const struct eco_model *m, double x, double y, double z)
+bool has_place(double x, double y, double z)
 {
-	for (uint32_t i = 0; i < m->vertex_count; i++)
-		if (close_to(m->position[i * 3], x, 1e-5) && close_to(m->position[i * 3 + 1], y, 1e-5)
-				&& close_to(m->position[i * 3 + 2], z, 1e-5))
+	for (uint32_t i = 0; i < m.vertex_count; i++)
+		if (close_to(m.position[i * 3], x, 1e-5) && close_to(m.position[i * 3 + 1], y, 1e-5)
+				&& close_to(m.position[i * 3 + 2], z, 1e-5))
 			return true;
 	return false;
 }
 
-const struct eco_material *material_of(const struct eco_model *m, const char *name)
+const struct eco_material *material_of(const char *name)
 {
-	for (uint32_t i = 0; i < m->material_count; i++)
-		if (strcmp(m->materials[i].name, name) == 0)
-			return &m->materials[i];
+	for (uint32_t i = 0; i < m.material_count; i++)
+		if (strcmp(m.materials[i].name, name) == 0)
+			return &m.materials[i];
 	fail_msg("no material \"%s\"", name);
 	return NULL;
+}
+
+void import_high(const char *path, double height_m)
+{
+	import_file(path, &(struct eco_model_options){ .height_m = height_m });
+}
+
+bool has_vertex(float x, float y, float z, const float *uv)
+{
+	for (uint32_t i = 0; i < m.vertex_count; i++) {
+		const float *p = &m.position[i * 3];
+		if (fabsf(p[0] - x) + fabsf(p[1] - y) + fabsf(p[2] - z) < 1e-5f
+			&& (!uv || (m.uv != NULL && fabsf(m.uv[i * 2] - uv[0])
+			+ fabsf(m.uv[i * 2 + 1] - uv[1]) < 1e-5f)))
+			return true;
+	}
+	return false;
 }

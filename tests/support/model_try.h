@@ -9,14 +9,20 @@
 #include "tests/support/unit_test.h"
 
 extern char import_said[8000];
+void import_note(void *ctx, const char *text);       /* adds to it */
+/* The model that was imported last. */
+extern struct eco_model m;
 
-/* Imports one file, or options->paths where `path` is NULL; every triangle is kept or counted. The model is
- * freed first: it is a whole one or all zero. */
-void import_file(struct eco_model *model, const char *path, const struct eco_model_options *options);
+/* Imports one file, or options->paths where `path` is NULL; every triangle is kept or counted. The model
+ * before is freed. */
+void import_file(const char *path, const struct eco_model_options *options);
+void import_high(const char *path, double height_m);
 void import_refuses(const char *path, enum eco_code wanted, const char *says);
 void import_says(const char *text);
 bool close_to(double a, double b, double most);
-bool has_place(const struct eco_model *m, double x, double y, double z);
-const struct eco_material *material_of(const struct eco_model *m, const char *name);
+bool has_place(double x, double y, double z);
+const struct eco_material *material_of(const char *name);
+/* Whether a vertex at that place, with that uv where uv is asked for, is there. */
+bool has_vertex(float x, float y, float z, const float *uv);
 
 #endif

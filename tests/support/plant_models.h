@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/format/model.h"
-#include "lod/arena.h"
+#include "lod/build/foliage.h"
 #include "lod/sort.h"
 #include "lod/vector.h"
 
@@ -41,5 +41,11 @@ void soup_ball(struct soup *s, uint32_t material, struct lod_v3 at, double radiu
 /* A tree of `leaves` leaves, 6 m high: trunk and branches, leaves in a crown, red flowers if asked for.
  * `textured` leaves are cut-outs. */
 void soup_tree(struct soup *s, uint32_t leaves, uint32_t flowers, bool textured);
+
+/* For tests of orders: planar fans of some corners, spread in a ball over a stem. */
+struct foliage_random { uint32_t leaves, corners; double radius, leaf; uint64_t seed; };
+
+double foliage_dice(uint64_t *state);
+void foliage_random(struct lod_foliage *f, const struct foliage_random *how, struct lod_arena *arena);
 
 #endif

@@ -15,14 +15,34 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <cmocka.h>
+
+#include "ecofiles/base/status.h"
 
 /* A call must go well; otherwise the test fails with the error's text. */
 #define assert_ok(code, error) \
 	do { \
 		if (code) \
 			fail_msg("%s", (error).text); \
+	} while (0)
+
+/* The error of the two checks below, as &cause in their calls; each empties it first. */
+static struct eco_error cause __attribute__((unused));
+#define assert_good(call) \
+	do { \
+		cause = (struct eco_error){ ECO_OK, "" }; \
+		assert_ok(call, cause); \
+	} while (0)
+/* `wanted`: the code, or ECO_CODE_COUNT for any failure. */
+#define assert_code(call, wanted, says) \
+	do { \
+		cause = (struct eco_error){ ECO_OK, "" }; \
+		enum eco_code code_ = (call); \
+		if (((wanted) == ECO_CODE_COUNT ? !code_ : code_ != (wanted)) || !strstr(cause.text, says)) \
+			fail_msg("%s: %s\n  wanted %s ... %s", eco_code_name(code_), cause.text, \
+				eco_code_name(wanted), says); \
 	} while (0)
 
 #define UNIT_TEST(name) UNIT_TEST_BETWEEN(name, NULL, NULL)
@@ -38,5 +58,7 @@
 void unit_test_add(const struct CMUnitTest *test, unsigned line);
 /* Runs all, between the two where they are not NULL; how many failed, which is main's status. */
 int unit_tests_run(CMFixtureFunction set_up, CMFixtureFunction tear_down);
+/* A main that does so; programs without one have unit_main.c, without a fixture. */
+#define UNIT_MAIN(set_up, tear_down) int main(void) { return unit_tests_run(set_up, tear_down); }
 
 #endif

@@ -13,6 +13,7 @@
 #define TESTS_VIEW_SCENE_H
 
 #include "client-min/draw/view_gl.h"
+#include "client-min/draw/view_shadow.h"
 #include "client-min/view_select.h"
 #include "ecofiles/format/wire.h"
 #include "tests/support/scene_builder.h"
@@ -84,5 +85,9 @@ extern struct view_gl *scene_gl;                 /* NULL: there is no OpenGL her
 int scene_open(void **state);
 int scene_open_gl(void **state);                 /* with OpenGL for pictures of scene_view */
 int scene_close(void **state);
+
+/* Shadow maps by OpenGL and in software. Both maps of a job must have the same heights, but for one texel of 200: OpenGL rounds corners. Returns how
+ * many texels are below something. */
+size_t shadow_gl_compare(struct view_gl *gl, const struct view_shadow_job *job, const char *name);
 
 #endif

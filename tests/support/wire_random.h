@@ -43,4 +43,15 @@ void wire_put_name(struct eco_writer *w, uint32_t *number, uint32_t list, uint32
 void wire_put_end(struct eco_writer *w, uint32_t *number, uint64_t vertices, int64_t bytes_off);
 void wire_random_stream(struct wire_random *r, struct eco_writer *w, uint32_t steps);
 
+/* ---- Events that a parser told, as bytes, so that two tellings can be compared ---- */
+
+/* The event of number `fail_at` fails. `hosted`: the host's bytes for any chunk; NULL: it is passed over. */
+struct wire_told { struct eco_writer w; uint32_t events, fail_at; const char *hosted; };
+
+extern const struct eco_wire_events wire_telling;
+
+/* Feeds in portions of `portion` bytes; 0: of random sizes. */
+enum eco_code wire_tell(const uint8_t *bytes, size_t size, size_t portion, struct wire_told *told,
+	struct eco_error *error);
+
 #endif

@@ -64,17 +64,30 @@ json_t *json_of(const struct http_answer *answer)
 	return json;
 }
 
-void chunk_target(char target[128], uint32_t chunk)
+void chunk_target(char target[128], const struct eco_scene *tables, uint32_t chunk)
 {
 	char id[SRV_ID_TEXT_BYTES];
-	srv_format_id(id, &scene()->chunks[chunk].id);
+	srv_format_id(id, &tables->chunks[chunk].id);
 	snprintf(target, 128, BASE "/chunks/%s", id);
 }
 
 struct srv_daemon *serve_another(const struct srv_config *config)
 {
 	struct srv_daemon *another;
-	struct eco_error error = { 0 };
-	assert_ok(srv_daemon_start(&another, config, &store, &error), error);
+	assert_good(srv_daemon_start(&another, config, &store, &cause));
 	return another;
+}
+
+json_t *json_get(const char *target)
+{
+	struct http_answer answer = http_get(port, target);
+	assert_int_equal(answer.status, 200);
+	json_t *json = json_of(&answer);
+	http_free(&answer);
+	return json;
+}
+
+int64_t count_in(const json_t *json, const char *key)
+{
+	return json_integer_value(json_object_get(json, key));
 }

@@ -34,9 +34,13 @@ int serve_start(void **state);
 int serve_stop(void **state);
 void assert_header(const struct http_answer *answer, const char *name, const char *expected);
 json_t *json_of(const struct http_answer *answer);
-void chunk_target(char target[128], uint32_t chunk);
-/* Another daemon, of the same store. */
+void chunk_target(char target[128], const struct eco_scene *tables, uint32_t chunk);
+/* Another daemon, of the same store, with these members of its configuration. */
+#define SERVE_ANOTHER(...) serve_another(&(struct srv_config){ .listen = "127.0.0.1:0", ##__VA_ARGS__ })
 struct srv_daemon *serve_another(const struct srv_config *config);
+/* GET of JSON, with status 200; a number of an object. */
+json_t *json_get(const char *target);
+int64_t count_in(const json_t *json, const char *key);
 
 #define WAIT_UNTIL(condition) while (!(condition)) usleep(1000)
 

@@ -33,12 +33,11 @@ const struct srv_scene *served_sample(struct srv_store *packs, const char *path,
 {
 	double half_m = step_m * (side - 1) / 2;
 	struct eco_ground ground = ground_make(side, side, -half_m, -half_m, step_m, height);
-	struct eco_error error = { 0 };
 	folder_make("build/tmp");
 	remove(path);
 	srv_store_init(packs);
-	assert_ok(sample_pack_write_on(path, &ground, plain, &error), error);
-	assert_ok(srv_store_add(packs, "sample", path, &error), error);
+	assert_good(sample_pack_write_on(path, &ground, plain, &cause));
+	assert_good(srv_store_add(packs, "sample", path, &cause));
 	eco_ground_free(&ground);
 	remove(path);
 	return srv_store_find(packs, "sample");
@@ -46,15 +45,14 @@ const struct srv_scene *served_sample(struct srv_store *packs, const char *path,
 
 void served_open(struct served *seen, const char *json, const char *pack)
 {
-	struct eco_error error = { 0 };
 	char from[512], to[512];
 	snprintf(from, sizeof from, "%s", in_root(json));
 	snprintf(to, sizeof to, "%s", in_root(pack));
-	assert_ok(make_pack(&(struct make_options){ .scene = from, .pack = to, .jobs = 2,
-		.order = LOD_ORDER_COMBINED, .draft = true }, &error), error);
+	assert_good(make_pack(&(struct make_options){ .scene = from, .pack = to, .jobs = 2,
+		.order = LOD_ORDER_COMBINED, .draft = true }, &cause));
 	*seen = (struct served){ .scene = NULL };
 	srv_store_init(&seen->packs);
-	assert_ok(srv_store_add(&seen->packs, "it", to, &error), error);
+	assert_good(srv_store_add(&seen->packs, "it", to, &cause));
 	seen->scene = srv_store_find(&seen->packs, "it");
 	assert_int_equal(view_store_new(&seen->held, &(struct view_store_options){ .images = true }, NULL), ECO_OK);
 }
@@ -66,11 +64,10 @@ void served_look(struct served *seen, const struct eco_view *view, double ground
 	struct eco_holdings holdings = { 0 };
 	struct srv_stream_input input = { .scene = seen->scene, .request = &request, .holdings = &holdings };
 	struct srv_stream stream;
-	struct eco_error error = { 0 };
 	assert_int_equal(view_store_holdings(seen->held, &holdings, NULL), ECO_OK);
-	assert_ok(srv_stream_plan(&stream, &input, &error), error);
+	assert_good(srv_stream_plan(&stream, &input, &cause));
 	view_store_begin(seen->held);
-	assert_ok(served_feed(seen->held, &stream, NULL, &error), error);
+	assert_good(served_feed(seen->held, &stream, NULL, &cause));
 	srv_stream_free(&stream);
 	free(holdings.items);
 	lod_eye_make(&seen->eye, view);
