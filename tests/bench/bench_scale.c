@@ -1,0 +1,199 @@
+/* Precision and Recall by the size on screen and the view (Neubert 2011, 2.2 and 2.4): cuts of a plant's
+ * foliage at the scales of its curve, in views that the curve was not measured on. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "lod/build/measure/probe.h"
+#include "lod/ladder.h"
+#include "tests/bench/bench.h"
+
+#define MODELS 8u
+#define MODELS_QUICK 2u
+#define ELEMENTS_LEAST 500u
+/* not those of the curves: other heights, turned by an angle of a 3-4-5 triangle */
+#define VIEWS 11u
+
+enum { SIZES = 5, LAMBDAS = 3 };
+static const uint32_t sizes[SIZES] = { 64, 128, 256, 512, 1024 };
+static const double lambdas[LAMBDAS] = { 0.05, 0.2, 0.5 };
+#define PLOTTED 1
+
+/* Means over the views, and standard deviations. */
+enum { P, P_SPREAD, R, R_SPREAD, Q, FIGURES };
+static const struct bench_column columns[FIGURES] = { { "P", 3 }, { "spread of P", 3 }, { "R", 3 },
+	{ "spread of R", 3 }, { "Q", 3 } };
+
+static void turn(double v[3])
+{
+	double x = 0.8 * v[0] - 0.6 * v[1];
+	v[1] = 0.6 * v[0] + 0.8 * v[1];
+	v[0] = x;
+}
+
+static enum eco_code open_probe(struct lod_probe *probe, const struct lod_plant *plant,
+	const struct eco_model *model, uint32_t pixels, struct eco_error *error)
+{
+	enum eco_code code = lod_probe_init(probe, plant, model,
+		&(struct lod_probe_options){ .views = VIEWS, .pixels = pixels }, error);
+	for (uint32_t i = 0; !code && i < probe->views; i++) {
+		struct lod_eye *eye = &probe->eyes[i];
+		for (int k = 0; k < 3; k++)
+			eye->at[k] -= probe->center[k];
+		turn(eye->at);
+		turn(eye->right);
+		turn(eye->up);
+		turn(eye->forward);
+		for (int k = 0; k < 3; k++)
+			eye->at[k] += probe->center[k];
+	}
+	return code;
+}
+
+static const struct eco_ladder *largest_foliage(const struct lod_plant *plant, const struct eco_scene *scene)
+{
+	const struct eco_ladder *best = NULL;
+	for (uint32_t i = 0; i < plant->ladder_count; i++) {
+		const struct eco_ladder *l = &plant->ladders[i];
+		if (l->organ == ECO_ORGAN_FOLIAGE && !(l->flags & ECO_LADDER_FAR)
+				&& (!best || lod_ladder_full(scene, l) > lod_ladder_full(scene, best)))
+			best = l;
+	}
+	return best;
+}
+
+static enum eco_code draw(struct lod_probe *probe, const struct eco_ladder *ladder, double share,
+	struct eco_error *error)
+{
+	struct lod_way way;
+	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+	lod_way_begin(&way, &probe->scene, ladder);
+	uint64_t vertices = lod_way_floor(&way, (uint64_t)(share * (double)way.full + 0.5));
+	uint32_t count = lod_way_cuts(&way, vertices, lod_way_density(&way, vertices), 0, cuts);
+	enum eco_code code = ECO_OK;
+	lod_probe_clear(probe);
+	for (uint32_t i = 0; i < count && !code; i++)
+		code = lod_probe_add(probe, &cuts[i], error);
+	return code;
+}
+
+static enum eco_code measure_size(struct lod_probe *probe, const struct eco_ladder *ladder, json_t *rows,
+	struct eco_error *error)
+{
+	enum eco_code code = draw(probe, ladder, 1, error);
+	bool any = !code && lod_probe_keep(probe);
+	for (int l = 0; l < LAMBDAS && !code && any; l++) {
+		struct lod_probe_result result;
+		double p = 0, pp = 0, r = 0, rr = 0, n = probe->views;
+		code = draw(probe, ladder, lambdas[l], error);
+		if (code)
+			break;
+		lod_probe_compare(probe, 1, &result);
+		for (uint32_t v = 0; v < probe->views; v++) {
+			const struct lod_score *s = &probe->scores[v];
+			p += s->precision / n, pp += s->precision * s->precision / n;
+			r += s->recall / n, rr += s->recall * s->recall / n;
+		}
+		json_array_append_new(rows, bench_reals((double[]){ p, sqrt(fmax(0, pp - p * p)), r,
+			sqrt(fmax(0, rr - r * r)), 1 - result.loss }, FIGURES));
+	}
+	return code;
+}
+
+struct work { struct bench *bench; const struct bench_model *model; };
+
+/* A row of figures for each size and lambda; none for a plant of few leaves. */
+static enum eco_code study(void *ctx, json_t **rows, struct eco_error *error)
+{
+	const struct work *w = ctx;
+	struct eco_model read;
+	struct lod_plant plant;
+	/* One ladder for all of an organ: a plant in cells draws the same curve from several. */
+	const struct lod_plant_options options = { .name = w->model->name, .cell_triangles = UINT32_MAX };
+	*rows = json_array();
+	enum eco_code code = bench_model_read(w->bench, w->model, &read, error);
+	if (code)
+		return code;
+	code = lod_plant_build(&plant, &read, &options, error);
+	if (!code) {
+		bool enough = plant.organ[ECO_ORGAN_FOLIAGE].elements >= ELEMENTS_LEAST;
+		if (enough)
+			code = lod_plant_measure(&plant, &read, &options, error);
+		for (int i = 0; i < SIZES && enough && !code; i++) {
+			struct lod_probe probe;
+			code = open_probe(&probe, &plant, &read, sizes[i], error);
+			const struct eco_ladder *ladder = code ? NULL : largest_foliage(&plant, &probe.scene);
+			if (ladder)
+				code = measure_size(&probe, ladder, *rows, error);
+			if (!code)
+				lod_probe_free(&probe);
+		}
+		lod_plant_free(&plant);
+	}
+	eco_model_free(&read);
+	return code;
+}
+
+/* P and R at one lambda over the size, mean over plants, and how far views lie apart. */
+static enum eco_code plot_sizes(struct bench *bench, double sum[SIZES][FIGURES], uint32_t count,
+	struct eco_error *error)
+{
+	static const char *const names[6] = { "P", "P - spread over views", "P + spread", "R",
+		"R - spread over views", "R + spread" };
+	double x[SIZES], line[6][SIZES], range = 0;
+	struct bench_series series[6];
+	for (int j = 0; j < 6; j++) {
+		for (int i = 0; i < SIZES; i++) {
+			const double *of = sum[i] + (j < 3 ? P : R), side[3] = { 0, -1, 1 };
+			x[i] = sizes[i];
+			line[j][i] = (of[0] + side[j % 3] * of[1]) / count;
+			range = j % 3 ? range : fmax(range, fabs(line[j][i] - line[j][0]));
+		}
+		series[j] = (struct bench_series){ names[j], x, line[j], SIZES, false };
+	}
+	bench_say(bench, "Precision and Recall by the size on screen, at lambda %g: means over %u plants "
+		"differ by %.3f at most between %u and %u pixels. The spread is the standard deviation over "
+		"%u views.", lambdas[PLOTTED], count, range, sizes[0], sizes[SIZES - 1], VIEWS);
+	return bench_plot(bench, &(struct bench_plot){ .name = "scale-sizes",
+		.title = "Precision and Recall by size on screen (lambda 0.2)", .x =
+		"height of the picture, pixels", .y = "share", .log_x = true, .series = series, .series_count
+		= 6 }, error);
+}
+
+static enum eco_code run(struct bench *bench, struct eco_error *error)
+{
+	struct bench_model *models = NULL;
+	uint32_t count = 0, found = 0, wanted = bench->full ? MODELS : MODELS_QUICK;
+	double sum[SIZES][FIGURES] = { { 0 } };
+	enum eco_code code = bench_models(bench, &models, &count, error);
+	struct bench_table *table = bench_table_described(bench, "scale_sizes", "plant,pixels,lambda",
+		columns, FIGURES, true);
+	for (uint32_t k = 0; k < count && found < MODELS && !code; k++) {
+		char name[96], stamp[32];
+		struct work work = { bench, &models[k] };
+		json_t *rows;
+		if (models[k].leaves < ELEMENTS_LEAST)
+			continue;
+		if (found == wanted) {
+			bench_left_out(bench, models[k].name);
+			continue;
+		}
+		bench_progress(bench, (double)found / wanted, models[k].name);
+		snprintf(name, sizeof name, "sizes-%s", models[k].name);
+		snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(models[k].path));
+		code = bench_unit(bench, name, stamp, study, &work, &rows, error);
+		for (size_t i = 0; i < SIZES * LAMBDAS && !code && i < json_array_size(rows); i++) {
+			double value[FIGURES];
+			bench_cells(json_array_get(rows, i), value, FIGURES);
+			bench_table_values(table, value, "%s,%u,%.2f", models[k].name, sizes[i / LAMBDAS],
+				lambdas[i % LAMBDAS]);
+			for (int f = 0; f < FIGURES && i % LAMBDAS == PLOTTED; f++)
+				sum[i / LAMBDAS][f] += value[f];
+		}
+		found += !code && json_array_size(rows);
+	}
+	bench_table_close(table);
+	free(models);
+	return !code && found ? plot_sizes(bench, sum, found, error) : code;
+}
+
+const struct bench_section bench_scale = { "scale", "Precision and Recall by size and view", run };
