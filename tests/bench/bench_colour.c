@@ -1,0 +1,409 @@
+/* Colours of a plan against those of full detail, drawn by OpenGL and in software.
+ *
+ *   rms          root mean square of sRGB bytes / 255 over the pixels that either covers
+ *   tone         mean light over covered pixels as an sRGB byte / 255, less that of full detail
+ *   perceptual   pixels that a person would call different (Yee 2001 in OpenImageIO, as `idiff -p`: by hue,
+ *                image.h), over covered ones
+ *
+ * Variants of the same plan show the worth of prefiltering: without self-occlusion (every leaf lit as if it
+ * were alone); besides, with flat colours (one colour a list without a texture; for cut-outs the plain mean of
+ * the texture's bytes, clear texels included). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/draw/view_gl.h"
+#include "client-min/view_reference.h"
+#include "ecofiles/format/image.h"
+#include "lod/light.h"
+#include "tests/bench/bench_fetch.h"
+#include "tests/bench/bench_shots.h"
+
+#define VIEWS_QUICK 1u
+#define VIEWS_FULL 4u
+#define NEAR 300                         /* squared distance of colours, bytes: 10 in each channel */
+/* more at full detail takes OpenGL in software minutes: the rasteriser's colours only */
+#define REFERENCE_VERTICES 100e6
+
+static const char *const scenes[] = { "crown", "trees640", "scbi", "sunflowers", "palms", "outdoor",
+	"trees1276" };
+#define SCENES (sizeof scenes / sizeof *scenes)
+static const double distances[] = { 1, 4, 16 };
+#define DISTANCES (sizeof distances / sizeof *distances)
+static const uint64_t budgets[] = { 10000, 100000, 1000000 };
+#define BUDGETS (sizeof budgets / sizeof *budgets)
+
+enum variant { OURS, UNSHADED, FLAT, SOFTWARE, VARIANTS };
+static const char *const variant_names[VARIANTS] = { "ours", "no self-occlusion", "flat colours",
+	"rasteriser" };
+enum { RMS, RED, GREEN, BLUE, PERCEPTUAL, Q, FIGURES };
+
+/* ---- Comparing ---- */
+
+static double encoded(double light) { return lod_light_byte(light) / 255.0; }
+
+static enum eco_code compare(const struct view_picture *a, const struct view_picture *r, double hue[FIGURES],
+	struct eco_error *error)
+{
+	const struct view_picture *pictures[2] = { a, r };
+	struct lod_light sum[2] = { { { 0 }, 0 }, { { 0 }, 0 } };
+	double square = 0, either = 0;
+	uint64_t different = 0;
+	for (size_t i = 0; i < (size_t)a->width * a->height; i++) {
+		for (int side = 0; side < 2; side++)
+			if (pictures[side]->cover[i])
+				lod_light_add(&sum[side], pictures[side]->rgb + 3 * i, 1);
+		if (!a->cover[i] && !r->cover[i])
+			continue;
+		either++;
+		for (size_t k = 3 * i; k < 3 * i + 3; k++) {
+			double d = (a->rgb[k] - r->rgb[k]) / 255.0;
+			square += d * d;
+		}
+	}
+	hue[RMS] = either > 0 ? sqrt(square / (3 * either)) : NAN;
+	for (int k = 0; k < 3; k++)
+		hue[RED + k] = sum[0].weight > 0 && sum[1].weight > 0 ? encoded(sum[0].sum[k] / sum[0].weight)
+			- encoded(sum[1].sum[k] / sum[1].weight) : NAN;
+	enum eco_code code = eco_pixels_compare(&(struct eco_pixels){ a->width, a->height, 3, a->rgb },
+		&(struct eco_pixels){ r->width, r->height, 3, r->rgb }, &different, error);
+	hue[PERCEPTUAL] = either > 0 ? (double)different / either : NAN;
+	struct lod_score score;
+	lod_score(&score, &(struct lod_score_input){ .width = a->width, .height = a->height,
+		.cover = a->cover, .reference = r->cover, .owner = a->owner, .reference_owner = r->owner });
+	hue[Q] = score.q;
+	return code;
+}
+
+/* ---- Drawing ---- */
+
+struct frame {                   /* one plan, or full detail */
+	struct view_store *store;
+	struct view_selection selection;
+	struct lod_eye eye;
+	const struct eco_view *view;
+};
+
+static void close_frame(struct frame *frame)
+{
+	view_select_free(&frame->selection);
+	view_store_free(frame->store);
+}
+
+static enum eco_code open_frame(struct frame *frame, const struct srv_scene *scene,
+	const struct eco_request *request, struct eco_error *error)
+{
+	*frame = (struct frame){ .view = &request->view };
+	lod_eye_make(&frame->eye, &request->view);
+	const struct view_store_options options = { .images = true, .memory_max = 16ull << 30 };
+	enum eco_code code = view_store_new(&frame->store, &options, error);
+	if (!code)
+		code = bench_fetch(NULL, scene, request, frame->store, error);
+	return code ? code : view_select_make(&frame->selection, frame->store, &frame->eye, error);
+}
+
+static enum eco_code draw(const struct frame *frame, struct view_gl *gl, enum view_tint tint,
+	struct view_picture *picture, struct eco_error *error)
+{
+	double near_m = view_store_near_m(frame->store) > 0 ? view_store_near_m(frame->store) : 0.1;
+	enum eco_code code = view_picture_init(picture, frame->view->width, frame->view->height, error);
+	if (!code && gl)
+		return view_gl_draw(gl, &(struct view_gl_job){ frame->store, &frame->selection, &frame->eye,
+			near_m, tint }, picture, error);
+	return code ? code : view_reference_draw(&(struct view_reference_job){ .store = frame->store,
+		.selection = &frame->selection, .eye = &frame->eye, .near_m = near_m, .tint = tint }, picture,
+		error);
+}
+
+/* Plain mean of an image's bytes, whatever is clear. */
+static void image_mean(const struct eco_image *image, uint8_t rgb[3])
+{
+	uint64_t count = (uint64_t)image->width * image->height, sum[3] = { 0, 0, 0 };
+	for (uint64_t i = 0; i < count; i++)
+		for (int k = 0; k < 3; k++)
+			sum[k] += image->rgba[4 * i + (uint64_t)k];
+	for (int k = 0; k < 3 && count; k++)
+		rgb[k] = (uint8_t)(sum[k] / count);
+}
+
+/* The cut-out whose opaque texels are nearest to this colour: that the colour is the mean of. NULL where
+ * there is none that is near. */
+static const struct eco_image *image_of(const struct view_store *full, const uint8_t rgb[3])
+{
+	const struct eco_image *best = NULL;
+	int least = NEAR;
+	for (uint32_t i = 0; i < view_store_list_count(full); i++) {
+		const struct eco_list *textured = &view_store_list_at(full, i)->list;
+		const struct view_list *image = textured->image != ECO_NONE
+			? view_store_list(full, textured->image) : NULL;
+		struct lod_light light = { { 0 }, 0 };
+		uint8_t mean[3] = { 0, 0, 0 };
+		int distance = 0;
+		if (!image || !image->cutout)
+			continue;
+		for (size_t t = 0; t < (size_t)image->image.width * image->image.height; t++)
+			if (image->image.rgba[4 * t + 3] >= 128)
+				lod_light_add(&light, image->image.rgba + 4 * t, 1);
+		lod_light_mean(&light, mean);
+		for (int k = 0; k < 3; k++)
+			distance += (mean[k] - rgb[k]) * (mean[k] - rgb[k]);
+		if (distance < least) {
+			least = distance;
+			best = &image->image;
+		}
+	}
+	return best;
+}
+
+/* One colour a list for what is not textured. Nothing may be fetched afterwards. */
+static void flatten(const struct view_store *store, const struct view_store *full)
+{
+	for (uint32_t i = 0; i < view_store_list_count(store); i++) {
+		const struct view_list *list = view_store_list_at(store, i);
+		uint64_t sum[3] = { 0, 0, 0 };
+		uint32_t count = list->elements.element_count, colors = list->list.palette_count;
+		if (!count || !colors || !(list->list.attributes & ECO_ATTR_COLOR)
+				|| list->list.attributes & ECO_ATTR_PLANT || list->list.image != ECO_NONE)
+			continue;
+		uint8_t mean[3];
+		for (uint32_t e = 0; e < count; e++) {
+			const uint8_t *rgb = list->palette[list->elements.extra[(size_t)e
+				* list->elements.extra_count]];
+			for (int k = 0; k < 3; k++)
+				sum[k] += rgb[k];
+		}
+		for (int k = 0; k < 3; k++)
+			mean[k] = (uint8_t)(sum[k] / count);
+		const struct eco_image *image = image_of(full, mean);
+		if (image)
+			image_mean(image, mean);
+		for (uint32_t c = 0; c < colors; c++)
+			memcpy(list->palette[c], mean, 3);
+	}
+}
+
+/* ---- One view ---- */
+
+struct work {
+	struct bench *bench;
+	const struct srv_scene *scene;
+	struct eco_request request;
+	const char *name;            /* of its pictures */
+	struct frame full;
+	struct view_picture reference[2];    /* OpenGL's (empty where there is none), the rasteriser's */
+};
+
+static enum eco_code open_gl(struct view_gl **gl, const struct work *w)
+{
+	struct eco_error why = { 0 };
+	const struct eco_view *view = &w->request.view;
+	return view_gl_open(gl, &(struct view_gl_options){ view->width, view->height }, &why);
+}
+
+static enum eco_code draw_references(struct work *w, struct eco_error *error)
+{
+	struct view_gl *gl = NULL;
+	enum eco_code code = draw(&w->full, NULL, VIEW_TINT_NONE, &w->reference[1], error);
+	if (code || (double)w->full.selection.vertices > REFERENCE_VERTICES || open_gl(&gl, w))
+		return code;
+	code = draw(&w->full, gl, VIEW_TINT_NONE, &w->reference[0], error);
+	view_gl_close(gl);
+	return code;
+}
+
+/* Full detail, ours, and four times the difference around gray. */
+static enum eco_code write_pictures(const struct work *w, const struct view_picture *ours,
+	const struct view_picture *reference, uint64_t budget, struct eco_error *error)
+{
+	size_t size = 3 * (size_t)ours->width * ours->height;
+	char file[160];
+	uint8_t *off = malloc(size);
+	if (!off)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+	for (size_t i = 0; i < size; i++) {
+		int d = 128 + 4 * (ours->rgb[i] - reference->rgb[i]);
+		off[i] = (uint8_t)(d < 0 ? 0 : d > 255 ? 255 : d);
+	}
+	snprintf(file, sizeof file, "%s-%llu.png", w->name, (unsigned long long)budget);
+	enum eco_code code = bench_pictures_write(w->bench, file, ours->width, ours->height,
+		(const uint8_t *[]){ reference->rgb, ours->rgb, off }, 3, error);
+	free(off);
+	return code;
+}
+
+static enum eco_code draw_variant(const struct work *w, const struct frame *frame, enum variant variant,
+	uint64_t budget, json_t *row, struct eco_error *error)
+{
+	struct view_picture picture = { 0 };
+	struct view_gl *gl = NULL;
+	double hue[FIGURES];
+	const struct view_picture *reference = &w->reference[variant == SOFTWARE];
+	if (variant == FLAT)
+		flatten(frame->store, w->full.store);
+	if (variant != SOFTWARE && (!reference->rgb || open_gl(&gl, w)))
+		return ECO_OK;
+	enum eco_code code = draw(frame, gl, variant == UNSHADED || variant == FLAT ? VIEW_TINT_UNSHADED
+		: VIEW_TINT_NONE, &picture, error);
+	if (!code)
+		code = compare(&picture, reference, hue, error);
+	if (!code)
+		json_array_set_new(row, variant, bench_reals(hue, FIGURES));
+	if (!code && variant == (w->reference[0].rgb ? OURS : SOFTWARE))
+		code = write_pictures(w, &picture, reference, budget, error);
+	view_picture_free(&picture);
+	view_gl_close(gl);
+	return code;
+}
+
+static enum eco_code try_budget(const struct work *w, uint64_t budget, json_t **made, struct eco_error *error)
+{
+	/* the last changes the palettes */
+	static const enum variant order[VARIANTS] = { SOFTWARE, OURS, UNSHADED, FLAT };
+	struct eco_request request = w->request;
+	struct frame frame;
+	request.vertices = budget;
+	enum eco_code code = open_frame(&frame, w->scene, &request, error);
+	*made = json_pack("[nnnn]");
+	for (int i = 0; i < VARIANTS && !code; i++)
+		code = draw_variant(w, &frame, order[i], budget, *made, error);
+	close_frame(&frame);
+	return code;
+}
+
+static enum eco_code study_view(void *ctx, json_t **rows, struct eco_error *error)
+{
+	struct work *w = ctx;
+	struct eco_request all = { .view = w->request.view, .vertices = ECO_VERTICES_MAX,
+		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN,
+		.texel_px = ECO_TEXEL_PX_MIN };
+	*rows = json_array();
+	enum eco_code code = open_frame(&w->full, w->scene, &all, error);
+	if (!code)
+		code = draw_references(w, error);
+	for (size_t b = 0; b < BUDGETS && !code; b++) {
+		json_t *row;
+		code = bench_go_on(w->bench, error);
+		if (!code) {
+			code = try_budget(w, budgets[b], &row, error);
+			json_array_append_new(*rows, row);
+		}
+	}
+	close_frame(&w->full);
+	for (int i = 0; i < 2; i++)
+		view_picture_free(&w->reference[i]);
+	return code;
+}
+
+/* Further away along the same line, and higher, so that the ground does not hide everything. */
+static struct eco_view away(const struct eco_view *view, double times)
+{
+	struct eco_view v = *view;
+	double length = 0;
+	for (int k = 0; k < 3; k++) {
+		double d = view->eye[k] - view->target[k];
+		v.eye[k] = view->target[k] + times * d;
+		length += d * d;
+	}
+	v.eye[2] += 0.1 * (times - 1) * sqrt(length);
+	return v;
+}
+
+/* ---- Tables ---- */
+
+/* Tone: the mean of three absolute values. */
+struct sums { double rms, tone, perceptual; uint32_t count; };
+
+static void add_row(struct sums sums[VARIANTS], const json_t *row)
+{
+	for (size_t v = 0; v < VARIANTS; v++) {
+		double hue[FIGURES];
+		bench_cells(json_array_get(row, v), hue, FIGURES);
+		if (isnan(hue[RMS]) || isnan(hue[RED]))
+			continue;
+		sums[v].rms += hue[RMS];
+		sums[v].tone += (fabs(hue[RED]) + fabs(hue[GREEN]) + fabs(hue[BLUE])) / 3;
+		sums[v].perceptual += hue[PERCEPTUAL];
+		sums[v].count++;
+	}
+}
+
+static void show_picture(struct bench *bench, const char *name, uint64_t budget, const char *scene,
+	double distance, const json_t *row)
+{
+	char file[160], caption[300];
+	snprintf(file, sizeof file, "%s-%llu.png", name, (unsigned long long)budget);
+	snprintf(caption, sizeof caption, "%s, %g times the distance: full detail, %llu vertices, four "
+		"times the difference; Q %.3f", scene, distance, (unsigned long long)budget,
+		bench_cell(json_array_get(row, SOFTWARE), Q));
+	bench_picture(bench, file, caption);
+}
+
+static enum eco_code study_scene(struct bench *bench, size_t number, struct sums sums[VARIANTS],
+	struct eco_error *error)
+{
+	const char *scene = scenes[number];
+	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
+	struct srv_store server;
+	char pack[512];
+	enum eco_code code;
+	if (!bench_shot_scene(bench, scene, pack, &code, error))
+		return ECO_OK;
+	uint32_t views = code ? 0 : bench_shot_views(bench, scene, requests), most = bench->full ? VIEWS_FULL
+		: VIEWS_QUICK;
+	views = views > most ? most : views;
+	srv_store_init(&server);
+	if (!code)
+		code = srv_store_add(&server, scene, pack, error);
+	for (uint32_t i = 0; i < views * DISTANCES && !code; i++) {
+		uint32_t view = i / DISTANCES;
+		double distance = distances[i % DISTANCES];
+		char name[100];
+		snprintf(name, sizeof name, "colour-%s-%u-%g", scene, view, distance);
+		bench_progress(bench, ((double)number + (double)i / (views * DISTANCES)) / SCENES, name);
+		json_t *rows;
+		struct work work = { .bench = bench, .scene = server.scenes[0], .request = requests[view],
+			.name = name };
+		work.request.view = away(&requests[view].view, distance);
+		code = bench_unit(bench, name, bench_pack_stamp(pack), study_view, &work, &rows, error);
+		for (size_t b = 0; b < BUDGETS && !code; b++)
+			add_row(sums, json_array_get(rows, b));
+		if (!code && view == 0)
+			show_picture(bench, name, budgets[1], scene, distance, json_array_get(rows, 1));
+	}
+	srv_store_free(&server);
+	return code;
+}
+
+static enum eco_code run(struct bench *bench, struct eco_error *error)
+{
+	struct sums sums[VARIANTS] = { { 0 } };
+	enum eco_code code = ECO_OK;
+	for (size_t s = 0; s < SCENES && !code; s++)
+		code = study_scene(bench, s, sums, error);
+	if (code)
+		return code;
+	bench_say(bench, "Colours against full detail, means over scenes, views, distances and budgets. "
+		"Tone is the mean light over covered pixels; the first three are drawn by OpenGL with light "
+		"and shade, the last flat, each against full detail drawn in the same way.");
+	struct bench_table *table = bench_table_open(bench, "colour_means", "colours,frames,rms,tone,perceptual", true);
+	for (int v = 0; v < VARIANTS; v++) {
+		double count = sums[v].count ? sums[v].count : NAN;
+		sums[v].rms /= count;
+		sums[v].tone /= count;
+		sums[v].perceptual /= count;
+		if (sums[v].count)
+			bench_table_row(table, "%s,%u,%.4f,%.4f,%.4f", variant_names[v], sums[v].count,
+				sums[v].rms, sums[v].tone, sums[v].perceptual);
+	}
+	bench_table_close(table);
+	const struct sums *shown = &sums[sums[OURS].count ? OURS : SOFTWARE];
+	bench_key(bench, "colour_rms", shown->rms, "as low as can be; beside it what flat colours come to");
+	bench_key(bench, "colour_tone", shown->tone, "far forest keeps its tone: below 0.02");
+	bench_key(bench, "colour_perceptual", shown->perceptual,
+		"pixels that look different, over covered ones");
+	bench_key(bench, "colour_rms_flat", sums[FLAT].rms, "the baseline");
+	bench_key(bench, "colour_tone_flat", sums[FLAT].tone, "the baseline");
+	return ECO_OK;
+}
+
+const struct bench_section bench_colour = { "colour", "Colour against full detail", run };
