@@ -1,4 +1,5 @@
-/* Leaf collapse (Hidalgo, Abad, Camahort 2007) and the paper's figures of the atlas (2) and of sectors (6).
+/* Leaf collapse (Hidalgo, Abad, Camahort 2007) and the paper's figures: the quad of two leaves (1), the atlas
+ * (2), an example of a chain and its table of levels (3, 4), sectors (6).
  *
  * The paper compares with nothing and gives no count of leaves, no time and no frame rate; its scenes of
  * millions of trees are a matter of the renderer. The section measures Q of levels drawn as the paper says,
@@ -8,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/random.h"
 #include "lod/sort.h"
 #include "tests/bench/baseline/leaf_collapse.h"
 #include "tests/bench/bench_leaves.h"
@@ -321,13 +323,203 @@ static enum eco_code study_plant(struct bench *bench, const struct bench_model *
 	return code;
 }
 
+/* ---- Figures 1, 3 and 4: made leaves ---- */
+
+#define FAR 1e4
+#define CHAIN_LEAVES 10u
+#define CROWN_RADIUS 5.0
+#define LEAF_HALF 0.05
+
+/* A raster of square metres seen along `forward`, with `half` metres from the middle to each side. */
+static enum eco_code open_canvas(struct lod_raster *raster, uint32_t side, struct lod_v3 middle,
+	struct lod_v3 right, struct lod_v3 up, double half, struct eco_error *error)
+{
+	struct lod_v3 back = lod_v3_cross(right, up), at = lod_v3_add(middle, lod_v3_scale(back, FAR * half));
+	const struct lod_eye eye = { .at = { at.x, at.y, at.z }, .right = { right.x, right.y, right.z },
+		.up = { up.x, up.y, up.z }, .forward = { -back.x, -back.y, -back.z }, .tan_x = 1 / FAR,
+		.tan_y = 1 / FAR, .pixel_rad = 2 / FAR / side };
+	enum eco_code code = lod_raster_init(raster, &(struct lod_raster_options){ .width = side,
+		.height = side, .owner = true }, error);
+	if (code)
+		return code;
+	lod_raster_camera(raster, &eye, half);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	return ECO_OK;
+}
+
+/* Colours by owner, from 1; white where nothing is. */
+static void paint_canvas(const struct lod_raster *raster, const uint8_t (*colors)[3], uint8_t *rgb,
+	size_t stride)
+{
+	static const uint8_t white[3] = { 255, 255, 255 };
+	for (size_t i = 0; i < (size_t)raster->width * raster->height; i++)
+		memcpy(rgb + 3 * (i / raster->width * stride + i % raster->width), raster->owner[i]
+			? colors[raster->owner[i] - 1] : white, 3);
+}
+
+static void draw_quad(struct lod_raster *raster, const struct lod_v3 corner[4], const float (*uv)[2],
+	const struct eco_image *cutout, uint64_t owner)
+{
+	float position[18], at[12];
+	for (uint32_t i = 0; i < 6; i++) {
+		static const uint32_t which[6] = { 0, 1, 2, 0, 2, 3 };
+		struct lod_v3 p = corner[which[i]];
+		position[3 * i] = (float)p.x, position[3 * i + 1] = (float)p.y, position[3 * i
+			+ 2] = (float)p.z;
+		for (int k = 0; k < 2; k++)
+			at[2 * i + (uint32_t)k] = uv ? uv[which[i]][k] : 0;
+	}
+	lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = 2, .position = position, .uv = at,
+		.cutout = cutout, .owner = owner });
+}
+
+/* A rectangle in the plane of the quad and before it, as four thin quads. */
+static void draw_frame(struct lod_raster *raster, const struct lod_collapse_node *quad, const double low[2],
+	const double high[2], uint64_t owner)
+{
+	struct lod_v3 axis[2] = { lod_v3_unit(quad->half[0]), lod_v3_unit(quad->half[1]) },
+		front = lod_v3_add(quad->center, lod_v3_cross(axis[0], axis[1]));
+	for (int side = 0; side < 4; side++) {
+		double from[2] = { low[0], low[1] }, to[2] = { high[0], high[1] };
+		*(side % 2 ? &from[side / 2] : &to[side / 2]) = side % 2 ? high[side / 2] - 0.015
+			: low[side / 2] + 0.015;
+		struct lod_v3 corner[4];
+		for (int k = 0; k < 4; k++)
+			corner[k] = lod_v3_add(front, lod_v3_add(lod_v3_scale(axis[0], k == 1 || k == 2
+				? to[0]
+				: from[0]), lod_v3_scale(axis[1], k < 2 ? from[1] : to[1])));
+		draw_quad(raster, corner, NULL, NULL, owner);
+	}
+}
+
+/* Figure 1: two leaves; what encloses them and the quad in their place; the quad with its texture. */
+static enum eco_code paint_pair(uint8_t *rgb, struct lod_arena *arena, struct eco_error *error)
+{
+	static float corner[8][3] = { { -1.1f, 0, 0 }, { -0.5f, -0.35f, 0.1f }, { 0.3f, 0, 0 },
+		{ -0.5f, 0.35f, 0.1f }, { 0.5f, -0.5f, 0 }, { 1.0f, 0.1f, -0.2f }, { 0.9f, 0.9f, -0.1f },
+		{ 0.4f, 0.3f, 0.1f } };
+	static uint32_t first[3] = { 0, 4, 8 };
+	static const uint8_t colors[3][3] = { { 88, 132, 48 }, { 40, 40, 40 }, { 200, 60, 40 } };
+	const struct lod_foliage leaves = { .count = 2, .first = first, .corner = corner };
+	struct lod_collapse c;
+	struct lod_collapse_atlas atlas;
+	struct lod_raster raster;
+	lod_collapse_make(&c, &leaves, &(struct lod_collapse_options){ .distance_most = 9,
+		.angle_most_rad = LOD_PI / 2 }, NULL, 0, NULL, arena);
+	lod_collapse_atlas_make(&atlas, &c, 1, &(struct lod_fan){ .corner = (const float (*)[3])corner,
+		.corners = 4 }, colors[0],
+		arena);
+	const struct lod_collapse_node *quad = &c.node[2];
+	struct lod_v3 p[3][ECO_CORNERS_MAX], right = lod_v3_unit(quad->half[0]),
+		up = lod_v3_unit(quad->half[1]);
+	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY },
+		half[2] = { lod_v3_length(quad->half[0]), lod_v3_length(quad->half[1]) };
+	enum eco_code code = open_canvas(&raster, PIXELS, quad->center, right, up, 1.83, error);
+	for (uint32_t i = 0; i < 3; i++)
+		for (uint32_t k = 0; k < lod_collapse_corners(&c, &leaves, i, p[i]) && i < 2; k++)
+			for (int a = 0; a < 2; a++) {
+				double at = lod_v3_dot(lod_v3_sub(p[i][k], quad->center), a ? up : right);
+				low[a] = fmin(low[a], at);
+				high[a] = fmax(high[a], at);
+			}
+	for (size_t panel = 0; panel < 3 && !code; panel++) {
+		float uv[4][2];
+		lod_raster_clear(&raster);
+		lod_collapse_atlas_uv(&atlas, atlas.of[0][0], uv);
+		for (uint32_t i = 0; i < 2 && panel < 2; i++)
+			draw_quad(&raster, p[i], NULL, NULL, 1);
+		if (panel == 1)
+			draw_frame(&raster, quad, low, high, 2);
+		if (panel == 2)
+			draw_quad(&raster, p[2], (const float (*)[2])uv, &atlas.image, 1);
+		if (panel)
+			draw_frame(&raster, quad, (const double[2]){ -half[0], -half[1] }, half, 3);
+		paint_canvas(&raster, colors, rgb + 3 * panel * PIXELS, 3 * (size_t)PIXELS);
+	}
+	lod_raster_free(&raster);
+	return code;
+}
+
+static double dice(uint64_t *state) { return 2 * eco_random_unit(eco_random_next(state)) - 1; }
+
+/* A square in a ball. */
+static void strew(uint64_t *state, float corner[4][3])
+{
+	static const int sign[4][2] = { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 } };
+	struct lod_v3 at, n;
+	do
+		at = (struct lod_v3){ dice(state), dice(state), dice(state) };
+	while (lod_v3_dot(at, at) > 1);
+	n = (struct lod_v3){ dice(state), dice(state), dice(state) };
+	struct lod_v3 along = lod_v3_scale(lod_v3_unit(lod_v3_cross(n, (struct lod_v3){ 0, 0, 1 })),
+		LEAF_HALF),
+		across = lod_v3_scale(lod_v3_unit(lod_v3_cross(n, along)), LEAF_HALF);
+	for (uint32_t k = 0; k < 4; k++) {
+		struct lod_v3 p = lod_v3_add(lod_v3_scale(at, CROWN_RADIUS), lod_v3_add(lod_v3_scale(along,
+			sign[k][0]), lod_v3_scale(across, sign[k][1])));
+		corner[k][0] = (float)p.x, corner[k][1] = (float)p.y, corner[k][2] = (float)p.z;
+	}
+}
+
+/* Numbers up to 9 are leaves, the others quads in the order of their collapses. */
+static void write_chain(struct bench *bench, struct lod_arena *arena)
+{
+	struct lod_collapse c;
+	struct lod_collapse_options options = lod_collapse_defaults;
+	float corner[4 * CHAIN_LEAVES][3];
+	uint32_t first[CHAIN_LEAVES + 1] = { 0 };
+	uint64_t state = 2007;
+	bench_head(bench, "A chain and its table of levels");
+	struct bench_table *table = bench_table_open(bench, "collapse_chain",
+		"level,leaves,a,b,c,first run [0;a),second run [b;b+c)", true);
+	options.distance_most = 4;
+	for (uint32_t i = 0; i < CHAIN_LEAVES; i++) {
+		strew(&state, corner + 4 * i);
+		first[i + 1] = 4 * (i + 1);
+	}
+	lod_collapse_make(&c, &(struct lod_foliage){ .count = CHAIN_LEAVES, .first = first,
+		.corner = corner },
+		&options, NULL, 0, NULL, arena);
+	for (uint32_t i = 0; i <= c.made; i++) {
+		const struct lod_collapse_level *l = &c.level[i];
+		char run[2][128] = { "", "" };
+		for (uint32_t k = 0; k < l->a + l->c; k++) {
+			char *text = run[k >= l->a];
+			snprintf(text + strlen(text), sizeof run[0] - strlen(text), "%s%u", *text ? " " : "",
+				c.place[k < l->a ? k : l->b + k - l->a]);
+		}
+		bench_table_row(table, "%u,%u,%u,%u,%u,%s,%s", i, l->a + l->c, l->a, l->b, l->c, run[0],
+			run[1]);
+	}
+	bench_table_close(table);
+}
+
+static enum eco_code write_made(struct bench *bench, struct eco_error *error)
+{
+	struct lod_arena arena = { 0 };
+	if (setjmp(arena.failed)) {
+		lod_arena_free(&arena);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for some leaves");
+	}
+	uint8_t *rgb = lod_arena_take(&arena, 3 * (size_t)PIXELS * PIXELS, 3);
+	enum eco_code code = paint_pair(rgb, &arena, error);
+	code = code ? code : bench_picture_write(bench, "collapse-pair.png", 3 * PIXELS, PIXELS, rgb, error);
+	bench_picture(bench, "collapse-pair.png", "two leaves; what encloses them (dark) and the "
+		"quad (red), whose area is the mean of both areas' sum and of what encloses them; "
+		"the quad with its texture");
+	write_chain(bench, &arena);
+	lod_arena_free(&arena);
+	return code;
+}
+
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct bench_model *models = NULL;
 	uint32_t count = 0, done[2] = { 0 }, plants = 0;
 	double sum[KINDS][SHARES] = { { 0 } };
 	struct bench_series series[KINDS];
-	enum eco_code code = bench_models(bench, &models, &count, error);
+	enum eco_code code = write_made(bench, error);
+	code = code ? code : bench_models(bench, &models, &count, error);
 	struct bench_table *table = bench_table_open(bench, "collapse",
 		"plant,leaves,method,Q at 2 %,Q at 5 %,"
 		"Q at 10 %,Q at 20 %,Q at 30 %,Q at 50 % of the vertices", true);
