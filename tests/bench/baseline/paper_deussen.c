@@ -273,6 +273,7 @@ double paper_deussen_scale(double p, double k, double splat_factor)
 struct rule {
 	struct paper *p;
 	double d, splat_factor;
+	double *mean_m; /* per plant: the distance at which all its cells are drawn; NULL: each at its own */
 };
 
 /* A ladder's own lists hold `count` triangles or lines after the `before` ones of the region, `total` in all,
@@ -355,16 +356,37 @@ static uint32_t gate_of(const struct rule *rule, uint32_t plant)
 	return 0;
 }
 
+/* Mean distance of each plant's instances and their cells: the plant's own if its model stands once. */
+static enum eco_code find_means(struct rule *rule, struct eco_error *error)
+{
+	const struct paper *p = rule->p;
+	uint32_t plants = p->s->scene->plant_count;
+	double *count = calloc(plants + 1u, sizeof *count);
+	rule->mean_m = calloc(plants + 1u, sizeof *rule->mean_m);
+	for (uint32_t i = 0; i < p->p.visible.slot_count && count && rule->mean_m; i++) {
+		const struct lod_slot *slot = &p->p.visible.slots[i];
+		rule->mean_m[slot->plant] += (double)slot->count * lod_band_distance_m(slot->band);
+		count[slot->plant] += (double)slot->count;
+	}
+	for (uint32_t i = 0; i < plants && count && rule->mean_m; i++)
+		rule->mean_m[i] /= fmax(1, count[i]);
+	bool made = count && rule->mean_m;
+	free(count);
+	return made ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u distances", plants);
+}
+
 enum eco_code paper_deussen(struct paper *p, double d, void *deussen, struct eco_error *error)
 {
 	const struct paper_deussen *how = deussen;
-	struct rule rule = { p, d, how && how->splat_factor > 0 ? how->splat_factor : SPLAT_FACTOR };
+	struct rule rule = { p, d, how && how->splat_factor > 0 ? how->splat_factor : SPLAT_FACTOR, NULL };
 	for (uint32_t i = 0; i < p->s->scene->plant_count; i++)
 		p->p.gates[i] = gate_of(&rule, i);
 	enum eco_code code = paper_open(p, d, error);
+	if (!code && how && how->whole)
+		code = find_means(&rule, error);
 	for (uint32_t i = 0; i < p->p.visible.slot_count && !code; i++) {
 		const struct lod_slot *slot = &p->p.visible.slots[i];
-		double r = lod_band_distance_m(slot->band);
+		double r = rule.mean_m ? rule.mean_m[slot->plant] : lod_band_distance_m(slot->band);
 		uint32_t count = 0;
 		const uint32_t *ladders = slot->count ? lod_plan_tables_anchor(p->s->tables, slot->anchor,
 			&count)
@@ -374,5 +396,6 @@ enum eco_code paper_deussen(struct paper *p, double d, void *deussen, struct eco
 				(p->s->points[ladders[k]] != ECO_NONE ? cut_points : cut_lines)(&rule, slot,
 					ladders[k], r);
 	}
+	free(rule.mean_m);
 	return code;
 }

@@ -95,6 +95,8 @@ enum eco_code paper_shoot(struct paper_scene *s, const struct eco_request *reque
 
 struct paper_deussen {
 	double splat_factor; /* c_p, 1.2 to 1.5; 0: 1.3 */
+	/* without the octree (6.1): all cells of a plant at its mean distance, over all instances of it */
+	bool whole;
 };
 
 /* The scene's points and lines. */

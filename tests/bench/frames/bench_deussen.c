@@ -1,6 +1,6 @@
 /* Deussen 2002 as printed on scenes of his kinds: table 1 with its columns (triangles, lines, points, frames
- * a second), and figure 5's sweep of the sample distance d' and the splat factor c_p. Packs are those of the
- * stochastic order, with his lists (paper_scene.h). */
+ * a second), figure 5's sweep of the sample distance d' and the splat factor c_p, and the octree of complex
+ * plants (6.1) on and off. Packs are those of the stochastic order, with his lists (paper_rules.h). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -213,10 +213,67 @@ static enum eco_code write_sweep(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
+/* ---- The octree of complex plants (6.1) ---- */
+
+static const struct {
+	const char *scene;
+	uint64_t vertices;
+} complex_plants[] = { { "crown", 3000 }, { "crown", 10000 }, { "sunflowers", 300000 },
+	{ "sunflowers", 2190000 } };
+
+static enum eco_code compare_cells(void *ctx, json_t **made, struct eco_error *error)
+{
+	*made = json_array();
+	enum eco_code code = draw(ctx, 0, (struct paper_deussen){ 0 }, NULL, *made, error);
+	return code ? code : draw(ctx, 0, (struct paper_deussen){ .whole = true }, NULL, *made, error);
+}
+
+static enum eco_code write_cells(struct bench *bench, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	bench_head(bench, "Cells of complex plants on and off (6.1)");
+	struct bench_table *table = bench_table_open(bench, "deussen_cells",
+		"scene,vertices,view,Q with cells,Q without,wrong pixels with,wrong pixels without", true);
+	for (size_t i = 0; i < sizeof complex_plants / sizeof *complex_plants && !code; i++) {
+		struct study s;
+		struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
+		const char *scene = complex_plants[i].scene;
+		unsigned long long vertices = complex_plants[i].vertices;
+		uint32_t views;
+		if (!bench_scene_asked(bench, scene))
+			continue;
+		bench_progress(bench, 0.9, scene);
+		code = find_pack(&s, bench, scene, requests, &views, error);
+		for (uint32_t v = 0; v < views && !code; v++) {
+			char name[96];
+			double with[FIGURES], without[FIGURES];
+			json_t *rows;
+			s.request = requests[v];
+			s.request.vertices = vertices;
+			/* so near to a plant that its cells stand at different distances */
+			for (int k = 0; k < 3; k++)
+				s.request.view.eye[k] += 0.6 * (s.request.view.target[k]
+					- s.request.view.eye[k]);
+			snprintf(name, sizeof name, "deussen-cells-%s-%llu-%u", scene, vertices, v);
+			code = bench_unit(bench, name, s.stamp, compare_cells, &s, &rows, error);
+			if (code)
+				break;
+			bench_cells(json_array_get(rows, 0), with, FIGURES);
+			bench_cells(json_array_get(rows, 1), without, FIGURES);
+			bench_table_row(table, "%s,%llu,%u,%.3f,%.3f,%.0f,%.0f", scene, vertices, v, with[Q],
+				without[Q], with[WRONG], without[WRONG]);
+		}
+		close_study(&s);
+	}
+	bench_table_close(table);
+	return code;
+}
+
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	enum eco_code code = write_table(bench, error);
-	return code ? code : write_sweep(bench, error);
+	code = code ? code : write_sweep(bench, error);
+	return code ? code : write_cells(bench, error);
 }
 
-const struct bench_section bench_deussen = { "deussen", "Deussen 2002: elements, sample distance", run };
+const struct bench_section bench_deussen = { "deussen", "Deussen 2002: elements, sample distance, cells", run };
