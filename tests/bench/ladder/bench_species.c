@@ -1,7 +1,7 @@
 /* Geometry saved against Cook's stochastic simplification at equal quality, species by species: Neubert's
  * protocol (2011, section 5) for the orders of that paper and for our greedy one.
  *
- *   d of 20 distances, evenly over [0, 1), normalised by the distance at which nothing would be left
+ *   d of 20 distances, normalised by the distance at which nothing would be left
  *   lambda_Cook = (1 - d)^2, and the Q that Cook reaches there, seen from where no method was made for
  *   each method: the least lambda whose Q, at the scale that its table has, is no less
  *
@@ -16,10 +16,11 @@
 #include "lod/build/order/rank.h"
 #include "tests/bench/baseline/cook.h"
 #include "tests/bench/bench_leaves.h"
+#include "tests/bench/ladder/bench_species.h"
 
 #define PIXELS 256u
-#define DISTANCES 20u
-#define ELEMENTS_LEAST 500u
+#define METHODS BENCH_ORDERS
+#define DISTANCES BENCH_DISTANCES
 #define TUNING_VIEWS 5u
 #define TUNING_SEED 7411u
 #define TESTS_MOST 12u
@@ -42,16 +43,14 @@
 #define CLOSED_VERTICES 50000u   /* of leaves; with layers of them, as the paper's crowns */
 #define CLOSED_LAYERS 4.0
 
-enum method { STOCHASTIC, DENSITY, ORIENTATION_SMALL, ORIENTATION_NOISY, COMBINED_SMALL, COMBINED_NOISY,
-	GREEDY, METHODS };
-static const struct { const char *name, *printed; enum lod_order_method order; double noise; }
-	methods[METHODS] = {
-	{ "stochastic", "10.1", LOD_ORDER_STOCHASTIC, 0 }, { "density", "17.4", LOD_ORDER_DENSITY, 0 },
-	{ "orientation", "40.7", LOD_ORDER_ORIENTATION, NOISE_SMALL },
-	{ "orientation with much noise", "-", LOD_ORDER_ORIENTATION, NOISE_MUCH },
-	{ "combined", "30.1", LOD_ORDER_COMBINED, NOISE_SMALL },
-	{ "combined with much noise", "-", LOD_ORDER_COMBINED, NOISE_MUCH },
-	{ .name = "greedy", .printed = "-" } };
+const double bench_shares[BENCH_SHARES] = { 0.02, 0.05, 0.1, 0.2, 0.3, 0.5 };
+const char *const bench_order_names[METHODS] = { "stochastic", "density", "orientation",
+	"orientation with much noise", "combined", "combined with much noise", "greedy" };
+static const struct { const char *printed; enum lod_order_method order; double noise; } methods[METHODS] = {
+	{ "10.1", LOD_ORDER_STOCHASTIC, 0 }, { "17.4", LOD_ORDER_DENSITY, 0 },
+	{ "40.7", LOD_ORDER_ORIENTATION, NOISE_SMALL }, { "-", LOD_ORDER_ORIENTATION, NOISE_MUCH },
+	{ "30.1", LOD_ORDER_COMBINED, NOISE_SMALL }, { "-", LOD_ORDER_COMBINED, NOISE_MUCH },
+	{ .printed = "-" } };
 
 /* Scale: Cook's times 2^(step / 8). */
 struct row { double lambda, step, count, q; };
@@ -69,8 +68,15 @@ struct study {
 	uint32_t row_count;
 };
 
-static double distance_of(uint32_t i) { return (double)i / DISTANCES; }
-static double cook_lambda(uint32_t i) { return (1 - distance_of(i)) * (1 - distance_of(i)); }
+double bench_distance(enum bench_spacing spacing, uint32_t i)
+{
+	return spacing == BENCH_EVEN ? (double)i / DISTANCES : i < 10 ? 0.01 * i : 0.1 + 0.09 * (i - 10);
+}
+
+static double cook_lambda(enum bench_spacing spacing, uint32_t i)
+{
+	return (1 - bench_distance(spacing, i)) * (1 - bench_distance(spacing, i));
+}
 
 /* ---- Orders ---- */
 
@@ -84,7 +90,7 @@ static enum eco_code make_orders(struct study *s, struct eco_error *error)
 		return code;
 	s->growth = rank.growth;
 	for (int m = 0; m < METHODS; m++) {
-		s->order[m] = m == GREEDY ? rank.order : bench_leaves_order(s->leaves, methods[m].order,
+		s->order[m] = m == BENCH_GREEDY ? rank.order : bench_leaves_order(s->leaves, methods[m].order,
 			methods[m].noise);
 		s->vertices[m] = lod_arena_take(&s->leaves->arena, (size_t)s->n + 1, sizeof *s->vertices[m]);
 		for (uint32_t k = 0; k < s->n; k++)
@@ -137,14 +143,14 @@ static double q_of(struct study *s, const struct lod_sights *sights, const struc
 	return q;
 }
 
-static double try_row(struct study *s, enum method method, const struct lod_sights *sights,
+static double try_row(struct study *s, enum bench_order method, const struct lod_sights *sights,
 	const struct row *row, double least)
 {
 	struct lod_sights_drawing drawing = { .order = s->order[method], .count = whole(row->count, s->n),
 		.scale = (float)(row->count >= s->n ? 1 : s->n / row->count * exp2(row->step / 8)) };
-	for (uint32_t k = 0; k < drawing.count && method == GREEDY; k++)
+	for (uint32_t k = 0; k < drawing.count && method == BENCH_GREEDY; k++)
 		s->factor[drawing.order[k]] = eco_growth(s->growth[drawing.order[k]], drawing.scale);
-	drawing.factor = method == GREEDY ? s->factor : NULL;
+	drawing.factor = method == BENCH_GREEDY ? s->factor : NULL;
 	return q_of(s, sights, &drawing, least);
 }
 
@@ -165,7 +171,7 @@ static double elements_at(const uint64_t *sum, uint32_t n, double vertices)
 }
 
 /* Climbs from row->step, in strides of four eighths, two and one. No step is tried twice. */
-static void climb(struct study *s, enum method method, struct row *row)
+static void climb(struct study *s, enum bench_order method, struct row *row)
 {
 	bool tried[2 * STEPS_MOST + 1] = { false };
 	double best = try_row(s, method, &s->tuning, row, -INFINITY);
@@ -198,7 +204,7 @@ static enum eco_code fill_tables(struct study *s, struct eco_error *error)
 	for (double l = KNEE; l > least && s->row_count < ROWS_MAX; l /= factor)
 		lambda[s->row_count++] = l;
 	for (uint32_t i = 0; i < METHODS * s->row_count; i++) {
-		enum method m = (enum method)(i / s->row_count);
+		enum bench_order m = (enum bench_order)(i / s->row_count);
 		uint32_t at = i % s->row_count;
 		struct row *row = &s->rows[m][at];
 		*row = (struct row){ lambda[at], at ? row[-1].step : 0, elements_at(s->vertices[m], s->n,
@@ -225,18 +231,37 @@ static double reach(const struct row *rows, uint32_t count, double q)
 	return low->lambda + t * (high->lambda - low->lambda);
 }
 
+/* Q at a share, between the rows around it. */
+static double q_at(const struct row *rows, uint32_t count, double lambda)
+{
+	uint32_t i = 0;
+	while (i + 1 < count && rows[i + 1].lambda > lambda)
+		i++;
+	if (i + 1 == count)
+		return rows[i].q;
+	double t = (lambda - rows[i + 1].lambda) / (rows[i].lambda - rows[i + 1].lambda);
+	return rows[i + 1].q + t * (rows[i].q - rows[i + 1].q);
+}
+
 /* ---- Protocol ---- */
 
 /* Cook with the area kept, or with the area kept that is expected to be visible, whichever is better. */
-static double cook_q(struct study *s, uint32_t d)
+static double cook_q(struct study *s, double lambda)
 {
-	const uint64_t *vertices = s->vertices[STOCHASTIC];
-	uint32_t kept = whole(elements_at(vertices, s->n, cook_lambda(d) * (double)vertices[s->n]), s->n);
-	struct lod_sights_drawing drawing = { .order = s->order[STOCHASTIC], .count = kept,
+	const uint64_t *vertices = s->vertices[BENCH_STOCHASTIC];
+	uint32_t kept = whole(elements_at(vertices, s->n, lambda * (double)vertices[s->n]), s->n);
+	struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC], .count = kept,
 		.scale = (float)lod_cook_scale(kept, s->n) };
 	double plain = q_of(s, &s->tests, &drawing, -INFINITY);
 	drawing.scale = (float)lod_cook_scale_depth(kept, s->n, s->share);
 	return fmax(plain, q_of(s, &s->tests, &drawing, plain));
+}
+
+#define ROW (BENCH_SPACINGS * DISTANCES + BENCH_SHARES)
+
+static double lambda_of(uint32_t i)
+{
+	return cook_lambda((enum bench_spacing)(i / DISTANCES), i % DISTANCES);
 }
 
 static enum eco_code look(struct study *s, struct lod_sights *sights, uint32_t count, uint32_t seed,
@@ -248,7 +273,7 @@ static enum eco_code look(struct study *s, struct lod_sights *sights, uint32_t c
 		&s->leaves->arena, error);
 }
 
-/* The unit: [elements, vertices, layers, a row of lambdas over Cook's for each method]; few elements
+/* The unit: [elements, vertices, layers, for each method a row of lambdas over Cook's and of Q]; few elements
  * alone. */
 static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
 	struct eco_error *error)
@@ -257,7 +282,7 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 	s->leaves = leaves;
 	s->n = leaves->foliage.count;
 	*out = json_pack("[i]", (int)s->n);
-	if (s->n < ELEMENTS_LEAST)
+	if (s->n < BENCH_ELEMENTS_LEAST)
 		return ECO_OK;
 	s->factor = lod_arena_take(&leaves->arena, s->n, sizeof *s->factor);
 	enum eco_code code = make_orders(s, error);
@@ -270,13 +295,15 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 	code = fill_tables(s, error);
 	json_array_append_new(*out, json_integer((json_int_t)s->vertices[0][s->n]));
 	json_array_append_new(*out, json_real(s->layers));
-	double q[DISTANCES], ratio[DISTANCES];
-	for (uint32_t d = 0; d < DISTANCES && !code; d++)
-		q[d] = cook_q(s, d);
+	double q[ROW], row[ROW];
+	for (uint32_t i = 0; i < BENCH_SPACINGS * DISTANCES; i++)
+		q[i] = cook_q(s, lambda_of(i));
 	for (int m = 0; m < METHODS && !code; m++) {
-		for (uint32_t d = 0; d < DISTANCES; d++)
-			ratio[d] = reach(s->rows[m], s->row_count, q[d]) / cook_lambda(d);
-		json_array_append_new(*out, bench_reals(ratio, DISTANCES));
+		for (uint32_t i = 0; i < BENCH_SPACINGS * DISTANCES; i++)
+			row[i] = reach(s->rows[m], s->row_count, q[i]) / lambda_of(i);
+		for (uint32_t i = 0; i < BENCH_SHARES; i++)
+			row[BENCH_SPACINGS * DISTANCES + i] = q_at(s->rows[m], s->row_count, bench_shares[i]);
+		json_array_append_new(*out, bench_reals(row, ROW));
 	}
 	return code;
 }
@@ -285,12 +312,11 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 
 /* Savings of a method: mean over the distances, over those beyond the half, of all vertices together. */
 enum { MEAN, FAR, TOTAL, KINDS };
-struct species { struct bench_model model; double vertices, layers, ratio[METHODS][DISTANCES],
-	saved[METHODS][KINDS]; bool closed; };
+struct species { struct bench_model model; struct bench_savings s; double saved[METHODS][KINDS]; bool closed; };
 struct all { struct species *of; uint32_t count; };
 
-static enum eco_code measure(struct bench *bench, const struct bench_model *model, struct species *one,
-	bool *enough, struct eco_error *error)
+enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *savings,
+	const struct bench_model *model, struct eco_error *error)
 {
 	char name[96], stamp[32];
 	struct study *s = calloc(1, sizeof *s);
@@ -304,24 +330,37 @@ static enum eco_code measure(struct bench *bench, const struct bench_model *mode
 	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, PIXELS,
 		study_leaves, s, NULL }, &unit, error);
 	free(s);
-	*enough = !code && json_array_size(unit) > 1;
-	if (!*enough)
+	if (code)
 		return code;
-	*one = (struct species){ .model = *model, .vertices = bench_cell(unit, 1), .layers = bench_cell(unit, 2) };
-	one->closed = one->vertices >= CLOSED_VERTICES && one->layers >= CLOSED_LAYERS;
+	*savings = (struct bench_savings){ (uint32_t)bench_cell(unit, 0), .vertices = bench_cell(unit, 1),
+		.layers = bench_cell(unit, 2) };
+	for (size_t m = 0; m < METHODS; m++) {
+		double row[ROW];
+		bench_cells(json_array_get(unit, 3 + m), row, ROW);
+		memcpy(savings->ratio[m], row, sizeof savings->ratio[m]);
+		memcpy(savings->q[m], row + BENCH_SPACINGS * DISTANCES, sizeof savings->q[m]);
+	}
+	return ECO_OK;
+}
+
+static enum eco_code measure(struct bench *bench, const struct bench_model *model, struct species *one,
+	struct eco_error *error)
+{
+	*one = (struct species){ .model = *model };
+	enum eco_code code = bench_savings_of(bench, &one->s, model, error);
+	one->closed = one->s.vertices >= CLOSED_VERTICES && one->s.layers >= CLOSED_LAYERS;
 	for (size_t m = 0; m < METHODS; m++) {
 		double ours = 0, cook = 0;
-		bench_cells(json_array_get(unit, 3 + m), one->ratio[m], DISTANCES);
 		for (uint32_t d = 0; d < DISTANCES; d++) {
-			double saved = 1 - one->ratio[m][d];
+			double ratio = one->s.ratio[m][BENCH_EVEN][d], saved = 1 - ratio;
 			one->saved[m][MEAN] += saved / DISTANCES;
 			one->saved[m][FAR] += d >= DISTANCES / 2 ? saved / (DISTANCES / 2) : 0;
-			ours += one->ratio[m][d] * cook_lambda(d);
-			cook += cook_lambda(d);
+			ours += ratio * cook_lambda(BENCH_EVEN, d);
+			cook += cook_lambda(BENCH_EVEN, d);
 		}
 		one->saved[m][TOTAL] = 1 - ours / cook;
 	}
-	return ECO_OK;
+	return code;
 }
 
 static enum eco_code measure_all(struct bench *bench, struct all *all, struct eco_error *error)
@@ -331,15 +370,15 @@ static enum eco_code measure_all(struct bench *bench, struct all *all, struct ec
 	enum eco_code code = bench_models(bench, &models, &count, error);
 	for (uint32_t i = 0; i < count && !code && all->count < SPECIES_MOST; i++) {
 		uint32_t *of_kind = &found[models[i].generated];
-		bool enough;
-		if (models[i].leaves < ELEMENTS_LEAST)
+		if (models[i].leaves < BENCH_ELEMENTS_LEAST)
 			continue;
 		if (*of_kind == (models[i].generated ? MADE_QUICK : READ_QUICK) && !bench->full) {
 			bench_left_out(bench, models[i].name);
 			continue;
 		}
 		bench_progress(bench, (double)i / count, models[i].name);
-		code = measure(bench, &models[i], &all->of[all->count], &enough, error);
+		code = measure(bench, &models[i], &all->of[all->count], error);
+		bool enough = !code && all->of[all->count].s.elements >= BENCH_ELEMENTS_LEAST;
 		all->count += enough;
 		*of_kind += enough;
 	}
@@ -369,8 +408,8 @@ static void write_tables(struct bench *bench, const struct all *all)
 	for (uint32_t i = 0; i < all->count; i++) {
 		const struct species *one = &all->of[i];
 		char row[400];
-		int at = snprintf(row, sizeof row, "%s,%.0f,%.1f", one->model.name, one->vertices,
-			one->layers);
+		int at = snprintf(row, sizeof row, "%s,%.0f,%.1f", one->model.name, one->s.vertices,
+			one->s.layers);
 		for (int m = 0; m < METHODS; m++)
 			at += snprintf(row + at, sizeof row - (size_t)at, ",%.1f,%.1f",
 				100 * one->saved[m][MEAN], 100 * one->saved[m][FAR]);
@@ -382,7 +421,7 @@ static void write_tables(struct bench *bench, const struct all *all)
 		"order (each with its best scale),median of savings %,at d >= .5 %,closed crowns: median %,"
 		"closed crowns: at d >= .5 %,Neubert 2011 table 2 %", true);
 	for (int m = 0; m < METHODS; m++)
-		bench_table_row(table, "%s,%.1f,%.1f,%.1f,%.1f,%s", methods[m].name,
+		bench_table_row(table, "%s,%.1f,%.1f,%.1f,%.1f,%s", bench_order_names[m],
 			median(all, m, MEAN, false), median(all, m, FAR, false), median(all, m, MEAN, true),
 			median(all, m, FAR, true), methods[m].printed);
 	bench_table_close(table);
@@ -406,11 +445,11 @@ static enum eco_code write_keys(struct bench *bench, const struct all *all, stru
 		const struct species *one = &all->of[i];
 		if (one->model.generated)
 			continue;
-		mean += one->saved[GREEDY][MEAN] / count;
-		total += one->saved[GREEDY][TOTAL] / count;
+		mean += one->saved[BENCH_GREEDY][MEAN] / count;
+		total += one->saved[BENCH_GREEDY][TOTAL] / count;
 		for (uint32_t k = 0; k < METHODS * DISTANCES; k++)
 			y[k / DISTANCES][k % DISTANCES] +=
-				100 * (1 - one->ratio[k / DISTANCES][k % DISTANCES]) / count;
+				100 * (1 - one->s.ratio[k / DISTANCES][BENCH_EVEN][k % DISTANCES]) / count;
 	}
 	bench_key(bench, "saving_pruned_mean", count ? mean : NAN,
 		">= 0.76: mean over species, leaves as they are");
@@ -418,9 +457,9 @@ static enum eco_code write_keys(struct bench *bench, const struct all *all, stru
 		">= 0.60: of all vertices, leaves as they are");
 	bench_key(bench, "saving_species", count, "species that count");
 	for (uint32_t d = 0; d < DISTANCES; d++)
-		x[d] = distance_of(d);
+		x[d] = bench_distance(BENCH_EVEN, d);
 	for (int m = 0; m < METHODS; m++)
-		series[m] = (struct bench_series){ methods[m].name, x, y[m], DISTANCES, false };
+		series[m] = (struct bench_series){ bench_order_names[m], x, y[m], DISTANCES, false };
 	return !count ? ECO_OK : bench_plot(bench, &(struct bench_plot){ .name = "species-savings",
 		.title = "Geometry saved against Cook at equal Q, mean over species",
 		.x = "distance d; Cook draws (1-d)^2 of the vertices", .y = "saved, %", .series = series,

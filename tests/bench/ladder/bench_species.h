@@ -1,0 +1,31 @@
+/* Geometry that orders save against Cook at equal quality, plant by plant (bench_species.c); for sections that
+ * set it beside something else. */
+#ifndef TESTS_BENCH_SPECIES_H
+#define TESTS_BENCH_SPECIES_H
+
+#include "tests/bench/bench.h"
+
+#define BENCH_DISTANCES 20u
+#define BENCH_ELEMENTS_LEAST 500u
+#define BENCH_SHARES 6u
+extern const double bench_shares[BENCH_SHARES];          /* of all vertices: .02 to .5 */
+
+enum bench_order { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION_SMALL, BENCH_ORIENTATION_NOISY,
+	BENCH_COMBINED_SMALL, BENCH_COMBINED_NOISY, BENCH_GREEDY, BENCH_ORDERS };
+extern const char *const bench_order_names[BENCH_ORDERS];
+
+/* Distances: evenly over [0, 1); or as the paper tabulates, 10 equidistant in [0, .1) and 10 in [.1, 1). */
+enum bench_spacing { BENCH_EVEN, BENCH_NEAR, BENCH_SPACINGS };
+double bench_distance(enum bench_spacing spacing, uint32_t i);
+
+struct bench_savings {
+	uint32_t elements;           /* of the foliage; below BENCH_ELEMENTS_LEAST nothing else is set */
+	double vertices, layers;     /* layers of leaves: their projected area over what they cover */
+	/* lambda over Cook's; Q at bench_shares, at the best scale */
+	double ratio[BENCH_ORDERS][BENCH_SPACINGS][BENCH_DISTANCES], q[BENCH_ORDERS][BENCH_SHARES];
+};
+/* A unit by what the model's file holds; reads the model only if that is not there. */
+enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *savings,
+	const struct bench_model *model, struct eco_error *error);
+
+#endif
