@@ -15,7 +15,7 @@ table() {
 	cat <<'TABLE'
 @ test_rules tests/bench/baseline/paper_deussen.c
 Deussen: points by 1 / d', not its square @ s,/ (2 \* r \* r) / (d \* d),/ (2 * r * r) / d,
-Deussen: splats without c_p @ s,return splat_factor \* 2 \* k / p,return 2 * k / p,
+Deussen: splats without c_p @ s,return splat_factor \* 2 \* k / p,return 2 * k / p + 0 * splat_factor,
 Deussen: a blend of half the triangles @ s,(uint32_t)(asked - 2 \* (uint64_t)k),&/2,
 Deussen: lines whatever the distance @ s,return width / (r \* d),return width / d + 0 * r,
 @ test_importance lod/plan/planner_deussen.c
@@ -47,14 +47,14 @@ Lee: what faces away first @ s,: -facing(,: facing(,
 Lee: layers of one weight @ s,weight += layers - layer,weight += (layers + 1) / 2,
 Lee: no normals inside a layer @ s,lod_sort_key(rank)\, i },method == LOD_LEE_LAYER ? i : lod_sort_key(rank)\, i },
 @ test_leaf_collapse tests/bench/baseline/leaf_collapse.c
-Hidalgo: distance costs nothing @ s,weight\[LOD_COLLAPSE_DISTANCE\],0,
+Hidalgo: distance costs nothing @ s,weight\[LOD_COLLAPSE_DISTANCE\],0 * &,
 Hidalgo: angle costs nothing @ s,weight\[LOD_COLLAPSE_ANGLE\],0,
 Hidalgo: numbers of leaves cost nothing @ s,weight\[LOD_COLLAPSE_LEAVES\],0,
 Hidalgo: area costs nothing @ s,weight\[LOD_COLLAPSE_AREA\],0,
 Hidalgo: interiority costs nothing @ s,weight\[LOD_COLLAPSE_INTERIORITY\],0,
 Hidalgo: the quad has both leaves' area @ s,(one->area + two->area + enclosing) / 2,one->area + two->area,
 @ test_billboard_cloud tests/bench/baseline/billboard_fit.c
-Kratt: invalid faces cost nothing @ s,\*(is_valid ? &valid : &invalid) +=,valid +=,
+Kratt: invalid faces cost nothing @ s,is_valid ? &valid : &invalid,is_valid ? \&valid : \&valid,
 Kratt: the first corner may be far @ s,<= epsilon && valid,<= epsilon || k == 0,
 @ test_billboard_cloud tests/bench/baseline/billboard_cloud.c
 Kratt: dense parts are not hidden @ s,> 0 ? 1 - tree->sigma\[i\] / most : 1,> 0 ? 1 : 1,
