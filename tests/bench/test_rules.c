@@ -117,8 +117,8 @@ UNIT_TEST(lee_shares_the_budget_among_layers)
 				center[count] = (struct lod_v3){ depth[layer], 0, 0 };
 				layer_of[count] = layer;
 			}
-		count = lod_lee_keep(kept, LOD_LEE_LAYER, &(struct lod_lee_leaves){ count, center, normal },
-			&from_x, layered[r].budget, &arena);
+		count = lod_lee_keep(kept, LOD_LEE_LAYER, &(struct lod_lee_leaves){ .count = count,
+			.center = center, .normal = normal }, &from_x, layered[r].budget, &arena);
 		while (count--)
 			got[layer_of[kept[count]]]++;
 		assert_memory_equal(got, layered[r].expected, sizeof got);
@@ -141,8 +141,8 @@ UNIT_TEST(lee_ranks_leaves_by_distance_and_normal)
 		const struct lod_lee_view from = { { 40 * cos(turn), 40 * sin(turn), 5 }, { 1, 0, 0 }, 1 };
 		for (enum lod_lee_method method = 0; method < LOD_LEE_COUNT; method++)
 			for (uint32_t budget = 0; budget < 10; budget++) {
-				assert_int_equal(lod_lee_keep(kept, method, &(struct lod_lee_leaves){ 8,
-					center, normal }, &from, budget, &arena), budget < 8 ? budget : 8);
+				assert_int_equal(lod_lee_keep(kept, method, &(struct lod_lee_leaves){
+					.count = 8, .center = center, .normal = normal }, &from, budget, &arena), budget < 8 ? budget : 8);
 				assert_true(!budget || kept[0] == (method == LOD_LEE_DISTANCE ? i : 5));
 			}
 	}
@@ -190,11 +190,16 @@ static uint64_t solve(paper_rule *rule, void *ctx, uint64_t budget, struct paper
 UNIT_TEST(rules_spend_their_budget_and_draw_what_they_count)
 {
 	struct paper_cook cook = { 0 };
+	struct paper_lee lee = { .rule = LOD_LEE_LAYER * PAPER_LEE_ORDERS };
+	struct eco_error error = { 0 };
 	static const uint64_t budgets[] = { 0, 500, 5000, 2000000 };
+	assert_ok(paper_lee_begin(&lee, scene, &error), error);
 	for (size_t i = 0; i < sizeof budgets / sizeof *budgets; i++) {
 		struct paper_frame frame;
 		double least = budgets[i] < 5000 ? 0 : 0.9 * (double)budgets[i];
 		assert_true((double)solve(paper_cook, &cook, budgets[i], &frame) >= least);
+		paper_frame_free(&frame);
+		assert_true((double)solve(paper_lee, &lee, budgets[i], &frame) >= least);
 		paper_frame_free(&frame);
 		/* between all points of the summary and the first plants, whose bushes have no points, is
 		 * nothing */
@@ -202,6 +207,7 @@ UNIT_TEST(rules_spend_their_budget_and_draw_what_they_count)
 			>= (budgets[i] == 5000 ? 1900 : 0.9 * (double)budgets[i]));
 		paper_frame_free(&frame);
 	}
+	paper_lee_end(&lee);
 }
 
 /* Figures of each plant's table: Neubert's are no worse than Cook's, with fewer leaves. */

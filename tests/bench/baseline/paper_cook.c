@@ -13,8 +13,7 @@ double paper_cook_lambda(double r, double full_m)
 	return x >= 1 ? 1 : fmax(LAMBDA_LEAST, x * x);
 }
 
-/* Cuts of wood for a share of its vertices. */
-static void add_wood(struct paper *p, const struct lod_slot *slot, uint32_t ladder, double lambda,
+void paper_wood(struct paper *p, const struct lod_slot *slot, uint32_t ladder, double lambda,
 	uint32_t share_first, uint32_t share_end)
 {
 	const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(p->s->tables, ladder);
@@ -36,9 +35,7 @@ static void add_wood(struct paper *p, const struct lod_slot *slot, uint32_t ladd
 	}
 }
 
-/* Leaves [0, kept) of a region. The ladder's list holds those after `before`. Fewer than one leaf is one leaf
- * of some of the plants. */
-static void add_leaves(struct paper *p, const struct lod_slot *slot, const struct eco_ladder *l, double kept,
+void paper_leaves(struct paper *p, const struct lod_slot *slot, const struct eco_ladder *l, double kept,
 	double scale, uint32_t share_first, uint32_t share_end)
 {
 	double own = fmin(kept - l->before, p->s->scene->lists[l->triangles].element_count);
@@ -81,9 +78,9 @@ static void add_slot(struct paper *p, const struct paper_cook *cook, const struc
 		if (!paper_applies(p, l, slot))
 			continue;
 		if (paper_is_leaves(l))
-			add_leaves(p, slot, l, at.lambda * l->total, at.scale, share_first, share_end);
+			paper_leaves(p, slot, l, at.lambda * l->total, at.scale, share_first, share_end);
 		else if (!(l->flags & ECO_LADDER_WHOLE))
-			add_wood(p, slot, ladders[k], at.lambda, share_first, share_end);
+			paper_wood(p, slot, ladders[k], at.lambda, share_first, share_end);
 	}
 }
 

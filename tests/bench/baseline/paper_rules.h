@@ -4,6 +4,7 @@
  *   Cook 2007      the distance r up to which all leaves are drawn (paper_cook): lambda = min(1, (r / R)^2),
  *                  so that leaves keep their size in pixels beyond it
  *   Neubert 2011   the same r, for the lambda whose quality is to be kept (paper_cook with its tables)
+ *   Lee 2007       the same lambda as a budget of leaves for each plant (paper_lee)
  *
  * Wood: Deussen's lines and polygons; the other papers prune leaves alone, and their wood is what our ladders
  * draw for the share lambda of its vertices. */
@@ -175,6 +176,14 @@ struct paper_cook {
 };
 enum eco_code paper_cook(struct paper *p, double full_m, void *cook, struct eco_error *error);
 
+/* Leaves [0, kept) of a region. The ladder's list holds those after `before`. Fewer than one leaf is one leaf
+ * of some of the plants. */
+void paper_leaves(struct paper *p, const struct lod_slot *slot, const struct eco_ladder *l, double kept,
+	double scale, uint32_t share_first, uint32_t share_end);
+/* Cuts of wood for a share of its vertices. */
+void paper_wood(struct paper *p, const struct lod_slot *slot, uint32_t ladder, double lambda,
+	uint32_t share_first, uint32_t share_end);
+
 /* ---- Lee 2007: leaves under a budget, ranked for one view ----
  *
  *   distance       the nearest leaf first, by Euclidean distance
@@ -188,14 +197,43 @@ enum lod_lee_method { LOD_LEE_DISTANCE, LOD_LEE_NORMAL, LOD_LEE_LAYER, LOD_LEE_C
 /* The paper does not say how many. */
 #define LOD_LEE_LAYERS 5u
 
-/* Normals of any length; zero ones face nowhere. */
-struct lod_lee_leaves { uint32_t count; const struct lod_v3 *center, *normal; };
+/* Leaves: normals of any length; zero ones face nowhere. Or cells of `size` leaves each, as the paper says that
+ * it must be at run time: `facing` is then the mean of n n^T over their unit normals: xx, yy, zz, xy, xz, yz. */
+struct lod_lee_leaves {
+	uint32_t count, *size;
+	struct lod_v3 *center, *normal;
+	double (*facing)[6];
+};
+/* Room for `most` cells; adds one. */
+void lod_lee_cells(struct lod_lee_leaves *cells, uint32_t most, struct lod_arena *arena);
+void lod_lee_cell_add(struct lod_lee_leaves *cells, const struct lod_v3 *center, const struct lod_v3 *normal,
+	const uint32_t *leaves, uint32_t count);
 /* forward: unit; layers: 0 for LOD_LEE_LAYERS */
 struct lod_lee_view { struct lod_v3 eye, forward; uint32_t layers; };
 
 /* The numbers of the leaves that are drawn: as many as the budget, or all there are; returns how many. Ties
- * go to the smaller number. */
+ * go to the smaller number. A cell stands in it once for each leaf. */
 uint32_t lod_lee_keep(uint32_t *kept, enum lod_lee_method method, const struct lod_lee_leaves *leaves,
 	const struct lod_lee_view *view, uint32_t budget, struct lod_arena *arena);
+
+/* On whole scenes the three orders choose among the cells of each plant, for a budget of leaves that Cook's
+ * lambda gives each plant. The view is the plant's own; rounded to one of eight sectors, so that orders could
+ * be made beforehand; or none (static): the eight sectors share the budget. A cell keeps the first leaves of
+ * its list, scaled as Cook's are. A plant with a budget of so few leaves that most cells would be empty draws
+ * the first leaves of the whole. */
+enum { PAPER_LEE_VIEW, PAPER_LEE_SECTOR, PAPER_LEE_STATIC, PAPER_LEE_ORDERS };
+#define PAPER_LEE_RULES (LOD_LEE_COUNT * PAPER_LEE_ORDERS)
+extern const char *const paper_lee_names[PAPER_LEE_RULES];
+
+struct paper_lee_plant;
+struct paper_lee {
+	const struct paper_table *tables;
+	uint32_t rule;                  /* method * PAPER_LEE_ORDERS + order */
+	struct paper_lee_plant *plants;
+	struct lod_arena arena;
+};
+enum eco_code paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s, struct eco_error *error);
+void paper_lee_end(struct paper_lee *lee);
+enum eco_code paper_lee(struct paper *p, double full_m, void *lee, struct eco_error *error);
 
 #endif

@@ -1,6 +1,6 @@
 /* The papers' rules on whole scenes, drawn, beside ours at as many vertices: Deussen 2002 as printed, with
  * his lists and with ours; Cook's 1 / lambda plain and corrected; Neubert's lambda_opt, with and without
- * occlusion. */
+ * occlusion; Lee's orders of cells. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,10 +22,16 @@ enum rule {
 	COOK_CORRECTED,
 	NEUBERT,
 	NEUBERT_OCCLUDED,
-	RULES
+	LEE_FIRST,
+	RULES = LEE_FIRST + PAPER_LEE_RULES
 };
-static const char *const names[RULES] = { "Deussen's rule on our lists", "Deussen 2002 as printed",
+static const char *const names[] = { "Deussen's rule on our lists", "Deussen 2002 as printed",
 	"Cook 1/lambda", "Cook corrected", "Neubert", "Neubert with occlusion" };
+
+static const char *name_of(uint32_t rule)
+{
+	return rule < LEE_FIRST ? names[rule] : paper_lee_names[rule - LEE_FIRST];
+}
 
 /* Figures of the rule, then the same of ours at its vertices. */
 static const struct bench_column columns[] = { { "vertices", 0 }, { "wrong pixels", 0 }, { "Q", 4 }, {
@@ -88,6 +94,13 @@ static enum eco_code draw_rule(struct shot *shot, uint32_t rule, struct paper_fr
 	struct eco_error *error)
 {
 	struct paper_cook cook = { .tables = rule == COOK ? NULL : shot->tables, .optimal = rule == NEUBERT };
+	if (rule >= LEE_FIRST) {
+		struct paper_lee lee = { .tables = shot->tables, .rule = rule - LEE_FIRST };
+		enum eco_code code = paper_lee_begin(&lee, shot->papers, error);
+		code = code ? code : solve(shot, paper_lee, &lee, frame, error);
+		paper_lee_end(&lee);
+		return code;
+	}
 	return rule == NEUBERT_OCCLUDED ? solve_occluded(shot, frame, error)
 		: rule == DEUSSEN_2002 ? solve(shot, paper_deussen, NULL, frame, error)
 		: solve(shot, paper_cook, &cook, frame, error);
@@ -198,12 +211,12 @@ static void write_scene(struct bench *bench, struct bench_table *table, const ch
 		{ "outdoor", ">= 0.25: likewise" }, { "trees5000", ">= 0.08: likewise" } };
 	char file[128], caption[192];
 	for (uint32_t r = 0; r < RULES; r++) {
-		bench_table_values(table, mean[r], "%s,%s", scene, names[r]);
+		bench_table_values(table, mean[r], "%s,%s", scene, name_of(r));
 		if (r != DEUSSEN_2002 && r != COOK_CORRECTED && r != NEUBERT_OCCLUDED)
 			continue;
 		snprintf(file, sizeof file, "rules-%s-0-%u.png", scene, r);
 		snprintf(caption, sizeof caption, "%s at %u vertices: ours; %s; full detail", scene, VERTICES,
-			names[r]);
+			name_of(r));
 		bench_picture(bench, file, caption);
 	}
 	for (size_t i = 0; i < sizeof equal / sizeof *equal; i++) {
@@ -220,8 +233,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	enum eco_code code = ECO_OK;
 	bench_say(bench,
 		"Every frame is drawn by the software rasteriser, %u vertices, mean of the views of "
-		"`frames`; ours stands beside each rule at the vertices that it drew. Cook and Neubert "
-		"keep lambda = min(1, (r / R)^2) of the leaves at distance R, r by the budget, and draw "
+		"`frames`; ours stands beside each rule at the vertices that it drew. Cook, Neubert and "
+		"Lee keep lambda = min(1, (r / R)^2) of the leaves at distance R, r by the budget, and draw "
 		"the wood of our ladders, from packs of the stochastic order. Cook's contrast is not "
 		"corrected: it moves no pixel of the mask.",
 		VERTICES);

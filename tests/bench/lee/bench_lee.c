@@ -59,8 +59,8 @@ static struct lod_sights_drawing keep(struct study *s, enum lod_lee_method metho
 	const struct lod_lee_view view = { { eye->at[0], eye->at[1], eye->at[2] },
 		{ eye->forward[0], eye->forward[1], eye->forward[2] }, layer_count };
 	const struct lod_foliage *f = &s->leaves->foliage;
-	uint32_t count = lod_lee_keep(s->kept, method, &(struct lod_lee_leaves){ f->count, f->center,
-		f->normal }, &view, budget_of(s, of_100), &s->leaves->arena);
+	uint32_t count = lod_lee_keep(s->kept, method, &(struct lod_lee_leaves){ .count = f->count,
+		.center = f->center, .normal = f->normal }, &view, budget_of(s, of_100), &s->leaves->arena);
 	return (struct lod_sights_drawing){ .order = s->kept, .count = count, .scale = 1 };
 }
 
