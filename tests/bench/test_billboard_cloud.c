@@ -165,7 +165,7 @@ static double q_seen(double half)
 	}
 	lod_raster_triangles(&raster[0], &(struct lod_raster_batch){ .count = model.triangle_count,
 		.position = place, .owner = 1 });
-	lod_billboard_cloud_draw(&cloud, &raster[1]);
+	lod_billboard_cloud_draw(&cloud, 1, &raster[1]);
 	lod_score(&score, &(struct lod_score_input){ .width = PIXELS, .height = PIXELS,
 		.cover = raster[1].cover, .reference = raster[0].cover });
 	lod_raster_free(&raster[0]);

@@ -294,7 +294,8 @@ void lod_billboard_cloud_free(struct lod_billboard_cloud *cloud)
 	memset(cloud, 0, sizeof *cloud);
 }
 
-void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, struct lod_raster *raster)
+void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, uint64_t owner,
+	struct lod_raster *raster)
 {
 	static const int corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
 	for (uint32_t i = 0; i < cloud->count; i++) {
@@ -313,6 +314,6 @@ void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, struct lo
 		for (uint32_t k = 0; k < 2; k++)
 			lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = 1,
 				.position = position + 9 * k, .uv = uv + 6 * k, .cutout = &item->image,
-				.item = i, .owner = 1 });
+				.item = i, .owner = owner });
 	}
 }

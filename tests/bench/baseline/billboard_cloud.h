@@ -4,7 +4,7 @@
  *   lod_billboard_plant_open(&plant, &model, &error)                once a plant: its skeleton and density
  *   lod_billboard_cloud_make(&cloud, plant, cap, &error)            once a cap: an alternative, no prefix of
  *                                                                   the cloud of another cap
- *   lod_billboard_cloud_draw(&cloud, &raster)
+ *   lod_billboard_cloud_draw(&cloud, owner, &raster)
  *   lod_billboard_cloud_free(&cloud); lod_billboard_plant_close(plant);
  *
  * The plant becomes a tree of nodes, found from the mesh alone (3.1; billboard_skeleton.c). A part is a piece
@@ -61,8 +61,9 @@ enum eco_code lod_billboard_cloud_make(struct lod_billboard_cloud *cloud,
 	const struct lod_billboard_plant *plant, uint32_t cap, struct eco_error *error);
 void lod_billboard_cloud_free(struct lod_billboard_cloud *cloud);
 
-/* Two triangles a billboard; items are numbered as in the cloud, their owner is 1. */
-void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, struct lod_raster *raster);
+/* Two triangles a billboard; items are numbered as in the cloud. */
+void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, uint64_t owner,
+	struct lod_raster *raster);
 
 /* ---- The steps and what they hand on: all lengths are shares of the plant's height, around its middle. A plant
  * that is lower than a twentieth of its diagonal is measured by its diagonal ---- */

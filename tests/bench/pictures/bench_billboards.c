@@ -1,6 +1,7 @@
 /* Billboard clouds (Kratt et al. 2014): Precision and Recall by the number of billboards (figure 3) and
- * pictures of three clouds (figure 4); and a turn against pruned leaves of the same mean Q (Neubert 2011,
- * figure 11). The paper prints a diagram without a scale of vertices, and no figures. */
+ * pictures of three clouds and of a field (figure 4); beside them splats and impostors at equal vertices; and a
+ * turn against pruned leaves of the same mean Q (Neubert 2011, figure 11). The paper prints a diagram without
+ * a scale of vertices, and no figures. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,7 @@
 #include "lod/build/order/rank.h"
 #include "tests/bench/baseline/billboard_cloud.h"
 #include "tests/bench/bench_leaves.h"
+#include "tests/bench/pictures/bench_billboards.h"
 
 #define PLANTS_MOST 8u
 #define PLANTS_QUICK 1u
@@ -19,6 +21,7 @@
 #define SIZES 2u
 #define AWAY 512.0                       /* of the camera, radii */
 #define FRAME 1.02
+#define FINE 4u                         /* samples a pixel: FINE x FINE, for shares of pixels */
 #define PIXELS 256u
 #define TURN_VIEWS 36u
 #define TURN_UP 0.1                      /* the eye's height over the plant's middle, as a slope */
@@ -27,7 +30,9 @@
 #define SCALES 7
 
 static const double heights_px[SIZES] = { 64, 256 };
-/* Figure 11 of Neubert has 209. */
+/* The first caps have as many vertices, at 6 each, as the budgets of ours. Figure 11 of Neubert has 209. */
+#define BUDGETS 4u
+static const uint32_t budgets[BUDGETS] = { 12, 48, 200, 1000 };
 #define CAPS 6u
 #define TURNED 4u
 static const uint32_t caps[CAPS] = { 2, 8, 33, 166, 209, 333 };
@@ -36,13 +41,13 @@ static const uint32_t caps[CAPS] = { 2, 8, 33, 166, 209, 333 };
 enum turn { BILLBOARDS, STOCHASTIC, COMBINED, GREEDY, TURNS };
 static const char *const turn_names[TURNS] = { "209 billboards", "stochastic", "combined", "greedy" };
 enum figure { COUNT, PARTS, FORM_CROSS, FORM_PLANE, FORM_STRIP, ERROR, INVALID, EPSILON, TEXELS,
-	PRECISION, RECALL, QUALITY, FIGURES };
+	PRECISION, RECALL, QUALITY, SOFT, FIGURES };
 static const struct bench_column columns[FIGURES] = { { "billboards", 0 }, { "parts", 0 }, { "crosses", 0 },
 	{ "planes", 0 }, { "strips", 0 }, { "error", 3 }, { "invalid", 3 }, { "epsilon", 4 },
-	{ "thousand texels", 0 }, { "Precision", 3 }, { "Recall", 3 }, { "Q", 3 } };
+	{ "thousand texels", 0 }, { "Precision", 3 }, { "Recall", 3 }, { "hard", 3 }, { "soft", 3 } };
 
 /* Pictures of side x side pixels, and the whole plant's. */
-struct size { uint32_t side; struct lod_raster raster; uint8_t *whole[VIEWS]; };
+struct size { uint32_t side; struct lod_raster raster, fine; uint8_t *whole[VIEWS], *soft[VIEWS], *count; };
 
 struct study {
 	struct bench *bench;
@@ -54,6 +59,7 @@ struct study {
 	struct lod_billboard_plant *plant;
 	struct lod_sights turn;
 	uint32_t *order;
+	double ours[BENCH_OURS_KINDS][2 * BUDGETS];  /* Q by budget: hard, then soft */
 	json_t *clouds, *turns;              /* [of each cap [figures]]; [of each method [...]] */
 };
 
@@ -75,8 +81,14 @@ static void place_eyes(struct study *s)
 	}
 }
 
-/* The whole plant without a cloud. */
-static void shoot(struct study *s, uint32_t view, const struct lod_billboard_cloud *cloud,
+static void draw_cloud(const void *cloud, struct lod_raster *raster)
+{
+	lod_billboard_cloud_draw(cloud, 1, raster);
+}
+
+static void draw_whole(const void *model, struct lod_raster *raster) { lod_model_draw(model, NULL, raster); }
+
+static void shoot(struct study *s, uint32_t view, bench_draw_call *draw, const void *what,
 	struct lod_raster *raster)
 {
 	struct lod_eye eye = s->eyes[view];
@@ -84,10 +96,18 @@ static void shoot(struct study *s, uint32_t view, const struct lod_billboard_clo
 	lod_raster_clear(raster);
 	lod_raster_camera(raster, &eye, (AWAY - 2) * s->radius);
 	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-	if (cloud)
-		lod_billboard_cloud_draw(cloud, raster);
-	else
-		lod_model_draw(&s->leaves->model, NULL, raster);
+	draw(what, raster);
+}
+
+/* Covered samples of each pixel. */
+static void shoot_fine(struct study *s, uint32_t view, bench_draw_call *draw, const void *what,
+	struct size *size, uint8_t *count)
+{
+	uint32_t width = FINE * size->side;
+	shoot(s, view, draw, what, &size->fine);
+	memset(count, 0, (size_t)size->side * size->side);
+	for (size_t i = 0; i < (size_t)width * width; i++)
+		count[i / width / FINE * size->side + i % width / FINE] += size->fine.cover[i] & 1;
 }
 
 static enum eco_code open_pictures(struct study *s, struct eco_error *error)
@@ -104,34 +124,51 @@ static enum eco_code open_pictures(struct study *s, struct eco_error *error)
 		size->side = (uint32_t)ceil(2 * FRAME * s->radius * heights_px[i] / height);
 		code = lod_raster_init(&size->raster, &(struct lod_raster_options){ .width = size->side,
 			.height = size->side, .item = true }, error);
+		code = code ? code : lod_raster_init(&size->fine, &(struct lod_raster_options){ .width = FINE
+			* size->side, .height = FINE * size->side, .silhouette = true }, error);
+		size->count = lod_arena_take(&s->leaves->arena, size->side, size->side);
 		for (uint32_t view = 0; view < VIEWS && !code; view++) {
 			size_t pixels = (size_t)size->side * size->side;
 			size->whole[view] = lod_arena_take(&s->leaves->arena, pixels, 1);
-			shoot(s, view, NULL, &size->raster);
+			size->soft[view] = lod_arena_take(&s->leaves->arena, pixels, 1);
+			shoot(s, view, draw_whole, &s->leaves->model, &size->raster);
 			memcpy(size->whole[view], size->raster.cover, pixels);
+			shoot_fine(s, view, draw_whole, &s->leaves->model, size, size->soft[view]);
 		}
 	}
 	return code;
 }
 
 /* Means over views and sizes. */
-static void score(struct study *s, const struct lod_billboard_cloud *cloud, double figure[FIGURES])
+static void score(struct study *s, bench_draw_call *draw, const void *what, double figure[FIGURES])
 {
-	figure[PRECISION] = figure[RECALL] = figure[QUALITY] = 0;
+	figure[PRECISION] = figure[RECALL] = figure[QUALITY] = figure[SOFT] = 0;
 	for (uint32_t i = 0; i < SIZES * VIEWS; i++) {
 		struct size *size = &s->sizes[i / VIEWS];
 		struct lod_score one;
-		shoot(s, i % VIEWS, cloud, &size->raster);
+		shoot(s, i % VIEWS, draw, what, &size->raster);
 		lod_score(&one, &(struct lod_score_input){ .width = size->side, .height = size->side,
 			.cover = size->raster.cover, .reference = size->whole[i % VIEWS] });
 		figure[PRECISION] += one.precision / (SIZES * VIEWS);
 		figure[RECALL] += one.recall / (SIZES * VIEWS);
 		figure[QUALITY] += one.q / (SIZES * VIEWS);
+		shoot_fine(s, i % VIEWS, draw, what, size, size->count);
+		figure[SOFT] += lod_soft_q(size->count, size->soft[i % VIEWS], (size_t)size->side * size->side)
+			/ (SIZES * VIEWS);
 	}
 }
 
-/* Mean of a texture's opaque texels, darker than white. */
-static void color_of(const struct eco_image *image, uint8_t rgb[3])
+static void score_ours(void *ctx, enum bench_ours_kind kind, uint32_t budget, bench_draw_call *draw,
+	const void *what)
+{
+	struct study *s = ctx;
+	double figure[FIGURES], *hard = &s->ours[kind][budget], *soft = hard + BUDGETS;
+	score(s, draw, what, figure);
+	*hard = fmax(*hard, figure[QUALITY]);
+	*soft = fmax(*soft, figure[SOFT]);
+}
+
+void bench_billboards_color(const struct eco_image *image, uint8_t rgb[3])
 {
 	double sum[3] = { 0 }, n = 1e-9;
 	for (size_t i = 0; i < (size_t)image->width * image->height; i++)
@@ -152,8 +189,9 @@ static void paint(struct study *s, const struct lod_billboard_cloud *cloud, uint
 	uint8_t (*rgb)[3] = lod_arena_take(&s->leaves->arena, cloud ? cloud->count + 1 : 1, sizeof *rgb);
 	memset(rgb, 60, sizeof *rgb);
 	for (uint32_t i = 0; cloud && i < cloud->count; i++)
-		color_of(&cloud->items[i].image, rgb[i]);
-	shoot(s, VIEW, cloud, &size->raster);
+		bench_billboards_color(&cloud->items[i].image, rgb[i]);
+	shoot(s, VIEW, cloud ? draw_cloud : draw_whole, cloud ? (const void *)cloud : &s->leaves->model,
+		&size->raster);
 	for (size_t i = 0; i < (size_t)size->side * size->side; i++) {
 		uint8_t *at = picture + 3 * ((i / size->side * PANELS + panel) * size->side + i % size->side);
 		bool shown = size->raster.cover[i], wanted = size->whole[VIEW][i];
@@ -176,7 +214,7 @@ static enum eco_code measure_cap(struct study *s, uint32_t cap, uint8_t *picture
 		return code;
 	double figure[FIGURES] = { cloud.count, cloud.parts, cloud.forms[0], cloud.forms[1], cloud.forms[2],
 		cloud.error, cloud.invalid, cloud.epsilon, (double)cloud.texels / 1000 };
-	score(s, &cloud, figure);
+	score(s, draw_cloud, &cloud, figure);
 	json_array_append_new(s->clouds, bench_reals(figure, FIGURES));
 	if (cap >= 1 && cap <= 3)
 		paint(s, &cloud, picture, cap);
@@ -207,7 +245,7 @@ static double cloud_q(struct study *s, const struct lod_billboard_cloud *cloud, 
 	lod_raster_clear(raster);
 	lod_raster_camera(raster, &sights->eyes[view], sights->near_m);
 	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-	lod_billboard_cloud_draw(cloud, raster);
+	lod_billboard_cloud_draw(cloud, 1, raster);
 	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
 		uint64_t word = sights->reference[view][i / PIXELS * (PIXELS / 64) + i % PIXELS / 64];
 		bool shown = raster->cover[i], wanted = word >> (i % 64) & 1;
@@ -313,20 +351,26 @@ static enum eco_code study_turn(struct study *s, struct eco_error *error)
 
 /* ---- One plant ---- */
 
-/* The unit: [clouds, turns]. */
+/* The unit: [clouds, turns, Q of ours of each kind]. */
 static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
 	struct eco_error *error)
 {
 	struct study *s = ctx;
 	s->leaves = leaves;
-	*out = json_pack("[oo]", s->clouds = json_array(), s->turns = json_array());
+	json_t *ours = json_array();
+	*out = json_pack("[ooo]", s->clouds = json_array(), s->turns = json_array(), ours);
 	enum eco_code code = open_pictures(s, error);
 	code = code ? code : lod_billboard_plant_open(&s->plant, &leaves->model, error);
 	code = code ? code : study_caps(s, error);
 	code = code ? code : study_turn(s, error);
 	lod_billboard_plant_close(s->plant);
-	for (uint32_t i = 0; i < SIZES; i++)
+	code = code ? code : bench_ours_each(&leaves->model, budgets, BUDGETS, score_ours, s, error);
+	for (int kind = 0; kind < BENCH_OURS_KINDS; kind++)
+		json_array_append_new(ours, bench_reals(s->ours[kind], 2 * BUDGETS));
+	for (uint32_t i = 0; i < SIZES; i++) {
 		lod_raster_free(&s->sizes[i].raster);
+		lod_raster_free(&s->sizes[i].fine);
+	}
 	return code;
 }
 
@@ -343,11 +387,16 @@ static enum eco_code measure(struct bench *bench, const struct bench_model *mode
 
 /* ---- Tables ---- */
 
+/* Rows of the comparison: billboards, ours, and the best of ours. */
+#define BEST (1 + (int)BENCH_OURS_KINDS)
+#define ROWS (BEST + 1)
+
 struct section {
 	struct bench *bench;
-	struct bench_table *caps, *turn;
+	struct bench_table *caps, *q, *turn;
 	uint32_t plants, turned[TURNS];
-	double sd[TURNS], precision[PLANTS_MOST][CAPS], recall[PLANTS_MOST][CAPS];
+	double sum[ROWS][2 * BUDGETS];       /* hard Q by budget, then soft */
+	double sd[TURNS], error[CAPS], precision[PLANTS_MOST][CAPS], recall[PLANTS_MOST][CAPS];
 	char name[PLANTS_MOST][64];
 };
 
@@ -357,8 +406,38 @@ static void write_caps(struct section *t, const char *plant, const json_t *cloud
 		double figure[FIGURES];
 		bench_cells(json_array_get(clouds, cap), figure, FIGURES);
 		bench_table_values(t->caps, figure, "%s,%u", plant, caps[cap]);
+		t->error[cap] += figure[ERROR];
 		t->precision[t->plants][cap] = figure[PRECISION];
 		t->recall[t->plants][cap] = figure[RECALL];
+	}
+}
+
+static const char *row_name(int row)
+{
+	return row == BEST ? "best of ours" : row ? bench_ours_names[row - 1] : "billboards";
+}
+
+static void write_row(struct section *t, const char *plant, int row, const double q[2 * BUDGETS])
+{
+	bench_table_row(t->q, "%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", plant, row_name(row), q[0],
+		q[1], q[2], q[3], q[4], q[5], q[6], q[7]);
+}
+
+static void write_beside(struct section *t, const char *plant, const json_t *clouds, const json_t *ours)
+{
+	double rows[ROWS][2 * BUDGETS] = { { 0 } };
+	for (size_t row = 0; row < ROWS; row++) {
+		if (row && row < BEST)
+			bench_cells(json_array_get(ours, row - 1), rows[row], 2 * BUDGETS);
+		for (size_t b = 0; b < 2 * BUDGETS; b++) {
+			if (!row)
+				rows[row][b] = bench_cell(json_array_get(clouds, b % BUDGETS),
+					b < BUDGETS ? QUALITY : SOFT);
+			else if (row < BEST)
+				rows[BEST][b] = fmax(rows[BEST][b], rows[row][b]);
+			t->sum[row][b] += rows[row][b];
+		}
+		write_row(t, plant, (int)row, rows[row]);
 	}
 }
 
@@ -400,6 +479,7 @@ static enum eco_code study_plant(struct section *t, const struct bench_model *mo
 	if (code)
 		return code;
 	write_caps(t, model->name, json_array_get(unit, 0));
+	write_beside(t, model->name, json_array_get(unit, 0), json_array_get(unit, 2));
 	snprintf(t->name[t->plants++], sizeof t->name[0], "%s", model->name);
 	snprintf(file, sizeof file, "billboards-%s.png", model->name);
 	bench_picture(t->bench, file, "full detail; at most 8, 33, 166 billboards, each in its mean colour; "
@@ -421,7 +501,7 @@ static enum eco_code study_all(struct section *t, struct eco_error *error)
 {
 	struct bench *bench = t->bench;
 	struct bench_model *models = NULL;
-	uint32_t count = 0;
+	uint32_t count = 0, last = 0;
 	enum eco_code code = bench_models(bench, &models, &count, error);
 	for (uint32_t i = 0; i < count && !code && t->plants < PLANTS_MOST; i++) {
 		/* without the data folder generated plants stand for those with leaves */
@@ -433,18 +513,41 @@ static enum eco_code study_all(struct section *t, struct eco_error *error)
 		}
 		bench_progress(bench, (double)i / count, models[i].name);
 		code = study_plant(t, &models[i], error);
+		last = i;
 		code = code ? code : bench_go_on(bench, error);
 	}
+	if (!code && t->plants)          /* of the plant of most leaves */
+		code = bench_billboards_field(bench, &models[last], error);
 	free(models);
 	return code;
 }
 
-static enum eco_code plot_pr(struct section *t, struct eco_error *error)
+static enum eco_code plot(struct section *t, struct eco_error *error)
 {
 	struct bench_series series[PLANTS_MOST];
+	double x[BUDGETS], cap[CAPS];
+	for (uint32_t i = 0; i < BUDGETS; i++)
+		x[i] = budgets[i];
+	for (uint32_t i = 0; i < CAPS; i++) {
+		cap[i] = caps[i];
+		t->error[i] /= t->plants;
+	}
+	for (int row = 0; row < ROWS; row++) {
+		for (uint32_t b = 0; b < 2 * BUDGETS; b++)
+			t->sum[row][b] /= t->plants;
+		write_row(t, "mean", row, t->sum[row]);
+		series[row] = (struct bench_series){ row_name(row), x, t->sum[row], BUDGETS, false };
+	}
+	enum eco_code code = bench_plot(t->bench, &(struct bench_plot){ .name = "billboards",
+		.title = "Hard Q at equal vertices, mean over plants", .x = "vertices", .y = "Q",
+		.log_x = true, .series = series, .series_count = ROWS }, error);
+	series[0] = (struct bench_series){ "error of the mean part", cap, t->error, CAPS, false };
+	code = code ? code : bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_error",
+		.title = "The method's own error against the cap", .x = "billboards at most",
+		.y = "error", .log_x = true, .series = series, .series_count = 1 }, error);
 	for (uint32_t i = 0; i < t->plants; i++)
 		series[i] = (struct bench_series){ t->name[i], t->recall[i], t->precision[i], CAPS, true };
-	return bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_pr",
+	return code ? code : bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_pr",
 		.title = "Precision and Recall of clouds of 2 to 333 billboards", .x = "Recall",
 		.y = "Precision", .series = series, .series_count = t->plants }, error);
 }
@@ -453,11 +556,16 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct section t = { .bench = bench };
 	t.caps = bench_table_described(bench, "billboards_caps", "plant,cap", columns, FIGURES, true);
+	t.q = bench_table_open(bench, "billboards", "plant,kind,hard 12,hard 48,hard 200,hard 1000,soft 12,"
+		"soft 48,soft 200,soft 1000", true);
 	t.turn = bench_table_open(bench, "billboards_turn",
 		"plant,method,vertices,of wood besides,mean Q,least,"
 		"most,variance,standard deviation", true);
 	enum eco_code code = study_all(&t, error);
+	if (!code && t.plants)
+		code = plot(&t, error);
 	bench_table_close(t.caps);
+	bench_table_close(t.q);
 	bench_table_close(t.turn);
 	if (code || !t.plants)
 		return code;
@@ -467,10 +575,10 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		bench_key(bench, key, t.turned[m] ? t.sd[m] / t.turned[m] : NAN,
 			"standard deviation of Q over a turn, mean over plants");
 	}
-	bench_say(bench, "A billboard has six vertices. A cloud of another cap has other textures, so that "
-		"clouds are alternatives and none continues another. Over a turn leaves are pruned over whole "
+	bench_say(bench, "A billboard has six vertices, a splat one. A cloud of another cap has other textures, so "
+		"that clouds are alternatives and none continues another. Over a turn leaves are pruned over whole "
 		"wood.");
-	return plot_pr(&t, error);
+	return ECO_OK;
 }
 
-const struct bench_section bench_billboards = { "billboards", "Billboard clouds", run };
+const struct bench_section bench_billboards = { "billboards", "Billboard clouds against splats and impostors", run };
