@@ -11,15 +11,15 @@
 
 #include "ecofiles/base/random.h"
 #include "lod/sort.h"
-#include "tests/bench/baseline/leaf_collapse.h"
 #include "tests/bench/bench_leaves.h"
+#include "tests/bench/collapse/bench_collapse.h"
 
 #define LEAVES_LEAST 500u
 #define TEST_SEED 90217u                 /* views of bench_species.c */
 #define VIEWS_MOST 12u
 #define PIXELS 256u
 #define PASSES 8                         /* of giving what full sectors leave to the others */
-#define WEDGES 9u                        /* sectors: the innermost, and eight wedges */
+#define WEDGES BENCH_WEDGES
 #define READ_QUICK 3u
 #define MADE_QUICK 1u
 #define TOP_SIDE 512u
@@ -42,17 +42,9 @@ struct study {
 	double q[KINDS][SHARES];
 };
 
-/* ---- A crown: its leaves, and behind them the quads of all sectors, so that one level is drawn as any other
- * choice of elements is ---- */
+/* ---- Leaves and quads ---- */
 
-struct crown {
-	struct lod_collapse_sectors sectors;
-	struct lod_collapse_atlas atlas;
-	uint32_t base[WEDGES];               /* per sector: the element of its first quad */
-	uint64_t *vertices[WEDGES];          /* per sector and level, 3 a triangle */
-};
-
-static uint32_t element_of(const struct crown *c, uint32_t sector, uint32_t node)
+static uint32_t element_of(const struct bench_collapse *c, uint32_t sector, uint32_t node)
 {
 	const struct lod_collapse *forest = &c->sectors.forest[sector];
 	return node < forest->leaves ? forest->leaf[node] : c->base[sector] + node - forest->leaves;
@@ -69,7 +61,7 @@ static uint32_t median_leaf(const struct lod_foliage *f, struct lod_arena *arena
 }
 
 /* Vertices of every level: two runs; the first only grows. */
-static void count_vertices(struct crown *c, uint32_t sector, const struct lod_foliage *f,
+static void count_vertices(struct bench_collapse *c, uint32_t sector, const struct lod_foliage *f,
 	struct lod_arena *arena)
 {
 	const struct lod_collapse *forest = &c->sectors.forest[sector];
@@ -92,7 +84,7 @@ static void *grown(struct lod_arena *arena, const void *old, size_t count, size_
 	return array;
 }
 
-static void fill_quad(const struct crown *c, uint32_t sector, uint32_t quad, struct lod_foliage *f)
+static void fill_quad(const struct bench_collapse *c, uint32_t sector, uint32_t quad, struct lod_foliage *f)
 {
 	const struct lod_collapse *forest = &c->sectors.forest[sector];
 	const struct lod_collapse_node *node = &forest->node[forest->leaves + quad];
@@ -111,13 +103,10 @@ static void fill_quad(const struct crown *c, uint32_t sector, uint32_t quad, str
 	f->area[i] = node->opaque_area;
 }
 
-/* Extends the leaves' foliage, whose count stays. */
-static void grow(struct study *s, struct crown *c, uint32_t sectors)
+void bench_collapse_grow(struct bench_collapse *c, uint32_t sectors, struct lod_foliage *f,
+	struct lod_arena *arena)
 {
-	struct lod_arena *arena = &s->leaves->arena;
-	struct lod_foliage *f = &s->leaves->foliage;
-	size_t n = s->bare.count, quads = 0, corners = s->bare.first[n];
-	*f = s->bare;
+	size_t n = f->count, quads = 0, corners = f->first[n];
 	lod_collapse_sectors_make(&c->sectors, sectors, f, NULL, arena);
 	for (uint32_t k = 0; k < sectors; k++) {
 		c->base[k] = (uint32_t)(n + quads);
@@ -142,9 +131,7 @@ static void grow(struct study *s, struct crown *c, uint32_t sectors)
 			fill_quad(c, k, i, f);
 }
 
-/* Adds the finest level of a sector of at most so many vertices to the order, the coarsest if all have more.
- * Returns its vertices. */
-static uint64_t add_level(const struct crown *c, uint32_t sector, double vertices, uint32_t *order,
+uint64_t bench_collapse_level(const struct bench_collapse *c, uint32_t sector, double vertices, uint32_t *order,
 	uint32_t *count)
 {
 	const struct lod_collapse *forest = &c->sectors.forest[sector];
@@ -176,7 +163,7 @@ static double facing(const struct lod_collapse *forest, const struct lod_eye *ey
 }
 
 /* Vertices of each sector: by its weight and size, and none more than it has. */
-static void allocate(const struct crown *c, const struct lod_eye *eye, double vertices, double *given)
+static void allocate(const struct bench_collapse *c, const struct lod_eye *eye, double vertices, double *given)
 {
 	double weight[WEDGES], all[WEDGES];
 	for (uint32_t k = 0; k < c->sectors.count; k++) {
@@ -198,7 +185,7 @@ static void allocate(const struct crown *c, const struct lod_eye *eye, double ve
 }
 
 /* NaN where the coarsest levels have more vertices. */
-static double q_of(struct study *s, const struct crown *c, double vertices)
+static double q_of(struct study *s, const struct bench_collapse *c, double vertices)
 {
 	struct bench_wrong sum = { 0 };
 	for (uint32_t v = 0; v < s->tests.count; v++) {
@@ -207,7 +194,7 @@ static double q_of(struct study *s, const struct crown *c, double vertices)
 		uint64_t drawn = 0;
 		allocate(c, &s->tests.eyes[v], vertices, given);
 		for (uint32_t k = 0; k < c->sectors.count; k++)
-			drawn += add_level(c, k, given[k], s->order, &drawing.count);
+			drawn += bench_collapse_level(c, k, given[k], s->order, &drawing.count);
 		if ((double)drawn > vertices)
 			return NAN;
 		bench_leaves_compare(s->leaves, &s->tests, v, &drawing, &sum);
@@ -285,8 +272,9 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 		s->all += 3 * (s->bare.first[i + 1] - s->bare.first[i] - 2);
 	*out = json_pack("[i]", (int)s->bare.count);
 	for (int kind = 0; kind < KINDS && !code; kind++) {
-		struct crown crown;
-		grow(s, &crown, kind == SECTORS ? WEDGES : 1);
+		struct bench_collapse crown;
+		leaves->foliage = s->bare;
+		bench_collapse_grow(&crown, kind == SECTORS ? WEDGES : 1, &leaves->foliage, &leaves->arena);
 		for (uint32_t i = 0; i < SHARES; i++)
 			s->q[kind][i] = q_of(s, &crown, shares[i] * s->all);
 		code = kind == SECTORS ? draw_sectors(s, &crown.sectors, error)
