@@ -129,6 +129,25 @@ void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *
 	sum->pixels += sights->reference_pixels[view];
 }
 
+void bench_leaves_compare_drawn(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
+	bool wood, bench_draw_call *draw, const void *what, struct bench_wrong *sum)
+{
+	struct lod_raster *raster = &leaves->cover;
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, &sights->eyes[view], sights->near_m);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	draw(what, raster);
+	for (uint32_t i = 0; i < sights->pixels * sights->pixels; i++) {
+		uint32_t word = i / sights->pixels * (sights->words / sights->pixels) + i % sights->pixels / 64;
+		uint64_t bit = UINT64_C(1) << i % sights->pixels % 64;
+		bool shown = raster->cover[i] || (wood && sights->wood[view][word] & bit),
+			wanted = sights->reference[view][word] & bit;
+		sum->fp += shown && !wanted;
+		sum->fn += wanted && !shown;
+	}
+	sum->pixels += sights->reference_pixels[view];
+}
+
 double bench_wrong_share(const struct bench_wrong *wrong)
 {
 	return wrong->pixels ? (double)(wrong->fp + wrong->fn) / (double)wrong->pixels : 0;

@@ -48,6 +48,10 @@ uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method 
 struct bench_wrong { uint64_t fp, fn, pixels; };     /* pixels: of the reference */
 void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
 	const struct lod_sights_drawing *drawing, struct bench_wrong *sum);
+/* The same of anything that is drawn, and of wood if that is whole. */
+typedef void bench_draw_call(const void *what, struct lod_raster *raster);
+void bench_leaves_compare_drawn(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
+	bool wood, bench_draw_call *draw, const void *what, struct bench_wrong *sum);
 double bench_wrong_share(const struct bench_wrong *wrong);          /* (fp + fn) / pixels */
 double bench_wrong_q(const struct bench_wrong *wrong);              /* Q of the sums */
 

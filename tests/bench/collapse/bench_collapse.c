@@ -2,9 +2,10 @@
  * (2), an example of a chain and its table of levels (3, 4), sectors (6).
  *
  * The paper compares with nothing and gives no count of leaves, no time and no frame rate; its scenes of
- * millions of trees are a matter of the renderer. The section measures Q of levels drawn as the paper says,
- * with quads of the printed size, and of sectors that each have a level by how they face the eye. Wood is
- * drawn whole. */
+ * millions of trees are a matter of the renderer. The section measures Q at equal vertices beside our orders and
+ * splats: of levels drawn as the paper says (quads of the printed size), of levels whose quads are scaled as all
+ * other methods here are, without textures, and by sectors that each have a level by how they face the eye.
+ * Wood is drawn whole. Longer than 600 lines: the figures of one paper, from one study. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,9 +14,15 @@
 #include "lod/sort.h"
 #include "tests/bench/bench_leaves.h"
 #include "tests/bench/collapse/bench_collapse.h"
+#include "tests/bench/ladder/bench_species.h"
+#include "tests/bench/pictures/bench_billboards.h"
 
-#define LEAVES_LEAST 500u
-#define TEST_SEED 90217u                 /* views of bench_species.c */
+#define TEST_SEED 90217u                 /* views of bench_species.c, these and those that scales are from */
+#define TUNING_SEED 7411u
+#define TUNING_VIEWS 5u
+#define STEP_LOW (-16)                   /* eighths of an octave of area */
+#define STEP_HIGH 8
+#define SPLATS_MOST 8192u
 #define VIEWS_MOST 12u
 #define PIXELS 256u
 #define PASSES 8                         /* of giving what full sectors leave to the others */
@@ -24,22 +31,25 @@
 #define MADE_QUICK 1u
 #define TOP_SIDE 512u
 #define DOT 5u                           /* pixels of a leaf seen from above */
-#define SHARES 6u
-static const double shares[SHARES] = { 0.02, 0.05, 0.1, 0.2, 0.3, 0.5 };         /* of all vertices */
+#define SHARES BENCH_SHARES
 static const uint8_t leaf_rgb[3] = { 76, 110, 40 };
 
-enum kind { PRINTED, SECTORS, KINDS };
-static const char *const kind_names[KINDS] = { "leaf collapse as printed", "leaf collapse by sectors" };
+/* SCALED: quads at the scale that is best in other views; SOLID: and opaque. PRINTED: as large as the paper has
+ * them. SECTORS: each sector has a level, the finer the more it faces the eye. SPLATS: of the whole plant, over
+ * whole wood. */
+enum kind { SCALED, PRINTED, SOLID, SECTORS, SPLATS, KINDS };
+static const char *const kind_names[KINDS] = { "leaf collapse", "leaf collapse as printed",
+	"leaf collapse without textures", "leaf collapse by sectors", "splats" };
 
 struct study {
 	struct bench *bench;
 	const char *name;
 	struct bench_leaves *leaves;
 	struct lod_foliage bare;             /* without quads */
-	struct lod_sights tests;
+	struct lod_sights tuning, tests;
 	double all;                          /* vertices */
 	uint32_t *order;
-	double q[KINDS][SHARES];
+	float *factor;
 };
 
 /* ---- Leaves and quads ---- */
@@ -84,7 +94,8 @@ static void *grown(struct lod_arena *arena, const void *old, size_t count, size_
 	return array;
 }
 
-static void fill_quad(const struct bench_collapse *c, uint32_t sector, uint32_t quad, struct lod_foliage *f)
+static void fill_quad(const struct bench_collapse *c, uint32_t sector, uint32_t quad, bool solid,
+	struct lod_foliage *f)
 {
 	const struct lod_collapse *forest = &c->sectors.forest[sector];
 	const struct lod_collapse_node *node = &forest->node[forest->leaves + quad];
@@ -97,13 +108,13 @@ static void fill_quad(const struct bench_collapse *c, uint32_t sector, uint32_t 
 		to[0] = (float)corner[k].x, to[1] = (float)corner[k].y, to[2] = (float)corner[k].z;
 	}
 	lod_collapse_atlas_uv(&c->atlas, c->atlas.of[sector][quad], f->uv + at);
-	f->cutout[i] = &c->atlas.image;
+	f->cutout[i] = solid ? NULL : &c->atlas.image;
 	f->center[i] = node->center;
 	f->normal[i] = lod_v3_scale(node->normal, node->area);
 	f->area[i] = node->opaque_area;
 }
 
-void bench_collapse_grow(struct bench_collapse *c, uint32_t sectors, struct lod_foliage *f,
+void bench_collapse_grow(struct bench_collapse *c, uint32_t sectors, bool solid, struct lod_foliage *f,
 	struct lod_arena *arena)
 {
 	size_t n = f->count, quads = 0, corners = f->first[n];
@@ -128,7 +139,7 @@ void bench_collapse_grow(struct bench_collapse *c, uint32_t sectors, struct lod_
 	f->area = grown(arena, f->area, n, n + quads, sizeof *f->area);
 	for (uint32_t k = 0; k < sectors; k++)
 		for (uint32_t i = 0; i < c->sectors.forest[k].made; i++)
-			fill_quad(c, k, i, f);
+			fill_quad(c, k, i, solid, f);
 }
 
 uint64_t bench_collapse_level(const struct bench_collapse *c, uint32_t sector, double vertices, uint32_t *order,
@@ -184,22 +195,56 @@ static void allocate(const struct bench_collapse *c, const struct lod_eye *eye, 
 	}
 }
 
-/* NaN where the coarsest levels have more vertices. */
-static double q_of(struct study *s, const struct bench_collapse *c, double vertices)
+/* NaN where the coarsest levels have more vertices. Quads are scaled by 2^(step / 8). */
+static double q_of(struct study *s, const struct bench_collapse *c, double vertices,
+	const struct lod_sights *sights, int step)
 {
 	struct bench_wrong sum = { 0 };
-	for (uint32_t v = 0; v < s->tests.count; v++) {
-		struct lod_sights_drawing drawing = { .order = s->order, .scale = 1 };
+	for (uint32_t v = 0; v < sights->count; v++) {
+		struct lod_sights_drawing drawing = { .order = s->order, .scale = 1, .factor = s->factor };
 		double given[WEDGES];
 		uint64_t drawn = 0;
-		allocate(c, &s->tests.eyes[v], vertices, given);
+		allocate(c, &sights->eyes[v], vertices, given);
 		for (uint32_t k = 0; k < c->sectors.count; k++)
 			drawn += bench_collapse_level(c, k, given[k], s->order, &drawing.count);
 		if ((double)drawn > vertices)
 			return NAN;
-		bench_leaves_compare(s->leaves, &s->tests, v, &drawing, &sum);
+		for (uint32_t k = 0; k < drawing.count; k++)
+			s->factor[s->order[k]] = s->order[k] < s->bare.count ? 1 : (float)exp2(step / 8.0);
+		bench_leaves_compare(s->leaves, sights, v, &drawing, &sum);
 	}
 	return bench_wrong_q(&sum);
+}
+
+static double scaled_q(struct study *s, const struct bench_collapse *c, double vertices)
+{
+	double best = -INFINITY;
+	int best_step = 0;
+	for (int step = STEP_LOW; step <= STEP_HIGH; step += 2) {
+		double now = q_of(s, c, vertices, &s->tuning, step);
+		best_step = now > best ? step : best_step;
+		best = fmax(best, now);
+	}
+	return q_of(s, c, vertices, &s->tests, best_step);
+}
+
+static enum eco_code measure_splats(struct study *s, double q[SHARES], struct eco_error *error)
+{
+	struct lod_splats splats;
+	struct bench_splats drawn = { .items = lod_arena_take(&s->leaves->arena, SPLATS_MOST,
+		sizeof *drawn.items) };
+	enum eco_code code = lod_splats_fit(&splats, &s->leaves->model, &(struct lod_splats_options){ 0 }, error);
+	for (uint32_t i = 0; i < SHARES && !code && splats.level_count; i++) {
+		struct bench_wrong sum = { 0 };
+		bench_splats_state(&splats, (uint32_t)fmin(bench_shares[i] * s->all, SPLATS_MOST), &drawn);
+		for (uint32_t v = 0; v < s->tests.count; v++)
+			bench_leaves_compare_drawn(s->leaves, &s->tests, v, true, bench_splats_draw, &drawn,
+				&sum);
+		q[i] = bench_wrong_q(&sum);
+	}
+	if (!code)
+		lod_splats_free(&splats);
+	return code;
 }
 
 /* ---- Pictures ---- */
@@ -255,54 +300,70 @@ static enum eco_code draw_sectors(struct study *s, const struct lod_collapse_sec
 
 /* ---- One plant ---- */
 
-/* The number of leaves, then a row of Q for each kind. */
+static enum eco_code look(struct study *s, struct lod_sights *sights, uint32_t count, uint32_t seed,
+	struct eco_error *error)
+{
+	double to[VIEWS_MOST][3];
+	lod_directions_spread(to, count, seed);
+	return lod_sights_make(sights, &s->bare, (const double (*)[3])to, count, PIXELS, &s->leaves->arena,
+		error);
+}
+
+/* A row of Q for each kind. */
 static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
 	struct eco_error *error)
 {
 	struct study *s = ctx;
-	double to[VIEWS_MOST][3];
-	uint32_t views = s->bench->full ? VIEWS_MOST : VIEWS_MOST / 2;
 	s->leaves = leaves;
 	s->bare = leaves->foliage;
 	s->order = lod_arena_take(&leaves->arena, s->bare.count, sizeof *s->order);
-	lod_directions_spread(to, views, TEST_SEED);
-	enum eco_code code = lod_sights_make(&s->tests, &leaves->foliage, (const double (*)[3])to, views,
-		PIXELS, &leaves->arena, error);
+	s->factor = lod_arena_take(&leaves->arena, 2 * (size_t)s->bare.count, sizeof *s->factor);
+	enum eco_code code = look(s, &s->tuning, TUNING_VIEWS, TUNING_SEED, error);
+	code = code ? code : look(s, &s->tests, s->bench->full ? VIEWS_MOST : VIEWS_MOST / 2, TEST_SEED, error);
 	for (uint32_t i = 0; i < s->bare.count; i++)
 		s->all += 3 * (s->bare.first[i + 1] - s->bare.first[i] - 2);
-	*out = json_pack("[i]", (int)s->bare.count);
+	*out = json_array();
 	for (int kind = 0; kind < KINDS && !code; kind++) {
 		struct bench_collapse crown;
-		leaves->foliage = s->bare;
-		bench_collapse_grow(&crown, kind == SECTORS ? WEDGES : 1, &leaves->foliage, &leaves->arena);
-		for (uint32_t i = 0; i < SHARES; i++)
-			s->q[kind][i] = q_of(s, &crown, shares[i] * s->all);
-		code = kind == SECTORS ? draw_sectors(s, &crown.sectors, error)
-			: draw_atlas(s, &crown.atlas, error);
-		json_array_append_new(*out, bench_reals(s->q[kind], SHARES));
+		double q[SHARES] = { 0 };
+		if (kind != SPLATS) {
+			leaves->foliage = s->bare;
+			bench_collapse_grow(&crown, kind == SECTORS ? WEDGES : 1, kind == SOLID, &leaves->foliage,
+				&leaves->arena);
+		}
+		for (uint32_t i = 0; i < SHARES && kind != SPLATS; i++)
+			q[i] = kind == SCALED || kind == SOLID ? scaled_q(s, &crown, bench_shares[i] * s->all)
+				: q_of(s, &crown, bench_shares[i] * s->all, &s->tests, 0);
+		code = kind == SPLATS ? measure_splats(s, q, error)
+			: kind == SECTORS ? draw_sectors(s, &crown.sectors, error)
+			: kind == PRINTED ? draw_atlas(s, &crown.atlas, error) : ECO_OK;
+		json_array_append_new(*out, bench_reals(q, SHARES));
 	}
 	return code;
 }
 
+/* Rows: our orders, then kinds. */
+#define ROWS (BENCH_ORDERS + (int)KINDS)
+
 static enum eco_code study_plant(struct bench *bench, const struct bench_model *model,
-	struct bench_table *table, double sum[KINDS][SHARES], struct eco_error *error)
+	double sum[ROWS][SHARES], struct eco_error *error)
 {
 	char name[96], stamp[64], file[128];
 	json_t *unit;
+	struct bench_savings savings;
 	struct study s = { .bench = bench, .name = model->name };
 	snprintf(name, sizeof name, "collapse-%s", model->name);
 	snprintf(stamp, sizeof stamp, "%d %016llx", bench->full,
 		(unsigned long long)bench_file_hash(model->path));
 	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, PIXELS,
 		study_leaves, &s, NULL }, &unit, error);
-	for (int kind = 0; kind < KINDS && !code; kind++) {
+	code = code ? code : bench_savings_of(bench, &savings, model, error);
+	for (int row = 0; row < ROWS && !code; row++) {
 		double q[SHARES];
-		bench_cells(json_array_get(unit, (size_t)kind + 1), q, SHARES);
+		if (row >= BENCH_ORDERS)
+			bench_cells(json_array_get(unit, (size_t)(row - BENCH_ORDERS)), q, SHARES);
 		for (uint32_t i = 0; i < SHARES; i++)
-			sum[kind][i] += q[i];
-		bench_table_row(table, "%s,%d,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", model->name,
-			(int)json_integer_value(json_array_get(unit, 0)), kind_names[kind], q[0], q[1], q[2],
-				q[3], q[4], q[5]);
+			sum[row][i] += row < BENCH_ORDERS ? savings.q[row][i] : q[i];
 	}
 	snprintf(file, sizeof file, "collapse-%s-atlas.png", model->name);
 	bench_picture(bench, file, "its atlas: pairs of leaves, then classes of counts by density");
@@ -500,48 +561,60 @@ static enum eco_code write_made(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
+/* A mean is NaN if one plant has no figure. */
+static enum eco_code write_means(struct bench *bench, double sum[ROWS][SHARES], uint32_t plants,
+	struct eco_error *error)
+{
+	struct bench_series series[ROWS];
+	uint32_t plotted = 0;
+	struct bench_table *table = bench_table_open(bench, "collapse_means", "method,Q at 2 %,Q at 5 %,Q at "
+		"10 %,Q at 20 %,Q at 30 %,Q at 50 % of the vertices,plants", true);
+	for (int row = 0; row < ROWS; row++) {
+		const char *name = row < BENCH_ORDERS ? bench_order_names[row] : kind_names[row - BENCH_ORDERS];
+		double *q = sum[row];
+		for (uint32_t i = 0; i < SHARES; i++)
+			q[i] /= plants;
+		bench_table_row(table, "%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%u", name, q[0], q[1], q[2], q[3],
+			q[4], q[5], plants);
+		/* as many as there are colours */
+		if (row == BENCH_STOCHASTIC || row >= BENCH_GREEDY)
+			series[plotted++] = (struct bench_series){ name, bench_shares, q, SHARES, false };
+	}
+	bench_table_close(table);
+	bench_key(bench, "collapse_q_10", sum[BENCH_ORDERS + SCALED][2],
+		"Q of leaf collapse at 10 % of the vertices");
+	bench_key(bench, "collapse_greedy_q_10", sum[BENCH_GREEDY][2], "beside it: the greedy order");
+	bench_key(bench, "collapse_splats_q_10", sum[BENCH_ORDERS + SPLATS][2], "beside it: splats");
+	bench_say(bench, "Orders, leaf collapse and its quads without textures each have their best scale. Rows as "
+		"printed and by sectors have the paper's sizes, which are too large: quads reach beyond the crown. "
+		"Splats show wood and leaves, one vertex each, over wood that is drawn whole as in all other rows. "
+		"There is no figure where a coarsest level has more vertices than asked for.");
+	return bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, "
+		"mean over plants", .x = "share of the vertices", .y = "Q", .log_x = true, .series = series,
+		.series_count = plotted }, error);
+}
+
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct bench_model *models = NULL;
-	uint32_t count = 0, done[2] = { 0 }, plants = 0;
-	double sum[KINDS][SHARES] = { { 0 } };
-	struct bench_series series[KINDS];
+	uint32_t count = 0, done[2] = { 0 };
+	double sum[ROWS][SHARES] = { { 0 } };
 	enum eco_code code = write_made(bench, error);
 	code = code ? code : bench_models(bench, &models, &count, error);
-	struct bench_table *table = bench_table_open(bench, "collapse",
-		"plant,leaves,method,Q at 2 %,Q at 5 %,"
-		"Q at 10 %,Q at 20 %,Q at 30 %,Q at 50 % of the vertices", true);
 	for (uint32_t i = 0; i < count && !code; i++) {
 		bool made = models[i].generated;
-		if (models[i].leaves < LEAVES_LEAST)
+		if (models[i].leaves < BENCH_ELEMENTS_LEAST)
 			continue;
 		if (!bench->full && done[made] >= (made ? MADE_QUICK : READ_QUICK)) {
 			bench_left_out(bench, models[i].name);
 			continue;
 		}
 		bench_progress(bench, (double)i / count, models[i].name);
-		code = study_plant(bench, &models[i], table, sum, error);
+		code = study_plant(bench, &models[i], sum, error);
 		done[made]++;
-		plants++;
 	}
-	for (int kind = 0; kind < KINDS && !code; kind++) {      /* NaN if one plant has no figure */
-		for (uint32_t i = 0; i < SHARES; i++)
-			sum[kind][i] /= plants;
-		bench_table_row(table, "mean,%u plants,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", plants,
-			kind_names[kind],
-			sum[kind][0], sum[kind][1], sum[kind][2], sum[kind][3], sum[kind][4], sum[kind][5]);
-		series[kind] = (struct bench_series){ kind_names[kind], shares, sum[kind], SHARES, false };
-	}
-	bench_table_close(table);
 	free(models);
-	if (code)
-		return code;
-	bench_key(bench, "collapse_q_10", sum[PRINTED][2], "Q of leaf collapse at 10 % of the vertices");
-	bench_say(bench, "Quads have the paper's sizes, which are too large: they reach beyond the crown. There is "
-		"no figure where a coarsest level has more vertices than asked for.");
-	return bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, "
-		"mean over plants", .x = "share of the vertices", .y = "Q", .log_x = true, .series = series,
-		.series_count = KINDS }, error);
+	return code ? code : write_means(bench, sum, done[0] + done[1], error);
 }
 
-const struct bench_section bench_collapse = { "collapse", "Leaf collapse", run };
+const struct bench_section bench_collapse = { "collapse", "Leaf collapse against orders and splats", run };

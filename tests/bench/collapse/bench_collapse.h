@@ -15,8 +15,8 @@ struct bench_collapse {
 	uint64_t *vertices[BENCH_WEDGES];    /* per sector and level, 3 a triangle */
 };
 
-/* Extends the foliage, whose count stays. */
-void bench_collapse_grow(struct bench_collapse *c, uint32_t sectors, struct lod_foliage *foliage,
+/* Extends the foliage, whose count stays. `solid`: quads are drawn without textures. */
+void bench_collapse_grow(struct bench_collapse *c, uint32_t sectors, bool solid, struct lod_foliage *foliage,
 	struct lod_arena *arena);
 /* Adds the finest level of a sector of at most so many vertices to the order, the coarsest if all have more.
  * Returns its vertices. */

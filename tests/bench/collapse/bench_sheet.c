@@ -189,7 +189,7 @@ static enum eco_code draw_row(struct row *r, struct eco_error *error)
 	code = code ? code : lod_raster_init(&r->ids, &(struct lod_raster_options){ .width = PIXELS,
 		.height = PIXELS, .owner = true, .item = true }, error);
 	code = code ? code : draw_ours(r, 0, ECO_VERTICES_MAX, &full, error);
-	bench_collapse_grow(&r->levels, 1, f, arena);
+	bench_collapse_grow(&r->levels, 1, false, f, arena);
 	code = code ? code : lod_billboard_plant_open(&r->skeleton, &r->leaves->model, error);
 	for (uint32_t i = 0; i < COLUMNS && !code; i++) {
 		code = bench_go_on(r->bench, error);

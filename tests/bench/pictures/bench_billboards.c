@@ -237,24 +237,6 @@ static enum eco_code study_caps(struct study *s, struct eco_error *error)
 
 /* ---- A turn ---- */
 
-static double cloud_q(struct study *s, const struct lod_billboard_cloud *cloud, uint32_t view)
-{
-	const struct lod_sights *sights = &s->turn;
-	struct lod_raster *raster = &s->leaves->cover;
-	struct bench_wrong sum = { .pixels = sights->reference_pixels[view] };
-	lod_raster_clear(raster);
-	lod_raster_camera(raster, &sights->eyes[view], sights->near_m);
-	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-	lod_billboard_cloud_draw(cloud, 1, raster);
-	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
-		uint64_t word = sights->reference[view][i / PIXELS * (PIXELS / 64) + i % PIXELS / 64];
-		bool shown = raster->cover[i], wanted = word >> (i % 64) & 1;
-		sum.fp += shown && !wanted;
-		sum.fn += wanted && !shown;
-	}
-	return bench_wrong_q(&sum);
-}
-
 static double leaves_q(struct study *s, uint32_t count, float scale, uint32_t view)
 {
 	struct bench_wrong sum = { 0 };
@@ -336,8 +318,11 @@ static enum eco_code study_turn(struct study *s, struct eco_error *error)
 	enum eco_code code = lod_sights_make(&s->turn, &s->leaves->foliage, (const double (*)[3])to,
 		TURN_VIEWS, PIXELS, &s->leaves->arena, error);
 	code = code ? code : lod_billboard_cloud_make(&cloud, s->plant, caps[TURNED], error);
-	for (uint32_t v = 0; v < TURN_VIEWS && !code; v++)
-		mean += (q[v] = cloud_q(s, &cloud, v)) / TURN_VIEWS;
+	for (uint32_t v = 0; v < TURN_VIEWS && !code; v++) {
+		struct bench_wrong sum = { 0 };
+		bench_leaves_compare_drawn(s->leaves, &s->turn, v, false, draw_cloud, &cloud, &sum);
+		mean += (q[v] = bench_wrong_q(&sum)) / TURN_VIEWS;
+	}
 	if (!code)
 		keep_turn(s, 6.0 * cloud.count, 0, q, true);
 	lod_billboard_cloud_free(&cloud);

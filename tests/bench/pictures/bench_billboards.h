@@ -4,9 +4,7 @@
 
 #include "lod/build/splat/splat_fit.h"
 #include "lod/raster/raster.h"
-#include "tests/bench/bench.h"
-
-typedef void bench_draw_call(const void *what, struct lod_raster *raster);
+#include "tests/bench/bench_leaves.h"
 
 /* Mean of a texture's opaque texels, darker than white. */
 void bench_billboards_color(const struct eco_image *image, uint8_t rgb[3]);
