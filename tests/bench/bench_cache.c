@@ -4,7 +4,6 @@
  * Paths go there and back, which needs everything twice; with the data folder there is a drone's recorded flight
  * over the SCBI forest, too. The whole need is the memory of a client without a limit at the end. Nothing is
  * drawn: tests/client/test_view_cache.c compares the pictures. */
-#include <math.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 
@@ -180,10 +179,9 @@ static enum eco_code run_path(void *ctx, json_t **rows, struct eco_error *error)
 	return code;
 }
 
-/* The bytes at half the need over those without a limit, of whole walks; NaN otherwise. */
-static double add_rows(struct bench_table *table, size_t which, const json_t *rows)
+static void add_rows(struct bench_table *table, size_t which, const json_t *rows)
 {
-	double half = NAN, all[FIGURES], now[FIGURES];
+	double all[FIGURES], now[FIGURES];
 	bench_cells(json_array_get(rows, 0), all, FIGURES);
 	for (size_t i = 0; i < PARTS; i++) {
 		char part[24];
@@ -194,13 +192,10 @@ static double add_rows(struct bench_table *table, size_t which, const json_t *ro
 			paths[which].scene, paths[which].recorded ? "recorded" : "there and back", part,
 			now[MEMORY] / (1 << 20), now[FRAMES], all[FRAMES], now[BYTES], now[BYTES] / all[BYTES],
 			now[EVICTIONS], now[AGAIN], now[ANSWERS] - now[FRAMES]);
-		if (parts[i] == 2 && now[FRAMES] == all[FRAMES])
-			half = now[BYTES] / all[BYTES];
 	}
-	return half;
 }
 
-static enum eco_code try_path(struct bench *bench, size_t which, struct bench_table *table, double *half,
+static enum eco_code try_path(struct bench *bench, size_t which, struct bench_table *table,
 	struct eco_error *error)
 {
 	char pack[512], name[96];
@@ -213,27 +208,24 @@ static enum eco_code try_path(struct bench *bench, size_t which, struct bench_ta
 	code = bench_unit(bench, name, bench_pack_stamp(pack), run_path, &(struct work){ bench, which, pack }, &rows,
 		error);
 	if (!code)
-		*half = fmax(*half, add_rows(table, which, rows));
+		add_rows(table, which, rows);
 	return code;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	double half = NAN;
 	enum eco_code code = ECO_OK;
 	struct bench_table *table = bench_table_open(bench, "cache", "scene,path,memory,MiB,frames,bytes,"
 		"times no limit,chunks evicted,bytes fetched again,requests repeated", true);
 	for (size_t i = 0; i < PATHS && !code; i++)
 		if (!paths[i].recorded || has_track(bench))
-			code = try_path(bench, i, table, &half, error);
+			code = try_path(bench, i, table, error);
 	bench_table_close(table);
 	if (code)
 		return code;
 	bench_say(bench, "A client may hold a part of the decoded data that a whole path needs, at %u vertices a "
 		"frame. The chunk that no plan needed for the longest time goes first; ties: the largest. A path "
 		"ends where one view alone needs more than there is.", VERTICES);
-	bench_key(bench, "cache_bytes_at_half", half,
-		"bytes fetched with half the memory over those with all, worst path");
 	return ECO_OK;
 }
 

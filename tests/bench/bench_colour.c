@@ -36,18 +36,18 @@ static const uint64_t budgets[] = { 10000, 100000, 1000000 };
 enum variant { OURS, UNSHADED, FLAT, SOFTWARE, VARIANTS };
 static const char *const variant_names[VARIANTS] = { "ours", "no self-occlusion", "flat colours",
 	"rasteriser" };
-enum { RMS, RED, GREEN, BLUE, PERCEPTUAL, Q, FIGURES };
+/* TONE: the mean over channels. */
+enum { RMS, TONE, PERCEPTUAL, Q, FIGURES };
 
-/* ---- Comparing ---- */
+/* ---- Drawing and comparing ---- */
 
-static double encoded(double light) { return lod_light_byte(light) / 255.0; }
-
-static enum eco_code compare(const struct view_picture *a, const struct view_picture *r, double hue[FIGURES],
-	struct eco_error *error)
+static enum eco_code compare(const struct view_picture *a, const struct view_picture *r, json_t *row,
+	size_t variant, struct eco_error *error)
 {
 	const struct view_picture *pictures[2] = { a, r };
 	struct lod_light sum[2] = { { { 0 }, 0 }, { { 0 }, 0 } };
-	double square = 0, either = 0;
+	struct lod_score score;
+	double square = 0, either = 0, tone = 0;
 	uint64_t different = 0;
 	for (size_t i = 0; i < (size_t)a->width * a->height; i++) {
 		for (int side = 0; side < 2; side++)
@@ -56,63 +56,57 @@ static enum eco_code compare(const struct view_picture *a, const struct view_pic
 		if (!a->cover[i] && !r->cover[i])
 			continue;
 		either++;
-		for (size_t k = 3 * i; k < 3 * i + 3; k++) {
-			double d = (a->rgb[k] - r->rgb[k]) / 255.0;
-			square += d * d;
-		}
+		for (size_t k = 3 * i; k < 3 * i + 3; k++)
+			square += (a->rgb[k] - r->rgb[k]) * (a->rgb[k] - r->rgb[k]) / 65025.0;
 	}
-	hue[RMS] = either > 0 ? sqrt(square / (3 * either)) : NAN;
+	if (!(sum[0].weight > 0 && sum[1].weight > 0))
+		return ECO_OK;
 	for (int k = 0; k < 3; k++)
-		hue[RED + k] = sum[0].weight > 0 && sum[1].weight > 0 ? encoded(sum[0].sum[k] / sum[0].weight)
-			- encoded(sum[1].sum[k] / sum[1].weight) : NAN;
+		tone += abs(lod_light_byte(sum[0].sum[k] / sum[0].weight)
+			- lod_light_byte(sum[1].sum[k] / sum[1].weight)) / 765.0;
 	enum eco_code code = eco_pixels_compare(&(struct eco_pixels){ a->width, a->height, 3, a->rgb },
 		&(struct eco_pixels){ r->width, r->height, 3, r->rgb }, &different, error);
-	hue[PERCEPTUAL] = either > 0 ? (double)different / either : NAN;
-	struct lod_score score;
-	lod_score(&score, &(struct lod_score_input){ .width = a->width, .height = a->height,
-		.cover = a->cover, .reference = r->cover, .owner = a->owner, .reference_owner = r->owner });
-	hue[Q] = score.q;
+	lod_score(&score, &(struct lod_score_input){ a->width, a->height, a->cover, r->cover, a->owner,
+		r->owner });
+	json_array_set_new(row, variant, bench_reals((double[]){ sqrt(square / (3 * either)), tone,
+		(double)different / either, score.q }, FIGURES));
 	return code;
 }
 
-/* ---- Drawing ---- */
-
-struct frame {                   /* one plan, or full detail */
-	struct view_store *store;
-	struct view_selection selection;
-	struct lod_eye eye;
-	const struct eco_view *view;
-};
+/* One plan, or full detail; the picture is the rasteriser's. */
+struct frame { struct view_store *store; struct bench_drawing drawing; struct view_picture picture; };
 
 static void close_frame(struct frame *frame)
 {
-	view_select_free(&frame->selection);
+	view_select_free(&frame->drawing.selection);
+	view_picture_free(&frame->picture);
 	view_store_free(frame->store);
 }
 
 static enum eco_code open_frame(struct frame *frame, const struct srv_scene *scene,
 	const struct eco_request *request, struct eco_error *error)
 {
-	*frame = (struct frame){ .view = &request->view };
-	lod_eye_make(&frame->eye, &request->view);
 	const struct view_store_options options = { .images = true, .memory_max = 16ull << 30 };
+	*frame = (struct frame){ 0 };
 	enum eco_code code = view_store_new(&frame->store, &options, error);
-	if (!code)
-		code = bench_fetch(NULL, scene, request, frame->store, error);
-	return code ? code : view_select_make(&frame->selection, frame->store, &frame->eye, error);
+	code = code ? code : bench_fetch(NULL, scene, request, frame->store, error);
+	return code ? code : bench_draw(&frame->drawing, frame->store, &request->view, &frame->picture, error);
 }
 
-static enum eco_code draw(const struct frame *frame, struct view_gl *gl, enum view_tint tint,
-	struct view_picture *picture, struct eco_error *error)
+/* Nothing where there is no OpenGL. */
+static enum eco_code draw_gl(const struct frame *frame, enum view_tint tint, struct view_picture *picture,
+	struct eco_error *error)
 {
-	double near_m = view_store_near_m(frame->store) > 0 ? view_store_near_m(frame->store) : 0.1;
-	enum eco_code code = view_picture_init(picture, frame->view->width, frame->view->height, error);
-	if (!code && gl)
-		return view_gl_draw(gl, &(struct view_gl_job){ frame->store, &frame->selection, &frame->eye,
-			near_m, tint }, picture, error);
-	return code ? code : view_reference_draw(&(struct view_reference_job){ .store = frame->store,
-		.selection = &frame->selection, .eye = &frame->eye, .near_m = near_m, .tint = tint }, picture,
-		error);
+	struct view_gl *gl;
+	struct eco_error why = { 0 };
+	uint32_t width = frame->picture.width, height = frame->picture.height;
+	if (view_gl_open(&gl, &(struct view_gl_options){ width, height }, &why))
+		return ECO_OK;
+	enum eco_code code = view_picture_init(picture, width, height, error);
+	code = code ? code : view_gl_draw(gl, &(struct view_gl_job){ frame->store, &frame->drawing.selection,
+		&frame->drawing.eye, frame->drawing.job.near_m, tint }, picture, error);
+	view_gl_close(gl);
+	return code;
 }
 
 /* Plain mean of an image's bytes, whatever is clear. */
@@ -190,26 +184,8 @@ struct work {
 	struct eco_request request;
 	const char *name;            /* of its pictures */
 	struct frame full;
-	struct view_picture reference[2];    /* OpenGL's (empty where there is none), the rasteriser's */
+	struct view_picture reference;       /* OpenGL's; empty where there is none */
 };
-
-static enum eco_code open_gl(struct view_gl **gl, const struct work *w)
-{
-	struct eco_error why = { 0 };
-	const struct eco_view *view = &w->request.view;
-	return view_gl_open(gl, &(struct view_gl_options){ view->width, view->height }, &why);
-}
-
-static enum eco_code draw_references(struct work *w, struct eco_error *error)
-{
-	struct view_gl *gl = NULL;
-	enum eco_code code = draw(&w->full, NULL, VIEW_TINT_NONE, &w->reference[1], error);
-	if (code || (double)w->full.selection.vertices > REFERENCE_VERTICES || open_gl(&gl, w))
-		return code;
-	code = draw(&w->full, gl, VIEW_TINT_NONE, &w->reference[0], error);
-	view_gl_close(gl);
-	return code;
-}
 
 /* Full detail, ours, and four times the difference around gray. */
 static enum eco_code write_pictures(const struct work *w, const struct view_picture *ours,
@@ -231,41 +207,25 @@ static enum eco_code write_pictures(const struct work *w, const struct view_pict
 	return code;
 }
 
-static enum eco_code draw_variant(const struct work *w, const struct frame *frame, enum variant variant,
-	uint64_t budget, json_t *row, struct eco_error *error)
+static enum eco_code try_budget(const struct work *w, uint64_t budget, json_t *row, struct eco_error *error)
 {
-	struct view_picture picture = { 0 };
-	struct view_gl *gl = NULL;
-	double hue[FIGURES];
-	const struct view_picture *reference = &w->reference[variant == SOFTWARE];
-	if (variant == FLAT)
-		flatten(frame->store, w->full.store);
-	if (variant != SOFTWARE && (!reference->rgb || open_gl(&gl, w)))
-		return ECO_OK;
-	enum eco_code code = draw(frame, gl, variant == UNSHADED || variant == FLAT ? VIEW_TINT_UNSHADED
-		: VIEW_TINT_NONE, &picture, error);
-	if (!code)
-		code = compare(&picture, reference, hue, error);
-	if (!code)
-		json_array_set_new(row, variant, bench_reals(hue, FIGURES));
-	if (!code && variant == (w->reference[0].rgb ? OURS : SOFTWARE))
-		code = write_pictures(w, &picture, reference, budget, error);
-	view_picture_free(&picture);
-	view_gl_close(gl);
-	return code;
-}
-
-static enum eco_code try_budget(const struct work *w, uint64_t budget, json_t **made, struct eco_error *error)
-{
-	/* the last changes the palettes */
-	static const enum variant order[VARIANTS] = { SOFTWARE, OURS, UNSHADED, FLAT };
 	struct eco_request request = w->request;
 	struct frame frame;
 	request.vertices = budget;
 	enum eco_code code = open_frame(&frame, w->scene, &request, error);
-	*made = json_pack("[nnnn]");
-	for (int i = 0; i < VARIANTS && !code; i++)
-		code = draw_variant(w, &frame, order[i], budget, *made, error);
+	code = code ? code : compare(&frame.picture, &w->full.picture, row, SOFTWARE, error);
+	if (!code && !w->reference.rgb)
+		code = write_pictures(w, &frame.picture, &w->full.picture, budget, error);
+	for (size_t v = OURS; v <= FLAT && !code && w->reference.rgb; v++) {
+		struct view_picture picture = { 0 };
+		if (v == FLAT)
+			flatten(frame.store, w->full.store);
+		code = draw_gl(&frame, v == OURS ? VIEW_TINT_NONE : VIEW_TINT_UNSHADED, &picture, error);
+		code = code ? code : compare(&picture, &w->reference, row, v, error);
+		if (!code && v == OURS)
+			code = write_pictures(w, &picture, &w->reference, budget, error);
+		view_picture_free(&picture);
+	}
 	close_frame(&frame);
 	return code;
 }
@@ -274,23 +234,18 @@ static enum eco_code study_view(void *ctx, json_t **rows, struct eco_error *erro
 {
 	struct work *w = ctx;
 	struct eco_request all = { .view = w->request.view, .vertices = ECO_VERTICES_MAX,
-		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN,
-		.texel_px = ECO_TEXEL_PX_MIN };
+		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
 	*rows = json_array();
 	enum eco_code code = open_frame(&w->full, w->scene, &all, error);
-	if (!code)
-		code = draw_references(w, error);
+	if (!code && (double)w->full.drawing.selection.vertices <= REFERENCE_VERTICES)
+		code = draw_gl(&w->full, VIEW_TINT_NONE, &w->reference, error);
 	for (size_t b = 0; b < BUDGETS && !code; b++) {
-		json_t *row;
+		json_array_append_new(*rows, json_pack("[nnnn]"));
 		code = bench_go_on(w->bench, error);
-		if (!code) {
-			code = try_budget(w, budgets[b], &row, error);
-			json_array_append_new(*rows, row);
-		}
+		code = code ? code : try_budget(w, budgets[b], json_array_get(*rows, b), error);
 	}
 	close_frame(&w->full);
-	for (int i = 0; i < 2; i++)
-		view_picture_free(&w->reference[i]);
+	view_picture_free(&w->reference);
 	return code;
 }
 
@@ -310,20 +265,14 @@ static struct eco_view away(const struct eco_view *view, double times)
 
 /* ---- Tables ---- */
 
-/* Tone: the mean of three absolute values. */
-struct sums { double rms, tone, perceptual; uint32_t count; };
+struct sums { double figure[FIGURES]; uint32_t count; };
 
 static void add_row(struct sums sums[VARIANTS], const json_t *row)
 {
 	for (size_t v = 0; v < VARIANTS; v++) {
-		double hue[FIGURES];
-		bench_cells(json_array_get(row, v), hue, FIGURES);
-		if (isnan(hue[RMS]) || isnan(hue[RED]))
-			continue;
-		sums[v].rms += hue[RMS];
-		sums[v].tone += (fabs(hue[RED]) + fabs(hue[GREEN]) + fabs(hue[BLUE])) / 3;
-		sums[v].perceptual += hue[PERCEPTUAL];
-		sums[v].count++;
+		for (size_t f = 0; f < FIGURES && !json_is_null(json_array_get(row, v)); f++)
+			sums[v].figure[f] += bench_cell(json_array_get(row, v), f);
+		sums[v].count += !json_is_null(json_array_get(row, v));
 	}
 }
 
@@ -376,7 +325,7 @@ static enum eco_code study_scene(struct bench *bench, size_t number, struct sums
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	struct sums sums[VARIANTS] = { { 0 } };
+	struct sums sums[VARIANTS] = { { { 0 }, 0 } };
 	enum eco_code code = ECO_OK;
 	for (size_t s = 0; s < SCENES && !code; s++)
 		code = study_scene(bench, s, sums, error);
@@ -385,24 +334,15 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_say(bench, "Colours against full detail, means over scenes, views, distances and budgets. "
 		"Tone is the mean light over covered pixels; the first three are drawn by OpenGL with light "
 		"and shade, the last flat, each against full detail drawn in the same way.");
-	struct bench_table *table = bench_table_open(bench, "colour_means", "colours,frames,rms,tone,perceptual", true);
+	struct bench_table *table = bench_table_open(bench, "colour_means", "colours,frames,rms,tone,perceptual",
+		true);
 	for (int v = 0; v < VARIANTS; v++) {
-		double count = sums[v].count ? sums[v].count : NAN;
-		sums[v].rms /= count;
-		sums[v].tone /= count;
-		sums[v].perceptual /= count;
+		const double *sum = sums[v].figure, count = sums[v].count;
 		if (sums[v].count)
 			bench_table_row(table, "%s,%u,%.4f,%.4f,%.4f", variant_names[v], sums[v].count,
-				sums[v].rms, sums[v].tone, sums[v].perceptual);
+				sum[RMS] / count, sum[TONE] / count, sum[PERCEPTUAL] / count);
 	}
 	bench_table_close(table);
-	const struct sums *shown = &sums[sums[OURS].count ? OURS : SOFTWARE];
-	bench_key(bench, "colour_rms", shown->rms, "as low as can be; beside it what flat colours come to");
-	bench_key(bench, "colour_tone", shown->tone, "far forest keeps its tone: below 0.02");
-	bench_key(bench, "colour_perceptual", shown->perceptual,
-		"pixels that look different, over covered ones");
-	bench_key(bench, "colour_rms_flat", sums[FLAT].rms, "the baseline");
-	bench_key(bench, "colour_tone_flat", sums[FLAT].tone, "the baseline");
 	return ECO_OK;
 }
 

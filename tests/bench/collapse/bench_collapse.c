@@ -583,8 +583,6 @@ static enum eco_code write_means(struct bench *bench, double sum[ROWS][SHARES], 
 	bench_table_close(table);
 	bench_key(bench, "collapse_q_10", sum[BENCH_ORDERS + SCALED][2],
 		"Q of leaf collapse at 10 % of the vertices");
-	bench_key(bench, "collapse_greedy_q_10", sum[BENCH_GREEDY][2], "beside it: the greedy order");
-	bench_key(bench, "collapse_splats_q_10", sum[BENCH_ORDERS + SPLATS][2], "beside it: splats");
 	bench_say(bench, "Orders, leaf collapse and its quads without textures each have their best scale. Rows as "
 		"printed and by sectors have the paper's sizes, which are too large: quads reach beyond the crown. "
 		"Splats show wood and leaves, one vertex each, over wood that is drawn whole as in all other rows. "

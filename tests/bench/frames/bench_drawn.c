@@ -170,7 +170,6 @@ static void write_path(struct bench *bench, struct bench_table *table, uint64_t 
 	static const char *const names[2] = { "pack's ladder", "stochastic order by our rule" };
 	for (int which = 0; which < 2; which++) {
 		double saved[BENCH_SHOT_VIEWS_MAX], least = INFINITY, ours = 0, cook = 0;
-		char key[64];
 		for (uint32_t v = 0; v < views; v++) {
 			saved[v] = 1 - value[v][OURS + which] / value[v][COOK];
 			least = fmin(least, saved[v]);
@@ -181,10 +180,6 @@ static void write_path(struct bench *bench, struct bench_table *table, uint64_t 
 		bench_table_row(table, "%llu,%s,%u,%.1f,%.1f,%.1f,%.1f,%.1f", (unsigned long long)budget,
 			names[which], views, 100 * interval.mean, 100 * interval.low, 100 * interval.high,
 			100 * least, 100 * (1 - ours / cook));
-		snprintf(key, sizeof key, "drawn_saved_%llu", (unsigned long long)budget);
-		if (which == 0)
-			bench_key(bench, key, interval.mean,
-				"drawn frames of the path: saved at Cook's Q, mean");
 	}
 }
 
