@@ -10,6 +10,7 @@
 
 struct lod_rank_options {
 	uint32_t views, pixels;              /* 0: chosen by the plant */
+	const double (*directions)[3];       /* of the views; NULL: spread all around by the seed */
 	uint32_t seed;
 	bool leaves;                         /* no leaf will be drawn as a point */
 	/* Minimises wrong pixels, as in Lee's table, instead of maximising Q; no leaf is drawn as a point. */

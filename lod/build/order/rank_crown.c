@@ -61,6 +61,8 @@ enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *
 	enum eco_code code = ECO_OK;
 	*crown = (struct lod_crown){ .foliage = foliage, .views = views };
 	lod_directions_spread(directions, views, options->seed);
+	if (options->directions)
+		memcpy(directions, options->directions, views * sizeof *directions);
 	for (uint32_t k = 0; k < LOD_CROWN_LEVELS && !code; k++)
 		if (pixels >> (LOD_CROWN_LEVELS - 1 - k) >= PIXELS_FEWEST || k + 1 == LOD_CROWN_LEVELS)
 			code = open_level(crown, (const double (*)[3])directions,
