@@ -303,7 +303,7 @@ static enum eco_code look(struct study *s, struct lod_sights *sights, const doub
 		error);
 }
 
-/* Whose pixels: of leaves as they are, over whole wood. NULL draws all. */
+/* Owners of pixels: leaves as they are, over whole wood. NULL draws all. */
 static void draw_ids(struct study *s, uint32_t view, const struct lod_sights_drawing *drawing)
 {
 	const struct lod_foliage *f = &s->leaves->foliage;

@@ -1,4 +1,4 @@
-/* What packs hold of a plant, drawn with few vertices beside billboard clouds: splats and impostors. */
+/* A plant with few vertices as packs show it, beside billboard clouds: splats and impostors. */
 #include <string.h>
 
 #include "ecofiles/format/impostor.h"
