@@ -45,15 +45,18 @@
 
 const double bench_shares[BENCH_SHARES] = { 0.02, 0.05, 0.1, 0.2, 0.3, 0.5 };
 const char *const bench_order_names[METHODS] = { "stochastic", "density", "orientation",
-	"orientation with much noise", "combined", "combined with much noise", "greedy" };
+	"orientation with much noise", "combined", "combined with much noise", "greedy at one scale",
+	"greedy", "greedy with simpler leaves" };
 static const struct { const char *printed; enum lod_order_method order; double noise; } methods[METHODS] = {
 	{ "10.1", LOD_ORDER_STOCHASTIC, 0 }, { "17.4", LOD_ORDER_DENSITY, 0 },
 	{ "40.7", LOD_ORDER_ORIENTATION, NOISE_SMALL }, { "-", LOD_ORDER_ORIENTATION, NOISE_MUCH },
 	{ "30.1", LOD_ORDER_COMBINED, NOISE_SMALL }, { "-", LOD_ORDER_COMBINED, NOISE_MUCH },
-	{ .printed = "-" } };
+	{ .printed = "-" }, { .printed = "-" }, { .printed = "-" } };
 
-/* Scale: Cook's times 2^(step / 8). */
-struct row { double lambda, step, count, q; };
+#define WAYS 5                   /* from full leaves to triangles only */
+
+/* Scale: Cook's times 2^(step / 8). Elements [0, fine) as they are, [fine, count) triangles. */
+struct row { double lambda, step, count, fine, q; int way; };
 
 struct study {
 	struct bench *bench;
@@ -62,6 +65,7 @@ struct study {
 	uint32_t *order[METHODS], n;
 	uint64_t *vertices[METHODS];         /* of the first i of the order */
 	uint8_t *growth;
+	struct lod_simple *triangle, *shape;
 	float *factor;
 	double share, layers;                /* lod_cook_share of a leaf; layers of leaves */
 	struct row rows[METHODS][ROWS_MAX];
@@ -89,8 +93,9 @@ static enum eco_code make_orders(struct study *s, struct eco_error *error)
 	if (code)
 		return code;
 	s->growth = rank.growth;
+	s->triangle = rank.simple;
 	for (int m = 0; m < METHODS; m++) {
-		s->order[m] = m == BENCH_GREEDY ? rank.order : bench_leaves_order(s->leaves, methods[m].order,
+		s->order[m] = m >= BENCH_PLAIN ? rank.order : bench_leaves_order(s->leaves, methods[m].order,
 			methods[m].noise);
 		s->vertices[m] = lod_arena_take(&s->leaves->arena, (size_t)s->n + 1, sizeof *s->vertices[m]);
 		for (uint32_t k = 0; k < s->n; k++)
@@ -147,10 +152,16 @@ static double try_row(struct study *s, enum bench_order method, const struct lod
 	const struct row *row, double least)
 {
 	struct lod_sights_drawing drawing = { .order = s->order[method], .count = whole(row->count, s->n),
-		.scale = (float)(row->count >= s->n ? 1 : s->n / row->count * exp2(row->step / 8)) };
-	for (uint32_t k = 0; k < drawing.count && method == BENCH_GREEDY; k++)
-		s->factor[drawing.order[k]] = eco_growth(s->growth[drawing.order[k]], drawing.scale);
-	drawing.factor = method == BENCH_GREEDY ? s->factor : NULL;
+		.scale = (float)(row->fine >= s->n ? 1 : s->n / fmin(row->count, s->n) * exp2(row->step / 8)),
+		.factor = method >= BENCH_GREEDY ? s->factor : NULL,
+		.shape = method == BENCH_TRIANGLES ? s->shape : NULL };
+	uint32_t fine = row->fine < 0.5 ? 0 : whole(row->fine, drawing.count);
+	for (uint32_t k = 0; k < drawing.count && method >= BENCH_GREEDY; k++) {
+		uint32_t i = drawing.order[k];
+		bool simpler = k >= fine && s->vertices[method][k + 1] - s->vertices[method][k] > 3;
+		s->factor[i] = eco_growth(s->growth[i], drawing.scale);
+		s->shape[i] = simpler ? s->triangle[i] : (struct lod_simple){ .corners = 0 };
+	}
 	return q_of(s, sights, &drawing, least);
 }
 
@@ -170,13 +181,34 @@ static double elements_at(const uint64_t *sum, uint32_t n, double vertices)
 	return low >= n ? n : low + (vertices - (double)sum[low]) / (double)(sum[low + 1] - sum[low]);
 }
 
+/* Way 0 draws all as they are, WAYS - 1 as many elements as can be with triangles. */
+static void place(const struct study *s, enum bench_order method, struct row *row)
+{
+	const uint64_t *sum = s->vertices[method];
+	double vertices = row->lambda * (double)sum[s->n];
+	row->count = row->fine = elements_at(sum, s->n, vertices);
+	if (row->way == 0)
+		return;
+	row->count *= pow(fmin(s->n, vertices / 3) / fmax(row->count, 1e-9), (double)row->way / (WAYS - 1));
+	uint32_t count = whole(row->count, s->n), low = 0, high = count;
+	/* the most elements as they are that leave the others room */
+	while (low < high) {
+		uint32_t middle = (low + high + 1) / 2;
+		if ((double)(sum[middle] + 3 * (uint64_t)(count - middle)) <= vertices)
+			low = middle;
+		else
+			high = middle - 1;
+	}
+	row->fine = low;
+}
+
 /* Climbs from row->step, in strides of four eighths, two and one. No step is tried twice. */
-static void climb(struct study *s, enum bench_order method, struct row *row)
+static double climb(struct study *s, enum bench_order method, struct row *row)
 {
 	bool tried[2 * STEPS_MOST + 1] = { false };
 	double best = try_row(s, method, &s->tuning, row, -INFINITY);
-	if (row->count >= s->n)
-		return;
+	if (row->count >= s->n && row->fine >= s->n)
+		return best;
 	tried[(int)row->step + STEPS_MOST] = true;
 	for (int stride = 4; stride > 0; stride /= 2)
 		for (int way = -1; way <= 1; way += 2)
@@ -192,9 +224,29 @@ static void climb(struct study *s, enum bench_order method, struct row *row)
 				best = q;
 				*row = next;
 			}
+	return best;
 }
 
-/* Each row starts from the scale of the next larger lambda. */
+/* From the row of the next larger lambda on, with its scale and ways. */
+static void fill_row(struct study *s, enum bench_order method, struct row *row, const struct row *larger)
+{
+	struct row best = *row;
+	double best_q = -INFINITY;
+	int last = method == BENCH_TRIANGLES ? WAYS - 1 : 0,
+		from = larger && larger->way > 0 ? larger->way - 1 : 0,
+		to = larger && larger->way < last ? larger->way + 1 : last;
+	for (int way = from; way <= to; way++) {
+		struct row one = { .lambda = row->lambda, .way = way, .step = larger ? larger->step : 0 };
+		place(s, method, &one);
+		double q = climb(s, method, &one);
+		if (q > best_q)
+			best = one;
+		best_q = fmax(best_q, q);
+	}
+	*row = best;
+	row->q = try_row(s, method, &s->tests, row, -INFINITY);
+}
+
 static enum eco_code fill_tables(struct study *s, struct eco_error *error)
 {
 	double lambda[ROWS_MAX], least = fmax(LAMBDA_LEAST, 1.0 / s->n),
@@ -207,10 +259,8 @@ static enum eco_code fill_tables(struct study *s, struct eco_error *error)
 		enum bench_order m = (enum bench_order)(i / s->row_count);
 		uint32_t at = i % s->row_count;
 		struct row *row = &s->rows[m][at];
-		*row = (struct row){ lambda[at], at ? row[-1].step : 0, elements_at(s->vertices[m], s->n,
-			lambda[at] * (double)s->vertices[m][s->n]), 0 };
-		climb(s, m, row);
-		row->q = try_row(s, m, &s->tests, row, -INFINITY);
+		*row = (struct row){ .lambda = lambda[at] };
+		fill_row(s, m, row, at ? row - 1 : NULL);
 		enum eco_code code = bench_go_on(s->bench, error);
 		if (code)
 			return code;
@@ -285,6 +335,7 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 	if (s->n < BENCH_ELEMENTS_LEAST)
 		return ECO_OK;
 	s->factor = lod_arena_take(&leaves->arena, s->n, sizeof *s->factor);
+	s->shape = lod_arena_take(&leaves->arena, s->n, sizeof *s->shape);
 	enum eco_code code = make_orders(s, error);
 	code = code ? code : look(s, &s->tuning, TUNING_VIEWS, TUNING_SEED, error);
 	code = code ? code : look(s, &s->tests, s->bench->full ? TESTS_MOST : TESTS_MOST / 2, TEST_SEED,
@@ -404,7 +455,8 @@ static void write_tables(struct bench *bench, const struct all *all)
 		"layers of leaves,stochastic %,at d >= .5 %,density %,density at d >= .5 %,orientation %,"
 		"orientation at d >= .5 %,orientation with much noise %,orientation with much noise at d >= .5 %,"
 		"combined %,combined at d >= .5 %,combined with much noise %,combined with much noise at d >= .5 %,"
-		"greedy %,greedy at d >= .5 %", true);
+		"greedy at one scale %,greedy at one scale at d >= .5 %,greedy %,greedy at d >= .5 %,"
+		"simpler leaves %,simpler leaves at d >= .5 %", true);
 	for (uint32_t i = 0; i < all->count; i++) {
 		const struct species *one = &all->of[i];
 		char row[400];
