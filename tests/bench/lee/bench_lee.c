@@ -571,22 +571,6 @@ static enum eco_code plot_table(struct bench *bench, const json_t *unit, struct 
 		.y = "wrong pixels, % of the reference", .series = series, .series_count = count }, error);
 }
 
-/* Wrong pixels of our one list over those of the best of Lee's three, scaled. */
-static void write_keys(struct bench *bench, const json_t *unit)
-{
-	static const char *const bars[SHARES] = { "at 80 %", "<= 0.8: at 50 %", "<= 0.7: at 30 %",
-		"<= 0.75: at 10 %" };
-	for (uint32_t share = 0; share < SHARES; share++) {
-		char key[32];
-		double best = INFINITY;
-		for (enum method m = DISTANCE; m <= LAYER; m++)
-			best = fmin(best, bench_cell(figures_of(unit, 0, m, SCALED_WRONG), share));
-		snprintf(key, sizeof key, "lee_static_%u", percent[share]);
-		bench_key(bench, key, bench_cell(figures_of(unit, 0, STATIC, SCALED_WRONG), share) / best,
-			bars[share]);
-	}
-}
-
 static void write_layers(struct bench *bench, const json_t *rows)
 {
 	bench_head(bench, "Layers, and shares of what");
@@ -624,12 +608,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	if (code)
 		return code;
 	write_table(bench, unit);
-	write_keys(bench, unit);
-	bench_say(bench,
-		"Lee, Peng and Kuo print, for a tree of 6,143 leaves at 80, 50, 30 and 10 %%: distance 3.03, "
-		"9.09, 14.03, 18.42; normal 5.31, 12.87, 16.49, 19.13; layer+normal 2.86, 10.06, 15.07, "
-		"18.75 %% incorrect pixels, without saying of what. Ours are of the reference's pixels; "
-		"layers: %u. Keys are wrong pixels over those of the best of Lee's three.", LOD_LEE_LAYERS);
 	code = plot_table(bench, unit, error);
 	if (!code)
 		write_layers(bench, json_array_get(unit, 1));
