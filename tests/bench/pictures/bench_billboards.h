@@ -10,7 +10,7 @@
 void bench_billboards_color(const struct eco_image *image, uint8_t rgb[3]);
 
 /* Our own representations (bench_billboards_ours.c). */
-enum bench_ours_kind { BENCH_OURS_SPLATS, BENCH_OURS_IMPOSTOR, BENCH_OURS_KINDS };
+enum bench_ours_kind { BENCH_OURS_OPAQUE, BENCH_OURS_SPLATS, BENCH_OURS_IMPOSTOR, BENCH_OURS_KINDS };
 extern const char *const bench_ours_names[BENCH_OURS_KINDS];
 /* `score` scores what `draw` draws with at most so many vertices, the best of several: each level of an impostor,
  * which has one vertex whatever the budget. */

@@ -7,7 +7,8 @@
 
 #define STATE_MOST 4096u
 
-const char *const bench_ours_names[BENCH_OURS_KINDS] = { "splats with opacity", "best impostor" };
+const char *const bench_ours_names[BENCH_OURS_KINDS] = { "opaque splats", "splats with opacity",
+	"best impostor" };
 
 /* ---- Splats ---- */
 
@@ -38,18 +39,19 @@ void bench_splats_draw(const void *what, struct lod_raster *raster)
 	}
 }
 
-static enum eco_code score_splats(const struct eco_model *model, const uint32_t *budgets, uint32_t count,
-	bench_ours_score *score, void *ctx, struct eco_error *error)
+static enum eco_code score_splats(const struct eco_model *model, bool opaque, const uint32_t *budgets,
+	uint32_t count, bench_ours_score *score, void *ctx, struct eco_error *error)
 {
 	static struct lod_splat items[STATE_MOST];
 	struct lod_splats splats = { 0 };
 	struct bench_splats state = { .items = items };
-	enum eco_code code = lod_splats_fit(&splats, model, &(struct lod_splats_options){ 0 }, error);
+	enum eco_code code = lod_splats_fit(&splats, model, &(struct lod_splats_options){
+		.opaque = opaque }, error);
 	if (!code && !splats.level_count)
 		code = eco_fail(error, ECO_UNSUPPORTED, "a plant that shows nothing");
 	for (uint32_t b = 0; b < count && !code; b++) {
 		bench_splats_state(&splats, budgets[b], &state);
-		score(ctx, BENCH_OURS_SPLATS, b, bench_splats_draw, &state);
+		score(ctx, opaque ? BENCH_OURS_OPAQUE : BENCH_OURS_SPLATS, b, bench_splats_draw, &state);
 	}
 	lod_splats_free(&splats);
 	return code;
@@ -88,6 +90,7 @@ static enum eco_code score_impostors(const struct eco_model *model, uint32_t cou
 enum eco_code bench_ours_each(const struct eco_model *model, const uint32_t *budgets, uint32_t count,
 	bench_ours_score *score, void *ctx, struct eco_error *error)
 {
-	enum eco_code code = score_splats(model, budgets, count, score, ctx, error);
+	enum eco_code code = score_splats(model, true, budgets, count, score, ctx, error);
+	code = code ? code : score_splats(model, false, budgets, count, score, ctx, error);
 	return code ? code : score_impostors(model, count, score, ctx, error);
 }
