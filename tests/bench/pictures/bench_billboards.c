@@ -106,8 +106,9 @@ static void shoot_fine(struct study *s, uint32_t view, bench_draw_call *draw, co
 	uint32_t width = FINE * size->side;
 	shoot(s, view, draw, what, &size->fine);
 	memset(count, 0, (size_t)size->side * size->side);
-	for (size_t i = 0; i < (size_t)width * width; i++)
-		count[i / width / FINE * size->side + i % width / FINE] += size->fine.cover[i] & 1;
+	for (uint32_t y = 0; y < width; y++)
+		for (uint32_t x = 0; x < width; x++)
+			count[y / FINE * size->side + x / FINE] += size->fine.cover[(size_t)y * width + x] & 1;
 }
 
 static enum eco_code open_pictures(struct study *s, struct eco_error *error)
@@ -162,10 +163,12 @@ static void score_ours(void *ctx, enum bench_ours_kind kind, uint32_t budget, be
 	const void *what)
 {
 	struct study *s = ctx;
-	double figure[FIGURES], *hard = &s->ours[kind][budget], *soft = hard + BUDGETS;
+	double figure[FIGURES], *hard = s->ours[kind], *soft = hard + BUDGETS;
 	score(s, draw, what, figure);
-	*hard = fmax(*hard, figure[QUALITY]);
-	*soft = fmax(*soft, figure[SOFT]);
+	for (uint32_t b = budget; b < (kind == BENCH_OURS_IMPOSTOR ? BUDGETS : budget + 1); b++) {
+		hard[b] = fmax(hard[b], figure[QUALITY]);
+		soft[b] = fmax(soft[b], figure[SOFT]);
+	}
 }
 
 void bench_billboards_color(const struct eco_image *image, uint8_t rgb[3])

@@ -64,8 +64,8 @@ static void draw_impostor(const void *impostor, struct lod_raster *raster)
 	lod_raster_impostor(raster, impostor, &(struct lod_raster_batch){ .count = 1, .owner = 1 });
 }
 
-static enum eco_code score_impostors(const struct eco_model *model, uint32_t count, bench_ours_score *score,
-	void *ctx, struct eco_error *error)
+static enum eco_code score_impostors(const struct eco_model *model, bench_ours_score *score, void *ctx,
+	struct eco_error *error)
 {
 	struct lod_impostors made = { 0 };
 	enum eco_code code = lod_impostors_make(&made, model, &(struct lod_impostors_options){ 0 }, error);
@@ -77,8 +77,8 @@ static enum eco_code score_impostors(const struct eco_model *model, uint32_t cou
 		code = eco_impostor_level_write(&w, &made.body, &made.levels[i], NULL, error);
 		code = code ? code : eco_impostor_level_read(&level, &body, w.bytes, w.size, error);
 		code = code ? code : lod_impostor_open(&impostor, &body, &level, error);
-		for (uint32_t b = 0; b < count && !code; b++)
-			score(ctx, BENCH_OURS_IMPOSTOR, b, draw_impostor, &impostor);
+		if (!code)
+			score(ctx, BENCH_OURS_IMPOSTOR, 0, draw_impostor, &impostor);
 		lod_impostor_close(&impostor);
 		eco_impostor_level_free(&level);
 		eco_writer_free(&w);
@@ -92,5 +92,5 @@ enum eco_code bench_ours_each(const struct eco_model *model, const uint32_t *bud
 {
 	enum eco_code code = score_splats(model, true, budgets, count, score, ctx, error);
 	code = code ? code : score_splats(model, false, budgets, count, score, ctx, error);
-	return code ? code : score_impostors(model, count, score, ctx, error);
+	return code ? code : score_impostors(model, score, ctx, error);
 }
