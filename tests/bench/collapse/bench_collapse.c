@@ -305,8 +305,8 @@ static enum eco_code look(struct study *s, struct lod_sights *sights, uint32_t c
 {
 	double to[VIEWS_MOST][3];
 	lod_directions_spread(to, count, seed);
-	return lod_sights_make(sights, &s->bare, (const double (*)[3])to, count, PIXELS, &s->leaves->arena,
-		error);
+	return lod_sights_make(sights, &s->leaves->foliage, (const double (*)[3])to, count, PIXELS,
+		&s->leaves->arena, error);
 }
 
 /* A row of Q for each kind. */

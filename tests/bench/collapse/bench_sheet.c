@@ -179,7 +179,8 @@ static enum eco_code draw_row(struct row *r, struct eco_error *error)
 	struct lod_arena *arena = &r->leaves->arena;
 	struct lod_foliage *f = &r->leaves->foliage;
 	enum eco_code code = lod_sights_make(&r->sights, f, any, 1, PIXELS, arena, error);
-	/* leaves are drawn from the eye that draws ours */
+	/* leaves are drawn from the eye that draws ours, without the wood that the other eye saw */
+	memset(r->sights.wood[0], 0, r->sights.words * sizeof **r->sights.wood);
 	r->sights.eyes[0] = r->plant.eye;
 	r->sights.near_m = r->plant.scene.near_m;
 	for (uint32_t i = 0; i < f->count; i++)
