@@ -105,7 +105,8 @@ static const struct { uint32_t n[4], budget, expected[4]; } layered[] = {
 
 UNIT_TEST(lee_shares_the_budget_among_layers)
 {
-	static const double depth[4] = { 4, 2.5, 1.5, 0 };       /* the outermost leaves say how thick layers are */
+	/* the outermost leaves say how thick layers are */
+	static const double depth[4] = { 4, 2.5, 1.5, 0 };
 	const struct lod_lee_view from_x = { .eye = { 100, 0, 0 }, .forward = { -1, 0, 0 }, .layers = 4 };
 	struct lod_v3 center[200], normal[200] = { { 0, 0, 0 } };
 	uint32_t kept[200], layer_of[200];
@@ -142,7 +143,8 @@ UNIT_TEST(lee_ranks_leaves_by_distance_and_normal)
 		for (enum lod_lee_method method = 0; method < LOD_LEE_COUNT; method++)
 			for (uint32_t budget = 0; budget < 10; budget++) {
 				assert_int_equal(lod_lee_keep(kept, method, &(struct lod_lee_leaves){
-					.count = 8, .center = center, .normal = normal }, &from, budget, &arena), budget < 8 ? budget : 8);
+					.count = 8, .center = center, .normal = normal }, &from, budget,
+					&arena), budget < 8 ? budget : 8);
 				assert_true(!budget || kept[0] == (method == LOD_LEE_DISTANCE ? i : 5));
 			}
 	}

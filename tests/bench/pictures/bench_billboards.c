@@ -106,9 +106,10 @@ static void shoot_fine(struct study *s, uint32_t view, bench_draw_call *draw, co
 	uint32_t width = FINE * size->side;
 	shoot(s, view, draw, what, &size->fine);
 	memset(count, 0, (size_t)size->side * size->side);
+	const uint8_t *cover = size->fine.cover;
 	for (uint32_t y = 0; y < width; y++)
 		for (uint32_t x = 0; x < width; x++)
-			count[y / FINE * size->side + x / FINE] += size->fine.cover[(size_t)y * width + x] & 1;
+			count[y / FINE * size->side + x / FINE] += *cover++ & 1;
 }
 
 static enum eco_code open_pictures(struct study *s, struct eco_error *error)
