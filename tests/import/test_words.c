@@ -366,7 +366,7 @@ UNIT_TEST(a_spread_has_the_quantiles_of_its_stream)
 	struct eco_spread spread = { 0 };
 	assert_true(isnan(eco_spread_quantile(&spread, 0.5)));
 	for (int i = 0; i < 100000; i++)
-		assert_true(eco_spread_add(&spread, (i * 7919) % 100000));
+		eco_spread_add(&spread, (i * 7919) % 100000);
 	assert_int_equal(spread.seen, 100000);
 	assert_true(spread.count <= ECO_SPREAD_KEPT);
 	assert_true(fabs(eco_spread_quantile(&spread, 0.5) - 50000) < 1500);
