@@ -2,7 +2,8 @@
  * size is known only at the end. So they are spooled to an unlinked file in the target's folder (memory
  * stays small, and a full disk is noticed early), and eco_pack_commit copies them behind
  * the tables. The target's name appears only by renaming a complete, synced file. A process that is killed
- * leaves its unfinished file; the next one that writes the same pack removes it. */
+ * leaves its unfinished file; the next one that writes the same pack removes it. Longer than
+ * 600 lines: spool, tables and commit share one state. */
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>

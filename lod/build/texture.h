@@ -47,7 +47,7 @@ enum eco_code lod_texture_levels_make(struct lod_texture_levels *levels, const s
 	uint32_t image, struct eco_error *error);
 void lod_texture_levels_free(struct lod_texture_levels *levels);
 
-/* From a square of ground to the levels of its tile (ecofiles/format/ground_image.h). Means are means of light
+/* From a square of ground to the levels of its tile (ecofiles/format/ground_tile.h). Means are means of light
  * over opaque texels; clear ones take the tile's mean, which costs few bytes. */
 
 /* A tile from its four children, which are quarters as eco_ground_image_quarter says. All have

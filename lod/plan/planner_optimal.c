@@ -11,12 +11,12 @@
  * - where few plants are in view and have a ladder that shows the whole plant, fill the budget with and
  *   without it, and keep what leaves less wrong
  * - where the answer has too many bytes, find a price for them and fill once more (lod/plan/price_search.h)
- * - in small scenes, also swap steps between choices (lod/plan/swap_steps.h). Trying other gates and tiles
+ * - in small scenes, also swap steps between choices (lod/plan/swap_steps.c). Trying other gates and tiles
  *   there was measured and is not worth it (lod/EXPERIMENTS.md, "Small scenes")
  *
  * The prediction is read off the grid, whose lambdas do not depend on the budget: along it vertices never
  * fall and errors never rise, and between two lambdas both are linear, as on a lower convex hull. The
- * predicted picture is interpolated likewise, by its Q (lod/plan/expected.h). So a larger budget never
+ * predicted picture is interpolated likewise, by its Q (lod/plan/price_search.h). So a larger budget never
  * predicts a worse picture.
  * Longer than 600 lines: these steps are one search, with one state. */
 #include "lod/plan/planner_state.h"

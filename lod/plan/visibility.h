@@ -121,7 +121,7 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 struct lod_wrong { double fp, fn; };
 
 /* Splats of a summary that stand for a visibility, in the mean: squares of `side` pixels. They lie on its
- * crown by chance and reach beyond it (lod/plan/splat_field.h). */
+ * crown by chance and reach beyond it (lod/plan/visibility.c). */
 struct lod_splats { double count, side; };
 
 /* How a visibility is drawn: by `splats` where there are any, else with an error. */

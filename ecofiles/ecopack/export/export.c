@@ -153,7 +153,7 @@ enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain
 /* A pack's chunks as files for static hosts. A file is named by the chunk's id, the hash of
  * its bytes, so it never changes: what another pack has left in the folder is as good, and what is there is
  * kept. Servers answer with streams that name such chunks (server/stream.h), clients fetch them
- * (client-min/view_chunks.h). */
+ * (client-min/view_exchange.h). */
 
 struct counts { uint64_t files, bytes, kept; };
 

@@ -1,6 +1,7 @@
 // The only C++ of ecofiles that knows Draco. Draco's decoders allocate what a stream declares: so many
 // attributes of so many components. So the decoders are subclassed at the two points where Draco has read
 // these declarations and not yet acted on them; there anything but the expected columns is refused.
+// Longer than 600 lines: one shim is the only door to C++.
 #include "ecofiles/format/chunk/draco_shim.h"
 
 #include <algorithm>
