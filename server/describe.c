@@ -205,8 +205,8 @@ static void describe_species(struct srv_json *json, const char *species, json_in
 	srv_json_add(json, "}");
 }
 
-/* said: {"of": number of species, "most": [[name or null, plants], ...]}; NULL: nothing. Where it names
- * more than it counts, there are as many as it names. */
+/* said: {"of": number of species, "most": [[name or null, plants], ...]}; NULL: nothing. The number is
+ * at least that of the species named. */
 static void describe_stood_for(struct srv_json *json, const char *plant, const json_t *said)
 {
 	const json_t *most = json_object_get(said, "most"), *one;

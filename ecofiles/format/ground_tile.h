@@ -56,8 +56,8 @@ enum eco_code eco_ground_tile_of(struct eco_ground_tile *tile, const struct eco_
  *
  * The list's grid says where it lies: grid_origin is the south-west corner of the tile (scene space, z 0),
  * grid_step the width of a texel of the last level. A cut says how many levels of a tile are shown. The tiles
- * of a plan do not overlap. Where there are none, and where texels are clear, the ground has its plain
- * colour. Towards its border the image fades: levels with texels that are not opaque have alpha. */
+ * of a plan do not overlap. Ground without a tile or under clear texels has its plain colour. Towards its
+ * border the image fades: levels with texels that are not opaque have alpha. */
 
 #define ECO_GROUND_IMAGE_SIDE 256u
 #define ECO_GROUND_IMAGE_LEVELS 4u       /* 32, 64, 128 and 256 texels a side */

@@ -38,8 +38,8 @@ struct eco_section {
 const char *eco_section_name(enum eco_section_kind kind);
 /* In the file; 0: META and CHUNK_DATA, which have no records. */
 uint32_t eco_record_bytes(enum eco_section_kind kind);
-/* A record's struct to and from bytes; of SCENE: the scalars of struct eco_scene. What is in the struct but not
- * in the pack is read as 0. Reading fails `r` where unused bytes are not zero. */
+/* A record's struct to and from bytes; of SCENE: the scalars of struct eco_scene. Fields of the struct that
+ * the pack lacks are read as 0. Reading fails `r` where unused bytes are not zero. */
 void eco_record_write(struct eco_writer *w, enum eco_section_kind kind, const void *record);
 void eco_record_read(struct eco_reader *r, enum eco_section_kind kind, void *record);
 

@@ -1,6 +1,6 @@
 /* The items of a BUNDLE's directory, one after the other in one range-coded stream (ecofiles/base/range.h):
- * plants, lists and chunks; most are nearly as those before them. What was learned in one bundle
- * serves the next ones of the stream; where the range coder is told to write, it writes.
+ * plants, lists and chunks; most are nearly as those before them. Models learned in one bundle
+ * serve the next ones of the stream; where the range coder is told to write, it writes.
  *
  *   struct eco_wire_items items;  eco_wire_items_start(&items);             once a stream
  *   eco_range_write(&range, &directory);                                    or eco_range_read; once a bundle

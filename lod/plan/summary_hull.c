@@ -51,8 +51,8 @@ static double summary_outside(const struct lod_summary_view *view, double n)
 		n) / view->weight_px : 0;
 }
 
-/* Share of the tile's part of the picture that its plants cover. What a splat covers there is no false
- * positive: of the plants that it covers beside its own each counts it as covered by the wrong plant. */
+/* Share of the tile's part of the picture that its plants cover. A splat there makes no false
+ * positive: each plant that it covers beside its own counts it as the wrong plant. */
 static double summary_crowded(const struct lod_summary_view *view)
 {
 	double region = view->wide * view->high;
