@@ -128,7 +128,7 @@ LIB_ALL := $(call archive,server/library $(LIBRARY_ROOM) $(VIEW_ROOMS) server se
 PROGRAMS := $(B)/ecopack $(B)/ecoserve $(B)/ecoview $(B)/ecoload
 TEST_SOURCES := $(wildcard tests/*/test_*.c)
 TESTS := $(patsubst %.c,$(B)/tests/%,$(notdir $(TEST_SOURCES)))
-FUZZERS := $(patsubst tests/fuzz/%.c,$(B)/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c))
+FUZZERS := $(patsubst tests/fuzz/corpus/%,$(B)/fuzz/fuzz_%,$(wildcard tests/fuzz/corpus/*))
 
 # Libraries of each program, and no others: the daemon knows neither Draco, OpenImageIO, assimp nor GDAL.
 LIBS_CORE := -lxxhash -ljansson -lm
@@ -296,12 +296,13 @@ $(B)/o0/plans: $(B)/obj/tests/bench/plans.o $(O0) $(LIB_ECO) $(LIB_DRACO)
 	$(call say,ld,$@)
 	$(Q)$(LINK_C) -o $@ $(call group,$^) $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 
-# A fuzz target is LLVMFuzzerTestOneInput; outside config=fuzz it is linked with a driver that replays files.
-FUZZ_MAIN := $(if $(filter fuzz,$(config)),,$(B)/obj/tests/fuzz/replay.o)
-$(FUZZERS): $(B)/fuzz/%: $(B)/obj/tests/fuzz/%.o $(FUZZ_MAIN) $(TEST_LIBS) | $(MODULES)
+# One program for all fuzz targets; its name says which one runs. Outside config=fuzz its main replays files.
+$(B)/fuzz/targets: $(call objects,$(wildcard tests/fuzz/*.c)) $(TEST_LIBS) | $(MODULES)
 	$(call say,ld,$@)
 	@mkdir -p $(@D)
-	$(Q)$(LINK_C) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -o $@ $< $(FUZZ_MAIN) $(LINK_TEST) -lcmocka
+	$(Q)$(LINK_C) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -o $@ $(filter %.o,$^) $(LINK_TEST) -lcmocka
+$(FUZZERS): $(B)/fuzz/targets
+	$(Q)ln -f $< $@
 
 # faults of the system, put before programs: tests/faults
 $(B)/tests/fault.so: tests/faults/fault.c
@@ -333,8 +334,8 @@ build/words/%.table: $(PLACES)/words/%.tsv Makefile
 		END { print "};" }' $< >$@.part && mv $@.part $@
 $(call objects,$(wildcard $(PLACES)/*.c)): | $(WORDS)
 
-# fuzz targets have one function, which libFuzzer declares
-$(B)/obj/tests/fuzz/%.o: CFLAGS_ALL += -Wno-missing-prototypes
+# libFuzzer declares the function that it calls
+$(B)/obj/tests/fuzz/fuzz.o: CFLAGS_ALL += -Wno-missing-prototypes
 # cmocka's tests have a parameter that few of them look at
 $(B)/obj/tests/%.o: CFLAGS_ALL += -Wno-unused-parameter
 $(B)/obj/%.o: %.c
@@ -458,7 +459,7 @@ SECONDS ?= 60
 fuzz:
 	@tests/packages.sh $(PACKAGES) clang libclang-rt-14-dev
 	@$(MAKE) --no-print-directory config=fuzz fuzzers
-	@tests/fuzz/run.sh build/fuzz/fuzz $(SECONDS) $(patsubst tests/fuzz/%.c,build/fuzz/fuzz/%,$(wildcard tests/fuzz/fuzz_*.c))
+	@tests/fuzz/run.sh build/fuzz/fuzz $(SECONDS) $(patsubst tests/fuzz/corpus/%,build/fuzz/fuzz/fuzz_%,$(wildcard tests/fuzz/corpus/*))
 
 .PHONY: fuzzers
 fuzzers: $(FUZZERS)

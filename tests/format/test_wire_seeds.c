@@ -10,7 +10,7 @@
 #define FOLDER "tests/fuzz/corpus/stream"
 #define SEEDS 3u
 
-/* `kind`, and of streams the portion that they come in, less 1: see tests/fuzz/fuzz_stream.c. */
+/* `kind`, and of streams the portion that they come in, less 1: see fuzz_stream. */
 enum kind { STREAM, FRAMES, PLAN };
 
 static struct eco_writer seed_begin(enum kind kind, uint32_t number)

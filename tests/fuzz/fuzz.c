@@ -1,15 +1,25 @@
-/* Stands in for libFuzzer: runs LLVMFuzzerTestOneInput on every file named on the command line and in every
- * folder named there, so that the corpora are part of the ordinary tests. Hidden files are skipped. Prints how
- * many inputs were run. */
+/* All targets in one program, whose name says which of them it runs: fuzz_NAME. In place of libFuzzer's there is a
+ * main that runs the target on each file and folder named on the command line, so that the corpora are part of
+ * the ordinary tests. It skips hidden files and prints how many inputs were run. */
+#include <errno.h>
 #include <fts.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/fuzz/fuzz.h"
 #include "tests/support/files.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+#define FUZZ_CALL(name) \
+	if (strcmp(program_invocation_short_name, "fuzz_" #name) == 0) \
+		fuzz_##name(bytes, size);
+	FUZZ_TARGETS(FUZZ_CALL)
+	return 0;
+}
 
+#ifndef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
 static int replay_file(const char *path)
 {
 	size_t size;
@@ -44,3 +54,4 @@ int main(int argc, char **argv)
 	printf("%d inputs replayed\n", count);
 	return 0;
 }
+#endif
