@@ -8,6 +8,7 @@
 #include "lod/plan/byte_price_state.h"
 #include "lod/plan/price_search.h"
 #include "tests/support/plan_size.h"
+#include "tests/support/plan_twin.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"
 
@@ -19,13 +20,9 @@ static struct lod_planner_stats plan_it(struct eco_plan *plan, const struct eco_
 	const struct eco_view *view, uint64_t vertices, uint64_t bytes, const struct eco_holdings *holdings)
 {
 	struct plan_sizer sizer = { scene, holdings };
-	struct lod_planner_stats stats;
-	struct eco_error error = { 0 };
 	const struct eco_request request = { .view = *view, .vertices = vertices, .bytes = bytes };
-	struct lod_planner_input input = { .scene = scene, .request = &request, .holdings = holdings,
-		.stats = &stats, .size = plan_size, .size_ctx = &sizer };
-	assert_ok(lod_plan(plan, &input, &error), error);
-	return stats;
+	return plan_make(plan, (struct lod_planner_input){ .scene = scene, .request = &request,
+		.holdings = holdings, .size = plan_size, .size_ctx = &sizer });
 }
 
 static uint64_t bytes_of(const struct eco_scene *scene, const struct eco_view *view, uint64_t vertices,
@@ -309,15 +306,13 @@ UNIT_TEST(bytes_that_set_hardly_anything_right_are_spared)
 			const struct eco_request request = { .view = random_view(&pack->r),
 				.bytes = ECO_BYTES_UNBOUNDED,
 				.vertices = UINT64_C(1) << (14 + random_below(&pack->r, 8)) };
-			struct lod_planner_stats free_stats, stats;
-			struct lod_planner_input input = { .scene = scene, .request = &request,
-				.stats = &free_stats };
 			struct plan_sizer sizer = { scene, NULL };
 			struct eco_plan free_plan, plan;
 			uint64_t before, after;
-			assert_int_equal(lod_plan(&free_plan, &input, NULL), ECO_OK);
-			stats = plan_it(&plan, scene, &request.view, request.vertices, ECO_BYTES_UNBOUNDED,
-				NULL);
+			struct lod_planner_stats free_stats = plan_make(&free_plan,
+				(struct lod_planner_input){ .scene = scene, .request = &request });
+			struct lod_planner_stats stats = plan_it(&plan, scene, &request.view, request.vertices,
+				ECO_BYTES_UNBOUNDED, NULL);
 			assert_int_equal(plan_size(&sizer, &free_plan, &before, NULL), ECO_OK);
 			assert_int_equal(plan_size(&sizer, &plan, &after, NULL), ECO_OK);
 			assert_true(after <= before);
@@ -379,14 +374,11 @@ UNIT_TEST(coarser_answers_are_within_the_vertices_and_mostly_of_what_the_answer_
 		const struct lod_planner_coarser coarser = { 1.3, 500, MOST, take, &taken };
 		const struct eco_request request = { .view = view, .bytes = ECO_BYTES_UNBOUNDED,
 			.vertices = UINT64_C(1) << (6 + random_below(&pack->r, 14)) };
-		struct lod_planner_stats stats;
 		struct plan_sizer sizer = { scene, NULL };
-		struct lod_planner_input input = { .scene = scene, .request = &request, .stats = &stats,
-			.coarser = &coarser, .size = plan_size, .size_ctx = &sizer };
 		struct eco_plan answer, alone;
 		struct eco_holdings needs;
-		struct eco_error error = { 0 };
-		assert_ok(lod_plan(&answer, &input, &error), error);
+		plan_make(&answer, (struct lod_planner_input){ .scene = scene, .request = &request,
+			.coarser = &coarser, .size = plan_size, .size_ctx = &sizer });
 		plan_it(&alone, scene, &view, request.vertices, ECO_BYTES_UNBOUNDED, NULL);
 		assert_same(&answer, &alone);
 		assert_int_equal(lod_plan_needs(scene, &answer, &needs, NULL), ECO_OK);

@@ -5,6 +5,7 @@
 #include "ecofiles/format/wire.h"
 #include "lod/plan/explain.h"
 #include "lod/plan/planner.h"
+#include "tests/support/plan_twin.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"
 
@@ -12,26 +13,15 @@ static struct scene_builder scene;
 
 static struct eco_request request_of(uint64_t vertices)
 {
-	struct eco_request q = { .bytes = ECO_BYTES_UNBOUNDED, .vertices = vertices };
-	double reach = random_below(&scene, 2) ? 80 : 1000;
-	for (int i = 0; i < 3; i++) {
-		q.view.eye[i] = random_real(&scene, -reach, reach) / (i == 2 ? 4 : 1);
-		q.view.target[i] = random_real(&scene, -40, 40);
-		q.view.up[i] = i == 2;
-	}
-	q.view.fov_y_deg = 50;
-	q.view.width = 800;
-	q.view.height = 600;
-	return q;
+	return (struct eco_request){ .view = random_view(&scene), .bytes = ECO_BYTES_UNBOUNDED,
+		.vertices = vertices };
 }
 
 static void explain(struct eco_plan *plan, struct lod_explanation *why, const struct eco_request *request,
 	lod_rule *rule)
 {
-	struct eco_error error = { 0 };
-	struct lod_planner_input input = { .scene = &scene.scene, .request = request, .rule = rule,
-		.explanation = why };
-	assert_ok(lod_plan(plan, &input, &error), error);
+	plan_make(plan, (struct lod_planner_input){ .scene = &scene.scene, .request = request, .rule = rule,
+		.explanation = why });
 }
 
 static bool covers(const struct eco_cut *cut, const struct eco_cut *row)

@@ -103,10 +103,8 @@ static struct eco_view view_of(const double eye[3], const double target[3])
 static double share_of(lod_rule *rule, const struct eco_view *view, uint64_t vertices, unsigned ladders)
 {
 	struct eco_request request = { .view = *view, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
-	struct lod_planner_input input = { .scene = &scene.scene, .request = &request, .rule = rule };
-	struct eco_error error = { 0 };
 	struct eco_plan plan, part;
-	assert_ok(lod_plan(&plan, &input, &error), error);
+	plan_make(&plan, (struct lod_planner_input){ .scene = &scene.scene, .request = &request, .rule = rule });
 	assert_true(plan.vertices <= vertices);
 	part = plan;
 	part.cut_count = 0;
@@ -160,17 +158,11 @@ static void check_growth(unsigned ladders, double more)
 
 /* ---- The tests ---- */
 
-IMPORTANCE_TEST(an_important_organ_keeps_more_of_its_elements)
+/* An organ of all species, one ladder as that of a part that a rule names, a species as of an eco file. */
+IMPORTANCE_TEST(important_organs_parts_and_species_keep_more_of_their_elements)
 {
 	check_growth(1u << FLOWERS | 1u << (LADDERS + FLOWERS), 1.5);
-}
-
-/* One ladder of many, as that of a part that a rule names. */
-IMPORTANCE_TEST(an_important_part_of_one_species_keeps_more) { check_growth(1u << FLOWERS, 1.5); }
-
-/* All ladders of a species, as those of an eco file's plants. */
-IMPORTANCE_TEST(plants_of_an_important_eco_file_keep_more)
-{
+	check_growth(1u << FLOWERS, 1.5);
 	check_growth(1u << LEAVES | 1u << FLOWERS, 1.3);
 }
 

@@ -6,6 +6,7 @@
 #include "lod/eye.h"
 #include "lod/impostor.h"
 #include "lod/plan/texture_levels.h"
+#include "tests/support/plan_twin.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"
 
@@ -162,13 +163,11 @@ UNIT_TEST(plans_draw_impostors_of_small_plants_and_need_a_prefix)
 	uint32_t drawn = 0, later = 0;
 	for (uint64_t seed = 1; seed <= 3 * SCENES; seed++) {
 		struct eco_request request = request_of(100 + seed, 20 << seed % 12);
-		struct lod_planner_input input = { .scene = &scene.scene, .request = &request };
 		struct eco_plan plan;
 		struct eco_holdings needs;
-		struct eco_error error = { 0 };
 		set_bytes(seed % 2 ? 300 : 1);
-		assert_ok(lod_plan(&plan, &input, &error), error);
-		assert_ok(lod_plan_needs(&scene.scene, &plan, &needs, &error), error);
+		plan_make(&plan, (struct lod_planner_input){ .scene = &scene.scene, .request = &request });
+		assert_good(lod_plan_needs(&scene.scene, &plan, &needs, &cause));
 		for (uint32_t i = 0; i < plan.cut_count; i++) {
 			drawn += check_cut(&plan, &request, i);
 			later += scene.lists[plan.cuts[i].list].kind == ECO_LIST_IMPOSTOR
@@ -190,12 +189,10 @@ UNIT_TEST(large_plants_are_no_impostors)
 	uint64_t vertices = 0;
 	for (uint64_t seed = 1; seed <= SCENES; seed++) {
 		struct eco_request request = request_of(seed, 500);
-		struct lod_planner_input input = { .scene = &scene.scene, .request = &request };
 		struct eco_plan plan;
-		struct eco_error error = { 0 };
 		request.view.fov_y_deg = 0.5;
 		request.view.width = request.view.height = 16384;
-		assert_ok(lod_plan(&plan, &input, &error), error);
+		plan_make(&plan, (struct lod_planner_input){ .scene = &scene.scene, .request = &request });
 		vertices += plan.vertices;
 		for (uint32_t i = 0; i < plan.cut_count; i++)
 			assert_true(scene.lists[plan.cuts[i].list].kind != ECO_LIST_IMPOSTOR);

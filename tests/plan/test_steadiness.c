@@ -5,6 +5,7 @@
 
 #include "lod/plan/planner.h"
 #include "lod/eye.h"
+#include "tests/support/plan_twin.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"
 
@@ -75,9 +76,8 @@ static uint64_t drawn(const struct eco_plan *plan, const struct shot *shot)
 static void shoot(struct shot *shot, const struct eco_scene *s, const struct eco_request *request,
 	struct eco_plan *plan)
 {
-	struct lod_planner_input input = { .scene = s, .request = request };
 	struct lod_eye eye;
-	assert_int_equal(lod_plan(plan, &input, NULL), ECO_OK);
+	plan_make(plan, (struct lod_planner_input){ .scene = s, .request = request });
 	lod_eye_make(&eye, &request->view);
 	*shot = (struct shot){ .count = s->place_count };
 	shot->plants = calloc(s->place_count + 1, sizeof *shot->plants);

@@ -6,6 +6,7 @@
 #include "lod/plan/planner.h"
 #include "lod/plan/texture_levels.h"
 #include "tests/support/plan_size.h"
+#include "tests/support/plan_twin.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"
 
@@ -15,11 +16,9 @@
 static struct eco_plan plan_it(const struct random_pack *pack, const struct eco_view *view, double texel_px)
 {
 	struct eco_plan plan;
-	struct eco_error error = { 0 };
 	const struct eco_request request = { .view = *view, .vertices = 1000000, .bytes = ECO_BYTES_UNBOUNDED,
 		.texel_px = texel_px };
-	assert_ok(lod_plan(&plan, &(struct lod_planner_input){ .scene = &pack->pack.scene,
-		.request = &request }, &error), error);
+	plan_make(&plan, (struct lod_planner_input){ .scene = &pack->pack.scene, .request = &request });
 	return plan;
 }
 
@@ -91,12 +90,9 @@ static void plan_within(struct eco_plan *plan, const struct eco_scene *scene,
 {
 	const struct eco_request request = { .view = *view, .vertices = 1000000, .bytes = bytes,
 		.texel_px = ECO_TEXEL_PX_MIN };
-	struct lod_planner_stats stats;
 	struct plan_sizer sizer = { scene, NULL };
-	struct eco_error error = { 0 };
-	assert_ok(lod_plan(plan, &(struct lod_planner_input){ .scene = scene, .request = &request,
-		.stats = &stats, .size = plan_size, .size_ctx = &sizer }, &error), error);
-	assert_true(stats.bytes <= bytes);
+	assert_true(plan_make(plan, (struct lod_planner_input){ .scene = scene, .request = &request,
+		.size = plan_size, .size_ctx = &sizer }).bytes <= bytes);
 }
 
 /* Levels of a list as large as they are where textures are large: all else comes first. */

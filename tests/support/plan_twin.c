@@ -1,6 +1,7 @@
 #include "tests/support/plan_twin.h"
 
 #include "lod/eye.h"
+#include "tests/support/unit_test.h"
 
 #define ANCHORS_MOST 64
 
@@ -68,4 +69,12 @@ uint64_t plan_twin_vertices(const struct eco_scene *scene, const struct eco_plan
 	if (plants)
 		*plants = seen;
 	return vertices;
+}
+
+struct lod_planner_stats plan_make(struct eco_plan *plan, struct lod_planner_input input)
+{
+	struct lod_planner_stats stats = { 0 };
+	input.stats = &stats;
+	assert_good(lod_plan(plan, &input, &cause));
+	return stats;
 }

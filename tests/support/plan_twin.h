@@ -1,13 +1,15 @@
-/* The simple twin of what evaluates plans: every instance, every anchor, every cut. */
+/* Plans, and the simple twin of what evaluates them: every instance, every anchor, every cut. */
 #ifndef TESTS_PLAN_TWIN_H
 #define TESTS_PLAN_TWIN_H
 
 #include "ecofiles/format/pack.h"
-#include "ecofiles/format/plan.h"
-#include "ecofiles/format/view.h"
+#include "lod/plan/planner.h"
 
 /* Vertices drawn, the ground's left out. `plants` may be NULL: how many of them are in view. */
 uint64_t plan_twin_vertices(const struct eco_scene *scene, const struct eco_plan *plan,
 	const struct eco_view *view, uint64_t *plants);
+
+/* A plan, without which the test fails. input.stats is not read. */
+struct lod_planner_stats plan_make(struct eco_plan *plan, struct lod_planner_input input);
 
 #endif
