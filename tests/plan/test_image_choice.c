@@ -50,49 +50,33 @@ static uint64_t payloads(const struct eco_scene *s, const struct eco_cut *cuts, 
 	return sum;
 }
 
-UNIT_TEST(tiles_of_a_plan_do_not_overlap_and_hold_levels_that_exist)
+UNIT_TEST(tiles_do_not_overlap_and_a_higher_price_never_sends_more)
 {
-	uint32_t several = 0;
+	uint32_t several = 0, fell = 0;
 	for (uint64_t seed = 1; seed <= SEEDS; seed++) {
 		struct looked l;
 		const struct eco_scene *s = look(&l, seed, 0.25);
 		struct eco_cut cuts[9];
-		for (double price = 0; price < 1e6; price = price > 0 ? 8 * price : 1e-3) {
+		double before = INFINITY;
+		for (double price = 0; price < 1e8; price = price > 0 ? 1.7 * price : 1e-6) {
+			double bytes = lod_image_bytes(&l.image, s, NULL, price);
 			uint32_t count = lod_image_cuts(&l.image, s, NULL, price, cuts);
 			assert_true(count <= l.image.count && count <= 9);
-			several += count > 1;
 			for (uint32_t i = 0; i < count; i++) {
 				assert_int_equal(s->lists[cuts[i].list].kind, ECO_LIST_GROUND_IMAGE);
 				assert_true(cuts[i].end >= 1 && cuts[i].end <= ECO_GROUND_IMAGE_LEVELS);
 				for (uint32_t k = 0; k < i; k++)
 					assert_false(overlap(&s->lists[cuts[i].list], &s->lists[cuts[k].list]));
 			}
-		}
-		look_away(&l);
-	}
-	assert_true(several > SEEDS);
-}
-
-UNIT_TEST(a_higher_price_never_sends_more)
-{
-	uint32_t fell = 0;
-	for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-		struct looked l;
-		const struct eco_scene *s = look(&l, 100 + seed, 0.25);
-		struct eco_cut cuts[9];
-		double before = INFINITY;
-		for (double price = 0; price < 1e8; price = price > 0 ? 1.7 * price : 1e-6) {
-			double bytes = lod_image_bytes(&l.image, s, NULL, price);
-			uint32_t count = lod_image_cuts(&l.image, s, NULL, price, cuts);
-			assert_true(bytes <= before);
-			assert_true(bytes >= (double)payloads(s, cuts, count));
+			assert_true(bytes <= before && bytes >= (double)payloads(s, cuts, count));
+			several += count > 1;
 			fell += bytes < before && isfinite(before);
 			before = bytes;
 		}
 		assert_true(before == 0);
 		look_away(&l);
 	}
-	assert_true(fell > 2 * SEEDS);
+	assert_true(several > SEEDS && fell > 2 * SEEDS);
 }
 
 /* If bytes do not count, all that is in view comes in all detail: no tile stands for its quarters. */
@@ -114,7 +98,7 @@ UNIT_TEST(without_a_price_all_detail_is_shown)
 	assert_true(whole > 5 * SEEDS && 20 * coarse < whole);
 }
 
-UNIT_TEST(what_is_held_costs_nothing)
+UNIT_TEST(all_that_is_held_costs_nothing_and_any_number_of_bytes_has_a_price)
 {
 	for (uint64_t seed = 1; seed <= SEEDS; seed++) {
 		struct looked l;
@@ -122,6 +106,7 @@ UNIT_TEST(what_is_held_costs_nothing)
 		struct eco_cut cuts[9], again[9];
 		struct eco_holding held[9];
 		uint32_t count = lod_image_cuts(&l.image, s, NULL, 0, cuts);
+		double most = lod_image_bytes(&l.image, s, NULL, 0);
 		for (uint32_t i = 0; i < count; i++)
 			held[i] = (struct eco_holding){ cuts[i].list, cuts[i].end };
 		const struct eco_holdings holdings = { held, count };
@@ -129,16 +114,6 @@ UNIT_TEST(what_is_held_costs_nothing)
 		assert_int_equal(lod_image_cuts(&l.image, s, &holdings, 1e-3, again), count);
 		for (uint32_t i = 0; i < count; i++)
 			assert_true(again[i].list == cuts[i].list && again[i].end == cuts[i].end);
-		look_away(&l);
-	}
-}
-
-UNIT_TEST(a_price_is_found_for_any_number_of_bytes)
-{
-	for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-		struct looked l;
-		const struct eco_scene *s = look(&l, 400 + seed, 0.25);
-		double most = lod_image_bytes(&l.image, s, NULL, 0);
 		for (uint64_t bytes = 0; bytes <= 4096; bytes = bytes ? 2 * bytes : 1) {
 			double price = lod_image_price(&l.image, s, NULL, bytes);
 			assert_true(lod_image_bytes(&l.image, s, NULL, price) <= (double)bytes);
