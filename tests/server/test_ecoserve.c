@@ -18,7 +18,6 @@
 #define CUT_PATH "build/tmp/test_ecoserve_cut.eco"
 #define DAMAGED_PATH "build/tmp/test_ecoserve_damaged.eco"
 #define LATE_PATH "build/tmp/test_ecoserve_late/late.eco"
-#define DEEP_PATH "build/tmp/test_ecoserve_deep.eco"
 #define START "--listen", "127.0.0.1:0"
 #define ARGUMENTS(...) (const char *const[]){ __VA_ARGS__, NULL }
 #define VIEW "eye=50,-30,12&target=50,30,2&width=400&height=300"
@@ -389,24 +388,6 @@ UNIT_TEST(ipv6_is_served_where_there_is_some)
 		skip();                  /* a machine without IPv6 */
 	assert_int_equal(status, 0);
 	assert_true(strncmp(program.line, "ecoserve: ready on http://[::1]:", 32) == 0);
-}
-
-/* A view would have to open all of its tiles, without end. */
-UNIT_TEST(a_pack_that_no_view_can_be_planned_of_is_refused)
-{
-	static const char says[] = "no summary stands for the tiles and plants below it";
-	struct eco_pack *pack;
-	assert_good(deep_pack_write(DEEP_PATH, false, &cause));
-	struct program program = program_serve(ARGUMENTS(START, DEEP_PATH), NULL);
-	assert_good(deep_pack_write(DEEP_PATH ".new", true, &cause));
-	assert_int_equal(rename(DEEP_PATH ".new", DEEP_PATH), 0);
-	assert_code(eco_pack_open(&pack, DEEP_PATH, &cause), ECO_DAMAGED, says);
-	kill(program.pid, SIGHUP);
-	http_expect(program.port, "POST", "/v1/admin/reload", "", 500, says);
-	http_expect(program.port, "GET", "/v1/scenes/deep/stream?" VIEW "&vertices=1000", "", 200, NULL);
-	program_stop(&program);
-	assert_non_null(strstr(program.err, says));
-	program_fails(ARGUMENTS(START, DEEP_PATH), 1, says);
 }
 
 /* Until a reload finds them well. */

@@ -7,7 +7,6 @@
 
 #include "ecofiles/format/ground_tile.h"
 #include "tests/support/ground_tiles.h"
-#include "tests/support/pack_resign.h"
 
 /* ---- The sample ---- */
 
@@ -44,8 +43,6 @@ static void fill_randomly(struct scene_builder *b, const struct eco_list *list, 
 
 static void sample_lists(struct scene_builder *b, bool plain)
 {
-	static uint8_t image[3000];
-	static const struct eco_bytes levels[2] = { { image, 1000 }, { image + 1000, 2000 } };
 	const uint32_t bush = plain ? 3 : 4;
 	const struct scene_row rows[] = {
 		{ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, 0, ECO_NONE, LEAVES, 3 },
@@ -69,12 +66,11 @@ static void sample_lists(struct scene_builder *b, bool plain)
 			list->grid_origin[0] = (id - bush - 1) / 2 * 50.0;
 			list->grid_step[0] = list->grid_step[1] = 50.0 / 4096;
 		}
-		for (size_t i = 0; list->kind == ECO_LIST_IMAGE && i < sizeof image; i++)
-			image[i] = (uint8_t)lcg_bits(&b->state);
+		for (uint32_t k = 0; list->kind == ECO_LIST_IMAGE && k < b->texture_levels; k++)
+			for (size_t i = 0; i < b->texture[0][k].size; i++)
+				b->texture[0][k].at[i] = (uint8_t)lcg_bits(&b->state);
 		fill_randomly(b, list, &b->elements[id]);
 	}
-	b->texture[0] = levels;
-	b->texture_levels = 2;
 }
 
 static void sample_ladder(struct scene_builder *b, uint32_t plant, enum eco_organ organ, uint32_t lists[3],
@@ -121,11 +117,11 @@ static void sample_tables(struct scene_builder *b, bool plain)
 		scene_add_instances(b, bush + i, (i - 1) % 2);
 }
 
-enum eco_code sample_pack_write_on(const char *path, const struct eco_ground *ground, bool plain,
-	struct eco_error *error)
+static enum eco_code sample_write(const char *path, const struct eco_ground *ground, bool plain,
+	const struct eco_bytes *levels, uint32_t level_count, struct eco_error *error)
 {
 	struct scene_builder b =
-		{ .state = 7, .split = split_32,
+		{ .state = 7, .split = split_32, .texture = { levels }, .texture_levels = level_count,
 			.scene = { .name = "sample", .near_m = 0.05, .needs = ECO_NEED_POINTS | ECO_NEED_LINES
 			| ECO_NEED_TRIANGLES | ECO_NEED_TEXTURES | ECO_NEED_GROUND | ECO_NEED_SUMMARIES },
 		.like = { .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f, .palette_count = 2 } };
@@ -139,109 +135,32 @@ enum eco_code sample_pack_write_on(const char *path, const struct eco_ground *gr
 	return code;
 }
 
+static uint8_t image[1 << 20];
+
+enum eco_code sample_pack_write_on(const char *path, const struct eco_ground *ground, bool plain,
+	struct eco_error *error)
+{
+	static const struct eco_bytes levels[2] = { { image, 1000 }, { image + 1000, 2000 } };
+	return sample_write(path, ground, plain, levels, 2, error);
+}
+
 static double hills(double x, double y) { return 2 + sin(x * 0.3) + 0.01 * y; }
 
-enum eco_code sample_pack_write(const char *path, struct eco_error *error)
+enum eco_code sample_pack_write_textured(const char *path, const uint32_t *sizes, uint32_t count,
+	struct eco_error *error)
 {
 	struct eco_ground ground = ground_make(16, 16, -8, -8, 8, hills);
-	enum eco_code code = sample_pack_write_on(path, &ground, false, error);
+	struct eco_bytes levels[SAMPLE_LEVELS_MAX];
+	for (uint32_t i = 0, at = 0; i < count; at += sizes[i++])
+		levels[i] = (struct eco_bytes){ image + at, sizes[i] };
+	enum eco_code code = sample_write(path, &ground, false, levels, count, error);
 	eco_ground_free(&ground);
 	return code;
 }
 
-/* ---- The one with a large texture ---- */
-
-/* Bushes in one tile, the last of `deep` + 1. */
-static void textured_bush(struct scene_builder *b, uint32_t deep, uint32_t bushes)
+enum eco_code sample_pack_write(const char *path, struct eco_error *error)
 {
-	static const uint8_t palette[2][3] = { { 30, 90, 30 }, { 90, 60, 30 } };
-	const struct scene_row rows[] = {
-		{ ECO_LIST_IMAGE, ECO_CODER_BYTES, 0, 0, ECO_NONE, 0, 0 },
-		{ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_UV, 0, 0, 64, 4 },
-		{ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, deep, ECO_NONE, bushes, 1 } };
-	scene_add_colors(b, palette, 2);
-	for (int i = 1; i <= 3; i++)
-		scene_add_curve(b, (struct eco_curve){ i / 3.0f, 1, i / 3.0f, 0.2f, 0.2f });
-	scene_add_rows(b, rows, 3);
-	scene_add_plant(b, (struct eco_plant){ .name = "bush", .height_m = 4, .area = 5, .triangles = 128 });
-	scene_add_anchor(b, (struct eco_anchor){ { 2, 2, 2 }, 4 });
-	struct eco_ladder ladder = scene_ladder(0, 0, ECO_ORGAN_FOLIAGE);
-	ladder.triangles = 1;
-	ladder.total = 64;
-	ladder.area = 5;
-	ladder.curve_count = 3;
-	scene_add_ladder(b, ladder);
-	scene_add_tile(b, (struct eco_tile){ .low = { -5, -5, -5 }, .high = { 10, 10, 15 },
-		.area = 5.0 * bushes, .instance_count = bushes, .summary = ECO_NONE });
-	scene_add_instances(b, 2, 0);
-}
-
-enum eco_code texture_pack_write(const char *path, const uint32_t *sizes, uint32_t count,
-	struct eco_error *error)
-{
-	struct eco_bytes levels[TEXTURE_LEVELS_MAX];
-	struct scene_builder b = { .state = 7, .scene = { .name = "chunks", .near_m = 0.05,
-		.needs = ECO_NEED_TRIANGLES | ECO_NEED_TEXTURES },
-		.like = { .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f, .palette_count = 2 },
-		.texture = { levels }, .texture_levels = count };
-	for (uint32_t i = 0; i < count; i++) {
-		levels[i] = (struct eco_bytes){ malloc(sizes[i] + 1), sizes[i] };
-		for (uint32_t at = 0; at < sizes[i]; at++)
-			levels[i].at[at] = (uint8_t)lcg_bits(&b.state);
-	}
-	textured_bush(&b, 0, 16);
-	enum eco_code code = scene_write(&b, path, "{\"name\":\"chunks\"}", NULL, error);
-	for (uint32_t i = 0; i < count; i++)
-		free(levels[i].at);
-	scene_free(&b);
-	return code;
-}
-
-/* ---- The deep one ---- */
-
-enum { DEEP = 4, WIDE = 10, BUSHES = 4096, TILE_BYTES = 84, SUMMARY_AT = 64 };
-
-static bool drop_summaries(const char *path)
-{
-	static uint8_t bytes[1 << 20];
-	FILE *file = fopen(path, "r+b");
-	size_t size = file ? fread(bytes, 1, sizeof bytes, file) : 0;
-	for (uint32_t i = 0; size && i < bytes[12]; i++) {
-		const uint8_t *section = bytes + ECO_PACK_HEADER_BYTES + i * ECO_PACK_SECTION_BYTES;
-		for (uint32_t t = 0; section[0] == ECO_SECTION_TILES && t <= DEEP; t++)
-			memset(bytes + resign_u64(section + 8) + t * TILE_BYTES + SUMMARY_AT, 0xff, 4);
-	}
-	pack_resign(bytes, size);
-	bool good = size && fseek(file, 0, SEEK_SET) == 0 && fwrite(bytes, 1, size, file) == size;
-	return (file && fclose(file) == 0) && good;
-}
-
-enum eco_code deep_pack_write(const char *path, bool bare, struct eco_error *error)
-{
-	static uint8_t image[16];
-	static const struct eco_bytes level = { image, sizeof image };
-	struct scene_builder b = { .state = 7, .scene = { .name = "deep", .near_m = 0.05,
-		.needs = ECO_NEED_TRIANGLES | ECO_NEED_TEXTURES | ECO_NEED_POINTS | ECO_NEED_SUMMARIES
-		| ECO_NEED_PLACEMENTS },
-		.like = { .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f, .palette_count = 2 },
-		.texture = { &level }, .texture_levels = 1 };
-	uint64_t plants = BUSHES;
-	for (uint32_t i = 0; i < DEEP; i++)
-		plants *= WIDE;
-	for (uint32_t i = 0; i < DEEP; i++, plants /= WIDE) {
-		scene_add_tile(&b, (struct eco_tile){ .low = { -5, -5, -5 }, .high = { 100, 10, 15 },
-			.area = 5.0 * (double)plants, .instance_count = plants, .summary = 3 + i });
-		for (uint32_t k = 0; k < WIDE; k++)
-			scene_add_child(&b, i, (struct eco_child){ .tile = i + 1, .placed = true,
-				.at = { k, 0, 0 }, .scale = 1 });
-	}
-	textured_bush(&b, DEEP, BUSHES);
-	for (uint32_t i = 0; i < DEEP; i++)
-		scene_add_rows(&b, &(struct scene_row){ ECO_LIST_POINTS, ECO_CODER_KD,
-			ECO_ATTR_COLOR | ECO_ATTR_PLANT, i, ECO_NONE, 64, 1 }, 1);
-	enum eco_code code = scene_write(&b, path, "{\"name\":\"deep\"}", NULL, error);
-	scene_free(&b);
-	return code || !bare || drop_summaries(path) ? code : eco_fail(error, ECO_IO, "%s", path);
+	return sample_pack_write_textured(path, (const uint32_t[]){ 1000, 2000 }, 2, error);
 }
 
 /* ---- The small one ---- */

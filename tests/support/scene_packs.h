@@ -1,4 +1,4 @@
-/* Two real packs, written through the writer. */
+/* Real packs, written through the writer. */
 #ifndef TESTS_SCENE_PACKS_H
 #define TESTS_SCENE_PACKS_H
 
@@ -13,6 +13,11 @@ enum eco_code sample_pack_write_on(const char *path, const struct eco_ground *gr
 	struct eco_error *error);
 /* On 16 x 16 samples: one tile. */
 enum eco_code sample_pack_write(const char *path, struct eco_error *error);
+/* The same with levels of these sizes, 1 MiB in all: the chunks of list SAMPLE_TEXTURE. */
+#define SAMPLE_TEXTURE 3u
+#define SAMPLE_LEVELS_MAX 8u
+enum eco_code sample_pack_write_textured(const char *path, const uint32_t *sizes, uint32_t count,
+	struct eco_error *error);
 
 /* Every table and every kind of list in 8 KB: one plant with a cell, leaves in three forms, wood in two
  * levels, a texture, ground, a summary, instances in a tile of a nested eco file, their rows. `keep`: see scene_write; without rows.
@@ -23,13 +28,6 @@ extern const struct eco_inventory_row small_pack_rows[SMALL_PACK_PLANTS];
 #define SMALL_PACK_META "{\"name\": \"small\"}"
 enum eco_code small_pack_write(struct scene_builder *b, const char *path, struct eco_pack_writer **keep,
 	struct eco_error *error);
-/* A textured bush in 16 plants, whose texture has levels of these sizes, a chunk each, of random bytes. */
-#define TEXTURE_LEVELS_MAX 8u
-enum eco_code texture_pack_write(const char *path, const uint32_t *sizes, uint32_t count,
-	struct eco_error *error);
-/* Bushes in a tile that another has ten times, which another has ten times, ...: 41 million. `bare`: no tile
- * has a summary, and all hashes are right. */
-enum eco_code deep_pack_write(const char *path, bool bare, struct eco_error *error);
 /* Elements as it has them: spread over a small grid without a random source. */
 struct eco_elements small_pack_elements(const struct eco_list *list, uint32_t count, uint8_t corners);
 
