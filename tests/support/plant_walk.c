@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/export/plant_view.h"
 #include "lod/ladder.h"
 
 #define AWAY 64.0                /* of the camera, radii */
 #define FRAME 1.03
-#define SIDE 4u                  /* samples a pixel: SIDE x SIDE */
 
 struct walker {
 	struct plant_view plant;
@@ -17,9 +17,8 @@ struct walker {
 	struct eco_ladder *ladders;  /* that kind's */
 	struct eco_curve *curves;
 	uint32_t pixels;
-	struct lod_eye fine_eye;
-	struct lod_raster raster, fine;
-	uint8_t *cover, *count, *soft;       /* of full detail; of what is drawn and of full detail */
+	struct lod_raster raster;
+	uint8_t *cover;              /* of full detail */
 };
 
 static void look(struct walker *w, uint32_t view, uint32_t views)
@@ -36,23 +35,10 @@ static void look(struct walker *w, uint32_t view, uint32_t views)
 		p->view.eye[k] = whole->center[k] + away * from[k];
 	}
 	lod_eye_make(&p->eye, &p->view);
-	struct eco_view fine = p->view;
-	fine.width = fine.height = SIDE * w->pixels;
-	lod_eye_make(&w->fine_eye, &fine);
-}
-
-static void count_samples(const struct walker *w)
-{
-	memset(w->count, 0, (size_t)w->pixels * w->pixels);
-	for (uint32_t y = 0; y < w->fine.height; y++)
-		for (uint32_t x = 0; x < w->fine.width; x++)
-			w->count[(size_t)(y / SIDE) * w->pixels + x / SIDE] +=
-				w->fine.cover[(size_t)y * w->fine.width + x] & 1;
 }
 
 /* One state in the view; the first of a view is full detail. */
-static enum eco_code shoot(struct walker *w, uint64_t vertices, bool full, double *q, double *soft_q,
-	struct eco_error *error)
+static enum eco_code shoot(struct walker *w, uint64_t vertices, bool full, double *q, struct eco_error *error)
 {
 	struct plant_view_drawing drawing;
 	struct eco_scene scene = w->plant.scene;
@@ -63,19 +49,13 @@ static enum eco_code shoot(struct walker *w, uint64_t vertices, bool full, doubl
 	if (code)
 		return code;
 	plant_view_raster(&w->raster, &w->plant, &w->plant.eye, &drawing, false);
-	plant_view_raster(&w->fine, &w->plant, &w->fine_eye, &drawing, false);
 	plant_view_drawing_free(&drawing);
-	size_t pixels = (size_t)w->pixels * w->pixels;
-	count_samples(w);
-	if (full) {
-		memcpy(w->cover, w->raster.cover, pixels);
-		memcpy(w->soft, w->count, pixels);
-	}
+	if (full)
+		memcpy(w->cover, w->raster.cover, (size_t)w->pixels * w->pixels);
 	struct lod_score score;
 	lod_score(&score, &(struct lod_score_input){ .width = w->pixels, .height = w->pixels,
 		.cover = w->raster.cover, .reference = w->cover });
 	*q += score.q;
-	*soft_q += lod_soft_q(w->count, w->soft, pixels);
 	return ECO_OK;
 }
 
@@ -88,42 +68,35 @@ static void spoil(struct eco_curve *curve, uint32_t count)
 		curve[i].fp = curve[i].fn = 1;
 }
 
-static uint32_t curves_of(const struct eco_ladder *ladder)
-{
-	return ladder->curve_count * (ladder->flags & ECO_LADDER_ABOVE ? 2 : 1);
-}
-
 /* The errors of splats, which follow those of an impostor: its shares are at most that of one vertex. */
 static void spoil_splats(struct walker *w, const struct eco_ladder *ladder)
 {
 	struct eco_curve *curve = w->curves + ladder->curve_first;
 	struct lod_way way;
 	lod_way_begin(&way, &w->all, ladder);
-	for (uint32_t i = 0; i < curves_of(ladder); i++)
+	for (uint32_t i = 0; i < eco_ladder_samples(ladder); i++)
 		if ((double)curve[i].share * (double)way.full > 1.5)
 			spoil(&curve[i], 1);
 }
 
 /* Leaves the planner one kind. Organs stay in the scene, as what they cover is what counts, but save nothing
  * if they are not that kind. */
-static enum eco_code leave_one(struct walker *w, enum plant_kind kind, struct eco_error *error)
+static void leave_one(struct walker *w, enum plant_kind kind)
 {
 	struct eco_scene *scene = &w->plant.scene;
 	uint32_t kept = 0;
 	w->all = *scene;
 	if (kind == PLANT_ANY)
-		return ECO_OK;
-	w->ladders = calloc(scene->ladder_count + 1u, sizeof *w->ladders);
-	w->curves = calloc(scene->curve_count + 1u, sizeof *w->curves);
-	if (!w->ladders || !w->curves)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u ladders", scene->ladder_count);
+		return;
+	w->ladders = eco_alloc(scene->ladder_count, sizeof *w->ladders);
+	w->curves = eco_alloc(scene->curve_count, sizeof *w->curves);
 	memcpy(w->curves, scene->curves, scene->curve_count * sizeof *w->curves);
 	for (uint32_t i = 0; i < scene->ladder_count; i++) {
 		struct eco_ladder *ladder = &w->ladders[kept];
 		*ladder = scene->ladders[i];
 		bool whole = ladder->flags & ECO_LADDER_WHOLE;
 		if (!whole && kind != PLANT_ORGANS)
-			spoil(w->curves + ladder->curve_first, curves_of(ladder));
+			spoil(w->curves + ladder->curve_first, eco_ladder_samples(ladder));
 		if (whole && kind == PLANT_SPLATS)
 			ladder->impostor = ECO_NONE;
 		if (whole && kind == PLANT_IMPOSTOR)
@@ -133,7 +106,6 @@ static enum eco_code leave_one(struct walker *w, enum plant_kind kind, struct ec
 	scene->ladders = w->ladders;
 	scene->ladder_count = kept;
 	scene->curves = w->curves;
-	return ECO_OK;
 }
 
 /* ---- Views ---- */
@@ -146,12 +118,11 @@ static enum eco_code walk_views(struct walker *w, struct plant_walk *walk, uint3
 		look(w, view, views);
 		for (uint32_t i = walk->count; i-- > 0 && !code;)
 			code = shoot(w, i + 1 < walk->count ? walk->vertices[i] : ECO_VERTICES_MAX,
-				i + 1 == walk->count, &walk->q[i], &walk->soft_q[i], error);
+				i + 1 == walk->count, &walk->q[i], error);
 	}
 	double best = -INFINITY;
 	for (uint32_t i = 0; i < walk->count; i++) {
 		walk->q[i] /= views;
-		walk->soft_q[i] /= views;
 		best = fmax(best, walk->q[i]);
 		if (best - walk->q[i] > walk->fall) {
 			walk->fall = best - walk->q[i];
@@ -159,20 +130,6 @@ static enum eco_code walk_views(struct walker *w, struct plant_walk *walk, uint3
 		}
 	}
 	return code;
-}
-
-static enum eco_code make_rasters(struct walker *w, struct eco_error *error)
-{
-	size_t pixels = (size_t)w->pixels * w->pixels;
-	w->cover = malloc(pixels);
-	w->count = malloc(pixels);
-	w->soft = malloc(pixels);
-	if (!w->cover || !w->count || !w->soft)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for pictures");
-	enum eco_code code = lod_raster_init(&w->raster, &(struct lod_raster_options){ .width = w->pixels,
-		.height = w->pixels, .silhouette = true }, error);
-	return code ? code : lod_raster_init(&w->fine, &(struct lod_raster_options){
-		.width = SIDE * w->pixels, .height = SIDE * w->pixels, .silhouette = true }, error);
 }
 
 enum eco_code plant_walk(struct plant_walk *walk, const struct eco_pack *pack, uint32_t number,
@@ -186,16 +143,14 @@ enum eco_code plant_walk(struct plant_walk *walk, const struct eco_pack *pack, u
 	for (uint64_t v = 1; v < w.plant.full && walk->count + 1 < PLANT_WALK_MAX; v *= 2)
 		walk->vertices[walk->count++] = v;
 	walk->vertices[walk->count++] = w.plant.full;
-	code = make_rasters(&w, error);
-	if (!code)
-		code = leave_one(&w, options->kind, error);
+	w.cover = eco_alloc((size_t)w.pixels * w.pixels, 1);
+	code = lod_raster_init(&w.raster, &(struct lod_raster_options){ .width = w.pixels, .height = w.pixels,
+		.silhouette = true }, error);
+	leave_one(&w, options->kind);
 	if (!code)
 		code = walk_views(&w, walk, options->views, error);
 	lod_raster_free(&w.raster);
-	lod_raster_free(&w.fine);
 	free(w.cover);
-	free(w.count);
-	free(w.soft);
 	free(w.ladders);
 	free(w.curves);
 	plant_view_close(&w.plant);

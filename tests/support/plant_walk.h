@@ -22,7 +22,7 @@ struct plant_walk_options { uint32_t views, pixels; enum plant_kind kind; };
 struct plant_walk {
 	uint32_t count;
 	uint64_t vertices[PLANT_WALK_MAX];
-	double q[PLANT_WALK_MAX], soft_q[PLANT_WALK_MAX];
+	double q[PLANT_WALK_MAX];
 	double fall;                 /* of Q, below the best with fewer vertices */
 	uint64_t fall_at;            /* vertices */
 };
