@@ -60,7 +60,6 @@ static const struct terrain { const char *name; double (*height)(double, double)
 	{ "to the horizon", rough, 150, 119, 2, 11 },
 	{ "all margin", rough, 20, 19, 100, 8 },
 };
-#define COAST 5
 #define TERRAINS (sizeof terrains / sizeof *terrains)
 
 struct world {
@@ -126,19 +125,34 @@ static double place_y(const struct world *w, double sample)
 
 /* ---- The tree ---- */
 
-UNIT_TEST(trees_pass_the_checks_of_a_pack)
+/* It passes the checks of a pack. A sea larger than the tiles that fine ones may touch has children, so that beside a
+ * coast they can be chosen. */
+static void check_tree(struct world *w, const char *name)
 {
 	static const struct eco_tile tile = { .summary = ECO_NONE };
-	for (size_t k = 0; k < TERRAINS; k++) {
-		struct eco_error error = { 0 };
-		struct world w;
-		world_make(&w, &terrains[k], 0.01);
-		w.scene.tiles = &tile;
-		w.scene.tile_count = 1;
-		if (eco_scene_check(&w.scene, &error))
-			fail_msg("%s: %s", terrains[k].name, error.text);
-		world_free(&w);
+	struct eco_error error = { 0 };
+	w->scene.tiles = &tile;
+	w->scene.tile_count = 1;
+	if (eco_scene_check(&w->scene, &error))
+		fail_msg("%s: %s", name, error.text);
+	for (uint32_t i = 0; i < w->tree.count; i++)
+		assert_true(w->tree.tiles[i].child_count > 0 || w->tree.tiles[i].level <= ECO_GROUND_APART_MAX);
+}
+
+/* A tile is found by its samples, and not by others. */
+static void check_samples(const struct world *w, uint32_t tile)
+{
+	const struct eco_ground_tile *t = &w->tree.tiles[tile];
+	struct eco_elements e = ground_elements(&w->ground, t, w->tree.shifts[tile]);
+	struct eco_ground_tile found;
+	for (int changed = 0; changed < 2; changed++) {
+		assert_int_equal(eco_ground_tile_of(&found, &w->lists[tile], &e, w->ground.columns,
+			w->ground.rows, w->ground.margin, NULL), changed ? ECO_DAMAGED : ECO_OK);
+		assert_true(changed || (found.level == t->level && found.column == t->column
+			&& found.row == t->row));
+		e.position[3 * (bits() % e.element_count) + tile % 2] += tile % 3 ? 1 : -1;
 	}
+	eco_elements_free(&e);
 }
 
 /* The simple twin: interpolates in the tile's own samples, at random places between them too. */
@@ -160,7 +174,7 @@ static double surface(const struct world *w, const struct eco_ground_tile *tile,
 		: sw + v * (height_of(w, x0, y1) - sw) + u * (ne - height_of(w, x0, y1));
 }
 
-UNIT_TEST(errors_hold_everywhere_and_are_met_somewhere)
+UNIT_TEST(errors_hold_everywhere_and_are_met_somewhere_and_samples_name_their_tile)
 {
 	for (size_t k = 0; k < TERRAINS; k++) {
 		struct world w;
@@ -196,24 +210,10 @@ UNIT_TEST(errors_hold_everywhere_and_are_met_somewhere)
 			assert_true(t->level > 0 || t->error_m == 0);
 			if (k == 0 && t->level > 0 && t->level < 3 && (double)t->error_m > children)
 				assert_true(most > 0.05 * (double)t->error_m);
+			check_samples(&w, i);
 		}
 		world_free(&w);
 	}
-}
-
-/* A sea larger than the tiles that fine ones may touch has children, so that beside a coast they can be chosen. */
-UNIT_TEST(even_flat_tiles_are_no_coarser_than_neighbours_may_be)
-{
-	struct world w;
-	bool any = false;
-	world_make(&w, &terrains[COAST], 0.01);
-	for (uint32_t i = 0; i < w.tree.count; i++) {
-		const struct eco_ground_tile *t = &w.tree.tiles[i];
-		any |= t->level > ECO_GROUND_APART_MAX && t->error_m <= 0;
-		assert_true(t->child_count > 0 || t->level <= ECO_GROUND_APART_MAX);
-	}
-	assert_true(any);
-	world_free(&w);
 }
 
 /* ---- Choosing ---- */
@@ -257,12 +257,13 @@ static void assert_close(const struct world *w, const struct lod_ground_choice *
 	free(tiles);
 }
 
-UNIT_TEST(what_is_in_view_is_covered_once_and_fine_enough)
+UNIT_TEST(trees_are_sound_and_what_is_in_view_is_covered_once_and_fine_enough)
 {
 	for (size_t k = 0; k < TERRAINS; k++) {
 		struct world w;
 		noise_state = 100 + k;
 		world_make(&w, &terrains[k], 0.01);
+		check_tree(&w, terrains[k].name);
 		for (int n = 0; n < 60; n++) {
 			struct eco_view view = random_view(&w);
 			struct lod_ground_limits limits = { .tolerance_px = n % 3 == 0 ? ECO_GROUND_PX_MAX
@@ -435,32 +436,6 @@ UNIT_TEST(the_picture_is_that_of_the_full_detail)
 	lod_raster_free(&parts);
 	free(tiles);
 	world_free(&w);
-}
-
-/* ---- Samples ---- */
-
-UNIT_TEST(a_tile_is_found_by_its_samples)
-{
-	for (size_t k = 0; k < TERRAINS; k++) {
-		struct world w;
-		world_make(&w, &terrains[k], 0);
-		for (uint32_t i = 0; i < w.tree.count; i++) {
-			struct eco_elements e = ground_elements(&w.ground, &w.tree.tiles[i],
-				w.tree.shifts[i]);
-			struct eco_ground_tile found;
-			uint32_t victim = (uint32_t)bits() % e.element_count;
-			assert_int_equal(eco_ground_tile_of(&found, &w.lists[i], &e, w.ground.columns,
-				w.ground.rows, w.ground.margin, NULL), ECO_OK);
-			assert_true(found.level == w.tree.tiles[i].level
-				&& found.column == w.tree.tiles[i].column
-				&& found.row == w.tree.tiles[i].row);
-			e.position[3 * victim + i % 2] += i % 3 ? 1 : -1;
-			assert_int_equal(eco_ground_tile_of(&found, &w.lists[i], &e, w.ground.columns,
-				w.ground.rows, w.ground.margin, NULL), ECO_DAMAGED);
-			eco_elements_free(&e);
-		}
-		world_free(&w);
-	}
 }
 
 /* At borders, which tiles of other levels share, exactly; inside as the error deserves. And so coded, in

@@ -273,7 +273,4 @@ static int end(void **state)
 	return 0;
 }
 
-int main(void)
-{
-	return unit_tests_run(NULL, end);
-}
+UNIT_MAIN(NULL, end)

@@ -204,7 +204,4 @@ static int tear_down(void **state)
 	return 0;
 }
 
-int main(void)
-{
-	return unit_tests_run(set_up, tear_down);
-}
+UNIT_MAIN(set_up, tear_down)

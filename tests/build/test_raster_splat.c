@@ -135,7 +135,4 @@ UNIT_TEST(what_cannot_be_drawn_is_left_out)
 	assert_int_equal(covered(), 0);
 }
 
-int main(void)
-{
-	return unit_tests_run(set_up, tear_down);
-}
+UNIT_MAIN(set_up, tear_down)

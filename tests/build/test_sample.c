@@ -1,7 +1,6 @@
-/* Means of textures over triangles, light, and palettes. */
+/* Means of textures over triangles, and light. */
 #include "ecofiles/format/list.h"
 #include "lod/light.h"
-#include "lod/build/palette.h"
 #include "lod/raster/texel.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
@@ -116,32 +115,3 @@ UNIT_TEST(light_survives_the_way_there_and_back)
 	assert_int_equal(lod_light_byte(65535 / 2.0), 188);         /* half the light of white */
 }
 
-static struct lod_palette palette;
-
-UNIT_TEST(many_colours_are_cut_to_near_ones)
-{
-	struct lod_arena arena = { 0 };
-	static uint8_t rgb[30000][3];
-	static uint32_t weights[30000];
-	struct soup dice = { .state = 4 };
-	static double error;
-	assert_int_equal(setjmp(arena.failed), 0);
-	for (uint32_t i = 0; i < 30000; i++) {       /* greens, and a few reds */
-		double t = soup_random(&dice, 0, 1);
-		uint8_t colour[3] = { (uint8_t)(i % 100 ? 40 + 80 * t : 200),
-			(uint8_t)(i % 100 ? 90 + 120 * t : 20), (uint8_t)soup_random(&dice, 20, 60) };
-		memcpy(rgb[i], colour, 3);
-		weights[i] = 1;
-	}
-	lod_palette_make(&palette, LOD_PALETTE_MAX, (const uint8_t (*)[3])rgb, weights, 30000, &arena);
-	assert_in_range(palette.count, 32, LOD_PALETTE_MAX);
-	for (uint32_t i = 0; i < 30000; i++) {
-		const uint8_t *entry = palette.rgb[lod_palette_index(&palette, rgb[i])];
-		for (int k = 0; k < 3; k++)
-			error += abs(entry[k] - rgb[i][k]);
-	}
-	assert_true(error / 90000 < 4);
-	const uint8_t red[3] = { 200, 20, 40 };
-	assert_true(abs(palette.rgb[lod_palette_index(&palette, red)][0] - 200) < 8);
-	lod_arena_free(&arena);
-}

@@ -12,13 +12,7 @@ static const struct lod_splats_options quick = { .views = 12, .pixels = 40 };
 static void fit(struct lod_splats *splats, const struct eco_model *model,
 	const struct lod_splats_options *options)
 {
-	struct eco_error error = { 0 };
-	assert_ok(lod_splats_fit(splats, model, options, &error), error);
-}
-
-static void make_tree(struct soup *soup)
-{
-	soup_tree(soup, 300, 25, false);
+	assert_good(lod_splats_fit(splats, model, options, &cause));
 }
 
 UNIT_TEST(levels_have_their_sizes_and_come_closer_and_closer)
@@ -26,7 +20,7 @@ UNIT_TEST(levels_have_their_sizes_and_come_closer_and_closer)
 	static const uint32_t ends[] = { 1, 4, 16, 64, 256 };
 	struct soup soup;
 	struct lod_splats splats;
-	make_tree(&soup);
+	soup_tree(&soup, 300, 25, false);
 	fit(&splats, &soup.model, &quick);
 	assert_in_range(splats.level_count, 5, LOD_SPLAT_LEVELS);
 	for (uint32_t level = 0; level < 5; level++) {
@@ -87,7 +81,7 @@ UNIT_TEST(progress_rises_and_can_stop_it)
 	struct eco_error error = { 0 };
 	struct watch watch = { 0, 2 };
 	struct lod_splats_options options = quick;
-	make_tree(&soup);
+	soup_tree(&soup, 300, 25, false);
 	options.levels = 3;
 	options.progress = watched;
 	options.ctx = &watch;
@@ -105,7 +99,7 @@ UNIT_TEST(progress_rises_and_can_stop_it)
 
 UNIT_TEST(hardly_any_models_have_few_levels)
 {
-	enum { NOTHING, TOO_THIN, CLEAR, TRIANGLE, SPECKS, KINDS };
+	enum { NOTHING, TOO_THIN, CLEAR, TRIANGLE, SPECKS, KINDS };      /* a sample or two shows of specks */
 	for (int kind = 0; kind < KINDS; kind++) {
 		struct soup soup;
 		struct lod_splats splats;
@@ -272,15 +266,3 @@ UNIT_TEST(a_level_has_a_splat_for_each_blade)
 	}
 }
 
-/* A sample or two is all that shows of such blades. */
-UNIT_TEST(blades_that_hardly_show_are_a_plant)
-{
-	struct soup soup;
-	struct lod_splats splats;
-	make_blades(&soup, &(struct field){ 300, 0.5, 20, 0.002, 0.4 });
-	fit(&splats, &soup.model, &(struct lod_splats_options){ .views = 4, .pixels = 16 });
-	for (uint32_t i = 0; splats.level_count && i < splats.level_end[splats.level_count - 1]; i++)
-		assert_true(eco_splat_good(splats.items[i].code));
-	lod_splats_free(&splats);
-	soup_free(&soup);
-}

@@ -207,7 +207,4 @@ static int clean_up(void **state)
 	return 0;
 }
 
-int main(void)
-{
-	return unit_tests_run(NULL, clean_up);
-}
+UNIT_MAIN(NULL, clean_up)
