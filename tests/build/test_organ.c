@@ -17,7 +17,7 @@ static void find(void)
 	lod_organs_find(&found.organs, &found.mesh, &soup.model, &arena);
 }
 
-/* Organ of the only component of `material`, or of all of them if they agree. */
+/* Organ of all components of `material`, which agree. */
 static int organ_of(uint32_t material)
 {
 	int organ = -1;
@@ -121,42 +121,6 @@ static void box(struct soup *s, uint32_t material, struct lod_v3 at, struct lod_
 	}
 }
 
-/* A pot with walls: outside up, inside down, a bottom. Open on top. */
-static void pot(struct soup *s, uint32_t material, double radius, double height)
-{
-	uint32_t n = 16, first = s->model.vertex_count;
-	static const double ring[4][2] = { { 0.7, 0 }, { 1, 1 }, { 0.9, 1 }, { 0.6, 0.1 } };
-	for (int i = 0; i < 4; i++)
-		for (uint32_t k = 0; k < n; k++)
-			soup_vertex(s,
-				(struct lod_v3){ radius * ring[i][0] * cos(2 * LOD_PI * k / n),
-				radius * ring[i][0] * sin(2 * LOD_PI * k / n), height * ring[i][1] }, 0, 0);
-	uint32_t bottom = soup_vertex(s, (struct lod_v3){ 0, 0, 0 }, 0, 0),
-		inside = soup_vertex(s, (struct lod_v3){ 0, 0, 0.1 * height }, 0, 0);
-	for (uint32_t k = 0; k < n; k++) {
-		uint32_t l = (k + 1) % n;
-		for (uint32_t i = 0; i < 3; i++) {
-			soup_triangle(s, material, first + i * n + k, first + i * n + l,
-				first + (i + 1) * n + l);
-			soup_triangle(s, material, first + i * n + k, first + (i + 1) * n + l,
-				first + (i + 1) * n + k);
-		}
-		soup_triangle(s, material, bottom, first + l, first + k);
-		soup_triangle(s, material, inside, first + 3 * n + k, first + 3 * n + l);
-	}
-}
-
-static void disc(struct soup *s, uint32_t material, double z, double radius)
-{
-	uint32_t n = 16, middle = soup_vertex(s, (struct lod_v3){ 0, 0, z }, 0, 0);
-	for (uint32_t k = 0; k < n; k++)
-		soup_vertex(s,
-			(struct lod_v3){ radius * cos(2 * LOD_PI * k / n), radius * sin(2 * LOD_PI * k / n),
-			z }, 0, 0);
-	for (uint32_t k = 0; k < n; k++)
-		soup_triangle(s, material, middle, middle + 1 + k, middle + 1 + (k + 1) % n);
-}
-
 /* A bent strip of `n` quads from `at` along `d`, sinking at the end. */
 static void frond(struct soup *s, uint32_t material, struct lod_v3 at, struct lod_v3 d, double width, int n)
 {
@@ -206,6 +170,8 @@ struct part {
 
 static void part_make(struct soup *s, const struct part *p)
 {
+	/* walls: outside up, inside down, and bottoms; open on top */
+	static const double pot[6][2] = { { 0, 0 }, { 0.7, 0 }, { 1, 1 }, { 0.9, 1 }, { 0.6, 0.1 }, { 0, 0.1 } };
 	uint32_t pieces = p->pieces ? p->pieces : 1;
 	struct lod_v3 step = lod_v3_scale(lod_v3_sub(p->to, p->at), 1.0 / pieces);
 	for (uint32_t i = 0; i < pieces; i++) {
@@ -230,9 +196,9 @@ static void part_make(struct soup *s, const struct part *p)
 			frond(s, p->material, p->at, (struct lod_v3){ p->to.x * cos(turn), p->to.x * sin(turn),
 				p->to.z }, p->first, (int)p->along);
 		else if (p->kind == POT)
-			pot(s, p->material, p->first, p->last);
+			soup_turned(s, p->material, 0, p->first, p->last, pot, 6, 16);
 		else if (p->kind == DISC)
-			disc(s, p->material, p->at.z, p->first);
+			soup_turned(s, p->material, p->at.z, p->first, 1, (const double[][2]){ { 0, 0 }, { 1, 0 } }, 2, 16);
 		else
 			bare_tree(s, p->material);
 	}
@@ -402,21 +368,15 @@ static void palette_paint(uint32_t first, bool green)
 /* Trunk and crown are one surface; only the texture, a palette of two flat colours, tells them apart. */
 UNIT_TEST(a_palette_texture_parts_trunk_and_crown)
 {
-	uint32_t m = palette_begin(), rings = 24, n = 8;
-	for (uint32_t i = 0; i <= rings; i++)        /* a turned body: stem, then a ball on it */
-		for (uint32_t k = 0; k < n; k++) {
-			double z = 0.2 * i, t = (z - 2.4) / 2.4,
-				r = i <= 12 ? 0.1 : 0.1 + 1.2 * sqrt(fmax(0, t * (1 - t)) * 4);
-			soup_vertex(&soup,
-				(struct lod_v3){ r * cos(2 * LOD_PI * k / n), r * sin(2 * LOD_PI * k / n),
-				z }, i < 12 ? 0.25 : 0.75, 0.5);
-		}
-	for (uint32_t i = 0; i < rings; i++)
-		for (uint32_t k = 0; k < n; k++) {
-			uint32_t a = i * n + k, b = i * n + (k + 1) % n;
-			soup_triangle(&soup, m, a, b, b + n);
-			soup_triangle(&soup, m, a, b + n, a + n);
-		}
+	double ring[25][2];
+	for (uint32_t i = 0; i < 25; i++) {          /* a stem, then a ball on it */
+		double t = i / 12.0 - 1;
+		ring[i][0] = i <= 12 ? 0.1 : 0.1 + 1.2 * sqrt(fmax(0, t * (1 - t)) * 4);
+		ring[i][1] = 0.2 * i;
+	}
+	soup_turned(&soup, palette_begin(), 0, 1, 1, (const double (*)[2])ring, 25, 8);
+	palette_paint(0, false);
+	palette_paint(12 * 8, true);
 	find();
 	assert_true(fabs(organ_area(ECO_ORGAN_WOOD) - 2 * LOD_PI * 0.1 * 2.4) < 0.2);
 	assert_true(organ_area(ECO_ORGAN_FOLIAGE) > 6);

@@ -75,6 +75,16 @@ void soup_free(struct soup *s)
 	memset(s, 0, sizeof *s);
 }
 
+static void join_rings(struct soup *s, uint32_t material, uint32_t first, uint32_t rings, uint32_t sides)
+{
+	for (uint32_t i = 0; i < rings; i++)
+		for (uint32_t k = 0; k < sides; k++) {
+			uint32_t p = first + i * sides + k, q = first + i * sides + (k + 1) % sides;
+			soup_triangle(s, material, p, q, q + sides);
+			soup_triangle(s, material, p, q + sides, p + sides);
+		}
+}
+
 void soup_tube(struct soup *s, uint32_t material, struct lod_v3 a, struct lod_v3 b, double r, double t,
 	uint32_t sides, uint32_t rings)
 {
@@ -92,12 +102,19 @@ void soup_tube(struct soup *s, uint32_t material, struct lod_v3 a, struct lod_v3
 				lod_v3_scale(y, radius * sin(angle))));
 			soup_vertex(s, p, (double)k / sides, 4 * w);
 		}
-	for (uint32_t i = 0; i < rings; i++)
-		for (uint32_t k = 0; k < sides; k++) {
-			uint32_t p = first + i * sides + k, q = first + i * sides + (k + 1) % sides;
-			soup_triangle(s, material, p, q, q + sides);
-			soup_triangle(s, material, p, q + sides, p + sides);
-		}
+	join_rings(s, material, first, rings, sides);
+}
+
+void soup_turned(struct soup *s, uint32_t material, double z, double radius, double height,
+	const double (*ring)[2], uint32_t rings, uint32_t sides)
+{
+	uint32_t first = s->model.vertex_count;
+	for (uint32_t i = 0; i < rings * sides; i++) {
+		double r = radius * ring[i / sides][0], turn = 2 * LOD_PI * (i % sides) / sides;
+		soup_vertex(s, (struct lod_v3){ r * cos(turn), r * sin(turn), z + height * ring[i / sides][1] },
+			0, 0);
+	}
+	join_rings(s, material, first, rings - 1, sides);
 }
 
 void soup_quad(struct soup *s, uint32_t material, struct lod_v3 at, struct lod_v3 u, struct lod_v3 v)

@@ -30,6 +30,9 @@ void soup_free(struct soup *s);
 /* An open tube from a to b with `sides` corners and `rings` steps, tapering from r to t. */
 void soup_tube(struct soup *s, uint32_t material, struct lod_v3 a, struct lod_v3 b, double r, double t,
 	uint32_t sides, uint32_t rings);
+/* A body turned about the z axis, from rings of a radius and a height each, in parts of `radius` and `height`. */
+void soup_turned(struct soup *s, uint32_t material, double z, double radius, double height,
+	const double (*ring)[2], uint32_t rings, uint32_t sides);
 /* A flat leaf of two triangles around `at`, spanned by u and v. */
 void soup_quad(struct soup *s, uint32_t material, struct lod_v3 at, struct lod_v3 u, struct lod_v3 v);
 struct lod_v3 soup_direction(struct soup *s);
