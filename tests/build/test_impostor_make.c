@@ -6,17 +6,14 @@
 static void make(struct lod_impostors *impostors, const struct eco_model *model,
 	const struct lod_impostors_options *options)
 {
-	struct eco_error error = { 0 };
-	assert_ok(lod_impostors_make(impostors, model, options, &error), error);
+	assert_good(lod_impostors_make(impostors, model, options, &cause));
 }
 
 static void write_all(struct eco_writer *w, const struct lod_impostors *impostors)
 {
-	struct eco_error error = { 0 };
 	eco_impostor_body_write(w, &impostors->body);
 	for (uint32_t i = 0; i < impostors->level_count; i++)
-		assert_ok(eco_impostor_level_write(w, &impostors->body, &impostors->levels[i], NULL, &error),
-			error);
+		assert_good(eco_impostor_level_write(w, &impostors->body, &impostors->levels[i], NULL, &cause));
 }
 
 static bool stop(void *ctx, double share)

@@ -41,10 +41,9 @@ static struct lod_plant_options options_for(enum kind kind)
 
 static void build(enum kind kind)
 {
-	struct eco_error error = { 0 };
 	struct lod_plant_options options = options_for(kind);
 	make_model(kind);
-	assert_ok(lod_plant_build(&plant, &soup.model, &options, &error), error);
+	assert_good(lod_plant_build(&plant, &soup.model, &options, &cause));
 }
 
 static void finish(void)
@@ -200,7 +199,6 @@ static void check_form(const struct lod_list_draft *form)
 
 static void check_coded(const struct lod_list_draft *draft)
 {
-	struct eco_error error = { 0 };
 	const struct lod_list_draft *of = draft->list.coder == ECO_CODER_FORM ? &plant.lists[draft->list.partner]
 		: draft;
 	for (uint32_t c = 0; c < draft->end_count && c < 4; c++) {
@@ -208,9 +206,8 @@ static void check_coded(const struct lod_list_draft *draft)
 			{ &of->list, &of->elements, c ? of->ends[c - 1] : 0, of->ends[c], c };
 		uint8_t *bytes;
 		size_t size;
-		assert_ok(of == draft ? eco_chunk_encode(&input, &bytes, &size, NULL, &error)
-			: eco_chunk_encode_form(&input, &draft->list, &draft->elements, &bytes, &size, &error),
-			error);
+		assert_good(of == draft ? eco_chunk_encode(&input, &bytes, &size, NULL, &cause)
+			: eco_chunk_encode_form(&input, &draft->list, &draft->elements, &bytes, &size, &cause));
 		free(bytes);
 	}
 }
@@ -392,7 +389,6 @@ UNIT_TEST(models_without_anything_to_draw_are_refused)
 UNIT_TEST(any_soup_is_stored_completely)
 {
 	for (uint32_t seed = 1; seed <= 40; seed++) {
-		struct eco_error error = { 0 };
 		struct lod_plant_options options = { .name = "soup", .order = LOD_ORDER_COMBINED,
 			.grid_bits = 5 + seed % 6, .cell_triangles = 20 };
 		soup_begin(&soup);
@@ -407,7 +403,7 @@ UNIT_TEST(any_soup_is_stored_completely)
 		for (uint32_t t = 0; t < 4 * n; t++)
 			soup_triangle(&soup, m, (uint32_t)soup_random(&soup, 0, n + 1),
 				(uint32_t)soup_random(&soup, 0, n), (uint32_t)soup_random(&soup, 0, n));
-		assert_ok(lod_plant_build(&plant, &soup.model, &options, &error), error);
+		assert_good(lod_plant_build(&plant, &soup.model, &options, &cause));
 		uint32_t dropped = 0;
 		for (int d = 0; d < ECO_DROP_COUNT; d++)
 			dropped += plant.dropped[d];

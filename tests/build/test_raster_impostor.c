@@ -40,12 +40,10 @@ static void look(struct lod_raster *r, const double at[3], double turn_deg, doub
 static void open_levels(struct lod_impostor *levels, const struct eco_model *model)
 {
 	struct lod_impostors made;
-	struct eco_error error = { 0 };
-	assert_ok(lod_impostors_make(&made, model, &(struct lod_impostors_options){ .levels = LEVELS }, &error),
-		error);
+	assert_good(lod_impostors_make(&made, model, &(struct lod_impostors_options){ .levels = LEVELS }, &cause));
 	assert_int_equal(made.level_count, LEVELS);
 	for (uint32_t i = 0; i < LEVELS; i++)
-		assert_ok(lod_impostor_open(&levels[i], &made.body, &made.levels[i], &error), error);
+		assert_good(lod_impostor_open(&levels[i], &made.body, &made.levels[i], &cause));
 	lod_impostors_free(&made);
 }
 

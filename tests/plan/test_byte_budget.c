@@ -109,11 +109,10 @@ struct relaxed { struct lod_planner p; struct lod_allocation m; };
 
 static void begin(struct relaxed *r, const struct lod_planner_input *input)
 {
-	struct eco_error error = { 0 };
-	assert_ok(lod_planner_begin(&r->p, input, &error), error);
-	assert_ok(lod_planner_open_level(&r->p, 12, &error), error);
-	assert_ok(lod_allocation_make(&r->m, &r->p, &error), error);
-	assert_ok(lod_prices_make(&r->m, NULL, 0, &error), error);
+	assert_good(lod_planner_begin(&r->p, input, &cause));
+	assert_good(lod_planner_open_level(&r->p, 12, &cause));
+	assert_good(lod_allocation_make(&r->m, &r->p, &cause));
+	assert_good(lod_prices_make(&r->m, NULL, 0, &cause));
 }
 
 static void end(struct relaxed *r)

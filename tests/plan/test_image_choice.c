@@ -17,11 +17,10 @@ struct looked {
 
 static const struct eco_scene *look(struct looked *l, uint64_t seed, double texel_px)
 {
-	struct eco_error error = { .code = ECO_OK };
 	l->pack = random_pack_make(seed, 1, 3);
 	l->view = random_view(&l->pack->r);
 	lod_eye_make(&l->eye, &l->view);
-	assert_ok(lod_image_see(&l->image, &l->pack->pack.scene, &l->eye, &l->view, texel_px, &error), error);
+	assert_good(lod_image_see(&l->image, &l->pack->pack.scene, &l->eye, &l->view, texel_px, &cause));
 	return &l->pack->pack.scene;
 }
 

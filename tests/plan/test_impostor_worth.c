@@ -89,10 +89,9 @@ static struct chosen choose(const struct eco_request *request)
 	struct lod_planner p;
 	struct lod_allocation m;
 	struct chosen chosen = { .levels = { 0 } };
-	struct eco_error error = { 0 };
-	assert_ok(lod_planner_begin(&p, &input, &error), error);
-	assert_ok(lod_planner_open_level(&p, 4, &error), error);
-	assert_ok(lod_allocation_make(&m, &p, &error), error);
+	assert_good(lod_planner_begin(&p, &input, &cause));
+	assert_good(lod_planner_open_level(&p, 4, &cause));
+	assert_good(lod_allocation_make(&m, &p, &cause));
 	assert_true(scene.scene.plant_count <= PLANTS_MAX);
 	for (uint32_t i = 0; i < scene.scene.plant_count; i++)
 		chosen.levels[i] = (uint8_t)m.impostors[i].levels;

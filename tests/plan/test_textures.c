@@ -64,10 +64,9 @@ UNIT_TEST(a_texture_is_shown_where_something_has_it)
 		for (double px = ECO_TEXEL_PX_MIN; px < 1000; px *= 4) {
 			struct eco_plan plan = plan_it(pack, &view, px);
 			struct eco_holdings needs;
-			struct eco_error error = { 0 };
 			uint32_t levels = shown(&plan, image);
 			eco_plan_sort(&plan);
-			assert_ok(eco_plan_check(&plan, &error), error);
+			assert_good(eco_plan_check(&plan, &cause));
 			assert_int_equal(levels > 0, draws_textured(&plan, scene));
 			assert_int_equal(shown(&plan, outline), levels ? LEVELS : 0);
 			assert_true(!levels || levels <= before);
@@ -75,7 +74,7 @@ UNIT_TEST(a_texture_is_shown_where_something_has_it)
 			textured += levels > 0;
 			coarse += levels == 1;
 			/* what is shown is fetched, and nothing more of it */
-			assert_ok(lod_plan_needs(scene, &plan, &needs, &error), error);
+			assert_good(lod_plan_needs(scene, &plan, &needs, &cause));
 			assert_int_equal(eco_holdings_chunks(&needs, image), levels);
 			free(needs.items);
 			eco_plan_free(&plan);
@@ -114,8 +113,7 @@ UNIT_TEST(levels_are_given_up_for_bytes)
 		enlarge(pack, outline);
 		struct eco_plan whole = plan_it(pack, &view, ECO_TEXEL_PX_MIN), plan;
 		uint64_t bytes;
-		struct eco_error error = { 0 };
-		assert_ok(plan_size(&(struct plan_sizer){ scene, NULL }, &whole, &bytes, &error), error);
+		assert_good(plan_size(&(struct plan_sizer){ scene, NULL }, &whole, &bytes, &cause));
 		for (uint64_t part = 2; part <= 8 && shown(&whole, image); part *= 2) {
 			plan_within(&plan, scene, &view, bytes / part);
 			uint32_t levels = shown(&plan, image), border = shown(&plan, outline);
@@ -179,8 +177,7 @@ UNIT_TEST(a_coarse_texture_is_better_than_none)
 		struct random_pack pack = { .pack.scene = b.scene };
 		struct eco_plan whole = plan_it(&pack, &view, ECO_TEXEL_PX_MIN), plan;
 		uint64_t all, finer = 0;
-		struct eco_error error = { 0 };
-		assert_ok(plan_size(&(struct plan_sizer){ &b.scene, NULL }, &whole, &all, &error), error);
+		assert_good(plan_size(&(struct plan_sizer){ &b.scene, NULL }, &whole, &all, &cause));
 		assert_int_equal(shown(&whole, image), LEVELS);
 		for (uint32_t k = 1; k < LEVELS; k++)
 			finer += b.chunks[b.lists[image].chunk_first + k].size_bytes;

@@ -440,14 +440,13 @@ void scene_release(struct scene_held *h)
 struct view_picture scene_draw(const struct scene_held *h, bool by_gl, enum view_tint tint)
 {
 	struct view_picture picture;
-	struct eco_error error = { 0 };
-	assert_ok(view_picture_init(&picture, h->view.width, h->view.height, &error), error);
+	assert_good(view_picture_init(&picture, h->view.width, h->view.height, &cause));
 	if (by_gl)
-		assert_ok(view_gl_draw(scene_gl, &(struct view_gl_job){ h->store, &h->selection, &h->eye, 0.1, tint },
-			&picture, &error), error);
+		assert_good(view_gl_draw(scene_gl, &(struct view_gl_job){ h->store, &h->selection, &h->eye, 0.1, tint },
+			&picture, &cause));
 	else
-		assert_ok(view_reference_draw(&(struct view_reference_job){ h->store, &h->selection, &h->eye, 0.1, 2,
-			NULL, tint }, &picture, &error), error);
+		assert_good(view_reference_draw(&(struct view_reference_job){ h->store, &h->selection, &h->eye, 0.1, 2,
+			NULL, tint }, &picture, &cause));
 	return picture;
 }
 
