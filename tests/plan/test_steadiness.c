@@ -13,85 +13,44 @@
 #define SAME_SIZE (1 / 16.0)     /* of a leaf's area: less is no switch but a blend */
 
 struct piece { uint32_t list, first, end; float scale; uint64_t vertices; bool splats; };
-struct seen { uint32_t plant, count; struct piece pieces[24]; uint64_t vertices; bool in_view; };
+struct seen { uint32_t count; struct piece pieces[24]; uint64_t vertices; bool in_view; };
 /* in the order of places: frames compare by index; gates that end within a band */
-struct shot { struct seen *plants; uint32_t count, moving; };
+struct shot { const struct eco_scene *scene; struct seen *plants; uint32_t moving; };
 
-static void see_plant(const struct eco_plan *plan, const struct eco_scene *s,
-	const struct lod_anchor_band *at, uint32_t anchors, uint32_t hash, struct seen *seen)
+static void see(void *ctx, uint64_t place, const struct eco_cut *cut)
 {
-	for (uint32_t a = 0; a < anchors; a++)
-		for (uint32_t c = 0; c < plan->cut_count; c++) {
-			const struct eco_cut *cut = &plan->cuts[c];
-			if (cut->anchor != at[a].anchor || at[a].band < cut->band_first
-					|| at[a].band >= cut->band_end || hash < cut->share_first
-					|| hash >= cut->share_end)
-				continue;
-			assert_true(seen->count < sizeof seen->pieces / sizeof *seen->pieces);
-			uint64_t vertices = (uint64_t)(cut->end - cut->first)
-				* eco_list_vertices(&s->lists[cut->list]);
-			seen->pieces[seen->count++] = (struct piece){ cut->list, cut->first, cut->end,
-				cut->scale, vertices,
-				s->lists[cut->list].attributes & ECO_ATTR_SPLAT
-				|| s->lists[cut->list].kind == ECO_LIST_IMPOSTOR };
-			seen->vertices += vertices;
-		}
+	struct shot *shot = ctx;
+	struct seen *seen = &shot->plants[place];
+	seen->in_view = true;
+	if (!cut)
+		return;
+	const struct eco_list *list = &shot->scene->lists[cut->list];
+	uint64_t vertices = (uint64_t)(cut->end - cut->first) * eco_list_vertices(list);
+	assert_true(seen->count < sizeof seen->pieces / sizeof *seen->pieces);
+	seen->pieces[seen->count++] = (struct piece){ cut->list, cut->first, cut->end, cut->scale, vertices,
+		list->attributes & ECO_ATTR_SPLAT || list->kind == ECO_LIST_IMPOSTOR };
+	seen->vertices += vertices;
 }
 
-static void see_list(const struct eco_plan *plan, const struct eco_run *run, const struct eco_scene *s,
-	uint32_t g, const struct lod_eye *eye, struct shot *shot)
+static void shoot(struct shot *shot, const struct eco_scene *s, const struct eco_request *request)
 {
-	const struct eco_group *group = &s->groups[g];
-	const struct eco_plant *plant = &s->plants[group->plant];
-	uint32_t gate = 0;
-	for (uint32_t i = 0; i < plan->gate_count; i++)
-		if (plan->gates[i].plant == group->plant)
-			gate = plan->gates[i].end;
-	for (uint32_t i = 0; i < group->count; i++) {
-		struct eco_place stored = eco_place_read(s, group->place_first + i);
-		struct seen *seen = &shot->plants[group->place_first + i];
-		struct lod_place place;
-		struct lod_anchor_band at[64];
-		uint32_t hash = lod_share_hash(plan->placements[0].path, group->list, group->first + i);
-		lod_place_instance(&place, &plan->placements[0], &s->lists[group->list], &stored);
-		uint32_t n = lod_instance_anchors(eye, &place, s->anchors + plant->anchor_first,
-			plant->anchor_first, plant->anchor_count, gate, hash, at);
-		seen->plant = group->plant;
-		seen->in_view = n > 0;
-		if (run && lod_open_hash(hash) >= run->left)
-			see_plant(plan, s, at, n, hash, seen);
+	struct eco_plan plan;
+	plan_make(&plan, (struct lod_planner_input){ .scene = s, .request = request });
+	*shot = (struct shot){ .scene = s, .plants = calloc(s->place_count + 1, sizeof *shot->plants) };
+	assert_int_equal(plan_twin_draw(s, &plan, &request->view, NULL, see, shot), plan.vertices);
+	/* of lists without a run, no plant is drawn: what stands in view there is told all the same */
+	for (uint32_t i = 0, list = 0; list < s->list_count; list++) {
+		while (i < plan.run_count && plan.runs[i].list_end <= list)
+			i++;
+		struct eco_run none = { 0, list, list + 1, ECO_SHARE_ONE };
+		struct eco_plan closed = { .placements = plan.placements, .placement_count = 1, .runs = &none,
+			.run_count = 1, .gates = plan.gates, .gate_count = plan.gate_count };
+		if (i == plan.run_count || list < plan.runs[i].list_first)
+			plan_twin_draw(s, &closed, &request->view, NULL, see, shot);
 	}
-}
-
-static uint64_t drawn(const struct eco_plan *plan, const struct shot *shot)
-{
-	uint64_t vertices = 0;
-	for (uint32_t i = 0; i < shot->count; i++)
-		vertices += shot->plants[i].vertices;
-	for (uint32_t c = 0; c < plan->cut_count; c++)
-		vertices += plan->cuts[c].anchor == ECO_NONE ? plan->cuts[c].end - plan->cuts[c].first : 0;
-	return vertices;
-}
-
-static void shoot(struct shot *shot, const struct eco_scene *s, const struct eco_request *request,
-	struct eco_plan *plan)
-{
-	struct lod_eye eye;
-	plan_make(plan, (struct lod_planner_input){ .scene = s, .request = request });
-	lod_eye_make(&eye, &request->view);
-	*shot = (struct shot){ .count = s->place_count };
-	shot->plants = calloc(s->place_count + 1, sizeof *shot->plants);
-	for (uint32_t g = 0; g < s->group_count; g++) {
-		const struct eco_run *run = NULL;
-		for (uint32_t r = 0; r < plan->run_count; r++)
-			if (s->groups[g].list >= plan->runs[r].list_first && s->groups[g].list
-					< plan->runs[r].list_end)
-				run = &plan->runs[r];
-		see_list(plan, run, s, g, &eye, shot);
-	}
-	assert_true(drawn(plan, shot) == plan->vertices);
-	for (uint32_t i = 0; i < plan->gate_count; i++)
-		shot->moving += plan->gates[i].end % ECO_SHARE_ONE != 0;
+	for (uint32_t i = 0; i < plan.gate_count; i++)
+		shot->moving += plan.gates[i].end % ECO_SHARE_ONE != 0;
+	eco_plan_free(&plan);
 }
 
 /* Primitives that two pieces have in common, in about the same size. Splats are alike in every cut. */
@@ -132,11 +91,13 @@ static void compare(const struct eco_scene *s, const struct shot *a, const struc
 	for (uint32_t plant = 0; plant < s->plant_count; plant++) {
 		double sum = 0;
 		uint32_t like = 0;
-		for (uint32_t i = 0; i < a->count; i++) {
-			if (a->plants[i].plant != plant || !a->plants[i].in_view || !b->plants[i].in_view)
-				continue;
-			sum += switched(&a->plants[i], &b->plants[i]);
-			like++;
+		for (uint32_t g = 0; g < s->group_count; g++) {
+			const struct eco_group *group = &s->groups[g];
+			for (uint64_t i = group->place_first; i < group->place_first + group->count; i++)
+				if (group->plant == plant && a->plants[i].in_view && b->plants[i].in_view) {
+					sum += switched(&a->plants[i], &b->plants[i]);
+					like++;
+				}
 		}
 		if (like < LIKE_LEAST)
 			continue;
@@ -161,17 +122,15 @@ static void move_slowly(uint64_t seed, struct tally *tally)
 	for (int frame = 0; frame < 6; frame++) {
 		double near = far * pow(0.997, frame), turn = around + 0.003 * frame;
 		struct shot shot;
-		struct eco_plan plan;
 		request.view.eye[0] = 50 + near * cos(turn);
 		request.view.eye[1] = 50 + near * sin(turn);
 		request.view.eye[2] = 3 + near * up;
-		shoot(&shot, &r.scene, &request, &plan);
+		shoot(&shot, &r.scene, &request);
 		if (frame)
 			compare(&r.scene, &before, &shot, tally);
 		free(before.plants);
 		tally->moving += shot.moving;
 		before = shot;
-		eco_plan_free(&plan);
 	}
 	free(before.plants);
 }
