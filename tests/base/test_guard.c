@@ -439,7 +439,6 @@ UNIT_TEST(files_that_name_other_folders_are_read)
 
 static void *interrupt_soon(void *ctx)
 {
-	(void)ctx;
 	usleep(100000);
 	eco_guard_interrupt();
 	return NULL;
@@ -472,7 +471,6 @@ UNIT_TEST(an_interrupted_parent_ends_its_children)
 static enum eco_code tell_and_sleep(void *ctx, FILE *out, struct eco_error *error)
 {
 	pid_t self = getpid();
-	(void)ctx, (void)error;
 	fwrite(&self, sizeof self, 1, out);
 	fflush(out);
 	sleep(1000);

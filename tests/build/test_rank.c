@@ -202,7 +202,6 @@ UNIT_TEST(a_second_layer_waits_for_smaller_leaves_elsewhere)
 
 static void backwards(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
 {
-	(void)ctx;
 	while (count)
 		piece(pieces, --count);
 }

@@ -185,7 +185,6 @@ static int set_up(void **state)
 {
 	const struct lod_raster_options options = { .width = SIDE, .height = SIDE, .owner = true,
 		.item = true };
-	(void)state;
 	soup_begin(&ball);
 	soup_ball(&ball, soup_material(&ball, 200, 30, 10, ECO_NONE, false), (struct lod_v3){ 1, 2, 3 }, 1, 48);
 	open_levels(balls, &ball.model);
@@ -194,7 +193,6 @@ static int set_up(void **state)
 
 static int tear_down(void **state)
 {
-	(void)state;
 	close_levels(balls);
 	soup_free(&ball);
 	lod_raster_free(&raster);

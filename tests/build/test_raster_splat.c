@@ -39,14 +39,12 @@ static uint32_t covered(void)
 
 static int set_up(void **state)
 {
-	(void)state;
 	return lod_raster_init(&raster, &(struct lod_raster_options){ .width = SIDE, .height = SIDE,
 		.owner = true }, NULL) != ECO_OK;
 }
 
 static int tear_down(void **state)
 {
-	(void)state;
 	lod_raster_free(&raster);
 	return 0;
 }

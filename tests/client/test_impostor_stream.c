@@ -182,8 +182,8 @@ static struct eco_writer stream_of(struct forged *f, enum fault fault)
 	scene_frame(&w, &f->b, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, SCENE_RECORD);
 	for (uint32_t i = 0; i < 2; i++)
 		scene_frame(&w, &f->b, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, i);
-	scene_plan_frame(&w, &plan, &number);
-	scene_end_frame(&w, 0, &number);
+	wire_put_plan(&w, &number, &plan);
+	wire_put_end(&w, &number, 0, 0);
 	eco_plan_free(&plan);
 	return w;
 }

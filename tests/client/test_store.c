@@ -127,8 +127,8 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 	default:
 		break;
 	}
-	scene_plan_frame(w, plan, &number);
-	scene_end_frame(w, fault == END_DISAGREES, &number);
+	wire_put_plan(w, &number, plan);
+	wire_put_end(w, &number, fault == END_DISAGREES, 0);
 }
 
 UNIT_TEST(wrong_streams_are_refused_with_a_reason)

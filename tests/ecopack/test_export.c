@@ -72,7 +72,6 @@ static enum eco_code count_instances(void *ctx, uint32_t node, const double worl
 	struct eco_gltf_instances instances;
 	struct eco_error error = { 0 };
 	bool there;
-	(void)world;
 	assert_ok(eco_gltf_instances_open(c->doc, node, &there, &instances, &error), error);
 	if (there) {
 		c->instances += instances.count;

@@ -341,7 +341,6 @@ struct taken { struct eco_plan plans[MOST]; uint32_t count; };
 
 static enum eco_code take(void *ctx, struct eco_plan *plan, double wrong, struct eco_error *error)
 {
-	(void)error, (void)wrong;
 	struct taken *taken = ctx;
 	assert_true(taken->count < MOST);
 	taken->plans[taken->count++] = *plan;

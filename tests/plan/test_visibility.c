@@ -66,8 +66,6 @@ UNIT_TEST(a_slope_seen_from_above_hides_nothing)
 
 static struct lod_drawn some_wrong(void *ctx, const struct lod_visibility *visibility)
 {
-	(void)ctx;
-	(void)visibility;
 	return (struct lod_drawn){ .wrong = { .fp = 0.2, .fn = 0.1 } };
 }
 

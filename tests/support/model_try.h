@@ -23,6 +23,6 @@ bool close_to(double a, double b, double most);
 bool has_place(double x, double y, double z);
 const struct eco_material *material_of(const char *name);
 /* Whether a vertex at that place, with that uv where uv is asked for, is there. */
-bool has_vertex(float x, float y, float z, const float *uv);
+bool has_vertex(double x, double y, double z, const float *uv);
 
 #endif

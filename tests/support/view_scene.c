@@ -299,46 +299,28 @@ void scene_plan(const struct scene_builder *b, const struct eco_view *view, doub
 void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_frame_type type,
 	uint32_t *number, uint32_t a, uint32_t b)
 {
-	/* of the stream that is being written */
-	static struct eco_wire_items items;
 	static const struct eco_chunk_id pack = { { 1, 2, 3 } };
-	struct eco_wire_bundle bundle = { .items = NULL };
+	struct eco_wire_bundle bundle;
+	const struct eco_chunk *chunk = NULL;
 	if (*number == 0)
-		eco_wire_items_start(&items);
-	struct eco_frame_mark mark = eco_frame_begin(w, type, (*number)++);
+		eco_wire_items_start(&wire_items);
 	if (type == ECO_FRAME_SCENE) {
+		struct eco_frame_mark mark = eco_frame_begin(w, type, (*number)++);
 		eco_wire_write_scene(w, &s->scene, &pack);
 		eco_frame_end(w, mark);
 		return;
 	}
-	bool carries = b != SCENE_PLANT && b != SCENE_RECORD;
-	eco_wire_bundle_begin(&bundle, &items);
-	if (b == SCENE_PLANT)
+	struct eco_frame_mark mark = wire_bundle_begin(w, number, &bundle);
+	if (b == SCENE_PLANT) {
 		eco_wire_bundle_plant(&bundle, &s->scene, a);
-	else if (b == SCENE_RECORD)
+	} else if (b == SCENE_RECORD) {
 		eco_wire_bundle_list(&bundle, &s->scene, a);
-	else
+	} else {
 		eco_wire_bundle_chunk(&bundle, &s->scene, a, b, false);
-	eco_wire_bundle_end(&bundle, w);
-	if (carries)
-		eco_write_bytes(w, s->payloads[s->lists[a].chunk_first + b],
-			s->chunks[s->lists[a].chunk_first + b].size_bytes);
-	eco_frame_end(w, mark);
-	eco_wire_bundle_free(&bundle);
-}
-
-void scene_plan_frame(struct eco_writer *w, const struct eco_plan *plan, uint32_t *number)
-{
-	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_PLAN, (*number)++);
-	eco_wire_write_plan(w, plan);
-	eco_frame_end(w, mark);
-}
-
-void scene_end_frame(struct eco_writer *w, uint64_t vertices, uint32_t *number)
-{
-	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_END, (*number)++);
-	eco_wire_write_end(w, vertices, w->size + 16);
-	eco_frame_end(w, mark);
+		chunk = &s->chunks[s->lists[a].chunk_first + b];
+	}
+	wire_bundle_end(w, mark, &bundle, chunk ? s->payloads[chunk - s->chunks] : NULL,
+		chunk ? chunk->size_bytes : 0);
 }
 
 uint32_t scene_needs(const struct scene_builder *b, const struct eco_plan *plan, uint32_t id)
@@ -371,8 +353,8 @@ void scene_stream(const struct scene_builder *b, const struct eco_plan *plan, co
 		for (uint32_t c = first; c < end; c++)
 			scene_frame(w, b, ECO_FRAME_BUNDLE, &number, id, c);
 	}
-	scene_plan_frame(w, plan, &number);
-	scene_end_frame(w, plan->vertices, &number);
+	wire_put_plan(w, &number, plan);
+	wire_put_end(w, &number, plan->vertices, 0);
 }
 
 enum eco_code scene_feed(struct view_store *store, const struct eco_writer *w, struct eco_error *error)

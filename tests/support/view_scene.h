@@ -17,6 +17,7 @@
 #include "client-min/view_select.h"
 #include "ecofiles/format/wire.h"
 #include "tests/support/scene_builder.h"
+#include "tests/support/wire_random.h"
 
 enum { L_WOOD, L_LINES, L_LEAVES, L_POINTS, L_LOW, L_LOW_POINTS, L_HIGH, L_HIGH_POINTS, L_BUSH, L_IMAGE,
 	L_TREES, L_BUSHES, L_GROUND, L_SUMMARY, L_SIMPLE, L_IMPOSTOR, L_OUTLINE, L_COUNT };
@@ -44,8 +45,6 @@ void scene_plan(const struct scene_builder *b, const struct eco_view *view, doub
  * `b`. */
 void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_frame_type type,
 	uint32_t *number, uint32_t a, uint32_t b);
-void scene_plan_frame(struct eco_writer *w, const struct eco_plan *plan, uint32_t *number);
-void scene_end_frame(struct eco_writer *w, uint64_t vertices, uint32_t *number);
 /* Chunks of a list that a plan needs. */
 uint32_t scene_needs(const struct scene_builder *b, const struct eco_plan *plan, uint32_t id);
 /* Everything that `plan` needs and `held` (chunks per list, or NULL) lacks. */

@@ -292,7 +292,7 @@ void wire_put_name(struct eco_writer *w, uint32_t *number, uint32_t list, uint32
 	put_chunk(w, number, list, ordinal, payload, size, true, true);
 }
 
-static void wire_put_plan(struct eco_writer *w, uint32_t *number, const struct eco_plan *plan)
+void wire_put_plan(struct eco_writer *w, uint32_t *number, const struct eco_plan *plan)
 {
 	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_PLAN, (*number)++);
 	eco_wire_write_plan(w, plan);
@@ -353,7 +353,6 @@ static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const st
 	struct eco_error *e)
 {
 	struct wire_told *t = ctx;
-	(void)e;
 	assert(memchr(scene->name, 0, sizeof scene->name) && scene->near_m > 0);
 	assert(!scene->plants && !scene->lists && scene->root == ECO_NONE);
 	eco_wire_write_scene(&t->w, scene, id);
@@ -364,7 +363,6 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 	const struct eco_anchor *anchors, struct eco_error *e)
 {
 	struct wire_told *t = ctx;
-	(void)e;
 	assert(memchr(plant->name, 0, sizeof plant->name) && plant->anchor_count > 0);
 	eco_write_u32(&t->w, id);
 	eco_write_bytes(&t->w, plant->name, sizeof plant->name);
@@ -380,7 +378,6 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 {
 	struct wire_told *t = ctx;
 	uint64_t plants = 0;
-	(void)e;
 	eco_write_u32(&t->w, id);
 	eco_record_write(&t->w, ECO_SECTION_LISTS, list);
 	eco_write_bytes(&t->w, palette, 3 * (size_t)list->palette_count);
@@ -396,7 +393,6 @@ static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const 
 	const uint8_t *payload, struct eco_error *e)
 {
 	struct wire_told *t = ctx;
-	(void)e;
 	assert(chunk->size_bytes > 0 && chunk->element_count <= ECO_CHUNK_ELEMENTS_MAX);
 	eco_write_u32(&t->w, list);
 	eco_write_u32(&t->w, ordinal);
@@ -409,7 +405,6 @@ static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const 
 static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error *e)
 {
 	struct wire_told *t = ctx;
-	(void)e;
 	assert(eco_plan_check(plan, NULL) == ECO_OK);
 	eco_wire_write_plan(&t->w, plan);
 	eco_plan_free(plan);
@@ -419,7 +414,6 @@ static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error 
 static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *e)
 {
 	struct wire_told *t = ctx;
-	(void)e;
 	eco_write_u64(&t->w, vertices);
 	return tell(t, 6);
 }
@@ -428,7 +422,6 @@ static enum eco_code on_fetch(void *ctx, const struct eco_chunk *chunk, const ui
 	struct eco_error *e)
 {
 	const struct wire_told *t = ctx;
-	(void)e;
 	assert(!t->hosted || strlen(t->hosted) == chunk->size_bytes);
 	*payload = (const uint8_t *)t->hosted;
 	return ECO_OK;
@@ -436,7 +429,6 @@ static enum eco_code on_fetch(void *ctx, const struct eco_chunk *chunk, const ui
 
 static enum eco_code on_ahead(void *ctx, struct eco_error *e)
 {
-	(void)e;
 	return tell(ctx, 8);
 }
 

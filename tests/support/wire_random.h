@@ -40,6 +40,7 @@ void wire_put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint3
 /* A chunk that is named, not carried. */
 void wire_put_name(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal,
 	const void *payload, size_t size);
+void wire_put_plan(struct eco_writer *w, uint32_t *number, const struct eco_plan *plan);
 void wire_put_end(struct eco_writer *w, uint32_t *number, uint64_t vertices, int64_t bytes_off);
 void wire_random_stream(struct wire_random *r, struct eco_writer *w, uint32_t steps);
 
