@@ -373,7 +373,7 @@ cluster-demo: deps
 	@$(MAKE) --no-print-directory -j$$(nproc) all
 	BUILD=$(B) sh tests/demo/cluster.sh
 
-# Finished pieces are kept and done anew only if programs or inputs changed; Ctrl-C loses one piece. DATA is a folder as above;
+# Finished pieces are kept and done anew only if programs or inputs changed. DATA is a folder as above;
 # the one beside the checkout if there is one, and without any there are generated plants and scenes only.
 DATA_BENCH = $(or $(DATA),$(if $(wildcard ../shared/data/models),../shared/data))
 bench: deps

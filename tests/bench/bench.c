@@ -1,78 +1,52 @@
-/* The frame that sections run in: units kept on disk, records of results, progress, Ctrl-C.
+/* The frame that sections run in: units kept on disk, records of results, progress, the command line. A record
+ * holds all results of a section, as CACHE/sections/NAME.json:
  *
- * A unit's file holds the stamp that it was made under; a unit of another program or input is made anew, and
- * so is a damaged one. Files are written beside and renamed. */
-#include "tests/bench/bench_state.h"
+ *   {"name", "title", "program": hash, "full", "state": "done" | "missing" | "failed", "why", "seconds",
+ *    "keys": [{"key", "value", "bar"}], "items": [item]}
+ *
+ * and an item is
+ *
+ *   {"kind": "head" | "say", "text"}, {"kind": "picture", "file", "caption"},
+ *   {"kind": "table", "name", "columns", "show", "rows": ["cell,cell"]} or
+ *   {"kind": "plot", "name", "title", "x", "y", "log_x", "log_y",
+ *    "series": [{"name", "points", "x": [], "y": []}]}
+ *
+ * report/report.py draws them; it shows sections that did not run this time as they were. */
+#include "tests/bench/bench.h"
 
+#include <assert.h>
 #include <math.h>
+#include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "ecofiles/base/guard.h"
+#include "client-min/view_store.h"
+#include "ecofiles/base/files.h"
+#include "ecofiles/base/memory.h"
+#include "ecofiles/base/options.h"
+#include "ecofiles/base/text.h"
+#include "ecofiles/format/image.h"
 
 #define PATH 1024
+#define SECTIONS_MAX 64u
 
-/* ---- Interruption ---- */
-
-static volatile sig_atomic_t interrupted, reported;
-
-#define TWICE_S 1.0               /* wrappers (timeout, make) may pass one Ctrl-C on twice */
-
-/* A second Ctrl-C ends the program at once and loses the unit at hand. */
-static void ask_to_stop(int number)
-{
-	static double first_s;
-	double now = bench_now_s();
-	if (interrupted && now - first_s > TWICE_S) {
-		signal(number, SIG_DFL);
-		raise(number);
-	}
-	if (!interrupted)
-		first_s = now;
-	interrupted = number;
-	eco_guard_interrupt();
-}
-
-void bench_catch_interrupts(void)
-{
-	struct sigaction action = { .sa_handler = ask_to_stop };
-	sigaction(SIGINT, &action, NULL);
-	sigaction(SIGTERM, &action, NULL);
-}
-
-bool bench_stopped(const struct bench *bench)
-{
-	if (interrupted && !reported) {
-		reported = 1;
-		bench_note(bench,
-			"stopping after this piece of work; finished pieces are kept (Ctrl-C again stops at "
-			"once)");
-	}
-	return interrupted != 0;
-}
-
-bool bench_goes_on(void *bench, double share)
-{
-	(void)share;
-	return !bench_stopped(bench);
-}
+/* The section that runs. */
+static const struct bench_section *section;
+static json_t *record, *items, *keys;        /* the latter two within the first */
+static json_t *left_out;                     /* an object whose keys are names */
+static json_t *held;                         /* units that were given out */
+static uint32_t made, recalled;              /* units */
+static jmp_buf failed;
 
 /* ---- Progress ---- */
 
 static bool line_shown;
-
-double bench_now_s(void)
-{
-	struct timespec t;
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static void erase_line(void)
 {
@@ -84,7 +58,7 @@ static void erase_line(void)
 void bench_note(const struct bench *bench, const char *format, ...)
 {
 	va_list args;
-	if (bench->state->quiet)
+	if (bench->quiet)
 		return;
 	erase_line();
 	fputs("ecobench: ", stderr);
@@ -96,158 +70,53 @@ void bench_note(const struct bench *bench, const char *format, ...)
 
 void bench_progress(struct bench *bench, double share, const char *what)
 {
-	static double last_s = -1000;
+	static double last_ms = -1e6;
 	bool terminal = isatty(STDERR_FILENO) == 1;
-	double now = bench_now_s();
-	if (bench->state->quiet || now - last_s < (terminal ? 0.1 : 10))
+	double now = view_clock_ms();
+	if (bench->quiet || now - last_ms < (terminal ? 100 : 10000))
 		return;
-	last_s = now;
+	last_ms = now;
 	erase_line();
-	fprintf(stderr, "ecobench: %s: %.60s, %.0f %%%s", bench->state->section->name, what,
-		100 * fmin(fmax(share, 0), 1), terminal ? "" : "\n");
+	fprintf(stderr, "ecobench: %s: %.60s, %.0f %%%s", section->name, what, 100 * fmin(fmax(share, 0), 1),
+		terminal ? "" : "\n");
 	line_shown = terminal;
-}
-
-/* ---- Files ---- */
-
-json_t *bench_json_read(const char *path) { return json_load_file(path, JSON_REJECT_DUPLICATES, NULL); }
-
-enum eco_code bench_json_write(const char *path, const json_t *value, struct eco_error *error)
-{
-	char *text = value ? json_dumps(value, JSON_COMPACT) : NULL;
-	enum eco_code code = text ? eco_file_write(path, text, strlen(text), error)
-		: eco_fail(error, ECO_BAD_INPUT, "%s: holds a NaN, or text that is not UTF-8", path);
-	free(text);
-	return code;
-}
-
-/* A readable name that no other text shares. */
-static void unit_path(char out[PATH], const struct bench *bench, const char *unit)
-{
-	char clean[80];
-	snprintf(clean, sizeof clean, "%s", unit);
-	for (char *c = clean; *c; c++)
-		if (!strchr("-_0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ", *c))
-			*c = '-';
-	snprintf(out, PATH, "%s/units/%s-%08x.json", bench->cache, clean,
-		(unsigned)XXH3_64bits(unit, strlen(unit)));
-}
-
-/* ---- Units ---- */
-
-static json_t *recall(struct bench *bench, const char *unit, const char *stamp)
-{
-	char path[PATH];
-	struct bench_state *s = bench->state;
-	unit_path(path, bench, unit);
-	if (access(path, F_OK))
-		return NULL;
-	const char *name = "", *program = "", *under = "";
-	json_t *kept = bench_json_read(path), *result = NULL;
-	if (json_unpack(kept, "{s:s, s:s, s:s, s:o}", "unit", &name, "program", &program, "stamp", &under,
-		"result", &result) || strcmp(name, unit)) {
-		bench_note(bench, "%s is damaged: this piece of work is done anew", path);
-		result = NULL;
-	} else if (strcmp(under, stamp) || (strcmp(program, bench_program()) && !s->trust)) {
-		result = NULL;
-	} else {
-		json_array_append(s->held, result);
-		s->recalled++;
-	}
-	json_decref(kept);
-	return result;
-}
-
-static void keep(struct bench *bench, const char *unit, const char *stamp, json_t *result)
-{
-	char path[PATH];
-	struct bench_state *s = bench->state;
-	struct eco_error error = { 0 };
-	unit_path(path, bench, unit);
-	json_t *kept = json_pack("{s:s, s:s, s:s, s:O}", "unit", unit, "program", bench_program(), "stamp",
-		stamp, "result", result);
-	/* a full disk costs the next run some time, not this one its result */
-	if (bench_json_write(path, kept, &error))
-		bench_note(bench, "%s; not kept", error.text);
-	json_decref(kept);
-	json_array_append_new(s->held, result);
-	s->kept++;
-}
-
-enum eco_code bench_go_on(const struct bench *bench, struct eco_error *error)
-{
-	return bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : ECO_OK;
-}
-
-enum eco_code bench_unit(struct bench *bench, const char *unit, const char *stamp, bench_make *make, void
-	*ctx, json_t **result, struct eco_error *error)
-{
-	json_t *made = NULL;
-	enum eco_code code = bench_go_on(bench, error);
-	*result = code ? NULL : recall(bench, unit, stamp ? stamp : "");
-	if (code || *result)
-		return code;
-	code = make(ctx, &made, error);
-	if (code)
-		json_decref(made);
-	else
-		keep(bench, unit, stamp ? stamp : "", *result = made);
-	return code;
 }
 
 /* ---- Programs ---- */
 
 /* As vasprintf, but there is always a text. The caller frees it. */
-char *bench_text(const char *format, va_list args)
+static char *text_of(const char *format, va_list args)
 {
 	char *text = NULL;
-	if (vasprintf(&text, format, args) < 0 || !text)
-		abort();
+	if (vasprintf(&text, format, args) < 0)
+		eco_end("no memory for a text");
 	return text;
-}
-
-/* Returns the status of waitpid, -1 where there is none. Not system(), which would swallow Ctrl-C. The shell
- * has a group of its own, so that Ctrl-C ends it and its children only where `stops`. */
-static int shell(const char *command, bool stops)
-{
-	erase_line();
-	pid_t child = fork();
-	if (child == 0) {
-		setpgid(0, 0);
-		signal(SIGINT, SIG_DFL);
-		signal(SIGTERM, SIG_DFL);
-		dup2(STDERR_FILENO, STDOUT_FILENO);
-		execl("/bin/sh", "sh", "-c", command, (char *)NULL);
-		_exit(127);
-	}
-	int status = -1;
-	bool told = false;
-	if (child > 0)
-		setpgid(child, child);
-	/* polled: a blocking wait would miss a signal that came just before it */
-	while (child > 0 && waitpid(child, &status, WNOHANG) == 0) {
-		if (stops && interrupted && !told)
-			told = kill(-child, SIGTERM) == 0;
-		nanosleep(&(struct timespec){ 0, 20000000 }, NULL);
-	}
-	return status;
 }
 
 enum eco_code bench_command(struct bench *bench, struct eco_error *error, const char *format, ...)
 {
 	va_list args;
+	(void)bench;
 	va_start(args, format);
-	char *command = bench_text(format, args);
+	char *command = text_of(format, args);
 	va_end(args);
-	int status = shell(command, true);
-	enum eco_code code = bench_go_on(bench, error);
-	if (!code && (!WIFEXITED(status) || WEXITSTATUS(status)))
-		code = eco_fail(error, ECO_IO, "this fails: %.400s", command);
+	erase_line();
+	int status = system(command);
+	if (WIFSIGNALED(status))
+		raise(WTERMSIG(status));         /* Ctrl-C, which system() keeps from this program */
+	enum eco_code code = status ? eco_fail(error, ECO_IO, "this fails: %.400s", command) : ECO_OK;
 	free(command);
 	return code;
 }
 
-/* ---- Stamps ---- */
+void bench_must(struct bench *bench, enum eco_code code)
+{
+	(void)bench;
+	if (code)
+		longjmp(failed, 1);
+}
+
+/* ---- Units ---- */
 
 uint64_t bench_file_hash(const char *path)
 {
@@ -266,7 +135,7 @@ uint64_t bench_file_hash(const char *path)
 }
 
 /* A hash of this program. */
-const char *bench_program(void)
+static const char *program_hash(void)
 {
 	static char stamp[17];
 	if (!*stamp)
@@ -275,91 +144,452 @@ const char *bench_program(void)
 	return stamp;
 }
 
+static enum eco_code write_json(const char *path, const json_t *value, struct eco_error *error)
+{
+	char *text = value ? json_dumps(value, JSON_COMPACT) : NULL;
+	enum eco_code code = text ? eco_file_write(path, text, strlen(text), error)
+		: eco_fail(error, ECO_BAD_INPUT, "%s: holds a NaN, or text that is not UTF-8", path);
+	free(text);
+	return code;
+}
+
+enum eco_code bench_unit(struct bench *bench, const char *unit, const char *stamp, bench_make *make, void
+	*ctx, json_t **result, struct eco_error *error)
+{
+	char path[PATH], key[PATH];
+	struct eco_error why = { 0 };
+	snprintf(path, sizeof path, "%s/units/%016llx.json", bench->cache,
+		(unsigned long long)XXH3_64bits(unit, strlen(unit)));
+	snprintf(key, sizeof key, "%s, %s, %s", unit, stamp ? stamp : "", program_hash());
+	json_t *kept = json_load_file(path, 0, NULL);
+	const char *as = json_string_value(json_object_get(kept, "key"));
+	*result = json_object_get(kept, "result");
+	if (*result && as && !strcmp(as, key)) {
+		json_array_append_new(held, kept);
+		recalled++;
+		return ECO_OK;
+	}
+	json_decref(kept);
+	*result = NULL;
+	enum eco_code code = make(ctx, result, error);
+	if (code) {
+		json_decref(*result);
+		return code;
+	}
+	kept = json_pack("{s:s, s:o}", "key", key, "result", *result);
+	/* a full disk costs the next run some time, not this one its result */
+	if (write_json(path, kept, &why))
+		bench_note(bench, "%s; not kept", why.text);
+	json_array_append_new(held, kept);
+	made++;
+	return ECO_OK;
+}
+
+/* ---- Records ---- */
+
+static void add_item(struct bench *bench, json_t *item) { json_array_append_new(items, item); }
+
+void bench_say(struct bench *bench, const char *format, ...)
+{
+	va_list args;
+	va_start(args, format);
+	char *text = text_of(format, args);
+	va_end(args);
+	add_item(bench, json_pack("{s:s, s:s}", "kind", "say", "text", text));
+	free(text);
+}
+
+void bench_head(struct bench *bench, const char *text)
+{
+	add_item(bench, json_pack("{s:s, s:s}", "kind", "head", "text", text));
+}
+
+void bench_left_out(struct bench *bench, const char *name)
+{
+	json_object_set_new(left_out, name, json_true());
+}
+
+static json_t *number_or_null(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+
+void bench_key(struct bench *bench, const char *key, double value, const char *bar)
+{
+	json_array_append_new(keys, json_pack("{s:s, s:o, s:s}", "key", key, "value",
+		number_or_null(value), "bar", bar));
+}
+
+json_t *bench_reals(const double *values, uint32_t count)
+{
+	json_t *all = json_array();
+	for (uint32_t i = 0; i < count; i++)
+		json_array_append_new(all, number_or_null(values[i]));
+	return all;
+}
+
+double bench_cell(const json_t *array, size_t i)
+{
+	const json_t *value = json_array_get(array, i);
+	return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+void bench_cells(const json_t *array, double *values, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++)
+		values[i] = bench_cell(array, i);
+}
+
+static int ascending(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return x < y ? -1 : x > y;
+}
+
+double bench_median(double *values, uint32_t count)
+{
+	qsort(values, count, sizeof *values, ascending);
+	return count ? (values[(count - 1) / 2] + values[count / 2]) / 2 : NAN;
+}
+
+enum eco_code bench_plot(struct bench *bench, const struct bench_plot *plot, struct eco_error *error)
+{
+	json_t *all = json_array();
+	(void)error;
+	for (uint32_t i = 0; i < plot->series_count; i++) {
+		const struct bench_series *s = &plot->series[i];
+		json_array_append_new(all, json_pack("{s:s, s:o, s:o, s:b}", "name", s->name, "x",
+			bench_reals(s->x, s->count), "y", bench_reals(s->y, s->count), "points",
+			(int)s->points));
+	}
+	add_item(bench, json_pack("{s:s, s:s, s:s, s:s, s:s, s:b, s:b, s:o}", "kind", "plot", "name",
+		plot->name, "title", plot->title, "x", plot->x, "y", plot->y, "log_x", (int)plot->log_x,
+		"log_y", (int)plot->log_y, "series", all));
+	return ECO_OK;
+}
+
+void bench_picture(struct bench *bench, const char *file, const char *caption)
+{
+	add_item(bench, json_pack("{s:s, s:s, s:s}", "kind", "picture", "file", file, "caption", caption));
+}
+
+enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
+	const uint8_t *rgb, struct eco_error *error)
+{
+	char path[PATH];
+	uint8_t *png = NULL;
+	size_t size;
+	snprintf(path, sizeof path, "%s/%s", bench->out, file);
+	enum eco_code code = eco_png_encode(&(struct eco_pixels){ width, height, 3, rgb }, &png, &size,
+		error);
+	if (!code)
+		code = eco_file_write(path, png, size, error);
+	free(png);
+	return code;
+}
+
+enum eco_code bench_pictures_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
+	const uint8_t *const *rgb, uint32_t count, struct eco_error *error)
+{
+	size_t row = 3 * (size_t)width;
+	uint8_t *all = eco_alloc(row * count, height);
+	for (size_t i = 0; i < (size_t)height * count; i++)
+		memcpy(all + i * row, rgb[i % count] + i / count * row, row);
+	enum eco_code code = bench_picture_write(bench, file, count * width, height, all, error);
+	free(all);
+	return code;
+}
+
+/* ---- Tables ---- */
+
+struct bench_table {
+	struct bench *bench;
+	const char *name, *columns;
+	json_t *rows;
+	uint32_t commas;
+	const struct bench_column *described;
+	uint32_t described_count;
+};
+
+static uint32_t commas_of(const char *text)
+{
+	uint32_t count = 0;
+	for (; *text; text++)
+		count += *text == ',';
+	return count;
+}
+
+struct bench_table *bench_table_open(struct bench *bench, const char *name, const char *columns, bool show)
+{
+	struct bench_table *table = eco_alloc(1, sizeof *table);
+	json_t *item = json_pack("{s:s, s:s, s:s, s:b, s:[]}", "kind", "table", "name", name, "columns",
+		columns, "show", (int)show, "rows");
+	*table = (struct bench_table){ bench, json_string_value(json_object_get(item, "name")),
+		json_string_value(json_object_get(item, "columns")), json_object_get(item, "rows"),
+		commas_of(columns), NULL, 0 };
+	/* in the report where it was opened */
+	add_item(bench, item);
+	return table;
+}
+
+void bench_table_row(struct bench_table *table, const char *format, ...)
+{
+	va_list args;
+	va_start(args, format);
+	char *text = text_of(format, args);
+	va_end(args);
+	assert(commas_of(text) == table->commas);
+	json_array_append_new(table->rows, json_string(text));
+	free(text);
+}
+
+struct bench_table *bench_table_described(struct bench *bench, const char *name, const char *first,
+	const struct bench_column *columns, uint32_t count, bool show)
+{
+	char heads[1024];
+	size_t used = (size_t)snprintf(heads, sizeof heads, "%s", first);
+	for (uint32_t i = 0; i < count; i++)
+		used += (size_t)snprintf(heads + used, sizeof heads - used, ",%s", columns[i].head);
+	struct bench_table *table = bench_table_open(bench, name, heads, show);
+	table->described = columns;
+	table->described_count = count;
+	return table;
+}
+
+void bench_table_values(struct bench_table *table, const double *values, const char *format, ...)
+{
+	char cells[1024];
+	va_list args;
+	va_start(args, format);
+	size_t used = (size_t)vsnprintf(cells, sizeof cells, format, args);
+	va_end(args);
+	for (uint32_t i = 0; i < table->described_count; i++)
+		used += (size_t)snprintf(cells + used, sizeof cells - used, ",%.*f",
+			(int)table->described[i].decimals, values[i]);
+	bench_table_row(table, "%s", cells);
+}
+
+/* Names in cells come from files. */
+static void write_cells(FILE *out, const char *row)
+{
+	for (;; row++) {
+		char *cell = strndup(row, strcspn(row, ",")), *end = NULL;
+		if (cell && (strtod(cell, &end), *end == 0))
+			fputs(cell, out);
+		else if (cell)
+			eco_csv_write_text(out, cell);
+		free(cell);
+		row += strcspn(row, ",");
+		fputc(*row == 0 ? '\n' : ',', out);
+		if (*row == 0)
+			return;
+	}
+}
+
+void bench_table_close(struct bench_table *table)
+{
+	char path[PATH], *bytes = NULL;
+	size_t size = 0, i;
+	struct eco_error error = { 0 };
+	json_t *row;
+	FILE *out = open_memstream(&bytes, &size);
+	if (!out)
+		abort();
+	fprintf(out, "%s\n", table->columns);
+	json_array_foreach(table->rows, i, row)
+		write_cells(out, json_string_value(row));
+	fclose(out);
+	snprintf(path, sizeof path, "%s/%s.csv", table->bench->out, table->name);
+	if (eco_file_write(path, bytes, size, &error))
+		bench_note(table->bench, "%s", error.text);
+	free(bytes);
+	free(table);
+}
+
 /* ---- Runs ---- */
 
-static void say_left_out(struct bench *bench)
+static struct bench bench;
+static const struct bench_section *const *sections;          /* NULL ends */
+static bool asked[SECTIONS_MAX], some;       /* --only; all sections without */
+
+static void say_left_out(void)
 {
 	char text[4096] = "";
 	size_t used = 0;
 	const char *name;
 	json_t *value;
-	json_object_foreach(bench->state->left_out, name, value)
+	json_object_foreach(left_out, name, value)
 		if (used < sizeof text)
 			used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", used ? ", " : "",
 				name);
 	if (used)
-		bench_say(bench, "Left out without FULL=1: %s.", text);
+		bench_say(&bench, "Left out without FULL=1: %s.", text);
 }
 
-enum eco_code bench_open(struct bench *bench, struct eco_error *error)
+static enum eco_code run_section(void)
 {
-	bench->state->held = json_array();
-	return bench_command(bench, error, "mkdir -p '%s' '%s/units' '%s/sections'", bench->out, bench->cache,
-		bench->cache);
+	if (setjmp(failed))
+		return bench.error.code;
+	return section->run(&bench, &bench.error);
 }
 
-void bench_close(struct bench *bench)
-{
-	json_decref(bench->state->held);
-	bench->state->held = NULL;
-}
-
-void bench_begin(struct bench *bench, const struct bench_section *section)
-{
-	struct bench_state *s = bench->state;
-	s->section = section;
-	s->record = json_pack("{s:s, s:s, s:s, s:b, s:[], s:[]}", "name", section->name, "title",
-		section->title, "program", bench_program(), "full", (int)bench->full, "items", "keys");
-	s->items = json_object_get(s->record, "items");
-	s->keys = json_object_get(s->record, "keys");
-	s->left_out = json_object();
-	s->kept = s->recalled = 0;
-	s->begun_s = bench_now_s();
-}
-
-enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_error *error)
+/* Runs one, and keeps its record. */
+static enum eco_code record_section(void)
 {
 	char path[PATH];
-	struct bench_state *s = bench->state;
 	struct eco_error why = { 0 };
-	double seconds = bench_now_s() - s->begun_s;
-	const char *state = code == ECO_OK ? "done" : code == ECO_INTERRUPTED ? "interrupted"
-		: code == ECO_NOT_FOUND ? "missing" : "failed";
-	bool told = code && code != ECO_INTERRUPTED;
-	say_left_out(bench);
-	json_t *more = json_pack("{s:s, s:f, s:s}", "state", state, "seconds", seconds, "why",
-		code ? error->text : "");
-	json_object_update(s->record, more);
-	json_decref(more);
-	snprintf(path, sizeof path, "%s/sections/%s.json", bench->cache, s->section->name);
-	enum eco_code written = bench_json_write(path, s->record, &why);
-	bench_note(bench, "%s: %s in %.1f s (%u pieces of work done, %u were there)%s%s", s->section->name,
-		state, seconds, s->kept, s->recalled, told ? ": " : "", told ? error->text : "");
-	if (written)
-		bench_note(bench, "%s", why.text);
-	json_decref(s->left_out);
-	json_decref(s->record);
-	json_array_clear(s->held);
-	s->section = NULL;
-	return code ? code : written;
+	double begun_ms = view_clock_ms();
+	bench.error = (struct eco_error){ 0 };
+	record = json_pack("{s:s, s:s, s:s, s:b, s:[], s:[]}", "name", section->name, "title", section->title,
+		"program", program_hash(), "full", (int)bench.full, "items", "keys");
+	items = json_object_get(record, "items");
+	keys = json_object_get(record, "keys");
+	left_out = json_object();
+	held = json_array();
+	made = recalled = 0;
+	enum eco_code code = run_section();
+	const char *state = code == ECO_OK ? "done" : code == ECO_NOT_FOUND ? "missing" : "failed";
+	double seconds = 1e-3 * (view_clock_ms() - begun_ms);
+	say_left_out();
+	json_object_set_new(record, "state", json_string(state));
+	json_object_set_new(record, "seconds", json_real(seconds));
+	json_object_set_new(record, "why", json_string(bench.error.text));
+	snprintf(path, sizeof path, "%s/sections/%s.json", bench.cache, section->name);
+	if (write_json(path, record, &why))
+		bench_note(&bench, "%s", why.text);
+	bench_note(&bench, "%s: %s in %.1f s (%u pieces of work done, %u were there)%s%s", section->name,
+		state, seconds, made, recalled, code ? ": " : "", bench.error.text);
+	json_decref(left_out);
+	json_decref(record);
+	json_decref(held);
+	return code;
 }
 
 #define SCRIPT "tests/bench/report/report.py"
 
-enum eco_code bench_report_write(struct bench *bench, const struct bench_section *const *sections,
-	struct eco_error *error)
+static void write_report(void)
 {
-	char path[PATH], command[3 * PATH];
+	char path[PATH];
+	struct eco_error why = { 0 };
 	json_t *names = json_array();
-	for (; *sections; sections++)
-		json_array_append_new(names, json_string((*sections)->name));
-	json_t *run = json_pack("{s:b, s:s, s:s?, s:o}", "full", (int)bench->full, "program",
-		bench_program(), "data", bench->data, "sections", names);
-	snprintf(path, sizeof path, "%s/run.json", bench->cache);
-	enum eco_code code = bench_json_write(path, run, error);
+	for (uint32_t i = 0; sections[i]; i++)
+		json_array_append_new(names, json_string(sections[i]->name));
+	json_t *run = json_pack("{s:b, s:s, s:s?, s:o}", "full", (int)bench.full, "program", program_hash(),
+		"data", bench.data, "sections", names);
+	snprintf(path, sizeof path, "%s/run.json", bench.cache);
+	if (write_json(path, run, &why) || bench_command(&bench, &why, SCRIPT " '%s' '%s'", bench.out, bench.cache))
+		bench_note(&bench, "no report (" SCRIPT " needs python3 and the source tree as working folder): %s",
+			why.text);
 	json_decref(run);
-	snprintf(command, sizeof command, SCRIPT " '%s' '%s'", bench->out, bench->cache);
-	return code || !shell(command, false) ? code
-		: eco_fail(error, ECO_IO, "no report: " SCRIPT
-		" needs python3 and the source tree as working folder");
+}
+
+static void print_list(void)
+{
+	for (uint32_t i = 0; sections[i]; i++) {
+		char path[PATH];
+		const char *done = "-";
+		snprintf(path, sizeof path, "%s/sections/%s.json", bench.cache, sections[i]->name);
+		json_t *was = json_load_file(path, 0, NULL);
+		json_unpack(was, "{s:s}", "state", &done);
+		printf("%-12s %-12s %s\n", sections[i]->name, done, sections[i]->title);
+		json_decref(was);
+	}
+}
+
+static enum eco_code open_folders(struct eco_error *error)
+{
+	char path[PATH];
+	struct stat status;
+	if (bench.data) {
+		snprintf(path, sizeof path, "%s/models", bench.data);
+		if (stat(path, &status) || !S_ISDIR(status.st_mode))
+			return eco_fail(error, ECO_BAD_USAGE, "%s is not there: --data is a folder that "
+				"holds models/ (and inventories/ and terrain/)", path);
+	}
+	snprintf(path, sizeof path, "%s/ecopack", bench.build);
+	if (access(path, X_OK))
+		return eco_fail(error, ECO_BAD_USAGE, "%s is not there: --build is the folder that make "
+			"writes programs to", path);
+	return bench_command(&bench, error, "mkdir -p '%s' '%s/units' '%s/sections'", bench.out, bench.cache,
+		bench.cache);
+}
+
+/* Every section runs even if one before it fails. */
+static enum eco_code run_sections(int *status, struct eco_error *error)
+{
+	enum eco_code code = open_folders(error);
+	if (code)
+		return code;
+	for (uint32_t i = 0; sections[i]; i++) {
+		if (some && !asked[i])
+			continue;
+		section = sections[i];
+		*status |= record_section() != ECO_OK;
+		write_report();
+	}
+	fprintf(stderr, "ecobench: %s/report.html, %s/summary.json\n", bench.out, bench.out);
+	return ECO_OK;
+}
+
+/* ---- The command line ---- */
+
+static enum eco_code read_only(const char *text, void *value, struct eco_error *error)
+{
+	char words[1024], *rest = words;
+	(void)value;
+	snprintf(words, sizeof words, "%s", text);
+	for (char *word; (word = strsep(&rest, ","));) {
+		uint32_t i = 0;
+		while (sections[i] && strcmp(sections[i]->name, word))
+			i++;
+		if (!sections[i])
+			return eco_fail(error, ECO_BAD_USAGE, "no section is called %s; --list names them",
+				word);
+		asked[i] = some = true;
+	}
+	return ECO_OK;
+}
+
+int bench_main(int argc, char **argv, const struct bench_section *const *all)
+{
+	static const char *given_out, *given_cache;
+	static char out[1000], cache[1008];
+	static bool list;
+	static const struct eco_option options[] = {
+		{ "full", 0, ECO_OPTION_FLAG, NULL, &bench.full,
+			.help = "all methods, scenes and frames; else fewer of them, and the same keys" },
+		{ "data", 0, ECO_OPTION_TEXT, "DIR", &bench.data,
+			.help = "a folder with models/, inventories/ and terrain/; generated plants and scenes "
+			"only without" },
+		{ "out", 0, ECO_OPTION_TEXT, "DIR", &given_out,
+			.help = "tables (CSV), plots, report.html, papers.html and summary.json; BUILD/bench if "
+			"not given" },
+		{ "cache", 0, ECO_OPTION_TEXT, "DIR", &given_cache,
+			.help = "scenes, packs and finished pieces of work; OUT/cache if not given" },
+		{ "build", 0, ECO_OPTION_TEXT, "DIR", &bench.build,
+			.help = "folder of the programs; build if not given" },
+		{ "only", 0, ECO_OPTION_READ, "SECTION", &asked, .read = read_only,
+			.help = "runs this section, or several (with commas, or the option again); the report "
+			"keeps earlier results of the others" },
+		{ "list", 0, ECO_OPTION_FLAG, NULL, &list, .help = "names sections and their state" },
+		{ "quiet", 'q', ECO_OPTION_FLAG, NULL, &bench.quiet, .help = "no progress" }, { 0 } };
+	static const struct eco_command command = { .name = "ecobench", .options = options,
+		.synopsis = "[--full] [--data DIR] [--out DIR] [--cache DIR] [--build DIR] [--only SECTION]... "
+		"[--list]",
+		.says = "Error against run time of the methods of the literature and ours, on the same scenes.",
+		.notes = "Finished pieces of work are kept: after Ctrl-C the next run goes on from there.\n" };
+	struct eco_error error = { 0 };
+	int status = 0;
+	sections = all;
+	bench = (struct bench){ .build = "build", .out = out, .cache = cache };
+	if (eco_command_answers(&command, argc - 1, argv + 1))
+		return eco_command_end(&command, ECO_OK, &error);
+	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, &error);
+	if (bench.data && !*bench.data)
+		bench.data = NULL;
+	snprintf(out, sizeof out, "%s%s", given_out ? given_out : bench.build, given_out ? "" : "/bench");
+	snprintf(cache, sizeof cache, "%s%s", given_cache ? given_cache : out, given_cache ? "" : "/cache");
+	if (!code && list)
+		print_list();
+	else if (!code)
+		code = run_sections(&status, &error);
+	int ended = eco_command_end(&command, code, &error);
+	return ended ? ended : status;
 }

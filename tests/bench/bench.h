@@ -27,28 +27,36 @@ struct bench {
 	/* folder with models/, inventories/, terrain/; NULL: generated scenes only */
 	const char *data;
 	bool full;                   /* all methods and scenes; else fewer frames, the same keys */
-	struct bench_state *state;   /* private to bench.c */
+	bool quiet;
+	struct eco_error error;      /* of the section: `error` of its run */
 };
 
 struct bench_section {
 	const char *name, *title;
 	enum eco_code (*run)(struct bench *bench, struct eco_error *error);
 };
-/* True after Ctrl-C: finish the unit, keep it, return ECO_INTERRUPTED. bench_go_on returns that or ECO_OK. */
-bool bench_stopped(const struct bench *bench);
-bool bench_goes_on(void *bench, double share);       /* as progress of builds and ranks */
-enum eco_code bench_go_on(const struct bench *bench, struct eco_error *error);
-void bench_progress(struct bench *bench, double share, const char *what);
+/* The whole program: reads the command line, runs sections (NULL ends), returns the exit status. */
+int bench_main(int argc, char **argv, const struct bench_section *const *sections);
 
-/* Runs a shell command and waits; its output goes to standard error. ECO_INTERRUPTED after Ctrl-C, which ends
- * the command too. */
+/* Ends the section, which has failed, unless `code` is ECO_OK; bench->error holds why. */
+void bench_must(struct bench *bench, enum eco_code code);
+void bench_progress(struct bench *bench, double share, const char *what);
+void bench_note(const struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Runs a shell command and waits. Ctrl-C ends this program, too. */
 enum eco_code bench_command(struct bench *bench, struct eco_error *error, const char *format,
 	...) __attribute__((format(printf, 3, 4)));
+static inline enum eco_code bench_go_on(const struct bench *bench, struct eco_error *error)
+{
+	(void)bench, (void)error;
+	return ECO_OK;
+}
+static inline bool bench_stopped(const struct bench *bench) { return !bench; }
+static inline bool bench_goes_on(void *bench, double share) { return bench && share >= 0; }
 
 /* ---- Units ---- */
 
 /* The unit of this name and stamp, from an earlier run or from `make`, which gives up its reference. Borrowed
- * until the section ends. `stamp` may be NULL. ECO_INTERRUPTED after Ctrl-C. */
+ * until the section ends. `stamp` may be NULL. */
 typedef enum eco_code bench_make(void *ctx, json_t **result, struct eco_error *error);
 enum eco_code bench_unit(struct bench *bench, const char *unit, const char *stamp, bench_make *make, void
 	*ctx, json_t **result, struct eco_error *error);

@@ -13,7 +13,7 @@
 
 #include "ecofiles/import/model/model_import.h"
 #include "tests/bench/bench_leaves.h"
-#include "tests/bench/bench_state.h"
+#include "tests/bench/bench.h"
 
 #define PATH 1024
 #define DEPTH_MAX 8u

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "tests/bench/bench_state.h"
+#include "tests/bench/bench.h"
 
 static const char *const scenes[] = { "park", "forest", "nested", "meadow", "tree" };
 #define SCENES (sizeof scenes / sizeof *scenes)
@@ -38,12 +38,12 @@ static enum eco_code run_block(void *ctx, json_t **made, struct eco_error *error
 	double count[COUNTS] = { [VIOLATIONS] = 1, [FAILED] = 1 };
 	snprintf(command, sizeof command, "'%s/bench/requests' --seed %u %u '%s/requests/%s.eco'",
 		b->bench->build, b->number + 1, BLOCK, b->bench->cache, b->scene);
+	(void)error;
 	FILE *pipe = popen(command, "r");
 	if (pipe && !fgets(line, sizeof line, pipe))
 		line[0] = 0;
-	int status = pipe ? pclose(pipe) : -1;
-	if (status && bench_stopped(b->bench))       /* it was ended with us: no violation */
-		return bench_go_on(b->bench, error);
+	if (pipe)
+		pclose(pipe);
 	json_t *result = json_loads(line, 0, NULL);
 	for (int i = 0; i < COUNTS && result; i++)
 		count[i] = json_number_value(json_object_get(result, counts[i].key));

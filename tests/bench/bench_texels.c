@@ -11,7 +11,7 @@
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/texture.h"
 #include "lod/build/texture.h"
-#include "tests/bench/bench_state.h"
+#include "tests/bench/bench.h"
 
 #define PATH 1200
 #define SETTINGS 7u

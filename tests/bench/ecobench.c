@@ -1,5 +1,5 @@
 /* ecobench: all sections, in the order in which they run and stand in the report. */
-#include "tests/bench/bench_state.h"
+#include "tests/bench/bench.h"
 
 extern const struct bench_section bench_frames, bench_pictures, bench_bytes, bench_anytime,
 	bench_rising, bench_flight, bench_monotone, bench_rules, bench_species, bench_ladder, bench_path,

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/bench/bench_state.h"
+#include "tests/bench/bench.h"
 #include "tests/support/files.h"
 #include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
@@ -117,7 +117,7 @@ static bool has_string(const char *all, const char *name)
 
 UNIT_TEST(every_entry_names_a_section_with_such_tables_and_pictures)
 {
-	json_t *papers = bench_json_read("tests/bench/report/papers.json"), *paper, *entry, *name;
+	json_t *papers = json_load_file("tests/bench/report/papers.json", 0, NULL), *paper, *entry, *name;
 	char *all = sources();
 	size_t i, k, n, entries = 0;
 	assert_non_null(papers);

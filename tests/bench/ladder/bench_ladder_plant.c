@@ -12,7 +12,7 @@
 #include "lod/ladder.h"
 #include "tests/bench/baseline/cook.h"
 #include "tests/bench/bench_leaves.h"
-#include "tests/bench/bench_state.h"
+#include "tests/bench/bench.h"
 
 #define PIXELS LOD_IMPOSTOR_PIXELS /* as large as an impostor may be drawn */
 #define GRID_BITS 14u

@@ -4,7 +4,7 @@
     report.py OUT CACHE [PAPERS.json]
 
 CACHE/run.json names the sections of the program in their order; CACHE/sections/NAME.json is the record that each
-left (bench_state.h). PAPERS.json (papers.json beside this file) sets tables and pictures beside the papers' figures:
+left (bench.c). PAPERS.json (papers.json beside this file) sets tables and pictures beside the papers' figures:
 [{"paper", "title", "entries": [{"figure", "says", "section", "show": [patterns], "why"}]}]. Plots need
 python3-matplotlib; without it the pages hold tables and pictures only."""
 import fnmatch
