@@ -14,7 +14,7 @@
 #   coverage             lines and branches of each room that the tests reach (gcov): half an hour of processor time
 #   bench [FULL=1] [DATA=DIR] [ONLY=SECTION]    error against run time, this and the literature's methods: build/bench/report.html
 #   determinism          same pack and same plans by gcc -O0, by gcc -O3, by clang and under valgrind
-#   soak [SECONDS=60]    damaged models, random requests, damages, clients, faults, attacks
+#   soak [SECONDS=60]    damaged models, random requests, clients, faults, attacks
 #   fuzz [SECONDS=60]    each parser that long under libFuzzer
 #   install              programs, modules, library, manuals, the viewer if there is one: [DESTDIR=] [PREFIX=/usr/local]
 #                        [libdir=PREFIX/lib] and others' names
@@ -381,9 +381,9 @@ bench: deps
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/ecobench $(B)/bench/requests
 	$(B)/bench/ecobench --build $(B) $(if $(FULL),--full) $(if $(DATA_BENCH),--data "$(DATA_BENCH)") $(if $(ONLY),--only $(ONLY))
 
-# Damaged models, random requests and damages (MUTANTS=, REQUESTS=, DAMAGES= in the environment for hours of it), then clients for SECONDS
+# Damaged models and random requests (MUTANTS=, REQUESTS= in the environment for hours of it), then clients for SECONDS
 soak: deps
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/requests $(B)/bench/damages $(B)/bench/mutants $(B)/bench/convert $(B)/bench/wood \
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/requests $(B)/bench/mutants $(B)/bench/convert $(B)/bench/wood \
 		$(B)/tests/fault.so
 	BUILD=$(B) SECONDS_LONG=$(SECONDS) sh tests/demo/soak.sh
 

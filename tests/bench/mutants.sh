@@ -9,5 +9,5 @@ mutate() {
 		"$BUILD/bench/convert" "$dir/park/models/poppy.obj" "$dir/poppy.$format"
 		set -- "$@" "$dir/poppy.$format"
 	done
-	"$BUILD/bench/mutants" --count "$count" --seed "$seed" --folder "$dir/mutants" "$@"
+	"$BUILD/bench/mutants" --count "$count" --seed "$seed" "$@"
 }
