@@ -63,20 +63,6 @@ bool extreme_good(struct extreme *x, enum eco_code code, const struct eco_error 
 	return extreme_must(x, code == ECO_OK, "%s", error->text);
 }
 
-uint32_t extreme_run(const struct extreme_kind *kind, bool quick, extreme_told *told, void *ctx)
-{
-	uint32_t failed = 0;
-	for (const struct extreme_case *row = kind->cases; row->name; row++) {
-		struct extreme x = { .made = row->made, .quick = quick };
-		bool run = !quick || !row->lengthy;
-		if (run)
-			row->run(&x);
-		failed += x.failed;
-		told(ctx, kind->name, row, &x, run);
-	}
-	return failed;
-}
-
 /* ---- The section ---- */
 
 /* Commas end a column. */
@@ -88,43 +74,23 @@ static const char *without_commas(const char *text, char room[400])
 	return room;
 }
 
-static enum eco_code run_case(void *ctx, json_t **made, struct eco_error *error)
-{
-	const struct extreme_case *row = ctx;
-	struct extreme x = { .made = row->made };
-	(void)error;
-	row->run(&x);
-	*made = json_pack("{s:b, s:s}", "pass", !x.failed, "measured", x.measured);
-	return ECO_OK;
-}
-
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct bench_table *table = bench_table_open(bench, "extreme",
 		"family,case,what must hold,measured,pass", true);
 	uint32_t done = 0, failed = 0;
-	enum eco_code code = ECO_OK;
 	for (uint32_t k = 0; k < EXTREME_KINDS; k++)
-		for (const struct extreme_case *row = extreme_kinds[k].cases; row->name && !code; row++) {
-			char unit[256], name[400], must[400], measured[400];
-			json_t *result;
-			bench_progress(bench, (double)done / EXTREME_CASES, row->name);
-			snprintf(unit, sizeof unit, "extreme-%s-%s", extreme_kinds[k].name, row->name);
-			code = bench_unit(bench, unit, without_commas(row->must, must), run_case,
-				(void *)(uintptr_t)row, &result, error);
-			if (code)
-				break;
-			bool pass = json_is_true(json_object_get(result, "pass"));
+		for (const struct extreme_case *row = extreme_kinds[k].cases; row->name; row++) {
+			struct extreme x = { .made = row->made };
+			char name[400], must[400], measured[400];
+			bench_progress(bench, (double)done++ / EXTREME_CASES, row->name);
+			row->run(&x);
 			bench_table_row(table, "%s,%s,%s,%s,%s", extreme_kinds[k].name,
-				without_commas(row->name, name), must,
-				without_commas(json_string_value(json_object_get(result, "measured")),
-				measured), pass ? "yes" : "NO");
-			done++;
-			failed += !pass;
+				without_commas(row->name, name), without_commas(row->must, must),
+				without_commas(x.measured, measured), x.failed ? "NO" : "yes");
+			failed += x.failed;
 		}
 	bench_table_close(table);
-	if (code)
-		return code;
 	bench_say(bench, "%u cases, %u of them passed; none was left out.", done, done - failed);
 	bench_key(bench, "extreme_cases", done, "of the table");
 	bench_key(bench, "extreme_failed", failed, "<= 0: cases that do not hold");

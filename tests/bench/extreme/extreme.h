@@ -2,8 +2,7 @@
  *
  *   a case is a row of its kind's table (extreme_KIND.c): name, what must hold, a function and what that is
  * to make
- *   extreme_run(kind, quick, told, ctx)     runs the cases of a kind one after the other and tells each;
- *                                           returns how many failed
+ *   row->run(&x)                            runs it: x.failed, and x.measured in words
  *
  * `ecobench --only extreme` runs all of them, tests/bench/test_extreme.c those that are not marked `lengthy`.
  * A case that cannot run has failed. */
@@ -49,11 +48,5 @@ bool extreme_least(struct extreme *x, const char *what, double value, double lea
 bool extreme_same(struct extreme *x, const char *what, uint64_t value, uint64_t expected);
 /* An answer that must be ECO_OK. */
 bool extreme_good(struct extreme *x, enum eco_code code, const struct eco_error *error);
-
-/* `told` hears of each case, also of those that were left to the bench (measured empty, not failed): then
- * `ran` is false. */
-typedef void extreme_told(void *ctx, const char *kind, const struct extreme_case *row, const struct extreme
-	*x, bool ran);
-uint32_t extreme_run(const struct extreme_kind *kind, bool quick, extreme_told *told, void *ctx);
 
 #endif

@@ -4,14 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_select.h"
-#include "lod/eye.h"
-#include "lod/geometry.h"
-#include "lod/raster/raster.h"
+#include "ecofiles/base/memory.h"
 #include "lod/vector.h"
-#include "tests/bench/bench_fetch.h"
 #include "tests/bench/extreme/extreme_scene.h"
-#include "tests/support/scene_builder.h"
 
 static const uint64_t budgets[] = { 0, 50, 5000, ECO_VERTICES_MAX };
 enum { BUDGETS = sizeof budgets / sizeof *budgets };
@@ -141,107 +136,48 @@ static void look_at(struct extreme *x)
 
 /* ---- The largest picture ---- */
 
-/* Covers the pixels of one cut, for all plants that draw it. */
-static bool draw_cut(struct lod_raster *raster, const struct view_store *store,
-	const struct view_selection *s, uint32_t c)
-{
-	const struct eco_cut *cut = &view_store_plan(store)->cuts[c];
-	const struct view_list *list = view_store_list(store, cut->list);
-	size_t count = cut->end - cut->first;
-	struct lod_geometry g = { .position = malloc(36 * count + 1), .width = malloc(4 * count + 1),
-		.color = malloc(4 * count + 1),
-		.size = malloc(4 * count + 1) };
-	bool good = g.position && g.width && g.color && g.size;
-	struct lod_raster_batch batch = { .count = (uint32_t)count, .position = g.position, .width = g.width,
-		.area = list->list.unit_area * cut->scale,
-		.size = list->list.attributes & ECO_ATTR_SIZE ? g.size : NULL, .owner = 1 };
-	if (good)
-		lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale, &g);
-	for (uint32_t m = s->member_first[c]; m < s->member_first[c + 1] && good; m++) {
-		lod_raster_object(raster, &s->instances[s->members[m]].place);
-		(list->list.kind == ECO_LIST_TRIANGLES ? lod_raster_triangles : list->list.kind
-			== ECO_LIST_LINES ? lod_raster_lines
-			: lod_raster_splats)(raster, &batch);
-	}
-	free(g.position);
-	free(g.width);
-	free(g.color);
-	free(g.size);
-	return good;
-}
+enum { LARGE = 16384, SMALL = 1024, TIMES = LARGE / SMALL };
 
-/* Draws the cover and nothing else: five bytes a pixel, so that the largest picture takes 1.3 GB and not 7.
- */
-static bool silhouette(struct extreme *x, const struct extreme_world *world, const struct eco_view *view,
-	struct lod_raster *raster)
+/* Blocks of pixels of the largest picture against pixels of the small one: what is all covered, or not at all,
+ * is so there. */
+static void compare_blocks(struct extreme *x, const uint8_t *large, const uint8_t *small)
 {
-	struct eco_request request = { .view = *view, .vertices = ECO_VERTICES_MAX,
-		.bytes = ECO_BYTES_UNBOUNDED };
-	struct view_store_options options = { .images = true };
-	struct view_store *store = NULL;
-	struct view_selection s = { 0 };
-	struct eco_error error = { 0 };
-	struct lod_eye eye;
-	lod_eye_make(&eye, view);
-	bool good = extreme_good(x, view_store_new(&store, &options, &error), &error)
-		&& extreme_good(x, bench_fetch(NULL, world->scene, &request, store, &error), &error)
-		&& extreme_good(x, view_select_make(&s, store, &eye, &error), &error)
-		&& extreme_good(x, lod_raster_init(raster,
-		&(struct lod_raster_options){ view->width, view->height, .silhouette = true }, &error),
-		&error);
-	if (good) {
-		lod_raster_clear(raster);
-		lod_raster_camera(raster, &eye, extreme_tables(world)->near_m);
-	}
-	for (uint32_t c = 0; c < s.cut_count && good; c++)
-		good = s.member_first[c] == s.member_first[c + 1]
-			|| extreme_must(x, draw_cut(raster, store, &s, c), "no memory");
-	view_select_free(&s);
-	view_store_free(store);
-	return good;
-}
-
-/* Blocks of 16 x 16 pixels of the largest picture against pixels of the small one: what is all covered, or
- * not at all, is so there. */
-static void compare_blocks(struct extreme *x, const struct lod_raster *large, const struct lod_raster *small)
-{
-	uint32_t times = large->width / small->width, odd = 0;
-	uint64_t covered[2] = { 0 }, pixels = (uint64_t)small->width * small->height;
-	for (uint32_t i = 0; i < pixels; i++) {
-		const uint8_t *block = large->cover
-			+ ((size_t)(i / small->width) * large->width + i % small->width) * times;
+	uint32_t odd = 0;
+	uint64_t covered[2] = { 0 };
+	for (uint32_t i = 0; i < SMALL * SMALL; i++) {
+		const uint8_t *block = large + ((size_t)(i / SMALL) * LARGE + i % SMALL) * TIMES;
 		uint32_t count = 0;
-		for (uint32_t k = 0; k < times * times; k++)
-			count += block[(size_t)(k / times) * large->width + k % times] != 0;
+		for (uint32_t k = 0; k < TIMES * TIMES; k++)
+			count += block[(size_t)(k / TIMES) * LARGE + k % TIMES];
 		covered[0] += count;
-		covered[1] += small->cover[i] != 0;
-		odd += (count == 0 && small->cover[i]) || (count == times * times && !small->cover[i]);
+		covered[1] += small[i];
+		odd += (count == 0 && small[i]) || (count == TIMES * TIMES && !small[i]);
 	}
-	double share = (double)covered[0] / ((double)pixels * times * times),
-		coarse = (double)covered[1] / (double)pixels;
+	double share = (double)covered[0] / ((double)LARGE * LARGE),
+		coarse = (double)covered[1] / ((double)SMALL * SMALL);
 	extreme_most(x, "blocks of the largest picture unlike the pixels of a small one", odd,
-		(double)(pixels / 10000));
+		SMALL * SMALL / 10000);
 	extreme_least(x, "share covered in the largest picture", share, 0.02);
 	extreme_most(x, "share covered in it, off the small one's", fabs(share - coarse), 0.005 * share);
-	extreme_say(x, "16384 x 16384 drawn: %.3f %% covered, %.3f %% at 1024 x 1024, %u of %llu blocks "
-		"unlike", 100 * share, 100 * coarse, odd, (unsigned long long)pixels);
+	extreme_say(x, "16384 x 16384 drawn: %.3f %% covered, %.3f %% at 1024 x 1024, %u of %u blocks "
+		"unlike", 100 * share, 100 * coarse, odd, SMALL * SMALL);
 }
 
 static void images(struct extreme *x)
 {
-	const struct extreme_world *world = extreme_world(x);
-	struct lod_raster large = { 0 }, small = { 0 };
-	struct eco_view view = extreme_view((double[3]){ -26, -21, 6.5 }, (double[3]){ 0, 0, 2 });
+	struct eco_request request = { .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED,
+		.view = extreme_view((double[3]){ -26, -21, 6.5 }, (double[3]){ 0, 0, 2 }) };
 	look_at(x);
 	if (x->failed || x->quick)
 		return;
-	view.width = view.height = 16384;
-	bool good = silhouette(x, world, &view, &large);
-	view.width = view.height = 1024;
-	if (good && silhouette(x, world, &view, &small))
-		compare_blocks(x, &large, &small);
-	lod_raster_free(&large);
-	lod_raster_free(&small);
+	uint8_t *large = eco_alloc((size_t)LARGE * LARGE, 1), *small = eco_alloc((size_t)SMALL * SMALL, 1);
+	request.view.width = request.view.height = LARGE;
+	bool good = extreme_cover(x, extreme_world(x), &request, large);
+	request.view.width = request.view.height = SMALL;
+	if (good && extreme_cover(x, extreme_world(x), &request, small))
+		compare_blocks(x, large, small);
+	free(large);
+	free(small);
 }
 
 static void all_behind(struct extreme *x)
@@ -264,43 +200,39 @@ static void all_behind(struct extreme *x)
 #define SIDE EXTREME_SIDE_M
 #define LEVELS 10u               /* 4^10 stands of four tiles */
 
-/* The stand planted 4^LEVELS times: each level is four of the one below. A tile stands for what is below it
- * by the stand's own summary. Other tables stay those of `from`. */
-static void widen(struct scene_builder *b, const struct eco_scene *from)
+/* The stand planted 4^LEVELS times: each level is four of the one below, behind the stand's own tiles. A tile
+ * stands for what is below it by the stand's own summary. The caller frees tiles and children. */
+static struct eco_scene widen(const struct eco_scene *from)
 {
-	const uint32_t shift = LEVELS - 1;       /* of the stand's tiles, which follow the levels */
-	*b = (struct scene_builder){ .scene = *from };
-	b->scene.root = b->scene.tile_count = b->scene.child_count = b->scene.group_count = 0;
-	for (uint32_t i = 0; i < LEVELS; i++)
-		scene_add_tile(b, (struct eco_tile){ .summary = from->tiles[1].summary });
-	for (uint32_t i = 1; i < from->tile_count; i++) {
-		struct eco_tile tile = from->tiles[i];
-		tile.child_count = tile.group_count = 0;
-		scene_add_tile(b, tile);
-		for (uint32_t c = 0; c < from->tiles[i].child_count; c++) {
-			struct eco_child child = from->children[from->tiles[i].child_first + c];
-			child.tile += shift;
-			scene_add_child(b, i + shift, child);
+	uint32_t below = 1, tile = from->tile_count, child = from->child_count;
+	struct eco_tile *tiles = eco_alloc(tile + LEVELS, sizeof *tiles);
+	struct eco_child *children = eco_alloc(child + 4 * LEVELS, sizeof *children);
+	struct eco_scene scene = *from;
+	memcpy(tiles, from->tiles, tile * sizeof *tiles);
+	memcpy(children, from->children, child * sizeof *children);
+	for (uint32_t level = 0; level < LEVELS; level++, below = tile++) {
+		double quarter = SIDE / 2 * ldexp(1, (int)level);
+		struct eco_tile *t = &tiles[tile];
+		*t = tiles[below];
+		t->group_count = 0;
+		t->child_first = child;
+		t->child_count = 4;
+		for (int i = 0; i < 2; i++) {
+			t->low[i] -= quarter;
+			t->high[i] += quarter;
 		}
-	}
-	for (uint32_t i = 0; i < from->group_count; i++)
-		scene_add_group(b, (struct eco_group){ from->groups[i].tile + shift, from->groups[i].plant,
-			from->groups[i].list, from->groups[i].place_first, from->groups[i].first,
-			from->groups[i].count });
-	for (uint32_t level = LEVELS; level-- > 0;) {
-		double quarter = SIDE / 2 * ldexp(1, (int)(shift - level));
-		struct eco_tile *t = &b->tiles[level], *below = t + 1;
-		for (int i = 0; i < 3; i++) {
-			t->low[i] = below->low[i] - (i < 2 ? quarter : 0);
-			t->high[i] = below->high[i] + (i < 2 ? quarter : 0);
-		}
-		t->area = 4 * below->area;
-		t->instance_count = 4 * below->instance_count;
+		t->area *= 4;
+		t->instance_count *= 4;
 		for (uint32_t c = 0; c < 4; c++)
-			scene_add_child(b, level,
-				(struct eco_child){ level + 1, true,
-				{ c & 1 ? quarter : -quarter, c & 2 ? quarter : -quarter, 0 }, 0, 1 });
+			children[child++] = (struct eco_child){ below, true,
+				{ c & 1 ? quarter : -quarter, c & 2 ? quarter : -quarter, 0 }, 0, 1 };
 	}
+	scene.root = below;
+	scene.tiles = tiles;
+	scene.children = children;
+	scene.tile_count = tile;
+	scene.child_count = child;
+	return scene;
 }
 
 static void look_along(struct extreme *x, const struct eco_scene *scene, const struct eco_view *view,
@@ -317,19 +249,20 @@ static void look_along(struct extreme *x, const struct eco_scene *scene, const s
 static void horizon(struct extreme *x)
 {
 	static const uint64_t most[] = { 1000, 100000, 1000000 };
-	struct scene_builder w = { .scene.near_m = 0 };
+	struct eco_scene wide = { 0 };
 	const struct extreme_world *world = extreme_world(x);
 	const double reach = SIDE / 2 * ldexp(1, LEVELS);
 	const double eyes[][3] = { { -reach, -reach, 1.7 }, { 0, 0, 1.7 }, { 0, 0, 0 } };
 	const double targets[][3] = { { 0, 0, 1.7 }, { reach, 0, 1.7 }, { reach, reach, 0 } };
 	if (world)
-		widen(&w, extreme_tables(world));
+		wide = widen(extreme_tables(world));
 	for (int v = 0; v < 3 && world; v++)
 		for (int b = 0; b < (x->quick ? 2 : 3) && !x->failed; b++) {
 			struct eco_view view = extreme_view(eyes[v], targets[v]);
-			look_along(x, &w.scene, &view, most[b], b > 0);
+			look_along(x, &wide, &view, most[b], b > 0);
 		}
-	scene_free(&w);
+	free((void *)(uintptr_t)wide.tiles);
+	free((void *)(uintptr_t)wide.children);
 }
 
 /* ---- Cases ---- */

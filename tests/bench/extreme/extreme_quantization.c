@@ -1,10 +1,11 @@
 /* Quantization: corners are integers. For each list it is stated from which distance on rounding them moves
- * nothing by more than half a pixel (lod/build/grid.h); here every corner of the source is looked up among
- * those that are stored, and how far it moved is projected. */
+ * nothing by more than half a pixel (lod/build/grid.h); here every stored corner is looked up among those of the
+ * source, and how far these moved is projected. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "lod/build/grid.h"
 #include "tests/bench/extreme/extreme_scene.h"
 
@@ -14,139 +15,106 @@ struct point { int32_t p[3]; };
 
 static int compare(const void *a, const void *b) { return memcmp(a, b, sizeof(struct point)); }
 
-static double on_grid(const struct eco_model *model, const struct eco_list *grid, uint32_t vertex, uint32_t k)
-{
-	return ((double)model->position[3 * vertex + k] - grid->grid_origin[k]) / grid->grid_step[k];
-}
-
-/* All corners of the plant's triangles, sorted. Their lists are on one grid: `grid` is one of them. */
-static struct point *corners_of(const struct lod_plant *plant, const struct eco_list **grid, size_t *count,
-	bool *one_grid)
-{
-	size_t all = 0;
-	*grid = NULL;
-	*one_grid = true;
-	for (uint32_t i = 0; i < plant->list_count; i++)
-		all += plant->lists[i].list.kind == ECO_LIST_TRIANGLES ? plant->lists[i].elements.corner_count
-			: 0;
-	struct point *points = malloc((all + 1) * sizeof *points);
-	*count = 0;
-	for (uint32_t i = 0; i < plant->list_count && points; i++) {
-		const struct lod_list_draft *d = &plant->lists[i];
-		if (d->list.kind != ECO_LIST_TRIANGLES)
-			continue;
-		*grid = *grid ? *grid : &d->list;
-		*one_grid = *one_grid
-			&& !memcmp((*grid)->grid_step, d->list.grid_step, sizeof d->list.grid_step)
-			&& !memcmp((*grid)->grid_origin, d->list.grid_origin, sizeof d->list.grid_origin);
-		memcpy(points + *count, d->elements.position, d->elements.corner_count * sizeof *points);
-		*count += d->elements.corner_count;
-	}
-	if (points)
-		qsort(points, *count, sizeof *points, compare);
-	return points;
-}
-
-/* The greatest distance of the source's corners from where they are stored; those that are nowhere near are
- * counted. */
-static double farthest(const struct eco_model *model, const struct eco_list *grid, const struct point *points,
-	size_t count, uint32_t *lost)
-{
-	double most = 0;
-	*lost = 0;
-	for (uint32_t v = 0; v < model->vertex_count; v++) {
-		double best = INFINITY;
-		/* a corner that was welded to another is beside its own step at most */
-		for (int near = 0; near < 27; near++) {
-			struct point q;
-			double square = 0;
-			for (int k = 0, digit = near; k < 3; k++, digit /= 3) {
-				double at = on_grid(model, grid, v, (uint32_t)k);
-				q.p[k] = (int32_t)floor(at + 0.5) + digit % 3 - 1;
-				square += (at - q.p[k]) * (at - q.p[k]) * grid->grid_step[k]
-					* grid->grid_step[k];
-			}
-			if (square < best && bsearch(&q, points, count, sizeof q, compare))
-				best = square;
-		}
-		if (best < INFINITY)
-			most = fmax(most, best);
-		else
-			++*lost;
-	}
-	return sqrt(most);
-}
-
-/* ---- Lists ---- */
-
-struct source { struct point at; uint32_t vertex; };     /* where a corner of the model is on the grid */
+/* A corner of the model: where it is on the grid of the lists, and the square of its distance from where the
+ * nearest corner of them is stored. */
+struct source { struct point at; uint32_t vertex; double square; };
 
 static struct source *sources_of(const struct eco_model *model, const struct eco_list *grid)
 {
-	struct source *sources = malloc((model->vertex_count + 1ul) * sizeof *sources);
-	for (uint32_t v = 0; v < model->vertex_count && sources; v++) {
-		sources[v].vertex = v;
+	struct source *sources = eco_alloc(model->vertex_count, sizeof *sources);
+	for (uint32_t v = 0; v < model->vertex_count; v++) {
+		sources[v] = (struct source){ .vertex = v, .square = INFINITY };
 		for (uint32_t k = 0; k < 3; k++)
-			sources[v].at.p[k] = (int32_t)floor(on_grid(model, grid, v, k) + 0.5);
+			sources[v].at.p[k] = (int32_t)floor(((double)model->position[3 * v + k]
+				- grid->grid_origin[k]) / grid->grid_step[k] + 0.5);
 	}
-	if (sources)
-		qsort(sources, model->vertex_count, sizeof *sources, compare);
+	qsort(sources, model->vertex_count, sizeof *sources, compare);
 	return sources;
 }
 
-/* The greatest distance of a list's corners from the nearest corner of the model at the same place of the
- * grid. */
-static double list_error(const struct lod_list_draft *d, const struct eco_model *model,
-	const struct source *sources)
+/* Notes a stored corner at all sources around it: one that was welded to another is beside its own step at
+ * most. Returns the square of its distance from the nearest of those that are on its own place of the grid. */
+static double note_corner(const struct eco_list *list, const int32_t *p, const struct eco_model *model,
+	struct source *sources)
 {
-	double most = 0;
-	for (uint32_t c = 0; c < d->elements.corner_count; c++) {
-		const int32_t *p = d->elements.position + 3 * (size_t)c;
-		const struct source *s = bsearch(p, sources, model->vertex_count, sizeof *sources, compare),
+	double own = INFINITY;
+	for (int near = 0; near < 27; near++) {
+		struct point q = { { p[0] + near % 3 - 1, p[1] + near / 3 % 3 - 1, p[2] + near / 9 - 1 } };
+		struct source *s = bsearch(&q, sources, model->vertex_count, sizeof *s, compare),
 			*end = sources + model->vertex_count;
-		double best = INFINITY;
-		for (; s && s > sources && !compare(s - 1, p); s--)
+		for (; s && s > sources && !compare(s - 1, &q); s--)
 			;
-		for (; s && s < end && !compare(s, p); s++) {
+		for (; s && s < end && !compare(s, &q); s++) {
 			double square = 0;
 			for (uint32_t k = 0; k < 3; k++) {
-				double off = d->list.grid_origin[k] + d->list.grid_step[k] * p[k]
+				double off = list->grid_origin[k] + list->grid_step[k] * p[k]
 					- (double)model->position[3 * s->vertex + k];
 				square += off * off;
 			}
-			best = fmin(best, square);
+			s->square = fmin(s->square, square);
+			own = near == 13 ? fmin(own, square) : own;
 		}
-		most = fmax(most, best);
 	}
-	return sqrt(most);
+	return own;
 }
 
-/* Each list of the model's own triangles, at the distance that is stated for it; returns how many there are.
- */
-static uint32_t measure_lists(struct extreme *x, const struct lod_plant *plant, const struct eco_model *model,
-	double px[2])
+/* ---- Plants ---- */
+
+/* All lists of triangles are on one grid. Each list of the model's own triangles is measured at the distance
+ * that is stated for it: px[0] the least and px[1] the greatest of them, in pixels. Returns the grid. */
+static const struct eco_list *measure_lists(struct extreme *x, const struct lod_plant *plant,
+	const struct eco_model *model, struct source **sources, double px[2], uint32_t *count)
 {
-	uint32_t count = 0;
-	struct source *sources = NULL;
+	const struct eco_list *grid = NULL;
 	px[0] = INFINITY;
 	px[1] = 0;
 	for (uint32_t i = 0; i < plant->list_count; i++) {
 		const struct lod_list_draft *d = &plant->lists[i];
-		if (d->list.kind != ECO_LIST_TRIANGLES || d->list.coder == ECO_CODER_FORM)
+		double most = 0, one = lod_grid_nearest_m(&d->list, LOD_GRID_PIXEL_RAD) * LOD_GRID_PIXEL_RAD;
+		if (d->list.kind != ECO_LIST_TRIANGLES)
 			continue;
-		sources = sources ? sources : sources_of(model, &d->list);
-		double one = lod_grid_nearest_m(&d->list, LOD_GRID_PIXEL_RAD) * LOD_GRID_PIXEL_RAD,
-			error = sources ? list_error(d, model, sources) / one : INFINITY;
-		extreme_most(x, "pixels that a list is off at the stated distance", error, 0.5 * (1 + 1e-4));
-		px[0] = fmin(px[0], error);
-		px[1] = fmax(px[1], error);
-		count++;
+		grid = grid ? grid : &d->list;
+		*sources = *sources ? *sources : sources_of(model, grid);
+		extreme_must(x, !memcmp(grid->grid_step, d->list.grid_step, sizeof grid->grid_step)
+			&& !memcmp(grid->grid_origin, d->list.grid_origin, sizeof grid->grid_origin),
+			"%s: lists of one plant are on grids that differ", plant->plant.name);
+		for (size_t c = 0; c < d->elements.corner_count; c++)
+			most = fmax(most, note_corner(&d->list, d->elements.position + 3 * c, model, *sources));
+		if (d->list.coder == ECO_CODER_FORM)
+			continue;
+		extreme_most(x, "pixels that a list is off at the stated distance", sqrt(most) / one,
+			0.5 * (1 + 1e-4));
+		px[0] = fmin(px[0], sqrt(most) / one);
+		px[1] = fmax(px[1], sqrt(most) / one);
+		++*count;
 	}
-	free(sources);
-	return count;
+	return grid;
 }
 
-/* ---- Plants ---- */
+static void measure_plant(struct extreme *x, const struct lod_plant *plant, const struct eco_model *model,
+	uint32_t lost_most)
+{
+	struct source *sources = NULL;
+	double lists[2], moved = 0;
+	uint32_t list_count = 0, lost = 0;
+	const struct eco_list *grid = measure_lists(x, plant, model, &sources, lists, &list_count);
+	if (!extreme_must(x, grid != NULL, "%s: no triangles", plant->plant.name))
+		return;
+	for (uint32_t v = 0; v < model->vertex_count; v++) {
+		lost += isinf(sources[v].square) != 0;
+		moved = isinf(sources[v].square) ? moved : fmax(moved, sqrt(sources[v].square));
+	}
+	free(sources);
+	/* welding moves a corner by another 1e-6 of the plant */
+	double radius = (double)plant->anchors[0].radius,
+		nearest = lod_grid_nearest_m(grid, LOD_GRID_PIXEL_RAD), one = nearest * LOD_GRID_PIXEL_RAD;
+	extreme_most(x, "pixels off at the stated distance", moved / one, 0.5 + 4e-6 * radius / one);
+	extreme_most(x, "corners that are nowhere", lost, lost_most);
+	extreme_most(x, "stated distance", nearest, 2.5 * radius);
+	extreme_say(x, "%s of %.3g m, %u cells: steps of %.2g m, %u lists of triangles at %.2g m: %.3f to %.3f px",
+		plant->plant.name, (double)plant->plant.height_m, plant->plant.anchor_count - 1,
+		grid->grid_step[0], list_count, nearest, lists[0], lists[1]);
+}
 
 static void measure(struct extreme *x, struct soup *soup, const char *name, uint32_t bits, uint32_t lost_most)
 {
@@ -157,34 +125,11 @@ static void measure(struct extreme *x, struct soup *soup, const char *name, uint
 	enum eco_code code = lod_plant_build(&plant, &soup->model, &options, &error);
 	if (!code)
 		code = lod_plant_measure(&plant, &soup->model, &options, &error);
-	if (!extreme_good(x, code, &error)) {
-		soup_free(soup);
-		return;
+	if (extreme_good(x, code, &error)) {
+		measure_plant(x, &plant, &soup->model, lost_most);
+		lod_plant_free(&plant);
 	}
-	const struct eco_list *grid;
-	size_t count;
-	bool one_grid;
-	uint32_t lost = 0;
-	struct point *points = corners_of(&plant, &grid, &count, &one_grid);
-	if (extreme_must(x, points && grid, "%s: no triangles", name)) {
-		double moved = farthest(&soup->model, grid, points, count, &lost),
-			nearest = lod_grid_nearest_m(grid, LOD_GRID_PIXEL_RAD);
-		/* welding moves a corner by another 1e-6 of the plant */
-		double px = moved / (nearest * LOD_GRID_PIXEL_RAD),
-			slack = 1e-6 * (double)plant.anchors[0].radius * 4 / (nearest * LOD_GRID_PIXEL_RAD);
-		extreme_most(x, "pixels off at the stated distance", px, 0.5 + slack);
-		extreme_most(x, "corners that are nowhere", lost, lost_most);
-		extreme_must(x, one_grid, "%s: lists of one plant are on grids that differ", name);
-		extreme_most(x, "stated distance", nearest, 2.5 * (double)plant.anchors[0].radius);
-		double lists[2];
-		uint32_t list_count = measure_lists(x, &plant, &soup->model, lists);
-		extreme_say(x, "%s of %.3g m, %u cells: steps of %.2g m, %u lists of triangles at %.2g m: "
-			"%.3f to %.3f px", name, (double)plant.plant.height_m, plant.plant.anchor_count - 1,
-			grid->grid_step[0], list_count, nearest, lists[0], lists[1]);
-	}
-	free(points);
 	soup_free(soup);
-	lod_plant_free(&plant);
 }
 
 static double extent_of(const struct eco_model *model)

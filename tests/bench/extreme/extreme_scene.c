@@ -463,18 +463,44 @@ bool extreme_again(struct extreme *x, const struct eco_scene *scene, const struc
 
 /* ---- Pictures ---- */
 
+static enum eco_code fetch(struct view_store **store, const struct extreme_world *world,
+	const struct eco_request *request, struct eco_error *error)
+{
+	enum eco_code code = view_store_new(store, &(struct view_store_options){ .images = true }, error);
+	return code ? code : bench_fetch(NULL, world->scene, request, *store, error);
+}
+
 bool extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
 	struct view_picture *picture)
 {
 	struct bench_drawing drawing = { .job = { .near_m = 0 } };
 	struct view_store *store = NULL;
 	struct eco_error error = { 0 };
-	enum eco_code code = view_store_new(&store, &(struct view_store_options){ .images = true }, &error);
-	if (!code)
-		code = bench_fetch(NULL, world->scene, request, store, &error);
+	enum eco_code code = fetch(&store, world, request, &error);
 	if (!code)
 		code = bench_draw(&drawing, store, &request->view, picture, &error);
 	view_select_free(&drawing.selection);
+	view_store_free(store);
+	return extreme_good(x, code, &error);
+}
+
+bool extreme_cover(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
+	uint8_t *cover)
+{
+	struct view_selection selection = { 0 };
+	struct view_store *store = NULL;
+	struct eco_error error = { 0 };
+	struct lod_eye eye;
+	lod_eye_make(&eye, &request->view);
+	enum eco_code code = fetch(&store, world, request, &error);
+	if (!code)
+		code = view_select_make(&selection, store, &eye, &error);
+	if (!code)
+		code = view_reference_count(&(struct view_reference_job){ .store = store,
+			.selection = &selection, .eye = &eye, .near_m = bench_near_m(store) },
+			&(struct view_coverage){ request->view.width, request->view.height, 1, cover },
+			&error);
+	view_select_free(&selection);
 	view_store_free(store);
 	return extreme_good(x, code, &error);
 }

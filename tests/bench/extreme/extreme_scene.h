@@ -81,6 +81,9 @@ bool extreme_same_bytes(const struct eco_writer *a, const struct eco_writer *b);
 /* The caller frees the picture; `request->bytes` is unbounded. */
 bool extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
 	struct view_picture *picture);
+/* Its cover alone, a byte a pixel: 1 where a plant is nearest. Takes little memory beside that. */
+bool extreme_cover(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
+	uint8_t *cover);
 uint64_t extreme_covered(const struct view_picture *picture);
 /* Share of pixels in which another plant is nearest, or none; or, where asked for, whose colour differs: haze
  * is so many metres deep and high, and the sun stands still, so that colours are not to be asked for where

@@ -6,8 +6,8 @@
 
 #include "ecofiles/format/wire.h"
 #include "lod/sort.h"
-#include "server/stream.h"
 #include "tests/bench/extreme/extreme_scene.h"
+#include "tests/support/serve/random_request.h"
 
 /* ---- Still ---- */
 
@@ -27,17 +27,11 @@ static void still_plans(struct extreme *x)
 static bool body_of(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
 	struct eco_writer *out)
 {
-	struct srv_stream stream = { 0 };
-	struct srv_body body = { 0 };
-	struct eco_error error = { 0 };
-	const struct srv_stream_input input = { .scene = world->scene, .request = request };
-	bool good = extreme_good(x, srv_stream_plan(&stream, &input, &error), &error)
-		&& extreme_must(x, stream.fits, "no body fits")
-		&& extreme_good(x, srv_stream_write(&stream, &body, &error), &error);
-	for (uint32_t i = 0; i < body.piece_count && good; i++)
+	struct srv_body body;
+	bool good = extreme_must(x, random_answer(world->scene, request, NULL, 0, &body), "no body fits");
+	for (uint32_t i = 0; i < body.piece_count; i++)
 		eco_write_bytes(out, body.pieces[i].bytes, body.pieces[i].size);
 	srv_body_free(&body);
-	srv_stream_free(&stream);
 	return good;
 }
 
