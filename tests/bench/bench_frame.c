@@ -11,6 +11,7 @@
 #include "client-min/view_reference.h"
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_report.h"
+#include "ecofiles/base/memory.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_fetch.h"
 #include "tests/bench/pictures/bench_widest.h"
@@ -28,9 +29,7 @@ struct bench_client {
 enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error)
 {
 	struct view_store_options options = { .images = true, .memory_max = 16ull << 30 };
-	struct bench_client *c = *client = calloc(1, sizeof *c);
-	if (!c)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory to draw %s", pack);
+	struct bench_client *c = *client = eco_alloc(1, sizeof *c);
 	srv_store_init(&c->scenes);
 	enum eco_code code = srv_store_add(&c->scenes, "bench", pack, error);
 	if (!code)
@@ -78,24 +77,13 @@ double bench_gl_ms(const struct view_store *store, const struct view_selection *
 	return ms;
 }
 
-/* Figures asked for beside a picture: NULL, or where to put them. */
-struct beside { double *gl_ms, *ceiling, *widest_px; bool soft; };   /* gl_ms: NaN where there is no OpenGL */
-
-static enum eco_code draw(const struct view_store *store, const struct eco_view *view,
-	struct view_picture *picture, const struct beside *beside, struct eco_error *error)
+/* Draws what the store holds, and the soft counts of a client that sees. */
+static enum eco_code draw(const struct bench_client *client, struct bench_drawing *drawing,
+	const struct view_store *store, const struct eco_view *view, struct view_picture *picture,
+	struct eco_error *error)
 {
-	struct bench_drawing drawing;
-	enum eco_code code = bench_draw(&drawing, store, view, picture, error);
-	if (!code && beside->soft)
-		code = view_measure_soft(&drawing.job, picture, error);
-	if (!code && beside->ceiling)
-		code = view_measure_ceiling(&drawing.job, picture, beside->ceiling, error);
-	if (!code && beside->widest_px)
-		*beside->widest_px = bench_widest_px(store, &drawing.selection, &drawing.eye, picture);
-	if (!code && beside->gl_ms)
-		*beside->gl_ms = bench_gl_ms(store, &drawing.selection, view);
-	view_select_free(&drawing.selection);
-	return code;
+	enum eco_code code = bench_draw(drawing, store, view, picture, error);
+	return code || !client->sees ? code : view_measure_soft(&drawing->job, picture, error);
 }
 
 /* ---- Full detail ---- */
@@ -105,10 +93,15 @@ static enum eco_code draw_reference(struct bench_client *client, const struct ec
 {
 	struct eco_request full = { .view = *view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED,
 		.ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
-	struct beside beside = { .ceiling = client->sees ? &client->ceiling : NULL, .soft = client->sees };
-	enum eco_code code = bench_fetch(NULL, client->scenes.scenes[0], &full, client->full, error);
+	struct bench_drawing drawing = { .job = { .near_m = 0 } };
 	client->ceiling = NAN;
-	return code ? code : draw(client->full, view, &client->reference, &beside, error);
+	enum eco_code code = bench_fetch(NULL, client->scenes.scenes[0], &full, client->full, error);
+	if (!code)
+		code = draw(client, &drawing, client->full, view, &client->reference, error);
+	if (!code && client->sees)
+		code = view_measure_ceiling(&drawing.job, &client->reference, &client->ceiling, error);
+	view_select_free(&drawing.selection);
+	return code;
 }
 
 enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,
@@ -196,21 +189,25 @@ static enum eco_code answer(struct bench_client *client, struct bench_frame *fra
 enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame,
 	struct view_picture *picture, struct eco_error *error)
 {
+	const struct eco_view *view = &frame->request.view;
 	struct view_store *store = NULL;
 	struct view_picture drawn = { 0 };
-	double gl_ms = NAN;
-	struct beside beside = { .gl_ms = client->untimed ? NULL : &gl_ms,
-		.widest_px = client->sees ? &frame->widest_px : NULL, .soft = client->sees };
-	frame->widest_px = NAN;
+	struct bench_drawing drawing = { .job = { .near_m = 0 } };
 	enum eco_code code = bench_client_reference(client, &frame->request, NULL, error);
 	if (!code)
 		code = answer(client, frame, &store, error);
 	if (!code)
-		code = draw(store, &frame->request.view, &drawn, &beside, error);
+		code = draw(client, &drawing, store, view, &drawn, error);
 	if (!code)
 		code = bench_client_score(client, frame, &drawn, error);
-	frame->vertices = drawn.vertices;
-	frame->draw_ms = isnan(gl_ms) ? drawn.draw_ms : gl_ms;
+	if (!code) {
+		double gl_ms = client->untimed ? NAN : bench_gl_ms(store, &drawing.selection, view);
+		frame->widest_px = !client->sees ? NAN : bench_widest_px(store, &drawing.selection, &drawing.eye,
+			&drawn);
+		frame->vertices = drawn.vertices;
+		frame->draw_ms = isnan(gl_ms) ? drawn.draw_ms : gl_ms;
+	}
+	view_select_free(&drawing.selection);
 	view_store_free(store);
 	if (picture && !code)
 		*picture = drawn;
@@ -224,9 +221,12 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 enum eco_code bench_client_step(struct bench_client *client, struct bench_frame *frame,
 	struct view_picture *picture, struct eco_error *error)
 {
+	struct bench_drawing drawing = { .job = { .near_m = 0 } };
 	enum eco_code code = answer(client, frame, &client->steps, error);
-	return code || !picture ? code : draw(client->steps, &frame->request.view, picture,
-		&(struct beside){ .soft = client->sees }, error);
+	if (!code && picture)
+		code = draw(client, &drawing, client->steps, &frame->request.view, picture, error);
+	view_select_free(&drawing.selection);
+	return code;
 }
 
 enum eco_code bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,
@@ -235,10 +235,8 @@ enum eco_code bench_client_compare(struct bench_client *client, struct bench *be
 	struct view_measures measures;
 	uint32_t size[2];
 	uint8_t *rgb = NULL;
-	float *map = malloc((size_t)picture->width * picture->height * sizeof *map);
-	enum eco_code code = map ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
-	if (!code)
-		code = view_measure_pair(picture, &client->reference, map, &measures, error);
+	float *map = eco_alloc((size_t)picture->width * picture->height, sizeof *map);
+	enum eco_code code = view_measure_pair(picture, &client->reference, map, &measures, error);
 	if (!code)
 		code = view_compare_draw(&(struct view_compare){ picture, &client->reference, map,
 			{ words[0], words[1], words[2] } }, &rgb, size, error);

@@ -1,8 +1,6 @@
 /* Hierarchy at scale: forests of 10^6, 10^9 and 10^12 plants from one hectare in blocks of blocks. A plan
  * costs what is seen, not what exists. */
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #include "client-min/draw/view_picture.h"
@@ -16,17 +14,14 @@ static const struct forest { const char *name; double plants, half_m; } forests[
 { { "million", 1e6, 200 }, { "billion", 1e9, 50000 },
 	{ "trillion", 1e12, 2e6 } };
 
-/* ---- Packs ---- */
-
-static enum eco_code make_forest(struct bench *bench, const struct forest *f, char pack[512],
-	struct eco_error *error)
+static void make_forest(struct bench *bench, const struct forest *f, char pack[512])
 {
 	char folder[480];
 	snprintf(folder, sizeof folder, "%s/hierarchy-%s", bench->cache, f->name);
 	snprintf(pack, 512, "%s.eco", folder);
-	return bench_command(bench, error, "'%s/ecopack' generate billion --plants %.0f -o '%s' --quiet && "
-		"'%s/ecopack' make '%s/scene.json' -o '%s' --order stochastic --cache '%s/plants' --quiet",
-		bench->build, f->plants, folder, bench->build, folder, pack, bench->cache);
+	bench_must(bench, bench_command(bench, &bench->error, "'%s/ecopack' generate billion --plants %.0f -o '%s' "
+		"--quiet && '%s/ecopack' make '%s/scene.json' -o '%s' --order stochastic --cache '%s/plants' "
+		"--quiet", bench->build, f->plants, folder, bench->build, folder, pack, bench->cache));
 }
 
 static double megabytes(const char *path)
@@ -35,101 +30,81 @@ static double megabytes(const char *path)
 	return stat(path, &status) ? NAN : (double)status.st_size / 1048576;
 }
 
-/* ---- Views ---- */
-
-static struct eco_request look(const double eye[3], const double target[3])
-{
-	struct eco_request request = { .vertices = VERTICES, .bytes = ECO_BYTES_UNBOUNDED,
-		.view = { .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800,
-		.height = 600 } };
-	memcpy(request.view.eye, eye, sizeof request.view.eye);
-	memcpy(request.view.target, target, sizeof request.view.target);
-	return request;
-}
-
-static enum eco_code plan_ms(const char *path, const struct eco_request *request, double *ms,
-	struct eco_error *error)
+static double plan_ms(struct bench *bench, const char *path, const struct eco_request *request)
 {
 	struct eco_pack *pack = NULL;
 	struct lod_planner_stats stats = { 0 };
-	struct eco_plan plan = { 0 };
-	enum eco_code code = eco_pack_open(&pack, path, error);
-	*ms = NAN;
-	if (!code)
-		code = bench_plan_time(ms, &stats, &plan, &pack->scene, request, 200, error);
+	struct eco_plan plan;
+	double ms;
+	bench_must(bench, eco_pack_open(&pack, path, &bench->error));
+	bench_must(bench, bench_plan_time(&ms, &stats, &plan, &pack->scene, request, 200, &bench->error));
 	eco_plan_free(&plan);
 	eco_pack_close(pack);
-	return code;
+	return ms;
 }
 
 /* From the walker's eyes to where all is seen. */
 static struct eco_request look_from_height(uint32_t i, double high)
 {
 	double h = i ? 16 * pow(high / 16, (i - 1.0) / (HEIGHTS - 2)) : 1.7;
-	return look((double[3]){ i ? 0.3 * h : 0.5, i ? -1.4 * h : -40, h },
-		(double[3]){ i ? 0 : 1.5, i == 1 ? 30 : 0, i ? 0 : 4 });
+	return (struct eco_request){ .vertices = VERTICES, .bytes = ECO_BYTES_UNBOUNDED,
+		.view = { .eye = { i ? 0.3 * h : 0.5, i ? -1.4 * h : -40, h },
+			.target = { i ? 0 : 1.5, i == 1 ? 30 : 0, i ? 0 : 4 }, .up = { 0, 0, 1 },
+			.fov_y_deg = 50, .width = 800, .height = 600 } };
 }
 
 /* Full detail is drawn where few enough plants are in view, but for tiles at the horizon that are counted in
  * the table. */
-static enum eco_code draw_height(struct bench *bench, const struct forest *f, const char *pack,
-	struct bench_client *client, uint32_t i, struct bench_table *table, double *worst_q,
-	struct eco_error *error)
+static void draw_height(struct bench *bench, const struct forest *f, const char *pack,
+	struct bench_client *client, uint32_t i, struct bench_table *table, double *worst_q)
 {
 	struct bench_frame frame = { .method = "optimal", .request = look_from_height(i, 1.7 * f->half_m) };
 	struct view_picture picture = { 0 };
 	bool scored = i == 1 || i == 2;
 	char name[64], caption[160];
-	double h = frame.request.view.eye[2], ms = NAN;
-	enum eco_code code = scored ? bench_client_reference(client, &frame.request, NULL, error) : ECO_OK;
-	if (!code)
-		code = bench_client_frame(client, &frame, &picture, error);
-	if (!code)
-		code = plan_ms(pack, &frame.request, &ms, error);
-	if (!code) {
-		snprintf(name, sizeof name, "hierarchy-%s-%u.png", f->name, i);
-		snprintf(caption, sizeof caption, "%s plants from %.4g m, %u vertices", f->name, h, VERTICES);
-		code = bench_picture_write(bench, name, picture.width, picture.height, picture.rgb, error);
-		bench_picture(bench, name, caption);
-		bench_table_row(table, "%s,%.4g,%llu,%llu,%.1f,%.4f,%.4f,%.0f", f->name, h,
-			(unsigned long long)frame.vertices, (unsigned long long)frame.bytes, ms,
-			frame.predicted_q, scored ? frame.score.q : NAN,
-			scored ? bench_client_summaries(client) : NAN);
-		*worst_q = scored ? fmin(*worst_q, frame.score.q) : *worst_q;
-	}
+	double h = frame.request.view.eye[2];
+	bench_must(bench, bench_client_frame(client, &frame, &picture, &bench->error));
+	snprintf(name, sizeof name, "hierarchy-%s-%u.png", f->name, i);
+	snprintf(caption, sizeof caption, "%s plants from %.4g m, %u vertices", f->name, h, VERTICES);
+	bench_must(bench, bench_picture_write(bench, name, picture.width, picture.height, picture.rgb,
+		&bench->error));
+	bench_picture(bench, name, caption);
+	bench_table_row(table, "%s,%.4g,%llu,%llu,%.1f,%.4f,%.4f,%.0f", f->name, h,
+		(unsigned long long)frame.vertices, (unsigned long long)frame.bytes,
+		plan_ms(bench, pack, &frame.request), frame.predicted_q, scored ? frame.score.q : NAN,
+		scored ? bench_client_summaries(client) : NAN);
+	*worst_q = scored ? fmin(*worst_q, frame.score.q) : *worst_q;
 	view_picture_free(&picture);
-	return code;
 }
 
-static enum eco_code draw_heights(struct bench *bench, const struct forest *f, const char *pack,
-	struct bench_table *table, double *worst_q, struct eco_error *error)
+static void draw_heights(struct bench *bench, const struct forest *f, const char *pack, struct bench_table *table,
+	double *worst_q)
 {
 	struct bench_client *client = NULL;
-	enum eco_code code = bench_client_open(&client, pack, error);
-	for (uint32_t i = 0; i < HEIGHTS && !code; i++) {
+	bench_must(bench, bench_client_open(&client, pack, &bench->error));
+	for (uint32_t i = 0; i < HEIGHTS; i++) {
 		bench_progress(bench, (double)i / HEIGHTS, f->name);
-		code = bench_go_on(bench, error);
-		code = code ? code : draw_height(bench, f, pack, client, i, table, worst_q, error);
+		draw_height(bench, f, pack, client, i, table, worst_q);
 	}
 	bench_client_close(client);
-	return code;
 }
 
 /* Memory of ecoserve after random views. */
 struct resident { double now_mb, most_mb; int bad, views; };
 
-static enum eco_code serve(struct bench *bench, const char *pack, struct resident *r, struct eco_error *error)
+static struct resident serve(struct bench *bench, const char *pack)
 {
 	char path[512];
+	struct resident r = { NAN, NAN, -1, 0 };
 	snprintf(path, sizeof path, "%s/hierarchy-resident.txt", bench->cache);
-	enum eco_code code = bench_command(bench, error, "sh tests/bench/hierarchy.sh '%s' '%s' %d %.0f '%s'",
-		bench->build, pack, bench->full ? 1000 : 100, forests[1].half_m, path);
-	FILE *file = code ? NULL : fopen(path, "r");
-	if (file && fscanf(file, "%lf %lf %d %d", &r->now_mb, &r->most_mb, &r->bad, &r->views) != 4)
-		r->now_mb = NAN;
+	bench_must(bench, bench_command(bench, &bench->error, "sh tests/bench/hierarchy.sh '%s' '%s' %d %.0f '%s'",
+		bench->build, pack, bench->full ? 1000 : 100, forests[1].half_m, path));
+	FILE *file = fopen(path, "r");
+	if (file && fscanf(file, "%lf %lf %d %d", &r.now_mb, &r.most_mb, &r.bad, &r.views) != 4)
+		r.now_mb = NAN;
 	if (file)
 		fclose(file);
-	return code;
+	return r;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
@@ -138,18 +113,13 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"plants,height_m,vertices,bytes,plan_ms,predicted_q,q,reference_summaries", true);
 	char packs[3][512];
 	double worst_q = 1;
-	struct resident resident = { NAN, NAN, -1, 0 };
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < 3 && !code; i++) {
-		code = make_forest(bench, &forests[i], packs[i], error);
-		if (!code)
-			code = draw_heights(bench, &forests[i], packs[i], table, &worst_q, error);
+	(void)error;
+	for (uint32_t i = 0; i < 3; i++) {
+		make_forest(bench, &forests[i], packs[i]);
+		draw_heights(bench, &forests[i], packs[i], table, &worst_q);
 	}
 	bench_table_close(table);
-	if (!code)
-		code = serve(bench, packs[1], &resident, error);
-	if (code)
-		return code;
+	struct resident resident = serve(bench, packs[1]);
 	bench_key(bench, "hierarchy_pack_mb", megabytes(packs[1]), "<= 67: MB of 10^9 plants (64 MiB)");
 	bench_key(bench, "hierarchy_trillion_mb", megabytes(packs[2]),
 		"MB of 10^12 plants, which open and plan");

@@ -7,12 +7,11 @@
 
 static const char *const scenes[] = { "park", "forest", "nested", "meadow", "tree" };
 #define SCENES (sizeof scenes / sizeof *scenes)
-#define BLOCK 2000u              /* requests of one unit */
+#define BLOCK 2000u              /* requests of one run of the program */
 #define BLOCKS_QUICK 1u          /* a scene */
 #define BLOCKS_FULL 10u
 
-/* Keys of the program's answer and columns of the table. All are summed, but the last, of which the most
- * counts. */
+/* Keys of the program's answer and columns of the table. All are summed, but the last: the most counts. */
 static const struct { const char *key, *head; } counts[] = { { "requests", "requests" },
 	{ "states", "states of streams" }, { "chains", "chains of budgets" }, { "violations", "violations" },
 	{ "vertices", "vertices" }, { "bytes", "bytes" }, { "twice", "twice" }, { "undrawn", "undrawn" },
@@ -28,35 +27,24 @@ enum eco_code bench_request_packs(struct bench *bench, struct eco_error *error)
 		bench->build, bench->cache, bench->cache);
 }
 
-struct block { struct bench *bench; const char *scene; uint32_t number; };
-
 /* The counts of the program; a violation of its own where it prints nothing. */
-static enum eco_code run_block(void *ctx, json_t **made, struct eco_error *error)
+static void run_block(const struct bench *bench, const char *scene, uint32_t number, double count[COUNTS])
 {
-	const struct block *b = ctx;
 	char command[2048], line[2048] = "";
-	double count[COUNTS] = { [VIOLATIONS] = 1, [FAILED] = 1 };
-	snprintf(command, sizeof command, "'%s/bench/requests' --seed %u %u '%s/requests/%s.eco'",
-		b->bench->build, b->number + 1, BLOCK, b->bench->cache, b->scene);
-	(void)error;
+	snprintf(command, sizeof command, "'%s/bench/requests' --seed %u %u '%s/requests/%s.eco'", bench->build,
+		number + 1, BLOCK, bench->cache, scene);
 	FILE *pipe = popen(command, "r");
 	if (pipe && !fgets(line, sizeof line, pipe))
 		line[0] = 0;
 	if (pipe)
 		pclose(pipe);
 	json_t *result = json_loads(line, 0, NULL);
-	for (int i = 0; i < COUNTS && result; i++)
-		count[i] = json_number_value(json_object_get(result, counts[i].key));
+	for (int i = 0; i < COUNTS; i++) {
+		double one = result ? json_number_value(json_object_get(result, counts[i].key))
+			: i == VIOLATIONS || i == FAILED;
+		count[i] = i == MOST ? fmax(count[i], one) : count[i] + one;
+	}
 	json_decref(result);
-	*made = bench_reals(count, COUNTS);
-	return ECO_OK;
-}
-
-static void add(double sum[COUNTS], const double more[COUNTS])
-{
-	for (int i = 0; i < MOST; i++)
-		sum[i] += more[i];
-	sum[MOST] = fmax(sum[MOST], more[MOST]);
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
@@ -64,47 +52,31 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	struct bench_column columns[COUNTS];
 	double all[COUNTS] = { 0 };
 	uint32_t blocks = bench->full ? BLOCKS_FULL : BLOCKS_QUICK;
-	enum eco_code code = bench_request_packs(bench, error);
-	if (code)
-		return code;
+	bench_must(bench, bench_request_packs(bench, error));
 	for (int i = 0; i < COUNTS; i++)
 		columns[i] = (struct bench_column){ counts[i].head, i == MOST ? 4 : 0 };
 	struct bench_table *table = bench_table_described(bench, "requests", "scene", columns, COUNTS, true);
-	for (uint32_t i = 0; i < SCENES && !code; i++) {
-		double sum[COUNTS] = { 0 }, one[COUNTS];
-		for (uint32_t b = 0; b < blocks && !code; b++) {
-			struct block block = { bench, scenes[i], b };
-			char unit[96];
-			json_t *result;
-			snprintf(unit, sizeof unit, "requests-%s-%u", scenes[i], b);
-			bench_progress(bench, (i + (double)b / blocks) / SCENES, unit);
-			code = bench_unit(bench, unit, NULL, run_block, &block, &result, error);
-			if (code)
-				break;
-			bench_cells(result, one, COUNTS);
-			add(sum, one);
+	for (uint32_t i = 0; i < SCENES; i++) {
+		double sum[COUNTS] = { 0 };
+		for (uint32_t b = 0; b < blocks; b++) {
+			bench_progress(bench, (i + (double)b / blocks) / SCENES, scenes[i]);
+			run_block(bench, scenes[i], b, sum);
 		}
 		bench_table_values(table, sum, "%s", scenes[i]);
-		add(all, sum);
+		for (int k = 0; k < COUNTS; k++)
+			all[k] = k == MOST ? fmax(all[k], sum[k]) : all[k] + sum[k];
 	}
-	if (!code) {
-		bench_table_values(table, all, "all");
-		bench_say(bench,
-			"Views inside plants, on corners, far away, with useless ups, extreme angles and "
-			"pictures of "
-			"one pixel to 4,096 x 4,096; budgets from nothing to beyond everything, a quarter of "
-			"them with a "
-			"budget of bytes. Counted by the client that draws: vertices of every state of a "
-			"stream, bytes, chunks "
-			"sent twice, answers that differ; for one view in some, ten budgets: predicted wrong "
-			"pixels never rise "
-			"with the budget, and vertices are left over only where nothing more is to be "
-			"gained.");
-		bench_key(bench, "requests_violations", all[VIOLATIONS], "0: of what must always hold");
-		bench_key(bench, "requests_count", all[REQUESTS], "asked; 100,000 with FULL=1");
-	}
+	bench_table_values(table, all, "all");
 	bench_table_close(table);
-	return code;
+	bench_say(bench, "Views inside plants, on corners, far away, with useless ups, extreme angles and pictures of "
+		"one pixel to 4,096 x 4,096; budgets from nothing to beyond everything, a quarter of them with a "
+		"budget of bytes. Counted by the client that draws: vertices of every state of a stream, bytes, "
+		"chunks sent twice, answers that differ; for one view in some, ten budgets: predicted wrong "
+		"pixels never rise with the budget, and vertices are left over only where nothing more is to be "
+		"gained.");
+	bench_key(bench, "requests_violations", all[VIOLATIONS], "0: of what must always hold");
+	bench_key(bench, "requests_count", all[REQUESTS], "asked; 100,000 with FULL=1");
+	return ECO_OK;
 }
 
 const struct bench_section bench_requests = { "requests", "Random requests: what must always hold", run };

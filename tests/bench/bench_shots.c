@@ -37,18 +37,16 @@ bool bench_scene_asked(struct bench *bench, const char *scene)
 	return asked;
 }
 
-bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], enum eco_code *code,
-	struct eco_error *error)
+bool bench_scene_there(struct bench *bench, const char *scene, char pack[512])
 {
-	*code = ECO_OK;
 	if (!bench_scene_asked(bench, scene))
 		return false;
-	*code = bench_scene(bench, scene, NULL, pack, error);
-	if (*code != ECO_NOT_FOUND)
+	enum eco_code code = bench_scene(bench, scene, NULL, pack, &bench->error);
+	bench_must(bench, code == ECO_NOT_FOUND ? ECO_OK : code);
+	if (!code)
 		return true;
-	bench_say(bench, "Without %s: %s", scene, error->text);
-	*error = (struct eco_error){ 0 };
-	*code = ECO_OK;
+	bench_say(bench, "Without %s: %s", scene, bench->error.text);
+	bench->error = (struct eco_error){ 0 };
 	return false;
 }
 
@@ -141,31 +139,29 @@ static enum eco_code make_rows(void *ctx, json_t **rows, struct eco_error *error
 {
 	const struct work *w = ctx;
 	struct bench_client *client = NULL;
-	enum eco_code code = bench_client_open(&client, w->view->pack, error);
+	bench_must(w->bench, bench_client_open(&client, w->view->pack, error));
 	*rows = json_array();
-	if (!code)
-		bench_client_see(client);
-	if (!code && !w->shoot->method)
+	bench_client_see(client);
+	if (!w->shoot->method)
 		bench_client_untimed(client);
-	for (uint32_t i = 0; i < w->shoot->count && !code; i++) {
-		code = bench_go_on(w->bench, error);
-		if (!code)
-			code = add_row(w, client, i, *rows, error);
-	}
+	for (uint32_t i = 0; i < w->shoot->count; i++)
+		bench_must(w->bench, add_row(w, client, i, *rows, error));
 	bench_client_close(client);
-	return code;
+	return ECO_OK;
 }
 
-enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view,
-	const struct bench_shoot *shoot, json_t **rows, struct eco_error *error)
+json_t *bench_view_rows(struct bench *bench, const struct bench_view *view, const struct bench_shoot *shoot)
 {
 	const struct eco_view *v = &view->view;
-	char unit[96], stamp[256];
+	char unit[96], stamp[512];
+	json_t *rows;
 	snprintf(unit, sizeof unit, "%s-%s-%s", shoot->name, view->scene, view->camera);
 	snprintf(stamp, sizeof stamp, "%s %u %g %g %g %g %g %g %g", bench_pack_stamp(view->pack),
 		shoot->count, v->eye[0],
 		v->eye[1], v->eye[2], v->target[0], v->target[1], v->target[2], v->fov_y_deg);
-	return bench_unit(bench, unit, stamp, make_rows, &(struct work){ bench, view, shoot }, rows, error);
+	bench_must(bench, bench_unit(bench, unit, stamp, make_rows, &(struct work){ bench, view, shoot }, &rows,
+		&bench->error));
+	return rows;
 }
 
 enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view,
@@ -180,9 +176,10 @@ enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t metho
 	bench_shot_views(bench, scene, requests);
 	snprintf(name, sizeof name, "shots%u", method);
 	snprintf(camera, sizeof camera, "%u", view);
-	return bench_view_rows(bench, &(struct bench_view){ scene, camera, pack, requests[view].view },
+	*rows = bench_view_rows(bench, &(struct bench_view){ scene, camera, pack, requests[view].view },
 		&(struct bench_shoot){ .name = name, .count = bench_budgets(bench, scene, budgets),
-			.vertices = budgets, .method = &bench_methods[method] }, rows, error);
+			.vertices = budgets, .method = &bench_methods[method] });
+	return ECO_OK;
 }
 
 /* ---- Cameras ---- */
@@ -200,40 +197,26 @@ static bool read_view(const json_t *item, struct bench_view *to, struct eco_erro
 		&view->fov_y_deg) && !eco_view_check(view, error);
 }
 
-/* `done`: the share of all scenes before this one. */
-static enum eco_code each_camera(struct bench *bench, const json_t *item, double done, bench_view_call *call,
-	void *ctx, struct eco_error *error)
+void bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, void *ctx)
 {
-	const json_t *cameras = json_object_get(item, "cameras"), *camera;
+	json_t *file = json_load_file(VIEWS, 0, NULL), *scenes = json_object_get(file, "scenes"), *item, *camera;
 	char pack[512];
-	struct bench_view view = { .pack = pack, .scene = json_string_value(json_object_get(item, "scene")) };
-	enum eco_code code;
-	size_t i;
-	if (!bench_shot_scene(bench, view.scene, pack, &code, error))
-		return ECO_OK;
-	json_array_foreach(cameras, i, camera) {
-		bench_progress(bench, done, view.scene);
-		if (!code)
-			code = read_view(camera, &view, error) ? call(bench, ctx, &view, error)
-				: eco_fail(error, ECO_BAD_INPUT, VIEWS ": a camera of %s is not one",
-				view.scene);
-	}
-	return code;
-}
-
-enum eco_code bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, void *ctx,
-	struct eco_error *error)
-{
-	json_t *file = json_load_file(VIEWS, 0, NULL), *scenes = json_object_get(file, "scenes"), *item;
-	enum eco_code code = scenes ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, VIEWS " cannot be read");
-	size_t i;
+	size_t i, k;
+	if (!scenes)
+		bench_must(bench, eco_fail(&bench->error, ECO_BAD_INPUT, VIEWS " cannot be read"));
 	json_array_foreach(scenes, i, item) {
+		struct bench_view view = { .pack = pack,
+			.scene = json_string_value(json_object_get(item, "scene")) };
 		if (!bench->full && i >= quick)
-			bench_left_out(bench, json_string_value(json_object_get(item, "scene")));
-		else if (!code)
-			code = each_camera(bench, item, (double)i / (double)json_array_size(scenes), call,
-				ctx, error);
+			bench_left_out(bench, view.scene);
+		else if (bench_scene_there(bench, view.scene, pack))
+			json_array_foreach(json_object_get(item, "cameras"), k, camera) {
+				bench_progress(bench, (double)i / (double)json_array_size(scenes), view.scene);
+				if (!read_view(camera, &view, &bench->error))
+					bench_must(bench, eco_fail(&bench->error, ECO_BAD_INPUT,
+						VIEWS ": a camera of %s is not one", view.scene));
+				call(bench, ctx, &view);
+			}
 	}
 	json_decref(file);
-	return code;
 }

@@ -23,10 +23,16 @@ extern const struct bench_method bench_methods[BENCH_METHODS];
 
 /* False where the quick bench leaves the scene out (bench_scene_quick): the report says so. */
 bool bench_scene_asked(struct bench *bench, const char *scene);
-/* False, too, where the scene needs data that is not there: the report says so, and it is no error. Else
- * *code is that of making its pack. */
-bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], enum eco_code *code,
-	struct eco_error *error);
+/* False, too, where the scene needs data that is not there: the report says so, and it is no error. Makes its
+ * pack. */
+bool bench_scene_there(struct bench *bench, const char *scene, char pack[512]);
+static inline bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], enum eco_code *code,
+	struct eco_error *error)
+{
+	(void)error;
+	*code = ECO_OK;
+	return bench_scene_there(bench, scene, pack);
+}
 
 /* Vertices, ascending: a common grid, and what the literature drew of this scene. */
 uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t budgets[BENCH_BUDGETS_MAX]);
@@ -46,19 +52,16 @@ enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t metho
 
 /* ---- First visits, row by row, as sections measure and keep them ----
  *
- *   bench_views_each(bench, quick, study_view, ctx, &error);           every camera of pictures.json's scenes that are
- *                                                                      there
- *           bench_view_rows(bench, view, &shoot, &rows, &error);       within: its rows, made or recalled */
+ *   bench_views_each(bench, quick, study_view, ctx);        every camera of pictures.json's scenes that are there
+ *           rows = bench_view_rows(bench, view, &shoot);    within: its rows, made or recalled */
 
 struct bench_view { const char *scene, *camera, *pack; struct eco_view view; };
 
 /* Scenes, the first of pictures.json, that sections with many budgets a view look at without FULL=1. */
 #define BENCH_VIEWS_QUICK 1u
-typedef enum eco_code bench_view_call(struct bench *bench, void *ctx, const struct bench_view *view,
-	struct eco_error *error);
+typedef void bench_view_call(struct bench *bench, void *ctx, const struct bench_view *view);
 /* `quick`: how many of the scenes the quick bench looks at. */
-enum eco_code bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, void *ctx,
-	struct eco_error *error);
+void bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, void *ctx);
 
 struct bench_shoot {
 	const char *name;            /* of what is kept */
@@ -72,8 +75,7 @@ struct bench_shoot {
 		struct eco_error *error);
 };
 /* An array of rows as bench_shot_row makes them, null where no answer has so few bytes; borrowed. */
-enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view,
-	const struct bench_shoot *shoot, json_t **rows, struct eco_error *error);
+json_t *bench_view_rows(struct bench *bench, const struct bench_view *view, const struct bench_shoot *shoot);
 
 /* ---- The path of a flight (bench_flight.c) ---- */
 

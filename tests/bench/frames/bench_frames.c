@@ -4,9 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "client-min/draw/view_picture.h"
+#include "ecofiles/base/memory.h"
 #include "tests/bench/bench_shots.h"
 
 static const struct { const char *name, *title; } scenes[] = {
@@ -65,17 +65,15 @@ static void add(struct means *means, const double value[COLUMNS])
 	}
 }
 
-static enum eco_code study_method(struct bench *bench, struct study *s, uint32_t method,
-	struct bench_table *table, struct eco_error *error)
+static void study_method(struct bench *bench, struct study *s, uint32_t method, struct bench_table *table)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t v = 0; v < s->views && !code; v++) {
+	for (uint32_t v = 0; v < s->views; v++) {
 		json_t *rows;
 		char what[96];
 		snprintf(what, sizeof what, "%s, %s, view %u", s->scene, bench_methods[method].name, v);
 		bench_progress(bench, ((double)method + (double)v / s->views) / BENCH_METHODS, what);
-		code = bench_shots(bench, s->scene, method, v, &rows, error);
-		for (uint32_t b = 0; b < s->budgets && !code; b++) {
+		bench_must(bench, bench_shots(bench, s->scene, method, v, &rows, &bench->error));
+		for (uint32_t b = 0; b < s->budgets; b++) {
 			double value[COLUMNS];
 			read_row(json_array_get(rows, b), value);
 			bench_table_values(table, value, "%s,%s,%u,%llu", s->scene,
@@ -83,8 +81,7 @@ static enum eco_code study_method(struct bench *bench, struct study *s, uint32_t
 			add(&s->all[method][b], value);
 		}
 	}
-	s->done[method] = !code;
-	return code;
+	s->done[method] = true;
 }
 
 /* One table a scene, budget by budget, so that methods stand below each other. */
@@ -104,8 +101,7 @@ static void write_means(struct bench *bench, const struct study *s)
 
 #define ERROR_LEAST 1e-4         /* below, a logarithmic axis shows only noise */
 
-static enum eco_code plot_over(struct bench *bench, const struct study *s, int x, const char *kind,
-	const char *label, struct eco_error *error)
+static void plot_over(struct bench *bench, const struct study *s, int x, const char *kind, const char *label)
 {
 	double at[BENCH_METHODS][BENCH_BUDGETS_MAX], wrong[BENCH_METHODS][BENCH_BUDGETS_MAX];
 	struct bench_series series[BENCH_METHODS];
@@ -122,80 +118,58 @@ static enum eco_code plot_over(struct bench *bench, const struct study *s, int x
 	}
 	snprintf(name, sizeof name, "frames-%s-%s", s->scene, kind);
 	snprintf(title, sizeof title, "%s: mean error of %u views", s->scene, s->views);
-	return bench_plot(bench, &(struct bench_plot){ name, title, label, "1 - Q", true, true, series,
-		count }, error);
+	bench_plot(bench, &(struct bench_plot){ name, title, label, "1 - Q", true, true, series, count },
+		&bench->error);
 }
 
 /* ---- A picture of each scene ---- */
 
-struct picture { struct bench *bench; const char *pack, *file; struct bench_frame frame; };
-
 /* Ours, full detail, and the error that people see. */
-static enum eco_code draw_picture(void *ctx, json_t **made, struct eco_error *error)
+static void show_picture(struct bench *bench, const char *scene, const char *pack,
+	const struct eco_request *request)
 {
-	struct picture *p = ctx;
+	char file[128], caption[256];
+	unsigned long long vertices = strcmp(scene, "crown") == 0 ? 10000 : 1000000;
 	struct bench_client *client = NULL;
+	struct bench_frame frame = { .request = *request };
 	struct view_picture ours = { 0 };
-	enum eco_code code = bench_client_open(&client, p->pack, error);
-	if (!code) {
-		bench_client_see(client);
-		bench_client_untimed(client);
-		code = bench_client_frame(client, &p->frame, &ours, error);
-	}
-	if (!code)
-		code = bench_client_compare(client, p->bench, p->file, &ours,
-			(const char *const[]){ "ours", "full detail", "error" }, error);
-	*made = json_true();
+	frame.request.vertices = vertices;
+	snprintf(file, sizeof file, "frames-%s-%llu.png", scene, vertices);
+	snprintf(caption, sizeof caption, "%s at %llu vertices; full detail; error", scene, vertices);
+	bench_must(bench, bench_client_open(&client, pack, &bench->error));
+	bench_client_see(client);
+	bench_client_untimed(client);
+	bench_must(bench, bench_client_frame(client, &frame, &ours, &bench->error));
+	bench_must(bench, bench_client_compare(client, bench, file, &ours,
+		(const char *const[]){ "ours", "full detail", "error" }, &bench->error));
+	bench_picture(bench, file, caption);
 	view_picture_free(&ours);
 	bench_client_close(client);
-	return code;
-}
-
-static enum eco_code show_picture(struct bench *bench, const char *scene, const char *pack,
-	const struct eco_request *request, struct eco_error *error)
-{
-	char unit[96], file[128], path[1024], caption[256];
-	json_t *made;
-	struct picture picture = { .bench = bench, .pack = pack, .file = file, .frame.request = *request };
-	uint64_t vertices = strcmp(scene, "crown") == 0 ? 10000 : 1000000;
-	picture.frame.request.vertices = vertices;
-	snprintf(unit, sizeof unit, "picture-%s", scene);
-	snprintf(file, sizeof file, "frames-%s-%llu.png", scene, (unsigned long long)vertices);
-	snprintf(path, sizeof path, "%s/%s", bench->out, file);
-	snprintf(caption, sizeof caption, "%s at %llu vertices; full detail; error", scene,
-		(unsigned long long)vertices);
-	bench_picture(bench, file, caption);
-	return access(path, R_OK) ? draw_picture(&picture, &made, error)
-		: bench_unit(bench, unit, bench_pack_stamp(pack), draw_picture, &picture, &made, error);
 }
 
 /* ---- The section ---- */
 
-static enum eco_code run_scene(struct bench *bench, struct study *s, const char *title, struct bench_table
-	*table, struct eco_error *error)
+static void run_scene(struct bench *bench, struct study *s, const char *title, struct bench_table *table)
 {
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 	char pack[512];
-	enum eco_code code;
-	if (!bench_shot_scene(bench, s->scene, pack, &code, error) || code)
-		return code;
+	if (!bench_scene_there(bench, s->scene, pack))
+		return;
 	s->budgets = bench_budgets(bench, s->scene, s->vertices);
 	s->views = bench_shot_views(bench, s->scene, requests);
-	for (uint32_t m = 0; m < BENCH_METHODS && !code; m++)
+	for (uint32_t m = 0; m < BENCH_METHODS; m++)
 		if (bench->full || !bench_methods[m].full_only)
-			code = study_method(bench, s, m, table, error);
-	if (code)
-		return code;
+			study_method(bench, s, m, table);
 	bench_head(bench, title);
-	plot_over(bench, s, TOTAL_100, "time", "plan + transfer at 100 Mbit/s + decode + draw, ms", error);
+	plot_over(bench, s, TOTAL_100, "time", "plan + transfer at 100 Mbit/s + decode + draw, ms");
 	write_means(bench, s);
-	plot_over(bench, s, VERTICES, "vertices", "vertices drawn", error);
-	return show_picture(bench, s->scene, pack, &requests[0], error);
+	plot_over(bench, s, VERTICES, "vertices", "vertices drawn");
+	show_picture(bench, s->scene, pack, &requests[0]);
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
+	(void)error;
 	bench_say(bench,
 		"Every picture %u x %u, all chunks sent anew. Budgets of the literature are among the rows: "
 		"Deussen 2002, table 1 (points + 2 lines + 3 triangles): 640 trees 2.10 M, palms 1.76 M, "
@@ -203,16 +177,14 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		BENCH_SHOT_HEIGHT);
 	struct bench_table *table = bench_table_described(bench, "frames", "scene,method,view,budget",
 		columns, COLUMNS, false);
-	for (size_t i = 0; i < SCENES && !code; i++) {
-		struct study *s = calloc(1, sizeof *s);
-		if (!s)
-			abort();
+	for (size_t i = 0; i < SCENES; i++) {
+		struct study *s = eco_alloc(1, sizeof *s);
 		s->scene = scenes[i].name;
-		code = run_scene(bench, s, scenes[i].title, table, error);
+		run_scene(bench, s, scenes[i].title, table);
 		free(s);
 	}
 	bench_table_close(table);
-	return code;
+	return ECO_OK;
 }
 
 const struct bench_section bench_frames = { "frames", "Error against run time", run };

@@ -3,13 +3,9 @@
  * pixels, those clearly more red than green, that a picture shows as such, beside Q of all that is covered.
  * */
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <unistd.h>
 
 #include "client-min/draw/view_picture.h"
 #include "tests/bench/bench.h"
-#include "tests/support/files.h"
 
 #define RED_LEAST 40                     /* bytes that red is above green; bark has fewer */
 
@@ -19,33 +15,30 @@ static const uint64_t budgets[] = { 1000, 3000, 10000 };
 #define BUDGETS (sizeof budgets / sizeof *budgets)
 #define SHOWN 1                          /* budget of the picture */
 
-static enum eco_code make_pack(struct bench *bench, double importance, char path[512],
-	struct eco_error *error)
+static void make_pack(struct bench *bench, double importance, char path[512])
 {
-	char scene[600], text[1200];
-	int used = snprintf(text, sizeof text, "{\"plants\": {");
 	static const char *const names[] = { "azalea", "poppy" };
-	for (int i = 0; i < 2; i++)
-		used += snprintf(text + used, sizeof text - (size_t)used, "%s\"%s\": {\"model\": "
-			"\"park/models/%s.obj\", \"unit\": \"m\", \"importance\": {\"flower\": %g}}",
-			i ? ", " : "", names[i], names[i], importance);
-	used += snprintf(text + used, sizeof text - (size_t)used, "}, \"instances\": [{\"plant\": "
-		"\"azalea\", \"at\": [0, 0]}");
+	char scene[512];
+	json_t *plants = json_object(), *instances = json_pack("[{s:s, s:[i, i]}]", "plant", "azalea", "at", 0, 0);
+	for (int i = 0; i < 2; i++) {
+		char model[64];
+		snprintf(model, sizeof model, "park/models/%s.obj", names[i]);
+		json_object_set_new(plants, names[i], json_pack("{s:s, s:s, s:{s:f}}", "model", model, "unit", "m",
+			"importance", "flower", importance));
+	}
 	for (int i = 0; i < 8; i++)
-		used += snprintf(text + used, sizeof text - (size_t)used, ", {\"plant\": \"poppy\", \"at\": "
-			"[%g, %g], \"yaw_deg\": %d}", 1.4 + 0.2 * (i % 2), 0.35 * (i - 4), 40 * i);
-	snprintf(text + used, sizeof text - (size_t)used, "]}\n");
-	snprintf(path, 512, "%s/importance/flower%g.eco", bench->cache, importance);
-	if (access(path, R_OK) == 0)
-		return ECO_OK;
-	snprintf(scene, sizeof scene, "%s/importance", bench->cache);
-	folder_make(scene);
-	snprintf(scene, sizeof scene, "%s/importance/flower%g.json", bench->cache, importance);
-	file_write_text(scene, text);
-	return bench_command(bench, error, "program=$(realpath '%s/ecopack'); cd '%s/importance' && { [ -d "
-		"park ] || \"$program\" generate park -o park --plants 20 --quiet; } && "
-		"\"$program\" make flower%g.json -o flower%g.eco --quiet",
-		bench->build, bench->cache, importance, importance);
+		json_array_append_new(instances, json_pack("{s:s, s:[f, f], s:i}", "plant", "poppy", "at",
+			1.4 + 0.2 * (i % 2), 0.35 * (i - 4), "yaw_deg", 40 * i));
+	json_t *made = json_pack("{s:o, s:o}", "plants", plants, "instances", instances);
+	bench_must(bench, bench_command(bench, &bench->error, "mkdir -p '%s/importance' && { [ -d "
+		"'%s/importance/park' ] || '%s/ecopack' generate park -o '%s/importance/park' --plants 20 --quiet; }",
+		bench->cache, bench->cache, bench->build, bench->cache));
+	snprintf(scene, sizeof scene, "%.440s/importance/flower%g.json", bench->cache, importance);
+	snprintf(path, 512, "%.440s/importance/flower%g.eco", bench->cache, importance);
+	json_dump_file(made, scene, 0);
+	json_decref(made);
+	bench_must(bench, bench_command(bench, &bench->error, "'%s/ecopack' make '%s' -o '%s' --quiet --cache "
+		"'%s/plants'", bench->build, scene, path, bench->cache));
 }
 
 static struct eco_request request_of(uint64_t vertices)
@@ -71,33 +64,31 @@ static double shown(const struct view_picture *ours, const struct view_picture *
 }
 
 /* pictures[0]: full detail; the others at budget SHOWN, by importance */
-static enum eco_code try_pack(struct bench *bench, size_t which, struct bench_table *table,
-	struct view_picture pictures[IMPORTANCES + 1], double share[BUDGETS], struct eco_error *error)
+static void try_pack(struct bench *bench, size_t which, struct bench_table *table,
+	struct view_picture pictures[IMPORTANCES + 1], double share[BUDGETS])
 {
 	char path[512];
 	struct bench_client *client = NULL;
-	struct view_picture other = { 0 };
-	enum eco_code code = make_pack(bench, importances[which], path, error);
-	code = code ? code : bench_client_open(&client, path, error);
-	if (!code)
-		bench_client_untimed(client);
-	for (size_t b = 0; b < BUDGETS && !code; b++) {
-		struct view_picture *at = b == SHOWN ? &pictures[which + 1] : &other;
+	make_pack(bench, importances[which], path);
+	bench_must(bench, bench_client_open(&client, path, &bench->error));
+	bench_client_untimed(client);
+	for (size_t b = 0; b < BUDGETS; b++) {
+		struct view_picture picture = { 0 };
 		struct bench_frame frame = { .request = request_of(budgets[b]) };
-		code = bench_client_frame(client, &frame, at, error);
-		if (code)
-			break;
-		share[b] = shown(at, bench_client_full(client));
+		bench_must(bench, bench_client_frame(client, &frame, &picture, &bench->error));
+		share[b] = shown(&picture, bench_client_full(client));
 		bench_table_row(table, "%g,%llu,%llu,%.4f,%.4f", importances[which],
 			(unsigned long long)budgets[b], (unsigned long long)frame.vertices, share[b],
 			frame.score.q);
-		view_picture_free(&other);
+		if (b == SHOWN)
+			pictures[which + 1] = picture;
+		else
+			view_picture_free(&picture);
 	}
 	struct bench_frame full = { .request = request_of(ECO_VERTICES_MAX) };
-	if (!code && which == 0)
-		code = bench_client_frame(client, &full, &pictures[0], error);
+	if (which == 0)
+		bench_must(bench, bench_client_frame(client, &full, &pictures[0], &bench->error));
 	bench_client_close(client);
-	return code;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
@@ -105,23 +96,19 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	double share[IMPORTANCES][BUDGETS];
 	struct view_picture pictures[IMPORTANCES + 1] = { { 0 } };
 	const uint8_t *rgb[IMPORTANCES + 1];
-	enum eco_code code = ECO_OK;
 	bench_say(bench, "A flowering shrub and poppies; the share of flower pixels of full detail that are "
 		"flowers in the picture, by the flowers' importance. Leaves count 1.");
 	struct bench_table *table = bench_table_open(bench, "importance",
 		"importance,budget,vertices,flowers_shown,q", true);
-	for (size_t i = 0; i < IMPORTANCES && !code; i++)
-		code = try_pack(bench, i, table, pictures, share[i], error);
+	for (size_t i = 0; i < IMPORTANCES; i++)
+		try_pack(bench, i, table, pictures, share[i]);
 	bench_table_close(table);
 	for (size_t i = 0; i <= IMPORTANCES; i++)
 		rgb[i] = pictures[i].rgb;
-	if (!code)
-		code = bench_pictures_write(bench, "importance.png", pictures[0].width, pictures[0].height,
-			rgb, IMPORTANCES + 1, error);
+	bench_must(bench, bench_pictures_write(bench, "importance.png", pictures[0].width, pictures[0].height, rgb,
+		IMPORTANCES + 1, error));
 	for (size_t i = 0; i <= IMPORTANCES; i++)
 		view_picture_free(&pictures[i]);
-	if (code)
-		return code;
 	bench_picture(bench, "importance.png", "Full detail; 3,000 vertices at importance 1, 2, 4 and 8 of "
 		"flowers.");
 	bench_key(bench, "importance_shown", share[IMPORTANCES - 2][SHOWN],

@@ -51,7 +51,6 @@ struct shot {
 	struct bench_client *client;
 	struct paper_scene *papers; /* of the stochastic order */
 	struct paper_table *tables;
-	struct view_picture base; /* ours */
 };
 
 static json_t *row_of(const struct bench_frame *theirs, const struct bench_frame *ours)
@@ -68,139 +67,125 @@ static json_t *row_of(const struct bench_frame *theirs, const struct bench_frame
 	}
 }
 
-static enum eco_code solve(struct shot *shot, paper_rule *rule, void *ctx, struct paper_frame *frame,
-	struct eco_error *error)
+static void solve(struct shot *shot, paper_rule *rule, void *ctx, struct paper_frame *frame)
 {
 	double x = 0;
-	return paper_shoot(shot->papers, &shot->request, rule, ctx, &x, true, frame, error);
+	bench_must(shot->bench, paper_shoot(shot->papers, &shot->request, rule, ctx, &x, true, frame,
+		&shot->bench->error));
 }
 
 /* The same view some times: f of each comes from the frame before. */
-static enum eco_code solve_occluded(struct shot *shot, struct paper_frame *frame, struct eco_error *error)
+static void solve_occluded(struct shot *shot, struct paper_frame *frame)
 {
 	struct paper_cook cook = { .tables = shot->tables, .optimal = true };
-	enum eco_code code = paper_sight_new(&cook.sight, shot->papers, error);
-	for (uint32_t i = 0; i < FRAMES && !code; i++) {
+	bench_must(shot->bench, paper_sight_new(&cook.sight, shot->papers, &shot->bench->error));
+	for (uint32_t i = 0; i < FRAMES; i++) {
 		paper_frame_free(frame);
-		code = solve(shot, paper_cook, &cook, frame, error);
-		if (!code)
-			paper_sight_update(cook.sight, frame, &shot->request.view);
+		solve(shot, paper_cook, &cook, frame);
+		paper_sight_update(cook.sight, frame, &shot->request.view);
 	}
 	paper_sight_free(cook.sight);
-	return code;
 }
 
-static enum eco_code draw_rule(struct shot *shot, uint32_t rule, struct paper_frame *frame,
-	struct eco_error *error)
+static void draw_rule(struct shot *shot, uint32_t rule, struct paper_frame *frame)
 {
 	struct paper_cook cook = { .tables = rule == COOK ? NULL : shot->tables, .optimal = rule == NEUBERT };
 	if (rule >= LEE_FIRST) {
 		struct paper_lee lee = { .tables = shot->tables, .rule = rule - LEE_FIRST };
-		enum eco_code code = paper_lee_begin(&lee, shot->papers, error);
-		code = code ? code : solve(shot, paper_lee, &lee, frame, error);
+		bench_must(shot->bench, paper_lee_begin(&lee, shot->papers, &shot->bench->error));
+		solve(shot, paper_lee, &lee, frame);
 		paper_lee_end(&lee);
-		return code;
+	} else if (rule == NEUBERT_OCCLUDED) {
+		solve_occluded(shot, frame);
+	} else if (rule == DEUSSEN_2002) {
+		solve(shot, paper_deussen, NULL, frame);
+	} else {
+		solve(shot, paper_cook, &cook, frame);
 	}
-	return rule == NEUBERT_OCCLUDED ? solve_occluded(shot, frame, error)
-		: rule == DEUSSEN_2002 ? solve(shot, paper_deussen, NULL, frame, error)
-		: solve(shot, paper_cook, &cook, frame, error);
 }
 
-static enum eco_code shoot_rule(struct shot *shot, uint32_t rule, const struct bench_frame *base,
-	json_t *rows, struct eco_error *error)
+static json_t *shoot_rule(struct shot *shot, uint32_t rule, const struct bench_frame *base,
+	const struct view_picture *base_picture)
 {
 	struct bench_frame theirs = { .request = shot->request, .rule = lod_rule_deussen }, ours = *base;
 	struct paper_frame frame = { 0 };
+	struct bench *bench = shot->bench;
+	struct eco_error *error = &bench->error;
 	char file[128];
-	enum eco_code code = bench_go_on(shot->bench, error);
-	if (!code && rule == DEUSSEN_OURS) {
-		code = bench_client_frame(shot->client, &theirs, &frame.picture, error);
-	} else if (!code) {
-		code = draw_rule(shot, rule, &frame, error);
+	if (rule == DEUSSEN_OURS) {
+		bench_must(bench, bench_client_frame(shot->client, &theirs, &frame.picture, error));
+	} else {
+		draw_rule(shot, rule, &frame);
 		theirs.vertices = frame.picture.vertices;
-		if (!code)
-			code = bench_client_score(shot->client, &theirs, &frame.picture, error);
+		bench_must(bench, bench_client_score(shot->client, &theirs, &frame.picture, error));
 	}
-	if (!code && (double)theirs.vertices < EQUAL * VERTICES) {
+	if ((double)theirs.vertices < EQUAL * VERTICES) {
 		ours.request.vertices = theirs.vertices;
-		code = bench_client_frame(shot->client, &ours, NULL, error);
+		bench_must(bench, bench_client_frame(shot->client, &ours, NULL, error));
 	}
 	snprintf(file, sizeof file, "rules-%s-%u-%u.png", shot->scene, shot->view, rule);
-	if (!code)
-		code = bench_pictures_write(shot->bench, file, frame.picture.width, frame.picture.height,
-			(const uint8_t *const[]){ shot->base.rgb, frame.picture.rgb,
-			bench_client_full(shot->client)->rgb }, 3, error);
-	if (!code)
-		json_array_append_new(rows, row_of(&theirs, &ours));
+	bench_must(bench, bench_pictures_write(bench, file, frame.picture.width, frame.picture.height,
+		(const uint8_t *const[]){ base_picture->rgb, frame.picture.rgb,
+		bench_client_full(shot->client)->rgb }, 3, error));
 	paper_frame_free(&frame);
-	return code;
+	return row_of(&theirs, &ours);
 }
 
 /* ---- Scenes ---- */
 
 /* Packs are opened when the first view is not known yet. */
-static enum eco_code open_packs(struct shot *shot, struct eco_error *error)
+static void open_packs(struct shot *shot, struct eco_error *error)
 {
 	if (shot->client)
-		return ECO_OK;
-	enum eco_code code = bench_client_open(&shot->client, shot->ours, error);
-	if (!code) {
-		bench_client_see(shot->client);
-		bench_client_untimed(shot->client);
-	}
-	if (!code)
-		code = paper_scene_open(&shot->papers, shot->stochastic, error);
-	return code ? code : paper_tables_make(&shot->tables, shot->papers, error);
-}
-
-static void close_packs(struct shot *shot)
-{
-	bench_client_close(shot->client);
-	free(shot->tables);
-	paper_scene_close(shot->papers);
+		return;
+	bench_must(shot->bench, bench_client_open(&shot->client, shot->ours, error));
+	bench_client_see(shot->client);
+	bench_client_untimed(shot->client);
+	bench_must(shot->bench, paper_scene_open(&shot->papers, shot->stochastic, error));
+	bench_must(shot->bench, paper_tables_make(&shot->tables, shot->papers, error));
 }
 
 static enum eco_code shoot(void *ctx, json_t **rows, struct eco_error *error)
 {
 	struct shot *shot = ctx;
 	struct bench_frame base = { .request = shot->request };
-	enum eco_code code = open_packs(shot, error);
-	code = code ? code : bench_client_frame(shot->client, &base, &shot->base, error);
+	struct view_picture picture = { 0 };
+	open_packs(shot, error);
+	bench_must(shot->bench, bench_client_frame(shot->client, &base, &picture, error));
 	*rows = json_array();
-	for (uint32_t r = 0; r < RULES && !code; r++)
-		code = shoot_rule(shot, r, &base, *rows, error);
-	view_picture_free(&shot->base);
-	return code;
+	for (uint32_t r = 0; r < RULES; r++)
+		json_array_append_new(*rows, shoot_rule(shot, r, &base, &picture));
+	view_picture_free(&picture);
+	return ECO_OK;
 }
 
 /* Means over the views. */
-static enum eco_code study(struct bench *bench, const char *scene, double mean[RULES][COLUMNS],
-	struct eco_error *error)
+static void study(struct bench *bench, const char *scene, double mean[RULES][COLUMNS])
 {
-	char stamp[128];
+	char stamp[640], name[96];
 	struct shot shot = { .bench = bench, .scene = scene };
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
-	enum eco_code code = bench_scene(bench, scene, NULL, shot.ours, error);
-	code = code ? code : bench_scene(bench, scene, "stochastic", shot.stochastic, error);
+	bench_must(bench, bench_scene(bench, scene, NULL, shot.ours, &bench->error));
+	bench_must(bench, bench_scene(bench, scene, "stochastic", shot.stochastic, &bench->error));
 	int size = snprintf(stamp, sizeof stamp, "%s", bench_pack_stamp(shot.ours));
 	snprintf(stamp + size, sizeof stamp - (size_t)size, " %s", bench_pack_stamp(shot.stochastic));
-	uint32_t views = code ? 0 : bench_shot_views(bench, scene, requests);
-	for (uint32_t v = 0; v < views && !code; v++) {
-		char name[96];
+	uint32_t views = bench_shot_views(bench, scene, requests);
+	for (uint32_t v = 0; v < views; v++) {
 		json_t *rows;
 		snprintf(name, sizeof name, "rules-%s-%u-%u", scene, v, views);
 		shot.view = v;
 		shot.request = requests[v];
 		shot.request.vertices = VERTICES;
-		code = bench_unit(bench, name, stamp, shoot, &shot, &rows, error);
-		for (uint32_t i = 0; i < RULES * FIGURES && !code; i++)
+		bench_must(bench, bench_unit(bench, name, stamp, shoot, &shot, &rows, &bench->error));
+		for (uint32_t i = 0; i < RULES * FIGURES; i++)
 			mean[i / FIGURES][i % FIGURES] += bench_cell(json_array_get(rows, i / FIGURES),
 				i % FIGURES) / views;
 	}
 	for (uint32_t r = 0; r < RULES; r++)
 		mean[r][FEWER] = 100 * (1 - mean[r][OURS + WRONG] / mean[r][WRONG]);
-	close_packs(&shot);
-	return code;
+	bench_client_close(shot.client);
+	free(shot.tables);
+	paper_scene_close(shot.papers);
 }
 
 static void write_scene(struct bench *bench, struct bench_table *table, const char *scene,
@@ -230,7 +215,7 @@ static void write_scene(struct bench *bench, struct bench_table *table, const ch
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	double printed = INFINITY, owner = INFINITY;
-	enum eco_code code = ECO_OK;
+	(void)error;
 	bench_say(bench,
 		"Every frame is drawn by the software rasteriser, %u vertices, mean of the views of "
 		"`frames`; ours stands beside each rule at the vertices that it drew. Cook, Neubert and "
@@ -240,23 +225,21 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		VERTICES);
 	struct bench_table *table = bench_table_described(bench, "rules", "scene,rule", columns, COLUMNS,
 		true);
-	for (size_t i = 0; i < SCENES && !code; i++) {
+	for (size_t i = 0; i < SCENES; i++) {
 		double mean[RULES][COLUMNS] = { { 0 } };
 		char pack[512];
 		bench_progress(bench, (double)i / SCENES, scenes[i]);
-		if (!bench_shot_scene(bench, scenes[i], pack, &code, error))
+		if (!bench_scene_there(bench, scenes[i], pack))
 			continue;
-		code = code ? code : study(bench, scenes[i], mean, error);
-		if (code)
-			break;
+		study(bench, scenes[i], mean);
 		write_scene(bench, table, scenes[i], mean);
 		printed = fmin(printed, mean[DEUSSEN_2002][FEWER] / 100);
 		for (uint32_t r = COOK; r <= COOK_CORRECTED; r++)
 			owner = fmin(owner, mean[r][OURS + OWNER_Q] - mean[r][OWNER_Q]);
 	}
 	bench_table_close(table);
-	if (code || !isfinite(printed))
-		return code;
+	if (!isfinite(printed))
+		return ECO_OK;
 	bench_key(bench, "rules_deussen_2002", printed,
 		">= 0.3: fewer wrong pixels than by Deussen 2002 as printed, worst scene");
 	bench_key(bench, "rules_cook_owner_q", owner,

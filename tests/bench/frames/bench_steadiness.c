@@ -9,7 +9,6 @@
 #include <stdlib.h>
 
 #include "client-min/draw/view_picture.h"
-#include "tests/bench/bench_fetch.h"
 #include "tests/bench/bench_shots.h"
 
 #define WIDTH 480u
@@ -54,25 +53,6 @@ static struct eco_view moved(const struct eco_view *start, enum motion motion, d
 	return v;
 }
 
-/* ---- Frames of one budget ---- */
-
-struct reel { struct view_store *store; struct view_picture frames[2]; };
-
-static enum eco_code next_frame(struct reel *reel, const struct srv_scene *scene, const struct eco_request
-	*request, struct eco_error *error)
-{
-	struct bench_drawing drawing = { .job = { .near_m = 0 } };
-	view_picture_free(&reel->frames[0]);
-	reel->frames[0] = reel->frames[1];
-	reel->frames[1] = (struct view_picture){ 0 };
-	enum eco_code code = reel->store ? ECO_OK
-		: view_store_new(&reel->store, &(struct view_store_options){ .images = true }, error);
-	code = code ? code : bench_fetch(NULL, scene, request, reel->store, error);
-	code = code ? code : bench_draw(&drawing, reel->store, &request->view, &reel->frames[1], error);
-	view_select_free(&drawing.selection);
-	return code;
-}
-
 /* ---- Two frames ---- */
 
 static bool changed(const struct view_picture frames[2], size_t i)
@@ -103,36 +83,40 @@ static void count_pixels(struct sums *sums, const struct view_picture ours[2],
 
 struct work { struct bench *bench; const char *pack; struct eco_request starts[VIEWS]; uint32_t count;
 	enum motion motion; };
+/* Frames of one budget, the earlier one first. */
+struct reel { struct bench_client *client; struct view_picture frames[2]; };
 
 /* All budgets along one camera: the full detail is drawn once for them. */
-static enum eco_code run_camera(const struct work *w, const struct srv_scene *scene, const struct eco_view
-	*start, struct sums *sums, struct eco_error *error)
+static void run_camera(const struct work *w, const struct eco_view *start, struct sums *sums)
 {
 	struct reel reels[BUDGETS + 1] = { { NULL } };
 	uint32_t pairs = w->bench->full ? PAIRS_FULL : PAIRS_QUICK;
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i <= pairs && !code; i++) {
-		struct eco_request request = { .view = moved(start, w->motion, i), .bytes =
-			ECO_BYTES_UNBOUNDED };
-		request.view.width = WIDTH;
-		request.view.height = HEIGHT;
-		code = bench_go_on(w->bench, error);
-		for (size_t b = FULL + 1; b-- > 0 && !code;) {
-			request.vertices = b < FULL ? budgets[b] : ECO_VERTICES_MAX;
-			request.ground_px = b < FULL ? 0 : ECO_GROUND_PX_MIN;
-			request.texel_px = b < FULL ? 0 : ECO_TEXEL_PX_MIN;
-			code = next_frame(&reels[b], scene, &request, error);
-			if (code || i == 0 || b == FULL)
-				continue;
-			count_pixels(&sums[b], reels[b].frames, reels[FULL].frames);
+	for (size_t b = 0; b <= FULL; b++)
+		bench_must(w->bench, bench_client_open(&reels[b].client, w->pack, &w->bench->error));
+	for (uint32_t i = 0; i <= pairs; i++) {
+		struct bench_frame frame = { .request = { .view = moved(start, w->motion, i), .bytes =
+			ECO_BYTES_UNBOUNDED } };
+		frame.request.view.width = WIDTH;
+		frame.request.view.height = HEIGHT;
+		for (size_t b = FULL + 1; b-- > 0;) {
+			struct reel *reel = &reels[b];
+			frame.request.vertices = b < FULL ? budgets[b] : ECO_VERTICES_MAX;
+			frame.request.ground_px = b < FULL ? 0 : ECO_GROUND_PX_MIN;
+			frame.request.texel_px = b < FULL ? 0 : ECO_TEXEL_PX_MIN;
+			view_picture_free(&reel->frames[0]);
+			reel->frames[0] = reel->frames[1];
+			reel->frames[1] = (struct view_picture){ 0 };
+			bench_must(w->bench, bench_client_step(reel->client, &frame, &reel->frames[1],
+				&w->bench->error));
+			if (i > 0 && b < FULL)
+				count_pixels(&sums[b], reel->frames, reels[FULL].frames);
 		}
 	}
 	for (size_t b = 0; b <= FULL; b++) {
 		view_picture_free(&reels[b].frames[0]);
 		view_picture_free(&reels[b].frames[1]);
-		view_store_free(reels[b].store);
+		bench_client_close(reels[b].client);
 	}
-	return code;
 }
 
 static const struct bench_column columns[] = { { "changed %", 3 }, { "reference changed %", 3 },
@@ -145,39 +129,36 @@ static enum eco_code run_motion(void *ctx, json_t **made, struct eco_error *erro
 {
 	const struct work *w = ctx;
 	struct sums sums[BUDGETS] = { { 0 } };
-	struct srv_store store;
-	srv_store_init(&store);
-	enum eco_code code = srv_store_add(&store, "steadiness", w->pack, error);
-	for (uint32_t k = 0; k < w->count && !code; k++)
-		code = run_camera(w, store.scenes[0], &w->starts[k].view, sums, error);
-	srv_store_free(&store);
+	(void)error;
+	for (uint32_t k = 0; k < w->count; k++)
+		run_camera(w, &w->starts[k].view, sums);
 	*made = json_array();
-	for (size_t b = 0; b < BUDGETS && !code; b++) {
+	for (size_t b = 0; b < BUDGETS; b++) {
 		const struct sums *s = &sums[b];
 		json_array_append_new(*made, bench_reals((double[]){ (double)s->ours / (double)s->pixels,
 			(double)s->reference / (double)s->pixels, (double)s->ours / fmax(1,
 			(double)s->reference), s->worst_pair }, COLUMNS));
 	}
-	return code;
+	return ECO_OK;
 }
 
 /* ---- Report ---- */
 
-static enum eco_code run_scene(struct bench *bench, const char *scene, const char *pack, struct bench_table
-	*table, double worst[COLUMNS], struct eco_error *error)
+static void run_scene(struct bench *bench, const char *scene, const char *pack, struct bench_table *table,
+	double worst[COLUMNS])
 {
 	struct work work = { .bench = bench, .pack = pack };
-	enum eco_code code = ECO_OK;
 	work.count = bench_scene_views(bench, scene, work.starts, VIEWS);
-	for (int m = 0; m < MOTIONS && !code; m++) {
+	for (int m = 0; m < MOTIONS; m++) {
 		char name[96];
 		json_t *unit;
 		snprintf(name, sizeof name, "steadiness-%s-%s-%s", scene, motion_names[m], bench->full
 			? "full" : "quick");
 		bench_progress(bench, (double)m / MOTIONS, name);
 		work.motion = (enum motion)m;
-		code = bench_unit(bench, name, bench_pack_stamp(pack), run_motion, &work, &unit, error);
-		for (size_t b = 0; b < BUDGETS && !code; b++) {
+		bench_must(bench, bench_unit(bench, name, bench_pack_stamp(pack), run_motion, &work, &unit,
+			&bench->error));
+		for (size_t b = 0; b < BUDGETS; b++) {
 			double value[COLUMNS];
 			bench_cells(json_array_get(unit, b), value, COLUMNS);
 			for (size_t i = 0; i < COLUMNS; i++) {
@@ -188,22 +169,19 @@ static enum eco_code run_scene(struct bench *bench, const char *scene, const cha
 				(unsigned long long)budgets[b]);
 		}
 	}
-	return code;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	double worst[COLUMNS] = { NAN, NAN, NAN, NAN };
 	char pack[512];
-	enum eco_code code = ECO_OK;
 	struct bench_table *table = bench_table_described(bench, "steadiness", "scene,camera,vertices",
 		columns, COLUMNS, true);
-	for (size_t i = 0; i < SCENES && !code; i++)
-		if (bench_shot_scene(bench, scenes[i], pack, &code, error) && !code)
-			code = run_scene(bench, scenes[i], pack, table, worst, error);
+	for (size_t i = 0; i < SCENES; i++) {
+		if (bench_scene_there(bench, scenes[i], pack))
+			run_scene(bench, scenes[i], pack, table, worst);
+	}
 	bench_table_close(table);
-	if (code)
-		return code;
 	bench_say(bench,
 		"Slow cameras: %.1f %% nearer, %.2f degrees around or %.1f %% of zoom a frame, %u x %u "
 		"pixels. A pixel changes where it is covered in one frame and not in the other, or a channel "

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "ecofiles/base/memory.h"
 #include "tests/bench/ladder/bench_ladder_plant.h"
 
 #define SEEDS 5u
@@ -31,7 +31,7 @@ static const struct {
 struct plant {
 	struct bench_model model;
 	struct bench_ladder_curve splats;
-	struct bench_ladder *seeds;
+	struct bench_ladder seeds[SEEDS];
 	uint32_t seed_count;
 };
 
@@ -59,33 +59,29 @@ static void add_or_leave(struct bench *bench, struct headline *h, const struct b
 		h->plants[h->count++] = (struct plant){ .model = *model };
 }
 
-static enum eco_code find_read(struct bench *bench, struct headline *h, struct eco_error *error)
+static void find_read(struct bench *bench, struct headline *h)
 {
 	struct bench_model *models = NULL;
 	uint32_t count = 0;
-	enum eco_code code = bench_models(bench, &models, &count, error);
-	for (uint32_t i = 0; i < count && !code; i++)
+	bench_must(bench, bench_models(bench, &models, &count, &bench->error));
+	for (uint32_t i = 0; i < count; i++)
 		if (!models[i].generated && !is_tuned(models[i].name) &&
 			models[i].leaves >= BENCH_ELEMENTS_LEAST && models[i].leaves <= LEAVES_MOST)
 			add_or_leave(bench, h, &models[i], h->count < READ_QUICK);
 	free(models);
-	return code;
 }
 
-static enum eco_code find_made(struct bench *bench, struct headline *h, struct eco_error *error)
+static void find_made(struct bench *bench, struct headline *h)
 {
 	uint32_t before = h->count;
-	enum eco_code code = ECO_OK;
-	for (size_t i = 0; i < sizeof grown / sizeof *grown && !code; i++) {
+	for (size_t i = 0; i < sizeof grown / sizeof *grown; i++) {
 		char folder[400];
 		snprintf(folder, sizeof folder, "%s/scenes/ladder-%s", bench->cache, grown[i].scene);
-		if (access(folder, R_OK))
-			code = bench_command(bench, error,
-				"mkdir -p '%s.tmp' && '%s/ecopack' generate %s -o "
-				"'%s.tmp' --plants 20 --seed %u --detail %s --quiet && mv '%s.tmp' '%s'",
-				folder, bench->build, grown[i].scene, folder, grown[i].seed, grown[i].detail,
-				folder, folder);
-		for (size_t k = 0; k < 5 && grown[i].plants[k] && !code; k++) {
+		bench_must(bench, bench_command(bench, &bench->error, "[ -d '%s' ] || { mkdir -p '%s.tmp' && "
+			"'%s/ecopack' generate %s -o '%s.tmp' --plants 20 --seed %u --detail %s --quiet && mv "
+			"'%s.tmp' '%s'; }", folder, folder, bench->build, grown[i].scene, folder, grown[i].seed,
+			grown[i].detail, folder, folder));
+		for (size_t k = 0; k < 5 && grown[i].plants[k]; k++) {
 			struct bench_model model = { .generated = true };
 			snprintf(model.name, sizeof model.name, "generated-%s", grown[i].plants[k]);
 			snprintf(model.path, sizeof model.path, "%s/models/%s.obj", folder,
@@ -93,82 +89,51 @@ static enum eco_code find_made(struct bench *bench, struct headline *h, struct e
 			add_or_leave(bench, h, &model, k == 0 && h->count - before < MADE_QUICK);
 		}
 	}
-	return code;
 }
 
 /* ---- Units ---- */
 
-static json_t *pack_curve(const struct bench_ladder_curve *curve)
-{
-	return bench_reals(&curve->at[0].lambda, 3 * curve->count);
-}
-
-static void read_curve(struct bench_ladder_curve *curve, const json_t *cells)
-{
-	size_t count = json_array_size(cells) / 3;
-	curve->count = count < BENCH_LADDER_POINTS ? (uint32_t)count : BENCH_LADDER_POINTS;
-	bench_cells(cells, &curve->at[0].lambda, 3 * curve->count);
-}
-
 struct work { struct bench *bench; const struct bench_model *model; uint32_t seed; };
 
-/* Seed 0: the curve of the splats; else [elements, Q of Cook, curves]. */
+/* Seed 0: the curve of the splats; else all but these. Both are doubles alone. */
 static enum eco_code measure(void *ctx, json_t **made, struct eco_error *error)
 {
 	const struct work *w = ctx;
 	struct eco_model model;
 	struct bench_ladder l;
 	struct bench_ladder_curve splats;
-	enum eco_code code = bench_model_read(w->bench, w->model, &model, error);
-	if (code)
-		return code;
-	code = w->seed ? bench_ladder_measure(w->bench, &l, &model, w->seed, error)
-		: bench_ladder_splats(w->bench, &splats, &model, error);
+	bench_must(w->bench, bench_model_read(w->bench, w->model, &model, error));
+	if (w->seed)
+		bench_ladder_measure(w->bench, &l, &model, w->seed);
+	else
+		bench_ladder_splats(w->bench, &splats, &model);
 	eco_model_free(&model);
-	if (code)
-		return code;
-	*made = w->seed ? json_pack("[io]", (int)l.elements, bench_reals(l.cook_q, BENCH_DISTANCES))
-		: pack_curve(&splats);
-	for (int k = 0; k < BENCH_LADDER_KINDS && w->seed; k++)
-		json_array_append_new(*made, pack_curve(&l.kind[k]));
-	return code;
-}
-
-static enum eco_code measure_unit(struct bench *bench, struct plant *p, uint32_t seed,
-	struct eco_error *error)
-{
-	char unit[96];
-	struct work work = { bench, &p->model, seed };
-	json_t *kept;
-	snprintf(unit, sizeof unit, "ladder-%016llx-%u", (unsigned long long)bench_file_hash(p->model.path),
-		seed);
-	enum eco_code code = bench_unit(bench, unit, NULL, measure, &work, &kept, error);
-	if (!code && !seed)
-		read_curve(&p->splats, kept);
-	if (code || !seed)
-		return code;
-	struct bench_ladder *l = &p->seeds[p->seed_count++];
-	l->elements = (uint32_t)bench_cell(kept, 0);
-	bench_cells(json_array_get(kept, 1), l->cook_q, BENCH_DISTANCES);
-	for (size_t k = 0; k < BENCH_LADDER_KINDS; k++)
-		read_curve(&l->kind[k], json_array_get(kept, 2 + k));
+	*made = w->seed ? bench_reals((const double *)&l, sizeof l / sizeof(double))
+		: bench_reals((const double *)&splats, sizeof splats / sizeof(double));
 	return ECO_OK;
 }
 
+static void measure_unit(struct bench *bench, struct plant *p, uint32_t seed)
+{
+	char unit[96];
+	json_t *kept;
+	snprintf(unit, sizeof unit, "ladder-%016llx-%u", (unsigned long long)bench_file_hash(p->model.path),
+		seed);
+	bench_must(bench, bench_unit(bench, unit, NULL, measure, &(struct work){ bench, &p->model, seed }, &kept,
+		&bench->error));
+	bench_cells(kept, seed ? (double *)&p->seeds[p->seed_count++] : (double *)&p->splats,
+		(uint32_t)json_array_size(kept));
+}
+
 /* Seed by seed, so that what a run that was stopped has kept is whole for the first seeds. */
-static enum eco_code measure_all(struct bench *bench, struct headline *h, struct eco_error *error)
+static void measure_all(struct bench *bench, struct headline *h)
 {
 	uint32_t seeds = bench->full ? SEEDS : SEEDS_QUICK, all = (seeds + 1) * h->count;
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < all && !code; i++) {
+	for (uint32_t i = 0; i < all; i++) {
 		struct plant *p = &h->plants[i % h->count];
-		if (!p->seeds && !(p->seeds = calloc(seeds, sizeof *p->seeds)))
-			return eco_fail(error, ECO_NO_MEMORY, "no memory for the ladders of %s",
-				p->model.name);
 		bench_progress(bench, (double)i / all, p->model.name);
-		code = measure_unit(bench, p, i / h->count, error);
+		measure_unit(bench, p, i / h->count);
 	}
-	return code;
 }
 
 /* ---- Tables ---- */
@@ -201,7 +166,7 @@ static void write_plants(struct bench *bench, const struct headline *h)
 			v[LEAST + 1] = fmax(v[LEAST + 1], one);
 		}
 		bench_table_values(table, v, "%s,%s,%u", p->model.name, p->model.generated ? "yes" : "no",
-			p->seeds[0].elements);
+			(unsigned)p->seeds[0].elements);
 	}
 	bench_table_close(table);
 }
@@ -247,20 +212,17 @@ static void write_means(struct bench *bench, const struct headline *h)
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	struct headline *h = calloc(1, sizeof *h);
-	enum eco_code code = h ? find_read(bench, h, error) : eco_fail(error, ECO_NO_MEMORY, "no memory");
-	if (!code)
-		code = find_made(bench, h, error);
-	if (!code)
-		code = measure_all(bench, h, error);
-	if (!code && h->count) {
+	struct headline *h = eco_alloc(1, sizeof *h);
+	(void)error;
+	find_read(bench, h);
+	find_made(bench, h);
+	measure_all(bench, h);
+	if (h->count) {
 		write_means(bench, h);
 		write_plants(bench, h);
 	}
-	for (uint32_t i = 0; h && i < h->count; i++)
-		free(h->plants[i].seeds);
 	free(h);
-	return code;
+	return ECO_OK;
 }
 
 const struct bench_section bench_ladder = { "ladder", "Geometry that packs' own ladders save", run };

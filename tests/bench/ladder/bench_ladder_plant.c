@@ -62,44 +62,36 @@ static void place_eye(struct lod_probe *probe, struct lod_eye *eye, const double
 }
 
 /* Tuning views, then test views; no build has either. */
-static enum eco_code open_probe(struct study *s, const struct eco_model *model, struct eco_error *error)
+static void open_probe(struct study *s, const struct eco_model *model)
 {
 	double directions[TUNING + TESTS][3];
-	enum eco_code code = lod_probe_init(&s->probe, &s->plant, model,
-		&(struct lod_probe_options){ .views = TUNING + TESTS, .pixels = PIXELS }, error);
-	if (code)
-		return code;
+	bench_must(s->bench, lod_probe_init(&s->probe, &s->plant, model,
+		&(struct lod_probe_options){ .views = TUNING + TESTS, .pixels = PIXELS }, &s->bench->error));
 	lod_directions_spread(directions, TUNING, TUNING_SEED);
 	lod_directions_spread(directions + TUNING, TESTS, TEST_SEED);
 	for (uint32_t v = 0; v < TUNING + TESTS; v++)
 		place_eye(&s->probe, &s->probe.eyes[v], directions[v]);
-	return ECO_OK;
 }
 
-static enum eco_code add_at(struct study *s, const struct eco_ladder *ladder, uint64_t vertices, double reach,
-	struct eco_error *error)
+static void add_at(struct study *s, const struct eco_ladder *ladder, uint64_t vertices, double reach)
 {
 	struct lod_way way;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	lod_way_begin(&way, &s->probe.scene, ladder);
 	double density = fmax(reach, lod_way_density(&way, vertices));
 	uint32_t count = lod_way_cuts(&way, vertices, density, 0, cuts);
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < count && !code; i++)
-		code = lod_probe_add(&s->probe, &cuts[i], error);
-	return code;
+	for (uint32_t i = 0; i < count; i++)
+		bench_must(s->bench, lod_probe_add(&s->probe, &cuts[i], &s->bench->error));
 }
 
-static enum eco_code add_wood(struct study *s, struct eco_error *error)
+static void add_wood(struct study *s)
 {
-	enum eco_code code = ECO_OK;
 	lod_probe_clear(&s->probe);
-	for (uint32_t i = 0; i < s->plant.ladder_count && !code; i++) {
+	for (uint32_t i = 0; i < s->plant.ladder_count; i++) {
 		const struct eco_ladder *ladder = &s->plant.ladders[i];
 		if (ladder->organ == ECO_ORGAN_WOOD && !(ladder->flags & (ECO_LADDER_WHOLE | ECO_LADDER_FAR)))
-			code = add_at(s, ladder, lod_ladder_full(&s->probe.scene, ladder), 1, error);
+			add_at(s, ladder, lod_ladder_full(&s->probe.scene, ladder), 1);
 	}
-	return code;
 }
 
 /* Q over views [first, first + count). */
@@ -131,16 +123,13 @@ static uint64_t covered(const struct study *s)
 }
 
 /* Full detail is the reference; counts of the foliage, and how it overlaps. */
-static enum eco_code keep_full(struct study *s, struct eco_error *error)
+static void keep_full(struct study *s)
 {
 	double area = 0, pixel = s->probe.eyes[0].pixel_rad * 16 * s->probe.radius;
-	uint64_t wood, all;
-	enum eco_code code = add_wood(s, error);
-	if (code)
-		return code;
-	wood = lod_probe_keep(&s->probe) ? covered(s) : 0;
+	add_wood(s);
+	uint64_t wood = lod_probe_keep(&s->probe) ? covered(s) : 0;
 	s->full = s->elements = 0;
-	for (uint32_t i = 0; i < s->plant.ladder_count && !code; i++) {
+	for (uint32_t i = 0; i < s->plant.ladder_count; i++) {
 		const struct eco_ladder *ladder = &s->plant.ladders[i];
 		if (!is_foliage(ladder))
 			continue;
@@ -148,25 +137,29 @@ static enum eco_code keep_full(struct study *s, struct eco_error *error)
 		s->full += (double)full;
 		s->elements += s->probe.lists[ladder->triangles].element_count;
 		area += ladder->area;
-		code = add_at(s, ladder, full, 1, error);
+		add_at(s, ladder, full, 1);
 	}
-	if (code)
-		return code;
-	all = lod_probe_keep(&s->probe) ? covered(s) : 0;
+	uint64_t all = lod_probe_keep(&s->probe) ? covered(s) : 0;
 	s->share = lod_cook_share((uint32_t)s->elements, area * MEAN_COSINE / (pixel * pixel),
 		all > wood ? (double)(all - wood) : 1);
-	return ECO_OK;
 }
 
 /* ---- Rows ---- */
 
+static uint32_t count_of(const struct bench_ladder_curve *curve) { return (uint32_t)curve->count; }
+
+static void add_point(struct bench_ladder_curve *curve, struct bench_ladder_point point)
+{
+	curve->at[count_of(curve)] = point;
+	curve->count++;
+}
+
 /* Every foliage ladder at that share of its vertices. */
-static enum eco_code draw_share(struct study *s, double share, struct bench_ladder_point *point,
-	struct eco_error *error)
+static struct bench_ladder_point draw_share(struct study *s, double share)
 {
 	uint64_t vertices = 0;
-	enum eco_code code = add_wood(s, error);
-	for (uint32_t i = 0; i < s->plant.ladder_count && !code; i++) {
+	add_wood(s);
+	for (uint32_t i = 0; i < s->plant.ladder_count; i++) {
 		const struct eco_ladder *ladder = &s->plant.ladders[i];
 		if (!is_foliage(ladder))
 			continue;
@@ -174,21 +167,18 @@ static enum eco_code draw_share(struct study *s, double share, struct bench_ladd
 		lod_way_begin(&way, &s->probe.scene, ladder);
 		uint64_t here = lod_way_vertices(&way, share);
 		vertices += here;
-		code = add_at(s, ladder, here, lod_ladder_curve(&s->probe.scene, ladder, share).reach, error);
+		add_at(s, ladder, here, lod_ladder_curve(&s->probe.scene, ladder, share).reach);
 	}
-	if (!code)
-		*point = score(s, (double)vertices / s->full);
-	return code;
+	return score(s, (double)vertices / s->full);
 }
 
-/* Cook's order and scale, with the correction of depth complexity or without it, whichever is better. */
-static enum eco_code draw_cook(struct study *s, double lambda, double *q, struct eco_error *error)
+/* Q of Cook's order and scale, with the correction of depth complexity or without it, whichever is better. */
+static double draw_cook(struct study *s, double lambda)
 {
-	enum eco_code code = ECO_OK;
-	*q = -INFINITY;
-	for (int depth = 0; depth < 2 && !code; depth++) {
-		code = add_wood(s, error);
-		for (uint32_t i = 0; i < s->plant.ladder_count && !code; i++) {
+	double q = -INFINITY;
+	for (int depth = 0; depth < 2; depth++) {
+		add_wood(s);
+		for (uint32_t i = 0; i < s->plant.ladder_count; i++) {
 			const struct eco_ladder *ladder = &s->plant.ladders[i];
 			struct lod_forms forms;
 			if (!is_foliage(ladder) || !lod_forms_find(&forms, &s->probe.scene, ladder))
@@ -201,51 +191,34 @@ static enum eco_code draw_cook(struct study *s, double lambda, double *q, struct
 			kept = (uint32_t)fmax(1, (uint32_t)fmin(n, 3.0 * cut.end / each + 0.5));
 			cut.scale = (float)(depth ? lod_cook_scale_depth(kept, n, s->share)
 				: lod_cook_scale(kept, n));
-			code = lod_probe_add(&s->probe, &cut, error);
+			bench_must(s->bench, lod_probe_add(&s->probe, &cut, &s->bench->error));
 		}
-		if (!code)
-			*q = fmax(*q, score(s, lambda).q);
+		q = fmax(q, score(s, lambda).q);
 	}
-	return code;
+	return q;
 }
 
-static enum eco_code fill(struct study *s, struct bench_ladder_curve *curve, struct eco_error *error)
+static void fill(struct study *s, struct bench_ladder_curve *curve)
 {
-	enum eco_code code = ECO_OK;
 	double least = fmax(LAMBDA_LEAST, 1 / s->full);
-	curve->count = 0;
-	for (double l = 1; l >= least && curve->count < BENCH_LADDER_POINTS && !code;
-		l = l > KNEE + STEP / 2 ? l - STEP : l / FACTOR) {
-		code = draw_share(s, l, &curve->at[curve->count++], error);
-		code = code ? code : bench_go_on(s->bench, error);
-	}
-	return code;
+	for (double l = 1; l >= least && curve->count < BENCH_LADDER_POINTS;
+		l = l > KNEE + STEP / 2 ? l - STEP : l / FACTOR)
+		add_point(curve, draw_share(s, l));
 }
 
-/* As the paper's. */
-static double distance_of(uint32_t i) { return i < 10 ? 0.01 * i : 0.1 + 0.09 * (i - 10); }
-
-static enum eco_code fill_cook(struct study *s, struct bench_ladder *ladder, struct eco_error *error)
+/* Cook's, at the paper's distances. */
+static double lambda_of(uint32_t i)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < BENCH_DISTANCES && !code; i++) {
-		double left = 1 - distance_of(i);
-		code = draw_cook(s, left * left, &ladder->cook_q[i], error);
-	}
-	return code;
+	double left = 1 - (i < 10 ? 0.01 * i : 0.1 + 0.09 * (i - 10));
+	return left * left;
 }
 
 /* ---- Builds ---- */
 
-static struct lod_plant_options options_of(struct study *s, uint32_t seed, bool random)
+static struct lod_plant_options options_of(uint32_t seed, bool random)
 {
-	return (struct lod_plant_options){ .name = "ladder",
-		.seed = seed,
-		.grid_bits = GRID_BITS,
-		.no_splats = true,
-		.random_leaves = random,
-		.progress = bench_goes_on,
-		.ctx = s->bench };
+	return (struct lod_plant_options){ .name = "ladder", .seed = seed, .grid_bits = GRID_BITS,
+		.no_splats = true, .random_leaves = random };
 }
 
 static void end(struct study *s)
@@ -254,86 +227,73 @@ static void end(struct study *s)
 	lod_plant_free(&s->plant);
 }
 
-static enum eco_code measure_order(struct study *s, struct bench_ladder *ladder,
-	const struct eco_model *model, uint32_t seed, bool random, struct eco_error *error)
-{
-	struct lod_plant_options options = options_of(s, seed, random);
-	enum eco_code code = lod_plant_build(&s->plant, model, &options, error);
-	code = code ? code : lod_plant_measure(&s->plant, model, &options, error);
-	code = code ? code : open_probe(s, model, error);
-	code = code ? code : keep_full(s, error);
-	ladder->elements = (uint32_t)s->elements;
-	if (!code && s->full > 0)
-		code = fill(s, &ladder->kind[random ? BENCH_LADDER_SHUFFLED : BENCH_LADDER_GREEDY], error);
-	if (!code && s->full > 0 && random)
-		code = fill_cook(s, ladder, error);
-	end(s);
-	return code;
-}
-
-enum eco_code bench_ladder_measure(struct bench *bench, struct bench_ladder *ladder,
-	const struct eco_model *model, uint32_t seed, struct eco_error *error)
+static void measure_order(struct bench *bench, struct bench_ladder *ladder, const struct eco_model *model,
+	uint32_t seed, bool random)
 {
 	struct study s = { .bench = bench };
+	struct lod_plant_options options = options_of(seed, random);
+	bench_must(bench, lod_plant_build(&s.plant, model, &options, &bench->error));
+	bench_must(bench, lod_plant_measure(&s.plant, model, &options, &bench->error));
+	open_probe(&s, model);
+	keep_full(&s);
+	ladder->elements = s.elements;
+	if (s.full > 0)
+		fill(&s, &ladder->kind[random ? BENCH_LADDER_SHUFFLED : BENCH_LADDER_GREEDY]);
+	for (uint32_t i = 0; i < BENCH_DISTANCES && s.full > 0 && random; i++)
+		ladder->cook_q[i] = draw_cook(&s, lambda_of(i));
+	end(&s);
+}
+
+void bench_ladder_measure(struct bench *bench, struct bench_ladder *ladder, const struct eco_model *model,
+	uint32_t seed)
+{
 	*ladder = (struct bench_ladder){ 0 };
-	enum eco_code code = measure_order(&s, ladder, model, seed, true, error);
-	return code ? code : measure_order(&s, ladder, model, seed, false, error);
+	measure_order(bench, ladder, model, seed, true);
+	measure_order(bench, ladder, model, seed, false);
 }
 
 /* ---- Splats ---- */
 
-static enum eco_code add_impostor(struct study *s, struct bench_ladder_curve *curve, struct eco_error *error)
+static void add_impostor(struct study *s, struct bench_ladder_curve *curve)
 {
 	struct lod_impostor impostor;
 	if (!s->plant.impostor_count)
-		return ECO_OK;
-	enum eco_code code =
-		lod_plant_open_impostor(&impostor, &s->plant, s->plant.impostor_count - 1, error);
-	if (code)
-		return code;
+		return;
+	bench_must(s->bench, lod_plant_open_impostor(&impostor, &s->plant, s->plant.impostor_count - 1,
+		&s->bench->error));
 	lod_probe_clear(&s->probe);
 	lod_probe_add_impostor(&s->probe, &impostor);
-	curve->at[curve->count++] = score(s, 1 / s->full);
+	add_point(curve, score(s, 1 / s->full));
 	lod_probe_clear(&s->probe);
 	lod_impostor_close(&impostor);
-	return ECO_OK;
 }
 
-static enum eco_code fill_splats(struct study *s, const struct eco_ladder *ladder,
-	struct bench_ladder_curve *curve, struct eco_error *error)
+static void fill_splats(struct study *s, const struct eco_ladder *ladder, struct bench_ladder_curve *curve)
 {
-	enum eco_code code = ECO_OK;
 	struct lod_way way;
 	lod_way_begin(&way, &s->probe.scene, ladder);
-	uint64_t v = way.full;
-	while (v > 1 && curve->count + 1 < BENCH_LADDER_POINTS && !code) {
+	for (uint64_t v = way.full; v > 1 && curve->count + 1 < BENCH_LADDER_POINTS;
+			v = lod_way_floor(&way, (uint64_t)((double)v / FACTOR))) {
 		lod_probe_clear(&s->probe);
-		code = add_at(s, ladder, v, 0, error);
-		if (!code)
-			curve->at[curve->count++] = score(s, (double)v / s->full);
-		v = lod_way_floor(&way, (uint64_t)((double)v / FACTOR));
+		add_at(s, ladder, v, 0);
+		add_point(curve, score(s, (double)v / s->full));
 	}
-	return code ? code : add_impostor(s, curve, error);
+	add_impostor(s, curve);
 }
 
-enum eco_code bench_ladder_splats(struct bench *bench, struct bench_ladder_curve *curve,
-	const struct eco_model *model, struct eco_error *error)
+void bench_ladder_splats(struct bench *bench, struct bench_ladder_curve *curve, const struct eco_model *model)
 {
 	struct study s = { .bench = bench };
-	struct lod_plant_options options = options_of(&s, 1, true);
+	struct lod_plant_options options = options_of(1, true);
 	*curve = (struct bench_ladder_curve){ 0 };
-	enum eco_code code = lod_plant_build(&s.plant, model, &options, error);
-	if (!code)
-		code = lod_plant_add_splats(&s.plant, model, &options, error);
-	if (!code)
-		code = open_probe(&s, model, error);
-	if (!code)
-		code = keep_full(&s, error);
-	for (uint32_t i = 0; i < s.plant.ladder_count && !code && s.full > 0; i++)
+	bench_must(bench, lod_plant_build(&s.plant, model, &options, &bench->error));
+	bench_must(bench, lod_plant_add_splats(&s.plant, model, &options, &bench->error));
+	open_probe(&s, model);
+	keep_full(&s);
+	for (uint32_t i = 0; i < s.plant.ladder_count && s.full > 0; i++)
 		if (s.plant.ladders[i].flags & ECO_LADDER_WHOLE)
-			code = fill_splats(&s, &s.plant.ladders[i], curve, error);
+			fill_splats(&s, &s.plant.ladders[i], curve);
 	end(&s);
-	return code;
 }
 
 /* ---- Savings ---- */
@@ -342,9 +302,9 @@ enum eco_code bench_ladder_splats(struct bench *bench, struct bench_ladder_curve
 static double tuned_at(const struct bench_ladder_curve *curve, double lambda)
 {
 	uint32_t i = 0;
-	while (i < curve->count && curve->at[i].lambda > lambda)
+	while (i < count_of(curve) && curve->at[i].lambda > lambda)
 		i++;
-	if (i == curve->count)
+	if (i == count_of(curve))
 		return -INFINITY;
 	if (i == 0)
 		return curve->at[0].tuned;
@@ -357,7 +317,7 @@ static double reach_one(const struct bench_ladder_curve *curve, const struct ben
 	double q)
 {
 	double least = 1;
-	for (uint32_t i = curve->count; i-- > 0;) {
+	for (uint32_t i = count_of(curve); i-- > 0;) {
 		const struct bench_ladder_point *at = &curve->at[i], *below = at + 1;
 		if (at->q < q || (other && tuned_at(other, at->lambda) > at->tuned))
 			continue;
@@ -375,7 +335,7 @@ static double reach_one(const struct bench_ladder_curve *curve, const struct ben
  * the other curve has the higher tuned Q at no more vertices. */
 static double reach(const struct bench_ladder_curve *lists, const struct bench_ladder_curve *splats, double q)
 {
-	if (!splats || !splats->count)
+	if (!splats || !count_of(splats))
 		return reach_one(lists, NULL, q);
 	return fmin(reach_one(lists, splats, q), reach_one(splats, lists, q));
 }
@@ -388,8 +348,7 @@ double bench_ladder_saving(const struct bench_ladder *ladder, const struct bench
 	bool all = row == BENCH_LADDER_OURS || row == BENCH_LADDER_RANDOM;
 	double sum = 0, ours = 0, cook = 0;
 	for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
-		double left = 1 - distance_of(d), lambda = left * left,
-		       reached = reach(curve, all ? splats : NULL, ladder->cook_q[d]);
+		double lambda = lambda_of(d), reached = reach(curve, all ? splats : NULL, ladder->cook_q[d]);
 		sum += 1 - reached / lambda;
 		ours += reached;
 		cook += lambda;

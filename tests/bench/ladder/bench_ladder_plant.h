@@ -28,23 +28,22 @@ struct bench_ladder_point {
 };
 struct bench_ladder_curve {
 	struct bench_ladder_point at[BENCH_LADDER_POINTS];
-	uint32_t count;
+	double count;
 };
 
 enum bench_ladder_kind { BENCH_LADDER_GREEDY, BENCH_LADDER_SHUFFLED, BENCH_LADDER_KINDS };
 
 struct bench_ladder {
-	uint32_t elements; /* of the foliage */
+	double elements; /* of the foliage */
 	double cook_q[BENCH_DISTANCES];
 	struct bench_ladder_curve kind[BENCH_LADDER_KINDS];
 };
 
 /* `seed`: of both orders. The caller keeps the model. */
-enum eco_code bench_ladder_measure(struct bench *bench, struct bench_ladder *ladder,
-	const struct eco_model *model, uint32_t seed, struct eco_error *error);
+void bench_ladder_measure(struct bench *bench, struct bench_ladder *ladder, const struct eco_model *model,
+	uint32_t seed);
 /* The splats, the impostor last; they do not depend on an order. Empty for a plant without. */
-enum eco_code bench_ladder_splats(struct bench *bench, struct bench_ladder_curve *curve,
-	const struct eco_model *model, struct eco_error *error);
+void bench_ladder_splats(struct bench *bench, struct bench_ladder_curve *curve, const struct eco_model *model);
 
 /* Share of Cook's vertices that a row saves: mean of distances, or (`total`) of all distances together. */
 double bench_ladder_saving(const struct bench_ladder *ladder, const struct bench_ladder_curve *splats,

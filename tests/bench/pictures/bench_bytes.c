@@ -27,15 +27,13 @@ static void say_pictures(struct bench *bench, const char *more)
 /* Sums over rows that bind. */
 struct bytes { struct bench_table *table; double used, off; uint32_t binding; };
 
-static enum eco_code study_bytes(struct bench *bench, void *ctx, const struct bench_view *view,
-	struct eco_error *error)
+static void study_bytes(struct bench *bench, void *ctx, const struct bench_view *view)
 {
 	static const struct bench_shoot shoot = { .name = "bytes", .count = BUDGETS, .bytes = budgets };
 	struct bytes *s = ctx;
-	json_t *rows;
-	enum eco_code code = bench_view_rows(bench, view, &shoot, &rows, error);
-	double all = code ? NAN : bench_shot_number(json_array_get(rows, BUDGETS - 1), "bytes");
-	for (size_t b = 0; b < BUDGETS && !code; b++) {
+	const json_t *rows = bench_view_rows(bench, view, &shoot);
+	double all = bench_shot_number(json_array_get(rows, BUDGETS - 1), "bytes");
+	for (size_t b = 0; b < BUDGETS; b++) {
 		const json_t *row = json_array_get(rows, b);
 		double bytes = bench_shot_number(row, "bytes"), q = bench_shot_number(row, "q"),
 			predicted = bench_shot_number(row, "predicted_q");
@@ -49,7 +47,6 @@ static enum eco_code study_bytes(struct bench *bench, void *ctx, const struct be
 			bytes, q, bench_shot_number(row, "skill"), bench_shot_number(row, "owner_q"),
 			bench_shot_number(row, "picture_error"), predicted);
 	}
-	return code;
 }
 
 static enum eco_code run_bytes(struct bench *bench, struct eco_error *error)
@@ -58,15 +55,16 @@ static enum eco_code run_bytes(struct bench *bench, struct eco_error *error)
 		"scene,camera,budget,vertices,bytes,Q,skill,owner_q,"
 		"picture error,predicted Q", true), 0, 0, 0 };
 	say_pictures(bench, " and so many bytes");
-	enum eco_code code = bench_views_each(bench, BENCH_VIEWS_QUICK, study_bytes, &s, error);
+	(void)error;
+	bench_views_each(bench, BENCH_VIEWS_QUICK, study_bytes, &s);
 	bench_table_close(s.table);
-	if (!code && s.binding) {
+	if (s.binding) {
 		bench_key(bench, "bytes_used", s.used / s.binding,
 			">= 0.95: share of the bytes used where they bind");
 		bench_key(bench, "bytes_predicted_off", s.off / s.binding,
 			"<= 0.03: predicted Q off by, where they bind");
 	}
-	return code;
+	return ECO_OK;
 }
 
 const struct bench_section bench_bytes = { "bytes", "What people see for the bytes of a first visit",
@@ -77,17 +75,15 @@ const struct bench_section bench_bytes = { "bytes", "What people see for the byt
 /* `rows`: those whose answer is longer than the cut; `near`: those of them within NEAR */
 struct cuts { struct bench_table *table; uint32_t rows, near; double logs, worst; };
 
-static enum eco_code study_cuts(struct bench *bench, void *ctx, const struct bench_view *view,
-	struct eco_error *error)
+static void study_cuts(struct bench *bench, void *ctx, const struct bench_view *view)
 {
 	static const struct bench_shoot shoots[] = { { .name = "anytime-cut", .count = CUTS, .cuts = cuts },
 		{ .name = "anytime-asked", .count = CUTS, .bytes = cuts } };
 	struct cuts *s = ctx;
-	json_t *rows[2];
-	enum eco_code code = bench_view_rows(bench, view, &shoots[0], &rows[0], error);
-	code = code ? code : bench_view_rows(bench, view, &shoots[1], &rows[1], error);
-	for (size_t c = 0; c < CUTS && !code; c++) {
-		const json_t *cut = json_array_get(rows[0], c), *asked = json_array_get(rows[1], c);
+	const json_t *cut_rows = bench_view_rows(bench, view, &shoots[0]),
+		*asked_rows = bench_view_rows(bench, view, &shoots[1]);
+	for (size_t c = 0; c < CUTS; c++) {
+		const json_t *cut = json_array_get(cut_rows, c), *asked = json_array_get(asked_rows, c);
 		double whole = bench_shot_number(cut, "bytes"), seen = bench_shot_number(cut,
 			"picture_error"), other = bench_shot_number(asked, "picture_error"),
 			ratio = fmax(seen, SEEN_LEAST) / fmax(other, SEEN_LEAST);
@@ -101,7 +97,6 @@ static enum eco_code study_cuts(struct bench *bench, void *ctx, const struct ben
 			view->camera, (unsigned long long)cuts[c], whole, bench_shot_number(cut, "q"), seen,
 			bench_shot_number(asked, "q"), other, ratio);
 	}
-	return code;
 }
 
 static enum eco_code run_cuts(struct bench *bench, struct eco_error *error)
@@ -110,15 +105,16 @@ static enum eco_code run_cuts(struct bench *bench, struct eco_error *error)
 		"Q asked for,picture error asked for,ratio", true), 0, 0, 0, 0 };
 	say_pictures(bench, ": an answer without a budget of bytes, cut after so many of them, beside an answer "
 		"that was asked for with so many");
-	enum eco_code code = bench_views_each(bench, BENCH_VIEWS_QUICK, study_cuts, &s, error);
+	(void)error;
+	bench_views_each(bench, BENCH_VIEWS_QUICK, study_cuts, &s);
 	bench_table_close(s.table);
-	if (!code && s.rows) {
+	if (s.rows) {
 		bench_key(bench, "anytime_ratio", exp(s.logs / s.rows), "picture error of the cut answer "
 			"over that of one asked for, geometric mean");
 		bench_key(bench, "anytime_worst", s.worst, "<= 1.10");
 		bench_key(bench, "anytime_near", (double)s.near / s.rows, "share of rows at most 1.10");
 	}
-	return code;
+	return ECO_OK;
 }
 
 const struct bench_section bench_anytime = { "anytime", "One answer, cut at any byte", run_cuts };

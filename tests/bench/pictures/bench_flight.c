@@ -9,6 +9,7 @@
 
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_select.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/view.h"
 #include "tests/bench/bench_fetch.h"
 
@@ -61,7 +62,7 @@ static char *write_script(const struct stage *s)
 	size_t size;
 	FILE *out = open_memstream(&text, &size);
 	if (!out)
-		return NULL;
+		eco_end("no memory for a path");
 	fprintf(out, "{\"fps\": %u, \"keyframes\": [", BENCH_FLIGHT_FPS);
 	for (uint32_t t = 0; t <= BENCH_FLIGHT_S; t += KEY_S) {
 		double eye[3], target[3];
@@ -71,7 +72,8 @@ static char *write_script(const struct stage *s)
 			eye[1], eye[2], target[0], target[1], target[2], FOV_DEG);
 	}
 	fputs("]}", out);
-	return fclose(out) ? free(text), NULL : text;
+	fclose(out);
+	return text;
 }
 
 static void take_views(const struct stage *s, const struct eco_camera *camera, uint32_t first, uint32_t count,
@@ -120,44 +122,33 @@ static enum eco_code fetch_ground(const struct srv_scene *scene, struct view_sto
 	return code ? code : view_select_make(selection, store, &eye, error);
 }
 
-static enum eco_code make_views(const struct srv_scene *scene, uint32_t first, uint32_t count,
-	struct eco_view *views, struct eco_error *error)
+enum eco_code bench_flight_path(const char *pack, uint32_t first, uint32_t count, struct eco_view **views,
+	struct eco_error *error)
 {
-	const struct eco_scene *tables = &scene->pack->scene;
 	struct view_store_options options = { .images = false };
 	struct view_selection selection = { 0 };
 	struct view_store *store = NULL;
 	struct eco_camera *camera = NULL;
-	char *script = NULL;
-	enum eco_code code = view_store_new(&store, &options, error);
-	if (!code)
-		code = fetch_ground(scene, store, &selection, error);
-	struct stage stage = stage_of(&tables->tiles[tables->root], &selection.ground);
-	if (!code)
-		script = write_script(&stage);
-	if (!code)
-		code = script ? eco_camera_parse(&camera, script, strlen(script), "flight", error)
-			: eco_fail(error, ECO_NO_MEMORY, "no memory for a path");
-	if (!code)
-		take_views(&stage, camera, first, count, views);
-	eco_camera_free(camera);
-	free(script);
-	view_select_free(&selection);
-	view_store_free(store);
-	return code;
-}
-
-enum eco_code bench_flight_path(const char *pack, uint32_t first, uint32_t count, struct eco_view **views,
-	struct eco_error *error)
-{
 	struct srv_store served;
-	*views = malloc(count * sizeof **views);
-	if (!*views)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a path");
+	*views = eco_alloc(count, sizeof **views);
 	srv_store_init(&served);
 	enum eco_code code = srv_store_add(&served, "flight", pack, error);
 	if (!code)
-		code = make_views(served.scenes[0], first, count, *views, error);
+		code = view_store_new(&store, &options, error);
+	if (!code)
+		code = fetch_ground(served.scenes[0], store, &selection, error);
+	if (!code) {
+		const struct eco_scene *tables = &served.scenes[0]->pack->scene;
+		struct stage stage = stage_of(&tables->tiles[tables->root], &selection.ground);
+		char *script = write_script(&stage);
+		code = eco_camera_parse(&camera, script, strlen(script), "flight", error);
+		free(script);
+		if (!code)
+			take_views(&stage, camera, first, count, *views);
+	}
+	eco_camera_free(camera);
+	view_select_free(&selection);
+	view_store_free(store);
 	srv_store_free(&served);
 	return code;
 }
@@ -175,23 +166,24 @@ static const uint64_t budgets[] = { 100000, 300000, 1000000, 3000000 };
 static const char *const scenes[] = { "park", "city", "scbi" };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
-struct flight { const char *scene, *pack; uint32_t count, every; struct eco_view *views; char stamp[128]; };
+struct flight { struct bench *bench; const char *pack; uint32_t count, every; struct eco_view *views;
+	uint64_t vertices; };
 enum figure { BYTES, FIRST, PLANS, DRAWN, QUALITY, SEEN, FIGURES };
 
 /* Adds frame `f`; scores it where `scored`. */
-static enum eco_code step(const struct flight *flight, struct bench_client *client, uint32_t f,
-	uint64_t vertices, bool scored, double sums[FIGURES], struct eco_error *error)
+static void step(const struct flight *flight, struct bench_client *client, uint32_t f, bool scored,
+	double sums[FIGURES])
 {
 	struct bench_frame frame = { .rule = lod_rule_optimal, .request = { .view = flight->views[f],
-		.vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED } };
+		.vertices = flight->vertices, .bytes = ECO_BYTES_UNBOUNDED } };
 	struct view_picture picture = { 0 };
+	struct eco_error *error = &flight->bench->error;
 	double share = (double)flight->every / flight->count;
-	enum eco_code code = scored ? bench_client_reference(client, &frame.request, NULL, error) : ECO_OK;
-	if (!code)
-		code = bench_client_step(client, &frame, scored ? &picture : NULL, error);
-	if (!code && scored)
-		code = bench_client_score(client, &frame, &picture, error);
-	if (!code && scored) {
+	if (scored)
+		bench_must(flight->bench, bench_client_reference(client, &frame.request, NULL, error));
+	bench_must(flight->bench, bench_client_step(client, &frame, scored ? &picture : NULL, error));
+	if (scored) {
+		bench_must(flight->bench, bench_client_score(client, &frame, &picture, error));
 		sums[QUALITY] += share * frame.score.q;
 		sums[SEEN] += share * frame.picture_error;
 	}
@@ -200,93 +192,64 @@ static enum eco_code step(const struct flight *flight, struct bench_client *clie
 	sums[FIRST] += f ? 0 : (double)frame.bytes;
 	sums[PLANS] += (double)frame.plan_bytes;
 	sums[DRAWN] += (double)frame.vertices / flight->count;
-	return code;
 }
-
-struct work { struct bench *bench; const struct flight *flight; size_t budget; };
 
 static enum eco_code fly(void *ctx, json_t **row, struct eco_error *error)
 {
-	const struct work *w = ctx;
-	const struct flight *flight = w->flight;
+	const struct flight *flight = ctx;
 	struct bench_client *client = NULL;
 	double sums[FIGURES] = { 0 };
-	enum eco_code code = bench_client_open(&client, flight->pack, error);
-	if (!code) {
-		bench_client_see(client);
-		bench_client_untimed(client);
-	}
-	for (uint32_t f = 0; f < flight->count && !code; f++) {
-		bool scored = f % flight->every == flight->every / 2;
-		code = bench_go_on(w->bench, error);
-		if (!code)
-			code = step(flight, client, f, budgets[w->budget], scored, sums, error);
-	}
+	bench_must(flight->bench, bench_client_open(&client, flight->pack, error));
+	bench_client_see(client);
+	bench_client_untimed(client);
+	for (uint32_t f = 0; f < flight->count; f++)
+		step(flight, client, f, f % flight->every == flight->every / 2, sums);
 	bench_client_close(client);
 	*row = bench_reals(sums, FIGURES);
-	return code;
-}
-
-/* *bytes: at a million vertices. */
-static enum eco_code add_rows(struct bench *bench, const struct flight *flight, struct bench_table *table,
-	double *bytes, struct eco_error *error)
-{
-	for (size_t i = 0; i < BUDGETS; i++) {
-		char unit[96];
-		double now[FIGURES];
-		json_t *row;
-		struct work work = { bench, flight, i };
-		unsigned long long budget = budgets[i];
-		snprintf(unit, sizeof unit, "flight-%s-%u-%llu", flight->scene, flight->count, budget);
-		bench_progress(bench, (double)i / BUDGETS, flight->scene);
-		enum eco_code code = bench_unit(bench, unit, flight->stamp, fly, &work, &row, error);
-		if (code)
-			return code;
-		bench_cells(row, now, FIGURES);
-		bench_table_row(table, "%s,%u,%llu,%.0f,%.0f,%.0f,%.0f,%.4f,%.5f", flight->scene,
-			flight->count,
-			budget, now[DRAWN], now[BYTES], now[FIRST], now[PLANS], now[QUALITY], now[SEEN]);
-		if (budget == MILLION)
-			*bytes = fmax(*bytes, now[BYTES]);
-	}
 	return ECO_OK;
 }
 
-static enum eco_code study_scene(struct bench *bench, const char *scene, struct bench_table *table,
-	double *bytes, struct eco_error *error)
+/* Returns the bytes at a million vertices; NaN where the scene is left out. */
+static double study_scene(struct bench *bench, const char *scene, struct bench_table *table)
 {
-	char pack[512];
-	struct flight flight = { .scene = scene, .pack = pack,
+	char pack[512], stamp[320], unit[96];
+	struct flight flight = { .bench = bench, .pack = pack,
 		.count = bench->full ? BENCH_FLIGHT_FRAMES : QUICK_FRAMES,
 		.every = bench->full ? FULL_EVERY : QUICK_EVERY };
-	enum eco_code code;
-	if (!bench_shot_scene(bench, scene, pack, &code, error) || code)
-		return code;
-	code = bench_flight_path(pack, bench->full ? 0 : QUICK_FIRST, flight.count, &flight.views, error);
-	if (!code) {
-		snprintf(flight.stamp, sizeof flight.stamp, "%s %u %016llx", bench_pack_stamp(pack),
-			flight.every, (unsigned long long)XXH3_64bits(flight.views,
-			flight.count * sizeof *flight.views));
-		code = add_rows(bench, &flight, table, bytes, error);
+	double bytes = NAN, now[FIGURES];
+	if (!bench_scene_there(bench, scene, pack))
+		return NAN;
+	bench_must(bench, bench_flight_path(pack, bench->full ? 0 : QUICK_FIRST, flight.count, &flight.views,
+		&bench->error));
+	snprintf(stamp, sizeof stamp, "%s %u %016llx", bench_pack_stamp(pack), flight.every,
+		(unsigned long long)XXH3_64bits(flight.views, flight.count * sizeof *flight.views));
+	for (size_t i = 0; i < BUDGETS; i++) {
+		unsigned long long budget = flight.vertices = budgets[i];
+		json_t *row;
+		snprintf(unit, sizeof unit, "flight-%s-%u-%llu", scene, flight.count, budget);
+		bench_progress(bench, (double)i / BUDGETS, scene);
+		bench_must(bench, bench_unit(bench, unit, stamp, fly, &flight, &row, &bench->error));
+		bench_cells(row, now, FIGURES);
+		bench_table_row(table, "%s,%u,%llu,%.0f,%.0f,%.0f,%.0f,%.4f,%.5f", scene, flight.count, budget,
+			now[DRAWN], now[BYTES], now[FIRST], now[PLANS], now[QUALITY], now[SEEN]);
+		bytes = budget == MILLION ? now[BYTES] : bytes;
 	}
 	free(flight.views);
-	return code;
+	return bytes;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	double bytes = NAN;
-	enum eco_code code = ECO_OK;
+	(void)error;
 	bench_say(bench, "%u frames a second, %u x %u, from the air down to eye level and through; picture "
 		"error and Q are means over every %u-th frame, bytes those of all.", BENCH_FLIGHT_FPS,
 		BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT, bench->full ? FULL_EVERY : QUICK_EVERY);
 	struct bench_table *table = bench_table_open(bench, "flight", "scene,frames,budget,vertices,"
 		"bytes,first frame bytes,bytes of plans,Q,picture error", true);
-	for (size_t i = 0; i < SCENES && !code; i++)
-		code = study_scene(bench, scenes[i], table, &bytes, error);
+	for (size_t i = 0; i < SCENES; i++)
+		bytes = fmax(bytes, study_scene(bench, scenes[i], table));
 	bench_table_close(table);
-	if (code)
-		return code;
 	bench_key(bench, "flight_bytes", bytes, "bytes of a flight at 1,000,000 vertices, the most");
 	return ECO_OK;
 }

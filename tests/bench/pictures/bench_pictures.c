@@ -52,14 +52,12 @@ static void add_row(struct study *s, const struct bench_view *view, size_t b, co
 		owner_q, bench_shot_number(row, "predicted_q"), seen, widest, bench_shot_number(row, "ceiling"));
 }
 
-static enum eco_code study_view(struct bench *bench, void *ctx, const struct bench_view *view,
-	struct eco_error *error)
+static void study_view(struct bench *bench, void *ctx, const struct bench_view *view)
 {
 	static const struct bench_shoot shoot = { .name = "seen", .count = BUDGETS, .vertices = budgets,
 		.show = show };
-	json_t *rows;
-	enum eco_code code = bench_view_rows(bench, view, &shoot, &rows, error);
-	for (uint32_t b = 0; b < BUDGETS && !code; b++) {
+	const json_t *rows = bench_view_rows(bench, view, &shoot);
+	for (uint32_t b = 0; b < BUDGETS; b++) {
 		char file[128], caption[160];
 		add_row(ctx, view, b, json_array_get(rows, b));
 		name_picture(file, view, b);
@@ -67,7 +65,6 @@ static enum eco_code study_view(struct bench *bench, void *ctx, const struct ben
 			view->scene, view->camera, (unsigned long long)budgets[b]);
 		bench_picture(bench, file, caption);
 	}
-	return code;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
@@ -77,10 +74,9 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT);
 	s.table = bench_table_open(bench, "pictures", "scene,camera,budget,vertices,bytes,Q,soft Q,owner_q,"
 		"predicted Q,picture error,widest point px,ceiling", true);
-	enum eco_code code = bench_views_each(bench, SIZE_MAX, study_view, &s, error);
+	(void)error;
+	bench_views_each(bench, SIZE_MAX, study_view, &s);
 	bench_table_close(s.table);
-	if (code)
-		return code;
 	bench_key(bench, "pictures_error", s.pictures ? s.seen / s.pictures : NAN, "picture error, mean");
 	bench_key(bench, "pictures_widest_px", s.widest > 0 ? s.widest : NAN,
 		"<= 12: pixels across the widest point at 100,000 vertices or more");

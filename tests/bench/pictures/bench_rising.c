@@ -56,49 +56,31 @@ static void add_rows(struct study *s, const struct bench_view *view, const json_
 	counts->views++;
 }
 
-/* Every other one at random. The caller frees them. */
-static enum eco_code find_views(const char *pack, struct eco_view **views, struct eco_error *error)
-{
-	struct eco_pack *open = NULL;
-	enum eco_code code = bench_flight_path(pack, 0, BENCH_FLIGHT_FRAMES, views, error);
-	if (!code)
-		code = eco_pack_open(&open, pack, error);
-	for (uint32_t i = 0; i < VIEWS && !code; i++) {
-		struct eco_view *to = &(*views)[i];
-		*to = i % 2 ? random_outlook(&open->scene, SEED, i)
-			: (*views)[i * BENCH_FLIGHT_FRAMES / VIEWS];
-		to->width = WIDTH;
-		to->height = HEIGHT;
-	}
-	eco_pack_close(open);
-	return code;
-}
-
-static enum eco_code study_scene(struct bench *bench, struct study *s, size_t number, struct eco_error *error)
+static void study_scene(struct bench *bench, struct study *s, size_t number)
 {
 	struct eco_view *views = NULL;
+	struct eco_pack *open = NULL;
 	char pack[512], camera[32];
 	snprintf(pack, sizeof pack, "%s/requests/%s.eco", bench->cache, scenes[number]);
-	enum eco_code code = find_views(pack, &views, error);
-	for (uint32_t i = 0; i < VIEWS && !code; i += bench->full ? 1 : QUICK) {
-		json_t *rows;
+	bench_must(bench, bench_flight_path(pack, 0, BENCH_FLIGHT_FRAMES, &views, &bench->error));
+	bench_must(bench, eco_pack_open(&open, pack, &bench->error));
+	for (uint32_t i = 0; i < VIEWS; i += bench->full ? 1 : QUICK) {
+		struct bench_view view = { scenes[number], camera, pack, i % 2
+			? random_outlook(&open->scene, SEED, i) : views[i * BENCH_FLIGHT_FRAMES / VIEWS] };
 		snprintf(camera, sizeof camera, "%s-%u", i % 2 ? "random" : "flight", i);
-		const struct bench_view view = { scenes[number], camera, pack, views[i] };
+		view.view.width = WIDTH;
+		view.view.height = HEIGHT;
 		bench_progress(bench, (number + (double)i / VIEWS) / SCENES, scenes[number]);
-		code = bench_view_rows(bench, &view, &shoot, &rows, error);
-		if (!code)
-			add_rows(s, &view, rows);
+		add_rows(s, &view, bench_view_rows(bench, &view, &shoot));
 	}
+	eco_pack_close(open);
 	free(views);
-	return code;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct study s = { .table = NULL };
-	enum eco_code code = bench_request_packs(bench, error);
-	if (code)
-		return code;
+	bench_must(bench, bench_request_packs(bench, error));
 	bench_say(bench, "Every picture %u x %u, of a first visit with at most %u vertices and so many "
 		"bytes, drawn and lit in software. Half of the views of a scene are along a flight from the air "
 		"down and through, half at random. Worse: a picture error more than 2 %% above that of a "
@@ -106,10 +88,10 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		SEEN_LEAST);
 	s.table = bench_table_open(bench, "rising", "scene,camera,budget,bytes,Q,predicted Q,picture error,"
 		"over the least of fewer bytes", false);
-	for (size_t i = 0; i < SCENES && !code; i++)
-		code = study_scene(bench, &s, i, error);
+	for (size_t i = 0; i < SCENES; i++)
+		study_scene(bench, &s, i);
 	bench_table_close(s.table);
-	if (!code && s.all.binding) {
+	if (s.all.binding) {
 		bench_key(bench, "rising_worse", (double)s.all.worse / s.all.rows, "0: share of the pictures "
 			"that are worse than one with fewer bytes");
 		bench_key(bench, "rising_worst", s.all.worst, "<= 1.02: its picture error over the other's");
@@ -118,7 +100,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		bench_key(bench, "rising_predicted_off", s.all.off / s.all.binding,
 			"<= 0.03: predicted Q off by, where they bind");
 	}
-	return code;
+	return ECO_OK;
 }
 
 const struct bench_section bench_rising = { "rising", "More bytes, no worse a picture", run };
