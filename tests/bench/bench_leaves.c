@@ -40,59 +40,66 @@ enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_m
 	return code;
 }
 
-enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *model, uint32_t pixels,
-	struct eco_error *error)
-{
-	memset(leaves, 0, sizeof *leaves);
-	leaves->model = *model;
-	leaves->pixels = pixels;
-	memset(model, 0, sizeof *model);
-	enum eco_code code = bench_foliage_make(&leaves->foliage, &leaves->model, &leaves->arena, error);
-	if (!code)
-		code = lod_raster_init(&leaves->cover,
-			&(struct lod_raster_options){ .width = pixels, .height = pixels, .silhouette = true },
-			error);
-	if (!code && !(leaves->mask = calloc((size_t)pixels * (pixels + 63) / 64 + 1, sizeof *leaves->mask)))
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for a mask of %u x %u pixels", pixels,
-			pixels);
-	if (code)
-		bench_leaves_close(leaves);
-	return code;
-}
+struct opening {
+	struct bench *bench;
+	const struct bench_model *model;
+	uint32_t pixels;
+	bench_leaves_study *study;
+	void *ctx;
+};
 
-void bench_leaves_close(struct bench_leaves *leaves)
-{
-	lod_raster_free(&leaves->cover);
-	lod_arena_free(&leaves->arena);
-	eco_model_free(&leaves->model);
-	free(leaves->mask);
-	memset(leaves, 0, sizeof *leaves);
-}
-
-struct opening { struct bench *bench; const struct bench_leaves_unit *unit; };
-
-static enum eco_code make_unit(void *ctx, json_t **made, struct eco_error *error)
+static json_t *make_unit(void *ctx)
 {
 	const struct opening *o = ctx;
-	const struct bench_leaves_unit *unit = o->unit;
-	struct bench_leaves leaves;
-	struct eco_model model;
-	enum eco_code code = unit->make ? unit->make(&model, error)
-		: bench_model_read(o->bench, unit->model, &model, error);
-	code = code ? code : bench_leaves_open(&leaves, &model, unit->pixels, error);
-	if (code)
-		return code;
-	code = setjmp(leaves.arena.failed) ? eco_fail(error, ECO_NO_MEMORY, "no memory for %s", unit->name)
-		: unit->study(unit->ctx, &leaves, made, error);
-	bench_leaves_close(&leaves);
-	return code ? code : bench_go_on(o->bench, error);
+	struct bench_leaves leaves = { .pixels = o->pixels };
+	must(o->model ? bench_model_read(o->bench, o->model, &leaves.model, must_error)
+		: bench_crown_make(&leaves.model, must_error));
+	must(bench_foliage_make(&leaves.foliage, &leaves.model, &leaves.arena, must_error));
+	must_have(&leaves.arena);
+	must(lod_raster_init(&leaves.cover, &(struct lod_raster_options){ .width = o->pixels,
+		.height = o->pixels, .silhouette = true }, must_error));
+	leaves.mask = lod_arena_take(&leaves.arena, (size_t)o->pixels * (o->pixels + 63) / 64,
+		sizeof *leaves.mask);
+	json_t *made = o->study(o->ctx, &leaves);
+	lod_raster_free(&leaves.cover);
+	lod_arena_free(&leaves.arena);
+	eco_model_free(&leaves.model);
+	must_go_on(o->bench);
+	return made;
 }
 
-enum eco_code bench_leaves_unit(struct bench *bench, const struct bench_leaves_unit *unit, json_t **out,
-	struct eco_error *error)
+json_t *bench_leaves_unit(struct bench *bench, const char *prefix, const char *stamp,
+	const struct bench_model *model, uint32_t pixels, bench_leaves_study *study, void *ctx)
 {
-	return bench_unit(bench, unit->name, unit->stamp, make_unit, &(struct opening){ bench, unit }, out,
-		error);
+	char name[128], whole[64];
+	snprintf(name, sizeof name, model ? "%s-%s" : "%s", prefix, model ? model->name : "");
+	snprintf(whole, sizeof whole, "%d %s", bench->full, model ? must_stamp(model->path) : "");
+	return must_unit(bench, name, stamp ? stamp : whole, make_unit,
+		&(struct opening){ bench, model, pixels, study, ctx });
+}
+
+void bench_leaves_sights(struct bench_leaves *leaves, struct lod_sights *sights,
+	const double (*directions)[3], uint32_t count)
+{
+	must(lod_sights_make(sights, &leaves->foliage, directions, count, leaves->pixels, &leaves->arena,
+		must_error));
+}
+
+void bench_leaves_look(struct bench_leaves *leaves, struct lod_sights *sights, uint32_t count, uint32_t seed)
+{
+	double to[BENCH_LOOKS][3];
+	lod_directions_spread(to, count, seed);
+	bench_leaves_sights(leaves, sights, (const double (*)[3])to, count);
+}
+
+uint64_t bench_leaves_vertices(const struct lod_foliage *f, const uint32_t *order, uint32_t count)
+{
+	uint64_t sum = 0;
+	for (uint32_t k = 0; k < count; k++) {
+		uint32_t i = order ? order[k] : k;
+		sum += 3 * (f->first[i + 1] - f->first[i] - 2);
+	}
+	return sum;
 }
 
 uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method method, double noise)
@@ -138,7 +145,8 @@ void bench_leaves_compare_drawn(struct bench_leaves *leaves, const struct lod_si
 	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
 	draw(what, raster);
 	for (uint32_t i = 0; i < sights->pixels * sights->pixels; i++) {
-		uint32_t word = i / sights->pixels * (sights->words / sights->pixels) + i % sights->pixels / 64;
+		uint32_t word = i / sights->pixels * (sights->words / sights->pixels)
+			+ i % sights->pixels / 64;
 		uint64_t bit = UINT64_C(1) << i % sights->pixels % 64;
 		bool shown = raster->cover[i] || (wood && sights->wood[view][word] & bit),
 			wanted = sights->reference[view][word] & bit;

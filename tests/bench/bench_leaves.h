@@ -1,14 +1,15 @@
 /* A plant of ecobench as leaves over wood: what subsets of its leaves cover.
  *
- *   bench_leaves_open(&leaves, &model, pixels, &error);          takes the model over
- *   bench_leaves_compare(&leaves, &sights, view, &drawing, &sum);
- *   bench_leaves_close(&leaves); */
+ *   unit = bench_leaves_unit(bench, "collapse", NULL, model, pixels, study, ctx);
+ *       calls study(ctx, leaves):
+ *           bench_leaves_look(leaves, &sights, 12, seed);
+ *           bench_leaves_compare(leaves, &sights, view, &drawing, &sum); */
 #ifndef TESTS_BENCH_LEAVES_H
 #define TESTS_BENCH_LEAVES_H
 
 #include "lod/build/foliage.h"
 #include "lod/build/order/order.h"
-#include "tests/bench/bench.h"
+#include "tests/bench/bench_must.h"
 
 struct bench_leaves {
 	struct lod_arena arena;
@@ -24,22 +25,21 @@ struct bench_leaves {
 enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_model *model,
 	struct lod_arena *arena, struct eco_error *error);
 
-/* ECO_BAD_INPUT for a plant without leaves; the model is freed then too. */
-enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *model, uint32_t pixels,
-	struct eco_error *error);
-void bench_leaves_close(struct bench_leaves *leaves);
+/* A unit "PREFIX-NAME" (bench_unit) of a model's leaves, made by `study`, which may take from the leaves'
+ * arena. model NULL: the tree of 6,143 leaves. stamp NULL: what the model's file holds, and whether the bench
+ * is full. A plant without leaves ends the section. */
+typedef json_t *bench_leaves_study(void *ctx, struct bench_leaves *leaves);
+json_t *bench_leaves_unit(struct bench *bench, const char *prefix, const char *stamp,
+	const struct bench_model *model, uint32_t pixels, bench_leaves_study *study, void *ctx);
 
-/* A unit (bench_unit) of a model's leaves, made by `study`. It may take from the leaves' arena. */
-struct bench_leaves_unit {
-	const char *name, *stamp;
-	const struct bench_model *model;     /* NULL: `make` makes one */
-	uint32_t pixels;
-	enum eco_code (*study)(void *ctx, struct bench_leaves *leaves, json_t **out, struct eco_error *error);
-	void *ctx;
-	enum eco_code (*make)(struct eco_model *model, struct eco_error *error);
-};
-enum eco_code bench_leaves_unit(struct bench *bench, const struct bench_leaves_unit *unit, json_t **out,
-	struct eco_error *error);
+/* Views from such directions, or from `count` directions of lod_directions_spread, at most BENCH_LOOKS. */
+#define BENCH_LOOKS 24u
+void bench_leaves_sights(struct bench_leaves *leaves, struct lod_sights *sights,
+	const double (*directions)[3], uint32_t count);
+void bench_leaves_look(struct bench_leaves *leaves, struct lod_sights *sights, uint32_t count, uint32_t seed);
+
+/* Vertices of the first `count` elements of an order, 3 a triangle. NULL: by their numbers. */
+uint64_t bench_leaves_vertices(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count);
 
 /* Numbers of the leaves in an order of the literature, of seed 1; in the arena. noise: of lod_order_input. */
 uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method method, double noise);

@@ -1,14 +1,11 @@
 /* Precision and Recall by the size on screen and the view (Neubert 2011, 2.2 and 2.4): cuts of a plant's
  * foliage at the scales of its curve, in views that the curve was not measured on. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "lod/build/measure/probe.h"
 #include "lod/ladder.h"
-#include "tests/bench/bench.h"
+#include "tests/bench/bench_must.h"
 
-#define MODELS 8u
-#define MODELS_QUICK 2u
 #define ELEMENTS_LEAST 500u
 /* not those of the curves: other heights, turned by an angle of a 3-4-5 triangle */
 #define VIEWS 11u
@@ -30,12 +27,12 @@ static void turn(double v[3])
 	v[0] = x;
 }
 
-static enum eco_code open_probe(struct lod_probe *probe, const struct lod_plant *plant,
-	const struct eco_model *model, uint32_t pixels, struct eco_error *error)
+static void open_probe(struct lod_probe *probe, const struct lod_plant *plant, const struct eco_model *model,
+	uint32_t pixels)
 {
-	enum eco_code code = lod_probe_init(probe, plant, model,
-		&(struct lod_probe_options){ .views = VIEWS, .pixels = pixels }, error);
-	for (uint32_t i = 0; !code && i < probe->views; i++) {
+	must(lod_probe_init(probe, plant, model, &(struct lod_probe_options){ .views = VIEWS, 
+		.pixels = pixels }, must_error));
+	for (uint32_t i = 0; i < probe->views; i++) {
 		struct lod_eye *eye = &probe->eyes[i];
 		for (int k = 0; k < 3; k++)
 			eye->at[k] -= probe->center[k];
@@ -46,7 +43,6 @@ static enum eco_code open_probe(struct lod_probe *probe, const struct lod_plant 
 		for (int k = 0; k < 3; k++)
 			eye->at[k] += probe->center[k];
 	}
-	return code;
 }
 
 static const struct eco_ladder *largest_foliage(const struct lod_plant *plant, const struct eco_scene *scene)
@@ -61,32 +57,26 @@ static const struct eco_ladder *largest_foliage(const struct lod_plant *plant, c
 	return best;
 }
 
-static enum eco_code draw(struct lod_probe *probe, const struct eco_ladder *ladder, double share,
-	struct eco_error *error)
+static void draw(struct lod_probe *probe, const struct eco_ladder *ladder, double share)
 {
 	struct lod_way way;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	lod_way_begin(&way, &probe->scene, ladder);
 	uint64_t vertices = lod_way_floor(&way, (uint64_t)(share * (double)way.full + 0.5));
 	uint32_t count = lod_way_cuts(&way, vertices, lod_way_density(&way, vertices), 0, cuts);
-	enum eco_code code = ECO_OK;
 	lod_probe_clear(probe);
-	for (uint32_t i = 0; i < count && !code; i++)
-		code = lod_probe_add(probe, &cuts[i], error);
-	return code;
+	for (uint32_t i = 0; i < count; i++)
+		must(lod_probe_add(probe, &cuts[i], must_error));
 }
 
-static enum eco_code measure_size(struct lod_probe *probe, const struct eco_ladder *ladder, json_t *rows,
-	struct eco_error *error)
+static void measure_size(struct lod_probe *probe, const struct eco_ladder *ladder, json_t *rows)
 {
-	enum eco_code code = draw(probe, ladder, 1, error);
-	bool any = !code && lod_probe_keep(probe);
-	for (int l = 0; l < LAMBDAS && !code && any; l++) {
+	draw(probe, ladder, 1);
+	bool any = lod_probe_keep(probe);
+	for (int l = 0; l < LAMBDAS && any; l++) {
 		struct lod_probe_result result;
 		double p = 0, pp = 0, r = 0, rr = 0, n = probe->views;
-		code = draw(probe, ladder, lambdas[l], error);
-		if (code)
-			break;
+		draw(probe, ladder, lambdas[l]);
 		lod_probe_compare(probe, 1, &result);
 		for (uint32_t v = 0; v < probe->views; v++) {
 			const struct lod_score *s = &probe->scores[v];
@@ -96,46 +86,37 @@ static enum eco_code measure_size(struct lod_probe *probe, const struct eco_ladd
 		json_array_append_new(rows, bench_reals((double[]){ p, sqrt(fmax(0, pp - p * p)), r,
 			sqrt(fmax(0, rr - r * r)), 1 - result.loss }, FIGURES));
 	}
-	return code;
 }
 
 struct work { struct bench *bench; const struct bench_model *model; };
 
 /* A row of figures for each size and lambda; none for a plant of few leaves. */
-static enum eco_code study(void *ctx, json_t **rows, struct eco_error *error)
+static json_t *study(void *ctx)
 {
 	const struct work *w = ctx;
 	struct eco_model read;
 	struct lod_plant plant;
 	/* One ladder for all of an organ: a plant in cells draws the same curve from several. */
 	const struct lod_plant_options options = { .name = w->model->name, .cell_triangles = UINT32_MAX };
-	*rows = json_array();
-	enum eco_code code = bench_model_read(w->bench, w->model, &read, error);
-	if (code)
-		return code;
-	code = lod_plant_build(&plant, &read, &options, error);
-	if (!code) {
-		bool enough = plant.organ[ECO_ORGAN_FOLIAGE].elements >= ELEMENTS_LEAST;
-		if (enough)
-			code = lod_plant_measure(&plant, &read, &options, error);
-		for (int i = 0; i < SIZES && enough && !code; i++) {
-			struct lod_probe probe;
-			code = open_probe(&probe, &plant, &read, sizes[i], error);
-			const struct eco_ladder *ladder = code ? NULL : largest_foliage(&plant, &probe.scene);
-			if (ladder)
-				code = measure_size(&probe, ladder, *rows, error);
-			if (!code)
-				lod_probe_free(&probe);
-		}
-		lod_plant_free(&plant);
+	json_t *rows = json_array();
+	must(bench_model_read(w->bench, w->model, &read, must_error));
+	must(lod_plant_build(&plant, &read, &options, must_error));
+	bool enough = plant.organ[ECO_ORGAN_FOLIAGE].elements >= ELEMENTS_LEAST;
+	if (enough)
+		must(lod_plant_measure(&plant, &read, &options, must_error));
+	for (int i = 0; i < SIZES && enough; i++) {
+		struct lod_probe probe;
+		open_probe(&probe, &plant, &read, sizes[i]);
+		measure_size(&probe, largest_foliage(&plant, &probe.scene), rows);
+		lod_probe_free(&probe);
 	}
+	lod_plant_free(&plant);
 	eco_model_free(&read);
-	return code;
+	return rows;
 }
 
 /* P and R at one lambda over the size, mean over plants, and how far views lie apart. */
-static enum eco_code plot_sizes(struct bench *bench, double sum[SIZES][FIGURES], uint32_t count,
-	struct eco_error *error)
+static void plot_sizes(struct bench *bench, double sum[SIZES][FIGURES], uint32_t count)
 {
 	static const char *const names[6] = { "P", "P - spread over views", "P + spread", "R",
 		"R - spread over views", "R + spread" };
@@ -153,47 +134,38 @@ static enum eco_code plot_sizes(struct bench *bench, double sum[SIZES][FIGURES],
 	bench_say(bench, "Precision and Recall by the size on screen, at lambda %g: means over %u plants "
 		"differ by %.3f at most between %u and %u pixels. The spread is the standard deviation over "
 		"%u views.", lambdas[PLOTTED], count, range, sizes[0], sizes[SIZES - 1], VIEWS);
-	return bench_plot(bench, &(struct bench_plot){ .name = "scale-sizes",
-		.title = "Precision and Recall by size on screen (lambda 0.2)", .x =
-		"height of the picture, pixels", .y = "share", .log_x = true, .series = series, .series_count
-		= 6 }, error);
+	must(bench_plot(bench, &(struct bench_plot){ .name = "scale-sizes",
+		.title = "Precision and Recall by size on screen (lambda 0.2)", 
+		.x = "height of the picture, pixels",
+		.y = "share", .log_x = true, .series = series, .series_count = 6 }, must_error));
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void show(struct bench *bench)
 {
-	struct bench_model *models = NULL;
-	uint32_t count = 0, found = 0, wanted = bench->full ? MODELS : MODELS_QUICK;
+	struct bench_walk walk = { .bench = bench, .leaves = ELEMENTS_LEAST, .most = 8, .quick = 2 };
 	double sum[SIZES][FIGURES] = { { 0 } };
-	enum eco_code code = bench_models(bench, &models, &count, error);
 	struct bench_table *table = bench_table_described(bench, "scale_sizes", "plant,pixels,lambda",
 		columns, FIGURES, true);
-	for (uint32_t k = 0; k < count && found < MODELS && !code; k++) {
-		char name[96], stamp[32];
-		struct work work = { bench, &models[k] };
-		json_t *rows;
-		if (models[k].leaves < ELEMENTS_LEAST)
-			continue;
-		if (found == wanted) {
-			bench_left_out(bench, models[k].name);
-			continue;
-		}
-		bench_progress(bench, (double)found / wanted, models[k].name);
-		snprintf(name, sizeof name, "sizes-%s", models[k].name);
-		snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(models[k].path));
-		code = bench_unit(bench, name, stamp, study, &work, &rows, error);
-		for (size_t i = 0; i < SIZES * LAMBDAS && !code && i < json_array_size(rows); i++) {
+	for (const struct bench_model *model; (model = bench_walk(&walk));) {
+		char name[96];
+		snprintf(name, sizeof name, "sizes-%s", model->name);
+		const json_t *rows = must_unit(bench, name, must_stamp(model->path), study,
+			&(struct work){ bench, model });
+		for (size_t i = 0; i < SIZES * LAMBDAS && i < json_array_size(rows); i++) {
 			double value[FIGURES];
 			bench_cells(json_array_get(rows, i), value, FIGURES);
-			bench_table_values(table, value, "%s,%u,%.2f", models[k].name, sizes[i / LAMBDAS],
+			bench_table_values(table, value, "%s,%u,%.2f", model->name, sizes[i / LAMBDAS],
 				lambdas[i % LAMBDAS]);
 			for (int f = 0; f < FIGURES && i % LAMBDAS == PLOTTED; f++)
 				sum[i / LAMBDAS][f] += value[f];
 		}
-		found += !code && json_array_size(rows);
+		walk.found[model->generated] += json_array_size(rows) > 0;
 	}
 	bench_table_close(table);
-	free(models);
-	return !code && found ? plot_sizes(bench, sum, found, error) : code;
+	if (walk.found[0] + walk.found[1])
+		plot_sizes(bench, sum, walk.found[0] + walk.found[1]);
 }
+
+static enum eco_code run(struct bench *bench, struct eco_error *error) { return must_do(show, bench, error); }
 
 const struct bench_section bench_scale = { "scale", "Precision and Recall by size and view", run };

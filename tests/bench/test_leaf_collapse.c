@@ -39,7 +39,7 @@ static void make(const struct lod_collapse_options *options)
 {
 	lod_arena_free(&arena);
 	assert_int_equal(setjmp(arena.failed), 0);
-	lod_collapse_make(&collapse, &leaves, options, NULL, 0, NULL, &arena);
+	lod_collapse_make(&collapse, 1, &leaves, options, &arena);
 }
 
 static void strew(uint32_t count, uint64_t seed)
@@ -116,37 +116,36 @@ UNIT_TEST(two_leaves_become_the_quad_of_the_paper)
 	}
 }
 
-/* Section 3.1, one term after the other. */
+/* Section 3.1, one term after the other. `crown`: its radius, and that around the axis. */
 static double cost_of(const struct lod_collapse_node *a, const struct lod_collapse_node *b,
-	const struct lod_collapse_crown *crown, const struct lod_collapse_options *options)
+	const double crown[2], const struct lod_collapse_options *options)
 {
-	double apart = lod_v3_distance(a->center, b->center) / (options->distance_most * crown->radius),
+	double apart = lod_v3_distance(a->center, b->center) / (options->distance_most * crown[0]),
 		angle = lod_arc_cosine(fabs(lod_v3_dot(a->normal, b->normal)));
 	const double term[LOD_COLLAPSE_TERMS] = { apart, angle / (LOD_PI / 2),
 		fabs((double)a->represents - b->represents) / ((double)a->represents + b->represents),
 		fabs(a->area - b->area) / (a->area + b->area),
-		hypot(a->center.x + b->center.x, a->center.y + b->center.y) / 2 / crown->across };
+		hypot(a->center.x + b->center.x, a->center.y + b->center.y) / 2 / crown[1] };
 	double sum = 0;
 	for (int i = 0; i < LOD_COLLAPSE_TERMS; i++)
 		sum += options->weight[i] * term[i];
 	return apart > 1 || angle > options->angle_most_rad ? INFINITY : sum;
 }
 
-static struct lod_collapse_crown crown_of(void)
+static void measure_crown(double crown[2])
 {
-	struct lod_collapse_crown crown = { 0 };
 	struct lod_v3 low = collapse.node[0].center, high = low;
+	crown[1] = 0;
 	for (uint32_t i = 0; i < collapse.leaves; i++) {
 		struct lod_v3 p = collapse.node[i].center;
 		low = (struct lod_v3){ fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z) };
 		high = (struct lod_v3){ fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z) };
-		crown.across = fmax(crown.across, hypot(p.x, p.y));
+		crown[1] = fmax(crown[1], hypot(p.x, p.y));
 	}
-	crown.radius = lod_v3_distance(low, high) / 2;
-	return crown;
+	crown[0] = lod_v3_distance(low, high) / 2;
 }
 
-/* All pairs are compared at each step, with options in which farther pairs may cost less than near ones, too.
+/* All pairs are compared at each step, also with options by which farther pairs may cost less than near ones.
  * */
 UNIT_TEST(the_search_finds_the_cheapest_of_all_pairs)
 {
@@ -158,7 +157,8 @@ UNIT_TEST(the_search_finds_the_cheapest_of_all_pairs)
 	for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
 		strew(250, 9 + k);
 		make(all[k]);
-		const struct lod_collapse_crown crown = crown_of();
+		double crown[2];
+		measure_crown(crown);
 		bool gone[2 * MOST] = { false };
 		for (uint32_t end = collapse.leaves; end < collapse.leaves + collapse.made; end++) {
 			double least = INFINITY;
@@ -166,12 +166,11 @@ UNIT_TEST(the_search_finds_the_cheapest_of_all_pairs)
 				for (uint32_t b = 0; b < a && !gone[a]; b++)
 					if (!gone[b])
 						least = fmin(least, cost_of(&collapse.node[a],
-							&collapse.node[b], &crown, all[k]));
+							&collapse.node[b], crown, all[k]));
 			const uint32_t *child = collapse.node[end].child;
 			assert_true(!gone[child[0]] && !gone[child[1]]);
-			assert_true(cost_of(&collapse.node[child[0]], &collapse.node[child[1]], &crown,
-				all[k])
-				<= least * (1 + 1e-9));
+			assert_true(cost_of(&collapse.node[child[0]], &collapse.node[child[1]], crown,
+				all[k]) <= least * (1 + 1e-9));
 			gone[child[0]] = gone[child[1]] = true;
 		}
 	}
@@ -180,35 +179,31 @@ UNIT_TEST(the_search_finds_the_cheapest_of_all_pairs)
 /* Figures 2 and 6: sectors hold every leaf once; tiles are as dense as their quads. */
 UNIT_TEST(sectors_and_tiles_show_the_whole_crown)
 {
-	enum { TILES = LOD_COLLAPSE_CLASSES * LOD_COLLAPSE_CLASS_TILES };
 	struct lod_foliage foliage;
-	struct lod_collapse_sectors sectors;
+	struct lod_collapse forest[5];
 	struct lod_collapse_atlas atlas;
 	bool seen[2000] = { false };
-	double sum[TILES] = { 0 };
-	uint32_t quads_of[TILES] = { 0 };
+	double sum[LOD_COLLAPSE_TILES] = { 0 };
+	uint32_t quads_of[LOD_COLLAPSE_TILES] = { 0 };
 	lod_arena_free(&arena);
 	assert_int_equal(setjmp(arena.failed), 0);
 	foliage_random(&foliage, &(struct foliage_random){ 2000, 4, 3, 0.25, 21 }, &arena);
-	lod_collapse_sectors_make(&sectors, 5, &foliage, NULL, &arena);
+	lod_collapse_make(forest, 5, &foliage, NULL, &arena);
 	const struct lod_fan shape = lod_foliage_fan(&foliage, 0);
-	lod_collapse_atlas_make(&atlas, sectors.forest, 5, &shape, (const uint8_t[3]){ 76, 110, 40 }, &arena);
-	for (uint32_t s = 0; s < 5; s++) {
-		const struct lod_collapse *forest = &sectors.forest[s];
-		assert_int_equal(forest->leaves, 400);
-		for (uint32_t i = 0; i < 400; i++) {
-			assert_false(seen[forest->leaf[i]]);
-			seen[forest->leaf[i]] = true;
-		}
-		for (uint32_t i = 0; i < forest->made; i++) {
-			const struct lod_collapse_node *quad = &forest->node[forest->leaves + i];
-			sum[atlas.of[s][i]] += fmin(1, quad->opaque_area / quad->area);
-			quads_of[atlas.of[s][i]]++;
-			assert_int_equal(quad->represents == 2, atlas.of[s][i] < LOD_COLLAPSE_CLASS_TILES);
-		}
+	lod_collapse_atlas_make(&atlas, forest, 5, &shape, (const uint8_t[3]){ 76, 110, 40 }, &arena);
+	for (uint32_t i = 0; i < 2000; i++) {
+		assert_false(seen[forest[i / 400].leaf[i % 400]]);
+		seen[forest[i / 400].leaf[i % 400]] = true;
 	}
-	for (uint32_t t = 0; t < TILES; t++) {
-		const struct lod_collapse_tile *tile = &atlas.tile[0][0] + t;
+	for (int s = 0; s < 5; s++)
+		for (uint32_t i = forest[s].leaves; i < forest[s].leaves + forest[s].made; i++) {
+			const struct lod_collapse_node *quad = &forest[s].node[i];
+			sum[quad->tile] += fmin(1, quad->opaque_area / quad->area);
+			quads_of[quad->tile]++;
+			assert_int_equal(quad->represents == 2, quad->tile < LOD_COLLAPSE_CLASS_TILES);
+		}
+	for (uint32_t t = 0; t < LOD_COLLAPSE_TILES; t++) {
+		const struct lod_collapse_tile *tile = &atlas.tile[t];
 		uint32_t opaque = 0, texels = tile->side * tile->side;
 		for (uint32_t i = 0; i < texels; i++)
 			opaque += atlas.image.rgba[4 * ((size_t)(tile->y + i / tile->side) * atlas.image.width

@@ -2,7 +2,6 @@
 #include "tests/bench/baseline/billboard_cloud.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "lod/build/model_draw.h"
@@ -10,7 +9,6 @@
 #include "lod/raster/texel.h"
 
 #define WELD_BITS 16u
-#define FLAT 0.05                    /* of the diagonal: lower plants are measured by that */
 #define RADIUS 0.05                  /* of influence in the density field */
 #define TEXEL (1.0 / 256)
 #define SIDE_MOST 1024u
@@ -20,24 +18,6 @@
 #define ERROR_MOST 0.5               /* with which epsilon is chosen: beyond it parts are mostly invalid */
 
 /* ---- A plant ---- */
-
-static void scale_model(struct lod_billboard_plant *p)
-{
-	const struct eco_model *model = p->model;
-	float low[3], high[3];
-	p->scaled = *model;
-	p->scaled.position = lod_arena_take(&p->arena, 3 * (size_t)model->vertex_count, sizeof(float));
-	p->unit = 1;
-	if (!lod_model_bounds(model, low, high))
-		return;
-	const struct lod_v3 size = lod_v3_sub(lod_v3_of(high), lod_v3_of(low));
-	double diagonal = lod_v3_length(size);
-	p->unit = size.z > FLAT * diagonal ? size.z : diagonal > 0 ? diagonal : 1;
-	p->middle = lod_v3_scale(lod_v3_add(lod_v3_of(low), lod_v3_of(high)), 0.5);
-	for (size_t i = 0; i < 3 * (size_t)model->vertex_count; i++)
-		p->scaled.position[i] = (float)(((double)model->position[i]
-			- lod_v3_axis(p->middle, (int)(i % 3))) / p->unit);
-}
 
 /* The sum over all other generators of (1 - (d / radius)^2)^2 within the radius (section 3.4). */
 static double density_at(const struct lod_keyed *items, const struct lod_v3 *generators, uint32_t count,
@@ -58,18 +38,17 @@ static double density_at(const struct lod_keyed *items, const struct lod_v3 *gen
 }
 
 /* Each node that has faces is a leaf or a piece of twig, and a generator of the density. */
-static void find_occlusion(struct lod_billboard_plant *p)
+static void find_occlusion(struct billboard_tree *tree, struct lod_arena *arena)
 {
-	struct billboard_tree *tree = &p->tree;
-	struct lod_arena_piece *mark = p->arena.last;
-	struct lod_keyed *items = lod_arena_take(&p->arena, tree->count, sizeof *items);
+	struct lod_arena_piece *mark = arena->last;
+	struct lod_keyed *items = lod_arena_take(arena, tree->count, sizeof *items);
 	uint32_t count = 0;
 	double most = 0;
 	for (uint32_t i = 0; i < tree->count; i++)
 		if (tree->area[i] > 0)
 			items[count++] = (struct lod_keyed){ billboard_cell(tree->center[i], RADIUS, 0, 0, 0),
 				i };
-	lod_sort(&p->arena, items, count);
+	lod_sort(arena, items, count);
 	for (uint32_t i = 0; i < tree->count; i++) {
 		tree->sigma[i] = tree->area[i] > 0 ? density_at(items, tree->center, count, tree->center[i])
 			: 0;
@@ -77,32 +56,26 @@ static void find_occlusion(struct lod_billboard_plant *p)
 	}
 	for (uint32_t i = 0; i < tree->count; i++)           /* from density to the share that is seen */
 		tree->sigma[i] = tree->sigma[i] > 0 ? 1 - tree->sigma[i] / most : 1;
-	lod_arena_release(&p->arena, mark);
+	lod_arena_release(arena, mark);
 }
 
-enum eco_code lod_billboard_plant_open(struct lod_billboard_plant **plant, const struct eco_model *model,
-	struct eco_error *error)
+struct lod_billboard_plant *lod_billboard_plant_make(const struct eco_model *model, struct lod_arena *arena)
 {
-	struct lod_billboard_plant *p = *plant = calloc(1, sizeof *p);
-	if (!p || setjmp(p->arena.failed)) {
-		lod_billboard_plant_close(p);
-		*plant = NULL;
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for billboards of %u triangles",
-			model->triangle_count);
-	}
+	struct lod_billboard_plant *p = lod_arena_take(arena, 1, sizeof *p);
+	struct eco_model scaled = *model;
+	float low[3] = { 0 }, high[3] = { 0 };
 	p->model = model;
-	scale_model(p);
-	lod_weld(&p->mesh, &p->scaled, WELD_BITS, &p->arena);
-	billboard_tree_make(&p->tree, &p->mesh, &p->arena);
-	find_occlusion(p);
-	return ECO_OK;
-}
-
-void lod_billboard_plant_close(struct lod_billboard_plant *plant)
-{
-	if (plant)
-		lod_arena_free(&plant->arena);
-	free(plant);
+	lod_model_bounds(model, low, high);
+	p->unit = high[2] > low[2] ? (double)high[2] - (double)low[2] : 1;
+	p->middle = lod_v3_scale(lod_v3_add(lod_v3_of(low), lod_v3_of(high)), 0.5);
+	scaled.position = lod_arena_take(arena, 3 * (size_t)model->vertex_count, sizeof(float));
+	for (size_t i = 0; i < 3 * (size_t)model->vertex_count; i++)
+		scaled.position[i] = (float)(((double)model->position[i]
+			- lod_v3_axis(p->middle, (int)(i % 3))) / p->unit);
+	lod_weld(&p->mesh, &scaled, WELD_BITS, arena);
+	billboard_tree_make(&p->tree, &p->mesh, arena);
+	find_occlusion(&p->tree, arena);
+	return p;
 }
 
 /* ---- Textures: faces seen straight onto a billboard, the nearest in front, texels opaque where their middle
@@ -183,11 +156,9 @@ static void paint_face(struct canvas *c, const struct billboard_face *face)
 			paint_texel(c, p, area, face->triangle, (uint32_t)x, (uint32_t)y);
 }
 
-/* The texture of the part's billboard number q. Adds the area of faces that no billboard holds to *invalid.
- * */
-static enum eco_code bake(struct lod_billboard *item, struct billboard_work *work,
-	const struct billboard_part *part, uint32_t q, uint32_t faces, double *invalid,
-		struct eco_error *error)
+/* The texture of the part's billboard q. Adds the area of faces that no billboard holds to *invalid. */
+static void bake(struct lod_billboard *item, struct billboard_work *work, const struct billboard_part *part,
+	uint32_t q, uint32_t faces, double *invalid, struct lod_arena *arena)
 {
 	const struct billboard_fit *fit = &part->fit;
 	const struct lod_billboard_plant *plant = work->plant;
@@ -199,9 +170,7 @@ static enum eco_code bake(struct lod_billboard *item, struct billboard_work *wor
 	item->image.width = side_of(c.quad->width);
 	item->image.height = side_of(c.quad->height);
 	size_t texels = (size_t)item->image.width * item->image.height;
-	item->image.rgba = calloc(texels, 4);
-	if (!item->image.rgba)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for textures of billboards");
+	item->image.rgba = lod_arena_take(arena, texels, 4);
 	c.front = lod_arena_take(work->arena, texels, sizeof *c.front);
 	for (uint32_t i = 0; i < faces; i++) {
 		const struct billboard_face *face = work->faces[i];
@@ -214,7 +183,6 @@ static enum eco_code bake(struct lod_billboard *item, struct billboard_work *wor
 			paint_face(&c, face);
 	}
 	lod_arena_release(work->arena, mark);
-	return ECO_OK;
 }
 
 /* ---- A cloud ---- */
@@ -238,60 +206,34 @@ static void settle(struct billboard_work *work)
 		billboard_parts_settle(work, rung[low]);
 }
 
-static enum eco_code bake_all(struct lod_billboard_cloud *cloud, struct billboard_work *work,
-	struct eco_error *error)
+void lod_billboard_cloud_make(struct lod_billboard_cloud *cloud, const struct lod_billboard_plant *plant,
+	uint32_t cap, struct lod_arena *arena)
 {
+	struct lod_arena scratch = { 0 };
+	struct billboard_work work;
 	double invalid = 0, area = 0;
-	enum eco_code code = ECO_OK;
-	cloud->items = calloc((size_t)work->quad_count + 1, sizeof *cloud->items);
-	if (!cloud->items)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u billboards", work->quad_count);
-	cloud->parts = work->part_count;
-	cloud->error = billboard_parts_error(work);
-	cloud->epsilon = work->epsilon;
-	for (uint32_t i = 0; i < work->part_count; i++) {
-		const struct billboard_part *part = &work->parts[i];
-		uint32_t faces = billboard_part_faces(work, part->root, work->plant->tree.face_count);
+	*cloud = (struct lod_billboard_cloud){ 0 };
+	if (!cap || !plant->tree.face_count)
+		return;
+	memcpy(&scratch.failed, &arena->failed, sizeof scratch.failed);
+	billboard_work_open(&work, plant, cap, &scratch);
+	settle(&work);
+	cloud->items = lod_arena_take(arena, work.quad_count, sizeof *cloud->items);
+	cloud->parts = work.part_count;
+	cloud->error = billboard_parts_error(&work);
+	cloud->epsilon = work.epsilon;
+	for (const struct billboard_part *part = work.parts; part < work.parts + work.part_count; part++) {
+		uint32_t faces = billboard_part_faces(&work, part->root, plant->tree.face_count);
 		cloud->forms[part->fit.form]++;
 		area += part->fit.area;
-		for (uint32_t q = 0; q < part->fit.quad_count && !code; q++) {
+		for (uint32_t q = 0; q < part->fit.quad_count; q++) {
 			struct lod_billboard *item = &cloud->items[cloud->count++];
-			code = bake(item, work, part, q, faces, &invalid, error);
+			bake(item, &work, part, q, faces, &invalid, arena);
 			cloud->texels += (size_t)item->image.width * item->image.height;
 		}
 	}
 	cloud->invalid = area > 0 ? invalid / area : 0;
-	return code;
-}
-
-enum eco_code lod_billboard_cloud_make(struct lod_billboard_cloud *cloud,
-	const struct lod_billboard_plant *plant, uint32_t cap, struct eco_error *error)
-{
-	struct lod_arena arena = { 0 };
-	struct billboard_work work;
-	memset(cloud, 0, sizeof *cloud);
-	if (!cap || !plant->tree.face_count)
-		return ECO_OK;
-	if (setjmp(arena.failed)) {
-		lod_arena_free(&arena);
-		lod_billboard_cloud_free(cloud);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a cloud of %u billboards", cap);
-	}
-	billboard_work_open(&work, plant, cap, &arena);
-	settle(&work);
-	enum eco_code code = bake_all(cloud, &work, error);
-	lod_arena_free(&arena);
-	if (code)
-		lod_billboard_cloud_free(cloud);
-	return code;
-}
-
-void lod_billboard_cloud_free(struct lod_billboard_cloud *cloud)
-{
-	for (uint32_t i = 0; i < cloud->count; i++)
-		free(cloud->items[i].image.rgba);
-	free(cloud->items);
-	memset(cloud, 0, sizeof *cloud);
+	lod_arena_free(&scratch);
 }
 
 void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, uint64_t owner,
@@ -305,13 +247,13 @@ void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, uint64_t 
 			struct lod_v3 p = lod_v3_add(item->center, lod_v3_add(
 				lod_v3_scale(item->u, 2 * corner[k][0] - 1),
 				lod_v3_scale(item->v, 2 * corner[k][1] - 1)));
-			position[3 * k] = (float)p.x, position[3 * k + 1] = (float)p.y;
-			position[3 * k + 2] = (float)p.z;
+			for (int axis = 0; axis < 3; axis++)
+				position[3 * k + axis] = (float)lod_v3_axis(p, axis);
 			/* the last texel, not the first of the next round */
 			uv[2 * k] = corner[k][0] ? 0.999999f : 0;
 			uv[2 * k + 1] = corner[k][1] ? 0.999999f : 0;
 		}
-		for (uint32_t k = 0; k < 2; k++)
+		for (uint32_t k = 0; k < 2; k++)     /* a batch counts its items */
 			lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = 1,
 				.position = position + 9 * k, .uv = uv + 6 * k, .cutout = &item->image,
 				.item = i, .owner = owner });

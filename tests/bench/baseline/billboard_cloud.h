@@ -1,11 +1,9 @@
 /* Billboard clouds of plants (Kratt, Coconu, Dapper, Schliep, Paar, Deussen 2014: Adaptive Billboard Clouds
  * for Botanical Tree Models). A baseline of ecobench.
  *
- *   lod_billboard_plant_open(&plant, &model, &error)                once a plant: its skeleton and density
- *   lod_billboard_cloud_make(&cloud, plant, cap, &error)            once a cap: an alternative, no prefix of
- *                                                                   the cloud of another cap
+ *   plant = lod_billboard_plant_make(&model, &arena)         once a plant: its skeleton and density
+ *   lod_billboard_cloud_make(&cloud, plant, cap, &arena)     once a cap: no prefix of another cap's
  *   lod_billboard_cloud_draw(&cloud, owner, &raster)
- *   lod_billboard_cloud_free(&cloud); lod_billboard_plant_close(plant);
  *
  * The plant becomes a tree of nodes, found from the mesh alone (3.1; billboard_skeleton.c). A part is a piece
  * of that tree, and stands as the billboards of one generator (3.3; billboard_fit.c). Parts are kept, split
@@ -50,23 +48,19 @@ struct lod_billboard_cloud {
 };
 
 struct lod_billboard_plant;
-/* ECO_NO_MEMORY, or ECO_OK for any model, also one without triangles. The model must outlive the plant. */
-enum eco_code lod_billboard_plant_open(struct lod_billboard_plant **plant, const struct eco_model *model,
-	struct eco_error *error);
-void lod_billboard_plant_close(struct lod_billboard_plant *plant);   /* NULL is fine */
+/* Of any model, also one without triangles; the model must outlive it. */
+struct lod_billboard_plant *lod_billboard_plant_make(const struct eco_model *model, struct lod_arena *arena);
 /* At most `cap` billboards, within the least epsilon of a ladder that leaves a mean error of at most .5.
  * Faces that no billboard holds within epsilon are drawn like the others: the paper does not say what becomes
  * of them. */
-enum eco_code lod_billboard_cloud_make(struct lod_billboard_cloud *cloud,
-	const struct lod_billboard_plant *plant, uint32_t cap, struct eco_error *error);
-void lod_billboard_cloud_free(struct lod_billboard_cloud *cloud);
+void lod_billboard_cloud_make(struct lod_billboard_cloud *cloud, const struct lod_billboard_plant *plant,
+	uint32_t cap, struct lod_arena *arena);
 
 /* Two triangles a billboard; items are numbered as in the cloud. */
 void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, uint64_t owner,
 	struct lod_raster *raster);
 
-/* ---- The steps and what they hand on: all lengths are shares of the plant's height, around its middle. A plant
- * that is lower than a twentieth of its diagonal is measured by its diagonal ---- */
+/* ---- The steps and what they hand on: lengths are shares of the plant's height, around its middle ---- */
 
 #define BILLBOARD_QUADS 4u           /* of a part; sections of a strip before some are merged */
 #define BILLBOARD_TOLERANCE 0.001    /* a part's error that is accepted */
@@ -113,9 +107,7 @@ struct billboard_tree {
 void billboard_tree_make(struct billboard_tree *tree, const struct lod_mesh *mesh, struct lod_arena *arena);
 
 struct lod_billboard_plant {
-	struct lod_arena arena;
 	const struct eco_model *model;
-	struct eco_model scaled;     /* the same in shares of its height; owns nothing */
 	struct lod_mesh mesh;
 	struct billboard_tree tree;
 	struct lod_v3 middle;        /* metres */
@@ -140,8 +132,7 @@ uint32_t billboard_fit(struct billboard_quad *quads, enum lod_billboard_form for
 
 /* Whether the face is valid; its nearest quad, and its area projected on that. */
 bool billboard_face_judge(const struct billboard_face *face, const struct billboard_quad *quads,
-	uint32_t count,
-	double epsilon, uint32_t *nearest, double *projected);
+	uint32_t count, double epsilon, uint32_t *nearest, double *projected);
 /* 1 - C / area of the faces, in [0, 1]. */
 double billboard_uncovered(const struct billboard_fit_input *input, const struct billboard_quad *quads,
 	uint32_t count);
@@ -174,6 +165,7 @@ struct billboard_work {              /* of one cloud */
 	struct billboard_part *parts;
 	uint32_t part_count, quad_count;
 	uint32_t *begins;            /* per node of the tree: the part that begins there, or ECO_NONE */
+	uint32_t *roots, root_count; /* of the first parts */
 	const struct billboard_face **faces;         /* scratch: of one part */
 	double *sum;                 /* scratch, per node */
 };

@@ -283,35 +283,31 @@ static uint32_t begin(struct billboard_work *w, const struct box *own, struct bo
 	return count;
 }
 
-/* The least box with parts for half the cap, in crosses all of it. */
-static uint32_t begin_all(struct billboard_work *w)
+/* The first parts are those of the least box with parts for half the cap, in crosses all of it. */
+void billboard_work_open(struct billboard_work *w, const struct lod_billboard_plant *plant,
+	uint32_t cap, struct lod_arena *arena)
 {
-	const struct billboard_tree *tree = &w->plant->tree;
-	struct lod_arena_piece *mark = w->arena->last;
-	struct box *own = lod_arena_take(w->arena, tree->count, sizeof *own),
-		*hangs = lod_arena_take(w->arena, tree->count, sizeof *hangs);
+	const struct billboard_tree *tree = &plant->tree;
+	struct box *own = lod_arena_take(arena, tree->count, sizeof *own),
+		*hangs = lod_arena_take(arena, tree->count, sizeof *hangs);
 	double low = 0, high = 64;
-	uint32_t wanted = w->cap / 2 > 1 ? w->cap / 2 : 1;
+	uint32_t wanted = cap / 2 > 1 ? cap / 2 : 1;
+	*w = (struct billboard_work){ .arena = arena, .plant = plant, .cap = cap,
+		.begins = lod_arena_take(arena, tree->count, sizeof *w->begins),
+		.roots = lod_arena_take(arena, tree->count, sizeof *w->roots),
+		.faces = lod_arena_take(arena, tree->face_count, sizeof *w->faces),
+		.sum = lod_arena_take(arena, tree->count, sizeof *w->sum) };
 	for (uint32_t i = 0; i < tree->count; i++)
 		own[i] = own_box(tree, i);
 	for (int step = 0; step < SEARCH_STEPS; step++) {
 		double middle = (low + high) / 2;
 		*(begin(w, own, hangs, middle) > wanted ? &low : &high) = middle;
 	}
-	uint32_t count = begin(w, own, hangs, high);
-	lod_arena_release(w->arena, mark);
-	return count;
-}
-
-void billboard_work_open(struct billboard_work *w, const struct lod_billboard_plant *plant,
-	uint32_t cap, struct lod_arena *arena)
-{
-	const struct billboard_tree *tree = &plant->tree;
-	*w = (struct billboard_work){ .arena = arena, .plant = plant, .cap = cap,
-		.begins = lod_arena_take(arena, tree->count, sizeof *w->begins),
-		.faces = lod_arena_take(arena, tree->face_count, sizeof *w->faces),
-		.sum = lod_arena_take(arena, tree->count, sizeof *w->sum) };
-	w->parts = lod_arena_take(arena, (size_t)begin_all(w) + cap + 1, sizeof *w->parts);
+	begin(w, own, hangs, high);
+	for (uint32_t i = 0; i < tree->count; i++)
+		if (w->begins[i] != ECO_NONE)
+			w->roots[w->root_count++] = i;
+	w->parts = lod_arena_take(arena, (size_t)w->root_count + cap + 1, sizeof *w->parts);
 }
 
 void billboard_parts_settle(struct billboard_work *w, double epsilon)
@@ -322,17 +318,15 @@ void billboard_parts_settle(struct billboard_work *w, double epsilon)
 		weight += tree->area[i] * tree->sigma[i];
 	w->epsilon = epsilon;
 	w->price = PRICE * weight / w->cap;
-	w->part_count = w->quad_count = 0;
-	begin_all(w);
-	for (uint32_t i = 0; i < tree->count; i++)
-		if (w->begins[i] != ECO_NONE)
-			w->parts[w->part_count++].root = i;
+	w->quad_count = 0;
+	w->part_count = w->root_count;
+	memset(w->begins, 0xff, tree->count * sizeof *w->begins);        /* ECO_NONE */
+	for (uint32_t i = 0; i < w->root_count; i++)
+		w->begins[w->roots[i]] = i;
 	for (uint32_t i = 0; i < w->part_count; i++) {
-		struct billboard_part *part = &w->parts[i];
-		w->begins[part->root] = i;
-		part->kept = part->merge_known = false;
-		fit_part(w, part->root, BILLBOARD_QUADS, &part->fit);
-		w->quad_count += part->fit.quad_count;
+		w->parts[i] = (struct billboard_part){ .root = w->roots[i] };
+		fit_part(w, w->roots[i], BILLBOARD_QUADS, &w->parts[i].fit);
+		w->quad_count += w->parts[i].fit.quad_count;
 	}
 	merge_down(w);
 	/* each step lowers the loss or keeps a part; more would be a matter of rounding */

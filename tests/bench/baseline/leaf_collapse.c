@@ -1,10 +1,9 @@
 /* The forest, its line of places, and sectors. A heap holds every leaf with its best partner. Where that
  * partner is gone by the time the leaf comes up, the next best is looked for then, and not before: the leaf's
- * cost only rises by that. A new quad looks for its best partner among all that are there. So the pair that
- * comes up is the cheapest of all. */
+ * cost only rises by that. A new quad looks for its best partner among all that are there. The pair that
+ * comes up is then the cheapest of all. */
 #include "tests/bench/baseline/leaf_collapse.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "lod/heap.h"
@@ -13,7 +12,6 @@
 #define CORNERS_MAX (2 * ECO_CORNERS_MAX)
 /* an axis shorter than that over the leaves' extent has no direction: corners are floats */
 #define COINCIDENT 1e-6
-#define CELLS_MOST 128.0         /* of the grid along an axis */
 
 const struct lod_collapse_options lod_collapse_defaults = { .weight = { 1, 0.25, 1, 0.5, 0.1 },
 	.distance_most = 0.12, .angle_most_rad = LOD_PI * 4 / 9 };
@@ -141,14 +139,14 @@ static uint32_t add_quad(struct lod_collapse *collapse, const struct lod_foliage
 	return id;
 }
 
-/* ---- The best partner: rings of cells of a grid around the leaf ---- */
+/* ---- The best partner: in the cells of a grid, as wide as partners may lie apart, around the leaf ---- */
 
 struct work {
 	struct lod_collapse *collapse;
 	const struct lod_foliage *leaves;
 	const struct lod_collapse_options *options;
-	struct lod_collapse_crown crown;
-	double low[3], side, most;   /* the grid's corner and cells; the greatest distance of partners */
+	double across, most;         /* the crown's radius around the axis; how far partners may lie apart */
+	struct lod_v3 low;           /* the grid's corner */
 	int cells[3];
 	uint32_t *head, *next;       /* per cell and node: lists of nodes */
 	bool *dead;                  /* per node */
@@ -187,37 +185,40 @@ static double cost_below(const struct work *w, const struct lod_collapse_node *a
 	double angle = angle_between(a->normal, b->normal);
 	if (angle > w->options->angle_most_rad)
 		return INFINITY;
-	return cost + weight[LOD_COLLAPSE_INTERIORITY] * (w->crown.across > 0
-		? from_axis(lod_v3_mix(a->center, b->center, 0.5)) / w->crown.across : 0)
+	return cost + weight[LOD_COLLAPSE_INTERIORITY] * (w->across > 0
+		? from_axis(lod_v3_mix(a->center, b->center, 0.5)) / w->across : 0)
 		+ weight[LOD_COLLAPSE_ANGLE] * angle / (LOD_PI / 2);
 }
 
-static void cell_of(const struct work *w, uint32_t id, int cell[3])
+static void cell_of(const struct work *w, struct lod_v3 at, int cell[3])
 {
-	for (int k = 0; k < 3; k++) {
-		double at = (lod_v3_axis(w->collapse->node[id].center, k) - w->low[k]) / w->side;
-		cell[k] = at > 0 ? at < w->cells[k] ? (int)at : w->cells[k] - 1 : 0;
-	}
+	for (int k = 0; k < 3; k++)
+		cell[k] = w->most > 0 ? (int)fmax(0, (lod_v3_axis(at, k) - lod_v3_axis(w->low, k)) / w->most)
+		: 0;
 }
 
-static uint32_t *list_at(const struct work *w, const int cell[3])
+/* NULL outside the grid. */
+static uint32_t *list_at(const struct work *w, int x, int y, int z)
 {
-	return &w->head[((size_t)cell[2] * w->cells[1] + cell[1]) * w->cells[0] + cell[0]];
+	if (x < 0 || y < 0 || z < 0 || x >= w->cells[0] || y >= w->cells[1] || z >= w->cells[2])
+		return NULL;
+	return &w->head[((size_t)z * (size_t)w->cells[1] + (size_t)y) * (size_t)w->cells[0] + (size_t)x];
 }
 
 static void put(struct work *w, uint32_t id)
 {
 	int cell[3];
-	cell_of(w, id, cell);
-	w->next[id] = *list_at(w, cell);
-	*list_at(w, cell) = id;
+	cell_of(w, w->collapse->node[id].center, cell);
+	uint32_t *list = list_at(w, cell[0], cell[1], cell[2]);
+	w->next[id] = *list;
+	*list = id;
 }
 
 /* Those that are gone leave the list on the way. */
 static void look_at(struct work *w, uint32_t self, uint32_t *list, double *cost)
 {
 	const struct lod_collapse_node *node = w->collapse->node;
-	while (*list != ECO_NONE) {
+	while (list && *list != ECO_NONE) {
 		uint32_t id = *list;
 		if (w->dead[id]) {
 			*list = w->next[id];
@@ -232,36 +233,16 @@ static void look_at(struct work *w, uint32_t self, uint32_t *list, double *cost)
 	}
 }
 
-/* Cells at `ring` cells from the middle along one axis at least. */
-static void look_around(struct work *w, uint32_t self, const int middle[3], int ring, double *cost)
-{
-	int low[3], high[3], cell[3];
-	for (int k = 0; k < 3; k++) {
-		low[k] = middle[k] > ring ? middle[k] - ring : 0;
-		high[k] = middle[k] + ring < w->cells[k] ? middle[k] + ring : w->cells[k] - 1;
-	}
-	for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
-		for (cell[1] = low[1]; cell[1] <= high[1]; cell[1]++) {
-			bool inside = abs(cell[2] - middle[2]) < ring && abs(cell[1] - middle[1]) < ring;
-			for (cell[0] = low[0]; cell[0] <= high[0]; cell[0]++)
-				if (!inside || abs(cell[0] - middle[0]) == ring)
-					look_at(w, self, list_at(w, cell), cost);
-		}
-}
-
 /* Finds the leaf's partner of least cost: the leaf stands in the heap with it, or leaves the heap without. */
 static void settle(struct work *w, uint32_t id, uint32_t at)
 {
-	const double *weight = w->options->weight;
-	double cost = INFINITY, per_m = w->most > 0 ? weight[LOD_COLLAPSE_DISTANCE] / w->most : 0, away = 0;
-	int middle[3];
+	double cost = INFINITY;
+	int cell[3];
 	w->partner[id] = ECO_NONE;
-	cell_of(w, id, middle);
-	/* no cell of the ring is nearer than ring - 1 cells; 1e-9: sums of costs are rounded */
-	for (int ring = 0; away <= w->most && away * per_m <= cost + 1e-9; ring++) {
-		look_around(w, id, middle, ring, &cost);
-		away = ring * w->side;
-	}
+	cell_of(w, w->collapse->node[id].center, cell);
+	for (int i = 0; i < 27; i++)
+		look_at(w, id, list_at(w, cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1),
+			&cost);
 	if (w->partner[id] != ECO_NONE)
 		w->heap[at] = (struct lod_heap_item){ -cost, id };
 	else
@@ -270,41 +251,21 @@ static void settle(struct work *w, uint32_t id, uint32_t at)
 
 /* ---- The forest ---- */
 
-static void find_extent(struct lod_collapse_crown *crown, struct work *w, uint32_t count)
+/* The extent of the crown, which costs and the grid are over. */
+static void measure(struct work *w, const struct lod_collapse_node *node, uint32_t count)
 {
-	struct lod_v3 low = { 0, 0, 0 }, high = low;
+	struct lod_v3 low = { INFINITY, INFINITY, INFINITY }, high = lod_v3_scale(low, -1);
 	for (uint32_t i = 0; i < count; i++) {
-		struct lod_v3 at = w->collapse->node[i].center;
-		low = i ? (struct lod_v3){ fmin(low.x, at.x), fmin(low.y, at.y), fmin(low.z, at.z) } : at;
-		high = i ? (struct lod_v3){ fmax(high.x, at.x), fmax(high.y, at.y), fmax(high.z, at.z) } : at;
-		crown->across = fmax(crown->across, from_axis(at));
+		struct lod_v3 at = node[i].center;
+		low = (struct lod_v3){ fmin(low.x, at.x), fmin(low.y, at.y), fmin(low.z, at.z) };
+		high = (struct lod_v3){ fmax(high.x, at.x), fmax(high.y, at.y), fmax(high.z, at.z) };
+		w->across = fmax(w->across, from_axis(at));
 	}
-	crown->radius = lod_v3_distance(low, high) / 2;
+	w->low = low;
+	w->most = w->options->distance_most * lod_v3_distance(low, high) / 2;
+	cell_of(w, high, w->cells);
 	for (int k = 0; k < 3; k++)
-		w->low[k] = lod_v3_axis(low, k);
-}
-
-static void make_grid(struct work *w, uint32_t count, size_t room, struct lod_arena *arena)
-{
-	struct lod_collapse_crown own = { 0 };
-	find_extent(&own, w, count);
-	w->crown = w->crown.radius > 0 ? w->crown : own;
-	w->most = w->options->distance_most * w->crown.radius;
-	w->side = fmax(w->most / 4, 2 * own.radius / CELLS_MOST);
-	w->side = w->side > 0 ? w->side : 1;
-	size_t cells = 1;
-	for (int k = 0; k < 3; k++) {
-		double high = w->low[k];
-		for (uint32_t i = 0; i < count; i++)
-			high = fmax(high, lod_v3_axis(w->collapse->node[i].center, k));
-		w->cells[k] = (int)((high - w->low[k]) / w->side) + 1;
-		cells *= (size_t)w->cells[k];
-	}
-	w->head = lod_arena_take(arena, cells, sizeof *w->head);
-	w->next = lod_arena_take(arena, room, sizeof *w->next);
-	memset(w->head, 0xff, cells * sizeof *w->head);          /* ECO_NONE */
-	for (uint32_t i = count; i-- > 0;)
-		put(w, i);
+		w->cells[k]++;
 }
 
 static void collapse_all(struct work *w)
@@ -346,88 +307,73 @@ static void place_all(struct lod_collapse *collapse, struct lod_arena *arena)
 	}
 }
 
-void lod_collapse_make(struct lod_collapse *collapse, const struct lod_foliage *leaves,
-	const struct lod_collapse_options *options, const uint32_t *leaf, uint32_t count,
-	const struct lod_collapse_crown *crown, struct lod_arena *arena)
+static void make_forest(struct work *w, struct lod_arena *arena)
 {
-	size_t n = leaf ? count : leaves->count, room = n ? 2 * n - 1 : 0;
-	uint32_t *own = lod_arena_take(arena, n, sizeof *own);
-	*collapse = (struct lod_collapse){ .leaves = (uint32_t)n, .leaf = own,
-		.node = lod_arena_take(arena, room, sizeof *collapse->node) };
-	for (uint32_t i = 0; i < n; i++) {
-		own[i] = leaf ? leaf[i] : i;
-		leaf_node(&collapse->node[i], leaves, own[i]);
-	}
 	struct lod_arena_piece *mark = arena->last;
-	struct work w = { .collapse = collapse, .leaves = leaves, .options = options ? options
-		: &lod_collapse_defaults, .heap = lod_arena_take(arena, n, sizeof *w.heap),
-		.partner = lod_arena_take(arena, room, sizeof *w.partner),
-		.dead = lod_arena_take(arena, room, sizeof *w.dead) };
-	if (crown)
-		w.crown = *crown;
-	make_grid(&w, (uint32_t)n, room, arena);
+	uint32_t n = w->collapse->leaves;
+	size_t cells = (size_t)w->cells[0] * (size_t)w->cells[1] * (size_t)w->cells[2];
+	w->head = lod_arena_take(arena, cells, sizeof *w->head);
+	w->next = lod_arena_take(arena, 2 * (size_t)n, sizeof *w->next);
+	w->dead = lod_arena_take(arena, 2 * (size_t)n, sizeof *w->dead);
+	w->partner = lod_arena_take(arena, 2 * (size_t)n, sizeof *w->partner);
+	w->heap = lod_arena_take(arena, n, sizeof *w->heap);
+	w->heap_count = 0;
+	memset(w->head, 0xff, cells * sizeof *w->head);          /* ECO_NONE */
+	for (uint32_t i = n; i-- > 0;)
+		put(w, i);
 	for (uint32_t i = 0; i < n; i++)
-		settle(&w, i, w.heap_count++);
-	lod_heap_make(w.heap, w.heap_count);
-	collapse_all(&w);
+		settle(w, i, w->heap_count++);
+	lod_heap_make(w->heap, w->heap_count);
+	collapse_all(w);
 	lod_arena_release(arena, mark);
-	place_all(collapse, arena);
+	place_all(w->collapse, arena);
 }
 
 /* ---- Sectors ---- */
 
 /* Grows with the angle around the axis, from 0 to 4, without libm. */
-static double turn_of(double x, double y)
+static double turn_of(struct lod_v3 at)
 {
-	double sum = fabs(x) + fabs(y), t = sum > 0 ? y / sum : 0;
-	return x < 0 ? 2 - t : t < 0 ? 4 + t : t;
+	double sum = fabs(at.x) + fabs(at.y), t = sum > 0 ? at.y / sum : 0;
+	return at.x < 0 ? 2 - t : t < 0 ? 4 + t : t;
 }
 
-static void sort_leaves(uint32_t *leaf, const double *key, uint32_t count, struct lod_arena *arena)
+static void sort_leaves(uint32_t *leaf, const struct lod_collapse_node *node, uint32_t count,
+	double (*key)(struct lod_v3 at), struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
 	struct lod_keyed *items = lod_arena_take(arena, count, sizeof *items);
 	for (uint32_t i = 0; i < count; i++)
-		items[i] = (struct lod_keyed){ lod_sort_key(key[leaf[i]]), leaf[i] };
+		items[i] = (struct lod_keyed){ lod_sort_key(key(node[leaf[i]].center)), leaf[i] };
 	lod_sort(arena, items, count);
 	for (uint32_t i = 0; i < count; i++)
 		leaf[i] = items[i].value;
 	lod_arena_release(arena, mark);
 }
 
-/* leaf[] becomes sector after sector. Writes the whole crown's extent. */
-static void divide(struct lod_collapse_sectors *sectors, const struct lod_foliage *leaves,
-	struct lod_collapse_crown *crown, struct lod_arena *arena)
+void lod_collapse_make(struct lod_collapse *forests, uint32_t sectors, const struct lod_foliage *leaves,
+	const struct lod_collapse_options *options, struct lod_arena *arena)
 {
-	uint32_t n = leaves->count;
-	struct lod_arena_piece *mark = arena->last;
-	struct lod_collapse all = { .node = lod_arena_take(arena, n, sizeof *all.node) };
-	double *away = lod_arena_take(arena, n, sizeof *away), *turn = lod_arena_take(arena, n, sizeof *turn);
+	uint32_t n = leaves->count, *leaf = lod_arena_take(arena, n, sizeof *leaf);
+	struct lod_collapse_node *node = lod_arena_take(arena, n, sizeof *node);
+	struct work w = { .leaves = leaves, .options = options ? options : &lod_collapse_defaults };
 	for (uint32_t i = 0; i < n; i++) {
-		leaf_node(&all.node[i], leaves, i);
-		struct lod_v3 at = all.node[i].center;
-		away[i] = at.x * at.x + at.y * at.y;
-		turn[i] = turn_of(at.x, at.y);
-		sectors->leaf[i] = i;
+		leaf[i] = i;
+		leaf_node(&node[i], leaves, i);
 	}
-	for (uint32_t s = 0; s <= sectors->count; s++)
-		sectors->first[s] = (uint32_t)((uint64_t)n * s / sectors->count);
-	sort_leaves(sectors->leaf, away, n, arena);
-	sort_leaves(sectors->leaf + sectors->first[1], turn, n - sectors->first[1], arena);
-	find_extent(crown, &(struct work){ .collapse = &all }, n);
-	lod_arena_release(arena, mark);
-}
-
-void lod_collapse_sectors_make(struct lod_collapse_sectors *sectors, uint32_t count,
-	const struct lod_foliage *leaves, const struct lod_collapse_options *options, struct lod_arena *arena)
-{
-	struct lod_collapse_crown crown = { 0 };
-	*sectors = (struct lod_collapse_sectors){ .count = count,
-		.first = lod_arena_take(arena, (size_t)count + 1, sizeof *sectors->first),
-		.leaf = lod_arena_take(arena, leaves->count, sizeof *sectors->leaf),
-		.forest = lod_arena_take(arena, count, sizeof *sectors->forest) };
-	divide(sectors, leaves, &crown, arena);
-	for (uint32_t s = 0; s < count; s++)
-		lod_collapse_make(&sectors->forest[s], leaves, options, sectors->leaf + sectors->first[s],
-			sectors->first[s + 1] - sectors->first[s], &crown, arena);
+	measure(&w, node, n);
+	if (sectors > 1) {
+		sort_leaves(leaf, node, n, from_axis, arena);
+		sort_leaves(leaf + n / sectors, node, n - n / sectors, turn_of, arena);
+	}
+	for (uint32_t s = 0; s < sectors; s++) {
+		uint32_t first = (uint32_t)((uint64_t)n * s / sectors),
+			count = (uint32_t)((uint64_t)n * (s + 1) / sectors) - first;
+		w.collapse = &forests[s];
+		forests[s] = (struct lod_collapse){ .leaves = count, .leaf = leaf + first,
+			.node = lod_arena_take(arena, 2 * (size_t)count, sizeof *node) };
+		for (uint32_t i = 0; i < count; i++)
+			forests[s].node[i] = node[leaf[first + i]];
+		make_forest(&w, arena);
+	}
 }

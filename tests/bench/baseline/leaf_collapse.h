@@ -1,9 +1,9 @@
 /* Leaf collapse (Hidalgo, Abad, Camahort, "Simplification for Efficient Rendering of Tree Foliage", 2007):
  * the two leaves whose cost is least become one quad, again and again. A baseline of ecobench.
  *
- *   lod_collapse_make(&collapse, &foliage, NULL, NULL, 0, NULL, &arena);      a binary forest
- *   level = &collapse.level[i];
- *   draw collapse.place[0 .. level->a) and collapse.place[level->b .. level->b + level->c)
+ *   lod_collapse_make(&forest, 1, &foliage, NULL, &arena);
+ *   level = &forest.level[i];
+ *   draw forest.place[0 .. level->a) and forest.place[level->b .. level->b + level->c)
  *
  * One array of places holds all levels: the original leaves in [0, leaves), the quads that collapses made in
  * [leaves, leaves + made). A level is two runs of it. The next finer level puts the children of one quad in
@@ -49,11 +49,12 @@ struct lod_collapse_node {
 	struct lod_v3 half[2];
 	double opaque_area;          /* the sum of all leaves that it stands for */
 	uint32_t child[2];           /* nodes, or ECO_NONE */
+	uint8_t tile;                /* of a quad, by lod_collapse_atlas_make */
 };
 
 struct lod_collapse_level { uint32_t a, b, c; };
 
-struct lod_collapse {                /* arrays of an arena */
+struct lod_collapse {                /* a binary forest; arrays of an arena */
 	uint32_t leaves, made;       /* originals; quads, in the order of their collapses */
 	const uint32_t *leaf;        /* node i < leaves is that leaf of the input */
 	struct lod_collapse_node *node;      /* leaves + made */
@@ -62,30 +63,19 @@ struct lod_collapse {                /* arrays of an arena */
 	uint32_t roots;
 };
 
-/* Extent of a crown, that costs are over. */
-struct lod_collapse_crown { double radius, across; };
+/* Sectors (section 4.1) have a forest each. Sector 0 holds the innermost leaves, the others are wedges around
+ * the axis, that of z. All have as many leaves, within one: so wedges are narrow where the foliage is dense.
+ * One sector has the leaves in their order. Costs and cut-offs are over the whole crown. Only first, corner
+ * and area of the foliage are read; area NULL: all is opaque. options NULL: lod_collapse_defaults. */
+void lod_collapse_make(struct lod_collapse *forests, uint32_t sectors, const struct lod_foliage *leaves,
+	const struct lod_collapse_options *options, struct lod_arena *arena);
 
-/* The tree's axis is that of z. Collapses the leaves leaf[0 .. count), or all for NULL. Only first, corner
- * and area of the foliage are read; area NULL: all is opaque. options NULL: lod_collapse_defaults. crown
- * NULL: that of these leaves. Near-linear in the count for leaves that are spread. */
-void lod_collapse_make(struct lod_collapse *collapse, const struct lod_foliage *leaves,
-	const struct lod_collapse_options *options, const uint32_t *leaf, uint32_t count,
-	const struct lod_collapse_crown *crown, struct lod_arena *arena);
-
-/* The corners of a node, in turn around it: 4 for a quad. Returns how many. */
-uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct lod_foliage *leaves,
+/* The corners of a node, in turn around it: 4 for a quad. Returns how many. leaves NULL: of a quad. */
+uint32_t lod_collapse_corners(const struct lod_collapse *forest, const struct lod_foliage *leaves,
 	uint32_t node, struct lod_v3 corner[ECO_CORNERS_MAX]);
 
-/* ---- Sectors (section 4.1): a forest each ---- */
-
-/* leaf[first[s] .. first[s + 1]) are the leaves of sector s. Sector 0 holds the innermost leaves, the others
- * are wedges around the axis. All have as many leaves, within one: so wedges are narrow where the foliage is
- * dense. Costs and cut-offs are over the whole crown. */
-struct lod_collapse_sectors { uint32_t count, *first, *leaf; struct lod_collapse *forest; };
-/* count >= 1. */
-void lod_collapse_sectors_make(struct lod_collapse_sectors *sectors, uint32_t count,
-	const struct lod_foliage *leaves, const struct lod_collapse_options *options,
-	struct lod_arena *arena);
+/* A leaf, a fan of corners, as a node that is opaque all over. */
+void lod_collapse_node_of(struct lod_collapse_node *node, const float (*corner)[3], uint32_t corners);
 
 /* ---- Textures (section 3.3, figure 2; leaf_collapse_atlas.c) ----
  *
@@ -99,6 +89,7 @@ void lod_collapse_sectors_make(struct lod_collapse_sectors *sectors, uint32_t co
 
 #define LOD_COLLAPSE_CLASSES 5u          /* 2, 3 to 4, 5 to 8, 9 to 32 and more leaves */
 #define LOD_COLLAPSE_CLASS_TILES 8u      /* of 128 x 128 texels in the first class, 64 x 64 in the others */
+#define LOD_COLLAPSE_TILES (LOD_COLLAPSE_CLASSES * LOD_COLLAPSE_CLASS_TILES)
 
 struct lod_collapse_tile {
 	uint32_t x, y, side;         /* in texels; side 0: no quad has it */
@@ -107,17 +98,13 @@ struct lod_collapse_tile {
 };
 struct lod_collapse_atlas {
 	struct eco_image image;      /* of the arena; alpha is 0 or 255 */
-	struct lod_collapse_tile tile[LOD_COLLAPSE_CLASSES][LOD_COLLAPSE_CLASS_TILES];
-	uint8_t **of;                /* per forest and quad: its tile, counted through all classes */
+	struct lod_collapse_tile tile[LOD_COLLAPSE_TILES];       /* class by class */
 };
-/* `count` forests of one tree share it. `shape`: a leaf of the tree; rgb: of the leaves. */
+/* The forests of one tree share it. shape: a leaf of the tree; rgb: of the leaves. Sets the quads' tiles. */
 void lod_collapse_atlas_make(struct lod_collapse_atlas *atlas, const struct lod_collapse *forests,
-	uint32_t count, const struct lod_fan *shape, const uint8_t rgb[3], struct lod_arena *arena);
+	uint32_t sectors, const struct lod_fan *shape, const uint8_t rgb[3], struct lod_arena *arena);
 
 /* Texture coordinates of a quad's corners, in the order of lod_collapse_corners. */
 void lod_collapse_atlas_uv(const struct lod_collapse_atlas *atlas, uint32_t tile, float uv[4][2]);
-
-/* A leaf, a fan of corners, as a node that is opaque all over. */
-void lod_collapse_node_of(struct lod_collapse_node *node, const float (*corner)[3], uint32_t corners);
 
 #endif

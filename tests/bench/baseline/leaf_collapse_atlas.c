@@ -86,24 +86,16 @@ static double density_of(const struct lod_collapse_node *quad)
 	return quad->area > 0 ? quad->opaque_area / quad->area : 0;
 }
 
-static struct bin *find_bin(struct count *count, const struct lod_collapse *c,
-	const struct lod_collapse_node *quad, double *distance, double *turn)
-{
-	*distance = *turn = 0;
-	if (quad->represents > 2)
-		return &count->bin[class_of(quad->represents)][bin_of(density_of(quad), DENSITIES)];
-	pose_of(c, quad, distance, turn);
-	return &count->bin[0][TURNS * bin_of(*distance / (DISTANCES * 0.25), DISTANCES)
-		+ bin_of(*turn / (LOD_PI / 2), TURNS)];
-}
-
 static void count_quads(struct count *count, const struct lod_collapse *c)
 {
 	for (uint32_t i = c->leaves; i < c->leaves + c->made; i++) {
 		const struct lod_collapse_node *quad = &c->node[i], *a = &c->node[quad->child[0]],
 			*b = &c->node[quad->child[1]];
 		double distance, turn, half = (lod_v3_length(a->half[0]) + lod_v3_length(b->half[0])) / 2;
-		struct bin *bin = find_bin(count, c, quad, &distance, &turn);
+		pose_of(c, quad, &distance, &turn);
+		struct bin *bin = &count->bin[class_of(quad->represents)][quad->represents > 2
+			? bin_of(density_of(quad), DENSITIES) : TURNS * bin_of(distance / (DISTANCES * 0.25),
+			DISTANCES) + bin_of(turn / (LOD_PI / 2), TURNS)];
 		bin->count++;
 		bin->area += quad->area;
 		bin->opaque += quad->opaque_area;
@@ -223,19 +215,19 @@ static void strewn_sheet(struct sheet *sheet, const struct bin *bin)
 
 /* ---- The atlas ---- */
 
-static void make_tile(struct lod_collapse_atlas *atlas, uint32_t class, uint32_t i, const struct bin *bin,
+static void make_tile(struct lod_collapse_atlas *atlas, uint32_t index, const struct bin *bin,
 	const struct shape *shape, const uint8_t rgb[3])
 {
-	bool texel[PAIR_SIDE * PAIR_SIDE];
+	bool texel[PAIR_SIDE * PAIR_SIDE], pair = index < LOD_COLLAPSE_CLASS_TILES;
 	struct sheet sheet;
-	uint32_t k = (class - 1) * LOD_COLLAPSE_CLASS_TILES + i, row = WIDTH / SIDE;
-	if (class)
-		strewn_sheet(&sheet, bin);
-	else
+	uint32_t k = index - LOD_COLLAPSE_CLASS_TILES, row = WIDTH / SIDE;
+	if (pair)
 		pair_sheet(&sheet, bin);
-	struct lod_collapse_tile *tile = &atlas->tile[class][i];
-	*tile = (struct lod_collapse_tile){ .x = class ? k % row * SIDE : i * PAIR_SIDE,
-		.y = class ? PAIR_SIDE + k / row * SIDE : 0, .side = sheet.side,
+	else
+		strewn_sheet(&sheet, bin);
+	struct lod_collapse_tile *tile = &atlas->tile[index];
+	*tile = (struct lod_collapse_tile){ .x = pair ? index * PAIR_SIDE : k % row * SIDE,
+		.y = pair ? 0 : PAIR_SIDE + k / row * SIDE, .side = sheet.side,
 		.density = bin->area > 0 ? fmin(1, bin->opaque / bin->area) : 1,
 		.distance = bin->distance / bin->count, .turn = bin->turn / bin->count };
 	paint_dense(&sheet, shape, tile->density, texel);
@@ -246,53 +238,47 @@ static void make_tile(struct lod_collapse_atlas *atlas, uint32_t class, uint32_t
 static uint8_t nearest(const struct lod_collapse_atlas *atlas, const struct lod_collapse *c,
 	const struct lod_collapse_node *quad)
 {
-	uint32_t class = class_of(quad->represents), best = 0;
+	uint32_t class = class_of(quad->represents), first = class * LOD_COLLAPSE_CLASS_TILES, best = first;
 	double density = quad->area > 0 ? fmin(1, density_of(quad)) : 1, distance, turn, least = INFINITY;
 	if (!class)
 		pose_of(c, quad, &distance, &turn);
-	for (uint32_t i = 0; i < LOD_COLLAPSE_CLASS_TILES && atlas->tile[class][i].side; i++) {
-		const struct lod_collapse_tile *tile = &atlas->tile[class][i];
+	for (uint32_t i = first; i < first + LOD_COLLAPSE_CLASS_TILES && atlas->tile[i].side; i++) {
+		const struct lod_collapse_tile *tile = &atlas->tile[i];
 		double off = class ? fabs(tile->density - density) : fabs(tile->distance - distance) / 0.25
 			+ fabs(tile->turn - turn) / (LOD_PI / 8);
-		if (off < least) {
-			least = off;
-			best = i;
-		}
+		best = off < least ? i : best;
+		least = fmin(off, least);
 	}
-	return (uint8_t)(class * LOD_COLLAPSE_CLASS_TILES + best);
+	return (uint8_t)best;
 }
 
 void lod_collapse_atlas_make(struct lod_collapse_atlas *atlas, const struct lod_collapse *forests,
-	uint32_t count, const struct lod_fan *leaf, const uint8_t rgb[3], struct lod_arena *arena)
+	uint32_t sectors, const struct lod_fan *leaf, const uint8_t rgb[3], struct lod_arena *arena)
 {
 	struct shape shape;
 	struct bin *bin;
-	*atlas = (struct lod_collapse_atlas){
-		.image = { WIDTH, HEIGHT, lod_arena_take(arena, (size_t)WIDTH * HEIGHT, 4) },
-		.of = lod_arena_take(arena, count, sizeof *atlas->of) };
 	struct count *counted = lod_arena_take(arena, 1, sizeof *counted);
-	for (uint32_t s = 0; s < count; s++)
+	*atlas = (struct lod_collapse_atlas){
+		.image = { WIDTH, HEIGHT, lod_arena_take(arena, (size_t)WIDTH * HEIGHT, 4) } };
+	for (uint32_t s = 0; s < sectors; s++)
 		count_quads(counted, &forests[s]);
 	make_shape(&shape, leaf, arena);
-	for (uint32_t class = 0; class < LOD_COLLAPSE_CLASSES; class++)
-		for (uint32_t i = 0; i < LOD_COLLAPSE_CLASS_TILES
-			&& (bin = commonest(counted->bin[class])); i++) {
-			make_tile(atlas, class, i, bin, &shape, rgb);
+	for (uint32_t i = 0; i < LOD_COLLAPSE_TILES; i++)
+		if ((bin = commonest(counted->bin[i / LOD_COLLAPSE_CLASS_TILES]))) {
+			make_tile(atlas, i, bin, &shape, rgb);
 			bin->count = 0;
 		}
-	for (uint32_t s = 0; s < count; s++) {
-		const struct lod_collapse *c = &forests[s];
-		atlas->of[s] = lod_arena_take(arena, c->made, sizeof **atlas->of);
-		for (uint32_t i = 0; i < c->made; i++)
-			atlas->of[s][i] = nearest(atlas, c, &c->node[c->leaves + i]);
-	}
+	for (uint32_t s = 0; s < sectors; s++)
+		for (uint32_t i = 0; i < forests[s].made; i++) {
+			struct lod_collapse_node *quad = &forests[s].node[forests[s].leaves + i];
+			quad->tile = nearest(atlas, &forests[s], quad);
+		}
 }
 
 /* A quarter of a texel inside, so that no sample falls into the tile beside it. */
 void lod_collapse_atlas_uv(const struct lod_collapse_atlas *atlas, uint32_t index, float uv[4][2])
 {
-	const struct lod_collapse_tile *tile = &atlas->tile[index / LOD_COLLAPSE_CLASS_TILES]
-		[index % LOD_COLLAPSE_CLASS_TILES];
+	const struct lod_collapse_tile *tile = &atlas->tile[index];
 	const double low[2] = { (tile->x + 0.25) / WIDTH, (tile->y + 0.25) / HEIGHT },
 		high[2] = { (tile->x + tile->side - 0.25) / WIDTH, (tile->y + tile->side - 0.25) / HEIGHT };
 	for (int k = 0; k < 4; k++) {

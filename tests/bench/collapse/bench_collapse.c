@@ -2,15 +2,15 @@
  * (2), an example of a chain and its table of levels (3, 4), sectors (6).
  *
  * The paper compares with nothing and gives no count of leaves, no time and no frame rate; its scenes of
- * millions of trees are a matter of the renderer. The section measures Q at equal vertices beside our orders and
- * splats: of levels drawn as the paper says (quads of the printed size), of levels whose quads are scaled as all
- * other methods here are, without textures, and by sectors that each have a level by how they face the eye.
- * Wood is drawn whole. Longer than 600 lines: the figures of one paper, from one study. */
+ * millions of trees are a matter of the renderer. The section measures Q at equal vertices beside our orders
+ * and splats: of levels drawn as the paper says (quads of the printed size), of levels whose quads are scaled
+ * as all other methods here are, without textures, and by sectors that each have a level by how they face the
+ * eye. Wood is drawn whole. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/base/random.h"
+#include "lod/raster/texel.h"
 #include "lod/sort.h"
 #include "tests/bench/bench_leaves.h"
 #include "tests/bench/collapse/bench_collapse.h"
@@ -27,16 +27,14 @@
 #define PIXELS 256u
 #define PASSES 8                         /* of giving what full sectors leave to the others */
 #define WEDGES BENCH_WEDGES
-#define READ_QUICK 3u
-#define MADE_QUICK 1u
 #define TOP_SIDE 512u
 #define DOT 5u                           /* pixels of a leaf seen from above */
 #define SHARES BENCH_SHARES
 static const uint8_t leaf_rgb[3] = { 76, 110, 40 };
 
-/* SCALED: quads at the scale that is best in other views; SOLID: and opaque. PRINTED: as large as the paper has
- * them. SECTORS: each sector has a level, the finer the more it faces the eye. SPLATS: of the whole plant, over
- * whole wood. */
+/* SCALED: quads at the scale that is best in other views; SOLID: and opaque. PRINTED: as large as the paper
+ * has them. SECTORS: each sector has a level, the finer the more it faces the eye. SPLATS: of the whole
+ * plant, over whole wood. */
 enum kind { SCALED, PRINTED, SOLID, SECTORS, SPLATS, KINDS };
 static const char *const kind_names[KINDS] = { "leaf collapse", "leaf collapse as printed",
 	"leaf collapse without textures", "leaf collapse by sectors", "splats" };
@@ -56,7 +54,7 @@ struct study {
 
 static uint32_t element_of(const struct bench_collapse *c, uint32_t sector, uint32_t node)
 {
-	const struct lod_collapse *forest = &c->sectors.forest[sector];
+	const struct lod_collapse *forest = &c->forest[sector];
 	return node < forest->leaves ? forest->leaf[node] : c->base[sector] + node - forest->leaves;
 }
 
@@ -71,81 +69,69 @@ static uint32_t median_leaf(const struct lod_foliage *f, struct lod_arena *arena
 }
 
 /* Vertices of every level: two runs; the first only grows. */
-static void count_vertices(struct bench_collapse *c, uint32_t sector, const struct lod_foliage *f,
+static uint64_t *count_vertices(struct bench_collapse *c, uint32_t sector, const struct lod_foliage *f,
 	struct lod_arena *arena)
 {
-	const struct lod_collapse *forest = &c->sectors.forest[sector];
-	uint64_t sum = 0;
-	uint32_t done = 0;
-	c->vertices[sector] = lod_arena_take(arena, (size_t)forest->made + 1, sizeof *c->vertices[sector]);
-	for (uint32_t row = 0; row <= forest->made; row++) {
-		for (; done < forest->level[row].a; done++) {
-			uint32_t leaf = element_of(c, sector, forest->place[done]);
-			sum += 3 * (f->first[leaf + 1] - f->first[leaf] - 2);
-		}
-		c->vertices[sector][row] = sum + 6 * (uint64_t)forest->level[row].c;
+	const struct lod_collapse *forest = &c->forest[sector];
+	uint64_t sum = 0, *vertices = lod_arena_take(arena, (size_t)forest->made + 1, sizeof *vertices);
+	for (uint32_t row = 0, done = 0; row <= forest->made; row++) {
+		for (; done < forest->level[row].a; done++)
+			sum += bench_leaves_vertices(f, &forest->leaf[forest->place[done]], 1);
+		vertices[row] = sum + 6 * (uint64_t)forest->level[row].c;
 	}
+	return vertices;
 }
 
-static void *grown(struct lod_arena *arena, const void *old, size_t count, size_t room, size_t size)
-{
-	void *array = lod_arena_take(arena, room, size);
-	memcpy(array, old, count * size);
-	return array;
-}
-
-static void fill_quad(const struct bench_collapse *c, uint32_t sector, uint32_t quad, bool solid,
-	struct lod_foliage *f)
-{
-	const struct lod_collapse *forest = &c->sectors.forest[sector];
-	const struct lod_collapse_node *node = &forest->node[forest->leaves + quad];
-	uint32_t i = c->base[sector] + quad, at = f->first[i];
-	struct lod_v3 corner[ECO_CORNERS_MAX];
-	f->first[i + 1] = at + lod_collapse_corners(forest, NULL, forest->leaves + quad, corner);
-	f->triangle_first[i + 1] = f->triangle_first[i] + 2;
-	for (uint32_t k = 0; k < 4; k++) {
-		float *to = f->corner[at + k];
-		to[0] = (float)corner[k].x, to[1] = (float)corner[k].y, to[2] = (float)corner[k].z;
-	}
-	lod_collapse_atlas_uv(&c->atlas, c->atlas.of[sector][quad], f->uv + at);
-	f->cutout[i] = solid ? NULL : &c->atlas.image;
-	f->center[i] = node->center;
-	f->normal[i] = lod_v3_scale(node->normal, node->area);
-	f->area[i] = node->opaque_area;
-}
+/* An array of foliage with room for more. */
+#define GROW(array, count, room) \
+	array = memcpy(lod_arena_take(arena, room, sizeof *(array)), array, (count) * sizeof *(array))
 
 void bench_collapse_grow(struct bench_collapse *c, uint32_t sectors, bool solid, struct lod_foliage *f,
 	struct lod_arena *arena)
 {
 	size_t n = f->count, quads = 0, corners = f->first[n];
-	lod_collapse_sectors_make(&c->sectors, sectors, f, NULL, arena);
-	for (uint32_t k = 0; k < sectors; k++) {
-		c->base[k] = (uint32_t)(n + quads);
-		quads += c->sectors.forest[k].made;
-		count_vertices(c, k, f, arena);
-	}
 	uint32_t leaf = median_leaf(f, arena);
 	const struct lod_fan shape = lod_foliage_fan(f, leaf);
-	lod_collapse_atlas_make(&c->atlas, c->sectors.forest, sectors, &shape, leaf_rgb, arena);
-	f->first = grown(arena, f->first, n + 1, n + quads + 1, sizeof *f->first);
-	f->triangle_first = grown(arena, f->triangle_first, n + 1, n + quads + 1, sizeof *f->triangle_first);
-	f->corner = grown(arena, f->corner, corners, corners + 4 * quads, sizeof *f->corner);
-	f->uv = grown(arena, f->uv, corners, corners + 4 * quads, sizeof *f->uv);
-	f->cutout = grown(arena, f->cutout, n, n + quads, sizeof *f->cutout);
+	c->sectors = sectors;
+	lod_collapse_make(c->forest, sectors, f, NULL, arena);
+	for (uint32_t k = 0; k < sectors; k++) {
+		c->base[k] = (uint32_t)(n + quads);
+		quads += c->forest[k].made;
+		c->vertices[k] = count_vertices(c, k, f, arena);
+	}
+	lod_collapse_atlas_make(&c->atlas, c->forest, sectors, &shape, leaf_rgb, arena);
+	GROW(f->first, n + 1, n + quads + 1);
+	GROW(f->triangle_first, n + 1, n + quads + 1);
+	GROW(f->corner, corners, corners + 4 * quads);
+	GROW(f->uv, corners, corners + 4 * quads);
+	GROW(f->cutout, n, n + quads);
 	if (f->mask)                             /* quads have none: their images are looked up */
-		f->mask = grown(arena, f->mask, n, n + quads, sizeof *f->mask);
-	f->center = grown(arena, f->center, n, n + quads, sizeof *f->center);
-	f->normal = grown(arena, f->normal, n, n + quads, sizeof *f->normal);
-	f->area = grown(arena, f->area, n, n + quads, sizeof *f->area);
-	for (uint32_t k = 0; k < sectors; k++)
-		for (uint32_t i = 0; i < c->sectors.forest[k].made; i++)
-			fill_quad(c, k, i, solid, f);
+		GROW(f->mask, n, n + quads);
+	GROW(f->center, n, n + quads);
+	GROW(f->normal, n, n + quads);
+	GROW(f->area, n, n + quads);
+	for (size_t i = n, k = 0, quad = 0; i < n + quads; i++, quad++) {
+		for (; quad == c->forest[k].made; k++)
+			quad = 0;
+		uint32_t at = f->first[i], id = c->forest[k].leaves + (uint32_t)quad;
+		const struct lod_collapse_node *node = &c->forest[k].node[id];
+		struct lod_v3 corner[ECO_CORNERS_MAX];
+		f->first[i + 1] = at + lod_collapse_corners(&c->forest[k], NULL, id, corner);
+		f->triangle_first[i + 1] = f->triangle_first[i] + 2;
+		for (int j = 0; j < 12; j++)
+			f->corner[at + (uint32_t)j / 3][j % 3] = (float)lod_v3_axis(corner[j / 3], j % 3);
+		lod_collapse_atlas_uv(&c->atlas, node->tile, f->uv + at);
+		f->cutout[i] = solid ? NULL : &c->atlas.image;
+		f->center[i] = node->center;
+		f->normal[i] = lod_v3_scale(node->normal, node->area);
+		f->area[i] = node->opaque_area;
+	}
 }
 
-uint64_t bench_collapse_level(const struct bench_collapse *c, uint32_t sector, double vertices, uint32_t *order,
-	uint32_t *count)
+uint64_t bench_collapse_level(const struct bench_collapse *c, uint32_t sector, double vertices,
+	uint32_t *order, uint32_t *count)
 {
-	const struct lod_collapse *forest = &c->sectors.forest[sector];
+	const struct lod_collapse *forest = &c->forest[sector];
 	uint32_t low = 0, high = forest->made;
 	while (low < high) {
 		uint32_t middle = (low + high + 1) / 2;
@@ -174,22 +160,23 @@ static double facing(const struct lod_collapse *forest, const struct lod_eye *ey
 }
 
 /* Vertices of each sector: by its weight and size, and none more than it has. */
-static void allocate(const struct bench_collapse *c, const struct lod_eye *eye, double vertices, double *given)
+static void allocate(const struct bench_collapse *c, const struct lod_eye *eye, double vertices,
+	double *given)
 {
 	double weight[WEDGES], all[WEDGES];
-	for (uint32_t k = 0; k < c->sectors.count; k++) {
-		const struct lod_collapse *forest = &c->sectors.forest[k];
+	for (uint32_t k = 0; k < c->sectors; k++) {
+		const struct lod_collapse *forest = &c->forest[k];
 		all[k] = (double)c->vertices[k][forest->made];
 		weight[k] = all[k] * (0.5 + (k ? facing(forest, eye) : 0));
 		given[k] = 0;
 	}
 	for (int pass = 0; pass < PASSES; pass++) {
 		double left = vertices, sum = 0;
-		for (uint32_t k = 0; k < c->sectors.count; k++) {
+		for (uint32_t k = 0; k < c->sectors; k++) {
 			left -= given[k];
 			sum += given[k] < all[k] ? weight[k] : 0;
 		}
-		for (uint32_t k = 0; k < c->sectors.count && sum > 0 && left > 0; k++)
+		for (uint32_t k = 0; k < c->sectors && sum > 0 && left > 0; k++)
 			if (given[k] < all[k])
 				given[k] = fmin(all[k], given[k] + left * weight[k] / sum);
 	}
@@ -205,7 +192,7 @@ static double q_of(struct study *s, const struct bench_collapse *c, double verti
 		double given[WEDGES];
 		uint64_t drawn = 0;
 		allocate(c, &sights->eyes[v], vertices, given);
-		for (uint32_t k = 0; k < c->sectors.count; k++)
+		for (uint32_t k = 0; k < c->sectors; k++)
 			drawn += bench_collapse_level(c, k, given[k], s->order, &drawing.count);
 		if ((double)drawn > vertices)
 			return NAN;
@@ -228,13 +215,13 @@ static double scaled_q(struct study *s, const struct bench_collapse *c, double v
 	return q_of(s, c, vertices, &s->tests, best_step);
 }
 
-static enum eco_code measure_splats(struct study *s, double q[SHARES], struct eco_error *error)
+static void measure_splats(struct study *s, double q[SHARES])
 {
 	struct lod_splats splats;
 	struct bench_splats drawn = { .items = lod_arena_take(&s->leaves->arena, SPLATS_MOST,
 		sizeof *drawn.items) };
-	enum eco_code code = lod_splats_fit(&splats, &s->leaves->model, &(struct lod_splats_options){ 0 }, error);
-	for (uint32_t i = 0; i < SHARES && !code && splats.level_count; i++) {
+	must(lod_splats_fit(&splats, &s->leaves->model, &(struct lod_splats_options){ 0 }, must_error));
+	for (uint32_t i = 0; i < SHARES && splats.level_count; i++) {
 		struct bench_wrong sum = { 0 };
 		bench_splats_state(&splats, (uint32_t)fmin(bench_shares[i] * s->all, SPLATS_MOST), &drawn);
 		for (uint32_t v = 0; v < s->tests.count; v++)
@@ -242,24 +229,28 @@ static enum eco_code measure_splats(struct study *s, double q[SHARES], struct ec
 				&sum);
 		q[i] = bench_wrong_q(&sum);
 	}
-	if (!code)
-		lod_splats_free(&splats);
-	return code;
+	lod_splats_free(&splats);
 }
 
 /* ---- Pictures ---- */
 
+static void write_picture(struct study *s, const char *what, uint32_t width, uint32_t height,
+	const uint8_t *rgb)
+{
+	char file[128];
+	snprintf(file, sizeof file, "collapse-%s-%s.png", s->name, what);
+	must(bench_picture_write(s->bench, file, width, height, rgb, must_error));
+}
+
 /* Figure 2, with the upper and left edges of tiles. */
-static enum eco_code draw_atlas(struct study *s, const struct lod_collapse_atlas *atlas,
-	struct eco_error *error)
+static void draw_atlas(struct study *s, const struct lod_collapse_atlas *atlas)
 {
 	static const uint8_t line[3] = { 40, 40, 40 };
 	const struct eco_image *image = &atlas->image;
 	uint8_t *rgb = lod_arena_take(&s->leaves->arena, (size_t)image->width * image->height, 3);
-	char file[128];
 	memset(rgb, 255, 3 * (size_t)image->width * image->height);
-	for (uint32_t t = 0; t < LOD_COLLAPSE_CLASSES * LOD_COLLAPSE_CLASS_TILES; t++) {
-		const struct lod_collapse_tile *tile = &atlas->tile[0][0] + t;
+	for (uint32_t t = 0; t < LOD_COLLAPSE_TILES; t++) {
+		const struct lod_collapse_tile *tile = &atlas->tile[t];
 		for (uint32_t i = 0; i < tile->side * tile->side; i++) {
 			uint32_t x = i % tile->side, y = i / tile->side;
 			size_t at = (size_t)(tile->y + y) * image->width + tile->x + x;
@@ -268,14 +259,12 @@ static enum eco_code draw_atlas(struct study *s, const struct lod_collapse_atlas
 				memcpy(rgb + 3 * at, edge ? line : image->rgba + 4 * at, 3);
 		}
 	}
-	snprintf(file, sizeof file, "collapse-%s-atlas.png", s->name);
-	return bench_picture_write(s->bench, file, image->width, image->height, rgb, error);
+	write_picture(s, "atlas", image->width, image->height, rgb);
 }
 
 /* Figure 6: leaves from above as dots, in the colours of their sectors. The innermost lies over the
  * others. */
-static enum eco_code draw_sectors(struct study *s, const struct lod_collapse_sectors *sectors,
-	struct eco_error *error)
+static void draw_sectors(struct study *s, const struct bench_collapse *c)
 {
 	static const uint8_t colors[WEDGES][3] = { { 60, 60, 60 }, { 214, 69, 65 }, { 244, 160, 60 },
 		{ 230, 210, 70 }, { 120, 180, 70 }, { 40, 140, 110 }, { 60, 150, 210 }, { 70, 80, 180 },
@@ -283,210 +272,150 @@ static enum eco_code draw_sectors(struct study *s, const struct lod_collapse_sec
 	const struct lod_foliage *f = &s->bare;
 	uint8_t *rgb = lod_arena_take(&s->leaves->arena, (size_t)TOP_SIDE * TOP_SIDE, 3);
 	double most = 0;
-	char file[128];
 	memset(rgb, 255, 3 * (size_t)TOP_SIDE * TOP_SIDE);
 	for (uint32_t i = 0; i < f->count; i++)
 		most = fmax(most, fmax(fabs(f->center[i].x), fabs(f->center[i].y)));
-	for (uint32_t k = sectors->count; k-- > 0;)
-		for (uint32_t i = DOT * DOT * sectors->first[k]; i < DOT * DOT * sectors->first[k + 1]; i++) {
-			struct lod_v3 at = f->center[sectors->leaf[i / (DOT * DOT)]];
+	for (uint32_t k = c->sectors; k-- > 0;)
+		for (uint32_t i = 0; i < DOT * DOT * c->forest[k].leaves; i++) {
+			struct lod_v3 at = f->center[c->forest[k].leaf[i / (DOT * DOT)]];
 			uint32_t x = (uint32_t)((1 + 0.96 * at.x / most) / 2 * (TOP_SIDE - DOT)) + i % DOT,
-				y = (uint32_t)((1 - 0.96 * at.y / most) / 2 * (TOP_SIDE - DOT)) + i / DOT % DOT;
+				y = (uint32_t)((1 - 0.96 * at.y / most) / 2 * (TOP_SIDE - DOT))
+				+ i / DOT % DOT;
 			memcpy(rgb + 3 * (y * TOP_SIDE + x), colors[k], 3);
 		}
-	snprintf(file, sizeof file, "collapse-%s-sectors.png", s->name);
-	return bench_picture_write(s->bench, file, TOP_SIDE, TOP_SIDE, rgb, error);
+	write_picture(s, "sectors", TOP_SIDE, TOP_SIDE, rgb);
 }
 
 /* ---- One plant ---- */
 
-static enum eco_code look(struct study *s, struct lod_sights *sights, uint32_t count, uint32_t seed,
-	struct eco_error *error)
-{
-	double to[VIEWS_MOST][3];
-	lod_directions_spread(to, count, seed);
-	return lod_sights_make(sights, &s->leaves->foliage, (const double (*)[3])to, count, PIXELS,
-		&s->leaves->arena, error);
-}
-
-/* A row of Q for each kind. */
-static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
-	struct eco_error *error)
+/* The unit: Q of each kind at each share. */
+static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 {
 	struct study *s = ctx;
+	double q[KINDS][SHARES] = { { 0 } };
 	s->leaves = leaves;
 	s->bare = leaves->foliage;
 	s->order = lod_arena_take(&leaves->arena, s->bare.count, sizeof *s->order);
 	s->factor = lod_arena_take(&leaves->arena, 2 * (size_t)s->bare.count, sizeof *s->factor);
-	enum eco_code code = look(s, &s->tuning, TUNING_VIEWS, TUNING_SEED, error);
-	code = code ? code : look(s, &s->tests, s->bench->full ? VIEWS_MOST : VIEWS_MOST / 2, TEST_SEED, error);
-	for (uint32_t i = 0; i < s->bare.count; i++)
-		s->all += 3 * (s->bare.first[i + 1] - s->bare.first[i] - 2);
-	*out = json_array();
-	for (int kind = 0; kind < KINDS && !code; kind++) {
+	s->all = (double)bench_leaves_vertices(&s->bare, NULL, s->bare.count);
+	bench_leaves_look(leaves, &s->tuning, TUNING_VIEWS, TUNING_SEED);
+	bench_leaves_look(leaves, &s->tests, s->bench->full ? VIEWS_MOST : VIEWS_MOST / 2, TEST_SEED);
+	for (int kind = SCALED; kind < SPLATS; kind++) {
 		struct bench_collapse crown;
-		double q[SHARES] = { 0 };
-		if (kind != SPLATS) {
-			leaves->foliage = s->bare;
-			bench_collapse_grow(&crown, kind == SECTORS ? WEDGES : 1, kind == SOLID, &leaves->foliage,
-				&leaves->arena);
-		}
-		for (uint32_t i = 0; i < SHARES && kind != SPLATS; i++)
-			q[i] = kind == SCALED || kind == SOLID ? scaled_q(s, &crown, bench_shares[i] * s->all)
+		leaves->foliage = s->bare;
+		bench_collapse_grow(&crown, kind == SECTORS ? WEDGES : 1, kind == SOLID, &leaves->foliage,
+			&leaves->arena);
+		for (uint32_t i = 0; i < SHARES; i++)
+			q[kind][i] = kind == SCALED || kind == SOLID ? scaled_q(s, &crown,
+			bench_shares[i] * s->all)
 				: q_of(s, &crown, bench_shares[i] * s->all, &s->tests, 0);
-		code = kind == SPLATS ? measure_splats(s, q, error)
-			: kind == SECTORS ? draw_sectors(s, &crown.sectors, error)
-			: kind == PRINTED ? draw_atlas(s, &crown.atlas, error) : ECO_OK;
-		json_array_append_new(*out, bench_reals(q, SHARES));
+		if (kind == SECTORS)
+			draw_sectors(s, &crown);
+		else if (kind == PRINTED)
+			draw_atlas(s, &crown.atlas);
 	}
-	return code;
+	measure_splats(s, q[SPLATS]);
+	return bench_reals(*q, KINDS * SHARES);
 }
 
 /* Rows: our orders, then kinds. */
 #define ROWS (BENCH_ORDERS + (int)KINDS)
 
-static enum eco_code study_plant(struct bench *bench, const struct bench_model *model,
-	double sum[ROWS][SHARES], struct eco_error *error)
+static void study_plant(struct bench *bench, const struct bench_model *model, double sum[ROWS][SHARES])
 {
-	char name[96], stamp[64], file[128];
-	json_t *unit;
+	char file[128];
 	struct bench_savings savings;
 	struct study s = { .bench = bench, .name = model->name };
-	snprintf(name, sizeof name, "collapse-%s", model->name);
-	snprintf(stamp, sizeof stamp, "%d %016llx", bench->full,
-		(unsigned long long)bench_file_hash(model->path));
-	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, PIXELS,
-		study_leaves, &s, NULL }, &unit, error);
-	code = code ? code : bench_savings_of(bench, &savings, model, error);
-	for (int row = 0; row < ROWS && !code; row++) {
-		double q[SHARES];
-		if (row >= BENCH_ORDERS)
-			bench_cells(json_array_get(unit, (size_t)(row - BENCH_ORDERS)), q, SHARES);
-		for (uint32_t i = 0; i < SHARES; i++)
-			sum[row][i] += row < BENCH_ORDERS ? savings.q[row][i] : q[i];
-	}
+	double q[ROWS][SHARES];
+	bench_cells(bench_leaves_unit(bench, "collapse", NULL, model, PIXELS, study_leaves, &s),
+		q[BENCH_ORDERS], KINDS * SHARES);
+	bench_savings_of(bench, &savings, model);
+	memcpy(q, savings.q, sizeof savings.q);
+	for (int i = 0; i < ROWS * (int)SHARES; i++)
+		sum[i / (int)SHARES][i % (int)SHARES] += q[i / (int)SHARES][i % (int)SHARES];
 	snprintf(file, sizeof file, "collapse-%s-atlas.png", model->name);
 	bench_picture(bench, file, "its atlas: pairs of leaves, then classes of counts by density");
 	snprintf(file, sizeof file, "collapse-%s-sectors.png", model->name);
 	bench_picture(bench, file, "its sectors from above");
-	return code;
 }
 
 /* ---- Figures 1, 3 and 4: made leaves ---- */
 
-#define FAR 1e4
 #define CHAIN_LEAVES 10u
 #define CROWN_RADIUS 5.0
 #define LEAF_HALF 0.05
+#define PAIR_HALF 1.83           /* metres from the middle of a panel to each side */
+#define FRAME 0.015
 
-/* A raster of square metres seen along `forward`, with `half` metres from the middle to each side. */
-static enum eco_code open_canvas(struct lod_raster *raster, uint32_t side, struct lod_v3 middle,
-	struct lod_v3 right, struct lod_v3 up, double half, struct eco_error *error)
+/* Whether a point lies in a polygon of four corners. */
+static bool is_inside(double corner[4][2], const double at[2])
 {
-	struct lod_v3 back = lod_v3_cross(right, up), at = lod_v3_add(middle, lod_v3_scale(back, FAR * half));
-	const struct lod_eye eye = { .at = { at.x, at.y, at.z }, .right = { right.x, right.y, right.z },
-		.up = { up.x, up.y, up.z }, .forward = { -back.x, -back.y, -back.z }, .tan_x = 1 / FAR,
-		.tan_y = 1 / FAR, .pixel_rad = 2 / FAR / side };
-	enum eco_code code = lod_raster_init(raster, &(struct lod_raster_options){ .width = side,
-		.height = side, .owner = true }, error);
-	if (code)
-		return code;
-	lod_raster_camera(raster, &eye, half);
-	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-	return ECO_OK;
+	bool inside = false;
+	for (int i = 0, k = 3; i < 4; k = i++)
+		if ((corner[i][1] > at[1]) != (corner[k][1] > at[1]) && at[0] < corner[i][0] + (corner[k][0]
+				- corner[i][0]) * (at[1] - corner[i][1]) / (corner[k][1] - corner[i][1]))
+			inside = !inside;
+	return inside;
 }
 
-/* Colours by owner, from 1; white where nothing is. */
-static void paint_canvas(const struct lod_raster *raster, const uint8_t (*colors)[3], uint8_t *rgb,
-	size_t stride)
+/* Whether it lies within a rectangle, `rim` from its edges. */
+static bool is_within(const double low[2], const double high[2], double rim, const double at[2])
 {
-	static const uint8_t white[3] = { 255, 255, 255 };
-	for (size_t i = 0; i < (size_t)raster->width * raster->height; i++)
-		memcpy(rgb + 3 * (i / raster->width * stride + i % raster->width), raster->owner[i]
-			? colors[raster->owner[i] - 1] : white, 3);
+	return at[0] >= low[0] + rim && at[0] <= high[0] - rim && at[1] >= low[1] + rim && at[1] <= high[1]
+		- rim;
 }
 
-static void draw_quad(struct lod_raster *raster, const struct lod_v3 corner[4], const float (*uv)[2],
-	const struct eco_image *cutout, uint64_t owner)
-{
-	float position[18], at[12];
-	for (uint32_t i = 0; i < 6; i++) {
-		static const uint32_t which[6] = { 0, 1, 2, 0, 2, 3 };
-		struct lod_v3 p = corner[which[i]];
-		position[3 * i] = (float)p.x, position[3 * i + 1] = (float)p.y, position[3 * i
-			+ 2] = (float)p.z;
-		for (int k = 0; k < 2; k++)
-			at[2 * i + (uint32_t)k] = uv ? uv[which[i]][k] : 0;
-	}
-	lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = 2, .position = position, .uv = at,
-		.cutout = cutout, .owner = owner });
-}
-
-/* A rectangle in the plane of the quad and before it, as four thin quads. */
-static void draw_frame(struct lod_raster *raster, const struct lod_collapse_node *quad, const double low[2],
-	const double high[2], uint64_t owner)
-{
-	struct lod_v3 axis[2] = { lod_v3_unit(quad->half[0]), lod_v3_unit(quad->half[1]) },
-		front = lod_v3_add(quad->center, lod_v3_cross(axis[0], axis[1]));
-	for (int side = 0; side < 4; side++) {
-		double from[2] = { low[0], low[1] }, to[2] = { high[0], high[1] };
-		*(side % 2 ? &from[side / 2] : &to[side / 2]) = side % 2 ? high[side / 2] - 0.015
-			: low[side / 2] + 0.015;
-		struct lod_v3 corner[4];
-		for (int k = 0; k < 4; k++)
-			corner[k] = lod_v3_add(front, lod_v3_add(lod_v3_scale(axis[0], k == 1 || k == 2
-				? to[0]
-				: from[0]), lod_v3_scale(axis[1], k < 2 ? from[1] : to[1])));
-		draw_quad(raster, corner, NULL, NULL, owner);
-	}
-}
-
-/* Figure 1: two leaves; what encloses them and the quad in their place; the quad with its texture. */
-static enum eco_code paint_pair(uint8_t *rgb, struct lod_arena *arena, struct eco_error *error)
+/* Figure 1, seen straight onto the quad: two leaves; what encloses them and the quad in their place; the quad
+ * with its texture. */
+static void write_pair(struct bench *bench, struct lod_arena *arena)
 {
 	static float corner[8][3] = { { -1.1f, 0, 0 }, { -0.5f, -0.35f, 0.1f }, { 0.3f, 0, 0 },
 		{ -0.5f, 0.35f, 0.1f }, { 0.5f, -0.5f, 0 }, { 1.0f, 0.1f, -0.2f }, { 0.9f, 0.9f, -0.1f },
 		{ 0.4f, 0.3f, 0.1f } };
 	static uint32_t first[3] = { 0, 4, 8 };
-	static const uint8_t colors[3][3] = { { 88, 132, 48 }, { 40, 40, 40 }, { 200, 60, 40 } };
+	static const uint8_t colors[4][3] = { { 255, 255, 255 }, { 88, 132, 48 }, { 40, 40, 40 }, { 200, 60,
+		40 } };
 	const struct lod_foliage leaves = { .count = 2, .first = first, .corner = corner };
+	const struct lod_fan shape = { .corner = (const float (*)[3])corner, .corners = 4 };
 	struct lod_collapse c;
 	struct lod_collapse_atlas atlas;
-	struct lod_raster raster;
-	lod_collapse_make(&c, &leaves, &(struct lod_collapse_options){ .distance_most = 9,
-		.angle_most_rad = LOD_PI / 2 }, NULL, 0, NULL, arena);
-	lod_collapse_atlas_make(&atlas, &c, 1, &(struct lod_fan){ .corner = (const float (*)[3])corner,
-		.corners = 4 }, colors[0],
-		arena);
+	uint8_t *rgb = lod_arena_take(arena, 3 * (size_t)PIXELS * PIXELS, 3);
+	lod_collapse_make(&c, 1, &leaves, &(struct lod_collapse_options){ .distance_most = 9,
+		.angle_most_rad = LOD_PI / 2 }, arena);
+	lod_collapse_atlas_make(&atlas, &c, 1, &shape, colors[1], arena);
 	const struct lod_collapse_node *quad = &c.node[2];
-	struct lod_v3 p[3][ECO_CORNERS_MAX], right = lod_v3_unit(quad->half[0]),
-		up = lod_v3_unit(quad->half[1]);
-	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY },
+	double flat[2][4][2], low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY },
 		half[2] = { lod_v3_length(quad->half[0]), lod_v3_length(quad->half[1]) };
-	enum eco_code code = open_canvas(&raster, PIXELS, quad->center, right, up, 1.83, error);
-	for (uint32_t i = 0; i < 3; i++)
-		for (uint32_t k = 0; k < lod_collapse_corners(&c, &leaves, i, p[i]) && i < 2; k++)
-			for (int a = 0; a < 2; a++) {
-				double at = lod_v3_dot(lod_v3_sub(p[i][k], quad->center), a ? up : right);
-				low[a] = fmin(low[a], at);
-				high[a] = fmax(high[a], at);
-			}
-	for (size_t panel = 0; panel < 3 && !code; panel++) {
-		float uv[4][2];
-		lod_raster_clear(&raster);
-		lod_collapse_atlas_uv(&atlas, atlas.of[0][0], uv);
-		for (uint32_t i = 0; i < 2 && panel < 2; i++)
-			draw_quad(&raster, p[i], NULL, NULL, 1);
-		if (panel == 1)
-			draw_frame(&raster, quad, low, high, 2);
-		if (panel == 2)
-			draw_quad(&raster, p[2], (const float (*)[2])uv, &atlas.image, 1);
-		if (panel)
-			draw_frame(&raster, quad, (const double[2]){ -half[0], -half[1] }, half, 3);
-		paint_canvas(&raster, colors, rgb + 3 * panel * PIXELS, 3 * (size_t)PIXELS);
+	for (int i = 0; i < 16; i++) {
+		double *at = &flat[i / 8][i / 2 % 4][i % 2];
+		*at = lod_v3_dot(lod_v3_sub(lod_v3_of(corner[i / 2]), quad->center),
+			lod_v3_unit(quad->half[i % 2]));
+		low[i % 2] = fmin(low[i % 2], *at);
+		high[i % 2] = fmax(high[i % 2], *at);
 	}
-	lod_raster_free(&raster);
-	return code;
+	float uv[4][2];
+	lod_collapse_atlas_uv(&atlas, quad->tile, uv);
+	for (uint32_t i = 0; i < 3 * PIXELS * PIXELS; i++) {
+		uint32_t panel = i / PIXELS % 3, color = 0;
+		const double at[2] = { PAIR_HALF * (2 * (i % PIXELS + 0.5) / PIXELS - 1),
+			PAIR_HALF * (1 - 2 * (i / (3 * PIXELS) + 0.5) / PIXELS) }, least[2] = { -half[0],
+			-half[1] };
+		if (panel < 2)
+			color = is_inside(flat[0], at) || is_inside(flat[1], at);
+		else if (is_within(least, half, 0, at))
+			color = lod_texel_at(&atlas.image, uv[0][0] + (at[0] / half[0] + 1) / 2
+				* (double)(uv[2][0] - uv[0][0]), uv[0][1] + (at[1] / half[1] + 1) / 2
+				* (double)(uv[2][1] - uv[0][1]))[3] > 0;
+		if (panel == 1 && is_within(low, high, 0, at) && !is_within(low, high, FRAME, at))
+			color = 2;
+		if (panel && is_within(least, half, 0, at) && !is_within(least, half, FRAME, at))
+			color = 3;
+		memcpy(rgb + 3 * (size_t)i, colors[color], 3);
+	}
+	must(bench_picture_write(bench, "collapse-pair.png", 3 * PIXELS, PIXELS, rgb, must_error));
+	bench_picture(bench, "collapse-pair.png", "two leaves; what encloses them (dark) and the "
+		"quad (red), whose area is the mean of both areas' sum and of what encloses them; "
+		"the quad with its texture");
 }
 
 static double dice(uint64_t *state) { return 2 * eco_random_unit(eco_random_next(state)) - 1; }
@@ -500,14 +429,12 @@ static void strew(uint64_t *state, float corner[4][3])
 		at = (struct lod_v3){ dice(state), dice(state), dice(state) };
 	while (lod_v3_dot(at, at) > 1);
 	n = (struct lod_v3){ dice(state), dice(state), dice(state) };
-	struct lod_v3 along = lod_v3_scale(lod_v3_unit(lod_v3_cross(n, (struct lod_v3){ 0, 0, 1 })),
-		LEAF_HALF),
-		across = lod_v3_scale(lod_v3_unit(lod_v3_cross(n, along)), LEAF_HALF);
-	for (uint32_t k = 0; k < 4; k++) {
-		struct lod_v3 p = lod_v3_add(lod_v3_scale(at, CROWN_RADIUS), lod_v3_add(lod_v3_scale(along,
-			sign[k][0]), lod_v3_scale(across, sign[k][1])));
-		corner[k][0] = (float)p.x, corner[k][1] = (float)p.y, corner[k][2] = (float)p.z;
-	}
+	struct lod_v3 along = lod_v3_unit(lod_v3_cross(n, (struct lod_v3){ 0, 0, 1 })),
+		across = lod_v3_unit(lod_v3_cross(n, along));
+	for (int i = 0; i < 12; i++)
+		corner[i / 3][i % 3] = (float)(CROWN_RADIUS * lod_v3_axis(at, i % 3)
+		+ LEAF_HALF * (sign[i / 3][0]
+			* lod_v3_axis(along, i % 3) + sign[i / 3][1] * lod_v3_axis(across, i % 3)));
 }
 
 /* Numbers up to 9 are leaves, the others quads in the order of their collapses. */
@@ -526,9 +453,8 @@ static void write_chain(struct bench *bench, struct lod_arena *arena)
 		strew(&state, corner + 4 * i);
 		first[i + 1] = 4 * (i + 1);
 	}
-	lod_collapse_make(&c, &(struct lod_foliage){ .count = CHAIN_LEAVES, .first = first,
-		.corner = corner },
-		&options, NULL, 0, NULL, arena);
+	lod_collapse_make(&c, 1, &(struct lod_foliage){ .count = CHAIN_LEAVES, .first = first, .corner
+		= corner }, &options, arena);
 	for (uint32_t i = 0; i <= c.made; i++) {
 		const struct lod_collapse_level *l = &c.level[i];
 		char run[2][128] = { "", "" };
@@ -543,34 +469,16 @@ static void write_chain(struct bench *bench, struct lod_arena *arena)
 	bench_table_close(table);
 }
 
-static enum eco_code write_made(struct bench *bench, struct eco_error *error)
-{
-	struct lod_arena arena = { 0 };
-	if (setjmp(arena.failed)) {
-		lod_arena_free(&arena);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for some leaves");
-	}
-	uint8_t *rgb = lod_arena_take(&arena, 3 * (size_t)PIXELS * PIXELS, 3);
-	enum eco_code code = paint_pair(rgb, &arena, error);
-	code = code ? code : bench_picture_write(bench, "collapse-pair.png", 3 * PIXELS, PIXELS, rgb, error);
-	bench_picture(bench, "collapse-pair.png", "two leaves; what encloses them (dark) and the "
-		"quad (red), whose area is the mean of both areas' sum and of what encloses them; "
-		"the quad with its texture");
-	write_chain(bench, &arena);
-	lod_arena_free(&arena);
-	return code;
-}
-
 /* A mean is NaN if one plant has no figure. */
-static enum eco_code write_means(struct bench *bench, double sum[ROWS][SHARES], uint32_t plants,
-	struct eco_error *error)
+static void write_means(struct bench *bench, double sum[ROWS][SHARES], uint32_t plants)
 {
 	struct bench_series series[ROWS];
 	uint32_t plotted = 0;
 	struct bench_table *table = bench_table_open(bench, "collapse_means", "method,Q at 2 %,Q at 5 %,Q at "
 		"10 %,Q at 20 %,Q at 30 %,Q at 50 % of the vertices,plants", true);
 	for (int row = 0; row < ROWS; row++) {
-		const char *name = row < BENCH_ORDERS ? bench_order_names[row] : kind_names[row - BENCH_ORDERS];
+		const char *name = row < BENCH_ORDERS ? bench_order_names[row] : kind_names[row
+			- BENCH_ORDERS];
 		double *q = sum[row];
 		for (uint32_t i = 0; i < SHARES; i++)
 			q[i] /= plants;
@@ -583,36 +491,35 @@ static enum eco_code write_means(struct bench *bench, double sum[ROWS][SHARES], 
 	bench_table_close(table);
 	bench_key(bench, "collapse_q_10", sum[BENCH_ORDERS + SCALED][2],
 		"Q of leaf collapse at 10 % of the vertices");
-	bench_say(bench, "Orders, leaf collapse and its quads without textures each have their best scale. Rows as "
-		"printed and by sectors have the paper's sizes, which are too large: quads reach beyond the crown. "
-		"Splats show wood and leaves, one vertex each, over wood that is drawn whole as in all other rows. "
+	bench_say(bench,
+		"Orders, leaf collapse and its quads without textures each have their best scale. Rows as "
+		"printed and by sectors have the paper's sizes, which are too large: quads reach beyond the "
+		"crown. "
+		"Splats show wood and leaves, one vertex each, over wood that is drawn whole as in all other "
+		"rows. "
 		"There is no figure where a coarsest level has more vertices than asked for.");
-	return bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, "
+	must(bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, "
 		"mean over plants", .x = "share of the vertices", .y = "Q", .log_x = true, .series = series,
-		.series_count = plotted }, error);
+		.series_count = plotted }, must_error));
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void show(struct bench *bench)
 {
-	struct bench_model *models = NULL;
-	uint32_t count = 0, done[2] = { 0 };
+	struct lod_arena arena = { 0 };
 	double sum[ROWS][SHARES] = { { 0 } };
-	enum eco_code code = write_made(bench, error);
-	code = code ? code : bench_models(bench, &models, &count, error);
-	for (uint32_t i = 0; i < count && !code; i++) {
-		bool made = models[i].generated;
-		if (models[i].leaves < BENCH_ELEMENTS_LEAST)
-			continue;
-		if (!bench->full && done[made] >= (made ? MADE_QUICK : READ_QUICK)) {
-			bench_left_out(bench, models[i].name);
-			continue;
-		}
-		bench_progress(bench, (double)i / count, models[i].name);
-		code = study_plant(bench, &models[i], sum, error);
-		done[made]++;
+	struct bench_walk walk = { .bench = bench, .leaves = BENCH_ELEMENTS_LEAST, .most = UINT32_MAX, .quick
+		= 3, .quick_made = 1 };
+	must_have(&arena);
+	write_pair(bench, &arena);
+	write_chain(bench, &arena);
+	lod_arena_free(&arena);
+	for (const struct bench_model *model; (model = bench_walk(&walk));) {
+		study_plant(bench, model, sum);
+		walk.found[model->generated]++;
 	}
-	free(models);
-	return code ? code : write_means(bench, sum, done[0] + done[1], error);
+	write_means(bench, sum, walk.found[0] + walk.found[1]);
 }
+
+static enum eco_code run(struct bench *bench, struct eco_error *error) { return must_do(show, bench, error); }
 
 const struct bench_section bench_collapse = { "collapse", "Leaf collapse against orders and splats", run };

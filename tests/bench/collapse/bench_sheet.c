@@ -2,7 +2,6 @@
  * beside ours at as many vertices. A row of cells is a picture of its own. Wood, leaves and billboards are
  * drawn in plain colours, and triangles of ours by how they face the eye. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/ecopack/export/plant_view.h"
@@ -16,8 +15,6 @@
 #define BACKGROUND 236
 #define GAP 8u
 #define LEAVES_LEAST 500u
-#define PLANTS 8u
-#define PLANTS_QUICK 2u
 
 /* Levels of leaf collapse by their share of the leaves' vertices, clouds by their cap. */
 static const struct { const char *title; double share; uint32_t cap; } columns[] = {
@@ -27,7 +24,7 @@ static const struct { const char *title; double share; uint32_t cap; } columns[]
 #define CELLS (2 * COLUMNS)      /* theirs, ours */
 #define WIDTH (GAP + (1 + (uint32_t)CELLS) * (PIXELS + GAP))
 
-struct cell { uint64_t vertices; double q; };
+struct cell { double vertices, q; };
 struct row {
 	struct bench *bench;
 	const char *name, *pack;
@@ -77,15 +74,12 @@ static void color_of(const struct plant_view *view, const struct plant_view_batc
 		rgb[k] = (uint8_t)(light * rgb[k]);
 }
 
-static enum eco_code draw_ours(struct row *r, uint32_t place, uint64_t vertices, struct cell *cell,
-	struct eco_error *error)
+static void draw_ours(struct row *r, uint32_t place, uint64_t vertices, struct cell *cell)
 {
 	struct lod_raster *ids = &r->ids;
 	struct plant_view_drawing drawing;
-	enum eco_code code = plant_view_drawing_make(&drawing, &r->plant, vertices, error);
-	if (code)
-		return code;
-	*cell = (struct cell){ drawing.vertices, plant_view_q(&r->plant, &drawing) };
+	must(plant_view_drawing_make(&drawing, &r->plant, vertices, must_error));
+	*cell = (struct cell){ (double)drawing.vertices, plant_view_q(&r->plant, &drawing) };
 	plant_view_raster(ids, &r->plant, &r->plant.eye, &drawing, true);
 	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
 		uint32_t primitive = (uint32_t)ids->owner[i] - 1, n = 0;
@@ -98,7 +92,6 @@ static enum eco_code draw_ours(struct row *r, uint32_t place, uint64_t vertices,
 			pixel_of(r, place, i));
 	}
 	plant_view_drawing_free(&drawing);
-	return ECO_OK;
 }
 
 static double score(const struct row *r, const uint8_t *cover)
@@ -137,152 +130,112 @@ static struct cell draw_level(struct row *r, double share, uint32_t place)
 			memcpy(pixel_of(r, place, i), colors[wood], 3);
 		r->ids.cover[i] |= word >> i % PIXELS % 64 & 1;
 	}
-	return (struct cell){ vertices + 3 * leaves->foliage.wood_count, score(r, r->ids.cover) };
+	return (struct cell){ (double)(vertices + 3 * leaves->foliage.wood_count), score(r, r->ids.cover) };
 }
 
-static enum eco_code draw_cloud(struct row *r, uint32_t cap, uint32_t place, struct cell *cell,
-	struct eco_error *error)
+static struct cell draw_cloud(struct row *r, uint32_t cap, uint32_t place)
 {
 	struct lod_raster *raster = &r->ids;
 	struct lod_billboard_cloud cloud;
-	enum eco_code code = lod_billboard_cloud_make(&cloud, r->skeleton, cap, error);
-	if (code)
-		return code;
+	lod_billboard_cloud_make(&cloud, r->skeleton, cap, &r->leaves->arena);
 	aim(r, raster);
 	lod_billboard_cloud_draw(&cloud, 1, raster);
 	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++)
 		if (raster->cover[i])
 			bench_billboards_color(&cloud.items[raster->item[i]].image, pixel_of(r, place, i));
-	*cell = (struct cell){ 6 * (uint64_t)cloud.count, score(r, raster->cover) };
-	lod_billboard_cloud_free(&cloud);
-	return ECO_OK;
-}
-
-static enum eco_code draw_column(struct row *r, uint32_t column, struct eco_error *error)
-{
-	struct cell *theirs = &r->cells[2 * column];
-	enum eco_code code = ECO_OK;
-	if (columns[column].cap)
-		code = draw_cloud(r, columns[column].cap, 1 + 2 * column, theirs, error);
-	else
-		*theirs = draw_level(r, columns[column].share, 1 + 2 * column);
-	return code ? code : draw_ours(r, 2 + 2 * column, theirs->vertices, theirs + 1, error);
+	return (struct cell){ 6.0 * cloud.count, score(r, raster->cover) };
 }
 
 /* ---- A row ---- */
 
-static enum eco_code draw_row(struct row *r, struct eco_error *error)
+static void draw_row(struct row *r)
 {
 	static const double any[1][3] = { { 1, 0, 0 } };
 	struct cell full;
 	char file[96];
 	struct lod_arena *arena = &r->leaves->arena;
 	struct lod_foliage *f = &r->leaves->foliage;
-	enum eco_code code = lod_sights_make(&r->sights, f, any, 1, PIXELS, arena, error);
+	bench_leaves_sights(r->leaves, &r->sights, any, 1);
 	/* leaves are drawn from the eye that draws ours, without the wood that the other eye saw */
 	memset(r->sights.wood[0], 0, r->sights.words * sizeof **r->sights.wood);
 	r->sights.eyes[0] = r->plant.eye;
 	r->sights.near_m = r->plant.scene.near_m;
-	for (uint32_t i = 0; i < f->count; i++)
-		r->all += 3 * (f->first[i + 1] - f->first[i] - 2);
+	r->all = (double)bench_leaves_vertices(f, NULL, f->count);
 	r->rgb = lod_arena_take(arena, (size_t)WIDTH * PIXELS, 3);
 	memset(r->rgb, BACKGROUND, 3 * (size_t)WIDTH * PIXELS);
-	code = code ? code : lod_raster_init(&r->ids, &(struct lod_raster_options){ .width = PIXELS,
-		.height = PIXELS, .owner = true, .item = true }, error);
-	code = code ? code : draw_ours(r, 0, ECO_VERTICES_MAX, &full, error);
+	must(lod_raster_init(&r->ids, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS,
+		.owner = true, .item = true }, must_error));
+	draw_ours(r, 0, ECO_VERTICES_MAX, &full);
 	bench_collapse_grow(&r->levels, 1, false, f, arena);
-	code = code ? code : lod_billboard_plant_open(&r->skeleton, &r->leaves->model, error);
-	for (uint32_t i = 0; i < COLUMNS && !code; i++) {
-		code = bench_go_on(r->bench, error);
-		code = code ? code : draw_column(r, i, error);
+	r->skeleton = lod_billboard_plant_make(&r->leaves->model, arena);
+	for (uint32_t i = 0; i < COLUMNS; i++) {
+		struct cell *theirs = &r->cells[2 * i];
+		must_go_on(r->bench);
+		*theirs = columns[i].cap ? draw_cloud(r, columns[i].cap, 1 + 2 * i)
+			: draw_level(r, columns[i].share, 1 + 2 * i);
+		draw_ours(r, 2 + 2 * i, (uint64_t)theirs->vertices, theirs + 1);
 	}
-	lod_billboard_plant_close(r->skeleton);
 	lod_raster_free(&r->ids);
 	snprintf(file, sizeof file, "sheet-%s.png", r->name);
-	return code ? code : bench_picture_write(r->bench, file, WIDTH, PIXELS, r->rgb, error);
+	must(bench_picture_write(r->bench, file, WIDTH, PIXELS, r->rgb, must_error));
 }
 
 /* The unit: vertices and Q of each cell. */
-static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
-	struct eco_error *error)
+static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 {
 	struct row *r = ctx;
 	struct eco_pack *pack;
-	double kept[2 * CELLS];
-	enum eco_code code = eco_pack_open(&pack, r->pack, error);
-	if (code)
-		return code;
+	must(eco_pack_open(&pack, r->pack, must_error));
 	r->leaves = leaves;
-	code = plant_view_open(&r->plant, pack, 0, PIXELS, error);
-	if (!code) {
-		code = draw_row(r, error);
-		plant_view_close(&r->plant);
-	}
+	must(plant_view_open(&r->plant, pack, 0, PIXELS, must_error));
+	draw_row(r);
+	plant_view_close(&r->plant);
 	eco_pack_close(pack);
-	for (size_t i = 0; i < CELLS; i++) {
-		kept[2 * i] = (double)r->cells[i].vertices;
-		kept[2 * i + 1] = r->cells[i].q;
-	}
-	*out = bench_reals(kept, 2 * CELLS);
-	return code;
-}
-
-static enum eco_code measure(struct bench *bench, const struct bench_model *model, json_t **kept,
-	struct eco_error *error)
-{
-	char name[96], path[512], stamp[40];
-	struct row r = { .bench = bench, .name = model->name, .pack = path };
-	enum eco_code code = bench_model_pack(bench, model, path, error);
-	snprintf(name, sizeof name, "sheet-%s", model->name);
-	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(path));
-	return code ? code : bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, PIXELS,
-		study_leaves, &r, NULL }, kept, error);
+	return bench_reals(&r->cells[0].vertices, 2 * CELLS);
 }
 
 /* ---- The section ---- */
 
-static void write_row(struct bench *bench, struct bench_table *table, const char *name, const json_t *kept)
+static void write_row(struct bench *bench, struct bench_table *table, const struct bench_model *model)
 {
-	char file[96];
+	char path[512], file[96];
+	struct row r = { .bench = bench, .name = model->name, .pack = path };
+	must(bench_model_pack(bench, model, path, must_error));
+	const json_t *kept = bench_leaves_unit(bench, "sheet", must_stamp(path), model, PIXELS, study_leaves,
+		&r);
 	for (size_t i = 0; i < COLUMNS; i++)
-		bench_table_row(table, "%s,%s,%.0f,%.3f,%.0f,%.3f", name, columns[i].title,
+		bench_table_row(table, "%s,%s,%.0f,%.3f,%.0f,%.3f", model->name, columns[i].title,
 			bench_cell(kept, 4 * i), bench_cell(kept, 4 * i + 1), bench_cell(kept, 4 * i + 2),
 			bench_cell(kept, 4 * i + 3));
-	snprintf(file, sizeof file, "sheet-%s.png", name);
+	snprintf(file, sizeof file, "sheet-%s.png", model->name);
 	bench_picture(bench, file, "full detail; leaf collapse and billboard clouds, each beside ours at as "
 		"many vertices");
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static bool is_wanted(const struct bench *bench, const struct bench_model *model)
 {
-	struct bench_model *models = NULL;
-	uint32_t count = 0, done = 0, most = bench->full ? PLANTS : PLANTS_QUICK;
-	enum eco_code code = bench_models(bench, &models, &count, error);
+	return !model->generated || !bench->data;
+}
+
+static void show(struct bench *bench)
+{
+	struct bench_walk walk = { .bench = bench, .leaves = LEAVES_LEAST, .most = 8, .quick = 2, .wants
+		= is_wanted };
 	struct bench_table *table = bench_table_open(bench, "sheet",
 		"plant,column,vertices,Q,vertices of ours,Q of ours", true);
-	for (uint32_t i = 0; i < count && done < PLANTS && !code; i++) {
-		json_t *kept;
-		if (models[i].leaves < LEAVES_LEAST || (models[i].generated && bench->data))
-			continue;
-		if (done == most) {
-			bench_left_out(bench, models[i].name);
-			continue;
-		}
-		bench_progress(bench, (double)done / most, models[i].name);
-		code = measure(bench, &models[i], &kept, error);
-		if (!code)
-			write_row(bench, table, models[i].name, kept);
-		done += !code;
+	for (const struct bench_model *model; (model = bench_walk(&walk));) {
+		write_row(bench, table, model);
+		walk.found[model->generated]++;
 	}
 	bench_table_close(table);
-	free(models);
-	if (!code)
-		bench_say(bench, "The %u plants with the fewest leaves (%u or more), "
-			"one view, %u pixels. Wood is whole under leaf collapse and counts; ours "
-			"may draw as much. Billboards stand in their mean colours. Packs hold neither, as "
-			"neither is best anywhere (lod/EXPERIMENTS.md, Leaf collapse, Billboard clouds).",
-			done, LEAVES_LEAST, PIXELS);
-	return code;
+	bench_say(bench,
+		"The %u plants with the fewest leaves (%u or more), one view, %u pixels. Wood is whole under "
+		"leaf collapse and counts; ours may draw as much. Billboards stand in their mean colours. "
+		"Packs hold "
+		"neither, as neither is best anywhere (lod/EXPERIMENTS.md, Leaf collapse, Billboard clouds).",
+		walk.found[0] + walk.found[1], LEAVES_LEAST, PIXELS);
 }
+
+static enum eco_code run(struct bench *bench, struct eco_error *error) { return must_do(show, bench, error); }
 
 const struct bench_section bench_sheet = { "sheet", "Leaf collapse and billboard clouds beside ours", run };

@@ -5,13 +5,12 @@
  * d)^2 of its foliage; ours what its species needs for the same Q there (bench_species.h). The frame's saving
  * is over the vertices of all plants in view. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/format/view.h"
+#include "tests/bench/bench_must.h"
 #include "tests/bench/ladder/bench_species.h"
 
-#define PATH 1024
 #define SCENE "trees1276"
 #define SPECIES_MAX 32u
 #define TREES_MAX 2000u
@@ -19,7 +18,7 @@
 #define FRAMES_QUICK 60u
 
 struct species { char name[32]; struct bench_savings savings; };
-struct tree { double at[3], height; uint32_t species; };
+struct tree { double at[3], height; const struct bench_savings *savings; };
 struct path {
 	struct species species[SPECIES_MAX];
 	uint32_t species_count, tree_count, frame_count;
@@ -30,82 +29,69 @@ struct path {
 
 /* ---- The scene's folder ---- */
 
-static enum eco_code read_species(struct bench *bench, struct path *p, const json_t *scene,
-	struct eco_error *error)
+static void read_species(struct bench *bench, struct path *p, const json_t *scene)
 {
 	const char *key;
-	json_t *plant;
-	enum eco_code code = ECO_OK;
-	json_object_foreach(json_object_get(scene, "plants"), key, plant) {
+	json_t *plant, *plants = json_object_get(scene, "plants");
+	json_object_foreach(plants, key, plant) {
 		const char *model = json_string_value(json_object_get(plant, "model"));
 		struct bench_model file = { .generated = true };
-		if (code || !model || p->species_count == SPECIES_MAX)
+		if (!model || p->species_count == SPECIES_MAX)
 			continue;
-		struct species *s = &p->species[p->species_count];
+		bench_progress(bench, (double)p->species_count / (double)json_object_size(plants), key);
+		struct species *s = &p->species[p->species_count++];
 		snprintf(s->name, sizeof s->name, "%s", key);
-		snprintf(file.name, sizeof file.name, SCENE "-%s", s->name);
-		snprintf(file.path, sizeof file.path, "%s/scenes/" SCENE "/%s", bench->cache, model);
-		bench_progress(bench,
-			(double)p->species_count / (double)json_object_size(json_object_get(scene, "plants")),
-			s->name);
-		code = bench_savings_of(bench, &s->savings, &file, error);
-		p->species_count++;
+		snprintf(file.path, sizeof file.path, "%.200s/scenes/" SCENE "/%.200s", bench->cache, model);
+		bench_savings_of(bench, &s->savings, &file);
 	}
-	return code;
 }
 
 /* Lines plant,easting,northing,height_m. */
-static enum eco_code read_trees(struct bench *bench, struct path *p, const json_t *origin,
-	struct eco_error *error)
+static void read_trees(struct path *p, const char *path, const json_t *origin)
 {
-	char path[PATH], line[256], name[32];
-	snprintf(path, sizeof path, "%s/scenes/" SCENE "/plants.csv", bench->cache);
+	char line[256], name[32];
 	FILE *file = fopen(path, "r");
 	while (file && p->tree_count < TREES_MAX && fgets(line, sizeof line, file)) {
 		struct tree *tree = &p->trees[p->tree_count];
-		tree->species = 0;
+		uint32_t i = 0;
 		if (sscanf(line, "%31[^,],%lf,%lf,%lf", name, &tree->at[0], &tree->at[1], &tree->height) != 4)
 			continue;
-		while (tree->species < p->species_count && strcmp(p->species[tree->species].name, name))
-			tree->species++;
+		while (i < p->species_count && strcmp(p->species[i].name, name))
+			i++;
 		tree->at[0] -= bench_cell(origin, 0);
 		tree->at[1] -= bench_cell(origin, 1);
 		tree->at[2] = tree->height / 2;
-		p->tree_count += tree->species < p->species_count
-			&& p->species[tree->species].savings.elements >= BENCH_ELEMENTS_LEAST;
+		tree->savings = &p->species[i].savings;
+		p->tree_count += i < p->species_count && tree->savings->elements >= BENCH_ELEMENTS_LEAST;
 	}
 	if (file)
 		fclose(file);
-	return p->tree_count ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "%s: no tree of a species with %u "
-		"leaves or more", path, BENCH_ELEMENTS_LEAST);
+	if (!p->tree_count)
+		must(eco_fail(must_error, ECO_BAD_INPUT, "%s: no tree of a species with %u leaves or more",
+		path, BENCH_ELEMENTS_LEAST));
 }
 
-static enum eco_code read_path(struct bench *bench, struct path *p, struct eco_error *error)
+static void read_path(struct bench *bench, struct path *p)
 {
-	char path[PATH];
+	char path[1024];
 	p->frame_count = bench_scene_views(bench, SCENE, p->frames, bench->full ? FRAMES : FRAMES_QUICK);
 	snprintf(path, sizeof path, "%s/scenes/" SCENE "/scene.json", bench->cache);
 	json_t *scene = json_load_file(path, 0, NULL);
-	if (!p->frame_count || !scene) {
-		json_decref(scene);
-		enum eco_code stopped = bench_go_on(bench, error);
-		return stopped ? stopped : eco_fail(error, ECO_IO, "%s: no scene or no camera path", path);
-	}
-	enum eco_code code = read_species(bench, p, scene, error);
-	if (!code)
-		code = read_trees(bench, p, json_object_get(scene, "origin"), error);
+	must_go_on(bench);
+	if (!p->frame_count || !scene)
+		must(eco_fail(must_error, ECO_IO, "%s: no scene or no camera path", path));
+	read_species(bench, p, scene);
+	snprintf(path, sizeof path, "%s/scenes/" SCENE "/plants.csv", bench->cache);
+	read_trees(p, path, json_object_get(scene, "origin"));
 	json_decref(scene);
-	return code;
 }
 
 /* ---- Frames ---- */
 
 static double distance_of(const struct tree *tree, const struct eco_view *view)
 {
-	double sum = 0;
-	for (int a = 0; a < 3; a++)
-		sum += (tree->at[a] - view->eye[a]) * (tree->at[a] - view->eye[a]);
-	return sqrt(sum);
+	return hypot(hypot(tree->at[0] - view->eye[0], tree->at[1] - view->eye[1]), tree->at[2]
+		- view->eye[2]);
 }
 
 /* Whether the ball around the tree reaches into the cone around the picture. */
@@ -143,20 +129,19 @@ static double ratio_at(const struct bench_savings *s, enum bench_order order, do
 static double saving_of(const struct path *p, const struct eco_view *view, enum bench_order order)
 {
 	double ours = 0, cook = 0;
-	for (uint32_t i = 0; i < p->tree_count; i++) {
-		const struct tree *tree = &p->trees[i];
-		const struct bench_savings *s = &p->species[tree->species].savings;
-		double d = distance_of(tree, view) / p->farthest, vertices = (1 - d) * (1 - d) * s->vertices;
+	for (const struct tree *tree = p->trees; tree < p->trees + p->tree_count; tree++) {
+		double d = distance_of(tree, view) / p->farthest, vertices = (1 - d) * (1
+			- d) * tree->savings->vertices;
 		if (!in_view(tree, view))
 			continue;
 		cook += vertices;
-		ours += vertices * ratio_at(s, order, d);
+		ours += vertices * ratio_at(tree->savings, order, d);
 	}
 	return cook > 0 ? 1 - ours / cook : NAN;
 }
 
 /* Means, least and most of all frames. */
-static enum eco_code write_frames(struct bench *bench, const struct path *p, struct eco_error *error)
+static void write_frames(struct bench *bench, const struct path *p)
 {
 	static const char *const printed[BENCH_ORDERS] = { "10.1,4.3,43.7", "17.4,2.2,23.6",
 		"40.7,30.8,69.3", "-,-,-", "30.1,1.4,39.2", "-,-,-", "-,-,-", "-,-,-", "-,-,-" };
@@ -182,34 +167,34 @@ static enum eco_code write_frames(struct bench *bench, const struct path *p, str
 		series[m] = (struct bench_series){ bench_order_names[m], x, y[m], p->frame_count, false };
 	}
 	bench_table_close(table);
-	bench_say(bench, "The paper's trees and path are not to be had, and what its distances are over is "
-		"not said. Why its rows differ from ours is said with the species; and here a frame's saving "
-		"is over "
-		"vertices, of which near trees have most, where Cook draws nearly all and little can be "
-		"saved at equal Q.");
-	return bench_plot(bench, &(struct bench_plot){ .name = "path", .title =
-		"1,276 trees: geometry saved against Cook " "at equal Q", .x = "frame", .y = "saved, %",
-		.series = series, .series_count = BENCH_ORDERS }, error);
+	bench_say(bench,
+		"The paper's trees and path are not to be had, and it does not say by what its distances are "
+		"divided. Rows differ from the printed ones as those of the species do; and here a frame's "
+		"saving is "
+		"over vertices: near trees have most, Cook draws nearly all of them, and little can be saved "
+		"at "
+		"equal Q.");
+	must(bench_plot(bench, &(struct bench_plot){ .name = "path", .title =
+		"1,276 trees: geometry saved against Cook at equal Q", .x = "frame", .y = "saved, %",
+		.series = series, .series_count = BENCH_ORDERS }, must_error));
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void show(struct bench *bench)
 {
-	struct path *p = calloc(1, sizeof *p);
-	enum eco_code code = p ? read_path(bench, p, error)
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for a path");
-	if (!code) {
-		for (uint32_t f = 0; f < p->frame_count; f++)
-			for (uint32_t i = 0; i < p->tree_count; i++)
-				p->farthest =
-					fmax(p->farthest, distance_of(&p->trees[i], &p->frames[f].view));
-		bench_say(bench, "%u trees of %u species, %u frames. Distances are over %.0f m, the "
-			"greatest between a tree and the path; what Q asks of "
-			"a species comes from pictures of it alone, from views that no order or scale was "
-			"made with.", p->tree_count, p->species_count, p->frame_count, p->farthest);
-		code = write_frames(bench, p, error);
-	}
-	free(p);
-	return code;
+	static struct path p;
+	memset(&p, 0, sizeof p);
+	read_path(bench, &p);
+	for (uint32_t f = 0; f < p.frame_count; f++)
+		for (uint32_t i = 0; i < p.tree_count; i++)
+			p.farthest = fmax(p.farthest, distance_of(&p.trees[i], &p.frames[f].view));
+	bench_say(bench,
+		"%u trees of %u species, %u frames. Distances are over %.0f m, the greatest between a tree "
+		"and the path; what Q asks of a species comes from pictures of it alone, from views that no "
+		"order or "
+		"scale was made with.", p.tree_count, p.species_count, p.frame_count, p.farthest);
+	write_frames(bench, &p);
 }
+
+static enum eco_code run(struct bench *bench, struct eco_error *error) { return must_do(show, bench, error); }
 
 const struct bench_section bench_path = { "path", "Geometry saved along a path through 1,276 trees", run };

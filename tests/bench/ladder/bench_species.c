@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/list.h"
 #include "lod/build/order/rank.h"
 #include "tests/bench/baseline/cook.h"
@@ -36,9 +37,6 @@
 #define STEPS_MOST 24            /* eighths of an octave about Cook's scale */
 #define NOISE_SMALL 0.05         /* "a small amount of randomness" (3.2) */
 #define NOISE_MUCH 1.5           /* as much as suits our plants */
-/* plants of the data folder, in the quick bench: those with the fewest leaves; generated ones */
-#define READ_QUICK 3u
-#define MADE_QUICK 1u
 #define SPECIES_MOST 256u
 #define CLOSED_VERTICES 50000u   /* of leaves; with layers of them, as the paper's crowns */
 #define CLOSED_LAYERS 4.0
@@ -84,14 +82,11 @@ static double cook_lambda(enum bench_spacing spacing, uint32_t i)
 
 /* ---- Orders ---- */
 
-static enum eco_code make_orders(struct study *s, struct eco_error *error)
+static void make_orders(struct study *s)
 {
-	const uint32_t *first = s->leaves->foliage.first;
 	struct lod_rank rank;
-	enum eco_code code = lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1,
-		.leaves = true, .progress = bench_goes_on, .ctx = s->bench }, &s->leaves->arena, error);
-	if (code)
-		return code;
+	must(lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1, .leaves = true,
+		.progress = bench_goes_on, .ctx = s->bench }, &s->leaves->arena, must_error));
 	s->growth = rank.growth;
 	s->triangle = rank.simple;
 	for (int m = 0; m < METHODS; m++) {
@@ -100,9 +95,8 @@ static enum eco_code make_orders(struct study *s, struct eco_error *error)
 		s->vertices[m] = lod_arena_take(&s->leaves->arena, (size_t)s->n + 1, sizeof *s->vertices[m]);
 		for (uint32_t k = 0; k < s->n; k++)
 			s->vertices[m][k + 1] = s->vertices[m][k]
-				+ 3 * (first[s->order[m][k] + 1] - first[s->order[m][k]] - 2);
+				+ bench_leaves_vertices(&s->leaves->foliage, s->order[m] + k, 1);
 	}
-	return ECO_OK;
 }
 
 /* Depth complexity, for Cook's correction: leaves' projected area over what they cover. */
@@ -247,7 +241,7 @@ static void fill_row(struct study *s, enum bench_order method, struct row *row, 
 	row->q = try_row(s, method, &s->tests, row, -INFINITY);
 }
 
-static enum eco_code fill_tables(struct study *s, struct eco_error *error)
+static void fill_tables(struct study *s)
 {
 	double lambda[ROWS_MAX], least = fmax(LAMBDA_LEAST, 1.0 / s->n),
 		step = s->bench->full ? STEP : STEP_QUICK, factor = s->bench->full ? FACTOR : FACTOR_QUICK;
@@ -255,17 +249,13 @@ static enum eco_code fill_tables(struct study *s, struct eco_error *error)
 		lambda[s->row_count++] = l;
 	for (double l = KNEE; l > least && s->row_count < ROWS_MAX; l /= factor)
 		lambda[s->row_count++] = l;
-	for (uint32_t i = 0; i < METHODS * s->row_count; i++) {
-		enum bench_order m = (enum bench_order)(i / s->row_count);
-		uint32_t at = i % s->row_count;
-		struct row *row = &s->rows[m][at];
-		*row = (struct row){ .lambda = lambda[at] };
-		fill_row(s, m, row, at ? row - 1 : NULL);
-		enum eco_code code = bench_go_on(s->bench, error);
-		if (code)
-			return code;
-	}
-	return ECO_OK;
+	for (int m = 0; m < METHODS; m++)
+		for (uint32_t i = 0; i < s->row_count; i++) {
+			struct row *row = &s->rows[m][i];
+			*row = (struct row){ .lambda = lambda[i] };
+			fill_row(s, (enum bench_order)m, row, i ? row - 1 : NULL);
+			must_go_on(s->bench);
+		}
 }
 
 /* The least lambda from which on Q is reached; rows are by falling lambda. */
@@ -314,49 +304,35 @@ static double lambda_of(uint32_t i)
 	return cook_lambda((enum bench_spacing)(i / DISTANCES), i % DISTANCES);
 }
 
-static enum eco_code look(struct study *s, struct lod_sights *sights, uint32_t count, uint32_t seed,
-	struct eco_error *error)
-{
-	double directions[TESTS_MOST][3];
-	lod_directions_spread(directions, count, seed);
-	return lod_sights_make(sights, &s->leaves->foliage, (const double (*)[3])directions, count, PIXELS,
-		&s->leaves->arena, error);
-}
-
-/* The unit: [elements, vertices, layers, for each method a row of lambdas over Cook's and of Q]; few elements
- * alone. */
-static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
-	struct eco_error *error)
+/* The unit: [elements, vertices, layers, for each method lambdas over Cook's and Q]; of few elements their
+ * number. */
+static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 {
 	struct study *s = ctx;
+	double values[3 + METHODS * ROW], q[ROW], *at = values;
 	s->leaves = leaves;
 	s->n = leaves->foliage.count;
-	*out = json_pack("[i]", (int)s->n);
+	*at++ = s->n;
 	if (s->n < BENCH_ELEMENTS_LEAST)
-		return ECO_OK;
+		return bench_reals(values, 1);
 	s->factor = lod_arena_take(&leaves->arena, s->n, sizeof *s->factor);
 	s->shape = lod_arena_take(&leaves->arena, s->n, sizeof *s->shape);
-	enum eco_code code = make_orders(s, error);
-	code = code ? code : look(s, &s->tuning, TUNING_VIEWS, TUNING_SEED, error);
-	code = code ? code : look(s, &s->tests, s->bench->full ? TESTS_MOST : TESTS_MOST / 2, TEST_SEED,
-		error);
-	if (code)
-		return code;
+	make_orders(s);
+	bench_leaves_look(leaves, &s->tuning, TUNING_VIEWS, TUNING_SEED);
+	bench_leaves_look(leaves, &s->tests, s->bench->full ? TESTS_MOST : TESTS_MOST / 2, TEST_SEED);
 	measure_share(s);
-	code = fill_tables(s, error);
-	json_array_append_new(*out, json_integer((json_int_t)s->vertices[0][s->n]));
-	json_array_append_new(*out, json_real(s->layers));
-	double q[ROW], row[ROW];
+	fill_tables(s);
+	*at++ = (double)s->vertices[0][s->n];
+	*at++ = s->layers;
 	for (uint32_t i = 0; i < BENCH_SPACINGS * DISTANCES; i++)
 		q[i] = cook_q(s, lambda_of(i));
-	for (int m = 0; m < METHODS && !code; m++) {
+	for (int m = 0; m < METHODS; m++) {
 		for (uint32_t i = 0; i < BENCH_SPACINGS * DISTANCES; i++)
-			row[i] = reach(s->rows[m], s->row_count, q[i]) / lambda_of(i);
+			*at++ = reach(s->rows[m], s->row_count, q[i]) / lambda_of(i);
 		for (uint32_t i = 0; i < BENCH_SHARES; i++)
-			row[BENCH_SPACINGS * DISTANCES + i] = q_at(s->rows[m], s->row_count, bench_shares[i]);
-		json_array_append_new(*out, bench_reals(row, ROW));
+			*at++ = q_at(s->rows[m], s->row_count, bench_shares[i]);
 	}
-	return code;
+	return bench_reals(values, sizeof values / sizeof *values);
 }
 
 /* ---- All species ---- */
@@ -364,41 +340,30 @@ static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t
 /* Savings of a method: mean over the distances, over those beyond the half, of all vertices together. */
 enum { MEAN, FAR, TOTAL, KINDS };
 struct species { struct bench_model model; struct bench_savings s; double saved[METHODS][KINDS]; bool closed; };
-struct all { struct species *of; uint32_t count; };
+struct all { struct species of[SPECIES_MOST]; uint32_t count; };
 
-enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *savings,
-	const struct bench_model *model, struct eco_error *error)
+void bench_savings_of(struct bench *bench, struct bench_savings *savings, const struct bench_model *model)
 {
-	char name[96], stamp[32];
-	struct study *s = calloc(1, sizeof *s);
-	json_t *unit = NULL;
-	if (!s)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a study of savings");
+	struct study *s = eco_alloc(1, sizeof *s);
+	double values[3 + METHODS * ROW], *at = values + 3;
+	struct bench_model file = *model;
 	s->bench = bench;
 	/* by what the file holds: the same plant in two scenes is measured once */
-	snprintf(name, sizeof name, "savings-%016llx", (unsigned long long)bench_file_hash(model->path));
-	snprintf(stamp, sizeof stamp, "%u views", bench->full ? TESTS_MOST : TESTS_MOST / 2);
-	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, PIXELS,
-		study_leaves, s, NULL }, &unit, error);
+	snprintf(file.name, sizeof file.name, "%s", must_stamp(model->path));
+	bench_cells(bench_leaves_unit(bench, "savings", NULL, &file, PIXELS, study_leaves, s), values,
+		sizeof values / sizeof *values);
 	free(s);
-	if (code)
-		return code;
-	*savings = (struct bench_savings){ (uint32_t)bench_cell(unit, 0), .vertices = bench_cell(unit, 1),
-		.layers = bench_cell(unit, 2) };
-	for (size_t m = 0; m < METHODS; m++) {
-		double row[ROW];
-		bench_cells(json_array_get(unit, 3 + m), row, ROW);
-		memcpy(savings->ratio[m], row, sizeof savings->ratio[m]);
-		memcpy(savings->q[m], row + BENCH_SPACINGS * DISTANCES, sizeof savings->q[m]);
+	*savings = (struct bench_savings){ (uint32_t)values[0], .vertices = values[1], .layers = values[2] };
+	for (size_t m = 0; m < METHODS; m++, at += ROW) {
+		memcpy(savings->ratio[m], at, sizeof savings->ratio[m]);
+		memcpy(savings->q[m], at + BENCH_SPACINGS * DISTANCES, sizeof savings->q[m]);
 	}
-	return ECO_OK;
 }
 
-static enum eco_code measure(struct bench *bench, const struct bench_model *model, struct species *one,
-	struct eco_error *error)
+static void measure(struct bench *bench, const struct bench_model *model, struct species *one)
 {
 	*one = (struct species){ .model = *model };
-	enum eco_code code = bench_savings_of(bench, &one->s, model, error);
+	bench_savings_of(bench, &one->s, model);
 	one->closed = one->s.vertices >= CLOSED_VERTICES && one->s.layers >= CLOSED_LAYERS;
 	for (size_t m = 0; m < METHODS; m++) {
 		double ours = 0, cook = 0;
@@ -411,30 +376,6 @@ static enum eco_code measure(struct bench *bench, const struct bench_model *mode
 		}
 		one->saved[m][TOTAL] = 1 - ours / cook;
 	}
-	return code;
-}
-
-static enum eco_code measure_all(struct bench *bench, struct all *all, struct eco_error *error)
-{
-	struct bench_model *models = NULL;
-	uint32_t count = 0, found[2] = { 0 };    /* of the data folder, generated */
-	enum eco_code code = bench_models(bench, &models, &count, error);
-	for (uint32_t i = 0; i < count && !code && all->count < SPECIES_MOST; i++) {
-		uint32_t *of_kind = &found[models[i].generated];
-		if (models[i].leaves < BENCH_ELEMENTS_LEAST)
-			continue;
-		if (*of_kind == (models[i].generated ? MADE_QUICK : READ_QUICK) && !bench->full) {
-			bench_left_out(bench, models[i].name);
-			continue;
-		}
-		bench_progress(bench, (double)i / count, models[i].name);
-		code = measure(bench, &models[i], &all->of[all->count], error);
-		bool enough = !code && all->of[all->count].s.elements >= BENCH_ELEMENTS_LEAST;
-		all->count += enough;
-		*of_kind += enough;
-	}
-	free(models);
-	return code;
 }
 
 /* In per cent, over all species or those with closed crowns. */
@@ -453,8 +394,10 @@ static void write_tables(struct bench *bench, const struct all *all)
 	uint32_t closed = 0;
 	struct bench_table *layers = bench_table_open(bench, "species_layers", "plant,vertices of leaves,"
 		"layers of leaves,stochastic %,at d >= .5 %,density %,density at d >= .5 %,orientation %,"
-		"orientation at d >= .5 %,orientation with much noise %,orientation with much noise at d >= .5 %,"
-		"combined %,combined at d >= .5 %,combined with much noise %,combined with much noise at d >= .5 %,"
+		"orientation at d >= .5 %,orientation with much noise %,orientation with much noise at d >= "
+		".5 %,"
+		"combined %,combined at d >= .5 %,combined with much noise %,combined with much noise at d "
+		">= .5 %,"
 		"greedy at one scale %,greedy at one scale at d >= .5 %,greedy %,greedy at d >= .5 %,"
 		"simpler leaves %,simpler leaves at d >= .5 %", true);
 	for (uint32_t i = 0; i < all->count; i++) {
@@ -478,15 +421,18 @@ static void write_tables(struct bench *bench, const struct all *all)
 			median(all, m, FAR, true), methods[m].printed);
 	bench_table_close(table);
 	bench_say(bench, "Medians over %u plants, %u of them with closed crowns: %u vertices of leaves or "
-		"more in %g layers or more. The paper's plants have 50,000 to 260,000, and its four rows are of one "
-		"camera path through 1,276 trees; its Cook keeps areas only. Here Cook has the better of 1/lambda "
+		"more in %g layers or more. The paper's plants have 50,000 to 260,000, and its four rows are "
+		"of one "
+		"camera path through 1,276 trees; its Cook keeps areas only. Here Cook has the better of "
+		"1/lambda "
 		"and of the scale that corrects for depth complexity. Density and orientation (the paper's "
-		"\"silhouette\") take whole regions out: on crowns in which every leaf shows that opens holes.",
+		"\"silhouette\") take whole regions out: on crowns in which every leaf shows that opens "
+		"holes.",
 		all->count, closed, CLOSED_VERTICES, CLOSED_LAYERS);
 }
 
 /* Figures of the data folder's species. */
-static enum eco_code write_keys(struct bench *bench, const struct all *all, struct eco_error *error)
+static void write_keys(struct bench *bench, const struct all *all)
 {
 	double x[DISTANCES], y[METHODS][DISTANCES] = { { 0 } }, mean = 0, total = 0;
 	struct bench_series series[METHODS];
@@ -512,23 +458,30 @@ static enum eco_code write_keys(struct bench *bench, const struct all *all, stru
 		x[d] = bench_distance(BENCH_EVEN, d);
 	for (int m = 0; m < METHODS; m++)
 		series[m] = (struct bench_series){ bench_order_names[m], x, y[m], DISTANCES, false };
-	return !count ? ECO_OK : bench_plot(bench, &(struct bench_plot){ .name = "species-savings",
-		.title = "Geometry saved against Cook at equal Q, mean over species",
-		.x = "distance d; Cook draws (1-d)^2 of the vertices", .y = "saved, %", .series = series,
-		.series_count = METHODS }, error);
+	if (count)
+		must(bench_plot(bench, &(struct bench_plot){ .name = "species-savings",
+			.title = "Geometry saved against Cook at equal Q, mean over species",
+			.x = "distance d; Cook draws (1-d)^2 of the vertices", .y = "saved, %", .series
+			= series, .series_count = METHODS }, must_error));
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+/* The quick bench takes the plants with the fewest leaves. */
+static void show(struct bench *bench)
 {
-	struct all all = { calloc(SPECIES_MOST, sizeof *all.of), 0 };
-	enum eco_code code = all.of ? measure_all(bench, &all, error)
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for savings");
-	if (!code && all.count) {
-		write_tables(bench, &all);
-		code = write_keys(bench, &all, error);
+	struct all *all = eco_alloc(1, sizeof *all);
+	struct bench_walk walk = { .bench = bench, .leaves = BENCH_ELEMENTS_LEAST, .most = SPECIES_MOST,
+		.quick = 3, .quick_made = 1 };
+	for (const struct bench_model *model; (model = bench_walk(&walk));) {
+		measure(bench, model, &all->of[all->count++]);
+		walk.found[model->generated]++;
 	}
-	free(all.of);
-	return code;
+	if (all->count) {
+		write_tables(bench, all);
+		write_keys(bench, all);
+	}
+	free(all);
 }
+
+static enum eco_code run(struct bench *bench, struct eco_error *error) { return must_do(show, bench, error); }
 
 const struct bench_section bench_species = { "species", "Geometry saved against Cook at equal quality", run };

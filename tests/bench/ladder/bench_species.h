@@ -1,5 +1,5 @@
-/* Geometry that orders save against Cook at equal quality, plant by plant (bench_species.c); for sections that
- * set it beside something else. */
+/* Geometry that orders save against Cook at equal quality, plant by plant (bench_species.c); for sections
+ * that set it beside something else. */
 #ifndef TESTS_BENCH_SPECIES_H
 #define TESTS_BENCH_SPECIES_H
 
@@ -27,8 +27,8 @@ struct bench_savings {
 	/* lambda over Cook's; Q at bench_shares, at the best scale */
 	double ratio[BENCH_ORDERS][BENCH_SPACINGS][BENCH_DISTANCES], q[BENCH_ORDERS][BENCH_SHARES];
 };
-/* A unit by what the model's file holds; reads the model only if that is not there. */
-enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *savings,
-	const struct bench_model *model, struct eco_error *error);
+/* A unit by what the model's file holds; reads the model only if that is not there. An error ends the section
+ * (bench_must.h). */
+void bench_savings_of(struct bench *bench, struct bench_savings *savings, const struct bench_model *model);
 
 #endif

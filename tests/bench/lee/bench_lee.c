@@ -7,8 +7,7 @@
  *
  * Sectors are cones around directions all over the upper sphere, 1.5 or 12 degrees wide. The lists of a
  * sector are built from 16 or 24 directions in its cone and tested with others in it. The one list ("our
- * list") is built from directions all around.
- * Longer than 600 lines: the table of one paper, from one study. */
+ * list") is built from directions all around. */
 #include <math.h>
 #include <string.h>
 
@@ -48,6 +47,12 @@ static const char *const names[METHODS] = { "distance", "normal", "layer+normal"
 		"our lists per sector" };
 enum figure { WRONG, SCALED_WRONG, OTHER_LEAF, FIGURES };        /* shares of the reference's pixels */
 
+/* The unit. Layers: wrong pixels over the reference's pixels for each share, then over all pixels of the
+ * picture. */
+struct figures {
+	double table[WIDTHS][METHODS][FIGURES][SHARES], layers[LAYER + LAYERS][2 * SHARES];
+};
+
 struct study {
 	struct bench *bench;
 	struct bench_leaves *leaves;
@@ -62,6 +67,7 @@ struct study {
 	double scale[METHODS][SHARES];
 	struct bench_wrong wrong[METHODS][SHARES][2];
 	uint64_t other[METHODS][SHARES], shown;
+	struct figures made;
 };
 
 static void *take(struct study *s, size_t count, size_t size)
@@ -221,27 +227,25 @@ static uint64_t cover_leaf(struct cover *c, uint32_t leaf, bool add)
 	return sum;
 }
 
-static enum eco_code cover_order(struct study *s, uint32_t *order, const double (*directions)[3],
-	uint32_t views, struct eco_error *error)
+static uint32_t *cover_order(struct study *s, const double (*directions)[3], uint32_t views)
 {
+	uint32_t count = s->leaves->foliage.count, *order = take(s, count, sizeof *order);
 	struct lod_arena_piece *mark = s->leaves->arena.last;
 	struct lod_sights sights;
-	struct cover c = { .foliage = &s->leaves->foliage, .sights = &sights };
-	uint32_t count = c.foliage->count;
-	enum eco_code code = lod_sights_make(&sights, c.foliage, directions, views, PIXELS, &s->leaves->arena,
-		error);
+	struct cover c = { .foliage = &s->leaves->foliage, .sights = &sights, .print = take(s, 1,
+		sizeof *c.print) };
 	struct lod_heap_item *heap = take(s, count, sizeof *heap);
-	c.print = take(s, 1, sizeof *c.print);
-	for (int level = 0; level < LEVELS && !code; level++) {
+	bench_leaves_sights(s->leaves, &sights, directions, views);
+	for (int level = 0; level < LEVELS; level++) {
 		c.covered[level] = take(s, (size_t)sights.words * views, sizeof(uint64_t));
 		for (uint32_t v = 0; v < views; v++)
 			memcpy(c.covered[level] + (size_t)v * sights.words, sights.wood[v],
 				sights.words * sizeof(uint64_t));
 	}
-	for (uint32_t i = 0; i < count && !code; i++)
+	for (uint32_t i = 0; i < count; i++)
 		heap[i] = (struct lod_heap_item){ (double)cover_leaf(&c, i, false), i };
 	lod_heap_make(heap, count);
-	for (uint32_t left = count, picked = 0; left && !code;) {
+	for (uint32_t left = count, picked = 0; left;) {
 		double gain = (double)cover_leaf(&c, heap[0].id, false);
 		if (gain == heap[0].key) {
 			cover_leaf(&c, heap[0].id, true);
@@ -253,26 +257,21 @@ static enum eco_code cover_order(struct study *s, uint32_t *order, const double 
 		lod_heap_sift(heap, left, 0);
 	}
 	lod_arena_release(&s->leaves->arena, mark);
-	return code;
+	return order;
 }
 
 /* A method's two lists: for leaves as they are from `cover`, for scaled ones from `rank` (NULL: from the
  * views that packs are made with). */
-static enum eco_code make_lists(struct study *s, enum method method, const double (*cover)[3],
-	uint32_t covers, const double (*rank)[3], uint32_t ranks, struct eco_error *error)
+static void make_lists(struct study *s, enum method method, const double (*cover)[3], uint32_t covers,
+	const double (*rank)[3], uint32_t ranks)
 {
 	struct lod_rank made;
-	s->fixed[method][0] = take(s, s->leaves->foliage.count, sizeof(uint32_t));
-	enum eco_code code = cover_order(s, s->fixed[method][0], cover, covers, error);
-	if (!code)
-		code = lod_rank_make(&made, &s->leaves->foliage, &(struct lod_rank_options){ .views = ranks,
-			.directions = rank, .seed = 3, .wrong_pixels = true, .from_share = SHARE_LEAST },
-			&s->leaves->arena, error);
-	if (!code) {
-		s->fixed[method][1] = made.order;
-		s->growth[method] = made.growth;
-	}
-	return code;
+	s->fixed[method][0] = cover_order(s, cover, covers);
+	must(lod_rank_make(&made, &s->leaves->foliage, &(struct lod_rank_options){ .views = ranks,
+		.directions = rank, .seed = 3, .wrong_pixels = true, .from_share = SHARE_LEAST },
+		&s->leaves->arena, must_error));
+	s->fixed[method][1] = made.order;
+	s->growth[method] = made.growth;
 }
 
 /* ---- Measuring ---- */
@@ -295,13 +294,6 @@ static void cone_views(double (*directions)[3], uint32_t count, const double axi
 		d[1] = at.y;
 		d[2] = at.z;
 	}
-}
-
-static enum eco_code look(struct study *s, struct lod_sights *sights, const double (*directions)[3],
-	uint32_t count, struct eco_error *error)
-{
-	return lod_sights_make(sights, &s->leaves->foliage, directions, count, PIXELS, &s->leaves->arena,
-		error);
 }
 
 /* Owners of pixels: leaves as they are, over whole wood. NULL draws all. */
@@ -361,8 +353,8 @@ static void measure_view(struct study *s, size_t width, uint32_t view)
 }
 
 /* One sector: its own lists, then methods in test views in it. */
-static enum eco_code measure_sector(struct study *s, size_t width, const double axis[3], uint32_t sector,
-	uint32_t views, struct eco_error *error)
+static void measure_sector(struct study *s, size_t width, const double axis[3], uint32_t sector,
+	uint32_t views)
 {
 	double build[VIEWS_MOST][3], test[VIEWS_MOST][3], tuning[TUNING_VIEWS][3];
 	const double (*from)[3] = (const double (*)[3])build;
@@ -372,68 +364,44 @@ static enum eco_code measure_sector(struct study *s, size_t width, const double 
 	cone_views(build, count, axis, cone, 3 * sector);
 	cone_views(test, views, axis, cone, 3 * sector + 1);
 	cone_views(tuning, TUNING_VIEWS, axis, cone, 3 * sector + 2);
-	enum eco_code code = make_lists(s, SECTOR, from, count, from, count, error);
-	code = code ? code : look(s, &s->tuning, (const double (*)[3])tuning, TUNING_VIEWS, error);
-	code = code ? code : look(s, &s->tests, (const double (*)[3])test, views, error);
-	for (enum method m = 0; m < METHODS && !code; m++)
+	make_lists(s, SECTOR, from, count, from, count);
+	bench_leaves_sights(s->leaves, &s->tuning, (const double (*)[3])tuning, TUNING_VIEWS);
+	bench_leaves_sights(s->leaves, &s->tests, (const double (*)[3])test, views);
+	for (enum method m = 0; m < METHODS; m++)
 		if (per_view(m))
 			tune_scales(s, m);
-	for (uint32_t view = 0; view < views && !code; view++)
+	for (uint32_t view = 0; view < views; view++)
 		measure_view(s, width, view);
 	lod_arena_release(&s->leaves->arena, mark);
-	return code;
 }
 
-/* Methods of one scale for all views. */
-static enum eco_code make_static(struct study *s, struct eco_error *error)
+static void measure_table(struct study *s)
 {
-	double tuning[TUNING_VIEWS][3], around[STATIC_VIEWS][3];
-	lod_directions_spread(tuning, TUNING_VIEWS, 501);
+	double axes[SECTORS_MOST][3], around[STATIC_VIEWS][3];
 	lod_directions_spread(around, STATIC_VIEWS, 3);
-	enum eco_code code = make_lists(s, STATIC, (const double (*)[3])around, STATIC_VIEWS, NULL, 0, error);
-	code = code ? code : look(s, &s->tuning, (const double (*)[3])tuning, TUNING_VIEWS, error);
-	for (enum method m = CELL_DISTANCE; m <= STATIC && !code; m++)
+	make_lists(s, STATIC, (const double (*)[3])around, STATIC_VIEWS, NULL, 0);
+	bench_leaves_look(s->leaves, &s->tuning, TUNING_VIEWS, 501);
+	for (enum method m = CELL_DISTANCE; m <= STATIC; m++)        /* of one scale for all views */
 		tune_scales(s, m);
-	return code;
-}
-
-/* [of each method [of each figure [of each share]]] */
-static json_t *width_figures(const struct study *s)
-{
-	json_t *methods = json_array();
-	for (enum method m = 0; m < METHODS; m++) {
-		double row[FIGURES][SHARES];
-		json_t *figures = json_array();
-		for (uint32_t share = 0; share < SHARES; share++) {
-			row[WRONG][share] = bench_wrong_share(&s->wrong[m][share][0]);
-			row[SCALED_WRONG][share] = bench_wrong_share(&s->wrong[m][share][1]);
-			row[OTHER_LEAF][share] = (double)s->other[m][share] / (double)s->shown;
-		}
-		for (int figure = WRONG; figure < FIGURES; figure++)
-			json_array_append_new(figures, bench_reals(row[figure], SHARES));
-		json_array_append_new(methods, figures);
-	}
-	return methods;
-}
-
-static enum eco_code measure_table(struct study *s, json_t *out, struct eco_error *error)
-{
-	double axes[SECTORS_MOST][3];
-	enum eco_code code = make_static(s, error);
-	for (size_t width = 0; width < WIDTHS && !code; width++) {
+	for (size_t width = 0; width < WIDTHS; width++) {
 		uint32_t sectors = s->bench->full ? SECTORS_MOST : width ? 1 : 4;
 		memset(s->wrong, 0, sizeof s->wrong);
 		memset(s->other, 0, sizeof s->other);
 		s->shown = 0;
 		lod_directions_spread(axes, sectors, 77);
-		for (uint32_t i = 0; i < sectors && !code; i++) {
-			code = bench_go_on(s->bench, error);
-			code = code ? code : measure_sector(s, width, axes[i], i, s->bench->full ? 4 : 2,
-				error);
+		for (uint32_t i = 0; i < sectors; i++) {
+			must_go_on(s->bench);
+			measure_sector(s, width, axes[i], i, s->bench->full ? 4 : 2);
 		}
-		json_array_append_new(out, width_figures(s));
+		for (uint32_t i = 0; i < METHODS * SHARES; i++) {
+			uint32_t m = i / SHARES, share = i % SHARES;
+			s->made.table[width][m][WRONG][share] = bench_wrong_share(&s->wrong[m][share][0]);
+			s->made.table[width][m][SCALED_WRONG][share]
+				= bench_wrong_share(&s->wrong[m][share][1]);
+			s->made.table[width][m][OTHER_LEAF][share]
+				= (double)s->other[m][share] / (double)s->shown;
+		}
 	}
-	return code;
 }
 
 /* ---- The number of layers, and what wrong pixels are a share of ---- */
@@ -446,10 +414,8 @@ static struct lod_sights_drawing layer_drawing(struct study *s, enum method meth
 	return (struct lod_sights_drawing){ .order = s->chosen, .count = budget, .scale = 1 };
 }
 
-/* Row: wrong pixels over the reference's pixels for each share, then over all pixels of the picture. */
-static json_t *layer_row(struct study *s, enum method method, uint32_t layer_count)
+static void measure_row(struct study *s, enum method method, uint32_t layer_count, double row[2 * SHARES])
 {
-	double row[2 * SHARES];
 	for (uint32_t share = 0; share < SHARES; share++) {
 		struct bench_wrong sum = { 0 };
 		for (uint32_t v = 0; v < LAYER_VIEWS; v++) {
@@ -460,7 +426,6 @@ static json_t *layer_row(struct study *s, enum method method, uint32_t layer_cou
 		row[share] = bench_wrong_share(&sum);
 		row[SHARES + share] = (double)(sum.fp + sum.fn) / ((double)LAYER_VIEWS * PIXELS * PIXELS);
 	}
-	return bench_reals(row, 2 * SHARES);
 }
 
 /* Wood lies over leaves, which are alike in colour. NULL: all leaves. */
@@ -481,7 +446,7 @@ static void draw_into(struct study *s, const struct lod_sights_drawing *drawing,
 	}
 }
 
-static enum eco_code draw_figure_2(struct study *s, struct eco_error *error)
+static void draw_figure_2(struct study *s)
 {
 	uint8_t *rgb = take(s, (size_t)COLUMNS * PIXELS * PIXELS, 3);
 	draw_into(s, NULL, 0, rgb);
@@ -490,89 +455,65 @@ static enum eco_code draw_figure_2(struct study *s, struct eco_error *error)
 			? 50 : 30, SHOWN);
 		draw_into(s, &drawing, i + 1, rgb);
 	}
-	return bench_picture_write(s->bench, "lee-figure-2.png", COLUMNS * PIXELS, PIXELS, rgb, error);
+	must(bench_picture_write(s->bench, "lee-figure-2.png", COLUMNS * PIXELS, PIXELS, rgb, must_error));
 }
 
-static enum eco_code measure_layers(struct study *s, json_t *out, struct eco_error *error)
-{
-	double to[LAYER_VIEWS][3];
-	lod_directions_spread(to, LAYER_VIEWS, LAYER_SEED);
-	enum eco_code code = look(s, &s->tests, (const double (*)[3])to, LAYER_VIEWS, error);
-	code = code ? code : draw_figure_2(s, error);
-	for (enum method m = DISTANCE; m < LAYER && !code; m++)
-		json_array_append_new(out, layer_row(s, m, 0));
-	for (size_t g = 0; g < LAYERS && !code; g++)
-		json_array_append_new(out, layer_row(s, LAYER, layers[g]));
-	return code;
-}
-
-/* The unit: [figures of each width, rows of layers]. */
-static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
-	struct eco_error *error)
+static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 {
 	struct study *s = ctx;
-	json_t *table = json_array(), *sweep = json_array();
 	s->leaves = leaves;
 	for (enum method m = STOCHASTIC; m <= COMBINED; m++)
 		s->fixed[m][0] = s->fixed[m][1] = bench_leaves_order(leaves, m == STOCHASTIC
 			? LOD_ORDER_STOCHASTIC : LOD_ORDER_COMBINED, 0);
 	make_cells(s);
-	enum eco_code code = lod_raster_init(&s->ids, &(struct lod_raster_options){ .width = PIXELS,
-		.height = PIXELS, .owner = true }, error);
-	code = code ? code : measure_table(s, table, error);
-	code = code ? code : measure_layers(s, sweep, error);
+	must(lod_raster_init(&s->ids, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS,
+		.owner = true }, must_error));
+	measure_table(s);
+	bench_leaves_look(leaves, &s->tests, LAYER_VIEWS, LAYER_SEED);
+	draw_figure_2(s);
+	for (uint32_t row = 0; row < LAYER + LAYERS; row++)
+		measure_row(s, row < LAYER ? (enum method)row : LAYER, row < LAYER ? 0 : layers[row - LAYER],
+			s->made.layers[row]);
 	lod_raster_free(&s->ids);
-	*out = json_pack("[oo]", table, sweep);
-	return code;
+	return bench_reals((const double *)&s->made, sizeof s->made / sizeof(double));
 }
 
 /* ---- Tables ---- */
 
-static const json_t *figures_of(const json_t *unit, size_t width, enum method method, enum figure figure)
-{
-	const json_t *methods = json_array_get(json_array_get(unit, 0), width);
-	return json_array_get(json_array_get(methods, method), figure);
-}
-
-static void write_table(struct bench *bench, const json_t *unit)
-{
-	struct bench_table *table = bench_table_open(bench, "lee_crown",
-		"crown of 6143 leaves: wrong %,at 80 %,at 50 %,at 30 %,at 10 %,scaled: at 80 %,"
-		"scaled: at 50 %,scaled: at 30 %,scaled: at 10 %,other leaf: at 80 %,other leaf: at 50 "
-		"%,other leaf: at 30 %,other leaf: at 10 %", true);
-	for (size_t row = 0; row <= METHODS; row++) {
-		enum method method = row < METHODS ? (enum method)row : SECTOR;
-		char text[256];
-		int at = snprintf(text, sizeof text, "%s%s", names[method], row < METHODS ? ""
-			: " (12 degrees)");
-		for (uint32_t i = 0; i < FIGURES * SHARES; i++)
-			at += snprintf(text + at, sizeof text - (size_t)at, ",%.1f", 100 * bench_cell(
-				figures_of(unit, row == METHODS, method, (enum figure)(i / SHARES)), i % SHARES));
-		bench_table_row(table, "%s", text);
-	}
-	bench_table_close(table);
-}
-
-static enum eco_code plot_table(struct bench *bench, const json_t *unit, struct eco_error *error)
+static void write_table(struct bench *bench, const struct figures *f)
 {
 	double x[SHARES], y[METHODS][SHARES];
 	struct bench_series series[METHODS];
 	uint32_t count = 0;
-	for (enum method m = 0; m < METHODS; m++) {
-		if (m >= CELL_DISTANCE && m <= CELL_LAYER)
+	struct bench_table *table = bench_table_open(bench, "lee_crown",
+		"crown of 6143 leaves: wrong %,at 80 %,at 50 %,at 30 %,at 10 %,scaled: at 80 %,"
+		"scaled: at 50 %,scaled: at 30 %,scaled: at 10 %,other leaf: at 80 %,other leaf: at 50 "
+		"%,other leaf: at 30 %,other leaf: at 10 %", true);
+	for (uint32_t row = 0; row <= METHODS; row++) {
+		uint32_t method = row < METHODS ? row : SECTOR;
+		char text[256];
+		int at = snprintf(text, sizeof text, "%s%s", names[method], row < METHODS ? ""
+			: " (12 degrees)");
+		for (uint32_t i = 0; i < FIGURES * SHARES; i++)
+			at += snprintf(text + at, sizeof text - (size_t)at, ",%.1f",
+				100 * f->table[row == METHODS][method][i / SHARES][i % SHARES]);
+		bench_table_row(table, "%s", text);
+		if ((row >= CELL_DISTANCE && row <= CELL_LAYER) || row == METHODS)
 			continue;
 		for (uint32_t share = 0; share < SHARES; share++) {
 			x[share] = percent[share];
-			y[m][share] = 100 * bench_cell(figures_of(unit, 0, m, WRONG), share);
+			y[row][share] = 100 * f->table[0][row][WRONG][share];
 		}
-		series[count++] = (struct bench_series){ names[m], x, y[m], SHARES, false };
+		series[count++] = (struct bench_series){ names[row], x, y[row], SHARES, false };
 	}
-	return bench_plot(bench, &(struct bench_plot){ .name = "lee-crown",
+	bench_table_close(table);
+	must(bench_plot(bench, &(struct bench_plot){ .name = "lee-crown",
 		.title = "Crown of 6,143 leaves, unscaled", .x = "leaves kept, %",
-		.y = "wrong pixels, % of the reference", .series = series, .series_count = count }, error);
+		.y = "wrong pixels, % of the reference", .series = series, .series_count = count },
+		must_error));
 }
 
-static void write_layers(struct bench *bench, const json_t *rows)
+static void write_layers(struct bench *bench, const struct figures *f)
 {
 	bench_head(bench, "Layers, and shares of what");
 	struct bench_table *table = bench_table_open(bench, "lee_layers",
@@ -580,14 +521,14 @@ static void write_layers(struct bench *bench, const json_t *rows)
 	bench_table_row(table, "%s", "distance (printed),-,3.03,9.09,14.03,18.42,-,-,-,-");
 	bench_table_row(table, "%s", "normal (printed),-,5.31,12.87,16.49,19.13,-,-,-,-");
 	bench_table_row(table, "%s", "layer+normal (printed),not said,2.86,10.06,15.07,18.75,-,-,-,-");
-	for (size_t row = 0; row < json_array_size(rows); row++) {
+	for (size_t row = 0; row < LAYER + LAYERS; row++) {
 		char text[256], count[16] = "-";
 		if (row >= LAYER)
 			snprintf(count, sizeof count, "%u", layers[row - LAYER]);
 		int at = snprintf(text, sizeof text, "%s,%s", names[row < LAYER ? row : LAYER], count);
 		for (size_t i = 0; i < 2 * SHARES; i++)
 			at += snprintf(text + at, sizeof text - (size_t)at, ",%.2f",
-				100 * bench_cell(json_array_get(rows, row), i));
+				100 * f->layers[row][i]);
 		bench_table_row(table, "%s", text);
 	}
 	bench_table_close(table);
@@ -599,20 +540,17 @@ static void write_layers(struct bench *bench, const json_t *rows)
 			PIXELS);
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void show(struct bench *bench)
 {
-	json_t *unit;
+	struct figures f;
 	struct study s = { .bench = bench };
 	bench_progress(bench, 0, "crown of 6143 leaves");
-	enum eco_code code = bench_leaves_unit(bench, &(struct bench_leaves_unit){ "lee-crown-6143",
-		bench->full ? "full" : "quick", NULL, PIXELS, study_leaves, &s, bench_crown_make }, &unit, error);
-	if (code)
-		return code;
-	write_table(bench, unit);
-	code = plot_table(bench, unit, error);
-	if (!code)
-		write_layers(bench, json_array_get(unit, 1));
-	return code;
+	bench_cells(bench_leaves_unit(bench, "lee-crown-6143", NULL, NULL, PIXELS, study_leaves, &s),
+		(double *)&f, sizeof f / sizeof(double));
+	write_table(bench, &f);
+	write_layers(bench, &f);
 }
+
+static enum eco_code run(struct bench *bench, struct eco_error *error) { return must_do(show, bench, error); }
 
 const struct bench_section bench_lee = { "lee", "Which leaves to keep: Lee's orders and ours", run };

@@ -1,9 +1,8 @@
 /* Billboard clouds (Kratt et al. 2014): Precision and Recall by the number of billboards (figure 3) and
- * pictures of three clouds and of a field (figure 4); beside them splats and impostors at equal vertices; and a
- * turn against pruned leaves of the same mean Q (Neubert 2011, figure 11). The paper prints a diagram without
- * a scale of vertices, and no figures. */
+ * pictures of three clouds and of a field (figure 4); beside them splats and impostors at equal vertices; and
+ * a turn against pruned leaves of the same mean Q (Neubert 2011, figure 11). The paper prints a diagram
+ * without a scale of vertices, and no figures. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/base/angle16.h"
@@ -14,7 +13,6 @@
 #include "tests/bench/pictures/bench_billboards.h"
 
 #define PLANTS_MOST 8u
-#define PLANTS_QUICK 1u
 #define VIEW 7u                          /* of the picture */
 #define PANELS 5u                        /* the whole plant, three caps, Precision and Recall */
 #define VIEWS 24u                        /* of elevation -10 to 60 degrees, as good as orthographic */
@@ -49,6 +47,15 @@ static const struct bench_column columns[FIGURES] = { { "billboards", 0 }, { "pa
 /* Pictures of side x side pixels, and the whole plant's. */
 struct size { uint32_t side; struct lod_raster raster, fine; uint8_t *whole[VIEWS], *soft[VIEWS], *count; };
 
+/* The unit of a plant. */
+struct figures {
+	double clouds[CAPS][FIGURES];
+	/* of a turn: vertices, vertices of wood besides, Q of each view; NaN: the mean is not reached */
+	double turns[TURNS][2 + TURN_VIEWS];
+	double ours[BENCH_OURS_KINDS][2 * BUDGETS];  /* Q by budget: hard, then soft */
+};
+#define NUMBERS (sizeof(struct figures) / sizeof(double))
+
 struct study {
 	struct bench *bench;
 	const char *name;
@@ -58,9 +65,7 @@ struct study {
 	struct size sizes[SIZES];
 	struct lod_billboard_plant *plant;
 	struct lod_sights turn;
-	uint32_t *order;
-	double ours[BENCH_OURS_KINDS][2 * BUDGETS];  /* Q by budget: hard, then soft */
-	json_t *clouds, *turns;              /* [of each cap [figures]]; [of each method [...]] */
+	struct figures made;
 };
 
 /* ---- Pictures ---- */
@@ -112,33 +117,31 @@ static void shoot_fine(struct study *s, uint32_t view, bench_draw_call *draw, co
 			count[y / FINE * size->side + x / FINE] += *cover++ & 1;
 }
 
-static enum eco_code open_pictures(struct study *s, struct eco_error *error)
+static void open_pictures(struct study *s)
 {
 	float low[3] = { 0 }, high[3] = { 0 };
 	lod_model_bounds(&s->leaves->model, low, high);
 	s->radius = lod_model_sphere(&s->leaves->model, s->center);
 	double height = (double)high[2] - (double)low[2];
-	enum eco_code code = height > 0.05 * s->radius ? ECO_OK
-		: eco_fail(error, ECO_UNSUPPORTED, "a plant without height");
+	if (!(height > 0.05 * s->radius))
+		must(eco_fail(must_error, ECO_UNSUPPORTED, "a plant without height"));
 	place_eyes(s);
-	for (uint32_t i = 0; i < SIZES && !code; i++) {
+	for (uint32_t i = 0; i < SIZES; i++) {
 		struct size *size = &s->sizes[i];
-		size->side = (uint32_t)ceil(2 * FRAME * s->radius * heights_px[i] / height);
-		code = lod_raster_init(&size->raster, &(struct lod_raster_options){ .width = size->side,
-			.height = size->side, .item = true }, error);
-		code = code ? code : lod_raster_init(&size->fine, &(struct lod_raster_options){ .width = FINE
-			* size->side, .height = FINE * size->side, .silhouette = true }, error);
-		size->count = lod_arena_take(&s->leaves->arena, size->side, size->side);
-		for (uint32_t view = 0; view < VIEWS && !code; view++) {
-			size_t pixels = (size_t)size->side * size->side;
-			size->whole[view] = lod_arena_take(&s->leaves->arena, pixels, 1);
-			size->soft[view] = lod_arena_take(&s->leaves->arena, pixels, 1);
+		uint32_t side = size->side = (uint32_t)ceil(2 * FRAME * s->radius * heights_px[i] / height);
+		must(lod_raster_init(&size->raster, &(struct lod_raster_options){ .width = side, .height
+			= side, .item = true }, must_error));
+		must(lod_raster_init(&size->fine, &(struct lod_raster_options){ .width = FINE * side,
+			.height = FINE * side, .silhouette = true }, must_error));
+		size->count = lod_arena_take(&s->leaves->arena, side, side);
+		for (uint32_t view = 0; view < VIEWS; view++) {
+			size->whole[view] = lod_arena_take(&s->leaves->arena, side, side);
+			size->soft[view] = lod_arena_take(&s->leaves->arena, side, side);
 			shoot(s, view, draw_whole, &s->leaves->model, &size->raster);
-			memcpy(size->whole[view], size->raster.cover, pixels);
+			memcpy(size->whole[view], size->raster.cover, (size_t)side * side);
 			shoot_fine(s, view, draw_whole, &s->leaves->model, size, size->soft[view]);
 		}
 	}
-	return code;
 }
 
 /* Means over views and sizes. */
@@ -155,7 +158,8 @@ static void score(struct study *s, bench_draw_call *draw, const void *what, doub
 		figure[RECALL] += one.recall / (SIZES * VIEWS);
 		figure[QUALITY] += one.q / (SIZES * VIEWS);
 		shoot_fine(s, i % VIEWS, draw, what, size, size->count);
-		figure[SOFT] += lod_soft_q(size->count, size->soft[i % VIEWS], (size_t)size->side * size->side)
+		figure[SOFT] += lod_soft_q(size->count, size->soft[i % VIEWS],
+			(size_t)size->side * size->side)
 			/ (SIZES * VIEWS);
 	}
 }
@@ -164,7 +168,7 @@ static void score_ours(void *ctx, enum bench_ours_kind kind, uint32_t budget, be
 	const void *what)
 {
 	struct study *s = ctx;
-	double figure[FIGURES], *hard = s->ours[kind], *soft = hard + BUDGETS;
+	double figure[FIGURES], *hard = s->made.ours[kind], *soft = hard + BUDGETS;
 	score(s, draw, what, figure);
 	for (uint32_t b = budget; b < (kind == BENCH_OURS_IMPOSTOR ? BUDGETS : budget + 1); b++) {
 		hard[b] = fmax(hard[b], figure[QUALITY]);
@@ -210,47 +214,42 @@ static void paint(struct study *s, const struct lod_billboard_cloud *cloud, uint
 
 /* ---- Clouds by cap ---- */
 
-static enum eco_code measure_cap(struct study *s, uint32_t cap, uint8_t *picture, struct eco_error *error)
-{
-	struct lod_billboard_cloud cloud;
-	enum eco_code code = lod_billboard_cloud_make(&cloud, s->plant, caps[cap], error);
-	if (code)
-		return code;
-	double figure[FIGURES] = { cloud.count, cloud.parts, cloud.forms[0], cloud.forms[1], cloud.forms[2],
-		cloud.error, cloud.invalid, cloud.epsilon, (double)cloud.texels / 1000 };
-	score(s, draw_cloud, &cloud, figure);
-	json_array_append_new(s->clouds, bench_reals(figure, FIGURES));
-	if (cap >= 1 && cap <= 3)
-		paint(s, &cloud, picture, cap);
-	lod_billboard_cloud_free(&cloud);
-	return bench_go_on(s->bench, error);
-}
-
-static enum eco_code study_caps(struct study *s, struct eco_error *error)
+static void study_caps(struct study *s)
 {
 	char file[128];
 	uint32_t side = s->sizes[SIZES - 1].side;
 	uint8_t *picture = lod_arena_take(&s->leaves->arena, (size_t)PANELS * side * side, 3);
-	enum eco_code code = ECO_OK;
 	paint(s, NULL, picture, 0);
-	for (uint32_t cap = 0; cap < CAPS && !code; cap++)
-		code = measure_cap(s, cap, picture, error);
+	for (uint32_t cap = 0; cap < CAPS; cap++) {
+		struct lod_billboard_cloud cloud;
+		struct lod_arena_piece *mark = s->leaves->arena.last;
+		lod_billboard_cloud_make(&cloud, s->plant, caps[cap], &s->leaves->arena);
+		const double figure[PRECISION] = { cloud.count, cloud.parts, cloud.forms[0], cloud.forms[1],
+			cloud.forms[2], cloud.error, cloud.invalid, cloud.epsilon,
+			(double)cloud.texels / 1000 };
+		memcpy(s->made.clouds[cap], figure, sizeof figure);
+		score(s, draw_cloud, &cloud, s->made.clouds[cap]);
+		if (cap >= 1 && cap <= 3)
+			paint(s, &cloud, picture, cap);
+		lod_arena_release(&s->leaves->arena, mark);
+		must_go_on(s->bench);
+	}
 	snprintf(file, sizeof file, "billboards-%s.png", s->name);
-	return code ? code : bench_picture_write(s->bench, file, PANELS * side, side, picture, error);
+	must(bench_picture_write(s->bench, file, PANELS * side, side, picture, must_error));
 }
 
 /* ---- A turn ---- */
 
-static double leaves_q(struct study *s, uint32_t count, float scale, uint32_t view)
+static double leaves_q(struct study *s, const uint32_t *order, uint32_t count, float scale, uint32_t view)
 {
 	struct bench_wrong sum = { 0 };
-	const struct lod_sights_drawing drawing = { .order = s->order, .count = count, .scale = scale };
+	const struct lod_sights_drawing drawing = { .order = order, .count = count, .scale = scale };
 	bench_leaves_compare(s->leaves, &s->turn, view, &drawing, &sum);
 	return bench_wrong_q(&sum);
 }
 
 /* Q of each view of so many leaves at their best scale; returns the mean. */
-static double prune(struct study *s, uint32_t count, double q[TURN_VIEWS])
+static double prune(struct study *s, const uint32_t *order, uint32_t count, double q[TURN_VIEWS])
 {
 	double best = -INFINITY, mean = 0;
 	float best_scale = 1;
@@ -258,120 +257,77 @@ static double prune(struct study *s, uint32_t count, double q[TURN_VIEWS])
 		float scale = (float)pow((double)s->leaves->foliage.count / count, (double)i / (SCALES - 1));
 		double now = 0;
 		for (uint32_t v = 0; v < TUNING; v++)
-			now += leaves_q(s, count, scale, v * TURN_VIEWS / TUNING);
+			now += leaves_q(s, order, count, scale, v * TURN_VIEWS / TUNING);
 		best_scale = now > best ? scale : best_scale;
 		best = fmax(best, now);
 	}
 	for (uint32_t v = 0; v < TURN_VIEWS; v++)
-		mean += (q[v] = leaves_q(s, count, best_scale, v)) / TURN_VIEWS;
+		mean += (q[v] = leaves_q(s, order, count, best_scale, v)) / TURN_VIEWS;
 	return mean;
 }
 
-/* vertices, vertices of wood besides, Q of each view; null: the mean is not reached */
-static void keep_turn(struct study *s, double vertices, double wood, const double q[TURN_VIEWS], bool reached)
-{
-	double row[2 + TURN_VIEWS] = { vertices, wood };
-	for (uint32_t v = 0; v < TURN_VIEWS; v++)
-		row[2 + v] = reached ? q[v] : NAN;
-	json_array_append_new(s->turns, bench_reals(row, 2 + TURN_VIEWS));
-}
-
 /* Prunes to a mean Q as near as can be, which is not reached if wood alone is better. */
-static void prune_to(struct study *s, double wanted)
+static void prune_to(struct study *s, const uint32_t *order, double wanted, double turn[2 + TURN_VIEWS])
 {
 	const struct lod_foliage *f = &s->leaves->foliage;
 	uint32_t low = 1, high = f->count;
-	double q[TURN_VIEWS], vertices = 0;
-	for (int i = 0; i < STEPS && low < high && !bench_stopped(s->bench); i++) {
+	for (int i = 0; i < STEPS && low < high; i++) {
 		/* counts are searched by their ratios */
 		uint32_t middle = (uint32_t)sqrt((double)low * high);
-		if (prune(s, middle, q) < wanted)
+		must_go_on(s->bench);
+		if (prune(s, order, middle, turn + 2) < wanted)
 			low = middle + 1;
 		else
 			high = middle;
 	}
-	double mean = prune(s, high, q);
-	for (uint32_t i = 0; i < high; i++)
-		vertices += 3 * (f->first[s->order[i] + 1] - f->first[s->order[i]] - 2);
-	keep_turn(s, vertices, 3.0 * (double)f->wood_count, q, fabs(mean - wanted) <= 0.02);
+	bool reached = fabs(prune(s, order, high, turn + 2) - wanted) <= 0.02;
+	for (uint32_t v = 0; v < TURN_VIEWS; v++)
+		turn[2 + v] = reached ? turn[2 + v] : NAN;
+	turn[0] = (double)bench_leaves_vertices(f, order, high);
+	turn[1] = 3.0 * (double)f->wood_count;
 }
 
-static enum eco_code make_order(struct study *s, enum turn method, struct eco_error *error)
+static void study_turn(struct study *s)
 {
+	double to[TURN_VIEWS][3], *q = s->made.turns[BILLBOARDS] + 2, mean = 0;
+	struct lod_billboard_cloud cloud;
 	struct lod_rank rank;
-	if (method != GREEDY) {
-		s->order = bench_leaves_order(s->leaves, method == COMBINED ? LOD_ORDER_COMBINED
-			: LOD_ORDER_STOCHASTIC, 0);
-		return ECO_OK;
-	}
-	enum eco_code code = lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1,
-		.leaves = true, .progress = bench_goes_on, .ctx = s->bench }, &s->leaves->arena, error);
-	s->order = rank.order;
-	return code;
-}
-
-static enum eco_code study_turn(struct study *s, struct eco_error *error)
-{
-	double to[TURN_VIEWS][3], q[TURN_VIEWS], mean = 0;
-	struct lod_billboard_cloud cloud = { 0 };
 	for (uint32_t v = 0; v < TURN_VIEWS; v++) {
 		double sine, cosine, flat = 1 / sqrt(1 + TURN_UP * TURN_UP);
 		eco_angle16_sincos(eco_angle16_from_deg(360.0 * v / TURN_VIEWS), &sine, &cosine);
 		to[v][0] = flat * cosine, to[v][1] = flat * sine, to[v][2] = flat * TURN_UP;
 	}
-	enum eco_code code = lod_sights_make(&s->turn, &s->leaves->foliage, (const double (*)[3])to,
-		TURN_VIEWS, PIXELS, &s->leaves->arena, error);
-	code = code ? code : lod_billboard_cloud_make(&cloud, s->plant, caps[TURNED], error);
-	for (uint32_t v = 0; v < TURN_VIEWS && !code; v++) {
+	bench_leaves_sights(s->leaves, &s->turn, (const double (*)[3])to, TURN_VIEWS);
+	lod_billboard_cloud_make(&cloud, s->plant, caps[TURNED], &s->leaves->arena);
+	for (uint32_t v = 0; v < TURN_VIEWS; v++) {
 		struct bench_wrong sum = { 0 };
 		bench_leaves_compare_drawn(s->leaves, &s->turn, v, false, draw_cloud, &cloud, &sum);
 		mean += (q[v] = bench_wrong_q(&sum)) / TURN_VIEWS;
 	}
-	if (!code)
-		keep_turn(s, 6.0 * cloud.count, 0, q, true);
-	lod_billboard_cloud_free(&cloud);
-	for (enum turn m = STOCHASTIC; m < TURNS && !code; m++) {
-		code = make_order(s, m, error);
-		if (!code)
-			prune_to(s, mean);
-	}
-	return code ? code : bench_go_on(s->bench, error);
+	s->made.turns[BILLBOARDS][0] = 6.0 * cloud.count;
+	must(lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1, .leaves = true,
+		.progress = bench_goes_on, .ctx = s->bench }, &s->leaves->arena, must_error));
+	prune_to(s, bench_leaves_order(s->leaves, LOD_ORDER_STOCHASTIC, 0), mean, s->made.turns[STOCHASTIC]);
+	prune_to(s, bench_leaves_order(s->leaves, LOD_ORDER_COMBINED, 0), mean, s->made.turns[COMBINED]);
+	prune_to(s, rank.order, mean, s->made.turns[GREEDY]);
 }
 
 /* ---- One plant ---- */
 
-/* The unit: [clouds, turns, Q of ours of each kind]. */
-static enum eco_code study_leaves(void *ctx, struct bench_leaves *leaves, json_t **out,
-	struct eco_error *error)
+static json_t *study_leaves(void *ctx, struct bench_leaves *leaves)
 {
 	struct study *s = ctx;
 	s->leaves = leaves;
-	json_t *ours = json_array();
-	*out = json_pack("[ooo]", s->clouds = json_array(), s->turns = json_array(), ours);
-	enum eco_code code = open_pictures(s, error);
-	code = code ? code : lod_billboard_plant_open(&s->plant, &leaves->model, error);
-	code = code ? code : study_caps(s, error);
-	code = code ? code : study_turn(s, error);
-	lod_billboard_plant_close(s->plant);
-	code = code ? code : bench_ours_each(&leaves->model, budgets, BUDGETS, score_ours, s, error);
-	for (int kind = 0; kind < BENCH_OURS_KINDS; kind++)
-		json_array_append_new(ours, bench_reals(s->ours[kind], 2 * BUDGETS));
+	open_pictures(s);
+	s->plant = lod_billboard_plant_make(&leaves->model, &leaves->arena);
+	study_caps(s);
+	study_turn(s);
+	bench_ours_each(&leaves->model, budgets, BUDGETS, score_ours, s);
 	for (uint32_t i = 0; i < SIZES; i++) {
 		lod_raster_free(&s->sizes[i].raster);
 		lod_raster_free(&s->sizes[i].fine);
 	}
-	return code;
-}
-
-static enum eco_code measure(struct bench *bench, const struct bench_model *model, json_t **out,
-	struct eco_error *error)
-{
-	char name[96], stamp[32];
-	struct study s = { .bench = bench, .name = model->name };
-	snprintf(name, sizeof name, "billboards-%s", model->name);
-	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
-	return bench_leaves_unit(bench, &(struct bench_leaves_unit){ name, stamp, model, PIXELS,
-		study_leaves, &s, NULL }, out, error);
+	return bench_reals((const double *)&s->made, NUMBERS);
 }
 
 /* ---- Tables ---- */
@@ -389,18 +345,6 @@ struct section {
 	char name[PLANTS_MOST][64];
 };
 
-static void write_caps(struct section *t, const char *plant, const json_t *clouds)
-{
-	for (size_t cap = 0; cap < CAPS; cap++) {
-		double figure[FIGURES];
-		bench_cells(json_array_get(clouds, cap), figure, FIGURES);
-		bench_table_values(t->caps, figure, "%s,%u", plant, caps[cap]);
-		t->error[cap] += figure[ERROR];
-		t->precision[t->plants][cap] = figure[PRECISION];
-		t->recall[t->plants][cap] = figure[RECALL];
-	}
-}
-
 static const char *row_name(int row)
 {
 	return row == BEST ? "best of ours" : row ? bench_ours_names[row - 1] : "billboards";
@@ -412,106 +356,83 @@ static void write_row(struct section *t, const char *plant, int row, const doubl
 		q[1], q[2], q[3], q[4], q[5], q[6], q[7]);
 }
 
-static void write_beside(struct section *t, const char *plant, const json_t *clouds, const json_t *ours)
+static void write_beside(struct section *t, const char *plant, const struct figures *f)
 {
 	double rows[ROWS][2 * BUDGETS] = { { 0 } };
-	for (size_t row = 0; row < ROWS; row++) {
-		if (row && row < BEST)
-			bench_cells(json_array_get(ours, row - 1), rows[row], 2 * BUDGETS);
+	memcpy(rows[1], f->ours, sizeof f->ours);
+	for (int row = 0; row < ROWS; row++) {
 		for (size_t b = 0; b < 2 * BUDGETS; b++) {
 			if (!row)
-				rows[row][b] = bench_cell(json_array_get(clouds, b % BUDGETS),
-					b < BUDGETS ? QUALITY : SOFT);
+				rows[row][b] = f->clouds[b % BUDGETS][b < BUDGETS ? QUALITY : SOFT];
 			else if (row < BEST)
 				rows[BEST][b] = fmax(rows[BEST][b], rows[row][b]);
 			t->sum[row][b] += rows[row][b];
 		}
-		write_row(t, plant, (int)row, rows[row]);
+		write_row(t, plant, row, rows[row]);
 	}
 }
 
-static enum eco_code write_turn(struct section *t, const char *plant, const json_t *turns,
-	struct eco_error *error)
+static void write_turn(struct section *t, const char *plant, struct figures *f)
 {
 	char name[100], title[160];
-	double degrees[TURN_VIEWS], q[TURNS][TURN_VIEWS];
+	double degrees[TURN_VIEWS];
 	struct bench_series series[TURNS];
 	for (int m = 0; m < TURNS; m++) {
-		const json_t *row = json_array_get(turns, (size_t)m);
+		const double *q = f->turns[m] + 2;
 		double mean = 0, square = 0, least = INFINITY, most = -INFINITY;
 		for (uint32_t v = 0; v < TURN_VIEWS; v++) {
 			degrees[v] = 360.0 * v / TURN_VIEWS;
-			q[m][v] = bench_cell(row, 2 + v);
-			mean += q[m][v] / TURN_VIEWS;
-			least = fmin(least, q[m][v]);
-			most = fmax(most, q[m][v]);
+			mean += q[v] / TURN_VIEWS;
+			least = fmin(least, q[v]);
+			most = fmax(most, q[v]);
 		}
 		for (uint32_t v = 0; v < TURN_VIEWS; v++)
-			square += (q[m][v] - mean) * (q[m][v] - mean) / TURN_VIEWS;
+			square += (q[v] - mean) * (q[v] - mean) / TURN_VIEWS;
 		bench_table_row(t->turn, "%s,%s,%.0f,%.0f,%.3f,%.3f,%.3f,%.2e,%.4f", plant, turn_names[m],
-			bench_cell(row, 0), bench_cell(row, 1), mean, least, most, square, sqrt(square));
+			f->turns[m][0], f->turns[m][1], mean, least, most, square, sqrt(square));
 		t->sd[m] += isfinite(square) ? sqrt(square) : 0;
 		t->turned[m] += isfinite(square);
-		series[m] = (struct bench_series){ turn_names[m], degrees, q[m], TURN_VIEWS, false };
+		series[m] = (struct bench_series){ turn_names[m], degrees, q, TURN_VIEWS, false };
 	}
 	snprintf(name, sizeof name, "billboards_turn_%s", plant);
 	snprintf(title, sizeof title, "%s: Q over a turn, equal in the mean", plant);
-	return bench_plot(t->bench, &(struct bench_plot){ .name = name, .title = title, .x = "degrees",
-		.y = "Q", .series = series, .series_count = TURNS }, error);
+	must(bench_plot(t->bench, &(struct bench_plot){ .name = name, .title = title, .x = "degrees",
+		.y = "Q", .series = series, .series_count = TURNS }, must_error));
 }
 
-static enum eco_code study_plant(struct section *t, const struct bench_model *model, struct eco_error *error)
+static void study_plant(struct section *t, const struct bench_model *model)
 {
-	json_t *unit;
+	struct figures f;
+	struct study s = { .bench = t->bench, .name = model->name };
 	char file[100];
-	enum eco_code code = measure(t->bench, model, &unit, error);
-	if (code)
-		return code;
-	write_caps(t, model->name, json_array_get(unit, 0));
-	write_beside(t, model->name, json_array_get(unit, 0), json_array_get(unit, 2));
+	bench_cells(bench_leaves_unit(t->bench, "billboards", NULL, model, PIXELS, study_leaves, &s),
+		(double *)&f, NUMBERS);
+	for (size_t cap = 0; cap < CAPS; cap++) {
+		bench_table_values(t->caps, f.clouds[cap], "%s,%u", model->name, caps[cap]);
+		t->error[cap] += f.clouds[cap][ERROR];
+		t->precision[t->plants][cap] = f.clouds[cap][PRECISION];
+		t->recall[t->plants][cap] = f.clouds[cap][RECALL];
+	}
+	write_beside(t, model->name, &f);
 	snprintf(t->name[t->plants++], sizeof t->name[0], "%s", model->name);
 	snprintf(file, sizeof file, "billboards-%s.png", model->name);
 	bench_picture(t->bench, file, "full detail; at most 8, 33, 166 billboards, each in its mean colour; "
 		"of the last Precision and Recall: light grey true, grey missing, black too many");
-	return write_turn(t, model->name, json_array_get(unit, 1), error);
+	write_turn(t, model->name, &f);
 }
 
-static bool is_foliage(const struct bench_model *model)
+/* Without the data folder generated plants stand for those with leaves. */
+static bool is_foliage(const struct bench *bench, const struct bench_model *model)
 {
 	static const char *const files[] = { "/eztree_oak_large.", "/eztree_pine_medium.", "/orchids.",
 		"/bush.", "/sapling_quaking_aspen_s7.", "/coconutTree." };
 	for (size_t i = 0; i < sizeof files / sizeof *files; i++)
 		if (!model->generated && strstr(model->path, files[i]))
 			return true;
-	return false;
+	return !bench->data;
 }
 
-static enum eco_code study_all(struct section *t, struct eco_error *error)
-{
-	struct bench *bench = t->bench;
-	struct bench_model *models = NULL;
-	uint32_t count = 0, last = 0;
-	enum eco_code code = bench_models(bench, &models, &count, error);
-	for (uint32_t i = 0; i < count && !code && t->plants < PLANTS_MOST; i++) {
-		/* without the data folder generated plants stand for those with leaves */
-		if (bench->data ? !is_foliage(&models[i]) : t->plants == 2)
-			continue;
-		if (!bench->full && t->plants == PLANTS_QUICK) {
-			bench_left_out(bench, models[i].name);
-			continue;
-		}
-		bench_progress(bench, (double)i / count, models[i].name);
-		code = study_plant(t, &models[i], error);
-		last = i;
-		code = code ? code : bench_go_on(bench, error);
-	}
-	if (!code && t->plants)          /* of the plant of most leaves */
-		code = bench_billboards_field(bench, &models[last], error);
-	free(models);
-	return code;
-}
-
-static enum eco_code plot(struct section *t, struct eco_error *error)
+static void plot(struct section *t)
 {
 	struct bench_series series[PLANTS_MOST];
 	double x[BUDGETS], cap[CAPS];
@@ -527,47 +448,58 @@ static enum eco_code plot(struct section *t, struct eco_error *error)
 		write_row(t, "mean", row, t->sum[row]);
 		series[row] = (struct bench_series){ row_name(row), x, t->sum[row], BUDGETS, false };
 	}
-	enum eco_code code = bench_plot(t->bench, &(struct bench_plot){ .name = "billboards",
+	must(bench_plot(t->bench, &(struct bench_plot){ .name = "billboards",
 		.title = "Hard Q at equal vertices, mean over plants", .x = "vertices", .y = "Q",
-		.log_x = true, .series = series, .series_count = ROWS }, error);
+		.log_x = true, .series = series, .series_count = ROWS }, must_error));
 	series[0] = (struct bench_series){ "error of the mean part", cap, t->error, CAPS, false };
-	code = code ? code : bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_error",
+	must(bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_error",
 		.title = "The method's own error against the cap", .x = "billboards at most",
-		.y = "error", .log_x = true, .series = series, .series_count = 1 }, error);
+		.y = "error", .log_x = true, .series = series, .series_count = 1 }, must_error));
 	for (uint32_t i = 0; i < t->plants; i++)
 		series[i] = (struct bench_series){ t->name[i], t->recall[i], t->precision[i], CAPS, true };
-	return code ? code : bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_pr",
+	must(bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_pr",
 		.title = "Precision and Recall of clouds of 2 to 333 billboards", .x = "Recall",
-		.y = "Precision", .series = series, .series_count = t->plants }, error);
+		.y = "Precision", .series = series, .series_count = t->plants }, must_error));
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void show(struct bench *bench)
 {
 	struct section t = { .bench = bench };
+	struct bench_model last;             /* of most leaves */
+	struct bench_walk walk = { .bench = bench, .most = bench->data ? PLANTS_MOST : 2, .quick = 1,
+		.wants = is_foliage };
 	t.caps = bench_table_described(bench, "billboards_caps", "plant,cap", columns, FIGURES, true);
 	t.q = bench_table_open(bench, "billboards", "plant,kind,hard 12,hard 48,hard 200,hard 1000,soft 12,"
 		"soft 48,soft 200,soft 1000", true);
 	t.turn = bench_table_open(bench, "billboards_turn",
 		"plant,method,vertices,of wood besides,mean Q,least,"
 		"most,variance,standard deviation", true);
-	enum eco_code code = study_all(&t, error);
-	if (!code && t.plants)
-		code = plot(&t, error);
+	for (const struct bench_model *model; (model = bench_walk(&walk));) {
+		study_plant(&t, model);
+		walk.found[model->generated]++;
+		last = *model;
+	}
+	if (t.plants) {
+		bench_billboards_field(bench, &last);
+		plot(&t);
+	}
 	bench_table_close(t.caps);
 	bench_table_close(t.q);
 	bench_table_close(t.turn);
-	if (code || !t.plants)
-		return code;
-	for (int m = 0; m < TURNS; m++) {
+	for (int m = 0; m < TURNS && t.plants; m++) {
 		char key[64];
 		snprintf(key, sizeof key, "billboards_turn_sd_%s", m ? turn_names[m] : "billboards");
 		bench_key(bench, key, t.turned[m] ? t.sd[m] / t.turned[m] : NAN,
 			"standard deviation of Q over a turn, mean over plants");
 	}
-	bench_say(bench, "A billboard has six vertices, a splat one. A cloud of another cap has other textures, so "
-		"that clouds are alternatives and none continues another. Over a turn leaves are pruned over whole "
+	bench_say(bench,
+		"A billboard has six vertices, a splat one. A cloud of another cap has other textures: "
+		"clouds "
+		"are alternatives and none continues another. Over a turn leaves are pruned over whole "
 		"wood.");
-	return ECO_OK;
 }
 
-const struct bench_section bench_billboards = { "billboards", "Billboard clouds against splats and impostors", run };
+static enum eco_code run(struct bench *bench, struct eco_error *error) { return must_do(show, bench, error); }
+
+const struct bench_section bench_billboards = { "billboards", "Billboard clouds against splats and impostors",
+	run };

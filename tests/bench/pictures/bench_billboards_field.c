@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/base/angle16.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/view.h"
 #include "lod/build/model_draw.h"
@@ -30,6 +31,7 @@ struct stand { struct lod_place place; double world[3], away; uint32_t level; };
 struct field {
 	struct bench *bench;
 	const struct bench_model *file;
+	char picture[128];
 	struct eco_model model;
 	double radius;
 	struct lod_eye eye;
@@ -96,13 +98,11 @@ static void draw_model(const struct eco_model *model, uint64_t owner, struct lod
 	}
 }
 
-static enum eco_code draw(struct field *f, bool clouds, struct eco_error *error)
+static void draw(struct field *f, bool clouds)
 {
 	struct lod_raster *raster = &f->rasters[clouds];
-	enum eco_code code = lod_raster_init(raster, &(struct lod_raster_options){ .width = WIDTH,
-		.height = HEIGHT, .owner = true, .item = true }, error);
-	if (code)
-		return code;
+	must(lod_raster_init(raster, &(struct lod_raster_options){ .width = WIDTH, .height = HEIGHT, .owner
+		= true, .item = true }, must_error));
 	lod_raster_clear(raster);
 	lod_raster_camera(raster, &f->eye, -0.005 * f->eye.at[1]);
 	for (uint32_t i = 0; i < f->count; i++) {
@@ -115,7 +115,7 @@ static enum eco_code draw(struct field *f, bool clouds, struct eco_error *error)
 		else
 			draw_model(&f->model, i + 1, raster);
 	}
-	return bench_go_on(f->bench, error);
+	must_go_on(f->bench);
 }
 
 /* Neighbours of one colour are told apart by how dark they are. */
@@ -132,20 +132,6 @@ static void paint_pixel(const struct field *f, uint32_t panel, size_t i, uint8_t
 	double shade = 0.7 + 0.3 * eco_random_unit(eco_random(4, raster->owner[i]));
 	for (int k = 0; k < 3; k++)
 		rgb[k] = (uint8_t)(shade * (panel == 2 ? level_rgb[s->level] : from)[k]);
-}
-
-static enum eco_code write_picture(const struct field *f, struct eco_error *error)
-{
-	char file[128];
-	uint8_t *rgb = malloc((size_t)PANELS * WIDTH * HEIGHT * 3);
-	if (!rgb)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
-	for (size_t i = 0; i < (size_t)PANELS * WIDTH * HEIGHT; i++)
-		paint_pixel(f, i / WIDTH % PANELS, i / (PANELS * WIDTH) * WIDTH + i % WIDTH, rgb + 3 * i);
-	snprintf(file, sizeof file, "billboards_field-%s.png", f->file->name);
-	enum eco_code code = bench_picture_write(f->bench, file, PANELS * WIDTH, HEIGHT, rgb, error);
-	free(rgb);
-	return code;
 }
 
 static json_t *score(const struct field *f)
@@ -165,48 +151,38 @@ static json_t *score(const struct field *f)
 	return bench_reals(figure, FIGURES);
 }
 
-static enum eco_code make_field(void *ctx, json_t **out, struct eco_error *error)
+static json_t *make_field(void *ctx)
 {
+	static uint8_t rgb[PANELS * WIDTH * HEIGHT][3];
 	struct field *f = ctx;
-	struct lod_billboard_plant *plant = NULL;
-	enum eco_code code = bench_model_read(f->bench, f->file, &f->model, error);
-	if (code)
-		return code;
+	struct lod_arena arena = { 0 };
+	must_have(&arena);
+	must(bench_model_read(f->bench, f->file, &f->model, must_error));
 	place_plants(f);
-	code = lod_billboard_plant_open(&plant, &f->model, error);
-	for (uint32_t i = 0; i < LEVELS && !code; i++)
-		code = lod_billboard_cloud_make(&f->clouds[i], plant, caps[i], error);
-	lod_billboard_plant_close(plant);
-	for (int clouds = 0; clouds < 2 && !code; clouds++)
-		code = draw(f, clouds, error);
-	code = code ? code : write_picture(f, error);
-	*out = code ? NULL : score(f);
+	const struct lod_billboard_plant *plant = lod_billboard_plant_make(&f->model, &arena);
 	for (uint32_t i = 0; i < LEVELS; i++)
-		lod_billboard_cloud_free(&f->clouds[i]);
+		lod_billboard_cloud_make(&f->clouds[i], plant, caps[i], &arena);
+	draw(f, false);
+	draw(f, true);
+	for (size_t i = 0; i < (size_t)PANELS * WIDTH * HEIGHT; i++)
+		paint_pixel(f, i / WIDTH % PANELS, i / (PANELS * WIDTH) * WIDTH + i % WIDTH, rgb[i]);
+	must(bench_picture_write(f->bench, f->picture, PANELS * WIDTH, HEIGHT, *rgb, must_error));
+	json_t *made = score(f);
+	lod_arena_free(&arena);
 	lod_raster_free(&f->rasters[0]);
 	lod_raster_free(&f->rasters[1]);
 	eco_model_free(&f->model);
-	return code;
+	return made;
 }
 
-enum eco_code bench_billboards_field(struct bench *bench, const struct bench_model *model,
-	struct eco_error *error)
+void bench_billboards_field(struct bench *bench, const struct bench_model *model)
 {
-	char stamp[32], file[128];
 	double q[FIGURES];
-	json_t *unit;
-	struct field *f = calloc(1, sizeof *f);
-	if (!f)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a field of plants");
+	struct field *f = eco_alloc(1, sizeof *f);
 	f->bench = bench;
 	f->file = model;
-	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
-	snprintf(file, sizeof file, "billboards_field-%s.png", model->name);
-	enum eco_code code = bench_unit(bench, file, stamp, make_field, f, &unit, error);
-	free(f);
-	if (code)
-		return code;
-	bench_cells(unit, q, FIGURES);
+	snprintf(f->picture, sizeof f->picture, "billboards_field-%s.png", model->name);
+	bench_cells(must_unit(bench, f->picture, must_stamp(model->path), make_field, f), q, FIGURES);
 	struct bench_table *table = bench_table_open(bench, "billboards_field", "plant,plants in view,"
 		"of 333 billboards,of 166,of 33,of 8,vertices,vertices of full detail,Q,Precision,Recall,"
 		"owner_q", true);
@@ -214,7 +190,7 @@ enum eco_code bench_billboards_field(struct bench *bench, const struct bench_mod
 		q[0] + q[1] + q[2] + q[3], q[0], q[1], q[2], q[3], q[VERTICES], q[FULL], q[Q],
 		q[PRECISION], q[RECALL], q[OWNER_Q]);
 	bench_table_close(table);
-	bench_picture(bench, file, "a field: full detail; clouds in their billboards' mean colours; "
+	bench_picture(bench, f->picture, "a field: full detail; clouds in their billboards' mean colours; "
 		"their levels: at most 333 billboards (red), 166 (orange), 33 (green), 8 (blue)");
-	return ECO_OK;
+	free(f);
 }
