@@ -12,6 +12,7 @@
  *    "series": [{"name", "points", "x": [], "y": []}]}
  *
  * report/report.py draws them; it shows sections that did not run this time as they were. */
+#include "lod/arena.h"
 #include "tests/bench/bench.h"
 
 #include <assert.h>
@@ -112,9 +113,16 @@ enum eco_code bench_command(struct bench *bench, struct eco_error *error, const 
 void bench_must(struct bench *bench, enum eco_code code)
 {
 	(void)bench;
+	must(code);
+}
+
+void must(enum eco_code code)
+{
 	if (code)
 		longjmp(failed, 1);
 }
+
+void must_have(struct lod_arena *arena) { memcpy(&arena->failed, &failed, sizeof failed); }
 
 /* ---- Units ---- */
 
@@ -423,10 +431,12 @@ static void say_left_out(void)
 		bench_say(&bench, "Left out without FULL=1: %s.", text);
 }
 
+struct eco_error *const must_error = &bench.error;
+
 static enum eco_code run_section(void)
 {
-	if (setjmp(failed))
-		return bench.error.code;
+	if (setjmp(failed))          /* an arena jumps without a word */
+		return bench.error.code ? bench.error.code : eco_fail(&bench.error, ECO_NO_MEMORY, "no memory");
 	return section->run(&bench, &bench.error);
 }
 

@@ -38,8 +38,13 @@ struct bench_section {
 /* The whole program: reads the command line, runs sections (NULL ends), returns the exit status. */
 int bench_main(int argc, char **argv, const struct bench_section *const *sections);
 
-/* Ends the section, which has failed, unless `code` is ECO_OK; bench->error holds why. */
+/* Ends the section, which has failed, unless `code` is ECO_OK; bench->error holds why. must is the same, of a call
+ * with must_error; what is taken from an arena after must_have ends the section where there is no memory. */
 void bench_must(struct bench *bench, enum eco_code code);
+extern struct eco_error *const must_error;
+void must(enum eco_code code);
+struct lod_arena;
+void must_have(struct lod_arena *arena);
 void bench_progress(struct bench *bench, double share, const char *what);
 void bench_note(const struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Runs a shell command and waits. Ctrl-C ends this program, too. */

@@ -64,7 +64,6 @@ static json_t *make_unit(void *ctx)
 	lod_raster_free(&leaves.cover);
 	lod_arena_free(&leaves.arena);
 	eco_model_free(&leaves.model);
-	must_go_on(o->bench);
 	return made;
 }
 

@@ -9,7 +9,7 @@
 
 #include "lod/build/foliage.h"
 #include "lod/build/order/order.h"
-#include "tests/bench/bench_must.h"
+#include "tests/bench/bench_walk.h"
 
 struct bench_leaves {
 	struct lod_arena arena;

@@ -4,7 +4,7 @@
 
 #include "lod/build/measure/probe.h"
 #include "lod/ladder.h"
-#include "tests/bench/bench_must.h"
+#include "tests/bench/bench_walk.h"
 
 #define ELEMENTS_LEAST 500u
 /* not those of the curves: other heights, turned by an angle of a 3-4-5 triangle */
@@ -140,12 +140,13 @@ static void plot_sizes(struct bench *bench, double sum[SIZES][FIGURES], uint32_t
 		.y = "share", .log_x = true, .series = series, .series_count = 6 }, must_error));
 }
 
-static void show(struct bench *bench)
+static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct bench_walk walk = { .bench = bench, .leaves = ELEMENTS_LEAST, .most = 8, .quick = 2 };
 	double sum[SIZES][FIGURES] = { { 0 } };
 	struct bench_table *table = bench_table_described(bench, "scale_sizes", "plant,pixels,lambda",
 		columns, FIGURES, true);
+	(void)error;
 	for (const struct bench_model *model; (model = bench_walk(&walk));) {
 		char name[96];
 		snprintf(name, sizeof name, "sizes-%s", model->name);
@@ -164,8 +165,7 @@ static void show(struct bench *bench)
 	bench_table_close(table);
 	if (walk.found[0] + walk.found[1])
 		plot_sizes(bench, sum, walk.found[0] + walk.found[1]);
+	return ECO_OK;
 }
-
-static enum eco_code run(struct bench *bench, struct eco_error *error) { return must_do(show, bench, error); }
 
 const struct bench_section bench_scale = { "scale", "Precision and Recall by size and view", run };

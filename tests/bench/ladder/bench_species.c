@@ -85,8 +85,7 @@ static double cook_lambda(enum bench_spacing spacing, uint32_t i)
 static void make_orders(struct study *s)
 {
 	struct lod_rank rank;
-	must(lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1, .leaves = true,
-		.progress = bench_goes_on, .ctx = s->bench }, &s->leaves->arena, must_error));
+	must(lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1, .leaves = true }, &s->leaves->arena, must_error));
 	s->growth = rank.growth;
 	s->triangle = rank.simple;
 	for (int m = 0; m < METHODS; m++) {
@@ -254,7 +253,6 @@ static void fill_tables(struct study *s)
 			struct row *row = &s->rows[m][i];
 			*row = (struct row){ .lambda = lambda[i] };
 			fill_row(s, (enum bench_order)m, row, i ? row - 1 : NULL);
-			must_go_on(s->bench);
 		}
 }
 
@@ -466,11 +464,12 @@ static void write_keys(struct bench *bench, const struct all *all)
 }
 
 /* The quick bench takes the plants with the fewest leaves. */
-static void show(struct bench *bench)
+static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct all *all = eco_alloc(1, sizeof *all);
 	struct bench_walk walk = { .bench = bench, .leaves = BENCH_ELEMENTS_LEAST, .most = SPECIES_MOST,
 		.quick = 3, .quick_made = 1 };
+	(void)error;
 	for (const struct bench_model *model; (model = bench_walk(&walk));) {
 		measure(bench, model, &all->of[all->count++]);
 		walk.found[model->generated]++;
@@ -480,8 +479,7 @@ static void show(struct bench *bench)
 		write_keys(bench, all);
 	}
 	free(all);
+	return ECO_OK;
 }
-
-static enum eco_code run(struct bench *bench, struct eco_error *error) { return must_do(show, bench, error); }
 
 const struct bench_section bench_species = { "species", "Geometry saved against Cook at equal quality", run };

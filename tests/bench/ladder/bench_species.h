@@ -28,7 +28,7 @@ struct bench_savings {
 	double ratio[BENCH_ORDERS][BENCH_SPACINGS][BENCH_DISTANCES], q[BENCH_ORDERS][BENCH_SHARES];
 };
 /* A unit by what the model's file holds; reads the model only if that is not there. An error ends the section
- * (bench_must.h). */
+ * (bench_walk.h). */
 void bench_savings_of(struct bench *bench, struct bench_savings *savings, const struct bench_model *model);
 
 #endif

@@ -390,7 +390,6 @@ static void measure_table(struct study *s)
 		s->shown = 0;
 		lod_directions_spread(axes, sectors, 77);
 		for (uint32_t i = 0; i < sectors; i++) {
-			must_go_on(s->bench);
 			measure_sector(s, width, axes[i], i, s->bench->full ? 4 : 2);
 		}
 		for (uint32_t i = 0; i < METHODS * SHARES; i++) {
@@ -540,17 +539,17 @@ static void write_layers(struct bench *bench, const struct figures *f)
 			PIXELS);
 }
 
-static void show(struct bench *bench)
+static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct figures f;
 	struct study s = { .bench = bench };
+	(void)error;
 	bench_progress(bench, 0, "crown of 6143 leaves");
 	bench_cells(bench_leaves_unit(bench, "lee-crown-6143", NULL, NULL, PIXELS, study_leaves, &s),
 		(double *)&f, sizeof f / sizeof(double));
 	write_table(bench, &f);
 	write_layers(bench, &f);
+	return ECO_OK;
 }
-
-static enum eco_code run(struct bench *bench, struct eco_error *error) { return must_do(show, bench, error); }
 
 const struct bench_section bench_lee = { "lee", "Which leaves to keep: Lee's orders and ours", run };

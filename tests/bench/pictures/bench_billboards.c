@@ -232,7 +232,6 @@ static void study_caps(struct study *s)
 		if (cap >= 1 && cap <= 3)
 			paint(s, &cloud, picture, cap);
 		lod_arena_release(&s->leaves->arena, mark);
-		must_go_on(s->bench);
 	}
 	snprintf(file, sizeof file, "billboards-%s.png", s->name);
 	must(bench_picture_write(s->bench, file, PANELS * side, side, picture, must_error));
@@ -274,7 +273,6 @@ static void prune_to(struct study *s, const uint32_t *order, double wanted, doub
 	for (int i = 0; i < STEPS && low < high; i++) {
 		/* counts are searched by their ratios */
 		uint32_t middle = (uint32_t)sqrt((double)low * high);
-		must_go_on(s->bench);
 		if (prune(s, order, middle, turn + 2) < wanted)
 			low = middle + 1;
 		else
@@ -305,8 +303,7 @@ static void study_turn(struct study *s)
 		mean += (q[v] = bench_wrong_q(&sum)) / TURN_VIEWS;
 	}
 	s->made.turns[BILLBOARDS][0] = 6.0 * cloud.count;
-	must(lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1, .leaves = true,
-		.progress = bench_goes_on, .ctx = s->bench }, &s->leaves->arena, must_error));
+	must(lod_rank_make(&rank, &s->leaves->foliage, &(struct lod_rank_options){ .seed = 1, .leaves = true }, &s->leaves->arena, must_error));
 	prune_to(s, bench_leaves_order(s->leaves, LOD_ORDER_STOCHASTIC, 0), mean, s->made.turns[STOCHASTIC]);
 	prune_to(s, bench_leaves_order(s->leaves, LOD_ORDER_COMBINED, 0), mean, s->made.turns[COMBINED]);
 	prune_to(s, rank.order, mean, s->made.turns[GREEDY]);
@@ -462,12 +459,13 @@ static void plot(struct section *t)
 		.y = "Precision", .series = series, .series_count = t->plants }, must_error));
 }
 
-static void show(struct bench *bench)
+static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct section t = { .bench = bench };
 	struct bench_model last;             /* of most leaves */
 	struct bench_walk walk = { .bench = bench, .most = bench->data ? PLANTS_MOST : 2, .quick = 1,
 		.wants = is_foliage };
+	(void)error;
 	t.caps = bench_table_described(bench, "billboards_caps", "plant,cap", columns, FIGURES, true);
 	t.q = bench_table_open(bench, "billboards", "plant,kind,hard 12,hard 48,hard 200,hard 1000,soft 12,"
 		"soft 48,soft 200,soft 1000", true);
@@ -497,9 +495,8 @@ static void show(struct bench *bench)
 		"clouds "
 		"are alternatives and none continues another. Over a turn leaves are pruned over whole "
 		"wood.");
+	return ECO_OK;
 }
-
-static enum eco_code run(struct bench *bench, struct eco_error *error) { return must_do(show, bench, error); }
 
 const struct bench_section bench_billboards = { "billboards", "Billboard clouds against splats and impostors",
 	run };

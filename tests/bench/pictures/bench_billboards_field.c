@@ -115,7 +115,6 @@ static void draw(struct field *f, bool clouds)
 		else
 			draw_model(&f->model, i + 1, raster);
 	}
-	must_go_on(f->bench);
 }
 
 /* Neighbours of one colour are told apart by how dark they are. */

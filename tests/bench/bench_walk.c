@@ -1,35 +1,6 @@
-#include "tests/bench/bench_must.h"
+#include "tests/bench/bench_walk.h"
 
 #include <stdlib.h>
-#include <string.h>
-
-static jmp_buf end;
-static enum eco_code ended;
-static struct eco_error first;
-struct eco_error *const must_error = &first;
-
-enum eco_code must_do(void (*steps)(struct bench *bench), struct bench *bench, struct eco_error *error)
-{
-	first = (struct eco_error){ 0 };
-	ended = ECO_NO_MEMORY;       /* an arena jumps without a word */
-	if (!setjmp(end)) {
-		steps(bench);
-		return ECO_OK;
-	}
-	return eco_fail(error, ended, "%s", *first.text ? first.text : "no memory");
-}
-
-void must(enum eco_code code)
-{
-	if (!code)
-		return;
-	ended = code;
-	longjmp(end, 1);
-}
-
-void must_go_on(const struct bench *bench) { must(bench_go_on(bench, must_error)); }
-
-void must_have(struct lod_arena *arena) { memcpy(&arena->failed, &end, sizeof end); }
 
 struct making { json_t *(*make)(void *ctx); void *ctx; };
 
