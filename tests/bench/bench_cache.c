@@ -1,15 +1,17 @@
 /* A client with little memory (Deussen 2002, section 6.3): bytes fetched along a path, chunks given up
  * (client-min/view_cache.h) and requests repeated, by the memory that the client may hold.
  *
- * Paths go there and back, which needs everything twice; with the data folder there is a drone's recorded flight
- * over the SCBI forest, too. The whole need is the memory of a client without a limit at the end. Nothing is
- * drawn: tests/client/test_view_cache.c compares the pictures. */
+ * Paths go there and back, which needs everything twice; with the data folder there is a drone's recorded
+ * flight over the SCBI forest, too. The whole need is the memory of a client without a limit at the end.
+ * Nothing is drawn: tests/client/test_view_cache.c compares the pictures. */
 #include <stdlib.h>
 #include <sys/stat.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/view.h"
 #include "tests/bench/bench_fetch.h"
 #include "tests/bench/bench_shots.h"
+#include "tests/bench/bench_walk.h"
 
 #define PATH 1100
 #define VERTICES 100000u
@@ -19,8 +21,8 @@
 /* the place of its first fix in the scbi scene, from which it crosses the plot; a pilot's view */
 #define TRACK_PLACE "--to 100,30,345 --pitch -15 --fps 1"
 
-/* Parts of the whole need; no limit; the need of the largest view alone, and 2 % for descriptions of what only
- * its coarse steps show. */
+/* Parts of the whole need; no limit; the need of the largest view alone, and 2 % for descriptions of what
+ * only its coarse steps show. */
 enum { NO_LIMIT = 0, LARGEST_VIEW = UINT32_MAX };
 static const uint32_t parts[] = { NO_LIMIT, 1, 2, 4, LARGEST_VIEW };
 #define PARTS (sizeof parts / sizeof *parts)
@@ -32,42 +34,33 @@ struct walk { struct eco_request *requests; uint32_t count; uint64_t need, large
 
 /* ---- Cameras ---- */
 
-static enum eco_code there_and_back(struct bench *bench, const char *scene, struct walk *walk,
-	struct eco_error *error)
+static void there_and_back(struct bench *bench, const char *scene, struct walk *walk)
 {
 	uint32_t one_way = bench->full ? FRAMES_FULL : FRAMES_QUICK;
-	walk->requests = calloc(2 * (size_t)one_way, sizeof *walk->requests);
-	if (!walk->requests)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a path");
-	walk->count = bench_scene_views(bench, scene, walk->requests, one_way);
+	walk->requests = eco_alloc(2 * (size_t)one_way, sizeof *walk->requests);
+	walk->count = 2 * bench_scene_views(bench, scene, walk->requests, one_way);
 	if (!walk->count)
-		return eco_fail(error, ECO_NOT_FOUND, "scene '%s' has no path", scene);
+		must(eco_fail(must_error, ECO_NOT_FOUND, "scene '%s' has no path", scene));
 	for (uint32_t i = 0; i < one_way; i++)
 		walk->requests[one_way + i] = walk->requests[one_way - 1 - i];
-	walk->count *= 2;
-	return ECO_OK;
 }
 
-static enum eco_code recorded(struct bench *bench, struct walk *walk, struct eco_error *error)
+static void recorded(struct bench *bench, struct walk *walk)
 {
 	char path[PATH];
-	struct eco_camera *camera = NULL;
+	struct eco_camera *camera;
 	snprintf(path, sizeof path, "%s/recorded.json", bench->cache);
-	enum eco_code code = bench_command(bench, error, "'%s/ecopack' camera '%s/" TRACK "' -o '%s' -q "
-		TRACK_PLACE, bench->build, bench->data, path);
-	if (!code)
-		code = eco_camera_load(&camera, path, error);
-	if (code)
-		return code;
+	must(bench_command(bench, must_error, "'%s/ecopack' camera '%s/" TRACK "' -o '%s' -q " TRACK_PLACE,
+		bench->build, bench->data, path));
+	must(eco_camera_load(&camera, path, must_error));
 	walk->count = eco_camera_frame_count(camera);
-	walk->requests = calloc(walk->count, sizeof *walk->requests);
-	for (uint32_t i = 0; i < walk->count && walk->requests; i++) {
+	walk->requests = eco_alloc(walk->count, sizeof *walk->requests);
+	for (uint32_t i = 0; i < walk->count; i++) {
 		eco_camera_frame(camera, i, &walk->requests[i].view);
 		walk->requests[i].view.width = BENCH_SHOT_WIDTH;
 		walk->requests[i].view.height = BENCH_SHOT_HEIGHT;
 	}
 	eco_camera_free(camera);
-	return walk->requests ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a path");
 }
 
 static bool has_track(const struct bench *bench)
@@ -95,21 +88,15 @@ static uint64_t held_since(const struct view_store *store, uint64_t since)
 	return bytes;
 }
 
-/* The tick of the last plan that named anything. */
-static uint64_t last_tick(const struct view_store *store)
+static void measure(struct walk *walk, const struct view_store *store)
 {
-	uint64_t last = 0;
+	uint64_t last = 0;           /* tick of the last plan that named anything */
 	for (uint32_t i = 0; i < view_store_list_count(store); i++) {
 		const struct view_list *list = view_store_list_at(store, i);
 		if (list->chunk_count && list->marks[0].used > last)
 			last = list->marks[0].used;
 	}
-	return last;
-}
-
-static void measure(struct walk *walk, const struct view_store *store)
-{
-	uint64_t view = held_since(store, last_tick(store));
+	uint64_t view = held_since(store, last);
 	walk->need = held_since(store, 0);
 	walk->largest = view > walk->largest ? view : walk->largest;
 }
@@ -117,35 +104,32 @@ static void measure(struct walk *walk, const struct view_store *store)
 enum figure { MEMORY, FRAMES, BYTES, ANSWERS, EVICTIONS, AGAIN, FIGURES };
 
 /* Without a limit (0) measures what the walk needs. A view that needs more than there is ends the walk. */
-static enum eco_code walk_with(const struct srv_scene *scene, struct walk *walk, uint64_t memory,
-	json_t *rows, struct eco_error *error)
+static void walk_with(const struct srv_scene *scene, struct walk *walk, uint64_t memory,
+	double figure[FIGURES])
 {
 	struct view_store *store;
 	struct view_store_options options = { .memory_max = memory ? memory : 1ull << 40, .images = true };
-	struct bench_fetch sums = { 0 };
-	uint32_t frames = 0;
-	enum eco_code code = view_store_new(&store, &options, error);
-	while (!code && frames < walk->count) {
-		struct eco_request request = walk->requests[frames];
+	must(view_store_new(&store, &options, must_error));
+	for (; figure[FRAMES] < walk->count; figure[FRAMES]++) {
+		struct eco_request request = walk->requests[(uint32_t)figure[FRAMES]];
 		struct bench_fetch fetch = { 0 };
 		struct eco_error why = { 0 };
 		request.vertices = VERTICES;
 		request.bytes = ECO_BYTES_UNBOUNDED;
-		enum eco_code one = bench_fetch(&fetch, scene, &request, store, &why);
-		if (one == ECO_TOO_LARGE)
+		enum eco_code code = bench_fetch(&fetch, scene, &request, store, &why);
+		if (code == ECO_TOO_LARGE)
 			break;
-		code = one ? eco_fail(error, one, "%s", why.text) : ECO_OK;
-		sums.bytes += fetch.bytes;
-		sums.requests += fetch.requests;
-		frames++;
+		if (code)
+			must(eco_fail(must_error, code, "%s", why.text));
+		figure[BYTES] += (double)fetch.bytes;
+		figure[ANSWERS] += fetch.requests;
 		if (!memory)
 			measure(walk, store);
 	}
-	struct view_store_stats stats = store ? view_store_stats(store) : (struct view_store_stats){ 0 };
-	json_array_append_new(rows, bench_reals((double[FIGURES]){ (double)(memory ? memory : walk->need), frames,
-		(double)sums.bytes, sums.requests, (double)stats.evictions, (double)stats.again_bytes }, FIGURES));
+	figure[MEMORY] = (double)(memory ? memory : walk->need);
+	figure[EVICTIONS] = (double)view_store_stats(store).evictions;
+	figure[AGAIN] = (double)view_store_stats(store).again_bytes;
 	view_store_free(store);
-	return code;
 }
 
 static uint64_t memory_of(const struct walk *walk, uint32_t part)
@@ -156,75 +140,65 @@ static uint64_t memory_of(const struct walk *walk, uint32_t part)
 
 struct work { struct bench *bench; size_t which; const char *pack; };
 
-static enum eco_code run_path(void *ctx, json_t **rows, struct eco_error *error)
+static json_t *run_path(void *ctx)
 {
 	const struct work *w = ctx;
 	const char *scene = paths[w->which].scene;
 	struct srv_store served;
 	struct walk walk = { 0 };
-	*rows = json_array();
+	double figure[PARTS][FIGURES] = { { 0 } };
 	srv_store_init(&served);
-	enum eco_code code = paths[w->which].recorded ? recorded(w->bench, &walk, error)
-		: there_and_back(w->bench, scene, &walk, error);
-	if (!code)
-		code = srv_store_add(&served, "scene", w->pack, error);
-	for (size_t i = 0; i < PARTS && !code; i++) {
+	if (paths[w->which].recorded)
+		recorded(w->bench, &walk);
+	else
+		there_and_back(w->bench, scene, &walk);
+	must(srv_store_add(&served, "scene", w->pack, must_error));
+	for (size_t i = 0; i < PARTS; i++) {
 		bench_progress(w->bench, ((double)w->which + (double)i / PARTS) / PATHS, scene);
-		code = bench_go_on(w->bench, error);
-		if (!code)
-			code = walk_with(served.scenes[0], &walk, memory_of(&walk, parts[i]), *rows, error);
+		walk_with(served.scenes[0], &walk, memory_of(&walk, parts[i]), figure[i]);
 	}
 	srv_store_free(&served);
 	free(walk.requests);
-	return code;
+	return bench_reals(*figure, PARTS * FIGURES);
 }
 
-static void add_rows(struct bench_table *table, size_t which, const json_t *rows)
+static void try_path(struct bench *bench, size_t which, struct bench_table *table)
 {
-	double all[FIGURES], now[FIGURES];
-	bench_cells(json_array_get(rows, 0), all, FIGURES);
+	char pack[512], name[96];
+	double figure[PARTS][FIGURES], *all = figure[0];
+	enum eco_code code;
+	if (!bench_shot_scene(bench, paths[which].scene, pack, &code, must_error))
+		return;
+	must(code);
+	snprintf(name, sizeof name, "cache-%s-%s-%s", paths[which].scene,
+		paths[which].recorded ? "recorded" : "path", bench->full ? "full" : "quick");
+	bench_cells(must_unit(bench, name, bench_pack_stamp(pack), run_path, &(struct work){ bench, which,
+		pack }), all, PARTS * FIGURES);
 	for (size_t i = 0; i < PARTS; i++) {
 		char part[24];
-		bench_cells(json_array_get(rows, i), now, FIGURES);
+		const double *now = figure[i];
 		snprintf(part, sizeof part, parts[i] == NO_LIMIT ? "no limit" : parts[i] == LARGEST_VIEW
 			? "largest view" : "1/%u", parts[i]);
 		bench_table_row(table, "%s,%s,%s,%.2f,%.0f of %.0f,%.0f,%.2f,%.0f,%.0f,%.0f",
 			paths[which].scene, paths[which].recorded ? "recorded" : "there and back", part,
-			now[MEMORY] / (1 << 20), now[FRAMES], all[FRAMES], now[BYTES], now[BYTES] / all[BYTES],
-			now[EVICTIONS], now[AGAIN], now[ANSWERS] - now[FRAMES]);
+			now[MEMORY] / (1 << 20), now[FRAMES], all[FRAMES], now[BYTES],
+			now[BYTES] / all[BYTES], now[EVICTIONS], now[AGAIN], now[ANSWERS] - now[FRAMES]);
 	}
-}
-
-static enum eco_code try_path(struct bench *bench, size_t which, struct bench_table *table,
-	struct eco_error *error)
-{
-	char pack[512], name[96];
-	json_t *rows;
-	enum eco_code code = ECO_OK;
-	if (!bench_shot_scene(bench, paths[which].scene, pack, &code, error) || code)
-		return code;
-	snprintf(name, sizeof name, "cache-%s-%s-%s", paths[which].scene,
-		paths[which].recorded ? "recorded" : "path", bench->full ? "full" : "quick");
-	code = bench_unit(bench, name, bench_pack_stamp(pack), run_path, &(struct work){ bench, which, pack }, &rows,
-		error);
-	if (!code)
-		add_rows(table, which, rows);
-	return code;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
+	(void)error;
 	struct bench_table *table = bench_table_open(bench, "cache", "scene,path,memory,MiB,frames,bytes,"
 		"times no limit,chunks evicted,bytes fetched again,requests repeated", true);
-	for (size_t i = 0; i < PATHS && !code; i++)
+	for (size_t i = 0; i < PATHS; i++)
 		if (!paths[i].recorded || has_track(bench))
-			code = try_path(bench, i, table, error);
+			try_path(bench, i, table);
 	bench_table_close(table);
-	if (code)
-		return code;
-	bench_say(bench, "A client may hold a part of the decoded data that a whole path needs, at %u vertices a "
-		"frame. The chunk that no plan needed for the longest time goes first; ties: the largest. A path "
+	bench_say(bench,
+		"A client may hold a part of the decoded data that a whole path needs, at %u vertices a "
+		"frame. The chunk that no plan needed for the longest time goes first; ties: the largest. A "
+		"path "
 		"ends where one view alone needs more than there is.", VERTICES);
 	return ECO_OK;
 }

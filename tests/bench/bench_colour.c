@@ -6,18 +6,20 @@
  *                image.h), over covered ones
  *
  * Variants of the same plan show the worth of prefiltering: without self-occlusion (every leaf lit as if it
- * were alone); besides, with flat colours (one colour a list without a texture; for cut-outs the plain mean of
- * the texture's bytes, clear texels included). */
+ * were alone); besides, with flat colours (one colour a list without a texture; for cut-outs the plain mean
+ * of the texture's bytes, clear texels included). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "client-min/draw/view_gl.h"
 #include "client-min/view_reference.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/image.h"
 #include "lod/light.h"
 #include "tests/bench/bench_fetch.h"
 #include "tests/bench/bench_shots.h"
+#include "tests/bench/bench_walk.h"
 
 #define VIEWS_QUICK 1u
 #define VIEWS_FULL 4u
@@ -41,8 +43,8 @@ enum { RMS, TONE, PERCEPTUAL, Q, FIGURES };
 
 /* ---- Drawing and comparing ---- */
 
-static enum eco_code compare(const struct view_picture *a, const struct view_picture *r, json_t *row,
-	size_t variant, struct eco_error *error)
+/* Fills FIGURES, or leaves them NaN where one picture is empty. */
+static void compare(const struct view_picture *a, const struct view_picture *r, double figure[FIGURES])
 {
 	const struct view_picture *pictures[2] = { a, r };
 	struct lod_light sum[2] = { { { 0 }, 0 }, { { 0 }, 0 } };
@@ -60,17 +62,18 @@ static enum eco_code compare(const struct view_picture *a, const struct view_pic
 			square += (a->rgb[k] - r->rgb[k]) * (a->rgb[k] - r->rgb[k]) / 65025.0;
 	}
 	if (!(sum[0].weight > 0 && sum[1].weight > 0))
-		return ECO_OK;
+		return;
 	for (int k = 0; k < 3; k++)
 		tone += abs(lod_light_byte(sum[0].sum[k] / sum[0].weight)
 			- lod_light_byte(sum[1].sum[k] / sum[1].weight)) / 765.0;
-	enum eco_code code = eco_pixels_compare(&(struct eco_pixels){ a->width, a->height, 3, a->rgb },
-		&(struct eco_pixels){ r->width, r->height, 3, r->rgb }, &different, error);
+	must(eco_pixels_compare(&(struct eco_pixels){ a->width, a->height, 3, a->rgb },
+		&(struct eco_pixels){ r->width, r->height, 3, r->rgb }, &different, must_error));
 	lod_score(&score, &(struct lod_score_input){ a->width, a->height, a->cover, r->cover, a->owner,
 		r->owner });
-	json_array_set_new(row, variant, bench_reals((double[]){ sqrt(square / (3 * either)), tone,
-		(double)different / either, score.q }, FIGURES));
-	return code;
+	figure[RMS] = sqrt(square / (3 * either));
+	figure[TONE] = tone;
+	figure[PERCEPTUAL] = (double)different / either;
+	figure[Q] = score.q;
 }
 
 /* One plan, or full detail; the picture is the rasteriser's. */
@@ -83,30 +86,29 @@ static void close_frame(struct frame *frame)
 	view_store_free(frame->store);
 }
 
-static enum eco_code open_frame(struct frame *frame, const struct srv_scene *scene,
-	const struct eco_request *request, struct eco_error *error)
+static void open_frame(struct frame *frame, const struct srv_scene *scene, const struct eco_request *request)
 {
 	const struct view_store_options options = { .images = true, .memory_max = 16ull << 30 };
 	*frame = (struct frame){ 0 };
-	enum eco_code code = view_store_new(&frame->store, &options, error);
-	code = code ? code : bench_fetch(NULL, scene, request, frame->store, error);
-	return code ? code : bench_draw(&frame->drawing, frame->store, &request->view, &frame->picture, error);
+	must(view_store_new(&frame->store, &options, must_error));
+	must(bench_fetch(NULL, scene, request, frame->store, must_error));
+	must(bench_draw(&frame->drawing, frame->store, &request->view, &frame->picture, must_error));
 }
 
 /* Nothing where there is no OpenGL. */
-static enum eco_code draw_gl(const struct frame *frame, enum view_tint tint, struct view_picture *picture,
-	struct eco_error *error)
+static struct view_picture draw_gl(const struct frame *frame, enum view_tint tint)
 {
 	struct view_gl *gl;
 	struct eco_error why = { 0 };
+	struct view_picture picture = { 0 };
 	uint32_t width = frame->picture.width, height = frame->picture.height;
 	if (view_gl_open(&gl, &(struct view_gl_options){ width, height }, &why))
-		return ECO_OK;
-	enum eco_code code = view_picture_init(picture, width, height, error);
-	code = code ? code : view_gl_draw(gl, &(struct view_gl_job){ frame->store, &frame->drawing.selection,
-		&frame->drawing.eye, frame->drawing.job.near_m, tint }, picture, error);
+		return picture;
+	must(view_picture_init(&picture, width, height, must_error));
+	must(view_gl_draw(gl, &(struct view_gl_job){ frame->store, &frame->drawing.selection,
+		&frame->drawing.eye, frame->drawing.job.near_m, tint }, &picture, must_error));
 	view_gl_close(gl);
-	return code;
+	return picture;
 }
 
 /* Plain mean of an image's bytes, whatever is clear. */
@@ -188,65 +190,63 @@ struct work {
 };
 
 /* Full detail, ours, and four times the difference around gray. */
-static enum eco_code write_pictures(const struct work *w, const struct view_picture *ours,
-	const struct view_picture *reference, uint64_t budget, struct eco_error *error)
+static void write_pictures(const struct work *w, const struct view_picture *ours,
+	const struct view_picture *reference, uint64_t budget)
 {
 	size_t size = 3 * (size_t)ours->width * ours->height;
 	char file[160];
-	uint8_t *off = malloc(size);
-	if (!off)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+	uint8_t *off = eco_alloc(size, 1);
 	for (size_t i = 0; i < size; i++) {
 		int d = 128 + 4 * (ours->rgb[i] - reference->rgb[i]);
 		off[i] = (uint8_t)(d < 0 ? 0 : d > 255 ? 255 : d);
 	}
 	snprintf(file, sizeof file, "%s-%llu.png", w->name, (unsigned long long)budget);
-	enum eco_code code = bench_pictures_write(w->bench, file, ours->width, ours->height,
-		(const uint8_t *[]){ reference->rgb, ours->rgb, off }, 3, error);
+	must(bench_pictures_write(w->bench, file, ours->width, ours->height,
+		(const uint8_t *[]){ reference->rgb, ours->rgb, off }, 3, must_error));
 	free(off);
-	return code;
 }
 
-static enum eco_code try_budget(const struct work *w, uint64_t budget, json_t *row, struct eco_error *error)
+static void try_budget(const struct work *w, uint64_t budget, double figure[VARIANTS][FIGURES])
 {
 	struct eco_request request = w->request;
 	struct frame frame;
 	request.vertices = budget;
-	enum eco_code code = open_frame(&frame, w->scene, &request, error);
-	code = code ? code : compare(&frame.picture, &w->full.picture, row, SOFTWARE, error);
-	if (!code && !w->reference.rgb)
-		code = write_pictures(w, &frame.picture, &w->full.picture, budget, error);
-	for (size_t v = OURS; v <= FLAT && !code && w->reference.rgb; v++) {
-		struct view_picture picture = { 0 };
+	open_frame(&frame, w->scene, &request);
+	compare(&frame.picture, &w->full.picture, figure[SOFTWARE]);
+	if (!w->reference.rgb)
+		write_pictures(w, &frame.picture, &w->full.picture, budget);
+	for (size_t v = OURS; v <= FLAT && w->reference.rgb; v++) {
 		if (v == FLAT)
 			flatten(frame.store, w->full.store);
-		code = draw_gl(&frame, v == OURS ? VIEW_TINT_NONE : VIEW_TINT_UNSHADED, &picture, error);
-		code = code ? code : compare(&picture, &w->reference, row, v, error);
-		if (!code && v == OURS)
-			code = write_pictures(w, &picture, &w->reference, budget, error);
+		struct view_picture picture = draw_gl(&frame, v == OURS ? VIEW_TINT_NONE
+			: VIEW_TINT_UNSHADED);
+		compare(&picture, &w->reference, figure[v]);
+		if (v == OURS)
+			write_pictures(w, &picture, &w->reference, budget);
 		view_picture_free(&picture);
 	}
 	close_frame(&frame);
-	return code;
 }
 
-static enum eco_code study_view(void *ctx, json_t **rows, struct eco_error *error)
+/* The unit: figures by budget and variant. */
+#define NUMBERS (BUDGETS * VARIANTS * FIGURES)
+
+static json_t *study_view(void *ctx)
 {
 	struct work *w = ctx;
 	struct eco_request all = { .view = w->request.view, .vertices = ECO_VERTICES_MAX,
 		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
-	*rows = json_array();
-	enum eco_code code = open_frame(&w->full, w->scene, &all, error);
-	if (!code && (double)w->full.drawing.selection.vertices <= REFERENCE_VERTICES)
-		code = draw_gl(&w->full, VIEW_TINT_NONE, &w->reference, error);
-	for (size_t b = 0; b < BUDGETS && !code; b++) {
-		json_array_append_new(*rows, json_pack("[nnnn]"));
-		code = bench_go_on(w->bench, error);
-		code = code ? code : try_budget(w, budgets[b], json_array_get(*rows, b), error);
-	}
+	double figure[BUDGETS][VARIANTS][FIGURES];
+	for (double *f = figure[0][0]; f < figure[0][0] + NUMBERS; f++)
+		*f = NAN;
+	open_frame(&w->full, w->scene, &all);
+	if ((double)w->full.drawing.selection.vertices <= REFERENCE_VERTICES)
+		w->reference = draw_gl(&w->full, VIEW_TINT_NONE);
+	for (size_t b = 0; b < BUDGETS; b++)
+		try_budget(w, budgets[b], figure[b]);
 	close_frame(&w->full);
 	view_picture_free(&w->reference);
-	return code;
+	return bench_reals(figure[0][0], NUMBERS);
 }
 
 /* Further away along the same line, and higher, so that the ground does not hide everything. */
@@ -267,75 +267,65 @@ static struct eco_view away(const struct eco_view *view, double times)
 
 struct sums { double figure[FIGURES]; uint32_t count; };
 
-static void add_row(struct sums sums[VARIANTS], const json_t *row)
+static void add_row(struct sums sums[VARIANTS], double figure[VARIANTS][FIGURES])
 {
 	for (size_t v = 0; v < VARIANTS; v++) {
-		for (size_t f = 0; f < FIGURES && !json_is_null(json_array_get(row, v)); f++)
-			sums[v].figure[f] += bench_cell(json_array_get(row, v), f);
-		sums[v].count += !json_is_null(json_array_get(row, v));
+		for (size_t f = 0; f < FIGURES && !isnan(figure[v][Q]); f++)
+			sums[v].figure[f] += figure[v][f];
+		sums[v].count += !isnan(figure[v][Q]);
 	}
 }
 
-static void show_picture(struct bench *bench, const char *name, uint64_t budget, const char *scene,
-	double distance, const json_t *row)
-{
-	char file[160], caption[300];
-	snprintf(file, sizeof file, "%s-%llu.png", name, (unsigned long long)budget);
-	snprintf(caption, sizeof caption, "%s, %g times the distance: full detail, %llu vertices, four "
-		"times the difference; Q %.3f", scene, distance, (unsigned long long)budget,
-		bench_cell(json_array_get(row, SOFTWARE), Q));
-	bench_picture(bench, file, caption);
-}
-
-static enum eco_code study_scene(struct bench *bench, size_t number, struct sums sums[VARIANTS],
-	struct eco_error *error)
+static void study_scene(struct bench *bench, size_t number, struct sums sums[VARIANTS])
 {
 	const char *scene = scenes[number];
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 	struct srv_store server;
 	char pack[512];
 	enum eco_code code;
-	if (!bench_shot_scene(bench, scene, pack, &code, error))
-		return ECO_OK;
-	uint32_t views = code ? 0 : bench_shot_views(bench, scene, requests), most = bench->full ? VIEWS_FULL
+	if (!bench_shot_scene(bench, scene, pack, &code, must_error))
+		return;
+	must(code);
+	uint32_t views = bench_shot_views(bench, scene, requests), most = bench->full ? VIEWS_FULL
 		: VIEWS_QUICK;
-	views = views > most ? most : views;
 	srv_store_init(&server);
-	if (!code)
-		code = srv_store_add(&server, scene, pack, error);
-	for (uint32_t i = 0; i < views * DISTANCES && !code; i++) {
+	must(srv_store_add(&server, scene, pack, must_error));
+	for (uint32_t i = 0; i < (views < most ? views : most) * DISTANCES; i++) {
+		double distance = distances[i % DISTANCES], figure[BUDGETS][VARIANTS][FIGURES];
+		char name[100], file[160], caption[300];
 		uint32_t view = i / DISTANCES;
-		double distance = distances[i % DISTANCES];
-		char name[100];
 		snprintf(name, sizeof name, "colour-%s-%u-%g", scene, view, distance);
-		bench_progress(bench, ((double)number + (double)i / (views * DISTANCES)) / SCENES, name);
-		json_t *rows;
+		bench_progress(bench, ((double)number + (double)i / (most * DISTANCES)) / SCENES, name);
 		struct work work = { .bench = bench, .scene = server.scenes[0], .request = requests[view],
 			.name = name };
 		work.request.view = away(&requests[view].view, distance);
-		code = bench_unit(bench, name, bench_pack_stamp(pack), study_view, &work, &rows, error);
-		for (size_t b = 0; b < BUDGETS && !code; b++)
-			add_row(sums, json_array_get(rows, b));
-		if (!code && view == 0)
-			show_picture(bench, name, budgets[1], scene, distance, json_array_get(rows, 1));
+		bench_cells(must_unit(bench, name, bench_pack_stamp(pack), study_view, &work), figure[0][0],
+			NUMBERS);
+		for (size_t b = 0; b < BUDGETS; b++)
+			add_row(sums, figure[b]);
+		if (view)
+			continue;
+		snprintf(file, sizeof file, "%s-%llu.png", name, (unsigned long long)budgets[1]);
+		snprintf(caption, sizeof caption,
+			"%s, %g times the distance: full detail, %llu vertices, four "
+			"times the difference; Q %.3f", scene, distance, (unsigned long long)budgets[1],
+			figure[1][SOFTWARE][Q]);
+		bench_picture(bench, file, caption);
 	}
 	srv_store_free(&server);
-	return code;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct sums sums[VARIANTS] = { { { 0 }, 0 } };
-	enum eco_code code = ECO_OK;
-	for (size_t s = 0; s < SCENES && !code; s++)
-		code = study_scene(bench, s, sums, error);
-	if (code)
-		return code;
+	(void)error;
+	for (size_t s = 0; s < SCENES; s++)
+		study_scene(bench, s, sums);
 	bench_say(bench, "Colours against full detail, means over scenes, views, distances and budgets. "
 		"Tone is the mean light over covered pixels; the first three are drawn by OpenGL with light "
 		"and shade, the last flat, each against full detail drawn in the same way.");
-	struct bench_table *table = bench_table_open(bench, "colour_means", "colours,frames,rms,tone,perceptual",
-		true);
+	struct bench_table *table = bench_table_open(bench, "colour_means",
+		"colours,frames,rms,tone,perceptual", true);
 	for (int v = 0; v < VARIANTS; v++) {
 		const double *sum = sums[v].figure, count = sums[v].count;
 		if (sums[v].count)

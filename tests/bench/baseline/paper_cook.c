@@ -19,10 +19,6 @@ void paper_wood(struct paper *p, const struct lod_slot *slot, uint32_t ladder, d
 	const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(p->s->tables, ladder);
 	const struct eco_ladder *l = &p->s->scene->ladders[ladder];
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-	if (!table) {
-		p->no_memory = true;
-		return;
-	}
 	double full = l->flags & ECO_LADDER_FAR ? p->s->wood_full[l->plant] : (double)table->way.full;
 	uint64_t vertices = lod_way_floor(&table->way, (uint64_t)fmin(lambda * full,
 		(double)table->way.full));
@@ -116,20 +112,20 @@ static uint32_t gate_of(const struct paper *p, const struct paper_cook *cook, ui
 	return 0;
 }
 
-enum eco_code paper_cook(struct paper *p, double full_m, void *ctx, struct eco_error *error)
+bool paper_cook(struct paper *p, double full_m, void *ctx)
 {
 	const struct paper_cook *cook = ctx;
 	struct each each = { p, cook, full_m };
 	for (uint32_t i = 0; i < p->s->scene->plant_count; i++)
 		p->p.gates[i] = gate_of(p, cook, i, full_m);
-	enum eco_code code = paper_open(p, 0, error);
-	if (!code && cook->sight)
-		for (uint32_t i = 0; i < p->s->scene->plant_count; i++)
-			lod_visible_tree_each(&p->p.visible, i, p->p.gates, add_plant, &each);
-	for (uint32_t i = 0; i < p->p.visible.slot_count && !code && !cook->sight; i++)
+	if (!paper_open(p, 0))
+		return false;
+	for (uint32_t i = 0; i < p->s->scene->plant_count && cook->sight; i++)
+		lod_visible_tree_each(&p->p.visible, i, p->p.gates, add_plant, &each);
+	for (uint32_t i = 0; i < p->p.visible.slot_count && !cook->sight; i++)
 		if (p->p.visible.slots[i].count)
 			add_slot(p, cook, &p->p.visible.slots[i], full_m, 1, 0, ECO_SHARE_ONE);
-	return code;
+	return true;
 }
 
 #define HALVINGS 60

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "lod/geometry.h"
 #include "tests/bench/baseline/paper_rules.h"
@@ -35,73 +36,66 @@ static void take_point(const float corners[9], uint64_t *state, const struct eco
 	}
 }
 
-/* `count` elements of one primitive with `corners` corners each; false without memory. */
-static bool take_elements(struct eco_elements *out, uint32_t count, uint8_t corners, uint32_t extra)
+/* `count` elements of one primitive with `corners` corners each. */
+static struct eco_elements take_elements(uint32_t count, uint8_t corners, uint32_t extra)
 {
-	*out = (struct eco_elements){ .element_count = count, .corner_count = corners * count,
-		.primitive_count = count, .extra_count = extra, .corners = malloc(count + 1u),
-		.position = malloc((3u * corners * (size_t)count + 1) * sizeof *out->position),
-		.extra = calloc((size_t)extra * count + 1, sizeof *out->extra) };
-	if (!out->corners || !out->position || !out->extra)
-		return false;
-	memset(out->corners, corners, count);
-	return true;
+	struct eco_elements out = { .element_count = count, .corner_count = corners * count,
+		.primitive_count = count, .extra_count = extra, .corners = eco_alloc(count, 1),
+		.position = eco_alloc(3u * corners * (size_t)count, sizeof *out.position),
+		.extra = eco_alloc((size_t)extra * count, sizeof *out.extra) };
+	memset(out.corners, corners, count);
+	return out;
 }
 
 /* Two points on each triangle, one behind the other, in the colours of the points that the pack has. */
-static bool make_points(const struct view_list *from, const struct view_list *forms,
-	const struct eco_list *list, struct eco_elements *out)
+static struct eco_elements make_points(const struct view_list *from, const struct view_list *forms,
+	const struct eco_list *list)
 {
 	uint32_t count = from->list.primitive_count, t = 0, colour = eco_list_extra_at(&forms->list,
 		ECO_ATTR_COLOR);
 	bool coloured = forms->list.attributes & ECO_ATTR_COLOR;
 	struct lod_geometry corners = { 0 };
 	uint64_t state = 1 + from->id;
-	if (!take_elements(out, 2 * count, 1, coloured) || !lod_geometry_make(&corners, &from->list, count,
-		false))
-		return false;
+	struct eco_elements out = take_elements(2 * count, 1, coloured);
+	if (!lod_geometry_make(&corners, &from->list, count, false))
+		eco_end("no memory for points");
 	lod_list_geometry(&from->list, &from->elements, 0, count, 1, &corners);
 	for (uint32_t e = 0; e < from->elements.element_count; e++)
 		for (uint32_t last = t + from->elements.corners[e] - 2u; t < last; t++)
 			for (uint32_t i = 2 * t; i < 2 * t + 2; i++) {
-				take_point(corners.position + 9 * (size_t)t, &state, list, out->position + 3
+				take_point(corners.position + 9 * (size_t)t, &state, list, out.position + 3
 					* (size_t)i);
 				if (coloured)
-					out->extra[i] = forms->elements.extra[(size_t)e
+					out.extra[i] = forms->elements.extra[(size_t)e
 						* forms->elements.extra_count + colour];
 			}
 	lod_geometry_free(&corners);
-	return true;
+	return out;
 }
 
-/* Gives the store a list of its own. Chunks reorder their elements, but points must stay beside those of
- * their triangle: the store's copy is put back into the order in which they were made. */
-static enum eco_code feed_made(struct paper_scene *s, uint32_t id, const struct eco_list *list,
-	const struct eco_elements *made, const struct view_list *like, struct eco_error *error)
+/* Gives the store a list of its own, and frees `made`. Chunks reorder their elements, but points must stay
+ * beside those of their triangle: the store's copy is put back into the order in which they were made. */
+static void feed_made(struct paper_scene *s, uint32_t id, const struct eco_list *list,
+	struct eco_elements *made, const struct view_list *like)
 {
 	struct eco_chunk_input input = { .list = list, .elements = made, .end = made->element_count };
 	struct eco_chunk chunk = { .primitive_count = made->primitive_count,
 		.element_count = made->element_count };
-	uint8_t *bytes = NULL;
-	size_t size = 0;
-	enum eco_code code = eco_chunk_encode(&input, &bytes, &size, NULL, error);
+	uint8_t *bytes;
+	size_t size;
+	paper_must(eco_chunk_encode(&input, &bytes, &size, NULL, paper_error));
 	chunk.size_bytes = (uint32_t)size;
-	code = code ? code : view_store_events.list(s->store, id, list, (const uint8_t (*)[3])like->palette,
-		NULL, error);
-	if (!code) {
-		chunk.id = eco_chunk_hash(bytes, size);
-		code = view_store_events.chunk(s->store, id, 0, &chunk, bytes, error);
-	}
-	if (!code) {
-		const struct eco_elements *held = &view_store_list(s->store, id)->elements;
-		memcpy(held->position, made->position, 3 * (size_t)made->corner_count
-			* sizeof *made->position);
-		if (made->extra_count)
-			memcpy(held->extra, made->extra, (size_t)made->extra_count * made->element_count
-				* sizeof *made->extra);
-	}
+	chunk.id = eco_chunk_hash(bytes, size);
+	paper_must(view_store_events.list(s->store, id, list, (const uint8_t (*)[3])like->palette, NULL,
+		paper_error));
+	paper_must(view_store_events.chunk(s->store, id, 0, &chunk, bytes, paper_error));
+	const struct eco_elements *held = &view_store_list(s->store, id)->elements;
+	memcpy(held->position, made->position, 3 * (size_t)made->corner_count * sizeof *made->position);
+	if (made->extra_count)
+		memcpy(held->extra, made->extra, (size_t)made->extra_count * made->element_count
+			* sizeof *made->extra);
 	free(bytes);
-	return code;
+	eco_elements_free(made);
 }
 
 /* A list like another, of one chunk. */
@@ -115,24 +109,19 @@ static struct eco_list list_like(const struct view_list *like)
 	return list;
 }
 
-static enum eco_code add_points(struct paper_scene *s, const struct eco_ladder *l, uint32_t id,
-	struct eco_error *error)
+static void add_points(struct paper_scene *s, const struct eco_ladder *l, uint32_t id)
 {
 	const struct view_list *from = view_store_list(s->store, l->triangles),
 		*forms = view_store_list(s->store, l->points);
 	struct eco_list list = list_like(forms);
-	struct eco_elements points;
 	double region = (double)from->list.primitive_count * l->total / from->list.element_count;
 	list.attributes &= ECO_ATTR_COLOR;
 	list.primitive_count = list.element_count = 2 * from->list.primitive_count;
 	list.unit_area = (float)((double)l->area / 2 / (2 * region));
 	memcpy(list.grid_origin, from->list.grid_origin, sizeof list.grid_origin);
 	memcpy(list.grid_step, from->list.grid_step, sizeof list.grid_step);
-	enum eco_code code = make_points(from, forms, &list, &points) ? feed_made(s, id, &list, &points,
-		forms, error)
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for points");
-	eco_elements_free(&points);
-	return code;
+	struct eco_elements points = make_points(from, forms, &list);
+	feed_made(s, id, &list, &points, forms);
 }
 
 struct line { double width, length; uint32_t at; };
@@ -142,9 +131,9 @@ static struct line *read_lines(const struct view_list *from)
 {
 	const struct eco_elements *e = &from->elements;
 	uint32_t n = e->element_count, width = eco_list_extra_at(&from->list, ECO_ATTR_WIDTH);
-	struct line *lines = malloc((n + 1u) * sizeof *lines);
+	struct line *lines = eco_alloc(n, sizeof *lines);
 	uint64_t state = 1 + from->id;
-	for (uint32_t i = 0; lines && i < n; i++) {
+	for (uint32_t i = 0; i < n; i++) {
 		uint32_t other = (uint32_t)(dice(&state) * (i + 1));
 		const int32_t *at = e->position + 6 * (size_t)i;
 		double square = 0;
@@ -172,75 +161,65 @@ static double mean_width(const struct line *lines, uint32_t count, double most)
 }
 
 /* Fills all of `made` but the list. */
-static bool make_lines(const struct view_list *from, const struct line *lines, double width,
-	struct paper_lines *made, struct eco_elements *out)
+static struct eco_elements make_lines(const struct view_list *from, const struct line *lines, double width,
+	struct paper_lines *made)
 {
 	const struct eco_elements *e = &from->elements;
 	uint32_t n = e->element_count, each = e->extra_count, next = 0,
 		extra = eco_list_extra_at(&from->list, ECO_ATTR_WIDTH);
-	if (!take_elements(out, n, 2, each))
-		return false;
+	struct eco_elements out = take_elements(n, 2, each);
 	for (int thick = 1; thick >= 0; thick--)
 		for (uint32_t i = 0; i < n; i++) {
 			if ((lines[i].width > width) != thick)
 				continue;
-			memcpy(out->position + 6 * (size_t)next, e->position + 6 * (size_t)lines[i].at,
-				6 * sizeof *out->position);
-			memcpy(out->extra + (size_t)each * next, e->extra + (size_t)each * lines[i].at,
-				each * sizeof *out->extra);
+			memcpy(out.position + 6 * (size_t)next, e->position + 6 * (size_t)lines[i].at,
+				6 * sizeof *out.position);
+			memcpy(out.extra + (size_t)each * next, e->extra + (size_t)each * lines[i].at,
+				each * sizeof *out.extra);
 			if (!thick)
-				out->extra[(size_t)each * next + extra] = (int32_t)fmin(fmax(1, width
+				out.extra[(size_t)each * next + extra] = (int32_t)fmin(fmax(1, width
 					/ from->list.grid_step[0]), 1 << 26);
 			made->thick += (uint32_t)thick;
 			next++;
 		}
 	made->width = width;
 	made->thin = mean_width(lines, n, width);
-	return true;
+	return out;
 }
 
-static enum eco_code add_lines(struct paper_scene *s, uint32_t ladder, uint32_t id, struct eco_error *error)
+static void add_lines(struct paper_scene *s, uint32_t ladder, uint32_t id)
 {
 	const struct view_list *from = view_store_list(s->store, s->scene->ladders[ladder].lines);
 	const struct eco_list list = list_like(from);
 	struct line *lines = read_lines(from);
-	double mean = lines ? mean_width(lines, from->elements.element_count, INFINITY) : 0;
-	enum eco_code code = lines ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for lines");
-	for (uint32_t i = 0; i < PAPER_WIDTHS && !code && mean > 0; i++) {
+	double mean = mean_width(lines, from->elements.element_count, INFINITY);
+	for (uint32_t i = 0; i < PAPER_WIDTHS && mean > 0; i++) {
 		struct paper_lines *made = &s->lines[(size_t)ladder * PAPER_WIDTHS + i];
-		struct eco_elements elements;
 		made->list = id + i;
-		code = make_lines(from, lines, mean * pow(2, i / 2.0), made, &elements)
-			? feed_made(s, id + i, &list, &elements, from, error)
-			: eco_fail(error, ECO_NO_MEMORY, "no memory for lines");
-		eco_elements_free(&elements);
+		struct eco_elements elements = make_lines(from, lines, mean * pow(2, i / 2.0), made);
+		feed_made(s, id + i, &list, &elements, from);
 	}
 	free(lines);
-	return code;
 }
 
-enum eco_code paper_deussen_lists(struct paper_scene *s, struct eco_error *error)
+void paper_deussen_lists(struct paper_scene *s)
 {
 	const struct eco_scene *scene = s->scene;
-	enum eco_code code = ECO_OK;
-	s->points = malloc((scene->ladder_count + 1u) * sizeof *s->points);
-	s->lines = calloc((scene->ladder_count + 1u) * (size_t)PAPER_WIDTHS, sizeof *s->lines);
-	if (!s->points || !s->lines)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for tables");
-	for (uint32_t i = 0, id = scene->list_count; i < scene->ladder_count && !code; i++) {
+	s->points = eco_alloc(scene->ladder_count, sizeof *s->points);
+	s->lines = eco_alloc(scene->ladder_count * (size_t)PAPER_WIDTHS, sizeof *s->lines);
+	for (uint32_t i = 0, id = scene->list_count; i < scene->ladder_count; i++) {
 		const struct eco_ladder *l = &scene->ladders[i];
 		s->points[i] = ECO_NONE;
 		if (l->lines != ECO_NONE && scene->lists[l->lines].primitive_count) {
-			code = add_lines(s, i, id, error);
+			add_lines(s, i, id);
 			id += PAPER_WIDTHS;
 		}
-		if (!code && paper_is_leaves(l) && l->points != ECO_NONE && l->lines == ECO_NONE
+		if (paper_is_leaves(l) && l->points != ECO_NONE && l->lines == ECO_NONE
 				&& scene->lists[l->triangles].element_count) {
 			s->points[i] = id++;
-			code = add_points(s, l, s->points[i], error);
+			add_points(s, l, s->points[i]);
 		}
 	}
-	return code;
 }
 
 /* ---- His numbers (5) ---- */
@@ -273,7 +252,6 @@ double paper_deussen_scale(double p, double k, double splat_factor)
 struct rule {
 	struct paper *p;
 	double d, splat_factor;
-	double *mean_m; /* per plant: the distance at which all its cells are drawn; NULL: each at its own */
 };
 
 /* A ladder's own lists hold `count` triangles or lines after the `before` ones of the region, `total` in all,
@@ -357,45 +335,40 @@ static uint32_t gate_of(const struct rule *rule, uint32_t plant)
 }
 
 /* Mean distance of each plant's instances and their cells: the plant's own if its model stands once. */
-static enum eco_code find_means(struct rule *rule, struct eco_error *error)
+static double *find_means(const struct paper *p)
 {
-	const struct paper *p = rule->p;
 	uint32_t plants = p->s->scene->plant_count;
-	double *count = calloc(plants + 1u, sizeof *count);
-	rule->mean_m = calloc(plants + 1u, sizeof *rule->mean_m);
-	for (uint32_t i = 0; i < p->p.visible.slot_count && count && rule->mean_m; i++) {
+	double *count = eco_alloc(plants, sizeof *count), *mean_m = eco_alloc(plants, sizeof *mean_m);
+	for (uint32_t i = 0; i < p->p.visible.slot_count; i++) {
 		const struct lod_slot *slot = &p->p.visible.slots[i];
-		rule->mean_m[slot->plant] += (double)slot->count * lod_band_distance_m(slot->band);
+		mean_m[slot->plant] += (double)slot->count * lod_band_distance_m(slot->band);
 		count[slot->plant] += (double)slot->count;
 	}
-	for (uint32_t i = 0; i < plants && count && rule->mean_m; i++)
-		rule->mean_m[i] /= fmax(1, count[i]);
-	bool made = count && rule->mean_m;
+	for (uint32_t i = 0; i < plants; i++)
+		mean_m[i] /= fmax(1, count[i]);
 	free(count);
-	return made ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u distances", plants);
+	return mean_m;
 }
 
-enum eco_code paper_deussen(struct paper *p, double d, void *deussen, struct eco_error *error)
+bool paper_deussen(struct paper *p, double d, void *deussen)
 {
 	const struct paper_deussen *how = deussen;
-	struct rule rule = { p, d, how && how->splat_factor > 0 ? how->splat_factor : SPLAT_FACTOR, NULL };
+	struct rule rule = { p, d, how && how->splat_factor > 0 ? how->splat_factor : SPLAT_FACTOR };
 	for (uint32_t i = 0; i < p->s->scene->plant_count; i++)
 		p->p.gates[i] = gate_of(&rule, i);
-	enum eco_code code = paper_open(p, d, error);
-	if (!code && how && how->whole)
-		code = find_means(&rule, error);
-	for (uint32_t i = 0; i < p->p.visible.slot_count && !code; i++) {
+	if (!paper_open(p, d))
+		return false;
+	double *mean_m = how && how->whole ? find_means(p) : NULL;
+	for (uint32_t i = 0; i < p->p.visible.slot_count; i++) {
 		const struct lod_slot *slot = &p->p.visible.slots[i];
-		double r = rule.mean_m ? rule.mean_m[slot->plant] : lod_band_distance_m(slot->band);
-		uint32_t count = 0;
-		const uint32_t *ladders = slot->count ? lod_plan_tables_anchor(p->s->tables, slot->anchor,
-			&count)
-			: NULL;
-		for (uint32_t k = 0; k < count; k++)
+		double r = mean_m ? mean_m[slot->plant] : lod_band_distance_m(slot->band);
+		uint32_t count;
+		const uint32_t *ladders = lod_plan_tables_anchor(p->s->tables, slot->anchor, &count);
+		for (uint32_t k = 0; k < count && slot->count; k++)
 			if (paper_applies(p, &p->s->scene->ladders[ladders[k]], slot))
 				(p->s->points[ladders[k]] != ECO_NONE ? cut_points : cut_lines)(&rule, slot,
 					ladders[k], r);
 	}
-	free(rule.mean_m);
-	return code;
+	free(mean_m);
+	return true;
 }

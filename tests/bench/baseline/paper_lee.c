@@ -2,6 +2,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "lod/geometry.h"
 #include "lod/sort.h"
 #include "tests/bench/baseline/paper_rules.h"
@@ -27,7 +28,8 @@ void lod_lee_cell_add(struct lod_lee_leaves *cells, const struct lod_v3 *center,
 			n.y * n.z };
 		for (int k = 0; k < 6; k++)
 			cells->facing[at][k] += product[k] / count;
-		cells->center[at] = lod_v3_add(cells->center[at], lod_v3_scale(center[leaves[i]], 1.0 / count));
+		cells->center[at] = lod_v3_add(cells->center[at], lod_v3_scale(center[leaves[i]],
+			1.0 / count));
 	}
 }
 
@@ -122,7 +124,7 @@ static void add_cell(const struct paper_scene *s, uint32_t list, struct lod_lee_
 		*normal = lod_arena_take(arena, n, sizeof *normal);
 	uint32_t *leaves = lod_arena_take(arena, n, sizeof *leaves);
 	if (!lod_geometry_make(&corners, &held->list, triangles, false))
-		longjmp(arena->failed, 1);
+		eco_end("no memory for the leaves of a cell");
 	lod_list_geometry(&held->list, &held->elements, 0, triangles, 1, &corners);
 	for (uint32_t i = 0; i < n; t += held->elements.corners[i++] - 2u) {
 		const float *c = corners.position + 9 * (size_t)t;
@@ -136,12 +138,11 @@ static void add_cell(const struct paper_scene *s, uint32_t list, struct lod_lee_
 	lod_arena_release(arena, mark);
 }
 
-enum eco_code paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s, struct eco_error *error)
+void paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s)
 {
 	struct lod_arena *arena = &lee->arena;
 	if (setjmp(arena->failed))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the cells of %u plants",
-			s->scene->plant_count);
+		eco_end("no memory for the cells of plants");
 	lee->plants = lod_arena_take(arena, s->scene->plant_count, sizeof *lee->plants);
 	for (uint32_t i = 0; i < s->scene->plant_count; i++) {
 		const struct eco_plant *of = &s->scene->plants[i];
@@ -158,7 +159,6 @@ enum eco_code paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s
 			out->leaves += out->cells.size[out->cells.count - 1];
 		}
 	}
-	return ECO_OK;
 }
 
 void paper_lee_end(struct paper_lee *lee) { lod_arena_free(&lee->arena); }
@@ -175,8 +175,8 @@ static struct lod_v3 sector_eye(struct lod_v3 center, struct lod_v3 eye, uint32_
 }
 
 /* Leaves of each cell for an eye in the plant's own coordinates. */
-static void keep_cells(uint32_t *kept, uint32_t rule, const struct lod_lee_leaves *cells, struct lod_v3 center,
-	struct lod_v3 eye, uint32_t budget, struct lod_arena *arena)
+static void keep_cells(uint32_t *kept, uint32_t rule, const struct lod_lee_leaves *cells,
+	struct lod_v3 center, struct lod_v3 eye, uint32_t budget, struct lod_arena *arena)
 {
 	uint32_t order = rule % PAPER_LEE_ORDERS, parts = order == PAPER_LEE_STATIC ? SECTORS : 1, sum = 0;
 	struct lod_arena_piece *mark = arena->last;
@@ -186,7 +186,8 @@ static void keep_cells(uint32_t *kept, uint32_t rule, const struct lod_lee_leave
 			: sector_eye(center, eye, order == PAPER_LEE_STATIC ? s : SECTORS) };
 		view.forward = lod_v3_unit(lod_v3_sub(center, view.eye));
 		uint32_t count = lod_lee_keep(list, (enum lod_lee_method)(rule / PAPER_LEE_ORDERS), cells,
-			&view, (uint32_t)((uint64_t)budget * (s + 1) / parts - (uint64_t)budget * s / parts), arena);
+			&view, (uint32_t)((uint64_t)budget * (s + 1) / parts - (uint64_t)budget * s / parts),
+			arena);
 		while (count--)
 			kept[list[count]]++;
 	}
@@ -298,24 +299,25 @@ static uint32_t gate_of(const struct each *e, const struct paper_lee_plant *plan
 	return 0;
 }
 
-enum eco_code paper_lee(struct paper *p, double full_m, void *ctx, struct eco_error *error)
+bool paper_lee(struct paper *p, double full_m, void *ctx)
 {
 	struct paper_lee *lee = ctx;
 	struct each e = { p, lee, full_m };
 	const struct eco_scene *scene = p->s->scene;
 	if (setjmp(lee->arena.failed))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for cells");
+		eco_end("no memory for cells");
 	for (uint32_t i = 0; i < scene->plant_count; i++)
 		p->p.gates[i] = gate_of(&e, &lee->plants[i]);
-	enum eco_code code = paper_open(p, 0, error);
-	for (uint32_t i = 0; i < p->p.visible.slot_count && !code; i++)
+	if (!paper_open(p, 0))
+		return false;
+	for (uint32_t i = 0; i < p->p.visible.slot_count; i++)
 		if (p->p.visible.slots[i].count)
 			add_slot(&e, &p->p.visible.slots[i]);
-	for (uint32_t n = 0; n < p->p.visible.node_count && !code; n++) {
+	for (uint32_t n = 0; n < p->p.visible.node_count; n++) {
 		const struct lod_node *node = &p->p.visible.nodes[n];
 		const struct eco_tile *tile = &scene->tiles[node->tile];
 		for (uint32_t g = 0; node->state == LOD_OPEN && g < tile->group_count; g++)
 			add_group(&e, node, &scene->groups[tile->group_first + g]);
 	}
-	return code;
+	return true;
 }

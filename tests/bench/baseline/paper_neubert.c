@@ -2,9 +2,9 @@
  * all of its leaves: Neubert 2011, section 3. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "client-min/view_reference.h"
+#include "ecofiles/base/memory.h"
 #include "lod/raster/raster.h"
 #include "tests/bench/baseline/paper_rules.h"
 
@@ -17,7 +17,7 @@ struct alone {
 	struct paper_scene *s;
 	uint32_t plant;
 	struct view_picture full[VIEWS];
-	double radius, covered_m2, area;
+	double radius;
 };
 
 static void view_of(const struct alone *a, uint32_t number, struct eco_view *view)
@@ -32,28 +32,26 @@ static void view_of(const struct alone *a, uint32_t number, struct eco_view *vie
 	view->eye[2] = view->target[2] + away * sin(up[number]);
 }
 
-/* A plan of the leaves alone, and the selection of it that a viewer would make. */
-static enum eco_code draw(const struct alone *a, double lambda, double scale, uint32_t number,
-	struct view_picture *picture, struct eco_error *error)
+/* Q of the leaves [0, lambda) at a scale in one view against those of a->full; without `q` these are drawn.
+ * */
+static void draw(struct alone *a, double lambda, double scale, uint32_t number, double *q)
 {
 	const struct eco_scene *scene = a->s->scene;
 	const struct eco_plant *of = &scene->plants[a->plant];
-	size_t room = of->ladder_count + 1u;
-	struct eco_plan plan = { .cuts = calloc(room, sizeof *plan.cuts),
-		.placements = calloc(1, sizeof *plan.placements), .placement_count = 1 };
-	uint32_t *index = calloc(3 * (room + 1), sizeof *index), first[2] = { 0 };
-	uint8_t *roles = calloc(room, 1);
+	uint32_t room = of->ladder_count + 1u, *index = eco_alloc(3 * (size_t)room, sizeof *index), first[2]
+		= { 0 };
+	/* a plan of the leaves alone, and the selection of it that a viewer would make */
+	struct eco_plan plan = { .cuts = eco_alloc(room, sizeof *plan.cuts),
+		.placements = eco_alloc(1, sizeof *plan.placements), .placement_count = 1 };
+	uint8_t *roles = eco_alloc(room, 1);
 	struct eco_view view;
 	struct lod_eye eye;
+	struct view_picture picture = { 0 }, *to = q ? &picture : &a->full[number];
 	struct view_instance instance = { .place = { .cosine = 1, .scale = 1 }, .plant = a->plant,
 		.owner = eco_owner_instance(1, a->plant, 0) };
 	struct view_selection selection = { .instances = &instance, .instance_count = 1, .cut_first = first,
-		.cuts = index, .member_first = index + room, .members = index + 2 * room + 1,
-		.roles = roles };
-	struct view_reference_job job = { .store = a->s->store, .selection = &selection, .eye = &eye,
-		.near_m = 0.01 };
-	bool made = plan.cuts && plan.placements && index && roles;
-	for (uint32_t i = of->ladder_first; made && i < of->ladder_first + of->ladder_count; i++) {
+		.cuts = index, .member_first = index + room, .members = index + 2 * room, .roles = roles };
+	for (uint32_t i = of->ladder_first; i < of->ladder_first + of->ladder_count; i++) {
 		const struct eco_ladder *l = &scene->ladders[i];
 		double own = paper_is_leaves(l) ? lambda * l->total - l->before : 0;
 		if (!(own >= 0.5) || !scene->lists[l->triangles].element_count)
@@ -65,113 +63,84 @@ static enum eco_code draw(const struct alone *a, double lambda, double scale, ui
 		plan.cut_count++;
 		selection.member_first[plan.cut_count] = plan.cut_count;
 	}
-	if (made)
-		plan.placements[0].scale = 1;
+	plan.placements[0].scale = 1;
 	selection.cut_count = first[1] = plan.cut_count;
 	view_of(a, number, &view);
 	lod_eye_make(&eye, &view);
-	enum eco_code code = made ? view_store_events.plan(a->s->store, &plan, error)
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for a plant");
-	if (!made)
-		eco_plan_free(&plan);
-	code = code ? code : view_picture_init(picture, SIDE, SIDE, error);
-	code = code ? code : view_reference_draw(&job, picture, error);
+	paper_must(view_store_events.plan(a->s->store, &plan, paper_error));
+	paper_must(view_picture_init(to, SIDE, SIDE, paper_error));
+	paper_must(view_reference_draw(&(struct view_reference_job){ .store = a->s->store, .selection
+		= &selection, .eye = &eye, .near_m = 0.01 }, to, paper_error));
 	free(index);
 	free(roles);
-	return code;
-}
-
-static enum eco_code measure(const struct alone *a, double lambda, double scale, double *q,
-	struct eco_error *error)
-{
-	double sum = 0;
-	enum eco_code code = ECO_OK;
-	for (uint32_t v = 0; v < VIEWS && !code; v++) {
-		struct view_picture picture = { 0 };
+	if (q) {
 		struct lod_score score;
-		code = draw(a, lambda, scale, v, &picture, error);
-		if (!code) {
-			lod_score(&score, &(struct lod_score_input){ SIDE, SIDE, picture.cover,
-				a->full[v].cover, picture.owner, a->full[v].owner });
-			sum += score.q;
-		}
-		view_picture_free(&picture);
+		lod_score(&score, &(struct lod_score_input){ SIDE, SIDE, picture.cover, a->full[number].cover,
+			picture.owner, a->full[number].owner });
+		*q = score.q;
 	}
-	*q = sum / VIEWS;
-	return code;
+	view_picture_free(&picture);
 }
 
-static enum eco_code draw_full(struct alone *a, struct eco_error *error)
+static double measure(struct alone *a, double lambda, double scale)
 {
-	uint64_t covered = 0;
-	enum eco_code code = ECO_OK;
-	for (uint32_t v = 0; v < VIEWS && !code; v++) {
-		code = draw(a, 1, 1, v, &a->full[v], error);
-		for (uint32_t i = 0; i < SIDE * SIDE && !code; i++)
-			covered += a->full[v].cover[i] != 0;
+	double sum = 0, q;
+	for (uint32_t v = 0; v < VIEWS; v++) {
+		draw(a, lambda, scale, v, &q);
+		sum += q;
 	}
-	double pixel = 2 * tan(15 * M_PI / 180) * 4 * a->radius / SIDE;
-	a->covered_m2 = (double)covered / VIEWS * pixel * pixel;
-	return code;
+	return sum / VIEWS;
 }
 
-static enum eco_code fill_row(const struct alone *a, struct paper_table *t, uint32_t row,
-	struct eco_error *error)
+static void fill_row(struct alone *a, struct paper_table *t, uint32_t row)
 {
 	double lambda = t->lambda[row], cook = 1 / lambda;
 	uint32_t kept = (uint32_t)fmax(1, lambda * t->leaves + 0.5);
-	t->s_cook[row] = lod_cook_scale_depth(kept, (uint32_t)t->leaves, t->share);
-	enum eco_code code = measure(a, lambda, t->s_cook[row], &t->q_cook[row], error);
-	t->s_opt[row] = t->s_cook[row];
-	t->q_opt[row] = t->q_cook[row];
-	for (uint32_t i = 0; i < SCALES && !code && lambda < 1; i++) {
-		double q, s = pow(cook, (double)(i + 1) / (SCALES - 1));
-		code = measure(a, lambda, s, &q, error);
+	t->s_opt[row] = t->s_cook[row] = lod_cook_scale_depth(kept, (uint32_t)t->leaves, t->share);
+	t->q_opt[row] = t->q_cook[row] = measure(a, lambda, t->s_cook[row]);
+	for (uint32_t i = 0; i < SCALES && lambda < 1; i++) {
+		double s = pow(cook, (double)(i + 1) / (SCALES - 1)), q = measure(a, lambda, s);
 		if (q > t->q_opt[row]) {
 			t->q_opt[row] = q;
 			t->s_opt[row] = s;
 		}
 	}
-	return code;
 }
 
-static enum eco_code make_table(struct paper_scene *s, uint32_t plant, struct paper_table *t,
-	struct eco_error *error)
+static void make_table(struct paper_scene *s, uint32_t plant, struct paper_table *t)
 {
 	const struct eco_plant *of = &s->scene->plants[plant];
-	struct alone a = { .s = s,
-		.plant = plant,
-		.radius = (double)s->scene->anchors[of->anchor_first].radius };
+	struct alone a = { .s = s, .plant = plant, .radius
+		= (double)s->scene->anchors[of->anchor_first].radius };
+	double pixel = 2 * tan(15 * M_PI / 180) * 4 * a.radius / SIDE, area = 0, covered = 0;
 	for (uint32_t i = of->ladder_first; i < of->ladder_first + of->ladder_count; i++)
 		if (paper_is_leaves(&s->scene->ladders[i]) &&
 			s->scene->ladders[i].anchor == of->anchor_first) {
 			t->leaves += s->scene->ladders[i].total;
-			a.area += (double)s->scene->ladders[i].area;
+			area += (double)s->scene->ladders[i].area;
 		}
 	if (t->leaves < 2)
-		return ECO_OK;
-	enum eco_code code = draw_full(&a, error);
-	t->share = lod_cook_share((uint32_t)t->leaves, a.area / 2, a.covered_m2);
-	double low = 1 / t->leaves;
-	for (uint32_t i = 0; i < PAPER_LAMBDAS && !code; i++) {
-		t->lambda[i] = pow(low, 1 - (double)i / (PAPER_LAMBDAS - 1));
-		code = fill_row(&a, t, i, error);
+		return;
+	for (uint32_t v = 0; v < VIEWS; v++) {
+		draw(&a, 1, 1, v, NULL);
+		for (uint32_t i = 0; i < SIDE * SIDE; i++)
+			covered += a.full[v].cover[i] != 0;
+	}
+	t->share = lod_cook_share((uint32_t)t->leaves, area / 2, covered / VIEWS * pixel * pixel);
+	for (uint32_t i = 0; i < PAPER_LAMBDAS; i++) {
+		t->lambda[i] = pow(1 / t->leaves, 1 - (double)i / (PAPER_LAMBDAS - 1));
+		fill_row(&a, t, i);
 	}
 	for (uint32_t v = 0; v < VIEWS; v++)
 		view_picture_free(&a.full[v]);
-	return code;
 }
 
-enum eco_code paper_tables_make(struct paper_table **tables, struct paper_scene *scene,
-	struct eco_error *error)
+struct paper_table *paper_tables_make(struct paper_scene *scene)
 {
-	uint32_t n = scene->scene->plant_count;
-	*tables = calloc(n + 1, sizeof **tables);
-	enum eco_code code = *tables ? ECO_OK : eco_fail(error, ECO_NO_MEMORY,
-		"no memory for tables of %u plants", n);
-	for (uint32_t i = 0; i < n && !code; i++)
-		code = make_table(scene, i, &(*tables)[i], error);
-	return code;
+	struct paper_table *tables = eco_alloc(scene->scene->plant_count, sizeof *tables);
+	for (uint32_t i = 0; i < scene->scene->plant_count; i++)
+		make_table(scene, i, &tables[i]);
+	return tables;
 }
 
 /* ---- Looking up ---- */
@@ -223,6 +192,8 @@ double paper_table_cook(const struct paper_table *t, double lambda)
 		t->share);
 }
 
+/* ---- Occlusion (section 4) ---- */
+
 #define POINTS 32u
 #define LEAST 0.1
 #define SMOOTHING 0.5
@@ -257,30 +228,21 @@ static void take_points(struct paper_sight *sight, uint32_t plant)
 	}
 }
 
-enum eco_code paper_sight_new(struct paper_sight **out, const struct paper_scene *scene,
-	struct eco_error *error)
+struct paper_sight *paper_sight_new(const struct paper_scene *scene)
 {
 	uint32_t n = scene->scene->plant_count;
-	struct paper_sight *sight = *out = calloc(1, sizeof *sight);
-	if (sight)
-		*sight = (struct paper_sight){ .scene = scene, .plants = calloc(n + 1, sizeof *sight->plants),
-			.points = calloc(n + 1, sizeof *sight->points),
-			.counts = calloc(n + 1, sizeof *sight->counts), .frame = 1 };
-	if (!sight || !sight->plants || !sight->points || !sight->counts) {
-		paper_sight_free(sight);
-		*out = NULL;
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for what plants hide");
-	}
+	struct paper_sight *sight = eco_alloc(1, sizeof *sight);
+	*sight = (struct paper_sight){ .scene = scene, .plants = eco_alloc(n, sizeof *sight->plants),
+		.points = eco_alloc(n, sizeof *sight->points), .counts = eco_alloc(n, sizeof *sight->counts),
+		.frame = 1 };
 	for (uint32_t i = 0; i < n; i++)
 		take_points(sight, i);
-	return ECO_OK;
+	return sight;
 }
 
 void paper_sight_free(struct paper_sight *sight)
 {
-	if (!sight)
-		return;
-	for (uint32_t i = 0; sight->plants && i < sight->scene->scene->plant_count; i++)
+	for (uint32_t i = 0; i < sight->scene->scene->plant_count; i++)
 		free(sight->plants[i]);
 	free(sight->plants);
 	free(sight->points);
@@ -337,9 +299,7 @@ void paper_sight_update(struct paper_sight *sight, const struct paper_frame *fra
 		if (instance->plant == ECO_NONE)
 			continue;
 		struct seen **plant = &sight->plants[instance->plant];
-		*plant = *plant ? *plant : calloc(ECO_SHARE_ONE, sizeof **plant);
-		if (!*plant)
-			continue; /* counts as visible */
+		*plant = *plant ? *plant : eco_alloc(ECO_SHARE_ONE, sizeof **plant);
 		struct seen *seen = &(*plant)[instance->hash];
 		if (seen->frame + 1 < sight->frame) /* not in the last frame */
 			seen->state = (struct paper_sight_state){ 1, 1 };

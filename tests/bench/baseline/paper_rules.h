@@ -51,8 +51,13 @@ struct paper_scene {
 	uint32_t **triangles; /* per list of triangles: those of its first i elements, i = 0 .. */
 	double *wood_full;    /* per plant: vertices of its wood at full detail */
 };
+/* The pack may be none that can be read. */
 enum eco_code paper_scene_open(struct paper_scene **scene, const char *pack, struct eco_error *error);
-void paper_scene_close(struct paper_scene *scene);
+void paper_scene_close(struct paper_scene *scene);       /* NULL is fine */
+
+/* Other errors end the program: paper_must(call(..., paper_error)). */
+extern struct eco_error *const paper_error;
+void paper_must(enum eco_code code);
 
 /* Triangles of a list's first elements. */
 uint32_t paper_triangles(const struct paper_scene *s, uint32_t list, uint32_t elements);
@@ -66,10 +71,10 @@ struct paper {
 	struct lod_planner p;
 	struct eco_cut *cuts;
 	uint32_t cut_count, cut_room;
-	bool no_memory;
 };
-/* Tiles whose summary suffices for d' become summaries; 0: every plant is counted. p->p.gates are set. */
-enum eco_code paper_open(struct paper *p, double d, struct eco_error *error);
+/* Tiles whose summary suffices for d' become summaries; 0: every plant is counted. p->p.gates are set. False:
+ * the view holds more than a walk may look at. */
+bool paper_open(struct paper *p, double d);
 /* Takes list, first, end, scale and shares from `cut`; share_end 0: all plants of the slot. Empty cuts are
  * left out. */
 void paper_cut(struct paper *p, const struct lod_slot *slot, const struct eco_cut *cut);
@@ -79,18 +84,15 @@ struct paper_frame { /* owns both */
 	struct view_picture picture;
 	struct view_selection selection;
 };
-/* Takes the plan over. Soft counts are filled where `soft`. */
-enum eco_code paper_draw(struct paper_scene *s, struct eco_plan *plan, const struct eco_view *view, bool soft,
-	struct paper_frame *frame, struct eco_error *error);
 void paper_frame_free(struct paper_frame *frame);
 
-/* A rule at one value of its only parameter makes cuts. */
-typedef enum eco_code paper_rule(struct paper *p, double x, void *ctx, struct eco_error *error);
-/* Draws the plan of a rule. *x is its parameter; 0: the value with most vertices within the budget, which *x
- * becomes. It is searched in proportion; nothing is drawn if all are too many. */
-enum eco_code paper_shoot(struct paper_scene *s, const struct eco_request *request, paper_rule *rule,
-	void *ctx,
-	double *x, bool soft, struct paper_frame *frame, struct eco_error *error);
+/* A rule at one value of its only parameter makes cuts; false as paper_open. */
+typedef bool paper_rule(struct paper *p, double x, void *ctx);
+/* Draws the plan of a rule, with soft counts where `soft`. *x is its parameter; 0: the value with most
+ * vertices within the budget, which *x becomes. It is searched in proportion; nothing is drawn if all are too
+ * many. */
+void paper_shoot(struct paper_scene *s, const struct eco_request *request, paper_rule *rule, void *ctx,
+	double *x, bool soft, struct paper_frame *frame);
 
 /* ---- Deussen 2002, section 5 ---- */
 
@@ -101,7 +103,7 @@ struct paper_deussen {
 };
 
 /* The scene's points and lines. */
-enum eco_code paper_deussen_lists(struct paper_scene *s, struct eco_error *error);
+void paper_deussen_lists(struct paper_scene *s);
 /* Points that a surface needs at distance r: c_p A / (2 r^2) / d'^2, equation 1 without its misprint. */
 double paper_deussen_points(double area, double r, double d, double splat_factor);
 /* q of equation 2: the share of lines that cover the wood or blades when each is as wide as d'; above 1 they
@@ -118,12 +120,12 @@ struct paper_blend paper_deussen_blend(double p, uint32_t k);
 double paper_deussen_scale(double p, double k, double splat_factor);
 
 /* d: the sample distance. deussen: struct paper_deussen, or NULL. */
-enum eco_code paper_deussen(struct paper *p, double d, void *deussen, struct eco_error *error);
+bool paper_deussen(struct paper *p, double d, void *deussen);
 
 /* ---- Neubert 2011: tables (section 3) and occlusion (section 4) ----
  *
- *   paper_tables_make(&tables, scene, &error);      draws the leaves of every plant alone
- *   paper_sight_new(&sight, scene);
+ *   tables = paper_tables_make(scene);      draws the leaves of every plant alone
+ *   sight = paper_sight_new(scene);
  *   ... a plan by paper_cook with both, a frame ...
  *   paper_sight_update(sight, &frame, &view);       before the next plan
  *
@@ -137,9 +139,8 @@ struct paper_table { /* of one plant's leaves, lambda ascending to 1 */
 	double q_opt[PAPER_LAMBDAS], q_cook[PAPER_LAMBDAS];
 	double leaves, share; /* share: lod_cook_share */
 };
-/* One per plant, to be freed also after an error. */
-enum eco_code paper_tables_make(struct paper_table **tables, struct paper_scene *scene,
-	struct eco_error *error);
+/* One per plant; the caller frees them. */
+struct paper_table *paper_tables_make(struct paper_scene *scene);
 
 /* The smallest lambda whose Q with s_opt is at least that of Cook at lambda; never above it. */
 double paper_table_optimal(const struct paper_table *table, double lambda);
@@ -148,8 +149,7 @@ double paper_table_scale(const struct paper_table *table, double lambda);
 double paper_table_cook(const struct paper_table *table, double lambda);
 
 struct paper_sight;
-enum eco_code paper_sight_new(struct paper_sight **sight, const struct paper_scene *scene,
-	struct eco_error *error);
+struct paper_sight *paper_sight_new(const struct paper_scene *scene);
 void paper_sight_free(struct paper_sight *sight);
 /* One step in time of f as it is used, from the f that was counted: held while they differ by less than the
  * hysteresis, and smoothed. */
@@ -174,7 +174,7 @@ struct paper_cook {
 	bool optimal;              /* Neubert's lambda_opt and s_opt */
 	struct paper_sight *sight; /* with it, lambda_opt max(f, .1); NULL: every plant is visible */
 };
-enum eco_code paper_cook(struct paper *p, double full_m, void *cook, struct eco_error *error);
+bool paper_cook(struct paper *p, double full_m, void *cook);
 
 /* Leaves [0, kept) of a region. The ladder's list holds those after `before`. Fewer than one leaf is one leaf
  * of some of the plants. */
@@ -197,8 +197,9 @@ enum lod_lee_method { LOD_LEE_DISTANCE, LOD_LEE_NORMAL, LOD_LEE_LAYER, LOD_LEE_C
 /* The paper does not say how many. */
 #define LOD_LEE_LAYERS 5u
 
-/* Leaves: normals of any length; zero ones face nowhere. Or cells of `size` leaves each, as the paper says that
- * it must be at run time: `facing` is then the mean of n n^T over their unit normals: xx, yy, zz, xy, xz, yz. */
+/* Leaves: normals of any length; zero ones face nowhere. Or cells of `size` leaves each, as the paper says
+ * that it must be at run time: `facing` is then the mean of n n^T over their unit normals: xx, yy, zz, xy,
+ * xz, yz. */
 struct lod_lee_leaves {
 	uint32_t count, *size;
 	struct lod_v3 *center, *normal;
@@ -232,8 +233,8 @@ struct paper_lee {
 	struct paper_lee_plant *plants;
 	struct lod_arena arena;
 };
-enum eco_code paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s, struct eco_error *error);
+void paper_lee_begin(struct paper_lee *lee, const struct paper_scene *s);
 void paper_lee_end(struct paper_lee *lee);
-enum eco_code paper_lee(struct paper *p, double full_m, void *lee, struct eco_error *error);
+bool paper_lee(struct paper *p, double full_m, void *lee);
 
 #endif

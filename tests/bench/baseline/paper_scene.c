@@ -1,13 +1,22 @@
-
+/* Packs for the rules of papers, and plans of cuts. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "client-min/view_reference.h"
-#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/wire.h"
 #include "lod/ladder.h"
 #include "tests/bench/baseline/paper_rules.h"
+
+static struct eco_error failure;
+struct eco_error *const paper_error = &failure;
+
+void paper_must(enum eco_code code)
+{
+	if (code)
+		eco_end(failure.text);
+}
 
 /* ---- Lists of the pack ---- */
 
@@ -27,38 +36,33 @@ static void grow_plainly(const struct view_list *list)
 		list->elements.extra[(size_t)i * each + at] = ECO_GROWTH_PLAIN;
 }
 
-static enum eco_code feed_list(struct paper_scene *s, uint32_t id, struct eco_error *error)
+static void feed_list(struct paper_scene *s, uint32_t id)
 {
 	const struct eco_list *list = &s->scene->lists[id];
-	const struct eco_group *groups = list->group_count ? eco_list_groups(s->scene, id) : NULL;
-	enum eco_code code = view_store_events.list(s->store, id, list,
-		s->scene->palette + list->palette_first, groups, error);
-	for (uint32_t i = 0; i < list->chunk_count && !code; i++) {
+	paper_must(view_store_events.list(s->store, id, list, s->scene->palette + list->palette_first,
+		list->group_count ? eco_list_groups(s->scene, id) : NULL, paper_error));
+	for (uint32_t i = 0; i < list->chunk_count; i++) {
 		const uint8_t *bytes;
 		size_t size;
-		code = eco_pack_payload(s->pack, list->chunk_first + i, &bytes, &size, error);
-		code = code ? code : view_store_events.chunk(s->store, id, i,
-			&s->scene->chunks[list->chunk_first + i], bytes, error);
+		paper_must(eco_pack_payload(s->pack, list->chunk_first + i, &bytes, &size, paper_error));
+		paper_must(view_store_events.chunk(s->store, id, i, &s->scene->chunks[list->chunk_first + i],
+			bytes, paper_error));
 	}
-	return code;
+	grow_plainly(view_store_list(s->store, id));
 }
 
-static enum eco_code feed_pack(struct paper_scene *s, struct eco_error *error)
+static void feed_pack(struct paper_scene *s)
 {
 	const struct eco_scene *scene = s->scene;
-	enum eco_code code = view_store_events.scene(s->store, scene, &s->pack->id, error);
-	for (uint32_t i = 0; i < scene->plant_count && !code; i++)
-		code = view_store_events.plant(s->store, i, &scene->plants[i],
-			scene->anchors + scene->plants[i].anchor_first, error);
+	paper_must(view_store_events.scene(s->store, scene, &s->pack->id, paper_error));
+	for (uint32_t i = 0; i < scene->plant_count; i++)
+		paper_must(view_store_events.plant(s->store, i, &scene->plants[i],
+			scene->anchors + scene->plants[i].anchor_first, paper_error));
 	/* forms come after what they are forms of */
 	for (int forms = 0; forms < 2; forms++)
-		for (uint32_t i = 0; i < scene->list_count && !code; i++)
+		for (uint32_t i = 0; i < scene->list_count; i++)
 			if (is_held(&scene->lists[i]) && (scene->lists[i].partner != ECO_NONE) == forms)
-				code = feed_list(s, i, error);
-	for (uint32_t i = 0; i < scene->list_count && !code; i++)
-		if (view_store_list(s->store, i))
-			grow_plainly(view_store_list(s->store, i));
-	return code;
+				feed_list(s, i);
 }
 
 bool paper_is_leaves(const struct eco_ladder *ladder)
@@ -69,33 +73,28 @@ bool paper_is_leaves(const struct eco_ladder *ladder)
 
 /* ---- Tables ---- */
 
-static enum eco_code count_triangles(struct paper_scene *s, uint32_t list, struct eco_error *error)
+static void count_triangles(struct paper_scene *s, uint32_t list)
 {
 	const struct eco_elements *e = &view_store_list(s->store, list)->elements;
 	uint32_t *sums = s->triangles[list];
 	if (!sums)
-		sums = s->triangles[list] = calloc(e->element_count + 1u, sizeof *sums);
-	for (uint32_t i = 0; sums && i < e->element_count; i++)
+		sums = s->triangles[list] = eco_alloc(e->element_count + 1u, sizeof *sums);
+	for (uint32_t i = 0; i < e->element_count; i++)
 		sums[i + 1] = sums[i] + e->corners[i] - 2;
-	return sums ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for tables");
 }
 
-static enum eco_code make_tables(struct paper_scene *s, struct eco_error *error)
+static void make_tables(struct paper_scene *s)
 {
 	const struct eco_scene *scene = s->scene;
-	enum eco_code code = ECO_OK;
-	s->triangles = calloc(scene->list_count + 1u, sizeof *s->triangles);
-	s->wood_full = calloc(scene->plant_count + 1u, sizeof *s->wood_full);
-	if (!s->triangles || !s->wood_full)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for tables");
-	for (uint32_t i = 0; i < scene->ladder_count && !code; i++) {
+	s->triangles = eco_alloc(scene->list_count, sizeof *s->triangles);
+	s->wood_full = eco_alloc(scene->plant_count, sizeof *s->wood_full);
+	for (uint32_t i = 0; i < scene->ladder_count; i++) {
 		const struct eco_ladder *l = &scene->ladders[i];
 		if (l->organ == ECO_ORGAN_WOOD && !(l->flags & (ECO_LADDER_FAR | ECO_LADDER_WHOLE)))
 			s->wood_full[l->plant] += (double)lod_ladder_full(scene, l);
 		if (paper_is_leaves(l))
-			code = count_triangles(s, l->triangles, error);
+			count_triangles(s, l->triangles);
 	}
-	return code;
 }
 
 uint32_t paper_triangles(const struct paper_scene *s, uint32_t list, uint32_t elements)
@@ -107,23 +106,18 @@ uint32_t paper_triangles(const struct paper_scene *s, uint32_t list, uint32_t el
 enum eco_code paper_scene_open(struct paper_scene **scene, const char *pack, struct eco_error *error)
 {
 	struct view_store_options options = { .images = true, .memory_max = 16ull << 30 };
-	struct paper_scene *s = *scene = calloc(1, sizeof *s);
-	if (!s)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %s", pack);
+	struct paper_scene *s = eco_alloc(1, sizeof *s);
 	enum eco_code code = eco_pack_open(&s->pack, pack, error);
-	if (!code) {
-		s->scene = &s->pack->scene;
-		code = lod_plan_tables_make(&s->tables, s->scene, error);
-	}
-	code = code ? code : view_store_new(&s->store, &options, error);
-	code = code ? code : feed_pack(s, error);
-	code = code ? code : make_tables(s, error);
-	code = code ? code : paper_deussen_lists(s, error);
-	if (code) {
-		paper_scene_close(s);
-		*scene = NULL;
-	}
-	return code;
+	*scene = s;
+	if (code)
+		return code;
+	s->scene = &s->pack->scene;
+	paper_must(lod_plan_tables_make(&s->tables, s->scene, paper_error));
+	paper_must(view_store_new(&s->store, &options, paper_error));
+	feed_pack(s);
+	make_tables(s);
+	paper_deussen_lists(s);
+	return ECO_OK;
 }
 
 void paper_scene_close(struct paper_scene *s)
@@ -145,20 +139,21 @@ void paper_scene_close(struct paper_scene *s)
 
 /* ---- Drawing ---- */
 
-enum eco_code paper_draw(struct paper_scene *s, struct eco_plan *plan, const struct eco_view *view, bool soft,
-	struct paper_frame *frame, struct eco_error *error)
+static void draw(struct paper_scene *s, struct eco_plan *plan, const struct eco_view *view, bool soft,
+	struct paper_frame *frame)
 {
 	struct lod_eye eye;
 	*frame = (struct paper_frame){ 0 };
 	lod_eye_make(&eye, view);
 	view_store_begin(s->store);
-	enum eco_code code = view_store_events.plan(s->store, plan, error);
-	code = code ? code : view_select_make(&frame->selection, s->store, &eye, error);
+	paper_must(view_store_events.plan(s->store, plan, paper_error));
+	paper_must(view_select_make(&frame->selection, s->store, &eye, paper_error));
 	struct view_reference_job job = { .store = s->store, .selection = &frame->selection, .eye = &eye,
 		.near_m = view_store_near_m(s->store) };
-	code = code ? code : view_picture_init(&frame->picture, view->width, view->height, error);
-	code = code ? code : view_reference_draw(&job, &frame->picture, error);
-	return code || !soft ? code : view_measure_soft(&job, &frame->picture, error);
+	paper_must(view_picture_init(&frame->picture, view->width, view->height, paper_error));
+	paper_must(view_reference_draw(&job, &frame->picture, paper_error));
+	if (soft)
+		paper_must(view_measure_soft(&job, &frame->picture, paper_error));
 }
 
 void paper_frame_free(struct paper_frame *frame)
@@ -167,23 +162,9 @@ void paper_frame_free(struct paper_frame *frame)
 	view_select_free(&frame->selection);
 }
 
+/* ---- Rules ---- */
+
 #define HALVINGS 26
-
-static enum eco_code begin(struct paper *p, const struct paper_scene *s, const struct eco_request *request,
-	struct eco_error *error)
-{
-	*p = (struct paper){ .s = s, .request = *request };
-	p->request.texel_px = ECO_TEXEL_PX_MIN;
-	p->input = (struct lod_planner_input){ .scene = s->scene, .tables = s->tables,
-		.request = &p->request };
-	return lod_planner_begin(&p->p, &p->input, error);
-}
-
-static void end(struct paper *p)
-{
-	lod_planner_end(&p->p);
-	free(p->cuts);
-}
 
 static void clear(struct paper *p)
 {
@@ -192,10 +173,15 @@ static void clear(struct paper *p)
 	p->p.vertices = 0;
 }
 
-static enum eco_code add_summaries(struct paper *p, double d, struct eco_error *error)
+bool paper_open(struct paper *p, double d)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < p->p.visible.node_count && !code; i++) {
+	struct eco_error error = { 0 };
+	enum eco_code code = lod_visible_tree_count(&p->p.visible, d, p->p.gates, &error);
+	if (code == ECO_TOO_LARGE)
+		return false;
+	if (code)
+		eco_end(error.text);
+	for (uint32_t i = 0; i < p->p.visible.node_count; i++) {
 		const struct lod_node *node = &p->p.visible.nodes[i];
 		if (node->state != LOD_SUMMARY)
 			continue;
@@ -203,16 +189,10 @@ static enum eco_code add_summaries(struct paper *p, double d, struct eco_error *
 		struct lod_entry entry = { .slot = ECO_NONE, .ladder = i, .count = 1, .full = full,
 			.wanted = lod_summary_points(node, d) };
 		entry.vertices = entry.wanted < (double)full ? (uint64_t)entry.wanted : full;
-		code = lod_planner_add(&p->p, &entry, error);
+		paper_must(lod_planner_add(&p->p, &entry, paper_error));
 		p->p.vertices += entry.vertices;
 	}
-	return code;
-}
-
-enum eco_code paper_open(struct paper *p, double d, struct eco_error *error)
-{
-	enum eco_code code = lod_visible_tree_count(&p->p.visible, d, p->p.gates, error);
-	return code ? code : add_summaries(p, d, error);
+	return true;
 }
 
 bool paper_applies(const struct paper *p, const struct eco_ladder *ladder, const struct lod_slot *slot)
@@ -224,10 +204,7 @@ void paper_cut(struct paper *p, const struct lod_slot *slot, const struct eco_cu
 {
 	if (cut->end <= cut->first)
 		return;
-	if (!eco_array_grow(&p->cuts, &p->cut_room, p->cut_count, sizeof *p->cuts)) {
-		p->no_memory = true;
-		return;
-	}
+	eco_grow(&p->cuts, &p->cut_room, p->cut_count, sizeof *p->cuts);
 	struct eco_cut *out = &p->cuts[p->cut_count++];
 	*out = *cut;
 	out->scale = eco_wire_scale_round(out->scale);
@@ -330,79 +307,60 @@ static void add_textures(const struct eco_scene *scene, struct eco_plan *plan)
 				.share_end = ECO_SHARE_ONE };
 }
 
-static enum eco_code finish(struct paper *p, struct eco_plan *plan, struct eco_error *error)
+static void make_plan(struct paper *p, struct eco_plan *plan)
 {
-	*plan = (struct eco_plan){ 0 };
 	count_vertices(p);
-	enum eco_code code = p->no_memory ? eco_fail(error, ECO_NO_MEMORY, "no memory for %u cuts",
-		p->cut_count)
-		: lod_planner_emit(&p->p, plan, error);
+	paper_must(lod_planner_emit(&p->p, plan, paper_error));
 	/* ground first: it looks cuts up in the pack, which has not all of the rule's lists */
-	if (!code)
-		code = lod_plan_ground(plan, p->s->scene, &p->request.view, p->request.ground_px, error);
-	struct eco_cut *cuts = code ? NULL : realloc(plan->cuts, ((size_t)plan->cut_count + p->cut_count
-		+ p->s->scene->list_count + 1) * sizeof *cuts);
-	if (!code && !cuts)
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u cuts", p->cut_count);
-	if (cuts) {
-		plan->cuts = cuts;
-		if (p->cut_count)
-			memcpy(cuts + plan->cut_count, p->cuts, p->cut_count * sizeof *cuts);
-		plan->cut_count += p->cut_count;
-		add_textures(p->s->scene, plan);
-	}
-	if (code)
-		eco_plan_free(plan);
-	else
-		eco_plan_sort(plan);
-	return code;
+	paper_must(lod_plan_ground(plan, p->s->scene, &p->request.view, p->request.ground_px, paper_error));
+	plan->cuts = eco_realloc(plan->cuts, (size_t)plan->cut_count + p->cut_count + p->s->scene->list_count,
+		sizeof *plan->cuts);
+	if (p->cut_count)
+		memcpy(plan->cuts + plan->cut_count, p->cuts, p->cut_count * sizeof *p->cuts);
+	plan->cut_count += p->cut_count;
+	add_textures(p->s->scene, plan);
+	eco_plan_sort(plan);
 }
 
-static enum eco_code try_rule(struct paper *p, paper_rule *rule, void *ctx, double x, bool *fits,
-	struct eco_error *error)
+/* Whether the cuts of the rule at x are within the budget. */
+static bool fits(struct paper *p, paper_rule *rule, void *ctx, double x)
 {
-	struct eco_error local = { 0 };
 	clear(p);
-	enum eco_code code = rule(p, x, ctx, &local);
-	if (code == ECO_TOO_LARGE) {
-		*fits = false;
-		return lod_visible_tree_restart(&p->p.visible, error);
-	}
-	*fits = !code && count_vertices(p) <= p->request.vertices;
-	return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;
+	if (rule(p, x, ctx))
+		return count_vertices(p) <= p->request.vertices;
+	paper_must(lod_visible_tree_restart(&p->p.visible, paper_error));
+	return false;
 }
 
 /* Between a value of few vertices and one of many. */
-static enum eco_code solve(struct paper *p, paper_rule *rule, void *ctx, double few, double many, double *x,
-	struct eco_error *error)
+static double solve(struct paper *p, paper_rule *rule, void *ctx, double few, double many)
 {
-	bool fits;
-	enum eco_code code = try_rule(p, rule, ctx, *x = many, &fits, error);
-	if (code || fits)
-		return code;
-	for (int i = 0; i < HALVINGS && !code; i++) {
+	if (fits(p, rule, ctx, many))
+		return many;
+	for (int i = 0; i < HALVINGS; i++) {
 		double middle = sqrt(few * many);
-		code = try_rule(p, rule, ctx, middle, &fits, error);
-		*(fits ? &few : &many) = middle;
+		*(fits(p, rule, ctx, middle) ? &few : &many) = middle;
 	}
-	code = code ? code : try_rule(p, rule, ctx, *x = few, &fits, error);
-	if (!code && !fits)
+	if (!fits(p, rule, ctx, few))
 		clear(p);
-	return code;
+	return few;
 }
 
-enum eco_code paper_shoot(struct paper_scene *s, const struct eco_request *request, paper_rule *rule,
-	void *ctx,
-	double *x, bool soft, struct paper_frame *frame, struct eco_error *error)
+void paper_shoot(struct paper_scene *s, const struct eco_request *request, paper_rule *rule, void *ctx,
+	double *x, bool soft, struct paper_frame *frame)
 {
-	struct paper p;
+	struct paper p = { .s = s, .request = *request };
 	struct eco_plan plan = { 0 };
 	bool deussen = rule == paper_deussen;        /* d' in radians; the others have a distance in metres */
-	enum eco_code code = begin(&p, s, request, error);
-	if (!code)
-		code = *x > 0 ? rule(&p, *x, ctx, error)
-			: solve(&p, rule, ctx, deussen ? 2 : 1e-3, deussen ? 1e-6 : 1e5, x, error);
-	code = code ? code : finish(&p, &plan, error);
-	end(&p);
-	return code ? code : paper_draw(s, &plan, &request->view, soft, frame, error);
+	p.request.texel_px = ECO_TEXEL_PX_MIN;
+	p.input = (struct lod_planner_input){ .scene = s->scene, .tables = s->tables, .request = &p.request };
+	paper_must(lod_planner_begin(&p.p, &p.input, paper_error));
+	if (!(*x > 0))
+		*x = solve(&p, rule, ctx, deussen ? 2 : 1e-3, deussen ? 1e-6 : 1e5);
+	else if (!rule(&p, *x, ctx))
+		eco_end("a view holds more than a walk may look at");
+	make_plan(&p, &plan);
+	lod_planner_end(&p.p);
+	free(p.cuts);
+	draw(s, &plan, &request->view, soft, frame);
 }

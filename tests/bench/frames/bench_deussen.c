@@ -2,11 +2,11 @@
  * a second), figure 5's sweep of the sample distance d' and the splat factor c_p, and the octree of complex
  * plants (6.1) on and off. Packs are those of the stochastic order, with his lists (paper_rules.h). */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "tests/bench/baseline/paper_rules.h"
 #include "tests/bench/bench_shots.h"
+#include "tests/bench/bench_walk.h"
 
 /* Figures of a frame; FULL: triangles in sight at full detail; PX: d'. */
 enum { TRIANGLES, LINES, POINTS, VERTICES, FULL, WRONG, P, R, Q, MS, PX, FIGURES };
@@ -20,26 +20,13 @@ struct study {
 	char pack[512], stamp[64];
 };
 
-static enum eco_code find_pack(struct study *s, struct bench *bench, const char *scene,
-	struct eco_request requests[BENCH_SHOT_VIEWS_MAX], uint32_t *views, struct eco_error *error)
+static uint32_t find_pack(struct study *s, struct bench *bench, const char *scene,
+	struct eco_request requests[BENCH_SHOT_VIEWS_MAX])
 {
 	*s = (struct study){ .bench = bench };
-	enum eco_code code = bench_scene(bench, scene, "stochastic", s->pack, error);
+	must(bench_scene(bench, scene, "stochastic", s->pack, must_error));
 	snprintf(s->stamp, sizeof s->stamp, "%s", bench_pack_stamp(s->pack));
-	*views = code ? 0 : bench_shot_views(bench, scene, requests);
-	return code;
-}
-
-static enum eco_code open_study(struct study *s, struct eco_error *error)
-{
-	if (s->client)
-		return ECO_OK;
-	enum eco_code code = bench_client_open(&s->client, s->pack, error);
-	if (!code) {
-		bench_client_untimed(s->client);
-		code = paper_scene_open(&s->scene, s->pack, error);
-	}
-	return code;
+	return bench_shot_views(bench, scene, requests);
 }
 
 static void close_study(struct study *s)
@@ -63,33 +50,32 @@ static void count_kinds(const struct view_store *store, const struct view_select
 }
 
 /* By his rule, at d' = px pixels, or with px 0 at the least d' within the budget. */
-static enum eco_code draw(struct study *s, double px, struct paper_deussen how, const char *file,
-	json_t *rows, struct eco_error *error)
+static void draw(struct study *s, double px, struct paper_deussen how, const char *file,
+	double figure[FIGURES])
 {
 	struct bench_frame frame = { .request = s->request };
-	struct paper_frame picture = { 0 };
+	struct paper_frame drawn;
 	const struct eco_view *view = &s->request.view;
 	double one = 2 * tan(view->fov_y_deg * M_PI / 360) / view->height, x = px * one;
-	enum eco_code code = open_study(s, error);
-	code = code ? code : bench_client_reference(s->client, &s->request, NULL, error);
-	code = code ? code : paper_shoot(s->scene, &s->request, paper_deussen, &how, &x, false, &picture,
-		error);
-	code = code ? code : bench_client_score(s->client, &frame, &picture.picture, error);
-	if (!code) {
-		const struct lod_score *score = &frame.score;
-		double figure[FIGURES] = { [VERTICES] = (double)picture.picture.vertices, [PX] = x / one,
-			[FULL] = (double)bench_client_full(s->client)->vertices / 3,
-			[WRONG] = (double)(score->fp + score->fn), [P] = score->precision, [R] =
-			score->recall, [Q] = score->q, [MS] = bench_gl_ms(s->scene->store, &picture.selection,
-			view) };
-		count_kinds(s->scene->store, &picture.selection, figure);
-		json_array_append_new(rows, bench_reals(figure, FIGURES));
+	if (!s->client) {
+		must(bench_client_open(&s->client, s->pack, must_error));
+		bench_client_untimed(s->client);
+		must(paper_scene_open(&s->scene, s->pack, must_error));
 	}
-	if (!code && file)
-		code = bench_picture_write(s->bench, file, picture.picture.width, picture.picture.height,
-			picture.picture.rgb, error);
-	paper_frame_free(&picture);
-	return code;
+	must(bench_client_reference(s->client, &s->request, NULL, must_error));
+	paper_shoot(s->scene, &s->request, paper_deussen, &how, &x, false, &drawn);
+	must(bench_client_score(s->client, &frame, &drawn.picture, must_error));
+	const double figures[FIGURES] = { [VERTICES] = (double)drawn.picture.vertices, [PX] = x / one,
+		[FULL] = (double)bench_client_full(s->client)->vertices / 3,
+		[WRONG] = (double)(frame.score.fp + frame.score.fn), [P] = frame.score.precision,
+		[R] = frame.score.recall, [Q] = frame.score.q,
+		[MS] = bench_gl_ms(s->scene->store, &drawn.selection, view) };
+	memcpy(figure, figures, sizeof figures);
+	count_kinds(s->scene->store, &drawn.selection, figure);
+	if (file)
+		must(bench_picture_write(s->bench, file, drawn.picture.width, drawn.picture.height,
+			drawn.picture.rgb, must_error));
+	paper_frame_free(&drawn);
 }
 
 /* ---- Table 1 ---- */
@@ -106,41 +92,37 @@ static const struct printed {
 };
 #define SCENES (sizeof printed / sizeof *printed)
 
-static enum eco_code shoot(void *ctx, json_t **made, struct eco_error *error)
+static json_t *shoot(void *ctx)
 {
-	*made = json_array();
-	return draw(ctx, 0, (struct paper_deussen){ 0 }, NULL, *made, error);
+	double figure[FIGURES];
+	draw(ctx, 0, (struct paper_deussen){ 0 }, NULL, figure);
+	return bench_reals(figure, FIGURES);
 }
 
-static enum eco_code write_table(struct bench *bench, struct eco_error *error)
+static void write_table(struct bench *bench)
 {
-	enum eco_code code = ECO_OK;
 	bench_head(bench, "Elements drawn (table 1)");
 	struct bench_table *table = bench_table_open(bench, "deussen_elements",
 		"scene,rule,triangles in sight at full detail,triangles,lines,points,vertices,frames/s,Q,d' "
 		"px", true);
-	for (size_t i = 0; i < SCENES && !code; i++) {
+	for (size_t i = 0; i < SCENES; i++) {
 		struct study s;
 		struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 		double m[FIGURES] = { 0 };
-		uint32_t views;
 		if (!bench_scene_asked(bench, printed[i].scene))
 			continue;
 		bench_progress(bench, 0.6 * (double)i / SCENES, printed[i].name);
-		code = find_pack(&s, bench, printed[i].scene, requests, &views, error);
-		for (uint32_t v = 0; v < views && !code; v++) {
+		uint32_t views = find_pack(&s, bench, printed[i].scene, requests);
+		for (uint32_t v = 0; v < views; v++) {
 			char name[96];
-			json_t *rows;
 			s.request = requests[v];
 			s.request.vertices = printed[i].vertices;
 			snprintf(name, sizeof name, "deussen-%s-%u", printed[i].scene, v);
-			code = bench_unit(bench, name, s.stamp, shoot, &s, &rows, error);
-			for (size_t f = 0; f < FIGURES && !code; f++)
-				m[f] += bench_cell(json_array_get(rows, 0), f) / views;
+			const json_t *row = must_unit(bench, name, s.stamp, shoot, &s);
+			for (size_t f = 0; f < FIGURES; f++)
+				m[f] += bench_cell(row, f) / views;
 		}
 		close_study(&s);
-		if (code)
-			break;
 		bench_table_row(table, "%s,Deussen 2002,%s,-,-", printed[i].name, printed[i].row);
 		bench_table_row(table,
 			"%s,as printed on our plants,%.0f M,%.0f,%.0f,%.0f,%.0f,%.1f,%.3f,%.2f",
@@ -151,7 +133,6 @@ static enum eco_code write_table(struct bench *bench, struct eco_error *error)
 	bench_say(bench, "The budget is what the paper's elements come to (3 triangles + 2 lines + points); "
 		"d' is the least that fits. Frames a second are of OpenGL on this machine, at the second "
 		"time; the paper's are of a GeForce3. Triangles are those in sight, not of the whole scene.");
-	return code;
 }
 
 /* ---- Figure 5 ---- */
@@ -165,44 +146,35 @@ static const struct { size_t at; const char *file, *caption; } shown[] = {
 	{ 2 * FACTORS, "deussen-b.png", "d' of four pixels and a splat factor of .6, which leaves holes" },
 	{ 2 * FACTORS + 3, "deussen-c.png", "the same d', c_p 1.5" } };
 
-static enum eco_code sweep(void *ctx, json_t **made, struct eco_error *error)
+static json_t *sweep(void *ctx)
 {
-	struct study *s = ctx;
-	enum eco_code code = ECO_OK;
-	*made = json_array();
-	for (size_t i = 0; i < SWEEP && !code; i++) {
+	double figure[SWEEP][FIGURES];
+	for (size_t i = 0; i < SWEEP; i++) {
 		const char *file = NULL;
 		for (size_t k = 0; k < sizeof shown / sizeof *shown; k++)
 			file = shown[k].at == i ? shown[k].file : file;
-		code = bench_go_on(s->bench, error);
-		code = code ? code : draw(s, distances[i / FACTORS],
-			(struct paper_deussen){ .splat_factor = factors[i % FACTORS] }, file, *made, error);
+		draw(ctx, distances[i / FACTORS], (struct paper_deussen){ .splat_factor
+			= factors[i % FACTORS] }, file, figure[i]);
 	}
-	return code;
+	return bench_reals(*figure, SWEEP * FIGURES);
 }
 
-static enum eco_code write_sweep(struct bench *bench, struct eco_error *error)
+static void write_sweep(struct bench *bench)
 {
 	struct study s;
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
-	uint32_t views;
-	json_t *rows;
-	enum eco_code code = find_pack(&s, bench, "outdoor", requests, &views, error);
-	if (code)
-		return code;
+	double figure[SWEEP][FIGURES];
+	find_pack(&s, bench, "outdoor", requests);
 	s.request = requests[0];
 	s.request.vertices = ECO_VERTICES_MAX;
 	bench_head(bench, "Sample distance and splat factor (figure 5)");
 	bench_progress(bench, 0.6, "sample distances and splat factors");
-	code = bench_unit(bench, "deussen-sweep", s.stamp, sweep, &s, &rows, error);
+	bench_cells(must_unit(bench, "deussen-sweep", s.stamp, sweep, &s), *figure, SWEEP * FIGURES);
 	close_study(&s);
-	if (code)
-		return code;
 	struct bench_table *table = bench_table_open(bench, "deussen_sweep",
 		"d' px,c_p,triangles,lines,points,vertices,wrong pixels,P,R,Q", true);
 	for (size_t i = 0; i < SWEEP; i++) {
-		double d[FIGURES];
-		bench_cells(json_array_get(rows, i), d, FIGURES);
+		const double *d = figure[i];
 		bench_table_row(table, "%g,%g,%.0f,%.0f,%.0f,%.0f,%.0f,%.3f,%.3f,%.3f",
 			distances[i / FACTORS], factors[i % FACTORS], d[TRIANGLES], d[LINES], d[POINTS],
 			d[VERTICES], d[WRONG], d[P], d[R], d[Q]);
@@ -210,7 +182,6 @@ static enum eco_code write_sweep(struct bench *bench, struct eco_error *error)
 	bench_table_close(table);
 	for (size_t i = 0; i < sizeof shown / sizeof *shown; i++)
 		bench_picture(bench, shown[i].file, shown[i].caption);
-	return code;
 }
 
 /* ---- The octree of complex plants (6.1) ---- */
@@ -221,33 +192,31 @@ static const struct {
 } complex_plants[] = { { "crown", 3000 }, { "crown", 10000 }, { "sunflowers", 300000 },
 	{ "sunflowers", 2190000 } };
 
-static enum eco_code compare_cells(void *ctx, json_t **made, struct eco_error *error)
+static json_t *compare_cells(void *ctx)
 {
-	*made = json_array();
-	enum eco_code code = draw(ctx, 0, (struct paper_deussen){ 0 }, NULL, *made, error);
-	return code ? code : draw(ctx, 0, (struct paper_deussen){ .whole = true }, NULL, *made, error);
+	double figure[2][FIGURES];
+	for (int whole = 0; whole < 2; whole++)
+		draw(ctx, 0, (struct paper_deussen){ .whole = whole }, NULL, figure[whole]);
+	return bench_reals(*figure, 2 * FIGURES);
 }
 
-static enum eco_code write_cells(struct bench *bench, struct eco_error *error)
+static void write_cells(struct bench *bench)
 {
-	enum eco_code code = ECO_OK;
 	bench_head(bench, "Cells of complex plants on and off (6.1)");
 	struct bench_table *table = bench_table_open(bench, "deussen_cells",
 		"scene,vertices,view,Q with cells,Q without,wrong pixels with,wrong pixels without", true);
-	for (size_t i = 0; i < sizeof complex_plants / sizeof *complex_plants && !code; i++) {
+	for (size_t i = 0; i < sizeof complex_plants / sizeof *complex_plants; i++) {
 		struct study s;
 		struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 		const char *scene = complex_plants[i].scene;
 		unsigned long long vertices = complex_plants[i].vertices;
-		uint32_t views;
 		if (!bench_scene_asked(bench, scene))
 			continue;
 		bench_progress(bench, 0.9, scene);
-		code = find_pack(&s, bench, scene, requests, &views, error);
-		for (uint32_t v = 0; v < views && !code; v++) {
+		uint32_t views = find_pack(&s, bench, scene, requests);
+		for (uint32_t v = 0; v < views; v++) {
 			char name[96];
-			double with[FIGURES], without[FIGURES];
-			json_t *rows;
+			double figure[2][FIGURES];
 			s.request = requests[v];
 			s.request.vertices = vertices;
 			/* so near to a plant that its cells stand at different distances */
@@ -255,25 +224,23 @@ static enum eco_code write_cells(struct bench *bench, struct eco_error *error)
 				s.request.view.eye[k] += 0.6 * (s.request.view.target[k]
 					- s.request.view.eye[k]);
 			snprintf(name, sizeof name, "deussen-cells-%s-%llu-%u", scene, vertices, v);
-			code = bench_unit(bench, name, s.stamp, compare_cells, &s, &rows, error);
-			if (code)
-				break;
-			bench_cells(json_array_get(rows, 0), with, FIGURES);
-			bench_cells(json_array_get(rows, 1), without, FIGURES);
-			bench_table_row(table, "%s,%llu,%u,%.3f,%.3f,%.0f,%.0f", scene, vertices, v, with[Q],
-				without[Q], with[WRONG], without[WRONG]);
+			bench_cells(must_unit(bench, name, s.stamp, compare_cells, &s), *figure, 2 * FIGURES);
+			bench_table_row(table, "%s,%llu,%u,%.3f,%.3f,%.0f,%.0f", scene, vertices, v,
+				figure[0][Q], figure[1][Q], figure[0][WRONG], figure[1][WRONG]);
 		}
 		close_study(&s);
 	}
 	bench_table_close(table);
-	return code;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	enum eco_code code = write_table(bench, error);
-	code = code ? code : write_sweep(bench, error);
-	return code ? code : write_cells(bench, error);
+	(void)error;
+	write_table(bench);
+	write_sweep(bench);
+	write_cells(bench);
+	return ECO_OK;
 }
 
-const struct bench_section bench_deussen = { "deussen", "Deussen 2002: elements, sample distance, cells", run };
+const struct bench_section bench_deussen = { "deussen", "Deussen 2002: elements, sample distance, cells",
+	run };

@@ -13,6 +13,7 @@
 #include "lod/sort.h"
 #include "tests/bench/baseline/paper_rules.h"
 #include "tests/bench/bench_shots.h"
+#include "tests/bench/bench_walk.h"
 
 #define LEAST 1e-3 /* of Cook's vertices: where the search begins */
 
@@ -25,28 +26,26 @@ struct rivals {
 	struct paper_table *tables;
 };
 
-static enum eco_code find_packs(struct rivals *s, const char *scene, struct eco_error *error)
+static void find_packs(struct rivals *s, struct bench *bench, const char *scene)
 {
-	enum eco_code code = bench_scene(s->bench, scene, NULL, s->ours, error);
-	code = code ? code : bench_scene(s->bench, scene, "stochastic", s->stochastic, error);
+	*s = (struct rivals){ .bench = bench };
+	must(bench_scene(bench, scene, NULL, s->ours, must_error));
+	must(bench_scene(bench, scene, "stochastic", s->stochastic, must_error));
 	int size = snprintf(s->stamp, sizeof s->stamp, "%s", bench_pack_stamp(s->ours));
 	snprintf(s->stamp + size, sizeof s->stamp - (size_t)size, " %s", bench_pack_stamp(s->stochastic));
-	return code;
 }
 
-static enum eco_code open_rivals(struct rivals *s, bool timed, struct eco_error *error)
+static void open_rivals(struct rivals *s, bool timed)
 {
-	enum eco_code code = ECO_OK;
-	if (s->client[0])
-		return ECO_OK;
-	for (int i = 0; i < 2 && !code; i++) {
-		code = bench_client_open(&s->client[i], i ? s->stochastic : s->ours, error);
-		if (!code && !timed)
+	for (int i = 0; i < 2 && !s->tables; i++) {
+		must(bench_client_open(&s->client[i], i ? s->stochastic : s->ours, must_error));
+		if (!timed)
 			bench_client_untimed(s->client[i]);
 	}
-	if (!code)
-		code = paper_scene_open(&s->papers, s->stochastic, error);
-	return code ? code : paper_tables_make(&s->tables, s->papers, error);
+	if (!s->tables) {
+		must(paper_scene_open(&s->papers, s->stochastic, must_error));
+		s->tables = paper_tables_make(s->papers);
+	}
 }
 
 static void close_rivals(struct rivals *s)
@@ -58,49 +57,44 @@ static void close_rivals(struct rivals *s)
 }
 
 /* `depth`: with the correction. */
-static enum eco_code draw_cook(struct rivals *s, bool depth, bool timed, struct bench_frame *frame,
-	struct eco_error *error)
+static struct bench_frame draw_cook(struct rivals *s, bool depth, bool timed)
 {
 	struct paper_cook cook = { .tables = depth ? s->tables : NULL };
-	struct paper_frame drawn = { 0 };
+	struct paper_frame drawn;
 	double x = 0;
-	enum eco_code code = paper_shoot(s->papers, &s->request, paper_cook, &cook, &x, false, &drawn, error);
-	*frame = (struct bench_frame){ .request = s->request, .vertices = drawn.picture.vertices };
-	if (!code)
-		code = bench_client_reference(s->client[0], &s->request, NULL, error);
-	if (!code)
-		code = bench_client_score(s->client[0], frame, &drawn.picture, error);
-	if (!code && timed)
-		frame->draw_ms = bench_gl_ms(s->papers->store, &drawn.selection, &s->request.view);
+	paper_shoot(s->papers, &s->request, paper_cook, &cook, &x, false, &drawn);
+	struct bench_frame frame = { .request = s->request, .vertices = drawn.picture.vertices };
+	must(bench_client_reference(s->client[0], &s->request, NULL, must_error));
+	must(bench_client_score(s->client[0], &frame, &drawn.picture, must_error));
+	if (timed)
+		frame.draw_ms = bench_gl_ms(s->papers->store, &drawn.selection, &s->request.view);
 	paper_frame_free(&drawn);
-	return code;
+	return frame;
+}
+
+static struct bench_frame draw_ours(struct rivals *s, int which, double vertices)
+{
+	struct bench_frame frame = { .request = s->request };
+	frame.request.vertices = (uint64_t)(vertices + 0.5);
+	must(bench_client_frame(s->client[which], &frame, NULL, must_error));
+	return frame;
 }
 
 /* The fewest vertices of ours whose Q is at least Cook's, from LEAST of Cook's to all of them, by bisection
  * of the logarithm; all of them where none suffices. */
-static enum eco_code search(struct rivals *s, int which, const struct bench_frame *cook, uint32_t halvings,
-	struct bench_frame *best, struct eco_error *error)
+static struct bench_frame search(struct rivals *s, int which, const struct bench_frame *cook,
+	uint32_t halvings)
 {
 	double low = log(LEAST), high = 0;
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i <= halvings && !code; i++) {
-		double at = i ? (low + high) / 2 : 0;
-		struct bench_frame frame = { .request = s->request };
-		frame.request.vertices = (uint64_t)((double)cook->vertices * exp(at) + 0.5);
-		code = bench_go_on(s->bench, error);
-		code = code ? code : bench_client_frame(s->client[which], &frame, NULL, error);
-		if (!i)
-			*best = frame;
-		if (!code && frame.score.q >= cook->score.q) {
-			high = at;
-			*best = frame.vertices < best->vertices ? frame : *best;
-		} else if (!code && i) {
-			low = at;
-		} else {
-			break; /* not even with as many */
-		}
+	struct bench_frame best = draw_ours(s, which, (double)cook->vertices);
+	for (uint32_t i = 0; i < halvings && best.score.q >= cook->score.q; i++) {
+		double at = (low + high) / 2;
+		struct bench_frame frame = draw_ours(s, which, (double)cook->vertices * exp(at));
+		bool enough = frame.score.q >= cook->score.q;
+		*(enough ? &high : &low) = at;
+		best = enough && frame.vertices < best.vertices ? frame : best;
 	}
-	return code;
+	return best;
 }
 
 /* ---- Along the path ---- */
@@ -114,23 +108,21 @@ static const uint64_t path_budgets[] = { 1000000, 3000000 };
 /* vertices of Cook, of ours, with the stochastic order */
 enum { COOK, OURS, STOCHASTIC, FIGURES };
 
-static enum eco_code shoot_path(void *ctx, json_t **made, struct eco_error *error)
+static json_t *shoot_path(void *ctx)
 {
 	struct rivals *s = ctx;
-	struct bench_frame plain, depth, best[2];
-	double vertices[2];
-	enum eco_code code = open_rivals(s, false, error);
-	code = code ? code : draw_cook(s, false, false, &plain, error);
-	code = code ? code : draw_cook(s, true, false, &depth, error);
-	const struct bench_frame *cook = !code && depth.score.q > plain.score.q ? &depth : &plain;
-	for (int i = 0; i < 2 && !code; i++) {
-		code = search(s, i, cook, PATH_HALVINGS, &best[i], error);
-		vertices[i] = best[i].score.q >= cook->score.q ? fmin((double)best[i].vertices,
-			(double)cook->vertices) : (double)cook->vertices;
+	double vertices[FIGURES];
+	open_rivals(s, false);
+	const struct bench_frame plain = draw_cook(s, false, false), depth = draw_cook(s, true, false),
+		*cook = depth.score.q > plain.score.q ? &depth : &plain;
+	vertices[COOK] = (double)cook->vertices;
+	for (int i = 0; i < 2; i++) {
+		struct bench_frame best = search(s, i, cook, PATH_HALVINGS);
+		vertices[OURS + i] = best.score.q >= cook->score.q ? fmin((double)best.vertices,
+			vertices[COOK])
+			: vertices[COOK];
 	}
-	if (!code)
-		*made = json_pack("[fff]", (double)cook->vertices, vertices[0], vertices[1]);
-	return code;
+	return bench_reals(vertices, FIGURES);
 }
 
 /* The mean of values[0..count) and the middle 95 % of the means of `count` values drawn again and again, with
@@ -150,8 +142,6 @@ static struct interval interval_of(const double *values, uint32_t count)
 {
 	static double means[DRAWS];
 	double sum = 0;
-	if (!count)
-		return (struct interval){ NAN, NAN, NAN };
 	for (uint32_t i = 0; i < count; i++)
 		sum += values[i];
 	for (uint32_t draw = 0; draw < DRAWS; draw++) {
@@ -164,8 +154,7 @@ static struct interval interval_of(const double *values, uint32_t count)
 	return (struct interval){ sum / count, means[DRAWS / 40], means[DRAWS - 1 - DRAWS / 40] };
 }
 
-static void write_path(struct bench *bench, struct bench_table *table, uint64_t budget, uint32_t views,
-	double value[][FIGURES])
+static void write_path(struct bench_table *table, uint64_t budget, uint32_t views, double value[][FIGURES])
 {
 	static const char *const names[2] = { "pack's ladder", "stochastic order by our rule" };
 	for (int which = 0; which < 2; which++) {
@@ -183,34 +172,30 @@ static void write_path(struct bench *bench, struct bench_table *table, uint64_t 
 	}
 }
 
-static enum eco_code run_path(struct bench *bench, struct eco_error *error)
+static void run_path(struct bench *bench)
 {
-	struct rivals s = { .bench = bench };
+	struct rivals s;
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 	double value[BENCH_SHOT_VIEWS_MAX][FIGURES];
-	enum eco_code code = find_packs(&s, PATH_SCENE, error);
-	uint32_t views = code ? 0 : bench_shot_views(bench, PATH_SCENE, requests);
+	find_packs(&s, bench, PATH_SCENE);
+	uint32_t views = bench_shot_views(bench, PATH_SCENE, requests);
 	struct bench_table *table = bench_table_open(bench, "drawn",
 		"Cook's budget,row,frames,saved in the mean %,95 % of means from,to,least,of all vertices %",
 		true);
-	for (size_t b = 0; b < PATH_BUDGETS && !code; b++) {
-		for (uint32_t v = 0; v < views && !code; v++) {
+	for (size_t b = 0; b < PATH_BUDGETS; b++) {
+		for (uint32_t v = 0; v < views; v++) {
 			char name[96];
-			json_t *row;
 			s.request = requests[v];
 			s.request.vertices = path_budgets[b];
 			snprintf(name, sizeof name, "drawn-%u-%u-%llu", v, views,
 				(unsigned long long)path_budgets[b]);
 			bench_progress(bench, (double)v / views, name);
-			code = bench_unit(bench, name, s.stamp, shoot_path, &s, &row, error);
-			bench_cells(row, value[v], FIGURES);
+			bench_cells(must_unit(bench, name, s.stamp, shoot_path, &s), value[v], FIGURES);
 		}
-		if (!code)
-			write_path(bench, table, path_budgets[b], views, value);
+		write_path(table, path_budgets[b], views, value);
 	}
 	bench_table_close(table);
 	close_rivals(&s);
-	return code;
 }
 
 /* ---- 5,000 trees ---- */
@@ -222,53 +207,42 @@ static const uint64_t speed_budgets[] = { 300000, 1000000, 3000000 };
 #define SPEED_BUDGETS (sizeof speed_budgets / sizeof *speed_budgets)
 
 /* For each budget vertices, Q and ms of Cook, then of ours. */
-static enum eco_code shoot_speed(void *ctx, json_t **made, struct eco_error *error)
+static json_t *shoot_speed(void *ctx)
 {
 	struct rivals *s = ctx;
-	enum eco_code code = open_rivals(s, true, error);
-	*made = json_array();
-	for (size_t i = 0; i < SPEED_BUDGETS && !code; i++) {
-		struct bench_frame cook, ours;
+	double row[SPEED_BUDGETS][6];
+	open_rivals(s, true);
+	for (size_t i = 0; i < SPEED_BUDGETS; i++) {
 		s->request.vertices = speed_budgets[i];
-		code = draw_cook(s, true, true, &cook, error);
-		code = code ? code : search(s, 0, &cook, SPEED_HALVINGS, &ours, error);
-		if (!code)
-			json_array_append_new(*made, json_pack("[ffffff]", (double)cook.vertices,
-				cook.score.q, cook.draw_ms, (double)ours.vertices, ours.score.q,
-				ours.draw_ms));
+		struct bench_frame cook = draw_cook(s, true, true), ours = search(s, 0, &cook,
+			SPEED_HALVINGS);
+		const double figures[6] = { (double)cook.vertices, cook.score.q, cook.draw_ms,
+			(double)ours.vertices, ours.score.q, ours.draw_ms };
+		memcpy(row[i], figures, sizeof figures);
 	}
-	return code;
+	return bench_reals(*row, 6 * SPEED_BUDGETS);
 }
 
-static enum eco_code run_speed(struct bench *bench, struct eco_error *error)
+static void run_speed(struct bench *bench)
 {
-	struct rivals s = { .bench = bench };
+	struct rivals s;
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
-	json_t *rows, *row;
-	size_t i;
+	double v[6 * SPEED_BUDGETS];
 	bench_head(bench, "Speed at equal Q: 5,000 trees (figure 12)");
-	enum eco_code code = find_packs(&s, SPEED_SCENE, error);
-	if (code)
-		return code;
+	find_packs(&s, bench, SPEED_SCENE);
 	bench_shot_views(bench, SPEED_SCENE, requests);
 	s.request = requests[0];
 	bench_progress(bench, 0.6, "5,000 trees at equal Q");
-	code = bench_unit(bench, "neubert-race", s.stamp, shoot_speed, &s, &rows, error);
+	bench_cells(must_unit(bench, "neubert-race", s.stamp, shoot_speed, &s), v, 6 * SPEED_BUDGETS);
 	close_rivals(&s);
-	if (code)
-		return code;
 	struct bench_table *table = bench_table_open(bench, "neubert_speed",
 		"rule,vertices,Q,draw ms,frames/s,times as fast", true);
 	bench_table_row(table, "%s", "printed: full detail,26000000,1,-,0.8,-");
 	bench_table_row(table, "%s", "printed: Cook,-,-,-,9,-");
 	bench_table_row(table, "%s", "printed: Neubert,-,-,-,15,1.67");
-	json_array_foreach(rows, i, row) {
-		double v[6];
-		bench_cells(row, v, 6);
-		for (int k = 0; k < 6; k += 3)
-			bench_table_row(table, "%s,%.0f,%.4f,%.0f,%.1f,%.2f", k ? "ours" : "Cook corrected",
-				v[k], v[k + 1], v[k + 2], 1000 / v[k + 2], v[2] / v[k + 2]);
-	}
+	for (size_t k = 0; k < 6 * SPEED_BUDGETS; k += 3)
+		bench_table_row(table, "%s,%.0f,%.4f,%.0f,%.1f,%.2f", k % 6 ? "ours" : "Cook corrected",
+			v[k], v[k + 1], v[k + 2], 1000 / v[k + 2], v[k / 6 * 6 + 2] / v[k + 2]);
 	bench_table_close(table);
 	bench_say(bench,
 		"Cook draws %u, %u and %u vertices, which the share lambda by distance decides; ours the "
@@ -276,13 +250,16 @@ static enum eco_code run_speed(struct bench *bench, struct eco_error *error)
 		"the second frame, %u x %u pixels; the paper's of a GTX 295 at 1600 x 1200.",
 		(unsigned)speed_budgets[0], (unsigned)speed_budgets[1], (unsigned)speed_budgets[2],
 		BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT);
-	return ECO_OK;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	enum eco_code code = bench_scene_asked(bench, PATH_SCENE) ? run_path(bench, error) : ECO_OK;
-	return !code && bench_scene_asked(bench, SPEED_SCENE) ? run_speed(bench, error) : code;
+	(void)error;
+	if (bench_scene_asked(bench, PATH_SCENE))
+		run_path(bench);
+	if (bench_scene_asked(bench, SPEED_SCENE))
+		run_speed(bench);
+	return ECO_OK;
 }
 
 const struct bench_section bench_drawn = { "drawn", "Ours at the quality of Cook's rule, in drawn frames",

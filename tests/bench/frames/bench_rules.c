@@ -70,15 +70,14 @@ static json_t *row_of(const struct bench_frame *theirs, const struct bench_frame
 static void solve(struct shot *shot, paper_rule *rule, void *ctx, struct paper_frame *frame)
 {
 	double x = 0;
-	bench_must(shot->bench, paper_shoot(shot->papers, &shot->request, rule, ctx, &x, true, frame,
-		&shot->bench->error));
+	paper_shoot(shot->papers, &shot->request, rule, ctx, &x, true, frame);
 }
 
 /* The same view some times: f of each comes from the frame before. */
 static void solve_occluded(struct shot *shot, struct paper_frame *frame)
 {
-	struct paper_cook cook = { .tables = shot->tables, .optimal = true };
-	bench_must(shot->bench, paper_sight_new(&cook.sight, shot->papers, &shot->bench->error));
+	struct paper_cook cook = { .tables = shot->tables, .optimal = true,
+		.sight = paper_sight_new(shot->papers) };
 	for (uint32_t i = 0; i < FRAMES; i++) {
 		paper_frame_free(frame);
 		solve(shot, paper_cook, &cook, frame);
@@ -92,7 +91,7 @@ static void draw_rule(struct shot *shot, uint32_t rule, struct paper_frame *fram
 	struct paper_cook cook = { .tables = rule == COOK ? NULL : shot->tables, .optimal = rule == NEUBERT };
 	if (rule >= LEE_FIRST) {
 		struct paper_lee lee = { .tables = shot->tables, .rule = rule - LEE_FIRST };
-		bench_must(shot->bench, paper_lee_begin(&lee, shot->papers, &shot->bench->error));
+		paper_lee_begin(&lee, shot->papers);
 		solve(shot, paper_lee, &lee, frame);
 		paper_lee_end(&lee);
 	} else if (rule == NEUBERT_OCCLUDED) {
@@ -142,7 +141,7 @@ static void open_packs(struct shot *shot, struct eco_error *error)
 	bench_client_see(shot->client);
 	bench_client_untimed(shot->client);
 	bench_must(shot->bench, paper_scene_open(&shot->papers, shot->stochastic, error));
-	bench_must(shot->bench, paper_tables_make(&shot->tables, shot->papers, error));
+	shot->tables = paper_tables_make(shot->papers);
 }
 
 static enum eco_code shoot(void *ctx, json_t **rows, struct eco_error *error)
