@@ -11,18 +11,24 @@
 #define CHUNK_JSON ",'meshes':[]"
 
 static struct eco_gltf *doc;
-static uint8_t *file_bytes;          /* of the open document */
+
+static enum eco_code open_bytes(const void *bytes, size_t size, struct eco_error *error)
+{
+	return eco_gltf_open(&doc, input_bytes("gltf", "x.glb", bytes, size), error);
+}
+
+static enum eco_code open_glb(const char *rest, char pad, struct eco_error *error)
+{
+	uint8_t *bytes;
+	size_t size = gw_glb_bytes(rest, pad, &bytes);
+	enum eco_code code = open_bytes(bytes, size, error);
+	free(bytes);
+	return code;
+}
 
 static void open_good(const char *rest)
 {
-	size_t size = gw_glb_bytes(rest, ' ', &file_bytes);
-	assert_good(eco_gltf_open_memory(&doc, "build/tmp/gltf/x.glb", file_bytes, size, &cause));
-}
-
-static void close_good(void)
-{
-	eco_gltf_close(doc);
-	free(file_bytes);
+	assert_good(open_glb(rest, ' ', &cause));
 }
 
 /* The whole accessor; *values is malloc'ed: count * components. */
@@ -70,16 +76,12 @@ static void expect_refused(int accessor, enum eco_code wanted, const char *says)
 
 UNIT_TEST(json_may_be_padded_with_zeros_or_begin_with_a_mark)
 {
-	uint8_t *bytes;
-	size_t size;
 	char text[130000];
 	gw_begin();
-	size = gw_glb_bytes(CHUNK_JSON, 0, &bytes);
-	assert_int_equal(eco_gltf_open_memory(&doc, "a.glb", bytes, size, NULL), ECO_OK);
+	assert_good(open_glb(CHUNK_JSON, 0, &cause));
 	eco_gltf_close(doc);
-	free(bytes);
 	snprintf(text, sizeof text, "\xef\xbb\xbf%s", gw_json("", CHUNK_JSON));
-	assert_int_equal(eco_gltf_open_memory(&doc, "a.gltf", (uint8_t *)text, strlen(text), NULL), ECO_OK);
+	assert_good(open_bytes(text, strlen(text), &cause));
 	eco_gltf_close(doc);
 }
 
@@ -93,12 +95,9 @@ UNIT_TEST(a_document_that_is_cut_off_is_refused)
 	size = gw_glb_bytes(CHUNK_JSON, ' ', &bytes);
 	for (size_t at = 0; at < size; at++) {
 		struct eco_error error = { .code = ECO_OK };
-		uint8_t *cut = malloc(at + 1);
-		memcpy(cut, bytes, at);
-		assert_int_not_equal(eco_gltf_open_memory(&doc, "cut.glb", cut, at, &error), ECO_OK);
+		assert_int_not_equal(open_bytes(bytes, at, &error), ECO_OK);
 		assert_null(doc);
-		assert_non_null(strstr(error.text, "cut.glb"));
-		free(cut);
+		assert_non_null(strstr(error.text, "x.glb"));
 	}
 	free(bytes);
 }
@@ -115,10 +114,8 @@ UNIT_TEST(what_is_no_gltf_2_is_named)
 		{ "{\"asset\":\n{]}", ECO_BAD_INPUT, "line 2" },
 	};
 
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		assert_code(eco_gltf_open_memory(&doc, "n.gltf", (const uint8_t *)cases[i].text,
-			strlen(cases[i].text), &cause), cases[i].code, cases[i].says);
-	}
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+		assert_code(open_bytes(cases[i].text, strlen(cases[i].text), &cause), cases[i].code, cases[i].says);
 }
 
 UNIT_TEST(buffers_are_found_beside_or_within)
@@ -169,7 +166,6 @@ UNIT_TEST(numbers_of_every_type_are_read)
 	static const int8_t bytes[4] = { -128, -127, 0, 127 };
 	static const int16_t shorts[4] = { -32768, -1, 0, 32767 };
 	static const uint32_t words[4] = { 0, 1, 65536, 4000000000u };
-	static const double doubles[4] = { -1e100, 0, 1, 0.1 };
 	static const struct { int type; const void *from; size_t size; bool normalized; double wanted[4];
 		} cases[] = {
 		{ GLTF_BYTE, bytes, 4, false, { -128, -127, 0, 127 } },
@@ -182,7 +178,7 @@ UNIT_TEST(numbers_of_every_type_are_read)
 		{ GLTF_USHORT, shorts, 8, true, { 32768 / 65535.0, 1, 0, 32767 / 65535.0 } },
 		{ GLTF_UINT, words, 16, false, { 0, 1, 65536, 4e9 } },
 		{ GLTF_UINT, words, 16, true, { 0, 1, 65536, 4e9 } },
-		{ 5130, doubles, 32, false, { -1e100, 0, 1, 0.1 } },
+		{ 5124, words, 16, false, { 0, 1, 65536, 4000000000.0 - 4294967296.0 } },
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -191,24 +187,19 @@ UNIT_TEST(numbers_of_every_type_are_read)
 			cases[i].normalized ? ",'normalized':true" : "");
 		open_good("");
 		expect_floats(0, 1, cases[i].wanted, 4);
-		close_good();
+		eco_gltf_close(doc);
 	}
 }
 
-UNIT_TEST(strides_offsets_and_columns_are_kept)
+UNIT_TEST(strides_and_offsets_are_kept)
 {
 	static const float interleaved[10] = { 9, 1, 2, 9, 9, 3, 4, 9, 5, 6 };
-	static const uint8_t columns[2 * 12] = { 1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 11, 12, 13, 0, 14, 15,
-		16, 0, 17, 18, 19, 0 };
 	gw_begin();
 	gw_accessor(gw_view(interleaved, sizeof interleaved, ",'byteStride':16.0"), GLTF_FLOAT, 2, "VEC2",
 		",'byteOffset':4");
-	gw_accessor(gw_view(columns, sizeof columns, ""), GLTF_UBYTE, 2, "MAT3", "");
 	open_good("");
 	expect_floats(0, 2, (const double[]){ 1, 2, 3, 4 }, 2);
-	expect_floats(1, 9, (const double[]){ 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 14, 15, 16, 17, 18,
-		19 }, 2);
-	close_good();
+	eco_gltf_close(doc);
 }
 
 UNIT_TEST(sparse_accessors_are_filled_in)
@@ -237,7 +228,7 @@ UNIT_TEST(sparse_accessors_are_filled_in)
 	expect_floats(2, 1, (const double[]){ 0, 0, 0, 0 }, 4);
 	expect_refused(3, ECO_DAMAGED, "names element 9 of 4");
 	expect_floats(4, 1, (const double[]){ 0, 20, 0, 0 }, 4);
-	close_good();
+	eco_gltf_close(doc);
 }
 
 UNIT_TEST(accessors_beyond_their_bytes_are_refused)
@@ -255,16 +246,12 @@ UNIT_TEST(accessors_beyond_their_bytes_are_refused)
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error = { .code = ECO_OK };
-		uint8_t *bytes;
-		size_t size;
 		gw_begin();
 		gw_accessor(gw_view(four, sizeof four, ""), GLTF_FLOAT, cases[i].count, cases[i].kind,
 			cases[i].more);
-		size = gw_glb_bytes("", ' ', &bytes);
-		if (eco_gltf_open_memory(&doc, "x.glb", bytes, size, &error) == ECO_OK)
+		if (open_glb("", ' ', &error) == ECO_OK)
 			expect_refused(0, cases[i].code, cases[i].says);
 		eco_gltf_close(doc);
-		free(bytes);
 	}
 }
 
@@ -313,7 +300,7 @@ UNIT_TEST(views_compressed_with_meshopt_are_unpacked)
 			assert_true(values[i] == list[i]);
 		free(values);
 	}
-	close_good();
+	eco_gltf_close(doc);
 }
 
 UNIT_TEST(filters_of_meshopt_are_undone)
@@ -348,7 +335,7 @@ UNIT_TEST(filters_of_meshopt_are_undone)
 		assert_true(fabs(values[i] - (double)turns[i / 4][i % 4]) < 1e-3);
 	free(values);
 	expect_floats(2, 3, (const double[]){ 1, 2, 3, -400, 0.25, 0 }, 2);
-	close_good();
+	eco_gltf_close(doc);
 }
 
 UNIT_TEST(meshopt_that_makes_no_sense_is_refused)
@@ -382,7 +369,7 @@ UNIT_TEST(meshopt_that_makes_no_sense_is_refused)
 		open_good("");
 		assert_code(eco_gltf_view(doc, 0, &view, &size, &cause), cases[i].code,
 			bytes[0] == 0xa1 ? "gltfpack -ce ext" : "");
-		close_good();
+		eco_gltf_close(doc);
 	}
 }
 
@@ -404,7 +391,7 @@ UNIT_TEST(nodes_stand_where_their_ancestors_put_them)
 	assert_true(m[0] == 1 && m[5] == 1);
 	assert_int_equal(eco_gltf_node_matrix(doc, 6, m, NULL), ECO_DAMAGED);
 	assert_int_equal(eco_gltf_node_matrix(doc, 7, m, NULL), ECO_DAMAGED);
-	close_good();
+	eco_gltf_close(doc);
 }
 
 static enum eco_code note_node(void *ctx, uint32_t node, const double world[16])
@@ -445,6 +432,6 @@ UNIT_TEST(nodes_are_walked_as_a_viewer_shows_them)
 		assert_code(eco_gltf_walk(doc, note_node, order, &cause), cases[i].code, cases[i].says);
 		if (cases[i].order)
 			assert_string_equal(order, cases[i].order);
-		close_good();
+		eco_gltf_close(doc);
 	}
 }

@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "ecofiles/format/chunk/draco_shim.h"
-#include "ecofiles/import/model/gltf.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/import/model/import_model.h"
 #include "ecofiles/import/model/model_import.h"
@@ -22,17 +21,13 @@ static struct eco_notes notes;
 static enum eco_code read_model(const char *rest, uint32_t triangles_max,
 	struct eco_error *error)
 {
-	struct eco_gltf *doc;
 	uint8_t *bytes;
 	size_t size = gw_glb_bytes(rest, ' ', &bytes);
-	enum eco_code code;
 	eco_model_free(&m);
 	frame = (struct eco_model_frame){ .unit_m = 0 };
 	notes = (struct eco_notes){ .used = 0 };
-	code = eco_gltf_open_memory(&doc, input_path("gltf_model", "m.glb"), bytes, size, error);
-	if (!code)
-		code = eco_gltf_read_document(&m, &frame, doc, triangles_max, &notes, error);
-	eco_gltf_close(doc);
+	enum eco_code code = eco_gltf_read_model(&m, &frame, input_bytes("gltf_model", "m.glb", bytes, size),
+		triangles_max, &notes, error);
 	free(bytes);
 	return code;
 }

@@ -1,7 +1,10 @@
 /* From assimp's scene to a soup. Node transforms are applied here, in double, during the walk: assimp's own
  * pre-transformation would copy meshes, and round places far from the origin to floats. geometry.c splits
- * polygons into exactly n - 2 triangles: assimp's own clipper leaves some concave ones, and loses others. */
-#include "ecofiles/import/model/assimp_module.h"
+ * polygons into exactly n - 2 triangles: assimp's own clipper leaves some concave ones, and loses others.
+ *
+ * A material is one colour and one base colour image, cut out or not; other shading is ignored. None of
+ * these formats says whether alpha counts, so it does wherever there is some. */
+#include "ecofiles/import/model/import_model.h"
 
 #include <assimp/cimport.h>
 #include <assimp/config.h>
@@ -13,6 +16,8 @@
 
 #include "ecofiles/base/geometry.h"
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/module.h"
+#include "ecofiles/format/image.h"
 
 #define PLY_HEAD_BYTES 65536u
 #define NODES_MAX (1u << 20)
@@ -123,96 +128,221 @@ static void assimp_frame(const struct aiScene *scene, const char *path, struct e
 	}
 }
 
-/* ---- The walk ---- */
+/* ---- Textures within the file ---- */
 
-struct totals { uint64_t vertices, triangles, meshes; bool colored; };
+static enum eco_code decode_raw(struct eco_image *image, const struct aiTexture *texture,
+	struct eco_error *error)
+{
+	uint64_t pixels = (uint64_t)texture->mWidth * texture->mHeight;
+	if (pixels == 0 || pixels > ECO_PIXELS_MAX || !texture->pcData)
+		return eco_fail(error, ECO_TOO_LARGE, "%llu pixels", (unsigned long long)pixels);
+	image->rgba = eco_alloc(pixels, 4);
+	for (uint64_t i = 0; i < pixels; i++) {
+		const struct aiTexel *t = &texture->pcData[i];
+		uint8_t rgba[4] = { t->r, t->g, t->b, t->a };
+		memcpy(&image->rgba[i * 4], rgba, 4);
+	}
+	image->width = texture->mWidth;
+	image->height = texture->mHeight;
+	return ECO_OK;
+}
 
-struct soup {
+/* "*3" is texture 3 of the scene; some readers give embedded textures file names instead. */
+static const struct aiTexture *embedded_texture(const struct aiScene *scene, const char *name)
+{
+	char *end;
+	unsigned long index;
+	if (*name == '*') {
+		index = strtoul(name + 1, &end, 10);
+		return end != name + 1 && *end == 0 && index < scene->mNumTextures ? scene->mTextures[index]
+			: NULL;
+	}
+	for (unsigned i = 0; i < scene->mNumTextures; i++)
+		if (scene->mTextures[i]->mFilename.length > 0
+				&& strcmp(scene->mTextures[i]->mFilename.data, name) == 0)
+			return scene->mTextures[i];
+	return NULL;
+}
+
+static bool embedded(void *ctx, const char *name, struct eco_image *image, enum eco_code *code,
+	struct eco_error *error)
+{
+	const struct aiTexture *texture = embedded_texture(ctx, name);
+	if (!texture)
+		return false;
+	*code = texture->mHeight != 0 ? decode_raw(image, texture, error)
+		: eco_image_read_memory(image, texture->pcData, texture->mWidth, name, error);
+	return true;
+}
+
+/* ---- Materials ---- */
+
+struct reader {
 	struct eco_soup soup;
-	struct totals totals;
 	const struct aiScene *scene;
 	const char *path;
-	/* from assimp's world to ours: rows of a matrix, unit included */
-	double axes[3][3];
-	const uint32_t *channel;
-	const bool *invisible;
-	uint32_t weighted;                   /* meshes with a picture and vertex colours */
-	double *corners;                     /* corners of one polygon, 3 values each */
-	uint32_t *split;                     /* the polygon's ring, then its triangles */
+	double axes[3][3];                   /* from assimp's world to ours: rows of a matrix, unit included */
+	uint32_t *channel;                   /* per material: uv set of its image */
+	bool *invisible;
+	uint32_t triangles_max, weighted;    /* weighted: meshes with a picture and vertex colours */
 	struct eco_error *error;
 };
 
-static uint64_t mesh_triangles(const struct aiMesh *mesh)
+/* The name of a texture and its uv set; NULL: none. */
+static char *texture_name(const struct aiMaterial *from, enum aiTextureType type, uint32_t *channel)
 {
-	uint64_t count = 0;
-	for (unsigned i = 0; i < mesh->mNumFaces; i++)
-		count += mesh->mFaces[i].mNumIndices > 2 ? mesh->mFaces[i].mNumIndices - 2 : 0;
-	return count;
+	struct aiString path;
+	unsigned uv = 0;
+	if (aiGetMaterialTexture(from, type, 0, &path, NULL, &uv, NULL, NULL, NULL, NULL) != AI_SUCCESS
+			|| path.length == 0)
+		return NULL;
+	if (channel)
+		*channel = uv;
+	return eco_copy_text(path.data);
 }
 
-static void transform(const struct soup *s, const struct aiMatrix4x4 *m, const struct aiVector3D *p,
-	double out[3])
+static bool has_picture(const struct aiMaterial *material)
 {
-	const double world[3] = { (double)m->a1 * p->x + (double)m->a2 * p->y + (double)m->a3 * p->z + m->a4,
-		(double)m->b1 * p->x + (double)m->b2 * p->y + (double)m->b3 * p->z + m->b4,
-		(double)m->c1 * p->x + (double)m->c2 * p->y + (double)m->c3 * p->z + m->c4 };
+	return aiGetMaterialTextureCount(material, aiTextureType_BASE_COLOR) > 0
+		|| aiGetMaterialTextureCount(material, aiTextureType_DIFFUSE) > 0;
+}
 
+/* Whether the colour is linear light: so physically based materials have it. */
+static bool color_of(const struct aiMaterial *from, struct aiColor4D *color)
+{
+	ai_real opacity = 1;
+	*color = (struct aiColor4D){ 0.6f, 0.6f, 0.6f, 1 };
+	bool base = aiGetMaterialColor(from, "$clr.base", 0, 0, color) == AI_SUCCESS;
+	if (!base)
+		aiGetMaterialColor(from, AI_MATKEY_COLOR_DIFFUSE, color);
+	bool told = aiGetMaterialFloatArray(from, "$mat.opacity", 0, 0, &opacity, NULL) == AI_SUCCESS;
+	color->a = told && isfinite(opacity) ? opacity : 1;
+	return base;
+}
+
+static void read_image(struct eco_images *images, const struct aiMaterial *from, struct eco_material *to,
+	float opacity, uint32_t *channel)
+{
+	char *texture = texture_name(from, aiTextureType_BASE_COLOR, channel);
+	if (!texture)
+		texture = texture_name(from, aiTextureType_DIFFUSE, channel);
+	if (!texture)
+		return;
+	char *mask = texture_name(from, aiTextureType_OPACITY, NULL);
+	const struct eco_image_wanted wanted = { .texture = texture, .gain = eco_alpha_shows(opacity) ? opacity : 1,
+		.opacity = mask && strcmp(mask, texture) != 0 ? mask : NULL };
+	eco_material_take_picture(to, images, &wanted, true);
+	free(texture);
+	free(mask);
+}
+
+static void read_material(struct reader *r, struct eco_images *images, uint32_t index, bool all_linear)
+{
+	const struct aiMaterial *from = r->scene->mMaterials[index];
+	struct eco_material *to = &r->soup.model->materials[index];
+	struct aiString name;
+	struct aiColor4D color;
+	bool linear = color_of(from, &color) || all_linear;
+	const float rgb[3] = { color.r, color.g, color.b };
+	if (aiGetMaterialString(from, AI_MATKEY_NAME, &name) == AI_SUCCESS)
+		snprintf(to->name, sizeof to->name, "%.63s", name.data);
 	for (int k = 0; k < 3; k++)
-		out[k] = s->axes[k][0] * world[0] + s->axes[k][1] * world[1] + s->axes[k][2] * world[2];
+		to->rgb[k] = !linear ? eco_byte_from_share(rgb[k]) : eco_srgb_from_linear(isfinite(rgb[k]) ? rgb[k] : 0.6);
+	if (!r->invisible[index])
+		read_image(images, from, to, color.a, &r->channel[index]);
 }
 
-static float bounded_uv(float value)
+static void read_materials(struct reader *r)
 {
-	return fabsf(value) <= 65536 ? value : 0;
+	const uint32_t count = r->scene->mNumMaterials;
+	struct eco_model *model = r->soup.model;
+	struct eco_images images = { .model = model, .path = r->path, .notes = r->soup.notes, .embedded = embedded,
+		.ctx = (void *)r->scene };
+	/* Blender's materials are linear, except in PLY, which has none */
+	bool linear = !eco_path_ends_with(r->path, ".ply") && eco_file_head_has(r->path, 4096, "Blender");
+	model->materials = eco_alloc(count, sizeof *model->materials);
+	model->material_count = count;
+	r->channel = eco_alloc(count, sizeof *r->channel);
+	r->soup.invisible = r->invisible = eco_alloc(count, sizeof *r->invisible);
+	eco_images_start(&images);
+	for (uint32_t i = 0; i < count; i++) {
+		struct aiColor4D color;
+		color_of(r->scene->mMaterials[i], &color);
+		model->materials[i].image = ECO_NONE;
+		r->invisible[i] = !eco_alpha_shows(color.a);
+	}
+	eco_model_see_invisible(r->invisible, count, r->soup.notes);
+	for (uint32_t i = 0; i < count; i++)
+		read_material(r, &images, i, linear);
+	eco_images_end(&images);
 }
 
-/* uv from the image's top left; assimp counts v upwards. */
-static void texture_coordinate(const struct aiVector3D *from, float to[2])
+/* A triangle without a material is grey; white if vertices have colours. */
+static void color_nameless(struct eco_model *model, const struct aiScene *scene)
 {
-	to[0] = bounded_uv(from->x);
-	to[1] = bounded_uv((float)(1 - (double)from->y));
-}
-
-/* Vertex colours beside a picture are no colours: games keep there how far wind moves a leaf. */
-static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct aiMatrix4x4 *world)
-{
-	uint32_t channel = s->channel[mesh->mMaterialIndex];
-	bool weights = mesh->mColors[0] && mesh->mNumVertices > 0
-		&& assimp_has_picture(s->scene->mMaterials[mesh->mMaterialIndex]);
-	if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh->mTextureCoords[channel])
-		channel = 0;
-	const struct aiVector3D *uvs = mesh->mTextureCoords[channel];
-	s->weighted += weights && !s->invisible[mesh->mMaterialIndex];
-	eco_soup_mesh(&s->soup, mesh->mMaterialIndex, mesh->mColors[0] && !weights);
-	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
-		const struct aiColor4D *c = mesh->mColors[0] ? &mesh->mColors[0][i] : NULL;
-		float uv[2] = { 0, 0 };
-		double place[3];
-		transform(s, world, &mesh->mVertices[i], place);
-		if (uvs)
-			texture_coordinate(&uvs[i], uv);
-		eco_soup_vertex(&s->soup, place, uv, c ? (const float[3]){ c->r, c->g, c->b } : NULL);
+	for (uint32_t i = 0; i < scene->mNumMaterials; i++) {
+		struct eco_material *m = &model->materials[i];
+		bool colored = false;
+		if ((m->name[0] != 0 && strcmp(m->name, "DefaultMaterial") != 0) || m->image != ECO_NONE)
+			continue;
+		for (unsigned k = 0; k < scene->mNumMeshes; k++)
+			colored |= scene->mMeshes[k]->mMaterialIndex == i && scene->mMeshes[k]->mColors[0];
+		memset(m->rgb, colored ? 255 : 153, 3);
+		m->colourless = !colored;
 	}
 }
 
-static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct aiFace *face, uint32_t first)
+/* ---- The walk ---- */
+
+static float bounded_uv(double value) { return fabs(value) <= 65536 ? (float)value : 0; }
+
+/* Vertex colours beside a picture are no colours: games keep there how far wind moves a leaf. */
+static void add_vertices(struct reader *r, const struct aiMesh *mesh, const struct aiMatrix4x4 *m)
+{
+	uint32_t channel = r->channel[mesh->mMaterialIndex];
+	bool weights = mesh->mColors[0] && mesh->mNumVertices > 0
+		&& has_picture(r->scene->mMaterials[mesh->mMaterialIndex]);
+	if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh->mTextureCoords[channel])
+		channel = 0;
+	const struct aiVector3D *uvs = mesh->mTextureCoords[channel];
+	r->weighted += weights && !r->invisible[mesh->mMaterialIndex];
+	eco_soup_mesh(&r->soup, mesh->mMaterialIndex, mesh->mColors[0] && !weights);
+	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
+		const struct aiVector3D p = mesh->mVertices[i];
+		const struct aiColor4D *c = mesh->mColors[0] ? &mesh->mColors[0][i] : NULL;
+		const double world[3] = { (double)m->a1 * p.x + (double)m->a2 * p.y + (double)m->a3 * p.z + m->a4,
+			(double)m->b1 * p.x + (double)m->b2 * p.y + (double)m->b3 * p.z + m->b4,
+			(double)m->c1 * p.x + (double)m->c2 * p.y + (double)m->c3 * p.z + m->c4 };
+		double place[3];
+		for (int k = 0; k < 3; k++)
+			place[k] = r->axes[k][0] * world[0] + r->axes[k][1] * world[1] + r->axes[k][2] * world[2];
+		if (isfinite(p.x + p.y + p.z))
+			r->soup.far = fmax(r->soup.far, fmax(fabs((double)p.x), fmax(fabs((double)p.y), fabs((double)p.z))));
+		/* assimp counts v upwards */
+		eco_soup_vertex(&r->soup, place, uvs ? (const float[2]){ bounded_uv(uvs[i].x), bounded_uv(1 - (double)uvs[i].y) }
+			: NULL, c ? (const float[3]){ c->r, c->g, c->b } : NULL);
+	}
+}
+
+static void add_polygon(struct reader *r, const struct aiMesh *mesh, const struct aiFace *face, uint32_t first)
 {
 	unsigned n = face->mNumIndices;
+	double *corners = eco_soup_corners(&r->soup);
 	uint32_t v[3];
 	for (unsigned i = 0; i < n; i++) {
 		bool there = face->mIndices[i] < mesh->mNumVertices;
 		const struct aiVector3D *p = &mesh->mVertices[there ? face->mIndices[i] : 0];
 		const double place[3] = { p->x, p->y, there ? p->z : NAN };
-		memcpy(&s->corners[3 * i], place, sizeof place);
+		memcpy(&corners[3 * i], place, sizeof place);
 	}
-	eco_model_split(s->corners, n, s->split);
+	const uint32_t *split = eco_soup_split(&r->soup, n);
 	for (unsigned i = 0; i + 2 < n; i++) {
 		/* an index beyond the mesh must not point into the next one */
-		for (int k = 0; k < 3; k++) {
-			uint32_t own = face->mIndices[s->split[n + 3 * i + (unsigned)k]];
+		for (unsigned k = 0; k < 3; k++) {
+			uint32_t own = face->mIndices[split[3 * i + k]];
 			v[k] = own < mesh->mNumVertices ? first + own : ECO_NONE;
 		}
-		eco_soup_triangle(&s->soup, v[0], v[1], v[2]);
+		eco_soup_triangle(&r->soup, v[0], v[1], v[2]);
 	}
 }
 
@@ -220,102 +350,78 @@ static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct 
 static size_t plain_name(const char *name)
 {
 	const char *helper = strstr(name, "_$AssimpFbx$");
-	if (*name == '<' || *name == '$' || strcmp(name, "RootNode") == 0 || strcmp(name, "defaultobject")
-			== 0)
+	if (*name == '<' || *name == '$' || strcmp(name, "RootNode") == 0 || strcmp(name, "defaultobject") == 0)
 		return 0;
 	return helper ? (size_t)(helper - name) : strlen(name);
 }
 
-static void add_mesh(void *ctx, const struct aiNode *node, unsigned index, const struct aiMatrix4x4 *world)
+static enum eco_code add_mesh(struct reader *r, const char *node, const struct aiMesh *mesh,
+	const struct aiMatrix4x4 *world)
 {
-	struct soup *s = ctx;
-	const struct aiMesh *mesh = s->scene->mMeshes[index];
-	const uint32_t first = s->soup.model->vertex_count;
-	if (!s->invisible[mesh->mMaterialIndex])
-		eco_soup_part(&s->soup, node->mName.data, plain_name(node->mName.data), mesh->mName.data,
-			plain_name(mesh->mName.data));
-	add_vertices(s, mesh, world);
+	const uint32_t first = r->soup.vertex_count;
+	uint64_t triangles = r->soup.triangle_count, vertices = (uint64_t)first + mesh->mNumVertices;
+	for (unsigned i = 0; i < mesh->mNumFaces; i++)
+		triangles += mesh->mFaces[i].mNumIndices > 2 ? mesh->mFaces[i].mNumIndices - 2 : 0;
+	if (triangles > r->triangles_max || vertices > (uint64_t)r->triangles_max * 3)
+		return eco_fail(r->error, ECO_TOO_LARGE, "%.300s: %llu triangles and %llu vertices or more, at most %u "
+			"triangles are possible", r->path, (unsigned long long)triangles, (unsigned long long)vertices,
+			r->triangles_max);
+	if (!r->invisible[mesh->mMaterialIndex])
+		eco_soup_part(&r->soup, node, plain_name(node), mesh->mName.data, plain_name(mesh->mName.data));
+	add_vertices(r, mesh, world);
 	for (unsigned i = 0; i < mesh->mNumFaces; i++)
 		if (mesh->mFaces[i].mNumIndices >= 3)
-			add_polygon(s, mesh, &mesh->mFaces[i], first);
+			add_polygon(r, mesh, &mesh->mFaces[i], first);
+	return ECO_OK;
 }
 
-/* Calls `visit` for every mesh of every node, parents first. Without recursion, as a file's tree may be of
- * any depth. */
-typedef void visit_mesh(void *ctx, const struct aiNode *node, unsigned mesh, const struct aiMatrix4x4 *world);
-
-static bool walk(const struct aiScene *scene, visit_mesh *visit, void *ctx)
+/* Adds every mesh of every node, parents first. Without recursion, as a file's tree may be of any depth. */
+static enum eco_code walk(struct reader *r)
 {
 	struct entry { const struct aiNode *node; struct aiMatrix4x4 world; } *stack = NULL;
+	const struct aiScene *scene = r->scene;
 	uint32_t count = 0, capacity = 0, seen = 0;
-	bool good = scene->mRootNode;
+	enum eco_code code = ECO_OK;
 	eco_grow(&stack, &capacity, count, sizeof *stack);
-	if (good)
+	if (scene->mRootNode)
 		stack[count++] = (struct entry){ scene->mRootNode, scene->mRootNode->mTransformation };
-	while (good && count > 0) {
+	while (!code && count > 0) {
 		const struct entry top = stack[--count];
-		for (unsigned i = 0; i < top.node->mNumMeshes; i++)
+		for (unsigned i = 0; i < top.node->mNumMeshes && !code; i++)
 			if (top.node->mMeshes[i] < scene->mNumMeshes)
-				visit(ctx, top.node, top.node->mMeshes[i], &top.world);
-		for (unsigned i = top.node->mNumChildren; good && i-- > 0;) {
-			good = ++seen <= NODES_MAX;
-			if (!good)
-				break;
+				code = add_mesh(r, top.node->mName.data, scene->mMeshes[top.node->mMeshes[i]], &top.world);
+		seen += top.node->mNumChildren;
+		if (!code && seen > NODES_MAX)
+			code = eco_fail(r->error, ECO_TOO_LARGE, "%.300s: more than %u nodes", r->path, NODES_MAX);
+		for (unsigned i = top.node->mNumChildren; !code && i-- > 0;) {
 			eco_grow(&stack, &capacity, count, sizeof *stack);
 			stack[count] = (struct entry){ top.node->mChildren[i], top.world };
 			aiMultiplyMatrix4(&stack[count++].world, &top.node->mChildren[i]->mTransformation);
 		}
 	}
 	free(stack);
-	return good;
+	return code;
 }
 
-static void count_mesh(void *ctx, const struct aiNode *node, unsigned index, const struct aiMatrix4x4 *world)
+static enum eco_code read_scene(struct reader *r)
 {
-	struct soup *s = ctx;
-	struct totals *t = &s->totals;
-	const struct aiMesh *mesh = s->scene->mMeshes[index];
-	(void)node;
-	(void)world;
-	t->vertices += mesh->mNumVertices;
-	t->triangles += mesh_triangles(mesh);
-	t->meshes++;
-	t->colored |= mesh->mColors[0] != NULL;
-	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
-		const struct aiVector3D *p = &mesh->mVertices[i];
-		if (isfinite(p->x + p->y + p->z))
-			s->soup.far = fmax(s->soup.far, fmax(fabs((double)p->x), fmax(fabs((double)p->y), fabs((double)p->z))));
-	}
-}
-
-static enum eco_code check_totals(const struct totals *t, const char *path, uint32_t triangles_max,
-	struct eco_error *error)
-{
-	if (t->triangles > triangles_max || t->vertices > (uint64_t)triangles_max * 3)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %llu triangles and %llu vertices, at most %u "
-			"triangles are possible", path, (unsigned long long)t->triangles,
-			(unsigned long long)t->vertices, triangles_max);
-	if (t->triangles == 0 && t->vertices > 0)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %llu points or "
-			"lines; a point cloud has no surfaces: make a "
-			"mesh of it first", path, (unsigned long long)t->vertices);
-	if (t->triangles == 0)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no triangles in it", path);
-	return ECO_OK;
-}
-
-static enum eco_code reserve(struct soup *s, uint32_t triangles_max)
-{
-	const struct totals *t = &s->totals;
-	if (!walk(s->scene, count_mesh, s))
-		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: no nodes, or more than %u", s->path,
-			NODES_MAX);
-	enum eco_code code = check_totals(t, s->path, triangles_max, s->error);
+	read_materials(r);
+	color_nameless(r->soup.model, r->scene);
+	assimp_frame(r->scene, r->path, r->soup.frame, r->axes);
+	enum eco_code code = walk(r);
 	if (code)
 		return code;
-	s->corners = eco_alloc(ECO_POLYGON_CORNERS_MAX * 3, sizeof *s->corners);
-	s->split = eco_alloc(ECO_POLYGON_CORNERS_MAX * 4, sizeof *s->split);
-	eco_soup_reserve(&s->soup, t->vertices, t->triangles, t->meshes, t->colored);
+	if (r->soup.triangle_count == 0)
+		return r->soup.vertex_count > 0 ? eco_fail(r->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only "
+			"%u points or lines; a point cloud has no surfaces: make a mesh of it first", r->path,
+			r->soup.vertex_count)
+			: eco_fail(r->error, ECO_BAD_INPUT, "%.300s: no triangles in it", r->path);
+	eco_soup_end(&r->soup, "d, Tr, opacity");
+	if (r->weighted > 0)
+		eco_note(r->soup.notes,
+			"%u meshes have vertex colours beside a picture: they are taken for weights of "
+			"wind and shade, not for colours",
+			r->weighted);
 	return ECO_OK;
 }
 
@@ -335,48 +441,6 @@ static bool meshes_hold_together(const struct aiScene *scene)
 				return false;
 	}
 	return true;
-}
-
-/* A triangle without a material is grey; white if vertices have colours. */
-static void color_nameless(struct eco_model *model, const struct aiScene *scene)
-{
-	for (uint32_t i = 0; i < scene->mNumMaterials; i++) {
-		struct eco_material *m = &model->materials[i];
-		bool colored = false;
-		if ((m->name[0] != 0 && strcmp(m->name, "DefaultMaterial") != 0) || m->image != ECO_NONE)
-			continue;
-		for (unsigned k = 0; k < scene->mNumMeshes; k++)
-			colored |= scene->mMeshes[k]->mMaterialIndex == i && scene->mMeshes[k]->mColors[0];
-		memset(m->rgb, colored ? 255 : 153, 3);
-		m->colourless = !colored;
-	}
-}
-
-static enum eco_code read_scene(struct soup *s, uint32_t triangles_max)
-{
-	struct eco_model *model = s->soup.model;
-	uint32_t *channel = eco_alloc((size_t)s->scene->mNumMaterials + 1, sizeof *channel);
-	bool *invisible = eco_alloc((size_t)s->scene->mNumMaterials + 1, sizeof *invisible);
-	assimp_materials(model, s->scene, s->path, channel, invisible, s->soup.notes);
-	s->channel = channel;
-	s->invisible = s->soup.invisible = invisible;
-	color_nameless(model, s->scene);
-	assimp_frame(s->scene, s->path, s->soup.frame, s->axes);
-	enum eco_code code = reserve(s, triangles_max);
-	if (!code && !walk(s->scene, add_mesh, s))
-		code = eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", s->path);
-	if (!code)
-		eco_soup_end(&s->soup, "d, Tr, opacity");
-	if (s->weighted > 0)
-		eco_note(s->soup.notes,
-			"%u meshes have vertex colours beside a picture: they are taken for weights of "
-			"wind and shade, not for colours",
-			s->weighted);
-	free(s->corners);
-	free(s->split);
-	free(channel);
-	free(invisible);
-	return code;
 }
 
 /* assimp 5.2 takes a line feed at the start of binary PLY data for the header's end and loses a byte.
@@ -420,21 +484,22 @@ static enum eco_code import_scene(const struct aiScene **scene, const char *path
 static enum eco_code read_model(struct eco_model *model, struct eco_model_frame *frame, const char *path,
 	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
-	const struct aiScene *scene = NULL;
-	enum eco_code code = import_scene(&scene, path, error);
-	struct soup soup = { .soup = { .model = model, .frame = frame, .notes = notes }, .scene = scene,
-		.path = path, .error = error };
+	struct reader r = { .soup = { .model = model, .frame = frame, .notes = notes }, .path = path,
+		.triangles_max = triangles_max, .error = error };
+	enum eco_code code = import_scene(&r.scene, path, error);
 	if (code)
 		return code;
-	if (!meshes_hold_together(scene))
+	if (!meshes_hold_together(r.scene))
 		code = eco_fail(error, ECO_DAMAGED, "%.300s: faces of its meshes name vertices that are not "
 			"there; if another program opens it, save it there as GLB", path);
 	else
-		code = read_scene(&soup, triangles_max);
-	eco_soup_free(&soup.soup);
-	aiReleaseImport(scene);
+		code = read_scene(&r);
+	eco_soup_free(&r.soup);
+	free(r.channel);
+	free(r.invisible);
+	aiReleaseImport(r.scene);
 	return code;
 }
 
-ECO_MODULE_EXPORT const struct eco_assimp_module eco_assimp_module =
-	{ .version = ECO_MODULE_VERSION, .read = read_model };
+ECO_MODULE_EXPORT extern const struct eco_assimp_module eco_assimp_module;
+const struct eco_assimp_module eco_assimp_module = { .version = ECO_MODULE_VERSION, .read = read_model };

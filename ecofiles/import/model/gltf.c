@@ -1,8 +1,7 @@
-/* The document: container, JSON, buffers. Common departures from the specification are accepted: a JSON
+/* The document: container, JSON, buffers, nodes. Common departures from the specification are accepted: a JSON
  * chunk padded with zeros, a byte order mark, whole numbers written as 3.0, names of buffers in another
  * system's spelling, a GLB named .gltf. Damage is refused: a GLB shorter than its header says was cut off. */
-#include "ecofiles/base/memory.h"
-#include "ecofiles/import/model/import_gltf.h"
+#include "ecofiles/import/model/gltf.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -11,21 +10,15 @@
 #include <string.h>
 #include <strings.h>
 
+#include "ecofiles/base/memory.h"
+#include "ecofiles/import/model/import_model.h"
 
+#define FILE_MAX ((uint64_t)1 << 32)
+#define JSON_MAX ((size_t)256 << 20)
 #define CHUNK_JSON 0x4e4f534au
 #define CHUNK_BIN 0x004e4942u
 
 /* ---- JSON ---- */
-
-const json_t *eco_gltf_json(const struct eco_gltf *doc)
-{
-	return doc->root;
-}
-
-const char *eco_gltf_path(const struct eco_gltf *doc)
-{
-	return doc->path;
-}
 
 const json_t *eco_gltf_item(const struct eco_gltf *doc, const char *array, uint64_t index)
 {
@@ -145,18 +138,18 @@ enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes,
 /* ---- Buffers ---- */
 
 static enum eco_code read_beside(const struct eco_gltf *doc, uint32_t index, const char *uri,
-	struct gltf_bytes *to, struct eco_error *error)
+	struct eco_gltf_bytes *to, struct eco_error *error)
 {
 	char path[4096];
 	if (!eco_model_find_beside(doc->path, uri, path, sizeof path))
 		return eco_fail(error, ECO_NOT_FOUND, "%.250s: buffer %u: no file %.150s beside it",
 			doc->path, index, uri);
-	enum eco_code code = eco_file_read(path, ECO_GLTF_FILE_MAX, &to->owned, &to->size, error);
+	enum eco_code code = eco_file_read(path, FILE_MAX, &to->owned, &to->size, error);
 	to->bytes = to->owned;
 	return code;
 }
 
-static enum eco_code read_buffer(const struct eco_gltf *doc, uint32_t index, struct gltf_bytes *to,
+static enum eco_code read_buffer(const struct eco_gltf *doc, uint32_t index, struct eco_gltf_bytes *to,
 	struct eco_error *error)
 {
 	const json_t *buffer = eco_gltf_item(doc, "buffers", index);
@@ -176,13 +169,13 @@ static enum eco_code read_buffer(const struct eco_gltf *doc, uint32_t index, str
 	return is_data ? ECO_OK : read_beside(doc, index, uri, to, error);
 }
 
-enum eco_code gltf_buffer_range(struct eco_gltf *doc, uint32_t buffer, uint64_t offset, uint64_t size,
+enum eco_code eco_gltf_buffer_range(struct eco_gltf *doc, uint32_t buffer, uint64_t offset, uint64_t size,
 	const uint8_t **bytes, struct eco_error *error)
 {
 	enum eco_code code;
 	if (buffer >= doc->buffer_count)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: names a buffer that is not there", doc->path);
-	struct gltf_bytes *b = &doc->buffers[buffer];
+	struct eco_gltf_bytes *b = &doc->buffers[buffer];
 	if (!b->bytes && (code = read_buffer(doc, buffer, b, error)) != ECO_OK)
 		return code;
 	if (offset > b->size || size > b->size - offset)
@@ -190,29 +183,6 @@ enum eco_code gltf_buffer_range(struct eco_gltf *doc, uint32_t buffer, uint64_t 
 			"%llu from %llu on; was it cut off?", doc->path, buffer, b->size,
 			(unsigned long long)size, (unsigned long long)offset);
 	*bytes = b->bytes + offset;
-	return ECO_OK;
-}
-
-enum eco_code eco_gltf_view(struct eco_gltf *doc, uint32_t view, const uint8_t **bytes, size_t *size,
-	struct eco_error *error)
-{
-	const json_t *json = eco_gltf_item(doc, "bufferViews", view), *packed;
-	enum eco_code code;
-	if (!json)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: names bufferView %u, which is not there",
-			doc->path, view);
-	packed = gltf_meshopt_extension(json);
-	if (!packed) {
-		uint64_t length = eco_gltf_whole(json, "byteLength", UINT64_MAX);
-		*size = (size_t)length;
-		return gltf_buffer_range(doc, eco_gltf_index(json, "buffer"),
-			eco_gltf_whole(json, "byteOffset", 0), length, bytes, error);
-	}
-	if (!doc->views[view].bytes
-		&& (code = gltf_meshopt_unpack(doc, view, packed, &doc->views[view], error)) != ECO_OK)
-		return code;
-	*bytes = doc->views[view].bytes;
-	*size = doc->views[view].size;
 	return ECO_OK;
 }
 
@@ -248,7 +218,7 @@ static enum eco_code open_binary(struct eco_gltf *doc, const uint8_t *bytes, siz
 		if (u32_at(bytes + at) > left - 8)
 			return eco_fail(error, ECO_DAMAGED, "%.300s: cut off: its binary chunk says %u "
 				"bytes, there are %zu", doc->path, u32_at(bytes + at), left - 8);
-		doc->chunk = (struct gltf_bytes){ .bytes = bytes + at + 8, .size = u32_at(bytes + at) };
+		doc->chunk = (struct eco_gltf_bytes){ .bytes = bytes + at + 8, .size = u32_at(bytes + at) };
 	}
 	return ECO_OK;
 }
@@ -268,17 +238,16 @@ static enum eco_code check_version(const struct eco_gltf *doc, struct eco_error 
 	return ECO_OK;
 }
 
-static enum eco_code parse(struct eco_gltf *doc, const uint8_t *bytes, size_t size, struct eco_error *error)
+static enum eco_code parse(struct eco_gltf *doc, struct eco_error *error)
 {
-	const uint8_t *text = bytes;
-	size_t length = size;
+	const uint8_t *text = doc->owned;
+	size_t length = doc->size;
 	json_error_t problem;
-	enum eco_code code;
-	if (size >= 4 && memcmp(bytes, "glTF", 4) == 0) {
-		code = open_binary(doc, bytes, size, &length, error);
+	if (length >= 4 && memcmp(text, "glTF", 4) == 0) {
+		enum eco_code code = open_binary(doc, text, doc->size, &length, error);
 		if (code)
 			return code;
-		text = bytes + 20;
+		text += 20;
 	}
 	while (length > 0 && text[length - 1] == 0)
 		length--;
@@ -286,53 +255,31 @@ static enum eco_code parse(struct eco_gltf *doc, const uint8_t *bytes, size_t si
 		text += 3;
 		length -= 3;
 	}
-	if (length > ECO_GLTF_JSON_MAX)
+	if (length > JSON_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %zu bytes of JSON, at most %zu are possible",
-			doc->path, length, ECO_GLTF_JSON_MAX);
+			doc->path, length, JSON_MAX);
 	doc->root = json_loadb((const char *)text, length, 0, &problem);
 	if (!doc->root)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: line %d of its JSON: %s", doc->path,
 			problem.line, problem.text);
-	return check_version(doc, error);
-}
-
-static void take_arrays(struct eco_gltf *doc)
-{
 	doc->buffer_count = json_array_size(json_object_get(doc->root, "buffers"));
 	doc->view_count = json_array_size(json_object_get(doc->root, "bufferViews"));
 	doc->node_count = json_array_size(json_object_get(doc->root, "nodes"));
-	doc->buffers = eco_alloc(doc->buffer_count + 1, sizeof *doc->buffers);
-	doc->views = eco_alloc(doc->view_count + 1, sizeof *doc->views);
-}
-
-enum eco_code eco_gltf_open_memory(struct eco_gltf **doc, const char *name, const uint8_t *bytes, size_t size,
-	struct eco_error *error)
-{
-	struct eco_gltf *d = eco_alloc(1, sizeof *d);
-	*doc = NULL;
-	d->path = eco_copy_text(name);
-	enum eco_code code = parse(d, bytes, size, error);
-	if (code) {
-		eco_gltf_close(d);
-		return code;
-	}
-	take_arrays(d);
-	*doc = d;
-	return ECO_OK;
+	doc->buffers = eco_alloc(doc->buffer_count, sizeof *doc->buffers);
+	doc->views = eco_alloc(doc->view_count, sizeof *doc->views);
+	return check_version(doc, error);
 }
 
 enum eco_code eco_gltf_open(struct eco_gltf **doc, const char *path, struct eco_error *error)
 {
-	uint8_t *bytes;
-	size_t size;
-	enum eco_code code = eco_file_read(path, ECO_GLTF_FILE_MAX, &bytes, &size, error);
-	*doc = NULL;
+	struct eco_gltf *d = eco_alloc(1, sizeof *d);
+	d->path = eco_copy_text(path);
+	enum eco_code code = eco_file_read(path, FILE_MAX, &d->owned, &d->size, error);
 	if (!code)
-		code = eco_gltf_open_memory(doc, path, bytes, size, error);
-	if (!code)
-		(*doc)->owned = bytes;
-	else
-		free(bytes);
+		code = parse(d, error);
+	*doc = code ? NULL : d;
+	if (code)
+		eco_gltf_close(d);
 	return code;
 }
 
@@ -340,9 +287,9 @@ void eco_gltf_close(struct eco_gltf *doc)
 {
 	if (!doc)
 		return;
-	for (size_t i = 0; i < doc->buffer_count && doc->buffers; i++)
+	for (size_t i = 0; i < doc->buffer_count; i++)
 		free(doc->buffers[i].owned);
-	for (size_t i = 0; i < doc->view_count && doc->views; i++)
+	for (size_t i = 0; i < doc->view_count; i++)
 		free(doc->views[i].owned);
 	free(doc->buffers);
 	free(doc->views);
@@ -351,4 +298,183 @@ void eco_gltf_close(struct eco_gltf *doc)
 	free(doc->path);
 	json_decref(doc->root);
 	free(doc);
+}
+
+/* ---- Nodes: no recursion, as a stranger's file may have a tree of any depth, or none ---- */
+
+void eco_gltf_multiply(double out[16], const double a[16], const double b[16])
+{
+	double product[16];
+	for (int c = 0; c < 4; c++)
+		for (int r = 0; r < 4; r++)
+			product[c * 4 + r] = a[r] * b[c * 4] + a[4 + r] * b[c * 4 + 1]
+				+ a[8 + r] * b[c * 4 + 2] + a[12 + r] * b[c * 4 + 3];
+	memcpy(out, product, sizeof product);
+}
+
+void eco_gltf_apply(const double m[16], const double p[3], double out[3])
+{
+	double x = p[0], y = p[1], z = p[2];
+	for (int r = 0; r < 3; r++)
+		out[r] = m[r] * x + m[4 + r] * y + m[8 + r] * z + m[12 + r];
+}
+
+void eco_gltf_compose(double out[16], const double t[3], const double q[4], const double s[3])
+{
+	double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]),
+		unit = length > 0 ? 1 / length : 0;
+	double x = q[0] * unit, y = q[1] * unit, z = q[2] * unit, w = length > 0 ? q[3] * unit : 1;
+	const double turn[9] = { 1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w),
+		2 * (x * y - z * w), 1 - 2 * (x * x + z * z),
+		2 * (y * z + x * w), 2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y) };
+
+	for (int c = 0; c < 3; c++) {
+		for (int r = 0; r < 3; r++)
+			out[c * 4 + r] = turn[c * 3 + r] * s[c];
+		out[c * 4 + 3] = 0;
+		out[12 + c] = t[c];
+	}
+	out[15] = 1;
+}
+
+static enum eco_code local_matrix(const struct eco_gltf *doc, uint32_t node, double matrix[16],
+	struct eco_error *error)
+{
+	const json_t *json = eco_gltf_item(doc, "nodes", node);
+	double t[3] = { 0, 0, 0 }, q[4] = { 0, 0, 0, 1 }, s[3] = { 1, 1, 1 };
+	if (!json)
+		return eco_fail(error, ECO_DAMAGED, "%.300s: names node %u, which is not there", doc->path,
+			node);
+	bool good = eco_gltf_numbers(json, "translation", t, 3) && eco_gltf_numbers(json, "rotation", q, 4)
+		&& eco_gltf_numbers(json, "scale", s, 3);
+	eco_gltf_compose(matrix, t, q, s);
+	if (json_array_size(json_object_get(json, "matrix")) == 16)
+		good = eco_gltf_numbers(json, "matrix", matrix, 16);
+	return good ? ECO_OK : eco_fail(error, ECO_DAMAGED, "%.300s: node %u is not placed by numbers",
+		doc->path, node);
+}
+
+static uint32_t node_number(const struct eco_gltf *doc, const json_t *value)
+{
+	json_int_t node = json_is_integer(value) ? json_integer_value(value) : -1;
+	return node >= 0 && (uint64_t)node < doc->node_count && node < ECO_NONE ? (uint32_t)node : ECO_NONE;
+}
+
+static void find_parents(struct eco_gltf *doc)
+{
+	if (doc->parent)
+		return;
+	doc->parent = eco_alloc(doc->node_count, sizeof *doc->parent);
+	memset(doc->parent, 0xff, doc->node_count * sizeof *doc->parent);
+	for (size_t i = 0; i < doc->node_count && i < ECO_NONE; i++) {
+		const json_t *children = json_object_get(eco_gltf_item(doc, "nodes", i), "children");
+		for (size_t k = 0; k < json_array_size(children); k++) {
+			uint32_t child = node_number(doc, json_array_get(children, k));
+			if (child != ECO_NONE && doc->parent[child] == ECO_NONE)
+				doc->parent[child] = (uint32_t)i;
+		}
+	}
+}
+
+enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double matrix[16],
+	struct eco_error *error)
+{
+	enum eco_code code = local_matrix(doc, node, matrix, error);
+	size_t steps = 0;
+	find_parents(doc);
+	while (code == ECO_OK && doc->parent[node] != ECO_NONE) {
+		double local[16];
+		node = doc->parent[node];
+		if (++steps > doc->node_count)
+			return eco_fail(error, ECO_DAMAGED, "%.300s: node %u is below itself", doc->path,
+				node);
+		code = local_matrix(doc, node, local, error);
+		if (!code)
+			eco_gltf_multiply(matrix, local, matrix);
+	}
+	return code;
+}
+
+/* ---- The scene ---- */
+
+struct walk {
+	struct eco_gltf *doc;
+	struct entry { uint32_t node, depth; double world[16]; } *stack;     /* depth: nodes above it */
+	uint32_t count, capacity, seen;
+	struct eco_error *error;
+};
+
+static enum eco_code push(struct walk *w, uint32_t node, uint32_t depth, const double world[16])
+{
+	if (depth >= w->doc->node_count)
+		return eco_fail(w->error, ECO_DAMAGED,
+			"%.300s: node %u or one above it lies below itself: nodes must be a tree",
+			w->doc->path, node);
+	if (++w->seen > ECO_GLTF_NODES_MAX)
+		return eco_fail(w->error, ECO_TOO_LARGE,
+			"%.300s: more than %u nodes, as some have several parents", w->doc->path,
+			ECO_GLTF_NODES_MAX);
+	eco_grow(&w->stack, &w->capacity, w->count, sizeof *w->stack);
+	struct entry *to = &w->stack[w->count++];
+	to->node = node;
+	to->depth = depth;
+	memcpy(to->world, world, sizeof to->world);
+	return ECO_OK;
+}
+
+/* Pushes in reverse, so that the first is popped first. */
+static enum eco_code push_all(struct walk *w, const json_t *nodes, uint32_t depth, const double world[16])
+{
+	enum eco_code code = ECO_OK;
+	for (size_t i = json_array_size(nodes); i-- > 0 && code == ECO_OK;) {
+		const json_t *value = json_array_get(nodes, i);
+		uint32_t node = node_number(w->doc, value);
+		if (node == ECO_NONE)
+			return eco_fail(w->error, ECO_DAMAGED, "%.300s: names node %lld, which is not there",
+				w->doc->path, json_is_integer(value) ? (long long)json_integer_value(value) : -1);
+		code = push(w, node, depth, world);
+	}
+	return code;
+}
+
+const json_t *eco_gltf_scene(const struct eco_gltf *doc)
+{
+	return eco_gltf_item(doc, "scenes", json_object_get(doc->root, "scene") != NULL
+		? eco_gltf_whole(doc->root, "scene", ECO_NONE) : 0);
+}
+
+static enum eco_code push_roots(struct walk *w)
+{
+	static const double identity[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
+	const json_t *scene = eco_gltf_scene(w->doc);
+	enum eco_code code = ECO_OK;
+	if (scene)
+		return push_all(w, json_object_get(scene, "nodes"), 0, identity);
+	find_parents(w->doc);
+	for (size_t i = w->doc->node_count; i-- > 0 && code == ECO_OK;)
+		if (w->doc->parent[i] == ECO_NONE)
+			code = push(w, (uint32_t)i, 0, identity);
+	return code;
+}
+
+enum eco_code eco_gltf_walk(struct eco_gltf *doc, eco_gltf_visit *visit, void *ctx, struct eco_error *error)
+{
+	struct walk w = { .doc = doc, .error = error };
+	enum eco_code code = push_roots(&w);
+	while (code == ECO_OK && w.count > 0) {
+		struct entry top = w.stack[--w.count];
+		const json_t *node = eco_gltf_item(doc, "nodes", top.node);
+		double local[16];
+		if (json_is_false(json_object_get(eco_gltf_extension(node, "KHR_node_visibility"), "visible")))
+			continue;
+		code = local_matrix(doc, top.node, local, error);
+		if (code)
+			break;
+		eco_gltf_multiply(top.world, top.world, local);
+		code = visit(ctx, top.node, top.world);
+		if (!code)
+			code = push_all(&w, json_object_get(node, "children"), top.depth + 1, top.world);
+	}
+	free(w.stack);
+	return code;
 }

@@ -1,68 +1,187 @@
 /* Accessors: the place and the meaning of numbers. An accessor is resolved once into a start, a stride and
  * a type, and elements are read from it one by one; only sparse ones are copied. */
-#include "ecofiles/base/memory.h"
-#include "ecofiles/import/model/import_gltf.h"
+#include "ecofiles/import/model/gltf.h"
 
 #include <math.h>
 #include <meshoptimizer.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/model.h"
 
-struct shape { const char *name; uint32_t components, rows; };
+#define UNPACKED_MAX ((uint64_t)1 << 32)     /* bytes of all compressed views together */
+#define STRIDE_MAX (1u << 20)
 
-static const struct shape shapes[] = {
-	{ "SCALAR", 1, 1 }, { "VEC2", 2, 2 }, { "VEC3", 3, 3 }, { "VEC4", 4, 4 }, { "MAT2", 4, 2 },
-		{ "MAT3", 9, 3 }, { "MAT4", 16, 4 },
+/* ---- Views compressed with meshoptimizer ----
+ * EXT_meshopt_compression, KHR_meshopt_compression. The decoders
+ * withstand damaged bytes but trust sizes, so sizes are checked here. The library of Debian 12 knows the
+ * codec's first version; the second, and the filter COLOR, came with the KHR extension and are refused. */
+
+enum mode { ATTRIBUTES, TRIANGLES, INDICES, MODES };
+static const char *const mode_names[MODES] = { "ATTRIBUTES", "TRIANGLES", "INDICES" };
+
+enum filter { NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL, FILTERS };
+static const char *const filter_names[FILTERS] = { "NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL" };
+
+#define EXPORT "export with EXT_meshopt_compression (gltfpack -ce ext), or without compression"
+#define SECOND_VERSION 0xa1u         /* first byte of attributes */
+
+struct packed {
+	uint32_t mode, filter;
+	uint64_t count, stride, length;
+	const uint8_t *bytes;
 };
+
+static uint32_t number_of(const char *name, const char *const *names, uint32_t count)
+{
+	uint32_t i = 0;
+	while (i < count && strcmp(names[i], name) != 0)
+		i++;
+	return i;
+}
+
+static bool strides_fit(const struct packed *p)
+{
+	if (p->mode == ATTRIBUTES)
+		return p->stride > 0 && p->stride <= 256 && p->stride % 4 == 0
+			&& (p->filter != OCTAHEDRAL || p->stride == 4 || p->stride == 8)
+			&& (p->filter != QUATERNION || p->stride == 8);
+	return p->filter == NONE && (p->stride == 2 || p->stride == 4)
+		&& (p->mode != TRIANGLES || p->count % 3 == 0);
+}
+
+static enum eco_code read_packed(struct eco_gltf *doc, uint32_t view, const json_t *json, struct packed *p,
+	struct eco_error *error)
+{
+	const char *filter = eco_gltf_text(json, "filter");
+	p->mode = number_of(eco_gltf_text(json, "mode"), mode_names, MODES);
+	p->filter = *filter == 0 ? NONE : number_of(filter, filter_names, FILTERS);
+	p->count = eco_gltf_whole(json, "count", UINT64_MAX);
+	p->stride = eco_gltf_whole(json, "byteStride", 0);
+	p->length = eco_gltf_whole(json, "byteLength", UINT64_MAX);
+	if (p->mode == MODES || p->filter == FILTERS)
+		return eco_fail(error, ECO_UNSUPPORTED,
+			"%.300s: bufferView %u: meshopt compression of mode "
+			"%.20s, filter %.20s is not read; " EXPORT,
+			doc->path, view, eco_gltf_text(json, "mode"), filter);
+	if (!strides_fit(p) || p->count > UNPACKED_MAX)
+		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: meshopt compression with sizes "
+			"that make no sense", doc->path, view);
+	if (p->count * p->stride > UNPACKED_MAX - doc->unpacked)
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: unpacks to more than %llu bytes", doc->path,
+			(unsigned long long)UNPACKED_MAX);
+	enum eco_code code = eco_gltf_buffer_range(doc, eco_gltf_index(json, "buffer"),
+		eco_gltf_whole(json, "byteOffset", 0), p->length, &p->bytes, error);
+	return code || p->mode != ATTRIBUTES || !p->length || p->bytes[0] != SECOND_VERSION
+		? code
+		: eco_fail(error, ECO_UNSUPPORTED,
+			  "%.300s: bufferView %u: the second version of meshopt's codec is not read; " EXPORT,
+			  doc->path, view);
+}
+
+static bool decode(const struct packed *p, uint8_t *to)
+{
+	size_t count = (size_t)p->count, stride = (size_t)p->stride, length = (size_t)p->length;
+	if (p->mode == TRIANGLES)
+		return meshopt_decodeIndexBuffer(to, count, stride, p->bytes, length) == 0;
+	if (p->mode == INDICES)
+		return meshopt_decodeIndexSequence(to, count, stride, p->bytes, length) == 0;
+	if (meshopt_decodeVertexBuffer(to, count, stride, p->bytes, length) != 0)
+		return false;
+	if (p->filter == OCTAHEDRAL)
+		meshopt_decodeFilterOct(to, count, stride);
+	else if (p->filter == QUATERNION)
+		meshopt_decodeFilterQuat(to, count, stride);
+	else if (p->filter == EXPONENTIAL)
+		meshopt_decodeFilterExp(to, count, stride);
+	return true;
+}
+
+/* Unpacks view `index`; *to then owns its bytes. */
+static enum eco_code unpack(struct eco_gltf *doc, uint32_t index, const json_t *extension,
+	struct eco_gltf_bytes *to, struct eco_error *error)
+{
+	struct packed p;
+	enum eco_code code = read_packed(doc, index, extension, &p, error);
+	if (code)
+		return code;
+	/* no codec compresses better than 1024 to 1: a view that claims more gets no memory */
+	const uint64_t size = p.count * p.stride;
+	uint8_t *bytes = size <= p.length * 1024 ? eco_alloc((size_t)size, 1) : NULL;
+	if (!bytes || !decode(&p, bytes)) {
+		free(bytes);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: its meshopt compression cannot "
+			"be undone", doc->path, index);
+	}
+	doc->unpacked += size;
+	*to = (struct eco_gltf_bytes){ .bytes = bytes, .size = (size_t)size, .owned = bytes };
+	return ECO_OK;
+}
+
+enum eco_code eco_gltf_view(struct eco_gltf *doc, uint32_t view, const uint8_t **bytes, size_t *size,
+	struct eco_error *error)
+{
+	const json_t *json = eco_gltf_item(doc, "bufferViews", view),
+		*packed = eco_gltf_extension(json, "KHR_meshopt_compression");
+	enum eco_code code = ECO_OK;
+	if (!json)
+		return eco_fail(error, ECO_DAMAGED, "%.300s: names bufferView %u, which is not there",
+			doc->path, view);
+	packed = packed ? packed : eco_gltf_extension(json, "EXT_meshopt_compression");
+	if (!packed) {
+		uint64_t length = eco_gltf_whole(json, "byteLength", UINT64_MAX);
+		*size = (size_t)length;
+		return eco_gltf_buffer_range(doc, eco_gltf_index(json, "buffer"),
+			eco_gltf_whole(json, "byteOffset", 0), length, bytes, error);
+	}
+	if (!doc->views[view].bytes)
+		code = unpack(doc, view, packed, &doc->views[view], error);
+	*bytes = doc->views[view].bytes;
+	*size = doc->views[view].size;
+	return code;
+}
+
+/* ---- Types ---- */
+
+/* Matrices of smaller sizes, whose columns are padded, are of no use in a model. */
+static const struct { const char *name; uint32_t components; } shapes[] = { { "SCALAR", 1 }, { "VEC2", 2 },
+	{ "VEC3", 3 }, { "VEC4", 4 }, { "MAT4", 16 } };
+#define SHAPES (sizeof shapes / sizeof *shapes)
 
 /* Bytes of a component; 0: unknown type. */
 static size_t component_bytes(uint64_t type)
 {
-	switch (type) {
-	case 5120: case 5121: return 1;
-	case 5122: case 5123: return 2;
-	case 5124: case 5125: case 5126: return 4;
-	case 5130: return 8;
-	default: return 0;
-	}
+	static const uint8_t bytes[] = { 1, 1, 2, 2, 4, 4, 4 };
+	return type >= 5120 && type <= 5126 ? bytes[type - 5120] : 0;
 }
 
 static size_t element_bytes(const struct eco_gltf_accessor *a)
 {
-	return a->column_bytes * (a->components / a->rows - 1) + a->rows * component_bytes(a->type);
-}
-
-static size_t dense_stride(const struct eco_gltf_accessor *a)
-{
-	return a->column_bytes * (a->components / a->rows);
+	return a->components * component_bytes(a->type);
 }
 
 /* Reads type and count of an accessor's JSON. */
 static enum eco_code read_shape(const struct eco_gltf *doc, uint32_t index, const json_t *json,
 	struct eco_gltf_accessor *a, struct eco_error *error)
 {
+	static const double most[] = { 127, 255, 32767, 65535 };
 	const char *name = eco_gltf_text(json, "type");
 	uint64_t type = eco_gltf_whole(json, "componentType", 0);
-	size_t i = 0, bytes = component_bytes(type);
-	while (i < sizeof shapes / sizeof *shapes && strcmp(shapes[i].name, name) != 0)
+	size_t i = 0;
+	while (i < SHAPES && strcmp(shapes[i].name, name) != 0)
 		i++;
-	if (i == sizeof shapes / sizeof *shapes || bytes == 0)
+	if (i == SHAPES || component_bytes(type) == 0)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u has no known type (%.20s of %llu)",
 			doc->path, index, name, (unsigned long long)type);
 	a->components = shapes[i].components;
-	a->rows = shapes[i].rows;
 	a->type = (uint32_t)type;
-	a->normalized = json_is_true(json_object_get(json, "normalized")) && type < 5125;
-	a->column_bytes = a->rows * bytes;
-	if (a->rows < a->components)         /* columns of matrices begin at multiples of four bytes */
-		a->column_bytes = (a->column_bytes + 3) & ~(size_t)3;
+	a->divisor = json_is_true(json_object_get(json, "normalized")) && type <= 5123 ? most[type - 5120] : 0;
 	a->count = eco_gltf_whole(json, "count", UINT64_MAX);
+	a->stride = element_bytes(a);
 	if (a->count > ECO_GLTF_VALUES_MAX / a->components)
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: accessor %u: no count, or more numbers than "
 			"are possible (%llu)", doc->path, index, (unsigned long long)ECO_GLTF_VALUES_MAX);
-	a->stride = dense_stride(a);
 	return ECO_OK;
 }
 
@@ -88,10 +207,9 @@ static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_
 static enum eco_code place_dense(struct eco_gltf *doc, uint32_t index, const json_t *json,
 	struct eco_gltf_accessor *a, struct eco_error *error)
 {
-	const json_t *view = eco_gltf_item(doc, "bufferViews",
-		eco_gltf_whole(json, "bufferView", UINT64_MAX));
+	const json_t *view = eco_gltf_item(doc, "bufferViews", eco_gltf_whole(json, "bufferView", UINT64_MAX));
 	uint64_t stride = eco_gltf_whole(view, "byteStride", 0);
-	if (stride > 1u << 20)
+	if (stride > STRIDE_MAX)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: a byteStride of %llu", doc->path,
 			index, (unsigned long long)stride);
 	if (stride != 0)
@@ -101,24 +219,21 @@ static enum eco_code place_dense(struct eco_gltf *doc, uint32_t index, const jso
 
 static uint32_t whole_at(const uint8_t *p, uint64_t type)
 {
-	if (type == 5121)
-		return p[0];
-	if (type == 5123)
-		return p[0] | (uint32_t)p[1] << 8;
-	return p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+	uint32_t whole = 0;
+	for (size_t i = component_bytes(type); i-- > 0;)
+		whole = whole << 8 | p[i];
+	return whole;
 }
 
 /* Makes a dense copy of the elements; missing ones are zeros. */
-static bool own_elements(struct eco_gltf_accessor *a)
+static void own_elements(struct eco_gltf_accessor *a)
 {
-	size_t stride = dense_stride(a);
-	uint8_t *copy = calloc((size_t)a->count + 1, stride);
-	for (uint64_t i = 0; copy && a->bytes && i < a->count; i++)
-		memcpy(copy + i * stride, a->bytes + i * a->stride, element_bytes(a));
-	a->owned = copy;
-	a->bytes = copy;
-	a->stride = stride;
-	return copy;
+	const size_t bytes = element_bytes(a);
+	a->owned = eco_alloc((size_t)a->count, bytes);
+	for (uint64_t i = 0; a->bytes && i < a->count; i++)
+		memcpy(a->owned + i * bytes, a->bytes + i * a->stride, bytes);
+	a->bytes = a->owned;
+	a->stride = bytes;
 }
 
 static enum eco_code substitute(struct eco_gltf *doc, uint32_t index, const json_t *sparse,
@@ -129,26 +244,23 @@ static enum eco_code substitute(struct eco_gltf *doc, uint32_t index, const json
 	uint64_t count = eco_gltf_whole(sparse, "count", UINT64_MAX),
 		type = eco_gltf_whole(indices, "componentType", 0);
 	const uint8_t *where, *what;
-	size_t stride = dense_stride(a);
+	const size_t bytes = element_bytes(a), number_bytes = component_bytes(type);
 	if (count > a->count || (type != 5121 && type != 5123 && type != 5125))
 		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part does not fit it",
 			doc->path, index);
-	enum eco_code code = locate(doc, index, indices, count, component_bytes(type), component_bytes(type),
-		&where, error);
+	enum eco_code code = locate(doc, index, indices, count, number_bytes, number_bytes, &where, error);
 	if (!code)
-		code = locate(doc, index, values, count, element_bytes(a), stride, &what, error);
+		code = locate(doc, index, values, count, bytes, bytes, &what, error);
 	if (code)
 		return code;
-	if (!own_elements(a))
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for accessor %u", doc->path,
-			index);
+	own_elements(a);
 	for (uint64_t i = 0; i < count; i++) {
-		uint32_t element = whole_at(where + i * component_bytes(type), type);
+		uint32_t element = whole_at(where + i * number_bytes, type);
 		if (element >= a->count)
 			return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part names "
 				"element %u of %llu", doc->path, index, element,
 				(unsigned long long)a->count);
-		memcpy(a->owned + element * stride, what + i * stride, element_bytes(a));
+		memcpy(a->owned + element * bytes, what + i * bytes, bytes);
 	}
 	return ECO_OK;
 }
@@ -183,173 +295,27 @@ void eco_gltf_accessor_close(struct eco_gltf_accessor *a)
 
 /* ---- Elements ---- */
 
-static double fraction(double value, double most, bool normalized)
+static double component(const uint8_t *p, uint32_t type)
 {
-	return !normalized ? value : value < -most ? -1 : value / most;
-}
-
-static double component(const uint8_t *p, uint32_t type, bool normalized)
-{
-	uint32_t bits = type == 5120 ? p[0] : type == 5122 ? whole_at(p, 5123) : whole_at(p, type);
-	uint64_t wide;
+	uint32_t bits = whole_at(p, type);
 	float single;
-	double exact;
-	switch (type) {
-	case 5120: return fraction((int8_t)bits, 127, normalized);
-	case 5121: return fraction(bits, 255, normalized);
-	case 5122: return fraction((int16_t)bits, 32767, normalized);
-	case 5123: return fraction(bits, 65535, normalized);
-	case 5124: return fraction((int32_t)bits, 2147483647.0, normalized);
-	case 5126:
-		memcpy(&single, &bits, sizeof single);
-		return (double)single;
-	case 5130:
-		wide = bits | (uint64_t)whole_at(p + 4, 5125) << 32;
-		memcpy(&exact, &wide, sizeof exact);
-		return exact;
-	default: return bits;
-	}
+	memcpy(&single, &bits, sizeof single);
+	/* 5124 is no type of glTF, but some exporters write signed indices */
+	return type == 5120 ? (int8_t)bits : type == 5122 ? (int16_t)bits : type == 5124 ? (int32_t)bits
+		: type == 5126 ? (double)single : bits;
 }
 
 void eco_gltf_element(const struct eco_gltf_accessor *a, uint64_t i, double *values)
 {
-	const uint8_t *p = a->bytes ? a->bytes + i * a->stride : NULL;
-	size_t bytes = component_bytes(a->type);
-	for (uint32_t c = 0; c < a->components; c++)
-		values[c] = !p ? 0 : component(p + c / a->rows * a->column_bytes + c % a->rows * bytes,
-			a->type, a->normalized);
+	for (uint32_t c = 0; c < a->components; c++) {
+		values[c] = a->bytes ? component(a->bytes + i * a->stride + c * component_bytes(a->type), a->type) : 0;
+		if (a->divisor > 0)
+			values[c] = fmax(values[c] / a->divisor, -1);
+	}
 }
 
 uint32_t eco_gltf_element_index(const struct eco_gltf_accessor *a, uint64_t i)
 {
-	if (!a->bytes)
-		return 0;
-	if (a->type == 5121 || a->type == 5123 || a->type == 5125)
-		return whole_at(a->bytes + i * a->stride, a->type);
-	double value = component(a->bytes + i * a->stride, a->type, false);
+	double value = a->bytes ? component(a->bytes + i * a->stride, a->type) : 0;
 	return value >= 0 && value < ECO_NONE ? (uint32_t)value : ECO_NONE;
-}
-
-/* ---- Views compressed with meshoptimizer ----
- * EXT_meshopt_compression, KHR_meshopt_compression. The decoders
- * withstand damaged bytes but trust sizes, so sizes are checked here. The library of Debian 12 knows the
- * codec's first version; the second, and the filter COLOR, came with the KHR extension and are refused. */
-
-enum mode { ATTRIBUTES, TRIANGLES, INDICES, MODES };
-static const char *const mode_names[MODES] = { "ATTRIBUTES", "TRIANGLES", "INDICES" };
-
-enum filter { NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL, FILTERS };
-static const char *const filter_names[FILTERS] = { "NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL" };
-
-#define EXPORT "export with EXT_meshopt_compression (gltfpack -ce ext), or without compression"
-#define SECOND_VERSION 0xa1u         /* first byte of attributes */
-
-struct packed {
-	uint32_t mode, filter;
-	uint64_t count, stride, length;
-	const uint8_t *bytes;
-};
-
-const json_t *gltf_meshopt_extension(const json_t *view)
-{
-	const json_t *khr = eco_gltf_extension(view, "KHR_meshopt_compression");
-	return khr ? khr : eco_gltf_extension(view, "EXT_meshopt_compression");
-}
-
-static uint32_t number_of(const char *name, const char *const *names, uint32_t count)
-{
-	uint32_t i = 0;
-	while (i < count && strcmp(names[i], name) != 0)
-		i++;
-	return i;
-}
-
-static bool strides_fit(const struct packed *p)
-{
-	if (p->mode == ATTRIBUTES ? p->stride == 0 || p->stride > 256 || p->stride % 4 != 0 : p->stride != 2
-			&& p->stride != 4)
-		return false;
-	if (p->mode == TRIANGLES && p->count % 3 != 0)
-		return false;
-	switch (p->filter) {
-	case NONE: return true;
-	case OCTAHEDRAL: return p->mode == ATTRIBUTES && (p->stride == 4 || p->stride == 8);
-	case QUATERNION: return p->mode == ATTRIBUTES && p->stride == 8;
-	default: return p->mode == ATTRIBUTES;
-	}
-}
-
-static enum eco_code read_packed(struct eco_gltf *doc, uint32_t view, const json_t *json, struct packed *p,
-	struct eco_error *error)
-{
-	const char *filter = eco_gltf_text(json, "filter");
-	p->mode = number_of(eco_gltf_text(json, "mode"), mode_names, MODES);
-	p->filter = *filter == 0 ? NONE : number_of(filter, filter_names, FILTERS);
-	p->count = eco_gltf_whole(json, "count", UINT64_MAX);
-	p->stride = eco_gltf_whole(json, "byteStride", 0);
-	p->length = eco_gltf_whole(json, "byteLength", UINT64_MAX);
-	if (p->mode == MODES || p->filter == FILTERS)
-		return eco_fail(error, ECO_UNSUPPORTED,
-			"%.300s: bufferView %u: meshopt compression of mode "
-			"%.20s, filter %.20s is not read; " EXPORT,
-			doc->path, view, eco_gltf_text(json, "mode"), filter);
-	if (!strides_fit(p) || p->count > ECO_GLTF_UNPACKED_MAX)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: meshopt compression with sizes "
-			"that make no sense", doc->path, view);
-	if (p->count * p->stride > ECO_GLTF_UNPACKED_MAX - doc->unpacked)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: unpacks to more than %llu bytes", doc->path,
-			(unsigned long long)ECO_GLTF_UNPACKED_MAX);
-	enum eco_code code = gltf_buffer_range(doc, eco_gltf_index(json, "buffer"),
-		eco_gltf_whole(json, "byteOffset", 0), p->length, &p->bytes, error);
-	return code || p->mode != ATTRIBUTES || !p->length || p->bytes[0] != SECOND_VERSION
-		? code
-		: eco_fail(error, ECO_UNSUPPORTED,
-			  "%.300s: bufferView %u: the second version of meshopt's codec is not read; " EXPORT,
-			  doc->path, view);
-}
-
-static bool decode(const struct packed *p, uint8_t *to)
-{
-	size_t count = (size_t)p->count, stride = (size_t)p->stride, length = (size_t)p->length;
-	if (p->mode == TRIANGLES)
-		return meshopt_decodeIndexBuffer(to, count, stride, p->bytes, length) == 0;
-	if (p->mode == INDICES)
-		return meshopt_decodeIndexSequence(to, count, stride, p->bytes, length) == 0;
-	return meshopt_decodeVertexBuffer(to, count, stride, p->bytes, length) == 0;
-}
-
-static void undo_filter(const struct packed *p, uint8_t *bytes)
-{
-	size_t count = (size_t)p->count, stride = (size_t)p->stride;
-	switch (p->filter) {
-	case OCTAHEDRAL: meshopt_decodeFilterOct(bytes, count, stride); break;
-	case QUATERNION: meshopt_decodeFilterQuat(bytes, count, stride); break;
-	case EXPONENTIAL: meshopt_decodeFilterExp(bytes, count, stride); break;
-	default: break;
-	}
-}
-
-/* No codec compresses better than 1024 to 1: a view that claims more gets no memory. */
-static bool can_be(const struct packed *p)
-{
-	return p->count * p->stride <= p->length * 1024;
-}
-
-enum eco_code gltf_meshopt_unpack(struct eco_gltf *doc, uint32_t index, const json_t *extension,
-	struct gltf_bytes *to, struct eco_error *error)
-{
-	struct packed p;
-	enum eco_code code = read_packed(doc, index, extension, &p, error);
-	if (code)
-		return code;
-	uint8_t *bytes = can_be(&p) ? eco_alloc((size_t)(p.count * p.stride) + 1, 1) : NULL;
-	if (!bytes || !decode(&p, bytes)) {
-		free(bytes);
-		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: its meshopt compression cannot "
-			"be undone", doc->path, index);
-	}
-	undo_filter(&p, bytes);
-	doc->unpacked += p.count * p.stride;
-	*to = (struct gltf_bytes){ .bytes = bytes, .size = (size_t)(p.count * p.stride), .owned = bytes };
-	return ECO_OK;
 }

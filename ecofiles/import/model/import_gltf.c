@@ -1,6 +1,5 @@
-/* A glTF model becomes a soup. First the scene is walked, and each mesh in it is read once. Then it is
- * known which materials count and how far from the origin everything is. Then each place of each mesh is
- * written out, in double.
+/* A glTF model becomes a soup. The scene is walked; each mesh in it is read once, from accessors or Draco streams,
+ * and written out at each of its places, in double.
  *
  * Axes and unit are the format's: Y up, metres. A file that requires an extension unknown here is refused
  * by name: an error is better than a model that silently lacks its leaves. */
@@ -13,33 +12,6 @@
 
 #include "ecofiles/base/memory.h"
 
-
-struct shape {                       /* a mesh */
-	uint32_t mesh;
-	uint32_t first, count;       /* its pieces */
-	uint64_t triangles, vertices;
-};
-
-struct place { uint32_t shape, node; double world[16]; };
-
-struct soup {
-	struct eco_gltf *doc;
-	struct eco_error *error;
-	uint32_t triangles_max;
-	struct eco_soup soup;
-	struct gltf_look *looks;     uint32_t look_count;
-	struct gltf_surface *pieces; uint32_t piece_count, piece_room;       /* primitives, read */
-	struct shape *shapes;        uint32_t shape_count, shape_room;
-	uint32_t *shape_of;                   /* per mesh: its shape, or ECO_NONE */
-	struct place *places;        uint32_t place_count, place_room;
-	struct gltf_skin *skins;     uint32_t skin_count;
-	struct gltf_counts counts;
-	/* triangles of all shapes; each is placed at least once, so their sum is bounded */
-	uint64_t read;
-	uint64_t triangles, vertices, instances;
-	bool colored;                        /* some vertices have colours */
-};
-
 /* ---- Required extensions ---- */
 
 /* Extensions that are read, or that do not change a plant at rest; every KHR_materials_* only changes
@@ -51,169 +23,94 @@ static const char *const handled[] = { "KHR_draco_mesh_compression", "KHR_mesh_q
 	"EXT_mesh_features", "EXT_instance_features", "EXT_structural_metadata", "EXT_lights_image_based",
 	"EXT_lights_ies", "MSFT_lod", "FB_ngon_encoding", "GODOT_single_root" };
 
-static bool is_handled(const char *name)
+static enum eco_code check_required(const struct gltf_reader *r)
 {
-	if (strncmp(name, "KHR_materials_", 14) == 0)
-		return true;
-	for (size_t i = 0; i < sizeof handled / sizeof *handled; i++)
-		if (strcmp(name, handled[i]) == 0)
-			return true;
-	return false;
-}
-
-static enum eco_code check_required(const struct soup *s)
-{
-	const json_t *required = json_object_get(eco_gltf_json(s->doc), "extensionsRequired");
+	const json_t *required = json_object_get(r->doc->root, "extensionsRequired");
 	for (size_t i = 0; i < json_array_size(required); i++) {
 		const char *name = json_string_value(json_array_get(required, i));
-		if (name
-			&& (strcmp(name, "KHR_texture_basisu") == 0 || strcmp(name, "EXT_texture_avif") == 0))
-			return eco_fail(s->error, ECO_UNSUPPORTED,
-				"%.200s: requires the glTF extension %s, which is not supported; export with "
-				"PNG, JPEG or WebP textures", eco_gltf_path(s->doc), name);
-		if (!name || !is_handled(name))
-			return eco_fail(s->error, ECO_UNSUPPORTED,
-				"%.200s: requires the glTF extension %.100s, which is not supported; export "
-				"without it", eco_gltf_path(s->doc), name ? name : "(not a name)");
+		bool read = name && strncmp(name, "KHR_materials_", 14) == 0;
+		for (size_t k = 0; name && k < sizeof handled / sizeof *handled; k++)
+			read |= strcmp(name, handled[k]) == 0;
+		bool picture = name && (strcmp(name, "KHR_texture_basisu") == 0 || strcmp(name, "EXT_texture_avif") == 0);
+		if (!read)
+			return eco_fail(r->error, ECO_UNSUPPORTED,
+				"%.200s: requires the glTF extension %.100s, which is not supported; export %s",
+				r->doc->path, name ? name : "(not a name)", picture ? "with PNG, JPEG or WebP textures"
+				: "without it");
 	}
 	return ECO_OK;
 }
 
-/* ---- Meshes ---- */
+/* ---- Skins at rest: joints place a skinned mesh. The specification says to ignore its node's own place,
+ * which is wrong by a factor of a hundred in files whose skeletons carry the scale or the axis ---- */
 
-static enum eco_code too_many(struct soup *s, uint64_t triangles)
+static enum eco_code read_skin(struct gltf_reader *r, uint32_t index)
 {
-	return triangles <= s->triangles_max ? ECO_OK : eco_fail(s->error, ECO_TOO_LARGE,
-		"%.300s: %llu triangles or more, at most %u are possible",
-		eco_gltf_path(s->doc), (unsigned long long)triangles, s->triangles_max);
-}
-
-static bool has_weights(const struct soup *s, uint32_t mesh)
-{
-	const json_t *weights = json_object_get(eco_gltf_item(s->doc, "meshes", mesh), "weights");
-	for (size_t i = 0; i < json_array_size(weights); i++)
-		if (json_number_value(json_array_get(weights, i)) != 0)
-			return true;
-	return false;
-}
-
-static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_t *primitive, uint32_t number)
-{
-	struct gltf_surface_source source = { .doc = s->doc, .looks = s->looks, .look_count = s->look_count,
-		.primitive = primitive, .morphed = has_weights(s, shape->mesh), .mesh = shape->mesh, .number = number,
-		.triangles_max = s->triangles_max, .counts = &s->counts };
-	eco_grow(&s->pieces, &s->piece_room, s->piece_count, sizeof *s->pieces);
-	struct gltf_surface *piece = &s->pieces[s->piece_count];
-	enum eco_code code = gltf_surface_read(piece, &source, s->error);
-	if (code)
-		return code;
-	s->piece_count++;
-	shape->count++;
-	shape->triangles += piece->triangle_count;
-	shape->vertices += piece->vertex_count;
-	s->looks[piece->material].used = true;
-	s->colored |= piece->color != NULL;
-	s->read += piece->triangle_count;
-	return too_many(s, s->read);
-}
-
-/* The shape of a mesh; reads it if it is new. */
-static enum eco_code find_shape(struct soup *s, uint32_t mesh, uint32_t *found)
-{
-	const json_t *json = eco_gltf_item(s->doc, "meshes", mesh), *primitives = json_object_get(json, "primitives");
-	enum eco_code code = ECO_OK;
-	if (!json)
-		return eco_fail(s->error, ECO_DAMAGED, "%.300s: names mesh %u, which is not there",
-			eco_gltf_path(s->doc), mesh);
-	*found = s->shape_of[mesh];
-	if (*found != ECO_NONE)
-		return ECO_OK;
-	eco_grow(&s->shapes, &s->shape_room, s->shape_count, sizeof *s->shapes);
-	struct shape *shape = &s->shapes[s->shape_count];
-	*shape = (struct shape){ .mesh = mesh, .first = s->piece_count };
-	for (size_t i = 0; i < json_array_size(primitives) && code == ECO_OK; i++)
-		code = read_piece(s, shape, json_array_get(primitives, i), (uint32_t)i);
-	*found = s->shape_of[mesh] = s->shape_count++;
-	return code;
-}
-
-/* ---- Places ---- */
-
-static enum eco_code add_place(struct soup *s, uint32_t shape, uint32_t node, const double world[16])
-{
-	s->triangles += s->shapes[shape].triangles;
-	s->vertices += s->shapes[shape].vertices;
-	if (too_many(s, s->triangles) != ECO_OK)
-		return ECO_TOO_LARGE;
-	eco_grow(&s->places, &s->place_room, s->place_count, sizeof *s->places);
-	struct place *place = &s->places[s->place_count++];
-	place->shape = shape;
-	place->node = node;
-	memcpy(place->world, world, sizeof place->world);
-	return ECO_OK;
-}
-
-static enum eco_code add_instances(struct soup *s, uint32_t shape, uint32_t node, const double world[16],
-	bool *there)
-{
-	struct eco_gltf_instances all;
-	enum eco_code code = eco_gltf_instances_open(s->doc, node, there, &all, s->error);
-	if (code != ECO_OK || !*there)
-		return code;
-	for (uint64_t i = 0; i < all.count && s->shapes[shape].triangles > 0 && code == ECO_OK; i++) {
-		double matrix[16];
-		eco_gltf_instance_matrix(&all, i, world, matrix);
-		code = add_place(s, shape, node, matrix);
+	struct gltf_skin *skin = &r->skins[index];
+	const json_t *json = eco_gltf_item(r->doc, "skins", index), *joints = json_object_get(json, "joints");
+	size_t count = json_array_size(joints);
+	struct eco_gltf_accessor inverse = { .bytes = NULL };
+	enum eco_code code = !json_object_get(json, "inverseBindMatrices") ? ECO_OK : eco_gltf_accessor_open(r->doc,
+		eco_gltf_index(json, "inverseBindMatrices"), 16, &inverse, r->error);
+	skin->read = true;
+	skin->matrix = eco_alloc(count, 16 * sizeof *skin->matrix);
+	skin->count = (uint32_t)count;
+	for (size_t i = 0; i < count && code == ECO_OK; i++) {
+		json_int_t node = json_is_integer(json_array_get(joints, i))
+			? json_integer_value(json_array_get(joints, i)) : -1;
+		double *matrix = &skin->matrix[i * 16], bind[16];
+		code = eco_gltf_node_matrix(r->doc, node >= 0 && node < ECO_NONE ? (uint32_t)node : ECO_NONE,
+			matrix, r->error);
+		if (code == ECO_OK && i < inverse.count) {
+			eco_gltf_element(&inverse, i, bind);
+			eco_gltf_multiply(matrix, matrix, bind);
+		}
 	}
-	s->instances += all.count;
-	eco_gltf_instances_close(&all);
+	eco_gltf_accessor_close(&inverse);
 	return code;
 }
 
-static enum eco_code visit(void *ctx, uint32_t node, const double world[16])
+/* The skin of a node; NULL: none. */
+static enum eco_code find_skin(struct gltf_reader *r, uint32_t node, const struct gltf_skin **skin)
 {
-	struct soup *s = ctx;
-	const json_t *json = eco_gltf_item(s->doc, "nodes", node);
-	uint32_t shape = ECO_NONE;
-	bool instanced = false;
-	if (!json_object_get(json, "mesh"))
-		return ECO_OK;
-	enum eco_code code = find_shape(s, eco_gltf_index(json, "mesh"), &shape);
-	if (!code)
-		code = add_instances(s, shape, node, world, &instanced);
-	if (code == ECO_OK && !instanced && s->shapes[shape].triangles > 0)
-		code = add_place(s, shape, node, world);
-	return code;
-}
-
-/* The skin of a place; reads it if it is new; NULL: none. */
-static enum eco_code find_skin(struct soup *s, uint32_t node, const struct gltf_skin **skin)
-{
-	const json_t *json = eco_gltf_item(s->doc, "nodes", node);
+	const json_t *json = eco_gltf_item(r->doc, "nodes", node);
 	uint32_t index = eco_gltf_index(json, "skin");
 	*skin = NULL;
 	if (!json_object_get(json, "skin"))
 		return ECO_OK;
-	if (index >= s->skin_count)
-		return eco_fail(s->error, ECO_DAMAGED, "%.300s: node %u names a skin that is not there",
-			eco_gltf_path(s->doc), node);
-	*skin = &s->skins[index];
-	return s->skins[index].matrix ? ECO_OK : gltf_skin_read(&s->skins[index], s->doc, index, s->error);
+	if (index >= r->skin_count)
+		return eco_fail(r->error, ECO_DAMAGED, "%.300s: node %u names a skin that is not there",
+			r->doc->path, node);
+	*skin = &r->skins[index];
+	return r->skins[index].read ? ECO_OK : read_skin(r, index);
 }
 
-/* A vertex's place in the scene, Z up. */
-static void place_vertex(const struct gltf_surface *surface, uint32_t v, const struct place *place,
-	const struct gltf_skin *skin, double out[3])
+/* Places a vertex in the world; false: no joint holds it. */
+static bool skin_place(const struct gltf_skin *skin, const struct gltf_piece *p, uint32_t vertex, const double from[3],
+	double out[3])
 {
-	const float *p = &surface->position[(size_t)v * 3];
-	const double local[3] = { (double)p[0], (double)p[1], (double)p[2] };
-	double world[3];
-	if (!skin || !gltf_skin_place(skin, surface, v, world))
-		eco_gltf_apply(place->world, local, world);
-	out[0] = world[0];
-	out[1] = -world[2];
-	out[2] = world[1];
+	double sum = 0, to[3] = { 0, 0, 0 };
+	for (int set = 0; set < GLTF_JOINT_SETS && p->values[GLTF_JOINTS + set].there && p->values[GLTF_WEIGHTS + set].there; set++) {
+		double joints[4] = { 0, 0, 0, 0 }, weights[4] = { 0, 0, 0, 0 }, place[3];
+		if (!gltf_values(p, (enum gltf_attribute)(GLTF_JOINTS + set), vertex, joints)
+				|| !gltf_values(p, (enum gltf_attribute)(GLTF_WEIGHTS + set), vertex, weights))
+			continue;
+		for (int i = 0; i < 4; i++) {
+			double weight = isfinite(weights[i]) ? (double)(float)weights[i] : 0;
+			if (!(weight > 0) || !(joints[i] >= 0 && joints[i] < skin->count))
+				continue;
+			eco_gltf_apply(&skin->matrix[(size_t)joints[i] * 16], from, place);
+			for (int k = 0; k < 3; k++)
+				to[k] += weight * place[k];
+			sum += weight;
+		}
+	}
+	for (int k = 0; k < 3; k++)
+		out[k] = sum > 0 ? to[k] / sum : 0;
+	return sum > 0;
 }
+
+/* ---- Places ---- */
 
 static double largest_scale(const double m[16])
 {
@@ -224,68 +121,130 @@ static double largest_scale(const double m[16])
 	return sqrt(most);
 }
 
-/* ---- The soup ---- */
-
-static void add_piece(struct soup *s, const struct gltf_surface *piece, const struct place *place,
+/* Z up. */
+static void add_vertex(struct gltf_reader *r, const struct gltf_piece *p, uint32_t vertex, const double world[16],
 	const struct gltf_skin *skin)
 {
-	struct eco_soup *soup = &s->soup;
-	const char *node = eco_gltf_text(eco_gltf_item(s->doc, "nodes", place->node), "name"),
-		*mesh = eco_gltf_text(eco_gltf_item(s->doc, "meshes", s->shapes[place->shape].mesh), "name");
-	const uint32_t first = soup->model->vertex_count;
-	if (!s->looks[piece->material].invisible)
-		eco_soup_part(soup, node, strlen(node), mesh, strlen(mesh));
+	double values[4] = { 0, 0, 0, 0 }, at[3];
+	float uv[2] = { 0, 0 }, rgb[3];
+	gltf_values(p, GLTF_POSITION, vertex, values);
+	const double local[3] = { (double)(float)values[0], (double)(float)values[1], (double)(float)values[2] };
+	if (!skin || !skin_place(skin, p, vertex, local, at))
+		eco_gltf_apply(world, local, at);
+	if (gltf_values(p, GLTF_TEXCOORD, vertex, values))
+		gltf_look_apply(&r->looks[p->material], values, uv);
+	values[0] = values[1] = values[2] = 1;
+	gltf_values(p, GLTF_COLOR, vertex, values);
+	for (int k = 0; k < 3; k++)
+		rgb[k] = isfinite(values[k]) ? (float)values[k] : 1;
+	eco_soup_vertex(&r->soup, (const double[3]){ at[0], -at[2], at[1] }, uv, rgb);
+}
+
+static void add_piece(struct gltf_reader *r, const struct gltf_piece *p, const double world[16], const struct gltf_skin *skin)
+{
+	const uint32_t first = r->soup.vertex_count;
 	if (!skin)
-		soup->far = fmax(soup->far, piece->far * largest_scale(place->world));
-	for (uint32_t v = 0; v < piece->vertex_count; v++) {
-		double at[3];
-		place_vertex(piece, v, place, skin, at);
-		eco_soup_vertex(soup, at, piece->uv ? &piece->uv[(size_t)v * 2] : NULL,
-			piece->color ? &piece->color[(size_t)v * 3] : NULL);
-	}
-	eco_soup_mesh(soup, piece->material, piece->color);
-	for (uint32_t i = 0; i < piece->triangle_count; i++) {
+		r->soup.far = fmax(r->soup.far, p->far * largest_scale(world));
+	for (uint32_t v = 0; v < p->vertex_count; v++)
+		add_vertex(r, p, p->source[v], world, skin);
+	eco_soup_mesh(&r->soup, p->material, p->values[GLTF_COLOR].there);
+	for (uint32_t i = 0; i < p->triangle_count; i++) {
 		uint32_t v[3];
 		for (int k = 0; k < 3; k++) {
-			uint32_t own = piece->index[(size_t)i * 3 + (size_t)k];
+			uint32_t own = p->index[(size_t)i * 3 + (size_t)k];
 			v[k] = own != ECO_NONE ? first + own : ECO_NONE;
 		}
-		eco_soup_triangle(soup, v[0], v[1], v[2]);
+		eco_soup_triangle(&r->soup, v[0], v[1], v[2]);
 	}
 }
 
-static enum eco_code add_places(struct soup *s)
+static enum eco_code place_mesh(struct gltf_reader *r, uint32_t number, uint32_t node, const double world[16])
 {
-	uint32_t parts = s->place_count < ECO_MODEL_PARTS_MAX ? s->place_count : ECO_MODEL_PARTS_MAX;
-	eco_soup_reserve(&s->soup, s->vertices, s->triangles, parts, s->colored);
-	for (uint32_t i = 0; i < s->place_count; i++) {
-		const struct place *place = &s->places[i];
-		const struct shape *shape = &s->shapes[place->shape];
-		const struct gltf_skin *skin;
-		enum eco_code code = find_skin(s, place->node, &skin);
-		for (uint32_t k = 0; k < shape->count && !code; k++)
-			add_piece(s, &s->pieces[shape->first + k], place, skin);
-		if (code)
-			return code;
+	const struct gltf_mesh *mesh = &r->meshes[number];
+	const char *node_name = eco_gltf_text(eco_gltf_item(r->doc, "nodes", node), "name"),
+		*mesh_name = eco_gltf_text(eco_gltf_item(r->doc, "meshes", number), "name");
+	const struct gltf_skin *skin;
+	enum eco_code code = gltf_too_many(r, r->soup.triangle_count + mesh->triangles);
+	if (!code)
+		code = find_skin(r, node, &skin);
+	for (uint32_t i = 0; i < mesh->count && !code; i++) {
+		const struct gltf_piece *p = &r->pieces[mesh->first + i];
+		if (!r->looks[p->material].invisible)
+			eco_soup_part(&r->soup, node_name, strlen(node_name), mesh_name, strlen(mesh_name));
+		add_piece(r, p, world, skin);
 	}
-	return ECO_OK;
+	return code;
+}
+
+/* Places a mesh at each instance of EXT_mesh_gpu_instancing. */
+static enum eco_code place_instances(struct gltf_reader *r, uint32_t mesh, uint32_t node, const json_t *attributes,
+	const double world[16])
+{
+	static const struct { const char *name; uint32_t components; } kinds[] = { { "TRANSLATION", 3 },
+		{ "ROTATION", 4 }, { "SCALE", 3 } };
+	struct eco_gltf_accessor a[3] = { { .bytes = NULL } };
+	uint64_t count = UINT64_MAX;
+	enum eco_code code = ECO_OK;
+	for (int k = 0; k < 3 && !code; k++) {
+		if (!json_object_get(attributes, kinds[k].name))
+			continue;
+		code = eco_gltf_accessor_open(r->doc, eco_gltf_index(attributes, kinds[k].name), kinds[k].components,
+			&a[k], r->error);
+		if (!code && count != UINT64_MAX && count != a[k].count)
+			code = eco_fail(r->error, ECO_DAMAGED, "%.300s: node %u: its instances have %llu and %llu "
+				"places, turns or sizes", r->doc->path, node, (unsigned long long)count,
+				(unsigned long long)a[k].count);
+		count = a[k].count;
+	}
+	if (!code && count == UINT64_MAX)
+		code = eco_fail(r->error, ECO_DAMAGED, "%.300s: node %u: instances without places, turns or sizes",
+			r->doc->path, node);
+	for (uint64_t i = 0; i < count && r->meshes[mesh].triangles > 0 && !code; i++) {
+		double at[3][4] = { { 0 }, { 0, 0, 0, 1 }, { 1, 1, 1 } }, matrix[16];
+		for (int k = 0; k < 3; k++)
+			if (a[k].count > 0)
+				eco_gltf_element(&a[k], i, at[k]);
+		eco_gltf_compose(matrix, at[0], at[1], at[2]);
+		eco_gltf_multiply(matrix, world, matrix);
+		code = place_mesh(r, mesh, node, matrix);
+	}
+	r->instances += count;
+	for (int k = 0; k < 3; k++)
+		eco_gltf_accessor_close(&a[k]);
+	return code;
+}
+
+static enum eco_code visit(void *ctx, uint32_t node, const double world[16])
+{
+	struct gltf_reader *r = ctx;
+	const json_t *json = eco_gltf_item(r->doc, "nodes", node),
+		*instanced = eco_gltf_extension(json, "EXT_mesh_gpu_instancing");
+	uint32_t mesh = eco_gltf_index(json, "mesh");
+	if (!json_object_get(json, "mesh"))
+		return ECO_OK;
+	enum eco_code code = gltf_mesh_read(r, mesh);
+	if (!code && instanced)
+		code = place_instances(r, mesh, node, json_object_get(instanced, "attributes"), world);
+	else if (!code && r->meshes[mesh].triangles > 0)
+		code = place_mesh(r, mesh, node, world);
+	return code;
 }
 
 /* ---- The file ---- */
 
-static void tell(struct soup *s)
+static void tell(struct gltf_reader *r)
 {
-	struct eco_notes *notes = s->soup.notes;
+	struct eco_notes *notes = r->soup.notes;
 	const struct { uint64_t count; const char *are; } odd[] = {
-		{ s->instances, "instances in it (EXT_mesh_gpu_instancing) make one plant" },
-		{ s->counts.points, "points are left out: only triangles are drawn" },
-		{ s->counts.lines, "lines are left out: only triangles are drawn" },
-		{ s->counts.shapeless, "primitives without positions are left out" },
-		{ s->counts.partial, "corners at the ends of lists of triangles make no triangle" },
-		{ s->counts.morphed, "meshes have morph targets at rest, which are not applied" },
-		{ s->counts.faint, "vertices have colours with alpha below 0.5, which is not applied" } };
-	size_t scenes = json_array_size(json_object_get(eco_gltf_json(s->doc), "scenes"));
-	if (!eco_gltf_has_scene(s->doc))
+		{ r->instances, "instances in it (EXT_mesh_gpu_instancing) make one plant" },
+		{ r->points, "points are left out: only triangles are drawn" },
+		{ r->lines, "lines are left out: only triangles are drawn" },
+		{ r->shapeless, "primitives without positions are left out" },
+		{ r->partial, "corners at the ends of lists of triangles make no triangle" },
+		{ r->morphed, "meshes have morph targets at rest, which are not applied" },
+		{ r->faint, "vertices have colours with alpha below 0.5, which is not applied" } };
+	size_t scenes = json_array_size(json_object_get(r->doc->root, "scenes"));
+	if (!eco_gltf_scene(r->doc))
 		eco_note(notes, "%s: all of its nodes are read",
 			scenes > 0 ? "its default scene is not there" : "no scene in it");
 	else if (scenes > 1)
@@ -295,84 +254,64 @@ static void tell(struct soup *s)
 			eco_note(notes, "%llu %s", (unsigned long long)odd[i].count, odd[i].are);
 }
 
-static enum eco_code prepare(struct soup *s)
+static enum eco_code check_totals(const struct gltf_reader *r)
 {
-	size_t meshes = json_array_size(json_object_get(eco_gltf_json(s->doc), "meshes"));
-	size_t skins = json_array_size(json_object_get(eco_gltf_json(s->doc), "skins"));
-	*s->soup.frame = (struct eco_model_frame){ .format = "glTF", .unit_m = 1, .up = ECO_UP_Y,
+	if (r->soup.triangle_count == 0 && r->points + r->lines > 0)
+		return eco_fail(r->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %llu points and "
+			"%llu lines; a point cloud has no surfaces: make a mesh of it first", r->doc->path,
+			(unsigned long long)r->points, (unsigned long long)r->lines);
+	return r->soup.triangle_count > 0 ? ECO_OK
+		: eco_fail(r->error, ECO_BAD_INPUT, "%.300s: no triangles in its scene", r->doc->path);
+}
+
+static enum eco_code read_document(struct gltf_reader *r)
+{
+	size_t materials = json_array_size(json_object_get(r->doc->root, "materials"));
+	enum eco_code code = check_required(r);
+	if (!code && materials >= ECO_MODEL_MATERIALS_MAX - ECO_TINTS_MAX)
+		code = eco_fail(r->error, ECO_TOO_LARGE, "%.300s: %zu materials are too many", r->doc->path, materials);
+	if (code)
+		return code;
+	*r->soup.frame = (struct eco_model_frame){ .format = "glTF", .unit_m = 1, .up = ECO_UP_Y,
 		.convention = ECO_UP_Y };
-	s->looks = gltf_looks_read(s->doc, &s->look_count);
-	if (!s->looks)
-		return eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", eco_gltf_path(s->doc));
-	s->shape_of = eco_alloc(meshes + 1, sizeof *s->shape_of);
-	s->skins = eco_alloc(skins + 1, sizeof *s->skins);
-	memset(s->shape_of, 0xff, meshes * sizeof *s->shape_of);
-	s->skin_count = (uint32_t)skins;
-	return check_required(s);
-}
-
-static enum eco_code check_totals(const struct soup *s)
-{
-	const char *path = eco_gltf_path(s->doc);
-	if (s->triangles == 0 && s->counts.points + s->counts.lines > 0)
-		return eco_fail(s->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %llu points and "
-			"%llu lines; a point cloud has no surfaces: make a mesh of it first", path,
-			(unsigned long long)s->counts.points, (unsigned long long)s->counts.lines);
-	if (s->triangles == 0)
-		return eco_fail(s->error, ECO_BAD_INPUT, "%.300s: no triangles in its scene", path);
-	return ECO_OK;
-}
-
-static enum eco_code read_soup(struct soup *s)
-{
-	enum eco_code code = prepare(s);
+	r->look_count = (uint32_t)materials;
+	r->looks = gltf_looks_read(r->doc, r->look_count);
+	r->meshes = eco_alloc(json_array_size(json_object_get(r->doc->root, "meshes")), sizeof *r->meshes);
+	r->skin_count = (uint32_t)json_array_size(json_object_get(r->doc->root, "skins"));
+	r->skins = eco_alloc(r->skin_count, sizeof *r->skins);
+	code = eco_gltf_walk(r->doc, visit, r, r->error);
 	if (!code)
-		code = eco_gltf_walk(s->doc, visit, s, s->error);
-	if (!code)
-		code = check_totals(s);
+		code = check_totals(r);
 	if (code)
 		return code;
-	gltf_materials_read(s->soup.model, s->doc, s->looks, s->look_count, s->soup.notes);
-	code = add_places(s);
-	if (code)
-		return code;
-	bool *invisible = eco_alloc(s->look_count + 1u, 1);
-	for (uint32_t i = 0; i <= s->look_count; i++)
-		invisible[i] = s->looks[i].invisible;
-	s->soup.invisible = invisible;
-	tell(s);
-	eco_soup_end(&s->soup, "baseColorFactor");
+	gltf_materials_read(r->soup.model, r->doc, r->looks, r->look_count, r->soup.notes);
+	tell(r);
+	bool *invisible = eco_alloc(r->look_count + 1u, 1);
+	for (uint32_t i = 0; i <= r->look_count; i++)
+		invisible[i] = r->looks[i].invisible;
+	r->soup.invisible = invisible;
+	eco_soup_end(&r->soup, "baseColorFactor");
 	free(invisible);
 	return ECO_OK;
-}
-
-enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame,
-	struct eco_gltf *doc, uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
-{
-	struct soup s = { .doc = doc, .error = error, .triangles_max = triangles_max,
-		.soup = { .model = model, .frame = frame, .notes = notes, .linear = true } };
-	enum eco_code code = read_soup(&s);
-	eco_soup_free(&s.soup);
-	for (uint32_t i = 0; i < s.piece_count; i++)
-		gltf_surface_free(&s.pieces[i]);
-	for (uint32_t i = 0; i < s.skin_count; i++)
-		free(s.skins[i].matrix);
-	free(s.pieces);
-	free(s.shapes);
-	free(s.places);
-	free(s.skins);
-	free(s.looks);
-	free(s.shape_of);
-	return code;
 }
 
 enum eco_code eco_gltf_read_model(struct eco_model *model, struct eco_model_frame *frame, const char *path,
 	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
-	struct eco_gltf *doc;
-	enum eco_code code = eco_gltf_open(&doc, path, error);
+	struct gltf_reader r = { .error = error, .triangles_max = triangles_max,
+		.soup = { .model = model, .frame = frame, .notes = notes, .linear = true } };
+	enum eco_code code = eco_gltf_open(&r.doc, path, error);
 	if (!code)
-		code = eco_gltf_read_document(model, frame, doc, triangles_max, notes, error);
-	eco_gltf_close(doc);
+		code = read_document(&r);
+	eco_soup_free(&r.soup);
+	for (uint32_t i = 0; i < r.piece_count; i++)
+		gltf_piece_free(&r.pieces[i]);
+	for (uint32_t i = 0; i < r.skin_count; i++)
+		free(r.skins[i].matrix);
+	free(r.pieces);
+	free(r.meshes);
+	free(r.skins);
+	free(r.looks);
+	eco_gltf_close(r.doc);
 	return code;
 }

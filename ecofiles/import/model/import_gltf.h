@@ -5,39 +5,6 @@
 #include "ecofiles/import/model/gltf.h"
 #include "ecofiles/import/model/import_model.h"
 
-/* ---- The document (gltf.c) ---- */
-
-#define ECO_GLTF_FILE_MAX ((uint64_t)1 << 32)
-#define ECO_GLTF_JSON_MAX ((size_t)256 << 20)
-#define ECO_GLTF_UNPACKED_MAX ((uint64_t)1 << 32)    /* bytes of all compressed views together */
-
-struct gltf_bytes {              /* of a buffer, or of an unpacked view */
-	const uint8_t *bytes;        /* NULL: not loaded yet */
-	size_t size;
-	uint8_t *owned;
-};
-
-struct eco_gltf {
-	char *path;
-	uint8_t *owned;              /* the file; NULL: the caller owns it */
-	json_t *root;
-	struct gltf_bytes chunk;     /* of a .glb */
-	struct gltf_bytes *buffers, *views;
-	size_t buffer_count, view_count, node_count;
-	uint64_t unpacked;           /* bytes unpacked so far */
-	uint32_t *parent;            /* per node; NULL: not computed yet */
-};
-
-/* [offset, offset + size) of a buffer. */
-enum eco_code gltf_buffer_range(struct eco_gltf *doc, uint32_t buffer, uint64_t offset, uint64_t size,
-	const uint8_t **bytes, struct eco_error *error);
-
-/* The meshopt extension of a view; NULL: not compressed. */
-const json_t *gltf_meshopt_extension(const json_t *view);
-/* Unpacks view `index`; *to then owns its bytes. */
-enum eco_code gltf_meshopt_unpack(struct eco_gltf *doc, uint32_t index, const json_t *extension,
-	struct gltf_bytes *to, struct eco_error *error);
-
 /* ---- Materials (import_gltf_material.c) ---- */
 
 struct gltf_look {               /* the part of a material that geometry needs */
@@ -48,7 +15,7 @@ struct gltf_look {               /* the part of a material that geometry needs *
 };
 
 /* Reads all materials; malloc'ed. Item `count` stands for primitives without a material. */
-struct gltf_look *gltf_looks_read(const struct eco_gltf *doc, uint32_t *count);
+struct gltf_look *gltf_looks_read(const struct eco_gltf *doc, uint32_t count);
 void gltf_look_apply(const struct gltf_look *look, const double from[2], float to[2]);
 
 /* Fills model->materials, and the images of materials used and visible. */
@@ -57,50 +24,48 @@ void gltf_materials_read(struct eco_model *model, struct eco_gltf *doc, const st
 
 /* ---- Surfaces (import_gltf_surface.c) ---- */
 
-#define GLTF_INFLUENCES_MAX 16u
+#define GLTF_JOINT_SETS 4             /* of four joints each */
+enum gltf_attribute { GLTF_POSITION, GLTF_TEXCOORD, GLTF_COLOR, GLTF_JOINTS, GLTF_WEIGHTS = GLTF_JOINTS + GLTF_JOINT_SETS,
+	GLTF_ATTRIBUTES = GLTF_WEIGHTS + GLTF_JOINT_SETS };
 
-/* a primitive: triangles in its mesh's own coordinates, only the vertices in use */
-struct gltf_surface {
-	uint32_t vertex_count, triangle_count, material;
-	float *position;             /* 3 per vertex */
-	float *uv;                   /* 2 per vertex; NULL: none */
-	float *color;                /* 3 per vertex, linear; NULL: none */
-	uint32_t *index;             /* 3 per triangle; ECO_NONE: a missing vertex */
-	uint32_t influences;         /* joints per vertex; 0: not skinned */
-	uint32_t *joint;             /* `influences` per vertex */
-	float *weight;
-	double far;                  /* largest coordinate, which the file holds in single precision */
+struct gltf_piece {                   /* a primitive */
+	struct { bool there; struct eco_gltf_accessor a; } values[GLTF_ATTRIBUTES];
+	uint32_t material, triangle_count, *index;   /* 3 per triangle, into `source`; ECO_NONE: a missing vertex */
+	uint32_t vertex_count, *source;              /* vertices in use, by their numbers in the file */
+	double far;                  /* largest coordinate, if the file holds it in single precision */
 };
 
-struct gltf_counts {             /* things not drawn, for the notes */
-	uint64_t points, lines, shapeless, partial, morphed, faint;
-};
+struct gltf_mesh { bool read; uint32_t first, count; uint64_t triangles; };       /* its pieces */
 
-struct gltf_surface_source {
+struct gltf_skin { bool read; uint32_t count; double *matrix; };  /* 16 per joint, to the world */
+
+struct gltf_reader {
 	struct eco_gltf *doc;
-	const struct gltf_look *looks;       uint32_t look_count;
-	const json_t *primitive;
-	bool morphed;                        /* morph targets have weights at rest, which are not applied */
-	uint32_t mesh, number;               /* number of the primitive in the mesh, for messages */
+	struct eco_error *error;
 	uint32_t triangles_max;
-	struct gltf_counts *counts;
+	struct eco_soup soup;
+	struct gltf_look *looks;     uint32_t look_count;
+	struct gltf_piece *pieces;        uint32_t piece_count, piece_room;
+	struct gltf_mesh *meshes;
+	struct gltf_skin *skins;          uint32_t skin_count;
+	uint64_t read;               /* triangles of all meshes */
+	/* things not drawn, or odd, for the notes */
+	uint64_t instances, points, lines, shapeless, partial, morphed, faint;
+	/* the primitive being read */
+	const json_t *primitive;
+	struct gltf_piece *to;
+	uint32_t mesh, number;
+	struct eco_gltf_accessor indices;
+	uint64_t vertex_count, index_count;          /* in the file */
+	bool indexed, draco;
 };
 
-/* Reads one primitive; no triangles if it consists of points or lines. */
-enum eco_code gltf_surface_read(struct gltf_surface *surface, const struct gltf_surface_source *source,
-	struct eco_error *error);
-void gltf_surface_free(struct gltf_surface *surface);
-
-/* ---- Skins at rest ---- */
-
-struct gltf_skin {
-	uint32_t count;
-	double *matrix;              /* 16 per joint, to the world; NULL: not read */
-};
-enum eco_code gltf_skin_read(struct gltf_skin *skin, struct eco_gltf *doc, uint32_t index,
-	struct eco_error *error);
-/* Vertex `v` in the world; false: no joint holds it. */
-bool gltf_skin_place(const struct gltf_skin *skin, const struct gltf_surface *surface, uint32_t v,
-	double out[3]);
+/* Reads all primitives of a mesh, once. */
+enum eco_code gltf_mesh_read(struct gltf_reader *reader, uint32_t mesh);
+/* False beyond an attribute's end, where values stay: the exporter made one accessor too short. */
+bool gltf_values(const struct gltf_piece *piece, enum gltf_attribute which, uint32_t vertex, double *values);
+/* ECO_TOO_LARGE, if it is more than may be. */
+enum eco_code gltf_too_many(const struct gltf_reader *reader, uint64_t triangles);
+void gltf_piece_free(struct gltf_piece *piece);
 
 #endif

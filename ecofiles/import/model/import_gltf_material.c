@@ -94,13 +94,10 @@ static void read_look(const json_t *material, struct gltf_look *look)
 	read_transform(texture_of(material), look);
 }
 
-struct gltf_look *gltf_looks_read(const struct eco_gltf *doc, uint32_t *count)
+struct gltf_look *gltf_looks_read(const struct eco_gltf *doc, uint32_t count)
 {
-	size_t materials = json_array_size(json_object_get(eco_gltf_json(doc), "materials"));
-	struct gltf_look *looks = materials < ECO_MODEL_MATERIALS_MAX ? eco_alloc(materials + 1, sizeof *looks)
-		: NULL;
-	*count = (uint32_t)materials;
-	for (size_t i = 0; looks && i <= materials; i++)
+	struct gltf_look *looks = eco_alloc(count + 1u, sizeof *looks);
+	for (uint32_t i = 0; i <= count; i++)
 		read_look(eco_gltf_item(doc, "materials", i), &looks[i]);
 	return looks;
 }
@@ -177,45 +174,35 @@ static uint32_t source_of(const struct eco_gltf *doc, const json_t *texture)
 		"source");
 }
 
-static void read_image(struct eco_images *images, const struct eco_gltf *doc, const json_t *material,
-	double opacity, struct eco_material *to, struct eco_notes *notes)
-{
-	struct eco_image_wanted wanted = { .gain = 1 };
-	char name[2048];
-	if (!image_name(doc, source_of(doc, texture_of(material)), name, sizeof name)) {
-		eco_note(notes, "material %.63s: its texture has no picture of a kind that is read; it "
-			"keeps one colour", to->name);
-		return;
-	}
-	wanted.texture = name;
-	wanted.alpha = alpha_of(material, &wanted.gain);
-	if (wanted.alpha != ECO_ALPHA_OPAQUE)
-		wanted.gain *= (float)opacity;
-	to->image = eco_images_get(images, &wanted, &to->cutout);
-}
-
-/* ---- Materials ---- */
-
 static void read_material(struct eco_images *images, const struct eco_gltf *doc, uint32_t index,
 	const struct gltf_look *look, struct eco_notes *notes)
 {
 	const json_t *material = eco_gltf_item(doc, "materials", index);
 	struct eco_material *to = &images->model->materials[index];
+	struct eco_image_wanted wanted = { .texture = NULL };
 	double rgba[4];
+	char name[2048];
 	snprintf(to->name, sizeof to->name, "%.63s", eco_gltf_text(material, "name"));
 	factor_of(material, rgba);
 	for (int k = 0; k < 3; k++)
 		to->rgb[k] = eco_srgb_from_linear(rgba[k]);
-	if (look->used && look->textured && !look->invisible)
-		read_image(images, doc, material, rgba[3], to, notes);
-	if (look->used && look->textured && to->image == ECO_NONE)
-		eco_material_lost_picture(to);
+	if (!look->used || !look->textured || look->invisible)
+		return;
+	wanted.alpha = alpha_of(material, &wanted.gain);
+	if (wanted.alpha != ECO_ALPHA_OPAQUE)
+		wanted.gain *= (float)rgba[3];
+	if (image_name(doc, source_of(doc, texture_of(material)), name, sizeof name))
+		wanted.texture = name;
+	else
+		eco_note(notes, "material %.63s: its texture has no picture of a kind that is read; it "
+			"keeps one colour", to->name);
+	eco_material_take_picture(to, images, &wanted, false);
 }
 
 void gltf_materials_read(struct eco_model *model, struct eco_gltf *doc, const struct gltf_look *looks,
 	uint32_t count, struct eco_notes *notes)
 {
-	struct eco_images images = { .model = model, .path = eco_gltf_path(doc), .notes = notes,
+	struct eco_images images = { .model = model, .path = doc->path, .notes = notes,
 		.embedded = embedded, .ctx = doc };
 	uint32_t all = count + looks[count].used;
 	model->materials = eco_alloc((size_t)all + 1, sizeof *model->materials);

@@ -1,6 +1,5 @@
-/* One primitive of a glTF mesh, from accessors or a Draco stream, as triangles with the vertices in use.
- * Other vertices are dropped here: exporters let all primitives of a file share one large buffer. */
-#include "ecofiles/base/memory.h"
+/* Primitives of glTF meshes, from accessors or a Draco stream, as triangles with the vertices in use: exporters let
+ * all primitives of a file share one large buffer. */
 #include "ecofiles/import/model/import_gltf.h"
 
 #include <math.h>
@@ -8,197 +7,180 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/chunk/draco_shim.h"
 
 enum mode { POINTS, LINES, LINE_LOOP, LINE_STRIP, TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN };
 
-enum attribute { POSITION, TEXCOORD, COLOR, JOINTS, WEIGHTS = JOINTS + GLTF_INFLUENCES_MAX / 4,
-	ATTRIBUTES = WEIGHTS + GLTF_INFLUENCES_MAX / 4 };
-
-struct attribute_values {        /* of all vertices of the file */
-	bool there;
-	struct eco_gltf_accessor accessor;
-	float *draco;                /* replaces the accessor: its components per vertex */
-};
-
-struct reader {
-	const struct gltf_surface_source *from;
-	struct gltf_surface *to;
-	struct attribute_values values[ATTRIBUTES];
-	uint64_t vertex_count;       /* in the file */
-	struct eco_gltf_accessor indices;
-	uint32_t *draco_index;       /* replaces the accessor */
-	bool indexed;
-	uint64_t index_count;
-	struct eco_error *error;
-};
-
-static enum eco_code fail(const struct reader *r, enum eco_code code, const char *says)
+static enum eco_code fail(const struct gltf_reader *r, enum eco_code code, const char *says)
 {
-	return eco_fail(r->error, code, "%.300s: meshes[%u].primitives[%u]: %s", eco_gltf_path(r->from->doc),
-		r->from->mesh, r->from->number, says);
+	return eco_fail(r->error, code, "%.300s: meshes[%u].primitives[%u]: %s", r->doc->path, r->mesh, r->number,
+		says);
+}
+
+enum eco_code gltf_too_many(const struct gltf_reader *r, uint64_t triangles)
+{
+	return triangles <= r->triangles_max ? ECO_OK : eco_fail(r->error, ECO_TOO_LARGE,
+		"%.300s: %llu triangles or more, at most %u are possible",
+		r->doc->path, (unsigned long long)triangles, r->triangles_max);
 }
 
 /* ---- Attributes ---- */
 
-static void name_of(enum attribute which, const struct gltf_look *look, char name[32])
+static void name_of(enum gltf_attribute which, const struct gltf_look *look, char name[32])
 {
-	if (which == POSITION)
-		snprintf(name, 32, "POSITION");
-	else if (which == TEXCOORD)
+	if (which >= GLTF_JOINTS)
+		snprintf(name, 32, "%s_%d", which < GLTF_WEIGHTS ? "JOINTS" : "WEIGHTS", (which - GLTF_JOINTS) % GLTF_JOINT_SETS);
+	else if (which == GLTF_TEXCOORD)
 		snprintf(name, 32, "TEXCOORD_%u", look->uv_set);
-	else if (which == COLOR)
-		snprintf(name, 32, "COLOR_0");
-	else if (which < WEIGHTS)
-		snprintf(name, 32, "JOINTS_%u", (unsigned)(which - JOINTS));
 	else
-		snprintf(name, 32, "WEIGHTS_%u", (unsigned)(which - WEIGHTS));
+		snprintf(name, 32, "%s", which == GLTF_POSITION ? "POSITION" : "COLOR_0");
 }
 
 /* Unneeded attributes are not read, and may be broken. */
-static bool is_wanted(const struct reader *r, enum attribute which, const struct gltf_look *look)
+static bool is_wanted(const struct gltf_reader *r, enum gltf_attribute which, const struct gltf_look *look)
 {
-	if (which == TEXCOORD)
-		return look->textured && !look->invisible;
-	return which < JOINTS || json_array_size(json_object_get(eco_gltf_json(r->from->doc), "skins")) > 0;
+	return which == GLTF_TEXCOORD ? look->textured && !look->invisible : which < GLTF_JOINTS || r->skin_count > 0;
 }
 
-static bool components_fit(enum attribute which, uint32_t components)
+static enum eco_code open_attribute(struct gltf_reader *r, enum gltf_attribute which, const char *name)
 {
-	return components == (which == POSITION ? 3u : which == TEXCOORD ? 2u : 4u)
-		|| (which == COLOR && components == 3);
-}
-
-static enum eco_code open_attribute(struct reader *r, enum attribute which, const char *name)
-{
-	const json_t *attributes = json_object_get(r->from->primitive, "attributes");
-	struct attribute_values *v = &r->values[which];
+	const json_t *attributes = json_object_get(r->primitive, "attributes");
+	struct eco_gltf_accessor *a = &r->to->values[which].a;
 	if (!json_object_get(attributes, name))
 		return ECO_OK;
-	enum eco_code code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(attributes, name), 0,
-		&v->accessor, r->error);
+	enum eco_code code = eco_gltf_accessor_open(r->doc, eco_gltf_index(attributes, name), 0, a, r->error);
 	if (code)
 		return code;
-	if (!components_fit(which, v->accessor.components))
-		return fail(r, ECO_DAMAGED, "an attribute with a wrong number of components");
-	v->there = true;
-	return ECO_OK;
+	r->to->values[which].there = a->components == (which == GLTF_POSITION ? 3u : which == GLTF_TEXCOORD ? 2u : 4u)
+		|| (which == GLTF_COLOR && a->components == 3);
+	return r->to->values[which].there ? ECO_OK
+		: fail(r, ECO_DAMAGED, "an attribute with a wrong number of components");
 }
 
-static enum eco_code open_attributes(struct reader *r, const struct gltf_look *look)
+static enum eco_code open_attributes(struct gltf_reader *r, const struct gltf_look *look)
 {
 	enum eco_code code = ECO_OK;
-	for (int i = 0; i < ATTRIBUTES && code == ECO_OK; i++) {
+	for (int i = 0; i < GLTF_ATTRIBUTES && code == ECO_OK; i++) {
 		char name[32];
-		name_of((enum attribute)i, look, name);
-		if (is_wanted(r, (enum attribute)i, look))
-			code = open_attribute(r, (enum attribute)i, name);
-		if (code == ECO_OK && i == TEXCOORD && !r->values[i].there && look->uv_set != 0
-				&& is_wanted(r, TEXCOORD, look))
-			code = open_attribute(r, TEXCOORD, "TEXCOORD_0");
+		if (!is_wanted(r, (enum gltf_attribute)i, look))
+			continue;
+		name_of((enum gltf_attribute)i, look, name);
+		code = open_attribute(r, (enum gltf_attribute)i, name);
+		if (code == ECO_OK && i == GLTF_TEXCOORD && !r->to->values[i].there)
+			code = open_attribute(r, GLTF_TEXCOORD, "TEXCOORD_0");
 	}
 	return code;
 }
 
-static void vertex_values(const struct reader *r, enum attribute which, uint32_t vertex, double *values)
+bool gltf_values(const struct gltf_piece *p, enum gltf_attribute which, uint32_t vertex, double *values)
 {
-	static const double most[] = { 127, 255, 32767, 65535 };
-	const struct attribute_values *v = &r->values[which];
-	if (!v->draco) {
-		eco_gltf_element(&v->accessor, vertex, values);
-		return;
-	}
-	for (uint32_t c = 0; c < v->accessor.components; c++) {
-		values[c] = (double)v->draco[(size_t)vertex * v->accessor.components + c];
-		if (v->accessor.normalized && v->accessor.type <= 5123)
-			values[c] = fmax(values[c] / most[v->accessor.type - 5120], -1);
-	}
+	bool there = p->values[which].there && vertex < p->values[which].a.count;
+	if (there)
+		eco_gltf_element(&p->values[which].a, vertex, values);
+	return there;
 }
 
 /* ---- Draco ---- */
 
-static uint32_t faces_declared(const struct reader *r)
+static uint32_t faces_declared(const struct gltf_reader *r)
 {
-	const json_t *accessor = eco_gltf_item(r->from->doc, "accessors",
-		eco_gltf_whole(r->from->primitive, "indices", UINT64_MAX));
+	const json_t *accessor = eco_gltf_item(r->doc, "accessors",
+		eco_gltf_whole(r->primitive, "indices", UINT64_MAX));
 	uint64_t count = eco_gltf_whole(accessor, "count", UINT64_MAX);
-	return accessor && count / 3 < r->from->triangles_max ? (uint32_t)(count / 3)
-		: r->from->triangles_max;
+	return accessor && count / 3 < r->triangles_max ? (uint32_t)(count / 3) : r->triangles_max;
 }
 
 /* Finds Draco's attributes among those needed. The others keep their accessors, if these have data. */
-static uint32_t match_attributes(struct reader *r, const json_t *ids, const struct gltf_look *look,
-	struct eco_draco_attribute *wanted, enum attribute *which)
+static uint32_t match_attributes(const struct gltf_reader *r, const json_t *ids, const struct gltf_look *look,
+	struct eco_draco_attribute *wanted, enum gltf_attribute *which)
 {
 	uint32_t count = 0;
-	for (int i = 0; i < ATTRIBUTES; i++) {
+	for (int i = 0; i < GLTF_ATTRIBUTES; i++) {
 		char name[32];
-		name_of((enum attribute)i, look, name);
+		name_of((enum gltf_attribute)i, look, name);
 		uint32_t id = eco_gltf_index(ids, name);
-		if (id == ECO_NONE && i == TEXCOORD)
+		if (id == ECO_NONE && i == GLTF_TEXCOORD)
 			id = eco_gltf_index(ids, "TEXCOORD_0");
-		if (id == ECO_NONE || !r->values[i].there)
+		if (id == ECO_NONE || !r->to->values[i].there)
 			continue;
 		wanted[count] = (struct eco_draco_attribute){ .id = id,
-			.components = (uint8_t)r->values[i].accessor.components };
-		which[count++] = (enum attribute)i;
+			.components = (uint8_t)r->to->values[i].a.components };
+		which[count++] = (enum gltf_attribute)i;
 	}
 	return count;
 }
 
-static enum eco_code open_draco(struct reader *r, const json_t *extension, const struct gltf_look *look)
+/* Unpacked numbers stand in for the accessors; Draco gives integers as floats. */
+static enum eco_code open_draco(struct gltf_reader *r, const json_t *extension, const struct gltf_look *look)
 {
-	struct eco_draco_attribute wanted[ATTRIBUTES];
-	enum attribute which[ATTRIBUTES];
+	struct eco_draco_attribute wanted[GLTF_ATTRIBUTES];
+	enum gltf_attribute which[GLTF_ATTRIBUTES];
 	struct eco_draco_mesh mesh;
 	struct eco_error inner = { .code = ECO_OK };
 	uint32_t count = match_attributes(r, json_object_get(extension, "attributes"), look, wanted, which),
 		faces = faces_declared(r);
 	const uint8_t *bytes;
 	size_t size;
-	enum eco_code code = eco_gltf_view(r->from->doc, eco_gltf_index(extension, "bufferView"), &bytes,
-		&size, r->error);
+	enum eco_code code = eco_gltf_view(r->doc, eco_gltf_index(extension, "bufferView"), &bytes, &size,
+		r->error);
 	if (code)
 		return code;
-	if (count == 0 || which[0] != POSITION)
+	if (count == 0 || which[0] != GLTF_POSITION)
 		return fail(r, ECO_DAMAGED, "its Draco stream has no positions");
 	if (eco_draco_decode_gltf(bytes, size, faces, faces > UINT32_MAX / 3 ? UINT32_MAX : 3 * faces, wanted,
 		count, &mesh, &inner) != ECO_OK)
 		return fail(r, inner.code, inner.text);
-	for (uint32_t i = 0; i < count; i++)
-		r->values[which[i]].draco = wanted[i].values;
+	for (uint32_t i = 0; i < count; i++) {
+		struct eco_gltf_accessor *a = &r->to->values[which[i]].a;
+		uint8_t *values = (uint8_t *)wanted[i].values;
+		free(a->owned);
+		*a = (struct eco_gltf_accessor){ .bytes = values, .owned = values, .count = mesh.points,
+			.stride = a->components * sizeof(float), .components = a->components, .type = 5126,
+			.divisor = a->divisor };
+	}
 	r->vertex_count = mesh.points;
-	r->draco_index = mesh.index;
 	r->index_count = (uint64_t)mesh.faces * 3;
-	r->indexed = true;
+	r->indices = (struct eco_gltf_accessor){ .bytes = (uint8_t *)mesh.index, .owned = (uint8_t *)mesh.index,
+		.count = r->index_count, .stride = sizeof *mesh.index, .components = 1, .type = 5125 };
+	r->indexed = r->draco = true;
 	return ECO_OK;
 }
 
 /* ---- Triangles ---- */
 
-static uint32_t index_at(const struct reader *r, uint64_t i)
+static enum eco_code open_indices(struct gltf_reader *r)
 {
-	return r->draco_index ? r->draco_index[i] : r->indexed ? eco_gltf_element_index(&r->indices, i)
-		: (uint32_t)i;
+	r->index_count = r->vertex_count;
+	if (!json_object_get(r->primitive, "indices"))
+		return ECO_OK;
+	enum eco_code code = eco_gltf_accessor_open(r->doc, eco_gltf_index(r->primitive, "indices"), 1, &r->indices,
+		r->error);
+	r->index_count = r->indices.count;
+	r->indexed = true;
+	return code;
+}
+
+static uint32_t index_at(const struct gltf_reader *r, uint64_t i)
+{
+	return r->indexed ? eco_gltf_element_index(&r->indices, i) : (uint32_t)i;
 }
 
 /* The greatest index of a type is no index: it begins the next strip. */
-static bool is_restart(const struct reader *r, uint32_t index)
+static bool is_restart(const struct gltf_reader *r, uint32_t index)
 {
-	return r->indexed && !r->draco_index
-		&& index == (r->indices.type == 5121 ? 0xff : r->indices.type == 5123 ? 0xffff : UINT32_MAX);
+	return r->indexed && index == (r->indices.type == 5121 ? 0xff : r->indices.type == 5123 ? 0xffff : UINT32_MAX);
 }
 
-static void add_triangle(struct reader *r, uint32_t a, uint32_t b, uint32_t c)
+static void add_triangle(struct gltf_reader *r, uint32_t a, uint32_t b, uint32_t c)
 {
 	const uint32_t v[3] = { a, b, c };
+	uint32_t *to = &r->to->index[(size_t)r->to->triangle_count++ * 3];
 	for (int k = 0; k < 3; k++)
-		r->to->index[(size_t)r->to->triangle_count * 3 + (size_t)k] = v[k] < r->vertex_count ? v[k]
-			: ECO_NONE;
-	r->to->triangle_count++;
+		to[k] = v[k] < r->vertex_count ? v[k] : ECO_NONE;
 }
 
-static void add_strip(struct reader *r, bool fan)
+static void add_strip(struct gltf_reader *r, bool fan)
 {
 	uint32_t first = 0, last = 0;
 	uint64_t length = 0;
@@ -220,264 +202,150 @@ static void add_strip(struct reader *r, bool fan)
 	}
 }
 
-static enum eco_code read_triangles(struct reader *r, uint64_t mode)
+static enum eco_code read_triangles(struct gltf_reader *r, uint64_t mode)
 {
 	uint64_t most = mode == TRIANGLES ? r->index_count / 3 : r->index_count > 2 ? r->index_count - 2 : 0;
-	if (most > r->from->triangles_max)
-		return eco_fail(r->error, ECO_TOO_LARGE, "%.300s: %llu triangles, at most %u are possible",
-			eco_gltf_path(r->from->doc), (unsigned long long)most, r->from->triangles_max);
-	r->to->index = eco_alloc((size_t)most + 1, 3 * sizeof *r->to->index);
+	enum eco_code code = gltf_too_many(r, most);
+	if (code)
+		return code;
+	r->to->index = eco_alloc((size_t)most, 3 * sizeof *r->to->index);
 	if (mode != TRIANGLES) {
 		add_strip(r, mode == TRIANGLE_FAN);
 		return ECO_OK;
 	}
 	for (uint64_t i = 0; i + 2 < r->index_count; i += 3)
 		add_triangle(r, index_at(r, i), index_at(r, i + 1), index_at(r, i + 2));
-	r->from->counts->partial += r->index_count % 3;
+	r->partial += r->index_count % 3;
 	return ECO_OK;
 }
 
-static enum eco_code open_indices(struct reader *r)
+/* Renumbers the vertices in use, in the file's order. */
+static void compact(struct gltf_reader *r)
 {
-	r->index_count = r->vertex_count;
-	if (!json_object_get(r->from->primitive, "indices"))
-		return ECO_OK;
-	enum eco_code code = eco_gltf_accessor_open(r->from->doc,
-		eco_gltf_index(r->from->primitive, "indices"), 1, &r->indices, r->error);
-	r->index_count = r->indices.count;
-	r->indexed = true;
-	return code;
-}
-
-/* ---- Vertices ---- */
-
-/* Renumbers the vertices in use, in the file's order; returns the old numbers. */
-static uint32_t *compact(struct reader *r)
-{
-	struct gltf_surface *s = r->to;
-	uint32_t *number = eco_alloc((size_t)r->vertex_count + 1, sizeof *number);
-	size_t corners = (size_t)s->triangle_count * 3;
+	struct gltf_piece *p = r->to;
+	uint32_t *number = eco_alloc((size_t)r->vertex_count, sizeof *number);
+	size_t corners = (size_t)p->triangle_count * 3;
 	for (size_t i = 0; i < corners; i++)
-		if (s->index[i] != ECO_NONE)
-			number[s->index[i]] = 1;
+		if (p->index[i] != ECO_NONE)
+			number[p->index[i]] = 1;
 	for (uint64_t v = 0; v < r->vertex_count; v++)
-		if (number[v] != 0)
-			number[v] = ++s->vertex_count;
-	uint32_t *source = eco_alloc((size_t)s->vertex_count + 1, sizeof *source);
+		p->vertex_count += number[v];
+	p->source = eco_alloc(p->vertex_count, sizeof *p->source);
+	p->vertex_count = 0;
 	for (uint64_t v = 0; v < r->vertex_count; v++)
-		if (number[v] != 0)
-			source[number[v] - 1] = (uint32_t)v;
+		if (number[v] != 0) {
+			p->source[p->vertex_count] = (uint32_t)v;
+			number[v] = p->vertex_count++;
+		}
 	for (size_t i = 0; i < corners; i++)
-		if (s->index[i] != ECO_NONE)
-			s->index[i] = number[s->index[i]] - 1;
+		if (p->index[i] != ECO_NONE)
+			p->index[i] = number[p->index[i]];
 	free(number);
-	return source;
 }
 
-/* A vertex beyond an attribute's end stays 0: the exporter made one accessor too short. */
-static bool has_value(const struct reader *r, enum attribute which, uint32_t vertex)
+static void look_at_vertices(struct gltf_reader *r)
 {
-	const struct attribute_values *v = &r->values[which];
-	return v->there && (v->draco || vertex < v->accessor.count);
-}
-
-static void take_vertex(struct reader *r, const struct gltf_look *look, uint32_t from, uint32_t to)
-{
-	struct gltf_surface *s = r->to;
-	double values[4] = { 0, 0, 0, 0 };
-	vertex_values(r, POSITION, from, values);
-	for (int k = 0; k < 3; k++) {
-		s->position[(size_t)to * 3 + (size_t)k] = (float)values[k];
-		if (r->values[POSITION].accessor.type == 5126 && !r->values[POSITION].draco)
-			s->far = fmax(s->far, fabs(values[k]));
-	}
-	if (s->uv && has_value(r, TEXCOORD, from)) {
-		vertex_values(r, TEXCOORD, from, values);
-		gltf_look_apply(look, values, &s->uv[(size_t)to * 2]);
-	}
-	if (s->color) {
-		values[0] = values[1] = values[2] = values[3] = 1;
-		if (has_value(r, COLOR, from))
-			vertex_values(r, COLOR, from, values);
-		for (int k = 0; k < 3; k++)
-			s->color[(size_t)to * 3 + (size_t)k] = isfinite(values[k]) ? (float)values[k] : 1;
-		r->from->counts->faint += r->values[COLOR].accessor.components == 4 && values[3] < 0.5;
+	const struct gltf_piece *p = r->to;
+	bool single = p->values[GLTF_POSITION].a.type == 5126 && !r->draco,
+	     alpha = p->values[GLTF_COLOR].there && p->values[GLTF_COLOR].a.components == 4;
+	for (uint32_t v = 0; v < p->vertex_count; v++) {
+		double values[4] = { 0, 0, 0, 1 };
+		if (alpha && gltf_values(p, GLTF_COLOR, p->source[v], values))
+			r->faint += values[3] < 0.5;
+		if (single && gltf_values(p, GLTF_POSITION, p->source[v], values))
+			r->to->far = fmax(r->to->far, fmax(fmax(fabs(values[0]), fabs(values[1])), fabs(values[2])));
 	}
 }
 
-static void take_joints(struct reader *r, uint32_t from, uint32_t to)
-{
-	struct gltf_surface *s = r->to;
-	for (uint32_t set = 0; set < s->influences / 4; set++) {
-		double joints[4] = { 0, 0, 0, 0 }, weights[4] = { 0, 0, 0, 0 };
-		if (has_value(r, (enum attribute)(JOINTS + set), from)
-				&& has_value(r, (enum attribute)(WEIGHTS + set), from)) {
-			vertex_values(r, (enum attribute)(JOINTS + set), from, joints);
-			vertex_values(r, (enum attribute)(WEIGHTS + set), from, weights);
-		}
-		for (uint32_t i = 0; i < 4; i++) {
-			s->joint[(size_t)to * s->influences + set * 4 + i] = joints[i] >= 0
-				&& joints[i] < ECO_NONE ? (uint32_t)joints[i] : ECO_NONE;
-			s->weight[(size_t)to * s->influences + set * 4 + i] = isfinite(weights[i])
-				? (float)weights[i] : 0;
-		}
-	}
-}
-
-static void take_memory(struct reader *r)
-{
-	struct gltf_surface *s = r->to;
-	size_t n = (size_t)s->vertex_count + 1;
-	while (s->influences < GLTF_INFLUENCES_MAX && r->values[JOINTS + s->influences / 4].there
-		&& r->values[WEIGHTS + s->influences / 4].there)
-		s->influences += 4;
-	s->position = eco_alloc(n * 3, sizeof *s->position);
-	s->uv = r->values[TEXCOORD].there ? eco_alloc(n * 2, sizeof *s->uv) : NULL;
-	s->color = r->values[COLOR].there ? eco_alloc(n * 3, sizeof *s->color) : NULL;
-	s->joint = s->influences > 0 ? eco_alloc(n * s->influences, sizeof *s->joint) : NULL;
-	s->weight = s->influences > 0 ? eco_alloc(n * s->influences, sizeof *s->weight) : NULL;
-}
-
-/* ---- The primitive ---- */
-
-static void read_vertices(struct reader *r, const struct gltf_look *look)
-{
-	uint32_t *source = compact(r);
-	take_memory(r);
-	for (uint32_t v = 0; v < r->to->vertex_count; v++) {
-		take_vertex(r, look, source[v], v);
-		take_joints(r, source[v], v);
-	}
-	free(source);
-}
+/* ---- Primitives and meshes ---- */
 
 /* Counts points and lines, which are not drawn. */
-static enum eco_code count_others(struct reader *r, uint64_t mode)
+static enum eco_code count_others(struct gltf_reader *r, uint64_t mode)
 {
-	enum eco_code code = open_attribute(r, POSITION, "POSITION");
-	r->vertex_count = r->values[POSITION].accessor.count;
+	enum eco_code code = open_attribute(r, GLTF_POSITION, "POSITION");
+	r->vertex_count = r->to->values[GLTF_POSITION].a.count;
 	if (!code)
 		code = open_indices(r);
 	uint64_t n = r->index_count;
 	if (mode == POINTS)
-		r->from->counts->points += n;
+		r->points += n;
 	else
-		r->from->counts->lines += mode == LINES ? n / 2 : mode == LINE_LOOP || n == 0 ? n : n - 1;
+		r->lines += mode == LINES ? n / 2 : mode == LINE_LOOP || n == 0 ? n : n - 1;
 	return code;
 }
 
-static enum eco_code read_primitive(struct reader *r)
+static enum eco_code read_primitive(struct gltf_reader *r)
 {
-	const json_t *draco = eco_gltf_extension(r->from->primitive, "KHR_draco_mesh_compression");
-	uint64_t mode = eco_gltf_whole(r->from->primitive, "mode", TRIANGLES);
-	uint64_t material = eco_gltf_whole(r->from->primitive, "material", UINT64_MAX);
-	r->from->counts->morphed += r->from->morphed;
-	r->to->material = material < r->from->look_count ? (uint32_t)material : r->from->look_count;
-	const struct gltf_look *look = &r->from->looks[r->to->material];
+	const json_t *draco = eco_gltf_extension(r->primitive, "KHR_draco_mesh_compression");
+	uint64_t mode = eco_gltf_whole(r->primitive, "mode", TRIANGLES);
+	uint64_t material = eco_gltf_whole(r->primitive, "material", UINT64_MAX);
+	r->to->material = material < r->look_count ? (uint32_t)material : r->look_count;
+	struct gltf_look *look = &r->looks[r->to->material];
+	look->used = true;
 	if (mode > TRIANGLE_FAN)
 		return fail(r, ECO_DAMAGED, "its mode is none that glTF knows");
 	if (mode < TRIANGLES)
 		return count_others(r, mode);
 	enum eco_code code = open_attributes(r, look);
-	if (code == ECO_OK && !r->values[POSITION].there) {
-		r->from->counts->shapeless++;
-		return ECO_OK;
-	}
-	r->vertex_count = r->values[POSITION].accessor.count;
-	if (!code)
-		code = draco ? open_draco(r, draco, look) : open_indices(r);
-	if (!code)
-		code = read_triangles(r, draco ? TRIANGLES : mode);
-	if (!code)
-		read_vertices(r, look);
-	return code;
-}
-
-enum eco_code gltf_surface_read(struct gltf_surface *surface, const struct gltf_surface_source *source,
-	struct eco_error *error)
-{
-	struct reader r = { .from = source, .to = surface, .error = error };
-	*surface = (struct gltf_surface){ .position = NULL };
-	enum eco_code code = read_primitive(&r);
-	for (int i = 0; i < ATTRIBUTES; i++) {
-		eco_gltf_accessor_close(&r.values[i].accessor);
-		free(r.values[i].draco);
-	}
-	eco_gltf_accessor_close(&r.indices);
-	free(r.draco_index);
-	if (code)
-		gltf_surface_free(surface);
-	return code;
-}
-
-void gltf_surface_free(struct gltf_surface *s)
-{
-	free(s->position);
-	free(s->uv);
-	free(s->color);
-	free(s->index);
-	free(s->joint);
-	free(s->weight);
-	*s = (struct gltf_surface){ .position = NULL };
-}
-
-/* ---- Skins at rest: joints place a skinned mesh. The specification says to ignore its node's own place,
- * which is wrong by a factor of a hundred in files whose skeletons carry the scale or the axis ---- */
-
-static enum eco_code read_inverse(struct eco_gltf *doc, const json_t *json, struct eco_gltf_accessor *inverse,
-	struct eco_error *error)
-{
-	*inverse = (struct eco_gltf_accessor){ .bytes = NULL };
-	if (!json_object_get(json, "inverseBindMatrices"))
-		return ECO_OK;
-	return eco_gltf_accessor_open(doc, eco_gltf_index(json, "inverseBindMatrices"), 16, inverse, error);
-}
-
-enum eco_code gltf_skin_read(struct gltf_skin *skin, struct eco_gltf *doc, uint32_t index,
-	struct eco_error *error)
-{
-	const json_t *json = eco_gltf_item(doc, "skins", index), *joints = json_object_get(json, "joints");
-	size_t count = json_array_size(joints);
-	struct eco_gltf_accessor inverse;
-	if (!json)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: names skin %u, which is not there",
-			eco_gltf_path(doc), index);
-	enum eco_code code = read_inverse(doc, json, &inverse, error);
 	if (code)
 		return code;
-	skin->matrix = eco_alloc(count + 1, 16 * sizeof *skin->matrix);
-	skin->count = (uint32_t)count;
-	for (size_t i = 0; i < count && code == ECO_OK; i++) {
-		json_int_t node = json_is_integer(json_array_get(joints, i))
-			? json_integer_value(json_array_get(joints, i)) : -1;
-		double *matrix = &skin->matrix[i * 16], bind[16];
-		code = eco_gltf_node_matrix(doc, node >= 0 && node < ECO_NONE ? (uint32_t)node : ECO_NONE,
-			matrix, error);
-		if (code == ECO_OK && i < inverse.count) {
-			eco_gltf_element(&inverse, i, bind);
-			eco_gltf_multiply(matrix, matrix, bind);
-		}
+	if (!r->to->values[GLTF_POSITION].there) {
+		r->shapeless++;
+		return ECO_OK;
 	}
-	eco_gltf_accessor_close(&inverse);
-	return code;
+	r->vertex_count = r->to->values[GLTF_POSITION].a.count;
+	code = draco ? open_draco(r, draco, look) : open_indices(r);
+	if (!code)
+		code = read_triangles(r, draco ? TRIANGLES : mode);
+	if (code)
+		return code;
+	compact(r);
+	look_at_vertices(r);
+	return ECO_OK;
 }
 
-bool gltf_skin_place(const struct gltf_skin *skin, const struct gltf_surface *s, uint32_t v, double out[3])
+static bool has_weights(const json_t *mesh)
 {
-	const double from[3] = { (double)s->position[(size_t)v * 3], (double)s->position[(size_t)v * 3 + 1],
-		(double)s->position[(size_t)v * 3 + 2] };
-	double sum = 0, to[3] = { 0, 0, 0 };
-	for (uint32_t i = 0; i < s->influences; i++) {
-		uint32_t joint = s->joint[(size_t)v * s->influences + i];
-		double weight = (double)s->weight[(size_t)v * s->influences + i], place[3];
-		if (!(weight > 0) || joint >= skin->count)
-			continue;
-		eco_gltf_apply(&skin->matrix[(size_t)joint * 16], from, place);
-		for (int k = 0; k < 3; k++)
-			to[k] += weight * place[k];
-		sum += weight;
+	const json_t *weights = json_object_get(mesh, "weights");
+	for (size_t i = 0; i < json_array_size(weights); i++)
+		if (json_number_value(json_array_get(weights, i)) != 0)
+			return true;
+	return false;
+}
+
+enum eco_code gltf_mesh_read(struct gltf_reader *r, uint32_t number)
+{
+	const json_t *json = eco_gltf_item(r->doc, "meshes", number), *primitives = json_object_get(json, "primitives");
+	enum eco_code code = ECO_OK;
+	if (!json)
+		return eco_fail(r->error, ECO_DAMAGED, "%.300s: names mesh %u, which is not there", r->doc->path,
+			number);
+	struct gltf_mesh *mesh = &r->meshes[number];
+	if (mesh->read)
+		return ECO_OK;
+	*mesh = (struct gltf_mesh){ .read = true, .first = r->piece_count };
+	r->mesh = number;
+	for (size_t i = 0; i < json_array_size(primitives) && code == ECO_OK; i++) {
+		eco_grow(&r->pieces, &r->piece_room, r->piece_count, sizeof *r->pieces);
+		r->to = &r->pieces[r->piece_count++];
+		*r->to = (struct gltf_piece){ .index = NULL };
+		r->primitive = json_array_get(primitives, i);
+		r->number = (uint32_t)i;
+		r->indexed = r->draco = false;
+		code = read_primitive(r);
+		eco_gltf_accessor_close(&r->indices);
+		mesh->count++;
+		mesh->triangles += r->to->triangle_count;
+		r->morphed += has_weights(json);
+		r->read += r->to->triangle_count;
 	}
-	for (int k = 0; k < 3; k++)
-		out[k] = sum > 0 ? to[k] / sum : 0;
-	return sum > 0;
+	return code ? code : gltf_too_many(r, r->read);
+}
+
+void gltf_piece_free(struct gltf_piece *p)
+{
+	for (int i = 0; i < GLTF_ATTRIBUTES; i++)
+		eco_gltf_accessor_close(&p->values[i].a);
+	free(p->index);
+	free(p->source);
 }

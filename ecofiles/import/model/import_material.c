@@ -56,11 +56,6 @@ static bool is_grey(const uint8_t rgb[3])
 	return (rgb[2] > high ? rgb[2] : high) - (rgb[2] < low ? rgb[2] : low) < (int)HUE_LEAST;
 }
 
-void eco_material_lost_picture(struct eco_material *material)
-{
-	material->colourless = is_grey(material->rgb);
-}
-
 /* White of glTF, and .8 of other programs, linear or not. */
 static bool is_default(const uint8_t rgb[3])
 {
@@ -244,8 +239,10 @@ void eco_images_start(struct eco_images *images)
 	images->pixels = 0;
 }
 
-/* Failures are remembered too, as images without rgba. */
-uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted *wanted, bool *cutout)
+/* Index of the decoded image. Its alpha is 255 all over unless some of it is cut out; then 128 is the
+ * threshold. ECO_NONE: it cannot be read, which is noted once; failures are remembered, too, as images without
+ * rgba. */
+static uint32_t get_image(struct eco_images *images, const struct eco_image_wanted *wanted, bool *cutout)
 {
 	struct eco_model *m = images->model;
 	uint32_t i = 0;
@@ -263,6 +260,16 @@ uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted
 	}
 	*cutout = images->keys[i].cutout;
 	return m->images[i].rgba ? i : ECO_NONE;
+}
+
+void eco_material_take_picture(struct eco_material *material, struct eco_images *images,
+	const struct eco_image_wanted *wanted, bool replaces)
+{
+	material->image = wanted->texture ? get_image(images, wanted, &material->cutout) : ECO_NONE;
+	if (material->image == ECO_NONE)
+		material->colourless = is_grey(material->rgb);
+	else if (replaces)
+		memset(material->rgb, 255, 3);
 }
 
 void eco_images_end(struct eco_images *images)

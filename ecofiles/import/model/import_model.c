@@ -206,7 +206,8 @@ static struct sums add_up(const struct eco_model_piece *pieces, uint32_t count)
 
 static void take_memory(struct eco_model *m, const struct sums *s)
 {
-	eco_model_reserve(m, s->vertices, s->triangles, s->parts);
+	eco_model_reserve(m, s->vertices, s->triangles);
+	m->parts = eco_alloc(s->parts, sizeof *m->parts);
 	m->materials = eco_alloc(s->materials + 1u, sizeof *m->materials);
 	m->images = eco_alloc((size_t)s->images + 1, sizeof *m->images);
 }

@@ -19,8 +19,6 @@
 #define ECO_MODEL_PARTS_MAX (1u << 20)
 #define ECO_MODEL_FILE_MAX ((uint64_t)1 << 32)
 
-struct eco_gltf;
-
 /* Notes for the user that are not errors, one a line; notes that do not fit are dropped. */
 struct eco_notes {
 	char text[4096];
@@ -50,8 +48,8 @@ bool eco_model_find_beside(const char *model, const char *name, char *path, size
 
 /* ---- Readers ---- */
 
-/* Makes a soup's arrays, with a bit to spare: uv is 0, the rest is not set. */
-void eco_model_reserve(struct eco_model *model, uint64_t vertices, uint64_t triangles, uint64_t parts);
+/* Makes the arrays of vertices and triangles, with a bit to spare: all is 0. */
+void eco_model_reserve(struct eco_model *model, uint64_t vertices, uint64_t triangles);
 
 /* A hash table for `entries` numbers by open addressing; free slots are ECO_NONE. */
 uint32_t *model_table_new(uint64_t entries, uint32_t *mask);
@@ -60,10 +58,6 @@ uint32_t *model_table_new(uint64_t entries, uint32_t *mask);
  * extensions that are not read. */
 enum eco_code eco_gltf_read_model(struct eco_model *model, struct eco_model_frame *frame, const char *path,
 	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error);
-/* The same from an open document (gltf.h). On failure *model holds the part read so far: free it. */
-enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame,
-	struct eco_gltf *doc, uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error);
-
 /* OBJ with MTL: positions, uv from the top left, materials, parts, images, triangles_in. Not cleaned. */
 enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *frame, const char *path,
 	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error);
@@ -73,15 +67,13 @@ struct eco_bounds { double low[3], high[3]; };
 /* A place that is not finite does not count. */
 void eco_bounds_add(struct eco_bounds *bounds, const double place[3]);
 
-/* Triangles of a polygon of n corners (3 coordinates each): 3 (n - 2) indices of corners, at split + n.
- * `split` has room for 4 n. A polygon with a corner that is not finite has no shape: a fan keeps its
- * count of triangles, and the bad ones are dropped later. */
-void eco_model_split(const double *corners, uint32_t n, uint32_t *split);
-
 /* ---- A soup while it is read (model_soup.c) ---- */
 
-/* Begins with the first five fields and zeros; free it in any case. A reader reserves room, then adds meshes,
- * each with its vertices and triangles. Materials must be there at the end. */
+/* Begins with the first four fields and zeros; free it in any case. A reader adds meshes, each with its vertices
+ * and triangles, and bounds their numbers. Materials must be there at the end. */
+struct eco_soup_vertex { double place[3]; float uv[2], rgb[3]; };
+struct eco_soup_triangle { uint32_t v[3], part; };
+struct eco_soup_mesh { uint32_t triangle, material; bool colored; };
 struct eco_soup {
 	struct eco_model *model;
 	struct eco_model_frame *frame;       /* its base is set at the end */
@@ -89,13 +81,13 @@ struct eco_soup {
 	bool linear;                         /* colours of vertices are linear light; else sRGB */
 	const bool *invisible;               /* per material; at the end */
 	double far;                          /* greatest coordinate that the file holds in single precision */
-	uint32_t part;                       /* of the triangles that come */
-	double (*place)[3];
-	float (*color)[3];
-	struct eco_soup_mesh { uint32_t triangle, material; bool colored; } *meshes;
-	uint32_t mesh_count, mesh_room;
+	uint32_t part, part_room;            /* of the triangles that come */
+	struct eco_soup_vertex *vertices;    uint32_t vertex_count, vertex_room;
+	struct eco_soup_triangle *triangles; uint32_t triangle_count, triangle_room;
+	struct eco_soup_mesh *meshes;        uint32_t mesh_count, mesh_room;
+	double *corners;                     /* of one polygon */
+	uint32_t *split;
 };
-void eco_soup_reserve(struct eco_soup *soup, uint64_t vertices, uint64_t triangles, uint64_t parts, bool colors);
 /* Adds the part NODE, MESH or NODE/MESH, unless it is the last one: some programs show one name, some the
  * other. */
 void eco_soup_part(struct eco_soup *soup, const char *node, size_t node_bytes, const char *mesh,
@@ -106,6 +98,11 @@ void eco_soup_mesh(struct eco_soup *soup, uint32_t material, bool colored);
 uint32_t eco_soup_vertex(struct eco_soup *soup, const double place[3], const float uv[2], const float rgb[3]);
 /* ECO_NONE: a missing vertex. */
 void eco_soup_triangle(struct eco_soup *soup, uint32_t a, uint32_t b, uint32_t c);
+/* Room for a polygon of up to ECO_POLYGON_CORNERS_MAX (geometry.h) corners, 3 coordinates each; then its n - 2
+ * triangles, as numbers of corners. One with a corner that is not finite has no shape: a fan keeps its count of
+ * triangles, and the bad ones are dropped later. */
+double *eco_soup_corners(struct eco_soup *soup);
+const uint32_t *eco_soup_split(struct eco_soup *soup, uint32_t n);
 /* `fields` of the file say what is transparent, for a note. */
 void eco_soup_end(struct eco_soup *soup, const char *fields);
 void eco_soup_free(struct eco_soup *soup);
@@ -115,7 +112,7 @@ void eco_soup_free(struct eco_soup *soup);
 enum eco_alpha { ECO_ALPHA_BY_IMAGE, ECO_ALPHA_OPAQUE, ECO_ALPHA_MASK };
 
 struct eco_image_wanted {
-	const char *texture, *opacity;       /* as in the material; opacity NULL: none */
+	const char *texture, *opacity;       /* as in the material; NULL: none */
 	enum eco_alpha alpha;
 	float gain;                          /* factor of alpha, after which 128 is the threshold */
 };
@@ -138,9 +135,6 @@ struct eco_images {
 
 /* model->images must be empty. False when memory ran out. */
 void eco_images_start(struct eco_images *images);
-/* Index of the decoded image. Its alpha is 255 all over unless some of it is cut out; then 128 is the
- * threshold. ECO_NONE: it cannot be read, which is noted once. */
-uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted *wanted, bool *cutout);
 /* Frees working memory; drops images that could not be read, and renumbers the materials' images. */
 void eco_images_end(struct eco_images *images);
 
@@ -154,9 +148,11 @@ void eco_images_keep(struct eco_model *model, const uint32_t *as);
  * 0 or 1 is opaque. Then clears `invisible` and notes it. */
 void eco_model_see_invisible(bool *invisible, uint32_t count, struct eco_notes *notes);
 
-/* For a material whose picture cannot be read: its colour is the picture's factor, and counts as a colour
- * only if it has a hue. */
-void eco_material_lost_picture(struct eco_material *material);
+/* Gives a material its picture. `replaces`: it is drawn instead of the material's colour, whatever exporters leave
+ * there (0.8, 0.64, 0); else times it. Of a picture that cannot be read only the factor is left, which counts as a
+ * colour only if it has a hue. */
+void eco_material_take_picture(struct eco_material *material, struct eco_images *images,
+	const struct eco_image_wanted *wanted, bool replaces);
 
 /* A plant of one light grey all over, or of programs' default greys, has no colour: programs use them for
  * surfaces that nobody coloured. Nor has one of all shades of red or blue and no other colour: games keep

@@ -3,8 +3,8 @@
  * every corner of every face. This reader counts what it cannot use, names the line of an error, and
  * subtracts a base far from the origin before it rounds.
  *
- * The text is cut up in place (eco_obj_text). Vertices and faces are gathered as they come (struct obj);
- * at the end import_obj_soup.c makes triangles of them. */
+ * Vertices and faces are gathered as they come, as faces may name vertices that follow. At the end they become a
+ * soup: a run of faces with one material and one part is a mesh. */
 #include "ecofiles/import/model/import_obj.h"
 
 #include <ctype.h>
@@ -14,50 +14,44 @@
 #include <string.h>
 #include <strings.h>
 
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/geometry.h"
 #include "ecofiles/base/memory.h"
+#include "ecofiles/base/random.h"
+#include "ecofiles/base/text.h"
 
 #define UNIT_LINES 200u              /* comments about units stand at the top */
+#define GREY 0.6                     /* colour without a material, as sRGB */
 
-/* ---- Lines and words ---- */
+struct vertex { double place[3]; float color[3]; };  /* color[0] < 0: none */
+struct corner { uint32_t v, vt; };   /* ECO_NONE: not given, or missing */
+struct face { uint32_t first, material, part; };     /* its corners end where the next face begins */
 
-/* The next line without surrounding spaces; NULL at the end. Lines end with LF, CRLF or CR; if `joins`, a
- * backslash at the end of a line continues it. */
-static char *next_line(struct eco_obj_text *t, bool joins)
-{
-	char *start = t->at, *end;
-	if (start >= t->end)
-		return NULL;
-	t->line++;
-	for (end = start; end < t->end && *end != '\n' && *end != '\r'; end++)
-		if (joins && *end == '\\' && (end[1] == '\n' || (end[1] == '\r' && end[2] == '\n'))) {
-			memset(end, ' ', end[1] == '\r' ? 3 : 2);
-			t->line++;
-		}
-	t->at = end + (end < t->end ? *end == '\r' && end[1] == '\n' ? 2 : 1 : 0);
-	while (end > start && (end[-1] == ' ' || end[-1] == '\t'))
-		end--;
-	*end = 0;
-	while (*start == ' ' || *start == '\t')
-		start++;
-	return start;
-}
-
-/* The next word of a line; NULL at its end or at a comment. */
-static char *next_word(char **line)
-{
-	char *word = *line, *end;
-	while (*word == ' ' || *word == '\t')
-		word++;
-	if (*word == 0 || *word == '#')
-		return NULL;
-	for (end = word; *end != 0 && *end != ' ' && *end != '\t'; end++)
-		;
-	*line = end + (*end != 0);
-	*end = 0;
-	return word;
-}
+struct obj {
+	struct eco_obj_text text;
+	struct eco_error *error;
+	struct eco_notes *notes;
+	struct vertex *vertices;     uint32_t vertex_count, vertex_room;
+	float (*uv)[2];              uint32_t uv_count, uv_room;
+	struct corner *corners;      uint32_t corner_count, corner_room;
+	struct face *faces;          uint32_t face_count, face_room;
+	struct eco_string_pool materials, parts, libraries;
+	uint32_t material, part, triangles_max;
+	uint64_t triangles, loose;
+	char object[256], group[256];
+	double unit_m;               /* from a comment; 0: none */
+	bool colored;                /* some vertices have colours */
+	/* the soup */
+	struct eco_soup soup;
+	struct eco_mtl mtl;
+	const struct eco_mtl_material **of;  /* per material; NULL: in no library */
+	bool *invisible;             /* per material */
+	float color_scale;           /* 1/255 for colours written as bytes */
+	uint64_t missing_uv;
+	/* per vertex of the soup: its origin (vt only where the material has an image), and the material whose -s and
+	 * -o its uv has, or ECO_NONE */
+	struct key { struct corner corner; uint32_t transform; } *keys;
+	uint32_t *table, mask;       /* open addressing: vertex, ECO_NONE is free */
+};
 
 /* Reads a whole word as a number, also NaN and infinity in any spelling. A decimal comma or anything else
  * is an error that says what to do. */
@@ -93,37 +87,34 @@ static uint32_t number_name(struct eco_string_pool *names, const char *name, uin
 }
 
 /* x y z, x y z w, x y z r g b, x y z r g b a */
-static enum eco_code read_vertex(struct eco_obj *o, char *rest)
+static enum eco_code read_vertex(struct obj *o, char *rest)
 {
 	double number[7];
 	int count = 0;
 	enum eco_code code = ECO_OK;
-	for (char *word; code == ECO_OK && count < 7 && (word = next_word(&rest)); count++)
+	for (char *word; code == ECO_OK && count < 7 && (word = eco_obj_word(&rest)); count++)
 		code = read_number(&o->text, word, &number[count], o->error);
 	if (code)
 		return code;
 	if (count < 3)
 		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: line %u: a vertex needs three numbers",
 			o->text.path, o->text.line);
-	GROW(o, place, place);
-	memcpy(o->place[o->place_count++], number, sizeof *o->place);
-	while (count >= 6 && o->color_count < o->place_count) {
-		GROW(o, color, color);
-		for (int k = 0; k < 3; k++)
-			o->color[o->color_count][k] = o->color_count + 1 == o->place_count
-				&& isfinite(number[3 + k]) ? (float)number[3 + k] : -1;
-		o->color_count++;
-	}
+	GROW(o, vertices, vertex);
+	struct vertex *v = &o->vertices[o->vertex_count++];
+	memcpy(v->place, number, sizeof v->place);
+	for (int k = 0; k < 3; k++)
+		v->color[k] = count >= 6 && isfinite(number[3 + k]) ? (float)number[3 + k] : -1;
+	o->colored |= count >= 6;
 	return ECO_OK;
 }
 
-static enum eco_code read_uv(struct eco_obj *o, char *rest)
+static enum eco_code read_uv(struct obj *o, char *rest)
 {
 	double number[2] = { 0, 0 };
 	enum eco_code code = ECO_OK;
 	char *word;
 	GROW(o, uv, uv);
-	for (int k = 0; k < 2 && !code && (word = next_word(&rest)); k++)
+	for (int k = 0; k < 2 && !code && (word = eco_obj_word(&rest)); k++)
 		code = read_number(&o->text, word, &number[k], o->error);
 	for (int k = 0; k < 2; k++)
 		o->uv[o->uv_count][k] = fabs(number[k]) <= 65536 ? (float)number[k] : 0;
@@ -144,17 +135,17 @@ static uint32_t index_of(const char *digits, char **end, size_t count)
 }
 
 /* v, v/vt, v//vn, v/vt/vn */
-static struct eco_obj_corner read_corner(const struct eco_obj *o, const char *word)
+static struct corner read_corner(const struct obj *o, const char *word)
 {
 	char *end;
-	struct eco_obj_corner c = { index_of(word, &end, o->place_count), ECO_NONE };
+	struct corner c = { index_of(word, &end, o->vertex_count), ECO_NONE };
 	if (*end == '/' && end[1] != '/' && end[1] != 0)
 		c.vt = index_of(end + 1, &end, o->uv_count);
 	return c;
 }
 
 /* Faces before the first `o`, `g` or `usemtl` have a nameless part and material. */
-static void number_part(struct eco_obj *o)
+static void number_part(struct obj *o)
 {
 	char name[520];
 	bool both = o->object[0] != 0 && o->group[0] != 0 && strcmp(o->object, o->group) != 0;
@@ -163,10 +154,10 @@ static void number_part(struct eco_obj *o)
 	o->part = number_name(&o->parts, name, ECO_MODEL_PARTS_MAX);
 }
 
-static enum eco_code read_face(struct eco_obj *o, char *rest)
+static enum eco_code read_face(struct obj *o, char *rest)
 {
 	uint32_t first = o->corner_count, n;
-	for (char *word; (word = next_word(&rest));) {
+	for (char *word; (word = eco_obj_word(&rest));) {
 		GROW(o, corners, corner);
 		o->corners[o->corner_count++] = read_corner(o, word);
 	}
@@ -189,12 +180,12 @@ static enum eco_code read_face(struct eco_obj *o, char *rest)
 	if (o->material == ECO_NONE)
 		o->material = number_name(&o->materials, "", ECO_MODEL_MATERIALS_MAX);
 	GROW(o, faces, face);
-	o->faces[o->face_count++] = (struct eco_obj_face){ first, o->material, o->part };
+	o->faces[o->face_count++] = (struct face){ first, o->material, o->part };
 	return ECO_OK;
 }
 
 /* "# File units = centimeters", "# Units: mm" and the like, as some exporters write. */
-static void read_comment(struct eco_obj *o, const char *text)
+static void read_comment(struct obj *o, const char *text)
 {
 	static const struct { const char *word; double metres; } units[] =
 		{ { "millimet", 0.001 }, { "centimet", 0.01 }, { "kilomet", 1000 },
@@ -221,17 +212,15 @@ static void read_comment(struct eco_obj *o, const char *text)
 	}
 }
 
-static enum eco_code read_line(struct eco_obj *o, char *line)
+static enum eco_code read_line(struct obj *o, char *line)
 {
-	char *rest = line + strcspn(line, " \t"), *key = line;
 	if (*line == '#') {
 		if (o->text.line <= UNIT_LINES)
 			read_comment(o, line);
 		return ECO_OK;
 	}
-	if (*rest != 0)
-		*rest++ = 0;
-	rest += strspn(rest, " \t");
+	const char *key = line;
+	char *rest = eco_obj_arguments(line);
 	if (strcmp(key, "v") == 0)
 		return read_vertex(o, rest);
 	if (strcmp(key, "vt") == 0)
@@ -255,40 +244,250 @@ static enum eco_code read_line(struct eco_obj *o, char *line)
 	return ECO_OK;
 }
 
-static enum eco_code read_text(struct eco_obj *o)
+static enum eco_code read_text(struct obj *o)
 {
 	enum eco_code code = ECO_OK;
 	char *line;
-	while (code == ECO_OK && (line = next_line(&o->text, true)))
+	while (code == ECO_OK && (line = eco_obj_line(&o->text, true)))
 		code = read_line(o, line);
 	if (code)
 		return code;
-	if (o->place_count == 0 && o->face_count == 0)
+	if (o->vertex_count == 0 && o->face_count == 0)
 		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: no vertices in it: not a Wavefront OBJ "
 			"file, or an empty one", o->text.path);
 	if (o->face_count == 0)
 		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %u vertices and "
 			"%llu points or lines; a point cloud has no surfaces: make a mesh of it first",
-			o->text.path, o->place_count, (unsigned long long)o->loose);
+			o->text.path, o->vertex_count, (unsigned long long)o->loose);
+	return ECO_OK;
+}
+
+/* ---- Materials ---- */
+
+static enum eco_code read_library(struct obj *o, const char *name, bool *found)
+{
+	char path[4096];
+	*found = eco_model_find_beside(o->text.path, name, path, sizeof path);
+	return *found ? eco_mtl_read(&o->mtl, path, o->error) : ECO_OK;
+}
+
+/* A line names one library, whose name may have spaces, or several. If none is named or found, tries the one
+ * with the model's name. */
+static enum eco_code read_libraries(struct obj *o)
+{
+	const char *file = eco_path_last(o->text.path), *dot = strrchr(file, '.');
+	char own[300];
+	bool found = true;
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < o->libraries.count && !code; i++) {
+		char *rest = o->libraries.items[i];
+		code = read_library(o, rest, &found);
+		for (char *name; !found && !code && (name = strsep(&rest, " \t"));) {
+			bool there = true;
+			code = *name ? read_library(o, name, &there) : ECO_OK;
+			if (!there)
+				eco_note(o->notes,
+					"its library of materials %.200s is not there: its materials "
+					"have no colour",
+					name);
+		}
+	}
+	if (code || o->mtl.count > 0 || !dot)
+		return code;
+	snprintf(own, sizeof own, "%.*s.mtl", (int)(dot - file), file);
+	code = read_library(o, own, &found);
+	if (found && o->libraries.count > 0)
+		eco_note(o->notes, "%.200s stands in for it", own);
+	return code;
+}
+
+static void note_unknown(const struct obj *o)
+{
+	char names[300] = "";
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < o->materials.count; i++) {
+		const char *name = o->materials.items[i];
+		if (o->of[i] || *name == 0 || strcasecmp(name, "none") == 0 || strcmp(name, "(null)") == 0)
+			continue;
+		count++;
+		eco_phrase_add(names, sizeof names, name);
+	}
+	if (count > 0)
+		eco_note(o->notes, "%u of its materials are in no library (%s): they have no colour", count,
+			names);
+}
+
+static void make_material(struct obj *o, uint32_t i, struct eco_images *images)
+{
+	const struct eco_mtl_material *from = o->of[i];
+	struct eco_material *to = &o->soup.model->materials[i];
+	bool has_color = from && from->has_color;
+	snprintf(to->name, sizeof to->name, "%.63s", o->materials.items[i]);
+	to->image = ECO_NONE;
+	memset(to->rgb, o->colored && !has_color ? 255 : (int)(GREY * 255), 3);
+	for (int k = 0; k < 3 && has_color; k++)
+		to->rgb[k] = o->mtl.linear ? eco_srgb_from_linear(from->rgb[k]) : eco_byte_from_share(from->rgb[k]);
+	if (from && !o->invisible[i] && from->texture) {
+		bool mask = from->opacity && strcmp(from->opacity, from->texture) != 0;
+		eco_material_take_picture(to, images, &(struct eco_image_wanted){ .texture = from->texture,
+			.opacity = mask ? from->opacity : NULL,
+			.gain = eco_alpha_shows(from->alpha) && from->alpha < 1 ? (float)from->alpha : 1 }, true);
+	} else {
+		to->colourless = !has_color && !(from && from->texture);
+	}
+	to->colourless &= !o->colored;
+}
+
+static enum eco_code make_materials(struct obj *o)
+{
+	uint32_t count = o->materials.count;
+	struct eco_model *model = o->soup.model;
+	struct eco_images images = { .model = model, .path = o->text.path, .notes = o->notes };
+	enum eco_code code = read_libraries(o);
+	if (code)
+		return code;
+	o->mtl.linear |= o->text.blender;
+	model->materials = eco_alloc(count, sizeof *model->materials);
+	model->material_count = count;
+	o->of = eco_alloc(count, sizeof *o->of);
+	o->soup.invisible = o->invisible = eco_alloc(count, sizeof *o->invisible);
+	eco_images_start(&images);
+	eco_mtl_find(&o->mtl, o->materials.items, count, o->of);
+	for (uint32_t i = 0; i < count; i++)
+		o->invisible[i] = o->of[i] && !eco_alpha_shows(o->of[i]->alpha);
+	note_unknown(o);
+	eco_model_see_invisible(o->invisible, count, o->notes);
+	for (uint32_t i = 0; i < count; i++)
+		make_material(o, i, &images);
+	eco_images_end(&images);
+	return ECO_OK;
+}
+
+/* ---- The soup ---- */
+
+/* The uv matters only with an image, and so does the texture's own transform. */
+static struct key key_of(struct obj *o, struct corner c, uint32_t material)
+{
+	const struct eco_mtl_material *from = o->of[material];
+	if (o->soup.model->materials[material].image == ECO_NONE)
+		c.vt = ECO_NONE;
+	if (c.vt != ECO_NONE && c.vt >= o->uv_count) {
+		o->missing_uv++;
+		c.vt = ECO_NONE;
+	}
+	bool moves = c.vt != ECO_NONE && (from->uv_scale[0] != 1 || from->uv_scale[1] != 1
+		|| from->uv_offset[0] != 0 || from->uv_offset[1] != 0);
+	return (struct key){ c, moves ? material : ECO_NONE };
+}
+
+/* OBJ counts v upwards; here (0, 0) is the image's top left. */
+static void set_uv(const struct obj *o, const struct key *key, float uv[2])
+{
+	double at[2] = { 0, 1 };
+	for (int k = 0; k < 2 && key->corner.vt != ECO_NONE; k++) {
+		at[k] = o->uv[key->corner.vt][k];
+		if (key->transform != ECO_NONE)
+			at[k] = at[k] * o->of[key->transform]->uv_scale[k] + o->of[key->transform]->uv_offset[k];
+	}
+	uv[0] = fabs(at[0]) <= 65536 ? (float)at[0] : 0;
+	uv[1] = fabs(at[1]) <= 65536 ? (float)(1 - at[1]) : 0;
+}
+
+/* The vertex of a corner, made if it is new: they are shared where position and texture coordinate are equal.
+ * ECO_NONE: the corner names none. */
+static uint32_t vertex_of(struct obj *o, struct corner corner, uint32_t material)
+{
+	uint32_t slot, v;
+	float uv[2], rgb[3];
+	if (corner.v >= o->vertex_count)
+		return ECO_NONE;
+	const struct vertex *from = &o->vertices[corner.v];
+	const struct key key = key_of(o, corner, material);
+	for (slot = eco_random_slot(key.corner.v, key.corner.vt, key.transform) & o->mask;
+			(v = o->table[slot]) != ECO_NONE; slot = (slot + 1) & o->mask)
+		if (memcmp(&o->keys[v], &key, sizeof key) == 0)
+			return v;
+	set_uv(o, &key, uv);
+	for (int k = 0; k < 3; k++)
+		rgb[k] = from->color[0] >= 0 ? from->color[k] * o->color_scale : (float)GREY;
+	v = o->table[slot] = eco_soup_vertex(&o->soup, from->place, uv, rgb);
+	o->keys[v] = key;
+	return v;
+}
+
+static void add_face(struct obj *o, const struct face *face, uint32_t end)
+{
+	const struct corner *c = o->corners + face->first;
+	uint32_t n = end - face->first, v[3];
+	double *corners = eco_soup_corners(&o->soup);
+	for (uint32_t i = 0; i < 3 * n; i++)
+		corners[i] = c[i / 3].v < o->vertex_count ? o->vertices[c[i / 3].v].place[i % 3] : NAN;
+	const uint32_t *split = eco_soup_split(&o->soup, n);
+	o->soup.part = face->part;
+	for (uint32_t i = 0; i + 2 < n; i++) {
+		for (uint32_t k = 0; k < 3; k++)
+			v[k] = vertex_of(o, c[split[3 * i + k]], face->material);
+		eco_soup_triangle(&o->soup, v[0], v[1], v[2]);
+	}
+}
+
+static void add_faces(struct obj *o)
+{
+	float most = 0;
+	for (size_t i = 0; i < 3 * (size_t)o->vertex_count; i++)
+		most = fmaxf(most, o->vertices[i / 3].color[i % 3]);
+	o->color_scale = most > 1.5f ? 1 / 255.0f : 1;
+	o->keys = eco_alloc(o->corner_count, sizeof *o->keys);
+	o->table = model_table_new(o->corner_count, &o->mask);
+	for (uint32_t f = 0; f < o->face_count; f++) {
+		const struct face *face = &o->faces[f];
+		if (f == 0 || face->material != face[-1].material || face->part != face[-1].part)
+			eco_soup_mesh(&o->soup, face->material, o->colored);
+		add_face(o, face, f + 1 < o->face_count ? face[1].first : o->corner_count);
+	}
+}
+
+static enum eco_code make_soup(struct obj *o)
+{
+	struct eco_model *model = o->soup.model;
+	*o->soup.frame = (struct eco_model_frame){ .format = "Wavefront OBJ", .unit_m = o->unit_m,
+		.convention = ECO_UP_Y };
+	enum eco_code code = make_materials(o);
+	if (code)
+		return code;
+	add_faces(o);
+	model->parts = eco_alloc(o->parts.count, sizeof *model->parts);
+	for (uint32_t i = 0; i < o->parts.count; i++)
+		snprintf(model->parts[model->part_count++].name, sizeof model->parts->name, "%.63s",
+			o->parts.items[i]);
+	eco_soup_end(&o->soup, "d, Tr, opacity");
+	if (o->missing_uv > 0)
+		eco_note(o->notes, "%llu corners name texture coordinates that are not there",
+			(unsigned long long)o->missing_uv);
 	return ECO_OK;
 }
 
 /* ---- The file ---- */
 
-static void free_obj(struct eco_obj *o)
+static void free_obj(struct obj *o)
 {
-	free(o->place);
-	free(o->color);
-	free(o->uv);
-	free(o->corners);
-	free(o->faces);
+	eco_soup_free(&o->soup);
+	eco_mtl_free(&o->mtl);
 	eco_string_pool_free(&o->materials);
 	eco_string_pool_free(&o->parts);
 	eco_string_pool_free(&o->libraries);
+	free(o->vertices);
+	free(o->uv);
+	free(o->corners);
+	free(o->faces);
+	free(o->of);
+	free(o->invisible);
+	free(o->keys);
+	free(o->table);
 }
 
-/* Skips a byte order mark; refuses binary files. */
-static enum eco_code start_text(struct eco_obj *o, uint8_t *bytes, size_t size)
+/* Refuses binary files. */
+static enum eco_code start_text(struct obj *o, uint8_t *bytes, size_t size)
 {
 	if (size >= 2 && (memcmp(bytes, "\xff\xfe", 2) == 0 || memcmp(bytes, "\xfe\xff", 2) == 0))
 		return eco_fail(o->error, ECO_UNSUPPORTED, "%.300s: text in UTF-16; save it as UTF-8",
@@ -296,17 +495,15 @@ static enum eco_code start_text(struct eco_obj *o, uint8_t *bytes, size_t size)
 	if (memchr(bytes, 0, size < 4096 ? size : 4096))
 		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: binary, so no Wavefront OBJ file",
 			o->text.path);
-	o->text.at = (char *)bytes + (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0);
-	o->text.end = (char *)bytes + size;
-	o->linear = memmem(bytes, size < 4096 ? size : 4096, "Blender", 7) != NULL;
+	eco_obj_text_start(&o->text, bytes, size);
 	return ECO_OK;
 }
 
 enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *frame, const char *path,
 	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
-	struct eco_obj o = { .text = { .path = path }, .error = error, .notes = notes,
-		.triangles_max = triangles_max, .material = ECO_NONE, .part = ECO_NONE };
+	struct obj o = { .text = { .path = path }, .error = error, .notes = notes, .triangles_max = triangles_max,
+		.material = ECO_NONE, .part = ECO_NONE, .soup = { .model = model, .frame = frame, .notes = notes } };
 	uint8_t *bytes;
 	size_t size;
 	enum eco_code code = eco_file_read(path, ECO_MODEL_FILE_MAX, &bytes, &size, error);
@@ -316,225 +513,7 @@ enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *fram
 		code = read_text(&o);
 	free(bytes);
 	if (!code)
-		code = eco_obj_soup(model, frame, &o);
+		code = make_soup(&o);
 	free_obj(&o);
 	return code;
-}
-
-/* ---- Libraries of materials: one colour, one texture and one opacity ---- */
-
-#define MTL_BYTES_MAX ((uint64_t)1 << 28)
-#define MATERIALS_MAX 65536u
-
-/* its arguments: a number of words, or up to a number of numbers */
-struct option { const char *name; int words, numbers; };
-
-static const struct option options[] = { { "-blendu", 1, 0 }, { "-blendv", 1, 0 }, { "-cc", 1, 0 },
-	{ "-clamp", 1, 0 },
-	{ "-texres", 1, 0 }, { "-imfchan", 1, 0 }, { "-type", 1, 0 }, { "-bm", 1, 0 }, { "-boost", 1, 0 },
-	{ "-colorspace", 1, 0 },
-	{ "-mm", 2, 0 }, { "-s", 0, 3 }, { "-o", 0, 3 }, { "-t", 0, 3 } };
-
-static char *skip_space(char *at)
-{
-	while (*at == ' ' || *at == '\t')
-		at++;
-	return at;
-}
-
-static char *skip_word(char *at)
-{
-	while (*at != 0 && *at != ' ' && *at != '\t')
-		at++;
-	return at;
-}
-
-static const struct option *option_at(const char *at)
-{
-	for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
-		size_t length = strlen(options[i].name);
-		if (strncasecmp(at, options[i].name, length) == 0
-				&& (at[length] == ' ' || at[length] == '\t'))
-			return &options[i];
-	}
-	return NULL;
-}
-
-/* Reads up to three numbers and keeps the first two. */
-static char *read_numbers(char *at, int most, double *keep)
-{
-	for (int i = 0; i < most; i++) {
-		char *end;
-		double number = strtod(at, &end);
-		if (end == at || (*end != 0 && *end != ' ' && *end != '\t') || !(fabs(number) <= 65536))
-			break;
-		if (keep && i < 2)
-			keep[i] = number;
-		at = skip_space(end);
-	}
-	return at;
-}
-
-/* The file name behind the options of a map_ statement, which may have spaces. */
-static char *map_name(char *at, struct eco_mtl_material *m)
-{
-	const struct option *o;
-	for (at = skip_space(at); (o = option_at(at));) {
-		at = skip_space(skip_word(at));
-		if (o->numbers > 0)
-			at = read_numbers(at, o->numbers, !m ? NULL : strcmp(o->name, "-s") == 0
-				? m->uv_scale
-				: strcmp(o->name, "-o") == 0 ? m->uv_offset : NULL);
-		for (int i = 0; i < o->words; i++)
-			at = skip_space(skip_word(at));
-	}
-	size_t length = strlen(at);
-	if (length >= 2 && at[0] == '"' && at[length - 1] == '"') {
-		at[length - 1] = 0;
-		at++;
-	}
-	return at;
-}
-
-static void set_text(char **to, const char *text)
-{
-	if (*text == 0)
-		return;
-	free(*to);
-	*to = eco_copy_text(text);
-}
-
-static void read_color(char *rest, struct eco_mtl_material *m)
-{
-	double rgb[3];
-	int count = 0;
-	for (char *word; count < 3 && (word = next_word(&rest)); count++) {
-		char *end;
-		rgb[count] = strtod(word, &end);
-		if (*end != 0 || !isfinite(rgb[count]))
-			return;
-	}
-	if (count != 1 && count != 3)
-		return;
-	for (int k = 0; k < 3; k++)
-		m->rgb[k] = rgb[count == 1 ? 0 : k];
-	m->has_color = true;
-}
-
-static void read_share(char *rest, double *to, bool *has)
-{
-	char *word = next_word(&rest), *end;
-	if (word && strcmp(word, "-halo") == 0)
-		word = next_word(&rest);
-	double share = word ? strtod(word, &end) : 0;
-	if (!word || *end != 0 || !isfinite(share))
-		return;
-	*to = share;
-	*has = true;
-}
-
-static void read_statement(struct eco_mtl_material *m, const char *key, char *rest)
-{
-	if (strcasecmp(key, "Kd") == 0)
-		read_color(rest, m);
-	else if (strcmp(key, "d") == 0)
-		read_share(rest, &m->d, &m->has_d);
-	else if (strcasecmp(key, "Tr") == 0)
-		read_share(rest, &m->tr, &m->has_tr);
-	else if (strcasecmp(key, "map_Kd") == 0)
-		set_text(&m->texture, map_name(rest, m));
-	else if (strcasecmp(key, "map_d") == 0 || strcasecmp(key, "map_opacity") == 0)
-		set_text(&m->opacity, map_name(rest, NULL));
-}
-
-/* Cuts off a statement's key; *rest becomes its arguments. */
-static char *split_key(char *line, char **rest)
-{
-	char *end = skip_word(line);
-	*rest = end;
-	if (*end != 0) {
-		*end = 0;
-		*rest = skip_space(end + 1);
-	}
-	return line;
-}
-
-enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_error *error)
-{
-	struct eco_obj_text text = { .path = path };
-	uint8_t *bytes;
-	size_t size;
-	char *line, *key, *rest;
-	bool inside = false;
-	if (eco_file_read(path, MTL_BYTES_MAX, &bytes, &size, error) != ECO_OK)
-		return error ? error->code : ECO_IO;
-	mtl->linear |= memmem(bytes, size < 4096 ? size : 4096, "Blender", 7) != NULL;
-	text.at = (char *)bytes + (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0);
-	text.end = (char *)bytes + size;
-	while ((line = next_line(&text, false))) {
-		key = split_key(line, &rest);
-		if (strcasecmp(key, "newmtl") == 0 && mtl->count < MATERIALS_MAX) {
-			mtl->items = eco_realloc(mtl->items, (size_t)mtl->count + 1, sizeof *mtl->items);
-			mtl->items[mtl->count++] = (struct eco_mtl_material){ .name = eco_copy_text(rest),
-				.uv_scale = { 1, 1 } };
-			inside = true;
-		} else if (inside) {
-			read_statement(&mtl->items[mtl->count - 1], key, rest);
-		}
-	}
-	free(bytes);
-	return ECO_OK;
-}
-
-/* The number of a name, in any case if `fold`. */
-static uint32_t number_folded(struct eco_string_pool *names, const char *name, bool fold)
-{
-	char *text = eco_copy_text(name);
-	for (char *c = text; fold && *c != 0; c++)
-		*c = (char)tolower((unsigned char)*c);
-	uint32_t number = eco_string_number(names, text);
-	free(text);
-	return number;
-}
-
-/* Finds the names that are not found yet. Each list of names is walked once: both may be long. */
-static void find_names(const struct eco_mtl *mtl, char *const *names, uint32_t count, bool fold,
-	const struct eco_mtl_material **found)
-{
-	struct eco_string_pool known = { 0 };
-	uint32_t *last = eco_alloc((size_t)mtl->count + 1, sizeof *last);
-	for (uint32_t i = 0; i < mtl->count; i++)
-		last[number_folded(&known, mtl->items[i].name, fold)] = i;
-	uint32_t known_count = known.count;
-	for (uint32_t i = 0; i < count; i++) {
-		uint32_t number = !found[i] ? number_folded(&known, names[i], fold) : known_count;
-		if (number < known_count)
-			found[i] = &mtl->items[last[number]];
-	}
-	free(last);
-	eco_string_pool_free(&known);
-}
-
-void eco_mtl_find(const struct eco_mtl *mtl, char *const *names, uint32_t count,
-	const struct eco_mtl_material **found)
-{
-	memset(found, 0, count * sizeof *found);
-	find_names(mtl, names, count, false, found);
-	find_names(mtl, names, count, true, found);
-}
-
-double eco_mtl_alpha(const struct eco_mtl_material *m)
-{
-	return m->has_d ? m->d : m->has_tr ? 1 - m->tr : 1;
-}
-
-void eco_mtl_free(struct eco_mtl *mtl)
-{
-	for (uint32_t i = 0; i < mtl->count; i++) {
-		free(mtl->items[i].name);
-		free(mtl->items[i].texture);
-		free(mtl->items[i].opacity);
-	}
-	free(mtl->items);
-	*mtl = (struct eco_mtl){ .count = 0 };
 }

@@ -1,12 +1,7 @@
-/* Wavefront OBJ and MTL: shared by the two readers. */
+/* Wavefront OBJ (import_obj.c) and its libraries of materials, MTL (import_mtl.c). */
 #ifndef ECO_IMPORT_OBJ_H
 #define ECO_IMPORT_OBJ_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include "ecofiles/base/memory.h"
 #include "ecofiles/import/model/import_model.h"
 
 /* ---- Lines and words of a text in memory, which is cut up in place ---- */
@@ -15,15 +10,26 @@ struct eco_obj_text {
 	const char *path;
 	char *at, *end;              /* *end is 0 */
 	uint32_t line;               /* of the line returned last */
+	bool blender;                /* wrote it, so its materials' colours are linear */
 };
+/* Begins behind a byte order mark. */
+void eco_obj_text_start(struct eco_obj_text *text, uint8_t *bytes, size_t size);
+/* The next line without surrounding spaces; NULL at the end. Lines end with LF, CRLF or CR; if `joins`, a
+ * backslash at the end of a line continues it. */
+char *eco_obj_line(struct eco_obj_text *text, bool joins);
+/* The next word of a line; NULL at its end or at a comment. */
+char *eco_obj_word(char **line);
+/* Cuts off a line's first word; returns what is behind it. */
+char *eco_obj_arguments(char *line);
 
 /* ---- Libraries of materials ---- */
 
 struct eco_mtl_material {
 	char *name;
 	double rgb[3];
-	bool has_color, has_d, has_tr;
-	double d, tr;
+	bool has_color;
+	double alpha;                /* 1 is opaque */
+	bool has_d;                  /* alpha is from "d", which wins over "Tr" */
 	char *texture, *opacity;     /* as written; NULL: none */
 	double uv_scale[2], uv_offset[2];    /* of the texture: -s, -o */
 };
@@ -39,35 +45,6 @@ enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_err
 /* For each name: the last material of that name, else the last that differs only in case, else NULL. */
 void eco_mtl_find(const struct eco_mtl *mtl, char *const *names, uint32_t count,
 	const struct eco_mtl_material **found);
-/* 1 is opaque. */
-double eco_mtl_alpha(const struct eco_mtl_material *material);
 void eco_mtl_free(struct eco_mtl *mtl);
-
-/* ---- An OBJ file's content ---- */
-
-struct eco_obj_corner { uint32_t v, vt; };   /* ECO_NONE: not given, or missing */
-struct eco_obj_face { uint32_t first, material, part; };     /* its corners end where the next face begins */
-
-struct eco_obj {
-	struct eco_obj_text text;
-	struct eco_error *error;
-	struct eco_notes *notes;
-	double (*place)[3];          uint32_t place_count, place_room;
-	float (*color)[3];
-	uint32_t color_count, color_room; /* of the first vertices; r < 0: none */
-	float (*uv)[2];              uint32_t uv_count, uv_room;
-	struct eco_obj_corner *corners;      uint32_t corner_count, corner_room;
-	struct eco_obj_face *faces;  uint32_t face_count, face_room;
-	struct eco_string_pool materials, parts, libraries;
-	uint32_t material, part, triangles_max;
-	uint64_t triangles, loose;
-	char object[256], group[256];
-	double unit_m;               /* from a comment; 0: none */
-	bool linear;                 /* Blender wrote it, so its materials' colours are linear */
-};
-
-/* Makes a soup: materials from the libraries, polygons split, vertices shared where position and texture
- * coordinate are equal, missing ones counted. Fills the frame. */
-enum eco_code eco_obj_soup(struct eco_model *model, struct eco_model_frame *frame, const struct eco_obj *obj);
 
 #endif

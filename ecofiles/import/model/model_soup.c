@@ -28,36 +28,13 @@ static double extent_of(const struct eco_bounds *b)
 	return fmax(fmax(0, b->high[0] - b->low[0]), fmax(b->high[1] - b->low[1], b->high[2] - b->low[2]));
 }
 
-void eco_model_split(const double *corners, uint32_t n, uint32_t *split)
-{
-	uint32_t *triangles = split + n;
-	bool sound = n > 3;
-	for (uint32_t i = 0; i < 3 * n && sound; i++)
-		sound = isfinite(corners[i]);
-	if (sound)
-		eco_polygon_split(corners, n, split, triangles);
-	for (uint32_t i = 0; i + 2 < n && !sound; i++) {
-		triangles[i * 3] = 0;
-		triangles[i * 3 + 1] = i + 1;
-		triangles[i * 3 + 2] = i + 2;
-	}
-}
-
-void eco_model_reserve(struct eco_model *m, uint64_t vertices, uint64_t triangles, uint64_t parts)
+void eco_model_reserve(struct eco_model *m, uint64_t vertices, uint64_t triangles)
 {
 	m->position = eco_alloc(vertices + 1, 3 * sizeof *m->position);
 	m->uv = eco_alloc(vertices + 1, 2 * sizeof *m->uv);
 	m->index = eco_alloc(triangles + 1, 3 * sizeof *m->index);
 	m->material = eco_alloc(triangles + 1, sizeof *m->material);
 	m->part = eco_alloc(triangles + 1, sizeof *m->part);
-	m->parts = eco_alloc(parts + 1, sizeof *m->parts);
-}
-
-void eco_soup_reserve(struct eco_soup *s, uint64_t vertices, uint64_t triangles, uint64_t parts, bool colors)
-{
-	s->place = eco_alloc(vertices + 1, sizeof *s->place);
-	s->color = colors ? eco_alloc(vertices + 1, sizeof *s->color) : NULL;
-	eco_model_reserve(s->model, vertices, triangles, parts);
 }
 
 void eco_soup_part(struct eco_soup *s, const char *node, size_t node_bytes, const char *mesh, size_t mesh_bytes)
@@ -69,34 +46,62 @@ void eco_soup_part(struct eco_soup *s, const char *node, size_t node_bytes, cons
 	snprintf(part.name, sizeof part.name, "%.*s%s%.*s", (int)node_bytes, node, both ? "/" : "",
 		both || !node_bytes ? (int)mesh_bytes : 0, mesh);
 	if (!m->part_count || (m->part_count < ECO_MODEL_PARTS_MAX
-			&& strcmp(m->parts[m->part_count - 1].name, part.name) != 0))
+			&& strcmp(m->parts[m->part_count - 1].name, part.name) != 0)) {
+		eco_grow(&m->parts, &s->part_room, m->part_count, sizeof *m->parts);
 		m->parts[m->part_count++] = part;
+	}
 	s->part = m->part_count - 1;
 }
 
 void eco_soup_mesh(struct eco_soup *s, uint32_t material, bool colored)
 {
 	eco_grow(&s->meshes, &s->mesh_room, s->mesh_count, sizeof *s->meshes);
-	s->meshes[s->mesh_count++] = (struct eco_soup_mesh){ s->model->triangle_count, material, colored };
+	s->meshes[s->mesh_count++] = (struct eco_soup_mesh){ s->triangle_count, material, colored };
 }
 
 uint32_t eco_soup_vertex(struct eco_soup *s, const double place[3], const float uv[2], const float rgb[3])
 {
-	uint32_t v = s->model->vertex_count++;
-	memcpy(s->place[v], place, sizeof s->place[v]);
+	struct eco_soup_vertex v = { .place = { place[0], place[1], place[2] } };
 	if (uv)
-		memcpy(&s->model->uv[(size_t)v * 2], uv, 2 * sizeof *uv);
-	if (rgb && s->color)
-		memcpy(s->color[v], rgb, sizeof s->color[v]);
-	return v;
+		memcpy(v.uv, uv, sizeof v.uv);
+	if (rgb)
+		memcpy(v.rgb, rgb, sizeof v.rgb);
+	eco_grow(&s->vertices, &s->vertex_room, s->vertex_count, sizeof v);
+	s->vertices[s->vertex_count] = v;
+	return s->vertex_count++;
 }
 
 void eco_soup_triangle(struct eco_soup *s, uint32_t a, uint32_t b, uint32_t c)
 {
-	struct eco_model *m = s->model;
-	const uint32_t v[3] = { a, b, c };
-	memcpy(&m->index[(size_t)m->triangle_count * 3], v, sizeof v);
-	m->part[m->triangle_count++] = s->part;
+	eco_grow(&s->triangles, &s->triangle_room, s->triangle_count, sizeof *s->triangles);
+	s->triangles[s->triangle_count++] = (struct eco_soup_triangle){ { a, b, c }, s->part };
+}
+
+/* ---- Polygons ---- */
+
+double *eco_soup_corners(struct eco_soup *s)
+{
+	if (!s->corners) {
+		s->corners = eco_alloc(ECO_POLYGON_CORNERS_MAX, 3 * sizeof *s->corners);
+		s->split = eco_alloc(ECO_POLYGON_CORNERS_MAX, 4 * sizeof *s->split);
+	}
+	return s->corners;
+}
+
+const uint32_t *eco_soup_split(struct eco_soup *s, uint32_t n)
+{
+	uint32_t *triangles = s->split + n;
+	bool sound = n > 3;
+	for (uint32_t i = 0; i < 3 * n && sound; i++)
+		sound = isfinite(s->corners[i]);
+	if (sound)
+		eco_polygon_split(s->corners, n, s->split, triangles);
+	for (uint32_t i = 0; i + 2 < n && !sound; i++) {
+		triangles[i * 3] = 0;
+		triangles[i * 3 + 1] = i + 1;
+		triangles[i * 3 + 2] = i + 2;
+	}
+	return triangles;
 }
 
 /* ---- The end ---- */
@@ -105,18 +110,23 @@ void eco_soup_triangle(struct eco_soup *s, uint32_t a, uint32_t b, uint32_t c)
 static void set_positions(struct eco_soup *s)
 {
 	struct eco_bounds b = ECO_NO_BOUNDS;
-	double far = 0;
-	for (uint32_t i = 0; i < s->model->vertex_count; i++)
-		eco_bounds_add(&b, s->place[i]);
+	struct eco_model *m = s->model;
+	double far = 0, *base = s->frame->base;
+	for (uint32_t i = 0; i < s->vertex_count; i++)
+		eco_bounds_add(&b, s->vertices[i].place);
 	for (int k = 0; k < 3 && b.low[0] <= b.high[0]; k++)
 		far = fmax(far, fmax(b.high[k], -b.low[k]));
 	for (int k = 0; k < 3; k++) {
 		double middle = (b.low[k] + b.high[k]) / 2;
 		bool moves = far > NEAR * extent_of(&b) && middle > -1e15 && middle < 1e15;
-		s->frame->base[k] = moves ? (double)(int64_t)middle : 0;
+		base[k] = moves ? (double)(int64_t)middle : 0;
 	}
-	for (size_t i = 0; i < 3 * (size_t)s->model->vertex_count; i++)
-		s->model->position[i] = (float)(s->place[i / 3][i % 3] - s->frame->base[i % 3]);
+	for (uint32_t i = 0; i < s->vertex_count; i++) {
+		for (int k = 0; k < 3; k++)
+			m->position[(size_t)i * 3 + (size_t)k] = (float)(s->vertices[i].place[k] - base[k]);
+		memcpy(&m->uv[(size_t)i * 2], s->vertices[i].uv, 2 * sizeof *m->uv);
+	}
+	m->vertex_count = s->vertex_count;
 	if (isfinite(s->far) && s->far * 0x1p-24 > extent_of(&b) * COARSE)
 		eco_note(s->notes,
 			"its coordinates are up to %g from the origin, in single precision, and so only "
@@ -128,10 +138,11 @@ struct colors { float first[3]; double sum[3]; uint64_t count; bool differ; };
 
 static void add_corners(struct colors *c, const struct eco_soup *s, uint32_t triangle)
 {
-	const uint32_t *v = &s->model->index[(size_t)triangle * 3];
+	const uint32_t *v = s->triangles[triangle].v;
 	for (int i = 0; i < 3; i++) {
 		for (int k = 0; k < 3 && v[i] != ECO_NONE; k++) {
-			float value = isfinite(s->color[v[i]][k]) ? s->color[v[i]][k] : 1;
+			float value = s->vertices[v[i]].rgb[k];
+			value = isfinite(value) ? value : 1;
 			c->first[k] = c->count ? c->first[k] : value;
 			c->differ |= fabsf(value - c->first[k]) > ONE_COLOUR;
 			c->sum[k] += (double)value;
@@ -180,27 +191,26 @@ static uint32_t triangle_material(struct eco_soup *s, struct eco_tints *tints, u
 	return eco_tints_get(tints, material, rgb);
 }
 
-/* Sets materials; triangles of invisible ones are dropped. */
-static void set_materials(struct eco_soup *s, struct eco_tints *tints, const char *fields)
+/* Triangles of invisible materials are dropped. */
+static void set_triangles(struct eco_soup *s, struct eco_tints *tints, const char *fields)
 {
 	struct eco_model *m = s->model;
-	uint32_t kept = 0, averaged = 0, hidden = 0;
-	m->triangles_in = m->triangle_count;
+	uint32_t kept = 0, averaged = 0;
 	for (uint32_t i = 0; i < s->mesh_count; i++) {
 		const struct eco_soup_mesh *mesh = &s->meshes[i];
-		uint32_t end = i + 1 < s->mesh_count ? mesh[1].triangle : m->triangle_count, whole;
-		if (s->invisible[mesh->material]) {
-			hidden += end - mesh->triangle;
+		uint32_t end = i + 1 < s->mesh_count ? mesh[1].triangle : s->triangle_count;
+		if (s->invisible[mesh->material])
 			continue;
-		}
-		whole = material_of(s, tints, i, end, &averaged);
+		uint32_t whole = material_of(s, tints, i, end, &averaged);
 		for (uint32_t t = mesh->triangle; t < end; t++, kept++) {
 			m->material[kept] = whole != ECO_NONE ? whole
 				: triangle_material(s, tints, mesh->material, t);
-			memmove(&m->index[(size_t)kept * 3], &m->index[(size_t)t * 3], 3 * sizeof *m->index);
-			m->part[kept] = m->part[t];
+			memcpy(&m->index[(size_t)kept * 3], s->triangles[t].v, 3 * sizeof *m->index);
+			m->part[kept] = s->triangles[t].part;
 		}
 	}
+	const uint32_t hidden = s->triangle_count - kept;
+	m->triangles_in = s->triangle_count;
 	m->triangle_count = kept;
 	m->dropped[ECO_DROP_TRANSPARENT] = hidden;
 	if (hidden > 0)
@@ -215,14 +225,19 @@ void eco_soup_end(struct eco_soup *s, const char *fields)
 {
 	struct eco_tints tints;
 	eco_tints_start(&tints, s->model);
+	eco_model_reserve(s->model, s->vertex_count, s->triangle_count);
+	if (!s->model->parts)
+		s->model->parts = eco_alloc(1, sizeof *s->model->parts);
 	set_positions(s);
-	set_materials(s, &tints, fields);
+	set_triangles(s, &tints, fields);
 	eco_tints_end(&tints);
 }
 
 void eco_soup_free(struct eco_soup *s)
 {
-	free(s->place);
-	free(s->color);
+	free(s->vertices);
+	free(s->triangles);
 	free(s->meshes);
+	free(s->corners);
+	free(s->split);
 }
