@@ -1,7 +1,6 @@
 /* The input of a scatter. Areas come as rows with geometry, through the same child process, columns and filters as
  * inventories. */
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,17 +12,6 @@
 #include "ecofiles/import/places/scatter_parts.h"
 
 #define DISTANCE_MAX_M 1e7           /* as for inventories */
-
-static void note(void *ctx, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-static void note(void *ctx, const char *format, ...)
-{
-	struct eco_scatter_input *input = ctx;
-	va_list arguments;
-	va_start(arguments, format);
-	eco_rows_add_note(input->notes, &input->note_count, format, arguments);
-	va_end(arguments);
-}
 
 /* ---- Areas ---- */
 
@@ -123,8 +111,6 @@ static enum eco_code read_rows(struct reading *r, struct eco_areas *areas, bool 
 		if (code == ECO_OK && more)
 			code = take_row(r, areas, surfaces, error);
 	}
-	for (uint32_t i = 0; i < r->rows->note_count; i++)
-		note(r->input, "%s", r->rows->notes[i]);
 	return code;
 }
 
@@ -139,7 +125,7 @@ static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_area
 	if (!code)
 		code = eco_crs_open(&r.crs, &(struct eco_crs_request){ .path = r.path, .stated = surfaces
 			? spec->crs : spec->clear_crs, .of_file = r.rows->crs, 
-			.frame = frame, .note = note, .ctx = input }, error);
+			.frame = frame, .note = eco_rows_note, .ctx = r.rows }, error);
 	if (code == ECO_OK && r.rows->degrees_doubted && !(surfaces ? spec->crs : spec->clear_crs))
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, as its format "
 			"says; add \"%s\": \"EPSG:...\", the CRS that they are in", r.path, surfaces ? "crs" : "clear_crs");
@@ -153,12 +139,14 @@ static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_area
 			stated ? stated : r.rows->crs,
 			false, r.path, &fit, area, error);
 	if (!code && fit == ECO_CRS_SWAPPED)
-		note(input,
+		eco_rows_note(r.rows,
 			"its corners lie outside the area of use of their CRS (%s), and inside with their coordinates "
 			"swapped: x is easting or longitude, y is northing or latitude",
 			area);
 	if (!code)
 		code = eco_areas_index(areas, surfaces ? 0 : spec->clear_m, error);
+	for (uint32_t i = 0; r.rows && i < r.rows->note_count && input->note_count < 2 * ECO_ROWS_NOTES_MAX; i++)
+		input->notes[input->note_count++] = eco_copy_text(r.rows->notes[i]);
 	eco_crs_close(r.crs);
 	eco_rows_close(r.rows);
 	return code;

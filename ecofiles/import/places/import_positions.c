@@ -5,7 +5,6 @@
 
 #include <ctype.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +19,7 @@
 #include "ecofiles/import/places/size_units.h"
 #include "ecofiles/import/places/table_columns.h"
 
-#define HEIGHT_MIN_M 0.01
+#define SIZE_MIN_M 0.01
 #define HEIGHT_MAX_M 300.0
 #define HEIGHT_PLAUSIBLE_M 116.0     /* the highest tree */
 #define CROWN_MAX_M 100.0
@@ -28,16 +27,7 @@
 #define SCALE_MIN 0.001
 #define SCALE_MAX 1000.0
 
-/* ---- Notes and counts ---- */
-
-void eco_row_note(void *reader, const char *format, ...)
-{
-	struct eco_positions *p = reader;
-	va_list arguments;
-	va_start(arguments, format);
-	eco_rows_add_note(p->notes, &p->note_count, format, arguments);
-	va_end(arguments);
-}
+/* ---- Counts ---- */
 
 /* Counts a row into one of `skipped` or `filtered`, with the first line and text. */
 static void count_in(const struct eco_positions *p, struct eco_skipped *counter, const char *text)
@@ -49,16 +39,17 @@ static void count_in(const struct eco_positions *p, struct eco_skipped *counter,
 	eco_utf8_tame(counter->first_text, "", ' ');
 }
 
-void eco_row_count(struct eco_positions *p, enum eco_skip why, const char *text)
+enum verdict eco_row_skip(struct eco_positions *p, enum eco_skip why, const char *text)
 {
 	count_in(p, &p->skipped[why], text);
+	return SKIPPED;
 }
 
 /* ---- Fields ---- */
 
 const char *eco_row_field(const struct eco_positions *p, uint32_t column)
 {
-	const char *text = p->rows->fields[column];
+	const char *text = p->column[column] != ECO_NONE ? p->rows->fields[p->column[column]] : "";
 	while (isspace((unsigned char)*text))
 		text++;
 	return text;
@@ -84,11 +75,11 @@ static bool passes_filters(struct eco_positions *p)
 {
 	char text[64];
 	for (uint32_t i = 0; i < p->spec->filter_count; i++) {
-		const char *value = eco_row_field(p, p->filter_column[i]);
+		const char *value = eco_row_field(p, ECO_COLUMN_FILTERS + i);
 		if (eco_filter_passes(&p->spec->filters[i], value, eco_row_decimal(p)))
 			continue;
 		count_in(p, &p->filtered[i], eco_row_shown(value, text, sizeof text));
-		eco_row_count(p, ECO_SKIP_FILTERED, text);
+		eco_row_skip(p, ECO_SKIP_FILTERED, text);
 		return false;
 	}
 	return true;
@@ -119,7 +110,7 @@ static bool read_plant(struct eco_positions *p, struct eco_position *record)
 	char *text = p->said;
 	*text = 0;
 	if (p->column[ECO_COLUMN_SPECIES] != ECO_NONE) {
-		eco_row_shown(eco_row_field(p, p->column[ECO_COLUMN_SPECIES]), text, sizeof p->said);
+		eco_row_shown(eco_row_field(p, ECO_COLUMN_SPECIES), text, sizeof p->said);
 		uint32_t key = eco_species_find(p->species, text, p->rows->line);
 		if (key < p->spec->map_count)
 			species = &p->spec->map[key];
@@ -129,17 +120,11 @@ static bool read_plant(struct eco_positions *p, struct eco_position *record)
 	record->plant = record->variant_first = species->plant;
 	record->variant_count = species->variant_count;
 	if (species->plant == ECO_NONE)
-		eco_row_count(p, species->name ? ECO_SKIP_LEFT_OUT : ECO_SKIP_UNKNOWN_SPECIES, text);
+		eco_row_skip(p, species->name ? ECO_SKIP_LEFT_OUT : ECO_SKIP_UNKNOWN_SPECIES, text);
 	return species->plant != ECO_NONE;
 }
 
 /* ---- Rows for errors ---- */
-
-enum verdict eco_row_skip(struct eco_positions *p, enum eco_skip why, const char *text)
-{
-	eco_row_count(p, why, text);
-	return SKIPPED;
-}
 
 const char *eco_row_name(const struct eco_positions *p, char *text, size_t size)
 {
@@ -159,7 +144,7 @@ static void count_remarks(struct eco_positions *p, uint32_t kinds, const char *t
 	eco_row_shown(text, buffer, sizeof buffer);
 	for (int kind = ECO_KEPT_RANGE; kind <= ECO_KEPT_IMPLAUSIBLE; kind++)
 		if (kinds >> kind & 1)
-			eco_row_count(p, (enum eco_skip)kind, buffer);
+			eco_row_skip(p, (enum eco_skip)kind, buffer);
 }
 
 /* Refuses a size with a decimal comma before any size was understood: all of them would be lost. */
@@ -179,31 +164,27 @@ static bool refuse_size(const struct eco_positions *p, const char *text, struct 
 
 static enum verdict check_sizes(struct eco_positions *p, struct eco_error *error)
 {
-	if (p->column[ECO_COLUMN_CROWN] != ECO_NONE && refuse_size(p, eco_row_field(p,
-			p->column[ECO_COLUMN_CROWN]),
-			error))
-		return FAILED;
-	for (uint32_t i = 0; i < p->spec->height_count; i++)
-		if (p->height_column[i] != ECO_NONE && refuse_size(p, eco_row_field(p, p->height_column[i]),
-		error))
-			return FAILED;
-	return GOOD;
+	bool refused = refuse_size(p, eco_row_field(p, ECO_COLUMN_CROWN), error);
+	for (uint32_t i = 0; i < p->spec->height_count && !refused; i++)
+		refused = refuse_size(p, eco_row_field(p, ECO_COLUMN_HEIGHTS + i), error);
+	return refused ? FAILED : GOOD;
+}
+
+static double read_size(struct eco_positions *p, const struct eco_size *size, uint32_t column, uint32_t plant,
+	double most_m, double plausible_m)
+{
+	uint32_t remarks = 0;
+	const char *text = eco_row_field(p, column);
+	double metres = eco_size_read(size, text, eco_row_decimal(p), plant, SIZE_MIN_M, most_m, &remarks);
+	count_remarks(p, remarks | (uint32_t)(metres > plausible_m) << ECO_KEPT_IMPLAUSIBLE, text);
+	p->sized |= !isnan(metres);
+	return metres;
 }
 
 static double read_crown(struct eco_positions *p)
 {
-	uint32_t remarks = 0;
-	const char *text = p->column[ECO_COLUMN_CROWN] != ECO_NONE ? eco_row_field(p,
-		p->column[ECO_COLUMN_CROWN])
-		: "";
-	double radius = p->spec->crown.kind == ECO_SIZE_NONE ? NAN
-		: eco_size_read(&p->spec->crown, text, eco_row_decimal(p), ECO_NONE, HEIGHT_MIN_M,
-		CROWN_MAX_M,
-		&remarks);
-	count_remarks(p, remarks | (uint32_t)(radius > CROWN_PLAUSIBLE_M) << ECO_KEPT_IMPLAUSIBLE,
-		text);
-	p->sized |= !isnan(radius);
-	return radius;
+	return p->spec->crown.kind == ECO_SIZE_NONE ? NAN : read_size(p, &p->spec->crown, ECO_COLUMN_CROWN, ECO_NONE,
+		CROWN_MAX_M, CROWN_PLAUSIBLE_M);
 }
 
 static double read_height(struct eco_positions *p, uint32_t plant, double crown_radius_m)
@@ -211,32 +192,21 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 	const struct eco_positions_spec *s = p->spec;
 	char buffer[48];
 	for (uint32_t i = 0; i < s->height_count; i++) {
-		uint32_t remarks = 0;
-		const char *text = p->height_column[i] != ECO_NONE ? eco_row_field(p, p->height_column[i]) :
-			"";
-		double height = eco_size_read(&s->heights[i], text, eco_row_decimal(p), plant, HEIGHT_MIN_M,
-			HEIGHT_MAX_M, &remarks);
-		count_remarks(p, remarks | (uint32_t)(height
-			> HEIGHT_PLAUSIBLE_M) << ECO_KEPT_IMPLAUSIBLE, text);
-		if (isnan(height))
-			continue;
-		p->sized = true;
-		return height;
+		double height = read_size(p, &s->heights[i], ECO_COLUMN_HEIGHTS + i, plant, HEIGHT_MAX_M,
+			HEIGHT_PLAUSIBLE_M);
+		if (!isnan(height))
+			return height;
 	}
 	if (s->height_count > 0)
-		eco_row_count(p, isnan(crown_radius_m) ? ECO_KEPT_NO_HEIGHT : ECO_KEPT_BY_CROWN,
-			p->height_column[0] != ECO_NONE ? eco_row_shown(eco_row_field(p, p->height_column[0]),
-			buffer,
-			sizeof buffer) : "");
+		eco_row_skip(p, isnan(crown_radius_m) ? ECO_KEPT_NO_HEIGHT : ECO_KEPT_BY_CROWN,
+			eco_row_shown(eco_row_field(p, ECO_COLUMN_HEIGHTS), buffer, sizeof buffer));
 	return NAN;
 }
 
 static double read_yaw(struct eco_positions *p)
 {
 	double yaw;
-	if (p->column[ECO_COLUMN_YAW] != ECO_NONE && eco_text_number(eco_row_field(p,
-			p->column[ECO_COLUMN_YAW]),
-			eco_row_decimal(p), &yaw) && fabs(yaw) <= 1e6)
+	if (eco_text_number(eco_row_field(p, ECO_COLUMN_YAW), eco_row_decimal(p), &yaw) && fabs(yaw) <= 1e6)
 		return yaw;
 	/* any of 64: nobody sees more, and it takes 10 bits less */
 	return (eco_random_angle16(p->spec->seed, p->rows->row) >> 10) * (360.0 / 64);
@@ -245,8 +215,7 @@ static double read_yaw(struct eco_positions *p)
 static double read_scale(struct eco_positions *p)
 {
 	double scale;
-	bool there = p->column[ECO_COLUMN_SCALE] != ECO_NONE
-		&& eco_text_number(eco_row_field(p, p->column[ECO_COLUMN_SCALE]), eco_row_decimal(p), &scale);
+	bool there = eco_text_number(eco_row_field(p, ECO_COLUMN_SCALE), eco_row_decimal(p), &scale);
 	return there && scale >= SCALE_MIN && scale <= SCALE_MAX ? scale : 1;
 }
 
@@ -298,15 +267,6 @@ static enum eco_code read_record(struct eco_positions *p, struct eco_position *r
 
 /* ---- Columns ---- */
 
-static enum eco_code find_column(struct eco_positions *p, uint32_t *column, const char *name,
-	struct eco_error *error)
-{
-	enum eco_code code = eco_rows_find_column(p->rows, p->spec->path, name, column, error);
-	if (*column != ECO_NONE && *column >= p->fields_needed)
-		p->fields_needed = *column + 1;
-	return code;
-}
-
 /* A guess at the column that holds a coordinate, for a message only; "...": none. */
 static const char *likely_column(const struct eco_rows *rows, enum eco_role role)
 {
@@ -343,12 +303,24 @@ static enum eco_code check_unit(const struct eco_positions_spec *s, struct eco_e
 		"\"crs\"", s->path, s->x, s->y, unit, unit);
 }
 
-static enum eco_code find_columns(struct eco_positions *p, struct eco_error *error)
+/* The names of columns by their use; NULL: not needed. */
+static void name_columns(const struct eco_positions_spec *s, const char *names[ECO_COLUMN_COUNT])
+{
+	const char *const fixed[ECO_COLUMN_HEIGHTS] = { s->x, s->y, s->z, s->species, s->yaw_deg, s->scale,
+		s->crown.column, s->quadrat.column, s->polar.azimuth, s->polar.distance };
+	memset(names, 0, ECO_COLUMN_COUNT * sizeof *names);
+	memcpy(names, fixed, sizeof fixed);
+	for (uint32_t i = 0; i < s->height_count; i++)
+		names[ECO_COLUMN_HEIGHTS + i] = s->heights[i].column;
+	for (uint32_t i = 0; i < s->filter_count; i++)
+		names[ECO_COLUMN_FILTERS + i] = s->filters[i].column;
+}
+
+static enum eco_code find_columns(struct eco_positions *p, const char *names[ECO_COLUMN_COUNT],
+	struct eco_error *error)
 {
 	const struct eco_positions_spec *s = p->spec;
 	bool geometry_z = s->z && strcmp(s->z, "geometry") == 0 && p->rows->has_geometry;
-	const char *names[ECO_COLUMN_FIXED] = { s->x, s->y, geometry_z ? NULL : s->z, s->species, s->yaw_deg,
-		s->scale, s->crown.column, s->quadrat.column, s->polar.azimuth, s->polar.distance };
 	enum eco_code code = check_unit(s, error);
 	p->from_geometry = p->rows->has_geometry && !s->x;
 	p->at_origin = !s->x && !p->rows->has_geometry && s->polar.azimuth;
@@ -360,77 +332,22 @@ static enum eco_code find_columns(struct eco_positions *p, struct eco_error *err
 			? "its points have no heights" : "its coordinates come from columns");
 	p->use_z = s->z != NULL;
 	p->fields_needed = 0;
-	for (int i = 0; code == ECO_OK && i < ECO_COLUMN_FIXED; i++)
-		code = find_column(p, &p->column[i], names[i], error);
-	for (uint32_t i = 0; code == ECO_OK && i < s->height_count; i++)
-		code = find_column(p, &p->height_column[i], s->heights[i].column, error);
-	for (uint32_t i = 0; code == ECO_OK && i < s->filter_count; i++)
-		code = find_column(p, &p->filter_column[i], s->filters[i].column, error);
+	names[ECO_COLUMN_Z] = geometry_z ? NULL : s->z;
+	for (int i = 0; code == ECO_OK && i < ECO_COLUMN_COUNT; i++) {
+		code = eco_rows_find_column(p->rows, s->path, names[i], &p->column[i], error);
+		if (p->column[i] != ECO_NONE && p->column[i] >= p->fields_needed)
+			p->fields_needed = p->column[i] + 1;
+	}
 	return code;
 }
-
-static enum eco_code open_rows(struct eco_positions *p, struct eco_error *error)
-{
-	const struct eco_positions_spec *s = p->spec;
-	const char *wanted[ECO_COLUMN_FIXED + ECO_HEIGHT_SOURCES_MAX + ECO_FILTERS_MAX];
-	const char *fixed[ECO_COLUMN_FIXED] = { s->x, s->y, s->z, s->species, s->yaw_deg, s->scale,
-		s->crown.column, s->quadrat.column, s->polar.azimuth, s->polar.distance };
-	struct eco_rows_source source = { .path = s->path, .layer = s->layer, .separator = s->separator,
-		.wanted = wanted };
-	for (int i = 0; i < ECO_COLUMN_FIXED; i++)
-		if (fixed[i])
-			wanted[source.wanted_count++] = fixed[i];
-	for (uint32_t i = 0; i < s->height_count; i++)
-		if (s->heights[i].column)
-			wanted[source.wanted_count++] = s->heights[i].column;
-	for (uint32_t i = 0; i < s->filter_count; i++)
-		wanted[source.wanted_count++] = s->filters[i].column;
-	eco_rows_close(p->rows);
-	p->rows = NULL;
-	enum eco_code code = eco_rows_open(&p->rows, &source, error);
-	return code == ECO_OK ? find_columns(p, error) : code;
-}
-
-/* ---- Levels ---- */
-
-static bool wants_levels(const struct eco_positions *p)
-{
-	return p->spec->levels > 0 && !p->levels;
-}
-
-static enum eco_code find_levels(struct eco_positions *p, struct eco_error *error)
-{
-	struct eco_position record;
-	enum eco_code code;
-	p->levels = eco_levels_open();
-	do {
-		code = read_record(p, &record, error);
-		if (code == ECO_OK && record.plant != ECO_NONE && !isnan(record.height_m))
-			code = eco_levels_count(p->levels, record.plant, record.height_m, p->spec->path,
-				error);
-	} while (code == ECO_OK && record.plant != ECO_NONE);
-	if (code)
-		return code;
-	eco_levels_make(p->levels, p->spec->levels);
-	memset(p->skipped, 0, sizeof p->skipped);
-	memset(p->filtered, 0, sizeof p->filtered);
-	eco_species_reset(p->species);
-	eco_positions_start_places(p);
-	return open_rows(p, error);
-}
-
-/* ---- The reader ---- */
 
 static enum eco_code open_crs(struct eco_positions *p, struct eco_error *error)
 {
 	const struct eco_rows *rows = p->rows;
 	struct eco_crs_request request = { .path = p->spec->path, .stated = p->spec->crs,
-		.vertical = p->spec->vertical,
-		.of_file = p->from_geometry ? rows->crs : NULL, .no_crs_says = p->from_geometry ? rows->no_crs
-		: NULL,
-		.use_z = p->use_z, .frame = &p->frame,
-		.note = eco_row_note, .ctx = p };
-
+		.vertical = p->spec->vertical, .of_file = p->from_geometry ? rows->crs : NULL,
+		.no_crs_says = p->from_geometry ? rows->no_crs : NULL, .use_z = p->use_z, .frame = &p->frame,
+		.note = eco_rows_note, .ctx = p->rows };
 	if (p->from_geometry && rows->degrees_doubted && !p->spec->crs)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, which this "
 			"format means unless it says otherwise; add \"crs\": \"%.80s\" to its entry, or the "
@@ -438,23 +355,63 @@ static enum eco_code open_crs(struct eco_positions *p, struct eco_error *error)
 	return eco_crs_open(&p->crs, &request, error);
 }
 
+static void close_parts(struct eco_positions *p)
+{
+	eco_rows_close(p->rows);
+	eco_crs_close(p->crs);
+	eco_species_close(p->species);
+	free(p->places.slots);
+}
+
+/* Begins at the first row, without anything counted. */
+static enum eco_code start(struct eco_positions *p, struct eco_error *error)
+{
+	const char *names[ECO_COLUMN_COUNT], *wanted[ECO_COLUMN_COUNT];
+	struct eco_rows_source source = { .path = p->spec->path, .layer = p->spec->layer,
+		.separator = p->spec->separator, .wanted = wanted };
+	close_parts(p);
+	*p = (struct eco_positions){ .spec = p->spec, .frame = p->frame, .levels = p->levels,
+		.levelled = p->levelled, .low = { INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY },
+		.nearest_m = INFINITY, .species = eco_species_open(p->spec) };
+	name_columns(p->spec, names);
+	for (int i = 0; i < ECO_COLUMN_COUNT; i++)
+		if (names[i])
+			wanted[source.wanted_count++] = names[i];
+	enum eco_code code = eco_rows_open(&p->rows, &source, error);
+	if (!code)
+		code = find_columns(p, names, error);
+	return code ? code : open_crs(p, error);
+}
+
+static enum eco_code find_levels(struct eco_positions *p, struct eco_error *error)
+{
+	struct eco_position record;
+	enum eco_code code;
+	do {
+		code = read_record(p, &record, error);
+		if (code == ECO_OK && record.plant != ECO_NONE && !isnan(record.height_m))
+			eco_levels_count(&p->levels, record.plant, record.height_m);
+	} while (code == ECO_OK && record.plant != ECO_NONE);
+	if (code)
+		return code;
+	eco_levels_make(&p->levels, p->spec->levels);
+	p->levelled = true;
+	return start(p, error);
+}
+
+/* ---- The reader ---- */
+
 enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco_positions_spec *spec,
 	const struct eco_frame *frame, struct eco_error *error)
 {
 	struct eco_positions *p = eco_alloc(1, sizeof *p);
-	*reader = NULL;
 	p->spec = spec;
 	p->frame = *frame;
-	p->species = eco_species_open(spec);
-	eco_positions_start_places(p);
 	enum eco_code code = spec->height_count > ECO_HEIGHT_SOURCES_MAX || spec->filter_count > ECO_FILTERS_MAX
 		? eco_fail(error, ECO_TOO_LARGE, "%.200s: too many columns of heights or filters", spec->path)
-		: open_rows(p, error);
-	if (!code)
-		code = open_crs(p, error);
-	if (!code)
-		*reader = p;
-	else
+		: start(p, error);
+	*reader = code ? NULL : p;
+	if (code)
 		eco_positions_close(p);
 	return code;
 }
@@ -465,13 +422,13 @@ enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_positi
 	struct eco_error own = { .code = ECO_OK };
 	if (!error)
 		error = &own;
-	enum eco_code code = wants_levels(reader) ? find_levels(reader, error) : ECO_OK;
+	enum eco_code code = reader->spec->levels > 0 && !reader->levelled ? find_levels(reader, error) : ECO_OK;
 	if (!code)
 		code = read_record(reader, record, error);
 	if (code != ECO_OK || record->plant == ECO_NONE)
 		return code;
-	if (reader->levels && !isnan(record->height_m))
-		record->height_m = eco_levels_height(reader->levels, record->plant, record->height_m);
+	if (reader->levelled && !isnan(record->height_m))
+		record->height_m = eco_levels_height(&reader->levels, record->plant, record->height_m);
 	record->plant += eco_random_variant(reader->spec->seed, record->row, record->variant_count);
 	return ECO_OK;
 }
@@ -502,12 +459,7 @@ void eco_positions_close(struct eco_positions *reader)
 {
 	if (!reader)
 		return;
-	eco_rows_close(reader->rows);
-	eco_crs_close(reader->crs);
-	eco_species_close(reader->species);
-	eco_place_set_close(reader->places);
-	eco_levels_close(reader->levels);
-	for (uint32_t i = 0; i < reader->note_count; i++)
-		free(reader->notes[i]);
+	close_parts(reader);
+	eco_levels_free(&reader->levels);
 	free(reader);
 }

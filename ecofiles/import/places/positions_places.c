@@ -22,51 +22,42 @@
 
 /* ---- Places taken ---- */
 
-/* A set of places: open addressing over 64-bit hashes of millimetres. Two places with one hash (in one of 10^5
- * inventories of 10^7 rows) count as one. */
-struct eco_place_set { uint64_t *slots; size_t count, size; };
-
-/* The slot of a hash, or the free slot where it belongs. */
-static uint64_t *slot_of(const struct eco_place_set *set, uint64_t hash)
+/* The slot of a hash, or the free slot where it belongs: open addressing over 64-bit hashes of millimetres. Two
+ * places with one hash (in one of 10^5 inventories of 10^7 rows) count as one. */
+static uint64_t *slot_of(uint64_t *slots, size_t size, uint64_t hash)
 {
-	size_t at = hash & (set->size - 1);
-	while (set->slots[at] != 0 && set->slots[at] != hash)
-		at = (at + 1) & (set->size - 1);
-	return &set->slots[at];
+	size_t at = hash & (size - 1);
+	while (slots[at] != 0 && slots[at] != hash)
+		at = (at + 1) & (size - 1);
+	return &slots[at];
 }
 
-static void grow(struct eco_place_set *set)
+static void grow(struct eco_positions *p)
 {
-	struct eco_place_set larger = { .count = set->count, .size = set->size ? 2 * set->size : FIRST };
-	larger.slots = eco_alloc(larger.size, sizeof *larger.slots);
-	for (size_t i = 0; i < set->size; i++)
-		if (set->slots[i] != 0)
-			*slot_of(&larger, set->slots[i]) = set->slots[i];
-	free(set->slots);
-	*set = larger;
+	size_t size = p->places.size ? 2 * p->places.size : FIRST;
+	uint64_t *slots = eco_alloc(size, sizeof *slots);
+	for (size_t i = 0; i < p->places.size; i++)
+		if (p->places.slots[i] != 0)
+			*slot_of(slots, size, p->places.slots[i]) = p->places.slots[i];
+	free(p->places.slots);
+	p->places.slots = slots;
+	p->places.size = size;
 }
 
 /* Whether it was there before. */
-static bool add_to_set(struct eco_place_set *set, const double at[3])
+static bool add_place(struct eco_positions *p, const double at[3])
 {
 	uint64_t hash = 0;
 	for (int k = 0; k < 3; k++)
 		hash = eco_random(hash, (uint64_t)(int64_t)floor(at[k] * 1000 + 0.5));
 	hash += hash == 0;
-	if (set->count * 4 >= set->size * 3)
-		grow(set);
-	uint64_t *slot = slot_of(set, hash);
+	if (p->places.count * 4 >= p->places.size * 3)
+		grow(p);
+	uint64_t *slot = slot_of(p->places.slots, p->places.size, hash);
 	bool known = *slot != 0;
-	set->count += !known;
+	p->places.count += !known;
 	*slot = hash;
 	return known;
-}
-
-void eco_place_set_close(struct eco_place_set *set)
-{
-	if (set)
-		free(set->slots);
-	free(set);
 }
 
 /* ---- From others ---- */
@@ -140,9 +131,9 @@ static enum verdict read_columns(struct eco_positions *p, double xyz[3], struct 
 	enum verdict verdict = GOOD;
 	for (int k = 0; k < 3 && verdict == GOOD; k++)
 		if (p->column[k] != ECO_NONE)
-			verdict = read_coordinate(p, p->column[k], &xyz[k], error);
+			verdict = read_coordinate(p, (uint32_t)k, &xyz[k], error);
 	if (verdict == GOOD && p->column[ECO_COLUMN_QUADRAT] != ECO_NONE) {
-		const char *text = eco_row_field(p, p->column[ECO_COLUMN_QUADRAT]);
+		const char *text = eco_row_field(p, ECO_COLUMN_QUADRAT);
 		if (!quadrat_corner(&p->spec->quadrat, text, corner_m))
 			return eco_row_skip(p, eco_text_is_missing(text) ? ECO_SKIP_NO_COORDINATES
 				: ECO_SKIP_BAD_NUMBER, text);
@@ -158,9 +149,9 @@ static enum verdict add_polar(struct eco_positions *p, double xyz[3], struct eco
 	double azimuth, distance, offset_m[2];
 	if (p->column[ECO_COLUMN_AZIMUTH] == ECO_NONE)
 		return GOOD;
-	enum verdict verdict = read_coordinate(p, p->column[ECO_COLUMN_AZIMUTH], &azimuth, error);
+	enum verdict verdict = read_coordinate(p, ECO_COLUMN_AZIMUTH, &azimuth, error);
 	if (verdict == GOOD)
-		verdict = read_coordinate(p, p->column[ECO_COLUMN_DISTANCE], &distance, error);
+		verdict = read_coordinate(p, ECO_COLUMN_DISTANCE, &distance, error);
 	if (verdict != GOOD)
 		return verdict;
 	polar_offset(&p->spec->polar, azimuth, distance, offset_m);
@@ -173,16 +164,16 @@ static enum verdict read_geometry(struct eco_positions *p, double xyz[3], struct
 {
 	const struct eco_rows_place *place = &p->rows->place;
 	if (place->kind == ECO_PLACE_EMPTY || place->kind == ECO_PLACE_NONE)
-		eco_row_count(p, ECO_SKIP_NO_GEOMETRY, place->what);
-	else if (place->kind == ECO_PLACE_OTHER)
-		eco_row_count(p, ECO_SKIP_NOT_A_POINT, place->what);
+		return eco_row_skip(p, ECO_SKIP_NO_GEOMETRY, place->what);
+	if (place->kind == ECO_PLACE_OTHER)
+		return eco_row_skip(p, ECO_SKIP_NOT_A_POINT, place->what);
 	if (place->kind != ECO_PLACE_POINT)
 		return SKIPPED;
 	memcpy(xyz, place->at, sizeof place->at);
 	if (!isfinite(xyz[0]) || !isfinite(xyz[1])
 			|| (p->use_z && p->column[ECO_COLUMN_Z] == ECO_NONE && !isfinite(xyz[2])))
 		return eco_row_skip(p, ECO_SKIP_BAD_NUMBER, "not finite");
-	return p->column[ECO_COLUMN_Z] != ECO_NONE ? read_coordinate(p, p->column[ECO_COLUMN_Z], &xyz[2],
+	return p->column[ECO_COLUMN_Z] != ECO_NONE ? read_coordinate(p, ECO_COLUMN_Z, &xyz[2],
 		error) : GOOD;
 }
 
@@ -223,11 +214,11 @@ static void note_far(struct eco_positions *p)
 		return;
 	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted
 			&& hypot(swapped[0], swapped[1]) <= FAR_M)
-		eco_row_note(p, "its plants stand %.0f km and more from the scene's origin, and would be "
+		eco_rows_note(p->rows, "its plants stand %.0f km and more from the scene's origin, and would be "
 		"near it with their coordinates swapped: x is easting or longitude, y is northing or "
 		"latitude", p->nearest_m / 1000);
 	else
-		eco_row_note(p, "its plants stand %.0f km and more from the scene's origin; are x, y, crs "
+		eco_rows_note(p->rows, "its plants stand %.0f km and more from the scene's origin; are x, y, crs "
 		"and the origin what they should be?", p->nearest_m / 1000);
 }
 
@@ -248,7 +239,7 @@ static enum eco_code check_area(struct eco_positions *p, struct eco_error *error
 	if (code || fit != ECO_CRS_SWAPPED)
 		return code;
 	char *name = eco_crs_short_name(crs);
-	eco_row_note(p,
+	eco_rows_note(p->rows,
 		"its places, such as %.10g, %.10g, lie outside the area of use of its CRS, %.80s (%s), and "
 		"inside with their coordinates swapped: x is easting or longitude, y is northing or latitude",
 		p->first[0], p->first[1], name ? name : "?", area);
@@ -281,11 +272,12 @@ static enum eco_code refuse_swapped(const struct eco_positions *p, struct eco_er
 static enum verdict find_duplicate(struct eco_positions *p, const double at[3])
 {
 	char text[80];
-	if (!add_to_set(p->places, at))
+	if (!add_place(p, at))
 		return GOOD;
 	snprintf(text, sizeof text, "%.3f, %.3f", at[0], at[1]);
-	eco_row_count(p, p->spec->skip_duplicates ? ECO_SKIP_DUPLICATE : ECO_KEPT_DUPLICATE, text);
-	return p->spec->skip_duplicates ? SKIPPED : GOOD;
+	enum verdict skipped = eco_row_skip(p, p->spec->skip_duplicates ? ECO_SKIP_DUPLICATE : ECO_KEPT_DUPLICATE,
+		text);
+	return p->spec->skip_duplicates ? skipped : GOOD;
 }
 
 enum verdict eco_positions_place(struct eco_positions *p, struct eco_position *record,
@@ -311,20 +303,6 @@ enum verdict eco_positions_place(struct eco_positions *p, struct eco_position *r
 		p->high[k] = fmax(p->high[k], xyz[k]);
 	}
 	return GOOD;
-}
-
-void eco_positions_start_places(struct eco_positions *p)
-{
-	eco_place_set_close(p->places);
-	p->places = eco_alloc(1, sizeof *p->places);
-	for (int k = 0; k < 2; k++) {
-		p->low[k] = INFINITY;
-		p->high[k] = -INFINITY;
-	}
-	p->span = (struct eco_crs_span){ .any = false };
-	p->plants = p->good_places = p->bad_places = 0;
-	p->nearest_m = INFINITY;
-	p->ended = false;
 }
 
 enum eco_code eco_positions_check_places(struct eco_positions *p, struct eco_error *error)

@@ -165,8 +165,6 @@ void eco_positions_report(const struct eco_positions *reader, void (*say)(void *
 	eco_positions_counted(reader, &c);
 	for (uint32_t i = 0; reader->rows && i < reader->rows->note_count; i++)
 		line(&r, "%s: %s", reader->spec->path, reader->rows->notes[i]);
-	for (uint32_t i = 0; i < reader->note_count; i++)
-		line(&r, "%s: %s", reader->spec->path, reader->notes[i]);
 	if (c.rows == 0) {
 		line(&r, "%s: it has no rows", reader->spec->path);
 		return;

@@ -1,40 +1,33 @@
-/* Species. An inventory has few different ones in many rows, so each text is matched with the keys once
- * and remembered. A limit bounds memory; texts beyond it are matched each time and not named among the
+/* Species, sizes and levels of an inventory. It has few different species in many rows, so each text is matched with
+ * the keys once and remembered. A limit bounds memory; texts beyond it are matched each time and not named among the
  * unknown ones. */
 #include <stdlib.h>
 #include <string.h>
 #include <math.h>
 
 #include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/memory.h"
-#include "ecofiles/base/random.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/positions_parts.h"
 
 #define KNOWN_MAX 65536u             /* texts remembered */
-#define SLOTS (2 * KNOWN_MAX)
 #define TEXT_BYTES 256u              /* longest species, folded; longer ones are cut */
 
-struct known { char *text; uint32_t key; uint64_t count, first_line; };      /* text as in the file */
+struct known { const char *text; uint32_t key; uint64_t count, first_line; };
 
-struct pattern { char *text; uint32_t key, literal; };
+struct pattern { char *text; uint32_t key; size_t literal; };        /* literal: SIZE_MAX without "*" */
 
 struct eco_species_table {
 	const struct eco_positions_spec *spec;
-	struct known *known;         /* SLOTS, open addressing */
-	uint32_t known_count;
-	/* exact: ascending by text; wild: most literal characters first */
-	struct pattern *exact, *wild;
-	uint32_t exact_count, wild_count;
+	struct eco_string_pool texts;
+	struct known *known;         /* one per text */
+	uint32_t room;
+	struct pattern *patterns;    /* the best first */
 	struct eco_skipped *keys;    /* map_count + 1 */
 };
 
-static int compare_texts(const void *a, const void *b)
-{
-	return strcmp(((const struct pattern *)a)->text, ((const struct pattern *)b)->text);
-}
-
-static int compare_literals(const void *a, const void *b)
+static int compare_patterns(const void *a, const void *b)
 {
 	const struct pattern *p = a, *q = b;
 	if (p->literal != q->literal)
@@ -42,148 +35,94 @@ static int compare_literals(const void *a, const void *b)
 	return p->key < q->key ? -1 : p->key > q->key;
 }
 
-static void fold_keys(struct eco_species_table *t)
-{
-	char folded[TEXT_BYTES];
-	for (uint32_t i = 0; i < t->spec->map_count; i++) {
-		const char *name = t->spec->map[i].name;
-		bool wild = strchr(name, '*') != NULL;
-		struct pattern *p = wild ? &t->wild[t->wild_count++] : &t->exact[t->exact_count++];
-		size_t length = eco_text_fold(name, folded, sizeof folded);
-		p->text = eco_copy_text(folded);
-		p->key = i;
-		p->literal = (uint32_t)length;
-		for (const char *c = folded; *c != 0; c++)
-			p->literal -= *c == '*';
-	}
-	qsort(t->exact, t->exact_count, sizeof *t->exact, compare_texts);
-	qsort(t->wild, t->wild_count, sizeof *t->wild, compare_literals);
-}
-
 struct eco_species_table *eco_species_open(const struct eco_positions_spec *spec)
 {
 	struct eco_species_table *t = eco_alloc(1, sizeof *t);
 	t->spec = spec;
-	t->known = eco_alloc(SLOTS, sizeof *t->known);
-	t->exact = eco_alloc(spec->map_count + 1u, sizeof *t->exact);
-	t->wild = eco_alloc(spec->map_count + 1u, sizeof *t->wild);
+	t->patterns = eco_alloc(spec->map_count, sizeof *t->patterns);
 	t->keys = eco_alloc(spec->map_count + 1u, sizeof *t->keys);
-	fold_keys(t);
+	for (uint32_t i = 0; i < spec->map_count; i++) {
+		char folded[TEXT_BYTES];
+		size_t literal = eco_text_fold(spec->map[i].name, folded, sizeof folded);
+		for (const char *c = folded; *c != 0; c++)
+			literal -= *c == '*';
+		t->patterns[i] = (struct pattern){ eco_copy_text(folded), i,
+			strchr(spec->map[i].name, '*') ? literal : SIZE_MAX };
+	}
+	qsort(t->patterns, spec->map_count, sizeof *t->patterns, compare_patterns);
 	return t;
 }
 
-static uint32_t match(const struct eco_species_table *t, const char *folded)
+static uint32_t match(const struct eco_species_table *t, const char *text)
 {
-	const struct pattern wanted = { .text = (char *)folded };
-	const struct pattern *exact = bsearch(&wanted, t->exact, t->exact_count, sizeof *t->exact,
-		compare_texts);
-	if (exact)
-		return exact->key;
-	for (uint32_t i = 0; i < t->wild_count; i++)
-		if (eco_text_fits(folded, t->wild[i].text))
-			return t->wild[i].key;
-	return t->spec->map_count;
-}
-
-/* Keyed by the text as it is, so that a hit needs no folding. */
-static struct known *slot_of(const struct eco_species_table *t, const char *text, size_t length)
-{
-	uint64_t hash = length;
-	for (size_t i = 0; i < length; i++)
-		hash = (hash ^ (unsigned char)text[i]) * 0x100000001b3u;
-	uint32_t at = (uint32_t)(eco_random(0, hash) % SLOTS);
-	while (t->known[at].text
-			&& (strncmp(t->known[at].text, text, length) != 0 || t->known[at].text[length] != 0))
-		at = at + 1 == SLOTS ? 0 : at + 1;
-	return &t->known[at];
-}
-
-static void count(struct eco_skipped *counter, const char *text, uint64_t line)
-{
-	if (counter->count++ > 0)
-		return;
-	counter->first_line = line;
-	strncpy(counter->first_text, text, sizeof counter->first_text - 1);
+	char folded[TEXT_BYTES];
+	uint32_t i = 0;
+	eco_text_fold(text, folded, sizeof folded);
+	while (i < t->spec->map_count && !eco_text_fits(folded, t->patterns[i].text))
+		i++;
+	return i < t->spec->map_count ? t->patterns[i].key : i;
 }
 
 uint32_t eco_species_find(struct eco_species_table *table, const char *text, uint64_t line)
 {
-	char folded[TEXT_BYTES];
-	size_t length = strnlen(text, TEXT_BYTES - 1);
-	struct known *slot = slot_of(table, text, length);
 	uint32_t key;
-	if (!slot->text) {
-		eco_text_fold(text, folded, sizeof folded);
-		key = match(table, folded);
-		if (table->known_count < KNOWN_MAX) {
-			slot->text = eco_copy_part(text, length);
-			table->known_count++;
-			slot->key = key;
-			slot->first_line = line;
+	if (table->texts.count < KNOWN_MAX) {
+		uint32_t before = table->texts.count, number = eco_string_number(&table->texts, text);
+		if (table->texts.count > before) {
+			eco_grow(&table->known, &table->room, before, sizeof *table->known);
+			table->known[number] = (struct known){ table->texts.items[number], match(table, text), 0, 0 };
 		}
+		struct known *known = &table->known[number];
+		if (known->count++ == 0)
+			known->first_line = line;
+		key = known->key;
 	} else {
-		key = slot->key;
+		key = match(table, text);
 	}
-	if (slot->text && slot->count++ == 0)
-		slot->first_line = line;
-	count(&table->keys[key], text, line);
+	struct eco_skipped *counter = &table->keys[key];
+	if (counter->count++ == 0) {
+		counter->first_line = line;
+		strncpy(counter->first_text, text, sizeof counter->first_text - 1);
+	}
 	return key;
 }
 
-/* Inserts into the list of the commonest: most first, of equals the earlier one. */
-static void add_unknown(struct known *most, uint32_t *kinds, const struct known *known)
+static int compare_known(const void *a, const void *b)
 {
-	uint32_t at = ECO_UNKNOWN_MOST;
-	++*kinds;
-	while (at > 0
-			&& (most[at - 1].count < known->count
-			|| (most[at - 1].count == known->count && most[at - 1].count > 0
-		&& most[at - 1].first_line > known->first_line)))
-		at--;
-	if (at == ECO_UNKNOWN_MOST)
-		return;
-	memmove(most + at + 1, most + at, (ECO_UNKNOWN_MOST - 1 - at) * sizeof *most);
-	most[at] = *known;
+	const struct known *p = a, *q = b;
+	if (p->count != q->count)
+		return p->count > q->count ? -1 : 1;
+	return p->first_line < q->first_line ? -1 : p->first_line > q->first_line;
 }
 
 void eco_species_counted(const struct eco_species_table *table, struct eco_positions_counts *counts)
 {
-	struct known most[ECO_UNKNOWN_MOST] = { { .text = NULL } };
+	struct known *unknown = eco_alloc(table->texts.count, sizeof *unknown);
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < table->texts.count && !table->spec->fallback.name; i++)
+		if (table->known[i].count > 0 && table->known[i].key == table->spec->map_count)
+			unknown[count++] = table->known[i];
+	qsort(unknown, count, sizeof *unknown, compare_known);
 	counts->keys = table->keys;
-	counts->unknown_species = 0;
-	for (uint32_t i = 0; i < SLOTS; i++)
-		if (table->known[i].count > 0 && table->known[i].key == table->spec->map_count
-				&& !table->spec->fallback.name)
-			add_unknown(most, &counts->unknown_species, &table->known[i]);
-	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST; i++) {
-		counts->unknown[i] = (struct eco_skipped){ .count = most[i].count,
-			.first_line = most[i].first_line };
-		if (most[i].text)
-			strncpy(counts->unknown[i].first_text, most[i].text,
-				sizeof counts->unknown[i].first_text - 1);
+	counts->unknown_species = count;
+	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST && i < count; i++) {
+		struct eco_skipped *to = &counts->unknown[i];
+		to->count = unknown[i].count;
+		to->first_line = unknown[i].first_line;
+		strncpy(to->first_text, unknown[i].text, sizeof to->first_text - 1);
 	}
-}
-
-void eco_species_reset(struct eco_species_table *table)
-{
-	for (uint32_t i = 0; i < SLOTS; i++)
-		table->known[i].count = 0;
-	memset(table->keys, 0, (table->spec->map_count + 1u) * sizeof *table->keys);
+	free(unknown);
 }
 
 void eco_species_close(struct eco_species_table *table)
 {
 	if (!table)
 		return;
-	for (uint32_t i = 0; table->known && i < SLOTS; i++)
-		free(table->known[i].text);
-	for (uint32_t i = 0; table->exact && i < table->exact_count; i++)
-		free(table->exact[i].text);
-	for (uint32_t i = 0; table->wild && i < table->wild_count; i++)
-		free(table->wild[i].text);
+	for (uint32_t i = 0; i < table->spec->map_count; i++)
+		free(table->patterns[i].text);
+	eco_string_pool_free(&table->texts);
 	free(table->known);
-	free(table->exact);
-	free(table->wild);
+	free(table->patterns);
 	free(table->keys);
 	free(table);
 }
@@ -199,19 +138,11 @@ static double to_millimetres(double metres)
 
 static const struct eco_allometry *rule_of(const struct eco_size *size, uint32_t plant)
 {
-	uint32_t low = 0, high = size->rule_count;
-	while (low < high) {
-		uint32_t middle = low + (high - low) / 2;
-		if (size->rules[middle].plant == plant)
-			return &size->rules[middle];
-		if (size->rules[middle].plant < plant)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	/* the rule of all other plants is the last: ECO_NONE is the greatest number */
-	return size->rule_count > 0 && size->rules[size->rule_count - 1].plant == ECO_NONE
-		? &size->rules[size->rule_count - 1] : NULL;
+	const struct eco_allometry *last = size->rules + size->rule_count;
+	for (const struct eco_allometry *rule = size->rules; rule < last; rule++)
+		if (rule->plant == plant || rule->plant == ECO_NONE) /* this one is the last: for all other plants */
+			return rule;
+	return NULL;
 }
 
 static double by_allometry(const struct eco_allometry *rule, double dbh_m)
@@ -254,48 +185,32 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 	return metres;
 }
 
+/* ---- Levels ---- */
+
 #define BINS 30001u                  /* centimetres */
-#define PLANTS_MAX 4096u
-
-/* bin[cm]: first a count, then the class's height in cm */
-struct plant_levels { uint32_t plant, *bin; };
-
-struct eco_levels {
-	struct plant_levels plants[PLANTS_MAX];
-	uint32_t count;
-};
-
-struct eco_levels *eco_levels_open(void)
-{
-	return eco_alloc(1, sizeof(struct eco_levels));
-}
 
 static uint32_t centimetres(double height_m)
 {
 	return (uint32_t)(height_m * 100 + 0.5);
 }
 
-static const struct plant_levels *levels_of(const struct eco_levels *levels, uint32_t plant)
+static uint32_t *bins_of(const struct eco_levels *levels, uint32_t plant)
 {
 	for (uint32_t i = 0; i < levels->count; i++)
 		if (levels->plants[i].plant == plant)
-			return &levels->plants[i];
+			return levels->plants[i].bin;
 	return NULL;
 }
 
-enum eco_code eco_levels_count(struct eco_levels *levels, uint32_t plant, double height_m, const char *path,
-	struct eco_error *error)
+void eco_levels_count(struct eco_levels *levels, uint32_t plant, double height_m)
 {
-	const struct plant_levels *l = levels_of(levels, plant);
-	if (!l) {
-		if (levels->count == PLANTS_MAX)
-			return eco_fail(error, ECO_TOO_LARGE, "%.200s: \"levels\" works for up to %u plants",
-				path, PLANTS_MAX);
-		levels->plants[levels->count] = (struct plant_levels){ plant, eco_alloc(BINS, sizeof *l->bin) };
-		l = &levels->plants[levels->count++];
+	uint32_t *bin = bins_of(levels, plant);
+	if (!bin) {
+		eco_grow(&levels->plants, &levels->room, levels->count, sizeof *levels->plants);
+		bin = eco_alloc(BINS, sizeof *bin);
+		levels->plants[levels->count++] = (struct eco_plant_levels){ plant, bin };
 	}
-	l->bin[centimetres(height_m)]++;
-	return ECO_OK;
+	bin[centimetres(height_m)]++;
 }
 
 /* Replaces the counts of [first, end) by the mean height there. */
@@ -337,14 +252,14 @@ void eco_levels_make(struct eco_levels *levels, uint32_t count)
 
 double eco_levels_height(const struct eco_levels *levels, uint32_t plant, double height_m)
 {
-	const struct plant_levels *l = levels_of(levels, plant);
-	uint32_t level = l ? l->bin[centimetres(height_m)] : 0;
+	const uint32_t *bin = bins_of(levels, plant);
+	uint32_t level = bin ? bin[centimetres(height_m)] : 0;
 	return level > 0 ? level / 100.0 : height_m;
 }
 
-void eco_levels_close(struct eco_levels *levels)
+void eco_levels_free(struct eco_levels *levels)
 {
-	for (uint32_t i = 0; levels && i < levels->count; i++)
+	for (uint32_t i = 0; i < levels->count; i++)
 		free(levels->plants[i].bin);
-	free(levels);
+	free(levels->plants);
 }

@@ -14,7 +14,7 @@ struct eco_scatter_input {       /* the files' content, in metres from the origi
 	double *number;              /* per area: its density or count; NULL: no such column */
 	struct eco_areas clear;
 	uint64_t features, skipped[ECO_AREA_WHY_COUNT], first_line[ECO_AREA_WHY_COUNT];
-	char *notes[ECO_ROWS_NOTES_MAX]; uint32_t note_count;
+	char *notes[2 * ECO_ROWS_NOTES_MAX]; uint32_t note_count;
 };
 
 /* Areas and what is to be clear (import_areas.c). */

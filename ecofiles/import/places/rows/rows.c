@@ -197,24 +197,19 @@ void eco_rows_close(struct eco_rows *rows)
 
 /* ---- For readers ---- */
 
-void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const char *format,
-	va_list arguments)
+void eco_rows_note(void *rows, const char *format, ...)
 {
+	struct eco_rows *r = rows;
 	char text[400];
-	vsnprintf(text, sizeof text, format, arguments);
-	for (uint32_t i = 0; i < *count; i++)
-		if (strcmp(notes[i], text) == 0)
-			return;
-	if (*count < ECO_ROWS_NOTES_MAX)
-		notes[(*count)++] = eco_copy_text(text);
-}
-
-void eco_rows_note(struct eco_rows *rows, const char *format, ...)
-{
 	va_list arguments;
 	va_start(arguments, format);
-	eco_rows_add_note(rows->notes, &rows->note_count, format, arguments);
+	vsnprintf(text, sizeof text, format, arguments);
 	va_end(arguments);
+	for (uint32_t i = 0; i < r->note_count; i++)
+		if (strcmp(r->notes[i], text) == 0)
+			return;
+	if (r->note_count < ECO_ROWS_NOTES_MAX)
+		r->notes[r->note_count++] = eco_copy_text(text);
 }
 
 void eco_rows_free_texts(struct eco_rows *rows)

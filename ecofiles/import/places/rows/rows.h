@@ -7,7 +7,6 @@
 #ifndef ECO_ROWS_H
 #define ECO_ROWS_H
 
-#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -81,11 +80,8 @@ void eco_rows_list_columns(const struct eco_rows *rows, char *text, size_t size)
 enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path, const char *name,
 	uint32_t *column, struct eco_error *error);
 
-/* For readers: adds a note, printf-like; each once, up to ECO_ROWS_NOTES_MAX. */
-void eco_rows_note(struct eco_rows *rows, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* The same for notes kept elsewhere. */
-void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const char *format,
-	va_list arguments) __attribute__((format(printf, 3, 0)));
+/* Adds a note to a struct eco_rows, printf-like; each once, up to ECO_ROWS_NOTES_MAX. */
+void eco_rows_note(void *rows, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* CSV (RFC 4180): the first row names the columns; quoted fields may hold separators, line breaks and
  * doubled quotes; lines end in LF or CRLF; a byte order mark and empty lines are skipped; a row that is
