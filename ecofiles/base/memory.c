@@ -2,6 +2,8 @@
 
 #include <errno.h>
 #include <pthread.h>
+#include <setjmp.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,6 +31,38 @@ _Noreturn void eco_end(const char *why)
 	dprintf(STDERR_FILENO, "%s%s: %s\n", isatty(STDERR_FILENO) ? "\r\033[K" : "",
 		program_invocation_short_name, why);
 	_exit(1);
+}
+
+static _Thread_local struct trial { jmp_buf back; struct eco_error *error; } *trial;
+
+enum eco_code eco_try(void (*steps)(void *ctx), void *ctx, struct eco_error *error)
+{
+	struct trial own = { .error = error }, *const outer = trial;
+	trial = &own;
+	if (setjmp(own.back)) {
+		trial = outer;
+		return error->code;
+	}
+	steps(ctx);
+	trial = outer;
+	return ECO_OK;
+}
+
+void eco_stop(enum eco_code code, const char *format, ...)
+{
+	char text[1024];
+	va_list args;
+	va_start(args, format);
+	vsnprintf(text, sizeof text, format, args);
+	va_end(args);
+	eco_fail(trial->error, code, "%s", text);
+	longjmp(trial->back, 1);
+}
+
+void eco_check(enum eco_code code)
+{
+	if (code)
+		longjmp(trial->back, 1);
 }
 
 static void *given(void *memory)

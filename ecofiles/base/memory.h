@@ -1,5 +1,5 @@
-/* Memory, or the end of the program: for programs that run once, and for their rooms. The daemon, the viewer and
- * the library return errors instead (array_grow.h). */
+/* Memory, or the end of the program; work that stops at the first failure. For programs that run once, and for their
+ * rooms: the daemon, the viewer and the library return errors instead (array_grow.h). */
 #ifndef ECO_MEMORY_H
 #define ECO_MEMORY_H
 
@@ -7,12 +7,21 @@
 #include <stdint.h>
 
 #include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/status.h"
 
 /* Ends the program with status 1 and this error, from any thread, after what eco_at_end names. In a guarded
  * child (guard.h) it ends the child alone, and the parent reports that memory ran out. */
 _Noreturn void eco_end(const char *why);
 /* Removes unfinished outputs: called by eco_end with `ctx`. One at a time; NULL: nothing is to be removed. */
 void eco_at_end(void (*undo)(void *ctx), void *ctx);
+
+/* Calls steps(ctx) up to the first eco_stop, or eco_check that is not of ECO_OK, in this thread; returns its code.
+ * Memory that functions hold then is lost, as the program ends soon. Calls may nest; each stops the innermost. */
+enum eco_code eco_try(void (*steps)(void *ctx), void *ctx, struct eco_error *error);
+/* As eco_fail, with the error of eco_try. */
+_Noreturn void eco_stop(enum eco_code code, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Stops where the code is not ECO_OK; the error of eco_try says why. */
+void eco_check(enum eco_code code);
 
 /* None of these returns NULL; the caller frees. eco_alloc zeroes; `count` may be 0. */
 void *eco_alloc(size_t count, size_t size);

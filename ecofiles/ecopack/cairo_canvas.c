@@ -14,10 +14,8 @@ cairo_t *canvas_new(uint32_t width, uint32_t height)
 	cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)width, (int)height);
 	cairo_t *canvas = cairo_create(surface);
 	cairo_surface_destroy(surface);
-	if (cairo_status(canvas)) {
-		cairo_destroy(canvas);
-		return NULL;
-	}
+	if (cairo_status(canvas))
+		eco_end("no memory for the map");
 	cairo_font_options_t *options = cairo_font_options_create();
 	cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
 	cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);

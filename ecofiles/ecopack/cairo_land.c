@@ -29,19 +29,18 @@ const struct color kind_colors[MAP_COLORS + 1] = { { 0.07, 0.47, 0.20, 1 }, { 0.
 
 struct grid { double *z; uint32_t columns, rows; };      /* NaN beyond the ground's border */
 
-static bool sample(const struct map *m, struct grid *grid, double pixels)
+static void sample(const struct map *m, struct grid *grid, double pixels)
 {
 	grid->columns = (uint32_t)ceil(m->width / pixels) + 1;
 	grid->rows = (uint32_t)ceil(m->height / pixels) + 1;
 	size_t count = (size_t)grid->columns * grid->rows;
-	grid->z = malloc(count * sizeof *grid->z);
-	for (size_t i = 0; grid->z && i < count; i++) {
+	grid->z = eco_alloc(count, sizeof *grid->z);
+	for (size_t i = 0; i < count; i++) {
 		double x = m->view.low[0] + (double)(i % grid->columns) * pixels / m->scale,
 			y = m->view.high[1] - (double)(i / grid->columns) * pixels / m->scale;
 		if (!eco_ground_height(&m->ground, x, y, &grid->z[i]))
 			grid->z[i] = NAN;
 	}
-	return grid->z;
 }
 
 static uint8_t brightness(double east, double north)
@@ -81,20 +80,18 @@ static void shade(const struct map *m, const struct grid *grid, uint8_t *rgba)
 	}
 }
 
-enum eco_code land_ground(struct map *m, cairo_t *canvas)
+void land_ground(const struct map *m, cairo_t *canvas)
 {
 	struct grid grid = { .z = NULL };
 	if (!m->has_ground && !m->image)
-		return ECO_OK;
-	uint8_t *rgba = calloc((size_t)m->width * (size_t)m->height, 4);
-	bool good = rgba && (!m->has_ground || sample(m, &grid, 1));
-	if (good) {
-		shade(m, &grid, rgba);
-		canvas_pixels(canvas, m->x, m->y, (uint32_t)m->width, (uint32_t)m->height, rgba);
-	}
+		return;
+	uint8_t *rgba = eco_alloc((size_t)m->width * (size_t)m->height, 4);
+	if (m->has_ground)
+		sample(m, &grid, 1);
+	shade(m, &grid, rgba);
+	canvas_pixels(canvas, m->x, m->y, (uint32_t)m->width, (uint32_t)m->height, rgba);
 	free(grid.z);
 	free(rgba);
-	return good ? ECO_OK : map_no_memory(m);
 }
 
 /* ---- Contour lines ---- */
@@ -116,7 +113,7 @@ static bool cross_triangle(const double corner[3][3], double level, double ends[
 }
 
 /* kinds: thin lines, and each fifth. */
-static bool cross_cell(const struct map *m, const struct grid *grid, uint32_t column, uint32_t row,
+static void cross_cell(const struct map *m, const struct grid *grid, uint32_t column, uint32_t row,
 	struct map_edges kinds[2])
 {
 	static const uint32_t offsets[2][3][2] = { { { 0, 0 }, { 1, 0 }, { 1, 1 } },
@@ -135,11 +132,10 @@ static bool cross_cell(const struct map *m, const struct grid *grid, uint32_t co
 		for (double n = ceil(low / m->contour_m); !isnan(sum) && n * m->contour_m <= high; n++) {
 			double ends[4];
 			struct map_edges *lines = &kinds[fmod(n, 5) == 0];
-			if (cross_triangle(corner, n * m->contour_m, ends) && !map_add_edge(lines, ends))
-				return false;
+			if (cross_triangle(corner, n * m->contour_m, ends))
+				map_add_edge(lines, ends);
 		}
 	}
-	return true;
 }
 
 /* Labels the first thick lines along the middle of the map, not too close to each other. */
@@ -162,34 +158,30 @@ static void name_lines(const struct map *m, cairo_t *canvas, const struct grid *
 	}
 }
 
-enum eco_code land_contours(struct map *m, cairo_t *canvas)
+void land_contours(struct map *m, cairo_t *canvas)
 {
-	struct grid grid = { .z = NULL };
+	static const struct color brown = { 0.36, 0.27, 0.14, 0.55 }, full = { 0.36, 0.27, 0.14, 0.65 };
+	struct grid grid;
 	struct map_edges kinds[2] = { { 0 } };
 	if (!m->has_ground)
-		return ECO_OK;
-	bool good = sample(m, &grid, CELL);
+		return;
+	sample(m, &grid, CELL);
 	m->low_m = INFINITY, m->high_m = -INFINITY;
-	for (size_t i = 0; good && i < (size_t)grid.columns * grid.rows; i++) {
+	for (size_t i = 0; i < (size_t)grid.columns * grid.rows; i++) {
 		m->low_m = fmin(m->low_m, grid.z[i]);
 		m->high_m = fmax(m->high_m, grid.z[i]);
 	}
 	m->contour_m = m->high_m > m->low_m ? ticks_between(m->low_m, m->high_m, LINES_WANTED).step : 0;
-	for (uint32_t r = 0; r + 1 < grid.rows && good && m->contour_m > 0; r++)
-		for (uint32_t c = 0; c + 1 < grid.columns && good; c++)
-			good = cross_cell(m, &grid, c, r, kinds);
-	if (good) {
-		canvas_lines(canvas, kinds[0].ends, kinds[0].count, 0.8,
-			(struct color){ 0.36, 0.27, 0.14, 0.55 });
-		canvas_lines(canvas, kinds[1].ends, kinds[1].count, 1.5,
-			(struct color){ 0.36, 0.27, 0.14, 0.65 });
-		if (m->contour_m > 0)
-			name_lines(m, canvas, &grid);
-	}
+	for (uint32_t r = 0; r + 1 < grid.rows && m->contour_m > 0; r++)
+		for (uint32_t c = 0; c + 1 < grid.columns; c++)
+			cross_cell(m, &grid, c, r, kinds);
+	canvas_lines(canvas, kinds[0].ends, kinds[0].count, 0.8, brown);
+	canvas_lines(canvas, kinds[1].ends, kinds[1].count, 1.5, full);
+	if (m->contour_m > 0)
+		name_lines(m, canvas, &grid);
 	free(grid.z);
 	free(kinds[0].ends);
 	free(kinds[1].ends);
-	return good ? ECO_OK : map_no_memory(m);
 }
 
 /* ---- Dots ---- */
@@ -205,14 +197,12 @@ static bool pixel_of(const struct map *m, const struct map_point *p, uint32_t *x
 	return true;
 }
 
-/* Plants a pixel, over the blocks with any plant; negative: no memory. */
+/* Plants a pixel, over the blocks with any plant. */
 static double density_of(struct map *m)
 {
 	uint32_t columns = (uint32_t)m->width / BLOCK + 1, rows = (uint32_t)m->height / BLOCK + 1, x, y;
-	uint8_t *any = calloc(columns, rows);
+	uint8_t *any = eco_alloc(columns, rows);
 	uint64_t shown = 0, blocks = 0;
-	if (!any)
-		return -1;
 	for (uint64_t i = 0; i < m->points.count; i++)
 		if (pixel_of(m, &m->points.items[i], &x, &y)) {
 			any[(size_t)(y / BLOCK) * columns + x / BLOCK] = 1;
@@ -283,30 +273,21 @@ static void draw_outlines(const struct map *m, cairo_t *canvas)
 	}
 }
 
-static enum eco_code draw_edges(struct map *m, cairo_t *canvas, const struct map_edges *edges, double line,
+static void draw_edges(const struct map *m, cairo_t *canvas, const struct map_edges *edges, double line,
 	struct color color)
 {
-	double *ends = malloc(4 * (size_t)edges->count * sizeof *ends + 1);
-	if (!ends)
-		return map_no_memory(m);
+	double *ends = eco_alloc(edges->count, 4 * sizeof *ends);
 	to_pixels(m, edges->ends, ends, 2 * (size_t)edges->count);
 	canvas_lines(canvas, ends, edges->count, line, color);
 	free(ends);
-	return ECO_OK;
 }
 
-enum eco_code land_plants(struct map *m, cairo_t *canvas)
+void land_plants(struct map *m, cairo_t *canvas)
 {
 	double density = density_of(m);
-	enum eco_code code = density < 0 ? map_no_memory(m) : ECO_OK;
 	m->dot = density > 0 ? fmin(fmax(0.34 / sqrt(density), RADIUS_LEAST), RADIUS_MOST) : RADIUS_MOST;
-	if (!code)
-		draw_dots(m, canvas, density > DENSE);
-	if (!code)
-		code = draw_edges(m, canvas, &m->clear_of, 2, CLEAR_COLOR);
-	if (!code)
-		code = draw_edges(m, canvas, &m->areas, 1.2, AREAS_COLOR);
-	if (!code)
-		draw_outlines(m, canvas);
-	return code;
+	draw_dots(m, canvas, density > DENSE);
+	draw_edges(m, canvas, &m->clear_of, 2, CLEAR_COLOR);
+	draw_edges(m, canvas, &m->areas, 1.2, AREAS_COLOR);
+	draw_outlines(m, canvas);
 }

@@ -300,45 +300,34 @@ static double draw_legend(const struct map *m, cairo_t *canvas, double x, double
 
 /* ---- The picture ---- */
 
-static void clip(const struct map *m, cairo_t *canvas)
+static void draw(struct map *m, cairo_t *canvas)
 {
+	canvas_box(canvas, m->x, m->y, m->width, m->height, COLOR(0xf4f4f2));
+	land_ground(m, canvas);
+	draw_grid(m, canvas);
 	cairo_save(canvas);
 	cairo_rectangle(canvas, m->x, m->y, m->width, m->height);
 	cairo_clip(canvas);
-}
-
-static enum eco_code draw(struct map *m, cairo_t *canvas)
-{
-	canvas_box(canvas, m->x, m->y, m->width, m->height, COLOR(0xf4f4f2));
-	enum eco_code code = land_ground(m, canvas);
-	draw_grid(m, canvas);
-	clip(m, canvas);
-	if (!code)
-		code = land_plants(m, canvas);
-	if (!code)
-		code = land_contours(m, canvas);
+	land_plants(m, canvas);
+	land_contours(m, canvas);
 	cairo_restore(canvas);
 	canvas_frame(canvas, m->x, m->y, m->width, m->height, 1.2, COLOR(0x505050));
 	canvas_text(canvas, m->x, TITLE - 20, &(struct style){ .size = 24, .bold = true },
 		m->sources.items[0].name);
 	draw_legend(m, canvas, m->x + m->width + MARGIN, TITLE);
-	return code;
 }
 
 static enum eco_code map_png(struct map *m, uint8_t **png, size_t *size)
 {
-	cairo_t *small = canvas_new(1, 1), *canvas = NULL;
+	cairo_t *small = canvas_new(1, 1);
 	m->x = MARGIN + LEFT;
 	m->y = TITLE;
-	if (small) {
-		/* measured with room to spare: some lines are known only after drawing */
-		double legend = draw_legend(m, small, 0, 0) + TITLE + 4 * LINE;
-		canvas = canvas_new((uint32_t)(m->x + m->width + MARGIN + LEGEND + MARGIN),
-			(uint32_t)fmin(fmax(TITLE + m->height + BELOW, legend) + MARGIN, SIDE_MAX));
-	}
-	enum eco_code code = canvas ? draw(m, canvas) : map_no_memory(m);
-	if (!code)
-		code = canvas_png(canvas, png, size, m->error);
+	/* measured with room to spare: some lines are known only after drawing */
+	double legend = draw_legend(m, small, 0, 0) + TITLE + 4 * LINE;
+	cairo_t *canvas = canvas_new((uint32_t)(m->x + m->width + MARGIN + LEGEND + MARGIN),
+		(uint32_t)fmin(fmax(TITLE + m->height + BELOW, legend) + MARGIN, SIDE_MAX));
+	draw(m, canvas);
+	enum eco_code code = canvas_png(canvas, png, size, m->error);
 	cairo_destroy(small);
 	cairo_destroy(canvas);
 	return code;

@@ -30,7 +30,7 @@ struct style {
 	struct color halo;           /* a > 0: a rim of this colour, which is legible on any ground */
 };
 
-/* White; NULL: no memory. Free it with cairo_destroy. */
+/* White. Free it with cairo_destroy. */
 cairo_t *canvas_new(uint32_t width, uint32_t height);
 enum eco_code canvas_png(cairo_t *canvas, uint8_t **bytes, size_t *size, struct eco_error *error);
 
@@ -66,9 +66,9 @@ struct ticks ticks_between(double low, double high, uint32_t most);
 #define AREAS_COLOR ((struct color){ 0.1, 0.25, 0.5, 0.8 })
 #define CLEAR_COLOR ((struct color){ 0.75, 0.2, 0.1, 0.55 })
 
-enum eco_code land_ground(struct map *m, cairo_t *canvas);       /* hillshade, and the image on it */
-enum eco_code land_plants(struct map *m, cairo_t *canvas);       /* dots or density; areas, outlines */
-enum eco_code land_contours(struct map *m, cairo_t *canvas);
+void land_ground(const struct map *m, cairo_t *canvas);          /* hillshade, and the image on it */
+void land_plants(struct map *m, cairo_t *canvas);                /* dots or density; areas, outlines */
+void land_contours(struct map *m, cairo_t *canvas);
 double land_radius(const struct map *m, double height_m);        /* pixels; height 0: not known */
 
 #endif

@@ -26,61 +26,50 @@
 
 /* ---- Parts ---- */
 
-static enum eco_code open_part(struct link *l, struct link_part *part)
+void link_check(const struct link_part *part, enum eco_code code, const struct eco_error *why)
 {
-	enum eco_code code = eco_pack_open(&part->pack, part->path, l->m.error);
 	if (code)
-		return code;
+		eco_stop(code, "%.200s: %s", part->path, why->text);
+}
+
+static void open_part(struct link *l, struct link_part *part)
+{
+	eco_check(eco_pack_open(&part->pack, part->path, l->m.error));
 	const struct eco_scene *s = &part->pack->scene;
 	part->meta = json_loadb(part->pack->meta, part->pack->meta_size, 0, NULL);
 	json_t *origin = json_object_get(part->meta, "origin");
 	for (size_t i = 0; i < 3; i++) {
 		json_t *v = json_array_get(origin, i);
 		if (!json_is_number(v) || !(fabs(json_number_value(v)) <= ORIGIN_MOST))
-			return eco_fail(l->m.error, ECO_BAD_INPUT, "%s: it does not say where it lies (META has no "
-				"crs and origin); build it again with ecopack make", part->path);
+			eco_stop(ECO_BAD_INPUT, "%s: it does not say where it lies (META has no crs and origin); build it "
+				"again with ecopack make", part->path);
 		part->at[i] = json_number_value(v);
 	}
 	part->plant_of = eco_alloc(s->plant_count, sizeof *part->plant_of);
 	part->color_of = eco_alloc(s->palette_count, sizeof *part->color_of);
 	part->list_of = eco_alloc(s->list_count + 1u, sizeof *part->list_of);
 	memset(part->list_of, 0xFF, (s->list_count + 1u) * sizeof *part->list_of);
-	return ECO_OK;
-}
-
-static enum eco_code same_frame(struct link *l, struct link_part *part)
-{
 	const char *crs = json_string_value(json_object_get(part->meta, "crs")),
 		*first = json_string_value(json_object_get(l->parts[0].meta, "crs"));
 	if ((!crs) != (!first) || (crs && strcmp(crs, first) != 0))
-		return eco_fail(l->m.error, ECO_BAD_INPUT, "%s is in %s, but %s in %s: build all parts with "
-			"one \"crs\"", part->path, crs ? crs : "plain metres",
-			l->parts[0].path, first ? first : "plain metres");
-	return ECO_OK;
+		eco_stop(ECO_BAD_INPUT, "%s is in %s, but %s in %s: build all parts with one \"crs\"", part->path,
+			crs ? crs : "plain metres", l->parts[0].path, first ? first : "plain metres");
 }
 
-static enum eco_code open_parts(struct link *l, const struct link_options *options)
+static void open_parts(struct link *l)
 {
 	double origin[3];
 	uint64_t plants = 0;
-	enum eco_code code = ECO_OK;
-	l->parts = eco_alloc(options->count, sizeof *l->parts);
-	for (uint32_t i = 0; i < options->count && !code; i++) {
-		l->parts[i].path = options->parts[i];
+	l->parts = eco_alloc(l->options->count, sizeof *l->parts);
+	for (uint32_t i = 0; i < l->options->count; i++) {
+		l->parts[i].path = l->options->parts[i];
 		l->count++;
-		code = open_part(l, &l->parts[i]);
-		if (!code)
-			code = same_frame(l, &l->parts[i]);
-		if (code)
-			break;
+		open_part(l, &l->parts[i]);
 		const struct eco_scene *s = &l->parts[i].pack->scene;
 		l->plant_room += s->plant_count;
 		if (__builtin_add_overflow(plants, s->tiles[s->root].instance_count, &plants))
-			code = eco_fail(l->m.error, ECO_TOO_LARGE,
-				"%s: with it there are more than 2^64 plants", l->parts[i].path);
+			eco_stop(ECO_TOO_LARGE, "%s: with it there are more than 2^64 plants", l->parts[i].path);
 	}
-	if (code)
-		return code;
 	memcpy(origin, l->parts[0].at, sizeof origin);
 	for (uint32_t i = 0; i < l->count; i++)
 		for (int axis = 0; axis < 3; axis++)
@@ -89,7 +78,6 @@ static enum eco_code open_parts(struct link *l, const struct link_options *optio
 	l->m.table = eco_alloc(l->plant_room + 1u, sizeof *l->m.table);
 	l->m.plants = eco_alloc(l->plant_room + 1u, sizeof *l->m.plants);
 	l->plants = json_array();
-	return ECO_OK;
 }
 
 /* ---- Lists ---- */
@@ -103,17 +91,22 @@ struct eco_list link_list(const struct link_part *part, uint32_t list)
 	return record;
 }
 
-enum eco_code link_copy(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record)
+void link_copy(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record)
 {
 	struct eco_error why = { 0 };
-	enum eco_code code = eco_pack_add_copied(l->m.writer, record, part->pack, list, &part->list_of[list],
-		&why);
-	if (code == ECO_DAMAGED)
-		return eco_fail(l->m.error, code, "%.200s: %s", part->path, why.text);
-	if (code)
-		return eco_fail(l->m.error, code, "%s", why.text);
+	enum eco_code code = eco_pack_add_copied(l->m.writer, record, part->pack, list, &part->list_of[list], &why);
+	if (code && code != ECO_DAMAGED)
+		eco_stop(code, "%s", why.text);         /* the pack that is written is at fault */
+	link_check(part, code, &why);
 	make_keep_list(&l->m, part->list_of[list]);
-	return ECO_OK;
+}
+
+/* The same as it is; returns its number in the whole. */
+static uint32_t copy_as_is(struct link *l, struct link_part *part, uint32_t list)
+{
+	const struct eco_list record = link_list(part, list);
+	link_copy(l, part, list, &record);
+	return part->list_of[list];
 }
 
 /* ---- Ground: copied from one part that has rasters, or laid through all plants ---- */
@@ -125,12 +118,11 @@ static bool has_rasters(const struct link_part *part)
 }
 
 /* The image of the first part that has one and lies where the whole does. */
-static enum eco_code copy_image(struct link *l)
+static void copy_image(struct link *l)
 {
 	struct make *m = &l->m;
-	enum eco_code code = ECO_OK;
 	const struct link_part *from = NULL;
-	for (uint32_t i = 0; i < l->count && m->has_ground && !code; i++) {
+	for (uint32_t i = 0; i < l->count && m->has_ground; i++) {
 		struct link_part *part = &l->parts[i];
 		const struct eco_scene *s = &part->pack->scene;
 		if (!s->ground_image_count)
@@ -143,43 +135,35 @@ static enum eco_code copy_image(struct link *l)
 		}
 		from = part;
 		m->ground_images = eco_alloc(s->ground_image_count, sizeof *m->ground_images);
-		for (uint32_t k = 0; k < s->ground_image_count && !code; k++) {
-			struct eco_list record = link_list(part, s->ground_images[k].list);
-			code = link_copy(l, part, s->ground_images[k].list, &record);
-			m->ground_images[k] =
-				(struct eco_ground_image){ part->list_of[s->ground_images[k].list],
-					s->ground_images[k].child_first };
-		}
+		for (uint32_t k = 0; k < s->ground_image_count; k++)
+			m->ground_images[k] = (struct eco_ground_image){ copy_as_is(l, part, s->ground_images[k].list),
+				s->ground_images[k].child_first };
 		m->scene.ground_images = m->ground_images;
 		m->scene.ground_image_count = s->ground_image_count;
 	}
 	if (!from)
 		m->scene.needs &= ~(uint32_t)ECO_NEED_GROUND_IMAGE;
-	return code;
 }
 
-static enum eco_code copy_ground(struct link *l)
+static void copy_ground(struct link *l)
 {
 	struct make *m = &l->m;
 	uint32_t which = 0;
-	enum eco_code code = ECO_OK;
 	while (which < l->count && !has_rasters(&l->parts[which]))
 		which++;
 	if (which == l->count)
-		return ECO_OK;
+		return;
 	struct link_part *part = &l->parts[which];
 	const struct eco_scene *s = &part->pack->scene;
 	if (part->at[0] != 0 || part->at[1] != 0 || part->at[2] != 0)
-		return eco_fail(m->error, ECO_UNSUPPORTED, "%s has ground but another origin than %s: give "
-			"it first", part->path, l->parts[0].path);
+		eco_stop(ECO_UNSUPPORTED, "%s has ground but another origin than %s: give it first", part->path,
+			l->parts[0].path);
 	m->ground_tiles = eco_alloc(s->ground_count, sizeof *m->ground_tiles);
-	for (uint32_t i = 0; i < s->ground_count && !code; i++) {
-		struct eco_list record = link_list(part, s->ground[i].list);
-		code = link_copy(l, part, s->ground[i].list, &record);
+	for (uint32_t i = 0; i < s->ground_count; i++) {
 		m->ground_tiles[i] = s->ground[i];
-		m->ground_tiles[i].list = part->list_of[s->ground[i].list];
-		m->ground.step_x_m = record.grid_step[0];
-		m->ground.step_y_m = record.grid_step[1];
+		m->ground_tiles[i].list = copy_as_is(l, part, s->ground[i].list);
+		m->ground.step_x_m = s->lists[s->ground[i].list].grid_step[0];
+		m->ground.step_y_m = s->lists[s->ground[i].list].grid_step[1];
 	}
 	m->has_ground = true;
 	m->ground.columns = m->scene.ground_columns = s->ground_columns;
@@ -191,16 +175,16 @@ static enum eco_code copy_ground(struct link *l)
 		if (has_rasters(&l->parts[i]))
 			main_note("%s: its ground is left out; that of %s is the ground of the whole",
 				l->parts[i].path, part->path);
-	return code;
 }
 
 /* Lays ground through the plants if no part has rasters; parts without any ground stay so. */
-static enum eco_code lay_ground(struct link *l)
+static void lay_ground(struct link *l)
 {
 	bool wanted = false;
 	for (uint32_t i = 0; i < l->count; i++)
 		wanted |= l->parts[i].pack->scene.ground_count > 0;
-	return wanted ? make_ground_through(&l->m) : ECO_OK;
+	if (wanted)
+		make_ground_through(&l->m);
 }
 
 /* ---- Tiles ---- */
@@ -240,49 +224,43 @@ static void add_outer(struct link *l, const struct lod_tiles *tiles)
 
 /* Adds the rows of the group's plants. A plant of the whole may have its name from another
  * part. */
-static enum eco_code add_rows(struct link *l, struct link_part *part, const struct eco_group *group)
+static void add_rows(struct link *l, struct link_part *part, const struct eco_group *group)
 {
 	const struct eco_scene *s = &part->pack->scene;
 	const char *own = s->plants[group->plant].name,
 		*whole = l->m.table[part->plant_of[group->plant]].name;
 	struct eco_error why = { 0 };
-	enum eco_code code = ECO_OK;
-	for (uint64_t i = group->place_first; i < group->place_first + group->count && !code; i++) {
+	for (uint64_t i = group->place_first; i < group->place_first + group->count; i++) {
 		const struct eco_inventory_row *kept;
-		if ((code = eco_inventory_at(&part->rows, part->pack, i, &kept, &why)))
-			return eco_fail(l->m.error, code, "%.200s: %s", part->path, why.text);
+		link_check(part, eco_inventory_at(&part->rows, part->pack, i, &kept, &why), &why);
 		struct eco_inventory_row row = *kept;
 		row.species = row.species ? row.species : own;
 		if (strcmp(row.species, whole) == 0)
 			row.species = NULL;
-		code = make_inventory_add(&l->m, part->plant_of[group->plant], &row);
+		make_inventory_add(&l->m, part->plant_of[group->plant], &row);
 	}
-	return code;
 }
 
-static enum eco_code add_groups(struct link *l, struct link_part *part, const struct eco_tile *tile)
+static void add_groups(struct link *l, struct link_part *part, const struct eco_tile *tile)
 {
 	const struct eco_scene *s = &part->pack->scene;
 	struct make *m = &l->m;
-	enum eco_code code = ECO_OK;
-	for (uint32_t g = tile->group_first; g < tile->group_first + tile->group_count && !code; g++) {
+	for (uint32_t g = tile->group_first; g < tile->group_first + tile->group_count; g++) {
 		const struct eco_group *from = &s->groups[g];
 		struct eco_list record = link_list(part, from->list);
 		struct eco_group *group = make_append(&m->groups, sizeof *group);
 		make_add(&m->places, s->places + from->place_first * ECO_PLACE_BYTES, from->count, ECO_PLACE_BYTES);
 		record.owner += part->tile_first;
 		if (!from->first)
-			code = link_copy(l, part, from->list, &record);
-		if (!code)
-			code = add_rows(l, part, from);
+			link_copy(l, part, from->list, &record);
+		add_rows(l, part, from);
 		*group = (struct eco_group){ record.owner, part->plant_of[from->plant],
 			part->list_of[from->list], m->places.count - from->count, from->first,
 			from->count };
 	}
-	return code;
 }
 
-static enum eco_code add_tile(struct link *l, struct link_part *part, uint32_t id)
+static void add_tile(struct link *l, struct link_part *part, uint32_t id)
 {
 	const struct eco_scene *s = &part->pack->scene;
 	struct make *m = &l->m;
@@ -296,46 +274,41 @@ static enum eco_code add_tile(struct link *l, struct link_part *part, uint32_t i
 		child.tile += part->tile_first;
 		make_add(&m->children, &child, 1, sizeof child);
 	}
-	return add_groups(l, part, &s->tiles[id]);
+	add_groups(l, part, &s->tiles[id]);
 }
 
 /* The parts' tables follow the outer one from the last part to the first, as nested files follow the files
  * that name them. */
-static enum eco_code add_tiles(struct link *l)
+static void add_tiles(struct link *l)
 {
 	struct make *m = &l->m;
 	struct lod_tile_item *items = eco_alloc(l->count, sizeof *items);
 	struct lod_tiles tiles = { 0 };
 	for (uint32_t i = 0; i < l->count; i++)
 		whole_item(&l->parts[i], &items[i]);
-	enum eco_code code = ECO_OK;
 	lod_tiles_build(&tiles, items, l->count, ECO_TILE_INSTANCES);
 	uint64_t total = tiles.node_count;
-	for (uint32_t i = l->count; i-- > 0 && !code;) {
+	for (uint32_t i = l->count; i-- > 0;) {
 		l->parts[i].tile_first = (uint32_t)total;
 		total += l->parts[i].pack->scene.tile_count;
 		if (total >= ECO_NONE / 4)
-			code = eco_fail(m->error, ECO_TOO_LARGE, "%llu tiles are too many for one pack",
-				(unsigned long long)total);
+			eco_stop(ECO_TOO_LARGE, "%llu tiles are too many for one pack", (unsigned long long)total);
 	}
-	if (!code)
-		add_outer(l, &tiles);
-	for (uint32_t i = l->count; i-- > 0 && !code;) {
+	add_outer(l, &tiles);
+	for (uint32_t i = l->count; i-- > 0;) {
 		main_progress("copying plants", l->parts[i].path, 1 - (i + 1.0) / l->count);
-		for (uint32_t t = 0; t < l->parts[i].pack->scene.tile_count && !code; t++)
-			code = add_tile(l, &l->parts[i], t);
+		for (uint32_t t = 0; t < l->parts[i].pack->scene.tile_count; t++)
+			add_tile(l, &l->parts[i], t);
 	}
 	make_refer(m);
-	if (!code)
-		make_add_up(m, tiles.node_count);
+	make_add_up(m, tiles.node_count);
 	lod_tiles_free(&tiles);
 	free(items);
-	return code;
 }
 
 /* ---- Summaries ---- */
 
-static enum eco_code add_renamed(struct link *l, struct link_part *part, uint32_t list,
+static void add_renamed(struct link *l, struct link_part *part, uint32_t list,
 	const struct eco_list *record)
 {
 	const struct eco_scene *s = &part->pack->scene;
@@ -344,29 +317,20 @@ static enum eco_code add_renamed(struct link *l, struct link_part *part, uint32_
 	struct eco_encoded encoded = { 0 };
 	uint32_t ends[64], end = 0;
 	struct eco_error why = { 0 };
-	enum eco_code code = old->chunk_count <= 64 ? eco_pack_points(part->pack, list, &points, &why)
-		: eco_fail(&why, ECO_DAMAGED, "list %u: a summary of %u chunks", list, old->chunk_count);
-	if (code)
-		return eco_fail(l->m.error, code, "%.200s: %s", part->path, why.text);
-	for (uint32_t i = 0; i < old->chunk_count && !code; i++)
+	link_check(part, old->chunk_count <= 64 ? eco_pack_points(part->pack, list, &points, &why)
+		: eco_fail(&why, ECO_DAMAGED, "list %u: a summary of %u chunks", list, old->chunk_count), &why);
+	for (uint32_t i = 0; i < old->chunk_count; i++)
 		ends[i] = end += s->chunks[old->chunk_first + i].element_count;
-	for (uint32_t i = 0; i < points.element_count && !code; i++) {
+	for (uint32_t i = 0; i < points.element_count; i++) {
 		int32_t *extra = points.extra + (size_t)points.extra_count * i;
 		if ((uint32_t)extra[0] >= old->palette_count || (uint32_t)extra[1] >= s->plant_count)
-			code = eco_fail(l->m.error, ECO_DAMAGED, "%s: list %u names a plant or a colour "
-				"that is not there", part->path, list);
-		else
-			extra[1] = (int32_t)part->plant_of[extra[1]];
+			eco_stop(ECO_DAMAGED, "%s: list %u names a plant or a colour that is not there", part->path, list);
+		extra[1] = (int32_t)part->plant_of[extra[1]];
 	}
-	if (!code)
-		code = eco_pack_encode(&encoded, record, &points, ends, old->chunk_count, l->m.error);
-	if (!code)
-		code = eco_pack_add_encoded(l->m.writer, record, &encoded, &part->list_of[list], l->m.error);
+	eco_check(eco_pack_encode(&encoded, record, &points, ends, old->chunk_count, l->m.error));
+	part->list_of[list] = make_add_encoded(&l->m, record, &encoded);
 	eco_encoded_free(&encoded);
 	eco_elements_free(&points);
-	if (!code)
-		make_keep_list(&l->m, part->list_of[list]);
-	return code;
 }
 
 static bool is_ours(const struct eco_list *summary)
@@ -376,18 +340,16 @@ static bool is_ours(const struct eco_list *summary)
 }
 
 /* Adds the part's summaries, with their colours; plants are renumbered. */
-static enum eco_code part_summaries(struct link *l, struct link_part *part)
+static void part_summaries(struct link *l, struct link_part *part)
 {
 	const struct eco_scene *s = &part->pack->scene;
-	enum eco_code code = ECO_OK;
 	const struct eco_list *before = NULL;        /* neighbours have one palette */
 	uint32_t colors = 0;
-	for (uint32_t i = 0; i < s->list_count && !code; i++) {
+	for (uint32_t i = 0; i < s->list_count; i++) {
 		if (!(s->lists[i].attributes & ECO_ATTR_PLANT))
 			continue;
 		if (!is_ours(&s->lists[i]))
-			return eco_fail(l->m.error, ECO_UNSUPPORTED,
-				"%s: list %u is a summary that ecopack did not make", part->path, i);
+			eco_stop(ECO_UNSUPPORTED, "%s: list %u is a summary that ecopack did not make", part->path, i);
 		struct eco_list record = s->lists[i];
 		if (!before || before->palette_first != record.palette_first
 				|| before->palette_count != record.palette_count)
@@ -395,33 +357,26 @@ static enum eco_code part_summaries(struct link *l, struct link_part *part)
 		before = &s->lists[i];
 		record.owner += part->tile_first;
 		record.palette_first = colors;
-		code = part->renamed ? add_renamed(l, part, i, &record) : link_copy(l, part, i, &record);
-		if (!code)
-			((struct eco_tile *)l->m.tiles.items)[record.owner].summary = part->list_of[i];
+		(part->renamed ? add_renamed : link_copy)(l, part, i, &record);
+		((struct eco_tile *)l->m.tiles.items)[record.owner].summary = part->list_of[i];
 		if (i % 256 == 0)
 			main_progress("copying summaries", part->path, (double)i / s->list_count);
 	}
-	return code;
 }
 
-static enum eco_code add_summaries(struct link *l)
+static void add_summaries(struct link *l)
 {
 	struct make_summing summing;
-	enum eco_code code = ECO_OK;
 	make_summing_begin(&summing, &l->m);
-	for (uint32_t i = 0; i < l->count && !code; i++) {
-		code = part_summaries(l, &l->parts[i]);
+	for (uint32_t i = 0; i < l->count; i++) {
+		part_summaries(l, &l->parts[i]);
 		make_refer(&l->m);
-		if (!code)
-			code = make_summing_keep(&summing,
-				l->parts[i].tile_first + l->parts[i].pack->scene.root);
+		make_summing_keep(&summing, l->parts[i].tile_first + l->parts[i].pack->scene.root);
 	}
-	uint32_t outer = l->parts[l->count - 1].tile_first;
-	if (!code && l->m.palette.count)
-		code = make_summing_run(&summing, 0, outer);
+	if (l->m.palette.count)
+		make_summing_run(&summing, 0, l->parts[l->count - 1].tile_first);
 	make_summing_end(&summing);
 	make_refer(&l->m);
-	return code;
 }
 
 /* ---- META ---- */
@@ -488,37 +443,28 @@ static void name_whole(struct link *l, const char *path)
 	eco_utf8_tame(l->m.scene.name, "", '_');
 }
 
-static enum eco_code run(struct link *l, const struct link_options *options)
+static void run(void *link)
 {
+	struct link *l = link;
 	struct make *m = &l->m;
-	enum eco_code code = open_parts(l, options);
-	if (!code)
-		code = make_create(m);
-	if (!code)
-		code = link_textures(l);
-	for (uint32_t i = l->count; i-- > 0 && !code;) {
+	open_parts(l);
+	make_create(m);
+	link_textures(l);
+	for (uint32_t i = l->count; i-- > 0;) {
 		m->scene.needs |= l->parts[i].pack->scene.needs;
-		code = link_plants(l, &l->parts[i]);
+		link_plants(l, &l->parts[i]);
 	}
 	m->scene.plants = m->table;
 	m->scene.plant_count = m->plant_count;
 	m->scene.needs |= ECO_NEED_PLACEMENTS;
-	if (!code)
-		code = copy_ground(l);
-	if (!code)
-		code = add_tiles(l);
-	if (!code)
-		code = add_summaries(l);
-	if (!code)
-		code = lay_ground(l);
-	if (!code)
-		code = copy_image(l);
-	if (!code)
-		code = make_inventory_pack(m);
-	if (code)
-		return code;
-	name_whole(l, options->pack);
-	return make_commit(m, whole_meta(l));
+	copy_ground(l);
+	add_tiles(l);
+	add_summaries(l);
+	lay_ground(l);
+	copy_image(l);
+	make_inventory_pack(m);
+	name_whole(l, l->options->pack);
+	make_commit(m, whole_meta(l));
 }
 
 static void link_free(struct link *l)
@@ -541,8 +487,8 @@ enum eco_code link_packs(const struct link_options *options, struct eco_error *e
 {
 	struct eco_error own = { 0 };
 	struct make_options make = { .pack = options->pack, .jobs = options->jobs };
-	struct link l = { .m = { .options = &make, .error = error ? error : &own } };
-	enum eco_code code = run(&l, options);
+	struct link l = { .m = { .options = &make, .error = error ? error : &own }, .options = options };
+	enum eco_code code = eco_try(run, &l, l.m.error);
 	main_progress_end();
 	link_free(&l);
 	return code;

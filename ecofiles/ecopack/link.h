@@ -44,14 +44,18 @@ struct link {
 	struct link_known *known;    /* per plant of the whole */
 	uint32_t plant_room;
 	json_t *plants;              /* plants in META of the whole */
+	const struct link_options *options;
 };
 
 /* Adds the textures of all parts, once those that are shared. */
-enum eco_code link_textures(struct link *l);
+void link_textures(struct link *l);
 /* Adds a part's plants, except those already known. */
-enum eco_code link_plants(struct link *l, struct link_part *part);
+void link_plants(struct link *l, struct link_part *part);
 /* The whole's record of a part's list, with references to plants, colours and lists renumbered. */
 struct eco_list link_list(const struct link_part *part, uint32_t list);
-enum eco_code link_copy(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record);
+/* Copies a part's list without decoding it; part->list_of has its number then. */
+void link_copy(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record);
+/* Fails with the part's name where the code is not ECO_OK. */
+void link_check(const struct link_part *part, enum eco_code code, const struct eco_error *why);
 
 #endif

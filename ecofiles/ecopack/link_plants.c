@@ -164,30 +164,26 @@ static void keep_meta(struct link *l, struct link_part *part, uint32_t plant)
 	json_array_append_new(l->plants, copy);
 }
 
-static enum eco_code copy_plant(struct link *l, struct link_part *part, uint32_t plant,
-	const struct range *colors)
+static void copy_plant(struct link *l, struct link_part *part, uint32_t plant, const struct range *colors)
 {
 	const struct eco_scene *s = &part->pack->scene;
-	enum eco_code code = ECO_OK;
 	copy_colors(l, part, colors);
-	for (uint32_t i = 0; i < s->list_count && !code; i++) {
+	for (uint32_t i = 0; i < s->list_count; i++) {
 		if (!of_plant(&s->lists[i], plant))
 			continue;
 		struct eco_list record = link_list(part, i);
 		record.owner = l->m.plant_count;
-		code = link_copy(l, part, i, &record);
+		link_copy(l, part, i, &record);
 	}
 	copy_tables(l, part, plant);
 	keep_meta(l, part, plant);
-	l->m.plant_count += !code;
-	return code;
+	l->m.plant_count++;
 }
 
-enum eco_code link_plants(struct link *l, struct link_part *part)
+void link_plants(struct link *l, struct link_part *part)
 {
 	const struct eco_scene *s = &part->pack->scene;
-	enum eco_code code = ECO_OK;
-	for (uint32_t plant = 0; plant < s->plant_count && !code; plant++) {
+	for (uint32_t plant = 0; plant < s->plant_count; plant++) {
 		struct range colors = colors_of(s, plant);
 		struct eco_chunk_id id = fingerprint(part, plant, &colors);
 		uint32_t same = 0, first = (uint32_t)l->m.palette.count;
@@ -196,7 +192,7 @@ enum eco_code link_plants(struct link *l, struct link_part *part)
 		part->plant_of[plant] = same;
 		if (same == l->m.plant_count) {
 			l->known[same].id = id;
-			code = copy_plant(l, part, plant, &colors);
+			copy_plant(l, part, plant, &colors);
 		} else {
 			first = l->m.plants[same].palette_first;
 			for (uint32_t i = colors.first; i < colors.end; i++)
@@ -205,7 +201,6 @@ enum eco_code link_plants(struct link *l, struct link_part *part)
 		l->m.plants[same].palette_first = first;
 		part->renamed = part->renamed || same != plant;
 	}
-	return code;
 }
 
 /* ---- Textures ---- */
@@ -237,22 +232,20 @@ static void find_textures(struct link *l, struct link_part *part)
 		}
 }
 
-static enum eco_code copy(struct link *l, uint32_t id)
+static void copy(struct link *l, uint32_t id)
 {
 	struct make_texture *shared = (struct make_texture *)l->m.textures.items + id;
 	struct link_part *part = shared->from;
 	uint32_t image = shared->list, outline = part->pack->scene.lists[image].image;
 	const uint32_t lists[] = { outline, image };
-	enum eco_code code = ECO_OK;
-	for (int i = outline == ECO_NONE; i < 2 && !code; i++) {
+	for (int i = outline == ECO_NONE; i < 2; i++) {
 		struct eco_list record = link_list(part, lists[i]);
 		record.owner = ECO_NONE;
 		record.unit_area = shared->texel_area;
-		code = link_copy(l, part, lists[i], &record);
+		link_copy(l, part, lists[i], &record);
 	}
 	shared->list = part->list_of[image];
 	part->list_of[image] = id;
-	return code;
 }
 
 static void refer(const struct link *l, struct link_part *part)
@@ -264,14 +257,12 @@ static void refer(const struct link *l, struct link_part *part)
 			part->list_of[i] = all[part->list_of[i]].list;
 }
 
-enum eco_code link_textures(struct link *l)
+void link_textures(struct link *l)
 {
-	enum eco_code code = ECO_OK;
 	for (uint32_t i = l->count; i-- > 0;)
 		find_textures(l, &l->parts[i]);
-	for (uint32_t i = 0; i < l->m.textures.count && !code; i++)
-		code = copy(l, i);
-	for (uint32_t i = 0; i < l->count && !code; i++)
+	for (uint32_t i = 0; i < l->m.textures.count; i++)
+		copy(l, i);
+	for (uint32_t i = 0; i < l->count; i++)
 		refer(l, &l->parts[i]);
-	return code;
 }

@@ -62,25 +62,26 @@ static void remove_unfinished(void *path)
 	}
 }
 
-enum eco_code make_create(struct make *m)
+void make_create(struct make *m)
 {
 	eco_at_end(remove_unfinished, (void *)m->options->pack);
-	return eco_pack_create(&m->writer, m->options->pack, m->error);
+	eco_check(eco_pack_create(&m->writer, m->options->pack, m->error));
 }
 
-static enum eco_code begin(struct make *m)
+static void begin(struct make *m)
 {
 	main_progress("reading the scene", NULL, 0);
-	enum eco_code code = eco_sources_load(&m->sources, m->options->scene, m->error);
-	return code ? code : make_create(m);
+	eco_check(eco_sources_load(&m->sources, m->options->scene, m->error));
+	make_create(m);
 }
 
-static enum eco_code lay_ground(struct make *m)
+static void lay_ground(struct make *m)
 {
-	return m->sources.items[0].ground.none ? ECO_OK : make_ground_through(m);
+	if (!m->sources.items[0].ground.none)
+		make_ground_through(m);
 }
 
-enum eco_code make_commit(struct make *m, json_t *meta)
+void make_commit(struct make *m, json_t *meta)
 {
 	char *text = json_dumps(meta, JSON_INDENT(1));
 	struct eco_pack_writer *writer = m->writer;
@@ -90,31 +91,29 @@ enum eco_code make_commit(struct make *m, json_t *meta)
 	m->writer = NULL;                    /* committing frees it in any case */
 	enum eco_code code = eco_pack_commit(writer, &m->scene, text, m->error);
 	free(text);
-	return code;
+	eco_check(code);
 }
 
-static enum eco_code commit(struct make *m)
+static void commit(struct make *m)
 {
 	snprintf(m->scene.name, sizeof m->scene.name, "%s", m->sources.items[0].name);
-	return make_commit(m, make_meta(m));
+	make_commit(m, make_meta(m));
 }
 
 /* Errors of inventories and ground are reported before the plants, which take longest. */
-static enum eco_code build(struct make *m)
+static void build(void *make)
 {
-	static const struct { enum main_stage stage; enum eco_code (*run)(struct make *m); } steps[] = {
+	static const struct { enum main_stage stage; void (*run)(struct make *m); } steps[] = {
 		{ MAIN_STAGE_SCENE, begin }, { MAIN_STAGE_SCENE, make_places_check },
 		{ MAIN_STAGE_GROUND, make_ground_read }, { MAIN_STAGE_GROUND, make_image_look },
 		{ MAIN_STAGE_GROUND, make_plants }, { MAIN_STAGE_GROUND, make_ground_pack },
 		{ MAIN_STAGE_POSITIONS, make_places }, { MAIN_STAGE_POSITIONS, make_tiles },
 		{ MAIN_STAGE_GROUND, lay_ground }, { MAIN_STAGE_GROUND, make_image },
 		{ MAIN_STAGE_GROUND, make_inventory_pack }, { MAIN_STAGE_WRITING, commit } };
-	enum eco_code code = ECO_OK;
-	for (size_t i = 0; i < sizeof steps / sizeof *steps && !code; i++) {
+	for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
 		main_times_stage(steps[i].stage);
-		code = steps[i].run(m);
+		steps[i].run(make);
 	}
-	return code;
 }
 
 void make_tables_free(struct make *m)
@@ -140,7 +139,7 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 		main_cache_begin();
 	main_cache_open(&m.cache, options->cache, options->cache_bytes ? options->cache_bytes
 		: MAIN_CACHE_LIMIT_MB * (uint64_t)1048576);
-	enum eco_code code = build(&m);
+	enum eco_code code = eco_try(build, &m, m.error);
 	main_times_stage(MAIN_STAGE_NONE);
 	main_times_cache(m.cache.folder, m.cache.hits, m.cache.misses);
 	main_cache_close(&m.cache);
@@ -221,35 +220,37 @@ void make_keep_list(struct make *m, uint32_t list_id)
 	make_add(&m->lists, stored, 1, sizeof *stored);
 }
 
-enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements,
-	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id)
+uint32_t make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements,
+	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner)
 {
-	enum eco_code code = eco_pack_add_list(m->writer, list, elements, ends, end_count, partner, list_id,
-		m->error);
-	if (!code)
-		make_keep_list(m, *list_id);
-	return code;
+	uint32_t id;
+	eco_check(eco_pack_add_list(m->writer, list, elements, ends, end_count, partner, &id, m->error));
+	make_keep_list(m, id);
+	return id;
 }
 
-enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded,
-	uint32_t *list_id)
+uint32_t make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded)
 {
-	enum eco_code code = eco_pack_add_encoded(m->writer, list, encoded, list_id, m->error);
-	if (!code)
-		make_keep_list(m, *list_id);
-	return code;
+	uint32_t id;
+	eco_check(eco_pack_add_encoded(m->writer, list, encoded, &id, m->error));
+	make_keep_list(m, id);
+	return id;
 }
 
-enum eco_code make_add_bytes(struct make *m, const struct eco_list *list, const struct eco_writer *payloads,
-	uint32_t count, uint32_t *list_id)
+uint32_t make_add_bytes(struct make *m, const struct eco_list *list, const struct eco_bytes *chunks, uint32_t count)
 {
-	struct eco_bytes bytes[MAKE_PAYLOADS_MAX];
+	uint32_t id;
+	eco_check(eco_pack_add_bytes(m->writer, list, chunks, count, &id, m->error));
+	make_keep_list(m, id);
+	return id;
+}
+
+uint32_t make_add_levels(struct make *m, const struct eco_list *list, const struct eco_writer *levels, uint32_t count)
+{
+	struct eco_bytes chunks[MAKE_LEVELS_MAX];
 	for (uint32_t i = 0; i < count; i++)
-		bytes[i] = (struct eco_bytes){ payloads[i].bytes, payloads[i].size };
-	enum eco_code code = eco_pack_add_bytes(m->writer, list, bytes, count, list_id, m->error);
-	if (!code)
-		make_keep_list(m, *list_id);
-	return code;
+		chunks[i] = (struct eco_bytes){ levels[i].bytes, levels[i].size };
+	return make_add_bytes(m, list, chunks, count);
 }
 
 uint32_t make_threads(const struct make *m)

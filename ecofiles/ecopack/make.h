@@ -88,7 +88,7 @@ struct make_array { void *items; uint64_t count, capacity; };
 
 struct make {
 	const struct make_options *options;
-	struct eco_error *error;
+	struct eco_error *error;     /* of eco_try, which its functions fail to */
 	struct eco_sources sources;
 	struct make_plant *plants;   uint32_t plant_count;
 	struct main_cache cache;
@@ -120,7 +120,7 @@ struct make {
 };
 
 /* Begins the pack; eco_end removes what is unfinished of it. */
-enum eco_code make_create(struct make *m);
+void make_create(struct make *m);
 /* Frees what make and link have in common, the writer too. */
 void make_tables_free(struct make *m);
 /* Room for one more record. */
@@ -144,45 +144,42 @@ uint32_t make_add_colors(struct make *m, const uint8_t (*rgb)[3], uint32_t count
 
 /* Adds a list that the writer has to m->lists, and its requirements to the scene's needs. */
 void make_keep_list(struct make *m, uint32_t list_id);
-/* Adds a list to the pack and to m->lists. */
-enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements,
-	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id);
-
-/* The same for a list encoded before. */
-enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded,
-	uint32_t *list_id);
-
-/* The same of bytes, up to MAKE_PAYLOADS_MAX chunks. */
-#define MAKE_PAYLOADS_MAX 32u
-enum eco_code make_add_bytes(struct make *m, const struct eco_list *list, const struct eco_writer *payloads,
-	uint32_t count, uint32_t *list_id);
+/* Adds a list to the pack and to m->lists; returns its number. */
+uint32_t make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements,
+	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner);
+/* The same for a list encoded before, and for the bytes of chunks. */
+uint32_t make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded);
+uint32_t make_add_bytes(struct make *m, const struct eco_list *list, const struct eco_bytes *chunks, uint32_t count);
+/* At most MAKE_LEVELS_MAX chunks. */
+#define MAKE_LEVELS_MAX 32u
+uint32_t make_add_levels(struct make *m, const struct eco_list *list, const struct eco_writer *levels, uint32_t count);
 
 /* as many as the options ask for, or the machine has processors */
 uint32_t make_threads(const struct make *m);
 
-enum eco_code make_ground_read(struct make *m);      /* reports errors before plants are built */
-enum eco_code make_ground_pack(struct make *m);
+void make_ground_read(struct make *m);       /* reports errors before plants are built */
+void make_ground_pack(struct make *m);
 /* Continues m->ground to the horizon, and rounds its heights as the pack stores them. */
 void make_ground_finish(struct make *m);
 /* Lays ground through the plants of m->scene, whose tables but ground are done, and packs it, unless there is
  * some. */
-enum eco_code make_ground_through(struct make *m);
+void make_ground_through(struct make *m);
 void make_ground_free(struct make *m);
-enum eco_code make_image_look(struct make *m);       /* reports errors before plants are built */
+void make_image_look(struct make *m);        /* reports errors before plants are built */
 /* Packs the image of the ground, if the scene names one, once tiles and ground are there. */
-enum eco_code make_image(struct make *m);
-enum eco_code make_plants(struct make *m);           /* finds, builds and packs them */
+void make_image(struct make *m);
+void make_plants(struct make *m);            /* finds, builds and packs them */
 void make_plants_free(struct make *m);
 
 /* opens each inventory and takes its first plant; reads areas and masks */
-enum eco_code make_places_check(struct make *m);
+void make_places_check(struct make *m);
 /* Fills m->ecos with places, by the heights and reaches of m->plants, and tiles them. */
-enum eco_code make_places(struct make *m);
+void make_places(struct make *m);
 void make_places_drop(struct make *m);               /* frees the parts of m->ecos that only tiles need */
 void make_places_free(struct make *m);
 /* a nested eco file's weight when tiles are split (lod/build/tile.h) */
 uint32_t make_nested_weight(uint64_t instances);
-enum eco_code make_tiles(struct make *m);            /* tables and lists of tiles */
+void make_tiles(struct make *m);             /* tables and lists of tiles */
 void make_refer(struct make *m);                     /* points m->scene to the tables as they are now */
 /* sums areas and plants of tiles [0, tiles_end) from later tiles */
 void make_add_up(struct make *m, uint32_t tiles_end);
@@ -197,15 +194,15 @@ struct make_summing {
 	uint64_t done;
 };
 void make_summing_begin(struct make_summing *summing, struct make *m);
-enum eco_code make_summing_run(struct make_summing *summing, uint32_t first, uint32_t count);
+void make_summing_run(struct make_summing *summing, uint32_t first, uint32_t count);
 /* keeps the root for files that nest it */
-enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile);
+void make_summing_keep(struct make_summing *summing, uint32_t tile);
 void make_summing_end(struct make_summing *summing);
-enum eco_code make_summaries(struct make *m);        /* of all tiles */
+void make_summaries(struct make *m);         /* of all tiles */
 /* Adds the row of the next place of section PLACES, which has that plant. Names are copied. */
-enum eco_code make_inventory_add(struct make *m, uint32_t plant, const struct eco_inventory_row *row);
+void make_inventory_add(struct make *m, uint32_t plant, const struct eco_inventory_row *row);
 /* Packs them, as the last list, unless there is nothing to be said of any. */
-enum eco_code make_inventory_pack(struct make *m);
+void make_inventory_pack(struct make *m);
 void make_inventory_free(struct make *m);
 /* Adds "species" to plants of META that are of any: {"of": how many, "most": [[name, or null where rows state
  * none, plants], ...]}, the commonest first, as many as fit a legend. */
@@ -216,7 +213,7 @@ void make_species_free(struct make *m);
 const char *make_ground_origin(const struct make *m);
 json_t *make_meta(const struct make *m);
 /* Names the scene, finds its near plane and commits the pack. Frees meta. */
-enum eco_code make_commit(struct make *m, json_t *meta);
+void make_commit(struct make *m, json_t *meta);
 
 /* Textures of a pack belong to no plant: models that show one image, at whatever size, share its lists, and
  * a stream sends them once. Levels halve from the image (lod/build/texture.h): fewer levels are the first ones
@@ -234,6 +231,6 @@ struct make_texture {
 uint32_t make_share_texture(struct make *m, const struct make_texture *texture);
 
 /* Packs the textures of all plants, and sets their `images`. */
-enum eco_code make_textures(struct make *m);
+void make_textures(struct make *m);
 
 #endif

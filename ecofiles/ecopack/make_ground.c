@@ -101,21 +101,18 @@ static void doubt_ground(const struct make *m)
 			"it)", source->heights[0], steep);
 }
 
-enum eco_code make_ground_read(struct make *m)
+void make_ground_read(struct make *m)
 {
 	struct eco_source *source = &m->sources.items[0];
 	if (!source->ground.height_count)
-		return ECO_OK;
+		return;
 	main_progress("reading ground", NULL, 0);
 	struct eco_ground_options options = { .source = &source->ground, .scene_crs = source->crs,
 		.scene_vertical = source->vertical, .origin = { source->origin[0], source->origin[1],
 		source->origin[2] }, .side_max = ECO_GROUND_INSIDE_MAX, .warn = main_note_text };
-	enum eco_code code = eco_ground_import(&m->ground, &options, m->error);
-	if (code)
-		return code;
+	eco_check(eco_ground_import(&m->ground, &options, m->error));
 	make_ground_finish(m);
 	doubt_ground(m);
-	return ECO_OK;
 }
 
 struct tile_list {               /* of one tile, made in a thread */
@@ -151,7 +148,8 @@ static enum eco_code add_tile(void *ctx, uint64_t i, void *result, struct eco_er
 	(void)error;
 	if (i % 64 == 0)
 		main_progress("packing ground", NULL, (double)i / m->scene.ground_count);
-	return make_add_encoded(m, &made->list, &made->encoded, &m->ground_tiles[i].list);
+	m->ground_tiles[i].list = make_add_encoded(m, &made->list, &made->encoded);
+	return ECO_OK;
 }
 
 static void drop_tile(void *result)
@@ -161,25 +159,23 @@ static void drop_tile(void *result)
 
 /* Makes one list a tile, coarse to fine. Nothing finer is stored where a tile is off by less than a
  * centimetre. */
-enum eco_code make_ground_pack(struct make *m)
+void make_ground_pack(struct make *m)
 {
 	struct lod_ground_tree tree;
 	if (!m->has_ground)
-		return ECO_OK;
+		return;
 	main_progress("measuring ground", NULL, 0);
-	enum eco_code code = lod_ground_build(&tree, &m->ground, m->ground_step_m,
-		fmin(m->ground_step_m, HEIGHT_STEP_M), m->error);
-	if (code)
-		return code;
+	eco_check(lod_ground_build(&tree, &m->ground, m->ground_step_m, fmin(m->ground_step_m, HEIGHT_STEP_M),
+		m->error));
 	m->scene.ground = m->ground_tiles = tree.tiles;
 	m->ground_shifts = tree.shifts;
 	m->scene.ground_count = tree.count;
 	m->scene.ground_columns = m->ground.columns;
 	m->scene.ground_rows = m->ground.rows;
 	m->scene.ground_margin = m->ground.margin;
-	return main_jobs_run(&(struct main_jobs){ .count = tree.count, .threads = make_threads(m),
-		.result_size = sizeof(struct tile_list),
-		.work = encode_tile, .take = add_tile, .drop = drop_tile, .ctx = m }, m->error);
+	eco_check(main_jobs_run(&(struct main_jobs){ .count = tree.count, .threads = make_threads(m),
+		.result_size = sizeof(struct tile_list), .work = encode_tile, .take = add_tile, .drop = drop_tile,
+		.ctx = m }, m->error));
 }
 
 void make_ground_free(struct make *m)
@@ -286,12 +282,12 @@ static void note_off(const struct make *m, const struct feet *f)
 			OFF_NOTED_M, off, f->count, most);
 }
 
-enum eco_code make_ground_through(struct make *m)
+void make_ground_through(struct make *m)
 {
 	const struct eco_tile *root = &m->scene.tiles[m->scene.root];
 	struct feet f = { .scene = &m->scene, .apart = (root->instance_count + FEET_MAX - 1) / FEET_MAX };
 	if (m->has_ground || root->instance_count == 0)
-		return ECO_OK;
+		return;
 	main_progress("laying ground through the plants", NULL, 0);
 	f.at = eco_alloc(root->instance_count / f.apart + 1, sizeof *f.at);
 	take_tile(&f, m->scene.root, &(struct lod_place){ .cosine = 1, .scale = 1 }, 0);
@@ -302,5 +298,5 @@ enum eco_code make_ground_through(struct make *m)
 	note_off(m, &f);
 	m->ground_through = true;
 	free(f.at);
-	return make_ground_pack(m);
+	make_ground_pack(m);
 }

@@ -36,10 +36,11 @@ static struct eco_ground_image_options options_of(const struct make *m)
 }
 
 /* Warns later, when it is known where plants stand. */
-enum eco_code make_image_look(struct make *m)
+void make_image_look(struct make *m)
 {
 	const struct eco_ground_image_options options = options_of(m);
-	return options.source->file_count ? eco_ground_image_look(&options, m->error) : ECO_OK;
+	if (options.source->file_count)
+		eco_check(eco_ground_image_look(&options, m->error));
 }
 
 /* ---- Encoding ---- */
@@ -132,15 +133,14 @@ static enum eco_code read_tile(struct image *image, const struct eco_list *list,
 }
 
 /* Level by level, as the pack wants them. */
-static enum eco_code pack_tiles(struct image *image)
+static void pack_tiles(struct image *image)
 {
 	struct make *m = image->m;
-	enum eco_code code = ECO_OK;
 	uint32_t *order = eco_alloc(image->count, sizeof *order), end = 1;
 	m->ground_images = eco_alloc(image->count, sizeof *m->ground_images);
-	for (uint32_t i = 0; i < image->count && !code; i++) {
+	for (uint32_t i = 0; i < image->count; i++) {
 		struct tile *tile = &image->tiles[order[i]];
-		code = make_add_bytes(m, &tile->list, tile->levels, ECO_GROUND_IMAGE_LEVELS, &m->ground_images[i].list);
+		m->ground_images[i].list = make_add_levels(m, &tile->list, tile->levels, ECO_GROUND_IMAGE_LEVELS);
 		m->ground_images[i].child_first = tile->children[0] ? end : 0;
 		for (uint32_t q = 0; q < 4 && tile->children[0]; q++)
 			order[end++] = tile->children[q];
@@ -148,7 +148,6 @@ static enum eco_code pack_tiles(struct image *image)
 	free(order);
 	m->scene.ground_images = m->ground_images;
 	m->scene.ground_image_count = image->count;
-	return code;
 }
 
 static enum eco_code read_all(struct image *image)
@@ -166,36 +165,29 @@ static enum eco_code read_all(struct image *image)
 	return code;
 }
 
-enum eco_code make_image(struct make *m)
+void make_image(struct make *m)
 {
 	struct image image = { .m = m };
 	struct eco_ground_image_options options = options_of(m);
 	const struct eco_tile *root = &m->scene.tiles[m->scene.root];
 	if (!options.source->file_count || !m->has_ground)
-		return ECO_OK;
+		return;
 	main_progress("reading the ground's image", NULL, 0);
 	memcpy(options.low, root->low, sizeof options.low);
 	memcpy(options.high, root->high, sizeof options.high);
 	options.warn = main_note_text;
 	struct eco_error missed = { .code = ECO_OK }, *error = m->error;
-	enum eco_code code = eco_ground_image_open(&image.reader, &options, m->error);
-	if (code)
-		return code;
+	eco_check(eco_ground_image_open(&image.reader, &options, m->error));
 	m->error = &missed;              /* what the child says comes first */
-	code = read_all(&image);
+	enum eco_code code = read_all(&image);
 	m->error = error;
 	enum eco_code verdict = eco_ground_image_close(image.reader, m->error);
 	if (!verdict && code)
 		eco_fail(m->error, code, "%s", missed.text);
-	code = verdict ? verdict : code;
-	if (!code)
-		code = encode_waiting(&image);
-	if (!code)
-		code = pack_tiles(&image);
-	for (uint32_t i = 0; i < image.waiting_count; i++)
-		free(image.waiting[i].rgba);
+	eco_check(verdict ? verdict : code);
+	eco_check(encode_waiting(&image));
+	pack_tiles(&image);
 	for (uint32_t i = 0; i < image.count; i++)
 		drop(image.tiles[i].levels);
 	free(image.tiles);
-	return code;
 }

@@ -2,11 +2,11 @@
  * held as rows. */
 #include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/make.h"
+#include "ecofiles/ecopack/run.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 
 /* ---- Species ---- */
 
@@ -125,18 +125,16 @@ static const char *keep_name(struct eco_string_pool *names, const char *name, ui
 	return name ? names->items[*number] : NULL;
 }
 
-static enum eco_code close_block(struct make *m)
+static void close_block(struct make *m)
 {
 	struct make_inventory *in = m->inventory;
 	eco_grow(&in->blocks, &in->block_room, in->block_count, sizeof *in->blocks);
-	enum eco_code code =
-		eco_inventory_encode(&in->blocks[in->block_count], in->rows, in->count, m->error);
-	in->block_count += !code;
+	eco_check(eco_inventory_encode(&in->blocks[in->block_count], in->rows, in->count, m->error));
+	in->block_count++;
 	in->count = 0;
-	return code;
 }
 
-enum eco_code make_inventory_add(struct make *m, uint32_t plant, const struct eco_inventory_row *row)
+void make_inventory_add(struct make *m, uint32_t plant, const struct eco_inventory_row *row)
 {
 	struct make_inventory *in = m->inventory;
 	if (!in)
@@ -147,27 +145,20 @@ enum eco_code make_inventory_add(struct make *m, uint32_t plant, const struct ec
 	kept->file = keep_name(&in->names, row->file, &in->file);
 	in->is_needed = in->is_needed || kept->species || kept->file;
 	make_species_count(m, plant, row->species ? row->species : m->table[plant].name);
-	return ++in->count == ECO_INVENTORY_PLACES ? close_block(m) : ECO_OK;
+	if (++in->count == ECO_INVENTORY_PLACES)
+		close_block(m);
 }
 
-enum eco_code make_inventory_pack(struct make *m)
+void make_inventory_pack(struct make *m)
 {
 	struct make_inventory *in = m->inventory;
-	struct eco_list list = { .kind = ECO_LIST_INVENTORY,
-		.coder = ECO_CODER_BYTES,
-		.owner = ECO_NONE,
-		.grid_step = { 1, 1, 1 },
-		.image = ECO_NONE,
-		.partner = ECO_NONE };
-	uint32_t id;
+	const struct eco_list list = { .kind = ECO_LIST_INVENTORY, .coder = ECO_CODER_BYTES, .owner = ECO_NONE,
+		.grid_step = { 1, 1, 1 }, .image = ECO_NONE, .partner = ECO_NONE };
 	if (!in || !in->is_needed)
-		return ECO_OK;
-	enum eco_code code = in->count ? close_block(m) : ECO_OK;
-	if (!code)
-		code = eco_pack_add_bytes(m->writer, &list, in->blocks, in->block_count, &id, m->error);
-	if (!code)
-		make_keep_list(m, id);
-	return code;
+		return;
+	if (in->count)
+		close_block(m);
+	make_add_bytes(m, &list, in->blocks, in->block_count);
 }
 
 void make_inventory_free(struct make *m)

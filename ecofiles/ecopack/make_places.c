@@ -21,19 +21,19 @@
 #define NESTED_PLANTS 16u
 #define NESTED_MOST 32u          /* ... up to 32: opening a tile opens everything that it places */
 
-static enum eco_code add_place(struct make *m, struct make_eco *eco, const struct make_place *place)
+static void add_place(struct make *m, uint32_t source, const struct make_place *place)
 {
+	struct make_eco *eco = &m->ecos[source];
 	if (!(place->scale >= SCALE_LEAST && place->scale <= SCALE_MOST))
-		return eco_fail(m->error, ECO_BAD_INPUT, "%s at [%g, %g]: it would be scaled by %g; heights "
-			"must be within 1/4096 and 4000 times the model's %g m (is the model's unit metres?)",
-			m->plants[place->plant].name, place->at[0], place->at[1], place->scale,
+		eco_stop(ECO_BAD_INPUT, "%s at [%g, %g]: it would be scaled by %g; heights must be within 1/4096 and 4000 "
+			"times the model's %g m (is the model's unit metres?)", m->plants[place->plant].name,
+			place->at[0], place->at[1], place->scale,
 			(double)m->plants[place->plant].built.plant.height_m);
 	if (eco->place_count == PLACES_MAX)
-		return eco_fail(m->error, ECO_TOO_LARGE,
-			"no room for more than %u plants in one eco file; nest eco files instead", PLACES_MAX);
+		eco_stop(ECO_TOO_LARGE, "no room for more than %u plants in one eco file; nest eco files instead",
+			PLACES_MAX);
 	eco_grow(&eco->places, &eco->place_capacity, eco->place_count, sizeof *eco->places);
 	eco->places[eco->place_count++] = *place;
-	return ECO_OK;
 }
 
 static void count_off_ground(struct make *m, const double at[3])
@@ -72,22 +72,18 @@ static uint32_t species_of(struct make *m, uint32_t source, uint32_t plant, cons
 		: *stated ? stated : ECO_INVENTORY_UNSTATED);
 }
 
-static enum eco_code place_instances(struct make *m, uint32_t source)
+static void place_instances(struct make *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
 	for (uint32_t i = 0; i < s->instance_count; i++) {
 		const struct eco_source_instance *instance = &s->instances[i];
 		uint32_t plant = m->plant_of[source][instance->plant];
-		struct make_place place =
-			{ .at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
-			.scale = scale_for(m, plant, instance->scale, instance->height_m), .plant = plant,
-				.species = species_of(m, source, instance->plant, NULL),
-				.turn = eco_angle16_from_deg(instance->yaw_deg) };
-		enum eco_code code = add_place(m, &m->ecos[source], &place);
-		if (code)
-			return code;
+		add_place(m, source, &(struct make_place){ .plant = plant,
+			.at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
+			.scale = scale_for(m, plant, instance->scale, instance->height_m),
+			.species = species_of(m, source, instance->plant, NULL),
+			.turn = eco_angle16_from_deg(instance->yaw_deg) });
 	}
-	return ECO_OK;
 }
 
 static const char *plural(uint64_t count) { return count == 1 ? "" : "s"; }
@@ -131,46 +127,38 @@ static void note_row(const struct make *m, struct make_place *place, const struc
 	place->line = eco_positions_has_lines(reader) ? (uint32_t)row->line : 0;
 }
 
-static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_positions *reader,
-	uint32_t number)
+static void read_rows(struct make *m, uint32_t source, struct eco_positions *reader, uint32_t number)
 {
 	const char *path = m->sources.items[source].positions[number].path;
 	struct eco_position row;
 	for (uint64_t i = 0;; i++) {
-		enum eco_code code = eco_positions_next(reader, &row, m->error);
-		if (code)
-			return code;
+		eco_check(eco_positions_next(reader, &row, m->error));
 		if (row.plant == ECO_NONE)
-			return ECO_OK;
+			return;
 		uint32_t plant = fitting_variant(m, source, &row);
-		struct make_place place =
-			{ .at = { row.at[0], row.at[1], row.absolute ? row.at[2]
-			: on_ground(m, source, row.at) },
-			.scale = row_scale(m, plant, &row), .plant = plant,
-			.species = species_of(m, source, row.plant, row.species),
+		struct make_place place = { .plant = plant,
+			.at = { row.at[0], row.at[1], row.absolute ? row.at[2] : on_ground(m, source, row.at) },
+			.scale = row_scale(m, plant, &row), .species = species_of(m, source, row.plant, row.species),
 			.turn = eco_angle16_from_deg(row.yaw_deg) };
 		note_row(m, &place, reader, number + 1, &row);
-		code = add_place(m, &m->ecos[source], &place);
-		if (code)
-			return code;
+		add_place(m, source, &place);
 		if (i % 4096 == 0)
 			main_progress("reading positions", path, 0);
 	}
 }
 
 static void note(void *ctx, const char *text) { main_note("%s: %s", (const char *)ctx, text); }
+
 /* Places the rows of a table; errors name the file where needed. */
-static enum eco_code place_rows(struct make *m, uint32_t source)
+static void place_rows(struct make *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
 	struct make_eco *eco = &m->ecos[source];
 	struct eco_frame frame = eco_source_frame(s);
 	for (uint32_t i = 0; i < s->positions_count; i++) {
 		struct eco_positions *reader = NULL;
-		enum eco_code code = eco_positions_open(&reader, &s->positions[i], &frame, m->error);
-		if (code)
-			return code;
-		code = read_rows(m, source, reader, i);
+		eco_check(eco_positions_open(&reader, &s->positions[i], &frame, m->error));
+		read_rows(m, source, reader, i);
 		uint64_t rows = 0;
 		const struct eco_skipped *skipped = eco_positions_skipped(reader, &rows);
 		eco->rows += rows;
@@ -180,46 +168,31 @@ static enum eco_code place_rows(struct make *m, uint32_t source)
 			else
 				eco->skipped[k].count += skipped[k].count;
 		}
-		if (!code)
-			eco_positions_report(reader, main_note_text, NULL);
+		eco_positions_report(reader, main_note_text, NULL);
 		eco_positions_close(reader);
-		if (code)
-			return code;
 	}
-	return ECO_OK;
 }
 
-static bool scatter_progress(void *ctx, double share)
-{
-	main_progress("scattering plants", ctx, share);
-	return true;
-}
-
-static enum eco_code place_scatters(struct make *m, uint32_t source)
+static void place_scatters(struct make *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
 	struct eco_frame frame = eco_source_frame(s);
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < s->scatter_count && !code; i++) {
+	for (uint32_t i = 0; i < s->scatter_count; i++) {
 		struct eco_scatter *scatter = NULL;
 		struct eco_scatter_place row;
-		code = eco_scatter_open(&scatter, &s->scatters[i], &frame, scatter_progress,
-			s->scatters[i].path, m->error);
-		while (!code && eco_scatter_next(scatter, &row)) {
+		char *path = s->scatters[i].path;
+		eco_check(eco_scatter_open(&scatter, &s->scatters[i], &frame, main_scatter_progress, path, m->error));
+		while (eco_scatter_next(scatter, &row)) {
 			uint32_t plant = m->plant_of[source][row.plant];
-			struct make_place place =
-				{ .at = { row.at[0], row.at[1],
-				on_ground(m, source, (double[]){ row.at[0], row.at[1], 0 }) },
-				.scale = scale_for(m, plant, 1, row.height_m), .plant = plant,
+			add_place(m, source, &(struct make_place){ .plant = plant,
+				.at = { row.at[0], row.at[1], on_ground(m, source, (double[]){ row.at[0], row.at[1], 0 }) },
+				.scale = scale_for(m, plant, 1, row.height_m),
 				.species = species_of(m, source, row.plant, NULL),
-				.turn = eco_angle16_from_deg(row.yaw_deg) };
-			code = add_place(m, &m->ecos[source], &place);
+				.turn = eco_angle16_from_deg(row.yaw_deg) });
 		}
-		if (!code)
-			eco_scatter_report(scatter, note, s->scatters[i].path);
+		eco_scatter_report(scatter, note, path);
 		eco_scatter_close(scatter);
 	}
-	return code;
 }
 
 uint32_t make_nested_weight(uint64_t instances)
@@ -228,7 +201,7 @@ uint32_t make_nested_weight(uint64_t instances)
 	return weight < 1 ? 1 : weight > NESTED_MOST ? NESTED_MOST : (uint32_t)weight;
 }
 
-static enum eco_code find_nested(struct make *m, uint32_t source, struct lod_tile_item *items)
+static void find_nested(struct make *m, uint32_t source, struct lod_tile_item *items)
 {
 	const struct eco_source *s = &m->sources.items[source];
 	struct make_eco *eco = &m->ecos[source];
@@ -248,14 +221,12 @@ static enum eco_code find_nested(struct make *m, uint32_t source, struct lod_til
 			.weight = make_nested_weight(inner->instances) };
 		memcpy(items[i].at, nested->at, sizeof items[i].at);
 		if (__builtin_add_overflow(eco->instances, inner->instances, &eco->instances))
-			return eco_fail(m->error, ECO_TOO_LARGE, "%s: with the files it nests it has more "
-				"than 2^64 plants", s->path);
+			eco_stop(ECO_TOO_LARGE, "%s: with the files it nests it has more than 2^64 plants", s->path);
 	}
-	return ECO_OK;
 }
 
 /* Tiles the places, then nested eco files with their bounds (these are tiled before). */
-static enum eco_code tile_places(struct make *m, uint32_t source)
+static void tile_places(struct make *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
 	struct make_eco *eco = &m->ecos[source];
@@ -271,61 +242,34 @@ static enum eco_code tile_places(struct make *m, uint32_t source)
 			.plant = p->plant };
 		memcpy(items[i].at, p->at, sizeof items[i].at);
 	}
-	enum eco_code code = find_nested(m, source, items + eco->place_count);
-	if (!code)
-		lod_tiles_build(&eco->tiles, items, (uint32_t)count, s->tile_instances);
+	find_nested(m, source, items + eco->place_count);
+	lod_tiles_build(&eco->tiles, items, (uint32_t)count, s->tile_instances);
 	free(items);
-	return code;
 }
 
 /* Opens an inventory and takes its first plant, which shows errors of columns, CRS, PROJ grids and number
  * notation. */
-static enum eco_code check_rows(struct make *m, const struct eco_positions_spec *spec,
-	const struct eco_frame *frame)
+static void check_rows(struct make *m, const struct eco_positions_spec *spec, const struct eco_frame *frame)
 {
 	struct eco_positions_spec plain = *spec;
 	struct eco_positions *reader = NULL;
 	struct eco_position first;
 	plain.levels = 0;                /* levels need the whole file */
-	enum eco_code code = eco_positions_open(&reader, &plain, frame, m->error);
-	if (!code)
-		code = eco_positions_next(reader, &first, m->error);
+	eco_check(eco_positions_open(&reader, &plain, frame, m->error));
+	eco_check(eco_positions_next(reader, &first, m->error));
 	eco_positions_close(reader);
-	return code;
 }
 
-enum eco_code make_places_check(struct make *m)
+void make_places_check(struct make *m)
 {
 	for (uint32_t source = 0; source < m->sources.count; source++) {
 		const struct eco_source *s = &m->sources.items[source];
 		struct eco_frame frame = eco_source_frame(s);
-		for (uint32_t i = 0; i < s->positions_count; i++) {
-			enum eco_code code = check_rows(m, &s->positions[i], &frame);
-			if (code)
-				return code;
-		}
-		for (uint32_t i = 0; i < s->scatter_count; i++) {
-			enum eco_code code = eco_scatter_check(&s->scatters[i], &frame, m->error);
-			if (code)
-				return code;
-		}
+		for (uint32_t i = 0; i < s->positions_count; i++)
+			check_rows(m, &s->positions[i], &frame);
+		for (uint32_t i = 0; i < s->scatter_count; i++)
+			eco_check(eco_scatter_check(&s->scatters[i], &frame, m->error));
 	}
-	return ECO_OK;
-}
-
-static enum eco_code read_places(struct make *m)
-{
-	m->ecos = eco_alloc(m->sources.count, sizeof *m->ecos);
-	for (uint32_t s = m->sources.count; s-- > 0;) {
-		enum eco_code code = place_instances(m, s);
-		if (!code)
-			code = place_rows(m, s);
-		if (!code)
-			code = place_scatters(m, s);
-		if (code)
-			return code;
-	}
-	return ECO_OK;
 }
 
 /* ---- Doubts: sizes that no such plant has; a line says what to add ---- */
@@ -397,21 +341,22 @@ static void say_off_ground(const struct make *m)
 		m->off_ground == 1 ? "s" : "", sides, m->off_ground_m);
 }
 
-enum eco_code make_places(struct make *m)
+void make_places(struct make *m)
 {
-	enum eco_code code = read_places(m);
+	m->ecos = eco_alloc(m->sources.count, sizeof *m->ecos);
 	/* nested files come after the files that nest them, and are needed first */
-	for (uint32_t s = m->sources.count; s-- > 0 && !code;)
-		code = tile_places(m, s);
-	if (code)
-		return code;
+	for (uint32_t s = m->sources.count; s-- > 0;) {
+		place_instances(m, s);
+		place_rows(m, s);
+		place_scatters(m, s);
+		tile_places(m, s);
+	}
 	if (m->off_ground)
 		say_off_ground(m);
 	doubt_plants(m);
 	if (m->ecos[0].instances == 0)
-		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there are no plants to pack; add "
-			"\"instances\" or \"children\"", m->sources.items[0].path);
-	return ECO_OK;
+		eco_stop(ECO_BAD_INPUT, "%s: there are no plants to pack; add \"instances\" or \"children\"",
+			m->sources.items[0].path);
 }
 
 void make_places_drop(struct make *m)

@@ -334,7 +334,7 @@ static uint32_t thread_count(const struct make *m)
 #endif
 }
 
-static enum eco_code build_plants(struct make *m)
+static void build_plants(struct make *m)
 {
 	uint32_t all = thread_count(m), jobs = all < m->plant_count ? all : m->plant_count, started = 0;
 	struct work work = { .m = m, .idle = all - jobs, .lock = PTHREAD_MUTEX_INITIALIZER,
@@ -348,14 +348,15 @@ static enum eco_code build_plants(struct make *m)
 		pthread_join(threads[i], NULL);
 	free(work.share);
 	/* reports the failure, not the interruptions that it caused in other threads */
-	return work.failed == ECO_NONE ? ECO_OK : eco_fail(m->error, work.error.code, "%s", work.error.text);
+	if (work.failed != ECO_NONE)
+		eco_stop(work.error.code, "%s", work.error.text);
 }
 
 /* ---- Packing ---- */
 
 struct packing { struct make *m; uint32_t id; uint32_t *lists; };
 
-static enum eco_code pack_list(struct packing *p, uint32_t i)
+static void pack_list(struct packing *p, uint32_t i)
 {
 	struct make_plant *plant = &p->m->plants[p->id];
 	const struct lod_list_draft *draft = &plant->built.lists[i];
@@ -363,47 +364,26 @@ static enum eco_code pack_list(struct packing *p, uint32_t i)
 	list.owner = p->id;
 	list.palette_first += list.palette_count ? plant->palette_first : 0;
 	list.image = list.image == ECO_NONE ? ECO_NONE : plant->images[list.image];
-	if (list.partner == ECO_NONE)
-		return make_add_list(p->m, &list, &draft->elements, draft->ends, draft->end_count, NULL,
-			&p->lists[i]);
 	/* points end where their fans end */
-	const struct lod_list_draft *partner = &plant->built.lists[list.partner];
-	list.partner = p->lists[list.partner];
-	return make_add_list(p->m, &list, &draft->elements, partner->ends, partner->end_count,
-		&partner->elements, &p->lists[i]);
+	const struct lod_list_draft *partner = list.partner == ECO_NONE ? NULL : &plant->built.lists[list.partner],
+		*ending = partner ? partner : draft;
+	list.partner = partner ? p->lists[list.partner] : ECO_NONE;
+	p->lists[i] = make_add_list(p->m, &list, &draft->elements, ending->ends, ending->end_count,
+		partner ? &partner->elements : NULL);
 }
 
-/* Packs partners before their forms. */
-static enum eco_code pack_lists(struct packing *p)
+/* Packs partners before their forms, and the impostor last. */
+static void pack_lists(struct packing *p)
 {
 	const struct lod_plant *built = &p->m->plants[p->id].built;
-	for (int forms = 0; forms < 2; forms++) {
-		for (uint32_t i = 0; i < built->list_count; i++) {
-			if ((built->lists[i].list.partner != ECO_NONE) != (forms == 1))
-				continue;
-			enum eco_code code = pack_list(p, i);
-			if (code)
-				return code;
-		}
-	}
-	return ECO_OK;
-}
-
-/* The list after those of the draft. */
-static enum eco_code pack_impostor(struct packing *p)
-{
-	const struct lod_plant *built = &p->m->plants[p->id].built;
-	struct eco_list list = { .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES, .owner = p->id,
-		.level = built->impostor_level, .image = ECO_NONE, .partner = ECO_NONE,
-		.grid_step = { 1, 1, 1 } };
-	uint32_t *id = &p->lists[built->list_count];
-	if (!built->impostor_count)
-		return ECO_OK;
-	enum eco_code code = eco_pack_add_bytes(p->m->writer, &list, built->impostor, built->impostor_count,
-		id, p->m->error);
-	if (!code)
-		make_keep_list(p->m, *id);
-	return code;
+	const struct eco_list impostor = { .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES, .owner = p->id,
+		.level = built->impostor_level, .image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
+	for (int forms = 0; forms < 2; forms++)
+		for (uint32_t i = 0; i < built->list_count; i++)
+			if ((built->lists[i].list.partner != ECO_NONE) == forms)
+				pack_list(p, i);
+	if (built->impostor_count)
+		p->lists[built->list_count] = make_add_bytes(p->m, &impostor, built->impostor, built->impostor_count);
 }
 
 static void pack_tables(struct packing *p)
@@ -418,40 +398,34 @@ static void pack_tables(struct packing *p)
 		.ladder_count = built->ladder_count }, p->lists);
 }
 
-static enum eco_code pack_plant(struct make *m, uint32_t id)
+static void pack_plant(struct make *m, uint32_t id)
 {
 	struct make_plant *plant = &m->plants[id];
 	const struct lod_plant *built = &plant->built;
 	struct packing p = { m, id, eco_alloc(built->list_count + 1u, sizeof *p.lists) };
 	plant->palette_first = (uint32_t)m->palette.count;
 	make_add(&m->palette, built->palette, built->palette_count, 3);
-	enum eco_code code = pack_lists(&p);
-	if (!code)
-		code = pack_impostor(&p);
-	if (!code)
-		pack_tables(&p);
+	pack_lists(&p);
+	pack_tables(&p);
 	m->scene.needs |= built->image_count ? ECO_NEED_TEXTURES : 0;
 	m->scene.needs |= plant->cutout ? ECO_NEED_CUTOUTS : 0;
 	m->scene.needs |= built->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0;
 	free(p.lists);
-	return code;
 }
 
-enum eco_code make_plants(struct make *m)
+void make_plants(struct make *m)
 {
 	find_plants(m);
-	enum eco_code code = build_plants(m);
+	build_plants(m);
 	main_times_stage(MAIN_STAGE_PACKING);
 	m->table = eco_alloc(m->plant_count, sizeof *m->table);
-	if (!code)
-		code = make_textures(m);
-	for (uint32_t i = 0; i < m->plant_count && !code; i++) {
+	make_textures(m);
+	for (uint32_t i = 0; i < m->plant_count; i++) {
 		main_progress("packing plants", m->plants[i].name, (double)i / m->plant_count);
-		code = pack_plant(m, i);
+		pack_plant(m, i);
 	}
 	m->scene.plants = m->table;
 	m->scene.plant_count = m->plant_count;
-	return code;
 }
 
 void make_plants_free(struct make *m)

@@ -44,19 +44,17 @@ static enum eco_code add_summary(void *ctx, uint64_t i, void *result, struct eco
 	struct make_summing *summing = ctx;
 	struct make *m = summing->m;
 	struct summary_list *made = result;
-	enum eco_code code = ECO_OK;
 	(void)error;
 	if (summing->done++ % 64 == 0)
 		main_progress("summing up tiles", NULL, (double)summing->done / (double)m->tiles.count);
 	if (made->any) {
-		uint32_t tile = summing->first + (uint32_t)i,
-			*list = &((struct eco_tile *)m->tiles.items)[tile].summary;
 		made->list.palette_first = summing->palette_first;
-		code = make_add_encoded(m, &made->list, &made->encoded, list);
+		((struct eco_tile *)m->tiles.items)[summing->first + i].summary
+			= make_add_encoded(m, &made->list, &made->encoded);
 		m->scene.needs |= ECO_NEED_SUMMARIES;
 		make_refer(m);           /* the lists may have moved */
 	}
-	return code;
+	return ECO_OK;
 }
 
 static void drop_summary(void *result) { eco_encoded_free(&((struct summary_list *)result)->encoded); }
@@ -66,47 +64,41 @@ void make_summing_begin(struct make_summing *summing, struct make *m)
 	*summing = (struct make_summing){ .m = m, .roots = eco_alloc(m->tiles.count, sizeof *summing->roots) };
 }
 
-static enum eco_code choose_colors(struct make_summing *summing, uint32_t first, uint32_t count)
+static void choose_colors(struct make_summing *summing, uint32_t first, uint32_t count)
 {
 	struct make *m = summing->m;
 	struct lod_summary_palette *palette = &summing->palette;
 	make_refer(m);
 	free(palette->color_of);
-	enum eco_code code = lod_summary_palette_make(palette,
-		&(struct lod_summary_input){ .scene = &m->scene, .pools = summing->pools,
-		.roots = (const struct lod_summary_root *const *)summing->roots }, first, count, m->error);
-	if (!code)
-		summing->palette_first = make_add_colors(m, (const uint8_t (*)[3])palette->rgb, palette->count);
+	eco_check(lod_summary_palette_make(palette, &(struct lod_summary_input){ .scene = &m->scene,
+		.pools = summing->pools, .roots = (const struct lod_summary_root *const *)summing->roots }, first, count,
+		m->error));
+	summing->palette_first = make_add_colors(m, (const uint8_t (*)[3])palette->rgb, palette->count);
 	make_refer(m);
-	return code;
 }
 
-enum eco_code make_summing_run(struct make_summing *summing, uint32_t first, uint32_t count)
+void make_summing_run(struct make_summing *summing, uint32_t first, uint32_t count)
 {
 	summing->first = first;
-	enum eco_code code = choose_colors(summing, first, count);
-	if (code)
-		return code;
-	return main_jobs_run(&(struct main_jobs){ .count = count, .threads = make_threads(summing->m),
+	choose_colors(summing, first, count);
+	eco_check(main_jobs_run(&(struct main_jobs){ .count = count, .threads = make_threads(summing->m),
 		.result_size = sizeof(struct summary_list), .work = encode_summary, .take = add_summary,
-		.drop = drop_summary, .ctx = summing }, summing->m->error);
+		.drop = drop_summary, .ctx = summing }, summing->m->error));
 }
 
-enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile)
+void make_summing_keep(struct make_summing *summing, uint32_t tile)
 {
 	struct make *m = summing->m;
 	uint32_t list = m->scene.tiles[tile].summary;
 	if (list == ECO_NONE)
-		return ECO_OK;
+		return;
 	struct lod_summary_root *root = summing->roots[tile] = eco_alloc(1, sizeof *root);
 	root->list = m->scene.lists[list];
-	enum eco_code code = eco_pack_read_points(m->writer, list, &root->elements, m->error);
+	eco_check(eco_pack_read_points(m->writer, list, &root->elements, m->error));
 	const struct eco_elements *e = &root->elements;
-	for (uint32_t i = 0; i < e->element_count && !code; i++)
+	for (uint32_t i = 0; i < e->element_count; i++)
 		if ((uint32_t)e->extra[(size_t)i * e->extra_count] >= root->list.palette_count)
-			code = eco_fail(m->error, ECO_DAMAGED,
-				"the summary of tile %u names a colour that is not there", tile);
-	return code;
+			eco_stop(ECO_DAMAGED, "the summary of tile %u names a colour that is not there", tile);
 }
 
 void make_summing_end(struct make_summing *summing)
@@ -123,20 +115,17 @@ void make_summing_end(struct make_summing *summing)
 	free(summing->roots);
 }
 
-enum eco_code make_summaries(struct make *m)
+void make_summaries(struct make *m)
 {
 	struct make_summing summing;
-	enum eco_code code = ECO_OK;
 	make_summing_begin(&summing, m);
 	summing.pools = eco_alloc(m->plant_count, sizeof *summing.pools);
 	for (uint32_t i = 0; i < m->plant_count; i++)
 		lod_pool_make(&summing.pools[i], &m->plants[i].built, m->plants[i].palette_first, POOL_POINTS);
-	for (uint32_t s = m->sources.count, end = (uint32_t)m->tiles.count; s-- > 0 && !code;
-			end = m->ecos[s].tile_first) {
-		code = make_summing_run(&summing, m->ecos[s].tile_first, end - m->ecos[s].tile_first);
-		if (!code && s > 0)
-			code = make_summing_keep(&summing, m->ecos[s].tile_first);
+	for (uint32_t s = m->sources.count, end = (uint32_t)m->tiles.count; s-- > 0; end = m->ecos[s].tile_first) {
+		make_summing_run(&summing, m->ecos[s].tile_first, end - m->ecos[s].tile_first);
+		if (s > 0)
+			make_summing_keep(&summing, m->ecos[s].tile_first);
 	}
 	make_summing_end(&summing);
-	return code;
 }

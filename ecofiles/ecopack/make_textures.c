@@ -61,29 +61,26 @@ static void find(struct make *m)
 	}
 }
 
-static enum eco_code pack(struct make *m, struct make_texture *shared)
+static void pack(struct make *m, struct make_texture *shared)
 {
 	const struct lod_texture *texture = shared->from;
-	enum eco_code code = ECO_OK;
 	struct eco_list list = { .kind = ECO_LIST_OUTLINE, .coder = ECO_CODER_BYTES, .owner = ECO_NONE,
 		.image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 },
 		.unit_area = shared->texel_area, .level = texture->loss };
 	if (texture->outlines)
-		code = make_add_bytes(m, &list, texture->outlines, texture->count, &list.image);
+		list.image = make_add_levels(m, &list, texture->outlines, texture->count);
 	list.kind = ECO_LIST_IMAGE;
 	list.level = 0;
-	return code ? code : make_add_bytes(m, &list, texture->colors, texture->count, &shared->list);
+	shared->list = make_add_levels(m, &list, texture->colors, texture->count);
 }
 
-enum eco_code make_textures(struct make *m)
+void make_textures(struct make *m)
 {
 	find(m);
-	enum eco_code code = ECO_OK;
 	struct make_texture *all = m->textures.items;
-	for (uint32_t i = 0; i < m->textures.count && !code; i++)
-		code = pack(m, &all[i]);
-	for (uint32_t p = 0; p < m->plant_count && !code; p++)
+	for (uint32_t i = 0; i < m->textures.count; i++)
+		pack(m, &all[i]);
+	for (uint32_t p = 0; p < m->plant_count; p++)
 		for (uint32_t i = 0; i < m->plants[p].built.image_count; i++)
 			m->plants[p].images[i] = all[m->plants[p].images[i]].list;
-	return code;
 }

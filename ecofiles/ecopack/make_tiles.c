@@ -100,19 +100,17 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 	return code;
 }
 
-static enum eco_code add_rows(struct make *m, const struct stand *stand)
+static void add_rows(struct make *m, const struct stand *stand)
 {
 	const struct eco_source *source = &m->sources.items[stand->eco - m->ecos];
-	enum eco_code code = ECO_OK;
-	for (uint32_t k = 0; k < stand->count && !code; k++) {
+	for (uint32_t k = 0; k < stand->count; k++) {
 		const struct make_place *p = &stand->eco->places[stand->items[k]];
 		const char *species = m->species.items[p->species];
-		code = make_inventory_add(m, p->plant, &(struct eco_inventory_row){
+		make_inventory_add(m, p->plant, &(struct eco_inventory_row){
 			.species = strcmp(species, m->plants[p->plant].name) != 0 ? species : NULL,
 			.file = p->file ? eco_path_last(source->positions[p->file - 1].path) : NULL,
 			.row = p->row, .line = p->line });
 	}
-	return code;
 }
 
 static enum eco_code add_stand(void *ctx, uint64_t i, void *result, struct eco_error *error)
@@ -121,20 +119,18 @@ static enum eco_code add_stand(void *ctx, uint64_t i, void *result, struct eco_e
 	const struct stand *stand = (const struct stand *)m->stands.items + i;
 	struct stand_list *made = result;
 	uint64_t place_first = m->places.count;
-	uint32_t list;
 	(void)error;
 	make_add(&m->places, made->twin.bytes, stand->count, ECO_PLACE_BYTES);
 	if (i % 1024 == 0)
 		main_progress("packing instances", NULL, (double)i / (double)m->stands.count);
-	enum eco_code code = make_add_encoded(m, &made->list, &made->encoded, &list);
-	if (!code)
-		code = add_rows(m, stand);
+	uint32_t list = make_add_encoded(m, &made->list, &made->encoded);
+	add_rows(m, stand);
 	struct eco_group *group = (struct eco_group *)m->groups.items + stand->group_first;
-	for (uint32_t k = 0; k < stand->group_count && !code; k++) {
+	for (uint32_t k = 0; k < stand->group_count; k++) {
 		group[k].list = list;
 		group[k].place_first = place_first + group[k].first;
 	}
-	return code;
+	return ECO_OK;
 }
 
 static void drop_stand(void *result)
@@ -209,7 +205,7 @@ static void add_tile(struct make *m, uint32_t source, uint32_t index)
 	tile->child_count = (uint32_t)m->children.count - tile->child_first;
 }
 
-static enum eco_code add_tiles(struct make *m)
+static void add_tiles(struct make *m)
 {
 	uint64_t total = 0;
 	for (uint32_t s = 0; s < m->sources.count; s++) {
@@ -217,14 +213,14 @@ static enum eco_code add_tiles(struct make *m)
 		total += m->ecos[s].tiles.node_count;
 	}
 	if (total >= ECO_NONE / 4)
-		return eco_fail(m->error, ECO_TOO_LARGE, "%llu tiles: allow more instances a tile, or nest "
-			"eco files", (unsigned long long)total);
+		eco_stop(ECO_TOO_LARGE, "%llu tiles: allow more instances a tile, or nest eco files",
+			(unsigned long long)total);
 	for (uint32_t s = 0; s < m->sources.count; s++)
 		for (uint32_t i = 0; i < m->ecos[s].tiles.node_count; i++)
 			add_tile(m, s, i);
-	return main_jobs_run(&(struct main_jobs){ .count = m->stands.count, .threads = make_threads(m),
+	eco_check(main_jobs_run(&(struct main_jobs){ .count = m->stands.count, .threads = make_threads(m),
 		.result_size = sizeof(struct stand_list), .work = encode_stand, .take = add_stand,
-		.drop = drop_stand, .ctx = m }, m->error);
+		.drop = drop_stand, .ctx = m }, m->error));
 }
 
 void make_refer(struct make *m)
@@ -260,17 +256,15 @@ void make_add_up(struct make *m, uint32_t tiles_end)
 	}
 }
 
-enum eco_code make_tiles(struct make *m)
+void make_tiles(struct make *m)
 {
 	main_times_stage(MAIN_STAGE_TILES);
-	enum eco_code code = add_tiles(m);
-	if (code)
-		return code;
+	add_tiles(m);
 	make_places_drop(m);             /* the scene's own tables have everything now */
 	make_refer(m);
 	make_add_up(m, m->scene.tile_count);
 	main_times_stage(MAIN_STAGE_SUMMARIES);
-	code = m->palette.count ? make_summaries(m) : ECO_OK;
+	if (m->palette.count)
+		make_summaries(m);
 	make_refer(m);
-	return code;
 }

@@ -3,7 +3,7 @@
  *   map_gather(&map, scene)       scene files, ground, inventories: kinds, points, rows      map_places.c
  *   map_write(&map, path, size)   the part of the world in the picture, the ground's image    map_command.c
  *     eco_cairo_module->map_png   the picture                                                  cairo_map.h
- *   map_write_table(&map, path)   or, in place of a picture, all plants as points for a GIS
+ *   write_table(...)             or, in place of a picture, all plants as points for a GIS
  *   map_free(&map) */
 #ifndef ECO_MAIN_MAP_H
 #define ECO_MAIN_MAP_H
@@ -12,7 +12,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/scene/scene.h"
@@ -43,6 +42,8 @@ struct map_edges { double *ends; uint32_t count, capacity; };     /* x0, y0, x1,
 
 struct map {
 	struct eco_error *error;
+	const char *scene, *output;  /* files */
+	uint32_t pixels;             /* of the picture's longer side */
 	struct eco_sources sources;
 	struct eco_ground ground;    bool has_ground;
 	struct map_kind *kinds;      uint32_t kind_count, other_count;
@@ -73,11 +74,6 @@ struct map {
 enum eco_code map_gather(struct map *m, const char *scene);
 void map_free(struct map *m);
 
-static inline enum eco_code map_no_memory(struct map *m)
-{
-	return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the map");
-}
-
 /* Draws the map of what was gathered, whose longer side gets `pixels`, and writes it as a PNG. Sorts the
  * points. */
 enum eco_code map_write(struct map *m, const char *path, uint32_t pixels);
@@ -92,13 +88,11 @@ static inline void map_extend(struct map_bounds *b, double x, double y)
 #define MAP_NOTHING ((struct map_bounds){ { INFINITY, INFINITY }, { -INFINITY, -INFINITY } })
 static inline bool map_is_empty(const struct map_bounds *b) { return !(b->low[0] <= b->high[0]); }
 
-/* False: no memory. ends: x0, y0, x1, y1. */
-static inline bool map_add_edge(struct map_edges *edges, const double ends[4])
+/* ends: x0, y0, x1, y1. */
+static inline void map_add_edge(struct map_edges *edges, const double ends[4])
 {
-	if (!eco_array_grow(&edges->ends, &edges->capacity, edges->count, 4 * sizeof *ends))
-		return false;
+	eco_grow(&edges->ends, &edges->capacity, edges->count, 4 * sizeof *ends);
 	memcpy(edges->ends + 4 * (size_t)edges->count++, ends, 4 * sizeof *ends);
-	return true;
 }
 
 /* Heights of a kind; "" if none is known. */

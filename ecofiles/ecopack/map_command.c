@@ -82,13 +82,13 @@ static void find_bounds(struct map *m, struct map_bounds *b)
 	}
 }
 
-static enum eco_code find_frame(struct map *m, uint32_t pixels)
+static void find_frame(struct map *m, uint32_t pixels)
 {
 	struct map_bounds b;
 	find_bounds(m, &b);
 	if (map_is_empty(&b))
-		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there is nothing to show: no plant has a "
-			"usable place (what was left out: see \"instances\")", m->sources.items[0].path);
+		eco_stop(ECO_BAD_INPUT, "%s: there is nothing to show: no plant has a usable place (what was left out: see "
+			"\"instances\")", m->sources.items[0].path);
 	double side = fmax(fmax(b.high[0] - b.low[0], b.high[1] - b.low[1]), 1), spare = 0.03 * side;
 	for (int k = 0; k < 2; k++) {            /* neither side is less than a third of the other */
 		double middle = (b.low[k] + b.high[k]) / 2, half = fmax((b.high[k] - b.low[k]) / 2, side / 6)
@@ -99,7 +99,6 @@ static enum eco_code find_frame(struct map *m, uint32_t pixels)
 	m->scale = pixels / (side + 2 * spare);
 	m->width = floor((m->view.high[0] - m->view.low[0]) * m->scale);
 	m->height = floor((m->view.high[1] - m->view.low[1]) * m->scale);
-	return ECO_OK;
 }
 
 /* ---- The ground's image: squares as make reads them ---- */
@@ -151,7 +150,7 @@ static enum eco_code read_square(const struct picture *p, struct eco_list list, 
 	return code;
 }
 
-static enum eco_code read_image(struct map *m)
+static void read_image(struct map *m)
 {
 	const struct eco_source *source = &m->sources.items[0];
 	struct eco_ground_image_source image = source->ground_image;
@@ -162,44 +161,46 @@ static enum eco_code read_image(struct map *m)
 		.warn = main_note_text };
 	struct eco_error missed = { .code = ECO_OK }, *error = m->error;
 	if (!image.file_count)
-		return ECO_OK;
+		return;
 	main_progress("drawing", "the ground's image", 0.1);
 	image.texel_m = image.texel_m > 1 / m->scale ? image.texel_m : 1 / m->scale;
 	struct picture p = { .m = m, .rgba = eco_alloc((size_t)m->width * (size_t)m->height, 4),
 		.square = eco_alloc(1, ECO_GROUND_IMAGE_BYTES) };
-	enum eco_code code = eco_ground_image_open(&p.reader, &options, error);
-	if (!code) {
-		m->error = &missed;      /* what the child says comes first */
-		code = read_square(&p, (struct eco_list){ .kind = ECO_LIST_GROUND_IMAGE }, true);
-		m->error = error;
-		enum eco_code verdict = eco_ground_image_close(p.reader, error);
-		if (!verdict && code)
-			eco_fail(error, code, "%s", missed.text);
-		code = verdict ? verdict : code;
-	}
-	free(p.square);
 	m->image = p.rgba;
-	return code;
+	eco_check(eco_ground_image_open(&p.reader, &options, error));
+	m->error = &missed;              /* what the child says comes first */
+	enum eco_code code = read_square(&p, (struct eco_list){ .kind = ECO_LIST_GROUND_IMAGE }, true);
+	m->error = error;
+	eco_check(eco_ground_image_close(p.reader, error));
+	if (code)
+		eco_stop(code, "%s", missed.text);
+	free(p.square);
 }
 
 /* ---- The picture ---- */
 
-enum eco_code map_write(struct map *m, const char *path, uint32_t pixels)
+static void write_picture(void *map)
 {
+	struct map *m = map;
 	const struct eco_cairo_module *cairo = eco_module(ECO_MODULE_CAIRO, m->error);
 	uint8_t *png = NULL;
 	size_t size = 0;
-	enum eco_code code = cairo ? find_frame(m, pixels) : ECO_NOT_FOUND;
-	if (!code)
-		code = read_image(m);
+	if (!cairo)
+		eco_check(ECO_NOT_FOUND);
+	find_frame(m, m->pixels);
+	read_image(m);
 	main_progress("drawing", NULL, 0.2);
-	if (!code)
-		code = cairo->map_png(m, &png, &size);
+	eco_check(cairo->map_png(m, &png, &size));
 	main_progress("writing", NULL, 1);
-	if (!code)
-		code = eco_file_write(path, png, size, m->error);
+	eco_check(eco_file_write(m->output, png, size, m->error));
 	free(png);
-	return code;
+}
+
+enum eco_code map_write(struct map *m, const char *path, uint32_t pixels)
+{
+	m->output = path;
+	m->pixels = pixels;
+	return eco_try(write_picture, m, m->error);
 }
 
 /* ---- The table ---- */
@@ -215,7 +216,7 @@ static void point_of(void *ctx, uint64_t index, struct eco_point *out)
 }
 
 /* Writes all plants that were gathered as a table with points (gis_files.h). */
-static enum eco_code map_write_table(struct map *m, const char *path)
+static void write_table(struct map *m, const char *path)
 {
 	const struct eco_source *outer = &m->sources.items[0];
 	struct eco_point_table table = { .name = "plants", .crs = outer->crs, .count = m->points.count,
@@ -223,21 +224,18 @@ static enum eco_code map_write_table(struct map *m, const char *path)
 	uint8_t *bytes = NULL;
 	size_t size = 0;
 	if (m->not_expanded)
-		return eco_fail(m->error, ECO_TOO_LARGE, "%s: nested files place %llu plants, more than a "
-			"table takes one by one; write the tables of the nested files", path,
-			(unsigned long long)m->not_expanded);
+		eco_stop(ECO_TOO_LARGE, "%s: nested files place %llu plants, more than a table takes one by one; write the "
+			"tables of the nested files", path, (unsigned long long)m->not_expanded);
 	main_progress("writing", NULL, 1);
-	enum eco_code code = eco_points_write(&table, path, &bytes, &size, m->error);
-	if (!code)
-		code = eco_file_write(path, bytes, size, m->error);
+	eco_check(eco_points_write(&table, path, &bytes, &size, m->error));
+	eco_check(eco_file_write(path, bytes, size, m->error));
 	free(bytes);
-	return code;
 }
 
 /* ---- The command ---- */
 
 /* Whether a PNG may be written at `path`: its folder exists, and the path is free, a PNG or an empty file. */
-static enum eco_code may_write(const char *path, struct eco_error *error)
+static void may_write(const char *path, struct eco_error *error)
 {
 	static const uint8_t png[8] = { 0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n' };
 	const char *last = eco_path_last(path), *dot = strrchr(last, '.');
@@ -246,18 +244,18 @@ static enum eco_code may_write(const char *path, struct eco_error *error)
 	struct stat status;
 	bool there = stat(path, &status) == 0;
 	if (!there && dot && strcasecmp(dot, ".png") != 0)
-		return eco_fail(error, ECO_BAD_USAGE, "%.350s: pictures are PNG, so let its name end in "
-			".png (ecopack map also writes .gpkg and .geojson)", path);
+		eco_stop(ECO_BAD_USAGE, "%.350s: pictures are PNG, so let its name end in .png (ecopack map also writes "
+			".gpkg and .geojson)", path);
 	int fd = there && S_ISREG(status.st_mode) ? open(path, O_RDONLY | O_CLOEXEC) : -1;
 	ssize_t got = fd >= 0 ? read(fd, start, sizeof start) : -1;
 	if (fd >= 0)
 		close(fd);
 	if (there && got != 0 && (got != 8 || memcmp(start, png, 8) != 0))
-		return eco_fail(error, ECO_BAD_INPUT,
-			"%.400s is there and is no PNG; it is kept. Take another name", path);
+		eco_stop(ECO_BAD_INPUT, "%.400s is there and is no PNG; it is kept. Take another name", path);
 	snprintf(folder, sizeof folder, "%.*s", last == path ? 1 : (int)(last - path),
 		last == path ? "." : path);
-	return access(folder, W_OK | X_OK) == 0 ? ECO_OK : eco_fail_write(error, path, errno);
+	if (access(folder, W_OK | X_OK) != 0)
+		eco_check(eco_fail_write(error, path, errno));
 }
 
 /* Prints the legend's content to a terminal. */
@@ -276,24 +274,29 @@ static void print_map(const struct map *m, const char *path)
 
 static struct { const char *scene, *output; uint64_t pixels; } given;
 
+static void write_given(void *map)
+{
+	struct map *m = map;
+	bool table = eco_points_knows(given.output);
+	if (table && access(given.output, F_OK) == 0)
+		eco_stop(ECO_BAD_USAGE, "%s is there and may be somebody's inventory; it is kept. Take another name",
+			given.output);
+	if (!table)
+		may_write(given.output, m->error);
+	eco_check(map_gather(m, given.scene));
+	if (table)
+		write_table(m, given.output);
+	else
+		eco_check(map_write(m, given.output, (uint32_t)given.pixels));
+}
+
 static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
 {
 	struct map m = { .error = error };
 	memset(&given, 0, sizeof given);
 	given.pixels = 1200;
 	enum eco_code code = main_read(&main_command_map, argc, argv, error);
-	bool table = !code && eco_points_knows(given.output);
-	if (!code && table && access(given.output, F_OK) == 0)
-		code = eco_fail(error, ECO_BAD_USAGE,
-			"%s is there and may be somebody's inventory; it is kept. "
-			"Take another name", given.output);
-	else if (!code && !table)
-		code = may_write(given.output, error);
-	if (!code)
-		code = map_gather(&m, given.scene);
-	if (!code)
-		code = table ? map_write_table(&m, given.output)
-			: map_write(&m, given.output, (uint32_t)given.pixels);
+	code = code ? code : eco_try(write_given, &m, error);
 	main_progress_end();
 	if (!code && !main_is_quiet)
 		print_map(&m, given.output);

@@ -34,13 +34,12 @@ static void say(struct map *m, enum map_left_kind kind, uint64_t count, const ch
 	va_end(args);
 }
 
-static enum eco_code add_point(struct map *m, struct map_points *points, const struct map_point *point)
+static void add_point(struct map_points *points, const struct map_point *point)
 {
 	if (points->count >= POINTS_MAX)
-		return eco_fail(m->error, ECO_TOO_LARGE, "a map has at most %u plants", POINTS_MAX);
+		eco_stop(ECO_TOO_LARGE, "a map has at most %u plants", POINTS_MAX);
 	eco_grow(&points->items, &points->capacity, points->count, sizeof *point);
 	points->items[points->count++] = *point;
-	return ECO_OK;
 }
 
 /* ---- Kinds ---- */
@@ -81,7 +80,7 @@ static void find_kinds(struct map *m)
 /* height_m: NAN where the plant's own counts; scale multiplies it. species NULL: as the plant is named. */
 struct stand { const double *at; double height_m, scale; const char *species; uint32_t file, row, line; };
 
-static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, const struct stand *stand)
+static void add_plant(struct map *m, uint32_t source, uint32_t plant, const struct stand *stand)
 {
 	const double *at = stand->at;
 	double height = isnan(stand->height_m) ? m->sources.items[source].plants[plant].height_m
@@ -95,21 +94,19 @@ static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, c
 		double z;
 		m->off_ground += !eco_ground_height(&m->ground, at[0], at[1], &z);
 	}
-	return add_point(m, &m->own[source], &point);
+	add_point(&m->own[source], &point);
 }
 
-static enum eco_code add_instances(struct map *m, uint32_t source)
+static void add_instances(struct map *m, uint32_t source)
 {
 	const struct eco_source *s = &m->sources.items[source];
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < s->instance_count && !code; i++) {
+	for (uint32_t i = 0; i < s->instance_count; i++) {
 		const struct eco_source_instance *one = &s->instances[i];
-		code = add_plant(m, source, one->plant, &(struct stand){ .at = one->at,
-			.height_m = one->height_m, .scale = one->scale });
+		add_plant(m, source, one->plant, &(struct stand){ .at = one->at, .height_m = one->height_m,
+			.scale = one->scale });
 		if (i % 4096 == 0)
 			main_progress("reading positions", s->path, 0);
 	}
-	return code;
 }
 
 /* ---- Inventories ---- */
@@ -169,7 +166,7 @@ static void say_rows(struct map *m, const struct eco_positions *reader, const st
 	}
 }
 
-static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_positions_spec *spec)
+static void add_rows(struct map *m, uint32_t source, const struct eco_positions_spec *spec)
 {
 	const struct eco_source *s = &m->sources.items[source];
 	struct eco_frame frame = eco_source_frame(s);
@@ -178,23 +175,20 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 	uint32_t file = m->file_count;
 	eco_grow(&m->files, &m->file_capacity, file, sizeof *m->files);
 	m->files[m->file_count++] = eco_path_last(spec->path);
-	enum eco_code code = eco_positions_open(&reader, spec, &frame, m->error);
-	for (uint64_t i = 0; !code; i++) {
+	eco_check(eco_positions_open(&reader, spec, &frame, m->error));
+	for (uint64_t i = 0;; i++) {
 		if (i % 4096 == 0)
 			main_progress("reading positions", spec->path, 0);
-		code = eco_positions_next(reader, &row, m->error);
-		if (code || row.plant == ECO_NONE)
+		eco_check(eco_positions_next(reader, &row, m->error));
+		if (row.plant == ECO_NONE)
 			break;
-		code = add_plant(m, source, row.plant, &(struct stand){ row.at, row.height_m, row.scale,
+		add_plant(m, source, row.plant, &(struct stand){ row.at, row.height_m, row.scale,
 			row.species, file, row.row <= UINT32_MAX ? (uint32_t)row.row : 0,
 			row.line <= UINT32_MAX && eco_positions_has_lines(reader) ? (uint32_t)row.line : 0 });
 	}
-	if (!code) {
-		eco_positions_report(reader, main_note_text, NULL);
-		say_rows(m, reader, spec);
-	}
+	eco_positions_report(reader, main_note_text, NULL);
+	say_rows(m, reader, spec);
 	eco_positions_close(reader);
-	return code;
 }
 
 /* ---- Scattered plants ---- */
@@ -203,8 +197,7 @@ static void add_edges(struct map_edges *edges, const struct eco_areas *areas)
 {
 	for (uint32_t i = 0; i < areas->edge_count && edges->count < EDGES_MAX; i++) {
 		const struct eco_edge *e = &areas->edges[i];
-		if (!map_add_edge(edges, (const double[4]){ e->a[0], e->a[1], e->b[0], e->b[1] }))
-			eco_end("no memory");
+		map_add_edge(edges, (const double[4]){ e->a[0], e->a[1], e->b[0], e->b[1] });
 	}
 }
 
@@ -217,34 +210,24 @@ static void say_scatter(void *ctx, const char *text)
 	say(m, MAP_LEFT_OUT, 0, "%s", text);
 }
 
-static bool scatter_progress(void *ctx, double share)
-{
-	main_progress("scattering plants", ctx, share);
-	return true;
-}
-
-static enum eco_code add_scattered(struct map *m, uint32_t source, const struct eco_scatter_spec *spec)
+static void add_scattered(struct map *m, uint32_t source, const struct eco_scatter_spec *spec)
 {
 	const struct eco_source *s = &m->sources.items[source];
 	struct eco_frame frame = eco_source_frame(s);
 	struct eco_scatter *scatter = NULL;
 	struct eco_scatter_place place;
-	enum eco_code code = eco_scatter_open(&scatter, spec, &frame, scatter_progress, spec->path, m->error);
-	while (!code && eco_scatter_next(scatter, &place)) {
-		code = add_plant(m, source, place.plant, &(struct stand){ .at = place.at,
-			.height_m = place.height_m, .scale = 1 });
-	}
-	if (!code) {
-		say(m, MAP_FILE, 0, "%.80s, scattered", eco_path_last(spec->path));
-		eco_scatter_report(scatter, say_scatter, m);
-	}
+	eco_check(eco_scatter_open(&scatter, spec, &frame, main_scatter_progress, spec->path, m->error));
+	while (eco_scatter_next(scatter, &place))
+		add_plant(m, source, place.plant, &(struct stand){ .at = place.at, .height_m = place.height_m,
+			.scale = 1 });
+	say(m, MAP_FILE, 0, "%.80s, scattered", eco_path_last(spec->path));
+	eco_scatter_report(scatter, say_scatter, m);
 	/* nested files' areas would have to be turned; their plants show them */
-	if (!code && source == 0) {
+	if (source == 0) {
 		add_edges(&m->areas, eco_scatter_areas(scatter));
 		add_edges(&m->clear_of, eco_scatter_clear_of(scatter));
 	}
 	eco_scatter_close(scatter);
-	return code;
 }
 
 /* ---- Nested files ---- */
@@ -333,28 +316,25 @@ static void add_bounds(struct map *m, uint32_t source, const struct turned *t)
 }
 
 /* Draws the files that `source` nests, and their plants if there is room for all. */
-static enum eco_code expand(struct map *m, uint32_t source, const struct turned *t, bool plants,
-	uint32_t depth)
+static void expand(struct map *m, uint32_t source, const struct turned *t, bool plants, uint32_t depth)
 {
 	const struct eco_source *s = &m->sources.items[source];
-	enum eco_code code = ECO_OK;
-	for (uint64_t i = 0; i < m->own[source].count && plants && depth && !code; i++) {
+	for (uint64_t i = 0; i < m->own[source].count && plants && depth; i++) {
 		struct map_point point = m->own[source].items[i];
 		double at[2];
 		put(t, (double)point.x, (double)point.y, at);
 		point.x = (float)at[0];
 		point.y = (float)at[1];
 		point.height_m *= (float)t->scale;
-		code = add_point(m, &m->points, &point);
+		add_point(&m->points, &point);
 	}
-	for (uint32_t i = 0; i < s->child_count && !code; i++) {
+	for (uint32_t i = 0; i < s->child_count; i++) {
 		struct turned nested = turn_of(t, &s->children[i]);
 		if (depth == 0)
 			add_bounds(m, s->children[i].source, &nested);
 		if (plants)
-			code = expand(m, s->children[i].source, &nested, plants, depth + 1);
+			expand(m, s->children[i].source, &nested, plants, depth + 1);
 	}
-	return code;
 }
 
 static int by_count(const void *a, const void *b)
@@ -401,59 +381,57 @@ static void find_typical_height(struct map *m)
 
 /* ---- All ---- */
 
-static enum eco_code read_ground(struct map *m)
+static void read_ground(struct map *m)
 {
 	struct eco_source *s = &m->sources.items[0];
 	if (!s->ground.height_count)
-		return ECO_OK;
-	enum eco_code code = eco_ground_import(&m->ground, &(struct eco_ground_options){ .source = &s->ground,
+		return;
+	eco_check(eco_ground_import(&m->ground, &(struct eco_ground_options){ .source = &s->ground,
 		.scene_crs = s->crs, .scene_vertical = s->vertical, .origin = { s->origin[0], s->origin[1],
-		s->origin[2] }, .side_max = 2048, .warn = main_note_text }, m->error);
-	m->has_ground = !code;
-	return code;
+		s->origin[2] }, .side_max = 2048, .warn = main_note_text }, m->error));
+	m->has_ground = true;
 }
 
-static enum eco_code read_sources(struct map *m)
+static void read_sources(struct map *m)
 {
 	uint32_t count = m->sources.count;
-	enum eco_code code = ECO_OK;
 	m->own = eco_alloc(count, sizeof *m->own);
 	m->bounds = eco_alloc(count, sizeof *m->bounds);
 	m->totals = eco_alloc(count, sizeof *m->totals);
 	find_kinds(m);
 	/* nested files come after the files that nest them, and are needed first */
-	for (uint32_t s = count; s-- > 0 && !code;) {
-		code = add_instances(m, s);
-		for (uint32_t i = 0; i < m->sources.items[s].positions_count && !code; i++)
-			code = add_rows(m, s, &m->sources.items[s].positions[i]);
-		for (uint32_t i = 0; i < m->sources.items[s].scatter_count && !code; i++)
-			code = add_scattered(m, s, &m->sources.items[s].scatters[i]);
-		if (!code)
-			sum_up(m, s);
+	for (uint32_t s = count; s-- > 0;) {
+		add_instances(m, s);
+		for (uint32_t i = 0; i < m->sources.items[s].positions_count; i++)
+			add_rows(m, s, &m->sources.items[s].positions[i]);
+		for (uint32_t i = 0; i < m->sources.items[s].scatter_count; i++)
+			add_scattered(m, s, &m->sources.items[s].scatters[i]);
+		sum_up(m, s);
 	}
-	return code;
 }
 
-enum eco_code map_gather(struct map *m, const char *scene)
+static void gather(void *map)
 {
+	struct map *m = map;
 	main_progress("reading the scene", NULL, 0);
-	enum eco_code code = eco_sources_load(&m->sources, scene, m->error);
-	if (!code)
-		code = read_ground(m);
-	if (!code)
-		code = read_sources(m);
-	if (code)
-		return code;
+	eco_check(eco_sources_load(&m->sources, m->scene, m->error));
+	read_ground(m);
+	read_sources(m);
 	count_kinds(m);
 	m->total = m->totals[0];
 	m->points = m->own[0];
 	m->own[0] = (struct map_points){ 0 };
 	bool all = m->total - m->points.count <= EXPANDED_MAX;
 	m->not_expanded = all ? 0 : m->total - m->points.count;
-	code = expand(m, 0, &as_is, all, 0);
+	expand(m, 0, &as_is, all, 0);
 	choose_colors(m);
 	find_typical_height(m);
-	return code;
+}
+
+enum eco_code map_gather(struct map *m, const char *scene)
+{
+	m->scene = scene;
+	return eco_try(gather, m, m->error);
 }
 
 void map_free(struct map *m)

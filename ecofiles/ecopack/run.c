@@ -126,6 +126,12 @@ void main_progress(const char *stage, const char *detail, double share)
 	pthread_mutex_unlock(&lock);
 }
 
+bool main_scatter_progress(void *path, double share)
+{
+	main_progress("scattering plants", path, share);
+	return true;
+}
+
 void main_progress_end(void)
 {
 	pthread_mutex_lock(&lock);

@@ -25,6 +25,7 @@ void main_progress_left(char text[32], double elapsed_s, double share);
 void main_progress(const char *stage, const char *detail, double share);
 void main_progress_end(void);        /* removes the bar */
 void main_progress_quiet(bool quiet);
+bool main_scatter_progress(void *path, double share);    /* for eco_scatter_open; true */
 
 /* Prints a line for people without spoiling the bar. */
 void main_note(const char *format, ...) __attribute__((format(printf, 1, 2)));

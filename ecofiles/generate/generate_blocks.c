@@ -85,22 +85,18 @@ static void write_hectare(struct gen_layout *layout, uint32_t kind, uint32_t pla
 	uint32_t planted = 0;
 	gen_stand_open(&stand, plants, HECTARE_M / 2, 7);
 	FILE *out = gen_open(layout);
-	if (out) {
-		fprintf(out, "{\n  \"name\": \"hectare-%u\",\n", kind);
-		gen_print_plants(out, species);
-		fputs("  \"instances\": [", out);
-	}
-	for (uint32_t i = 0; i < SPECIES && out; i++) {
+	fprintf(out, "{\n  \"name\": \"hectare-%u\",\n", kind);
+	gen_print_plants(out, species);
+	fputs("  \"instances\": [", out);
+	for (uint32_t i = 0; i < SPECIES; i++) {
 		sum += hectares[kind][i].share;
 		uint32_t until = i + 1 == SPECIES ? plants : (uint32_t)(plants * sum + 0.5);
 		plant_kind(layout, &hectares[kind][i], until - planted, &stand, out, &first);
 		planted = until;
 	}
-	if (out) {
-		fputs("\n  ]\n}\n", out);
-		file_name(name, 0, kind);
-		gen_close(layout, out, name);
-	}
+	fputs("\n  ]\n}\n", out);
+	file_name(name, 0, kind);
+	gen_close(layout, out, name);
 	gen_stand_close(&stand);
 }
 
@@ -132,8 +128,6 @@ static void write_block(struct gen_layout *layout, uint32_t level, uint32_t kind
 {
 	char name[NAME_BYTES];
 	FILE *out = gen_open(layout);
-	if (!out)
-		return;
 	fprintf(out, "{\n  \"name\": \"block-%u-%u\",\n", level, kind);
 	print_children(out, layout, level, kind, SIDE, SIDE * SIDE);
 	file_name(name, level, kind);
@@ -169,8 +163,6 @@ void gen_billion(struct gen_layout *layout)
 		for (uint32_t kind = 0; kind < KINDS; kind++)
 			write_block(layout, l, kind);
 	FILE *out = gen_open(layout);
-	if (!out)
-		return;
 	fputs("{\n  \"name\": \"billion\", \"crs\": \"" GEN_CRS
 		"\", \"ground\": {\"heights\": \"dem.tif\"},\n", out);
 	fprintf(out, "  \"origin\": [%.0f, %.0f, %.0f],\n", GEN_EASTING, GEN_NORTHING, GEN_ALTITUDE);

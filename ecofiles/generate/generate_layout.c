@@ -1,14 +1,14 @@
-/* Shared by the layouts: files that appear whole, models, cameras, ground, and plants that keep their
- * distance. Ground is two octaves of value noise with a quintic between the lattice points, so that slopes
- * have no creases. */
+/* The list of example scenes, and what their layouts share: files that appear whole, models, cameras, ground, and
+ * plants that keep their distance. Ground is two octaves of value noise with a quintic between the lattice points, so
+ * that slopes have no creases. */
 #include "ecofiles/generate/generate_scenes.h"
 
 #include <errno.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "ecofiles/base/files.h"
@@ -20,39 +20,25 @@
 
 /* ---- Files ---- */
 
-static void gen_fail(struct gen_layout *layout, enum eco_code code, const char *format, ...)
-	__attribute__((format(printf, 3, 4)));
-static void gen_fail(struct gen_layout *layout, enum eco_code code, const char *format, ...)
-{
-	char text[512];
-	va_list args;
-	va_start(args, format);
-	vsnprintf(text, sizeof text, format, args);
-	va_end(args);
-	layout->code = layout->code ? layout->code : eco_fail(layout->error, code, "%s", text);
-}
-
-bool gen_progress(struct gen_layout *layout, const char *stage, double share)
+void gen_progress(struct gen_layout *layout, const char *stage, double share)
 {
 	const struct eco_generate_options *o = layout->options;
-	if (!layout->code && o->progress && !o->progress(o->ctx, stage, share))
-		gen_fail(layout, ECO_INTERRUPTED, "interrupted");
-	return !layout->code;
+	if (o->progress && !o->progress(o->ctx, stage, share))
+		eco_stop(ECO_INTERRUPTED, "interrupted");
 }
 
 FILE *gen_open(struct gen_layout *layout)
 {
-	FILE *out = layout->code ? NULL : open_memstream(&layout->bytes, &layout->size);
-	if (!out && !layout->code)
+	FILE *out = open_memstream(&layout->bytes, &layout->size);
+	if (!out)
 		eco_end("no memory");
 	return out;
 }
 
-static bool path_of(struct gen_layout *layout, const char *name, char path[PATH_BYTES])
+static void path_of(struct gen_layout *layout, const char *name, char path[PATH_BYTES])
 {
 	if (snprintf(path, PATH_BYTES, "%s/%s", layout->options->folder, name) >= (int)PATH_BYTES)
-		gen_fail(layout, ECO_BAD_INPUT, "%.300s: path too long", layout->options->folder);
-	return !layout->code;
+		eco_stop(ECO_BAD_INPUT, "%.300s: path too long", layout->options->folder);
 }
 
 void gen_close(struct gen_layout *layout, FILE *out, const char *name)
@@ -60,8 +46,8 @@ void gen_close(struct gen_layout *layout, FILE *out, const char *name)
 	char path[PATH_BYTES];
 	if (fclose(out))
 		eco_end("no memory");
-	if (path_of(layout, name, path))
-		layout->code = eco_file_write(path, layout->bytes, layout->size, layout->error);
+	path_of(layout, name, path);
+	eco_check(eco_file_write(path, layout->bytes, layout->size, layout->error));
 	free(layout->bytes);
 }
 
@@ -108,17 +94,17 @@ static void write_ground(struct gen_layout *layout, const struct gen_terrain *te
 	}
 	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, layout->error);
 	if (!gdal)
-		gen_fail(layout, ECO_NOT_FOUND, "no GDAL");
-	if (path_of(layout, "dem.tif", path)) {
-		snprintf(beside, sizeof beside, "%s.tmp-%ld", path, (long)getpid());
-		layout->code = gdal->raster_write(&(struct eco_raster){ .samples = samples, .side = side,
-			.west = GEN_EASTING - half_m, .north = GEN_NORTHING + half_m, .step_m = step_m,
-			.epsg = 32632 }, beside, layout->error);
-		if (!layout->code && rename(beside, path) != 0)
-			layout->code = eco_fail_write(layout->error, path, errno);
-		if (layout->code)
-			unlink(beside);
-	}
+		eco_check(ECO_NOT_FOUND);
+	path_of(layout, "dem.tif", path);
+	snprintf(beside, sizeof beside, "%s.tmp-%ld", path, (long)getpid());
+	enum eco_code code = gdal->raster_write(&(struct eco_raster){ .samples = samples, .side = side,
+		.west = GEN_EASTING - half_m, .north = GEN_NORTHING + half_m, .step_m = step_m, .epsg = 32632 }, beside,
+		layout->error);
+	if (!code && rename(beside, path) != 0)
+		code = eco_fail_write(layout->error, path, errno);
+	if (code)
+		unlink(beside);
+	eco_check(code);
 	free(samples);
 }
 
@@ -133,18 +119,16 @@ static void write_model(struct gen_layout *layout, const char *name)
 	for (const char *c = name; *c; c++)
 		seed = seed * 131 + (unsigned char)*c;
 	plant->grow(&mesh, plant->kind, &(struct gen_random){ seed });
-	if (path_of(layout, "models", folder))
-		layout->code = gen_mesh_write(&mesh, folder, name, layout->error);
+	path_of(layout, "models", folder);
+	gen_mesh_write(&mesh, folder, name, layout->error);
 	gen_mesh_free(&mesh);
-	if (!layout->code && plant->texture)
-		layout->code = gen_texture_write(folder, plant->texture, layout->error);
+	if (plant->texture)
+		gen_texture_write(folder, plant->texture, layout->error);
 }
 
 static void write_camera(struct gen_layout *layout, const struct gen_setting *setting)
 {
 	FILE *out = gen_open(layout);
-	if (!out)
-		return;
 	fputs("{\"fps\": 1, \"keyframes\": [", out);
 	for (uint32_t i = 0; i < setting->look_count; i++) {
 		const struct gen_look *l = &setting->looks[i];
@@ -165,10 +149,12 @@ void gen_write_setting(struct gen_layout *layout, const struct gen_setting *sett
 	uint32_t count = 0;
 	while (setting->names[count])
 		count++;
-	for (uint32_t i = 0; i < count && gen_progress(layout, setting->names[i], 0.8 * i / count); i++)
+	for (uint32_t i = 0; i < count; i++) {
+		gen_progress(layout, setting->names[i], 0.8 * i / count);
 		write_model(layout, setting->names[i]);
-	if (gen_progress(layout, "ground", 0.8))
-		write_ground(layout, setting->terrain, setting->half_m, setting->step_m);
+	}
+	gen_progress(layout, "ground", 0.8);
+	write_ground(layout, setting->terrain, setting->half_m, setting->step_m);
 	write_camera(layout, setting);
 }
 
@@ -196,8 +182,6 @@ void gen_write_listed(struct gen_layout *layout, const char *name, uint32_t tile
 	const char *const names[])
 {
 	FILE *out = gen_open(layout);
-	if (!out)
-		return;
 	gen_print_head(out, name, tile_instances);
 	gen_print_plants(out, names);
 	fputs("  \"instances\": [\n    {\"from\": \"plants.csv\", \"x\": \"easting\", \"y\": \"northing\", "
@@ -252,4 +236,71 @@ bool gen_stand_add(struct gen_stand *stand, double x, double y, double room)
 	stand->plants[stand->count] = (struct standing){ (float)x, (float)y, (float)room, *cell };
 	*cell = stand->count++;
 	return true;
+}
+
+/* ---- All scenes ---- */
+
+const struct eco_generate_kind eco_generate_kinds[] = {
+	{ "park", "trees along a path, groups of conifers, palms, shrubs, grasses and flowers on a gentle "
+		"lawn", 60 },
+	{ "forest", "a mixed stand on hills: stems with trunk diameters in a CSV file, shrubs and ferns "
+		"below", 2000 },
+	{ "meadow", "grasses and patches of flowers from nested eco files, with a few trees", 4000 },
+	{ "grove", "trees of six kinds on gentle hills, along a ride that the camera walks", 640 },
+	{ "palms", "a palm grove", 1500 },
+	{ "sunflowers", "a field of sunflowers around an old tree", 13001 },
+	{ "outdoor", "groups of trees, shrubs and patches of grasses and flowers on hills", 40000 },
+	{ "billion", "a forest of any size: hectares of a thousand plants in blocks of blocks", 1000000000 },
+	{ "city", "trees of alpha-cut cards along the streets of a grid", 4000 },
+	{ NULL, NULL, 0 },
+};
+static void (*const layouts[])(struct gen_layout *) =
+	{ gen_park, gen_forest, gen_meadow, gen_grove, gen_palms, gen_sunflowers, gen_outdoor, gen_billion,
+	gen_city };
+
+static enum eco_code make_folder(const char *path, struct eco_error *error)
+{
+	struct stat status;
+	if (mkdir(path, 0777) == 0)
+		return ECO_OK;
+	if (errno == EEXIST && stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+		return ECO_OK;
+	int reason = errno == EEXIST ? ENOTDIR : errno;
+	return eco_fail(error, ECO_IO, "%.330s: cannot make this folder: %s%s", path, strerror(reason),
+		eco_advice_write(reason));
+}
+
+struct generating { struct gen_layout layout; size_t kind; };
+
+static void generate(void *ctx)
+{
+	struct generating *g = ctx;
+	char models[PATH_BYTES];
+	path_of(&g->layout, "models", models);
+	eco_check(make_folder(g->layout.options->folder, g->layout.error));
+	eco_check(make_folder(models, g->layout.error));
+	layouts[g->kind](&g->layout);
+}
+
+enum eco_code eco_generate(const struct eco_generate_options *options, struct eco_error *error)
+{
+	size_t kind = 0;
+	while (eco_generate_kinds[kind].name && strcmp(eco_generate_kinds[kind].name, options->name) != 0)
+		kind++;
+	if (!eco_generate_kinds[kind].name)
+		return eco_fail(error, ECO_BAD_USAGE, "no scene is called %s: generate park, forest, "
+			"meadow, grove, palms, sunflowers, outdoor, billion or city", options->name);
+	uint64_t most = eco_generate_kinds[kind].plants > ECO_GENERATE_NAMED_MAX ? ECO_GENERATE_PLANTS_MAX
+		: ECO_GENERATE_NAMED_MAX;
+	if (options->plants > most)
+		return eco_fail(error, ECO_TOO_LARGE, "%llu plants: at most %llu are generated; nest eco "
+			"files for more", (unsigned long long)options->plants, (unsigned long long)most);
+	if (!(options->detail >= 0 && options->detail <= ECO_GENERATE_DETAIL_MAX))
+		return eco_fail(error, ECO_TOO_LARGE, "detail %g: 0.1 to %g times the leaves",
+			options->detail, ECO_GENERATE_DETAIL_MAX);
+	struct eco_error own = { .code = ECO_OK };
+	struct generating g = { .kind = kind, .layout = { .options = options, .error = error ? error : &own,
+		.plants = (uint32_t)(options->plants ? options->plants : eco_generate_kinds[kind].plants),
+		.random = { options->seed * 0x9E3779B97F4A7C15u + kind } } };
+	return eco_try(generate, &g, g.layout.error);
 }

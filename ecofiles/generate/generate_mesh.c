@@ -319,25 +319,20 @@ static void print_mtl(const struct gen_mesh *mesh, FILE *out)
 	}
 }
 
-enum eco_code gen_mesh_write(const struct gen_mesh *mesh, const char *folder, const char *name,
-	struct eco_error *error)
+void gen_mesh_write(const struct gen_mesh *mesh, const char *folder, const char *name, struct eco_error *error)
 {
 	for (int part = 0; part < 2; part++) {
 		char path[4096], *text = NULL;
 		size_t size = 0;
-		if (snprintf(path, sizeof path, "%s/%s.%s", folder, name, part ? "obj" : "mtl")
-				>= (int)sizeof path)
-			return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", folder);
+		if (snprintf(path, sizeof path, "%s/%s.%s", folder, name, part ? "obj" : "mtl") >= (int)sizeof path)
+			eco_stop(ECO_BAD_INPUT, "%s: path too long", folder);
 		FILE *out = open_memstream(&text, &size);
 		if (!out)
 			eco_end("no memory");
 		part ? print_obj(mesh, name, out) : print_mtl(mesh, out);
 		if (fclose(out))
 			eco_end("no memory");
-		enum eco_code code = eco_file_write(path, text, size, error);
+		eco_check(eco_file_write(path, text, size, error));
 		free(text);
-		if (code)
-			return code;
 	}
-	return ECO_OK;
 }

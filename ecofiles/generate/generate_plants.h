@@ -81,8 +81,7 @@ struct gen_leaf {
 void gen_leaf(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf);
 
 /* Writes NAME.obj and NAME.mtl into `folder`, each to a temporary file first. */
-enum eco_code gen_mesh_write(const struct gen_mesh *mesh, const char *folder, const char *name,
-	struct eco_error *error);
+void gen_mesh_write(const struct gen_mesh *mesh, const char *folder, const char *name, struct eco_error *error);
 
 /* ---- Plants ---- */
 
@@ -126,6 +125,6 @@ void gen_frond(struct gen_mesh *mesh, const struct gen_frond *frond, struct gen_
 
 /* ---- Textures (generate_texture.c) ---- */
 
-enum eco_code gen_texture_write(const char *folder, const char *name, struct eco_error *error);
+void gen_texture_write(const char *folder, const char *name, struct eco_error *error);
 
 #endif

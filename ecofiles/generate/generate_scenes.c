@@ -117,19 +117,16 @@ void gen_park(struct gen_layout *layout)
 	gen_write_setting(layout, &(struct gen_setting){ names, &terrain, 220 + 60 * stretch, 4, looks, 4 });
 	struct gen_instance *instances = eco_alloc((size_t)layout->plants + 64, sizeof *instances);
 	gen_stand_open(&stand, layout->plants + 64, 50 * stretch, 11);
-	FILE *out = gen_open(layout);
-	uint32_t count =
-		out ? plant_avenue(layout, stretch, (uint32_t)(AVENUE * share + 0.5), &stand, instances) : 0;
-	for (size_t i = 0; i < sizeof park_beds / sizeof *park_beds && out && count < layout->plants; i++) {
+	uint32_t count = plant_avenue(layout, stretch, (uint32_t)(AVENUE * share + 0.5), &stand, instances);
+	for (size_t i = 0; i < sizeof park_beds / sizeof *park_beds && count < layout->plants; i++) {
 		uint32_t wanted = (uint32_t)(park_beds[i].count * share + 0.5), left = layout->plants - count;
 		count += plant_bed(layout, &park_beds[i], stretch, wanted < left ? wanted : left, &stand,
 			instances + count);
 	}
-	if (out) {
-		print_scene(out, "park", 16, names, instances, count);
-		fputs("\n}\n", out);
-		gen_close(layout, out, "scene.json");
-	}
+	FILE *out = gen_open(layout);
+	print_scene(out, "park", 16, names, instances, count);
+	fputs("\n}\n", out);
+	gen_close(layout, out, "scene.json");
 	gen_stand_close(&stand);
 	free(instances);
 }
@@ -169,8 +166,6 @@ static void write_stems(struct gen_layout *layout, uint32_t trees, double half_m
 {
 	uint64_t site_seed = layout->options->seed + 29;
 	FILE *out = gen_open(layout);
-	if (!out)
-		return;
 	fputs("tag,species,easting,northing,dbh_mm\n", out);
 	for (uint32_t i = 0, tag = 1; i < trees; i++) {
 		double dbh = stem_mm((i + 0.5) / trees) * gen_random_in(&layout->random, 0.92, 1.08),
@@ -186,8 +181,8 @@ static void write_stems(struct gen_layout *layout, uint32_t trees, double half_m
 				GEN_NORTHING + y, dbh);
 			break;
 		}
-		if (i % 65536 == 65535 && !gen_progress(layout, "stems", 0.85 + 0.1 * i / trees))
-			break;
+		if (i % 65536 == 65535)
+			gen_progress(layout, "stems", 0.85 + 0.1 * i / trees);
 	}
 	gen_close(layout, out, "stems.csv");
 }
@@ -198,8 +193,6 @@ static void write_understory(struct gen_layout *layout, uint32_t wanted, double 
 {
 	uint64_t seed = layout->options->seed + 31;
 	FILE *out = gen_open(layout);
-	if (!out)
-		return;
 	fputs("plant,easting,northing,height_m\n", out);
 	for (uint64_t throw = 0, count = 0; throw < 2000ull * wanted && count < wanted; throw++) {
 		/* in the end also in the shade, and closer */
@@ -253,14 +246,11 @@ void gen_forest(struct gen_layout *layout)
 		{ 6, { 0, -half_m - 4, 1.7 }, { -4, -half_m + 26, 6 }, 60 } };
 	gen_write_setting(layout, &(struct gen_setting){ names, &terrain, half_m + 200, 5, looks, 3 });
 	gen_stand_open(&stand, layout->plants, half_m, 6.9);
-	if (gen_progress(layout, "stems", 0.85)) {
-		write_stems(layout, trees, half_m, &stand);
-		write_understory(layout, low, half_m, &stand);
-	}
+	gen_progress(layout, "stems", 0.85);
+	write_stems(layout, trees, half_m, &stand);
+	write_understory(layout, low, half_m, &stand);
 	gen_stand_close(&stand);
 	FILE *out = gen_open(layout);
-	if (!out)
-		return;
 	print_forest(out, names);
 	gen_close(layout, out, "scene.json");
 }
@@ -284,8 +274,7 @@ static void write_patch(struct gen_layout *layout, const struct patch *patch)
 	struct gen_stand stand;
 	char path[64];
 	gen_stand_open(&stand, PATCH_PLANTS, PATCH_M, 1);
-	FILE *out = gen_open(layout);
-	for (uint32_t throw = 0; throw < 4000 && out && stand.count < PATCH_PLANTS; throw++) {
+	for (uint32_t throw = 0; throw < 4000 && stand.count < PATCH_PLANTS; throw++) {
 		/* a disc a little larger than the patch's share of the meadow, so that turned patches
 		 * leave no gaps */
 		double azimuth = gen_random_in(&layout->random, 0, 360),
@@ -299,12 +288,11 @@ static void write_patch(struct gen_layout *layout, const struct patch *patch)
 			instances[at] = (struct gen_instance){ patch->plants[kind], x, y,
 				turn_anyhow(&layout->random), gen_random_in(&layout->random, 0.75, 1.25) };
 	}
-	if (out) {
-		print_scene(out, patch->name, 0, patch->plants, instances, stand.count);
-		fputs("\n}\n", out);
-		snprintf(path, sizeof path, "%s.json", patch->name);
-		gen_close(layout, out, path);
-	}
+	FILE *out = gen_open(layout);
+	print_scene(out, patch->name, 0, patch->plants, instances, stand.count);
+	fputs("\n}\n", out);
+	snprintf(path, sizeof path, "%s.json", patch->name);
+	gen_close(layout, out, path);
 	gen_stand_close(&stand);
 }
 
@@ -346,8 +334,7 @@ void gen_meadow(struct gen_layout *layout)
 	for (size_t i = 0; i < PATCHES; i++)
 		write_patch(layout, &patches[i]);
 	gen_stand_open(&stand, 48, half_m, 9);
-	FILE *out = gen_open(layout);
-	for (uint32_t throw = 0; throw < 4000 && out && count < wanted; throw++) {
+	for (uint32_t throw = 0; throw < 4000 && count < wanted; throw++) {
 		const char *plant = trees[gen_random_bits(&layout->random) % 3];
 		double x = gen_random_in(&layout->random, -half_m, half_m),
 			y = gen_random_in(&layout->random, 0.1 * half_m, half_m);
@@ -355,12 +342,11 @@ void gen_meadow(struct gen_layout *layout)
 			standing[count++] = (struct gen_instance){ plant, x, y, turn_anyhow(&layout->random),
 				gen_random_in(&layout->random, 0.5, 0.95) };
 	}
-	if (out) {
-		print_scene(out, "meadow", 32, trees, standing, count);
-		fputs(",\n  \"children\": [", out);
-		print_patches(out, layout, half_m);
-		fputs("\n  ]\n}\n", out);
-		gen_close(layout, out, "scene.json");
-	}
+	FILE *out = gen_open(layout);
+	print_scene(out, "meadow", 32, trees, standing, count);
+	fputs(",\n  \"children\": [", out);
+	print_patches(out, layout, half_m);
+	fputs("\n  ]\n}\n", out);
+	gen_close(layout, out, "scene.json");
 	gen_stand_close(&stand);
 }

@@ -25,12 +25,11 @@ double gen_terrain_height(const struct gen_terrain *terrain, double x, double y)
 
 /* ---- Layouts ---- */
 
-/* Each writes its scene.json last. The first error stays, and nothing is written after it. */
+/* Each writes its scene.json last. Errors stop (memory.h). */
 struct gen_layout {
 	const struct eco_generate_options *options;
 	uint32_t plants;             /* low 32 bits of those asked for; not 0 */
 	struct gen_random random;
-	enum eco_code code;
 	struct eco_error *error;
 	char *bytes; size_t size;    /* of the file that is open */
 };
@@ -46,11 +45,9 @@ void gen_city(struct gen_layout *layout);
 
 /* ---- Shared by layouts (generate_layout.c) ---- */
 
-/* False where the caller, or a failure before, stops it. */
-bool gen_progress(struct gen_layout *layout, const char *stage, double share);
+void gen_progress(struct gen_layout *layout, const char *stage, double share);
 
-/* Print to what gen_open returns; the file appears in the scene's folder when it is whole. NULL: failed. One
- * file at a time. */
+/* Print to what gen_open returns; the file appears in the scene's folder when it is whole. One file at a time. */
 FILE *gen_open(struct gen_layout *layout);
 void gen_close(struct gen_layout *layout, FILE *out, const char *name);
 

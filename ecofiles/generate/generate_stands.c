@@ -83,23 +83,21 @@ static void write_plants(struct gen_layout *layout, const struct stand_kind *kin
 	uint32_t left = layout->plants, planted = 0;
 	gen_stand_open(&stand, layout->plants + 1, half_m, room);
 	FILE *out = gen_open(layout);
-	if (out)
-		fputs("plant,easting,northing,height_m\n", out);
-	if (out && kind->lone) {
+	fputs("plant,easting,northing,height_m\n", out);
+	if (kind->lone) {
 		double y = 0.3 * half_m;
 		gen_stand_add(&stand, 0, y, kind->lone_room_m);
 		fprintf(out, "%s,%.2f,%.2f,%.2f\n", kind->lone, GEN_EASTING, GEN_NORTHING + y, kind->lone_m);
 		left--;
 	}
-	for (uint32_t i = 0; i < kind->count && out && gen_progress(layout, "plants", 0.85 + 0.15 * sum);
-		i++) {
+	for (uint32_t i = 0; i < kind->count; i++) {
+		gen_progress(layout, "plants", 0.85 + 0.15 * sum);
 		sum += kind->stocks[i].share;
 		uint32_t until = i + 1 == kind->count ? left : (uint32_t)(left * sum + 0.5);
 		plant_stock(layout, kind, i, until - planted, half_m, &stand, out);
 		planted = until;
 	}
-	if (out)
-		gen_close(layout, out, "plants.csv");
+	gen_close(layout, out, "plants.csv");
 	gen_stand_close(&stand);
 }
 
@@ -232,8 +230,6 @@ static void write_trees(struct gen_layout *layout, uint32_t blocks)
 	double half_m = 0.5 * BLOCK_M * blocks;
 	uint64_t places = (uint64_t)blocks * blocks * PLACES, left = layout->plants;
 	FILE *out = gen_open(layout);
-	if (!out)
-		return;
 	fputs("plant,easting,northing,height_m\n", out);
 	for (uint64_t i = 0; places; i++, places--) {
 		uint64_t block = i / PLACES;
@@ -268,7 +264,7 @@ void gen_city(struct gen_layout *layout)
 	}
 	gen_write_setting(layout,
 		&(struct gen_setting){ city_names, &terrain, half_m + 160, 5, looks, LOOKS });
-	if (gen_progress(layout, "plants", 0.85))
-		write_trees(layout, blocks);
+	gen_progress(layout, "plants", 0.85);
+	write_trees(layout, blocks);
 	gen_write_listed(layout, "city", 64, city_names);
 }

@@ -144,17 +144,14 @@ static const struct painting { const char *name; uint32_t size;
 	{ "branch.png", 128, paint_branch },
 };
 
-enum eco_code gen_texture_write(const char *folder, const char *name, struct eco_error *error)
+void gen_texture_write(const char *folder, const char *name, struct eco_error *error)
 {
-	const struct painting *painting = NULL;
-	for (size_t i = 0; i < sizeof paintings / sizeof *paintings; i++)
-		if (!strcmp(paintings[i].name, name))
-			painting = &paintings[i];
-	if (!painting)
-		return eco_fail(error, ECO_NOT_FOUND, "no texture is called %s", name);
+	const struct painting *painting = paintings;
+	while (strcmp(painting->name, name) != 0)
+		painting++;
 	char path[4096];
 	if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path)
-		return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", folder);
+		eco_stop(ECO_BAD_INPUT, "%s: path too long", folder);
 	uint32_t side = 2 * painting->size;
 	struct canvas canvas = { eco_alloc((size_t)side * side, 4), painting->size, 0, 0 };
 	for (uint32_t shade = 0; shade < 4; shade++) {
@@ -167,7 +164,6 @@ enum eco_code gen_texture_write(const char *folder, const char *name, struct eco
 		}
 		painting->paint(&canvas, shade);
 	}
-	enum eco_code code = eco_png_write(&(struct eco_pixels){ side, side, 4, canvas.rgba }, path, error);
+	eco_check(eco_png_write(&(struct eco_pixels){ side, side, 4, canvas.rgba }, path, error));
 	free(canvas.rgba);
-	return code;
 }

@@ -20,85 +20,86 @@
 
 /* ---- Files ---- */
 
-enum eco_code export_file(struct export *x, const char *name, const void *bytes, size_t size)
+void export_file(struct export *x, const char *name, const void *bytes, size_t size)
 {
 	char path[PATH_MAX + EXPORT_NAME];
 	snprintf(path, sizeof path, "%s/%s", x->dir, name);
 	x->files++;
 	x->bytes += size;
-	return eco_file_write(path, bytes, size, x->error);
+	eco_check(eco_file_write(path, bytes, size, x->error));
 }
 
-enum eco_code export_json(struct export *x, const char *name, json_t *json)
+void export_json(struct export *x, const char *name, json_t *json)
 {
 	char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(15));
-	enum eco_code code = export_file(x, name, text, strlen(text));
+	export_file(x, name, text, strlen(text));
 	free(text);
 	json_decref(json);
-	return code;
 }
 
 /* Contents of the folder: files that begin so, and these folders of files. */
 static const char *const parts[] = { "tileset", "plants", "tiles", NULL };
 
 /* Makes the folder under its first name, and locks it. */
-static enum eco_code make_first(struct export *x, const char *dir)
+static void make_first(struct export *x, const char *dir)
 {
 	eco_unfinished_remove(dir, parts);
 	for (;;) {
 		if (mkdir(x->dir, 0777))
-			return eco_fail_write(x->error, dir, errno);
+			eco_check(eco_fail_write(x->error, dir, errno));
 		x->folder = open(x->dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 		if (x->folder >= 0 && eco_unfinished_lock(x->folder))
-			return ECO_OK;
+			return;
 		if (x->folder < 0 && errno != ENOENT) {
 			enum eco_code code = eco_fail_write(x->error, dir, errno);
 			rmdir(x->dir);
-			return code;
+			eco_check(code);
 		}
 		if (x->folder >= 0)
 			close(x->folder);
 	}
 }
 
-static enum eco_code make_folders(struct export *x, const char *dir)
+static void make_folders(struct export *x)
 {
 	struct stat status;
 	char path[PATH_MAX + EXPORT_NAME], last[PATH_MAX];
-	size_t size = strlen(dir);
-	while (size > 1 && dir[size - 1] == '/')
+	size_t size = strlen(x->final);
+	while (size > 1 && x->final[size - 1] == '/')
 		size--;
 	if (!size || size + 32 > sizeof x->dir)
-		return eco_fail(x->error, ECO_BAD_USAGE, "--3dtiles: the folder's name is empty or too long");
-	if (lstat(dir, &status) == 0)
-		return eco_fail(x->error, ECO_BAD_USAGE,
-			"--3dtiles %s: it is there, and is kept. Take another name",
-			dir);
-	snprintf(last, sizeof last, "%.*s", (int)size, dir);
-	snprintf(x->dir, sizeof x->dir, "%.*s.tmp-%ld", (int)size, dir, (long)getpid());
-	enum eco_code code = make_first(x, last);
-	for (const char *const *below = parts + 1; *below && !code; below++) {
+		eco_stop(ECO_BAD_USAGE, "--3dtiles: the folder's name is empty or too long");
+	if (lstat(x->final, &status) == 0)
+		eco_stop(ECO_BAD_USAGE, "--3dtiles %s: it is there, and is kept. Take another name", x->final);
+	snprintf(last, sizeof last, "%.*s", (int)size, x->final);
+	snprintf(x->dir, sizeof x->dir, "%.*s.tmp-%ld", (int)size, x->final, (long)getpid());
+	make_first(x, last);
+	for (const char *const *below = parts + 1; *below; below++) {
 		snprintf(path, sizeof path, "%s/%s", x->dir, *below);
 		if (mkdir(path, 0777))
-			code = eco_fail_write(x->error, dir, errno);
+			eco_check(eco_fail_write(x->error, x->final, errno));
 	}
-	return code;
 }
 
 /* ---- All ---- */
 
-static enum eco_code write_all(struct export *x)
+static void write_all(void *export)
 {
+	struct export *x = export;
 	const struct eco_scene *s = &x->pack->scene;
-	enum eco_code code = ECO_OK;
+	make_folders(x);
 	x->plants = eco_alloc(s->plant_count, sizeof *x->plants);
 	if (!s->tile_count)
-		return eco_fail(x->error, ECO_BAD_INPUT, "the pack has no tiles");
-	for (uint32_t i = 0; i < s->plant_count && !code; i++) {
+		eco_stop(ECO_BAD_INPUT, "the pack has no tiles");
+	for (uint32_t i = 0; i < s->plant_count; i++) {
 		main_progress("writing plants", s->plants[i].name, (double)i / s->plant_count);
-		code = export_plant(x, i);
+		export_plant(x, i);
 	}
-	return code ? code : export_tilesets(x);
+	export_tilesets(x);
+	/* else a machine that stops might show the folder without all of its files' bytes */
+	eco_check(eco_folder_sync(x->dir, x->error));
+	if (rename(x->dir, x->final))
+		eco_check(eco_fail_write(x->error, x->final, errno));
 }
 
 static void remove_folder(void *export)
@@ -122,16 +123,9 @@ static void print_export(const struct export *x, const char *dir)
 
 enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain, struct eco_error *error)
 {
-	struct export x = { .folder = -1, .error = error, .pack = pack, .is_plain = is_plain };
-	enum eco_code code = make_folders(&x, dir);
+	struct export x = { .folder = -1, .final = dir, .error = error, .pack = pack, .is_plain = is_plain };
 	eco_at_end(remove_folder, &x);
-	if (!code)
-		code = write_all(&x);
-	/* else a machine that stops might show the folder without all of its files' bytes */
-	if (!code)
-		code = eco_folder_sync(x.dir, error);
-	if (!code && rename(x.dir, dir))
-		code = eco_fail_write(error, dir, errno);
+	enum eco_code code = eco_try(write_all, &x, error);
 	main_progress_end();
 	if (code)
 		remove_folder(&x);
@@ -164,8 +158,8 @@ static bool is_there(const char *path, const struct eco_chunk *chunk)
 		&& status.st_size == (off_t)chunk->size_bytes;
 }
 
-static enum eco_code write_chunk(const struct eco_pack *pack, uint32_t index, const char *dir,
-	struct counts *counts, struct eco_error *error)
+static void write_chunk(const struct eco_pack *pack, uint32_t index, const char *dir, struct counts *counts,
+	struct eco_error *error)
 {
 	const struct eco_chunk *chunk = &pack->scene.chunks[index];
 	char path[4096];
@@ -173,19 +167,16 @@ static enum eco_code write_chunk(const struct eco_pack *pack, uint32_t index, co
 	size_t size;
 	int at = snprintf(path, sizeof path - 2 * sizeof chunk->id.bytes, "%s/", dir);
 	if (at >= (int)(sizeof path - 2 * sizeof chunk->id.bytes))
-		return eco_fail(error, ECO_BAD_USAGE, "--static %.200s...: the path is too long", dir);
+		eco_stop(ECO_BAD_USAGE, "--static %.200s...: the path is too long", dir);
 	for (size_t i = 0; i < sizeof chunk->id.bytes; i++)
 		at += snprintf(path + at, 3, "%02x", chunk->id.bytes[i]);
-	enum eco_code code = eco_pack_payload(pack, index, &bytes, &size, error);
-	if (code)
-		return code;
+	eco_check(eco_pack_payload(pack, index, &bytes, &size, error));
 	counts->files++;
 	counts->bytes += size;
-	if (is_there(path, chunk)) {
+	if (is_there(path, chunk))
 		counts->kept++;
-		return ECO_OK;
-	}
-	return eco_file_write(path, bytes, size, error);
+	else
+		eco_check(eco_file_write(path, bytes, size, error));
 }
 
 /* Removes files of an export that was killed: "ID.tmp-4711". */
@@ -203,54 +194,52 @@ static void remove_left_over(const char *dir)
 }
 
 /* Chunks of `from` bytes and more into a folder, which is made if missing. */
-static enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64_t from,
-	struct eco_error *error)
+static void export_chunks(const struct eco_pack *pack, const char *dir, uint64_t from, struct eco_error *error)
 {
 	const struct eco_scene *scene = &pack->scene;
 	const struct eco_list *rows = eco_inventory_list(scene);
 	/* no stream names those of rows */
 	uint32_t count = rows ? rows->chunk_first : scene->chunk_count;
 	struct counts counts = { 0 };
-	enum eco_code code = ECO_OK;
 	if (mkdir(dir, 0777) && errno != EEXIST)
-		return eco_fail(error, ECO_IO, "--static %.330s: %s%s", dir, strerror(errno),
-			eco_advice_write(errno));
+		eco_stop(ECO_IO, "--static %.330s: %s%s", dir, strerror(errno), eco_advice_write(errno));
 	remove_left_over(dir);
-	for (uint32_t i = 0; i < count && !code; i++) {
+	for (uint32_t i = 0; i < count; i++) {
 		if (scene->chunks[i].size_bytes < from)
 			continue;
 		main_progress("exporting", scene->name, (double)i / count);
-		code = write_chunk(pack, i, dir, &counts, error);
+		write_chunk(pack, i, dir, &counts, error);
 	}
-	if (!code && counts.kept < counts.files)
-		code = eco_folder_sync(dir, error);
+	if (counts.kept < counts.files)
+		eco_check(eco_folder_sync(dir, error));
 	main_progress_end();
-	if (!code && !main_is_quiet)
+	if (!main_is_quiet)
 		printf("%s: %" PRIu64 " chunks, %" PRIu64 " bytes; %" PRIu64 " were there\n", dir,
 			counts.files, counts.bytes, counts.kept);
-	return code;
 }
 
 /* ---- The command ---- */
 
-static struct { const char *pack, *chunks, *tiles; uint64_t from; bool plain; } given;
+static struct { const char *pack, *chunks, *tiles; uint64_t from; bool plain; struct eco_pack *opened; } given;
+
+static void write_given(void *error)
+{
+	if (!given.chunks && !given.tiles)
+		eco_stop(ECO_BAD_USAGE, "what to export? Give --static DIR, --3dtiles DIR or both");
+	eco_check(eco_pack_open(&given.opened, given.pack, error));
+	if (given.chunks)
+		export_chunks(given.opened, given.chunks, given.from, error);
+	if (given.tiles)
+		eco_check(export_tiles(given.opened, given.tiles, given.plain, error));
+}
 
 static enum eco_code run(int argc, char **argv, struct eco_error *error)
 {
-	struct eco_pack *pack = NULL;
 	memset(&given, 0, sizeof given);
 	given.from = ECO_NAME_FROM;
 	enum eco_code code = main_read(&main_command_export, argc, argv, error);
-	if (!code && !given.chunks && !given.tiles)
-		code = eco_fail(error, ECO_BAD_USAGE,
-			"what to export? Give --static DIR, --3dtiles DIR or both");
-	if (!code)
-		code = eco_pack_open(&pack, given.pack, error);
-	if (!code && given.chunks)
-		code = export_chunks(pack, given.chunks, given.from, error);
-	if (!code && given.tiles)
-		code = export_tiles(pack, given.tiles, given.plain, error);
-	eco_pack_close(pack);
+	code = code ? code : eco_try(write_given, error, error);
+	eco_pack_close(given.opened);
 	return code;
 }
 

@@ -1,4 +1,4 @@
-/* Inside `ecopack export`: a pack as plain files for any static server.
+/* Inside `ecopack export`: a pack as plain files for any static server. Functions fail by eco_stop (memory.h).
  *
  * Its chunks, each named by its id, or 3D Tiles 1.1 (export.c):
  *
@@ -58,7 +58,8 @@ struct export {
 	struct eco_pack *pack;
 	bool is_plain;                   /* nothing is compressed */
 	int folder;                      /* `dir`, locked; -1: not made */
-	char dir[PATH_MAX];              /* where files are written until all are */
+	char dir[PATH_MAX];              /* where files are written until all are ... */
+	const char *final;               /* ... and where they are then */
 	struct export_plant *plants;     /* of the scene */
 	struct eco_inventory_block rows; /* the block that was read last */
 	uint64_t files, bytes, tiles, instances; /* written; plants of leaf tiles, each once */
@@ -68,8 +69,8 @@ struct export {
 enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain, struct eco_error *error);
 
 /* Writes DIR/NAME. */
-enum eco_code export_file(struct export *x, const char *name, const void *bytes, size_t size);
-enum eco_code export_json(struct export *x, const char *name, json_t *json);  /* takes json */
+void export_file(struct export *x, const char *name, const void *bytes, size_t size);
+void export_json(struct export *x, const char *name, json_t *json);  /* takes json */
 
 /* Makes a mesh, whose bytes are `file`, of baked triangles; the same material is one part,
  * and what has no triangles none. */
@@ -81,26 +82,23 @@ void export_mesh_compress(struct export_mesh *mesh, struct eco_writer *file);
 size_t export_array_bytes(const struct export_part *part, enum export_array array);
 void export_mesh_free(struct export_mesh *mesh);
 
-enum eco_code export_plant(struct export *x, uint32_t number);
+void export_plant(struct export *x, uint32_t number);
 
 /* Contents: write files, and `name` the one that a tile refers to. */
 #define EXPORT_NAME 64
-enum eco_code export_summary(struct export *x, uint32_t tile, char name[EXPORT_NAME], double *error_m);
+void export_summary(struct export *x, uint32_t tile, char name[EXPORT_NAME], double *error_m);
 /* The instances of a tile's plants, for all its levels. */
-enum eco_code export_instances(struct export *x, uint32_t tile);
-enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char name[EXPORT_NAME],
-	double *error_m);
+void export_instances(struct export *x, uint32_t tile);
+void export_level(struct export *x, uint32_t tile, uint32_t level, char name[EXPORT_NAME], double *error_m);
 /* Ground that the rasters hold; an empty name: they hold nothing of the tile. */
-enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], double low[3],
-	double high[3]);
+void export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], double low[3], double high[3]);
 
 /* sRGB of ground without an image. */
 extern const uint8_t export_grass[3];
-/* Writes the image of that part of the ground, as DIR/NAME, a PNG whose rows come from the north; *is_there:
- * there is one. A leaf's is as fine as the image, but at most 2048 texels a side. */
-enum eco_code export_ground_image(struct export *x, const double low[3], const double high[3], bool is_leaf,
-	const char *name, bool *is_there);
+/* Writes the image of that part of the ground, as DIR/NAME, a PNG whose rows come from the north; false: there is
+ * none. A leaf's is as fine as the image, but at most 2048 texels a side. */
+bool export_ground_image(struct export *x, const double low[3], const double high[3], bool is_leaf, const char *name);
 
-enum eco_code export_tilesets(struct export *x);
+void export_tilesets(struct export *x);
 
 #endif

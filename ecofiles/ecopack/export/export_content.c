@@ -10,6 +10,7 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/version.h"
 #include "ecofiles/ecopack/export/export.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/inventory.h"
@@ -177,7 +178,7 @@ static json_int_t add_mesh(struct document *d, const struct export_mesh *mesh, j
 	return add(d, "meshes", json_pack("{s:o}", "primitives", primitives));
 }
 
-static enum eco_code document_end(struct export *x, struct document *d, json_t *extensions, json_t *used,
+static void document_end(struct export *x, struct document *d, json_t *extensions, json_t *used,
 	const char *name)
 {
 	json_t *required = json_array();
@@ -198,7 +199,7 @@ static enum eco_code document_end(struct export *x, struct document *d, json_t *
 		json_object_set(d->root, "extensionsRequired", required);
 	json_decref(used);
 	json_decref(required);
-	return export_json(x, name, d->root);
+	export_json(x, name, d->root);
 }
 
 static void middle_of(const struct eco_tile *tile, double middle[3])
@@ -223,26 +224,22 @@ static void layout_free(struct layout *l)
 }
 
 /* A plant of the pack may stand for several species: each place says its own. */
-static enum eco_code find_species(struct export *x, const struct eco_tile *t, struct layout *l)
+static void find_species(struct export *x, const struct eco_tile *t, struct layout *l)
 {
 	const struct eco_scene *s = &x->pack->scene;
 	const struct eco_inventory_row *row;
 	char **species = l->species = eco_alloc(l->count, sizeof *species);
-	enum eco_code code = ECO_OK;
 	for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++) {
 		const struct eco_group *group = &s->groups[g];
-		for (uint32_t i = 0; i < group->count && !code; i++) {
-			code = eco_inventory_at(&x->rows, x->pack, group->place_first + i, &row, x->error);
-			const char *plant = s->plants[group->plant].name,
-				*own = code ? NULL : eco_inventory_species(row, plant);
-			own = own ? own : "";
-			strcpy(*species++ = eco_alloc(strlen(own) + 1, 1), own);
+		for (uint32_t i = 0; i < group->count; i++) {
+			eco_check(eco_inventory_at(&x->rows, x->pack, group->place_first + i, &row, x->error));
+			const char *own = eco_inventory_species(row, s->plants[group->plant].name);
+			*species++ = eco_copy_text(own ? own : "");
 		}
 	}
-	return code;
 }
 
-static enum eco_code lay_out(struct export *x, uint32_t tile, struct layout *l)
+static void lay_out(struct export *x, uint32_t tile, struct layout *l)
 {
 	const struct eco_scene *s = &x->pack->scene;
 	const struct eco_tile *t = &s->tiles[tile];
@@ -254,14 +251,13 @@ static enum eco_code lay_out(struct export *x, uint32_t tile, struct layout *l)
 		at += (size_t)group->count * 44;
 		l->count += group->count;
 	}
-	enum eco_code code = find_species(x, t, l);
-	for (uint32_t i = 0; i < l->count && !code; i++)
+	find_species(x, t, l);
+	for (uint32_t i = 0; i < l->count; i++)
 		names += strlen(l->species[i]);
 	l->height = aligned(at);
 	l->name = aligned(l->height + (size_t)l->count * 4);
 	l->offset = aligned(l->name + names);
 	l->end = l->offset + ((size_t)l->count + 1) * 4;
-	return code;
 }
 
 static void write_group(struct eco_writer *w, const struct eco_scene *s, const struct eco_group *group,
@@ -319,7 +315,7 @@ static void write_table(struct eco_writer *w, const struct eco_scene *s, const s
 	}
 }
 
-enum eco_code export_instances(struct export *x, uint32_t tile)
+void export_instances(struct export *x, uint32_t tile)
 {
 	const struct eco_scene *s = &x->pack->scene;
 	const struct eco_tile *t = &s->tiles[tile];
@@ -328,23 +324,20 @@ enum eco_code export_instances(struct export *x, uint32_t tile)
 	double middle[3];
 	char name[EXPORT_NAME];
 	uint32_t number = 0;
-	enum eco_code code = lay_out(x, tile, &l);
+	lay_out(x, tile, &l);
 	middle_of(t, middle);
-	for (uint32_t g = 0; g < t->group_count && !code; g++) {
+	for (uint32_t g = 0; g < t->group_count; g++) {
 		write_group(&w, s, &s->groups[t->group_first + g], middle, number);
 		number += s->groups[t->group_first + g].count;
 	}
-	if (!code)
-		write_table(&w, s, t, &l);
+	write_table(&w, s, t, &l);
 	if (w.failed)
 		eco_end("no memory");
 	snprintf(name, sizeof name, "tiles/%u.bin", tile);
-	if (!code)
-		code = export_file(x, name, w.bytes, w.size);
+	export_file(x, name, w.bytes, w.size);
 	x->instances += l.count;
 	layout_free(&l);
 	eco_writer_free(&w);
-	return code;
 }
 
 static json_t *metadata_of(struct document *d, json_int_t buffer, const struct layout *l)
@@ -393,8 +386,7 @@ static double largest_scale(const struct eco_scene *s, const struct eco_group *g
 	return largest;
 }
 
-enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char name[EXPORT_NAME],
-	double *error_m)
+void export_level(struct export *x, uint32_t tile, uint32_t level, char name[EXPORT_NAME], double *error_m)
 {
 	const struct eco_scene *s = &x->pack->scene;
 	const struct eco_tile *t = &s->tiles[tile];
@@ -402,11 +394,7 @@ enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char
 	struct layout l;
 	double middle[3];
 	char uri[EXPORT_NAME];
-	enum eco_code code = lay_out(x, tile, &l);
-	if (code) {
-		layout_free(&l);
-		return code;
-	}
+	lay_out(x, tile, &l);
 	*error_m = 0;
 	middle_of(t, middle);
 	document_begin(&d, middle);
@@ -428,8 +416,8 @@ enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char
 	json_t *extensions = metadata_of(&d, instances, &l);
 	snprintf(name, EXPORT_NAME, "tiles/%u-%u.gltf", tile, level);
 	layout_free(&l);
-	return document_end(x, &d, extensions, json_pack("[s,s,s]", "EXT_mesh_gpu_instancing",
-		"EXT_instance_features", "EXT_structural_metadata"), name);
+	document_end(x, &d, extensions, json_pack("[s,s,s]", "EXT_mesh_gpu_instancing", "EXT_instance_features",
+		"EXT_structural_metadata"), name);
 }
 
 /* ---- Summaries and ground ---- */
@@ -441,7 +429,7 @@ struct content {
 	bool unlit;
 };
 
-static enum eco_code write_baked(struct export *x, const struct lod_bake *bake, const struct content *c)
+static void write_baked(struct export *x, const struct lod_bake *bake, const struct content *c)
 {
 	struct export_mesh mesh = { .precision_m = c->precision_m };
 	struct eco_writer file = { 0 };
@@ -451,26 +439,20 @@ static enum eco_code write_baked(struct export *x, const struct lod_bake *bake, 
 	export_mesh_make(x, &mesh, &file, bake, &image, 1);
 	snprintf(uri, sizeof uri, "%s.bin", c->stem);
 	snprintf(name, sizeof name, "tiles/%.50s.bin", c->stem);
-	enum eco_code code = export_file(x, name, file.bytes, file.size);
-	if (!code)
-		document_begin(&d, c->middle);
-	if (!code && mesh.part_count) {
-		json_int_t number = add_mesh(&d, &mesh, add_buffer(&d, uri, mesh.bytes), c->texture,
-			c->unlit);
+	export_file(x, name, file.bytes, file.size);
+	document_begin(&d, c->middle);
+	if (mesh.part_count) {
+		json_int_t number = add_mesh(&d, &mesh, add_buffer(&d, uri, mesh.bytes), c->texture, c->unlit);
 		add_node(&d, json_pack("{s:I}", "mesh", number));
 	}
-	if (!code) {
-		snprintf(name, sizeof name, "tiles/%.50s.gltf", c->stem);
-		code = document_end(x, &d, NULL, c->unlit ? json_pack("[s]", "KHR_materials_unlit")
-			: json_array(), name);
-	}
+	snprintf(name, sizeof name, "tiles/%.50s.gltf", c->stem);
+	document_end(x, &d, NULL, c->unlit ? json_pack("[s]", "KHR_materials_unlit") : json_array(), name);
 	export_mesh_free(&mesh);
 	eco_writer_free(&file);
-	return code;
 }
 
 /* The first points stand for all. */
-enum eco_code export_summary(struct export *x, uint32_t tile, char name[EXPORT_NAME], double *error_m)
+void export_summary(struct export *x, uint32_t tile, char name[EXPORT_NAME], double *error_m)
 {
 	const struct eco_scene *s = &x->pack->scene;
 	const struct eco_list *list = &s->lists[s->tiles[tile].summary];
@@ -479,9 +461,7 @@ enum eco_code export_summary(struct export *x, uint32_t tile, char name[EXPORT_N
 	struct lod_bake bake = { .position = NULL };
 	double middle[3];
 	char stem[EXPORT_NAME];
-	enum eco_code code = eco_pack_points(x->pack, s->tiles[tile].summary, &points, x->error);
-	if (code)
-		return code;
+	eco_check(eco_pack_points(x->pack, s->tiles[tile].summary, &points, x->error));
 	uint32_t count = points.primitive_count < SUMMARY_POINTS ? points.primitive_count : SUMMARY_POINTS;
 	float scale = count ? (float)points.primitive_count / (float)count : 1;
 	if (!lod_geometry_make(&geometry, list, count, false))
@@ -490,28 +470,16 @@ enum eco_code export_summary(struct export *x, uint32_t tile, char name[EXPORT_N
 	lod_list_geometry(list, &points, 0, count, scale, &geometry);
 	for (size_t i = 0; i < (size_t)count * 3; i++)
 		geometry.position[i] = (float)((double)geometry.position[i] - middle[i % 3]);
-	code = lod_bake_make(&bake, &(struct lod_bake_input){ list, s->palette + list->palette_first,
-		&geometry, NULL, count, list->unit_area * scale }, x->error);
+	eco_check(lod_bake_make(&bake, &(struct lod_bake_input){ list, s->palette + list->palette_first, &geometry, NULL,
+		count, list->unit_area * scale }, x->error));
 	*error_m = SUMMARY_WIDTHS * 2 * sqrt((double)list->unit_area * (double)scale / M_PI);
 	snprintf(stem, sizeof stem, "%u-s", tile);
-	if (!code)
-		code = write_baked(x, &bake, &(struct content){ .middle = middle, .stem = stem, .unlit = true,
-			.precision_m = *error_m / SUMMARY_STEPS });
+	write_baked(x, &bake, &(struct content){ .middle = middle, .stem = stem, .unlit = true,
+		.precision_m = *error_m / SUMMARY_STEPS });
 	snprintf(name, EXPORT_NAME, "tiles/%.50s.gltf", stem);
 	lod_bake_free(&bake);
 	lod_geometry_free(&geometry);
 	eco_elements_free(&points);
-	return code;
-}
-
-static enum eco_code decode_ground(struct export *x, const struct eco_list *list,
-	struct eco_elements *samples)
-{
-	const uint8_t *bytes;
-	size_t size;
-	enum eco_code code = eco_pack_payload(x->pack, list->chunk_first, &bytes, &size, x->error);
-	return code ? code : eco_chunk_decode(list, &x->pack->scene.chunks[list->chunk_first], 0, bytes, size,
-		samples, x->error);
 }
 
 const uint8_t export_grass[3] = { 94, 97, 58 };
@@ -537,21 +505,20 @@ static double inside(int32_t place, uint32_t samples, uint32_t margin)
 }
 
 /* The image and where it lies on the tile, whose positions count from its middle. */
-static enum eco_code lay_image(struct export *x, struct lod_bake *bake, const double low[3],
-	const double high[3], bool is_leaf, const char *texture, bool *is_there)
+static bool lay_image(struct export *x, struct lod_bake *bake, const double low[3], const double high[3],
+	bool is_leaf, const char *texture)
 {
 	char name[2 * EXPORT_NAME];
 	snprintf(name, sizeof name, "tiles/%s", texture);
-	enum eco_code code = export_ground_image(x, low, high, is_leaf, name, is_there);
-	for (uint32_t i = 0; i < bake->vertex_count && *is_there && !code; i++) {
+	bool is_there = export_ground_image(x, low, high, is_leaf, name);
+	for (uint32_t i = 0; i < bake->vertex_count && is_there; i++) {
 		bake->uv[2 * i] = 0.5f + bake->position[3 * i] / (float)(high[0] - low[0]);
 		bake->uv[2 * i + 1] = 0.5f - bake->position[3 * i + 1] / (float)(high[1] - low[1]);
 	}
-	return code;
+	return is_there;
 }
 
-enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], double low[3],
-	double high[3])
+void export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], double low[3], double high[3])
 {
 	const struct eco_scene *s = &x->pack->scene;
 	const struct eco_list *list = &s->lists[s->ground[ground].list];
@@ -561,17 +528,18 @@ enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_
 	char stem[EXPORT_NAME];
 	eco_ground_spans(&spans[0], &spans[1], &s->ground[ground], s->ground_columns, s->ground_rows);
 	uint32_t columns = spans[0].inner, rows = spans[1].inner;
-	enum eco_code code = decode_ground(x, list, &samples);
-	if (!code && samples.element_count != spans[0].count * spans[1].count)
-		code = eco_fail(x->error, ECO_DAMAGED, "ground tile %u has not as many samples as it should",
-			ground);
-	if (!code)
-		code = lod_bake_room(&bake, (size_t)columns * rows, (size_t)(columns - 1) * (rows - 1) * 6,
-			s->ground_image_count > 0, x->error);
+	const uint8_t *bytes;
+	size_t size;
+	eco_check(eco_pack_payload(x->pack, list->chunk_first, &bytes, &size, x->error));
+	eco_check(eco_chunk_decode(list, &s->chunks[list->chunk_first], 0, bytes, size, &samples, x->error));
+	if (samples.element_count != spans[0].count * spans[1].count)
+		eco_stop(ECO_DAMAGED, "ground tile %u has not as many samples as it should", ground);
+	eco_check(lod_bake_room(&bake, (size_t)columns * rows, (size_t)(columns - 1) * (rows - 1) * 6,
+		s->ground_image_count > 0, x->error));
 	for (int k = 0; k < 3; k++)
 		low[k] = INFINITY, high[k] = -INFINITY;
 	/* the first pass finds the middle */
-	for (int pass = 0; pass < 2 && !code; pass++)
+	for (int pass = 0; pass < 2; pass++)
 		for (uint32_t i = 0; i < columns * rows; i++) {
 			size_t at = (size_t)(i / columns + spans[1].before) * spans[0].count + i % columns
 				+ spans[0].before;
@@ -584,22 +552,19 @@ enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_
 				bake.position[3 * i + (uint32_t)k] = (float)(p - (low[k] + high[k]) / 2);
 			}
 		}
-	bool is_outside = !code && (low[0] == high[0] || low[1] == high[1]);
+	bool is_outside = low[0] == high[0] || low[1] == high[1];
 	snprintf(stem, sizeof stem, "ground-%u", ground);
-	if (!code && !is_outside) {
+	if (!is_outside) {
 		const double middle[3] = { (low[0] + high[0]) / 2, (low[1] + high[1]) / 2,
 			(low[2] + high[2]) / 2 };
 		char texture[EXPORT_NAME];
-		bool has_image = false;
 		snprintf(texture, sizeof texture, "%.50s.png", stem);
-		code = lay_image(x, &bake, low, high, !s->ground[ground].child_count, texture, &has_image);
+		bool has_image = lay_image(x, &bake, low, high, !s->ground[ground].child_count, texture);
 		fill_ground(&bake, columns, rows, has_image);
-		if (!code)
-			code = write_baked(x, &bake, &(struct content){ .middle = middle, .stem = stem,
-				.texture = has_image ? texture : NULL });
+		write_baked(x, &bake, &(struct content){ .middle = middle, .stem = stem,
+			.texture = has_image ? texture : NULL });
 	}
 	snprintf(name, EXPORT_NAME, is_outside ? "" : "tiles/%.50s.gltf", stem);
 	lod_bake_free(&bake);
 	eco_elements_free(&samples);
-	return code;
 }

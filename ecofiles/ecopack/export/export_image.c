@@ -6,6 +6,7 @@
 
 #include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/export/export.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/texture.h"
@@ -58,7 +59,7 @@ static void lay(const struct eco_texture_part *part, size_t from, uint8_t *to)
 }
 
 /* Texels of the level that is about as wide, under the middles of the painting's. */
-static enum eco_code paint_level(struct painting *p, const struct eco_list *list)
+static void paint_level(struct painting *p, const struct eco_list *list)
 {
 	struct eco_texture_part part = { .texels = NULL };
 	const uint8_t *bytes;
@@ -67,11 +68,9 @@ static enum eco_code paint_level(struct painting *p, const struct eco_list *list
 	while (levels < ECO_GROUND_IMAGE_LEVELS && eco_ground_image_texel_m(list, levels) > SAME * p->texel_m)
 		levels++;
 	double texel_m = eco_ground_image_texel_m(list, levels);
-	enum eco_code code = eco_pack_payload(p->x->pack, list->chunk_first + levels - 1, &bytes, &size,
-		p->x->error);
-	if (!code)
-		code = eco_texture_read_ground(&part, bytes, size, p->x->error);
-	for (uint32_t y = 0; y < p->height && !code; y++) {
+	eco_check(eco_pack_payload(p->x->pack, list->chunk_first + levels - 1, &bytes, &size, p->x->error));
+	eco_check(eco_texture_read_ground(&part, bytes, size, p->x->error));
+	for (uint32_t y = 0; y < p->height; y++) {
 		double north = p->high[1] - (y + 0.5) * (p->high[1] - p->low[1]) / p->height,
 			row = part.height - (north - list->grid_origin[1]) / texel_m;
 		for (uint32_t x = 0; x < p->width && row >= 0 && row < part.height; x++) {
@@ -83,21 +82,17 @@ static enum eco_code paint_level(struct painting *p, const struct eco_list *list
 		}
 	}
 	eco_texture_part_free(&part);
-	return code;
 }
 
-static enum eco_code paint(struct painting *p, uint32_t tile)
+static void paint(struct painting *p, uint32_t tile)
 {
 	const struct eco_list *list = list_of(p, tile);
 	uint32_t child = p->x->pack->scene.ground_images[tile].child_first;
-	enum eco_code code = ECO_OK;
-	if (!touches(p, list))
-		return ECO_OK;
-	if (!child || list->grid_step[0] <= SAME * p->texel_m)
-		return paint_level(p, list);
-	for (uint32_t q = 0; q < 4 && !code; q++)
-		code = paint(p, child + q);
-	return code;
+	bool is_fine = !child || list->grid_step[0] <= SAME * p->texel_m;
+	if (touches(p, list) && is_fine)
+		paint_level(p, list);
+	for (uint32_t q = 0; q < 4 && !is_fine && touches(p, list); q++)
+		paint(p, child + q);
 }
 
 static uint32_t texels(double extent_m, double texel_m, uint32_t most)
@@ -105,15 +100,13 @@ static uint32_t texels(double extent_m, double texel_m, uint32_t most)
 	return (uint32_t)fmin(fmax(ceil(extent_m / texel_m), 1), most);
 }
 
-enum eco_code export_ground_image(struct export *x, const double low[3], const double high[3], bool is_leaf,
-	const char *name, bool *is_there)
+bool export_ground_image(struct export *x, const double low[3], const double high[3], bool is_leaf, const char *name)
 {
 	struct painting p = { .x = x, .low = low, .high = high };
 	uint32_t most = is_leaf ? SIDE_LEAF : SIDE_COARSE;
 	double finest = x->pack->scene.ground_image_count ? finest_m(&p, 0) : INFINITY;
-	*is_there = finest < INFINITY;
-	if (!*is_there)
-		return ECO_OK;
+	if (finest == INFINITY)
+		return false;
 	p.texel_m = fmax(finest, fmax(high[0] - low[0], high[1] - low[1]) / most);
 	p.width = texels(high[0] - low[0], p.texel_m, most);
 	p.height = texels(high[1] - low[1], p.texel_m, most);
@@ -123,12 +116,10 @@ enum eco_code export_ground_image(struct export *x, const double low[3], const d
 	struct eco_pixels pixels = { p.width, p.height, 3, p.rgb };
 	uint8_t *png = NULL;
 	size_t size = 0;
-	enum eco_code code = paint(&p, 0);
-	if (!code)
-		code = eco_png_encode(&pixels, &png, &size, x->error);
-	if (!code)
-		code = export_file(x, name, png, size);
+	paint(&p, 0);
+	eco_check(eco_png_encode(&pixels, &png, &size, x->error));
+	export_file(x, name, png, size);
 	free(png);
 	free(p.rgb);
-	return code;
+	return true;
 }

@@ -6,6 +6,7 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/ecopack/export/export.h"
 #include "ecofiles/ecopack/export/plant_view.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/format/image.h"
 
 #define PIXELS 96u               /* a side of the picture that a level is scored in */
@@ -91,31 +92,27 @@ void export_mesh_free(struct export_mesh *mesh)
 
 /* ---- Plants ---- */
 
-static enum eco_code bake(struct export *x, struct export_mesh *mesh, struct eco_writer *file,
+static void bake(struct export *x, struct export_mesh *mesh, struct eco_writer *file,
 	const struct plant_view_drawing *drawing)
 {
 	struct lod_bake *bakes = eco_alloc(drawing->count, sizeof *bakes);
 	uint32_t *images = eco_alloc(drawing->count, sizeof *images);
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < drawing->count && !code; i++) {
+	for (uint32_t i = 0; i < drawing->count; i++) {
 		const struct plant_view_batch *b = &drawing->batches[i];
 		images[i] = b->geometry.uv ? b->list->image : ECO_NONE;
-		code = lod_bake_make(&bakes[i], &(struct lod_bake_input){ b->list->list, b->list->palette,
-			&b->geometry, b->impostor, b->count, b->area }, x->error);
+		eco_check(lod_bake_make(&bakes[i], &(struct lod_bake_input){ b->list->list, b->list->palette,
+			&b->geometry, b->impostor, b->count, b->area }, x->error));
 	}
-	if (!code)
-		export_mesh_make(x, mesh, file, bakes, images, drawing->count);
+	export_mesh_make(x, mesh, file, bakes, images, drawing->count);
 	for (uint32_t i = 0; i < drawing->count; i++)
 		lod_bake_free(&bakes[i]);
 	free(bakes);
 	free(images);
-	return code;
 }
 
-static enum eco_code write_images(struct export *x, const struct plant_view *plant)
+static void write_images(struct export *x, const struct plant_view *plant)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < plant->list_count && !code; i++) {
+	for (uint32_t i = 0; i < plant->list_count; i++) {
 		const struct eco_image *image = &plant->lists[i].picture;
 		struct eco_pixels pixels = { image->width, image->height, 4, image->rgba };
 		char name[EXPORT_NAME];
@@ -124,12 +121,10 @@ static enum eco_code write_images(struct export *x, const struct plant_view *pla
 		if (!image->rgba)
 			continue;
 		snprintf(name, sizeof name, "plants/image-%u.png", i);
-		code = eco_png_encode(&pixels, &png, &size, x->error);
-		if (!code)
-			code = export_file(x, name, png, size);
+		eco_check(eco_png_encode(&pixels, &png, &size, x->error));
+		export_file(x, name, png, size);
 		free(png);
 	}
-	return code;
 }
 
 /* How far a drawing is from full detail. */
@@ -140,42 +135,33 @@ static double error_of(struct plant_view *plant, const struct plant_view_drawing
 	return fmin(fmax(1 - plant_view_q(plant, drawing), 0), 1) * (double)whole->radius;
 }
 
-static enum eco_code write_level(struct export *x, struct plant_view *plant, uint64_t vertices)
+static void write_level(struct export *x, struct plant_view *plant, uint64_t vertices)
 {
 	struct export_plant *to = &x->plants[plant->number];
 	struct export_mesh *mesh = &to->level[to->levels];
 	struct plant_view_drawing drawing;
 	struct eco_writer file = { 0 };
 	char name[EXPORT_NAME];
-	enum eco_code code = plant_view_drawing_make(&drawing, plant, vertices, x->error);
-	if (code)
-		return code;
-	code = bake(x, mesh, &file, &drawing);
+	eco_check(plant_view_drawing_make(&drawing, plant, vertices, x->error));
+	bake(x, mesh, &file, &drawing);
 	snprintf(name, sizeof name, "plants/%u-%u.bin", plant->number, to->levels);
-	if (!code)
-		code = export_file(x, name, file.bytes, file.size);
+	export_file(x, name, file.bytes, file.size);
 	double *error_m = &to->error_m[to->levels];
-	*error_m = 0;
-	if (!code && vertices < plant->full)
-		*error_m = error_of(plant, &drawing);
+	*error_m = vertices < plant->full ? error_of(plant, &drawing) : 0;
 	if (to->levels)
 		*error_m = fmin(*error_m, error_m[-1]);
 	to->levels++;
 	plant_view_drawing_free(&drawing);
 	eco_writer_free(&file);
-	return code;
 }
 
-enum eco_code export_plant(struct export *x, uint32_t number)
+void export_plant(struct export *x, uint32_t number)
 {
 	struct plant_view plant;
-	enum eco_code code = plant_view_open(&plant, x->pack, number, PIXELS, x->error);
-	if (code)
-		return code;
-	code = write_images(x, &plant);
-	for (uint32_t i = 0; i < EXPORT_LEVELS && !code; i++)
+	eco_check(plant_view_open(&plant, x->pack, number, PIXELS, x->error));
+	write_images(x, &plant);
+	for (uint32_t i = 0; i < EXPORT_LEVELS; i++)
 		if (wanted[i] == UINT64_MAX || wanted[i] * 2 <= plant.full)
-			code = write_level(x, &plant, wanted[i] < plant.full ? wanted[i] : ECO_VERTICES_MAX);
+			write_level(x, &plant, wanted[i] < plant.full ? wanted[i] : ECO_VERTICES_MAX);
 	plant_view_close(&plant);
-	return code;
 }

@@ -95,174 +95,149 @@ static double error_of(const json_t *tile)
 /* ---- Plants ---- */
 
 /* The plants of a tile: each level replaces the one before it. */
-static enum eco_code add_plants(struct tree *t, uint32_t id, json_t *parent)
+static void add_plants(struct tree *t, uint32_t id, json_t *parent)
 {
 	const struct eco_tile *tile = &t->x->pack->scene.tiles[id];
 	uint32_t levels = 1;
-	enum eco_code code = export_instances(t->x, id);
+	export_instances(t->x, id);
 	for (uint32_t g = 0; g < tile->group_count; g++) {
 		uint32_t own = t->x->plants[t->x->pack->scene.groups[tile->group_first + g].plant].levels;
 		levels = own > levels ? own : levels;
 	}
-	for (uint32_t level = 0; level < levels && !code; level++) {
+	for (uint32_t level = 0; level < levels; level++) {
 		char name[EXPORT_NAME];
 		double error_m;
-		code = export_level(t->x, id, level, name, &error_m);
-		if (code)
-			break;
+		export_level(t->x, id, level, name, &error_m);
 		t->x->tiles++;
 		json_t *child = tile_of(box_of(tile->low, tile->high), error_m, name);
 		add_child(parent, child);
 		parent = child;
 	}
-	return code;
 }
 
-static enum eco_code add_tile(struct tree *t, uint32_t id, uint32_t depth, json_t **out);
+static double diagonal_of(const struct eco_tile *tile)
+{
+	double size = 0;
+	for (int k = 0; k < 3; k++)
+		size += (tile->high[k] - tile->low[k]) * (tile->high[k] - tile->low[k]);
+	return sqrt(size);
+}
 
 static void add_nested(struct tree *t, const struct eco_child *child, json_t *parent)
 {
 	const struct eco_tile *tile = &t->x->pack->scene.tiles[child->tile];
 	char name[EXPORT_NAME];
-	double size = 0;
-	for (int k = 0; k < 3; k++)
-		size += (tile->high[k] - tile->low[k]) * (tile->high[k] - tile->low[k]);
 	snprintf(name, sizeof name, "tileset-%u.json", child->tile);
-	json_t *placed = tile_of(box_of(tile->low, tile->high), sqrt(size), name);
+	json_t *placed = tile_of(box_of(tile->low, tile->high), diagonal_of(tile), name);
 	json_object_set_new(placed, "transform", transform_of(child));
 	add_child(parent, placed);
 	t->nested[child->tile] = 1;
 }
 
 /* No tile is better than its children. */
-static enum eco_code add_tile(struct tree *t, uint32_t id, uint32_t depth, json_t **out)
+static json_t *add_tile(struct tree *t, uint32_t id, uint32_t depth)
 {
 	const struct eco_scene *s = &t->x->pack->scene;
 	const struct eco_tile *tile = &s->tiles[id];
 	char name[EXPORT_NAME];
 	double error_m = 0;
 	bool summary = tile->summary != ECO_NONE;
-	*out = NULL;
 	if (depth > DEPTH_MAX)
-		return eco_fail(t->x->error, ECO_TOO_LARGE, "tiles lie in more than %u others", DEPTH_MAX);
+		eco_stop(ECO_TOO_LARGE, "tiles lie in more than %u others", DEPTH_MAX);
 	main_progress("writing tiles", NULL, (double)id / s->tile_count);
-	enum eco_code code = summary ? export_summary(t->x, id, name, &error_m) : ECO_OK;
-	if (code)
-		return code;
+	if (summary)
+		export_summary(t->x, id, name, &error_m);
 	t->x->tiles++;
-	*out = tile_of(box_of(tile->low, tile->high), error_m, summary ? name : NULL);
+	json_t *out = tile_of(box_of(tile->low, tile->high), error_m, summary ? name : NULL);
 	if (tile->group_count)
-		code = add_plants(t, id, *out);
-	for (uint32_t i = tile->child_first; i < tile->child_first + tile->child_count && !code; i++) {
-		json_t *child = NULL;
-		if (s->children[i].placed) {
-			add_nested(t, &s->children[i], *out);
-			continue;
-		}
-		code = add_tile(t, s->children[i].tile, depth + 1, &child);
-		if (child)
-			add_child(*out, child);
-	}
+		add_plants(t, id, out);
+	for (uint32_t i = tile->child_first; i < tile->child_first + tile->child_count; i++)
+		if (s->children[i].placed)
+			add_nested(t, &s->children[i], out);
+		else
+			add_child(out, add_tile(t, s->children[i].tile, depth + 1));
 	const json_t *child;
 	size_t i;
-	json_array_foreach(json_object_get(*out, "children"), i, child)
+	json_array_foreach(json_object_get(out, "children"), i, child)
 		error_m = fmax(error_m, error_of(child));
-	json_object_set_new(*out, "geometricError", json_real(error_m));
-	return code;
+	json_object_set_new(out, "geometricError", json_real(error_m));
+	return out;
 }
 
 /* ---- Ground ---- */
 
-/* Contents are boxes of their own samples: a parent's holds its children's, too. Nothing is made of a tile
- * beyond the rasters, nor of those below it. */
-static enum eco_code add_ground(struct tree *t, uint32_t id, double low[3], double high[3], json_t **out)
+static void widen(double low[3], double high[3], const double other_low[3], const double other_high[3])
+{
+	for (int k = 0; k < 3; k++) {
+		low[k] = fmin(low[k], other_low[k]);
+		high[k] = fmax(high[k], other_high[k]);
+	}
+}
+
+/* Contents are boxes of their own samples: a parent's holds its children's, too. NULL: the tile lies beyond the
+ * rasters, as do those below it. */
+static json_t *add_ground(struct tree *t, uint32_t id, double low[3], double high[3])
 {
 	const struct eco_ground_tile *ground = &t->x->pack->scene.ground[id];
 	char name[EXPORT_NAME];
 	json_t *children = json_array();
-	enum eco_code code = export_ground(t->x, id, name, low, high);
-	bool is_there = !code && *name;
-	*out = NULL;
-	for (uint32_t i = 0; i < ground->child_count && is_there && !code; i++) {
+	export_ground(t->x, id, name, low, high);
+	for (uint32_t i = 0; i < ground->child_count && *name; i++) {
 		double below[2][3];
-		json_t *child = NULL;
-		code = add_ground(t, ground->child_first + i, below[0], below[1], &child);
-		if (child)
-			json_array_append_new(children, child);
-		for (int k = 0; k < 3 && child; k++) {
-			low[k] = fmin(low[k], below[0][k]);
-			high[k] = fmax(high[k], below[1][k]);
-		}
+		json_t *child = add_ground(t, ground->child_first + i, below[0], below[1]);
+		if (!child)
+			continue;
+		json_array_append_new(children, child);
+		widen(low, high, below[0], below[1]);
 	}
-	if (!code && is_there) {
-		double error_m = json_array_size(children) ? GROUND_ERROR * (double)ground->error_m : 0;
-		*out = tile_of(box_of(low, high), error_m,
-			name);
-		t->x->tiles++;
-		if (json_array_size(children))
-			json_object_set(*out, "children", children);
-	}
+	double error_m = json_array_size(children) ? GROUND_ERROR * (double)ground->error_m : 0;
+	json_t *out = *name ? tile_of(box_of(low, high), error_m, name) : NULL;
+	t->x->tiles += *name != 0;
+	if (json_array_size(children))
+		json_object_set(out, "children", children);
 	json_decref(children);
-	return code;
+	return out;
 }
 
 /* ---- Tilesets ---- */
 
 /* Plants and ground below one root. */
-static enum eco_code with_ground(struct tree *t, const struct eco_tile *plants, json_t **root)
+static json_t *with_ground(struct tree *t, const struct eco_tile *plants, json_t *root)
 {
 	double low[3], high[3];
-	json_t *ground;
-	enum eco_code code = add_ground(t, 0, low, high, &ground);
-	if (code)
-		return code;
-	for (int k = 0; k < 3; k++) {
-		low[k] = fmin(low[k], plants->low[k]);
-		high[k] = fmax(high[k], plants->high[k]);
-	}
+	json_t *ground = add_ground(t, 0, low, high);
+	widen(low, high, plants->low, plants->high);
 	json_t *both = tile_of(box_of(low, high), NO_CONTENT_ERROR, NULL);
-	add_child(both, *root);
+	add_child(both, root);
 	add_child(both, ground);
-	*root = both;
-	return ECO_OK;
+	return both;
 }
 
-static enum eco_code write_tileset(struct tree *t, uint32_t id, const char *name)
+static void write_tileset(struct tree *t, uint32_t id, const char *name)
 {
 	const struct eco_scene *s = &t->x->pack->scene;
 	const struct eco_tile *tile = &s->tiles[id];
 	bool outer = id == s->root;
-	double size = 0;
-	json_t *root = NULL, *place = outer ? place_of(t->x) : NULL;
-	enum eco_code code = add_tile(t, id, 0, &root);
-	if (!code && outer && s->ground_count)
-		code = with_ground(t, tile, &root);
-	if (code) {
-		json_decref(root);
-		json_decref(place);
-		return code;
-	}
+	json_t *root = add_tile(t, id, 0), *place = outer ? place_of(t->x) : NULL;
+	if (outer && s->ground_count)
+		root = with_ground(t, tile, root);
 	if (place)
 		json_object_set_new(root, "transform", place);
-	for (int k = 0; k < 3; k++)
-		size += (tile->high[k] - tile->low[k]) * (tile->high[k] - tile->low[k]);
-	return export_json(t->x, name, json_pack("{s:{s:s, s:s}, s:f, s:o}", "asset", "version", "1.1",
-		"generator",
-		"ecopack " ECO_VERSION, "geometricError", fmax(sqrt(size), error_of(root)), "root", root));
+	export_json(t->x, name, json_pack("{s:{s:s, s:s}, s:f, s:o}", "asset", "version", "1.1", "generator",
+		"ecopack " ECO_VERSION, "geometricError", fmax(diagonal_of(tile), error_of(root)), "root", root));
 }
 
 /* Nested files have greater numbers than what nests them. */
-enum eco_code export_tilesets(struct export *x)
+void export_tilesets(struct export *x)
 {
 	const struct eco_scene *s = &x->pack->scene;
 	struct tree t = { x, eco_alloc(s->tile_count, 1) };
-	enum eco_code code = write_tileset(&t, s->root, "tileset.json");
-	for (uint32_t i = 0; i < s->tile_count && !code; i++) {
+	write_tileset(&t, s->root, "tileset.json");
+	for (uint32_t i = 0; i < s->tile_count; i++) {
 		char name[EXPORT_NAME];
 		snprintf(name, sizeof name, "tileset-%u.json", i);
 		if (t.nested[i])
-			code = write_tileset(&t, i, name);
+			write_tileset(&t, i, name);
 	}
 	free(t.nested);
-	return code;
 }

@@ -84,35 +84,33 @@ static void start_free(struct start *s)
 
 /* ---- The folder ---- */
 
-static enum eco_code make_folder(const struct start_options *o, bool *made, struct eco_error *error)
+static void make_folder(const struct start_options *o, bool *made, struct eco_error *error)
 {
 	static const char *const names[] = { "scene.json", "map.png", "camera.json" };
 	struct stat status;
 	char path[4096];
 	*made = mkdir(o->folder, 0777) == 0;
 	if (!*made && errno != EEXIST)
-		return eco_fail_write(error, o->folder, errno);
+		eco_check(eco_fail_write(error, o->folder, errno));
 	if (!*made && stat(o->folder, &status) == 0 && !S_ISDIR(status.st_mode))
-		return eco_fail(error, ECO_BAD_INPUT, "-o %.300s is there and is no folder; it is kept. Take "
-			"another name", o->folder);
+		eco_stop(ECO_BAD_INPUT, "-o %.300s is there and is no folder; it is kept. Take another name", o->folder);
 	for (size_t i = 0; i < 3 && !o->force; i++) {
 		snprintf(path, sizeof path, "%.4000s/%s", o->folder, names[i]);
 		if (access(path, F_OK) == 0)
-			return eco_fail(error, ECO_BAD_INPUT, "%.300s is there already; --force replaces "
-				"it, and what was written into it by hand is lost", path);
+			eco_stop(ECO_BAD_INPUT, "%.300s is there already; --force replaces it, and what was written into it by "
+				"hand is lost", path);
 	}
-	return ECO_OK;
 }
 
 /* ---- The command ---- */
 
 static struct { struct eco_inputs inputs; struct start_options options; char folder[4096]; } given;
 
-static enum eco_code read_options(struct start_options *o, struct eco_error *error)
+static void read_options(struct start_options *o)
 {
 	*o = given.options;
 	if (given.inputs.count < 2)
-		return eco_fail(error, ECO_BAD_USAGE, "a table of trees and a folder of models are needed");
+		eco_stop(ECO_BAD_USAGE, "a table of trees and a folder of models are needed");
 	o->table = given.inputs.names[0];
 	o->models = given.inputs.names[1];
 	o->rasters = given.inputs.names + 2;
@@ -120,17 +118,15 @@ static enum eco_code read_options(struct start_options *o, struct eco_error *err
 	size_t bytes = strlen(o->folder);
 	while (bytes > 1 && o->folder[bytes - 1] == '/')
 		bytes--;
-	if (snprintf(given.folder, sizeof given.folder, "%.*s", (int)bytes, o->folder) >=
-		(int)sizeof given.folder)
-		return eco_fail(error, ECO_BAD_USAGE, "-o %.60s...: the path is too long", o->folder);
+	if (snprintf(given.folder, sizeof given.folder, "%.*s", (int)bytes, o->folder) >= (int)sizeof given.folder)
+		eco_stop(ECO_BAD_USAGE, "-o %.60s...: the path is too long", o->folder);
 	o->folder = given.folder;
 	if (o->separator && strcmp(o->separator, "tab") == 0)
 		o->separator = "\t";
 	if (o->separator && (strlen(o->separator) != 1 || !strchr(",;\t|", o->separator[0])))
-		return eco_fail(error, ECO_BAD_USAGE, "--separator is one of , ; | tab");
+		eco_stop(ECO_BAD_USAGE, "--separator is one of , ; | tab");
 	if (o->decimal && (strlen(o->decimal) != 1 || !strchr(".,", o->decimal[0])))
-		return eco_fail(error, ECO_BAD_USAGE, "--decimal is . or ,");
-	return ECO_OK;
+		eco_stop(ECO_BAD_USAGE, "--decimal is . or ,");
 }
 
 static void print_next(const char *folder)
@@ -146,47 +142,39 @@ static void print_next(const char *folder)
 		"--vertices 1000000 -o %s/picture\n", name, folder, folder);
 }
 
-static enum eco_code run_steps(struct start *s)
+static struct start_options asked;
+static bool made;                        /* the folder */
+
+static void run_steps(void *start)
 {
-	enum eco_code code = start_rasters(s);
-	if (!code && (code = start_look(s)))
-		code = start_told_raster(s, code);
-	if (!code)
-		code = start_image_crs(s);
-	if (!code)
-		code = start_models_find(s);
-	if (!code)
-		code = start_match_species(s);
-	if (!code)
-		code = start_models_see(s);
+	struct start *s = start;
+	read_options(&asked);
+	start_check_order(given.inputs.names);
+	make_folder(&asked, &made, s->error);
+	start_rasters(s);
+	enum eco_code code = eco_try(start_look, s, s->error);
 	if (code)
-		return code;
+		start_told_raster(s, code);
+	start_image_crs(s);
+	start_models_find(s);
+	start_match_species(s);
+	start_models_see(s);
 	start_scene(s);
-	return start_write(s);
+	start_write(s);
 }
 
 static enum eco_code run_start(int argc, char **argv, struct eco_error *error)
 {
-	struct start_options options;
-	bool made = false;
+	struct start s = { .options = &asked, .error = error };
 	memset(&given, 0, sizeof given);
 	enum eco_code code = main_read(&main_command_start, argc, argv, error);
-	if (!code)
-		code = read_options(&options, error);
-	if (!code)
-		code = start_check_order(given.inputs.names, error);
-	if (!code)
-		code = make_folder(&options, &made, error);
-	if (code)
-		return code;
-	struct start s = { .options = &options, .error = error };
-	code = run_steps(&s);
+	code = code ? code : eco_try(run_steps, &s, error);
 	main_progress_end();
 	start_free(&s);
 	if (code && made)
-		rmdir(options.folder);
+		rmdir(asked.folder);
 	if (!code && !main_is_quiet)
-		print_next(options.folder);
+		print_next(asked.folder);
 	return code;
 }
 

@@ -18,6 +18,7 @@
 #include <stdint.h>
 
 #include "ecofiles/ecopack/map.h"
+#include "ecofiles/ecopack/run.h"
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/place_guess.h"
 #include "ecofiles/import/places/size_units.h"
@@ -77,20 +78,22 @@ struct start {
 	char *scene;                         /* the text */
 };
 
+/* These fail by eco_stop (memory.h). */
+
 /* The arguments without options, two or more. ECO_BAD_INPUT: the first two are not a table and models. */
-enum eco_code start_check_order(char **names, struct eco_error *error);
+void start_check_order(char **names);
 #define START_FORMATS ".glb, .gltf, .obj, .fbx, .dae, .ply, .3ds, .3mf or .stl"
 bool start_is_model(const char *path); /* by its ending */
-enum eco_code start_rasters(struct start *s);
-/* `code` says why the table was not read; says so where it is a raster. */
-enum eco_code start_told_raster(struct start *s, enum eco_code code);
-enum eco_code start_image_crs(struct start *s);      /* once the place is known */
-enum eco_code start_look(struct start *s);
-enum eco_code start_models_find(struct start *s);
-enum eco_code start_match_species(struct start *s);
-enum eco_code start_models_see(struct start *s);
+void start_rasters(struct start *s);
+/* Fails with `code`, which says why the table was not read, or says that it is a raster. */
+_Noreturn void start_told_raster(struct start *s, enum eco_code code);
+void start_image_crs(struct start *s);       /* once the place is known */
+void start_look(void *start);
+void start_models_find(struct start *s);
+void start_match_species(struct start *s);
+void start_models_see(struct start *s);
 void start_scene(struct start *s);
-enum eco_code start_write(struct start *s);
+void start_write(struct start *s);
 
 /* Keeps a guess and prints it. `change`: the option or the field that changes it; "" if nothing does. */
 void start_guess(struct start *s, const char *what, const char *took, const char *change,

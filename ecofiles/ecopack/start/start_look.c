@@ -11,24 +11,21 @@
 
 /* ---- Columns ---- */
 
-static enum eco_code find_named(struct start *s, enum eco_role role, const char *name, const char *option)
+static void find_named(struct start *s, enum eco_role role, const char *name, const char *option)
 {
 	char there[250] = "";
-	if (!name)
-		return ECO_OK;
 	for (uint32_t i = 0; i < s->table.column_count; i++) {
 		if (strcmp(s->table.columns[i], name) == 0) {
 			s->columns.of[role] = i;
-			return ECO_OK;
+			return;
 		}
 		eco_phrase_add(there, sizeof there, s->table.columns[i]);
 	}
-	return eco_fail(s->error, ECO_BAD_INPUT, "%s %.60s: %.120s has no such column; there are: "
-		"%s", option, name,
-		s->options->table, there);
+	eco_stop(ECO_BAD_INPUT, "%s %.60s: %.120s has no such column; there are: %s", option, name, s->options->table,
+		there);
 }
 
-static enum eco_code find_columns(struct start *s)
+static void find_columns(struct start *s)
 {
 	const struct start_options *o = s->options;
 	const struct { enum eco_role role; const char *name, *option; } given[] = { { ECO_ROLE_X, o->x, "--x" },
@@ -37,18 +34,14 @@ static enum eco_code find_columns(struct start *s)
 	for (int i = 0; i < ECO_ROLE_COUNT; i++)
 		s->columns.of[i] = ECO_NONE;
 	s->columns.decimal = o->decimal ? o->decimal[0] : 0;
-	enum eco_code code = ECO_OK;
-	for (size_t i = 0; i < sizeof given / sizeof *given && !code; i++)
-		code = find_named(s, given[i].role, given[i].name, given[i].option);
-	if (code)
-		return code;
+	for (size_t i = 0; i < sizeof given / sizeof *given; i++)
+		if (given[i].name)
+			find_named(s, given[i].role, given[i].name, given[i].option);
 	eco_table_columns(&s->table, &s->columns);
-	if (!s->columns.thousands_open)
-		return ECO_OK;
-	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: do the commas in \"%.40s\" and \"%.40s\" part "
-		"thousands or decimals? Nothing else in it says so: give --decimal . if they part thousands, else "
-		"--decimal ,", o->table, start_column(s, s->columns.of[ECO_ROLE_X]),
-		start_column(s, s->columns.of[ECO_ROLE_Y]));
+	if (s->columns.thousands_open)
+		eco_stop(ECO_BAD_INPUT, "%.120s: do the commas in \"%.40s\" and \"%.40s\" part thousands or decimals? "
+			"Nothing else in it says so: give --decimal . if they part thousands, else --decimal ,", o->table,
+			start_column(s, s->columns.of[ECO_ROLE_X]), start_column(s, s->columns.of[ECO_ROLE_Y]));
 }
 
 static void say_column(struct start *s, enum eco_role role, const char *change, bool given)
@@ -134,12 +127,11 @@ static void measure(struct start *s, struct start_size *size, enum eco_quantity 
 		size->unit = eco_unit_guess(quantity, name, beside, &numbers);
 }
 
-static enum eco_code ask_unit(struct start *s, const struct start_size *size, const char *option)
+static void ask_unit(const struct start *s, const struct start_size *size, const char *option)
 {
-	if (size->column == ECO_NONE || size->unit.unit)
-		return ECO_OK;
-	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: in which unit is \"%.40s\"? %s; say %s (one "
-		"of " ECO_UNITS ")", s->options->table, start_column(s, size->column), size->unit.why, option);
+	if (size->column != ECO_NONE && !size->unit.unit)
+		eco_stop(ECO_BAD_INPUT, "%.120s: in which unit is \"%.40s\"? %s; say %s (one of " ECO_UNITS ")",
+			s->options->table, start_column(s, size->column), size->unit.why, option);
 }
 
 static void say_size(struct start *s, const struct start_size *size, enum eco_role role,
@@ -154,7 +146,7 @@ static void say_size(struct start *s, const struct start_size *size, enum eco_ro
 }
 
 /* Whether trunks are needed: where heights are missing. */
-static enum eco_code find_sizes(struct start *s)
+static void find_sizes(struct start *s)
 {
 	const struct start_options *o = s->options;
 	s->height.column = s->columns.of[ECO_ROLE_HEIGHT];
@@ -169,26 +161,22 @@ static enum eco_code find_sizes(struct start *s)
 			? s->height.unit.unit : NULL);
 	if (s->height.column != ECO_NONE && !s->height.unit.unit && s->trunk.column != ECO_NONE)
 		measure(s, &s->height, ECO_QUANTITY_HEIGHT, NULL, s->trunk.unit.unit);
-	enum eco_code code = ask_unit(s, &s->height, "--height-unit");
-	if (!code)
-		code = ask_unit(s, &s->trunk, "--dbh-unit");
-	if (code)
-		return code;
+	ask_unit(s, &s->height, "--height-unit");
+	ask_unit(s, &s->trunk, "--dbh-unit");
 	say_size(s, &s->height, ECO_ROLE_HEIGHT, "--height-column", "--height-unit");
 	say_size(s, &s->trunk, s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH, "--dbh-column", "--dbh-unit");
-	return ECO_OK;
 }
 
 /* ---- Places ---- */
 
-static enum eco_code find_place(struct start *s)
+static void find_place(struct start *s)
 {
 	const struct start_options *o = s->options;
 	struct eco_place_asked asked = { .table = &s->table, .source = &s->source,
 		.columns = &s->columns, .crs = o->crs,
 		.scene_crs = o->scene_crs, .axes_said = o->x || o->y,
 		.dem = s->dem.extent ? s->dem.extent : s->image.extent };
-	return eco_place_guess(&s->place, &asked, s->error);
+	eco_check(eco_place_guess(&s->place, &asked, s->error));
 }
 
 static void say_place(struct start *s)
@@ -202,7 +190,7 @@ static void say_place(struct start *s)
 	start_guess(s, "origin", took, "\"origin\" in the scene", "%s", p->origin_why);
 }
 
-static enum eco_code check_units(struct start *s)
+static void check_units(const struct start *s)
 {
 	const struct start_options *o = s->options;
 	const struct { const char *name, *unit; } given[] = { { "--height-unit", o->height_unit },
@@ -210,34 +198,26 @@ static enum eco_code check_units(struct start *s)
 	double metres;
 	for (size_t i = 0; i < 2; i++)
 		if (given[i].unit && !eco_unit_metres(given[i].unit, &metres))
-			return eco_fail(s->error, ECO_BAD_USAGE, "%s %.20s: the units "
-				"are " ECO_UNITS, given[i].name,
-				given[i].unit);
-	return ECO_OK;
+			eco_stop(ECO_BAD_USAGE, "%s %.20s: the units are " ECO_UNITS, given[i].name, given[i].unit);
 }
 
-enum eco_code start_look(struct start *s)
+void start_look(void *start)
 {
+	struct start *s = start;
 	const struct start_options *o = s->options;
 	char rows[32];
 	s->source = (struct eco_rows_source){ .path = o->table, .layer = o->layer,
 		.separator = o->separator ? o->separator[0] : 0 };
 	s->height.column = s->trunk.column = ECO_NONE;
-	enum eco_code code = check_units(s);
-	if (!code)
-		code = eco_table_read(&s->table, &s->source, s->error);
-	if (code)
-		return code;
+	check_units(s);
+	eco_check(eco_table_read(&s->table, &s->source, s->error));
 	start_say("%s: %s row%s, %u column%s\n", o->table, eco_phrase_count(s->table.rows, rows),
 		s->table.rows == 1 ? "" : "s", s->table.column_count, s->table.column_count == 1 ? "" : "s");
 	for (uint32_t i = 0; i < s->table.note_count; i++)
 		start_say("  %s\n", s->table.notes[i]);
-	code = find_columns(s);
-	if (!code)
-		code = find_place(s);
-	if (code)
-		return code;
+	find_columns(s);
+	find_place(s);
 	say_columns(s);
 	say_place(s);
-	return find_sizes(s);
+	find_sizes(s);
 }

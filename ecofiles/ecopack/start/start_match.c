@@ -201,29 +201,26 @@ static void choose_fallback(struct start *s)
 		"rows without a species get it, too");
 }
 
-static enum eco_code one_for_all(struct start *s, uint32_t model, const char *change, const char *why)
+static void one_for_all(struct start *s, uint32_t model, const char *change, const char *why)
 {
 	s->fallback = model;
 	s->models[model].rows = s->table.rows;
 	s->columns.of[ECO_ROLE_SPECIES] = ECO_NONE;
 	start_guess(s, "model", s->models[model].name, change, "%s", why);
-	return ECO_OK;
 }
 
-static enum eco_code take_plant(struct start *s)
+static void take_plant(struct start *s)
 {
 	char known[300] = "";
-	for (uint32_t i = 0; i < s->model_count; i++) {
-		if (strcmp(s->models[i].name, s->options->plant) == 0)
-			return one_for_all(s, i, "--plant", "as you say");
+	uint32_t i = 0;
+	for (; i < s->model_count && strcmp(s->models[i].name, s->options->plant) != 0; i++)
 		eco_phrase_add(known, sizeof known, s->models[i].name);
-	}
-	return eco_fail(s->error, ECO_BAD_INPUT, "--plant %.60s: no such model; there are: "
-		"%s", s->options->plant,
-		known);
+	if (i == s->model_count)
+		eco_stop(ECO_BAD_INPUT, "--plant %.60s: no such model; there are: %s", s->options->plant, known);
+	one_for_all(s, i, "--plant", "as you say");
 }
 
-static enum eco_code ask_for_species(struct start *s)
+static _Noreturn void ask_for_species(const struct start *s)
 {
 	char there[200] = "", known[120] = "";
 	for (uint32_t i = 0; i < s->table.column_count; i++)
@@ -231,25 +228,16 @@ static enum eco_code ask_for_species(struct start *s)
 	for (uint32_t i = 0; i < s->model_count; i++)
 		eco_phrase_add(known, sizeof known, s->models[i].name);
 	if (s->table.column_count == 0)
-		return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: it has no columns, so no species; give --plant "
-			"NAME for one model everywhere (%s)", s->options->table, known);
-	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: which column names the species? Give "
-		"--species-column NAME (there are: %s), or --plant NAME for one model everywhere (%s)",
-		s->options->table, there, known);
+		eco_stop(ECO_BAD_INPUT, "%.120s: it has no columns, so no species; give --plant NAME for one model "
+			"everywhere (%s)", s->options->table, known);
+	eco_stop(ECO_BAD_INPUT, "%.120s: which column names the species? Give --species-column NAME (there are: %s), or "
+		"--plant NAME for one model everywhere (%s)", s->options->table, there, known);
 }
 
-enum eco_code start_match_species(struct start *s)
+static void match_all(struct start *s)
 {
-	if (s->options->plant)
-		return take_plant(s);
-	if (s->model_count == 1 && s->columns.of[ECO_ROLE_SPECIES] == ECO_NONE)
-		return one_for_all(s, 0, "--species-column, --plant", "it is the only one");
-	if (s->columns.of[ECO_ROLE_SPECIES] == ECO_NONE)
-		return ask_for_species(s);
-	enum eco_code code = eco_table_values_read(&s->species, &s->source,
-		start_column(s, s->columns.of[ECO_ROLE_SPECIES]), s->error);
-	if (code)
-		return code;
+	eco_check(eco_table_values_read(&s->species, &s->source, start_column(s, s->columns.of[ECO_ROLE_SPECIES]),
+		s->error));
 	s->matches = eco_alloc(s->species.count, sizeof *s->matches);
 	for (uint32_t i = 0; i < s->species.count; i++) {
 		struct start_match *match = &s->matches[i];
@@ -266,5 +254,16 @@ enum eco_code start_match_species(struct start *s)
 		say_tier(s, (enum start_tier)tier);
 	say_spelling(s);
 	choose_fallback(s);
-	return ECO_OK;
+}
+
+void start_match_species(struct start *s)
+{
+	if (s->options->plant)
+		take_plant(s);
+	else if (s->columns.of[ECO_ROLE_SPECIES] != ECO_NONE)
+		match_all(s);
+	else if (s->model_count == 1)
+		one_for_all(s, 0, "--species-column, --plant", "it is the only one");
+	else
+		ask_for_species(s);
 }

@@ -46,24 +46,23 @@ struct file { char *path, *name; off_t bytes; };
 /* Names of the first `above` bytes of all paths, which lead to the folder of models, say nothing. */
 struct files { struct file *file; uint32_t count, capacity; size_t above; };
 
-static enum eco_code add_file(struct start *s, struct files *files, char *path, off_t bytes)
+static void add_file(const struct start *s, struct files *files, char *path, off_t bytes)
 {
 	eco_grow(&files->file, &files->capacity, files->count, sizeof *files->file);
 	files->file[files->count++] = (struct file){ .path = path, .bytes = bytes };
-	return files->count <= FILES_MAX ? ECO_OK : eco_fail(s->error, ECO_TOO_LARGE,
-		"%.300s: more than %u models", s->options->models, FILES_MAX);
+	if (files->count > FILES_MAX)
+		eco_stop(ECO_TOO_LARGE, "%.300s: more than %u models", s->options->models, FILES_MAX);
 }
 
-static enum eco_code walk(struct start *s, struct files *files, const char *folder, unsigned depth)
+static void walk(struct start *s, struct files *files, const char *folder, unsigned depth)
 {
 	DIR *open = opendir(folder);
-	enum eco_code code = ECO_OK;
 	if (!open && depth == 0)
-		return eco_fail(s->error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s, the folder of "
-			"models: %s%s", folder, strerror(errno), eco_advice_read(errno));
+		eco_stop(errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s, the folder of models: %s%s", folder,
+			strerror(errno), eco_advice_read(errno));
 	if (!open)
-		return eco_fail_read(s->error, folder, errno);
-	for (struct dirent *entry; !code && (entry = readdir(open));) {
+		eco_check(eco_fail_read(s->error, folder, errno));
+	for (struct dirent *entry; (entry = readdir(open));) {
 		char *path = NULL;
 		struct stat file;
 		if (entry->d_name[0] == '.')
@@ -71,15 +70,14 @@ static enum eco_code walk(struct start *s, struct files *files, const char *fold
 		path = start_text("%s/%s", folder, entry->d_name);
 		bool there = stat(path, &file) == 0;
 		if (there && S_ISREG(file.st_mode) && format_of(path) < FORMATS) {
-			code = add_file(s, files, path, file.st_size);
+			add_file(s, files, path, file.st_size);
 			continue;
 		}
 		if (there && S_ISDIR(file.st_mode) && depth < DEPTH_MAX)
-			code = walk(s, files, path, depth + 1);
+			walk(s, files, path, depth + 1);
 		free(path);
 	}
 	closedir(open);
-	return code;
 }
 
 /* ---- Names ---- */
@@ -255,31 +253,24 @@ static size_t above_of(const char *models)
 	return bytes;
 }
 
-enum eco_code start_models_find(struct start *s)
+void start_models_find(struct start *s)
 {
 	struct files files = { .above = above_of(s->options->models) };
 	struct stat folder;
-	enum eco_code code;
 	if (stat(s->options->models, &folder) == 0 && S_ISREG(folder.st_mode))
-		code = add_file(s, &files, start_text("%s", s->options->models), folder.st_size);
+		add_file(s, &files, start_text("%s", s->options->models), folder.st_size);
 	else
-		code = walk(s, &files, s->options->models, 0);
-	if (!code && files.count == 0)
-		code = eco_fail(s->error, ECO_NOT_FOUND, "%.200s: no model in it: " START_FORMATS,
-			s->options->models);
-	if (!code) {
-		name_files(&files);
-		group(s, &files);
-	}
+		walk(s, &files, s->options->models, 0);
+	if (files.count == 0)
+		eco_stop(ECO_NOT_FOUND, "%.200s: no model in it: " START_FORMATS, s->options->models);
+	name_files(&files);
+	group(s, &files);
 	for (uint32_t i = 0; i < files.count; i++) {
 		free(files.file[i].path);
 		free(files.file[i].name);
 	}
 	free(files.file);
-	if (!code)
-		start_say("%s: %u "
-			"model%s\n", s->options->models, s->model_count, s->model_count == 1 ? "" : "s");
-	return code;
+	start_say("%s: %u model%s\n", s->options->models, s->model_count, s->model_count == 1 ? "" : "s");
 }
 
 /* ---- Sizes ---- */
@@ -312,71 +303,57 @@ static void settle_height(struct start *s, struct start_model *m, const struct e
 			"millimetres by its height");
 }
 
-static enum eco_code read_model(struct start *s, struct eco_model *model,
-	const struct eco_model_options *options)
+static void read_model(const struct start *s, struct eco_model *model, char *const *path)
 {
 	struct eco_error own = { .code = ECO_OK };
-	enum eco_code code = eco_model_import(model, options, &own);
+	enum eco_code code = eco_model_import(model, &(struct eco_model_options){
+		.paths = (const char *const *)path, .path_count = 1 }, &own);
 	if (code && s->model_count == 1 && s->models[0].path_count == 1)
-		return eco_fail(s->error, code, "%.400s", own.text);
-	return !code ? code : eco_fail(s->error, code, "%.400s; or move it out of %.60s: another model will "
-		"stand for its species", own.text, s->options->models);
+		eco_stop(code, "%.400s", own.text);
+	if (code)
+		eco_stop(code, "%.400s; or move it out of %.60s: another model will stand for its species", own.text,
+			s->options->models);
 }
 
-/* Models that cannot be read are reported now, not when the scene is packed. */
-static enum eco_code see_variants(struct start *s, const struct start_model *m)
-{
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 1; i < m->path_count && !code; i++) {
-		struct eco_model model = { 0 };
-		struct eco_model_options options = { .paths = (const char *const *)&m->paths[i],
-			.path_count = 1 };
-		code = read_model(s, &model, &options);
-		eco_model_free(&model);
-	}
-	return code;
-}
-
-/* A model that its format lays down is stood up. */
-static enum eco_code see(struct start *s, struct start_model *m, struct eco_model *model)
+/* A model that its format lays down is stood up. Variants that cannot be read are reported now, not when the scene
+ * is packed. */
+static void see(struct start *s, struct start_model *m, struct eco_model *model)
 {
 	char took[100];
 	struct eco_model_options options = { .paths = (const char *const *)m->paths, .path_count = 1 };
-	enum eco_code code = read_model(s, model, &options);
-	if (!code)
-		code = see_variants(s, m);
-	if (code)
-		return code;
+	read_model(s, model, m->paths);
+	for (uint32_t i = 1; i < m->path_count; i++) {
+		struct eco_model variant = { 0 };
+		read_model(s, &variant, &m->paths[i]);
+		eco_model_free(&variant);
+	}
 	if (model->source.up_how == ECO_HOW_CONVENTION) {
 		snprintf(took, sizeof took, "in %.40s %s points up", m->name, eco_up_name(model->source.up));
 		start_guess(s, "stand of a model", took, "its \"up\" in the scene", "its file does not say "
 			"so, its shape hardly tells, and that is usual for %.40s", model->source.format);
-		return ECO_OK;
+		return;
 	}
 	if (model->source.up_by_shape == ECO_UP_FOUND)
-		return ECO_OK;
+		return;
 	m->up = options.up = model->source.up_by_shape;
 	snprintf(took, sizeof took, "in %.40s %s points up", m->name, eco_up_name(m->up));
 	start_guess(s, "stand of a model", took, "its \"up\" in the scene", "so it stands by its shape; "
 		"as its format says, with %s up, it would lie", eco_up_name(model->source.up));
 	eco_model_free(model);
-	return eco_model_import(model, &options, s->error);
+	eco_check(eco_model_import(model, &options, s->error));
 }
 
-enum eco_code start_models_see(struct start *s)
+void start_models_see(struct start *s)
 {
-	enum eco_code code = ECO_OK;
-	for (uint32_t i = 0; i < s->model_count && !code; i++) {
+	for (uint32_t i = 0; i < s->model_count; i++) {
 		struct start_model *m = &s->models[i];
 		struct eco_model model = { 0 };
 		if (m->rows == 0 && i != s->fallback)
 			continue;
 		main_progress("looking at models", m->name, (double)i / s->model_count);
-		code = see(s, m, &model);
-		if (!code)
-			settle_height(s, m, &model);
+		see(s, m, &model);
+		settle_height(s, m, &model);
 		eco_model_free(&model);
 	}
 	main_progress_end();
-	return code;
 }

@@ -179,11 +179,11 @@ static double tall_m(const struct map *m)
 }
 
 /* A camera script of one picture, malloc'ed. */
-static enum eco_code start_camera(const struct map *map, char **text, struct eco_error *error)
+static char *start_camera(const struct map *map)
 {
 	double middle[2] = { 0, 0 }, reach = 0, tall = tall_m(map);
 	if (map->points.count == 0)
-		return eco_fail(error, ECO_BAD_INPUT, "no plant is left to look at");
+		eco_stop(ECO_BAD_INPUT, "no plant is left to look at");
 	find_crowd(map, middle);
 	find_middle(map, middle, &reach);
 	double away = fmin(fmax(reach + 2 * tall, 3 * tall), FAR_M - 1);
@@ -194,57 +194,38 @@ static enum eco_code start_camera(const struct map *map, char **text, struct eco
 		eye[1] = middle[1] - away;
 		eye[2] = fmax(target[2] + away / 4, least_height(map, eye, target));
 	}
-	*text = start_text("{\"fps\": 1, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [%.2f, %.2f, %.2f], "
-		"\"target\": [%.2f, %.2f, %.2f], \"fov_y_deg\": "
-			"%g}]}\n", eye[0], eye[1], eye[2], target[0], target[1],
-			target[2], FIELD_DEG);
-	return ECO_OK;
+	return start_text("{\"fps\": 1, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [%.2f, %.2f, %.2f], \"target\": [%.2f, "
+		"%.2f, %.2f], \"fov_y_deg\": %g}]}\n", eye[0], eye[1], eye[2], target[0], target[1], target[2], FIELD_DEG);
 }
 
 /* ---- Content ---- */
 
-static enum eco_code write_camera(struct writing *w)
-{
-	char *text = NULL;
-	enum eco_code code = start_camera(&w->map, &text, w->start->error);
-	if (!code)
-		code = eco_file_write(w->beside[CAMERA], text, strlen(text), w->start->error);
-	free(text);
-	return code;
-}
-
 /* The scene is read back as make reads it: what is wrong with it shows now. */
-static enum eco_code write_all(struct writing *w)
+static void write_all(void *writing)
 {
+	struct writing *w = writing;
 	struct start *s = w->start;
 	w->map.error = s->error;
-	enum eco_code code = eco_file_write(w->beside[SCENE], s->scene, strlen(s->scene), s->error);
-	if (!code)
-		code = map_gather(&w->map, w->beside[SCENE]);
-	if (!code && w->map.total == 0)
-		code = eco_fail(s->error, ECO_BAD_INPUT, "%.200s: no row became a plant", s->options->table);
-	if (!code)
-		code = write_camera(w);
-	return code ? code : map_write(&w->map, w->beside[MAP], MAP_PIXELS);
-}
-
-static enum eco_code give_names(struct writing *w)
-{
+	eco_check(eco_file_write(w->beside[SCENE], s->scene, strlen(s->scene), s->error));
+	eco_check(map_gather(&w->map, w->beside[SCENE]));
+	if (w->map.total == 0)
+		eco_stop(ECO_BAD_INPUT, "%.200s: no row became a plant", s->options->table);
+	char *camera = start_camera(&w->map);
+	eco_check(eco_file_write(w->beside[CAMERA], camera, strlen(camera), s->error));
+	free(camera);
+	eco_check(map_write(&w->map, w->beside[MAP], MAP_PIXELS));
 	for (int i = 0; i < FILES; i++)
 		if (rename(w->beside[i], w->path[i]) != 0)
-			return eco_fail_write(w->start->error, w->path[i], errno);
-	return ECO_OK;
+			eco_check(eco_fail_write(s->error, w->path[i], errno));
 }
 
-enum eco_code start_write(struct start *s)
+void start_write(struct start *s)
 {
 	struct writing w = { .start = s };
 	name_files(&w);
 	eco_at_end(remove_unfinished, &w);
-	enum eco_code code = write_all(&w);
+	enum eco_code code = eco_try(write_all, &w, s->error);
 	eco_at_end(NULL, NULL);
-	if (!code)
-		code = give_names(&w);
 	if (!code && w.map.off_ground > 0)
 		main_note("%s: %llu of %llu plants stand beyond its border", s->dem.path,
 			(unsigned long long)w.map.off_ground, (unsigned long long)w.map.total);
@@ -254,5 +235,5 @@ enum eco_code start_write(struct start *s)
 		free(w.path[i]);
 	}
 	map_free(&w.map);
-	return code;
+	eco_check(code);
 }
