@@ -34,6 +34,7 @@ struct view_store {
 	void *find_ctx;
 	bool has_scene, has_plan, ahead, complete;
 	uint64_t evictions_planned;      /* when the last plan came, or was looked at since */
+	uint64_t came_bytes, evicted_before;         /* decoded: of this stream; evicted before it */
 	bool lacks;                      /* the last plan needs what is not held any more */
 	uint32_t repeats;                /* of the request under way */
 	double near_m;
@@ -98,6 +99,12 @@ void view_store_begin(struct view_store *store)
 	forget_plan(store);
 	store->repeats = 0;
 	store->stats.decode_ms = 0;
+	/* memory is short: room is made for as much as came the last time, else the server counts on chunks that
+	 * go while the stream comes, and it is asked again */
+	if (cache->evicted_bytes > store->evicted_before)
+		view_cache_make_room(cache, store->came_bytes, false);
+	store->evicted_before = cache->evicted_bytes;
+	store->came_bytes = 0;
 	view_cache_want_nothing(cache);
 	view_cache_begin(cache);
 }
@@ -276,6 +283,7 @@ static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const st
 	store->stats.decode_ms += view_clock_ms() - start;
 	if (code)
 		return code;
+	store->came_bytes += piece.bytes;
 	count_chunk(store, id, ordinal, chunk);
 	code = keep(store, list, ordinal, chunk, &piece, error);
 	view_piece_free(&piece);
