@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/generate/generate_plants.h"
 #include "tests/bench/bench.h"
 
@@ -102,11 +103,19 @@ enum eco_code bench_crown_make(struct eco_model *model, struct eco_error *error)
 		CROWN_LEAVES);
 }
 
+struct crown_file { struct gen_mesh mesh; const char *folder, *name; struct eco_error *error; };
+
+static void write_file(void *ctx)
+{
+	const struct crown_file *file = ctx;
+	gen_mesh_write(&file->mesh, file->folder, file->name, file->error);
+}
+
 enum eco_code bench_crown_write(const char *folder, const char *name, struct eco_error *error)
 {
-	struct gen_mesh mesh = { 0 };
-	grow(&mesh);
-	enum eco_code code = gen_mesh_write(&mesh, folder, name, error);
-	gen_mesh_free(&mesh);
+	struct crown_file file = { { 0 }, folder, name, error };
+	grow(&file.mesh);
+	enum eco_code code = eco_try(write_file, &file, error);
+	gen_mesh_free(&file.mesh);
 	return code;
 }
