@@ -198,6 +198,19 @@ UNIT_TEST(a_second_layer_waits_for_smaller_leaves_elsewhere)
 		fail_msg("%u of %u leaves are there twice, before smaller ones alone", doubled, N);
 }
 
+UNIT_TEST(leaves_of_a_sparse_plant_grow_no_further_than_they_are_worth)
+{
+	struct lod_foliage f;
+	double sum = 0;
+	begin();
+	foliage_random(&f, &(struct foliage_random){ 150, 4, 1, 0.08, 13 }, &arena);
+	struct lod_rank rank = make(&f, (struct lod_rank_options){ .leaves = true, .views = 24 });
+	for (uint32_t i = 0; i < 30; i++)
+		sum += eco_growth(rank.growth[rank.order[i]], 5) / 30;
+	if (sum > 0.5 * eco_growth(ECO_GROWTH_PLAIN, 5))
+		fail_msg("the first leaves grow %.2f times, where all alike grow 5", sum);
+}
+
 /* ---- The same whatever runs it ---- */
 
 static void backwards(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
