@@ -13,7 +13,7 @@
 #include "tests/support/unit_test.h"
 
 #define SCENES 40
-#define VIEWS 3
+#define VIEWS 4
 #define BUDGETS 6
 
 static struct lod_planner_stats plan_it(struct eco_plan *plan, const struct eco_scene *scene,
@@ -35,6 +35,31 @@ static uint64_t bytes_of(const struct eco_scene *scene, const struct eco_view *v
 	assert_true(plan.vertices <= vertices);
 	eco_plan_free(&plan);
 	return stats.bytes;
+}
+
+static void assert_same(const struct eco_plan *a, const struct eco_plan *b)
+{
+	assert_int_equal(a->vertices, b->vertices);
+	assert_int_equal(a->cut_count, b->cut_count);
+	for (uint32_t i = 0; i < a->cut_count; i++) {
+		assert_int_equal(a->cuts[i].list, b->cuts[i].list);
+		assert_int_equal(a->cuts[i].end, b->cuts[i].end);
+		assert_true(a->cuts[i].scale == b->cuts[i].scale);
+	}
+}
+
+/* A plan that is held needs no bytes. */
+static void check_held(const struct eco_scene *scene, const struct eco_view *view)
+{
+	struct eco_plan plan, held;
+	struct eco_holdings needs;
+	plan_it(&plan, scene, view, 5000, ECO_BYTES_UNBOUNDED, NULL);
+	assert_int_equal(lod_plan_needs(scene, &plan, &needs, NULL), ECO_OK);
+	plan_it(&held, scene, view, 5000, 200, &needs);
+	assert_same(&plan, &held);
+	free(needs.items);
+	eco_plan_free(&plan);
+	eco_plan_free(&held);
 }
 
 UNIT_TEST(never_above_the_bytes_most_of_them_used_and_more_never_predict_a_worse_picture)
@@ -63,42 +88,13 @@ UNIT_TEST(never_above_the_bytes_most_of_them_used_and_more_never_predict_a_worse
 			before = q;
 			plans++;
 		}
+		check_held(scene, &view);
 		random_pack_free(pack);
 	}
 	print_message("used %.3f of the bytes; %u of %u plans predict a higher Q than one with fewer bytes\n",
 		used / asked, better, plans);
 	assert_true(used > 0.75 * asked);
 	assert_true(better * 2 > plans);
-}
-
-static void assert_same(const struct eco_plan *a, const struct eco_plan *b)
-{
-	assert_int_equal(a->vertices, b->vertices);
-	assert_int_equal(a->cut_count, b->cut_count);
-	for (uint32_t i = 0; i < a->cut_count; i++) {
-		assert_int_equal(a->cuts[i].list, b->cuts[i].list);
-		assert_int_equal(a->cuts[i].end, b->cuts[i].end);
-		assert_true(a->cuts[i].scale == b->cuts[i].scale);
-	}
-}
-
-UNIT_TEST(what_is_held_is_free)
-{
-	for (uint64_t seed = 1; seed <= SCENES; seed++) {
-		struct random_pack *pack = random_pack_make(seed, 0, 3);
-		const struct eco_scene *scene = &pack->pack.scene;
-		struct eco_view view = random_view(&pack->r);
-		struct eco_plan plan, held;
-		struct eco_holdings needs;
-		plan_it(&plan, scene, &view, 5000, ECO_BYTES_UNBOUNDED, NULL);
-		assert_int_equal(lod_plan_needs(scene, &plan, &needs, NULL), ECO_OK);
-		plan_it(&held, scene, &view, 5000, 200, &needs);
-		assert_same(&plan, &held);
-		free(needs.items);
-		eco_plan_free(&plan);
-		eco_plan_free(&held);
-		random_pack_free(pack);
-	}
 }
 
 /* ---- Relaxations ---- */
@@ -137,14 +133,30 @@ static void forget(struct lod_allocation *m)
 	lod_prices_set_organs_of(m, 0, organs);
 }
 
-UNIT_TEST(what_is_kept_from_one_relaxation_to_the_next_changes_none)
+/* At the highest price nothing is drawn: however little work is left, a search goes on to one that uses bytes. */
+static void find_price(struct relaxed *r, uint32_t *searched, uint32_t *some)
 {
-	uint32_t two = 0;
+	const struct lod_price free = { -20, -20 };
+	const struct lod_price_near unknown = { .octave = NAN };
+	struct lod_price at;
+	double target = lod_price_relax(&r->m, 1e-9, &free) / 2, over;
+	if (target > 0) {
+		double bytes = lod_price_find(&r->m, 1e-9, target, &unknown, &at, &over);
+		assert_true(bytes <= target);
+		*some += bytes > 0.8 * target;
+		*searched += 1;
+	}
+}
+
+UNIT_TEST(what_is_kept_from_one_relaxation_to_the_next_changes_none_and_a_price_is_found)
+{
+	uint32_t two = 0, searched = 0, some = 0;
 	uint64_t less = 0, looks = 0, work = 0, all = 0;
 	for (uint64_t seed = 1; seed <= SCENES; seed++) {
 		struct random_pack *pack = random_pack_make(seed, seed % 2 ? 0 : 3, 1 + seed % 5);
 		const struct eco_request request = { .view = random_view(&pack->r), .vertices = 10000 };
-		const struct lod_planner_input input = { .scene = &pack->pack.scene, .request = &request };
+		const struct lod_planner_input input = { .scene = &pack->pack.scene, .request = &request,
+			.work_max = 1 };
 		struct relaxed a, b;
 		begin(&a, &input);
 		begin(&b, &input);
@@ -168,6 +180,7 @@ UNIT_TEST(what_is_kept_from_one_relaxation_to_the_next_changes_none)
 		looks += b.p.looks;
 		work += a.p.work;
 		all += b.p.work;
+		find_price(&a, &searched, &some);
 		end(&a);
 		end(&b);
 		random_pack_free(pack);
@@ -176,6 +189,8 @@ UNIT_TEST(what_is_kept_from_one_relaxation_to_the_next_changes_none)
 	print_message("%.2f of the looks at hulls, %.2f of the work\n", (double)less / (double)looks,
 		(double)work / (double)all);
 	assert_true(less < looks && work < all - all / 10);
+	print_message("%u of %u use four fifths of the bytes\n", some, searched);
+	assert_true(searched > 5 && some > searched / 3);
 }
 
 /* Four tiles of so many bushes each, 40 m wide, with summaries, as has the tile above them. */
@@ -262,78 +277,7 @@ UNIT_TEST(a_tile_draws_its_plants_or_its_summary_where_bytes_have_a_price)
 	assert_true(open > 50 && closed > 50 && both > 5);
 }
 
-/* At the highest price nothing is drawn: however little work is left, a search goes on to one that uses
- * bytes. */
-UNIT_TEST(a_price_is_found_though_the_work_is_done)
-{
-	uint32_t some = 0, searched = 0;
-	for (uint64_t seed = 1; seed <= SCENES; seed++) {
-		struct random_pack *pack = random_pack_make(seed, seed % 2 ? 0 : 3, 1 + seed % 5);
-		const struct eco_request request = { .view = random_view(&pack->r), .vertices = 10000 };
-		const struct lod_planner_input input = { .scene = &pack->pack.scene, .request = &request,
-			.work_max = 1 };
-		const struct lod_price free = { -20, -20 };
-		struct lod_price at;
-		struct relaxed a;
-		begin(&a, &input);
-		double target = lod_price_relax(&a.m, 1e-9, &free) / 2, over;
-		if (target > 0) {
-			const struct lod_price_near unknown = { .octave = NAN };
-			double bytes = lod_price_find(&a.m, 1e-9, target, &unknown, &at, &over);
-			assert_true(bytes <= target);
-			some += bytes > 0.8 * target;
-			searched++;
-		}
-		end(&a);
-		random_pack_free(pack);
-	}
-	print_message("%u of %u use four fifths of the bytes\n", some, searched);
-	assert_true(searched > 5 && some > searched / 3);
-}
-
-/* ---- Bytes that nobody misses ---- */
-
-/* Without a budget of bytes too: beside a plan for which none count. */
-UNIT_TEST(bytes_that_set_hardly_anything_right_are_spared)
-{
-	uint64_t all = 0, sent = 0;
-	uint32_t fewer = 0;
-	for (uint64_t seed = 1; seed <= SCENES; seed++) {
-		struct random_pack *pack = random_pack_make(seed, seed % 2 ? 0 : 3, 40 + seed % 5);
-		const struct eco_scene *scene = &pack->pack.scene;
-		for (int v = 0; v < VIEWS; v++) {
-			const struct eco_request request = { .view = random_view(&pack->r),
-				.bytes = ECO_BYTES_UNBOUNDED,
-				.vertices = UINT64_C(1) << (14 + random_below(&pack->r, 8)) };
-			struct plan_sizer sizer = { scene, NULL };
-			struct eco_plan free_plan, plan;
-			uint64_t before, after;
-			struct lod_planner_stats free_stats = plan_make(&free_plan,
-				(struct lod_planner_input){ .scene = scene, .request = &request });
-			struct lod_planner_stats stats = plan_it(&plan, scene, &request.view, request.vertices,
-				ECO_BYTES_UNBOUNDED, NULL);
-			assert_int_equal(plan_size(&sizer, &free_plan, &before, NULL), ECO_OK);
-			assert_int_equal(plan_size(&sizer, &plan, &after, NULL), ECO_OK);
-			assert_true(after <= before);
-			if (after < before)
-				assert_true(stats.wrong <= fmax(1.0051 * free_stats.wrong,
-					free_stats.wrong + 0.0002 * 1e6));
-			else
-				assert_same(&plan, &free_plan);
-			fewer += after < before;
-			all += before;
-			sent += after;
-			eco_plan_free(&free_plan);
-			eco_plan_free(&plan);
-		}
-		random_pack_free(pack);
-	}
-	print_message("%u of %u plans send fewer bytes; all %.3f of those\n", fewer, SCENES * VIEWS,
-		(double)sent / (double)all);
-	assert_true(fewer > 5);
-}
-
-/* ---- Coarser answers ---- */
+/* ---- Bytes that nobody misses, and coarser answers ---- */
 
 #define MOST 12
 
@@ -347,57 +291,80 @@ static enum eco_code take(void *ctx, struct eco_plan *plan, double wrong, struct
 	return ECO_OK;
 }
 
-/* Bytes that a plan needs, and those of them that `answer` does not. */
-static uint64_t needed(const struct eco_scene *scene, const struct eco_plan *plan,
-	const struct eco_holdings *answer, uint64_t *wasted)
+/* Bytes that a plan needs, beside those of `held`. */
+static uint64_t needed(const struct eco_scene *scene, const struct eco_plan *plan, const struct eco_holdings *held)
 {
-	struct plan_sizer sizer = { scene, answer };
 	struct eco_plan copy = *plan;
-	uint64_t all;
-	assert_int_equal(plan_size(&sizer, &copy, wasted, NULL), ECO_OK);
-	sizer.holdings = NULL;
-	assert_int_equal(plan_size(&sizer, &copy, &all, NULL), ECO_OK);
-	return all;
+	uint64_t bytes;
+	assert_int_equal(plan_size(&(struct plan_sizer){ scene, held }, &copy, &bytes, NULL), ECO_OK);
+	return bytes;
 }
 
-UNIT_TEST(coarser_answers_are_within_the_vertices_and_mostly_of_what_the_answer_needs)
+/* With coarser answers after it a plan is the same. They are within the vertices, and mostly of what it needs. */
+static uint32_t check_coarser(const struct eco_scene *scene, const struct eco_request *request,
+	const struct eco_plan *alone, uint64_t *sum, uint64_t *waste)
 {
-	uint64_t sum = 0, waste = 0;
-	uint32_t many = 0;
+	struct taken taken = { .count = 0 };
+	const struct lod_planner_coarser coarser = { 1.3, 500, MOST, take, &taken };
+	struct plan_sizer sizer = { scene, NULL };
+	struct eco_plan answer;
+	struct eco_holdings needs;
+	plan_make(&answer, (struct lod_planner_input){ .scene = scene, .request = request, .coarser = &coarser,
+		.size = plan_size, .size_ctx = &sizer });
+	assert_same(&answer, alone);
+	assert_int_equal(lod_plan_needs(scene, &answer, &needs, NULL), ECO_OK);
+	for (uint32_t i = 0; i < taken.count; i++) {
+		assert_in_range(taken.plans[i].vertices, 1, request->vertices);
+		*sum += needed(scene, &taken.plans[i], NULL);
+		*waste += needed(scene, &taken.plans[i], &needs);
+		eco_plan_free(&taken.plans[i]);
+	}
+	free(needs.items);
+	eco_plan_free(&answer);
+	return taken.count;
+}
+
+/* Without a budget of bytes too: beside a plan for which none count. */
+UNIT_TEST(bytes_that_set_hardly_anything_right_are_spared_and_coarser_answers_need_few_others)
+{
+	uint64_t all = 0, sent = 0, sum = 0, waste = 0;
+	uint32_t fewer = 0, many = 0;
 	for (uint64_t seed = 1; seed <= SCENES; seed++) {
 		struct random_pack *pack = random_pack_make(seed, seed % 2 ? 0 : 3, 40 + seed % 5);
 		const struct eco_scene *scene = &pack->pack.scene;
-		struct eco_view view = random_view(&pack->r);
-		struct taken taken = { .count = 0 };
-		const struct lod_planner_coarser coarser = { 1.3, 500, MOST, take, &taken };
-		const struct eco_request request = { .view = view, .bytes = ECO_BYTES_UNBOUNDED,
-			.vertices = UINT64_C(1) << (6 + random_below(&pack->r, 14)) };
-		struct plan_sizer sizer = { scene, NULL };
-		struct eco_plan answer, alone;
-		struct eco_holdings needs;
-		plan_make(&answer, (struct lod_planner_input){ .scene = scene, .request = &request,
-			.coarser = &coarser, .size = plan_size, .size_ctx = &sizer });
-		plan_it(&alone, scene, &view, request.vertices, ECO_BYTES_UNBOUNDED, NULL);
-		assert_same(&answer, &alone);
-		assert_int_equal(lod_plan_needs(scene, &answer, &needs, NULL), ECO_OK);
-		for (uint32_t i = 0; i < taken.count; i++) {
-			uint64_t wasted;
-			assert_true(taken.plans[i].vertices <= request.vertices);
-			assert_true(taken.plans[i].vertices > 0);
-			sum += needed(scene, &taken.plans[i], &needs, &wasted);
-			waste += wasted;
-			eco_plan_free(&taken.plans[i]);
+		for (int v = 0; v < VIEWS; v++) {
+			const struct eco_request request = { .view = random_view(&pack->r),
+				.bytes = ECO_BYTES_UNBOUNDED,
+				.vertices = UINT64_C(1) << (v ? 14 + random_below(&pack->r, 8)
+				: 6 + random_below(&pack->r, 14)) };
+			struct eco_plan free_plan, plan;
+			struct lod_planner_stats free_stats = plan_make(&free_plan,
+				(struct lod_planner_input){ .scene = scene, .request = &request });
+			struct lod_planner_stats stats = plan_it(&plan, scene, &request.view, request.vertices,
+				ECO_BYTES_UNBOUNDED, NULL);
+			uint64_t before = needed(scene, &free_plan, NULL), after = needed(scene, &plan, NULL);
+			assert_true(after <= before);
+			if (after < before)
+				assert_true(stats.wrong <= fmax(1.0051 * free_stats.wrong,
+					free_stats.wrong + 0.0002 * 1e6));
+			else
+				assert_same(&plan, &free_plan);
+			if (v < 2)
+				many += check_coarser(scene, &request, &plan, &sum, &waste) > 2;
+			fewer += after < before;
+			all += before;
+			sent += after;
+			eco_plan_free(&free_plan);
+			eco_plan_free(&plan);
 		}
-		many += taken.count > 2;
-		free(needs.items);
-		eco_plan_free(&answer);
-		eco_plan_free(&alone);
 		random_pack_free(pack);
 	}
-	print_message("%u of %u scenes have more than 2; %.3f of their bytes the answer does not use\n", many,
-		SCENES, (double)waste / (double)sum);
-	assert_true(many > SCENES / 4);
-	assert_true(waste * 2 < sum);
+	print_message("%u of %u plans send fewer bytes; all %.3f of those\n", fewer, SCENES * VIEWS,
+		(double)sent / (double)all);
+	print_message("%u have more than 2 coarser answers; %.3f of their bytes the answer does not use\n", many,
+		(double)waste / (double)sum);
+	assert_true(fewer > 5);
+	assert_true(many > SCENES / 4 && waste * 2 < sum);
 }
 
 /* ---- Organs that come at once ---- */
