@@ -35,7 +35,7 @@ static const struct model { const char *name; double height; int leaves; uint8_t
 
 static void write_model(const struct model *model)
 {
-	char name[16];
+	char name[16], head[40];
 	double height = model->height;
 	snprintf(name, sizeof name, "%s.mtl", model->name);
 	FILE *file = open_text(name);
@@ -43,11 +43,8 @@ static void write_model(const struct model *model)
 		model->rgb[2] / 255.0);
 	assert_int_equal(fclose(file), 0);
 	snprintf(name, sizeof name, "%s.obj", model->name);
-	file = open_text(name);
-	fprintf(file, "mtllib %s.mtl\nusemtl m\n", model->name);
-	write_leaves(file, height, model->leaves);
-	fprintf(file, "v 0 0 0\nv 0.05 0 0\nv 0 %f 0\nf -3 -2 -1\n", height);
-	assert_int_equal(fclose(file), 0);
+	snprintf(head, sizeof head, "mtllib %s.mtl\nusemtl m\n", model->name);
+	write_shrub(in_root(name), head, height, model->leaves);
 }
 
 static uint32_t below(uint64_t *seed, uint32_t count)

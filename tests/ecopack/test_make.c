@@ -17,20 +17,6 @@
 #include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
 
-/* A stem of `height` and leaves around its top, Y up. */
-static void write_model(const char *name, double height, int leaves)
-{
-	FILE *file = open_text(name);
-	double w = height / 40;
-	fputs("mtllib none.mtl\n", file);
-	for (int k = 0; k < 2; k++)
-		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\n", -w, k * height, -w, w,
-			k * height, -w, w, k * height, w, -w, k * height, w);
-	fputs("f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n", file);
-	write_leaves(file, height, leaves);
-	assert_int_equal(fclose(file), 0);
-}
-
 static enum eco_code make(const char *scene, const char *pack, uint32_t jobs, struct eco_error *error)
 {
 	char from[512], to[512];
@@ -506,8 +492,8 @@ static int prepare(void **state)
 {
 	scratch_open("make");
 	main_progress_quiet(true);
-	write_model("a.obj", 4, 60);
-	write_model("b.obj", 1.5, 25);
+	write_shrub(in_root("a.obj"), "mtllib none.mtl\n", 4, 60);
+	write_shrub(in_root("b.obj"), "mtllib none.mtl\n", 1.5, 25);
 	return 0;
 }
 

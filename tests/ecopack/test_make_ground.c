@@ -224,10 +224,8 @@ static int prepare(void **state)
 {
 	scratch_open("make_ground");
 	main_progress_quiet(true);
-	FILE *file = open_text("a.obj");
-	write_leaves(file, 4, 20);
-	fputs("v 0 0 0\nv 0.05 0 0\nv 0 4 0\nf -3 -2 -1\n", file);
-	return fclose(file);
+	write_shrub(in_root("a.obj"), "", 4, 20);
+	return 0;
 }
 
 int main(void)

@@ -156,10 +156,7 @@ static int prepare(void **state)
 {
 	scratch_open("make_image");
 	main_progress_quiet(true);
-	FILE *file = open_text("a.obj");
-	write_leaves(file, 4, 20);
-	fputs("v 0 0 0\nv 0.05 0 0\nv 0 4 0\nf -3 -2 -1\n", file);
-	assert_int_equal(fclose(file), 0);
+	write_shrub(in_root("a.obj"), "", 4, 20);
 	write_photo();
 	/* no heights, no CRS: the picture is laid where the scene says */
 	write_text("photo.json", "{\"name\": \"photo\", \"ground\": {\"image\": {\"file\": \"photo.png\", \"north_west\": "

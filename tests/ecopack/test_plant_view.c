@@ -15,16 +15,6 @@
 #define ROOT "build/tmp/test_plant_view"
 #define PIXELS 64u
 
-/* A stem and leaves around its top, Y up. */
-static void write_tree(const char *path, int leaves)
-{
-	FILE *file = fopen(path, "wb");
-	assert_non_null(file);
-	fputs("v -.2 0 0\nv .2 0 0\nv 0 8 .2\nv 0 8 -.2\nf 1 2 3\nf 1 2 4\n", file);
-	write_leaves(file, 8, leaves);
-	assert_int_equal(fclose(file), 0);
-}
-
 /* An upright card of 2 m; the upper half of its right side is transparent. */
 static void write_card(void)
 {
@@ -46,7 +36,7 @@ static int make_packs(void **state)
 	struct eco_error error = { 0 };
 	folder_make(ROOT);
 	main_progress_quiet(true);
-	write_tree(ROOT "/tree.obj", 400);
+	write_shrub(ROOT "/tree.obj", "", 8, 400);
 	write_card();
 	file_write_text(ROOT "/two.json", "{\"plants\": {\"tree\": {\"model\": \"tree.obj\", \"up\": \"y\"}, \"card\": "
 		"{\"model\": \"card.obj\", \"unit\": \"m\", \"up\": "

@@ -40,9 +40,12 @@ char *read_all(const char *name, size_t *size)
 	return (char *)file_read(in_root(name), size);
 }
 
-void write_leaves(FILE *file, double height, int leaves)
+void write_shrub(const char *path, const char *head, double height, int leaves)
 {
-	double l = height / 15;
+	FILE *file = fopen(path, "wb");
+	double l = height / 15, w = height / 40;
+	assert_non_null(file);
+	fprintf(file, "%sv %f 0 0\nv %f 0 0\nv 0 %f %f\nv 0 %f %f\nf 1 2 3\nf 1 2 4\n", head, -w, w, height, w, height, -w);
 	for (int i = 0; i < leaves; i++) {
 		double x = (i * 37 % 100 - 50) / 100.0 * height * 0.7,
 			y = height * (0.5 + i * 53 % 100 / 200.0);
@@ -50,4 +53,5 @@ void write_leaves(FILE *file, double height, int leaves)
 		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4 -3 -2 -1\n", x, y, z,
 			x + l / 2, y + l / 4, z, x + l, y, z + l / 3, x + l / 2, y - l / 4, z);
 	}
+	assert_int_equal(fclose(file), 0);
 }

@@ -20,7 +20,7 @@ FILE *open_text(const char *name);
 void write_text(const char *name, const char *text);
 /* All of it, which the caller frees. */
 char *read_all(const char *name, size_t *size);
-/* Quads around the upper half of a plant of that height, as lines of an OBJ file, Y up. */
-void write_leaves(FILE *file, double height, int leaves);
+/* A plant as an OBJ file, Y up, with these first lines: a stem of that height, leaves around its upper half. */
+void write_shrub(const char *path, const char *head, double height, int leaves);
 
 #endif
