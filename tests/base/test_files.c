@@ -44,11 +44,10 @@ static unsigned names_in(const char *folder)
 
 UNIT_TEST(it_stays_when_the_file_changes)
 {
-	struct eco_error error = { 0 };
 	struct stat status;
 	int file = file_of(SIZE), copy;
 	lseek(file, 77, SEEK_SET);
-	assert_int_equal(eco_private_copy(&copy, file, "bytes", FOLDER, NULL, &error), ECO_OK);
+	assert_good(eco_private_copy(&copy, file, "bytes", FOLDER, NULL, &cause));
 	assert_int_equal(pwrite(file, bytes + 1000, 5000, 0), 5000);
 	assert_int_equal(ftruncate(file, 10), 0);
 	assert_int_equal(unlink(FILE_PATH), 0);

@@ -426,11 +426,10 @@ UNIT_TEST(files_that_name_servers_reach_nobody)
 UNIT_TEST(files_that_name_other_folders_are_read)
 {
 	char elsewhere[PATH_MAX];
-	struct eco_error error = { .code = ECO_OK };
 	struct eco_ground ground;
 	assert_non_null(realpath(input_text("guard-elsewhere", "dem.asc",
 		"ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n4 5 6\n"), elsewhere));
-	assert_ok(import_text("far.vrt", MOSAIC, elsewhere, &ground, &error), error);
+	assert_good(import_text("far.vrt", MOSAIC, elsewhere, &ground, &cause));
 	assert_int_equal(ground.columns, 3);
 	eco_ground_free(&ground);
 }

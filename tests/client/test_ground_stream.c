@@ -56,8 +56,7 @@ static void plan(struct srv_stream *stream, const struct eco_request *request,
 	const struct eco_holdings *holdings)
 {
 	struct srv_stream_input input = { .scene = scene, .request = request, .holdings = holdings };
-	struct eco_error error = { 0 };
-	assert_ok(srv_stream_plan(stream, &input, &error), error);
+	assert_good(srv_stream_plan(stream, &input, &cause));
 }
 
 static uint32_t ground_tiles(const struct srv_step *step)
@@ -70,11 +69,10 @@ static uint32_t ground_tiles(const struct srv_step *step)
 
 static struct view_store *receive(struct view_store *into, const struct srv_stream *stream)
 {
-	struct eco_error error = { 0 };
 	if (!into)
 		assert_int_equal(view_store_new(&into, &(struct view_store_options){ 0 }, NULL), ECO_OK);
 	view_store_begin(into);
-	assert_ok(served_feed(into, stream, NULL, &error), error);
+	assert_good(served_feed(into, stream, NULL, &cause));
 	assert_int_equal(view_store_stats(into).chunks_twice, 0);
 	return into;
 }
@@ -153,7 +151,6 @@ UNIT_TEST(opengl_and_software_draw_the_same_ground)
 		struct view_selection selection;
 		struct view_picture a, b;
 		struct lod_eye eye;
-		struct eco_error error = { 0 };
 		plan(&stream, &request, NULL);
 		struct view_store *held = receive(NULL, &stream);
 		lod_eye_make(&eye, &request.view);
@@ -164,9 +161,8 @@ UNIT_TEST(opengl_and_software_draw_the_same_ground)
 				seams += selection.ground.tiles[t].seam.coarser[side] > 0;
 		assert_int_equal(view_picture_init(&a, 480, 320, NULL), ECO_OK);
 		assert_int_equal(view_picture_init(&b, 480, 320, NULL), ECO_OK);
-		if (view_gl_draw(gl, &(struct view_gl_job){ held, &selection, &eye, 0.05, VIEW_TINT_NONE },
-				&a, &error))
-			fail_msg("%s", error.text);
+		assert_good(view_gl_draw(gl, &(struct view_gl_job){ held, &selection, &eye, 0.05, VIEW_TINT_NONE },
+				&a, &cause));
 		assert_int_equal(view_reference_draw(&(struct view_reference_job){ held, &selection, &eye,
 			0.05, 2, NULL, VIEW_TINT_NONE }, &b, NULL), ECO_OK);
 		struct picture_difference apart = picture_compare(&a, &b);

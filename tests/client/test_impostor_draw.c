@@ -115,9 +115,8 @@ UNIT_TEST(impostors_cast_the_shadow_of_what_is_seen_from_the_sun)
 		struct view_shadow_job job = { h.store, &h.selection, &h.eye, &picture,
 			{ -(float)f[0], -(float)f[1], -(float)f[2] }, (enum view_shadows)kind, 1024, 1 };
 		struct view_shadow shadow;
-		struct eco_error error = { 0 };
 		uint32_t plants = 0, met = 0, near = 0;
-		assert_ok(view_shadow_make(&shadow, &job, &error), error);
+		assert_good(view_shadow_make(&shadow, &job, &cause));
 		for (uint32_t y = 0; y < view.height; y++)
 			for (uint32_t x = 0; x < view.width; x++) {
 				size_t i = (size_t)y * view.width + x;

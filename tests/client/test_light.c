@@ -16,7 +16,6 @@ static void light_leaf(const struct scene_held *h, const float sun[3], const flo
 {
 	static const uint8_t green[3] = { 70, 120, 40 };
 	struct view_picture one;
-	struct eco_error error = { 0 };
 	const struct view_instance *plant = h->selection.instances;
 	struct view_selection s = h->selection;
 	s.ground.count = 0;
@@ -27,14 +26,14 @@ static void light_leaf(const struct scene_held *h, const float sun[3], const flo
 	const float turned[3] = { (float)((double)normal[0] * plant->place.cosine
 		+ (double)normal[1] * plant->place.sine), (float)((double)normal[1] * plant->place.cosine
 		- (double)normal[0] * plant->place.sine), normal[2] };
-	assert_ok(view_picture_init(&one, 1, 1, &error), error);
+	assert_good(view_picture_init(&one, 1, 1, &cause));
 	memcpy(one.rgb, green, sizeof green);
 	one.cover[0] = 255;
 	one.owner[0] = plant->owner;
 	one.depth[0] = (float)(1 / plant->distance_m);
 	one.surface[0] = view_surface_direction(VIEW_FACET, turned);
 	struct view_light_job job = { h->store, &s, &h->eye, VIEW_TINT_UNSHADED, 1 };
-	assert_ok(view_light_picture(&job, &one, &error), error);
+	assert_good(view_light_picture(&job, &one, &cause));
 	memcpy(rgb, one.rgb, 3);
 	view_picture_free(&one);
 }

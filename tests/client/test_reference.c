@@ -22,7 +22,6 @@ static void make_texture(void)
 	static uint8_t rgba[64 * 48 * 4];
 	struct eco_image image = { 64, 48, rgba };
 	struct eco_model model = { .images = &image, .image_count = 1 };
-	struct eco_error error = { 0 };
 	for (int y = 0; y < 48; y++)
 		for (int x = 0; x < 64; x++) {
 			uint8_t *p = rgba + 4 * (y * 64 + x);
@@ -30,7 +29,7 @@ static void make_texture(void)
 			p[0] = 60, p[1] = (uint8_t)(100 + x), p[2] = 40;
 			p[3] = d < 500 && (x / 6 + y / 6) % 5 ? 255 : 0;
 		}
-	assert_ok(lod_texture_make(&texture, &model, 0, &error), error);
+	assert_good(lod_texture_make(&texture, &model, 0, &cause));
 	assert_int_equal(texture.count, 2);
 }
 

@@ -31,10 +31,9 @@ struct lit {
 
 static void draw_view(struct lit *l, struct eco_view view)
 {
-	struct eco_error error = { 0 };
 	l->h = scene_hold_view(&grove, view, 1);
 	scene_select(&l->h);
-	assert_ok(view_select_casters(&l->casters, l->h.store, &l->h.eye, &error), error);
+	assert_good(view_select_casters(&l->casters, l->h.store, &l->h.eye, &cause));
 	l->picture = scene_draw(&l->h, false, VIEW_TINT_NONE);
 }
 
@@ -57,8 +56,7 @@ static struct view_shadow_job job_of(const struct lit *l, const double sun[3], e
 static struct view_shadow cast(const struct view_shadow_job *job)
 {
 	struct view_shadow shadow;
-	struct eco_error error = { 0 };
-	assert_ok(view_shadow_make(&shadow, job, &error), error);
+	assert_good(view_shadow_make(&shadow, job, &cause));
 	return shadow;
 }
 

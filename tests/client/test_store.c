@@ -166,13 +166,12 @@ UNIT_TEST(selection_draws_what_the_plan_says)
 		struct eco_plan plan;
 		struct lod_eye eye;
 		struct view_selection s;
-		struct eco_error error = { 0 };
 		view.eye[0] += 5 * step;
 		view.eye[1] += step;
 		scene_plan(&grove, &view, 0.5 + step / 24.0, &plan);
 		lod_eye_make(&eye, &view);
 		struct view_store *store = scene_store(&grove, &plan, NULL);
-		assert_int_equal(view_select_make(&s, store, &eye, &error), ECO_OK);
+		assert_good(view_select_make(&s, store, &eye, &cause));
 		assert_true(s.vertices == plan.vertices && s.visible_plants == plan.visible_plants);
 		uint32_t pairs = 0;
 		for (uint32_t c = 0; c < s.cut_count; c++)

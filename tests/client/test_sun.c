@@ -13,8 +13,7 @@
 static double time_of(const char *text)
 {
 	double unix_s = 0;
-	struct eco_error error = { 0 };
-	assert_ok(view_time_read(text, &unix_s, &error), error);
+	assert_good(view_time_read(text, &unix_s, &cause));
 	return unix_s;
 }
 
@@ -73,11 +72,10 @@ UNIT_TEST(times_are_read_as_they_are_written)
 static double shadow_of(const struct scene_held *h, const struct view_selection *selection, double mean[2])
 {
 	struct view_shade shade;
-	struct eco_error error = { 0 };
 	const double *at = selection->instances[0].place.at;
 	double sum = 0;
 	mean[0] = mean[1] = 0;
-	assert_ok(view_shade_make(&shade, h->store, selection, &error), error);
+	assert_good(view_shade_make(&shade, h->store, selection, &cause));
 	double texel = shade.size_m / VIEW_SHADE_PIXELS;
 	for (int j = 0; j < VIEW_SHADE_PIXELS; j++)
 		for (int i = 0; i < VIEW_SHADE_PIXELS; i++) {

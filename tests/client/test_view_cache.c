@@ -261,11 +261,10 @@ static uint64_t largest_need(void)
 UNIT_TEST(little_memory_draws_the_same_pictures)
 {
 	struct client ample = client_new(0), tight = client_new(largest_need() * 11 / 10);
-	struct eco_error error = { 0 };
 	for (uint32_t step = 0; step < 48; step++) {
 		struct eco_request request = step_of_walk(step);
-		assert_ok(visit(&ample, &request, &error), error);
-		assert_ok(visit(&tight, &request, &error), error);
+		assert_good(visit(&ample, &request, &cause));
+		assert_good(visit(&tight, &request, &cause));
 		same_picture(&ample, &tight, &request);
 	}
 	struct view_store_stats a = view_store_stats(ample.store), t = view_store_stats(tight.store);
@@ -293,10 +292,9 @@ UNIT_TEST(ping_pong_fetches_again_only_where_it_must)
 		: need[1];
 	for (int fits = 0; fits < 2; fits++) {
 		struct client c = client_new(fits ? 2 * (need[0] + need[1]) : most + most / 50);
-		struct eco_error error = { 0 };
 		uint64_t before = 0;
 		for (uint32_t step = 0; step < 12; step++) {
-			assert_ok(visit(&c, &views[step % 2], &error), error);
+			assert_good(visit(&c, &views[step % 2], &cause));
 			uint64_t again = view_store_stats(c.store).again_bytes;
 			assert_true(step < 2 || fits ? again == 0 || !fits : again > before);
 			before = again;
@@ -305,7 +303,7 @@ UNIT_TEST(ping_pong_fetches_again_only_where_it_must)
 		/* standing still costs nothing, however short memory is */
 		uint64_t chunks = view_store_stats(c.store).chunks;
 		for (int i = 0; i < 3; i++)
-			assert_ok(visit(&c, &views[1], &error), error);
+			assert_good(visit(&c, &views[1], &cause));
 		assert_int_equal(view_store_stats(c.store).chunks, chunks);
 		view_store_free(c.store);
 	}
@@ -381,12 +379,11 @@ UNIT_TEST(what_comes_behind_a_plan_leaves_what_it_needs)
 			struct client c = client_new(largest_need() * 11 / 10);
 			for (uint32_t step = 0; step < 24; step++) {
 				struct eco_request request = step_of_walk(step), next = step_of_walk(step + 5);
-				struct eco_error error = { 0 };
 				request.bytes = bytes;
 				request.next.given = ahead;
 				memcpy(request.next.eye, next.view.eye, sizeof next.view.eye);
 				memcpy(request.next.target, next.view.target, sizeof next.view.target);
-				assert_ok(visit(&c, &request, &error), error);
+				assert_good(visit(&c, &request, &cause));
 				check_plan_is_held(&c);
 			}
 			assert_true(view_store_stats(c.store).evictions > 0);

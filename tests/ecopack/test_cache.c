@@ -193,8 +193,7 @@ static enum eco_code try_make(const char *pack, const char *cache, enum lod_orde
 
 static void make(const char *pack, const char *cache, enum lod_order_method order, const char *scene)
 {
-	struct eco_error error = { 0 };
-	assert_ok(try_make(pack, cache, order, scene, &error), error);
+	assert_good(try_make(pack, cache, order, scene, &cause));
 }
 
 /* Leaves with a texture, leaves with colours, a stem: all kinds of lists that a plant may have. */
@@ -296,8 +295,7 @@ UNIT_TEST(an_entry_that_is_no_plant_is_built_anew)
 static uint64_t count_curves(const char *name)
 {
 	struct eco_pack *pack;
-	struct eco_error error = { 0 };
-	assert_ok(eco_pack_open(&pack, in_root(name), &error), error);
+	assert_good(eco_pack_open(&pack, in_root(name), &cause));
 	uint64_t count = pack->scene.curve_count;
 	eco_pack_close(pack);
 	return count;
@@ -306,12 +304,11 @@ static uint64_t count_curves(const char *name)
 /* Over the draft's own pack, with the draft's cache: what it left there must not show. */
 UNIT_TEST(a_make_after_a_draft_is_as_if_there_had_been_none)
 {
-	struct eco_error error = { 0 };
 	struct inspect_counts counts;
 	FILE *unread = fopen("/dev/null", "w");
 	make("fresh.eco", NULL, LOD_ORDER_GREEDY, "two.json");
 	make("pack.eco", folder, LOD_ORDER_COMBINED, "two.json");
-	assert_ok(inspect_verify(in_root("pack.eco"), unread, &counts, &error), error);
+	assert_good(inspect_verify(in_root("pack.eco"), unread, &counts, &cause));
 	fclose(unread);
 	assert_true(2 * count_curves("pack.eco") < count_curves("fresh.eco"));
 	make("again.eco", NULL, LOD_ORDER_COMBINED, "two.json");

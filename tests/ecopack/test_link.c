@@ -146,9 +146,8 @@ static void check_summary(const struct eco_pack *pack, uint32_t list)
 	const struct eco_scene *s = &pack->scene;
 	const struct eco_list *l = &s->lists[list];
 	struct eco_elements e = { 0 };
-	struct eco_error error = { 0 };
 	assert_in_range(l->palette_count, 1, 32);
-	assert_ok(eco_pack_points(pack, list, &e, &error), error);
+	assert_good(eco_pack_points(pack, list, &e, &cause));
 	for (uint32_t i = 0; i < e.element_count; i++) {
 		const int32_t *extra = e.extra + (size_t)e.extra_count * i;
 		assert_in_range(extra[0], 0, l->palette_count - 1);
@@ -164,9 +163,8 @@ static void check_summary(const struct eco_pack *pack, uint32_t list)
 static uint32_t check_summaries(const char *name)
 {
 	struct eco_pack *pack = NULL;
-	struct eco_error error = { 0 };
 	uint32_t summaries = 0, seen[16], palettes = 0;
-	assert_ok(eco_pack_open(&pack, in_root(name), &error), error);
+	assert_good(eco_pack_open(&pack, in_root(name), &cause));
 	for (uint32_t i = 0; i < pack->scene.list_count; i++) {
 		if (!(pack->scene.lists[i].attributes & ECO_ATTR_PLANT))
 			continue;
@@ -210,7 +208,6 @@ UNIT_TEST(parts_keep_plants_of_their_own)
 /* A part places a file of other plants, turned and scaled, twice: the whole knows it by its summary. */
 UNIT_TEST(summaries_of_nested_files_keep_their_colours)
 {
-	struct eco_error error = { 0 };
 	write_parts(10);
 	write_part(2, "\"b\": {\"model\": \"c.obj\", \"unit\": \"m\"}, "
 		"\"a\": {\"model\": \"b.obj\", \"unit\": \"m\"}");
@@ -221,7 +218,7 @@ UNIT_TEST(summaries_of_nested_files_keep_their_colours)
 		"{\"eco\": \"inner.json\", \"at\": [200, 9, 0], \"scale\": 2}]}");
 	make_parts();
 	make("whole.json", "whole.eco", true);
-	assert_ok(link_parts("linked.eco", &error), error);
+	assert_good(link_parts("linked.eco", &cause));
 	assert_true(check_summaries("whole.eco") <= 5);      /* one for a file at most */
 	assert_int_equal(check_summaries("linked.eco"), check_summaries("whole.eco"));
 	assert_int_equal(check_summaries("part2.eco"), 2);
@@ -276,13 +273,12 @@ UNIT_TEST(edited_parts_that_are_linked_equal_the_whole)
 	const char *wanted = getenv("ECO_EDITS");
 	int edits = wanted ? atoi(wanted) : 4;
 	uint64_t seed = 4;
-	struct eco_error error = { 0 };
 	write_parts(5);
 	for (int i = 0; i < edits; i++) {
 		edit(&seed);
 		make("whole.json", "whole.eco", i % 16 != 0);
 		make_parts();
-		assert_ok(link_parts("linked.eco", &error), error);
+		assert_good(link_parts("linked.eco", &cause));
 		if (!same("linked.eco", "whole.eco"))
 			fail_msg("edit %d: parts that are linked are not the whole", i);
 	}

@@ -89,9 +89,8 @@ UNIT_TEST(colours_are_seen_where_they_lie_by_opengl_and_in_software)
 
 static void make(const char *pack, uint32_t jobs, bool draft)
 {
-	struct eco_error error = { 0 };
-	assert_ok(make_pack(&(struct make_options){ .scene = in_root("photo.json"), .pack = in_root(pack), .jobs = jobs,
-		.draft = draft, .order = LOD_ORDER_COMBINED }, &error), error);
+	assert_good(make_pack(&(struct make_options){ .scene = in_root("photo.json"), .pack = in_root(pack), .jobs = jobs,
+		.draft = draft, .order = LOD_ORDER_COMBINED }, &cause));
 }
 
 UNIT_TEST(the_pack_is_the_same_with_any_number_of_threads)
@@ -124,13 +123,12 @@ UNIT_TEST(the_map_shows_it)
 
 UNIT_TEST(tiles_of_ground_carry_it)
 {
-	struct eco_error error = { 0 };
 	struct eco_pack *pack;
 	struct eco_image image;
 	size_t size;
 	make("tiles.eco", 2, true);
-	assert_ok(eco_pack_open(&pack, in_root("tiles.eco"), &error), error);
-	assert_ok(export_tiles(pack, in_root("tiles"), false, &error), error);
+	assert_good(eco_pack_open(&pack, in_root("tiles.eco"), &cause));
+	assert_good(export_tiles(pack, in_root("tiles"), false, &cause));
 	eco_pack_close(pack);
 	char *gltf = read_all("tiles/tiles/ground-0.gltf", &size);
 	assert_non_null(strstr(gltf, "TEXCOORD_0"));
@@ -138,7 +136,7 @@ UNIT_TEST(tiles_of_ground_carry_it)
 	assert_null(strstr(gltf, "MASK"));
 	free(gltf);
 	uint8_t *png = (uint8_t *)read_all("tiles/tiles/ground-0.png", &size);
-	assert_ok(eco_image_read_memory(&image, png, size, "ground-0.png", &error), error);
+	assert_good(eco_image_read_memory(&image, png, size, "ground-0.png", &cause));
 	assert_true(image.width >= 400 && image.height >= 400);
 	for (uint32_t i = 0; i < 16; i++) {
 		uint32_t x = image.width * (2 * (i % 4) + 1) / 8, y = image.height * (2 * (i / 4) + 1) / 8;

@@ -38,14 +38,13 @@ static void write_plant(void)
 static struct eco_pack *made(const char *scene, const char *text)
 {
 	char from[512], to[512];
-	struct eco_error error = { 0 };
 	struct eco_pack *pack = NULL;
 	write_text(scene, text);
 	snprintf(from, sizeof from, "%s/%s", scratch_root, scene);
 	snprintf(to, sizeof to, "%s/%.200s.eco", scratch_root, scene);
-	assert_ok(make_pack(&(struct make_options){ .scene = from, .pack = to,
-		.order = LOD_ORDER_STOCHASTIC }, &error), error);
-	assert_ok(eco_pack_open(&pack, to, &error), error);
+	assert_good(make_pack(&(struct make_options){ .scene = from, .pack = to,
+		.order = LOD_ORDER_STOCHASTIC }, &cause));
+	assert_good(eco_pack_open(&pack, to, &cause));
 	return pack;
 }
 
@@ -71,9 +70,8 @@ static uint64_t drawn(const struct eco_scene *scene, uint64_t vertices, uint32_t
 		.fov_y_deg = 45, .width = 400, .height = 300 }, .vertices = vertices,
 		.bytes = ECO_BYTES_UNBOUNDED };
 	struct lod_planner_input input = { .scene = scene, .request = &request };
-	struct eco_error error = { 0 };
 	struct eco_plan plan, part;
-	assert_ok(lod_plan(&plan, &input, &error), error);
+	assert_good(lod_plan(&plan, &input, &cause));
 	part = plan;
 	part.cut_count = 0;
 	part.cuts = calloc(plan.cut_count + 1, sizeof *part.cuts);

@@ -51,12 +51,11 @@ static void write_card(const char *name, double size, const char *image)
 
 static void build(const char *scene, const char *pack)
 {
-	struct eco_error error = { 0 };
 	struct inspect_counts counts = { 0 };
 	const struct make_options options = { .scene = in_root(scene), .pack = in_root(pack), .jobs = 2,
 		.draft = true };
-	assert_ok(make_pack(&options, &error), error);
-	assert_ok(inspect_verify(in_root(pack), stdout, &counts, &error), error);
+	assert_good(make_pack(&options, &cause));
+	assert_good(inspect_verify(in_root(pack), stdout, &counts, &cause));
 }
 
 /* A scene of some of the models, one plant of each: NAME.json, NAME.eco. */
@@ -80,8 +79,7 @@ static void make(const char *name, const char *const *models, size_t count)
 static struct eco_pack *open_pack(const char *name)
 {
 	struct eco_pack *pack = NULL;
-	struct eco_error error = { 0 };
-	assert_ok(eco_pack_open(&pack, in_root(name), &error), error);
+	assert_good(eco_pack_open(&pack, in_root(name), &cause));
 	return pack;
 }
 
@@ -145,11 +143,10 @@ UNIT_TEST(linked_packs_share_an_image)
 {
 	static const char *const one[] = { "large" }, *const other[] = { "third", "small" };
 	const char *parts[] = { in_root("one.eco"), in_root("other.eco") };
-	struct eco_error error = { 0 };
 	make("one", one, 1);
 	make("other", other, 2);
 	const struct link_options options = { .parts = parts, .count = 2, .pack = in_root("linked.eco"), .jobs = 2 };
-	assert_ok(link_packs(&options, &error), error);
+	assert_good(link_packs(&options, &cause));
 	write_text("linked.json", "{\"name\": \"linked\", \"children\": [{\"eco\": \"one.json\", \"at\": [0, 0]}, "
 		"{\"eco\": \"other.json\", \"at\": [0, 0]}]}\n");
 	build("linked.json", "whole.eco");

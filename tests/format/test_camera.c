@@ -17,8 +17,7 @@
 static struct eco_camera *camera_of(const char *json)
 {
 	struct eco_camera *camera;
-	struct eco_error error = { 0 };
-	assert_ok(eco_camera_parse(&camera, json, strlen(json), "tour.json", &error), error);
+	assert_good(eco_camera_parse(&camera, json, strlen(json), "tour.json", &cause));
 	return camera;
 }
 

@@ -50,9 +50,8 @@ static const uint8_t webp[] = {
 UNIT_TEST(colours_are_not_multiplied_by_alpha)
 {
 	static const uint8_t wanted[] = { 200, 0, 0, 128, 0, 255, 0, 255, 0, 0, 0, 0, 90, 180, 40, 64 };
-	struct eco_error error = { .code = ECO_OK };
 	struct eco_image image;
-	assert_ok(eco_image_read_memory(&image, webp, sizeof webp, "a.webp", &error), error);
+	assert_good(eco_image_read_memory(&image, webp, sizeof webp, "a.webp", &cause));
 	assert_int_equal(image.width, 4);
 	/* one way through the reader's own multiplication loses up to 2 at alpha 64 */
 	for (int i = 0; i < 16; i++)
@@ -170,15 +169,14 @@ UNIT_TEST(people_see_patches_of_another_hue_but_no_steps_of_one)
 	static uint8_t a[SIDE * SIDE * 3], b[SIDE * SIDE * 3];
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const struct eco_pixels first = { SIDE, SIDE, 3, a }, second = { SIDE, SIDE, 3, b };
-		struct eco_error error = { 0 };
 		uint64_t seen, back;
 		memset(a, 90, sizeof a);
 		memcpy(b, a, sizeof b);
 		for (int y = 0; y < cases[i].size; y++)
 			for (int x = 0; x < cases[i].size; x++)
 				b[3 * (SIDE * (y + 20) + x + 20)] = (uint8_t)(90 + cases[i].step);
-		assert_int_equal(eco_pixels_compare(&first, &second, &seen, &error), ECO_OK);
-		assert_int_equal(eco_pixels_compare(&second, &first, &back, &error), ECO_OK);
+		assert_good(eco_pixels_compare(&first, &second, &seen, &cause));
+		assert_good(eco_pixels_compare(&second, &first, &back, &cause));
 		assert_int_equal(seen, back);
 		assert_int_equal(seen > 0, cases[i].seen);
 		assert_true(seen <= SIDE * SIDE);

@@ -64,12 +64,11 @@ UNIT_TEST(no_module_is_needed)
 {
 	setenv(ECO_MODULES_VARIABLE, "/no/such/folder", 1);
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
-		struct eco_error error = { .code = ECO_OK };
 		struct eco_image image;
 		uint8_t *bytes;
 		unsigned long size;
 		write_jpeg(&kinds[i], &bytes, &size);
-		assert_ok(eco_image_read_memory(&image, bytes, size, kinds[i].name, &error), error);
+		assert_good(eco_image_read_memory(&image, bytes, size, kinds[i].name, &cause));
 		eco_image_free(&image);
 		free(bytes);
 	}
@@ -103,7 +102,6 @@ UNIT_TEST(texels_are_those_of_openimageio)
 
 UNIT_TEST(inks_are_left_to_openimageio)
 {
-	struct eco_error error = { .code = ECO_OK };
 	struct eco_image image;
 	uint8_t *bytes;
 	unsigned long size;
@@ -111,7 +109,7 @@ UNIT_TEST(inks_are_left_to_openimageio)
 	write_jpeg(&inks, &bytes, &size);
 	assert_false(eco_jpeg_decode(&image, bytes, size, &cut_off) || cut_off);
 	assert_null(image.rgba);
-	assert_ok(eco_image_read_memory(&image, bytes, size, "inks.jpg", &error), error);
+	assert_good(eco_image_read_memory(&image, bytes, size, "inks.jpg", &cause));
 	assert_int_equal(image.width, WIDTH);
 	eco_image_free(&image);
 	free(bytes);

@@ -20,8 +20,7 @@ static uint32_t number(uint32_t below)
 /* A disc with random holes in each tile, on a slope. */
 static void fill(struct eco_impostor_level *level, uint32_t which, uint32_t holes)
 {
-	struct eco_error error = { 0 };
-	assert_ok(eco_impostor_level_make(level, which, &error), error);
+	assert_good(eco_impostor_level_make(level, which, &cause));
 	const struct eco_impostor_size *size = &eco_impostor_sizes[which];
 	uint32_t tiles = eco_impostor_tiles(size->set), side = size->texels;
 	state = 7 + which;
@@ -38,9 +37,8 @@ static void fill(struct eco_impostor_level *level, uint32_t which, uint32_t hole
 
 static void write(struct eco_writer *w, const struct eco_impostor_level *level)
 {
-	struct eco_error error = { 0 };
 	size_t shape = 0;
-	assert_ok(eco_impostor_level_write(w, &body, level, &shape, &error), error);
+	assert_good(eco_impostor_level_write(w, &body, level, &shape, &cause));
 	assert_in_range(shape, 4, w->size);
 }
 
@@ -61,12 +59,10 @@ UNIT_TEST(levels_survive_their_bytes)
 			struct eco_impostor_level level, back;
 			struct eco_impostor_body read;
 			struct eco_writer w = { 0 };
-			struct eco_error error = { 0 };
 			fill(&level, which, holes);
 			eco_write_u8(&w, 99);                /* what is there before stays */
 			write(&w, &level);
-			assert_ok(eco_impostor_level_read(&back, &read, w.bytes + 1, w.size - 1, &error),
-				error);
+			assert_good(eco_impostor_level_read(&back, &read, w.bytes + 1, w.size - 1, &cause));
 			assert_int_equal(w.bytes[0], 99);
 			assert_same(&level, &back);
 			eco_impostor_level_free(&level);

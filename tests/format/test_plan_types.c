@@ -65,13 +65,12 @@ UNIT_TEST(sorting_puts_summaries_first_then_anchor_list_and_band)
 	struct eco_plan plan = { .cuts = cuts, .cut_count = 6, .runs = runs, .run_count = 3, .gates = gates,
 		.gate_count = 2,
 		.placements = placements, .placement_count = 2 };
-	struct eco_error error = { 0 };
 	static const struct { uint32_t anchor, list; uint8_t band; } order[] =
 		{ { ECO_NONE, 9, 0 }, { 0, 7, 7 }, { 1, 0, 4 }, { 1, 0, 5 },
 		{ 1, 1, 0 }, { 2, 0, 1 } };
 	assert_int_equal(eco_plan_check(&plan, NULL), ECO_DAMAGED);
 	eco_plan_sort(&plan);
-	assert_int_equal(eco_plan_check(&plan, &error), ECO_OK);
+	assert_good(eco_plan_check(&plan, &cause));
 	for (size_t i = 0; i < 6; i++)
 		assert_true(cuts[i].anchor == order[i].anchor && cuts[i].list == order[i].list
 			&& cuts[i].band_first == order[i].band);

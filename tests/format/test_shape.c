@@ -101,8 +101,7 @@ static void make_stretched_crown(struct crown *c, double steps, bool wide, bool 
 static void encode(const struct crown *c, uint8_t **bytes, size_t *size, uint32_t *order)
 {
 	const struct eco_chunk_input input = { &c->list, &c->elements, 0, LEAVES, 3 };
-	struct eco_error error = { 0 };
-	assert_int_equal(eco_chunk_encode(&input, bytes, size, order, &error), ECO_OK);
+	assert_good(eco_chunk_encode(&input, bytes, size, order, &cause));
 }
 
 static enum eco_code decode(const struct crown *c, const uint8_t *bytes, size_t size,
@@ -259,7 +258,6 @@ UNIT_TEST(forms_belong_to_placed_leaves)
 	uint32_t order[LEAVES];
 	uint8_t *bytes, *form_bytes;
 	size_t size, form_size;
-	struct eco_error error = { 0 };
 	make_crown(&crown, 60, 5);
 	encode(&crown, &bytes, &size, order);
 	for (uint32_t i = 0; i < LEAVES; i++) {
@@ -272,12 +270,11 @@ UNIT_TEST(forms_belong_to_placed_leaves)
 		.position = middle };
 	const struct eco_chunk_input input = { &crown.list, &crown.elements, 0, LEAVES, 3 };
 	const struct eco_chunk chunk = { .primitive_count = LEAVES, .element_count = LEAVES };
-	assert_int_equal(eco_chunk_encode_form(&input, &points, &forms, &form_bytes, &form_size, &error),
-		ECO_OK);
+	assert_good(eco_chunk_encode_form(&input, &points, &forms, &form_bytes, &form_size, &cause));
 	struct eco_chunk of = chunk;
 	struct eco_elements out;
 	of.size_bytes = (uint32_t)form_size;
-	assert_int_equal(eco_chunk_decode(&points, &of, 3, form_bytes, form_size, &out, &error), ECO_OK);
+	assert_good(eco_chunk_decode(&points, &of, 3, form_bytes, form_size, &out, &cause));
 	for (uint32_t i = 0; i < LEAVES; i++)
 		assert_int_equal(out.position[3 * i], order[i]);
 	eco_elements_free(&out);

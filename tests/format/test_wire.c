@@ -23,12 +23,11 @@ UNIT_TEST(portions_do_not_matter)
 	for (uint64_t seed = 1; seed <= 20; seed++) {
 		struct eco_writer w = random_stream(seed, 8);
 		struct wire_told whole = { 0 };
-		struct eco_error error = { 0 };
-		assert_int_equal(wire_tell(w.bytes, w.size, w.size, &whole, &error), ECO_OK);
+		assert_good(wire_tell(w.bytes, w.size, w.size, &whole, &cause));
 		assert_true(whole.events >= 1 + 2 + 6 + 8 + 1);
 		for (size_t i = 0; i < sizeof portions / sizeof *portions; i++) {
 			struct wire_told told = { 0 };
-			assert_int_equal(wire_tell(w.bytes, w.size, portions[i], &told, &error), ECO_OK);
+			assert_good(wire_tell(w.bytes, w.size, portions[i], &told, &cause));
 			assert_true(told.w.size == whole.w.size);
 			assert_memory_equal(told.w.bytes, whole.w.bytes, told.w.size);
 			eco_writer_free(&told.w);

@@ -12,12 +12,11 @@ UNIT_TEST(plan_survives_the_wire_and_has_one_encoding)
 		struct eco_plan plan = wire_random_plan(&r, 1 + i % 60, i % 2 ? 9 : UINT32_MAX - 1,
 			i % 3 ? 40 : UINT32_MAX), back;
 		struct eco_writer w = { 0 }, again = { 0 };
-		struct eco_error error = { 0 };
-		assert_int_equal(eco_plan_check(&plan, &error), ECO_OK);
+		assert_good(eco_plan_check(&plan, &cause));
 		eco_wire_write_plan(&w, &plan);
 		assert_false(w.failed);
 		struct eco_reader reader = { .bytes = w.bytes, .size = w.size };
-		assert_int_equal(eco_wire_read_plan(&reader, &back, &error), ECO_OK);
+		assert_good(eco_wire_read_plan(&reader, &back, &cause));
 		assert_true(reader.at == w.size);
 		assert_same_plan(&plan, &back);
 		eco_wire_write_plan(&again, &back);

@@ -33,10 +33,8 @@ static const char *gltf(const char *name, const char *nodes, const char *rest)
 
 static void write_png(const char *name, const uint8_t *rgba, uint32_t width, uint32_t height)
 {
-	struct eco_error error = { .code = ECO_OK };
-	if (eco_png_write(&(struct eco_pixels){ width, height, 4, rgba }, input_path(TEST_FOLDER, name),
-			&error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_good(eco_png_write(&(struct eco_pixels){ width, height, 4, rgba }, input_path(TEST_FOLDER, name),
+			&cause));
 }
 
 UNIT_TEST(textures_lie_the_right_way_up_and_replace_the_colour)

@@ -12,14 +12,13 @@ static void look_at_trees(struct lod_screen *screen, const struct eco_view *view
 	uint32_t count)
 {
 	static struct lod_eye eye;
-	struct eco_error error = { .code = ECO_OK };
 	lod_eye_make(&eye, view);
 	lod_screen_init(screen, &eye, view, true);
 	for (uint32_t i = 0; i < count; i++) {
 		const double center[3] = { feet[i][0], feet[i][1], feet[i][2] + tree.up };
 		assert_non_null(lod_screen_add(screen, center, &tree));
 	}
-	assert_int_equal(lod_screen_shares(screen, true, &error), ECO_OK);
+	assert_good(lod_screen_shares(screen, true, &cause));
 }
 
 UNIT_TEST(what_lies_behind_a_ridge_is_hidden)
