@@ -11,7 +11,7 @@
 static struct soup soup;
 static struct lod_plant plant;
 
-enum kind { SMALL_TREE, TREE_WITH_CELLS, TEXTURED_TREE, BARE_TREE, GRASS, HULL, KINDS };
+enum kind { SMALL_TREE, TREE_WITH_CELLS, TEXTURED_TREE, BARE_TREE, SHADED_BARK, GRASS, HULL, KINDS };
 
 static void make_model(enum kind kind)
 {
@@ -20,6 +20,12 @@ static void make_model(enum kind kind)
 	case TREE_WITH_CELLS: soup_tree(&soup, 4000, 900, false); return;
 	case TEXTURED_TREE: soup_tree(&soup, 1500, 40, true); return;
 	case BARE_TREE: soup_tree(&soup, 0, 0, false); return;
+	case SHADED_BARK:
+		soup_tree(&soup, 0, 0, false);
+		soup.material[0].image = soup_disc_image(&soup, 8);
+		for (uint32_t i = 0; i < 64; i++)
+			memcpy(soup.image[0].rgba + 4 * i, i % 2 ? "\x60\x40\x20\xff" : "\x40\x28\x10\xff", 4);
+		return;
 	default: soup_begin(&soup);
 	}
 	uint32_t green = soup_material(&soup, 60, 150, 40, ECO_NONE, false);
@@ -298,7 +304,7 @@ UNIT_TEST(every_triangle_is_stored_once_and_lists_and_ladders_are_consistent)
 			assert_true(anchor == 0 || plant.ladders[l].anchor != 0);
 			flowers += plant.ladders[l].organ == ECO_ORGAN_FLOWER;
 		}
-		assert_int_equal(plant.image_count, kind == TEXTURED_TREE);
+		assert_int_equal(plant.image_count, kind == TEXTURED_TREE || kind == SHADED_BARK);
 		assert_true(kind != TEXTURED_TREE || flowers == 1);      /* 40 of them are not parted */
 		finish();
 	}

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "ecofiles/format/view.h"
+#include "lod/bake.h"
 #include "lod/build/impostor/impostor_make.h"
 #include "lod/build/model_draw.h"
 #include "lod/impostor.h"
@@ -178,6 +179,31 @@ UNIT_TEST(what_cannot_be_drawn_is_left_out)
 		draw(&raster, &balls[0], 1);
 		for (uint32_t k = 0; k < SIDE * SIDE; k++)
 			assert_int_equal(raster.cover[k], 0);
+	}
+}
+
+/* An icosahedron in its place, size and colour; few ellipsoids are too. */
+UNIT_TEST(impostors_and_few_splats_are_baked_as_balls)
+{
+	static const float half[9] = { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, at[3] = { 1, 2, 3 };
+	static const uint8_t red[1][3] = { { 200, 30, 10 } };
+	const struct lod_geometry geometry = { .position = (float *)at, .half = (float *)half,
+		.color = (int32_t[]){ 0 } };
+	const struct eco_list list = { .kind = ECO_LIST_POINTS, .palette_count = 1, .image = ECO_NONE };
+	for (int splat = 0; splat < 2; splat++) {
+		struct lod_bake bake;
+		assert_good(lod_bake_make(&bake, &(struct lod_bake_input){ .list = &list, .palette = red,
+			.geometry = &geometry, .count = 1, .impostor = splat ? NULL : &balls[BEST] }, &cause));
+		assert_true(bake.vertex_count == 12 && bake.index_count == 60);
+		for (uint32_t v = 0; v < bake.vertex_count; v++) {
+			const float *p = bake.position + 3 * v;
+			double far = hypot(hypot((double)p[0] - 1, (double)p[1] - 2), (double)p[2] - 3);
+			assert_true(far > 0.95 && far < 1.2);
+			assert_true(bake.color[4 * v] > 8 * bake.color[4 * v + 1] && bake.color[4 * v + 3] == 65535);
+		}
+		for (uint32_t i = 0; i < bake.index_count; i++)
+			assert_true(bake.index[i] < bake.vertex_count);
+		lod_bake_free(&bake);
 	}
 }
 
