@@ -76,9 +76,8 @@ UNIT_TEST(no_folder_is_an_error_that_names_it)
 UNIT_TEST(it_ends_when_it_is_cancelled)
 {
 	const atomic_bool cancelled = true;
-	struct eco_error error = { 0 };
 	int file = file_of(10), copy;
-	assert_int_equal(eco_private_copy(&copy, file, "bytes", FOLDER, &cancelled, &error), ECO_INTERRUPTED);
+	assert_code(eco_private_copy(&copy, file, "bytes", FOLDER, &cancelled, &cause), ECO_INTERRUPTED, "");
 	assert_int_equal(copy, -1);
 	close(file);
 }

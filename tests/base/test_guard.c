@@ -203,17 +203,16 @@ UNIT_TEST(a_stream_arrives_whole_and_so_does_its_end)
 	int open_before = descriptors();
 	for (size_t i = 0; i < sizeof streams / sizeof *streams; i++) {
 		struct writing what = streams[i].what;
-		struct eco_error error = { .code = ECO_OK };
 		struct eco_guard *guard;
 		uint32_t number, count = 0;
 		FILE *stream;
-		assert_int_equal(eco_guard_start(&guard, write_numbers, &what, "stems.csv", NULL, &stream,
-			&error), ECO_OK);
+		assert_good(eco_guard_start(&guard, write_numbers, &what, "stems.csv", NULL, &stream,
+			&cause));
 		for (; fread(&number, sizeof number, 1, stream) == 1; count++)
 			if (number != count)
 				fail_msg("number %u is %u", count, number);
 		assert_int_equal(count, what.count);
-		assert_int_equal(eco_guard_finish(guard, &error), streams[i].code);
+		assert_code(eco_guard_finish(guard, &cause), streams[i].code, "");
 		nothing_is_left(open_before);
 	}
 }
@@ -223,15 +222,13 @@ UNIT_TEST(a_stream_that_stays_silent_ends_by_the_clock)
 	static const enum deed deeds[] = { SLEEP, DEAF };
 	int open_before = descriptors();
 	for (size_t i = 0; i < sizeof deeds / sizeof *deeds; i++) {
-		struct eco_error error = { .code = ECO_OK };
 		enum deed deed = deeds[i];
 		struct eco_guard *guard;
 		FILE *stream;
-		assert_int_equal(eco_guard_start(&guard, misbehave, &deed, "stems.csv", &brief, &stream,
-			&error), ECO_OK);
+		assert_good(eco_guard_start(&guard, misbehave, &deed, "stems.csv", &brief, &stream,
+			&cause));
 		assert_int_equal(fgetc(stream), EOF);
-		assert_int_equal(eco_guard_finish(guard, &error), ECO_TOO_LARGE);
-		assert_non_null(strstr(error.text, "stems.csv: not read within 1 s"));
+		assert_code(eco_guard_finish(guard, &cause), ECO_TOO_LARGE, "stems.csv: not read within 1 s");
 		nothing_is_left(open_before);
 	}
 }
@@ -517,22 +514,18 @@ UNIT_TEST(a_parent_that_dies_takes_its_child_along)
 UNIT_TEST(the_environment_has_the_last_word_on_limits)
 {
 	struct eco_guard_limits generous = { .memory_bytes = 8ull << 30, .cpu_s = 600, .clock_s = 600 };
-	struct eco_error error = { .code = ECO_OK };
 	enum deed deed = SPIN;
 	FILE *result;
 	setenv(ECO_GUARD_SECONDS_VARIABLE, "1", 1);
-	assert_int_equal(eco_guard_run(misbehave, &deed, "tree.obj", &generous, &result, &error),
-		ECO_TOO_LARGE);
-	assert_non_null(strstr(error.text, "ECO_IMPORT_SECONDS=4 allows more"));
+	assert_code(eco_guard_run(misbehave, &deed, "tree.obj", &generous, &result, &cause), ECO_TOO_LARGE,
+		"ECO_IMPORT_SECONDS=4 allows more");
 	unsetenv(ECO_GUARD_SECONDS_VARIABLE);
 	if (SANITIZED)
 		return;
 	setenv(ECO_GUARD_MEMORY_VARIABLE, "0.25", 1);
-	error = (struct eco_error){ .code = ECO_OK };
 	deed = SAY_NO_MEMORY;
-	assert_int_equal(eco_guard_run(misbehave, &deed, "tree.obj", &generous, &result, &error),
-		ECO_TOO_LARGE);
-	assert_non_null(strstr(error.text, "more than the 0.25 GB of memory"));
+	assert_code(eco_guard_run(misbehave, &deed, "tree.obj", &generous, &result, &cause), ECO_TOO_LARGE,
+		"more than the 0.25 GB of memory");
 	unsetenv(ECO_GUARD_MEMORY_VARIABLE);
 }
 

@@ -25,11 +25,11 @@ UNIT_TEST(it_stops_when_asked)
 {
 	struct soup soup;
 	struct lod_impostors impostors;
-	struct eco_error error = { 0 };
 	int calls = 0;
 	soup_tree(&soup, 20, 0, false);
-	assert_int_equal(lod_impostors_make(&impostors, &soup.model,
-		&(struct lod_impostors_options){ .progress = stop, .ctx = &calls }, &error), ECO_INTERRUPTED);
+	assert_code(lod_impostors_make(&impostors, &soup.model,
+		&(struct lod_impostors_options){ .progress = stop, .ctx = &calls }, &cause), ECO_INTERRUPTED,
+		"");
 	assert_int_equal(impostors.level_count, 0);
 	soup_free(&soup);
 }
@@ -38,7 +38,6 @@ UNIT_TEST(plants_without_extent_have_impostors_too)
 {
 	struct soup soup;
 	struct lod_impostors impostors;
-	struct eco_error error = { 0 };
 	const struct eco_model nothing = { 0 };
 	make(&impostors, &nothing, &(struct lod_impostors_options){ .levels = 0 });
 	assert_int_equal(impostors.level_count, 0);
@@ -54,8 +53,8 @@ UNIT_TEST(plants_without_extent_have_impostors_too)
 		write_all(&w, &impostors);
 		struct eco_impostor_level back;
 		struct eco_impostor_body body;
-		assert_int_equal(eco_impostor_level_read(&back, &body,
-			w.bytes + ECO_IMPOSTOR_BODY_BYTES, w.size, &error), ECO_DAMAGED);
+		assert_code(eco_impostor_level_read(&back, &body,
+			w.bytes + ECO_IMPOSTOR_BODY_BYTES, w.size, &cause), ECO_DAMAGED, "");
 		eco_writer_free(&w);
 		lod_impostors_free(&impostors);
 		soup_free(&soup);

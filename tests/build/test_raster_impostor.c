@@ -193,13 +193,15 @@ UNIT_TEST(impostors_and_few_splats_are_baked_as_balls)
 	for (int splat = 0; splat < 2; splat++) {
 		struct lod_bake bake;
 		assert_good(lod_bake_make(&bake, &(struct lod_bake_input){ .list = &list, .palette = red,
-			.geometry = &geometry, .count = 1, .impostor = splat ? NULL : &balls[BEST] }, &cause));
+			.geometry = &geometry, .count = 1, .impostor = splat ? NULL : &balls[BEST] },
+			&cause));
 		assert_true(bake.vertex_count == 12 && bake.index_count == 60);
 		for (uint32_t v = 0; v < bake.vertex_count; v++) {
 			const float *p = bake.position + 3 * v;
 			double far = hypot(hypot((double)p[0] - 1, (double)p[1] - 2), (double)p[2] - 3);
 			assert_true(far > 0.95 && far < 1.2);
-			assert_true(bake.color[4 * v] > 8 * bake.color[4 * v + 1] && bake.color[4 * v + 3] == 65535);
+			assert_true(bake.color[4 * v] > 8 * bake.color[4 * v + 1]
+				&& bake.color[4 * v + 3] == 65535);
 		}
 		for (uint32_t i = 0; i < bake.index_count; i++)
 			assert_true(bake.index[i] < bake.vertex_count);

@@ -78,7 +78,6 @@ UNIT_TEST(progress_rises_and_can_stop_it)
 {
 	struct soup soup;
 	struct lod_splats splats;
-	struct eco_error error = { 0 };
 	struct watch watch = { 0, 2 };
 	struct lod_splats_options options = quick;
 	soup_tree(&soup, 300, 25, false);
@@ -89,7 +88,7 @@ UNIT_TEST(progress_rises_and_can_stop_it)
 	assert_true(watch.last > 0.9);
 	lod_splats_free(&splats);
 	watch = (struct watch){ 0, 0.5 };
-	assert_int_equal(lod_splats_fit(&splats, &soup.model, &options, &error), ECO_INTERRUPTED);
+	assert_code(lod_splats_fit(&splats, &soup.model, &options, &cause), ECO_INTERRUPTED, "");
 	assert_null(splats.items);
 	assert_true(watch.last < 0.6);
 	soup_free(&soup);

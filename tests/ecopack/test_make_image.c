@@ -89,7 +89,8 @@ UNIT_TEST(colours_are_seen_where_they_lie_by_opengl_and_in_software)
 
 static void make(const char *pack, uint32_t jobs, bool draft)
 {
-	assert_good(make_pack(&(struct make_options){ .scene = in_root("photo.json"), .pack = in_root(pack), .jobs = jobs,
+	assert_good(make_pack(&(struct make_options){ .scene = in_root("photo.json"), .pack = in_root(pack),
+		.jobs = jobs,
 		.draft = draft, .order = LOD_ORDER_COMBINED }, &cause));
 }
 

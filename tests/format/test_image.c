@@ -70,7 +70,6 @@ UNIT_TEST(pictures_of_games_are_read)
 	static const uint8_t wanted[] = { 30, 20, 10, 255, 60, 50, 40, 0 };
 	uint8_t dds[136], tga[26] = { [2] = 2, [12] = 2, [14] = 1, [16] = 32, 0x28 };
 	static const uint8_t pixels[] = { 10, 20, 30, 255, 40, 50, 60, 0 };
-	struct eco_error error = { .code = ECO_OK };
 	struct eco_image image;
 	memcpy(dds, head, sizeof head);
 	memcpy(dds + sizeof head, pixels, sizeof pixels);
@@ -78,15 +77,14 @@ UNIT_TEST(pictures_of_games_are_read)
 	const char *paths[] = { input_bytes("image", "two.dds", dds, sizeof dds),
 		input_bytes("image", "two.tga", tga, sizeof tga) };
 	for (size_t i = 0; i < 2; i++) {
-		assert_ok(eco_image_read(&image, paths[i], &error), error);
+		assert_good(eco_image_read(&image, paths[i], &cause));
 		assert_true(image.width == 2 && image.height == 1);
 		assert_memory_equal(image.rgba, wanted, sizeof wanted);
 		eco_image_free(&image);
 	}
 	static const char ktx[] = "\xabKTX 20\xbb\r\n\x1a\n";
-	assert_int_equal(eco_image_read(&image, input_bytes("image", "no.ktx2", ktx, 12),
-		&error), ECO_UNSUPPORTED);
-	assert_non_null(strstr(error.text, "no.ktx2: KTX is not read: save it as PNG"));
+	assert_code(eco_image_read(&image, input_bytes("image", "no.ktx2", ktx, 12),
+		&cause), ECO_UNSUPPORTED, "no.ktx2: KTX is not read: save it as PNG");
 }
 
 UNIT_TEST(what_is_no_picture_is_an_error_that_names_it)
@@ -153,12 +151,11 @@ UNIT_TEST(a_huge_picture_is_refused_before_it_is_read)
 
 UNIT_TEST(a_picture_that_cannot_be_written_leaves_nothing)
 {
-	struct eco_error error = { .code = ECO_OK };
 	uint8_t bytes[48];
 	const struct eco_pixels pixels = { 4, 3, 4, bytes };
 	sample(bytes, 4);
-	assert_int_equal(eco_png_write(&pixels, "build/tmp/image/no/such/folder.png", &error), ECO_IO);
-	assert_non_null(strstr(error.text, "folder.png"));
+	assert_code(eco_png_write(&pixels, "build/tmp/image/no/such/folder.png", &cause), ECO_IO,
+		"folder.png");
 }
 
 UNIT_TEST(people_see_patches_of_another_hue_but_no_steps_of_one)

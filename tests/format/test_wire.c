@@ -295,17 +295,16 @@ UNIT_TEST(named_chunks_are_as_carried_ones)
 	struct eco_writer carried = stream_of(payload, false), named = stream_of(payload, true);
 	struct wire_told all = { 0 }, same = { .hosted = payload }, less = { 0 },
 		damaged = { .hosted = "A payload of some bytes" };
-	struct eco_error error = { 0 };
 	assert_in_range(named.size - carried.size + strlen(payload), sizeof(struct eco_chunk_id),
 		sizeof(struct eco_chunk_id) + 1);
-	assert_ok(wire_tell(carried.bytes, carried.size, 0, &all, &error), error);
-	assert_ok(wire_tell(named.bytes, named.size, 0, &same, &error), error);
+	assert_good(wire_tell(carried.bytes, carried.size, 0, &all, &cause));
+	assert_good(wire_tell(named.bytes, named.size, 0, &same, &cause));
 	assert_int_equal(same.w.size, all.w.size);
 	assert_memory_equal(same.w.bytes, all.w.bytes, all.w.size);
-	assert_ok(wire_tell(named.bytes, named.size, 0, &less, &error), error);
+	assert_good(wire_tell(named.bytes, named.size, 0, &less, &cause));
 	assert_int_equal(less.events, all.events - 1);
-	assert_int_equal(wire_tell(named.bytes, named.size, 0, &damaged, &error), ECO_DAMAGED);
-	assert_non_null(strstr(error.text, "the hash that names it"));
+	assert_code(wire_tell(named.bytes, named.size, 0, &damaged, &cause), ECO_DAMAGED,
+		"the hash that names it");
 	for (size_t size = 0; size < named.size; size++) {
 		struct wire_told told = { .hosted = payload };
 		assert_int_equal(wire_tell(named.bytes, size, 0, &told, &(struct eco_error){ 0 }), ECO_DAMAGED);

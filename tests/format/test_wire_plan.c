@@ -75,10 +75,9 @@ UNIT_TEST(items_are_bounded_by_the_bytes_of_a_plan)
 	assert_same_plan(&plan, &back);
 	eco_plan_free(&back);
 	for (int more = -1; more <= 1; more += 2) {      /* one zero fewer, and one more */
-		struct eco_error error = { 0 };
 		eco_write_u8(&w, 0);
 		r = (struct eco_reader){ .bytes = w.bytes, .size = w.size - 1 + (size_t)more };
-		assert_int_equal(eco_wire_read_plan(&r, &back, &error), ECO_DAMAGED);
+		assert_code(eco_wire_read_plan(&r, &back, &cause), ECO_DAMAGED, "");
 		w.size--;
 	}
 	eco_plan_free(&plan);

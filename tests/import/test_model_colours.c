@@ -33,7 +33,8 @@ static const char *gltf(const char *name, const char *nodes, const char *rest)
 
 static void write_png(const char *name, const uint8_t *rgba, uint32_t width, uint32_t height)
 {
-	assert_good(eco_png_write(&(struct eco_pixels){ width, height, 4, rgba }, input_path(TEST_FOLDER, name),
+	assert_good(eco_png_write(&(struct eco_pixels){ width, height, 4, rgba }, input_path(TEST_FOLDER,
+		name),
 			&cause));
 }
 

@@ -292,7 +292,8 @@ static enum eco_code take(void *ctx, struct eco_plan *plan, double wrong, struct
 }
 
 /* Bytes that a plan needs, beside those of `held`. */
-static uint64_t needed(const struct eco_scene *scene, const struct eco_plan *plan, const struct eco_holdings *held)
+static uint64_t needed(const struct eco_scene *scene, const struct eco_plan *plan,
+	const struct eco_holdings *held)
 {
 	struct eco_plan copy = *plan;
 	uint64_t bytes;
@@ -309,7 +310,8 @@ static uint32_t check_coarser(const struct eco_scene *scene, const struct eco_re
 	struct plan_sizer sizer = { scene, NULL };
 	struct eco_plan answer;
 	struct eco_holdings needs;
-	plan_make(&answer, (struct lod_planner_input){ .scene = scene, .request = request, .coarser = &coarser,
+	plan_make(&answer, (struct lod_planner_input){ .scene = scene, .request = request,
+		.coarser = &coarser,
 		.size = plan_size, .size_ctx = &sizer });
 	assert_same(&answer, alone);
 	assert_int_equal(lod_plan_needs(scene, &answer, &needs, NULL), ECO_OK);
@@ -361,7 +363,8 @@ UNIT_TEST(bytes_that_set_hardly_anything_right_are_spared_and_coarser_answers_ne
 	}
 	print_message("%u of %u plans send fewer bytes; all %.3f of those\n", fewer, SCENES * VIEWS,
 		(double)sent / (double)all);
-	print_message("%u have more than 2 coarser answers; %.3f of their bytes the answer does not use\n", many,
+	print_message("%u have more than 2 coarser answers; %.3f of their bytes the answer does not use\n",
+		many,
 		(double)waste / (double)sum);
 	assert_true(fewer > 5);
 	assert_true(many > SCENES / 4 && waste * 2 < sum);

@@ -58,7 +58,8 @@ UNIT_TEST(large_chunks_come_from_the_copy_or_the_map)
 		struct srv_store packs = { .copies = copied ? "build/tmp" : NULL };
 		assert_good(sample_pack_write_textured(path, sizes, SIZES, &cause));
 		assert_good(srv_store_add(&packs, "sample", path, &cause));
-		assert_good(srv_daemon_start(&daemon_, &(struct srv_config){ .listen = "127.0.0.1:0" }, &packs, &cause));
+		assert_good(srv_daemon_start(&daemon_, &(struct srv_config){ .listen = "127.0.0.1:0" },
+			&packs, &cause));
 		port = srv_daemon_port(daemon_);
 		assert_int_equal(packs.scenes[0]->pack->file >= 0, copied);
 		unlink(path);                    /* nobody else's file is needed */

@@ -45,7 +45,8 @@ void write_shrub(const char *path, const char *head, double height, int leaves)
 	FILE *file = fopen(path, "wb");
 	double l = height / 15, w = height / 40;
 	assert_non_null(file);
-	fprintf(file, "%sv %f 0 0\nv %f 0 0\nv 0 %f %f\nv 0 %f %f\nf 1 2 3\nf 1 2 4\n", head, -w, w, height, w, height, -w);
+	fprintf(file, "%sv %f 0 0\nv %f 0 0\nv 0 %f %f\nv 0 %f %f\nf 1 2 3\nf 1 2 4\n", head, -w, w, height,
+		w, height, -w);
 	for (int i = 0; i < leaves; i++) {
 		double x = (i * 37 % 100 - 50) / 100.0 * height * 0.7,
 			y = height * (0.5 + i * 53 % 100 / 200.0);
