@@ -130,7 +130,8 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out,
 	struct eco_error *error);
 
-/* The tree of 6,143 leaves (bench_crown.c) as FOLDER/NAME.obj and .mtl. */
+/* The tree of 6,143 leaves (bench_crown.c): as a model, which the caller frees; as FOLDER/NAME.obj and .mtl. */
+enum eco_code bench_crown_make(struct eco_model *model, struct eco_error *error);
 enum eco_code bench_crown_write(const char *folder, const char *name, struct eco_error *error);
 
 /* The pack of a scene (crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park, city,

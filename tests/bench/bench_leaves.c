@@ -52,7 +52,8 @@ static json_t *make_unit(void *ctx)
 {
 	const struct opening *o = ctx;
 	struct bench_leaves leaves = { .pixels = o->pixels };
-	must(bench_model_read(o->bench, o->model, &leaves.model, must_error));
+	must(o->model ? bench_model_read(o->bench, o->model, &leaves.model, must_error)
+		: bench_crown_make(&leaves.model, must_error));
 	must(bench_foliage_make(&leaves.foliage, &leaves.model, &leaves.arena, must_error));
 	must_have(&leaves.arena);
 	must(lod_raster_init(&leaves.cover, &(struct lod_raster_options){ .width = o->pixels,
@@ -70,8 +71,8 @@ json_t *bench_leaves_unit(struct bench *bench, const char *prefix, const char *s
 	const struct bench_model *model, uint32_t pixels, bench_leaves_study *study, void *ctx)
 {
 	char name[128], whole[64];
-	snprintf(name, sizeof name, "%s-%s", prefix, model->name);
-	snprintf(whole, sizeof whole, "%d %s", bench->full, must_stamp(model->path));
+	snprintf(name, sizeof name, model ? "%s-%s" : "%s", prefix, model ? model->name : "");
+	snprintf(whole, sizeof whole, "%d %s", bench->full, model ? must_stamp(model->path) : "");
 	return must_unit(bench, name, stamp ? stamp : whole, make_unit,
 		&(struct opening){ bench, model, pixels, study, ctx });
 }

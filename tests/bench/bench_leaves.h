@@ -26,8 +26,8 @@ enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_m
 	struct lod_arena *arena, struct eco_error *error);
 
 /* A unit "PREFIX-NAME" (bench_unit) of a model's leaves, made by `study`, which may take from the leaves'
- * arena. stamp NULL: what the model's file holds, and whether the bench is full. A plant without leaves ends the
- * section. */
+ * arena. model NULL: the tree of 6,143 leaves. stamp NULL: what the model's file holds, and whether the bench
+ * is full. A plant without leaves ends the section. */
 typedef json_t *bench_leaves_study(void *ctx, struct bench_leaves *leaves);
 json_t *bench_leaves_unit(struct bench *bench, const char *prefix, const char *stamp,
 	const struct bench_model *model, uint32_t pixels, bench_leaves_study *study, void *ctx);

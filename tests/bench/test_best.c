@@ -89,9 +89,11 @@ static void try_structure(void)
 	double closed = 0;
 	lod_allocation_fix(&s.allocation);
 	assert_ok(lod_fill_make(&fill, &s.allocation, &error), error);
-	for (uint32_t n = 0; n < s.planner.visible.node_count; n++)
+	for (uint32_t n = 0; n < s.planner.visible.node_count; n++) {
+		const struct lod_tile_choice *choice = &s.allocation.tile_choices[n];
 		if (s.planner.visible.nodes[n].state == LOD_CLOSED)
-			closed += s.allocation.tile_choices[n].weight * s.allocation.tile_choices[n].weight_px;
+			closed += choice->weight * choice->weight_px;
+	}
 	for (uint64_t v = 0; v <= s.budget; v++)
 		s.least[v] = closed;
 	for (uint32_t i = 0; i < fill.candidate_count; i++)

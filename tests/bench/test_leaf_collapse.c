@@ -1,7 +1,6 @@
 /* Leaf collapse (Hidalgo 2007): which pairs collapse, into which quads, and how levels lie in one array. */
 #include <math.h>
 
-#include "lod/build/foliage.h"
 #include "tests/bench/baseline/leaf_collapse.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
@@ -174,42 +173,4 @@ UNIT_TEST(the_search_finds_the_cheapest_of_all_pairs)
 			gone[child[0]] = gone[child[1]] = true;
 		}
 	}
-}
-
-/* Figures 2 and 6: sectors hold every leaf once; tiles are as dense as their quads. */
-UNIT_TEST(sectors_and_tiles_show_the_whole_crown)
-{
-	struct lod_foliage foliage;
-	struct lod_collapse forest[5];
-	struct lod_collapse_atlas atlas;
-	bool seen[2000] = { false };
-	double sum[LOD_COLLAPSE_TILES] = { 0 };
-	uint32_t quads_of[LOD_COLLAPSE_TILES] = { 0 };
-	lod_arena_free(&arena);
-	assert_int_equal(setjmp(arena.failed), 0);
-	foliage_random(&foliage, &(struct foliage_random){ 2000, 4, 3, 0.25, 21 }, &arena);
-	lod_collapse_make(forest, 5, &foliage, NULL, &arena);
-	const struct lod_fan shape = lod_foliage_fan(&foliage, 0);
-	lod_collapse_atlas_make(&atlas, forest, 5, &shape, (const uint8_t[3]){ 76, 110, 40 }, &arena);
-	for (uint32_t i = 0; i < 2000; i++) {
-		assert_false(seen[forest[i / 400].leaf[i % 400]]);
-		seen[forest[i / 400].leaf[i % 400]] = true;
-	}
-	for (int s = 0; s < 5; s++)
-		for (uint32_t i = forest[s].leaves; i < forest[s].leaves + forest[s].made; i++) {
-			const struct lod_collapse_node *quad = &forest[s].node[i];
-			sum[quad->tile] += fmin(1, quad->opaque_area / quad->area);
-			quads_of[quad->tile]++;
-			assert_int_equal(quad->represents == 2, quad->tile < LOD_COLLAPSE_CLASS_TILES);
-		}
-	for (uint32_t t = 0; t < LOD_COLLAPSE_TILES; t++) {
-		const struct lod_collapse_tile *tile = &atlas.tile[t];
-		uint32_t opaque = 0, texels = tile->side * tile->side;
-		for (uint32_t i = 0; i < texels; i++)
-			opaque += atlas.image.rgba[4 * ((size_t)(tile->y + i / tile->side) * atlas.image.width
-				+ tile->x + i % tile->side) + 3] == 255;
-		assert_true(!texels || fabs((double)opaque / texels - tile->density) < 0.02);
-		assert_true(quads_of[t] < 20 || fabs(sum[t] / quads_of[t] - tile->density) < 0.15);
-	}
-	lod_arena_free(&arena);
 }

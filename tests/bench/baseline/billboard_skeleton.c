@@ -1,5 +1,7 @@
 /* The skeleton (Kratt 2014, 3.1): extruded elements become chains of graph nodes, chains are connected at
  * points of overlap. It becomes a binary tree in preorder, with its faces. */
+#include <string.h>
+
 #include "ecofiles/base/status.h"
 #include "ecofiles/base/union.h"
 #include "lod/heap.h"
@@ -29,8 +31,10 @@ struct skeleton {
 	uint32_t *level, *set;       /* per triangle: its level; union-find over those that are one node */
 };
 
-static void *take(struct skeleton *s, size_t count, size_t size) { return lod_arena_take(s->arena, count,
-	size); }
+static void *take(struct skeleton *s, size_t count, size_t size)
+{
+	return lod_arena_take(s->arena, count, size);
+}
 
 /* The heap has room for another item. */
 static void push(struct skeleton *s, double key, uint32_t id)
@@ -77,6 +81,7 @@ static struct lod_v3 corner_at(const struct skeleton *s, uint32_t corner)
  * corners. Nearness counts in half cells, and among the equally near the largest bears: a leaf hangs on its
  * twig and not on the leaf beside it. */
 
+struct rep { uint32_t corner, component, cell; };
 struct attach {
 	struct skeleton *s;
 	bool *taken;
@@ -84,7 +89,7 @@ struct attach {
 	double side;                 /* of cells */
 	struct lod_keyed *cells;     /* by key; value: the first rep */
 	uint32_t cell_count, rep_count;
-	uint32_t *corner, *component, *cell;         /* of reps, by cell */
+	struct rep *reps;            /* by cell */
 	uint32_t *own_first, *own;   /* reps by component */
 	double *seen;                /* per cell: extent of what looked around it */
 };
@@ -119,14 +124,12 @@ static void make_level(struct attach *a, double side)
 {
 	struct skeleton *s = a->s;
 	const struct lod_mesh *mesh = s->mesh;
-	uint32_t n = 3 * mesh->triangle_count;
+	uint32_t n = 3 * mesh->triangle_count, *component = take(s, n, sizeof *component);
 	struct lod_keyed *items = take(s, n, sizeof *items);
 	a->side = side;
 	a->cells = take(s, (size_t)n + 1, sizeof *a->cells);
 	a->seen = take(s, n, sizeof *a->seen);
-	a->corner = take(s, n, sizeof *a->corner);
-	a->component = take(s, n, sizeof *a->component);
-	a->cell = take(s, n, sizeof *a->cell);
+	a->reps = take(s, n, sizeof *a->reps);
 	/* in the order of components, which the sort keeps within a cell */
 	for (uint32_t i = 0; i < n; i++) {
 		uint32_t corner = 3 * mesh->member[i / 3] + i % 3;
@@ -135,58 +138,55 @@ static void make_level(struct attach *a, double side)
 	lod_sort(s->arena, items, n);
 	a->rep_count = a->cell_count = 0;
 	for (uint32_t i = 0; i < n; i++) {
-		uint32_t component = mesh->component[items[i].value / 3];
+		uint32_t of = mesh->component[items[i].value / 3];
 		bool new_cell = i == 0 || items[i].key != items[i - 1].key;
 		if (new_cell) {
 			a->seen[a->cell_count] = -1;
 			a->cells[a->cell_count++] = (struct lod_keyed){ items[i].key, a->rep_count };
 		}
-		if (!new_cell && a->component[a->rep_count - 1] == component)
-			continue;
-		a->corner[a->rep_count] = items[i].value;
-		a->component[a->rep_count] = component;
-		a->cell[a->rep_count++] = a->cell_count - 1;
+		if (new_cell || component[a->rep_count - 1] != of) {
+			component[a->rep_count] = of;
+			a->reps[a->rep_count++] = (struct rep){ items[i].value, of, a->cell_count - 1 };
+		}
 	}
 	a->cells[a->cell_count].value = a->rep_count;
-	a->own_first = list_by(s, a->component, a->rep_count, mesh->component_count, &a->own);
+	a->own_first = list_by(s, component, a->rep_count, mesh->component_count, &a->own);
 	s->heap_count = 0;
 	s->heap = take(s, NEAR_MOST * (size_t)mesh->component_count, sizeof *s->heap);
-	for (uint32_t c = 0; c < mesh->component_count; c++)
-		a->near[c] = ECO_NONE;
+	memset(a->near, 0xff, mesh->component_count * sizeof *a->near);  /* ECO_NONE */
 }
 
-static void offer(struct attach *a, uint32_t from, uint32_t to)
+static void offer(struct attach *a, const struct rep *from, const struct rep *to)
 {
-	uint32_t c = a->component[to], bearer = a->component[from],
-		near = (uint32_t)(2 * lod_v3_distance(corner_at(a->s, a->corner[from]),
-		corner_at(a->s, a->corner[to])) / a->side);
 	const double *extent = a->s->extent;
+	uint32_t c = to->component, near = (uint32_t)(2 * lod_v3_distance(corner_at(a->s, from->corner),
+		corner_at(a->s, to->corner)) / a->side);
 	if (a->taken[c] || near > a->near[c] || (near == a->near[c]
-		&& !(extent[bearer] > extent[a->bearer[c]])))
+			&& !(extent[from->component] > extent[a->bearer[c]])))
 		return;
 	if (near < a->near[c])               /* extents stay below 64 */
 		push(a->s, -64.0 * near + extent[c], c);
 	a->near[c] = near;
-	a->bearer[c] = bearer;
-	a->s->link[c] = (struct link){ a->corner[from], a->corner[to] };
+	a->bearer[c] = from->component;
+	a->s->link[c] = (struct link){ from->corner, to->corner };
 }
 
 static void expand(struct attach *a, uint32_t component)
 {
 	double extent = a->s->extent[component];
 	for (uint32_t k = a->own_first[component]; k < a->own_first[component + 1]; k++) {
-		uint32_t from = a->own[k];
-		struct lod_v3 at = corner_at(a->s, a->corner[from]);
-		if (extent <= SURPASSES * a->seen[a->cell[from]])
+		const struct rep *from = &a->reps[a->own[k]];
+		if (extent <= SURPASSES * a->seen[from->cell])
 			continue;
-		a->seen[a->cell[from]] = extent;
+		a->seen[from->cell] = extent;
 		for (int i = 0; i < 27; i++) {
-			uint64_t key = billboard_cell(at, a->side, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+			uint64_t key = billboard_cell(corner_at(a->s, from->corner), a->side, i % 3 - 1,
+				i / 3 % 3 - 1, i / 9 - 1);
 			uint32_t cell = billboard_find(a->cells, a->cell_count, key);
 			if (cell == a->cell_count || a->cells[cell].key != key)
 				continue;
 			for (uint32_t to = a->cells[cell].value; to < a->cells[cell + 1].value; to++)
-				offer(a, from, to);
+				offer(a, from, &a->reps[to]);
 		}
 	}
 }
@@ -283,35 +283,28 @@ static uint32_t neighbour(const struct skeleton *s, uint32_t vertex, uint32_t tr
 /* Triangles of one level that share a vertex are of one node. Nodes are numbered by their distance. */
 static void make_nodes(struct skeleton *s, uint32_t component)
 {
-	const struct lod_mesh *mesh = s->mesh;
-	const uint32_t *member = mesh->member + mesh->member_first[component];
-	uint32_t members = mesh->member_first[component + 1] - mesh->member_first[component], count = 0;
+	const uint32_t *member = s->mesh->member + s->mesh->member_first[component];
+	uint32_t members = s->mesh->member_first[component + 1] - s->mesh->member_first[component];
 	struct lod_arena_piece *mark = s->arena->last;
-	struct lod_keyed *slices = take(s, members, sizeof *slices);
+	struct lod_keyed *items = take(s, members, sizeof *items);
 	for (uint32_t i = 0; i < members; i++) {
-		s->level[member[i]] = (uint32_t)(nearest(s, member[i]) / NODE);
-		s->set[member[i]] = member[i];
+		uint32_t t = member[i];
+		s->level[t] = (uint32_t)(nearest(s, t) / NODE);
+		s->set[t] = t;
+		s->of[t] = ECO_NONE;
+		items[i] = (struct lod_keyed){ lod_sort_key(nearest(s, t)), t };
 	}
 	for (uint32_t i = 0; i < 3 * members; i++) {     /* the first at a vertex: all join that one */
-		uint32_t t = member[i / 3], other = neighbour(s, vertex_of(s, t, i % 3), t, false, 0);
-		eco_union_join(s->set, t, other);
+		uint32_t t = member[i / 3];
+		eco_union_join(s->set, t, neighbour(s, vertex_of(s, t, i % 3), t, false, 0));
 	}
-	for (uint32_t i = 0; i < members; i++) {         /* roots are the first of their sets */
-		uint32_t t = member[i], root = eco_union_root(s->set, t);
-		uint64_t key = lod_sort_key(nearest(s, t));
-		if (root == t) {
-			s->of[t] = count;
-			slices[count++] = (struct lod_keyed){ key, t };
-		}
-		struct lod_keyed *slice = &slices[s->of[root]];
-		slice->key = key < slice->key ? key : slice->key;
+	lod_sort(s->arena, items, members);
+	for (uint32_t i = 0; i < members; i++) {
+		uint32_t root = eco_union_root(s->set, items[i].value);
+		if (s->of[root] == ECO_NONE)
+			s->of[root] = s->count++;
+		s->of[items[i].value] = s->of[root];
 	}
-	lod_sort(s->arena, slices, count);
-	for (uint32_t i = 0; i < count; i++)
-		s->of[slices[i].value] = s->count + i;
-	for (uint32_t i = 0; i < members; i++)
-		s->of[member[i]] = s->of[eco_union_root(s->set, member[i])];
-	s->count += count;
 	lod_arena_release(s->arena, mark);
 }
 
@@ -365,31 +358,36 @@ static void add_component(struct skeleton *s, uint32_t component)
 struct growth {
 	struct skeleton *s;
 	struct billboard_tree *tree;
-	/* per node of the skeleton: all that hangs on it */
-	struct shape { struct lod_v3 center; double area; } *below;
+	/* per node of the skeleton: its own faces, and all that hangs on it; center times area */
+	struct shape { struct lod_v3 center; double area; } *own, *below;
 	uint32_t *child_first, *child;
 	uint32_t *place;             /* node of the skeleton -> node of the tree */
 };
 
-static void measure_below(struct growth *g)
+static struct lod_v3 middle_of(const struct growth *g, const struct shape *shape, uint32_t node)
+{
+	return shape->area > 0 ? lod_v3_scale(shape->center, 1 / shape->area) : g->s->connector[node];
+}
+
+static void measure_shapes(struct growth *g)
 {
 	struct skeleton *s = g->s;
+	g->own = take(s, s->count, sizeof *g->own);
+	g->below = take(s, s->count, sizeof *g->below);
 	for (uint32_t t = 0; t < s->mesh->triangle_count; t++) {
-		struct shape *shape = &g->below[s->of[t]];
+		struct shape *shape = &g->own[s->of[t]];
 		double area = lod_v3_length(lod_mesh_area_normal(s->mesh, t));
 		for (uint32_t k = 0; k < 3; k++)
 			shape->center = lod_v3_add(shape->center,
 				lod_v3_scale(lod_mesh_corner(s->mesh, t, k), area / 3));
 		shape->area += area;
 	}
+	memcpy(g->below, g->own, s->count * sizeof *g->below);
 	for (uint32_t i = s->count; i-- > 1;) {
 		struct shape *to = &g->below[s->parent[i]];
 		to->center = lod_v3_add(to->center, g->below[i].center);
 		to->area += g->below[i].area;
 	}
-	for (uint32_t i = 0; i < s->count; i++)
-		g->below[i].center = g->below[i].area > 0 ? lod_v3_scale(g->below[i].center,
-			1 / g->below[i].area) : s->connector[i];
 }
 
 /* Sorts siblings along their widest axis. */
@@ -401,14 +399,15 @@ static void sort_siblings(struct growth *g, uint32_t *child, uint32_t count)
 	int axis = 0;
 	for (int k = 0; k < 3; k++) {
 		for (uint32_t i = 0; i < count; i++) {
-			low[k] = fmin(low[k], lod_v3_axis(g->below[child[i]].center, k));
-			high[k] = fmax(high[k], lod_v3_axis(g->below[child[i]].center, k));
+			double at = lod_v3_axis(middle_of(g, &g->below[child[i]], child[i]), k);
+			low[k] = fmin(low[k], at);
+			high[k] = fmax(high[k], at);
 		}
 		axis = high[k] - low[k] > high[axis] - low[axis] ? k : axis;
 	}
 	for (uint32_t i = 0; i < count; i++)
-		items[i] = (struct lod_keyed){ lod_sort_key(lod_v3_axis(g->below[child[i]].center, axis)),
-			child[i] };
+		items[i] = (struct lod_keyed){ lod_sort_key(lod_v3_axis(middle_of(g, &g->below[child[i]],
+			child[i]), axis)), child[i] };
 	lod_sort(g->s->arena, items, count);
 	for (uint32_t i = 0; i < count; i++)
 		child[i] = items[i].value;
@@ -445,6 +444,8 @@ static void place_siblings(struct growth *g, uint32_t *child, uint32_t count, ui
 static void place_node(struct growth *g, uint32_t node, uint32_t parent)
 {
 	uint32_t at = g->place[node] = new_node(g, parent, g->s->connector[node]);
+	g->tree->area[at] = g->own[node].area;
+	g->tree->center[at] = middle_of(g, &g->own[node], node);
 	place_siblings(g, g->child + g->child_first[node], g->child_first[node + 1] - g->child_first[node],
 		at);
 	g->tree->end[at] = g->tree->count;
@@ -460,27 +461,18 @@ static void sort_faces(struct growth *g)
 		items[t] = (struct lod_keyed){ g->place[g->s->of[t]], t };
 	lod_sort(g->s->arena, items, n);
 	for (uint32_t i = 0; i < n; i++) {
-		struct billboard_face *face = &tree->faces[tree->face_count];
-		struct lod_v3 normal = lod_mesh_area_normal(mesh, items[i].value);
-		*face = (struct billboard_face){ .normal = lod_v3_unit(normal), .area = lod_v3_length(normal),
-			.triangle = items[i].value };
-		if (!(face->area > 0))
+		uint32_t t = items[i].value;
+		struct lod_v3 normal = lod_mesh_area_normal(mesh, t);
+		if (!(lod_v3_length(normal) > 0))
 			continue;
 		while (node < items[i].key)
 			tree->face_first[++node] = tree->face_count;
-		tree->area[node] += face->area;
-		for (uint32_t k = 0; k < 3; k++) {
-			face->corner[k] = lod_mesh_corner(mesh, face->triangle, k);
-			tree->center[node] = lod_v3_add(tree->center[node],
-				lod_v3_scale(face->corner[k], face->area / 3));
-		}
-		tree->face_count++;
+		tree->faces[tree->face_count++] = (struct billboard_face){ .normal = lod_v3_unit(normal),
+			.area = lod_v3_length(normal), .triangle = t, .corner = { lod_mesh_corner(mesh, t, 0),
+			lod_mesh_corner(mesh, t, 1), lod_mesh_corner(mesh, t, 2) } };
 	}
 	while (node < tree->count)
 		tree->face_first[++node] = tree->face_count;
-	for (uint32_t i = 0; i < tree->count; i++)
-		if (tree->area[i] > 0)
-			tree->center[i] = lod_v3_scale(tree->center[i], 1 / tree->area[i]);
 }
 
 void billboard_tree_make(struct billboard_tree *tree, const struct lod_mesh *mesh, struct lod_arena *arena)
@@ -513,10 +505,9 @@ void billboard_tree_make(struct billboard_tree *tree, const struct lod_mesh *mes
 	s.around_first = list_by(&s, mesh->index, 3 * most, mesh->vertex_count, &s.around);
 	for (uint32_t i = 0; i < n; i++)
 		add_component(&s, order[i]);
-	struct growth g = { .s = &s, .tree = tree, .below = take(&s, s.count, sizeof *g.below),
-		.place = take(&s, s.count, sizeof *g.place) };
+	struct growth g = { .s = &s, .tree = tree, .place = take(&s, s.count, sizeof *g.place) };
 	g.child_first = list_by(&s, s.parent, s.count, s.count, &g.child);
-	measure_below(&g);
+	measure_shapes(&g);
 	place_node(&g, 0, ECO_NONE);
 	sort_faces(&g);
 	lod_arena_release(arena, mark);

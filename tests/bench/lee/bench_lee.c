@@ -543,13 +543,10 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct figures f;
 	struct study s = { .bench = bench };
-	struct bench_model crown = { .name = "crown-6143" };
 	(void)error;
 	bench_progress(bench, 0, "crown of 6143 leaves");
-	must(bench_crown_write(bench->cache, crown.name, must_error));
-	snprintf(crown.path, sizeof crown.path, "%.400s/%s.obj", bench->cache, crown.name);
-	bench_cells(bench_leaves_unit(bench, "lee", NULL, &crown, PIXELS, study_leaves, &s), (double *)&f,
-		sizeof f / sizeof(double));
+	bench_cells(bench_leaves_unit(bench, "lee-crown-6143", NULL, NULL, PIXELS, study_leaves, &s),
+		(double *)&f, sizeof f / sizeof(double));
 	write_table(bench, &f);
 	write_layers(bench, &f);
 	return ECO_OK;
