@@ -2,13 +2,14 @@
  *
  *   a case is a row of its kind's table (extreme_KIND.c): name, what must hold, a function and what that is
  * to make
- *   row->run(&x)                            runs it: x.failed, and x.measured in words
+ *   extreme_run(row, quick, &x)             runs it: x.failed, and x.measured in words
  *
  * `ecobench --only extreme` runs all of them, tests/bench/test_extreme.c those that are not marked `lengthy`.
  * A case that cannot run has failed. */
 #ifndef TESTS_BENCH_EXTREME_H
 #define TESTS_BENCH_EXTREME_H
 
+#include <setjmp.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -18,8 +19,9 @@ struct extreme {                     /* a case while it runs */
 	const void *made;            /* what the row names */
 	bool quick;                  /* in the tests: fewer repetitions of the same */
 	bool failed;
-	/* result in words; the first failure only, if there is one */
+	/* result in words; the failure only, if there is one */
 	char measured[400];
+	jmp_buf failure;
 };
 
 struct extreme_case {
@@ -37,16 +39,18 @@ struct extreme_kind { const char *name; const struct extreme_case *cases; };
 extern const struct extreme_kind extreme_kinds[EXTREME_KINDS];
 #define EXTREME_CASES 57u
 
-/* Adds to `measured`, unless the case has failed. */
+void extreme_run(const struct extreme_case *row, bool quick, struct extreme *x);
+
+/* Adds to `measured`. */
 void extreme_say(struct extreme *x, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* A condition that must hold, and what to say if it does not; returns `holds`. */
-bool extreme_must(struct extreme *x, bool holds, const char *format,
+/* A condition that must hold, and what to say if it does not: then the case ends as failed. */
+void extreme_must(struct extreme *x, bool holds, const char *format,
 	...) __attribute__((format(printf, 3, 4)));
 /* A number that must be at most, at least, or equal to another; `what` names it. */
-bool extreme_most(struct extreme *x, const char *what, double value, double most);
-bool extreme_least(struct extreme *x, const char *what, double value, double least);
-bool extreme_same(struct extreme *x, const char *what, uint64_t value, uint64_t expected);
+void extreme_most(struct extreme *x, const char *what, double value, double most);
+void extreme_least(struct extreme *x, const char *what, double value, double least);
+void extreme_same(struct extreme *x, const char *what, uint64_t value, uint64_t expected);
 /* An answer that must be ECO_OK. */
-bool extreme_good(struct extreme *x, enum eco_code code, const struct eco_error *error);
+void extreme_good(struct extreme *x, enum eco_code code, const struct eco_error *error);
 
 #endif

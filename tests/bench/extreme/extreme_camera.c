@@ -21,38 +21,40 @@ struct shot { const char *name; struct eco_view view; enum from eye, target; dou
 /* ---- Looking ---- */
 
 /* The same request twice, and what it sees. */
-static bool plan_twice(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
-	struct extreme_look *look)
+static struct extreme_look plan_twice(struct extreme *x, const struct eco_scene *scene,
+	const struct eco_request *request)
 {
 	struct eco_writer first = { 0 };
-	bool good = extreme_again(x, scene, request, &first, look)
-		&& extreme_again(x, scene, request, &first, NULL);
+	struct extreme_look look;
+	extreme_again(x, scene, request, &first, &look);
+	extreme_again(x, scene, request, &first, NULL);
 	eco_writer_free(&first);
-	return good;
+	return look;
 }
 
 /* At every budget; drawn at a small one and in full. */
-static bool look_through(struct extreme *x, const struct extreme_world *world, const struct eco_view *view,
-	bool drawn, struct extreme_look *look)
+static struct extreme_look look_through(struct extreme *x, const struct extreme_world *world,
+	const struct eco_view *view, bool drawn)
 {
 	struct eco_request request = { .view = *view, .bytes = ECO_BYTES_UNBOUNDED };
+	struct extreme_look look = { 0 };
 	struct eco_error error = { 0 };
-	bool good = extreme_good(x, eco_view_check(view, &error), &error);
-	for (int i = 0; i < BUDGETS && good; i++) {
+	extreme_good(x, eco_view_check(view, &error), &error);
+	for (int i = 0; i < BUDGETS; i++) {
 		struct view_picture picture = { 0 };
 		request.vertices = budgets[i];
-		good = plan_twice(x, extreme_tables(world), &request, look);
-		if (good && drawn && (i == 1 || i == BUDGETS - 1)) {
-			good = extreme_draw(x, world, &request, &picture);
-			look->covered = good ? extreme_covered(&picture) : 0;
+		look = plan_twice(x, extreme_tables(world), &request);
+		if (drawn && (i == 1 || i == BUDGETS - 1)) {
+			extreme_draw(x, world, &request, &picture);
+			look.covered = extreme_covered(&picture);
 		}
 		view_picture_free(&picture);
 	}
-	return good;
+	return look;
 }
 
 /* A leaf of the first tree: its middle, a corner, and a metre along its normal. */
-static bool find_leaf(struct extreme *x, const struct lod_place *place, struct lod_v3 leaf[3])
+static void find_leaf(struct extreme *x, const struct lod_place *place, struct lod_v3 leaf[3])
 {
 	const struct lod_plant *tree = &extreme_stand(x)->plants[0];
 	const struct lod_list_draft *leaves = NULL;
@@ -60,8 +62,7 @@ static bool find_leaf(struct extreme *x, const struct lod_place *place, struct l
 	for (uint32_t i = 0; i < tree->ladder_count && !leaves; i++)
 		if (tree->ladders[i].organ == ECO_ORGAN_FOLIAGE && tree->ladders[i].triangles != ECO_NONE)
 			leaves = &tree->lists[tree->ladders[i].triangles];
-	if (!extreme_must(x, leaves != NULL, "the tree has no leaves"))
-		return false;
+	extreme_must(x, leaves != NULL, "the tree has no leaves");
 	leaf[0] = (struct lod_v3){ 0, 0, 0 };
 	for (uint32_t k = 0, n = leaves->elements.corners[0]; k < n; k++) {
 		float p[3];
@@ -78,60 +79,49 @@ static bool find_leaf(struct extreme *x, const struct lod_place *place, struct l
 	leaf[2] =
 		lod_v3_add(leaf[0],
 		lod_v3_unit(lod_v3_cross(lod_v3_sub(corner[0], leaf[0]), lod_v3_sub(corner[1], leaf[0]))));
-	return true;
 }
 
-static bool place_of(struct extreme *x, const struct extreme_world *world, enum from from,
-	double at[3])
+static void place_of(struct extreme *x, const struct extreme_world *world, enum from from, double at[3])
 {
 	const struct eco_scene *s = extreme_tables(world);
 	struct lod_place place = extreme_placed(world, 0, 0);
 	const struct eco_plant *plant = &s->plants[s->groups[0].plant];
 	struct lod_v3 leaf[3];
 	memset(at, 0, 3 * sizeof *at);
-	if (from == FROM_TREE)
+	extreme_must(x, from != FROM_CELL || plant->anchor_count > 1, "the tree has no cells");
+	if (from == FROM_TREE) {
 		memcpy(at, place.at, 3 * sizeof *at);
-	else if (from == FROM_MIDDLE || from == FROM_CELL)
+	} else if (from == FROM_MIDDLE || from == FROM_CELL) {
 		lod_place_point(&place, s->anchors[plant->anchor_first + (from == FROM_CELL)].center, at);
-	else if (from >= FROM_LEAF) {
-		if (!find_leaf(x, &place, leaf))
-			return false;
-		memcpy(at,
-			(double[3]){ leaf[from - FROM_LEAF].x, leaf[from - FROM_LEAF].y,
-			leaf[from - FROM_LEAF].z }, 3 * sizeof *at);
+	} else if (from >= FROM_LEAF) {
+		find_leaf(x, &place, leaf);
+		at[0] = leaf[from - FROM_LEAF].x;
+		at[1] = leaf[from - FROM_LEAF].y;
+		at[2] = leaf[from - FROM_LEAF].z;
 	}
-	return extreme_must(x, from != FROM_CELL || plant->anchor_count > 1, "the tree has no cells");
-}
-
-static bool take_shot(struct extreme *x, const struct extreme_world *world, const struct shot *shot)
-{
-	struct eco_view view = shot->view;
-	struct extreme_look look = { 0 };
-	double eye[3], target[3];
-	if (!place_of(x, world, shot->eye, eye) || !place_of(x, world, shot->target, target))
-		return false;
-	for (int i = 0; i < 3; i++) {
-		view.eye[i] += eye[i];
-		view.target[i] += target[i];
-	}
-	if (!look_through(x, world, &view, !shot->planned_only, &look))
-		return false;
-	double share = (double)look.covered / ((double)view.width * view.height);
-	extreme_least(x, shot->name, shot->planned_only ? 1 : share, shot->least);
-	char covered[32] = "";
-	if (!shot->planned_only)
-		snprintf(covered, sizeof covered, ", %.1f %% covered", 100 * share);
-	extreme_say(x, "%s: %llu plants, %llu vertices%s", shot->name, (unsigned long long)look.plants,
-		(unsigned long long)look.vertices, covered);
-	return true;
 }
 
 static void look_at(struct extreme *x)
 {
 	const struct extreme_world *world = extreme_world(x);
-	for (const struct shot *shot = x->made; world && shot->name && take_shot(x, world, shot);
-			shot++)
-		;
+	for (const struct shot *shot = x->made; shot->name; shot++) {
+		struct eco_view view = shot->view;
+		double eye[3], target[3];
+		char covered[32] = "";
+		place_of(x, world, shot->eye, eye);
+		place_of(x, world, shot->target, target);
+		for (int i = 0; i < 3; i++) {
+			view.eye[i] += eye[i];
+			view.target[i] += target[i];
+		}
+		struct extreme_look look = look_through(x, world, &view, !shot->planned_only);
+		double share = (double)look.covered / ((double)view.width * view.height);
+		extreme_least(x, shot->name, shot->planned_only ? 1 : share, shot->least);
+		if (!shot->planned_only)
+			snprintf(covered, sizeof covered, ", %.1f %% covered", 100 * share);
+		extreme_say(x, "%s: %llu plants, %llu vertices%s", shot->name, (unsigned long long)look.plants,
+			(unsigned long long)look.vertices, covered);
+	}
 }
 
 /* ---- The largest picture ---- */
@@ -168,14 +158,14 @@ static void images(struct extreme *x)
 	struct eco_request request = { .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED,
 		.view = extreme_view((double[3]){ -26, -21, 6.5 }, (double[3]){ 0, 0, 2 }) };
 	look_at(x);
-	if (x->failed || x->quick)
+	if (x->quick)
 		return;
 	uint8_t *large = eco_alloc((size_t)LARGE * LARGE, 1), *small = eco_alloc((size_t)SMALL * SMALL, 1);
 	request.view.width = request.view.height = LARGE;
-	bool good = extreme_cover(x, extreme_world(x), &request, large);
+	extreme_cover(x, extreme_world(x), &request, large);
 	request.view.width = request.view.height = SMALL;
-	if (good && extreme_cover(x, extreme_world(x), &request, small))
-		compare_blocks(x, large, small);
+	extreme_cover(x, extreme_world(x), &request, small);
+	compare_blocks(x, large, small);
 	free(large);
 	free(small);
 }
@@ -183,16 +173,13 @@ static void images(struct extreme *x)
 static void all_behind(struct extreme *x)
 {
 	static const double ways[][3] = { { -100, 0, 2 }, { -50, 0, 100 }, { -50.5, 0, 2 } };
-	const struct extreme_world *world = extreme_world(x);
-	for (int i = 0; i < 3 && world && !x->failed; i++) {
+	for (int i = 0; i < 3; i++) {
 		struct eco_view view = extreme_view((double[3]){ -50, 0, 2 }, ways[i]);
-		struct extreme_look look = { 0 };
-		if (look_through(x, world, &view, true, &look))
-			extreme_same(x, "plants, vertices and pixels of what is behind",
-				look.plants + look.vertices + look.covered, 0);
+		struct extreme_look look = look_through(x, extreme_world(x), &view, true);
+		extreme_same(x, "plants, vertices and pixels of what is behind",
+			look.plants + look.vertices + look.covered, 0);
 	}
-	if (!x->failed)
-		extreme_say(x, "no plant, no vertex, no pixel in 3 views at 4 budgets");
+	extreme_say(x, "no plant, no vertex, no pixel in 3 views at 4 budgets");
 }
 
 /* ---- A horizon of a million tiles ---- */
@@ -235,31 +222,22 @@ static struct eco_scene widen(const struct eco_scene *from)
 	return scene;
 }
 
-static void look_along(struct extreme *x, const struct eco_scene *scene, const struct eco_view *view,
-	uint64_t most, bool told)
-{
-	struct eco_request request = { .view = *view, .vertices = most, .bytes = ECO_BYTES_UNBOUNDED };
-	struct extreme_look look = { 0 };
-	if (plan_twice(x, scene, &request, &look) && told)
-		extreme_say(x, "%llu plants in view, %llu vertices", (unsigned long long)look.plants,
-			(unsigned long long)look.vertices);
-	extreme_least(x, "vertices", (double)look.vertices, (double)(most / 2));
-}
-
 static void horizon(struct extreme *x)
 {
 	static const uint64_t most[] = { 1000, 100000, 1000000 };
-	struct eco_scene wide = { 0 };
-	const struct extreme_world *world = extreme_world(x);
 	const double reach = SIDE / 2 * ldexp(1, LEVELS);
 	const double eyes[][3] = { { -reach, -reach, 1.7 }, { 0, 0, 1.7 }, { 0, 0, 0 } };
 	const double targets[][3] = { { 0, 0, 1.7 }, { reach, 0, 1.7 }, { reach, reach, 0 } };
-	if (world)
-		wide = widen(extreme_tables(world));
-	for (int v = 0; v < 3 && world; v++)
-		for (int b = 0; b < (x->quick ? 2 : 3) && !x->failed; b++) {
-			struct eco_view view = extreme_view(eyes[v], targets[v]);
-			look_along(x, &wide, &view, most[b], b > 0);
+	struct eco_scene wide = widen(extreme_tables(extreme_world(x)));
+	for (int v = 0; v < 3; v++)
+		for (int b = 0; b < (x->quick ? 2 : 3); b++) {
+			struct eco_request request = { .view = extreme_view(eyes[v], targets[v]),
+				.vertices = most[b], .bytes = ECO_BYTES_UNBOUNDED };
+			struct extreme_look look = plan_twice(x, &wide, &request);
+			if (b > 0)
+				extreme_say(x, "%llu plants in view, %llu vertices",
+					(unsigned long long)look.plants, (unsigned long long)look.vertices);
+			extreme_least(x, "vertices", (double)look.vertices, (double)(most[b] / 2));
 		}
 	free((void *)(uintptr_t)wide.tiles);
 	free((void *)(uintptr_t)wide.children);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "lod/ladder.h"
 #include "tests/bench/extreme/extreme_scene.h"
 
@@ -40,7 +41,7 @@ static void some_leaves(struct soup *s, uint32_t material, uint32_t count)
 			lod_v3_scale(soup_direction(s), soup_random(s, 0, 1))), 0.15, 0.1);
 }
 
-static bool numbers_sound(struct extreme *x, const struct lod_plant *plant)
+static void numbers_sound(struct extreme *x, const struct lod_plant *plant)
 {
 	uint64_t dropped = 0;
 	bool good = isfinite(plant->plant.height_m) && isfinite(plant->plant.area) && plant->plant.area >= 0;
@@ -61,14 +62,14 @@ static bool numbers_sound(struct extreme *x, const struct lod_plant *plant)
 			good = good && isfinite(plant->lists[i].list.grid_origin[k])
 				&& plant->lists[i].list.grid_step[k] > 0
 				&& isfinite(plant->lists[i].list.grid_step[k]);
-	return extreme_must(x, good, "%s: numbers that are not finite or make no sense", plant->plant.name)
-		&& extreme_must(x, plant->triangles_in == plant->triangles_stored + dropped,
+	extreme_must(x, good, "%s: numbers that are not finite or make no sense", plant->plant.name);
+	extreme_must(x, plant->triangles_in == plant->triangles_stored + dropped,
 		"%s: of %u triangles %u are stored and %llu dropped", plant->plant.name, plant->triangles_in,
 		plant->triangles_stored, (unsigned long long)dropped);
 }
 
-/* Packs, plans and draws it, alone in its world. */
-static bool grows(struct extreme *x, struct extreme_stand *stand, const char *name, uint64_t *covered)
+/* Packs, plans and draws it, alone in its world; returns how many pixels it covers. */
+static uint64_t grow(struct extreme *x, struct extreme_stand *stand)
 {
 	const struct eco_anchor *whole = &stand->plants[0].anchors[0];
 	const float *c = whole->center;
@@ -79,22 +80,18 @@ static bool grows(struct extreme *x, struct extreme_stand *stand, const char *na
 		{ .view = { { c[0] - 3 * r, c[1] - 2 * r, c[2] + r }, { c[0], c[1], c[2] }, { 0, 0, 1 }, 45,
 		200, 200 }, .bytes = ECO_BYTES_UNBOUNDED };
 	extreme_stand_place(stand, &(struct extreme_place){ .scale = 1 });
-	bool good = extreme_world_open(x, &world, stand, &(struct extreme_site){ 0 });
-	for (int i = 0; i < 4 && good; i++) {
+	extreme_world_open(x, &world, stand, &(struct extreme_site){ 0 });
+	for (int i = 0; i < 4; i++) {
 		struct eco_plan plan = { 0 };
 		request.vertices = (const uint64_t[]){ 1, 3, 100, ECO_VERTICES_MAX }[i];
-		good = extreme_plan(x, extreme_tables(&world), &request, &plan);
+		extreme_plan(x, extreme_tables(&world), &request, &plan);
 		eco_plan_free(&plan);
 	}
-	good = good && extreme_draw(x, &world, &request, &picture);
-	*covered = good ? extreme_covered(&picture) : 0;
+	extreme_draw(x, &world, &request, &picture);
+	uint64_t covered = extreme_covered(&picture);
 	view_picture_free(&picture);
 	extreme_world_close(&world);
-	if (!good && !strstr(x->measured, name)) {
-		size_t used = strlen(x->measured);
-		snprintf(x->measured + used, sizeof x->measured - used, " (%s)", name);
-	}
-	return good;
+	return covered;
 }
 
 enum wanted { SEEN, REFUSED, ANSWERED };     /* ANSWERED: sound or refused */
@@ -104,17 +101,20 @@ static void try_soup(struct extreme *x, struct soup *soup, const char *name, enu
 {
 	struct extreme_stand stand = { .side = 20, .near_m = 1e-6 };
 	struct eco_error error = { 0 };
-	uint64_t covered = 0;
 	enum eco_code code = extreme_stand_add(&stand, soup, name, &error);
-	if (wanted == REFUSED || (wanted == ANSWERED && code))
+	if (wanted == REFUSED || (wanted == ANSWERED && code)) {
 		extreme_must(x, (code == ECO_BAD_INPUT || (wanted == ANSWERED && code == ECO_TOO_LARGE))
 			&& strlen(error.text) > 10, "%s: status %d (%s)", name, code, error.text);
-	else if (extreme_good(x, code, &error) && numbers_sound(x, &stand.plants[0])
-			&& grows(x, &stand, name, &covered))
-		extreme_must(x, wanted == ANSWERED || covered > 0, "%s: nothing of it is seen", name);
-	if (!x->failed && (code || wanted == ANSWERED))
-		extreme_say(x, "%s: %s", name, code ? "refused" : "built");
-	else if (!x->failed)
+		extreme_say(x, "%s: refused", name);
+		return;
+	}
+	extreme_must(x, !code, "%s: %s", name, error.text);
+	numbers_sound(x, &stand.plants[0]);
+	uint64_t covered = grow(x, &stand);
+	extreme_must(x, wanted == ANSWERED || covered > 0, "%s: nothing of it is seen", name);
+	if (wanted == ANSWERED)
+		extreme_say(x, "%s: built", name);
+	else
 		extreme_say(x, "%s: %u of %u triangles stored, %llu pixels", name,
 			stand.plants[0].triangles_stored, stand.plants[0].triangles_in,
 			(unsigned long long)covered);
@@ -261,10 +261,8 @@ static void materials(struct extreme *x)
 {
 	struct soup s;
 	uint32_t count = x->quick ? 5000 : 100000;
-	struct eco_material *all = calloc(count, sizeof *all);
+	struct eco_material *all = eco_alloc(count, sizeof *all);
 	begin(&s);
-	if (!extreme_must(x, all != NULL, "no memory"))
-		return;
 	s.model.materials = all;
 	s.model.material_count = count;
 	for (uint32_t i = 0; i < count; i++) {
@@ -293,11 +291,11 @@ static void ten_million(struct extreme *x)
 	if (!code)
 		code = lod_plant_measure(&plant, &s.model, &options, &error);
 	soup_free(&s);
-	if (extreme_good(x, code, &error) && numbers_sound(x, &plant))
-		extreme_say(x, "%u of %u triangles stored, %u cells", plant.triangles_stored,
-			plant.triangles_in, plant.plant.anchor_count - 1);
-	if (!code)
-		lod_plant_free(&plant);
+	extreme_good(x, code, &error);
+	numbers_sound(x, &plant);
+	extreme_say(x, "%u of %u triangles stored, %u cells", plant.triangles_stored, plant.triangles_in,
+		plant.plant.anchor_count - 1);
+	lod_plant_free(&plant);
 }
 
 /* ---- Orders and amounts ---- */
@@ -356,8 +354,7 @@ static void orders(struct extreme *x)
 static void lambda_to_0(struct extreme *x)
 {
 	static const double shares[] = { 0, 1e-308, 1e-30, 1e-9, 1e-4 };
-	const struct extreme_world *world = extreme_world(x);
-	const struct eco_scene *s = world ? extreme_tables(world) : &(struct eco_scene){ .name = "" };
+	const struct eco_scene *s = extreme_tables(extreme_world(x));
 	double largest = 0;
 	uint32_t tried = 0;
 	for (uint32_t i = 0; i < s->ladder_count; i++) {

@@ -9,13 +9,15 @@
 
 struct seen { struct eco_plan plan; struct view_picture picture; };
 
-static bool see(struct extreme *x, const struct extreme_world *world, const struct extreme_site *site,
-	const struct eco_request *from, struct seen *seen)
+static struct seen see(struct extreme *x, const struct extreme_world *world, const struct extreme_site *site,
+	const struct eco_request *from)
 {
 	struct eco_request request = *from;
+	struct seen seen = { .plan = { 0 } };
 	request.view = extreme_site_view(site, &from->view);
-	return extreme_plan(x, extreme_tables(world), &request, &seen->plan)
-		&& extreme_draw(x, world, &request, &seen->picture);
+	extreme_plan(x, extreme_tables(world), &request, &seen.plan);
+	extreme_draw(x, world, &request, &seen.picture);
+	return seen;
 }
 
 static void compare(struct extreme *x, const struct seen *here, const struct seen *there, bool colours)
@@ -44,13 +46,11 @@ static void at_site(struct extreme *x)
 	const struct extreme_site *site = x->made, origin = { 0 };
 	const struct extreme_world *world = extreme_world(x);
 	struct extreme_world moved = { 0 };
-	bool good = world && extreme_world_open(x, &moved, extreme_stand(x), site);
-	for (int i = 0; i < (x->quick ? 2 : 3) && good; i++) {
+	extreme_world_open(x, &moved, extreme_stand(x), site);
+	for (int i = 0; i < (x->quick ? 2 : 3); i++) {
 		struct eco_request request = extreme_request(budgets[i]);
-		struct seen seen[2] = { { .plan = { 0 } } };
-		good = see(x, world, &origin, &request, &seen[0]) && see(x, &moved, site, &request, &seen[1]);
-		if (good)
-			compare(x, &seen[0], &seen[1], !(site->scale > 0) && site->at[2] == 0 && !site->turn);
+		struct seen seen[2] = { see(x, world, &origin, &request), see(x, &moved, site, &request) };
+		compare(x, &seen[0], &seen[1], !(site->scale > 0) && site->at[2] == 0 && !site->turn);
 		for (int k = 0; k < 2; k++) {
 			eco_plan_free(&seen[k].plan);
 			view_picture_free(&seen[k].picture);
@@ -79,28 +79,24 @@ static enum eco_code make_unlike(struct extreme_stand *stand, struct eco_error *
 	return code;
 }
 
-static bool look_unlike(struct extreme *x, const struct extreme_world *world,
-	const struct eco_request *request, const char *name)
+static void look_unlike(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
+	const char *name)
 {
-	struct eco_plan plan = { 0 };
-	struct view_picture picture = { 0 }, full = { 0 };
+	const struct extreme_site origin = { 0 };
+	struct seen seen = see(x, world, &origin, request);
+	struct view_picture full = { 0 };
 	struct eco_request all = *request;
 	all.vertices = ECO_VERTICES_MAX;
-	bool good = extreme_plan(x, extreme_tables(world), request, &plan)
-		&& extreme_draw(x, world, request, &picture) && extreme_draw(x, world, &all, &full);
-	if (good) {
-		double differ = extreme_pixels_differ(&picture, &full, false);
-		unsigned long long covered = extreme_covered(&full);
-		extreme_least(x, "pixels covered", (double)covered, 1001);
-		extreme_most(x, "share of the picture that differs from full detail", differ, 0.2);
-		extreme_say(x,
-			"%s: %llu plants in view, %llu pixels covered, %.1f %% differ from full detail", name,
-			(unsigned long long)plan.visible_plants, covered, 100 * differ);
-	}
-	eco_plan_free(&plan);
-	view_picture_free(&picture);
+	extreme_draw(x, world, &all, &full);
+	double differ = extreme_pixels_differ(&seen.picture, &full, false);
+	unsigned long long covered = extreme_covered(&full);
+	extreme_least(x, "pixels covered", (double)covered, 1001);
+	extreme_most(x, "share of the picture that differs from full detail", differ, 0.2);
+	extreme_say(x, "%s: %llu plants in view, %llu pixels covered, %.1f %% differ from full detail", name,
+		(unsigned long long)seen.plan.visible_plants, covered, 100 * differ);
+	eco_plan_free(&seen.plan);
+	view_picture_free(&seen.picture);
 	view_picture_free(&full);
-	return good;
 }
 
 /* From 3 cm away the moss is drawn in full, and the trees far behind it as they should; from afar the moss is
@@ -114,10 +110,10 @@ static void unlike(struct extreme *x)
 	near.view.target[2] = 5e-4;
 	memcpy(near.view.eye, (double[3]){ 0, -0.03, 0.002 }, sizeof near.view.eye);
 	memcpy(far.view.eye, (double[3]){ 0, -300, 60 }, sizeof far.view.eye);
-	if (extreme_good(x, make_unlike(&stand, &error), &error)
-			&& extreme_world_open(x, &world, &stand, &(struct extreme_site){ 0 })
-			&& look_unlike(x, &world, &near, "from 3 cm"))
-		look_unlike(x, &world, &far, "from 300 m");
+	extreme_good(x, make_unlike(&stand, &error), &error);
+	extreme_world_open(x, &world, &stand, &(struct extreme_site){ 0 });
+	look_unlike(x, &world, &near, "from 3 cm");
+	look_unlike(x, &world, &far, "from 300 m");
 	extreme_world_close(&world);
 	extreme_stand_free(&stand);
 }

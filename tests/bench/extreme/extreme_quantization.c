@@ -98,8 +98,7 @@ static void measure_plant(struct extreme *x, const struct lod_plant *plant, cons
 	double lists[2], moved = 0;
 	uint32_t list_count = 0, lost = 0;
 	const struct eco_list *grid = measure_lists(x, plant, model, &sources, lists, &list_count);
-	if (!extreme_must(x, grid != NULL, "%s: no triangles", plant->plant.name))
-		return;
+	extreme_must(x, grid != NULL, "%s: no triangles", plant->plant.name);
 	for (uint32_t v = 0; v < model->vertex_count; v++) {
 		lost += isinf(sources[v].square) != 0;
 		moved = isinf(sources[v].square) ? moved : fmax(moved, sqrt(sources[v].square));
@@ -125,10 +124,9 @@ static void measure(struct extreme *x, struct soup *soup, const char *name, uint
 	enum eco_code code = lod_plant_build(&plant, &soup->model, &options, &error);
 	if (!code)
 		code = lod_plant_measure(&plant, &soup->model, &options, &error);
-	if (extreme_good(x, code, &error)) {
-		measure_plant(x, &plant, &soup->model, lost_most);
-		lod_plant_free(&plant);
-	}
+	extreme_good(x, code, &error);
+	measure_plant(x, &plant, &soup->model, lost_most);
+	lod_plant_free(&plant);
 	soup_free(soup);
 }
 
@@ -194,8 +192,6 @@ static void large(struct extreme *x)
 static void nearer(struct extreme *x)
 {
 	const struct extreme_world *world = extreme_world(x);
-	if (!world)
-		return;
 	double stated = lod_grid_nearest_m(&extreme_stand(x)->plants[0].lists[0].list, LOD_GRID_PIXEL_RAD);
 	const double *tree = extreme_stand(x)->places[0].at;
 	for (int k = 0; k < 4; k++) {
@@ -205,8 +201,7 @@ static void nearer(struct extreme *x)
 				(double[3]){ tree[0], tree[1], 1 }),
 				.vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
 		struct view_picture picture = { 0 };
-		if (!extreme_draw(x, world, &request, &picture))
-			break;
+		extreme_draw(x, world, &request, &picture);
 		double covered = (double)extreme_covered(&picture) / (320 * 240);
 		view_picture_free(&picture);
 		extreme_least(x, "share of the picture that the trunk covers", covered, 0.01);

@@ -107,23 +107,18 @@ static void free_shared(void)
 const struct extreme_stand *extreme_stand(struct extreme *x)
 {
 	struct eco_error error = { 0 };
-	if (shared.plant_count)
-		return &shared;
-	if (!extreme_good(x, make_stand(&shared, &error), &error)) {
-		extreme_stand_free(&shared);
-		return NULL;
+	if (!shared.plant_count) {
+		atexit(free_shared);
+		extreme_good(x, make_stand(&shared, &error), &error);
 	}
-	atexit(free_shared);
 	return &shared;
 }
 
 struct extreme_world *extreme_world(struct extreme *x)
 {
-	const struct extreme_stand *stand = extreme_stand(x);
-	if (stand && !shared_world.scene
-			&& !extreme_world_open(x, &shared_world, stand, &(struct extreme_site){ 0 }))
-		extreme_world_close(&shared_world);
-	return shared_world.scene ? &shared_world : NULL;
+	if (!shared_world.scene)
+		extreme_world_open(x, &shared_world, extreme_stand(x), &(struct extreme_site){ 0 });
+	return &shared_world;
 }
 
 /* ---- Packs ---- */
@@ -346,7 +341,7 @@ static enum eco_code write_pack(const struct extreme_stand *stand, const struct 
 	return code;
 }
 
-bool extreme_world_open(struct extreme *x, struct extreme_world *world, const struct extreme_stand *stand,
+void extreme_world_open(struct extreme *x, struct extreme_world *world, const struct extreme_stand *stand,
 	const struct extreme_site *site)
 {
 	char path[64];
@@ -358,8 +353,8 @@ bool extreme_world_open(struct extreme *x, struct extreme_world *world, const st
 	if (!code)
 		code = srv_store_add(&world->store, "extreme", path, &error);
 	unlink(path);                            /* the mapping stays */
-	world->scene = code ? NULL : world->store.scenes[0];
-	return extreme_good(x, code, &error);
+	extreme_good(x, code, &error);
+	world->scene = world->store.scenes[0];
 }
 
 void extreme_world_close(struct extreme_world *world)
@@ -411,33 +406,27 @@ struct eco_view extreme_view(const double eye[3], const double target[3])
 
 /* ---- Plans ---- */
 
-bool extreme_sound(struct extreme *x, const struct eco_plan *plan, const struct eco_request *request)
+void extreme_sound(struct extreme *x, const struct eco_plan *plan, const struct eco_request *request)
 {
 	struct eco_plan *sorted = (struct eco_plan *)plan;
 	const struct eco_prediction *p = &plan->prediction;
 	struct eco_error error = { 0 };
 	double pixels = (double)request->view.width * request->view.height * (1 + 1e-6);
 	eco_plan_sort(sorted);
-	return extreme_must(x, plan->vertices <= request->vertices, "%llu vertices of at most %llu",
-		(unsigned long long)plan->vertices,
-			(unsigned long long)request->vertices)
-		&& extreme_good(x, eco_plan_check(sorted, &error), &error)
-		&& extreme_must(x, p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && p->tp <= pixels
-		&& p->fp <= pixels && p->fn <= pixels,
-			"predicted %g, %g and %g of %g pixels", p->tp, p->fp, p->fn, pixels);
+	extreme_must(x, plan->vertices <= request->vertices, "%llu vertices of at most %llu",
+		(unsigned long long)plan->vertices, (unsigned long long)request->vertices);
+	extreme_good(x, eco_plan_check(sorted, &error), &error);
+	extreme_must(x, p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && p->tp <= pixels && p->fp <= pixels
+		&& p->fn <= pixels, "predicted %g, %g and %g of %g pixels", p->tp, p->fp, p->fn, pixels);
 }
 
-bool extreme_plan(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
+void extreme_plan(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
 	struct eco_plan *plan)
 {
 	struct lod_planner_input input = { .scene = scene, .request = request };
 	struct eco_error error = { 0 };
-	if (!extreme_good(x, lod_plan(plan, &input, &error), &error))
-		return false;
-	if (extreme_sound(x, plan, request))
-		return true;
-	eco_plan_free(plan);
-	return false;
+	extreme_good(x, lod_plan(plan, &input, &error), &error);
+	extreme_sound(x, plan, request);
 }
 
 bool extreme_same_bytes(const struct eco_writer *a, const struct eco_writer *b)
@@ -445,20 +434,19 @@ bool extreme_same_bytes(const struct eco_writer *a, const struct eco_writer *b)
 	return a->size == b->size && !memcmp(a->bytes, b->bytes, a->size);
 }
 
-bool extreme_again(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
+void extreme_again(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
 	struct eco_writer *first, struct extreme_look *look)
 {
 	struct eco_plan plan = { 0 };
 	struct eco_writer bytes = { 0 };
-	if (!extreme_plan(x, scene, request, &plan))
-		return false;
+	extreme_plan(x, scene, request, &plan);
 	if (look)
 		*look = (struct extreme_look){ .plants = plan.visible_plants, .vertices = plan.vertices };
 	eco_wire_write_plan(first->size ? &bytes : first, &plan);
 	eco_plan_free(&plan);
-	bool same = !bytes.size || extreme_same_bytes(first, &bytes);
+	extreme_must(x, !bytes.size || extreme_same_bytes(first, &bytes),
+		"the same request is answered in two ways");
 	eco_writer_free(&bytes);
-	return extreme_must(x, same, "the same request is answered in two ways");
 }
 
 /* ---- Pictures ---- */
@@ -470,7 +458,7 @@ static enum eco_code fetch(struct view_store **store, const struct extreme_world
 	return code ? code : bench_fetch(NULL, world->scene, request, *store, error);
 }
 
-bool extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
+void extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
 	struct view_picture *picture)
 {
 	struct bench_drawing drawing = { .job = { .near_m = 0 } };
@@ -481,10 +469,10 @@ bool extreme_draw(struct extreme *x, const struct extreme_world *world, const st
 		code = bench_draw(&drawing, store, &request->view, picture, &error);
 	view_select_free(&drawing.selection);
 	view_store_free(store);
-	return extreme_good(x, code, &error);
+	extreme_good(x, code, &error);
 }
 
-bool extreme_cover(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
+void extreme_cover(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
 	uint8_t *cover)
 {
 	struct view_selection selection = { 0 };
@@ -502,7 +490,7 @@ bool extreme_cover(struct extreme *x, const struct extreme_world *world, const s
 			&error);
 	view_select_free(&selection);
 	view_store_free(store);
-	return extreme_good(x, code, &error);
+	extreme_good(x, code, &error);
 }
 
 uint64_t extreme_covered(const struct view_picture *picture)

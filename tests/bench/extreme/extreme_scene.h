@@ -10,7 +10,7 @@
  *   extreme_plan, extreme_draw                       what the server answers; what a viewer draws of it
  *   extreme_world_close(&world); extreme_stand_free(&stand)
  *
- * A function that returns false or NULL has failed the case. */
+ * Functions that fail end the case. */
 #ifndef TESTS_BENCH_EXTREME_SCENE_H
 #define TESTS_BENCH_EXTREME_SCENE_H
 
@@ -54,8 +54,7 @@ void extreme_stand_free(struct extreme_stand *stand);
 const struct extreme_stand *extreme_stand(struct extreme *x);
 struct extreme_world *extreme_world(struct extreme *x);
 
-/* Close *world in any case. */
-bool extreme_world_open(struct extreme *x, struct extreme_world *world, const struct extreme_stand *stand,
+void extreme_world_open(struct extreme *x, struct extreme_world *world, const struct extreme_stand *stand,
 	const struct extreme_site *site);
 void extreme_world_close(struct extreme_world *world);
 /* Plant `index` of a group as the pack has it: on the grid of its list. */
@@ -68,21 +67,21 @@ struct eco_view extreme_view(const double eye[3], const double target[3]);
 
 /* Plans for these tables, and checks that the plan is in order, within the budget, and of finite numbers that
  * make sense. The caller frees the plan; extreme_sound checks another's. */
-bool extreme_plan(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
+void extreme_plan(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
 	struct eco_plan *plan);
-bool extreme_sound(struct extreme *x, const struct eco_plan *plan, const struct eco_request *request);
+void extreme_sound(struct extreme *x, const struct eco_plan *plan, const struct eco_request *request);
 /* The same request must be answered by the same bytes, as it travels: those of *first, or, where that is
  * empty, *first becomes them. `look` may be NULL. */
 struct extreme_look { uint64_t plants, vertices, covered; };
-bool extreme_again(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
+void extreme_again(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
 	struct eco_writer *first, struct extreme_look *look);
 bool extreme_same_bytes(const struct eco_writer *a, const struct eco_writer *b);
 
 /* The caller frees the picture; `request->bytes` is unbounded. */
-bool extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
+void extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
 	struct view_picture *picture);
 /* Its cover alone, a byte a pixel: 1 where a plant is nearest. Takes little memory beside that. */
-bool extreme_cover(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
+void extreme_cover(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
 	uint8_t *cover);
 uint64_t extreme_covered(const struct view_picture *picture);
 /* Share of pixels in which another plant is nearest, or none; or, where asked for, whose colour differs: haze

@@ -139,83 +139,80 @@ static void make_usual(struct scene_builder *t)
 
 struct sum { uint64_t vertices; double error; struct lod_planner_stats stats; };
 
-static bool plan_for(struct extreme *x, const struct eco_scene *scene, struct eco_request request,
-	uint64_t vertices, lod_rule *rule, struct sum *sum)
+static struct sum plan_for(struct extreme *x, const struct scene_builder *t, uint64_t vertices, lod_rule *rule)
 {
 	struct eco_plan plan = { 0 };
 	struct eco_error error = { 0 };
-	request.vertices = vertices;
-	struct lod_planner_input input = { .scene = scene, .request = &request, .rule = rule,
-		.stats = &sum->stats };
-	bool good = extreme_good(x, lod_plan(&plan, &input, &error), &error)
-		&& extreme_sound(x, &plan, &request)
-		&& extreme_must(x, sum->stats.converged, "budget %llu: the search did not converge",
+	struct eco_request request = request_of(t, vertices);
+	struct sum sum = { .vertices = 0 };
+	struct lod_planner_input input = { .scene = &t->scene, .request = &request, .rule = rule,
+		.stats = &sum.stats };
+	extreme_good(x, lod_plan(&plan, &input, &error), &error);
+	extreme_sound(x, &plan, &request);
+	extreme_must(x, sum.stats.converged, "budget %llu: the search did not converge",
 		(unsigned long long)vertices);
-	sum->vertices = plan.vertices;
-	sum->error = 1 - eco_predicted_q(&plan.prediction);
+	sum.vertices = plan.vertices;
+	sum.error = 1 - eco_predicted_q(&plan.prediction);
 	eco_plan_free(&plan);
-	return good;
+	return sum;
 }
 
 static void tiny(struct extreme *x)
 {
 	static const uint64_t budgets[] = { 0, 1, 2, 3, 4, 5, 6, 7, 159, 160, 161 };
 	struct scene_builder t;
-	struct sum sum, last = { .error = INFINITY };
-	bool good = true;
+	double last = INFINITY;
 	make_usual(&t);
-	for (size_t i = 0; i < sizeof budgets / sizeof *budgets && good; i++) {
-		good = plan_for(x, &t.scene, request_of(&t, 0), budgets[i], lod_rule_optimal, &sum)
-			&& extreme_same(x, "vertices", sum.vertices, budgets[i])
-			&& extreme_most(x, "predicted error", sum.error, last.error + ROUNDING)
-			&& plan_for(x, &t.scene, request_of(&t, 0), budgets[i], lod_rule_deussen, &last);
-		last = sum;
+	for (size_t i = 0; i < sizeof budgets / sizeof *budgets; i++) {
+		struct sum sum = plan_for(x, &t, budgets[i], lod_rule_optimal);
+		extreme_same(x, "vertices", sum.vertices, budgets[i]);
+		extreme_most(x, "predicted error", sum.error, last + ROUNDING);
+		plan_for(x, &t, budgets[i], lod_rule_deussen);
+		last = sum.error;
 	}
 	extreme_say(x, "0, 1, 2, 3 ... 161 vertices: all of them used, by points one by one");
 	scene_free(&t);
+}
+
+/* One vertex less, as many, and one more; returns the share that is left over of as many. */
+static double around_step(struct extreme *x, const struct scene_builder *t, uint64_t v, bool deussen)
+{
+	struct sum sums[3];
+	for (uint64_t d = 0; d < 3; d++) {
+		sums[d] = plan_for(x, t, v + d - 1, deussen ? lod_rule_deussen : lod_rule_optimal);
+		if (d > 0 && !deussen)
+			extreme_most(x, "error of a vertex more", sums[d].error, sums[d - 1].error + ROUNDING);
+	}
+	extreme_must(x, deussen ? sums[1].vertices + v / 50 + 60 >= v
+		: v - sums[1].vertices < sums[1].stats.cheapest, "%llu of %llu vertices used by %s rule",
+		(unsigned long long)sums[1].vertices, (unsigned long long)v, deussen ? "Deussen's" : "our");
+	return (double)(v - sums[1].vertices) / (double)v;
 }
 
 /* V(d') is a staircase: where it steps, one vertex decides which sample distance fits. */
 static void steps(struct extreme *x)
 {
 	struct scene_builder t;
-	struct eco_plan plan = { 0 };
 	uint32_t count = 0, most = x->quick ? 12 : 4000;
 	uint64_t last = 0;
 	double worst = 0;
-	bool good = true;
 	make_usual(&t);
-	for (uint32_t i = 0; i < most && good; i++) {
+	for (uint32_t i = 0; i < most; i++) {
 		struct eco_request request = request_of(&t, (uint64_t)(20 * pow(1e5, (i + 0.5) / most)));
 		struct lod_planner_input input = { .scene = &t.scene, .request = &request,
 			.rule = lod_rule_deussen };
+		struct eco_plan plan = { 0 };
 		struct eco_error error = { 0 };
-		good = extreme_good(x, lod_plan(&plan, &input, &error), &error);
+		extreme_good(x, lod_plan(&plan, &input, &error), &error);
 		/* what the solved distance alone comes to is found by asking for no more than it */
 		uint64_t v = plan.vertices;
 		eco_plan_free(&plan);
-		if (!good || v == last || v < 1)
+		if (v == last || v < 1)
 			continue;
 		last = v;
 		count++;
-		for (int rule = 0; rule < 2 && good; rule++) {
-			struct sum sums[3];
-			for (int d = 0; d < 3 && good; d++)
-				good = plan_for(x, &t.scene, request, v + (uint64_t)d - 1,
-					rule ? lod_rule_deussen : lod_rule_optimal, &sums[d]);
-			if (good && !rule)
-				good = extreme_most(x, "error of a vertex more", sums[1].error,
-					sums[0].error + ROUNDING)
-					&& extreme_most(x, "error of a vertex more", sums[2].error,
-					sums[1].error + ROUNDING);
-			good = good && extreme_must(x, rule ? sums[1].vertices + v / 50 + 60 >= v
-				: v - sums[1].vertices < sums[1].stats.cheapest,
-				"%llu of %llu vertices used by %s " "rule",
-				(unsigned long long)sums[1].vertices, (unsigned long long)v, rule
-				? "Deussen's" : "our");
-			worst = rule && good ? fmax(worst, (double)(v - sums[1].vertices) / (double)v)
-				: worst;
-		}
+		around_step(x, &t, v, false);
+		worst = fmax(worst, around_step(x, &t, v, true));
 	}
 	extreme_say(x, "%u steps by both rules; ours leaves less than any step, Deussen's %.2f %% at most",
 		count, 100 * worst);
@@ -228,18 +225,14 @@ static void unbounded(struct extreme *x)
 		(UINT64_C(1) << 63) - 2, (UINT64_C(1) << 63) - 1 };
 	struct scene_builder t;
 	uint64_t all = 0;
-	bool good = true;
 	make_usual(&t);
 	for (uint32_t i = 0; i < t.scene.group_count; i++)
 		all += 3 * (uint64_t)t.lists[t.ladders[t.groups[i].plant].triangles].primitive_count
 			* t.groups[i].count;
-	for (size_t i = 0; i < sizeof budgets / sizeof *budgets && good; i++)
-		for (int rule = 0; rule < 2 && good; rule++) {
-			struct sum sum;
-			good = plan_for(x, &t.scene, request_of(&t, 0), budgets[i], rule ? lod_rule_deussen
-				: lod_rule_optimal, &sum)
-				&& extreme_same(x, "vertices", sum.vertices, all);
-		}
+	for (size_t i = 0; i < sizeof budgets / sizeof *budgets; i++)
+		for (int rule = 0; rule < 2; rule++)
+			extreme_same(x, "vertices", plan_for(x, &t, budgets[i], rule ? lod_rule_deussen
+				: lod_rule_optimal).vertices, all);
 	extreme_say(x, "2^32 to 2^63-1: all %llu vertices are drawn, by both rules", (unsigned long long)all);
 	scene_free(&t);
 }
@@ -258,7 +251,6 @@ static void impossible(struct extreme *x)
 	static const char *const fine[] = { "vertices=0", "vertices=1", "vertices=9223372036854775807",
 		"vertices=1&fov_y_deg=1e-9",
 		"vertices=1&eye=-1e12,1e12,1e12" };
-	uint32_t refused = 0, taken = 0;
 	for (size_t i = 0; i < sizeof bad / sizeof *bad + sizeof fine / sizeof *fine; i++) {
 		bool is_bad = i < sizeof bad / sizeof *bad;
 		const char *text = is_bad ? bad[i] : fine[i - sizeof bad / sizeof *bad];
@@ -275,10 +267,9 @@ static void impossible(struct extreme *x)
 		extreme_must(x, is_bad == (code == ECO_BAD_INPUT) && (is_bad || code == ECO_OK),
 			"%s: status %d", text, code);
 		extreme_must(x, !is_bad || strlen(error.text) > 10, "%s: refused without a reason", text);
-		refused += is_bad && code == ECO_BAD_INPUT;
-		taken += !is_bad && code == ECO_OK;
 	}
-	extreme_say(x, "%u refused with a reason; %u accepted", refused, taken);
+	extreme_say(x, "%zu refused with a reason; %zu accepted", sizeof bad / sizeof *bad,
+		sizeof fine / sizeof *fine);
 }
 
 /* ---- What must hold at any budget ---- */
@@ -286,32 +277,29 @@ static void impossible(struct extreme *x)
 /* 1 - predicted Q of the budget before; vertices left over at most */
 struct hold { double last; uint64_t unused; };
 
-static bool hold_at(struct extreme *x, const struct scene_builder *t, uint64_t budget, struct hold *h,
-	struct sum *sum)
+static void hold_at(struct extreme *x, const struct scene_builder *t, uint64_t budget, struct hold *h)
 {
-	if (!plan_for(x, &t->scene, request_of(t, 0), budget, lod_rule_optimal, sum))
-		return false;
-	bool good = extreme_most(x, "predicted error, with more budget", sum->error, h->last + ROUNDING)
-		&& extreme_must(x, budget - sum->vertices < sum->stats.cheapest,
+	struct sum sum = plan_for(x, t, budget, lod_rule_optimal);
+	extreme_most(x, "predicted error, with more budget", sum.error, h->last + ROUNDING);
+	extreme_must(x, budget - sum.vertices < sum.stats.cheapest,
 		"budget %llu: %llu used though a step of %llu is left", (unsigned long long)budget,
-		(unsigned long long)sum->vertices, (unsigned long long)sum->stats.cheapest);
-	if (sum->stats.cheapest != UINT64_MAX && budget - sum->vertices > h->unused)
-		h->unused = budget - sum->vertices;
-	h->last = sum->error;
-	return good;
+		(unsigned long long)sum.vertices, (unsigned long long)sum.stats.cheapest);
+	if (sum.stats.cheapest != UINT64_MAX && budget - sum.vertices > h->unused)
+		h->unused = budget - sum.vertices;
+	h->last = sum.error;
 }
 
-/* At budgets that end with 0; for a scene that is made for it and freed by the caller. */
-static bool holds(struct extreme *x, struct scene_builder *t, const struct kind *kinds, uint32_t kind_count,
-	struct stand stand, const uint64_t *budgets, struct hold *h)
+/* At 0 and budgets that end with 0; of a scene that is made for it and freed by the caller. Returns how many
+ * vertices are left over at most. */
+static unsigned long long hold(struct extreme *x, struct scene_builder *t, const struct kind *kinds,
+	uint32_t kind_count, struct stand stand, const uint64_t *budgets)
 {
-	struct sum sum;
-	*h = (struct hold){ .last = INFINITY };
+	struct hold h = { .last = INFINITY };
 	make_tables(t, kinds, kind_count, stand);
-	bool good = hold_at(x, t, 0, h, &sum);
-	for (; *budgets && good; budgets++)
-		good = hold_at(x, t, *budgets, h, &sum);
-	return good;
+	hold_at(x, t, 0, &h);
+	for (; *budgets; budgets++)
+		hold_at(x, t, *budgets, &h);
+	return h.unused;
 }
 
 static const uint64_t many[] = { 1, 10, 100, 1000, 4001, 33333, 99999, 100000, 999999, 1000002, 1000003,
@@ -322,17 +310,15 @@ static void sweep(struct extreme *x)
 {
 	struct scene_builder t;
 	struct hold h = { .last = INFINITY };
-	struct sum sum;
 	uint32_t count = x->quick ? 600 : 100000, rises = 0;
 	double first = 0;
-	bool good = true;
 	make_usual(&t);
-	for (uint32_t i = 0; i < count && good; i++) {
+	for (uint32_t i = 0; i < count; i++) {
 		double last = h.last;
 		uint64_t budget = i < count / 4 ? i
 			: (uint64_t)(count / 4 * pow(3e6 / (count / 4.0),
 			(i - count / 4.0) / (count - count / 4.0)));
-		good = hold_at(x, &t, budget, &h, &sum);
+		hold_at(x, &t, budget, &h);
 		rises += h.last > last + ROUNDING;
 		first = i ? first : h.last;
 	}
@@ -345,10 +331,9 @@ static void jumps(struct extreme *x)
 {
 	static const struct kind kinds[] = { KIND(scene_falling, 0, 1), KIND(scene_falling, 300, 1) };
 	struct scene_builder t;
-	struct hold h;
-	if (holds(x, &t, kinds, 2, (struct stand){ 2, 1, 2, 20 }, many, &h))
-		extreme_say(x, "wood of 20, 1000002 or 4000002 vertices a plant: at most %llu vertices left "
-			"over, less than any step", (unsigned long long)h.unused);
+	unsigned long long unused = hold(x, &t, kinds, 2, (struct stand){ 2, 1, 2, 20 }, many);
+	extreme_say(x, "wood of 20, 1000002 or 4000002 vertices a plant: at most %llu vertices left "
+		"over, less than any step", unused);
 	scene_free(&t);
 }
 
@@ -356,21 +341,17 @@ static void identical(struct extreme *x)
 {
 	static const struct kind one[] = { KIND(scene_falling, 4000, 1) };
 	struct scene_builder t;
-	struct hold h;
-	struct sum sum = { 0 };
 	/* a species a plant: nothing is shared, everything ties */
 	uint32_t species = x->quick ? 1000 : 105000;
-	if (holds(x, &t, one, 1, (struct stand){ species, species / 250, 250, 1 },
-			(const uint64_t[]){ 1000, 77777, 10000000, 0 }, &h)
-			&& plan_for(x, &t.scene, request_of(&t, 0), 1000000, lod_rule_optimal, &sum))
-		extreme_say(x, "%u species alike: %llu candidates, %llu vertices left over at most", species,
-			(unsigned long long)sum.stats.candidates, (unsigned long long)h.unused);
+	unsigned long long unused = hold(x, &t, one, 1, (struct stand){ species, species / 250, 250, 1 },
+		(const uint64_t[]){ 1000, 77777, 10000000, 0 });
+	extreme_say(x, "%u species alike: %llu candidates, %llu vertices left over at most", species,
+		(unsigned long long)plan_for(x, &t, 1000000, lod_rule_optimal).stats.candidates, unused);
 	scene_free(&t);
 	/* one species: they differ by their hashes alone */
 	struct stand alike = { 1, x->quick ? 10 : 1000, 1, TILE_SIDE * TILE_SIDE };
-	if (holds(x, &t, one, 1, alike, (const uint64_t[]){ 1000, 77777, 5000000, 0 }, &h))
-		extreme_say(x, "%u plants alike: %llu vertices left over at most", alike.tiles * alike.each,
-			(unsigned long long)h.unused);
+	unused = hold(x, &t, one, 1, alike, (const uint64_t[]){ 1000, 77777, 5000000, 0 });
+	extreme_say(x, "%u plants alike: %llu vertices left over at most", alike.tiles * alike.each, unused);
 	scene_free(&t);
 }
 
@@ -379,19 +360,17 @@ static void one_better(struct extreme *x)
 	static const struct kind kinds[] = { KIND(scene_falling, 2000, 1e6f), KIND(scene_falling, 2000,
 		1e-3f), KIND(scene_falling, 2000, 1e-3f), KIND(convex, 900, 1e-3f) };
 	struct scene_builder t;
-	struct hold h;
 	struct eco_plan plan = { 0 };
 	uint64_t best = 0;
-	bool good = holds(x, &t, kinds, 4, (struct stand){ 4, 1, 4, 1 }, many, &h);
+	hold(x, &t, kinds, 4, (struct stand){ 4, 1, 4, 1 }, many);
 	struct eco_request request = request_of(&t, 12000);
-	if (good && extreme_plan(x, &t.scene, &request, &plan)) {
-		for (uint32_t i = 0; i < plan.cut_count; i++)
-			if (plan.cuts[i].list == t.ladders[0].triangles && plan.cuts[i].anchor != ECO_NONE)
-				best += 3 * (plan.cuts[i].end - plan.cuts[i].first);
-		extreme_same(x, "vertices of the best", best, 12000);
-		extreme_say(x, "one weighs 1e9 times the others: the 12000 vertices that complete it are "
-			"its own; what is left over is below any step");
-	}
+	extreme_plan(x, &t.scene, &request, &plan);
+	for (uint32_t i = 0; i < plan.cut_count; i++)
+		if (plan.cuts[i].list == t.ladders[0].triangles && plan.cuts[i].anchor != ECO_NONE)
+			best += 3 * (plan.cuts[i].end - plan.cuts[i].first);
+	extreme_same(x, "vertices of the best", best, 12000);
+	extreme_say(x, "one weighs 1e9 times the others: the 12000 vertices that complete it are "
+		"its own; what is left over is below any step");
 	eco_plan_free(&plan);
 	scene_free(&t);
 }
@@ -404,17 +383,14 @@ static void odd_curves(struct extreme *x)
 		{ "one point at the end", KIND(point, 500, 1) },
 		{ "one point at 1 %", KIND(early_point, 500, 1) }, { "none", { point, 0, 500, 1 } },
 		{ "one leaf", KIND(scene_falling, 1, 1) }, { "of no weight", KIND(scene_falling, 500, 0) } };
-	bool good = true;
-	for (size_t i = 0; i < sizeof rows / sizeof *rows && good; i++) {
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		const struct kind mixed[2] = { rows[i].kind, KIND(scene_falling, 300, 1) };
-		for (uint32_t kinds = 1; kinds <= 2 && good; kinds++) {
+		for (uint32_t kinds = 1; kinds <= 2; kinds++) {
 			struct scene_builder t;
-			struct hold h;
-			good = holds(x, &t, mixed, kinds, (struct stand){ kinds, 1, kinds, 30 }, many, &h);
+			hold(x, &t, mixed, kinds, (struct stand){ kinds, 1, kinds, 30 }, many);
 			scene_free(&t);
 		}
-		if (good)
-			extreme_say(x, "%s", rows[i].name);
+		extreme_say(x, "%s", rows[i].name);
 	}
 }
 

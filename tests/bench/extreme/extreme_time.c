@@ -13,45 +13,35 @@
 
 static void still_plans(struct extreme *x)
 {
-	const struct extreme_world *world = extreme_world(x);
+	const struct eco_scene *scene = extreme_tables(extreme_world(x));
 	struct eco_request request = extreme_request(5000);
 	struct eco_writer first = { 0 };
-	uint32_t count = x->quick ? 200 : 10000, asked = 0;
-	while (asked < count && world && extreme_again(x, extreme_tables(world), &request, &first, NULL))
-		asked++;
-	extreme_say(x, "%u requests, %zu bytes of plan, all the same", asked, first.size);
+	uint32_t count = x->quick ? 200 : 10000;
+	for (uint32_t i = 0; i < count; i++)
+		extreme_again(x, scene, &request, &first, NULL);
+	extreme_say(x, "%u requests, %zu bytes of plan, all the same", count, first.size);
 	eco_writer_free(&first);
-}
-
-/* The whole body, payloads and all, when nothing is held. */
-static bool body_of(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
-	struct eco_writer *out)
-{
-	struct srv_body body;
-	bool good = extreme_must(x, random_answer(world->scene, request, NULL, 0, &body), "no body fits");
-	for (uint32_t i = 0; i < body.piece_count; i++)
-		eco_write_bytes(out, body.pieces[i].bytes, body.pieces[i].size);
-	srv_body_free(&body);
-	return good;
 }
 
 static void still_streams(struct extreme *x)
 {
 	static const uint64_t most[] = { ECO_BYTES_UNBOUNDED, 100000, 20000 };
-	const struct extreme_world *world = extreme_world(x);
-	bool good = world != NULL;
-	for (int b = 0; b < 3 && good; b++) {
+	for (int b = 0; b < 3; b++) {
 		struct eco_request request = extreme_request(20000);
 		struct eco_writer first = { 0 };
 		request.bytes = most[b];
-		good = body_of(x, world, &request, &first)
-			&& extreme_most(x, "bytes", (double)first.size, (double)most[b]);
-		for (uint32_t i = 1; i < (x->quick ? 5 : 100) && good; i++) {
-			struct eco_writer next = { 0 };
-			good = body_of(x, world, &request, &next)
-				&& extreme_must(x, extreme_same_bytes(&first, &next), "body %u differs", i);
+		for (uint32_t i = 0; i < (x->quick ? 5 : 100); i++) {
+			struct eco_writer next = { 0 }, *to = i ? &next : &first;
+			struct srv_body body;
+			bool fits = random_answer(extreme_world(x)->scene, &request, NULL, 0, &body);
+			extreme_must(x, fits, "no body fits");
+			for (uint32_t p = 0; p < body.piece_count; p++)
+				eco_write_bytes(to, body.pieces[p].bytes, body.pieces[p].size);
+			srv_body_free(&body);
+			extreme_must(x, !i || extreme_same_bytes(&first, &next), "body %u differs", i);
 			eco_writer_free(&next);
 		}
+		extreme_most(x, "bytes", (double)first.size, (double)most[b]);
 		extreme_say(x, "%zu bytes", first.size);
 		eco_writer_free(&first);
 	}
@@ -63,38 +53,34 @@ static void still_streams(struct extreme *x)
 struct swing { uint64_t least, most; double wrong[2]; uint32_t changes; };
 
 /* Plans around one view, the eye moved by up to `reach_m` along so many axes. */
-static bool tremble(struct extreme *x, const struct eco_request *still, double reach_m, int axes,
-	uint32_t count, uint64_t *state, struct swing *s)
+static struct swing tremble(struct extreme *x, const struct eco_request *still, double reach_m, int axes,
+	uint32_t count, uint64_t *state)
 {
-	const struct extreme_world *world = extreme_world(x);
 	struct eco_writer last = { 0 };
-	bool good = world != NULL;
-	*s = (struct swing){ .least = UINT64_MAX, .wrong = { INFINITY, 0 } };
-	for (uint32_t i = 0; i < count && good; i++) {
+	struct swing s = { .least = UINT64_MAX, .wrong = { INFINITY, 0 } };
+	for (uint32_t i = 0; i < count; i++) {
 		struct eco_request request = *still;
 		struct eco_plan plan = { 0 };
 		struct eco_writer bytes = { 0 };
 		for (int k = 0; k < axes; k++)
 			request.view.eye[k] += reach_m * (eco_random_unit(*state = lod_mix(*state + 1)) * 2
 				- 1);
-		good = extreme_plan(x, extreme_tables(world), &request, &plan);
-		if (!good)
-			break;
+		extreme_plan(x, extreme_tables(extreme_world(x)), &request, &plan);
 		double wrong = plan.prediction.fp + plan.prediction.fn;
-		s->least = plan.vertices < s->least ? plan.vertices : s->least;
-		s->most = plan.vertices > s->most ? plan.vertices : s->most;
-		s->wrong[0] = fmin(s->wrong[0], wrong);
-		s->wrong[1] = fmax(s->wrong[1], wrong);
+		s.least = plan.vertices < s.least ? plan.vertices : s.least;
+		s.most = plan.vertices > s.most ? plan.vertices : s.most;
+		s.wrong[0] = fmin(s.wrong[0], wrong);
+		s.wrong[1] = fmax(s.wrong[1], wrong);
 		/* numbers that may differ in their last bits */
 		plan.prediction = (struct eco_prediction){ 0 };
 		eco_wire_write_plan(&bytes, &plan);
-		s->changes += i && !extreme_same_bytes(&last, &bytes);
+		s.changes += i && !extreme_same_bytes(&last, &bytes);
 		eco_writer_free(&last);
 		last = bytes;
 		eco_plan_free(&plan);
 	}
 	eco_writer_free(&last);
-	return good;
+	return s;
 }
 
 /* Views that differ by a nanometre: how many different plans there are, how often one follows another, and
@@ -104,13 +90,11 @@ static void jitter(struct extreme *x)
 	enum { VIEWS = 4 };
 	uint32_t count = x->quick ? 50 : 1000, changes = 0;
 	uint64_t state = 5;
-	struct swing s;
 	for (int v = 0; v < VIEWS; v++) {
 		struct eco_request still = extreme_request(5000);
 		still.view.eye[0] += 3.7 * v;
 		still.view.eye[1] += 1.3 * v;
-		if (!tremble(x, &still, 1e-9, 3, count, &state, &s))
-			return;
+		struct swing s = tremble(x, &still, 1e-9, 3, count, &state);
 		changes += s.changes;
 		extreme_most(x, "swing of predicted wrong pixels", s.wrong[1] - s.wrong[0], 1e-4
 			* s.wrong[1]);
@@ -127,13 +111,11 @@ static void on_border(struct extreme *x)
 {
 	uint64_t state = 9;
 	double largest = 0;
-	struct swing s;
 	for (int v = 0; v < 6; v++) {
 		struct eco_request request = extreme_request(5000);
 		double away = 8 * exp2(v / 4.0);
 		memcpy(request.view.eye, (double[3]){ -away, -away, 3 }, sizeof request.view.eye);
-		if (!tremble(x, &request, 1e-3, 1, x->quick ? 40 : 200, &state, &s))
-			return;
+		struct swing s = tremble(x, &request, 1e-3, 1, x->quick ? 40 : 200, &state);
 		largest = fmax(largest, s.wrong[1] / s.wrong[0] - 1);
 		extreme_most(x, "predicted wrong pixels, a millimetre to and fro", s.wrong[1], 1.04
 			* s.wrong[0]);
@@ -148,16 +130,15 @@ static void teleport(struct extreme *x)
 	static const double eyes[][3] = { { -26, -21, 6.5 }, { 0, 0, 1.7 }, { 1e6, 0, 1e5 }, { 5, 5, -2 },
 		{ 1e9, 1e9, 1 }, { -26, -21, 6.5 + 1e-9 } };
 	enum { EYES = sizeof eyes / sizeof *eyes };
-	const struct extreme_world *world = extreme_world(x);
+	const struct eco_scene *scene = extreme_tables(extreme_world(x));
 	struct eco_writer first[EYES] = { { 0 } };
 	uint32_t count = x->quick ? 100 : 1000;
 	uint64_t state = 3;
-	bool good = world != NULL;
-	for (uint32_t i = 0; i < count + EYES && good; i++) {
+	for (uint32_t i = 0; i < count + EYES; i++) {
 		uint32_t at = i < EYES ? i : (uint32_t)(lod_mix(state++) % EYES);
 		struct eco_request request = extreme_request(5000);
 		memcpy(request.view.eye, eyes[at], sizeof request.view.eye);
-		good = extreme_again(x, extreme_tables(world), &request, &first[at], NULL);
+		extreme_again(x, scene, &request, &first[at], NULL);
 	}
 	for (int i = 0; i < EYES; i++)
 		eco_writer_free(&first[i]);
