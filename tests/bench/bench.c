@@ -44,6 +44,8 @@ static json_t *left_out;                     /* an object whose keys are names *
 static json_t *held;                         /* units that were given out */
 static uint32_t made, recalled;              /* units */
 static jmp_buf failed;
+static struct eco_error section_error;
+struct eco_error *const must_error = &section_error;
 
 /* ---- Progress ---- */
 
@@ -94,10 +96,9 @@ static char *text_of(const char *format, va_list args)
 	return text;
 }
 
-enum eco_code bench_command(struct bench *bench, struct eco_error *error, const char *format, ...)
+void bench_command(const char *format, ...)
 {
 	va_list args;
-	(void)bench;
 	va_start(args, format);
 	char *command = text_of(format, args);
 	va_end(args);
@@ -105,15 +106,8 @@ enum eco_code bench_command(struct bench *bench, struct eco_error *error, const 
 	int status = system(command);
 	if (WIFSIGNALED(status))
 		raise(WTERMSIG(status));         /* Ctrl-C, which system() keeps from this program */
-	enum eco_code code = status ? eco_fail(error, ECO_IO, "this fails: %.400s", command) : ECO_OK;
+	must(status ? eco_fail(must_error, ECO_IO, "this fails: %.400s", command) : ECO_OK);
 	free(command);
-	return code;
-}
-
-void bench_must(struct bench *bench, enum eco_code code)
-{
-	(void)bench;
-	must(code);
 }
 
 void must(enum eco_code code)
@@ -161,36 +155,28 @@ static enum eco_code write_json(const char *path, const json_t *value, struct ec
 	return code;
 }
 
-enum eco_code bench_unit(struct bench *bench, const char *unit, const char *stamp, bench_make *make, void
-	*ctx, json_t **result, struct eco_error *error)
+json_t *bench_unit(struct bench *bench, const char *unit, const char *stamp, json_t *(*make)(void *ctx), void *ctx)
 {
 	char path[PATH], key[PATH];
 	struct eco_error why = { 0 };
 	snprintf(path, sizeof path, "%s/units/%016llx.json", bench->cache,
 		(unsigned long long)XXH3_64bits(unit, strlen(unit)));
 	snprintf(key, sizeof key, "%s, %s, %s", unit, stamp ? stamp : "", program_hash());
-	json_t *kept = json_load_file(path, 0, NULL);
+	json_t *kept = json_load_file(path, 0, NULL), *result = json_object_get(kept, "result");
 	const char *as = json_string_value(json_object_get(kept, "key"));
-	*result = json_object_get(kept, "result");
-	if (*result && as && !strcmp(as, key)) {
-		json_array_append_new(held, kept);
+	if (result && as && !strcmp(as, key)) {
 		recalled++;
-		return ECO_OK;
+	} else {
+		json_decref(kept);
+		result = make(ctx);
+		kept = json_pack("{s:s, s:o}", "key", key, "result", result);
+		/* a full disk costs the next run some time, not this one its result */
+		if (write_json(path, kept, &why))
+			bench_note(bench, "%s; not kept", why.text);
+		made++;
 	}
-	json_decref(kept);
-	*result = NULL;
-	enum eco_code code = make(ctx, result, error);
-	if (code) {
-		json_decref(*result);
-		return code;
-	}
-	kept = json_pack("{s:s, s:o}", "key", key, "result", *result);
-	/* a full disk costs the next run some time, not this one its result */
-	if (write_json(path, kept, &why))
-		bench_note(bench, "%s; not kept", why.text);
 	json_array_append_new(held, kept);
-	made++;
-	return ECO_OK;
+	return result;
 }
 
 /* ---- Records ---- */
@@ -257,10 +243,9 @@ double bench_median(double *values, uint32_t count)
 	return count ? (values[(count - 1) / 2] + values[count / 2]) / 2 : NAN;
 }
 
-enum eco_code bench_plot(struct bench *bench, const struct bench_plot *plot, struct eco_error *error)
+void bench_plot(struct bench *bench, const struct bench_plot *plot)
 {
 	json_t *all = json_array();
-	(void)error;
 	for (uint32_t i = 0; i < plot->series_count; i++) {
 		const struct bench_series *s = &plot->series[i];
 		json_array_append_new(all, json_pack("{s:s, s:o, s:o, s:b}", "name", s->name, "x",
@@ -270,7 +255,6 @@ enum eco_code bench_plot(struct bench *bench, const struct bench_plot *plot, str
 	add_item(bench, json_pack("{s:s, s:s, s:s, s:s, s:s, s:b, s:b, s:o}", "kind", "plot", "name",
 		plot->name, "title", plot->title, "x", plot->x, "y", plot->y, "log_x", (int)plot->log_x,
 		"log_y", (int)plot->log_y, "series", all));
-	return ECO_OK;
 }
 
 void bench_picture(struct bench *bench, const char *file, const char *caption)
@@ -278,31 +262,22 @@ void bench_picture(struct bench *bench, const char *file, const char *caption)
 	add_item(bench, json_pack("{s:s, s:s, s:s}", "kind", "picture", "file", file, "caption", caption));
 }
 
-enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
-	const uint8_t *rgb, struct eco_error *error)
+void bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height, const uint8_t *rgb)
 {
 	char path[PATH];
-	uint8_t *png = NULL;
-	size_t size;
 	snprintf(path, sizeof path, "%s/%s", bench->out, file);
-	enum eco_code code = eco_png_encode(&(struct eco_pixels){ width, height, 3, rgb }, &png, &size,
-		error);
-	if (!code)
-		code = eco_file_write(path, png, size, error);
-	free(png);
-	return code;
+	must(eco_png_write(&(struct eco_pixels){ width, height, 3, rgb }, path, must_error));
 }
 
-enum eco_code bench_pictures_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
-	const uint8_t *const *rgb, uint32_t count, struct eco_error *error)
+void bench_pictures_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
+	const uint8_t *const *rgb, uint32_t count)
 {
 	size_t row = 3 * (size_t)width;
 	uint8_t *all = eco_alloc(row * count, height);
 	for (size_t i = 0; i < (size_t)height * count; i++)
 		memcpy(all + i * row, rgb[i % count] + i / count * row, row);
-	enum eco_code code = bench_picture_write(bench, file, count * width, height, all, error);
+	bench_picture_write(bench, file, count * width, height, all);
 	free(all);
-	return code;
 }
 
 /* ---- Tables ---- */
@@ -431,22 +406,21 @@ static void say_left_out(void)
 		bench_say(&bench, "Left out without FULL=1: %s.", text);
 }
 
-struct eco_error *const must_error = &bench.error;
-
 static enum eco_code run_section(void)
 {
 	if (setjmp(failed))          /* an arena jumps without a word */
-		return bench.error.code ? bench.error.code : eco_fail(&bench.error, ECO_NO_MEMORY, "no memory");
-	return section->run(&bench, &bench.error);
+		return section_error.code ? section_error.code : eco_fail(must_error, ECO_NO_MEMORY, "no memory");
+	section->run(&bench);
+	return ECO_OK;
 }
 
 /* Runs one, and keeps its record. */
-static enum eco_code record_section(void)
+static bool record_section(void)
 {
 	char path[PATH];
 	struct eco_error why = { 0 };
 	double begun_ms = view_clock_ms();
-	bench.error = (struct eco_error){ 0 };
+	section_error = (struct eco_error){ 0 };
 	record = json_pack("{s:s, s:s, s:s, s:b, s:[], s:[]}", "name", section->name, "title", section->title,
 		"program", program_hash(), "full", (int)bench.full, "items", "keys");
 	items = json_object_get(record, "items");
@@ -460,23 +434,23 @@ static enum eco_code record_section(void)
 	say_left_out();
 	json_object_set_new(record, "state", json_string(state));
 	json_object_set_new(record, "seconds", json_real(seconds));
-	json_object_set_new(record, "why", json_string(bench.error.text));
+	json_object_set_new(record, "why", json_string(section_error.text));
 	snprintf(path, sizeof path, "%s/sections/%s.json", bench.cache, section->name);
 	if (write_json(path, record, &why))
 		bench_note(&bench, "%s", why.text);
 	bench_note(&bench, "%s: %s in %.1f s (%u pieces of work done, %u were there)%s%s", section->name,
-		state, seconds, made, recalled, code ? ": " : "", bench.error.text);
+		state, seconds, made, recalled, code ? ": " : "", section_error.text);
 	json_decref(left_out);
 	json_decref(record);
 	json_decref(held);
-	return code;
+	return code == ECO_OK;
 }
 
 #define SCRIPT "tests/bench/report/report.py"
 
 static void write_report(void)
 {
-	char path[PATH];
+	char path[PATH], command[3 * PATH];
 	struct eco_error why = { 0 };
 	json_t *names = json_array();
 	for (uint32_t i = 0; sections[i]; i++)
@@ -484,8 +458,9 @@ static void write_report(void)
 	json_t *run = json_pack("{s:b, s:s, s:s?, s:o}", "full", (int)bench.full, "program", program_hash(),
 		"data", bench.data, "sections", names);
 	snprintf(path, sizeof path, "%s/run.json", bench.cache);
-	if (write_json(path, run, &why) || bench_command(&bench, &why, SCRIPT " '%s' '%s'", bench.out, bench.cache))
-		bench_note(&bench, "no report (" SCRIPT " needs python3 and the source tree as working folder): %s",
+	snprintf(command, sizeof command, SCRIPT " '%s' '%s'", bench.out, bench.cache);
+	if (write_json(path, run, &why) || system(command))
+		bench_note(&bench, "no report (" SCRIPT " needs python3 and the source tree as working folder) %s",
 			why.text);
 	json_decref(run);
 }
@@ -503,35 +478,27 @@ static void print_list(void)
 	}
 }
 
-static enum eco_code open_folders(struct eco_error *error)
+/* Every section runs even if one before it fails. */
+static enum eco_code run_sections(int *status, struct eco_error *error)
 {
 	char path[PATH];
-	struct stat status;
-	if (bench.data) {
-		snprintf(path, sizeof path, "%s/models", bench.data);
-		if (stat(path, &status) || !S_ISDIR(status.st_mode))
-			return eco_fail(error, ECO_BAD_USAGE, "%s is not there: --data is a folder that "
-				"holds models/ (and inventories/ and terrain/)", path);
-	}
+	struct stat folder;
+	snprintf(path, sizeof path, "%s/models", bench.data ? bench.data : "");
+	if (bench.data && (stat(path, &folder) || !S_ISDIR(folder.st_mode)))
+		return eco_fail(error, ECO_BAD_USAGE, "%s is not there: --data is a folder that holds models/ (and "
+			"inventories/ and terrain/)", path);
 	snprintf(path, sizeof path, "%s/ecopack", bench.build);
 	if (access(path, X_OK))
 		return eco_fail(error, ECO_BAD_USAGE, "%s is not there: --build is the folder that make "
 			"writes programs to", path);
-	return bench_command(&bench, error, "mkdir -p '%s' '%s/units' '%s/sections'", bench.out, bench.cache,
-		bench.cache);
-}
-
-/* Every section runs even if one before it fails. */
-static enum eco_code run_sections(int *status, struct eco_error *error)
-{
-	enum eco_code code = open_folders(error);
-	if (code)
-		return code;
+	if (setjmp(failed))
+		return eco_fail(error, ECO_IO, "%s", section_error.text);
+	bench_command("mkdir -p '%s' '%s/units' '%s/sections'", bench.out, bench.cache, bench.cache);
 	for (uint32_t i = 0; sections[i]; i++) {
 		if (some && !asked[i])
 			continue;
 		section = sections[i];
-		*status |= record_section() != ECO_OK;
+		*status |= !record_section();
 		write_report();
 	}
 	fprintf(stderr, "ecobench: %s/report.html, %s/summary.json\n", bench.out, bench.out);

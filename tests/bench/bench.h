@@ -28,19 +28,18 @@ struct bench {
 	const char *data;
 	bool full;                   /* all methods and scenes; else fewer frames, the same keys */
 	bool quiet;
-	struct eco_error error;      /* of the section: `error` of its run */
 };
 
 struct bench_section {
 	const char *name, *title;
-	enum eco_code (*run)(struct bench *bench, struct eco_error *error);
+	void (*run)(struct bench *bench);
 };
 /* The whole program: reads the command line, runs sections (NULL ends), returns the exit status. */
 int bench_main(int argc, char **argv, const struct bench_section *const *sections);
 
-/* Ends the section, which has failed, unless `code` is ECO_OK; bench->error holds why. must is the same, of a call
- * with must_error; what is taken from an arena after must_have ends the section where there is no memory. */
-void bench_must(struct bench *bench, enum eco_code code);
+/* Ends the section, which has failed, unless `code` is ECO_OK; must_error, to which the call fails, says why. What
+ * is taken from an arena after must_have ends the section where there is no memory. Functions of this header that
+ * return no code end it so, too. */
 extern struct eco_error *const must_error;
 void must(enum eco_code code);
 struct lod_arena;
@@ -48,23 +47,13 @@ void must_have(struct lod_arena *arena);
 void bench_progress(struct bench *bench, double share, const char *what);
 void bench_note(const struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Runs a shell command and waits. Ctrl-C ends this program, too. */
-enum eco_code bench_command(struct bench *bench, struct eco_error *error, const char *format,
-	...) __attribute__((format(printf, 3, 4)));
-static inline enum eco_code bench_go_on(const struct bench *bench, struct eco_error *error)
-{
-	(void)bench, (void)error;
-	return ECO_OK;
-}
-static inline bool bench_stopped(const struct bench *bench) { return !bench; }
-static inline bool bench_goes_on(void *bench, double share) { return bench && share >= 0; }
+void bench_command(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* ---- Units ---- */
 
 /* The unit of this name and stamp, from an earlier run or from `make`, which gives up its reference. Borrowed
  * until the section ends. `stamp` may be NULL. */
-typedef enum eco_code bench_make(void *ctx, json_t **result, struct eco_error *error);
-enum eco_code bench_unit(struct bench *bench, const char *unit, const char *stamp, bench_make *make, void
-	*ctx, json_t **result, struct eco_error *error);
+json_t *bench_unit(struct bench *bench, const char *unit, const char *stamp, json_t *(*make)(void *ctx), void *ctx);
 /* Numbers as a JSON array, null for what is not finite; a cell, or the first `count`, NaN for what is no
  * number. */
 json_t *bench_reals(const double *values, uint32_t count);
@@ -109,26 +98,24 @@ struct bench_plot {
 	const struct bench_series *series;
 	uint32_t series_count;
 };
-enum eco_code bench_plot(struct bench *bench, const struct bench_plot *plot, struct eco_error *error);
+void bench_plot(struct bench *bench, const struct bench_plot *plot);
 /* A PNG of `out` in the report. */
 void bench_picture(struct bench *bench, const char *file, const char *caption);
 /* Writes one: 3 bytes a pixel, rows from the top. */
-enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
-	const uint8_t *rgb, struct eco_error *error);
+void bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
+	const uint8_t *rgb);
 /* Pictures of one size beside each other. */
-enum eco_code bench_pictures_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
-	const uint8_t *const *rgb, uint32_t count, struct eco_error *error);
+void bench_pictures_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
+	const uint8_t *const *rgb, uint32_t count);
 
 /* ---- Scenes and plants (bench_scene.c, bench_models.c) ---- */
 
 /* Plant models of the data folder, then generated ones, by number of leaves: files that read as one plant
  * each. A quick bench that stops after some sees many, and the sparse ones, which are hard. */
 struct bench_model { char name[64], path[512]; bool generated; uint32_t leaves; };
-enum eco_code bench_models(struct bench *bench, struct bench_model **models, uint32_t *count,
-	struct eco_error *error);
+struct bench_model *bench_models(struct bench *bench, uint32_t *count);
 /* Reads one (in a child process). The caller frees it with eco_model_free. */
-enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out,
-	struct eco_error *error);
+void bench_model_read(const struct bench_model *model, struct eco_model *out);
 
 /* The tree of 6,143 leaves (bench_crown.c): as a model, which the caller frees; as FOLDER/NAME.obj and .mtl. */
 enum eco_code bench_crown_make(struct eco_model *model, struct eco_error *error);
@@ -136,17 +123,17 @@ enum eco_code bench_crown_write(const char *folder, const char *name, struct eco
 
 /* The pack of a scene (crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park, city,
  * scbi), built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
- * default). Writes its path. ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
-enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512],
-	struct eco_error *error);
+ * default). Writes its path. */
+void bench_scene(struct bench *bench, const char *name, const char *order, char path[512]);
+/* ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
+enum eco_code bench_scene_data(const struct bench *bench, const char *name, struct eco_error *error);
 /* The pack of one model, made anew each time; its plant comes from a cache. */
-enum eco_code bench_model_pack(struct bench *bench, const struct bench_model *model, char pack[512],
-	struct eco_error *error);
+void bench_model_pack(struct bench *bench, const struct bench_model *model, char pack[512]);
 /* Stamp of the pack's content for units: the same for the same bytes. Borrowed until the next call. */
 const char *bench_pack_stamp(const char *path);
 /* The packs that random requests are asked of, CACHE/requests/NAME.eco, where they are not there
  * (bench_requests.c). */
-enum eco_code bench_request_packs(struct bench *bench, struct eco_error *error);
+void bench_request_packs(struct bench *bench);
 /* Whether the quick bench looks at a scene. */
 bool bench_scene_quick(const char *name);
 /* Its cameras: `room` requests along the scene's path; views never used in building. Returns their number. */
@@ -154,10 +141,9 @@ uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_req
 	uint32_t room);
 
 /* Median milliseconds of planning alone, in memory: at least thrice, until `least_ms` have gone by or 200
- * times; and the last plan, which the caller frees in any case (bench_planner.c). */
-enum eco_code bench_plan_time(double *median_ms, struct lod_planner_stats *stats, struct eco_plan *plan,
-	const struct eco_scene *scene, const struct eco_request *request, double least_ms,
-	struct eco_error *error);
+ * times; and the last plan, which the caller frees (bench_planner.c). */
+double bench_plan_time(struct lod_planner_stats *stats, struct eco_plan *plan, const struct eco_scene *scene,
+	const struct eco_request *request, double least_ms);
 
 /* ---- One picture (bench_frame.c): plan -> stream -> decode -> draw -> score, in this process, each step
  * timed ---- */
@@ -178,33 +164,30 @@ struct bench_frame {
 	double plan_ms, decode_ms, draw_ms;
 };
 struct bench_client;                 /* a pack open for many frames: a server's half and a viewer's half */
-enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error);
+struct bench_client *bench_client_open(const char *pack);
 void bench_client_close(struct bench_client *client);                /* NULL is fine */
 /* From now on frames have soft_q, ceiling, picture_error and widest_px: they take a few times longer. */
 void bench_client_see(struct bench_client *client);
 /* From now on OpenGL draws nothing: draw_ms is the rasteriser's. */
 void bench_client_untimed(struct bench_client *client);
 /* Full detail of the request's view, or the nearest to it that a plan may come, drawn by the CPU rasteriser
- * and kept for this view. `draw_ms` may be NULL. */
-enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,
-	double *draw_ms, struct eco_error *error);
+ * and kept for this view. */
+void bench_client_reference(struct bench_client *client, const struct eco_request *request);
 /* The last reference. */
 const struct view_picture *bench_client_full(const struct bench_client *client);
 /* Scores a picture of the last reference's view that was drawn elsewhere: fills score, soft_q, picture_error,
  * ceiling and colour_rms. A client that sees wants its soft counts. */
-enum eco_code bench_client_score(const struct bench_client *client, struct bench_frame *frame,
-	const struct view_picture *picture, struct eco_error *error);
+void bench_client_score(const struct bench_client *client, struct bench_frame *frame,
+	const struct view_picture *picture);
 /* Tiles that are points even in the last reference; 0: it is full detail. */
 uint32_t bench_client_summaries(const struct bench_client *client);
 /* `picture` may be NULL; if not, the caller frees it. Draws from an empty client: bytes are those of a first
- * visit. */
-enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame,
-	struct view_picture *picture, struct eco_error *error);
+ * visit. False where no answer has as few bytes as are asked for. */
+bool bench_client_frame(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture);
 /* A step of a flight: earlier steps are held, bytes are of what the view lacks. Fills vertices, bytes,
  * plan_bytes, plan_ms and decode_ms, and scores nothing. `picture` NULL: nothing is drawn; else the caller
  * frees it. */
-enum eco_code bench_client_step(struct bench_client *client, struct bench_frame *frame,
-	struct view_picture *picture, struct eco_error *error);
+void bench_client_step(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture);
 /* Milliseconds in which OpenGL draws a selection the second time; NaN where there is no OpenGL. */
 struct view_store;
 struct view_selection;
@@ -212,7 +195,7 @@ double bench_gl_ms(const struct view_store *store, const struct view_selection *
 	const struct eco_view *view);
 /* Writes that picture beside full detail of the same view and the error that people see, as `file` of the
  * report's folder, with words under each (ASCII). Only of a client that sees. */
-enum eco_code bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,
-	const struct view_picture *picture, const char *const words[3], struct eco_error *error);
+void bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,
+	const struct view_picture *picture, const char *const words[3]);
 
 #endif

@@ -50,8 +50,7 @@ static void recorded(struct bench *bench, struct walk *walk)
 	char path[PATH];
 	struct eco_camera *camera;
 	snprintf(path, sizeof path, "%s/recorded.json", bench->cache);
-	must(bench_command(bench, must_error, "'%s/ecopack' camera '%s/" TRACK "' -o '%s' -q " TRACK_PLACE,
-		bench->build, bench->data, path));
+	bench_command("'%s/ecopack' camera '%s/" TRACK "' -o '%s' -q " TRACK_PLACE, bench->build, bench->data, path);
 	must(eco_camera_load(&camera, path, must_error));
 	walk->count = eco_camera_frame_count(camera);
 	walk->requests = eco_alloc(walk->count, sizeof *walk->requests);
@@ -166,13 +165,11 @@ static void try_path(struct bench *bench, size_t which, struct bench_table *tabl
 {
 	char pack[512], name[96];
 	double figure[PARTS][FIGURES], *all = figure[0];
-	enum eco_code code;
-	if (!bench_shot_scene(bench, paths[which].scene, pack, &code, must_error))
+	if (!bench_scene_there(bench, paths[which].scene, pack))
 		return;
-	must(code);
 	snprintf(name, sizeof name, "cache-%s-%s-%s", paths[which].scene,
 		paths[which].recorded ? "recorded" : "path", bench->full ? "full" : "quick");
-	bench_cells(must_unit(bench, name, bench_pack_stamp(pack), run_path, &(struct work){ bench, which,
+	bench_cells(bench_unit(bench, name, bench_pack_stamp(pack), run_path, &(struct work){ bench, which,
 		pack }), all, PARTS * FIGURES);
 	for (size_t i = 0; i < PARTS; i++) {
 		char part[24];
@@ -186,9 +183,8 @@ static void try_path(struct bench *bench, size_t which, struct bench_table *tabl
 	}
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
-	(void)error;
 	struct bench_table *table = bench_table_open(bench, "cache", "scene,path,memory,MiB,frames,bytes,"
 		"times no limit,chunks evicted,bytes fetched again,requests repeated", true);
 	for (size_t i = 0; i < PATHS; i++)
@@ -200,7 +196,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"frame. The chunk that no plan needed for the longest time goes first; ties: the largest. A "
 		"path "
 		"ends where one view alone needs more than there is.", VERTICES);
-	return ECO_OK;
 }
 
 const struct bench_section bench_cache = { "cache", "A client with little memory", run };

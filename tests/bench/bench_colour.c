@@ -201,8 +201,8 @@ static void write_pictures(const struct work *w, const struct view_picture *ours
 		off[i] = (uint8_t)(d < 0 ? 0 : d > 255 ? 255 : d);
 	}
 	snprintf(file, sizeof file, "%s-%llu.png", w->name, (unsigned long long)budget);
-	must(bench_pictures_write(w->bench, file, ours->width, ours->height,
-		(const uint8_t *[]){ reference->rgb, ours->rgb, off }, 3, must_error));
+	bench_pictures_write(w->bench, file, ours->width, ours->height,
+		(const uint8_t *[]){ reference->rgb, ours->rgb, off }, 3);
 	free(off);
 }
 
@@ -282,10 +282,8 @@ static void study_scene(struct bench *bench, size_t number, struct sums sums[VAR
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 	struct srv_store server;
 	char pack[512];
-	enum eco_code code;
-	if (!bench_shot_scene(bench, scene, pack, &code, must_error))
+	if (!bench_scene_there(bench, scene, pack))
 		return;
-	must(code);
 	uint32_t views = bench_shot_views(bench, scene, requests), most = bench->full ? VIEWS_FULL
 		: VIEWS_QUICK;
 	srv_store_init(&server);
@@ -299,7 +297,7 @@ static void study_scene(struct bench *bench, size_t number, struct sums sums[VAR
 		struct work work = { .bench = bench, .scene = server.scenes[0], .request = requests[view],
 			.name = name };
 		work.request.view = away(&requests[view].view, distance);
-		bench_cells(must_unit(bench, name, bench_pack_stamp(pack), study_view, &work), figure[0][0],
+		bench_cells(bench_unit(bench, name, bench_pack_stamp(pack), study_view, &work), figure[0][0],
 			NUMBERS);
 		for (size_t b = 0; b < BUDGETS; b++)
 			add_row(sums, figure[b]);
@@ -315,10 +313,9 @@ static void study_scene(struct bench *bench, size_t number, struct sums sums[VAR
 	srv_store_free(&server);
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct sums sums[VARIANTS] = { { { 0 }, 0 } };
-	(void)error;
 	for (size_t s = 0; s < SCENES; s++)
 		study_scene(bench, s, sums);
 	bench_say(bench, "Colours against full detail, means over scenes, views, distances and budgets. "
@@ -333,7 +330,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 				sum[RMS] / count, sum[TONE] / count, sum[PERCEPTUAL] / count);
 	}
 	bench_table_close(table);
-	return ECO_OK;
 }
 
 const struct bench_section bench_colour = { "colour", "Colour against full detail", run };

@@ -26,19 +26,14 @@ struct bench_client {
 	bool has_reference, sees, untimed;
 };
 
-enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error)
+struct bench_client *bench_client_open(const char *pack)
 {
 	struct view_store_options options = { .images = true, .memory_max = 16ull << 30 };
-	struct bench_client *c = *client = eco_alloc(1, sizeof *c);
+	struct bench_client *c = eco_alloc(1, sizeof *c);
 	srv_store_init(&c->scenes);
-	enum eco_code code = srv_store_add(&c->scenes, "bench", pack, error);
-	if (!code)
-		code = view_store_new(&c->full, &options, error);
-	if (code) {
-		bench_client_close(c);
-		*client = NULL;
-	}
-	return code;
+	must(srv_store_add(&c->scenes, "bench", pack, must_error));
+	must(view_store_new(&c->full, &options, must_error));
+	return c;
 }
 
 void bench_client_close(struct bench_client *client)
@@ -78,45 +73,32 @@ double bench_gl_ms(const struct view_store *store, const struct view_selection *
 }
 
 /* Draws what the store holds, and the soft counts of a client that sees. */
-static enum eco_code draw(const struct bench_client *client, struct bench_drawing *drawing,
-	const struct view_store *store, const struct eco_view *view, struct view_picture *picture,
-	struct eco_error *error)
+static void draw(const struct bench_client *client, struct bench_drawing *drawing, const struct view_store *store,
+	const struct eco_view *view, struct view_picture *picture)
 {
-	enum eco_code code = bench_draw(drawing, store, view, picture, error);
-	return code || !client->sees ? code : view_measure_soft(&drawing->job, picture, error);
+	must(bench_draw(drawing, store, view, picture, must_error));
+	if (client->sees)
+		must(view_measure_soft(&drawing->job, picture, must_error));
 }
 
 /* ---- Full detail ---- */
 
-static enum eco_code draw_reference(struct bench_client *client, const struct eco_view *view,
-	struct eco_error *error)
+void bench_client_reference(struct bench_client *client, const struct eco_request *request)
 {
-	struct eco_request full = { .view = *view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED,
+	struct eco_request full = { .view = request->view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED,
 		.ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
 	struct bench_drawing drawing = { .job = { .near_m = 0 } };
+	if (client->has_reference && !memcmp(&client->of, &request->view, sizeof client->of))
+		return;
+	view_picture_free(&client->reference);
 	client->ceiling = NAN;
-	enum eco_code code = bench_fetch(NULL, client->scenes.scenes[0], &full, client->full, error);
-	if (!code)
-		code = draw(client, &drawing, client->full, view, &client->reference, error);
-	if (!code && client->sees)
-		code = view_measure_ceiling(&drawing.job, &client->reference, &client->ceiling, error);
+	must(bench_fetch(NULL, client->scenes.scenes[0], &full, client->full, must_error));
+	draw(client, &drawing, client->full, &full.view, &client->reference);
+	if (client->sees)
+		must(view_measure_ceiling(&drawing.job, &client->reference, &client->ceiling, must_error));
 	view_select_free(&drawing.selection);
-	return code;
-}
-
-enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,
-	double *draw_ms, struct eco_error *error)
-{
-	enum eco_code code = ECO_OK;
-	if (!client->has_reference || memcmp(&client->of, &request->view, sizeof client->of)) {
-		view_picture_free(&client->reference);
-		code = draw_reference(client, &request->view, error);
-		client->of = request->view;
-		client->has_reference = !code;
-	}
-	if (draw_ms)
-		*draw_ms = code ? NAN : client->reference.draw_ms;
-	return code;
+	client->of = request->view;
+	client->has_reference = true;
 }
 
 uint32_t bench_client_summaries(const struct bench_client *client) { return view_store_summaries(client->full); }
@@ -145,14 +127,13 @@ static double colour_rms(const struct view_picture *a, const struct view_picture
 	return count ? sqrt(sum / (double)count) : 0;
 }
 
-enum eco_code bench_client_score(const struct bench_client *client, struct bench_frame *frame,
-	const struct view_picture *picture, struct eco_error *error)
+void bench_client_score(const struct bench_client *client, struct bench_frame *frame,
+	const struct view_picture *picture)
 {
 	const struct view_picture *reference = &client->reference;
 	struct view_measures measures = { .soft_q = NAN, .picture_error = NAN };
-	enum eco_code code = ECO_OK;
 	if (client->sees)
-		code = view_measure_pair(picture, reference, NULL, &measures, error);
+		must(view_measure_pair(picture, reference, NULL, &measures, must_error));
 	else
 		lod_score(&measures.score, &(struct lod_score_input){ picture->width, picture->height,
 			picture->cover, reference->cover, picture->owner, reference->owner });
@@ -161,21 +142,21 @@ enum eco_code bench_client_score(const struct bench_client *client, struct bench
 	frame->picture_error = measures.picture_error;
 	frame->ceiling = client->ceiling;
 	frame->colour_rms = colour_rms(picture, reference);
-	return code;
 }
 
-/* One answer into the store, which is made where it is NULL. */
-static enum eco_code answer(struct bench_client *client, struct bench_frame *frame, struct view_store **store,
-	struct eco_error *error)
+/* One answer into the store, which is made where it is NULL. False where no answer has so few bytes. */
+static bool answer(struct bench_client *client, struct bench_frame *frame, struct view_store **store)
 {
 	struct bench_fetch fetch = { .rule = frame->rule, .ignore_occlusion = frame->ignore_occlusion,
 		.cut = frame->cut };
-	enum eco_code code = *store ? ECO_OK
-		: view_store_new(store, &(struct view_store_options){ .images = true }, error);
-	if (!code)
-		code = bench_fetch(&fetch, client->scenes.scenes[0], &frame->request, *store, error);
-	if (code)
-		return code;
+	if (!*store)
+		must(view_store_new(store, &(struct view_store_options){ .images = true }, must_error));
+	enum eco_code code = bench_fetch(&fetch, client->scenes.scenes[0], &frame->request, *store, must_error);
+	if (code == ECO_TOO_LARGE && frame->request.bytes != ECO_BYTES_UNBOUNDED) {
+		*must_error = (struct eco_error){ 0 };
+		return false;
+	}
+	must(code);
 	const struct eco_plan *plan = view_store_plan(*store);
 	frame->predicted_q = plan ? eco_predicted_q(&plan->prediction) : NAN;
 	frame->vertices = plan ? plan->vertices : 0;
@@ -183,24 +164,20 @@ static enum eco_code answer(struct bench_client *client, struct bench_frame *fra
 	frame->plan_bytes = fetch.plan_bytes;
 	frame->plan_ms = fetch.plan_ms;
 	frame->decode_ms = fetch.decode_ms;
-	return ECO_OK;
+	return true;
 }
 
-enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame,
-	struct view_picture *picture, struct eco_error *error)
+bool bench_client_frame(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture)
 {
 	const struct eco_view *view = &frame->request.view;
 	struct view_store *store = NULL;
 	struct view_picture drawn = { 0 };
 	struct bench_drawing drawing = { .job = { .near_m = 0 } };
-	enum eco_code code = bench_client_reference(client, &frame->request, NULL, error);
-	if (!code)
-		code = answer(client, frame, &store, error);
-	if (!code)
-		code = draw(client, &drawing, store, view, &drawn, error);
-	if (!code)
-		code = bench_client_score(client, frame, &drawn, error);
-	if (!code) {
+	bench_client_reference(client, &frame->request);
+	bool answered = answer(client, frame, &store);
+	if (answered) {
+		draw(client, &drawing, store, view, &drawn);
+		bench_client_score(client, frame, &drawn);
 		double gl_ms = client->untimed ? NAN : bench_gl_ms(store, &drawing.selection, view);
 		frame->widest_px = !client->sees ? NAN : bench_widest_px(store, &drawing.selection, &drawing.eye,
 			&drawn);
@@ -209,40 +186,33 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 	}
 	view_select_free(&drawing.selection);
 	view_store_free(store);
-	if (picture && !code)
+	if (picture)
 		*picture = drawn;
 	else
 		view_picture_free(&drawn);
-	return code;
+	return answered;
 }
 
-/* ---- Steps ---- */
-
-enum eco_code bench_client_step(struct bench_client *client, struct bench_frame *frame,
-	struct view_picture *picture, struct eco_error *error)
+void bench_client_step(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture)
 {
 	struct bench_drawing drawing = { .job = { .near_m = 0 } };
-	enum eco_code code = answer(client, frame, &client->steps, error);
-	if (!code && picture)
-		code = draw(client, &drawing, client->steps, &frame->request.view, picture, error);
+	answer(client, frame, &client->steps);
+	if (picture)
+		draw(client, &drawing, client->steps, &frame->request.view, picture);
 	view_select_free(&drawing.selection);
-	return code;
 }
 
-enum eco_code bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,
-	const struct view_picture *picture, const char *const words[3], struct eco_error *error)
+void bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,
+	const struct view_picture *picture, const char *const words[3])
 {
 	struct view_measures measures;
 	uint32_t size[2];
 	uint8_t *rgb = NULL;
 	float *map = eco_alloc((size_t)picture->width * picture->height, sizeof *map);
-	enum eco_code code = view_measure_pair(picture, &client->reference, map, &measures, error);
-	if (!code)
-		code = view_compare_draw(&(struct view_compare){ picture, &client->reference, map,
-			{ words[0], words[1], words[2] } }, &rgb, size, error);
-	if (!code)
-		code = bench_picture_write(bench, file, size[0], size[1], rgb, error);
+	must(view_measure_pair(picture, &client->reference, map, &measures, must_error));
+	must(view_compare_draw(&(struct view_compare){ picture, &client->reference, map,
+		{ words[0], words[1], words[2] } }, &rgb, size, must_error));
+	bench_picture_write(bench, file, size[0], size[1], rgb);
 	free(rgb);
 	free(map);
-	return code;
 }

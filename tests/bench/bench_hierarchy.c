@@ -19,9 +19,9 @@ static void make_forest(struct bench *bench, const struct forest *f, char pack[5
 	char folder[480];
 	snprintf(folder, sizeof folder, "%s/hierarchy-%s", bench->cache, f->name);
 	snprintf(pack, 512, "%s.eco", folder);
-	bench_must(bench, bench_command(bench, &bench->error, "'%s/ecopack' generate billion --plants %.0f -o '%s' "
+	bench_command("'%s/ecopack' generate billion --plants %.0f -o '%s' "
 		"--quiet && '%s/ecopack' make '%s/scene.json' -o '%s' --order stochastic --cache '%s/plants' "
-		"--quiet", bench->build, f->plants, folder, bench->build, folder, pack, bench->cache));
+		"--quiet", bench->build, f->plants, folder, bench->build, folder, pack, bench->cache);
 }
 
 static double megabytes(const char *path)
@@ -35,9 +35,8 @@ static double plan_ms(struct bench *bench, const char *path, const struct eco_re
 	struct eco_pack *pack = NULL;
 	struct lod_planner_stats stats = { 0 };
 	struct eco_plan plan;
-	double ms;
-	bench_must(bench, eco_pack_open(&pack, path, &bench->error));
-	bench_must(bench, bench_plan_time(&ms, &stats, &plan, &pack->scene, request, 200, &bench->error));
+	must(eco_pack_open(&pack, path, must_error));
+	double ms = bench_plan_time(&stats, &plan, &pack->scene, request, 200);
 	eco_plan_free(&plan);
 	eco_pack_close(pack);
 	return ms;
@@ -63,11 +62,10 @@ static void draw_height(struct bench *bench, const struct forest *f, const char 
 	bool scored = i == 1 || i == 2;
 	char name[64], caption[160];
 	double h = frame.request.view.eye[2];
-	bench_must(bench, bench_client_frame(client, &frame, &picture, &bench->error));
+	bench_client_frame(client, &frame, &picture);
 	snprintf(name, sizeof name, "hierarchy-%s-%u.png", f->name, i);
 	snprintf(caption, sizeof caption, "%s plants from %.4g m, %u vertices", f->name, h, VERTICES);
-	bench_must(bench, bench_picture_write(bench, name, picture.width, picture.height, picture.rgb,
-		&bench->error));
+	bench_picture_write(bench, name, picture.width, picture.height, picture.rgb);
 	bench_picture(bench, name, caption);
 	bench_table_row(table, "%s,%.4g,%llu,%llu,%.1f,%.4f,%.4f,%.0f", f->name, h,
 		(unsigned long long)frame.vertices, (unsigned long long)frame.bytes,
@@ -81,7 +79,7 @@ static void draw_heights(struct bench *bench, const struct forest *f, const char
 	double *worst_q)
 {
 	struct bench_client *client = NULL;
-	bench_must(bench, bench_client_open(&client, pack, &bench->error));
+	client = bench_client_open(pack);
 	for (uint32_t i = 0; i < HEIGHTS; i++) {
 		bench_progress(bench, (double)i / HEIGHTS, f->name);
 		draw_height(bench, f, pack, client, i, table, worst_q);
@@ -97,8 +95,7 @@ static struct resident serve(struct bench *bench, const char *pack)
 	char path[512];
 	struct resident r = { NAN, NAN, -1, 0 };
 	snprintf(path, sizeof path, "%s/hierarchy-resident.txt", bench->cache);
-	bench_must(bench, bench_command(bench, &bench->error, "sh tests/bench/hierarchy.sh '%s' '%s' %d %.0f '%s'",
-		bench->build, pack, bench->full ? 1000 : 100, forests[1].half_m, path));
+	bench_command("sh tests/bench/hierarchy.sh '%s' '%s' %d %.0f '%s'", bench->build, pack, bench->full ? 1000 : 100, forests[1].half_m, path);
 	FILE *file = fopen(path, "r");
 	if (file && fscanf(file, "%lf %lf %d %d", &r.now_mb, &r.most_mb, &r.bad, &r.views) != 4)
 		r.now_mb = NAN;
@@ -107,13 +104,12 @@ static struct resident serve(struct bench *bench, const char *pack)
 	return r;
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct bench_table *table = bench_table_open(bench, "hierarchy",
 		"plants,height_m,vertices,bytes,plan_ms,predicted_q,q,reference_summaries", true);
 	char packs[3][512];
 	double worst_q = 1;
-	(void)error;
 	for (uint32_t i = 0; i < 3; i++) {
 		make_forest(bench, &forests[i], packs[i]);
 		draw_heights(bench, &forests[i], packs[i], table, &worst_q);
@@ -128,7 +124,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_key(bench, "hierarchy_q", worst_q, ">= 0.8 where full detail can be drawn");
 	bench_say(bench, "%d random views served, %d not answered with a stream; %.1f MB resident at the end, %.1f at "
 		"most.", resident.views, resident.bad, resident.now_mb, resident.most_mb);
-	return ECO_OK;
 }
 
 const struct bench_section bench_hierarchy = { "hierarchy", "Hierarchy at scale", run };

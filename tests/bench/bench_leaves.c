@@ -52,8 +52,10 @@ static json_t *make_unit(void *ctx)
 {
 	const struct opening *o = ctx;
 	struct bench_leaves leaves = { .pixels = o->pixels };
-	must(o->model ? bench_model_read(o->bench, o->model, &leaves.model, must_error)
-		: bench_crown_make(&leaves.model, must_error));
+	if (o->model)
+		bench_model_read(o->model, &leaves.model);
+	else
+		must(bench_crown_make(&leaves.model, must_error));
 	must(bench_foliage_make(&leaves.foliage, &leaves.model, &leaves.arena, must_error));
 	must_have(&leaves.arena);
 	must(lod_raster_init(&leaves.cover, &(struct lod_raster_options){ .width = o->pixels,
@@ -73,7 +75,7 @@ json_t *bench_leaves_unit(struct bench *bench, const char *prefix, const char *s
 	char name[128], whole[64];
 	snprintf(name, sizeof name, model ? "%s-%s" : "%s", prefix, model ? model->name : "");
 	snprintf(whole, sizeof whole, "%d %s", bench->full, model ? must_stamp(model->path) : "");
-	return must_unit(bench, name, stamp ? stamp : whole, make_unit,
+	return bench_unit(bench, name, stamp ? stamp : whole, make_unit,
 		&(struct opening){ bench, model, pixels, study, ctx });
 }
 

@@ -57,37 +57,41 @@ static int by_leaves(const void *a, const void *b)
 
 /* ---- Reading ---- */
 
-struct work { struct bench *bench; const struct bench_model *model; };
+static enum eco_code import(const struct bench_model *model, struct eco_model *out, struct eco_error *error)
+{
+	const char *path = model->path;
+	return eco_model_import(out, &(struct eco_model_options){ .paths = &path, .path_count = 1 }, error);
+}
+
+void bench_model_read(const struct bench_model *model, struct eco_model *out)
+{
+	must(import(model, out, must_error));
+}
 
 /* The number of leaves, or why it does not read. */
-static enum eco_code look_at(void *ctx, json_t **made, struct eco_error *error)
+static json_t *look_at(void *ctx)
 {
-	const struct work *w = ctx;
+	const struct bench_model *model = ctx;
 	struct eco_model read;
 	struct eco_error why = { 0 };
 	struct lod_arena arena = { 0 };
 	struct lod_foliage foliage;
-	(void)error;
-	if (bench_model_read(w->bench, w->model, &read, &why)) {
-		*made = json_string(why.text);
-		return ECO_OK;
-	}
+	if (import(model, &read, &why))
+		return json_string(why.text);
 	bool none = bench_foliage_make(&foliage, &read, &arena, &why);
-	*made = json_integer(none ? 0 : foliage.count);
+	json_t *made = json_integer(none ? 0 : foliage.count);
 	lod_arena_free(&arena);
 	eco_model_free(&read);
-	return ECO_OK;
+	return made;
 }
 
 /* Kept, as it takes a second or two each. */
 static bool reads(struct bench *bench, struct bench_model *model)
 {
 	char unit[640], stamp[64];
-	json_t *kept;
 	snprintf(unit, sizeof unit, "model-%s-%s", model->name, model->path);
 	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
-	bench_must(bench, bench_unit(bench, unit, stamp, look_at, &(struct work){ bench, model }, &kept,
-		&bench->error));
+	const json_t *kept = bench_unit(bench, unit, stamp, look_at, model);
 	model->leaves = (uint32_t)json_integer_value(kept);
 	if (json_is_string(kept))
 		bench_note(bench, "%s is left out: %s", model->path, json_string_value(kept));
@@ -101,28 +105,24 @@ static void find_all(struct bench *bench)
 	found_count = 0;
 	generated = false;
 	if (bench->data) {
-		bench_must(bench, bench_command(bench, &bench->error, "cp -Ru '%s/models' '%s' && chmod -R u+w "
+		bench_command("cp -Ru '%s/models' '%s' && chmod -R u+w "
 			"'%s/models' && find '%s/models' -name '*.xz' -exec sh -c 'for f; do [ -e \"${f%%.xz}\" ] "
-			"|| xz -dk \"$f\" || exit; done' sh {} +", bench->data, bench->cache, bench->cache,
-			bench->cache));
+			"|| xz -dk \"$f\" || exit; done' sh {} +", bench->data, bench->cache, bench->cache, bench->cache);
 		snprintf(folder, sizeof folder, "%s/models", bench->cache);
 		nftw(folder, visit, DEPTH_MAX, 0);
 	}
 	generated = true;
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
 		snprintf(folder, sizeof folder, "%s/scenes/plants-%s", bench->cache, kinds[i]);
-		bench_must(bench, bench_command(bench, &bench->error, "[ -d '%s/models' ] || { mkdir -p '%s' && "
-			"'%s/ecopack' generate %s -o '%s' --plants 20 --quiet; }", folder, folder, bench->build,
-			kinds[i], folder));
+		bench_command("[ -d '%s/models' ] || { mkdir -p '%s' && "
+			"'%s/ecopack' generate %s -o '%s' --plants 20 --quiet; }", folder, folder, bench->build, kinds[i], folder);
 		nftw(folder, visit, DEPTH_MAX, 0);
 	}
 }
 
-enum eco_code bench_models(struct bench *bench, struct bench_model **models, uint32_t *count,
-	struct eco_error *error)
+struct bench_model *bench_models(struct bench *bench, uint32_t *count)
 {
 	uint32_t kept = 0;
-	(void)error;
 	find_all(bench);
 	qsort(found, found_count, sizeof *found, by_name);
 	for (uint32_t i = 0; i < found_count; i++) {
@@ -132,15 +132,6 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 			found[kept++] = found[i];
 	}
 	qsort(found, kept, sizeof *found, by_leaves);
-	*models = found;
 	*count = kept;
-	return ECO_OK;
-}
-
-enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out,
-	struct eco_error *error)
-{
-	const char *path = model->path;
-	(void)bench;
-	return eco_model_import(out, &(struct eco_model_options){ .paths = &path, .path_count = 1 }, error);
+	return found;
 }

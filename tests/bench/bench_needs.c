@@ -15,13 +15,13 @@ static double field(const char *line, int column)
 	return line ? atof(line) : NAN;
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	char path[512], head[4096] = "", bare[4096] = "", line[4096] = "";
 	struct bench_table *table = NULL;
 	snprintf(path, sizeof path, "%s/needs/table.csv", bench->cache);
-	bench_must(bench, bench_command(bench, error, "mkdir -p '%s/needs' && BUILD='%s' sh "
-		"tests/bench/needs.sh '%s/needs' >'%s'", bench->cache, bench->build, bench->cache, path));
+	bench_command("mkdir -p '%s/needs' && BUILD='%s' sh "
+		"tests/bench/needs.sh '%s/needs' >'%s'", bench->cache, bench->build, bench->cache, path);
 	FILE *file = fopen(path, "r");
 	while (file && fgets(table ? line : head, sizeof line, file)) {
 		if (table) {
@@ -36,8 +36,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	}
 	if (file)
 		fclose(file);
-	if (!table)
-		return eco_fail(error, ECO_IO, "%s: holds no table of needs", path);
+	must(table ? ECO_OK : eco_fail(must_error, ECO_IO, "%s: holds no table of needs", path));
 	bench_table_close(table);
 	bench_say(bench, "A hundred plants each; every scene has one thing more than the one before. The first "
 		"is drawn with lines alone (1,000 vertices), the others with 20,000. ecopack loads GDAL for "
@@ -47,7 +46,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_key(bench, "needs_bare_stream_bytes", field(bare, STREAM_BYTES), "only what lines need");
 	bench_key(bench, "needs_bare_packer_libraries", field(bare, PACKER_LIBRARIES), "");
 	bench_key(bench, "needs_everything_pack_bytes", field(line, PACK_BYTES), "");
-	return ECO_OK;
 }
 
 const struct bench_section bench_needs = { "needs", "Leaving out what a scene does not need", run };

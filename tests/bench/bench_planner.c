@@ -27,8 +27,7 @@ static double add_scene(struct bench *bench, const char *scene, struct bench_tab
 		requests);
 	double sum = 0;
 	for (uint32_t v = 0; v < views; v++) {
-		json_t *rows;
-		bench_must(bench, bench_shots(bench, scene, BENCH_OURS, v, &rows, &bench->error));
+		const json_t *rows = bench_shots(bench, scene, BENCH_OURS, v);
 		for (uint32_t b = 0; b < count; b++) {
 			const json_t *row = json_array_get(rows, b);
 			double gap = bench_shot_number(row, "predicted_q") - bench_shot_number(row, "q");
@@ -67,24 +66,22 @@ static void predict(struct bench *bench)
 #define REPETITIONS_MAX 200u
 #define REPETITIONS_LEAST 3u
 
-enum eco_code bench_plan_time(double *median_ms, struct lod_planner_stats *stats, struct eco_plan *plan,
-	const struct eco_scene *scene, const struct eco_request *request, double least_ms,
-	struct eco_error *error)
+double bench_plan_time(struct lod_planner_stats *stats, struct eco_plan *plan, const struct eco_scene *scene,
+	const struct eco_request *request, double least_ms)
 {
 	double ms[REPETITIONS_MAX], sum = 0;
 	struct lod_planner_input input = { .scene = scene, .request = request, .stats = stats };
 	uint32_t count = 0;
 	*plan = (struct eco_plan){ 0 };
-	enum eco_code code = lod_plan_tables_make(&input.tables, scene, error);
-	while (!code && (count < REPETITIONS_LEAST || (count < REPETITIONS_MAX && sum < least_ms))) {
+	must(lod_plan_tables_make(&input.tables, scene, must_error));
+	while (count < REPETITIONS_LEAST || (count < REPETITIONS_MAX && sum < least_ms)) {
 		double from = view_clock_ms();
 		eco_plan_free(plan);
-		code = lod_plan(plan, &input, error);
+		must(lod_plan(plan, &input, must_error));
 		sum += ms[count++] = view_clock_ms() - from;
 	}
 	lod_plan_tables_free(input.tables);
-	*median_ms = code ? NAN : bench_median(ms, count);
-	return code;
+	return bench_median(ms, count);
 }
 
 /* Plans of 1,000,000 vertices: returns the middle of up to three views; *gains: the most for a cut. */
@@ -95,13 +92,12 @@ static double time_scene(struct bench *bench, const char *scene, const char *pat
 	struct eco_pack *pack = NULL;
 	double all[3] = { NAN, NAN, NAN };
 	uint32_t views = bench_scene_views(bench, scene, requests, 3);
-	bench_must(bench, eco_pack_open(&pack, path, &bench->error));
+	must(eco_pack_open(&pack, path, must_error));
 	for (uint32_t v = 0; v < views; v++) {
 		struct lod_planner_stats stats = { 0 };
 		struct eco_plan plan;
 		requests[v].vertices = 1000000;
-		bench_must(bench, bench_plan_time(&all[v], &stats, &plan, &pack->scene, &requests[v], 500,
-			&bench->error));
+		all[v] = bench_plan_time(&stats, &plan, &pack->scene, &requests[v], 500);
 		double per_cut = (double)stats.gains / plan.cut_count;
 		*gains = fmax(*gains, per_cut);
 		bench_table_row(table, "%s,%u,%.3f,%llu,%u,%llu,%.2f,%llu,%llu,%llu", scene, v, all[v],
@@ -114,7 +110,7 @@ static double time_scene(struct bench *bench, const char *scene, const char *pat
 	return fmax(fmin(all[0], all[1]), fmin(fmax(all[0], all[1]), all[2]));
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	double gains = NAN, trees = NAN;
 	char pack[512];
@@ -134,7 +130,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"5,000 trees, median of the views");
 	bench_key(bench, "planning_candidates_per_cut", gains,
 		"<= 4, worst view: candidates whose gain was computed");
-	return ECO_OK;
 }
 
 const struct bench_section bench_planner = { "planner", "The planner: its prediction and its time", run };

@@ -19,10 +19,10 @@ static const struct { const char *key, *head; } counts[] = { { "requests", "requ
 	{ "senseless", "senseless" }, { "failed", "failed" }, { "unused_most", "most left over" } };
 enum { COUNTS = sizeof counts / sizeof *counts, REQUESTS = 0, VIOLATIONS = 3, FAILED = COUNTS - 2, MOST };
 
-enum eco_code bench_request_packs(struct bench *bench, struct eco_error *error)
+void bench_request_packs(struct bench *bench)
 {
 	bench_progress(bench, 0, "scenes for random requests");
-	return bench_command(bench, error,
+	bench_command(
 		"BUILD='%s' CACHE='%s/plants' sh tests/bench/request_scenes.sh " "'%s/requests'",
 		bench->build, bench->cache, bench->cache);
 }
@@ -47,12 +47,12 @@ static void run_block(const struct bench *bench, const char *scene, uint32_t num
 	json_decref(result);
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct bench_column columns[COUNTS];
 	double all[COUNTS] = { 0 };
 	uint32_t blocks = bench->full ? BLOCKS_FULL : BLOCKS_QUICK;
-	bench_must(bench, bench_request_packs(bench, error));
+	bench_request_packs(bench);
 	for (int i = 0; i < COUNTS; i++)
 		columns[i] = (struct bench_column){ counts[i].head, i == MOST ? 4 : 0 };
 	struct bench_table *table = bench_table_described(bench, "requests", "scene", columns, COUNTS, true);
@@ -76,7 +76,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"gained.");
 	bench_key(bench, "requests_violations", all[VIOLATIONS], "0: of what must always hold");
 	bench_key(bench, "requests_count", all[REQUESTS], "asked; 100,000 with FULL=1");
-	return ECO_OK;
 }
 
 const struct bench_section bench_requests = { "requests", "Random requests: what must always hold", run };

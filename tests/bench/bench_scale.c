@@ -99,7 +99,7 @@ static json_t *study(void *ctx)
 	/* One ladder for all of an organ: a plant in cells draws the same curve from several. */
 	const struct lod_plant_options options = { .name = w->model->name, .cell_triangles = UINT32_MAX };
 	json_t *rows = json_array();
-	must(bench_model_read(w->bench, w->model, &read, must_error));
+	bench_model_read(w->model, &read);
 	must(lod_plant_build(&plant, &read, &options, must_error));
 	bool enough = plant.organ[ECO_ORGAN_FOLIAGE].elements >= ELEMENTS_LEAST;
 	if (enough)
@@ -134,23 +134,22 @@ static void plot_sizes(struct bench *bench, double sum[SIZES][FIGURES], uint32_t
 	bench_say(bench, "Precision and Recall by the size on screen, at lambda %g: means over %u plants "
 		"differ by %.3f at most between %u and %u pixels. The spread is the standard deviation over "
 		"%u views.", lambdas[PLOTTED], count, range, sizes[0], sizes[SIZES - 1], VIEWS);
-	must(bench_plot(bench, &(struct bench_plot){ .name = "scale-sizes",
+	bench_plot(bench, &(struct bench_plot){ .name = "scale-sizes",
 		.title = "Precision and Recall by size on screen (lambda 0.2)", 
 		.x = "height of the picture, pixels",
-		.y = "share", .log_x = true, .series = series, .series_count = 6 }, must_error));
+		.y = "share", .log_x = true, .series = series, .series_count = 6 });
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct bench_walk walk = { .bench = bench, .leaves = ELEMENTS_LEAST, .most = 8, .quick = 2 };
 	double sum[SIZES][FIGURES] = { { 0 } };
 	struct bench_table *table = bench_table_described(bench, "scale_sizes", "plant,pixels,lambda",
 		columns, FIGURES, true);
-	(void)error;
 	for (const struct bench_model *model; (model = bench_walk(&walk));) {
 		char name[96];
 		snprintf(name, sizeof name, "sizes-%s", model->name);
-		const json_t *rows = must_unit(bench, name, must_stamp(model->path), study,
+		const json_t *rows = bench_unit(bench, name, must_stamp(model->path), study,
 			&(struct work){ bench, model });
 		for (size_t i = 0; i < SIZES * LAMBDAS && i < json_array_size(rows); i++) {
 			double value[FIGURES];
@@ -165,7 +164,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_table_close(table);
 	if (walk.found[0] + walk.found[1])
 		plot_sizes(bench, sum, walk.found[0] + walk.found[1]);
-	return ECO_OK;
 }
 
 const struct bench_section bench_scale = { "scale", "Precision and Recall by size and view", run };

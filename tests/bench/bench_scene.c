@@ -70,11 +70,11 @@ static bool stamp_fits(const char *what, const char *stamp)
 	return !access(what, R_OK) && !strcmp(text, stamp);
 }
 
-static enum eco_code stamp_write(const char *what, const char *stamp, struct eco_error *error)
+static void stamp_write(const char *what, const char *stamp)
 {
 	char path[PATH + 16];
 	snprintf(path, sizeof path, "%s.stamp", what);
-	return eco_file_write(path, stamp, strlen(stamp), error);
+	file_write_text(path, stamp);
 }
 
 static void scene_stamp(const struct bench *bench, const struct scene *s, const char *order, char stamp[STAMP])
@@ -97,19 +97,16 @@ const char *bench_pack_stamp(const char *path)
 
 /* ---- Folders with scene.json ---- */
 
-static enum eco_code make_crown(const char *folder, struct eco_error *error)
+static void make_crown(const char *folder)
 {
 	char path[PATH];
-	enum eco_code code = bench_crown_write(folder, "crown", error);
-	if (code)
-		return code;
+	must(bench_crown_write(folder, "crown", must_error));
 	snprintf(path, sizeof path, "%s/scene.json", folder);
 	file_write_text(path, "{\"name\": \"crown\", \"plants\": {\"tree\": {\"model\": "
 		"\"crown.obj\"}},\n \"instances\": [{\"plant\": \"tree\", \"at\": [0, 0, 0]}]}\n");
 	snprintf(path, sizeof path, "%s/camera.json", folder);
 	FILE *out = fopen(path, "wb");
-	if (!out)
-		return eco_fail(error, ECO_IO, "%s cannot be written", path);
+	must(out ? ECO_OK : eco_fail(must_error, ECO_IO, "%s cannot be written", path));
 	fputs("{\"fps\": 1, \"keyframes\": [", out);
 	/* once around, from above down to eye level */
 	for (int i = 0; i <= 16; i++) {
@@ -120,63 +117,58 @@ static enum eco_code make_crown(const char *folder, struct eco_error *error)
 	}
 	fputs("\n]}\n", out);
 	fclose(out);
-	return ECO_OK;
 }
 
-static enum eco_code make_scbi(struct bench *bench, const char *folder, struct eco_error *error)
+enum eco_code bench_scene_data(const struct bench *bench, const char *name, struct eco_error *error)
 {
 	char path[PATH];
 	snprintf(path, sizeof path, "%s/inventories/scbi_stems_2018_utm17n.csv", bench->data ? bench->data : "");
-	if (!bench->data || access(path, R_OK))
-		return eco_fail(error, ECO_NOT_FOUND, "scbi is a forest inventory of the data folder: give "
-			"it with --data (make bench DATA=DIR)");
-	return bench_command(bench, error, "BUILD='%s' OUT='%s' DATA='%s' sh tests/demo/forest_scene.sh",
-		bench->build, folder, bench->data);
+	return strcmp(name, "scbi") || (bench->data && !access(path, R_OK)) ? ECO_OK
+		: eco_fail(error, ECO_NOT_FOUND, "scbi is a forest inventory of the data folder: give it with --data "
+		"(make bench DATA=DIR)");
 }
 
-static enum eco_code make_folder(struct bench *bench, const struct scene *s, char folder[PATH],
-	struct eco_error *error)
+static void make_folder(struct bench *bench, const struct scene *s, char folder[PATH])
 {
 	char stamp[STAMP], scene[PATH];
 	snprintf(folder, PATH, "%.900s/scenes/%s", bench->cache, s->name);
 	snprintf(scene, sizeof scene, "%.1000s/scene.json", folder);
+	must(bench_scene_data(bench, s->name, must_error));
 	scene_stamp(bench, s, NULL, stamp);
 	if (stamp_fits(scene, stamp))
-		return ECO_OK;
+		return;
 	bench_progress(bench, 0, s->name);
 	folder_make(folder);
-	enum eco_code code = s->origin == CROWN ? make_crown(folder, error)
-		: s->origin == SCBI ? make_scbi(bench, folder, error)
-		: bench_command(bench, error, "'%s/ecopack' generate %s -o '%s' --plants %u --detail %g --quiet",
-		bench->build, s->kind, folder, s->plants, s->detail);
-	return code ? code : stamp_write(scene, stamp, error);
+	if (s->origin == CROWN)
+		make_crown(folder);
+	else if (s->origin == SCBI)
+		bench_command("BUILD='%s' OUT='%s' DATA='%s' sh tests/demo/forest_scene.sh", bench->build, folder,
+			bench->data);
+	else
+		bench_command("'%s/ecopack' generate %s -o '%s' --plants %u --detail %g --quiet", bench->build,
+			s->kind, folder, s->plants, s->detail);
+	stamp_write(scene, stamp);
 }
 
 /* ---- Packs ---- */
 
-enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512],
-	struct eco_error *error)
+void bench_scene(struct bench *bench, const char *name, const char *order, char path[512])
 {
 	const struct scene *s = find(name);
 	char folder[PATH], stamp[STAMP];
-	if (!s)
-		return eco_fail(error, ECO_BAD_USAGE, "no scene is called %s", name);
-	enum eco_code code = make_folder(bench, s, folder, error);
-	if (code)
-		return code;
+	make_folder(bench, s, folder);
 	scene_stamp(bench, s, order, stamp);
 	snprintf(path, 512, "%.400s/packs/%s%s%s.eco", bench->cache, name, order ? "-" : "", order ? order : "");
 	if (stamp_fits(path, stamp))
-		return ECO_OK;
+		return;
 	bench_note(bench, "building %s%s%s", name, order ? ", leaves in order: " : "", order ? order : "");
-	code = bench_command(bench, error, "mkdir -p '%s/packs' && '%s/ecopack' make '%s/scene.json' -o '%s'%s%s%s "
-		"--cache '%s/plants' --cache-mb 16384", bench->cache, bench->build, folder, path,
-		order ? " --order " : "", order ? order : "", bench->quiet ? " --quiet" : "", bench->cache);
-	return code ? code : stamp_write(path, stamp, error);
+	bench_command("mkdir -p '%s/packs' && '%s/ecopack' make '%s/scene.json' -o '%s'%s%s%s --cache '%s/plants' "
+		"--cache-mb 16384", bench->cache, bench->build, folder, path, order ? " --order " : "",
+		order ? order : "", bench->quiet ? " --quiet" : "", bench->cache);
+	stamp_write(path, stamp);
 }
 
-enum eco_code bench_model_pack(struct bench *bench, const struct bench_model *model, char pack[512],
-	struct eco_error *error)
+void bench_model_pack(struct bench *bench, const struct bench_model *model, char pack[512])
 {
 	char scene[512];
 	snprintf(scene, sizeof scene, "%.400s/packs", bench->cache);
@@ -186,13 +178,11 @@ enum eco_code bench_model_pack(struct bench *bench, const struct bench_model *mo
 	char *place = realpath(model->path, NULL);   /* a scene's paths are relative to its own folder */
 	json_t *made = json_pack("{s:s, s:{s:{s:s?}}, s:[{s:s, s:[i,i,i]}]}", "name", model->name, "plants",
 		"plant", "model", place, "instances", "plant", "plant", "at", 0, 0, 0);
-	enum eco_code code = json_dump_file(made, scene, 0)
-		? eco_fail(error, ECO_IO, "%s cannot be written", scene)
-		: bench_command(bench, error, "'%s/ecopack' make '%s' -o '%s' --quiet --cache "
-		"'%s/plants' --cache-mb 16384", bench->build, scene, pack, bench->cache);
+	must(json_dump_file(made, scene, 0) ? eco_fail(must_error, ECO_IO, "%s cannot be written", scene) : ECO_OK);
 	json_decref(made);
 	free(place);
-	return code;
+	bench_command("'%s/ecopack' make '%s' -o '%s' --quiet --cache '%s/plants' --cache-mb 16384", bench->build,
+		scene, pack, bench->cache);
 }
 
 /* ---- Views ---- */
@@ -223,8 +213,9 @@ uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_req
 {
 	const struct scene *s = find(name);
 	char folder[PATH];
-	if (!s || !room || make_folder(bench, s, folder, NULL))
+	if (!s || !room)
 		return 0;
+	make_folder(bench, s, folder);
 	struct eco_camera *camera = load_camera(bench, name);
 	if (!camera)
 		return 0;

@@ -41,12 +41,12 @@ bool bench_scene_there(struct bench *bench, const char *scene, char pack[512])
 {
 	if (!bench_scene_asked(bench, scene))
 		return false;
-	enum eco_code code = bench_scene(bench, scene, NULL, pack, &bench->error);
-	bench_must(bench, code == ECO_NOT_FOUND ? ECO_OK : code);
-	if (!code)
+	struct eco_error why = { 0 };
+	if (!bench_scene_data(bench, scene, &why)) {
+		bench_scene(bench, scene, NULL, pack);
 		return true;
-	bench_say(bench, "Without %s: %s", scene, bench->error.text);
-	bench->error = (struct eco_error){ 0 };
+	}
+	bench_say(bench, "Without %s: %s", scene, why.text);
 	return false;
 }
 
@@ -115,8 +115,7 @@ json_t *bench_shot_row(const struct bench_frame *f)
 struct work { struct bench *bench; const struct bench_view *view; const struct bench_shoot *shoot; };
 
 /* null where no answer has so few bytes */
-static enum eco_code add_row(const struct work *w, struct bench_client *client, uint32_t row, json_t *rows,
-	struct eco_error *error)
+static json_t *make_row(const struct work *w, struct bench_client *client, uint32_t row)
 {
 	const struct bench_shoot *shoot = w->shoot;
 	const struct bench_method *method = shoot->method ? shoot->method : &bench_methods[BENCH_OURS];
@@ -126,67 +125,58 @@ static enum eco_code add_row(const struct work *w, struct bench_client *client, 
 			.vertices = shoot->vertices ? shoot->vertices[row] : 1000000,
 		.bytes = shoot->bytes ? shoot->bytes[row] : ECO_BYTES_UNBOUNDED } };
 	struct view_picture picture = { 0 };
-	enum eco_code code = bench_client_frame(client, &frame, &picture, error);
-	bool few = code == ECO_TOO_LARGE && shoot->bytes;
-	if (!code && shoot->show)
-		code = shoot->show(w->bench, client, w->view, row, &frame, &picture, error);
-	json_array_append_new(rows, code ? json_null() : bench_shot_row(&frame));
+	if (!bench_client_frame(client, &frame, &picture))
+		return json_null();
+	if (shoot->show)
+		shoot->show(w->bench, client, w->view, row, &frame, &picture);
 	view_picture_free(&picture);
-	return few ? ECO_OK : code;
+	return bench_shot_row(&frame);
 }
 
-static enum eco_code make_rows(void *ctx, json_t **rows, struct eco_error *error)
+static json_t *make_rows(void *ctx)
 {
 	const struct work *w = ctx;
-	struct bench_client *client = NULL;
-	bench_must(w->bench, bench_client_open(&client, w->view->pack, error));
-	*rows = json_array();
+	struct bench_client *client = bench_client_open(w->view->pack);
+	json_t *rows = json_array();
 	bench_client_see(client);
 	if (!w->shoot->method)
 		bench_client_untimed(client);
 	for (uint32_t i = 0; i < w->shoot->count; i++)
-		bench_must(w->bench, add_row(w, client, i, *rows, error));
+		json_array_append_new(rows, make_row(w, client, i));
 	bench_client_close(client);
-	return ECO_OK;
+	return rows;
 }
 
 json_t *bench_view_rows(struct bench *bench, const struct bench_view *view, const struct bench_shoot *shoot)
 {
 	const struct eco_view *v = &view->view;
 	char unit[96], stamp[512];
-	json_t *rows;
 	snprintf(unit, sizeof unit, "%s-%s-%s", shoot->name, view->scene, view->camera);
 	snprintf(stamp, sizeof stamp, "%s %u %g %g %g %g %g %g %g", bench_pack_stamp(view->pack),
 		shoot->count, v->eye[0],
 		v->eye[1], v->eye[2], v->target[0], v->target[1], v->target[2], v->fov_y_deg);
-	bench_must(bench, bench_unit(bench, unit, stamp, make_rows, &(struct work){ bench, view, shoot }, &rows,
-		&bench->error));
-	return rows;
+	return bench_unit(bench, unit, stamp, make_rows, &(struct work){ bench, view, shoot });
 }
 
-enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view,
-	json_t **rows, struct eco_error *error)
+json_t *bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view)
 {
 	char name[16], camera[16], pack[512];
 	uint64_t budgets[BENCH_BUDGETS_MAX];
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
-	enum eco_code code = bench_scene(bench, scene, bench_methods[method].order, pack, error);
-	if (code)
-		return code;
+	bench_scene(bench, scene, bench_methods[method].order, pack);
 	bench_shot_views(bench, scene, requests);
 	snprintf(name, sizeof name, "shots%u", method);
 	snprintf(camera, sizeof camera, "%u", view);
-	*rows = bench_view_rows(bench, &(struct bench_view){ scene, camera, pack, requests[view].view },
+	return bench_view_rows(bench, &(struct bench_view){ scene, camera, pack, requests[view].view },
 		&(struct bench_shoot){ .name = name, .count = bench_budgets(bench, scene, budgets),
 			.vertices = budgets, .method = &bench_methods[method] });
-	return ECO_OK;
 }
 
 /* ---- Cameras ---- */
 
 #define VIEWS "tests/bench/pictures/pictures.json"
 
-static bool read_view(const json_t *item, struct bench_view *to, struct eco_error *error)
+static bool read_view(const json_t *item, struct bench_view *to)
 {
 	struct eco_view *view = &to->view;
 	*view = (struct eco_view){ .up = { 0, 0, 1 }, .width = BENCH_SHOT_WIDTH,
@@ -194,7 +184,7 @@ static bool read_view(const json_t *item, struct bench_view *to, struct eco_erro
 	return !json_unpack((json_t *)item, "{s:s, s:[F,F,F], s:[F,F,F], s:F}", "camera", &to->camera,
 		"eye", &view->eye[0], &view->eye[1], &view->eye[2],
 		"target", &view->target[0], &view->target[1], &view->target[2], "fov_y_deg",
-		&view->fov_y_deg) && !eco_view_check(view, error);
+		&view->fov_y_deg) && !eco_view_check(view, NULL);
 }
 
 void bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, void *ctx)
@@ -203,7 +193,7 @@ void bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, 
 	char pack[512];
 	size_t i, k;
 	if (!scenes)
-		bench_must(bench, eco_fail(&bench->error, ECO_BAD_INPUT, VIEWS " cannot be read"));
+		must(eco_fail(must_error, ECO_BAD_INPUT, VIEWS " cannot be read"));
 	json_array_foreach(scenes, i, item) {
 		struct bench_view view = { .pack = pack,
 			.scene = json_string_value(json_object_get(item, "scene")) };
@@ -212,8 +202,8 @@ void bench_views_each(struct bench *bench, size_t quick, bench_view_call *call, 
 		else if (bench_scene_there(bench, view.scene, pack))
 			json_array_foreach(json_object_get(item, "cameras"), k, camera) {
 				bench_progress(bench, (double)i / (double)json_array_size(scenes), view.scene);
-				if (!read_view(camera, &view, &bench->error))
-					bench_must(bench, eco_fail(&bench->error, ECO_BAD_INPUT,
+				if (!read_view(camera, &view))
+					must(eco_fail(must_error, ECO_BAD_INPUT,
 						VIEWS ": a camera of %s is not one", view.scene));
 				call(bench, ctx, &view);
 			}

@@ -26,14 +26,6 @@ bool bench_scene_asked(struct bench *bench, const char *scene);
 /* False, too, where the scene needs data that is not there: the report says so, and it is no error. Makes its
  * pack. */
 bool bench_scene_there(struct bench *bench, const char *scene, char pack[512]);
-static inline bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], enum eco_code *code,
-	struct eco_error *error)
-{
-	(void)error;
-	*code = ECO_OK;
-	return bench_scene_there(bench, scene, pack);
-}
-
 /* Vertices, ascending: a common grid, and what the literature drew of this scene. */
 uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t budgets[BENCH_BUDGETS_MAX]);
 /* Number of a scene's views that this run looks at, at most BENCH_SHOT_VIEWS_MAX; their requests are those of
@@ -45,10 +37,8 @@ uint32_t bench_shot_views(struct bench *bench, const char *scene,
 json_t *bench_shot_row(const struct bench_frame *frame);
 double bench_shot_number(const json_t *row, const char *key);        /* NaN where there is none */
 
-/* All budgets of one view: an array of rows, in the order of bench_budgets. Borrowed; done if it is not there
- * yet. ECO_NOT_FOUND where the scene needs data that is not there. */
-enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view,
-	json_t **rows, struct eco_error *error);
+/* All budgets of one view: an array of rows, in the order of bench_budgets. Borrowed. */
+json_t *bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view);
 
 /* ---- First visits, row by row, as sections measure and keep them ----
  *
@@ -70,9 +60,8 @@ struct bench_shoot {
 	const uint64_t *vertices, *bytes, *cuts;
 	const struct bench_method *method;   /* NULL: ours, whose frames are not timed */
 	/* Writes the picture; NULL: none is seen. */
-	enum eco_code (*show)(struct bench *bench, struct bench_client *client, const struct bench_view *view,
-		uint32_t row, const struct bench_frame *frame, const struct view_picture *picture,
-		struct eco_error *error);
+	void (*show)(struct bench *bench, struct bench_client *client, const struct bench_view *view, uint32_t row,
+		const struct bench_frame *frame, const struct view_picture *picture);
 };
 /* An array of rows as bench_shot_row makes them, null where no answer has so few bytes; borrowed. */
 json_t *bench_view_rows(struct bench *bench, const struct bench_view *view, const struct bench_shoot *shoot);
@@ -85,8 +74,7 @@ json_t *bench_view_rows(struct bench *bench, const struct bench_view *view, cons
 
 /* The views of `count` frames from frame `first` of BENCH_FLIGHT_FRAMES on: from the air down to eye level in
  * a third of the time, then along the longer side of the scene's bounds through it. The caller frees
- * *views. */
-enum eco_code bench_flight_path(const char *pack, uint32_t first, uint32_t count, struct eco_view **views,
-	struct eco_error *error);
+ * them. */
+struct eco_view *bench_flight_path(const char *pack, uint32_t first, uint32_t count);
 
 #endif

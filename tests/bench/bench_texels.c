@@ -51,8 +51,8 @@ static double error_of(const struct eco_texture_part *a, const struct eco_textur
 static double code_webp(struct bench *bench, const struct eco_texture_part *colors, struct eco_texture_part *back)
 {
 	struct eco_writer w = { 0 };
-	bench_must(bench, eco_texture_write_colors(&w, colors, settings[WEBP][0], &bench->error));
-	bench_must(bench, eco_texture_read_colors(back, w.bytes, w.size, &bench->error));
+	must(eco_texture_write_colors(&w, colors, settings[WEBP][0], must_error));
+	must(eco_texture_read_colors(back, w.bytes, w.size, must_error));
 	double bytes = (double)w.size;
 	eco_writer_free(&w);
 	return bytes;
@@ -72,23 +72,22 @@ static double code_program(struct bench *bench, enum coder coder, const struct e
 	char path[PATH];
 	struct stat coded;
 	struct eco_image image;
-	struct eco_error *error = &bench->error;
 	snprintf(path, sizeof path, "%s/texel.png", bench->cache);
-	bench_must(bench, eco_png_write(&(struct eco_pixels){ colors->width, colors->height, 3, colors->texels },
-		path, error));
+	must(eco_png_write(&(struct eco_pixels){ colors->width, colors->height, 3, colors->texels },
+		path, must_error));
 	if (coder == JXL)
-		bench_must(bench, bench_command(bench, error, "cd '%s' && cjxl --quiet --num_threads=0 "
+		bench_command("cd '%s' && cjxl --quiet --num_threads=0 "
 			"--container=0 -d %g texel.png texel.coded 2>/dev/null && djxl --quiet --num_threads=0 "
-			"texel.coded texel.ppm && mv texel.ppm texel.back", bench->cache, value));
+			"texel.coded texel.ppm && mv texel.ppm texel.back", bench->cache, value);
 	else
-		bench_must(bench, bench_command(bench, error, "cd '%s' && avifenc -j 1 -c aom -s 6 -y %s --min 0 "
+		bench_command("cd '%s' && avifenc -j 1 -c aom -s 6 -y %s --min 0 "
 			"--max 63 -a end-usage=q -a cq-level=%g -o texel.coded texel.png >/dev/null && avifdec "
 			"-j 1 -c dav1d --png-compress 0 texel.coded texel.out.png >/dev/null && mv texel.out.png "
-			"texel.back", bench->cache, coder == AVIF_420 ? "420" : "444", value));
+			"texel.back", bench->cache, coder == AVIF_420 ? "420" : "444", value);
 	snprintf(path, sizeof path, "%s/texel.coded", bench->cache);
-	bench_must(bench, stat(path, &coded) ? eco_fail(error, ECO_IO, "%s: nothing is there", path) : ECO_OK);
+	must(stat(path, &coded) ? eco_fail(must_error, ECO_IO, "%s: nothing is there", path) : ECO_OK);
 	snprintf(path, sizeof path, "%s/texel.back", bench->cache);
-	bench_must(bench, eco_image_read(&image, path, error));
+	must(eco_image_read(&image, path, must_error));
 	*back = (struct eco_texture_part){ image.width, image.height, 4, image.rgba };
 	return (double)coded.st_size;
 }
@@ -101,7 +100,7 @@ static struct trial try_coder(struct bench *bench, enum coder coder, const struc
 	struct trial trial = { .bytes = coder == WEBP ? code_webp(bench, colors, &back)
 		: code_program(bench, coder, colors, &back, settings[coder][setting]) };
 	if (back.width != colors->width || back.height != colors->height)
-		bench_must(bench, eco_fail(&bench->error, ECO_DAMAGED, "%s: %u x %u texels became %u x %u",
+		must(eco_fail(must_error, ECO_DAMAGED, "%s: %u x %u texels became %u x %u",
 			coder_names[coder], colors->width, colors->height, back.width, back.height));
 	trial.error = error_of(colors, &back, &level->outline);
 	eco_texture_part_free(&back);
@@ -171,10 +170,10 @@ static void study_level(struct study *s, const struct lod_texture_level *level)
 static void study_model(struct study *s, const struct bench_model *item)
 {
 	struct eco_model model;
-	bench_must(s->bench, bench_model_read(s->bench, item, &model, &s->bench->error));
+	bench_model_read(item, &model);
 	for (uint32_t id = 0; id < model.image_count; id++) {
 		struct lod_texture_levels levels;
-		bench_must(s->bench, lod_texture_levels_make(&levels, &model, id, &s->bench->error));
+		must(lod_texture_levels_make(&levels, &model, id, must_error));
 		s->textures += levels.texel_area > 0;
 		for (uint32_t i = 0; i < levels.count && levels.texel_area > 0; i++)
 			study_level(s, &levels.levels[i]);
@@ -189,9 +188,9 @@ static void study_all(struct study *s, struct bench *bench)
 	struct bench_model *models, cards = { .name = "cards-1" };
 	uint32_t count;
 	snprintf(cards.path, sizeof cards.path, "%.440s/scenes/cards/models/cards-1.obj", bench->cache);
-	bench_must(bench, bench_command(bench, &bench->error, "mkdir -p '%s/scenes/cards' && '%s/ecopack' generate "
-		"city -o '%s/scenes/cards' --plants 20 --quiet", bench->cache, bench->build, bench->cache));
-	bench_must(bench, bench_models(bench, &models, &count, &bench->error));
+	bench_command("mkdir -p '%s/scenes/cards' && '%s/ecopack' generate "
+		"city -o '%s/scenes/cards' --plants 20 --quiet", bench->cache, bench->build, bench->cache);
+	models = bench_models(bench, &count);
 	for (uint32_t i = 0; i < count; i++) {
 		bench_progress(bench, (double)i / (count + 1), models[i].name);
 		if (!models[i].generated)
@@ -225,7 +224,7 @@ static void add_key(struct bench *bench, const struct study *s)
 		"256 texels a side, at equal error");
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct study study = { .bench = bench }, *s = &study;
 	for (enum coder c = 0; c < CODERS; c++) {
@@ -234,7 +233,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 			bench_say(bench, "%s is left out: apt-get install %s", coder_names[c],
 				c == JXL ? "libjxl-tools" : "libavif-bin");
 	}
-	(void)error;
 	study_all(s, bench);
 	struct bench_table *table = bench_table_open(bench, "texels", "side,coder,levels,left out,"
 		"megatexels,error,bits of a texel,of stored", true);
@@ -246,7 +244,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"sides are left out.",
 		s->textures);
 	add_key(bench, s);
-	return ECO_OK;
 }
 
 const struct bench_section bench_texels = { "texels", "Bits of a texel of colours by several coders", run };

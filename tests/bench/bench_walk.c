@@ -2,24 +2,6 @@
 
 #include <stdlib.h>
 
-struct making { json_t *(*make)(void *ctx); void *ctx; };
-
-static enum eco_code make_unit(void *ctx, json_t **made, struct eco_error *error)
-{
-	const struct making *m = ctx;
-	(void)error;
-	*made = m->make(m->ctx);
-	return ECO_OK;
-}
-
-json_t *must_unit(struct bench *bench, const char *name, const char *stamp, json_t *(*make)(void *ctx),
-	void *ctx)
-{
-	json_t *unit;
-	must(bench_unit(bench, name, stamp, make_unit, &(struct making){ make, ctx }, &unit, must_error));
-	return unit;
-}
-
 const char *must_stamp(const char *path)
 {
 	static char stamp[32];
@@ -30,7 +12,7 @@ const char *must_stamp(const char *path)
 const struct bench_model *bench_walk(struct bench_walk *w)
 {
 	if (!w->models)
-		must(bench_models(w->bench, &w->models, &w->count, must_error));
+		w->models = bench_models(w->bench, &w->count);
 	while (w->next < w->count) {
 		const struct bench_model *model = &w->models[w->next++];
 		bool made = model->generated && w->quick_made;

@@ -8,9 +8,6 @@
 
 #include "tests/bench/bench.h"
 
-/* bench_unit; `make` returns the unit. */
-json_t *must_unit(struct bench *bench, const char *name, const char *stamp, json_t *(*make)(void *ctx),
-	void *ctx);
 /* A stamp of a file's bytes; borrowed until the next call. */
 const char *must_stamp(const char *path);
 

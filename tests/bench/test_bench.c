@@ -14,34 +14,30 @@
 
 /* ---- Sections ---- */
 
-static enum eco_code make_square(void *ctx, json_t **result, struct eco_error *error)
+static json_t *make_square(void *ctx)
 {
 	int i = *(int *)ctx;
 	FILE *log = fopen(ROOT "/work.log", "a");        /* in a file, as sections run in a child */
-	(void)error;
 	fprintf(log, "%d\n", i);
 	fclose(log);
-	*result = json_pack("{s:f}", "square", (double)i * i);
-	return ECO_OK;
+	return json_pack("{s:f}", "square", (double)i * i);
 }
 
-static enum eco_code run_tiny(struct bench *bench, struct eco_error *error)
+static void run_tiny(struct bench *bench)
 {
 	struct bench_table *table = bench_table_open(bench, "tiny", "unit,square", true);
 	double sum = 0;
 	for (int i = 0; i < UNITS; i++) {
 		char unit[32];
-		json_t *result;
 		snprintf(unit, sizeof unit, "tiny %d", i);
 		bench_progress(bench, i / (double)UNITS, unit);
-		bench_must(bench, bench_unit(bench, unit, "v1", make_square, &i, &result, error));
+		const json_t *result = bench_unit(bench, unit, "v1", make_square, &i);
 		sum += json_number_value(json_object_get(result, "square"));
 		bench_table_row(table, "%d,%g", i, json_number_value(json_object_get(result, "square")));
 	}
 	bench_table_close(table);
 	bench_say(bench, "Squares <of> %d & more \"numbers\"", UNITS);
 	bench_key(bench, "tiny_sum", sum, "<= 30");
-	return ECO_OK;
 }
 
 static const struct { const char *key, *bar; double value; int reached; } bars[] = { { "more", ">= 3", 2, 0 },
@@ -51,44 +47,42 @@ static const struct { const char *key, *bar; double value; int reached; } bars[]
 	{ "shown", "shown", 7, -1 } };
 #define BARS (sizeof bars / sizeof *bars)
 
-static enum eco_code run_keys(struct bench *bench, struct eco_error *error)
+static void run_keys(struct bench *bench)
 {
-	(void)error;
 	for (size_t i = 0; i < BARS; i++)
 		bench_key(bench, bars[i].key, bars[i].value, bars[i].bar);
 	bench_left_out(bench, "palms");
 	bench_left_out(bench, "city");
 	bench_left_out(bench, "palms");
-	return ECO_OK;
 }
 
-static enum eco_code run_failing(struct bench *bench, struct eco_error *error)
+static void run_failing(struct bench *bench)
 {
 	bench_say(bench, "before it fails");
-	bench_must(bench, ECO_OK);
-	bench_must(bench, eco_fail(error, ECO_BAD_INPUT, "this section fails <always>"));
+	must(ECO_OK);
+	must(eco_fail(must_error, ECO_BAD_INPUT, "this section fails <always>"));
 	bench_say(bench, "after it fails");
-	return ECO_OK;
 }
 
-static enum eco_code run_plots(struct bench *bench, struct eco_error *error)
+static void run_plots(struct bench *bench)
 {
 	static const double x[] = { 1, 10, NAN, 1000, 1e6 }, y[] = { 0.5, 0, 0.2, -1, NAN };
 	static const uint8_t rgb[2 * 3 * 3];
 	const struct bench_series series[] = { { "line", x, y, 5, false }, { "points", x, y, 5, true },
 		{ "none", x, y, 0, false } };
-	bench_plot(bench, &(struct bench_plot){ "lines", "A title", "x", "y", false, false, series, 3 },
-		error);
-	bench_plot(bench, &(struct bench_plot){ "logs", "A title", "x", "y", true, true, series, 3 }, error);
-	bench_plot(bench, &(struct bench_plot){ "empty", "Nothing", "x", "y", true, true, series, 0 }, error);
+	bench_plot(bench, &(struct bench_plot){ "lines", "A title", "x", "y", false, false, series, 3 });
+	bench_plot(bench, &(struct bench_plot){ "logs", "A title", "x", "y", true, true, series, 3 });
+	bench_plot(bench, &(struct bench_plot){ "empty", "Nothing", "x", "y", true, true, series, 0 });
 	bench_picture(bench, "picture.png", "black");
-	return bench_picture_write(bench, "picture.png", 3, 2, rgb, error);
+	bench_picture_write(bench, "picture.png", 3, 2, rgb);
 }
 
-static enum eco_code run_commands(struct bench *bench, struct eco_error *error)
+/* The second one fails. */
+static void run_commands(struct bench *bench)
 {
-	bench_must(bench, bench_command(bench, error, "exit %d", 0));
-	return bench_command(bench, error, "exit %d", 3) == ECO_IO ? ECO_OK : ECO_BAD_INPUT;
+	bench_command("exit %d", 0);
+	bench_say(bench, "before exit 3");
+	bench_command("exit %d", 3);
 }
 
 static const struct bench_section tiny = { .name = "tiny", .title = "Squares", .run = run_tiny },
@@ -200,6 +194,7 @@ UNIT_TEST_BETWEEN(test_a_failure_does_not_end_the_run, set_up, NULL)
 	assert_true(says("out/report.html", "this section fails &lt;always&gt;"));
 	assert_true(says("out/report.html", "before it fails"));
 	assert_false(says("out/report.html", "after it fails"));
+	assert_true(says("out/report.html", "before exit 3") && says("out/report.html", "this fails: exit 3"));
 	assert_true(says("out/report.html", "Left out without FULL=1: palms, city."));
 	assert_true(says("out/report.html", "src=\"picture.png\""));
 	assert_true(says("stderr", "python3-matplotlib") || (says("out/report.html", "src=\"logs.png\"") &&

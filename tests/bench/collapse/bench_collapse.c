@@ -239,7 +239,7 @@ static void write_picture(struct study *s, const char *what, uint32_t width, uin
 {
 	char file[128];
 	snprintf(file, sizeof file, "collapse-%s-%s.png", s->name, what);
-	must(bench_picture_write(s->bench, file, width, height, rgb, must_error));
+	bench_picture_write(s->bench, file, width, height, rgb);
 }
 
 /* Figure 2, with the upper and left edges of tiles. */
@@ -412,7 +412,7 @@ static void write_pair(struct bench *bench, struct lod_arena *arena)
 			color = 3;
 		memcpy(rgb + 3 * (size_t)i, colors[color], 3);
 	}
-	must(bench_picture_write(bench, "collapse-pair.png", 3 * PIXELS, PIXELS, rgb, must_error));
+	bench_picture_write(bench, "collapse-pair.png", 3 * PIXELS, PIXELS, rgb);
 	bench_picture(bench, "collapse-pair.png", "two leaves; what encloses them (dark) and the "
 		"quad (red), whose area is the mean of both areas' sum and of what encloses them; "
 		"the quad with its texture");
@@ -498,18 +498,17 @@ static void write_means(struct bench *bench, double sum[ROWS][SHARES], uint32_t 
 		"Splats show wood and leaves, one vertex each, over wood that is drawn whole as in all other "
 		"rows. "
 		"There is no figure where a coarsest level has more vertices than asked for.");
-	must(bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, "
+	bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, "
 		"mean over plants", .x = "share of the vertices", .y = "Q", .log_x = true, .series = series,
-		.series_count = plotted }, must_error));
+		.series_count = plotted });
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct lod_arena arena = { 0 };
 	double sum[ROWS][SHARES] = { { 0 } };
 	struct bench_walk walk = { .bench = bench, .leaves = BENCH_ELEMENTS_LEAST, .most = UINT32_MAX, .quick
 		= 3, .quick_made = 1 };
-	(void)error;
 	must_have(&arena);
 	write_pair(bench, &arena);
 	write_chain(bench, &arena);
@@ -519,7 +518,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		walk.found[model->generated]++;
 	}
 	write_means(bench, sum, walk.found[0] + walk.found[1]);
-	return ECO_OK;
 }
 
 const struct bench_section bench_collapse = { "collapse", "Leaf collapse against orders and splats", run };

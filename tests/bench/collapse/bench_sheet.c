@@ -176,7 +176,7 @@ static void draw_row(struct row *r)
 	}
 	lod_raster_free(&r->ids);
 	snprintf(file, sizeof file, "sheet-%s.png", r->name);
-	must(bench_picture_write(r->bench, file, WIDTH, PIXELS, r->rgb, must_error));
+	bench_picture_write(r->bench, file, WIDTH, PIXELS, r->rgb);
 }
 
 /* The unit: vertices and Q of each cell. */
@@ -199,7 +199,7 @@ static void write_row(struct bench *bench, struct bench_table *table, const stru
 {
 	char path[512], file[96];
 	struct row r = { .bench = bench, .name = model->name, .pack = path };
-	must(bench_model_pack(bench, model, path, must_error));
+	bench_model_pack(bench, model, path);
 	const json_t *kept = bench_leaves_unit(bench, "sheet", must_stamp(path), model, PIXELS, study_leaves,
 		&r);
 	for (size_t i = 0; i < COLUMNS; i++)
@@ -216,13 +216,12 @@ static bool is_wanted(const struct bench *bench, const struct bench_model *model
 	return !model->generated || !bench->data;
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct bench_walk walk = { .bench = bench, .leaves = LEAVES_LEAST, .most = 8, .quick = 2, .wants
 		= is_wanted };
 	struct bench_table *table = bench_table_open(bench, "sheet",
 		"plant,column,vertices,Q,vertices of ours,Q of ours", true);
-	(void)error;
 	for (const struct bench_model *model; (model = bench_walk(&walk));) {
 		write_row(bench, table, model);
 		walk.found[model->generated]++;
@@ -234,7 +233,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"Packs hold "
 		"neither, as neither is best anywhere (lod/EXPERIMENTS.md, Leaf collapse, Billboard clouds).",
 		walk.found[0] + walk.found[1], LEAVES_LEAST, PIXELS);
-	return ECO_OK;
 }
 
 const struct bench_section bench_sheet = { "sheet", "Leaf collapse and billboard clouds beside ours", run };

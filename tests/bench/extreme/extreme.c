@@ -79,7 +79,7 @@ static const char *without_commas(const char *text, char room[400])
 	return room;
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct bench_table *table = bench_table_open(bench, "extreme",
 		"family,case,what must hold,measured,pass", true);
@@ -99,7 +99,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_say(bench, "%u cases, %u of them passed; none was left out.", done, done - failed);
 	bench_key(bench, "extreme_cases", done, "of the table");
 	bench_key(bench, "extreme_failed", failed, "<= 0: cases that do not hold");
-	return failed ? eco_fail(error, ECO_DAMAGED, "%u of %u extreme cases failed", failed, done) : ECO_OK;
+	must(failed ? eco_fail(must_error, ECO_DAMAGED, "%u of %u extreme cases failed", failed, done) : ECO_OK);
 }
 
 const struct bench_section bench_extreme = { "extreme", "Numerical stability", run };

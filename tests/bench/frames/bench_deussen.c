@@ -24,7 +24,7 @@ static uint32_t find_pack(struct study *s, struct bench *bench, const char *scen
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX])
 {
 	*s = (struct study){ .bench = bench };
-	must(bench_scene(bench, scene, "stochastic", s->pack, must_error));
+	bench_scene(bench, scene, "stochastic", s->pack);
 	snprintf(s->stamp, sizeof s->stamp, "%s", bench_pack_stamp(s->pack));
 	return bench_shot_views(bench, scene, requests);
 }
@@ -58,13 +58,13 @@ static void draw(struct study *s, double px, struct paper_deussen how, const cha
 	const struct eco_view *view = &s->request.view;
 	double one = 2 * tan(view->fov_y_deg * M_PI / 360) / view->height, x = px * one;
 	if (!s->client) {
-		must(bench_client_open(&s->client, s->pack, must_error));
+		s->client = bench_client_open(s->pack);
 		bench_client_untimed(s->client);
 		must(paper_scene_open(&s->scene, s->pack, must_error));
 	}
-	must(bench_client_reference(s->client, &s->request, NULL, must_error));
+	bench_client_reference(s->client, &s->request);
 	paper_shoot(s->scene, &s->request, paper_deussen, &how, &x, false, &drawn);
-	must(bench_client_score(s->client, &frame, &drawn.picture, must_error));
+	bench_client_score(s->client, &frame, &drawn.picture);
 	const double figures[FIGURES] = { [VERTICES] = (double)drawn.picture.vertices, [PX] = x / one,
 		[FULL] = (double)bench_client_full(s->client)->vertices / 3,
 		[WRONG] = (double)(frame.score.fp + frame.score.fn), [P] = frame.score.precision,
@@ -73,8 +73,8 @@ static void draw(struct study *s, double px, struct paper_deussen how, const cha
 	memcpy(figure, figures, sizeof figures);
 	count_kinds(s->scene->store, &drawn.selection, figure);
 	if (file)
-		must(bench_picture_write(s->bench, file, drawn.picture.width, drawn.picture.height,
-			drawn.picture.rgb, must_error));
+		bench_picture_write(s->bench, file, drawn.picture.width, drawn.picture.height,
+			drawn.picture.rgb);
 	paper_frame_free(&drawn);
 }
 
@@ -118,7 +118,7 @@ static void write_table(struct bench *bench)
 			s.request = requests[v];
 			s.request.vertices = printed[i].vertices;
 			snprintf(name, sizeof name, "deussen-%s-%u", printed[i].scene, v);
-			const json_t *row = must_unit(bench, name, s.stamp, shoot, &s);
+			const json_t *row = bench_unit(bench, name, s.stamp, shoot, &s);
 			for (size_t f = 0; f < FIGURES; f++)
 				m[f] += bench_cell(row, f) / views;
 		}
@@ -169,7 +169,7 @@ static void write_sweep(struct bench *bench)
 	s.request.vertices = ECO_VERTICES_MAX;
 	bench_head(bench, "Sample distance and splat factor (figure 5)");
 	bench_progress(bench, 0.6, "sample distances and splat factors");
-	bench_cells(must_unit(bench, "deussen-sweep", s.stamp, sweep, &s), *figure, SWEEP * FIGURES);
+	bench_cells(bench_unit(bench, "deussen-sweep", s.stamp, sweep, &s), *figure, SWEEP * FIGURES);
 	close_study(&s);
 	struct bench_table *table = bench_table_open(bench, "deussen_sweep",
 		"d' px,c_p,triangles,lines,points,vertices,wrong pixels,P,R,Q", true);
@@ -224,7 +224,7 @@ static void write_cells(struct bench *bench)
 				s.request.view.eye[k] += 0.6 * (s.request.view.target[k]
 					- s.request.view.eye[k]);
 			snprintf(name, sizeof name, "deussen-cells-%s-%llu-%u", scene, vertices, v);
-			bench_cells(must_unit(bench, name, s.stamp, compare_cells, &s), *figure, 2 * FIGURES);
+			bench_cells(bench_unit(bench, name, s.stamp, compare_cells, &s), *figure, 2 * FIGURES);
 			bench_table_row(table, "%s,%llu,%u,%.3f,%.3f,%.0f,%.0f", scene, vertices, v,
 				figure[0][Q], figure[1][Q], figure[0][WRONG], figure[1][WRONG]);
 		}
@@ -233,13 +233,11 @@ static void write_cells(struct bench *bench)
 	bench_table_close(table);
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
-	(void)error;
 	write_table(bench);
 	write_sweep(bench);
 	write_cells(bench);
-	return ECO_OK;
 }
 
 const struct bench_section bench_deussen = { "deussen", "Deussen 2002: elements, sample distance, cells",

@@ -29,8 +29,8 @@ struct rivals {
 static void find_packs(struct rivals *s, struct bench *bench, const char *scene)
 {
 	*s = (struct rivals){ .bench = bench };
-	must(bench_scene(bench, scene, NULL, s->ours, must_error));
-	must(bench_scene(bench, scene, "stochastic", s->stochastic, must_error));
+	bench_scene(bench, scene, NULL, s->ours);
+	bench_scene(bench, scene, "stochastic", s->stochastic);
 	int size = snprintf(s->stamp, sizeof s->stamp, "%s", bench_pack_stamp(s->ours));
 	snprintf(s->stamp + size, sizeof s->stamp - (size_t)size, " %s", bench_pack_stamp(s->stochastic));
 }
@@ -38,7 +38,7 @@ static void find_packs(struct rivals *s, struct bench *bench, const char *scene)
 static void open_rivals(struct rivals *s, bool timed)
 {
 	for (int i = 0; i < 2 && !s->tables; i++) {
-		must(bench_client_open(&s->client[i], i ? s->stochastic : s->ours, must_error));
+		s->client[i] = bench_client_open(i ? s->stochastic : s->ours);
 		if (!timed)
 			bench_client_untimed(s->client[i]);
 	}
@@ -64,8 +64,8 @@ static struct bench_frame draw_cook(struct rivals *s, bool depth, bool timed)
 	double x = 0;
 	paper_shoot(s->papers, &s->request, paper_cook, &cook, &x, false, &drawn);
 	struct bench_frame frame = { .request = s->request, .vertices = drawn.picture.vertices };
-	must(bench_client_reference(s->client[0], &s->request, NULL, must_error));
-	must(bench_client_score(s->client[0], &frame, &drawn.picture, must_error));
+	bench_client_reference(s->client[0], &s->request);
+	bench_client_score(s->client[0], &frame, &drawn.picture);
 	if (timed)
 		frame.draw_ms = bench_gl_ms(s->papers->store, &drawn.selection, &s->request.view);
 	paper_frame_free(&drawn);
@@ -76,7 +76,7 @@ static struct bench_frame draw_ours(struct rivals *s, int which, double vertices
 {
 	struct bench_frame frame = { .request = s->request };
 	frame.request.vertices = (uint64_t)(vertices + 0.5);
-	must(bench_client_frame(s->client[which], &frame, NULL, must_error));
+	bench_client_frame(s->client[which], &frame, NULL);
 	return frame;
 }
 
@@ -190,7 +190,7 @@ static void run_path(struct bench *bench)
 			snprintf(name, sizeof name, "drawn-%u-%u-%llu", v, views,
 				(unsigned long long)path_budgets[b]);
 			bench_progress(bench, (double)v / views, name);
-			bench_cells(must_unit(bench, name, s.stamp, shoot_path, &s), value[v], FIGURES);
+			bench_cells(bench_unit(bench, name, s.stamp, shoot_path, &s), value[v], FIGURES);
 		}
 		write_path(table, path_budgets[b], views, value);
 	}
@@ -233,7 +233,7 @@ static void run_speed(struct bench *bench)
 	bench_shot_views(bench, SPEED_SCENE, requests);
 	s.request = requests[0];
 	bench_progress(bench, 0.6, "5,000 trees at equal Q");
-	bench_cells(must_unit(bench, "neubert-race", s.stamp, shoot_speed, &s), v, 6 * SPEED_BUDGETS);
+	bench_cells(bench_unit(bench, "neubert-race", s.stamp, shoot_speed, &s), v, 6 * SPEED_BUDGETS);
 	close_rivals(&s);
 	struct bench_table *table = bench_table_open(bench, "neubert_speed",
 		"rule,vertices,Q,draw ms,frames/s,times as fast", true);
@@ -252,14 +252,12 @@ static void run_speed(struct bench *bench)
 		BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT);
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
-	(void)error;
 	if (bench_scene_asked(bench, PATH_SCENE))
 		run_path(bench);
 	if (bench_scene_asked(bench, SPEED_SCENE))
 		run_speed(bench);
-	return ECO_OK;
 }
 
 const struct bench_section bench_drawn = { "drawn", "Ours at the quality of Cook's rule, in drawn frames",

@@ -68,11 +68,10 @@ static void add(struct means *means, const double value[COLUMNS])
 static void study_method(struct bench *bench, struct study *s, uint32_t method, struct bench_table *table)
 {
 	for (uint32_t v = 0; v < s->views; v++) {
-		json_t *rows;
 		char what[96];
 		snprintf(what, sizeof what, "%s, %s, view %u", s->scene, bench_methods[method].name, v);
 		bench_progress(bench, ((double)method + (double)v / s->views) / BENCH_METHODS, what);
-		bench_must(bench, bench_shots(bench, s->scene, method, v, &rows, &bench->error));
+		const json_t *rows = bench_shots(bench, s->scene, method, v);
 		for (uint32_t b = 0; b < s->budgets; b++) {
 			double value[COLUMNS];
 			read_row(json_array_get(rows, b), value);
@@ -118,8 +117,7 @@ static void plot_over(struct bench *bench, const struct study *s, int x, const c
 	}
 	snprintf(name, sizeof name, "frames-%s-%s", s->scene, kind);
 	snprintf(title, sizeof title, "%s: mean error of %u views", s->scene, s->views);
-	bench_plot(bench, &(struct bench_plot){ name, title, label, "1 - Q", true, true, series, count },
-		&bench->error);
+	bench_plot(bench, &(struct bench_plot){ name, title, label, "1 - Q", true, true, series, count });
 }
 
 /* ---- A picture of each scene ---- */
@@ -136,12 +134,12 @@ static void show_picture(struct bench *bench, const char *scene, const char *pac
 	frame.request.vertices = vertices;
 	snprintf(file, sizeof file, "frames-%s-%llu.png", scene, vertices);
 	snprintf(caption, sizeof caption, "%s at %llu vertices; full detail; error", scene, vertices);
-	bench_must(bench, bench_client_open(&client, pack, &bench->error));
+	client = bench_client_open(pack);
 	bench_client_see(client);
 	bench_client_untimed(client);
-	bench_must(bench, bench_client_frame(client, &frame, &ours, &bench->error));
-	bench_must(bench, bench_client_compare(client, bench, file, &ours,
-		(const char *const[]){ "ours", "full detail", "error" }, &bench->error));
+	bench_client_frame(client, &frame, &ours);
+	bench_client_compare(client, bench, file, &ours,
+		(const char *const[]){ "ours", "full detail", "error" });
 	bench_picture(bench, file, caption);
 	view_picture_free(&ours);
 	bench_client_close(client);
@@ -167,9 +165,8 @@ static void run_scene(struct bench *bench, struct study *s, const char *title, s
 	show_picture(bench, s->scene, pack, &requests[0]);
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
-	(void)error;
 	bench_say(bench,
 		"Every picture %u x %u, all chunks sent anew. Budgets of the literature are among the rows: "
 		"Deussen 2002, table 1 (points + 2 lines + 3 triangles): 640 trees 2.10 M, palms 1.76 M, "
@@ -184,7 +181,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		free(s);
 	}
 	bench_table_close(table);
-	return ECO_OK;
 }
 
 const struct bench_section bench_frames = { "frames", "Error against run time", run };

@@ -30,15 +30,14 @@ static void make_pack(struct bench *bench, double importance, char path[512])
 		json_array_append_new(instances, json_pack("{s:s, s:[f, f], s:i}", "plant", "poppy", "at",
 			1.4 + 0.2 * (i % 2), 0.35 * (i - 4), "yaw_deg", 40 * i));
 	json_t *made = json_pack("{s:o, s:o}", "plants", plants, "instances", instances);
-	bench_must(bench, bench_command(bench, &bench->error, "mkdir -p '%s/importance' && { [ -d "
-		"'%s/importance/park' ] || '%s/ecopack' generate park -o '%s/importance/park' --plants 20 --quiet; }",
-		bench->cache, bench->cache, bench->build, bench->cache));
+	bench_command("mkdir -p '%s/importance' && { [ -d "
+		"'%s/importance/park' ] || '%s/ecopack' generate park -o '%s/importance/park' --plants 20 --quiet; }", bench->cache, bench->cache, bench->build, bench->cache);
 	snprintf(scene, sizeof scene, "%.440s/importance/flower%g.json", bench->cache, importance);
 	snprintf(path, 512, "%.440s/importance/flower%g.eco", bench->cache, importance);
 	json_dump_file(made, scene, 0);
 	json_decref(made);
-	bench_must(bench, bench_command(bench, &bench->error, "'%s/ecopack' make '%s' -o '%s' --quiet --cache "
-		"'%s/plants'", bench->build, scene, path, bench->cache));
+	bench_command("'%s/ecopack' make '%s' -o '%s' --quiet --cache "
+		"'%s/plants'", bench->build, scene, path, bench->cache);
 }
 
 static struct eco_request request_of(uint64_t vertices)
@@ -70,12 +69,12 @@ static void try_pack(struct bench *bench, size_t which, struct bench_table *tabl
 	char path[512];
 	struct bench_client *client = NULL;
 	make_pack(bench, importances[which], path);
-	bench_must(bench, bench_client_open(&client, path, &bench->error));
+	client = bench_client_open(path);
 	bench_client_untimed(client);
 	for (size_t b = 0; b < BUDGETS; b++) {
 		struct view_picture picture = { 0 };
 		struct bench_frame frame = { .request = request_of(budgets[b]) };
-		bench_must(bench, bench_client_frame(client, &frame, &picture, &bench->error));
+		bench_client_frame(client, &frame, &picture);
 		share[b] = shown(&picture, bench_client_full(client));
 		bench_table_row(table, "%g,%llu,%llu,%.4f,%.4f", importances[which],
 			(unsigned long long)budgets[b], (unsigned long long)frame.vertices, share[b],
@@ -87,11 +86,11 @@ static void try_pack(struct bench *bench, size_t which, struct bench_table *tabl
 	}
 	struct bench_frame full = { .request = request_of(ECO_VERTICES_MAX) };
 	if (which == 0)
-		bench_must(bench, bench_client_frame(client, &full, &pictures[0], &bench->error));
+		bench_client_frame(client, &full, &pictures[0]);
 	bench_client_close(client);
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	double share[IMPORTANCES][BUDGETS];
 	struct view_picture pictures[IMPORTANCES + 1] = { { 0 } };
@@ -105,8 +104,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_table_close(table);
 	for (size_t i = 0; i <= IMPORTANCES; i++)
 		rgb[i] = pictures[i].rgb;
-	bench_must(bench, bench_pictures_write(bench, "importance.png", pictures[0].width, pictures[0].height, rgb,
-		IMPORTANCES + 1, error));
+	bench_pictures_write(bench, "importance.png", pictures[0].width, pictures[0].height, rgb,
+		IMPORTANCES + 1);
 	for (size_t i = 0; i <= IMPORTANCES; i++)
 		view_picture_free(&pictures[i]);
 	bench_picture(bench, "importance.png", "Full detail; 3,000 vertices at importance 1, 2, 4 and 8 of "
@@ -114,7 +113,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_key(bench, "importance_shown", share[IMPORTANCES - 2][SHOWN],
 		"flower pixels shown at importance 4 and 3,000 vertices");
 	bench_key(bench, "importance_shown_neutral", share[0][SHOWN], "the baseline: importance 1");
-	return ECO_OK;
 }
 
 const struct bench_section bench_importance = { .name = "importance", .title = "Importance of flowers",

@@ -109,23 +109,22 @@ static json_t *shoot_rule(struct shot *shot, uint32_t rule, const struct bench_f
 	struct bench_frame theirs = { .request = shot->request, .rule = lod_rule_deussen }, ours = *base;
 	struct paper_frame frame = { 0 };
 	struct bench *bench = shot->bench;
-	struct eco_error *error = &bench->error;
 	char file[128];
 	if (rule == DEUSSEN_OURS) {
-		bench_must(bench, bench_client_frame(shot->client, &theirs, &frame.picture, error));
+		bench_client_frame(shot->client, &theirs, &frame.picture);
 	} else {
 		draw_rule(shot, rule, &frame);
 		theirs.vertices = frame.picture.vertices;
-		bench_must(bench, bench_client_score(shot->client, &theirs, &frame.picture, error));
+		bench_client_score(shot->client, &theirs, &frame.picture);
 	}
 	if ((double)theirs.vertices < EQUAL * VERTICES) {
 		ours.request.vertices = theirs.vertices;
-		bench_must(bench, bench_client_frame(shot->client, &ours, NULL, error));
+		bench_client_frame(shot->client, &ours, NULL);
 	}
 	snprintf(file, sizeof file, "rules-%s-%u-%u.png", shot->scene, shot->view, rule);
-	bench_must(bench, bench_pictures_write(bench, file, frame.picture.width, frame.picture.height,
+	bench_pictures_write(bench, file, frame.picture.width, frame.picture.height,
 		(const uint8_t *const[]){ base_picture->rgb, frame.picture.rgb,
-		bench_client_full(shot->client)->rgb }, 3, error));
+		bench_client_full(shot->client)->rgb }, 3);
 	paper_frame_free(&frame);
 	return row_of(&theirs, &ours);
 }
@@ -133,29 +132,29 @@ static json_t *shoot_rule(struct shot *shot, uint32_t rule, const struct bench_f
 /* ---- Scenes ---- */
 
 /* Packs are opened when the first view is not known yet. */
-static void open_packs(struct shot *shot, struct eco_error *error)
+static void open_packs(struct shot *shot)
 {
 	if (shot->client)
 		return;
-	bench_must(shot->bench, bench_client_open(&shot->client, shot->ours, error));
+	shot->client = bench_client_open(shot->ours);
 	bench_client_see(shot->client);
 	bench_client_untimed(shot->client);
-	bench_must(shot->bench, paper_scene_open(&shot->papers, shot->stochastic, error));
+	must(paper_scene_open(&shot->papers, shot->stochastic, must_error));
 	shot->tables = paper_tables_make(shot->papers);
 }
 
-static enum eco_code shoot(void *ctx, json_t **rows, struct eco_error *error)
+static json_t *shoot(void *ctx)
 {
 	struct shot *shot = ctx;
 	struct bench_frame base = { .request = shot->request };
 	struct view_picture picture = { 0 };
-	open_packs(shot, error);
-	bench_must(shot->bench, bench_client_frame(shot->client, &base, &picture, error));
-	*rows = json_array();
+	open_packs(shot);
+	bench_client_frame(shot->client, &base, &picture);
+	json_t *rows = json_array();
 	for (uint32_t r = 0; r < RULES; r++)
-		json_array_append_new(*rows, shoot_rule(shot, r, &base, &picture));
+		json_array_append_new(rows, shoot_rule(shot, r, &base, &picture));
 	view_picture_free(&picture);
-	return ECO_OK;
+	return rows;
 }
 
 /* Means over the views. */
@@ -164,8 +163,8 @@ static void study(struct bench *bench, const char *scene, double mean[RULES][COL
 	char stamp[640], name[96];
 	struct shot shot = { .bench = bench, .scene = scene };
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
-	bench_must(bench, bench_scene(bench, scene, NULL, shot.ours, &bench->error));
-	bench_must(bench, bench_scene(bench, scene, "stochastic", shot.stochastic, &bench->error));
+	bench_scene(bench, scene, NULL, shot.ours);
+	bench_scene(bench, scene, "stochastic", shot.stochastic);
 	int size = snprintf(stamp, sizeof stamp, "%s", bench_pack_stamp(shot.ours));
 	snprintf(stamp + size, sizeof stamp - (size_t)size, " %s", bench_pack_stamp(shot.stochastic));
 	uint32_t views = bench_shot_views(bench, scene, requests);
@@ -175,7 +174,7 @@ static void study(struct bench *bench, const char *scene, double mean[RULES][COL
 		shot.view = v;
 		shot.request = requests[v];
 		shot.request.vertices = VERTICES;
-		bench_must(bench, bench_unit(bench, name, stamp, shoot, &shot, &rows, &bench->error));
+		rows = bench_unit(bench, name, stamp, shoot, &shot);
 		for (uint32_t i = 0; i < RULES * FIGURES; i++)
 			mean[i / FIGURES][i % FIGURES] += bench_cell(json_array_get(rows, i / FIGURES),
 				i % FIGURES) / views;
@@ -211,10 +210,9 @@ static void write_scene(struct bench *bench, struct bench_table *table, const ch
 	}
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	double printed = INFINITY, owner = INFINITY;
-	(void)error;
 	bench_say(bench,
 		"Every frame is drawn by the software rasteriser, %u vertices, mean of the views of "
 		"`frames`; ours stands beside each rule at the vertices that it drew. Cook, Neubert and "
@@ -238,12 +236,11 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	}
 	bench_table_close(table);
 	if (!isfinite(printed))
-		return ECO_OK;
+		return;
 	bench_key(bench, "rules_deussen_2002", printed,
 		">= 0.3: fewer wrong pixels than by Deussen 2002 as printed, worst scene");
 	bench_key(bench, "rules_cook_owner_q", owner,
 		">= 0: owner_q above Cook's at equal vertices, worst scene");
-	return ECO_OK;
 }
 
 const struct bench_section bench_rules = { "rules", "The papers' rules on whole scenes", run };

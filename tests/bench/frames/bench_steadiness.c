@@ -92,7 +92,7 @@ static void run_camera(const struct work *w, const struct eco_view *start, struc
 	struct reel reels[BUDGETS + 1] = { { NULL } };
 	uint32_t pairs = w->bench->full ? PAIRS_FULL : PAIRS_QUICK;
 	for (size_t b = 0; b <= FULL; b++)
-		bench_must(w->bench, bench_client_open(&reels[b].client, w->pack, &w->bench->error));
+		reels[b].client = bench_client_open(w->pack);
 	for (uint32_t i = 0; i <= pairs; i++) {
 		struct bench_frame frame = { .request = { .view = moved(start, w->motion, i), .bytes =
 			ECO_BYTES_UNBOUNDED } };
@@ -106,8 +106,7 @@ static void run_camera(const struct work *w, const struct eco_view *start, struc
 			view_picture_free(&reel->frames[0]);
 			reel->frames[0] = reel->frames[1];
 			reel->frames[1] = (struct view_picture){ 0 };
-			bench_must(w->bench, bench_client_step(reel->client, &frame, &reel->frames[1],
-				&w->bench->error));
+			bench_client_step(reel->client, &frame, &reel->frames[1]);
 			if (i > 0 && b < FULL)
 				count_pixels(&sums[b], reel->frames, reels[FULL].frames);
 		}
@@ -125,21 +124,20 @@ static const struct bench_column columns[] = { { "changed %", 3 }, { "reference 
 enum { RATIO = 2, COLUMNS = 4 };
 
 /* The columns, as shares, for each budget. */
-static enum eco_code run_motion(void *ctx, json_t **made, struct eco_error *error)
+static json_t *run_motion(void *ctx)
 {
 	const struct work *w = ctx;
 	struct sums sums[BUDGETS] = { { 0 } };
-	(void)error;
 	for (uint32_t k = 0; k < w->count; k++)
 		run_camera(w, &w->starts[k].view, sums);
-	*made = json_array();
+	json_t *made = json_array();
 	for (size_t b = 0; b < BUDGETS; b++) {
 		const struct sums *s = &sums[b];
-		json_array_append_new(*made, bench_reals((double[]){ (double)s->ours / (double)s->pixels,
+		json_array_append_new(made, bench_reals((double[]){ (double)s->ours / (double)s->pixels,
 			(double)s->reference / (double)s->pixels, (double)s->ours / fmax(1,
 			(double)s->reference), s->worst_pair }, COLUMNS));
 	}
-	return ECO_OK;
+	return made;
 }
 
 /* ---- Report ---- */
@@ -156,8 +154,7 @@ static void run_scene(struct bench *bench, const char *scene, const char *pack, 
 			? "full" : "quick");
 		bench_progress(bench, (double)m / MOTIONS, name);
 		work.motion = (enum motion)m;
-		bench_must(bench, bench_unit(bench, name, bench_pack_stamp(pack), run_motion, &work, &unit,
-			&bench->error));
+		unit = bench_unit(bench, name, bench_pack_stamp(pack), run_motion, &work);
 		for (size_t b = 0; b < BUDGETS; b++) {
 			double value[COLUMNS];
 			bench_cells(json_array_get(unit, b), value, COLUMNS);
@@ -171,7 +168,7 @@ static void run_scene(struct bench *bench, const char *scene, const char *pack, 
 	}
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	double worst[COLUMNS] = { NAN, NAN, NAN, NAN };
 	char pack[512];
@@ -189,7 +186,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 			WIDTH, HEIGHT, COLOR_TOLD);
 	bench_key(bench, "steadiness_ratio", worst[RATIO],
 		"<= 1.5: pixels that change over those of the reference, worst camera");
-	return ECO_OK;
 }
 
 const struct bench_section bench_steadiness = { "steadiness", "Steadiness: slow cameras", run };

@@ -63,7 +63,7 @@ static void find_read(struct bench *bench, struct headline *h)
 {
 	struct bench_model *models = NULL;
 	uint32_t count = 0;
-	bench_must(bench, bench_models(bench, &models, &count, &bench->error));
+	models = bench_models(bench, &count);
 	for (uint32_t i = 0; i < count; i++)
 		if (!models[i].generated && !is_tuned(models[i].name) &&
 			models[i].leaves >= BENCH_ELEMENTS_LEAST && models[i].leaves <= LEAVES_MOST)
@@ -77,10 +77,9 @@ static void find_made(struct bench *bench, struct headline *h)
 	for (size_t i = 0; i < sizeof grown / sizeof *grown; i++) {
 		char folder[400];
 		snprintf(folder, sizeof folder, "%s/scenes/ladder-%s", bench->cache, grown[i].scene);
-		bench_must(bench, bench_command(bench, &bench->error, "[ -d '%s' ] || { mkdir -p '%s.tmp' && "
+		bench_command("[ -d '%s' ] || { mkdir -p '%s.tmp' && "
 			"'%s/ecopack' generate %s -o '%s.tmp' --plants 20 --seed %u --detail %s --quiet && mv "
-			"'%s.tmp' '%s'; }", folder, folder, bench->build, grown[i].scene, folder, grown[i].seed,
-			grown[i].detail, folder, folder));
+			"'%s.tmp' '%s'; }", folder, folder, bench->build, grown[i].scene, folder, grown[i].seed, grown[i].detail, folder, folder);
 		for (size_t k = 0; k < 5 && grown[i].plants[k]; k++) {
 			struct bench_model model = { .generated = true };
 			snprintf(model.name, sizeof model.name, "generated-%s", grown[i].plants[k]);
@@ -96,21 +95,20 @@ static void find_made(struct bench *bench, struct headline *h)
 struct work { struct bench *bench; const struct bench_model *model; uint32_t seed; };
 
 /* Seed 0: the curve of the splats; else all but these. Both are doubles alone. */
-static enum eco_code measure(void *ctx, json_t **made, struct eco_error *error)
+static json_t *measure(void *ctx)
 {
 	const struct work *w = ctx;
 	struct eco_model model;
 	struct bench_ladder l;
 	struct bench_ladder_curve splats;
-	bench_must(w->bench, bench_model_read(w->bench, w->model, &model, error));
+	bench_model_read(w->model, &model);
 	if (w->seed)
 		bench_ladder_measure(w->bench, &l, &model, w->seed);
 	else
 		bench_ladder_splats(w->bench, &splats, &model);
 	eco_model_free(&model);
-	*made = w->seed ? bench_reals((const double *)&l, sizeof l / sizeof(double))
+	return w->seed ? bench_reals((const double *)&l, sizeof l / sizeof(double))
 		: bench_reals((const double *)&splats, sizeof splats / sizeof(double));
-	return ECO_OK;
 }
 
 static void measure_unit(struct bench *bench, struct plant *p, uint32_t seed)
@@ -119,8 +117,7 @@ static void measure_unit(struct bench *bench, struct plant *p, uint32_t seed)
 	json_t *kept;
 	snprintf(unit, sizeof unit, "ladder-%016llx-%u", (unsigned long long)bench_file_hash(p->model.path),
 		seed);
-	bench_must(bench, bench_unit(bench, unit, NULL, measure, &(struct work){ bench, &p->model, seed }, &kept,
-		&bench->error));
+	kept = bench_unit(bench, unit, NULL, measure, &(struct work){ bench, &p->model, seed });
 	bench_cells(kept, seed ? (double *)&p->seeds[p->seed_count++] : (double *)&p->splats,
 		(uint32_t)json_array_size(kept));
 }
@@ -210,10 +207,9 @@ static void write_means(struct bench *bench, const struct headline *h)
 		"vertices count against those of the foliage. Wood is drawn whole beside lists in all rows.");
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct headline *h = eco_alloc(1, sizeof *h);
-	(void)error;
 	find_read(bench, h);
 	find_made(bench, h);
 	measure_all(bench, h);
@@ -222,7 +218,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		write_plants(bench, h);
 	}
 	free(h);
-	return ECO_OK;
 }
 
 const struct bench_section bench_ladder = { "ladder", "Geometry that packs' own ladders save", run };

@@ -88,18 +88,17 @@ static void plot(struct bench *bench, const char *name, figures figure)
 	}
 	snprintf(file, sizeof file, "neubert-pr-%s", name);
 	snprintf(title, sizeof title, "%s: Precision and Recall, scales of 1/2.8 to 2.8 of Cook's", name);
-	must(bench_plot(bench, &(struct bench_plot){ .name = file, .title = title, .x = "Precision",
-		.y = "Recall", .series = series, .series_count = LAMBDAS }, must_error));
+	bench_plot(bench, &(struct bench_plot){ .name = file, .title = title, .x = "Precision",
+		.y = "Recall", .series = series, .series_count = LAMBDAS });
 	snprintf(file, sizeof file, "neubert-scale-%s", name);
 	snprintf(title, sizeof title, "%s: area factor of leaves", name);
-	must(bench_plot(bench, &(struct bench_plot){ .name = file, .title = title, .x = "lambda",
-		.y = "s", .log_y = true, .series = scales, .series_count = 2 }, must_error));
+	bench_plot(bench, &(struct bench_plot){ .name = file, .title = title, .x = "lambda",
+		.y = "s", .log_y = true, .series = scales, .series_count = 2 });
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct bench_walk walk = { .bench = bench, .leaves = 500, .most = 12, .quick = PLANTS_QUICK };
-	(void)error;
 	bench_head(bench, "Precision and Recall by share and scale (figures 2, 3, 5, 6 and 7)");
 	struct bench_table *table = bench_table_open(bench, "neubert_scales",
 		"plant,leaves,lambda,s of Cook,best s,"
@@ -124,7 +123,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		walk.found[model->generated]++;
 	}
 	bench_table_close(table);
-	return ECO_OK;
 }
 
 const struct bench_section bench_neubert = { "neubert", "Neubert 2011: scales and views", run };

@@ -173,15 +173,14 @@ static void write_frames(struct bench *bench, const struct path *p)
 		"over vertices: near trees have most, Cook draws nearly all of them, and little can be saved "
 		"at "
 		"equal Q.");
-	must(bench_plot(bench, &(struct bench_plot){ .name = "path", .title =
+	bench_plot(bench, &(struct bench_plot){ .name = "path", .title =
 		"1,276 trees: geometry saved against Cook at equal Q", .x = "frame", .y = "saved, %",
-		.series = series, .series_count = BENCH_ORDERS }, must_error));
+		.series = series, .series_count = BENCH_ORDERS });
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	static struct path p;
-	(void)error;
 	memset(&p, 0, sizeof p);
 	read_path(bench, &p);
 	for (uint32_t f = 0; f < p.frame_count; f++)
@@ -193,7 +192,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"order or "
 		"scale was made with.", p.tree_count, p.species_count, p.frame_count, p.farthest);
 	write_frames(bench, &p);
-	return ECO_OK;
 }
 
 const struct bench_section bench_path = { "path", "Geometry saved along a path through 1,276 trees", run };

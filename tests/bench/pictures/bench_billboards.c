@@ -234,7 +234,7 @@ static void study_caps(struct study *s)
 		lod_arena_release(&s->leaves->arena, mark);
 	}
 	snprintf(file, sizeof file, "billboards-%s.png", s->name);
-	must(bench_picture_write(s->bench, file, PANELS * side, side, picture, must_error));
+	bench_picture_write(s->bench, file, PANELS * side, side, picture);
 }
 
 /* ---- A turn ---- */
@@ -393,8 +393,8 @@ static void write_turn(struct section *t, const char *plant, struct figures *f)
 	}
 	snprintf(name, sizeof name, "billboards_turn_%s", plant);
 	snprintf(title, sizeof title, "%s: Q over a turn, equal in the mean", plant);
-	must(bench_plot(t->bench, &(struct bench_plot){ .name = name, .title = title, .x = "degrees",
-		.y = "Q", .series = series, .series_count = TURNS }, must_error));
+	bench_plot(t->bench, &(struct bench_plot){ .name = name, .title = title, .x = "degrees",
+		.y = "Q", .series = series, .series_count = TURNS });
 }
 
 static void study_plant(struct section *t, const struct bench_model *model)
@@ -445,27 +445,26 @@ static void plot(struct section *t)
 		write_row(t, "mean", row, t->sum[row]);
 		series[row] = (struct bench_series){ row_name(row), x, t->sum[row], BUDGETS, false };
 	}
-	must(bench_plot(t->bench, &(struct bench_plot){ .name = "billboards",
+	bench_plot(t->bench, &(struct bench_plot){ .name = "billboards",
 		.title = "Hard Q at equal vertices, mean over plants", .x = "vertices", .y = "Q",
-		.log_x = true, .series = series, .series_count = ROWS }, must_error));
+		.log_x = true, .series = series, .series_count = ROWS });
 	series[0] = (struct bench_series){ "error of the mean part", cap, t->error, CAPS, false };
-	must(bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_error",
+	bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_error",
 		.title = "The method's own error against the cap", .x = "billboards at most",
-		.y = "error", .log_x = true, .series = series, .series_count = 1 }, must_error));
+		.y = "error", .log_x = true, .series = series, .series_count = 1 });
 	for (uint32_t i = 0; i < t->plants; i++)
 		series[i] = (struct bench_series){ t->name[i], t->recall[i], t->precision[i], CAPS, true };
-	must(bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_pr",
+	bench_plot(t->bench, &(struct bench_plot){ .name = "billboards_pr",
 		.title = "Precision and Recall of clouds of 2 to 333 billboards", .x = "Recall",
-		.y = "Precision", .series = series, .series_count = t->plants }, must_error));
+		.y = "Precision", .series = series, .series_count = t->plants });
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct section t = { .bench = bench };
 	struct bench_model last;             /* of most leaves */
 	struct bench_walk walk = { .bench = bench, .most = bench->data ? PLANTS_MOST : 2, .quick = 1,
 		.wants = is_foliage };
-	(void)error;
 	t.caps = bench_table_described(bench, "billboards_caps", "plant,cap", columns, FIGURES, true);
 	t.q = bench_table_open(bench, "billboards", "plant,kind,hard 12,hard 48,hard 200,hard 1000,soft 12,"
 		"soft 48,soft 200,soft 1000", true);
@@ -495,7 +494,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"clouds "
 		"are alternatives and none continues another. Over a turn leaves are pruned over whole "
 		"wood.");
-	return ECO_OK;
 }
 
 const struct bench_section bench_billboards = { "billboards", "Billboard clouds against splats and impostors",

@@ -156,7 +156,7 @@ static json_t *make_field(void *ctx)
 	struct field *f = ctx;
 	struct lod_arena arena = { 0 };
 	must_have(&arena);
-	must(bench_model_read(f->bench, f->file, &f->model, must_error));
+	bench_model_read(f->file, &f->model);
 	place_plants(f);
 	const struct lod_billboard_plant *plant = lod_billboard_plant_make(&f->model, &arena);
 	for (uint32_t i = 0; i < LEVELS; i++)
@@ -165,7 +165,7 @@ static json_t *make_field(void *ctx)
 	draw(f, true);
 	for (size_t i = 0; i < (size_t)PANELS * WIDTH * HEIGHT; i++)
 		paint_pixel(f, i / WIDTH % PANELS, i / (PANELS * WIDTH) * WIDTH + i % WIDTH, rgb[i]);
-	must(bench_picture_write(f->bench, f->picture, PANELS * WIDTH, HEIGHT, *rgb, must_error));
+	bench_picture_write(f->bench, f->picture, PANELS * WIDTH, HEIGHT, *rgb);
 	json_t *made = score(f);
 	lod_arena_free(&arena);
 	lod_raster_free(&f->rasters[0]);
@@ -181,7 +181,7 @@ void bench_billboards_field(struct bench *bench, const struct bench_model *model
 	f->bench = bench;
 	f->file = model;
 	snprintf(f->picture, sizeof f->picture, "billboards_field-%s.png", model->name);
-	bench_cells(must_unit(bench, f->picture, must_stamp(model->path), make_field, f), q, FIGURES);
+	bench_cells(bench_unit(bench, f->picture, must_stamp(model->path), make_field, f), q, FIGURES);
 	struct bench_table *table = bench_table_open(bench, "billboards_field", "plant,plants in view,"
 		"of 333 billboards,of 166,of 33,of 8,vertices,vertices of full detail,Q,Precision,Recall,"
 		"owner_q", true);

@@ -49,13 +49,12 @@ static void study_bytes(struct bench *bench, void *ctx, const struct bench_view 
 	}
 }
 
-static enum eco_code run_bytes(struct bench *bench, struct eco_error *error)
+static void run_bytes(struct bench *bench)
 {
 	struct bytes s = { bench_table_open(bench, "bytes",
 		"scene,camera,budget,vertices,bytes,Q,skill,owner_q,"
 		"picture error,predicted Q", true), 0, 0, 0 };
 	say_pictures(bench, " and so many bytes");
-	(void)error;
 	bench_views_each(bench, BENCH_VIEWS_QUICK, study_bytes, &s);
 	bench_table_close(s.table);
 	if (s.binding) {
@@ -64,7 +63,6 @@ static enum eco_code run_bytes(struct bench *bench, struct eco_error *error)
 		bench_key(bench, "bytes_predicted_off", s.off / s.binding,
 			"<= 0.03: predicted Q off by, where they bind");
 	}
-	return ECO_OK;
 }
 
 const struct bench_section bench_bytes = { "bytes", "What people see for the bytes of a first visit",
@@ -99,13 +97,12 @@ static void study_cuts(struct bench *bench, void *ctx, const struct bench_view *
 	}
 }
 
-static enum eco_code run_cuts(struct bench *bench, struct eco_error *error)
+static void run_cuts(struct bench *bench)
 {
 	struct cuts s = { bench_table_open(bench, "anytime", "scene,camera,cut,whole answer,Q,picture error,"
 		"Q asked for,picture error asked for,ratio", true), 0, 0, 0, 0 };
 	say_pictures(bench, ": an answer without a budget of bytes, cut after so many of them, beside an answer "
 		"that was asked for with so many");
-	(void)error;
 	bench_views_each(bench, BENCH_VIEWS_QUICK, study_cuts, &s);
 	bench_table_close(s.table);
 	if (s.rows) {
@@ -114,7 +111,6 @@ static enum eco_code run_cuts(struct bench *bench, struct eco_error *error)
 		bench_key(bench, "anytime_worst", s.worst, "<= 1.10");
 		bench_key(bench, "anytime_near", (double)s.near / s.rows, "share of rows at most 1.10");
 	}
-	return ECO_OK;
 }
 
 const struct bench_section bench_anytime = { "anytime", "One answer, cut at any byte", run_cuts };

@@ -106,8 +106,8 @@ static struct stage stage_of(const struct eco_tile *root, const struct view_grou
 }
 
 /* The whole ground, at full detail: a picture from straight above. */
-static enum eco_code fetch_ground(const struct srv_scene *scene, struct view_store *store,
-	struct view_selection *selection, struct eco_error *error)
+static void fetch_ground(const struct srv_scene *scene, struct view_store *store,
+	struct view_selection *selection)
 {
 	const struct eco_tile *root = &scene->pack->scene.tiles[scene->pack->scene.root];
 	struct eco_request request = { .bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN,
@@ -118,39 +118,33 @@ static enum eco_code fetch_ground(const struct srv_scene *scene, struct view_sto
 	request.view.eye[2] =
 		root->high[2] + hypot(root->high[0] - root->low[0], root->high[1] - root->low[1]);
 	lod_eye_make(&eye, &request.view);
-	enum eco_code code = bench_fetch(NULL, scene, &request, store, error);
-	return code ? code : view_select_make(selection, store, &eye, error);
+	must(bench_fetch(NULL, scene, &request, store, must_error));
+	must(view_select_make(selection, store, &eye, must_error));
 }
 
-enum eco_code bench_flight_path(const char *pack, uint32_t first, uint32_t count, struct eco_view **views,
-	struct eco_error *error)
+struct eco_view *bench_flight_path(const char *pack, uint32_t first, uint32_t count)
 {
 	struct view_store_options options = { .images = false };
-	struct view_selection selection = { 0 };
-	struct view_store *store = NULL;
-	struct eco_camera *camera = NULL;
+	struct view_selection selection;
+	struct view_store *store;
+	struct eco_camera *camera;
 	struct srv_store served;
-	*views = eco_alloc(count, sizeof **views);
+	struct eco_view *views = eco_alloc(count, sizeof *views);
 	srv_store_init(&served);
-	enum eco_code code = srv_store_add(&served, "flight", pack, error);
-	if (!code)
-		code = view_store_new(&store, &options, error);
-	if (!code)
-		code = fetch_ground(served.scenes[0], store, &selection, error);
-	if (!code) {
-		const struct eco_scene *tables = &served.scenes[0]->pack->scene;
-		struct stage stage = stage_of(&tables->tiles[tables->root], &selection.ground);
-		char *script = write_script(&stage);
-		code = eco_camera_parse(&camera, script, strlen(script), "flight", error);
-		free(script);
-		if (!code)
-			take_views(&stage, camera, first, count, *views);
-	}
+	must(srv_store_add(&served, "flight", pack, must_error));
+	must(view_store_new(&store, &options, must_error));
+	fetch_ground(served.scenes[0], store, &selection);
+	const struct eco_scene *tables = &served.scenes[0]->pack->scene;
+	struct stage stage = stage_of(&tables->tiles[tables->root], &selection.ground);
+	char *script = write_script(&stage);
+	must(eco_camera_parse(&camera, script, strlen(script), "flight", must_error));
+	take_views(&stage, camera, first, count, views);
+	free(script);
 	eco_camera_free(camera);
 	view_select_free(&selection);
 	view_store_free(store);
 	srv_store_free(&served);
-	return code;
+	return views;
 }
 
 /* ---- A flight ---- */
@@ -177,13 +171,12 @@ static void step(const struct flight *flight, struct bench_client *client, uint3
 	struct bench_frame frame = { .rule = lod_rule_optimal, .request = { .view = flight->views[f],
 		.vertices = flight->vertices, .bytes = ECO_BYTES_UNBOUNDED } };
 	struct view_picture picture = { 0 };
-	struct eco_error *error = &flight->bench->error;
 	double share = (double)flight->every / flight->count;
 	if (scored)
-		bench_must(flight->bench, bench_client_reference(client, &frame.request, NULL, error));
-	bench_must(flight->bench, bench_client_step(client, &frame, scored ? &picture : NULL, error));
+		bench_client_reference(client, &frame.request);
+	bench_client_step(client, &frame, scored ? &picture : NULL);
 	if (scored) {
-		bench_must(flight->bench, bench_client_score(client, &frame, &picture, error));
+		bench_client_score(client, &frame, &picture);
 		sums[QUALITY] += share * frame.score.q;
 		sums[SEEN] += share * frame.picture_error;
 	}
@@ -194,19 +187,18 @@ static void step(const struct flight *flight, struct bench_client *client, uint3
 	sums[DRAWN] += (double)frame.vertices / flight->count;
 }
 
-static enum eco_code fly(void *ctx, json_t **row, struct eco_error *error)
+static json_t *fly(void *ctx)
 {
 	const struct flight *flight = ctx;
 	struct bench_client *client = NULL;
 	double sums[FIGURES] = { 0 };
-	bench_must(flight->bench, bench_client_open(&client, flight->pack, error));
+	client = bench_client_open(flight->pack);
 	bench_client_see(client);
 	bench_client_untimed(client);
 	for (uint32_t f = 0; f < flight->count; f++)
 		step(flight, client, f, f % flight->every == flight->every / 2, sums);
 	bench_client_close(client);
-	*row = bench_reals(sums, FIGURES);
-	return ECO_OK;
+	return bench_reals(sums, FIGURES);
 }
 
 /* Returns the bytes at a million vertices; NaN where the scene is left out. */
@@ -219,8 +211,7 @@ static double study_scene(struct bench *bench, const char *scene, struct bench_t
 	double bytes = NAN, now[FIGURES];
 	if (!bench_scene_there(bench, scene, pack))
 		return NAN;
-	bench_must(bench, bench_flight_path(pack, bench->full ? 0 : QUICK_FIRST, flight.count, &flight.views,
-		&bench->error));
+	flight.views = bench_flight_path(pack, bench->full ? 0 : QUICK_FIRST, flight.count);
 	snprintf(stamp, sizeof stamp, "%s %u %016llx", bench_pack_stamp(pack), flight.every,
 		(unsigned long long)XXH3_64bits(flight.views, flight.count * sizeof *flight.views));
 	for (size_t i = 0; i < BUDGETS; i++) {
@@ -228,7 +219,7 @@ static double study_scene(struct bench *bench, const char *scene, struct bench_t
 		json_t *row;
 		snprintf(unit, sizeof unit, "flight-%s-%u-%llu", scene, flight.count, budget);
 		bench_progress(bench, (double)i / BUDGETS, scene);
-		bench_must(bench, bench_unit(bench, unit, stamp, fly, &flight, &row, &bench->error));
+		row = bench_unit(bench, unit, stamp, fly, &flight);
 		bench_cells(row, now, FIGURES);
 		bench_table_row(table, "%s,%u,%llu,%.0f,%.0f,%.0f,%.0f,%.4f,%.5f", scene, flight.count, budget,
 			now[DRAWN], now[BYTES], now[FIRST], now[PLANS], now[QUALITY], now[SEEN]);
@@ -238,10 +229,9 @@ static double study_scene(struct bench *bench, const char *scene, struct bench_t
 	return bytes;
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	double bytes = NAN;
-	(void)error;
 	bench_say(bench, "%u frames a second, %u x %u, from the air down to eye level and through; picture "
 		"error and Q are means over every %u-th frame, bytes those of all.", BENCH_FLIGHT_FPS,
 		BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT, bench->full ? FULL_EVERY : QUICK_EVERY);
@@ -251,7 +241,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		bytes = fmax(bytes, study_scene(bench, scenes[i], table));
 	bench_table_close(table);
 	bench_key(bench, "flight_bytes", bytes, "bytes of a flight at 1,000,000 vertices, the most");
-	return ECO_OK;
 }
 
 const struct bench_section bench_flight = { "flight", "Bytes of a flight", run };

@@ -14,23 +14,17 @@ static const char *const kinds[PLANT_KINDS] = { "none", "organs", "splats", "imp
 enum figure { FALL, FALL_AT, REGRET, WORST, WORST_AT, BETTER, BUDGETS, WITHIN, FIGURES };
 
 /* `ctx` is a plant's pack. */
-static enum eco_code measure(void *ctx, json_t **unit, struct eco_error *error)
+static json_t *measure(void *ctx)
 {
 	struct eco_pack *pack;
 	struct plant_walk walk;
 	struct plant_regret regret;
-	enum eco_code code = eco_pack_open(&pack, ctx, error);
-	if (code)
-		return code;
-	code = plant_walk(&walk, pack, 0, &(struct plant_walk_options){ .views = 24, .pixels = 128 }, error);
-	if (!code)
-		code = plant_regret(&regret, pack, 0,
-			&(struct plant_walk_options){ .views = 8, .pixels = 128 }, error);
+	must(eco_pack_open(&pack, ctx, must_error));
+	must(plant_walk(&walk, pack, 0, &(struct plant_walk_options){ .views = 24, .pixels = 128 }, must_error));
+	must(plant_regret(&regret, pack, 0, &(struct plant_walk_options){ .views = 8, .pixels = 128 }, must_error));
 	eco_pack_close(pack);
-	if (!code)
-		*unit = bench_reals((double[]){ walk.fall, (double)walk.fall_at, regret.mean, regret.worst,
-			(double)regret.worst_at, regret.best, regret.count, regret.within }, FIGURES);
-	return code;
+	return bench_reals((double[]){ walk.fall, (double)walk.fall_at, regret.mean, regret.worst,
+		(double)regret.worst_at, regret.best, regret.count, regret.within }, FIGURES);
 }
 
 /* `within`: budgets where the choice is as good as the best kind. */
@@ -42,10 +36,10 @@ static void study_plant(struct bench *bench, const struct bench_model *model, st
 	char pack[512], stamp[40], key[80];
 	double f[FIGURES];
 	json_t *unit;
-	bench_must(bench, bench_model_pack(bench, model, pack, &bench->error));
+	bench_model_pack(bench, model, pack);
 	snprintf(stamp, sizeof stamp, "pack %016llx", (unsigned long long)bench_file_hash(pack));
 	snprintf(key, sizeof key, "monotone-%s", model->name);
-	bench_must(bench, bench_unit(bench, key, stamp, measure, pack, &unit, &bench->error));
+	unit = bench_unit(bench, key, stamp, measure, pack);
 	bench_cells(unit, f, FIGURES);
 	sums->plants++;
 	sums->fallen += f[FALL] > FALL_MOST;
@@ -57,12 +51,12 @@ static void study_plant(struct bench *bench, const struct bench_model *model, st
 		f[WORST], f[WORST_AT], kinds[(int)f[BETTER]]);
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct bench_model *models = NULL;
 	uint32_t count = 0, seen[2] = { 0, 0 };
 	struct sums sums = { 0 };
-	bench_must(bench, bench_models(bench, &models, &count, error));
+	models = bench_models(bench, &count);
 	struct bench_table *table = bench_table_open(bench, "monotone", "plant,fall,at vertices,regret,worst "
 		"regret,regret at vertices,better kind", true);
 	for (uint32_t i = 0; i < count; i++) {
@@ -82,7 +76,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		PLANT_REGRET_FREE, sums.within, sums.budgets);
 	bench_key(bench, "choice_regret", regret, "<= 0.005: mean over plants and budgets");
 	bench_key(bench, "monotone_fall", sums.plants ? sums.worst : NAN, "<= 0.005");
-	return ECO_OK;
 }
 
 const struct bench_section bench_monotone = { "monotone", "Whether more vertices look better", run };

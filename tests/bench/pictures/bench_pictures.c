@@ -18,9 +18,8 @@ static void name_picture(char file[128], const struct bench_view *view, uint32_t
 		(unsigned long long)budgets[budget]);
 }
 
-static enum eco_code show(struct bench *bench, struct bench_client *client, const struct bench_view *view,
-	uint32_t budget, const struct bench_frame *frame, const struct view_picture *picture,
-	struct eco_error *error)
+static void show(struct bench *bench, struct bench_client *client, const struct bench_view *view,
+	uint32_t budget, const struct bench_frame *frame, const struct view_picture *picture)
 {
 	char file[128], ours[160], full[96], seen[96];
 	const struct lod_score *score = &frame->score;
@@ -31,8 +30,7 @@ static enum eco_code show(struct bench *bench, struct bench_client *client, cons
 	snprintf(full, sizeof full, "full detail, ceiling %.4f", frame->ceiling);
 	snprintf(seen, sizeof seen, "picture error %.4f, widest point %.1f px", frame->picture_error,
 		frame->widest_px);
-	return bench_client_compare(client, bench, file, picture, (const char *const[]){ ours, full, seen },
-		error);
+	bench_client_compare(client, bench, file, picture, (const char *const[]){ ours, full, seen });
 }
 
 static void add_row(struct study *s, const struct bench_view *view, size_t b, const json_t *row)
@@ -67,14 +65,13 @@ static void study_view(struct bench *bench, void *ctx, const struct bench_view *
 	}
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct study s = { .scbi_owner = { NAN, NAN, NAN } };
 	bench_say(bench, "Every picture %u x %u, all chunks sent anew, drawn and lit in software.",
 		BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT);
 	s.table = bench_table_open(bench, "pictures", "scene,camera,budget,vertices,bytes,Q,soft Q,owner_q,"
 		"predicted Q,picture error,widest point px,ceiling", true);
-	(void)error;
 	bench_views_each(bench, SIZE_MAX, study_view, &s);
 	bench_table_close(s.table);
 	bench_key(bench, "pictures_error", s.pictures ? s.seen / s.pictures : NAN, "picture error, mean");
@@ -83,7 +80,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_key(bench, "pictures_scbi_owner_q_1m", s.scbi_owner[2],
 		">= 0.75: owner_q of SCBI from the air at 1,000,000 vertices");
 	bench_key(bench, "pictures_scbi_owner_q_100k", s.scbi_owner[1], ">= 0.45: at 100,000");
-	return ECO_OK;
 }
 
 const struct bench_section bench_pictures = { "pictures", "What people see at small budgets", run };

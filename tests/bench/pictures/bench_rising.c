@@ -58,12 +58,11 @@ static void add_rows(struct study *s, const struct bench_view *view, const json_
 
 static void study_scene(struct bench *bench, struct study *s, size_t number)
 {
-	struct eco_view *views = NULL;
 	struct eco_pack *open = NULL;
 	char pack[512], camera[32];
 	snprintf(pack, sizeof pack, "%s/requests/%s.eco", bench->cache, scenes[number]);
-	bench_must(bench, bench_flight_path(pack, 0, BENCH_FLIGHT_FRAMES, &views, &bench->error));
-	bench_must(bench, eco_pack_open(&open, pack, &bench->error));
+	struct eco_view *views = bench_flight_path(pack, 0, BENCH_FLIGHT_FRAMES);
+	must(eco_pack_open(&open, pack, must_error));
 	for (uint32_t i = 0; i < VIEWS; i += bench->full ? 1 : QUICK) {
 		struct bench_view view = { scenes[number], camera, pack, i % 2
 			? random_outlook(&open->scene, SEED, i) : views[i * BENCH_FLIGHT_FRAMES / VIEWS] };
@@ -77,10 +76,10 @@ static void study_scene(struct bench *bench, struct study *s, size_t number)
 	free(views);
 }
 
-static enum eco_code run(struct bench *bench, struct eco_error *error)
+static void run(struct bench *bench)
 {
 	struct study s = { .table = NULL };
-	bench_must(bench, bench_request_packs(bench, error));
+	bench_request_packs(bench);
 	bench_say(bench, "Every picture %u x %u, of a first visit with at most %u vertices and so many "
 		"bytes, drawn and lit in software. Half of the views of a scene are along a flight from the air "
 		"down and through, half at random. Worse: a picture error more than 2 %% above that of a "
@@ -100,7 +99,6 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		bench_key(bench, "rising_predicted_off", s.all.off / s.all.binding,
 			"<= 0.03: predicted Q off by, where they bind");
 	}
-	return ECO_OK;
 }
 
 const struct bench_section bench_rising = { "rising", "More bytes, no worse a picture", run };
