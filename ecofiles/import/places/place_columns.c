@@ -307,13 +307,14 @@ static bool lacks_header(const struct eco_table *table)
 	return false;
 }
 
-enum eco_code eco_place_ask(const struct eco_table *table, struct eco_error *error)
+enum eco_code eco_place_ask(const struct eco_place_look *l)
 {
+	const struct eco_table *table = l->asked->table;
 	char there[250] = "";
 	for (uint32_t i = 0; i < table->column_count; i++)
 		eco_phrase_add(there, sizeof there, table->columns[i]);
-	return eco_fail(error, ECO_BAD_INPUT, "%.150s: which columns say where a plant stands? Give --x (easting or "
-		"longitude) and --y (northing or latitude); there are: %s%s", table->path, there, lacks_header(table)
+	return eco_place_fail(l, "which columns say where a plant stands? Give --x (easting or "
+		"longitude) and --y (northing or latitude); there are: %s%s", there, lacks_header(table)
 		? "; if that is the first plant, put a line of names before it, such as species,longitude,latitude" : "");
 }
 
@@ -358,7 +359,7 @@ static enum eco_code guess_scene(struct eco_place_look *l)
 	const double at[2] = { l->xy[x].middle, l->xy[1 - x].middle };
 	const char *crs = g->crs[0] != 0 ? g->crs : l->asked->table->crs;
 	if (!crs) {
-		snprintf(g->scene_why, sizeof g->scene_why, "none: plain metres");
+		eco_place_why(g->scene_why, "none: plain metres");
 		return ECO_OK;
 	}
 	enum eco_code code = eco_crs_look(crs, at, &own, l->error);
@@ -366,34 +367,30 @@ static enum eco_code guess_scene(struct eco_place_look *l)
 	if (!code && l->asked->scene_crs) {
 		code = metric(l->asked->scene_crs, at, &other, l->error);
 		snprintf(g->scene_crs, sizeof g->scene_crs, "%.31s", l->asked->scene_crs);
-		snprintf(g->scene_why, sizeof g->scene_why, "as you say");
+		eco_place_why(g->scene_why, "as you say");
 	} else if (!code && own.metric_map && own.code[0] != 0) {
 		snprintf(g->scene_crs, sizeof g->scene_crs, "%s", own.code);
-		snprintf(g->scene_why, sizeof g->scene_why, "the table's: projected, in metres");
+		eco_place_why(g->scene_why, "the table's: projected, in metres");
 	} else if (!code && dem && dem->crs[0] != 0 && eco_place_dem_has(l, own.degrees)
 			&& eco_crs_look(dem->crs, dem->low, &other, NULL) == ECO_OK && other.metric_map
 			&& other.code[0] != 0) {
 		snprintf(g->scene_crs, sizeof g->scene_crs, "%s", other.code);
-		snprintf(g->scene_why, sizeof g->scene_why, "%.80s, the terrain's, which so stays as it is",
+		eco_place_why(g->scene_why, "%.80s, the terrain's, which so stays as it is",
 			other.name);
 	} else if (!code && !isnan(own.degrees[0])) {
 		eco_crs_utm(own.degrees, g->scene_crs);
-		snprintf(g->scene_why, sizeof g->scene_why, "the UTM zone of %.4f, %.4f, the middle of the "
+		eco_place_why(g->scene_why, "the UTM zone of %.4f, %.4f, the middle of the "
 			"plants",
 			own.degrees[0], own.degrees[1]);
 	} else if (!code) {
-		code = eco_fail(l->error, ECO_BAD_INPUT, "%.150s: %.10g, %.10g is no place in %.40s; give "
-			"the CRS of the coordinates with --crs", l->asked->table->path, at[0], at[1], crs);
+		code = eco_place_fail(l, "%.10g, %.10g is no place in %.40s; give the CRS of the coordinates with --crs",
+			at[0], at[1], crs);
 	}
 	return code;
 }
 
 static void note_nothing(void *ctx, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void note_nothing(void *ctx, const char *format, ...)
-{
-	(void)ctx;
-	(void)format;
-}
+static void note_nothing(void *ctx, const char *format, ...) { (void)ctx, (void)format; }
 
 /* The middle in the scene's CRS, rounded. */
 static enum eco_code guess_origin(struct eco_place_look *l)
@@ -401,31 +398,26 @@ static enum eco_code guess_origin(struct eco_place_look *l)
 	struct eco_place_guess *g = l->guess;
 	const int x = g->swapped;
 	double at[3] = { l->xy[x].middle, l->xy[1 - x].middle, 0 };
+	const char *own = g->crs[0] != 0 ? g->crs : l->asked->table->crs, *why;
+	struct eco_frame frame = { .crs = g->scene_crs };
+	struct eco_crs_request request = { .path = l->asked->table->path, .stated = own, .frame = &frame,
+		.note = note_nothing };
+	struct eco_crs *crs = NULL;
+	bool converted = true;
 	if (l->nowhere || g->offsets.quadrat_m > 0) {
-		snprintf(g->origin_why, sizeof g->origin_why, "%s", l->nowhere ? "the plot's centre"
-			: "where the quadrats count from");
+		eco_place_why(g->origin_why, "%s", l->nowhere ? "the plot's centre" : "where the quadrats count from");
 		return ECO_OK;
 	}
-	struct eco_frame frame = { .crs = g->scene_crs };
-	struct eco_crs_request request = { .path = l->asked->table->path, .stated = g->crs[0] != 0 ? g->crs
-		: l->asked->table->crs, .frame = &frame, .note = note_nothing };
-	struct eco_crs *crs = NULL;
-	const char *why = "";
-	bool converted = true;
-	enum eco_code code = ECO_OK;
-	if (g->scene_crs[0] != 0) {
-		code = eco_crs_open(&crs, &request, l->error);
-		if (!code)
-			code = eco_crs_convert(crs, at, &converted, &why, l->error);
-		eco_crs_close(crs);
-	}
+	enum eco_code code = g->scene_crs[0] != 0 ? eco_crs_open(&crs, &request, l->error) : ECO_OK;
+	if (crs)
+		code = eco_crs_convert(crs, at, &converted, &why, l->error);
 	if (!code && !converted)
-		code = eco_fail(l->error, ECO_BAD_INPUT, "%.150s: %.10g, %.10g is no place in %.40s (%.60s); "
-			"give the CRS of the coordinates with --crs", l->asked->table->path, l->xy[x].middle,
-			l->xy[1 - x].middle, g->crs, why);
+		code = eco_place_fail(l, "%.10g, %.10g is no place in %.40s (%.60s); give the CRS of the coordinates "
+			"with --crs", l->xy[x].middle, l->xy[1 - x].middle, own, why);
+	eco_crs_close(crs);
 	for (int k = 0; k < 2; k++)
 		g->origin[k] = round(at[k] * (g->unit ? l->unit_m : 1) / ROUND_M) * ROUND_M;
-	snprintf(g->origin_why, sizeof g->origin_why, "the middle of the plants, rounded to %g m", ROUND_M);
+	eco_place_why(g->origin_why, "the middle of the plants, rounded to %g m", ROUND_M);
 	return code;
 }
 
@@ -433,15 +425,11 @@ static enum eco_code guess_origin(struct eco_place_look *l)
 static void guess_dem(struct eco_place_look *l)
 {
 	const struct eco_raster_extent *dem = l->asked->dem;
-	const double *o = l->guess->origin;
 	if (!dem || dem->crs[0] != 0 || l->guess->scene_crs[0] == 0)
 		return;
-	if (eco_raster_extent_has(dem, o))
-		snprintf(l->guess->dem_crs, sizeof l->guess->dem_crs, "%s", l->guess->scene_crs);
-	else if (dem->low[0] >= -180 && dem->high[0] <= 180 && dem->low[1] >= -90 && dem->high[1] <= 90)
-		snprintf(l->guess->dem_crs, sizeof l->guess->dem_crs, "EPSG:4326");
-	else
-		snprintf(l->guess->dem_crs, sizeof l->guess->dem_crs, "%s", l->guess->crs);
+	bool degrees = dem->low[0] >= -180 && dem->high[0] <= 180 && dem->low[1] >= -90 && dem->high[1] <= 90;
+	snprintf(l->guess->dem_crs, sizeof l->guess->dem_crs, "%s", eco_raster_extent_has(dem, l->guess->origin)
+		? l->guess->scene_crs : degrees ? "EPSG:4326" : l->guess->crs);
 }
 
 enum eco_code eco_place_scene(struct eco_place_look *l)

@@ -4,6 +4,7 @@
 #include "ecofiles/import/places/place_parts.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -22,6 +23,25 @@
 #define BARE_NORTH 75.0
 #define NEAR_DEG 0.01            /* places that differ by datum alone lie nearer together */
 #define ONLY_SO_TERRAIN "only so does the terrain lie there"
+
+void eco_place_why(char why[ECO_WHY_BYTES], const char *format, ...)
+{
+	size_t used = strlen(why);
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(why + used, ECO_WHY_BYTES - used, format, arguments);
+	va_end(arguments);
+}
+
+enum eco_code eco_place_fail(const struct eco_place_look *l, const char *format, ...)
+{
+	char text[900];
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	return eco_fail(l->error, ECO_BAD_INPUT, "%.150s: %s", l->asked->table->path, text);
+}
 
 /* ---- The numbers ---- */
 
@@ -45,11 +65,9 @@ static enum eco_code measure(struct eco_place_look *l)
 			eco_spread_quantile(&spread, 0.5), eco_spread_quantile(&spread, 0.98) };
 		eco_spread_free(&spread);
 		if (isnan(l->xy[k].middle))
-			return l->names[k] ? eco_fail(l->error, ECO_BAD_INPUT, "%.200s: no row has a place: no "
-				"number in \"%.60s\"", l->asked->table->path, l->names[k])
-				: eco_fail(l->error, ECO_BAD_INPUT, "%.200s: no row is a point; a table of plants has "
-				"a point for each (lines and areas are for \"scatter\" in a scene; coordinates "
-				"in quotes are none)", l->asked->table->path);
+			return l->names[k] ? eco_place_fail(l, "no row has a place: no number in \"%.60s\"", l->names[k])
+				: eco_place_fail(l, "no row is a point; a table of plants has a point for each (lines and "
+				"areas are for \"scatter\" in a scene; coordinates in quotes are none)");
 		l->at[k] = l->turned[1 - k] = l->xy[k].middle;
 	}
 	l->as_named[0] = l->at[0] > 180 ? l->at[0] - 360 : l->at[0];
@@ -80,12 +98,12 @@ static bool are_whole(const struct eco_place_look *l)
 static enum eco_code say_swapped(struct eco_place_look *l, const char *why)
 {
 	if (l->guess->from_geometry)
-		return eco_fail(l->error, ECO_BAD_INPUT,
-			"%.150s: x and y of its points are swapped, as %.7g, %.7g: %s. x is "
+		return eco_place_fail(l, "x and y of its points are swapped, as %.7g, %.7g: %s. x is "
 			"easting or longitude, y is northing or latitude: export it anew, or with x and y as columns",
-			l->asked->table->path, l->xy[0].middle, l->xy[1].middle, why);
+			l->xy[0].middle, l->xy[1].middle, why);
 	l->guess->swapped = true;
-	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%s\"%.40s\" and \"%.40s\" are swapped: %s",
+	l->guess->crs_why[0] = 0;
+	eco_place_why(l->guess->crs_why, "%s\"%.40s\" and \"%.40s\" are swapped: %s",
 		are_degrees(l, 0) || are_degrees(l, 1) ? "degrees; " : "", l->names[0] ? l->names[0] : "x",
 		l->names[1] ? l->names[1] : "y", why);
 	return ECO_OK;
@@ -96,46 +114,42 @@ static bool is_bare(const double degrees[2])
 	return degrees[1] < BARE_SOUTH || degrees[1] > BARE_NORTH;
 }
 
-/* Whether a place in degrees is outside the area of use of a CRS, and inside once swapped; *facts are the CRS's. */
-static bool area_speaks_for_swapping(const char *crs, const double as_named[2], const double swapped[2],
-	struct eco_crs_facts *facts)
+/* Whether degrees are outside the area of use of a CRS, and inside once swapped; *facts are the CRS's. */
+static bool area_speaks_for_swapping(const struct eco_place_look *l, const char *crs, struct eco_crs_facts *facts)
 {
-	return crs && eco_crs_look(crs, as_named, facts, NULL) == ECO_OK && !isnan(facts->area[0]) &&
-		!eco_crs_area_has(facts->area, as_named) && eco_crs_area_has(facts->area, swapped);
+	return crs && eco_crs_look(crs, l->as_named, facts, NULL) == ECO_OK && !isnan(facts->area[0]) &&
+		!eco_crs_area_has(facts->area, l->as_named) && eco_crs_area_has(facts->area, l->turned);
 }
 
 /* Says why degrees in a CRS are what they should be only if longitude and latitude change places; "": they are not
  * known to be. */
 static void look_for_swapping(const struct eco_place_look *l, const char *crs, char why[ECO_WHY_BYTES])
 {
-	const double *as_named = l->as_named, *swapped = l->turned;
 	struct eco_crs_facts facts;
 	char area[80];
-	why[0] = 0;
 	if (!are_degrees(l, 1))
 		return;
 	if (!are_degrees(l, 0))
-		snprintf(why, ECO_WHY_BYTES, "a latitude lies between -90 and 90");
-	else if (eco_place_dem_has(l, as_named))
+		eco_place_why(why, "a latitude lies between -90 and 90");
+	else if (eco_place_dem_has(l, l->as_named))
 		return;
-	else if (eco_place_dem_has(l, swapped))
-		snprintf(why, ECO_WHY_BYTES, ONLY_SO_TERRAIN);
-	else if (is_bare(as_named) && !is_bare(swapped))
-		snprintf(why, ECO_WHY_BYTES, "no tree stands at latitude %.1f", as_named[1]);
-	else if (area_speaks_for_swapping(crs, as_named, swapped, &facts) ||
-		area_speaks_for_swapping(l->asked->scene_crs, as_named, swapped, &facts))
-		snprintf(why, ECO_WHY_BYTES, "only so do they lie in the area of use of %.60s, %s",
-			facts.name, eco_crs_area_text(facts.area, area));
+	else if (eco_place_dem_has(l, l->turned))
+		eco_place_why(why, ONLY_SO_TERRAIN);
+	else if (is_bare(l->as_named) && !is_bare(l->turned))
+		eco_place_why(why, "no tree stands at latitude %.1f", l->as_named[1]);
+	else if (area_speaks_for_swapping(l, crs, &facts) || area_speaks_for_swapping(l, l->asked->scene_crs, &facts))
+		eco_place_why(why, "only so do they lie in the area of use of %.60s, %s", facts.name,
+			eco_crs_area_text(facts.area, area));
 }
 
 static enum eco_code guess_degrees(struct eco_place_look *l)
 {
-	char why[ECO_WHY_BYTES];
+	char why[ECO_WHY_BYTES] = "";
 	snprintf(l->guess->crs, sizeof l->guess->crs, "EPSG:4326");
 	look_for_swapping(l, NULL, why);
 	if (why[0] != 0)
 		return say_swapped(l, why);
-	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "degrees, by %s: around %.4f, %.4f",
+	eco_place_why(l->guess->crs_why, "degrees, by %s: around %.4f, %.4f",
 		l->asked->columns->names_say_degrees ? "the columns' names and numbers" : "the numbers",
 		l->as_named[0], l->as_named[1]);
 	return ECO_OK;
@@ -145,17 +159,21 @@ static enum eco_code guess_degrees(struct eco_place_look *l)
 
 static uint32_t listed(uint32_t found) { return found < ECO_CRS_CHOICES_MAX ? found : ECO_CRS_CHOICES_MAX; }
 
-/* As many as fit, and how many more there are; `choices` has ECO_CRS_CHOICES_MAX of them at most. */
-static void list_choices(const struct eco_crs_choice *choices, uint32_t found, char *text, size_t size)
+/* Lists the grids that fit, without UTM's if `others`, and says how many more there are. */
+static bool list_choices(const struct eco_crs_choice *choices, uint32_t found, bool others, char *text, size_t size)
 {
-	text[0] = 0;
+	char choice[200];
+	bool any = false;
 	for (uint32_t i = 0; i < found; i++) {
-		char choice[200] = "";
-		if (i < ECO_CRS_CHOICES_MAX)
-			snprintf(choice, sizeof choice, "%s (%s; at %.2f, %.2f)", choices[i].code, choices[i].name,
-				choices[i].degrees[0], choices[i].degrees[1]);
+		bool kept = i < ECO_CRS_CHOICES_MAX;
+		if (others && (!kept || strstr(choices[i].name, "UTM")))
+			continue;
+		snprintf(choice, sizeof choice, kept ? "%s (%s; at %.2f, %.2f)" : "", choices[i].code, choices[i].name,
+			choices[i].degrees[0], choices[i].degrees[1]);
 		eco_phrase_add(text, size, choice);
+		any = true;
 	}
+	return any;
 }
 
 static bool may_be_utm(const struct eco_place_look *l)
@@ -167,32 +185,26 @@ static bool may_be_utm(const struct eco_place_look *l)
 /* Names the few grids that have the place; else all UTM zones may be meant. */
 static enum eco_code ask_for_grid(struct eco_place_look *l, const struct eco_crs_choice *choices, uint32_t found)
 {
-	char list[400] = "such as EPSG:2154 in France";
+	char list[400] = "";
 	struct eco_crs_facts facts;
-	struct eco_crs_choice grids[ECO_CRS_CHOICES_MAX];
-	uint32_t count = 0;
 	if (may_be_utm(l) && eco_crs_look("EPSG:32631", l->at, &facts, l->error) == ECO_OK) {
-		for (uint32_t i = 0; i < listed(found); i++)
-			if (!strstr(choices[i].name, "UTM"))
-				grids[count++] = choices[i];
-		if (count > 0)
-			list_choices(grids, count, list, sizeof list);
-		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, "
+		bool any = list_choices(choices, found, true, list, sizeof list);
+		return eco_place_fail(l, "which CRS are its coordinates in? %.0f, "
 			"%.0f is a place in each UTM zone, at latitude %.1f: give the zone of your "
 			"longitude, --crs EPSG:32601 (180 W) to EPSG:32660 (180 E), in the south "
-			"EPSG:32701 to EPSG:32760; or the country's grid, %s",
-			l->asked->table->path, l->at[0], l->at[1], facts.degrees[1], list);
+			"EPSG:32701 to EPSG:32760; or the country's grid, %s", l->at[0], l->at[1], facts.degrees[1],
+			any ? list : "such as EPSG:2154 in France");
 	}
-	list_choices(choices, found, list, sizeof list);
-	return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, %.0f "
-		"%s%s; give it with --crs EPSG:...", l->asked->table->path, l->at[0], l->at[1],
+	list_choices(choices, found, false, list, sizeof list);
+	return eco_place_fail(l, "which CRS are its coordinates in? %.0f, %.0f %s%s; give it with --crs EPSG:...",
+		l->at[0], l->at[1],
 		found > 0 ? "may be in " : "is in no CRS of PROJ's register as easting and northing", list);
 }
 
 static enum eco_code take_choice(struct eco_place_look *l, const struct eco_crs_choice *choice, const char *why)
 {
 	snprintf(l->guess->crs, sizeof l->guess->crs, "%s", choice->code);
-	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, %s; a place at %.3f, %.3f", choice->name, why,
+	eco_place_why(l->guess->crs_why, "%.80s, %s; a place at %.3f, %.3f", choice->name, why,
 		choice->degrees[0], choice->degrees[1]);
 	return ECO_OK;
 }
@@ -221,12 +233,11 @@ static enum eco_code settle_axes(struct eco_place_look *l)
 		return ECO_OK;
 	if (eco_place_dem_has(l, turned.degrees))
 		return say_swapped(l, ONLY_SO_TERRAIN);
-	return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: does \"%.40s\" count to the north, as x does in %s "
+	return eco_place_fail(l, "does \"%.40s\" count to the north, as x does in %s "
 		"(%.40s), or to the east, as in most tables? To the east the plants are at %.3f, %.3f: "
 		"--x \"%.40s\" --y \"%.40s\"; to the north at %.3f, %.3f: --x \"%.40s\" --y \"%.40s\"",
-		l->asked->table->path, l->names[0], l->guess->crs, named.name, named.degrees[0],
-		named.degrees[1], l->names[0], l->names[1], turned.degrees[0], turned.degrees[1],
-		l->names[1], l->names[0]);
+		l->names[0], l->guess->crs, named.name, named.degrees[0], named.degrees[1], l->names[0], l->names[1],
+		turned.degrees[0], turned.degrees[1], l->names[1], l->names[0]);
 }
 
 /* The terrain's CRS, where its extent has the plants. */
@@ -235,12 +246,10 @@ static bool take_dem(struct eco_place_look *l)
 	const struct eco_raster_extent *dem = l->asked->dem;
 	struct eco_crs_facts facts;
 	if (!dem || dem->crs[0] == 0 || eco_crs_look(dem->crs, l->at, &facts, NULL) != ECO_OK || facts.geographic
-			|| facts.code[0] == 0)
-		return false;
-	if (!eco_raster_extent_has(dem, l->at))
+			|| facts.code[0] == 0 || !eco_raster_extent_has(dem, l->at))
 		return false;
 	snprintf(l->guess->crs, sizeof l->guess->crs, "%s", facts.code);
-	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, the terrain's: the plants lie on it",
+	eco_place_why(l->guess->crs_why, "%.80s, the terrain's: the plants lie on it",
 		facts.name);
 	return true;
 }
@@ -265,7 +274,7 @@ static bool take_bare_dem(struct eco_place_look *l)
 	const struct eco_raster_extent *dem = l->asked->dem;
 	bool on = dem && dem->crs[0] == 0 && eco_raster_extent_has(dem, l->at);
 	if (on)
-		snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "metres of the terrain's grid, which says "
+		eco_place_why(l->guess->crs_why, "metres of the terrain's grid, which says "
 			"no CRS either: the plants lie on it");
 	return on;
 }
@@ -279,21 +288,24 @@ static bool is_heap_of_degrees(const struct eco_place_look *l)
 				l->xy[1].high - l->xy[1].low < ECO_HEAP_M));
 }
 
+/* Whether the terrain lies at a place of a CRS. */
+static bool dem_has_in(const struct eco_place_look *l, const char *crs, const double at[2])
+{
+	struct eco_crs_facts facts;
+	return eco_crs_look(crs, at, &facts, NULL) == ECO_OK && eco_place_dem_has(l, facts.degrees);
+}
+
 static enum eco_code take_stated(struct eco_place_look *l, const char *crs, const char *who)
 {
-	struct eco_crs_facts facts, other;
+	struct eco_crs_facts facts;
 	char why[ECO_WHY_BYTES] = "", area[80];
 	enum eco_code code = eco_crs_look(crs, l->at, &facts, l->error);
 	if (code)
 		return code;
-	if (strlen(crs) < sizeof l->guess->crs)
-		snprintf(l->guess->crs, sizeof l->guess->crs, "%s", crs);
-	else
-		snprintf(l->guess->crs, sizeof l->guess->crs, "%s", facts.code);
-	int used = snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, as %s", facts.name, who);
+	snprintf(l->guess->crs, sizeof l->guess->crs, "%s", strlen(crs) < sizeof l->guess->crs ? crs : facts.code);
+	eco_place_why(l->guess->crs_why, "%.80s, as %s", facts.name, who);
 	if (!isnan(facts.degrees[0]))
-		used += snprintf(l->guess->crs_why + used, sizeof l->guess->crs_why - (size_t)used,
-			"; a place at %.3f, %.3f", facts.degrees[0], facts.degrees[1]);
+		eco_place_why(l->guess->crs_why, "; a place at %.3f, %.3f", facts.degrees[0], facts.degrees[1]);
 	enum eco_crs_fit fit;
 	struct eco_crs_span span = { .any = true, .has_decimals = !are_whole(l) };
 	for (int k = 0; k < 2; k++) {
@@ -307,39 +319,30 @@ static enum eco_code take_stated(struct eco_place_look *l, const char *crs, cons
 	if (facts.geographic)
 		look_for_swapping(l, crs, why);
 	else if (fit == ECO_CRS_SWAPPED)
-		snprintf(why, sizeof why, "only so do they lie in the CRS's area of use, %s", area);
-	else if (!eco_place_dem_has(l, facts.degrees) && eco_crs_look(crs, l->turned, &other, NULL) == ECO_OK &&
-		eco_place_dem_has(l, other.degrees))
-		snprintf(why, sizeof why, ONLY_SO_TERRAIN);
+		eco_place_why(why, "only so do they lie in the CRS's area of use, %s", area);
+	else if (!eco_place_dem_has(l, facts.degrees) && dem_has_in(l, crs, l->turned))
+		eco_place_why(why, ONLY_SO_TERRAIN);
 	if (why[0] != 0)
 		return say_swapped(l, why);
 	if (fit == ECO_CRS_OUTSIDE)
-		snprintf(l->guess->crs_why + used, sizeof l->guess->crs_why - (size_t)used,
-			"; but its area of use is %s", area);
+		eco_place_why(l->guess->crs_why, "; but its area of use is %s", area);
 	return ECO_OK;
 }
 
 /* A letter S is the south, or the band from 32 to 40 degrees north: then the terrain tells the half, or the user. */
 static enum eco_code zone_crs(struct eco_place_look *l, const struct eco_zones *z, char crs[32])
 {
-	struct eco_crs_facts facts;
 	enum eco_zone_half half = z->zone.half;
 	char south[32];
 	snprintf(crs, 32, "EPSG:%u", z->zone.epsg ? z->zone.epsg : 32600 + z->zone.number);
 	snprintf(south, sizeof south, "EPSG:%u", 32700 + z->zone.number);
-	if (z->zone.epsg)
+	if (z->zone.epsg || half == ECO_HALF_NORTH || (half == ECO_HALF_OPEN && dem_has_in(l, crs, l->at)))
 		return ECO_OK;
-	if (half == ECO_HALF_OPEN && eco_crs_look(crs, l->at, &facts, NULL) == ECO_OK
-			&& eco_place_dem_has(l, facts.degrees))
-		half = ECO_HALF_NORTH;
-	if (half == ECO_HALF_OPEN && eco_crs_look(south, l->at, &facts, NULL) == ECO_OK
-			&& eco_place_dem_has(l, facts.degrees))
-		half = ECO_HALF_SOUTH;
-	if (half == ECO_HALF_SOUTH)
-		memcpy(crs, south, sizeof south);
-	return half != ECO_HALF_OPEN ? ECO_OK : eco_fail(l->error, ECO_BAD_INPUT, "%.100s: \"%.40s\" says \"%s\": is "
-		"that zone %u in the north, --crs %s, or in the south, --crs %s?", l->asked->table->path,
-		l->asked->table->columns[z->column], z->first, z->zone.number, crs, south);
+	if (half == ECO_HALF_OPEN && !dem_has_in(l, south, l->at))
+		return eco_place_fail(l, "\"%.40s\" says \"%s\": is that zone %u in the north, --crs %s, or in the "
+			"south, --crs %s?", l->asked->table->columns[z->column], z->first, z->zone.number, crs, south);
+	memcpy(crs, south, sizeof south);
+	return ECO_OK;
 }
 
 /* The zone of a column, if all rows have one. */
@@ -357,11 +360,10 @@ static enum eco_code take_zone(struct eco_place_look *l, bool *taken)
 	const char *name = l->asked->table->columns[zones.column];
 	code = zone_crs(l, &zones, crs);
 	if (!code && zones.other[0] != 0)
-		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: its rows are in several zones: \"%.40s\" "
+		return eco_place_fail(l, "its rows are in several zones: \"%.40s\" "
 			"is \"%s\" and \"%s\", and an entry has one CRS. Put each zone into a table of its own; or "
 			"start with --crs %s and give scene.json an entry for each zone, with \"only\": "
-			"{\"%.40s\": \"%s\"} and its own \"crs\"", l->asked->table->path, name, zones.first, zones.other,
-			crs, name, zones.first);
+			"{\"%.40s\": \"%s\"} and its own \"crs\"", name, zones.first, zones.other, crs, name, zones.first);
 	snprintf(who, sizeof who, "\"%.40s\" says, \"%s\"", name, zones.first);
 	return code ? code : take_stated(l, crs, who);
 }
@@ -416,7 +418,7 @@ static enum eco_code doubt_stated(struct eco_place_look *l)
 	struct eco_place_look own = *l;
 	struct eco_zones zones;
 	struct eco_crs_facts named, other;
-	char crs[32], *why = l->guess->crs_why;
+	char crs[32];
 	own.error = NULL;
 	enum eco_code code = eco_crs_look(l->asked->crs, l->at, &named, l->error);
 	if (!code)
@@ -425,14 +427,13 @@ static enum eco_code doubt_stated(struct eco_place_look *l)
 		return code;
 	bool elsewhere = zone_crs(&own, &zones, crs) == ECO_OK && eco_crs_look(crs, l->at, &other, NULL) == ECO_OK
 		&& hypot(named.degrees[0] - other.degrees[0], named.degrees[1] - other.degrees[1]) > NEAR_DEG;
-	size_t used = strlen(why);
 	const char *name = l->asked->table->columns[zones.column];
 	if (zones.other[0] != 0)
-		snprintf(why + used, ECO_WHY_BYTES - used, "; but \"%.30s\" is \"%s\" and \"%s\": give the entry "
+		eco_place_why(l->guess->crs_why, "; but \"%.30s\" is \"%s\" and \"%s\": give the entry "
 			"\"only\": {\"%.30s\": ...}, and each other zone an entry with its own \"crs\"", name,
 			zones.first, zones.other, name);
 	else if (elsewhere)
-		snprintf(why + used, ECO_WHY_BYTES - used, "; but \"%.30s\" says \"%s\", %s, a place at %.3f, "
+		eco_place_why(l->guess->crs_why, "; but \"%.30s\" says \"%s\", %s, a place at %.3f, "
 			"%.3f", name, zones.first, crs, other.degrees[0], other.degrees[1]);
 	return ECO_OK;
 }
@@ -446,7 +447,7 @@ static enum eco_code guess_crs(struct eco_place_look *l)
 			"azimuth and a distance from a plot's centre; add columns with the centre's", a->crs,
 			a->table->path);
 	if (l->nowhere) {
-		snprintf(g->crs_why, sizeof g->crs_why, "metres from the plot's centre");
+		eco_place_why(g->crs_why, "metres from the plot's centre");
 		return ECO_OK;
 	}
 	if (a->crs) {
@@ -469,7 +470,7 @@ static enum eco_code guess_crs(struct eco_place_look *l)
 	if (most * (l->unit_m < FOOT_M ? l->unit_m : 1) >= PLOT_M)
 		return guess_grid(l);
 	g->unit = l->unit;
-	snprintf(g->crs_why, sizeof g->crs_why, "%s of a %s: from %.6g, %.6g to %.6g, %.6g",
+	eco_place_why(g->crs_why, "%s of a %s: from %.6g, %.6g to %.6g, %.6g",
 		l->unit_m == 1 ? "metres" : l->unit, g->offsets.quadrat_m > 0 ? "quadrat" : "plot",
 		l->xy[0].low, l->xy[1].low, l->xy[0].high, l->xy[1].high);
 	return ECO_OK;
@@ -489,7 +490,7 @@ enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_pl
 	l.nowhere = guess->offsets.polar && !guess->from_geometry && columns->of[ECO_ROLE_X] == ECO_NONE;
 	for (int k = 0; k < 2 && !guess->from_geometry && !l.nowhere; k++) {
 		if (columns->of[k] == ECO_NONE)
-			return eco_place_ask(asked->table, error);
+			return eco_place_ask(&l);
 		l.names[k] = asked->table->columns[columns->of[k]];
 	}
 	if (l.names[0])

@@ -38,8 +38,13 @@ struct eco_place_look {
 	struct eco_error *error;
 };
 
+/* Appends to a reason. */
+void eco_place_why(char why[ECO_WHY_BYTES], const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* ECO_BAD_INPUT, with the table's path before the text. */
+enum eco_code eco_place_fail(const struct eco_place_look *look, const char *format, ...)
+	__attribute__((format(printf, 2, 3)));
 /* ECO_BAD_INPUT: asks for the columns of x and y, which no name tells. */
-enum eco_code eco_place_ask(const struct eco_table *table, struct eco_error *error);
+enum eco_code eco_place_ask(const struct eco_place_look *look);
 /* Whether the terrain lies at a place in degrees, within three of its lengths. */
 bool eco_place_dem_has(const struct eco_place_look *look, const double degrees[2]);
 /* The scene's CRS and origin, and the terrain's CRS, once that of the table is known (place_columns.c). */
