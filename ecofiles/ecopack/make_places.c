@@ -11,7 +11,7 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/ecopack/run.h"
-#include "ecofiles/import/places/flora.h"
+#include "ecofiles/import/places/words.h"
 #include "ecofiles/import/places/size_units.h"
 
 #define SCALE_LEAST (1.0 / 4096)

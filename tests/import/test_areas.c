@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "ecofiles/import/places/areas.h"
-#include "ecofiles/import/places/blue_noise.h"
+#include "ecofiles/import/places/scatter_parts.h"
 #include "ecofiles/base/random.h"
 #include "tests/support/unit_test.h"
 

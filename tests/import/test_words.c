@@ -6,11 +6,10 @@
 #include <string.h>
 
 #include "ecofiles/base/text.h"
-#include "ecofiles/import/places/flora.h"
+#include "ecofiles/import/places/words.h"
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/import/places/size_units.h"
 #include "ecofiles/import/places/table_columns.h"
-#include "ecofiles/import/places/words.h"
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 

@@ -19,11 +19,10 @@
 
 #include "ecofiles/ecopack/map.h"
 #include "ecofiles/ecopack/run.h"
-#include "ecofiles/import/places/flora.h"
+#include "ecofiles/import/places/words.h"
 #include "ecofiles/import/places/place_guess.h"
 #include "ecofiles/import/places/size_units.h"
 #include "ecofiles/import/places/table_columns.h"
-#include "ecofiles/import/places/words.h"
 
 struct start_options {           /* NULL: not given */
 	const char *table, *models, *dem, *image, *image_crs, *folder;

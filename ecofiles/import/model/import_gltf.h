@@ -5,24 +5,12 @@
 #include "ecofiles/import/model/gltf.h"
 #include "ecofiles/import/model/import_model.h"
 
-/* ---- Materials (import_gltf_material.c) ---- */
-
 struct gltf_look {               /* the part of a material that geometry needs */
 	bool used, invisible;
 	bool textured;               /* has a base colour texture: then uv_set and uv matter */
 	uint32_t uv_set;
 	struct { double offset[2], scale[2], sine, cosine; } uv;
 };
-
-/* Reads all materials; malloc'ed. Item `count` stands for primitives without a material. */
-struct gltf_look *gltf_looks_read(const struct eco_gltf *doc, uint32_t count);
-void gltf_look_apply(const struct gltf_look *look, const double from[2], float to[2]);
-
-/* Fills model->materials, and the images of materials used and visible. */
-void gltf_materials_read(struct eco_model *model, struct eco_gltf *doc, const struct gltf_look *looks,
-	uint32_t count, struct eco_notes *notes);
-
-/* ---- Surfaces (import_gltf_surface.c) ---- */
 
 #define GLTF_JOINT_SETS 4             /* of four joints each */
 enum gltf_attribute { GLTF_POSITION, GLTF_TEXCOORD, GLTF_COLOR, GLTF_JOINTS, GLTF_WEIGHTS = GLTF_JOINTS + GLTF_JOINT_SETS,

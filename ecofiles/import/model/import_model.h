@@ -159,21 +159,10 @@ void eco_material_take_picture(struct eco_material *material, struct eco_images 
  * weights of wind there. */
 void eco_model_see_colourless(struct eco_model *model, struct eco_notes *notes);
 
-/* Materials made from vertex colours, appended to the model's, which have room for ECO_TINTS_MAX more. */
+/* Materials may get so many more, made from vertex colours. */
 #define ECO_TINTS_MAX 4096u
-struct eco_tints {
-	struct eco_model *model;
-	uint32_t base, count;        /* the model's own materials; the tints */
-	uint64_t *key;
-	uint32_t *table;             /* open addressing: tint + 1 */
-};
-void eco_tints_start(struct eco_tints *tints, struct eco_model *model);
-/* Material `material` times an sRGB colour, in linear light; itself for white, and beyond the limit. */
-uint32_t eco_tints_get(struct eco_tints *tints, uint32_t material, const uint8_t rgb[3]);
 /* Rounds a colour to eight steps a channel, which is used where vertex colours differ within a mesh. */
 void eco_tint_step(uint8_t rgb[3]);
-
-void eco_tints_end(struct eco_tints *tints);
 
 /* A picture whose triangles show one colour each becomes colours of materials, and is dropped. */
 void eco_model_take_palettes(struct eco_model *model);

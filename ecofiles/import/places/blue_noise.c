@@ -1,4 +1,10 @@
-#include "ecofiles/import/places/blue_noise.h"
+/* Points that are evenly spread for any number of them: a progressive blue-noise set on a square that
+ * repeats without seams.
+ *
+ * The most crowded random candidate is removed until the wanted number is left, and again for each halving of that
+ * number. The reversed order of removal is the order of the set (Yuksel 2015, sample
+ * elimination, with its progressive ordering). */
+#include "ecofiles/import/places/scatter_parts.h"
 
 #include <math.h>
 #include <stdlib.h>

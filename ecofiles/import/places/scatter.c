@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/import/places/blue_noise.h"
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/random.h"
 #include "ecofiles/format/model.h"

@@ -17,9 +17,17 @@ struct eco_scatter_input {       /* the files' content, in metres from the origi
 	char *notes[2 * ECO_ROWS_NOTES_MAX]; uint32_t note_count;
 };
 
-/* Areas and what is to be clear (import_areas.c). */
+/* Areas and what is to be clear (areas.c). */
 enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco_scatter_spec *spec,
 	const struct eco_frame *frame, struct eco_error *error);
 void eco_scatter_input_free(struct eco_scatter_input *input);
+
+/* ---- Places (blue_noise.c) ---- */
+
+#define ECO_BLUE_NOISE_POINTS 4096u
+
+/* x and y in 1/65536 of the square's side; the first n points are evenly spread for any n. The same on
+ * every machine. */
+void eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2]);
 
 #endif

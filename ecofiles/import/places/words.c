@@ -4,7 +4,6 @@
 #include <stdio.h>
 
 #include "build/words/sets.table"
-#include "ecofiles/import/places/flora.h"
 #include "build/words/forms.table"
 #include "build/words/genera.table"
 #include "build/words/species.table"

@@ -23,7 +23,6 @@
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/ground/gdal_module.h"
 #include "ecofiles/import/model/import_file.h"
-#include "ecofiles/import/places/rows/rows_formats.h"
 
 #define LOOKED_AT 64                 /* features looked at to judge the coordinates */
 #define AREA_BYTES_MAX (1u << 28)

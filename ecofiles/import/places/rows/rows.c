@@ -15,7 +15,6 @@
 #include "ecofiles/base/module.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/model/import_file.h"
-#include "ecofiles/import/places/rows/rows_formats.h"
 #include "ecofiles/import/places/inventory_text.h"
 
 #define HEAD_BYTES 65536u

@@ -11,7 +11,6 @@
 
 #include "ecofiles/base/guard.h"
 #include "ecofiles/base/memory.h"
-#include "ecofiles/import/places/rows/rows_formats.h"
 
 #define TEXT_MAX (4u * ECO_ROW_BYTES_MAX)
 #define AREA_MAX (1u << 29)

@@ -13,7 +13,6 @@
 #include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/import/places/inventory_text.h"
-#include "ecofiles/import/places/rows/rows_formats.h"
 
 #define SNIFF_BYTES 65536u
 #define TITLES_MAX 20            /* records before the names */
