@@ -263,13 +263,17 @@ UNIT_TEST(pictures_come_from_anywhere_or_are_missed_aloud)
 	static const uint8_t rgba[] = { 10, 20, 30, 255 };
 	static const float uv[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } },
 		second[3][2] = { { 5, 5 }, { 6, 5 }, { 5, 6 } };
+	static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 	char rest[3000], text[1000] = "";
 	uint8_t *png;
 	size_t size;
 	assert_good(eco_png_encode(&(struct eco_pixels){ 1, 1, 4, rgba }, &png, &size, &cause));
 	input_bytes("gltf_model", "bark one.png", png, size);
-	for (size_t i = 0; i < size; i++)
-		snprintf(text + strlen(text), 4, "%%%02x", png[i]);
+	for (size_t i = 0; i < size; i += 3) {
+		unsigned bits = (unsigned)png[i] << 16 | (i + 1 < size ? png[i + 1] : 0u) << 8 | (i + 2 < size ? png[i + 2] : 0u);
+		for (size_t k = 0; k < 4; k++)
+			text[i / 3 * 4 + k] = k > size - i ? '=' : digits[bits >> (18 - 6 * k) & 63];
+	}
 	gw_square(3);
 	gw_floats(uv[0], 3, "VEC2", 2);
 	gw_floats(second[0], 3, "VEC2", 2);
@@ -287,7 +291,7 @@ UNIT_TEST(pictures_come_from_anywhere_or_are_missed_aloud)
 			"'extensions':{'KHR_texture_transform':{'texCoord':1,'scale':[2,2]}}" : "");
 	snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
 		"],'textures':[{'source':0},{'source':1},{'extensions':{'EXT_texture_webp':{'source':2}}},"
-		"{'source':3},{}],'images':[{'bufferView':3,'mimeType':'image/png'},{'uri':'data:image/png,"
+		"{'source':3},{}],'images':[{'bufferView':3,'mimeType':'image/png'},{'uri':'data:image/png;base64,"
 		"%s'},{'uri':'bark%%20one.png'},{'uri':'none.png'}]", text);
 	free(png);
 	read_good(rest);

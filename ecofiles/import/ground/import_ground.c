@@ -106,15 +106,12 @@ struct eco_guard_limits eco_raster_limits(const char *const *paths, uint32_t cou
 	return limits;
 }
 
-static enum eco_code check_files(const struct eco_ground_source *source, struct eco_error *error)
+static enum eco_code check_files(char *const *paths, uint32_t count, struct eco_error *error)
 {
-	for (uint32_t i = 0; i < source->height_count; i++) {
-		enum eco_code code = eco_raster_file_check(source->heights[i], error);
-		if (code)
-			return code;
-	}
-	return source->height_count > 0 ? ECO_OK
-		: eco_fail(error, ECO_BAD_INPUT, "the ground names no raster");
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < count && !code; i++)
+		code = eco_raster_file_check(paths[i], error);
+	return code;
 }
 
 enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_ground_options *options,
@@ -126,7 +123,9 @@ enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_grou
 	*ground = (struct eco_ground){ .height_m = NULL };
 	if (job.side_max < 2 || job.side_max > ECO_GROUND_SIDE_MAX)
 		job.side_max = ECO_GROUND_SIDE_MAX;
-	enum eco_code code = check_files(options->source, error);
+	if (options->source->height_count == 0)
+		return eco_fail(error, ECO_BAD_INPUT, "the ground names no raster");
+	enum eco_code code = check_files(options->source->heights, options->source->height_count, error);
 	struct eco_guard_limits limits = eco_raster_limits((const char *const *)options->source->heights,
 		options->source->height_count);
 	if (!code)
@@ -163,11 +162,9 @@ static enum eco_code start(struct eco_ground_image_reader *r, const struct eco_g
 {
 	const struct eco_ground_image_source *source = options->source;
 	*r = (struct eco_ground_image_reader){ .job = { .options = options, .only_look = only_look } };
-	for (uint32_t i = 0; i < source->file_count; i++) {
-		enum eco_code code = eco_raster_file_check(source->files[i], error);
-		if (code)
-			return code;
-	}
+	enum eco_code code = check_files(source->files, source->file_count, error);
+	if (code)
+		return code;
 	struct eco_guard_limits limits = eco_raster_limits((const char *const *)source->files,
 		source->file_count);
 	return eco_guard_start(&r->guard, image_work, &r->job, source->files[0], &limits, &r->stream, error);

@@ -3,7 +3,6 @@
  * system's spelling, a GLB named .gltf. Damage is refused: a GLB shorter than its header says was cut off. */
 #include "ecofiles/import/model/gltf.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -98,21 +97,6 @@ static bool decode_base64(const char *text, uint8_t *to, size_t *size)
 	return true;
 }
 
-static size_t decode_percent(const char *text, uint8_t *to)
-{
-	size_t size = 0;
-	for (; *text != 0; text++) {
-		bool escaped =
-			*text == '%' && isxdigit((unsigned char)text[1]) && isxdigit((unsigned char)text[2]);
-		unsigned byte = (uint8_t)*text;
-		if (escaped)
-			sscanf(text + 1, "%2x", &byte);
-		to[size++] = (uint8_t)byte;
-		text += escaped ? 2 : 0;
-	}
-	return size;
-}
-
 enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes, size_t *size,
 	struct eco_error *error)
 {
@@ -125,9 +109,7 @@ enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes,
 	if (!comma)
 		return eco_fail(error, ECO_DAMAGED, "a data URI without a comma");
 	*bytes = eco_alloc(strlen(comma) + 1, 1);
-	if (comma - uri < 7 || strncasecmp(comma - 7, ";base64", 7) != 0) {
-		*size = decode_percent(comma + 1, *bytes);
-	} else if (!decode_base64(comma + 1, *bytes, size)) {
+	if (comma - uri < 7 || strncasecmp(comma - 7, ";base64", 7) != 0 || !decode_base64(comma + 1, *bytes, size)) {
 		free(*bytes);
 		*bytes = NULL;
 		return eco_fail(error, ECO_DAMAGED, "a data URI that is no base64");

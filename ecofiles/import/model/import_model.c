@@ -27,7 +27,6 @@ struct head {                    /* comes first; `model` for its counts, not its
 	struct eco_notes notes;
 	struct eco_model_frame frame;
 	struct eco_model model;
-	bool uv, part;
 };
 
 struct pipe { FILE *file; bool writes; };
@@ -58,30 +57,30 @@ static bool pass_images(const struct pipe *p, struct eco_model *m, uint32_t coun
 	return good;
 }
 
-static bool pass_model(const struct pipe *p, struct eco_model *m, const struct head *head, uint32_t images)
+static bool pass_model(const struct pipe *p, struct eco_model *m, uint32_t images)
 {
 	const size_t vertices = m->vertex_count, triangles = m->triangle_count;
 	return pass(p, &m->position, 3 * vertices, sizeof *m->position)
-		&& (!head->uv || pass(p, &m->uv, 2 * vertices, sizeof *m->uv))
+		&& pass(p, &m->uv, 2 * vertices, sizeof *m->uv)
 		&& pass(p, &m->index, 3 * triangles, sizeof *m->index)
 		&& pass(p, &m->material, triangles, sizeof *m->material)
 		&& pass(p, &m->materials, m->material_count, sizeof *m->materials)
-		&& (!head->part || (pass(p, &m->part, triangles, sizeof *m->part)
-			&& pass(p, &m->parts, m->part_count, sizeof *m->parts)))
+		&& pass(p, &m->part, triangles, sizeof *m->part)
+		&& pass(p, &m->parts, m->part_count, sizeof *m->parts)
 		&& pass_images(p, m, images);
 }
 
 static bool references_fit(struct eco_model *m)
 {
 	for (uint32_t i = 0; i < m->triangle_count; i++)
-		if (m->material[i] >= m->material_count || (m->part && m->part[i] >= m->part_count))
+		if (m->material[i] >= m->material_count || m->part[i] >= m->part_count)
 			return false;
 	for (uint32_t i = 0; i < m->material_count; i++) {
 		if (m->materials[i].image != ECO_NONE && m->materials[i].image >= m->image_count)
 			return false;
 		m->materials[i].name[sizeof m->materials[i].name - 1] = 0;
 	}
-	for (uint32_t i = 0; i < m->part_count && m->parts; i++)
+	for (uint32_t i = 0; i < m->part_count; i++)
 		m->parts[i].name[sizeof m->parts[i].name - 1] = 0;
 	return true;
 }
@@ -114,11 +113,11 @@ static bool get_model(FILE *in, struct head *head, uint32_t triangles_max)
 		counts = *m;
 	*m = (struct eco_model){ .vertex_count = counts.vertex_count, .triangle_count = counts.triangle_count,
 		.material_count = counts.material_count, .triangles_in = counts.triangles_in,
-		.part_count = head->part ? counts.part_count : 0 };
+		.part_count = counts.part_count };
 	memcpy(m->dropped, counts.dropped, sizeof m->dropped);
 	head->notes.text[sizeof head->notes.text - 1] = 0;
 	return whole && counts_fit(&counts, triangles_max) && frame_fits(&head->frame)
-		&& pass_model(&(struct pipe){ in, false }, m, head, counts.image_count) && references_fit(m);
+		&& pass_model(&(struct pipe){ in, false }, m, counts.image_count) && references_fit(m);
 }
 
 /* ---- In the child ---- */
@@ -163,12 +162,9 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 			&head->notes, error);
 	else if (!code)
 		code = read_with_assimp(head, job, error);
-	head->uv = head->model.uv != NULL;
-	head->part = head->model.part != NULL;
 	if (!code &&
 		(fwrite(head, sizeof *head, 1, out) != 1 ||
-			!pass_model(&(struct pipe){ out, true }, &head->model, head,
-				head->model.image_count)))
+			!pass_model(&(struct pipe){ out, true }, &head->model, head->model.image_count)))
 		code = eco_fail(error, ECO_IO, "%.300s: the model could not be handed over: %s", job->path,
 			strerror(errno));
 	eco_model_free(&head->model);
@@ -199,7 +195,7 @@ static struct sums add_up(const struct eco_model_piece *pieces, uint32_t count)
 		s.triangles_in += m->triangles_in;
 		s.materials += m->material_count;
 		s.images += m->image_count;
-		s.parts += m->part ? m->part_count : 1;
+		s.parts += m->part_count;
 	}
 	return s;
 }
@@ -217,20 +213,14 @@ static void take_memory(struct eco_model *m, const struct sums *s)
 /* Corrects a coordinate that was turned to Z up as if `from` pointed up, when `to` does. Neither is FOUND. */
 static void turn_point(enum eco_up from, enum eco_up to, double p[3])
 {
-	const double was[3] = { p[0], p[1], p[2] };
-	double file[3] = { was[0], was[1], was[2] };
-	if (from == to)
-		return;
-	if (from == ECO_UP_Y)
-		memcpy(file, (double[]){ was[0], was[2], -was[1] }, sizeof file);
-	else if (from == ECO_UP_X)
-		memcpy(file, (double[]){ was[2], was[0], was[1] }, sizeof file);
-	if (to == ECO_UP_Y)
-		memcpy(p, (double[]){ file[0], -file[2], file[1] }, sizeof file);
-	else if (to == ECO_UP_X)
-		memcpy(p, (double[]){ file[1], file[2], file[0] }, sizeof file);
-	else
-		memcpy(p, file, sizeof file);
+	/* the file's axes as ours, and their signs, where Y, Z or X is up */
+	static const struct { int axis[3], sign[3]; } ours[] = { [ECO_UP_Y] = { { 0, 2, 1 }, { 1, -1, 1 } },
+		[ECO_UP_Z] = { { 0, 1, 2 }, { 1, 1, 1 } }, [ECO_UP_X] = { { 1, 2, 0 }, { 1, 1, 1 } } };
+	double file[3];
+	for (int k = 0; k < 3 && from != to; k++)
+		file[ours[from].axis[k]] = ours[from].sign[k] * p[k];
+	for (int k = 0; k < 3 && from != to; k++)
+		p[k] = ours[to].sign[k] * file[ours[to].axis[k]];
 }
 
 /* The up axis that a frame's coordinates assume; coordinates left as in the file are Z up. */
@@ -271,11 +261,9 @@ static void append_parts(struct eco_model *m, const struct eco_model_piece *piec
 {
 	const struct eco_model *from = &piece->model;
 	for (uint32_t i = 0; i < from->triangle_count; i++)
-		m->part[m->triangle_count + i] = m->part_count + (from->part ? from->part[i] : 0);
-	for (uint32_t i = 0; i < from->part_count && from->part; i++)
+		m->part[m->triangle_count + i] = m->part_count + from->part[i];
+	for (uint32_t i = 0; i < from->part_count; i++)
 		name_part(&m->parts[m->part_count++], piece->path, from->parts[i].name, several);
-	if (!from->part)
-		name_part(&m->parts[m->part_count++], piece->path, "", several);
 }
 
 /* Appends a piece, and takes its images. Positions are relative to `frame`'s base, in its unit. */
@@ -289,9 +277,7 @@ static void append(struct eco_model *m, const struct eco_model_frame *frame, str
 			m->position[((size_t)m->vertex_count + i) * 3 + k] =
 				(float)((from->position[(size_t)i * 3 + k] + piece->frame.base[k]) * scale
 				- frame->base[k]);
-	if (from->uv)
-		memcpy(&m->uv[(size_t)m->vertex_count * 2], from->uv,
-			(size_t)from->vertex_count * 2 * sizeof *m->uv);
+	memcpy(&m->uv[(size_t)m->vertex_count * 2], from->uv, (size_t)from->vertex_count * 2 * sizeof *m->uv);
 	for (size_t i = 0; i < (size_t)from->triangle_count * 3; i++)
 		m->index[(size_t)m->triangle_count * 3 + i] = from->index[i] < from->vertex_count
 			? from->index[i] + m->vertex_count : ECO_NONE;
@@ -443,12 +429,9 @@ static void note_colourless(const struct eco_model *model, struct eco_notes *not
 /* Notes a model that is wider than any crown. */
 static void note_size(const struct eco_model *model, const char *path, struct eco_notes *notes)
 {
-	struct eco_bounds box = ECO_NO_BOUNDS;
-	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
-		const float *p = model->position + 3 * (size_t)model->index[i];
-		eco_bounds_add(&box, (const double[3]){ (double)p[0], (double)p[1], (double)p[2] });
-	}
-	const double size[3] = { box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2] };
+	double size[3];
+	for (int k = 0; k < 3; k++)
+		size[k] = model->source.size[k] * model->scale;
 	if (fmax(size[0], size[1]) > WIDE_M)
 		eco_note(notes,
 			"%.200s is %.4g x %.4g m wide and %.3g m high, as a whole scene is: each place "

@@ -19,25 +19,25 @@ enum eco_code eco_crs_look(const char *crs, const double xy[2], struct eco_crs_f
 	return !proj ? ECO_NOT_FOUND : proj->crs_look(crs, xy, facts, error);
 }
 
-#define NULL_ISLAND_DEG \
-	0.01 /* degrees taken for metres lie so near to the origin of a map of the whole Earth */
+#define NULL_ISLAND_DEG 0.01     /* degrees taken for metres lie so near to the origin of a map of the whole Earth */
 
-bool eco_crs_may_be_degrees(const double xy[2])
+/* Whether numbers are small enough for longitude and latitude, in either order. */
+static bool may_be_degrees(const double xy[2])
 {
 	return fmin(fabs(xy[0]), fabs(xy[1])) <= 90 && fmax(fabs(xy[0]), fabs(xy[1])) <= 180;
 }
 
-enum eco_crs_fit eco_crs_fit(const char *crs, const double xy[2], const struct eco_crs_facts *facts)
+/* Whether a place can be meant in a CRS; `xy` and `facts` as in eco_crs_look, which went well. */
+static enum eco_crs_fit fit_of(const char *crs, const double xy[2], const struct eco_crs_facts *facts)
 {
 	const double turned[2] = { xy[1], xy[0] };
 	struct eco_crs_facts other;
 	bool nowhere = fabs(facts->degrees[0]) < NULL_ISLAND_DEG && fabs(facts->degrees[1]) < NULL_ISLAND_DEG;
-	if (!facts->geographic && eco_crs_may_be_degrees(xy) && (!facts->inside || nowhere))
+	if (!facts->geographic && may_be_degrees(xy) && (!facts->inside || nowhere))
 		return ECO_CRS_DEGREES;
 	if (facts->inside)
 		return ECO_CRS_FITS;
-	return eco_crs_look(crs, turned, &other, NULL) == ECO_OK && other.inside ? ECO_CRS_SWAPPED
-										 : ECO_CRS_OUTSIDE;
+	return eco_crs_look(crs, turned, &other, NULL) == ECO_OK && other.inside ? ECO_CRS_SWAPPED : ECO_CRS_OUTSIDE;
 }
 
 bool eco_crs_area_has(const double area[4], const double degrees[2])
@@ -184,12 +184,12 @@ enum eco_code eco_crs_refuse_degrees(const struct eco_crs_span *span, const char
 	if (!span->any || (crs && eco_crs_look(crs, span->first, &facts, NULL) != ECO_OK))
 		return ECO_OK;
 	if (crs) {
-		*fit = eco_crs_fit(crs, span->first, &facts);
+		*fit = fit_of(crs, span->first, &facts);
 		if (!isnan(facts.area[0]))
 			eco_crs_area_text(facts.area, area);
 	}
-	if (facts.geographic || !span->has_decimals || !eco_crs_may_be_degrees(span->low) ||
-		!eco_crs_may_be_degrees(span->high) || !(*fit == ECO_CRS_DEGREES || heap))
+	if (facts.geographic || !span->has_decimals || !may_be_degrees(span->low) ||
+		!may_be_degrees(span->high) || !(*fit == ECO_CRS_DEGREES || heap))
 		return ECO_OK;
 	char *name = crs ? eco_crs_short_name(crs) : NULL;
 	eco_crs_utm(span->first, zone);

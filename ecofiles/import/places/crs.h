@@ -33,10 +33,6 @@ enum eco_crs_fit {
 	ECO_CRS_SWAPPED,             /* outside, and within once x and y change places */
 	ECO_CRS_DEGREES              /* degrees where the CRS has metres or feet: no place of plants */
 };
-/* Whether a place can be meant in a CRS; `xy` and `facts` as in eco_crs_look, which went well. */
-enum eco_crs_fit eco_crs_fit(const char *crs, const double xy[2], const struct eco_crs_facts *facts);
-/* Whether numbers are small enough for longitude and latitude, in either order. */
-bool eco_crs_may_be_degrees(const double xy[2]);
 /* Plants of an inventory do not stand within so many metres: those are degrees. */
 #define ECO_HEAP_M 1.0
 /* Whether a place in degrees lies in an area of use; false if that is not stated. */

@@ -160,73 +160,47 @@ enum eco_code proj_crs_look(const char *text, const double xy[2], struct eco_crs
 
 /* ---- Where on Earth ---- */
 
-/* The bearing, seen from `at`, of a place a little further up the map: degrees clockwise from north. */
-static double bearing_up(PJ_CONTEXT *context, PJ *conversion, const double xy[2], PJ_COORD at)
-{
-	PJ *earth = proj_create(context, "EPSG:4326");
-	PJ_COORD up = proj_trans(conversion, PJ_FWD, proj_coord(xy[0], xy[1] + 10, 0, HUGE_VAL));
-	PJ_COORD from = proj_coord(proj_torad(at.xy.x), proj_torad(at.xy.y), 0, 0),
-		to = proj_coord(proj_torad(up.xy.x), proj_torad(up.xy.y), 0, 0);
-	double bearing = earth ? proj_geod(earth, from, to).lpzt.z : NAN;
-	proj_destroy(earth);
-	return bearing;
-}
-
-static double rounded(double degrees) { return round(degrees * 1e7) / 1e7; }
-
-static bool place_of(PJ_CONTEXT *context, const PJ *crs, const double xy[2], struct eco_crs_place *place)
-{
-	PJ *conversion = proj_to_degrees(context, crs, proj_create(context, "EPSG:4326"));
-	if (!conversion)
-		return false;
-	PJ_COORD at = proj_trans(conversion, PJ_FWD, proj_coord(xy[0], xy[1], 0, HUGE_VAL));
-	*place = (struct eco_crs_place){ rounded(at.xy.x), rounded(at.xy.y),
-		rounded(bearing_up(context, conversion, xy, at)) };
-	proj_destroy(conversion);
-	return isfinite(place->longitude_deg) && isfinite(place->latitude_deg)
-		&& isfinite(place->convergence_deg);
-}
-
-enum eco_code proj_crs_place(const char *text, const double xy[2], struct eco_crs_place *place,
-	struct eco_error *error)
-{
-	struct opened o;
-	enum eco_code code = open_crs(&o, text, error);
-	if (code)
-		return code;
-	if (!place_of(o.context, o.crs, xy, place))
-		code = eco_fail(error, ECO_BAD_INPUT, "the place %.3f, %.3f of the CRS \"%.100s\" is not known", xy[0], xy[1],
-			text);
-	close_crs(&o);
-	return code;
-}
-
-static bool degrees_of_all(PJ_CONTEXT *context, const PJ *crs, double (*places)[2], size_t count)
-{
-	PJ *conversion = proj_to_degrees(context, crs, proj_create(context, "EPSG:4326"));
-	bool good = conversion;
-	for (size_t i = 0; i < count && good; i++) {
-		PJ_COORD at = proj_trans(conversion, PJ_FWD, proj_coord(places[i][0], places[i][1], 0,
-			HUGE_VAL));
-		good = isfinite(at.xy.x) && isfinite(at.xy.y);
-		places[i][0] = at.xy.x;
-		places[i][1] = at.xy.y;
-	}
-	proj_destroy(conversion);
-	return good;
-}
-
 enum eco_code proj_crs_degrees(const char *text, double (*places)[2], size_t count, struct eco_error *error)
 {
 	struct opened o;
 	enum eco_code code = open_crs(&o, text, error);
 	if (code)
 		return code;
-	if (!degrees_of_all(o.context, o.crs, places, count))
+	PJ *conversion = proj_to_degrees(o.context, o.crs, proj_create(o.context, "EPSG:4326"));
+	bool good = conversion;
+	for (size_t i = 0; i < count && good; i++) {
+		PJ_COORD at = proj_trans(conversion, PJ_FWD, proj_coord(places[i][0], places[i][1], 0, HUGE_VAL));
+		good = isfinite(at.xy.x) && isfinite(at.xy.y);
+		places[i][0] = at.xy.x;
+		places[i][1] = at.xy.y;
+	}
+	if (!good)
 		code = eco_fail(error, ECO_BAD_INPUT, "longitude and latitude of places of the CRS \"%.100s\" are not known",
 			text);
+	proj_destroy(conversion);
 	close_crs(&o);
 	return code;
+}
+
+static double rounded(double degrees) { return round(degrees * 1e7) / 1e7; }
+
+/* The convergence is the bearing, clockwise from north, of a place a little further up the map. */
+enum eco_code proj_crs_place(const char *text, const double xy[2], struct eco_crs_place *place,
+	struct eco_error *error)
+{
+	double at[2][2] = { { xy[0], xy[1] }, { xy[0], xy[1] + 10 } };
+	struct opened earth;
+	enum eco_code code = proj_crs_degrees(text, at, 2, error);
+	if (!code)
+		code = open_crs(&earth, "EPSG:4326", error);
+	if (code)
+		return code;
+	double bearing = proj_geod(earth.crs, proj_coord(proj_torad(at[0][0]), proj_torad(at[0][1]), 0, 0),
+		proj_coord(proj_torad(at[1][0]), proj_torad(at[1][1]), 0, 0)).lpzt.z;
+	close_crs(&earth);
+	*place = (struct eco_crs_place){ rounded(at[0][0]), rounded(at[0][1]), rounded(bearing) };
+	return isfinite(bearing) ? ECO_OK : eco_fail(error, ECO_BAD_INPUT,
+		"north at %.3f, %.3f of the CRS \"%.100s\" is not known", xy[0], xy[1], text);
 }
 
 /* ---- All ---- */

@@ -3,7 +3,6 @@
 #include "ecofiles/import/places/table_columns.h"
 
 #include <ctype.h>
-#include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -493,31 +492,26 @@ void eco_table_free(struct eco_table *table)
 struct reader {
 	struct eco_table_values *values;
 	uint32_t capacity;
-	json_t *index;               /* text -> index in values */
+	struct eco_string_pool texts;
 };
-
-static void add(struct reader *r, const char *text, uint64_t line)
-{
-	const json_t *known = json_object_get(r->index, text);
-	struct eco_table_values *v = r->values;
-	if (known) {
-		v->items[json_integer_value(known)].rows++;
-	} else if (v->count < ECO_TABLE_VALUES_MAX && json_object_set_new(r->index, text, json_integer(v->count)) == 0) {
-		eco_grow(&v->items, &r->capacity, v->count, sizeof *v->items);
-		v->items[v->count++] = (struct eco_table_value){ .text = eco_copy_text(text), .rows = 1,
-			.first_line = line };
-	}
-}
 
 static void add_field(struct reader *r, const char *field, uint64_t line)
 {
+	struct eco_table_values *v = r->values;
 	while (isspace((unsigned char)*field))
 		field++;
 	size_t length = strlen(field);
 	while (length > 0 && isspace((unsigned char)field[length - 1]))
 		length--;
 	char *text = eco_copy_part(field, length);
-	add(r, text, line);
+	if (r->texts.count < ECO_TABLE_VALUES_MAX) {
+		uint32_t number = eco_string_number(&r->texts, text);
+		if (number == v->count) {
+			eco_grow(&v->items, &r->capacity, v->count, sizeof *v->items);
+			v->items[v->count++] = (struct eco_table_value){ .text = eco_copy_text(text), .first_line = line };
+		}
+		v->items[number].rows++;
+	}
 	free(text);
 }
 
@@ -552,13 +546,13 @@ enum eco_code eco_table_values_read(struct eco_table_values *values, const struc
 	wanted.wanted = &column;
 	wanted.wanted_count = 1;
 	enum eco_code code = eco_rows_open(&rows, &wanted, error);
-	struct reader r = { .values = values, .index = json_object() };
+	struct reader r = { .values = values };
 	if (!code)
 		code = eco_rows_find_column(rows, source->path, column, &at, error);
 	if (!code)
 		code = read_values(&r, rows, at, error);
 	eco_rows_close(rows);
-	json_decref(r.index);
+	eco_string_pool_free(&r.texts);
 	if (code)
 		eco_table_values_free(values);
 	else

@@ -39,8 +39,7 @@ struct ogr_rows {
 	char *path;
 	char broken[200]; /* the first error by which GDAL says that the file does not hold together */
 	uint8_t *wkb; size_t wkb_capacity;
-	char *text; size_t text_capacity;        /* the row's fields that are not texts */
-	bool copied[ECO_COLUMNS_MAX];
+	char *copies[ECO_COLUMNS_MAX];   /* of the row's fields that are not texts */
 	struct eco_rows_point text_point;        /* of a table without geometry; read is NULL if it has none */
 };
 
@@ -258,22 +257,6 @@ static void look_at_some(struct ogr_rows *r)
 
 /* ---- Columns ---- */
 
-/* Fields that are not needed are not even read. */
-static void ignore_fields(struct ogr_rows *r, const struct eco_rows_source *source)
-{
-	char **ignored = NULL;
-	for (uint32_t i = 0; source->wanted && i < r->rows.column_count; i++) {
-		bool wanted = r->text_point.read && i == r->text_point.column;
-		for (uint32_t k = 0; k < source->wanted_count; k++)
-			wanted |= strcmp(source->wanted[k], r->rows.columns[i]) == 0;
-		if (!wanted)
-			ignored = CSLAddString(ignored, r->rows.columns[i]);
-	}
-	if (ignored && OGR_L_TestCapability(r->layer, OLCIgnoreFields))
-		OGR_L_SetIgnoredFields(r->layer, (const char **)ignored);
-	CSLDestroy(ignored);
-}
-
 static enum eco_code take_columns(struct ogr_rows *r, struct eco_error *error)
 {
 	OGRFeatureDefnH definition = OGR_L_GetLayerDefn(r->layer);
@@ -386,32 +369,17 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 	return ECO_OK;
 }
 
-/* OGR formats every number into one buffer, which the next one overwrites: so numbers are copied, one
- * behind the other. */
+/* OGR formats every number into one buffer, which the next one overwrites: so numbers are copied. */
 static void take_fields(struct ogr_rows *r)
 {
-	size_t used = 0;
 	for (int i = 0; i < (int)r->rows.column_count; i++) {
-		OGRFieldDefnH field = OGR_F_GetFieldDefnRef(r->feature, i);
-		const char *text = OGR_F_IsFieldSetAndNotNull(r->feature, i) ? OGR_F_GetFieldAsString(r->feature, i) : "";
-		size_t size = strlen(text) + 1;
-		r->rows.fields[i] = text;
-		r->copied[i] = *text != 0 && OGR_Fld_GetType(field) != OFTString;
-		if (!r->copied[i])
-			continue;
-		if (size > r->text_capacity - used) {
-			r->text_capacity = 2 * (used + size);
-			r->text = eco_realloc(r->text, r->text_capacity, 1);
-		}
-		memcpy(r->text + used, text, size);
-		used += size;
+		bool there = OGR_F_IsFieldSetAndNotNull(r->feature, i);
+		const char *text = there ? OGR_F_GetFieldAsString(r->feature, i) : "";
+		free(r->copies[i]);
+		r->copies[i] = there && OGR_Fld_GetType(OGR_F_GetFieldDefnRef(r->feature, i)) != OFTString
+			? eco_copy_text(text) : NULL;
+		r->rows.fields[i] = r->copies[i] ? r->copies[i] : text;
 	}
-	used = 0;
-	for (uint32_t i = 0; i < r->rows.column_count; i++)
-		if (r->copied[i]) {
-			r->rows.fields[i] = r->text + used;
-			used += strlen(r->text + used) + 1;
-		}
 	r->rows.field_count = r->rows.column_count;
 }
 
@@ -472,9 +440,10 @@ static void close_ogr(struct eco_rows *rows)
 	if (r->data)
 		GDALClose(r->data);
 	CPLPopErrorHandler();
+	for (uint32_t i = 0; i < rows->column_count; i++)
+		free(r->copies[i]);
 	eco_rows_free_texts(rows);
 	free(r->wkb);
-	free(r->text);
 	free(r->path);
 	free(r);
 }
@@ -562,7 +531,6 @@ enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_sourc
 		code = take_columns(r, error);
 	if (!code) {
 		find_points(r);
-		ignore_fields(r, source);
 		look_at_some(r);
 		*rows = &r->rows;
 	} else {
