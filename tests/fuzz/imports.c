@@ -332,7 +332,7 @@ static void read_texts(const uint8_t *data, size_t size)
 	text[size] = 0;
 	eco_text_fold(text, folded, sizeof folded);
 	assert(eco_text_fold(folded, again, sizeof again) <= strlen(folded));
-	assert(eco_text_fits(folded, "*") && eco_text_fits("", folded)
+	assert(eco_text_fits(folded, "*", 0) && eco_text_fits("", folded, 0)
 		== (strspn(folded, "*") == strlen(folded)));
 	eco_text_is_missing(text);
 	for (int comma = 0; comma < 2; comma++) {

@@ -231,3 +231,93 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 			code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: %s", path, others[i].says);
 	return code;
 }
+
+/* ---- Texts ---- */
+
+size_t eco_text_space(const char *text)
+{
+	const unsigned char *t = (const unsigned char *)text;
+	if (t[0] == ' ' || (t[0] >= '\t' && t[0] <= '\r'))
+		return 1;
+	if (t[0] == 0xc2 && t[1] == 0xa0)
+		return 2;
+	if (t[0] == 0xe2 && t[1] == 0x80 && ((t[2] >= 0x80 && t[2] <= 0x8a) || t[2] == 0xaf))
+		return 3;
+	return 0;
+}
+
+const char *eco_text_skip_spaces(const char *text)
+{
+	size_t bytes;
+	while ((bytes = eco_text_space(text)) > 0)
+		text += bytes;
+	return text;
+}
+
+/* The small letter of a code point with two UTF-8 bytes, in blocks whose capitals lie at a fixed distance
+ * or at even numbers. */
+static unsigned small_letter(unsigned c)
+{
+	if ((c >= 0xc0 && c <= 0xde && c != 0xd7) || (c >= 0x391 && c <= 0x3a9) || (c >= 0x410 && c <= 0x42f))
+		return c + 0x20;
+	if (c >= 0x400 && c <= 0x40f)
+		return c + 0x50;
+	if ((c >= 0x100 && c <= 0x137 && c != 0x130) || (c >= 0x14a && c <= 0x177))
+		return c | 1;
+	if ((c >= 0x139 && c <= 0x148) || (c >= 0x179 && c <= 0x17e))
+		return c + (c & 1);
+	return c == 0x178 ? 0xff : c;
+}
+
+size_t eco_text_fold(const char *text, char *folded, size_t size)
+{
+	size_t used = 0;
+	bool gap = false;
+	for (text = eco_text_skip_spaces(text); *text != 0 && used + 1 < size;) {
+		size_t space = eco_text_space(text);
+		unsigned char c = (unsigned char)*text, next = (unsigned char)text[1];
+		if (space > 0) {
+			gap = true;
+			text += space;
+			continue;
+		}
+		if (gap && used + 2 < size)
+			folded[used++] = ' ';
+		gap = false;
+		if (c >= 0xc3 && c <= 0xdf && (next & 0xc0) == 0x80) {
+			unsigned letter = small_letter((c & 0x1fu) << 6 | (next & 0x3fu));
+			if (used + 2 >= size)
+				break;
+			folded[used++] = (char)(0xc0 | letter >> 6);
+			folded[used++] = (char)(0x80 | (letter & 0x3f));
+			text += 2;
+			continue;
+		}
+		folded[used++] = (char)(c >= 'A' && c <= 'Z' ? c + 32 : c);
+		text++;
+	}
+	folded[used] = 0;
+	return used;
+}
+
+bool eco_text_fits(const char *text, const char *pattern, char one)
+{
+	const char *star = NULL, *from = NULL;
+	while (*text != 0) {
+		if (*pattern == '*') {
+			star = pattern++;
+			from = text;
+		} else if (*pattern != 0 && (*pattern == *text || *pattern == one)) {
+			size_t bytes = *pattern++ == one ? eco_utf8_bytes(text, strlen(text)) : 1;
+			text += bytes > 0 ? bytes : 1;
+		} else if (star) {
+			pattern = star + 1;
+			text = ++from;
+		} else {
+			return false;
+		}
+	}
+	while (*pattern == '*')
+		pattern++;
+	return *pattern == 0;
+}

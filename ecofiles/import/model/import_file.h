@@ -26,4 +26,17 @@ bool eco_file_head_has(const char *path, size_t bytes, const char *word);
 
 bool eco_path_ends_with(const char *path, const char *extension);
 
+/* ---- Texts in them ---- */
+
+/* Bytes of the space at the start of a text, 0 if there is none: ASCII, no-break (U+00A0), and thin spaces
+ * (U+2000 to U+200A, U+202F). */
+size_t eco_text_space(const char *text);
+const char *eco_text_skip_spaces(const char *text);
+/* For comparing: trims, makes runs of spaces one, and lowers case (Latin, Greek, Cyrillic). Writes at most
+ * `size` bytes with the ending 0, cut if needed, and returns the length. */
+size_t eco_text_fold(const char *text, char *folded, size_t size);
+/* Whether a folded text fits a folded pattern, in which "*" is any text, also the empty one, and `one`, unless it is
+ * 0, any character. Time: at worst the product of the lengths. */
+bool eco_text_fits(const char *text, const char *pattern, char one);
+
 #endif

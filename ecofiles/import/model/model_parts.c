@@ -15,6 +15,7 @@
 #include "ecofiles/base/union.h"
 
 #define COORDINATE_MAX 1e9f
+#define NAME_BYTES 512u              /* of patterns and names, folded; longer ones are cut */
 
 /* ---- Places ---- */
 
@@ -193,56 +194,15 @@ void eco_components_free(struct eco_components *c)
 
 /* ---- Names ---- */
 
-/* The next character in lower case (Latin, Greek, Cyrillic), 0 at `end`; bytes that are not UTF-8 are
- * returned as they are. */
-static uint32_t next_letter(const char **at, const char *end)
-{
-	size_t bytes = eco_utf8_bytes(*at, (size_t)(end - *at));
-	if (*at >= end)
-		return 0;
-	uint32_t c = bytes > 0 ? eco_utf8_code(*at, bytes) : (unsigned char)**at;
-	*at += bytes > 0 ? bytes : 1;
-	if ((c >= 'A' && c <= 'Z') || (c >= 0xc0 && c <= 0xde && c != 0xd7) || (c >= 0x391 && c <= 0x3a9)
-			|| (c >= 0x410 && c <= 0x42f))
-		return c + 32;
-	return c >= 0x400 && c <= 0x40f ? c + 80 : c >= 0x100 && c < 0x180 ? c | 1 : c;
-}
-
-static bool fits(const char *pattern, const char *pattern_end, const char *name, const char *name_end)
-{
-	const char *star = NULL, *retry = NULL;
-	for (;;) {
-		const char *p = pattern, *n = name;
-		uint32_t wanted = next_letter(&p, pattern_end), have = next_letter(&n, name_end);
-		if (wanted == '*') {
-			star = pattern = p;
-			retry = name;
-		} else if (wanted == have || (wanted == '?' && have != 0)) {
-			if (have == 0)
-				return true;
-			pattern = p;
-			name = n;
-		} else if (star && retry < name_end) {
-			next_letter(&retry, name_end);
-			pattern = star;
-			name = retry;
-		} else {
-			return false;
-		}
-	}
-}
-
 bool eco_part_name_fits(const char *pattern, const char *name)
 {
-	const char *pattern_end = pattern + strlen(pattern), *end = name + strlen(name);
-	if (fits(pattern, pattern_end, name, end))
-		return true;
-	for (const char *from = name, *to; strchr(name, '/') && from <= end; from = to + 1) {
-		to = strchrnul(from, '/');
-		if (fits(pattern, pattern_end, from, to))
-			return true;
-	}
-	return false;
+	char wanted[NAME_BYTES], whole[NAME_BYTES], *rest = whole;
+	eco_text_fold(pattern, wanted, sizeof wanted);
+	eco_text_fold(name, whole, sizeof whole);
+	bool fits = eco_text_fits(whole, wanted, '?');
+	for (const char *part; !fits && (part = strsep(&rest, "/"));)
+		fits = eco_text_fits(part, wanted, '?');
+	return fits;
 }
 
 static bool begins_word(const char *name, const char *at)

@@ -13,35 +13,13 @@
 
 #define NUMBER_BYTES 64u
 
-/* Bytes of the space at the start of a text, 0 if there is none: ASCII, no-break (U+00A0), and thin spaces
- * (U+2000 to U+200A, U+202F). */
-static size_t space_bytes(const char *text)
-{
-	const unsigned char *t = (const unsigned char *)text;
-	if (t[0] == ' ' || (t[0] >= '\t' && t[0] <= '\r'))
-		return 1;
-	if (t[0] == 0xc2 && t[1] == 0xa0)
-		return 2;
-	if (t[0] == 0xe2 && t[1] == 0x80 && ((t[2] >= 0x80 && t[2] <= 0x8a) || t[2] == 0xaf))
-		return 3;
-	return 0;
-}
-
-static const char *skip_spaces(const char *text)
-{
-	size_t bytes;
-	while ((bytes = space_bytes(text)) > 0)
-		text += bytes;
-	return text;
-}
-
 static bool is_small(char c) { return c >= 'a' && c <= 'z'; }
 
 /* Goes past the first phrase of that kind (words/sizes.tsv) that *text begins with; a word of letters must end
  * there. Returns its metres; -1: none. */
 static double take_phrase(const char **text, const char *kind)
 {
-	const char *from = skip_spaces(*text);
+	const char *from = eco_text_skip_spaces(*text);
 	for (size_t i = 0; i < sizeof sizes_rows / sizeof *sizes_rows; i++)
 		for (const char *at = sizes_rows[i].phrases; strcmp(sizes_rows[i].kind, kind) == 0 && *at != 0;) {
 			size_t length = strcspn(at, "|");
@@ -63,82 +41,12 @@ bool eco_text_is_missing(const char *text)
 	return *folded == 0 || (take_phrase(&at, "nothing") >= 0 && *at == 0);
 }
 
-/* ---- Comparing ---- */
-
-/* The small letter of a code point with two UTF-8 bytes, in blocks whose capitals lie at a fixed distance
- * or at even numbers. */
-static unsigned small_letter(unsigned c)
-{
-	if ((c >= 0xc0 && c <= 0xde && c != 0xd7) || (c >= 0x391 && c <= 0x3a9) || (c >= 0x410 && c <= 0x42f))
-		return c + 0x20;
-	if (c >= 0x400 && c <= 0x40f)
-		return c + 0x50;
-	if ((c >= 0x100 && c <= 0x137 && c != 0x130) || (c >= 0x14a && c <= 0x177))
-		return c | 1;
-	if ((c >= 0x139 && c <= 0x148) || (c >= 0x179 && c <= 0x17e))
-		return c + (c & 1);
-	return c == 0x178 ? 0xff : c;
-}
-
-size_t eco_text_fold(const char *text, char *folded, size_t size)
-{
-	size_t used = 0;
-	bool gap = false;
-	for (text = skip_spaces(text); *text != 0 && used + 1 < size;) {
-		size_t space = space_bytes(text);
-		unsigned char c = (unsigned char)*text, next = (unsigned char)text[1];
-		if (space > 0) {
-			gap = true;
-			text += space;
-			continue;
-		}
-		if (gap && used + 2 < size)
-			folded[used++] = ' ';
-		gap = false;
-		if (c >= 0xc3 && c <= 0xdf && (next & 0xc0) == 0x80) {
-			unsigned letter = small_letter((c & 0x1fu) << 6 | (next & 0x3fu));
-			if (used + 2 >= size)
-				break;
-			folded[used++] = (char)(0xc0 | letter >> 6);
-			folded[used++] = (char)(0x80 | (letter & 0x3f));
-			text += 2;
-			continue;
-		}
-		folded[used++] = (char)(c >= 'A' && c <= 'Z' ? c + 32 : c);
-		text++;
-	}
-	folded[used] = 0;
-	return used;
-}
-
-bool eco_text_fits(const char *text, const char *pattern)
-{
-	const char *star = NULL, *from = NULL;
-	while (*text != 0) {
-		if (*pattern == '*') {
-			star = pattern++;
-			from = text;
-		} else if (*pattern == *text) {
-			pattern++;
-			text++;
-		} else if (star) {
-			pattern = star + 1;
-			text = ++from;
-		} else {
-			return false;
-		}
-	}
-	while (*pattern == '*')
-		pattern++;
-	return *pattern == 0;
-}
-
 /* ---- Numbers ---- */
 
 /* Bytes of the space or apostrophe before three digits at the start of a text; 0: none. */
 static size_t gap_bytes(const char *text)
 {
-	size_t bytes = *text == '\'' ? 1 : strncmp(text, "\u2019", 3) == 0 ? 3 : space_bytes(text);
+	size_t bytes = *text == '\'' ? 1 : strncmp(text, "\u2019", 3) == 0 ? 3 : eco_text_space(text);
 	return bytes > 0 && strspn(text + bytes, "0123456789") == 3 ? bytes : 0;
 }
 
@@ -219,7 +127,7 @@ static bool take_mark(const char **text, const char *const *marks, size_t count)
 {
 	for (size_t i = 0; i < count; i++)
 		if (strncmp(*text, marks[i], strlen(marks[i])) == 0) {
-			*text = skip_spaces(*text + strlen(marks[i]));
+			*text = eco_text_skip_spaces(*text + strlen(marks[i]));
 			return true;
 		}
 	return false;
@@ -230,7 +138,7 @@ static int take_hemisphere(const char **text)
 {
 	static const char letters[] = "NESW";
 	const char *letter = **text ? strchr(letters, toupper((unsigned char)**text)) : NULL;
-	*text = letter ? skip_spaces(*text + 1) : *text;
+	*text = letter ? eco_text_skip_spaces(*text + 1) : *text;
 	return !letter ? 0 : letter - letters < 2 ? 1 : -1;
 }
 
@@ -241,11 +149,11 @@ static bool add_sixtieths(const char *text, char decimal, int sign, double *numb
 		"\u2033", "\u201d" };
 	double parts[2] = { 0, 0 };
 	size_t bytes = number_at(text, decimal, &parts[0]);
-	const char *rest = skip_spaces(text + bytes);
+	const char *rest = eco_text_skip_spaces(text + bytes);
 	if (bytes > 0 && (!take_mark(&rest, minute, 3) || !(parts[0] >= 0 && parts[0] < 60)))
 		return false;
 	bytes = bytes > 0 ? number_at(rest, decimal, &parts[1]) : 0;
-	rest = skip_spaces(rest + bytes);
+	rest = eco_text_skip_spaces(rest + bytes);
 	if (bytes > 0 && (!take_mark(&rest, second, 4) || !(parts[1] >= 0 && parts[1] < 60)))
 		return false;
 	int letter = take_hemisphere(&rest);
@@ -258,10 +166,10 @@ static bool add_sixtieths(const char *text, char decimal, int sign, double *numb
 bool eco_text_number(const char *text, char decimal, double *number)
 {
 	static const char *const degree[] = { "\u00b0", "\u00ba" };
-	text = skip_spaces(text);
+	text = eco_text_skip_spaces(text);
 	int sign = take_hemisphere(&text);
 	size_t bytes = number_at(text, decimal, number);
-	const char *rest = skip_spaces(text + bytes);
+	const char *rest = eco_text_skip_spaces(text + bytes);
 	if (bytes > 0 && take_mark(&rest, degree, 2))
 		return add_sixtieths(rest, decimal, sign, number);
 	return bytes > 0 && !sign && *rest == 0;
@@ -301,13 +209,13 @@ static double take_unit(const char **text) { return fmax(take_phrase(text, "unit
 /* Goes past a bracket that closes what "(5 to 10)" or "[5, 10)" opened. */
 static void take_bracket(const char **text)
 {
-	const char *at = skip_spaces(*text);
+	const char *at = eco_text_skip_spaces(*text);
 	*text = *at == ')' || *at == ']' ? at + 1 : *text;
 }
 
 static bool take_number(const char **text, char decimal, double *number)
 {
-	const char *at = skip_spaces(*text);
+	const char *at = eco_text_skip_spaces(*text);
 	size_t bytes = *at == '-' || *at == '+' ? 0 : number_at(at, decimal, number);
 	*text = at + bytes;
 	return bytes > 0;
@@ -361,7 +269,7 @@ static enum eco_size_form size_at(const char *at, char decimal, double *number, 
 		form = ECO_FORM_RANGE;
 	}
 	take_bracket(&at);
-	return *skip_spaces(at) == 0 ? form : ECO_FORM_NONE;
+	return *eco_text_skip_spaces(at) == 0 ? form : ECO_FORM_NONE;
 }
 
 /* The text behind a class's name, as in "a. up to 6 m", "2: 5-10 m", "small (< 10 ft)"; NULL: no such
@@ -399,7 +307,7 @@ static bool has_value(const struct eco_filter *filter, const char *text, char de
 	eco_text_fold(text, folded, sizeof folded);
 	for (uint32_t i = 0; i < filter->value_count; i++) {
 		const struct eco_value *value = &filter->values[i];
-		if (value->text ? eco_text_fits(folded, value->text) : numeric && number == value->number)
+		if (value->text ? eco_text_fits(folded, value->text, 0) : numeric && number == value->number)
 			return true;
 	}
 	return false;

@@ -7,16 +7,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "ecofiles/import/model/import_file.h"
+
 /* Whether a text is empty or means "no value": NA, N/A, NaN, null, none, -, ... in any case. */
 bool eco_text_is_missing(const char *text);
-
-/* For comparing: trims, makes runs of spaces one, and lowers case (Latin, Greek, Cyrillic). Writes at most
- * `size` bytes with the ending 0, cut if needed, and returns the length. */
-size_t eco_text_fold(const char *text, char *folded, size_t size);
-
-/* Whether a folded text fits a folded pattern, in which "*" is any text, also the empty one. Time: at
- * worst the product of the lengths. */
-bool eco_text_fits(const char *text, const char *pattern);
 
 /* A decimal number, with spaces around it. decimal ',' : "1,5" and "1.234,5"; a lone point counts as a
  * decimal point too. decimal '.' : "1.5" and "1,234.5". A lone comma is never guessed. Spaces and apostrophes

@@ -58,7 +58,7 @@ static uint32_t match(const struct eco_species_table *t, const char *text)
 	char folded[TEXT_BYTES];
 	uint32_t i = 0;
 	eco_text_fold(text, folded, sizeof folded);
-	while (i < t->spec->map_count && !eco_text_fits(folded, t->patterns[i].text))
+	while (i < t->spec->map_count && !eco_text_fits(folded, t->patterns[i].text, 0))
 		i++;
 	return i < t->spec->map_count ? t->patterns[i].key : i;
 }
