@@ -16,8 +16,8 @@ export NODE_PATH := /usr/share/nodejs
 
 WEB_ROOMS := $(wildcard lod/*.c) lod/raster/texel.c $(wildcard client-min/web/*.c)
 WEB_BASE := angle16 array_grow bytes range status text
-WEB_CHUNK := chunk chunk_columns chunk_corners chunk_counts chunk_decode chunk_ground chunk_mesh chunk_rows chunk_shapes shape
-WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor impostor_codec list model pack_check pack_record plan splat texture \
+WEB_CHUNK := chunk chunk_columns chunk_decode chunk_ground chunk_mesh chunk_rows chunk_shapes shape
+WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor list model pack_check pack_record plan splat texture \
 	view $(patsubst ecofiles/format/%.c,%,$(wildcard ecofiles/format/wire_*.c))
 WEB_VIEW := cache ground image list query record select sky store table threads
 WEB_DRAW := gl gpu light mesh picture shader shader_impostor shadow shadow_cast

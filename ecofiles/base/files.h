@@ -5,6 +5,7 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "ecofiles/base/status.h"
 
@@ -30,6 +31,11 @@ void eco_unfinished_remove_folder(int folder, const char *name, const char *cons
 
 /* Writes path.tmp-PID, then renames it: a file that appears complete or not at all. */
 enum eco_code eco_file_write(const char *path, const void *bytes, size_t size, struct eco_error *error);
+
+/* Reads a whole regular file of at most `most` bytes, followed by a 0 that *size does not count. *bytes is
+ * malloc'ed; NULL on failure. */
+enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, size_t *size,
+	struct eco_error *error);
 
 /* All that was written to the folder's file system is on the disk: one wait for any number of files. */
 enum eco_code eco_folder_sync(const char *path, struct eco_error *error);

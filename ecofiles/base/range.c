@@ -130,17 +130,33 @@ uint32_t eco_range_tree(struct eco_range *r, struct eco_bit *models, unsigned bi
 {
 	uint32_t node = 1;
 	assert(bits <= 16);
-	while (bits-- > 0)
-		node = node << 1 | code_bit(r, &models[node], value >> bits & 1);
-	return node;
+	for (unsigned left = bits; left-- > 0;)
+		node = node << 1 | code_bit(r, &models[node], value >> left & 1);
+	return node - (1u << bits);
+}
+
+uint32_t eco_range_unary(struct eco_range *r, struct eco_bit *models, uint32_t steps, uint32_t most, uint32_t value)
+{
+	uint32_t n = 0;
+	while (n < most && code_bit(r, &models[n < steps ? n : steps - 1], n < value))
+		n++;
+	return n;
+}
+
+uint64_t eco_range_size(struct eco_range *r, struct eco_bit *models, unsigned tree_bits, uint64_t value)
+{
+	uint32_t bits = eco_range_tree(r, models, tree_bits, eco_bit_length(value));
+	if (bits == 0)
+		return 0;
+	uint64_t highest = (uint64_t)1 << (bits - 1);
+	return highest | eco_range_raw(r, bits - 1, value & (highest - 1));
 }
 
 uint32_t eco_range_field(struct eco_range *r, struct eco_bit *models, unsigned modelled, unsigned bits,
 	uint32_t value)
 {
 	unsigned high = bits < modelled ? bits : modelled, low = bits - high;
-	uint32_t top = eco_range_tree(r, models, high, high ? (uint32_t)((uint64_t)value >> low) : 0)
-		& ((1u << high) - 1);
+	uint32_t top = eco_range_tree(r, models, high, high ? (uint32_t)((uint64_t)value >> low) : 0);
 	return (uint32_t)((uint64_t)top << low
 		| eco_range_raw(r, low, low < 32 ? value & (((uint64_t)1 << low) - 1) : value));
 }
@@ -148,52 +164,13 @@ uint32_t eco_range_field(struct eco_range *r, struct eco_bit *models, unsigned m
 int32_t eco_range_number(struct eco_range *r, struct eco_bit *models, int32_t value)
 {
 	uint32_t size = value < 0 ? 0u - (uint32_t)value : (uint32_t)value,
-		bits = size ? 32u - (uint32_t)__builtin_clz(size) : 0;
-	bits = eco_range_tree(r, models, 5, bits) & 31;
+		bits = eco_range_tree(r, models, 5, eco_bit_length(size));
 	if (bits == 0)
 		return 0;
 	bool negative = eco_range_raw(r, 1, value < 0);
 	size = 1u << (bits - 1) | (uint32_t)eco_range_raw(r, bits - 1, size & ((1u << (bits - 1)) - 1));
 	return negative ? -(int32_t)size : (int32_t)size;
 }
-
-/* ---- Counting ---- */
-
-#define ENDING 5u                /* shifts of eco_range_end; the last byte is not written */
-
-void eco_range_count(struct eco_counted *counted, const struct eco_range *r)
-{
-	*counted = (struct eco_counted){ r->range, r->writer->size - r->start + r->held + r->begun };
-}
-
-static inline void narrow(struct eco_counted *c, uint32_t range)
-{
-	unsigned bytes = (unsigned)__builtin_clz(range) / 8;     /* as normalize, without branches */
-	c->shifts += bytes;
-	c->range = range << 8 * bytes;
-}
-
-void eco_range_count_field(struct eco_counted *counted, unsigned streams, unsigned step,
-	struct eco_bit *models, unsigned bits, uint32_t value)
-{
-	unsigned most = step * (streams - 1), modelled = bits < most ? bits : most;
-	for (unsigned depth = 0, node = 1; depth < modelled; depth++) {
-		bool bit = value >> (bits - 1 - depth) & 1;
-		for (unsigned i = depth / step + 1; i < streams; i++) {
-			uint32_t bound = (counted[i].range >> 16) * models[node].zero;
-			narrow(&counted[i], bit ? counted[i].range - bound : bound);
-		}
-		learn(&models[node], bit);
-		node = node << 1 | bit;
-	}
-	for (unsigned i = 0; i < streams; i++)
-		for (unsigned rest = bits < step * i ? 0 : bits - step * i, take; rest > 0; rest -= take) {
-			take = rest < 16 ? rest : 16;
-			narrow(&counted[i], counted[i].range >> take);
-		}
-}
-
-size_t eco_range_counted(const struct eco_counted *counted) { return counted->shifts + ENDING - 1; }
 
 /* ---- Numbers near their usual size ---- */
 
@@ -216,14 +193,9 @@ void eco_near_start(struct eco_near *near, struct eco_scale *kinds, size_t count
 	}
 }
 
-/* A count of at most `most` in unary, each step with a model of its own. */
-static uint32_t steps(struct eco_range *r, struct eco_bit models[ECO_NEAR_STEPS], uint32_t most,
-	uint32_t value)
+static uint32_t steps(struct eco_range *r, struct eco_bit models[ECO_NEAR_STEPS], uint32_t most, uint32_t value)
 {
-	uint32_t n = 0;
-	while (n < most && code_bit(r, &models[n < ECO_NEAR_STEPS ? n : ECO_NEAR_STEPS - 1], n < value))
-		n++;
-	return n;
+	return eco_range_unary(r, models, ECO_NEAR_STEPS, most, value);
 }
 
 int32_t eco_range_near(struct eco_range *r, struct eco_near *near, struct eco_scale *kind, int32_t value)
@@ -231,7 +203,7 @@ int32_t eco_range_near(struct eco_range *r, struct eco_near *near, struct eco_sc
 	uint32_t level = kind->seen ? kind->level : near->level, usual = level >> 8,
 		part = level >> 6 & (ECO_NEAR_PARTS - 1);
 	uint32_t size = value < 0 ? 0u - (uint32_t)value : (uint32_t)value,
-		bits = size ? 32u - (uint32_t)__builtin_clz(size) : 0;
+		bits = eco_bit_length(size);
 	if (usual < NEAR_BITS_MAX && code_bit(r, &near->larger[part], bits > usual))
 		bits = usual + 1 + steps(r, near->more[part], NEAR_BITS_MAX - 1 - usual, bits - usual - 1);
 	else

@@ -32,6 +32,11 @@ struct eco_range {
 
 void eco_bits_start(struct eco_bit *models, size_t count);       /* all even */
 
+static inline uint32_t eco_bit_length(uint64_t v) { return v ? 64u - (uint32_t)__builtin_clzll(v) : 0; }
+/* Differences modulo 2^32 so that small ones of either sign are small numbers: 0, -1, 1, -2, ... */
+static inline uint32_t eco_zigzag(uint32_t v) { return v << 1 ^ (0u - (v >> 31)); }
+static inline uint32_t eco_unzigzag(uint32_t v) { return v >> 1 ^ (0u - (v & 1)); }
+
 void eco_range_write(struct eco_range *range, struct eco_writer *writer);
 void eco_range_read(struct eco_range *range, const uint8_t *bytes, size_t size);
 /* Writing: writes the last bytes but for up to 255 zeros at the end, and returns how many zeros were left
@@ -50,23 +55,16 @@ uint32_t eco_range_tree(struct eco_range *range, struct eco_bit *models, unsigne
 /* The first `modelled` of `bits` (0..32) bits as eco_range_tree, the others raw. */
 uint32_t eco_range_field(struct eco_range *range, struct eco_bit *models, unsigned modelled, unsigned bits,
 	uint32_t value);
+/* A count of at most `most` in unary, each step with a model of its own, those from the last of `steps` models on
+ * with that one. */
+uint32_t eco_range_unary(struct eco_range *range, struct eco_bit *models, uint32_t steps, uint32_t most,
+	uint32_t value);
+/* Any number: how many bits it has, as a tree of `tree_bits`, then those below the highest, raw. */
+uint64_t eco_range_size(struct eco_range *range, struct eco_bit *models, unsigned tree_bits, uint64_t value);
 /* Any number of magnitude < 2^31: its number of bits, its sign, its bits below the highest.
  * ECO_RANGE_NUMBER models. */
 #define ECO_RANGE_NUMBER 32u
 int32_t eco_range_number(struct eco_range *range, struct eco_bit *models, int32_t value);
-
-/* How many bytes streams would take that differ in how many bits of their fields are modelled: stream i
- * models `step` times i. One pass counts them all, as a field's first bits are the same in each, and exactly,
- * as the coder's range alone decides when a byte is written.
- *
- *   eco_range_count(&counted, &range);                    begins where `range` is; a copy for each stream
- *   eco_range_count_field(counted, streams, step, models, bits, value);
- *   bytes = eco_range_counted(&counted[i]);               those of writer->size and of eco_range_end */
-struct eco_counted { uint32_t range; size_t shifts; };
-void eco_range_count(struct eco_counted *counted, const struct eco_range *range);
-void eco_range_count_field(struct eco_counted *counted, unsigned streams, unsigned step,
-	struct eco_bit *models, unsigned bits, uint32_t value);
-size_t eco_range_counted(const struct eco_counted *counted);
 
 /* Numbers of many kinds, each kind with a usual size that is learned. A number is coded as its bits more
  * or fewer than usual, then its bits, then its sign. The spread about the usual size is learned from all

@@ -5,6 +5,7 @@
 #include <assert.h>
 #include <errno.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
@@ -59,21 +60,16 @@ static const struct { int reason; const char *read, *write; } advices[] = {
 	{ EIO, "; the disk may be damaged: copy the file anew", "; the disk may be damaged: write elsewhere" },
 };
 
-const char *eco_advice_read(int reason)
+static const char *advice(int reason, bool for_writing)
 {
 	for (size_t i = 0; i < sizeof advices / sizeof *advices; i++)
 		if (advices[i].reason == reason)
-			return advices[i].read;
+			return for_writing ? advices[i].write : advices[i].read;
 	return "";
 }
 
-const char *eco_advice_write(int reason)
-{
-	for (size_t i = 0; i < sizeof advices / sizeof *advices; i++)
-		if (advices[i].reason == reason)
-			return advices[i].write;
-	return "";
-}
+const char *eco_advice_read(int reason) { return advice(reason, false); }
+const char *eco_advice_write(int reason) { return advice(reason, true); }
 
 enum eco_code eco_no_memory(struct eco_error *error, const char *what)
 {

@@ -125,12 +125,10 @@ static const char *keep_name(struct eco_string_pool *names, const char *name, ui
 	return name ? names->items[*number] : NULL;
 }
 
-static void close_block(struct make *m)
+static void close_block(struct make_inventory *in)
 {
-	struct make_inventory *in = m->inventory;
 	eco_grow(&in->blocks, &in->block_room, in->block_count, sizeof *in->blocks);
-	eco_check(eco_inventory_encode(&in->blocks[in->block_count], in->rows, in->count, m->error));
-	in->block_count++;
+	in->blocks[in->block_count++] = eco_inventory_encode(in->rows, in->count);
 	in->count = 0;
 }
 
@@ -146,7 +144,7 @@ void make_inventory_add(struct make *m, uint32_t plant, const struct eco_invento
 	in->is_needed = in->is_needed || kept->species || kept->file;
 	make_species_count(m, plant, row->species ? row->species : m->table[plant].name);
 	if (++in->count == ECO_INVENTORY_PLACES)
-		close_block(m);
+		close_block(in);
 }
 
 void make_inventory_pack(struct make *m)
@@ -157,7 +155,7 @@ void make_inventory_pack(struct make *m)
 	if (!in || !in->is_needed)
 		return;
 	if (in->count)
-		close_block(m);
+		close_block(in);
 	make_add_bytes(m, &list, in->blocks, in->block_count);
 }
 

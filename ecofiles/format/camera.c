@@ -12,12 +12,11 @@
 #include "ecofiles/format/view.h"
 
 #include <assert.h>
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/files.h"
 #include "ecofiles/base/json_read.h"
 
 #define FRAMES_MAX 1000000u
@@ -235,38 +234,13 @@ enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, siz
 	return eco_fail(error, cause.code, "%s", cause.text);
 }
 
-static enum eco_code read_file(FILE *file, const char *path, char **text, size_t *size,
-	struct eco_error *error)
-{
-	size_t room = 0;
-	*size = 0;
-	do {
-		room = room ? 2 * room : 4096;
-		char *moved = room > 2 * (size_t)FILE_MAX_BYTES ? NULL : realloc(*text, room);
-		if (!moved)
-			return eco_fail(error, ECO_NO_MEMORY, "%s: no memory for a camera script", path);
-		*text = moved;
-		*size += fread(*text + *size, 1, room - *size, file);
-		if (*size > FILE_MAX_BYTES)
-			return eco_fail(error, ECO_TOO_LARGE, "%s: a camera script has at most %u bytes",
-				path, FILE_MAX_BYTES);
-	} while (*size == room);
-	if (ferror(file))
-		return eco_fail_read(error, path, errno);
-	return ECO_OK;
-}
-
 enum eco_code eco_camera_load(struct eco_camera **camera, const char *path, struct eco_error *error)
 {
-	char *text = NULL;
+	uint8_t *text;
 	size_t size;
 	*camera = NULL;
-	FILE *file = fopen(path, "rb");
-	if (!file)
-		return eco_fail_read(error, path, errno);
-	enum eco_code code = read_file(file, path, &text, &size, error);
-	fclose(file);
-	code = code ? code : eco_camera_parse(camera, text, size, path, error);
+	enum eco_code code = eco_file_read(path, FILE_MAX_BYTES, &text, &size, error);
+	code = code ? code : eco_camera_parse(camera, (const char *)text, size, path, error);
 	free(text);
 	return code;
 }

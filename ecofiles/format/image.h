@@ -47,25 +47,10 @@ enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, s
 enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing,
 	struct eco_error *error);
 
-/* ---- PNG and JPEG, without OpenImageIO's two hundred and sixty libraries ---- */
-
-bool eco_png_is(const uint8_t *bytes, size_t size_bytes);
-
-/* Any PNG as 8-bit RGBA with straight alpha: palettes and gray are converted, 16 bits are rounded,
- * interlacing is allowed; gamma and profiles are ignored. A file that is cut off or damaged anywhere is
- * refused. As eco_image_read_memory. */
-enum eco_code eco_png_decode(struct eco_image *image, const uint8_t *bytes, size_t size_bytes,
-	const char *name, struct eco_error *error);
-
-/* As eco_png_encode, several times faster and larger: for files. */
-enum eco_code eco_png_encode_fast(const struct eco_pixels *pixels, uint8_t **bytes, size_t *size_bytes,
-	struct eco_error *error);
-
 /* libjpeg gives the same texels as OpenImageIO, which uses it too but takes a quarter of a second to load, in
- * each child process that reads a model. */
-bool eco_jpeg_is(const uint8_t *bytes, size_t size_bytes);
-
-/* A gray or a colour JPEG as RGBA. False, and an empty image: the bytes end before the picture (*cut_off), or
+ * each child process that reads a model.
+ *
+ * A gray or a colour JPEG as RGBA. False, and an empty image: the bytes end before the picture (*cut_off), or
  * another reader must try, or say what is wrong, as the file has inks (CMYK) or samples of 12 bits, is damaged
  * anywhere, or has more than ECO_PIXELS_MAX pixels. A file that lacks only the mark of its end is
  * whole, and so is a progressive one without its last scans. */

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/base/array_grow.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/text.h"
 #include "ecofiles/format/chunk/chunk_columns.h"
 
@@ -15,17 +15,12 @@ enum { SPECIES, FILE_NAME, ROW, LINE, COLUMNS };
 
 /* ---- The names of a block, in the order in which they come ---- */
 
-/* A name's number, from 1 on; 0: NULL. Names come in runs, so the one before is tried first. False: no
- * memory. */
-static bool number_of(struct eco_string_pool *names, const char *name, uint32_t before, uint32_t *number)
+/* A name's number, from 1 on; 0: NULL. Names come in runs, so the one before is tried first. */
+static uint32_t number_of(struct eco_string_pool *names, const char *name, uint32_t before)
 {
-	*number = before;
-	if (!name || !before || strcmp(names->items[before - 1], name) != 0) {
-		if (name && !eco_string_pool_add(names, name, number))
-			return false;
-		*number = name ? *number + 1 : 0;
-	}
-	return true;
+	if (!name || (before && strcmp(names->items[before - 1], name) == 0))
+		return name ? before : 0;
+	return eco_string_number(names, name) + 1;
 }
 
 static void write_names(struct eco_writer *w, const struct eco_string_pool *names)
@@ -61,7 +56,7 @@ static bool read_names(struct eco_reader *r, char *names, uint32_t *starts, uint
 /* Columns of one value a row each, over `values`: COLUMNS times `count`. */
 static struct eco_chunk_rows columns_over(int32_t *values, uint32_t count)
 {
-	struct eco_chunk_rows rows = { .shape = { .order = ECO_DRACO_SEQUENTIAL, .rows = count },
+	struct eco_chunk_rows rows = { .order = ECO_DRACO_SEQUENTIAL, .stream = { .elements = count },
 		.column_count = COLUMNS };
 	for (uint32_t i = 0; i < COLUMNS; i++)
 		rows.columns[i] =
@@ -69,8 +64,7 @@ static struct eco_chunk_rows columns_over(int32_t *values, uint32_t count)
 	return rows;
 }
 
-/* False: no memory. */
-static bool fill_columns(int32_t *values, struct eco_string_pool *names, const struct eco_inventory_row *rows,
+static void fill_columns(int32_t *values, struct eco_string_pool *names, const struct eco_inventory_row *rows,
 	uint32_t count)
 {
 	uint32_t species = 0, file = 0;
@@ -78,48 +72,35 @@ static bool fill_columns(int32_t *values, struct eco_string_pool *names, const s
 		const struct eco_inventory_row *row = &rows[i];
 		bool known = row->file && row->row >= 1 && row->row <= ECO_INVENTORY_ROW_MAX,
 		     lined = known && row->line >= 1 && row->line <= ECO_INVENTORY_ROW_MAX;
-		if (!number_of(names, row->species, species, &species)
-				|| !number_of(names, known ? row->file : NULL, file, &file))
-			return false;
+		species = number_of(names, row->species, species);
+		file = number_of(names, known ? row->file : NULL, file);
 		values[SPECIES * (size_t)count + i] = (int32_t)species;
 		values[FILE_NAME * (size_t)count + i] = (int32_t)file;
 		values[ROW * (size_t)count + i] = known ? (int32_t)row->row : 0;
 		values[LINE * (size_t)count + i] =
 			known ? (int32_t)(lined ? row->line : 0) - (int32_t)row->row : 0;
 	}
-	return true;
 }
 
-enum eco_code eco_inventory_encode(struct eco_bytes *bytes, const struct eco_inventory_row *rows,
-	uint32_t count, struct eco_error *error)
+struct eco_bytes eco_inventory_encode(const struct eco_inventory_row *rows, uint32_t count)
 {
 	struct eco_string_pool names = { 0 };
-	int32_t *values = malloc(COLUMNS * (size_t)count * sizeof *values);
+	int32_t *values = eco_alloc(count, COLUMNS * sizeof *values);
+	struct eco_chunk_rows columns = columns_over(values, count);
+	struct eco_stream coded = { .size = 0 };
 	struct eco_writer w = { 0 };
-	uint8_t *coded = NULL, zeros = 0;
-	size_t size = 0;
 	assert(count >= 1 && count <= ECO_INVENTORY_PLACES);
-	enum eco_code code = values && fill_columns(values, &names, rows, count)
-		? ECO_OK
-		: eco_fail(error, ECO_NO_MEMORY, "no memory for the rows of %u plants", count);
-	if (!code) {
-		struct eco_chunk_rows columns = columns_over(values, count);
-		code = eco_columns_encode(&columns, &coded, &size, &zeros, error);
-	}
-	if (!code) {
-		write_names(&w, &names);
-		eco_write_u8(&w, zeros);
-		eco_write_bytes(&w, coded, size);
-		if (w.failed)
-			code = eco_fail(error, ECO_NO_MEMORY, "no memory for the rows of %u plants", count);
-	}
-	free(coded);
+	fill_columns(values, &names, rows, count);
+	eco_columns_encode(&columns, &coded);
+	write_names(&w, &names);
+	eco_write_u8(&w, coded.zeros);
+	eco_write_bytes(&w, coded.bytes, coded.size);
+	if (w.failed)
+		eco_end("no memory");
+	free((void *)coded.bytes);
 	eco_string_pool_free(&names);
 	free(values);
-	if (code)
-		eco_writer_free(&w);
-	*bytes = (struct eco_bytes){ w.bytes, w.size };
-	return code;
+	return (struct eco_bytes){ w.bytes, w.size };
 }
 
 /* ---- Reading ---- */
@@ -151,8 +132,10 @@ static bool take_rows(struct eco_inventory_block *block, struct eco_reader *r, c
 	int32_t *values)
 {
 	struct eco_chunk_rows columns = columns_over(values, block->count);
-	uint8_t zeros = eco_read_u8(r);
-	if (r->failed || eco_columns_decode(&columns, r->bytes + r->at, r->size - r->at, zeros, NULL))
+	columns.stream.zeros = eco_read_u8(r);
+	columns.stream.bytes = r->bytes + r->at;
+	columns.stream.size = r->size - r->at;
+	if (r->failed || eco_columns_decode(&columns, NULL))
 		return false;
 	for (uint32_t i = 0; i < block->count; i++)
 		if (!take_row(&block->rows[i], values, block->count, i, names))

@@ -2,7 +2,7 @@
  * the pack's plant has another name: as the row has it, be it a code or a name that the scene's map leads to
  * a model of another; else as the scene names it (plants that share a model, variants, few models).
  *
- *   eco_inventory_encode(&bytes, rows, count, &error);       a block of ECO_INVENTORY_PLACES places
+ *   bytes = eco_inventory_encode(rows, count);     a block of ECO_INVENTORY_PLACES places
  *   struct eco_inventory_block block = { 0 };
  *   eco_inventory_at(&block, pack, place, &row, &error);     of a place of section PLACES; of the next, ...
  *   eco_inventory_free(&block);
@@ -34,10 +34,9 @@ struct eco_inventory_row {
 	uint32_t line;       /* of the file, where the row begins, from 1; 0: the file has no lines */
 };
 
-/* Names longer than a block's, or not UTF-8, are cut. *bytes: malloc'ed. At least one row, at most
- * ECO_INVENTORY_PLACES. */
-enum eco_code eco_inventory_encode(struct eco_bytes *bytes, const struct eco_inventory_row *rows,
-	uint32_t count, struct eco_error *error);
+/* Names longer than a block's, or not UTF-8, are cut. The bytes are malloc'ed. At least one row, at most
+ * ECO_INVENTORY_PLACES. Without memory it ends the program (memory.h). */
+struct eco_bytes eco_inventory_encode(const struct eco_inventory_row *rows, uint32_t count);
 
 struct eco_inventory_block { /* owns what its rows point to */
 	uint64_t first;      /* place */

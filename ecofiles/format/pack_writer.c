@@ -2,8 +2,8 @@
  * size is known only at the end. So they are spooled to an unlinked file in the target's folder (memory
  * stays small, and a full disk is noticed early), and eco_pack_commit copies them behind
  * the tables. The target's name appears only by renaming a complete, synced file. A process that is killed
- * leaves its unfinished file; the next one that writes the same pack removes it. Longer than
- * 600 lines: spool, tables and commit share one state. */
+ * leaves its unfinished file; the next one that writes the same pack removes it. Programs that write packs run
+ * once: without memory they end (memory.h). */
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -15,8 +15,8 @@
 
 #include <xxhash.h>
 
-#include "ecofiles/base/array_grow.h"
 #include "ecofiles/base/files.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"
 
@@ -81,9 +81,9 @@ static enum eco_code read_spool(const struct eco_pack_writer *w, uint64_t offset
 static char *folder_of(const char *path)
 {
 	const char *slash = strrchr(path, '/');
-	if (!slash)
-		return strdup(".");
-	return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
+	if (!slash || slash == path)
+		return eco_copy_text(slash ? "/" : ".");
+	return eco_copy_part(path, (size_t)(slash - path));
 }
 
 /* Creates the unfinished file and locks it; another process may have taken it for left over in between. */
@@ -111,47 +111,51 @@ static bool may_replace(const char *path)
 	return got == 0 || (got == sizeof magic && memcmp(magic, ECO_PACK_MAGIC, sizeof magic) == 0);
 }
 
-enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path, struct eco_error *error)
+static enum eco_code check_target(const char *path, struct eco_error *error)
 {
-	struct eco_pack_writer *w = calloc(1, sizeof *w);
 	struct stat status;
 	bool there = stat(path, &status) == 0;
-	enum eco_code code;
-	*writer = NULL;
-	if (!w)
-		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
-	w->file = w->spool = -1;
-	w->path = strdup(path);
-	w->folder = folder_of(path);
-	if (asprintf(&w->temporary, "%s.tmp-%ld", path, (long)getpid()) < 0)
-		w->temporary = NULL;
-	if (!w->path || !w->folder || !w->temporary) {
-		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
-	} else if (path[0] == 0) {
-		code = eco_fail(error, ECO_BAD_USAGE, "a pack needs a file name");
-	} else if (there && !S_ISREG(status.st_mode)) {
-		code = eco_fail(error, ECO_BAD_INPUT, "%s: exists and is not a regular file", path);
-	} else if (there && !may_replace(path)) {
-		code = eco_fail(error, ECO_BAD_INPUT, "%s: exists and is not a pack: it is kept; write "
+	if (path[0] == 0)
+		return eco_fail(error, ECO_BAD_USAGE, "a pack needs a file name");
+	if (there && !S_ISREG(status.st_mode))
+		return eco_fail(error, ECO_BAD_INPUT, "%s: exists and is not a regular file", path);
+	if (there && !may_replace(path))
+		return eco_fail(error, ECO_BAD_INPUT, "%s: exists and is not a pack: it is kept; write "
 			"elsewhere, or remove it first", path);
-	} else {
-		code = open_unfinished(w, error);
-		w->spool = code ? -1 : eco_file_nameless(w->folder);
-		if (!code && w->spool < 0)
-			code = io_failed(w->folder, "create a file in it", error);
-	}
-	if (code) {
-		eco_pack_abort(w);
-		return code;
-	}
-	*writer = w;
 	return ECO_OK;
 }
 
-static void writer_free(struct eco_pack_writer *w)
+enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path, struct eco_error *error)
 {
-	if (w->file >= 0)
+	struct eco_pack_writer *w = *writer = NULL;
+	enum eco_code code = check_target(path, error);
+	if (code)
+		return code;
+	w = eco_alloc(1, sizeof *w);
+	w->file = w->spool = -1;
+	w->path = eco_copy_text(path);
+	w->folder = folder_of(path);
+	if (asprintf(&w->temporary, "%s.tmp-%ld", path, (long)getpid()) < 0)
+		eco_end("no memory");
+	code = open_unfinished(w, error);
+	w->spool = code ? -1 : eco_file_nameless(w->folder);
+	if (!code && w->spool < 0)
+		code = io_failed(w->folder, "create a file in it", error);
+	if (code)
+		eco_pack_abort(w);
+	else
+		*writer = w;
+	return code;
+}
+
+void eco_pack_abort(struct eco_pack_writer *w)
+{
+	if (!w)
+		return;
+	if (w->file >= 0) {
+		unlink(w->temporary);
 		close(w->file);
+	}
 	if (w->spool >= 0)
 		close(w->spool);
 	free(w->path);
@@ -161,15 +165,6 @@ static void writer_free(struct eco_pack_writer *w)
 	free(w->chunks);
 	free(w->ids.slots);
 	free(w);
-}
-
-void eco_pack_abort(struct eco_pack_writer *writer)
-{
-	if (!writer)
-		return;
-	if (writer->file >= 0)
-		unlink(writer->temporary);
-	writer_free(writer);
 }
 
 /* ---- Chunks and lists ---- */
@@ -188,21 +183,15 @@ static uint32_t id_slot(const struct eco_pack_writer *w, const struct eco_chunk 
 	}
 }
 
-static bool grow_ids(struct eco_pack_writer *w)
+static void grow_ids(struct eco_pack_writer *w)
 {
-	uint32_t *old = w->ids.slots;
 	if (w->ids.size / 2 > w->chunk_count)
-		return true;
+		return;
+	free(w->ids.slots);
 	w->ids.size = w->ids.size == 0 ? 256 : 2 * w->ids.size;
-	w->ids.slots = calloc(w->ids.size, sizeof *w->ids.slots);
-	free(old);
-	if (!w->ids.slots) {
-		w->ids.size = 0;
-		return false;
-	}
+	w->ids.slots = eco_alloc(w->ids.size, sizeof *w->ids.slots);
 	for (uint32_t i = w->chunk_count; i-- > 0;)
 		w->ids.slots[id_slot(w, &w->chunks[i])] = i + 1;
-	return true;
 }
 
 static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, size_t size,
@@ -210,11 +199,8 @@ static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, 
 {
 	struct eco_chunk chunk = { .id = eco_chunk_hash(bytes, size), .offset = w->spooled,
 		.size_bytes = (uint32_t)size, .element_count = elements, .primitive_count = primitives };
-	if (w->chunk_count >= ECO_NONE / 4
-			|| !eco_array_grow(&w->chunks, &w->chunk_capacity, w->chunk_count, sizeof *w->chunks)
-			|| !grow_ids(w))
-		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u chunks", w->path,
-			w->chunk_count);
+	eco_grow(&w->chunks, &w->chunk_capacity, w->chunk_count, sizeof *w->chunks);
+	grow_ids(w);
 	uint32_t slot = id_slot(w, &chunk);
 	if (w->ids.slots[slot] != 0) {
 		chunk.offset = w->chunks[w->ids.slots[slot] - 1].offset;
@@ -240,96 +226,27 @@ static uint32_t count_primitives(const struct eco_elements *elements, uint32_t f
 
 struct eco_encoded_chunk { uint8_t *bytes; size_t size; uint32_t elements, primitives; };
 
-/* Encodes elements [first, end) as chunk number `ordinal`. */
-static enum eco_code encode_plain(struct eco_encoded_chunk *chunk, const struct eco_list *list,
-	const struct eco_elements *elements, uint32_t ordinal, uint32_t first, uint32_t end,
-	struct eco_error *error)
-{
-	const struct eco_chunk_input input = { list, elements, first, end, ordinal };
-	*chunk = (struct eco_encoded_chunk){ .elements = end - first,
-		.primitives = count_primitives(elements, first, end) };
-	return eco_chunk_encode(&input, &chunk->bytes, &chunk->size, NULL, error);
-}
-
-static enum eco_code add_plain_chunks(struct eco_pack_writer *w, const struct eco_list *list,
-	const struct eco_elements *elements, const uint32_t *ends, uint32_t end_count,
-	struct eco_error *error)
-{
-	for (uint32_t i = 0, first = 0; i < end_count; first = ends[i++]) {
-		struct eco_encoded_chunk chunk;
-		enum eco_code code = encode_plain(&chunk, list, elements, i, first, ends[i], error);
-		if (!code)
-			code = add_chunk(w, chunk.bytes, chunk.size, chunk.elements, chunk.primitives, error);
-		free(chunk.bytes);
-		if (code)
-			return code;
-	}
-	return ECO_OK;
-}
-
-static enum eco_code add_form_chunks(struct eco_pack_writer *w, const struct eco_list *list,
-	const struct eco_elements *forms, const struct eco_elements *partner, const uint32_t *ends,
-	uint32_t end_count, struct eco_error *error)
+/* As eco_pack_encode; also the forms of `partner`. */
+static enum eco_code encode(struct eco_encoded *encoded, const struct eco_list *list,
+	const struct eco_elements *elements, const struct eco_elements *partner, uint8_t partner_attributes,
+	const uint32_t *ends, uint32_t end_count, struct eco_error *error)
 {
 	/* The partner's stored order follows from its elements: of its list only kind and coder matter. */
 	const struct eco_list fans = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS,
-		.attributes = w->lists[list->partner].attributes };
-
-	for (uint32_t i = 0, first = 0; i < end_count; first = ends[i++]) {
-		const struct eco_chunk_input input = { &fans, partner, first, ends[i], i };
-		uint8_t *bytes = NULL;
-		size_t size = 0;
-		enum eco_code code = eco_chunk_encode_form(&input, list, forms, &bytes, &size, error);
-		code = code ? code : add_chunk(w, bytes, size, ends[i] - first,
-			count_primitives(forms, first, ends[i]), error);
-		free(bytes);
-		if (code)
-			return code;
+		.attributes = partner_attributes };
+	enum eco_code code = ECO_OK;
+	assert((end_count > 0 ? ends[end_count - 1] : 0) == elements->element_count);
+	*encoded = (struct eco_encoded){ .chunks = eco_alloc(end_count, sizeof *encoded->chunks) };
+	for (uint32_t first = 0; !code && encoded->count < end_count; first = ends[encoded->count++]) {
+		struct eco_encoded_chunk *chunk = &encoded->chunks[encoded->count];
+		uint32_t end = ends[encoded->count];
+		const struct eco_chunk_input input = { partner ? &fans : list, partner ? partner : elements, first,
+			end, encoded->count };
+		chunk->elements = end - first;
+		chunk->primitives = count_primitives(elements, first, end);
+		code = partner ? eco_chunk_encode_form(&input, list, elements, &chunk->bytes, &chunk->size, error)
+			: eco_chunk_encode(&input, &chunk->bytes, &chunk->size, NULL, error);
 	}
-	return ECO_OK;
-}
-
-/* Appends the list, with the chunks since `chunk_first` and their counts. */
-static enum eco_code add_list(struct eco_pack_writer *w, const struct eco_list *list, uint32_t chunk_first,
-	uint32_t *list_id, struct eco_error *error)
-{
-	if (!eco_array_grow(&w->lists, &w->list_capacity, w->list_count, sizeof *w->lists))
-		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u lists", w->path,
-			w->list_count);
-	struct eco_list *stored = &w->lists[w->list_count];
-	*stored = *list;
-	stored->chunk_first = chunk_first;
-	stored->chunk_count = w->chunk_count - chunk_first;
-	stored->primitive_count = stored->element_count = 0;
-	for (uint32_t i = chunk_first; i < w->chunk_count; i++) {
-		stored->primitive_count += w->chunks[i].primitive_count;
-		stored->element_count += w->chunks[i].element_count;
-	}
-	*list_id = w->list_count++;
-	return ECO_OK;
-}
-
-enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list,
-	const struct eco_elements *elements, const uint32_t *ends, uint32_t end_count,
-	const struct eco_elements *partner_elements, uint32_t *list_id, struct eco_error *error)
-{
-	bool form = list->coder == ECO_CODER_FORM;
-	uint32_t chunk_first = writer->chunk_count, last = end_count > 0 ? ends[end_count - 1] : 0;
-	*list_id = ECO_NONE;
-	if (list->coder == ECO_CODER_BYTES || form != (partner_elements != NULL))
-		return eco_fail(error, ECO_BAD_INPUT, "list %u: coder %u does not go with %s partner",
-			writer->list_count, list->coder, partner_elements ? "a" : "no");
-	if (form && list->partner >= writer->list_count)
-		return eco_fail(error, ECO_BAD_INPUT, "list %u: its partner %u must be added before it",
-			writer->list_count, list->partner);
-	if (last != elements->element_count)
-		return eco_fail(error, ECO_BAD_INPUT, "list %u: chunks end at element %u of %u",
-			writer->list_count, last, elements->element_count);
-	enum eco_code code = form ? add_form_chunks(writer, list, elements, partner_elements, ends, end_count,
-		error) : add_plain_chunks(writer, list, elements, ends, end_count, error);
-	code = code ? code : add_list(writer, list, chunk_first, list_id, error);
-	for (int axis = 0; axis < 3 && !code && elements->exact; axis++)
-		writer->lists[*list_id].grid_step[axis] /= 1 << ECO_EXACT_SHIFT;
 	return code;
 }
 
@@ -337,16 +254,7 @@ enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list
 	const struct eco_elements *elements, const uint32_t *ends, uint32_t end_count,
 	struct eco_error *error)
 {
-	enum eco_code code = ECO_OK;
-	assert(list->coder != ECO_CODER_FORM && list->coder != ECO_CODER_BYTES);
-	assert((end_count > 0 ? ends[end_count - 1] : 0) == elements->element_count);
-	*encoded = (struct eco_encoded){ .chunks = calloc(end_count + 1u, sizeof *encoded->chunks) };
-	if (!encoded->chunks)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u chunks", end_count);
-	for (uint32_t first = 0; code == ECO_OK && encoded->count < end_count; first = ends[encoded->count++])
-		code = encode_plain(&encoded->chunks[encoded->count], list, elements, encoded->count, first,
-			ends[encoded->count], error);
-	return code;
+	return encode(encoded, list, elements, NULL, 0, ends, end_count, error);
 }
 
 void eco_encoded_free(struct eco_encoded *encoded)
@@ -357,19 +265,50 @@ void eco_encoded_free(struct eco_encoded *encoded)
 	*encoded = (struct eco_encoded){ .count = 0 };
 }
 
+/* Appends the list, with the chunks since `chunk_first` and their counts; returns its id. */
+static uint32_t add_list(struct eco_pack_writer *w, const struct eco_list *list, uint32_t chunk_first)
+{
+	eco_grow(&w->lists, &w->list_capacity, w->list_count, sizeof *w->lists);
+	struct eco_list *stored = &w->lists[w->list_count];
+	*stored = *list;
+	stored->chunk_first = chunk_first;
+	stored->chunk_count = w->chunk_count - chunk_first;
+	stored->primitive_count = stored->element_count = 0;
+	for (uint32_t i = chunk_first; i < w->chunk_count; i++) {
+		stored->primitive_count += w->chunks[i].primitive_count;
+		stored->element_count += w->chunks[i].element_count;
+	}
+	return w->list_count++;
+}
+
 enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list,
 	const struct eco_encoded *encoded, uint32_t *list_id, struct eco_error *error)
 {
 	uint32_t chunk_first = writer->chunk_count;
-	*list_id = ECO_NONE;
-	for (uint32_t i = 0; i < encoded->count; i++) {
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < encoded->count && !code; i++) {
 		const struct eco_encoded_chunk *chunk = &encoded->chunks[i];
-		enum eco_code code = add_chunk(writer, chunk->bytes, chunk->size, chunk->elements,
-			chunk->primitives, error);
-		if (code)
-			return code;
+		code = add_chunk(writer, chunk->bytes, chunk->size, chunk->elements, chunk->primitives, error);
 	}
-	return add_list(writer, list, chunk_first, list_id, error);
+	*list_id = code ? ECO_NONE : add_list(writer, list, chunk_first);
+	return code;
+}
+
+enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list,
+	const struct eco_elements *elements, const uint32_t *ends, uint32_t end_count,
+	const struct eco_elements *partner_elements, uint32_t *list_id, struct eco_error *error)
+{
+	struct eco_encoded encoded;
+	bool form = list->coder == ECO_CODER_FORM;
+	*list_id = ECO_NONE;
+	assert(form == (partner_elements != NULL) && (!form || list->partner < writer->list_count));
+	enum eco_code code = encode(&encoded, list, elements, partner_elements,
+		form ? writer->lists[list->partner].attributes : 0, ends, end_count, error);
+	code = code ? code : eco_pack_add_encoded(writer, list, &encoded, list_id, error);
+	eco_encoded_free(&encoded);
+	for (int axis = 0; axis < 3 && !code && elements->exact; axis++)
+		writer->lists[*list_id].grid_step[axis] /= 1 << ECO_EXACT_SHIFT;
+	return code;
 }
 
 enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list,
@@ -377,14 +316,14 @@ enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct ec
 {
 	uint32_t chunk_first = writer->chunk_count;
 	enum eco_code code = ECO_OK;
-	*list_id = ECO_NONE;
 	assert(list->coder == ECO_CODER_BYTES);
 	for (uint32_t i = 0; i < file_count && !code; i++)
 		code = files[i].size > 0 && files[i].size <= ECO_CHUNK_BYTES_MAX
 			? add_chunk(writer, files[i].at, files[i].size, 1, 1, error)
 			: eco_fail(error, ECO_TOO_LARGE, "list %u: a file of %zu bytes; 1 to %u fit",
 			writer->list_count, files[i].size, ECO_CHUNK_BYTES_MAX);
-	return code == ECO_OK ? add_list(writer, list, chunk_first, list_id, error) : code;
+	*list_id = code ? ECO_NONE : add_list(writer, list, chunk_first);
+	return code;
 }
 
 enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct eco_list *list,
@@ -392,52 +331,32 @@ enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct e
 {
 	const struct eco_list *old = &from->scene.lists[from_list];
 	uint32_t chunk_first = writer->chunk_count;
-	*list_id = ECO_NONE;
-	for (uint32_t i = old->chunk_first; i < old->chunk_first + old->chunk_count; i++) {
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = old->chunk_first; i < old->chunk_first + old->chunk_count && !code; i++) {
 		const struct eco_chunk *chunk = &from->scene.chunks[i];
 		const uint8_t *bytes;
 		size_t size;
-		enum eco_code code = eco_pack_payload(from, i, &bytes, &size, error);
+		code = eco_pack_payload(from, i, &bytes, &size, error);
 		if (!code)
 			code = add_chunk(writer, bytes, size, chunk->element_count, chunk->primitive_count,
 				error);
-		if (code)
-			return code;
 	}
-	return add_list(writer, list, chunk_first, list_id, error);
+	*list_id = code ? ECO_NONE : add_list(writer, list, chunk_first);
+	return code;
 }
 
 /* Appends points to points. */
-static bool join(struct eco_elements *all, const struct eco_elements *part)
+static void join(struct eco_elements *all, const struct eco_elements *part)
 {
 	size_t before = all->element_count, count = before + part->element_count, extra = part->extra_count;
-	uint8_t *corners = realloc(all->corners, count);
-	int32_t *position, *values;
-	all->corners = corners ? corners : all->corners;
-	position = realloc(all->position, 3 * count * sizeof *position);
-	all->position = position ? position : all->position;
-	values = realloc(all->extra, (extra * count + 1) * sizeof *values);
-	all->extra = values ? values : all->extra;
-	if (!corners || !position || !values)
-		return false;
-	memcpy(corners + before, part->corners, part->element_count);
-	memcpy(position + 3 * before, part->position, 3 * (size_t)part->element_count * sizeof *position);
+	all->corners = eco_realloc(all->corners, count, 1);
+	all->position = eco_realloc(all->position, count, 3 * sizeof *all->position);
+	all->extra = eco_realloc(all->extra, extra * count, sizeof *all->extra);
+	memcpy(all->corners + before, part->corners, part->element_count);
+	memcpy(all->position + 3 * before, part->position, 3 * (size_t)part->element_count * sizeof *part->position);
 	if (extra > 0)
-		memcpy(values + extra * before, part->extra, extra * part->element_count * sizeof *values);
+		memcpy(all->extra + extra * before, part->extra, extra * part->element_count * sizeof *part->extra);
 	all->element_count = all->corner_count = all->primitive_count = (uint32_t)count;
-	return true;
-}
-
-/* Decodes chunk number `ordinal` of a list of points and appends its points. */
-static enum eco_code join_chunk(struct eco_elements *points, const struct eco_list *list,
-	const struct eco_chunk *chunk, uint32_t ordinal, const uint8_t *bytes, struct eco_error *error)
-{
-	struct eco_elements part = { .element_count = 0 };
-	enum eco_code code = eco_chunk_decode(list, chunk, ordinal, bytes, chunk->size_bytes, &part, error);
-	if (code == ECO_OK && !join(points, &part))
-		code = eco_fail(error, ECO_NO_MEMORY, "out of memory for %u points", list->primitive_count);
-	eco_elements_free(&part);
-	return code;
 }
 
 /* All points of a list, whose chunks are in the writer's spool or, without a writer, in the pack. */
@@ -449,15 +368,18 @@ static enum eco_code join_chunks(struct eco_elements *points, const struct eco_l
 	*points = (struct eco_elements){ .extra_count = eco_list_extra_count(list) };
 	for (uint32_t i = 0; i < list->chunk_count && !code; i++) {
 		const struct eco_chunk *chunk = &chunks[list->chunk_first + i];
-		uint8_t *spooled = writer ? malloc(chunk->size_bytes) : NULL;
+		uint8_t *spooled = writer ? eco_alloc(chunk->size_bytes, 1) : NULL;
 		const uint8_t *bytes = spooled;
+		struct eco_elements part = { .element_count = 0 };
 		size_t size;
 		if (pack)
 			code = eco_pack_payload(pack, list->chunk_first + i, &bytes, &size, error);
 		else
-			code = spooled ? read_spool(writer, chunk->offset, spooled, chunk->size_bytes, error)
-				: eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", writer->path);
-		code = code ? code : join_chunk(points, list, chunk, i, bytes, error);
+			code = read_spool(writer, chunk->offset, spooled, chunk->size_bytes, error);
+		code = code ? code : eco_chunk_decode(list, chunk, i, bytes, chunk->size_bytes, &part, error);
+		if (!code)
+			join(points, &part);
+		eco_elements_free(&part);
 		free(spooled);
 	}
 	if (code)
@@ -544,9 +466,8 @@ static enum eco_code write_padding(struct eco_pack_writer *w, uint64_t at, uint6
 static enum eco_code copy_payloads(struct eco_pack_writer *w, struct eco_error *error)
 {
 	const size_t most = 1u << 18;
-	uint8_t *buffer = malloc(most);
-	enum eco_code code = buffer ? ECO_OK
-		: eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for copying", w->path);
+	uint8_t *buffer = eco_alloc(most, 1);
+	enum eco_code code = ECO_OK;
 	for (uint64_t at = 0; !code && at < w->spooled; at += most) {
 		size_t size = w->spooled - at < most ? w->spooled - at : most;
 		code = read_spool(w, at, buffer, size, error);
@@ -556,28 +477,28 @@ static enum eco_code copy_payloads(struct eco_pack_writer *w, struct eco_error *
 	return code;
 }
 
+/* The hash of the header covers the bytes before the hash and the section table behind it. */
 static enum eco_code write_header(struct eco_pack_writer *w, const struct eco_section *sections, uint32_t count,
 	struct eco_error *error)
 {
-	struct eco_writer start = { 0 }, table = { 0 }, hashed = { 0 };
-	enum eco_code code;
+	struct eco_writer hashed = { 0 }, all = { 0 };
+	eco_write_bytes(&hashed, ECO_PACK_MAGIC, 8);
+	eco_write_u32(&hashed, ECO_PACK_VERSION);
+	eco_write_u32(&hashed, count);
+	eco_write_u64(&hashed, sections[count - 1].offset + sections[count - 1].size);
+	size_t before = hashed.size;
 	for (uint32_t i = 0; i < count; i++)
-		eco_record_write(&table, ECO_SECTION_NONE, &sections[i]);
-	eco_write_bytes(&start, ECO_PACK_MAGIC, 8);
-	eco_write_u32(&start, ECO_PACK_VERSION);
-	eco_write_u32(&start, count);
-	eco_write_u64(&start, sections[count - 1].offset + sections[count - 1].size);
-	eco_write_bytes(&hashed, start.bytes, start.size);
-	eco_write_bytes(&hashed, table.bytes, table.size);
-	eco_write_u64(&start, hashed.failed ? 0 : XXH3_64bits(hashed.bytes, hashed.size));
-	eco_write_bytes(&start, table.bytes, table.size);
-	if (start.failed || table.failed || hashed.failed)
-		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for the header", w->path);
-	else
-		code = write_all(w->file, w->temporary, start.bytes, start.size, error);
-	eco_writer_free(&start);
-	eco_writer_free(&table);
+		eco_record_write(&hashed, ECO_SECTION_NONE, &sections[i]);
+	if (!hashed.failed) {
+		eco_write_bytes(&all, hashed.bytes, before);
+		eco_write_u64(&all, XXH3_64bits(hashed.bytes, hashed.size));
+		eco_write_bytes(&all, hashed.bytes + before, hashed.size - before);
+	}
+	if (hashed.failed || all.failed)
+		eco_end("no memory");
+	enum eco_code code = write_all(w->file, w->temporary, all.bytes, all.size, error);
 	eco_writer_free(&hashed);
+	eco_writer_free(&all);
 	return code;
 }
 
@@ -589,17 +510,15 @@ static enum eco_code write_file(struct eco_pack_writer *w, const struct eco_scen
 	const uint8_t *bytes[ECO_SECTION_KIND_END];
 	uint32_t count = lay_out(sections, w, scene, meta_json);
 	uint64_t at = ECO_PACK_HEADER_BYTES + (uint64_t)count * ECO_PACK_SECTION_BYTES;
-	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < w->chunk_count; i++)        /* payloads are the last section */
 		w->chunks[i].offset += sections[count - 1].offset;
 	for (uint32_t i = 0; i < count; i++) {
 		bytes[i] = bytes_of(&sections[i], scene, meta_json, &owned[i]);
 		sections[i].hash = bytes[i] ? XXH3_64bits(bytes[i], sections[i].size) : 0;
 		if (owned[i].failed)
-			code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for section %s", w->path,
-				eco_section_name(sections[i].kind));
+			eco_end("no memory");
 	}
-	code = code ? code : write_header(w, sections, count, error);
+	enum eco_code code = write_header(w, sections, count, error);
 	for (uint32_t i = 0; i < count && !code; at = sections[i].offset + sections[i].size, i++) {
 		code = write_padding(w, at, sections[i].offset, error);
 		if (!code)

@@ -122,8 +122,8 @@ double eco_wire_pixels_round(double pixels);
 /* Reading: an incremental parser. Feed bytes as they arrive; it calls back once per whole frame, in order,
  * with every field bounded and checked as far as one stream can tell. The receiver checks what depends on
  * earlier streams (a chunk sent twice, a cut beyond the chunks held). The first error is final, also one from
- * a callback. A frame that comes in one piece is read in place; else memory grows with the bytes that came,
- * not with the length in a header. A NULL callback ignores its frames. Pointers are valid during the call. */
+ * a callback. Memory grows with the bytes that came, not with the length in a header. A NULL callback ignores
+ * its frames. Pointers are valid during the call. */
 struct eco_wire_events {
 	/* set: name, needs, ground_columns, _rows and _margin, near_m, counts of plants and lists; root is
 	 * ECO_NONE; no arrays */

@@ -4,7 +4,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#define BITS_MAX 32u
 #define MANTISSA 52
 #define NAME_MOST 63u
 
@@ -25,24 +24,12 @@ uint64_t eco_wire_items_bits(const struct eco_range *r)
 
 /* ---- Values ---- */
 
-static uint32_t zigzag(uint32_t v) { return v << 1 ^ (0u - (v >> 31)); }
-static uint32_t unzigzag(uint32_t v) { return v >> 1 ^ (0u - (v & 1)); }
-
-static uint32_t code_tree(struct eco_range *r, struct eco_bit *models, unsigned bits, uint32_t value)
-{
-	return eco_range_tree(r, models, bits, value) & ((1u << bits) - 1);
-}
-
 static uint32_t code_number(struct eco_range *r, struct eco_wire_items *s, struct eco_wire_number *n,
 	uint32_t value)
 {
-	uint32_t bits = value ? 32u - (uint32_t)__builtin_clz(value) : 0;
-	bits = code_tree(r, n->models, 6, bits);
-	s->bad |= bits > BITS_MAX;
-	if (bits == 0 || s->bad)
-		return 0;
-	return 1u << (bits - 1)
-		| (uint32_t)eco_range_raw(r, bits - 1, value & ((1u << (bits - 1)) - 1));
+	uint64_t v = eco_range_size(r, n->models, 6, value);
+	s->bad |= v > UINT32_MAX;
+	return s->bad ? 0 : (uint32_t)v;
 }
 
 static uint32_t code_count(struct eco_range *r, struct eco_wire_items *s, struct eco_wire_number *n,
@@ -57,7 +44,7 @@ static uint32_t code_count(struct eco_range *r, struct eco_wire_items *s, struct
 static uint32_t code_step(struct eco_range *r, struct eco_wire_items *s, struct eco_wire_number *n,
 	uint32_t before, uint32_t value)
 {
-	return before + unzigzag(code_number(r, s, n, zigzag(value - before)));
+	return before + eco_unzigzag(code_number(r, s, n, eco_zigzag(value - before)));
 }
 
 /* ---- Reals ---- */
@@ -125,7 +112,7 @@ static void code_name(struct eco_range *r, struct eco_wire_items *s, char name[6
 	size = code_number(r, s, &s->letter_count, size);
 	s->bad |= size > NAME_MOST;
 	for (uint32_t i = 0; i < size && !s->bad; i++)
-		name[i] = (char)code_tree(r, s->letters, 8, (uint8_t)name[i]);
+		name[i] = (char)eco_range_tree(r, s->letters, 8, (uint8_t)name[i]);
 	if (!s->bad)
 		memset(name + size, 0, 64 - size);
 }
@@ -155,10 +142,10 @@ void eco_wire_anchor_code(struct eco_range *r, struct eco_wire_items *s, struct 
 
 static uint32_t relative(uint32_t to, uint32_t id)
 {
-	return to == ECO_NONE ? 0 : zigzag(to - id) + 1;
+	return to == ECO_NONE ? 0 : eco_zigzag(to - id) + 1;
 }
 
-static uint32_t absolute(uint32_t code, uint32_t id) { return code ? id + unzigzag(code - 1) : ECO_NONE; }
+static uint32_t absolute(uint32_t code, uint32_t id) { return code ? id + eco_unzigzag(code - 1) : ECO_NONE; }
 
 static void fields_of(const struct eco_list *l, uint32_t id, uint32_t f[ECO_FIELDS])
 {
@@ -224,7 +211,7 @@ static void code_grid(struct eco_range *r, struct eco_wire_items *s, uint32_t ki
 	double grid[ECO_GRID_REALS])
 {
 	double *before = s->real[kind];
-	uint32_t form = code_tree(r, s->grid[kind], 2, grid_form(s, kind, grid));
+	uint32_t form = eco_range_tree(r, s->grid[kind], 2, grid_form(s, kind, grid));
 	if (form != GRID_SENT)
 		memcpy(grid, form == GRID_OF_KIND ? before : s->last_grid, ECO_GRID_REALS * sizeof *grid);
 	for (uint32_t i = 0; i < ECO_GRID_REALS && form == GRID_SENT && !s->bad; i++)
@@ -251,10 +238,10 @@ static void code_list(struct eco_range *r, struct eco_wire_items *s, struct eco_
 	struct eco_list *l = &item->list;
 	uint32_t f[ECO_FIELDS] = { 0 };
 	s->list = s->described = item->id = code_step(r, s, &s->list_step, s->list + 1, item->id);
-	uint32_t kind = code_tree(r, s->list_kind[s->list_kind_last], 4, l->kind);
+	uint32_t kind = eco_range_tree(r, s->list_kind[s->list_kind_last], 4, l->kind);
 	l->kind = (uint8_t)kind;
-	l->coder = (uint8_t)code_tree(r, s->coder[kind], 3, l->coder);
-	l->attributes = (uint8_t)code_tree(r, s->attributes[kind], 8, l->attributes);
+	l->coder = (uint8_t)eco_range_tree(r, s->coder[kind], 3, l->coder);
+	l->attributes = (uint8_t)eco_range_tree(r, s->attributes[kind], 8, l->attributes);
 	if (r->writer)
 		fields_of(l, item->id, f);
 	code_fields(r, s, kind, f);
@@ -314,7 +301,7 @@ static void code_chunk_counts(struct eco_range *r, struct eco_wire_items *s, uin
 	}
 	*usual = c->element_count;
 	uint32_t form = more == 0 ? 0 : more == c->element_count ? 1 : 2;
-	form = code_tree(r, s->more[kind], 2, form);
+	form = eco_range_tree(r, s->more[kind], 2, form);
 	if (form == 2) {
 		more = code_number(r, s, &s->extra, more);
 		s->bad |= more == 0 || more == c->element_count;
@@ -349,7 +336,7 @@ static void code_chunk(struct eco_range *r, struct eco_wire_items *s, struct eco
 
 void eco_wire_item_code(struct eco_range *r, struct eco_wire_items *s, struct eco_wire_item *item)
 {
-	item->kind = (enum eco_wire_item_kind)code_tree(r, s->kinds[s->kind], 2, (uint32_t)item->kind);
+	item->kind = (enum eco_wire_item_kind)eco_range_tree(r, s->kinds[s->kind], 2, (uint32_t)item->kind);
 	if (item->kind == ECO_ITEM_PLANT)
 		code_plant(r, s, item);
 	else if (item->kind == ECO_ITEM_LIST)

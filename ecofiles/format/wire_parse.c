@@ -22,10 +22,7 @@ struct eco_wire_parser {
 	void *ctx;
 	struct eco_error failure;            /* the first error, which is final */
 
-	uint8_t header[ECO_FRAME_HEADER_BYTES];
-	uint32_t header_have;
-	uint8_t *payload;                    /* a frame that came in several pieces */
-	size_t payload_have, payload_room;
+	struct eco_writer frame;             /* the part of it that has come */
 	uint32_t payload_size;               /* from the header */
 	uint32_t number;                     /* of the frame being read */
 	uint64_t offset;                     /* of that frame's header in the stream */
@@ -384,7 +381,7 @@ static bool may_follow(const struct eco_wire_parser *p, uint32_t type)
 
 static enum eco_code check_header(struct eco_wire_parser *p, struct eco_error *e)
 {
-	struct eco_reader r = { .bytes = p->header, .size = sizeof p->header };
+	struct eco_reader r = { .bytes = p->frame.bytes, .size = ECO_FRAME_HEADER_BYTES };
 	uint32_t first = eco_read_u32(&r), type = first & 0xFF, least, most;
 	p->payload_size = eco_read_u32(&r);
 	if (first > 0xFF || !eco_frame_name(type))
@@ -400,71 +397,47 @@ static enum eco_code check_header(struct eco_wire_parser *p, struct eco_error *e
 	return ECO_OK;
 }
 
-static enum eco_code read_frame(struct eco_wire_parser *p, const uint8_t *payload, struct eco_error *e)
+static enum eco_code read_frame(struct eco_wire_parser *p, struct eco_error *e)
 {
-	struct eco_reader header = { .bytes = p->header + 8, .size = 8 };
+	const uint8_t *header = p->frame.bytes, *payload = header + ECO_FRAME_HEADER_BYTES;
+	struct eco_reader hash = { .bytes = header + 8, .size = 8 };
 	struct eco_reader r = { .bytes = payload, .size = p->payload_size };
-	uint32_t type = p->header[0];
-	if (eco_frame_hash(p->header, p->number, payload, p->payload_size) != eco_read_u64(&header))
+	if (eco_frame_hash(header, p->number, payload, p->payload_size) != eco_read_u64(&hash))
 		return BAD("its hash does not match: it was damaged, or a frame is missing before it");
-	enum eco_code code = readers[type](p, &r, e);
+	enum eco_code code = readers[header[0]](p, &r, e);
 	if (code)
 		return code;
-	p->last_type = type;
-	p->offset += ECO_FRAME_HEADER_BYTES + (uint64_t)p->payload_size;
+	p->last_type = header[0];
+	p->offset += p->frame.size;
 	p->number++;
-	p->header_have = 0;
-	p->payload_have = 0;
+	p->frame.size = 0;
 	return ECO_OK;
 }
 
-/* Keeps bytes of the frame. Room doubles up to the frame's length, so that a header's length is believed
- * only as bytes arrive. */
-static bool keep(struct eco_wire_parser *p, const uint8_t *bytes, size_t size)
-{
-	size_t needed = p->payload_have + size;
-	if (needed > p->payload_room) {
-		size_t room = needed < p->payload_size / 2 ? 2 * needed : p->payload_size;
-		uint8_t *moved = realloc(p->payload, room);
-		if (!moved)
-			return false;
-		p->payload = moved;
-		p->payload_room = room;
-	}
-	memcpy(p->payload + p->payload_have, bytes, size);
-	p->payload_have = needed;
-	return true;
-}
-
-/* Takes bytes for the current frame's header or payload and reads the frame once it is whole. */
+/* Takes bytes for the current frame's header or payload and reads the frame once it is whole. Memory grows with
+ * the bytes that came: a header's length is not believed. */
 static enum eco_code feed_some(struct eco_wire_parser *p, const uint8_t *bytes, size_t size, size_t *used,
 	struct eco_error *e)
 {
+	bool in_header = p->frame.size < ECO_FRAME_HEADER_BYTES;
+	size_t whole = ECO_FRAME_HEADER_BYTES + (in_header ? 0 : (size_t)p->payload_size),
+		missing = whole - p->frame.size;
 	if (p->last_type == ECO_FRAME_END)
 		return BAD("%zu bytes follow the end of the stream", size);
-	if (p->header_have < ECO_FRAME_HEADER_BYTES) {
-		size_t missing = ECO_FRAME_HEADER_BYTES - p->header_have;
-		*used = size < missing ? size : missing;
-		memcpy(p->header + p->header_have, bytes, *used);
-		p->header_have += (uint32_t)*used;
-		if (p->header_have < ECO_FRAME_HEADER_BYTES)
-			return ECO_OK;
-		enum eco_code code = check_header(p, e);
-		return code || p->payload_size ? code : read_frame(p, bytes, e);
-	}
-	size_t missing = p->payload_size - p->payload_have;
 	*used = size < missing ? size : missing;
-	if (p->payload_have == 0 && *used == missing)
-		return read_frame(p, bytes, e);
-	if (!keep(p, bytes, *used))
+	eco_write_bytes(&p->frame, bytes, *used);
+	if (p->frame.failed)
 		return eco_fail(e, ECO_NO_MEMORY, "no memory for %u bytes", p->payload_size);
-	return p->payload_have < p->payload_size ? ECO_OK : read_frame(p, p->payload, e);
+	if (p->frame.size < whole)
+		return ECO_OK;
+	enum eco_code code = in_header ? check_header(p, e) : ECO_OK;
+	return code || (in_header && p->payload_size) ? code : read_frame(p, e);
 }
 
 static enum eco_code fail_for_good(struct eco_wire_parser *p, enum eco_code code,
 	const struct eco_error *cause, struct eco_error *error)
 {
-	const char *name = p->header_have == ECO_FRAME_HEADER_BYTES ? eco_frame_name(p->header[0]) : NULL;
+	const char *name = p->frame.size >= ECO_FRAME_HEADER_BYTES ? eco_frame_name(p->frame.bytes[0]) : NULL;
 	/* a callback may fail without a text */
 	eco_fail(&p->failure, code, "stream, frame %u%s%s%s at byte %llu: %s", p->number, name ? " (" : "",
 		name ? name : "", name ? ")" : "", (unsigned long long)p->offset, cause->code ? cause->text
@@ -519,7 +492,7 @@ void eco_wire_parser_free(struct eco_wire_parser *p)
 {
 	if (!p)
 		return;
-	free(p->payload);
+	eco_writer_free(&p->frame);
 	free(p->palette);
 	free(p->groups);
 	free(p);

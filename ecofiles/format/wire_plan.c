@@ -32,14 +32,14 @@ struct coder {
 /* 6 bits for how many there are, then those below the highest; value < 2^63. */
 static uint64_t code_number(struct coder *c, struct number *n, uint64_t value)
 {
-	unsigned bits = value ? 64u - (unsigned)__builtin_clzll(value) : 0;
-	bits = eco_range_tree(&c->range, n->size, 6, bits) & (SIZES - 1);
+	unsigned bits = eco_bit_length(value);
+	bits = eco_range_tree(&c->range, n->size, 6, bits);
 	if (bits < 2)
 		return bits;
 	unsigned below = bits - 1, modelled = below < MODELLED ? below : MODELLED, raw = below - modelled;
 	unsigned slot = bits < 7 ? bits - 2 : 5;
 	uint64_t high = eco_range_tree(&c->range, n->low[slot], modelled,
-		(uint32_t)(value >> raw) & ((1u << modelled) - 1)) & ((1u << modelled) - 1);
+		(uint32_t)(value >> raw) & ((1u << modelled) - 1));
 	return (1ull << modelled | high) << raw | eco_range_raw(&c->range, raw, value & ((1ull << raw) - 1));
 }
 
@@ -53,9 +53,7 @@ static uint32_t code_u32(struct coder *c, struct number *n, uint32_t value)
 /* A value by its difference to another, both modulo 2^32. */
 static uint32_t code_step(struct coder *c, struct number *n, uint32_t before, uint32_t value)
 {
-	uint32_t step = value - before, zigzag = step << 1 ^ (0u - (step >> 31));
-	zigzag = code_u32(c, n, zigzag);
-	return before + (zigzag >> 1 ^ (0u - (zigzag & 1)));
+	return before + eco_unzigzag(code_u32(c, n, eco_zigzag(value - before)));
 }
 
 static double code_f64(struct coder *c, double value)
@@ -69,7 +67,7 @@ static double code_f64(struct coder *c, double value)
 
 static unsigned code_form(struct coder *c, struct eco_bit *models, unsigned bits, unsigned form)
 {
-	return eco_range_tree(&c->range, models, bits, form) & ((1u << bits) - 1);
+	return eco_range_tree(&c->range, models, bits, form);
 }
 
 /* ---- Scales ---- */
@@ -195,7 +193,7 @@ static void code_gate(struct coder *c, struct gate_models *m, const struct eco_g
 	uint32_t from = before ? before->plant + 1 : 0, band = gate->end / ECO_SHARE_ONE,
 		share = gate->end % ECO_SHARE_ONE;
 	gate->plant = from + code_u32(c, &m->plant, gate->plant - from);
-	band = eco_range_tree(&c->range, m->band, 8, band) & 255;
+	band = eco_range_tree(&c->range, m->band, 8, band);
 	if (eco_range_bit(&c->range, &m->within, share != 0))
 		share = (uint32_t)eco_range_raw(&c->range, 16, share);
 	else

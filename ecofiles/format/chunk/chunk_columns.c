@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/range.h"
 
 #define WAY_BITS 3u
@@ -41,21 +42,10 @@ struct learnt {
 	uint32_t recent_count;
 };
 
-static uint32_t zigzag(uint32_t v)
+static uint32_t code_signed(struct eco_range *r, uint32_t value)
 {
-	return v << 1 ^ (0u - (v >> 31));
-}
-
-static uint32_t unzigzag(uint32_t v)
-{
-	return v >> 1 ^ (0u - (v & 1));
-}
-
-uint32_t eco_columns_number(struct eco_range *r, uint32_t value)
-{
-	uint32_t code = zigzag(value), bits = code ? 32u - (uint32_t)__builtin_clz(code) : 0;
-	bits = (uint32_t)eco_range_raw(r, 6, bits);
-	return unzigzag((uint32_t)eco_range_raw(r, bits < BITS_MAX ? bits : BITS_MAX, code));
+	uint32_t code = eco_zigzag(value), bits = (uint32_t)eco_range_raw(r, 6, eco_bit_length(code));
+	return eco_unzigzag((uint32_t)eco_range_raw(r, bits < BITS_MAX ? bits : BITS_MAX, code));
 }
 
 /* Reads component `index`. False: impossible. */
@@ -63,7 +53,7 @@ static bool code_head(struct eco_range *r, uint32_t index, struct head *h)
 {
 	h->way = (uint32_t)eco_range_raw(r, WAY_BITS, h->way);
 	if (h->way == DIFFERENCES || h->way == STEPS)
-		h->first = eco_columns_number(r, h->first);
+		h->first = code_signed(r, h->first);
 	if (h->way == STEPS)
 		return true;
 	if (h->way == GIVEN)
@@ -73,7 +63,7 @@ static bool code_head(struct eco_range *r, uint32_t index, struct head *h)
 	if (eco_range_raw(r, 1, h->shift != 0))
 		h->shift = (uint32_t)eco_range_raw(r, SHIFT_BITS, h->shift);
 	if (eco_range_raw(r, 1, h->low != 0))
-		h->low = eco_columns_number(r, h->low);
+		h->low = code_signed(r, h->low);
 	return h->way < WAYS && h->bits + h->shift <= BITS_MAX && h->modelled <= MODELLED_MOST
 		&& (h->way != GIVEN || h->given < index);
 }
@@ -85,23 +75,13 @@ static uint32_t code_field(struct eco_range *r, struct learnt *l, const struct h
 		(value - h->low) >> h->shift) << h->shift);
 }
 
-/* Any number below 2^15: its number of bits, then those below the highest. */
-static uint32_t code_rank(struct eco_range *r, struct learnt *l, uint32_t rank)
-{
-	uint32_t bits = rank ? 32u - (uint32_t)__builtin_clz(rank) : 0;
-	bits = eco_range_tree(r, l->ranks, RANK_BITS, bits) & ((1u << RANK_BITS) - 1);
-	if (bits < 2)
-		return bits;
-	return 1u << (bits - 1) | (uint32_t)eco_range_raw(r, bits - 1, rank & ((1u << (bits - 1)) - 1));
-}
-
 /* How many other values came since this one came last; as many as there are: it is new. */
 static uint32_t code_recent(struct eco_range *r, struct learnt *l, const struct head *h, uint32_t value)
 {
 	uint32_t rank = 0;
 	while (r->writer && rank < l->recent_count && (uint32_t)l->recent[rank] != value)
 		rank++;
-	rank = code_rank(r, l, rank);
+	rank = (uint32_t)eco_range_size(r, l->ranks, RANK_BITS, rank);
 	if (rank < l->recent_count)
 		value = (uint32_t)l->recent[rank];
 	else {
@@ -195,43 +175,14 @@ static struct head head_of(const struct component *c, bool difference)
 		high = i == difference || value > high ? value : high;
 	}
 	uint32_t span = (uint32_t)high - (uint32_t)low;
-	h.bits = span ? 32u - (uint32_t)__builtin_clz(span) : 0;
+	h.bits = eco_bit_length(span);
 	h.low = low >= 0 && (uint64_t)high < (uint64_t)1 << h.bits ? 0 : (uint32_t)low;
 	take_shift(c, difference, &h);
 	return h;
 }
 
-/* Size of VALUES or DIFFERENCES, by the number of modelled bits. */
-static void field_sizes(const struct columns *columns, uint32_t index, struct head h,
-	size_t sizes[MODELLED_STEPS])
-{
-	const struct component *c = &columns->items[index];
-	struct eco_writer w = { 0 };
-	struct eco_range range;
-	struct eco_counted counted[MODELLED_STEPS];
-	struct eco_bit models[MODELS];
-	eco_range_write(&range, &w);
-	code_head(&range, index, &h);
-	for (uint32_t i = 0; i < MODELLED_STEPS; i++)
-		eco_range_count(&counted[i], &range);
-	columns->range.writer->failed |= w.failed;       /* else want of memory would choose another way */
-	eco_writer_free(&w);
-	eco_bits_start(models, MODELS);
-	for (uint32_t i = h.way == DIFFERENCES; i < c->rows; i++)
-		eco_range_count_field(counted, MODELLED_STEPS, MODELLED_STEP, models, h.bits,
-			(value_at(c, i, h.way == DIFFERENCES) - h.low) >> h.shift);
-	for (uint32_t i = 0; i < MODELLED_STEPS; i++)
-		sizes[i] = eco_range_counted(&counted[i]);
-}
-
-/* Keeps the way that takes fewer bytes. Coding leaves the values as they are, so all can be tried. */
+/* The way that takes fewest bytes so far. Coding leaves the values as they are, so all can be tried. */
 struct choice { struct head best; size_t least; };
-
-static void consider(struct choice *choice, const struct head *h, size_t size)
-{
-	if (size < choice->least)
-		*choice = (struct choice){ *h, size };
-}
 
 static void try_way(struct choice *choice, const struct columns *columns, uint32_t index, struct head h)
 {
@@ -240,9 +191,11 @@ static void try_way(struct choice *choice, const struct columns *columns, uint32
 	eco_range_write(&range, &w);
 	code_component(&range, columns, index, &h);
 	size_t zeros = eco_range_end(&range), size = w.size + zeros;
-	columns->range.writer->failed |= w.failed;       /* else want of memory would choose another way */
+	if (w.failed)
+		eco_end("no memory");
 	eco_writer_free(&w);
-	consider(choice, &h, size);
+	if (size < choice->least)
+		*choice = (struct choice){ h, size };
 }
 
 /* Other components: those of one value a row. Of values of many bits, models would learn nothing. */
@@ -260,15 +213,12 @@ static struct head smallest_head(const struct columns *columns, uint32_t index)
 	const struct component *c = &columns->items[index];
 	struct head values = head_of(c, false), differences = head_of(c, true), h;
 	struct choice choice = { values, SIZE_MAX };
-	size_t as_values[MODELLED_STEPS], as_differences[MODELLED_STEPS];
-	field_sizes(columns, index, values, as_values);
-	field_sizes(columns, index, differences, as_differences);
-	for (uint32_t i = 0; i < MODELLED_STEPS; i++) {
-		values.modelled = differences.modelled = MODELLED_STEP * i;
-		if (values.modelled < values.bits + MODELLED_STEP)
-			consider(&choice, &values, as_values[i]);
-		if (differences.modelled < differences.bits + MODELLED_STEP)
-			consider(&choice, &differences, as_differences[i]);
+	for (uint32_t modelled = 0; modelled <= MODELLED_MOST; modelled += MODELLED_STEP) {
+		values.modelled = differences.modelled = modelled;
+		if (modelled < values.bits + MODELLED_STEP)
+			try_way(&choice, columns, index, values);
+		if (modelled < differences.bits + MODELLED_STEP)
+			try_way(&choice, columns, index, differences);
 	}
 	h = values;
 	h.way = RECENT;
@@ -282,16 +232,171 @@ static struct head smallest_head(const struct columns *columns, uint32_t index)
 	return choice.best;
 }
 
+/* ---- Positions by counts ---- */
+
+#define AXES 3u
+#define FEW 16u                  /* points of a cell whose counts have models for each number */
+#define FEW_BITS 5u
+#define SEEN 6u                  /* numbers that the start of a model is worth */
+#define LEAST 64u                /* probability that it begins with, in 65536ths */
+#define TOP_BITS 3u
+#define CELLS_MAX 128u           /* waiting: at most one for each bit of the coordinates */
+
+struct cell { uint32_t first, end, at[AXES], bits[AXES]; };
+
+struct counts {
+	struct eco_range *range;
+	struct eco_chunk_rows *rows;
+	uint32_t low[AXES];
+	struct eco_bit few[FEW + 1][AXES][1u << FEW_BITS], many[32][1u << TOP_BITS];
+	struct cell cells[CELLS_MAX];
+	uint32_t cell_count;
+};
+
+/* Models of a tree whose leaves are the numbers 0 to n: any, 3 in 10, or binomial, 7 in 10. */
+static void start_few(struct eco_bit models[1u << FEW_BITS], uint32_t n)
+{
+	uint32_t share[2u << FEW_BITS] = { 0 }, ways = 1;
+	for (uint32_t k = 0; k <= n; k++) {
+		share[(1u << FEW_BITS) + k] = 3 * (1u << n) + 7 * (n + 1) * ways;
+		ways = ways * (n - k) / (k + 1);
+	}
+	for (uint32_t node = (1u << FEW_BITS) - 1; node > 0; node--) {
+		share[node] = share[2 * node] + share[2 * node + 1];
+		uint64_t zero = share[node] ? ((uint64_t)share[2 * node] << 16) / share[node] : 1u << 15;
+		zero = zero < LEAST ? LEAST : zero > (1u << 16) - LEAST ? (1u << 16) - LEAST : zero;
+		models[node] = (struct eco_bit){ (uint16_t)zero, SEEN };
+	}
+}
+
+static void start_counts(struct counts *c)
+{
+	for (uint32_t n = 2; n <= FEW && n <= c->rows->stream.elements; n++)
+		for (uint32_t a = 0; a < AXES; a++)
+			start_few(c->few[n][a], n);
+	eco_bits_start(&c->many[0][0], sizeof c->many / sizeof **c->many);
+}
+
+static int32_t *place(const struct counts *c, uint32_t row)
+{
+	return c->rows->columns[0].values + AXES * (size_t)row;
+}
+
+static uint32_t coordinate(const struct counts *c, uint32_t row, uint32_t axis)
+{
+	return (uint32_t)place(c, row)[axis] - c->low[axis];
+}
+
+static void swap_rows(struct eco_chunk_rows *rows, uint32_t a, uint32_t b)
+{
+	for (uint32_t i = 0; i < rows->column_count; i++) {
+		uint32_t components = rows->columns[i].components;
+		int32_t *x = rows->columns[i].values + (size_t)components * a,
+			*y = rows->columns[i].values + (size_t)components * b;
+		for (uint32_t k = 0; k < components; k++) {
+			int32_t v = x[k];
+			x[k] = y[k];
+			y[k] = v;
+		}
+	}
+}
+
+/* Writing: rows of the lower half first; returns how many there are. */
+static uint32_t divide(struct counts *c, const struct cell *cell, uint32_t axis, uint32_t bit)
+{
+	uint32_t lower = cell->first;
+	for (uint32_t i = cell->first; i < cell->end; i++)
+		if (!(coordinate(c, i, axis) >> bit & 1))
+			swap_rows(c->rows, i, lower++);
+	return lower - cell->first;
+}
+
+static uint32_t code_count(struct counts *c, uint32_t n, uint32_t axis, uint32_t lower)
+{
+	if (n <= FEW)
+		lower = eco_range_tree(c->range, c->few[n][axis], FEW_BITS, lower);
+	else {
+		uint32_t bits = 32u - (uint32_t)__builtin_clz(n);
+		uint64_t part = ((uint64_t)lower << bits) / (n + 1);
+		part = eco_range_field(c->range, c->many[bits], TOP_BITS, bits, (uint32_t)part);
+		/* parts are no wider than 1, so each has at most one number */
+		lower = (uint32_t)((part * (n + 1) + (1u << bits) - 1) >> bits);
+	}
+	return lower < n ? lower : n;
+}
+
+static void code_point(struct counts *c, uint32_t row, const struct cell *cell)
+{
+	for (uint32_t a = 0; a < AXES; a++) {
+		uint32_t v = c->range->writer ? coordinate(c, row, a) & ((1u << cell->bits[a]) - 1) : 0;
+		v = (uint32_t)eco_range_raw(c->range, cell->bits[a], v) | cell->at[a] << cell->bits[a];
+		place(c, row)[a] = (int32_t)(v + c->low[a]);
+	}
+}
+
+/* Codes the count of a cell and leaves its halves, the lower on top. */
+static void halve(struct counts *c, struct cell cell, uint32_t axis)
+{
+	uint32_t n = cell.end - cell.first, bit = --cell.bits[axis],
+		lower = c->range->writer ? divide(c, &cell, axis, bit) : 0;
+	lower = code_count(c, n, axis, lower);
+	cell.at[axis] = cell.at[axis] << 1 | 1;
+	struct cell half = cell;
+	half.first += lower;
+	if (lower < n)
+		c->cells[c->cell_count++] = half;
+	cell.at[axis]--;
+	cell.end = half.first;
+	if (lower)
+		c->cells[c->cell_count++] = cell;
+}
+
+static struct cell code_root(struct counts *c)
+{
+	struct cell root = { .end = c->rows->stream.elements };
+	for (uint32_t a = 0; a < AXES; a++) {
+		bool writes = c->range->writer;
+		int32_t low = writes ? place(c, 0)[a] : 0, high = low;
+		for (uint32_t i = 0; writes && i < root.end; i++) {
+			low = place(c, i)[a] < low ? place(c, i)[a] : low;
+			high = place(c, i)[a] > high ? place(c, i)[a] : high;
+		}
+		uint32_t span = (uint32_t)high - (uint32_t)low;
+		root.bits[a] = (uint32_t)eco_range_raw(c->range, 5, eco_bit_length(span));
+		c->low[a] = code_signed(c->range, (uint32_t)low);
+	}
+	return root;
+}
+
+/* Writes or reads column 0, of 3 components. Writing puts all rows into the order in which they are read. */
+static void code_counts(struct eco_range *range, struct eco_chunk_rows *rows)
+{
+	struct counts c = { .range = range, .rows = rows, .cell_count = 1 };
+	start_counts(&c);
+	c.cells[0] = code_root(&c);
+	while (c.cell_count > 0) {
+		struct cell cell = c.cells[--c.cell_count];
+		uint32_t axis = 0;
+		for (uint32_t a = 1; a < AXES; a++)
+			axis = cell.bits[a] > cell.bits[axis] ? a : axis;
+		if (cell.end - cell.first > 1 && cell.bits[axis])
+			halve(&c, cell, axis);
+		else
+			for (uint32_t i = cell.first; i < cell.end; i++)
+				code_point(&c, i, &cell);
+	}
+}
+
 /* ---- Both ---- */
 
 /* Components of the columns that are coded one by one: a kd-tree's positions are not. */
 static void list_components(struct columns *columns, const struct eco_chunk_rows *rows)
 {
 	columns->count = 0;
-	for (uint32_t i = rows->shape.order == ECO_DRACO_KD; i < rows->column_count; i++)
+	for (uint32_t i = rows->order == ECO_DRACO_KD; i < rows->column_count; i++)
 		for (uint32_t k = 0; k < rows->columns[i].components; k++)
 			columns->items[columns->count++] = (struct component){
-				.values = rows->columns[i].values + k, .rows = rows->shape.rows,
+				.values = rows->columns[i].values + k, .rows = rows->stream.elements,
 				.apart = rows->columns[i].components,
 				.extra = rows->columns[i].components == 1 };
 }
@@ -299,8 +404,8 @@ static void list_components(struct columns *columns, const struct eco_chunk_rows
 static bool code_columns(struct columns *columns, struct eco_chunk_rows *rows)
 {
 	bool good = true;
-	if (rows->shape.order == ECO_DRACO_KD)
-		eco_counts_code(&columns->range, rows);
+	if (rows->order == ECO_DRACO_KD)
+		code_counts(&columns->range, rows);
 	for (uint32_t i = 0; i < columns->count && good; i++) {
 		struct head h = { .way = VALUES };
 		if (columns->range.writer)
@@ -310,8 +415,7 @@ static bool code_columns(struct columns *columns, struct eco_chunk_rows *rows)
 	return good;
 }
 
-enum eco_code eco_columns_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size, uint8_t *zeros,
-	struct eco_error *error)
+void eco_columns_encode(struct eco_chunk_rows *rows, struct eco_stream *stream)
 {
 	struct eco_writer w = { 0 };
 	struct columns columns;
@@ -319,25 +423,20 @@ enum eco_code eco_columns_encode(struct eco_chunk_rows *rows, uint8_t **bytes, s
 	eco_range_write(&columns.range, &w);
 	code_columns(&columns, rows);
 	eco_range_raw(&columns.range, END_BITS, END_MARK);
-	*zeros = (uint8_t)eco_range_end(&columns.range);
-	if (w.failed) {
-		eco_writer_free(&w);
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u rows of a chunk",
-			rows->shape.rows);
-	}
-	*bytes = w.bytes;
-	*size = w.size;
-	return ECO_OK;
+	stream->zeros = (uint8_t)eco_range_end(&columns.range);
+	if (w.failed)
+		eco_end("no memory");
+	stream->bytes = w.bytes;
+	stream->size = w.size;
 }
 
-enum eco_code eco_columns_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size,
-	uint8_t zeros, struct eco_error *error)
+enum eco_code eco_columns_decode(struct eco_chunk_rows *rows, struct eco_error *error)
 {
 	struct columns columns;
 	list_components(&columns, rows);
-	eco_range_read(&columns.range, bytes, size);
+	eco_range_read(&columns.range, rows->stream.bytes, rows->stream.size);
 	if (code_columns(&columns, rows) && eco_range_raw(&columns.range, END_BITS, 0) == END_MARK
-			&& eco_range_end(&columns.range) == zeros)
+			&& eco_range_end(&columns.range) == rows->stream.zeros)
 		return ECO_OK;
 	return eco_fail(error, ECO_DAMAGED, "chunk: its rows are cut short or hold impossible values");
 }

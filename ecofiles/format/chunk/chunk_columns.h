@@ -27,16 +27,11 @@
  * hardly larger. */
 #define ECO_COLUMNS_ROWS_MAX 4096u
 
-/* Encodes the columns as they stand in rows->columns; *zeros: bytes left off at the end. Bytes are malloc'ed.
- * Rows of a kd-tree are put into the order in which they are decoded. */
-enum eco_code eco_columns_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size, uint8_t *zeros,
-	struct eco_error *error);
-/* Fills rows->columns. ECO_DAMAGED where bytes are not as written. */
-enum eco_code eco_columns_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size,
-	uint8_t zeros, struct eco_error *error);
-
-/* A number as above, modulo 2^32. */
-uint32_t eco_columns_number(struct eco_range *range, uint32_t value);
+/* Encodes the columns as they stand in rows->columns; sets the stream's bytes, size and zeros. Rows of a
+ * kd-tree are put into the order in which they are decoded. Without memory it ends the program (memory.h). */
+void eco_columns_encode(struct eco_chunk_rows *rows, struct eco_stream *stream);
+/* Fills rows->columns from rows->stream. ECO_DAMAGED where bytes are not as written. */
+enum eco_code eco_columns_decode(struct eco_chunk_rows *rows, struct eco_error *error);
 
 /* Samples of ground in one adaptively coded stream (ecofiles/base/range.h): the packed rows of a chunk of
  * ground, whose samples stand in rows and columns.
@@ -54,13 +49,9 @@ uint32_t eco_columns_number(struct eco_range *range, uint32_t value);
  * Meyer and Tischer, TMW, 1997, blend predictions, in integers). lod/EXPERIMENTS.md, Ground by its
  * neighbours, says what this saves. */
 
-/* Encodes the columns' values as they were put. *bytes: malloc'ed; *zeros: bytes left off at the end.
- * ECO_BAD_INPUT: samples do not stand in rows and columns. */
-enum eco_code eco_ground_encode(const struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size,
-	uint8_t *zeros, struct eco_error *error);
-/* Fills rows->columns. ECO_DAMAGED where bytes are not as written. */
-enum eco_code eco_ground_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size, uint8_t zeros,
-	struct eco_error *error);
+/* The same of ground, whose samples stand in rows and columns: sets rows->stream. */
+void eco_ground_encode(struct eco_chunk_rows *rows);
+enum eco_code eco_ground_decode(struct eco_chunk_rows *rows, struct eco_error *error);
 
 /* Positions of points whose order is free, by how many of them lie in each half of a cell (Devillers and
  * Gandoin 2000, "Geometric compression for interactive transmission").
@@ -74,8 +65,5 @@ enum eco_code eco_ground_decode(struct eco_chunk_rows *rows, const uint8_t *byte
  * A count up to 16 points is a tree of 5 bits, with models for each n and axis that begin as if three tenths
  * of the cells had any count and the others a binomial one, and count as 6 seen: a chunk of a dozen points
  * has no time to learn. A larger n of m bits: floor(count 2^m / (n + 1)) as a field of m bits, 3 modelled. */
-
-/* Writes or reads column 0, of 3 components. Writing puts all rows into the order in which they are read. */
-void eco_counts_code(struct eco_range *range, struct eco_chunk_rows *rows);
 
 #endif

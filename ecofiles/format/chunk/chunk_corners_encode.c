@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/chunk/chunk_shapes.h"
 
 #define ROUNDS 4
@@ -159,17 +160,16 @@ static void make_view(struct view *view, const struct eco_frame *frame, const in
 	}
 }
 
-static bool make_views(struct fit *f)
+static void make_views(struct fit *f)
 {
-	f->views = malloc((size_t)f->count * (f->corners - 2) * sizeof *f->views);
-	for (uint32_t i = 0; f->views && i < f->count; i++) {
+	f->views = eco_alloc((size_t)f->count * (f->corners - 2), sizeof *f->views);
+	for (uint32_t i = 0; i < f->count; i++) {
 		struct eco_frame frame = { .of = 0 };
 		for (uint32_t k = 2; k < f->corners; k++) {
 			eco_corner_frame(&frame, f->at[i], k);
 			make_view(view_of(f, i, k), &frame, f->at[i], k);
 		}
 	}
-	return f->views;
 }
 
 /* Solves a x = b by Gauss's method for up to ECO_BASES_MAX unknowns; a is symmetric and positive. False: a
@@ -328,19 +328,14 @@ static double refine(struct fit *f)
 	return bits;
 }
 
-bool eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const int32_t *const *at,
+void eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const int32_t *const *at,
 	uint32_t count, double share)
 {
-	struct fit *f = calloc(1, sizeof *f);
+	struct fit *f = eco_alloc(1, sizeof *f);
 	uint32_t weights = 0;
-	head->trends[corners - 3] = 0;
-	if (f)
-		*f = (struct fit){ .corners = corners, .count = count < LEAVES_MAX ? count : LEAVES_MAX,
-			.at = at, .trends = 1, .share = share };
-	if (!f || !make_views(f)) {
-		free(f);
-		return false;
-	}
+	*f = (struct fit){ .corners = corners, .count = count < LEAVES_MAX ? count : LEAVES_MAX, .at = at,
+		.trends = 1, .share = share };
+	make_views(f);
 	for (uint32_t k = 2; k < corners; k++)
 		weights += eco_corner_bases(k);
 	double least = refine(f);
@@ -365,5 +360,4 @@ bool eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const in
 	}
 	free(f->views);
 	free(f);
-	return true;
 }

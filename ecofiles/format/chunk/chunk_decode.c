@@ -130,16 +130,15 @@ static enum eco_code decode_stream(const struct eco_list *list, const struct eco
 	const struct eco_stream *stream, const struct place *places, struct eco_elements *elements,
 	struct eco_error *error)
 {
-	struct eco_rows_shape shape = eco_payload_shape(list, payload->coder, stream);
 	struct eco_chunk_rows rows;
-	enum eco_code code = eco_rows_make(&rows, &shape, error);
-	code = code ? code : eco_rows_decode(&rows, stream->bytes, stream->size, error);
+	enum eco_code code = eco_rows_make(&rows, list, payload->coder, stream, error);
+	code = code ? code : eco_rows_decode(&rows, error);
 	for (uint32_t i = 0; code == ECO_OK && i < stream->elements; i++) {
 		size_t corner = places[i].corner, element = places[i].element;
 		struct eco_rows_element row = {
 			elements->position + 3 * corner,
-			shape.uv ? elements->uv + 2 * corner : NULL,
-			shape.extra_count > 0 ? elements->extra + shape.extra_count * element : NULL,
+			rows.uv ? elements->uv + 2 * corner : NULL,
+			rows.extra_count > 0 ? elements->extra + rows.extra_count * element : NULL,
 		};
 
 		if (!eco_rows_get(&rows, i, &row))
@@ -219,24 +218,6 @@ static enum eco_code decode_shapes(const struct eco_list *list, const struct eco
 	return code;
 }
 
-/* Checks that every Draco stream starts as our encoder writes it, with the declared counts, before its
- * first byte is decoded. */
-static enum eco_code check_streams(const struct eco_payload *payload, struct eco_error *error)
-{
-	enum eco_draco_order order = payload->coder == ECO_CODER_KD ? ECO_DRACO_KD : ECO_DRACO_SEQUENTIAL;
-	for (uint32_t i = 0; i < payload->stream_count && payload->coder != ECO_CODER_SHAPES; i++) {
-		const struct eco_stream *s = &payload->streams[i];
-		bool good = s->packed ? true : payload->coder == ECO_CODER_MESH && s->corners == 3
-			? eco_draco_mesh_start(s->bytes, s->size, s->elements)
-			: eco_draco_rows_start(s->bytes, s->size, order, s->elements);
-
-		if (!good)
-			return BAD("chunk: stream %u does not start as a stream of "
-				"%u elements", i, s->elements);
-	}
-	return ECO_OK;
-}
-
 enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chunk *chunk, uint32_t ordinal,
 	const uint8_t *bytes, size_t size_bytes, struct eco_elements *elements, struct eco_error *error)
 {
@@ -248,7 +229,6 @@ enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chu
 	if (!code && payload.streams[0].packed)
 		payload.streams[0].elements = chunk->element_count;
 	code = code ? code : check_payload(list, chunk, &payload, &corner_count, error);
-	code = code ? code : check_streams(&payload, error);
 	code = code ? code : allocate(list, chunk, corner_count, elements, error);
 	if (!code)
 		code = payload.coder == ECO_CODER_SHAPES ? decode_shapes(list, chunk, &payload, ordinal,

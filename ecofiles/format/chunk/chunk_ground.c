@@ -2,9 +2,11 @@
  * weights 24. */
 #include "ecofiles/format/chunk/chunk_columns.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/base/range.h"
 
 #define GUESSES 6
@@ -31,18 +33,18 @@ struct ground {
 
 static bool in_whole_rows(const struct eco_chunk_rows *rows)
 {
-	return rows->shape.rows % rows->shape.ground_columns == 0;
+	return rows->stream.elements % rows->ground_columns == 0;
 }
 
 static bool start(struct ground *g, const struct eco_chunk_rows *rows)
 {
-	*g = (struct ground){ .columns = rows->shape.ground_columns,
-		.rows = rows->shape.rows / rows->shape.ground_columns, .x = rows->columns[0].values,
+	*g = (struct ground){ .columns = rows->ground_columns,
+		.rows = rows->stream.elements / rows->ground_columns, .x = rows->columns[0].values,
 		.y = rows->columns[1].values, .z = rows->columns[2].values };
 	eco_bits_start(g->low, BORDERS);
 	eco_bits_start(g->steps[0], 2 * ECO_RANGE_NUMBER);
 	eco_near_start(&g->near, g->kinds, KINDS);
-	g->samples = calloc(rows->shape.rows, sizeof *g->samples);
+	g->samples = calloc(rows->stream.elements, sizeof *g->samples);
 	return g->samples;
 }
 
@@ -207,40 +209,34 @@ static bool code(struct ground *g)
 	return eco_range_raw(&g->range, END_BITS, END_MARK) == END_MARK;
 }
 
-enum eco_code eco_ground_encode(const struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size,
-	uint8_t *zeros, struct eco_error *error)
+void eco_ground_encode(struct eco_chunk_rows *rows)
 {
 	struct eco_writer w = { 0 };
 	struct ground g;
-	bool has_memory = start(&g, rows), in_rows = has_memory && in_whole_rows(rows) && on_axes(&g);
-	if (in_rows) {
+	bool has_memory = start(&g, rows);
+	assert(in_whole_rows(rows) && on_axes(&g));
+	if (has_memory) {
 		eco_range_write(&g.range, &w);
 		g.shift = find_shift(&g);
 		code(&g);
-		*zeros = (uint8_t)eco_range_end(&g.range);
+		rows->stream.zeros = (uint8_t)eco_range_end(&g.range);
 	}
+	if (!has_memory || w.failed)
+		eco_end("no memory");
 	free(g.samples);
-	if (!in_rows && has_memory)
-		return eco_fail(error, ECO_BAD_INPUT, "chunk: samples of ground do not stand in rows and columns");
-	if (!in_rows || w.failed) {
-		eco_writer_free(&w);
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u samples of ground",
-			rows->shape.rows);
-	}
-	*bytes = w.bytes;
-	*size = w.size;
-	return ECO_OK;
+	rows->stream.packed = true;
+	rows->stream.bytes = w.bytes;
+	rows->stream.size = w.size;
 }
 
-enum eco_code eco_ground_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size, uint8_t zeros,
-	struct eco_error *error)
+enum eco_code eco_ground_decode(struct eco_chunk_rows *rows, struct eco_error *error)
 {
 	struct ground g;
 	if (!start(&g, rows))
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u samples of ground",
-			rows->shape.rows);
-	eco_range_read(&g.range, bytes, size);
-	bool good = in_whole_rows(rows) && code(&g) && eco_range_end(&g.range) == zeros;
+			rows->stream.elements);
+	eco_range_read(&g.range, rows->stream.bytes, rows->stream.size);
+	bool good = in_whole_rows(rows) && code(&g) && eco_range_end(&g.range) == rows->stream.zeros;
 	if (good)
 		put_on_axes(&g);
 	free(g.samples);

@@ -3,23 +3,11 @@
 #ifndef ECO_CHUNK_PAYLOAD_H
 #define ECO_CHUNK_PAYLOAD_H
 
+#include "ecofiles/base/bytes.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/chunk/chunk_rows.h"
 
 #define ECO_PAYLOAD_STREAMS_MAX 4u
-
-struct eco_stream {
-	uint8_t corners;
-	bool wide;
-	uint8_t uv_shift;
-	uint8_t shift;               /* of positions */
-	uint16_t predictors;
-	bool packed;                 /* as chunk_columns.h says; then it is the only stream */
-	uint8_t zeros;               /* SHAPES, packed: bytes at the end that are zero and not stored */
-	uint32_t elements;           /* packed: eco_payload_read leaves it 0, the chunk's record says it */
-	const uint8_t *bytes;        /* reading: within the payload; writing: malloc'ed */
-	size_t size;
-};
 
 struct eco_payload {
 	uint8_t coder;
@@ -30,9 +18,8 @@ struct eco_payload {
 /* Parses and bounds everything except the streams' own bytes. */
 enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes, size_t size,
 	struct eco_error *error);
-/* Writes the whole payload; *bytes is malloc'ed. */
-enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **bytes, size_t *size,
-	struct eco_error *error);
+/* Appends the whole payload. Encoders end the program without memory (memory.h). */
+void eco_payload_write(const struct eco_payload *payload, struct eco_writer *w);
 void eco_payload_free_streams(struct eco_payload *payload);
 
 /* Primitives of an element with so many corners. */
@@ -44,23 +31,24 @@ const char *eco_list_coding_fault(const struct eco_list *list);
 /* Does a list's level mean something to its kind? */
 bool eco_list_level_known(const struct eco_list *list);
 
-struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t coder,
-	const struct eco_stream *stream);
+/* An element of an encoder's input, to be sorted into stored order. */
+struct eco_stored {
+	uint8_t corners;
+	uint32_t key[3];             /* first corner relative to the chunk's least: small steps */
+	uint32_t element;            /* relative to the input's first */
+	size_t corner_at;            /* index of its first corner among all corners */
+};
 
 /* SHAPES, in chunk_shapes.c. `elements` are in stored order; soup_bits: bits of an element stored as
  * corners. The stream's bytes are malloc'ed. */
-struct eco_placed_element { uint32_t element; size_t corner_at; };
-enum eco_code eco_shapes_encode(const struct eco_chunk_input *input,
-	const struct eco_placed_element *elements, double soup_bits, struct eco_stream *stream,
-	struct eco_error *error);
+void eco_shapes_encode(const struct eco_chunk_input *input, const struct eco_stored *elements, double soup_bits,
+	struct eco_stream *stream);
 /* Fills the elements in stored order. Their counts say what is expected; their arrays are allocated. */
 enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_stream *stream,
 	struct eco_elements *stored, struct eco_error *error);
 
-/* MESH, in chunk_mesh.c. Encoding sets *fits to false, with ECO_OK, where edgebreaker does not give back
- * every triangle. */
-enum eco_code eco_mesh_encode(const struct eco_list *list, const struct eco_elements *elements,
-	uint32_t first, uint32_t end, struct eco_payload *payload, bool *fits, struct eco_error *error);
+/* MESH, in chunk_mesh.c. False: edgebreaker does not give back every triangle. */
+bool eco_mesh_encode(const struct eco_chunk_input *input, struct eco_payload *payload);
 /* Fills position and, if the list has them, uv and extra of `elements`, whose arrays are allocated. */
 enum eco_code eco_mesh_decode(const struct eco_list *list, const struct eco_payload *payload,
 	struct eco_elements *elements, struct eco_error *error);

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/chunk/chunk_columns.h"
 
 /* Corner k relative to corner 0 is predicted as the sum of these eighths times corners k-1, k-2, k-3 and
@@ -63,34 +64,43 @@ static bool in_bounds(int32_t v)
 	return v >= -ECO_ROWS_VALUE_MAX && v <= ECO_ROWS_VALUE_MAX;
 }
 
-enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_shape *shape,
-	struct eco_error *error)
+int32_t *eco_rows_storage(struct eco_draco_column *columns, uint32_t count, uint32_t rows)
 {
-	uint32_t per_row = 0;
-	assert(shape->corners >= 1 && shape->corners <= ECO_ROWS_CORNERS_MAX && shape->extra_count
-		<= ECO_ROWS_EXTRA_MAX);
-	memset(rows, 0, sizeof *rows);
-	rows->shape = *shape;
-	assert(!shape->split || shape->corners == 1);
-	for (unsigned axis = 0; shape->split && axis < 3; axis++)
-		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 1 };
-	for (unsigned k = 0; !shape->split && k < shape->corners; k++)
-		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 3 };
-	for (unsigned k = 0; shape->uv && k < shape->corners; k++)
-		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 2 };
-	for (unsigned k = 0; k < shape->extra_count; k++)
-		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = 1 };
-	for (uint32_t i = 0; i < rows->column_count; i++)
-		per_row += rows->columns[i].components;
-	rows->storage = calloc((size_t)per_row * shape->rows, sizeof *rows->storage);
-	if (!rows->storage)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u rows of a chunk", shape->rows);
-	int32_t *at = rows->storage;
-	for (uint32_t i = 0; i < rows->column_count; i++) {
-		rows->columns[i].values = at;
-		at += (size_t)rows->columns[i].components * shape->rows;
+	size_t per_row = 0;
+	for (uint32_t i = 0; i < count; i++)
+		per_row += columns[i].components;
+	int32_t *storage = calloc(per_row * rows, sizeof *storage), *at = storage;
+	for (uint32_t i = 0; storage && i < count; i++) {
+		columns[i].values = at;
+		at += (size_t)columns[i].components * rows;
 	}
-	return ECO_OK;
+	return storage;
+}
+
+static void add_columns(struct eco_chunk_rows *rows, uint32_t count, uint8_t components)
+{
+	while (count-- > 0)
+		rows->columns[rows->column_count++] = (struct eco_draco_column){ .components = components };
+}
+
+static enum eco_code no_memory(const struct eco_chunk_rows *rows, struct eco_error *error)
+{
+	return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u rows of a chunk", rows->stream.elements);
+}
+
+enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_list *list, uint8_t coder,
+	const struct eco_stream *stream, struct eco_error *error)
+{
+	*rows = (struct eco_chunk_rows){ .order = coder == ECO_CODER_KD ? ECO_DRACO_KD : ECO_DRACO_SEQUENTIAL,
+		.extra_count = (uint8_t)eco_list_extra_count(list), .uv = list->attributes & ECO_ATTR_UV,
+		.split = coder == ECO_CODER_ROWS,
+		.ground_columns = list->kind == ECO_LIST_GROUND ? list->columns : 0, .stream = *stream };
+	assert(!rows->split || stream->corners == 1);
+	add_columns(rows, rows->split ? 3 : stream->corners, rows->split ? 1 : 3);
+	add_columns(rows, rows->uv ? stream->corners : 0, 2);
+	add_columns(rows, rows->extra_count, 1);
+	rows->storage = eco_rows_storage(rows->columns, rows->column_count, stream->elements);
+	return rows->storage ? ECO_OK : no_memory(rows, error);
 }
 
 void eco_rows_free(struct eco_chunk_rows *rows)
@@ -102,34 +112,34 @@ void eco_rows_free(struct eco_chunk_rows *rows)
 /* Stores positions relative to corner 0; eco_rows_encode subtracts the prediction once it is chosen. */
 void eco_rows_put(struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element)
 {
-	const struct eco_rows_shape *s = &rows->shape;
+	const struct eco_stream *s = &rows->stream;
 	const struct eco_draco_column *column = rows->columns;
-	assert(row < s->rows);
-	for (unsigned axis = 0; s->split && axis < 3; axis++, column++)
+	assert(row < s->elements);
+	for (unsigned axis = 0; rows->split && axis < 3; axis++, column++)
 		column->values[row] = element->position[axis];
-	for (unsigned k = 0; !s->split && k < s->corners; k++, column++)
+	for (unsigned k = 0; !rows->split && k < s->corners; k++, column++)
 		for (unsigned axis = 0; axis < 3; axis++)
 			column->values[3 * (size_t)row + axis] = k == 0 ? element->position[axis]
 				: minus(element->position[3 * k + axis], element->position[axis]);
-	for (unsigned k = 0; s->uv && k < s->corners; k++, column++)
+	for (unsigned k = 0; rows->uv && k < s->corners; k++, column++)
 		for (unsigned axis = 0; axis < 2; axis++)
 			column->values[2 * (size_t)row + axis] = k == 0 ? element->uv[axis]
 				: minus(element->uv[2 * k + axis], element->uv[2 * (k - 1) + axis]);
-	for (unsigned i = 0; i < s->extra_count; i++, column++)
+	for (unsigned i = 0; i < rows->extra_count; i++, column++)
 		column->values[row] = element->extra[i];
 }
 
 bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element)
 {
-	const struct eco_rows_shape *s = &rows->shape;
+	const struct eco_stream *s = &rows->stream;
 	const struct eco_draco_column *column = rows->columns;
 	bool good = true;
-	assert(row < s->rows);
-	for (unsigned axis = 0; s->split && axis < 3; axis++, column++) {
+	assert(row < s->elements);
+	for (unsigned axis = 0; rows->split && axis < 3; axis++, column++) {
 		element->position[axis] = column->values[row];
 		good &= in_bounds(element->position[axis]);
 	}
-	for (unsigned k = 0; !s->split && k < s->corners; k++, column++) {
+	for (unsigned k = 0; !rows->split && k < s->corners; k++, column++) {
 		unsigned predictor = predictor_of(s->predictors, k);
 		for (unsigned axis = 0; axis < 3; axis++) {
 			int32_t v = column->values[3 * (size_t)row + axis];
@@ -146,14 +156,14 @@ bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct 
 		good &= v >= -ECO_ROWS_VALUE_MAX && v <= ECO_ROWS_VALUE_MAX;
 		element->position[i] = good ? (int32_t)v : 0;
 	}
-	for (unsigned k = 0; s->uv && k < s->corners; k++, column++)
+	for (unsigned k = 0; rows->uv && k < s->corners; k++, column++)
 		for (unsigned axis = 0; axis < 2; axis++) {
 			int32_t v =
 				(int32_t)((uint32_t)column->values[2 * (size_t)row + axis] << s->uv_shift);
 			element->uv[2 * k + axis] = k == 0 ? v : plus(v, element->uv[2 * (k - 1) + axis]);
 			good &= in_bounds(element->uv[2 * k + axis]);
 		}
-	for (unsigned i = 0; i < s->extra_count; i++, column++) {
+	for (unsigned i = 0; i < rows->extra_count; i++, column++) {
 		element->extra[i] = column->values[row];
 		good &= in_bounds(element->extra[i]);
 	}
@@ -169,9 +179,9 @@ static unsigned bit_length(uint32_t v)
 static uint64_t predictor_cost(const struct eco_chunk_rows *rows, unsigned corner, unsigned predictor)
 {
 	int32_t position[3 * ECO_ROWS_CORNERS_MAX] = { 0 };
-	uint32_t step = rows->shape.rows / 2048 + 1;
+	uint32_t step = rows->stream.elements / 2048 + 1;
 	uint64_t bits = 0;
-	for (uint32_t row = 0; row < rows->shape.rows; row += step)
+	for (uint32_t row = 0; row < rows->stream.elements; row += step)
 		for (unsigned axis = 0; axis < 3; axis++) {
 			for (unsigned k = 1; k <= corner; k++)
 				position[3 * k + axis] = rows->columns[k].values[3 * (size_t)row + axis];
@@ -185,7 +195,7 @@ static uint64_t predictor_cost(const struct eco_chunk_rows *rows, unsigned corne
 static uint16_t choose_predictors(const struct eco_chunk_rows *rows)
 {
 	uint16_t chosen = 0;
-	for (unsigned corner = 2; corner < rows->shape.corners; corner++) {
+	for (unsigned corner = 2; corner < rows->stream.corners; corner++) {
 		unsigned best = 0;
 		uint64_t best_cost = predictor_cost(rows, corner, 0);
 		for (unsigned p = 1; p < ECO_ROWS_PREDICTORS; p++) {
@@ -205,9 +215,9 @@ static uint16_t choose_predictors(const struct eco_chunk_rows *rows)
 static void take_predictions(struct eco_chunk_rows *rows)
 {
 	int32_t position[3 * ECO_ROWS_CORNERS_MAX] = { 0 };
-	for (unsigned corner = rows->shape.corners - 1u; corner >= 2; corner--) {
-		unsigned predictor = predictor_of(rows->shape.predictors, corner);
-		for (uint32_t row = 0; predictor != 0 && row < rows->shape.rows; row++)
+	for (unsigned corner = rows->stream.corners - 1u; corner >= 2; corner--) {
+		unsigned predictor = predictor_of(rows->stream.predictors, corner);
+		for (uint32_t row = 0; predictor != 0 && row < rows->stream.elements; row++)
 			for (unsigned axis = 0; axis < 3; axis++) {
 				int32_t *v = &rows->columns[corner].values[3 * (size_t)row + axis];
 				for (unsigned k = 1; k < corner; k++)
@@ -221,17 +231,17 @@ static void take_predictions(struct eco_chunk_rows *rows)
 /* Finds uv_shift: texture coordinates of whole pictures and of atlases are multiples of a power of two. */
 static void take_uv_shift(struct eco_chunk_rows *rows)
 {
-	uint32_t first = rows->shape.split ? 3 : rows->shape.corners, count = rows->shape.uv
-		? rows->shape.corners : 0, all = 0;
+	uint32_t first = rows->split ? 3 : rows->stream.corners, count = rows->uv
+		? rows->stream.corners : 0, all = 0;
 	/* of all uv columns: adjacent */
 	int32_t *values = count > 0 ? rows->columns[first].values : NULL;
-	size_t total = 2 * (size_t)rows->shape.rows * count;
+	size_t total = 2 * (size_t)rows->stream.elements * count;
 	for (size_t i = 0; i < total; i++)
 		all |= (uint32_t)values[i];
-	while (rows->shape.uv_shift < 15 && all != 0 && !(all >> rows->shape.uv_shift & 1))
-		rows->shape.uv_shift++;
+	while (rows->stream.uv_shift < 15 && all != 0 && !(all >> rows->stream.uv_shift & 1))
+		rows->stream.uv_shift++;
 	for (size_t i = 0; i < total; i++)
-		values[i] /= 1 << rows->shape.uv_shift;
+		values[i] /= 1 << rows->stream.uv_shift;
 }
 
 /* Whether Draco can code a column's values, or their differences, without allocating too much. */
@@ -248,108 +258,115 @@ static void find_bounds(const struct eco_draco_column *column, uint32_t rows, bo
 	*differences_fit = (int64_t)high - low <= ECO_DRACO_VALUE_MAX;
 }
 
-/* Asks the coder which is smaller, each column's values or its differences. Sets shape.wide where neither
- * fits. */
-static enum eco_code choose_differences(struct eco_chunk_rows *rows, struct eco_error *error)
+/* Draco fails where memory lacks, or by a bug. */
+static void must(enum eco_code code, const struct eco_error *why)
 {
-	for (uint32_t i = 0; rows->shape.order == ECO_DRACO_SEQUENTIAL && i < rows->column_count; i++) {
-		struct eco_draco_column *column = &rows->columns[i], as_difference = *column;
+	if (code)
+		eco_end(why->text);
+}
+
+/* SIZE_MAX where a column does not fit. */
+static size_t size_of(const struct eco_draco_column *column, uint32_t rows, bool fits, bool difference)
+{
+	struct eco_draco_column asked = *column;
+	struct eco_error error = { 0 };
+	size_t size = SIZE_MAX;
+	asked.difference = difference;
+	if (fits)
+		must(eco_draco_column_size(&asked, rows, &size, &error), &error);
+	return size;
+}
+
+/* Asks the coder which is smaller, each column's values or its differences. Sets `wide` where neither fits. */
+static void choose_differences(struct eco_chunk_rows *rows)
+{
+	for (uint32_t i = 0; rows->order == ECO_DRACO_SEQUENTIAL && i < rows->column_count; i++) {
+		struct eco_draco_column *column = &rows->columns[i];
+		uint32_t count = rows->stream.elements;
 		bool values_fit, differences_fit;
-		enum eco_code code = ECO_OK;
-		size_t plain = SIZE_MAX, difference = SIZE_MAX;
-		find_bounds(column, rows->shape.rows, &values_fit, &differences_fit);
-		as_difference.difference = true;
-		if (values_fit)
-			code = eco_draco_column_size(column, rows->shape.rows, &plain, error);
-		if (code == ECO_OK && differences_fit)
-			code = eco_draco_column_size(&as_difference, rows->shape.rows, &difference, error);
-		if (code)
-			return code;
-		column->difference = difference < plain;
-		if (!values_fit && !differences_fit)
-			rows->shape.wide = true;
+		find_bounds(column, count, &values_fit, &differences_fit);
+		column->difference = size_of(column, count, differences_fit, true)
+			< size_of(column, count, values_fit, false);
+		rows->stream.wide |= !values_fit && !differences_fit;
 	}
-	return ECO_OK;
 }
 
-/* Splits the columns of a wide stream for Draco: high halves, then low halves. *storage is malloc'ed. */
-static enum eco_code wide_columns(const struct eco_chunk_rows *rows, struct eco_draco_column *columns,
-	int32_t **storage, struct eco_error *error)
+/* The columns of a wide stream for Draco: high halves, then low halves. The result is malloc'ed; NULL: no
+ * memory. */
+static int32_t *wide_columns(const struct eco_chunk_rows *rows, struct eco_draco_column *columns)
 {
-	size_t total = 0;
-	int32_t *at;
-	for (uint32_t i = 0; i < rows->column_count; i++)
-		total += (size_t)rows->columns[i].components * rows->shape.rows;
-	at = *storage = calloc(2 * total, sizeof **storage);
-	if (!at)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u rows of a chunk",
-			rows->shape.rows);
 	for (uint32_t half = 0; half < 2; half++)
-		for (uint32_t i = 0; i < rows->column_count; i++) {
-			struct eco_draco_column *c = &columns[half * rows->column_count + i];
-			*c = rows->columns[i];
-			c->values = at;
-			at += (size_t)c->components * rows->shape.rows;
-		}
-	return ECO_OK;
+		memcpy(columns + half * rows->column_count, rows->columns,
+			rows->column_count * sizeof *columns);
+	return eco_rows_storage(columns, 2 * rows->column_count, rows->stream.elements);
 }
 
-enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size,
-	struct eco_error *error)
+static void encode_columns(struct eco_chunk_rows *rows, const struct eco_draco_column *columns, uint32_t count)
+{
+	struct eco_error error = { 0 };
+	uint8_t *bytes;
+	must(eco_draco_encode_rows(rows->order, columns, count, rows->stream.elements, &bytes,
+		&rows->stream.size, &error), &error);
+	rows->stream.bytes = bytes;
+}
+
+void eco_rows_encode(struct eco_chunk_rows *rows)
 {
 	struct eco_draco_column wide[2 * ECO_ROWS_COLUMNS_MAX];
-	int32_t *storage = NULL;
-	rows->shape.predictors = choose_predictors(rows);
+	rows->stream.predictors = choose_predictors(rows);
 	take_predictions(rows);
 	take_uv_shift(rows);
-	enum eco_code code = choose_differences(rows, error);
-	if (code == ECO_OK && !rows->shape.wide)
-		return eco_draco_encode_rows(rows->shape.order, rows->columns, rows->column_count,
-			rows->shape.rows, bytes, size, error);
-	code = code ? code : wide_columns(rows, wide, &storage, error);
-	if (code)
-		return code;
+	choose_differences(rows);
+	if (!rows->stream.wide) {
+		encode_columns(rows, rows->columns, rows->column_count);
+		return;
+	}
+	int32_t *storage = wide_columns(rows, wide);
+	if (!storage)
+		eco_end("no memory");
 	for (uint32_t i = 0; i < rows->column_count; i++)
-		for (size_t k = 0; k < (size_t)wide[i].components * rows->shape.rows; k++) {
+		for (size_t k = 0; k < (size_t)wide[i].components * rows->stream.elements; k++) {
 			uint32_t v = (uint32_t)rows->columns[i].values[k];
 			uint32_t high = v >> 16;
 			wide[i].values[k] = high < 0x8000 ? (int32_t)high : (int32_t)high - 0x10000;
 			wide[rows->column_count + i].values[k] = (int32_t)(v & 0xffff);
 		}
-	code = eco_draco_encode_rows(rows->shape.order, wide, 2 * rows->column_count, rows->shape.rows, bytes,
-		size, error);
+	encode_columns(rows, wide, 2 * rows->column_count);
 	free(storage);
-	return code;
 }
 
-static enum eco_code decode_wide(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size,
-	struct eco_error *error)
+static enum eco_code decode_columns(const struct eco_chunk_rows *rows, const struct eco_draco_column *columns,
+	uint32_t count, struct eco_error *error)
+{
+	return eco_draco_decode_rows(rows->order, rows->stream.bytes, rows->stream.size, columns, count,
+		rows->stream.elements, error);
+}
+
+static enum eco_code decode_wide(struct eco_chunk_rows *rows, struct eco_error *error)
 {
 	struct eco_draco_column wide[2 * ECO_ROWS_COLUMNS_MAX];
-	int32_t *storage = NULL;
-	enum eco_code code = wide_columns(rows, wide, &storage, error);
-	code = code ? code : eco_draco_decode_rows(rows->shape.order, bytes, size, wide, 2 * rows->column_count,
-		rows->shape.rows, error);
+	int32_t *storage = wide_columns(rows, wide);
+	enum eco_code code = storage ? decode_columns(rows, wide, 2 * rows->column_count, error)
+		: no_memory(rows, error);
 	for (uint32_t i = 0; code == ECO_OK && i < rows->column_count; i++)
-		for (size_t k = 0; k < (size_t)wide[i].components * rows->shape.rows; k++)
+		for (size_t k = 0; k < (size_t)wide[i].components * rows->stream.elements; k++)
 			rows->columns[i].values[k] = (int32_t)(((uint32_t)wide[i].values[k] << 16)
 				+ (uint32_t)wide[rows->column_count + i].values[k]);
 	free(storage);
 	return code;
 }
 
-enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size,
-	struct eco_error *error)
+enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, struct eco_error *error)
 {
+	const struct eco_stream *s = &rows->stream;
 	for (unsigned k = 2; k < 6; k++)
-		if (predictor_of(rows->shape.predictors, k) >= ECO_ROWS_PREDICTORS)
+		if (predictor_of(s->predictors, k) >= ECO_ROWS_PREDICTORS)
 			return eco_fail(error, ECO_DAMAGED, "chunk: predictor %u of corner %u is unknown",
-				predictor_of(rows->shape.predictors, k), k);
-	if (rows->shape.ground_columns)
-		return eco_ground_decode(rows, bytes, size, rows->shape.zeros, error);
-	if (rows->shape.packed)
-		return eco_columns_decode(rows, bytes, size, rows->shape.zeros, error);
-	return rows->shape.wide ? decode_wide(rows, bytes, size, error)
-		: eco_draco_decode_rows(rows->shape.order, bytes, size, rows->columns, rows->column_count,
-		rows->shape.rows, error);
+				predictor_of(s->predictors, k), k);
+	if (rows->ground_columns)
+		return eco_ground_decode(rows, error);
+	if (s->packed)
+		return eco_columns_decode(rows, error);
+	return s->wide ? decode_wide(rows, error)
+		: decode_columns(rows, rows->columns, rows->column_count, error);
 }

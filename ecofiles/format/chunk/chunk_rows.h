@@ -1,8 +1,8 @@
 /* Elements in Draco's rows: one row an element, corner by corner as differences that are small and alike.
  *
- *   eco_rows_make(&rows, &shape, ...);           columns for so many elements of one corner count
+ *   eco_rows_make(&rows, &list, ...);            columns for so many elements of one corner count
  *   eco_rows_put(&rows, row, &element);          encoder: element -> row
- *   eco_rows_encode(&rows, ...)                  -> a Draco stream          (eco_rows_decode the other way)
+ *   eco_rows_encode(&rows)                       -> a Draco stream          (eco_rows_decode the other way)
  *   eco_rows_get(&rows, row, &element);          decoder: row -> element; false if a value is out of bounds
  *   eco_rows_free(&rows);
  *
@@ -32,24 +32,26 @@
 #define ECO_ROWS_COLUMNS_MAX (3 + 2 * ECO_ROWS_CORNERS_MAX + ECO_ROWS_EXTRA_MAX)
 #define ECO_ROWS_PREDICTORS 8u
 
-struct eco_rows_shape {
-	enum eco_draco_order order;
-	uint32_t rows;
-	uint8_t corners;             /* 1..ECO_ROWS_CORNERS_MAX */
-	uint8_t extra_count;
-	bool uv;
+/* A stream of rows and how it is coded; a SHAPES payload's stream has only zeros, bytes and size. */
+struct eco_stream {
+	uint8_t corners;             /* of an element: 1..ECO_ROWS_CORNERS_MAX */
 	bool wide;
-	bool packed;                 /* decoding: coded as chunk_columns.h says, not by Draco */
-	uint8_t zeros;               /* packed: bytes left off at the end */
 	uint8_t uv_shift;            /* 0..15 */
-	uint8_t shift;               /* 0..7: eco_rows_get gives 2^shift times the value; not with `split` */
-	bool split;                  /* one corner only */
-	uint32_t ground_columns;     /* samples a row of a ground grid, with `split`; else 0 */
+	uint8_t shift;               /* of positions, 0..7: eco_rows_get gives 2^shift times the value; not split */
 	uint16_t predictors;         /* 4 bits for each of corners 2..5, from the low end */
+	bool packed;                 /* as chunk_columns.h says, not by Draco; then it is the only stream */
+	uint8_t zeros;               /* SHAPES, packed: bytes at the end that are zero and not stored */
+	uint32_t elements;           /* packed: eco_payload_read leaves it 0, the chunk's record says it */
+	const uint8_t *bytes;        /* reading: within the payload; writing: malloc'ed */
+	size_t size;
 };
 
 struct eco_chunk_rows {
-	struct eco_rows_shape shape;
+	enum eco_draco_order order;
+	uint8_t extra_count;
+	bool uv, split;              /* split: one corner only */
+	uint32_t ground_columns;     /* samples a row of a ground grid, with `split`; else 0 */
+	struct eco_stream stream;
 	struct eco_draco_column columns[ECO_ROWS_COLUMNS_MAX];
 	uint32_t column_count;
 	int32_t *storage;
@@ -61,20 +63,22 @@ struct eco_rows_element { int32_t *position, *uv, *extra; };
 /* Largest magnitude of a position, uv or extra value in a chunk. */
 #define ECO_ROWS_VALUE_MAX ((1 << 28) - 1)
 
-/* Columns for shape->rows rows, all 0. The shape is trusted: at most ECO_ROWS_CORNERS_MAX corners,
- * ECO_ROWS_EXTRA_MAX extra values; split rows have one corner. ECO_NO_MEMORY leaves nothing to free. */
-enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_shape *shape,
-	struct eco_error *error);
+/* Columns for the elements of a stream of `coder` in a list, all 0. The list and the stream's counts are
+ * trusted. ECO_NO_MEMORY leaves nothing to free. */
+enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_list *list, uint8_t coder,
+	const struct eco_stream *stream, struct eco_error *error);
 void eco_rows_free(struct eco_chunk_rows *rows);
 
-/* `row` is below shape.rows. _get returns false where a value is beyond ECO_ROWS_VALUE_MAX. */
+/* Values of `count` columns with so many rows, all 0, in one array, which is malloc'ed; NULL: no memory. */
+int32_t *eco_rows_storage(struct eco_draco_column *columns, uint32_t count, uint32_t rows);
+
+/* `row` is below stream.elements. _get returns false where a value is beyond ECO_ROWS_VALUE_MAX. */
 void eco_rows_put(struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element);
 bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element);
 
-/* Encoding sets shape.predictors, uv_shift and wide to the best; they must be stored with the stream. */
-enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size,
-	struct eco_error *error);
-enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size,
-	struct eco_error *error);
+/* Encodes the rows as put, and fills the stream. Without memory it ends the program (memory.h). */
+void eco_rows_encode(struct eco_chunk_rows *rows);
+/* Decodes the stream's bytes. */
+enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, struct eco_error *error);
 
 #endif

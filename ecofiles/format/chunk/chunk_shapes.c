@@ -19,6 +19,94 @@
 #define KEY_BITS 20u             /* of each axis, along the curve */
 #define UV_MAX ECO_ROWS_VALUE_MAX
 #define COARSE_MAX (ECO_ROWS_VALUE_MAX >> ECO_EXACT_SHIFT)
+#define SUM_MAX ((int64_t)1 << 30)
+#define UNIT 1024                /* length of the bases that do not grow with the element */
+
+/* ---- Prediction of corners, in integers, so that all machines get the same corners ---- */
+
+/* Adds an edge as a base. Bases are edges, not vectors from corner 0: these are longer and would need
+ * finer weights. */
+static void add_edge(struct eco_frame *f, const int32_t *from, const int32_t *to)
+{
+	int32_t *base = f->base[f->bases++];
+	for (int i = 0; i < 3; i++)
+		base[i] = to[i] - from[i];
+}
+
+static void add_axis(struct eco_frame *f, const int64_t axis[3], int64_t length)
+{
+	int32_t *base = f->base[f->bases++];
+	for (int i = 0; i < 3; i++)
+		base[i] = (int32_t)(axis[i] * length >> ECO_AXIS_BITS);
+}
+
+uint32_t eco_corner_bases(uint32_t k)
+{
+	return k < 2 ? 0 : k == 2 ? 4 : k;
+}
+
+static void find_axes(struct eco_frame *f, const int32_t *at, uint32_t of)
+{
+	int64_t edge[3] = { 0 }, to[3];
+	for (int i = 0; i < 3 && of > 1; i++) {
+		edge[i] = (int64_t)at[3 + i] - at[i];
+		to[i] = of > 2 ? (int64_t)at[6 + i] - at[i] : 0;
+	}
+	if (f->of < 2)
+		f->length = eco_axes_first(edge, f->axis);
+	eco_axes_others(of > 2 ? to : NULL, f->axis);
+	f->of = of;
+}
+
+void eco_corner_frame(struct eco_frame *f, const int32_t *at, uint32_t k)
+{
+	if (f->of != (k < 3 ? k : 3))
+		find_axes(f, at, k < 3 ? k : 3);
+	f->bases = 0;
+	for (uint32_t j = 1; j < k; j++)
+		add_edge(f, at + 3 * j - 3, at + 3 * j);
+	if (k > 1)
+		add_axis(f, f->axis[2], f->length);
+	if (k == 2) {
+		add_axis(f, f->axis[1], f->length);
+		add_axis(f, f->axis[1], UNIT);
+	}
+}
+
+void eco_corner_guess(const struct eco_frame *f, const int32_t *weight, int64_t guess[3])
+{
+	int64_t sum[3];
+	for (int i = 0; i < 3; i++) {
+		sum[i] = 1 << (ECO_WEIGHT_BITS - 1);
+		for (uint32_t j = 0; j < f->bases; j++)
+			sum[i] += (int64_t)weight[j] * f->base[j][i];
+		sum[i] >>= ECO_WEIGHT_BITS;
+		sum[i] = sum[i] > SUM_MAX ? SUM_MAX : sum[i] < -SUM_MAX ? -SUM_MAX : sum[i];
+	}
+	for (int a = 0; a < 3; a++)
+		guess[a] = (sum[0] * f->axis[a][0] + sum[1] * f->axis[a][1] + sum[2] * f->axis[a][2])
+			>> ECO_AXIS_BITS;
+}
+
+bool eco_corner_place(const struct eco_frame *f, const int64_t guess[3], const int32_t miss[3],
+	const int32_t *from, int32_t *at)
+{
+	int64_t along[3];
+	along[0] = guess[0] + (int64_t)ECO_LATTICE_STEP * miss[0];
+	for (int a = 1; a < 3; a++)
+		along[a] = guess[a] + 2 * (int64_t)ECO_LATTICE_STEP * miss[a]
+			+ ECO_LATTICE_STEP * (miss[0] & 1);
+	for (int i = 0; i < 3; i++) {
+		int64_t v = along[0] * f->axis[0][i] + along[1] * f->axis[1][i] + along[2] * f->axis[2][i];
+		v = from[i] + ((v + ((int64_t)1 << (ECO_AXIS_BITS - 1))) >> ECO_AXIS_BITS);
+		if (v > ECO_ROWS_VALUE_MAX || v < -ECO_ROWS_VALUE_MAX)
+			return false;
+		at[i] = (int32_t)v;
+	}
+	return true;
+}
+
+/* ---- Start ---- */
 
 void eco_shapes_start(struct eco_shapes_codec *c, uint32_t elements)
 {
@@ -177,15 +265,9 @@ static uint32_t gather(uint64_t v)
 	return (uint32_t)(v | v >> 32) & 0x1fffff;
 }
 
-/* A count of at most `most` in unary, each step with a model of its own. */
 static uint32_t code_steps(struct eco_shapes_codec *c, struct eco_bit *models, uint32_t most, uint32_t value)
 {
-	uint32_t n = 0;
-	while (n < most
-			&& eco_range_bit(&c->range,
-			&models[n < ECO_STEPS_MODELLED ? n : ECO_STEPS_MODELLED - 1], n < value))
-		n++;
-	return n;
+	return eco_range_unary(&c->range, models, ECO_STEPS_MODELLED, most, value);
 }
 
 /* The gap from one key to the next. The gaps of n random keys are exponentially distributed, with a mean
@@ -338,12 +420,10 @@ static void remember(struct eco_shapes_codec *c, const struct eco_leaf *l, uint3
 /* A corner that occurred before is coded by how long ago. False: it did not occur, and only that is coded. */
 static bool code_again(struct eco_shapes_codec *c, struct eco_leaf *l, uint32_t k)
 {
-	uint32_t ago = c->seen_count - l->found[k], bits = eco_bit_length(ago);
+	uint32_t ago = c->seen_count - l->found[k];
 	if (!eco_range_bit(&c->range, &c->again[k], l->found[k] != UINT32_MAX))
 		return false;
-	bits = eco_range_tree(&c->range, c->back_bits, 5, bits) & 31;
-	ago = bits ? 1u << (bits - 1) | (uint32_t)eco_range_raw(&c->range, bits - 1,
-		ago & ((1u << (bits - 1)) - 1)) : 0;
+	ago = (uint32_t)eco_range_size(&c->range, c->back_bits, 5, ago);
 	if (ago == 0 || ago > c->seen_count)
 		c->failed = true;
 	else
@@ -375,7 +455,7 @@ static void code_corners(struct eco_shapes_codec *c, struct eco_leaf *l)
 {
 	uint32_t first[3];
 	struct eco_frame frame = { .of = 0 };
-	l->corners = (uint8_t)(3 + (eco_range_tree(&c->range, c->corner_count, 2, l->corners - 3u) & 3));
+	l->corners = (uint8_t)(3 + (eco_range_tree(&c->range, c->corner_count, 2, l->corners - 3u)));
 	for (uint32_t i = 0; i < 3; i++)
 		first[i] = c->range.writer ? (uint32_t)(l->coarse[i] - c->head.first[i].low) : 0;
 	code_first(c, l->corners, first);
@@ -388,8 +468,7 @@ static void code_corners(struct eco_shapes_codec *c, struct eco_leaf *l)
 		return;
 	uint32_t trends = c->head.trends[l->corners - 3], bits = eco_bit_length(trends);
 
-	l->trend = (uint8_t)(eco_range_tree(&c->range, c->trend[l->corners - 3], bits, l->trend)
-		& ((1u << bits) - 1));
+	l->trend = (uint8_t)eco_range_tree(&c->range, c->trend[l->corners - 3], bits, l->trend);
 	if (l->trend > trends)
 		c->failed = true;
 	remember(c, l, 0);
@@ -421,7 +500,7 @@ static void code_texture(struct eco_shapes_codec *c, struct eco_leaf *l)
 void eco_shapes_code_leaf(struct eco_shapes_codec *c, struct eco_leaf *l)
 {
 	uint32_t kinds = eco_bit_length(c->shapes.count);
-	l->shape = eco_range_tree(&c->range, c->kind, kinds, l->shape) & ((1u << kinds) - 1);
+	l->shape = eco_range_tree(&c->range, c->kind, kinds, l->shape);
 	if (l->shape > c->shapes.count) {
 		c->failed = true;
 		return;

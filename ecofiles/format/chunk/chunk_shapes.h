@@ -1,5 +1,5 @@
 /* Shared by the encoder and the decoder of a SHAPES chunk: one description of the bytes. Private to
- * chunk_shapes*.c and chunk_corners*.c.
+ * chunk_shapes*.c and chunk_corners_encode.c.
  *
  *   codec.shapes, head, extra_count, uv, seen, keys, slots  encoder: set; decoder: extra_count, uv, seen
  *   eco_shapes_start(&codec, elements); eco_range_write(&codec.range, &writer) or eco_range_read(...)
@@ -11,10 +11,60 @@
 #ifndef ECO_CHUNK_SHAPES_H
 #define ECO_CHUNK_SHAPES_H
 
-#include "ecofiles/format/chunk/chunk_corners.h"
 #include "ecofiles/format/chunk/chunk_rows.h"
 #include "ecofiles/base/range.h"
 #include "ecofiles/format/chunk/shape.h"
+
+/* ---- Corners ---- */
+
+/* Corners of elements that are not placed shapes: each is stored as the miss of a prediction from the
+ * corners before it, along axes of the element's own.
+ *
+ * Blades and leaves that are each bent a little differently have no shape in common, but they are alike in
+ * other ways: how far along the first edge and across it the next corner lies, whether it is level, how
+ * far the tip leaves the plane of the first corners. So a corner is predicted as a weighted sum of a few
+ * vectors, its bases. The miss is stored along the first edge, a direction across it that is level or
+ * points towards the third corner, and their normal: along one or two of these axes misses are small or
+ * alike, along the plant's axes they would be equally large on all three. A trend is one set of weights.
+ * Elements that begin at another corner or run the other way round need other weights, so a chunk has a
+ * few trends, and each element names the one it follows, or none.
+ *
+ * Misses are rounded to a body-centred cubic lattice. With steps half as wide again as the grid's, no
+ * corner is moved further than by the grid, and a corner takes 3/4 bit less (Conway and Sloane 1988,
+ * "Sphere Packings, Lattices and Groups", chapter 2: the best covering of space by balls of one size). */
+
+#define ECO_TRENDS_MAX 3u        /* per number of corners */
+#define ECO_BASES_MAX 6u
+#define ECO_WEIGHT_BITS 8u
+#define ECO_WEIGHT_MAX (1 << 12)
+
+struct eco_trend { int32_t weight[ECO_CORNERS_MAX][ECO_BASES_MAX]; };        /* in 256ths */
+
+struct eco_frame {
+	int64_t axis[3][3];          /* see eco_axes_first */
+	int32_t base[ECO_BASES_MAX][3];
+	uint32_t bases;
+	int64_t length;              /* of the first edge */
+	uint32_t of;                 /* corners known when the axes were set; 0: not set */
+};
+
+/* Sets axes and bases of corner k >= 1 from the corners before it, at[0..3k). `frame` is zeroed, or that
+ * of an earlier corner of the same element, whose axes are used again. Differences of corners must be
+ * below 2^30. */
+void eco_corner_frame(struct eco_frame *frame, const int32_t *at, uint32_t k);
+/* Number of bases of corner k: k - 1 edges and some vectors across them. */
+uint32_t eco_corner_bases(uint32_t k);
+/* The predicted place, along the axes, from corner 0. */
+void eco_corner_guess(const struct eco_frame *frame, const int32_t *weight, int64_t guess[3]);
+/* The place at `miss` steps from the guess. False: out of bounds. */
+bool eco_corner_place(const struct eco_frame *frame, const int64_t guess[3], const int32_t miss[3],
+	const int32_t *from, int32_t *at);
+
+/* The lattice's step along the first axis. Along the other two it is twice that, offset by one where the
+ * first axis has an odd number of steps. */
+#define ECO_LATTICE_STEP 6
+
+/* ---- The codec ---- */
 
 #define ECO_STEPS_MODELLED 16u
 #define ECO_WAY_MODELLED 2u      /* high bits that have models; those below are as good as random */
@@ -73,11 +123,6 @@ struct eco_leaf {
 	const int32_t *coarse, *exact;       /* writing: its corners on both grids */
 };
 
-static inline uint32_t eco_bit_length(uint64_t v)
-{
-	return v ? 64u - (uint32_t)__builtin_clzll(v) : 0;
-}
-
 void eco_shapes_start(struct eco_shapes_codec *codec, uint32_t elements);
 void eco_shapes_code_head(struct eco_shapes_codec *codec);
 void eco_shapes_code_leaf(struct eco_shapes_codec *codec, struct eco_leaf *leaf);
@@ -87,8 +132,8 @@ void eco_shapes_code_leaf(struct eco_shapes_codec *codec, struct eco_leaf *leaf)
  * element is coded. */
 void eco_corners_plan(const struct eco_shapes_codec *codec, struct eco_leaf *leaf);
 /* Writing: finds the trends of elements of `corners` corners. at[i] of `count` are their corners on the
- * fine grid; each stands for `share` elements. False: out of memory. */
-bool eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const int32_t *const *at,
+ * fine grid; each stands for `share` elements. */
+void eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const int32_t *const *at,
 	uint32_t count, double share);
 /* The slot that a corner with this key has or would get. */
 uint32_t eco_corners_slot(const struct eco_shapes_codec *codec, const int32_t key[3]);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/chunk/chunk_payload.h"
 #include "ecofiles/format/chunk/chunk_shapes.h"
 
@@ -15,7 +16,7 @@
 
 struct encoding {
 	const struct eco_chunk_input *input;
-	const struct eco_placed_element *elements;
+	const struct eco_stored *elements;
 	uint32_t count;
 	uint32_t *of;                /* shape of each stored element */
 	struct eco_placing *placing;
@@ -32,27 +33,19 @@ static const int32_t *corner_of(const struct encoding *e, uint32_t i)
 	return e->input->elements->position + 3 * e->elements[i].corner_at;
 }
 
-static uint8_t corners_of(const struct encoding *e, uint32_t i)
+static void find_shapes(struct encoding *c)
 {
-	return e->input->elements->corners[e->input->first + e->elements[i].element];
-}
-
-static bool find_shapes(struct encoding *c)
-{
-	size_t *at = malloc(c->count * sizeof *at);
-	uint32_t *by_element = malloc(c->count * sizeof *by_element);
-	bool good = at && by_element;
-	for (uint32_t i = 0; good && i < c->count; i++)
+	size_t *at = eco_alloc(c->count, sizeof *at);
+	uint32_t *by_element = eco_alloc(c->count, sizeof *by_element);
+	for (uint32_t i = 0; i < c->count; i++)
 		at[c->elements[i].element] = c->elements[i].corner_at;
-	good = good
-		&& eco_shapes_find(&c->codec.shapes,
-		&(struct eco_shapes_input){ c->input->elements, c->input->first, c->input->end, at },
-		USES_LEAST, by_element);
-	for (uint32_t i = 0; good && i < c->count; i++)
+	eco_shapes_find(&c->codec.shapes,
+		&(struct eco_shapes_input){ c->input->elements, c->input->first, c->input->end, at }, USES_LEAST,
+		by_element);
+	for (uint32_t i = 0; i < c->count; i++)
 		c->of[i] = by_element[c->elements[i].element];
 	free(at);
 	free(by_element);
-	return good;
 }
 
 static void widen(int32_t low[], int32_t high[], uint32_t k, int32_t v, bool first)
@@ -65,11 +58,11 @@ static void widen(int32_t low[], int32_t high[], uint32_t k, int32_t v, bool fir
 struct posed { uint32_t element; bool good; struct eco_pose pose; };
 struct sample { struct posed *items; uint32_t count; double soup_bits; };
 
-static bool take_sample(const struct encoding *c, struct sample *sample)
+static void take_sample(const struct encoding *c, struct sample *sample)
 {
 	uint32_t step = c->count / UNITS_SAMPLE + 1;
-	sample->items = malloc((c->count / step + 1) * sizeof *sample->items);
-	for (uint32_t i = 0; sample->items && i < c->count; i += step) {
+	sample->items = eco_alloc(c->count / step + 1, sizeof *sample->items);
+	for (uint32_t i = 0; i < c->count; i += step) {
 		struct posed *posed = &sample->items[sample->count];
 		if (c->of[i] == ECO_SHAPE_NONE)
 			continue;
@@ -78,7 +71,6 @@ static bool take_sample(const struct encoding *c, struct sample *sample)
 			&posed->pose);
 		sample->count++;
 	}
-	return sample->items;
 }
 
 /* Size of elements with the steps in `shapes`. */
@@ -140,13 +132,11 @@ static bool coarsen(struct eco_shapes *s, int kind)
 }
 
 /* Coarser steps take fewer bits, but fewer elements fit and the others are stored as corners. Starts from
- * the finest useful steps and makes one kind after the other coarser as long as that pays. False: out of
- * memory. */
-static bool choose_steps(struct encoding *c, double soup_bits)
+ * the finest useful steps and makes one kind after the other coarser as long as that pays. */
+static void choose_steps(struct encoding *c, double soup_bits)
 {
 	struct sample sample = { .soup_bits = soup_bits };
-	if (!take_sample(c, &sample))
-		return false;
+	take_sample(c, &sample);
 	struct eco_shapes best = c->codec.shapes;
 	double least = cost_of(c, &best, &sample, INFINITY);
 	for (bool better = true; better;) {
@@ -164,7 +154,6 @@ static bool choose_steps(struct encoding *c, double soup_bits)
 	}
 	c->codec.shapes = best;
 	free(sample.items);
-	return true;
 }
 
 /* Finds the range of first corners on the coarse grid, and whether they are in order along the curve. */
@@ -226,21 +215,20 @@ static void measure_extra(struct encoding *e)
 }
 
 /* Fits trends to a sample. */
-static bool find_trends(struct encoding *e)
+static void find_trends(struct encoding *e)
 {
 	uint32_t step = e->count / UNITS_SAMPLE + 1;
-	const int32_t **at = malloc((e->count / step + 1) * sizeof *at);
-	bool good = at != NULL;
-	for (uint32_t corners = 3; good && corners <= ECO_CORNERS_MAX; corners++) {
+	const int32_t **at = eco_alloc(e->count / step + 1, sizeof *at);
+	for (uint32_t corners = 3; corners <= ECO_CORNERS_MAX; corners++) {
 		uint32_t count = 0;
 		for (uint32_t i = 0; i < e->count; i += step)
-			if (e->of[i] == ECO_SHAPE_NONE && corners_of(e, i) == corners)
+			if (e->of[i] == ECO_SHAPE_NONE && e->elements[i].corners == corners)
 				at[count++] = exact_of(e, i);
 		e->codec.head.trends[corners - 3] = 0;
-		good = count == 0 || eco_corners_trends(&e->codec.head, corners, at, count, step);
+		if (count)
+			eco_corners_trends(&e->codec.head, corners, at, count, step);
 	}
 	free(at);
-	return good;
 }
 
 /* ---- Writing ---- */
@@ -250,7 +238,7 @@ static struct eco_leaf leaf_of(const struct encoding *e, uint32_t i)
 	const struct eco_elements *from = e->input->elements;
 	size_t element = e->input->first + e->elements[i].element;
 	struct eco_leaf l = { .shape = e->of[i] == ECO_SHAPE_NONE ? e->codec.shapes.count : e->of[i],
-		.corners = corners_of(e, i),
+		.corners = e->elements[i].corners,
 		.placing = e->placing[i], .coarse = corner_of(e, i), .exact = exact_of(e, i) };
 
 	if (from->uv)
@@ -293,89 +281,77 @@ static void measure_sizes(struct encoding *e)
 			(struct eco_span){ low[k], (uint8_t)eco_bit_length((uint32_t)(high[k] - low[k])) };
 }
 
-/* Writes the chunk and keeps it in `stream` if it is the smallest so far. False: out of memory. */
-static bool write_and_keep(struct encoding *e, bool sorted, struct eco_stream *stream)
+/* Writes the chunk and keeps it in `stream` if it is the smallest so far. */
+static void write_and_keep(struct encoding *e, bool sorted, struct eco_stream *stream)
 {
 	struct eco_writer w = { 0 };
 	uint8_t zeros = write_all(e, &w, sorted);
-	bool good = !w.failed;
-	if (good && (!stream->bytes || w.size < stream->size)) {
+	if (w.failed)
+		eco_end("no memory");
+	if (!stream->bytes || w.size < stream->size) {
 		free((void *)stream->bytes);
 		*stream = (struct eco_stream){ .zeros = zeros, .bytes = w.bytes, .size = w.size };
 		w.bytes = NULL;
 	}
 	eco_writer_free(&w);
-	return good;
 }
 
 /* Tries shapes of ever more uses, at last none: a shape of few elements may save less than its entry
  * takes. Tries each with and without steps along the curve. */
-static bool write_smallest(struct encoding *e, struct eco_stream *stream)
+static void write_smallest(struct encoding *e, struct eco_stream *stream)
 {
 	static const uint32_t uses[] = { 1, 8, 24, UINT32_MAX };
-	bool good = true;
-	for (size_t i = 0; i < sizeof uses / sizeof *uses && good; i++) {
+	for (size_t i = 0; i < sizeof uses / sizeof *uses; i++) {
 		uint32_t before = e->codec.shapes.count;
 		eco_shapes_keep(&e->codec.shapes, e->of, e->count, uses[i]);
 		if (i > 0 && e->codec.shapes.count == before)
 			continue;
 		measure_sizes(e);
-		good = find_trends(e) && write_and_keep(e, true, stream);
-		if (i == 0 && good)
-			good = write_and_keep(e, false, stream);
+		find_trends(e);
+		write_and_keep(e, true, stream);
+		if (i == 0)
+			write_and_keep(e, false, stream);
 	}
-	return good;
 }
 
 /* Room for all corners of the chunk, and at least twice as many slots. */
-static bool make_seen(struct encoding *e)
+static void make_seen(struct encoding *e)
 {
 	struct eco_shapes_codec *c = &e->codec;
 	size_t corners = 0;
 	for (uint32_t i = 0; i < e->count; i++)
-		corners += corners_of(e, i);
+		corners += e->elements[i].corners;
 	c->slot_mask = 1;
 	while (c->slot_mask < 2 * corners)
 		c->slot_mask = c->slot_mask << 1 | 1;
-	c->seen = malloc(3 * corners * sizeof *c->seen);
-	c->keys = malloc(3 * corners * sizeof *c->keys);
-	c->slots = malloc(((size_t)c->slot_mask + 1) * sizeof *c->slots);
-	return c->seen && c->keys && c->slots;
+	c->seen = eco_alloc(corners, 3 * sizeof *c->seen);
+	c->keys = eco_alloc(corners, 3 * sizeof *c->keys);
+	c->slots = eco_alloc((size_t)c->slot_mask + 1, sizeof *c->slots);
 }
 
-enum eco_code eco_shapes_encode(const struct eco_chunk_input *input,
-	const struct eco_placed_element *elements, double soup_bits, struct eco_stream *stream,
-	struct eco_error *error)
+void eco_shapes_encode(const struct eco_chunk_input *input, const struct eco_stored *elements, double soup_bits,
+	struct eco_stream *stream)
 {
-	struct encoding *e = calloc(1, sizeof *e);
-	bool good = e != NULL;
+	struct encoding *e = eco_alloc(1, sizeof *e);
 	*stream = (struct eco_stream){ .size = 0 };
-	if (good) {
-		e->input = input;
-		e->elements = elements;
-		e->count = input->end - input->first;
-		e->of = malloc(e->count * sizeof *e->of);
-		e->placing = calloc(e->count, sizeof *e->placing);
-		good = e->of && e->placing && make_seen(e) && find_shapes(e);
-	}
-	if (good) {
-		measure_first(e);
-		good = e->codec.shapes.count == 0 || choose_steps(e, soup_bits);
-	}
-	if (good) {
-		place_all(e);
-		measure_extra(e);
-		good = write_smallest(e, stream);
-	}
-	if (e) {
-		eco_shapes_free(&e->codec.shapes);
-		free(e->codec.seen);
-		free(e->codec.keys);
-		free(e->codec.slots);
-		free(e->of);
-		free(e->placing);
-	}
+	e->input = input;
+	e->elements = elements;
+	e->count = input->end - input->first;
+	e->of = eco_alloc(e->count, sizeof *e->of);
+	e->placing = eco_alloc(e->count, sizeof *e->placing);
+	make_seen(e);
+	find_shapes(e);
+	measure_first(e);
+	if (e->codec.shapes.count)
+		choose_steps(e, soup_bits);
+	place_all(e);
+	measure_extra(e);
+	write_smallest(e, stream);
+	eco_shapes_free(&e->codec.shapes);
+	free(e->codec.seen);
+	free(e->codec.keys);
+	free(e->codec.slots);
+	free(e->of);
+	free(e->placing);
 	free(e);
-	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for the shapes of %u "
-		"elements", input->ordinal, input->end - input->first);
 }

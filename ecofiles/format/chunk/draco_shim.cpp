@@ -150,21 +150,29 @@ bool encode_cloud(const draco::PointCloud &cloud, enum eco_draco_order order, in
 	return status.ok();
 }
 
-template <class Decoder>
-enum eco_code decode_cloud(const uint8_t *bytes, size_t size, const Expected &expected,
-struct eco_error *error)
+// Decodes a stream; `whole`: no bytes may follow it.
+template <class Decoder, class Geometry>
+enum eco_code decode(Decoder &&decoder, const uint8_t *bytes, size_t size, bool whole, Geometry *to,
+	struct eco_error *error)
 {
 	draco::DecoderBuffer buffer;
-	draco::DecoderOptions options;
-	draco::PointCloud cloud;
-	Guarded<Decoder> decoder(expected);
 
 	buffer.Init(reinterpret_cast<const char *>(bytes), size);
-	const draco::Status status = decoder.Decode(options, &buffer, &cloud);
+	const draco::Status status = decoder.Decode(draco::DecoderOptions(), &buffer, to);
 	if (!status.ok())
-		return refuse(error, ECO_DAMAGED, "cannot decode rows", status.error_msg());
-	if (buffer.remaining_size() != 0)
-		return refuse(error, ECO_DAMAGED, "bytes follow the rows", "");
+		return refuse(error, ECO_DAMAGED, "cannot decode", status.error_msg());
+	return buffer.remaining_size() == 0 || !whole ? ECO_OK
+		: refuse(error, ECO_DAMAGED, "bytes follow the stream", "");
+}
+
+template <class Decoder>
+enum eco_code decode_cloud(const uint8_t *bytes, size_t size, const Expected &expected, struct eco_error *error)
+{
+	draco::PointCloud cloud;
+	const enum eco_code code = decode(Guarded<Decoder>(expected), bytes, size, true, &cloud, error);
+
+	if (code != ECO_OK)
+		return code;
 	for (uint32_t i = 0; i < expected.column_count; i++) {
 		const draco::PointAttribute *a = cloud.attribute(i);
 		const size_t want = sizeof(int32_t) * expected.columns[i].components
@@ -221,6 +229,49 @@ bool varint(const uint8_t *bytes, size_t size, size_t *at, uint32_t *value)
 		}
 	}
 	return false;
+}
+
+// Whether a stream starts as Draco 1.5 writes it: our encoder could not have written another.
+bool rows_start(const uint8_t *bytes, size_t size, enum eco_draco_order order, uint32_t rows)
+{
+	// magic, bitstream version 2.3, a point cloud, method, no flags, the count, one attribute decoder
+	const uint8_t head[16] = { 'D', 'R', 'A', 'C', 'O', 2, 3, 0,
+	static_cast<uint8_t>(order == ECO_DRACO_KD ? 1 : 0), 0, 0,
+		static_cast<uint8_t>(rows), static_cast<uint8_t>(rows >> 8), static_cast<uint8_t>(rows >> 16),
+		static_cast<uint8_t>(rows >> 24), 1 };
+
+	return size > sizeof head && std::memcmp(bytes, head, sizeof head) == 0;
+}
+
+bool mesh_start(const uint8_t *bytes, size_t size, uint32_t faces)
+{
+	// magic, bitstream version 2.2, a mesh, edgebreaker, no flags; the traversal: 0 standard, 2 valence
+	const uint8_t head[11] = { 'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0 };
+	size_t at = sizeof head + 1;
+	uint32_t vertices, count, symbols, splits;
+	if (size <= at || std::memcmp(bytes, head, sizeof head) != 0 || (bytes[11] != 0 && bytes[11] != 2))
+		return false;
+	if (!varint(bytes, size, &at, &vertices) || !varint(bytes, size, &at, &count))
+		return false;
+	if (count != faces || vertices > static_cast<uint64_t>(faces) * 3)
+		return false;
+	if (at >= size || bytes[at++] != 0)    // connectivity of further attributes
+		return false;
+	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces
+		&& splits <= symbols;
+}
+
+// A kd-tree stream has a count of its own behind the attribute records (5 bytes each) and the level. Draco
+// compares it with the header's only after decoding that many points, so it is compared here first.
+bool kd_start(const uint8_t *bytes, size_t size, uint32_t column_count, uint32_t rows)
+{
+	const size_t at = 16 + 1 + 5 * static_cast<size_t>(column_count) + 1;
+	uint32_t field[2] = { 0, 0 };
+	if (size < at + 8 || bytes[16] != column_count)
+		return false;
+	for (int i = 0; i < 8; i++)
+		field[i / 4] |= static_cast<uint32_t>(bytes[at + i]) << (8 * (i % 4));
+	return field[0] <= 30 && field[1] == rows;
 }
 
 // ---- Meshes of glTF files ----
@@ -341,24 +392,21 @@ enum eco_code take_foreign_values(draco::Mesh *mesh, struct eco_draco_attribute 
 	return ECO_OK;
 }
 
-template <class Decoder>
+template <class Base, bool kEdgebreaker>
 enum eco_code decode_foreign(const uint8_t *bytes, size_t size, Bounds *bounds,
-struct eco_draco_attribute *attributes, uint32_t count,
-	struct eco_draco_mesh *to, struct eco_error *error)
+	struct eco_draco_attribute *attributes, uint32_t count, struct eco_draco_mesh *to, struct eco_error *error)
 {
-	draco::DecoderBuffer buffer;
-	draco::DecoderOptions options;
 	draco::Mesh mesh;
-	Decoder decoder(bounds);
+	struct eco_error why = {};
+	enum eco_code code = decode(Bounded<Base, kEdgebreaker>(bounds), bytes, size, false, &mesh,
+		&why);
 
-	buffer.Init(reinterpret_cast<const char *>(bytes), size);
-	const draco::Status status = decoder.Decode(options, &buffer, &mesh);
 	if (bounds->exceeded)
 		return refuse(error, ECO_DAMAGED, "more faces or points than the file says, or than are "
 			"possible", "");
-	if (!status.ok())
-		return refuse(error, ECO_DAMAGED, "cannot decode mesh", status.error_msg());
-	enum eco_code code = take_foreign_faces(mesh, to, error);
+	if (code != ECO_OK)
+		return eco_fail(error, code, "%s", why.text);
+	code = take_foreign_faces(mesh, to, error);
 	for (uint32_t i = 0; i < count && code == ECO_OK; i++)
 		code = take_foreign_values(&mesh, &attributes[i], error);
 	return code;
@@ -394,35 +442,6 @@ int64_t COMPUTE_SHANNON_ENTROPY(__wrap_)(const uint32_t *symbols, int count, int
 	if (unique != nullptr)
 		*unique = kinds;
 	return static_cast<int64_t>(-bits);
-}
-
-bool eco_draco_rows_start(const uint8_t *bytes, size_t size, enum eco_draco_order order, uint32_t rows)
-{
-	// magic, bitstream version 2.3, a point cloud, method, no flags, the count, one attribute decoder
-	const uint8_t head[16] = { 'D', 'R', 'A', 'C', 'O', 2, 3, 0,
-	static_cast<uint8_t>(order == ECO_DRACO_KD ? 1 : 0), 0, 0,
-		static_cast<uint8_t>(rows), static_cast<uint8_t>(rows >> 8), static_cast<uint8_t>(rows >> 16),
-		static_cast<uint8_t>(rows >> 24), 1 };
-
-	return size > sizeof head && std::memcmp(bytes, head, sizeof head) == 0;
-}
-
-bool eco_draco_mesh_start(const uint8_t *bytes, size_t size, uint32_t faces)
-{
-	// magic, bitstream version 2.2, a mesh, edgebreaker, no flags; the traversal: 0 standard, 2 valence
-	const uint8_t head[11] = { 'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0 };
-	size_t at = sizeof head + 1;
-	uint32_t vertices, count, symbols, splits;
-	if (size <= at || std::memcmp(bytes, head, sizeof head) != 0 || (bytes[11] != 0 && bytes[11] != 2))
-		return false;
-	if (!varint(bytes, size, &at, &vertices) || !varint(bytes, size, &at, &count))
-		return false;
-	if (count != faces || vertices > static_cast<uint64_t>(faces) * 3)
-		return false;
-	if (at >= size || bytes[at++] != 0)    // connectivity of further attributes
-		return false;
-	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces
-		&& splits <= symbols;
 }
 
 enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco_draco_column *columns,
@@ -483,25 +502,12 @@ struct eco_error *error)
 	});
 }
 
-// A kd-tree stream has a count of its own behind the attribute records (5 bytes each) and the level. Draco
-// compares it with the header's only after decoding that many points, so it is compared here first.
-static bool kd_start(const uint8_t *bytes, size_t size, uint32_t column_count, uint32_t rows)
-{
-	const size_t at = 16 + 1 + 5 * static_cast<size_t>(column_count) + 1;
-	uint32_t field[2] = { 0, 0 };
-	if (size < at + 8 || bytes[16] != column_count)
-		return false;
-	for (int i = 0; i < 8; i++)
-		field[i / 4] |= static_cast<uint32_t>(bytes[at + i]) << (8 * (i % 4));
-	return field[0] <= 30 && field[1] == rows;
-}
-
 enum eco_code eco_draco_decode_rows(enum eco_draco_order order, const uint8_t *bytes, size_t size,
 	const struct eco_draco_column *columns, uint32_t column_count, uint32_t rows, struct eco_error *error)
 {
 	const Expected expected = { columns, column_count, rows };
 
-	if (!eco_draco_rows_start(bytes, size, order, rows) || column_count > kColumnsMax
+	if (!rows_start(bytes, size, order, rows) || column_count > kColumnsMax
 	    || (order == ECO_DRACO_KD && !kd_start(bytes, size, column_count, rows)))
 		return refuse(error, ECO_DAMAGED, "not a stream of that many rows", "");
 	return contained(error, ECO_DAMAGED, [&]() -> enum eco_code {
@@ -549,21 +555,14 @@ enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t 
 	const struct eco_draco_column column = { nullptr, 3, false };
 	const Expected expected = { &column, 1, 0 };
 
-	if (!eco_draco_mesh_start(bytes, size, faces))
+	if (!mesh_start(bytes, size, faces))
 		return refuse(error, ECO_DAMAGED, "not a mesh of that many faces", "");
 	return contained(error, ECO_DAMAGED, [&]() -> enum eco_code {
-		draco::DecoderBuffer buffer;
-		draco::DecoderOptions options;
 		draco::Mesh mesh;
-		Guarded<draco::MeshEdgebreakerDecoder> decoder(expected);
+		const enum eco_code code = decode(Guarded<draco::MeshEdgebreakerDecoder>(expected), bytes, size,
+			true, &mesh, error);
 
-		buffer.Init(reinterpret_cast<const char *>(bytes), size);
-		const draco::Status status = decoder.Decode(options, &buffer, &mesh);
-		if (!status.ok())
-			return refuse(error, ECO_DAMAGED, "cannot decode mesh", status.error_msg());
-		if (buffer.remaining_size() != 0)
-			return refuse(error, ECO_DAMAGED, "bytes follow the mesh", "");
-		return read_faces(mesh, faces, position, vertex, error);
+		return code != ECO_OK ? code : read_faces(mesh, faces, position, vertex, error);
 	});
 }
 
@@ -583,10 +582,10 @@ enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t 
 			"for", "");
 	const enum eco_code code = contained(error, ECO_DAMAGED, [&]() -> enum eco_code {
 		if (bytes[8] == 1)
-			return decode_foreign<Bounded<draco::MeshEdgebreakerDecoder,
-				true>>(bytes, size, &bounds, attributes, attribute_count, mesh, error);
-		return decode_foreign<Bounded<draco::MeshSequentialDecoder,
-			false>>(bytes, size, &bounds, attributes, attribute_count, mesh, error);
+			return decode_foreign<draco::MeshEdgebreakerDecoder, true>(bytes, size, &bounds, attributes,
+				attribute_count, mesh, error);
+		return decode_foreign<draco::MeshSequentialDecoder, false>(bytes, size, &bounds, attributes,
+			attribute_count, mesh, error);
 	});
 	if (code != ECO_OK) {
 		std::free(mesh->index);

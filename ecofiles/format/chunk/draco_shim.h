@@ -2,8 +2,8 @@
  * of Draco is visible; exceptions end here.
  *
  * Rows are Draco's point cloud: each row has the same columns, each column 1 to 3 int32. Coding is
- * lossless. Callers check the header of a stream (eco_draco_rows_start, eco_draco_mesh_start) before
- * decoding it: the counts in it bound the memory. */
+ * lossless. Decoding refuses a stream whose header is not as Draco 1.5 writes it or has other counts than were
+ * asked for, before it allocates anything for it. */
 #ifndef ECO_DRACO_SHIM_H
 #define ECO_DRACO_SHIM_H
 
@@ -28,11 +28,6 @@ enum eco_draco_order {
 	/* rows come back as a multiset, cheaper; columns of a row stay together */
 	ECO_DRACO_KD
 };
-
-/* Checks the start of a stream as Draco 1.5 writes it; `rows` >= 1. False: our encoder could not have
- * written it. */
-bool eco_draco_rows_start(const uint8_t *bytes, size_t size, enum eco_draco_order order, uint32_t rows);
-bool eco_draco_mesh_start(const uint8_t *bytes, size_t size, uint32_t faces);
 
 /* From now on a C++ library that finds no memory where it can tell nobody ends the program with a message
  * and status 1, not by a signal: Draco in a destructor, meshoptimizer called from C. `note`, unless NULL, is

@@ -88,9 +88,8 @@ struct eco_shapes_input {
 };
 #define ECO_SHAPE_NONE UINT32_MAX
 /* Fills shapes, and of[i] (end - first values) with the shape of element first + i, or ECO_SHAPE_NONE; shapes
- * of fewer than `uses` elements are dropped. Steps are set to the finest of use. False: out of memory. */
-bool eco_shapes_find(struct eco_shapes *shapes, const struct eco_shapes_input *input, uint32_t uses,
-uint32_t *of);
+ * of fewer than `uses` elements are dropped. Steps are set to the finest of use. */
+void eco_shapes_find(struct eco_shapes *shapes, const struct eco_shapes_input *input, uint32_t uses, uint32_t *of);
 void eco_shapes_free(struct eco_shapes *shapes);
 /* Drops shapes of fewer than `uses` of the `count` elements and renumbers the others. Returns the elements
  * that have a shape. */

@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/memory.h"
 #include "ecofiles/format/chunk/chunk_rows.h"
 
 #define FLAT 1e-3                /* a shape is flat if its corners are nearer to a plane, in radii */
@@ -582,18 +583,16 @@ static int compare_radius(const void *left, const void *right)
 	return a->element < b->element ? -1 : a->element > b->element;
 }
 
-static bool measure(struct finder *f)
+static void measure(struct finder *f)
 {
-	struct by_radius *by = malloc(f->count * sizeof *by);
-	for (uint32_t i = 0; by && i < f->count; i++)
+	struct by_radius *by = eco_alloc(f->count, sizeof *by);
+	for (uint32_t i = 0; i < f->count; i++)
 		if (body_of(&f->bodies[i], f->in->elements->exact + 3 * f->in->at[i], corners_of(f, i)))
 			by[f->sized++] = (struct by_radius){ f->bodies[i].radius, i };
-	if (by)
-		qsort(by, f->sized, sizeof *by, compare_radius);
-	for (uint32_t i = 0; by && i < f->sized; i++)
+	qsort(by, f->sized, sizeof *by, compare_radius);
+	for (uint32_t i = 0; i < f->sized; i++)
 		f->by_size[i] = by[i].element;
 	free(by);
-	return by;
 }
 
 static void finest_steps(const struct finder *f, struct eco_shapes *s)
@@ -608,14 +607,12 @@ static void finest_steps(const struct finder *f, struct eco_shapes *s)
 	s->roll_bits = s->way_bits;
 }
 
-static bool find(struct finder *f, struct eco_shapes *shapes, uint32_t uses, uint32_t *of)
+static void find(struct finder *f, struct eco_shapes *shapes, uint32_t uses, uint32_t *of)
 {
-	struct eco_shapes other = { .items = calloc(ECO_SHAPES_MAX, sizeof *other.items) };
-	uint32_t *other_of = malloc(f->count * sizeof *other_of);
-	bool good = other.items && other_of;
-	double most = good ? find_with(f, shapes, ECO_STRETCH_NONE, uses, of) : 0;
-	for (uint8_t stretch = ECO_STRETCH_WIDTH; good && stretch <= ECO_STRETCH_ALL
-			&& most < 0.37 * f->sized; stretch++) {
+	struct eco_shapes other = { .items = eco_alloc(ECO_SHAPES_MAX, sizeof *other.items) };
+	uint32_t *other_of = eco_alloc(f->count, sizeof *other_of);
+	double most = find_with(f, shapes, ECO_STRETCH_NONE, uses, of);
+	for (uint8_t stretch = ECO_STRETCH_WIDTH; stretch <= ECO_STRETCH_ALL && most < 0.37 * f->sized; stretch++) {
 		double gain = find_with(f, &other, stretch, uses, other_of);
 		if (gain <= most)
 			continue;
@@ -627,25 +624,19 @@ static bool find(struct finder *f, struct eco_shapes *shapes, uint32_t uses, uin
 	}
 	free(other.items);
 	free(other_of);
-	return good;
 }
 
-bool eco_shapes_find(struct eco_shapes *shapes, const struct eco_shapes_input *in, uint32_t uses,
-	uint32_t *of)
+void eco_shapes_find(struct eco_shapes *shapes, const struct eco_shapes_input *in, uint32_t uses, uint32_t *of)
 {
 	struct finder f = { .in = in, .count = in->end - in->first };
-	f.bodies = malloc(f.count * sizeof *f.bodies);
-	f.by_size = malloc(f.count * sizeof *f.by_size);
-	f.models = malloc(ECO_SHAPES_MAX * sizeof *f.models);
-	*shapes = (struct eco_shapes){ .items = calloc(ECO_SHAPES_MAX, sizeof *shapes->items) };
-	bool good = f.bodies && f.by_size && f.models && shapes->items && measure(&f)
-		&& find(&f, shapes, uses, of);
-	if (good)
-		finest_steps(&f, shapes);
+	f.bodies = eco_alloc(f.count, sizeof *f.bodies);
+	f.by_size = eco_alloc(f.count, sizeof *f.by_size);
+	f.models = eco_alloc(ECO_SHAPES_MAX, sizeof *f.models);
+	*shapes = (struct eco_shapes){ .items = eco_alloc(ECO_SHAPES_MAX, sizeof *shapes->items) };
+	measure(&f);
+	find(&f, shapes, uses, of);
+	finest_steps(&f, shapes);
 	free(f.bodies);
 	free(f.by_size);
 	free(f.models);
-	if (!good)
-		eco_shapes_free(shapes);
-	return good;
 }

@@ -84,46 +84,6 @@ bool eco_model_find_beside(const char *model, const char *name, char *path, size
 
 /* ---- Bytes ---- */
 
-static enum eco_code open_regular(const char *path, FILE **file, uint64_t *size, struct eco_error *error)
-{
-	struct stat status;
-	*file = fopen(path, "rb");
-	if (!*file)
-		return eco_fail_read(error, path, errno);
-	if (fstat(fileno(*file), &status) == 0 && S_ISREG(status.st_mode)) {
-		*size = (uint64_t)status.st_size;
-		return ECO_OK;
-	}
-	fclose(*file);
-	return eco_fail(error, ECO_IO, "%.400s: not a regular file", path);
-}
-
-enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, size_t *size,
-	struct eco_error *error)
-{
-	uint64_t length = 0;
-	FILE *file;
-	enum eco_code code = open_regular(path, &file, &length, error);
-	*bytes = NULL;
-	*size = 0;
-	if (code)
-		return code;
-	if (length > most)
-		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: %llu bytes, at most %llu are possible", path,
-			(unsigned long long)length, (unsigned long long)most);
-	else {
-		*bytes = eco_alloc((size_t)length + 1, 1);
-		*size = fread(*bytes, 1, (size_t)length, file);
-	}
-	if (code == ECO_OK && ferror(file)) {
-		code = eco_fail_read(error, path, errno);
-		free(*bytes);
-		*bytes = NULL;
-	}
-	fclose(file);
-	return code;
-}
-
 char *eco_file_read_head(const char *path, size_t *size)
 {
 	char *head = eco_alloc(HEAD_BYTES + 1, 1);

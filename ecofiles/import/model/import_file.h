@@ -1,4 +1,4 @@
-/* Files of strangers, before a reader sees them: whole, their beginning, and what they are by it. */
+/* Files of strangers, before a reader sees them: their beginning, and what they are by it; whole: files.h. */
 #ifndef ECO_IMPORT_FILE_H
 #define ECO_IMPORT_FILE_H
 
@@ -6,11 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "ecofiles/base/status.h"
-
-/* The whole file, followed by a 0 that *size does not count; malloc'ed. At most `most` bytes. */
-enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, size_t *size,
-	struct eco_error *error);
+#include "ecofiles/base/files.h"
 
 /* The file's first 64 KiB, followed by a 0; malloc'ed, NULL when memory ran out. 0 bytes if the file
  * cannot be read. */
