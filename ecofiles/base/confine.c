@@ -181,46 +181,27 @@ static const int refused[] = {
 	CALL(setpgid), CALL(setrlimit), CALL(syslog), CALL(vhangup), CALL(iopl), CALL(ioperm),
 };
 
-/* open and openat for anything but reading. */
-static int refuse_writing(scmp_filter_ctx filter)
-{
-	static const int bits[] = { O_WRONLY, O_RDWR, O_CREAT, O_TRUNC, O_APPEND };
-	int failed = 0;
-	for (size_t i = 0; i < sizeof bits / sizeof *bits; i++) {
-		scmp_datum_t bit = (scmp_datum_t)bits[i];
-		failed |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(open), 1,
-			SCMP_A1(SCMP_CMP_MASKED_EQ, bit, bit));
-		failed |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(openat), 1,
-			SCMP_A2(SCMP_CMP_MASKED_EQ, bit, bit));
-	}
-	return failed;
-}
+/* Calls that are refused if so many bits of an argument are these. */
+static const struct { int call; unsigned argument; uint64_t mask, value; } rules[] = {
+	/* open and openat for anything but reading */
+#define OPENING(bit) { CALL(open), 1, bit, bit }, { CALL(openat), 2, bit, bit }
+	OPENING(O_WRONLY), OPENING(O_RDWR), OPENING(O_CREAT), OPENING(O_TRUNC), OPENING(O_APPEND),
+	/* threads are allowed, processes are not */
+	{ CALL(clone), 0, CLONE_THREAD, 0 },
+	/* typing into the terminal that the user goes on to use; the kernel reads 32 bits of the request */
+	{ CALL(ioctl), 1, UINT32_MAX, TIOCSTI },
+};
 
-/* The filter cannot see arguments behind a pointer, so such calls are refused; the C library falls back on
- * older ones. */
-static int refuse_unseen(scmp_filter_ctx filter)
-{
-	return seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), CALL(openat2), 0)
-		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), CALL(clone3), 0);
-}
-
-/* Typing into the terminal that the user goes on to use; the kernel reads 32 bits of the request. */
-static int refuse_typing(scmp_filter_ctx filter)
-{
-	return seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(ioctl), 1,
-		SCMP_A1(SCMP_CMP_MASKED_EQ, UINT32_MAX, TIOCSTI));
-}
-
-/* Threads are allowed, processes are not; signals only to oneself; limits may be read but not changed. */
+/* Signals go only to oneself; limits may be read but not changed. Calls with arguments behind a pointer, which the
+ * filter cannot see, do not exist: the C library falls back on older ones. */
 static int refuse_others(scmp_filter_ctx filter)
 {
+	const uint32_t refuse = SCMP_ACT_ERRNO(EPERM), absent = SCMP_ACT_ERRNO(ENOSYS);
 	scmp_datum_t self = (scmp_datum_t)getpid();
-	return seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(clone), 1,
-		SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0)) | seccomp_rule_add(filter,
-		SCMP_ACT_ERRNO(EPERM), CALL(kill), 1, SCMP_A0(SCMP_CMP_NE, self, 0))
-		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(tgkill), 1,
-		SCMP_A0(SCMP_CMP_NE, self, 0)) | seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM),
-		CALL(prlimit64), 1, SCMP_A2(SCMP_CMP_NE, 0, 0));
+	return seccomp_rule_add(filter, refuse, CALL(kill), 1, SCMP_A0(SCMP_CMP_NE, self, 0))
+		| seccomp_rule_add(filter, refuse, CALL(tgkill), 1, SCMP_A0(SCMP_CMP_NE, self, 0))
+		| seccomp_rule_add(filter, refuse, CALL(prlimit64), 1, SCMP_A2(SCMP_CMP_NE, 0, 0))
+		| seccomp_rule_add(filter, absent, CALL(openat2), 0) | seccomp_rule_add(filter, absent, CALL(clone3), 0);
 }
 
 bool eco_guard_filter(void)
@@ -232,8 +213,10 @@ bool eco_guard_filter(void)
 	for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
 		/* some calls do not exist on some machines */
 		failed |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), refused[i], 0) == -ENOMEM;
-	failed |= refuse_writing(filter) | refuse_unseen(filter) | refuse_others(filter)
-		| refuse_typing(filter);
+	for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
+		failed |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), rules[i].call, 1,
+			SCMP_CMP(rules[i].argument, SCMP_CMP_MASKED_EQ, rules[i].mask, rules[i].value));
+	failed |= refuse_others(filter);
 	seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, 2);
 	failed = failed != 0 || seccomp_load(filter) != 0;
 	seccomp_release(filter);

@@ -10,10 +10,10 @@
 #include "ecofiles/base/status.h"
 
 /* Outputs are written beside their place, as PATH.tmp-PID, and renamed when they are whole. A process that is
- * killed leaves one; the next that writes there removes it, unless a process still writes it: the writer
- * holds the lock of its file or folder, which the system lets go of however the process dies. */
+ * killed leaves one; the next that writes the same file removes it, unless a process still writes it: the writer
+ * holds the lock of its file, which the system lets go of however the process dies. */
 
-/* Whether `name` is that of an unfinished file or folder of `of`: "OF.tmp-4711". */
+/* Whether `name` is that of an unfinished file of `of`: "OF.tmp-4711". */
 bool eco_unfinished_is(const char *name, const char *of);
 
 /* Locks what was just made. False: another process took it for left over and removed it, so make it again. A
@@ -22,12 +22,10 @@ bool eco_unfinished_lock(int file);
 
 /* Removes files of that name in a folder that no process writes. */
 void eco_unfinished_remove_file(int folder, const char *name);
-/* Removes what is left of `path`: files, or with `below` folders. These have to hold nothing but files whose
- * names begin with below[0], and folders of files with the names that follow, up to NULL; else they are kept.
- */
-void eco_unfinished_remove(const char *path, const char *const *below);
-/* Removes such a folder, also while another process writes it. */
-void eco_unfinished_remove_folder(int folder, const char *name, const char *const *below);
+/* Removes unfinished files of `path`. */
+void eco_unfinished_remove(const char *path);
+/* Removes a folder that this process made, with all in it. */
+void eco_folder_remove(const char *path);
 
 /* Writes path.tmp-PID, then renames it: a file that appears complete or not at all. */
 enum eco_code eco_file_write(const char *path, const void *bytes, size_t size, struct eco_error *error);

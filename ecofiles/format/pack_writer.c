@@ -89,7 +89,7 @@ static char *folder_of(const char *path)
 /* Creates the unfinished file and locks it; another process may have taken it for left over in between. */
 static enum eco_code open_unfinished(struct eco_pack_writer *w, struct eco_error *error)
 {
-	eco_unfinished_remove(w->path, NULL);
+	eco_unfinished_remove(w->path);
 	for (;;) {
 		w->file = open(w->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 		if (w->file < 0)

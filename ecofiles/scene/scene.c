@@ -44,27 +44,24 @@ static const struct eco_field tile_fields[] = {
 
 /* ---- Instances and children ---- */
 
-static bool parse_instance(struct eco_source *source, const struct eco_json *at)
+static void parse_instance(struct eco_source *source, const struct eco_json *at)
 {
 	struct eco_source_instance instance = { .scale = 1, .height_m = NAN };
 	struct eco_json plant = eco_json_member(at, "plant");
-	if (!eco_scene_fields(source, at, instance_fields, &instance)
-		|| !eco_source_plant_of(source, &plant, &instance.plant))
-		return false;
+	eco_scene_fields(source, at, instance_fields, &instance);
+	instance.plant = eco_source_plant_of(source, &plant);
 	instance.plant += eco_random_variant(0, source->instance_count,
 		source->plants[instance.plant].variant_count);
 	source->instances[source->instance_count++] = instance;
-	return true;
 }
 
-static bool parse_instances(struct eco_source *source, const struct eco_json *top)
+static void parse_instances(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json node = eco_json_member(top, "instances");
 	size_t count, rows = 0, scatters = 0;
 	if (!node.value)
-		return true;
-	if (!eco_json_array(&node, INSTANCES_MAX))
-		return false;
+		return;
+	eco_scene_need(eco_json_array(&node, INSTANCES_MAX));
 	count = json_array_size(node.value);
 	for (size_t i = 0; i < count; i++) {
 		const json_t *item = json_array_get(node.value, i);
@@ -76,70 +73,65 @@ static bool parse_instances(struct eco_source *source, const struct eco_json *to
 	source->scatters = eco_alloc(scatters, sizeof *source->scatters);
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = eco_json_item(&node, i);
-		bool good;
 		if (json_object_get(item.value, "from"))
-			good = eco_scene_parse_rows(source, &item,
-				&source->positions[source->positions_count++]);
+			eco_scene_parse_rows(source, &item, &source->positions[source->positions_count++]);
 		else if (json_object_get(item.value, "scatter"))
-			good = eco_scene_parse_scatter(source, &item,
-				&source->scatters[source->scatter_count++]);
+			eco_scene_parse_scatter(source, &item, &source->scatters[source->scatter_count++]);
 		else
-			good = parse_instance(source, &item);
-		if (!good)
-			return false;
+			parse_instance(source, &item);
 	}
-	return true;
 }
 
-static bool parse_children(struct eco_source *source, const struct eco_json *top)
+static void parse_children(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json node = eco_json_member(top, "children");
 	if (!node.value)
-		return true;
-	if (!eco_json_array(&node, INSTANCES_MAX))
-		return false;
+		return;
+	eco_scene_need(eco_json_array(&node, INSTANCES_MAX));
 	source->children = eco_alloc(json_array_size(node.value), sizeof *source->children);
 	for (size_t i = 0; i < json_array_size(node.value); i++) {
 		struct eco_json item = eco_json_item(&node, i);
 		struct eco_source_child *child = &source->children[source->child_count++];
 		*child = (struct eco_source_child){ .source = ECO_NONE, .scale = 1 };
-		if (!eco_scene_fields(source, &item, child_fields, child))
-			return false;
+		eco_scene_fields(source, &item, child_fields, child);
 	}
-	return true;
 }
 
 /* ---- The document ---- */
 
-static bool parse_name(struct eco_source *source, const struct eco_json *top)
+static void parse_name(struct eco_source *source, const struct eco_json *top)
 {
 	const char *slash = strrchr(source->path, '/'), *name = slash ? slash + 1 : source->path;
 	struct eco_json node = eco_json_member(top, "name");
 	size_t bytes = strcspn(name, ".");
 	if (node.value) {
-		if (!eco_json_text(top, "name", 63, &name)
-				|| !eco_source_name_is_fine(&node, name, strlen(name)))
-			return false;
+		eco_scene_need(eco_json_text(top, "name", 63, &name));
 		bytes = strlen(name);
+		eco_source_check_name(&node, name, bytes);
 	}
 	bytes = eco_utf8_cut(name, bytes, sizeof source->name - 1);
 	memcpy(source->name, bytes ? name : "scene", bytes ? bytes : strlen("scene"));
 	eco_utf8_tame(source->name, "", '_');        /* a file's name may be any bytes */
-	return true;
 }
 
-static bool parse_document(struct eco_source *source, const struct eco_json *top)
+struct document { struct eco_source *source; const struct eco_json *top; };
+
+static void parse_document(void *document)
 {
+	struct eco_source *source = ((struct document *)document)->source;
+	const struct eco_json *top = ((struct document *)document)->top;
 	struct eco_json origin = eco_json_member(top, "origin"), tile = eco_json_member(top, "tile");
-	if (!eco_scene_fields(source, top, scene_fields, source) || !parse_name(source, top)
-		|| (tile.value && !eco_scene_fields(source, &tile, tile_fields, source)))
-		return false;
+	eco_scene_fields(source, top, scene_fields, source);
+	parse_name(source, top);
+	if (tile.value)
+		eco_scene_fields(source, &tile, tile_fields, source);
 	if (source->crs && !origin.value)
-		return eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene with a CRS needs "
-			"the point that is its 0, 0, 0, such as \"origin\": [747375, 4308510, 0]");
-	return eco_scene_parse_ground(source, top) && eco_scene_parse_plants(source, top)
-		&& parse_instances(source, top)
-		&& parse_children(source, top);
+		eco_scene_fail(top, "\"origin\" is missing: a scene with a CRS needs the point that is its 0, 0, 0, "
+			"such as \"origin\": [747375, 4308510, 0]");
+	eco_scene_parse_ground(source, top);
+	eco_scene_parse_plants(source, top);
+	parse_instances(source, top);
+	parse_children(source, top);
 }
 
 enum eco_code eco_source_parse(struct eco_source *source, const char *json, size_t size, const char *path,
@@ -156,12 +148,12 @@ enum eco_code eco_source_parse(struct eco_source *source, const char *json, size
 	}
 	json_t *root = eco_json_open(&file);
 	struct eco_json top = eco_json_root(&file, root);
-	bool good = root && parse_document(source, &top);
+	enum eco_code code = root ? eco_try(parse_document, &(struct document){ source, &top }, file.error)
+		: file.error->code;
 	json_decref(root);
-	if (good)
-		return ECO_OK;
-	eco_source_free(source);
-	return file.error->code;
+	if (code)
+		eco_source_free(source);
+	return code;
 }
 
 struct eco_frame eco_source_frame(const struct eco_source *s)

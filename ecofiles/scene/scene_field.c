@@ -5,72 +5,81 @@
 #include "ecofiles/base/text.h"
 
 #include <errno.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+void eco_scene_fail(const struct eco_json *at, const char *format, ...)
+{
+	char text[400];
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	eco_json_fail(at, ECO_BAD_INPUT, "%s", text);
+	eco_check(ECO_BAD_INPUT);
+	abort();
+}
+
+void eco_scene_need(bool good)
+{
+	if (!good)
+		eco_check(ECO_BAD_INPUT);
+}
 
 /* ---- Notes ---- */
 
 #define FIELDS_MAX 32u
 
-static bool is_note(const struct eco_json *at)
+static void check_note(const struct eco_json *at)
 {
-	return json_is_string(at->value)
-		|| eco_json_fail(at, ECO_BAD_INPUT, "a note is a text");
+	if (!json_is_string(at->value))
+		eco_scene_fail(at, "a note is a text");
 }
 
-static bool check_notes(const struct eco_json *at)
+static void check_notes(const struct eco_json *at)
 {
 	struct eco_json member = { .file = NULL };
-	if (json_is_object(at->value)) {
-		while (eco_json_next(at, &member))
-			if (!is_note(&member))
-				return false;
-		return true;
-	}
-	for (size_t i = 0; i < eco_scene_several(at); i++) {
+	while (json_is_object(at->value) && eco_json_next(at, &member))
+		check_note(&member);
+	for (size_t i = 0; !json_is_object(at->value) && i < eco_scene_several(at); i++) {
 		struct eco_json item = eco_scene_one(at, i);
-		if (!is_note(&item))
-			return false;
+		check_note(&item);
 	}
-	return true;
 }
 
 /* ---- Paths ---- */
 
-static bool parse_path(const struct eco_source *source, const struct eco_json *at, char **path)
+static void parse_path(const struct eco_source *source, const struct eco_json *at, char **path)
 {
-	if (!eco_json_is_text(at, ECO_PATH_BYTES))
-		return false;
+	eco_scene_need(eco_json_is_text(at, ECO_PATH_BYTES));
 	const char *relative = json_string_value(at->value), *slash = strrchr(source->path, '/');
 	int folder = slash && *relative != '/' ? (int)(slash - source->path) + 1 : 0;
 	if (asprintf(path, "%.*s%s", folder, source->path, relative) < 0)
 		eco_end("no memory");
-	if (source->on_disk && !eco_confined_may_read(*path))
-		return eco_json_fail(at, ECO_BAD_INPUT, "%.300s lies outside of the folder to which "
-			"--confine keeps reading", *path);
-	if (!source->on_disk || access(*path, R_OK) == 0)
-		return true;
-	return eco_json_fail(at, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s%s", *path,
-		strerror(errno), errno == ENOENT ? "; paths count from the folder of the file that names them"
-		: eco_advice_read(errno));
+	if (!source->on_disk)
+		return;
+	if (!eco_confined_may_read(*path))
+		eco_scene_fail(at, "%.300s lies outside of the folder to which --confine keeps reading", *path);
+	if (access(*path, R_OK) != 0)
+		eco_scene_need(eco_json_fail(at, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s%s", *path,
+			strerror(errno), errno == ENOENT ? "; paths count from the folder of the file that names "
+			"them" : eco_advice_read(errno)));
 }
 
-bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_json *at, const char *what,
+void eco_scene_parse_paths(const struct eco_source *source, const struct eco_json *at, const char *what,
 	size_t most, char ***paths, uint32_t *count)
 {
 	size_t size = eco_scene_several(at);
 	if (size == 0)
-		return eco_json_fail(at, ECO_BAD_INPUT, "it names no %s", what);
-	if (json_is_array(at->value) && !eco_json_array(at, most))
-		return false;
+		eco_scene_fail(at, "it names no %s", what);
+	eco_scene_need(!json_is_array(at->value) || eco_json_array(at, most));
 	*paths = eco_alloc(size, sizeof **paths);
 	for (size_t i = 0; i < size; i++) {
 		struct eco_json item = eco_scene_one(at, i);
-		if (!parse_path(source, &item, &(*paths)[(*count)++]))
-			return false;
+		parse_path(source, &item, &(*paths)[(*count)++]);
 	}
-	return true;
 }
 
 void eco_scene_paths_free(char **paths, uint32_t count)
@@ -92,86 +101,85 @@ struct eco_json eco_scene_one(const struct eco_json *at, size_t index)
 	return json_is_array(at->value) ? eco_json_item(at, index) : *at;
 }
 
-bool eco_scene_copy(const struct eco_json *at, size_t bytes_max, char **out)
+void eco_scene_copy(const struct eco_json *at, size_t bytes_max, char **out)
 {
 	free(*out);          /* a column that two fields name */
 	*out = NULL;
-	if (!eco_json_is_text(at, bytes_max))
-		return false;
+	eco_scene_need(eco_json_is_text(at, bytes_max));
 	*out = eco_copy_text(json_string_value(at->value));
-	return true;
 }
 
-static bool parse_crs(const struct eco_source *source, const struct eco_json *at, char **crs)
+static void parse_crs(const struct eco_source *source, const struct eco_json *at, char **crs)
 {
-	if (!eco_scene_copy(at, ECO_PATH_BYTES, crs) || source->crs)
-		return *crs;
-	return eco_json_fail(at, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": "
-		"\"%.80s\" and \"origin\" to the scene, or leave this one out", *crs);
+	eco_scene_copy(at, ECO_PATH_BYTES, crs);
+	if (!source->crs)
+		eco_scene_fail(at, "the scene has no CRS to convert to: add \"crs\": \"%.80s\" and \"origin\" to "
+			"the scene, or leave this one out", *crs);
 }
 
-static bool parse_unit(const struct eco_json *at, double *unit_m)
+static void parse_unit(const struct eco_json *at, double *unit_m)
 {
-	if (!eco_json_is_text(at, 16))
-		return false;
+	eco_scene_need(eco_json_is_text(at, 16));
 	const char *name = json_string_value(at->value);
-	return eco_unit_metres(name, unit_m)
-		|| eco_json_fail(at, ECO_BAD_INPUT, "unit \"%.20s\" is not one of " ECO_UNITS, name);
+	if (!eco_unit_metres(name, unit_m))
+		eco_scene_fail(at, "unit \"%.20s\" is not one of " ECO_UNITS, name);
 }
 
-bool eco_scene_choice(const struct eco_json *at, const char *key, const char *const *names, const char *says,
+void eco_scene_choice(const struct eco_json *at, const char *key, const char *const *names, const char *says,
 	unsigned *which)
 {
 	struct eco_json node = eco_json_member(at, key);
 	const char *name = NULL;
-	if (!eco_json_text(at, key, 16, &name))
-		return false;
-	for (unsigned i = 0; name && names[i]; i++)
-		if (strcmp(name, names[i]) == 0) {
-			*which = i;
-			return true;
-		}
-	return !name || eco_json_fail(&node, ECO_BAD_INPUT, "\"%s\" is %s", key, says);
+	unsigned i = 0;
+	eco_scene_need(eco_json_text(at, key, 16, &name));
+	while (name && names[i] && strcmp(name, names[i]) != 0)
+		i++;
+	if (name && !names[i])
+		eco_scene_fail(&node, "\"%s\" is %s", key, says);
+	if (name)
+		*which = i;
 }
 
 /* ---- Objects ---- */
 
-static bool parse_field(const struct eco_source *source, const struct eco_json *at, const struct eco_field *f,
+static void parse_field(const struct eco_source *source, const struct eco_json *at, const struct eco_field *f,
 	void *to)
 {
 	struct eco_json node = eco_json_member(at, f->name);
 	uint64_t whole = 0;
 	double number = 0;
-	bool good;
-	if (!node.value)
-		return !(f->kind & ECO_IS_REQUIRED) || eco_json_required(at, f->name);
+	if (!node.value) {
+		eco_scene_need(!(f->kind & ECO_IS_REQUIRED) || eco_json_required(at, f->name));
+		return;
+	}
 	switch (f->kind & ~(unsigned)ECO_IS_REQUIRED) {
-	case ECO_IS_COLUMN: return eco_scene_copy(&node, ECO_COLUMN_BYTES, to);
-	case ECO_IS_TEXT: return eco_scene_copy(&node, ECO_PATH_BYTES, to);
-	case ECO_IS_CRS: return parse_crs(source, &node, to);
-	case ECO_IS_PATH: return parse_path(source, &node, to);
-	case ECO_IS_UNIT: return parse_unit(&node, to);
+	case ECO_IS_COLUMN: eco_scene_copy(&node, ECO_COLUMN_BYTES, to); break;
+	case ECO_IS_TEXT: eco_scene_copy(&node, ECO_PATH_BYTES, to); break;
+	case ECO_IS_CRS: parse_crs(source, &node, to); break;
+	case ECO_IS_PATH: parse_path(source, &node, to); break;
+	case ECO_IS_UNIT: parse_unit(&node, to); break;
 	case ECO_IS_NUMBERS:
-		return eco_json_numbers(at, f->name, 2, f->bytes / sizeof(double), f->low, f->high, to);
+		eco_scene_need(eco_json_numbers(at, f->name, 2, f->bytes / sizeof(double), f->low, f->high, to));
+		break;
 	case ECO_IS_NUMBER:
-		good = eco_json_number(at, f->name, f->low, f->high, &number);
-		if (good && f->bytes == sizeof(float))
+		eco_scene_need(eco_json_number(at, f->name, f->low, f->high, &number));
+		if (f->bytes == sizeof(float))
 			*(float *)to = (float)number;
-		else if (good)
+		else
 			*(double *)to = number;
-		return good;
+		break;
 	case ECO_IS_WHOLE:
-		good = eco_json_whole(at, f->name, (uint64_t)f->low, (uint64_t)f->high, &whole);
-		if (good && f->bytes == sizeof(uint32_t))
+		eco_scene_need(eco_json_whole(at, f->name, (uint64_t)f->low, (uint64_t)f->high, &whole));
+		if (f->bytes == sizeof(uint32_t))
 			*(uint32_t *)to = (uint32_t)whole;
-		else if (good)
+		else
 			*(uint64_t *)to = whole;
-		return good;
-	default: return true;
+		break;
+	default: break;
 	}
 }
 
-bool eco_scene_fields(const struct eco_source *source, const struct eco_json *at, const struct eco_field *fields,
+void eco_scene_fields(const struct eco_source *source, const struct eco_json *at, const struct eco_field *fields,
 	void *to)
 {
 	const char *names[FIELDS_MAX + 2];
@@ -180,15 +188,12 @@ bool eco_scene_fields(const struct eco_source *source, const struct eco_json *at
 		names[count] = fields[count].name;
 	names[count] = "notes";
 	names[count + 1] = NULL;
-	if (!eco_json_object(at, names))
-		return false;
+	eco_scene_need(eco_json_object(at, names));
 	struct eco_json notes = eco_json_member(at, "notes");
-	if (notes.value && !check_notes(&notes))
-		return false;
+	if (notes.value)
+		check_notes(&notes);
 	for (const struct eco_field *f = fields; f->name; f++)
-		if (!parse_field(source, at, f, (char *)to + f->at))
-			return false;
-	return true;
+		parse_field(source, at, f, (char *)to + f->at);
 }
 
 void eco_scene_fields_free(const struct eco_field *fields, void *of)
@@ -225,12 +230,11 @@ bool eco_unit_metres(const char *name, double *metres)
 	return false;
 }
 
-bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes)
+void eco_source_check_name(const struct eco_json *at, const char *name, size_t bytes)
 {
 	if (eco_utf8_has_control(name, bytes))
-		return eco_json_fail(at, ECO_BAD_INPUT, "a name with a control character in it, or one that "
-			"steers the direction or the lines of text");
+		eco_scene_fail(at, "a name with a control character in it, or one that steers the direction or the "
+			"lines of text");
 	if (bytes == 0 || bytes > 63)
-		return eco_json_fail(at, ECO_BAD_INPUT, "a name of %zu bytes, it must have 1 to 63", bytes);
-	return true;
+		eco_scene_fail(at, "a name of %zu bytes, it must have 1 to 63", bytes);
 }

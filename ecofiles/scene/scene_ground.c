@@ -21,34 +21,35 @@ static const struct eco_field ground_fields[] = {
 	ECO_OTHER("nodata"), PLACE(ground_source), ECO_OTHER("image"), ECO_FIELDS_END
 };
 
-static bool parse_meaning(struct eco_ground_source *ground, const struct eco_json *at)
+static void parse_meaning(struct eco_ground_source *ground, const struct eco_json *at)
 {
 	struct eco_json nodata = eco_json_member(at, "nodata"), scale = eco_json_member(at, "scale");
 	ground->no_holes = json_is_null(nodata.value);
 	ground->has_nodata = nodata.value && !ground->no_holes;
 	ground->has_offset = eco_json_member(at, "offset").value != NULL;
 	if (ground->scale == 0 && scale.value)
-		return eco_json_fail(&scale, ECO_BAD_INPUT, "\"scale\": 0 would make all heights one");
-	return !ground->has_nodata || eco_json_number(at, "nodata", -1e39, 1e39, &ground->nodata);
+		eco_scene_fail(&scale, "\"scale\": 0 would make all heights one");
+	if (ground->has_nodata)
+		eco_scene_need(eco_json_number(at, "nodata", -1e39, 1e39, &ground->nodata));
 }
 
-static bool parse_place(const struct eco_json *at, uint32_t files, bool *has_place, double pixel_m[2])
+static void parse_place(const struct eco_json *at, uint32_t files, bool *has_place, double pixel_m[2])
 {
 	struct eco_json corner = eco_json_member(at, "north_west"), pixel = eco_json_member(at, "pixel");
 	if ((!corner.value) != (!pixel.value))
-		return eco_json_fail(at, ECO_BAD_INPUT, "\"north_west\" (x and y of the raster's corner) "
-			"and \"pixel\" (its pixels' size) go together");
+		eco_scene_fail(at, "\"north_west\" (x and y of the raster's corner) and \"pixel\" (its pixels' "
+			"size) go together");
 	if (!corner.value)
-		return true;
+		return;
 	if (files > 1)
-		return eco_json_fail(&corner, ECO_BAD_INPUT, "several rasters cannot have one corner; give "
-			"each a world file");
+		eco_scene_fail(&corner, "several rasters cannot have one corner; give each a world file");
 	*has_place = true;
-	if (json_is_array(pixel.value))
-		return eco_json_numbers(at, "pixel", 2, 2, 1e-9, 1e6, pixel_m);
-	bool good = eco_json_number(at, "pixel", 1e-9, 1e6, &pixel_m[0]);
+	if (json_is_array(pixel.value)) {
+		eco_scene_need(eco_json_numbers(at, "pixel", 2, 2, 1e-9, 1e6, pixel_m));
+		return;
+	}
+	eco_scene_need(eco_json_number(at, "pixel", 1e-9, 1e6, &pixel_m[0]));
 	pixel_m[1] = pixel_m[0];
-	return good;
 }
 
 /* ---- The image ---- */
@@ -64,20 +65,17 @@ static const struct eco_field image_fields[] = {
 };
 
 /* "#rrggbb" */
-static bool parse_color(const struct eco_json *at, uint8_t rgb[3])
+static void parse_color(const struct eco_json *at, uint8_t rgb[3])
 {
 	unsigned value = 0;
 	int end = 0;
-	if (!eco_json_is_text(at, 16))
-		return false;
+	eco_scene_need(eco_json_is_text(at, 16));
 	const char *text = json_string_value(at->value);
 	if (strlen(text) != 7 || strspn(text + 1, "0123456789abcdefABCDEF") != 6
 			|| sscanf(text, "#%6x%n", &value, &end) != 1 || end != 7)
-		return eco_json_fail(at, ECO_BAD_INPUT,
-			"\"%s\" is no colour; write \"#rrggbb\", or null for none", text);
+		eco_scene_fail(at, "\"%s\" is no colour; write \"#rrggbb\", or null for none", text);
 	for (int k = 0; k < 3; k++)
 		rgb[k] = (uint8_t)(value >> (16 - 8 * k));
-	return true;
 }
 
 static int by_number(const void *a, const void *b)
@@ -87,94 +85,87 @@ static int by_number(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-static bool parse_classes(struct eco_ground_image_source *image, const struct eco_json *at)
+static void parse_classes(struct eco_ground_image_source *image, const struct eco_json *at)
 {
 	struct eco_json member = { .file = NULL };
 	if (!at->value)
-		return true;
-	if (!eco_json_names(at, ECO_GROUND_CLASSES_MAX))
-		return false;
+		return;
+	eco_scene_need(eco_json_names(at, ECO_GROUND_CLASSES_MAX));
 	if (!json_object_size(at->value))
-		return eco_json_fail(at, ECO_BAD_INPUT,
-			"\"classes\" has no class; leave it out for the file's own colours");
+		eco_scene_fail(at, "\"classes\" has no class; leave it out for the file's own colours");
 	image->classes = eco_alloc(json_object_size(at->value), sizeof *image->classes);
 	while (eco_json_next(at, &member)) {
-		struct eco_ground_class *class = &image->classes[image->class_count];
+		struct eco_ground_class *class = &image->classes[image->class_count++];
 		char *end;
 		long number = strtol(member.key, &end, 10);
 		if (end == member.key || *end || number != (int32_t)number)
-			return eco_json_fail(&member, ECO_BAD_INPUT, "\"%.40s\" is no number of a class",
-				member.key);
+			eco_scene_fail(&member, "\"%.40s\" is no number of a class", member.key);
 		class->number = (int32_t)number;
 		class->clear = json_is_null(member.value);
-		if (!class->clear && !parse_color(&member, class->rgb))
-			return false;
-		image->class_count++;
+		if (!class->clear)
+			parse_color(&member, class->rgb);
 	}
 	qsort(image->classes, image->class_count, sizeof *image->classes, by_number);
 	for (uint32_t i = 1; i < image->class_count; i++)
 		if (image->classes[i].number == image->classes[i - 1].number)
-			return eco_json_fail(at, ECO_BAD_INPUT, "class %d comes twice",
-				image->classes[i].number);
-	return true;
+			eco_scene_fail(at, "class %d comes twice", image->classes[i].number);
 }
 
-static bool parse_image(struct eco_source *source, const struct eco_json *at)
+static void parse_image(struct eco_source *source, const struct eco_json *at)
 {
 	struct eco_ground_image_source *image = &source->ground_image;
 	bool said_more = json_is_object(at->value);
 	struct eco_json file = said_more ? eco_json_member(at, "file") : *at;
 	if (!at->value)
-		return true;
-	if (said_more && !eco_scene_fields(source, at, image_fields, image))
-		return false;
-	if (!eco_scene_parse_paths(source, &file, "image", ECO_GROUND_FILES_MAX, &image->files,
-			&image->file_count))
-		return false;
+		return;
+	if (said_more)
+		eco_scene_fields(source, at, image_fields, image);
+	eco_scene_parse_paths(source, &file, "image", ECO_GROUND_FILES_MAX, &image->files, &image->file_count);
 	if (!said_more)
-		return true;
+		return;
 	struct eco_json classes = eco_json_member(at, "classes");
 	struct eco_json range = eco_json_member(at, "range");
 	image->has_nodata = eco_json_member(at, "nodata").value;
 	image->has_range = range.value;
 	if (range.value && !(image->range[0] < image->range[1]))
-		return eco_json_fail(&range, ECO_BAD_INPUT, "\"range\" is [black, white], black being less");
-	return parse_classes(image, &classes)
-		&& parse_place(at, image->file_count, &image->has_place, image->pixel);
+		eco_scene_fail(&range, "\"range\" is [black, white], black being less");
+	parse_classes(image, &classes);
+	parse_place(at, image->file_count, &image->has_place, image->pixel);
 }
 
 /* ---- The whole ---- */
 
 /* Other fields say what heights mean. */
-static bool check_no_heights(const struct eco_json *node)
+static void check_no_heights(const struct eco_json *node)
 {
 	for (const struct eco_field *field = ground_fields; field->name; field++) {
 		struct eco_json other = eco_json_member(node, field->name);
 		if (other.value && strcmp(field->name, "image") != 0)
-			return eco_json_fail(&other, ECO_BAD_INPUT,
-				"\"%s\" is about \"heights\", which the ground does "
-				"not have; what the image needs goes into it: \"image\": {\"file\": ...}",
-				field->name);
+			eco_scene_fail(&other, "\"%s\" is about \"heights\", which the ground does not have; what "
+				"the image needs goes into it: \"image\": {\"file\": ...}", field->name);
 	}
-	return true;
 }
 
-bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top)
+void eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json node = eco_json_member(top, "ground"), heights = eco_json_member(&node, "heights");
 	struct eco_ground_source *ground = &source->ground;
 	ground->none = json_is_null(node.value);
 	if (!node.value || ground->none)
-		return true;
-	if (!eco_scene_fields(source, &node, ground_fields, ground))
-		return false;
+		return;
+	eco_scene_fields(source, &node, ground_fields, ground);
 	struct eco_json image = eco_json_member(&node, "image");
 	if (!heights.value && image.value)
-		return check_no_heights(&node) && parse_image(source, &image);
-	return eco_json_required(&node, "heights") && parse_image(source, &image) &&
-		eco_scene_parse_paths(source, &heights, "raster", ECO_GROUND_FILES_MAX, &ground->heights,
-			&ground->height_count) && parse_meaning(ground, &node) &&
-		parse_place(&node, ground->height_count, &ground->has_place, ground->pixel);
+		check_no_heights(&node);
+	else
+		eco_scene_need(eco_json_required(&node, "heights"));
+	parse_image(source, &image);
+	if (!heights.value)
+		return;
+	eco_scene_parse_paths(source, &heights, "raster", ECO_GROUND_FILES_MAX, &ground->heights,
+		&ground->height_count);
+	parse_meaning(ground, &node);
+	parse_place(&node, ground->height_count, &ground->has_place, ground->pixel);
 }
 
 void eco_ground_source_free(struct eco_ground_source *ground)

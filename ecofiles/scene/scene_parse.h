@@ -10,6 +10,12 @@
 #define ECO_IMPORTANCE_LEAST 0.01
 #define ECO_IMPORTANCE_MOST 100.0
 
+/* All of the reader's functions stop at the first error (eco_try in memory.h). */
+_Noreturn void eco_scene_fail(const struct eco_json *at, const char *format, ...)
+	__attribute__((format(printf, 2, 3)));
+/* Stops where `good`, which a function of json_read.h returned, is false. */
+void eco_scene_need(bool good);
+
 /* ---- Fields (scene_field.c) ---- */
 
 enum eco_field_kind {
@@ -38,55 +44,54 @@ struct eco_field {
 
 /* Reads an object's fields into their members of `to`. Those that are absent stay. "notes" may be among the
  * members: a text, an array or an object of texts, for people. */
-bool eco_scene_fields(const struct eco_source *source, const struct eco_json *at, const struct eco_field *fields,
+void eco_scene_fields(const struct eco_source *source, const struct eco_json *at, const struct eco_field *fields,
 	void *to);
 void eco_scene_fields_free(const struct eco_field *fields, void *of);
 
-/* Reads one path, or an array of up to `most`; errors name `what`. On failure *paths holds the *count paths
+/* Reads one path, or an array of up to `most`; errors name `what`. When it stops, *paths holds the *count paths
  * read so far. */
-bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_json *at, const char *what,
+void eco_scene_parse_paths(const struct eco_source *source, const struct eco_json *at, const char *what,
 	size_t most, char ***paths, uint32_t *count);
 void eco_scene_paths_free(char **paths, uint32_t count);
 /* One of `names`, which end with NULL, in *which, if present. The error says what the field is. */
-bool eco_scene_choice(const struct eco_json *at, const char *key, const char *const *names, const char *says,
+void eco_scene_choice(const struct eco_json *at, const char *key, const char *const *names, const char *says,
 	unsigned *which);
 #define ECO_COLUMN_BYTES 256u
 /* Keeps a text, in the place of what *out was. */
-bool eco_scene_copy(const struct eco_json *at, size_t bytes_max, char **out);
+void eco_scene_copy(const struct eco_json *at, size_t bytes_max, char **out);
 /* How many an array has; what is no array is one, its own first. */
 size_t eco_scene_several(const struct eco_json *at);
 struct eco_json eco_scene_one(const struct eco_json *at, size_t index);
 
 /* Names end up in URLs, file names and messages: 1 to 63 bytes, no characters that
  * eco_utf8_control finds. */
-bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes);
+void eco_source_check_name(const struct eco_json *at, const char *name, size_t bytes);
 
 /* "plants" (scene_plant.c). */
-bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *top);
+void eco_scene_parse_plants(struct eco_source *source, const struct eco_json *top);
 void eco_source_plant_free(struct eco_source_plant *plant);
 
 /* "ground" (scene_ground.c). */
-bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top);
+void eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top);
 void eco_ground_source_free(struct eco_ground_source *ground);
 void eco_ground_image_source_free(struct eco_ground_image_source *source);
 
 /* The first plant of that name. The error, at `at`, lists the plants there are. */
-bool eco_source_plant_named(const struct eco_source *source, const struct eco_json *at, const char *name,
-	uint32_t *plant);
+uint32_t eco_source_plant_named(const struct eco_source *source, const struct eco_json *at, const char *name);
 /* The plant that a text names. */
-bool eco_source_plant_of(const struct eco_source *source, const struct eco_json *at, uint32_t *plant);
+uint32_t eco_source_plant_of(const struct eco_source *source, const struct eco_json *at);
 
-/* "only" and "skip" of an entry (scene_rows.c). On failure they hold the part read so far. */
-bool eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count);
+/* "only" and "skip" of an entry (scene_rows.c). When it stops, they hold the part read so far. */
+void eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count);
 
-/* One entry of "instances" with "scatter" (scene_scatter.c). On failure the spec holds the part read so
+/* One entry of "instances" with "scatter" . When it stops, the spec holds the part read so
  * far. */
-bool eco_scene_parse_scatter(const struct eco_source *source, const struct eco_json *at,
+void eco_scene_parse_scatter(const struct eco_source *source, const struct eco_json *at,
 	struct eco_scatter_spec *spec);
 void eco_scatter_spec_free(struct eco_scatter_spec *spec);
 
-/* One entry of "instances" with "from". On failure the spec holds the part read so far. */
-bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at,
+/* One entry of "instances" with "from". When it stops, the spec holds the part read so far. */
+void eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec);
 void eco_positions_spec_free(struct eco_positions_spec *spec);
 

@@ -66,114 +66,100 @@ static uint32_t find_plant(const struct eco_source *source, const char *name)
 	return ECO_NONE;
 }
 
-bool eco_source_plant_named(const struct eco_source *source, const struct eco_json *at, const char *name,
-	uint32_t *plant)
+uint32_t eco_source_plant_named(const struct eco_source *source, const struct eco_json *at, const char *name)
 {
 	char known[200] = "";
-	*plant = find_plant(source, name);
-	if (*plant != ECO_NONE)
-		return true;
+	uint32_t plant = find_plant(source, name);
+	if (plant != ECO_NONE)
+		return plant;
 	for (uint32_t i = 0; i < source->plant_count; i += source->plants[i].variant_count)
 		eco_phrase_add(known, sizeof known, source->plants[i].name);
-	return eco_json_fail(at, ECO_BAD_INPUT, "plant \"%.63s\" is not among \"plants\": %s", name,
+	eco_scene_fail(at, "plant \"%.63s\" is not among \"plants\": %s", name,
 		known[0] != 0 ? known : "there are none");
 }
 
-bool eco_source_plant_of(const struct eco_source *source, const struct eco_json *at, uint32_t *plant)
+uint32_t eco_source_plant_of(const struct eco_source *source, const struct eco_json *at)
 {
-	return eco_json_is_text(at, sizeof source->plants->name - 1)
-		&& eco_source_plant_named(source, at, json_string_value(at->value), plant);
+	eco_scene_need(eco_json_is_text(at, sizeof source->plants->name - 1));
+	return eco_source_plant_named(source, at, json_string_value(at->value));
 }
 
 /* ---- Files ---- */
 
-/* Adds a variant of `plant`, with the files of `files`, to the source's plants. */
-static bool add_variant(struct eco_source *source, const struct eco_json *files,
-	const struct eco_source_plant *plant)
-{
-	struct eco_source_plant *slot = &source->plants[source->plant_count++];
-	*slot = *plant;
-	return eco_scene_parse_paths(source, files, "file", FILES_MAX, &slot->models, &slot->model_count);
-}
-
-static bool parse_variants(struct eco_source *source, const struct eco_json *at,
+static void parse_variants(struct eco_source *source, const struct eco_json *at,
 	struct eco_source_plant *plant)
 {
 	struct eco_json model = eco_json_member(at, "model"), variants = eco_json_member(at, "variants");
 	if ((model.value != NULL) == (variants.value != NULL))
-		return eco_json_fail(at, ECO_BAD_INPUT, "a plant has either \"model\": \"FILE\" (or several "
-			"files that make it up: [\"wood.obj\", \"leaves.obj\"]), or \"variants\": [\"FILE\", "
-			"...], one for each instance");
-	if (model.value)
-		return add_variant(source, &model, plant);
-	if (!eco_json_array(&variants, VARIANTS_MAX))
-		return false;
-	plant->variant_count = (uint32_t)json_array_size(variants.value);
-	if (plant->variant_count == 0)
-		return eco_json_fail(&variants, ECO_BAD_INPUT, "\"variants\" names no file");
-	for (; plant->variant < plant->variant_count; plant->variant++) {
-		struct eco_json item = eco_json_item(&variants, plant->variant);
-		if (!add_variant(source, &item, plant))
-			return false;
+		eco_scene_fail(at, "a plant has either \"model\": \"FILE\" (or several files that make it up: "
+			"[\"wood.obj\", \"leaves.obj\"]), or \"variants\": [\"FILE\", ...], one for each "
+			"instance");
+	if (variants.value) {
+		eco_scene_need(eco_json_array(&variants, VARIANTS_MAX));
+		plant->variant_count = (uint32_t)json_array_size(variants.value);
 	}
-	return true;
+	if (plant->variant_count == 0)
+		eco_scene_fail(&variants, "\"variants\" names no file");
+	source->plant_count += plant->variant_count - 1;
+	for (uint32_t i = 1; i < plant->variant_count; i++) {
+		plant[i] = *plant;
+		plant[i].variant = i;
+	}
+	for (uint32_t i = 0; i < plant->variant_count; i++) {
+		struct eco_json files = variants.value ? eco_json_item(&variants, i) : model;
+		eco_scene_parse_paths(source, &files, "file", FILES_MAX, &plant[i].models, &plant[i].model_count);
+	}
 }
 
 /* ---- How to read the files ---- */
 
-static bool parse_up(const struct eco_json *at, enum eco_up *up)
+static void parse_up(const struct eco_json *at, enum eco_up *up)
 {
 	static const char *const axes[] = { "y", "z", "x", NULL };       /* as in enum eco_up */
 	unsigned axis = ECO_NONE;
-	if (!eco_scene_choice(at, "up", axes, "\"x\", \"y\" or \"z\": the axis of the file that points up", &axis))
-		return false;
+	eco_scene_choice(at, "up", axes, "\"x\", \"y\" or \"z\": the axis of the file that points up", &axis);
 	*up = axis == ECO_NONE ? ECO_UP_FOUND : ECO_UP_Y + axis;
-	return true;
 }
 
-static bool parse_importance(const struct eco_source *source, const struct eco_json *at,
+static void parse_importance(const struct eco_source *source, const struct eco_json *at,
 	struct eco_source_plant *plant)
 {
 	struct eco_json node = eco_json_member(at, "importance");
 	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
 		plant->importance[i] = node.value ? 1 : 0;
-	return !node.value || eco_scene_fields(source, &node, importance_fields, plant);
+	if (node.value)
+		eco_scene_fields(source, &node, importance_fields, plant);
 }
 
 /* ---- Rules about parts ---- */
 
-static bool parse_rule(const struct eco_source *source, const struct eco_json *at, struct eco_part_rule *rule)
+static void parse_rule(const struct eco_source *source, const struct eco_json *at, struct eco_part_rule *rule)
 {
 	static const char *const parts[] = { "wood", "foliage", "flower", "left out", NULL };
 	struct eco_json size = eco_json_member(at, "size");
 	unsigned is = ECO_ORGAN_FOUND;       /* if it only weighs more or less */
-	if (!eco_scene_fields(source, at, rule_fields, rule)
-			|| (rule->importance == 0 && !eco_json_required(at, "is"))
-			|| !eco_scene_choice(at, "is", parts, "\"wood\", \"foliage\", \"flower\" or \"left out\"", &is))
-		return false;
+	eco_scene_fields(source, at, rule_fields, rule);
+	eco_scene_need(rule->importance != 0 || eco_json_required(at, "is"));
+	eco_scene_choice(at, "is", parts, "\"wood\", \"foliage\", \"flower\" or \"left out\"", &is);
 	if ((rule->name != NULL) + (rule->component > 0) + (size.value != NULL) != 1)
-		return eco_json_fail(at, ECO_BAD_INPUT, "a rule has exactly one of \"name\": \"pot*\", "
-			"\"component\": 1, \"size\": [0, 0.1]");
+		eco_scene_fail(at, "a rule has exactly one of \"name\": \"pot*\", \"component\": 1, \"size\": "
+			"[0, 0.1]");
 	rule->is = is == ECO_ORGAN_COUNT ? ECO_PART_LEFT_OUT : (uint8_t)is;
 	rule->kind = rule->name ? ECO_PART_NAME : rule->component > 0 ? ECO_PART_COMPONENT : ECO_PART_SIZE;
-	return true;
 }
 
-static bool parse_rules(const struct eco_source *source, const struct eco_json *at,
+static void parse_rules(const struct eco_source *source, const struct eco_json *at,
 	struct eco_source_plant *plant)
 {
 	struct eco_json node = eco_json_member(at, "parts");
 	if (!node.value)
-		return true;
-	if (!eco_json_array(&node, RULES_MAX))
-		return false;
+		return;
+	eco_scene_need(eco_json_array(&node, RULES_MAX));
 	plant->parts = eco_alloc(json_array_size(node.value), sizeof *plant->parts);
 	for (size_t i = 0; i < json_array_size(node.value); i++) {
 		struct eco_json item = eco_json_item(&node, i);
-		if (!parse_rule(source, &item, &plant->parts[plant->part_count++]))
-			return false;
+		parse_rule(source, &item, &plant->parts[plant->part_count++]);
 	}
-	return true;
 }
 
 static void free_rules(struct eco_source_plant *plant)
@@ -185,21 +171,17 @@ static void free_rules(struct eco_source_plant *plant)
 
 /* ---- All ---- */
 
-static bool parse_plant(struct eco_source *source, const struct eco_json *at)
+static void parse_plant(struct eco_source *source, const struct eco_json *at)
 {
-	struct eco_source_plant plant = { .variant_count = 1 };
-	uint32_t before = source->plant_count;
-	bool good = eco_source_name_is_fine(at, at->key, strlen(at->key)) &&
-		eco_scene_fields(source, at, plant_fields, &plant) && parse_up(at, &plant.up) &&
-		parse_importance(source, at, &plant) && parse_rules(source, at, &plant);
-
-	if (good) {
-		memcpy(plant.name, at->key, strlen(at->key) + 1);
-		good = parse_variants(source, at, &plant);
-	}
-	if (source->plant_count == before)   /* the rules have no owner yet */
-		free_rules(&plant);
-	return good;
+	struct eco_source_plant *plant = &source->plants[source->plant_count++];
+	plant->variant_count = 1;
+	eco_source_check_name(at, at->key, strlen(at->key));
+	memcpy(plant->name, at->key, strlen(at->key) + 1);
+	eco_scene_fields(source, at, plant_fields, plant);
+	parse_up(at, &plant->up);
+	parse_importance(source, at, plant);
+	parse_rules(source, at, plant);
+	parse_variants(source, at, plant);
 }
 
 static size_t count_variants(const json_t *plants)
@@ -215,24 +197,21 @@ static size_t count_variants(const json_t *plants)
 	return count;
 }
 
-bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *top)
+void eco_scene_parse_plants(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json node = eco_json_member(top, "plants"), entry = { .file = NULL };
 	if (!node.value)
-		return true;
-	if (!eco_json_names(&node, SIZE_MAX))
-		return false;
+		return;
+	eco_scene_need(eco_json_names(&node, SIZE_MAX));
 	size_t count = count_variants(node.value);
 	if (count > PLANTS_MAX)
-		return eco_json_fail(&node, ECO_TOO_LARGE, "%zu models, at most %u are possible", count,
-			PLANTS_MAX);
+		eco_scene_need(eco_json_fail(&node, ECO_TOO_LARGE, "%zu models, at most %u are possible", count,
+			PLANTS_MAX));
 	source->plants = eco_alloc(count, sizeof *source->plants);
 	source->plants_by_name = eco_alloc(count, sizeof *source->plants_by_name);
 	while (eco_json_next(&node, &entry))
-		if (!parse_plant(source, &entry))
-			return false;
+		parse_plant(source, &entry);
 	sort_names(source);
-	return true;
 }
 
 void eco_source_plant_free(struct eco_source_plant *plant)

@@ -48,81 +48,75 @@ static const struct eco_field rule_fields[] = { RULE(allometry, ), ECO_FIELDS_EN
 struct eco_height { struct eco_size size; struct eco_allometry rule; uint32_t levels; };
 #define SOURCE(name) ECO_FIELD(name, COLUMN, 0, 0, height, size.column)
 static const struct eco_field height_fields[] = {
-	SOURCE("column"), ECO_FIELD("unit", UNIT, 0, 0, height, size.unit_m),
-	ECO_FIELD("value", NUMBER, 0.001, 1000, height, size.value_m), SOURCE("from_dbh"), SOURCE("from_girth"),
-	SOURCE("from_dbh_mm"), SOURCE("from_dbh_cm"), SOURCE("from_dbh_in"), RULE(height, rule.),
-	ECO_OTHER("per_plant"), ECO_FIELD("levels", WHOLE, 1, 1024, height, levels), ECO_FIELDS_END
+	ECO_FIELD("unit", UNIT, 0, 0, height, size.unit_m),
+	ECO_FIELD("value", NUMBER, 0.001, 1000, height, size.value_m), RULE(height, rule.), ECO_OTHER("per_plant"),
+	ECO_FIELD("levels", WHOLE, 1, 1024, height, levels),
+	/* at last, so that none is lost where another field stops */
+	SOURCE("column"), SOURCE("from_dbh"), SOURCE("from_girth"), SOURCE("from_dbh_mm"), SOURCE("from_dbh_cm"),
+	SOURCE("from_dbh_in"), ECO_FIELDS_END
 };
 
 /* ---- "only" and "skip": the rows wanted ---- */
 
-static bool parse_value(const struct eco_json *at, struct eco_value *value)
+static void parse_value(const struct eco_json *at, struct eco_value *value)
 {
 	char folded[VALUE_BYTES + 1];
 	if (json_is_number(at->value)) {
 		value->number = json_number_value(at->value);
-		return true;
+		return;
 	}
 	if (!json_is_string(at->value) || json_string_length(at->value) > VALUE_BYTES)
-		return eco_json_fail(at, ECO_BAD_INPUT, "a value is a text of up to %u bytes, with \"*\" "
-			"for any text, or a number", VALUE_BYTES);
+		eco_scene_fail(at, "a value is a text of up to %u bytes, with \"*\" for any text, or a number",
+			VALUE_BYTES);
 	eco_text_fold(json_string_value(at->value), folded, sizeof folded);
 	value->text = eco_copy_text(folded);
-	return true;
 }
 
-static bool parse_filter(const struct eco_json *at, struct eco_filter *filter)
+static void parse_filter(const struct eco_json *at, struct eco_filter *filter)
 {
-	if (json_is_array(at->value) && !eco_json_array(at, VALUES_MAX))
-		return false;
+	eco_scene_need(!json_is_array(at->value) || eco_json_array(at, VALUES_MAX));
 	filter->column = eco_copy_text(at->key);
 	filter->values = eco_alloc(eco_scene_several(at), sizeof *filter->values);
 	for (size_t i = 0; i < eco_scene_several(at); i++) {
 		struct eco_json item = eco_scene_one(at, i);
 		filter->value_count++;
-		if (!parse_value(&item, &filter->values[i]))
-			return false;
+		parse_value(&item, &filter->values[i]);
 	}
-	return true;
 }
 
-static bool parse_columns(const struct eco_json *at, const char *name, struct eco_filter *filters,
+static void parse_columns(const struct eco_json *at, const char *name, struct eco_filter *filters,
 	uint32_t *count)
 {
 	struct eco_json columns = eco_json_member(at, name), entry = { .file = NULL };
 	if (!columns.value)
-		return true;
-	if (!eco_json_names(&columns, COLUMNS_MAX))
-		return false;
+		return;
+	eco_scene_need(eco_json_names(&columns, COLUMNS_MAX));
 	while (eco_json_next(&columns, &entry)) {
 		struct eco_filter *filter = &filters[(*count)++];
 		filter->only = strcmp(name, "only") == 0;
-		if (!parse_filter(&entry, filter))
-			return false;
+		parse_filter(&entry, filter);
 	}
-	return true;
 }
 
-bool eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count)
+void eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count)
 {
 	*filters = eco_alloc(ECO_FILTERS_MAX, sizeof **filters);
-	return parse_columns(at, "only", *filters, count) && parse_columns(at, "skip", *filters, count);
+	parse_columns(at, "only", *filters, count);
+	parse_columns(at, "skip", *filters, count);
 }
 
 /* ---- Species ---- */
 
-static bool species_set(const struct eco_source *source, const struct eco_json *at, const char *name,
+static void species_set(const struct eco_source *source, const struct eco_json *at, const char *name,
 	struct eco_species *species)
 {
 	species->plant = ECO_NONE;
 	species->variant_count = 1;
 	if (!json_is_null(at->value)) {
-		if (!eco_source_plant_of(source, at, &species->plant))
-			return false;
+		species->plant = eco_source_plant_of(source, at);
 		species->variant_count = source->plants[species->plant].variant_count;
 	}
 	species->name = eco_copy_text(name);
-	return true;
 }
 
 struct folded { char *text; uint32_t key; };
@@ -133,49 +127,47 @@ static int compare_folded(const void *a, const void *b)
 }
 
 /* Keys of the map that the reader takes for one species must not name different plants. */
-static bool keys_differ(const struct eco_json *at, const struct eco_positions_spec *spec)
+static void check_keys(const struct eco_json *at, const struct eco_positions_spec *spec)
 {
 	struct folded *folded = eco_alloc(spec->map_count, sizeof *folded);
-	bool good = true;
+	const struct eco_species *same[2] = { NULL };
 	for (uint32_t i = 0; i < spec->map_count; i++) {
 		char text[ECO_COLUMN_BYTES];
 		eco_text_fold(spec->map[i].name, text, sizeof text);
 		folded[i] = (struct folded){ eco_copy_text(text), i };
 	}
 	qsort(folded, spec->map_count, sizeof *folded, compare_folded);
-	for (uint32_t i = 1; good && i < spec->map_count; i++) {
+	for (uint32_t i = 1; !same[0] && i < spec->map_count; i++) {
 		const struct eco_species *a = &spec->map[folded[i - 1].key], *b = &spec->map[folded[i].key];
-		if (strcmp(folded[i - 1].text, folded[i].text) != 0 || a->plant == b->plant)
-			continue;
-		eco_json_fail(at, ECO_BAD_INPUT, "\"%.60s\" and \"%.60s\" are one species (capitals and "
-			"spaces do not count), with two plants", a->name, b->name);
-		good = false;
+		if (strcmp(folded[i - 1].text, folded[i].text) == 0 && a->plant != b->plant) {
+			same[0] = a;
+			same[1] = b;
+		}
 	}
 	for (uint32_t i = 0; i < spec->map_count; i++)
 		free(folded[i].text);
 	free(folded);
-	return good;
+	if (same[0])
+		eco_scene_fail(at, "\"%.60s\" and \"%.60s\" are one species (capitals and spaces do not count), "
+			"with two plants", same[0]->name, same[1]->name);
 }
 
-static bool parse_map(const struct eco_source *source, const struct eco_json *at,
+static void parse_map(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
 	struct eco_json entry = { .file = NULL };
-	if (!eco_json_names(at, MAP_MAX))
-		return false;
+	eco_scene_need(eco_json_names(at, MAP_MAX));
 	spec->map = eco_alloc(json_object_size(at->value), sizeof *spec->map);
 	while (eco_json_next(at, &entry)) {
 		bool fallback = strcmp(entry.key, "*") == 0;
-		if (!species_set(source, &entry, entry.key, fallback ? &spec->fallback
-				: &spec->map[spec->map_count]))
-			return false;
+		species_set(source, &entry, entry.key, fallback ? &spec->fallback : &spec->map[spec->map_count]);
 		spec->map_count += !fallback;
 	}
-	return keys_differ(at, spec);
+	check_keys(at, spec);
 }
 
 /* Without a map the species' names are the plants' names. */
-static bool map_of_plants(const struct eco_source *source, const struct eco_json *at,
+static void map_of_plants(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
 	spec->map = eco_alloc(source->plant_count, sizeof *spec->map);
@@ -184,37 +176,38 @@ static bool map_of_plants(const struct eco_source *source, const struct eco_json
 		*species = (struct eco_species){ eco_copy_text(source->plants[i].name), i,
 			source->plants[i].variant_count };
 	}
-	return keys_differ(at, spec);
+	check_keys(at, spec);
 }
 
-static bool parse_species(const struct eco_source *source, const struct eco_json *at,
+static void parse_species(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
 	struct eco_json map = eco_json_member(at, "map"), plant = eco_json_member(at, "plant");
 	spec->fallback.plant = ECO_NONE;
+	if (plant.value && (spec->species || map.value))
+		eco_scene_fail(&plant, "\"plant\" makes every row this plant: leave out \"species\" and \"map\", or "
+			"\"plant\"");
+	if (!plant.value && !spec->species)
+		eco_scene_fail(at, "say what stands there: \"plant\": \"NAME\", or \"species\": \"COLUMN\" and a "
+			"\"map\"");
 	if (plant.value) {
-		if (spec->species || map.value)
-			return eco_json_fail(&plant, ECO_BAD_INPUT, "\"plant\" makes every row this plant: "
-				"leave out \"species\" and \"map\", or \"plant\"");
-		return eco_source_plant_of(source, &plant, &spec->fallback.plant)
-			&& species_set(source, &plant, "*", &spec->fallback);
-	}
-	if (!spec->species)
-		return eco_json_fail(at, ECO_BAD_INPUT, "say what stands there: \"plant\": \"NAME\", or "
-			"\"species\": \"COLUMN\" and a \"map\"");
-	return map.value ? parse_map(source, &map, spec) : map_of_plants(source, at, spec);
+		eco_scene_need(eco_json_is_text(&plant, sizeof source->plants->name - 1));
+		species_set(source, &plant, "*", &spec->fallback);
+	} else if (map.value)
+		parse_map(source, &map, spec);
+	else
+		map_of_plants(source, at, spec);
 }
 
 /* ---- Heights and crowns ---- */
 
-/* *there is false, without an error, if neither "max" nor "rate" is given. */
-static bool rule_is_whole(const struct eco_json *at, const struct eco_allometry *rule, bool *there)
+/* Whether "max" and "rate" are given; both, or neither. */
+static bool rule_is_there(const struct eco_json *at, const struct eco_allometry *rule)
 {
-	*there = rule->max_m > 0 || rule->rate > 0;
-	if (!*there || (rule->max_m > 0 && rule->rate > 0))
-		return true;
-	return eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" "
-		"(per mm): h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
+	if ((rule->max_m > 0) != (rule->rate > 0))
+		eco_scene_fail(at, "a height from dbh needs \"max\" (m) and \"rate\" (per mm): h = 1.3 + (max - 1.3) "
+			"(1 - exp(-rate * dbh))");
+	return rule->max_m > 0;
 }
 
 static int compare_rules(const void *a, const void *b)
@@ -223,46 +216,36 @@ static int compare_rules(const void *a, const void *b)
 	return p < q ? -1 : p > q;
 }
 
-static bool parse_per_plant(const struct eco_source *source, const struct eco_json *at, struct eco_size *size)
+static void parse_per_plant(const struct eco_source *source, const struct eco_json *at, struct eco_size *size)
 {
 	struct eco_json entry = { .file = NULL };
-	if (!eco_json_names(at, source->name_count))
-		return false;
+	eco_scene_need(eco_json_names(at, source->name_count));
 	while (eco_json_next(at, &entry)) {
-		struct eco_allometry *rule = &size->rules[size->rule_count];
-		bool there;
+		struct eco_allometry *rule = &size->rules[size->rule_count++];
 		rule->shape = 1;
-		if (!eco_source_plant_named(source, &entry, entry.key, &rule->plant) ||
-			!eco_scene_fields(source, &entry, rule_fields, rule) ||
-			!rule_is_whole(&entry, rule, &there))
-			return false;
-		if (!there)
-			return eco_json_required(&entry, "max");
-		size->rule_count++;
+		rule->plant = eco_source_plant_named(source, &entry, entry.key);
+		eco_scene_fields(source, &entry, rule_fields, rule);
+		eco_scene_need(rule_is_there(&entry, rule) || eco_json_required(&entry, "max"));
 	}
-	return true;
 }
 
-static bool parse_allometry(const struct eco_source *source, const struct eco_json *at, struct eco_size *size,
+static void parse_allometry(const struct eco_source *source, const struct eco_json *at, struct eco_size *size,
 	const struct eco_allometry *others)
 {
 	struct eco_json per_plant = eco_json_member(at, "per_plant");
-	bool there;
 	size->rules = eco_alloc(json_object_size(per_plant.value) + 1, sizeof *size->rules);
-	if ((per_plant.value && !parse_per_plant(source, &per_plant, size))
-			|| !rule_is_whole(at, others, &there))
-		return false;
+	if (per_plant.value)
+		parse_per_plant(source, &per_plant, size);
 	size->rules[size->rule_count] = *others;
-	size->rule_count += there;
+	size->rule_count += rule_is_there(at, others);
 	qsort(size->rules, size->rule_count, sizeof *size->rules, compare_rules);
-	if (size->rule_count > 0)
-		return true;
-	return eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" (per mm), "
-		"here or \"per_plant\": h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
+	if (size->rule_count == 0)
+		eco_scene_fail(at, "a height from dbh needs \"max\" (m) and \"rate\" (per mm), here or "
+			"\"per_plant\": h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
 }
 
 /* A height's object: one member names its source. */
-static bool parse_height_object(const struct eco_source *source, const struct eco_json *at,
+static void parse_height_object(const struct eco_source *source, const struct eco_json *at,
 	struct eco_size *size, uint32_t *levels)
 {
 	static const struct { const char *key; double unit_m; enum eco_size_kind kind; double factor;
@@ -275,7 +258,7 @@ static bool parse_height_object(const struct eco_source *source, const struct ec
 	struct eco_height height = { .rule = { .plant = ECO_NONE, .shape = 1 }, .levels = *levels };
 	struct eco_json unit = eco_json_member(at, "unit");
 	unsigned kinds = json_object_get(at->value, "value") != NULL, which = SOURCES;
-	bool good = eco_scene_fields(source, at, height_fields, &height);
+	eco_scene_fields(source, at, height_fields, &height);
 	*size = height.size;
 	*levels = height.levels;
 	for (unsigned i = 0; i < SOURCES; i++)
@@ -283,152 +266,143 @@ static bool parse_height_object(const struct eco_source *source, const struct ec
 			kinds++;
 			which = i;
 		}
-	if (!good || kinds != 1)
-		return good && eco_json_fail(at, ECO_BAD_INPUT, "a height comes from exactly one of column, value, "
-			"from_dbh, from_girth, from_dbh_mm, from_dbh_cm, from_dbh_in");
+	if (kinds != 1)
+		eco_scene_fail(at, "a height comes from exactly one of column, value, from_dbh, from_girth, from_dbh_mm, from_dbh_cm, from_dbh_in");
 	size->kind = which < SOURCES ? from[which].kind : ECO_SIZE_NUMBER;
 	if (size->kind == ECO_SIZE_NUMBER)
-		return true;
+		return;
 	if (size->kind == ECO_SIZE_DBH && from[which].unit_m > 0 && unit.value)
-		return eco_json_fail(&unit, ECO_BAD_INPUT, "\"%s\" says the unit: leave out \"unit\", or "
-			"write \"from_dbh\"", from[which].key);
+		eco_scene_fail(&unit, "\"%s\" says the unit: leave out \"unit\", or write \"from_dbh\"",
+			from[which].key);
 	size->factor = from[which].factor;
 	size->unit_m = unit.value ? size->unit_m : from[which].unit_m;
 	if (size->unit_m == 0)
-		return eco_json_fail(at, ECO_BAD_INPUT, "\"unit\" is missing: one of " ECO_UNITS);
-	return size->kind != ECO_SIZE_DBH || parse_allometry(source, at, size, &height.rule);
+		eco_scene_fail(at, "\"unit\" is missing: one of " ECO_UNITS);
+	if (size->kind == ECO_SIZE_DBH)
+		parse_allometry(source, at, size, &height.rule);
 }
 
-static bool parse_height_source(const struct eco_source *source, const struct eco_json *at,
+static void parse_height_source(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
 	struct eco_size *size = &spec->heights[spec->height_count++];
+	if (json_is_object(at->value)) {
+		parse_height_object(source, at, size, &spec->levels);
+		return;
+	}
 	if (json_is_string(at->value)) {
 		*size = (struct eco_size){ .kind = ECO_SIZE_COLUMN, .unit_m = 1, .factor = 1 };
-		return eco_scene_copy(at, ECO_COLUMN_BYTES, &size->column);
+		eco_scene_copy(at, ECO_COLUMN_BYTES, &size->column);
+		return;
 	}
-	if (json_is_object(at->value))
-		return parse_height_object(source, at, size, &spec->levels);
-	double number = json_is_number(at->value) ? json_number_value(at->value) : NAN;
 	size->kind = ECO_SIZE_NUMBER;
-	size->value_m = number;
-	if (number >= 0.001 && number <= 1000)
-		return true;
-	return eco_json_fail(at, ECO_BAD_INPUT, "a height is a number of metres between 0.001 and 1000, a "
-		"column of metres such as \"Height\", or an object such as {\"column\": \"Height\", "
-		"\"unit\": \"ft\"}");
+	size->value_m = json_is_number(at->value) ? json_number_value(at->value) : NAN;
+	if (!(size->value_m >= 0.001 && size->value_m <= 1000))
+		eco_scene_fail(at, "a height is a number of metres between 0.001 and 1000, a column of metres such as "
+			"\"Height\", or an object such as {\"column\": \"Height\", \"unit\": \"ft\"}");
 }
 
-static bool parse_height(const struct eco_source *source, const struct eco_json *at,
+static void parse_height(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
 	struct eco_json height = eco_json_member(at, "height_m");
 	size_t count = eco_scene_several(&height);
 	if (!height.value)
-		return true;
-	if (json_is_array(height.value) && !eco_json_array(&height, SOURCES_MAX))
-		return false;
+		return;
+	eco_scene_need(!json_is_array(height.value) || eco_json_array(&height, SOURCES_MAX));
 	if (count == 0)
-		return eco_json_fail(&height, ECO_BAD_INPUT, "an array of heights that is empty");
+		eco_scene_fail(&height, "an array of heights that is empty");
 	spec->heights = eco_alloc(count, sizeof *spec->heights);
 	for (size_t i = 0; i < count; i++) {
 		struct eco_json item = eco_scene_one(&height, i);
-		if (!parse_height_source(source, &item, spec))
-			return false;
+		parse_height_source(source, &item, spec);
 	}
-	return true;
 }
 
-static bool parse_crown(const struct eco_source *source, const struct eco_json *at,
+static void parse_crown(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
 	static const char *const kinds[] = { "radius", "diameter", NULL };
 	struct eco_json crown = eco_json_member(at, "crown_m");
 	unsigned diameter = 0;
 	if (!crown.value)
-		return true;
+		return;
 	spec->crown.kind = ECO_SIZE_COLUMN;
 	spec->crown.unit_m = 1;
-	if (!eco_scene_fields(source, &crown, crown_fields, spec)
-			|| !eco_scene_choice(&crown, "is", kinds, "\"radius\" or \"diameter\"", &diameter))
-		return false;
+	eco_scene_fields(source, &crown, crown_fields, spec);
+	eco_scene_choice(&crown, "is", kinds, "\"radius\" or \"diameter\"", &diameter);
 	spec->crown.factor = diameter ? 0.5 : 1;
-	return true;
 }
 
 /* ---- The entry ---- */
 
-static bool parse_sign(const struct eco_json *at, const char *key, const char *const *signs, const char *says,
+static void parse_sign(const struct eco_json *at, const char *key, const char *const *signs, const char *says,
 	char *sign)
 {
 	unsigned which = ECO_NONE;
-	bool good = eco_scene_choice(at, key, signs, says, &which);
+	eco_scene_choice(at, key, signs, says, &which);
 	*sign = which == ECO_NONE ? 0 : *signs[which];
-	return good;
 }
 
 /* The signs of numbers differ. */
-static bool parse_signs(const struct eco_json *at, struct eco_positions_spec *spec)
+static void parse_signs(const struct eco_json *at, struct eco_positions_spec *spec)
 {
 	static const char *const parts[] = { ",", ";", "\t", "|", NULL }, *const marks[] = { ".", ",", NULL },
 		says[] = "one of \".\" \",\"";
 	struct eco_json node = eco_json_member(at, "thousands");
-	if (!parse_sign(at, "separator", parts, "one of \",\" \";\" \"\\t\" \"|\"", &spec->separator)
-			|| !parse_sign(at, "decimal", marks, says, &spec->decimal)
-			|| !parse_sign(at, "thousands", marks, says, &spec->thousands))
-		return false;
+	parse_sign(at, "separator", parts, "one of \",\" \";\" \"\\t\" \"|\"", &spec->separator);
+	parse_sign(at, "decimal", marks, says, &spec->decimal);
+	parse_sign(at, "thousands", marks, says, &spec->thousands);
 	if (spec->thousands && spec->thousands == spec->decimal)
-		return eco_json_fail(&node, ECO_BAD_INPUT, "\"thousands\" and \"decimal\" are different signs");
+		eco_scene_fail(&node, "\"thousands\" and \"decimal\" are different signs");
 	if (spec->thousands)
 		spec->decimal = spec->thousands == ',' ? '.' : ',';
-	return true;
 }
 
-static bool parse_polar(const struct eco_source *source, const struct eco_json *at,
+static void parse_polar(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
 	struct eco_json node = eco_json_member(at, "polar"), turn = eco_json_member(&node, "whole_turn");
 	struct eco_polar *polar = &spec->polar;
 	if (!node.value)
-		return true;
+		return;
 	polar->unit_m = 1;
 	polar->whole_turn = 360;
-	if (!eco_scene_fields(source, &node, polar_fields, spec))
-		return false;
-	return polar->whole_turn == 360 || polar->whole_turn == 400
-		|| eco_json_fail(&turn, ECO_BAD_INPUT, "\"whole_turn\" is 360 (degrees) or 400 (gon)");
+	eco_scene_fields(source, &node, polar_fields, spec);
+	if (polar->whole_turn != 360 && polar->whole_turn != 400)
+		eco_scene_fail(&turn, "\"whole_turn\" is 360 (degrees) or 400 (gon)");
 }
 
 /* Pairs go together; "unit" is that of x and y, which a CRS of theirs says. */
-static bool parse_place(const struct eco_source *source, const struct eco_json *at,
+static void parse_place(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
 	struct eco_json unit = eco_json_member(at, "unit"), quadrat = eco_json_member(at, "quadrat");
-	if ((spec->x && !eco_json_required(at, "y"))
-			|| ((spec->y || quadrat.value) && !eco_json_required(at, "x")))
-		return false;
+	eco_scene_need(!spec->x || eco_json_required(at, "y"));
+	eco_scene_need(!(spec->y || quadrat.value) || eco_json_required(at, "x"));
 	if (unit.value && (spec->crs || !spec->x))
-		return eco_json_fail(&unit, ECO_BAD_INPUT, "\"unit\" is that of x and y without a \"crs\", "
-			"which has its own");
-	return parse_polar(source, at, spec)
-		&& (!quadrat.value || eco_scene_fields(source, &quadrat, quadrat_fields, spec));
+		eco_scene_fail(&unit, "\"unit\" is that of x and y without a \"crs\", which has its own");
+	parse_polar(source, at, spec);
+	if (quadrat.value)
+		eco_scene_fields(source, &quadrat, quadrat_fields, spec);
 }
 
-bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at,
+void eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at,
 	struct eco_positions_spec *spec)
 {
 	static const char *const duplicates[] = { "keep", "skip", NULL };
 	struct eco_json from = eco_json_member(at, "from");
 	unsigned skip = 0;
 	eco_json_place(&from, &spec->line, &spec->column);
-	if (!eco_scene_fields(source, at, row_fields, spec) || !parse_signs(at, spec)
-			|| !eco_scene_choice(at, "duplicates", duplicates, "\"keep\" or \"skip\"", &skip))
-		return false;
+	eco_scene_fields(source, at, row_fields, spec);
+	parse_signs(at, spec);
+	eco_scene_choice(at, "duplicates", duplicates, "\"keep\" or \"skip\"", &skip);
 	spec->skip_duplicates = skip;
-	return parse_species(source, at, spec) && parse_height(source, at, spec)
-		&& parse_crown(source, at, spec)
-		&& eco_scene_parse_filters(at, &spec->filters, &spec->filter_count)
-		&& parse_place(source, at, spec);
+	parse_species(source, at, spec);
+	parse_height(source, at, spec);
+	parse_crown(source, at, spec);
+	eco_scene_parse_filters(at, &spec->filters, &spec->filter_count);
+	parse_place(source, at, spec);
 }
 
 static void free_size(struct eco_size *size)
@@ -452,4 +426,83 @@ void eco_positions_spec_free(struct eco_positions_spec *spec)
 	free(spec->heights);
 	eco_filters_free(spec->filters, spec->filter_count);
 	*spec = (struct eco_positions_spec){ .path = NULL };
+}
+
+/* ---- The entries with "scatter": areas, numbers of each plant, distances ---- */
+
+#define KINDS_MAX 4096u
+#define DENSITY_MAX 1e8              /* plants a hectare: ten thousand a square metre */
+
+#define AREA(name, kind, low, high, member) ECO_FIELD(name, kind, low, high, scatter_spec, member)
+static const struct eco_field scatter_fields[] = {
+	AREA("scatter", PATH, 0, 0, path), AREA("layer", COLUMN, 0, 0, layer), AREA("crs", CRS, 0, 0, crs),
+	ECO_OTHER("density_per_ha"), ECO_OTHER("mix"),
+	AREA("density_column", COLUMN, 0, 0, density_column), AREA("count_column", COLUMN, 0, 0, count_column),
+	AREA("distance_m", NUMBER, 0, 1e5, distance_m), AREA("clear_of", PATH, 0, 0, clear_of),
+	AREA("clear_layer", COLUMN, 0, 0, clear_layer), AREA("clear_crs", CRS, 0, 0, clear_crs),
+	AREA("clear_m", NUMBER, 0, 1e5, clear_m), ECO_OTHER("only"), ECO_OTHER("skip"),
+	ECO_OTHER("height_m"), AREA("seed", WHOLE, 0, INT64_MAX, seed), ECO_FIELDS_END
+};
+static const struct eco_field range_fields[] = {
+	AREA("min", NUMBER | ECO_IS_REQUIRED, 0.001, 1000, height_low_m),
+	AREA("max", NUMBER | ECO_IS_REQUIRED, 0.001, 1000, height_high_m), ECO_FIELDS_END
+};
+
+/* Numbers of plants: per hectare for each kind, or shares of a number in a column. */
+static void parse_numbers(const struct eco_source *source, const struct eco_json *at,
+	struct eco_scatter_spec *spec)
+{
+	struct eco_json density = eco_json_member(at, "density_per_ha"), mix = eco_json_member(at, "mix"),
+		*kinds = density.value ? &density : &mix, entry = { .file = NULL };
+	if ((density.value != NULL) + (spec->density_column != NULL) + (spec->count_column != NULL) != 1
+		|| (density.value != NULL) == (mix.value != NULL))
+		eco_scene_fail(at, "say how many: \"density_per_ha\": {\"oak\": 120, \"ash\": 40}; or \"mix\": {\"oak\": "
+			"3, \"ash\": 1} with \"density_column\" (plants a hectare) or \"count_column\" (plants in the "
+			"area)");
+	eco_scene_need(eco_json_names(kinds, KINDS_MAX));
+	if (json_object_size(kinds->value) == 0)
+		eco_scene_fail(kinds, "it names no plant; such as {\"oak\": 120, \"ash\": 40}");
+	spec->plants = eco_alloc(json_object_size(kinds->value), sizeof *spec->plants);
+	while (eco_json_next(kinds, &entry)) {
+		struct eco_scatter_plant *plant = &spec->plants[spec->plant_count++];
+		plant->plant = eco_source_plant_named(source, &entry, entry.key);
+		plant->variant_count = source->plants[plant->plant].variant_count;
+		plant->weight = json_is_number(entry.value) ? json_number_value(entry.value) : 0;
+		if (!(plant->weight > 0 && plant->weight <= DENSITY_MAX))
+			eco_scene_fail(&entry, "a number above 0, at most %g", DENSITY_MAX);
+	}
+}
+
+static void parse_range(const struct eco_source *source, const struct eco_json *at,
+	struct eco_scatter_spec *spec)
+{
+	struct eco_json height = eco_json_member(at, "height_m");
+	spec->height_low_m = spec->height_high_m = NAN;
+	if (height.value && !json_is_object(height.value)) {
+		eco_scene_need(eco_json_number(at, "height_m", 0.001, 1000, &spec->height_low_m));
+		spec->height_high_m = spec->height_low_m;
+	} else if (height.value) {
+		eco_scene_fields(source, &height, range_fields, spec);
+		if (!(spec->height_low_m <= spec->height_high_m))
+			eco_scene_fail(&height, "\"min\" is greater than \"max\"");
+	}
+}
+
+void eco_scene_parse_scatter(const struct eco_source *source, const struct eco_json *at,
+	struct eco_scatter_spec *spec)
+{
+	struct eco_json where = eco_json_member(at, "scatter");
+	eco_json_place(&where, &spec->line, &spec->column);
+	eco_scene_fields(source, at, scatter_fields, spec);
+	parse_numbers(source, at, spec);
+	eco_scene_parse_filters(at, &spec->filters, &spec->filter_count);
+	parse_range(source, at, spec);
+}
+
+void eco_scatter_spec_free(struct eco_scatter_spec *spec)
+{
+	eco_scene_fields_free(scatter_fields, spec);
+	eco_filters_free(spec->filters, spec->filter_count);
+	free(spec->plants);
+	*spec = (struct eco_scatter_spec){ .path = NULL };
 }

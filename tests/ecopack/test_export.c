@@ -309,41 +309,6 @@ UNIT_TEST(what_is_there_is_kept_and_failures_leave_nothing)
 
 /* ---- What a killed export has left ---- */
 
-static void make_left_over(const char *path, bool whole)
-{
-	char name[200];
-	static const char *const below[] = { "", "/plants", "/tiles" };
-	for (int i = 0; i < (whole ? 3 : 1); i++) {
-		snprintf(name, sizeof name, "%s%s", path, below[i]);
-		assert_int_equal(mkdir(name, 0777), 0);
-		snprintf(name, sizeof name, "%s%s/%s", path, below[i], i ? "1.bin" : "tileset.json");
-		file_write(name, "x", 1);
-	}
-}
-
-UNIT_TEST(what_a_killed_export_left_is_removed_and_what_runs_is_not)
-{
-	struct eco_error error;
-	make_left_over(ROOT "/again.tmp-999999", true);
-	make_left_over(ROOT "/again.tmp-999998", false);
-	make_left_over(ROOT "/again.tmp-999997", true);      /* one runs */
-	make_left_over(ROOT "/again.tmp-999996", true);      /* one holds what no export writes */
-	file_write(ROOT "/again.tmp-999996/mine.txt", "x", 1);
-	make_left_over(ROOT "/again.tmp-oak", true);
-	make_left_over(ROOT "/other.tmp-999999", true);
-	int locked = open(ROOT "/again.tmp-999997", O_RDONLY | O_DIRECTORY);
-	assert_int_equal(flock(locked, LOCK_EX), 0);
-	assert_ok(run(ROOT "/sample.eco --3dtiles " ROOT "/again/", &error), error);
-	assert_int_equal(access(ROOT "/again/tileset.json", F_OK), 0);
-	assert_int_not_equal(access(ROOT "/again.tmp-999999", F_OK), 0);
-	assert_int_not_equal(access(ROOT "/again.tmp-999998", F_OK), 0);
-	assert_int_equal(access(ROOT "/again.tmp-999997/plants/1.bin", F_OK), 0);
-	assert_int_equal(access(ROOT "/again.tmp-999996/tiles/1.bin", F_OK), 0);
-	assert_int_equal(access(ROOT "/again.tmp-oak/tiles/1.bin", F_OK), 0);
-	assert_int_equal(access(ROOT "/other.tmp-999999/tiles/1.bin", F_OK), 0);
-	close(locked);
-}
-
 UNIT_TEST(what_a_killed_export_of_chunks_left_is_removed)
 {
 	static const char id[] = ROOT "/chunks/0123456789abcdef0123456789abcdef";

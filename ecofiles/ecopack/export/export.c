@@ -37,33 +37,11 @@ void export_json(struct export *x, const char *name, json_t *json)
 	json_decref(json);
 }
 
-/* Contents of the folder: files that begin so, and these folders of files. */
-static const char *const parts[] = { "tileset", "plants", "tiles", NULL };
-
-/* Makes the folder under its first name, and locks it. */
-static void make_first(struct export *x, const char *dir)
-{
-	eco_unfinished_remove(dir, parts);
-	for (;;) {
-		if (mkdir(x->dir, 0777))
-			eco_check(eco_fail_write(x->error, dir, errno));
-		x->folder = open(x->dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-		if (x->folder >= 0 && eco_unfinished_lock(x->folder))
-			return;
-		if (x->folder < 0 && errno != ENOENT) {
-			enum eco_code code = eco_fail_write(x->error, dir, errno);
-			rmdir(x->dir);
-			eco_check(code);
-		}
-		if (x->folder >= 0)
-			close(x->folder);
-	}
-}
-
 static void make_folders(struct export *x)
 {
 	struct stat status;
-	char path[PATH_MAX + EXPORT_NAME], last[PATH_MAX];
+	static const char *const parts[] = { "", "/plants", "/tiles" };
+	char path[PATH_MAX + EXPORT_NAME];
 	size_t size = strlen(x->final);
 	while (size > 1 && x->final[size - 1] == '/')
 		size--;
@@ -71,13 +49,12 @@ static void make_folders(struct export *x)
 		eco_stop(ECO_BAD_USAGE, "--3dtiles: the folder's name is empty or too long");
 	if (lstat(x->final, &status) == 0)
 		eco_stop(ECO_BAD_USAGE, "--3dtiles %s: it is there, and is kept. Take another name", x->final);
-	snprintf(last, sizeof last, "%.*s", (int)size, x->final);
 	snprintf(x->dir, sizeof x->dir, "%.*s.tmp-%ld", (int)size, x->final, (long)getpid());
-	make_first(x, last);
-	for (const char *const *below = parts + 1; *below; below++) {
-		snprintf(path, sizeof path, "%s/%s", x->dir, *below);
+	for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+		snprintf(path, sizeof path, "%s%s", x->dir, parts[i]);
 		if (mkdir(path, 0777))
 			eco_check(eco_fail_write(x->error, x->final, errno));
+		x->is_made = true;
 	}
 }
 
@@ -105,8 +82,8 @@ static void write_all(void *export)
 static void remove_folder(void *export)
 {
 	struct export *x = export;
-	if (x->folder >= 0)
-		eco_unfinished_remove_folder(AT_FDCWD, x->dir, parts);
+	if (x->is_made)
+		eco_folder_remove(x->dir);
 }
 
 static void print_export(const struct export *x, const char *dir)
@@ -123,15 +100,13 @@ static void print_export(const struct export *x, const char *dir)
 
 enum eco_code export_tiles(struct eco_pack *pack, const char *dir, bool is_plain, struct eco_error *error)
 {
-	struct export x = { .folder = -1, .final = dir, .error = error, .pack = pack, .is_plain = is_plain };
+	struct export x = { .final = dir, .error = error, .pack = pack, .is_plain = is_plain };
 	eco_at_end(remove_folder, &x);
 	enum eco_code code = eco_try(write_all, &x, error);
 	main_progress_end();
 	if (code)
 		remove_folder(&x);
 	eco_at_end(NULL, NULL);
-	if (x.folder >= 0)
-		close(x.folder);
 	if (!code && !main_is_quiet)
 		print_export(&x, dir);
 	eco_inventory_free(&x.rows);

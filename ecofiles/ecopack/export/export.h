@@ -57,7 +57,7 @@ struct export {
 	struct eco_error *error;
 	struct eco_pack *pack;
 	bool is_plain;                   /* nothing is compressed */
-	int folder;                      /* `dir`, locked; -1: not made */
+	bool is_made;                    /* `dir` */
 	char dir[PATH_MAX];              /* where files are written until all are ... */
 	const char *final;               /* ... and where they are then */
 	struct export_plant *plants;     /* of the scene */
