@@ -95,15 +95,8 @@ UNIT_TEST(all_tables_come_back)
 	assert_int_equal(got->needs, want->needs);
 	assert_int_equal(got->root, want->root);
 	assert_true(got->ground_columns == 38 && got->ground_rows == 20);
-	assert_true(got->ground[0].child_first == 1 && got->ground[2].column == 1 && got->ground[2].list
-		== 8);
-	assert_int_equal(got->ground_count, want->ground_count);
-	for (uint32_t i = 0; i < want->ground_count; i++)
-		assert_true(got->ground[i].list == want->ground[i].list && got->ground[i].error_m
-			== want->ground[i].error_m && got->ground[i].low_m == want->ground[i].low_m
-			&& got->ground[i].high_m == want->ground[i].high_m && got->ground[i].level
-			== want->ground[i].level && got->ground[i].column == want->ground[i].column);
 	assert_true(got->near_m == want->near_m);
+	ASSERT_TABLE(GROUND, ground, ground);
 	ASSERT_TABLE(PLANTS, plants, plant);
 	ASSERT_TABLE(ANCHORS, anchors, anchor);
 	ASSERT_TABLE(LADDERS, ladders, ladder);
